@@ -1,0 +1,50 @@
+/* The effects a scene can call for. A scene resolves to a mask; a field that no active effect uses is
+ * not allocated, a pass that no active effect needs is not run, a kernel is chosen that has only the
+ * active ones. `gneiss plan` prints the mask. One list drives the enum, the names and the texts. */
+#ifndef GN_BASE_EFFECTS_H
+#define GN_BASE_EFFECTS_H
+
+#include <stdint.h>
+
+/* X(NAME, name, text) */
+#define GN_EFFECTS(X)                                                                              \
+    X(SPACE, space, "three dimensions (spheres); without it discs in plane strain")                \
+    X(ROTATION, rotation, "particle spins and moments")                                            \
+    X(PAIRS, pairs, "contacts between particles that were not bonded to each other")               \
+    X(SHEAR, shear, "tangential springs (friction or bonds with shear stiffness)")                 \
+    X(FRICTION, friction, "Coulomb friction with radial return")                                   \
+    X(BONDS, bonds, "brittle bonds")                                                               \
+    X(CONTACT_DAMPING, contact_damping, "normal viscous damping in contacts (restitution)")        \
+    X(VISCOUS, viscous, "background damping -a m v")                                               \
+    X(NONVISCOUS_VECTOR, nonviscous_vector, "background damping -a |F| v/|v|")                     \
+    X(NONVISCOUS_COMPONENT, nonviscous_component, "background damping -a |F_k| sign(v_k)")         \
+    X(GRAVITY, gravity, "uniform body acceleration")                                               \
+    X(APPLIED, applied, "forces applied to particle sets")                                         \
+    X(PRESCRIBED, prescribed, "prescribed motion of particle sets, with reactions")                \
+    X(WALLS, walls, "plane walls")                                                                 \
+    X(WALL_SHEAR, wall_shear, "friction on walls")                                                 \
+    X(PERIODIC, periodic, "periodic box")                                                          \
+    X(ORIENTATION, orientation, "particle orientations (quaternions) for output")                  \
+    X(ENERGY, energy, "energy ledger")
+
+typedef enum gn_effect_index {
+#define X(NAME, name, text) GN_FX_INDEX_##NAME,
+    GN_EFFECTS(X)
+#undef X
+        GN_EFFECT_COUNT
+} gn_effect_index;
+
+typedef enum gn_effect {
+#define X(NAME, name, text) GN_FX_##NAME = 1 << GN_FX_INDEX_##NAME,
+    GN_EFFECTS(X)
+#undef X
+        GN_FX_ALWAYS = 0
+} gn_effect;
+
+typedef uint32_t gn_effects; /* a set of gn_effect bits */
+
+/* "friction", ...; index in [0, GN_EFFECT_COUNT). */
+const char *gn_effect_name(gn_effect_index index);
+const char *gn_effect_text(gn_effect_index index);
+
+#endif

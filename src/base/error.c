@@ -1,0 +1,42 @@
+#include "base/error.h"
+
+#include <stdio.h>
+#include <string.h>
+
+gneiss_status gn_fail(gneiss_error *error, gneiss_status status, const char *format, ...) {
+    if (error) {
+        va_list args;
+        va_start(args, format);
+        error->status = status;
+        vsnprintf(error->message, sizeof error->message, format, args);
+        va_end(args);
+    }
+    return status;
+}
+
+gneiss_status gn_fail_context(gneiss_error *error, const char *format, ...) {
+    if (!error) return GNEISS_ERROR_INTERNAL;
+    char inner[GNEISS_MESSAGE_SIZE];
+    memcpy(inner, error->message, sizeof inner);
+    va_list args;
+    va_start(args, format);
+    int used = vsnprintf(error->message, sizeof error->message, format, args);
+    va_end(args);
+    if (used < 0) used = 0;
+    if ((size_t)used < sizeof error->message)
+        snprintf(error->message + used, sizeof error->message - (size_t)used, "%s", inner);
+    return error->status;
+}
+
+const char *gn_status_name(gneiss_status status) {
+    switch (status) {
+    case GNEISS_OK: return "ok";
+    case GNEISS_ERROR_INTERNAL: return "internal error";
+    case GNEISS_ERROR_INPUT: return "input error";
+    case GNEISS_ERROR_IO: return "file error";
+    case GNEISS_ERROR_MEMORY: return "out of memory";
+    case GNEISS_ERROR_UNSTABLE: return "run went bad";
+    case GNEISS_INTERRUPTED: return "interrupted";
+    }
+    return "unknown status";
+}

@@ -1,0 +1,17 @@
+/* One aligned allocator: 64-byte lines, 2 MB pages for large blocks, zeroed. */
+#ifndef GN_BASE_MEMORY_H
+#define GN_BASE_MEMORY_H
+
+#include <stddef.h>
+
+enum { GN_ALIGNMENT = 64 };
+
+/* Zeroed, 64-byte aligned. NULL when the memory is not to be had. A size of 0 gives a valid block. */
+void *gn_alloc(size_t bytes);
+
+/* `count` items of `size` bytes; NULL also when the product overflows. */
+void *gn_alloc_array(size_t count, size_t size);
+
+void gn_free(void *block);
+
+#endif

@@ -1,0 +1,39 @@
+/* Snapshots for ParaView 5.11: one static VTKHDF 1.0 UnstructuredGrid per instant (vertices for particles,
+ * lines for bonds) and a `.hdf.series` JSON with the times. */
+#ifndef GN_IO_SNAPSHOT_H
+#define GN_IO_SNAPSHOT_H
+
+#include "base/error.h"
+
+#include <stddef.h>
+#include <stdint.h>
+
+typedef struct gn_snapshot_array {
+    const char *name, *unit;
+    size_t components;  /* 1, 3, 6 or 9 */
+    const double *data; /* [count][components] */
+} gn_snapshot_array;
+
+typedef struct gn_snapshot {
+    double time;   /* s */
+    int64_t step;
+    size_t point_count;
+    const double *points; /* [point_count][3], m */
+    size_t line_count;
+    const int32_t *lines; /* [line_count][2] point indices */
+    size_t point_array_count, line_array_count;
+    const gn_snapshot_array *point_arrays; /* on vertices; lines get NaN in the cell data of these */
+    const gn_snapshot_array *line_arrays;
+} gn_snapshot;
+
+/* Writes DIR/NAME_<step, 10 digits>.hdf atomically. Particles and bonds are separate files so that each is
+ * a plain grid: `particles` (vertices) and `bonds` (lines) by calling this twice with the other part empty. */
+gneiss_status gn_snapshot_write(const char *directory, const char *name, const gn_snapshot *snapshot,
+                                gneiss_error *error);
+
+/* Rewrites DIR/NAME.hdf.series from the snapshots on disk up to `last_step`, atomically; snapshots of later
+ * steps (left by a run that was killed and resumed from before them) are removed. Times come from the files. */
+gneiss_status gn_snapshot_series(const char *directory, const char *name, int64_t last_step,
+                                 gneiss_error *error);
+
+#endif

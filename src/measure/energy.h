@@ -1,0 +1,40 @@
+/* The energy ledger: what is stored, what came in, what was dissipated and by which cause. */
+#ifndef GN_MEASURE_ENERGY_H
+#define GN_MEASURE_ENERGY_H
+
+/* X(name, kind, text), all in J. STORED terms are evaluated from the state, INPUT and LOST ones are
+ * accumulated step by step. Balance: stored - stored at the start = input - lost + residual. */
+#define GN_ENERGY_TERMS(X)                                                                         \
+    X(kinetic, STORED, "kinetic energy of translation")                                            \
+    X(rotational, STORED, "kinetic energy of rotation")                                            \
+    X(elastic_normal, STORED, "elastic energy of normal springs")                                  \
+    X(elastic_shear, STORED, "elastic energy of tangential springs")                               \
+    X(elastic_wall, STORED, "elastic energy of wall contacts")                                     \
+    X(work_walls, INPUT, "work of moving walls")                                                   \
+    X(work_prescribed, INPUT, "work of prescribed motions")                                        \
+    X(work_applied, INPUT, "work of applied forces")                                               \
+    X(work_gravity, INPUT, "work of gravity")                                                      \
+    X(friction, LOST, "dissipated by sliding friction")                                            \
+    X(contact_damping, LOST, "dissipated by contact damping")                                      \
+    X(background_damping, LOST, "dissipated by background damping")                                \
+    X(bond_breaking, LOST, "released by breaking bonds")                                           \
+    X(removed, LOST, "carried away by removed particles")
+
+typedef struct gn_energy {
+#define X(name, kind, text) double name;
+    GN_ENERGY_TERMS(X)
+#undef X
+    double stored_at_start; /* J */
+} gn_energy;
+
+/* Sum of the stored terms. */
+double gn_energy_stored(const gn_energy *energy);
+
+/* Sum of the absolute values of the inputs, or the stored energy at the start if that is larger: what the
+ * residual is measured against. */
+double gn_energy_scale(const gn_energy *energy);
+
+/* (stored - stored_at_start - input + lost)/scale; 0 when the scale is 0. */
+double gn_energy_residual(const gn_energy *energy);
+
+#endif

@@ -1,0 +1,35 @@
+/* A growing table of doubles with named columns: what is recorded while running. */
+#ifndef GN_MEASURE_HISTORY_H
+#define GN_MEASURE_HISTORY_H
+
+#include "base/error.h"
+
+#include <stddef.h>
+
+enum { GN_COLUMN_NAME_SIZE = 96 };
+
+typedef struct gn_column {
+    char name[GN_COLUMN_NAME_SIZE]; /* "stress", "wall_top_force_z" */
+    char unit[24];
+    char text[160];
+    double *value; /* [rows] */
+} gn_column;
+
+typedef struct gn_history {
+    size_t column_count, row_count, row_capacity;
+    gn_column *columns; /* [column_count] */
+} gn_history;
+
+/* Adds a column; only while the table has no rows. */
+gneiss_status gn_history_add_column(gn_history *history, const char *name, const char *unit,
+                                    const char *text, gneiss_error *error);
+
+/* Appends a row of `column_count` values. */
+gneiss_status gn_history_append(gn_history *history, const double *row, gneiss_error *error);
+
+/* Values of a column by name, NULL if there is none. Valid until the next append. */
+const double *gn_history_column(const gn_history *history, const char *name);
+
+void gn_history_free(gn_history *history);
+
+#endif

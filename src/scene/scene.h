@@ -1,0 +1,265 @@
+/* A scene as a plain struct: what the scene file says, in SI units, with defaults filled in.
+ * The manifest in scene/manifest.h drives parsing, defaults, range checks and the key reference. */
+#ifndef GN_SCENE_SCENE_H
+#define GN_SCENE_SCENE_H
+
+#include "base/effects.h"
+#include "base/error.h"
+
+#include <stdbool.h>
+#include <stddef.h>
+#include <stdint.h>
+#include <stdio.h>
+
+enum { GN_NAME_SIZE = 64, GN_PATH_SIZE = 4096 };
+
+/* How normal stiffness and bond strength follow from the radii (Rojek et al. 2012, sec. 2). */
+typedef enum gn_stiffness_model {
+    GN_STIFFNESS_UNIFORM,         /* given k_n, R_n, R_t, the same for every contact */
+    GN_STIFFNESS_ARITHMETIC,      /* model 1: mean radius of the pair */
+    GN_STIFFNESS_HARMONIC,        /* model 2: harmonic mean radius of the pair */
+    GN_STIFFNESS_MEAN_RADIUS,     /* model 3a: uniform, from the mean over particles */
+    GN_STIFFNESS_MEAN_ARITHMETIC, /* model 3b: uniform, mean over contacts of model 1 */
+    GN_STIFFNESS_MEAN_HARMONIC    /* model 3c: uniform, mean over contacts of model 2 */
+} gn_stiffness_model;
+
+typedef enum gn_background_damping {
+    GN_BACKGROUND_NONE,
+    GN_BACKGROUND_VISCOUS,              /* coefficient in 1/s */
+    GN_BACKGROUND_NONVISCOUS_VECTOR,    /* coefficient is a fraction in [0, 1) */
+    GN_BACKGROUND_NONVISCOUS_COMPONENT, /* the same */
+} gn_background_damping;
+
+typedef enum gn_lattice_kind {
+    GN_LATTICE_NONE,
+    GN_LATTICE_SQUARE,    /* 2D */
+    GN_LATTICE_HEXAGONAL, /* 2D */
+    GN_LATTICE_CUBIC,     /* 3D */
+    GN_LATTICE_FCC,       /* 3D */
+    GN_LATTICE_HCP        /* 3D */
+} gn_lattice_kind;
+
+typedef enum gn_contact_arm {
+    GN_ARM_MIDPOINT, /* contact point at r_i + u_n/2 from i: conserves energy */
+    GN_ARM_RADIUS    /* contact point at r_i from i, as Rojek et al. 2012 */
+} gn_contact_arm;
+
+typedef enum gn_precision { GN_PRECISION_DOUBLE, GN_PRECISION_MIXED } gn_precision;
+typedef enum gn_isa { GN_ISA_AUTO, GN_ISA_SCALAR, GN_ISA_AVX2, GN_ISA_AVX512 } gn_isa;
+typedef enum gn_step_estimate { GN_STEP_SHARP, GN_STEP_BOUND } gn_step_estimate;
+typedef enum gn_policy { GN_POLICY_STOP, GN_POLICY_WARN } gn_policy;
+typedef enum gn_lost_policy { GN_LOST_STOP, GN_LOST_REMOVE } gn_lost_policy;
+typedef enum gn_density_basis { GN_DENSITY_PARTICLE, GN_DENSITY_BULK } gn_density_basis;
+typedef enum gn_test_kind { GN_TEST_NONE, GN_TEST_COMPRESSION, GN_TEST_TENSION } gn_test_kind;
+typedef enum gn_switch { GN_SWITCH_AUTO, GN_SWITCH_ON, GN_SWITCH_OFF } gn_switch;
+
+/* Where a value stands in the scene file, for messages raised after parsing. Line 0: not in a file. */
+typedef struct gn_where {
+    int line, column; /* base 1 */
+} gn_where;
+
+/* Piecewise linear in time; held constant before the first and after the last point. `count` 1 is a
+ * constant, 0 means the channel is free (not prescribed). */
+typedef struct gn_table {
+    size_t count;
+    double *time;  /* [count], s, strictly increasing */
+    double *value; /* [count] */
+} gn_table;
+
+/* Motion of a set or a wall. Walls use the first three channels only. */
+typedef struct gn_motion {
+    gn_table velocity[3]; /* m/s */
+    gn_table spin[3];     /* rad/s */
+} gn_motion;
+
+typedef struct gn_material {
+    char name[GN_NAME_SIZE];
+    double density;            /* kg/m3 */
+    double contact_modulus;    /* E_c, Pa; size-dependent and packing-derived models */
+    double normal_stiffness;   /* k_n, N/m; uniform model */
+    double kratio;             /* kappa = k_n/k_t as in PFC; 0: no tangential spring */
+    double friction;           /* mu */
+    double tensile_strength;   /* sigma_c of the contact, Pa; size-dependent models */
+    double shear_strength;     /* tau_c of the contact, Pa */
+    double bond_tension_limit; /* R_n, N; uniform model */
+    double bond_shear_limit;   /* R_t, N; uniform model */
+    gn_where where;
+} gn_material;
+
+typedef struct gn_lattice {
+    gn_lattice_kind kind;
+    double radius;     /* m */
+    int64_t cells[3];  /* unit cells along x, y, z (z ignored in 2D) */
+    double origin[3];  /* m, lower corner of the first cell */
+    double spacing;    /* distance of nearest neighbours over 2 radius; 1: just touching */
+    double jitter;     /* random shift of each centre, uniform in a cube of +- jitter * radius */
+} gn_lattice;
+
+typedef struct gn_specimen {
+    char file[GN_PATH_SIZE]; /* as written; "" when another source is used */
+    char path[GN_PATH_SIZE]; /* resolved: relative to the scene file's folder */
+    double scale;            /* lengths in the file times this give metres */
+    gn_lattice lattice;
+    size_t particle_count;  /* inline particles */
+    double *particles;      /* [particle_count][4]: x y z r, m (2D: x y 0 r) */
+    char material[GN_NAME_SIZE];
+    int64_t group;                  /* cohesive group; 0: never bonded */
+    gn_density_basis density_basis; /* bulk: particle density = density/(1 - porosity) */
+    double porosity;                /* with bulk; negative: measure it */
+    gn_where where;
+} gn_specimen;
+
+/* A named selection of particles and what is done to it. Selections are conjunctions: every one that
+ * is given must hold. A later set overrides an earlier one where both say something. */
+typedef struct gn_set {
+    char name[GN_NAME_SIZE];
+    bool all;
+    bool has_box;
+    double box_min[3], box_max[3]; /* centres inside, m */
+    size_t id_count;
+    int64_t *ids; /* index base 0, order of the specimen file */
+    int64_t end_axis;    /* -1 none, else 0 1 2 */
+    bool end_upper;      /* upper end instead of lower */
+    double end_depth;    /* m */
+    bool end_by_surface; /* surface within the depth instead of the centre */
+    char material[GN_NAME_SIZE]; /* "" keep */
+    int64_t group;               /* negative: keep */
+    double initial_velocity[3], initial_spin[3];
+    bool has_initial_velocity, has_initial_spin;
+    double force[3]; /* total, shared out by mass, N */
+    bool has_force;
+    gn_motion motion;
+    gn_where where;
+} gn_set;
+
+typedef struct gn_servo {
+    bool active;
+    gn_table force;       /* wanted normal force, compressive positive, N */
+    double max_velocity;  /* m/s */
+    double relaxation;    /* fraction of the force error corrected per step, (0, 1] */
+} gn_servo;
+
+typedef struct gn_wall_def {
+    char name[GN_NAME_SIZE];
+    double point[3];  /* m */
+    double normal[3]; /* into the side where particles are; any length in the file, unit here */
+    double stiffness; /* penalty k_n, N/m */
+    double kratio;    /* k_n/k_t; used when friction > 0 */
+    double friction;
+    gn_motion motion;
+    gn_servo servo;
+    gn_where where;
+} gn_wall_def;
+
+/* A laboratory test: which two ends load the specimen and how stress and strain are formed. */
+typedef struct gn_test {
+    gn_test_kind kind;
+    int64_t axis;              /* 0 1 2 */
+    char lower[GN_NAME_SIZE];  /* wall or set */
+    char upper[GN_NAME_SIZE];
+    double length;             /* m; 0: extent of the specimen along the axis */
+    double area;               /* m2; 0: from diameter, else from the specimen (see docs/scene.md) */
+    double diameter;           /* m; 0: not given */
+    gn_where where;
+} gn_test;
+
+typedef struct gn_scene {
+    char source[GN_PATH_SIZE]; /* the scene file, for messages */
+    char title[256];
+    int64_t dimension; /* 2 or 3 */
+
+    gn_specimen specimen;
+    size_t material_count;
+    gn_material *materials;
+
+    gn_stiffness_model stiffness;
+    gn_contact_arm contact_arm;
+    gn_switch rotation; /* auto: on */
+
+    gn_switch bonds;           /* on when the scene has a `bonds` section */
+    double interaction_range;  /* beta: bonds at gaps up to beta (r_i + r_j) */
+    double overlap_range;      /* bonds at overlaps up to this times (r_i + r_j) */
+    bool passive_gaps;         /* bonds are stress-free at the distance where they form */
+
+    gn_background_damping background;
+    double background_coefficient;
+    double restitution;     /* c_r in (0, 1]; negative: contact damping by fraction */
+    double damping_fraction; /* alpha of critical; 0 and restitution < 0: no contact damping */
+
+    double gravity[3]; /* m/s2 */
+    double random_velocity; /* m/s, components uniform in +- this at the start */
+
+    bool has_periodic;
+    double periodic_min[3], periodic_max[3]; /* m */
+    bool has_domain;
+    double domain_min[3], domain_max[3]; /* m; default: the specimen's box grown tenfold */
+    gn_lost_policy lost;
+
+    size_t set_count;
+    gn_set *sets;
+    size_t wall_count;
+    gn_wall_def *walls;
+    gn_test test;
+
+    double step;   /* dt, s; 0: automatic */
+    double safety; /* of 2/w_max */
+    gn_step_estimate estimate;
+    gn_policy on_unstable; /* what a step above its limit does */
+    double end;            /* s */
+    double stop_peak_drop; /* stop once stress has fallen by this fraction of its peak; 0: off */
+    double stop_strain;    /* 0: off */
+    double stop_unbalanced; /* stop once the unbalanced force ratio is below; 0: off */
+
+    gn_switch energy;
+    gn_switch orientation;
+
+    double skin;   /* m; 0: automatic */
+
+    char output_directory[GN_PATH_SIZE]; /* "" : runs/<scene name> */
+    int64_t history_rows;   /* wanted rows up to `end` */
+    int64_t snapshots;      /* wanted snapshots up to `end`; 0: none but the last state */
+    double checkpoint_wall; /* s of wall time between checkpoints; 0: only on a signal and at the end */
+
+    uint64_t seed;
+    int64_t threads; /* 0: all cores */
+    gn_precision precision;
+    gn_isa isa;
+} gn_scene;
+
+/* One override from the command line: `--set time.end=2ms` is {"time.end", "2ms"}. */
+typedef struct gn_override {
+    const char *key, *value;
+} gn_override;
+
+/* Reads, overrides, checks. On failure nothing is held and `error` says file:line:column, key,
+ * expected, found. GNEISS_ERROR_IO when the file cannot be opened, GNEISS_ERROR_INPUT otherwise. */
+gneiss_status gn_scene_load(const char *path, const gn_override *overrides, size_t override_count,
+                            gn_scene *scene, gneiss_error *error);
+
+/* The same from text; relative paths in it are taken from `folder`, `name` stands in messages. */
+gneiss_status gn_scene_parse(const char *text, const char *name, const char *folder,
+                             const gn_override *overrides, size_t override_count, gn_scene *scene,
+                             gneiss_error *error);
+
+void gn_scene_free(gn_scene *scene);
+
+/* The resolved scene as YAML that gn_scene_parse reads back to the same struct bit for bit (%.17g, SI,
+ * absolute specimen path). The caller frees the text with free(). NULL: out of memory. */
+char *gn_scene_write(const gn_scene *scene);
+
+/* The effects the scene calls for. */
+gn_effects gn_scene_effects(const gn_scene *scene);
+
+/* The key reference: plain text for the terminal, or Markdown for docs/keys.md. `prefix` (may be NULL)
+ * restricts it to keys that start with it; returns the number of keys printed. */
+size_t gn_scene_print_keys(FILE *out, bool markdown, const char *prefix);
+
+/* Value of a table at a time; 0 for an empty table. */
+double gn_table_at(const gn_table *table, double time);
+
+/* Finds by name; -1 when there is none. */
+int gn_scene_find_wall(const gn_scene *scene, const char *name);
+int gn_scene_find_set(const gn_scene *scene, const char *name);
+int gn_scene_find_material(const gn_scene *scene, const char *name);
+
+#endif

@@ -1,0 +1,80 @@
+/* Records as structures of arrays, described by manifests.
+ *
+ * A record (particles, contacts, wall contacts) is one X-macro list of fields. The list generates the
+ * struct of pointers and a table of gn_field; the functions here work from the table, so that a field is
+ * declared in one place and is then allocated, padded, permuted, hashed, saved, restored and shown.
+ *
+ * Layouts: ROWS is [n][components] (a particle's position and radius are one 32-byte row, loaded whole and
+ * transposed in registers), COLUMNS is [components][capacity] (contact data, streamed). */
+#ifndef GN_SOA_FIELD_H
+#define GN_SOA_FIELD_H
+
+#include "base/effects.h"
+#include "base/error.h"
+
+#include <stdbool.h>
+#include <stddef.h>
+#include <stdint.h>
+
+typedef enum gn_type { GN_F64, GN_I64, GN_I32, GN_U8 } gn_type;
+typedef enum gn_layout { GN_ROWS, GN_COLUMNS } gn_layout;
+
+/* STATE decides the future: hashed and saved. SAVED is kept in checkpoints (reference positions, last
+ * forces for output). SCRATCH is rebuilt from the others. */
+typedef enum gn_role { GN_STATE, GN_SAVED, GN_SCRATCH } gn_role;
+
+typedef struct gn_field {
+    const char *name;
+    gn_type type;
+    gn_layout layout;
+    gn_role role;
+    int components;
+    gn_effects needs;  /* present only if all of these are active */
+    gn_effects unless; /* absent if all of these are active (0: no such condition) */
+    const char *unit;
+    const char *text;
+    size_t offset; /* of the pointer within the struct */
+} gn_field;
+
+/* First member of every record. */
+typedef struct gn_soa {
+    size_t count;       /* valid items */
+    size_t capacity;    /* items allocated, a multiple of GN_LANES_MAX above count */
+    gn_effects effects; /* decides which fields exist */
+} gn_soa;
+
+typedef struct gn_record {
+    const char *name;
+    const gn_field *fields;
+    size_t field_count;
+} gn_record;
+
+/* Arrays are padded to this many items at least beyond `count`, so that kernels need no remainder loop. */
+enum { GN_LANES_MAX = 16 };
+
+size_t gn_type_size(gn_type type);
+bool gn_field_active(const gn_field *field, gn_effects effects);
+
+/* The array of a field; NULL if the field is not active. */
+void *gn_field_data(const gn_field *field, const void *record);
+
+/* Bytes per item over the active fields. */
+size_t gn_record_bytes(const gn_record *record, gn_effects effects);
+
+/* Allocates all active fields for `count` items, zeroed. `soa` is the record's first member. */
+gneiss_status gn_soa_create(const gn_record *record, void *soa, size_t count, gn_effects effects,
+                            gneiss_error *error);
+void gn_soa_destroy(const gn_record *record, void *soa);
+
+/* dst[k] = src[order[k]] for k in [0, count) and every field; order[k] < 0 gives zeros. Both records have
+ * the same effects; dst->count items are written. */
+void gn_soa_permute(const gn_record *record, void *dst, const void *src, const int32_t *order);
+
+/* FNV-1a of all STATE fields of the first `count` items, chained from `seed`. */
+uint64_t gn_soa_hash(const gn_record *record, const void *soa, uint64_t seed);
+
+/* FNV-1a of bytes. The first link of a chain is GN_HASH_SEED. */
+#define GN_HASH_SEED UINT64_C(0xcbf29ce484222325)
+uint64_t gn_hash_bytes(const void *bytes, size_t size, uint64_t seed);
+
+#endif

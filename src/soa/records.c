@@ -1,0 +1,45 @@
+#include "soa/records.h"
+
+#define GN_DESCRIBE(struct_type, name, ctype, type, components, layout, role, needs, unless, unit, text) \
+    {#name, type, layout, role, components, needs, unless, unit, text, offsetof(struct_type, name)},
+#define GN_COUNT(table) (sizeof(table) / sizeof *(table))
+
+static const gn_field particle_fields[] = {
+#define X(...) GN_DESCRIBE(gn_particles, __VA_ARGS__)
+    GN_PARTICLE_FIELDS(X)
+#undef X
+};
+
+static const gn_field contact_fields[] = {
+#define X(...) GN_DESCRIBE(gn_contacts, __VA_ARGS__)
+    GN_CONTACT_FIELDS(X)
+#undef X
+};
+
+static const gn_field wall_contact_fields[] = {
+#define X(...) GN_DESCRIBE(gn_wall_contacts, __VA_ARGS__)
+    GN_WALL_CONTACT_FIELDS(X)
+#undef X
+};
+
+const gn_record gn_particle_record = {"particles", particle_fields, GN_COUNT(particle_fields)};
+const gn_record gn_contact_record = {"contacts", contact_fields, GN_COUNT(contact_fields)};
+const gn_record gn_wall_contact_record = {"wall_contacts", wall_contact_fields,
+                                          GN_COUNT(wall_contact_fields)};
+
+_Static_assert(offsetof(gn_particles, soa) == 0 && offsetof(gn_contacts, soa) == 0 &&
+                   offsetof(gn_wall_contacts, soa) == 0,
+               "the generic functions find gn_soa at the start of every record");
+
+void gn_particles_set_null(gn_particles *particles, double distance) {
+    double *pos = particles->pos + 4 * particles->soa.count;
+    for (int k = 0; k < 8; k++) pos[k] = 0.0;
+    pos[4] = distance;
+}
+
+void gn_contacts_pad(gn_contacts *contacts, const gn_particles *particles) {
+    for (size_t c = contacts->soa.count; c < contacts->soa.capacity; c++) {
+        contacts->i[c] = gn_null_first(particles);
+        contacts->j[c] = gn_null_second(particles);
+    }
+}

@@ -1,0 +1,111 @@
+/* The records: particles, contacts between particles, contacts with walls. One list each.
+ *
+ * X(name, ctype, type, components, layout, role, needs, unless, unit, text) */
+#ifndef GN_SOA_RECORDS_H
+#define GN_SOA_RECORDS_H
+
+#include "soa/field.h"
+
+#define GN_PARTICLE_FIELDS(X)                                                                      \
+    X(pos, double, GN_F64, 4, GN_ROWS, GN_STATE, 0, 0, "m", "centre x y z, radius")                \
+    X(vel, double, GN_F64, 4, GN_ROWS, GN_STATE, 0, 0, "m/s, 1/kg",                                \
+      "velocity at the last half step, inverse mass (0: removed)")                                 \
+    X(spin, double, GN_F64, 4, GN_ROWS, GN_STATE, GN_FX_ROTATION, 0, "rad/s, 1/(kg m2)",           \
+      "angular velocity at the last half step, inverse moment of inertia")                         \
+    X(orientation, double, GN_F64, 4, GN_ROWS, GN_STATE, GN_FX_ORIENTATION, 0, "1",                \
+      "quaternion w x y z from the start")                                                         \
+    X(applied, double, GN_F64, 4, GN_ROWS, GN_SAVED, GN_FX_APPLIED, 0, "N", "applied force")       \
+    X(start, double, GN_F64, 4, GN_ROWS, GN_SAVED, 0, 0, "m", "centre at the start")               \
+    X(ref, double, GN_F64, 4, GN_ROWS, GN_SAVED, 0, 0, "m", "centre when the pair list was made")  \
+    X(id, int32_t, GN_I32, 1, GN_ROWS, GN_STATE, 0, 0, "1", "place in the specimen, base 0")       \
+    X(material, int32_t, GN_I32, 1, GN_ROWS, GN_SAVED, 0, 0, "1", "material, base 0")              \
+    X(group, int32_t, GN_I32, 1, GN_ROWS, GN_SAVED, 0, 0, "1", "cohesive group, 0: none")          \
+    X(bonds0, int32_t, GN_I32, 1, GN_ROWS, GN_SAVED, GN_FX_BONDS, 0, "1", "bonds at the start")    \
+    X(slot, int32_t, GN_I32, 1, GN_ROWS, GN_SAVED, GN_FX_PRESCRIBED, 0, "1",                       \
+      "place in the list of prescribed particles, -1: none")
+
+/* Contacts between particles, sorted by (i, j), i < j. Normal from i to j. Bonds and unbonded pairs are
+ * two records of this kind; the pairs are made with GN_FX_BONDS cleared. */
+#define GN_CONTACT_FIELDS(X)                                                                       \
+    X(i, int32_t, GN_I32, 1, GN_COLUMNS, GN_STATE, 0, 0, "1", "first particle")                    \
+    X(j, int32_t, GN_I32, 1, GN_COLUMNS, GN_STATE, 0, 0, "1", "second particle")                   \
+    X(kn, double, GN_F64, 1, GN_COLUMNS, GN_SAVED, 0, 0, "N/m", "normal stiffness")                \
+    X(kt, double, GN_F64, 1, GN_COLUMNS, GN_SAVED, GN_FX_SHEAR, 0, "N/m", "tangential stiffness")  \
+    X(mu, double, GN_F64, 1, GN_COLUMNS, GN_SAVED, GN_FX_FRICTION, 0, "1",                         \
+      "friction coefficient")                                                                      \
+    X(cn, double, GN_F64, 1, GN_COLUMNS, GN_SAVED, GN_FX_CONTACT_DAMPING, 0, "N s/m",              \
+      "normal viscous coefficient")                                                                \
+    X(length0, double, GN_F64, 1, GN_COLUMNS, GN_STATE, GN_FX_BONDS, 0, "m",                       \
+      "distance of the centres at which the normal force is zero")                                 \
+    X(rn, double, GN_F64, 1, GN_COLUMNS, GN_STATE, GN_FX_BONDS, 0, "N",                            \
+      "tensile strength; negative once broken")                                                    \
+    X(rt, double, GN_F64, 1, GN_COLUMNS, GN_STATE, GN_FX_BONDS | GN_FX_SHEAR, 0, "N",              \
+      "shear strength")                                                                            \
+    X(shear, double, GN_F64, 3, GN_COLUMNS, GN_STATE, GN_FX_SHEAR, 0, "N",                         \
+      "tangential force on the first particle")                                                    \
+    X(fd, double, GN_F64, 1, GN_COLUMNS, GN_SAVED, GN_FX_CONTACT_DAMPING | GN_FX_ENERGY, 0, "N",   \
+      "viscous normal force of the last step")                                                     \
+    X(cause, uint8_t, GN_U8, 1, GN_COLUMNS, GN_STATE, GN_FX_BONDS, 0, "1",                         \
+      "0 intact, 1 broken in tension, 2 broken in shear")                                          \
+    X(broken_step, int64_t, GN_I64, 1, GN_COLUMNS, GN_STATE, GN_FX_BONDS, 0, "1",                  \
+      "step at which the bond broke, 0: intact")                                                   \
+    X(row4, double, GN_F64, 4, GN_ROWS, GN_SAVED, 0, GN_FX_SPACE | GN_FX_ROTATION, "N, m, N",      \
+      "force on the first particle x y; 3D: z; 2D with rotation: half gap, n x F_t")               \
+    X(row8, double, GN_F64, 8, GN_ROWS, GN_SAVED, GN_FX_SPACE | GN_FX_ROTATION, 0, "N, m, N",      \
+      "force on the first particle x y z, half gap, n x F_t (3), unused")
+
+/* Contacts of particles with plane walls, sorted by (i, wall). Normal from the particle to the wall. */
+#define GN_WALL_CONTACT_FIELDS(X)                                                                  \
+    X(i, int32_t, GN_I32, 1, GN_COLUMNS, GN_STATE, 0, 0, "1", "particle")                          \
+    X(wall, int32_t, GN_I32, 1, GN_COLUMNS, GN_STATE, 0, 0, "1", "wall, base 0")                   \
+    X(shear, double, GN_F64, 3, GN_COLUMNS, GN_STATE, GN_FX_WALL_SHEAR, 0, "N",                    \
+      "tangential force on the particle")                                                          \
+    X(fd, double, GN_F64, 1, GN_COLUMNS, GN_SAVED, GN_FX_CONTACT_DAMPING | GN_FX_ENERGY, 0, "N",   \
+      "viscous normal force of the last step")                                                     \
+    X(row, double, GN_F64, 8, GN_ROWS, GN_SAVED, 0, 0, "N, N m",                                   \
+      "force on the particle x y z, 0, moment x y z, 0")
+
+#define GN_DECLARE_POINTER(name, ctype, ...) ctype *name;
+
+typedef struct gn_particles {
+    gn_soa soa;
+    GN_PARTICLE_FIELDS(GN_DECLARE_POINTER)
+} gn_particles;
+
+typedef struct gn_contacts {
+    gn_soa soa;
+    GN_CONTACT_FIELDS(GN_DECLARE_POINTER)
+} gn_contacts;
+
+typedef struct gn_wall_contacts {
+    gn_soa soa;
+    GN_WALL_CONTACT_FIELDS(GN_DECLARE_POINTER)
+} gn_wall_contacts;
+
+#undef GN_DECLARE_POINTER
+
+typedef enum gn_cause { GN_INTACT = 0, GN_BROKEN_TENSION = 1, GN_BROKEN_SHEAR = 2 } gn_cause;
+
+extern const gn_record gn_particle_record;
+extern const gn_record gn_contact_record;
+extern const gn_record gn_wall_contact_record;
+
+/* The row written by the contact kernel, whichever width is active. */
+static inline double *gn_contacts_row(const gn_contacts *contacts) {
+    return contacts->row8 ? contacts->row8 : contacts->row4;
+}
+static inline int gn_contacts_row_width(const gn_contacts *contacts) {
+    return contacts->row8 ? 8 : 4;
+}
+
+/* Padded contacts point at two null particles behind the last one: apart, at rest, without radius. */
+static inline int32_t gn_null_first(const gn_particles *p) { return (int32_t)p->soa.count; }
+static inline int32_t gn_null_second(const gn_particles *p) { return (int32_t)p->soa.count + 1; }
+
+/* Puts the null particles `distance` apart (below half of any periodic length). */
+void gn_particles_set_null(gn_particles *particles, double distance);
+
+/* Points the padding of a contact list at the null particles. */
+void gn_contacts_pad(gn_contacts *contacts, const gn_particles *particles);
+
+#endif

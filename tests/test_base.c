@@ -1,0 +1,49 @@
+#include "test.h"
+
+#include "base/effects.h"
+#include "base/error.h"
+#include "base/memory.h"
+
+static void a_failure_carries_status_and_text(void **state) {
+    (void)state;
+    gneiss_error error = {0};
+    assert_int_equal(gn_fail(&error, GNEISS_ERROR_INPUT, "radius %d", 7), GNEISS_ERROR_INPUT);
+    assert_string_equal(error.message, "radius 7");
+    assert_int_equal(gn_fail_context(&error, "a.txt:%d: ", 3), GNEISS_ERROR_INPUT);
+    assert_string_equal(error.message, "a.txt:3: radius 7");
+}
+
+static void memory_is_aligned_and_zeroed(void **state) {
+    (void)state;
+    for (size_t size = 0; size < (size_t)9 << 20; size = 3 * size + 1) {
+        unsigned char *block = gn_alloc(size);
+        assert_non_null(block);
+        assert_int_equal((uintptr_t)block % GN_ALIGNMENT, 0);
+        for (size_t k = 0; k < size; k++)
+            if (block[k]) fail_msg("byte %zu of %zu is not zero", k, size);
+        gn_free(block);
+    }
+}
+
+static void a_product_that_overflows_is_refused(void **state) {
+    (void)state;
+    assert_null(gn_alloc_array(SIZE_MAX / 4, 8));
+    assert_null(gn_alloc(SIZE_MAX - 8));
+}
+
+static void every_effect_has_a_name(void **state) {
+    (void)state;
+    assert_string_equal(gn_effect_name(GN_FX_INDEX_SPACE), "space");
+    assert_string_equal(gn_effect_name(GN_FX_INDEX_ENERGY), "energy");
+    for (int k = 0; k < GN_EFFECT_COUNT; k++) assert_true(strlen(gn_effect_text(k)) > 5);
+}
+
+int main(void) {
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(a_failure_carries_status_and_text),
+        cmocka_unit_test(memory_is_aligned_and_zeroed),
+        cmocka_unit_test(a_product_that_overflows_is_refused),
+        cmocka_unit_test(every_effect_has_a_name),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
