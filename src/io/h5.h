@@ -42,6 +42,14 @@ gneiss_status gn_h5_get(const gn_h5 *file, const char *name, gn_type type, size_
 /* *text is malloc'ed. */
 gneiss_status gn_h5_get_text(const gn_h5 *file, const char *name, char **text, gneiss_error *error);
 
+/* Attributes; their number and type must match. *text is malloc'ed. */
+gneiss_status gn_h5_get_attribute_text(const gn_h5 *file, const char *object, const char *name,
+                                       char **text, gneiss_error *error);
+gneiss_status gn_h5_get_attribute_f64(const gn_h5 *file, const char *object, const char *name,
+                                      double *values, size_t count, gneiss_error *error);
+gneiss_status gn_h5_get_attribute_i64(const gn_h5 *file, const char *object, const char *name,
+                                      int64_t *values, size_t count, gneiss_error *error);
+
 /* All active STATE and SAVED fields of a record under group `name` with attribute `count`; COLUMNS fields
  * are stored as [components][count]. */
 gneiss_status gn_h5_put_record(gn_h5 *file, const char *name, const gn_record *record, const void *soa,

@@ -47,8 +47,8 @@
       "viscous normal force of the last step")                                                     \
     X(cause, uint8_t, GN_U8, 1, GN_COLUMNS, GN_STATE, GN_FX_BONDS, 0, "1",                         \
       "0 intact, 1 broken in tension, 2 broken in shear")                                          \
-    X(broken_step, int64_t, GN_I64, 1, GN_COLUMNS, GN_STATE, GN_FX_BONDS, 0, "1",                  \
-      "step at which the bond broke, 0: intact")                                                   \
+    X(broken_time, double, GN_F64, 1, GN_COLUMNS, GN_STATE, GN_FX_BONDS, 0, "s",                   \
+      "when the bond broke; 0 while it is intact")                                                 \
     X(row4, double, GN_F64, 4, GN_ROWS, GN_SAVED, 0, GN_FX_SPACE | GN_FX_ROTATION, "N, m, N",      \
       "force on the first particle x y; 3D: z; 2D with rotation: half gap, n x F_t")               \
     X(row8, double, GN_F64, 8, GN_ROWS, GN_SAVED, GN_FX_SPACE | GN_FX_ROTATION, 0, "N, m, N",      \

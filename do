@@ -1,0 +1,258 @@
+#!/usr/bin/env bash
+# Everything that is done with gneiss from a shell. `./do help` lists it.
+set -euo pipefail
+
+root=$(cd "$(dirname "${BASH_SOURCE[0]}")" && pwd)
+python=/usr/bin/python3 # Debian's: another python that comes first in PATH has no h5py
+meson=/usr/bin/meson
+ninja=/usr/bin/ninja
+
+# The one list of Debian 12 packages. Every command needs `build`; `check` and `bench` add theirs.
+packages_build=(
+    meson ninja-build gcc g++ libc6-dev pkg-config
+    libfyaml-dev libudunits2-dev libhdf5-dev libqhull-dev libcmocka-dev
+    python3 python3-numpy python3-h5py python3-matplotlib
+)
+packages_check=(git clang libomp-dev clang-format clang-tidy cppcheck)
+packages_bench=(libbenchmark-dev)
+
+usage() {
+    cat <<'TEXT'
+usage: ./do COMMAND [...]
+
+  run SCENE [gneiss options]   build, run the scene, make its report
+  test [meson options]         build and run every test
+  check                        format, warnings (gcc, clang), static analysis, sanitizers
+  bench [options]              build and run the benchmarks
+  keys [prefix]                the keys that a scene file may hold
+  clean                        remove the build folders
+  help                         this text
+
+Missing Debian packages are installed first (apt-get; with sudo when not root).
+TEXT
+}
+
+say() { printf '%s\n' "$*" >&2; }
+die() { say "./do: $*"; exit 1; }
+heading() { printf '\n== %s\n' "$*"; }
+
+# --- packages -----------------------------------------------------------------------------------------
+
+missing_packages() {
+    local name
+    for name in "$@"; do
+        [[ $(dpkg-query -W -f '${db:Status-Status}' "$name" 2>/dev/null) == installed ]] || echo "$name"
+    done
+}
+
+need() {
+    local missing as_root=()
+    command -v dpkg-query >/dev/null || die "needs Debian 12 or a relative of it (no dpkg-query found); install by hand: $*"
+    mapfile -t missing < <(missing_packages "$@")
+    ((${#missing[@]})) || return 0
+    if ((EUID != 0)); then
+        command -v sudo >/dev/null ||
+            die "missing packages, and neither root nor sudo to install them. As root: apt-get install ${missing[*]}"
+        as_root=(sudo)
+    fi
+    say "installing: ${missing[*]}"
+    "${as_root[@]}" env DEBIAN_FRONTEND=noninteractive apt-get update -q >&2 ||
+        say "./do: apt-get update failed; trying with the package lists that are there"
+    "${as_root[@]}" env DEBIAN_FRONTEND=noninteractive \
+        apt-get install -q -y --no-install-recommends "${missing[@]}" >&2 ||
+        die "apt-get could not install: ${missing[*]} (Debian 12 with its main archive is expected)"
+}
+
+# --- building -----------------------------------------------------------------------------------------
+
+# configure FOLDER [meson options]: quiet when it is done already with the same options.
+configure() {
+    local folder=$root/$1 stamp=$root/$1/.do-options wanted="${CC:-} ${*:2}"
+    if [[ -f $folder/build.ninja && -f $stamp && $(<"$stamp") == "$wanted" ]]; then return 0; fi
+    local mode=()
+    [[ -f $folder/meson-private/coredata.dat ]] && mode=(--wipe)
+    "$meson" setup "${mode[@]}" "$folder" "$root" "${@:2}" >&2
+    printf '%s' "$wanted" >"$stamp"
+}
+
+build() { # FOLDER [targets]
+    "$ninja" --quiet -C "$root/$1" "${@:2}" >&2
+}
+
+prepare() {
+    need "${packages_build[@]}"
+    configure build --buildtype=release
+}
+
+# --- commands -----------------------------------------------------------------------------------------
+
+# Where `gneiss run` writes: --out, --set output.directory=, the scene's own, runs/<scene name>.
+output_folder() {
+    local scene=$1 folder='' argument
+    shift
+    while (($#)); do
+        argument=$1
+        case $argument in
+        --out | -o) folder=${2:-} ;;
+        --out=*) folder=${argument#--out=} ;;
+        output.directory=* | --set=output.directory=*) [[ -n $folder ]] || folder=${argument#*output.directory=} ;;
+        esac
+        shift
+    done
+    if [[ -z $folder && -f $scene ]]; then
+        folder=$(awk '/^[^ #]/ { inside = /^output:/ }
+            inside && /^ +directory:/ { sub(/^ +directory: */, ""); sub(/ +#.*$/, ""); gsub(/["'\'']/, ""); print; exit }' "$scene")
+    fi
+    if [[ -z $folder ]]; then
+        folder=${scene##*/}
+        folder=runs/${folder%.*}
+    fi
+    printf '%s' "$folder"
+}
+
+command_run() {
+    (($#)) || die "run: which scene? For example: ./do run scenes/ucs-rock.yaml"
+    prepare
+    build build
+    local status=0 folder
+    folder=$(output_folder "$@")
+    "$root/build/gneiss" run "$@" || status=$?
+    # An unstable or interrupted run (5, 6) has results worth a look too.
+    if ((status == 0 || status == 5 || status == 6)) && [[ -f $folder/results.h5 ]]; then
+        "$root/build/gneiss" report "$folder" || status=$((status ? status : $?))
+    fi
+    return "$status"
+}
+
+# run_tests FOLDER [meson options]: the last line is `N passed, N failed, N skipped`.
+run_tests() {
+    local folder=$root/$1
+    rm -f "$folder/meson-logs/testlog.json"
+    if ! build "$1"; then
+        say "./do: the build in $1 failed: no test ran"
+        "$python" "$root/tools/count_tests.py" "$folder/meson-logs/testlog.json"
+        return 1
+    fi
+    "$meson" test -C "$folder" --no-rebuild --print-errorlogs "${@:2}" || true
+    "$python" "$root/tools/count_tests.py" "$folder/meson-logs/testlog.json"
+}
+
+command_test() {
+    prepare
+    run_tests build "$@"
+}
+
+command_bench() {
+    need "${packages_build[@]}" "${packages_bench[@]}"
+    configure build-bench --buildtype=release -Dbench=enabled
+    build build-bench
+    [[ -f $root/bench/meson.build ]] || die "bench: there is no bench/meson.build"
+    if [[ -x $root/bench/run ]]; then
+        "$root/bench/run" "$root/build-bench" "$@"
+    else
+        "$meson" test -C "$root/build-bench" --benchmark --no-rebuild --verbose --test-args "$*"
+    fi
+}
+
+command_keys() {
+    prepare
+    build build
+    "$root/build/gneiss" keys "$@"
+}
+
+command_clean() {
+    rm -rf "$root"/build "$root"/build-bench "$root"/build-check-{gcc,clang,sanitize}
+}
+
+# --- check: each step is one function that fails or not -------------------------------------------------
+
+sources() { # tracked and new C files, no ignored ones
+    (cd "$root" && git ls-files --cached --others --exclude-standard -- "$@" 2>/dev/null |
+        while read -r f; do [[ -f $f ]] && echo "$f"; done | sort -u)
+}
+
+check_format() {
+    sources '*.c' '*.h' '*.cc' '*.cpp' '*.hpp' | (cd "$root" && xargs -r clang-format --dry-run -Werror)
+}
+
+check_gcc() {
+    CC=gcc CXX=g++ configure build-check-gcc --buildtype=release -Dwerror=true && build build-check-gcc
+}
+
+check_clang() {
+    CC=clang CXX=clang++ configure build-check-clang --buildtype=release -Dwerror=true && build build-check-clang
+}
+
+check_cppcheck() {
+    cppcheck --quiet --std=c11 --language=c --enable=warning,performance,portability --inline-suppr \
+        --suppress=missingIncludeSystem --suppress=unmatchedSuppression --error-exitcode=1 -j "$(nproc)" \
+        -I "$root/include" -I "$root/src" "$root/src"
+}
+
+check_tidy() { # the checks are in .clang-tidy
+    local commands=$root/build-check-clang
+    [[ -f $commands/compile_commands.json ]] || return 1
+    # What is compiled on its own, once: a kernel template is compiled per instruction set.
+    "$python" - "$commands/compile_commands.json" "$root/src/" <<'PYTHON' |
+import json, os, sys
+entries = json.load(open(sys.argv[1]))
+files = {os.path.normpath(os.path.join(e["directory"], e["file"])) for e in entries}
+print("\n".join(sorted(f for f in files if f.startswith(sys.argv[2]) and f.endswith(".c"))))
+PYTHON
+        (cd "$root" && xargs -r -n 2 -P "$(nproc)" clang-tidy --quiet -p "$commands" 2>/dev/null)
+}
+
+check_sanitizers() {
+    CC=gcc CXX=g++ configure build-check-sanitize --buildtype=debugoptimized -Db_ndebug=false \
+        -Db_sanitize=address,undefined -Db_lundef=false || return 1
+    ASAN_OPTIONS=detect_leaks=1:abort_on_error=0 UBSAN_OPTIONS=halt_on_error=1:print_stacktrace=1 \
+        run_tests build-check-sanitize --timeout-multiplier 5
+}
+
+check_python() {
+    (cd "$root" && sources '*.py' | xargs -r "$python" -c '
+import sys
+for name in sys.argv[1:]:
+    with open(name, encoding="utf-8") as f:
+        compile(f.read(), name, "exec")')
+}
+
+command_check() {
+    need "${packages_build[@]}" "${packages_check[@]}"
+    git -C "$root" rev-parse --is-inside-work-tree >/dev/null 2>&1 ||
+        die "check: $root is not a git work tree; the list of files comes from git"
+    local steps=(format gcc clang cppcheck tidy sanitizers python) failed=() step start summary=()
+    for step in "${steps[@]}"; do
+        heading "$step"
+        start=$SECONDS
+        if "check_$step"; then
+            summary+=("ok      $step ($((SECONDS - start)) s)")
+        else
+            summary+=("FAILED  $step ($((SECONDS - start)) s)")
+            failed+=("$step")
+        fi
+    done
+    heading "summary"
+    printf '%s\n' "${summary[@]}"
+    if ((${#failed[@]})); then
+        echo "check: FAILED: ${failed[*]}"
+        return 1
+    fi
+    echo "check: all ${#steps[@]} steps passed"
+}
+
+main() {
+    local command=${1:-help}
+    (($#)) && shift
+    case $command in
+    run | test | check | bench | keys | clean) "command_$command" "$@" ;;
+    help | -h | --help) usage ;;
+    *)
+        usage >&2
+        say ""
+        die "no such command: $command"
+        ;;
+    esac
+}
+
+main "$@"

@@ -1,0 +1,269 @@
+#include "base/eigen.h"
+
+#include "base/memory.h"
+
+#include <float.h>
+#include <math.h>
+#include <stdbool.h>
+#include <string.h>
+
+/* --- small and dense ------------------------------------------------------------------------- */
+
+/* Zeroes a[p][q] by a plane rotation; v holds eigenvectors as rows. */
+static void rotate(int n, double *a, double *v, int p, int q) {
+    double theta = (a[q * n + q] - a[p * n + p]) / (2.0 * a[p * n + q]);
+    double t = copysign(1.0, theta) / (fabs(theta) + sqrt(theta * theta + 1.0));
+    double c = 1.0 / sqrt(t * t + 1.0), s = t * c;
+    for (int k = 0; k < n; k++) {
+        double x = a[k * n + p], y = a[k * n + q];
+        a[k * n + p] = c * x - s * y;
+        a[k * n + q] = s * x + c * y;
+    }
+    for (int k = 0; k < n; k++) {
+        double x = a[p * n + k], y = a[q * n + k];
+        a[p * n + k] = c * x - s * y;
+        a[q * n + k] = s * x + c * y;
+    }
+    for (int k = 0; k < n; k++) {
+        double x = v[p * n + k], y = v[q * n + k];
+        v[p * n + k] = c * x - s * y;
+        v[q * n + k] = s * x + c * y;
+    }
+    a[p * n + q] = a[q * n + p] = 0.0;
+}
+
+static double off_diagonal(int n, const double *a) {
+    double sum = 0.0;
+    for (int p = 0; p < n; p++)
+        for (int q = p + 1; q < n; q++) sum += 2.0 * a[p * n + q] * a[p * n + q];
+    return sum;
+}
+
+static void sort_descending(int n, double *values, double *vectors) {
+    for (int k = 0; k < n; k++) {
+        int best = k;
+        for (int i = k + 1; i < n; i++)
+            if (values[i] > values[best]) best = i;
+        if (best == k) continue;
+        double value = values[k];
+        values[k] = values[best];
+        values[best] = value;
+        for (int i = 0; i < n; i++) {
+            double x = vectors[k * n + i];
+            vectors[k * n + i] = vectors[best * n + i];
+            vectors[best * n + i] = x;
+        }
+    }
+}
+
+void gn_eigen_symmetric(int n, double *a, double *values, double *vectors) {
+    memset(vectors, 0, (size_t)n * (size_t)n * sizeof *vectors);
+    double norm = off_diagonal(n, a);
+    for (int k = 0; k < n; k++) {
+        vectors[k * n + k] = 1.0;
+        norm += a[k * n + k] * a[k * n + k];
+    }
+    double enough = DBL_EPSILON * DBL_EPSILON * norm;
+    /* Convergence is quadratic: ten sweeps do for any matrix; the limit guards against NaN. */
+    for (int sweep = 0; sweep < 50 && off_diagonal(n, a) > enough; sweep++)
+        for (int p = 0; p < n; p++)
+            for (int q = p + 1; q < n; q++)
+                if (a[p * n + q] != 0.0) rotate(n, a, vectors, p, q);
+    for (int k = 0; k < n; k++) values[k] = a[k * n + k];
+    sort_descending(n, values, vectors);
+}
+
+/* --- huge and implicit ----------------------------------------------------------------------- */
+
+enum {
+    BLOCK = 2048, /* elements per partial sum: fixed, so that sums do not depend on the threads */
+    LANES = 8,
+    BASIS_MIN = 12,
+    BASIS_MAX = 40,
+    CHECK_EVERY = 8,
+    PRODUCTS_MAX = 4000,
+};
+static const size_t basis_bytes = (size_t)512 << 20; /* aim for the basis of a large problem */
+
+static size_t block_count(size_t n) {
+    return (n + BLOCK - 1) / BLOCK;
+}
+static size_t block_size(size_t n, size_t b) {
+    return n - b * BLOCK < BLOCK ? n - b * BLOCK : BLOCK;
+}
+
+static double dot_block(size_t n, const double *x, const double *y) {
+    double lane[LANES] = {0.0}, rest = 0.0;
+    size_t k = 0;
+    for (; k + LANES <= n; k += LANES)
+        for (size_t l = 0; l < LANES; l++) lane[l] += x[k + l] * y[k + l];
+    for (; k < n; k++) rest += x[k] * y[k];
+    return ((lane[0] + lane[4]) + (lane[1] + lane[5])) +
+           ((lane[2] + lane[6]) + (lane[3] + lane[7])) + rest;
+}
+
+double gn_eigen_dot(size_t n, const double *x, const double *y, int threads) {
+    enum { GROUP = 64 }; /* partial sums held at a time */
+    double sum = 0.0, partial[GROUP];
+    for (size_t start = 0; start < block_count(n); start += GROUP) {
+        size_t blocks = block_count(n) - start < GROUP ? block_count(n) - start : GROUP;
+#pragma omp parallel for num_threads(threads) schedule(static) if (blocks > 4)
+        for (size_t b = 0; b < blocks; b++) {
+            size_t at = (start + b) * BLOCK;
+            partial[b] = dot_block(block_size(n, start + b), x + at, y + at);
+        }
+        for (size_t b = 0; b < blocks; b++) sum += partial[b];
+    }
+    return sum;
+}
+
+typedef struct lanczos {
+    size_t n;
+    int size; /* vectors the basis can hold besides the next one */
+    int threads;
+    double *basis;                         /* [size + 1][n] */
+    double *partial;                       /* [blocks][size + 1] */
+    double h[BASIS_MAX * BASIS_MAX];       /* the projection of S, [size][size] */
+    double values[BASIS_MAX];              /* Ritz values */
+    double vectors[BASIS_MAX * BASIS_MAX]; /* Ritz vectors in the basis, as rows */
+} lanczos;
+
+/* c[k] = basis[k] . w for from <= k < count. */
+static void project(const lanczos *l, int from, int count, const double *w, double *c) {
+    size_t blocks = block_count(l->n), width = (size_t)l->size + 1;
+#pragma omp parallel for num_threads(l->threads) schedule(static) if (blocks > 4)
+    for (size_t b = 0; b < blocks; b++)
+        for (int k = from; k < count; k++)
+            l->partial[b * width + (size_t)k] = dot_block(
+                block_size(l->n, b), l->basis + (size_t)k * l->n + b * BLOCK, w + b * BLOCK);
+    for (int k = from; k < count; k++) {
+        c[k] = 0.0;
+        for (size_t b = 0; b < blocks; b++) c[k] += l->partial[b * width + (size_t)k];
+    }
+}
+
+/* w -= sum_k c[k] basis[k] over from <= k < count. */
+static void subtract(const lanczos *l, int from, int count, const double *c, double *w) {
+    size_t blocks = block_count(l->n);
+#pragma omp parallel for num_threads(l->threads) schedule(static) if (blocks > 4)
+    for (size_t b = 0; b < blocks; b++)
+        for (int k = from; k < count; k++) {
+            const double *v = l->basis + (size_t)k * l->n + b * BLOCK;
+            for (size_t i = 0; i < block_size(l->n, b); i++) w[b * BLOCK + i] -= c[k] * v[i];
+        }
+}
+
+static void scale_vector(size_t n, double factor, double *w, int threads) {
+#pragma omp parallel for num_threads(threads) schedule(static) if (n > 4 * BLOCK)
+    for (size_t i = 0; i < n; i++) w[i] *= factor;
+}
+
+/* Takes the basis out of w, stores the coefficients as column `count - 1` of h and returns |w|. The
+ * first round is the three-term recurrence; full rounds follow until one of them takes out little,
+ * so that the loss of orthogonality does not build up (Daniel, Gragg, Kaufman & Stewart 1976). */
+static double orthogonalise(lanczos *l, int count, double *w) {
+    double c[BASIS_MAX], sum[BASIS_MAX] = {0.0}, before, after = 0.0;
+    for (int round = 0; round < 5; round++) {
+        int from = round == 0 && count > 2 ? count - 2 : 0;
+        before = after;
+        project(l, from, count, w, c);
+        subtract(l, from, count, c, w);
+        for (int k = from; k < count; k++) sum[k] += c[k];
+        after = sqrt(gn_eigen_dot(l->n, w, w, l->threads));
+        if (round > 0 && after > 0.7 * before) break;
+    }
+    for (int k = 0; k < count; k++)
+        l->h[k * l->size + count - 1] = l->h[(count - 1) * l->size + k] = sum[k];
+    return after;
+}
+
+static void ritz(lanczos *l, int count) {
+    double a[BASIS_MAX * BASIS_MAX];
+    for (int p = 0; p < count; p++)
+        for (int q = 0; q < count; q++) a[p * count + q] = l->h[p * l->size + q];
+    gn_eigen_symmetric(count, a, l->values, l->vectors);
+}
+
+/* basis[k] = sum_q vectors[k][q] basis[q] for k < keep, q < count. */
+static void combine(const lanczos *l, int keep, int count) {
+    enum { CHUNK = 256 };
+#pragma omp parallel for num_threads(l->threads) schedule(static) if (l->n > 4 * BLOCK)
+    for (size_t start = 0; start < l->n; start += CHUNK) {
+        double out[BASIS_MAX][CHUNK];
+        size_t size = l->n - start < CHUNK ? l->n - start : CHUNK;
+        for (int k = 0; k < keep; k++) {
+            for (size_t i = 0; i < size; i++) out[k][i] = 0.0;
+            for (int q = 0; q < count; q++) {
+                const double *v = l->basis + (size_t)q * l->n + start,
+                             y = l->vectors[k * count + q];
+                for (size_t i = 0; i < size; i++) out[k][i] += y * v[i];
+            }
+        }
+        for (int k = 0; k < keep; k++)
+            memcpy(l->basis + (size_t)k * l->n + start, out[k], size * sizeof(double));
+    }
+}
+
+/* Keeps the upper Ritz vectors and the direction of the residual, so that the search goes on from
+ * there. */
+static int restart(lanczos *l, int count) {
+    int keep = 2 * count / 5;
+    combine(l, keep, count);
+    memmove(l->basis + (size_t)keep * l->n, l->basis + (size_t)count * l->n, l->n * sizeof(double));
+    memset(l->h, 0, sizeof l->h);
+    for (int k = 0; k < keep; k++) l->h[k * l->size + k] = l->values[k];
+    return keep;
+}
+
+/* Returns the number of basis vectors that the last Ritz pairs are made of. */
+static int iterate(lanczos *l, gn_operator *apply, const void *context, double tolerance,
+                   gn_eigen_top *top) {
+    for (int count = 0;;) {
+        double *next = l->basis + (size_t)(count + 1) * l->n;
+        apply(context, next - l->n, next);
+        top->vectors++;
+        double beta = orthogonalise(l, ++count, next);
+        bool full = count == l->size;
+        bool done = !(beta > DBL_EPSILON * l->h[0]) || top->vectors >= PRODUCTS_MAX;
+        if (!done && !full && top->vectors % CHECK_EVERY) {
+            scale_vector(l->n, 1.0 / beta, next, l->threads);
+            continue;
+        }
+        ritz(l, count);
+        top->value = l->values[0];
+        top->residual = beta * fabs(l->vectors[count - 1]);
+        if (done || top->residual <= tolerance * top->value) return count;
+        scale_vector(l->n, 1.0 / beta, next, l->threads);
+        if (full) count = restart(l, count);
+    }
+}
+
+gneiss_status gn_eigen_largest(size_t n, gn_operator *apply, const void *context, double tolerance,
+                               int threads, double *vector, gn_eigen_top *top,
+                               gneiss_error *error) {
+    *top = (gn_eigen_top){0};
+    double length = sqrt(gn_eigen_dot(n, vector, vector, threads));
+    if (!(length > 0.0 && length < INFINITY))
+        return gn_fail(error, GNEISS_ERROR_INTERNAL,
+                       "Lanczos needs a start vector of positive length, found %g", length);
+    size_t size = basis_bytes / (n * sizeof(double));
+    size = size < BASIS_MIN ? BASIS_MIN : size > BASIS_MAX ? BASIS_MAX : size;
+    lanczos l = {.n = n, .size = (int)(size < n ? size : n), .threads = threads};
+    l.basis = gn_alloc_array((size_t)l.size + 1, n * sizeof(double));
+    l.partial = gn_alloc_array(block_count(n), ((size_t)l.size + 1) * sizeof(double));
+    if (!l.basis || !l.partial) {
+        gn_free(l.basis);
+        gn_free(l.partial);
+        return gn_fail(error, GNEISS_ERROR_MEMORY, "no memory for %d Lanczos vectors of length %zu",
+                       l.size + 1, n);
+    }
+    memcpy(l.basis, vector, n * sizeof(double));
+    scale_vector(n, 1.0 / length, l.basis, threads);
+    /* Below this the residual is round-off. */
+    int count = iterate(&l, apply, context, fmax(tolerance, 1e-13), top);
+    combine(&l, 1, count);
+    memcpy(vector, l.basis, n * sizeof(double));
+    gn_free(l.basis);
+    gn_free(l.partial);
+    return GNEISS_OK;
+}

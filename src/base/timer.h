@@ -1,0 +1,14 @@
+/* Wall clock for measuring; never decides what is computed. */
+#ifndef GN_BASE_TIMER_H
+#define GN_BASE_TIMER_H
+
+#include <time.h>
+
+/* Seconds on a clock that only goes forward. */
+static inline double gn_now(void) {
+    struct timespec t;
+    clock_gettime(CLOCK_MONOTONIC, &t);
+    return (double)t.tv_sec + 1e-9 * (double)t.tv_nsec;
+}
+
+#endif

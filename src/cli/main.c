@@ -1,0 +1,182 @@
+/* The `gneiss` program. */
+#include "cli/options.h"
+#include "cli/plan.h"
+#include "cli/progress.h"
+#include "io/files.h"
+
+#include <omp.h>
+#include <stdlib.h>
+#include <string.h>
+#include <unistd.h>
+
+/* The one piece of file-scope state: signal handlers have no other way to speak. */
+static volatile sig_atomic_t interrupted;
+
+static void on_signal(int number) {
+    (void)number;
+    interrupted = 1;
+}
+
+static void catch_signals(void) {
+    struct sigaction action;
+    memset(&action, 0, sizeof action);
+    action.sa_handler = on_signal;
+    action.sa_flags = (int)SA_RESETHAND; /* a second Ctrl-C ends the program at once */
+    sigaction(SIGINT, &action, NULL);
+    sigaction(SIGTERM, &action, NULL);
+    signal(SIGXFSZ, SIG_IGN); /* a file limit is a write error, not a death */
+}
+
+static gneiss_status finish(const gn_options *o, gn_run *run, gneiss_error *error) {
+    gneiss_status status = gn_run_finish(run, error);
+    if (status != GNEISS_OK) return status;
+    gn_print_summary(o, run);
+    if (o->json) {
+        char path[GN_PATH_SIZE + 32], *text = NULL;
+        snprintf(path, sizeof path, "%s/summary.json", run->directory);
+        GN_TRY(gn_read_text_file(path, 1 << 20, &text, error));
+        fputs(text, stdout);
+        free(text);
+    }
+    return GNEISS_OK;
+}
+
+/* The bad state is kept for looking at; the message of the first error is the one that counts. */
+static gneiss_status fail(gn_run *run, gneiss_error *error) {
+    gneiss_error second = {0};
+    gneiss_status status = error->status;
+    if (gn_run_write_failure(run, error->message, &second) == GNEISS_OK) {
+        char first[GNEISS_MESSAGE_SIZE];
+        memcpy(first, error->message, sizeof first);
+        gn_fail(error, status, "%.1500s\n  the state is in %.300s (failed_*.hdf, results.h5)", first,
+                run->directory);
+    }
+    return status;
+}
+
+static gneiss_status go(const gn_options *o, gn_run *run, gneiss_error *error) {
+    gn_print_start(o, run);
+    while (!run->finished) {
+        double pause = isatty(STDERR_FILENO) || o->json ? 0.5 : 5.0;
+        gneiss_status status = gn_run_advance(run, pause, &interrupted, error);
+        if (status == GNEISS_ERROR_UNSTABLE) return fail(run, error);
+        GN_TRY(status);
+        gn_print_progress(o, run);
+        if (!interrupted || run->finished) continue;
+        snprintf(run->stop_reason, sizeof run->stop_reason, "interrupted");
+        GN_TRY(gn_run_checkpoint(run, error));
+        return gn_fail(error, GNEISS_INTERRUPTED, "interrupted at step %lld; go on with: gneiss resume %s",
+                       (long long)run->world.step, run->directory);
+    }
+    return finish(o, run, error);
+}
+
+static gneiss_status command_run(const gn_options *o, gneiss_error *error) {
+    gn_scene scene;
+    gn_run *run = calloc(1, sizeof *run);
+    if (!run) return gn_fail(error, GNEISS_ERROR_MEMORY, "no memory");
+    gneiss_status status = gn_scene_load(o->target, o->overrides, o->override_count, &scene, error);
+    if (status == GNEISS_OK) status = gn_run_start(&scene, o->out, run, error);
+    if (status == GNEISS_OK) {
+        status = go(o, run, error);
+        gn_run_free(run);
+    }
+    free(run);
+    return status;
+}
+
+static gneiss_status command_resume(const gn_options *o, gneiss_error *error) {
+    gn_run *run = calloc(1, sizeof *run);
+    if (!run) return gn_fail(error, GNEISS_ERROR_MEMORY, "no memory");
+    gneiss_status status = gn_run_resume(o->target, o->overrides, o->override_count, run, error);
+    if (status == GNEISS_OK) {
+        status = go(o, run, error);
+        gn_run_free(run);
+    }
+    free(run);
+    return status;
+}
+
+/* `plan` and `check` build the world and write nothing. */
+static gneiss_status command_look(const gn_options *o, bool plan, gneiss_error *error) {
+    gn_scene scene;
+    gn_world *world = calloc(1, sizeof *world);
+    if (!world) return gn_fail(error, GNEISS_ERROR_MEMORY, "no memory");
+    int warnings = 0;
+    gneiss_status status = gn_scene_load(o->target, o->overrides, o->override_count, &scene, error);
+    if (status == GNEISS_OK) status = gn_world_create(&scene, world, error);
+    if (status == GNEISS_OK) {
+        if (!plan) status = gn_print_check(world, &warnings, error);
+        if (status == GNEISS_OK) status = gn_print_plan(world, error);
+        gn_world_free(world);
+    }
+    if (status == GNEISS_OK && !plan)
+        printf("%s: %s\n", o->target, warnings ? "can run; mind the warnings above" : "can run");
+    free(world);
+    return status;
+}
+
+/* The report is a Python script: next to the program's source tree, or where it was installed. */
+static gneiss_status command_report(const gn_options *o, gneiss_error *error) {
+    const char *script = getenv("GNEISS_REPORT");
+    char self[GN_PATH_SIZE] = "", path[2 * GN_PATH_SIZE];
+    if (!script) {
+        ssize_t n = readlink("/proc/self/exe", self, sizeof self - 1);
+        if (n > 0) self[n] = 0;
+        char *slash = strrchr(self, '/');
+        if (slash) *slash = 0;
+        const char *places[] = {"../tools/report.py", "../share/gneiss/report.py"};
+        for (size_t k = 0; k < 2 && !script; k++) {
+            snprintf(path, sizeof path, "%s/%s", self, places[k]);
+            if (access(path, R_OK) == 0) script = path;
+        }
+    }
+    if (!script)
+        return gn_fail(error, GNEISS_ERROR_IO, "report.py is neither in ../tools nor in ../share/gneiss of "
+                                               "the program (GNEISS_REPORT names another place)");
+    execl("/usr/bin/python3", "python3", script, o->target, (char *)NULL);
+    return gn_fail(error, GNEISS_ERROR_IO, "/usr/bin/python3 could not be started");
+}
+
+static void command_info(void) {
+    printf("gneiss %s (%s)\n", gn_version(), gn_build());
+    printf("threads           %d\n", omp_get_num_procs());
+    printf("instruction sets ");
+    for (int k = 0; k < GN_KERNEL_SETS; k++) {
+        const gn_kernel_set *set = gn_kernel_set_at(k);
+        printf(" %s%s", set->name, gn_kernel_set_supported(set) ? "" : " (not on this machine)");
+    }
+    printf("\nprecision         double\n");
+    size_t contact = 0, motion = 0;
+    for (int k = 0; k < GN_CONTACT_VARIANTS; k++) contact += gn_contact_table_scalar[k] != NULL;
+    for (int k = 0; k < GN_MOTION_VARIANTS; k++) motion += gn_motion_table_scalar[k] != NULL;
+    printf("kernel variants   %zu contact, %zu motion, for each instruction set\n", contact, motion);
+}
+
+static gneiss_status dispatch(const gn_options *o, gneiss_error *error) {
+    if (strcmp(o->command, "run") == 0) return command_run(o, error);
+    if (strcmp(o->command, "resume") == 0) return command_resume(o, error);
+    if (strcmp(o->command, "check") == 0) return command_look(o, false, error);
+    if (strcmp(o->command, "plan") == 0) return command_look(o, true, error);
+    if (strcmp(o->command, "report") == 0) return command_report(o, error);
+    if (strcmp(o->command, "info") == 0) {
+        command_info();
+        return GNEISS_OK;
+    }
+    if (gn_scene_print_keys(stdout, o->markdown, o->target) == 0)
+        return gn_fail(error, GNEISS_ERROR_INPUT, "keys: expected the beginning of a key, found '%s'", o->target);
+    return GNEISS_OK;
+}
+
+int main(int argc, char **argv) {
+    gneiss_error error = {0};
+    gn_options options;
+    bool done = false;
+    catch_signals();
+    gneiss_status status = gn_options_parse(argc, argv, &options, &done, &error);
+    if (status == GNEISS_OK && !done) status = dispatch(&options, &error);
+    if (status != GNEISS_OK)
+        fprintf(stderr, "gneiss: %s: %s\n", gn_status_name(status), error.message);
+    gn_options_free(&options);
+    return (int)status;
+}

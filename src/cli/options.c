@@ -1,0 +1,149 @@
+#include "cli/options.h"
+
+#include "sim/run.h"
+
+#include <getopt.h>
+#include <stdlib.h>
+#include <string.h>
+
+typedef struct command {
+    const char *name, *arguments, *text;
+    bool needs_target;
+} command;
+
+static const command commands[] = {
+    {"run", "SCENE", "run a scene", true},
+    {"check", "SCENE", "read a scene and look its specimen over, run nothing", true},
+    {"plan", "SCENE", "print what a run would compute, store and cost", true},
+    {"resume", "DIR", "go on from the newest checkpoint in an output folder", true},
+    {"report", "DIR", "make report.html from the results in an output folder", true},
+    {"keys", "[PREFIX]", "print the keys of a scene file (--markdown for docs)", false},
+    {"info", "", "print version, instruction sets, threads", false},
+};
+enum { COMMANDS = sizeof commands / sizeof *commands };
+
+void gn_print_usage(FILE *out) {
+    fprintf(out, "gneiss %s: bonded discrete elements for rock and concrete\n\nusage: gneiss COMMAND "
+                 "[options]\n\ncommands:\n",
+            gn_version());
+    for (size_t k = 0; k < COMMANDS; k++)
+        fprintf(out, "  %-7s %-9s %s\n", commands[k].name, commands[k].arguments, commands[k].text);
+    fputs("\noptions:\n"
+          "  --out DIR          output folder (default: runs/<scene name>)\n"
+          "  --set KEY=VALUE    override a key of the scene: --set time.end=2ms, --set walls.top.friction=0.2\n"
+          "  --threads N        threads (default: all cores)\n"
+          "  --precision P      double\n"
+          "  --isa NAME         scalar, avx2, avx512 (default: GNEISS_ISA, else the widest)\n"
+          "  --quiet            no progress line, no tables\n"
+          "  --log json         progress and summary as JSON lines on standard output\n"
+          "  --markdown         keys: as Markdown\n"
+          "  --help, --version\n"
+          "\nexit codes: 0 done, 1 defect of gneiss, 2 input cannot be used, 3 file could not be read or\n"
+          "written, 4 out of memory, 5 run went bad, 6 interrupted (a checkpoint was written)\n",
+          out);
+}
+
+static const command *find_command(const char *name) {
+    for (size_t k = 0; k < COMMANDS; k++)
+        if (strcmp(commands[k].name, name) == 0) return &commands[k];
+    return NULL;
+}
+
+static gneiss_status add_override(gn_options *o, const char *key, const char *value, gneiss_error *error) {
+    if (o->override_count == GN_MAX_OVERRIDES)
+        return gn_fail(error, GNEISS_ERROR_INPUT, "expected at most %d overrides", GN_MAX_OVERRIDES);
+    o->overrides[o->override_count++] = (gn_override){key, value};
+    return GNEISS_OK;
+}
+
+/* "key=value" */
+static gneiss_status add_set(gn_options *o, const char *text, gneiss_error *error) {
+    const char *equals = strchr(text, '=');
+    if (!equals || equals == text)
+        return gn_fail(error, GNEISS_ERROR_INPUT, "--set: expected KEY=VALUE, found '%s'", text);
+    char *key = strndup(text, (size_t)(equals - text));
+    if (!key || o->held_count == GN_MAX_OVERRIDES) {
+        free(key);
+        return gn_fail(error, GNEISS_ERROR_INPUT, "--set: too many overrides");
+    }
+    o->held[o->held_count++] = key;
+    return add_override(o, key, equals + 1, error);
+}
+
+static gneiss_status check_target(const gn_options *o, int argc, char **argv, int first,
+                                  gneiss_error *error) {
+    const command *c = find_command(o->command);
+    if (!c)
+        return gn_fail(error, GNEISS_ERROR_INPUT, "unknown command '%s' (gneiss --help lists them)",
+                       o->command);
+    if (c->needs_target && !o->target)
+        return gn_fail(error, GNEISS_ERROR_INPUT, "gneiss %s: expected %s", c->name, c->arguments);
+    if (first + 1 < argc)
+        return gn_fail(error, GNEISS_ERROR_INPUT, "gneiss %s: expected one argument, found also '%s'",
+                       c->name, argv[first + 1]);
+    return GNEISS_OK;
+}
+
+enum { OPT_OUT = 256, OPT_SET, OPT_THREADS, OPT_PRECISION, OPT_ISA, OPT_QUIET, OPT_LOG, OPT_MARKDOWN,
+       OPT_HELP, OPT_VERSION };
+
+static const struct option long_options[] = {
+    {"out", required_argument, 0, OPT_OUT},
+    {"set", required_argument, 0, OPT_SET},
+    {"threads", required_argument, 0, OPT_THREADS},
+    {"precision", required_argument, 0, OPT_PRECISION},
+    {"isa", required_argument, 0, OPT_ISA},
+    {"quiet", no_argument, 0, OPT_QUIET},
+    {"log", required_argument, 0, OPT_LOG},
+    {"markdown", no_argument, 0, OPT_MARKDOWN},
+    {"help", no_argument, 0, OPT_HELP},
+    {"version", no_argument, 0, OPT_VERSION},
+    {0, 0, 0, 0},
+};
+
+static gneiss_status apply(gn_options *o, int option, const char *value, gneiss_error *error) {
+    switch (option) {
+    case OPT_OUT: o->out = value; return GNEISS_OK;
+    case OPT_SET: return add_set(o, value, error);
+    case OPT_THREADS: return add_override(o, "run.threads", value, error);
+    case OPT_PRECISION: return add_override(o, "run.precision", value, error);
+    case OPT_ISA: return add_override(o, "run.isa", value, error);
+    case OPT_QUIET: o->quiet = true; return GNEISS_OK;
+    case OPT_MARKDOWN: o->markdown = true; return GNEISS_OK;
+    case OPT_LOG:
+        if (strcmp(value, "json") != 0 && strcmp(value, "text") != 0)
+            return gn_fail(error, GNEISS_ERROR_INPUT, "--log: expected json or text, found '%s'", value);
+        o->json = strcmp(value, "json") == 0;
+        return GNEISS_OK;
+    default: return gn_fail(error, GNEISS_ERROR_INPUT, "unknown option (gneiss --help lists them)");
+    }
+}
+
+gneiss_status gn_options_parse(int argc, char **argv, gn_options *o, bool *done, gneiss_error *error) {
+    memset(o, 0, sizeof *o);
+    *done = false;
+    opterr = 0;
+    for (;;) {
+        int option = getopt_long(argc, argv, "", long_options, NULL);
+        if (option < 0) break;
+        if (option == OPT_HELP || option == OPT_VERSION) {
+            if (option == OPT_HELP) gn_print_usage(stdout);
+            else printf("gneiss %s (%s)\n", gn_version(), gn_build());
+            *done = true;
+            return GNEISS_OK;
+        }
+        if (option == '?')
+            return gn_fail(error, GNEISS_ERROR_INPUT, "'%s': unknown option or missing value (gneiss --help)",
+                           argv[optind - 1]);
+        GN_TRY(apply(o, option, optarg, error));
+    }
+    if (optind == argc) return gn_fail(error, GNEISS_ERROR_INPUT, "expected a command (gneiss --help lists them)");
+    o->command = argv[optind];
+    int first = optind + 1;
+    o->target = first < argc ? argv[first] : NULL;
+    return check_target(o, argc, argv, first, error);
+}
+
+void gn_options_free(gn_options *o) {
+    for (size_t k = 0; k < o->held_count; k++) free(o->held[k]);
+}

@@ -1,0 +1,28 @@
+/* Command line: what every command understands. */
+#ifndef GN_CLI_OPTIONS_H
+#define GN_CLI_OPTIONS_H
+
+#include "scene/scene.h"
+
+enum { GN_MAX_OVERRIDES = 64 };
+
+typedef struct gn_options {
+    const char *command;
+    const char *target; /* scene file or output folder; NULL when not given */
+    const char *out;    /* --out */
+    bool quiet, json;   /* --quiet, --log json */
+    bool markdown;      /* keys --markdown */
+    gn_override overrides[GN_MAX_OVERRIDES];
+    size_t override_count;
+    char *held[GN_MAX_OVERRIDES]; /* copies of the keys of --set key=value */
+    size_t held_count;
+} gn_options;
+
+/* *exit_code is set when there is nothing more to do (--help, --version). */
+gneiss_status gn_options_parse(int argc, char **argv, gn_options *options, bool *done,
+                               gneiss_error *error);
+void gn_options_free(gn_options *options);
+
+void gn_print_usage(FILE *out);
+
+#endif

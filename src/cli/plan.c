@@ -1,0 +1,159 @@
+#include "cli/plan.h"
+
+#include "base/timer.h"
+#include "cli/progress.h"
+
+#include <math.h>
+#include <stdlib.h>
+
+static void print_effects(const gn_world *w) {
+    printf("effects\n");
+    for (int k = 0; k < GN_EFFECT_COUNT; k++)
+        printf("  %c %-22s %s\n", w->effects >> k & 1 ? '+' : '-', gn_effect_name((gn_effect_index)k),
+               gn_effect_text((gn_effect_index)k));
+}
+
+static void print_record(const gn_record *record, const char *name, gn_effects effects, size_t count) {
+    printf("  %-18s %10zu x %4zu bytes:", name, count, gn_record_bytes(record, effects));
+    for (size_t f = 0; f < record->field_count; f++)
+        if (gn_field_active(&record->fields[f], effects)) printf(" %s", record->fields[f].name);
+    printf("\n");
+}
+
+static void print_kernels(const gn_world *w) {
+    char name[200];
+    printf("kernels (%s, %d lanes, double)\n", w->kernels->name, w->kernels->lanes);
+    if (w->bonds.soa.count) {
+        gn_contact_variant_name(gn_contact_variant(w->bonds.soa.effects), name, sizeof name);
+        printf("  bonds   %s\n", name);
+    }
+    gn_contact_variant_name(gn_contact_variant(w->pairs.soa.effects), name, sizeof name);
+    printf("  pairs   %s\n", name);
+    gn_motion_variant_name(gn_motion_variant(w->effects), name, sizeof name);
+    printf("  motion  %s\n", name);
+}
+
+static void print_step(const gn_world *w) {
+    double sharp = w->limit.sharp;
+    printf("step\n  dt               %.6g s%s\n", w->dt, w->scene.step > 0.0 ? " (given)" : "");
+    printf("  sharp limit      %.6g s  (Lanczos, %d vectors; fastest mode at particle %d)  dt/limit %.3f\n",
+           sharp, w->limit.iterations, w->limit.sharp_id, w->dt / sharp);
+    printf("  rigorous bound   %.6g s  = %.3f of the sharp limit (particle %d)\n", w->limit.bound,
+           w->limit.bound / sharp, w->limit.bound_id);
+    printf("  literature       %.6g s  = %.3f of the sharp limit (min 2 sqrt(m/k), one spring); with its factor "
+           "%.2f: %.3f\n",
+           w->limit.literature, w->limit.literature / sharp, w->scene.dimension == 3 ? 0.17 : 0.3,
+           (w->scene.dimension == 3 ? 0.17 : 0.3) * w->limit.literature / sharp);
+}
+
+/* Seconds per step from a few steps of the real thing. */
+static gneiss_status time_steps(gn_world *w, double *seconds, gneiss_error *error) {
+    for (int k = 0; k < 20; k++) GN_TRY(gn_world_step(w, false, error));
+    double start = gn_now();
+    int steps = 0;
+    do {
+        for (int k = 0; k < 20; k++) GN_TRY(gn_world_step(w, false, error));
+        steps += 20;
+    } while (gn_now() - start < 0.25);
+    *seconds = (gn_now() - start) / steps;
+    return GNEISS_OK;
+}
+
+gneiss_status gn_print_plan(gn_world *w, gneiss_error *error) {
+    char text[32];
+    print_effects(w);
+    printf("storage\n");
+    print_record(&gn_particle_record, "particles", w->effects, w->particles.soa.count);
+    if (w->bonds.soa.count) print_record(&gn_contact_record, "bonds", w->bonds.soa.effects, w->bonds.soa.count);
+    print_record(&gn_contact_record, "pairs", w->pairs.soa.effects, w->pairs.soa.count);
+    if (w->effects & GN_FX_WALLS)
+        print_record(&gn_wall_contact_record, "wall contacts", w->effects, w->wall_contacts.soa.count);
+    printf("  in all %.1f MB; forces are summed in two passes (contact rows, then gather)\n",
+           (double)gn_world_bytes(w) / 1e6);
+    print_kernels(w);
+    print_step(w);
+    double steps = ceil(w->scene.end / w->dt), per_step = 0.0;
+    double contacts = (double)(w->bonds.soa.count + w->pairs.soa.count);
+    GN_TRY(time_steps(w, &per_step, error));
+    printf("cost\n  steps            %.0f to t = %g s%s\n", steps, w->scene.end,
+           w->scene.stop_peak_drop > 0.0 || w->scene.stop_strain > 0.0 ? " (a stop condition may come first)" : "");
+    printf("  per step         %.1f us with %d threads: %s contact-steps/s\n", per_step * 1e6, w->threads,
+           gn_format_count(contacts / per_step, text, sizeof text));
+    printf("  time             %s\n", gn_format_seconds(per_step * steps, text, sizeof text));
+    return GNEISS_OK;
+}
+
+/* --- check ------------------------------------------------------------------------------------------ */
+
+static void print_bond_numbers(const gn_world *w, int *warnings) {
+    if (!w->particles.bonds0) return;
+    size_t none = 0, few = 0, n = w->particles.soa.count;
+    int most = 0;
+    for (size_t p = 0; p < n; p++) {
+        int b = w->particles.bonds0[p];
+        none += b == 0;
+        few += b < (w->scene.dimension == 3 ? 4 : 3);
+        most = b > most ? b : most;
+    }
+    printf("  bonds            %zu, %.2f per particle (2 bonds/particles), at most %d\n", w->bonds.soa.count,
+           2.0 * (double)w->bonds.soa.count / (double)n, most);
+    if (few) printf("  loosely held     %zu particles with fewer than %d bonds, %zu of them with none\n", few,
+                    w->scene.dimension == 3 ? 4 : 3, none);
+    if (none) {
+        printf("  warning: %zu particles are not bonded to anything\n", none);
+        (*warnings)++;
+    }
+}
+
+static void print_walls(const gn_world *w, int *warnings) {
+    for (size_t k = 0; k < w->scene.wall_count; k++) {
+        size_t touching = 0, behind = 0;
+        double deepest = 0.0;
+        const gn_wall *wall = &w->walls[k];
+        for (size_t p = 0; p < w->particles.soa.count; p++) {
+            const double *x = w->particles.pos + 4 * p;
+            double gap = -x[3];
+            for (int a = 0; a < 3; a++) gap += (x[a] - wall->point[a]) * wall->normal[a];
+            touching += gap <= 0.0;
+            behind += gap < -x[3];
+            deepest = fmin(deepest, gap);
+        }
+        printf("  wall %-12s %zu particles touch it, deepest %.3g m\n", w->scene.walls[k].name, touching,
+               -deepest);
+        if (behind) {
+            printf("  warning: %zu particles have their centre behind wall '%s'\n", behind,
+                   w->scene.walls[k].name);
+            (*warnings)++;
+        }
+    }
+}
+
+gneiss_status gn_print_check(const gn_world *w, int *warnings, gneiss_error *error) {
+    gn_pair_query query = {&w->particles, (int)w->scene.dimension, 0.0, 0.05, w->effects & GN_FX_PERIODIC,
+                           {w->period[0], w->period[1], w->period[2]}, w->threads};
+    gn_pair_list pairs = {0};
+    GN_TRY(gn_pairs_find(&query, &pairs, error));
+    gn_assembly assembly = gn_world_assembly(w);
+    gn_packing_figures at1, at5;
+    gn_packing_measure(&assembly, (const int32_t *)pairs.pair, pairs.count, 0.01, w->volume, &at1);
+    gn_packing_measure(&assembly, (const int32_t *)pairs.pair, pairs.count, 0.05, w->volume, &at5);
+    gn_pair_list_free(&pairs);
+    *warnings = 0;
+    printf("specimen\n  particles        %zu, radius %.4g to %.4g m, mean %.4g m\n", at5.particles,
+           at5.radius_min, at5.radius_max, at5.radius_mean);
+    for (int a = 0; a < (int)w->scene.dimension; a++)
+        printf("  %c                %.6g to %.6g m (surfaces)\n", "xyz"[a], w->lower[a], w->upper[a]);
+    printf("  porosity         %.2f %% (overlapping volume counted twice)\n", 100.0 * at5.porosity);
+    printf("  coordination     %.2f at gaps up to 1 %%, %.2f up to 5 %% of r_i + r_j\n", at1.coordination,
+           at5.coordination);
+    printf("  fabric           %.4f %.4f %.4f\n", at5.fabric[0], at5.fabric[4], at5.fabric[8]);
+    printf("  overlaps         at most %.2f %% of r_i + r_j (particles %d and %d), mean %.2f %%\n",
+           100.0 * at5.overlap_max, at5.overlap_i, at5.overlap_j, 100.0 * at5.overlap_mean);
+    if (at5.overlap_max > 0.02 && !(w->effects & GN_FX_BONDS && w->scene.passive_gaps)) {
+        printf("  warning: overlaps are not stress-free in this scene; the specimen will spring apart\n");
+        (*warnings)++;
+    }
+    print_bond_numbers(w, warnings);
+    print_walls(w, warnings);
+    return GNEISS_OK;
+}

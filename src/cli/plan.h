@@ -1,0 +1,14 @@
+/* `gneiss plan` and `gneiss check`. */
+#ifndef GN_CLI_PLAN_H
+#define GN_CLI_PLAN_H
+
+#include "sim/world.h"
+
+/* Effects, bytes, kernels, step, steps, memory, time. Takes a few steps to measure the speed, so the world is
+ * not at its start afterwards. */
+gneiss_status gn_print_plan(gn_world *world, gneiss_error *error);
+
+/* Packing figures, bonds per particle, and what looks wrong; *warnings counts those. */
+gneiss_status gn_print_check(const gn_world *world, int *warnings, gneiss_error *error);
+
+#endif

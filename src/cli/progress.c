@@ -1,0 +1,126 @@
+#include "cli/progress.h"
+
+#include "io/files.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <unistd.h>
+
+const char *gn_format_seconds(double s, char *text, size_t size) {
+    if (!isfinite(s)) snprintf(text, size, "?");
+    else if (s < 100.0) snprintf(text, size, "%.1f s", s);
+    else if (s < 6000.0) snprintf(text, size, "%d min %02d s", (int)(s / 60.0), (int)fmod(s, 60.0));
+    else snprintf(text, size, "%d h %02d min", (int)(s / 3600.0), (int)fmod(s / 60.0, 60.0));
+    return text;
+}
+
+const char *gn_format_count(double v, char *text, size_t size) {
+    static const char *const suffix[] = {"", " k", " M", " G", " T"};
+    int k = 0;
+    while (fabs(v) >= 1000.0 && k < 4) {
+        v /= 1000.0;
+        k++;
+    }
+    snprintf(text, size, "%.3g%s", v, suffix[k]);
+    return text;
+}
+
+static void progress_json(const gn_progress *p) {
+    gn_json *j = gn_json_begin();
+    gn_json_integer(j, "step", p->step);
+    gn_json_number(j, "time", p->time);
+    gn_json_number(j, "end", p->end);
+    gn_json_number(j, "seconds", p->seconds);
+    gn_json_number(j, "particle_steps_per_second", p->particle_steps_per_second);
+    gn_json_number(j, "contact_steps_per_second", p->contact_steps_per_second);
+    gn_json_number(j, "eta", p->eta);
+    gn_json_number(j, "unbalanced", p->unbalanced);
+    gn_json_integer(j, "broken", p->broken);
+    gn_json_number(j, "energy_residual", p->residual);
+    gn_json_number(j, "stress", p->stress);
+    gn_json_number(j, "strain", p->strain);
+    gn_json_bool(j, "finished", p->finished);
+    char *text = gn_json_finish(j, false);
+    if (text) puts(text);
+    free(text);
+    fflush(stdout);
+}
+
+void gn_print_progress(const gn_options *o, const gn_run *run) {
+    if (o->quiet) return;
+    gn_progress p = gn_run_progress(run);
+    if (o->json) {
+        progress_json(&p);
+        return;
+    }
+    char rate[32], eta[32];
+    bool terminal = isatty(STDERR_FILENO);
+    fprintf(stderr, "%sstep %lld  t %.4g/%.4g s  %s particle-steps/s  ETA %s  unbalanced %.2g  broken %lld  "
+                    "residual %.1e",
+            terminal ? "\r\033[K" : "", (long long)p.step, p.time, p.end,
+            gn_format_count(p.particle_steps_per_second, rate, sizeof rate),
+            gn_format_seconds(p.eta, eta, sizeof eta), p.unbalanced, (long long)p.broken, p.residual);
+    if (!isnan(p.stress)) fprintf(stderr, "  stress %.4g MPa  strain %.3g %%", p.stress / 1e6, p.strain * 100.0);
+    fputs(terminal && !p.finished ? "" : "\n", stderr);
+    fflush(stderr);
+}
+
+void gn_print_start(const gn_options *o, const gn_run *run) {
+    const gn_world *w = &run->world;
+    if (o->quiet || o->json) return;
+    printf("%s\n", w->scene.title[0] ? w->scene.title : w->scene.source);
+    printf("%zu particles, %zu bonds, %zu other pairs in the lists; %d thread%s, %s\n", w->particles.soa.count,
+           w->bonds.soa.count, w->pairs.soa.count, w->threads, w->threads == 1 ? "" : "s", w->kernels->name);
+    printf("step %.4g s = %.2f of the sharp limit %.4g s (rigorous bound %.4g s, one-spring estimate of the "
+           "literature %.4g s)\n",
+           w->dt, w->dt / w->limit.sharp, w->limit.sharp, w->limit.bound, w->limit.literature);
+    printf("output: %s\n", run->directory);
+    fflush(stdout);
+}
+
+static void print_readings(const gn_run *run) {
+    const gn_world *w = &run->world;
+    gn_readings r = gn_record_readings(w, &run->history);
+    if (w->scene.test.kind == GN_TEST_NONE) return;
+    printf("  Young's modulus        %10.4g GPa   (1-50 %% of the peak, platen strain)\n", r.young_modulus / 1e9);
+    printf("                         %10.4g GPa   (over the average strain)\n", r.young_modulus_average / 1e9);
+    printf("  Poisson's ratio        %10.4g\n", r.poisson_ratio);
+    if (w->scene.dimension == 2)
+        printf("  plane strain           %10.4g GPa, nu %.4g\n", r.plane_young_modulus / 1e9,
+               r.plane_poisson_ratio);
+    printf("  peak stress            %10.4g MPa\n", r.peak_stress / 1e6);
+    printf("  strain at the peak     %10.4g %%\n", r.peak_strain * 100.0);
+}
+
+static void print_profile(const gn_run *run) {
+    double total = gn_run_progress(run).seconds;
+    char text[32];
+    printf("\nprofile\n");
+    for (int k = 0; k < GN_PHASE_COUNT; k++)
+        if (run->world.seconds[k] > 0.0)
+            printf("  %-36s %9.3f s %5.1f %%\n", gn_phase_text((gn_phase)k), run->world.seconds[k],
+                   100.0 * run->world.seconds[k] / total);
+    printf("  %-36s %9.3f s\n", "total", total);
+    gn_progress p = gn_run_progress(run);
+    printf("  %s particle-steps/s", gn_format_count(p.particle_steps_per_second, text, sizeof text));
+    printf(", %s contact-steps/s", gn_format_count(p.contact_steps_per_second, text, sizeof text));
+    printf(", %lld list rebuilds\n", (long long)run->world.verlet.rebuilds);
+}
+
+void gn_print_summary(const gn_options *o, const gn_run *run) {
+    const gn_world *w = &run->world;
+    if (o->quiet || o->json) return;
+    printf("\n%s after %lld steps (t = %.4g s)\n\n", run->stop_reason, (long long)w->step, w->time);
+    print_readings(run);
+    if (w->effects & GN_FX_BONDS)
+        printf("  bonds broken           %10lld in tension, %lld in shear, of %lld\n",
+               (long long)w->broken_tension, (long long)w->broken_shear, (long long)w->bonds_at_start);
+    if (w->lost) printf("  particles removed      %10lld\n", (long long)w->lost);
+    if (w->effects & GN_FX_ENERGY)
+        printf("  energy residual        %10.2e   (of %.4g J)\n", gn_energy_residual(&w->reading),
+               gn_energy_scale(&w->reading));
+    printf("  state hash       %016llx\n", (unsigned long long)gn_world_hash(w));
+    print_profile(run);
+    printf("\nwritten to %s: results.h5, summary.json, particles.hdf.series%s\n", run->directory,
+           w->effects & GN_FX_BONDS ? ", bonds.hdf.series" : "");
+}

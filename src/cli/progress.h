@@ -1,0 +1,23 @@
+/* What a run says while it goes and when it is over. */
+#ifndef GN_CLI_PROGRESS_H
+#define GN_CLI_PROGRESS_H
+
+#include "cli/options.h"
+#include "sim/run.h"
+
+/* One line, rewritten in place on a terminal, one line a call elsewhere. */
+void gn_print_progress(const gn_options *options, const gn_run *run);
+
+/* The step and its limits, at the start. */
+void gn_print_start(const gn_options *options, const gn_run *run);
+
+/* Readings, counts and the profile. */
+void gn_print_summary(const gn_options *options, const gn_run *run);
+
+/* "2 h 03 min", "12.4 s" into text. */
+const char *gn_format_seconds(double seconds, char *text, size_t size);
+
+/* 1234567 -> "1.23 M" */
+const char *gn_format_count(double value, char *text, size_t size);
+
+#endif

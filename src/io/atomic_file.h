@@ -1,0 +1,32 @@
+/* A file that appears under its name whole or not at all: written beside it, fsynced, renamed. */
+#ifndef GN_IO_ATOMIC_FILE_H
+#define GN_IO_ATOMIC_FILE_H
+
+#include "base/error.h"
+
+#include <stddef.h>
+
+typedef struct gn_atomic_file {
+    int descriptor;
+    char *path;      /* own */
+    char *temporary; /* own: path + ".tmp" */
+} gn_atomic_file;
+
+/* Opens path.tmp (an old one is emptied). GNEISS_ERROR_IO: folder missing, no permission, or `path`
+ * is there and is not a regular file. After a failure there is nothing to free. */
+gneiss_status gn_atomic_create(gn_atomic_file *file, const char *path, gneiss_error *error);
+
+/* On failure (disk full) the caller still has to call gn_atomic_abort. */
+gneiss_status gn_atomic_write(gn_atomic_file *file, const void *bytes, size_t size,
+                              gneiss_error *error);
+
+/* fsync, rename, fsync of the folder; frees. On failure the temporary file is removed. */
+gneiss_status gn_atomic_commit(gn_atomic_file *file, gneiss_error *error);
+
+/* Removes the temporary file and frees; harmless after commit or a failed create. */
+void gn_atomic_abort(gn_atomic_file *file);
+
+/* printf into a malloc'ed string; NULL: out of memory. */
+char *gn_text_format(const char *format, ...) __attribute__((format(printf, 1, 2)));
+
+#endif

@@ -1,0 +1,55 @@
+#include "io/checkpoint_files.h"
+
+#include "io/listing.h"
+
+#include <errno.h>
+#include <inttypes.h>
+#include <stdlib.h>
+#include <string.h>
+#include <unistd.h>
+
+static const char prefix[] = "checkpoint", suffix[] = ".h5";
+
+gneiss_status gn_checkpoint_path(const char *directory, int64_t step, char **path,
+                                 gneiss_error *error) {
+    *path = NULL;
+    if (step < 0)
+        return gn_fail(error, GNEISS_ERROR_INTERNAL, "checkpoint of step %" PRId64 " < 0", step);
+    *path = gn_step_path(directory, prefix, step, suffix);
+    return *path ? GNEISS_OK
+                 : gn_fail(error, GNEISS_ERROR_MEMORY, "%s: no memory for a name", directory);
+}
+
+gneiss_status gn_checkpoint_list(const char *directory, int64_t *steps, size_t max, size_t *count,
+                                 gneiss_error *error) {
+    int64_t *all;
+    size_t found;
+    *count = 0;
+    GN_TRY(gn_step_list(directory, prefix, suffix, &all, &found, error));
+    *count = found < max ? found : max;
+    for (size_t k = 0; k < *count; k++) steps[k] = all[found - 1 - k];
+    free(all);
+    return GNEISS_OK;
+}
+
+static gneiss_status remove_checkpoint(const char *directory, int64_t step, gneiss_error *error) {
+    char *path;
+    GN_TRY(gn_checkpoint_path(directory, step, &path, error));
+    gneiss_status status = GNEISS_OK;
+    if (unlink(path) != 0 && errno != ENOENT)
+        status =
+            gn_fail(error, GNEISS_ERROR_IO, "%s: cannot be removed: %s", path, strerror(errno));
+    free(path);
+    return status;
+}
+
+gneiss_status gn_checkpoint_prune(const char *directory, size_t keep, gneiss_error *error) {
+    int64_t *steps;
+    size_t count;
+    GN_TRY(gn_step_list(directory, prefix, suffix, &steps, &count, error));
+    gneiss_status status = GNEISS_OK;
+    for (size_t k = 0; k + keep < count && status == GNEISS_OK; k++)
+        status = remove_checkpoint(directory, steps[k], error);
+    free(steps);
+    return status;
+}

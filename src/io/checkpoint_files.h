@@ -1,0 +1,22 @@
+/* The checkpoints of a run: DIRECTORY/checkpoint_<step, 10 digits or more>.h5. */
+#ifndef GN_IO_CHECKPOINT_FILES_H
+#define GN_IO_CHECKPOINT_FILES_H
+
+#include "base/error.h"
+
+#include <stddef.h>
+#include <stdint.h>
+
+/* *path is malloc'ed. step >= 0. */
+gneiss_status gn_checkpoint_path(const char *directory, int64_t step, char **path,
+                                 gneiss_error *error);
+
+/* The steps of up to `max` checkpoints, newest first; *count is how many were filled in. The names
+ * are looked at, not the contents. Temporary files of killed runs are removed. */
+gneiss_status gn_checkpoint_list(const char *directory, int64_t *steps, size_t max, size_t *count,
+                                 gneiss_error *error);
+
+/* Removes all but the newest `keep`. */
+gneiss_status gn_checkpoint_prune(const char *directory, size_t keep, gneiss_error *error);
+
+#endif

@@ -1,0 +1,132 @@
+#include "io/files.h"
+
+#include "io/atomic_file.h"
+
+#include <errno.h>
+#include <fcntl.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+/* An automounter or a read-only parent may answer EACCES or EROFS for a folder that is there: look.
+ */
+static int make_one(const char *path) {
+    if (mkdir(path, 0777) == 0) return 0;
+    int code = errno;
+    struct stat info;
+    if (stat(path, &info) != 0) return code;
+    return S_ISDIR(info.st_mode) ? 0 : ENOTDIR;
+}
+
+static gneiss_status make_parents(char *path, gneiss_error *error) {
+    for (char *end = path + 1;; end++) {
+        if (*end != '/' && *end != '\0') continue;
+        char saved = *end;
+        *end = '\0';
+        int code = make_one(path);
+        if (code)
+            return gn_fail(error, GNEISS_ERROR_IO, "%s: cannot be made a folder: %s", path,
+                           code == ENOTDIR ? "there is a file of this name" : strerror(code));
+        *end = saved;
+        if (saved == '\0') return GNEISS_OK;
+    }
+}
+
+/* access() does not see quotas, missing inodes and network file systems that map the user: try it.
+ */
+static gneiss_status check_writable(const char *path, gneiss_error *error) {
+    char *probe = gn_text_format("%s/.gneiss-XXXXXX", path);
+    if (!probe) return gn_fail(error, GNEISS_ERROR_MEMORY, "%s: no memory for a name", path);
+    gneiss_status status = GNEISS_OK;
+    int descriptor = mkstemp(probe);
+    if (descriptor < 0) {
+        status = gn_fail(error, GNEISS_ERROR_IO, "%s: nothing can be written there: %s", path,
+                         strerror(errno));
+    } else {
+        close(descriptor);
+        unlink(probe);
+    }
+    free(probe);
+    return status;
+}
+
+gneiss_status gn_make_directory(const char *path, gneiss_error *error) {
+    if (path[0] == '\0')
+        return gn_fail(error, GNEISS_ERROR_INPUT, "expected the name of a folder, found nothing");
+    char *copy = strdup(path);
+    if (!copy) return gn_fail(error, GNEISS_ERROR_MEMORY, "%s: no memory for its name", path);
+    gneiss_status status = make_parents(copy, error);
+    free(copy);
+    if (status != GNEISS_OK) return status;
+    return check_writable(path, error);
+}
+
+gneiss_status gn_write_text_file(const char *path, const char *text, gneiss_error *error) {
+    gn_atomic_file file;
+    GN_TRY(gn_atomic_create(&file, path, error));
+    gneiss_status status = gn_atomic_write(&file, text, strlen(text), error);
+    if (status == GNEISS_OK) return gn_atomic_commit(&file, error);
+    gn_atomic_abort(&file);
+    return status;
+}
+
+/* Reads to the end, at most limit + 1 bytes; errno is set on failure. */
+static char *read_all(int descriptor, size_t limit, size_t *size) {
+    size_t capacity = 4096, used = 0;
+    char *text = malloc(capacity);
+    while (text && used <= limit) {
+        if (used + 1 >= capacity) {
+            capacity *= 2;
+            char *more = realloc(text, capacity);
+            if (!more) break;
+            text = more;
+        }
+        size_t most = capacity - 1 - used;
+        if (most > limit + 1 - used) most = limit + 1 - used;
+        ssize_t got = read(descriptor, text + used, most);
+        if (got < 0 && errno == EINTR) continue;
+        if (got < 0) break;
+        if (got == 0 || (used += (size_t)got) > limit) {
+            text[used] = '\0';
+            *size = used;
+            return text;
+        }
+    }
+    int code = text && errno ? errno : ENOMEM;
+    free(text);
+    errno = code;
+    return NULL;
+}
+
+gneiss_status gn_read_text_file(const char *path, size_t limit, char **text, gneiss_error *error) {
+    *text = NULL;
+    int descriptor;
+    do {
+        descriptor = open(path, O_RDONLY | O_CLOEXEC);
+    } while (descriptor < 0 && errno == EINTR);
+    if (descriptor < 0)
+        return gn_fail(error, GNEISS_ERROR_IO, "%s: cannot be opened: %s", path, strerror(errno));
+    size_t size = 0;
+    char *read_text = read_all(descriptor, limit, &size);
+    int code = errno;
+    close(descriptor);
+    if (!read_text && code == EISDIR)
+        return gn_fail(error, GNEISS_ERROR_INPUT, "%s: expected a file, found a folder", path);
+    if (!read_text && code == ENOMEM)
+        return gn_fail(error, GNEISS_ERROR_MEMORY, "%s: no memory to read it", path);
+    if (!read_text)
+        return gn_fail(error, GNEISS_ERROR_IO, "%s: cannot be read: %s", path, strerror(code));
+    gneiss_status status = GNEISS_OK;
+    if (size > limit)
+        status = gn_fail(error, GNEISS_ERROR_INPUT,
+                         "%s: expected a text of at most %zu bytes, found more", path, limit);
+    else if (strlen(read_text) != size)
+        status = gn_fail(error, GNEISS_ERROR_INPUT, "%s: expected text, found a zero byte at %zu",
+                         path, strlen(read_text));
+    if (status == GNEISS_OK)
+        *text = read_text;
+    else
+        free(read_text);
+    return status;
+}

@@ -1,0 +1,212 @@
+#include "io/h5_private.h"
+
+#include <errno.h>
+#include <fcntl.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+void gn_h5_quiet(void) {
+    (void)H5Eset_auto2(H5E_DEFAULT, NULL, NULL);
+}
+
+static herr_t keep_innermost(unsigned depth, const H5E_error2_t *entry, void *out) {
+    if (depth == 0 && entry->desc) snprintf(out, 256, ": %s", entry->desc);
+    return 0;
+}
+
+gneiss_status gn_h5_fail(const gn_h5 *file, gneiss_error *error, gneiss_status status,
+                         const char *format, ...) {
+    char what[512], reason[256] = "";
+    va_list args;
+    va_start(args, format);
+    vsnprintf(what, sizeof what, format, args);
+    va_end(args);
+    (void)H5Ewalk2(H5E_DEFAULT, H5E_WALK_UPWARD, keep_innermost, reason);
+    (void)H5Eclear2(H5E_DEFAULT);
+    if (file->image.exhausted) status = GNEISS_ERROR_MEMORY;
+    return gn_fail(error, status, "%s: %s%s", file->path, what, reason);
+}
+
+/* A file being created lives in memory and is written by plain write calls at the end: HDF5 1.10
+ * does not survive a full disk (H5Fclose fails, keeps the file open and tries again at exit), and
+ * errno is lost. */
+static void *image_resize(void *data, size_t size, H5FD_file_image_op_t op, void *udata) {
+    (void)op;
+    gn_h5_image *image = udata;
+    if (size > image->capacity) {
+        size_t capacity = size + size / 2 + 65536;
+        void *more = realloc(data, capacity);
+        image->exhausted = image->exhausted || !more;
+        if (!more) return NULL;
+        image->data = more;
+        image->capacity = capacity;
+    }
+    image->size = size;
+    return image->data;
+}
+
+static herr_t image_release(void *data, H5FD_file_image_op_t op, void *udata) {
+    (void)data, (void)op, (void)udata; /* gn_h5_image keeps it */
+    return 0;
+}
+static void *image_udata_copy(void *udata) {
+    return udata;
+}
+static herr_t image_udata_free(void *udata) {
+    (void)udata;
+    return 0;
+}
+
+/* Everything but raw chunks has a checksum in the format of HDF5 1.10 (superblock 3, object headers
+ * 2); chunks have Fletcher32. Older formats have none and a flipped bit could go unseen. */
+static hid_t image_access(gn_h5_image *image) {
+    H5FD_file_image_callbacks_t callbacks = {
+        .image_realloc = image_resize,
+        .image_free = image_release,
+        .udata_copy = image_udata_copy,
+        .udata_free = image_udata_free,
+        .udata = image,
+    };
+    hid_t access = H5Pcreate(H5P_FILE_ACCESS);
+    if (access < 0) return access;
+    if (H5Pset_fapl_core(access, 1, 0) >= 0 &&
+        H5Pset_file_image_callbacks(access, &callbacks) >= 0 &&
+        H5Pset_libver_bounds(access, H5F_LIBVER_V110, H5F_LIBVER_V110) >= 0 &&
+        H5Pset_fclose_degree(access, H5F_CLOSE_STRONG) >= 0)
+        return access;
+    H5Pclose(access);
+    return -1;
+}
+
+static gn_h5 *new_handle(const char *path, gneiss_error *error) {
+    gn_h5 *file = calloc(1, sizeof *file);
+    char *copy = strdup(path);
+    if (!file || !copy) {
+        gn_fail(error, GNEISS_ERROR_MEMORY, "%s: no memory to open it", path);
+        free(file);
+        free(copy);
+        return NULL;
+    }
+    file->path = copy;
+    file->id = -1;
+    file->target.descriptor = -1;
+    return file;
+}
+
+gneiss_status gn_h5_create(const char *path, gn_h5 **out, gneiss_error *error) {
+    gn_h5_quiet();
+    *out = NULL;
+    gn_h5 *file = new_handle(path, error);
+    if (!file) return GNEISS_ERROR_MEMORY;
+    gneiss_status status = gn_atomic_create(&file->target, path, error);
+    if (status == GNEISS_OK) {
+        file->writing = true;
+        hid_t access = image_access(&file->image);
+        /* HDF5 would first read whatever has the name; a file within a file cannot be there. */
+        char *name = gn_text_format("%s/image", file->target.temporary);
+        if (access >= 0 && name) file->id = H5Fcreate(name, H5F_ACC_TRUNC, H5P_DEFAULT, access);
+        free(name);
+        if (access >= 0) H5Pclose(access);
+        if (file->id < 0)
+            status = gn_h5_fail(file, error, GNEISS_ERROR_MEMORY, "cannot be begun in memory");
+    }
+    if (status != GNEISS_OK) {
+        gn_h5_close(file);
+        return status;
+    }
+    *out = file;
+    return GNEISS_OK;
+}
+
+/* Only the checksummed format is taken: a damaged header of an older one can crash the library. */
+static gneiss_status check_signature(const gn_h5 *file, gneiss_error *error) {
+    static const unsigned char expected[9] = {0x89, 'H', 'D', 'F', '\r', '\n', 0x1a, '\n', 3};
+    unsigned char found[9] = {0};
+    int descriptor = open(file->path, O_RDONLY | O_CLOEXEC | O_NONBLOCK);
+    struct stat info;
+    if (descriptor < 0 || fstat(descriptor, &info) != 0) {
+        int code = errno;
+        if (descriptor >= 0) close(descriptor);
+        return gn_fail(error, GNEISS_ERROR_IO, "%s: cannot be opened: %s", file->path,
+                       strerror(code));
+    }
+    bool regular = S_ISREG(info.st_mode);
+    ssize_t got = regular ? pread(descriptor, found, sizeof found, 0) : 0;
+    int code = errno;
+    close(descriptor);
+    if (!regular)
+        return gn_fail(error, GNEISS_ERROR_INPUT, "%s: expected an HDF5 file, found a %s",
+                       file->path, S_ISDIR(info.st_mode) ? "folder" : "device or pipe");
+    if (got < 0)
+        return gn_fail(error, GNEISS_ERROR_IO, "%s: cannot be read: %s", file->path,
+                       strerror(code));
+    if (got == 0)
+        return gn_fail(error, GNEISS_ERROR_INPUT, "%s: expected an HDF5 file, found an empty one",
+                       file->path);
+    if (memcmp(found, expected, 8) != 0)
+        return gn_fail(error, GNEISS_ERROR_INPUT,
+                       "%s: expected an HDF5 file, found something else (no HDF5 signature)",
+                       file->path);
+    if (found[8] != expected[8])
+        return gn_fail(error, GNEISS_ERROR_INPUT,
+                       "%s: expected an HDF5 file of gneiss (superblock 3), found superblock %d",
+                       file->path, found[8]);
+    return GNEISS_OK;
+}
+
+gneiss_status gn_h5_open(const char *path, gn_h5 **out, gneiss_error *error) {
+    gn_h5_quiet();
+    *out = NULL;
+    gn_h5 *file = new_handle(path, error);
+    if (!file) return GNEISS_ERROR_MEMORY;
+    gneiss_status status = check_signature(file, error);
+    if (status == GNEISS_OK) {
+        hid_t access = H5Pcreate(H5P_FILE_ACCESS);
+        /* Files appear whole by renaming, and some cluster file systems have no locks. */
+        (void)H5Pset_file_locking(access, 0, 1);
+        (void)H5Pset_fclose_degree(access, H5F_CLOSE_STRONG);
+        file->id = H5Fopen(path, H5F_ACC_RDONLY, access);
+        (void)H5Pclose(access);
+        if (file->id < 0)
+            status = gn_h5_fail(file, error, GNEISS_ERROR_INPUT, "is damaged or truncated");
+    }
+    if (status != GNEISS_OK) {
+        gn_h5_close(file);
+        return status;
+    }
+    *out = file;
+    return GNEISS_OK;
+}
+
+gneiss_status gn_h5_commit(gn_h5 *file, gneiss_error *error) {
+    gn_h5_quiet();
+    gneiss_status status = GNEISS_OK;
+    if (!file->writing || file->failed)
+        status = gn_fail(error, GNEISS_ERROR_INTERNAL, "%s: not committed: %s", file->path,
+                         file->writing ? "a write into it failed" : "it was opened for reading");
+    /* The flush brings the image to its full size, the close marks it as closed. */
+    else if (H5Fflush(file->id, H5F_SCOPE_GLOBAL) < 0)
+        status = gn_h5_fail(file, error, GNEISS_ERROR_MEMORY, "cannot be completed in memory");
+    else if (H5Fclose(file->id) < 0)
+        status = gn_h5_fail(file, error, GNEISS_ERROR_MEMORY, "cannot be closed in memory");
+    else {
+        file->id = -1;
+        status = gn_atomic_write(&file->target, file->image.data, file->image.size, error);
+        if (status == GNEISS_OK) status = gn_atomic_commit(&file->target, error);
+    }
+    gn_h5_close(file);
+    return status;
+}
+
+void gn_h5_close(gn_h5 *file) {
+    if (!file) return;
+    gn_h5_quiet();
+    if (file->writing) gn_atomic_abort(&file->target);
+    /* Out of memory while closing: HDF5 still holds the image and will touch it at exit. */
+    if (file->id >= 0 && H5Fclose(file->id) < 0) return;
+    free(file->image.data);
+    free(file->path);
+    free(file);
+}

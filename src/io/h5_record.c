@@ -1,0 +1,116 @@
+/* Records, field by field from their manifest. */
+#include "io/h5_private.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+static bool is_kept(const gn_field *field, gn_effects effects) {
+    return field->role != GN_SCRATCH && gn_field_active(field, effects);
+}
+
+/* By name and not by bit: the list of effects may grow. malloc'ed. */
+static char *effects_text(gn_effects effects) {
+    char *text = gn_text_format("%s", "");
+    for (int k = 0; k < GN_EFFECT_COUNT && text; k++) {
+        if (!(effects >> k & 1u)) continue;
+        char *longer = gn_text_format("%s%s%s", text, *text ? "," : "", gn_effect_name(k));
+        free(text);
+        text = longer;
+    }
+    return text;
+}
+
+static gn_h5_shape field_shape(const gn_field *field, size_t count) {
+    size_t components = (size_t)field->components;
+    if (components == 1) return (gn_h5_shape){1, {count, 1}};
+    if (field->layout == GN_ROWS) return (gn_h5_shape){2, {count, components}};
+    return (gn_h5_shape){2, {components, count}};
+}
+
+static size_t field_stride(const gn_field *field, const gn_soa *soa) {
+    if (field->layout == GN_ROWS || field->components == 1) return 0;
+    return soa->capacity * gn_type_size(field->type);
+}
+
+static gneiss_status put_field(gn_h5 *file, const char *group, const gn_field *field,
+                               const void *soa, gneiss_error *error) {
+    const gn_soa *head = soa;
+    char *name = gn_text_format("%s/%s", group, field->name);
+    if (!name) return gn_fail(error, GNEISS_ERROR_MEMORY, "%s: no memory for a name", file->path);
+    gneiss_status status = gn_h5_put_shape(file, name, field->type, field_shape(field, head->count),
+                                           field_stride(field, head), gn_field_data(field, soa),
+                                           field->unit, field->text, error);
+    free(name);
+    return status;
+}
+
+gneiss_status gn_h5_put_record(gn_h5 *file, const char *name, const gn_record *record,
+                               const void *soa, gneiss_error *error) {
+    const gn_soa *head = soa;
+    int64_t count = (int64_t)head->count;
+    GN_TRY(gn_h5_attribute_i64(file, name, "count", &count, 1, error));
+    char *effects = effects_text(head->effects);
+    if (!effects) return gn_fail(error, GNEISS_ERROR_MEMORY, "%s: no memory", file->path);
+    gneiss_status status = gn_h5_attribute_text(file, name, "effects", effects, error);
+    free(effects);
+    for (size_t f = 0; f < record->field_count && status == GNEISS_OK; f++)
+        if (is_kept(&record->fields[f], head->effects))
+            status = put_field(file, name, &record->fields[f], soa, error);
+    return status;
+}
+
+static gneiss_status check_effects(const gn_h5 *file, const char *group, gn_effects effects,
+                                   gneiss_error *error) {
+    char *found;
+    GN_TRY(gn_h5_get_attribute_text(file, group, "effects", &found, error));
+    char *expected = effects_text(effects);
+    gneiss_status status = GNEISS_OK;
+    if (!expected)
+        status = gn_fail(error, GNEISS_ERROR_MEMORY, "%s: no memory", file->path);
+    else if (strcmp(found, expected) != 0)
+        status =
+            gn_fail(error, GNEISS_ERROR_INPUT, "%s: %s: expected the effects %s, found %s",
+                    file->path, group, *expected ? expected : "(none)", *found ? found : "(none)");
+    free(expected);
+    free(found);
+    return status;
+}
+
+/* With soa NULL only looks whether the field is there as expected. */
+static gneiss_status get_field(const gn_h5 *file, const char *group, const gn_field *field,
+                               size_t count, void *soa, gneiss_error *error) {
+    char *name = gn_text_format("%s/%s", group, field->name);
+    if (!name) return gn_fail(error, GNEISS_ERROR_MEMORY, "%s: no memory for a name", file->path);
+    gn_h5_shape shape = field_shape(field, count);
+    gneiss_status status =
+        soa ? gn_h5_get_shape(file, name, field->type, shape, field_stride(field, soa),
+                              gn_field_data(field, soa), error)
+            : gn_h5_check(file, name, field->type, shape, error);
+    free(name);
+    return status;
+}
+
+static gneiss_status get_fields(const gn_h5 *file, const char *group, const gn_record *record,
+                                size_t count, gn_effects effects, void *soa, gneiss_error *error) {
+    for (size_t f = 0; f < record->field_count; f++)
+        if (is_kept(&record->fields[f], effects))
+            GN_TRY(get_field(file, group, &record->fields[f], count, soa, error));
+    return GNEISS_OK;
+}
+
+gneiss_status gn_h5_get_record(const gn_h5 *file, const char *name, const gn_record *record,
+                               void *soa, gn_effects effects, gneiss_error *error) {
+    int64_t count = 0;
+    GN_TRY(gn_h5_get_attribute_i64(file, name, "count", &count, 1, error));
+    GN_TRY(check_effects(file, name, effects, error));
+    if (count < 0)
+        return gn_fail(error, GNEISS_ERROR_INPUT,
+                       "%s: attribute count of %s: expected >= 0, found %lld", file->path, name,
+                       (long long)count);
+    /* All is checked before memory is taken: a wrong count must not ask for more than there is. */
+    GN_TRY(get_fields(file, name, record, (size_t)count, effects, NULL, error));
+    GN_TRY(gn_soa_create(record, soa, (size_t)count, effects, error));
+    gneiss_status status = get_fields(file, name, record, (size_t)count, effects, soa, error);
+    if (status != GNEISS_OK) gn_soa_destroy(record, soa);
+    return status;
+}

@@ -1,0 +1,228 @@
+/* Writing data sets and attributes. */
+#include "base/memory.h"
+#include "io/h5_private.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+/* Up to COMPACT_LIMIT a data set lives in its object header, which has a checksum. */
+enum { COMPACT_LIMIT = 512, TEXT_COMPACT_LIMIT = 60000, CHUNK_BYTES = 1 << 18 };
+
+static hsize_t at_most(hsize_t value, hsize_t limit) {
+    if (limit < 1) limit = 1;
+    if (value <= limit) return value;
+    /* Equal parts, so that the last chunk is not mostly empty. */
+    hsize_t parts = (value + limit - 1) / limit;
+    return (value + parts - 1) / parts;
+}
+
+static hid_t creation_list(gn_type type, gn_h5_shape shape, size_t bytes) {
+    hid_t list = H5Pcreate(H5P_DATASET_CREATE);
+    if (list < 0 || bytes == 0) return list;
+    (void)H5Pset_obj_track_times(list, 0); /* the same data give the same file */
+    if (bytes <= COMPACT_LIMIT) {
+        (void)H5Pset_layout(list, H5D_COMPACT);
+        return list;
+    }
+    hsize_t item = gn_type_size(type), chunk[2] = {0, 1};
+    if (shape.rank == 2) chunk[1] = at_most(shape.size[1], CHUNK_BYTES / item);
+    chunk[0] = at_most(shape.size[0], CHUNK_BYTES / (item * chunk[1]));
+    if (H5Pset_chunk(list, shape.rank, chunk) >= 0 && H5Pset_fletcher32(list) >= 0) return list;
+    H5Pclose(list);
+    return -1;
+}
+
+/* Creates groups on the way to `name`. */
+static hid_t link_list(void) {
+    hid_t list = H5Pcreate(H5P_LINK_CREATE);
+    if (list >= 0) (void)H5Pset_create_intermediate_group(list, 1);
+    return list;
+}
+
+static gneiss_status put_attribute(gn_h5 *file, hid_t object, const char *name, hid_t stored,
+                                   hid_t memory, size_t count, const void *value,
+                                   gneiss_error *error) {
+    hsize_t size = count;
+    hid_t space = count == 1 ? H5Screate(H5S_SCALAR) : H5Screate_simple(1, &size, NULL);
+    if (H5Aexists(object, name) > 0) (void)H5Adelete(object, name);
+    hid_t attribute = H5Acreate2(object, name, stored, space, H5P_DEFAULT, H5P_DEFAULT);
+    gneiss_status status = GNEISS_OK;
+    if (attribute < 0 || (count > 0 && H5Awrite(attribute, memory, value) < 0)) {
+        file->failed = true;
+        status =
+            gn_h5_fail(file, error, GNEISS_ERROR_INTERNAL, "attribute %s cannot be written", name);
+    }
+    if (attribute >= 0) H5Aclose(attribute);
+    if (space >= 0) H5Sclose(space);
+    return status;
+}
+
+/* Fixed length: strings of variable length are kept in a heap without checksums, and the VTK reader
+ * of `Type` takes only these. HDF5 has no strings of length 0; one zero byte reads as "". */
+static hid_t text_type(const char *text) {
+    size_t length = strlen(text);
+    bool ascii = true;
+    for (size_t k = 0; k < length; k++) ascii = ascii && (unsigned char)text[k] < 0x80;
+    hid_t type = H5Tcopy(H5T_C_S1);
+    if (type < 0) return type;
+    (void)H5Tset_size(type, length ? length : 1);
+    (void)H5Tset_strpad(type, H5T_STR_NULLPAD);
+    (void)H5Tset_cset(type, ascii ? H5T_CSET_ASCII : H5T_CSET_UTF8);
+    return type;
+}
+
+static gneiss_status put_text_attribute(gn_h5 *file, hid_t object, const char *name,
+                                        const char *text, gneiss_error *error) {
+    hid_t type = text_type(text);
+    gneiss_status status = put_attribute(file, object, name, type, type, 1, text, error);
+    if (type >= 0) H5Tclose(type);
+    return status;
+}
+
+static gneiss_status check_writing(const gn_h5 *file, const char *name, gneiss_error *error) {
+    if (file->writing) return GNEISS_OK;
+    return gn_fail(error, GNEISS_ERROR_INTERNAL, "%s: %s not written: opened for reading",
+                   file->path, name);
+}
+
+static gneiss_status put_packed(gn_h5 *file, const char *name, gn_type type, gn_h5_shape shape,
+                                size_t bytes, const void *data, const char *unit, const char *text,
+                                gneiss_error *error) {
+    hid_t space = H5Screate_simple(shape.rank, shape.size, NULL);
+    hid_t creation = creation_list(type, shape, bytes), links = link_list();
+    hid_t set =
+        H5Dcreate2(file->id, name, gn_h5_file_type(type), space, links, creation, H5P_DEFAULT);
+    gneiss_status status = GNEISS_OK;
+    if (set < 0 || (bytes > 0 && H5Dwrite(set, gn_h5_memory_type(type), H5S_ALL, H5S_ALL,
+                                          H5P_DEFAULT, data) < 0)) {
+        file->failed = true;
+        status =
+            gn_h5_fail(file, error, GNEISS_ERROR_INTERNAL, "data set %s cannot be written", name);
+    }
+    if (status == GNEISS_OK && unit) status = put_text_attribute(file, set, "unit", unit, error);
+    if (status == GNEISS_OK && text) status = put_text_attribute(file, set, "text", text, error);
+    if (set >= 0) H5Dclose(set);
+    if (links >= 0) H5Pclose(links);
+    if (creation >= 0) H5Pclose(creation);
+    if (space >= 0) H5Sclose(space);
+    return status;
+}
+
+gneiss_status gn_h5_put_shape(gn_h5 *file, const char *name, gn_type type, gn_h5_shape shape,
+                              size_t stride, const void *data, const char *unit, const char *text,
+                              gneiss_error *error) {
+    gn_h5_quiet();
+    GN_TRY(check_writing(file, name, error));
+    size_t row, bytes;
+    if (!gn_h5_shape_bytes(type, shape, &row, &bytes))
+        return gn_fail(error, GNEISS_ERROR_MEMORY, "%s: data set %s is too large", file->path,
+                       name);
+    if (bytes == 0 || stride == 0 || stride == row || shape.size[0] == 1)
+        return put_packed(file, name, type, shape, bytes, data, unit, text, error);
+    void *packed = gn_alloc(bytes);
+    if (!packed)
+        return gn_fail(error, GNEISS_ERROR_MEMORY, "%s: no memory to write data set %s (%zu bytes)",
+                       file->path, name, bytes);
+    gn_h5_move_rows(packed, row, data, stride, row, shape.size[0]);
+    gneiss_status status = put_packed(file, name, type, shape, bytes, packed, unit, text, error);
+    gn_free(packed);
+    return status;
+}
+
+gneiss_status gn_h5_put(gn_h5 *file, const char *name, gn_type type, size_t rows, size_t components,
+                        size_t stride, const void *data, const char *unit, const char *text,
+                        gneiss_error *error) {
+    return gn_h5_put_shape(file, name, type, gn_h5_table(rows, components), stride, data, unit,
+                           text, error);
+}
+
+/* Long texts cannot be compact; their checksum is an attribute. */
+static gneiss_status put_text_hash(gn_h5 *file, hid_t set, const char *text, gneiss_error *error) {
+    int64_t hash = (int64_t)gn_hash_bytes(text, strlen(text), GN_HASH_SEED);
+    return put_attribute(file, set, "fnv1a", H5T_STD_I64LE, H5T_NATIVE_INT64, 1, &hash, error);
+}
+
+gneiss_status gn_h5_put_text(gn_h5 *file, const char *name, const char *text, gneiss_error *error) {
+    gn_h5_quiet();
+    GN_TRY(check_writing(file, name, error));
+    bool compact = strlen(text) <= TEXT_COMPACT_LIMIT;
+    hid_t type = text_type(text), space = H5Screate(H5S_SCALAR), links = link_list();
+    hid_t creation = H5Pcreate(H5P_DATASET_CREATE);
+    (void)H5Pset_obj_track_times(creation, 0);
+    if (compact) (void)H5Pset_layout(creation, H5D_COMPACT);
+    hid_t set = H5Dcreate2(file->id, name, type, space, links, creation, H5P_DEFAULT);
+    gneiss_status status = GNEISS_OK;
+    if (set < 0 || H5Dwrite(set, type, H5S_ALL, H5S_ALL, H5P_DEFAULT, text) < 0) {
+        file->failed = true;
+        status = gn_h5_fail(file, error, GNEISS_ERROR_INTERNAL, "text %s cannot be written", name);
+    }
+    if (status == GNEISS_OK && !compact) status = put_text_hash(file, set, text, error);
+    if (set >= 0) H5Dclose(set);
+    if (creation >= 0) H5Pclose(creation);
+    if (links >= 0) H5Pclose(links);
+    if (space >= 0) H5Sclose(space);
+    if (type >= 0) H5Tclose(type);
+    return status;
+}
+
+/* Every link on the way has to be asked for: H5Lexists fails where a group before it is missing. */
+bool gn_h5_has(const gn_h5 *file, const char *name) {
+    gn_h5_quiet();
+    char part[512];
+    size_t length = strlen(name);
+    if (length >= sizeof part) return false;
+    for (size_t k = 1; k <= length; k++) {
+        if (name[k] != '/' && name[k] != '\0') continue;
+        memcpy(part, name, k);
+        part[k] = '\0';
+        if (H5Lexists(file->id, part, H5P_DEFAULT) <= 0) return strcmp(name, "/") == 0;
+    }
+    return true;
+}
+
+/* Opens the group or data set, making the group if it is not there. */
+static hid_t open_or_make(gn_h5 *file, const char *object) {
+    if (strcmp(object, "/") == 0 || gn_h5_has(file, object))
+        return H5Oopen(file->id, object, H5P_DEFAULT);
+    hid_t links = link_list();
+    hid_t group = H5Gcreate2(file->id, object, links, H5P_DEFAULT, H5P_DEFAULT);
+    if (links >= 0) H5Pclose(links);
+    return group;
+}
+
+static gneiss_status put_named_attribute(gn_h5 *file, const char *object, const char *name,
+                                         hid_t stored, hid_t memory, size_t count,
+                                         const void *value, gneiss_error *error) {
+    gn_h5_quiet();
+    GN_TRY(check_writing(file, name, error));
+    hid_t id = open_or_make(file, object);
+    if (id < 0) {
+        file->failed = true;
+        return gn_h5_fail(file, error, GNEISS_ERROR_INTERNAL, "%s cannot be opened or made",
+                          object);
+    }
+    gneiss_status status = put_attribute(file, id, name, stored, memory, count, value, error);
+    H5Oclose(id);
+    return status;
+}
+
+gneiss_status gn_h5_attribute_text(gn_h5 *file, const char *object, const char *name,
+                                   const char *text, gneiss_error *error) {
+    gn_h5_quiet();
+    hid_t type = text_type(text);
+    gneiss_status status = put_named_attribute(file, object, name, type, type, 1, text, error);
+    if (type >= 0) H5Tclose(type);
+    return status;
+}
+
+gneiss_status gn_h5_attribute_f64(gn_h5 *file, const char *object, const char *name,
+                                  const double *values, size_t count, gneiss_error *error) {
+    return put_named_attribute(file, object, name, H5T_IEEE_F64LE, H5T_NATIVE_DOUBLE, count, values,
+                               error);
+}
+
+gneiss_status gn_h5_attribute_i64(gn_h5 *file, const char *object, const char *name,
+                                  const int64_t *values, size_t count, gneiss_error *error) {
+    return put_named_attribute(file, object, name, H5T_STD_I64LE, H5T_NATIVE_INT64, count, values,
+                               error);
+}

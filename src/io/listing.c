@@ -1,0 +1,80 @@
+#include "io/listing.h"
+
+#include "io/atomic_file.h"
+
+#include <dirent.h>
+#include <errno.h>
+#include <inttypes.h>
+#include <stdlib.h>
+#include <string.h>
+#include <unistd.h>
+
+char *gn_step_path(const char *directory, const char *prefix, int64_t step, const char *suffix) {
+    return gn_text_format("%s/%s_%010" PRId64 "%s", directory, prefix, step, suffix);
+}
+
+/* The step in `name`, -1 when it is not exactly what gn_step_path writes. *rest is what follows. */
+static int64_t parse_step(const char *name, const char *prefix, const char **rest) {
+    size_t length = strlen(prefix);
+    if (strncmp(name, prefix, length) != 0 || name[length] != '_') return -1;
+    const char *digits = name + length + 1;
+    size_t count = strspn(digits, "0123456789");
+    if (count < 10 || count > 18 || (count > 10 && digits[0] == '0')) return -1;
+    *rest = digits + count;
+    return strtoll(digits, NULL, 10);
+}
+
+static int compare_steps(const void *a, const void *b) {
+    int64_t x = *(const int64_t *)a, y = *(const int64_t *)b;
+    return (x > y) - (x < y);
+}
+
+static gneiss_status push(int64_t **steps, size_t *count, int64_t step) {
+    /* Grows at powers of two. */
+    if ((*count & (*count - 1)) == 0) {
+        size_t capacity = *count ? 2 * *count : 1;
+        int64_t *more = realloc(*steps, capacity * sizeof *more);
+        if (!more) return GNEISS_ERROR_MEMORY;
+        *steps = more;
+    }
+    (*steps)[(*count)++] = step;
+    return GNEISS_OK;
+}
+
+static gneiss_status collect(DIR *folder, const char *prefix, const char *suffix, int64_t **steps,
+                             size_t *count) {
+    size_t suffix_length = strlen(suffix);
+    for (struct dirent *entry; errno = 0, (entry = readdir(folder));) {
+        const char *rest;
+        int64_t step = parse_step(entry->d_name, prefix, &rest);
+        if (step < 0 || strncmp(rest, suffix, suffix_length) != 0) continue;
+        if (rest[suffix_length] == '\0')
+            GN_TRY(push(steps, count, step));
+        else if (strcmp(rest + suffix_length, ".tmp") == 0)
+            (void)unlinkat(dirfd(folder), entry->d_name, 0);
+    }
+    return errno ? GNEISS_ERROR_IO : GNEISS_OK;
+}
+
+gneiss_status gn_step_list(const char *directory, const char *prefix, const char *suffix,
+                           int64_t **steps, size_t *count, gneiss_error *error) {
+    *steps = NULL;
+    *count = 0;
+    DIR *folder = opendir(directory);
+    if (!folder)
+        return gn_fail(error, GNEISS_ERROR_IO, "%s: cannot be listed: %s", directory,
+                       strerror(errno));
+    gneiss_status status = collect(folder, prefix, suffix, steps, count);
+    int code = errno;
+    closedir(folder);
+    if (status == GNEISS_OK) {
+        if (*count > 0) qsort(*steps, *count, sizeof **steps, compare_steps);
+        return GNEISS_OK;
+    }
+    free(*steps);
+    *steps = NULL;
+    *count = 0;
+    if (status == GNEISS_ERROR_MEMORY)
+        return gn_fail(error, status, "%s: no memory to list it", directory);
+    return gn_fail(error, status, "%s: cannot be listed: %s", directory, strerror(code));
+}

@@ -1,0 +1,18 @@
+/* Files of one run that carry a step in their name: PREFIX_<step, 10 digits or more>SUFFIX. */
+#ifndef GN_IO_LISTING_H
+#define GN_IO_LISTING_H
+
+#include "base/error.h"
+
+#include <stddef.h>
+#include <stdint.h>
+
+/* DIRECTORY/PREFIX_<step>SUFFIX, malloc'ed; NULL: out of memory. */
+char *gn_step_path(const char *directory, const char *prefix, int64_t step, const char *suffix);
+
+/* The steps on disk, ascending; *steps is malloc'ed. Temporary files of the same form (a run that
+ * was killed while it wrote) are removed. */
+gneiss_status gn_step_list(const char *directory, const char *prefix, const char *suffix,
+                           int64_t **steps, size_t *count, gneiss_error *error);
+
+#endif

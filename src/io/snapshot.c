@@ -1,0 +1,175 @@
+/* VTKHDF 1.0, "UnstructuredGrid" (VTK file formats, https://docs.vtk.org). */
+#include "io/snapshot.h"
+
+#include "base/memory.h"
+#include "io/atomic_file.h"
+#include "io/files.h"
+#include "io/h5.h"
+#include "io/listing.h"
+
+#include <errno.h>
+#include <inttypes.h>
+#include <stdlib.h>
+#include <string.h>
+#include <unistd.h>
+
+enum { VTK_VERTEX = 1, VTK_LINE = 3 };
+
+/* A grid of lines may be empty (all bonds broken); its line arrays tell what it is. */
+static bool is_lines(const gn_snapshot *s) {
+    return s->line_count > 0 || s->line_array_count > 0;
+}
+
+static gneiss_status check_lines(const gn_snapshot *s, gneiss_error *error) {
+    for (size_t k = 0; k < 2 * s->line_count; k++)
+        if (s->lines[k] < 0 || (size_t)s->lines[k] >= s->point_count)
+            return gn_fail(error, GNEISS_ERROR_INTERNAL,
+                           "line %zu: expected a point below %zu, found %d", k / 2, s->point_count,
+                           (int)s->lines[k]);
+    return GNEISS_OK;
+}
+
+static gneiss_status put_number(gn_h5 *file, const char *name, size_t value, gneiss_error *error) {
+    int64_t number = (int64_t)value;
+    return gn_h5_put(file, name, GN_I64, 1, 1, 0, &number, NULL, NULL, error);
+}
+
+/* Connectivity, offsets and types. A vertex has one point, a line two. */
+static gneiss_status put_cells(gn_h5 *file, const gn_snapshot *s, gneiss_error *error) {
+    size_t per_cell = is_lines(s) ? 2 : 1, cells = is_lines(s) ? s->line_count : s->point_count;
+    GN_TRY(put_number(file, "VTKHDF/NumberOfPoints", s->point_count, error));
+    GN_TRY(put_number(file, "VTKHDF/NumberOfCells", cells, error));
+    GN_TRY(put_number(file, "VTKHDF/NumberOfConnectivityIds", per_cell * cells, error));
+    int64_t *index = gn_alloc_array(2 * cells + 1, sizeof *index);
+    uint8_t *types = gn_alloc_array(cells, 1);
+    gneiss_status status = GNEISS_OK;
+    if (!index || !types)
+        status = gn_fail(error, GNEISS_ERROR_MEMORY, "no memory for %zu cells", cells);
+    if (status == GNEISS_OK) {
+        for (size_t k = 0; k < per_cell * cells; k++)
+            index[k] = per_cell == 2 ? s->lines[k] : (int64_t)k;
+        status = gn_h5_put(file, "VTKHDF/Connectivity", GN_I64, per_cell * cells, 1, 0, index, NULL,
+                           NULL, error);
+    }
+    if (status == GNEISS_OK) {
+        for (size_t k = 0; k <= cells; k++) index[k] = (int64_t)(per_cell * k);
+        status =
+            gn_h5_put(file, "VTKHDF/Offsets", GN_I64, cells + 1, 1, 0, index, NULL, NULL, error);
+    }
+    if (status == GNEISS_OK) {
+        memset(types, per_cell == 2 ? VTK_LINE : VTK_VERTEX, cells);
+        status = gn_h5_put(file, "VTKHDF/Types", GN_U8, cells, 1, 0, types, NULL, NULL, error);
+    }
+    gn_free(index);
+    gn_free(types);
+    return status;
+}
+
+static gneiss_status put_arrays(gn_h5 *file, const char *group, const gn_snapshot_array *arrays,
+                                size_t array_count, size_t rows, gneiss_error *error) {
+    for (size_t a = 0; a < array_count; a++) {
+        char name[256];
+        int length = snprintf(name, sizeof name, "%s/%s", group, arrays[a].name);
+        if (length >= (int)sizeof name || strchr(arrays[a].name, '/') || !arrays[a].name[0])
+            return gn_fail(error, GNEISS_ERROR_INTERNAL,
+                           "expected the name of an array, found '%s'", arrays[a].name);
+        GN_TRY(gn_h5_put(file, name, GN_F64, rows, arrays[a].components, 0, arrays[a].data,
+                         arrays[a].unit, NULL, error));
+    }
+    return GNEISS_OK;
+}
+
+static gneiss_status put_grid(gn_h5 *file, const gn_snapshot *s, gneiss_error *error) {
+    const int64_t version[2] = {1, 0};
+    GN_TRY(gn_h5_attribute_i64(file, "VTKHDF", "Version", version, 2, error));
+    GN_TRY(gn_h5_attribute_text(file, "VTKHDF", "Type", "UnstructuredGrid", error));
+    GN_TRY(put_cells(file, s, error));
+    GN_TRY(gn_h5_put(file, "VTKHDF/Points", GN_F64, s->point_count, 3, 0, s->points, "m", NULL,
+                     error));
+    /* An attribute makes the group, which the reader wants even when it is empty. */
+    GN_TRY(gn_h5_attribute_text(file, "VTKHDF/PointData", "of", "points", error));
+    GN_TRY(gn_h5_attribute_text(file, "VTKHDF/CellData", "of", "cells", error));
+    GN_TRY(put_arrays(file, "VTKHDF/PointData", s->point_arrays, s->point_array_count,
+                      s->point_count, error));
+    GN_TRY(put_arrays(file, "VTKHDF/CellData", s->line_arrays, s->line_array_count, s->line_count,
+                      error));
+    GN_TRY(
+        gn_h5_put(file, "VTKHDF/FieldData/TimeValue", GN_F64, 1, 1, 0, &s->time, "s", NULL, error));
+    return gn_h5_put(file, "VTKHDF/FieldData/Step", GN_I64, 1, 1, 0, &s->step, NULL, NULL, error);
+}
+
+gneiss_status gn_snapshot_write(const char *directory, const char *name,
+                                const gn_snapshot *snapshot, gneiss_error *error) {
+    if (snapshot->step < 0 || strchr(name, '/') || !name[0])
+        return gn_fail(error, GNEISS_ERROR_INTERNAL, "snapshot '%s' of step %" PRId64, name,
+                       snapshot->step);
+    GN_TRY(check_lines(snapshot, error));
+    char *path = gn_step_path(directory, name, snapshot->step, ".hdf");
+    if (!path) return gn_fail(error, GNEISS_ERROR_MEMORY, "%s: no memory for a name", directory);
+    gn_h5 *file;
+    gneiss_status status = gn_h5_create(path, &file, error);
+    free(path);
+    if (status != GNEISS_OK) return status;
+    status = put_grid(file, snapshot, error);
+    if (status == GNEISS_OK) return gn_h5_commit(file, error);
+    gn_h5_close(file);
+    return status;
+}
+
+static gneiss_status read_time(const char *path, double *time, gneiss_error *error) {
+    gn_h5 *file;
+    GN_TRY(gn_h5_open(path, &file, error));
+    gneiss_status status =
+        gn_h5_get(file, "VTKHDF/FieldData/TimeValue", GN_F64, 1, 1, 0, time, error);
+    gn_h5_close(file);
+    return status;
+}
+
+/* One entry of the series, or the removal of a file that is later than the series. */
+static gneiss_status add_to_series(gn_json *json, const char *path, bool later,
+                                   gneiss_error *error) {
+    if (later) {
+        if (unlink(path) == 0 || errno == ENOENT) return GNEISS_OK;
+        return gn_fail(error, GNEISS_ERROR_IO, "%s: cannot be removed: %s", path, strerror(errno));
+    }
+    double time;
+    GN_TRY(read_time(path, &time, error));
+    gn_json_object(json, NULL);
+    gn_json_text(json, "name", strrchr(path, '/') + 1);
+    gn_json_number(json, "time", time);
+    gn_json_end(json);
+    return GNEISS_OK;
+}
+
+static gneiss_status build_series(gn_json *json, const char *directory, const char *name,
+                                  int64_t last_step, gneiss_error *error) {
+    int64_t *steps;
+    size_t count;
+    GN_TRY(gn_step_list(directory, name, ".hdf", &steps, &count, error));
+    gneiss_status status = GNEISS_OK;
+    gn_json_text(json, "file-series-version", "1.0");
+    gn_json_array(json, "files");
+    for (size_t k = 0; k < count && status == GNEISS_OK; k++) {
+        char *path = gn_step_path(directory, name, steps[k], ".hdf");
+        status = path ? add_to_series(json, path, steps[k] > last_step, error)
+                      : gn_fail(error, GNEISS_ERROR_MEMORY, "%s: no memory for a name", directory);
+        free(path);
+    }
+    free(steps);
+    return status;
+}
+
+gneiss_status gn_snapshot_series(const char *directory, const char *name, int64_t last_step,
+                                 gneiss_error *error) {
+    gn_json *json = gn_json_begin();
+    gneiss_status status = build_series(json, directory, name, last_step, error);
+    char *text = gn_json_finish(json, true);
+    char *path = gn_text_format("%s/%s.hdf.series", directory, name);
+    if (status == GNEISS_OK && (!text || !path))
+        status =
+            gn_fail(error, GNEISS_ERROR_MEMORY, "%s: no memory for the series %s", directory, name);
+    if (status == GNEISS_OK) status = gn_write_text_file(path, text, error);
+    free(path);
+    free(text);
+    return status;
+}

@@ -1,0 +1,63 @@
+/* Contacts between particles: what a kernel gets and gives, and the table of variants. */
+#ifndef GN_KERNELS_CONTACT_H
+#define GN_KERNELS_CONTACT_H
+
+#include "soa/records.h"
+
+/* Contacts are worked on in blocks of this many. Sums (energies, broken bonds) are kept per block and
+ * merged in block order, so that they do not depend on the number of threads. */
+enum { GN_CONTACT_BLOCK = 256 };
+_Static_assert(GN_CONTACT_BLOCK % GN_LANES_MAX == 0, "a block holds whole vectors");
+
+typedef struct gn_contact_args {
+    const double *pos, *vel, *spin; /* particle rows [n][4]; spin NULL without rotation */
+    const gn_contacts *contacts;    /* fields are written, the record is not changed */
+    double dt;                      /* s, the interval that led to these positions; 0 at the start */
+    double arm_factor;              /* 0.5: contact point at r + gap/2; 0: at r */
+    double period[3];               /* m, with GN_FX_PERIODIC */
+    double time;                    /* s, of this instant */
+    bool measure;                   /* also sum the elastic energies */
+} gn_contact_args;
+
+typedef struct gn_contact_sums {
+    double elastic_normal, elastic_shear;            /* J, with `measure` */
+    double friction, contact_damping, bond_breaking; /* J, dissipated in this step */
+    int64_t broken_tension, broken_shear;            /* bonds broken in this step */
+} gn_contact_sums;
+
+/* Works on contacts [begin, end); begin is a multiple of GN_LANES_MAX, and vectors may run past `end` into
+ * padding. Adds to *sums. */
+typedef void gn_contact_kernel(const gn_contact_args *args, size_t begin, size_t end,
+                               gn_contact_sums *sums);
+
+/* The effects that change a contact kernel; variants are numbered by these bits in this order. */
+#define GN_CONTACT_EFFECTS(X)                                                                      \
+    X(0, SPACE)                                                                                    \
+    X(1, ROTATION)                                                                                 \
+    X(2, SHEAR)                                                                                    \
+    X(3, FRICTION)                                                                                 \
+    X(4, BONDS)                                                                                    \
+    X(5, CONTACT_DAMPING)                                                                          \
+    X(6, ENERGY)                                                                                   \
+    X(7, PERIODIC)
+
+enum { GN_CONTACT_VARIANTS = 256 };
+
+/* Variant number of an effects mask, and the mask of a variant. */
+unsigned gn_contact_variant(gn_effects effects);
+gn_effects gn_contact_variant_effects(unsigned variant);
+
+/* "contact_space_rotation_shear_bonds_energy", into `name`. */
+void gn_contact_variant_name(unsigned variant, char *name, size_t size);
+
+/* Effects that a list of contacts really has under a scene's effects: bonds cleared for pairs, and with
+ * them the tangential spring when nothing could load it (no friction). */
+gn_effects gn_contact_list_effects(gn_effects scene_effects, bool bonds);
+
+/* One table per instruction set; NULL entries are combinations that make no sense (friction without a
+ * tangential spring, a tangential spring that neither bond nor friction uses). */
+extern gn_contact_kernel *const gn_contact_table_scalar[GN_CONTACT_VARIANTS];
+extern gn_contact_kernel *const gn_contact_table_avx2[GN_CONTACT_VARIANTS];
+extern gn_contact_kernel *const gn_contact_table_avx512[GN_CONTACT_VARIANTS];
+
+#endif

@@ -1,0 +1,232 @@
+/* The contact kernel: one body, compiled once per instruction set (GN_SIMD, GN_TABLE set by the build)
+ * and expanded once per variant with literal arguments, so that an effect that is off leaves no code.
+ *
+ * Per contact: geometry from the rows of the two particles, linear normal law with a stress-free length,
+ * incremental tangential law with radial return, brittle uncoupled bond (Rojek et al. 2012, eq. 15-16),
+ * viscous normal damping. Output: one row with the force on the first particle, half the gap (for the
+ * arms) and n x F_t, which the gather in motion_template.c sums per particle. */
+#include "kernels/contact.h"
+#include "kernels/contact_law.h"
+#include "kernels/expand.h"
+
+/* Literal switches of a variant. */
+typedef struct variant {
+    int space, rotation, shear, friction, bonds, damping, energy, periodic;
+} variant;
+
+typedef struct pair_state {
+    gn_v3 n, relative, slide; /* normal, velocity of j against i at the contact, turn of the normal */
+    gn_v distance, gap, speed; /* speed: normal component, opening positive */
+    gn_v twist;                /* mean spin of the pair about n, rad/s */
+} pair_state;
+
+GN_INLINE gn_v3 nearest_image(gn_v3 d, const double *period, int space) {
+    gn_v3 r = d;
+    r.x = d.x - gn_set(period[0]) * gn_round(d.x / gn_set(period[0]));
+    r.y = d.y - gn_set(period[1]) * gn_round(d.y / gn_set(period[1]));
+    if (space) r.z = d.z - gn_set(period[2]) * gn_round(d.z / gn_set(period[2]));
+    return r;
+}
+
+/* Sums over the two ends are written symmetrically, so that exchanging i and j mirrors every bit. */
+GN_INLINE pair_state pair_kinematics(const gn_contact_args *a, const int32_t *i, const int32_t *j,
+                                     variant w) {
+    gn_v pi[4], pj[4], vi[4], vj[4];
+    gn_rows4(a->pos, i, pi);
+    gn_rows4(a->pos, j, pj);
+    gn_rows4(a->vel, i, vi);
+    gn_rows4(a->vel, j, vj);
+    gn_v3 d = {pj[0] - pi[0], pj[1] - pi[1], gn_pick(w.space, pj[2] - pi[2], gn_set(0.0))};
+    if (w.periodic) d = nearest_image(d, a->period, w.space);
+    pair_state s;
+    s.twist = gn_set(0.0);
+    s.distance = gn_sqrt(gn_dot(d, d, w.space));
+    /* Coincident centres have no direction: the tiny floor gives a zero normal and no force. */
+    gn_v inverse = gn_set(1.0) / gn_max(s.distance, gn_set(1e-150));
+    s.n = gn_scale(inverse, d, w.space);
+    s.gap = s.distance - (pi[3] + pj[3]);
+    gn_v3 v = {vj[0] - vi[0], vj[1] - vi[1], gn_pick(w.space, vj[2] - vi[2], gn_set(0.0))};
+    s.speed = gn_dot(v, s.n, w.space);
+    gn_v3 across = gn_axpy(v, gn_set(0.0) - s.speed, s.n, w.space);
+    s.relative = across;
+    if (w.shear) s.slide = gn_scale(gn_set(a->dt) * inverse, across, w.space);
+    if (w.shear && w.rotation) {
+        gn_v wi[4], wj[4];
+        gn_rows4(a->spin, i, wi);
+        gn_rows4(a->spin, j, wj);
+        gn_v half = gn_set(a->arm_factor) * s.gap;
+        gn_v ai = pi[3] + half, aj = pj[3] + half;
+        gn_v3 sum = {gn_set(0.0), gn_set(0.0), ai * wi[2] + aj * wj[2]};
+        if (w.space) {
+            sum.x = ai * wi[0] + aj * wj[0];
+            sum.y = ai * wi[1] + aj * wj[1];
+            gn_v3 spins = {wi[0] + wj[0], wi[1] + wj[1], wi[2] + wj[2]};
+            s.twist = gn_set(0.5) * gn_dot(spins, s.n, 1);
+        }
+        s.relative = gn_sub(across, gn_spin_cross(sum, s.n, w.space), w.space);
+    }
+    return s;
+}
+
+/* Elastic tangential force before any limit. */
+GN_INLINE gn_v3 shear_trial(const gn_contact_args *a, const pair_state *s, gn_v3 *turned, gn_v kt,
+                            variant w) {
+    gn_v3 t = gn_turn_with_normal(*turned, s->n, s->slide, w.space);
+    if (w.space && w.rotation) t = gn_turn_about_normal(t, s->n, gn_set(a->dt) * s->twist);
+    *turned = t;
+    return gn_axpy(t, kt * gn_set(a->dt), s->relative, w.space);
+}
+
+/* Rare: writes down which bonds broke and why. */
+static __attribute__((noinline, cold)) void record_breaks(const gn_contact_args *a, size_t c, size_t end,
+                                                          unsigned tension, unsigned shear,
+                                                          gn_contact_sums *sums) {
+    const gn_contacts *k = a->contacts;
+    for (size_t lane = 0; lane < GN_W && c + lane < end; lane++) {
+        unsigned bit = 1u << lane;
+        if (!((tension | shear) & bit)) continue;
+        k->rn[c + lane] = -k->rn[c + lane];
+        k->broken_time[c + lane] = a->time;
+        k->cause[c + lane] = tension & bit ? GN_BROKEN_TENSION : GN_BROKEN_SHEAR;
+        sums->broken_tension += tension & bit ? 1 : 0;
+        sums->broken_shear += tension & bit ? 0 : 1;
+    }
+}
+
+GN_INLINE void write_row(const gn_contacts *k, size_t c, gn_v3 force, gn_v half, gn_v3 moment, variant w) {
+    gn_v zero = gn_set(0.0);
+    if (w.space && w.rotation) {
+        gn_v row[8] = {force.x, force.y, force.z, half, moment.x, moment.y, moment.z, zero};
+        gn_store_rows8(k->row8 + 8 * c, row);
+    } else {
+        gn_v row[4] = {force.x, force.y, gn_pick(w.space, force.z, half), gn_pick(w.space, zero, moment.z)};
+        gn_store_rows4(k->row4 + 4 * c, row);
+    }
+}
+
+/* Lane sums, kept in registers over a block and folded in lane order at its end. */
+typedef struct lane_sums {
+    gn_v elastic_normal, elastic_shear, friction, damping, breaking;
+} lane_sums;
+
+GN_INLINE double fold(gn_v v) {
+    double lanes[GN_W], sum = 0.0;
+    gn_store(lanes, v);
+    for (int k = 0; k < GN_W; k++) sum += lanes[k];
+    return sum;
+}
+
+GN_INLINE void contact_vector(const gn_contact_args *a, size_t c, size_t end, lane_sums *e,
+                              gn_contact_sums *sums, variant w) {
+    const gn_contacts *k = a->contacts;
+    const gn_v zero = gn_set(0.0);
+    pair_state s = pair_kinematics(a, k->i + c, k->j + c, w);
+    gn_v kn = gn_load(k->kn + c);
+    gn_v stretch = s.gap;
+    if (w.bonds) stretch = s.distance - gn_load(k->length0 + c);
+    gn_m touching = gn_less(stretch, zero);
+    gn_v elastic = kn * stretch, normal;
+    gn_m acting = touching, intact = gn_less(zero, zero), in_tension = intact;
+    if (w.bonds) {
+        gn_v rn = gn_load(k->rn + c);
+        intact = gn_less(zero, rn);
+        in_tension = gn_and(intact, gn_at_least(elastic, rn));
+        acting = gn_or(touching, intact);
+    }
+    normal = gn_keep(acting, elastic);
+
+    gn_v3 before = {zero, zero, zero}, trial = before, t = before;
+    gn_v kt = zero, limit = zero, size = zero;
+    gn_m in_shear = gn_less(zero, zero), slipping = in_shear;
+    if (w.shear) {
+        kt = gn_load(k->kt + c);
+        before = gn_load3(k->shear + c, k->soa.capacity, w.space);
+        trial = shear_trial(a, &s, &before, kt, w);
+        t = trial;
+        size = gn_sqrt(gn_dot(trial, trial, w.space));
+        if (w.bonds)
+            in_shear = gn_and(gn_and(intact, gn_not(in_tension)), gn_at_least(size, gn_load(k->rt + c)));
+    }
+    gn_m breaking = gn_or(in_tension, in_shear);
+    if (w.bonds) {
+        intact = gn_and(intact, gn_not(breaking));
+        acting = gn_or(touching, intact);
+        normal = gn_keep(acting, elastic);
+        if (__builtin_expect(gn_bits(breaking) != 0, 0))
+            record_breaks(a, c, end, gn_bits(in_tension), gn_bits(in_shear), sums);
+    }
+    gn_v total = normal;
+    if (w.damping) {
+        gn_v viscous = gn_keep(acting, gn_load(k->cn + c) * s.speed);
+        total = normal + viscous;
+        if (w.energy) {
+            gn_v half = gn_set(0.5) * (gn_load(k->fd + c) + viscous);
+            e->damping = e->damping + half * s.speed * gn_set(a->dt);
+            gn_store(k->fd + c, viscous);
+        }
+    }
+    if (w.shear) {
+        /* Coulomb limit for whatever is not an intact bond; open contacts lose their force. */
+        if (w.friction) limit = gn_load(k->mu + c) * gn_max(zero - total, zero);
+        limit = gn_keep(touching, limit);
+        slipping = gn_and(gn_not(intact), gn_less(limit, size));
+        gn_v factor = gn_where(slipping, limit / gn_max(size, gn_set(1e-300)), gn_set(1.0));
+        t = gn_scale(factor, trial, w.space);
+        gn_store3(k->shear + c, k->soa.capacity, t, w.space);
+    }
+    if (w.energy && gn_bits(gn_or(slipping, breaking))) {
+        gn_v shear_part = zero, normal_part = zero;
+        if (w.shear)
+            shear_part = gn_released3(before, t, trial, gn_max(kt, gn_set(1e-300)), w.space);
+        if (w.bonds)
+            normal_part =
+                gn_released(kn * (stretch - s.speed * gn_set(a->dt)), normal, elastic, kn);
+        e->breaking = e->breaking + gn_keep(breaking, shear_part + normal_part);
+        e->friction = e->friction + gn_keep(gn_and(slipping, gn_not(breaking)), shear_part);
+    }
+    if (w.energy && a->measure) {
+        gn_v half = gn_set(0.5);
+        e->elastic_normal = e->elastic_normal + gn_keep(acting, half * normal * stretch);
+        if (w.shear)
+            e->elastic_shear =
+                e->elastic_shear + half * gn_dot(t, t, w.space) / gn_max(kt, gn_set(1e-300));
+    }
+    gn_v3 force = gn_scale(total, s.n, w.space), moment = {zero, zero, zero};
+    if (w.shear) {
+        force = gn_add(force, t, w.space);
+        if (w.rotation) moment = gn_cross(s.n, t, w.space);
+    }
+    write_row(k, c, force, gn_set(a->arm_factor) * s.gap, moment, w);
+}
+
+GN_INLINE void contact_core(const gn_contact_args *a, size_t begin, size_t end, gn_contact_sums *sums,
+                            variant w) {
+    gn_v zero = gn_set(0.0);
+    lane_sums e = {zero, zero, zero, zero, zero};
+    for (size_t c = begin; c < end; c += GN_W) contact_vector(a, c, end, &e, sums, w);
+    if (!w.energy) return;
+    sums->elastic_normal += fold(e.elastic_normal);
+    sums->elastic_shear += fold(e.elastic_shear);
+    sums->friction += fold(e.friction);
+    sums->contact_damping += fold(e.damping);
+    sums->bond_breaking += fold(e.breaking);
+}
+
+/* --- the variants ---------------------------------------------------------------------------------- */
+
+/* Not worth a kernel: friction without shear, or shear that neither friction nor bonds load. */
+#define SENSELESS(v)                                                                               \
+    ((GN_BIT(v, 3) && !GN_BIT(v, 2)) || (GN_BIT(v, 2) && !GN_BIT(v, 3) && !GN_BIT(v, 4)))
+
+#define WRAPPER(v)                                                                                 \
+    static void contact_##v(const gn_contact_args *a, size_t begin, size_t end,                    \
+                            gn_contact_sums *sums) {                                               \
+        if (SENSELESS(v)) return;                                                                  \
+        contact_core(a, begin, end, sums,                                                          \
+                     (variant){GN_BIT(v, 0), GN_BIT(v, 1), GN_BIT(v, 2), GN_BIT(v, 3), GN_BIT(v, 4), GN_BIT(v, 5),   \
+                               GN_BIT(v, 6), GN_BIT(v, 7)});                                             \
+    }
+GN_EACH_256(WRAPPER)
+
+#define ENTRY(v) SENSELESS(v) ? 0 : contact_##v,
+gn_contact_kernel *const GN_TABLE(contact)[GN_CONTACT_VARIANTS] = {GN_EACH_256(ENTRY)};

@@ -1,0 +1,134 @@
+#include "kernels/dispatch.h"
+
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+static const gn_kernel_set sets[GN_KERNEL_SETS] = {
+    {"scalar", 1, gn_contact_table_scalar, gn_motion_table_scalar},
+    {"avx2", 4, gn_contact_table_avx2, gn_motion_table_avx2},
+    {"avx512", 8, gn_contact_table_avx512, gn_motion_table_avx512},
+};
+
+const gn_kernel_set *gn_kernel_set_at(int index) { return &sets[index]; }
+
+bool gn_kernel_set_supported(const gn_kernel_set *set) {
+    __builtin_cpu_init();
+    if (set->lanes == 8)
+        return __builtin_cpu_supports("avx512f") && __builtin_cpu_supports("avx512dq") &&
+               __builtin_cpu_supports("avx512vl");
+    if (set->lanes == 4) return __builtin_cpu_supports("avx2");
+    return true;
+}
+
+static void supported_names(char *text, size_t size) {
+    size_t used = 0;
+    text[0] = 0;
+    for (int k = 0; k < GN_KERNEL_SETS && used < size; k++)
+        if (gn_kernel_set_supported(&sets[k]))
+            used += (size_t)snprintf(text + used, size - used, "%s%s", used ? ", " : "", sets[k].name);
+}
+
+gneiss_status gn_kernel_set_choose(const char *name, const gn_kernel_set **set, gneiss_error *error) {
+    const char *origin = "isa";
+    if (!name || strcmp(name, "auto") == 0) {
+        name = getenv("GNEISS_ISA");
+        origin = "GNEISS_ISA";
+    }
+    bool automatic = !name || !*name || strcmp(name, "auto") == 0;
+    for (int k = GN_KERNEL_SETS - 1; k >= 0; k--) {
+        if (!automatic && strcmp(name, sets[k].name) != 0) continue;
+        if (!gn_kernel_set_supported(&sets[k])) continue;
+        *set = &sets[k];
+        return GNEISS_OK;
+    }
+    char names[64];
+    supported_names(names, sizeof names);
+    return gn_fail(error, GNEISS_ERROR_INPUT,
+                   "%s: expected an instruction set that this machine runs (%s), found '%s'", origin,
+                   names, name);
+}
+
+/* --- variants -------------------------------------------------------------------------------------- */
+
+typedef struct effect_bit {
+    unsigned bit;
+    gn_effects effect;
+    gn_effect_index index;
+} effect_bit;
+
+#define X(bit, NAME) {bit, GN_FX_##NAME, GN_FX_INDEX_##NAME},
+static const effect_bit contact_bits[] = {GN_CONTACT_EFFECTS(X)};
+static const effect_bit motion_bits[] = {GN_MOTION_EFFECTS(X)};
+#undef X
+
+#define COUNT(table) (sizeof(table) / sizeof *(table))
+
+static unsigned variant_of(const effect_bit *bits, size_t count, gn_effects effects) {
+    unsigned variant = 0;
+    for (size_t k = 0; k < count; k++)
+        if (effects & bits[k].effect) variant |= 1u << bits[k].bit;
+    return variant;
+}
+
+static gn_effects effects_of(const effect_bit *bits, size_t count, unsigned variant) {
+    gn_effects effects = 0;
+    for (size_t k = 0; k < count; k++)
+        if (variant >> bits[k].bit & 1) effects |= bits[k].effect;
+    return effects;
+}
+
+static void name_of(const char *stem, const effect_bit *bits, size_t count, unsigned variant, char *name,
+                    size_t size) {
+    size_t used = (size_t)snprintf(name, size, "%s", stem);
+    for (size_t k = 0; k < count && used < size; k++)
+        if (variant >> bits[k].bit & 1)
+            used += (size_t)snprintf(name + used, size - used, "_%s", gn_effect_name(bits[k].index));
+}
+
+unsigned gn_contact_variant(gn_effects effects) {
+    return variant_of(contact_bits, COUNT(contact_bits), effects);
+}
+gn_effects gn_contact_variant_effects(unsigned variant) {
+    return effects_of(contact_bits, COUNT(contact_bits), variant);
+}
+void gn_contact_variant_name(unsigned variant, char *name, size_t size) {
+    name_of("contact", contact_bits, COUNT(contact_bits), variant, name, size);
+}
+unsigned gn_motion_variant(gn_effects effects) {
+    return variant_of(motion_bits, COUNT(motion_bits), effects);
+}
+gn_effects gn_motion_variant_effects(unsigned variant) {
+    return effects_of(motion_bits, COUNT(motion_bits), variant);
+}
+void gn_motion_variant_name(unsigned variant, char *name, size_t size) {
+    name_of("motion", motion_bits, COUNT(motion_bits), variant, name, size);
+}
+
+gn_effects gn_contact_list_effects(gn_effects effects, bool bonds) {
+    if (!bonds) {
+        effects &= ~(gn_effects)GN_FX_BONDS;
+        if (!(effects & GN_FX_FRICTION)) effects &= ~(gn_effects)GN_FX_SHEAR;
+    }
+    return effects;
+}
+
+gneiss_status gn_contact_kernel_choose(const gn_kernel_set *set, gn_effects list_effects,
+                                       gn_contact_kernel **kernel, gneiss_error *error) {
+    unsigned variant = gn_contact_variant(list_effects);
+    *kernel = set->contact[variant];
+    if (*kernel) return GNEISS_OK;
+    char name[160];
+    gn_contact_variant_name(variant, name, sizeof name);
+    return gn_fail(error, GNEISS_ERROR_INTERNAL, "no kernel %s for %s", name, set->name);
+}
+
+gneiss_status gn_motion_kernel_choose(const gn_kernel_set *set, gn_effects effects,
+                                      gn_motion_kernel **kernel, gneiss_error *error) {
+    unsigned variant = gn_motion_variant(effects);
+    *kernel = set->motion[variant];
+    if (*kernel) return GNEISS_OK;
+    char name[160];
+    gn_motion_variant_name(variant, name, sizeof name);
+    return gn_fail(error, GNEISS_ERROR_INTERNAL, "no kernel %s for %s", name, set->name);
+}

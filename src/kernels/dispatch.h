@@ -1,0 +1,34 @@
+/* Which kernels run: by instruction set (chosen at run time) and by effects. */
+#ifndef GN_KERNELS_DISPATCH_H
+#define GN_KERNELS_DISPATCH_H
+
+#include "kernels/contact.h"
+#include "kernels/motion.h"
+
+/* Kernels of one instruction set. */
+typedef struct gn_kernel_set {
+    const char *name; /* "scalar", "avx2", "avx512" */
+    int lanes;
+    gn_contact_kernel *const *contact; /* [GN_CONTACT_VARIANTS] */
+    gn_motion_kernel *const *motion;   /* [GN_MOTION_VARIANTS] */
+} gn_kernel_set;
+
+enum { GN_KERNEL_SETS = 3 };
+
+/* Sets from narrow to wide; index in [0, GN_KERNEL_SETS). */
+const gn_kernel_set *gn_kernel_set_at(int index);
+
+/* Whether this machine can run a set. */
+bool gn_kernel_set_supported(const gn_kernel_set *set);
+
+/* The set called `name`; "auto" or NULL: GNEISS_ISA from the environment, else the widest that the machine
+ * runs. Fails with what the machine has when the name is unknown or not supported. */
+gneiss_status gn_kernel_set_choose(const char *name, const gn_kernel_set **set, gneiss_error *error);
+
+/* Kernel of a set for effects; fails with the variant's name when there is none. */
+gneiss_status gn_contact_kernel_choose(const gn_kernel_set *set, gn_effects list_effects,
+                                       gn_contact_kernel **kernel, gneiss_error *error);
+gneiss_status gn_motion_kernel_choose(const gn_kernel_set *set, gn_effects effects,
+                                      gn_motion_kernel **kernel, gneiss_error *error);
+
+#endif

@@ -1,0 +1,75 @@
+/* Second pass of a step: sum the contact rows per particle in fixed order and integrate. */
+#ifndef GN_KERNELS_MOTION_H
+#define GN_KERNELS_MOTION_H
+
+#include "soa/records.h"
+
+/* Particles are worked on in blocks of this many; sums are kept per block and merged in block order. */
+enum { GN_PARTICLE_BLOCK = 128 };
+
+/* Which contacts a particle takes part in. As first particle: the contacts [first[p], first[p + 1]); as
+ * second particle: the contacts second[k], k in [second_first[p], second_first[p + 1]), ascending. */
+typedef struct gn_incidence {
+    int32_t *first;        /* [particles + 1] */
+    int32_t *second_first; /* [particles + 1] */
+    int32_t *second;       /* [contacts] */
+} gn_incidence;
+
+/* Prescribed particles, by slot. */
+typedef struct gn_prescription {
+    size_t count;
+    int32_t *set;       /* [count] the set that takes the reaction */
+    uint8_t *mask;      /* [count] bit k: component k of v xyz, w xyz is prescribed */
+    double *velocity;   /* [count][6] for the coming half step; free components unused */
+    double *load;       /* [count][6] out: what the prescription had to supply (N, N m) */
+} gn_prescription;
+
+typedef struct gn_motion_args {
+    gn_particles *particles;
+    const gn_contacts *bonds, *pairs;       /* count 0 when absent */
+    const gn_incidence *bonds_of, *pairs_of;
+    const gn_wall_contacts *wall_contacts;  /* NULL when absent */
+    const int32_t *wall_first;              /* [particles + 1] */
+    gn_prescription *prescribed;            /* NULL when absent */
+    double dt_past, dt; /* s: the interval that led here (0 at the start) and the coming one */
+    double gravity[3];
+    double damping; /* coefficient of the background damping */
+    bool measure;   /* also sum kinetic energies and resultants */
+} gn_motion_args;
+
+/* Works of the background damping and so on are split in the halves 1/2 F dt v before and after the
+ * instant: a reading takes the first half only, so that it is trapezoidal at every instant. */
+typedef struct gn_motion_sums {
+    double kinetic, rotational;          /* J, 1/2 m v(-)v(+), with `measure` */
+    double resultant;                    /* N, sum of |F| over free particles, with `measure` */
+    double damping[2];                   /* J, dissipated */
+    double gravity[2], applied[2], prescribed[2]; /* J, work */
+    double speed2;                       /* m2/s2, largest */
+    int64_t bad;                         /* a particle whose velocity is not finite, or -1 */
+} gn_motion_sums;
+
+typedef void gn_motion_kernel(const gn_motion_args *args, size_t begin, size_t end,
+                              gn_motion_sums *sums);
+
+/* The effects that change a motion kernel, by bit. */
+#define GN_MOTION_EFFECTS(X)                                                                       \
+    X(0, SPACE)                                                                                    \
+    X(1, ROTATION)                                                                                 \
+    X(2, VISCOUS)                                                                                  \
+    X(3, NONVISCOUS_VECTOR)                                                                        \
+    X(4, NONVISCOUS_COMPONENT)                                                                     \
+    X(5, GRAVITY)                                                                                  \
+    X(6, ENERGY)
+
+enum { GN_MOTION_VARIANTS = 128 };
+
+unsigned gn_motion_variant(gn_effects effects);
+gn_effects gn_motion_variant_effects(unsigned variant);
+void gn_motion_variant_name(unsigned variant, char *name, size_t size);
+
+/* NULL entries: more than one kind of background damping. */
+extern gn_motion_kernel *const gn_motion_table_scalar[GN_MOTION_VARIANTS];
+extern gn_motion_kernel *const gn_motion_table_avx2[GN_MOTION_VARIANTS];
+extern gn_motion_kernel *const gn_motion_table_avx512[GN_MOTION_VARIANTS];
+
+#endif

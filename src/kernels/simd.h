@@ -1,0 +1,92 @@
+/* The SIMD vocabulary: what kernels are written in. GN_SIMD (set by the build) picks the backend:
+ * 1 scalar (the oracle), 4 AVX2, 8 AVX-512; all in double precision. Arithmetic is by the operators
+ * + - * / on gn_v, which round every operation on its own (no contraction), so that all backends give
+ * the same bits lane by lane.
+ *
+ * gn_v: GN_W doubles; gn_m: a mask of GN_W lanes. */
+#ifndef GN_KERNELS_SIMD_H
+#define GN_KERNELS_SIMD_H
+
+#include <math.h>
+#include <stdint.h>
+
+#define GN_INLINE static inline __attribute__((always_inline))
+
+#if GN_SIMD == 8
+#include "kernels/simd_avx512.h"
+#elif GN_SIMD == 4
+#include "kernels/simd_avx2.h"
+#else
+#include "kernels/simd_scalar.h"
+#endif
+
+/* a if the literal holds, else b. (A conditional expression does not take products of vector types.) */
+GN_INLINE gn_v gn_pick(int literal, gn_v a, gn_v b) { return literal ? a : b; }
+
+/* A vector of three components; in 2D z stays zero and is not computed. */
+typedef struct gn_v3 {
+    gn_v x, y, z;
+} gn_v3;
+
+/* `space` is a literal: 1 in 3D, 0 in 2D. */
+GN_INLINE gn_v gn_dot(gn_v3 a, gn_v3 b, int space) {
+    gn_v s = a.x * b.x + a.y * b.y;
+    if (space) s = s + a.z * b.z;
+    return s;
+}
+
+/* a + s b */
+GN_INLINE gn_v3 gn_axpy(gn_v3 a, gn_v s, gn_v3 b, int space) {
+    gn_v3 r = {a.x + s * b.x, a.y + s * b.y, a.z};
+    if (space) r.z = a.z + s * b.z;
+    return r;
+}
+
+GN_INLINE gn_v3 gn_sub(gn_v3 a, gn_v3 b, int space) {
+    gn_v3 r = {a.x - b.x, a.y - b.y, a.z};
+    if (space) r.z = a.z - b.z;
+    return r;
+}
+
+GN_INLINE gn_v3 gn_add(gn_v3 a, gn_v3 b, int space) {
+    gn_v3 r = {a.x + b.x, a.y + b.y, a.z};
+    if (space) r.z = a.z + b.z;
+    return r;
+}
+
+GN_INLINE gn_v3 gn_scale(gn_v s, gn_v3 a, int space) {
+    gn_v3 r = {s * a.x, s * a.y, a.z};
+    if (space) r.z = s * a.z;
+    return r;
+}
+
+/* a x b; 2D: in-plane a and b, only z is computed. */
+GN_INLINE gn_v3 gn_cross(gn_v3 a, gn_v3 b, int space) {
+    gn_v3 r = {gn_set(0.0), gn_set(0.0), a.x * b.y - a.y * b.x};
+    if (space) {
+        r.x = a.y * b.z - a.z * b.y;
+        r.y = a.z * b.x - a.x * b.z;
+    }
+    return r;
+}
+
+/* w x a for a spin w; 2D: w along z, a in the plane. */
+GN_INLINE gn_v3 gn_spin_cross(gn_v3 w, gn_v3 a, int space) {
+    if (space) return gn_cross(w, a, 1);
+    gn_v zero = gn_set(0.0);
+    return (gn_v3){zero - w.z * a.y, w.z * a.x, zero};
+}
+
+GN_INLINE gn_v3 gn_load3(const double *columns, uint64_t stride, int space) {
+    gn_v3 r = {gn_load(columns), gn_load(columns + stride), gn_set(0.0)};
+    if (space) r.z = gn_load(columns + 2 * stride);
+    return r;
+}
+
+GN_INLINE void gn_store3(double *columns, uint64_t stride, gn_v3 a, int space) {
+    gn_store(columns, a.x);
+    gn_store(columns + stride, a.y);
+    if (space) gn_store(columns + 2 * stride, a.z);
+}
+
+#endif

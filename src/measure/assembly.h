@@ -1,0 +1,34 @@
+/* The geometry of a contact as the measures see it. Inside src/measure only. */
+#ifndef GN_MEASURE_ASSEMBLY_H
+#define GN_MEASURE_ASSEMBLY_H
+
+#include "measure/measure.h"
+
+#include <math.h>
+
+/* From the centre of particle i to that of j, through the nearest image in a periodic box; z = 0 in
+ * 2D. Returns its length. */
+static inline double gn_branch(const gn_assembly *assembly, size_t i, size_t j, double l[3]) {
+    const double *pos = assembly->particles->pos;
+    double square = 0;
+    l[2] = 0;
+    for (int a = 0; a < assembly->dimension; a++) {
+        l[a] = pos[4 * j + a] - pos[4 * i + a];
+        if (assembly->periodic) l[a] -= assembly->period[a] * nearbyint(l[a] / assembly->period[a]);
+        square += l[a] * l[a];
+    }
+    return sqrt(square);
+}
+
+static inline bool gn_particle_removed(const gn_particles *particles, size_t p) {
+    return particles->vel[4 * p + 3] == 0;
+}
+
+/* Volume of a sphere, area of a disc (unit thickness). */
+static inline double gn_particle_volume(const gn_particles *particles, size_t p, int dimension) {
+    double r = particles->pos[4 * p + 3];
+    return dimension == 3 ? 4.0 / 3.0 * 3.14159265358979323846 * r * r * r
+                          : 3.14159265358979323846 * r * r;
+}
+
+#endif

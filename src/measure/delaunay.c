@@ -1,0 +1,196 @@
+#include "measure/delaunay.h"
+
+#include "base/memory.h"
+
+#include <libqhull_r/qhull_ra.h>
+
+#include <limits.h>
+#include <math.h>
+#include <stdbool.h>
+#include <stdlib.h>
+#include <string.h>
+
+/* Qt splits the cells of points on a common sphere into simplices, Qbb scales the lifted
+ * coordinate, Qc keeps points that fall on a facet out of the hull, Qz adds a point at infinity so
+ * that points that are all on one sphere (a single lattice cell) do not lift to a plane, Q12
+ * accepts the wide merged facets of lattices. Qhull is only asked for topology: volumes are
+ * computed from the points themselves. */
+static char delaunay_command[] = "qhull d Qt Qbb Qc Qz Q12";
+static char hull_command[] = "qhull FA";
+
+/* Below this height over extent the points count as lying on a plane: Qhull's own limit is
+ * round-off. */
+static const double flat_tolerance = 1e-9;
+
+/* One run of Qhull, its messages kept in memory instead of on the terminal. */
+typedef struct session {
+    qhT *qh;
+    FILE *messages;
+    char *text;
+    size_t text_size;
+} session;
+
+static gneiss_status session_open(session *s, gneiss_error *error) {
+    *s = (session){.qh = gn_alloc(sizeof(qhT))};
+    if (s->qh) s->messages = open_memstream(&s->text, &s->text_size);
+    if (s->messages) return GNEISS_OK;
+    gn_free(s->qh);
+    return gn_fail(error, GNEISS_ERROR_MEMORY, "no memory for a run of Qhull");
+}
+
+static void session_close(session *s) {
+    int kept, kept_bytes;
+    qh_freeqhull(s->qh, !qh_ALL);
+    qh_memfreeshort(s->qh, &kept, &kept_bytes);
+    fclose(s->messages);
+    free(s->text);
+    gn_free(s->qh);
+}
+
+/* Runs `command`. Qhull leaves by longjmp into qh_new_qhull, which turns errors into a code. */
+static gneiss_status session_run(session *s, char *command, const double *points, size_t count,
+                                 int dimension, gneiss_error *error) {
+    qh_zero(s->qh, s->messages);
+    /* The points are read only: no option used here scales or rotates them in place. */
+    int code = qh_new_qhull(s->qh, dimension, (int)count, (coordT *)points, False, command, NULL,
+                            s->messages);
+    if (code == qh_ERRnone) return GNEISS_OK;
+    fflush(s->messages);
+    const char *text = s->text ? s->text : "";
+    while (*text == '\n') text++;
+    gneiss_status status = code == qh_ERRmem ? GNEISS_ERROR_MEMORY : GNEISS_ERROR_INPUT;
+    return gn_fail(error, status, "%s of %zu points in %dD failed with code %d: %.*s", command,
+                   count, dimension, code, (int)strcspn(text, "\n"), text);
+}
+
+/* --- points without volume
+ * ------------------------------------------------------------------------- */
+
+/* Takes the part along the `rank` unit directions out of `x`; the length of the rest. */
+static double remainder_of(double x[3], int dimension, double direction[][3], int rank) {
+    for (int k = 0; k < rank; k++) {
+        double along = 0;
+        for (int a = 0; a < dimension; a++) along += x[a] * direction[k][a];
+        for (int a = 0; a < dimension; a++) x[a] -= along * direction[k][a];
+    }
+    double square = 0;
+    for (int a = 0; a < dimension; a++) square += x[a] * x[a];
+    return sqrt(square);
+}
+
+/* Gram-Schmidt on the point farthest from the plane found so far. */
+static bool is_flat(const double *points, size_t count, int dimension) {
+    if (count < (size_t)dimension + 1) return true;
+    double direction[3][3], extent = 0;
+    for (int rank = 0; rank < dimension; rank++) {
+        double largest = 0, x[3];
+        for (size_t k = 1; k < count; k++) {
+            for (int a = 0; a < dimension; a++) x[a] = points[k * dimension + a] - points[a];
+            double height = remainder_of(x, dimension, direction, rank);
+            if (height <= largest) continue;
+            largest = height;
+            for (int a = 0; a < dimension; a++) direction[rank][a] = x[a] / height;
+        }
+        if (rank == 0) extent = largest;
+        if (largest <= flat_tolerance * extent) return true;
+    }
+    return false;
+}
+
+/* Copies the points with their first one as origin, in units of their extent: lifting squares them.
+ */
+static gneiss_status normalised(const double *points, size_t count, int dimension, double **copy,
+                                double *unit, gneiss_error *error) {
+    double extent = 0;
+    for (size_t k = 0; k < count * dimension; k++) {
+        double x = points[k] - points[k % dimension];
+        if (!isfinite(x))
+            return gn_fail(error, GNEISS_ERROR_INPUT,
+                           "coordinate %zu of point %zu: expected a finite number, found %g",
+                           k % dimension, k / dimension, points[k]);
+        extent = fmax(extent, fabs(x));
+    }
+    if (count > INT_MAX / 4)
+        return gn_fail(error, GNEISS_ERROR_INPUT, "expected at most %d points, found %zu",
+                       INT_MAX / 4, count);
+    *copy = gn_alloc_array(count * dimension, sizeof(double));
+    if (!*copy) return gn_fail(error, GNEISS_ERROR_MEMORY, "no memory for %zu points", count);
+    *unit = extent > 0 ? extent : 1;
+    for (size_t k = 0; k < count * dimension; k++)
+        (*copy)[k] = (points[k] - points[k % dimension]) / *unit;
+    return GNEISS_OK;
+}
+
+/* --- triangulation
+ * --------------------------------------------------------------------------------- */
+
+static gneiss_status take_simplices(qhT *qh, int dimension, gn_triangulation *t,
+                                    gneiss_error *error) {
+    facetT *facet;
+    vertexT *vertex, **vertexp;
+    size_t corners = (size_t)dimension + 1, count = 0;
+    FORALLfacets count += !facet->upperdelaunay;
+    t->vertex = gn_alloc_array(count * corners, sizeof *t->vertex);
+    if (!t->vertex)
+        return gn_fail(error, GNEISS_ERROR_MEMORY, "no memory for %zu simplices", count);
+    FORALLfacets {
+        if (facet->upperdelaunay) continue;
+        int32_t *corner = t->vertex + t->count * corners;
+        if (!facet->simplicial || qh_setsize(qh, facet->vertices) != dimension + 1)
+            return gn_fail(error, GNEISS_ERROR_INTERNAL, "Qhull left a cell that is no simplex");
+        size_t k = 0;
+        FOREACHvertex_(facet->vertices) corner[k++] = qh_pointid(qh, vertex->point);
+        if (facet->toporient ^ qh_ORIENTclock) {
+            int32_t first = corner[0];
+            corner[0] = corner[1];
+            corner[1] = first;
+        }
+        t->count++;
+    }
+    return GNEISS_OK;
+}
+
+gneiss_status gn_delaunay(const double *points, size_t count, int dimension,
+                          gn_triangulation *triangulation, gneiss_error *error) {
+    *triangulation = (gn_triangulation){.dimension = dimension};
+    double *copy = NULL, unit;
+    GN_TRY(normalised(points, count, dimension, &copy, &unit, error));
+    session s;
+    gneiss_status status = GNEISS_OK;
+    if (!is_flat(copy, count, dimension)) {
+        status = session_open(&s, error);
+        if (status == GNEISS_OK) {
+            status = session_run(&s, delaunay_command, copy, count, dimension, error);
+            if (status == GNEISS_OK) status = take_simplices(s.qh, dimension, triangulation, error);
+            session_close(&s);
+        }
+    }
+    gn_free(copy);
+    if (status != GNEISS_OK) gn_triangulation_free(triangulation);
+    return status;
+}
+
+void gn_triangulation_free(gn_triangulation *triangulation) {
+    gn_free(triangulation->vertex);
+    *triangulation = (gn_triangulation){.dimension = triangulation->dimension};
+}
+
+gneiss_status gn_hull_volume(const double *points, size_t count, int dimension, double *volume,
+                             gneiss_error *error) {
+    *volume = 0;
+    double *copy = NULL, unit;
+    GN_TRY(normalised(points, count, dimension, &copy, &unit, error));
+    session s;
+    gneiss_status status = GNEISS_OK;
+    if (!is_flat(copy, count, dimension)) {
+        status = session_open(&s, error);
+        if (status == GNEISS_OK) {
+            status = session_run(&s, hull_command, copy, count, dimension, error);
+            if (status == GNEISS_OK)
+                *volume = s.qh->totvol * (dimension == 3 ? unit * unit * unit : unit * unit);
+            session_close(&s);
+        }
+    }
+    gn_free(copy);
+    return status;
+}

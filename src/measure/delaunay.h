@@ -1,0 +1,30 @@
+/* Delaunay triangulation and convex hull by Qhull (Barber, Dobkin and Huhdanpaa 1996). */
+#ifndef GN_MEASURE_DELAUNAY_H
+#define GN_MEASURE_DELAUNAY_H
+
+#include "base/error.h"
+
+#include <stddef.h>
+#include <stdint.h>
+
+/* Simplices in the order of Qhull, which depends on the order of the points alone. Neighbours are
+ * turned the same way round: a face shared by two of them is seen from opposite sides. Points that
+ * lie on a common sphere (lattices) give simplices without volume as well; they keep the
+ * triangulation closed. */
+typedef struct gn_triangulation {
+    int dimension;
+    size_t count;
+    int32_t *vertex; /* [count][dimension + 1] places in the list of points; gn_alloc'ed */
+} gn_triangulation;
+
+/* `points` [count][dimension], finite. Fewer than dimension + 1 points, or all on a plane (2D: a
+ * line) to within 1e-9 of their extent: no simplices and GNEISS_OK. */
+gneiss_status gn_delaunay(const double *points, size_t count, int dimension,
+                          gn_triangulation *triangulation, gneiss_error *error);
+void gn_triangulation_free(gn_triangulation *triangulation);
+
+/* Volume (area) of the convex hull; 0 where gn_delaunay gives no simplices. */
+gneiss_status gn_hull_volume(const double *points, size_t count, int dimension, double *volume,
+                             gneiss_error *error);
+
+#endif

@@ -1,0 +1,39 @@
+#include "measure/energy.h"
+
+#include <math.h>
+
+/* Sums over the terms of one kind, picked by the kind's name in the manifest. */
+#define PICK_STORED_STORED(value) +(value)
+#define PICK_STORED_INPUT(value)
+#define PICK_STORED_LOST(value)
+#define PICK_INPUT_STORED(value)
+#define PICK_INPUT_INPUT(value) +(value)
+#define PICK_INPUT_LOST(value)
+#define PICK_LOST_STORED(value)
+#define PICK_LOST_INPUT(value)
+#define PICK_LOST_LOST(value) +(value)
+
+double gn_energy_stored(const gn_energy *energy) {
+#define X(name, kind, text) PICK_STORED_##kind(energy->name)
+    return 0 GN_ENERGY_TERMS(X);
+#undef X
+}
+
+double gn_energy_scale(const gn_energy *energy) {
+#define X(name, kind, text) PICK_INPUT_##kind(fabs(energy->name))
+    double input = 0 GN_ENERGY_TERMS(X);
+#undef X
+    return fmax(input, energy->stored_at_start);
+}
+
+double gn_energy_residual(const gn_energy *energy) {
+#define X(name, kind, text) PICK_INPUT_##kind(energy->name)
+    double input = 0 GN_ENERGY_TERMS(X);
+#undef X
+#define X(name, kind, text) PICK_LOST_##kind(energy->name)
+    double lost = 0 GN_ENERGY_TERMS(X);
+#undef X
+    double scale = gn_energy_scale(energy);
+    double unaccounted = gn_energy_stored(energy) - energy->stored_at_start - input + lost;
+    return scale > 0 ? unaccounted / scale : 0;
+}

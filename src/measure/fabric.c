@@ -1,0 +1,143 @@
+/* Packing figures, extent of a packing, damage of particles. */
+#include "base/memory.h"
+#include "measure/assembly.h"
+#include "measure/delaunay.h"
+
+#include <string.h>
+
+/* --- packing figures
+ * ------------------------------------------------------------------------------- */
+
+static void count_particles(const gn_assembly *assembly, double volume, gn_packing_figures *g) {
+    const gn_particles *particles = assembly->particles;
+    double sum = 0;
+    for (size_t p = 0; p < particles->soa.count; p++) {
+        if (gn_particle_removed(particles, p)) continue;
+        double r = particles->pos[4 * p + 3];
+        if (g->particles == 0) g->radius_min = g->radius_max = r;
+        g->radius_min = fmin(g->radius_min, r);
+        g->radius_max = fmax(g->radius_max, r);
+        g->solid_volume += gn_particle_volume(particles, p, assembly->dimension);
+        g->particles++;
+        sum += r;
+    }
+    if (g->particles) g->radius_mean = sum / (double)g->particles;
+    g->porosity = volume > 0 ? 1 - g->solid_volume / volume : NAN;
+}
+
+static void count_overlap(const gn_particles *particles, size_t i, size_t j, double overlap,
+                          gn_packing_figures *g) {
+    if (overlap <= g->overlap_max) return;
+    g->overlap_max = overlap;
+    g->overlap_i = particles->id[i];
+    g->overlap_j = particles->id[j];
+}
+
+void gn_packing_measure(const gn_assembly *assembly, const int32_t *pairs, size_t pair_count,
+                        double tolerance, double volume, gn_packing_figures *figures) {
+    const gn_particles *particles = assembly->particles;
+    gn_packing_figures g = {.overlap_i = -1, .overlap_j = -1};
+    size_t overlaps = 0;
+    count_particles(assembly, volume, &g);
+    for (size_t k = 0; k < pair_count; k++) {
+        size_t i = (size_t)pairs[2 * k], j = (size_t)pairs[2 * k + 1];
+        if (gn_particle_removed(particles, i) || gn_particle_removed(particles, j)) continue;
+        double l[3], length = gn_branch(assembly, i, j, l);
+        double reach = particles->pos[4 * i + 3] + particles->pos[4 * j + 3];
+        if (length - reach > tolerance * reach) continue;
+        g.contacts++;
+        /* Coincident centres count as a contact without a direction. */
+        for (int a = 0; a < 9 && length > 0; a++)
+            g.fabric[a] += l[a / 3] * l[a % 3] / (length * length);
+        if (length >= reach) continue;
+        double overlap = (reach - length) / reach;
+        overlaps++;
+        g.overlap_mean += overlap;
+        count_overlap(particles, i, j, overlap, &g);
+    }
+    for (int a = 0; a < 9 && g.contacts; a++) g.fabric[a] /= (double)g.contacts;
+    if (overlaps) g.overlap_mean /= (double)overlaps;
+    if (g.particles) g.coordination = 2 * (double)g.contacts / (double)g.particles;
+    *figures = g;
+}
+
+/* --- hull
+ * ------------------------------------------------------------------------------------------ */
+
+enum { DIRECTIONS_2D = 32, DIRECTIONS_3D = 26 };
+
+/* 3D: to the faces, edges and corners of a cube; 2D: equal angles, the axes among them. */
+static size_t surface_directions(int dimension, double direction[DIRECTIONS_2D][3]) {
+    size_t count = 0;
+    if (dimension == 2) {
+        for (; count < DIRECTIONS_2D; count++) {
+            double angle = 2 * 3.14159265358979323846 * (double)count / DIRECTIONS_2D;
+            direction[count][0] = cos(angle);
+            direction[count][1] = sin(angle);
+            direction[count][2] = 0;
+        }
+        return count;
+    }
+    for (int k = 0; k < 27; k++) {
+        double x[3] = {k % 3 - 1, k / 3 % 3 - 1, k / 9 - 1};
+        double length = sqrt(x[0] * x[0] + x[1] * x[1] + x[2] * x[2]);
+        if (length == 0) continue;
+        for (int a = 0; a < 3; a++) direction[count][a] = x[a] / length;
+        count++;
+    }
+    return count;
+}
+
+static void packing_extent(const gn_particles *particles, double lower[3], double upper[3]) {
+    bool any = false;
+    for (int a = 0; a < 3; a++) lower[a] = upper[a] = NAN;
+    for (size_t p = 0; p < particles->soa.count; p++) {
+        if (gn_particle_removed(particles, p)) continue;
+        const double *x = particles->pos + 4 * p;
+        for (int a = 0; a < 3; a++) {
+            lower[a] = any ? fmin(lower[a], x[a] - x[3]) : x[a] - x[3];
+            upper[a] = any ? fmax(upper[a], x[a] + x[3]) : x[a] + x[3];
+        }
+        any = true;
+    }
+}
+
+gneiss_status gn_packing_hull(const gn_particles *particles, int dimension, double *volume,
+                              double lower[3], double upper[3], gneiss_error *error) {
+    double direction[DIRECTIONS_2D][3];
+    size_t directions = surface_directions(dimension, direction), count = 0;
+    packing_extent(particles, lower, upper);
+    double *points =
+        gn_alloc_array(particles->soa.count * directions * (size_t)dimension, sizeof *points);
+    if (!points)
+        return gn_fail(error, GNEISS_ERROR_MEMORY, "no memory for the hull of %zu particles",
+                       particles->soa.count);
+    for (size_t p = 0; p < particles->soa.count; p++) {
+        if (gn_particle_removed(particles, p)) continue;
+        const double *x = particles->pos + 4 * p;
+        for (size_t k = 0; k < directions; k++, count++)
+            for (int a = 0; a < dimension; a++)
+                points[count * dimension + a] = x[a] + x[3] * direction[k][a];
+    }
+    gneiss_status status = gn_hull_volume(points, count, dimension, volume, error);
+    gn_free(points);
+    if (status != GNEISS_OK) gn_fail_context(error, "hull of the packing: ");
+    return status;
+}
+
+/* --- damage
+ * ---------------------------------------------------------------------------------------- */
+
+/* Rojek et al. (2012), eq. 60. */
+void gn_damage_particles(const gn_particles *particles, const gn_contacts *bonds, double *damage) {
+    memset(damage, 0, particles->soa.count * sizeof *damage);
+    if (!particles->bonds0) return;
+    size_t count = bonds ? bonds->soa.count : 0;
+    for (size_t c = 0; c < count; c++) {
+        if (bonds->cause[c] != GN_INTACT) continue;
+        damage[bonds->i[c]] += 1;
+        damage[bonds->j[c]] += 1;
+    }
+    for (size_t p = 0; p < particles->soa.count; p++)
+        damage[p] = particles->bonds0[p] > 0 ? 1 - damage[p] / particles->bonds0[p] : 0;
+}

@@ -1,0 +1,266 @@
+/* Average strain of a particle assembly over a Delaunay triangulation: Bagi, K. (1996), Stress and
+ * strain in granular assemblies, Mechanics of Materials 22, 165-177; used for bonded specimens by
+ * Rojek et al. (2012) and Labra et al. (2012).
+ *
+ * In a simplex with corners p the displacement is linear and du_a/dx_b = sum_p u_a(p) dN_p/dx_b,
+ * with V dN_p/dx = -A_p/d, A_p the outward area vector of the face opposite to p and d the
+ * dimension. The sum of the outward area vectors of a simplex is zero, so that -A_p is the sum of
+ * the other ones: V <du_a/dx_b> = sum over faces f of A_f,b times the mean of u_a over the corners
+ * of f. A face between two simplices appears twice with opposite signs. Cancelling such pairs
+ * before adding anything leaves the outer faces, and only particles on the outside get a weight. */
+#include "measure/measure.h"
+
+#include "base/memory.h"
+#include "measure/delaunay.h"
+
+#include <math.h>
+#include <stdlib.h>
+
+/* How well the simplices must fill the hull: far above round-off, far below what would show in a
+ * strain. */
+static const double tiling_tolerance = 1e-9;
+
+typedef struct face {
+    int32_t corner[3]; /* ascending; 2D: the third is 0 */
+    int32_t sign;      /* +1: ascending corners turn outwards, -1: inwards */
+} face;
+
+typedef struct numbered {
+    int32_t id, index;
+} numbered;
+
+static int compare_ids(const void *a, const void *b) {
+    const numbered *x = a, *y = b;
+    return (x->id > y->id) - (x->id < y->id);
+}
+
+static int compare_faces(const void *a, const void *b) {
+    const face *x = a, *y = b;
+    for (int k = 0; k < 3; k++)
+        if (x->corner[k] != y->corner[k]) return x->corner[k] > y->corner[k] ? 1 : -1;
+    return (x->sign > y->sign) - (x->sign < y->sign);
+}
+
+/* Centres at the start in the order of the ids, about the first one: the triangulation of a lattice
+ * depends on the order of its points, and the order of the particles on the run so far. */
+static gneiss_status reference_points(const gn_particles *particles, int dimension, double **points,
+                                      numbered **order, gneiss_error *error) {
+    size_t count = particles->soa.count;
+    *order = gn_alloc_array(count, sizeof **order);
+    *points = gn_alloc_array(count * (size_t)dimension, sizeof **points);
+    if (!*order || !*points)
+        return gn_fail(error, GNEISS_ERROR_MEMORY, "no memory for a strain gauge of %zu particles",
+                       count);
+    for (size_t p = 0; p < count; p++) (*order)[p] = (numbered){particles->id[p], (int32_t)p};
+    qsort(*order, count, sizeof **order, compare_ids);
+    for (size_t k = 0; k < count; k++)
+        for (int a = 0; a < dimension; a++)
+            (*points)[k * dimension + a] = particles->start[4 * (size_t)(*order)[k].index + a] -
+                                           particles->start[4 * (size_t)(*order)[0].index + a];
+    return GNEISS_OK;
+}
+
+/* d! times the signed volume of a simplex. */
+static double simplex_volume(const double *points, const int32_t *corner, int dimension) {
+    double e[3][3];
+    for (int k = 0; k < dimension; k++)
+        for (int a = 0; a < dimension; a++)
+            e[k][a] = points[(size_t)corner[k + 1] * dimension + a] -
+                      points[(size_t)corner[0] * dimension + a];
+    if (dimension == 2) return e[0][0] * e[1][1] - e[0][1] * e[1][0];
+    return e[0][0] * (e[1][1] * e[2][2] - e[1][2] * e[2][1]) -
+           e[0][1] * (e[1][0] * e[2][2] - e[1][2] * e[2][0]) +
+           e[0][2] * (e[1][0] * e[2][1] - e[1][1] * e[2][0]);
+}
+
+/* Area vector of a face seen from the side where its corners turn counter-clockwise; 2D: the edge
+ * turned by -90 degrees, outward for a counter-clockwise outline. */
+static void area_vector(const double *points, const int32_t *corner, int dimension,
+                        double area[3]) {
+    const double *p = points + (size_t)corner[0] * dimension;
+    const double *q = points + (size_t)corner[1] * dimension;
+    if (dimension == 2) {
+        area[0] = q[1] - p[1];
+        area[1] = p[0] - q[0];
+        area[2] = 0;
+        return;
+    }
+    const double *r = points + (size_t)corner[2] * dimension;
+    double u[3], v[3];
+    for (int a = 0; a < 3; a++) u[a] = q[a] - p[a], v[a] = r[a] - p[a];
+    area[0] = 0.5 * (u[1] * v[2] - u[2] * v[1]);
+    area[1] = 0.5 * (u[2] * v[0] - u[0] * v[2]);
+    area[2] = 0.5 * (u[0] * v[1] - u[1] * v[0]);
+}
+
+/* Sorts the corners of a face and keeps count of the exchanges in its sign. */
+static face sorted_face(const int32_t *corner, int dimension, int32_t sign) {
+    face f = {.sign = sign};
+    for (int k = 0; k < dimension; k++) f.corner[k] = corner[k];
+    for (int k = 1; k < dimension; k++)
+        for (int m = k; m > 0 && f.corner[m - 1] > f.corner[m]; m--) {
+            int32_t other = f.corner[m];
+            f.corner[m] = f.corner[m - 1];
+            f.corner[m - 1] = other;
+            f.sign = -f.sign;
+        }
+    return f;
+}
+
+/* All faces of all simplices, sorted, with pairs of opposite sign taken out; `count` of them are
+ * left. `turn` is the common orientation of the simplices. The face of a positive simplex 0..d
+ * opposite to corner k has the remaining corners, in their order, turned outwards by (-1)^k. */
+static gneiss_status outer_faces(const gn_triangulation *t, int32_t turn, face **faces,
+                                 size_t *count, gneiss_error *error) {
+    size_t corners = (size_t)t->dimension + 1, all = t->count * corners;
+    face *list = gn_alloc_array(all, sizeof *list);
+    if (!list) return gn_fail(error, GNEISS_ERROR_MEMORY, "no memory for %zu faces", all);
+    for (size_t s = 0; s < t->count; s++)
+        for (size_t k = 0; k < corners; k++) {
+            int32_t rest[3] = {0}, n = 0;
+            for (size_t m = 0; m < corners; m++)
+                if (m != k) rest[n++] = t->vertex[s * corners + m];
+            int32_t outward = k % 2 ? -1 : 1;
+            list[s * corners + k] = sorted_face(rest, t->dimension, outward * turn);
+        }
+    qsort(list, all, sizeof *list, compare_faces);
+    size_t kept = 0;
+    for (size_t f = 0; f < all; f++) {
+        bool same = kept > 0;
+        for (int a = 0; same && a < 3; a++) same = list[kept - 1].corner[a] == list[f].corner[a];
+        if (same && list[kept - 1].sign == -list[f].sign)
+            kept--;
+        else
+            list[kept++] = list[f];
+    }
+    *faces = list;
+    *count = kept;
+    return GNEISS_OK;
+}
+
+/* Adds the faces to the weights [points][3]; the volume they enclose by the divergence theorem. */
+static double add_faces(const face *faces, size_t count, const double *points, int dimension,
+                        double *weight) {
+    double volume = 0;
+    for (size_t f = 0; f < count; f++) {
+        double area[3], centre[3] = {0};
+        area_vector(points, faces[f].corner, dimension, area);
+        for (int k = 0; k < dimension; k++) {
+            size_t p = (size_t)faces[f].corner[k];
+            for (int a = 0; a < dimension; a++) {
+                weight[3 * p + a] += faces[f].sign * area[a] / dimension;
+                centre[a] += points[p * dimension + a] / dimension;
+            }
+        }
+        for (int a = 0; a < dimension; a++)
+            volume += faces[f].sign * area[a] * centre[a] / dimension;
+    }
+    return volume;
+}
+
+/* The simplices must fill the hull once: no holes, no overlaps. */
+static gneiss_status check_tiling(const gn_triangulation *t, const double *points, size_t count,
+                                  double enclosed, gneiss_error *error) {
+    double hull, filled = 0;
+    GN_TRY(gn_hull_volume(points, count, t->dimension, &hull, error));
+    for (size_t s = 0; s < t->count; s++)
+        filled +=
+            fabs(simplex_volume(points, t->vertex + s * (size_t)(t->dimension + 1), t->dimension)) /
+            (t->dimension == 3 ? 6 : 2);
+    if (fabs(filled - hull) <= tiling_tolerance * hull &&
+        fabs(enclosed - hull) <= tiling_tolerance * hull)
+        return GNEISS_OK;
+    return gn_fail(error, GNEISS_ERROR_INTERNAL,
+                   "the %zu simplices of %zu points should fill their hull of %.17g: their volumes "
+                   "add up to %.17g and their outside encloses %.17g",
+                   t->count, count, hull, filled, enclosed);
+}
+
+static gneiss_status take_weights(const double *weight, size_t count, const numbered *order,
+                                  gn_strain_gauge *gauge, gneiss_error *error) {
+    size_t used = 0;
+    for (size_t k = 0; k < count; k++)
+        used += weight[3 * k] != 0 || weight[3 * k + 1] != 0 || weight[3 * k + 2] != 0;
+    gauge->id = gn_alloc_array(used, sizeof *gauge->id);
+    gauge->weight = gn_alloc_array(3 * used, sizeof *gauge->weight);
+    if (!gauge->id || !gauge->weight)
+        return gn_fail(error, GNEISS_ERROR_MEMORY, "no memory for a strain gauge of %zu particles",
+                       used);
+    for (size_t k = 0; k < count; k++) {
+        const double *w = weight + 3 * k;
+        if (w[0] == 0 && w[1] == 0 && w[2] == 0) continue;
+        gauge->id[gauge->count] = order[k].id;
+        for (int a = 0; a < 3; a++) gauge->weight[3 * gauge->count + a] = w[a] / gauge->volume;
+        gauge->count++;
+    }
+    return GNEISS_OK;
+}
+
+/* +1 or -1: the sign of the summed volume, the same way round for all simplices. */
+static int32_t common_turn(const gn_triangulation *t, const double *points) {
+    double sum = 0;
+    for (size_t s = 0; s < t->count; s++)
+        sum += simplex_volume(points, t->vertex + s * (size_t)(t->dimension + 1), t->dimension);
+    return sum < 0 ? -1 : 1;
+}
+
+static gneiss_status gauge_fill(const gn_triangulation *t, const double *points, size_t count,
+                                const numbered *order, gn_strain_gauge *gauge,
+                                gneiss_error *error) {
+    face *faces = NULL;
+    size_t face_count = 0;
+    GN_TRY(outer_faces(t, common_turn(t, points), &faces, &face_count, error));
+    double *weight = gn_alloc_array(3 * count, sizeof *weight);
+    gneiss_status status = GNEISS_OK;
+    if (!weight)
+        status = gn_fail(error, GNEISS_ERROR_MEMORY, "no memory for %zu weights", 3 * count);
+    else
+        gauge->volume = add_faces(faces, face_count, points, t->dimension, weight);
+    gauge->simplices = t->count;
+    if (status == GNEISS_OK) status = check_tiling(t, points, count, gauge->volume, error);
+    if (status == GNEISS_OK) status = take_weights(weight, count, order, gauge, error);
+    gn_free(weight);
+    gn_free(faces);
+    return status;
+}
+
+gneiss_status gn_strain_gauge_create(const gn_particles *particles, int dimension,
+                                     gn_strain_gauge *gauge, gneiss_error *error) {
+    *gauge = (gn_strain_gauge){0};
+    if (particles->soa.count < (size_t)dimension + 1) return GNEISS_OK;
+    gn_triangulation triangulation = {0};
+    double *points = NULL;
+    numbered *order = NULL;
+    size_t count = particles->soa.count;
+    gneiss_status status = reference_points(particles, dimension, &points, &order, error);
+    if (status == GNEISS_OK) status = gn_delaunay(points, count, dimension, &triangulation, error);
+    if (status == GNEISS_OK && triangulation.count > 0)
+        status = gauge_fill(&triangulation, points, count, order, gauge, error);
+    gn_triangulation_free(&triangulation);
+    gn_free(points);
+    gn_free(order);
+    if (status != GNEISS_OK) {
+        gn_strain_gauge_free(gauge);
+        gn_fail_context(error, "strain gauge: ");
+    }
+    return status;
+}
+
+void gn_strain_gauge_free(gn_strain_gauge *gauge) {
+    gn_free(gauge->id);
+    gn_free(gauge->weight);
+    *gauge = (gn_strain_gauge){0};
+}
+
+void gn_strain_gauge_read(const gn_strain_gauge *gauge, const gn_particles *particles,
+                          const int32_t *index_of_id, double gradient[9]) {
+    for (int k = 0; k < 9; k++) gradient[k] = gauge->count ? 0 : NAN;
+    for (size_t k = 0; k < gauge->count; k++) {
+        int32_t p = index_of_id[gauge->id[k]];
+        if (p < 0) continue;
+        for (int a = 0; a < 3; a++) {
+            double u = particles->pos[4 * (size_t)p + a] - particles->start[4 * (size_t)p + a];
+            for (int b = 0; b < 3; b++) gradient[3 * a + b] += u * gauge->weight[3 * k + b];
+        }
+    }
+}

@@ -1,0 +1,99 @@
+/* Average stress from contact forces and branch vectors: Rojek et al. (2012), sec. 5; Labra et al.
+ * (2012); in 2D Kruyt and Rothenburg (1996), J. Appl. Mech. 63, 706-711. Only forces enter: the
+ * moments of a contact do no work on a homogeneous displacement gradient. */
+#include "measure/assembly.h"
+
+#include <string.h>
+
+/* A contact: force on the first particle, unit normal to the second and the branch vector. */
+typedef struct contact {
+    size_t i, j;
+    double f[3], n[3], l[3], length;
+} contact;
+
+static contact contact_at(const gn_assembly *assembly, const gn_contacts *list, size_t c) {
+    contact x = {.i = (size_t)list->i[c], .j = (size_t)list->j[c]};
+    const double *row = gn_contacts_row(list) + c * (size_t)gn_contacts_row_width(list);
+    for (int a = 0; a < assembly->dimension; a++) x.f[a] = row[a];
+    x.length = gn_branch(assembly, x.i, x.j, x.l);
+    /* Coincident centres have no normal and their force no arm. */
+    for (int a = 0; a < 3; a++) x.n[a] = x.length > 0 ? x.l[a] / x.length : 0;
+    return x;
+}
+
+static void add_outer(double sigma[9], const double f[3], const double l[3]) {
+    for (int a = 0; a < 3; a++)
+        for (int b = 0; b < 3; b++) sigma[3 * a + b] += f[a] * l[b];
+}
+
+/* Force on the particle and the vector from its centre to the wall. The overlap is left out of the
+ * arm: walls are stiff and their distance is not part of an assembly. */
+static void wall_contact_at(const gn_assembly *assembly, size_t c, double f[3], double l[3]) {
+    const gn_wall_contacts *list = assembly->wall_contacts;
+    const double *normal = assembly->wall_normals + 4 * (size_t)list->wall[c];
+    double r = assembly->particles->pos[4 * (size_t)list->i[c] + 3];
+    for (int a = 0; a < 3; a++) {
+        f[a] = a < assembly->dimension ? list->row[8 * c + a] : 0;
+        l[a] = a < assembly->dimension ? -r * normal[a] : 0;
+    }
+}
+
+void gn_stress_average(const gn_assembly *assembly, double volume, double sigma[9]) {
+    const gn_contacts *lists[] = {assembly->bonds, assembly->pairs};
+    memset(sigma, 0, 9 * sizeof *sigma);
+    for (int k = 0; k < 2; k++) {
+        size_t count = lists[k] ? lists[k]->soa.count : 0;
+        for (size_t c = 0; c < count; c++) {
+            contact x = contact_at(assembly, lists[k], c);
+            add_outer(sigma, x.f, x.l);
+        }
+    }
+    size_t walls = assembly->wall_contacts ? assembly->wall_contacts->soa.count : 0;
+    for (size_t c = 0; c < walls; c++) {
+        double f[3], l[3];
+        wall_contact_at(assembly, c, f, l);
+        add_outer(sigma, f, l);
+    }
+    for (int k = 0; k < 9; k++) sigma[k] /= volume;
+}
+
+/* Adds the symmetric part of f arm n, order xx yy zz xy yz xz. */
+static void add_symmetric(double sigma[6], const double f[3], const double n[3], double arm) {
+    for (int a = 0; a < 3; a++) sigma[a] += arm * f[a] * n[a];
+    sigma[3] += 0.5 * arm * (f[0] * n[1] + f[1] * n[0]);
+    sigma[4] += 0.5 * arm * (f[1] * n[2] + f[2] * n[1]);
+    sigma[5] += 0.5 * arm * (f[0] * n[2] + f[2] * n[0]);
+}
+
+/* The contact point lies half the gap outside each particle. Force and normal both change sign from
+ * the first particle to the second. */
+static void add_pair(const gn_assembly *assembly, const contact *x, double *sigma) {
+    const double *pos = assembly->particles->pos;
+    double ri = pos[4 * x->i + 3], rj = pos[4 * x->j + 3], gap = x->length - ri - rj;
+    add_symmetric(sigma + 6 * x->i, x->f, x->n, ri + 0.5 * gap);
+    add_symmetric(sigma + 6 * x->j, x->f, x->n, rj + 0.5 * gap);
+}
+
+void gn_stress_particles(const gn_assembly *assembly, double porosity, double *sigma) {
+    const gn_contacts *lists[] = {assembly->bonds, assembly->pairs};
+    const gn_particles *particles = assembly->particles;
+    memset(sigma, 0, 6 * particles->soa.count * sizeof *sigma);
+    for (int k = 0; k < 2; k++) {
+        size_t count = lists[k] ? lists[k]->soa.count : 0;
+        for (size_t c = 0; c < count; c++) {
+            contact x = contact_at(assembly, lists[k], c);
+            add_pair(assembly, &x, sigma);
+        }
+    }
+    size_t walls = assembly->wall_contacts ? assembly->wall_contacts->soa.count : 0;
+    for (size_t c = 0; c < walls; c++) {
+        double f[3], l[3];
+        wall_contact_at(assembly, c, f, l);
+        add_symmetric(sigma + 6 * (size_t)assembly->wall_contacts->i[c], f, l, 1);
+    }
+    for (size_t p = 0; p < particles->soa.count; p++) {
+        double volume = gn_particle_volume(particles, p, assembly->dimension);
+        double scale = volume > 0 ? (1 - porosity) / volume : 0;
+        for (int k = 0; k < 6; k++) sigma[6 * p + k] *= scale;
+    }
+}

@@ -1,0 +1,300 @@
+#include "neigh/pairs.h"
+
+#include "base/memory.h"
+
+#include <math.h>
+#include <omp.h>
+#include <stdlib.h>
+#include <string.h>
+
+enum { MAX_LEVELS = 32 };
+
+/* One cell grid for particles with radii in (r/2, r]. */
+typedef struct grid {
+    double cell[3];    /* width of a cell */
+    int64_t cells[3];  /* along each axis */
+    size_t count;      /* particles */
+    int32_t *start;    /* [cells + 1] */
+    int32_t *particle; /* [count] by cell, ascending within a cell */
+} grid;
+
+typedef struct search {
+    const gn_pair_query *query;
+    double lower[3], extent[3];
+    double radius_max;
+    int levels;
+    grid grids[MAX_LEVELS];
+    uint8_t *level; /* [particles] */
+} search;
+
+/* Pairs found by one thread. */
+typedef struct bucket {
+    size_t count, capacity;
+    int32_t (*pair)[2];
+} bucket;
+
+static bool removed(const gn_particles *p, size_t k) { return p->vel[4 * k + 3] == 0.0; }
+
+static int level_of(double radius_max, double radius) {
+    int level = (int)floor(log2(radius_max / radius));
+    return level < 0 ? 0 : level < MAX_LEVELS ? level : MAX_LEVELS - 1;
+}
+
+static void bounding_box(search *s) {
+    const gn_particles *p = s->query->particles;
+    double upper[3];
+    for (int a = 0; a < 3; a++) {
+        s->lower[a] = INFINITY;
+        upper[a] = -INFINITY;
+    }
+    s->radius_max = 0.0;
+    for (size_t k = 0; k < p->soa.count; k++) {
+        if (removed(p, k)) continue;
+        s->radius_max = fmax(s->radius_max, p->pos[4 * k + 3]);
+        for (int a = 0; a < 3; a++) {
+            s->lower[a] = fmin(s->lower[a], p->pos[4 * k + a]);
+            upper[a] = fmax(upper[a], p->pos[4 * k + a]);
+        }
+    }
+    for (int a = 0; a < 3; a++) {
+        s->extent[a] = upper[a] - s->lower[a];
+        if (s->query->periodic && (a < 2 || s->query->dimension == 3)) s->extent[a] = s->query->period[a];
+    }
+}
+
+static gneiss_status size_grid(search *s, grid *g, double radius, gneiss_error *error) {
+    const gn_pair_query *q = s->query;
+    double reach = 2.0 * radius * (1.0 + q->range) + q->margin;
+    double total = 1.0;
+    for (int a = 0; a < 3; a++) {
+        g->cells[a] = 1;
+        g->cell[a] = fmax(s->extent[a], reach);
+        if (a == 2 && q->dimension == 2) continue;
+        if (q->periodic && q->period[a] < 2.0 * reach)
+            return gn_fail(error, GNEISS_ERROR_INPUT,
+                           "periodic box: expected a length of at least %g m along %c (twice the reach of "
+                           "the largest particles), found %g m",
+                           2.0 * reach, "xyz"[a], q->period[a]);
+        total *= fmax(1.0, floor(s->extent[a] / reach));
+    }
+    /* A few large cells do no harm; more cells than particles waste memory. */
+    double limit = 2.0 * (double)g->count + 64.0;
+    double widen = total > limit ? pow(total / limit, 1.0 / q->dimension) : 1.0;
+    for (int a = 0; a < q->dimension; a++) {
+        double n = fmax(1.0, floor(s->extent[a] / (reach * widen)));
+        g->cells[a] = (int64_t)n;
+        g->cell[a] = n > 1.0 ? s->extent[a] / n : g->cell[a];
+    }
+    return GNEISS_OK;
+}
+
+static int64_t cell_along(const search *s, const grid *g, const double *x, int a) {
+    double c = floor((x[a] - s->lower[a]) / g->cell[a]);
+    int64_t n = g->cells[a];
+    if (s->query->periodic) {
+        int64_t k = (int64_t)fmod(c, (double)n);
+        return k < 0 ? k + n : k;
+    }
+    return c < 0.0 ? 0 : c >= (double)n ? n - 1 : (int64_t)c;
+}
+
+static int64_t cell_index(const grid *g, const int64_t c[3]) {
+    return (c[2] * g->cells[1] + c[1]) * g->cells[0] + c[0];
+}
+
+static gneiss_status fill_grid(search *s, int level, gneiss_error *error) {
+    const gn_particles *p = s->query->particles;
+    grid *g = &s->grids[level];
+    size_t cells = (size_t)(g->cells[0] * g->cells[1] * g->cells[2]);
+    g->start = gn_alloc_array(cells + 2, sizeof *g->start);
+    g->particle = gn_alloc_array(g->count + 1, sizeof *g->particle);
+    int32_t *home = gn_alloc_array(p->soa.count + 1, sizeof *home);
+    if (!g->start || !g->particle || !home) {
+        gn_free(home);
+        return gn_fail(error, GNEISS_ERROR_MEMORY, "no memory for a grid of %zu cells", cells);
+    }
+    for (size_t k = 0; k < p->soa.count; k++) {
+        if (s->level[k] != level) continue;
+        const double *x = p->pos + 4 * k;
+        int64_t c[3] = {cell_along(s, g, x, 0), cell_along(s, g, x, 1), cell_along(s, g, x, 2)};
+        home[k] = (int32_t)cell_index(g, c);
+        g->start[home[k] + 2]++;
+    }
+    for (size_t c = 2; c < cells + 2; c++) g->start[c] += g->start[c - 1];
+    for (size_t k = 0; k < p->soa.count; k++)
+        if (s->level[k] == level) g->particle[g->start[home[k] + 1]++] = (int32_t)k;
+    gn_free(home);
+    return GNEISS_OK;
+}
+
+static bool bucket_push(bucket *b, int32_t i, int32_t j) {
+    if (b->count == b->capacity) {
+        size_t capacity = b->capacity ? 2 * b->capacity : 4096;
+        void *grown = realloc(b->pair, capacity * sizeof *b->pair);
+        if (!grown) return false;
+        b->pair = grown;
+        b->capacity = capacity;
+    }
+    b->pair[b->count][0] = i < j ? i : j;
+    b->pair[b->count][1] = i < j ? j : i;
+    b->count++;
+    return true;
+}
+
+static bool near(const gn_pair_query *q, const double *a, const double *b) {
+    double d2 = 0.0;
+    for (int k = 0; k < q->dimension; k++) {
+        double d = b[k] - a[k];
+        if (q->periodic) d -= q->period[k] * nearbyint(d / q->period[k]);
+        d2 += d * d;
+    }
+    double sum = a[3] + b[3], reach = sum + q->margin + q->range * sum;
+    return d2 <= reach * reach;
+}
+
+/* First and number of cells to visit along an axis around cell c. */
+static void cell_span(const search *s, const grid *g, int64_t c, int a, int64_t *first, int *count) {
+    int64_t n = g->cells[a];
+    if (s->query->periodic && !(a == 2 && s->query->dimension == 2)) {
+        *first = n >= 3 ? (c + n - 1) % n : 0;
+        *count = n >= 3 ? 3 : (int)n;
+        return;
+    }
+    int64_t last = c + 1 < n ? c + 1 : n - 1;
+    *first = c > 0 ? c - 1 : 0;
+    *count = (int)(last - *first + 1);
+}
+
+/* Partners of particle k in one grid: in its own level those behind it, in coarser levels all. */
+static bool search_level(const search *s, size_t k, int level, bucket *out) {
+    const gn_particles *p = s->query->particles;
+    const grid *g = &s->grids[level];
+    const double *x = p->pos + 4 * k;
+    int64_t first[3];
+    int count[3];
+    for (int a = 0; a < 3; a++) cell_span(s, g, cell_along(s, g, x, a), a, &first[a], &count[a]);
+    for (int cz = 0; cz < count[2]; cz++)
+        for (int cy = 0; cy < count[1]; cy++)
+            for (int cx = 0; cx < count[0]; cx++) {
+                int64_t c[3] = {(first[0] + cx) % g->cells[0], (first[1] + cy) % g->cells[1],
+                                (first[2] + cz) % g->cells[2]};
+                int64_t cell = cell_index(g, c);
+                for (int32_t e = g->start[cell]; e < g->start[cell + 1]; e++) {
+                    int32_t other = g->particle[e];
+                    if (level == s->level[k] && other <= (int32_t)k) continue;
+                    if (near(s->query, x, p->pos + 4 * (int64_t)other) &&
+                        !bucket_push(out, (int32_t)k, other))
+                        return false;
+                }
+            }
+    return true;
+}
+
+static bool search_range(const search *s, size_t begin, size_t end, bucket *out) {
+    for (size_t k = begin; k < end; k++) {
+        if (s->level[k] >= MAX_LEVELS) continue;
+        for (int level = s->level[k]; level >= 0; level--)
+            if (s->grids[level].count && !search_level(s, k, level, out)) return false;
+    }
+    return true;
+}
+
+static int by_second(const void *a, const void *b) {
+    int32_t x = ((const int32_t *)a)[1], y = ((const int32_t *)b)[1];
+    return (x > y) - (x < y);
+}
+
+/* Counting sort by the first index, then each short row by the second: the order no longer tells which
+ * thread found a pair. */
+static gneiss_status merge_buckets(const bucket *buckets, int count, size_t particles,
+                                   gn_pair_list *list, gneiss_error *error) {
+    size_t total = 0;
+    for (int b = 0; b < count; b++) total += buckets[b].count;
+    if (total > INT32_MAX - 64)
+        return gn_fail(error, GNEISS_ERROR_INPUT, "%zu pairs are more than the engine can number", total);
+    int32_t *start = gn_alloc_array(particles + 2, sizeof *start);
+    list->pair = gn_alloc_array(total + 1, sizeof *list->pair);
+    list->count = total;
+    if (!start || !list->pair) {
+        gn_free(start);
+        gn_pair_list_free(list);
+        return gn_fail(error, GNEISS_ERROR_MEMORY, "no memory for %zu pairs", total);
+    }
+    for (int b = 0; b < count; b++)
+        for (size_t k = 0; k < buckets[b].count; k++) start[buckets[b].pair[k][0] + 2]++;
+    for (size_t p = 2; p < particles + 2; p++) start[p] += start[p - 1];
+    for (int b = 0; b < count; b++)
+        for (size_t k = 0; k < buckets[b].count; k++) {
+            int32_t *slot = list->pair[start[buckets[b].pair[k][0] + 1]++];
+            memcpy(slot, buckets[b].pair[k], sizeof *list->pair);
+        }
+    for (size_t p = 0; p < particles; p++)
+        qsort(list->pair + start[p], (size_t)(start[p + 1] - start[p]), sizeof *list->pair, by_second);
+    gn_free(start);
+    return GNEISS_OK;
+}
+
+static gneiss_status assign_levels(search *s, gneiss_error *error) {
+    const gn_particles *p = s->query->particles;
+    s->level = gn_alloc(p->soa.count + 1);
+    if (!s->level) return gn_fail(error, GNEISS_ERROR_MEMORY, "no memory for particle levels");
+    double largest[MAX_LEVELS] = {0};
+    for (size_t k = 0; k < p->soa.count; k++) {
+        s->level[k] = MAX_LEVELS; /* removed */
+        if (removed(p, k)) continue;
+        int level = level_of(s->radius_max, p->pos[4 * k + 3]);
+        s->level[k] = (uint8_t)level;
+        s->grids[level].count++;
+        largest[level] = fmax(largest[level], p->pos[4 * k + 3]);
+    }
+    for (int level = 0; level < MAX_LEVELS; level++) {
+        if (!s->grids[level].count) continue;
+        GN_TRY(size_grid(s, &s->grids[level], largest[level], error));
+        GN_TRY(fill_grid(s, level, error));
+    }
+    return GNEISS_OK;
+}
+
+static gneiss_status search_all(const search *s, bucket *buckets, int threads, gneiss_error *error) {
+    size_t n = s->query->particles->soa.count;
+    bool complete = true;
+#pragma omp parallel num_threads(threads) reduction(&& : complete)
+    {
+        size_t t = (size_t)omp_get_thread_num(), of = (size_t)omp_get_num_threads();
+        complete = search_range(s, n * t / of, n * (t + 1) / of, &buckets[t]);
+    }
+    return complete ? GNEISS_OK : gn_fail(error, GNEISS_ERROR_MEMORY, "no memory for the pair list");
+}
+
+gneiss_status gn_pairs_find(const gn_pair_query *query, gn_pair_list *list, gneiss_error *error) {
+    size_t n = query->particles->soa.count;
+    int threads = query->threads > 0 ? query->threads : 1;
+    search *s = calloc(1, sizeof *s);
+    bucket *buckets = calloc((size_t)threads, sizeof *buckets);
+    list->count = 0;
+    list->pair = NULL;
+    gneiss_status status = GNEISS_OK;
+    if (!s || !buckets) status = gn_fail(error, GNEISS_ERROR_MEMORY, "no memory for the pair search");
+    if (status == GNEISS_OK) {
+        s->query = query;
+        bounding_box(s);
+        if (s->radius_max > 0.0) status = assign_levels(s, error);
+    }
+    if (status == GNEISS_OK && s->radius_max > 0.0) status = search_all(s, buckets, threads, error);
+    if (status == GNEISS_OK) status = merge_buckets(buckets, threads, n, list, error);
+    for (int t = 0; buckets && t < threads; t++) free(buckets[t].pair);
+    free(buckets);
+    for (int level = 0; s && level < MAX_LEVELS; level++) {
+        gn_free(s->grids[level].start);
+        gn_free(s->grids[level].particle);
+    }
+    if (s) gn_free(s->level);
+    free(s);
+    return status;
+}
+
+void gn_pair_list_free(gn_pair_list *list) {
+    gn_free(list->pair);
+    list->pair = NULL;
+    list->count = 0;
+}

@@ -1,0 +1,264 @@
+#include "scene/read.h"
+
+#include <float.h>
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+/* Where a check is: an element of a list with its prefix ("walls[2]."), or the whole scene. */
+typedef struct check {
+    const gn_reader *reader;
+    const gn_node *map;
+    char prefix[64];
+} check;
+
+static check element_of(const gn_reader *reader, const gn_node *root, const char *list,
+                        size_t index) {
+    check c = {.reader = reader, .map = gn_node_item(gn_node_child(root, list), index)};
+    snprintf(c.prefix, sizeof c.prefix, "%s[%zu].", list, index);
+    return c;
+}
+
+/* Fails at the value of `key`, or, when it is not given, at the section around it. */
+static gneiss_status fail(const check *c, const char *key, const char *format, ...)
+    __attribute__((format(printf, 3, 4)));
+
+static gneiss_status fail(const check *c, const char *key, const char *format, ...) {
+    char text[512], path[GN_KEY_PATH_SIZE], up[GN_KEY_PATH_SIZE];
+    va_list args;
+    va_start(args, format);
+    vsnprintf(text, sizeof text, format, args);
+    va_end(args);
+    snprintf(path, sizeof path, "%s%s", c->prefix, key);
+    snprintf(up, sizeof up, "%s", key);
+    const gn_node *node = gn_node_find(c->map, up);
+    bool value = node && node->kind != GN_NODE_MAP; /* of a section the key is the place */
+    while (!node) {
+        char *dot = strrchr(up, '.');
+        if (dot) *dot = '\0';
+        node = dot ? gn_node_find(c->map, up) : c->map;
+    }
+    return gn_read_fail(c->reader, node, value ? node->where : node->key_where, path, "%s", text);
+}
+
+static bool given(const check *c, const char *key) {
+    return gn_node_find(c->map, key) != NULL;
+}
+
+/* ---- specimen ---- */
+
+static gneiss_status check_specimen(const check *c, gn_scene *s) {
+    gn_specimen *specimen = &s->specimen;
+    int sources = (*specimen->file != 0) + (specimen->particle_count > 0) +
+                  (specimen->lattice.kind != GN_LATTICE_NONE);
+    if (sources != 1)
+        return fail(c, "specimen", "expected one of file, particles and lattice, found %s",
+                    sources ? "several" : "none");
+    bool plane = specimen->lattice.kind == GN_LATTICE_SQUARE ||
+                 specimen->lattice.kind == GN_LATTICE_HEXAGONAL;
+    if (specimen->lattice.kind != GN_LATTICE_NONE && plane != (s->dimension == 2))
+        return fail(c, "specimen.lattice.kind", "expected a lattice of a %dD scene: %s",
+                    (int)s->dimension, s->dimension == 2 ? "square, hexagonal" : "cubic, fcc, hcp");
+    if (specimen->porosity >= 0 && specimen->density_basis != GN_DENSITY_BULK)
+        return fail(c, "specimen.porosity",
+                    "expected density_basis bulk beside it, found particle");
+    if (!*specimen->material && s->material_count == 1)
+        memcpy(specimen->material, s->materials[0].name, sizeof specimen->material);
+    if (gn_scene_find_material(s, specimen->material) < 0)
+        return fail(c, "specimen.material", "expected the name of a material, found '%s'",
+                    specimen->material);
+    return GNEISS_OK;
+}
+
+/* ---- materials and bonds ---- */
+
+static gneiss_status need(const check *c, double value, const char *key, const char *reason) {
+    if (value > 0) return GNEISS_OK;
+    return fail(c, key, "required %s, but not given", reason);
+}
+
+static gneiss_status check_material(const check *c, const gn_scene *s, size_t index) {
+    const gn_material *m = &s->materials[index];
+    if (gn_scene_find_material(s, m->name) != (int)index)
+        return fail(c, "name", "expected a name of its own, found '%s' a second time", m->name);
+    bool bonds = s->bonds == GN_SWITCH_ON;
+    if (s->stiffness == GN_STIFFNESS_UNIFORM) {
+        GN_TRY(need(c, m->normal_stiffness, "normal_stiffness", "by the uniform law"));
+        if (!bonds) return GNEISS_OK;
+        GN_TRY(need(c, m->bond_tension_limit, "bond_tension_limit", "by bonds of the uniform law"));
+        return need(c, m->bond_shear_limit, "bond_shear_limit", "by bonds of the uniform law");
+    }
+    GN_TRY(need(c, m->contact_modulus, "contact_modulus", "by this law.stiffness"));
+    if (!bonds) return GNEISS_OK;
+    GN_TRY(need(c, m->tensile_strength, "tensile_strength", "by bonds of this law.stiffness"));
+    return need(c, m->shear_strength, "shear_strength", "by bonds of this law.stiffness");
+}
+
+/* ---- damping ---- */
+
+static gneiss_status check_damping(const check *c, const gn_scene *s) {
+    const char *key = "damping.background.coefficient";
+    double a = s->background_coefficient, value;
+    if (s->background == GN_BACKGROUND_NONE && a > 0)
+        return fail(c, key, "expected a model beside it, found none");
+    if (s->background != GN_BACKGROUND_NONE && !given(c, key))
+        return fail(c, key, "required by the model, but not given");
+    const gn_node *node = gn_node_find(c->map, key);
+    if (node && s->background != GN_BACKGROUND_NONE) {
+        const char *unit = s->background == GN_BACKGROUND_VISCOUS ? "1/s" : "1";
+        char reason[96];
+        if (!gn_units_read(c->reader->units, node->text, unit, &value, reason, sizeof reason))
+            return fail(c, key, "expected %s for this model, found '%.60s'%s", gn_unit_text(unit),
+                        node->text, reason);
+    }
+    if (s->background > GN_BACKGROUND_VISCOUS && a >= 1)
+        return fail(c, key, "expected a fraction in [0, 1), found %g", a);
+    if (s->restitution > 0 && s->damping_fraction > 0)
+        return fail(c, "damping.contact.fraction", "expected restitution or fraction, found both");
+    return GNEISS_OK;
+}
+
+/* ---- boxes ---- */
+
+static gneiss_status check_box(const check *c, const gn_scene *s, const char *key,
+                               const double *low, const double *high) {
+    for (int64_t k = 0; k < s->dimension; k++)
+        if (!(low[k] < high[k]))
+            return fail(c, key,
+                        "expected a corner above min in every direction, found %c: %g to %g",
+                        "xyz"[k], low[k], high[k]);
+    return GNEISS_OK;
+}
+
+static gneiss_status check_surroundings(const check *c, const gn_scene *s) {
+    if (s->has_periodic) GN_TRY(check_box(c, s, "periodic.max", s->periodic_min, s->periodic_max));
+    if (!s->has_domain) return GNEISS_OK;
+    if (!given(c, "domain.min")) return fail(c, "domain.min", "required beside max, but not given");
+    if (!given(c, "domain.max")) return fail(c, "domain.max", "required beside min, but not given");
+    return check_box(c, s, "domain.max", s->domain_min, s->domain_max);
+}
+
+/* ---- sets and walls ---- */
+
+static gneiss_status check_plane_motion(const check *c, const gn_scene *s,
+                                        const gn_motion *motion) {
+    if (s->dimension != 2) return GNEISS_OK;
+    const char *key = motion->velocity[2].count ? "motion.vz"
+                      : motion->spin[0].count   ? "motion.wx"
+                      : motion->spin[1].count   ? "motion.wy"
+                                                : NULL;
+    if (!key) return GNEISS_OK;
+    return fail(c, key, "expected nothing out of the plane of a 2D scene: only vx, vy and wz move");
+}
+
+static gneiss_status check_spin(const check *c, const gn_scene *s, const gn_set *set) {
+    if (s->rotation != GN_SWITCH_OFF) return GNEISS_OK;
+    static const char *const keys[] = {"motion.wx", "motion.wy", "motion.wz"};
+    for (int k = 0; k < 3; k++)
+        if (set->motion.spin[k].count)
+            return fail(c, keys[k], "expected law.rotation on beside a spin, found off");
+    if (set->has_initial_spin)
+        return fail(c, "initial_spin", "expected law.rotation on beside a spin, found off");
+    return GNEISS_OK;
+}
+
+static gneiss_status check_set(const check *c, const gn_scene *s, size_t index) {
+    const gn_set *set = &s->sets[index];
+    if (gn_scene_find_set(s, set->name) != (int)index || gn_scene_find_wall(s, set->name) >= 0)
+        return fail(c, "name", "expected a name of its own, found '%s' a second time", set->name);
+    if (!set->all && !set->has_box && !set->id_count && set->end_axis < 0)
+        return fail(c, "select", "expected all, box, ids or end, found none");
+    if (set->has_box) GN_TRY(check_box(c, s, "select.box.max", set->box_min, set->box_max));
+    if (set->end_axis >= s->dimension)
+        return fail(c, "select.end.axis", "expected x or y in a 2D scene, found z");
+    if (*set->material && gn_scene_find_material(s, set->material) < 0)
+        return fail(c, "material", "expected the name of a material, found '%s'", set->material);
+    GN_TRY(check_spin(c, s, set));
+    return check_plane_motion(c, s, &set->motion);
+}
+
+/* A unit vector stays as it is, so that a scene written out and read again keeps every bit. */
+static bool normalise(double v[3]) {
+    double largest = fmax(fabs(v[0]), fmax(fabs(v[1]), fabs(v[2])));
+    if (!(largest > 0)) return false;
+    double square = v[0] * v[0] + v[1] * v[1] + v[2] * v[2];
+    if (fabs(square - 1) <= 8 * DBL_EPSILON) return true;
+    /* A power of two near the largest component rounds nothing and keeps squares from overflowing.
+     */
+    int exponent;
+    frexp(largest, &exponent);
+    for (int k = 0; k < 3; k++) v[k] = ldexp(v[k], -exponent);
+    double length = sqrt(v[0] * v[0] + v[1] * v[1] + v[2] * v[2]);
+    for (int k = 0; k < 3; k++) v[k] /= length;
+    return true;
+}
+
+static bool moves(const gn_motion *motion) {
+    return motion->velocity[0].count || motion->velocity[1].count || motion->velocity[2].count;
+}
+
+static gneiss_status check_wall(const check *c, const gn_scene *s, size_t index) {
+    gn_wall_def *wall = &s->walls[index];
+    if (gn_scene_find_wall(s, wall->name) != (int)index)
+        return fail(c, "name", "expected a name of its own, found '%s' a second time", wall->name);
+    if (!normalise(wall->normal)) return fail(c, "normal", "expected a direction, found [0, 0, 0]");
+    if (wall->friction > 0) GN_TRY(need(c, wall->kratio, "kratio", "by friction"));
+    if (wall->servo.active && moves(&wall->motion))
+        return fail(c, "servo", "expected motion or servo, found both");
+    return check_plane_motion(c, s, &wall->motion);
+}
+
+/* ---- test and time ---- */
+
+static gneiss_status check_end(const check *c, const gn_scene *s, const char *key,
+                               const char *name) {
+    if (gn_scene_find_wall(s, name) >= 0 || gn_scene_find_set(s, name) >= 0) return GNEISS_OK;
+    return fail(c, key, "expected the name of a wall or a set, found '%s'", name);
+}
+
+static gneiss_status check_test(const check *c, const gn_scene *s) {
+    if (s->test.kind == GN_TEST_NONE) {
+        if (s->stop_peak_drop > 0)
+            return fail(c, "time.stop.peak_drop",
+                        "expected a test section that reads stress, found none");
+        if (s->stop_strain > 0)
+            return fail(c, "time.stop.strain",
+                        "expected a test section that reads strain, found none");
+        return GNEISS_OK;
+    }
+    GN_TRY(check_end(c, s, "test.lower", s->test.lower));
+    GN_TRY(check_end(c, s, "test.upper", s->test.upper));
+    if (strcmp(s->test.lower, s->test.upper) == 0)
+        return fail(c, "test.upper", "expected another end than lower, found '%s'", s->test.upper);
+    if (s->test.axis >= s->dimension)
+        return fail(c, "test.axis", "expected x or y in a 2D scene, found z");
+    if (s->test.area > 0 && s->test.diameter > 0)
+        return fail(c, "test.diameter", "expected area or diameter, found both");
+    return GNEISS_OK;
+}
+
+gneiss_status gn_check_scene(gn_reader *reader, const gn_node *root) {
+    gn_scene *s = reader->scene;
+    check c = {.reader = reader, .map = root};
+    if (s->bonds == GN_SWITCH_AUTO) s->bonds = given(&c, "bonds") ? GN_SWITCH_ON : GN_SWITCH_OFF;
+    GN_TRY(check_specimen(&c, s));
+    for (size_t k = 0; k < s->material_count; k++) {
+        check element = element_of(reader, root, "materials", k);
+        GN_TRY(check_material(&element, s, k));
+    }
+    GN_TRY(check_damping(&c, s));
+    GN_TRY(check_surroundings(&c, s));
+    for (size_t k = 0; k < s->set_count; k++) {
+        check element = element_of(reader, root, "sets", k);
+        GN_TRY(check_set(&element, s, k));
+    }
+    for (size_t k = 0; k < s->wall_count; k++) {
+        check element = element_of(reader, root, "walls", k);
+        GN_TRY(check_wall(&element, s, k));
+    }
+    GN_TRY(check_test(&c, s));
+    if (s->step > s->end)
+        return fail(&c, "time.step", "expected a step below the end, found %g s and %g s", s->step,
+                    s->end);
+    return GNEISS_OK;
+}

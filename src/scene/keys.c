@@ -1,0 +1,148 @@
+#include "scene/manifest.h"
+#include "scene/units.h"
+
+#include <string.h>
+
+typedef struct printer {
+    FILE *out;
+    bool markdown;
+    const char *prefix;
+    size_t count;
+} printer;
+
+/* "number in (0, inf) m, or auto", "one of square, hexagonal", ... */
+static void describe_numbers(char *text, size_t size, const char *noun, const gn_key *key) {
+    const char *unit = key->unit && strcmp(key->unit, "1") != 0 ? key->unit : "";
+    if (strchr(unit, '|')) unit = "1/s or 1";
+    snprintf(text, size, "%s%s%s%s%s%s%s", noun, *unit ? ", " : "", unit, key->range ? ", in " : "",
+             key->range ? key->range : "", key->word ? ", or " : "", key->word ? key->word : "");
+}
+
+static void describe_choices(char *text, size_t size, const gn_key *key) {
+    text[0] = '\0';
+    for (const gn_choice *choice = key->choices; choice->name; choice++) {
+        if (gn_choice_name(key->choices, choice->value) != choice->name) continue;
+        size_t used = strlen(text);
+        snprintf(text + used, size - used, "%s%s", used ? ", " : "", choice->name);
+    }
+}
+
+static void describe(char *text, size_t size, const gn_key *key) {
+    switch (key->type) {
+    case GN_KEY_REAL:
+        describe_numbers(text, size, "number", key);
+        return;
+    case GN_KEY_INTEGER:
+        describe_numbers(text, size, "whole number", key);
+        return;
+    case GN_KEY_SEED:
+        describe_numbers(text, size, "whole number", key);
+        return;
+    case GN_KEY_TEXT:
+        describe_numbers(text, size, "text", key);
+        return;
+    case GN_KEY_NAME:
+        describe_numbers(text, size, "name", key);
+        return;
+    case GN_KEY_FILE:
+        describe_numbers(text, size, "file", key);
+        return;
+    case GN_KEY_CHOICE:
+        describe_choices(text, size, key);
+        return;
+    case GN_KEY_VECTOR:
+        describe_numbers(text, size, "[x, y, z], in 2D [x, y]", key);
+        return;
+    case GN_KEY_SPIN:
+        describe_numbers(text, size, "[x, y, z], in 2D a number", key);
+        return;
+    case GN_KEY_CELLS:
+        describe_numbers(text, size, "[x, y, z], in 2D [x, y]", key);
+        return;
+    case GN_KEY_TABLE:
+        describe_numbers(text, size, "number or table [[time, value], ...]", key);
+        return;
+    case GN_KEY_IDS:
+        describe_numbers(text, size, "list of whole numbers", key);
+        return;
+    case GN_KEY_PARTICLES:
+        describe_numbers(text, size, "list of rows", key);
+        return;
+    case GN_KEY_SECTION:
+        snprintf(text, size, "section");
+        return;
+    case GN_KEY_LIST:
+        describe_numbers(text, size, "list of sections", key);
+        return;
+    }
+}
+
+/* A bar would end the cell of a Markdown table. */
+static void print_cell(FILE *out, const char *text) {
+    fputs("| ", out);
+    for (; *text; text++) {
+        if (*text == '|') fputc('\\', out);
+        fputc(*text, out);
+    }
+    fputc(' ', out);
+}
+
+static void print_default(char *text, size_t size, const gn_key *key) {
+    if (key->required)
+        snprintf(text, size, "required");
+    else if (key->type == GN_KEY_VECTOR && key->fallback)
+        snprintf(text, size, "[%s, %s, %s]", key->fallback, key->fallback, key->fallback);
+    else
+        snprintf(text, size, "%s", key->fallback ? key->fallback : "");
+}
+
+static void print_key(printer *p, const char *path, const gn_key *key) {
+    char type[256], fallback[96];
+    describe(type, sizeof type, key);
+    print_default(fallback, sizeof fallback, key);
+    p->count++;
+    if (p->markdown) {
+        fprintf(p->out, "| `%s` ", path);
+        print_cell(p->out, type);
+        print_cell(p->out, fallback);
+        print_cell(p->out, key->text);
+        fputs("|\n", p->out);
+        return;
+    }
+    fprintf(p->out, "%s\n    %s%s%s\n    %s\n", path, type,
+            !*fallback      ? ""
+            : key->required ? "; "
+                            : "; default ",
+            fallback, key->text);
+}
+
+static bool wanted(const printer *p, const char *path) {
+    return !p->prefix || strncmp(path, p->prefix, strlen(p->prefix)) == 0;
+}
+
+static void print_section(printer *p, const gn_section *section, const char *above) {
+    for (size_t k = 0; k < section->key_count; k++) {
+        const gn_key *key = &section->keys[k];
+        char path[256];
+        snprintf(path, sizeof path, "%s%s%s", above, *above ? "." : "", key->name);
+        if (wanted(p, path)) print_key(p, path, key);
+        if (!key->section) continue;
+        if (key->type == GN_KEY_LIST) strncat(path, "[]", sizeof path - strlen(path) - 1);
+        print_section(p, key->section, path);
+    }
+}
+
+size_t gn_scene_print_keys(FILE *out, bool markdown, const char *prefix) {
+    printer p = {.out = out, .markdown = markdown, .prefix = prefix};
+    if (markdown)
+        fputs("# Keys of a scene\n\n"
+              "Written by `gneiss keys --markdown` from the table that also drives the reading of "
+              "scenes.\n"
+              "A number may carry a unit, as in `23 mm`; without one it is in SI. `[]` stands for "
+              "an element\n"
+              "of a list; `--set` reaches it by index or name, as in `walls.top.motion.vz=0.1`.\n\n"
+              "| key | value | default | meaning |\n| --- | --- | --- | --- |\n",
+              out);
+    print_section(&p, &gn_scene_section, "");
+    return p.count;
+}

@@ -1,0 +1,507 @@
+#include "scene/manifest.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+/* A key TYPE called NAME for FIELD of STRUCT. */
+#define KEY(NAME, TYPE, STRUCT, FIELD, ...)                                                        \
+    {                                                                                              \
+        .name = NAME, .type = GN_KEY_##TYPE, .offset = offsetof(STRUCT, FIELD),                    \
+        .size = sizeof(((STRUCT *)0)->FIELD), __VA_ARGS__                                          \
+    }
+/* An array of which FIELD points to the first element and COUNT is the number. */
+#define ARRAY(NAME, TYPE, STRUCT, FIELD, COUNT, ...)                                               \
+    KEY(NAME, TYPE, STRUCT, FIELD, .second = offsetof(STRUCT, COUNT), __VA_ARGS__)
+/* Keys one level down whose fields lie in the same struct. */
+#define SECTION(NAME, TABLE, ...)                                                                  \
+    { .name = NAME, .type = GN_KEY_SECTION, .section = &TABLE, __VA_ARGS__ }
+#define PRESENT(KIND, STRUCT, FIELD)                                                               \
+    .presence = GN_PRESENT_##KIND, .present_at = offsetof(STRUCT, FIELD)
+#define TABLE_OF(NAME)                                                                             \
+    static const gn_section NAME##_section = {NAME##_keys, sizeof NAME##_keys / sizeof(gn_key), 0, \
+                                              GN_NO_WHERE}
+#define ELEMENTS_OF(NAME, STRUCT)                                                                  \
+    static const gn_section NAME##_section = {NAME##_keys, sizeof NAME##_keys / sizeof(gn_key),    \
+                                              sizeof(STRUCT), offsetof(STRUCT, where)}
+
+/* ---- words ---- */
+
+static const gn_choice switches[] = {
+    {"auto", GN_SWITCH_AUTO}, {"on", GN_SWITCH_ON},  {"off", GN_SWITCH_OFF}, {"true", GN_SWITCH_ON},
+    {"false", GN_SWITCH_OFF}, {"yes", GN_SWITCH_ON}, {"no", GN_SWITCH_OFF},  {NULL, 0}};
+static const gn_choice booleans[] = {{"true", 1}, {"false", 0}, {"on", 1}, {"off", 0},
+                                     {"yes", 1},  {"no", 0},    {NULL, 0}};
+static const gn_choice stiffness_models[] = {{"uniform", GN_STIFFNESS_UNIFORM},
+                                             {"arithmetic", GN_STIFFNESS_ARITHMETIC},
+                                             {"harmonic", GN_STIFFNESS_HARMONIC},
+                                             {"mean_radius", GN_STIFFNESS_MEAN_RADIUS},
+                                             {"mean_arithmetic", GN_STIFFNESS_MEAN_ARITHMETIC},
+                                             {"mean_harmonic", GN_STIFFNESS_MEAN_HARMONIC},
+                                             {NULL, 0}};
+static const gn_choice contact_arms[] = {
+    {"midpoint", GN_ARM_MIDPOINT}, {"radius", GN_ARM_RADIUS}, {NULL, 0}};
+static const gn_choice backgrounds[] = {
+    {"none", GN_BACKGROUND_NONE},
+    {"viscous", GN_BACKGROUND_VISCOUS},
+    {"nonviscous_vector", GN_BACKGROUND_NONVISCOUS_VECTOR},
+    {"nonviscous_component", GN_BACKGROUND_NONVISCOUS_COMPONENT},
+    {NULL, 0}};
+static const gn_choice lattices[] = {
+    {"square", GN_LATTICE_SQUARE}, {"hexagonal", GN_LATTICE_HEXAGONAL},
+    {"cubic", GN_LATTICE_CUBIC},   {"fcc", GN_LATTICE_FCC},
+    {"hcp", GN_LATTICE_HCP},       {NULL, 0}};
+static const gn_choice density_bases[] = {
+    {"particle", GN_DENSITY_PARTICLE}, {"bulk", GN_DENSITY_BULK}, {NULL, 0}};
+static const gn_choice lost_policies[] = {
+    {"stop", GN_LOST_STOP}, {"remove", GN_LOST_REMOVE}, {NULL, 0}};
+static const gn_choice axes[] = {{"x", 0}, {"y", 1}, {"z", 2}, {NULL, 0}};
+static const gn_choice sides[] = {{"lower", 0}, {"upper", 1}, {NULL, 0}};
+static const gn_choice measures[] = {{"centre", 0}, {"surface", 1}, {NULL, 0}};
+static const gn_choice test_kinds[] = {
+    {"compression", GN_TEST_COMPRESSION}, {"tension", GN_TEST_TENSION}, {NULL, 0}};
+static const gn_choice estimates[] = {
+    {"sharp", GN_STEP_SHARP}, {"bound", GN_STEP_BOUND}, {NULL, 0}};
+static const gn_choice policies[] = {{"stop", GN_POLICY_STOP}, {"warn", GN_POLICY_WARN}, {NULL, 0}};
+static const gn_choice precisions[] = {
+    {"double", GN_PRECISION_DOUBLE}, {"mixed", GN_PRECISION_MIXED}, {NULL, 0}};
+static const gn_choice isas[] = {{"auto", GN_ISA_AUTO},
+                                 {"scalar", GN_ISA_SCALAR},
+                                 {"avx2", GN_ISA_AVX2},
+                                 {"avx512", GN_ISA_AVX512},
+                                 {NULL, 0}};
+
+/* ---- specimen and materials ---- */
+
+static const gn_key lattice_keys[] = {
+    KEY("kind", CHOICE, gn_scene, specimen.lattice.kind, .choices = lattices, .required = true,
+        .text = "square and hexagonal in 2D; cubic, fcc and hcp in 3D"),
+    KEY("radius", REAL, gn_scene, specimen.lattice.radius, .unit = "m", .range = "(0, inf)",
+        .required = true, .text = "radius of every particle"),
+    KEY("cells", CELLS, gn_scene, specimen.lattice.cells, .range = "[1, 100000]", .required = true,
+        .text = "unit cells along x, y and z"),
+    KEY("origin", VECTOR, gn_scene, specimen.lattice.origin, .unit = "m", .fallback = "0",
+        .text = "lower corner of the first cell"),
+    KEY("spacing", REAL, gn_scene, specimen.lattice.spacing, .unit = "1", .range = "(0, inf)",
+        .fallback = "1", .text = "distance of nearest neighbours over two radii; 1: just touching"),
+    KEY("jitter", REAL, gn_scene, specimen.lattice.jitter, .unit = "1", .range = "[0, 1)",
+        .fallback = "0",
+        .text = "random shift of each centre along each axis, up to this times the radius"),
+};
+TABLE_OF(lattice);
+
+static const gn_key specimen_keys[] = {
+    KEY("file", FILE, gn_scene, specimen.file, .second = offsetof(gn_scene, specimen.path),
+        PRESENT(TEXT, gn_scene, specimen.file),
+        .text = "text file of rows x y z r (2D: x y r); relative to the folder of the scene"),
+    KEY("scale", REAL, gn_scene, specimen.scale, .unit = "1", .range = "(0, inf)", .fallback = "1",
+        .text = "lengths in the file times this give metres"),
+    ARRAY("particles", PARTICLES, gn_scene, specimen.particles, specimen.particle_count,
+          .unit = "m", PRESENT(COUNT, gn_scene, specimen.particle_count),
+          .text = "the particles themselves: rows [x, y, z, r], in 2D [x, y, r]"),
+    SECTION("lattice", lattice_section, PRESENT(ENUM, gn_scene, specimen.lattice.kind),
+            .text = "a regular arrangement of equal particles"),
+    KEY("material", TEXT, gn_scene, specimen.material, .fallback = "",
+        .text = "name of the material; may be left out when there is only one"),
+    KEY("group", INTEGER, gn_scene, specimen.group, .range = "[0, 1000000]", .fallback = "1",
+        .text = "cohesive group: bonds form between particles of the same group; 0: never bonded"),
+    KEY("density_basis", CHOICE, gn_scene, specimen.density_basis, .choices = density_bases,
+        .fallback = "particle",
+        .text = "bulk: the material's density is that of the assembly, voids included"),
+    KEY("porosity", REAL, gn_scene, specimen.porosity, .unit = "1", .range = "[0, 1)",
+        .word = "measure", .word_value = -1, .fallback = "measure",
+        .text = "with density_basis bulk: particle density is density/(1 - porosity)"),
+};
+static const gn_section specimen_section = {specimen_keys, sizeof specimen_keys / sizeof(gn_key), 0,
+                                            offsetof(gn_scene, specimen.where)};
+
+static const gn_key material_keys[] = {
+    KEY("name", NAME, gn_material, name, .required = true,
+        .text = "what the rest of the scene calls it"),
+    KEY("density", REAL, gn_material, density, .unit = "kg/m3", .range = "(0, inf)",
+        .required = true,
+        .text = "mass density, of particles or of the bulk (specimen.density_basis)"),
+    KEY("contact_modulus", REAL, gn_material, contact_modulus, .unit = "Pa", .range = "(0, inf)",
+        .word = "none", .fallback = "none",
+        .text = "E_c: normal stiffness over radius; needed by every law but uniform"),
+    KEY("normal_stiffness", REAL, gn_material, normal_stiffness, .unit = "N/m", .range = "(0, inf)",
+        .word = "none", .fallback = "none",
+        .text = "k_n of every contact; needed by the uniform law"),
+    KEY("kratio", REAL, gn_material, kratio, .unit = "1", .range = "[0, inf)", .required = true,
+        .text = "k_n/k_t; 0: no tangential spring"),
+    KEY("friction", REAL, gn_material, friction, .unit = "1", .range = "[0, inf)", .fallback = "0",
+        .text = "Coulomb friction coefficient"),
+    KEY("tensile_strength", REAL, gn_material, tensile_strength, .unit = "Pa", .range = "(0, inf)",
+        .word = "none", .fallback = "none",
+        .text = "sigma_c of a bond; needed with bonds by every law but uniform"),
+    KEY("shear_strength", REAL, gn_material, shear_strength, .unit = "Pa", .range = "(0, inf)",
+        .word = "none", .fallback = "none",
+        .text = "tau_c of a bond; needed with bonds by every law but uniform"),
+    KEY("bond_tension_limit", REAL, gn_material, bond_tension_limit, .unit = "N",
+        .range = "(0, inf)", .word = "none", .fallback = "none",
+        .text = "R_n: normal force at which a bond breaks; needed with bonds by the uniform law"),
+    KEY("bond_shear_limit", REAL, gn_material, bond_shear_limit, .unit = "N", .range = "(0, inf)",
+        .word = "none", .fallback = "none",
+        .text = "R_t: shear force at which a bond breaks; needed with bonds by the uniform law"),
+};
+ELEMENTS_OF(material, gn_material);
+
+/* ---- law, bonds, damping ---- */
+
+static const gn_key law_keys[] = {
+    KEY("stiffness", CHOICE, gn_scene, stiffness, .choices = stiffness_models, .required = true,
+        .text =
+            "how stiffness and bond strength follow from the radii (Rojek et al. 2012, sec. 2)"),
+    KEY("contact_arm", CHOICE, gn_scene, contact_arm, .choices = contact_arms,
+        .fallback = "midpoint",
+        .text = "contact point: midpoint of the gap, or one radius from the centre"),
+    KEY("rotation", CHOICE, gn_scene, rotation, .choices = switches, .fallback = "auto",
+        .text = "whether particles spin; auto: on"),
+};
+TABLE_OF(law);
+
+static const gn_key bonds_keys[] = {
+    KEY("enabled", CHOICE, gn_scene, bonds, .choices = switches, .fallback = "auto",
+        .text = "auto: on when the scene has a bonds section"),
+    KEY("interaction_range", REAL, gn_scene, interaction_range, .unit = "1", .range = "[0, inf)",
+        .fallback = "0.05", .text = "bonds form at gaps up to this times the sum of the radii"),
+    KEY("overlap_range", REAL, gn_scene, overlap_range, .unit = "1", .range = "[0, 1]",
+        .fallback = "1",
+        .text = "bonds form at overlaps up to this times the sum of the radii; 1: unlimited"),
+    KEY("passive_gaps", CHOICE, gn_scene, passive_gaps, .choices = booleans, .fallback = "true",
+        .text = "bonds are free of stress at the distance where they form"),
+};
+TABLE_OF(bonds);
+
+static const gn_key background_keys[] = {
+    KEY("model", CHOICE, gn_scene, background, .choices = backgrounds, .fallback = "none",
+        .text = "viscous: -a m v; nonviscous_vector: -a |F| v/|v|; nonviscous_component: -a |F_k| "
+                "sign(v_k)"),
+    KEY("coefficient", REAL, gn_scene, background_coefficient, .unit = "1/s|1", .range = "[0, inf)",
+        .fallback = "0", .text = "a: in 1/s with viscous, otherwise a fraction in [0, 1)"),
+};
+TABLE_OF(background);
+
+static const gn_key contact_keys[] = {
+    KEY("restitution", REAL, gn_scene, restitution, .unit = "1", .range = "(0, 1]", .word = "none",
+        .word_value = -1, .fallback = "none",
+        .text = "restitution coefficient of a free collision"),
+    KEY("fraction", REAL, gn_scene, damping_fraction, .unit = "1", .range = "(0, 1]",
+        .word = "none", .fallback = "none",
+        .text = "normal damping as a fraction of critical; instead of restitution"),
+};
+TABLE_OF(contact);
+
+static const gn_key damping_keys[] = {
+    SECTION("background", background_section, .text = "damping of the motion of every particle"),
+    SECTION("contact", contact_section, .text = "normal viscous damping in contacts"),
+};
+TABLE_OF(damping);
+
+/* ---- surroundings ---- */
+
+static const gn_key initial_keys[] = {
+    KEY("random_velocity", REAL, gn_scene, random_velocity, .unit = "m/s", .range = "[0, inf)",
+        .fallback = "0", .text = "velocity components drawn uniformly from +- this at the start"),
+};
+TABLE_OF(initial);
+
+static const gn_key periodic_keys[] = {
+    KEY("min", VECTOR, gn_scene, periodic_min, .unit = "m", .required = true,
+        .text = "lower corner of the periodic box"),
+    KEY("max", VECTOR, gn_scene, periodic_max, .unit = "m", .required = true,
+        .text = "upper corner of the periodic box"),
+};
+TABLE_OF(periodic);
+
+static const gn_key domain_keys[] = {
+    KEY("min", VECTOR, gn_scene, domain_min, .unit = "m", PRESENT(BOOL, gn_scene, has_domain),
+        .text = "lower corner; without it ten times the box of the specimen"),
+    KEY("max", VECTOR, gn_scene, domain_max, .unit = "m", PRESENT(BOOL, gn_scene, has_domain),
+        .text = "upper corner; given together with min"),
+    KEY("lost", CHOICE, gn_scene, lost, .choices = lost_policies, .fallback = "stop",
+        .text = "what happens to a run when a particle leaves the domain"),
+};
+TABLE_OF(domain);
+
+/* ---- sets and walls ---- */
+
+#define CHANNEL(NAME, FIELD, UNIT, TEXT)                                                           \
+    KEY(NAME, TABLE, gn_motion, FIELD, .unit = UNIT, .word = "free", .fallback = "free",           \
+        .text = TEXT)
+
+static const gn_key set_motion_keys[] = {
+    CHANNEL("vx", velocity[0], "m/s", "prescribed velocity along x"),
+    CHANNEL("vy", velocity[1], "m/s", "prescribed velocity along y"),
+    CHANNEL("vz", velocity[2], "m/s", "prescribed velocity along z"),
+    CHANNEL("wx", spin[0], "rad/s", "prescribed spin about x"),
+    CHANNEL("wy", spin[1], "rad/s", "prescribed spin about y"),
+    CHANNEL("wz", spin[2], "rad/s", "prescribed spin about z"),
+};
+TABLE_OF(set_motion);
+
+static const gn_key wall_motion_keys[] = {
+    CHANNEL("vx", velocity[0], "m/s", "velocity along x"),
+    CHANNEL("vy", velocity[1], "m/s", "velocity along y"),
+    CHANNEL("vz", velocity[2], "m/s", "velocity along z"),
+};
+TABLE_OF(wall_motion);
+
+static const gn_key box_keys[] = {
+    KEY("min", VECTOR, gn_set, box_min, .unit = "m", .required = true, .text = "lower corner"),
+    KEY("max", VECTOR, gn_set, box_max, .unit = "m", .required = true, .text = "upper corner"),
+};
+TABLE_OF(box);
+
+static const gn_key end_keys[] = {
+    KEY("axis", CHOICE, gn_set, end_axis, .choices = axes, .required = true,
+        .text = "along which the specimen has two ends"),
+    KEY("side", CHOICE, gn_set, end_upper, .choices = sides, .required = true, .text = "which end"),
+    KEY("depth", REAL, gn_set, end_depth, .unit = "m", .range = "(0, inf)", .required = true,
+        .text = "how far from the end of the specimen"),
+    KEY("by", CHOICE, gn_set, end_by_surface, .choices = measures, .fallback = "centre",
+        .text = "what lies within the depth: the centre or any part of the surface"),
+};
+TABLE_OF(end);
+
+static const gn_key select_keys[] = {
+    KEY("all", CHOICE, gn_set, all, .choices = booleans, .fallback = "false",
+        .text = "every particle"),
+    SECTION("box", box_section, PRESENT(BOOL, gn_set, has_box),
+            .text = "particles whose centres lie in a box"),
+    ARRAY("ids", IDS, gn_set, ids, id_count, .range = "[0, 1e15]", PRESENT(COUNT, gn_set, id_count),
+          .text = "particles by index, base 0, in the order of the specimen"),
+    SECTION("end", end_section, PRESENT(AXIS, gn_set, end_axis),
+            .text = "particles at one end of the specimen"),
+};
+TABLE_OF(select);
+
+static const gn_key set_keys[] = {
+    KEY("name", NAME, gn_set, name, .required = true,
+        .text = "what the rest of the scene calls it"),
+    SECTION("select", select_section, .required = true,
+            .text = "which particles; of several conditions all must hold"),
+    KEY("material", TEXT, gn_set, material, .fallback = "",
+        .text = "name of another material than the specimen's"),
+    KEY("group", INTEGER, gn_set, group, .range = "[0, 1000000]", .word = "keep", .word_value = -1,
+        .fallback = "keep", .text = "another cohesive group than the specimen's"),
+    KEY("initial_velocity", VECTOR, gn_set, initial_velocity, .unit = "m/s",
+        PRESENT(BOOL, gn_set, has_initial_velocity), .text = "velocity at the start"),
+    KEY("initial_spin", SPIN, gn_set, initial_spin, .unit = "rad/s",
+        PRESENT(BOOL, gn_set, has_initial_spin), .text = "spin at the start; in 2D one number"),
+    KEY("force", VECTOR, gn_set, force, .unit = "N", PRESENT(BOOL, gn_set, has_force),
+        .text = "total force on the set, shared out by mass"),
+    SECTION("motion", set_motion_section, .offset = offsetof(gn_set, motion),
+            .text =
+                "prescribed motion; each channel free, constant or a table [[time, value], ...]"),
+};
+ELEMENTS_OF(set, gn_set);
+
+static const gn_key servo_keys[] = {
+    KEY("force", TABLE, gn_wall_def, servo.force, .unit = "N", .required = true,
+        .text = "wanted normal force, compression positive; constant or a table"),
+    KEY("max_velocity", REAL, gn_wall_def, servo.max_velocity, .unit = "m/s", .range = "(0, inf)",
+        .required = true, .text = "limit of the wall's velocity"),
+    KEY("relaxation", REAL, gn_wall_def, servo.relaxation, .unit = "1", .range = "(0, 1]",
+        .fallback = "0.1", .text = "fraction of the force error corrected per step"),
+};
+TABLE_OF(servo);
+
+static const gn_key wall_keys[] = {
+    KEY("name", NAME, gn_wall_def, name, .required = true,
+        .text = "what the rest of the scene calls it"),
+    KEY("point", VECTOR, gn_wall_def, point, .unit = "m", .required = true,
+        .text = "a point of the plane"),
+    KEY("normal", VECTOR, gn_wall_def, normal, .unit = "1", .required = true,
+        .text = "into the side where the particles are; of any length"),
+    KEY("stiffness", REAL, gn_wall_def, stiffness, .unit = "N/m", .range = "(0, inf)",
+        .required = true, .text = "penalty stiffness k_n"),
+    KEY("kratio", REAL, gn_wall_def, kratio, .unit = "1", .range = "(0, inf)", .word = "none",
+        .fallback = "none", .text = "k_n/k_t of the wall; needed with friction"),
+    KEY("friction", REAL, gn_wall_def, friction, .unit = "1", .range = "[0, inf)", .fallback = "0",
+        .text = "Coulomb friction coefficient"),
+    SECTION("motion", wall_motion_section, .offset = offsetof(gn_wall_def, motion),
+            .text = "how the wall moves; a free channel stands still"),
+    SECTION("servo", servo_section, PRESENT(BOOL, gn_wall_def, servo.active),
+            .text = "moves the wall along its normal so that it carries a wanted force"),
+};
+ELEMENTS_OF(wall, gn_wall_def);
+
+/* ---- test, time, output, run ---- */
+
+static const gn_key test_keys[] = {
+    KEY("kind", CHOICE, gn_scene, test.kind, .choices = test_kinds, .required = true,
+        .text = "which sign of stress is counted positive"),
+    KEY("axis", CHOICE, gn_scene, test.axis, .choices = axes, .required = true,
+        .text = "direction of loading"),
+    KEY("lower", TEXT, gn_scene, test.lower, .required = true,
+        .text = "wall or set at the lower end"),
+    KEY("upper", TEXT, gn_scene, test.upper, .required = true,
+        .text = "wall or set at the upper end"),
+    KEY("length", REAL, gn_scene, test.length, .unit = "m", .range = "(0, inf)", .word = "auto",
+        .fallback = "auto", .text = "length of the specimen; auto: its extent along the axis"),
+    KEY("area", REAL, gn_scene, test.area, .unit = "m2", .range = "(0, inf)", .word = "auto",
+        .fallback = "auto",
+        .text = "area of its section; auto: from the diameter, else from the specimen"),
+    KEY("diameter", REAL, gn_scene, test.diameter, .unit = "m", .range = "(0, inf)", .word = "none",
+        .fallback = "none", .text = "diameter of a cylinder"),
+};
+static const gn_section test_section = {test_keys, sizeof test_keys / sizeof(gn_key), 0,
+                                        offsetof(gn_scene, test.where)};
+
+static const gn_key stop_keys[] = {
+    KEY("peak_drop", REAL, gn_scene, stop_peak_drop, .unit = "1", .range = "(0, 1)", .word = "off",
+        .fallback = "off", .text = "stop once stress has fallen by this fraction of its peak"),
+    KEY("strain", REAL, gn_scene, stop_strain, .unit = "1", .range = "(0, inf)", .word = "off",
+        .fallback = "off", .text = "stop at this strain"),
+    KEY("unbalanced", REAL, gn_scene, stop_unbalanced, .unit = "1", .range = "(0, inf)",
+        .word = "off", .fallback = "off", .text = "stop once the unbalanced force ratio is below"),
+};
+TABLE_OF(stop);
+
+static const gn_key time_keys[] = {
+    KEY("step", REAL, gn_scene, step, .unit = "s", .range = "(0, inf)", .word = "auto",
+        .fallback = "auto", .text = "time step; auto: safety times the stability limit"),
+    KEY("safety", REAL, gn_scene, safety, .unit = "1", .range = "(0, 1]", .fallback = "0.9",
+        .text = "fraction of the stability limit 2/w_max that an automatic step takes"),
+    KEY("estimate", CHOICE, gn_scene, estimate, .choices = estimates, .fallback = "sharp",
+        .text = "stability limit: sharp by iteration, or the rigorous bound per particle"),
+    KEY("on_unstable", CHOICE, gn_scene, on_unstable, .choices = policies, .fallback = "stop",
+        .text = "what a step above its limit does"),
+    KEY("end", REAL, gn_scene, end, .unit = "s", .range = "(0, inf)", .required = true,
+        .text = "time at which the run ends"),
+    SECTION("stop", stop_section, .text = "conditions that end the run earlier"),
+};
+TABLE_OF(time);
+
+static const gn_key output_keys[] = {
+    KEY("directory", TEXT, gn_scene, output_directory, .fallback = "",
+        .text = "folder of the results; left out: runs/ and the name of the scene"),
+    KEY("history_rows", INTEGER, gn_scene, history_rows, .range = "[0, 10000000]",
+        .fallback = "1000", .text = "rows of the history up to time.end"),
+    KEY("snapshots", INTEGER, gn_scene, snapshots, .range = "[0, 1000000]", .fallback = "10",
+        .text = "snapshots up to time.end; 0: only the last state"),
+    KEY("checkpoint", REAL, gn_scene, checkpoint_wall, .unit = "s", .range = "[0, inf)",
+        .word = "off", .fallback = "5 min",
+        .text = "wall time between checkpoints; off: only on a signal and at the end"),
+    KEY("energy", CHOICE, gn_scene, energy, .choices = switches, .fallback = "auto",
+        .text = "energy ledger; auto: on"),
+    KEY("orientation", CHOICE, gn_scene, orientation, .choices = switches, .fallback = "auto",
+        .text = "orientations of particles in the snapshots; auto: off"),
+};
+TABLE_OF(output);
+
+static const gn_key neighbours_keys[] = {
+    KEY("skin", REAL, gn_scene, skin, .unit = "m", .range = "(0, inf)", .word = "auto",
+        .fallback = "auto", .text = "extra distance of the neighbour list, to rebuild it seldom"),
+};
+TABLE_OF(neighbours);
+
+static const gn_key run_keys[] = {
+    KEY("seed", SEED, gn_scene, seed, .fallback = "1", .text = "of every random number"),
+    KEY("threads", INTEGER, gn_scene, threads, .range = "[0, 1024]", .word = "auto",
+        .fallback = "auto", .text = "auto or 0: all cores"),
+    KEY("precision", CHOICE, gn_scene, precision, .choices = precisions, .fallback = "double",
+        .text = "arithmetic of the contact kernels"),
+    KEY("isa", CHOICE, gn_scene, isa, .choices = isas, .fallback = "auto",
+        .text = "instruction set of the kernels; auto: the widest the machine has"),
+};
+TABLE_OF(run);
+
+static const gn_key scene_keys[] = {
+    KEY("title", TEXT, gn_scene, title, .fallback = "", .text = "one line for reports"),
+    KEY("dimension", INTEGER, gn_scene, dimension, .range = "[2, 3]", .fallback = "3",
+        .text = "2: discs in plane strain; 3: spheres"),
+    SECTION("specimen", specimen_section, .required = true, .text = "the particles"),
+    ARRAY("materials", LIST, gn_scene, materials, material_count, .section = &material_section,
+          .range = "[1, 1000]", .required = true, .text = "what particles are made of"),
+    SECTION("law", law_section, .required = true, .text = "the contact law"),
+    SECTION("bonds", bonds_section, .text = "brittle bonds between particles of one group"),
+    SECTION("damping", damping_section, .text = "dissipation besides friction and breakage"),
+    KEY("gravity", VECTOR, gn_scene, gravity, .unit = "m/s2", .fallback = "0",
+        .text = "acceleration of free fall"),
+    SECTION("initial", initial_section, .text = "the state at the start"),
+    SECTION("periodic", periodic_section, PRESENT(BOOL, gn_scene, has_periodic),
+            .text = "a periodic box"),
+    SECTION("domain", domain_section, .text = "where particles may be"),
+    ARRAY("sets", LIST, gn_scene, sets, set_count, .section = &set_section, .range = "[0, 10000]",
+          .text = "selections of particles and what is done to them; a later one goes over an "
+                  "earlier one"),
+    ARRAY("walls", LIST, gn_scene, walls, wall_count, .section = &wall_section,
+          .range = "[0, 10000]", .text = "plane walls"),
+    SECTION("test", test_section, PRESENT(ENUM, gn_scene, test.kind),
+            .text = "a laboratory test: where stress and strain are read"),
+    SECTION("time", time_section, .required = true, .text = "step and duration"),
+    SECTION("output", output_section, .text = "what is written"),
+    SECTION("neighbours", neighbours_section, .text = "the neighbour list"),
+    SECTION("run", run_section, .text = "how the run is carried out; no physics"),
+};
+
+const gn_section gn_scene_section = {scene_keys, sizeof scene_keys / sizeof(gn_key), 0,
+                                     GN_NO_WHERE};
+
+/* ---- reading the tables ---- */
+
+gn_range gn_range_read(const char *text) {
+    gn_range range = {-INFINITY, INFINITY, true, true};
+    if (!text) return range;
+    char *rest;
+    range.low_open = text[0] == '(';
+    range.low = strtod(text + 1, &rest);
+    range.high = strtod(rest + 1, &rest);
+    range.high_open = rest[0] == ')';
+    return range;
+}
+
+bool gn_range_holds(const char *text, double value) {
+    gn_range range = gn_range_read(text);
+    if (!isfinite(value)) return false;
+    if (range.low_open ? value <= range.low : value < range.low) return false;
+    return range.high_open ? value < range.high : value <= range.high;
+}
+
+bool gn_key_present(const gn_key *key, const void *base) {
+    const char *at = (const char *)base + key->present_at;
+    switch (key->presence) {
+    case GN_PRESENT_ALWAYS:
+        return true;
+    case GN_PRESENT_BOOL:
+        return *(const bool *)at;
+    case GN_PRESENT_ENUM:
+        return *(const uint32_t *)at != 0;
+    case GN_PRESENT_AXIS:
+        return *(const int64_t *)at >= 0;
+    case GN_PRESENT_COUNT:
+        return *(const size_t *)at != 0;
+    case GN_PRESENT_TEXT:
+        return *at != '\0';
+    }
+    return true;
+}
+
+int64_t gn_choice_load(const gn_key *key, const void *at) {
+    if (key->size == sizeof(bool)) return *(const bool *)at;
+    if (key->size == sizeof(int64_t)) return *(const int64_t *)at;
+    uint32_t value;
+    memcpy(&value, at, sizeof value);
+    return value;
+}
+
+void gn_choice_store(const gn_key *key, void *at, int64_t value) {
+    uint32_t narrow = (uint32_t)value;
+    if (key->size == sizeof(bool))
+        *(bool *)at = value != 0;
+    else if (key->size == sizeof(int64_t))
+        *(int64_t *)at = value;
+    else
+        memcpy(at, &narrow, sizeof narrow);
+}
+
+const char *gn_choice_name(const gn_choice *choices, int64_t value) {
+    for (; choices->name; choices++)
+        if (choices->value == value) return choices->name;
+    return "";
+}
+
+_Static_assert(sizeof(gn_stiffness_model) == 4 && sizeof(gn_switch) == 4 && sizeof(bool) == 1,
+               "choices are stored by size");

@@ -1,0 +1,93 @@
+/* The one list of scene keys. Parsing, defaults, range checks, overrides, the resolved echo and the
+ * key reference all walk these tables; a key is declared in manifest.c and nowhere else. */
+#ifndef GN_SCENE_MANIFEST_H
+#define GN_SCENE_MANIFEST_H
+
+#include "scene/scene.h"
+
+typedef enum gn_key_type {
+    GN_KEY_REAL,    /* double, a quantity in `unit` */
+    GN_KEY_INTEGER, /* int64_t */
+    GN_KEY_SEED,    /* uint64_t */
+    GN_KEY_TEXT,    /* char[size] */
+    GN_KEY_NAME,    /* char[size], names something: not empty, usable in an override */
+    GN_KEY_FILE,    /* char[size], a file that must be there; its absolute path goes to `second` */
+    GN_KEY_CHOICE,  /* bool, enum or int64_t, by `size` */
+    GN_KEY_VECTOR,  /* double[3]; two components in 2D scenes */
+    GN_KEY_SPIN,    /* double[3]; one number, about z, in 2D scenes */
+    GN_KEY_CELLS,   /* int64_t[3]; two components in 2D scenes */
+    GN_KEY_TABLE,   /* gn_table: constant or [[time, value], ...] */
+    GN_KEY_IDS,     /* int64_t *, their number at `second` */
+    GN_KEY_PARTICLES, /* double *, their number at `second`; rows [x, y, z, r], in 2D [x, y, r] */
+    GN_KEY_SECTION,   /* the keys of `section`, in the struct at `offset` */
+    GN_KEY_LIST       /* a pointer to structs, their number at `second`; each by `section` */
+} gn_key_type;
+
+/* How the struct tells that an optional key or section was given; one that was not is not written.
+ */
+typedef enum gn_presence {
+    GN_PRESENT_ALWAYS,
+    GN_PRESENT_BOOL,  /* bool, set when the key is read */
+    GN_PRESENT_ENUM,  /* an enum that is not 0 */
+    GN_PRESENT_AXIS,  /* int64_t, -1 when absent */
+    GN_PRESENT_COUNT, /* size_t that is not 0 */
+    GN_PRESENT_TEXT   /* char[] that is not empty */
+} gn_presence;
+
+/* A word of the file and its value in the struct. Ends with a NULL name; of several words for one
+ * value the first is the one written. */
+typedef struct gn_choice {
+    const char *name;
+    int64_t value;
+} gn_choice;
+
+typedef struct gn_section gn_section;
+
+typedef struct gn_key {
+    const char *name;
+    gn_key_type type;
+    size_t offset, size; /* in the struct of the section */
+    size_t second;       /* see gn_key_type */
+    bool required;       /* an error when its section is given without it */
+    const char
+        *fallback;     /* default as it would be written (each component of a vector); NULL: none */
+    const char *unit;  /* SI unit of numbers, "1" for none; "1/s|1": one of two */
+    const char *range; /* interval in that unit, such as "(0, 1]"; NULL: any finite number */
+    const char *word;  /* instead of a number, such as "auto" */
+    double word_value; /* what the word stands for in the struct */
+    const gn_choice *choices; /* of GN_KEY_CHOICE */
+    gn_presence presence;
+    size_t present_at; /* offset of what `presence` looks at */
+    const gn_section *section;
+    const char *text; /* one line of explanation */
+} gn_key;
+
+enum { GN_NO_WHERE = -1, GN_SECTION_KEYS_MAX = 24 };
+
+struct gn_section {
+    const gn_key *keys;
+    size_t key_count;
+    size_t size; /* of an element, when it is one of a list */
+    long where;  /* offset of the gn_where to fill; GN_NO_WHERE: none */
+};
+
+/* The whole scene. */
+extern const gn_section gn_scene_section;
+
+/* An interval "[low, high)" and whether a value lies in it. NULL: every finite value. */
+typedef struct gn_range {
+    double low, high;
+    bool low_open, high_open;
+} gn_range;
+gn_range gn_range_read(const char *text);
+bool gn_range_holds(const char *text, double value);
+
+/* Whether the key is present in the struct `base` of its section. */
+bool gn_key_present(const gn_key *key, const void *base);
+
+/* The value of a GN_KEY_CHOICE at its place, and back. */
+int64_t gn_choice_load(const gn_key *key, const void *at);
+void gn_choice_store(const gn_key *key, void *at, int64_t value);
+const char *gn_choice_name(const gn_choice *choices, int64_t value);
+
+#endif

@@ -1,0 +1,525 @@
+#include "scene/read.h"
+
+#include "base/memory.h"
+
+#include <errno.h>
+#include <limits.h>
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+/* ---- messages ---- */
+
+gneiss_status gn_read_fail(const gn_reader *reader, const gn_node *node, gn_where where,
+                           const char *path, const char *format, ...) {
+    char text[1024], place[GN_PATH_SIZE + 64];
+    va_list args;
+    va_start(args, format);
+    vsnprintf(text, sizeof text, format, args);
+    va_end(args);
+    bool same = node && node->set && strcmp(node->set, path) == 0;
+    if (node && node->set)
+        snprintf(place, sizeof place, "--set %.200s", node->set);
+    else
+        snprintf(place, sizeof place, "%s:%d:%d", reader->name, where.line, where.column);
+    return gn_fail(reader->error, GNEISS_ERROR_INPUT, "%s: %s%s%s", place, same ? "" : path,
+                   same || !*path ? "" : ": ", text);
+}
+
+/* What stands at a node, for "found ...". */
+static const char *found(const gn_node *node, char *buffer, size_t size) {
+    if (node->kind == GN_NODE_NULL) return "nothing";
+    if (node->kind == GN_NODE_LIST) return "a list";
+    if (node->kind == GN_NODE_MAP) return "a section";
+    snprintf(buffer, size, "'%.60s'%s", node->text, strlen(node->text) > 60 ? "..." : "");
+    for (char *c = buffer; *c; c++)
+        if ((unsigned char)*c < 0x20) *c = ' ';
+    return buffer;
+}
+
+static gneiss_status unexpected(const gn_reader *reader, const gn_node *node, const char *expected,
+                                const char *reason) {
+    char buffer[80];
+    return gn_read_fail(reader, node, node->where, reader->path, "expected %s, found %s%s",
+                        expected, found(node, buffer, sizeof buffer), reason);
+}
+
+static gneiss_status no_memory(const gn_reader *reader) {
+    return gn_fail(reader->error, GNEISS_ERROR_MEMORY, "%s: out of memory while reading %s",
+                   reader->name, reader->path);
+}
+
+/* Lengthens the path of the key being read; both give the length to go back to. */
+static size_t path_push_name(gn_reader *reader, const char *name) {
+    size_t before = reader->path_length;
+    snprintf(reader->path + before, sizeof reader->path - before, "%s%s", before ? "." : "", name);
+    reader->path_length = strlen(reader->path);
+    return before;
+}
+
+static size_t path_push_index(gn_reader *reader, size_t index) {
+    size_t before = reader->path_length;
+    snprintf(reader->path + before, sizeof reader->path - before, "[%zu]", index);
+    reader->path_length = strlen(reader->path);
+    return before;
+}
+
+static void path_pop(gn_reader *reader, size_t length) {
+    reader->path_length = length;
+    reader->path[length] = '\0';
+}
+
+/* ---- numbers ---- */
+
+bool gn_read_quantity(const gn_reader *reader, const char *text, const char *unit, double *value,
+                      char *reason, size_t reason_size) {
+    /* The alternatives of "1/s|1" are units by themselves. */
+    const char *bar = strchr(unit, '|');
+    if (!bar) return gn_units_read(reader->units, text, unit, value, reason, reason_size);
+    return gn_units_read(reader->units, text, "1/s", value, reason, reason_size) ||
+           gn_units_read(reader->units, text, bar + 1, value, reason, reason_size);
+}
+
+static bool is_word(const gn_key *key, const gn_node *node) {
+    return key->word && node->kind == GN_NODE_SCALAR && strcmp(node->text, key->word) == 0;
+}
+
+static gneiss_status out_of_range(const gn_reader *reader, const gn_key *key, const gn_node *node) {
+    char expected[160];
+    const char *unit =
+        key->unit && strcmp(key->unit, "1") && !strchr(key->unit, '|') ? key->unit : "";
+    snprintf(expected, sizeof expected, "a value in %s%s%s%s%s%s", key->range, *unit ? " " : "",
+             unit, key->word ? " or '" : "", key->word ? key->word : "", key->word ? "'" : "");
+    return unexpected(reader, node, expected, "");
+}
+
+/* A number in `unit`, without words. */
+static gneiss_status read_number(const gn_reader *reader, const gn_key *key, const char *unit,
+                                 const gn_node *node, double *value) {
+    char reason[96] = "", expected[160];
+    if (node->kind == GN_NODE_SCALAR &&
+        gn_read_quantity(reader, node->text, unit, value, reason, sizeof reason)) {
+        if (key->range && !gn_range_holds(key->range, *value))
+            return out_of_range(reader, key, node);
+        return GNEISS_OK;
+    }
+    snprintf(expected, sizeof expected, "%s%s%s%s",
+             gn_unit_text(strchr(unit, '|') ? strchr(unit, '|') + 1 : unit),
+             key->word ? " or '" : "", key->word ? key->word : "", key->word ? "'" : "");
+    return unexpected(reader, node, expected, reason);
+}
+
+static gneiss_status read_real(const gn_reader *reader, const gn_key *key, const gn_node *node,
+                               double *value) {
+    if (is_word(key, node)) {
+        *value = key->word_value;
+        return GNEISS_OK;
+    }
+    return read_number(reader, key, key->unit, node, value);
+}
+
+static gneiss_status read_integer(const gn_reader *reader, const gn_key *key, const gn_node *node,
+                                  int64_t *value) {
+    if (is_word(key, node)) {
+        *value = (int64_t)key->word_value;
+        return GNEISS_OK;
+    }
+    char *rest = NULL, expected[160];
+    errno = 0;
+    const char *text = node->kind == GN_NODE_SCALAR ? node->text : "";
+    bool digits = *text && strspn(text, "+-0123456789") == strlen(text);
+    *value = digits ? strtoll(text, &rest, 10) : 0;
+    if (digits && !*rest && !errno && (!key->range || gn_range_holds(key->range, (double)*value)))
+        return GNEISS_OK;
+    snprintf(expected, sizeof expected, "a whole number%s%s%s%s%s", key->range ? " in " : "",
+             key->range ? key->range : "", key->word ? " or '" : "", key->word ? key->word : "",
+             key->word ? "'" : "");
+    return unexpected(reader, node, expected, "");
+}
+
+static gneiss_status read_seed(const gn_reader *reader, const gn_node *node, uint64_t *value) {
+    char *rest = NULL;
+    errno = 0;
+    const char *text = node->kind == GN_NODE_SCALAR ? node->text : "";
+    bool digits = *text && strspn(text, "0123456789") == strlen(text);
+    if (digits) *value = strtoull(text, &rest, 10);
+    if (digits && !*rest && !errno) return GNEISS_OK;
+    return unexpected(reader, node, "a whole number from 0 to 18446744073709551615", "");
+}
+
+/* ---- texts and words ---- */
+
+static gneiss_status read_text(const gn_reader *reader, const gn_key *key, const gn_node *node,
+                               char *text) {
+    if (node->kind != GN_NODE_SCALAR) return unexpected(reader, node, "text", "");
+    size_t length = strlen(node->text);
+    if (length >= key->size) {
+        char expected[64];
+        snprintf(expected, sizeof expected, "at most %zu bytes of text", key->size - 1);
+        return unexpected(reader, node, expected, "");
+    }
+    memcpy(text, node->text, length + 1);
+    return GNEISS_OK;
+}
+
+/* A name must be fit to stand in an override: walls.top.motion.vz. */
+static gneiss_status read_name(const gn_reader *reader, const gn_key *key, const gn_node *node,
+                               char *name) {
+    GN_TRY(read_text(reader, key, node, name));
+    bool bad = !*name || strpbrk(name, ".[]=\n\t\r") || strspn(name, "0123456789") == strlen(name);
+    if (!bad) return GNEISS_OK;
+    return unexpected(reader, node, "a name (not empty, not a number, without . [ ] =)", "");
+}
+
+static gneiss_status read_choice(const gn_reader *reader, const gn_key *key, const gn_node *node,
+                                 void *at) {
+    if (node->kind == GN_NODE_SCALAR)
+        for (const gn_choice *choice = key->choices; choice->name; choice++)
+            if (strcmp(choice->name, node->text) == 0) {
+                gn_choice_store(key, at, choice->value);
+                return GNEISS_OK;
+            }
+    char expected[256] = "one of";
+    for (const gn_choice *choice = key->choices; choice->name; choice++) {
+        if (gn_choice_name(key->choices, choice->value) != choice->name) continue;
+        size_t used = strlen(expected);
+        snprintf(expected + used, sizeof expected - used, "%s %s", used > 6 ? "," : "",
+                 choice->name);
+    }
+    return unexpected(reader, node, expected, "");
+}
+
+/* Only opened here; the contents are read when the particles are made. */
+static gneiss_status read_file(const gn_reader *reader, const gn_key *key, const gn_node *node,
+                               char *file, char *path) {
+    GN_TRY(read_text(reader, key, node, file));
+    char joined[2 * GN_PATH_SIZE], resolved[PATH_MAX];
+    if (*file == '/')
+        snprintf(joined, sizeof joined, "%s", file);
+    else
+        snprintf(joined, sizeof joined, "%s/%s", reader->folder, file);
+    struct stat status;
+    const char *why = NULL;
+    if (!*file)
+        why = "no name";
+    else if (!realpath(joined, resolved) || stat(resolved, &status))
+        why = strerror(errno);
+    else if (S_ISDIR(status.st_mode))
+        why = "it is a folder";
+    else if (access(resolved, R_OK))
+        why = strerror(errno);
+    else if (strlen(resolved) >= GN_PATH_SIZE)
+        why = "the path is too long";
+    if (why)
+        return gn_read_fail(reader, node, node->where, reader->path, "cannot open '%.300s': %s",
+                            file, why);
+    memcpy(path, resolved, strlen(resolved) + 1);
+    return GNEISS_OK;
+}
+
+/* ---- vectors and tables ---- */
+
+static gneiss_status read_component(gn_reader *reader, const gn_key *key, const gn_node *node,
+                                    size_t index, void *at) {
+    size_t mark = path_push_index(reader, index);
+    gneiss_status status = key->type == GN_KEY_CELLS
+                               ? read_integer(reader, key, node, (int64_t *)at + index)
+                               : read_number(reader, key, key->unit, node, (double *)at + index);
+    path_pop(reader, mark);
+    return status;
+}
+
+static gneiss_status read_vector(gn_reader *reader, const gn_key *key, const gn_node *node,
+                                 void *at) {
+    bool plane = reader->scene->dimension == 2;
+    if (plane && key->type == GN_KEY_SPIN && node->kind == GN_NODE_SCALAR)
+        return read_number(reader, key, key->unit, node, (double *)at + 2);
+    bool short_form = plane && key->type != GN_KEY_SPIN && node->count == 2;
+    if (node->kind != GN_NODE_LIST || !(node->count == 3 || short_form))
+        return unexpected(reader, node,
+                          !plane                     ? "a list of 3 components"
+                          : key->type == GN_KEY_SPIN ? "a spin about z such as '30 deg/s'"
+                                                     : "a list of 2 components",
+                          node->kind == GN_NODE_LIST ? " of another length" : "");
+    size_t index = 0;
+    for (const gn_node *item = node->first; item; item = item->next)
+        GN_TRY(read_component(reader, key, item, index++, at));
+    if (key->type == GN_KEY_CELLS) {
+        if (short_form) ((int64_t *)at)[2] = 1;
+        return GNEISS_OK;
+    }
+    double *v = at;
+    bool in_plane = key->type == GN_KEY_SPIN ? v[0] == 0 && v[1] == 0 : v[2] == 0;
+    if (plane && !in_plane)
+        return unexpected(reader, node, "nothing out of the plane of a 2D scene", "");
+    return GNEISS_OK;
+}
+
+static gneiss_status read_table_row(gn_reader *reader, const gn_key *key, const gn_node *row,
+                                    size_t index, gn_table *table) {
+    static const gn_key time = {.name = "time", .unit = "s"};
+    if (row->kind != GN_NODE_LIST || row->count != 2)
+        return unexpected(reader, row, "a row [time, value]", "");
+    GN_TRY(read_number(reader, &time, "s", row->first, &table->time[index]));
+    GN_TRY(read_number(reader, key, key->unit, row->last, &table->value[index]));
+    if (index > 0 && table->time[index] <= table->time[index - 1])
+        return unexpected(reader, row->first, "a time after that of the row before", "");
+    return GNEISS_OK;
+}
+
+static gneiss_status read_table(gn_reader *reader, const gn_key *key, const gn_node *node,
+                                gn_table *table) {
+    if (is_word(key, node)) return GNEISS_OK;
+    bool constant = node->kind == GN_NODE_SCALAR;
+    if (!constant && (node->kind != GN_NODE_LIST || node->count == 0)) {
+        char expected[160];
+        snprintf(expected, sizeof expected, "%s%s or a table [[time, value], ...]",
+                 gn_unit_text(key->unit), key->word ? ", 'free'" : "");
+        return unexpected(reader, node, expected, "");
+    }
+    table->count = constant ? 1 : node->count;
+    table->time = gn_alloc_array(table->count, sizeof(double));
+    table->value = gn_alloc_array(table->count, sizeof(double));
+    if (!table->time || !table->value) return no_memory(reader);
+    if (constant) return read_number(reader, key, key->unit, node, &table->value[0]);
+    size_t index = 0;
+    for (const gn_node *row = node->first; row; row = row->next, index++) {
+        size_t mark = path_push_index(reader, index);
+        GN_TRY(read_table_row(reader, key, row, index, table));
+        path_pop(reader, mark);
+    }
+    return GNEISS_OK;
+}
+
+/* ---- arrays ---- */
+
+/* Puts a zeroed array and its number in place; the number stands at key->second. */
+static gneiss_status make_array(const gn_reader *reader, const gn_key *key, const gn_node *node,
+                                size_t size, char *base, void **array) {
+    *array = gn_alloc_array(node->count, size);
+    if (!*array) return no_memory(reader);
+    memcpy(base + key->offset, array, sizeof *array);
+    memcpy(base + key->second, &node->count, sizeof node->count);
+    return GNEISS_OK;
+}
+
+static gneiss_status read_ids(gn_reader *reader, const gn_key *key, const gn_node *node,
+                              char *base) {
+    if (node->kind != GN_NODE_LIST || !node->count)
+        return unexpected(reader, node, "a list of particle indices",
+                          node->count ? "" : " without any");
+    void *array;
+    GN_TRY(make_array(reader, key, node, sizeof(int64_t), base, &array));
+    size_t index = 0;
+    for (const gn_node *item = node->first; item; item = item->next, index++) {
+        size_t mark = path_push_index(reader, index);
+        GN_TRY(read_integer(reader, key, item, (int64_t *)array + index));
+        path_pop(reader, mark);
+    }
+    return GNEISS_OK;
+}
+
+static gneiss_status read_particle(gn_reader *reader, const gn_key *key, const gn_node *row,
+                                   double particle[4]) {
+    bool plane = reader->scene->dimension == 2;
+    if (row->kind != GN_NODE_LIST || row->count != (plane ? 3 : 4))
+        return unexpected(reader, row, plane ? "a row [x, y, r]" : "a row [x, y, z, r]", "");
+    size_t index = 0;
+    for (const gn_node *item = row->first; item; item = item->next, index++) {
+        size_t slot = plane && index == 2 ? 3 : index;
+        GN_TRY(read_number(reader, key, key->unit, item, &particle[slot]));
+    }
+    if (particle[3] <= 0) return unexpected(reader, row->last, "a radius above 0", "");
+    return GNEISS_OK;
+}
+
+static gneiss_status read_particles(gn_reader *reader, const gn_key *key, const gn_node *node,
+                                    char *base) {
+    if (node->kind != GN_NODE_LIST || !node->count)
+        return unexpected(reader, node, "a list of particles", node->count ? "" : " without any");
+    void *array;
+    GN_TRY(make_array(reader, key, node, 4 * sizeof(double), base, &array));
+    size_t index = 0;
+    for (const gn_node *row = node->first; row; row = row->next, index++) {
+        size_t mark = path_push_index(reader, index);
+        GN_TRY(read_particle(reader, key, row, (double *)array + 4 * index));
+        path_pop(reader, mark);
+    }
+    return GNEISS_OK;
+}
+
+static gneiss_status read_section(gn_reader *reader, const gn_section *section, const gn_node *map,
+                                  char *base);
+
+static gneiss_status read_list(gn_reader *reader, const gn_key *key, const gn_node *node,
+                               char *base) {
+    if (node->kind == GN_NODE_NULL) return GNEISS_OK;
+    if (node->kind != GN_NODE_LIST) return unexpected(reader, node, "a list of sections", "");
+    if (!gn_range_holds(key->range, (double)node->count)) {
+        char expected[64], reason[32];
+        snprintf(expected, sizeof expected, "a number of elements in %s", key->range);
+        snprintf(reason, sizeof reason, " of %zu", node->count);
+        return unexpected(reader, node, expected, reason);
+    }
+    void *array;
+    GN_TRY(make_array(reader, key, node, key->section->size, base, &array));
+    size_t index = 0;
+    for (const gn_node *item = node->first; item; item = item->next, index++) {
+        size_t mark = path_push_index(reader, index);
+        if (item->kind != GN_NODE_MAP) return unexpected(reader, item, "a section", "");
+        GN_TRY(
+            read_section(reader, key->section, item, (char *)array + index * key->section->size));
+        path_pop(reader, mark);
+    }
+    return GNEISS_OK;
+}
+
+/* ---- keys and sections ---- */
+
+static gneiss_status read_key(gn_reader *reader, const gn_key *key, const gn_node *node,
+                              char *base) {
+    char *at = base + key->offset;
+    switch (key->type) {
+    case GN_KEY_REAL:
+        return read_real(reader, key, node, (double *)at);
+    case GN_KEY_INTEGER:
+        return read_integer(reader, key, node, (int64_t *)at);
+    case GN_KEY_SEED:
+        return read_seed(reader, node, (uint64_t *)at);
+    case GN_KEY_TEXT:
+        return read_text(reader, key, node, at);
+    case GN_KEY_NAME:
+        return read_name(reader, key, node, at);
+    case GN_KEY_FILE:
+        return read_file(reader, key, node, at, base + key->second);
+    case GN_KEY_CHOICE:
+        return read_choice(reader, key, node, at);
+    case GN_KEY_VECTOR:
+    case GN_KEY_SPIN:
+    case GN_KEY_CELLS:
+        return read_vector(reader, key, node, at);
+    case GN_KEY_TABLE:
+        return read_table(reader, key, node, (gn_table *)at);
+    case GN_KEY_IDS:
+        return read_ids(reader, key, node, base);
+    case GN_KEY_PARTICLES:
+        return read_particles(reader, key, node, base);
+    case GN_KEY_LIST:
+        return read_list(reader, key, node, base);
+    case GN_KEY_SECTION:
+        return read_section(reader, key->section, node, at);
+    }
+    return GNEISS_OK;
+}
+
+/* A default goes through the same code as a value of the file. */
+static gneiss_status read_fallback(gn_reader *reader, const gn_key *key, char *base) {
+    if (key->presence == GN_PRESENT_AXIS) *(int64_t *)(base + key->present_at) = -1;
+    if (key->type == GN_KEY_SECTION && (key->presence == GN_PRESENT_ALWAYS))
+        return read_section(reader, key->section, NULL, base + key->offset);
+    if (!key->fallback) return GNEISS_OK;
+    gn_node node = {.kind = GN_NODE_SCALAR, .text = key->fallback};
+    if (key->type != GN_KEY_VECTOR) return read_key(reader, key, &node, base);
+    for (size_t k = 0; k < 3; k++)
+        GN_TRY(read_component(reader, key, &node, k, base + key->offset));
+    return GNEISS_OK;
+}
+
+/* Edits (insertion, removal, replacement, swap of neighbours) between two words. */
+static size_t edit_distance(const char *a, const char *b) {
+    enum { LIMIT = 32 };
+    size_t rows[3][LIMIT + 1], la = strlen(a), lb = strlen(b);
+    if (la > LIMIT || lb > LIMIT) return LIMIT;
+    size_t *before = rows[0], *last = rows[1], *now = rows[2];
+    for (size_t j = 0; j <= lb; j++) last[j] = j;
+    for (size_t i = 1; i <= la; i++) {
+        now[0] = i;
+        for (size_t j = 1; j <= lb; j++) {
+            size_t best = last[j - 1] + (a[i - 1] != b[j - 1]);
+            if (last[j] + 1 < best) best = last[j] + 1;
+            if (now[j - 1] + 1 < best) best = now[j - 1] + 1;
+            if (i > 1 && j > 1 && a[i - 1] == b[j - 2] && a[i - 2] == b[j - 1] &&
+                before[j - 2] + 1 < best)
+                best = before[j - 2] + 1;
+            now[j] = best;
+        }
+        size_t *spare = before;
+        before = last;
+        last = now;
+        now = spare;
+    }
+    return last[lb];
+}
+
+static gneiss_status unknown_key(gn_reader *reader, const gn_section *section,
+                                 const gn_node *node) {
+    const char *nearest = NULL;
+    size_t least = strlen(node->key) / 3 + 2;
+    char known[600] = "";
+    for (size_t k = 0; k < section->key_count; k++) {
+        const char *name = section->keys[k].name;
+        size_t distance = edit_distance(node->key, name), used = strlen(known);
+        if (distance < least && distance < strlen(name)) {
+            least = distance;
+            nearest = name;
+        }
+        snprintf(known + used, sizeof known - used, "%s%s", used ? ", " : "", name);
+    }
+    path_push_name(reader, node->key);
+    if (nearest)
+        return gn_read_fail(reader, node, node->key_where, reader->path,
+                            "unknown key '%.60s'; did you mean '%s'?", node->key, nearest);
+    return gn_read_fail(reader, node, node->key_where, reader->path,
+                        "unknown key '%.60s'; expected one of %s", node->key, known);
+}
+
+/* The node of each key of the section; refuses unknown and repeated ones. */
+static gneiss_status match_keys(gn_reader *reader, const gn_section *section, const gn_node *map,
+                                const gn_node *nodes[]) {
+    for (const gn_node *child = map ? map->first : NULL; child; child = child->next) {
+        size_t k = 0;
+        while (k < section->key_count && strcmp(section->keys[k].name, child->key) != 0) k++;
+        if (k == section->key_count) return unknown_key(reader, section, child);
+        if (nodes[k]) {
+            path_push_name(reader, child->key);
+            return gn_read_fail(reader, child, child->key_where, reader->path,
+                                "expected once, found again; first given in line %d",
+                                nodes[k]->key_where.line);
+        }
+        nodes[k] = child;
+    }
+    return GNEISS_OK;
+}
+
+/* `map` NULL: the section was not given, its keys take their defaults. One that stands empty is
+ * given. */
+static gneiss_status read_section(gn_reader *reader, const gn_section *section, const gn_node *map,
+                                  char *base) {
+    const gn_node *nodes[GN_SECTION_KEYS_MAX] = {NULL};
+    if (map && map->kind != GN_NODE_MAP && map->kind != GN_NODE_NULL)
+        return unexpected(reader, map, "a section", "");
+    GN_TRY(match_keys(reader, section, map, nodes));
+    if (map && section->where != GN_NO_WHERE)
+        *(gn_where *)(base + section->where) = map->key ? map->key_where : map->where;
+    for (size_t k = 0; k < section->key_count; k++) {
+        const gn_key *key = &section->keys[k];
+        size_t mark = path_push_name(reader, key->name);
+        if (!nodes[k] && key->required) {
+            gn_where where = map ? map->key_where : (gn_where){1, 1};
+            return gn_read_fail(reader, map, where, reader->path, "required, but not given");
+        }
+        if (nodes[k])
+            GN_TRY(read_key(reader, key, nodes[k], base));
+        else
+            GN_TRY(read_fallback(reader, key, base));
+        if (nodes[k] && key->presence == GN_PRESENT_BOOL) *(bool *)(base + key->present_at) = true;
+        path_pop(reader, mark);
+    }
+    return GNEISS_OK;
+}
+
+gneiss_status gn_read_scene(gn_reader *reader, const gn_node *root) {
+    return read_section(reader, &gn_scene_section, root, (char *)reader->scene);
+}

@@ -1,0 +1,43 @@
+/* From a tree to the struct, in two steps: every key by itself (read.c), then what keys must hold
+ * together (check.c). Messages name the place in the file. */
+#ifndef GN_SCENE_READ_H
+#define GN_SCENE_READ_H
+
+#include "scene/manifest.h"
+#include "scene/tree.h"
+#include "scene/units.h"
+
+enum { GN_KEY_PATH_SIZE = 256 };
+
+typedef struct gn_reader {
+    const char *name;   /* of the scene, in messages */
+    const char *folder; /* relative paths start here */
+    gn_units *units;
+    gn_scene *scene;
+    gneiss_error *error;
+    size_t path_length;
+    char path[GN_KEY_PATH_SIZE]; /* of the key being read */
+} gn_reader;
+
+/* Fills reader->scene, zeroed before, from the tree; what was allocated stays in it on failure. */
+gneiss_status gn_read_scene(gn_reader *reader, const gn_node *root);
+
+/* Checks what concerns several keys and completes what follows from others. */
+gneiss_status gn_check_scene(gn_reader *reader, const gn_node *root);
+
+/* "file:line:column: path: ..." or "--set key: ...". */
+gneiss_status gn_read_fail(const gn_reader *reader, const gn_node *node, gn_where where,
+                           const char *path, const char *format, ...)
+    __attribute__((format(printf, 5, 6)));
+
+/* Reads a number with one of the units of `unit` ("1/s|1"); false with a reason otherwise. */
+bool gn_read_quantity(const gn_reader *reader, const char *text, const char *unit, double *value,
+                      char *reason, size_t reason_size);
+
+/* gn_scene_parse with a unit system of the caller's, which many calls can share. */
+gneiss_status gn_scene_parse_with(gn_units *units, const char *text, size_t length,
+                                  const char *name, const char *folder,
+                                  const gn_override *overrides, size_t override_count,
+                                  gn_scene *scene, gneiss_error *error);
+
+#endif

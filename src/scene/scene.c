@@ -1,0 +1,268 @@
+#include "scene/scene.h"
+
+#include "base/memory.h"
+#include "scene/read.h"
+
+#include <errno.h>
+#include <locale.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/stat.h>
+
+static const size_t size_limit = (size_t)64 << 20;
+
+/* ---- reading ---- */
+
+static gneiss_status parse_tree(gn_reader *reader, gn_tree *tree, const gn_override *overrides,
+                                size_t override_count) {
+    for (size_t k = 0; k < override_count; k++)
+        GN_TRY(gn_tree_override(tree, &overrides[k], reader->error));
+    GN_TRY(gn_read_scene(reader, gn_tree_root(tree)));
+    return gn_check_scene(reader, gn_tree_root(tree));
+}
+
+static gneiss_status check_length(const char *text, size_t length, const char *name,
+                                  gneiss_error *error) {
+    if (length > size_limit)
+        return gn_fail(error, GNEISS_ERROR_INPUT,
+                       "%s: expected a scene of at most %zu MB, found more", name,
+                       size_limit >> 20);
+    if (strspn(text, " \t\r\n") == length)
+        return gn_fail(error, GNEISS_ERROR_INPUT, "%s:1:1: expected a scene, found an empty file",
+                       name);
+    return GNEISS_OK;
+}
+
+gneiss_status gn_scene_parse_with(gn_units *units, const char *text, size_t length,
+                                  const char *name, const char *folder,
+                                  const gn_override *overrides, size_t override_count,
+                                  gn_scene *scene, gneiss_error *error) {
+    memset(scene, 0, sizeof *scene);
+    GN_TRY(check_length(text, length, name, error));
+    snprintf(scene->source, sizeof scene->source, "%s", name);
+    gn_tree *tree = NULL;
+    gn_reader reader = {.name = name,
+                        .folder = folder && *folder ? folder : ".",
+                        .units = units,
+                        .scene = scene,
+                        .error = error};
+    /* Numbers have a point, whatever the locale of the calling program says. */
+    locale_t c_locale = newlocale(LC_ALL_MASK, "C", (locale_t)0);
+    if (!c_locale) return gn_fail(error, GNEISS_ERROR_MEMORY, "%s: out of memory", name);
+    locale_t previous = uselocale(c_locale);
+    gneiss_status status = gn_tree_read(text, length, name, &tree, error);
+    if (status == GNEISS_OK) status = parse_tree(&reader, tree, overrides, override_count);
+    gn_tree_free(tree);
+    uselocale(previous);
+    freelocale(c_locale);
+    if (status != GNEISS_OK) gn_scene_free(scene);
+    return status;
+}
+
+static gneiss_status parse_length(const char *text, size_t length, const char *name,
+                                  const char *folder, const gn_override *overrides,
+                                  size_t override_count, gn_scene *scene, gneiss_error *error) {
+    memset(scene, 0, sizeof *scene);
+    gn_units *units = gn_units_new();
+    if (!units) return gn_fail(error, GNEISS_ERROR_MEMORY, "%s: out of memory", name);
+    gneiss_status status = gn_scene_parse_with(units, text, length, name, folder, overrides,
+                                               override_count, scene, error);
+    gn_units_free(units);
+    return status;
+}
+
+gneiss_status gn_scene_parse(const char *text, const char *name, const char *folder,
+                             const gn_override *overrides, size_t override_count, gn_scene *scene,
+                             gneiss_error *error) {
+    return parse_length(text, strlen(text), name, folder, overrides, override_count, scene, error);
+}
+
+/* The whole file with a NUL behind it; stops one byte above the limit. */
+static gneiss_status read_all(FILE *file, const char *path, char **text, size_t *length,
+                              gneiss_error *error) {
+    size_t capacity = 1 << 16;
+    char *buffer = malloc(capacity + 1);
+    *length = 0;
+    while (buffer) {
+        *length += fread(buffer + *length, 1, capacity - *length, file);
+        if (*length < capacity || *length > size_limit) break;
+        capacity *= 2;
+        char *larger = realloc(buffer, capacity + 1);
+        if (!larger) free(buffer);
+        buffer = larger;
+    }
+    if (!buffer) return gn_fail(error, GNEISS_ERROR_MEMORY, "%s: out of memory", path);
+    if (ferror(file)) {
+        int reason = errno;
+        free(buffer);
+        return gn_fail(error, GNEISS_ERROR_IO, "%s: cannot read: %s", path, strerror(reason));
+    }
+    buffer[*length] = '\0';
+    *text = buffer;
+    return GNEISS_OK;
+}
+
+static gneiss_status read_scene_file(const char *path, char **text, size_t *length,
+                                     gneiss_error *error) {
+    FILE *file = fopen(path, "rb");
+    if (!file)
+        return gn_fail(error, GNEISS_ERROR_IO, "%s: cannot open the scene: %s", path,
+                       strerror(errno));
+    struct stat about;
+    gneiss_status status = GNEISS_OK;
+    if (fstat(fileno(file), &about) == 0 && S_ISDIR(about.st_mode))
+        status =
+            gn_fail(error, GNEISS_ERROR_INPUT, "%s: expected a scene file, found a folder", path);
+    else
+        status = read_all(file, path, text, length, error);
+    fclose(file);
+    return status;
+}
+
+gneiss_status gn_scene_load(const char *path, const gn_override *overrides, size_t override_count,
+                            gn_scene *scene, gneiss_error *error) {
+    memset(scene, 0, sizeof *scene);
+    if (strlen(path) >= GN_PATH_SIZE)
+        return gn_fail(error, GNEISS_ERROR_INPUT, "%.80s...: the path of the scene is too long",
+                       path);
+    char *text = NULL, folder[GN_PATH_SIZE] = ".";
+    size_t length = 0;
+    GN_TRY(read_scene_file(path, &text, &length, error));
+    const char *slash = strrchr(path, '/');
+    if (slash) {
+        size_t keep = slash == path ? 1 : (size_t)(slash - path);
+        memcpy(folder, path, keep);
+        folder[keep] = '\0';
+    }
+    gneiss_status status =
+        parse_length(text, length, path, folder, overrides, override_count, scene, error);
+    free(text);
+    return status;
+}
+
+/* ---- freeing ---- */
+
+static void free_section(const gn_section *section, char *base) {
+    for (size_t k = 0; k < section->key_count; k++) {
+        const gn_key *key = &section->keys[k];
+        char *at = base + key->offset;
+        if (key->type == GN_KEY_SECTION) free_section(key->section, at);
+        if (key->type == GN_KEY_TABLE) {
+            gn_free(((gn_table *)at)->time);
+            gn_free(((gn_table *)at)->value);
+        }
+        if (key->type != GN_KEY_IDS && key->type != GN_KEY_PARTICLES && key->type != GN_KEY_LIST)
+            continue;
+        char *array;
+        memcpy(&array, at, sizeof array);
+        size_t count = array ? *(size_t *)(base + key->second) : 0;
+        if (key->type == GN_KEY_LIST)
+            for (size_t item = 0; item < count; item++)
+                free_section(key->section, array + item * key->section->size);
+        gn_free(array);
+    }
+}
+
+void gn_scene_free(gn_scene *scene) {
+    if (!scene) return;
+    free_section(&gn_scene_section, (char *)scene);
+    memset(scene, 0, sizeof *scene);
+}
+
+/* ---- effects ---- */
+
+static bool bonds_possible(const gn_scene *s) {
+    if (s->bonds != GN_SWITCH_ON) return false;
+    bool some = s->specimen.group != 0;
+    for (size_t k = 0; k < s->set_count; k++) some = some || s->sets[k].group > 0;
+    return some;
+}
+
+static gn_effects contact_effects(const gn_scene *s) {
+    bool bonds = bonds_possible(s), friction = false, shear = false;
+    for (size_t k = 0; k < s->material_count; k++)
+        friction = friction || s->materials[k].friction > 0;
+    for (size_t k = 0; k < s->material_count; k++)
+        shear = shear || (s->materials[k].kratio > 0 && (friction || bonds));
+    gn_effects mask = GN_FX_PAIRS;
+    if (bonds) mask |= GN_FX_BONDS;
+    if (shear) mask |= GN_FX_SHEAR;
+    if (shear && friction) mask |= GN_FX_FRICTION;
+    if (s->restitution > 0 || s->damping_fraction > 0) mask |= GN_FX_CONTACT_DAMPING;
+    return mask;
+}
+
+static gn_effects background_effect(const gn_scene *s) {
+    switch (s->background) {
+    case GN_BACKGROUND_NONE:
+        return 0;
+    case GN_BACKGROUND_VISCOUS:
+        return GN_FX_VISCOUS;
+    case GN_BACKGROUND_NONVISCOUS_VECTOR:
+        return GN_FX_NONVISCOUS_VECTOR;
+    case GN_BACKGROUND_NONVISCOUS_COMPONENT:
+        return GN_FX_NONVISCOUS_COMPONENT;
+    }
+    return 0;
+}
+
+static bool is_prescribed(const gn_motion *motion) {
+    size_t points = 0;
+    for (int k = 0; k < 3; k++) points += motion->velocity[k].count + motion->spin[k].count;
+    return points > 0;
+}
+
+gn_effects gn_scene_effects(const gn_scene *s) {
+    gn_effects mask = contact_effects(s) | background_effect(s);
+    if (s->dimension == 3) mask |= GN_FX_SPACE;
+    if (s->rotation != GN_SWITCH_OFF) mask |= GN_FX_ROTATION;
+    if (s->gravity[0] != 0 || s->gravity[1] != 0 || s->gravity[2] != 0) mask |= GN_FX_GRAVITY;
+    for (size_t k = 0; k < s->set_count; k++) {
+        if (s->sets[k].has_force) mask |= GN_FX_APPLIED;
+        if (is_prescribed(&s->sets[k].motion)) mask |= GN_FX_PRESCRIBED;
+    }
+    if (s->wall_count) mask |= GN_FX_WALLS;
+    for (size_t k = 0; k < s->wall_count; k++)
+        if (s->walls[k].friction > 0) mask |= GN_FX_WALL_SHEAR;
+    if (s->has_periodic) mask |= GN_FX_PERIODIC;
+    if (s->orientation == GN_SWITCH_ON && (mask & GN_FX_ROTATION)) mask |= GN_FX_ORIENTATION;
+    if (s->energy != GN_SWITCH_OFF) mask |= GN_FX_ENERGY;
+    return mask;
+}
+
+/* ---- looking up ---- */
+
+double gn_table_at(const gn_table *table, double time) {
+    size_t count = table->count;
+    if (count == 0) return 0.0;
+    if (count == 1 || time <= table->time[0]) return table->value[0];
+    if (time >= table->time[count - 1]) return table->value[count - 1];
+    size_t low = 0, high = count - 1;
+    while (high - low > 1) {
+        size_t middle = low + (high - low) / 2;
+        if (table->time[middle] <= time)
+            low = middle;
+        else
+            high = middle;
+    }
+    double share = (time - table->time[low]) / (table->time[high] - table->time[low]);
+    return (1.0 - share) * table->value[low] + share * table->value[high];
+}
+
+int gn_scene_find_wall(const gn_scene *scene, const char *name) {
+    for (size_t k = 0; k < scene->wall_count; k++)
+        if (strcmp(scene->walls[k].name, name) == 0) return (int)k;
+    return -1;
+}
+
+int gn_scene_find_set(const gn_scene *scene, const char *name) {
+    for (size_t k = 0; k < scene->set_count; k++)
+        if (strcmp(scene->sets[k].name, name) == 0) return (int)k;
+    return -1;
+}
+
+int gn_scene_find_material(const gn_scene *scene, const char *name) {
+    for (size_t k = 0; k < scene->material_count; k++)
+        if (strcmp(scene->materials[k].name, name) == 0) return (int)k;
+    return -1;
+}

@@ -1,0 +1,448 @@
+#include "scene/tree.h"
+
+#include "base/memory.h"
+
+#include <libfyaml.h>
+#include <stdlib.h>
+#include <string.h>
+
+enum { CHUNK_SIZE = 1 << 16, DEPTH_LIMIT = 32 };
+
+/* Nodes and texts live in chunks that go together: no path of failure can leak one. */
+typedef struct chunk {
+    struct chunk *next;
+    size_t used, size;
+    _Alignas(16) char bytes[];
+} chunk;
+
+struct gn_tree {
+    chunk *chunks;
+    gn_node *root;
+    char name[GN_PATH_SIZE];
+};
+
+static void *tree_alloc(gn_tree *tree, size_t bytes) {
+    bytes = (bytes + 15) / 16 * 16;
+    chunk *top = tree->chunks;
+    if (!top || top->size - top->used < bytes) {
+        size_t size = bytes > CHUNK_SIZE ? bytes : CHUNK_SIZE;
+        chunk *fresh = gn_alloc(sizeof(chunk) + size);
+        if (!fresh) return NULL;
+        fresh->size = size;
+        fresh->next = top;
+        tree->chunks = top = fresh;
+    }
+    void *block = top->bytes + top->used;
+    top->used += bytes;
+    return block;
+}
+
+static const char *tree_text(gn_tree *tree, const char *text, size_t length) {
+    char *copy = tree_alloc(tree, length + 1);
+    if (copy && length) memcpy(copy, text, length);
+    return copy;
+}
+
+static gn_node *tree_node(gn_tree *tree, gn_node_kind kind, gn_where where) {
+    gn_node *node = tree_alloc(tree, sizeof *node);
+    if (!node) return NULL;
+    node->kind = kind;
+    node->where = node->key_where = where;
+    return node;
+}
+
+static void append(gn_node *parent, gn_node *child) {
+    if (parent->last)
+        parent->last->next = child;
+    else
+        parent->first = child;
+    parent->last = child;
+    parent->count++;
+}
+
+/* ---- reading ---- */
+
+typedef struct builder {
+    gn_tree *tree;
+    struct fy_parser *parser;
+    struct fy_diag *diag;
+    gneiss_error *error;
+    const char *set; /* the override being read, NULL for the file */
+    int depth;
+} builder;
+
+static gn_where event_where(struct fy_event *event) {
+    const struct fy_mark *mark = event ? fy_event_start_mark(event) : NULL;
+    return mark ? (gn_where){mark->line + 1, mark->column + 1} : (gn_where){1, 1};
+}
+
+static gneiss_status fail_at(builder *b, gn_where where, const char *text) {
+    if (b->set) return gn_fail(b->error, GNEISS_ERROR_INPUT, "--set %s: %s", b->set, text);
+    return gn_fail(b->error, GNEISS_ERROR_INPUT, "%s:%d:%d: %s", b->tree->name, where.line,
+                   where.column, text);
+}
+
+static gneiss_status fail_memory(builder *b) {
+    return gn_fail(b->error, GNEISS_ERROR_MEMORY, "%s: out of memory while reading the scene",
+                   b->tree->name);
+}
+
+static gneiss_status fail_syntax(builder *b) {
+    void *iterator = NULL;
+    struct fy_diag_error *first = fy_diag_errors_iterate(b->diag, &iterator);
+    if (!first) return fail_at(b, (gn_where){1, 1}, "not valid YAML");
+    char text[512];
+    snprintf(text, sizeof text, "not valid YAML: %s", first->msg ? first->msg : "unknown reason");
+    return fail_at(
+        b, (gn_where){first->line > 0 ? first->line : 1, first->column > 0 ? first->column : 1},
+        text);
+}
+
+static gneiss_status next_event(builder *b, struct fy_event **event) {
+    *event = fy_parser_parse(b->parser);
+    return *event ? GNEISS_OK : fail_syntax(b);
+}
+
+static gneiss_status read_scalar(builder *b, struct fy_event *event, gn_node **node) {
+    struct fy_token *token = event->scalar.value;
+    enum fy_scalar_style style = token ? fy_token_scalar_style(token) : FYSS_PLAIN;
+    gn_where where = event_where(event);
+    if (style == FYSS_SINGLE_QUOTED || style == FYSS_DOUBLE_QUOTED) where.column--; /* its quote */
+    if (event->scalar.tag) return fail_at(b, where, "YAML tags are not part of a scene");
+    size_t length = 0;
+    const char *text = token ? fy_token_get_text(token, &length) : "";
+    if (!text) return fail_memory(b);
+    if (memchr(text, 0, length))
+        return fail_at(b, where, "expected text, found a NUL character in it");
+    bool nothing = length == 0 && style == FYSS_PLAIN;
+    *node = tree_node(b->tree, nothing ? GN_NODE_NULL : GN_NODE_SCALAR, where);
+    if (!*node) return fail_memory(b);
+    (*node)->set = b->set;
+    (*node)->text = tree_text(b->tree, text, length);
+    return (*node)->text ? GNEISS_OK : fail_memory(b);
+}
+
+static gneiss_status read_node(builder *b, struct fy_event *event, gn_node **node);
+
+/* Reads up to the end of the list or map that `open` began. */
+static gneiss_status read_children(builder *b, gn_node *open, enum fy_event_type end) {
+    for (;;) {
+        struct fy_event *event;
+        GN_TRY(next_event(b, &event));
+        if (event->type == end) {
+            fy_parser_event_free(b->parser, event);
+            return GNEISS_OK;
+        }
+        gn_node *key = NULL, *child = NULL;
+        gneiss_status status = GNEISS_OK;
+        if (open->kind == GN_NODE_MAP) {
+            if (event->type == FYET_SCALAR)
+                status = read_scalar(b, event, &key);
+            else
+                status = fail_at(b, event_where(event),
+                                 "expected a key, found something else than text");
+            fy_parser_event_free(b->parser, event);
+            GN_TRY(status);
+            GN_TRY(next_event(b, &event));
+        }
+        status = read_node(b, event, &child);
+        fy_parser_event_free(b->parser, event);
+        GN_TRY(status);
+        if (key) {
+            child->key = key->text;
+            child->key_where = key->where;
+        }
+        append(open, child);
+    }
+}
+
+static gneiss_status read_open(builder *b, struct fy_event *event, gn_node **node) {
+    bool map = event->type == FYET_MAPPING_START;
+    struct fy_token *tag = map ? event->mapping_start.tag : event->sequence_start.tag;
+    gn_where where = event_where(event);
+    if (tag) return fail_at(b, where, "YAML tags are not part of a scene");
+    if (b->depth >= DEPTH_LIMIT) return fail_at(b, where, "nested too deeply");
+    *node = tree_node(b->tree, map ? GN_NODE_MAP : GN_NODE_LIST, where);
+    if (!*node) return fail_memory(b);
+    (*node)->set = b->set;
+    b->depth++;
+    gneiss_status status = read_children(b, *node, map ? FYET_MAPPING_END : FYET_SEQUENCE_END);
+    b->depth--;
+    return status;
+}
+
+static gneiss_status read_node(builder *b, struct fy_event *event, gn_node **node) {
+    gn_where where = event_where(event);
+    switch (event->type) {
+    case FYET_SCALAR:
+        return read_scalar(b, event, node);
+    case FYET_MAPPING_START:
+    case FYET_SEQUENCE_START:
+        return read_open(b, event, node);
+    case FYET_ALIAS:
+        where.column--; /* the mark is behind the star */
+        return fail_at(b, where, "YAML aliases are not part of a scene; repeat the value");
+    default:
+        return fail_at(b, where, "expected a value, found the end of the document");
+    }
+}
+
+/* The whole stream: one document, or none (then *node stays NULL). */
+static gneiss_status read_stream(builder *b, gn_node **node) {
+    *node = NULL;
+    for (;;) {
+        struct fy_event *event = fy_parser_parse(b->parser);
+        /* After the last event the parser gives NULL too: only a diagnostic tells an error. */
+        if (!event)
+            return fy_parser_get_stream_error(b->parser) || fy_diag_got_error(b->diag)
+                       ? fail_syntax(b)
+                       : GNEISS_OK;
+        gneiss_status status = GNEISS_OK;
+        bool last = event->type == FYET_STREAM_END;
+        if (event->type == FYET_SCALAR || event->type == FYET_MAPPING_START ||
+            event->type == FYET_SEQUENCE_START || event->type == FYET_ALIAS)
+            status = read_node(b, event, node);
+        else if (event->type == FYET_DOCUMENT_START && *node)
+            status =
+                fail_at(b, event_where(event), "expected one YAML document, found a second one");
+        fy_parser_event_free(b->parser, event);
+        if (status != GNEISS_OK || last) return status;
+    }
+}
+
+static gneiss_status read_yaml(gn_tree *tree, const char *text, size_t length, const char *set,
+                               gn_node **node, gneiss_error *error) {
+    builder b = {.tree = tree, .error = error, .set = set};
+    struct fy_diag_cfg diag_cfg;
+    fy_diag_cfg_default(&diag_cfg);
+    diag_cfg.fp = NULL;
+    diag_cfg.level = FYET_ERROR;
+    b.diag = fy_diag_create(&diag_cfg);
+    if (!b.diag) return fail_memory(&b);
+    /* Collected errors are not printed: nothing of the library's own reaches stderr. */
+    fy_diag_set_collect_errors(b.diag, true);
+    struct fy_parse_cfg cfg = {.flags = FYPCF_QUIET | FYPCF_JSON_NONE | FYPCF_ALLOW_DUPLICATE_KEYS,
+                               .diag = b.diag};
+    gneiss_status status;
+    b.parser = fy_parser_create(&cfg);
+    if (!b.parser || fy_parser_set_string(b.parser, text, length))
+        status = fail_memory(&b);
+    else
+        status = read_stream(&b, node);
+    if (b.parser) fy_parser_destroy(b.parser);
+    fy_diag_destroy(b.diag);
+    return status;
+}
+
+/* Length of the UTF-8 sequence at `s` (Unicode 15, table 3-7), 0 when it is none or a control. */
+static size_t utf8_length(const unsigned char *s, size_t left) {
+    if (s[0] < 0x80) return s[0] >= 0x20 || s[0] == '\t' || s[0] == '\n' || s[0] == '\r' ? 1 : 0;
+    size_t length = s[0] >= 0xc2 && s[0] < 0xe0 ? 2 : s[0] >= 0xe0 && s[0] < 0xf0 ? 3 : 4;
+    if (s[0] < 0xc2 || s[0] > 0xf4 || length > left) return 0;
+    for (size_t k = 1; k < length; k++)
+        if ((s[k] & 0xc0) != 0x80) return 0;
+    if (s[0] == 0xe0 && s[1] < 0xa0) return 0;
+    if (s[0] == 0xed && s[1] > 0x9f) return 0;
+    if (s[0] == 0xf0 && s[1] < 0x90) return 0;
+    if (s[0] == 0xf4 && s[1] > 0x8f) return 0;
+    return length;
+}
+
+static gneiss_status check_characters(const char *text, size_t length, const char *name,
+                                      gneiss_error *error) {
+    const unsigned char *s = (const unsigned char *)text;
+    int line = 1, column = 1;
+    for (size_t k = 0; k < length;) {
+        size_t step = utf8_length(s + k, length - k);
+        if (step == 0)
+            return gn_fail(
+                error, GNEISS_ERROR_INPUT,
+                "%s:%d:%d: expected UTF-8 text, found the byte 0x%02x: is this a scene file?", name,
+                line, column, s[k]);
+        column++;
+        if (s[k] == '\n') {
+            line++;
+            column = 1;
+        }
+        k += step;
+    }
+    return GNEISS_OK;
+}
+
+gneiss_status gn_tree_read(const char *text, size_t length, const char *name, gn_tree **tree,
+                           gneiss_error *error) {
+    GN_TRY(check_characters(text, length, name, error));
+    gn_tree *fresh = gn_alloc(sizeof *fresh);
+    if (!fresh) return gn_fail(error, GNEISS_ERROR_MEMORY, "%s: out of memory", name);
+    snprintf(fresh->name, sizeof fresh->name, "%s", name);
+    gneiss_status status = read_yaml(fresh, text, length, NULL, &fresh->root, error);
+    if (status == GNEISS_OK && (!fresh->root || fresh->root->kind != GN_NODE_MAP)) {
+        gn_where at = fresh->root ? fresh->root->where : (gn_where){1, 1};
+        status =
+            gn_fail(error, GNEISS_ERROR_INPUT,
+                    "%s:%d:%d: expected sections such as 'specimen:' and 'materials:', found %s",
+                    name, at.line, at.column,
+                    !fresh->root || fresh->root->kind == GN_NODE_NULL ? "an empty scene"
+                    : fresh->root->kind == GN_NODE_LIST               ? "a list"
+                                                                      : "plain text");
+    }
+    if (status == GNEISS_OK)
+        *tree = fresh;
+    else
+        gn_tree_free(fresh);
+    return status;
+}
+
+void gn_tree_free(gn_tree *tree) {
+    if (!tree) return;
+    for (chunk *top = tree->chunks; top;) {
+        chunk *next = top->next;
+        gn_free(top);
+        top = next;
+    }
+    gn_free(tree);
+}
+
+const gn_node *gn_tree_root(const gn_tree *tree) {
+    return tree->root;
+}
+
+/* ---- looking up ---- */
+
+static gn_node *child_span(const gn_node *map, const char *key, size_t length) {
+    if (!map || map->kind != GN_NODE_MAP) return NULL;
+    for (gn_node *child = map->first; child; child = child->next)
+        if (strncmp(child->key, key, length) == 0 && child->key[length] == '\0') return child;
+    return NULL;
+}
+
+const gn_node *gn_node_child(const gn_node *map, const char *key) {
+    return child_span(map, key, strlen(key));
+}
+
+const gn_node *gn_node_find(const gn_node *map, const char *path) {
+    while (map && *path) {
+        size_t length = strcspn(path, ".");
+        map = child_span(map, path, length);
+        path += length + (path[length] == '.');
+    }
+    return map;
+}
+
+const gn_node *gn_node_item(const gn_node *list, size_t index) {
+    if (!list || list->kind != GN_NODE_LIST || index >= list->count) return NULL;
+    const gn_node *child = list->first;
+    while (index--) child = child->next;
+    return child;
+}
+
+/* ---- overrides ---- */
+
+static gneiss_status fail_override(const gn_override *o, gneiss_error *error, const char *format,
+                                   int length, const char *step) {
+    char text[512];
+    snprintf(text, sizeof text, format, length, step);
+    return gn_fail(error, GNEISS_ERROR_INPUT, "--set %s: %s", o->key, text);
+}
+
+static gn_node *list_element(gn_node *list, const char *step, size_t length) {
+    if (strspn(step, "0123456789") >= length) {
+        size_t index = 0;
+        for (size_t k = 0; k < length && index <= list->count; k++)
+            index = 10 * index + (size_t)(step[k] - '0');
+        return (gn_node *)gn_node_item(list, index);
+    }
+    for (gn_node *child = list->first; child; child = child->next) {
+        const gn_node *name = gn_node_child(child, "name");
+        if (name && name->kind == GN_NODE_SCALAR && strncmp(name->text, step, length) == 0 &&
+            name->text[length] == '\0')
+            return child;
+    }
+    return NULL;
+}
+
+/* One step down a key of an override; makes sections that are not there. */
+static gneiss_status descend(gn_tree *tree, gn_node **at, const char *step, size_t length,
+                             const gn_override *o, gneiss_error *error) {
+    gn_node *node = *at, *child = NULL;
+    int shown = length < 80 ? (int)length : 80;
+    if (node->kind == GN_NODE_NULL) node->kind = GN_NODE_MAP;
+    if (node->kind == GN_NODE_SCALAR)
+        return fail_override(o, error, "'%.*s' is below a value, not in a section", shown, step);
+    if (node->kind == GN_NODE_LIST) {
+        child = list_element(node, step, length);
+        if (!child)
+            return fail_override(o, error, "no element '%.*s' in this list (index base 0, or name)",
+                                 shown, step);
+    } else {
+        child = child_span(node, step, length);
+    }
+    if (!child) {
+        child = tree_node(tree, GN_NODE_NULL, (gn_where){0, 0});
+        if (!child) return gn_fail(error, GNEISS_ERROR_MEMORY, "--set %s: out of memory", o->key);
+        child->key = tree_text(tree, step, length);
+        child->text = "";
+        child->set = tree_text(tree, o->key, strlen(o->key));
+        if (!child->key || !child->set)
+            return gn_fail(error, GNEISS_ERROR_MEMORY, "--set %s: out of memory", o->key);
+        append(node, child);
+    }
+    *at = child;
+    return GNEISS_OK;
+}
+
+/* Lists and sections are YAML; anything else is taken as it stands, so that no shell quoting of
+ * quotes is needed. */
+static gneiss_status override_value(gn_tree *tree, const gn_override *o, gn_node **value,
+                                    gneiss_error *error) {
+    const char *set = tree_text(tree, o->key, strlen(o->key));
+    if (!set) return gn_fail(error, GNEISS_ERROR_MEMORY, "--set %s: out of memory", o->key);
+    const char *text = o->value;
+    size_t length = strlen(text);
+    if (check_characters(text, length, "", NULL) != GNEISS_OK)
+        return gn_fail(error, GNEISS_ERROR_INPUT, "--set %s: expected UTF-8 text in the value",
+                       o->key);
+    while (length && (*text == ' ' || *text == '\t')) text++, length--;
+    while (length && (text[length - 1] == ' ' || text[length - 1] == '\t')) length--;
+    if (length && (*text == '[' || *text == '{'))
+        return read_yaml(tree, text, length, set, value, error);
+    *value = tree_node(tree, length ? GN_NODE_SCALAR : GN_NODE_NULL, (gn_where){0, 0});
+    if (!*value) return gn_fail(error, GNEISS_ERROR_MEMORY, "--set %s: out of memory", o->key);
+    (*value)->set = set;
+    (*value)->text = tree_text(tree, text, length);
+    if ((*value)->text) return GNEISS_OK;
+    return gn_fail(error, GNEISS_ERROR_MEMORY, "--set %s: out of memory", o->key);
+}
+
+gneiss_status gn_tree_override(gn_tree *tree, const gn_override *o, gneiss_error *error) {
+    if (!o->key || !o->value || !*o->key)
+        return gn_fail(error, GNEISS_ERROR_INPUT, "--set: expected key=value such as time.end=2ms");
+    if (check_characters(o->key, strlen(o->key), "", NULL) != GNEISS_OK)
+        return gn_fail(error, GNEISS_ERROR_INPUT, "--set: expected UTF-8 text in the key");
+    gn_node *at = tree->root, *value = NULL;
+    for (const char *step = o->key; *step;) {
+        bool bracket = *step == '[' && step > o->key;
+        if (bracket || (*step == '.' && step > o->key)) step++;
+        size_t length = strcspn(step, bracket ? "]" : ".[]");
+        bool closed = bracket ? step[length] == ']' : step[length] != ']';
+        if (length == 0 || !closed ||
+            (bracket && step[length + 1] && !strchr(".[", step[length + 1])))
+            return gn_fail(
+                error, GNEISS_ERROR_INPUT,
+                "--set %s: expected a key such as walls.top.motion.vz or materials[0].density",
+                o->key);
+        GN_TRY(descend(tree, &at, step, length, o, error));
+        step += length + bracket;
+    }
+    GN_TRY(override_value(tree, o, &value, error));
+    if (!value) return gn_fail(error, GNEISS_ERROR_INPUT, "--set %s: no value", o->key);
+    /* The new value takes the place of the old one in the list of its parent. */
+    at->kind = value->kind;
+    at->text = value->text;
+    at->set = value->set;
+    at->where = at->key_where = (gn_where){0, 0};
+    at->count = value->count;
+    at->first = value->first;
+    at->last = value->last;
+    return GNEISS_OK;
+}

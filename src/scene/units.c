@@ -1,0 +1,171 @@
+#include "scene/units.h"
+
+#include "base/memory.h"
+
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <udunits2.h>
+
+enum { CACHE_SIZE = 16, UNIT_SIZE = 32 };
+
+typedef struct conversion {
+    char from[UNIT_SIZE];
+    const char *to;
+    double factor;
+} conversion;
+
+struct gn_units {
+    ut_system *system;
+    bool tried;
+    size_t cached;
+    conversion cache[CACHE_SIZE];
+};
+
+static const struct {
+    const char *unit, *text;
+} kinds[] = {
+    {"1", "a number such as '0.5' or '50 %'"},   {"m", "a length such as '23 mm'"},
+    {"m2", "an area such as '4 cm2'"},           {"s", "a time such as '5 ms'"},
+    {"kg/m3", "a density such as '2650 kg/m3'"}, {"Pa", "a stress or modulus such as '10 GPa'"},
+    {"N/m", "a stiffness such as '15 MN/m'"},    {"N", "a force such as '2 kN'"},
+    {"m/s", "a velocity such as '0.1 m/s'"},     {"m/s2", "an acceleration such as '9.81 m/s2'"},
+    {"rad/s", "a spin such as '30 deg/s'"},      {"1/s", "a rate such as '50 1/s'"},
+};
+
+const char *gn_unit_text(const char *unit) {
+    for (size_t k = 0; k < sizeof kinds / sizeof *kinds; k++)
+        if (strcmp(kinds[k].unit, unit) == 0) return kinds[k].text;
+    return "a quantity";
+}
+
+gn_units *gn_units_new(void) {
+    return gn_alloc(sizeof(gn_units));
+}
+
+void gn_units_free(gn_units *units) {
+    if (!units) return;
+    if (units->system) ut_free_system(units->system);
+    gn_free(units);
+}
+
+/* The factor between two units; false and a reason for an unknown one, another dimension, or a
+ * scale with an offset or a logarithm, which a factor cannot express. */
+static bool find_factor(ut_system *system, const char *from, const char *to, double *factor,
+                        const char **reason) {
+    ut_unit *source = ut_parse(system, from, UT_UTF8);
+    ut_unit *target = ut_parse(system, to, UT_UTF8);
+    cv_converter *converter = NULL;
+    bool ok = false;
+    if (source && target && ut_are_convertible(source, target))
+        converter = ut_get_converter(source, target);
+    if (converter) {
+        *factor = cv_convert_double(converter, 1.0);
+        ok = cv_convert_double(converter, 0.0) == 0.0 && isfinite(*factor) && *factor > 0;
+        cv_free(converter);
+    }
+    if (!ok) *reason = source ? "another dimension" : "unknown unit";
+    ut_free(source);
+    ut_free(target);
+    return ok;
+}
+
+/* The database has "degree" but not the "deg" that everybody writes. */
+static ut_system *open_system(void) {
+    ut_system *system = ut_read_xml(NULL);
+    ut_unit *degree = system ? ut_parse(system, "degree", UT_ASCII) : NULL;
+    if (degree) ut_map_name_to_unit("deg", UT_ASCII, degree);
+    ut_free(degree);
+    return system;
+}
+
+static void unit_factor(gn_units *units, const char *from, const char *to, double *factor,
+                        const char **reason) {
+    for (size_t k = 0; k < units->cached; k++)
+        if (strcmp(units->cache[k].to, to) == 0 && strcmp(units->cache[k].from, from) == 0) {
+            *factor = units->cache[k].factor;
+            return;
+        }
+    ut_error_message_handler previous = ut_set_error_message_handler(ut_ignore);
+    if (!units->tried) units->system = open_system();
+    units->tried = true;
+    bool ok = false;
+    if (units->system)
+        ok = find_factor(units->system, from, to, factor, reason);
+    else
+        *reason = "the unit database of UDUNITS-2 cannot be read";
+    ut_set_error_message_handler(previous);
+    if (ok && units->cached < CACHE_SIZE) {
+        conversion *entry = &units->cache[units->cached++];
+        memcpy(entry->from, from, strlen(from) + 1);
+        entry->to = to;
+        entry->factor = *factor;
+    }
+}
+
+/* Only what people write as a unit reaches the parser of UDUNITS-2: "23 10 mm" is a slip, not 230
+ * mm. */
+static bool looks_like_unit(const char *unit) {
+    if (strlen(unit) >= UNIT_SIZE) return false;
+    unsigned char first = (unsigned char)unit[0];
+    bool letter = (first >= 'a' && first <= 'z') || (first >= 'A' && first <= 'Z') ||
+                  first >= 0x80 || first == '%';
+    if (!letter && strncmp(unit, "1/", 2) != 0) return false;
+    return strpbrk(unit, "@\"'\t\n") == NULL && strstr(unit, " since ") == NULL;
+}
+
+static bool starts_a_number(const char *text) {
+    if (*text == '+' || *text == '-') text++;
+    if (text[0] == '0' && (text[1] == 'x' || text[1] == 'X')) return false;
+    if (*text == '.') text++;
+    return *text >= '0' && *text <= '9';
+}
+
+/* The factor comes with rounding of its own. 46 mm shall be the double nearest to 0.046, and 2.65
+ * g/cm3 be 2650: factors that are whole numbers, or one over them, are taken as such. */
+static double scaled(double number, double factor) {
+    double whole = nearbyint(factor), inverse = nearbyint(1.0 / factor);
+    if (factor > 0.5 && fabs(whole / factor - 1.0) < 1e-14) return number * whole;
+    if (factor < 0.5 && inverse < 1e15 && fabs(inverse * factor - 1.0) < 1e-14)
+        return number / inverse;
+    return number * factor;
+}
+
+bool gn_units_read(gn_units *units, const char *text, const char *unit, double *value, char *reason,
+                   size_t reason_size) {
+    snprintf(reason, reason_size, "%s", "");
+    while (*text == ' ') text++;
+    if (!starts_a_number(text)) return false;
+    char *rest;
+    double number = strtod(text, &rest), factor = 1.0;
+    while (*rest == ' ') rest++;
+    char given[UNIT_SIZE + 1];
+    int length = snprintf(given, sizeof given, "%s", rest);
+    while (length > 0 && length <= UNIT_SIZE && given[length - 1] == ' ') given[--length] = '\0';
+    const char *why = NULL;
+    if (strcmp(unit, "1") == 0) {
+        if (strcmp(given, "%") == 0)
+            factor = 0.01;
+        else if (*given)
+            why = "another dimension: expected no unit or %";
+    } else if (*given) {
+        /* Hz and rad/s have the same dimension, and differ by 2 pi. */
+        if (strcmp(unit, "rad/s") == 0 && strstr(given, "Hz"))
+            why = "write rad/s, deg/s or rpm";
+        else if (!looks_like_unit(given))
+            why = "unknown unit";
+        else
+            unit_factor(units, given, unit, &factor, &why);
+    }
+    if (why) {
+        snprintf(reason, reason_size, " (%s)", why);
+        return false;
+    }
+    *value = scaled(number, factor);
+    if (!isfinite(*value)) {
+        snprintf(reason, reason_size, " (too large)");
+        return false;
+    }
+    return true;
+}

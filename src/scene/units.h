@@ -1,0 +1,23 @@
+/* Quantities: a number with a unit, or a plain number in SI. UDUNITS-2 knows the units. */
+#ifndef GN_SCENE_UNITS_H
+#define GN_SCENE_UNITS_H
+
+#include <stdbool.h>
+#include <stddef.h>
+
+typedef struct gn_units gn_units;
+
+/* The unit system is read on the first quantity that needs it. NULL: out of memory. UDUNITS-2 keeps
+ * state of its own for the whole process: one thread at a time. */
+gn_units *gn_units_new(void);
+void gn_units_free(gn_units *units);
+
+/* Reads "23 mm" as 0.023 when `unit` is "m". `unit` is one of the units of gn_unit_text; "1" stands
+ * for dimensionless, where "5 %" is understood. False: `reason` says why in a few words. */
+bool gn_units_read(gn_units *units, const char *text, const char *unit, double *value, char *reason,
+                   size_t reason_size);
+
+/* "a length such as '23 mm'" for "m". */
+const char *gn_unit_text(const char *unit);
+
+#endif

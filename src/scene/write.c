@@ -1,0 +1,164 @@
+#include "scene/manifest.h"
+
+#include <inttypes.h>
+#include <locale.h>
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+/* %.17g gives back the same double. */
+static void write_number(FILE *out, double value) {
+    fprintf(out, "%.17g", value);
+}
+
+static void write_numbers(FILE *out, const double *values, size_t count) {
+    for (size_t k = 0; k < count; k++) fprintf(out, "%s%.17g", k ? ", " : "[", values[k]);
+    fputc(']', out);
+}
+
+static void write_text(FILE *out, const char *text) {
+    fputc('"', out);
+    for (const char *c = text; *c; c++) {
+        if (*c == '"' || *c == '\\') fputc('\\', out);
+        if ((unsigned char)*c < 0x20 || *c == 0x7f)
+            fprintf(out, "\\x%02x", (unsigned)(unsigned char)*c);
+        else
+            fputc(*c, out);
+    }
+    fputc('"', out);
+}
+
+static void write_table(FILE *out, const gn_key *key, const gn_table *table) {
+    if (table->count == 0) {
+        fputs(key->word ? key->word : "[]", out);
+    } else if (table->count == 1 && table->time[0] == 0 && !signbit(table->time[0])) {
+        write_number(out, table->value[0]);
+    } else {
+        for (size_t k = 0; k < table->count; k++)
+            fprintf(out, "%s[%.17g, %.17g]", k ? ", " : "[", table->time[k], table->value[k]);
+        fputc(']', out);
+    }
+}
+
+static void write_integers(FILE *out, const int64_t *values, size_t count) {
+    for (size_t k = 0; k < count; k++) fprintf(out, "%s%" PRId64, k ? ", " : "[", values[k]);
+    fputc(']', out);
+}
+
+static void write_particles(FILE *out, const double *particles, size_t count, bool plane,
+                            int indent) {
+    for (size_t k = 0; k < count; k++) {
+        const double *p = particles + 4 * k;
+        double row[4] = {p[0], p[1], plane ? p[3] : p[2], p[3]};
+        fprintf(out, "\n%*s- ", indent + 2, "");
+        write_numbers(out, row, plane ? 3 : 4);
+    }
+}
+
+static void write_value(FILE *out, const gn_key *key, const char *base, bool plane, int indent) {
+    const char *at = base + key->offset;
+    const void *array = NULL;
+    if (key->type == GN_KEY_IDS || key->type == GN_KEY_PARTICLES) memcpy(&array, at, sizeof array);
+    switch (key->type) {
+    case GN_KEY_REAL:
+        if (key->word && *(const double *)at == key->word_value)
+            fputs(key->word, out);
+        else
+            write_number(out, *(const double *)at);
+        break;
+    case GN_KEY_INTEGER:
+        if (key->word && (double)*(const int64_t *)at == key->word_value)
+            fputs(key->word, out);
+        else
+            fprintf(out, "%" PRId64, *(const int64_t *)at);
+        break;
+    case GN_KEY_SEED:
+        fprintf(out, "%" PRIu64, *(const uint64_t *)at);
+        break;
+    case GN_KEY_TEXT:
+    case GN_KEY_NAME:
+        write_text(out, at);
+        break;
+    case GN_KEY_FILE:
+        write_text(out, base + key->second);
+        break;
+    case GN_KEY_CHOICE:
+        fputs(gn_choice_name(key->choices, gn_choice_load(key, at)), out);
+        break;
+    case GN_KEY_VECTOR:
+    case GN_KEY_SPIN:
+        write_numbers(out, (const double *)at, 3);
+        break;
+    case GN_KEY_CELLS:
+        write_integers(out, (const int64_t *)at, 3);
+        break;
+    case GN_KEY_TABLE:
+        write_table(out, key, (const gn_table *)at);
+        break;
+    case GN_KEY_IDS:
+        write_integers(out, array, *(const size_t *)(base + key->second));
+        break;
+    case GN_KEY_PARTICLES:
+        write_particles(out, array, *(const size_t *)(base + key->second), plane, indent);
+        break;
+    case GN_KEY_SECTION:
+    case GN_KEY_LIST:
+        break;
+    }
+}
+
+static void write_section(FILE *out, const gn_section *section, const char *base, bool plane,
+                          int indent, bool element);
+
+static void write_list(FILE *out, const gn_key *key, const char *base, bool plane, int indent) {
+    const char *array;
+    memcpy(&array, base + key->offset, sizeof array);
+    size_t count = *(const size_t *)(base + key->second);
+    fputs(count ? "\n" : " []\n", out);
+    for (size_t k = 0; k < count; k++)
+        write_section(out, key->section, array + k * key->section->size, plane, indent + 4, true);
+}
+
+/* `element`: the first key stands behind the dash of a list. */
+static void write_section(FILE *out, const gn_section *section, const char *base, bool plane,
+                          int indent, bool element) {
+    for (size_t k = 0; k < section->key_count; k++) {
+        const gn_key *key = &section->keys[k];
+        if (!gn_key_present(key, base)) continue;
+        if (element)
+            fprintf(out, "%*s- %s:", indent - 2, "", key->name);
+        else
+            fprintf(out, "%*s%s:", indent, "", key->name);
+        element = false;
+        if (key->type == GN_KEY_SECTION) {
+            fputc('\n', out);
+            write_section(out, key->section, base + key->offset, plane, indent + 2, false);
+        } else if (key->type == GN_KEY_LIST) {
+            write_list(out, key, base, plane, indent);
+        } else {
+            if (key->type != GN_KEY_PARTICLES) fputc(' ', out);
+            write_value(out, key, base, plane, indent);
+            fputc('\n', out);
+        }
+    }
+}
+
+char *gn_scene_write(const gn_scene *scene) {
+    char *text = NULL;
+    size_t size = 0;
+    locale_t c_locale = newlocale(LC_ALL_MASK, "C", (locale_t)0);
+    FILE *out = c_locale ? open_memstream(&text, &size) : NULL;
+    if (!out) {
+        if (c_locale) freelocale(c_locale);
+        return NULL;
+    }
+    locale_t previous = uselocale(c_locale);
+    write_section(out, &gn_scene_section, (const char *)scene, scene->dimension == 2, 0, false);
+    bool failed = ferror(out) != 0;
+    failed = fclose(out) != 0 || failed;
+    uselocale(previous);
+    freelocale(c_locale);
+    if (!failed) return text;
+    free(text);
+    return NULL;
+}

@@ -1,0 +1,80 @@
+/* Bonds at the start: which pairs are glued and how strong. */
+#include "sim/parts.h"
+
+#include <math.h>
+#include <string.h>
+
+static bool bondable(const gn_world *w, int32_t i, int32_t j, double *distance) {
+    const gn_particles *q = &w->particles;
+    if (q->group[i] == 0 || q->group[i] != q->group[j]) return false;
+    const double *a = q->pos + 4 * (int64_t)i, *b = q->pos + 4 * (int64_t)j;
+    double d2 = 0.0;
+    for (int k = 0; k < 3; k++) {
+        double d = b[k] - a[k];
+        if (w->effects & GN_FX_PERIODIC && (k < 2 || w->effects & GN_FX_SPACE))
+            d -= w->period[k] * nearbyint(d / w->period[k]);
+        d2 += d * d;
+    }
+    *distance = sqrt(d2);
+    double sum = a[3] + b[3];
+    return *distance <= sum * (1.0 + w->scene.interaction_range) &&
+           *distance >= sum * (1.0 - w->scene.overlap_range);
+}
+
+static gneiss_status keep_bondable(const gn_world *w, gn_pair_list *pairs, gneiss_error *error) {
+    size_t kept = 0;
+    for (size_t c = 0; c < pairs->count; c++) {
+        int32_t i = pairs->pair[c][0], j = pairs->pair[c][1];
+        double distance;
+        if (!bondable(w, i, j, &distance)) continue;
+        if (!(distance > 0.0))
+            return gn_fail(error, GNEISS_ERROR_INPUT,
+                           "%s: specimen: expected distinct centres, found particles %d and %d at the same "
+                           "place",
+                           w->scene.source, w->particles.id[i], w->particles.id[j]);
+        memmove(pairs->pair[kept++], pairs->pair[c], sizeof *pairs->pair);
+    }
+    pairs->count = kept;
+    return GNEISS_OK;
+}
+
+static void set_bond(gn_world *w, size_t c, int32_t i, int32_t j) {
+    gn_contacts *b = &w->bonds;
+    gn_contact_parameters p = gn_contact_law(w, i, j);
+    const double *pos = w->particles.pos;
+    double distance;
+    bondable(w, i, j, &distance);
+    b->i[c] = i;
+    b->j[c] = j;
+    b->kn[c] = p.kn;
+    b->rn[c] = p.rn;
+    b->length0[c] = w->scene.passive_gaps ? distance : pos[4 * (int64_t)i + 3] + pos[4 * (int64_t)j + 3];
+    if (b->kt) b->kt[c] = p.kt;
+    if (b->rt) b->rt[c] = p.rt;
+    if (b->mu) b->mu[c] = p.mu;
+    if (b->cn) b->cn[c] = p.cn;
+    w->particles.bonds0[i]++;
+    w->particles.bonds0[j]++;
+}
+
+gneiss_status gn_bonds_form(gn_world *w, gneiss_error *error) {
+    gn_pair_query query = {&w->particles, (int)w->scene.dimension, 0.0, w->scene.interaction_range,
+                           w->effects & GN_FX_PERIODIC, {w->period[0], w->period[1], w->period[2]},
+                           w->threads};
+    gn_pair_list pairs = {0};
+    gneiss_status status = gn_pairs_find(&query, &pairs, error);
+    bool bonds = w->effects & GN_FX_BONDS;
+    if (status == GNEISS_OK && bonds) status = keep_bondable(w, &pairs, error);
+    if (status == GNEISS_OK) status = gn_law_derive(w, &pairs, error);
+    if (status == GNEISS_OK)
+        status = gn_soa_create(&gn_contact_record, &w->bonds, bonds ? pairs.count : 0,
+                               gn_contact_list_effects(w->effects, true), error);
+    if (status == GNEISS_OK && bonds)
+        for (size_t c = 0; c < pairs.count; c++) set_bond(w, c, pairs.pair[c][0], pairs.pair[c][1]);
+    gn_pair_list_free(&pairs);
+    if (status != GNEISS_OK) return status;
+    w->bonds_at_start = (int64_t)w->bonds.soa.count;
+    gn_contacts_pad(&w->bonds, &w->particles);
+    w->bond_blocks = gn_blocks(w->bonds.soa.count, GN_CONTACT_BLOCK);
+    return gn_incidence_build(&w->bonds, w->particles.soa.count, &w->bonds_of, error);
+}

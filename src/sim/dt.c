@@ -1,0 +1,134 @@
+/* Choosing the step and watching it. */
+#include "base/memory.h"
+#include "base/timer.h"
+#include "sim/parts.h"
+
+#include <math.h>
+#include <string.h>
+
+/* Arrays that the spectrum borrows. */
+typedef struct spectrum_data {
+    double *point, *stiffness, *damping;
+    uint8_t *fixed;
+} spectrum_data;
+
+static void free_data(spectrum_data *d) {
+    gn_free(d->point);
+    gn_free(d->stiffness);
+    gn_free(d->damping);
+    gn_free(d->fixed);
+}
+
+static gneiss_status make_data(const gn_world *w, spectrum_data *d, gneiss_error *error) {
+    size_t walls = w->scene.wall_count, n = w->particles.soa.count;
+    d->point = gn_alloc_array(walls + 1, 4 * sizeof(double));
+    d->stiffness = gn_alloc_array(walls + 1, 2 * sizeof(double));
+    d->damping = gn_alloc_array(walls + 1, sizeof(double));
+    d->fixed = w->prescribed.count ? gn_alloc(n + 1) : NULL;
+    if (!d->point || !d->stiffness || !d->damping || (w->prescribed.count && !d->fixed)) {
+        free_data(d);
+        return gn_fail(error, GNEISS_ERROR_MEMORY, "no memory for the stability estimate");
+    }
+    for (size_t k = 0; k < walls; k++) {
+        const gn_wall_def *def = &w->scene.walls[k];
+        memcpy(d->point + 4 * k, w->walls[k].point, 3 * sizeof(double));
+        d->stiffness[2 * k] = def->stiffness;
+        bool shear = w->effects & GN_FX_WALL_SHEAR && def->friction > 0.0 && def->kratio > 0.0;
+        d->stiffness[2 * k + 1] = shear ? def->stiffness / def->kratio : 0.0;
+        d->damping[k] = gn_contact_damping_fraction(&w->scene);
+    }
+    for (size_t p = 0; d->fixed && p < n; p++)
+        d->fixed[p] = w->particles.slot[p] >= 0 ? w->prescribed.mask[w->particles.slot[p]] : 0;
+    return GNEISS_OK;
+}
+
+static gn_spectrum spectrum_of(const gn_world *w, const gn_assembly *assembly, const spectrum_data *d) {
+    gn_spectrum s = {0};
+    s.assembly = assembly;
+    s.arm_factor = w->scene.contact_arm == GN_ARM_MIDPOINT ? 0.5 : 0.0;
+    s.wall_point = d->point;
+    s.wall_stiffness = d->stiffness;
+    s.wall_damping = d->damping;
+    s.fixed = d->fixed;
+    s.threads = w->threads;
+    return s;
+}
+
+/* Without any spring in touch there is nothing to resolve yet: the stiffest possible contact of each particle
+ * with its like sets the step (two ends, so 2 sqrt(m/2k) of the pair). */
+static double free_flight_limit(const gn_world *w) {
+    double least = INFINITY;
+    const gn_particles *q = &w->particles;
+    for (size_t p = 0; p < q->soa.count; p++) {
+        if (q->vel[4 * p + 3] == 0.0) continue;
+        gn_contact_parameters c = gn_contact_law(w, (int32_t)p, (int32_t)p);
+        double k = fmax(c.kn, 3.5 * c.kt); /* pair modes: 2 k_n/m, and 7 k_t/m with rolling */
+        if (k > 0.0) least = fmin(least, 2.0 * sqrt(0.5 / (k * q->vel[4 * p + 3])));
+        for (size_t s = 0; s < w->scene.wall_count; s++)
+            least = fmin(least, 2.0 * sqrt(1.0 / (w->scene.walls[s].stiffness * q->vel[4 * p + 3])));
+    }
+    double alpha = gn_contact_damping_fraction(&w->scene);
+    return least * (sqrt(1.0 + alpha * alpha) - alpha);
+}
+
+/* The limit that the scene trusts: sharp, or the rigorous bound. Contacts that may still form are covered by
+ * never going above what a single pair would need. */
+static double usable_limit(const gn_world *w) {
+    double limit = w->scene.estimate == GN_STEP_BOUND ? w->limit.bound : w->limit.sharp;
+    return fmin(limit, free_flight_limit(w));
+}
+
+static gneiss_status estimate(gn_world *w, bool full, gneiss_error *error) {
+    gn_assembly assembly = gn_world_assembly(w);
+    spectrum_data data = {0};
+    GN_TRY(make_data(w, &data, error));
+    gn_spectrum spectrum = spectrum_of(w, &assembly, &data);
+    gneiss_status status;
+    if (full) {
+        status = gn_step_limits(&spectrum, 1e-4, &w->limit, error);
+        w->bound = w->limit.bound;
+    } else {
+        gn_step_limit quick = {0};
+        status = gn_step_bound(&spectrum, &quick, error);
+        w->bound = quick.bound;
+    }
+    free_data(&data);
+    return status;
+}
+
+static gneiss_status react(gn_world *w, double limit, gneiss_error *error) {
+    if (w->scene.step == 0.0) {
+        double wanted = w->scene.safety * limit;
+        /* Small changes of the stiffest mode are what the safety factor is for. */
+        if (w->step > 0 && wanted > 0.97 * w->dt) return GNEISS_OK;
+        if (w->step > 0) w->dt_lowered++;
+        w->dt = wanted;
+        return GNEISS_OK;
+    }
+    w->dt = w->scene.step;
+    if (w->dt <= limit || w->scene.on_unstable == GN_POLICY_WARN) return GNEISS_OK;
+    return gn_fail(error, w->step > 0 ? GNEISS_ERROR_UNSTABLE : GNEISS_ERROR_INPUT,
+                   "%s: time.step: expected at most %.6g s (stability limit at step %lld, set by particle "
+                   "%d; the rigorous bound is %.6g s), found %.6g s = %.3f of the limit "
+                   "(time.on_unstable: warn runs it all the same)",
+                   w->scene.source, limit, (long long)w->step,
+                   w->scene.estimate == GN_STEP_BOUND ? w->limit.bound_id : w->limit.sharp_id,
+                   w->limit.bound, w->dt, w->dt / limit);
+}
+
+gneiss_status gn_world_check_step(gn_world *w, bool full, gneiss_error *error) {
+    double start = gn_now();
+    gneiss_status status = GNEISS_OK;
+    if (!full) {
+        status = estimate(w, false, error);
+        /* Proven stable, and not so near that the automatic step should shrink: no need for Lanczos. */
+        full = status == GNEISS_OK && w->bound * (w->scene.step == 0.0 ? w->scene.safety : 1.0) < w->dt;
+    }
+    if (status == GNEISS_OK && full) {
+        status = estimate(w, true, error);
+        if (status == GNEISS_OK) status = react(w, usable_limit(w), error);
+    }
+    w->limit_step = w->step;
+    w->seconds[GN_PHASE_step_limit] += gn_now() - start;
+    return status;
+}

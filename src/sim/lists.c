@@ -1,0 +1,356 @@
+/* Neighbour lists: when they are made anew, and how contacts keep their history. */
+#include "base/memory.h"
+#include "base/timer.h"
+#include "sim/parts.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+size_t gn_blocks(size_t count, size_t block) { return (count + block - 1) / block; }
+
+/* --- unbonded pairs -------------------------------------------------------------------------------- */
+
+/* Place of (i, j) in a list sorted by (i, j), or -1. */
+static int64_t find_contact(const gn_contacts *list, int32_t i, int32_t j) {
+    size_t low = 0, high = list->soa.count;
+    while (low < high) {
+        size_t mid = (low + high) / 2;
+        if (list->i[mid] < i || (list->i[mid] == i && list->j[mid] < j)) low = mid + 1;
+        else high = mid;
+    }
+    if (low < list->soa.count && list->i[low] == i && list->j[low] == j) return (int64_t)low;
+    return -1;
+}
+
+static void drop_bonded(const gn_world *w, gn_pair_list *pairs) {
+    if (!w->bonds.soa.count) return;
+    size_t kept = 0;
+    for (size_t c = 0; c < pairs->count; c++) {
+        int32_t i = pairs->pair[c][0], j = pairs->pair[c][1];
+        if (find_contact(&w->bonds, i, j) >= 0) continue;
+        pairs->pair[kept][0] = i;
+        pairs->pair[kept++][1] = j;
+    }
+    pairs->count = kept;
+}
+
+static void set_pair(const gn_world *w, gn_contacts *now, size_t c, const gn_contacts *old) {
+    gn_contact_parameters p = gn_contact_law(w, now->i[c], now->j[c]);
+    now->kn[c] = p.kn;
+    if (now->kt) now->kt[c] = p.kt;
+    if (now->mu) now->mu[c] = p.mu;
+    if (now->cn) now->cn[c] = p.cn;
+    int64_t before = find_contact(old, now->i[c], now->j[c]);
+    if (before < 0) return;
+    for (int a = 0; now->shear && a < 3; a++)
+        now->shear[c + (size_t)a * now->soa.capacity] =
+            old->shear[(size_t)before + (size_t)a * old->soa.capacity];
+    if (now->fd) now->fd[c] = old->fd[before];
+}
+
+static gneiss_status make_pairs(gn_world *w, gneiss_error *error) {
+    gn_pair_query query = {&w->particles, (int)w->scene.dimension, w->verlet.skin, 0.0,
+                           w->effects & GN_FX_PERIODIC, {w->period[0], w->period[1], w->period[2]},
+                           w->threads};
+    gn_pair_list found = {0};
+    GN_TRY(gn_pairs_find(&query, &found, error));
+    drop_bonded(w, &found);
+    gn_contacts now = {0};
+    gneiss_status status = gn_soa_create(&gn_contact_record, &now, found.count,
+                                         gn_contact_list_effects(w->effects, false), error);
+    if (status == GNEISS_OK) {
+#pragma omp parallel for schedule(static) num_threads(w->threads)
+        for (size_t c = 0; c < found.count; c++) {
+            now.i[c] = found.pair[c][0];
+            now.j[c] = found.pair[c][1];
+            set_pair(w, &now, c, &w->pairs);
+        }
+        gn_soa_destroy(&gn_contact_record, &w->pairs);
+        w->pairs = now;
+        gn_contacts_pad(&w->pairs, &w->particles);
+        w->pair_blocks = gn_blocks(now.soa.count, GN_CONTACT_BLOCK);
+        status = gn_incidence_build(&w->pairs, w->particles.soa.count, &w->pairs_of, error);
+    }
+    gn_pair_list_free(&found);
+    return status;
+}
+
+/* --- order ----------------------------------------------------------------------------------------- */
+
+typedef struct renamed {
+    int32_t i, j, place;
+    bool swapped;
+} renamed;
+
+static int by_pair(const void *a, const void *b) {
+    const renamed *x = a, *y = b;
+    if (x->i != y->i) return x->i < y->i ? -1 : 1;
+    return (x->j > y->j) - (x->j < y->j);
+}
+
+/* A contact whose ends change places sees everything from the other side. */
+static void mirror(gn_contacts *list, size_t c) {
+    for (int a = 0; list->shear && a < 3; a++) {
+        double *t = &list->shear[c + (size_t)a * list->soa.capacity];
+        *t = -*t;
+    }
+    /* n x F_t (and the half gap) look the same from both ends, only the force turns round. */
+    double *row = gn_contacts_row(list) + (size_t)gn_contacts_row_width(list) * c;
+    bool plane_moment = !list->row8 && list->soa.effects & GN_FX_ROTATION;
+    for (int a = 0; a < (plane_moment ? 2 : 3); a++) row[a] = -row[a];
+}
+
+/* Renumbers the ends of contacts and sorts them again; place[old] is the new number. */
+static gneiss_status rename_contacts(gn_contacts *list, const int32_t *place, gneiss_error *error) {
+    size_t count = list->soa.count;
+    renamed *keys = gn_alloc_array(count + 1, sizeof *keys);
+    int32_t *order = gn_alloc_array(count + 1, sizeof *order);
+    gn_contacts now = {0};
+    gneiss_status status =
+        keys && order ? gn_soa_create(&gn_contact_record, &now, count, list->soa.effects, error)
+                      : gn_fail(error, GNEISS_ERROR_MEMORY, "no memory to sort %zu contacts", count);
+    if (status == GNEISS_OK) {
+        for (size_t c = 0; c < count; c++) {
+            int32_t i = place[list->i[c]], j = place[list->j[c]];
+            keys[c] = (renamed){i < j ? i : j, i < j ? j : i, (int32_t)c, i > j};
+        }
+        qsort(keys, count, sizeof *keys, by_pair);
+        for (size_t c = 0; c < count; c++) order[c] = keys[c].place;
+        gn_soa_permute(&gn_contact_record, &now, list, order);
+        for (size_t c = 0; c < count; c++) {
+            now.i[c] = keys[c].i;
+            now.j[c] = keys[c].j;
+            if (keys[c].swapped) mirror(&now, c);
+        }
+        gn_soa_destroy(&gn_contact_record, list);
+        *list = now;
+    }
+    gn_free(keys);
+    gn_free(order);
+    return status;
+}
+
+static int by_wall(const void *a, const void *b) { return by_pair(a, b); }
+
+static gneiss_status rename_wall_contacts(gn_wall_contacts *list, const int32_t *place,
+                                          gneiss_error *error) {
+    size_t count = list->soa.count;
+    if (!count) return GNEISS_OK;
+    renamed *keys = gn_alloc_array(count + 1, sizeof *keys);
+    int32_t *order = gn_alloc_array(count + 1, sizeof *order);
+    gn_wall_contacts now = {0};
+    gneiss_status status =
+        keys && order ? gn_soa_create(&gn_wall_contact_record, &now, count, list->soa.effects, error)
+                      : gn_fail(error, GNEISS_ERROR_MEMORY, "no memory to sort %zu contacts", count);
+    if (status == GNEISS_OK) {
+        for (size_t c = 0; c < count; c++)
+            keys[c] = (renamed){place[list->i[c]], list->wall[c], (int32_t)c, false};
+        qsort(keys, count, sizeof *keys, by_wall);
+        for (size_t c = 0; c < count; c++) order[c] = keys[c].place;
+        gn_soa_permute(&gn_wall_contact_record, &now, list, order);
+        for (size_t c = 0; c < count; c++) now.i[c] = keys[c].i;
+        gn_soa_destroy(&gn_wall_contact_record, list);
+        *list = now;
+    }
+    gn_free(keys);
+    gn_free(order);
+    return status;
+}
+
+static void set_null_particles(gn_world *w) {
+    double apart = w->effects & GN_FX_PERIODIC ? 0.25 * fmin(w->period[0], w->period[1]) : 1.0;
+    gn_particles_set_null(&w->particles, apart);
+}
+
+static void number_ids(gn_world *w) {
+    for (size_t p = 0; p < w->particles.soa.count; p++)
+        w->index_of_id[w->particles.id[p]] = (int32_t)p;
+}
+
+/* Sorts particles along the Morton curve and renumbers everything that points at them. */
+static gneiss_status reorder(gn_world *w, gneiss_error *error) {
+    size_t n = w->particles.soa.count;
+    int32_t *order = gn_alloc_array(n + 1, sizeof *order), *place = gn_alloc_array(n + 1, sizeof *place);
+    gn_particles now = {0};
+    gneiss_status status = order && place
+                               ? gn_morton_order(&w->particles, (int)w->scene.dimension, order, error)
+                               : gn_fail(error, GNEISS_ERROR_MEMORY, "no memory to sort %zu particles", n);
+    if (status == GNEISS_OK)
+        status = gn_soa_create(&gn_particle_record, &now, n, w->effects, error);
+    if (status == GNEISS_OK) {
+        gn_soa_permute(&gn_particle_record, &now, &w->particles, order);
+        gn_soa_destroy(&gn_particle_record, &w->particles);
+        w->particles = now;
+        set_null_particles(w);
+        for (size_t p = 0; p < n; p++) place[order[p]] = (int32_t)p;
+        number_ids(w);
+    }
+    if (status == GNEISS_OK && w->bonds.soa.capacity) {
+        status = rename_contacts(&w->bonds, place, error);
+        gn_contacts_pad(&w->bonds, &w->particles);
+        if (status == GNEISS_OK) status = gn_incidence_build(&w->bonds, n, &w->bonds_of, error);
+    }
+    if (status == GNEISS_OK && w->pairs.soa.capacity) status = rename_contacts(&w->pairs, place, error);
+    if (status == GNEISS_OK) status = rename_wall_contacts(&w->wall_contacts, place, error);
+    gn_free(order);
+    gn_free(place);
+    return status;
+}
+
+/* --- domain ---------------------------------------------------------------------------------------- */
+
+/* A particle outside the domain stops the run or leaves the model: it stays where it was last seen, at
+ * rest, without mass and contacts. Its energy is booked as carried away. */
+static gneiss_status check_domain(gn_world *w, gneiss_error *error) {
+    gn_particles *q = &w->particles;
+    for (size_t p = 0; p < q->soa.count; p++) {
+        double *v = q->vel + 4 * p, *x = q->pos + 4 * p;
+        if (v[3] == 0.0) continue;
+        bool inside = true;
+        for (int a = 0; a < (int)w->scene.dimension; a++)
+            inside = inside && x[a] >= w->scene.domain_min[a] && x[a] <= w->scene.domain_max[a];
+        if (inside) continue;
+        if (w->scene.lost == GN_LOST_STOP)
+            return gn_fail(error, GNEISS_ERROR_UNSTABLE,
+                           "step %lld, t = %g s: particle %d left the domain at (%g, %g, %g) m with "
+                           "(%g, %g, %g) m/s (domain.lost: remove lets a run go on without it)",
+                           (long long)w->step, w->time, q->id[p], x[0], x[1], x[2], v[0], v[1], v[2]);
+        w->energy.removed += 0.5 * (v[0] * v[0] + v[1] * v[1] + v[2] * v[2]) / v[3];
+        if (q->spin) {
+            double *o = q->spin + 4 * p;
+            w->energy.removed += 0.5 * (o[0] * o[0] + o[1] * o[1] + o[2] * o[2]) / o[3];
+            memset(o, 0, 4 * sizeof *o);
+        }
+        memset(v, 0, 4 * sizeof *v);
+        if (q->slot) q->slot[p] = -1;
+        w->lost++;
+    }
+    return GNEISS_OK;
+}
+
+/* Bonds of removed particles count as broken in tension (they were stretched across the domain). */
+static void release_bonds_of_removed(gn_world *w) {
+    gn_contacts *b = &w->bonds;
+    for (size_t c = 0; c < b->soa.count; c++) {
+        bool gone = w->particles.vel[4 * (int64_t)b->i[c] + 3] == 0.0 ||
+                    w->particles.vel[4 * (int64_t)b->j[c] + 3] == 0.0;
+        if (!gone) continue;
+        if (b->rn[c] > 0.0) {
+            b->rn[c] = -b->rn[c];
+            b->cause[c] = GN_BROKEN_TENSION;
+            b->broken_time[c] = w->time;
+            w->broken_tension++;
+        }
+        b->kn[c] = 0.0;
+        if (b->kt) b->kt[c] = 0.0;
+        for (int a = 0; b->shear && a < 3; a++) b->shear[c + (size_t)a * b->soa.capacity] = 0.0;
+        if (b->cn) b->cn[c] = 0.0;
+    }
+}
+
+static void wrap(gn_world *w) {
+    gn_particles *q = &w->particles;
+    for (size_t p = 0; p < q->soa.count; p++)
+        for (int a = 0; a < (int)w->scene.dimension; a++) {
+            double shift = floor((q->pos[4 * p + a] - w->scene.periodic_min[a]) / w->period[a]);
+            q->pos[4 * p + a] -= shift * w->period[a];
+            q->start[4 * p + a] -= shift * w->period[a]; /* displacements stay continuous */
+        }
+}
+
+/* --- the lists ------------------------------------------------------------------------------------- */
+
+static gneiss_status allocate_sums(gn_world *w, gneiss_error *error) {
+    gn_free(w->pair_sums);
+    gn_free(w->wall_sums);
+    w->pair_sums = gn_alloc_array(w->pair_blocks + 1, sizeof *w->pair_sums);
+    w->wall_sums = gn_alloc_array(w->wall_blocks + 1, sizeof *w->wall_sums);
+    if (!w->bond_sums) w->bond_sums = gn_alloc_array(w->bond_blocks + 1, sizeof *w->bond_sums);
+    if (!w->motion_sums) {
+        w->motion_blocks = gn_blocks(w->particles.soa.count, GN_PARTICLE_BLOCK);
+        w->motion_sums = gn_alloc_array(w->motion_blocks + 1, sizeof *w->motion_sums);
+    }
+    if (!w->pair_sums || !w->wall_sums || !w->bond_sums || !w->motion_sums)
+        return gn_fail(error, GNEISS_ERROR_MEMORY, "no memory for block sums");
+    return GNEISS_OK;
+}
+
+/* Particles that flow are sorted again now and then; a bonded specimen keeps its order. The decision rests
+ * on counts alone, so that it falls at the same step in every run. */
+static bool order_is_old(const gn_world *w) {
+    enum { REBUILDS_PER_SORT = 16 };
+    return w->verlet.rebuilds == 0 ||
+           (!(w->effects & GN_FX_BONDS) && w->verlet.rebuilds % REBUILDS_PER_SORT == 0);
+}
+
+gneiss_status gn_world_rebuild(gn_world *w, gneiss_error *error) {
+    double start = gn_now();
+    int64_t lost = w->lost;
+    if (w->scene.has_domain) GN_TRY(check_domain(w, error));
+    if (w->lost != lost) release_bonds_of_removed(w);
+    if (w->effects & GN_FX_PERIODIC) wrap(w);
+    if (order_is_old(w)) GN_TRY(reorder(w, error));
+    if (!w->bonds_of.first) GN_TRY(gn_bonds_form(w, error));
+    GN_TRY(make_pairs(w, error));
+    GN_TRY(gn_wall_contacts_find(w, error));
+    GN_TRY(allocate_sums(w, error));
+    memcpy(w->particles.ref, w->particles.pos, w->particles.soa.count * 4 * sizeof(double));
+    w->verlet.drift = 0.0;
+    w->verlet.rebuilds++;
+    w->verlet.last_step = w->step;
+    w->seconds[GN_PHASE_lists] += gn_now() - start;
+    return GNEISS_OK;
+}
+
+gneiss_status gn_world_restore(gn_world *w, gneiss_error *error) {
+    size_t n = w->particles.soa.count;
+    set_null_particles(w);
+    w->index_of_id = gn_alloc_array(n + 1, sizeof *w->index_of_id);
+    w->wall_first = gn_alloc_array(n + 2, sizeof *w->wall_first);
+    if (!w->index_of_id || !w->wall_first)
+        return gn_fail(error, GNEISS_ERROR_MEMORY, "no memory for particle numbers");
+    number_ids(w);
+    gn_contacts_pad(&w->bonds, &w->particles);
+    gn_contacts_pad(&w->pairs, &w->particles);
+    w->bond_blocks = gn_blocks(w->bonds.soa.count, GN_CONTACT_BLOCK);
+    w->pair_blocks = gn_blocks(w->pairs.soa.count, GN_CONTACT_BLOCK);
+    w->wall_blocks = gn_blocks(w->wall_contacts.soa.count, GN_CONTACT_BLOCK);
+    for (size_t c = 0; c < w->wall_contacts.soa.count; c++) w->wall_first[w->wall_contacts.i[c] + 1]++;
+    for (size_t p = 1; p <= n; p++) w->wall_first[p] += w->wall_first[p - 1];
+    GN_TRY(gn_incidence_build(&w->bonds, n, &w->bonds_of, error));
+    GN_TRY(gn_incidence_build(&w->pairs, n, &w->pairs_of, error));
+    return allocate_sums(w, error);
+}
+
+static double largest_travel(const gn_world *w) {
+    const gn_particles *q = &w->particles;
+    double most = 0.0;
+    for (size_t p = 0; p < q->soa.count; p++) {
+        double d2 = 0.0;
+        for (int a = 0; a < 3; a++) {
+            double d = q->pos[4 * p + a] - q->ref[4 * p + a];
+            d2 += d * d;
+        }
+        most = fmax(most, d2);
+    }
+    return sqrt(most);
+}
+
+/* Two particles close in by at most twice the largest path; a particle and a wall by the sum of theirs. The
+ * cheap bound on the path adds up the largest speed; when it runs out, the true largest displacement takes
+ * its place. */
+gneiss_status gn_world_refresh_lists(gn_world *w, gneiss_error *error) {
+    double wall = 0.0;
+    for (size_t k = 0; k < w->scene.wall_count; k++) wall = fmax(wall, w->walls[k].travel);
+    if (2.0 * w->verlet.drift <= w->verlet.skin && w->verlet.drift + wall <= w->verlet.skin)
+        return GNEISS_OK;
+    double start = gn_now();
+    w->verlet.drift = largest_travel(w);
+    w->verlet.checks++;
+    w->seconds[GN_PHASE_lists] += gn_now() - start;
+    /* A tenth of the skin in hand, or the next step would run out again. */
+    if (2.2 * w->verlet.drift <= w->verlet.skin && w->verlet.drift + wall <= 0.9 * w->verlet.skin)
+        return GNEISS_OK;
+    return gn_world_rebuild(w, error);
+}

@@ -1,0 +1,414 @@
+/* The world as files: snapshots, results.h5, summary.json (docs/results.md). */
+#include "base/timer.h"
+#include "io/files.h"
+#include "io/h5.h"
+#include "io/snapshot.h"
+#include "sim/run.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+/* --- fields derived from the state, in the order of the specimen file -------------------------------- */
+
+typedef struct particle_fields {
+    size_t count;
+    double *position, *radius, *displacement, *velocity, *spin, *damage, *stress, *coordination, *id;
+} particle_fields;
+
+typedef struct bond_fields {
+    size_t count;
+    int32_t *ends; /* [count][2], ids */
+    double *force, *normal, *shear, *criterion, *state, *broken_time;
+} bond_fields;
+
+static void free_particle_fields(particle_fields *f) {
+    double *all[] = {f->position, f->radius,  f->displacement, f->velocity, f->spin,
+                     f->damage,   f->stress, f->coordination, f->id};
+    for (size_t k = 0; k < sizeof all / sizeof *all; k++) free(all[k]);
+}
+
+static void free_bond_fields(bond_fields *f) {
+    double *all[] = {f->force, f->normal, f->shear, f->criterion, f->state, f->broken_time};
+    for (size_t k = 0; k < sizeof all / sizeof *all; k++) free(all[k]);
+    free(f->ends);
+}
+
+static void count_contacts(const gn_world *w, const gn_contacts *list, double *coordination) {
+    const double *rows = gn_contacts_row(list);
+    for (size_t c = 0; c < list->soa.count; c++) {
+        const double *row = rows + (size_t)gn_contacts_row_width(list) * c;
+        bool carries = row[0] != 0.0 || row[1] != 0.0 || (w->effects & GN_FX_SPACE && row[2] != 0.0);
+        bool intact = list->rn && list->rn[c] > 0.0;
+        if (!carries && !intact) continue;
+        coordination[w->particles.id[list->i[c]]] += 1.0;
+        coordination[w->particles.id[list->j[c]]] += 1.0;
+    }
+}
+
+static double porosity_of(const gn_world *w) {
+    double solid = 0.0;
+    for (size_t p = 0; p < w->particles.soa.count; p++) {
+        double r = w->particles.pos[4 * p + 3];
+        solid += w->effects & GN_FX_SPACE ? 4.0 / 3.0 * M_PI * r * r * r : M_PI * r * r;
+    }
+    return 1.0 - solid / w->volume;
+}
+
+static gneiss_status make_particle_fields(const gn_world *w, particle_fields *f, gneiss_error *error) {
+    size_t n = w->particles.soa.count;
+    const gn_particles *q = &w->particles;
+    *f = (particle_fields){.count = n};
+    double **scalars[] = {&f->radius, &f->damage, &f->coordination, &f->id};
+    double **vectors[] = {&f->position, &f->displacement, &f->velocity, &f->spin};
+    bool held = true;
+    for (size_t k = 0; k < 4; k++) {
+        held = held && (*scalars[k] = calloc(n + 1, sizeof(double)));
+        held = held && (*vectors[k] = calloc(n + 1, 3 * sizeof(double)));
+    }
+    double *damage = calloc(n + 1, sizeof *damage), *stress = calloc(n + 1, 6 * sizeof *stress);
+    held = held && damage && stress && (f->stress = calloc(n + 1, 6 * sizeof(double)));
+    if (held) {
+        gn_assembly assembly = gn_world_assembly(w);
+        gn_stress_particles(&assembly, porosity_of(w), stress);
+        if (w->effects & GN_FX_BONDS) gn_damage_particles(q, &w->bonds, damage);
+        for (size_t p = 0; p < n; p++) {
+            size_t id = (size_t)q->id[p];
+            f->id[id] = (double)id;
+            f->radius[id] = q->pos[4 * p + 3];
+            f->damage[id] = damage[p];
+            memcpy(f->stress + 6 * id, stress + 6 * p, 6 * sizeof(double));
+            for (size_t a = 0; a < 3; a++) {
+                f->position[3 * id + a] = q->pos[4 * p + a];
+                f->displacement[3 * id + a] = q->pos[4 * p + a] - q->start[4 * p + a];
+                f->velocity[3 * id + a] = q->vel[4 * p + a];
+                if (q->spin) f->spin[3 * id + a] = q->spin[4 * p + a];
+            }
+        }
+        count_contacts(w, &w->bonds, f->coordination);
+        count_contacts(w, &w->pairs, f->coordination);
+    }
+    free(damage);
+    free(stress);
+    if (held) return GNEISS_OK;
+    free_particle_fields(f);
+    return gn_fail(error, GNEISS_ERROR_MEMORY, "no memory for the output of %zu particles", n);
+}
+
+static double normal_force(const gn_world *w, const gn_contacts *b, size_t c, const double *force) {
+    const double *x = w->particles.pos + 4 * (int64_t)b->i[c], *y = w->particles.pos + 4 * (int64_t)b->j[c];
+    double along = 0.0, d2 = 0.0;
+    for (int a = 0; a < 3; a++) {
+        double d = y[a] - x[a];
+        if (w->effects & GN_FX_PERIODIC && w->period[a] > 0.0) d -= w->period[a] * nearbyint(d / w->period[a]);
+        along += force[a] * d;
+        d2 += d * d;
+    }
+    return d2 > 0.0 ? along / sqrt(d2) : 0.0;
+}
+
+static void fill_bond(const gn_world *w, bond_fields *f, size_t c) {
+    const gn_contacts *b = &w->bonds;
+    const double *row = gn_contacts_row(b) + (size_t)gn_contacts_row_width(b) * c;
+    double force[3] = {row[0], row[1], w->effects & GN_FX_SPACE ? row[2] : 0.0}, size2 = 0.0;
+    int32_t i = w->particles.id[b->i[c]], j = w->particles.id[b->j[c]];
+    double turn = i < j ? 1.0 : -1.0; /* force on the end with the smaller id, which comes first */
+    f->ends[2 * c] = i < j ? i : j;
+    f->ends[2 * c + 1] = i < j ? j : i;
+    for (size_t a = 0; a < 3; a++) {
+        f->force[3 * c + a] = turn * force[a];
+        size2 += force[a] * force[a];
+    }
+    f->normal[c] = normal_force(w, b, c, force);
+    f->shear[c] = sqrt(fmax(0.0, size2 - f->normal[c] * f->normal[c]));
+    f->state[c] = b->cause[c];
+    f->broken_time[c] = b->cause[c] ? b->broken_time[c] : NAN;
+    double ratio = f->normal[c] / b->rn[c];
+    if (b->rt) ratio = fmax(ratio, f->shear[c] / b->rt[c]);
+    f->criterion[c] = b->cause[c] ? 1.0 : fmax(0.0, ratio);
+}
+
+static gneiss_status make_bond_fields(const gn_world *w, bond_fields *f, gneiss_error *error) {
+    size_t n = w->bonds.soa.count;
+    *f = (bond_fields){.count = n};
+    double **scalars[] = {&f->normal, &f->shear, &f->criterion, &f->state, &f->broken_time};
+    bool held = (f->ends = calloc(n + 1, 2 * sizeof *f->ends)) && (f->force = calloc(n + 1, 3 * sizeof(double)));
+    for (size_t k = 0; k < 5; k++) held = held && (*scalars[k] = calloc(n + 1, sizeof(double)));
+    if (!held) {
+        free_bond_fields(f);
+        return gn_fail(error, GNEISS_ERROR_MEMORY, "no memory for the output of %zu bonds", n);
+    }
+    for (size_t c = 0; c < n; c++) fill_bond(w, f, c);
+    return GNEISS_OK;
+}
+
+/* --- snapshots ------------------------------------------------------------------------------------- */
+
+gneiss_status gn_output_snapshot(const gn_run *run, const char *particles_name, const char *bonds_name,
+                                 gneiss_error *error) {
+    const gn_world *w = &run->world;
+    particle_fields p;
+    GN_TRY(make_particle_fields(w, &p, error));
+    const gn_snapshot_array points[] = {
+        {"id", "1", 1, p.id},
+        {"radius", "m", 1, p.radius},
+        {"displacement", "m", 3, p.displacement},
+        {"velocity", "m/s", 3, p.velocity},
+        {"damage", "1", 1, p.damage},
+        {"stress", "Pa", 6, p.stress},
+        {"coordination", "1", 1, p.coordination},
+    };
+    gn_snapshot s = {.time = w->time, .step = w->step, .point_count = p.count, .points = p.position};
+    s.point_arrays = points;
+    s.point_array_count = sizeof points / sizeof *points;
+    gneiss_status status = gn_snapshot_write(run->directory, particles_name, &s, error);
+    bond_fields b = {0};
+    if (status == GNEISS_OK && w->effects & GN_FX_BONDS) {
+        status = make_bond_fields(w, &b, error);
+        const gn_snapshot_array lines[] = {{"state", "1", 1, b.state},
+                                           {"force", "N", 1, b.normal},
+                                           {"shear_force", "N", 1, b.shear},
+                                           {"criterion", "1", 1, b.criterion}};
+        s.point_array_count = 0;
+        s.line_count = b.count;
+        s.lines = b.ends;
+        s.line_arrays = lines;
+        s.line_array_count = sizeof lines / sizeof *lines;
+        if (status == GNEISS_OK) status = gn_snapshot_write(run->directory, bonds_name, &s, error);
+    }
+    free_particle_fields(&p);
+    free_bond_fields(&b);
+    return status;
+}
+
+gneiss_status gn_output_series(const gn_run *run, gneiss_error *error) {
+    GN_TRY(gn_snapshot_series(run->directory, "particles", run->world.step, error));
+    if (!(run->world.effects & GN_FX_BONDS)) return GNEISS_OK;
+    return gn_snapshot_series(run->directory, "bonds", run->world.step, error);
+}
+
+/* --- results.h5 ------------------------------------------------------------------------------------ */
+
+static gneiss_status put_scalar(gn_h5 *file, const char *group, const char *name, double value,
+                                const char *unit, const char *text, gneiss_error *error) {
+    char path[160];
+    snprintf(path, sizeof path, "%s/%s", group, name);
+    return gn_h5_put(file, path, GN_F64, 1, 1, 0, &value, unit, text, error);
+}
+
+static void effect_names(gn_effects effects, char *text, size_t size) {
+    size_t used = 0;
+    text[0] = 0;
+    for (int k = 0; k < GN_EFFECT_COUNT && used < size; k++)
+        if (effects >> k & 1)
+            used += (size_t)snprintf(text + used, size - used, "%s%s", used ? " " : "",
+                                     gn_effect_name((gn_effect_index)k));
+}
+
+static gneiss_status put_header(const gn_run *run, gn_h5 *file, gneiss_error *error) {
+    const gn_world *w = &run->world;
+    char effects[512], hash[24];
+    effect_names(w->effects, effects, sizeof effects);
+    snprintf(hash, sizeof hash, "%016llx", (unsigned long long)gn_world_hash(w));
+    const char *texts[][2] = {{"title", w->scene.title},        {"scene_file", w->scene.source},
+                              {"version", gn_version()},        {"build", gn_build()},
+                              {"isa", w->kernels->name},        {"precision", "double"},
+                              {"effects", effects},             {"state_hash", hash},
+                              {"stop_reason", run->stop_reason}};
+    for (size_t k = 0; k < sizeof texts / sizeof *texts; k++)
+        GN_TRY(gn_h5_attribute_text(file, "/", texts[k][0], texts[k][1], error));
+    int64_t threads = w->threads, finished = run->finished, steps = w->step;
+    GN_TRY(gn_h5_attribute_i64(file, "/", "threads", &threads, 1, error));
+    GN_TRY(gn_h5_attribute_i64(file, "/", "finished", &finished, 1, error));
+    GN_TRY(gn_h5_attribute_i64(file, "/", "dimension", &w->scene.dimension, 1, error));
+    GN_TRY(gn_h5_attribute_i64(file, "/", "steps", &steps, 1, error));
+    double seconds = gn_run_progress(run).seconds;
+    GN_TRY(gn_h5_attribute_f64(file, "/", "dt", &w->dt, 1, error));
+    GN_TRY(gn_h5_attribute_f64(file, "/", "seconds", &seconds, 1, error));
+    char *scene = gn_scene_write(&w->scene);
+    if (!scene) return gn_fail(error, GNEISS_ERROR_MEMORY, "no memory for the scene text");
+    gneiss_status status = gn_h5_put_text(file, "scene", scene, error);
+    free(scene);
+    return status;
+}
+
+static gneiss_status put_tables(const gn_run *run, gn_h5 *file, gneiss_error *error) {
+    const gn_world *w = &run->world;
+    for (size_t c = 0; c < run->history.column_count; c++) {
+        const gn_column *column = &run->history.columns[c];
+        char path[160];
+        snprintf(path, sizeof path, "history/%s", column->name);
+        GN_TRY(gn_h5_put(file, path, GN_F64, run->history.row_count, 1, 0, column->value, column->unit,
+                         column->text, error));
+    }
+    gn_readings r = gn_record_readings(w, &run->history);
+#define X(name, unit, text) GN_TRY(put_scalar(file, "readings", #name, r.name, unit, text, error));
+    GN_READINGS(X)
+#undef X
+    if (w->effects & GN_FX_ENERGY) {
+#define X(name, kind, text) GN_TRY(put_scalar(file, "energy", #name, w->reading.name, "J", text, error));
+        GN_ENERGY_TERMS(X)
+#undef X
+        GN_TRY(put_scalar(file, "energy", "stored_at_start", w->reading.stored_at_start, "J",
+                          "stored energy at the start", error));
+        GN_TRY(put_scalar(file, "energy", "residual", gn_energy_residual(&w->reading), "1",
+                          "what the ledger does not explain, over the work done", error));
+    }
+    for (int k = 0; k < GN_PHASE_COUNT; k++)
+        GN_TRY(put_scalar(file, "profile", gn_phase_name((gn_phase)k), w->seconds[k], "s",
+                          gn_phase_text((gn_phase)k), error));
+    return GNEISS_OK;
+}
+
+static gneiss_status put_particles(const gn_world *w, gn_h5 *file, gneiss_error *error) {
+    particle_fields f;
+    GN_TRY(make_particle_fields(w, &f, error));
+    const struct {
+        const char *name, *unit, *text;
+        size_t components;
+        const double *data;
+    } fields[] = {
+        {"particles/position", "m", "centre", 3, f.position},
+        {"particles/radius", "m", "radius", 1, f.radius},
+        {"particles/displacement", "m", "from the start", 3, f.displacement},
+        {"particles/velocity", "m/s", "velocity", 3, f.velocity},
+        {"particles/spin", "rad/s", "angular velocity", 3, f.spin},
+        {"particles/damage", "1", "broken bonds over bonds at the start", 1, f.damage},
+        {"particles/stress", "Pa", "xx yy zz xy yz xz, tension positive", 6, f.stress},
+        {"particles/coordination", "1", "contacts that carry force and intact bonds", 1, f.coordination},
+    };
+    gneiss_status status = GNEISS_OK;
+    for (size_t k = 0; status == GNEISS_OK && k < sizeof fields / sizeof *fields; k++)
+        status = gn_h5_put(file, fields[k].name, GN_F64, f.count, fields[k].components, 0, fields[k].data,
+                           fields[k].unit, fields[k].text, error);
+    int32_t *number = calloc(f.count + 1, sizeof *number);
+    uint8_t *removed = calloc(f.count + 1, sizeof *removed);
+    for (size_t id = 0; number && removed && id < f.count; id++) {
+        size_t p = (size_t)w->index_of_id[id];
+        number[id] = w->particles.bonds0 ? w->particles.bonds0[p] : 0;
+        removed[id] = w->particles.vel[4 * p + 3] == 0.0;
+    }
+    if (status == GNEISS_OK && (!number || !removed))
+        status = gn_fail(error, GNEISS_ERROR_MEMORY, "no memory for the output");
+    if (status == GNEISS_OK)
+        status = gn_h5_put(file, "particles/bonds_at_start", GN_I32, f.count, 1, 0, number, "1",
+                           "bonds at the start", error);
+    if (status == GNEISS_OK)
+        status = gn_h5_put(file, "particles/removed", GN_U8, f.count, 1, 0, removed, "1",
+                           "1: left the domain", error);
+    free(number);
+    free(removed);
+    free_particle_fields(&f);
+    return status;
+}
+
+static gneiss_status put_bonds(const gn_run *run, gn_h5 *file, gneiss_error *error) {
+    const gn_world *w = &run->world;
+    bond_fields f;
+    GN_TRY(make_bond_fields(w, &f, error));
+    int32_t *state = calloc(f.count + 1, sizeof *state);
+    if (!state) {
+        free_bond_fields(&f);
+        return gn_fail(error, GNEISS_ERROR_MEMORY, "no memory for the output");
+    }
+    for (size_t c = 0; c < f.count; c++) state[c] = w->bonds.cause[c];
+    gneiss_status status = gn_h5_put(file, "bonds/i", GN_I32, f.count, 1, 2 * sizeof(int32_t), f.ends, "1",
+                                     "first particle, base 0, order of the specimen file", error);
+    if (status == GNEISS_OK)
+        status = gn_h5_put(file, "bonds/j", GN_I32, f.count, 1, 2 * sizeof(int32_t), f.ends + 1, "1",
+                           "second particle", error);
+    if (status == GNEISS_OK)
+        status = gn_h5_put(file, "bonds/state", GN_I32, f.count, 1, 0, state, "1",
+                           "0 intact, 1 broken in tension, 2 broken in shear", error);
+    const struct {
+        const char *name, *unit, *text;
+        size_t components;
+        const double *data;
+    } fields[] = {
+        {"bonds/broken_time", "s", "when it broke; NaN: intact", 1, f.broken_time},
+        {"bonds/force", "N", "force on i", 3, f.force},
+        {"bonds/criterion", "1", "largest of force over strength; 1: broken", 1, f.criterion},
+    };
+    for (size_t k = 0; status == GNEISS_OK && k < sizeof fields / sizeof *fields; k++)
+        status = gn_h5_put(file, fields[k].name, GN_F64, f.count, fields[k].components, 0, fields[k].data,
+                           fields[k].unit, fields[k].text, error);
+    free(state);
+    free_bond_fields(&f);
+    return status;
+}
+
+gneiss_status gn_output_results(const gn_run *run, gneiss_error *error) {
+    char path[GN_PATH_SIZE + 32];
+    snprintf(path, sizeof path, "%s/results.h5", run->directory);
+    gn_h5 *file = NULL;
+    GN_TRY(gn_h5_create(path, &file, error));
+    gneiss_status status = put_header(run, file, error);
+    if (status == GNEISS_OK) status = put_tables(run, file, error);
+    if (status == GNEISS_OK) status = put_particles(&run->world, file, error);
+    if (status == GNEISS_OK && run->world.effects & GN_FX_BONDS) status = put_bonds(run, file, error);
+    if (status == GNEISS_OK) return gn_h5_commit(file, error);
+    gn_h5_close(file);
+    return status;
+}
+
+/* --- summary.json ---------------------------------------------------------------------------------- */
+
+static size_t touching(const gn_contacts *list) {
+    size_t count = 0;
+    const double *rows = gn_contacts_row(list);
+    for (size_t c = 0; c < list->soa.count; c++) {
+        const double *row = rows + (size_t)gn_contacts_row_width(list) * c;
+        count += row[0] != 0.0 || row[1] != 0.0 || row[2] != 0.0;
+    }
+    return count;
+}
+
+gneiss_status gn_output_summary(const gn_run *run, gneiss_error *error) {
+    const gn_world *w = &run->world;
+    gn_progress p = gn_run_progress(run);
+    gn_readings r = gn_record_readings(w, &run->history);
+    char hash[24], path[GN_PATH_SIZE + 32];
+    snprintf(hash, sizeof hash, "%016llx", (unsigned long long)gn_world_hash(w));
+    gn_json *j = gn_json_begin();
+    gn_json_text(j, "title", w->scene.title);
+    gn_json_object(j, "readings");
+#define X(name, unit, text) gn_json_number(j, #name, r.name);
+    GN_READINGS(X)
+#undef X
+    gn_json_end(j);
+    gn_json_object(j, "counts");
+    gn_json_integer(j, "particles", (int64_t)w->particles.soa.count);
+    gn_json_integer(j, "contacts", (int64_t)(touching(&w->bonds) + touching(&w->pairs)));
+    gn_json_integer(j, "bonds", w->bonds_at_start);
+    gn_json_integer(j, "broken_tension", w->broken_tension);
+    gn_json_integer(j, "broken_shear", w->broken_shear);
+    gn_json_integer(j, "removed", w->lost);
+    gn_json_end(j);
+    gn_json_number(j, "energy_residual", w->effects & GN_FX_ENERGY ? gn_energy_residual(&w->reading) : NAN);
+    gn_json_text(j, "state_hash", hash);
+    gn_json_bool(j, "finished", run->finished);
+    gn_json_text(j, "stop_reason", run->stop_reason);
+    gn_json_integer(j, "steps", w->step);
+    gn_json_number(j, "time", w->time);
+    gn_json_number(j, "dt", w->dt);
+    gn_json_number(j, "dt_limit_sharp", w->limit.sharp);
+    gn_json_number(j, "dt_limit_bound", w->limit.bound);
+    gn_json_integer(j, "list_rebuilds", w->verlet.rebuilds);
+    gn_json_object(j, "seconds");
+    for (int k = 0; k < GN_PHASE_COUNT; k++) gn_json_number(j, gn_phase_name((gn_phase)k), w->seconds[k]);
+    gn_json_number(j, "total", p.seconds);
+    gn_json_end(j);
+    gn_json_number(j, "particle_steps_per_second", (double)w->particles.soa.count * (double)w->step / p.seconds);
+    gn_json_number(j, "contact_steps_per_second", (double)w->contact_steps / p.seconds);
+    gn_json_integer(j, "threads", w->threads);
+    gn_json_text(j, "isa", w->kernels->name);
+    gn_json_text(j, "precision", "double");
+    gn_json_text(j, "version", gn_version());
+    gn_json_text(j, "build", gn_build());
+    char *text = gn_json_finish(j, true);
+    if (!text) return gn_fail(error, GNEISS_ERROR_MEMORY, "no memory for summary.json");
+    snprintf(path, sizeof path, "%s/summary.json", run->directory);
+    gneiss_status status = gn_write_text_file(path, text, error);
+    free(text);
+    return status;
+}

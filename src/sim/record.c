@@ -1,0 +1,233 @@
+#include "sim/record.h"
+
+#include "base/memory.h"
+#include "base/timer.h"
+
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+static const char axes[] = "xyz";
+static const int components[6][2] = {{0, 0}, {1, 1}, {2, 2}, {0, 1}, {1, 2}, {0, 2}};
+
+static bool in_plane(const gn_world *w, int component) {
+    return w->effects & GN_FX_SPACE || (components[component][0] < 2 && components[component][1] < 2);
+}
+
+/* --- columns --------------------------------------------------------------------------------------- */
+
+typedef struct fixed_column {
+    const char *name, *unit, *text;
+} fixed_column;
+
+static gneiss_status add(gn_history *h, const fixed_column *columns, size_t count, gneiss_error *error) {
+    for (size_t k = 0; k < count; k++)
+        GN_TRY(gn_history_add_column(h, columns[k].name, columns[k].unit, columns[k].text, error));
+    return GNEISS_OK;
+}
+
+static gneiss_status add_tensor(const gn_world *w, gn_history *h, const char *what, const char *unit,
+                                const char *text, gneiss_error *error) {
+    for (int c = 0; c < 6; c++) {
+        char name[32];
+        if (!in_plane(w, c)) continue;
+        snprintf(name, sizeof name, "%s_%c%c", what, axes[components[c][0]], axes[components[c][1]]);
+        GN_TRY(gn_history_add_column(h, name, unit, text, error));
+    }
+    return GNEISS_OK;
+}
+
+static gneiss_status add_vector(const gn_world *w, gn_history *h, const char *kind, const char *owner,
+                                const char *what, const char *unit, const char *text,
+                                gneiss_error *error) {
+    for (int a = 0; a < (int)w->scene.dimension; a++) {
+        char name[GN_COLUMN_NAME_SIZE];
+        snprintf(name, sizeof name, "%s_%s_%s_%c", kind, owner, what, axes[a]);
+        GN_TRY(gn_history_add_column(h, name, unit, text, error));
+    }
+    return GNEISS_OK;
+}
+
+static bool set_moves(const gn_set *s) {
+    size_t points = 0;
+    for (int a = 0; a < 3; a++) points += s->motion.velocity[a].count + s->motion.spin[a].count;
+    return points > 0;
+}
+
+static gneiss_status add_owners(const gn_world *w, gn_history *h, gneiss_error *error) {
+    for (size_t k = 0; k < w->scene.wall_count; k++) {
+        const char *name = w->scene.walls[k].name;
+        GN_TRY(add_vector(w, h, "wall", name, "force", "N", "force of the particles on the wall", error));
+        GN_TRY(add_vector(w, h, "wall", name, "displacement", "m", "path of the wall from its start", error));
+    }
+    for (size_t k = 0; k < w->scene.set_count; k++)
+        if (set_moves(&w->scene.sets[k]))
+            GN_TRY(add_vector(w, h, "set", w->scene.sets[k].name, "reaction", "N",
+                              "force that the prescribed motion supplies to the set", error));
+    return GNEISS_OK;
+}
+
+gneiss_status gn_record_create(const gn_world *w, gn_history *h, gneiss_error *error) {
+    static const fixed_column first[] = {{"step", "1", "steps done"}, {"time", "s", "time"}};
+    static const fixed_column test[] = {
+        {"strain", "1", "change of the distance of the ends over the length, positive in the test's sense"},
+        {"stress", "Pa", "mean of both ends' force over the area, positive in the test's sense"},
+        {"stress_lower", "Pa", "force on the lower end over the area"},
+        {"stress_upper", "Pa", "force on the upper end over the area"}};
+    static const fixed_column state[] = {
+        {"unbalanced", "1", "mean resultant on a particle over the mean contact force"}};
+    static const fixed_column bonds[] = {{"bonds_intact", "1", "intact bonds"},
+                                         {"broken_tension", "1", "bonds broken in tension"},
+                                         {"broken_shear", "1", "bonds broken in shear"},
+                                         {"damage", "1", "broken bonds over bonds at the start"}};
+    *h = (gn_history){0};
+    GN_TRY(add(h, first, 2, error));
+    if (w->scene.test.kind != GN_TEST_NONE) GN_TRY(add(h, test, 4, error));
+    GN_TRY(add_tensor(w, h, "strain", "1", "average strain of the specimen, tension positive", error));
+    GN_TRY(add_tensor(w, h, "stress", "Pa", "average stress of the specimen, tension positive", error));
+    GN_TRY(add(h, state, 1, error));
+    if (w->effects & GN_FX_BONDS) GN_TRY(add(h, bonds, 4, error));
+    if (w->effects & GN_FX_ENERGY) {
+#define X(name, kind, text) GN_TRY(gn_history_add_column(h, "energy_" #name, "J", text, error));
+        GN_ENERGY_TERMS(X)
+#undef X
+        GN_TRY(gn_history_add_column(h, "energy_residual", "1",
+                                     "what the ledger does not explain, over the work done", error));
+    }
+    return add_owners(w, h, error);
+}
+
+/* --- rows ------------------------------------------------------------------------------------------ */
+
+/* Position of an end along the test axis, from its start: a wall's path or the mean displacement of a set. */
+static double end_travel(const gn_world *w, const char *name) {
+    int axis = (int)w->scene.test.axis, wall = gn_scene_find_wall(&w->scene, name);
+    if (wall >= 0) return w->walls[wall].point[axis] - w->walls[wall].start[axis];
+    int set = gn_scene_find_set(&w->scene, name);
+    double sum = 0.0;
+    size_t count = 0;
+    for (size_t id = 0; id < w->particles.soa.count; id++) {
+        size_t p = (size_t)w->index_of_id[id];
+        int32_t slot = w->particles.slot ? w->particles.slot[p] : -1;
+        if (slot < 0 || w->prescribed.set[slot] != set) continue;
+        sum += w->particles.pos[4 * p + (size_t)axis] - w->particles.start[4 * p + (size_t)axis];
+        count++;
+    }
+    return count ? sum / (double)count : 0.0;
+}
+
+/* Force with which an end loads the specimen, along the test axis. */
+static double end_force(const gn_world *w, const char *name) {
+    int axis = (int)w->scene.test.axis, wall = gn_scene_find_wall(&w->scene, name);
+    if (wall >= 0) return -w->walls[wall].force[axis];
+    int set = gn_scene_find_set(&w->scene, name);
+    return set >= 0 && w->set_reaction ? w->set_reaction[6 * set + axis] : 0.0;
+}
+
+static double test_sign(const gn_world *w) {
+    return w->scene.test.kind == GN_TEST_COMPRESSION ? -1.0 : 1.0;
+}
+
+typedef struct before_step {
+    double step, time, strain, gradient[9];
+} before_step;
+
+static before_step read_positions(const gn_world *w) {
+    before_step b = {.step = (double)w->step, .time = w->time};
+    if (w->scene.test.kind != GN_TEST_NONE)
+        b.strain = test_sign(w) *
+                   (end_travel(w, w->scene.test.upper) - end_travel(w, w->scene.test.lower)) /
+                   w->test_length;
+    gn_strain_gauge_read(&w->gauge, &w->particles, w->index_of_id, b.gradient);
+    return b;
+}
+
+static double *put_tensor(const gn_world *w, double *row, const double t[9]) {
+    for (int c = 0; c < 6; c++) {
+        int a = components[c][0], b = components[c][1];
+        if (in_plane(w, c)) *row++ = 0.5 * (t[3 * a + b] + t[3 * b + a]);
+    }
+    return row;
+}
+
+static double *put_owners(const gn_world *w, double *row, const double *displacement) {
+    int dimension = (int)w->scene.dimension;
+    for (size_t k = 0; k < w->scene.wall_count; k++) {
+        for (int a = 0; a < dimension; a++) *row++ = w->walls[k].force[a];
+        for (int a = 0; a < dimension; a++) *row++ = displacement[3 * k + (size_t)a];
+    }
+    for (size_t k = 0; k < w->scene.set_count; k++)
+        for (int a = 0; set_moves(&w->scene.sets[k]) && a < dimension; a++)
+            *row++ = w->set_reaction[6 * k + (size_t)a];
+    return row;
+}
+
+static double *put_energy(const gn_world *w, double *row) {
+    if (!(w->effects & GN_FX_ENERGY)) return row;
+#define X(name, kind, text) *row++ = w->reading.name;
+    GN_ENERGY_TERMS(X)
+#undef X
+    *row++ = gn_energy_residual(&w->reading);
+    return row;
+}
+
+static void fill_row(const gn_world *w, const before_step *b, const double *displacement, double *row) {
+    *row++ = b->step;
+    *row++ = b->time;
+    if (w->scene.test.kind != GN_TEST_NONE) {
+        double sign = test_sign(w);
+        double lower = -sign * end_force(w, w->scene.test.lower) / w->test_area;
+        double upper = sign * end_force(w, w->scene.test.upper) / w->test_area;
+        *row++ = b->strain;
+        *row++ = 0.5 * (lower + upper);
+        *row++ = lower;
+        *row++ = upper;
+    }
+    double sigma[9];
+    gn_assembly assembly = gn_world_assembly(w);
+    gn_stress_average(&assembly, w->volume, sigma);
+    row = put_tensor(w, row, b->gradient);
+    row = put_tensor(w, row, sigma);
+    *row++ = w->unbalanced;
+    if (w->effects & GN_FX_BONDS) {
+        double broken = (double)(w->broken_tension + w->broken_shear), all = (double)w->bonds_at_start;
+        *row++ = all - broken;
+        *row++ = (double)w->broken_tension;
+        *row++ = (double)w->broken_shear;
+        *row++ = all > 0.0 ? broken / all : 0.0;
+    }
+    row = put_energy(w, row);
+    put_owners(w, row, displacement);
+}
+
+gneiss_status gn_record_step(gn_world *w, gn_history *h, gneiss_error *error) {
+    double start = gn_now();
+    before_step before = read_positions(w);
+    double *displacement = calloc(3 * w->scene.wall_count + h->column_count + 1, sizeof *displacement);
+    if (!displacement) return gn_fail(error, GNEISS_ERROR_MEMORY, "no memory for a history row");
+    double *row = displacement + 3 * w->scene.wall_count;
+    for (size_t k = 0; k < w->scene.wall_count; k++)
+        for (int a = 0; a < 3; a++)
+            displacement[3 * k + (size_t)a] = w->walls[k].point[a] - w->walls[k].start[a];
+    w->seconds[GN_PHASE_measure] += gn_now() - start;
+    gneiss_status status = gn_world_step(w, true, error);
+    start = gn_now();
+    if (status == GNEISS_OK) {
+        fill_row(w, &before, displacement, row);
+        status = gn_history_append(h, row, error);
+    }
+    free(displacement);
+    w->seconds[GN_PHASE_measure] += gn_now() - start;
+    return status;
+}
+
+gn_readings gn_record_readings(const gn_world *w, const gn_history *h) {
+    gn_readings r;
+#define X(name, unit, text) r.name = NAN;
+    GN_READINGS(X)
+#undef X
+    if (w->scene.test.kind != GN_TEST_NONE)
+        gn_readings_compute(h, (int)w->scene.dimension, (int)w->scene.test.axis, (int)test_sign(w), &r);
+    return r;
+}

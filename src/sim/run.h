@@ -1,0 +1,78 @@
+/* A run: a world with its history, its output folder, its stop conditions and checkpoints. */
+#ifndef GN_SIM_RUN_H
+#define GN_SIM_RUN_H
+
+#include "sim/record.h"
+
+#include <signal.h>
+
+typedef struct gn_run {
+    gn_world world;
+    gn_history history;
+    char directory[GN_PATH_SIZE];
+    int64_t history_interval;  /* steps */
+    int64_t snapshot_interval; /* steps, 0: none */
+    double wall_before;        /* s of wall time in earlier sittings */
+    double wall_start;         /* gn_now() at the start of this one */
+    double next_checkpoint;    /* gn_now() */
+    double peak;               /* largest stress so far, Pa */
+    bool finished;
+    char stop_reason[256];
+} gn_run;
+
+/* How far a run is. */
+typedef struct gn_progress {
+    int64_t step;
+    double time, end;                /* s */
+    double seconds;                  /* wall, all sittings */
+    double particle_steps_per_second, contact_steps_per_second; /* of this sitting */
+    double eta;                      /* s, to `end`; a stop condition may come first */
+    double unbalanced, residual;
+    int64_t broken;
+    double stress, strain;           /* NaN without a test */
+    bool finished;
+} gn_progress;
+
+/* Scene -> world -> output folder. Nothing is written before the world stands. `directory` NULL or "": from
+ * the scene. Takes over the contents of `scene`. */
+gneiss_status gn_run_start(gn_scene *scene, const char *directory, gn_run *run, gneiss_error *error);
+
+/* Goes on from the newest checkpoint in `directory` that can be read. Overrides: time.*, output.*, run.*. */
+gneiss_status gn_run_resume(const char *directory, const gn_override *overrides, size_t override_count,
+                            gn_run *run, gneiss_error *error);
+
+/* Runs for about `seconds` of wall time or until the run ends. *interrupt != 0 stops it between steps.
+ * Outputs that fall due are written. GNEISS_ERROR_UNSTABLE: the state is kept for gn_run_write_failure. */
+gneiss_status gn_run_advance(gn_run *run, double seconds, const volatile sig_atomic_t *interrupt,
+                             gneiss_error *error);
+
+gn_progress gn_run_progress(const gn_run *run);
+
+/* Writes the last snapshot, a checkpoint, results.h5 and summary.json. */
+gneiss_status gn_run_finish(gn_run *run, gneiss_error *error);
+
+/* After GNEISS_ERROR_UNSTABLE: a snapshot of the bad state (failed_*.hdf) and results.h5 with the message. The
+ * checkpoints on disk are left as they are. */
+gneiss_status gn_run_write_failure(gn_run *run, const char *message, gneiss_error *error);
+
+gneiss_status gn_run_checkpoint(gn_run *run, gneiss_error *error);
+
+void gn_run_free(gn_run *run);
+
+/* checkpoint.c */
+gneiss_status gn_checkpoint_save(const gn_run *run, gneiss_error *error);
+gneiss_status gn_checkpoint_load(const char *path, const gn_override *overrides, size_t override_count,
+                                 gn_run *run, gneiss_error *error);
+
+/* output.c */
+gneiss_status gn_output_snapshot(const gn_run *run, const char *particles_name, const char *bonds_name,
+                                 gneiss_error *error);
+gneiss_status gn_output_series(const gn_run *run, gneiss_error *error);
+gneiss_status gn_output_results(const gn_run *run, gneiss_error *error);
+gneiss_status gn_output_summary(const gn_run *run, gneiss_error *error);
+
+/* "0.1.0", and the compiler and flags it was built with. */
+const char *gn_version(void);
+const char *gn_build(void);
+
+#endif

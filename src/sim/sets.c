@@ -1,0 +1,171 @@
+/* Particle sets: who belongs to them, what they change, how they move. */
+#include "base/memory.h"
+#include "sim/parts.h"
+
+#include <math.h>
+#include <string.h>
+
+static bool in_end(const gn_world *w, const gn_set *s, const double *x) {
+    int axis = (int)s->end_axis;
+    double r = s->end_by_surface ? x[3] : 0.0;
+    return s->end_upper ? x[axis] + r >= w->upper[axis] - s->end_depth
+                        : x[axis] - r <= w->lower[axis] + s->end_depth;
+}
+
+static bool in_ids(const gn_set *s, int32_t id) {
+    for (size_t k = 0; k < s->id_count; k++)
+        if (s->ids[k] == id) return true;
+    return false;
+}
+
+static bool selected(const gn_world *w, const gn_set *s, size_t p) {
+    const double *x = w->particles.pos + 4 * p;
+    if (s->has_box)
+        for (int a = 0; a < (int)w->scene.dimension; a++)
+            if (x[a] < s->box_min[a] || x[a] > s->box_max[a]) return false;
+    if (s->end_axis >= 0 && !in_end(w, s, x)) return false;
+    if (s->id_count && !in_ids(s, w->particles.id[p])) return false;
+    return true;
+}
+
+static const gn_table *channel(const gn_motion *motion, int k) {
+    return k < 3 ? &motion->velocity[k] : &motion->spin[k - 3];
+}
+
+static uint8_t motion_mask(const gn_motion *motion) {
+    uint8_t mask = 0;
+    for (int k = 0; k < 6; k++)
+        if (channel(motion, k)->count) mask |= (uint8_t)(1u << k);
+    return mask;
+}
+
+static size_t count_selected(const gn_world *w, const gn_set *s) {
+    size_t count = 0;
+    for (size_t p = 0; p < w->particles.soa.count; p++) count += selected(w, s, p);
+    return count;
+}
+
+static gneiss_status check_ids(const gn_world *w, const gn_set *s, gneiss_error *error) {
+    for (size_t k = 0; k < s->id_count; k++)
+        if (s->ids[k] < 0 || s->ids[k] >= (int64_t)w->particles.soa.count)
+            return gn_fail(error, GNEISS_ERROR_INPUT,
+                           "%s:%d:%d: set '%s': select.ids: expected numbers from 0 to %zu, found %lld",
+                           w->scene.source, s->where.line, s->where.column, s->name,
+                           w->particles.soa.count - 1, (long long)s->ids[k]);
+    if (count_selected(w, s) == 0)
+        return gn_fail(error, GNEISS_ERROR_INPUT,
+                       "%s:%d:%d: set '%s': select: expected particles, found none in this selection",
+                       w->scene.source, s->where.line, s->where.column, s->name);
+    return GNEISS_OK;
+}
+
+gneiss_status gn_sets_assign(gn_world *w, gneiss_error *error) {
+    gn_particles *q = &w->particles;
+    for (size_t k = 0; k < w->scene.set_count; k++) {
+        const gn_set *s = &w->scene.sets[k];
+        GN_TRY(check_ids(w, s, error));
+        int material = s->material[0] ? gn_scene_find_material(&w->scene, s->material) : -1;
+        for (size_t p = 0; p < q->soa.count; p++) {
+            if (!selected(w, s, p)) continue;
+            if (material >= 0) q->material[p] = material;
+            if (s->group >= 0) q->group[p] = (int32_t)s->group;
+        }
+    }
+    return GNEISS_OK;
+}
+
+/* Initial motion and force of one set; the total force is shared out by mass. */
+static void apply_set(gn_world *w, const gn_set *s) {
+    gn_particles *q = &w->particles;
+    double mass = 0.0;
+    for (size_t p = 0; p < q->soa.count; p++)
+        if (selected(w, s, p)) mass += 1.0 / q->vel[4 * p + 3];
+    for (size_t p = 0; p < q->soa.count; p++) {
+        if (!selected(w, s, p)) continue;
+        for (int k = 0; k < 3; k++) {
+            if (s->has_initial_velocity) q->vel[4 * p + k] = s->initial_velocity[k];
+            if (s->has_initial_spin && q->spin) q->spin[4 * p + k] = s->initial_spin[k];
+            if (s->has_force && q->applied)
+                q->applied[4 * p + k] += s->force[k] / q->vel[4 * p + 3] / mass;
+        }
+    }
+}
+
+static gneiss_status allocate_slots(gn_world *w, size_t count, gneiss_error *error) {
+    gn_prescription *f = &w->prescribed;
+    f->count = count;
+    f->set = gn_alloc_array(count + 1, sizeof *f->set);
+    f->mask = gn_alloc_array(count + 1, sizeof *f->mask);
+    f->velocity = gn_alloc_array(count + 1, 6 * sizeof *f->velocity);
+    f->load = gn_alloc_array(count + 1, 6 * sizeof *f->load);
+    w->channel_set = gn_alloc_array(count + 1, 6 * sizeof *w->channel_set);
+    w->set_reaction = gn_alloc_array(w->scene.set_count + 1, 6 * sizeof *w->set_reaction);
+    if (!f->set || !f->mask || !f->velocity || !f->load || !w->channel_set || !w->set_reaction)
+        return gn_fail(error, GNEISS_ERROR_MEMORY, "no memory for %zu prescribed particles", count);
+    return GNEISS_OK;
+}
+
+/* A particle's slot takes each channel from the last set that prescribes it. */
+static gneiss_status make_slots(gn_world *w, gneiss_error *error) {
+    gn_particles *q = &w->particles;
+    size_t count = 0;
+    for (size_t p = 0; p < q->soa.count; p++) {
+        q->slot[p] = -1;
+        for (size_t s = 0; s < w->scene.set_count && q->slot[p] < 0; s++)
+            if (motion_mask(&w->scene.sets[s].motion) && selected(w, &w->scene.sets[s], p))
+                q->slot[p] = (int32_t)count++;
+    }
+    GN_TRY(allocate_slots(w, count, error));
+    for (size_t k = 0; k < 6 * count; k++) w->channel_set[k] = -1;
+    for (size_t p = 0; p < q->soa.count; p++) {
+        int32_t slot = q->slot[p];
+        for (size_t s = 0; slot >= 0 && s < w->scene.set_count; s++) {
+            uint8_t mask = motion_mask(&w->scene.sets[s].motion);
+            if (!mask || !selected(w, &w->scene.sets[s], p)) continue;
+            w->prescribed.set[slot] = (int32_t)s;
+            w->prescribed.mask[slot] |= mask;
+            for (int k = 0; k < 6; k++)
+                if (mask >> k & 1) w->channel_set[6 * slot + k] = (int32_t)s;
+        }
+    }
+    return GNEISS_OK;
+}
+
+void gn_prescription_update(gn_world *w, double time) {
+    gn_prescription *f = &w->prescribed;
+    for (size_t slot = 0; slot < f->count; slot++)
+        for (int k = 0; k < 6; k++) {
+            int32_t s = w->channel_set[6 * slot + k];
+            if (s >= 0)
+                f->velocity[6 * slot + k] = gn_table_at(channel(&w->scene.sets[s].motion, k), time);
+        }
+}
+
+void gn_reactions_sum(gn_world *w) {
+    memset(w->set_reaction, 0, w->scene.set_count * 6 * sizeof *w->set_reaction);
+    for (size_t slot = 0; slot < w->prescribed.count; slot++)
+        for (int k = 0; k < 6; k++)
+            w->set_reaction[6 * w->prescribed.set[slot] + k] += w->prescribed.load[6 * slot + k];
+}
+
+/* Prescribed components start with their prescribed value, not with a jump. */
+static void start_prescribed(gn_world *w) {
+    gn_particles *q = &w->particles;
+    gn_prescription_update(w, 0.0);
+    for (size_t p = 0; p < q->soa.count; p++) {
+        int32_t slot = q->slot[p];
+        for (int k = 0; slot >= 0 && k < 6; k++) {
+            if (!(w->prescribed.mask[slot] >> k & 1)) continue;
+            double *target = k < 3 ? q->vel : q->spin;
+            if (target) target[4 * p + k % 3] = w->prescribed.velocity[6 * slot + k];
+        }
+    }
+}
+
+gneiss_status gn_sets_apply(gn_world *w, gneiss_error *error) {
+    for (size_t s = 0; s < w->scene.set_count; s++) apply_set(w, &w->scene.sets[s]);
+    if (!(w->effects & GN_FX_PRESCRIBED)) return GNEISS_OK;
+    GN_TRY(make_slots(w, error));
+    start_prescribed(w);
+    return GNEISS_OK;
+}

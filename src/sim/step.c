@@ -1,0 +1,250 @@
+/* One step of the model, from top to bottom: lists, contact forces, walls, motion. */
+#include "base/timer.h"
+#include "sim/parts.h"
+
+#include <math.h>
+#include <omp.h>
+#include <string.h>
+
+static gn_contact_args contact_args(const gn_world *w, const gn_contacts *list, bool measure) {
+    gn_contact_args a = {0};
+    a.pos = w->particles.pos;
+    a.vel = w->particles.vel;
+    a.spin = w->particles.spin;
+    a.contacts = list;
+    a.dt = w->dt_past;
+    a.arm_factor = w->scene.contact_arm == GN_ARM_MIDPOINT ? 0.5 : 0.0;
+    memcpy(a.period, w->period, sizeof a.period);
+    a.time = w->time;
+    a.measure = measure;
+    return a;
+}
+
+static gn_motion_args motion_args(gn_world *w, bool measure) {
+    gn_motion_args a = {0};
+    a.particles = &w->particles;
+    a.bonds = &w->bonds;
+    a.pairs = &w->pairs;
+    a.bonds_of = &w->bonds_of;
+    a.pairs_of = &w->pairs_of;
+    a.wall_contacts = w->effects & GN_FX_WALLS ? &w->wall_contacts : NULL;
+    a.wall_first = w->wall_first;
+    a.prescribed = w->effects & GN_FX_PRESCRIBED ? &w->prescribed : NULL;
+    a.dt_past = w->dt_past;
+    a.dt = w->dt;
+    memcpy(a.gravity, w->scene.gravity, sizeof a.gravity);
+    a.damping = w->scene.background_coefficient;
+    a.measure = measure;
+    return a;
+}
+
+/* The share of `count` blocks that belongs to this thread: contiguous, so that a thread comes back to the
+ * same memory in every step. */
+static void my_blocks(size_t count, size_t *begin, size_t *end) {
+    size_t t = (size_t)omp_get_thread_num(), of = (size_t)omp_get_num_threads();
+    *begin = count * t / of;
+    *end = count * (t + 1) / of;
+}
+
+static void run_contacts(gn_contact_kernel *kernel, const gn_contact_args *args, size_t blocks,
+                         gn_contact_sums *sums) {
+    size_t begin, end;
+    my_blocks(blocks, &begin, &end);
+    for (size_t b = begin; b < end; b++) {
+        size_t first = b * GN_CONTACT_BLOCK, last = first + GN_CONTACT_BLOCK;
+        if (last > args->contacts->soa.count) last = args->contacts->soa.count;
+        sums[b] = (gn_contact_sums){0};
+        kernel(args, first, last, &sums[b]);
+    }
+}
+
+static void run_motion(gn_motion_kernel *kernel, const gn_motion_args *args, gn_world *w) {
+    size_t begin, end, count = w->particles.soa.count;
+    my_blocks(w->motion_blocks, &begin, &end);
+    for (size_t b = begin; b < end; b++) {
+        size_t first = b * GN_PARTICLE_BLOCK, last = first + GN_PARTICLE_BLOCK;
+        if (last > count) last = count;
+        w->motion_sums[b] = (gn_motion_sums){.bad = -1};
+        kernel(args, first, last, &w->motion_sums[b]);
+    }
+}
+
+/* Books the time since *mark under a phase (first thread only) and moves the mark. */
+static void book(gn_world *w, gn_phase phase, double *mark) {
+#pragma omp master
+    {
+        double now = gn_now();
+        w->seconds[phase] += now - *mark;
+        *mark = now;
+    }
+}
+
+/* The parallel part: contacts -> rows, walls, then rows -> particles. Nothing is shared but rows that one
+ * thread writes and, after the barrier, others read. */
+static void compute(gn_world *w, const gn_contact_args *bonds, const gn_contact_args *pairs,
+                    const gn_motion_args *motion, bool measure) {
+#pragma omp parallel num_threads(w->threads)
+    {
+        double mark = gn_now();
+        if (w->bonds.soa.count) run_contacts(w->bond_kernel, bonds, w->bond_blocks, w->bond_sums);
+        book(w, GN_PHASE_bonds, &mark);
+        if (w->pairs.soa.count) run_contacts(w->pair_kernel, pairs, w->pair_blocks, w->pair_sums);
+        book(w, GN_PHASE_pairs, &mark);
+        if (w->wall_blocks) {
+            size_t begin, end;
+            my_blocks(w->wall_blocks, &begin, &end);
+            for (size_t b = begin; b < end; b++) gn_wall_contacts_block(w, b, measure);
+            book(w, GN_PHASE_walls, &mark);
+        }
+#pragma omp barrier
+        run_motion(w->motion_kernel, motion, w);
+#pragma omp barrier
+        book(w, GN_PHASE_motion, &mark);
+    }
+}
+
+/* --- merging, in block order ----------------------------------------------------------------------- */
+
+static void add_contact_sums(gn_contact_sums *total, const gn_contact_sums *blocks, size_t count) {
+    for (size_t b = 0; b < count; b++) {
+        total->elastic_normal += blocks[b].elastic_normal;
+        total->elastic_shear += blocks[b].elastic_shear;
+        total->friction += blocks[b].friction;
+        total->contact_damping += blocks[b].contact_damping;
+        total->bond_breaking += blocks[b].bond_breaking;
+        total->broken_tension += blocks[b].broken_tension;
+        total->broken_shear += blocks[b].broken_shear;
+    }
+}
+
+static gn_motion_sums add_motion_sums(const gn_motion_sums *blocks, size_t count) {
+    gn_motion_sums s = {.bad = -1};
+    for (size_t b = 0; b < count; b++) {
+        s.kinetic += blocks[b].kinetic;
+        s.rotational += blocks[b].rotational;
+        s.resultant += blocks[b].resultant;
+        for (int h = 0; h < 2; h++) {
+            s.damping[h] += blocks[b].damping[h];
+            s.gravity[h] += blocks[b].gravity[h];
+            s.applied[h] += blocks[b].applied[h];
+            s.prescribed[h] += blocks[b].prescribed[h];
+        }
+        s.speed2 = fmax(s.speed2, blocks[b].speed2);
+        if (s.bad < 0) s.bad = blocks[b].bad;
+    }
+    return s;
+}
+
+/* Sum of |force| over the contacts that carry any, and their number. */
+static void contact_force_sum(const gn_contacts *list, double *sum, size_t *count) {
+    const double *rows = gn_contacts_row(list);
+    int width = list->soa.capacity ? gn_contacts_row_width(list) : 0;
+    int components = list->soa.effects & GN_FX_SPACE ? 3 : 2;
+    for (size_t c = 0; c < list->soa.count; c++) {
+        double f2 = 0.0;
+        for (int a = 0; a < components; a++) {
+            double f = rows[(size_t)width * c + (size_t)a];
+            f2 += f * f;
+        }
+        if (f2 > 0.0) (*count)++;
+        *sum += sqrt(f2);
+    }
+}
+
+/* Mean resultant on a particle over the mean contact force: small when the model is quasi-static. */
+static double unbalanced_ratio(const gn_world *w, double resultant) {
+    double force = 0.0;
+    size_t contacts = 0, particles = w->particles.soa.count - w->prescribed.count;
+    contact_force_sum(&w->bonds, &force, &contacts);
+    contact_force_sum(&w->pairs, &force, &contacts);
+    if (force <= 0.0 || !particles) return 0.0;
+    return resultant / (double)particles / (force / (double)contacts);
+}
+
+/* First halves of the works close the interval that led here; the reading lies between the halves. */
+static void merge_before(gn_world *w, const gn_motion_sums *m, bool measure) {
+    gn_contact_sums bonds = {0}, pairs = {0}, walls = {0};
+    if (w->bonds.soa.count) add_contact_sums(&bonds, w->bond_sums, w->bond_blocks);
+    if (w->pairs.soa.count) add_contact_sums(&pairs, w->pair_sums, w->pair_blocks);
+    add_contact_sums(&walls, w->wall_sums, w->wall_blocks);
+    gn_energy *e = &w->energy;
+    e->friction += bonds.friction + pairs.friction + walls.friction;
+    e->contact_damping += bonds.contact_damping + pairs.contact_damping + walls.contact_damping;
+    e->bond_breaking += bonds.bond_breaking;
+    w->broken_tension += bonds.broken_tension;
+    w->broken_shear += bonds.broken_shear;
+    e->background_damping += m->damping[0];
+    e->work_gravity += m->gravity[0];
+    e->work_applied += m->applied[0];
+    e->work_prescribed += m->prescribed[0];
+    if (!measure) return;
+    e->kinetic = m->kinetic;
+    e->rotational = m->rotational;
+    e->elastic_normal = bonds.elastic_normal + pairs.elastic_normal;
+    e->elastic_shear = bonds.elastic_shear + pairs.elastic_shear;
+    e->elastic_wall = walls.elastic_normal;
+    if (w->step == 0) e->stored_at_start = gn_energy_stored(e);
+    w->unbalanced = unbalanced_ratio(w, m->resultant);
+}
+
+static void merge_after(gn_world *w, const gn_motion_sums *m) {
+    w->energy.background_damping += m->damping[1];
+    w->energy.work_gravity += m->gravity[1];
+    w->energy.work_applied += m->applied[1];
+    w->energy.work_prescribed += m->prescribed[1];
+}
+
+/* --- going bad ------------------------------------------------------------------------------------- */
+
+static gneiss_status fail_particle(const gn_world *w, size_t p, const char *what, gneiss_error *error) {
+    const gn_particles *q = &w->particles;
+    const double *x = q->pos + 4 * p, *v = q->vel + 4 * p;
+    return gn_fail(error, GNEISS_ERROR_UNSTABLE,
+                   "step %lld, t = %g s: particle %d %s: position (%g, %g, %g) m, velocity (%g, %g, %g) m/s, "
+                   "radius %g m; the step is %.3g s, its stability limit was estimated as %.3g s",
+                   (long long)w->step, w->time, q->id[p], what, x[0], x[1], x[2], v[0], v[1], v[2], x[3],
+                   w->dt, w->limit.sharp);
+}
+
+static gneiss_status check_motion(const gn_world *w, const gn_motion_sums *m, gneiss_error *error) {
+    if (m->bad >= 0) return fail_particle(w, (size_t)m->bad, "has a velocity that is not finite", error);
+    double path = w->dt * sqrt(m->speed2);
+    if (path <= 0.5 * w->verlet.skin) return GNEISS_OK;
+    size_t worst = 0;
+    double most = -1.0;
+    for (size_t p = 0; p < w->particles.soa.count; p++) {
+        const double *v = w->particles.vel + 4 * p;
+        double v2 = v[0] * v[0] + v[1] * v[1] + v[2] * v[2];
+        if (v2 > most) {
+            most = v2;
+            worst = p;
+        }
+    }
+    return fail_particle(w, worst, "moved farther in one step than contacts are searched", error);
+}
+
+gneiss_status gn_world_step(gn_world *w, bool measure, gneiss_error *error) {
+    GN_TRY(gn_world_refresh_lists(w, error));
+    if (w->effects & GN_FX_PRESCRIBED) gn_prescription_update(w, w->time + 0.5 * w->dt);
+
+    gn_contact_args bonds = contact_args(w, &w->bonds, measure);
+    gn_contact_args pairs = contact_args(w, &w->pairs, measure);
+    gn_motion_args motion = motion_args(w, measure);
+    compute(w, &bonds, &pairs, &motion, measure);
+
+    gn_motion_sums moved = add_motion_sums(w->motion_sums, w->motion_blocks);
+    gn_walls_sum(w);
+    merge_before(w, &moved, measure);
+    if (measure) w->reading = w->energy;
+    if (w->effects & GN_FX_PRESCRIBED) gn_reactions_sum(w);
+
+    merge_after(w, &moved);
+    gn_walls_move(w);
+    gneiss_status status = check_motion(w, &moved, error);
+    w->verlet.drift += w->dt * sqrt(moved.speed2);
+    w->contact_steps += (int64_t)(w->bonds.soa.count + w->pairs.soa.count);
+    w->time += w->dt;
+    w->dt_past = w->dt;
+    w->step++;
+    return status;
+}

@@ -1,0 +1,238 @@
+#include "sim/world.h"
+
+#include "base/memory.h"
+#include "base/random.h"
+#include "base/timer.h"
+#include "sim/parts.h"
+
+#include <math.h>
+#include <omp.h>
+#include <string.h>
+
+static const char *const phase_names[] = {
+#define X(name, text) #name,
+    GN_PHASES(X)
+#undef X
+};
+static const char *const phase_texts[] = {
+#define X(name, text) text,
+    GN_PHASES(X)
+#undef X
+};
+
+const char *gn_phase_name(gn_phase phase) { return phase_names[phase]; }
+const char *gn_phase_text(gn_phase phase) { return phase_texts[phase]; }
+
+static double particle_volume(const gn_world *w, double r) {
+    return w->effects & GN_FX_SPACE ? 4.0 / 3.0 * M_PI * r * r * r : M_PI * r * r;
+}
+
+/* Packing -> particle record, in file order. */
+static gneiss_status load_particles(gn_world *w, gneiss_error *error) {
+    gn_packing packing = {0};
+    GN_TRY(gn_specimen_make(&w->scene, &packing, error));
+    if (packing.count > INT32_MAX - 2 * GN_LANES_MAX) {
+        gn_packing_free(&packing);
+        return gn_fail(error, GNEISS_ERROR_INPUT, "%zu particles are more than the engine can number",
+                       packing.count);
+    }
+    gneiss_status status =
+        gn_soa_create(&gn_particle_record, &w->particles, packing.count, w->effects, error);
+    if (status == GNEISS_OK) {
+        gn_particles *q = &w->particles;
+        memcpy(q->pos, packing.sphere, packing.count * 4 * sizeof(double));
+        memcpy(q->start, packing.sphere, packing.count * 4 * sizeof(double));
+        int material = gn_scene_find_material(&w->scene, w->scene.specimen.material);
+        for (size_t p = 0; p < packing.count; p++) {
+            q->id[p] = (int32_t)p;
+            q->material[p] = material < 0 ? 0 : material;
+            q->group[p] = (int32_t)w->scene.specimen.group;
+            if (q->slot) q->slot[p] = -1;
+            if (q->orientation) q->orientation[4 * p] = 1.0;
+        }
+    }
+    gn_packing_free(&packing);
+    return status;
+}
+
+/* Extent with radii and the volume that porosity and average stress refer to: the periodic box, else the
+ * test's length x area, else the convex hull of the particles. */
+static gneiss_status measure_specimen(gn_world *w, gneiss_error *error) {
+    const gn_test *t = &w->scene.test;
+    int axis = (int)t->axis;
+    GN_TRY(gn_packing_hull(&w->particles, (int)w->scene.dimension, &w->volume, w->lower, w->upper, error));
+    if (w->effects & GN_FX_PERIODIC)
+        w->volume = w->period[0] * w->period[1] * (w->effects & GN_FX_SPACE ? w->period[2] : 1.0);
+    if (t->kind == GN_TEST_NONE) return GNEISS_OK;
+    w->test_length = t->length > 0.0 ? t->length : w->upper[axis] - w->lower[axis];
+    if (t->area > 0.0)
+        w->test_area = t->area;
+    else if (t->diameter > 0.0)
+        w->test_area = w->effects & GN_FX_SPACE ? 0.25 * M_PI * t->diameter * t->diameter : t->diameter;
+    else
+        w->test_area = w->volume / w->test_length;
+    if (!(w->effects & GN_FX_PERIODIC)) w->volume = w->test_length * w->test_area;
+    return GNEISS_OK;
+}
+
+static double bulk_factor(const gn_world *w) {
+    if (w->scene.specimen.density_basis == GN_DENSITY_PARTICLE) return 1.0;
+    double porosity = w->scene.specimen.porosity;
+    if (porosity < 0.0) {
+        double solid = 0.0;
+        for (size_t p = 0; p < w->particles.soa.count; p++)
+            solid += particle_volume(w, w->particles.pos[4 * p + 3]);
+        porosity = 1.0 - solid / w->volume;
+    }
+    return 1.0 / (1.0 - porosity);
+}
+
+/* Sphere I = 2/5 m r^2, disc of unit thickness I = 1/2 m r^2. */
+static void set_masses(gn_world *w) {
+    gn_particles *q = &w->particles;
+    double factor = bulk_factor(w);
+    for (size_t p = 0; p < q->soa.count; p++) {
+        double r = q->pos[4 * p + 3];
+        double mass = w->scene.materials[q->material[p]].density * factor * particle_volume(w, r);
+        q->vel[4 * p + 3] = 1.0 / mass;
+        if (q->spin) q->spin[4 * p + 3] = 1.0 / ((w->effects & GN_FX_SPACE ? 0.4 : 0.5) * mass * r * r);
+        for (int a = 0; a < (int)w->scene.dimension; a++)
+            q->vel[4 * p + a] = w->scene.random_velocity *
+                                gn_random_symmetric(w->scene.seed ^ UINT64_C(0x76656c), 3 * p + (size_t)a);
+    }
+}
+
+static void set_domain(gn_world *w) {
+    gn_scene *s = &w->scene;
+    if (s->has_domain || w->effects & GN_FX_PERIODIC) return;
+    double size = 0.0;
+    for (int a = 0; a < (int)s->dimension; a++) size = fmax(size, w->upper[a] - w->lower[a]);
+    for (int a = 0; a < 3; a++) {
+        s->domain_min[a] = w->lower[a] - 10.0 * size;
+        s->domain_max[a] = w->upper[a] + 10.0 * size;
+    }
+    s->has_domain = true;
+}
+
+/* Wide enough that a quasi-static specimen never rebuilds, narrow enough that few idle pairs are visited. */
+static double automatic_skin(const gn_world *w) {
+    double sum = 0.0;
+    for (size_t p = 0; p < w->particles.soa.count; p++) sum += w->particles.pos[4 * p + 3];
+    return 0.15 * sum / (double)w->particles.soa.count;
+}
+
+static gneiss_status choose_kernels(gn_world *w, gneiss_error *error) {
+    static const char *const isa_names[] = {"auto", "scalar", "avx2", "avx512"};
+    if (w->scene.precision != GN_PRECISION_DOUBLE)
+        return gn_fail(error, GNEISS_ERROR_INPUT,
+                       "%s: run.precision: expected double (mixed precision is not built yet), found mixed",
+                       w->scene.source);
+    GN_TRY(gn_kernel_set_choose(isa_names[w->scene.isa], &w->kernels, error));
+    GN_TRY(gn_contact_kernel_choose(w->kernels, gn_contact_list_effects(w->effects, true),
+                                    &w->bond_kernel, error));
+    GN_TRY(gn_contact_kernel_choose(w->kernels, gn_contact_list_effects(w->effects, false),
+                                    &w->pair_kernel, error));
+    return gn_motion_kernel_choose(w->kernels, w->effects, &w->motion_kernel, error);
+}
+
+/* Scene -> effects, threads, kernels, period: everything that does not depend on particles. Resume calls this
+ * too, so that a checkpoint goes on with the kernels of its scene. */
+gneiss_status gn_world_prepare(gn_world *w, gneiss_error *error) {
+    w->effects = gn_scene_effects(&w->scene);
+    w->threads = w->scene.threads > 0 ? (int)w->scene.threads : omp_get_num_procs();
+    for (int a = 0; a < 3; a++) w->period[a] = w->scene.periodic_max[a] - w->scene.periodic_min[a];
+    return choose_kernels(w, error);
+}
+
+static gneiss_status check_specimen(const gn_world *w, gneiss_error *error) {
+    for (size_t p = 0; p < w->particles.soa.count; p++)
+        for (int a = 0; w->scene.has_domain && a < (int)w->scene.dimension; a++) {
+            double x = w->particles.pos[4 * p + a];
+            if (x >= w->scene.domain_min[a] && x <= w->scene.domain_max[a]) continue;
+            return gn_fail(error, GNEISS_ERROR_INPUT,
+                           "%s: specimen: expected particles inside the domain, found particle %d at "
+                           "%c = %g m",
+                           w->scene.source, w->particles.id[p], "xyz"[a], x);
+        }
+    return GNEISS_OK;
+}
+
+static gneiss_status build(gn_world *w, gneiss_error *error) {
+    GN_TRY(gn_world_prepare(w, error));
+    GN_TRY(load_particles(w, error));
+    GN_TRY(measure_specimen(w, error));
+    set_domain(w);
+    GN_TRY(check_specimen(w, error));
+    GN_TRY(gn_sets_assign(w, error));
+    set_masses(w);
+    GN_TRY(gn_sets_apply(w, error));
+    GN_TRY(gn_walls_create(w, error));
+    w->index_of_id = gn_alloc_array(w->particles.soa.count + 1, sizeof *w->index_of_id);
+    if (!w->index_of_id) return gn_fail(error, GNEISS_ERROR_MEMORY, "no memory for particle numbers");
+    w->verlet.skin = w->scene.skin > 0.0 ? w->scene.skin : automatic_skin(w);
+    GN_TRY(gn_world_rebuild(w, error));
+    GN_TRY(gn_strain_gauge_create(&w->particles, (int)w->scene.dimension, &w->gauge, error));
+    return gn_world_check_step(w, true, error);
+}
+
+gneiss_status gn_world_create(gn_scene *scene, gn_world *world, gneiss_error *error) {
+    memset(world, 0, sizeof *world);
+    world->scene = *scene;
+    memset(scene, 0, sizeof *scene);
+    double start = gn_now();
+    gneiss_status status = build(world, error);
+    double lists = world->seconds[GN_PHASE_lists] + world->seconds[GN_PHASE_step_limit];
+    world->seconds[GN_PHASE_setup] = gn_now() - start - lists;
+    if (status != GNEISS_OK) gn_world_free(world);
+    return status;
+}
+
+void gn_world_free(gn_world *w) {
+    gn_soa_destroy(&gn_particle_record, &w->particles);
+    gn_soa_destroy(&gn_contact_record, &w->bonds);
+    gn_soa_destroy(&gn_contact_record, &w->pairs);
+    gn_soa_destroy(&gn_wall_contact_record, &w->wall_contacts);
+    gn_incidence_free(&w->bonds_of);
+    gn_incidence_free(&w->pairs_of);
+    gn_strain_gauge_free(&w->gauge);
+    void *blocks[] = {w->wall_first,   w->index_of_id,   w->walls,           w->wall_normals,
+                      w->channel_set,  w->set_reaction,  w->prescribed.set,  w->prescribed.mask,
+                      w->prescribed.velocity, w->prescribed.load, w->bond_sums, w->pair_sums,
+                      w->wall_sums,    w->motion_sums};
+    for (size_t k = 0; k < sizeof blocks / sizeof *blocks; k++) gn_free(blocks[k]);
+    gn_scene_free(&w->scene);
+    memset(w, 0, sizeof *w);
+}
+
+gn_assembly gn_world_assembly(const gn_world *w) {
+    gn_assembly a = {0};
+    a.dimension = (int)w->scene.dimension;
+    a.particles = &w->particles;
+    a.bonds = &w->bonds;
+    a.pairs = &w->pairs;
+    a.wall_contacts = w->effects & GN_FX_WALLS ? &w->wall_contacts : NULL;
+    a.wall_normals = w->wall_normals;
+    a.periodic = w->effects & GN_FX_PERIODIC;
+    memcpy(a.period, w->period, sizeof a.period);
+    return a;
+}
+
+uint64_t gn_world_hash(const gn_world *w) {
+    uint64_t h = gn_soa_hash(&gn_particle_record, &w->particles, GN_HASH_SEED);
+    h = gn_soa_hash(&gn_contact_record, &w->bonds, h);
+    h = gn_soa_hash(&gn_contact_record, &w->pairs, h);
+    h = gn_soa_hash(&gn_wall_contact_record, &w->wall_contacts, h);
+    for (size_t k = 0; k < w->scene.wall_count; k++)
+        h = gn_hash_bytes(w->walls[k].point, sizeof w->walls[k].point, h);
+    h = gn_hash_bytes(&w->time, sizeof w->time, h);
+    return gn_hash_bytes(&w->step, sizeof w->step, h);
+}
+
+size_t gn_world_bytes(const gn_world *w) {
+    size_t n = w->particles.soa.capacity;
+    size_t bytes = n * gn_record_bytes(&gn_particle_record, w->effects);
+    bytes += w->bonds.soa.capacity * (gn_record_bytes(&gn_contact_record, w->bonds.soa.effects) + 4);
+    bytes += w->pairs.soa.capacity * (gn_record_bytes(&gn_contact_record, w->pairs.soa.effects) + 4);
+    bytes += w->wall_contacts.soa.capacity * gn_record_bytes(&gn_wall_contact_record, w->effects);
+    return bytes + n * 5 * sizeof(int32_t);
+}

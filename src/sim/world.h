@@ -1,0 +1,143 @@
+/* The world owns everything of a running model. Flow: gn_world_create (scene -> particles, bonds, lists,
+ * step), gn_world_step (one step), readers (record.h, output.h), gn_world_free. */
+#ifndef GN_SIM_WORLD_H
+#define GN_SIM_WORLD_H
+
+#include "kernels/dispatch.h"
+#include "measure/energy.h"
+#include "measure/measure.h"
+#include "neigh/pairs.h"
+#include "scene/scene.h"
+#include "sim/timestep.h"
+
+/* X(name, text): what the seconds of a run are booked under. */
+#define GN_PHASES(X)                                                                               \
+    X(bonds, "bond kernels")                                                                       \
+    X(pairs, "unbonded contact kernels")                                                           \
+    X(walls, "wall contacts and wall motion")                                                      \
+    X(motion, "gather, damping, integration")                                                      \
+    X(lists, "neighbour search and lists")                                                         \
+    X(step_limit, "stability limit")                                                               \
+    X(measure, "readings and history")                                                             \
+    X(output, "snapshots, checkpoints, results")                                                   \
+    X(setup, "specimen, bonds, first lists")
+
+typedef enum gn_phase {
+#define X(name, text) GN_PHASE_##name,
+    GN_PHASES(X)
+#undef X
+        GN_PHASE_COUNT
+} gn_phase;
+
+const char *gn_phase_name(gn_phase phase);
+const char *gn_phase_text(gn_phase phase);
+
+typedef struct gn_wall {
+    double point[3], start[3]; /* m; a point of the plane, and where it began */
+    double normal[3];          /* unit, to the particles */
+    double velocity[3];        /* m/s, over the interval that led here */
+    double force[3];           /* N, of the particles on the wall at the last evaluation */
+    double stiffness;          /* N/m, sum of the touching contacts (servo) */
+    double travel;             /* m, path since the lists were made */
+} gn_wall;
+
+/* State of the Verlet lists. */
+typedef struct gn_verlet {
+    double skin;      /* m */
+    double drift;     /* m, bound on any particle's path since `ref` was set */
+    int64_t rebuilds, checks;
+    int64_t last_step; /* step of the last rebuild */
+} gn_verlet;
+
+/* Uniform contact parameters derived from the packing (models 3a, 3b, 3c); 0 when not used. */
+typedef struct gn_derived {
+    double radius;         /* m: stiffness is 2 E_c radius */
+    double radius2;        /* m2: strengths are 4 sigma_c radius2, 4 tau_c radius2 */
+} gn_derived;
+
+typedef struct gn_world {
+    gn_scene scene;
+    gn_effects effects;
+    const gn_kernel_set *kernels;
+    gn_contact_kernel *bond_kernel, *pair_kernel;
+    gn_motion_kernel *motion_kernel;
+    int threads;
+
+    gn_particles particles;
+    gn_contacts bonds, pairs;
+    gn_wall_contacts wall_contacts;
+    gn_incidence bonds_of, pairs_of;
+    int32_t *wall_first;   /* [particles + 1] */
+    int32_t *index_of_id;  /* [particles] */
+    gn_derived derived;
+
+    gn_wall *walls;          /* [scene.wall_count] */
+    double *wall_normals;    /* [walls][4], for measures */
+    gn_prescription prescribed;
+    int32_t *channel_set;    /* [prescribed.count][6] set that drives a channel, -1: free */
+    double *set_reaction;    /* [scene.set_count][6] N, N m: what the prescription supplied */
+
+    gn_contact_sums *bond_sums, *pair_sums, *wall_sums; /* per block */
+    gn_motion_sums *motion_sums;
+    size_t bond_blocks, pair_blocks, wall_blocks, motion_blocks;
+
+    gn_verlet verlet;
+    gn_strain_gauge gauge;
+    double period[3];
+    double volume;          /* m3 (2D: m2 x 1 m): of the specimen at the start */
+    double lower[3], upper[3]; /* m: extent of the specimen at the start, radii included */
+    double test_length, test_area;
+
+    int64_t step;
+    double time;            /* s */
+    double dt_past, dt;     /* s: interval that led here, coming interval */
+    gn_step_limit limit;    /* last full estimate */
+    double bound;           /* s: last rigorous bound */
+    int64_t limit_step;     /* when */
+    int64_t dt_lowered;     /* times that the step was lowered while running */
+
+    gn_energy energy;       /* running totals */
+    gn_energy reading;      /* the ledger at the last measured instant */
+    int64_t broken_tension, broken_shear, bonds_at_start;
+    double unbalanced;      /* mean resultant over mean contact force at the last measured step */
+    int64_t lost;           /* removed particles */
+    int64_t contact_steps;  /* contacts worked on, summed over steps */
+    double seconds[GN_PHASE_COUNT];
+} gn_world;
+
+/* Builds the world; takes over the contents of `scene` (also on failure, when they are freed). On failure
+ * nothing is held. */
+gneiss_status gn_world_create(gn_scene *scene, gn_world *world, gneiss_error *error);
+void gn_world_free(gn_world *world);
+
+/* Effects, threads and kernels from world->scene; gn_world_create and resume call it. */
+gneiss_status gn_world_prepare(gn_world *world, gneiss_error *error);
+
+/* Advances by one step. Forces, wall forces, reactions and, with `measure`, `reading` and `unbalanced` are
+ * those of the instant at which the step starts; positions, velocities and time are those at its end.
+ * GNEISS_ERROR_UNSTABLE: the state is the last computed one. */
+gneiss_status gn_world_step(gn_world *world, bool measure, gneiss_error *error);
+
+/* Makes the lists anew (lists.c). `first`: at the start, when bonds are formed as well. */
+gneiss_status gn_world_rebuild(gn_world *world, gneiss_error *error);
+
+/* After the records of a checkpoint were read: null particles, padding, incidence, block sums. */
+gneiss_status gn_world_restore(gn_world *world, gneiss_error *error);
+
+/* Rebuilds if the displacement bound says so. */
+gneiss_status gn_world_refresh_lists(gn_world *world, gneiss_error *error);
+
+/* Checks the stability limit and lowers an automatic step (dt.c). `full`: Lanczos even if the rigorous bound
+ * is above the step. */
+gneiss_status gn_world_check_step(gn_world *world, bool full, gneiss_error *error);
+
+/* The view that measures and the time step estimate work on. */
+gn_assembly gn_world_assembly(const gn_world *world);
+
+/* Hash of the state: particles, contacts, walls, time. */
+uint64_t gn_world_hash(const gn_world *world);
+
+/* Bytes held by particles, contacts and lists. */
+size_t gn_world_bytes(const gn_world *world);
+
+#endif

@@ -1,0 +1,174 @@
+"""make_results.py KIND FILE [PACKING]: a made-up results.h5 in the layout of docs/results.md, for the tests of
+the report. Nothing in it is a result of the engine. Kinds: see KINDS.
+"""
+import sys
+
+import h5py
+import numpy as np
+
+
+def lattice(dimension):
+    """Positions and radii of a small specimen with its axis along the last direction used."""
+    rng = np.random.default_rng(7)
+    spacing = 2e-3
+    if dimension == 2:
+        x, y = np.meshgrid(np.arange(14), np.arange(24))
+        x = x + 0.5 * (y % 2)
+        y = y * np.sqrt(0.75)
+        grid = np.stack([x.ravel(), y.ravel(), 0 * x.ravel()], axis=1)
+    else:
+        grid = np.stack(np.meshgrid(np.arange(9), np.arange(9), np.arange(18), indexing="ij"), axis=-1)
+        grid = grid.reshape(-1, 3).astype(float)
+        grid = grid[np.hypot(*(grid[:, :2] - 4).T) < 4.4]
+    radius = spacing * rng.uniform(0.44, 0.5, len(grid))
+    return grid * spacing, radius
+
+
+def bonds_of(position, radius):
+    """Pairs with a gap of up to 5 % of the sum of radii, in blocks to bound the memory."""
+    found = []
+    for start in range(0, len(radius), 256):
+        block = slice(start, start + 256)
+        distance = np.linalg.norm(position[block, None] - position[None], axis=2)
+        i, j = np.nonzero(distance <= 1.05 * (radius[block, None] + radius[None]))
+        found.append(np.stack([i + start, j], axis=1))
+    pairs = np.concatenate(found)
+    return pairs[pairs[:, 0] < pairs[:, 1]]
+
+
+class Writer:
+    def __init__(self, path):
+        self.file = h5py.File(path, "w")
+
+    def put(self, name, value, unit="1", text="made up"):
+        data = self.file.create_dataset(name, data=np.asarray(value))
+        data.attrs["unit"], data.attrs["description"] = unit, text
+
+
+def put_history(writer, rows, test, dimension):
+    t = np.linspace(0, 4e-3, rows)
+    s = t / 4e-3
+    rng = np.random.default_rng(3)
+    writer.put("history/step", (s * 40000).astype(np.int64))
+    writer.put("history/time", t, "s")
+    peak = 0.82
+    stress = np.where(s < peak, 240e6 * (s / peak) * (1 - 0.06 * (s / peak) ** 3) / 0.94,
+                      240e6 * np.exp(-((s - peak) / 0.05) ** 2))
+    strain = 1.75e-2 * s
+    if test:
+        writer.put("history/strain", strain)
+        writer.put("history/stress", stress + 2e5 * rng.standard_normal(rows), "Pa")
+        writer.put("history/stress_lower", stress + 2e6 * rng.standard_normal(rows), "Pa")
+        writer.put("history/stress_upper", stress + 2e6 * rng.standard_normal(rows), "Pa")
+    axial, lateral = -strain, 0.17 * strain + 2e-2 * np.maximum(0, s - peak)
+    values = {"xx": lateral, "yy": axial if dimension == 2 else 0.98 * lateral, "zz": 0 * s if dimension == 2 else axial}
+    for name, value in values.items():
+        writer.put(f"history/strain_{name}", value)
+    writer.put("history/unbalanced", 1e-3 + 0.02 * np.exp(-((s - peak - 0.04) / 0.03) ** 2) + 1e-2 * np.exp(-s * 30))
+    broken = 6000 / (1 + np.exp(-(s - peak - 0.03) * 60))
+    writer.put("history/broken_tension", np.round(0.55 * broken).astype(np.int64))
+    writer.put("history/broken_shear", np.round(0.45 * broken).astype(np.int64))
+    work = np.concatenate([[0], np.cumsum(0.5 * (stress[1:] + stress[:-1]) * np.diff(strain))]) * 1.9e-5 if rows else s
+    released = np.maximum(0, work - stress ** 2 / 2 / 20e9 * 1.9e-5)
+    stored = work - released
+    for name, part, total in (
+            ("elastic_normal", 0.7, stored), ("elastic_shear", 0.22, stored), ("elastic_wall", 0.07, stored),
+            ("kinetic", 0.01, stored), ("rotational", 0.0, stored), ("friction", 0.35, released),
+            ("background_damping", 0.3, released), ("bond_breaking", 0.35, released), ("work_walls", 1.0, work)):
+        writer.put(f"history/energy_{name}", part * total, "J")
+    writer.put("history/energy_residual", 1e-4 * s * np.sin(9 * s))
+    for axis in "xyz":
+        writer.put(f"history/wall_top_force_{axis}", -stress * 4.15e-4 * (axis == "z"), "N")
+    writer.put("energy/residual", 1e-4)
+    writer.put("energy/stored_at_start", 0.0, "J")
+
+
+def put_state(writer, position, radius, dimension, with_bonds):
+    rng = np.random.default_rng(5)
+    axis = dimension - 1
+    middle = 0.5 * (position.min(axis=0) + position.max(axis=0))
+    span = np.ptp(position, axis=0)
+    across = (position - middle)[:, 0] / span[0] + 0.62 * (position - middle)[:, axis] / span[axis]
+    side = np.tanh(25 * across)
+    displacement = np.zeros_like(position)
+    displacement[:, 0] = 3e-4 * side
+    displacement[:, axis] = -1.75e-2 * (position - middle)[:, axis] - 2e-4 * side
+    loose = rng.random(len(radius)) < 0.004
+    displacement[loose] *= 6
+    writer.put("particles/position", position + displacement, "m")
+    writer.put("particles/radius", radius, "m")
+    writer.put("particles/displacement", displacement, "m")
+    writer.put("particles/velocity", 0 * position, "m/s")
+    writer.put("particles/removed", np.zeros(len(radius), np.uint8))
+    pairs = bonds_of(position, radius) if with_bonds else np.zeros((0, 2), int)
+    at_plane = np.exp(-(0.5 * (across[pairs[:, 0]] + across[pairs[:, 1]]) / 0.05) ** 2)
+    broken = rng.random(len(pairs)) < 0.02 + 0.85 * at_plane
+    state = np.where(broken, np.where(rng.random(len(pairs)) < 0.55, 1, 2), 0).astype(np.uint8)
+    at_start = np.bincount(pairs.ravel(), minlength=len(radius))
+    lost = np.bincount(pairs[broken].ravel(), minlength=len(radius))
+    writer.put("particles/damage", lost / np.maximum(1, at_start))
+    if with_bonds:
+        writer.put("bonds/i", pairs[:, 0].astype(np.int32))
+        writer.put("bonds/j", pairs[:, 1].astype(np.int32))
+        writer.put("bonds/state", state)
+        writer.put("bonds/broken_time", np.where(broken, 3.4e-3, np.nan), "s")
+
+
+def put_readings(writer, missing):
+    nan = float("nan")
+    for name, value, unit in (("young_modulus", 18.1e9, "Pa"), ("poisson_ratio", 0.17, "1"),
+                              ("peak_stress", 240e6, "Pa"), ("peak_strain", 1.435e-2, "1"),
+                              ("plane_young_modulus", nan, "Pa")):
+        writer.put(f"readings/{name}", nan if missing else value, unit)
+
+
+# dimension, rows, test, bonds, finished, broken readings
+KINDS = {
+    "cylinder": (3, 800, True, True, True, False),
+    "disc": (2, 400, True, True, True, False),
+    "no_test": (3, 300, False, True, True, True),
+    "no_bonds": (3, 300, True, False, True, False),
+    "no_rows": (3, 0, False, True, True, True),
+    "one_row": (2, 1, True, True, True, True),
+    "two_rows": (3, 2, True, True, True, True),
+    "unfinished": (3, 120, True, True, False, True),
+    "not_a_number": (3, 200, True, True, True, True),
+    "no_particles": (3, 50, False, False, True, True),
+}
+
+
+def make(kind, path, packing=None):
+    dimension, rows, test, with_bonds, finished, missing = KINDS[kind]
+    writer = Writer(path)
+    attributes = dict(title=f"Made-up {kind} <&>", scene_file="made-up.yaml", version="0.1.0", build="gcc 12 release",
+                      isa="avx2", precision="double", threads=2, effects="space bonds", state_hash="0123456789abcdef",
+                      finished=int(finished), stop_reason="peak_drop: stress fell to half its peak" if finished else "",
+                      dimension=dimension)
+    for name, value in attributes.items():
+        writer.file.attrs[name] = value
+    axis = "y" if dimension == 2 else "z"
+    scene = f"title: made-up <&>\ndimension: {dimension}\n"
+    writer.file["scene"] = scene + (f"test:\n  kind: compression\n  axis: {axis}\nseed: 1\n" if test else "")
+    put_history(writer, rows, test, dimension)
+    if packing:
+        data = np.loadtxt(packing)
+        position, radius = data[:, :3], data[:, 3]
+    else:
+        position, radius = lattice(dimension)
+    if kind != "no_particles":
+        put_state(writer, position, radius, dimension, with_bonds)
+    put_readings(writer, missing)
+    for name, seconds in (("contacts", 12.1), ("gather", 3.2), ("motion", 2.1), ("neighbours", 0.8), ("measure", 0.4),
+                          ("output", 0.2)):
+        writer.put(f"profile/{name}", seconds, "s")
+    if kind == "not_a_number":
+        for name in ("stress", "strain", "unbalanced"):
+            writer.file[f"history/{name}"][100:] = np.nan
+        writer.file["history/broken_shear"][...] = 0
+        writer.file["history/strain_yy"][...] = np.nan
+        writer.file["particles/position"][3] = np.nan
+    writer.file.close()
+
+
+if __name__ == "__main__":
+    make(*sys.argv[1:])

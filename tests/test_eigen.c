@@ -1,0 +1,68 @@
+#include "test.h"
+
+#include "base/eigen.h"
+
+static const double pi = 3.14159265358979323846;
+
+static void jacobi_finds_the_spectrum_of_a_path(void **state) {
+    (void)state;
+    enum { N = 24 };
+    double a[N * N] = {0.0}, values[N], vectors[N * N];
+    for (int k = 0; k < N; k++) {
+        a[k * N + k] = 2.0;
+        if (k) a[k * N + k - 1] = a[(k - 1) * N + k] = -1.0;
+    }
+    gn_eigen_symmetric(N, a, values, vectors);
+    for (int k = 0; k < N; k++) {
+        double s = sin(pi * (N - k) / (2.0 * (N + 1)));
+        if (fabs(values[k] - 4.0 * s * s) > 1e-13) fail_msg("value %d: %.17g", k, values[k]);
+        for (int i = 0; i < N; i++) {
+            double left = i ? vectors[k * N + i - 1] : 0.0,
+                   right = i < N - 1 ? vectors[k * N + i + 1] : 0.0;
+            double residual =
+                2.0 * vectors[k * N + i] - left - right - values[k] * vectors[k * N + i];
+            if (fabs(residual) > 1e-13) fail_msg("vector %d misses by %g", k, residual);
+        }
+    }
+}
+
+static void path_product(const void *context, const double *x, double *y) {
+    size_t n = *(const size_t *)context;
+    for (size_t k = 0; k < n; k++)
+        y[k] = 2.0 * x[k] - (k ? x[k - 1] : 0.0) - (k + 1 < n ? x[k + 1] : 0.0);
+}
+
+/* The top of this spectrum is dense, so that many restarts are needed. */
+static void lanczos_converges_through_restarts(void **state) {
+    (void)state;
+    size_t n = 600;
+    double *x = calloc(n, sizeof *x);
+    for (size_t k = 0; k < n; k++) x[k] = (double)((k * k * 31 + 7 * k) % 101) - 50.0;
+    gn_eigen_top top;
+    assert_int_equal(gn_eigen_largest(n, path_product, &n, 1e-6, 2, x, &top, NULL), GNEISS_OK);
+    double s = sin(pi * (double)n / (2.0 * (n + 1.0)));
+    assert_true(top.vectors > 100);
+    assert_true(top.residual <= 1e-6 * top.value);
+    assert_true(top.value <= 4.0 * s * s * (1.0 + 1e-14));
+    assert_close(top.value, 4.0 * s * s, 1e-6);
+    assert_close(gn_eigen_dot(n, x, x, 2), 1.0, 1e-12);
+    free(x);
+}
+
+static void lanczos_refuses_a_zero_start(void **state) {
+    (void)state;
+    size_t n = 3;
+    double x[3] = {0.0};
+    gn_eigen_top top;
+    assert_int_equal(gn_eigen_largest(n, path_product, &n, 1e-6, 1, x, &top, NULL),
+                     GNEISS_ERROR_INTERNAL);
+}
+
+int main(void) {
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(jacobi_finds_the_spectrum_of_a_path),
+        cmocka_unit_test(lanczos_converges_through_restarts),
+        cmocka_unit_test(lanczos_refuses_a_zero_start),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}

@@ -1,0 +1,221 @@
+#!/usr/bin/python3
+"""report.py OUTDIR: reads OUTDIR/results.h5, writes OUTDIR/report.html and OUTDIR/report/*.png.
+
+Exit codes: 0 done, 2 there is no results file that can be read, 3 the report cannot be written.
+"""
+import html
+import os
+import sys
+
+import numpy as np
+
+from report_curves import CURVES
+from report_pictures import Specimen, plot_slice, plot_surface
+from report_results import Results, Unreadable, quantity
+
+STYLE = """
+:root { --ink: #22303c; --soft: #5c6b76; --line: #dde3e7; --accent: #c8402f; }
+body { font: 15px/1.5 system-ui, "DejaVu Sans", sans-serif; color: var(--ink); margin: 0 auto; max-width: 1180px;
+  padding: 1.5rem 1.2rem 4rem; background: #fff; }
+h1 { font-size: 1.7rem; margin: 0 0 .2rem; } h2 { font-size: 1.15rem; margin: 2.2rem 0 .6rem; }
+.soft, figcaption { color: var(--soft); font-size: .9rem; }
+.warning { border-left: 4px solid var(--accent); padding: .4rem .9rem; background: #fdf1ef; margin: 1rem 0; }
+.cards { display: flex; flex-wrap: wrap; gap: .8rem; margin: 1.2rem 0; }
+.card { border: 1px solid var(--line); border-radius: 8px; padding: .6rem 1rem; min-width: 9.5rem; }
+.card b { display: block; font-size: 1.35rem; } .card span { color: var(--soft); font-size: .85rem; }
+table { border-collapse: collapse; margin: .4rem 0; } td, th { padding: .22rem .9rem .22rem 0; text-align: left;
+  border-bottom: 1px solid var(--line); vertical-align: top; } td.number { font-variant-numeric: tabular-nums;
+  white-space: nowrap; } td.si { color: var(--soft); font-variant-numeric: tabular-nums; }
+.grid { display: grid; grid-template-columns: repeat(auto-fit, minmax(440px, 1fr)); gap: 1.2rem; }
+.tables { display: flex; flex-wrap: wrap; gap: 0 3rem; }
+figure { margin: 0; } figure img { max-width: 100%; height: auto; } figure.wide { margin: 1rem 0; }
+pre { background: #f6f8f9; padding: 1rem; overflow-x: auto; font-size: .85rem; } code { font-size: .9em; }
+"""
+
+CARDS = (("young_modulus", "Young's modulus"), ("poisson_ratio", "Poisson's ratio"),
+         ("peak_stress", "peak stress"), ("peak_strain", "strain at the peak"))
+
+
+def reading_text(name, column):
+    value = float(np.asarray(column.value, float).reshape(-1)[0])
+    if column.unit in ("", "1") and "strain" in name and np.isfinite(value):
+        return f"{100 * value:.3g} %"
+    return quantity(value, column.unit)
+
+
+def escape(text):
+    return html.escape(str(text))
+
+
+def table(rows, head=None):
+    """HTML table of rows of (cell, class) or plain cells, escaped here."""
+    out = ["<table>"]
+    if head:
+        out.append("<tr>" + "".join(f"<th>{escape(h)}</th>" for h in head) + "</tr>")
+    for row in rows:
+        cells = [c if isinstance(c, tuple) else (c, "") for c in row]
+        out.append("<tr>" + "".join(f'<td class="{k}">{escape(t)}</td>' for t, k in cells) + "</tr>")
+    return "\n".join(out + ["</table>"])
+
+
+# --- tables --------------------------------------------------------------------------------------------
+
+def readings_table(results):
+    rows = []
+    for name, column in results.readings.items():
+        value = float(np.asarray(column.value, float).reshape(-1)[0])
+        si = f"{value:.6g} {column.unit}" if np.isfinite(value) else ""
+        rows.append((name.replace("_", " "), (reading_text(name, column), "number"), (si, "si"), column.text))
+    return table(rows, ("reading", "value", "SI", "meaning")) if rows else "<p>The run has no readings.</p>"
+
+
+def count_rows(results):
+    state = results.bond_state
+    rows = [("particles", results.particle_count)]
+    removed = results.particle("removed")
+    if removed is not None and np.any(removed):
+        rows.append(("removed particles", int(np.count_nonzero(removed))))
+    if len(state):
+        broken = int((state > 0).sum())
+        rows += [("bonds at the start", len(state)),
+                 ("bonds per particle", f"{2 * len(state) / max(1, results.particle_count):.3g}"),
+                 ("broken in tension", int((state == 1).sum())),
+                 ("broken in shear", int((state == 2).sum())),
+                 ("broken, of all", f"{100 * broken / len(state):.3g} %")]
+    else:
+        rows.append(("bonds", 0))
+    return [(a, (f"{b:,}".replace(",", " ") if isinstance(b, int) else b, "number")) for a, b in rows]
+
+
+def fact_rows(results):
+    step, time = results.column("step"), results.column("time")
+    steps = results.attribute("steps") or (f"{int(np.nanmax(step))}" if step is not None else "")
+    dt = results.attribute("dt")
+    if not dt and step is not None and time is not None and np.nanmax(step) > 0:
+        dt = np.nanmax(time) / np.nanmax(step)
+    seconds = sum(np.nan_to_num(float(np.asarray(c.value).reshape(-1)[0])) for c in results.profile.values())
+    rows = [(label, results.attribute(name)) for label, name in (
+        ("version", "version"), ("build", "build"), ("instruction set", "isa"), ("precision", "precision"),
+        ("threads", "threads"))]
+    rows += [("dimension", results.dimension), ("time step", quantity(float(dt), "s") if dt else ""),
+             ("steps", steps), ("simulated time", quantity(float(np.nanmax(time)), "s") if time is not None else ""),
+             ("wall time", f"{seconds:.3g} s" if seconds else ""),
+             ("energy residual", residual_text(results)),
+             ("stopped because", results.attribute("stop_reason")), ("state hash", results.attribute("state_hash")),
+             ("scene file", results.attribute("scene_file"))]
+    return [(a, (b, "number" if a != "scene file" else "")) for a, b in rows if str(b)]
+
+
+def residual_text(results):
+    value = results.scalar(results.energy, "residual")
+    if not np.isfinite(value):
+        return ""
+    unit = results.energy["residual"].unit
+    return f"{value:.2e} of the energy put in" if unit in ("", "1") else quantity(value, unit)
+
+
+# --- figures -------------------------------------------------------------------------------------------
+
+def draw_figures(results, folder):
+    """{name: caption} of what could be drawn into folder/report; old pictures are removed."""
+    pictures = os.path.join(folder, "report")
+    os.makedirs(pictures, exist_ok=True)
+    specimen = Specimen(results) if results.particle_count and results.particle("position") is not None else None
+    jobs = {name: (lambda path, plot=plot: plot(results, path) if results.rows or plot is CURVES["profile"] else None)
+            for name, plot in CURVES.items()}
+    if specimen and specimen.count:
+        jobs["surface"] = lambda path: plot_surface(specimen, path)
+        jobs["slice"] = lambda path: plot_slice(specimen, results, path)
+    for name in (*CURVES, "surface", "slice"):
+        try:
+            os.remove(os.path.join(pictures, name + ".png"))
+        except FileNotFoundError:
+            pass
+    captions = {name: job(os.path.join(pictures, name + ".png")) for name, job in jobs.items()}
+    return {name: caption for name, caption in captions.items() if caption}
+
+
+def figure(name, captions, kind=""):
+    if name not in captions:
+        return ""
+    return (f'<figure class="{kind}"><img src="report/{name}.png" alt="{escape(name.replace("_", " "))}">'
+            f"<figcaption>{escape(captions[name])}</figcaption></figure>")
+
+
+# --- the page ------------------------------------------------------------------------------------------
+
+def banner(results):
+    if results.finished:
+        return ""
+    return ('<p class="warning"><b>Unfinished.</b> The run goes on or was interrupted; '
+            "what follows is its state when the file was written.</p>")
+
+
+def cards(results):
+    shown = [(title, reading_text(name, results.readings[name])) for name, title in CARDS if name in results.readings]
+    return "".join(f'<div class="card"><span>{escape(t)}</span><b>{escape(v)}</b></div>' for t, v in shown)
+
+
+def page(results, captions):
+    title = results.attribute("title") or "gneiss run"
+    curves = "".join(figure(n, captions) for n in CURVES if n != "profile")
+    if not curves:
+        curves = "<p>The history has no rows: there is no curve to draw.</p>"
+    pictures = figure("surface", captions, "wide") + figure("slice", captions, "wide")
+    scene = ""
+    if results.scene:
+        scene = ("<details><summary>The resolved scene: every key, SI units</summary>"
+                 f"<pre>{escape(results.scene)}</pre></details>")
+    subtitle = " · ".join(filter(None, (
+        f"gneiss {results.attribute('version')}", f"{results.dimension}D", f"{results.particle_count} particles",
+        results.attribute("stop_reason"))))
+    return f"""<!DOCTYPE html>
+<html lang="en"><head><meta charset="utf-8"><meta name="viewport" content="width=device-width, initial-scale=1">
+<title>{escape(title)}</title><style>{STYLE}</style></head><body>
+<h1>{escape(title)}</h1>
+<p class="soft">{escape(subtitle)}</p>
+{banner(results)}
+<div class="cards">{cards(results)}</div>
+<h2>Curves</h2>
+<div class="grid">{curves}</div>
+<h2>Specimen</h2>
+{pictures or "<p>There are no particles to draw.</p>"}
+<h2>Readings</h2>
+{readings_table(results)}
+<h2>Run</h2>
+<div class="tables"><div>{table(fact_rows(results))}</div><div>{table(count_rows(results))}</div>
+{figure("profile", captions)}</div>
+<h2>Scene</h2>
+{scene or "<p>The file holds no scene.</p>"}
+<p class="soft">Numbers and arrays: <code>results.h5</code>, next to this page.</p>
+</body></html>
+"""
+
+
+def write_report(folder):
+    results = Results(os.path.join(folder, "results.h5"))
+    captions = draw_figures(results, folder)
+    target = os.path.join(folder, "report.html")
+    with open(target + ".tmp", "w", encoding="utf-8") as file:
+        file.write(page(results, captions))
+    os.replace(target + ".tmp", target)
+    return target
+
+
+def main(arguments):
+    if len(arguments) != 1 or arguments[0].startswith("-"):
+        print("usage: report.py OUTDIR (the output folder of a run)", file=sys.stderr)
+        return 2
+    try:
+        print(write_report(arguments[0]))
+    except Unreadable as e:
+        print(f"report: {e}", file=sys.stderr)
+        return 2
+    except OSError as e:
+        print(f"report: cannot write: {e}", file=sys.stderr)
+        return 3
+    return 0
+
+
+if __name__ == "__main__":
+    sys.exit(main(sys.argv[1:]))

@@ -1,0 +1,260 @@
+"""Curves over strain (or time, when there is no test): stress, broken bonds, energies, quality."""
+import matplotlib
+
+matplotlib.use("Agg")
+import matplotlib.pyplot as plt
+import numpy as np
+
+from report_results import scale_of
+
+INK = "#22303c"
+RED, BLUE, GREY = "#c8402f", "#2b6cb0", "#9aa5ad"
+STORED = {
+    "elastic_normal": ("elastic, normal", "#2c7fb8"),
+    "elastic_shear": ("elastic, shear", "#7fcdbb"),
+    "elastic_wall": ("elastic, walls", "#c7e9b4"),
+    "kinetic": ("kinetic", "#6a51a3"),
+    "rotational": ("rotational", "#bcbddc"),
+}
+LOST = {
+    "friction": ("friction", "#d95f0e"),
+    "background_damping": ("background damping", "#fec44f"),
+    "contact_damping": ("contact damping", "#fff1a8"),
+    "bond_breaking": ("bond breaking", "#b2182b"),
+    "removed": ("removed particles", "#bdbdbd"),
+}
+
+plt.rcParams.update({
+    "font.size": 10, "axes.labelcolor": INK, "axes.edgecolor": "#5c6b76", "text.color": INK,
+    "axes.titlesize": 11, "axes.titleweight": "bold", "axes.titlelocation": "left",
+    "axes.spines.top": False, "axes.spines.right": False, "axes.grid": True, "axes.axisbelow": True, "grid.color": "#e5e9ec",
+    "xtick.color": INK, "ytick.color": INK, "legend.frameon": False, "legend.fontsize": 9,
+    "lines.linewidth": 1.6, "figure.dpi": 110, "savefig.dpi": 130,
+})
+
+
+def abscissa(results):
+    """(values, label): strain in per cent with a test, else time."""
+    strain = results.column("strain")
+    if strain is not None:
+        return 100 * strain, "axial strain [%]"
+    time = results.column("time")
+    if time is None:
+        return None, ""
+    factor, unit = scale_of(time, "s")
+    return time / factor, f"time [{unit}]"
+
+
+def new_axes(title, x_label, y_label, height=3.9):
+    figure, axes = plt.subplots(figsize=(6.4, height), constrained_layout=True)
+    axes.set_title(title)
+    axes.set_xlabel(x_label)
+    axes.set_ylabel(y_label)
+    return figure, axes
+
+
+def style_for(values):
+    """One or two rows are points, not a line that nobody would see."""
+    return {"marker": "o", "markersize": 4} if np.isfinite(values).sum() < 3 else {}
+
+
+def save(figure, path):
+    figure.savefig(path)
+    plt.close(figure)
+
+
+def fit_line(results, strain, stress):
+    """(slope, intercept) of E between 1 and 50 % of the peak; None when E could not be read."""
+    slope = results.scalar(results.readings, "young_modulus")
+    peak = int(np.nanargmax(stress))
+    if not np.isfinite(slope) or not stress[peak] > 0:
+        return None
+    rising = np.arange(len(stress)) <= peak
+    used = rising & (stress >= 0.01 * stress[peak]) & (stress <= 0.5 * stress[peak]) & np.isfinite(strain)
+    if not used.any():
+        return None
+    return slope, float(np.mean(stress[used] - slope * strain[used]))
+
+
+def plot_stress(results, path):
+    strain, stress = results.column("strain"), results.column("stress")
+    if strain is None or stress is None:
+        return None
+    factor, unit = scale_of(stress, "Pa")
+    figure, axes = new_axes("Stress and strain", "axial strain [%]", f"axial stress [{unit}]")
+    for name, style in (("stress_lower", "--"), ("stress_upper", ":")):
+        end = results.column(name)
+        if end is not None:
+            axes.plot(100 * strain, end / factor, style, color=GREY, lw=1,
+                      label=name.replace("stress_", "at the ") + " end")
+    axes.plot(100 * strain, stress / factor, color=INK, label="mean of both ends", **style_for(stress))
+    peak = int(np.nanargmax(stress))
+    line = fit_line(results, strain, stress)
+    if line:
+        slope, start = line
+        top = np.array([0.0, 0.9 * stress[peak]])
+        e_factor, e_unit = scale_of([slope], "Pa")
+        axes.plot(100 * (top - start) / slope, top / factor, color=BLUE, lw=1.2, dashes=(6, 2), zorder=4,
+                  label=f"E = {slope / e_factor:.3g} {e_unit} (fit 1–50 %)")
+        axes.axhspan(0.01 * stress[peak] / factor, 0.5 * stress[peak] / factor, color=BLUE, alpha=0.05, lw=0)
+    if stress[peak] > 0 and np.isfinite(strain[peak]):
+        axes.plot(100 * strain[peak], stress[peak] / factor, "o", color=RED, ms=6, zorder=5,
+                  label=f"peak {stress[peak] / factor:.4g} {unit} at {100 * strain[peak]:.3g} %")
+    axes.margins(x=0.02)
+    axes.legend(loc="best")
+    save(figure, path)
+    return "Axial stress over platen strain, both positive in the sense of the test."
+
+
+def plot_broken(results, path):
+    x, label = abscissa(results)
+    tension, shear = results.column("broken_tension"), results.column("broken_shear")
+    if x is None or tension is None or shear is None:
+        return None
+    figure, axes = new_axes("Broken bonds", label, "broken bonds")
+    axes.fill_between(x, tension + shear, color=GREY, alpha=0.18, lw=0, label="all")
+    axes.plot(x, tension, color=RED, label="in tension", **style_for(tension))
+    axes.plot(x, shear, color=BLUE, label="in shear", **style_for(shear))
+    axes.set_ylim(bottom=0)
+    stress = results.column("stress")
+    if stress is not None:
+        factor, unit = scale_of(stress, "Pa")
+        other = axes.twinx()
+        other.grid(False)
+        other.spines["right"].set_visible(True)
+        other.plot(x, stress / factor, color=INK, lw=1, alpha=0.7)
+        other.set_ylabel(f"axial stress [{unit}] (thin line)")
+        other.set_ylim(bottom=min(0.0, float(np.nanmin(stress)) / factor))
+    axes.margins(x=0.02)
+    axes.legend(loc="upper left")
+    save(figure, path)
+    return "Broken bonds so far by cause, with the stress (thin line) for orientation."
+
+
+def energy_columns(results):
+    columns = {name[len("energy_"):]: c.value for name, c in results.history.items()
+               if name.startswith("energy_") and name != "energy_residual"}
+    return {name: np.nan_to_num(v) for name, v in columns.items() if np.isfinite(v).any()}
+
+
+def plot_energy(results, path):
+    x, label = abscissa(results)
+    terms = energy_columns(results)
+    if x is None or not terms:
+        return None
+    inputs = sum((v for n, v in terms.items() if n.startswith("work_")), np.zeros(results.rows))
+    at_start = results.scalar(results.energy, "stored_at_start")
+    inputs = inputs + (at_start if np.isfinite(at_start) else 0.0)
+    known = {**STORED, **LOST}
+    stack = [n for n in known if n in terms]
+    stack += [n for n in terms if n not in known and not n.startswith(("work_", "stored_"))]
+    largest = max([np.abs(terms[n]).max() for n in stack] + [np.abs(inputs).max()])
+    shown = [n for n in stack if np.abs(terms[n]).max() > 2e-3 * largest]
+    factor, unit = scale_of([largest], "J")
+    residual = results.column("energy_residual")
+    figure, (axes, below) = plt.subplots(2, 1, figsize=(6.4, 5.2), sharex=True, constrained_layout=True,
+                                         gridspec_kw={"height_ratios": [3.4, 1]})
+    axes.set_title("Energy")
+    if shown and results.rows > 1 and all(terms[n].min() >= -1e-6 * largest for n in shown):
+        axes.stackplot(x, [terms[n] / factor for n in shown], lw=0,
+                       labels=[known.get(n, (n, GREY))[0] for n in shown],
+                       colors=[known.get(n, (n, GREY))[1] for n in shown])
+    else:
+        for n in shown:
+            axes.plot(x, terms[n] / factor, label=known.get(n, (n, GREY))[0], color=known.get(n, (n, GREY))[1],
+                      **style_for(terms[n]))
+    axes.plot(x, inputs / factor, color=INK, lw=1.4, dashes=(5, 2), label="put in (work, stored at the start)")
+    axes.set_ylabel(f"energy [{unit}]")
+    handles, names = axes.get_legend_handles_labels()
+    axes.legend(handles[::-1], names[::-1], loc="upper left")
+    if residual is not None:
+        below.plot(x, residual, color=RED, lw=1.2, **style_for(residual))
+        below.ticklabel_format(axis="y", style="sci", scilimits=(-2, 2))
+    below.axhline(0, color=INK, lw=0.6)
+    below.set_ylabel("residual [1]")
+    below.set_xlabel(label)
+    axes.margins(x=0.02)
+    save(figure, path)
+    return ("Where the energy is and where it went, stacked; the dashed line is what was put in and should be the "
+            "upper edge of the stack. Below: what is missing, over the energy put in. Terms under 0.2 % are left out.")
+
+
+def plot_unbalanced(results, path):
+    x, label = abscissa(results)
+    ratio = results.column("unbalanced")
+    if x is None or ratio is None:
+        return None
+    figure, axes = new_axes("Unbalanced force", label, "unbalanced force ratio [1]", 3.2)
+    axes.plot(x, ratio, color=INK, lw=1.2, **style_for(ratio))
+    if (ratio[np.isfinite(ratio)] > 0).any():
+        axes.set_yscale("log")
+    axes.margins(x=0.02)
+    save(figure, path)
+    return "Mean resultant over mean contact force: small means quasi-static, jumps are fracture."
+
+
+def plot_strains(results, path):
+    x, label = abscissa(results)
+    names = [n for n in ("strain_xx", "strain_yy", "strain_zz") if results.column(n) is not None]
+    if x is None or not names:
+        return None
+    figure, axes = new_axes("Average strains", label, "average strain, tension positive [%]", 3.2)
+    for name, color in zip(names, (RED, "#e09f3e", BLUE)):
+        values = 100 * results.column(name)
+        axes.plot(x, values, color=color, label=f"ε$_{{{name[-2:]}}}$", **style_for(values))
+    axes.axhline(0, color=INK, lw=0.6)
+    axes.margins(x=0.02)
+    axes.legend(loc="best")
+    save(figure, path)
+    return "Volume averages over the specimen's triangulation (Bagi 1996)."
+
+
+def plot_forces(results, path):
+    """Forces on walls and reactions of sets over time: what there is to see without a test."""
+    time = results.column("time")
+    names = [n for n in results.history if "_force_" in n or "_reaction_" in n]
+    names = [n for n in names if results.column(n) is not None]
+    if time is None or not names or results.column("stress") is not None:
+        return None
+    peaks = {n: np.nanmax(np.abs(results.column(n))) for n in names}
+    largest = max(peaks.values())
+    shown = sorted((n for n in names if peaks[n] > 0.01 * largest), key=peaks.get, reverse=True)[:8]
+    factor, unit = scale_of([largest], "N")
+    t_factor, t_unit = scale_of(time, "s")
+    figure, axes = new_axes("Forces on walls and sets", f"time [{t_unit}]", f"force [{unit}]")
+    for name in shown:
+        values = results.column(name) / factor
+        axes.plot(time / t_factor, values, lw=1.2, label=name.replace("_", " "), **style_for(values))
+    if shown:
+        axes.legend(loc="best")
+    save(figure, path)
+    return "The largest components; smaller than 1 % of the largest are left out."
+
+
+def plot_profile(results, path):
+    phases = sorted(((float(np.asarray(c.value).reshape(-1)[0]), name) for name, c in results.profile.items()))
+    phases = [(s, name) for s, name in phases if np.isfinite(s) and s > 0]
+    if not phases:
+        return None
+    total = sum(s for s, _ in phases)
+    figure, axes = plt.subplots(figsize=(6.4, 0.9 + 0.28 * len(phases)), constrained_layout=True)
+    axes.set_title("Time per phase")
+    bars = axes.barh([name.replace("_", " ") for _, name in phases], [s for s, _ in phases], color=BLUE, height=0.68)
+    axes.bar_label(bars, [f" {s:.3g} s, {100 * s / total:.3g} %" for s, _ in phases], fontsize=9)
+    axes.set_xlabel("wall time [s]")
+    axes.grid(axis="y", visible=False)
+    axes.margins(x=0.22)
+    axes.set_xlim(left=0)
+    save(figure, path)
+    return f"Where the {total:.3g} s of wall time went."
+
+
+CURVES = {
+    "stress_strain": plot_stress,
+    "broken_bonds": plot_broken,
+    "forces": plot_forces,
+    "energy": plot_energy,
+    "unbalanced": plot_unbalanced,
+    "strains": plot_strains,
+    "profile": plot_profile,
+}

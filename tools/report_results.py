@@ -1,0 +1,145 @@
+"""What `report.py` knows of results.h5 (the layout is in docs/results.md), read at once and checked."""
+import re
+
+import h5py
+import numpy as np
+
+
+class Unreadable(Exception):
+    """The file is missing, damaged or not a results file; the text is for the user."""
+
+
+def _text(value):
+    if isinstance(value, np.ndarray):
+        value = value.reshape(-1)[0] if value.size else ""
+    return value.decode("utf-8", "replace") if isinstance(value, bytes) else str(value)
+
+
+class Column:
+    """A data set with its unit and what it means."""
+
+    def __init__(self, dataset):
+        self.value = np.asarray(dataset[()])
+        self.unit = _text(dataset.attrs.get("unit", ""))
+        self.text = _text(dataset.attrs.get("description", ""))
+
+
+def _group(file, name):
+    group = file.get(name)
+    if not isinstance(group, h5py.Group):
+        return {}
+    return {key: Column(item) for key, item in group.items() if isinstance(item, h5py.Dataset)}
+
+
+class Results:
+    """history, readings, energy, particles, bonds, profile: dictionaries of Column; empty if absent."""
+
+    def __init__(self, path):
+        try:
+            with h5py.File(path, "r") as file:
+                self._read(file)
+        except FileNotFoundError:
+            raise Unreadable(f"{path}: no such file (is this the output folder of a run?)") from None
+        except (OSError, RuntimeError, KeyError, ValueError) as e:
+            reason = re.sub(r"\s+", " ", str(e))
+            raise Unreadable(f"{path}: damaged or not a results file: {reason}") from None
+        if not self.history and not self.particles:
+            raise Unreadable(f"{path}: expected groups /history and /particles, found neither")
+
+    def _read(self, file):
+        self.attributes = dict(file.attrs)
+        scene = file.get("scene")
+        self.scene = _text(scene[()]) if isinstance(scene, h5py.Dataset) else ""
+        self.history = _group(file, "history")
+        self.readings = _group(file, "readings")
+        self.energy = _group(file, "energy")
+        self.particles = _group(file, "particles")
+        self.bonds = _group(file, "bonds")
+        self.profile = _group(file, "profile")
+        lengths = [np.size(c.value) for c in self.history.values()]
+        self.rows = min(lengths, default=0)
+        for column in self.history.values():
+            column.value = np.asarray(column.value, float).reshape(-1)[: self.rows]
+
+    def attribute(self, name, default=""):
+        return _text(self.attributes[name]) if name in self.attributes else default
+
+    @property
+    def dimension(self):
+        try:
+            return int(self.attribute("dimension", "3"))
+        except ValueError:
+            return 3
+
+    @property
+    def finished(self):
+        return self.attribute("finished", "0") == "1"
+
+    def column(self, name):
+        """Values of a history column, None when there is none or no row of it is finite."""
+        column = self.history.get(name)
+        if column is None or not np.isfinite(column.value).any():
+            return None
+        return column.value
+
+    def scalar(self, group, name):
+        column = group.get(name)
+        return float(np.asarray(column.value).reshape(-1)[0]) if column is not None else float("nan")
+
+    def particle(self, name):
+        column = self.particles.get(name)
+        return column.value if column is not None else None
+
+    @property
+    def particle_count(self):
+        radius = self.particle("radius")
+        return 0 if radius is None else len(radius)
+
+    @property
+    def bond_state(self):
+        column = self.bonds.get("state")
+        return np.zeros(0, int) if column is None else column.value.astype(int)
+
+    def test_axis(self):
+        """0, 1, 2: the axis of the test as the scene says, else the longest side of the specimen."""
+        block = re.search(r"^test:.*?(?=^\S|\Z)", self.scene, re.MULTILINE | re.DOTALL)
+        axis = block and re.search(r"\baxis:\s*[\"']?([xyz])", block[0])
+        if axis:
+            return "xyz".index(axis[1])
+        position = self.particle("position")
+        if position is None or not len(position):
+            return 2
+        extent = np.nan_to_num(np.ptp(position, axis=0))
+        return int(np.argmax(extent[: self.dimension]))
+
+
+# --- numbers for people --------------------------------------------------------------------------------
+
+PREFIXES = ((1e9, "G"), (1e6, "M"), (1e3, "k"), (1.0, ""), (1e-3, "m"), (1e-6, "µ"), (1e-9, "n"))
+SCALED_UNITS = ("Pa", "J", "N", "m", "s")
+
+
+def scale_for(largest, unit):
+    """(factor, unit text): value/factor has a handy size in the unit text, as 20.1 GPa or 241 MPa."""
+    if unit not in SCALED_UNITS:
+        return 1.0, "" if unit in ("", "1") else unit
+    if not np.isfinite(largest) or largest == 0:
+        return 1.0, unit
+    for factor, prefix in PREFIXES:
+        if abs(largest) >= factor and not (prefix == "k" and unit in ("m", "s")):
+            return factor, prefix + unit
+    return PREFIXES[-1][0], PREFIXES[-1][1] + unit
+
+
+def scale_of(values, unit):
+    values = np.abs(np.asarray(values, float))
+    values = values[np.isfinite(values)]
+    return scale_for(values.max() if values.size else 0.0, unit)
+
+
+def quantity(value, unit, digits=4):
+    """`20.13 GPa`, `0.168`, `-` for what could not be read."""
+    if not np.isfinite(value):
+        return "–"
+    factor, text = scale_for(value, unit)
+    return f"{value / factor:.{digits}g} {text}".strip()
