@@ -35,9 +35,13 @@ static void print_kernels(const gn_world *w) {
 
 static void print_step(const gn_world *w) {
     double sharp = w->limit.sharp;
-    printf("step\n  dt               %.6g s%s\n", w->dt, w->scene.step > 0.0 ? " (given)" : "");
-    printf("  sharp limit      %.6g s  (Lanczos, %d vectors; fastest mode at particle %d)  dt/limit %.3f\n",
-           sharp, w->limit.iterations, w->limit.sharp_id, w->dt / sharp);
+    printf("step\n  dt               %.6g s%s = %.3f of the stability limit %.6g s\n", w->dt,
+           w->scene.step > 0.0 ? " (given)" : "", w->dt / w->stable, w->stable);
+    printf("  sharp limit      %.6g s  (Lanczos, %d vectors; fastest mode at particle %d)\n", sharp,
+           w->limit.iterations, w->limit.sharp_id);
+    if (w->stable < 0.999 * sharp && w->scene.estimate == GN_STEP_SHARP)
+        printf("                   less %.3f for non-viscous damping, which stiffens the fastest mode\n",
+               w->stable / sharp);
     printf("  rigorous bound   %.6g s  = %.3f of the sharp limit (particle %d)\n", w->limit.bound,
            w->limit.bound / sharp, w->limit.bound_id);
     printf("  literature       %.6g s  = %.3f of the sharp limit (min 2 sqrt(m/k), one spring); with its factor "

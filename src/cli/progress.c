@@ -71,9 +71,9 @@ void gn_print_start(const gn_options *o, const gn_run *run) {
     printf("%s\n", w->scene.title[0] ? w->scene.title : w->scene.source);
     printf("%zu particles, %zu bonds, %zu other pairs in the lists; %d thread%s, %s\n", w->particles.soa.count,
            w->bonds.soa.count, w->pairs.soa.count, w->threads, w->threads == 1 ? "" : "s", w->kernels->name);
-    printf("step %.4g s = %.2f of the sharp limit %.4g s (rigorous bound %.4g s, one-spring estimate of the "
-           "literature %.4g s)\n",
-           w->dt, w->dt / w->limit.sharp, w->limit.sharp, w->limit.bound, w->limit.literature);
+    printf("step %.4g s = %.2f of the stability limit %.4g s (undamped: sharp %.4g s, rigorous bound %.4g s, "
+           "one-spring estimate of the literature %.4g s)\n",
+           w->dt, w->dt / w->stable, w->stable, w->limit.sharp, w->limit.bound, w->limit.literature);
     printf("output: %s\n", run->directory);
     fflush(stdout);
 }

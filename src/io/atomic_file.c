@@ -127,7 +127,7 @@ gneiss_status gn_atomic_commit(gn_atomic_file *file, gneiss_error *error) {
 void gn_atomic_abort(gn_atomic_file *file) {
     if (file->descriptor >= 0) {
         close(file->descriptor);
-        unlink(file->temporary);
+        if (file->temporary) unlink(file->temporary);
     }
     free(file->path);
     free(file->temporary);

@@ -13,11 +13,14 @@ static const char prefix[] = "checkpoint", suffix[] = ".h5";
 gneiss_status gn_checkpoint_path(const char *directory, int64_t step, char **path,
                                  gneiss_error *error) {
     *path = NULL;
-    if (step < 0)
-        return gn_fail(error, GNEISS_ERROR_INTERNAL, "checkpoint of step %" PRId64 " < 0", step);
+    if (step < 0) {
+        gn_fail(error, GNEISS_ERROR_INTERNAL, "checkpoint of step %" PRId64 " < 0", step);
+        return GNEISS_ERROR_INTERNAL;
+    }
     *path = gn_step_path(directory, prefix, step, suffix);
-    return *path ? GNEISS_OK
-                 : gn_fail(error, GNEISS_ERROR_MEMORY, "%s: no memory for a name", directory);
+    if (*path) return GNEISS_OK;
+    gn_fail(error, GNEISS_ERROR_MEMORY, "%s: no memory for a name", directory);
+    return GNEISS_ERROR_MEMORY;
 }
 
 gneiss_status gn_checkpoint_list(const char *directory, int64_t *steps, size_t max, size_t *count,

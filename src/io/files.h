@@ -15,7 +15,8 @@ gneiss_status gn_make_directory(const char *path, gneiss_error *error);
 /* Writes `text` to path.tmp, fsyncs, renames. */
 gneiss_status gn_write_text_file(const char *path, const char *text, gneiss_error *error);
 
-/* Whole file as a NUL-terminated malloc'ed string. */
+/* Whole file as a NUL-terminated malloc'ed string. GNEISS_ERROR_INPUT: a folder, more than `limit` bytes, a
+ * zero byte in it; GNEISS_ERROR_IO: it cannot be opened or read. */
 gneiss_status gn_read_text_file(const char *path, size_t limit, char **text, gneiss_error *error);
 
 /* Minimal JSON building: numbers in full precision, NaN and infinity as null, strings escaped. */

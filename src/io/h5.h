@@ -7,10 +7,13 @@
 
 typedef struct gn_h5 gn_h5;
 
-/* Creates `path` + ".tmp" next to the target. Nothing is seen under `path` before gn_h5_commit. */
-gneiss_status gn_h5_create(const char *path, gn_h5 **file, gneiss_error *error);
-/* Opens for reading; truncated or foreign files give GNEISS_ERROR_INPUT with the path. */
-gneiss_status gn_h5_open(const char *path, gn_h5 **file, gneiss_error *error);
+/* Creates `path` + ".tmp" next to the target. Nothing is seen under `path` before gn_h5_commit. The contents
+ * are held in memory until then. */
+gneiss_status gn_h5_create(const char *path, gn_h5 **out, gneiss_error *error);
+/* Opens for reading; truncated or foreign files give GNEISS_ERROR_INPUT with the path, a file that cannot be
+ * opened (not there, no permission) GNEISS_ERROR_IO. Only the format of HDF5 1.10, which gn_h5_create writes,
+ * is taken: its headers have checksums. */
+gneiss_status gn_h5_open(const char *path, gn_h5 **out, gneiss_error *error);
 /* Flushes, fsyncs, renames to the final name, fsyncs the folder, closes and frees. On failure (disk full)
  * the temporary file is removed, the old file under `path` is untouched, and the handle is freed. */
 gneiss_status gn_h5_commit(gn_h5 *file, gneiss_error *error);
@@ -54,7 +57,9 @@ gneiss_status gn_h5_get_attribute_i64(const gn_h5 *file, const char *object, con
  * are stored as [components][count]. */
 gneiss_status gn_h5_put_record(gn_h5 *file, const char *name, const gn_record *record, const void *soa,
                                gneiss_error *error);
-/* Creates the record (gn_soa_create with `effects`) and fills it. */
+/* Creates the record (gn_soa_create with `effects`) and fills it. GNEISS_ERROR_INPUT when the effects in the
+ * file differ, or a field is missing or has another shape; then there is nothing to destroy. The padding
+ * behind `count` is zero: gn_particles_set_null and gn_contacts_pad are the caller's. */
 gneiss_status gn_h5_get_record(const gn_h5 *file, const char *name, const gn_record *record, void *soa,
                                gn_effects effects, gneiss_error *error);
 

@@ -71,7 +71,7 @@ static int read_shape(hid_t set, hsize_t size[H5S_MAX_RANK]) {
 
 static gneiss_status check_shape(const gn_h5 *file, const char *name, hid_t set, gn_type type,
                                  gn_h5_shape shape, gneiss_error *error) {
-    hsize_t size[H5S_MAX_RANK];
+    hsize_t size[H5S_MAX_RANK] = {0};
     char wanted[96], found[96];
     int rank = read_shape(set, size);
     bool same =
@@ -143,7 +143,7 @@ gneiss_status gn_h5_rows(const gn_h5 *file, const char *name, size_t *rows, gnei
     gn_h5_quiet();
     hid_t set;
     GN_TRY(open_set(file, name, &set, error));
-    hsize_t size[H5S_MAX_RANK];
+    hsize_t size[H5S_MAX_RANK] = {0};
     int rank = read_shape(set, size);
     H5Dclose(set);
     if (rank < 1)
@@ -183,7 +183,7 @@ gneiss_status gn_h5_get_text(const gn_h5 *file, const char *name, char **text,
     hid_t set;
     GN_TRY(open_set(file, name, &set, error));
     hid_t type = H5Dget_type(set);
-    hsize_t size[H5S_MAX_RANK];
+    hsize_t size[H5S_MAX_RANK] = {0};
     gneiss_status status = GNEISS_ERROR_INPUT;
     char *buffer = NULL;
     if (type < 0 || (H5Tis_variable_str(type) == 0 && H5Dget_storage_size(set) < H5Tget_size(type)))

@@ -13,7 +13,7 @@ typedef struct gn_packing {
 
 /* `dimension` 2 reads x y r (or x y z r with every z equal), 3 reads x y z r; separated by blanks, tabs or
  * commas. Refused with file:line:column: NaN, infinity, radius <= 0, wrong number of columns, no particles,
- * not a number. `scale` multiplies everything. */
+ * not a number; all GNEISS_ERROR_INPUT, as is a missing file. `scale` multiplies everything. */
 gneiss_status gn_packing_read(const char *path, int dimension, double scale, gn_packing *packing,
                               gneiss_error *error);
 void gn_packing_free(gn_packing *packing);

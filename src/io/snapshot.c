@@ -34,34 +34,28 @@ static gneiss_status put_number(gn_h5 *file, const char *name, size_t value, gne
     return gn_h5_put(file, name, GN_I64, 1, 1, 0, &number, NULL, NULL, error);
 }
 
-/* Connectivity, offsets and types. A vertex has one point, a line two. */
-static gneiss_status put_cells(gn_h5 *file, const gn_snapshot *s, gneiss_error *error) {
-    size_t per_cell = is_lines(s) ? 2 : 1, cells = is_lines(s) ? s->line_count : s->point_count;
+/* Connectivity, offsets and types, filled one after the other into `work` of 2 cells + 1 numbers. A
+ * vertex has one point, a line two. */
+static gneiss_status put_topology(gn_h5 *file, const gn_snapshot *s, size_t cells, int64_t *work,
+                                  gneiss_error *error) {
+    size_t per_cell = is_lines(s) ? 2 : 1, ids = per_cell * cells;
+    for (size_t k = 0; k < ids; k++) work[k] = per_cell == 2 ? s->lines[k] : (int64_t)k;
+    GN_TRY(gn_h5_put(file, "VTKHDF/Connectivity", GN_I64, ids, 1, 0, work, NULL, NULL, error));
+    for (size_t k = 0; k <= cells; k++) work[k] = (int64_t)(per_cell * k);
+    GN_TRY(gn_h5_put(file, "VTKHDF/Offsets", GN_I64, cells + 1, 1, 0, work, NULL, NULL, error));
+    memset(work, per_cell == 2 ? VTK_LINE : VTK_VERTEX, cells);
+    GN_TRY(gn_h5_put(file, "VTKHDF/Types", GN_U8, cells, 1, 0, work, NULL, NULL, error));
     GN_TRY(put_number(file, "VTKHDF/NumberOfPoints", s->point_count, error));
     GN_TRY(put_number(file, "VTKHDF/NumberOfCells", cells, error));
-    GN_TRY(put_number(file, "VTKHDF/NumberOfConnectivityIds", per_cell * cells, error));
-    int64_t *index = gn_alloc_array(2 * cells + 1, sizeof *index);
-    uint8_t *types = gn_alloc_array(cells, 1);
-    gneiss_status status = GNEISS_OK;
-    if (!index || !types)
-        status = gn_fail(error, GNEISS_ERROR_MEMORY, "no memory for %zu cells", cells);
-    if (status == GNEISS_OK) {
-        for (size_t k = 0; k < per_cell * cells; k++)
-            index[k] = per_cell == 2 ? s->lines[k] : (int64_t)k;
-        status = gn_h5_put(file, "VTKHDF/Connectivity", GN_I64, per_cell * cells, 1, 0, index, NULL,
-                           NULL, error);
-    }
-    if (status == GNEISS_OK) {
-        for (size_t k = 0; k <= cells; k++) index[k] = (int64_t)(per_cell * k);
-        status =
-            gn_h5_put(file, "VTKHDF/Offsets", GN_I64, cells + 1, 1, 0, index, NULL, NULL, error);
-    }
-    if (status == GNEISS_OK) {
-        memset(types, per_cell == 2 ? VTK_LINE : VTK_VERTEX, cells);
-        status = gn_h5_put(file, "VTKHDF/Types", GN_U8, cells, 1, 0, types, NULL, NULL, error);
-    }
-    gn_free(index);
-    gn_free(types);
+    return put_number(file, "VTKHDF/NumberOfConnectivityIds", ids, error);
+}
+
+static gneiss_status put_cells(gn_h5 *file, const gn_snapshot *s, gneiss_error *error) {
+    size_t cells = is_lines(s) ? s->line_count : s->point_count;
+    int64_t *work = gn_alloc_array(2 * cells + 1, sizeof *work);
+    if (!work) return gn_fail(error, GNEISS_ERROR_MEMORY, "no memory for %zu cells", cells);
+    gneiss_status status = put_topology(file, s, cells, work, error);
+    gn_free(work);
     return status;
 }
 
@@ -87,8 +81,8 @@ static gneiss_status put_grid(gn_h5 *file, const gn_snapshot *s, gneiss_error *e
     GN_TRY(gn_h5_put(file, "VTKHDF/Points", GN_F64, s->point_count, 3, 0, s->points, "m", NULL,
                      error));
     /* An attribute makes the group, which the reader wants even when it is empty. */
-    GN_TRY(gn_h5_attribute_text(file, "VTKHDF/PointData", "of", "points", error));
-    GN_TRY(gn_h5_attribute_text(file, "VTKHDF/CellData", "of", "cells", error));
+    GN_TRY(gn_h5_attribute_text(file, "VTKHDF/PointData", "text", "arrays on points", error));
+    GN_TRY(gn_h5_attribute_text(file, "VTKHDF/CellData", "text", "arrays on cells", error));
     GN_TRY(put_arrays(file, "VTKHDF/PointData", s->point_arrays, s->point_array_count,
                       s->point_count, error));
     GN_TRY(put_arrays(file, "VTKHDF/CellData", s->line_arrays, s->line_array_count, s->line_count,

@@ -22,17 +22,20 @@ typedef struct gn_snapshot {
     size_t line_count;
     const int32_t *lines; /* [line_count][2] point indices */
     size_t point_array_count, line_array_count;
-    const gn_snapshot_array *point_arrays; /* on vertices; lines get NaN in the cell data of these */
-    const gn_snapshot_array *line_arrays;
+    const gn_snapshot_array *point_arrays; /* [point_count], become PointData */
+    const gn_snapshot_array *line_arrays;  /* [line_count], become CellData */
 } gn_snapshot;
 
 /* Writes DIR/NAME_<step, 10 digits>.hdf atomically. Particles and bonds are separate files so that each is
- * a plain grid: `particles` (vertices) and `bonds` (lines) by calling this twice with the other part empty. */
+ * a plain grid: `particles` (vertices) and `bonds` (lines) by calling this twice with the other part empty.
+ * With lines or line arrays the cells are the lines (there may be none left), otherwise every point is a
+ * vertex. All points are written in either case. Tensors: 9 components by rows, or 6 as xx yy zz xy yz xz. */
 gneiss_status gn_snapshot_write(const char *directory, const char *name, const gn_snapshot *snapshot,
                                 gneiss_error *error);
 
 /* Rewrites DIR/NAME.hdf.series from the snapshots on disk up to `last_step`, atomically; snapshots of later
- * steps (left by a run that was killed and resumed from before them) are removed. Times come from the files. */
+ * steps (left by a run that was killed and resumed from before them) are removed. Times come from the files;
+ * one that cannot be read is GNEISS_ERROR_INPUT. Temporary files of a killed run are removed. */
 gneiss_status gn_snapshot_series(const char *directory, const char *name, int64_t last_step,
                                  gneiss_error *error);
 

@@ -320,6 +320,9 @@ static const gn_key wall_keys[] = {
         .fallback = "none", .text = "k_n/k_t of the wall; needed with friction"),
     KEY("friction", REAL, gn_wall_def, friction, .unit = "1", .range = "[0, inf)", .fallback = "0",
         .text = "Coulomb friction coefficient"),
+    KEY("passive", CHOICE, gn_wall_def, passive, .choices = booleans, .fallback = "false",
+        .text = "particles that overlap the wall at the start are stress-free there, as bonds with "
+                "passive_gaps: a platen laid on a cut face"),
     SECTION("motion", wall_motion_section, .offset = offsetof(gn_wall_def, motion),
             .text = "how the wall moves; a free channel stands still"),
     SECTION("servo", servo_section, PRESENT(BOOL, gn_wall_def, servo.active),

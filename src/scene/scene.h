@@ -146,6 +146,7 @@ typedef struct gn_wall_def {
     double stiffness; /* penalty k_n, N/m */
     double kratio;    /* k_n/k_t; used when friction > 0 */
     double friction;
+    bool passive; /* particles that overlap the wall at the start are stress-free there */
     gn_motion motion;
     gn_servo servo;
     gn_where where;

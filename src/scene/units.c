@@ -6,6 +6,7 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <strings.h>
 #include <udunits2.h>
 
 enum { CACHE_SIZE = 16, UNIT_SIZE = 32 };
@@ -104,15 +105,44 @@ static void unit_factor(gn_units *units, const char *from, const char *to, doubl
     }
 }
 
-/* Only what people write as a unit reaches the parser of UDUNITS-2: "23 10 mm" is a slip, not 230
- * mm. */
-static bool looks_like_unit(const char *unit) {
-    if (strlen(unit) >= UNIT_SIZE) return false;
-    unsigned char first = (unsigned char)unit[0];
-    bool letter = (first >= 'a' && first <= 'z') || (first >= 'A' && first <= 'Z') ||
-                  first >= 0x80 || first == '%';
-    if (!letter && strncmp(unit, "1/", 2) != 0) return false;
-    return strpbrk(unit, "@\"'\t\n") == NULL && strstr(unit, " since ") == NULL;
+static bool is_letter(char c) {
+    return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (unsigned char)c >= 0x80 ||
+           c == '%' || c == '_';
+}
+
+/* One factor of a unit, "mm" or "m-3" or "s^2": what comes behind it, NULL when there is none. */
+static const char *skip_factor(const char *s) {
+    static const char *const words[] = {"since", "after", "from", "ref", "per"};
+    const char *start = s;
+    while (is_letter(*s)) s++;
+    size_t length = (size_t)(s - start);
+    for (size_t k = 0; k < sizeof words / sizeof *words; k++)
+        if (strlen(words[k]) == length && strncasecmp(start, words[k], length) == 0) return NULL;
+    if (length == 0) return NULL;
+    bool sign = *s == '^';
+    if (sign) s++;
+    if (*s == '-' || *s == '+') s++, sign = true;
+    if (sign && !(*s >= '1' && *s <= '9')) return NULL;
+    if (*s >= '1' && *s <= '9') s++;
+    return s;
+}
+
+/* Only products and quotients of powers reach the parser of UDUNITS-2: "23 10 mm" is a slip, not
+ * 230 mm; times since a date are of no use here; and the parser loses memory over bad syntax. */
+static bool looks_like_unit(const char *s) {
+    if (strlen(s) >= UNIT_SIZE) return false;
+    if (strncmp(s, "1/", 2) == 0) s += 2;
+    for (;;) {
+        s = skip_factor(s);
+        if (!s) return false;
+        if (!*s) return true;
+        const char *gap = s;
+        while (*s == ' ') s++;
+        bool joined = *s == '/' || *s == '.' || *s == '*';
+        if (joined) s++;
+        if (!joined && gap == s) return false;
+        while (*s == ' ') s++;
+    }
 }
 
 static bool starts_a_number(const char *text) {

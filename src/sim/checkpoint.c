@@ -27,6 +27,7 @@ static const piece pieces[] = {
     DOUBLES(world.dt_past),
     DOUBLES(world.dt),
     DOUBLES(world.bound),
+    DOUBLES(world.stable),
     DOUBLES(world.limit.bound),
     DOUBLES(world.limit.sharp),
     DOUBLES(world.limit.sharp_low),

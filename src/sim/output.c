@@ -391,6 +391,7 @@ gneiss_status gn_output_summary(const gn_run *run, gneiss_error *error) {
     gn_json_integer(j, "steps", w->step);
     gn_json_number(j, "time", w->time);
     gn_json_number(j, "dt", w->dt);
+    gn_json_number(j, "dt_limit", w->stable);
     gn_json_number(j, "dt_limit_sharp", w->limit.sharp);
     gn_json_number(j, "dt_limit_bound", w->limit.bound);
     gn_json_integer(j, "list_rebuilds", w->verlet.rebuilds);

@@ -203,7 +203,7 @@ static gneiss_status fail_particle(const gn_world *w, size_t p, const char *what
                    "step %lld, t = %g s: particle %d %s: position (%g, %g, %g) m, velocity (%g, %g, %g) m/s, "
                    "radius %g m; the step is %.3g s, its stability limit was estimated as %.3g s",
                    (long long)w->step, w->time, q->id[p], what, x[0], x[1], x[2], v[0], v[1], v[2], x[3],
-                   w->dt, w->limit.sharp);
+                   w->dt, w->stable);
 }
 
 static gneiss_status check_motion(const gn_world *w, const gn_motion_sums *m, gneiss_error *error) {

@@ -90,7 +90,7 @@ static bool wall_spring(const gn_spectrum *spectrum, const gn_wall_contacts *lis
         s->n[k] = -normal[k];
         gap += normal[k] * (x[k] - point[k]);
     }
-    if (gap >= 0.0) return false;
+    if (gap > list->gap0[c]) return false; /* a passive contact starts at gap0 and counts */
     /* The wall is rigid: its contact point is on the plane, or at r as between particles. */
     s->arm_i = x[3] + 2.0 * spectrum->arm_factor * gap;
     s->kt = list->shear ? spectrum->wall_stiffness[2 * wall + 1] : 0.0;

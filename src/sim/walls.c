@@ -58,6 +58,7 @@ static void carry_over(gn_wall_contacts *now, const gn_wall_contacts *old, size_
     if (low == old->soa.count || old->i[low] != now->i[c] || old->wall[low] != now->wall[c]) return;
     for (int a = 0; now->shear && a < 3; a++)
         now->shear[c + (size_t)a * now->soa.capacity] = old->shear[low + (size_t)a * old->soa.capacity];
+    now->gap0[c] = old->gap0[low];
     if (now->fd) now->fd[c] = old->fd[low];
 }
 
@@ -73,11 +74,13 @@ gneiss_status gn_wall_contacts_find(gn_world *w, gneiss_error *error) {
     w->wall_first[n] = (int32_t)count;
     gn_wall_contacts old = w->wall_contacts, now = {0};
     GN_TRY(gn_soa_create(&gn_wall_contact_record, &now, count, w->effects, error));
+    bool first = w->verlet.rebuilds == 0;
     for (size_t p = 0, c = 0; p < n; p++)
         for (size_t k = 0; k < walls; k++) {
             if (!near_wall(w, p, k)) continue;
             now.i[c] = (int32_t)p;
             now.wall[c] = (int32_t)k;
+            if (first && w->scene.walls[k].passive) now.gap0[c] = fmin(0.0, wall_gap(w, p, k));
             carry_over(&now, &old, c++);
         }
     gn_soa_destroy(&gn_wall_contact_record, &old);
@@ -137,8 +140,9 @@ static void wall_contact(const gn_world *w, size_t c, gn_contact_sums *sums) {
     size_t p = (size_t)q->i[c], k = (size_t)q->wall[c];
     const gn_wall_def *def = &w->scene.walls[k];
     wall_state s = kinematics(w, p, k);
-    bool touching = s.gap < 0.0;
-    double normal = touching ? def->stiffness * s.gap : 0.0, viscous = 0.0, t[3] = {0, 0, 0}, elastic = 0.0;
+    double overlap = s.gap - q->gap0[c]; /* negative while it presses */
+    bool touching = overlap < 0.0;
+    double normal = touching ? def->stiffness * overlap : 0.0, viscous = 0.0, t[3] = {0, 0, 0}, elastic = 0.0;
     if (w->effects & GN_FX_CONTACT_DAMPING) {
         double alpha = gn_contact_damping_fraction(&w->scene);
         if (touching)
@@ -152,7 +156,7 @@ static void wall_contact(const gn_world *w, size_t c, gn_contact_sums *sums) {
     if (q->shear && def->kratio > 0.0)
         sums->friction += friction(w, &s, c, def->stiffness / def->kratio,
                                    touching ? def->friction * fmax(-total, 0.0) : 0.0, t, &elastic);
-    sums->elastic_normal += 0.5 * normal * (touching ? s.gap : 0.0) + elastic;
+    sums->elastic_normal += 0.5 * normal * overlap * touching + elastic;
     double *row = q->row + 8 * c, moment[3];
     cross(s.n, t, moment);
     for (int a = 0; a < 3; a++) {

@@ -45,6 +45,7 @@ static gneiss_status load_particles(gn_world *w, gneiss_error *error) {
         int material = gn_scene_find_material(&w->scene, w->scene.specimen.material);
         for (size_t p = 0; p < packing.count; p++) {
             q->id[p] = (int32_t)p;
+            q->vel[4 * p + 3] = 1.0; /* there; the mass comes when materials are known */
             q->material[p] = material < 0 ? 0 : material;
             q->group[p] = (int32_t)w->scene.specimen.group;
             if (q->slot) q->slot[p] = -1;

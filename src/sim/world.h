@@ -92,6 +92,8 @@ typedef struct gn_world {
     double time;            /* s */
     double dt_past, dt;     /* s: interval that led here, coming interval */
     gn_step_limit limit;    /* last full estimate */
+    double stable;          /* s: what the step is held against: sharp limit or bound, less the share that
+                             * non-viscous damping takes */
     double bound;           /* s: last rigorous bound */
     int64_t limit_step;     /* when */
     int64_t dt_lowered;     /* times that the step was lowered while running */

@@ -58,6 +58,8 @@
 #define GN_WALL_CONTACT_FIELDS(X)                                                                  \
     X(i, int32_t, GN_I32, 1, GN_COLUMNS, GN_STATE, 0, 0, "1", "particle")                          \
     X(wall, int32_t, GN_I32, 1, GN_COLUMNS, GN_STATE, 0, 0, "1", "wall, base 0")                   \
+    X(gap0, double, GN_F64, 1, GN_COLUMNS, GN_STATE, 0, 0, "m",                                    \
+      "gap at which the normal force is zero; negative for passive walls")                         \
     X(shear, double, GN_F64, 3, GN_COLUMNS, GN_STATE, GN_FX_WALL_SHEAR, 0, "N",                    \
       "tangential force on the particle")                                                          \
     X(fd, double, GN_F64, 1, GN_COLUMNS, GN_SAVED, GN_FX_CONTACT_DAMPING | GN_FX_ENERGY, 0, "N",   \

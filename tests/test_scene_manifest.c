@@ -1,0 +1,319 @@
+/* What walks the table of keys: the echo of a scene, its effects, ranges, and the key reference. */
+#include "scene_text.h"
+
+#include "scene/manifest.h"
+
+/* ---- writing ---- */
+
+static void same_section(const gn_section *section, const char *a, const char *b);
+
+static void same_bits(const gn_key *key, const char *a, const char *b, size_t size) {
+    if (memcmp(a, b, size) != 0) fail_msg("'%s' changed on its way through a file", key->name);
+}
+
+static void same_array(const gn_key *key, const char *a, const char *b, size_t size) {
+    const char *first, *second;
+    size_t count = *(const size_t *)(a + key->second);
+    assert_int_equal(count, *(const size_t *)(b + key->second));
+    memcpy(&first, a + key->offset, sizeof first);
+    memcpy(&second, b + key->offset, sizeof second);
+    for (size_t k = 0; k < count; k++)
+        if (key->section)
+            same_section(key->section, first + k * size, second + k * size);
+        else
+            same_bits(key, first + k * size, second + k * size, size);
+}
+
+static void same_key(const gn_key *key, const char *a, const char *b) {
+    const char *x = a + key->offset, *y = b + key->offset;
+    const gn_table *t = (const gn_table *)x, *u = (const gn_table *)y;
+    switch (key->type) {
+    case GN_KEY_TEXT:
+    case GN_KEY_NAME:
+        assert_string_equal(x, y);
+        break;
+    case GN_KEY_FILE:
+        assert_string_equal(a + key->second, b + key->second);
+        break;
+    case GN_KEY_SECTION:
+        same_section(key->section, x, y);
+        break;
+    case GN_KEY_LIST:
+        same_array(key, a, b, key->section->size);
+        break;
+    case GN_KEY_IDS:
+        same_array(key, a, b, sizeof(int64_t));
+        break;
+    case GN_KEY_PARTICLES:
+        same_array(key, a, b, 4 * sizeof(double));
+        break;
+    case GN_KEY_TABLE:
+        assert_int_equal(t->count, u->count);
+        if (t->count) same_bits(key, (char *)t->time, (char *)u->time, t->count * sizeof(double));
+        if (t->count) same_bits(key, (char *)t->value, (char *)u->value, t->count * sizeof(double));
+        break;
+    default:
+        same_bits(key, x, y, key->size);
+    }
+}
+
+static void same_section(const gn_section *section, const char *a, const char *b) {
+    for (size_t k = 0; k < section->key_count; k++) {
+        const gn_key *key = &section->keys[k];
+        assert_int_equal(gn_key_present(key, a), gn_key_present(key, b));
+        same_key(key, a, b);
+    }
+}
+
+static void comes_back(gn_scene *scene) {
+    gneiss_error error = {0};
+    gn_scene again;
+    char *text = gn_scene_write(scene);
+    assert_non_null(text);
+    if (gn_scene_parse(text, "echo", "/", NULL, 0, &again, &error))
+        fail_msg("%s\n%s", error.message, text);
+    same_section(&gn_scene_section, (char *)scene, (char *)&again);
+    char *twice = gn_scene_write(&again);
+    assert_string_equal(text, twice);
+    free(text);
+    free(twice);
+    gn_scene_free(&again);
+    gn_scene_free(scene);
+}
+
+static void a_written_scene_comes_back_bit_for_bit(void **state) {
+    (void)state;
+    static const char *const files[] = {"scenes/ucs-rock.yaml", "tests/scenes/everything.yaml",
+                                        "tests/scenes/plane.yaml"};
+    for (size_t k = 0; k < sizeof files / sizeof *files; k++) {
+        gn_scene scene = loaded(files[k]);
+        comes_back(&scene);
+    }
+    gn_scene scene = parsed(small);
+    comes_back(&scene);
+}
+
+static void awkward_numbers_come_back_bit_for_bit(void **state) {
+    (void)state;
+    uint64_t draw = 1;
+    for (int k = 0; k < 200; k++) {
+        char normal[96], velocity[96];
+        double v[4];
+        for (int c = 0; c < 4; c++) {
+            draw = draw * 6364136223846793005u + 1442695040888963407u;
+            v[c] = ldexp((double)(draw >> 11) - 0x1p52, (int)(draw % 40) - 70);
+        }
+        snprintf(normal, sizeof normal, "[%.17g, %.17g, %.17g]", v[0], v[1], v[2]);
+        snprintf(velocity, sizeof velocity, "[[%.17g, -0.0]]", v[3]);
+        gn_override overrides[] = {{"walls.floor.normal", normal},
+                                   {"walls.floor.motion.vz", velocity}};
+        gn_scene scene;
+        gneiss_error error = {0};
+        if (gn_scene_parse(small, "s", NULL, overrides, 2, &scene, &error))
+            fail_msg("%s", error.message);
+        comes_back(&scene);
+    }
+}
+
+/* ---- effects ---- */
+
+static gn_effects effects_of(gn_scene scene) {
+    gn_effects mask = gn_scene_effects(&scene);
+    gn_scene_free(&scene);
+    return mask;
+}
+
+static void effects_are_what_the_scene_calls_for(void **state) {
+    (void)state;
+    assert_int_equal(effects_of(loaded("scenes/ucs-rock.yaml")),
+                     GN_FX_SPACE | GN_FX_ROTATION | GN_FX_PAIRS | GN_FX_SHEAR | GN_FX_FRICTION |
+                         GN_FX_BONDS | GN_FX_NONVISCOUS_VECTOR | GN_FX_WALLS | GN_FX_ENERGY);
+    assert_int_equal(effects_of(loaded("tests/scenes/everything.yaml")),
+                     GN_FX_SPACE | GN_FX_ROTATION | GN_FX_PAIRS | GN_FX_SHEAR | GN_FX_FRICTION |
+                         GN_FX_BONDS | GN_FX_CONTACT_DAMPING | GN_FX_VISCOUS | GN_FX_GRAVITY |
+                         GN_FX_APPLIED | GN_FX_PRESCRIBED | GN_FX_WALLS | GN_FX_WALL_SHEAR |
+                         GN_FX_PERIODIC | GN_FX_ORIENTATION);
+    assert_int_equal(effects_of(loaded("tests/scenes/plane.yaml")),
+                     GN_FX_ROTATION | GN_FX_PAIRS | GN_FX_NONVISCOUS_COMPONENT | GN_FX_GRAVITY |
+                         GN_FX_APPLIED | GN_FX_PRESCRIBED | GN_FX_WALLS | GN_FX_ENERGY);
+    gn_effects base = GN_FX_SPACE | GN_FX_ROTATION | GN_FX_PAIRS | GN_FX_WALLS | GN_FX_ENERGY;
+    assert_int_equal(effects_of(parsed(small)), base | GN_FX_SHEAR | GN_FX_FRICTION);
+    assert_int_equal(effects_of(parsed(variant("friction: 0.5", "friction: 0"))), base);
+    assert_int_equal(effects_of(parsed(variant("kratio: 2", "kratio: 0"))), base);
+    assert_int_equal(effects_of(parsed(with("output: {energy: off, orientation: on}\n"))),
+                     (base & ~(gn_effects)GN_FX_ENERGY) | GN_FX_SHEAR | GN_FX_FRICTION |
+                         GN_FX_ORIENTATION);
+}
+
+static void bonds_need_a_group(void **state) {
+    (void)state;
+    const char *bonded =
+        "    friction: 0\n    bond_tension_limit: 1\n    bond_shear_limit: 1\nbonds:\n";
+    gn_effects mask = effects_of(parsed(variant("    friction: 0.5\n", bonded)));
+    assert_true((mask & GN_FX_BONDS) && (mask & GN_FX_SHEAR) && !(mask & GN_FX_FRICTION));
+    gn_override none = {"specimen.group", "0"}, off = {"bonds.enabled", "off"};
+    const gn_override *each[] = {&none, &off};
+    for (int k = 0; k < 2; k++) {
+        gn_scene scene;
+        gneiss_error error = {0};
+        assert_int_equal(gn_scene_parse(variant("    friction: 0.5\n", bonded), "s", NULL, each[k],
+                                        1, &scene, &error),
+                         0);
+        assert_false(effects_of(scene) & (GN_FX_BONDS | GN_FX_SHEAR));
+    }
+}
+
+/* ---- the manifest ---- */
+
+typedef void (*key_check)(const gn_key *key, const char *path, void *context);
+
+static size_t each_key(const gn_section *section, const char *above, key_check check,
+                       void *context) {
+    size_t count = 0;
+    for (size_t k = 0; k < section->key_count; k++) {
+        const gn_key *key = &section->keys[k];
+        char path[256];
+        snprintf(path, sizeof path, "%s%s%s", above, *above ? "." : "", key->name);
+        check(key, path, context);
+        count++;
+        if (!key->section) continue;
+        if (key->type == GN_KEY_LIST) strcat(path, "[0]");
+        count += each_key(key->section, path, check, context);
+    }
+    return count;
+}
+
+static void is_documented(const gn_key *key, const char *path, void *context) {
+    (void)context;
+    if (!key->text || strlen(key->text) < 8) fail_msg("%s has no text", path);
+    bool optional = key->fallback || key->presence != GN_PRESENT_ALWAYS ||
+                    key->type == GN_KEY_SECTION || key->type == GN_KEY_LIST;
+    if (key->required == optional && key->type != GN_KEY_SECTION && key->type != GN_KEY_LIST)
+        fail_msg("%s is neither required nor has a default, or both", path);
+    bool numeric =
+        key->type == GN_KEY_REAL || key->type == GN_KEY_TABLE || key->type == GN_KEY_VECTOR;
+    if (numeric && !key->unit) fail_msg("%s has no unit", path);
+    if (key->type == GN_KEY_CHOICE && !key->choices) fail_msg("%s has no choices", path);
+}
+
+static void every_key_is_documented(void **state) {
+    (void)state;
+    assert_true(gn_scene_section.key_count <= GN_SECTION_KEYS_MAX);
+    assert_true(each_key(&gn_scene_section, "", is_documented, NULL) > 100);
+}
+
+/* Values just outside the interval, as the scene file would have them. */
+static int outside(const char *range, bool whole, char values[2][32]) {
+    gn_range r = gn_range_read(range);
+    int count = 0;
+    double step = whole ? 1 : fmax(1e-9, fabs(r.low) * 1e-9);
+    if (isfinite(r.low))
+        snprintf(values[count++], 32, whole ? "%.0f" : "%.17g", r.low_open ? r.low : r.low - step);
+    if (isfinite(r.high))
+        snprintf(values[count++], 32, whole ? "%.0f" : "%.17g",
+                 r.high_open ? r.high : r.high + step);
+    return count;
+}
+
+static void refuses_outside_values(const gn_key *key, const char *path, void *context) {
+    size_t *checked = context;
+    bool whole =
+        key->type == GN_KEY_INTEGER || key->type == GN_KEY_CELLS || key->type == GN_KEY_IDS;
+    if (!key->range || key->type == GN_KEY_LIST) return;
+    char at[256];
+    bool servo = strstr(path, ".servo.") != NULL; /* the second wall has one */
+    snprintf(at, sizeof at, servo ? "walls[1]%s" : "%s", path + (servo ? 8 : 0));
+    char values[2][32], text[128], file[4096];
+    bool plane = strncmp(path, "specimen.lattice", 16) == 0;
+    snprintf(file, sizeof file, "%s/tests/scenes/%s.yaml", test_source(),
+             plane ? "plane" : "everything");
+    int count = outside(key->range, whole, values);
+    assert_true(count > 0);
+    for (int k = 0; k < count; k++) {
+        snprintf(text, sizeof text,
+                 key->type == GN_KEY_CELLS ? "[%s, %s]"
+                 : key->type == GN_KEY_IDS ? "[%s]"
+                                           : "%s",
+                 values[k], values[k]);
+        gn_override overrides[] = {{at, text}};
+        gn_scene scene;
+        gneiss_error error = {0};
+        gneiss_status status = gn_scene_load(file, overrides, 1, &scene, &error);
+        if (status == GNEISS_OK) fail_msg("%s = %s was accepted, range %s", path, text, key->range);
+        if (!strstr(error.message, key->range)) fail_msg("%s = %s: %s", path, text, error.message);
+        (*checked)++;
+    }
+}
+
+static void every_range_is_checked(void **state) {
+    (void)state;
+    size_t checked = 0;
+    each_key(&gn_scene_section, "", refuses_outside_values, &checked);
+    assert_true(checked > 50);
+}
+
+static void words_are_accepted_and_written(void **state) {
+    (void)state;
+    gn_scene s =
+        parsed(with("output: {checkpoint: off}\nrun: {threads: auto}\nneighbours: {skin: auto}\n"));
+    assert_true(s.checkpoint_wall == 0 && s.threads == 0 && s.skin == 0);
+    char *text = gn_scene_write(&s);
+    assert_non_null(strstr(text, "checkpoint: off"));
+    free(text);
+    gn_scene_free(&s);
+}
+
+/* ---- the key reference ---- */
+
+static char *key_text(bool markdown, const char *prefix, size_t *count) {
+    char *text = NULL;
+    size_t size;
+    FILE *out = open_memstream(&text, &size);
+    *count = gn_scene_print_keys(out, markdown, prefix);
+    fclose(out);
+    return text;
+}
+
+static void the_key_reference_has_every_key(void **state) {
+    (void)state;
+    size_t all, some;
+    char *text = key_text(false, NULL, &all), *part = key_text(false, "time.s", &some);
+    assert_non_null(strstr(text, "materials[].density\n"));
+    assert_non_null(strstr(text, "walls[].servo.max_velocity\n"));
+    assert_int_equal(some, 6); /* step, safety, stop and its three */
+    assert_null(strstr(part, "time.end"));
+    assert_true(all > 100);
+    free(text);
+    free(part);
+}
+
+static void docs_keys_md_is_up_to_date(void **state) {
+    (void)state;
+    size_t count;
+    char path[4096], *text = key_text(true, NULL, &count);
+    snprintf(path, sizeof path, "%s/docs/keys.md", test_source());
+    FILE *file = fopen(path, "r");
+    if (!file) fail_msg("%s is missing: gneiss keys --markdown > docs/keys.md", path);
+    char *there = calloc(1, 1 << 20);
+    size_t length = fread(there, 1, (1 << 20) - 1, file);
+    fclose(file);
+    assert_true(length > 0);
+    if (strcmp(text, there) != 0) fail_msg("stale: gneiss keys --markdown > docs/keys.md");
+    free(there);
+    free(text);
+}
+
+int main(void) {
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(a_written_scene_comes_back_bit_for_bit),
+        cmocka_unit_test(awkward_numbers_come_back_bit_for_bit),
+        cmocka_unit_test(effects_are_what_the_scene_calls_for),
+        cmocka_unit_test(bonds_need_a_group),
+        cmocka_unit_test(every_key_is_documented),
+        cmocka_unit_test(every_range_is_checked),
+        cmocka_unit_test(words_are_accepted_and_written),
+        cmocka_unit_test(the_key_reference_has_every_key),
+        cmocka_unit_test(docs_keys_md_is_up_to_date),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
