@@ -160,7 +160,7 @@ def make(kind, path, packing=None):
     put_readings(writer, missing)
     for name, seconds in (("contacts", 12.1), ("gather", 3.2), ("motion", 2.1), ("neighbours", 0.8), ("measure", 0.4),
                           ("output", 0.2)):
-        writer.put(f"profile/{name}", seconds, "s")
+        writer.put(f"profile/{name}", seconds, "s", "")
     if kind == "not_a_number":
         for name in ("stress", "strain", "unbalanced"):
             writer.file[f"history/{name}"][100:] = np.nan

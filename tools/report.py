@@ -93,7 +93,8 @@ def fact_rows(results):
     dt = results.attribute("dt")
     if not dt and step is not None and time is not None and np.nanmax(step) > 0:
         dt = np.nanmax(time) / np.nanmax(step)
-    seconds = sum(np.nan_to_num(float(np.asarray(c.value).reshape(-1)[0])) for c in results.profile.values())
+    phases = [np.nan_to_num(float(np.asarray(c.value).reshape(-1)[0])) for c in results.profile.values()]
+    seconds = float(results.attribute("seconds") or sum(phases))
     rows = [(label, results.attribute(name)) for label, name in (
         ("version", "version"), ("build", "build"), ("instruction set", "isa"), ("precision", "precision"),
         ("threads", "threads"))]

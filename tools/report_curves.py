@@ -232,18 +232,19 @@ def plot_forces(results, path):
 
 
 def plot_profile(results, path):
-    phases = sorted(((float(np.asarray(c.value).reshape(-1)[0]), name) for name, c in results.profile.items()))
+    phases = sorted((float(np.asarray(c.value).reshape(-1)[0]), c.text or name.replace("_", " "))
+                    for name, c in results.profile.items())
     phases = [(s, name) for s, name in phases if np.isfinite(s) and s > 0]
     if not phases:
         return None
-    total = sum(s for s, _ in phases)
+    total = float(results.attribute("seconds") or sum(s for s, _ in phases))
     figure, axes = plt.subplots(figsize=(6.4, 0.9 + 0.28 * len(phases)), constrained_layout=True)
     axes.set_title("Time per phase")
-    bars = axes.barh([name.replace("_", " ") for _, name in phases], [s for s, _ in phases], color=BLUE, height=0.68)
+    bars = axes.barh([name for _, name in phases], [s for s, _ in phases], color=BLUE, height=0.68)
     axes.bar_label(bars, [f" {s:.3g} s, {100 * s / total:.3g} %" for s, _ in phases], fontsize=9)
     axes.set_xlabel("wall time [s]")
     axes.grid(axis="y", visible=False)
-    axes.margins(x=0.22)
+    axes.margins(x=0.25)
     axes.set_xlim(left=0)
     save(figure, path)
     return f"Where the {total:.3g} s of wall time went."

@@ -27,8 +27,7 @@ static inline bool gn_particle_removed(const gn_particles *particles, size_t p) 
 /* Volume of a sphere, area of a disc (unit thickness). */
 static inline double gn_particle_volume(const gn_particles *particles, size_t p, int dimension) {
     double r = particles->pos[4 * p + 3];
-    return dimension == 3 ? 4.0 / 3.0 * 3.14159265358979323846 * r * r * r
-                          : 3.14159265358979323846 * r * r;
+    return dimension == 3 ? 4.0 / 3.0 * M_PI * r * r * r : M_PI * r * r;
 }
 
 #endif

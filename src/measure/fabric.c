@@ -71,7 +71,7 @@ static size_t surface_directions(int dimension, double direction[DIRECTIONS_2D][
     size_t count = 0;
     if (dimension == 2) {
         for (; count < DIRECTIONS_2D; count++) {
-            double angle = 2 * 3.14159265358979323846 * (double)count / DIRECTIONS_2D;
+            double angle = 2 * M_PI * (double)count / DIRECTIONS_2D;
             direction[count][0] = cos(angle);
             direction[count][1] = sin(angle);
             direction[count][2] = 0;
