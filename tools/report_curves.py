@@ -184,9 +184,11 @@ def plot_unbalanced(results, path):
     ratio = results.column("unbalanced")
     if x is None or ratio is None:
         return None
+    if (ratio[np.isfinite(ratio)] > 0).any():
+        ratio = np.where(ratio > 0, ratio, np.nan)  # a logarithmic axis follows
     figure, axes = new_axes("Unbalanced force", label, "unbalanced force ratio [1]", 3.2)
     axes.plot(x, ratio, color=INK, lw=1.2, **style_for(ratio))
-    if (ratio[np.isfinite(ratio)] > 0).any():
+    if np.isfinite(ratio).any() and np.nanmin(ratio) > 0:
         axes.set_yscale("log")
     axes.margins(x=0.02)
     save(figure, path)
