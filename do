@@ -15,6 +15,7 @@ packages_build=(
 )
 packages_check=(git clang libomp-dev clang-format clang-tidy cppcheck)
 packages_bench=(libbenchmark-dev)
+packages_peers=(yade) # large; only for bench --peers
 
 usage() {
     cat <<'TEXT'
@@ -23,7 +24,7 @@ usage: ./do COMMAND [...]
   run SCENE [gneiss options]   build, run the scene, make its report
   test [meson options]         build and run every test
   check [steps]                format gcc clang cppcheck tidy sanitizers python (all of them)
-  bench [options]              build and run the benchmarks
+  bench [--peers] [--large]    build and run the benchmarks; --peers: beside YADE
   keys [prefix]                the keys that a scene file may hold
   clean                        remove the build folders
   help                         this text
@@ -76,7 +77,7 @@ configure() {
 }
 
 build() { # FOLDER [targets]
-    "$ninja" --quiet -C "$root/$1" "${@:2}" >&2
+    "$ninja" --quiet -C "$root/$1" "${@:2}" | { grep -v '^ninja: no work to do' || true; } >&2
 }
 
 prepare() {
@@ -144,8 +145,9 @@ command_test() {
 
 command_bench() {
     need "${packages_build[@]}" "${packages_bench[@]}"
+    [[ " $* " != *" --peers "* ]] || need "${packages_peers[@]}"
     configure build-bench --buildtype=release -Dbench=enabled
-    build build-bench
+    build build-bench bench/bench_step gneiss
     [[ -f $root/bench/meson.build ]] || die "bench: there is no bench/meson.build"
     if [[ -x $root/bench/run ]]; then
         "$root/bench/run" "$root/build-bench" "$@"

@@ -246,7 +246,7 @@ def plot_profile(results, path):
     axes.bar_label(bars, [f" {s:.3g} s, {100 * s / total:.3g} %" for s, _ in phases], fontsize=9)
     axes.set_xlabel("wall time [s]")
     axes.grid(axis="y", visible=False)
-    axes.margins(x=0.25)
+    axes.margins(x=0.4)
     axes.set_xlim(left=0)
     save(figure, path)
     return f"Where the {total:.3g} s of wall time went."

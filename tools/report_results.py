@@ -21,7 +21,7 @@ class Column:
     def __init__(self, dataset):
         self.value = np.asarray(dataset[()])
         self.unit = _text(dataset.attrs.get("unit", ""))
-        self.text = _text(dataset.attrs.get("description", ""))
+        self.text = _text(dataset.attrs.get("description", dataset.attrs.get("text", "")))
 
 
 def _group(file, name):

@@ -19,8 +19,9 @@ typedef enum gneiss_status {
 
 enum { GNEISS_MESSAGE_SIZE = 2048 };
 
-/* Filled by a call that fails; untouched by one that succeeds. The caller owns it. The message is one
- * line or more of plain text: where (file:line:column), what was expected and what was found. */
+/* Filled by a call that fails; untouched by one that succeeds. The caller owns it. The message is
+ * one line or more of plain text: where (file:line:column), what was expected and what was found.
+ */
 typedef struct gneiss_error {
     gneiss_status status;
     char message[GNEISS_MESSAGE_SIZE];

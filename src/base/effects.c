@@ -12,5 +12,9 @@ static const char *const texts[] = {
 #undef X
 };
 
-const char *gn_effect_name(gn_effect_index index) { return names[index]; }
-const char *gn_effect_text(gn_effect_index index) { return texts[index]; }
+const char *gn_effect_name(gn_effect_index index) {
+    return names[index];
+}
+const char *gn_effect_text(gn_effect_index index) {
+    return texts[index];
+}

@@ -1,6 +1,7 @@
-/* The effects a scene can call for. A scene resolves to a mask; a field that no active effect uses is
- * not allocated, a pass that no active effect needs is not run, a kernel is chosen that has only the
- * active ones. `gneiss plan` prints the mask. One list drives the enum, the names and the texts. */
+/* The effects a scene can call for. A scene resolves to a mask; a field that no active effect uses
+ * is not allocated, a pass that no active effect needs is not run, a kernel is chosen that has only
+ * the active ones. `gneiss plan` prints the mask. One list drives the enum, the names and the
+ * texts. */
 #ifndef GN_BASE_EFFECTS_H
 #define GN_BASE_EFFECTS_H
 

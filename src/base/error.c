@@ -30,13 +30,20 @@ gneiss_status gn_fail_context(gneiss_error *error, const char *format, ...) {
 
 const char *gn_status_name(gneiss_status status) {
     switch (status) {
-    case GNEISS_OK: return "ok";
-    case GNEISS_ERROR_INTERNAL: return "internal error";
-    case GNEISS_ERROR_INPUT: return "input error";
-    case GNEISS_ERROR_IO: return "file error";
-    case GNEISS_ERROR_MEMORY: return "out of memory";
-    case GNEISS_ERROR_UNSTABLE: return "run went bad";
-    case GNEISS_INTERRUPTED: return "interrupted";
+    case GNEISS_OK:
+        return "ok";
+    case GNEISS_ERROR_INTERNAL:
+        return "internal error";
+    case GNEISS_ERROR_INPUT:
+        return "input error";
+    case GNEISS_ERROR_IO:
+        return "file error";
+    case GNEISS_ERROR_MEMORY:
+        return "out of memory";
+    case GNEISS_ERROR_UNSTABLE:
+        return "run went bad";
+    case GNEISS_INTERRUPTED:
+        return "interrupted";
     }
     return "unknown status";
 }

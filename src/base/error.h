@@ -1,4 +1,5 @@
-/* Failing with a message. Every fallible function returns a gneiss_status and takes a gneiss_error. */
+/* Failing with a message. Every fallible function returns a gneiss_status and takes a gneiss_error.
+ */
 #ifndef GN_BASE_ERROR_H
 #define GN_BASE_ERROR_H
 

@@ -26,4 +26,6 @@ void *gn_alloc_array(size_t count, size_t size) {
     return gn_alloc(bytes);
 }
 
-void gn_free(void *block) { free(block); }
+void gn_free(void *block) {
+    free(block);
+}

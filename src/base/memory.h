@@ -6,7 +6,8 @@
 
 enum { GN_ALIGNMENT = 64 };
 
-/* Zeroed, 64-byte aligned. NULL when the memory is not to be had. A size of 0 gives a valid block. */
+/* Zeroed, 64-byte aligned. NULL when the memory is not to be had. A size of 0 gives a valid block.
+ */
 void *gn_alloc(size_t bytes);
 
 /* `count` items of `size` bytes; NULL also when the product overflows. */

@@ -17,14 +17,28 @@ static void on_signal(int number) {
     interrupted = 1;
 }
 
+/* From here on there is something to save. What the caller ignores (nohup) stays ignored. */
 static void catch_signals(void) {
-    struct sigaction action;
+    static const int numbers[] = {SIGINT, SIGTERM, SIGHUP};
+    struct sigaction action, before;
     memset(&action, 0, sizeof action);
     action.sa_handler = on_signal;
     action.sa_flags = (int)SA_RESETHAND; /* a second Ctrl-C ends the program at once */
-    sigaction(SIGINT, &action, NULL);
-    sigaction(SIGTERM, &action, NULL);
-    signal(SIGXFSZ, SIG_IGN); /* a file limit is a write error, not a death */
+    for (size_t k = 0; k < sizeof numbers / sizeof *numbers; k++)
+        if (sigaction(numbers[k], NULL, &before) == 0 && before.sa_handler != SIG_IGN)
+            sigaction(numbers[k], &action, NULL);
+    signal(SIGPIPE, SIG_IGN); /* nobody reads on: no reason to lose a run */
+}
+
+/* JSON lines: the text without its line breaks and indentation. */
+static void print_one_line(const char *json) {
+    while (*json) {
+        size_t length = strcspn(json, "\n");
+        fwrite(json, 1, length, stdout);
+        json += length;
+        json += strspn(json, "\n ");
+    }
+    putchar('\n');
 }
 
 static gneiss_status finish(const gn_options *o, gn_run *run, gneiss_error *error) {
@@ -35,7 +49,7 @@ static gneiss_status finish(const gn_options *o, gn_run *run, gneiss_error *erro
         char path[GN_PATH_SIZE + 32], *text = NULL;
         snprintf(path, sizeof path, "%s/summary.json", run->directory);
         GN_TRY(gn_read_text_file(path, 1 << 20, &text, error));
-        fputs(text, stdout);
+        print_one_line(text);
         free(text);
     }
     return GNEISS_OK;
@@ -48,13 +62,15 @@ static gneiss_status fail(gn_run *run, gneiss_error *error) {
     if (gn_run_write_failure(run, error->message, &second) == GNEISS_OK) {
         char first[GNEISS_MESSAGE_SIZE];
         memcpy(first, error->message, sizeof first);
-        gn_fail(error, status, "%.1500s\n  the state is in %.300s (failed_*.hdf, results.h5)", first,
-                run->directory);
+        gn_fail(error, status, "%.1500s\n  the state is in %.300s (failed_*.hdf, results.h5)",
+                first, run->directory);
     }
     return status;
 }
 
 static gneiss_status go(const gn_options *o, gn_run *run, gneiss_error *error) {
+    catch_signals();
+    if (run->note[0]) fprintf(stderr, "gneiss: warning: %s\n", run->note);
     gn_print_start(o, run);
     while (!run->finished) {
         double pause = isatty(STDERR_FILENO) || o->json ? 0.5 : 5.0;
@@ -65,7 +81,8 @@ static gneiss_status go(const gn_options *o, gn_run *run, gneiss_error *error) {
         if (!interrupted || run->finished) continue;
         snprintf(run->stop_reason, sizeof run->stop_reason, "interrupted");
         GN_TRY(gn_run_checkpoint(run, error));
-        return gn_fail(error, GNEISS_INTERRUPTED, "interrupted at step %lld; go on with: gneiss resume %s",
+        return gn_fail(error, GNEISS_INTERRUPTED,
+                       "interrupted at step %lld; go on with: gneiss resume %s",
                        (long long)run->world.step, run->directory);
     }
     return finish(o, run, error);
@@ -132,8 +149,9 @@ static gneiss_status command_report(const gn_options *o, gneiss_error *error) {
         }
     }
     if (!script)
-        return gn_fail(error, GNEISS_ERROR_IO, "report.py is neither in ../tools nor in ../share/gneiss of "
-                                               "the program (GNEISS_REPORT names another place)");
+        return gn_fail(error, GNEISS_ERROR_IO,
+                       "report.py is neither in ../tools nor in ../share/gneiss of "
+                       "the program (GNEISS_REPORT names another place)");
     execl("/usr/bin/python3", "python3", script, o->target, (char *)NULL);
     return gn_fail(error, GNEISS_ERROR_IO, "/usr/bin/python3 could not be started");
 }
@@ -150,7 +168,8 @@ static void command_info(void) {
     size_t contact = 0, motion = 0;
     for (int k = 0; k < GN_CONTACT_VARIANTS; k++) contact += gn_contact_table_scalar[k] != NULL;
     for (int k = 0; k < GN_MOTION_VARIANTS; k++) motion += gn_motion_table_scalar[k] != NULL;
-    printf("kernel variants   %zu contact, %zu motion, for each instruction set\n", contact, motion);
+    printf("kernel variants   %zu contact, %zu motion, for each instruction set\n", contact,
+           motion);
 }
 
 static gneiss_status dispatch(const gn_options *o, gneiss_error *error) {
@@ -164,17 +183,31 @@ static gneiss_status dispatch(const gn_options *o, gneiss_error *error) {
         return GNEISS_OK;
     }
     if (gn_scene_print_keys(stdout, o->markdown, o->target) == 0)
-        return gn_fail(error, GNEISS_ERROR_INPUT, "keys: expected the beginning of a key, found '%s'", o->target);
+        return gn_fail(error, GNEISS_ERROR_INPUT,
+                       "keys: expected the beginning of a key, found '%s'", o->target);
     return GNEISS_OK;
 }
 
+/* Threads meet twice a step. By default the OpenMP library spins for long at such a meeting, and on
+ * a machine that others use as well the one that spins keeps the one it waits for from running. A
+ * short spin, then sleep, costs nothing on an idle machine. The library reads this before main,
+ * hence the second start. */
+static void spin_briefly(char **argv) {
+    if (getenv("OMP_WAIT_POLICY") || getenv("GOMP_SPINCOUNT")) return;
+    setenv("GOMP_SPINCOUNT", "20000", 1);
+    execv("/proc/self/exe", argv); /* on failure the default has to do */
+}
+
 int main(int argc, char **argv) {
+    spin_briefly(argv);
     gneiss_error error = {0};
     gn_options options;
     bool done = false;
-    catch_signals();
+    signal(SIGXFSZ, SIG_IGN); /* a file limit is a write error, not a death */
     gneiss_status status = gn_options_parse(argc, argv, &options, &done, &error);
     if (status == GNEISS_OK && !done) status = dispatch(&options, &error);
+    if (fflush(stdout) != 0 && status == GNEISS_OK)
+        status = gn_fail(&error, GNEISS_ERROR_IO, "standard output cannot be written");
     if (status != GNEISS_OK)
         fprintf(stderr, "gneiss: %s: %s\n", gn_status_name(status), error.message);
     gn_options_free(&options);

@@ -23,14 +23,16 @@ static const command commands[] = {
 enum { COMMANDS = sizeof commands / sizeof *commands };
 
 void gn_print_usage(FILE *out) {
-    fprintf(out, "gneiss %s: bonded discrete elements for rock and concrete\n\nusage: gneiss COMMAND "
-                 "[options]\n\ncommands:\n",
+    fprintf(out,
+            "gneiss %s: bonded discrete elements for rock and concrete\n\nusage: gneiss COMMAND "
+            "[options]\n\ncommands:\n",
             gn_version());
     for (size_t k = 0; k < COMMANDS; k++)
         fprintf(out, "  %-7s %-9s %s\n", commands[k].name, commands[k].arguments, commands[k].text);
     fputs("\noptions:\n"
           "  --out DIR          output folder (default: runs/<scene name>)\n"
-          "  --set KEY=VALUE    override a key of the scene: --set time.end=2ms, --set walls.top.friction=0.2\n"
+          "  --set KEY=VALUE    override a key of the scene: --set time.end=2ms, --set "
+          "walls.top.friction=0.2\n"
           "  --threads N        threads (default: all cores)\n"
           "  --precision P      double\n"
           "  --isa NAME         scalar, avx2, avx512 (default: GNEISS_ISA, else the widest)\n"
@@ -38,7 +40,8 @@ void gn_print_usage(FILE *out) {
           "  --log json         progress and summary as JSON lines on standard output\n"
           "  --markdown         keys: as Markdown\n"
           "  --help, --version\n"
-          "\nexit codes: 0 done, 1 defect of gneiss, 2 input cannot be used, 3 file could not be read or\n"
+          "\nexit codes: 0 done, 1 defect of gneiss, 2 input cannot be used, 3 file could not be "
+          "read or\n"
           "written, 4 out of memory, 5 run went bad, 6 interrupted (a checkpoint was written)\n",
           out);
 }
@@ -49,9 +52,11 @@ static const command *find_command(const char *name) {
     return NULL;
 }
 
-static gneiss_status add_override(gn_options *o, const char *key, const char *value, gneiss_error *error) {
+static gneiss_status add_override(gn_options *o, const char *key, const char *value,
+                                  gneiss_error *error) {
     if (o->override_count == GN_MAX_OVERRIDES)
-        return gn_fail(error, GNEISS_ERROR_INPUT, "expected at most %d overrides", GN_MAX_OVERRIDES);
+        return gn_fail(error, GNEISS_ERROR_INPUT, "expected at most %d overrides",
+                       GN_MAX_OVERRIDES);
     o->overrides[o->override_count++] = (gn_override){key, value};
     return GNEISS_OK;
 }
@@ -78,14 +83,31 @@ static gneiss_status check_target(const gn_options *o, int argc, char **argv, in
                        o->command);
     if (c->needs_target && !o->target)
         return gn_fail(error, GNEISS_ERROR_INPUT, "gneiss %s: expected %s", c->name, c->arguments);
+    if (!*c->arguments && o->target)
+        return gn_fail(error, GNEISS_ERROR_INPUT, "gneiss %s: expected no argument, found '%s'",
+                       c->name, o->target);
+    if (o->out && strcmp(c->name, "resume") == 0)
+        return gn_fail(error, GNEISS_ERROR_INPUT,
+                       "gneiss resume: --out: a resumed run stays in its folder");
     if (first + 1 < argc)
-        return gn_fail(error, GNEISS_ERROR_INPUT, "gneiss %s: expected one argument, found also '%s'",
-                       c->name, argv[first + 1]);
+        return gn_fail(error, GNEISS_ERROR_INPUT,
+                       "gneiss %s: expected one argument, found also '%s'", c->name,
+                       argv[first + 1]);
     return GNEISS_OK;
 }
 
-enum { OPT_OUT = 256, OPT_SET, OPT_THREADS, OPT_PRECISION, OPT_ISA, OPT_QUIET, OPT_LOG, OPT_MARKDOWN,
-       OPT_HELP, OPT_VERSION };
+enum {
+    OPT_OUT = 256,
+    OPT_SET,
+    OPT_THREADS,
+    OPT_PRECISION,
+    OPT_ISA,
+    OPT_QUIET,
+    OPT_LOG,
+    OPT_MARKDOWN,
+    OPT_HELP,
+    OPT_VERSION
+};
 
 static const struct option long_options[] = {
     {"out", required_argument, 0, OPT_OUT},
@@ -103,23 +125,36 @@ static const struct option long_options[] = {
 
 static gneiss_status apply(gn_options *o, int option, const char *value, gneiss_error *error) {
     switch (option) {
-    case OPT_OUT: o->out = value; return GNEISS_OK;
-    case OPT_SET: return add_set(o, value, error);
-    case OPT_THREADS: return add_override(o, "run.threads", value, error);
-    case OPT_PRECISION: return add_override(o, "run.precision", value, error);
-    case OPT_ISA: return add_override(o, "run.isa", value, error);
-    case OPT_QUIET: o->quiet = true; return GNEISS_OK;
-    case OPT_MARKDOWN: o->markdown = true; return GNEISS_OK;
+    case OPT_OUT:
+        o->out = value;
+        return GNEISS_OK;
+    case OPT_SET:
+        return add_set(o, value, error);
+    case OPT_THREADS:
+        return add_override(o, "run.threads", value, error);
+    case OPT_PRECISION:
+        return add_override(o, "run.precision", value, error);
+    case OPT_ISA:
+        return add_override(o, "run.isa", value, error);
+    case OPT_QUIET:
+        o->quiet = true;
+        return GNEISS_OK;
+    case OPT_MARKDOWN:
+        o->markdown = true;
+        return GNEISS_OK;
     case OPT_LOG:
         if (strcmp(value, "json") != 0 && strcmp(value, "text") != 0)
-            return gn_fail(error, GNEISS_ERROR_INPUT, "--log: expected json or text, found '%s'", value);
+            return gn_fail(error, GNEISS_ERROR_INPUT, "--log: expected json or text, found '%s'",
+                           value);
         o->json = strcmp(value, "json") == 0;
         return GNEISS_OK;
-    default: return gn_fail(error, GNEISS_ERROR_INPUT, "unknown option (gneiss --help lists them)");
+    default:
+        return gn_fail(error, GNEISS_ERROR_INPUT, "unknown option (gneiss --help lists them)");
     }
 }
 
-gneiss_status gn_options_parse(int argc, char **argv, gn_options *o, bool *done, gneiss_error *error) {
+gneiss_status gn_options_parse(int argc, char **argv, gn_options *o, bool *done,
+                               gneiss_error *error) {
     memset(o, 0, sizeof *o);
     *done = false;
     opterr = 0;
@@ -127,17 +162,21 @@ gneiss_status gn_options_parse(int argc, char **argv, gn_options *o, bool *done,
         int option = getopt_long(argc, argv, "", long_options, NULL);
         if (option < 0) break;
         if (option == OPT_HELP || option == OPT_VERSION) {
-            if (option == OPT_HELP) gn_print_usage(stdout);
-            else printf("gneiss %s (%s)\n", gn_version(), gn_build());
+            if (option == OPT_HELP)
+                gn_print_usage(stdout);
+            else
+                printf("gneiss %s (%s)\n", gn_version(), gn_build());
             *done = true;
             return GNEISS_OK;
         }
         if (option == '?')
-            return gn_fail(error, GNEISS_ERROR_INPUT, "'%s': unknown option or missing value (gneiss --help)",
+            return gn_fail(error, GNEISS_ERROR_INPUT,
+                           "'%s': unknown option or missing value (gneiss --help)",
                            argv[optind - 1]);
         GN_TRY(apply(o, option, optarg, error));
     }
-    if (optind == argc) return gn_fail(error, GNEISS_ERROR_INPUT, "expected a command (gneiss --help lists them)");
+    if (optind == argc)
+        return gn_fail(error, GNEISS_ERROR_INPUT, "expected a command (gneiss --help lists them)");
     o->command = argv[optind];
     int first = optind + 1;
     o->target = first < argc ? argv[first] : NULL;

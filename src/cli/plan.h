@@ -4,8 +4,8 @@
 
 #include "sim/world.h"
 
-/* Effects, bytes, kernels, step, steps, memory, time. Takes a few steps to measure the speed, so the world is
- * not at its start afterwards. */
+/* Effects, bytes, kernels, step, steps, memory, time. Takes a few steps to measure the speed, so
+ * the world is not at its start afterwards. */
 gneiss_status gn_print_plan(gn_world *world, gneiss_error *error);
 
 /* Packing figures, bonds per particle, and what looks wrong; *warnings counts those. */

@@ -7,10 +7,14 @@
 #include <unistd.h>
 
 const char *gn_format_seconds(double s, char *text, size_t size) {
-    if (!isfinite(s)) snprintf(text, size, "?");
-    else if (s < 100.0) snprintf(text, size, "%.1f s", s);
-    else if (s < 6000.0) snprintf(text, size, "%d min %02d s", (int)(s / 60.0), (int)fmod(s, 60.0));
-    else snprintf(text, size, "%d h %02d min", (int)(s / 3600.0), (int)fmod(s / 60.0, 60.0));
+    if (!isfinite(s))
+        snprintf(text, size, "?");
+    else if (s < 100.0)
+        snprintf(text, size, "%.1f s", s);
+    else if (s < 6000.0)
+        snprintf(text, size, "%d min %02d s", (int)(s / 60.0), (int)fmod(s, 60.0));
+    else
+        snprintf(text, size, "%d h %02d min", (int)(s / 3600.0), (int)fmod(s / 60.0, 60.0));
     return text;
 }
 
@@ -55,12 +59,14 @@ void gn_print_progress(const gn_options *o, const gn_run *run) {
     }
     char rate[32], eta[32];
     bool terminal = isatty(STDERR_FILENO);
-    fprintf(stderr, "%sstep %lld  t %.4g/%.4g s  %s particle-steps/s  ETA %s  unbalanced %.2g  broken %lld  "
-                    "residual %.1e",
+    fprintf(stderr,
+            "%sstep %lld  t %.4g/%.4g s  %s particle-steps/s  ETA %s  unbalanced %.2g  broken %lld",
             terminal ? "\r\033[K" : "", (long long)p.step, p.time, p.end,
             gn_format_count(p.particle_steps_per_second, rate, sizeof rate),
-            gn_format_seconds(p.eta, eta, sizeof eta), p.unbalanced, (long long)p.broken, p.residual);
-    if (!isnan(p.stress)) fprintf(stderr, "  stress %.4g MPa  strain %.3g %%", p.stress / 1e6, p.strain * 100.0);
+            gn_format_seconds(p.eta, eta, sizeof eta), p.unbalanced, (long long)p.broken);
+    if (!isnan(p.residual)) fprintf(stderr, "  residual %.1e", p.residual);
+    if (!isnan(p.stress))
+        fprintf(stderr, "  stress %.4g MPa  strain %.3g %%", p.stress / 1e6, p.strain * 100.0);
     fputs(terminal && !p.finished ? "" : "\n", stderr);
     fflush(stderr);
 }
@@ -69,11 +75,14 @@ void gn_print_start(const gn_options *o, const gn_run *run) {
     const gn_world *w = &run->world;
     if (o->quiet || o->json) return;
     printf("%s\n", w->scene.title[0] ? w->scene.title : w->scene.source);
-    printf("%zu particles, %zu bonds, %zu other pairs in the lists; %d thread%s, %s\n", w->particles.soa.count,
-           w->bonds.soa.count, w->pairs.soa.count, w->threads, w->threads == 1 ? "" : "s", w->kernels->name);
-    printf("step %.4g s = %.2f of the stability limit %.4g s (undamped: sharp %.4g s, rigorous bound %.4g s, "
+    printf("%zu particles, %zu bonds, %zu other pairs in the lists; %d thread%s, %s\n",
+           w->particles.soa.count, w->bonds.soa.count, w->pairs.soa.count, w->threads,
+           w->threads == 1 ? "" : "s", w->kernels->name);
+    printf("step %.4g s = %.2f of the stability limit %.4g s (undamped: sharp %.4g s, rigorous "
+           "bound %.4g s, "
            "one-spring estimate of the literature %.4g s)\n",
-           w->dt, w->dt / w->stable, w->stable, w->limit.sharp, w->limit.bound, w->limit.literature);
+           w->dt, w->dt / w->stable, w->stable, w->limit.sharp, w->limit.bound,
+           w->limit.literature);
     printf("output: %s\n", run->directory);
     fflush(stdout);
 }
@@ -82,8 +91,10 @@ static void print_readings(const gn_run *run) {
     const gn_world *w = &run->world;
     gn_readings r = gn_record_readings(w, &run->history);
     if (w->scene.test.kind == GN_TEST_NONE) return;
-    printf("  Young's modulus        %10.4g GPa   (1-50 %% of the peak, platen strain)\n", r.young_modulus / 1e9);
-    printf("                         %10.4g GPa   (over the average strain)\n", r.young_modulus_average / 1e9);
+    printf("  Young's modulus        %10.4g GPa   (1-50 %% of the peak, platen strain)\n",
+           r.young_modulus / 1e9);
+    printf("                         %10.4g GPa   (over the average strain)\n",
+           r.young_modulus_average / 1e9);
     printf("  Poisson's ratio        %10.4g\n", r.poisson_ratio);
     if (w->scene.dimension == 2)
         printf("  plane strain           %10.4g GPa, nu %.4g\n", r.plane_young_modulus / 1e9,
@@ -102,7 +113,8 @@ static void print_profile(const gn_run *run) {
                    100.0 * run->world.seconds[k] / total);
     printf("  %-36s %9.3f s\n", "total", total);
     gn_progress p = gn_run_progress(run);
-    printf("  %s particle-steps/s", gn_format_count(p.particle_steps_per_second, text, sizeof text));
+    printf("  %s particle-steps/s",
+           gn_format_count(p.particle_steps_per_second, text, sizeof text));
     printf(", %s contact-steps/s", gn_format_count(p.contact_steps_per_second, text, sizeof text));
     printf(", %lld list rebuilds\n", (long long)run->world.verlet.rebuilds);
 }
@@ -114,7 +126,8 @@ void gn_print_summary(const gn_options *o, const gn_run *run) {
     print_readings(run);
     if (w->effects & GN_FX_BONDS)
         printf("  bonds broken           %10lld in tension, %lld in shear, of %lld\n",
-               (long long)w->broken_tension, (long long)w->broken_shear, (long long)w->bonds_at_start);
+               (long long)w->broken_tension, (long long)w->broken_shear,
+               (long long)w->bonds_at_start);
     if (w->lost) printf("  particles removed      %10lld\n", (long long)w->lost);
     if (w->effects & GN_FX_ENERGY)
         printf("  energy residual        %10.2e   (of %.4g J)\n", gn_energy_residual(&w->reading),

@@ -56,3 +56,14 @@ gneiss_status gn_checkpoint_prune(const char *directory, size_t keep, gneiss_err
     free(steps);
     return status;
 }
+
+gneiss_status gn_checkpoint_prune_after(const char *directory, int64_t step, gneiss_error *error) {
+    int64_t *steps;
+    size_t count;
+    GN_TRY(gn_step_list(directory, prefix, suffix, &steps, &count, error));
+    gneiss_status status = GNEISS_OK;
+    for (size_t k = 0; k < count && status == GNEISS_OK; k++)
+        if (steps[k] > step) status = remove_checkpoint(directory, steps[k], error);
+    free(steps);
+    return status;
+}

@@ -19,4 +19,7 @@ gneiss_status gn_checkpoint_list(const char *directory, int64_t *steps, size_t m
 /* Removes all but the newest `keep`. */
 gneiss_status gn_checkpoint_prune(const char *directory, size_t keep, gneiss_error *error);
 
+/* Removes those of later steps than `step`. */
+gneiss_status gn_checkpoint_prune_after(const char *directory, int64_t step, gneiss_error *error);
+
 #endif

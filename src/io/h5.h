@@ -1,5 +1,5 @@
-/* A thin layer over HDF5: files written to a temporary name and renamed, arrays with units, readable
- * errors. Results, snapshots and checkpoints are all written through it. */
+/* A thin layer over HDF5: files written to a temporary name and renamed, arrays with units,
+ * readable errors. Results, snapshots and checkpoints are all written through it. */
 #ifndef GN_IO_H5_H
 #define GN_IO_H5_H
 
@@ -7,32 +7,33 @@
 
 typedef struct gn_h5 gn_h5;
 
-/* Creates `path` + ".tmp" next to the target. Nothing is seen under `path` before gn_h5_commit. The contents
- * are held in memory until then. */
+/* Creates `path` + ".tmp" next to the target. Nothing is seen under `path` before gn_h5_commit. The
+ * contents are held in memory until then. */
 gneiss_status gn_h5_create(const char *path, gn_h5 **out, gneiss_error *error);
-/* Opens for reading; truncated or foreign files give GNEISS_ERROR_INPUT with the path, a file that cannot be
- * opened (not there, no permission) GNEISS_ERROR_IO. Only the format of HDF5 1.10, which gn_h5_create writes,
- * is taken: its headers have checksums. */
+/* Opens for reading; truncated or foreign files give GNEISS_ERROR_INPUT with the path, a file that
+ * cannot be opened (not there, no permission) GNEISS_ERROR_IO. Only the format of HDF5 1.10, which
+ * gn_h5_create writes, is taken: its headers have checksums. */
 gneiss_status gn_h5_open(const char *path, gn_h5 **out, gneiss_error *error);
-/* Flushes, fsyncs, renames to the final name, fsyncs the folder, closes and frees. On failure (disk full)
- * the temporary file is removed, the old file under `path` is untouched, and the handle is freed. */
+/* Flushes, fsyncs, renames to the final name, fsyncs the folder, closes and frees. On failure (disk
+ * full) the temporary file is removed, the old file under `path` is untouched, and the handle is
+ * freed. */
 gneiss_status gn_h5_commit(gn_h5 *file, gneiss_error *error);
 /* Closes; a file being created is removed. NULL is allowed. */
 void gn_h5_close(gn_h5 *file);
 
 /* Data set `name` ("history/strain"; groups are made as needed) of shape [rows] (components 1) or
- * [rows][components], from memory with `stride` bytes between rows (0: packed). `unit` and `text` become
- * attributes, NULL: none. Data sets of more than a few hundred bytes are chunked with a Fletcher32 checksum,
- * so that a damaged file is noticed. */
+ * [rows][components], from memory with `stride` bytes between rows (0: packed). `unit` and `text`
+ * become attributes, NULL: none. Data sets of more than a few hundred bytes are chunked with a
+ * Fletcher32 checksum, so that a damaged file is noticed. */
 gneiss_status gn_h5_put(gn_h5 *file, const char *name, gn_type type, size_t rows, size_t components,
                         size_t stride, const void *data, const char *unit, const char *text,
                         gneiss_error *error);
 gneiss_status gn_h5_put_text(gn_h5 *file, const char *name, const char *text, gneiss_error *error);
 /* Attributes of the group or data set `object` ("/" is the root; groups are made as needed). */
-gneiss_status gn_h5_attribute_text(gn_h5 *file, const char *object, const char *name, const char *text,
-                                   gneiss_error *error);
-gneiss_status gn_h5_attribute_f64(gn_h5 *file, const char *object, const char *name, const double *values,
-                                  size_t count, gneiss_error *error);
+gneiss_status gn_h5_attribute_text(gn_h5 *file, const char *object, const char *name,
+                                   const char *text, gneiss_error *error);
+gneiss_status gn_h5_attribute_f64(gn_h5 *file, const char *object, const char *name,
+                                  const double *values, size_t count, gneiss_error *error);
 gneiss_status gn_h5_attribute_i64(gn_h5 *file, const char *object, const char *name,
                                   const int64_t *values, size_t count, gneiss_error *error);
 
@@ -53,14 +54,15 @@ gneiss_status gn_h5_get_attribute_f64(const gn_h5 *file, const char *object, con
 gneiss_status gn_h5_get_attribute_i64(const gn_h5 *file, const char *object, const char *name,
                                       int64_t *values, size_t count, gneiss_error *error);
 
-/* All active STATE and SAVED fields of a record under group `name` with attribute `count`; COLUMNS fields
- * are stored as [components][count]. */
-gneiss_status gn_h5_put_record(gn_h5 *file, const char *name, const gn_record *record, const void *soa,
-                               gneiss_error *error);
-/* Creates the record (gn_soa_create with `effects`) and fills it. GNEISS_ERROR_INPUT when the effects in the
- * file differ, or a field is missing or has another shape; then there is nothing to destroy. The padding
- * behind `count` is zero: gn_particles_set_null and gn_contacts_pad are the caller's. */
-gneiss_status gn_h5_get_record(const gn_h5 *file, const char *name, const gn_record *record, void *soa,
-                               gn_effects effects, gneiss_error *error);
+/* All active STATE and SAVED fields of a record under group `name` with attribute `count`; COLUMNS
+ * fields are stored as [components][count]. */
+gneiss_status gn_h5_put_record(gn_h5 *file, const char *name, const gn_record *record,
+                               const void *soa, gneiss_error *error);
+/* Creates the record (gn_soa_create with `effects`) and fills it. GNEISS_ERROR_INPUT when the
+ * effects in the file differ, or a field is missing or has another shape; then there is nothing to
+ * destroy. The padding behind `count` is zero: gn_particles_set_null and gn_contacts_pad are the
+ * caller's. */
+gneiss_status gn_h5_get_record(const gn_h5 *file, const char *name, const gn_record *record,
+                               void *soa, gn_effects effects, gneiss_error *error);
 
 #endif

@@ -100,7 +100,8 @@ static gneiss_status put_packed(gn_h5 *file, const char *name, gn_type type, gn_
             gn_h5_fail(file, error, GNEISS_ERROR_INTERNAL, "data set %s cannot be written", name);
     }
     if (status == GNEISS_OK && unit) status = put_text_attribute(file, set, "unit", unit, error);
-    if (status == GNEISS_OK && text) status = put_text_attribute(file, set, "text", text, error);
+    if (status == GNEISS_OK && text)
+        status = put_text_attribute(file, set, "description", text, error);
     if (set >= 0) H5Dclose(set);
     if (links >= 0) H5Pclose(links);
     if (creation >= 0) H5Pclose(creation);

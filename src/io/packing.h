@@ -11,9 +11,10 @@ typedef struct gn_packing {
     double *sphere; /* [count][4]: x y z r in m (2D: z = 0); gn_alloc'ed */
 } gn_packing;
 
-/* `dimension` 2 reads x y r (or x y z r with every z equal), 3 reads x y z r; separated by blanks, tabs or
- * commas. Refused with file:line:column: NaN, infinity, radius <= 0, wrong number of columns, no particles,
- * not a number; all GNEISS_ERROR_INPUT, as is a missing file. `scale` multiplies everything. */
+/* `dimension` 2 reads x y r (or x y z r with every z equal), 3 reads x y z r; separated by blanks,
+ * tabs or commas. Refused with file:line:column: NaN, infinity, radius <= 0, wrong number of
+ * columns, no particles, not a number; all GNEISS_ERROR_INPUT, as is a missing file. `scale`
+ * multiplies everything. */
 gneiss_status gn_packing_read(const char *path, int dimension, double scale, gn_packing *packing,
                               gneiss_error *error);
 void gn_packing_free(gn_packing *packing);

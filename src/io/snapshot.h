@@ -1,5 +1,5 @@
-/* Snapshots for ParaView 5.11: one static VTKHDF 1.0 UnstructuredGrid per instant (vertices for particles,
- * lines for bonds) and a `.hdf.series` JSON with the times. */
+/* Snapshots for ParaView 5.11: one static VTKHDF 1.0 UnstructuredGrid per instant (vertices for
+ * particles, lines for bonds) and a `.hdf.series` JSON with the times. */
 #ifndef GN_IO_SNAPSHOT_H
 #define GN_IO_SNAPSHOT_H
 
@@ -15,7 +15,7 @@ typedef struct gn_snapshot_array {
 } gn_snapshot_array;
 
 typedef struct gn_snapshot {
-    double time;   /* s */
+    double time; /* s */
     int64_t step;
     size_t point_count;
     const double *points; /* [point_count][3], m */
@@ -26,16 +26,18 @@ typedef struct gn_snapshot {
     const gn_snapshot_array *line_arrays;  /* [line_count], become CellData */
 } gn_snapshot;
 
-/* Writes DIR/NAME_<step, 10 digits>.hdf atomically. Particles and bonds are separate files so that each is
- * a plain grid: `particles` (vertices) and `bonds` (lines) by calling this twice with the other part empty.
- * With lines or line arrays the cells are the lines (there may be none left), otherwise every point is a
- * vertex. All points are written in either case. Tensors: 9 components by rows, or 6 as xx yy zz xy yz xz. */
-gneiss_status gn_snapshot_write(const char *directory, const char *name, const gn_snapshot *snapshot,
-                                gneiss_error *error);
+/* Writes DIR/NAME_<step, 10 digits>.hdf atomically. Particles and bonds are separate files so that
+ * each is a plain grid: `particles` (vertices) and `bonds` (lines) by calling this twice with the
+ * other part empty. With lines or line arrays the cells are the lines (there may be none left),
+ * otherwise every point is a vertex. All points are written in either case. Tensors: 9 components
+ * by rows, or 6 as xx yy zz xy yz xz. */
+gneiss_status gn_snapshot_write(const char *directory, const char *name,
+                                const gn_snapshot *snapshot, gneiss_error *error);
 
-/* Rewrites DIR/NAME.hdf.series from the snapshots on disk up to `last_step`, atomically; snapshots of later
- * steps (left by a run that was killed and resumed from before them) are removed. Times come from the files;
- * one that cannot be read is GNEISS_ERROR_INPUT. Temporary files of a killed run are removed. */
+/* Rewrites DIR/NAME.hdf.series from the snapshots on disk up to `last_step`, atomically; snapshots
+ * of later steps (left by a run that was killed and resumed from before them) are removed. Times
+ * come from the files; one that cannot be read is GNEISS_ERROR_INPUT. Temporary files of a killed
+ * run are removed. */
 gneiss_status gn_snapshot_series(const char *directory, const char *name, int64_t last_step,
                                  gneiss_error *error);
 

@@ -4,29 +4,31 @@
 
 #include "soa/records.h"
 
-/* Contacts are worked on in blocks of this many. Sums (energies, broken bonds) are kept per block and
- * merged in block order, so that they do not depend on the number of threads. */
+/* Contacts are worked on in blocks of this many. Sums (energies, broken bonds) are kept per block
+ * and merged in block order, so that they do not depend on the number of threads. */
 enum { GN_CONTACT_BLOCK = 256 };
 _Static_assert(GN_CONTACT_BLOCK % GN_LANES_MAX == 0, "a block holds whole vectors");
 
 typedef struct gn_contact_args {
     const double *pos, *vel, *spin; /* particle rows [n][4]; spin NULL without rotation */
     const gn_contacts *contacts;    /* fields are written, the record is not changed */
-    double dt;                      /* s, the interval that led to these positions; 0 at the start */
-    double arm_factor;              /* 0.5: contact point at r + gap/2; 0: at r */
-    double period[3];               /* m, with GN_FX_PERIODIC */
-    double time;                    /* s, of this instant */
-    bool measure;                   /* also sum the elastic energies */
+    double dt;         /* s, the interval that led to these positions; 0 at the start */
+    double arm_factor; /* 0.5: contact point at r + gap/2; 0: at r */
+    double period[3];  /* m, with GN_FX_PERIODIC */
+    double time;       /* s, of this instant */
+    bool measure;      /* also sum what is read off: see gn_contact_sums */
 } gn_contact_args;
 
 typedef struct gn_contact_sums {
-    double elastic_normal, elastic_shear;            /* J, with `measure` */
+    double elastic_normal, elastic_shear; /* J, with `measure` and energies */
+    double stress[9];                     /* N m, with `measure`: f_a l_b, l = x_j - x_i */
+    double force, carrying; /* N, with `measure`: sum of |f|; number of contacts that carry force */
     double friction, contact_damping, bond_breaking; /* J, dissipated in this step */
     int64_t broken_tension, broken_shear;            /* bonds broken in this step */
 } gn_contact_sums;
 
-/* Works on contacts [begin, end); begin is a multiple of GN_LANES_MAX, and vectors may run past `end` into
- * padding. Adds to *sums. */
+/* Works on contacts [begin, end); begin is a multiple of GN_LANES_MAX, and vectors may run past
+ * `end` into padding. Adds to *sums. */
 typedef void gn_contact_kernel(const gn_contact_args *args, size_t begin, size_t end,
                                gn_contact_sums *sums);
 
@@ -50,12 +52,12 @@ gn_effects gn_contact_variant_effects(unsigned variant);
 /* "contact_space_rotation_shear_bonds_energy", into `name`. */
 void gn_contact_variant_name(unsigned variant, char *name, size_t size);
 
-/* Effects that a list of contacts really has under a scene's effects: bonds cleared for pairs, and with
- * them the tangential spring when nothing could load it (no friction). */
+/* Effects that a list of contacts really has under a scene's effects: bonds cleared for pairs, and
+ * with them the tangential spring when nothing could load it (no friction). */
 gn_effects gn_contact_list_effects(gn_effects scene_effects, bool bonds);
 
-/* One table per instruction set; NULL entries are combinations that make no sense (friction without a
- * tangential spring, a tangential spring that neither bond nor friction uses). */
+/* One table per instruction set; NULL entries are combinations that make no sense (friction without
+ * a tangential spring, a tangential spring that neither bond nor friction uses). */
 extern gn_contact_kernel *const gn_contact_table_scalar[GN_CONTACT_VARIANTS];
 extern gn_contact_kernel *const gn_contact_table_avx2[GN_CONTACT_VARIANTS];
 extern gn_contact_kernel *const gn_contact_table_avx512[GN_CONTACT_VARIANTS];

@@ -1,10 +1,11 @@
-/* The contact kernel: one body, compiled once per instruction set (GN_SIMD, GN_TABLE set by the build)
- * and expanded once per variant with literal arguments, so that an effect that is off leaves no code.
+/* The contact kernel: one body, compiled once per instruction set (GN_SIMD, GN_TABLE set by the
+ * build) and expanded once per variant with literal arguments, so that an effect that is off leaves
+ * no code.
  *
- * Per contact: geometry from the rows of the two particles, linear normal law with a stress-free length,
- * incremental tangential law with radial return, brittle uncoupled bond (Rojek et al. 2012, eq. 15-16),
- * viscous normal damping. Output: one row with the force on the first particle, half the gap (for the
- * arms) and n x F_t, which the gather in motion_template.c sums per particle. */
+ * Per contact: geometry from the rows of the two particles, linear normal law with a stress-free
+ * length, incremental tangential law with radial return, brittle uncoupled bond (Rojek et al. 2012,
+ * eq. 15-16), viscous normal damping. Output: one row with the force on the first particle, half
+ * the gap (for the arms) and n x F_t, which the gather in motion_template.c sums per particle. */
 #include "kernels/contact.h"
 #include "kernels/contact_law.h"
 #include "kernels/expand.h"
@@ -15,20 +16,24 @@ typedef struct variant {
 } variant;
 
 typedef struct pair_state {
-    gn_v3 n, relative, slide; /* normal, velocity of j against i at the contact, turn of the normal */
+    gn_v3 n; /* normal from i to j */
+    gn_v3 across,
+        relative; /* tangential velocity of centre j against centre i, and at the contact */
     gn_v distance, gap, speed; /* speed: normal component, opening positive */
+    gn_v rate;                 /* dt/(2 distance) */
     gn_v twist;                /* mean spin of the pair about n, rad/s */
 } pair_state;
 
 GN_INLINE gn_v3 nearest_image(gn_v3 d, const double *period, int space) {
     gn_v3 r = d;
-    r.x = d.x - gn_set(period[0]) * gn_round(d.x / gn_set(period[0]));
-    r.y = d.y - gn_set(period[1]) * gn_round(d.y / gn_set(period[1]));
-    if (space) r.z = d.z - gn_set(period[2]) * gn_round(d.z / gn_set(period[2]));
+    r.x = gn_fnma(gn_set(period[0]), gn_round(d.x * gn_set(1.0 / period[0])), d.x);
+    r.y = gn_fnma(gn_set(period[1]), gn_round(d.y * gn_set(1.0 / period[1])), d.y);
+    if (space) r.z = gn_fnma(gn_set(period[2]), gn_round(d.z * gn_set(1.0 / period[2])), d.z);
     return r;
 }
 
-/* Sums over the two ends are written symmetrically, so that exchanging i and j mirrors every bit. */
+/* Sums over the two ends are written symmetrically, so that exchanging i and j mirrors every bit.
+ */
 GN_INLINE pair_state pair_kinematics(const gn_contact_args *a, const int32_t *i, const int32_t *j,
                                      variant w) {
     gn_v pi[4], pj[4], vi[4], vj[4];
@@ -47,9 +52,9 @@ GN_INLINE pair_state pair_kinematics(const gn_contact_args *a, const int32_t *i,
     s.gap = s.distance - (pi[3] + pj[3]);
     gn_v3 v = {vj[0] - vi[0], vj[1] - vi[1], gn_pick(w.space, vj[2] - vi[2], gn_set(0.0))};
     s.speed = gn_dot(v, s.n, w.space);
-    gn_v3 across = gn_axpy(v, gn_set(0.0) - s.speed, s.n, w.space);
-    s.relative = across;
-    if (w.shear) s.slide = gn_scale(gn_set(a->dt) * inverse, across, w.space);
+    s.across = gn_axmy(v, s.speed, s.n, w.space);
+    s.relative = s.across;
+    s.rate = gn_set(0.5 * a->dt) * inverse;
     if (w.shear && w.rotation) {
         gn_v wi[4], wj[4];
         gn_rows4(a->spin, i, wi);
@@ -63,7 +68,7 @@ GN_INLINE pair_state pair_kinematics(const gn_contact_args *a, const int32_t *i,
             gn_v3 spins = {wi[0] + wj[0], wi[1] + wj[1], wi[2] + wj[2]};
             s.twist = gn_set(0.5) * gn_dot(spins, s.n, 1);
         }
-        s.relative = gn_sub(across, gn_spin_cross(sum, s.n, w.space), w.space);
+        s.relative = gn_less_spin_cross(s.across, sum, s.n, w.space);
     }
     return s;
 }
@@ -71,16 +76,16 @@ GN_INLINE pair_state pair_kinematics(const gn_contact_args *a, const int32_t *i,
 /* Elastic tangential force before any limit. */
 GN_INLINE gn_v3 shear_trial(const gn_contact_args *a, const pair_state *s, gn_v3 *turned, gn_v kt,
                             variant w) {
-    gn_v3 t = gn_turn_with_normal(*turned, s->n, s->slide, w.space);
+    gn_v3 t = gn_turn_with_normal(*turned, s->n, s->across, s->rate, w.space);
     if (w.space && w.rotation) t = gn_turn_about_normal(t, s->n, gn_set(a->dt) * s->twist);
     *turned = t;
     return gn_axpy(t, kt * gn_set(a->dt), s->relative, w.space);
 }
 
 /* Rare: writes down which bonds broke and why. */
-static __attribute__((noinline, cold)) void record_breaks(const gn_contact_args *a, size_t c, size_t end,
-                                                          unsigned tension, unsigned shear,
-                                                          gn_contact_sums *sums) {
+static __attribute__((noinline)) void record_breaks(const gn_contact_args *a, size_t c, size_t end,
+                                                    unsigned tension, unsigned shear,
+                                                    gn_contact_sums *sums) {
     const gn_contacts *k = a->contacts;
     for (size_t lane = 0; lane < GN_W && c + lane < end; lane++) {
         unsigned bit = 1u << lane;
@@ -93,13 +98,15 @@ static __attribute__((noinline, cold)) void record_breaks(const gn_contact_args 
     }
 }
 
-GN_INLINE void write_row(const gn_contacts *k, size_t c, gn_v3 force, gn_v half, gn_v3 moment, variant w) {
+GN_INLINE void write_row(const gn_contacts *k, size_t c, gn_v3 force, gn_v half, gn_v3 moment,
+                         variant w) {
     gn_v zero = gn_set(0.0);
     if (w.space && w.rotation) {
         gn_v row[8] = {force.x, force.y, force.z, half, moment.x, moment.y, moment.z, zero};
         gn_store_rows8(k->row8 + 8 * c, row);
     } else {
-        gn_v row[4] = {force.x, force.y, gn_pick(w.space, force.z, half), gn_pick(w.space, zero, moment.z)};
+        gn_v row[4] = {force.x, force.y, gn_pick(w.space, force.z, half),
+                       gn_pick(w.space, zero, moment.z)};
         gn_store_rows4(k->row4 + 4 * c, row);
     }
 }
@@ -107,7 +114,21 @@ GN_INLINE void write_row(const gn_contacts *k, size_t c, gn_v3 force, gn_v half,
 /* Lane sums, kept in registers over a block and folded in lane order at its end. */
 typedef struct lane_sums {
     gn_v elastic_normal, elastic_shear, friction, damping, breaking;
+    gn_v stress[9], force, carrying;
 } lane_sums;
+
+/* What a reading needs of each contact; only in steps that are measured. */
+GN_INLINE void measure_contact(lane_sums *e, const pair_state *s, gn_v3 f, variant w) {
+    gn_v3 l = gn_scale(s->distance, s->n, w.space);
+    const gn_v from[3] = {f.x, f.y, f.z}, to[3] = {l.x, l.y, l.z};
+    int dimension = w.space ? 3 : 2;
+    for (int a = 0; a < dimension; a++)
+        for (int b = 0; b < dimension; b++)
+            e->stress[3 * a + b] = e->stress[3 * a + b] + from[a] * to[b];
+    gn_v size = gn_sqrt(gn_dot(f, f, w.space));
+    e->force = e->force + size;
+    e->carrying = e->carrying + gn_keep(gn_less(gn_set(0.0), size), gn_set(1.0));
+}
 
 GN_INLINE double fold(gn_v v) {
     double lanes[GN_W], sum = 0.0;
@@ -116,94 +137,129 @@ GN_INLINE double fold(gn_v v) {
     return sum;
 }
 
+/* Forces of a contact before and after its limits. */
+typedef struct contact_state {
+    gn_v kn, kt, stretch, elastic, normal; /* elastic: k_n stretch; normal: what acts of it */
+    gn_v3 before, trial, t;                /* tangential: last step's, turned; unlimited; acting */
+    gn_m touching, intact, breaking, slipping;
+} contact_state;
+
+/* Coulomb limit for whatever is not an intact bond; open contacts lose their force. Sizes are
+ * compared by their squares, so that only a vector with a slipping contact pays for the root and
+ * the division. */
+GN_INLINE void limit_shear(const gn_contacts *k, size_t c, gn_v total, contact_state *q,
+                           variant w) {
+    gn_v limit = gn_set(0.0);
+    if (w.friction)
+        limit = gn_keep(q->touching, gn_load(k->mu + c) * gn_max(gn_set(0.0) - total, gn_set(0.0)));
+    gn_v size2 = gn_dot(q->trial, q->trial, w.space);
+    q->slipping = gn_and(gn_not(q->intact), gn_less(limit * limit, size2));
+    q->t = q->trial;
+    if (gn_bits(q->slipping)) {
+        gn_v factor = gn_where(q->slipping, limit / gn_sqrt(size2), gn_set(1.0));
+        q->t = gn_scale(factor, q->trial, w.space);
+    }
+    gn_store3(k->shear + c, k->soa.capacity, q->t, w.space);
+}
+
+/* Which intact bonds reach their strength in this step; tension counts first. */
+GN_INLINE void break_bonds(const gn_contact_args *a, size_t c, size_t end, contact_state *q,
+                           gn_contact_sums *sums, variant w) {
+    const gn_contacts *k = a->contacts;
+    gn_v rn = gn_load(k->rn + c);
+    q->intact = gn_less(gn_set(0.0), rn);
+    gn_m in_tension = gn_and(q->intact, gn_at_least(q->elastic, rn)), in_shear = gn_m_none();
+    if (w.shear) {
+        gn_v rt = gn_load(k->rt + c);
+        gn_m strong = gn_at_least(gn_dot(q->trial, q->trial, w.space), rt * rt);
+        in_shear = gn_and(gn_and(q->intact, gn_not(in_tension)), strong);
+    }
+    q->breaking = gn_or(in_tension, in_shear);
+    q->intact = gn_and(q->intact, gn_not(q->breaking));
+    if (__builtin_expect(gn_bits(q->breaking) != 0, 0))
+        record_breaks(a, c, end, gn_bits(in_tension), gn_bits(in_shear), sums);
+}
+
+/* Rare: energy that slipping and breaking contacts release. */
+GN_INLINE void book_release(const gn_contact_args *a, const pair_state *s, const contact_state *q,
+                            lane_sums *e, variant w) {
+    gn_v shear_part = gn_set(0.0), normal_part = gn_set(0.0);
+    if (w.shear)
+        shear_part =
+            gn_released3(q->before, q->t, q->trial, gn_max(q->kt, gn_set(1e-300)), w.space);
+    if (w.bonds) {
+        gn_v old = q->kn * (q->stretch - s->speed * gn_set(a->dt));
+        normal_part = gn_released(old, q->normal, q->elastic, q->kn);
+    }
+    e->breaking = e->breaking + gn_keep(q->breaking, shear_part + normal_part);
+    e->friction = e->friction + gn_keep(gn_and(q->slipping, gn_not(q->breaking)), shear_part);
+}
+
+/* In measured steps: energy stored in the springs. */
+GN_INLINE void book_elastic(const contact_state *q, lane_sums *e, variant w) {
+    gn_v half = gn_set(0.5);
+    e->elastic_normal = e->elastic_normal + half * q->normal * q->stretch;
+    if (w.shear)
+        e->elastic_shear =
+            e->elastic_shear + half * gn_dot(q->t, q->t, w.space) / gn_max(q->kt, gn_set(1e-300));
+}
+
+GN_INLINE gn_v damped(const gn_contact_args *a, size_t c, const pair_state *s,
+                      const contact_state *q, gn_m acting, lane_sums *e, variant w) {
+    const gn_contacts *k = a->contacts;
+    gn_v viscous = gn_keep(acting, gn_load(k->cn + c) * s->speed);
+    if (w.energy) {
+        gn_v half = gn_set(0.5) * (gn_load(k->fd + c) + viscous);
+        e->damping = e->damping + half * s->speed * gn_set(a->dt);
+        gn_store(k->fd + c, viscous);
+    }
+    return q->normal + viscous;
+}
+
 GN_INLINE void contact_vector(const gn_contact_args *a, size_t c, size_t end, lane_sums *e,
                               gn_contact_sums *sums, variant w) {
     const gn_contacts *k = a->contacts;
     const gn_v zero = gn_set(0.0);
     pair_state s = pair_kinematics(a, k->i + c, k->j + c, w);
-    gn_v kn = gn_load(k->kn + c);
-    gn_v stretch = s.gap;
-    if (w.bonds) stretch = s.distance - gn_load(k->length0 + c);
-    gn_m touching = gn_less(stretch, zero);
-    gn_v elastic = kn * stretch, normal;
-    gn_m acting = touching, intact = gn_less(zero, zero), in_tension = intact;
-    if (w.bonds) {
-        gn_v rn = gn_load(k->rn + c);
-        intact = gn_less(zero, rn);
-        in_tension = gn_and(intact, gn_at_least(elastic, rn));
-        acting = gn_or(touching, intact);
+    contact_state q = {.kn = gn_load(k->kn + c), .stretch = s.gap};
+    q.intact = q.breaking = q.slipping = gn_m_none();
+    if (w.bonds) q.stretch = s.distance - gn_load(k->length0 + c);
+    q.elastic = q.kn * q.stretch;
+    q.touching = gn_less(q.stretch, zero);
+    if (w.shear) {
+        q.kt = gn_load(k->kt + c);
+        q.before = gn_load3(k->shear + c, k->soa.capacity, w.space);
+        q.trial = shear_trial(a, &s, &q.before, q.kt, w);
     }
-    normal = gn_keep(acting, elastic);
+    if (w.bonds) break_bonds(a, c, end, &q, sums, w);
+    gn_m acting = gn_or(q.touching, q.intact);
+    q.normal = gn_keep(acting, q.elastic);
+    gn_v total = q.normal;
+    if (w.damping) total = damped(a, c, &s, &q, acting, e, w);
+    if (w.shear) limit_shear(k, c, total, &q, w);
+    if (w.energy && gn_bits(gn_or(q.slipping, q.breaking))) book_release(a, &s, &q, e, w);
+    if (w.energy && a->measure) book_elastic(&q, e, w);
 
-    gn_v3 before = {zero, zero, zero}, trial = before, t = before;
-    gn_v kt = zero, limit = zero, size = zero;
-    gn_m in_shear = gn_less(zero, zero), slipping = in_shear;
-    if (w.shear) {
-        kt = gn_load(k->kt + c);
-        before = gn_load3(k->shear + c, k->soa.capacity, w.space);
-        trial = shear_trial(a, &s, &before, kt, w);
-        t = trial;
-        size = gn_sqrt(gn_dot(trial, trial, w.space));
-        if (w.bonds)
-            in_shear = gn_and(gn_and(intact, gn_not(in_tension)), gn_at_least(size, gn_load(k->rt + c)));
-    }
-    gn_m breaking = gn_or(in_tension, in_shear);
-    if (w.bonds) {
-        intact = gn_and(intact, gn_not(breaking));
-        acting = gn_or(touching, intact);
-        normal = gn_keep(acting, elastic);
-        if (__builtin_expect(gn_bits(breaking) != 0, 0))
-            record_breaks(a, c, end, gn_bits(in_tension), gn_bits(in_shear), sums);
-    }
-    gn_v total = normal;
-    if (w.damping) {
-        gn_v viscous = gn_keep(acting, gn_load(k->cn + c) * s.speed);
-        total = normal + viscous;
-        if (w.energy) {
-            gn_v half = gn_set(0.5) * (gn_load(k->fd + c) + viscous);
-            e->damping = e->damping + half * s.speed * gn_set(a->dt);
-            gn_store(k->fd + c, viscous);
-        }
-    }
-    if (w.shear) {
-        /* Coulomb limit for whatever is not an intact bond; open contacts lose their force. */
-        if (w.friction) limit = gn_load(k->mu + c) * gn_max(zero - total, zero);
-        limit = gn_keep(touching, limit);
-        slipping = gn_and(gn_not(intact), gn_less(limit, size));
-        gn_v factor = gn_where(slipping, limit / gn_max(size, gn_set(1e-300)), gn_set(1.0));
-        t = gn_scale(factor, trial, w.space);
-        gn_store3(k->shear + c, k->soa.capacity, t, w.space);
-    }
-    if (w.energy && gn_bits(gn_or(slipping, breaking))) {
-        gn_v shear_part = zero, normal_part = zero;
-        if (w.shear)
-            shear_part = gn_released3(before, t, trial, gn_max(kt, gn_set(1e-300)), w.space);
-        if (w.bonds)
-            normal_part =
-                gn_released(kn * (stretch - s.speed * gn_set(a->dt)), normal, elastic, kn);
-        e->breaking = e->breaking + gn_keep(breaking, shear_part + normal_part);
-        e->friction = e->friction + gn_keep(gn_and(slipping, gn_not(breaking)), shear_part);
-    }
-    if (w.energy && a->measure) {
-        gn_v half = gn_set(0.5);
-        e->elastic_normal = e->elastic_normal + gn_keep(acting, half * normal * stretch);
-        if (w.shear)
-            e->elastic_shear =
-                e->elastic_shear + half * gn_dot(t, t, w.space) / gn_max(kt, gn_set(1e-300));
-    }
     gn_v3 force = gn_scale(total, s.n, w.space), moment = {zero, zero, zero};
     if (w.shear) {
-        force = gn_add(force, t, w.space);
-        if (w.rotation) moment = gn_cross(s.n, t, w.space);
+        force = gn_axpy(q.t, total, s.n, w.space);
+        if (w.rotation) moment = gn_cross(s.n, q.t, w.space);
     }
+    if (a->measure) measure_contact(e, &s, force, w);
     write_row(k, c, force, gn_set(a->arm_factor) * s.gap, moment, w);
 }
 
-GN_INLINE void contact_core(const gn_contact_args *a, size_t begin, size_t end, gn_contact_sums *sums,
-                            variant w) {
-    gn_v zero = gn_set(0.0);
-    lane_sums e = {zero, zero, zero, zero, zero};
+GN_INLINE void contact_core(const gn_contact_args *a, size_t begin, size_t end,
+                            gn_contact_sums *sums, variant w) {
+    lane_sums e;
+    gn_v *parts = &e.elastic_normal;
+    for (size_t k = 0; k < sizeof e / sizeof *parts; k++) parts[k] = gn_set(0.0);
     for (size_t c = begin; c < end; c += GN_W) contact_vector(a, c, end, &e, sums, w);
+    if (a->measure) {
+        for (int k = 0; k < 9; k++) sums->stress[k] += fold(e.stress[k]);
+        sums->force += fold(e.force);
+        sums->carrying += fold(e.carrying);
+    }
     if (!w.energy) return;
     sums->elastic_normal += fold(e.elastic_normal);
     sums->elastic_shear += fold(e.elastic_shear);
@@ -212,7 +268,8 @@ GN_INLINE void contact_core(const gn_contact_args *a, size_t begin, size_t end, 
     sums->bond_breaking += fold(e.breaking);
 }
 
-/* --- the variants ---------------------------------------------------------------------------------- */
+/* --- the variants
+ * ---------------------------------------------------------------------------------- */
 
 /* Not worth a kernel: friction without shear, or shear that neither friction nor bonds load. */
 #define SENSELESS(v)                                                                               \
@@ -223,8 +280,8 @@ GN_INLINE void contact_core(const gn_contact_args *a, size_t begin, size_t end, 
                             gn_contact_sums *sums) {                                               \
         if (SENSELESS(v)) return;                                                                  \
         contact_core(a, begin, end, sums,                                                          \
-                     (variant){GN_BIT(v, 0), GN_BIT(v, 1), GN_BIT(v, 2), GN_BIT(v, 3), GN_BIT(v, 4), GN_BIT(v, 5),   \
-                               GN_BIT(v, 6), GN_BIT(v, 7)});                                             \
+                     (variant){GN_BIT(v, 0), GN_BIT(v, 1), GN_BIT(v, 2), GN_BIT(v, 3),             \
+                               GN_BIT(v, 4), GN_BIT(v, 5), GN_BIT(v, 6), GN_BIT(v, 7)});           \
     }
 GN_EACH_256(WRAPPER)
 

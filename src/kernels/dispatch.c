@@ -10,15 +10,17 @@ static const gn_kernel_set sets[GN_KERNEL_SETS] = {
     {"avx512", 8, gn_contact_table_avx512, gn_motion_table_avx512},
 };
 
-const gn_kernel_set *gn_kernel_set_at(int index) { return &sets[index]; }
+const gn_kernel_set *gn_kernel_set_at(int index) {
+    return &sets[index];
+}
 
 bool gn_kernel_set_supported(const gn_kernel_set *set) {
     __builtin_cpu_init();
     if (set->lanes == 8)
         return __builtin_cpu_supports("avx512f") && __builtin_cpu_supports("avx512dq") &&
                __builtin_cpu_supports("avx512vl");
-    if (set->lanes == 4) return __builtin_cpu_supports("avx2");
-    return true;
+    if (set->lanes == 4) return __builtin_cpu_supports("avx2") && __builtin_cpu_supports("fma");
+    return __builtin_cpu_supports("fma");
 }
 
 static void supported_names(char *text, size_t size) {
@@ -26,10 +28,12 @@ static void supported_names(char *text, size_t size) {
     text[0] = 0;
     for (int k = 0; k < GN_KERNEL_SETS && used < size; k++)
         if (gn_kernel_set_supported(&sets[k]))
-            used += (size_t)snprintf(text + used, size - used, "%s%s", used ? ", " : "", sets[k].name);
+            used +=
+                (size_t)snprintf(text + used, size - used, "%s%s", used ? ", " : "", sets[k].name);
 }
 
-gneiss_status gn_kernel_set_choose(const char *name, const gn_kernel_set **set, gneiss_error *error) {
+gneiss_status gn_kernel_set_choose(const char *name, const gn_kernel_set **set,
+                                   gneiss_error *error) {
     const char *origin = "isa";
     if (!name || strcmp(name, "auto") == 0) {
         name = getenv("GNEISS_ISA");
@@ -45,11 +49,12 @@ gneiss_status gn_kernel_set_choose(const char *name, const gn_kernel_set **set, 
     char names[64];
     supported_names(names, sizeof names);
     return gn_fail(error, GNEISS_ERROR_INPUT,
-                   "%s: expected an instruction set that this machine runs (%s), found '%s'", origin,
-                   names, name);
+                   "%s: expected an instruction set that this machine runs (%s), found '%s'",
+                   origin, names, name);
 }
 
-/* --- variants -------------------------------------------------------------------------------------- */
+/* --- variants
+ * -------------------------------------------------------------------------------------- */
 
 typedef struct effect_bit {
     unsigned bit;
@@ -78,12 +83,13 @@ static gn_effects effects_of(const effect_bit *bits, size_t count, unsigned vari
     return effects;
 }
 
-static void name_of(const char *stem, const effect_bit *bits, size_t count, unsigned variant, char *name,
-                    size_t size) {
+static void name_of(const char *stem, const effect_bit *bits, size_t count, unsigned variant,
+                    char *name, size_t size) {
     size_t used = (size_t)snprintf(name, size, "%s", stem);
     for (size_t k = 0; k < count && used < size; k++)
         if (variant >> bits[k].bit & 1)
-            used += (size_t)snprintf(name + used, size - used, "_%s", gn_effect_name(bits[k].index));
+            used +=
+                (size_t)snprintf(name + used, size - used, "_%s", gn_effect_name(bits[k].index));
 }
 
 unsigned gn_contact_variant(gn_effects effects) {

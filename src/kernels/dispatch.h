@@ -21,9 +21,10 @@ const gn_kernel_set *gn_kernel_set_at(int index);
 /* Whether this machine can run a set. */
 bool gn_kernel_set_supported(const gn_kernel_set *set);
 
-/* The set called `name`; "auto" or NULL: GNEISS_ISA from the environment, else the widest that the machine
- * runs. Fails with what the machine has when the name is unknown or not supported. */
-gneiss_status gn_kernel_set_choose(const char *name, const gn_kernel_set **set, gneiss_error *error);
+/* The set called `name`; "auto" or NULL: GNEISS_ISA from the environment, else the widest that the
+ * machine runs. Fails with what the machine has when the name is unknown or not supported. */
+gneiss_status gn_kernel_set_choose(const char *name, const gn_kernel_set **set,
+                                   gneiss_error *error);
 
 /* Kernel of a set for effects; fails with the variant's name when there is none. */
 gneiss_status gn_contact_kernel_choose(const gn_kernel_set *set, gn_effects list_effects,

@@ -4,33 +4,34 @@
 
 #include "soa/records.h"
 
-/* Particles are worked on in blocks of this many; sums are kept per block and merged in block order. */
+/* Particles are worked on in blocks of this many; sums are kept per block and merged in block
+ * order. */
 enum { GN_PARTICLE_BLOCK = 128 };
 
-/* Which contacts a particle takes part in. As first particle: the contacts [first[p], first[p + 1]); as
- * second particle: the contacts second[k], k in [second_first[p], second_first[p + 1]), ascending. */
+/* Which contacts a particle takes part in: entries [start[p], start[p + 1]), each 2 contact + side
+ * with side 0 for the first and 1 for the second particle of the contact, ascending. One list for
+ * both sides makes one loop whose end is mispredicted once a particle and not twice. */
 typedef struct gn_incidence {
-    int32_t *first;        /* [particles + 1] */
-    int32_t *second_first; /* [particles + 1] */
-    int32_t *second;       /* [contacts] */
+    int32_t *start; /* [particles + 1] */
+    int32_t *entry; /* [2 contacts] */
 } gn_incidence;
 
 /* Prescribed particles, by slot. */
 typedef struct gn_prescription {
     size_t count;
-    int32_t *set;       /* [count] the set that takes the reaction */
-    uint8_t *mask;      /* [count] bit k: component k of v xyz, w xyz is prescribed */
-    double *velocity;   /* [count][6] for the coming half step; free components unused */
-    double *load;       /* [count][6] out: what the prescription had to supply (N, N m) */
+    int32_t *set;     /* [count] the set that takes the reaction */
+    uint8_t *mask;    /* [count] bit k: component k of v xyz, w xyz is prescribed */
+    double *velocity; /* [count][6] for the coming half step; free components unused */
+    double *load;     /* [count][6] out: what the prescription had to supply (N, N m) */
 } gn_prescription;
 
 typedef struct gn_motion_args {
     gn_particles *particles;
-    const gn_contacts *bonds, *pairs;       /* count 0 when absent */
+    const gn_contacts *bonds, *pairs; /* count 0 when absent */
     const gn_incidence *bonds_of, *pairs_of;
-    const gn_wall_contacts *wall_contacts;  /* NULL when absent */
-    const int32_t *wall_first;              /* [particles + 1] */
-    gn_prescription *prescribed;            /* NULL when absent */
+    const gn_wall_contacts *wall_contacts; /* NULL when absent */
+    const int32_t *wall_first;             /* [particles + 1] */
+    gn_prescription *prescribed;           /* NULL when absent */
     double dt_past, dt; /* s: the interval that led here (0 at the start) and the coming one */
     double gravity[3];
     double damping; /* coefficient of the background damping */
@@ -40,12 +41,12 @@ typedef struct gn_motion_args {
 /* Works of the background damping and so on are split in the halves 1/2 F dt v before and after the
  * instant: a reading takes the first half only, so that it is trapezoidal at every instant. */
 typedef struct gn_motion_sums {
-    double kinetic, rotational;          /* J, 1/2 m v(-)v(+), with `measure` */
-    double resultant;                    /* N, sum of |F| over free particles, with `measure` */
-    double damping[2];                   /* J, dissipated */
+    double kinetic, rotational; /* J, 1/2 m v(-)v(+), with `measure` */
+    double resultant;           /* N, sum of |F| over free particles, with `measure` */
+    double damping[2];          /* J, dissipated */
     double gravity[2], applied[2], prescribed[2]; /* J, work */
-    double speed2;                       /* m2/s2, largest */
-    int64_t bad;                         /* a particle whose velocity is not finite, or -1 */
+    double speed2;                                /* m2/s2, largest */
+    int64_t bad; /* a particle whose velocity is not finite, or -1 */
 } gn_motion_sums;
 
 typedef void gn_motion_kernel(const gn_motion_args *args, size_t begin, size_t end,

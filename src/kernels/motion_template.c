@@ -1,16 +1,24 @@
-/* Gather and integrate: central differences (leap-frog) with variable step, in one pass over particles.
- * One body, expanded per variant and compiled per instruction set, as contact_template.c. */
+/* Gather and integrate: central differences (leap-frog) with variable step. A block of particles is
+ * summed from the contact rows into columns that stay in the L1 cache, then integrated lane by
+ * lane. One body, expanded per variant and compiled per instruction set, as contact_template.c. */
 #include "kernels/contact.h"
 #include "kernels/expand.h"
 #include "kernels/motion.h"
+#include "kernels/simd.h"
 
 #include <math.h>
-
-#define GN_INLINE static inline __attribute__((always_inline))
 
 typedef struct variant {
     int space, rotation, viscous, vector, component, gravity, energy;
 } variant;
+
+/* --- gather
+ * ---------------------------------------------------------------------------------------- */
+
+/* Sums of a block, in columns: force xyz, moment xyz (2D: moment z). */
+typedef struct block_load {
+    double force[3][GN_PARTICLE_BLOCK], moment[3][GN_PARTICLE_BLOCK];
+} block_load;
 
 /* A row of four doubles in a register. */
 typedef double row __attribute__((vector_size(32), aligned(8)));
@@ -19,30 +27,28 @@ typedef struct load {
     row force, moment; /* xyz in the first three; 2D: moment z */
 } load;
 
-/* Adds one contact: sign +1 for its first particle, -1 for its second; the moment has the same sign for
- * both because arm and force both turn round. */
-GN_INLINE void add_contact(const double *rows, int64_t c, int second, double radius, load *sum, variant w) {
+/* Adds one contact. The force has opposite signs for the two particles; the moment has the same
+ * sign, because arm and force both turn round. */
+GN_INLINE void add_contact(const double *rows, int32_t entry, double radius, load *sum, variant w) {
+    static const double signs[2] = {1.0, -1.0};
     int width = w.space && w.rotation ? 8 : 4;
-    row r = *(const row *)(rows + width * c);
+    const double *at = rows + width * (int64_t)(entry >> 1);
+    double sign = signs[entry & 1];
+    row r = *(const row *)at;
     if (w.space && w.rotation) {
         double arm = radius + r[3];
-        row moment = *(const row *)(rows + width * c + 4);
-        sum->moment += moment * (row){arm, arm, arm, arm};
+        sum->moment += *(const row *)(at + 4) * (row){arm, arm, arm, arm};
     } else if (w.rotation) {
         sum->moment[2] += (radius + r[2]) * r[3];
     }
-    if (second)
-        sum->force -= r;
-    else
-        sum->force += r;
+    sum->force += r * (row){sign, sign, sign, sign};
 }
 
-GN_INLINE void add_contacts(const gn_contacts *contacts, const gn_incidence *of, size_t p, double radius,
-                            load *sum, variant w) {
+GN_INLINE void add_contacts(const gn_contacts *contacts, const gn_incidence *of, size_t p,
+                            double radius, load *sum, variant w) {
     const double *rows = gn_contacts_row(contacts);
-    for (int32_t c = of->first[p]; c < of->first[p + 1]; c++) add_contact(rows, c, 0, radius, sum, w);
-    for (int32_t k = of->second_first[p]; k < of->second_first[p + 1]; k++)
-        add_contact(rows, of->second[k], 1, radius, sum, w);
+    for (int32_t k = of->start[p]; k < of->start[p + 1]; k++)
+        add_contact(rows, of->entry[k], radius, sum, w);
 }
 
 GN_INLINE load gather(const gn_motion_args *a, size_t p, variant w) {
@@ -61,68 +67,176 @@ GN_INLINE load gather(const gn_motion_args *a, size_t p, variant w) {
     return sum;
 }
 
-
-
-/* Background damping on a force (or moment) f for a velocity v of an item of mass m; into d. */
-GN_INLINE void background(const gn_motion_args *a, const double f[3], const double v[3], double m,
-                          const double *v_new, double d[3], variant w) {
-    for (int k = 0; k < 3; k++) d[k] = 0.0;
-    if (w.viscous) {
-        for (int k = 0; k < 3; k++) d[k] = -a->damping * m * 0.5 * (v[k] + v_new[k]);
-    } else if (w.vector) {
-        double speed = sqrt(v[0] * v[0] + v[1] * v[1] + v[2] * v[2]);
-        if (!(speed > 0.0)) return; /* at rest: nothing to oppose */
-        double size = sqrt(f[0] * f[0] + f[1] * f[1] + f[2] * f[2]);
-        double factor = -a->damping * size / speed;
-        for (int k = 0; k < 3; k++) d[k] = factor * v[k];
-    } else if (w.component) {
-        for (int k = 0; k < 3; k++)
-            d[k] = v[k] > 0.0 ? -a->damping * fabs(f[k]) : v[k] < 0.0 ? a->damping * fabs(f[k]) : 0.0;
+GN_INLINE void gather_block(const gn_motion_args *a, size_t begin, size_t end, block_load *out,
+                            variant w) {
+    size_t count = end - begin, padded = (count + GN_W - 1) / GN_W * GN_W;
+    for (size_t k = 0; k < padded; k++) {
+        load sum = {{0, 0, 0, 0}, {0, 0, 0, 0}};
+        if (k < count) sum = gather(a, begin + k, w);
+        for (int c = 0; c < 3; c++) {
+            out->force[c][k] = sum.force[c];
+            if (w.rotation) out->moment[c][k] = sum.moment[c];
+        }
     }
 }
 
-/* New velocity from force f, with damping; d gets the damping force. Viscous damping is taken at the
- * middle of the kick, -a m (v + v_new)/2, which is stable for any coefficient. */
-GN_INLINE void kick(const gn_motion_args *a, const double f[3], const double v[3], double inverse_mass,
-                    double interval, double v_new[3], double d[3], variant w) {
-    double m = inverse_mass > 0.0 ? 1.0 / inverse_mass : 0.0;
+/* --- integration
+ * ----------------------------------------------------------------------------------- */
+
+/* Translation or rotation of GN_W particles. */
+typedef struct motion {
+    gn_v3 v, v_new;     /* velocity (spin) at the half steps before and after */
+    gn_v3 f, d;         /* force (moment) without background damping, and background damping */
+    gn_v inverse, mass; /* 1/m and m (inertia); both 0 for removed particles */
+} motion;
+
+GN_INLINE gn_v absolute(gn_v a) {
+    return gn_max(a, gn_set(0.0) - a);
+}
+
+GN_INLINE gn_v opposing(const gn_motion_args *a, gn_v f, gn_v v) {
+    gn_v zero = gn_set(0.0), size = gn_set(a->damping) * absolute(f);
+    return gn_where(gn_less(zero, v), zero - size, gn_keep(gn_less(v, zero), size));
+}
+
+/* Background damping and new velocity. Viscous damping is taken at the middle of the kick,
+ * -a m (v + v_new)/2, which is stable for any coefficient. At rest the non-viscous kinds have
+ * nothing to oppose. */
+GN_INLINE void kick(const gn_motion_args *a, motion *q, double interval, int space, variant w) {
+    gn_v zero = gn_set(0.0), rate = gn_set(interval) * q->inverse;
+    q->d = (gn_v3){zero, zero, zero};
     if (w.viscous) {
         double half = 0.5 * a->damping * interval;
-        for (int k = 0; k < 3; k++)
-            v_new[k] = (v[k] * (1.0 - half) + interval * inverse_mass * f[k]) / (1.0 + half);
-        background(a, f, v, m, v_new, d, w);
+        gn_v3 kept = gn_scale(gn_set(1.0 - half), q->v, space);
+        q->v_new = gn_scale(gn_set(1.0 / (1.0 + half)), gn_axpy(kept, rate, q->f, space), space);
+        q->d = gn_scale(gn_set(-0.5 * a->damping) * q->mass, gn_add(q->v, q->v_new, space), space);
         return;
     }
-    background(a, f, v, m, v_new, d, w);
-    for (int k = 0; k < 3; k++) v_new[k] = v[k] + interval * inverse_mass * (f[k] + d[k]);
+    if (w.vector) {
+        gn_v speed = gn_sqrt(gn_dot(q->v, q->v, space)), size = gn_sqrt(gn_dot(q->f, q->f, space));
+        gn_v factor = gn_keep(gn_less(zero, speed), gn_set(-a->damping) * size / speed);
+        q->d = gn_scale(factor, q->v, space);
+    } else if (w.component) {
+        q->d.x = opposing(a, q->f.x, q->v.x);
+        q->d.y = opposing(a, q->f.y, q->v.y);
+        if (space) q->d.z = opposing(a, q->f.z, q->v.z);
+    }
+    q->v_new = gn_axpy(q->v, rate, gn_add(q->f, q->d, space), space);
 }
 
-GN_INLINE double half_work(const double f[3], const double v[3], double dt) {
-    return 0.5 * dt * (f[0] * v[0] + f[1] * v[1] + f[2] * v[2]);
+GN_INLINE gn_v half_work(gn_v3 f, gn_v3 v, double dt, int space) {
+    return gn_set(0.5 * dt) * gn_dot(f, v, space);
 }
 
-/* Overrides prescribed components (first: 0 for velocity, 3 for spin) and notes the load it took. */
-GN_INLINE void prescribe(const gn_motion_args *a, int32_t slot, int first, const double f[3],
-                         const double v[3], double inverse_mass, double interval, double v_new[3],
-                         double d[3], gn_motion_sums *s) {
+/* Kinetic energy 1/2 m v(-) v(+), which is exactly conserved with the elastic energy of a linear
+ * system; at the start v(-) is what a full kick would have come from. */
+GN_INLINE gn_v kinetic(const gn_motion_args *a, const motion *q, int space) {
+    gn_v3 before = q->v;
+    if (!(a->dt_past > 0.0)) before = gn_sub(gn_scale(gn_set(2.0), q->v, space), q->v_new, space);
+    return gn_set(0.5) * q->mass * gn_dot(before, q->v_new, space);
+}
+
+/* Lane sums over a block. */
+typedef struct lane_sums {
+    gn_v kinetic, rotational, resultant, damping[2], gravity[2], applied[2], speed2;
+} lane_sums;
+
+static inline double fold(gn_v v) {
+    double lanes[GN_W], sum = 0.0;
+    gn_store(lanes, v);
+    for (int k = 0; k < GN_W; k++) sum += lanes[k];
+    return sum;
+}
+
+/* --- prescribed particles, lane by lane
+ * ------------------------------------------------------------- */
+
+/* Overrides prescribed components (first: 0 for velocity, 3 for spin) of one particle and notes the
+ * load it took. Nothing that is driven has background damping. */
+static void prescribe_lane(const gn_motion_args *a, int32_t slot, int first, double interval,
+                           int lane, double inverse, double v[3][GN_W], double v_new[3][GN_W],
+                           double f[3][GN_W], double d[3][GN_W], gn_motion_sums *s) {
     gn_prescription *q = a->prescribed;
-    double supplied[3] = {0, 0, 0};
     for (int k = 0; k < 3; k++) {
         if (!(q->mask[slot] >> (first + k) & 1)) continue;
-        d[k] = 0.0; /* no background damping on what is driven */
-        v_new[k] = q->velocity[6 * slot + first + k];
-        double inertia = inverse_mass > 0.0 && a->dt_past > 0.0
-                             ? (v_new[k] - v[k]) / (interval * inverse_mass)
-                             : 0.0;
-        supplied[k] = inertia - f[k];
-        q->load[6 * slot + first + k] = supplied[k];
+        d[k][lane] = 0.0;
+        v_new[k][lane] = q->velocity[6 * slot + first + k];
+        bool accelerates = inverse > 0.0 && a->dt_past > 0.0;
+        double inertia = accelerates ? (v_new[k][lane] - v[k][lane]) / (interval * inverse) : 0.0;
+        double supplied = inertia - f[k][lane];
+        q->load[6 * slot + first + k] = supplied;
+        s->prescribed[0] += 0.5 * a->dt_past * supplied * v[k][lane];
+        s->prescribed[1] += 0.5 * a->dt * supplied * v_new[k][lane];
     }
-    s->prescribed[0] += half_work(supplied, v, a->dt_past);
-    s->prescribed[1] += half_work(supplied, v_new, a->dt);
 }
 
-/* Turns a quaternion by the spin over dt (exponential map, renormalised). */
-GN_INLINE void turn_orientation(double q[4], const double spin[3], double dt) {
+static void unpack(gn_v3 a, double out[3][GN_W]) {
+    gn_store(out[0], a.x);
+    gn_store(out[1], a.y);
+    gn_store(out[2], a.z);
+}
+
+static gn_v3 pack(double in[3][GN_W]) {
+    return (gn_v3){gn_load(in[0]), gn_load(in[1]), gn_load(in[2])};
+}
+
+/* Some of the lanes are prescribed. */
+static __attribute__((noinline)) void prescribe(const gn_motion_args *a, size_t p, int first,
+                                                double interval, motion *q, gn_motion_sums *s) {
+    double v[3][GN_W], v_new[3][GN_W], f[3][GN_W], d[3][GN_W], inverse[GN_W];
+    unpack(q->v, v);
+    unpack(q->v_new, v_new);
+    unpack(q->f, f);
+    unpack(q->d, d);
+    gn_store(inverse, q->inverse);
+    for (int lane = 0; lane < GN_W && p + (size_t)lane < a->particles->soa.count; lane++) {
+        int32_t slot = a->particles->slot[p + (size_t)lane];
+        if (slot >= 0)
+            prescribe_lane(a, slot, first, interval, lane, inverse[lane], v, v_new, f, d, s);
+    }
+    q->v_new = pack(v_new);
+    q->d = pack(d);
+}
+
+static bool any_prescribed(const gn_motion_args *a, size_t p) {
+    bool any = false;
+    for (int lane = 0; lane < GN_W && p + (size_t)lane < a->particles->soa.count; lane++)
+        any = any || a->particles->slot[p + (size_t)lane] >= 0;
+    return any;
+}
+
+/* 1 for lanes whose resultant counts (free particles), else 0. */
+static gn_v free_lanes(const gn_motion_args *a, size_t p, bool prescribed) {
+    double lanes[GN_W];
+    for (int lane = 0; lane < GN_W; lane++) {
+        bool inside = p + (size_t)lane < a->particles->soa.count;
+        bool driven = prescribed && inside && a->particles->slot[p + (size_t)lane] >= 0;
+        lanes[lane] = driven ? 0.0 : 1.0;
+    }
+    return gn_load(lanes);
+}
+
+/* --- one group of lanes
+ * ----------------------------------------------------------------------------- */
+
+static void note_bad(const gn_motion_args *a, size_t p, unsigned bad, gn_motion_sums *s) {
+    for (int lane = 0; lane < GN_W && s->bad < 0; lane++)
+        if (bad >> lane & 1 && p + (size_t)lane < a->particles->soa.count)
+            s->bad = (int64_t)p + lane;
+}
+
+GN_INLINE gn_v mass_of(gn_v inverse) {
+    return gn_keep(gn_less(gn_set(0.0), inverse), gn_set(1.0) / inverse);
+}
+
+/* Consecutive rows of four as four columns, and back. */
+GN_INLINE void load_rows(const double *rows, size_t p, gn_v out[4]) {
+    static const int32_t lanes[8] = {0, 1, 2, 3, 4, 5, 6, 7};
+    gn_rows4(rows + 4 * p, lanes, out);
+}
+
+/* Turns a quaternion by the spin over dt (first order in the angle, renormalised). */
+static void turn_orientation(double q[4], const double spin[3], double dt) {
     double x = 0.5 * dt * spin[0], y = 0.5 * dt * spin[1], z = 0.5 * dt * spin[2];
     double r[4] = {q[0] - x * q[1] - y * q[2] - z * q[3], q[1] + x * q[0] + y * q[3] - z * q[2],
                    q[2] + y * q[0] + z * q[1] - x * q[3], q[3] + z * q[0] + x * q[2] - y * q[1]};
@@ -130,86 +244,121 @@ GN_INLINE void turn_orientation(double q[4], const double spin[3], double dt) {
     for (int k = 0; k < 4; k++) q[k] = scale * r[k];
 }
 
-/* Velocity before the instant for the kinetic energy 1/2 m v(-) v(+), which is exactly conserved with the
- * elastic energy of a linear system; at the start v(-) is what a full kick would have come from. */
-GN_INLINE double kinetic(const gn_motion_args *a, const double v[3], const double v_new[3], double mass) {
-    double s = 0.0;
-    for (int k = 0; k < 3; k++) {
-        double before = a->dt_past > 0.0 ? v[k] : 2.0 * v[k] - v_new[k];
-        s += before * v_new[k];
-    }
-    return 0.5 * mass * s;
-}
-
-GN_INLINE void move_particle(const gn_motion_args *a, size_t p, gn_motion_sums *s, variant w) {
+GN_INLINE void translate(const gn_motion_args *a, size_t p, const block_load *sum, size_t k,
+                         bool prescribed, lane_sums *e, gn_motion_sums *s, variant w) {
     gn_particles *q = a->particles;
-    double inverse_mass = q->vel[4 * p + 3];
     double interval = 0.5 * (a->dt_past + a->dt);
-    load sum = gather(a, p, w);
-    double v[3], v_new[3], f[3], d[3];
-    for (int k = 0; k < 3; k++) {
-        v[k] = q->vel[4 * p + k];
-        f[k] = sum.force[k];
+    gn_v x[4], v[4];
+    load_rows(q->pos, p, x);
+    load_rows(q->vel, p, v);
+    motion m;
+    m.inverse = v[3];
+    m.mass = mass_of(v[3]);
+    m.v = (gn_v3){v[0], v[1], v[2]};
+    m.f =
+        (gn_v3){gn_load(sum->force[0] + k), gn_load(sum->force[1] + k), gn_load(sum->force[2] + k)};
+    gn_v3 weight = {gn_set(0.0), gn_set(0.0), gn_set(0.0)}, applied = weight;
+    if (w.gravity) {
+        gn_v3 g = {gn_set(a->gravity[0]), gn_set(a->gravity[1]), gn_set(a->gravity[2])};
+        weight = gn_scale(m.mass, g, 1);
+        m.f = gn_add(m.f, weight, 1);
     }
-    double mass = inverse_mass > 0.0 ? 1.0 / inverse_mass : 0.0;
-    if (w.gravity)
-        for (int k = 0; k < 3; k++) f[k] += mass * a->gravity[k];
-    if (q->applied)
-        for (int k = 0; k < 3; k++) f[k] += q->applied[4 * p + k];
-    kick(a, f, v, inverse_mass, interval, v_new, d, w);
-    int32_t slot = a->prescribed ? q->slot[p] : -1;
-    if (slot >= 0) prescribe(a, slot, 0, f, v, inverse_mass, interval, v_new, d, s);
+    if (q->applied) {
+        gn_v r[4];
+        load_rows(q->applied, p, r);
+        applied = (gn_v3){r[0], r[1], r[2]};
+        m.f = gn_add(m.f, applied, 1);
+    }
+    m.v_new = m.v;
+    kick(a, &m, interval, 1, w);
+    if (prescribed) prescribe(a, p, 0, interval, &m, s);
 
     if (w.energy) {
-        s->damping[0] -= half_work(d, v, a->dt_past);
-        s->damping[1] -= half_work(d, v_new, a->dt);
+        e->damping[0] = e->damping[0] - half_work(m.d, m.v, a->dt_past, 1);
+        e->damping[1] = e->damping[1] - half_work(m.d, m.v_new, a->dt, 1);
         if (w.gravity) {
-            double weight[3] = {mass * a->gravity[0], mass * a->gravity[1], mass * a->gravity[2]};
-            s->gravity[0] += half_work(weight, v, a->dt_past);
-            s->gravity[1] += half_work(weight, v_new, a->dt);
+            e->gravity[0] = e->gravity[0] + half_work(weight, m.v, a->dt_past, 1);
+            e->gravity[1] = e->gravity[1] + half_work(weight, m.v_new, a->dt, 1);
         }
         if (q->applied) {
-            s->applied[0] += half_work(q->applied + 4 * p, v, a->dt_past);
-            s->applied[1] += half_work(q->applied + 4 * p, v_new, a->dt);
+            e->applied[0] = e->applied[0] + half_work(applied, m.v, a->dt_past, 1);
+            e->applied[1] = e->applied[1] + half_work(applied, m.v_new, a->dt, 1);
         }
     }
     if (a->measure) {
-        s->kinetic += kinetic(a, v, v_new, mass);
-        if (slot < 0) s->resultant += sqrt(f[0] * f[0] + f[1] * f[1] + f[2] * f[2]);
+        e->kinetic = e->kinetic + kinetic(a, &m, 1);
+        e->resultant = e->resultant + free_lanes(a, p, prescribed) * gn_sqrt(gn_dot(m.f, m.f, 1));
     }
-    double speed2 = v_new[0] * v_new[0] + v_new[1] * v_new[1] + v_new[2] * v_new[2];
-    if (speed2 > s->speed2) s->speed2 = speed2;
-    if (!(speed2 < 1e300) && s->bad < 0) s->bad = (int64_t)p;
-    for (int k = 0; k < 3; k++) {
-        q->vel[4 * p + k] = v_new[k];
-        q->pos[4 * p + k] += a->dt * v_new[k];
-    }
-    if (!w.rotation) return;
+    gn_v speed2 = gn_dot(m.v_new, m.v_new, 1);
+    e->speed2 = gn_max(e->speed2, speed2);
+    unsigned bad = gn_bits(gn_not(gn_less(speed2, gn_set(1e300))));
+    if (__builtin_expect(bad != 0, 0)) note_bad(a, p, bad, s);
+    gn_v velocity[4] = {m.v_new.x, m.v_new.y, m.v_new.z, v[3]}, dt = gn_set(a->dt);
+    gn_v place[4] = {gn_fma(dt, m.v_new.x, x[0]), gn_fma(dt, m.v_new.y, x[1]),
+                     gn_fma(dt, m.v_new.z, x[2]), x[3]};
+    gn_store_rows4(q->vel + 4 * p, velocity);
+    gn_store_rows4(q->pos + 4 * p, place);
+}
 
-    double inverse_inertia = q->spin[4 * p + 3];
-    double o[3], o_new[3], m[3], dm[3];
-    for (int k = 0; k < 3; k++) {
-        o[k] = q->spin[4 * p + k];
-        m[k] = sum.moment[k];
-    }
-    kick(a, m, o, inverse_inertia, interval, o_new, dm, w);
-    if (slot >= 0) prescribe(a, slot, 3, m, o, inverse_inertia, interval, o_new, dm, s);
+GN_INLINE void rotate(const gn_motion_args *a, size_t p, const block_load *sum, size_t k,
+                      bool prescribed, lane_sums *e, gn_motion_sums *s, variant w) {
+    gn_particles *q = a->particles;
+    double interval = 0.5 * (a->dt_past + a->dt);
+    gn_v o[4];
+    load_rows(q->spin, p, o);
+    motion m;
+    m.inverse = o[3];
+    m.mass = mass_of(o[3]);
+    m.v = (gn_v3){o[0], o[1], o[2]};
+    m.f = (gn_v3){gn_load(sum->moment[0] + k), gn_load(sum->moment[1] + k),
+                  gn_load(sum->moment[2] + k)};
+    m.v_new = m.v;
+    kick(a, &m, interval, 1, w);
+    if (prescribed) prescribe(a, p, 3, interval, &m, s);
     if (w.energy) {
-        s->damping[0] -= half_work(dm, o, a->dt_past);
-        s->damping[1] -= half_work(dm, o_new, a->dt);
+        e->damping[0] = e->damping[0] - half_work(m.d, m.v, a->dt_past, 1);
+        e->damping[1] = e->damping[1] - half_work(m.d, m.v_new, a->dt, 1);
     }
-    if (a->measure)
-        s->rotational += kinetic(a, o, o_new, inverse_inertia > 0.0 ? 1.0 / inverse_inertia : 0.0);
-    for (int k = 0; k < 3; k++) q->spin[4 * p + k] = o_new[k];
-    if (q->orientation) turn_orientation(q->orientation + 4 * p, o_new, a->dt);
+    if (a->measure) e->rotational = e->rotational + kinetic(a, &m, 1);
+    gn_v spin[4] = {m.v_new.x, m.v_new.y, m.v_new.z, o[3]};
+    gn_store_rows4(q->spin + 4 * p, spin);
+    if (!q->orientation) return;
+    for (size_t lane = 0; lane < GN_W && p + lane < q->soa.count; lane++)
+        turn_orientation(q->orientation + 4 * (p + lane), q->spin + 4 * (p + lane), a->dt);
 }
 
-GN_INLINE void motion_core(const gn_motion_args *a, size_t begin, size_t end, gn_motion_sums *sums,
+GN_INLINE void motion_block(const gn_motion_args *a, size_t begin, size_t end, lane_sums *e,
+                            gn_motion_sums *s, variant w) {
+    block_load sum;
+    gather_block(a, begin, end, &sum, w);
+    for (size_t p = begin; p < end; p += GN_W) {
+        bool prescribed = a->prescribed && any_prescribed(a, p);
+        translate(a, p, &sum, p - begin, prescribed, e, s, w);
+        if (w.rotation) rotate(a, p, &sum, p - begin, prescribed, e, s, w);
+    }
+}
+
+GN_INLINE void motion_core(const gn_motion_args *a, size_t begin, size_t end, gn_motion_sums *s,
                            variant w) {
-    for (size_t p = begin; p < end; p++) move_particle(a, p, sums, w);
+    gn_v zero = gn_set(0.0);
+    lane_sums e = {zero, zero, zero, {zero, zero}, {zero, zero}, {zero, zero}, zero};
+    for (size_t b = begin; b < end; b += GN_PARTICLE_BLOCK)
+        motion_block(a, b, b + GN_PARTICLE_BLOCK < end ? b + GN_PARTICLE_BLOCK : end, &e, s, w);
+    s->kinetic += fold(e.kinetic);
+    s->rotational += fold(e.rotational);
+    s->resultant += fold(e.resultant);
+    for (int h = 0; h < 2; h++) {
+        s->damping[h] += fold(e.damping[h]);
+        s->gravity[h] += fold(e.gravity[h]);
+        s->applied[h] += fold(e.applied[h]);
+    }
+    double speed2[GN_W];
+    gn_store(speed2, e.speed2);
+    for (int k = 0; k < GN_W; k++) s->speed2 = speed2[k] > s->speed2 ? speed2[k] : s->speed2;
 }
 
-/* --- the variants ---------------------------------------------------------------------------------- */
+/* --- the variants
+ * ---------------------------------------------------------------------------------- */
 
 #define SENSELESS(v) (GN_BIT(v, 2) + GN_BIT(v, 3) + GN_BIT(v, 4) > 1)
 

@@ -1,7 +1,8 @@
 /* The SIMD vocabulary: what kernels are written in. GN_SIMD (set by the build) picks the backend:
  * 1 scalar (the oracle), 4 AVX2, 8 AVX-512; all in double precision. Arithmetic is by the operators
- * + - * / on gn_v, which round every operation on its own (no contraction), so that all backends give
- * the same bits lane by lane.
+ * + - * / on gn_v, which round every operation on its own (no contraction), and by gn_fma and
+ * gn_fnma, which round once where they are written, so that all backends give the same bits lane by
+ * lane.
  *
  * gn_v: GN_W doubles; gn_m: a mask of GN_W lanes. */
 #ifndef GN_KERNELS_SIMD_H
@@ -20,25 +21,37 @@
 #include "kernels/simd_scalar.h"
 #endif
 
-/* a if the literal holds, else b. (A conditional expression does not take products of vector types.) */
-GN_INLINE gn_v gn_pick(int literal, gn_v a, gn_v b) { return literal ? a : b; }
+/* a if the literal holds, else b. (A conditional expression does not take products of vector
+ * types.) */
+GN_INLINE gn_v gn_pick(int literal, gn_v a, gn_v b) {
+    return literal ? a : b;
+}
 
 /* A vector of three components; in 2D z stays zero and is not computed. */
 typedef struct gn_v3 {
     gn_v x, y, z;
 } gn_v3;
 
-/* `space` is a literal: 1 in 3D, 0 in 2D. */
+/* `space` is a literal: 1 in 3D, 0 in 2D. Exchanging the two particles of a contact flips signs of
+ * some arguments; every function below then gives the same number with the same or the opposite
+ * sign, fused products included. */
 GN_INLINE gn_v gn_dot(gn_v3 a, gn_v3 b, int space) {
-    gn_v s = a.x * b.x + a.y * b.y;
-    if (space) s = s + a.z * b.z;
+    gn_v s = gn_fma(a.y, b.y, a.x * b.x);
+    if (space) s = gn_fma(a.z, b.z, s);
     return s;
 }
 
 /* a + s b */
 GN_INLINE gn_v3 gn_axpy(gn_v3 a, gn_v s, gn_v3 b, int space) {
-    gn_v3 r = {a.x + s * b.x, a.y + s * b.y, a.z};
-    if (space) r.z = a.z + s * b.z;
+    gn_v3 r = {gn_fma(s, b.x, a.x), gn_fma(s, b.y, a.y), a.z};
+    if (space) r.z = gn_fma(s, b.z, a.z);
+    return r;
+}
+
+/* a - s b */
+GN_INLINE gn_v3 gn_axmy(gn_v3 a, gn_v s, gn_v3 b, int space) {
+    gn_v3 r = {gn_fnma(s, b.x, a.x), gn_fnma(s, b.y, a.y), a.z};
+    if (space) r.z = gn_fnma(s, b.z, a.z);
     return r;
 }
 
@@ -62,19 +75,23 @@ GN_INLINE gn_v3 gn_scale(gn_v s, gn_v3 a, int space) {
 
 /* a x b; 2D: in-plane a and b, only z is computed. */
 GN_INLINE gn_v3 gn_cross(gn_v3 a, gn_v3 b, int space) {
-    gn_v3 r = {gn_set(0.0), gn_set(0.0), a.x * b.y - a.y * b.x};
+    gn_v3 r = {gn_set(0.0), gn_set(0.0), gn_fnma(a.y, b.x, a.x * b.y)};
     if (space) {
-        r.x = a.y * b.z - a.z * b.y;
-        r.y = a.z * b.x - a.x * b.z;
+        r.x = gn_fnma(a.z, b.y, a.y * b.z);
+        r.y = gn_fnma(a.x, b.z, a.z * b.x);
     }
     return r;
 }
 
-/* w x a for a spin w; 2D: w along z, a in the plane. */
-GN_INLINE gn_v3 gn_spin_cross(gn_v3 w, gn_v3 a, int space) {
-    if (space) return gn_cross(w, a, 1);
-    gn_v zero = gn_set(0.0);
-    return (gn_v3){zero - w.z * a.y, w.z * a.x, zero};
+/* a - w x b for a spin w; 2D: w along z, a and b in the plane. */
+GN_INLINE gn_v3 gn_less_spin_cross(gn_v3 a, gn_v3 w, gn_v3 b, int space) {
+    gn_v3 r = {gn_fma(w.z, b.y, a.x), gn_fnma(w.z, b.x, a.y), a.z};
+    if (space) {
+        r.x = gn_fnma(w.y, b.z, r.x);
+        r.y = gn_fma(w.x, b.z, r.y);
+        r.z = gn_fnma(w.x, b.y, gn_fma(w.y, b.x, a.z));
+    }
+    return r;
 }
 
 GN_INLINE gn_v3 gn_load3(const double *columns, uint64_t stride, int space) {

@@ -8,23 +8,60 @@
 typedef __m512d gn_v;
 typedef __mmask8 gn_m;
 
-GN_INLINE gn_v gn_set(double a) { return _mm512_set1_pd(a); }
-GN_INLINE gn_v gn_load(const double *p) { return _mm512_loadu_pd(p); }
-GN_INLINE void gn_store(double *p, gn_v a) { _mm512_storeu_pd(p, a); }
-GN_INLINE gn_v gn_sqrt(gn_v a) { return _mm512_sqrt_pd(a); }
-GN_INLINE gn_v gn_min(gn_v a, gn_v b) { return _mm512_min_pd(a, b); }
-GN_INLINE gn_v gn_max(gn_v a, gn_v b) { return _mm512_max_pd(a, b); }
+GN_INLINE gn_v gn_set(double a) {
+    return _mm512_set1_pd(a);
+}
+GN_INLINE gn_v gn_load(const double *p) {
+    return _mm512_loadu_pd(p);
+}
+GN_INLINE void gn_store(double *p, gn_v a) {
+    _mm512_storeu_pd(p, a);
+}
+GN_INLINE gn_v gn_fma(gn_v a, gn_v b, gn_v c) {
+    return _mm512_fmadd_pd(a, b, c);
+}
+GN_INLINE gn_v gn_fnma(gn_v a, gn_v b, gn_v c) {
+    return _mm512_fnmadd_pd(a, b, c);
+}
+GN_INLINE gn_v gn_sqrt(gn_v a) {
+    return _mm512_sqrt_pd(a);
+}
+GN_INLINE gn_v gn_min(gn_v a, gn_v b) {
+    return _mm512_min_pd(a, b);
+}
+GN_INLINE gn_v gn_max(gn_v a, gn_v b) {
+    return _mm512_max_pd(a, b);
+}
 GN_INLINE gn_v gn_round(gn_v a) {
     return _mm512_roundscale_pd(a, _MM_FROUND_TO_NEAREST_INT | _MM_FROUND_NO_EXC);
 }
-GN_INLINE gn_m gn_less(gn_v a, gn_v b) { return _mm512_cmp_pd_mask(a, b, _CMP_LT_OQ); }
-GN_INLINE gn_m gn_at_least(gn_v a, gn_v b) { return _mm512_cmp_pd_mask(a, b, _CMP_GE_OQ); }
-GN_INLINE gn_m gn_and(gn_m a, gn_m b) { return (gn_m)(a & b); }
-GN_INLINE gn_m gn_or(gn_m a, gn_m b) { return (gn_m)(a | b); }
-GN_INLINE gn_m gn_not(gn_m a) { return (gn_m)~a; }
-GN_INLINE gn_v gn_where(gn_m m, gn_v a, gn_v b) { return _mm512_mask_blend_pd(m, b, a); }
-GN_INLINE gn_v gn_keep(gn_m m, gn_v a) { return _mm512_maskz_mov_pd(m, a); }
-GN_INLINE unsigned gn_bits(gn_m m) { return m; }
+GN_INLINE gn_m gn_less(gn_v a, gn_v b) {
+    return _mm512_cmp_pd_mask(a, b, _CMP_LT_OQ);
+}
+GN_INLINE gn_m gn_at_least(gn_v a, gn_v b) {
+    return _mm512_cmp_pd_mask(a, b, _CMP_GE_OQ);
+}
+GN_INLINE gn_m gn_m_none(void) {
+    return 0;
+}
+GN_INLINE gn_m gn_and(gn_m a, gn_m b) {
+    return (gn_m)(a & b);
+}
+GN_INLINE gn_m gn_or(gn_m a, gn_m b) {
+    return (gn_m)(a | b);
+}
+GN_INLINE gn_m gn_not(gn_m a) {
+    return (gn_m)~a;
+}
+GN_INLINE gn_v gn_where(gn_m m, gn_v a, gn_v b) {
+    return _mm512_mask_blend_pd(m, b, a);
+}
+GN_INLINE gn_v gn_keep(gn_m m, gn_v a) {
+    return _mm512_maskz_mov_pd(m, a);
+}
+GN_INLINE unsigned gn_bits(gn_m m) {
+    return m;
+}
 
 /* Two 32-byte rows in one register. */
 GN_INLINE gn_v gn_pair(const double *rows, int32_t low, int32_t high) {

@@ -8,22 +8,62 @@
 typedef double gn_v;
 typedef bool gn_m;
 
-GN_INLINE gn_v gn_set(double a) { return a; }
-GN_INLINE gn_v gn_load(const double *p) { return *p; }
-GN_INLINE void gn_store(double *p, gn_v a) { *p = a; }
-GN_INLINE gn_v gn_sqrt(gn_v a) { return sqrt(a); }
-GN_INLINE gn_v gn_min(gn_v a, gn_v b) { return a < b ? a : b; }
-GN_INLINE gn_v gn_max(gn_v a, gn_v b) { return a > b ? a : b; }
-GN_INLINE gn_v gn_round(gn_v a) { return nearbyint(a); }
-GN_INLINE gn_m gn_less(gn_v a, gn_v b) { return a < b; }
-GN_INLINE gn_m gn_at_least(gn_v a, gn_v b) { return a >= b; }
-GN_INLINE gn_m gn_and(gn_m a, gn_m b) { return a && b; }
-GN_INLINE gn_m gn_or(gn_m a, gn_m b) { return a || b; }
-GN_INLINE gn_m gn_not(gn_m a) { return !a; }
-GN_INLINE gn_v gn_where(gn_m m, gn_v a, gn_v b) { return m ? a : b; }
+GN_INLINE gn_v gn_set(double a) {
+    return a;
+}
+GN_INLINE gn_v gn_load(const double *p) {
+    return *p;
+}
+GN_INLINE void gn_store(double *p, gn_v a) {
+    *p = a;
+}
+/* a b + c and c - a b, rounded once. */
+GN_INLINE gn_v gn_fma(gn_v a, gn_v b, gn_v c) {
+    return fma(a, b, c);
+}
+GN_INLINE gn_v gn_fnma(gn_v a, gn_v b, gn_v c) {
+    return fma(-a, b, c);
+}
+GN_INLINE gn_v gn_sqrt(gn_v a) {
+    return sqrt(a);
+}
+GN_INLINE gn_v gn_min(gn_v a, gn_v b) {
+    return a < b ? a : b;
+}
+GN_INLINE gn_v gn_max(gn_v a, gn_v b) {
+    return a > b ? a : b;
+}
+GN_INLINE gn_v gn_round(gn_v a) {
+    return nearbyint(a);
+}
+GN_INLINE gn_m gn_less(gn_v a, gn_v b) {
+    return a < b;
+}
+GN_INLINE gn_m gn_at_least(gn_v a, gn_v b) {
+    return a >= b;
+}
+GN_INLINE gn_m gn_m_none(void) {
+    return false;
+}
+GN_INLINE gn_m gn_and(gn_m a, gn_m b) {
+    return a && b;
+}
+GN_INLINE gn_m gn_or(gn_m a, gn_m b) {
+    return a || b;
+}
+GN_INLINE gn_m gn_not(gn_m a) {
+    return !a;
+}
+GN_INLINE gn_v gn_where(gn_m m, gn_v a, gn_v b) {
+    return m ? a : b;
+}
 /* a where the mask holds, else zero */
-GN_INLINE gn_v gn_keep(gn_m m, gn_v a) { return m ? a : 0.0; }
-GN_INLINE unsigned gn_bits(gn_m m) { return m ? 1u : 0u; }
+GN_INLINE gn_v gn_keep(gn_m m, gn_v a) {
+    return m ? a : 0.0;
+}
+GN_INLINE unsigned gn_bits(gn_m m) {
+    return m ? 1u : 0u;
+}
 
 /* Lane k gets the four numbers of row index[k]. */
 GN_INLINE void gn_rows4(const double *rows, const int32_t *index, gn_v out[4]) {

@@ -23,22 +23,22 @@ static char hull_command[] = "qhull FA";
 static const double flat_tolerance = 1e-9;
 
 /* One run of Qhull, its messages kept in memory instead of on the terminal. */
-typedef struct session {
+typedef struct qhull_run {
     qhT *qh;
     FILE *messages;
     char *text;
     size_t text_size;
-} session;
+} qhull_run;
 
-static gneiss_status session_open(session *s, gneiss_error *error) {
-    *s = (session){.qh = gn_alloc(sizeof(qhT))};
+static gneiss_status qhull_open(qhull_run *s, gneiss_error *error) {
+    *s = (qhull_run){.qh = gn_alloc(sizeof(qhT))};
     if (s->qh) s->messages = open_memstream(&s->text, &s->text_size);
     if (s->messages) return GNEISS_OK;
     gn_free(s->qh);
     return gn_fail(error, GNEISS_ERROR_MEMORY, "no memory for a run of Qhull");
 }
 
-static void session_close(session *s) {
+static void qhull_close(qhull_run *s) {
     int kept, kept_bytes;
     qh_freeqhull(s->qh, !qh_ALL);
     qh_memfreeshort(s->qh, &kept, &kept_bytes);
@@ -48,8 +48,8 @@ static void session_close(session *s) {
 }
 
 /* Runs `command`. Qhull leaves by longjmp into qh_new_qhull, which turns errors into a code. */
-static gneiss_status session_run(session *s, char *command, const double *points, size_t count,
-                                 int dimension, gneiss_error *error) {
+static gneiss_status qhull_run_command(qhull_run *s, char *command, const double *points,
+                                       size_t count, int dimension, gneiss_error *error) {
     qh_zero(s->qh, s->messages);
     /* The points are read only: no option used here scales or rotates them in place. */
     int code = qh_new_qhull(s->qh, dimension, (int)count, (coordT *)points, False, command, NULL,
@@ -63,8 +63,7 @@ static gneiss_status session_run(session *s, char *command, const double *points
                    count, dimension, code, (int)strcspn(text, "\n"), text);
 }
 
-/* --- points without volume
- * ------------------------------------------------------------------------- */
+/* --- points without volume ------------------------------------------------------------------- */
 
 /* Takes the part along the `rank` unit directions out of `x`; the length of the rest. */
 static double remainder_of(double x[3], int dimension, double direction[][3], int rank) {
@@ -121,8 +120,7 @@ static gneiss_status normalised(const double *points, size_t count, int dimensio
     return GNEISS_OK;
 }
 
-/* --- triangulation
- * --------------------------------------------------------------------------------- */
+/* --- triangulation --------------------------------------------------------------------------- */
 
 static gneiss_status take_simplices(qhT *qh, int dimension, gn_triangulation *t,
                                     gneiss_error *error) {
@@ -155,14 +153,14 @@ gneiss_status gn_delaunay(const double *points, size_t count, int dimension,
     *triangulation = (gn_triangulation){.dimension = dimension};
     double *copy = NULL, unit;
     GN_TRY(normalised(points, count, dimension, &copy, &unit, error));
-    session s;
+    qhull_run s;
     gneiss_status status = GNEISS_OK;
     if (!is_flat(copy, count, dimension)) {
-        status = session_open(&s, error);
+        status = qhull_open(&s, error);
         if (status == GNEISS_OK) {
-            status = session_run(&s, delaunay_command, copy, count, dimension, error);
+            status = qhull_run_command(&s, delaunay_command, copy, count, dimension, error);
             if (status == GNEISS_OK) status = take_simplices(s.qh, dimension, triangulation, error);
-            session_close(&s);
+            qhull_close(&s);
         }
     }
     gn_free(copy);
@@ -180,15 +178,15 @@ gneiss_status gn_hull_volume(const double *points, size_t count, int dimension, 
     *volume = 0;
     double *copy = NULL, unit;
     GN_TRY(normalised(points, count, dimension, &copy, &unit, error));
-    session s;
+    qhull_run s;
     gneiss_status status = GNEISS_OK;
     if (!is_flat(copy, count, dimension)) {
-        status = session_open(&s, error);
+        status = qhull_open(&s, error);
         if (status == GNEISS_OK) {
-            status = session_run(&s, hull_command, copy, count, dimension, error);
+            status = qhull_run_command(&s, hull_command, copy, count, dimension, error);
             if (status == GNEISS_OK)
                 *volume = s.qh->totvol * (dimension == 3 ? unit * unit * unit : unit * unit);
-            session_close(&s);
+            qhull_close(&s);
         }
     }
     gn_free(copy);

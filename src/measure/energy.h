@@ -30,8 +30,8 @@ typedef struct gn_energy {
 /* Sum of the stored terms. */
 double gn_energy_stored(const gn_energy *energy);
 
-/* Sum of the absolute values of the inputs, or the stored energy at the start if that is larger: what the
- * residual is measured against. */
+/* Sum of the absolute values of the inputs, or the stored energy at the start if that is larger:
+ * what the residual is measured against. */
 double gn_energy_scale(const gn_energy *energy);
 
 /* (stored - stored_at_start - input + lost)/scale; 0 when the scale is 0. */

@@ -1,6 +1,6 @@
 /* From particles to material: average stress and strain, fabric, damage, laboratory readings.
- * Tension is positive in every stress and strain here; laboratory readings are positive in compression
- * tests (peak_stress, peak_strain) as reported in the field. */
+ * Tension is positive in every stress and strain here; laboratory readings are positive in
+ * compression tests (peak_stress, peak_strain) as reported in the field. */
 #ifndef GN_MEASURE_MEASURE_H
 #define GN_MEASURE_MEASURE_H
 
@@ -13,19 +13,20 @@
 typedef struct gn_assembly {
     int dimension; /* 2 or 3 */
     const gn_particles *particles;
-    const gn_contacts *bonds; /* may be NULL */
-    const gn_contacts *pairs; /* may be NULL */
+    const gn_contacts *bonds;              /* may be NULL */
+    const gn_contacts *pairs;              /* may be NULL */
     const gn_wall_contacts *wall_contacts; /* may be NULL */
-    const double *wall_normals; /* [walls][4], unit, pointing to the particles */
+    const double *wall_normals;            /* [walls][4], unit, pointing to the particles */
     bool periodic;
     double period[3]; /* m, with `periodic` */
 } gn_assembly;
 
-/* --- strain (Bagi 1996) ---------------------------------------------------------------------------- */
+/* --- strain (Bagi 1996)
+ * ---------------------------------------------------------------------------- */
 
-/* The volume average of the displacement gradient over a Delaunay triangulation of the reference centres
- * is linear in the displacements: <du_a/dx_b> = sum_p u_a(p) w_b(p). The weights of inner particles vanish
- * (divergence theorem), so a reading costs only the surface particles. */
+/* The volume average of the displacement gradient over a Delaunay triangulation of the reference
+ * centres is linear in the displacements: <du_a/dx_b> = sum_p u_a(p) w_b(p). The weights of inner
+ * particles vanish (divergence theorem), so a reading costs only the surface particles. */
 typedef struct gn_strain_gauge {
     size_t count;
     int32_t *id;    /* [count] particle ids with a non-zero weight */
@@ -34,63 +35,71 @@ typedef struct gn_strain_gauge {
     size_t simplices;
 } gn_strain_gauge;
 
-/* Triangulates `particles->start`. Fewer than dimension + 1 particles or all on a plane (line): count 0 and
- * GNEISS_OK, readings are then NaN. */
+/* Triangulates `particles->start`. Fewer than dimension + 1 particles or all on a plane (line):
+ * count 0 and GNEISS_OK, readings are then NaN. */
 gneiss_status gn_strain_gauge_create(const gn_particles *particles, int dimension,
                                      gn_strain_gauge *gauge, gneiss_error *error);
 void gn_strain_gauge_free(gn_strain_gauge *gauge);
 
-/* Displacement gradient g[3*a + b] = <du_a/dx_b>, a, b = x y z; `index_of_id[id]` is the particle's present
- * place (negative: removed, its last displacement counts as zero). NaN with an empty gauge. */
+/* Displacement gradient g[3*a + b] = <du_a/dx_b>, a, b = x y z; `index_of_id[id]` is the particle's
+ * present place (negative: removed, its last displacement counts as zero). NaN with an empty gauge.
+ */
 void gn_strain_gauge_read(const gn_strain_gauge *gauge, const gn_particles *particles,
                           const int32_t *index_of_id, double gradient[9]);
 
-/* --- stress ---------------------------------------------------------------------------------------- */
+/* --- stress
+ * ---------------------------------------------------------------------------------------- */
 
-/* sigma[3*a + b] = (1/V) sum_c f_a l_b, symmetrised by nothing: f on the first particle, l = x_j - x_i, and
- * for walls from the particle's centre to the contact point. `volume` in m3 (m2 x unit thickness in 2D). */
+/* sigma[3*a + b] = (1/V) sum_c f_a l_b, symmetrised by nothing: f on the first particle, l = x_j -
+ * x_i, and for walls from the particle's centre to the contact point. `volume` in m3 (m2 x unit
+ * thickness in 2D). */
 void gn_stress_average(const gn_assembly *assembly, double volume, double sigma[9]);
 
-/* The same per particle: sum over its contacts of the force on it times the vector from its centre to the
- * contact point, over V_p/(1 - porosity). `sigma` [count][6]: xx yy zz xy yz xz, symmetric part, in the
- * particles' present order. */
+/* The same per particle: sum over its contacts of the force on it times the vector from its centre
+ * to the contact point, over V_p/(1 - porosity). `sigma` [count][6]: xx yy zz xy yz xz, symmetric
+ * part, in the particles' present order. */
 void gn_stress_particles(const gn_assembly *assembly, double porosity, double *sigma);
 
-/* --- packing --------------------------------------------------------------------------------------- */
+/* --- packing
+ * --------------------------------------------------------------------------------------- */
 
 typedef struct gn_packing_figures {
     size_t particles;
-    size_t contacts;       /* pairs with gap <= tolerance (r_i + r_j) */
-    double coordination;   /* 2 contacts/particles */
-    double fabric[9];      /* (1/N_c) sum n n */
+    size_t contacts;     /* pairs with gap <= tolerance (r_i + r_j) */
+    double coordination; /* 2 contacts/particles */
+    double fabric[9];    /* (1/N_c) sum n n */
     double radius_min, radius_max, radius_mean;
-    double solid_volume;   /* sum of particle volumes, m3 */
-    double porosity;       /* 1 - solid/volume; NaN without a volume */
-    double overlap_max;    /* largest overlap over r_i + r_j */
-    double overlap_mean;   /* mean over overlapping pairs */
+    double solid_volume;          /* sum of particle volumes, m3 */
+    double porosity;              /* 1 - solid/volume; NaN without a volume */
+    double overlap_max;           /* largest overlap over r_i + r_j */
+    double overlap_mean;          /* mean over overlapping pairs */
     int32_t overlap_i, overlap_j; /* ids of the pair with the largest overlap, -1: none */
 } gn_packing_figures;
 
-/* `pairs` [pair_count][2]: candidate pairs (present indices) that include every pair within tolerance.
- * `volume` 0: unknown. */
+/* `pairs` [pair_count][2]: candidate pairs (present indices) that include every pair within
+ * tolerance. `volume` 0: unknown. */
 void gn_packing_measure(const gn_assembly *assembly, const int32_t *pairs, size_t pair_count,
                         double tolerance, double volume, gn_packing_figures *figures);
 
-/* Volume of the specimen's shape when the scene gives none: the volume of the convex hull of the particle
- * centres, each moved outward is not tried: the hull of points on the particle surfaces (26 directions in 3D,
- * 32 in 2D). Also the extent (largest and smallest coordinate including radii) along each axis. */
+/* Volume of the specimen's shape when the scene gives none: the volume of the convex hull of the
+ * particle centres, each moved outward is not tried: the hull of points on the particle surfaces
+ * (26 directions in 3D, 32 in 2D). Also the extent (largest and smallest coordinate including
+ * radii) along each axis. */
 gneiss_status gn_packing_hull(const gn_particles *particles, int dimension, double *volume,
                               double lower[3], double upper[3], gneiss_error *error);
 
-/* Damage D = 1 - bonds now / bonds at the start per particle (Rojek et al. 2012, eq. 60), 0 for particles
- * that had no bonds. `damage` [count]. */
+/* Damage D = 1 - bonds now / bonds at the start per particle (Rojek et al. 2012, eq. 60), 0 for
+ * particles that had no bonds. `damage` [count]. */
 void gn_damage_particles(const gn_particles *particles, const gn_contacts *bonds, double *damage);
 
-/* --- laboratory readings --------------------------------------------------------------------------- */
+/* --- laboratory readings
+ * --------------------------------------------------------------------------- */
 
-/* Final readings, SI. NaN where there is nothing to read (no test, fewer than 3 points in the range). */
+/* Final readings, SI. NaN where there is nothing to read (no test, fewer than 3 points in the
+ * range). */
 #define GN_READINGS(X)                                                                             \
-    X(young_modulus, "Pa", "slope of stress over platen strain, least squares, 1 to 50 % of the peak") \
+    X(young_modulus, "Pa",                                                                         \
+      "slope of stress over platen strain, least squares, 1 to 50 % of the peak")                  \
     X(young_modulus_average, "Pa", "the same over the average (Bagi) axial strain")                \
     X(poisson_ratio, "1", "lateral over axial average strain, slopes over the same range")         \
     X(peak_stress, "Pa", "largest axial stress, positive in the sense of the test")                \
@@ -104,9 +113,9 @@ typedef struct gn_readings {
 #undef X
 } gn_readings;
 
-/* From history columns `strain`, `stress` (positive in the sense of the test) and `strain_xx`, `strain_yy`,
- * `strain_zz` (average, tension positive). `axis` 0 1 2; `sign` -1 compression, +1 tension. In 2D the lateral
- * strain is that of the one other in-plane axis. */
+/* From history columns `strain`, `stress` (positive in the sense of the test) and `strain_xx`,
+ * `strain_yy`, `strain_zz` (average, tension positive). `axis` 0 1 2; `sign` -1 compression, +1
+ * tension. In 2D the lateral strain is that of the one other in-plane axis. */
 void gn_readings_compute(const gn_history *history, int dimension, int axis, int sign,
                          gn_readings *readings);
 

@@ -48,32 +48,31 @@ gneiss_status gn_morton_order(const gn_particles *particles, int dimension, int3
     return GNEISS_OK;
 }
 
-gneiss_status gn_incidence_build(const gn_contacts *contacts, size_t n, gn_incidence *incidence,
-                                 gneiss_error *error) {
-    size_t count = contacts->soa.count;
+gneiss_status gn_incidence_build(const gn_contacts *contacts, size_t particle_count,
+                                 gn_incidence *incidence, gneiss_error *error) {
+    size_t count = contacts->soa.count, n = particle_count;
     gn_incidence_free(incidence);
-    incidence->first = gn_alloc_array(n + 2, sizeof(int32_t));
-    incidence->second_first = gn_alloc_array(n + 2, sizeof(int32_t));
-    incidence->second = gn_alloc_array(count + 1, sizeof(int32_t));
-    if (!incidence->first || !incidence->second_first || !incidence->second) {
+    int32_t *start = incidence->start = gn_alloc_array(n + 2, sizeof *start);
+    int32_t *entry = incidence->entry = gn_alloc_array(2 * count + 1, sizeof *entry);
+    if (!start || !entry) {
         gn_incidence_free(incidence);
-        return gn_fail(error, GNEISS_ERROR_MEMORY, "no memory for the contacts of %zu particles", n);
+        return gn_fail(error, GNEISS_ERROR_MEMORY, "no memory for the contacts of %zu particles",
+                       n);
     }
-    int32_t *first = incidence->first, *second_first = incidence->second_first;
     for (size_t c = 0; c < count; c++) {
-        first[contacts->i[c] + 1]++;
-        second_first[contacts->j[c] + 2]++;
+        start[contacts->i[c] + 2]++;
+        start[contacts->j[c] + 2]++;
     }
-    for (size_t p = 1; p < n + 1; p++) first[p] += first[p - 1];
-    for (size_t p = 2; p < n + 2; p++) second_first[p] += second_first[p - 1];
-    for (size_t c = 0; c < count; c++)
-        incidence->second[second_first[contacts->j[c] + 1]++] = (int32_t)c;
+    for (size_t p = 2; p < n + 2; p++) start[p] += start[p - 1];
+    for (size_t c = 0; c < count; c++) {
+        entry[start[contacts->i[c] + 1]++] = (int32_t)(2 * c);
+        entry[start[contacts->j[c] + 1]++] = (int32_t)(2 * c + 1);
+    }
     return GNEISS_OK;
 }
 
 void gn_incidence_free(gn_incidence *incidence) {
-    gn_free(incidence->first);
-    gn_free(incidence->second_first);
-    gn_free(incidence->second);
+    gn_free(incidence->start);
+    gn_free(incidence->entry);
     *incidence = (gn_incidence){0};
 }

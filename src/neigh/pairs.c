@@ -16,6 +16,7 @@ typedef struct grid {
     size_t count;      /* particles */
     int32_t *start;    /* [cells + 1] */
     int32_t *particle; /* [count] by cell, ascending within a cell */
+    double *column[4]; /* [count] their x, y, z and r, so that a cell is tested in vectors */
 } grid;
 
 typedef struct search {
@@ -33,7 +34,9 @@ typedef struct bucket {
     int32_t (*pair)[2];
 } bucket;
 
-static bool removed(const gn_particles *p, size_t k) { return p->vel[4 * k + 3] == 0.0; }
+static bool removed(const gn_particles *p, size_t k) {
+    return p->vel[4 * k + 3] == 0.0;
+}
 
 static int level_of(double radius_max, double radius) {
     int level = (int)floor(log2(radius_max / radius));
@@ -58,7 +61,8 @@ static void bounding_box(search *s) {
     }
     for (int a = 0; a < 3; a++) {
         s->extent[a] = upper[a] - s->lower[a];
-        if (s->query->periodic && (a < 2 || s->query->dimension == 3)) s->extent[a] = s->query->period[a];
+        if (s->query->periodic && (a < 2 || s->query->dimension == 3))
+            s->extent[a] = s->query->period[a];
     }
 }
 
@@ -71,10 +75,11 @@ static gneiss_status size_grid(search *s, grid *g, double radius, gneiss_error *
         g->cell[a] = fmax(s->extent[a], reach);
         if (a == 2 && q->dimension == 2) continue;
         if (q->periodic && q->period[a] < 2.0 * reach)
-            return gn_fail(error, GNEISS_ERROR_INPUT,
-                           "periodic box: expected a length of at least %g m along %c (twice the reach of "
-                           "the largest particles), found %g m",
-                           2.0 * reach, "xyz"[a], q->period[a]);
+            return gn_fail(
+                error, GNEISS_ERROR_INPUT,
+                "periodic box: expected a length of at least %g m along %c (twice the reach of "
+                "the largest particles), found %g m",
+                2.0 * reach, "xyz"[a], q -> period[a]);
         total *= fmax(1.0, floor(s->extent[a] / reach));
     }
     /* A few large cells do no harm; more cells than particles waste memory. */
@@ -92,7 +97,7 @@ static int64_t cell_along(const search *s, const grid *g, const double *x, int a
     double c = floor((x[a] - s->lower[a]) / g->cell[a]);
     int64_t n = g->cells[a];
     if (s->query->periodic) {
-        int64_t k = (int64_t)fmod(c, (double)n);
+        int64_t k = (int64_t)c % n;
         return k < 0 ? k + n : k;
     }
     return c < 0.0 ? 0 : c >= (double)n ? n - 1 : (int64_t)c;
@@ -102,14 +107,24 @@ static int64_t cell_index(const grid *g, const int64_t c[3]) {
     return (c[2] * g->cells[1] + c[1]) * g->cells[0] + c[0];
 }
 
+/* Position moved by whole periods so that all lie within one period of each other. */
+static void inside_box(const search *s, const double *x, double out[4]) {
+    memcpy(out, x, 4 * sizeof *out);
+    for (int a = 0; s->query->periodic && a < s->query->dimension; a++)
+        out[a] -= s->query->period[a] * floor((x[a] - s->lower[a]) / s->query->period[a]);
+}
+
 static gneiss_status fill_grid(search *s, int level, gneiss_error *error) {
     const gn_particles *p = s->query->particles;
     grid *g = &s->grids[level];
     size_t cells = (size_t)(g->cells[0] * g->cells[1] * g->cells[2]);
     g->start = gn_alloc_array(cells + 2, sizeof *g->start);
     g->particle = gn_alloc_array(g->count + 1, sizeof *g->particle);
+    bool columns = true;
+    for (int a = 0; a < 4; a++)
+        columns = (g->column[a] = gn_alloc_array(g->count + 1, sizeof(double))) && columns;
     int32_t *home = gn_alloc_array(p->soa.count + 1, sizeof *home);
-    if (!g->start || !g->particle || !home) {
+    if (!g->start || !g->particle || !columns || !home) {
         gn_free(home);
         return gn_fail(error, GNEISS_ERROR_MEMORY, "no memory for a grid of %zu cells", cells);
     }
@@ -121,8 +136,14 @@ static gneiss_status fill_grid(search *s, int level, gneiss_error *error) {
         g->start[home[k] + 2]++;
     }
     for (size_t c = 2; c < cells + 2; c++) g->start[c] += g->start[c - 1];
-    for (size_t k = 0; k < p->soa.count; k++)
-        if (s->level[k] == level) g->particle[g->start[home[k] + 1]++] = (int32_t)k;
+    for (size_t k = 0; k < p->soa.count; k++) {
+        if (s->level[k] != level) continue;
+        int32_t place = g->start[home[k] + 1]++;
+        g->particle[place] = (int32_t)k;
+        double x[4];
+        inside_box(s, p->pos + 4 * k, x);
+        for (int a = 0; a < 4; a++) g->column[a][place] = x[a];
+    }
     gn_free(home);
     return GNEISS_OK;
 }
@@ -141,19 +162,40 @@ static bool bucket_push(bucket *b, int32_t i, int32_t j) {
     return true;
 }
 
-static bool near(const gn_pair_query *q, const double *a, const double *b) {
-    double d2 = 0.0;
-    for (int k = 0; k < q->dimension; k++) {
-        double d = b[k] - a[k];
-        if (q->periodic) d -= q->period[k] * nearbyint(d / q->period[k]);
-        d2 += d * d;
+enum { BATCH = 64 };
+
+static inline double wrapped(double d, double period) {
+    d = d > 0.5 * period ? d - period : d;
+    return d < -0.5 * period ? d + period : d;
+}
+
+/* Squared distance less squared reach from x to places [begin, begin + count); a pair is near where
+ * it is not positive. */
+static void test_batch(const gn_pair_query *q, const grid *g, const double *restrict x,
+                       int32_t begin, int32_t count, double *restrict excess) {
+    const double *restrict cx = g->column[0] + begin, *restrict cy = g->column[1] + begin;
+    const double *restrict cz = g->column[2] + begin, *restrict cr = g->column[3] + begin;
+    const double stretch = 1.0 + q->range, margin = q->margin, x0 = x[0], x1 = x[1], x2 = x[2];
+    const double px = q->period[0], py = q->period[1], own = x[3];
+    if (!q->periodic) {
+        for (int32_t e = 0; e < count; e++) {
+            double dx = cx[e] - x0, dy = cy[e] - x1, dz = cz[e] - x2;
+            double reach = (cr[e] + own) * stretch + margin;
+            excess[e] = dx * dx + dy * dy + dz * dz - reach * reach;
+        }
+        return;
     }
-    double sum = a[3] + b[3], reach = sum + q->margin + q->range * sum;
-    return d2 <= reach * reach;
+    const double pz = q->dimension == 3 ? q->period[2] : INFINITY;
+    for (int32_t e = 0; e < count; e++) {
+        double dx = wrapped(cx[e] - x0, px), dy = wrapped(cy[e] - x1, py);
+        double dz = wrapped(cz[e] - x2, pz), reach = (cr[e] + own) * stretch + margin;
+        excess[e] = dx * dx + dy * dy + dz * dz - reach * reach;
+    }
 }
 
 /* First and number of cells to visit along an axis around cell c. */
-static void cell_span(const search *s, const grid *g, int64_t c, int a, int64_t *first, int *count) {
+static void cell_span(const search *s, const grid *g, int64_t c, int a, int64_t *first,
+                      int *count) {
     int64_t n = g->cells[a];
     if (s->query->periodic && !(a == 2 && s->query->dimension == 2)) {
         *first = n >= 3 ? (c + n - 1) % n : 0;
@@ -165,27 +207,44 @@ static void cell_span(const search *s, const grid *g, int64_t c, int a, int64_t 
     *count = (int)(last - *first + 1);
 }
 
-/* Partners of particle k in one grid: in its own level those behind it, in coarser levels all. */
+/* Partners of particle k among places [begin, end) of a grid. */
+static bool search_places(const search *s, size_t k, const grid *g, int32_t begin, int32_t end,
+                          bool own_level, bucket *out) {
+    double x[4], excess[BATCH];
+    inside_box(s, s->query->particles->pos + 4 * k, x);
+    for (int32_t b = begin; b < end; b += BATCH) {
+        int32_t count = end - b < BATCH ? end - b : BATCH;
+        test_batch(s->query, g, x, b, count, excess);
+        for (int32_t e = 0; e < count; e++) {
+            if (excess[e] > 0.0) continue;
+            int32_t other = g->particle[b + e];
+            if (own_level && other <= (int32_t)k) continue;
+            if (!bucket_push(out, (int32_t)k, other)) return false;
+        }
+    }
+    return true;
+}
+
+/* Partners of particle k in one grid: in its own level those behind it, in coarser levels all.
+ * Cells that follow each other along x are one stretch of places, unless the box wraps round
+ * between them. */
 static bool search_level(const search *s, size_t k, int level, bucket *out) {
-    const gn_particles *p = s->query->particles;
     const grid *g = &s->grids[level];
-    const double *x = p->pos + 4 * k;
+    const double *x = s->query->particles->pos + 4 * k;
+    bool own = level == s->level[k];
     int64_t first[3];
     int count[3];
     for (int a = 0; a < 3; a++) cell_span(s, g, cell_along(s, g, x, a), a, &first[a], &count[a]);
+    bool wraps = first[0] + count[0] > g->cells[0];
+    int stretches = wraps ? count[0] : 1, width = wraps ? 1 : count[0];
     for (int cz = 0; cz < count[2]; cz++)
         for (int cy = 0; cy < count[1]; cy++)
-            for (int cx = 0; cx < count[0]; cx++) {
+            for (int cx = 0; cx < stretches; cx++) {
                 int64_t c[3] = {(first[0] + cx) % g->cells[0], (first[1] + cy) % g->cells[1],
                                 (first[2] + cz) % g->cells[2]};
                 int64_t cell = cell_index(g, c);
-                for (int32_t e = g->start[cell]; e < g->start[cell + 1]; e++) {
-                    int32_t other = g->particle[e];
-                    if (level == s->level[k] && other <= (int32_t)k) continue;
-                    if (near(s->query, x, p->pos + 4 * (int64_t)other) &&
-                        !bucket_push(out, (int32_t)k, other))
-                        return false;
-                }
+                if (!search_places(s, k, g, g->start[cell], g->start[cell + width], own, out))
+                    return false;
             }
     return true;
 }
@@ -199,19 +258,24 @@ static bool search_range(const search *s, size_t begin, size_t end, bucket *out)
     return true;
 }
 
-static int by_second(const void *a, const void *b) {
-    int32_t x = ((const int32_t *)a)[1], y = ((const int32_t *)b)[1];
-    return (x > y) - (x < y);
+/* Rows are short and nearly sorted: insertion beats a call of qsort. */
+static void sort_row(int32_t (*pair)[2], int32_t count) {
+    for (int32_t k = 1; k < count; k++) {
+        int32_t second = pair[k][1], m = k;
+        for (; m > 0 && pair[m - 1][1] > second; m--) pair[m][1] = pair[m - 1][1];
+        pair[m][1] = second;
+    }
 }
 
-/* Counting sort by the first index, then each short row by the second: the order no longer tells which
- * thread found a pair. */
+/* Counting sort by the first index, then each short row by the second: the order no longer tells
+ * which thread found a pair. */
 static gneiss_status merge_buckets(const bucket *buckets, int count, size_t particles,
                                    gn_pair_list *list, gneiss_error *error) {
     size_t total = 0;
     for (int b = 0; b < count; b++) total += buckets[b].count;
-    if (total > INT32_MAX - 64)
-        return gn_fail(error, GNEISS_ERROR_INPUT, "%zu pairs are more than the engine can number", total);
+    if (total > INT32_MAX / 2 - 64) /* 2 contact + side is a number too */
+        return gn_fail(error, GNEISS_ERROR_INPUT, "%zu pairs are more than the engine can number",
+                       total);
     int32_t *start = gn_alloc_array(particles + 2, sizeof *start);
     list->pair = gn_alloc_array(total + 1, sizeof *list->pair);
     list->count = total;
@@ -228,8 +292,7 @@ static gneiss_status merge_buckets(const bucket *buckets, int count, size_t part
             int32_t *slot = list->pair[start[buckets[b].pair[k][0] + 1]++];
             memcpy(slot, buckets[b].pair[k], sizeof *list->pair);
         }
-    for (size_t p = 0; p < particles; p++)
-        qsort(list->pair + start[p], (size_t)(start[p + 1] - start[p]), sizeof *list->pair, by_second);
+    for (size_t p = 0; p < particles; p++) sort_row(list->pair + start[p], start[p + 1] - start[p]);
     gn_free(start);
     return GNEISS_OK;
 }
@@ -255,7 +318,8 @@ static gneiss_status assign_levels(search *s, gneiss_error *error) {
     return GNEISS_OK;
 }
 
-static gneiss_status search_all(const search *s, bucket *buckets, int threads, gneiss_error *error) {
+static gneiss_status search_all(const search *s, bucket *buckets, int threads,
+                                gneiss_error *error) {
     size_t n = s->query->particles->soa.count;
     bool complete = true;
 #pragma omp parallel num_threads(threads) reduction(&& : complete)
@@ -263,7 +327,8 @@ static gneiss_status search_all(const search *s, bucket *buckets, int threads, g
         size_t t = (size_t)omp_get_thread_num(), of = (size_t)omp_get_num_threads();
         complete = search_range(s, n * t / of, n * (t + 1) / of, &buckets[t]);
     }
-    return complete ? GNEISS_OK : gn_fail(error, GNEISS_ERROR_MEMORY, "no memory for the pair list");
+    return complete ? GNEISS_OK
+                    : gn_fail(error, GNEISS_ERROR_MEMORY, "no memory for the pair list");
 }
 
 gneiss_status gn_pairs_find(const gn_pair_query *query, gn_pair_list *list, gneiss_error *error) {
@@ -274,7 +339,8 @@ gneiss_status gn_pairs_find(const gn_pair_query *query, gn_pair_list *list, gnei
     list->count = 0;
     list->pair = NULL;
     gneiss_status status = GNEISS_OK;
-    if (!s || !buckets) status = gn_fail(error, GNEISS_ERROR_MEMORY, "no memory for the pair search");
+    if (!s || !buckets)
+        status = gn_fail(error, GNEISS_ERROR_MEMORY, "no memory for the pair search");
     if (status == GNEISS_OK) {
         s->query = query;
         bounding_box(s);
@@ -287,6 +353,7 @@ gneiss_status gn_pairs_find(const gn_pair_query *query, gn_pair_list *list, gnei
     for (int level = 0; s && level < MAX_LEVELS; level++) {
         gn_free(s->grids[level].start);
         gn_free(s->grids[level].particle);
+        for (int a = 0; a < 4; a++) gn_free(s->grids[level].column[a]);
     }
     if (s) gn_free(s->level);
     free(s);

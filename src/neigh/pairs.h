@@ -23,15 +23,15 @@ typedef struct gn_pair_list {
     int32_t (*pair)[2]; /* [count]; gn_alloc'ed */
 } gn_pair_list;
 
-/* Particles of like size (within a factor of two) share a grid whose cells are as wide as their largest
- * interaction, and each particle looks into its own grid and the coarser ones (Ogarko & Luding 2012): the
- * work stays linear for any size ratio. The list is the same for any number of threads. GNEISS_ERROR_INPUT
- * if a periodic box is narrower than twice the largest interaction. */
+/* Particles of like size (within a factor of two) share a grid whose cells are as wide as their
+ * largest interaction, and each particle looks into its own grid and the coarser ones (Ogarko &
+ * Luding 2012): the work stays linear for any size ratio. The list is the same for any number of
+ * threads. GNEISS_ERROR_INPUT if a periodic box is narrower than twice the largest interaction. */
 gneiss_status gn_pairs_find(const gn_pair_query *query, gn_pair_list *list, gneiss_error *error);
 void gn_pair_list_free(gn_pair_list *list);
 
-/* Order along a Morton (Z) curve over the particles' bounding box: order[k] is the present place of the
- * particle that comes k-th. Ties by id. `order` [count]. */
+/* Order along a Morton (Z) curve over the particles' bounding box: order[k] is the present place of
+ * the particle that comes k-th. Ties by id. `order` [count]. */
 gneiss_status gn_morton_order(const gn_particles *particles, int dimension, int32_t *order,
                               gneiss_error *error);
 

@@ -195,6 +195,10 @@ static gneiss_status read_choice(const gn_reader *reader, const gn_key *key, con
 static gneiss_status read_file(const gn_reader *reader, const gn_key *key, const gn_node *node,
                                char *file, char *path) {
     GN_TRY(read_text(reader, key, node, file));
+    if (!reader->folder) {
+        memcpy(path, file, strlen(file) + 1);
+        return GNEISS_OK;
+    }
     char joined[2 * GN_PATH_SIZE], resolved[PATH_MAX];
     if (*file == '/')
         snprintf(joined, sizeof joined, "%s", file);

@@ -10,8 +10,9 @@
 enum { GN_KEY_PATH_SIZE = 256 };
 
 typedef struct gn_reader {
-    const char *name;   /* of the scene, in messages */
-    const char *folder; /* relative paths start here */
+    const char *name; /* of the scene, in messages */
+    const char
+        *folder; /* relative paths start here; NULL: paths are absolute, files need not be there */
     gn_units *units;
     gn_scene *scene;
     gneiss_error *error;

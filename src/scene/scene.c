@@ -41,11 +41,8 @@ gneiss_status gn_scene_parse_with(gn_units *units, const char *text, size_t leng
     GN_TRY(check_length(text, length, name, error));
     snprintf(scene->source, sizeof scene->source, "%s", name);
     gn_tree *tree = NULL;
-    gn_reader reader = {.name = name,
-                        .folder = folder && *folder ? folder : ".",
-                        .units = units,
-                        .scene = scene,
-                        .error = error};
+    gn_reader reader = {
+        .name = name, .folder = folder, .units = units, .scene = scene, .error = error};
     /* Numbers have a point, whatever the locale of the calling program says. */
     locale_t c_locale = newlocale(LC_ALL_MASK, "C", (locale_t)0);
     if (!c_locale) return gn_fail(error, GNEISS_ERROR_MEMORY, "%s: out of memory", name);
@@ -74,7 +71,13 @@ static gneiss_status parse_length(const char *text, size_t length, const char *n
 gneiss_status gn_scene_parse(const char *text, const char *name, const char *folder,
                              const gn_override *overrides, size_t override_count, gn_scene *scene,
                              gneiss_error *error) {
+    if (!folder || !*folder) folder = ".";
     return parse_length(text, strlen(text), name, folder, overrides, override_count, scene, error);
+}
+
+gneiss_status gn_scene_parse_saved(const char *text, const char *name, const gn_override *overrides,
+                                   size_t override_count, gn_scene *scene, gneiss_error *error) {
+    return parse_length(text, strlen(text), name, NULL, overrides, override_count, scene, error);
 }
 
 /* The whole file with a NUL behind it; stops one byte above the limit. */
@@ -105,9 +108,12 @@ static gneiss_status read_all(FILE *file, const char *path, char **text, size_t 
 static gneiss_status read_scene_file(const char *path, char **text, size_t *length,
                                      gneiss_error *error) {
     FILE *file = fopen(path, "rb");
-    if (!file)
-        return gn_fail(error, GNEISS_ERROR_IO, "%s: cannot open the scene: %s", path,
-                       strerror(errno));
+    if (!file) {
+        /* A scene that is not there is a slip of the one who named it, not of the disk. */
+        bool absent = errno == ENOENT || errno == ENOTDIR;
+        return gn_fail(error, absent ? GNEISS_ERROR_INPUT : GNEISS_ERROR_IO,
+                       "%s: cannot open the scene: %s", path, strerror(errno));
+    }
     struct stat about;
     gneiss_status status = GNEISS_OK;
     if (fstat(fileno(file), &about) == 0 && S_ISDIR(about.st_mode))
@@ -167,6 +173,52 @@ void gn_scene_free(gn_scene *scene) {
     if (!scene) return;
     free_section(&gn_scene_section, (char *)scene);
     memset(scene, 0, sizeof *scene);
+}
+
+/* ---- copying ---- */
+
+/* The array at *slot gives way to a copy of its own; without memory for it, or empty, to NULL. */
+static bool own_array(void *slot, size_t count, size_t size) {
+    void *from, *own = NULL;
+    memcpy(&from, slot, sizeof from);
+    if (from && count) own = gn_alloc_array(count, size);
+    if (own) memcpy(own, from, count * size);
+    memcpy(slot, &own, sizeof own);
+    return own || !from || !count;
+}
+
+static bool own_section(const gn_section *section, char *base) {
+    bool held = true;
+    for (size_t k = 0; k < section->key_count; k++) {
+        const gn_key *key = &section->keys[k];
+        char *at = base + key->offset;
+        if (key->type == GN_KEY_SECTION) held &= own_section(key->section, at);
+        if (key->type == GN_KEY_TABLE) {
+            gn_table *table = (gn_table *)at;
+            held &= own_array(&table->time, table->count, sizeof(double));
+            held &= own_array(&table->value, table->count, sizeof(double));
+        }
+        if (key->type != GN_KEY_IDS && key->type != GN_KEY_PARTICLES && key->type != GN_KEY_LIST)
+            continue;
+        size_t size = key->type == GN_KEY_LIST        ? key->section->size
+                      : key->type == GN_KEY_PARTICLES ? 4 * sizeof(double)
+                                                      : sizeof(int64_t);
+        size_t count = *(size_t *)(base + key->second);
+        held &= own_array(at, count, size);
+        char *array;
+        memcpy(&array, at, sizeof array);
+        for (size_t item = 0; key->type == GN_KEY_LIST && array && item < count; item++)
+            held &= own_section(key->section, array + item * size);
+    }
+    return held;
+}
+
+gneiss_status gn_scene_copy(const gn_scene *from, gn_scene *to, gneiss_error *error) {
+    *to = *from;
+    if (own_section(&gn_scene_section, (char *)to)) return GNEISS_OK;
+    gn_scene_free(to);
+    return gn_fail(error, GNEISS_ERROR_MEMORY, "%s: no memory for a copy of the scene",
+                   from->source);
 }
 
 /* ---- effects ---- */

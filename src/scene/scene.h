@@ -53,7 +53,8 @@ typedef enum gn_density_basis { GN_DENSITY_PARTICLE, GN_DENSITY_BULK } gn_densit
 typedef enum gn_test_kind { GN_TEST_NONE, GN_TEST_COMPRESSION, GN_TEST_TENSION } gn_test_kind;
 typedef enum gn_switch { GN_SWITCH_AUTO, GN_SWITCH_ON, GN_SWITCH_OFF } gn_switch;
 
-/* Where a value stands in the scene file, for messages raised after parsing. Line 0: not in a file. */
+/* Where a value stands in the scene file, for messages raised after parsing. Line 0: not in a file.
+ */
 typedef struct gn_where {
     int line, column; /* base 1 */
 } gn_where;
@@ -88,11 +89,11 @@ typedef struct gn_material {
 
 typedef struct gn_lattice {
     gn_lattice_kind kind;
-    double radius;     /* m */
-    int64_t cells[3];  /* unit cells along x, y, z (z ignored in 2D) */
-    double origin[3];  /* m, lower corner of the first cell */
-    double spacing;    /* distance of nearest neighbours over 2 radius; 1: just touching */
-    double jitter;     /* random shift of each centre, uniform in a cube of +- jitter * radius */
+    double radius;    /* m */
+    int64_t cells[3]; /* unit cells along x, y, z (z ignored in 2D) */
+    double origin[3]; /* m, lower corner of the first cell */
+    double spacing;   /* distance of nearest neighbours over 2 radius; 1: just touching */
+    double jitter;    /* random shift of each centre, uniform in a cube of +- jitter * radius */
 } gn_lattice;
 
 typedef struct gn_specimen {
@@ -100,8 +101,8 @@ typedef struct gn_specimen {
     char path[GN_PATH_SIZE]; /* resolved: relative to the scene file's folder */
     double scale;            /* lengths in the file times this give metres */
     gn_lattice lattice;
-    size_t particle_count;  /* inline particles */
-    double *particles;      /* [particle_count][4]: x y z r, m (2D: x y 0 r) */
+    size_t particle_count; /* inline particles */
+    double *particles;     /* [particle_count][4]: x y z r, m (2D: x y 0 r) */
     char material[GN_NAME_SIZE];
     int64_t group;                  /* cohesive group; 0: never bonded */
     gn_density_basis density_basis; /* bulk: particle density = density/(1 - porosity) */
@@ -109,19 +110,19 @@ typedef struct gn_specimen {
     gn_where where;
 } gn_specimen;
 
-/* A named selection of particles and what is done to it. Selections are conjunctions: every one that
- * is given must hold. A later set overrides an earlier one where both say something. */
+/* A named selection of particles and what is done to it. Selections are conjunctions: every one
+ * that is given must hold. A later set overrides an earlier one where both say something. */
 typedef struct gn_set {
     char name[GN_NAME_SIZE];
     bool all;
     bool has_box;
     double box_min[3], box_max[3]; /* centres inside, m */
     size_t id_count;
-    int64_t *ids; /* index base 0, order of the specimen file */
-    int64_t end_axis;    /* -1 none, else 0 1 2 */
-    bool end_upper;      /* upper end instead of lower */
-    double end_depth;    /* m */
-    bool end_by_surface; /* surface within the depth instead of the centre */
+    int64_t *ids;                /* index base 0, order of the specimen file */
+    int64_t end_axis;            /* -1 none, else 0 1 2 */
+    bool end_upper;              /* upper end instead of lower */
+    double end_depth;            /* m */
+    bool end_by_surface;         /* surface within the depth instead of the centre */
     char material[GN_NAME_SIZE]; /* "" keep */
     int64_t group;               /* negative: keep */
     double initial_velocity[3], initial_spin[3];
@@ -134,9 +135,9 @@ typedef struct gn_set {
 
 typedef struct gn_servo {
     bool active;
-    gn_table force;       /* wanted normal force, compressive positive, N */
-    double max_velocity;  /* m/s */
-    double relaxation;    /* fraction of the force error corrected per step, (0, 1] */
+    gn_table force;      /* wanted normal force, compressive positive, N */
+    double max_velocity; /* m/s */
+    double relaxation;   /* fraction of the force error corrected per step, (0, 1] */
 } gn_servo;
 
 typedef struct gn_wall_def {
@@ -155,12 +156,12 @@ typedef struct gn_wall_def {
 /* A laboratory test: which two ends load the specimen and how stress and strain are formed. */
 typedef struct gn_test {
     gn_test_kind kind;
-    int64_t axis;              /* 0 1 2 */
-    char lower[GN_NAME_SIZE];  /* wall or set */
+    int64_t axis;             /* 0 1 2 */
+    char lower[GN_NAME_SIZE]; /* wall or set */
     char upper[GN_NAME_SIZE];
-    double length;             /* m; 0: extent of the specimen along the axis */
-    double area;               /* m2; 0: from diameter, else from the specimen (see docs/scene.md) */
-    double diameter;           /* m; 0: not given */
+    double length;   /* m; 0: extent of the specimen along the axis */
+    double area;     /* m2; 0: from diameter, else from the specimen (see docs/scene.md) */
+    double diameter; /* m; 0: not given */
     gn_where where;
 } gn_test;
 
@@ -177,17 +178,17 @@ typedef struct gn_scene {
     gn_contact_arm contact_arm;
     gn_switch rotation; /* auto: on */
 
-    gn_switch bonds;           /* on when the scene has a `bonds` section */
-    double interaction_range;  /* beta: bonds at gaps up to beta (r_i + r_j) */
-    double overlap_range;      /* bonds at overlaps up to this times (r_i + r_j) */
-    bool passive_gaps;         /* bonds are stress-free at the distance where they form */
+    gn_switch bonds;          /* on when the scene has a `bonds` section */
+    double interaction_range; /* beta: bonds at gaps up to beta (r_i + r_j) */
+    double overlap_range;     /* bonds at overlaps up to this times (r_i + r_j) */
+    bool passive_gaps;        /* bonds are stress-free at the distance where they form */
 
     gn_background_damping background;
     double background_coefficient;
-    double restitution;     /* c_r in (0, 1]; negative: contact damping by fraction */
+    double restitution;      /* c_r in (0, 1]; negative: contact damping by fraction */
     double damping_fraction; /* alpha of critical; 0 and restitution < 0: no contact damping */
 
-    double gravity[3]; /* m/s2 */
+    double gravity[3];      /* m/s2 */
     double random_velocity; /* m/s, components uniform in +- this at the start */
 
     bool has_periodic;
@@ -205,21 +206,22 @@ typedef struct gn_scene {
     double step;   /* dt, s; 0: automatic */
     double safety; /* of 2/w_max */
     gn_step_estimate estimate;
-    gn_policy on_unstable; /* what a step above its limit does */
-    double end;            /* s */
-    double stop_peak_drop; /* stop once stress has fallen by this fraction of its peak; 0: off */
-    double stop_strain;    /* 0: off */
+    gn_policy on_unstable;  /* what a step above its limit does */
+    double end;             /* s */
+    double stop_peak_drop;  /* stop once stress has fallen by this fraction of its peak; 0: off */
+    double stop_strain;     /* 0: off */
     double stop_unbalanced; /* stop once the unbalanced force ratio is below; 0: off */
 
     gn_switch energy;
     gn_switch orientation;
 
-    double skin;   /* m; 0: automatic */
+    double skin; /* m; 0: automatic */
 
     char output_directory[GN_PATH_SIZE]; /* "" : runs/<scene name> */
-    int64_t history_rows;   /* wanted rows up to `end` */
+    int64_t history_rows;                /* wanted rows up to `end` */
     int64_t snapshots;      /* wanted snapshots up to `end`; 0: none but the last state */
-    double checkpoint_wall; /* s of wall time between checkpoints; 0: only on a signal and at the end */
+    double checkpoint_wall; /* s of wall time between checkpoints; 0: only on a signal and at the
+                               end */
 
     uint64_t seed;
     int64_t threads; /* 0: all cores */
@@ -233,7 +235,8 @@ typedef struct gn_override {
 } gn_override;
 
 /* Reads, overrides, checks. On failure nothing is held and `error` says file:line:column, key,
- * expected, found. GNEISS_ERROR_IO when the file cannot be opened, GNEISS_ERROR_INPUT otherwise. */
+ * expected, found. GNEISS_ERROR_IO when a file that is there
+ * cannot be read, GNEISS_ERROR_INPUT otherwise. */
 gneiss_status gn_scene_load(const char *path, const gn_override *overrides, size_t override_count,
                             gn_scene *scene, gneiss_error *error);
 
@@ -242,17 +245,25 @@ gneiss_status gn_scene_parse(const char *text, const char *name, const char *fol
                              const gn_override *overrides, size_t override_count, gn_scene *scene,
                              gneiss_error *error);
 
+/* The same from what gn_scene_write wrote, for going on with a run: the files it names are not
+ * looked for. */
+gneiss_status gn_scene_parse_saved(const char *text, const char *name, const gn_override *overrides,
+                                   size_t override_count, gn_scene *scene, gneiss_error *error);
+
 void gn_scene_free(gn_scene *scene);
 
-/* The resolved scene as YAML that gn_scene_parse reads back to the same struct bit for bit (%.17g, SI,
- * absolute specimen path). The caller frees the text with free(). NULL: out of memory. */
+/* A copy that shares nothing with the original. On failure nothing is held. */
+gneiss_status gn_scene_copy(const gn_scene *from, gn_scene *to, gneiss_error *error);
+
+/* The resolved scene as YAML that gn_scene_parse reads back to the same struct bit for bit (%.17g,
+ * SI, absolute specimen path). The caller frees the text with free(). NULL: out of memory. */
 char *gn_scene_write(const gn_scene *scene);
 
 /* The effects the scene calls for. */
 gn_effects gn_scene_effects(const gn_scene *scene);
 
-/* The key reference: plain text for the terminal, or Markdown for docs/keys.md. `prefix` (may be NULL)
- * restricts it to keys that start with it; returns the number of keys printed. */
+/* The key reference: plain text for the terminal, or Markdown for docs/keys.md. `prefix` (may be
+ * NULL) restricts it to keys that start with it; returns the number of keys printed. */
 size_t gn_scene_print_keys(FILE *out, bool markdown, const char *prefix);
 
 /* Value of a table at a time; 0 for an empty table. */

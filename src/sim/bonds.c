@@ -6,7 +6,6 @@
 
 static bool bondable(const gn_world *w, int32_t i, int32_t j, double *distance) {
     const gn_particles *q = &w->particles;
-    if (q->group[i] == 0 || q->group[i] != q->group[j]) return false;
     const double *a = q->pos + 4 * (int64_t)i, *b = q->pos + 4 * (int64_t)j;
     double d2 = 0.0;
     for (int k = 0; k < 3; k++) {
@@ -17,25 +16,37 @@ static bool bondable(const gn_world *w, int32_t i, int32_t j, double *distance) 
     }
     *distance = sqrt(d2);
     double sum = a[3] + b[3];
-    return *distance <= sum * (1.0 + w->scene.interaction_range) &&
+    return q->group[i] != 0 && q->group[i] == q->group[j] &&
+           *distance <= sum * (1.0 + w->scene.interaction_range) &&
            *distance >= sum * (1.0 - w->scene.overlap_range);
 }
 
-static gneiss_status keep_bondable(const gn_world *w, gn_pair_list *pairs, gneiss_error *error) {
+/* Particles at the same place have no direction of contact, bonded or not. */
+static gneiss_status check_distinct(const gn_world *w, const gn_pair_list *pairs,
+                                    gneiss_error *error) {
+    for (size_t c = 0; c < pairs->count; c++) {
+        int32_t i = pairs->pair[c][0], j = pairs->pair[c][1];
+        double distance;
+        bondable(w, i, j, &distance);
+        if (distance > 0.0) continue;
+        int32_t a = w->particles.id[i], b = w->particles.id[j];
+        return gn_fail(
+            error, GNEISS_ERROR_INPUT,
+            "%s: specimen: expected distinct centres, found particles %d and %d at the same place",
+            w->scene.source, a < b ? a : b, a < b ? b : a);
+    }
+    return GNEISS_OK;
+}
+
+static void keep_bondable(const gn_world *w, gn_pair_list *pairs) {
     size_t kept = 0;
     for (size_t c = 0; c < pairs->count; c++) {
         int32_t i = pairs->pair[c][0], j = pairs->pair[c][1];
         double distance;
         if (!bondable(w, i, j, &distance)) continue;
-        if (!(distance > 0.0))
-            return gn_fail(error, GNEISS_ERROR_INPUT,
-                           "%s: specimen: expected distinct centres, found particles %d and %d at the same "
-                           "place",
-                           w->scene.source, w->particles.id[i], w->particles.id[j]);
         memmove(pairs->pair[kept++], pairs->pair[c], sizeof *pairs->pair);
     }
     pairs->count = kept;
-    return GNEISS_OK;
 }
 
 static void set_bond(gn_world *w, size_t c, int32_t i, int32_t j) {
@@ -48,7 +59,8 @@ static void set_bond(gn_world *w, size_t c, int32_t i, int32_t j) {
     b->j[c] = j;
     b->kn[c] = p.kn;
     b->rn[c] = p.rn;
-    b->length0[c] = w->scene.passive_gaps ? distance : pos[4 * (int64_t)i + 3] + pos[4 * (int64_t)j + 3];
+    b->length0[c] =
+        w->scene.passive_gaps ? distance : pos[4 * (int64_t)i + 3] + pos[4 * (int64_t)j + 3];
     if (b->kt) b->kt[c] = p.kt;
     if (b->rt) b->rt[c] = p.rt;
     if (b->mu) b->mu[c] = p.mu;
@@ -58,13 +70,18 @@ static void set_bond(gn_world *w, size_t c, int32_t i, int32_t j) {
 }
 
 gneiss_status gn_bonds_form(gn_world *w, gneiss_error *error) {
-    gn_pair_query query = {&w->particles, (int)w->scene.dimension, 0.0, w->scene.interaction_range,
-                           w->effects & GN_FX_PERIODIC, {w->period[0], w->period[1], w->period[2]},
+    gn_pair_query query = {&w->particles,
+                           (int)w->scene.dimension,
+                           0.0,
+                           w->scene.interaction_range,
+                           w->effects & GN_FX_PERIODIC,
+                           {w->period[0], w->period[1], w->period[2]},
                            w->threads};
     gn_pair_list pairs = {0};
     gneiss_status status = gn_pairs_find(&query, &pairs, error);
     bool bonds = w->effects & GN_FX_BONDS;
-    if (status == GNEISS_OK && bonds) status = keep_bondable(w, &pairs, error);
+    if (status == GNEISS_OK) status = check_distinct(w, &pairs, error);
+    if (status == GNEISS_OK && bonds) keep_bondable(w, &pairs);
     if (status == GNEISS_OK) status = gn_law_derive(w, &pairs, error);
     if (status == GNEISS_OK)
         status = gn_soa_create(&gn_contact_record, &w->bonds, bonds ? pairs.count : 0,

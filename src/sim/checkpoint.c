@@ -5,6 +5,7 @@
 #include "sim/parts.h"
 #include "sim/run.h"
 
+#include <math.h>
 #include <stddef.h>
 #include <stdlib.h>
 #include <string.h>
@@ -18,8 +19,10 @@ typedef struct piece {
     size_t offset, count;
 } piece;
 
-#define DOUBLES(field) {#field, GN_F64, offsetof(gn_run, field), sizeof(((gn_run *)0)->field) / 8}
-#define INTEGER(field) {#field, GN_I64, offsetof(gn_run, field), 1}
+#define DOUBLES(field)                                                                             \
+    { #field, GN_F64, offsetof(gn_run, field), sizeof(((gn_run *)0)->field) / 8 }
+#define INTEGER(field)                                                                             \
+    { #field, GN_I64, offsetof(gn_run, field), 1 }
 
 static const piece pieces[] = {
     INTEGER(world.step),
@@ -41,10 +44,12 @@ static const piece pieces[] = {
     INTEGER(world.broken_shear),
     INTEGER(world.bonds_at_start),
     DOUBLES(world.unbalanced),
+    DOUBLES(world.stress),
     INTEGER(world.lost),
     INTEGER(world.contact_steps),
     DOUBLES(world.seconds),
     DOUBLES(world.verlet.skin),
+    DOUBLES(world.verlet.skin_start),
     DOUBLES(world.verlet.drift),
     INTEGER(world.verlet.rebuilds),
     INTEGER(world.verlet.checks),
@@ -55,6 +60,7 @@ static const piece pieces[] = {
     DOUBLES(world.upper),
     DOUBLES(world.test_length),
     DOUBLES(world.test_area),
+    DOUBLES(world.radius_min),
     DOUBLES(world.gauge.volume),
     INTEGER(history_interval),
     INTEGER(snapshot_interval),
@@ -65,7 +71,8 @@ enum { PIECES = sizeof pieces / sizeof *pieces };
 _Static_assert(sizeof(gn_energy) % 8 == 0 && sizeof(gn_wall) % 8 == 0, "made of doubles only");
 _Static_assert(sizeof(((gn_run *)0)->world.seconds) == GN_PHASE_COUNT * 8, "one double a phase");
 
-/* --- variable-size arrays --------------------------------------------------------------------------- */
+/* --- variable-size arrays
+ * --------------------------------------------------------------------------- */
 
 typedef struct array {
     const char *name;
@@ -79,7 +86,8 @@ enum { MAX_ARRAYS = 10 };
 static size_t list_arrays(gn_run *run, array out[MAX_ARRAYS]) {
     gn_world *w = &run->world;
     size_t n = 0;
-    out[n++] = (array){"walls", GN_F64, w->scene.wall_count, sizeof(gn_wall) / 8, (void **)&w->walls};
+    out[n++] =
+        (array){"walls", GN_F64, w->scene.wall_count, sizeof(gn_wall) / 8, (void **)&w->walls};
     out[n++] = (array){"gauge_id", GN_I32, w->gauge.count, 1, (void **)&w->gauge.id};
     out[n++] = (array){"gauge_weight", GN_F64, w->gauge.count, 3, (void **)&w->gauge.weight};
     if (!(w->effects & GN_FX_PRESCRIBED)) return n;
@@ -100,7 +108,8 @@ static void piece_path(const piece *p, char *path, size_t size) {
         if (*c == '.') *c = '_';
 }
 
-/* --- writing ---------------------------------------------------------------------------------------- */
+/* --- writing
+ * ---------------------------------------------------------------------------------------- */
 
 static gneiss_status put_pieces(gn_run *run, gn_h5 *file, gneiss_error *error) {
     for (size_t k = 0; k < PIECES; k++) {
@@ -125,14 +134,16 @@ static gneiss_status put_history(const gn_run *run, gn_h5 *file, gneiss_error *e
         const gn_column *column = &run->history.columns[c];
         char path[160];
         snprintf(path, sizeof path, "history/%s", column->name);
-        GN_TRY(gn_h5_put(file, path, GN_F64, run->history.row_count, 1, 0, column->value, NULL, NULL, error));
+        GN_TRY(gn_h5_put(file, path, GN_F64, run->history.row_count, 1, 0, column->value, NULL,
+                         NULL, error));
     }
     return GNEISS_OK;
 }
 
 static gneiss_status put_all(gn_run *run, gn_h5 *file, gneiss_error *error) {
     gn_world *w = &run->world;
-    int64_t format = FORMAT, bonds = (int64_t)w->bonds.soa.effects, pairs = (int64_t)w->pairs.soa.effects;
+    int64_t format = FORMAT, bonds = (int64_t)w->bonds.soa.effects,
+            pairs = (int64_t)w->pairs.soa.effects;
     uint64_t hash = gn_world_hash(w);
     GN_TRY(gn_h5_attribute_i64(file, "/", "format", &format, 1, error));
     GN_TRY(gn_h5_attribute_i64(file, "/", "state_hash", (const int64_t *)&hash, 1, error));
@@ -151,29 +162,36 @@ static gneiss_status put_all(gn_run *run, gn_h5 *file, gneiss_error *error) {
     GN_TRY(gn_h5_put_record(file, "bonds", &gn_contact_record, &w->bonds, error));
     GN_TRY(gn_h5_put_record(file, "pairs", &gn_contact_record, &w->pairs, error));
     if (w->effects & GN_FX_WALLS)
-        GN_TRY(gn_h5_put_record(file, "wall_contacts", &gn_wall_contact_record, &w->wall_contacts, error));
+        GN_TRY(gn_h5_put_record(file, "wall_contacts", &gn_wall_contact_record, &w->wall_contacts,
+                                error));
     GN_TRY(put_pieces(run, file, error));
     return put_history(run, file, error);
 }
 
-gneiss_status gn_checkpoint_save(const gn_run *const_run, gneiss_error *error) {
-    gn_run *run = (gn_run *)(uintptr_t)const_run; /* list_arrays hands out places to fill; here they are read */
-    char *path = NULL;
-    GN_TRY(gn_checkpoint_path(run->directory, run->world.step, &path, error));
+gneiss_status gn_checkpoint_write(const gn_run *const_run, const char *path, gneiss_error *error) {
+    gn_run *run = (gn_run *)(uintptr_t)
+        const_run; /* list_arrays hands out places to fill; here they are read */
     gn_h5 *file = NULL;
-    gneiss_status status = gn_h5_create(path, &file, error);
-    free(path);
-    GN_TRY(status);
-    status = put_all(run, file, error);
+    GN_TRY(gn_h5_create(path, &file, error));
+    gneiss_status status = put_all(run, file, error);
     if (status != GNEISS_OK) {
         gn_h5_close(file);
         return status;
     }
-    GN_TRY(gn_h5_commit(file, error));
+    return gn_h5_commit(file, error);
+}
+
+gneiss_status gn_checkpoint_save(const gn_run *run, gneiss_error *error) {
+    char *path = NULL;
+    GN_TRY(gn_checkpoint_path(run->directory, run->world.step, &path, error));
+    gneiss_status status = gn_checkpoint_write(run, path, error);
+    free(path);
+    GN_TRY(status);
     return gn_checkpoint_prune(run->directory, 2, error);
 }
 
-/* --- reading ---------------------------------------------------------------------------------------- */
+/* --- reading
+ * ---------------------------------------------------------------------------------------- */
 
 static gneiss_status get_pieces(gn_run *run, const gn_h5 *file, gneiss_error *error) {
     for (size_t k = 0; k < PIECES; k++) {
@@ -197,7 +215,8 @@ static gneiss_status get_arrays(gn_run *run, const gn_h5 *file, gneiss_error *er
         snprintf(path, sizeof path, "arrays/%s", arrays[k].name);
         size_t item = gn_type_size(arrays[k].type) * arrays[k].components;
         *arrays[k].data = gn_alloc_array(arrays[k].rows + 1, item);
-        if (!*arrays[k].data) return gn_fail(error, GNEISS_ERROR_MEMORY, "no memory for %s", arrays[k].name);
+        if (!*arrays[k].data)
+            return gn_fail(error, GNEISS_ERROR_MEMORY, "no memory for %s", arrays[k].name);
         GN_TRY(gn_h5_get(file, path, arrays[k].type, arrays[k].rows, arrays[k].components, 0,
                          *arrays[k].data, error));
     }
@@ -219,7 +238,8 @@ static gneiss_status get_history(gn_run *run, const gn_h5 *file, gneiss_error *e
     for (size_t c = 0; status == GNEISS_OK && c < h->column_count; c++) {
         char path[160];
         snprintf(path, sizeof path, "history/%s", h->columns[c].name);
-        status = gn_h5_get(file, path, GN_F64, rows, 1, h->column_count * sizeof *table, table + c, error);
+        status = gn_h5_get(file, path, GN_F64, rows, 1, h->column_count * sizeof *table, table + c,
+                           error);
     }
     for (size_t r = 0; status == GNEISS_OK && r < rows; r++)
         status = gn_history_append(h, table + r * h->column_count, error);
@@ -231,11 +251,13 @@ static gneiss_status check_format(const gn_h5 *file, const char *path, gneiss_er
     int64_t format = 0;
     GN_TRY(gn_h5_get_attribute_i64(file, "/", "format", &format, 1, error));
     if (format == FORMAT) return GNEISS_OK;
-    return gn_fail(error, GNEISS_ERROR_INPUT, "%s: expected a checkpoint of format %d, found format %lld",
-                   path, FORMAT, (long long)format);
+    return gn_fail(error, GNEISS_ERROR_INPUT,
+                   "%s: expected a checkpoint of format %d, found format %lld", path, FORMAT,
+                   (long long)format);
 }
 
-/* Indices that kernels follow without looking must lie in range even if the file was tampered with. */
+/* Indices that kernels follow without looking must lie in range even if the file was tampered with.
+ */
 static gneiss_status check_indices(const gn_world *w, const char *path, gneiss_error *error) {
     size_t n = w->particles.soa.count;
     const gn_contacts *lists[] = {&w->bonds, &w->pairs};
@@ -247,65 +269,88 @@ static gneiss_status check_indices(const gn_world *w, const char *path, gneiss_e
         }
     for (size_t c = 0; c < w->wall_contacts.soa.count; c++)
         good = good && w->wall_contacts.i[c] >= 0 && (size_t)w->wall_contacts.i[c] < n &&
-               w->wall_contacts.wall[c] >= 0 && (size_t)w->wall_contacts.wall[c] < w->scene.wall_count;
+               w->wall_contacts.wall[c] >= 0 &&
+               (size_t)w->wall_contacts.wall[c] < w->scene.wall_count;
     for (size_t p = 0; p < n; p++) {
         good = good && w->particles.id[p] >= 0 && (size_t)w->particles.id[p] < n &&
-               w->particles.material[p] >= 0 && (size_t)w->particles.material[p] < w->scene.material_count;
+               w->particles.material[p] >= 0 &&
+               (size_t)w->particles.material[p] < w->scene.material_count;
         if (w->particles.slot) good = good && w->particles.slot[p] < (int32_t)w->prescribed.count;
     }
-    for (size_t s = 0; s < w->prescribed.count; s++)
-        good = good && w->prescribed.set[s] >= 0 && (size_t)w->prescribed.set[s] < w->scene.set_count;
+    for (size_t s = 0; s < w->prescribed.count; s++) {
+        good =
+            good && w->prescribed.set[s] >= 0 && (size_t)w->prescribed.set[s] < w->scene.set_count;
+        for (size_t c = 6 * s; c < 6 * s + 6; c++)
+            good =
+                good && w->channel_set[c] >= -1 && w->channel_set[c] < (int64_t)w->scene.set_count;
+    }
+    for (size_t k = 0; k < w->gauge.count; k++)
+        good = good && w->gauge.id[k] >= 0 && (size_t)w->gauge.id[k] < n;
     return good ? GNEISS_OK
-                : gn_fail(error, GNEISS_ERROR_INPUT, "%s: expected particle numbers below %zu, found others",
-                          path, n);
+                : gn_fail(error, GNEISS_ERROR_INPUT,
+                          "%s: expected particle numbers below %zu, found others", path, n);
+}
+
+static gneiss_status check_numbers(const gn_run *run, const char *path, gneiss_error *error) {
+    const gn_world *w = &run->world;
+    bool good = run->history_interval > 0 && run->snapshot_interval >= 0 && w->step >= 0 &&
+                isfinite(w->time) && w->dt > 0.0 && isfinite(w->dt) && isfinite(w->dt_past) &&
+                w->verlet.skin > 0.0 && isfinite(w->verlet.skin) && isfinite(w->verlet.drift);
+    return good ? GNEISS_OK
+                : gn_fail(error, GNEISS_ERROR_INPUT,
+                          "%s: expected positive steps and intervals, found others", path);
 }
 
 static gneiss_status get_records(gn_world *w, const gn_h5 *file, gneiss_error *error) {
     gn_effects bonds = gn_contact_list_effects(w->effects, true);
     gn_effects pairs = gn_contact_list_effects(w->effects, false);
-    GN_TRY(gn_h5_get_record(file, "particles", &gn_particle_record, &w->particles, w->effects, error));
+    GN_TRY(
+        gn_h5_get_record(file, "particles", &gn_particle_record, &w->particles, w->effects, error));
     GN_TRY(gn_h5_get_record(file, "bonds", &gn_contact_record, &w->bonds, bonds, error));
     GN_TRY(gn_h5_get_record(file, "pairs", &gn_contact_record, &w->pairs, pairs, error));
     if (!(w->effects & GN_FX_WALLS)) return GNEISS_OK;
-    return gn_h5_get_record(file, "wall_contacts", &gn_wall_contact_record, &w->wall_contacts, w->effects,
-                            error);
+    return gn_h5_get_record(file, "wall_contacts", &gn_wall_contact_record, &w->wall_contacts,
+                            w->effects, error);
 }
 
-static gneiss_status get_scene(gn_world *w, const gn_h5 *file, const gn_override *overrides, size_t count,
-                               gneiss_error *error) {
+/* Messages about the text name the checkpoint: its lines are not those of the scene file. */
+static gneiss_status get_scene(gn_world *w, const gn_h5 *file, const char *path,
+                               const gn_override *overrides, size_t count, gneiss_error *error) {
     char *text = NULL, *source = NULL;
     GN_TRY(gn_h5_get_text(file, "scene", &text, error));
     gneiss_status status = gn_h5_get_attribute_text(file, "/", "scene_file", &source, error);
     if (status == GNEISS_OK)
-        status = gn_scene_parse(text, source, "/", overrides, count, &w->scene, error);
+        status = gn_scene_parse_saved(text, path, overrides, count, &w->scene, error);
+    if (status == GNEISS_OK) snprintf(w->scene.source, sizeof w->scene.source, "%s", source);
     free(text);
     free(source);
     return status;
 }
 
-static gneiss_status load(gn_run *run, const gn_h5 *file, const char *path, const gn_override *overrides,
-                          size_t count, gneiss_error *error) {
+static gneiss_status load(gn_run *run, const gn_h5 *file, const char *path,
+                          const gn_override *overrides, size_t count, gneiss_error *error) {
     gn_world *w = &run->world;
     GN_TRY(check_format(file, path, error));
-    GN_TRY(get_scene(w, file, overrides, count, error));
+    GN_TRY(get_scene(w, file, path, overrides, count, error));
     GN_TRY(gn_world_prepare(w, error));
     GN_TRY(gn_h5_get_attribute_f64(file, "/", "seconds", &run->wall_before, 1, error));
     GN_TRY(get_pieces(run, file, error));
     GN_TRY(get_arrays(run, file, error));
     GN_TRY(get_records(w, file, error));
     GN_TRY(check_indices(w, path, error));
+    GN_TRY(check_numbers(run, path, error));
     GN_TRY(get_history(run, file, error));
     GN_TRY(gn_world_restore(w, error));
     uint64_t hash = 0;
     GN_TRY(gn_h5_get_attribute_i64(file, "/", "state_hash", (int64_t *)&hash, 1, error));
     if (hash != gn_world_hash(w))
-        return gn_fail(error, GNEISS_ERROR_INPUT, "%s: the state does not have the hash it was saved with",
-                       path);
+        return gn_fail(error, GNEISS_ERROR_INPUT,
+                       "%s: the state does not have the hash it was saved with", path);
     return GNEISS_OK;
 }
 
-gneiss_status gn_checkpoint_load(const char *path, const gn_override *overrides, size_t override_count,
-                                 gn_run *run, gneiss_error *error) {
+gneiss_status gn_checkpoint_load(const char *path, const gn_override *overrides,
+                                 size_t override_count, gn_run *run, gneiss_error *error) {
     gn_h5 *file = NULL;
     memset(run, 0, sizeof *run);
     GN_TRY(gn_h5_open(path, &file, error));

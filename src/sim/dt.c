@@ -42,7 +42,8 @@ static gneiss_status make_data(const gn_world *w, spectrum_data *d, gneiss_error
     return GNEISS_OK;
 }
 
-static gn_spectrum spectrum_of(const gn_world *w, const gn_assembly *assembly, const spectrum_data *d) {
+static gn_spectrum spectrum_of(const gn_world *w, const gn_assembly *assembly,
+                               const spectrum_data *d) {
     gn_spectrum s = {0};
     s.assembly = assembly;
     s.arm_factor = w->scene.contact_arm == GN_ARM_MIDPOINT ? 0.5 : 0.0;
@@ -54,8 +55,8 @@ static gn_spectrum spectrum_of(const gn_world *w, const gn_assembly *assembly, c
     return s;
 }
 
-/* Without any spring in touch there is nothing to resolve yet: the stiffest possible contact of each particle
- * with its like sets the step (two ends, so 2 sqrt(m/2k) of the pair). */
+/* Without any spring in touch there is nothing to resolve yet: the stiffest possible contact of
+ * each particle with its like sets the step (two ends, so 2 sqrt(m/2k) of the pair). */
 static double free_flight_limit(const gn_world *w) {
     double least = INFINITY;
     const gn_particles *q = &w->particles;
@@ -65,45 +66,58 @@ static double free_flight_limit(const gn_world *w) {
         double k = fmax(c.kn, 3.5 * c.kt); /* pair modes: 2 k_n/m, and 7 k_t/m with rolling */
         if (k > 0.0) least = fmin(least, 2.0 * sqrt(0.5 / (k * q->vel[4 * p + 3])));
         for (size_t s = 0; s < w->scene.wall_count; s++)
-            least = fmin(least, 2.0 * sqrt(1.0 / (w->scene.walls[s].stiffness * q->vel[4 * p + 3])));
+            least =
+                fmin(least, 2.0 * sqrt(1.0 / (w->scene.walls[s].stiffness * q->vel[4 * p + 3])));
     }
     double alpha = gn_contact_damping_fraction(&w->scene);
     return least * (sqrt(1.0 + alpha * alpha) - alpha);
 }
 
-/* Non-viscous damping of coefficient a multiplies the resultant by 1 + a while it slows a particle down and by
- * 1 - a while it speeds it up. In the fastest mode, whose displacement changes sign from step to step, the
- * resultant always slows down: its stiffness is 1 + a times the undamped one, and the limit falls by
- * sqrt(1 + a). (Seen in practice: at 0.9 of the undamped limit and a = 0.7 the kinetic energy
- * 1/2 m v(-) v(+) turns negative and bonds break before any load.) */
+/* Non-viscous damping of coefficient a multiplies the resultant by 1 + a while it slows a particle
+ * down and by 1 - a while it speeds it up. In the fastest mode, whose displacement changes sign
+ * from step to step, the resultant always slows down: its stiffness is 1 + a times the undamped
+ * one, and the limit falls by sqrt(1 + a). (Seen in practice: at 0.9 of the undamped limit and a =
+ * 0.7 the kinetic energy 1/2 m v(-) v(+) turns negative and bonds break before any load.) */
 static double nonviscous_share(const gn_world *w) {
     bool active = w->effects & (GN_FX_NONVISCOUS_VECTOR | GN_FX_NONVISCOUS_COMPONENT);
     return active ? 1.0 / sqrt(1.0 + w->scene.background_coefficient) : 1.0;
 }
 
-/* The limit that the scene trusts: sharp, or the rigorous bound. Contacts that may still form are covered by
- * never going above what a single pair would need. */
+/* The limit that the scene trusts: sharp, or the rigorous bound. Contacts that may still form are
+ * covered by never going above what a single pair would need. */
 static double usable_limit(const gn_world *w) {
     double limit = w->scene.estimate == GN_STEP_BOUND ? w->limit.bound : w->limit.sharp;
     return nonviscous_share(w) * fmin(limit, free_flight_limit(w));
 }
 
-static gneiss_status estimate(gn_world *w, bool full, gneiss_error *error) {
+/* Only the rigorous bound, or Lanczos as well; the former leaves the sharp value unknown. */
+static gneiss_status estimate(const gn_world *w, bool sharp, gn_step_limit *limit,
+                              gneiss_error *error) {
     gn_assembly assembly = gn_world_assembly(w);
     spectrum_data data = {0};
     GN_TRY(make_data(w, &data, error));
     gn_spectrum spectrum = spectrum_of(w, &assembly, &data);
-    gneiss_status status;
-    if (full) {
-        status = gn_step_limits(&spectrum, 1e-4, &w->limit, error);
-        w->bound = w->limit.bound;
-    } else {
-        gn_step_limit quick = {0};
-        status = gn_step_bound(&spectrum, &quick, error);
-        w->bound = quick.bound;
-    }
+    gneiss_status status = sharp ? gn_step_limits(&spectrum, 1e-3, limit, error)
+                                 : gn_step_bound(&spectrum, limit, error);
     free_data(&data);
     return status;
+}
+
+/* Whether the rigorous bound settles it without Lanczos: the scene asks for it, or a given step is
+ * below. */
+static bool bound_suffices(const gn_world *w, double bound) {
+    if (w->scene.estimate == GN_STEP_BOUND) return true;
+    double limit = nonviscous_share(w) * fmin(bound, free_flight_limit(w));
+    return w->scene.step > 0.0 && w->scene.step <= limit;
+}
+
+static gneiss_status find_limit(gn_world *w, const gn_step_limit *quick, gneiss_error *error) {
+    if (!bound_suffices(w, quick->bound)) return estimate(w, true, &w->limit, error);
+    w->limit = *quick;
+    w->limit.sharp = quick->bound;
+    w->limit.sharp_id = quick->bound_id;
+    w->limit.iterations = 0;
+    return GNEISS_OK;
 }
 
 static gneiss_status react(gn_world *w, double limit, gneiss_error *error) {
@@ -117,30 +131,28 @@ static gneiss_status react(gn_world *w, double limit, gneiss_error *error) {
     }
     w->dt = w->scene.step;
     if (w->dt <= limit || w->scene.on_unstable == GN_POLICY_WARN) return GNEISS_OK;
-    return gn_fail(error, w->step > 0 ? GNEISS_ERROR_UNSTABLE : GNEISS_ERROR_INPUT,
-                   "%s: time.step: expected at most %.6g s (stability limit at step %lld, set by particle "
-                   "%d; the rigorous bound without damping is %.6g s), found %.6g s = %.3f of the limit "
-                   "(time.on_unstable: warn runs it all the same)",
-                   w->scene.source, limit, (long long)w->step,
-                   w->scene.estimate == GN_STEP_BOUND ? w->limit.bound_id : w->limit.sharp_id,
-                   w->limit.bound, w->dt, w->dt / limit);
+    return gn_fail(
+        error, w->step > 0 ? GNEISS_ERROR_UNSTABLE : GNEISS_ERROR_INPUT,
+        "%s: time.step: expected at most %.6g s (stability limit at step %lld, set by particle "
+        "%d; the rigorous bound without damping is %.6g s), found %.6g s = %.3f of the limit "
+        "(time.on_unstable: warn runs it all the same)",
+        w->scene.source, limit, (long long)w->step,
+        w->scene.estimate == GN_STEP_BOUND ? w->limit.bound_id : w->limit.sharp_id, w->limit.bound,
+        w->dt, w->dt / limit);
 }
 
 gneiss_status gn_world_check_step(gn_world *w, bool full, gneiss_error *error) {
     double start = gn_now();
-    gneiss_status status = GNEISS_OK;
-    if (!full) {
-        status = estimate(w, false, error);
-        /* Proven stable, and not so near that the automatic step should shrink: no need for Lanczos. */
-        double wanted = (w->scene.step == 0.0 ? w->scene.safety : 1.0) * w->bound * nonviscous_share(w);
-        full = status == GNEISS_OK && wanted < w->dt;
-    }
-    if (status == GNEISS_OK && full) {
-        status = estimate(w, true, error);
-        if (status == GNEISS_OK) {
-            w->stable = usable_limit(w);
-            status = react(w, w->stable, error);
-        }
+    gn_step_limit quick = {0};
+    gneiss_status status = estimate(w, false, &quick, error);
+    /* The rigorous bound falls with every contact that makes a particle stiffer. As long as it is
+     * where it was when the limit was found, that limit holds within the safety factor. */
+    bool due = full || quick.bound < 0.98 * w->limit.bound;
+    if (status == GNEISS_OK && due) status = find_limit(w, &quick, error);
+    w->bound = quick.bound;
+    if (status == GNEISS_OK && due) {
+        w->stable = usable_limit(w);
+        status = react(w, w->stable, error);
     }
     w->limit_step = w->step;
     w->seconds[GN_PHASE_step_limit] += gn_now() - start;

@@ -1,8 +1,9 @@
-/* Parameters of contacts from materials and radii: Rojek et al. 2012, sec. 2, models 1, 2, 3, 3a, 3b, 3c.
+/* Parameters of contacts from materials and radii: Rojek et al. 2012, sec. 2, models 1, 2, 3, 3a,
+ * 3b, 3c.
  *
- * A contact is seen as a bar between the centres. In 3D its section is (2r)^2 and its length 2r, so that
- * k_n = 2 E_c r and R = 4 sigma_c r^2; in 2D (unit thickness) the section is 2r x 1 m, so that k_n = E_c x 1 m
- * whatever r, and R = 2 sigma_c r x 1 m. */
+ * A contact is seen as a bar between the centres. In 3D its section is (2r)^2 and its length 2r, so
+ * that k_n = 2 E_c r and R = 4 sigma_c r^2; in 2D (unit thickness) the section is 2r x 1 m, so that
+ * k_n = E_c x 1 m whatever r, and R = 2 sigma_c r x 1 m. */
 #include "sim/parts.h"
 
 #include <math.h>
@@ -15,32 +16,39 @@ double gn_contact_damping_fraction(const gn_scene *scene) {
 }
 
 /* Springs in series for two materials; the same material gives its own value back exactly. */
-static double series(double a, double b) { return a == b ? a : 2.0 * a * b / (a + b); }
+static double series(double a, double b) {
+    return a == b ? a : 2.0 * a * b / (a + b);
+}
 
-static double smaller(double a, double b) { return a < b ? a : b; }
+static double smaller(double a, double b) {
+    return a < b ? a : b;
+}
 
 typedef struct effective_radius {
-    double stiffness;  /* k_n = 2 E_c times this */
-    double strength2;  /* R = 4 sigma_c times this (3D) */
-    double strength1;  /* R = 2 sigma_c times this (2D) */
+    double stiffness; /* k_n = 2 E_c times this */
+    double strength2; /* R = 4 sigma_c times this (3D) */
+    double strength1; /* R = 2 sigma_c times this (2D) */
 } effective_radius;
 
 static effective_radius radius_of(const gn_world *w, double ri, double rj) {
     double mean = 0.5 * (ri + rj), harmonic = 2.0 * ri * rj / (ri + rj), least = smaller(ri, rj);
     switch (w->scene.stiffness) {
-    case GN_STIFFNESS_ARITHMETIC: return (effective_radius){mean, mean * mean, mean};
-    case GN_STIFFNESS_HARMONIC: return (effective_radius){harmonic, least * least, least};
+    case GN_STIFFNESS_ARITHMETIC:
+        return (effective_radius){mean, mean * mean, mean};
+    case GN_STIFFNESS_HARMONIC:
+        return (effective_radius){harmonic, least * least, least};
     case GN_STIFFNESS_MEAN_RADIUS:
     case GN_STIFFNESS_MEAN_ARITHMETIC:
     case GN_STIFFNESS_MEAN_HARMONIC:
         return (effective_radius){w->derived.radius, w->derived.radius2, sqrt(w->derived.radius2)};
-    case GN_STIFFNESS_UNIFORM: break;
+    case GN_STIFFNESS_UNIFORM:
+        break;
     }
     return (effective_radius){0, 0, 0};
 }
 
-static void set_kn_and_strength(const gn_world *w, const gn_material *a, const gn_material *b, double ri,
-                                double rj, gn_contact_parameters *p) {
+static void set_kn_and_strength(const gn_world *w, const gn_material *a, const gn_material *b,
+                                double ri, double rj, gn_contact_parameters *p) {
     if (w->scene.stiffness == GN_STIFFNESS_UNIFORM) {
         p->kn = series(a->normal_stiffness, b->normal_stiffness);
         p->rn = smaller(a->bond_tension_limit, b->bond_tension_limit);
@@ -63,7 +71,8 @@ gn_contact_parameters gn_contact_law(const gn_world *w, int32_t i, int32_t j) {
     gn_contact_parameters p = {0};
     set_kn_and_strength(w, a, b, q->pos[4 * (int64_t)i + 3], q->pos[4 * (int64_t)j + 3], &p);
     /* Each material's k_t/k_n; two different ones act in series as the normal springs do. */
-    double ta = a->kratio > 0.0 ? 1.0 / a->kratio : 0.0, tb = b->kratio > 0.0 ? 1.0 / b->kratio : 0.0;
+    double ta = a->kratio > 0.0 ? 1.0 / a->kratio : 0.0,
+           tb = b->kratio > 0.0 ? 1.0 / b->kratio : 0.0;
     p.kt = ta + tb > 0.0 ? p.kn * series(ta, tb) : 0.0;
     p.mu = smaller(a->friction, b->friction);
     double alpha = gn_contact_damping_fraction(&w->scene);
@@ -88,7 +97,8 @@ gneiss_status gn_law_derive(gn_world *w, const gn_pair_list *pairs, gneiss_error
         }
     } else if (model == GN_STIFFNESS_MEAN_ARITHMETIC || model == GN_STIFFNESS_MEAN_HARMONIC) {
         for (size_t c = 0; c < count; c++) {
-            double ri = pos[4 * (int64_t)pairs->pair[c][0] + 3], rj = pos[4 * (int64_t)pairs->pair[c][1] + 3];
+            double ri = pos[4 * (int64_t)pairs->pair[c][0] + 3],
+                   rj = pos[4 * (int64_t)pairs->pair[c][1] + 3];
             double mean = 0.5 * (ri + rj), least = smaller(ri, rj);
             bool arithmetic = model == GN_STIFFNESS_MEAN_ARITHMETIC;
             sum += arithmetic ? mean : 2.0 * ri * rj / (ri + rj);
@@ -98,10 +108,11 @@ gneiss_status gn_law_derive(gn_world *w, const gn_pair_list *pairs, gneiss_error
         return GNEISS_OK;
     }
     if (count == 0)
-        return gn_fail(error, GNEISS_ERROR_INPUT,
-                       "%s: law.stiffness: expected contacts to average over, found none between the "
-                       "particles of the specimen",
-                       w->scene.source);
+        return gn_fail(
+            error, GNEISS_ERROR_INPUT,
+            "%s: law.stiffness: expected contacts to average over, found none between the "
+            "particles of the specimen",
+            w->scene.source);
     w->derived = (gn_derived){sum / (double)count, sum2 / (double)count};
     return GNEISS_OK;
 }

@@ -7,17 +7,22 @@
 #include <stdlib.h>
 #include <string.h>
 
-size_t gn_blocks(size_t count, size_t block) { return (count + block - 1) / block; }
+size_t gn_blocks(size_t count, size_t block) {
+    return (count + block - 1) / block;
+}
 
-/* --- unbonded pairs -------------------------------------------------------------------------------- */
+/* --- unbonded pairs
+ * -------------------------------------------------------------------------------- */
 
 /* Place of (i, j) in a list sorted by (i, j), or -1. */
 static int64_t find_contact(const gn_contacts *list, int32_t i, int32_t j) {
     size_t low = 0, high = list->soa.count;
     while (low < high) {
         size_t mid = (low + high) / 2;
-        if (list->i[mid] < i || (list->i[mid] == i && list->j[mid] < j)) low = mid + 1;
-        else high = mid;
+        if (list->i[mid] < i || (list->i[mid] == i && list->j[mid] < j))
+            low = mid + 1;
+        else
+            high = mid;
     }
     if (low < list->soa.count && list->i[low] == i && list->j[low] == j) return (int64_t)low;
     return -1;
@@ -50,9 +55,10 @@ static void set_pair(const gn_world *w, gn_contacts *now, size_t c, const gn_con
 }
 
 static gneiss_status make_pairs(gn_world *w, gneiss_error *error) {
-    gn_pair_query query = {&w->particles, (int)w->scene.dimension, w->verlet.skin, 0.0,
-                           w->effects & GN_FX_PERIODIC, {w->period[0], w->period[1], w->period[2]},
-                           w->threads};
+    gn_pair_query query = {
+        &w->particles, (int)w->scene.dimension,     w->verlet.skin,
+        0.0,           w->effects & GN_FX_PERIODIC, {w->period[0], w->period[1], w->period[2]},
+        w->threads};
     gn_pair_list found = {0};
     GN_TRY(gn_pairs_find(&query, &found, error));
     drop_bonded(w, &found);
@@ -76,7 +82,8 @@ static gneiss_status make_pairs(gn_world *w, gneiss_error *error) {
     return status;
 }
 
-/* --- order ----------------------------------------------------------------------------------------- */
+/* --- order
+ * ----------------------------------------------------------------------------------------- */
 
 typedef struct renamed {
     int32_t i, j, place;
@@ -108,8 +115,9 @@ static gneiss_status rename_contacts(gn_contacts *list, const int32_t *place, gn
     int32_t *order = gn_alloc_array(count + 1, sizeof *order);
     gn_contacts now = {0};
     gneiss_status status =
-        keys && order ? gn_soa_create(&gn_contact_record, &now, count, list->soa.effects, error)
-                      : gn_fail(error, GNEISS_ERROR_MEMORY, "no memory to sort %zu contacts", count);
+        keys && order
+            ? gn_soa_create(&gn_contact_record, &now, count, list->soa.effects, error)
+            : gn_fail(error, GNEISS_ERROR_MEMORY, "no memory to sort %zu contacts", count);
     if (status == GNEISS_OK) {
         for (size_t c = 0; c < count; c++) {
             int32_t i = place[list->i[c]], j = place[list->j[c]];
@@ -131,7 +139,9 @@ static gneiss_status rename_contacts(gn_contacts *list, const int32_t *place, gn
     return status;
 }
 
-static int by_wall(const void *a, const void *b) { return by_pair(a, b); }
+static int by_wall(const void *a, const void *b) {
+    return by_pair(a, b);
+}
 
 static gneiss_status rename_wall_contacts(gn_wall_contacts *list, const int32_t *place,
                                           gneiss_error *error) {
@@ -141,8 +151,9 @@ static gneiss_status rename_wall_contacts(gn_wall_contacts *list, const int32_t 
     int32_t *order = gn_alloc_array(count + 1, sizeof *order);
     gn_wall_contacts now = {0};
     gneiss_status status =
-        keys && order ? gn_soa_create(&gn_wall_contact_record, &now, count, list->soa.effects, error)
-                      : gn_fail(error, GNEISS_ERROR_MEMORY, "no memory to sort %zu contacts", count);
+        keys && order
+            ? gn_soa_create(&gn_wall_contact_record, &now, count, list->soa.effects, error)
+            : gn_fail(error, GNEISS_ERROR_MEMORY, "no memory to sort %zu contacts", count);
     if (status == GNEISS_OK) {
         for (size_t c = 0; c < count; c++)
             keys[c] = (renamed){place[list->i[c]], list->wall[c], (int32_t)c, false};
@@ -171,11 +182,12 @@ static void number_ids(gn_world *w) {
 /* Sorts particles along the Morton curve and renumbers everything that points at them. */
 static gneiss_status reorder(gn_world *w, gneiss_error *error) {
     size_t n = w->particles.soa.count;
-    int32_t *order = gn_alloc_array(n + 1, sizeof *order), *place = gn_alloc_array(n + 1, sizeof *place);
+    int32_t *order = gn_alloc_array(n + 1, sizeof *order),
+            *place = gn_alloc_array(n + 1, sizeof *place);
     gn_particles now = {0};
-    gneiss_status status = order && place
-                               ? gn_morton_order(&w->particles, (int)w->scene.dimension, order, error)
-                               : gn_fail(error, GNEISS_ERROR_MEMORY, "no memory to sort %zu particles", n);
+    gneiss_status status =
+        order && place ? gn_morton_order(&w->particles, (int)w->scene.dimension, order, error)
+                       : gn_fail(error, GNEISS_ERROR_MEMORY, "no memory to sort %zu particles", n);
     if (status == GNEISS_OK)
         status = gn_soa_create(&gn_particle_record, &now, n, w->effects, error);
     if (status == GNEISS_OK) {
@@ -191,17 +203,19 @@ static gneiss_status reorder(gn_world *w, gneiss_error *error) {
         gn_contacts_pad(&w->bonds, &w->particles);
         if (status == GNEISS_OK) status = gn_incidence_build(&w->bonds, n, &w->bonds_of, error);
     }
-    if (status == GNEISS_OK && w->pairs.soa.capacity) status = rename_contacts(&w->pairs, place, error);
+    if (status == GNEISS_OK && w->pairs.soa.capacity)
+        status = rename_contacts(&w->pairs, place, error);
     if (status == GNEISS_OK) status = rename_wall_contacts(&w->wall_contacts, place, error);
     gn_free(order);
     gn_free(place);
     return status;
 }
 
-/* --- domain ---------------------------------------------------------------------------------------- */
+/* --- domain
+ * ---------------------------------------------------------------------------------------- */
 
-/* A particle outside the domain stops the run or leaves the model: it stays where it was last seen, at
- * rest, without mass and contacts. Its energy is booked as carried away. */
+/* A particle outside the domain stops the run or leaves the model: it stays where it was last seen,
+ * at rest, without mass and contacts. Its energy is booked as carried away. */
 static gneiss_status check_domain(gn_world *w, gneiss_error *error) {
     gn_particles *q = &w->particles;
     for (size_t p = 0; p < q->soa.count; p++) {
@@ -212,10 +226,11 @@ static gneiss_status check_domain(gn_world *w, gneiss_error *error) {
             inside = inside && x[a] >= w->scene.domain_min[a] && x[a] <= w->scene.domain_max[a];
         if (inside) continue;
         if (w->scene.lost == GN_LOST_STOP)
-            return gn_fail(error, GNEISS_ERROR_UNSTABLE,
-                           "step %lld, t = %g s: particle %d left the domain at (%g, %g, %g) m with "
-                           "(%g, %g, %g) m/s (domain.lost: remove lets a run go on without it)",
-                           (long long)w->step, w->time, q->id[p], x[0], x[1], x[2], v[0], v[1], v[2]);
+            return gn_fail(
+                error, GNEISS_ERROR_UNSTABLE,
+                "step %lld, t = %g s: particle %d left the domain at (%g, %g, %g) m with "
+                "(%g, %g, %g) m/s (domain.lost: remove lets a run go on without it)",
+                (long long)w->step, w->time, q->id[p], x[0], x[1], x[2], v[0], v[1], v[2]);
         w->energy.removed += 0.5 * (v[0] * v[0] + v[1] * v[1] + v[2] * v[2]) / v[3];
         if (q->spin) {
             double *o = q->spin + 4 * p;
@@ -259,7 +274,8 @@ static void wrap(gn_world *w) {
         }
 }
 
-/* --- the lists ------------------------------------------------------------------------------------- */
+/* --- the lists
+ * ------------------------------------------------------------------------------------- */
 
 static gneiss_status allocate_sums(gn_world *w, gneiss_error *error) {
     gn_free(w->pair_sums);
@@ -276,22 +292,36 @@ static gneiss_status allocate_sums(gn_world *w, gneiss_error *error) {
     return GNEISS_OK;
 }
 
-/* Particles that flow are sorted again now and then; a bonded specimen keeps its order. The decision rests
- * on counts alone, so that it falls at the same step in every run. */
+/* Particles that flow are sorted again now and then; a bonded specimen keeps its order. The
+ * decision rests on counts alone, so that it falls at the same step in every run. */
 static bool order_is_old(const gn_world *w) {
     enum { REBUILDS_PER_SORT = 16 };
     return w->verlet.rebuilds == 0 ||
            (!(w->effects & GN_FX_BONDS) && w->verlet.rebuilds % REBUILDS_PER_SORT == 0);
 }
 
+/* A rebuild costs about as much as ten steps, so lists that live for less than a hundred steps cost
+ * more than a tenth of the run: the skin grows. Lists that live long may be needlessly wide: it
+ * shrinks again. Steps and not seconds decide, so that every run does the same; forces do not
+ * depend on the skin at all. */
+static void tune_skin(gn_world *w) {
+    enum { SHORT_LIFE = 100, LONG_LIFE = 2000 };
+    if (w->scene.skin > 0.0 || w->verlet.rebuilds == 0) return;
+    int64_t life = w->step - w->verlet.last_step;
+    double most = 6.0 * w->verlet.skin_start;
+    if (life < SHORT_LIFE) w->verlet.skin = fmin(1.25 * w->verlet.skin, most);
+    if (life > LONG_LIFE) w->verlet.skin = fmax(0.8 * w->verlet.skin, w->verlet.skin_start);
+}
+
 gneiss_status gn_world_rebuild(gn_world *w, gneiss_error *error) {
     double start = gn_now();
+    tune_skin(w);
     int64_t lost = w->lost;
     if (w->scene.has_domain) GN_TRY(check_domain(w, error));
     if (w->lost != lost) release_bonds_of_removed(w);
     if (w->effects & GN_FX_PERIODIC) wrap(w);
     if (order_is_old(w)) GN_TRY(reorder(w, error));
-    if (!w->bonds_of.first) GN_TRY(gn_bonds_form(w, error));
+    if (!w->bonds_of.start) GN_TRY(gn_bonds_form(w, error));
     GN_TRY(make_pairs(w, error));
     GN_TRY(gn_wall_contacts_find(w, error));
     GN_TRY(allocate_sums(w, error));
@@ -316,7 +346,8 @@ gneiss_status gn_world_restore(gn_world *w, gneiss_error *error) {
     w->bond_blocks = gn_blocks(w->bonds.soa.count, GN_CONTACT_BLOCK);
     w->pair_blocks = gn_blocks(w->pairs.soa.count, GN_CONTACT_BLOCK);
     w->wall_blocks = gn_blocks(w->wall_contacts.soa.count, GN_CONTACT_BLOCK);
-    for (size_t c = 0; c < w->wall_contacts.soa.count; c++) w->wall_first[w->wall_contacts.i[c] + 1]++;
+    for (size_t c = 0; c < w->wall_contacts.soa.count; c++)
+        w->wall_first[w->wall_contacts.i[c] + 1]++;
     for (size_t p = 1; p <= n; p++) w->wall_first[p] += w->wall_first[p - 1];
     GN_TRY(gn_incidence_build(&w->bonds, n, &w->bonds_of, error));
     GN_TRY(gn_incidence_build(&w->pairs, n, &w->pairs_of, error));
@@ -337,9 +368,9 @@ static double largest_travel(const gn_world *w) {
     return sqrt(most);
 }
 
-/* Two particles close in by at most twice the largest path; a particle and a wall by the sum of theirs. The
- * cheap bound on the path adds up the largest speed; when it runs out, the true largest displacement takes
- * its place. */
+/* Two particles close in by at most twice the largest path; a particle and a wall by the sum of
+ * theirs. The cheap bound on the path adds up the largest speed; when it runs out, the true largest
+ * displacement takes its place. */
 gneiss_status gn_world_refresh_lists(gn_world *w, gneiss_error *error) {
     double wall = 0.0;
     for (size_t k = 0; k < w->scene.wall_count; k++) wall = fmax(wall, w->walls[k].travel);

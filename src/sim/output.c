@@ -9,11 +9,13 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* --- fields derived from the state, in the order of the specimen file -------------------------------- */
+/* --- fields derived from the state, in the order of the specimen file
+ * -------------------------------- */
 
 typedef struct particle_fields {
     size_t count;
-    double *position, *radius, *displacement, *velocity, *spin, *damage, *stress, *coordination, *id;
+    double *position, *radius, *displacement, *velocity, *spin, *damage, *stress, *coordination,
+        *id;
 } particle_fields;
 
 typedef struct bond_fields {
@@ -23,7 +25,7 @@ typedef struct bond_fields {
 } bond_fields;
 
 static void free_particle_fields(particle_fields *f) {
-    double *all[] = {f->position, f->radius,  f->displacement, f->velocity, f->spin,
+    double *all[] = {f->position, f->radius, f->displacement, f->velocity, f->spin,
                      f->damage,   f->stress, f->coordination, f->id};
     for (size_t k = 0; k < sizeof all / sizeof *all; k++) free(all[k]);
 }
@@ -38,7 +40,8 @@ static void count_contacts(const gn_world *w, const gn_contacts *list, double *c
     const double *rows = gn_contacts_row(list);
     for (size_t c = 0; c < list->soa.count; c++) {
         const double *row = rows + (size_t)gn_contacts_row_width(list) * c;
-        bool carries = row[0] != 0.0 || row[1] != 0.0 || (w->effects & GN_FX_SPACE && row[2] != 0.0);
+        bool carries =
+            row[0] != 0.0 || row[1] != 0.0 || (w->effects & GN_FX_SPACE && row[2] != 0.0);
         bool intact = list->rn && list->rn[c] > 0.0;
         if (!carries && !intact) continue;
         coordination[w->particles.id[list->i[c]]] += 1.0;
@@ -55,7 +58,8 @@ static double porosity_of(const gn_world *w) {
     return 1.0 - solid / w->volume;
 }
 
-static gneiss_status make_particle_fields(const gn_world *w, particle_fields *f, gneiss_error *error) {
+static gneiss_status make_particle_fields(const gn_world *w, particle_fields *f,
+                                          gneiss_error *error) {
     size_t n = w->particles.soa.count;
     const gn_particles *q = &w->particles;
     *f = (particle_fields){.count = n};
@@ -96,11 +100,13 @@ static gneiss_status make_particle_fields(const gn_world *w, particle_fields *f,
 }
 
 static double normal_force(const gn_world *w, const gn_contacts *b, size_t c, const double *force) {
-    const double *x = w->particles.pos + 4 * (int64_t)b->i[c], *y = w->particles.pos + 4 * (int64_t)b->j[c];
+    const double *x = w->particles.pos + 4 * (int64_t)b->i[c],
+                 *y = w->particles.pos + 4 * (int64_t)b->j[c];
     double along = 0.0, d2 = 0.0;
     for (int a = 0; a < 3; a++) {
         double d = y[a] - x[a];
-        if (w->effects & GN_FX_PERIODIC && w->period[a] > 0.0) d -= w->period[a] * nearbyint(d / w->period[a]);
+        if (w->effects & GN_FX_PERIODIC && w->period[a] > 0.0)
+            d -= w->period[a] * nearbyint(d / w->period[a]);
         along += force[a] * d;
         d2 += d * d;
     }
@@ -132,7 +138,8 @@ static gneiss_status make_bond_fields(const gn_world *w, bond_fields *f, gneiss_
     size_t n = w->bonds.soa.count;
     *f = (bond_fields){.count = n};
     double **scalars[] = {&f->normal, &f->shear, &f->criterion, &f->state, &f->broken_time};
-    bool held = (f->ends = calloc(n + 1, 2 * sizeof *f->ends)) && (f->force = calloc(n + 1, 3 * sizeof(double)));
+    bool held = (f->ends = calloc(n + 1, 2 * sizeof *f->ends)) &&
+                (f->force = calloc(n + 1, 3 * sizeof(double)));
     for (size_t k = 0; k < 5; k++) held = held && (*scalars[k] = calloc(n + 1, sizeof(double)));
     if (!held) {
         free_bond_fields(f);
@@ -142,10 +149,11 @@ static gneiss_status make_bond_fields(const gn_world *w, bond_fields *f, gneiss_
     return GNEISS_OK;
 }
 
-/* --- snapshots ------------------------------------------------------------------------------------- */
+/* --- snapshots
+ * ------------------------------------------------------------------------------------- */
 
-gneiss_status gn_output_snapshot(const gn_run *run, const char *particles_name, const char *bonds_name,
-                                 gneiss_error *error) {
+gneiss_status gn_output_snapshot(const gn_run *run, const char *particles_name,
+                                 const char *bonds_name, gneiss_error *error) {
     const gn_world *w = &run->world;
     particle_fields p;
     GN_TRY(make_particle_fields(w, &p, error));
@@ -158,7 +166,8 @@ gneiss_status gn_output_snapshot(const gn_run *run, const char *particles_name, 
         {"stress", "Pa", 6, p.stress},
         {"coordination", "1", 1, p.coordination},
     };
-    gn_snapshot s = {.time = w->time, .step = w->step, .point_count = p.count, .points = p.position};
+    gn_snapshot s = {
+        .time = w->time, .step = w->step, .point_count = p.count, .points = p.position};
     s.point_arrays = points;
     s.point_array_count = sizeof points / sizeof *points;
     gneiss_status status = gn_snapshot_write(run->directory, particles_name, &s, error);
@@ -187,7 +196,8 @@ gneiss_status gn_output_series(const gn_run *run, gneiss_error *error) {
     return gn_snapshot_series(run->directory, "bonds", run->world.step, error);
 }
 
-/* --- results.h5 ------------------------------------------------------------------------------------ */
+/* --- results.h5
+ * ------------------------------------------------------------------------------------ */
 
 static gneiss_status put_scalar(gn_h5 *file, const char *group, const char *name, double value,
                                 const char *unit, const char *text, gneiss_error *error) {
@@ -210,10 +220,14 @@ static gneiss_status put_header(const gn_run *run, gn_h5 *file, gneiss_error *er
     char effects[512], hash[24];
     effect_names(w->effects, effects, sizeof effects);
     snprintf(hash, sizeof hash, "%016llx", (unsigned long long)gn_world_hash(w));
-    const char *texts[][2] = {{"title", w->scene.title},        {"scene_file", w->scene.source},
-                              {"version", gn_version()},        {"build", gn_build()},
-                              {"isa", w->kernels->name},        {"precision", "double"},
-                              {"effects", effects},             {"state_hash", hash},
+    const char *texts[][2] = {{"title", w->scene.title},
+                              {"scene_file", w->scene.source},
+                              {"version", gn_version()},
+                              {"build", gn_build()},
+                              {"isa", w->kernels->name},
+                              {"precision", "double"},
+                              {"effects", effects},
+                              {"state_hash", hash},
                               {"stop_reason", run->stop_reason}};
     for (size_t k = 0; k < sizeof texts / sizeof *texts; k++)
         GN_TRY(gn_h5_attribute_text(file, "/", texts[k][0], texts[k][1], error));
@@ -238,15 +252,16 @@ static gneiss_status put_tables(const gn_run *run, gn_h5 *file, gneiss_error *er
         const gn_column *column = &run->history.columns[c];
         char path[160];
         snprintf(path, sizeof path, "history/%s", column->name);
-        GN_TRY(gn_h5_put(file, path, GN_F64, run->history.row_count, 1, 0, column->value, column->unit,
-                         column->text, error));
+        GN_TRY(gn_h5_put(file, path, GN_F64, run->history.row_count, 1, 0, column->value,
+                         column->unit, column->text, error));
     }
     gn_readings r = gn_record_readings(w, &run->history);
 #define X(name, unit, text) GN_TRY(put_scalar(file, "readings", #name, r.name, unit, text, error));
     GN_READINGS(X)
 #undef X
     if (w->effects & GN_FX_ENERGY) {
-#define X(name, kind, text) GN_TRY(put_scalar(file, "energy", #name, w->reading.name, "J", text, error));
+#define X(name, kind, text)                                                                        \
+    GN_TRY(put_scalar(file, "energy", #name, w->reading.name, "J", text, error));
         GN_ENERGY_TERMS(X)
 #undef X
         GN_TRY(put_scalar(file, "energy", "stored_at_start", w->reading.stored_at_start, "J",
@@ -275,12 +290,13 @@ static gneiss_status put_particles(const gn_world *w, gn_h5 *file, gneiss_error 
         {"particles/spin", "rad/s", "angular velocity", 3, f.spin},
         {"particles/damage", "1", "broken bonds over bonds at the start", 1, f.damage},
         {"particles/stress", "Pa", "xx yy zz xy yz xz, tension positive", 6, f.stress},
-        {"particles/coordination", "1", "contacts that carry force and intact bonds", 1, f.coordination},
+        {"particles/coordination", "1", "contacts that carry force and intact bonds", 1,
+         f.coordination},
     };
     gneiss_status status = GNEISS_OK;
     for (size_t k = 0; status == GNEISS_OK && k < sizeof fields / sizeof *fields; k++)
-        status = gn_h5_put(file, fields[k].name, GN_F64, f.count, fields[k].components, 0, fields[k].data,
-                           fields[k].unit, fields[k].text, error);
+        status = gn_h5_put(file, fields[k].name, GN_F64, f.count, fields[k].components, 0,
+                           fields[k].data, fields[k].unit, fields[k].text, error);
     int32_t *number = calloc(f.count + 1, sizeof *number);
     uint8_t *removed = calloc(f.count + 1, sizeof *removed);
     for (size_t id = 0; number && removed && id < f.count; id++) {
@@ -312,11 +328,12 @@ static gneiss_status put_bonds(const gn_run *run, gn_h5 *file, gneiss_error *err
         return gn_fail(error, GNEISS_ERROR_MEMORY, "no memory for the output");
     }
     for (size_t c = 0; c < f.count; c++) state[c] = w->bonds.cause[c];
-    gneiss_status status = gn_h5_put(file, "bonds/i", GN_I32, f.count, 1, 2 * sizeof(int32_t), f.ends, "1",
-                                     "first particle, base 0, order of the specimen file", error);
+    gneiss_status status =
+        gn_h5_put(file, "bonds/i", GN_I32, f.count, 1, 2 * sizeof(int32_t), f.ends, "1",
+                  "first particle, base 0, order of the specimen file", error);
     if (status == GNEISS_OK)
-        status = gn_h5_put(file, "bonds/j", GN_I32, f.count, 1, 2 * sizeof(int32_t), f.ends + 1, "1",
-                           "second particle", error);
+        status = gn_h5_put(file, "bonds/j", GN_I32, f.count, 1, 2 * sizeof(int32_t), f.ends + 1,
+                           "1", "second particle", error);
     if (status == GNEISS_OK)
         status = gn_h5_put(file, "bonds/state", GN_I32, f.count, 1, 0, state, "1",
                            "0 intact, 1 broken in tension, 2 broken in shear", error);
@@ -330,8 +347,8 @@ static gneiss_status put_bonds(const gn_run *run, gn_h5 *file, gneiss_error *err
         {"bonds/criterion", "1", "largest of force over strength; 1: broken", 1, f.criterion},
     };
     for (size_t k = 0; status == GNEISS_OK && k < sizeof fields / sizeof *fields; k++)
-        status = gn_h5_put(file, fields[k].name, GN_F64, f.count, fields[k].components, 0, fields[k].data,
-                           fields[k].unit, fields[k].text, error);
+        status = gn_h5_put(file, fields[k].name, GN_F64, f.count, fields[k].components, 0,
+                           fields[k].data, fields[k].unit, fields[k].text, error);
     free(state);
     free_bond_fields(&f);
     return status;
@@ -345,13 +362,15 @@ gneiss_status gn_output_results(const gn_run *run, gneiss_error *error) {
     gneiss_status status = put_header(run, file, error);
     if (status == GNEISS_OK) status = put_tables(run, file, error);
     if (status == GNEISS_OK) status = put_particles(&run->world, file, error);
-    if (status == GNEISS_OK && run->world.effects & GN_FX_BONDS) status = put_bonds(run, file, error);
+    if (status == GNEISS_OK && run->world.effects & GN_FX_BONDS)
+        status = put_bonds(run, file, error);
     if (status == GNEISS_OK) return gn_h5_commit(file, error);
     gn_h5_close(file);
     return status;
 }
 
-/* --- summary.json ---------------------------------------------------------------------------------- */
+/* --- summary.json
+ * ---------------------------------------------------------------------------------- */
 
 static size_t touching(const gn_contacts *list) {
     size_t count = 0;
@@ -384,7 +403,8 @@ gneiss_status gn_output_summary(const gn_run *run, gneiss_error *error) {
     gn_json_integer(j, "broken_shear", w->broken_shear);
     gn_json_integer(j, "removed", w->lost);
     gn_json_end(j);
-    gn_json_number(j, "energy_residual", w->effects & GN_FX_ENERGY ? gn_energy_residual(&w->reading) : NAN);
+    gn_json_number(j, "energy_residual",
+                   w->effects & GN_FX_ENERGY ? gn_energy_residual(&w->reading) : NAN);
     gn_json_text(j, "state_hash", hash);
     gn_json_bool(j, "finished", run->finished);
     gn_json_text(j, "stop_reason", run->stop_reason);
@@ -396,10 +416,12 @@ gneiss_status gn_output_summary(const gn_run *run, gneiss_error *error) {
     gn_json_number(j, "dt_limit_bound", w->limit.bound);
     gn_json_integer(j, "list_rebuilds", w->verlet.rebuilds);
     gn_json_object(j, "seconds");
-    for (int k = 0; k < GN_PHASE_COUNT; k++) gn_json_number(j, gn_phase_name((gn_phase)k), w->seconds[k]);
+    for (int k = 0; k < GN_PHASE_COUNT; k++)
+        gn_json_number(j, gn_phase_name((gn_phase)k), w->seconds[k]);
     gn_json_number(j, "total", p.seconds);
     gn_json_end(j);
-    gn_json_number(j, "particle_steps_per_second", (double)w->particles.soa.count * (double)w->step / p.seconds);
+    gn_json_number(j, "particle_steps_per_second",
+                   (double)w->particles.soa.count * (double)w->step / p.seconds);
     gn_json_number(j, "contact_steps_per_second", (double)w->contact_steps / p.seconds);
     gn_json_integer(j, "threads", w->threads);
     gn_json_text(j, "isa", w->kernels->name);

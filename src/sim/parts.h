@@ -15,7 +15,8 @@ typedef struct gn_contact_parameters {
 } gn_contact_parameters;
 gn_contact_parameters gn_contact_law(const gn_world *world, int32_t i, int32_t j);
 
-/* Uniform parameters from the packing (models 3a, 3b, 3c); `pairs` are the contacts to average over. */
+/* Uniform parameters from the packing (models 3a, 3b, 3c); `pairs` are the contacts to average
+ * over. */
 gneiss_status gn_law_derive(gn_world *world, const gn_pair_list *pairs, gneiss_error *error);
 
 /* Damping fraction alpha of the contacts, 0 for none. */

@@ -12,35 +12,39 @@ static const char axes[] = "xyz";
 static const int components[6][2] = {{0, 0}, {1, 1}, {2, 2}, {0, 1}, {1, 2}, {0, 2}};
 
 static bool in_plane(const gn_world *w, int component) {
-    return w->effects & GN_FX_SPACE || (components[component][0] < 2 && components[component][1] < 2);
+    return w->effects & GN_FX_SPACE ||
+           (components[component][0] < 2 && components[component][1] < 2);
 }
 
-/* --- columns --------------------------------------------------------------------------------------- */
+/* --- columns
+ * --------------------------------------------------------------------------------------- */
 
 typedef struct fixed_column {
     const char *name, *unit, *text;
 } fixed_column;
 
-static gneiss_status add(gn_history *h, const fixed_column *columns, size_t count, gneiss_error *error) {
+static gneiss_status add(gn_history *h, const fixed_column *columns, size_t count,
+                         gneiss_error *error) {
     for (size_t k = 0; k < count; k++)
         GN_TRY(gn_history_add_column(h, columns[k].name, columns[k].unit, columns[k].text, error));
     return GNEISS_OK;
 }
 
-static gneiss_status add_tensor(const gn_world *w, gn_history *h, const char *what, const char *unit,
-                                const char *text, gneiss_error *error) {
+static gneiss_status add_tensor(const gn_world *w, gn_history *h, const char *what,
+                                const char *unit, const char *text, gneiss_error *error) {
     for (int c = 0; c < 6; c++) {
         char name[32];
         if (!in_plane(w, c)) continue;
-        snprintf(name, sizeof name, "%s_%c%c", what, axes[components[c][0]], axes[components[c][1]]);
+        snprintf(name, sizeof name, "%s_%c%c", what, axes[components[c][0]],
+                 axes[components[c][1]]);
         GN_TRY(gn_history_add_column(h, name, unit, text, error));
     }
     return GNEISS_OK;
 }
 
-static gneiss_status add_vector(const gn_world *w, gn_history *h, const char *kind, const char *owner,
-                                const char *what, const char *unit, const char *text,
-                                gneiss_error *error) {
+static gneiss_status add_vector(const gn_world *w, gn_history *h, const char *kind,
+                                const char *owner, const char *what, const char *unit,
+                                const char *text, gneiss_error *error) {
     for (int a = 0; a < (int)w->scene.dimension; a++) {
         char name[GN_COLUMN_NAME_SIZE];
         snprintf(name, sizeof name, "%s_%s_%s_%c", kind, owner, what, axes[a]);
@@ -58,8 +62,10 @@ static bool set_moves(const gn_set *s) {
 static gneiss_status add_owners(const gn_world *w, gn_history *h, gneiss_error *error) {
     for (size_t k = 0; k < w->scene.wall_count; k++) {
         const char *name = w->scene.walls[k].name;
-        GN_TRY(add_vector(w, h, "wall", name, "force", "N", "force of the particles on the wall", error));
-        GN_TRY(add_vector(w, h, "wall", name, "displacement", "m", "path of the wall from its start", error));
+        GN_TRY(add_vector(w, h, "wall", name, "force", "N", "force of the particles on the wall",
+                          error));
+        GN_TRY(add_vector(w, h, "wall", name, "displacement", "m",
+                          "path of the wall from its start", error));
     }
     for (size_t k = 0; k < w->scene.set_count; k++)
         if (set_moves(&w->scene.sets[k]))
@@ -71,7 +77,8 @@ static gneiss_status add_owners(const gn_world *w, gn_history *h, gneiss_error *
 gneiss_status gn_record_create(const gn_world *w, gn_history *h, gneiss_error *error) {
     static const fixed_column first[] = {{"step", "1", "steps done"}, {"time", "s", "time"}};
     static const fixed_column test[] = {
-        {"strain", "1", "change of the distance of the ends over the length, positive in the test's sense"},
+        {"strain", "1",
+         "change of the distance of the ends over the length, positive in the test's sense"},
         {"stress", "Pa", "mean of both ends' force over the area, positive in the test's sense"},
         {"stress_lower", "Pa", "force on the lower end over the area"},
         {"stress_upper", "Pa", "force on the upper end over the area"}};
@@ -84,8 +91,10 @@ gneiss_status gn_record_create(const gn_world *w, gn_history *h, gneiss_error *e
     *h = (gn_history){0};
     GN_TRY(add(h, first, 2, error));
     if (w->scene.test.kind != GN_TEST_NONE) GN_TRY(add(h, test, 4, error));
-    GN_TRY(add_tensor(w, h, "strain", "1", "average strain of the specimen, tension positive", error));
-    GN_TRY(add_tensor(w, h, "stress", "Pa", "average stress of the specimen, tension positive", error));
+    GN_TRY(
+        add_tensor(w, h, "strain", "1", "average strain of the specimen, tension positive", error));
+    GN_TRY(add_tensor(w, h, "stress", "Pa", "average stress of the specimen, tension positive",
+                      error));
     GN_TRY(add(h, state, 1, error));
     if (w->effects & GN_FX_BONDS) GN_TRY(add(h, bonds, 4, error));
     if (w->effects & GN_FX_ENERGY) {
@@ -93,14 +102,17 @@ gneiss_status gn_record_create(const gn_world *w, gn_history *h, gneiss_error *e
         GN_ENERGY_TERMS(X)
 #undef X
         GN_TRY(gn_history_add_column(h, "energy_residual", "1",
-                                     "what the ledger does not explain, over the work done", error));
+                                     "what the ledger does not explain, over the work done",
+                                     error));
     }
     return add_owners(w, h, error);
 }
 
-/* --- rows ------------------------------------------------------------------------------------------ */
+/* --- rows
+ * ------------------------------------------------------------------------------------------ */
 
-/* Position of an end along the test axis, from its start: a wall's path or the mean displacement of a set. */
+/* Position of an end along the test axis, from its start: a wall's path or the mean displacement of
+ * a set. */
 static double end_travel(const gn_world *w, const char *name) {
     int axis = (int)w->scene.test.axis, wall = gn_scene_find_wall(&w->scene, name);
     if (wall >= 0) return w->walls[wall].point[axis] - w->walls[wall].start[axis];
@@ -172,7 +184,8 @@ static double *put_energy(const gn_world *w, double *row) {
     return row;
 }
 
-static void fill_row(const gn_world *w, const before_step *b, const double *displacement, double *row) {
+static void fill_row(const gn_world *w, const before_step *b, const double *displacement,
+                     double *row) {
     *row++ = b->step;
     *row++ = b->time;
     if (w->scene.test.kind != GN_TEST_NONE) {
@@ -184,14 +197,12 @@ static void fill_row(const gn_world *w, const before_step *b, const double *disp
         *row++ = lower;
         *row++ = upper;
     }
-    double sigma[9];
-    gn_assembly assembly = gn_world_assembly(w);
-    gn_stress_average(&assembly, w->volume, sigma);
     row = put_tensor(w, row, b->gradient);
-    row = put_tensor(w, row, sigma);
+    row = put_tensor(w, row, w->stress);
     *row++ = w->unbalanced;
     if (w->effects & GN_FX_BONDS) {
-        double broken = (double)(w->broken_tension + w->broken_shear), all = (double)w->bonds_at_start;
+        double broken = (double)(w->broken_tension + w->broken_shear),
+               all = (double)w->bonds_at_start;
         *row++ = all - broken;
         *row++ = (double)w->broken_tension;
         *row++ = (double)w->broken_shear;
@@ -204,7 +215,8 @@ static void fill_row(const gn_world *w, const before_step *b, const double *disp
 gneiss_status gn_record_step(gn_world *w, gn_history *h, gneiss_error *error) {
     double start = gn_now();
     before_step before = read_positions(w);
-    double *displacement = calloc(3 * w->scene.wall_count + h->column_count + 1, sizeof *displacement);
+    double *displacement =
+        calloc(3 * w->scene.wall_count + h->column_count + 1, sizeof *displacement);
     if (!displacement) return gn_fail(error, GNEISS_ERROR_MEMORY, "no memory for a history row");
     double *row = displacement + 3 * w->scene.wall_count;
     for (size_t k = 0; k < w->scene.wall_count; k++)
@@ -228,6 +240,7 @@ gn_readings gn_record_readings(const gn_world *w, const gn_history *h) {
     GN_READINGS(X)
 #undef X
     if (w->scene.test.kind != GN_TEST_NONE)
-        gn_readings_compute(h, (int)w->scene.dimension, (int)w->scene.test.axis, (int)test_sign(w), &r);
+        gn_readings_compute(h, (int)w->scene.dimension, (int)w->scene.test.axis, (int)test_sign(w),
+                            &r);
     return r;
 }

@@ -7,8 +7,8 @@
 /* Creates the columns that the scene has (docs/results.md). */
 gneiss_status gn_record_create(const gn_world *world, gn_history *history, gneiss_error *error);
 
-/* Takes one step and appends the row of the instant at which it starts: positions are read before the step,
- * forces and energies after it. */
+/* Takes one step and appends the row of the instant at which it starts: positions are read before
+ * the step, forces and energies after it. */
 gneiss_status gn_record_step(gn_world *world, gn_history *history, gneiss_error *error);
 
 /* Readings of the whole history. */

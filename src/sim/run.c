@@ -3,103 +3,77 @@
 #include "base/timer.h"
 #include "io/checkpoint_files.h"
 #include "io/files.h"
+#include "sim/folder.h"
 
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
+#include <unistd.h>
 
 /* Steps between looks at the stability limit, and between looks at the clock. */
 enum { WATCH_INTERVAL = 2000, CLOCK_INTERVAL = 16 };
 
-/* --- setting up ------------------------------------------------------------------------------------- */
+/* --- setting up
+ * ------------------------------------------------------------------------------------- */
 
-/* runs/<name of the scene file without folder and ending>, unless the scene or the caller says. */
-static void choose_directory(const gn_scene *scene, const char *wanted, char *out, size_t size) {
-    if (!wanted || !*wanted) wanted = scene->output_directory;
-    if (*wanted) {
-        snprintf(out, size, "%s", wanted);
-        return;
-    }
-    const char *slash = strrchr(scene->source, '/'), *name = slash ? slash + 1 : scene->source;
-    const char *dot = strrchr(name, '.');
-    int length = dot && dot > name ? (int)(dot - name) : (int)strlen(name);
-    snprintf(out, size, "runs/%.*s", length, name);
+/* Rows or snapshots wanted up to the end -> steps from one to the next; the first is always taken.
+ */
+static int64_t interval(const gn_world *w, int64_t wanted) {
+    double steps = wanted > 0 ? w->scene.end / w->dt / (double)wanted : INFINITY;
+    return steps < 1.0 ? 1 : steps < 1e18 ? (int64_t)steps : INT64_MAX;
 }
 
-static int64_t interval(const gn_world *w, int64_t wanted) {
-    double steps = w->scene.end / w->dt / (double)wanted;
-    return steps < 1.0 ? 1 : (int64_t)steps;
+static void set_intervals(gn_run *run, bool history, bool snapshots) {
+    const gn_scene *s = &run->world.scene;
+    if (history) run->history_interval = interval(&run->world, s->history_rows);
+    if (snapshots)
+        run->snapshot_interval = s->snapshots > 0 ? interval(&run->world, s->snapshots) : 0;
 }
 
 static void set_clock(gn_run *run) {
     run->wall_start = gn_now();
-    double every = run->world.scene.checkpoint_wall;
+    double every = run->directory[0] ? run->world.scene.checkpoint_wall : 0.0;
     run->next_checkpoint = every > 0.0 ? run->wall_start + every : INFINITY;
 }
 
-gneiss_status gn_run_start(gn_scene *scene, const char *directory, gn_run *run, gneiss_error *error) {
+static gneiss_status open_folder(gn_run *run, gneiss_error *error) {
+    GN_TRY(gn_make_directory(run->directory, error));
+    GN_TRY(gn_folder_lock(run->directory, &run->folder_lock, error));
+    return gn_folder_clear(run->directory, &run->world.scene, error);
+}
+
+gneiss_status gn_run_create(gn_scene *scene, gn_run *run, gneiss_error *error) {
     memset(run, 0, sizeof *run);
     double start = gn_now();
-    choose_directory(scene, directory, run->directory, sizeof run->directory);
     GN_TRY(gn_world_create(scene, &run->world, error));
     gneiss_status status = gn_record_create(&run->world, &run->history, error);
-    if (status == GNEISS_OK) status = gn_make_directory(run->directory, error);
-    /* A checkpoint of an earlier run in this folder must not be taken for one of this run. */
-    if (status == GNEISS_OK) status = gn_checkpoint_prune(run->directory, 0, error);
     if (status != GNEISS_OK) {
         gn_run_free(run);
         return status;
     }
-    run->history_interval = interval(&run->world, run->world.scene.history_rows);
-    if (run->world.scene.snapshots > 0)
-        run->snapshot_interval = interval(&run->world, run->world.scene.snapshots);
+    set_intervals(run, true, true);
     set_clock(run);
     run->wall_start = start;
     return GNEISS_OK;
 }
 
-gneiss_status gn_run_resume(const char *directory, const gn_override *overrides, size_t override_count,
-                            gn_run *run, gneiss_error *error) {
-    static const char *const allowed[] = {"time.", "output.", "run."};
-    for (size_t k = 0; k < override_count; k++) {
-        bool known = false;
-        for (size_t a = 0; a < 3; a++)
-            known = known || strncmp(overrides[k].key, allowed[a], strlen(allowed[a])) == 0;
-        if (!known)
-            return gn_fail(error, GNEISS_ERROR_INPUT,
-                           "--set %s: a resumed run takes time.*, output.* and run.* only", overrides[k].key);
+gneiss_status gn_run_start(gn_scene *scene, const char *directory, gn_run *run,
+                           gneiss_error *error) {
+    GN_TRY(gn_run_create(scene, run, error));
+    gn_folder_choose(&run->world.scene, directory, run->directory, sizeof run->directory);
+    gneiss_status status = open_folder(run, error);
+    if (status != GNEISS_OK) {
+        gn_run_free(run);
+        return status;
     }
-    int64_t steps[8];
-    size_t count = 0;
-    GN_TRY(gn_checkpoint_list(directory, steps, 8, &count, error));
-    if (count == 0)
-        return gn_fail(error, GNEISS_ERROR_INPUT, "%s: expected checkpoint_<step>.h5 files, found none",
-                       directory);
-    /* A damaged checkpoint gives way to the one before it. */
-    gneiss_error first = {0};
-    for (size_t k = 0; k < count; k++) {
-        char *path = NULL;
-        GN_TRY(gn_checkpoint_path(directory, steps[k], &path, error));
-        gneiss_status status = gn_checkpoint_load(path, overrides, override_count, run, error);
-        free(path);
-        if (status == GNEISS_OK) {
-            snprintf(run->directory, sizeof run->directory, "%s", directory);
-            set_clock(run);
-            return gn_output_series(run, error);
-        }
-        if (k == 0 && error) first = *error;
-    }
-    if (error) *error = first;
-    return first.status != GNEISS_OK ? first.status : GNEISS_ERROR_INPUT;
+    double start = run->wall_start;
+    set_clock(run);
+    run->wall_start = start;
+    return GNEISS_OK;
 }
 
-void gn_run_free(gn_run *run) {
-    gn_world_free(&run->world);
-    gn_history_free(&run->history);
-    memset(run, 0, sizeof *run);
-}
-
-/* --- running ---------------------------------------------------------------------------------------- */
+/* --- stop conditions
+ * --------------------------------------------------------------------------------- */
 
 static double last(const gn_run *run, const char *column) {
     const double *values = gn_history_column(&run->history, column);
@@ -111,8 +85,8 @@ static void stop(gn_run *run, const char *format, double value) {
     snprintf(run->stop_reason, sizeof run->stop_reason, format, value);
 }
 
-/* The first rows of a dynamic test swing through zero; a peak counts once something has broken (or, without
- * bonds, after this many rows). */
+/* The first rows of a dynamic test swing through zero; a fall counts once something has broken (or,
+ * without bonds, after this many rows). */
 enum { ROWS_BEFORE_PEAK = 20 };
 
 static void check_stop_conditions(gn_run *run) {
@@ -122,19 +96,156 @@ static void check_stop_conditions(gn_run *run) {
         bool counts = run->world.effects & GN_FX_BONDS
                           ? run->world.broken_tension + run->world.broken_shear > 0
                           : run->history.row_count > ROWS_BEFORE_PEAK;
-        if (counts) run->peak = fmax(run->peak, stress);
-        if (s->stop_peak_drop > 0.0 && run->peak > 0.0 && stress < (1.0 - s->stop_peak_drop) * run->peak)
+        run->peak = fmax(run->peak, stress);
+        if (counts && s->stop_peak_drop > 0.0 && run->peak > 0.0 &&
+            stress < (1.0 - s->stop_peak_drop) * run->peak)
             stop(run, "stress fell by %g of its peak", s->stop_peak_drop);
-        if (s->stop_strain > 0.0 && strain >= s->stop_strain) stop(run, "strain reached %g", s->stop_strain);
+        if (s->stop_strain > 0.0 && strain >= s->stop_strain)
+            stop(run, "strain reached %g", s->stop_strain);
     }
     if (s->stop_unbalanced > 0.0 && run->history.row_count > ROWS_BEFORE_PEAK &&
         run->world.unbalanced < s->stop_unbalanced)
         stop(run, "unbalanced force ratio fell below %g", s->stop_unbalanced);
 }
 
+/* --- going on
+ * --------------------------------------------------------------------------------------- */
+
+static bool sets(const gn_override *overrides, size_t count, const char *prefix) {
+    for (size_t k = 0; k < count; k++)
+        if (strncmp(overrides[k].key, prefix, strlen(prefix)) == 0) return true;
+    return false;
+}
+
+static gneiss_status check_overrides(const gn_override *overrides, size_t count,
+                                     gneiss_error *error) {
+    static const char *const allowed[] = {"time.", "output.", "run."};
+    for (size_t k = 0; k < count; k++) {
+        bool known = false;
+        for (size_t a = 0; a < 3; a++)
+            known = known || strncmp(overrides[k].key, allowed[a], strlen(allowed[a])) == 0;
+        if (!known)
+            return gn_fail(error, GNEISS_ERROR_INPUT,
+                           "--set %s: a resumed run takes time.*, output.* and run.* only",
+                           overrides[k].key);
+        if (strcmp(overrides[k].key, "output.directory") == 0)
+            return gn_fail(error, GNEISS_ERROR_INPUT,
+                           "--set output.directory: a resumed run stays in its folder");
+        if (strcmp(overrides[k].key, "output.energy") == 0 ||
+            strcmp(overrides[k].key, "output.orientation") == 0)
+            return gn_fail(error, GNEISS_ERROR_INPUT,
+                           "--set %s: it decides what is stored from the start, a resumed run "
+                           "cannot change it",
+                           overrides[k].key);
+    }
+    return GNEISS_OK;
+}
+
+/* A damaged checkpoint gives way to the one before it; run->note tells. */
+static gneiss_status load_newest(const char *directory, const gn_override *overrides,
+                                 size_t override_count, gn_run *run, gneiss_error *error) {
+    int64_t steps[8];
+    size_t count = 0;
+    GN_TRY(gn_checkpoint_list(directory, steps, 8, &count, error));
+    if (count == 0)
+        return gn_fail(error, GNEISS_ERROR_INPUT,
+                       "%s: expected checkpoint_<step>.h5 files, found none", directory);
+    gneiss_error first = {0};
+    bool same = true;
+    for (size_t k = 0; k < count; k++) {
+        char *path = NULL;
+        gneiss_error reading = {0};
+        GN_TRY(gn_checkpoint_path(directory, steps[k], &path, error));
+        gneiss_status status = gn_checkpoint_load(path, overrides, override_count, run, &reading);
+        free(path);
+        if (status == GNEISS_OK) {
+            if (k > 0)
+                snprintf(run->note, sizeof run->note,
+                         "%.1500s; going on from the checkpoint of step %lld", first.message,
+                         (long long)steps[k]);
+            return GNEISS_OK;
+        }
+        if (k == 0) first = reading;
+        same = same && strcmp(first.message, reading.message) == 0;
+    }
+    /* The same for each: not the checkpoints are to blame (an override). */
+    return count == 1 || same
+               ? gn_fail(error, first.status, "%s", first.message)
+               : gn_fail(error, first.status,
+                         "%.300s: none of %zu checkpoints can be used; the newest: %.1500s",
+                         directory, count, first.message);
+}
+
+/* What the overrides ask for takes hold at once. */
+static gneiss_status apply_overrides(gn_run *run, const gn_override *overrides, size_t count,
+                                     gneiss_error *error) {
+    gn_world *w = &run->world;
+    if (sets(overrides, count, "time.step") || sets(overrides, count, "time.safety") ||
+        sets(overrides, count, "time.estimate")) {
+        int64_t lowered = w->dt_lowered;
+        w->dt = INFINITY; /* any step is less: a new one is chosen as at the start */
+        if (gn_world_check_step(w, true, error) != GNEISS_OK)
+            return error && error->status != GNEISS_ERROR_UNSTABLE ? error->status
+                                                                   : GNEISS_ERROR_INPUT;
+        w->dt_lowered = lowered;
+    }
+    set_intervals(run, sets(overrides, count, "output.history_rows"),
+                  sets(overrides, count, "output.snapshots"));
+    return GNEISS_OK;
+}
+
+/* A run that had ended has still ended, unless the overrides say otherwise. */
+static void take_up(gn_run *run) {
+    set_clock(run);
+    if (last(run, "step") == (double)(run->world.step - 1)) check_stop_conditions(run);
+}
+
+gneiss_status gn_run_resume(const char *directory, const gn_override *overrides,
+                            size_t override_count, gn_run *run, gneiss_error *error) {
+    int lock = 0;
+    memset(run, 0, sizeof *run);
+    GN_TRY(check_overrides(overrides, override_count, error));
+    GN_TRY(gn_folder_lock(directory, &lock, error));
+    gneiss_status status = load_newest(directory, overrides, override_count, run, error);
+    run->folder_lock = lock;
+    if (status == GNEISS_OK) status = apply_overrides(run, overrides, override_count, error);
+    if (status == GNEISS_OK) {
+        snprintf(run->directory, sizeof run->directory, "%s", directory);
+        take_up(run);
+        status = gn_checkpoint_prune_after(directory, run->world.step, error);
+    }
+    if (status == GNEISS_OK) status = gn_output_series(run, error);
+    if (status != GNEISS_OK) gn_run_free(run);
+    return status;
+}
+
+gneiss_status gn_run_load(const char *path, const gn_override *overrides, size_t override_count,
+                          gn_run *run, gneiss_error *error) {
+    memset(run, 0, sizeof *run);
+    GN_TRY(check_overrides(overrides, override_count, error));
+    GN_TRY(gn_checkpoint_load(path, overrides, override_count, run, error));
+    gneiss_status status = apply_overrides(run, overrides, override_count, error);
+    if (status != GNEISS_OK) {
+        gn_run_free(run);
+        return status;
+    }
+    take_up(run);
+    return GNEISS_OK;
+}
+
+void gn_run_free(gn_run *run) {
+    gn_world_free(&run->world);
+    gn_history_free(&run->history);
+    if (run->folder_lock > 0) close(run->folder_lock);
+    memset(run, 0, sizeof *run);
+}
+
+/* --- running
+ * ---------------------------------------------------------------------------------------- */
+
 static gneiss_status one_step(gn_run *run, gneiss_error *error) {
     gn_world *w = &run->world;
-    if (run->snapshot_interval && w->step % run->snapshot_interval == 0) {
+    if (run->directory[0] && run->snapshot_interval && w->step % run->snapshot_interval == 0) {
         double start = gn_now();
         gneiss_status status = gn_output_snapshot(run, "particles", "bonds", error);
         if (status == GNEISS_OK) status = gn_output_series(run, error);
@@ -148,7 +259,8 @@ static gneiss_status one_step(gn_run *run, gneiss_error *error) {
         GN_TRY(gn_world_step(w, false, error));
     }
     if (w->step % WATCH_INTERVAL == 0) GN_TRY(gn_world_check_step(w, false, error));
-    if (!run->finished && w->time >= w->scene.end - 0.5 * w->dt) stop(run, "t = %g s reached", w->scene.end);
+    if (!run->finished && w->time >= w->scene.end - 0.5 * w->dt)
+        stop(run, "t = %g s reached", w->scene.end);
     return GNEISS_OK;
 }
 
@@ -178,6 +290,15 @@ gneiss_status gn_run_advance(gn_run *run, double seconds, const volatile sig_ato
     return GNEISS_OK;
 }
 
+gneiss_status gn_run_steps(gn_run *run, int64_t steps, gneiss_error *error) {
+    for (int64_t k = 1; k <= steps; k++) {
+        GN_TRY(one_step(run, error));
+        if (k % CLOCK_INTERVAL == 0 && gn_now() >= run->next_checkpoint)
+            GN_TRY(gn_run_checkpoint(run, error));
+    }
+    return GNEISS_OK;
+}
+
 gn_progress gn_run_progress(const gn_run *run) {
     const gn_world *w = &run->world;
     gn_progress p = {0};
@@ -188,7 +309,7 @@ gn_progress gn_run_progress(const gn_run *run) {
     double rate = p.seconds > 0.0 ? (double)w->step / p.seconds : 0.0;
     p.particle_steps_per_second = rate * (double)w->particles.soa.count;
     p.contact_steps_per_second = p.seconds > 0.0 ? (double)w->contact_steps / p.seconds : 0.0;
-    p.eta = rate > 0.0 ? (w->scene.end - w->time) / w->dt / rate : NAN;
+    p.eta = rate > 0.0 ? fmax(0.0, (w->scene.end - w->time) / w->dt / rate) : NAN;
     p.unbalanced = w->unbalanced;
     p.residual = w->effects & GN_FX_ENERGY ? gn_energy_residual(&w->reading) : NAN;
     p.broken = w->broken_tension + w->broken_shear;
@@ -198,7 +319,8 @@ gn_progress gn_run_progress(const gn_run *run) {
     return p;
 }
 
-/* --- ending ----------------------------------------------------------------------------------------- */
+/* --- ending
+ * ----------------------------------------------------------------------------------------- */
 
 gneiss_status gn_run_finish(gn_run *run, gneiss_error *error) {
     double start = gn_now();

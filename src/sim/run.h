@@ -18,31 +18,50 @@ typedef struct gn_run {
     double peak;               /* largest stress so far, Pa */
     bool finished;
     char stop_reason[256];
+    int folder_lock; /* descriptor that keeps other runs out of the folder; 0: none */
+    char note[GNEISS_MESSAGE_SIZE]; /* of gn_run_resume: which checkpoint was damaged; "": none */
 } gn_run;
 
 /* How far a run is. */
 typedef struct gn_progress {
     int64_t step;
-    double time, end;                /* s */
-    double seconds;                  /* wall, all sittings */
-    double particle_steps_per_second, contact_steps_per_second; /* of this sitting */
-    double eta;                      /* s, to `end`; a stop condition may come first */
+    double time, end;                                           /* s */
+    double seconds;                                             /* wall, all sittings */
+    double particle_steps_per_second, contact_steps_per_second; /* of all sittings */
+    double eta; /* s, to `end`; a stop condition may come first */
     double unbalanced, residual;
     int64_t broken;
-    double stress, strain;           /* NaN without a test */
+    double stress, strain; /* NaN without a test */
     bool finished;
 } gn_progress;
 
-/* Scene -> world -> output folder. Nothing is written before the world stands. `directory` NULL or "": from
- * the scene. Takes over the contents of `scene`. */
-gneiss_status gn_run_start(gn_scene *scene, const char *directory, gn_run *run, gneiss_error *error);
+/* A run without an output folder: `directory` is "" and nothing is written while it goes. Takes
+ * over the contents of `scene`. On failure nothing is held. */
+gneiss_status gn_run_create(gn_scene *scene, gn_run *run, gneiss_error *error);
 
-/* Goes on from the newest checkpoint in `directory` that can be read. Overrides: time.*, output.*, run.*. */
-gneiss_status gn_run_resume(const char *directory, const gn_override *overrides, size_t override_count,
-                            gn_run *run, gneiss_error *error);
+/* Scene -> world -> output folder. Nothing is written before the world stands. `directory` NULL or
+ * "": from the scene. What an earlier run of the same scene file left there is removed; results of
+ * another scene are GNEISS_ERROR_INPUT. Takes over the contents of `scene`. */
+gneiss_status gn_run_start(gn_scene *scene, const char *directory, gn_run *run,
+                           gneiss_error *error);
 
-/* Runs for about `seconds` of wall time or until the run ends. *interrupt != 0 stops it between steps.
- * Outputs that fall due are written. GNEISS_ERROR_UNSTABLE: the state is kept for gn_run_write_failure. */
+/* Goes on from the newest checkpoint in `directory` that can be read; everything is in it, the
+ * scene and specimen files need not be there. Overrides: time.*, output.*, run.*. The intervals of
+ * history and snapshots stay what they were unless overridden. On failure nothing is held. */
+gneiss_status gn_run_resume(const char *directory, const gn_override *overrides,
+                            size_t override_count, gn_run *run, gneiss_error *error);
+
+/* Goes on from one checkpoint file, without an output folder; overrides as in gn_run_resume. */
+gneiss_status gn_run_load(const char *path, const gn_override *overrides, size_t override_count,
+                          gn_run *run, gneiss_error *error);
+
+/* Takes `steps` steps, also past the end and the stop conditions. Outputs that fall due are
+ * written; errors as with gn_run_advance. */
+gneiss_status gn_run_steps(gn_run *run, int64_t steps, gneiss_error *error);
+
+/* Runs for about `seconds` of wall time or until the run ends. *interrupt != 0 stops it between
+ * steps. Outputs that fall due are written. GNEISS_ERROR_UNSTABLE: the state is kept for
+ * gn_run_write_failure. */
 gneiss_status gn_run_advance(gn_run *run, double seconds, const volatile sig_atomic_t *interrupt,
                              gneiss_error *error);
 
@@ -51,8 +70,8 @@ gn_progress gn_run_progress(const gn_run *run);
 /* Writes the last snapshot, a checkpoint, results.h5 and summary.json. */
 gneiss_status gn_run_finish(gn_run *run, gneiss_error *error);
 
-/* After GNEISS_ERROR_UNSTABLE: a snapshot of the bad state (failed_*.hdf) and results.h5 with the message. The
- * checkpoints on disk are left as they are. */
+/* After GNEISS_ERROR_UNSTABLE: a snapshot of the bad state (failed_*.hdf) and results.h5 with the
+ * message. The checkpoints on disk are left as they are. */
 gneiss_status gn_run_write_failure(gn_run *run, const char *message, gneiss_error *error);
 
 gneiss_status gn_run_checkpoint(gn_run *run, gneiss_error *error);
@@ -61,12 +80,14 @@ void gn_run_free(gn_run *run);
 
 /* checkpoint.c */
 gneiss_status gn_checkpoint_save(const gn_run *run, gneiss_error *error);
-gneiss_status gn_checkpoint_load(const char *path, const gn_override *overrides, size_t override_count,
-                                 gn_run *run, gneiss_error *error);
+/* To any file, under a temporary name first; gn_checkpoint_save uses the run's folder. */
+gneiss_status gn_checkpoint_write(const gn_run *run, const char *path, gneiss_error *error);
+gneiss_status gn_checkpoint_load(const char *path, const gn_override *overrides,
+                                 size_t override_count, gn_run *run, gneiss_error *error);
 
 /* output.c */
-gneiss_status gn_output_snapshot(const gn_run *run, const char *particles_name, const char *bonds_name,
-                                 gneiss_error *error);
+gneiss_status gn_output_snapshot(const gn_run *run, const char *particles_name,
+                                 const char *bonds_name, gneiss_error *error);
 gneiss_status gn_output_series(const gn_run *run, gneiss_error *error);
 gneiss_status gn_output_results(const gn_run *run, gneiss_error *error);
 gneiss_status gn_output_summary(const gn_run *run, gneiss_error *error);

@@ -48,14 +48,16 @@ static size_t count_selected(const gn_world *w, const gn_set *s) {
 static gneiss_status check_ids(const gn_world *w, const gn_set *s, gneiss_error *error) {
     for (size_t k = 0; k < s->id_count; k++)
         if (s->ids[k] < 0 || s->ids[k] >= (int64_t)w->particles.soa.count)
-            return gn_fail(error, GNEISS_ERROR_INPUT,
-                           "%s:%d:%d: set '%s': select.ids: expected numbers from 0 to %zu, found %lld",
-                           w->scene.source, s->where.line, s->where.column, s->name,
-                           w->particles.soa.count - 1, (long long)s->ids[k]);
+            return gn_fail(
+                error, GNEISS_ERROR_INPUT,
+                "%s:%d:%d: set '%s': select.ids: expected numbers from 0 to %zu, found %lld",
+                w->scene.source, s->where.line, s->where.column, s->name,
+                w->particles.soa.count - 1, (long long)s->ids[k]);
     if (count_selected(w, s) == 0)
-        return gn_fail(error, GNEISS_ERROR_INPUT,
-                       "%s:%d:%d: set '%s': select: expected particles, found none in this selection",
-                       w->scene.source, s->where.line, s->where.column, s->name);
+        return gn_fail(
+            error, GNEISS_ERROR_INPUT,
+            "%s:%d:%d: set '%s': select: expected particles, found none in this selection",
+            w->scene.source, s->where.line, s->where.column, s->name);
     return GNEISS_OK;
 }
 

@@ -5,7 +5,8 @@
 #include <math.h>
 #include <string.h>
 
-/* A unit cell: edge lengths over the nearest-neighbour distance, and centres in units of the edges. */
+/* A unit cell: edge lengths over the nearest-neighbour distance, and centres in units of the edges.
+ */
 typedef struct unit_cell {
     double edge[3];
     int count;
@@ -15,22 +16,27 @@ typedef struct unit_cell {
 static unit_cell cell_of(gn_lattice_kind kind) {
     const double s3 = sqrt(3.0), s2 = sqrt(2.0), c = sqrt(8.0 / 3.0);
     switch (kind) {
-    case GN_LATTICE_SQUARE: return (unit_cell){{1, 1, 1}, 1, {{0, 0, 0}}};
-    case GN_LATTICE_HEXAGONAL: return (unit_cell){{1, s3, 1}, 2, {{0, 0, 0}, {.5, .5, 0}}};
-    case GN_LATTICE_CUBIC: return (unit_cell){{1, 1, 1}, 1, {{0, 0, 0}}};
+    case GN_LATTICE_SQUARE:
+        return (unit_cell){{1, 1, 1}, 1, {{0, 0, 0}}};
+    case GN_LATTICE_HEXAGONAL:
+        return (unit_cell){{1, s3, 1}, 2, {{0, 0, 0}, {.5, .5, 0}}};
+    case GN_LATTICE_CUBIC:
+        return (unit_cell){{1, 1, 1}, 1, {{0, 0, 0}}};
     case GN_LATTICE_FCC:
         return (unit_cell){{s2, s2, s2}, 4, {{0, 0, 0}, {.5, .5, 0}, {.5, 0, .5}, {0, .5, .5}}};
     case GN_LATTICE_HCP:
         return (unit_cell){
             {1, s3, c}, 4, {{0, 0, 0}, {.5, .5, 0}, {.5, 1. / 6, .5}, {0, 2. / 3, .5}}};
-    case GN_LATTICE_NONE: break;
+    case GN_LATTICE_NONE:
+        break;
     }
     return (unit_cell){{1, 1, 1}, 0, {{0, 0, 0}}};
 }
 
 static gneiss_status allocate(gn_packing *packing, double count, gneiss_error *error) {
     if (count > 1e9)
-        return gn_fail(error, GNEISS_ERROR_INPUT, "specimen: expected at most 1e9 particles, found %g", count);
+        return gn_fail(error, GNEISS_ERROR_INPUT,
+                       "specimen: expected at most 1e9 particles, found %g", count);
     packing->count = (size_t)count;
     packing->sphere = gn_alloc_array(packing->count + 1, 4 * sizeof(double));
     if (!packing->sphere)
@@ -43,7 +49,8 @@ static gneiss_status make_lattice(const gn_scene *scene, gn_packing *packing, gn
     unit_cell cell = cell_of(l->kind);
     double a = 2.0 * l->radius * l->spacing;
     int64_t nz = scene->dimension == 3 ? l->cells[2] : 1;
-    GN_TRY(allocate(packing, (double)l->cells[0] * (double)l->cells[1] * (double)nz * cell.count, error));
+    GN_TRY(allocate(packing, (double)l->cells[0] * (double)l->cells[1] * (double)nz * cell.count,
+                    error));
     size_t k = 0;
     for (int64_t z = 0; z < nz; z++)
         for (int64_t y = 0; y < l->cells[1]; y++)
@@ -54,8 +61,8 @@ static gneiss_status make_lattice(const gn_scene *scene, gn_packing *packing, gn
                     for (int d = 0; d < scene->dimension; d++) {
                         double jitter = l->jitter * l->radius *
                                         gn_random_symmetric(scene->seed, 3 * k + (uint64_t)d);
-                        s[d] = l->origin[d] + a * (0.5 + (at[d] + cell.centre[c][d]) * cell.edge[d]) +
-                               jitter;
+                        s[d] = l->origin[d] +
+                               a * (0.5 + (at[d] + cell.centre[c][d]) * cell.edge[d]) + jitter;
                     }
                     s[3] = l->radius;
                 }

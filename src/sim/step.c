@@ -38,8 +38,8 @@ static gn_motion_args motion_args(gn_world *w, bool measure) {
     return a;
 }
 
-/* The share of `count` blocks that belongs to this thread: contiguous, so that a thread comes back to the
- * same memory in every step. */
+/* The share of `count` blocks that belongs to this thread: contiguous, so that a thread comes back
+ * to the same memory in every step. */
 static void my_blocks(size_t count, size_t *begin, size_t *end) {
     size_t t = (size_t)omp_get_thread_num(), of = (size_t)omp_get_num_threads();
     *begin = count * t / of;
@@ -79,8 +79,8 @@ static void book(gn_world *w, gn_phase phase, double *mark) {
     }
 }
 
-/* The parallel part: contacts -> rows, walls, then rows -> particles. Nothing is shared but rows that one
- * thread writes and, after the barrier, others read. */
+/* The parallel part: contacts -> rows, walls, then rows -> particles. Nothing is shared but rows
+ * that one thread writes and, after the barrier, others read. */
 static void compute(gn_world *w, const gn_contact_args *bonds, const gn_contact_args *pairs,
                     const gn_motion_args *motion, bool measure) {
 #pragma omp parallel num_threads(w->threads)
@@ -103,7 +103,8 @@ static void compute(gn_world *w, const gn_contact_args *bonds, const gn_contact_
     }
 }
 
-/* --- merging, in block order ----------------------------------------------------------------------- */
+/* --- merging, in block order
+ * ----------------------------------------------------------------------- */
 
 static void add_contact_sums(gn_contact_sums *total, const gn_contact_sums *blocks, size_t count) {
     for (size_t b = 0; b < count; b++) {
@@ -114,6 +115,9 @@ static void add_contact_sums(gn_contact_sums *total, const gn_contact_sums *bloc
         total->bond_breaking += blocks[b].bond_breaking;
         total->broken_tension += blocks[b].broken_tension;
         total->broken_shear += blocks[b].broken_shear;
+        total->force += blocks[b].force;
+        total->carrying += blocks[b].carrying;
+        for (int k = 0; k < 9; k++) total->stress[k] += blocks[b].stress[k];
     }
 }
 
@@ -135,33 +139,16 @@ static gn_motion_sums add_motion_sums(const gn_motion_sums *blocks, size_t count
     return s;
 }
 
-/* Sum of |force| over the contacts that carry any, and their number. */
-static void contact_force_sum(const gn_contacts *list, double *sum, size_t *count) {
-    const double *rows = gn_contacts_row(list);
-    int width = list->soa.capacity ? gn_contacts_row_width(list) : 0;
-    int components = list->soa.effects & GN_FX_SPACE ? 3 : 2;
-    for (size_t c = 0; c < list->soa.count; c++) {
-        double f2 = 0.0;
-        for (int a = 0; a < components; a++) {
-            double f = rows[(size_t)width * c + (size_t)a];
-            f2 += f * f;
-        }
-        if (f2 > 0.0) (*count)++;
-        *sum += sqrt(f2);
-    }
-}
-
-/* Mean resultant on a particle over the mean contact force: small when the model is quasi-static. */
-static double unbalanced_ratio(const gn_world *w, double resultant) {
-    double force = 0.0;
-    size_t contacts = 0, particles = w->particles.soa.count - w->prescribed.count;
-    contact_force_sum(&w->bonds, &force, &contacts);
-    contact_force_sum(&w->pairs, &force, &contacts);
+/* Mean resultant on a particle over the mean contact force: small when the model is quasi-static.
+ */
+static double unbalanced_ratio(const gn_world *w, double resultant, double force, double contacts) {
+    size_t particles = w->particles.soa.count - w->prescribed.count;
     if (force <= 0.0 || !particles) return 0.0;
-    return resultant / (double)particles / (force / (double)contacts);
+    return resultant / (double)particles / (force / contacts);
 }
 
-/* First halves of the works close the interval that led here; the reading lies between the halves. */
+/* First halves of the works close the interval that led here; the reading lies between the halves.
+ */
 static void merge_before(gn_world *w, const gn_motion_sums *m, bool measure) {
     gn_contact_sums bonds = {0}, pairs = {0}, walls = {0};
     if (w->bonds.soa.count) add_contact_sums(&bonds, w->bond_sums, w->bond_blocks);
@@ -184,7 +171,10 @@ static void merge_before(gn_world *w, const gn_motion_sums *m, bool measure) {
     e->elastic_shear = bonds.elastic_shear + pairs.elastic_shear;
     e->elastic_wall = walls.elastic_normal;
     if (w->step == 0) e->stored_at_start = gn_energy_stored(e);
-    w->unbalanced = unbalanced_ratio(w, m->resultant);
+    w->unbalanced = unbalanced_ratio(w, m->resultant, bonds.force + pairs.force,
+                                     bonds.carrying + pairs.carrying);
+    for (int k = 0; k < 9; k++)
+        w->stress[k] = (bonds.stress[k] + pairs.stress[k] + walls.stress[k]) / w->volume;
 }
 
 static void merge_after(gn_world *w, const gn_motion_sums *m) {
@@ -194,22 +184,26 @@ static void merge_after(gn_world *w, const gn_motion_sums *m) {
     w->energy.work_prescribed += m->prescribed[1];
 }
 
-/* --- going bad ------------------------------------------------------------------------------------- */
+/* --- going bad
+ * ------------------------------------------------------------------------------------- */
 
-static gneiss_status fail_particle(const gn_world *w, size_t p, const char *what, gneiss_error *error) {
+static gneiss_status fail_particle(const gn_world *w, size_t p, const char *what,
+                                   gneiss_error *error) {
     const gn_particles *q = &w->particles;
     const double *x = q->pos + 4 * p, *v = q->vel + 4 * p;
-    return gn_fail(error, GNEISS_ERROR_UNSTABLE,
-                   "step %lld, t = %g s: particle %d %s: position (%g, %g, %g) m, velocity (%g, %g, %g) m/s, "
-                   "radius %g m; the step is %.3g s, its stability limit was estimated as %.3g s",
-                   (long long)w->step, w->time, q->id[p], what, x[0], x[1], x[2], v[0], v[1], v[2], x[3],
-                   w->dt, w->stable);
+    return gn_fail(
+        error, GNEISS_ERROR_UNSTABLE,
+        "step %lld, t = %g s: particle %d %s: position (%g, %g, %g) m, velocity (%g, %g, %g) m/s, "
+        "radius %g m; the step is %.3g s, its stability limit was estimated as %.3g s",
+        (long long)w->step, w->time, q->id[p], what, x[0], x[1], x[2], v[0], v[1], v[2], x[3],
+        w->dt, w->stable);
 }
 
 static gneiss_status check_motion(const gn_world *w, const gn_motion_sums *m, gneiss_error *error) {
-    if (m->bad >= 0) return fail_particle(w, (size_t)m->bad, "has a velocity that is not finite", error);
+    if (m->bad >= 0)
+        return fail_particle(w, (size_t)m->bad, "has a velocity that is not finite", error);
     double path = w->dt * sqrt(m->speed2);
-    if (path <= 0.5 * w->verlet.skin) return GNEISS_OK;
+    if (path <= 0.5 * w->radius_min) return GNEISS_OK;
     size_t worst = 0;
     double most = -1.0;
     for (size_t p = 0; p < w->particles.soa.count; p++) {
@@ -220,7 +214,8 @@ static gneiss_status check_motion(const gn_world *w, const gn_motion_sums *m, gn
             worst = p;
         }
     }
-    return fail_particle(w, worst, "moved farther in one step than contacts are searched", error);
+    return fail_particle(w, worst, "moved farther in one step than half the smallest radius",
+                         error);
 }
 
 gneiss_status gn_world_step(gn_world *w, bool measure, gneiss_error *error) {

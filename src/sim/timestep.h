@@ -5,36 +5,36 @@
 #include "base/error.h"
 #include "measure/measure.h"
 
-/* The linearised system about the present state. Active springs: intact bonds (rn > 0) with k_n and k_t;
- * other contacts and wall contacts while they touch (gap < 0, with length0 instead of r_i + r_j for broken
- * bonds). Fixed degrees of freedom (prescribed components) count as immovable. */
+/* The linearised system about the present state. Active springs: intact bonds (rn > 0) with k_n and
+ * k_t; other contacts and wall contacts while they touch (gap < 0, with length0 instead of r_i +
+ * r_j for broken bonds). Fixed degrees of freedom (prescribed components) count as immovable. */
 typedef struct gn_spectrum {
     const gn_assembly *assembly;
     double arm_factor;            /* 0.5: arms r + u_n/2, 0: arms r */
     const double *wall_point;     /* [walls][4] */
     const double *wall_stiffness; /* [walls][2]: k_n, k_t */
-    const double *wall_damping;   /* [walls]: alpha, so that c_n = 2 alpha sqrt(m k_n); NULL: none */
-    const uint8_t *fixed;         /* [particles] bit k: component k (v xyz, w xyz) prescribed; NULL: none */
+    const double *wall_damping; /* [walls]: alpha, so that c_n = 2 alpha sqrt(m k_n); NULL: none */
+    const uint8_t *fixed; /* [particles] bit k: component k (v xyz, w xyz) prescribed; NULL: none */
     int threads;
 } gn_spectrum;
 
 typedef struct gn_step_limit {
-    double bound;          /* s: 2/w from w^2 <= 2 max_i lambda_max(M_i^-1 K_ii): never above the true limit */
-    int32_t bound_id;      /* the particle that sets it */
-    double sharp;          /* s: 2/w_max by Lanczos, contact damping included (see below) */
-    double sharp_low;      /* s: 2/sqrt(ritz value + its residual), never below `bound` */
-    int32_t sharp_id;      /* the particle with the largest share in the fastest mode */
-    int iterations;        /* Lanczos vectors used in total */
-    double frequency;      /* w_max, rad/s, undamped */
-    double literature;     /* s: min_i 2 sqrt(m_i/max k_n of its contacts), one spring per particle */
-    size_t springs;        /* active contacts */
+    double
+        bound; /* s: 2/w from w^2 <= 2 max_i lambda_max(M_i^-1 K_ii): never above the true limit */
+    int32_t bound_id;  /* the particle that sets it */
+    double sharp;      /* s: 2/w_max by Lanczos, contact damping included (see below) */
+    double sharp_low;  /* s: 2/sqrt(ritz value + its residual), never below `bound` */
+    int32_t sharp_id;  /* the particle with the largest share in the fastest mode */
+    int iterations;    /* Lanczos vectors used in total */
+    double frequency;  /* w_max, rad/s, undamped */
+    double literature; /* s: min_i 2 sqrt(m_i/max k_n of its contacts), one spring per particle */
+    size_t springs;    /* active contacts */
 } gn_step_limit;
 
-/* With contact damping c_n the explicit scheme (forces from the last half-step velocity) is stable if
- * M - dt/2 C - dt^2/4 K is positive definite: the sharp limit solves
- * dt^2/4 lambda_max(M^-1 (K + (2/dt) C)) = 1. Without any active spring every limit is INFINITY.
- * `tolerance`: relative residual at which Lanczos stops (1e-4 is plenty). Deterministic for any number of
- * threads. */
+/* With contact damping c_n the explicit scheme (forces from the last half-step velocity) is stable
+ * if M - dt/2 C - dt^2/4 K is positive definite: the sharp limit solves dt^2/4 lambda_max(M^-1 (K +
+ * (2/dt) C)) = 1. Without any active spring every limit is INFINITY. `tolerance`: relative residual
+ * at which Lanczos stops (1e-4 is plenty). Deterministic for any number of threads. */
 gneiss_status gn_step_limits(const gn_spectrum *spectrum, double tolerance, gn_step_limit *limit,
                              gneiss_error *error);
 

@@ -10,7 +10,9 @@ typedef struct wall_state {
     double n[3], gap, arm, speed, relative[3];
 } wall_state;
 
-static double dot(const double *a, const double *b) { return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]; }
+static double dot(const double *a, const double *b) {
+    return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
+}
 
 static void cross(const double *a, const double *b, double *r) {
     r[0] = a[1] * b[2] - a[2] * b[1];
@@ -22,7 +24,8 @@ gneiss_status gn_walls_create(gn_world *w, gneiss_error *error) {
     size_t count = w->scene.wall_count;
     w->walls = gn_alloc_array(count + 1, sizeof *w->walls);
     w->wall_normals = gn_alloc_array(count + 1, 4 * sizeof *w->wall_normals);
-    if (!w->walls || !w->wall_normals) return gn_fail(error, GNEISS_ERROR_MEMORY, "no memory for walls");
+    if (!w->walls || !w->wall_normals)
+        return gn_fail(error, GNEISS_ERROR_MEMORY, "no memory for walls");
     for (size_t k = 0; k < count; k++) {
         gn_wall *wall = &w->walls[k];
         const gn_wall_def *def = &w->scene.walls[k];
@@ -51,13 +54,17 @@ static void carry_over(gn_wall_contacts *now, const gn_wall_contacts *old, size_
     size_t low = 0, high = old->soa.count;
     while (low < high) {
         size_t mid = (low + high) / 2;
-        bool before = old->i[mid] < now->i[c] || (old->i[mid] == now->i[c] && old->wall[mid] < now->wall[c]);
-        if (before) low = mid + 1;
-        else high = mid;
+        bool before =
+            old->i[mid] < now->i[c] || (old->i[mid] == now->i[c] && old->wall[mid] < now->wall[c]);
+        if (before)
+            low = mid + 1;
+        else
+            high = mid;
     }
     if (low == old->soa.count || old->i[low] != now->i[c] || old->wall[low] != now->wall[c]) return;
     for (int a = 0; now->shear && a < 3; a++)
-        now->shear[c + (size_t)a * now->soa.capacity] = old->shear[low + (size_t)a * old->soa.capacity];
+        now->shear[c + (size_t)a * now->soa.capacity] =
+            old->shear[low + (size_t)a * old->soa.capacity];
     now->gap0[c] = old->gap0[low];
     if (now->fd) now->fd[c] = old->fd[low];
 }
@@ -107,8 +114,8 @@ static wall_state kinematics(const gn_world *w, size_t p, size_t k) {
     return s;
 }
 
-/* Coulomb friction with radial return; returns the dissipated energy. The normal of a plane does not turn,
- * so the old force only follows the spin about the normal. */
+/* Coulomb friction with radial return; returns the dissipated energy. The normal of a plane does
+ * not turn, so the old force only follows the spin about the normal. */
 static double friction(const gn_world *w, const wall_state *s, size_t c, double kt, double limit,
                        double t[3], double *elastic) {
     gn_wall_contacts *q = (gn_wall_contacts *)(uintptr_t)&w->wall_contacts;
@@ -142,7 +149,8 @@ static void wall_contact(const gn_world *w, size_t c, gn_contact_sums *sums) {
     wall_state s = kinematics(w, p, k);
     double overlap = s.gap - q->gap0[c]; /* negative while it presses */
     bool touching = overlap < 0.0;
-    double normal = touching ? def->stiffness * overlap : 0.0, viscous = 0.0, t[3] = {0, 0, 0}, elastic = 0.0;
+    double normal = touching ? def->stiffness * overlap : 0.0, viscous = 0.0, t[3] = {0, 0, 0},
+           elastic = 0.0;
     if (w->effects & GN_FX_CONTACT_DAMPING) {
         double alpha = gn_contact_damping_fraction(&w->scene);
         if (touching)
@@ -163,6 +171,8 @@ static void wall_contact(const gn_world *w, size_t c, gn_contact_sums *sums) {
         row[a] = total * s.n[a] + t[a];
         row[4 + a] = s.arm * moment[a];
     }
+    for (int a = 0; a < 3; a++)
+        for (int b = 0; b < 3; b++) sums->stress[3 * a + b] += row[a] * s.arm * s.n[b];
 }
 
 void gn_wall_contacts_block(const gn_world *w, size_t block, bool measure) {
@@ -171,6 +181,16 @@ void gn_wall_contacts_block(const gn_world *w, size_t block, bool measure) {
     if (end > w->wall_contacts.soa.count) end = w->wall_contacts.soa.count;
     w->wall_sums[block] = (gn_contact_sums){0};
     for (size_t c = begin; c < end; c++) wall_contact(w, c, &w->wall_sums[block]);
+}
+
+/* Force that a wall contact gives for a path of the wall made in one step, over that path: the
+ * spring, and the dashpot that sees the path as a velocity. (Without it a servo overshoots at small
+ * steps.) */
+static double step_stiffness(const gn_world *w, size_t c) {
+    double k = w->scene.walls[w->wall_contacts.wall[c]].stiffness;
+    double inverse_mass = w->particles.vel[4 * (int64_t)w->wall_contacts.i[c] + 3];
+    if (!(inverse_mass > 0.0)) return k;
+    return k + 2.0 * gn_contact_damping_fraction(&w->scene) * sqrt(k / inverse_mass) / w->dt;
 }
 
 void gn_walls_sum(gn_world *w) {
@@ -183,15 +203,15 @@ void gn_walls_sum(gn_world *w) {
         const double *row = w->wall_contacts.row + 8 * c;
         gn_wall *wall = &w->walls[w->wall_contacts.wall[c]];
         for (int a = 0; a < 3; a++) wall->force[a] -= row[a];
-        if (dot(row, row) > 0.0) wall->stiffness += w->scene.walls[w->wall_contacts.wall[c]].stiffness;
+        if (dot(row, row) > 0.0) wall->stiffness += step_stiffness(w, c);
     }
     /* The path that led here closes with the force it led to (trapezoidal work of the walls). */
     for (size_t k = 0; k < w->scene.wall_count; k++)
         w->energy.work_walls -= 0.5 * w->dt_past * dot(w->walls[k].force, w->walls[k].velocity);
 }
 
-/* Servo: the wall is moved along its normal by the share `relaxation` of what the touching springs need to
- * take up the missing force. */
+/* Servo: the wall is moved along its normal by the share `relaxation` of what the touching springs
+ * need to take up the missing force. */
 static void servo_velocity(gn_world *w, size_t k) {
     const gn_servo *servo = &w->scene.walls[k].servo;
     gn_wall *wall = &w->walls[k];

@@ -20,8 +20,12 @@ static const char *const phase_texts[] = {
 #undef X
 };
 
-const char *gn_phase_name(gn_phase phase) { return phase_names[phase]; }
-const char *gn_phase_text(gn_phase phase) { return phase_texts[phase]; }
+const char *gn_phase_name(gn_phase phase) {
+    return phase_names[phase];
+}
+const char *gn_phase_text(gn_phase phase) {
+    return phase_texts[phase];
+}
 
 static double particle_volume(const gn_world *w, double r) {
     return w->effects & GN_FX_SPACE ? 4.0 / 3.0 * M_PI * r * r * r : M_PI * r * r;
@@ -33,8 +37,8 @@ static gneiss_status load_particles(gn_world *w, gneiss_error *error) {
     GN_TRY(gn_specimen_make(&w->scene, &packing, error));
     if (packing.count > INT32_MAX - 2 * GN_LANES_MAX) {
         gn_packing_free(&packing);
-        return gn_fail(error, GNEISS_ERROR_INPUT, "%zu particles are more than the engine can number",
-                       packing.count);
+        return gn_fail(error, GNEISS_ERROR_INPUT,
+                       "%zu particles are more than the engine can number", packing.count);
     }
     gneiss_status status =
         gn_soa_create(&gn_particle_record, &w->particles, packing.count, w->effects, error);
@@ -52,16 +56,36 @@ static gneiss_status load_particles(gn_world *w, gneiss_error *error) {
             if (q->orientation) q->orientation[4 * p] = 1.0;
         }
     }
+    w->radius_min = INFINITY;
+    for (size_t p = 0; p < packing.count; p++)
+        w->radius_min = fmin(w->radius_min, packing.sphere[4 * p + 3]);
     gn_packing_free(&packing);
     return status;
 }
 
-/* Extent with radii and the volume that porosity and average stress refer to: the periodic box, else the
- * test's length x area, else the convex hull of the particles. */
+static void measure_extent(gn_world *w) {
+    for (int a = 0; a < 3; a++) {
+        w->lower[a] = INFINITY;
+        w->upper[a] = -INFINITY;
+        for (size_t p = 0; p < w->particles.soa.count; p++) {
+            const double *x = w->particles.pos + 4 * p;
+            double r = a < (int)w->scene.dimension ? x[3] : 0.0;
+            w->lower[a] = fmin(w->lower[a], x[a] - r);
+            w->upper[a] = fmax(w->upper[a], x[a] + r);
+        }
+    }
+}
+
+/* Extent with radii and the volume that porosity and average stress refer to: the periodic box,
+ * else the test's length x area, else the convex hull of the particles. */
 static gneiss_status measure_specimen(gn_world *w, gneiss_error *error) {
     const gn_test *t = &w->scene.test;
     int axis = (int)t->axis;
-    GN_TRY(gn_packing_hull(&w->particles, (int)w->scene.dimension, &w->volume, w->lower, w->upper, error));
+    if (w->effects & GN_FX_PERIODIC || (t->length > 0.0 && (t->area > 0.0 || t->diameter > 0.0)))
+        measure_extent(w); /* the volume is known without a hull */
+    else
+        GN_TRY(gn_packing_hull(&w->particles, (int)w->scene.dimension, &w->volume, w->lower,
+                               w->upper, error));
     if (w->effects & GN_FX_PERIODIC)
         w->volume = w->period[0] * w->period[1] * (w->effects & GN_FX_SPACE ? w->period[2] : 1.0);
     if (t->kind == GN_TEST_NONE) return GNEISS_OK;
@@ -69,7 +93,8 @@ static gneiss_status measure_specimen(gn_world *w, gneiss_error *error) {
     if (t->area > 0.0)
         w->test_area = t->area;
     else if (t->diameter > 0.0)
-        w->test_area = w->effects & GN_FX_SPACE ? 0.25 * M_PI * t->diameter * t->diameter : t->diameter;
+        w->test_area =
+            w->effects & GN_FX_SPACE ? 0.25 * M_PI * t->diameter * t->diameter : t->diameter;
     else
         w->test_area = w->volume / w->test_length;
     if (!(w->effects & GN_FX_PERIODIC)) w->volume = w->test_length * w->test_area;
@@ -96,10 +121,12 @@ static void set_masses(gn_world *w) {
         double r = q->pos[4 * p + 3];
         double mass = w->scene.materials[q->material[p]].density * factor * particle_volume(w, r);
         q->vel[4 * p + 3] = 1.0 / mass;
-        if (q->spin) q->spin[4 * p + 3] = 1.0 / ((w->effects & GN_FX_SPACE ? 0.4 : 0.5) * mass * r * r);
+        if (q->spin)
+            q->spin[4 * p + 3] = 1.0 / ((w->effects & GN_FX_SPACE ? 0.4 : 0.5) * mass * r * r);
         for (int a = 0; a < (int)w->scene.dimension; a++)
-            q->vel[4 * p + a] = w->scene.random_velocity *
-                                gn_random_symmetric(w->scene.seed ^ UINT64_C(0x76656c), 3 * p + (size_t)a);
+            q->vel[4 * p + a] =
+                w->scene.random_velocity *
+                gn_random_symmetric(w->scene.seed ^ UINT64_C(0x76656c), 3 * p + (size_t)a);
     }
 }
 
@@ -115,7 +142,8 @@ static void set_domain(gn_world *w) {
     s->has_domain = true;
 }
 
-/* Wide enough that a quasi-static specimen never rebuilds, narrow enough that few idle pairs are visited. */
+/* Wide enough that a quasi-static specimen never rebuilds, narrow enough that few idle pairs are
+ * visited. */
 static double automatic_skin(const gn_world *w) {
     double sum = 0.0;
     for (size_t p = 0; p < w->particles.soa.count; p++) sum += w->particles.pos[4 * p + 3];
@@ -125,9 +153,10 @@ static double automatic_skin(const gn_world *w) {
 static gneiss_status choose_kernels(gn_world *w, gneiss_error *error) {
     static const char *const isa_names[] = {"auto", "scalar", "avx2", "avx512"};
     if (w->scene.precision != GN_PRECISION_DOUBLE)
-        return gn_fail(error, GNEISS_ERROR_INPUT,
-                       "%s: run.precision: expected double (mixed precision is not built yet), found mixed",
-                       w->scene.source);
+        return gn_fail(
+            error, GNEISS_ERROR_INPUT,
+            "%s: run.precision: expected double (mixed precision is not built yet), found mixed",
+            w->scene.source);
     GN_TRY(gn_kernel_set_choose(isa_names[w->scene.isa], &w->kernels, error));
     GN_TRY(gn_contact_kernel_choose(w->kernels, gn_contact_list_effects(w->effects, true),
                                     &w->bond_kernel, error));
@@ -136,8 +165,8 @@ static gneiss_status choose_kernels(gn_world *w, gneiss_error *error) {
     return gn_motion_kernel_choose(w->kernels, w->effects, &w->motion_kernel, error);
 }
 
-/* Scene -> effects, threads, kernels, period: everything that does not depend on particles. Resume calls this
- * too, so that a checkpoint goes on with the kernels of its scene. */
+/* Scene -> effects, threads, kernels, period: everything that does not depend on particles. Resume
+ * calls this too, so that a checkpoint goes on with the kernels of its scene. */
 gneiss_status gn_world_prepare(gn_world *w, gneiss_error *error) {
     w->effects = gn_scene_effects(&w->scene);
     w->threads = w->scene.threads > 0 ? (int)w->scene.threads : omp_get_num_procs();
@@ -150,10 +179,11 @@ static gneiss_status check_specimen(const gn_world *w, gneiss_error *error) {
         for (int a = 0; w->scene.has_domain && a < (int)w->scene.dimension; a++) {
             double x = w->particles.pos[4 * p + a];
             if (x >= w->scene.domain_min[a] && x <= w->scene.domain_max[a]) continue;
-            return gn_fail(error, GNEISS_ERROR_INPUT,
-                           "%s: specimen: expected particles inside the domain, found particle %d at "
-                           "%c = %g m",
-                           w->scene.source, w->particles.id[p], "xyz"[a], x);
+            return gn_fail(
+                error, GNEISS_ERROR_INPUT,
+                "%s: specimen: expected particles inside the domain, found particle %d at "
+                "%c = %g m",
+                w->scene.source, w->particles.id[p], "xyz"[a], x);
         }
     return GNEISS_OK;
 }
@@ -169,10 +199,14 @@ static gneiss_status build(gn_world *w, gneiss_error *error) {
     GN_TRY(gn_sets_apply(w, error));
     GN_TRY(gn_walls_create(w, error));
     w->index_of_id = gn_alloc_array(w->particles.soa.count + 1, sizeof *w->index_of_id);
-    if (!w->index_of_id) return gn_fail(error, GNEISS_ERROR_MEMORY, "no memory for particle numbers");
+    if (!w->index_of_id)
+        return gn_fail(error, GNEISS_ERROR_MEMORY, "no memory for particle numbers");
     w->verlet.skin = w->scene.skin > 0.0 ? w->scene.skin : automatic_skin(w);
+    w->verlet.skin_start = w->verlet.skin;
     GN_TRY(gn_world_rebuild(w, error));
-    GN_TRY(gn_strain_gauge_create(&w->particles, (int)w->scene.dimension, &w->gauge, error));
+    /* A periodic box has no surface whose displacements would tell its strain. */
+    if (!(w->effects & GN_FX_PERIODIC))
+        GN_TRY(gn_strain_gauge_create(&w->particles, (int)w->scene.dimension, &w->gauge, error));
     return gn_world_check_step(w, true, error);
 }
 
@@ -196,10 +230,11 @@ void gn_world_free(gn_world *w) {
     gn_incidence_free(&w->bonds_of);
     gn_incidence_free(&w->pairs_of);
     gn_strain_gauge_free(&w->gauge);
-    void *blocks[] = {w->wall_first,   w->index_of_id,   w->walls,           w->wall_normals,
-                      w->channel_set,  w->set_reaction,  w->prescribed.set,  w->prescribed.mask,
-                      w->prescribed.velocity, w->prescribed.load, w->bond_sums, w->pair_sums,
-                      w->wall_sums,    w->motion_sums};
+    void *blocks[] = {w->wall_first,      w->index_of_id,     w->walls,
+                      w->wall_normals,    w->channel_set,     w->set_reaction,
+                      w->prescribed.set,  w->prescribed.mask, w->prescribed.velocity,
+                      w->prescribed.load, w->bond_sums,       w->pair_sums,
+                      w->wall_sums,       w->motion_sums};
     for (size_t k = 0; k < sizeof blocks / sizeof *blocks; k++) gn_free(blocks[k]);
     gn_scene_free(&w->scene);
     memset(w, 0, sizeof *w);
@@ -232,8 +267,10 @@ uint64_t gn_world_hash(const gn_world *w) {
 size_t gn_world_bytes(const gn_world *w) {
     size_t n = w->particles.soa.capacity;
     size_t bytes = n * gn_record_bytes(&gn_particle_record, w->effects);
-    bytes += w->bonds.soa.capacity * (gn_record_bytes(&gn_contact_record, w->bonds.soa.effects) + 4);
-    bytes += w->pairs.soa.capacity * (gn_record_bytes(&gn_contact_record, w->pairs.soa.effects) + 4);
+    bytes +=
+        w->bonds.soa.capacity * (gn_record_bytes(&gn_contact_record, w->bonds.soa.effects) + 4);
+    bytes +=
+        w->pairs.soa.capacity * (gn_record_bytes(&gn_contact_record, w->pairs.soa.effects) + 4);
     bytes += w->wall_contacts.soa.capacity * gn_record_bytes(&gn_wall_contact_record, w->effects);
     return bytes + n * 5 * sizeof(int32_t);
 }

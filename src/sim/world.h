@@ -1,5 +1,5 @@
-/* The world owns everything of a running model. Flow: gn_world_create (scene -> particles, bonds, lists,
- * step), gn_world_step (one step), readers (record.h, output.h), gn_world_free. */
+/* The world owns everything of a running model. Flow: gn_world_create (scene -> particles, bonds,
+ * lists, step), gn_world_step (one step), readers (record.h, output.h), gn_world_free. */
 #ifndef GN_SIM_WORLD_H
 #define GN_SIM_WORLD_H
 
@@ -43,16 +43,17 @@ typedef struct gn_wall {
 
 /* State of the Verlet lists. */
 typedef struct gn_verlet {
-    double skin;      /* m */
-    double drift;     /* m, bound on any particle's path since `ref` was set */
+    double skin;       /* m, as it is now */
+    double skin_start; /* m, as it was at the start */
+    double drift;      /* m, bound on any particle's path since `ref` was set */
     int64_t rebuilds, checks;
     int64_t last_step; /* step of the last rebuild */
 } gn_verlet;
 
 /* Uniform contact parameters derived from the packing (models 3a, 3b, 3c); 0 when not used. */
 typedef struct gn_derived {
-    double radius;         /* m: stiffness is 2 E_c radius */
-    double radius2;        /* m2: strengths are 4 sigma_c radius2, 4 tau_c radius2 */
+    double radius;  /* m: stiffness is 2 E_c radius */
+    double radius2; /* m2: strengths are 4 sigma_c radius2, 4 tau_c radius2 */
 } gn_derived;
 
 typedef struct gn_world {
@@ -67,15 +68,15 @@ typedef struct gn_world {
     gn_contacts bonds, pairs;
     gn_wall_contacts wall_contacts;
     gn_incidence bonds_of, pairs_of;
-    int32_t *wall_first;   /* [particles + 1] */
-    int32_t *index_of_id;  /* [particles] */
+    int32_t *wall_first;  /* [particles + 1] */
+    int32_t *index_of_id; /* [particles] */
     gn_derived derived;
 
-    gn_wall *walls;          /* [scene.wall_count] */
-    double *wall_normals;    /* [walls][4], for measures */
+    gn_wall *walls;       /* [scene.wall_count] */
+    double *wall_normals; /* [walls][4], for measures */
     gn_prescription prescribed;
-    int32_t *channel_set;    /* [prescribed.count][6] set that drives a channel, -1: free */
-    double *set_reaction;    /* [scene.set_count][6] N, N m: what the prescription supplied */
+    int32_t *channel_set; /* [prescribed.count][6] set that drives a channel, -1: free */
+    double *set_reaction; /* [scene.set_count][6] N, N m: what the prescription supplied */
 
     gn_contact_sums *bond_sums, *pair_sums, *wall_sums; /* per block */
     gn_motion_sums *motion_sums;
@@ -84,40 +85,43 @@ typedef struct gn_world {
     gn_verlet verlet;
     gn_strain_gauge gauge;
     double period[3];
-    double volume;          /* m3 (2D: m2 x 1 m): of the specimen at the start */
+    double volume;             /* m3 (2D: m2 x 1 m): of the specimen at the start */
     double lower[3], upper[3]; /* m: extent of the specimen at the start, radii included */
     double test_length, test_area;
+    double radius_min; /* m */
 
     int64_t step;
-    double time;            /* s */
-    double dt_past, dt;     /* s: interval that led here, coming interval */
-    gn_step_limit limit;    /* last full estimate */
-    double stable;          /* s: what the step is held against: sharp limit or bound, less the share that
-                             * non-viscous damping takes */
-    double bound;           /* s: last rigorous bound */
-    int64_t limit_step;     /* when */
-    int64_t dt_lowered;     /* times that the step was lowered while running */
+    double time;         /* s */
+    double dt_past, dt;  /* s: interval that led here, coming interval */
+    gn_step_limit limit; /* last full estimate */
+    double stable; /* s: what the step is held against: sharp limit or bound, less the share that
+                    * non-viscous damping takes */
+    double bound;  /* s: last rigorous bound */
+    int64_t limit_step; /* when */
+    int64_t dt_lowered; /* times that the step was lowered while running */
 
-    gn_energy energy;       /* running totals */
-    gn_energy reading;      /* the ledger at the last measured instant */
+    gn_energy energy;  /* running totals */
+    gn_energy reading; /* the ledger at the last measured instant */
     int64_t broken_tension, broken_shear, bonds_at_start;
-    double unbalanced;      /* mean resultant over mean contact force at the last measured step */
-    int64_t lost;           /* removed particles */
-    int64_t contact_steps;  /* contacts worked on, summed over steps */
+    double
+        stress[9]; /* Pa, average over the specimen at the last measured step, tension positive */
+    double unbalanced;     /* mean resultant over mean contact force at the last measured step */
+    int64_t lost;          /* removed particles */
+    int64_t contact_steps; /* contacts worked on, summed over steps */
     double seconds[GN_PHASE_COUNT];
 } gn_world;
 
-/* Builds the world; takes over the contents of `scene` (also on failure, when they are freed). On failure
- * nothing is held. */
+/* Builds the world; takes over the contents of `scene` (also on failure, when they are freed). On
+ * failure nothing is held. */
 gneiss_status gn_world_create(gn_scene *scene, gn_world *world, gneiss_error *error);
 void gn_world_free(gn_world *world);
 
 /* Effects, threads and kernels from world->scene; gn_world_create and resume call it. */
 gneiss_status gn_world_prepare(gn_world *world, gneiss_error *error);
 
-/* Advances by one step. Forces, wall forces, reactions and, with `measure`, `reading` and `unbalanced` are
- * those of the instant at which the step starts; positions, velocities and time are those at its end.
- * GNEISS_ERROR_UNSTABLE: the state is the last computed one. */
+/* Advances by one step. Forces, wall forces, reactions and, with `measure`, `reading` and
+ * `unbalanced` are those of the instant at which the step starts; positions, velocities and time
+ * are those at its end. GNEISS_ERROR_UNSTABLE: the state is the last computed one. */
 gneiss_status gn_world_step(gn_world *world, bool measure, gneiss_error *error);
 
 /* Makes the lists anew (lists.c). `first`: at the start, when bonds are formed as well. */
@@ -129,8 +133,8 @@ gneiss_status gn_world_restore(gn_world *world, gneiss_error *error);
 /* Rebuilds if the displacement bound says so. */
 gneiss_status gn_world_refresh_lists(gn_world *world, gneiss_error *error);
 
-/* Checks the stability limit and lowers an automatic step (dt.c). `full`: Lanczos even if the rigorous bound
- * is above the step. */
+/* Checks the stability limit and lowers an automatic step (dt.c). `full`: Lanczos even if the
+ * rigorous bound is above the step. */
 gneiss_status gn_world_check_step(gn_world *world, bool full, gneiss_error *error);
 
 /* The view that measures and the time step estimate work on. */

@@ -8,9 +8,12 @@
 size_t gn_type_size(gn_type type) {
     switch (type) {
     case GN_F64:
-    case GN_I64: return 8;
-    case GN_I32: return 4;
-    case GN_U8: return 1;
+    case GN_I64:
+        return 8;
+    case GN_I32:
+        return 4;
+    case GN_U8:
+        return 1;
     }
     return 0;
 }
@@ -53,8 +56,9 @@ gneiss_status gn_soa_create(const gn_record *record, void *soa, size_t count, gn
         void *data = gn_alloc_array(head->capacity, item);
         if (!data) {
             gn_soa_destroy(record, soa);
-            return gn_fail(error, GNEISS_ERROR_MEMORY, "no memory for %zu %s (field %s, %zu bytes each)",
-                           count, record->name, field->name, item);
+            return gn_fail(error, GNEISS_ERROR_MEMORY,
+                           "no memory for %zu %s (field %s, %zu bytes each)", count, record->name,
+                           field->name, item);
         }
         *field_slot(field, soa) = data;
     }

@@ -1,11 +1,13 @@
 /* Records as structures of arrays, described by manifests.
  *
- * A record (particles, contacts, wall contacts) is one X-macro list of fields. The list generates the
- * struct of pointers and a table of gn_field; the functions here work from the table, so that a field is
- * declared in one place and is then allocated, padded, permuted, hashed, saved, restored and shown.
+ * A record (particles, contacts, wall contacts) is one X-macro list of fields. The list generates
+ * the struct of pointers and a table of gn_field; the functions here work from the table, so that a
+ * field is declared in one place and is then allocated, padded, permuted, hashed, saved, restored
+ * and shown.
  *
- * Layouts: ROWS is [n][components] (a particle's position and radius are one 32-byte row, loaded whole and
- * transposed in registers), COLUMNS is [components][capacity] (contact data, streamed). */
+ * Layouts: ROWS is [n][components] (a particle's position and radius are one 32-byte row, loaded
+ * whole and transposed in registers), COLUMNS is [components][capacity] (contact data, streamed).
+ */
 #ifndef GN_SOA_FIELD_H
 #define GN_SOA_FIELD_H
 
@@ -19,8 +21,8 @@
 typedef enum gn_type { GN_F64, GN_I64, GN_I32, GN_U8 } gn_type;
 typedef enum gn_layout { GN_ROWS, GN_COLUMNS } gn_layout;
 
-/* STATE decides the future: hashed and saved. SAVED is kept in checkpoints (reference positions, last
- * forces for output). SCRATCH is rebuilt from the others. */
+/* STATE decides the future: hashed and saved. SAVED is kept in checkpoints (reference positions,
+ * last forces for output). SCRATCH is rebuilt from the others. */
 typedef enum gn_role { GN_STATE, GN_SAVED, GN_SCRATCH } gn_role;
 
 typedef struct gn_field {
@@ -49,7 +51,8 @@ typedef struct gn_record {
     size_t field_count;
 } gn_record;
 
-/* Arrays are padded to this many items at least beyond `count`, so that kernels need no remainder loop. */
+/* Arrays are padded to this many items at least beyond `count`, so that kernels need no remainder
+ * loop. */
 enum { GN_LANES_MAX = 16 };
 
 size_t gn_type_size(gn_type type);
@@ -66,8 +69,8 @@ gneiss_status gn_soa_create(const gn_record *record, void *soa, size_t count, gn
                             gneiss_error *error);
 void gn_soa_destroy(const gn_record *record, void *soa);
 
-/* dst[k] = src[order[k]] for k in [0, count) and every field; order[k] < 0 gives zeros. Both records have
- * the same effects; dst->count items are written. */
+/* dst[k] = src[order[k]] for k in [0, count) and every field; order[k] < 0 gives zeros. Both
+ * records have the same effects; dst->count items are written. */
 void gn_soa_permute(const gn_record *record, void *dst, const void *src, const int32_t *order);
 
 /* FNV-1a of all STATE fields of the first `count` items, chained from `seed`. */

@@ -1,6 +1,7 @@
 #include "soa/records.h"
 
-#define GN_DESCRIBE(struct_type, name, ctype, type, components, layout, role, needs, unless, unit, text) \
+#define GN_DESCRIBE(struct_type, name, ctype, type, components, layout, role, needs, unless, unit, \
+                    text)                                                                          \
     {#name, type, layout, role, components, needs, unless, unit, text, offsetof(struct_type, name)},
 #define GN_COUNT(table) (sizeof(table) / sizeof *(table))
 

@@ -24,15 +24,14 @@
     X(slot, int32_t, GN_I32, 1, GN_ROWS, GN_SAVED, GN_FX_PRESCRIBED, 0, "1",                       \
       "place in the list of prescribed particles, -1: none")
 
-/* Contacts between particles, sorted by (i, j), i < j. Normal from i to j. Bonds and unbonded pairs are
- * two records of this kind; the pairs are made with GN_FX_BONDS cleared. */
+/* Contacts between particles, sorted by (i, j), i < j. Normal from i to j. Bonds and unbonded pairs
+ * are two records of this kind; the pairs are made with GN_FX_BONDS cleared. */
 #define GN_CONTACT_FIELDS(X)                                                                       \
     X(i, int32_t, GN_I32, 1, GN_COLUMNS, GN_STATE, 0, 0, "1", "first particle")                    \
     X(j, int32_t, GN_I32, 1, GN_COLUMNS, GN_STATE, 0, 0, "1", "second particle")                   \
     X(kn, double, GN_F64, 1, GN_COLUMNS, GN_SAVED, 0, 0, "N/m", "normal stiffness")                \
     X(kt, double, GN_F64, 1, GN_COLUMNS, GN_SAVED, GN_FX_SHEAR, 0, "N/m", "tangential stiffness")  \
-    X(mu, double, GN_F64, 1, GN_COLUMNS, GN_SAVED, GN_FX_FRICTION, 0, "1",                         \
-      "friction coefficient")                                                                      \
+    X(mu, double, GN_F64, 1, GN_COLUMNS, GN_SAVED, GN_FX_FRICTION, 0, "1", "friction coefficient") \
     X(cn, double, GN_F64, 1, GN_COLUMNS, GN_SAVED, GN_FX_CONTACT_DAMPING, 0, "N s/m",              \
       "normal viscous coefficient")                                                                \
     X(length0, double, GN_F64, 1, GN_COLUMNS, GN_STATE, GN_FX_BONDS, 0, "m",                       \
@@ -54,7 +53,8 @@
     X(row8, double, GN_F64, 8, GN_ROWS, GN_SAVED, GN_FX_SPACE | GN_FX_ROTATION, 0, "N, m, N",      \
       "force on the first particle x y z, half gap, n x F_t (3), unused")
 
-/* Contacts of particles with plane walls, sorted by (i, wall). Normal from the particle to the wall. */
+/* Contacts of particles with plane walls, sorted by (i, wall). Normal from the particle to the
+ * wall. */
 #define GN_WALL_CONTACT_FIELDS(X)                                                                  \
     X(i, int32_t, GN_I32, 1, GN_COLUMNS, GN_STATE, 0, 0, "1", "particle")                          \
     X(wall, int32_t, GN_I32, 1, GN_COLUMNS, GN_STATE, 0, 0, "1", "wall, base 0")                   \
@@ -100,9 +100,14 @@ static inline int gn_contacts_row_width(const gn_contacts *contacts) {
     return contacts->row8 ? 8 : 4;
 }
 
-/* Padded contacts point at two null particles behind the last one: apart, at rest, without radius. */
-static inline int32_t gn_null_first(const gn_particles *p) { return (int32_t)p->soa.count; }
-static inline int32_t gn_null_second(const gn_particles *p) { return (int32_t)p->soa.count + 1; }
+/* Padded contacts point at two null particles behind the last one: apart, at rest, without radius.
+ */
+static inline int32_t gn_null_first(const gn_particles *p) {
+    return (int32_t)p->soa.count;
+}
+static inline int32_t gn_null_second(const gn_particles *p) {
+    return (int32_t)p->soa.count + 1;
+}
 
 /* Puts the null particles `distance` apart (below half of any periodic length). */
 void gn_particles_set_null(gn_particles *particles, double distance);

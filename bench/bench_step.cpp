@@ -1,0 +1,334 @@
+// Benches of whole steps, of single effects and of kernels alone.
+//
+//   bench_step [--scenes DIR] [--large] [google-benchmark options]
+//
+// A world is made once and shared by the benches that differ only in threads and instruction set.
+// Times are wall times; one iteration is one step (or one sweep of a kernel).
+#include "bench_world.h"
+
+#include <benchmark/benchmark.h>
+
+#include <chrono>
+#include <cstdio>
+#include <cstdlib>
+#include <cstring>
+#include <fstream>
+#include <memory>
+#include <string>
+#include <utility>
+#include <vector>
+
+namespace {
+
+struct Model {
+    std::string name, scene, extra;
+    std::vector<std::string> overrides;
+    int warm; // steps before the clock starts
+};
+
+struct Setting {
+    int threads;
+    std::string isa;
+};
+
+std::string scenes_folder = BENCH_SCENES;
+
+using World = std::unique_ptr<bench_world, decltype(&bench_world_free)>;
+
+// The world of the last model asked for; benches are registered model by model.
+bench_world *world_of(const Model &model, std::string *message) {
+    static World world(nullptr, bench_world_free);
+    static std::string held;
+    if (held == model.name) return world.get();
+    held.clear();
+    world.reset();
+    std::vector<const char *> overrides;
+    for (const std::string &o : model.overrides) overrides.push_back(o.c_str());
+    overrides.push_back(nullptr);
+    char text[BENCH_MESSAGE_SIZE] = "";
+    std::string path = scenes_folder + "/" + model.scene;
+    world.reset(bench_world_create(path.c_str(), model.extra.c_str(), overrides.data(), text));
+    if (world && (!bench_world_use(world.get(), 1, "auto") ||
+                  !bench_world_steps(world.get(), model.warm, text)))
+        world.reset();
+    *message = text;
+    if (world) held = model.name;
+    return world.get();
+}
+
+bench_world *prepare(benchmark::State &state, const Model &model, const Setting &setting) {
+    std::string message;
+    bench_world *world = world_of(model, &message);
+    if (!world) {
+        state.SkipWithError(message.c_str());
+    } else if (!bench_world_use(world, setting.threads, setting.isa.c_str())) {
+        state.SkipWithError("this machine has no such instruction set");
+        return nullptr;
+    }
+    return world;
+}
+
+// `items` is over all iterations; google-benchmark prints items per second and seconds per item.
+void rate(benchmark::State &state, const char *items_name, const char *time_name, double items) {
+    using benchmark::Counter;
+    state.counters[items_name] = Counter(items, Counter::kIsRate);
+    state.counters[time_name] = Counter(items, Counter::kIsRate | Counter::kInvert);
+}
+
+void step(benchmark::State &state, const Model &model, const Setting &setting) {
+    bench_world *world = prepare(state, model, setting);
+    if (!world) return;
+    bench_numbers before = bench_world_numbers(world);
+    char message[BENCH_MESSAGE_SIZE];
+    auto start = std::chrono::steady_clock::now();
+    for (auto _ : state) {
+        if (bench_world_steps(world, 1, message)) continue;
+        state.SkipWithError(message);
+        break;
+    }
+    std::chrono::duration<double> elapsed = std::chrono::steady_clock::now() - start;
+    double seconds = elapsed.count();
+    bench_numbers after = bench_world_numbers(world);
+    double contacts = static_cast<double>(after.contact_steps - before.contact_steps);
+    double steps = static_cast<double>(after.steps - before.steps);
+    rate(state, "contact-steps", "per contact-step", contacts);
+    rate(state, "particle-steps", "per particle-step",
+         steps * static_cast<double>(after.particles));
+    bool bonded = after.bonds > after.pairs;
+    state.counters["B/contact"] = static_cast<double>(bonded ? after.bond_bytes : after.pair_bytes);
+    state.counters["B/particle"] = static_cast<double>(after.particle_bytes);
+    state.counters["contacts"] = static_cast<double>(after.bonds + after.pairs);
+    state.counters["bonds"] = static_cast<double>(after.bonds);
+    state.counters["particles"] = static_cast<double>(after.particles);
+    state.counters["threads"] = after.threads;
+    state.counters["rebuilds/1000 steps"] =
+        steps > 0 ? 1000.0 * static_cast<double>(after.rebuilds - before.rebuilds) / steps : 0.0;
+    state.counters["lists"] = (after.seconds_lists - before.seconds_lists) / seconds;
+    state.SetLabel(after.isa);
+}
+
+void contact_kernel(benchmark::State &state, const Model &model, const Setting &setting,
+                    std::size_t blocks) {
+    bench_world *world = prepare(state, model, setting);
+    if (!world) return;
+    double contacts = 0.0;
+    for (auto _ : state) contacts += static_cast<double>(bench_world_contact_kernel(world, blocks));
+    std::size_t read, written;
+    bench_world_contact_traffic(world, &read, &written);
+    rate(state, "contact-steps", "per contact-step", contacts);
+    state.counters["B read"] = static_cast<double>(read);
+    state.counters["B written"] = static_cast<double>(written);
+    state.counters["traffic"] = benchmark::Counter(contacts * static_cast<double>(read + written),
+                                                   benchmark::Counter::kIsRate);
+    state.counters["threads"] = 1;
+    char name[200];
+    bench_world_contact_name(world, name, sizeof name);
+    state.SetLabel(std::string(bench_world_numbers(world).isa) + " " + name);
+}
+
+void motion_kernel(benchmark::State &state, const Model &model, const Setting &setting,
+                   std::size_t blocks) {
+    bench_world *world = prepare(state, model, setting);
+    if (!world) return;
+    double particles = 0.0;
+    for (auto _ : state) particles += static_cast<double>(bench_world_motion_kernel(world, blocks));
+    rate(state, "particle-steps", "per particle-step", particles);
+    state.counters["threads"] = 1;
+    char name[200];
+    bench_world_motion_name(world, name, sizeof name);
+    state.SetLabel(std::string(bench_world_numbers(world).isa) + " " + name);
+}
+
+// --- what is benched
+// -------------------------------------------------------------------------------------
+
+std::string title(const char *kind, const Model &model, const Setting &setting) {
+    return std::string(kind) + "/" + model.name + "/threads:" + std::to_string(setting.threads) +
+           "/" + setting.isa;
+}
+
+void add_step(const char *kind, const Model &model, const Setting &setting) {
+    benchmark::RegisterBenchmark(title(kind, model, setting).c_str(),
+                                 [=](benchmark::State &state) { step(state, model, setting); })
+        ->UseRealTime()
+        ->Unit(benchmark::kMillisecond);
+}
+
+using KernelBench = void (*)(benchmark::State &, const Model &, const Setting &, std::size_t);
+
+// `cached`: the first blocks only, which stay in the second-level cache.
+void add_kernel(const char *kind, KernelBench bench, const Model &model, const std::string &isa,
+                std::size_t blocks, bool cached) {
+    std::string name =
+        std::string(kind) + "/" + model.name + "/" + isa + (cached ? "/cached" : "/all");
+    benchmark::RegisterBenchmark(name.c_str(),
+                                 [=](benchmark::State &state) {
+                                     bench(state, model, Setting{1, isa}, blocks);
+                                 })
+        ->UseRealTime()
+        ->Unit(benchmark::kMicrosecond);
+}
+
+std::vector<std::string> isas() {
+    std::vector<std::string> names = {"scalar", "avx2", "avx512"};
+    const std::string widest = bench_widest_isa();
+    while (names.back() != widest) names.pop_back();
+    return names;
+}
+
+void add_kernels(const Model &model) {
+    const std::size_t all = static_cast<std::size_t>(1) << 40;
+    for (const std::string &isa : isas()) {
+        add_kernel("contact", contact_kernel, model, isa, 16, true);
+        add_kernel("contact", contact_kernel, model, isa, all, false);
+        add_kernel("motion", motion_kernel, model, isa, 8, true);
+        add_kernel("motion", motion_kernel, model, isa, all, false);
+    }
+}
+
+void add_steps(const Model &model, bool each_isa) {
+    const std::string widest = bench_widest_isa();
+    for (int threads : {1, 2})
+        for (const std::string &isa : isas())
+            if (each_isa || isa == widest) add_step("step", model, Setting{threads, isa});
+}
+
+Model with(const Model &base, const std::string &name, const std::vector<std::string> &overrides) {
+    Model model = base;
+    model.name = name;
+    model.overrides.insert(model.overrides.end(), overrides.begin(), overrides.end());
+    return model;
+}
+
+// fcc lattice of the frictional scene with n cells along each edge.
+Model fcc(const std::string &name, int n) {
+    const double edge = 1.4024821086288453; // (4/1.45)^(1/3)
+    char box[128], cells[64];
+    std::snprintf(box, sizeof box, "periodic.max=[%.17g, %.17g, %.17g]", n * edge, n * edge,
+                  n * edge);
+    std::snprintf(cells, sizeof cells, "specimen.lattice.cells=[%d, %d, %d]", n, n, n);
+    return {name, "fcc-frictional.yaml", "", {box, cells}, 20};
+}
+
+// Each effect by itself on top of the bare lattice.
+void add_effects() {
+    const int n = 16;
+    char cells[64];
+    std::snprintf(cells, sizeof cells, "specimen.lattice.cells=[%d, %d, %d]", n, n, n);
+    const Model bare = {"bare", "lattice.yaml", "", {cells}, 20};
+    const std::string box = "periodic: {min: [0, 0, 0], max: [22.62514738, 22.62514738, "
+                            "22.62514738]}\n"; // 16 edges of 0.9999 sqrt(2)
+    struct Effect {
+        const char *name;
+        std::vector<std::string> overrides;
+        std::string extra;
+    };
+    const std::string back = "damping.background.";
+    const std::vector<Effect> effects = {
+        {"none", {}, ""},
+        {"rotation", {"law.rotation=on"}, ""},
+        {"shear+friction", {"materials.grain.kratio=3.5", "materials.grain.friction=0.5"}, ""},
+        {"shear+friction+rotation",
+         {"materials.grain.kratio=3.5", "materials.grain.friction=0.5", "law.rotation=on"},
+         ""},
+        {"bonds", {}, "bonds: {interaction_range: 0.05}\n"},
+        {"bonds+shear", {"materials.grain.kratio=3.5"}, "bonds: {interaction_range: 0.05}\n"},
+        {"contact_damping", {}, "damping: {contact: {fraction: 0.1}}\n"},
+        {"viscous", {}, "damping: {background: {model: viscous, coefficient: 1}}\n"},
+        {"nonviscous_vector",
+         {},
+         "damping: {background: {model: nonviscous_vector, coefficient: 0.1}}\n"},
+        {"nonviscous_component",
+         {},
+         "damping: {background: {model: nonviscous_component, coefficient: 0.1}}\n"},
+        {"gravity", {}, "gravity: [0, 0, -1e-3]\n"},
+        {"applied", {}, "sets: [{name: top, select: {all: true}, force: [0, 0, 1e-3]}]\n"},
+        {"prescribed",
+         {},
+         "sets: [{name: low, select: {end: {axis: z, side: lower, depth: 1}}, motion: {vz: "
+         "0}}]\n"},
+        {"walls",
+         {},
+         "walls: [{name: floor, point: [0, 0, 0], normal: [0, 0, 1], stiffness: 2000}]\n"},
+        {"periodic", {}, box},
+        {"orientation+rotation", {"law.rotation=on", "output.orientation=on"}, ""},
+        {"energy", {"output.energy=on"}, ""},
+    };
+    for (const Effect &effect : effects) {
+        Model model = with(bare, effect.name, effect.overrides);
+        model.extra = effect.extra;
+        add_step("effect", model, Setting{1, bench_widest_isa()});
+    }
+}
+
+void add_all(bool large) {
+    const Model rock = {"rock-a", "../../scenes/ucs-rock.yaml", "", {}, 20};
+    const Model small = fcc("fcc-32k", 20);
+    add_steps(rock, true);
+    add_kernels(rock);
+    add_steps(with(rock, "rock-a-no-energy", {"output.energy=off"}), false);
+    add_steps(small, true);
+    add_kernels(small);
+    add_steps(with(small, "fcc-32k-energy", {"output.energy=on"}), false);
+    add_steps({"chute", "chute.yaml", "", {}, 3000}, false);
+    if (large) {
+        for (int n : {7, 10, 14, 30})
+            add_steps(fcc("fcc-" + std::to_string(4 * n * n * n), n), false);
+        add_steps(fcc("fcc-500k", 50), false);
+        add_steps({"bonded-108k",
+                   "lattice.yaml",
+                   "bonds: {interaction_range: 0.05}\n",
+                   {"specimen.lattice.cells=[30, 30, 30]", "law.rotation=on",
+                    "materials.grain.kratio=3.5", "materials.grain.friction=0.5"},
+                   20},
+                  false);
+    }
+    add_effects();
+}
+
+std::string cpu_model() {
+    std::ifstream file("/proc/cpuinfo");
+    for (std::string line; std::getline(file, line);)
+        if (line.compare(0, 10, "model name") == 0) return line.substr(line.find(':') + 2);
+    return "unknown";
+}
+
+std::string first_line(const char *path) {
+    std::ifstream file(path);
+    std::string line;
+    std::getline(file, line);
+    return line;
+}
+
+// Takes our own options out of argv; google-benchmark sees the rest.
+bool own_options(int *argc, char **argv) {
+    bool large = false;
+    int kept = 1;
+    for (int k = 1; k < *argc; k++) {
+        if (std::strcmp(argv[k], "--large") == 0)
+            large = true;
+        else if (std::strcmp(argv[k], "--scenes") == 0 && k + 1 < *argc)
+            scenes_folder = argv[++k];
+        else
+            argv[kept++] = argv[k];
+    }
+    argv[kept] = nullptr;
+    *argc = kept;
+    return large;
+}
+
+} // namespace
+
+int main(int argc, char **argv) {
+    bool large = own_options(&argc, argv);
+    benchmark::AddCustomContext("gneiss", std::string(bench_version()) + " " + bench_build());
+    benchmark::AddCustomContext("isa", bench_widest_isa());
+    benchmark::AddCustomContext("cpu", cpu_model());
+    benchmark::AddCustomContext("load_at_start", first_line("/proc/loadavg"));
+    benchmark::Initialize(&argc, argv);
+    if (benchmark::ReportUnrecognizedArguments(argc, argv)) return 2;
+    add_all(large);
+    benchmark::RunSpecifiedBenchmarks();
+    benchmark::Shutdown();
+    return 0;
+}

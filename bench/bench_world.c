@@ -1,0 +1,206 @@
+#include "bench_world.h"
+
+#include "sim/run.h"
+
+#include <omp.h>
+#include <stdlib.h>
+#include <string.h>
+
+enum { MOST_OVERRIDES = 16 };
+
+struct bench_world {
+    gn_world world;
+};
+
+/* The whole file with `extra` behind it; NULL if it cannot be read. */
+static char *read_text(const char *path, const char *extra) {
+    FILE *file = fopen(path, "rb");
+    if (!file) return NULL;
+    size_t room = strlen(extra) + 2, length = 0, got;
+    char *text = NULL, part[4096];
+    while ((got = fread(part, 1, sizeof part, file)) > 0) {
+        char *more = realloc(text, length + got + room);
+        if (!more) break;
+        text = more;
+        memcpy(text + length, part, got);
+        length += got;
+    }
+    fclose(file);
+    if (text) {
+        text[length] = '\n';
+        memcpy(text + length + 1, extra, room - 1);
+    }
+    return text;
+}
+
+/* Splits "key=value"; the texts live in `store`. */
+static size_t split_overrides(const char *const *pairs, gn_override *overrides, char store[][256]) {
+    size_t count = 0;
+    for (; pairs && pairs[count] && count < MOST_OVERRIDES; count++) {
+        snprintf(store[count], sizeof store[count], "%s", pairs[count]);
+        char *equals = strchr(store[count], '=');
+        if (!equals) break;
+        *equals = 0;
+        overrides[count] = (gn_override){store[count], equals + 1};
+    }
+    return count;
+}
+
+bench_world *bench_world_create(const char *path, const char *extra, const char *const *pairs,
+                                char message[BENCH_MESSAGE_SIZE]) {
+    gn_override overrides[MOST_OVERRIDES];
+    char store[MOST_OVERRIDES][256], folder[GN_PATH_SIZE];
+    size_t count = split_overrides(pairs, overrides, store);
+    snprintf(folder, sizeof folder, "%s", path);
+    char *slash = strrchr(folder, '/');
+    if (slash) *slash = 0;
+    char *text = read_text(path, extra ? extra : "");
+    bench_world *b = calloc(1, sizeof *b);
+    gneiss_error error = {0};
+    gn_scene scene = {0};
+    if (!text || !b) {
+        gn_fail(&error, GNEISS_ERROR_IO, "%s: cannot be read", path);
+    } else if (gn_scene_parse(text, path, slash ? folder : ".", overrides, count, &scene, &error) ==
+               GNEISS_OK) {
+        gn_world_create(&scene, &b->world, &error);
+    }
+    free(text);
+    if (error.status == GNEISS_OK) return b;
+    snprintf(message, BENCH_MESSAGE_SIZE, "%s", error.message);
+    free(b);
+    return NULL;
+}
+
+void bench_world_free(bench_world *b) {
+    if (!b) return;
+    gn_world_free(&b->world);
+    free(b);
+}
+
+bool bench_world_use(bench_world *b, int threads, const char *isa) {
+    static const char *const names[] = {"auto", "scalar", "avx2", "avx512"};
+    for (int k = 0; k < 4; k++)
+        if (strcmp(names[k], isa) == 0) b->world.scene.isa = (gn_isa)k;
+    b->world.scene.threads = threads;
+    gneiss_error error;
+    return gn_world_prepare(&b->world, &error) == GNEISS_OK;
+}
+
+bool bench_world_steps(bench_world *b, int steps, char message[BENCH_MESSAGE_SIZE]) {
+    gneiss_error error = {0};
+    for (int k = 0; k < steps; k++) {
+        if (gn_world_step(&b->world, false, &error) == GNEISS_OK) continue;
+        snprintf(message, BENCH_MESSAGE_SIZE, "%s", error.message);
+        return false;
+    }
+    return true;
+}
+
+bench_numbers bench_world_numbers(const bench_world *b) {
+    const gn_world *w = &b->world;
+    bench_numbers n = {0};
+    n.particles = w->particles.soa.count;
+    n.bonds = w->bonds.soa.count;
+    n.pairs = w->pairs.soa.count;
+    n.wall_contacts = w->wall_contacts.soa.count;
+    n.bond_bytes = gn_record_bytes(&gn_contact_record, w->bonds.soa.effects);
+    n.pair_bytes = gn_record_bytes(&gn_contact_record, w->pairs.soa.effects);
+    n.particle_bytes = gn_record_bytes(&gn_particle_record, w->effects);
+    n.world_bytes = gn_world_bytes(w);
+    n.contact_steps = w->contact_steps;
+    n.steps = w->step;
+    n.rebuilds = w->verlet.rebuilds;
+    n.seconds_lists = w->seconds[GN_PHASE_lists];
+    n.seconds_setup = w->seconds[GN_PHASE_setup];
+    n.threads = w->threads;
+    n.isa = w->kernels->name;
+    return n;
+}
+
+/* --- kernels alone
+ * --------------------------------------------------------------------------------- */
+
+static bool bonds_are_more(const gn_world *w) {
+    return w->bonds.soa.count > w->pairs.soa.count;
+}
+
+static const gn_contacts *longer_list(const gn_world *w) {
+    return bonds_are_more(w) ? &w->bonds : &w->pairs;
+}
+
+size_t bench_world_contact_kernel(bench_world *b, size_t blocks) {
+    gn_world *w = &b->world;
+    gn_contact_args a = {0};
+    a.pos = w->particles.pos;
+    a.vel = w->particles.vel;
+    a.spin = w->particles.spin;
+    a.contacts = longer_list(w);
+    a.arm_factor = w->scene.contact_arm == GN_ARM_MIDPOINT ? 0.5 : 0.0;
+    memcpy(a.period, w->period, sizeof a.period);
+    gn_contact_kernel *kernel = bonds_are_more(w) ? w->bond_kernel : w->pair_kernel;
+    size_t last = blocks * GN_CONTACT_BLOCK;
+    if (last > a.contacts->soa.count) last = a.contacts->soa.count;
+    for (size_t first = 0; first < last; first += GN_CONTACT_BLOCK) {
+        gn_contact_sums sums = {0};
+        size_t end = first + GN_CONTACT_BLOCK < last ? first + GN_CONTACT_BLOCK : last;
+        kernel(&a, first, end, &sums);
+    }
+    return last;
+}
+
+size_t bench_world_motion_kernel(bench_world *b, size_t blocks) {
+    gn_world *w = &b->world;
+    gn_motion_args a = {0};
+    a.particles = &w->particles;
+    a.bonds = &w->bonds;
+    a.pairs = &w->pairs;
+    a.bonds_of = &w->bonds_of;
+    a.pairs_of = &w->pairs_of;
+    a.wall_contacts = w->effects & GN_FX_WALLS ? &w->wall_contacts : NULL;
+    a.wall_first = w->wall_first;
+    memcpy(a.gravity, w->scene.gravity, sizeof a.gravity);
+    a.damping = w->scene.background_coefficient;
+    size_t last = blocks * GN_PARTICLE_BLOCK;
+    if (last > w->particles.soa.count) last = w->particles.soa.count;
+    for (size_t first = 0; first < last; first += GN_PARTICLE_BLOCK) {
+        gn_motion_sums sums = {.bad = -1};
+        size_t end = first + GN_PARTICLE_BLOCK < last ? first + GN_PARTICLE_BLOCK : last;
+        w->motion_kernel(&a, first, end, &sums);
+    }
+    return last;
+}
+
+void bench_world_contact_name(const bench_world *b, char *name, size_t size) {
+    gn_contact_variant_name(gn_contact_variant(longer_list(&b->world)->soa.effects), name, size);
+}
+
+void bench_world_motion_name(const bench_world *b, char *name, size_t size) {
+    gn_motion_variant_name(gn_motion_variant(b->world.effects), name, size);
+}
+
+static size_t width(const void *array, size_t bytes) {
+    return array ? bytes : 0;
+}
+
+void bench_world_contact_traffic(const bench_world *b, size_t *read, size_t *written) {
+    const gn_contacts *k = longer_list(&b->world);
+    size_t shear = b->world.effects & GN_FX_SPACE ? 24 : 16;
+    *read = width(k->i, 4) + width(k->j, 4) + width(k->kn, 8) + width(k->kt, 8) + width(k->mu, 8) +
+            width(k->cn, 8) + width(k->length0, 8) + width(k->rn, 8) + width(k->rt, 8) +
+            width(k->shear, shear) + width(k->fd, 8);
+    *written = width(k->shear, shear) + width(k->fd, 8) + width(k->row4, 32) + width(k->row8, 64);
+}
+
+const char *bench_version(void) {
+    return gn_version();
+}
+const char *bench_build(void) {
+    return gn_build();
+}
+
+const char *bench_widest_isa(void) {
+    const char *name = "scalar";
+    for (int k = 0; k < GN_KERNEL_SETS; k++)
+        if (gn_kernel_set_supported(gn_kernel_set_at(k))) name = gn_kernel_set_at(k)->name;
+    return name;
+}

@@ -1,0 +1,121 @@
+"""Tables from the results of bench_step.
+
+table.py STEPS.json STEPS.md                   medians as Markdown
+table.py --update PAGE.md TABLE.md [TABLE.md]  puts tables into a page, between its lines
+                                               <!-- begin NAME --> and <!-- end NAME -->
+"""
+import json
+import os
+import sys
+
+
+def medians(results):
+    """Name without google-benchmark's endings -> entry; plain runs when nothing was repeated."""
+    entries = {}
+    for entry in results["benchmarks"]:
+        if entry.get("error_occurred"):
+            print(f"bench: {entry['name']}: {entry['error_message']}", file=sys.stderr)
+            continue
+        if entry["run_type"] == "aggregate" and entry["aggregate_name"] != "median":
+            continue
+        entries[entry["run_name"].replace("/real_time", "")] = entry
+    return entries
+
+
+def spread(results, name):
+    for entry in results["benchmarks"]:
+        if entry.get("aggregate_name") == "cv" and entry["run_name"].replace("/real_time", "") == name:
+            return entry["real_time"]
+    return None
+
+
+MILLISECONDS = {"ns": 1e-6, "us": 1e-3, "ms": 1.0, "s": 1e3}
+
+
+def conditions(results):
+    context = results["context"]
+    busy = float(context["load_at_start"].split()[0]) > 0.5 * context["num_cpus"]
+    return (f"gneiss {context['gneiss']}, {context['num_cpus']} x {context['cpu']}, widest set {context['isa']}, "
+            f"{context['date'][:16]}, load average {context['load_at_start'].split()[0]} at the start; medians."
+            + (" **The machine was shared with other work.**" if busy else ""))
+
+
+def step_table(results, entries):
+    lines = ["| whole step | threads | set | ms/step | Mcs/s | ns/contact | Mps/s | B/contact | rebuilds per 1000 | "
+             "lists | speed-up | +- |", "| --- |" + " ---: |" * 11]
+    for name, e in entries.items():
+        kind, model, *_ = name.split("/")
+        if kind != "step":
+            continue
+        single = entries.get(name.replace(f"threads:{e['threads']:.0f}", "threads:1"))
+        ratio = f"{e['contact-steps'] / single['contact-steps']:.2f}" if single and e["threads"] > 1 else ""
+        cv = spread(results, name)
+        lines.append(
+            f"| {model} | {e['threads']:.0f} | {e['label']} | {e['real_time'] * MILLISECONDS[e['time_unit']]:.3f} | "
+            f"{e['contact-steps'] / 1e6:.1f} | {e['per contact-step'] * 1e9:.2f} | {e['particle-steps'] / 1e6:.1f} | "
+            f"{e['B/contact']:.0f} | {e['rebuilds/1000 steps']:.1f} | {100 * e['lists']:.1f} % | {ratio} | "
+            f"{'' if cv is None else f'{100 * cv:.0f} %'} |")
+    return lines if len(lines) > 2 else []
+
+
+def effect_table(entries):
+    """By processor time, which other work on the machine disturbs least."""
+    effects = {n.split("/")[1]: e for n, e in entries.items() if n.startswith("effect/")}
+    if "none" not in effects:
+        return []
+    cost = {n: 1e6 * MILLISECONDS[e["time_unit"]] * e["cpu_time"] / e["contacts"] for n, e in effects.items()}
+    lines = ["| effect alone, 1 thread | ns/contact (CPU) | times the bare step | B/contact | B/particle |",
+             "| --- |" + " ---: |" * 4]
+    for name, e in effects.items():
+        lines.append(f"| {name} | {cost[name]:.2f} | {cost[name] / cost['none']:.2f} | {e['B/contact']:.0f} | "
+                     f"{e['B/particle']:.0f} |")
+    return lines
+
+
+def kernel_table(entries):
+    lines = ["| kernel alone, 1 thread | scene | set | data | ns/item | M items/s | B read | B written | GB/s |",
+             "| --- | --- | --- | --- |" + " ---: |" * 5]
+    for name, e in entries.items():
+        kind, model, *rest = name.split("/")
+        if kind not in ("contact", "motion"):
+            continue
+        item = "contact-step" if kind == "contact" else "particle-step"
+        traffic = (f"{e['B read']:.0f} | {e['B written']:.0f} | {e['traffic'] / 1e9:.1f}" if kind == "contact" else
+                   " | | ")
+        lines.append(f"| {e['label'].split()[1]} | {model} | {rest[0]} | {rest[1]} | {e['per ' + item] * 1e9:.2f} | "
+                     f"{e[item + 's'] / 1e6:.1f} | {traffic} |")
+    return lines if len(lines) > 2 else []
+
+
+def write_tables(source, target):
+    with open(source, encoding="utf-8") as f:
+        results = json.load(f)
+    entries = medians(results)
+    parts = [[conditions(results)], step_table(results, entries), effect_table(entries), kernel_table(entries)]
+    with open(target, "w", encoding="utf-8") as f:
+        f.write("\n\n".join("\n".join(p) for p in parts if p) + "\n")
+
+
+def update(page, tables):
+    with open(page, encoding="utf-8") as f:
+        text = f.read()
+    for table in tables:
+        if not os.path.exists(table):
+            continue
+        name = os.path.splitext(os.path.basename(table))[0]
+        begin, end = f"<!-- begin {name} -->\n", f"<!-- end {name} -->"
+        if begin not in text or end not in text:
+            sys.exit(f"table.py: {page}: expected the lines {begin.strip()} and {end}, found none")
+        with open(table, encoding="utf-8") as f:
+            text = text[:text.index(begin) + len(begin)] + "\n" + f.read() + "\n" + text[text.index(end):]
+    with open(page, "w", encoding="utf-8") as f:
+        f.write(text)
+
+
+if __name__ == "__main__":
+    if len(sys.argv) >= 4 and sys.argv[1] == "--update":
+        update(sys.argv[2], sys.argv[3:])
+    elif len(sys.argv) == 3:
+        write_tables(sys.argv[1], sys.argv[2])
+    else:
+        sys.exit(__doc__)

@@ -1,0 +1,354 @@
+/* The public API: scenes and worlds. It checks arguments and keeps the handles; the work is in sim.
+ */
+#include "api/handles.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+_Static_assert((int)GNEISS_F64 == (int)GN_F64 && (int)GNEISS_I64 == (int)GN_I64 &&
+                   (int)GNEISS_I32 == (int)GN_I32 && (int)GNEISS_U8 == (int)GN_U8,
+               "public and inner types have the same numbers");
+
+const char *gneiss_version(void) {
+    return gn_version();
+}
+
+const char *gneiss_build(void) {
+    return gn_build();
+}
+
+const char *gneiss_status_name(gneiss_status status) {
+    return gn_status_name(status);
+}
+
+/* --- arguments
+ * ---------------------------------------------------------------------------------- */
+
+gneiss_status gn_api_require(const void *pointer, const char *what, gneiss_error *error) {
+    if (pointer) return GNEISS_OK;
+    return gn_fail(error, GNEISS_ERROR_INPUT, "argument %s: expected a pointer, found NULL", what);
+}
+
+/* The names that files of a run get must fit behind it. */
+static gneiss_status require_path(const char *path, const char *what, gneiss_error *error) {
+    GN_TRY(gn_api_require(path, what, error));
+    if (strlen(path) < GN_PATH_SIZE - 64) return GNEISS_OK;
+    return gn_fail(error, GNEISS_ERROR_INPUT,
+                   "argument %s: expected a path of less than %d characters, found %zu", what,
+                   GN_PATH_SIZE - 64, strlen(path));
+}
+
+/* "key=value" strings, cut in two. The values point into the caller's strings. */
+typedef struct override_list {
+    gn_override *items;
+    size_t count;
+} override_list;
+
+static void free_overrides(override_list *list) {
+    for (size_t k = 0; k < list->count; k++) free((char *)(uintptr_t)list->items[k].key);
+    free(list->items);
+    *list = (override_list){0};
+}
+
+static gneiss_status cut_override(const char *text, size_t index, gn_override *out,
+                                  gneiss_error *error) {
+    const char *equals = text ? strchr(text, '=') : NULL;
+    if (!equals || equals == text)
+        return gn_fail(error, GNEISS_ERROR_INPUT,
+                       "overrides[%zu]: expected \"key=value\", found %s%.200s%s", index,
+                       text ? "\"" : "", text ? text : "NULL", text ? "\"" : "");
+    out->key = strndup(text, (size_t)(equals - text));
+    out->value = equals + 1;
+    return out->key ? GNEISS_OK : gn_fail(error, GNEISS_ERROR_MEMORY, "no memory for overrides");
+}
+
+static gneiss_status make_overrides(const char *const *texts, size_t count, override_list *list,
+                                    gneiss_error *error) {
+    *list = (override_list){0};
+    if (count == 0) return GNEISS_OK;
+    GN_TRY(gn_api_require(texts, "overrides", error));
+    list->items = calloc(count, sizeof *list->items);
+    if (!list->items) return gn_fail(error, GNEISS_ERROR_MEMORY, "no memory for overrides");
+    gneiss_status status = GNEISS_OK;
+    for (size_t k = 0; k < count && status == GNEISS_OK; k++) {
+        status = cut_override(texts[k], k, &list->items[k], error);
+        if (status == GNEISS_OK) list->count++;
+    }
+    if (status != GNEISS_OK) free_overrides(list);
+    return status;
+}
+
+/* --- scenes
+ * ------------------------------------------------------------------------------------- */
+
+/* The reader that both ways to a scene share; `text` NULL: from the file `name`. */
+static gneiss_status read_scene(const char *text, const char *name, const char *folder,
+                                const override_list *list, gneiss_scene *scene,
+                                gneiss_error *error) {
+    if (text)
+        GN_TRY(gn_scene_parse(text, name, folder, list->items, list->count, &scene->scene, error));
+    else
+        GN_TRY(gn_scene_load(name, list->items, list->count, &scene->scene, error));
+    scene->text = gn_scene_write(&scene->scene);
+    if (scene->text) return GNEISS_OK;
+    return gn_fail(error, GNEISS_ERROR_MEMORY, "%s: no memory for the scene text", name);
+}
+
+static gneiss_status make_scene(const char *text, const char *name, const char *folder,
+                                const char *const *overrides, size_t override_count,
+                                gneiss_scene **out, gneiss_error *error) {
+    override_list list;
+    GN_TRY(make_overrides(overrides, override_count, &list, error));
+    gneiss_scene *scene = calloc(1, sizeof *scene);
+    gneiss_status status = scene ? read_scene(text, name, folder, &list, scene, error)
+                                 : gn_fail(error, GNEISS_ERROR_MEMORY, "no memory for a scene");
+    free_overrides(&list);
+    if (status == GNEISS_OK)
+        *out = scene;
+    else
+        gneiss_scene_free(scene);
+    return status;
+}
+
+gneiss_status gneiss_scene_load(const char *path, const char *const *overrides,
+                                size_t override_count, gneiss_scene **scene, gneiss_error *error) {
+    GN_TRY(gn_api_require(scene, "scene", error));
+    *scene = NULL;
+    GN_TRY(gn_api_require(path, "path", error));
+    return make_scene(NULL, path, NULL, overrides, override_count, scene, error);
+}
+
+gneiss_status gneiss_scene_parse(const char *text, const char *name, const char *folder,
+                                 const char *const *overrides, size_t override_count,
+                                 gneiss_scene **scene, gneiss_error *error) {
+    GN_TRY(gn_api_require(scene, "scene", error));
+    *scene = NULL;
+    GN_TRY(gn_api_require(text, "text", error));
+    return make_scene(text, name ? name : "scene", folder, overrides, override_count, scene, error);
+}
+
+const char *gneiss_scene_text(const gneiss_scene *scene) {
+    return scene ? scene->text : NULL;
+}
+
+void gneiss_scene_free(gneiss_scene *scene) {
+    if (!scene) return;
+    gn_scene_free(&scene->scene);
+    free(scene->text);
+    free(scene);
+}
+
+/* --- worlds
+ * ------------------------------------------------------------------------------------- */
+
+static gneiss_status new_world(gneiss_world **world, gneiss_error *error) {
+    *world = calloc(1, sizeof **world);
+    return *world ? GNEISS_OK : gn_fail(error, GNEISS_ERROR_MEMORY, "no memory for a world");
+}
+
+/* Hands the world over, or gives its shell back; a run that failed holds nothing. */
+static gneiss_status hand_over(gneiss_status status, gneiss_world *made, gneiss_world **world) {
+    if (status == GNEISS_OK)
+        *world = made;
+    else
+        free(made);
+    return status;
+}
+
+gneiss_status gneiss_world_create(const gneiss_scene *scene, const char *folder,
+                                  gneiss_world **world, gneiss_error *error) {
+    gn_scene copy;
+    gneiss_world *made;
+    GN_TRY(gn_api_require(world, "world", error));
+    *world = NULL;
+    GN_TRY(gn_api_require(scene, "scene", error));
+    if (folder) GN_TRY(require_path(folder, "folder", error));
+    GN_TRY(new_world(&made, error));
+    gneiss_status status = gn_scene_copy(&scene->scene, &copy, error);
+    if (status == GNEISS_OK)
+        status = folder ? gn_run_start(&copy, folder, &made->run, error)
+                        : gn_run_create(&copy, &made->run, error);
+    return hand_over(status, made, world);
+}
+
+void gneiss_world_free(gneiss_world *world) {
+    if (!world) return;
+    gn_run_free(&world->run);
+    free(world);
+}
+
+static gneiss_status require_good(const gneiss_world *world, gneiss_error *error) {
+    GN_TRY(gn_api_require(world, "world", error));
+    if (world->failure.status == GNEISS_OK) return GNEISS_OK;
+    return gn_fail(error, world->failure.status, "%s", world->failure.message);
+}
+
+/* Where the bad state can be looked at goes behind what happened. */
+static void keep_bad_state(gneiss_world *world) {
+    gneiss_error second = {0}, first = world->failure;
+    if (!world->run.directory[0]) return;
+    if (gn_run_write_failure(&world->run, first.message, &second) == GNEISS_OK)
+        gn_fail(&world->failure, first.status,
+                "%.1500s\n  the state is in %.300s (failed_*.hdf, results.h5)", first.message,
+                world->run.directory);
+}
+
+/* After an advance. An output that could not be written leaves the world as good as it was;
+ * whatever else goes wrong ends it. */
+static gneiss_status settle(gneiss_world *world, gneiss_status status, const gneiss_error *found,
+                            gneiss_error *error) {
+    if (status == GNEISS_OK) return GNEISS_OK;
+    if (status == GNEISS_ERROR_IO) return gn_fail(error, status, "%s", found->message);
+    world->failure = *found;
+    if (status == GNEISS_ERROR_UNSTABLE) keep_bad_state(world);
+    return gn_fail(error, status, "%s", world->failure.message);
+}
+
+gneiss_status gneiss_world_step(gneiss_world *world, int64_t steps, gneiss_error *error) {
+    gneiss_error found = {0};
+    GN_TRY(require_good(world, error));
+    if (steps < 0)
+        return gn_fail(error, GNEISS_ERROR_INPUT,
+                       "argument steps: expected a number of at least 0, found %lld",
+                       (long long)steps);
+    return settle(world, gn_run_steps(&world->run, steps, &found), &found, error);
+}
+
+gneiss_status gneiss_world_advance(gneiss_world *world, double seconds, gneiss_error *error) {
+    gneiss_error found = {0};
+    GN_TRY(require_good(world, error));
+    if (!(seconds >= 0.0))
+        return gn_fail(error, GNEISS_ERROR_INPUT,
+                       "argument seconds: expected a number of at least 0, found %g", seconds);
+    return settle(world, gn_run_advance(&world->run, seconds, NULL, &found), &found, error);
+}
+
+gneiss_status gneiss_world_finish(gneiss_world *world, gneiss_error *error) {
+    GN_TRY(require_good(world, error));
+    return world->run.directory[0] ? gn_run_finish(&world->run, error) : GNEISS_OK;
+}
+
+gneiss_status gneiss_world_run(gneiss_world *world, gneiss_error *error) {
+    GN_TRY(gneiss_world_advance(world, INFINITY, error));
+    return gneiss_world_finish(world, error);
+}
+
+/* --- saving and going on
+ * ------------------------------------------------------------------------ */
+
+gneiss_status gneiss_world_save(const gneiss_world *world, const char *path, gneiss_error *error) {
+    GN_TRY(require_good(world, error));
+    GN_TRY(require_path(path, "path", error));
+    return gn_checkpoint_write(&world->run, path, error);
+}
+
+gneiss_status gneiss_world_checkpoint(gneiss_world *world, gneiss_error *error) {
+    GN_TRY(require_good(world, error));
+    if (!world->run.directory[0])
+        return gn_fail(error, GNEISS_ERROR_INPUT,
+                       "expected a world with an output folder, found one without "
+                       "(gneiss_world_save writes to any file)");
+    return gn_run_checkpoint(&world->run, error);
+}
+
+typedef gneiss_status going_on(const char *path, const gn_override *overrides, size_t count,
+                               gn_run *run, gneiss_error *error);
+
+static gneiss_status go_on(going_on *how, const char *path, const char *what,
+                           const char *const *overrides, size_t override_count,
+                           gneiss_world **world, gneiss_error *error) {
+    override_list list;
+    gneiss_world *made;
+    GN_TRY(gn_api_require(world, "world", error));
+    *world = NULL;
+    GN_TRY(require_path(path, what, error));
+    GN_TRY(make_overrides(overrides, override_count, &list, error));
+    gneiss_status status = new_world(&made, error);
+    if (status == GNEISS_OK) status = how(path, list.items, list.count, &made->run, error);
+    free_overrides(&list);
+    return hand_over(status, made, world);
+}
+
+gneiss_status gneiss_world_load(const char *path, const char *const *overrides,
+                                size_t override_count, gneiss_world **world, gneiss_error *error) {
+    return go_on(gn_run_load, path, "path", overrides, override_count, world, error);
+}
+
+gneiss_status gneiss_world_resume(const char *folder, const char *const *overrides,
+                                  size_t override_count, gneiss_world **world,
+                                  gneiss_error *error) {
+    return go_on(gn_run_resume, folder, "folder", overrides, override_count, world, error);
+}
+
+const char *gneiss_world_note(const gneiss_world *world) {
+    return world ? world->run.note : "";
+}
+
+/* --- where it stands
+ * ---------------------------------------------------------------------------- */
+
+gneiss_status gneiss_world_progress(const gneiss_world *world, gneiss_progress *progress,
+                                    gneiss_error *error) {
+    GN_TRY(gn_api_require(world, "world", error));
+    GN_TRY(gn_api_require(progress, "progress", error));
+    gn_progress p = gn_run_progress(&world->run);
+    *progress = (gneiss_progress){
+        .step = p.step,
+        .time = p.time,
+        .end = p.end,
+        .dt = world->run.world.dt,
+        .wall_seconds = p.seconds,
+        .eta = p.eta,
+        .unbalanced = p.unbalanced,
+        .energy_residual = p.residual,
+        .stress = p.stress,
+        .strain = p.strain,
+        .finished = p.finished,
+        .stop_reason = world->run.stop_reason,
+    };
+    return GNEISS_OK;
+}
+
+gneiss_status gneiss_world_limits(const gneiss_world *world, gneiss_limits *limits,
+                                  gneiss_error *error) {
+    GN_TRY(gn_api_require(world, "world", error));
+    GN_TRY(gn_api_require(limits, "limits", error));
+    const gn_world *w = &world->run.world;
+    *limits =
+        (gneiss_limits){w->dt, w->stable, w->limit.sharp, w->limit.bound, w->limit.literature};
+    return GNEISS_OK;
+}
+
+gneiss_status gneiss_world_counts(const gneiss_world *world, gneiss_counts *counts,
+                                  gneiss_error *error) {
+    GN_TRY(gn_api_require(world, "world", error));
+    GN_TRY(gn_api_require(counts, "counts", error));
+    const gn_world *w = &world->run.world;
+    *counts = (gneiss_counts){
+        .particles = (int64_t)w->particles.soa.count,
+        .bonds = (int64_t)w->bonds.soa.count,
+        .pairs = (int64_t)w->pairs.soa.count,
+        .wall_contacts = (int64_t)w->wall_contacts.soa.count,
+        .walls = (int64_t)w->scene.wall_count,
+        .sets = (int64_t)w->scene.set_count,
+        .broken_tension = w->broken_tension,
+        .broken_shear = w->broken_shear,
+        .removed = w->lost,
+        .list_rebuilds = w->verlet.rebuilds,
+        .history_rows = (int64_t)world->run.history.row_count,
+    };
+    return GNEISS_OK;
+}
+
+int64_t gneiss_world_steps(const gneiss_world *world) {
+    return world ? world->run.world.step : 0;
+}
+
+double gneiss_world_time(const gneiss_world *world) {
+    return world ? world->run.world.time : 0.0;
+}
+
+uint64_t gneiss_world_hash(const gneiss_world *world) {
+    return world ? gn_world_hash(&world->run.world) : 0;
+}

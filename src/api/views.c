@@ -1,0 +1,291 @@
+/* The public API: looking at fields, history, readings and energies of a world. */
+#include "api/handles.h"
+
+#include <math.h>
+#include <string.h>
+
+/* Names for messages, as many as fit. */
+typedef struct name_list {
+    char text[1024];
+    size_t used;
+} name_list;
+
+static void add_name(name_list *list, const char *name) {
+    size_t length = strlen(name), gap = list->used ? 2 : 0;
+    if (list->used + gap + length + sizeof ", ..." > sizeof list->text) return;
+    memcpy(list->text + list->used, ", ", gap);
+    memcpy(list->text + list->used + gap, name, length);
+    list->used += gap + length;
+}
+
+/* --- fields
+ * ------------------------------------------------------------------------------------- */
+
+/* A record of a world and its manifest. */
+typedef struct place {
+    const gn_record *record;
+    const gn_soa *soa;
+} place;
+
+const char *gneiss_record_name(gneiss_record record) {
+    static const char *const names[] = {"particles", "bonds", "pairs", "wall_contacts"};
+    return (unsigned)record < 4 ? names[record] : NULL;
+}
+
+static place find_record(const gneiss_world *world, gneiss_record record) {
+    const gn_world *w = &world->run.world;
+    switch (record) {
+    case GNEISS_PARTICLES:
+        return (place){&gn_particle_record, &w->particles.soa};
+    case GNEISS_BONDS:
+        return (place){&gn_contact_record, &w->bonds.soa};
+    case GNEISS_PAIRS:
+        return (place){&gn_contact_record, &w->pairs.soa};
+    case GNEISS_WALL_CONTACTS:
+        return (place){&gn_wall_contact_record, &w->wall_contacts.soa};
+    }
+    return (place){NULL, NULL};
+}
+
+static gneiss_status require_record(const gneiss_world *world, gneiss_record record, place *out,
+                                    gneiss_error *error) {
+    GN_TRY(gn_api_require(world, "world", error));
+    *out = find_record(world, record);
+    if (out->record) return GNEISS_OK;
+    return gn_fail(error, GNEISS_ERROR_INPUT, "argument record: expected one in [0, 3], found %d",
+                   (int)record);
+}
+
+/* A record that the scene has no use for is all NULL, whatever its effects say. */
+static const gn_field *active_field(place p, size_t index, size_t *count) {
+    *count = 0;
+    for (size_t f = 0; f < p.record->field_count; f++) {
+        if (!gn_field_data(&p.record->fields[f], p.soa)) continue;
+        if (*count == index) return &p.record->fields[f];
+        ++*count;
+    }
+    return NULL;
+}
+
+static void fill_view(place p, const gn_field *field, gneiss_view *view) {
+    size_t size = gn_type_size(field->type), width = size * (size_t)field->components;
+    bool rows = field->layout == GN_ROWS;
+    *view = (gneiss_view){
+        .name = field->name,
+        .unit = field->unit,
+        .description = field->text,
+        .type = (gneiss_type)field->type,
+        .components = field->components,
+        .count = p.soa->count,
+        .item_stride = rows ? width : size,
+        .component_stride = rows ? size : size * p.soa->capacity,
+        .data = gn_field_data(field, p.soa),
+    };
+}
+
+size_t gneiss_world_field_count(const gneiss_world *world, gneiss_record record) {
+    place p = world ? find_record(world, record) : (place){NULL, NULL};
+    size_t count = 0;
+    if (p.record) active_field(p, SIZE_MAX, &count);
+    return count;
+}
+
+gneiss_status gneiss_world_field_at(const gneiss_world *world, gneiss_record record, size_t index,
+                                    gneiss_view *view, gneiss_error *error) {
+    place p;
+    size_t count;
+    GN_TRY(require_record(world, record, &p, error));
+    GN_TRY(gn_api_require(view, "view", error));
+    const gn_field *field = active_field(p, index, &count);
+    if (!field)
+        return gn_fail(error, GNEISS_ERROR_INPUT,
+                       "argument index: expected less than %zu, the fields of %s, found %zu", count,
+                       gneiss_record_name(record), index);
+    fill_view(p, field, view);
+    return GNEISS_OK;
+}
+
+gneiss_status gneiss_world_field(const gneiss_world *world, gneiss_record record, const char *name,
+                                 gneiss_view *view, gneiss_error *error) {
+    place p;
+    name_list names = {0};
+    GN_TRY(require_record(world, record, &p, error));
+    GN_TRY(gn_api_require(name, "name", error));
+    GN_TRY(gn_api_require(view, "view", error));
+    for (size_t f = 0; f < p.record->field_count; f++) {
+        const gn_field *field = &p.record->fields[f];
+        if (!gn_field_data(field, p.soa)) continue;
+        if (strcmp(field->name, name) == 0) {
+            fill_view(p, field, view);
+            return GNEISS_OK;
+        }
+        add_name(&names, field->name);
+    }
+    return gn_fail(error, GNEISS_ERROR_INPUT,
+                   "expected a field of %s in this scene (%s), found '%.80s'",
+                   gneiss_record_name(record), names.used ? names.text : "it has none", name);
+}
+
+double gneiss_view_value(const gneiss_view *view, size_t item, size_t component) {
+    if (!view || !view->data || item >= view->count || component >= (size_t)view->components)
+        return NAN;
+    const char *at =
+        (const char *)view->data + item * view->item_stride + component * view->component_stride;
+    switch (view->type) {
+    case GNEISS_F64:
+        return *(const double *)at;
+    case GNEISS_I64:
+        return (double)*(const int64_t *)at;
+    case GNEISS_I32:
+        return *(const int32_t *)at;
+    case GNEISS_U8:
+        return *(const uint8_t *)at;
+    }
+    return NAN;
+}
+
+/* --- history
+ * ------------------------------------------------------------------------------------ */
+
+size_t gneiss_world_history_count(const gneiss_world *world) {
+    return world ? world->run.history.column_count : 0;
+}
+
+static void fill_column(const gn_history *history, const gn_column *column, gneiss_view *view) {
+    *view = (gneiss_view){
+        .name = column->name,
+        .unit = column->unit,
+        .description = column->text,
+        .type = GNEISS_F64,
+        .components = 1,
+        .count = history->row_count,
+        .item_stride = sizeof(double),
+        .component_stride = sizeof(double),
+        .data = column->value,
+    };
+}
+
+gneiss_status gneiss_world_history_at(const gneiss_world *world, size_t index, gneiss_view *view,
+                                      gneiss_error *error) {
+    GN_TRY(gn_api_require(world, "world", error));
+    GN_TRY(gn_api_require(view, "view", error));
+    const gn_history *history = &world->run.history;
+    if (index >= history->column_count)
+        return gn_fail(error, GNEISS_ERROR_INPUT,
+                       "argument index: expected less than %zu, the columns of the history, found "
+                       "%zu",
+                       history->column_count, index);
+    fill_column(history, &history->columns[index], view);
+    return GNEISS_OK;
+}
+
+gneiss_status gneiss_world_history(const gneiss_world *world, const char *name, gneiss_view *view,
+                                   gneiss_error *error) {
+    name_list names = {0};
+    GN_TRY(gn_api_require(world, "world", error));
+    GN_TRY(gn_api_require(name, "name", error));
+    GN_TRY(gn_api_require(view, "view", error));
+    const gn_history *history = &world->run.history;
+    for (size_t c = 0; c < history->column_count; c++) {
+        if (strcmp(history->columns[c].name, name) == 0) {
+            fill_column(history, &history->columns[c], view);
+            return GNEISS_OK;
+        }
+        add_name(&names, history->columns[c].name);
+    }
+    return gn_fail(error, GNEISS_ERROR_INPUT,
+                   "expected a column of the history (%s), found '%.80s'", names.text, name);
+}
+
+/* --- readings and energies
+ * ---------------------------------------------------------------------- */
+
+static gneiss_status pick_at(const gneiss_quantity *all, size_t count, size_t index,
+                             gneiss_quantity *out, gneiss_error *error) {
+    GN_TRY(gn_api_require(out, "quantity", error));
+    if (index >= count)
+        return gn_fail(error, GNEISS_ERROR_INPUT,
+                       "argument index: expected less than %zu, found %zu", count, index);
+    *out = all[index];
+    return GNEISS_OK;
+}
+
+static gneiss_status pick(const gneiss_quantity *all, size_t count, const char *name,
+                          gneiss_quantity *out, gneiss_error *error) {
+    name_list names = {0};
+    GN_TRY(gn_api_require(name, "name", error));
+    GN_TRY(gn_api_require(out, "quantity", error));
+    for (size_t k = 0; k < count; k++) {
+        if (strcmp(all[k].name, name) == 0) {
+            *out = all[k];
+            return GNEISS_OK;
+        }
+        add_name(&names, all[k].name);
+    }
+    return gn_fail(error, GNEISS_ERROR_INPUT, "expected one of %s; found '%.80s'", names.text,
+                   name);
+}
+
+#define COUNT_ONE(...) +1
+enum { READINGS = 0 GN_READINGS(COUNT_ONE), ENERGIES = 2 GN_ENERGY_TERMS(COUNT_ONE) };
+#undef COUNT_ONE
+
+static void list_readings(const gneiss_world *world, gneiss_quantity out[READINGS]) {
+    gn_readings r = gn_record_readings(&world->run.world, &world->run.history);
+#define X(name, unit, text) *out++ = (gneiss_quantity){#name, unit, text, r.name};
+    GN_READINGS(X)
+#undef X
+}
+
+static void list_energies(const gneiss_world *world, gneiss_quantity out[ENERGIES]) {
+    const gn_energy *e = &world->run.world.reading;
+    bool known = world->run.world.effects & GN_FX_ENERGY && world->run.history.row_count;
+#define X(name, kind, text) *out++ = (gneiss_quantity){#name, "J", text, known ? e->name : NAN};
+    GN_ENERGY_TERMS(X)
+#undef X
+    *out++ = (gneiss_quantity){"stored_at_start", "J", "stored energy at the start",
+                               known ? e->stored_at_start : NAN};
+    *out =
+        (gneiss_quantity){"residual", "1", "what the ledger does not explain, over the work done",
+                          known ? gn_energy_residual(e) : NAN};
+}
+
+size_t gneiss_reading_count(void) {
+    return READINGS;
+}
+
+gneiss_status gneiss_world_reading(const gneiss_world *world, const char *name,
+                                   gneiss_quantity *reading, gneiss_error *error) {
+    gneiss_quantity all[READINGS];
+    GN_TRY(gn_api_require(world, "world", error));
+    list_readings(world, all);
+    return pick(all, READINGS, name, reading, error);
+}
+
+gneiss_status gneiss_world_reading_at(const gneiss_world *world, size_t index,
+                                      gneiss_quantity *reading, gneiss_error *error) {
+    gneiss_quantity all[READINGS];
+    GN_TRY(gn_api_require(world, "world", error));
+    list_readings(world, all);
+    return pick_at(all, READINGS, index, reading, error);
+}
+
+size_t gneiss_energy_count(void) {
+    return ENERGIES;
+}
+
+gneiss_status gneiss_world_energy(const gneiss_world *world, const char *name,
+                                  gneiss_quantity *term, gneiss_error *error) {
+    gneiss_quantity all[ENERGIES];
+    GN_TRY(gn_api_require(world, "world", error));
+    list_energies(world, all);
+    return pick(all, ENERGIES, name, term, error);
+}
+
+gneiss_status gneiss_world_energy_at(const gneiss_world *world, size_t index, gneiss_quantity *term,
+                                     gneiss_error *error) {
+    gneiss_quantity all[ENERGIES];
+    GN_TRY(gn_api_require(world, "world", error));
+    list_energies(world, all);
+    return pick_at(all, ENERGIES, index, term, error);
+}

@@ -1,0 +1,20 @@
+/* The output folder of a run: which it is, whose it is, and what an earlier run left there. */
+#ifndef GN_SIM_FOLDER_H
+#define GN_SIM_FOLDER_H
+
+#include "scene/scene.h"
+
+/* `wanted`, else the scene's output.directory, else runs/<name of the scene file without folder and
+ * ending>. */
+void gn_folder_choose(const gn_scene *scene, const char *wanted, char *out, size_t size);
+
+/* Keeps other runs out of the folder until the descriptor is closed (also by the death of the
+ * process). *lock is 0 on file systems that cannot lock. GNEISS_ERROR_INPUT when another run holds
+ * it. */
+gneiss_status gn_folder_lock(const char *directory, int *lock, gneiss_error *error);
+
+/* Makes way for a new run: removes what an earlier run of the same scene file left. Results of
+ * another scene are not touched: GNEISS_ERROR_INPUT. */
+gneiss_status gn_folder_clear(const char *directory, const gn_scene *scene, gneiss_error *error);
+
+#endif

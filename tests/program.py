@@ -1,0 +1,142 @@
+"""Running the gneiss program from tests: one TAP line per fact. The program is the first argument."""
+import json
+import os
+import re
+import shutil
+import subprocess
+import sys
+import tempfile
+import time
+import traceback
+
+import h5py
+import numpy as np
+
+PROGRAM = os.path.abspath(sys.argv[1])
+SCENES = os.path.join(os.path.dirname(os.path.abspath(__file__)), "scenes")
+UCS, LATTICE = os.path.join(SCENES, "ucs-small.yaml"), os.path.join(SCENES, "lattice-small.yaml")
+ENVIRONMENT = {**os.environ, "OMP_WAIT_POLICY": "passive"}
+ENVIRONMENT.pop("GNEISS_ISA", None)
+FACTS = []
+
+
+class Skip(Exception):
+    pass
+
+
+def fact(function):
+    FACTS.append(function)
+    return function
+
+
+def command(*arguments):
+    return [PROGRAM, *map(str, arguments)]
+
+
+def gneiss(*arguments, environment=None, **options):
+    """Exit code and texts of one call; a hang is a failure."""
+    options.setdefault("timeout", 120)
+    return subprocess.run(command(*arguments), capture_output=True, text=True, errors="replace",
+                          env={**ENVIRONMENT, **(environment or {})}, **options)
+
+
+def expect(done, code, *patterns):
+    """The exit code, and regular expressions that standard error must match."""
+    assert done.returncode == code, f"exit code {done.returncode}, expected {code}: {done.stderr.strip()[:500]}"
+    for pattern in patterns:
+        assert re.search(pattern, done.stderr), f"expected /{pattern}/ in: {done.stderr.strip()[:500]}"
+    return done
+
+
+def run(scene, folder, *arguments, **options):
+    return expect(gneiss("run", scene, "--out", folder, "--quiet", *arguments, **options), 0)
+
+
+def resume(folder, *arguments, **options):
+    return expect(gneiss("resume", folder, "--quiet", *arguments, **options), 0)
+
+
+def summary(folder):
+    with open(os.path.join(folder, "summary.json")) as file:
+        return json.load(file)
+
+
+def state_hash(folder):
+    return summary(folder)["state_hash"]
+
+
+def text(attribute):
+    """Fixed-length strings come as bytes when they are plain ASCII."""
+    return attribute.decode() if isinstance(attribute, bytes) else str(attribute)
+
+
+def results(folder):
+    return h5py.File(os.path.join(folder, "results.h5"), "r")
+
+
+def history(folder):
+    with results(folder) as file:
+        return {name: data[:] for name, data in file["history"].items()}
+
+
+def series(folder, name="particles"):
+    with open(os.path.join(folder, name + ".hdf.series")) as file:
+        return [(entry["name"], entry["time"]) for entry in json.load(file)["files"]]
+
+
+def checkpoints(folder):
+    return sorted(name for name in os.listdir(folder) if re.fullmatch(r"checkpoint_\d+\.h5", name))
+
+
+def check_same(folder, reference):
+    """Two runs that must have computed the same bits."""
+    a, b = history(folder), history(reference)
+    assert a.keys() == b.keys(), f"columns differ: {sorted(a.keys() ^ b.keys())}"
+    for name in a:
+        assert a[name].tobytes() == b[name].tobytes(), f"history/{name} differs"
+    one, two = summary(folder), summary(reference)
+    for key in ("state_hash", "readings", "counts", "energy_residual", "steps", "time"):
+        assert one[key] == two[key], f"{key}: {one[key]} against {two[key]}"
+
+
+def write_scene(folder, scene, name="scene.yaml"):
+    """YAML takes JSON as it is."""
+    path = os.path.join(folder, name)
+    with open(path, "w") as file:
+        file.write(scene if isinstance(scene, str) else json.dumps(scene))
+    return path
+
+
+def wait_until(process, condition, seconds=60):
+    """True once the condition holds; False when the process ended before."""
+    end = time.monotonic() + seconds
+    while process.poll() is None:
+        if condition():
+            return True
+        assert time.monotonic() < end, "nothing happened for a minute"
+        time.sleep(0.002)
+    return False
+
+
+def main():
+    print(f"1..{len(FACTS)}")
+    failures = 0
+    for number, function in enumerate(FACTS, 1):
+        name, outcome, note = function.__name__.replace("_", " "), "ok", ""
+        folder = tempfile.mkdtemp(prefix="gneiss-")
+        try:
+            function(folder)
+        except Skip as reason:
+            note = f" # SKIP {reason}"
+        except Exception:
+            failures += 1
+            outcome = "not ok"
+            for line in traceback.format_exc().splitlines():
+                print("# " + line)
+        finally:
+            shutil.rmtree(folder, ignore_errors=True)
+        print(f"{outcome} {number} {name}{note}", flush=True)
+    return 1 if failures else 0
+
+
+__all__ = [name for name in dir() if not name.startswith("_")]

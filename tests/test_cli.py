@@ -1,0 +1,386 @@
+"""Commands, options, messages and what is written. Speaks TAP."""
+import random
+from concurrent.futures import ThreadPoolExecutor
+
+from program import *  # noqa: F403
+
+READINGS = ("young_modulus", "poisson_ratio", "peak_stress", "peak_strain")
+OUT = tempfile.mkdtemp(prefix="gneiss-ucs-")
+
+
+def ucs():
+    """The output folder of one run of the small UCS."""
+    if not os.path.exists(os.path.join(OUT, "summary.json")):
+        run(UCS, OUT, "--threads", 2)
+    return OUT
+
+
+# --- commands that only look ------------------------------------------------------------------------------
+
+@fact
+def help_names_every_command_option_and_exit_code(folder):
+    out = expect(gneiss("--help"), 0).stdout
+    for word in ("run", "check", "plan", "resume", "report", "keys", "info", "--out", "--set", "--threads",
+                 "--precision", "--isa", "--quiet", "--log", "--markdown", "--version"):
+        assert re.search(r"(^|\s)" + word + r"\b", out), f"{word} is missing"
+    assert all(re.search(rf"\b{code} \w", out.split("exit codes")[1]) for code in range(7))
+
+
+@fact
+def version_says_version_and_build(folder):
+    out = expect(gneiss("--version"), 0).stdout
+    assert re.match(r"gneiss \d+\.\d+\.\d+ \(.+\)\n$", out), out
+
+
+@fact
+def info_says_threads_and_instruction_sets(folder):
+    out = expect(gneiss("info"), 0).stdout
+    assert "scalar" in out and re.search(r"threads +\d+", out) and "double" in out, out
+
+
+@fact
+def keys_prints_every_key_or_those_of_a_prefix(folder):
+    whole = expect(gneiss("keys"), 0).stdout
+    for key in ("specimen.file", "materials[].friction", "time.end", "run.threads"):
+        assert key in whole, f"{key} is missing"
+    part = expect(gneiss("keys", "time."), 0).stdout
+    assert "time.step" in part and "gravity" not in part
+    expect(gneiss("keys", "nothing"), 2, "'nothing'")
+
+
+@fact
+def keys_markdown_is_the_document(folder):
+    with open(os.path.join(SCENES, "../../docs/keys.md")) as file:
+        assert expect(gneiss("keys", "--markdown"), 0).stdout == file.read()
+
+
+@fact
+def plan_says_effects_storage_kernels_step_and_cost(folder):
+    out = expect(gneiss("plan", UCS), 0).stdout
+    for pattern in (r"\+ bonds", r"- gravity", r"particles +2000 x", r"bonds +\d{4} x", "kernels", r"dt +[\d.e-]+ s",
+                    "rigorous bound", r"steps +\d+ to t = 0.0003 s", r"in all [\d.]+ MB", r"time +\d"):
+        assert re.search(pattern, out), f"/{pattern}/ is missing"
+
+
+@fact
+def effects_that_are_off_take_no_storage(folder):
+    out = expect(gneiss("plan", UCS), 0).stdout
+    assert re.search(r"bonds .*\bshear\b", out) and re.search(r"particles .*\bspin\b", out)
+    scene = """
+specimen: {lattice: {kind: cubic, radius: 1 mm, cells: [3, 3, 3]}}
+materials: [{name: a, density: 2000, normal_stiffness: 1e6, kratio: 2}]
+law: {stiffness: uniform, rotation: off}
+time: {end: 1 ms}
+"""
+    out = expect(gneiss("plan", write_scene(folder, scene)), 0).stdout
+    storage = out[out.index("storage"):out.index("kernels")]
+    for field in ("shear", "kt", "mu", "spin", "rn", "length0", "cn", "bonds", "wall"):
+        assert not re.search(rf"\b{field}\b", storage), f"{field} is stored without use:\n{storage}"
+    assert "- shear" in out and "- friction" in out and not re.search(r"(pairs|motion) .*(shear|rotation)", out)
+
+
+@fact
+def check_says_what_the_specimen_is(folder):
+    out = expect(gneiss("check", UCS), 0).stdout
+    for pattern in (r"particles +2000,", r"porosity +2[34]\.\d+ %", r"coordination", r"overlaps", r"wall top", "can run"):
+        assert re.search(pattern, out), f"/{pattern}/ is missing"
+
+
+@fact
+def check_warns_of_what_will_spring_apart(folder):
+    scene = open(LATTICE).read().replace("jitter: 0.05", "spacing: 0.97").replace("{interaction_range: 0.1}",
+                                                                                   "{passive_gaps: false}")
+    out = expect(gneiss("check", write_scene(folder, scene)), 0).stdout
+    assert "warning: overlaps" in out and "mind the warnings" in out, out
+
+
+@fact
+def plan_and_check_write_nothing(folder):
+    shutil.copy(LATTICE, folder)
+    for name in ("plan", "check"):
+        expect(gneiss(name, "lattice-small.yaml", cwd=folder), 0)
+    assert os.listdir(folder) == ["lattice-small.yaml"], os.listdir(folder)
+
+
+# --- options ----------------------------------------------------------------------------------------------
+
+@fact
+def the_output_folder_follows_the_name_of_the_scene(folder):
+    shutil.copy(LATTICE, folder)
+    expect(gneiss("run", "lattice-small.yaml", "--quiet", cwd=folder), 0)
+    assert os.path.exists(os.path.join(folder, "runs/lattice-small/results.h5"))
+    expect(gneiss("run", "lattice-small.yaml", "--quiet", "--set", "output.directory=else/where", cwd=folder), 0)
+    assert os.path.exists(os.path.join(folder, "else/where/results.h5"))
+
+
+@fact
+def quiet_prints_nothing(folder):
+    done = run(LATTICE, folder)
+    assert done.stdout == "" and done.stderr == "", done.stdout + done.stderr
+
+
+@fact
+def log_json_prints_json_lines_and_the_summary_last(folder):
+    done = expect(gneiss("run", LATTICE, "--out", folder, "--log", "json"), 0)
+    lines = [json.loads(line) for line in done.stdout.splitlines()]
+    assert lines[-1] == summary(folder)
+    assert lines[-2]["finished"] is True and lines[-2]["step"] == lines[-1]["steps"], lines[-2]
+    assert {"time", "end", "seconds", "eta", "unbalanced", "broken", "energy_residual"} <= lines[-2].keys()
+    assert done.stderr == "", done.stderr
+
+
+@fact
+def a_run_ends_with_readings_and_a_profile(folder):
+    done = expect(gneiss("run", LATTICE, "--out", folder), 0)
+    for word in ("Young's modulus", "Poisson's ratio", "peak stress", "bonds broken", "energy residual",
+                 state_hash(folder), "profile", "bond kernels", folder):
+        assert word in done.stdout, f"{word} is missing"
+    assert re.search(r"step \d+ .*particle-steps/s .*ETA .*unbalanced .*broken .*residual", done.stderr), done.stderr
+
+
+@fact
+def set_overrides_the_scene(folder):
+    run(LATTICE, folder, "--set", "time.end=0.1ms", "--set", "title=other", "--set", "walls.top.friction=0",
+        "--threads", 2, "--isa", "scalar", "--precision", "double")
+    s = summary(folder)
+    assert (s["title"], s["threads"], s["isa"], s["precision"]) == ("other", 2, "scalar", "double"), s
+    assert abs(s["time"] - 1e-4) < 3e-6
+    with results(folder) as file:
+        assert "wall_shear" not in text(file.attrs["effects"])
+
+
+@fact
+def wrong_calls_are_refused(folder):
+    wrong = {
+        (): "expected a command",
+        ("fly",): "unknown command 'fly'",
+        ("run",): "expected SCENE",
+        ("resume",): "expected DIR",
+        ("run", LATTICE, "more"): "'more'",
+        ("info", "more"): "'more'",
+        ("run", LATTICE, "--fast"): "--fast",
+        ("run", LATTICE, "--out"): "--out",
+        ("run", LATTICE, "--log", "xml"): "expected json or text, found 'xml'",
+        ("run", LATTICE, "--threads", "many"): "run.threads",
+        ("run", LATTICE, "--threads", "-1"): "run.threads",
+        ("run", LATTICE, "--isa", "mmx"): "run.isa.*mmx",
+        ("run", LATTICE, "--precision", "half"): "run.precision.*half",
+        ("run", LATTICE, "--precision", "mixed"): "double",
+        ("run", LATTICE, "--set", "time.end"): "KEY=VALUE",
+        ("run", LATTICE, "--set", "=1"): "KEY=VALUE",
+        ("run", LATTICE, "--set", "time.ende=1"): "--set time.ende",
+        ("run", LATTICE, "--set", "time.end=1 kg"): "--set time.end.*kg",
+        ("run", LATTICE, "--set", "walls.left.friction=1"): "left",
+        ("run", LATTICE, *["--set", "title=x"] * 65): "at most|too many",
+    }
+    for arguments, pattern in wrong.items():
+        expect(gneiss(*arguments, cwd=folder), 2, pattern)
+    assert not os.listdir(folder), os.listdir(folder)
+
+
+@fact
+def wrong_scenes_are_named_by_file_line_and_column(folder):
+    good = open(LATTICE).read()
+    wrong = {
+        r"s\.yaml:\d+:\d+: .*frictoin": good.replace("friction: 0.4", "frictoin: 0.4"),
+        r"s\.yaml:\d+:\d+: time\.end: .*kg": good.replace("end: 0.4 ms", "end: 0.4 kg"),
+        r"s\.yaml:\d+:\d+: .*density": good.replace("density: 2000", "density: -1"),
+        r"s\.yaml:\d+:\d+: .*stiffness.*elastic": good.replace("stiffness: uniform", "stiffness: elastic"),
+        r"s\.yaml:\d+:\d+": good.replace("title: small lattice", "title: [small"),
+        r"s\.yaml:1:1: expected a scene": "\n",
+    }
+    for pattern, scene in wrong.items():
+        assert scene != good
+        path = write_scene(folder, scene, "s.yaml")
+        expect(gneiss("run", path, "--out", os.path.join(folder, "out")), 2, pattern)
+    assert os.listdir(folder) == ["s.yaml"]
+
+
+@fact
+def a_scene_that_is_no_file_is_an_error(folder):
+    expect(gneiss("run", folder), 2, "expected a scene file, found a folder")
+    expect(gneiss("run", os.path.join(folder, "nothing.yaml")), 2, r"nothing\.yaml: .*No such file")
+    binary = os.path.join(folder, "binary")
+    with open(binary, "wb") as file:
+        file.write(bytes(range(256)) * 20)
+    expect(gneiss("run", binary), 2, "binary")
+
+
+@fact
+def output_that_nobody_takes_is_an_error(folder):
+    with open("/dev/full", "w") as full:
+        done = subprocess.run(command("keys"), stdout=full, stderr=subprocess.PIPE, text=True)
+    expect(done, 3, "standard output")
+
+
+@fact
+def a_reader_that_goes_away_does_not_end_a_run(folder):
+    process = subprocess.Popen(command("run", UCS, "--out", folder, "--log", "json"), env=ENVIRONMENT,
+                               stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
+    process.stdout.close()
+    process.stderr.read()
+    assert process.wait(timeout=60) == 3, process.returncode
+    assert state_hash(folder) == state_hash(ucs())
+
+
+# --- what is written --------------------------------------------------------------------------------------
+
+@fact
+def results_have_units_and_descriptions(folder):
+    def look(name, item):
+        if isinstance(item, h5py.Dataset) and name != "scene":
+            assert text(item.attrs.get("unit", "")), f"{name} has no unit"
+            assert text(item.attrs.get("description", "")), f"{name} has no description"
+
+    with results(ucs()) as file:
+        file.visititems(look)
+
+
+@fact
+def results_hold_what_the_document_lists(folder):
+    with results(ucs()) as file:
+        for name in ("title", "scene_file", "version", "build", "isa", "precision", "threads", "effects", "state_hash",
+                     "finished", "stop_reason", "dimension"):
+            assert name in file.attrs, f"attribute {name} is missing"
+        pairs = ("xx", "yy", "zz", "xy", "yz", "xz")
+        history = ["step", "time", "strain", "stress", "stress_lower", "stress_upper", "unbalanced", "bonds_intact",
+                   "broken_tension", "broken_shear", "damage", "energy_residual", "energy_kinetic"]
+        history += [f"{what}_{pair}" for what in ("strain", "stress") for pair in pairs]
+        history += [f"wall_top_{what}_{axis}" for what in ("force", "displacement") for axis in "xyz"]
+        names = [f"history/{name}" for name in history] + [f"readings/{name}" for name in READINGS]
+        names += ["energy/residual", "energy/stored_at_start", "profile/bonds", "scene"]
+        names += [f"particles/{name}" for name in ("position", "radius", "displacement", "velocity", "spin", "damage",
+                                                   "stress", "bonds_at_start", "removed")]
+        names += [f"bonds/{name}" for name in ("i", "j", "state", "broken_time", "force", "criterion")]
+        missing = [name for name in names if name not in file]
+        assert not missing, missing
+        assert len({data.shape for data in file["history"].values()}) == 1, "columns differ in length"
+        assert file["particles/position"].shape == (2000, 3) and file["particles/stress"].shape == (2000, 6)
+
+
+@fact
+def particles_are_in_the_order_of_the_specimen_file(folder):
+    rows = np.loadtxt(os.path.join(SCENES, "../../scenes/specimens/rock-b.txt"))
+    with results(ucs()) as file:
+        assert np.array_equal(file["particles/radius"][:], rows[:, 3])
+        start = file["particles/position"][:] - file["particles/displacement"][:]
+        i, j = file["bonds/i"][:], file["bonds/j"][:]
+    assert np.abs(start - rows[:, :3]).max() < 1e-12
+    gap = np.linalg.norm(rows[i, :3] - rows[j, :3], axis=1) / (rows[i, 3] + rows[j, 3]) - 1
+    assert gap.max() <= 0.05 + 1e-12, "bonds across wider gaps than the interaction range"
+
+
+@fact
+def breaking_times_agree_with_the_counts_of_the_history(folder):
+    with results(ucs()) as file:
+        state, when = file["bonds/state"][:], file["bonds/broken_time"][:]
+        time_, tension, shear = (file["history/" + n][:] for n in ("time", "broken_tension", "broken_shear"))
+        intact, damage = file["history/bonds_intact"][:], file["history/damage"][:]
+    assert np.array_equal(np.isnan(when), state == 0)
+    for kind, counted in ((1, tension), (2, shear)):
+        times = np.sort(when[state == kind])
+        assert np.array_equal(np.searchsorted(times, time_, side="right"), counted), f"kind {kind}"
+    assert np.array_equal(intact, len(state) - tension - shear)
+    assert np.allclose(damage, (tension + shear) / len(state), rtol=0, atol=1e-15)
+    counts = summary(ucs())["counts"]
+    assert counts["bonds"] == len(state)
+    assert (counts["broken_tension"], counts["broken_shear"]) == (np.sum(state == 1), np.sum(state == 2))
+
+
+@fact
+def the_summary_has_its_keys_and_agrees_with_the_results(folder):
+    s = summary(ucs())
+    assert set(READINGS) <= s["readings"].keys()
+    assert {"particles", "contacts", "bonds", "broken_tension", "broken_shear"} <= s["counts"].keys()
+    for key in ("energy_residual", "state_hash", "steps", "dt", "seconds", "contact_steps_per_second", "threads", "isa",
+                "precision", "version"):
+        assert key in s, f"{key} is missing"
+    assert s["counts"]["particles"] == 2000 and s["threads"] == 2 and s["finished"] is True
+    with results(ucs()) as file:
+        for name in READINGS:
+            assert file["readings/" + name][0] == s["readings"][name], name
+        assert text(file.attrs["state_hash"]) == s["state_hash"]
+        stress = file["history/stress"][:]
+    assert s["readings"]["peak_stress"] == stress.max() and 1e7 < stress.max() < 1e9
+    phases = sum(value for name, value in s["seconds"].items() if name != "total")
+    assert 0.5 * s["seconds"]["total"] < phases < 1.01 * s["seconds"]["total"], s["seconds"]
+
+
+@fact
+def the_energy_ledger_of_the_small_ucs_closes(folder):
+    residual = summary(ucs())["energy_residual"]
+    assert 0 < abs(residual) < 1e-3, residual
+    values = history(ucs())["energy_residual"]
+    assert values[-1] == residual or np.nanmax(np.abs(values[len(values) // 2:])) < 1e-3
+
+
+@fact
+def the_resolved_scene_in_the_results_gives_the_same_run(folder):
+    with results(ucs()) as file:
+        scene = file["scene"][()].decode()
+    out = os.path.join(folder, "out")
+    run(write_scene(folder, scene), out, "--threads", 1)
+    assert state_hash(out) == state_hash(ucs())
+
+
+@fact
+def no_rows_and_no_snapshots_leave_the_first_row_and_the_last_state(folder):
+    run(LATTICE, folder, "--set", "output.history_rows=0", "--set", "output.snapshots=0")
+    assert list(history(folder)["step"]) == [0.0]
+    assert len(series(folder)) == 1
+    assert summary(folder)["readings"]["young_modulus"] is None, "a modulus from a single row"
+
+
+@fact
+def without_the_ledger_there_is_no_energy(folder):
+    done = expect(gneiss("run", LATTICE, "--out", folder, "--set", "output.energy=off"), 0)
+    assert "nan" not in done.stdout + done.stderr, done.stderr
+    assert summary(folder)["energy_residual"] is None
+    with results(folder) as file:
+        assert "energy" not in file and not [name for name in file["history"] if name.startswith("energy")]
+
+
+@fact
+def snapshots_are_grids_with_their_time(folder):
+    out = ucs()
+    listed = series(out)
+    assert len(listed) in (7, 8) and listed[0][1] == 0.0, listed
+    for name, when in listed:
+        with h5py.File(os.path.join(out, name)) as file:
+            assert file["VTKHDF/FieldData/TimeValue"][0] == when
+            for data in ("id", "radius", "displacement", "velocity", "damage", "stress", "coordination"):
+                assert len(file["VTKHDF/PointData/" + data]) == 2000, data
+    with h5py.File(os.path.join(out, series(out, "bonds")[-1][0])) as file, results(out) as final:
+        assert np.array_equal(file["VTKHDF/CellData/state"][:], final["bonds/state"][:])
+
+
+# --- damage -----------------------------------------------------------------------------------------------
+
+def mutated(source, pick):
+    tokens = re.split(r"(\s+|[\[\]{},:])", source)
+    words = ["", "-1", "0", "1e400", "nan", "[", "}", "&a", "*a", "!!int", "time", "99999999999999999999", "\t", "~", "kg",
+             "'", "|", "? ", "- - -", "off", "[[0, 0]]", "\u00fc"]
+    for _ in range(pick.choice((1, 1, 2, 3))):
+        k = pick.randrange(len(tokens))
+        tokens[k] = pick.choice(words + [tokens[pick.randrange(len(tokens))], tokens[k] * 2])
+    return "".join(tokens)
+
+
+@fact
+def scenes_with_random_edits_are_checked_or_refused(folder):
+    source, pick = open(LATTICE).read(), random.Random(3)
+    source = source.replace("[5, 5, 6]", "[3, 3, 3]")
+    scenes = [write_scene(folder, mutated(source, pick), f"s{k}.yaml") for k in range(60)]
+    with ThreadPoolExecutor(2) as pool:
+        calls = list(pool.map(lambda path: gneiss("check", path, timeout=30), scenes))
+    for path, call in zip(scenes, calls):
+        assert call.returncode in (0, 2, 5), f"exit code {call.returncode}: {call.stderr}\n{open(path).read()}"
+        assert (call.returncode == 0) == (call.stderr == ""), call.stderr
+    refused = sum(call.returncode == 2 for call in calls)
+    assert 10 < refused < 60, f"{refused} of 60 refused"
+
+
+if __name__ == "__main__":
+    code = main()
+    shutil.rmtree(OUT, ignore_errors=True)
+    sys.exit(code)

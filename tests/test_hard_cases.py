@@ -1,0 +1,301 @@
+"""Runs that cannot go well and how gneiss says so. Speaks TAP."""
+import resource
+import shlex
+
+from program import *  # noqa: F403
+
+
+def spheres(particles, **changes):
+    """A 3D scene of the given particles [x, y, z, r]."""
+    scene = {
+        "specimen": {"particles": particles},
+        "materials": [{"name": "ball", "density": 2000, "normal_stiffness": 1e6, "kratio": 2, "friction": 0.3,
+                       "bond_tension_limit": 100, "bond_shear_limit": 100}],
+        "law": {"stiffness": "uniform"},
+        "time": {"end": "1 ms"},
+        "output": {"snapshots": 0, "history_rows": 10, "checkpoint": "off"},
+        "run": {"threads": 1},
+    }
+    scene.update(changes)
+    return scene
+
+
+THREE = [[0, 0, 0, 1e-3], [0, 0, 3e-3, 1e-3], [0, 0, 6e-3, 1e-3]]
+
+
+def refused(folder, scene, code, *patterns):
+    """Fails with the patterns and leaves no folder behind."""
+    path, out = write_scene(folder, scene), os.path.join(folder, "out")
+    expect(gneiss("run", path, "--out", out), code, *patterns)
+    assert not os.path.exists(out), f"written all the same: {os.listdir(out)}"
+    expect(gneiss("check", path), code, *patterns)
+
+
+def done(folder, scene, *arguments):
+    """Runs to its end; the output folder, in which every number is finite."""
+    out = os.path.join(folder, "out")
+    run(write_scene(folder, scene), out, *arguments)
+    with results(out) as file:
+        for name in ("position", "velocity", "displacement", "spin"):
+            assert np.all(np.isfinite(file["particles/" + name][:])), f"particles/{name} is not finite"
+    return out
+
+
+# --- specimens --------------------------------------------------------------------------------------------
+
+@fact
+def coincident_centres_name_both_particles(folder):
+    particles = THREE + [[0, 0, 3e-3, 2e-3]]
+    refused(folder, spheres(particles), 2, "scene.yaml", "particles 1 and 3 at the same place")
+
+
+@fact
+def coincident_centres_of_bonded_particles_name_both(folder):
+    scene = spheres([[1e-3 * k, 0, 0, 0.6e-3] for k in range(9)] + [[4e-3, 0, 0, 0.6e-3]], bonds={})
+    refused(folder, scene, 2, "particles 4 and 9 at the same place")
+
+
+@fact
+def an_empty_specimen_is_refused(folder):
+    write_scene(folder, "# nothing but a comment\n", "empty.txt")
+    refused(folder, spheres([], specimen={"file": "empty.txt"}), 2, r"empty\.txt", "expected")
+    refused(folder, spheres([]), 2, r"scene\.yaml:1:\d+")
+
+
+@fact
+def a_nan_in_the_specimen_is_named_by_line_and_column(folder):
+    write_scene(folder, "# x y z r\n0 0 0 1e-3\n0 0 nan 1e-3\n", "balls.txt")
+    refused(folder, spheres([], specimen={"file": "balls.txt"}), 2, r"balls\.txt:3:5")
+    write_scene(folder, "0 0 0 1e-3\n0 0 5e-3 0\n", "balls.txt")
+    refused(folder, spheres([], specimen={"file": "balls.txt"}), 2, r"balls\.txt:2:\d+")
+
+
+@fact
+def a_missing_specimen_is_named_at_its_key(folder):
+    text = 'specimen:\n  file: nowhere.txt\nmaterials: [{name: a, density: 1, normal_stiffness: 1, kratio: 0}]\n' \
+           'law: {stiffness: uniform}\ntime: {end: 1}\n'
+    refused(folder, text, 2, r"scene\.yaml:2:9: specimen\.file.*nowhere\.txt.*No such file")
+
+
+@fact
+def a_single_particle_flies_its_path(folder):
+    scene = spheres([[0, 0, 0, 1e-3]], gravity=[0, 0, -10],
+                    sets=[{"name": "ball", "select": {"all": True}, "initial_velocity": [1, 0, 0]}])
+    with results(done(folder, scene)) as file:
+        t = file["history/time"][:]
+        moved = file["particles/displacement"][0]
+    assert t[0] == 0.0 and abs(moved[0] - 1e-3) < 2e-5, moved
+    assert abs(moved[2] + 0.5 * 10 * 1e-6) < 2e-7, moved
+
+
+@fact
+def rest_stays_rest_under_non_viscous_damping(folder):
+    for model in ("nonviscous_vector", "nonviscous_component"):
+        scene = spheres(THREE, damping={"background": {"model": model, "coefficient": 0.7}})
+        with results(done(folder, scene)) as file:
+            assert not np.any(file["particles/velocity"][:]) and not np.any(file["particles/displacement"][:])
+
+
+@fact
+def overlapping_particles_at_rest_move_apart_under_non_viscous_damping(folder):
+    for model in ("nonviscous_vector", "nonviscous_component"):
+        scene = spheres([[0, 0, 0, 1e-3], [0, 0, 1.99e-3, 1e-3]],
+                        damping={"background": {"model": model, "coefficient": 0.7}})
+        with results(done(folder, scene)) as file:
+            moved = file["particles/displacement"][:]
+        assert moved[1, 2] > 1e-6 and abs(moved[0, 2] + moved[1, 2]) < 1e-12 and not np.any(moved[:, :2]), moved
+
+
+@fact
+def a_radius_ratio_of_a_hundred_runs(folder):
+    scene = spheres([[0, 0, 0, 0.1], [0, 0, 0.1012, 1e-3], [2e-3, 0, 0.1013, 1e-3]], gravity=[0, 0, -9.81],
+                    walls=[{"name": "floor", "point": [0, 0, -0.1], "normal": [0, 0, 1], "stiffness": 1e6}],
+                    damping={"contact": {"restitution": 0.5}}, time={"end": "20 ms"})
+    with results(done(folder, scene)) as file:
+        position = file["particles/position"][:]
+    gaps = np.linalg.norm(position[1:] - position[0], axis=1) - 0.101
+    assert np.all(gaps > -1e-4), f"the small ones sank into the large one: {gaps}"
+    assert gaps[0] < 0.19e-3, f"the small one did not fall: {gaps}"
+
+
+@fact
+def a_particle_may_have_hundreds_of_contacts(folder):
+    count, large, small = 900, 0.03, 1e-3
+    k = np.arange(count) + 0.5
+    polar, around = np.arccos(1 - 2 * k / count), np.pi * (1 + 5 ** 0.5) * k
+    way = np.stack([np.cos(around) * np.sin(polar), np.sin(around) * np.sin(polar), np.cos(polar)], 1)
+    shell = [[*map(float, (large + small) * d), small] for d in way]
+    scene = spheres([[0, 0, 0, large]] + shell, bonds={"interaction_range": 0.001}, time={"end": "0.2 ms"},
+                    damping={"background": {"model": "nonviscous_vector", "coefficient": 0.5}},
+                    sets=[{"name": "core", "select": {"ids": [0]}, "initial_velocity": [0.01, 0, 0]}])
+    one = done(folder, scene)
+    with results(one) as file:
+        assert file["particles/bonds_at_start"][0] >= count
+    first = state_hash(one)
+    done(folder, scene, "--threads", 4)
+    assert state_hash(one) == first, "threads change the sum over many contacts"
+
+
+# --- runs that go bad -------------------------------------------------------------------------------------
+
+LEAVING = dict(time={"end": "2 ms"},
+               domain={"min": [-0.01] * 3, "max": [0.01, 0.01, 0.02]},
+               sets=[{"name": "leaver", "select": {"ids": [1]}, "initial_velocity": [10, 0, 0]}])
+
+
+def failed_outputs(out):
+    names = os.listdir(out)
+    assert [n for n in names if re.fullmatch(r"failed_particles_\d+\.hdf", n)], names
+    assert "summary.json" not in names, "a summary of a run that failed"
+    with results(out) as file:
+        assert file.attrs["finished"] == 0 and text(file.attrs["stop_reason"]).startswith("failed: ")
+        return text(file.attrs["stop_reason"])
+
+
+@fact
+def a_particle_that_leaves_the_domain_stops_the_run(folder):
+    out = os.path.join(folder, "out")
+    call = gneiss("run", write_scene(folder, spheres(THREE, **LEAVING)), "--out", out, "--quiet")
+    expect(call, 5, "particle 1 left the domain", "domain.lost: remove", r"failed_\*\.hdf")
+    assert "particle 1 left the domain" in failed_outputs(out)
+
+
+@fact
+def a_particle_that_leaves_the_domain_can_be_removed(folder):
+    scene = spheres(THREE, **LEAVING)
+    scene["domain"]["lost"] = "remove"
+    out = done(folder, scene)
+    assert summary(out)["counts"]["removed"] == 1
+    with results(out) as file:
+        assert list(file["particles/removed"][:]) == [0, 1, 0]
+        assert not np.any(file["particles/velocity"][1]), "a removed particle moves"
+        assert abs(file["energy/residual"][0]) < 1e-9, file["energy/residual"][0]
+
+
+@fact
+def a_step_above_the_limit_is_refused_with_both_numbers(folder):
+    scene = spheres([[0, 0, 1.99e-3 * k, 1e-3] for k in range(5)], bonds={}, time={"end": "1 s", "step": "1 ms"})
+    refused(folder, scene, 2, r"time\.step: expected at most [\d.e-]+ s", r"particle \d", r"found 0\.001 s")
+
+
+@fact
+def a_step_above_the_limit_runs_on_request_and_goes_bad_by_name(folder):
+    scene = spheres([[0, 0, 1.99e-3 * k, 1e-3] for k in range(5)], bonds={"passive_gaps": False},
+                    time={"end": "1 s", "step": "1 ms", "on_unstable": "warn"})
+    scene["materials"][0]["bond_tension_limit"] = scene["materials"][0]["bond_shear_limit"] = 1e30
+    out = os.path.join(folder, "out")
+    expect(gneiss("run", write_scene(folder, scene), "--out", out, "--quiet"), 5, r"particle \d", "stability limit")
+    failed_outputs(out)
+
+
+@fact
+def a_run_that_failed_goes_on_from_its_checkpoint(folder):
+    out, late = os.path.join(folder, "out"), [[0, 0, 0, 1e-3], [9e-3, 0, 0, 1e-3]]
+    scene = spheres(late, domain={"min": [-0.1] * 3, "max": [0.1] * 3}, time={"end": "1 ms"},
+                    sets=[{"name": "leaver", "select": {"ids": [1]}, "initial_velocity": [10, 0, 0]}])
+    run(write_scene(folder, scene), out)
+    expect(gneiss("resume", out, "--quiet", "--set", "time.end=20 ms"), 5, "particle 1 left the domain")
+    resume(out, "--set", "time.end=2 ms")
+    assert abs(summary(out)["time"] - 2e-3) < 1e-5
+
+
+# --- disks ------------------------------------------------------------------------------------------------
+
+def contents(folder):
+    return {name: open(os.path.join(folder, name), "rb").read() for name in sorted(os.listdir(folder))}
+
+
+@fact
+def a_file_in_the_place_of_the_folder_is_an_error(folder):
+    place = write_scene(folder, "mine", "taken")
+    expect(gneiss("run", LATTICE, "--out", place), 3, "taken: cannot be made a folder: there is a file")
+    expect(gneiss("run", LATTICE, "--out", os.path.join(place, "below")), 3, "taken")
+    assert open(place).read() == "mine"
+
+
+@fact
+def a_folder_in_the_place_of_a_file_is_an_error(folder):
+    os.mkdir(os.path.join(folder, "summary.json"))
+    expect(gneiss("run", LATTICE, "--out", folder, "--quiet"), 3, "summary.json")
+
+
+def in_namespace(script, *arguments):
+    """A shell script with a mount table of its own."""
+    call = ["unshare", "-m", "--propagation", "private", "sh", "-c", script, "sh", *arguments]
+    try:
+        if subprocess.run(["unshare", "-m", "true"], capture_output=True).returncode != 0:
+            raise Skip("no mount namespaces for this user")
+    except FileNotFoundError:
+        raise Skip("no unshare on this machine") from None
+    return subprocess.run(call, capture_output=True, text=True, env=ENVIRONMENT, timeout=120)
+
+
+def gneiss_in(call):
+    return "; ".join([" ".join(map(shlex.quote, call)), "echo code $?"])
+
+
+@fact
+def a_read_only_folder_is_an_error(folder):
+    script = f'mount -t tmpfs -o ro none "$1" || exit 77; {gneiss_in(command("run", LATTICE, "--quiet"))} --out "$1"'
+    script = script.replace("; echo code $? --out", " --out") + "; echo code $?"
+    call = in_namespace(script, folder)
+    if call.returncode == 77:
+        raise Skip("tmpfs cannot be mounted")
+    assert "code 3" in call.stdout and "Read-only file system" in call.stderr, call.stdout + call.stderr
+
+
+@fact
+def a_full_disk_is_an_error_and_leaves_whole_files_only(folder):
+    program, scene = map(shlex.quote, (PROGRAM, UCS))
+    script = f'mount -t tmpfs -o size=2500k none "$1" || exit 77; {program} run {scene} --out "$1" --quiet; ' \
+             'echo code $?; for file in "$1"/*; do cp "$file" "$2" && rm "$file"; done'
+    disk, out = os.path.join(folder, "disk"), os.path.join(folder, "copy")
+    os.mkdir(disk)
+    os.mkdir(out)
+    call = in_namespace(script, disk, out)
+    if call.returncode == 77:
+        raise Skip("tmpfs cannot be mounted")
+    assert "code 3" in call.stdout, call.stdout + call.stderr
+    assert "No space left on device" in call.stderr, call.stderr
+    names = os.listdir(out)
+    assert names and not [name for name in names if name.endswith(".tmp")], names
+    for name in names:
+        if name.endswith((".hdf", ".h5")):
+            with h5py.File(os.path.join(out, name)) as file:
+                assert len(file), f"{name} is empty"
+
+
+@fact
+def a_file_size_limit_is_an_error_and_leaves_earlier_files_alone(folder):
+    out = os.path.join(folder, "out")
+    run(LATTICE, out, "--set", "time.end=0.2 ms")
+    before = contents(out)
+    limit = min(len(before[checkpoints(out)[0]]), len(before["results.h5"])) // 2
+
+    def limited():
+        resource.setrlimit(resource.RLIMIT_FSIZE, (limit, limit))
+
+    call = gneiss("resume", out, "--quiet", "--set", "time.end=0.4 ms", preexec_fn=limited)
+    expect(call, 3, "File too large", re.escape(out))
+    after = contents(out)
+    assert not [name for name in after if name.endswith(".tmp")], after.keys()
+    for name in before:
+        if not name.endswith(".series"):
+            assert after.get(name) == before[name], f"{name} has changed"
+    resume(out, "--set", "time.end=0.4 ms")
+    straight = os.path.join(folder, "straight")
+    run(LATTICE, straight)
+    assert state_hash(out) == state_hash(straight)
+
+
+@fact
+def a_file_size_limit_at_the_start_is_an_error(folder):
+    def limited():
+        resource.setrlimit(resource.RLIMIT_FSIZE, (100, 100))
+
+    expect(gneiss("run", LATTICE, "--out", folder, "--quiet", preexec_fn=limited), 3, "File too large")
+    assert not os.listdir(folder), os.listdir(folder)
+
+
+if __name__ == "__main__":
+    sys.exit(main())

@@ -1,0 +1,165 @@
+#!/usr/bin/python3
+"""test_install.py BUILD SANITIZERS: installs the finished build into a temporary folder and uses it from there as a
+stranger would: headers, pkg-config, shared and static library, the example. One TAP line per fact."""
+import os
+import re
+import shutil
+import subprocess
+import sys
+import tempfile
+
+BUILD, SANITIZERS = os.path.abspath(sys.argv[1]), sys.argv[2]
+EXAMPLES = os.path.join(os.path.dirname(os.path.dirname(os.path.abspath(__file__))), "examples")
+CC, CXX = shutil.which("cc"), shutil.which("c++")
+FACTS = []
+
+
+class Skip(Exception):
+    pass
+
+
+def fact(function):
+    FACTS.append(function)
+    return function
+
+
+def run(*command, **options):
+    """Standard output; anything but exit code 0 fails the fact with what the command said."""
+    done = subprocess.run([str(c) for c in command], capture_output=True, text=True, timeout=200, **options)
+    assert done.returncode == 0, f"{' '.join(map(str, command))}: exit code {done.returncode}\n{done.stdout}{done.stderr}"
+    return done.stdout
+
+
+class Installed:
+    """The build installed below a folder of its own; nothing outside of it is touched."""
+
+    def __init__(self, root):
+        self.root = root
+        run(shutil.which("meson") or "/usr/bin/meson", "install", "-C", BUILD, "--no-rebuild", "--quiet", "--destdir", root)
+        self.config = self.find("gneiss.pc")
+        text = open(self.config, encoding="utf-8").read()
+        self.prefix = root + re.search(r"^prefix=(.*)$", text, re.MULTILINE)[1]
+        self.header = self.find("gneiss.h")
+        self.library = os.path.dirname(self.find("libgneiss.so"))
+
+    def find(self, name):
+        places = [os.path.join(folder, name) for folder, _, files in os.walk(self.root) if name in files]
+        assert len(places) == 1, f"expected one {name} in the installation, found {places}"
+        return places[0]
+
+    def flags(self, *options):
+        """What pkg-config says, with the prefix that the files have in the temporary folder."""
+        path = [os.path.dirname(self.config), os.environ.get("PKG_CONFIG_PATH", "")]
+        environment = {**os.environ, "PKG_CONFIG_PATH": ":".join(filter(None, path))}
+        own = run("pkg-config", *options, "gneiss", env=environment).split()
+        return [flag.replace(self.prefix[len(self.root):], self.prefix, 1) if flag[2:].startswith(
+            self.prefix[len(self.root):]) else flag for flag in own]
+
+    def example(self, name, flags, **options):
+        program = os.path.join(self.root, name)
+        run(CC, "-std=c99", "-Wall", "-Wextra", "-pedantic", "-Werror", os.path.join(EXAMPLES, "two_spheres.c"),
+            "-o", program, *flags)
+        environment = {**os.environ, **options}
+        return run(program, os.path.join(EXAMPLES, "two_spheres.yaml"), program + ".h5", env=environment)
+
+
+def check_example(text):
+    states = re.findall(r"state ([0-9a-f]{16})", text)
+    assert len(states) == 2 and states[0] == states[1], text
+    modulus = float(re.search(r"young_modulus = (\S+) Pa", text)[1])
+    assert abs(modulus - 0.5e9) < 1e-5 * 0.5e9, text
+
+
+@fact
+def the_example_runs_with_the_shared_library(place):
+    if SANITIZERS != "none":
+        raise Skip("the library is instrumented, a plain program cannot load it")
+    check_example(place.example("shared", place.flags("--cflags", "--libs"), LD_LIBRARY_PATH=place.library))
+
+
+@fact
+def the_example_runs_with_the_static_library(place):
+    if SANITIZERS != "none":
+        raise Skip("the library is instrumented, a plain program cannot hold it")
+    if "clang" in run(CC, "--version"):
+        raise Skip("cc may bring another OpenMP than the library was built with")
+    flags = place.flags("--cflags")
+    private = [f for f in place.flags("--libs", "--static") if f != "-lgneiss"]
+    check_example(place.example("static", [*flags, place.find("libgneiss.a"), *private]))
+
+
+@fact
+def the_header_is_strict_c99(place):
+    run(CC, "-std=c99", "-pedantic", "-Wall", "-Wextra", "-Wstrict-prototypes", "-Werror", "-fsyntax-only",
+        "-I", os.path.dirname(os.path.dirname(place.header)), "-x", "c", place.header)
+
+
+@fact
+def the_header_is_cxx_with_c_linkage(place):
+    if not CXX:
+        raise Skip("no c++")
+    source, made = os.path.join(place.root, "user.cpp"), os.path.join(place.root, "user.o")
+    with open(source, "w", encoding="utf-8") as file:
+        file.write('#include <gneiss/gneiss.h>\n'
+                   'int main() { gneiss_error e; gneiss_world *w = NULL; gneiss_view v; e.status = GNEISS_OK;\n'
+                   'gneiss_world_free(w); return gneiss_world_field(w, GNEISS_PARTICLES, "pos", &v, &e); }\n')
+    for standard in ("c++11", "c++20"):
+        run(CXX, "-std=" + standard, "-pedantic", "-Wall", "-Wextra", "-Werror", "-c", source, "-o", made,
+            "-I", os.path.dirname(os.path.dirname(place.header)))
+    wanted = re.findall(r"U (\S*gneiss\S*)", run("nm", made))
+    assert sorted(wanted) == ["gneiss_world_field", "gneiss_world_free"], wanted
+
+
+@fact
+def the_shared_library_shows_what_the_header_declares_and_nothing_else(place):
+    if SANITIZERS != "none":
+        raise Skip("sanitizers add symbols of their own")
+    shown = {line.split()[2] for line in run("nm", "-D", "--defined-only", place.find("libgneiss.so")).splitlines()}
+    text = open(place.header, encoding="utf-8").read()
+    declared = set(re.findall(r"GNEISS_API [^;(]*?\b(gneiss_\w+)\(", text))
+    assert declared and shown == declared, f"only shown: {shown - declared}, only declared: {declared - shown}"
+
+
+@fact
+def the_report_is_where_the_program_looks_for_it(place):
+    program = place.find("gneiss")
+    script = os.path.join(os.path.dirname(program), "../share/gneiss/report.py")
+    for name in os.listdir(os.path.join(os.path.dirname(EXAMPLES), "tools")):
+        if re.fullmatch(r"report.*\.py", name):
+            assert os.path.exists(os.path.join(os.path.dirname(script), name)), f"{name} is not installed"
+    done = subprocess.run([program, "report", place.root], capture_output=True, text=True, timeout=100)
+    assert done.returncode == 2 and "results.h5" in done.stderr, (done.returncode, done.stderr)
+
+
+@fact
+def nothing_of_the_inside_is_installed(place):
+    headers = [name for _, _, files in os.walk(place.root) for name in files if name.endswith(".h")]
+    assert sorted(headers) == ["gneiss.h", "status.h"], headers
+    libraries = [name for _, _, files in os.walk(place.root) for name in files if ".a" in name or ".so" in name]
+    assert all(name.startswith("libgneiss.") for name in libraries), libraries
+
+
+def main():
+    missing = [name for name in ("cc", "pkg-config", "nm") if not shutil.which(name)]
+    if missing:
+        print(f"1..0 # SKIP {' and '.join(missing)} missing", flush=True)
+        return 0
+    print(f"1..{len(FACTS)}", flush=True)
+    failed = 0
+    with tempfile.TemporaryDirectory() as root:
+        place = Installed(root)
+        for number, test in enumerate(FACTS, 1):
+            try:
+                test(place)
+                print(f"ok {number} - {test.__name__}", flush=True)
+            except Skip as e:
+                print(f"ok {number} - {test.__name__} # SKIP {e}", flush=True)
+            except Exception as e:  # every failure is reported and counted
+                failed += 1
+                print(f"not ok {number} - {test.__name__}", flush=True)
+                print(f"{test.__name__}: {type(e).__name__}: {e}", file=sys.stderr)
+    return 1 if failed else 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())

@@ -1,0 +1,816 @@
+/* The contact and motion kernels: every variant of every instruction set against the scalar one, and the
+ * scalar one against the formulas written down anew in plain doubles. */
+#include "world_helpers.h"
+
+#include "base/random.h"
+#include "neigh/pairs.h"
+
+#include <float.h>
+
+enum { CONTACTS = 2 * GN_CONTACT_BLOCK + 187 }; /* a part of a block, and a part of a vector */
+
+static double uniform(uint64_t *at, double low, double high) {
+    return low + (high - low) * 0.5 * (gn_random_symmetric(7, (*at)++) + 1.0);
+}
+
+static double dot3(const double *a, const double *b) {
+    return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
+}
+
+static void cross3(const double *a, const double *b, double *r) {
+    r[0] = a[1] * b[2] - a[2] * b[1];
+    r[1] = a[2] * b[0] - a[0] * b[2];
+    r[2] = a[0] * b[1] - a[1] * b[0];
+}
+
+/* --- a list of contacts in every state ------------------------------------------------------------- */
+
+typedef struct bench {
+    gn_particles p;
+    gn_contacts k;
+    gn_contact_args args;
+    int space;
+} bench;
+
+static void random_direction(uint64_t *at, int space, double n[3]) {
+    double size;
+    do {
+        for (int a = 0; a < 3; a++) n[a] = a < 2 || space ? uniform(at, -1.0, 1.0) : 0.0;
+        size = sqrt(dot3(n, n));
+    } while (size > 1.0 || size < 0.1);
+    for (int a = 0; a < 3; a++) n[a] /= size;
+}
+
+/* Two spheres of about 1 mm; the distance changes by at most 1e-3 of the radii, the normal and the
+ * spins turn by some 1e-5 in a step: the size of a real step. */
+static void place_contact(bench *b, size_t c, uint64_t *at) {
+    double *xi = b->p.pos + 4 * b->k.i[c], *xj = b->p.pos + 4 * b->k.j[c], n[3];
+    random_direction(at, b->space, n);
+    xi[3] = uniform(at, 0.5e-3, 2e-3);
+    xj[3] = uniform(at, 0.5e-3, 2e-3);
+    double sum = xi[3] + xj[3], distance = sum * (1.0 + uniform(at, -2e-3, 1e-3));
+    if (c % 97 == 13) distance = 0.0; /* coincident centres */
+    for (int a = 0; a < 2 + b->space; a++) {
+        xi[a] = uniform(at, -0.02, 0.02);
+        xj[a] = xi[a] + distance * n[a];
+        if (b->args.period[a] > 0.0 && distance > 0.0 && c % 3 == 0)
+            xj[a] += b->args.period[a] * (c % 2 ? 1.0 : -1.0);
+    }
+    for (int a = 0; a < 3; a++) {
+        bool moves = (a < 2 || b->space) && c % 31 != 5; /* some at rest */
+        b->p.vel[4 * b->k.i[c] + a] = moves ? uniform(at, -0.05, 0.05) : 0.0;
+        b->p.vel[4 * b->k.j[c] + a] = moves ? uniform(at, -0.05, 0.05) : 0.0;
+        bool spins = (a == 2 || b->space) && c % 29 != 7;
+        if (b->p.spin) b->p.spin[4 * b->k.i[c] + a] = spins ? uniform(at, -50.0, 50.0) : 0.0;
+        if (b->p.spin) b->p.spin[4 * b->k.j[c] + a] = spins ? uniform(at, -50.0, 50.0) : 0.0;
+    }
+}
+
+/* Vector from i to j (nearest image), now and one step ago. */
+static void separation(const bench *b, size_t c, double now[3], double before[3]) {
+    const double *xi = b->p.pos + 4 * b->k.i[c], *xj = b->p.pos + 4 * b->k.j[c];
+    for (int a = 0; a < 3; a++) {
+        double period = b->k.soa.effects & GN_FX_PERIODIC ? b->args.period[a] : 0.0;
+        now[a] = xj[a] - xi[a];
+        if (a == 2 && !b->space) now[a] = 0.0;
+        else if (period > 0.0) now[a] -= period * floor(now[a] / period + 0.5);
+        before[a] = now[a] - b->args.dt * (b->p.vel[4 * b->k.j[c] + a] - b->p.vel[4 * b->k.i[c] + a]);
+    }
+}
+
+static void set_contact(bench *b, size_t c, uint64_t *at) {
+    gn_contacts *k = &b->k;
+    double ri = b->p.pos[4 * k->i[c] + 3], rj = b->p.pos[4 * k->j[c] + 3], kn = uniform(at, 1e6, 2e7);
+    double scale = kn * 1e-3 * (ri + rj); /* size of the forces, N */
+    k->kn[c] = kn;
+    if (k->kt) k->kt[c] = kn / uniform(at, 1.0, 4.0);
+    if (k->mu) k->mu[c] = uniform(at, 0.0, 0.8);
+    if (k->cn) k->cn[c] = uniform(at, 0.0, 2.0);
+    if (k->fd) k->fd[c] = uniform(at, -0.1, 0.1);
+    if (k->length0) k->length0[c] = (ri + rj) * (1.0 + uniform(at, -1e-3, 1e-3));
+    if (k->rn) k->rn[c] = scale * uniform(at, 0.1, 1.5) * (c % 4 == 3 ? -1.0 : 1.0);
+    if (k->rt) k->rt[c] = scale * uniform(at, 0.1, 1.5);
+    if (!k->shear || c % 5 == 4) return;
+    double d[3], old[3], t[3];
+    separation(b, c, d, old);
+    for (int a = 0; a < 3; a++) t[a] = a < 2 || b->space ? scale * uniform(at, -0.6, 0.6) : 0.0;
+    double share = dot3(t, old) / fmax(dot3(old, old), 1e-30);
+    for (int a = 0; a < 3; a++) k->shear[c + (size_t)a * k->soa.capacity] = t[a] - share * old[a];
+}
+
+static bench make_bench(gn_effects effects, uint64_t seed) {
+    bench b = {.space = effects & GN_FX_SPACE ? 1 : 0};
+    uint64_t at = seed;
+    assert_int_equal(gn_soa_create(&gn_particle_record, &b.p, 2 * CONTACTS, effects, NULL), GNEISS_OK);
+    assert_int_equal(gn_soa_create(&gn_contact_record, &b.k, CONTACTS, effects, NULL), GNEISS_OK);
+    b.args = (gn_contact_args){.pos = b.p.pos, .vel = b.p.vel, .spin = b.p.spin, .dt = 1e-6,
+                               .arm_factor = 0.5, .time = 0.25, .measure = true};
+    if (effects & GN_FX_PERIODIC)
+        for (int a = 0; a < 3; a++) b.args.period[a] = 0.05 + 0.01 * a;
+    for (size_t c = 0; c < CONTACTS; c++) {
+        b.k.i[c] = (int32_t)(c * 2 * 331 % (2 * CONTACTS)); /* scattered rows; 331 is coprime to 699 */
+        b.k.j[c] = b.k.i[c] + 1;
+        place_contact(&b, c, &at);
+        set_contact(&b, c, &at);
+    }
+    gn_particles_set_null(&b.p, 0.01);
+    gn_contacts_pad(&b.k, &b.p);
+    return b;
+}
+
+static void free_bench(bench *b) {
+    gn_soa_destroy(&gn_particle_record, &b->p);
+    gn_soa_destroy(&gn_contact_record, &b->k);
+}
+
+static void add_sums(gn_contact_sums *total, const gn_contact_sums *s) {
+    total->elastic_normal += s->elastic_normal;
+    total->elastic_shear += s->elastic_shear;
+    total->friction += s->friction;
+    total->contact_damping += s->contact_damping;
+    total->bond_breaking += s->bond_breaking;
+    total->broken_tension += s->broken_tension;
+    total->broken_shear += s->broken_shear;
+}
+
+static gn_contact_sums run(bench *b, gn_contact_kernel *kernel) {
+    gn_contact_sums total = {0};
+    b->args.contacts = &b->k;
+    for (size_t c = 0; c < CONTACTS; c += GN_CONTACT_BLOCK) {
+        gn_contact_sums s = {0};
+        size_t end = c + GN_CONTACT_BLOCK < CONTACTS ? c + GN_CONTACT_BLOCK : CONTACTS;
+        kernel(&b->args, c, end, &s);
+        add_sums(&total, &s);
+    }
+    return total;
+}
+
+/* Every field, kernel output included, item by item over the valid contacts. */
+static void assert_same_contacts(const gn_contacts *a, const gn_contacts *b, const char *name) {
+    for (size_t f = 0; f < gn_contact_record.field_count; f++) {
+        const gn_field *field = &gn_contact_record.fields[f];
+        const char *x = gn_field_data(field, a), *y = gn_field_data(field, b);
+        if (!x) continue;
+        bool rows = field->layout == GN_ROWS;
+        size_t item = gn_type_size(field->type) * (size_t)(rows ? field->components : 1);
+        for (int s = 0; s < (rows ? 1 : field->components); s++) {
+            size_t base = item * a->soa.capacity * (size_t)s;
+            if (memcmp(x + base, y + base, item * a->soa.count) != 0)
+                fail_msg("%s: field %s differs from the scalar kernel", name, field->name);
+        }
+    }
+}
+
+/* --- the formulas again ---------------------------------------------------------------------------- */
+
+typedef struct expected {
+    double force[3], moment[3], half, shear[3], fd, tolerance;
+    int cause;
+    bool open, slipping;
+} expected;
+
+typedef struct tally {
+    double elastic_normal, elastic_shear, friction, damping, breaking, scale;
+} tally;
+
+/* Turns t by the angle between a and b, about a x b (Rodrigues). */
+static void rotate_from_to(const double a[3], const double b[3], double t[3]) {
+    double axis[3], side[3];
+    cross3(a, b, axis);
+    double sine = sqrt(dot3(axis, axis));
+    if (sine == 0.0) return;
+    double angle = asin(sine);
+    for (int k = 0; k < 3; k++) axis[k] /= sine;
+    cross3(axis, t, side);
+    double along = dot3(axis, t) * 2.0 * sin(0.5 * angle) * sin(0.5 * angle);
+    for (int k = 0; k < 3; k++) t[k] = t[k] * cos(angle) + side[k] * sine + axis[k] * along;
+}
+
+static void rotate_about(const double n[3], double angle, double t[3]) {
+    double side[3];
+    cross3(n, t, side);
+    for (int k = 0; k < 3; k++) t[k] = t[k] * cos(angle) + side[k] * sin(angle);
+}
+
+static expected expect(const bench *b, size_t c, tally *sum) {
+    const gn_contacts *k = &b->k;
+    gn_effects fx = k->soa.effects;
+    double dt = b->args.dt, d[3], old[3], n[3] = {0}, n_old[3] = {0};
+    separation(b, c, d, old);
+    double length = sqrt(dot3(d, d)), length_old = sqrt(dot3(old, old));
+    for (int a = 0; a < 3; a++) n[a] = length > 0.0 ? d[a] / length : 0.0;
+    for (int a = 0; a < 3; a++) n_old[a] = length_old > 0.0 ? old[a] / length_old : 0.0;
+    int32_t i = k->i[c], j = k->j[c];
+    double ri = b->p.pos[4 * i + 3], rj = b->p.pos[4 * j + 3], gap = length - ri - rj;
+    expected e = {.half = 0.5 * gap};
+
+    /* v_r = (v_j + w_j x l_j) - (v_i + w_i x l_i), l towards the middle of the gap */
+    double vr[3], twist = 0.0, li[3], lj[3], ti[3] = {0}, tj[3] = {0};
+    for (int a = 0; a < 3; a++) li[a] = (ri + 0.5 * gap) * n[a];
+    for (int a = 0; a < 3; a++) lj[a] = -(rj + 0.5 * gap) * n[a];
+    if (fx & GN_FX_ROTATION) {
+        const double *wi = b->p.spin + 4 * i, *wj = b->p.spin + 4 * j;
+        cross3(wi, li, ti);
+        cross3(wj, lj, tj);
+        if (b->space) twist = 0.5 * (dot3(wi, n) + dot3(wj, n));
+    }
+    for (int a = 0; a < 3; a++)
+        vr[a] = b->p.vel[4 * j + a] + tj[a] - b->p.vel[4 * i + a] - ti[a];
+    double vn = dot3(vr, n), vt[3];
+    for (int a = 0; a < 3; a++) vt[a] = vr[a] - vn * n[a];
+
+    double kn = k->kn[c], kt = k->kt ? k->kt[c] : 0.0;
+    double u = fx & GN_FX_BONDS ? length - k->length0[c] : gap;
+    bool bonded = fx & GN_FX_BONDS && k->rn[c] > 0.0, touching = u < 0.0;
+    double before[3] = {0}, trial[3] = {0}, t[3] = {0};
+    if (k->shear) {
+        for (int a = 0; a < 3; a++) before[a] = k->shear[c + (size_t)a * k->soa.capacity];
+        rotate_from_to(n_old, n, before);
+        rotate_about(n, dt * twist, before);
+        for (int a = 0; a < 3; a++) t[a] = trial[a] = before[a] + kt * dt * vt[a];
+    }
+    double size = sqrt(dot3(trial, trial));
+    if (bonded && kn * u >= k->rn[c]) e.cause = GN_BROKEN_TENSION;
+    else if (bonded && k->rt && size >= k->rt[c]) e.cause = GN_BROKEN_SHEAR;
+    bool intact = bonded && !e.cause;
+    double fn = intact || touching ? kn * u : 0.0, viscous = 0.0;
+    if (k->cn && (intact || touching)) viscous = k->cn[c] * vn;
+    double limit = touching && k->mu ? k->mu[c] * fmax(0.0, -(fn + viscous)) : 0.0;
+    e.slipping = !intact && size > limit;
+    if (e.slipping)
+        for (int a = 0; a < 3; a++) t[a] = trial[a] * (limit / size);
+    e.open = !intact && !touching;
+    for (int a = 0; a < 3; a++) e.force[a] = (fn + viscous) * n[a] + t[a];
+    for (int a = 0; a < 3; a++) e.shear[a] = t[a];
+    if (k->shear && fx & GN_FX_ROTATION) cross3(n, t, e.moment);
+    e.fd = viscous;
+    /* The stretch is a difference of lengths: its round-off is that of the lengths. With images it is that
+     * of the box. */
+    double box = fmax(b->args.period[0], fmax(b->args.period[1], b->args.period[2]));
+    e.tolerance = 1e-12 * sqrt(dot3(e.force, e.force)) + 8.0 * DBL_EPSILON * kn * fmax(0.05, box);
+
+    /* Work of the step by the trapezoidal rule, less what the spring keeps. */
+    double u_old = u - dt * vn, work = 0.0, kept = 0.0, lost_shear = 0.0;
+    for (int a = 0; a < 3; a++) work += 0.5 * (before[a] + t[a]) * dt * vt[a];
+    if (kt > 0.0) lost_shear = work - 0.5 * (dot3(t, t) - dot3(before, before)) / kt;
+    work = 0.5 * (kn * u_old + fn) * dt * vn;
+    kept = 0.5 * fn * u - 0.5 * kn * u_old * u_old;
+    if (e.cause) sum->breaking += lost_shear + work - kept;
+    else if (e.slipping) sum->friction += lost_shear;
+    sum->elastic_normal += 0.5 * fn * u;
+    sum->elastic_shear += kt > 0.0 ? 0.5 * dot3(t, t) / kt : 0.0;
+    if (k->fd) sum->damping += 0.5 * (k->fd[c] + viscous) * vn * dt;
+    sum->scale += kn * u * u + (kt > 0.0 ? dot3(trial, trial) / kt : 0.0) + fabs(kn * u_old * dt * vn) +
+                  (fabs(viscous) + (k->fd ? fabs(k->fd[c]) : 0.0)) * fabs(vn) * dt;
+    return e;
+}
+
+static void check_row(const bench *b, size_t c, const expected *e, const char *name) {
+    int width = gn_contacts_row_width(&b->k);
+    const double *row = gn_contacts_row(&b->k) + (size_t)width * c;
+    double f[3] = {row[0], row[1], b->space ? row[2] : 0.0}, m[3] = {0, 0, 0};
+    double half = width == 8 ? row[3] : b->space ? e->half : row[2];
+    if (width == 8) memcpy(m, row + 4, sizeof m);
+    else if (!b->space) m[2] = row[3];
+    double worst = 0.0;
+    for (int a = 0; a < 3; a++) {
+        worst = fmax(worst, fabs(f[a] - e->force[a]));
+        worst = fmax(worst, fabs(m[a] - e->moment[a]));
+        if (b->k.shear)
+            worst = fmax(worst, fabs(b->k.shear[c + (size_t)a * b->k.soa.capacity] - e->shear[a]));
+    }
+    if (!(worst <= e->tolerance))
+        fail_msg("%s, contact %zu: force off by %g N of %g N (allowed %g)", name, c, worst,
+                 sqrt(dot3(e->force, e->force)), e->tolerance);
+    if (!(fabs(half - e->half) <= 1e-15)) fail_msg("%s, contact %zu: half gap", name, c);
+    if (b->k.cause && b->k.cause[c] != e->cause)
+        fail_msg("%s, contact %zu: cause %d, expected %d", name, c, b->k.cause[c], e->cause);
+}
+
+static void scalar_contact_kernel_follows_the_formulas(void **state) {
+    (void)state;
+    size_t seen[4] = {0};
+    for (unsigned v = 0; v < GN_CONTACT_VARIANTS; v++) {
+        gn_contact_kernel *kernel = gn_contact_table_scalar[v];
+        if (!kernel) continue;
+        char name[160];
+        gn_contact_variant_name(v, name, sizeof name);
+        bench b = make_bench(gn_contact_variant_effects(v), 1000 * v);
+        expected *e = calloc(CONTACTS, sizeof *e);
+        tally sum = {0};
+        for (size_t c = 0; c < CONTACTS; c++) e[c] = expect(&b, c, &sum);
+        gn_contact_sums got = run(&b, kernel);
+        int64_t broken[3] = {0};
+        for (size_t c = 0; c < CONTACTS; c++) {
+            check_row(&b, c, &e[c], name);
+            broken[e[c].cause]++;
+            seen[0] += e[c].open;
+            seen[1] += e[c].slipping && !e[c].open;
+        }
+        assert_int_equal(got.broken_tension, broken[GN_BROKEN_TENSION]);
+        assert_int_equal(got.broken_shear, broken[GN_BROKEN_SHEAR]);
+        seen[2] += (size_t)got.broken_tension;
+        seen[3] += (size_t)got.broken_shear;
+        if (b.k.soa.effects & GN_FX_ENERGY) {
+            double allowed = 1e-12 * sum.scale;
+            if (b.k.soa.effects & GN_FX_PERIODIC) allowed *= 50.0; /* lengths of the box, not of a pair */
+            assert_near(got.elastic_normal, sum.elastic_normal, allowed);
+            assert_near(got.elastic_shear, sum.elastic_shear, allowed);
+            assert_near(got.friction, sum.friction, allowed);
+            assert_near(got.contact_damping, sum.damping, allowed);
+            assert_near(got.bond_breaking, sum.breaking, allowed);
+        }
+        free(e);
+        free_bench(&b);
+    }
+    for (int k = 0; k < 4; k++) assert_true(seen[k] > 100); /* open, slipping, both kinds of breaking */
+}
+
+static void check_sums(const gn_contact_sums *a, const gn_contact_sums *b) {
+    assert_close(a->elastic_normal, b->elastic_normal, 1e-12);
+    assert_close(a->elastic_shear, b->elastic_shear, 1e-12);
+    assert_close(a->friction, b->friction, 1e-12);
+    assert_close(a->bond_breaking, b->bond_breaking, 1e-12);
+    /* These terms have both signs: against the sum of their sizes (0.1 N, 0.1 m/s, 1e-6 s). */
+    assert_near(a->contact_damping, b->contact_damping, 1e-12 * CONTACTS * 0.1 * 0.1 * 1e-6);
+    assert_int_equal(a->broken_tension, b->broken_tension);
+    assert_int_equal(a->broken_shear, b->broken_shear);
+}
+
+static void every_contact_kernel_has_the_bits_of_the_scalar_one(void **state) {
+    (void)state;
+    for (int s = 1; s < GN_KERNEL_SETS; s++) {
+        const gn_kernel_set *set = gn_kernel_set_at(s);
+        if (!gn_kernel_set_supported(set)) {
+            print_message("# %s: not on this machine, skipped\n", set->name);
+            continue;
+        }
+        for (unsigned v = 0; v < GN_CONTACT_VARIANTS; v++) {
+            char name[200];
+            int used = snprintf(name, sizeof name, "%s ", set->name);
+            gn_contact_variant_name(v, name + used, sizeof name - (size_t)used);
+            assert_true(!set->contact[v] == !gn_contact_table_scalar[v]);
+            if (!set->contact[v]) continue;
+            bench a = make_bench(gn_contact_variant_effects(v), 1000 * v);
+            bench b = make_bench(gn_contact_variant_effects(v), 1000 * v);
+            gn_contact_sums want = run(&a, gn_contact_table_scalar[v]);
+            gn_contact_sums got = run(&b, set->contact[v]);
+            assert_same_contacts(&a.k, &b.k, name);
+            check_sums(&want, &got);
+            free_bench(&a);
+            free_bench(&b);
+        }
+    }
+}
+
+static void exchanging_the_ends_mirrors_the_force(void **state) {
+    (void)state;
+    for (int s = 0; s < GN_KERNEL_SETS; s++) {
+        const gn_kernel_set *set = gn_kernel_set_at(s);
+        if (!gn_kernel_set_supported(set)) continue;
+        for (unsigned v = 0; v < GN_CONTACT_VARIANTS; v++) {
+            if (!set->contact[v]) continue;
+            bench a = make_bench(gn_contact_variant_effects(v), 1000 * v);
+            bench b = make_bench(gn_contact_variant_effects(v), 1000 * v);
+            for (size_t c = 0; c < CONTACTS; c++) {
+                int32_t i = b.k.i[c];
+                b.k.i[c] = b.k.j[c];
+                b.k.j[c] = i;
+                for (size_t x = 0; b.k.shear && x < 3; x++) b.k.shear[c + x * b.k.soa.capacity] *= -1.0;
+            }
+            run(&a, set->contact[v]);
+            run(&b, set->contact[v]);
+            int width = gn_contacts_row_width(&a.k), force = a.space ? 3 : 2;
+            const double *ra = gn_contacts_row(&a.k), *rb = gn_contacts_row(&b.k);
+            for (int k = 0; k < width * CONTACTS; k++) /* == : -0 is 0 */
+                if (!(rb[k] == (k % width < force ? -ra[k] : ra[k])))
+                    fail_msg("%s variant %u, contact %d, number %d", set->name, v, k / width, k % width);
+            free_bench(&a);
+            free_bench(&b);
+        }
+    }
+}
+
+/* --- turning with the body ------------------------------------------------------------------------- */
+
+/* A bonded pair with a normal and a shear load turned rigidly by 360 degrees about `axis` in `steps`;
+ * returns |F_t - F_t(0)|/|F_t(0)| at the end, and the change of |F_t|. */
+static double full_turn(const double axis[3], int steps, double *change) {
+    gn_effects fx = GN_FX_SPACE | GN_FX_ROTATION | GN_FX_SHEAR | GN_FX_FRICTION | GN_FX_BONDS;
+    bench b = {.space = 1};
+    assert_int_equal(gn_soa_create(&gn_particle_record, &b.p, 2, fx, NULL), GNEISS_OK);
+    assert_int_equal(gn_soa_create(&gn_contact_record, &b.k, 1, fx, NULL), GNEISS_OK);
+    gn_particles_set_null(&b.p, 1.0);
+    gn_contacts_pad(&b.k, &b.p);
+    b.k.j[0] = 1;
+    b.k.i[0] = 0;
+    b.k.kn[0] = b.k.kt[0] = 1e7;
+    b.k.rn[0] = b.k.rt[0] = 1e30;
+    b.k.length0[0] = 2e-3 * (1.0 - 1e-3); /* stretched by 1e-3 */
+    const double start[3] = {0, 3.0, 4.0};
+    for (size_t a = 0; a < 3; a++) b.k.shear[a * b.k.soa.capacity] = start[a];
+    double dt = 1e-6, angle = 2.0 * pi / steps, arm[3] = {1e-3, 0, 0};
+    b.p.pos[3] = b.p.pos[7] = 1e-3;
+    gn_contact_args args = {.pos = b.p.pos, .vel = b.p.vel, .spin = b.p.spin, .contacts = &b.k, .dt = dt,
+                            .arm_factor = 0.5};
+    const gn_kernel_set *set = gn_kernel_set_at(0);
+    for (int step = 0; step < steps; step++) {
+        double now[3];
+        memcpy(now, arm, sizeof now);
+        double side[3], along = dot3(axis, arm) * (1.0 - cos(angle));
+        cross3(axis, arm, side);
+        for (int a = 0; a < 3; a++) now[a] = arm[a] * cos(angle) + side[a] * sin(angle) + axis[a] * along;
+        for (int a = 0; a < 3; a++) {
+            b.p.pos[a] = -now[a];
+            b.p.pos[4 + a] = now[a];
+            b.p.vel[a] = -(now[a] - arm[a]) / dt;
+            b.p.vel[4 + a] = (now[a] - arm[a]) / dt;
+            b.p.spin[a] = b.p.spin[4 + a] = axis[a] * angle / dt;
+        }
+        memcpy(arm, now, sizeof arm);
+        gn_contact_sums sums = {0};
+        set->contact[gn_contact_variant(fx)](&args, 0, 1, &sums);
+    }
+    double off[3], end[3];
+    for (size_t a = 0; a < 3; a++) {
+        end[a] = b.k.shear[a * b.k.soa.capacity];
+        off[a] = end[a] - start[a];
+    }
+    *change = fabs(sqrt(dot3(end, end)) - 5.0) / 5.0;
+    free_bench(&b);
+    return sqrt(dot3(off, off)) / 5.0;
+}
+
+/* About the normal: the direction errs by a^3/6 per step, the size by a^4/8. */
+static void shear_turns_with_a_spin_about_the_normal(void **state) {
+    (void)state;
+    const double axis[3] = {1, 0, 0};
+    for (int steps = 500; steps <= 4000; steps *= 2) {
+        double change, off = full_turn(axis, steps, &change), angle = 2.0 * pi / steps;
+        assert_true(off <= 1.1 * 2.0 * pi * angle * angle / 6.0 + 1e-12);
+        assert_true(change <= 1.1 * 2.0 * pi * pow(angle, 3) / 8.0 + 1e-12);
+    }
+}
+
+/* Across the normal the chord that the centres travel is shorter than the arc of the spins: a slip of
+ * d (a - sin a) per step, d (2 pi) a^2/6 per turn, and no more: second order in the step. */
+static void shear_turns_with_a_rotation_across_the_normal(void **state) {
+    (void)state;
+    const double axis[3] = {0, 0, 1};
+    double last = 0.0;
+    for (int steps = 2000; steps <= 16000; steps *= 2) {
+        double change, off = full_turn(axis, steps, &change), angle = 2.0 * pi / steps;
+        double slip = 1e7 * 2e-3 / 5.0; /* k_t d / |F_t| */
+        assert_true(off <= 1.1 * (slip + 1.0) * 2.0 * pi * angle * angle / 6.0);
+        assert_true(change <= off);
+        if (last > 0.0) assert_in_range((int)(100.0 * last / off), 380, 420);
+        last = off;
+    }
+}
+
+/* About an oblique axis the normal runs on a cone. The chord has the direction of the middle of the step
+ * and the spins act on the normal at its end: d (a^2/2) sin cos of the angle to the axis per step, that is
+ * pi a d sin cos per turn, first order in the step. */
+static void shear_turns_with_a_rotation_about_an_oblique_axis(void **state) {
+    (void)state;
+    const double axis[3] = {1 / sqrt(3.0), 1 / sqrt(3.0), 1 / sqrt(3.0)};
+    double last = 0.0;
+    for (int steps = 2000; steps <= 16000; steps *= 2) {
+        double change, off = full_turn(axis, steps, &change), angle = 2.0 * pi / steps;
+        double slip = 1e7 * 2e-3 / 5.0;
+        assert_true(off <= 1.1 * slip * (pi * angle * sqrt(2.0) / 3.0 + 2.0 * pi * angle * angle / 6.0));
+        if (last > 0.0) assert_true(last / off > 1.9);
+        last = off;
+    }
+}
+
+/* --- motion ---------------------------------------------------------------------------------------- */
+
+enum { PARTICLES = 2 * GN_PARTICLE_BLOCK + 93, LINKS = 5 * PARTICLES, SUPPORTS = PARTICLES / 3 };
+
+/* Particles with bonds, pairs, wall contacts whose rows hold random forces; some particles prescribed. */
+typedef struct herd {
+    gn_particles p;
+    gn_contacts lists[2];
+    gn_incidence of[2];
+    gn_wall_contacts walls;
+    int32_t *wall_first;
+    gn_prescription prescribed;
+    gn_motion_args args;
+} herd;
+
+static void make_list(gn_contacts *k, gn_incidence *of, gn_effects effects, uint64_t *at) {
+    assert_int_equal(gn_soa_create(&gn_contact_record, k, LINKS, effects, NULL), GNEISS_OK);
+    int width = gn_contacts_row_width(k);
+    for (size_t c = 0; c < LINKS; c++) { /* sorted by the first end, as the engine keeps them */
+        k->i[c] = (int32_t)(c / 5 % (PARTICLES - 12));
+        k->j[c] = k->i[c] + 1 + (int32_t)(c % 5) * 2;
+        double *row = gn_contacts_row(k) + (size_t)width * c;
+        for (int a = 0; a < width; a++) row[a] = uniform(at, -3.0, 3.0);
+        if (width == 8) row[3] = uniform(at, -1e-5, 1e-5);
+        else if (!(effects & GN_FX_SPACE)) row[2] = uniform(at, -1e-5, 1e-5);
+    }
+    assert_int_equal(gn_incidence_build(k, PARTICLES, of, NULL), GNEISS_OK);
+}
+
+static void make_supports(herd *h, gn_effects effects, uint64_t *at) {
+    assert_int_equal(gn_soa_create(&gn_wall_contact_record, &h->walls, SUPPORTS, effects, NULL), GNEISS_OK);
+    h->wall_first = calloc(PARTICLES + 2, sizeof *h->wall_first);
+    for (size_t c = 0; c < SUPPORTS; c++) {
+        h->walls.i[c] = (int32_t)(3 * c);
+        for (int a = 0; a < 8; a++)
+            h->walls.row[8 * c + (size_t)a] = a % 4 < 2 || effects & GN_FX_SPACE ? uniform(at, -3.0, 3.0) : 0.0;
+        h->walls.row[8 * c + 3] = h->walls.row[8 * c + 7] = 0.0;
+    }
+    for (int p = 0; p <= PARTICLES; p++) h->wall_first[p] = p / 3 + (p % 3 > 0 ? 1 : 0);
+    h->wall_first[PARTICLES] = SUPPORTS;
+}
+
+static void make_particle(herd *h, size_t p, int space, uint64_t *at) {
+    for (int a = 0; a < 3; a++) {
+        bool there = a < 2 || space;
+        h->p.pos[4 * p + a] = there ? uniform(at, -0.1, 0.1) : 0.0;
+        h->p.vel[4 * p + a] = there && p % 11 ? uniform(at, -2.0, 2.0) : 0.0; /* some at rest */
+        h->p.applied[4 * p + a] = there ? uniform(at, -1.0, 1.0) : 0.0;
+        if (h->p.spin) h->p.spin[4 * p + a] = (space || a == 2) && p % 13 ? uniform(at, -90.0, 90.0) : 0.0;
+    }
+    double r = h->p.pos[4 * p + 3] = uniform(at, 0.5e-3, 2e-3), m = sphere_mass(2650.0, r);
+    h->p.vel[4 * p + 3] = p % 37 == 36 ? 0.0 : 1.0 / m; /* some removed */
+    if (h->p.spin) h->p.spin[4 * p + 3] = p % 37 == 36 ? 0.0 : 1.0 / (0.4 * m * r * r);
+    if (h->p.orientation) h->p.orientation[4 * p] = 1.0;
+    h->p.slot[p] = -1;
+    if (p % 7 != 3) return;
+    gn_prescription *q = &h->prescribed;
+    size_t slot = q->count++;
+    h->p.slot[p] = (int32_t)slot;
+    q->mask[slot] = (uint8_t)(1 + p % 63);
+    for (size_t k = 0; k < 6; k++) q->velocity[6 * slot + k] = uniform(at, -1.0, 1.0);
+}
+
+static herd make_herd(gn_effects effects, double dt_past, uint64_t seed) {
+    herd h = {0};
+    uint64_t at = seed;
+    effects |= GN_FX_APPLIED | GN_FX_PRESCRIBED | GN_FX_WALLS;
+    if (effects & GN_FX_ROTATION) effects |= GN_FX_ORIENTATION;
+    assert_int_equal(gn_soa_create(&gn_particle_record, &h.p, PARTICLES, effects, NULL), GNEISS_OK);
+    h.prescribed.set = calloc(PARTICLES, sizeof *h.prescribed.set);
+    h.prescribed.mask = calloc(PARTICLES, 1);
+    h.prescribed.velocity = calloc(PARTICLES, 6 * sizeof(double));
+    h.prescribed.load = calloc(PARTICLES, 6 * sizeof(double));
+    for (size_t p = 0; p < PARTICLES; p++) make_particle(&h, p, effects & GN_FX_SPACE ? 1 : 0, &at);
+    gn_particles_set_null(&h.p, 1.0);
+    for (int k = 0; k < 2; k++) make_list(&h.lists[k], &h.of[k], effects, &at);
+    make_supports(&h, effects, &at);
+    h.args = (gn_motion_args){.dt_past = dt_past, .dt = 1e-6, .gravity = {0.3, -9.81, 0.0},
+                              .damping = 0.6, .measure = true};
+    if (effects & GN_FX_SPACE) h.args.gravity[2] = 1.7;
+    if (effects & GN_FX_VISCOUS) h.args.damping = 5000.0;
+    return h;
+}
+
+static void free_herd(herd *h) {
+    gn_soa_destroy(&gn_particle_record, &h->p);
+    for (int k = 0; k < 2; k++) gn_soa_destroy(&gn_contact_record, &h->lists[k]);
+    for (int k = 0; k < 2; k++) gn_incidence_free(&h->of[k]);
+    gn_soa_destroy(&gn_wall_contact_record, &h->walls);
+    free(h->wall_first);
+    free(h->prescribed.set);
+    free(h->prescribed.mask);
+    free(h->prescribed.velocity);
+    free(h->prescribed.load);
+}
+
+static gn_motion_sums move(herd *h, gn_motion_kernel *kernel) {
+    gn_motion_sums total = {.bad = -1};
+    h->args.particles = &h->p;
+    h->args.bonds = &h->lists[0];
+    h->args.pairs = &h->lists[1];
+    h->args.bonds_of = &h->of[0];
+    h->args.pairs_of = &h->of[1];
+    h->args.wall_contacts = &h->walls;
+    h->args.wall_first = h->wall_first;
+    h->args.prescribed = &h->prescribed;
+    for (size_t p = 0; p < PARTICLES; p += GN_PARTICLE_BLOCK) {
+        gn_motion_sums s = {.bad = -1};
+        kernel(&h->args, p, p + GN_PARTICLE_BLOCK < PARTICLES ? p + GN_PARTICLE_BLOCK : PARTICLES, &s);
+        total.kinetic += s.kinetic;
+        total.rotational += s.rotational;
+        total.resultant += s.resultant;
+        for (int k = 0; k < 2; k++) {
+            total.damping[k] += s.damping[k];
+            total.gravity[k] += s.gravity[k];
+            total.applied[k] += s.applied[k];
+            total.prescribed[k] += s.prescribed[k];
+        }
+        total.speed2 = fmax(total.speed2, s.speed2);
+        if (total.bad < 0) total.bad = s.bad;
+    }
+    return total;
+}
+
+/* Force and moment on every particle, [n][6], contact by contact. */
+static double *gathered(const herd *h, gn_effects effects) {
+    double *f = calloc(PARTICLES, 6 * sizeof *f);
+    for (int l = 0; l < 2; l++)
+        for (size_t c = 0; c < LINKS; c++) {
+            const gn_contacts *k = &h->lists[l];
+            int width = gn_contacts_row_width(k), space = effects & GN_FX_SPACE ? 1 : 0;
+            const double *row = gn_contacts_row(k) + (size_t)width * c;
+            double *i = f + 6 * k->i[c], *j = f + 6 * k->j[c];
+            for (int a = 0; a < 2 + space; a++) {
+                i[a] += row[a];
+                j[a] -= row[a];
+            }
+            if (!(effects & GN_FX_ROTATION)) continue;
+            double half = space ? row[3] : row[2];
+            for (int a = 0; a < 3; a++) {
+                double turn = space ? row[4 + a] : a == 2 ? row[3] : 0.0;
+                i[3 + a] += (h->p.pos[4 * k->i[c] + 3] + half) * turn;
+                j[3 + a] += (h->p.pos[4 * k->j[c] + 3] + half) * turn;
+            }
+        }
+    for (size_t c = 0; c < SUPPORTS; c++)
+        for (int a = 0; a < 3; a++) {
+            f[6 * h->walls.i[c] + a] += h->walls.row[8 * c + (size_t)a];
+            f[6 * h->walls.i[c] + 3 + a] += h->walls.row[8 * c + 4 + (size_t)a];
+        }
+    return f;
+}
+
+typedef struct ledger {
+    double kinetic[2], damping[2], gravity[2], applied[2], prescribed[2], resultant;
+} ledger;
+
+/* One particle, translation (first 0) or rotation (first 3); v in, v out. */
+static void expect_kick(const herd *h, gn_effects fx, size_t p, int first, const double *f, double *v,
+                        ledger *sum) {
+    double inverse = first ? h->p.spin[4 * p + 3] : h->p.vel[4 * p + 3], a = h->args.damping;
+    double mass = inverse > 0.0 ? 1.0 / inverse : 0.0, total[3], d[3] = {0}, v_new[3], before = 0.0;
+    double span = 0.5 * (h->args.dt_past + h->args.dt), resultant = 0.0;
+    for (int k = 0; k < 3; k++) {
+        double weight = fx & GN_FX_GRAVITY ? mass * h->args.gravity[k] : 0.0;
+        total[k] = f[first + k] + (first ? 0.0 : weight + h->p.applied[4 * p + k]);
+    }
+    double size = sqrt(dot3(total, total)), speed = sqrt(dot3(v, v));
+    for (int k = 0; k < 3; k++) {
+        if (fx & GN_FX_NONVISCOUS_VECTOR) d[k] = speed > 0.0 ? -a * size * v[k] / speed : 0.0;
+        if (fx & GN_FX_NONVISCOUS_COMPONENT) d[k] = -a * fabs(total[k]) * ((v[k] > 0.0) - (v[k] < 0.0));
+        v_new[k] = v[k] + span * inverse * (total[k] + d[k]);
+        if (fx & GN_FX_VISCOUS) { /* F - a m (v + v')/2 */
+            v_new[k] = (v[k] + span * (inverse * total[k] - 0.5 * a * v[k])) / (1.0 + 0.5 * a * span);
+            d[k] = -a * mass * 0.5 * (v[k] + v_new[k]);
+        }
+    }
+    int32_t slot = h->p.slot[p];
+    for (int k = 0; k < 3; k++)
+        if (slot >= 0 && h->prescribed.mask[slot] >> (first + k) & 1) {
+            d[k] = 0.0;
+            v_new[k] = h->prescribed.velocity[6 * slot + first + k];
+            double inertia = inverse > 0.0 && h->args.dt_past > 0.0 ? mass * (v_new[k] - v[k]) / span : 0.0;
+            sum->prescribed[0] += 0.5 * h->args.dt_past * (inertia - total[k]) * v[k];
+            sum->prescribed[1] += 0.5 * h->args.dt * (inertia - total[k]) * v_new[k];
+        }
+    for (int k = 0; k < 3; k++) {
+        double weight = fx & GN_FX_GRAVITY && !first ? mass * h->args.gravity[k] : 0.0;
+        double applied = first ? 0.0 : h->p.applied[4 * p + k];
+        for (int half = 0; half < 2; half++) {
+            double path = 0.5 * (half ? h->args.dt * v_new[k] : h->args.dt_past * v[k]);
+            sum->damping[half] -= d[k] * path;
+            sum->gravity[half] += weight * path;
+            sum->applied[half] += applied * path;
+        }
+        before = h->args.dt_past > 0.0 ? v[k] : 2.0 * v[k] - v_new[k];
+        sum->kinetic[first / 3] += 0.5 * mass * before * v_new[k];
+        resultant += total[k] * total[k];
+    }
+    if (!first && slot < 0) sum->resultant += sqrt(resultant);
+    memcpy(v, v_new, sizeof v_new);
+}
+
+static void check_herd(unsigned v, double dt_past) {
+    gn_effects fx = gn_motion_variant_effects(v);
+    char name[160];
+    gn_motion_variant_name(v, name, sizeof name);
+    herd h = make_herd(fx, dt_past, 50 * v);
+    double *f = gathered(&h, fx), *want = calloc(PARTICLES, 6 * sizeof *want);
+    ledger sum = {0};
+    for (size_t p = 0; p < PARTICLES; p++) {
+        memcpy(want + 6 * p, h.p.vel + 4 * p, 3 * sizeof *want);
+        expect_kick(&h, fx, p, 0, f + 6 * p, want + 6 * p, &sum);
+        if (!h.p.spin) continue;
+        memcpy(want + 6 * p + 3, h.p.spin + 4 * p, 3 * sizeof *want);
+        expect_kick(&h, fx, p, 3, f + 6 * p, want + 6 * p + 3, &sum);
+    }
+    double *start = calloc(PARTICLES, 4 * sizeof *start);
+    memcpy(start, h.p.pos, PARTICLES * 4 * sizeof *start);
+    gn_motion_sums got = move(&h, gn_motion_table_scalar[v]);
+    assert_int_equal(got.bad, -1);
+    for (size_t p = 0; p < PARTICLES; p++)
+        for (size_t k = 0; k < 6; k++) {
+            double inverse = k < 3 ? h.p.vel[4 * p + 3] : h.p.spin ? h.p.spin[4 * p + 3] : 0.0;
+            double load = k < 3 ? 30.0 : 30.0 * 2e-3; /* sums of some thirty numbers up to 3 */
+            double allowed = 1e-13 * (load * h.args.dt * inverse + (k < 3 ? 2.0 : 90.0));
+            double now = k < 3 ? h.p.vel[4 * p + k] : h.p.spin ? h.p.spin[4 * p + k - 3] : want[6 * p + k];
+            if (!(fabs(now - want[6 * p + k]) <= allowed))
+                fail_msg("%s, particle %zu, component %zu: %.17g, expected %.17g", name, p, k, now,
+                         want[6 * p + k]);
+            if (k < 3) assert_near(h.p.pos[4 * p + k], start[4 * p + k] + h.args.dt * want[6 * p + k], 1e-16);
+        }
+    assert_close(got.kinetic, sum.kinetic[0], 1e-12);
+    assert_close(got.resultant, sum.resultant, 1e-12);
+    if (h.p.spin) assert_close(got.rotational, sum.kinetic[1], 1e-12);
+    for (int half = 0; half < 2; half++) {
+        double size = PARTICLES * 30.0 * 2.0 * 1e-6; /* N, m/s, s */
+        assert_near(got.prescribed[half], sum.prescribed[half], 1e-12 * size * 100.0); /* inertia: m v/dt */
+        if (!(fx & GN_FX_ENERGY)) continue;
+        assert_near(got.damping[half], sum.damping[half], 1e-12 * (size + fabs(sum.damping[half])));
+        assert_near(got.gravity[half], sum.gravity[half], 1e-12 * size);
+        assert_near(got.applied[half], sum.applied[half], 1e-12 * size);
+    }
+    free(start);
+    free(want);
+    free(f);
+    free_herd(&h);
+}
+
+static void scalar_motion_kernel_follows_the_formulas(void **state) {
+    (void)state;
+    for (unsigned v = 0; v < GN_MOTION_VARIANTS; v++) {
+        if (!gn_motion_table_scalar[v]) continue;
+        check_herd(v, 0.8e-6);
+        check_herd(v, 0.0); /* the half kick at the start */
+    }
+}
+
+static void check_motion_set(const gn_kernel_set *set, unsigned v) {
+    gn_effects fx = gn_motion_variant_effects(v);
+    herd a = make_herd(fx, 0.8e-6, 50 * v), b = make_herd(fx, 0.8e-6, 50 * v);
+    gn_motion_sums want = move(&a, gn_motion_table_scalar[v]), got = move(&b, set->motion[v]);
+    for (size_t f = 0; f < gn_particle_record.field_count; f++) {
+        const gn_field *field = &gn_particle_record.fields[f];
+        const char *x = gn_field_data(field, &a.p), *y = gn_field_data(field, &b.p);
+        size_t item = gn_type_size(field->type) * (size_t)field->components;
+        for (size_t p = 0; x && p < PARTICLES; p++)
+            if (memcmp(x + item * p, y + item * p, item) != 0)
+                fail_msg("%s, motion variant %u: %s of particle %zu", set->name, v, field->name, p);
+    }
+    assert_memory_equal(a.prescribed.load, b.prescribed.load, a.prescribed.count * 6 * sizeof(double));
+    assert_close(want.kinetic, got.kinetic, 1e-12);
+    assert_close(want.rotational, got.rotational, 1e-12);
+    assert_close(want.resultant, got.resultant, 1e-12);
+    assert_true(want.speed2 == got.speed2);
+    assert_int_equal(want.bad, got.bad);
+    for (int k = 0; k < 2; k++) {
+        double size = 1e-12 * PARTICLES * 30.0 * 2.0 * 1e-6;
+        assert_near(want.damping[k], got.damping[k], size + 1e-12 * fabs(want.damping[k]));
+        assert_near(want.gravity[k], got.gravity[k], size);
+        assert_near(want.applied[k], got.applied[k], size);
+        assert_near(want.prescribed[k], got.prescribed[k], 100.0 * size);
+    }
+    free_herd(&a);
+    free_herd(&b);
+}
+
+static void every_motion_kernel_has_the_bits_of_the_scalar_one(void **state) {
+    (void)state;
+    for (int s = 1; s < GN_KERNEL_SETS; s++) {
+        const gn_kernel_set *set = gn_kernel_set_at(s);
+        if (!gn_kernel_set_supported(set)) {
+            print_message("# %s: not on this machine, skipped\n", set->name);
+            continue;
+        }
+        for (unsigned v = 0; v < GN_MOTION_VARIANTS; v++) {
+            assert_true(!set->motion[v] == !gn_motion_table_scalar[v]);
+            if (set->motion[v]) check_motion_set(set, v);
+        }
+    }
+}
+
+static void a_velocity_that_is_not_finite_is_named(void **state) {
+    (void)state;
+    gn_effects fx = GN_FX_SPACE | GN_FX_ROTATION;
+    for (int s = 0; s < GN_KERNEL_SETS; s++) {
+        const gn_kernel_set *set = gn_kernel_set_at(s);
+        if (!gn_kernel_set_supported(set)) continue;
+        herd h = make_herd(fx, 1e-6, 3);
+        h.p.applied[4 * 200] = NAN;
+        h.p.applied[4 * 301 + 1] = INFINITY;
+        assert_int_equal(move(&h, set->motion[gn_motion_variant(fx)]).bad, 200);
+        free_herd(&h);
+    }
+}
+
+int main(void) {
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(scalar_contact_kernel_follows_the_formulas),
+        cmocka_unit_test(every_contact_kernel_has_the_bits_of_the_scalar_one),
+        cmocka_unit_test(exchanging_the_ends_mirrors_the_force),
+        cmocka_unit_test(shear_turns_with_a_spin_about_the_normal),
+        cmocka_unit_test(shear_turns_with_a_rotation_across_the_normal),
+        cmocka_unit_test(shear_turns_with_a_rotation_about_an_oblique_axis),
+        cmocka_unit_test(scalar_motion_kernel_follows_the_formulas),
+        cmocka_unit_test(every_motion_kernel_has_the_bits_of_the_scalar_one),
+        cmocka_unit_test(a_velocity_that_is_not_finite_is_named),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}

@@ -1,0 +1,373 @@
+"""The same answer every time: threads, instruction sets, interruptions, kills. Speaks TAP."""
+import random
+import signal
+
+from program import *  # noqa: F403
+
+REFERENCE = tempfile.mkdtemp(prefix="gneiss-reference-")
+
+
+def reference():
+    """An uninterrupted run of the small UCS with one thread, made once."""
+    if not os.path.exists(os.path.join(REFERENCE, "summary.json")):
+        run(UCS, REFERENCE, "--threads", 1)
+    return REFERENCE
+
+
+def start(folder, *arguments):
+    return subprocess.Popen(command("run", UCS, "--out", folder, "--quiet", *arguments), env=ENVIRONMENT,
+                            stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
+
+
+def snapshots(folder):
+    if not os.path.isdir(folder):
+        return 0
+    return sum(1 for name in os.listdir(folder) if re.fullmatch(r"bonds_\d+\.hdf", name))
+
+
+def stop_at_snapshot(folder, count, number, *arguments):
+    """Sends a signal when `count` snapshots are there; the finished process."""
+    process = start(folder, *arguments)
+    assert wait_until(process, lambda: snapshots(folder) >= count), process.stderr.read()
+    process.send_signal(number)
+    out, err = process.communicate(timeout=60)
+    return subprocess.CompletedProcess([], process.returncode, out, err)
+
+
+def isas():
+    """Names of the instruction sets and whether this machine has them."""
+    line = re.search(r"instruction sets +(.*)", gneiss("info").stdout).group(1)
+    return {name: not missing for name, missing in re.findall(r"(\w+)( \(not on this machine\))?", line)}
+
+
+@fact
+def the_small_specimen_breaks_under_load(folder):
+    counts = summary(reference())["counts"]
+    assert counts["broken_tension"] > 100 and counts["broken_shear"] > 100, counts
+
+
+@fact
+def a_rerun_gives_the_same_bits(folder):
+    run(UCS, folder, "--threads", 1)
+    check_same(folder, reference())
+
+
+def same_with_threads(folder, threads):
+    run(UCS, folder, "--threads", threads)
+    assert summary(folder)["threads"] == threads
+    check_same(folder, reference())
+
+
+@fact
+def two_threads_give_the_same_bits_as_one(folder):
+    same_with_threads(folder, 2)
+
+
+@fact
+def three_threads_give_the_same_bits_as_one(folder):
+    same_with_threads(folder, 3)
+
+
+@fact
+def four_threads_give_the_same_bits_as_one(folder):
+    same_with_threads(folder, 4)
+
+
+def same_with_isa(folder, isa):
+    """Only energies are summed over lanes, in an order of each width's own; the state is the same for all."""
+    if not isas()[isa]:
+        raise Skip(f"no {isa} on this machine")
+    run(UCS, folder, "--threads", 2, environment={"GNEISS_ISA": isa})
+    assert summary(folder)["isa"] == isa
+    assert state_hash(folder) == state_hash(reference())
+
+
+@fact
+def scalar_kernels_give_the_same_hash(folder):
+    same_with_isa(folder, "scalar")
+
+
+@fact
+def avx2_kernels_give_the_same_hash(folder):
+    same_with_isa(folder, "avx2")
+
+
+@fact
+def avx512_kernels_give_the_same_hash(folder):
+    same_with_isa(folder, "avx512")
+
+
+@fact
+def how_often_is_written_does_not_change_the_state(folder):
+    run(UCS, folder, "--threads", 2, "--set", "output.snapshots=0", "--set", "output.history_rows=7",
+        "--set", "output.checkpoint=10 ms")
+    assert state_hash(folder) == state_hash(reference())
+
+
+def interrupted_and_resumed(folder, number, *arguments):
+    done = expect(stop_at_snapshot(folder, 3, number, "--threads", 1), 6, r"interrupted at step \d+", "gneiss resume")
+    assert len(checkpoints(folder)) == 1, checkpoints(folder)
+    assert not os.path.exists(os.path.join(folder, "summary.json")), "a summary before the end"
+    with results(folder) as file:
+        assert file.attrs["finished"] == 0 and text(file.attrs["stop_reason"]) == "interrupted"
+        rows = file["history/step"].shape[0]
+    assert 0 < rows < len(history(reference())["step"]), done.stderr
+    resume(folder, *arguments)
+    check_same(folder, reference())
+    assert series(folder) == series(reference()), "the snapshots are not those of the uninterrupted run"
+    with results(folder) as file:
+        assert file.attrs["finished"] == 1 and "reached" in text(file.attrs["stop_reason"])
+
+
+@fact
+def ctrl_c_writes_a_checkpoint_and_resume_gives_the_same_bits(folder):
+    interrupted_and_resumed(folder, signal.SIGINT)
+
+
+@fact
+def sigterm_writes_a_checkpoint_and_resume_gives_the_same_bits(folder):
+    interrupted_and_resumed(folder, signal.SIGTERM)
+
+
+@fact
+def a_lost_terminal_writes_a_checkpoint(folder):
+    expect(stop_at_snapshot(folder, 2, signal.SIGHUP), 6)
+    assert len(checkpoints(folder)) == 1
+
+
+@fact
+def resume_with_other_threads_gives_the_same_bits(folder):
+    interrupted_and_resumed(folder, signal.SIGINT, "--threads", 3)
+
+
+def killed_and_resumed(folder, count):
+    process = start(folder, "--set", "output.checkpoint=20 ms", "--threads", "2")
+    ready = wait_until(process, lambda: snapshots(folder) >= count and checkpoints(folder))
+    process.kill()
+    process.communicate()
+    assert ready, "the run ended before it could be killed"
+    resume(folder, "--set", "output.checkpoint=off")
+    check_same(folder, reference())
+    for name in ("particles", "bonds"):
+        listed = series(folder, name)
+        times = [time for _, time in listed]
+        assert all(a < b for a, b in zip(times, times[1:])), f"times of {name} do not increase: {times}"
+        there = {file for file in os.listdir(folder) if re.fullmatch(name + r"_\d+\.hdf", file)}
+        assert {file for file, _ in listed} == there, "the series and the folder differ"
+    assert series(folder) == series(reference())
+    assert not [name for name in os.listdir(folder) if name.endswith(".tmp")], os.listdir(folder)
+
+
+@fact
+def killed_early_and_resumed_gives_the_same_bits(folder):
+    killed_and_resumed(folder, 1)
+
+
+@fact
+def killed_half_way_and_resumed_gives_the_same_bits(folder):
+    killed_and_resumed(folder, 3)
+
+
+@fact
+def killed_late_and_resumed_gives_the_same_bits(folder):
+    killed_and_resumed(folder, 5)
+
+
+@fact
+def killed_at_ten_random_moments_and_resumed_gives_the_same_bits(folder):
+    pick = random.Random(20)
+    process = start(folder, "--set", "output.checkpoint=5 ms", "--threads", "1")
+    kills = 0
+    while kills < 10:
+        ready = wait_until(process, lambda: len(checkpoints(folder)) > 0)
+        time.sleep(pick.uniform(0.0, 0.05))
+        if not ready or process.poll() is not None:
+            break
+        process.kill()
+        process.communicate()
+        kills += 1
+        process = subprocess.Popen(command("resume", folder, "--quiet"), env=ENVIRONMENT)
+    assert process.wait(timeout=120) == 0
+    assert kills >= 3, f"killed only {kills} times"
+    check_same(folder, reference())
+    assert series(folder) == series(reference())
+
+
+@fact
+def a_finished_run_resumes_to_nothing_new(folder):
+    run(UCS, folder)
+    resume(folder)
+    check_same(folder, reference())
+
+
+@fact
+def a_run_ended_by_a_stop_condition_stays_ended(folder):
+    run(UCS, folder, "--set", "time.stop.strain=0.2 %")
+    before = summary(folder)
+    resume(folder)
+    after = summary(folder)
+    assert before["steps"] == after["steps"] and before["state_hash"] == after["state_hash"]
+    assert before["stop_reason"] == after["stop_reason"] == "strain reached 0.002", after["stop_reason"]
+
+
+@fact
+def a_stop_condition_lifted_on_resume_equals_a_run_without_it(folder):
+    run(UCS, folder, "--set", "time.stop.strain=0.2 %")
+    resume(folder, "--set", "time.stop.strain=off")
+    check_same(folder, reference())
+
+
+@fact
+def a_later_end_on_resume_equals_a_straight_run(folder):
+    run(UCS, folder, "--set", "time.end=0.1 ms", "--set", "output.history_rows=100")
+    resume(folder, "--set", "time.end=0.3 ms")
+    check_same(folder, reference())
+
+
+@fact
+def intervals_follow_the_overrides_of_resume(folder):
+    run(LATTICE, folder, "--set", "time.end=0.2 ms", "--set", "output.history_rows=2")
+    resume(folder, "--set", "time.end=0.4 ms", "--set", "output.history_rows=100")
+    steps = history(folder)["step"]
+    assert len(steps) > 40 and np.all(np.diff(steps) > 0), steps
+
+
+@fact
+def a_smaller_step_on_resume_takes_hold(folder):
+    run(LATTICE, folder, "--set", "time.end=0.1 ms")
+    dt = summary(folder)["dt"]
+    resume(folder, "--set", "time.end=0.2 ms", "--set", f"time.step={dt / 4:g}")
+    assert abs(summary(folder)["dt"] / dt - 0.25) < 1e-5, summary(folder)["dt"]
+    expect(gneiss("resume", folder, "--set", "time.end=0.3 ms", "--set", "time.step=0.1 ms"), 2, "stability limit")
+
+
+@fact
+def resume_needs_neither_the_scene_nor_the_specimen_file(folder):
+    text = open(UCS).read().replace("../../scenes/specimens/rock-b.txt", "rock.txt")
+    shutil.copy(os.path.join(SCENES, "../../scenes/specimens/rock-b.txt"), os.path.join(folder, "rock.txt"))
+    scene, out = write_scene(folder, text), os.path.join(folder, "out")
+    run(scene, out, "--set", "time.end=0.1 ms", "--set", "output.history_rows=100")
+    os.remove(scene)
+    os.remove(os.path.join(folder, "rock.txt"))
+    resume(out, "--set", "time.end=0.3 ms")
+    check_same(out, reference())
+
+
+@fact
+def resume_takes_only_what_does_not_change_the_model(folder):
+    run(LATTICE, folder)
+    for key in ("materials.block.friction=0.1", "output.directory=x", "output.energy=off", "gravity=[0,0,1]"):
+        expect(gneiss("resume", folder, "--set", key), 2, re.escape(key.split("=")[0]))
+    expect(gneiss("resume", folder, "--out", "elsewhere"), 2, "--out")
+    expect(gneiss("resume", folder, "--set", "time.end=soon"), 2, "time.end")
+
+
+def two_checkpoints(folder):
+    """A run with two checkpoints, 'killed' before its end."""
+    run(LATTICE, folder, "--set", "time.end=0.2 ms")
+    older = checkpoints(folder)[0]
+    shutil.copy(os.path.join(folder, older), os.path.join(folder, "kept"))
+    resume(folder, "--set", "time.end=0.3 ms")
+    os.rename(os.path.join(folder, "kept"), os.path.join(folder, older))
+    assert len(checkpoints(folder)) == 2
+    return [os.path.join(folder, name) for name in checkpoints(folder)]
+
+
+def truncate(path):
+    os.truncate(path, os.path.getsize(path) // 2)
+
+
+@fact
+def a_truncated_checkpoint_gives_way_to_the_older_one(folder):
+    out, straight = os.path.join(folder, "out"), os.path.join(folder, "straight")
+    older, newer = two_checkpoints(out)
+    truncate(newer)
+    done = gneiss("resume", out, "--set", "time.end=0.4 ms", "--quiet")
+    expect(done, 0, "warning: .*" + os.path.basename(newer), "going on from the checkpoint of step")
+    assert not os.path.exists(newer), "a damaged checkpoint is still there"
+    run(LATTICE, straight)
+    assert state_hash(out) == state_hash(straight)
+
+
+@fact
+def two_truncated_checkpoints_are_an_error_and_stay_as_they_are(folder):
+    paths = two_checkpoints(folder)
+    for path in paths:
+        truncate(path)
+    before = sorted((name, os.path.getsize(os.path.join(folder, name))) for name in os.listdir(folder))
+    expect(gneiss("resume", folder), 2, "none of 2 checkpoints can be used", os.path.basename(paths[1]))
+    assert before == sorted((name, os.path.getsize(os.path.join(folder, name))) for name in os.listdir(folder))
+
+
+@fact
+def resume_without_checkpoints_is_an_error(folder):
+    expect(gneiss("resume", folder), 2, "checkpoint")
+    expect(gneiss("resume", os.path.join(folder, "nowhere")), 3, "nowhere")
+
+
+def flipped(path, data, pick):
+    broken = bytearray(data)
+    for _ in range(pick.choice((1, 1, 2, 16))):
+        broken[pick.randrange(len(broken))] ^= 1 << pick.randrange(8)
+    if pick.random() < 0.1:
+        broken = broken[:pick.randrange(len(broken))]
+    with open(path, "wb") as file:
+        file.write(broken)
+
+
+@fact
+def damaged_checkpoints_are_refused_or_give_the_same_hash(folder):
+    good, bad, straight = (os.path.join(folder, name) for name in ("good", "bad", "straight"))
+    run(LATTICE, good, "--set", "time.end=0.2 ms")
+    run(LATTICE, straight)
+    name, wanted, pick = checkpoints(good)[0], state_hash(straight), random.Random(6)
+    data = open(os.path.join(good, name), "rb").read()
+    outcomes = {0: 0, 2: 0, 3: 0}
+    for _ in range(60):
+        shutil.rmtree(bad, ignore_errors=True)
+        os.mkdir(bad)
+        flipped(os.path.join(bad, name), data, pick)
+        done = gneiss("resume", bad, "--quiet", "--set", "time.end=0.4 ms", timeout=30)
+        assert done.returncode in outcomes, f"exit code {done.returncode}: {done.stderr}"
+        if done.returncode == 0:
+            assert state_hash(bad) == wanted, "a damaged checkpoint was taken for a good one"
+        else:
+            assert name in done.stderr, done.stderr
+        outcomes[done.returncode] += 1
+    assert outcomes[2] + outcomes[3] > 10, f"the damage was not noticed: {outcomes}"
+
+
+@fact
+def a_folder_takes_one_run_at_a_time(folder):
+    process = start(folder)
+    assert wait_until(process, lambda: snapshots(folder) > 0)
+    expect(gneiss("run", UCS, "--out", folder), 2, "another run")
+    expect(gneiss("resume", folder), 2, "another run")
+    assert process.wait(timeout=60) == 0
+    assert state_hash(folder) == state_hash(reference())
+
+
+@fact
+def a_run_of_the_same_scene_replaces_the_earlier_one(folder):
+    run(LATTICE, folder, "--set", "output.snapshots=9")
+    relative = os.path.relpath(LATTICE)
+    run(relative, folder, "--set", "output.snapshots=2", "--set", "time.end=0.1 ms")
+    with results(folder) as file:
+        assert file["history/time"][-1] < 0.1001e-3
+    times = [time for _, time in series(folder)]
+    assert len(times) == 3 or len(times) == 4, f"snapshots of the earlier run are left: {times}"
+    assert len(checkpoints(folder)) == 1
+
+
+@fact
+def results_of_another_scene_are_not_overwritten(folder):
+    run(LATTICE, folder)
+    before = {name: open(os.path.join(folder, name), "rb").read() for name in os.listdir(folder)}
+    expect(gneiss("run", UCS, "--out", folder), 2, "lattice-small.yaml", "ucs-small.yaml", "--out")
+    assert before == {name: open(os.path.join(folder, name), "rb").read() for name in os.listdir(folder)}
+
+
+if __name__ == "__main__":
+    code = main()
+    shutil.rmtree(REFERENCE, ignore_errors=True)
+    sys.exit(code)

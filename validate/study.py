@@ -1,0 +1,133 @@
+"""What the studies share: runs of the program, kept and reused, and tables between markers of a document.
+
+A run goes to runs/studies/<name>. It is done again when its settings changed, when it is not there, or with
+--fresh. The program is build/gneiss, or what the environment variable GNEISS names.
+"""
+import json
+import os
+import re
+import shutil
+import subprocess
+import sys
+from pathlib import Path
+
+import numpy as np
+
+ROOT = Path(__file__).resolve().parent.parent
+RUNS = Path(os.environ.get("GNEISS_STUDIES", ROOT / "runs" / "studies"))
+PROGRAM = os.environ.get("GNEISS", str(ROOT / "build" / "gneiss"))
+THREADS = int(os.environ.get("GNEISS_THREADS", "2"))
+FRESH = "--fresh" in sys.argv
+ROCK = "scenes/ucs-rock.yaml"
+
+
+def call(arguments):
+    """Calls the program from the root of the project; the finished process, whatever its exit code."""
+    environment = dict(os.environ, OMP_WAIT_POLICY=os.environ.get("OMP_WAIT_POLICY", "passive"))
+    return subprocess.run([PROGRAM, *arguments], cwd=ROOT, env=environment, text=True, capture_output=True)
+
+
+def set_arguments(settings):
+    arguments = []
+    for key, value in settings.items():
+        arguments += ["--set", f"{key}={value}"]
+    return arguments
+
+
+class Run:
+    """A finished run: summary, exit code, folder; history(column) reads results.h5."""
+
+    def __init__(self, folder, record):
+        self.folder, self.code, self.message = folder, record["code"], record["message"]
+        path = folder / "summary.json"
+        self.summary = json.loads(path.read_text()) if path.exists() else {}
+
+    def __getattr__(self, name):
+        readings = self.summary.get("readings", {})
+        if name in readings:
+            return float("nan") if readings[name] is None else readings[name]
+        raise AttributeError(name)
+
+    def results(self, path):
+        import h5py
+
+        with h5py.File(self.folder / "results.h5", "r") as file:
+            return np.asarray(file[path][()])
+
+    @property
+    def bonds(self):
+        return self.summary["counts"]["bonds"]
+
+    @property
+    def broken(self):
+        return self.summary["counts"]["broken_tension"], self.summary["counts"]["broken_shear"]
+
+    @property
+    def residual(self):
+        return self.summary["energy_residual"]
+
+    @property
+    def worst_residual(self):
+        """Largest residual while the work done was at least 1 % of its end value."""
+        history = self.results("history/energy_residual")
+        work = np.abs(self.results("history/energy_work_walls"))
+        late = work > 0.01 * work[-1]
+        return float(np.max(np.abs(history[late]))) if late.any() else float("nan")
+
+    @property
+    def seconds(self):
+        return self.summary["seconds"]["total"]
+
+
+def run(name, scene, settings, must_finish=True):
+    folder = RUNS / name
+    settings = {"output.snapshots": 0, "output.checkpoint": "off", "run.threads": THREADS, **settings}
+    asked = {"scene": str(scene), "text": (ROOT / scene).read_text(), "settings": settings}
+    asked = json.loads(json.dumps(asked, default=str))
+    note = folder / "study.json"
+    if not FRESH and note.exists():
+        record = json.loads(note.read_text())
+        if record["asked"] == asked and record["code"] in (0, 5):
+            return Run(folder, record)
+    shutil.rmtree(folder, ignore_errors=True)
+    done = call(["run", str(scene), "--quiet", "--out", str(folder), *set_arguments(settings)])
+    if must_finish and done.returncode != 0:
+        sys.exit(f"{name}: exit code {done.returncode}\n{done.stderr}")
+    record = {"asked": asked, "code": done.returncode, "message": done.stderr.strip()}
+    folder.mkdir(parents=True, exist_ok=True)
+    note.write_text(json.dumps(record))
+    result = Run(folder, record)
+    print(f"{name}: exit code {done.returncode}", file=sys.stderr, flush=True)
+    return result
+
+
+def limits(scene, settings=None):
+    """Step limits in s as `gneiss plan` prints them: sharp, bound, literature."""
+    done = call(["plan", str(scene), "--threads", str(THREADS), *set_arguments(settings or {})])
+    if done.returncode != 0:
+        sys.exit(f"plan {scene}: exit code {done.returncode}\n{done.stderr}")
+    found = {}
+    for key, label in (("sharp", "sharp limit"), ("bound", "rigorous bound"), ("literature", "literature")):
+        found[key] = float(re.search(rf"{label}\s+(\S+) s", done.stdout).group(1))
+    return found
+
+
+def closing(total):
+    """Settings for platens of scenes/ucs-rock.yaml that close with `total` m/s together."""
+    return {"walls.bottom.motion.vz": total / 2, "walls.top.motion.vz": -total / 2, "time.end": 6e-3 * 0.2 / total}
+
+
+def table(head, rows):
+    lines = ["| " + " | ".join(head) + " |", "|" + " --- |" * len(head)]
+    return "\n".join(lines + ["| " + " | ".join(str(cell) for cell in row) + " |" for row in rows])
+
+
+def put(document, name, text):
+    """Replaces what stands between <!-- name --> and <!-- /name --> in a document of docs/."""
+    path = ROOT / "docs" / document
+    whole = path.read_text() if path.exists() else ""
+    pattern = re.compile(rf"(<!-- {name} -->\n).*?(<!-- /{name} -->)", re.S)
+    if not pattern.search(whole):
+        print(f"docs/{document} has no place for {name}:\n{text}\n")
+        return
+    path.write_text(pattern.sub(lambda m: m.group(1) + text.rstrip() + "\n" + m.group(2), whole))
