@@ -1,8 +1,9 @@
-/* Bonds: stiffness and strength by every model, breaking, what remains of a broken bond; energy of bonded
- * pairs, damping, loads and walls. */
+/* Bonds: stiffness and strength by every model, breaking, what remains of a broken bond; energy of
+ * bonded pairs, damping, loads and walls. */
 #include "world_helpers.h"
 
-/* --- parameters of Rojek et al. 2012 --------------------------------------------------------------- */
+/* --- parameters of Rojek et al. 2012
+ * --------------------------------------------------------------- */
 
 enum { MODELS = 6 };
 static const char *const models[MODELS] = {"uniform",     "arithmetic",      "harmonic",
@@ -15,18 +16,21 @@ static const double radii[3] = {1e-3, 2e-3, 1.5e-3};
 static gn_world *row_of_three(int dimension, const char *model) {
     double x1 = 3.05e-3, x2 = x1 + 3.6e-3;
     const char *zero = dimension == 3 ? "0, 0, " : "0, ";
-    return world_of("dimension: %d\nspecimen: {particles: [[0, %s1e-3], [%g, %s2e-3], [%g, %s1.5e-3]]}\n"
-                    "materials: [{name: m, density: 2500, normal_stiffness: 3e7, contact_modulus: %g, "
-                    "kratio: %g, friction: 0.3, tensile_strength: %g, shear_strength: %g, "
-                    "bond_tension_limit: 70, bond_shear_limit: 90}]\n"
-                    "law: {stiffness: %s}\nbonds: {}\ntime: {end: 1}\nrun: {threads: 1}\n",
-                    dimension, zero, x1, zero, x2, zero, E_c, kappa, sigma_c, tau_c, model);
+    return world_of(
+        "dimension: %d\nspecimen: {particles: [[0, %s1e-3], [%g, %s2e-3], [%g, %s1.5e-3]]}\n"
+        "materials: [{name: m, density: 2500, normal_stiffness: 3e7, contact_modulus: %g, "
+        "kratio: %g, friction: 0.3, tensile_strength: %g, shear_strength: %g, "
+        "bond_tension_limit: 70, bond_shear_limit: 90}]\n"
+        "law: {stiffness: %s}\nbonds: {}\ntime: {end: 1}\nrun: {threads: 1}\n",
+        dimension, zero, x1, zero, x2, zero, E_c, kappa, sigma_c, tau_c, model);
 }
 
-static double least(double a, double b) { return a < b ? a : b; }
+static double least(double a, double b) {
+    return a < b ? a : b;
+}
 
-/* k_n, R_n, R_t of the bond between particles p and p + 1. In 3D k_n = 2 E_c r, R = 4 sigma_c r^2 (eq. 20-33);
- * in 2D a slice of 1 m: section 2 r x 1 m, length 2 r. */
+/* k_n, R_n, R_t of the bond between particles p and p + 1. In 3D k_n = 2 E_c r, R = 4 sigma_c r^2
+ * (eq. 20-33); in 2D a slice of 1 m: section 2 r x 1 m, length 2 r. */
 static void expected_law(int dimension, int model, int p, double *kn, double *rn, double *rt) {
     double a = radii[p], b = radii[p + 1], r = 0.0, r2 = 0.0, n = 0.0;
     if (model == 0) {
@@ -71,9 +75,11 @@ static void stiffness_and_strength_follow_every_model(void **state) {
 
 static void bonds_form_within_the_range_and_the_group(void **state) {
     (void)state;
-    /* Gaps of 4.9 % and 5.1 % of r_i + r_j; the last two touch but belong to another group and to none. */
+    /* Gaps of 4.9 % and 5.1 % of r_i + r_j; the last two touch but belong to another group and to
+     * none. */
     gn_world *w = world_of(
-        "dimension: 2\nspecimen: {particles: [[0, 0, 1], [2.098, 0, 1], [4.2, 0, 1], [6.2, 0, 1], [8.2, 0, 1]]}\n"
+        "dimension: 2\nspecimen: {particles: [[0, 0, 1], [2.098, 0, 1], [4.2, 0, 1], [6.2, 0, 1], "
+        "[8.2, 0, 1]]}\n"
         "materials: [{name: m, density: 1, normal_stiffness: 1, kratio: 1, bond_tension_limit: 1, "
         "bond_shear_limit: 1}]\nlaw: {stiffness: uniform}\nbonds: {interaction_range: 0.05}\n"
         "sets: [{name: a, select: {ids: [3]}, group: 2}, {name: b, select: {ids: [4]}, group: 0}]\n"
@@ -86,13 +92,16 @@ static void bonds_form_within_the_range_and_the_group(void **state) {
     world_end(w);
 }
 
-/* --- a pair that is pulled and sheared ------------------------------------------------------------- */
+/* --- a pair that is pulled and sheared
+ * ------------------------------------------------------------- */
 
 static const double pair_kn = 2e7, pair_kt = 1e7, pair_rn = 50.0, pair_rt = 30.0, pair_mu = 0.4;
 
-/* Two spheres of radius 1 mm at `distance`, the first held, the second driven without spin; v: "vx: .., vy:
+/* Two spheres of radius 1 mm at `distance`, the first held, the second driven without spin; v: "vx:
+ * .., vy:
  * .." (tables as well). `bonds`: the bonds section, "" for none. */
-static gn_world *driven_pair(int dimension, double distance, const char *v, const char *bonds, double dt) {
+static gn_world *driven_pair(int dimension, double distance, const char *v, const char *bonds,
+                             double dt) {
     bool space = dimension == 3;
     return world_of(
         "dimension: %d\nspecimen: {particles: [[0, %s1e-3], [%.17g, %s1e-3]]}\n"
@@ -101,20 +110,23 @@ static gn_world *driven_pair(int dimension, double distance, const char *v, cons
         "sets:\n  - {name: held, select: {ids: [0]}, motion: {vx: 0, vy: 0, %swz: 0}}\n"
         "  - {name: driven, select: {ids: [1]}, motion: {%s, %swz: 0}}\n"
         "time: {step: %g, end: 1, on_unstable: warn}\nrun: {threads: 1}\n",
-        dimension, space ? "0, 0, " : "0, ", distance, space ? "0, 0, " : "0, ", pair_kn, pair_mu, pair_rn,
-        pair_rt, bonds, space ? "vz: 0, wx: 0, wy: 0, " : "", v, space ? "vz: 0, wx: 0, wy: 0, " : "", dt);
+        dimension, space ? "0, 0, " : "0, ", distance, space ? "0, 0, " : "0, ", pair_kn, pair_mu,
+        pair_rn, pair_rt, bonds, space ? "vz: 0, wx: 0, wy: 0, " : "", v,
+        space ? "vz: 0, wx: 0, wy: 0, " : "", dt);
 }
 
-/* Force of the only bond on its first particle, in the direction of scene x and y from particle 0. */
+/* Force of the only bond on its first particle, in the direction of scene x and y from particle 0.
+ */
 static void bond_force(const gn_world *w, double f[3]) {
     const double *row = gn_contacts_row(&w->bonds);
     double sign = w->particles.id[w->bonds.i[0]] == 0 ? 1.0 : -1.0;
     for (int a = 0; a < 3; a++) f[a] = a < 2 || w->bonds.row8 ? sign * row[a] : 0.0;
 }
 
-/* Loads the pair until it breaks; checks that the last force with the bond intact lay below the strength and
- * that one more increment reached it. */
-static void breaks_exactly(int dimension, const char *v, double stiffness, double limit, gn_cause cause) {
+/* Loads the pair until it breaks; checks that the last force with the bond intact lay below the
+ * strength and that one more increment reached it. */
+static void breaks_exactly(int dimension, const char *v, double stiffness, double limit,
+                           gn_cause cause) {
     double dt = 1e-8, speed = 0.5, f[3], now = 0.0, last = 0.0;
     gn_world *w = driven_pair(dimension, 2e-3, v, "bonds: {}\n", dt);
     assert_int_equal(w->bonds.soa.count, 1);
@@ -161,14 +173,17 @@ static void a_bond_does_not_break_in_compression(void **state) {
     world_end(w);
 }
 
-/* --- after breaking -------------------------------------------------------------------------------- */
+/* --- after breaking
+ * -------------------------------------------------------------------------------- */
 
-/* Overlap of a tenth of the radii, bonded: stress-free; pressed by 2 um, then sheared until it breaks. */
+/* Overlap of a tenth of the radii, bonded: stress-free; pressed by 2 um, then sheared until it
+ * breaks. */
 static void a_broken_overlapping_bond_keeps_its_zero_gap(void **state) {
     (void)state;
     const double distance = 1.8e-3, dt = 1e-8, press = 2e-6;
-    gn_world *w = driven_pair(3, distance, "vx: [[0, -0.2], [1e-5, -0.2], [1.000001e-5, 0], [1, 0]], "
-                                           "vy: [[0, 0], [1e-5, 0], [1.000001e-5, 0.5], [1, 0.5]]",
+    gn_world *w = driven_pair(3, distance,
+                              "vx: [[0, -0.2], [1e-5, -0.2], [1.000001e-5, 0], [1, 0]], "
+                              "vy: [[0, 0], [1e-5, 0], [1.000001e-5, 0.5], [1, 0.5]]",
                               "bonds: {}\n", dt);
     double f[3], before = 0.0, normal;
     run_steps(w, 1);
@@ -222,14 +237,15 @@ static void a_bond_broken_in_tension_touches_again_at_its_own_length(void **stat
 /* Two free particles that meet at an angle, spinning; strengths of `limit` N. */
 static gn_world *meeting_pair(int dimension, const char *bonds) {
     bool space = dimension == 3;
-    return world_of("dimension: %d\nspecimen: {particles: [[0, %s1e-3], [2e-3, %s1e-3]]}\n"
-                    "materials: [{name: m, density: 2500, normal_stiffness: 2e7, kratio: 2, friction: 0.4, "
-                    "bond_tension_limit: 1e-25, bond_shear_limit: 1e-25}]\nlaw: {stiffness: uniform}\n%s"
-                    "sets:\n  - {name: a, select: {ids: [0]}, initial_velocity: [1, 0.6%s], initial_spin: %s}\n"
-                    "  - {name: b, select: {ids: [1]}, initial_velocity: [0.1, -0.2%s]}\n"
-                    "time: {step: 2e-8, end: 1}\nrun: {threads: 1}\n",
-                    dimension, space ? "0, 0, " : "0, ", space ? "0, 0, " : "0, ", bonds,
-                    space ? ", 0.3" : "", space ? "[100, -300, 700]" : "700", space ? ", 0" : "");
+    return world_of(
+        "dimension: %d\nspecimen: {particles: [[0, %s1e-3], [2e-3, %s1e-3]]}\n"
+        "materials: [{name: m, density: 2500, normal_stiffness: 2e7, kratio: 2, friction: 0.4, "
+        "bond_tension_limit: 1e-25, bond_shear_limit: 1e-25}]\nlaw: {stiffness: uniform}\n%s"
+        "sets:\n  - {name: a, select: {ids: [0]}, initial_velocity: [1, 0.6%s], initial_spin: %s}\n"
+        "  - {name: b, select: {ids: [1]}, initial_velocity: [0.1, -0.2%s]}\n"
+        "time: {step: 2e-8, end: 1}\nrun: {threads: 1}\n",
+        dimension, space ? "0, 0, " : "0, ", space ? "0, 0, " : "0, ", bonds, space ? ", 0.3" : "",
+        space ? "[100, -300, 700]" : "700", space ? ", 0" : "");
 }
 
 /* The bond is gone at the first instant that loads it, before it has exerted any force. */
@@ -257,7 +273,8 @@ static void a_pair_broken_at_once_behaves_as_one_never_bonded(void **state) {
 
 static void work_of_breaking_balances(void **state) {
     (void)state;
-    /* Pulled to breaking: all the work that came in is released, 1/2 R_n^2/k_n and the last increment. */
+    /* Pulled to breaking: all the work that came in is released, 1/2 R_n^2/k_n and the last
+     * increment. */
     gn_world *w = driven_pair(3, 2e-3, "vx: 0.5, vy: 0", "bonds: {}\n", 1e-8);
     measured_step(w);
     while (w->bonds.cause[0] == GN_INTACT) run_steps(w, 1);
@@ -272,8 +289,9 @@ static void work_of_breaking_balances(void **state) {
 /* Sheared to breaking under pressure, then slipping: every part of the work is booked. */
 static void work_of_shear_breaking_and_slip_balances(void **state) {
     (void)state;
-    gn_world *w = driven_pair(3, 2e-3, "vx: [[0, -0.2], [1e-5, -0.2], [1.000001e-5, 0], [1, 0]], "
-                                       "vy: [[0, 0], [1e-5, 0], [1.000001e-5, 0.5], [1, 0.5]]",
+    gn_world *w = driven_pair(3, 2e-3,
+                              "vx: [[0, -0.2], [1e-5, -0.2], [1.000001e-5, 0], [1, 0]], "
+                              "vy: [[0, 0], [1e-5, 0], [1.000001e-5, 0.5], [1, 0.5]]",
                               "bonds: {}\n", 1e-8);
     measured_step(w);
     run_steps(w, 4000);

@@ -1,11 +1,13 @@
 /* Free collisions, and a sphere or disc that slides and rolls on a wall. */
 #include "world_helpers.h"
 
-/* --- conserved quantities -------------------------------------------------------------------------- */
+/* --- conserved quantities
+ * -------------------------------------------------------------------------- */
 
 typedef struct momentum {
     double linear[3], angular[3];
-    double linear_size, angular_size; /* sums of the sizes of the terms: what round-off is measured by */
+    double linear_size,
+        angular_size; /* sums of the sizes of the terms: what round-off is measured by */
 } momentum;
 
 /* x and v may be a step apart: x(n+1) x v(n+1/2) = x(n) x v(n+1/2). */
@@ -14,7 +16,8 @@ static momentum momentum_of(const gn_world *w) {
     for (size_t p = 0; p < w->particles.soa.count; p++) {
         const double *x = w->particles.pos + 4 * p, *v = w->particles.vel + 4 * p;
         const double *o = w->particles.spin + 4 * p;
-        double turn[3] = {x[1] * v[2] - x[2] * v[1], x[2] * v[0] - x[0] * v[2], x[0] * v[1] - x[1] * v[0]};
+        double turn[3] = {x[1] * v[2] - x[2] * v[1], x[2] * v[0] - x[0] * v[2],
+                          x[0] * v[1] - x[1] * v[0]};
         for (int a = 0; a < 3; a++) {
             m.linear[a] += v[a] / v[3];
             m.angular[a] += turn[a] / v[3] + o[a] / o[3];
@@ -37,25 +40,32 @@ static gn_world *swarm(int dimension, double dt, const char *more) {
         at[k][0] = 6e-3 * cos(angle);
         at[k][1] = 6e-3 * sin(angle);
         at[k][2] = dimension == 3 ? 1e-3 * (k % 3 - 1) : 0.0;
-        if (dimension == 3) add(&t, "    - [%.17g, %.17g, %.17g, %g]\n", at[k][0], at[k][1], at[k][2], r[k]);
-        else add(&t, "    - [%.17g, %.17g, %g]\n", at[k][0], at[k][1], r[k]);
+        if (dimension == 3)
+            add(&t, "    - [%.17g, %.17g, %.17g, %g]\n", at[k][0], at[k][1], at[k][2], r[k]);
+        else
+            add(&t, "    - [%.17g, %.17g, %g]\n", at[k][0], at[k][1], r[k]);
     }
-    add(&t, "materials: [{name: m, density: 2500, normal_stiffness: 2e6, kratio: 2.5, friction: 0.4}]\n"
-            "law: {stiffness: uniform}\n%stime: {step: %.17g, end: 1}\nrun: {threads: 1}\nsets:\n",
+    add(&t,
+        "materials: [{name: m, density: 2500, normal_stiffness: 2e6, kratio: 2.5, friction: 0.4}]\n"
+        "law: {stiffness: uniform}\n%stime: {step: %.17g, end: 1}\nrun: {threads: 1}\nsets:\n",
         more, dt);
     for (int k = 0; k < COUNT; k++) {
         double v[3];
-        for (int a = 0; a < 3; a++) v[a] = -800.0 * at[k][a] + 0.7 * sin(3.0 * k + a) * (a < dimension);
+        for (int a = 0; a < 3; a++)
+            v[a] = -800.0 * at[k][a] + 0.7 * sin(3.0 * k + a) * (a < dimension);
         add(&t, "  - {name: s%d, select: {ids: [%d]}, ", k, k);
-        if (dimension == 3) add(&t, "initial_velocity: [%g, %g, %g], initial_spin: [%d, %d, %d]}\n", v[0], v[1],
-                                v[2], 100 * k, 300 - 50 * k, -200);
-        else add(&t, "initial_velocity: [%g, %g], initial_spin: %d}\n", v[0], v[1], 300 - 150 * k);
+        if (dimension == 3)
+            add(&t, "initial_velocity: [%g, %g, %g], initial_spin: [%d, %d, %d]}\n", v[0], v[1],
+                v[2], 100 * k, 300 - 50 * k, -200);
+        else
+            add(&t, "initial_velocity: [%g, %g], initial_spin: %d}\n", v[0], v[1], 300 - 150 * k);
     }
     return world_of("%s", t.s);
 }
 
-/* The contact forces are equal and opposite and act at one point, so that each step keeps both sums up to
- * rounding: a few roundings of the size of the terms per step, at worst all in one direction. */
+/* The contact forces are equal and opposite and act at one point, so that each step keeps both sums
+ * up to rounding: a few roundings of the size of the terms per step, at worst all in one direction.
+ */
 static void collisions_keep_momentum(int dimension) {
     gn_world *w = swarm(dimension, 2e-8, "damping: {contact: {restitution: 0.6}}\n");
     momentum before = momentum_of(w);
@@ -88,12 +98,13 @@ static void discs_keep_momentum_and_moment_of_momentum(void **state) {
     collisions_keep_momentum(2);
 }
 
-/* --- restitution ----------------------------------------------------------------------------------- */
+/* --- restitution
+ * ----------------------------------------------------------------------------------- */
 
 static const double restitutions[] = {0.1, 0.3, 0.5, 0.8, 1.0};
 
-/* Head-on collision at 1 m/s of spheres of radius 1 mm and r2 with a step of `fine` 1/w, that meet after
- * `phase` steps; returns the rebound. */
+/* Head-on collision at 1 m/s of spheres of radius 1 mm and r2 with a step of `fine` 1/w, that meet
+ * after `phase` steps; returns the rebound. */
 static double rebound(double r2, double restitution, double fine, int dimension, double phase) {
     double m1 = dimension == 3 ? sphere_mass(2500, 1e-3) : disc_mass(2500, 1e-3);
     double m2 = dimension == 3 ? sphere_mass(2500, r2) : disc_mass(2500, r2);
@@ -133,8 +144,9 @@ static double worst_rebound(double fine) {
     return worst;
 }
 
-/* First order: the contact opens and closes at the ends of steps, where the viscous force changes the speed v
- * by 2 alpha w dt v in a step (v = c_r at the end), and that force is that of the speed half a step before. */
+/* First order: the contact opens and closes at the ends of steps, where the viscous force changes
+ * the speed v by 2 alpha w dt v in a step (v = c_r at the end), and that force is that of the speed
+ * half a step before. */
 static void restitution_error_is_of_first_order_in_the_step(void **state) {
     (void)state;
     double alpha = -log(0.5) / sqrt(pi * pi + log(0.5) * log(0.5));
@@ -148,14 +160,14 @@ static void a_sphere_rebounds_from_a_wall_with_the_restitution_coefficient(void 
     (void)state;
     for (size_t k = 0; k < sizeof restitutions / sizeof *restitutions; k++) {
         double omega = sqrt(1e6 / sphere_mass(2500, 1e-3)), fine = 5e-4;
-        gn_world *w = world_of(
-            "dimension: 3\nspecimen: {particles: [[0, 0, 1.00001e-3, 1e-3]]}\n"
-            "materials: [{name: m, density: 2500, normal_stiffness: 1e6, kratio: 0}]\n"
-            "law: {stiffness: uniform}\ndamping: {contact: {restitution: %g}}\n"
-            "walls: [{name: w, point: [0, 0, 0], normal: [0, 0, 1], stiffness: 1e6}]\n"
-            "sets: [{name: a, select: {ids: [0]}, initial_velocity: [0.2, 0, -1]}]\n"
-            "time: {step: %.17g, end: 1}\nrun: {threads: 1}\n",
-            restitutions[k], fine / omega);
+        gn_world *w =
+            world_of("dimension: 3\nspecimen: {particles: [[0, 0, 1.00001e-3, 1e-3]]}\n"
+                     "materials: [{name: m, density: 2500, normal_stiffness: 1e6, kratio: 0}]\n"
+                     "law: {stiffness: uniform}\ndamping: {contact: {restitution: %g}}\n"
+                     "walls: [{name: w, point: [0, 0, 0], normal: [0, 0, 1], stiffness: 1e6}]\n"
+                     "sets: [{name: a, select: {ids: [0]}, initial_velocity: [0.2, 0, -1]}]\n"
+                     "time: {step: %.17g, end: 1}\nrun: {threads: 1}\n",
+                     restitutions[k], fine / omega);
         run_steps(w, (int64_t)(6.0 / fine));
         assert_near(vel_of(w, 0)[2], restitutions[k], 1e-3);
         assert_near(vel_of(w, 0)[0], 0.2, 1e-15); /* a smooth wall leaves the rest alone */
@@ -163,12 +175,14 @@ static void a_sphere_rebounds_from_a_wall_with_the_restitution_coefficient(void 
     }
 }
 
-/* --- sliding and rolling --------------------------------------------------------------------------- */
+/* --- sliding and rolling
+ * --------------------------------------------------------------------------- */
 
 enum { RADIUS_MM = 10 };
 static const double g = 10.0, mu = 0.25, v0 = 1.0, kn = 1e8;
 
-/* Set down with its weight balanced; slides along x with v0 and spin w0 about the axis that rolls. */
+/* Set down with its weight balanced; slides along x with v0 and spin w0 about the axis that rolls.
+ */
 static gn_world *slider(int dimension, double spin0, double *mass) {
     double r = 1e-3 * RADIUS_MM, m = dimension == 3 ? sphere_mass(2500, r) : disc_mass(2500, r);
     *mass = m;
@@ -183,23 +197,26 @@ static gn_world *slider(int dimension, double spin0, double *mass) {
         snprintf(velocity, sizeof velocity, "%g, 0", v0);
         snprintf(spin, sizeof spin, "%.17g", -spin0);
     }
-    const char *up = dimension == 3 ? "0, 0, " : "0, ", *origin = dimension == 3 ? "0, 0, 0" : "0, 0";
-    return world_of("dimension: %d\nspecimen: {particles: [[%s, %g]]}\n"
-                    "materials: [{name: m, density: 2500, normal_stiffness: %g, kratio: 1, friction: %g}]\n"
-                    "law: {stiffness: uniform}\ngravity: [%s-%g]\n"
-                    "walls: [{name: w, point: [%s], normal: [%s1], stiffness: %g, kratio: 1, friction: %g}]\n"
-                    "sets: [{name: a, select: {all: true}, initial_velocity: [%s], initial_spin: %s}]\n"
-                    "domain: {min: [%s], max: [%s]}\ntime: {step: 4e-6, end: 9}\nrun: {threads: 1}\n",
-                    dimension, at, r, kn, mu, up, g, origin, up, kn, mu, velocity, spin,
-                    dimension == 3 ? "-9, -9, -9" : "-9, -9", dimension == 3 ? "9, 9, 9" : "9, 9");
+    const char *up = dimension == 3 ? "0, 0, " : "0, ",
+               *origin = dimension == 3 ? "0, 0, 0" : "0, 0";
+    return world_of(
+        "dimension: %d\nspecimen: {particles: [[%s, %g]]}\n"
+        "materials: [{name: m, density: 2500, normal_stiffness: %g, kratio: 1, friction: %g}]\n"
+        "law: {stiffness: uniform}\ngravity: [%s-%g]\n"
+        "walls: [{name: w, point: [%s], normal: [%s1], stiffness: %g, kratio: 1, friction: %g}]\n"
+        "sets: [{name: a, select: {all: true}, initial_velocity: [%s], initial_spin: %s}]\n"
+        "domain: {min: [%s], max: [%s]}\ntime: {step: 4e-6, end: 9}\nrun: {threads: 1}\n",
+        dimension, at, r, kn, mu, up, g, origin, up, kn, mu, velocity, spin,
+        dimension == 3 ? "-9, -9, -9" : "-9, -9", dimension == 3 ? "9, 9, 9" : "9, 9");
 }
 
 /* Once it sticks, the spring that slipping left stretched by mu m g/k_t makes the velocity swing by
- * mu g/w_t about rolling, w_t^2 = (1 + m r^2/I) k_t/m; the arm is shorter than r by the overlap m g/k_n. */
+ * mu g/w_t about rolling, w_t^2 = (1 + m r^2/I) k_t/m; the arm is shorter than r by the overlap m
+ * g/k_n. */
 static void slide_then_roll(int dimension) {
     double m, r = 1e-3 * RADIUS_MM, inertia = dimension == 3 ? 0.4 : 0.5;
-    double rolling = v0 / (1.0 + inertia);            /* 5/7 v0, 2/3 v0 */
-    double transition = (v0 - rolling) / (mu * g);    /* 2 v0/(7 mu g), v0/(3 mu g) */
+    double rolling = v0 / (1.0 + inertia);         /* 5/7 v0, 2/3 v0 */
+    double transition = (v0 - rolling) / (mu * g); /* 2 v0/(7 mu g), v0/(3 mu g) */
     gn_world *w = slider(dimension, 0.0, &m);
     int axis = dimension == 3 ? 1 : 2;
     double sign = dimension == 3 ? 1.0 : -1.0;
@@ -210,9 +227,12 @@ static void slide_then_roll(int dimension) {
         double t = w->time - 0.5 * w->dt, v = vel_of(w, 0)[0];
         double slip = v - sign * spin_of(w, 0)[axis] * r * (1.0 - overlap);
         if (began < 0.0 && slip <= 0.0) began = t;
-        /* The spring takes mu m g/k_t of sliding to stretch: the friction starts that much later. */
-        if (began < 0.0) worst = fmax(worst, fabs(v - (v0 - mu * g * t)));
-        else assert_near(v, rolling, 2.0 * swing + overlap);
+        /* The spring takes mu m g/k_t of sliding to stretch: the friction starts that much later.
+         */
+        if (began < 0.0)
+            worst = fmax(worst, fabs(v - (v0 - mu * g * t)));
+        else
+            assert_near(v, rolling, 2.0 * swing + overlap);
     }
     assert_true(worst <= mu * g * (mu * m * g / kn / v0 + w->dt));
     double late = 2.0 / sqrt((1.0 + 1.0 / inertia) * kn / m) + mu * m * g / kn / v0 + 2.0 * w->dt;

@@ -1,5 +1,5 @@
-/* Bonded oscillators, damping, loads, prescribed motion and walls against closed forms; every run keeps its
- * energy ledger. */
+/* Bonded oscillators, damping, loads, prescribed motion and walls against closed forms; every run
+ * keeps its energy ledger. */
 #include "world_helpers.h"
 
 static const double m0 = 2500.0 * 4.0 / 3.0 * 3.14159265358979323846 * 1e-9; /* sphere of 1 mm */
@@ -37,8 +37,8 @@ static void an_oscillating_pair_keeps_its_energy(void **state) {
     world_end(w);
 }
 
-/* A mass on a bond to a held one: frequency sqrt(k/m) and the decay exp(-a t/2) of viscous damping. The
- * scheme's own frequency is off by (w dt)^2/24. */
+/* A mass on a bond to a held one: frequency sqrt(k/m) and the decay exp(-a t/2) of viscous damping.
+ * The scheme's own frequency is off by (w dt)^2/24. */
 static void viscous_damping_lets_an_oscillator_decay_exponentially(void **state) {
     (void)state;
     double omega = sqrt(k0 / m0), fine = 0.02, a = 0.1 * omega, v = 1.0;
@@ -65,16 +65,18 @@ static void viscous_damping_lets_an_oscillator_decay_exponentially(void **state)
     world_end(w);
 }
 
-/* --- non-viscous damping --------------------------------------------------------------------------- */
+/* --- non-viscous damping
+ * --------------------------------------------------------------------------- */
 
 static gn_world *pushed_sphere(const char *model, double a) {
-    return world_of("dimension: 3\nspecimen: {particles: [[0, 0, 0, 1e-3]]}\n"
-                    "materials: [{name: m, density: 2500, normal_stiffness: %g, kratio: 2}]\n"
-                    "law: {stiffness: uniform}\ndamping: {background: {model: %s, coefficient: %g}}\n"
-                    "sets: [{name: a, select: {all: true}, force: [3e-3, -4e-3, 0]}]\n"
-                    "domain: {min: [-9, -9, -9], max: [9, 9, 9]}\n"
-                    "time: {step: 5e-7, end: 1}\nrun: {threads: 1}\n",
-                    k0, model, a);
+    return world_of(
+        "dimension: 3\nspecimen: {particles: [[0, 0, 0, 1e-3]]}\n"
+        "materials: [{name: m, density: 2500, normal_stiffness: %g, kratio: 2}]\n"
+        "law: {stiffness: uniform}\ndamping: {background: {model: %s, coefficient: %g}}\n"
+        "sets: [{name: a, select: {all: true}, force: [3e-3, -4e-3, 0]}]\n"
+        "domain: {min: [-9, -9, -9], max: [9, 9, 9]}\n"
+        "time: {step: 5e-7, end: 1}\nrun: {threads: 1}\n",
+        k0, model, a);
 }
 
 /* The first half kick starts from rest and is not damped; then the acceleration is (1 - a) F/m. */
@@ -126,20 +128,22 @@ static void nonviscous_damping_books_what_an_oscillator_loses(void **state) {
     }
 }
 
-/* --- loads ----------------------------------------------------------------------------------------- */
+/* --- loads
+ * ----------------------------------------------------------------------------------------- */
 
 static void free_fall_is_the_exact_parabola(void **state) {
     (void)state;
     for (int dimension = 2; dimension <= 3; dimension++) {
         bool space = dimension == 3;
-        gn_world *w = world_of(
-            "dimension: %d\nspecimen: {particles: [[0, %s1e-3]]}\n"
-            "materials: [{name: m, density: 2500, normal_stiffness: 1e6, kratio: 0}]\n"
-            "law: {stiffness: uniform}\ngravity: [%s-9.81]\ndomain: {min: [-99, -99%s], max: [99, 99%s]}\n"
-            "sets: [{name: a, select: {all: true}, initial_velocity: [%s2.0]}]\n"
-            "time: {step: 4e-6, end: 1}\nrun: {threads: 1}\n",
-            dimension, space ? "0, 0, " : "0, ", space ? "0, 0, " : "0, ", space ? ", -99" : "",
-            space ? ", 99" : "", space ? "0, 0.5, " : "0.5, ");
+        gn_world *w =
+            world_of("dimension: %d\nspecimen: {particles: [[0, %s1e-3]]}\n"
+                     "materials: [{name: m, density: 2500, normal_stiffness: 1e6, kratio: 0}]\n"
+                     "law: {stiffness: uniform}\ngravity: [%s-9.81]\ndomain: {min: [-99, -99%s], "
+                     "max: [99, 99%s]}\n"
+                     "sets: [{name: a, select: {all: true}, initial_velocity: [%s2.0]}]\n"
+                     "time: {step: 4e-6, end: 1}\nrun: {threads: 1}\n",
+                     dimension, space ? "0, 0, " : "0, ", space ? "0, 0, " : "0, ",
+                     space ? ", -99" : "", space ? ", 99" : "", space ? "0, 0.5, " : "0.5, ");
         int64_t steps = 50000;
         run_steps(w, steps);
         double t = 4e-6 * (double)steps;
@@ -158,12 +162,13 @@ static void free_fall_is_the_exact_parabola(void **state) {
 
 static void an_applied_force_is_shared_by_mass(void **state) {
     (void)state;
-    gn_world *w = world_of("dimension: 3\nspecimen: {particles: [[0, 0, 0, 1e-3], [1e-2, 0, 0, 2e-3]]}\n"
-                           "materials: [{name: m, density: 2500, normal_stiffness: 1e6, kratio: 0}]\n"
-                           "law: {stiffness: uniform}\n"
-                           "sets: [{name: a, select: {all: true}, force: [0, 9e-3, 0]}]\n"
-                           "domain: {min: [-9, -9, -9], max: [9, 9, 9]}\n"
-                           "time: {step: 1e-6, end: 1}\nrun: {threads: 1}\n");
+    gn_world *w =
+        world_of("dimension: 3\nspecimen: {particles: [[0, 0, 0, 1e-3], [1e-2, 0, 0, 2e-3]]}\n"
+                 "materials: [{name: m, density: 2500, normal_stiffness: 1e6, kratio: 0}]\n"
+                 "law: {stiffness: uniform}\n"
+                 "sets: [{name: a, select: {all: true}, force: [0, 9e-3, 0]}]\n"
+                 "domain: {min: [-9, -9, -9], max: [9, 9, 9]}\n"
+                 "time: {step: 1e-6, end: 1}\nrun: {threads: 1}\n");
     run_steps(w, 10000);
     double want = 0.5 * 9e-3 / (9.0 * m0) * pow(w->time, 2);
     assert_close(pos_of(w, 0)[1], want, 2.2e-16 * 4e4);
@@ -171,12 +176,13 @@ static void an_applied_force_is_shared_by_mass(void **state) {
     world_end(w);
 }
 
-/* One end held, the other pulled at a constant velocity: the reactions are the spring force, the work that
- * came in is what the spring holds. */
+/* One end held, the other pulled at a constant velocity: the reactions are the spring force, the
+ * work that came in is what the spring holds. */
 static void reactions_of_prescribed_motion_are_the_spring_force(void **state) {
     (void)state;
-    gn_world *w = bonded_pair(1e-7, "sets:\n  - {name: h, select: {ids: [0]}, motion: {vx: 0, vy: 0, vz: 0}}\n"
-                                    "  - {name: d, select: {ids: [1]}, motion: {vx: 0.01, vy: 0, vz: 0}}\n");
+    gn_world *w = bonded_pair(
+        1e-7, "sets:\n  - {name: h, select: {ids: [0]}, motion: {vx: 0, vy: 0, vz: 0}}\n"
+              "  - {name: d, select: {ids: [1]}, motion: {vx: 0.01, vy: 0, vz: 0}}\n");
     measured_step(w);
     run_steps(w, 9999);
     double u = pos_of(w, 1)[0] - pos_of(w, 0)[0] - 2e-3;
@@ -193,12 +199,13 @@ static void reactions_of_prescribed_motion_are_the_spring_force(void **state) {
 /* Driven by a table, with mass: the reaction is inertia plus spring. */
 static void reactions_of_an_accelerated_set_hold_inertia(void **state) {
     (void)state;
-    gn_world *w = world_of("dimension: 3\nspecimen: {particles: [[0, 0, 0, 1e-3]]}\n"
-                           "materials: [{name: m, density: 2500, normal_stiffness: 1e6, kratio: 0}]\n"
-                           "law: {stiffness: uniform}\ngravity: [0, 0, -10]\n"
-                           "sets: [{name: a, select: {all: true}, motion: {vz: [[0, 0], [1, 300]]}}]\n"
-                           "domain: {min: [-9, -9, -9], max: [9, 9, 9]}\n"
-                           "time: {step: 1e-6, end: 1}\nrun: {threads: 1}\n");
+    gn_world *w =
+        world_of("dimension: 3\nspecimen: {particles: [[0, 0, 0, 1e-3]]}\n"
+                 "materials: [{name: m, density: 2500, normal_stiffness: 1e6, kratio: 0}]\n"
+                 "law: {stiffness: uniform}\ngravity: [0, 0, -10]\n"
+                 "sets: [{name: a, select: {all: true}, motion: {vz: [[0, 0], [1, 300]]}}]\n"
+                 "domain: {min: [-9, -9, -9], max: [9, 9, 9]}\n"
+                 "time: {step: 1e-6, end: 1}\nrun: {threads: 1}\n");
     run_steps(w, 1000);
     assert_close(w->set_reaction[2], m0 * 310.0, 1e-6); /* differences of v: 2e-16 v/(a dt) */
     gn_energy e = measured_step(w);
@@ -208,18 +215,20 @@ static void reactions_of_an_accelerated_set_hold_inertia(void **state) {
     world_end(w);
 }
 
-/* --- walls ----------------------------------------------------------------------------------------- */
+/* --- walls
+ * ----------------------------------------------------------------------------------------- */
 
 /* A sphere between a floor and a wall that is servo-controlled to 5 N, later 8 N. */
 static void a_servo_wall_reaches_and_holds_its_force(void **state) {
     (void)state;
-    gn_world *w = world_of("dimension: 3\nspecimen: {particles: [[0, 0, 1e-3, 1e-3]]}\n"
-                           "materials: [{name: m, density: 2500, normal_stiffness: 2e6, kratio: 0}]\n"
-                           "law: {stiffness: uniform}\ndamping: {contact: {fraction: 0.5}}\n"
-                           "walls:\n  - {name: floor, point: [0, 0, 0], normal: [0, 0, 1], stiffness: 2e6}\n"
-                           "  - {name: top, point: [0, 0, 2.01e-3], normal: [0, 0, -1], stiffness: 1e6, "
-                           "servo: {force: [[0, 5], [5e-3, 5], [6e-3, 8]], max_velocity: 0.05}}\n"
-                           "time: {step: 2e-7, end: 1}\nrun: {threads: 1}\n");
+    gn_world *w =
+        world_of("dimension: 3\nspecimen: {particles: [[0, 0, 1e-3, 1e-3]]}\n"
+                 "materials: [{name: m, density: 2500, normal_stiffness: 2e6, kratio: 0}]\n"
+                 "law: {stiffness: uniform}\ndamping: {contact: {fraction: 0.5}}\n"
+                 "walls:\n  - {name: floor, point: [0, 0, 0], normal: [0, 0, 1], stiffness: 2e6}\n"
+                 "  - {name: top, point: [0, 0, 2.01e-3], normal: [0, 0, -1], stiffness: 1e6, "
+                 "servo: {force: [[0, 5], [5e-3, 5], [6e-3, 8]], max_velocity: 0.05}}\n"
+                 "time: {step: 2e-7, end: 1}\nrun: {threads: 1}\n");
     int64_t late = 0;
     while (w->time < 12e-3) {
         run_steps(w, 1);
@@ -237,19 +246,22 @@ static void a_servo_wall_reaches_and_holds_its_force(void **state) {
     assert_close(e.elastic_wall, 0.5 * 64.0 / 1e6 + 0.5 * 64.0 / 2e6, 1e-5);
     /* The two contacts were touched once each, at up to 0.05 m/s. */
     double touch = 4.0 * 0.5 * 2e6 * pow(0.05 * 2e-7, 2);
-    assert_true(fabs(gn_energy_residual(&e)) * gn_energy_scale(&e) <= touch + 1e-9 * gn_energy_scale(&e));
+    assert_true(fabs(gn_energy_residual(&e)) * gn_energy_scale(&e) <=
+                touch + 1e-9 * gn_energy_scale(&e));
     world_end(w);
 }
 
-/* Piecewise linear velocity is integrated exactly by midpoints as long as steps end at its corners. */
+/* Piecewise linear velocity is integrated exactly by midpoints as long as steps end at its corners.
+ */
 static void a_wall_follows_its_velocity_table(void **state) {
     (void)state;
-    gn_world *w = world_of("dimension: 2\nspecimen: {particles: [[0, 0, 1e-3]]}\n"
-                           "materials: [{name: m, density: 2500, normal_stiffness: 1e6, kratio: 0}]\n"
-                           "law: {stiffness: uniform}\n"
-                           "walls: [{name: w, point: [0, 1], normal: [0, -2], stiffness: 1e6, "
-                           "motion: {vx: 0.5, vy: [[1e-3, 0], [2e-3, -3], [4e-3, 1]]}}]\n"
-                           "time: {step: 1e-6, end: 1}\nrun: {threads: 1}\n");
+    gn_world *w =
+        world_of("dimension: 2\nspecimen: {particles: [[0, 0, 1e-3]]}\n"
+                 "materials: [{name: m, density: 2500, normal_stiffness: 1e6, kratio: 0}]\n"
+                 "law: {stiffness: uniform}\n"
+                 "walls: [{name: w, point: [0, 1], normal: [0, -2], stiffness: 1e6, "
+                 "motion: {vx: 0.5, vy: [[1e-3, 0], [2e-3, -3], [4e-3, 1]]}}]\n"
+                 "time: {step: 1e-6, end: 1}\nrun: {threads: 1}\n");
     run_steps(w, 6000);
     double allowed = 2.2e-16 * 6000 * 2.0;
     assert_near(w->walls[0].point[0], 0.5 * 6e-3, allowed);
@@ -261,13 +273,14 @@ static void a_wall_follows_its_velocity_table(void **state) {
 /* A moving wall presses a held sphere: the work of the wall is what its spring holds. */
 static void the_work_of_a_wall_is_booked(void **state) {
     (void)state;
-    gn_world *w = world_of("dimension: 3\nspecimen: {particles: [[0, 0, 1e-3, 1e-3]]}\n"
-                           "materials: [{name: m, density: 2500, normal_stiffness: 1e6, kratio: 0}]\n"
-                           "law: {stiffness: uniform}\n"
-                           "walls: [{name: w, point: [0, 0, 0], normal: [0, 0, 1], stiffness: 3e6, "
-                           "motion: {vz: 0.02}}]\n"
-                           "sets: [{name: a, select: {all: true}, motion: {vx: 0, vy: 0, vz: 0}}]\n"
-                           "time: {step: 1e-7, end: 1}\nrun: {threads: 1}\n");
+    gn_world *w =
+        world_of("dimension: 3\nspecimen: {particles: [[0, 0, 1e-3, 1e-3]]}\n"
+                 "materials: [{name: m, density: 2500, normal_stiffness: 1e6, kratio: 0}]\n"
+                 "law: {stiffness: uniform}\n"
+                 "walls: [{name: w, point: [0, 0, 0], normal: [0, 0, 1], stiffness: 3e6, "
+                 "motion: {vz: 0.02}}]\n"
+                 "sets: [{name: a, select: {all: true}, motion: {vx: 0, vy: 0, vz: 0}}]\n"
+                 "time: {step: 1e-7, end: 1}\nrun: {threads: 1}\n");
     measured_step(w);
     run_steps(w, 10000);
     double u = w->walls[0].point[2];
@@ -281,13 +294,14 @@ static void the_work_of_a_wall_is_booked(void **state) {
 
 static void a_passive_wall_is_free_of_force_at_the_start(void **state) {
     (void)state;
-    gn_world *w = world_of("dimension: 3\nspecimen: {particles: [[0, 0, 0.8e-3, 1e-3], [9e-3, 0, 1.1e-3, 1e-3]]}\n"
-                           "materials: [{name: m, density: 2500, normal_stiffness: 1e6, kratio: 0}]\n"
-                           "law: {stiffness: uniform}\n"
-                           "walls: [{name: w, point: [0, 0, 0], normal: [0, 0, 1], stiffness: 3e6, "
-                           "passive: true, motion: {vz: 0.1}}]\n"
-                           "sets: [{name: a, select: {all: true}, motion: {vx: 0, vy: 0, vz: 0}}]\n"
-                           "time: {step: 1e-6, end: 1}\nrun: {threads: 1}\n");
+    gn_world *w = world_of(
+        "dimension: 3\nspecimen: {particles: [[0, 0, 0.8e-3, 1e-3], [9e-3, 0, 1.1e-3, 1e-3]]}\n"
+        "materials: [{name: m, density: 2500, normal_stiffness: 1e6, kratio: 0}]\n"
+        "law: {stiffness: uniform}\n"
+        "walls: [{name: w, point: [0, 0, 0], normal: [0, 0, 1], stiffness: 3e6, "
+        "passive: true, motion: {vz: 0.1}}]\n"
+        "sets: [{name: a, select: {all: true}, motion: {vx: 0, vy: 0, vz: 0}}]\n"
+        "time: {step: 1e-6, end: 1}\nrun: {threads: 1}\n");
     run_steps(w, 1);
     assert_true(w->walls[0].force[2] == 0.0);
     run_steps(w, 500);

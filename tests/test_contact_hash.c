@@ -1,7 +1,9 @@
-/* The same bits for any number of threads and any instruction set: hashes of the state after 500 steps. */
+/* The same bits for any number of threads and any instruction set: hashes of the state after 500
+ * steps. */
 #include "world_helpers.h"
 
-/* The world after 500 steps of a scene with `threads` and `isa`; some steps are measured, as in a run. */
+/* The world after 500 steps of a scene with `threads` and `isa`; some steps are measured, as in a
+ * run. */
 static gn_world *after_500(const char *scene_text, int threads, const char *isa) {
     gn_world *w = world_of("%srun: {threads: %d, isa: %s}\n", scene_text, threads, isa);
     for (int k = 0; k < 10; k++) {
@@ -25,7 +27,8 @@ static void check(const char *scene_text, void (*happened)(const gn_world *)) {
         }
         for (int threads = 1; threads <= 4; threads++) {
             w = after_500(scene_text, threads, set->name);
-            if (gn_world_hash(w) != want) fail_msg("%s on %d threads has another state", set->name, threads);
+            if (gn_world_hash(w) != want)
+                fail_msg("%s on %d threads has another state", set->name, threads);
             /* Sums over lanes depend on the set's width, but not on the threads. */
             if (s == 0) assert_memory_equal(&w->reading, &ledger, sizeof ledger);
             world_end(w);
@@ -40,13 +43,15 @@ static void bonds_broke(const gn_world *w) {
 
 static void a_crushed_specimen_has_one_state(void **state) {
     (void)state;
-    check("dimension: 3\nspecimen: {lattice: {kind: fcc, radius: 1e-3, cells: [4, 4, 4], jitter: 0.03}}\n"
+    check("dimension: 3\nspecimen: {lattice: {kind: fcc, radius: 1e-3, cells: [4, 4, 4], jitter: "
+          "0.03}}\n"
           "materials: [{name: m, density: 2650, contact_modulus: 1e9, kratio: 2, friction: 0.5, "
           "tensile_strength: 3e6, shear_strength: 3e6}]\nlaw: {stiffness: harmonic}\nbonds: {}\n"
           "damping: {background: {model: nonviscous_vector, coefficient: 0.3}}\n"
           "walls:\n  - {name: low, point: [0, 0, 0], normal: [0, 0, 1], stiffness: 1e6, kratio: 2, "
           "friction: 0.4, motion: {vz: 5}}\n"
-          "  - {name: high, point: [0, 0, 11.2e-3], normal: [0, 0, -1], stiffness: 1e6, motion: {vz: -5}}\n"
+          "  - {name: high, point: [0, 0, 11.2e-3], normal: [0, 0, -1], stiffness: 1e6, motion: "
+          "{vz: -5}}\n"
           "time: {end: 1}\n",
           bonds_broke);
 }
@@ -58,15 +63,18 @@ static void spheres_slid(const gn_world *w) {
 
 static void a_collapsing_column_has_one_state(void **state) {
     (void)state;
-    check("dimension: 3\nspecimen: {lattice: {kind: cubic, radius: 1e-3, cells: [8, 8, 8], jitter: 0.02}}\n"
-          "materials: [{name: m, density: 2650, normal_stiffness: 1e4, kratio: 2, friction: 0.4}]\n"
-          "law: {stiffness: uniform}\ndamping: {contact: {restitution: 0.5}}\ngravity: [4, 0, -9.81]\n"
-          "initial: {random_velocity: 0.2}\n"
-          "walls:\n  - {name: floor, point: [0, 0, 0], normal: [0, 0, 1], stiffness: 1e4, kratio: 2, "
-          "friction: 0.4}\n"
-          "  - {name: side, point: [17e-3, 0, 0], normal: [-1, 0, 0], stiffness: 1e4}\n"
-          "time: {end: 1}\n",
-          spheres_slid);
+    check(
+        "dimension: 3\nspecimen: {lattice: {kind: cubic, radius: 1e-3, cells: [8, 8, 8], jitter: "
+        "0.02}}\n"
+        "materials: [{name: m, density: 2650, normal_stiffness: 1e4, kratio: 2, friction: 0.4}]\n"
+        "law: {stiffness: uniform}\ndamping: {contact: {restitution: 0.5}}\ngravity: [4, 0, "
+        "-9.81]\n"
+        "initial: {random_velocity: 0.2}\n"
+        "walls:\n  - {name: floor, point: [0, 0, 0], normal: [0, 0, 1], stiffness: 1e4, kratio: 2, "
+        "friction: 0.4}\n"
+        "  - {name: side, point: [17e-3, 0, 0], normal: [-1, 0, 0], stiffness: 1e4}\n"
+        "time: {end: 1}\n",
+        spheres_slid);
 }
 
 static void layers_slid(const gn_world *w) {
@@ -76,14 +84,17 @@ static void layers_slid(const gn_world *w) {
 
 static void a_periodic_shear_flow_has_one_state(void **state) {
     (void)state;
-    check("dimension: 2\nspecimen: {lattice: {kind: hexagonal, radius: 1e-3, cells: [12, 7], spacing: 0.99, "
+    check("dimension: 2\nspecimen: {lattice: {kind: hexagonal, radius: 1e-3, cells: [12, 7], "
+          "spacing: 0.99, "
           "jitter: 0.02}}\n"
           "materials: [{name: m, density: 2650, normal_stiffness: 1e6, kratio: 2, friction: 0.4}]\n"
           "law: {stiffness: uniform}\n"
           "damping: {contact: {restitution: 0.5}}\n"
           "periodic: {min: [0, 0], max: [23.76e-3, 24.01e-3]}\n"
-          "sets:\n  - {name: a, select: {box: {min: [-1, 0], max: [1, 2e-3]}}, motion: {vx: 3, vy: 0}}\n"
-          "  - {name: b, select: {box: {min: [-1, 11e-3], max: [1, 14e-3]}}, motion: {vx: -3, vy: 0}}\n"
+          "sets:\n  - {name: a, select: {box: {min: [-1, 0], max: [1, 2e-3]}}, motion: {vx: 3, vy: "
+          "0}}\n"
+          "  - {name: b, select: {box: {min: [-1, 11e-3], max: [1, 14e-3]}}, motion: {vx: -3, vy: "
+          "0}}\n"
           "time: {end: 1}\n",
           layers_slid);
 }

@@ -1,5 +1,5 @@
-/* The contact and motion kernels: every variant of every instruction set against the scalar one, and the
- * scalar one against the formulas written down anew in plain doubles. */
+/* The contact and motion kernels: every variant of every instruction set against the scalar one,
+ * and the scalar one against the formulas written down anew in plain doubles. */
 #include "world_helpers.h"
 
 #include "base/random.h"
@@ -23,7 +23,8 @@ static void cross3(const double *a, const double *b, double *r) {
     r[2] = a[0] * b[1] - a[1] * b[0];
 }
 
-/* --- a list of contacts in every state ------------------------------------------------------------- */
+/* --- a list of contacts in every state
+ * ------------------------------------------------------------- */
 
 typedef struct bench {
     gn_particles p;
@@ -72,15 +73,19 @@ static void separation(const bench *b, size_t c, double now[3], double before[3]
     for (int a = 0; a < 3; a++) {
         double period = b->k.soa.effects & GN_FX_PERIODIC ? b->args.period[a] : 0.0;
         now[a] = xj[a] - xi[a];
-        if (a == 2 && !b->space) now[a] = 0.0;
-        else if (period > 0.0) now[a] -= period * floor(now[a] / period + 0.5);
-        before[a] = now[a] - b->args.dt * (b->p.vel[4 * b->k.j[c] + a] - b->p.vel[4 * b->k.i[c] + a]);
+        if (a == 2 && !b->space)
+            now[a] = 0.0;
+        else if (period > 0.0)
+            now[a] -= period * floor(now[a] / period + 0.5);
+        before[a] =
+            now[a] - b->args.dt * (b->p.vel[4 * b->k.j[c] + a] - b->p.vel[4 * b->k.i[c] + a]);
     }
 }
 
 static void set_contact(bench *b, size_t c, uint64_t *at) {
     gn_contacts *k = &b->k;
-    double ri = b->p.pos[4 * k->i[c] + 3], rj = b->p.pos[4 * k->j[c] + 3], kn = uniform(at, 1e6, 2e7);
+    double ri = b->p.pos[4 * k->i[c] + 3], rj = b->p.pos[4 * k->j[c] + 3],
+           kn = uniform(at, 1e6, 2e7);
     double scale = kn * 1e-3 * (ri + rj); /* size of the forces, N */
     k->kn[c] = kn;
     if (k->kt) k->kt[c] = kn / uniform(at, 1.0, 4.0);
@@ -101,14 +106,21 @@ static void set_contact(bench *b, size_t c, uint64_t *at) {
 static bench make_bench(gn_effects effects, uint64_t seed) {
     bench b = {.space = effects & GN_FX_SPACE ? 1 : 0};
     uint64_t at = seed;
-    assert_int_equal(gn_soa_create(&gn_particle_record, &b.p, 2 * CONTACTS, effects, NULL), GNEISS_OK);
+    assert_int_equal(gn_soa_create(&gn_particle_record, &b.p, 2 * CONTACTS, effects, NULL),
+                     GNEISS_OK);
     assert_int_equal(gn_soa_create(&gn_contact_record, &b.k, CONTACTS, effects, NULL), GNEISS_OK);
-    b.args = (gn_contact_args){.pos = b.p.pos, .vel = b.p.vel, .spin = b.p.spin, .dt = 1e-6,
-                               .arm_factor = 0.5, .time = 0.25, .measure = true};
+    b.args = (gn_contact_args){.pos = b.p.pos,
+                               .vel = b.p.vel,
+                               .spin = b.p.spin,
+                               .dt = 1e-6,
+                               .arm_factor = 0.5,
+                               .time = 0.25,
+                               .measure = true};
     if (effects & GN_FX_PERIODIC)
         for (int a = 0; a < 3; a++) b.args.period[a] = 0.05 + 0.01 * a;
     for (size_t c = 0; c < CONTACTS; c++) {
-        b.k.i[c] = (int32_t)(c * 2 * 331 % (2 * CONTACTS)); /* scattered rows; 331 is coprime to 699 */
+        b.k.i[c] =
+            (int32_t)(c * 2 * 331 % (2 * CONTACTS)); /* scattered rows; 331 is coprime to 699 */
         b.k.j[c] = b.k.i[c] + 1;
         place_contact(&b, c, &at);
         set_contact(&b, c, &at);
@@ -161,7 +173,8 @@ static void assert_same_contacts(const gn_contacts *a, const gn_contacts *b, con
     }
 }
 
-/* --- the formulas again ---------------------------------------------------------------------------- */
+/* --- the formulas again
+ * ---------------------------------------------------------------------------- */
 
 typedef struct expected {
     double force[3], moment[3], half, shear[3], fd, tolerance;
@@ -214,8 +227,7 @@ static expected expect(const bench *b, size_t c, tally *sum) {
         cross3(wj, lj, tj);
         if (b->space) twist = 0.5 * (dot3(wi, n) + dot3(wj, n));
     }
-    for (int a = 0; a < 3; a++)
-        vr[a] = b->p.vel[4 * j + a] + tj[a] - b->p.vel[4 * i + a] - ti[a];
+    for (int a = 0; a < 3; a++) vr[a] = b->p.vel[4 * j + a] + tj[a] - b->p.vel[4 * i + a] - ti[a];
     double vn = dot3(vr, n), vt[3];
     for (int a = 0; a < 3; a++) vt[a] = vr[a] - vn * n[a];
 
@@ -230,8 +242,10 @@ static expected expect(const bench *b, size_t c, tally *sum) {
         for (int a = 0; a < 3; a++) t[a] = trial[a] = before[a] + kt * dt * vt[a];
     }
     double size = sqrt(dot3(trial, trial));
-    if (bonded && kn * u >= k->rn[c]) e.cause = GN_BROKEN_TENSION;
-    else if (bonded && k->rt && size >= k->rt[c]) e.cause = GN_BROKEN_SHEAR;
+    if (bonded && kn * u >= k->rn[c])
+        e.cause = GN_BROKEN_TENSION;
+    else if (bonded && k->rt && size >= k->rt[c])
+        e.cause = GN_BROKEN_SHEAR;
     bool intact = bonded && !e.cause;
     double fn = intact || touching ? kn * u : 0.0, viscous = 0.0;
     if (k->cn && (intact || touching)) viscous = k->cn[c] * vn;
@@ -244,8 +258,8 @@ static expected expect(const bench *b, size_t c, tally *sum) {
     for (int a = 0; a < 3; a++) e.shear[a] = t[a];
     if (k->shear && fx & GN_FX_ROTATION) cross3(n, t, e.moment);
     e.fd = viscous;
-    /* The stretch is a difference of lengths: its round-off is that of the lengths. With images it is that
-     * of the box. */
+    /* The stretch is a difference of lengths: its round-off is that of the lengths. With images it
+     * is that of the box. */
     double box = fmax(b->args.period[0], fmax(b->args.period[1], b->args.period[2]));
     e.tolerance = 1e-12 * sqrt(dot3(e.force, e.force)) + 8.0 * DBL_EPSILON * kn * fmax(0.05, box);
 
@@ -255,12 +269,15 @@ static expected expect(const bench *b, size_t c, tally *sum) {
     if (kt > 0.0) lost_shear = work - 0.5 * (dot3(t, t) - dot3(before, before)) / kt;
     work = 0.5 * (kn * u_old + fn) * dt * vn;
     kept = 0.5 * fn * u - 0.5 * kn * u_old * u_old;
-    if (e.cause) sum->breaking += lost_shear + work - kept;
-    else if (e.slipping) sum->friction += lost_shear;
+    if (e.cause)
+        sum->breaking += lost_shear + work - kept;
+    else if (e.slipping)
+        sum->friction += lost_shear;
     sum->elastic_normal += 0.5 * fn * u;
     sum->elastic_shear += kt > 0.0 ? 0.5 * dot3(t, t) / kt : 0.0;
     if (k->fd) sum->damping += 0.5 * (k->fd[c] + viscous) * vn * dt;
-    sum->scale += kn * u * u + (kt > 0.0 ? dot3(trial, trial) / kt : 0.0) + fabs(kn * u_old * dt * vn) +
+    sum->scale += kn * u * u + (kt > 0.0 ? dot3(trial, trial) / kt : 0.0) +
+                  fabs(kn * u_old * dt * vn) +
                   (fabs(viscous) + (k->fd ? fabs(k->fd[c]) : 0.0)) * fabs(vn) * dt;
     return e;
 }
@@ -270,8 +287,10 @@ static void check_row(const bench *b, size_t c, const expected *e, const char *n
     const double *row = gn_contacts_row(&b->k) + (size_t)width * c;
     double f[3] = {row[0], row[1], b->space ? row[2] : 0.0}, m[3] = {0, 0, 0};
     double half = width == 8 ? row[3] : b->space ? e->half : row[2];
-    if (width == 8) memcpy(m, row + 4, sizeof m);
-    else if (!b->space) m[2] = row[3];
+    if (width == 8)
+        memcpy(m, row + 4, sizeof m);
+    else if (!b->space)
+        m[2] = row[3];
     double worst = 0.0;
     for (int a = 0; a < 3; a++) {
         worst = fmax(worst, fabs(f[a] - e->force[a]));
@@ -313,7 +332,8 @@ static void scalar_contact_kernel_follows_the_formulas(void **state) {
         seen[3] += (size_t)got.broken_shear;
         if (b.k.soa.effects & GN_FX_ENERGY) {
             double allowed = 1e-12 * sum.scale;
-            if (b.k.soa.effects & GN_FX_PERIODIC) allowed *= 50.0; /* lengths of the box, not of a pair */
+            if (b.k.soa.effects & GN_FX_PERIODIC)
+                allowed *= 50.0; /* lengths of the box, not of a pair */
             assert_near(got.elastic_normal, sum.elastic_normal, allowed);
             assert_near(got.elastic_shear, sum.elastic_shear, allowed);
             assert_near(got.friction, sum.friction, allowed);
@@ -323,7 +343,8 @@ static void scalar_contact_kernel_follows_the_formulas(void **state) {
         free(e);
         free_bench(&b);
     }
-    for (int k = 0; k < 4; k++) assert_true(seen[k] > 100); /* open, slipping, both kinds of breaking */
+    for (int k = 0; k < 4; k++)
+        assert_true(seen[k] > 100); /* open, slipping, both kinds of breaking */
 }
 
 static void check_sums(const gn_contact_sums *a, const gn_contact_sums *b) {
@@ -376,7 +397,8 @@ static void exchanging_the_ends_mirrors_the_force(void **state) {
                 int32_t i = b.k.i[c];
                 b.k.i[c] = b.k.j[c];
                 b.k.j[c] = i;
-                for (size_t x = 0; b.k.shear && x < 3; x++) b.k.shear[c + x * b.k.soa.capacity] *= -1.0;
+                for (size_t x = 0; b.k.shear && x < 3; x++)
+                    b.k.shear[c + x * b.k.soa.capacity] *= -1.0;
             }
             run(&a, set->contact[v]);
             run(&b, set->contact[v]);
@@ -384,17 +406,19 @@ static void exchanging_the_ends_mirrors_the_force(void **state) {
             const double *ra = gn_contacts_row(&a.k), *rb = gn_contacts_row(&b.k);
             for (int k = 0; k < width * CONTACTS; k++) /* == : -0 is 0 */
                 if (!(rb[k] == (k % width < force ? -ra[k] : ra[k])))
-                    fail_msg("%s variant %u, contact %d, number %d", set->name, v, k / width, k % width);
+                    fail_msg("%s variant %u, contact %d, number %d", set->name, v, k / width,
+                             k % width);
             free_bench(&a);
             free_bench(&b);
         }
     }
 }
 
-/* --- turning with the body ------------------------------------------------------------------------- */
+/* --- turning with the body
+ * ------------------------------------------------------------------------- */
 
-/* A bonded pair with a normal and a shear load turned rigidly by 360 degrees about `axis` in `steps`;
- * returns |F_t - F_t(0)|/|F_t(0)| at the end, and the change of |F_t|. */
+/* A bonded pair with a normal and a shear load turned rigidly by 360 degrees about `axis` in
+ * `steps`; returns |F_t - F_t(0)|/|F_t(0)| at the end, and the change of |F_t|. */
 static double full_turn(const double axis[3], int steps, double *change) {
     gn_effects fx = GN_FX_SPACE | GN_FX_ROTATION | GN_FX_SHEAR | GN_FX_FRICTION | GN_FX_BONDS;
     bench b = {.space = 1};
@@ -411,7 +435,11 @@ static double full_turn(const double axis[3], int steps, double *change) {
     for (size_t a = 0; a < 3; a++) b.k.shear[a * b.k.soa.capacity] = start[a];
     double dt = 1e-6, angle = 2.0 * pi / steps, arm[3] = {1e-3, 0, 0};
     b.p.pos[3] = b.p.pos[7] = 1e-3;
-    gn_contact_args args = {.pos = b.p.pos, .vel = b.p.vel, .spin = b.p.spin, .contacts = &b.k, .dt = dt,
+    gn_contact_args args = {.pos = b.p.pos,
+                            .vel = b.p.vel,
+                            .spin = b.p.spin,
+                            .contacts = &b.k,
+                            .dt = dt,
                             .arm_factor = 0.5};
     const gn_kernel_set *set = gn_kernel_set_at(0);
     for (int step = 0; step < steps; step++) {
@@ -419,7 +447,8 @@ static double full_turn(const double axis[3], int steps, double *change) {
         memcpy(now, arm, sizeof now);
         double side[3], along = dot3(axis, arm) * (1.0 - cos(angle));
         cross3(axis, arm, side);
-        for (int a = 0; a < 3; a++) now[a] = arm[a] * cos(angle) + side[a] * sin(angle) + axis[a] * along;
+        for (int a = 0; a < 3; a++)
+            now[a] = arm[a] * cos(angle) + side[a] * sin(angle) + axis[a] * along;
         for (int a = 0; a < 3; a++) {
             b.p.pos[a] = -now[a];
             b.p.pos[4 + a] = now[a];
@@ -452,8 +481,8 @@ static void shear_turns_with_a_spin_about_the_normal(void **state) {
     }
 }
 
-/* Across the normal the chord that the centres travel is shorter than the arc of the spins: a slip of
- * d (a - sin a) per step, d (2 pi) a^2/6 per turn, and no more: second order in the step. */
+/* Across the normal the chord that the centres travel is shorter than the arc of the spins: a slip
+ * of d (a - sin a) per step, d (2 pi) a^2/6 per turn, and no more: second order in the step. */
 static void shear_turns_with_a_rotation_across_the_normal(void **state) {
     (void)state;
     const double axis[3] = {0, 0, 1};
@@ -468,9 +497,9 @@ static void shear_turns_with_a_rotation_across_the_normal(void **state) {
     }
 }
 
-/* About an oblique axis the normal runs on a cone. The chord has the direction of the middle of the step
- * and the spins act on the normal at its end: d (a^2/2) sin cos of the angle to the axis per step, that is
- * pi a d sin cos per turn, first order in the step. */
+/* About an oblique axis the normal runs on a cone. The chord has the direction of the middle of the
+ * step and the spins act on the normal at its end: d (a^2/2) sin cos of the angle to the axis per
+ * step, that is pi a d sin cos per turn, first order in the step. */
 static void shear_turns_with_a_rotation_about_an_oblique_axis(void **state) {
     (void)state;
     const double axis[3] = {1 / sqrt(3.0), 1 / sqrt(3.0), 1 / sqrt(3.0)};
@@ -478,17 +507,20 @@ static void shear_turns_with_a_rotation_about_an_oblique_axis(void **state) {
     for (int steps = 2000; steps <= 16000; steps *= 2) {
         double change, off = full_turn(axis, steps, &change), angle = 2.0 * pi / steps;
         double slip = 1e7 * 2e-3 / 5.0;
-        assert_true(off <= 1.1 * slip * (pi * angle * sqrt(2.0) / 3.0 + 2.0 * pi * angle * angle / 6.0));
+        assert_true(off <=
+                    1.1 * slip * (pi * angle * sqrt(2.0) / 3.0 + 2.0 * pi * angle * angle / 6.0));
         if (last > 0.0) assert_true(last / off > 1.9);
         last = off;
     }
 }
 
-/* --- motion ---------------------------------------------------------------------------------------- */
+/* --- motion
+ * ---------------------------------------------------------------------------------------- */
 
 enum { PARTICLES = 2 * GN_PARTICLE_BLOCK + 93, LINKS = 5 * PARTICLES, SUPPORTS = PARTICLES / 3 };
 
-/* Particles with bonds, pairs, wall contacts whose rows hold random forces; some particles prescribed. */
+/* Particles with bonds, pairs, wall contacts whose rows hold random forces; some particles
+ * prescribed. */
 typedef struct herd {
     gn_particles p;
     gn_contacts lists[2];
@@ -507,19 +539,23 @@ static void make_list(gn_contacts *k, gn_incidence *of, gn_effects effects, uint
         k->j[c] = k->i[c] + 1 + (int32_t)(c % 5) * 2;
         double *row = gn_contacts_row(k) + (size_t)width * c;
         for (int a = 0; a < width; a++) row[a] = uniform(at, -3.0, 3.0);
-        if (width == 8) row[3] = uniform(at, -1e-5, 1e-5);
-        else if (!(effects & GN_FX_SPACE)) row[2] = uniform(at, -1e-5, 1e-5);
+        if (width == 8)
+            row[3] = uniform(at, -1e-5, 1e-5);
+        else if (!(effects & GN_FX_SPACE))
+            row[2] = uniform(at, -1e-5, 1e-5);
     }
     assert_int_equal(gn_incidence_build(k, PARTICLES, of, NULL), GNEISS_OK);
 }
 
 static void make_supports(herd *h, gn_effects effects, uint64_t *at) {
-    assert_int_equal(gn_soa_create(&gn_wall_contact_record, &h->walls, SUPPORTS, effects, NULL), GNEISS_OK);
+    assert_int_equal(gn_soa_create(&gn_wall_contact_record, &h->walls, SUPPORTS, effects, NULL),
+                     GNEISS_OK);
     h->wall_first = calloc(PARTICLES + 2, sizeof *h->wall_first);
     for (size_t c = 0; c < SUPPORTS; c++) {
         h->walls.i[c] = (int32_t)(3 * c);
         for (int a = 0; a < 8; a++)
-            h->walls.row[8 * c + (size_t)a] = a % 4 < 2 || effects & GN_FX_SPACE ? uniform(at, -3.0, 3.0) : 0.0;
+            h->walls.row[8 * c + (size_t)a] =
+                a % 4 < 2 || effects & GN_FX_SPACE ? uniform(at, -3.0, 3.0) : 0.0;
         h->walls.row[8 * c + 3] = h->walls.row[8 * c + 7] = 0.0;
     }
     for (int p = 0; p <= PARTICLES; p++) h->wall_first[p] = p / 3 + (p % 3 > 0 ? 1 : 0);
@@ -532,7 +568,8 @@ static void make_particle(herd *h, size_t p, int space, uint64_t *at) {
         h->p.pos[4 * p + a] = there ? uniform(at, -0.1, 0.1) : 0.0;
         h->p.vel[4 * p + a] = there && p % 11 ? uniform(at, -2.0, 2.0) : 0.0; /* some at rest */
         h->p.applied[4 * p + a] = there ? uniform(at, -1.0, 1.0) : 0.0;
-        if (h->p.spin) h->p.spin[4 * p + a] = (space || a == 2) && p % 13 ? uniform(at, -90.0, 90.0) : 0.0;
+        if (h->p.spin)
+            h->p.spin[4 * p + a] = (space || a == 2) && p % 13 ? uniform(at, -90.0, 90.0) : 0.0;
     }
     double r = h->p.pos[4 * p + 3] = uniform(at, 0.5e-3, 2e-3), m = sphere_mass(2650.0, r);
     h->p.vel[4 * p + 3] = p % 37 == 36 ? 0.0 : 1.0 / m; /* some removed */
@@ -561,8 +598,11 @@ static herd make_herd(gn_effects effects, double dt_past, uint64_t seed) {
     gn_particles_set_null(&h.p, 1.0);
     for (int k = 0; k < 2; k++) make_list(&h.lists[k], &h.of[k], effects, &at);
     make_supports(&h, effects, &at);
-    h.args = (gn_motion_args){.dt_past = dt_past, .dt = 1e-6, .gravity = {0.3, -9.81, 0.0},
-                              .damping = 0.6, .measure = true};
+    h.args = (gn_motion_args){.dt_past = dt_past,
+                              .dt = 1e-6,
+                              .gravity = {0.3, -9.81, 0.0},
+                              .damping = 0.6,
+                              .measure = true};
     if (effects & GN_FX_SPACE) h.args.gravity[2] = 1.7;
     if (effects & GN_FX_VISCOUS) h.args.damping = 5000.0;
     return h;
@@ -592,7 +632,8 @@ static gn_motion_sums move(herd *h, gn_motion_kernel *kernel) {
     h->args.prescribed = &h->prescribed;
     for (size_t p = 0; p < PARTICLES; p += GN_PARTICLE_BLOCK) {
         gn_motion_sums s = {.bad = -1};
-        kernel(&h->args, p, p + GN_PARTICLE_BLOCK < PARTICLES ? p + GN_PARTICLE_BLOCK : PARTICLES, &s);
+        kernel(&h->args, p, p + GN_PARTICLE_BLOCK < PARTICLES ? p + GN_PARTICLE_BLOCK : PARTICLES,
+               &s);
         total.kinetic += s.kinetic;
         total.rotational += s.rotational;
         total.resultant += s.resultant;
@@ -642,8 +683,8 @@ typedef struct ledger {
 } ledger;
 
 /* One particle, translation (first 0) or rotation (first 3); v in, v out. */
-static void expect_kick(const herd *h, gn_effects fx, size_t p, int first, const double *f, double *v,
-                        ledger *sum) {
+static void expect_kick(const herd *h, gn_effects fx, size_t p, int first, const double *f,
+                        double *v, ledger *sum) {
     double inverse = first ? h->p.spin[4 * p + 3] : h->p.vel[4 * p + 3], a = h->args.damping;
     double mass = inverse > 0.0 ? 1.0 / inverse : 0.0, total[3], d[3] = {0}, v_new[3], before = 0.0;
     double span = 0.5 * (h->args.dt_past + h->args.dt), resultant = 0.0;
@@ -654,10 +695,12 @@ static void expect_kick(const herd *h, gn_effects fx, size_t p, int first, const
     double size = sqrt(dot3(total, total)), speed = sqrt(dot3(v, v));
     for (int k = 0; k < 3; k++) {
         if (fx & GN_FX_NONVISCOUS_VECTOR) d[k] = speed > 0.0 ? -a * size * v[k] / speed : 0.0;
-        if (fx & GN_FX_NONVISCOUS_COMPONENT) d[k] = -a * fabs(total[k]) * ((v[k] > 0.0) - (v[k] < 0.0));
+        if (fx & GN_FX_NONVISCOUS_COMPONENT)
+            d[k] = -a * fabs(total[k]) * ((v[k] > 0.0) - (v[k] < 0.0));
         v_new[k] = v[k] + span * inverse * (total[k] + d[k]);
         if (fx & GN_FX_VISCOUS) { /* F - a m (v + v')/2 */
-            v_new[k] = (v[k] + span * (inverse * total[k] - 0.5 * a * v[k])) / (1.0 + 0.5 * a * span);
+            v_new[k] =
+                (v[k] + span * (inverse * total[k] - 0.5 * a * v[k])) / (1.0 + 0.5 * a * span);
             d[k] = -a * mass * 0.5 * (v[k] + v_new[k]);
         }
     }
@@ -666,7 +709,8 @@ static void expect_kick(const herd *h, gn_effects fx, size_t p, int first, const
         if (slot >= 0 && h->prescribed.mask[slot] >> (first + k) & 1) {
             d[k] = 0.0;
             v_new[k] = h->prescribed.velocity[6 * slot + first + k];
-            double inertia = inverse > 0.0 && h->args.dt_past > 0.0 ? mass * (v_new[k] - v[k]) / span : 0.0;
+            double inertia =
+                inverse > 0.0 && h->args.dt_past > 0.0 ? mass * (v_new[k] - v[k]) / span : 0.0;
             sum->prescribed[0] += 0.5 * h->args.dt_past * (inertia - total[k]) * v[k];
             sum->prescribed[1] += 0.5 * h->args.dt * (inertia - total[k]) * v_new[k];
         }
@@ -710,18 +754,23 @@ static void check_herd(unsigned v, double dt_past) {
             double inverse = k < 3 ? h.p.vel[4 * p + 3] : h.p.spin ? h.p.spin[4 * p + 3] : 0.0;
             double load = k < 3 ? 30.0 : 30.0 * 2e-3; /* sums of some thirty numbers up to 3 */
             double allowed = 1e-13 * (load * h.args.dt * inverse + (k < 3 ? 2.0 : 90.0));
-            double now = k < 3 ? h.p.vel[4 * p + k] : h.p.spin ? h.p.spin[4 * p + k - 3] : want[6 * p + k];
+            double now = k < 3      ? h.p.vel[4 * p + k]
+                         : h.p.spin ? h.p.spin[4 * p + k - 3]
+                                    : want[6 * p + k];
             if (!(fabs(now - want[6 * p + k]) <= allowed))
                 fail_msg("%s, particle %zu, component %zu: %.17g, expected %.17g", name, p, k, now,
                          want[6 * p + k]);
-            if (k < 3) assert_near(h.p.pos[4 * p + k], start[4 * p + k] + h.args.dt * want[6 * p + k], 1e-16);
+            if (k < 3)
+                assert_near(h.p.pos[4 * p + k], start[4 * p + k] + h.args.dt * want[6 * p + k],
+                            1e-16);
         }
     assert_close(got.kinetic, sum.kinetic[0], 1e-12);
     assert_close(got.resultant, sum.resultant, 1e-12);
     if (h.p.spin) assert_close(got.rotational, sum.kinetic[1], 1e-12);
     for (int half = 0; half < 2; half++) {
         double size = PARTICLES * 30.0 * 2.0 * 1e-6; /* N, m/s, s */
-        assert_near(got.prescribed[half], sum.prescribed[half], 1e-12 * size * 100.0); /* inertia: m v/dt */
+        assert_near(got.prescribed[half], sum.prescribed[half],
+                    1e-12 * size * 100.0); /* inertia: m v/dt */
         if (!(fx & GN_FX_ENERGY)) continue;
         assert_near(got.damping[half], sum.damping[half], 1e-12 * (size + fabs(sum.damping[half])));
         assert_near(got.gravity[half], sum.gravity[half], 1e-12 * size);
@@ -754,7 +803,8 @@ static void check_motion_set(const gn_kernel_set *set, unsigned v) {
             if (memcmp(x + item * p, y + item * p, item) != 0)
                 fail_msg("%s, motion variant %u: %s of particle %zu", set->name, v, field->name, p);
     }
-    assert_memory_equal(a.prescribed.load, b.prescribed.load, a.prescribed.count * 6 * sizeof(double));
+    assert_memory_equal(a.prescribed.load, b.prescribed.load,
+                        a.prescribed.count * 6 * sizeof(double));
     assert_close(want.kinetic, got.kinetic, 1e-12);
     assert_close(want.rotational, got.rotational, 1e-12);
     assert_close(want.resultant, got.resultant, 1e-12);

@@ -19,10 +19,12 @@ static gn_particles particles(size_t count, int dimension) {
 }
 
 /* `count` particles in a box of `size`, radii from 1 to `ratio` (many small ones). */
-static gn_particles scattered(size_t count, int dimension, double size, double ratio, uint64_t seed) {
+static gn_particles scattered(size_t count, int dimension, double size, double ratio,
+                              uint64_t seed) {
     gn_particles p = particles(count, dimension);
     for (size_t k = 0; k < count; k++) {
-        for (int a = 0; a < dimension; a++) p.pos[4 * k + a] = uniform(&seed, -0.3 * size, 0.7 * size);
+        for (int a = 0; a < dimension; a++)
+            p.pos[4 * k + a] = uniform(&seed, -0.3 * size, 0.7 * size);
         p.pos[4 * k + 3] = pow(ratio, pow(uniform(&seed, 0.0, 1.0), 3.0));
     }
     return p;
@@ -40,7 +42,8 @@ static bool wanted(const gn_pair_query *q, size_t i, size_t j) {
     return sqrt(d2) - a[3] - b[3] <= q->margin + q->range * (a[3] + b[3]);
 }
 
-/* The same list as by looking at all pairs, in order, for 1 to 4 threads. Returns the number of pairs. */
+/* The same list as by looking at all pairs, in order, for 1 to 4 threads. Returns the number of
+ * pairs. */
 static size_t check(const gn_pair_query *query) {
     size_t n = query->particles->soa.count, most = n * n / 2 + 1, count = 0;
     int32_t(*all)[2] = calloc(most, sizeof *all);
@@ -119,7 +122,8 @@ static void pairs_in_clusters_are_all_found(void **state) {
 static void coincident_centres_are_pairs(void **state) {
     (void)state;
     gn_particles p = particles(40, 3);
-    for (size_t k = 0; k < 40; k++) p.pos[4 * k + 3] = 1.0 + (double)(k % 3); /* all at the origin */
+    for (size_t k = 0; k < 40; k++)
+        p.pos[4 * k + 3] = 1.0 + (double)(k % 3); /* all at the origin */
     gn_pair_query q = {&p, 3, 0.0, 0.0, false, {0}, 1};
     assert_int_equal(check(&q), 40 * 39 / 2);
     gn_soa_destroy(&gn_particle_record, &p);
@@ -136,7 +140,8 @@ static void a_large_sphere_in_a_bed_of_small_ones_finds_them_all(void **state) {
     gn_pair_list list = {0};
     assert_int_equal(gn_pairs_find(&q, &list, NULL), GNEISS_OK);
     size_t of_large = 0;
-    for (size_t c = 0; c < list.count; c++) of_large += list.pair[c][0] == 1200 || list.pair[c][1] == 1200;
+    for (size_t c = 0; c < list.count; c++)
+        of_large += list.pair[c][0] == 1200 || list.pair[c][1] == 1200;
     assert_true(of_large > 300);
     gn_pair_list_free(&list);
     gn_soa_destroy(&gn_particle_record, &p);
@@ -184,24 +189,27 @@ static void morton_order_is_a_permutation_that_keeps_neighbours_near(void **stat
     gn_soa_destroy(&gn_particle_record, &p);
 }
 
-/* --- runs ------------------------------------------------------------------------------------------ */
+/* --- runs
+ * ------------------------------------------------------------------------------------------ */
 
-/* Discs that fall into a box and slide over each other; `skin` of the lists. `glued`: the lower rows are bonded
- * to one another, so that the model keeps the order of its particles. */
+/* Discs that fall into a box and slide over each other; `skin` of the lists. `glued`: the lower
+ * rows are bonded to one another, so that the model keeps the order of its particles. */
 static gn_world *tumble(double skin, bool glued) {
-    return world_of("dimension: 2\nspecimen:\n  lattice: {kind: hexagonal, radius: 1e-3, cells: [8, 5], "
-                    "origin: [0, 0], spacing: 1.05, jitter: 0.05}\n  group: 0\n"
-                    "materials: [{name: m, density: 2500, normal_stiffness: 1e6, kratio: 2, friction: 0.4, "
-                    "bond_tension_limit: 2e3, bond_shear_limit: 2e3}]\nlaw: {stiffness: uniform}\n%s"
-                    "damping: {contact: {restitution: 0.4}}\ngravity: [3, -9.81]\n"
-                    "initial: {random_velocity: 0.4}\n"
-                    "sets: [{name: low, select: {box: {min: [-1, -1], max: [1, 6e-3]}}, group: 1}]\n"
-                    "walls:\n"
-                    "  - {name: floor, point: [0, 0], normal: [0, 1], stiffness: 1e6, kratio: 2, friction: 0.3}\n"
-                    "  - {name: left, point: [-1e-3, 0], normal: [1, 0], stiffness: 1e6}\n"
-                    "  - {name: right, point: [24e-3, 0], normal: [-1, 0], stiffness: 1e6}\n"
-                    "neighbours: {skin: %g}\ntime: {step: 2e-6, end: 1}\nrun: {threads: 1}\n",
-                    glued ? "bonds: {interaction_range: 0.2}\n" : "", skin);
+    return world_of(
+        "dimension: 2\nspecimen:\n  lattice: {kind: hexagonal, radius: 1e-3, cells: [8, 5], "
+        "origin: [0, 0], spacing: 1.05, jitter: 0.05}\n  group: 0\n"
+        "materials: [{name: m, density: 2500, normal_stiffness: 1e6, kratio: 2, friction: 0.4, "
+        "bond_tension_limit: 2e3, bond_shear_limit: 2e3}]\nlaw: {stiffness: uniform}\n%s"
+        "damping: {contact: {restitution: 0.4}}\ngravity: [3, -9.81]\n"
+        "initial: {random_velocity: 0.4}\n"
+        "sets: [{name: low, select: {box: {min: [-1, -1], max: [1, 6e-3]}}, group: 1}]\n"
+        "walls:\n"
+        "  - {name: floor, point: [0, 0], normal: [0, 1], stiffness: 1e6, kratio: 2, friction: "
+        "0.3}\n"
+        "  - {name: left, point: [-1e-3, 0], normal: [1, 0], stiffness: 1e6}\n"
+        "  - {name: right, point: [24e-3, 0], normal: [-1, 0], stiffness: 1e6}\n"
+        "neighbours: {skin: %g}\ntime: {step: 2e-6, end: 1}\nrun: {threads: 1}\n",
+        glued ? "bonds: {interaction_range: 0.2}\n" : "", skin);
 }
 
 /* Pairs that do not touch add zeros to sums whose order is the same: not a bit may change. */
@@ -223,8 +231,9 @@ static void the_skin_does_not_change_a_bit(void **state) {
     world_end(b);
 }
 
-/* Without bonds the particles are sorted anew every 16 rebuilds. That changes the order of sums and so their
- * round-off (which collisions multiply), but a lost shear force would be off by its own size at once. */
+/* Without bonds the particles are sorted anew every 16 rebuilds. That changes the order of sums and
+ * so their round-off (which collisions multiply), but a lost shear force would be off by its own
+ * size at once. */
 static void shear_forces_survive_reorderings(void **state) {
     (void)state;
     gn_world *a = tumble(3e-5, false), *b = tumble(1e-3, false);

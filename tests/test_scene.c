@@ -358,8 +358,7 @@ static void files_that_are_no_scenes_are_refused(void **state) {
     (void)state;
     gn_scene scene;
     gneiss_error error = {0};
-    assert_int_equal(gn_scene_load("/nowhere/x.yaml", NULL, 0, &scene, &error),
-                     GNEISS_ERROR_INPUT);
+    assert_int_equal(gn_scene_load("/nowhere/x.yaml", NULL, 0, &scene, &error), GNEISS_ERROR_INPUT);
     assert_string_equal(error.message,
                         "/nowhere/x.yaml: cannot open the scene: No such file or directory");
     assert_int_equal(gn_scene_load("/", NULL, 0, &scene, &error), GNEISS_ERROR_INPUT);

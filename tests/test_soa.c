@@ -3,9 +3,9 @@
 
 #include "base/random.h"
 
-static const gn_effects every = GN_FX_SPACE | GN_FX_ROTATION | GN_FX_PAIRS | GN_FX_SHEAR | GN_FX_FRICTION |
-                                GN_FX_BONDS | GN_FX_CONTACT_DAMPING | GN_FX_APPLIED | GN_FX_PRESCRIBED |
-                                GN_FX_ORIENTATION | GN_FX_ENERGY;
+static const gn_effects every = GN_FX_SPACE | GN_FX_ROTATION | GN_FX_PAIRS | GN_FX_SHEAR |
+                                GN_FX_FRICTION | GN_FX_BONDS | GN_FX_CONTACT_DAMPING |
+                                GN_FX_APPLIED | GN_FX_PRESCRIBED | GN_FX_ORIENTATION | GN_FX_ENERGY;
 
 static size_t bytes_of(const gn_field *f, size_t items) {
     return items * gn_type_size(f->type) * (size_t)f->components;
@@ -34,7 +34,8 @@ static void a_record_is_padded_aligned_and_zeroed(void **state) {
         for (size_t f = 0; f < gn_contact_record.field_count; f++) {
             const unsigned char *data = gn_field_data(&gn_contact_record.fields[f], &k);
             assert_int_equal((uintptr_t)data % 64, 0);
-            for (size_t b = 0; data && b < bytes_of(&gn_contact_record.fields[f], k.soa.capacity); b++)
+            for (size_t b = 0; data && b < bytes_of(&gn_contact_record.fields[f], k.soa.capacity);
+                 b++)
                 assert_int_equal(data[b], 0);
         }
         gn_soa_destroy(&gn_contact_record, &k);
@@ -49,7 +50,8 @@ static void only_fields_of_active_effects_are_allocated(void **state) {
     assert_true(bare.kn && bare.row4 && !bare.kt && !bare.mu && !bare.rn && !bare.rt && !bare.row8);
     assert_true(flat.rn && flat.row4 && !flat.rt && !flat.row8); /* rt needs shear as well */
     assert_true(full.rt && full.fd && full.row8 && !full.row4);
-    assert_true(gn_record_bytes(&gn_contact_record, 0) < gn_record_bytes(&gn_contact_record, every));
+    assert_true(gn_record_bytes(&gn_contact_record, 0) <
+                gn_record_bytes(&gn_contact_record, every));
     gn_soa_destroy(&gn_contact_record, &bare);
     gn_soa_destroy(&gn_contact_record, &flat);
     gn_soa_destroy(&gn_contact_record, &full);
@@ -101,7 +103,8 @@ static void a_permutation_and_its_inverse_give_the_record_back(void **state) {
     for (int k = 0; k < 3; k++) gn_soa_destroy(&gn_particle_record, all[k]);
 }
 
-/* One byte of any component of any item decides if the field is state, and only then; padding never. */
+/* One byte of any component of any item decides if the field is state, and only then; padding
+ * never. */
 static void the_hash_sees_state_and_nothing_else(void **state) {
     (void)state;
     gn_contacts k = contacts(37, every);
@@ -110,7 +113,8 @@ static void the_hash_sees_state_and_nothing_else(void **state) {
     for (size_t f = 0; f < gn_contact_record.field_count; f++) {
         const gn_field *field = &gn_contact_record.fields[f];
         unsigned char *data = gn_field_data(field, &k);
-        size_t size = gn_type_size(field->type), streams = field->layout == GN_ROWS ? 1 : (size_t)field->components;
+        size_t size = gn_type_size(field->type),
+               streams = field->layout == GN_ROWS ? 1 : (size_t)field->components;
         size_t item = field->layout == GN_ROWS ? size * (size_t)field->components : size;
         for (size_t s = 0; data && s < streams; s++)
             for (size_t b = 0; b < item * k.soa.capacity; b++) {
@@ -122,7 +126,8 @@ static void the_hash_sees_state_and_nothing_else(void **state) {
                 if (differs != seen) fail_msg("field %s, stream %zu, byte %zu", field->name, s, b);
             }
     }
-    assert_true(gn_soa_hash(&gn_contact_record, &k, GN_HASH_SEED + 1) != start); /* chains on its seed */
+    assert_true(gn_soa_hash(&gn_contact_record, &k, GN_HASH_SEED + 1) !=
+                start); /* chains on its seed */
     gn_soa_destroy(&gn_contact_record, &k);
 }
 

@@ -7,7 +7,8 @@ typedef struct assembly {
     int64_t steps; /* of the stable run */
 } assembly;
 
-static const assembly hexagonal = {2, "lattice: {kind: hexagonal, radius: 1e-3, cells: [8, 5]}", 20000};
+static const assembly hexagonal = {2, "lattice: {kind: hexagonal, radius: 1e-3, cells: [8, 5]}",
+                                   20000};
 static const assembly fcc = {3, "lattice: {kind: fcc, radius: 1e-3, cells: [3, 3, 3]}", 20000};
 static const assembly rock = {3, "file: specimens/rock-b.txt", 1000};
 static const assembly rock_end = {3, "file: specimens/rock-b.txt", 300};
@@ -32,9 +33,10 @@ static double limit_of(const assembly *a, const char *damping) {
     return stable;
 }
 
-/* Largest stored energy over that at the start; stops when it has grown a thousandfold, or when the engine
- * says that a particle flew off. */
-static double growth(const assembly *a, const char *damping, double dt, int64_t steps, double *residual) {
+/* Largest stored energy over that at the start; stops when it has grown a thousandfold, or when the
+ * engine says that a particle flew off. */
+static double growth(const assembly *a, const char *damping, double dt, int64_t steps,
+                     double *residual) {
     gn_world *w = shaken(a, damping, dt);
     gneiss_error error = {0};
     double start = 0.0, largest = 0.0;
@@ -54,8 +56,8 @@ static double growth(const assembly *a, const char *damping, double dt, int64_t 
     return largest;
 }
 
-/* The sharp limit is Lanczos' to 1e-3; the energy 1/2 m v(-) v(+) + U of a linear system is kept to round-off.
- * Turning normals (velocities of 0.1 mm/s move by 1e-10 m) leave less than 1e-5. */
+/* The sharp limit is Lanczos' to 1e-3; the energy 1/2 m v(-) v(+) + U of a linear system is kept to
+ * round-off. Turning normals (velocities of 0.1 mm/s move by 1e-10 m) leave less than 1e-5. */
 static void holds_below_and_fails_above(const assembly *a) {
     double limit = limit_of(a, ""), residual;
     assert_true(growth(a, "", 0.99 * limit, a->steps, &residual) < 1.0 + 1e-5);
@@ -78,13 +80,15 @@ static void a_rock_is_stable_up_to_the_sharp_limit(void **state) {
     holds_below_and_fails_above(&rock);
 }
 
-/* With non-viscous damping the resultant is up to 1 + a times as stiff: the limit falls by sqrt(1 + a). Below
- * it energy only falls; 5 % above it the fastest mode grows. (Measured thresholds: from sqrt(1 + a) to 3 %
- * above it, exactly it on assemblies of a few particles, for both forms.) */
-static void damped_holds_below_and_fails_above(const assembly *a, const char *model, double fraction) {
+/* With non-viscous damping the resultant is up to 1 + a times as stiff: the limit falls by sqrt(1 +
+ * a). Below it energy only falls; 5 % above it the fastest mode grows. (Measured thresholds: from
+ * sqrt(1 + a) to 3 % above it, exactly it on assemblies of a few particles, for both forms.) */
+static void damped_holds_below_and_fails_above(const assembly *a, const char *model,
+                                               double fraction) {
     char damping[160];
     double residual;
-    snprintf(damping, sizeof damping, "damping: {background: {model: %s, coefficient: %g}}\n", model, fraction);
+    snprintf(damping, sizeof damping, "damping: {background: {model: %s, coefficient: %g}}\n",
+             model, fraction);
     double limit = limit_of(a, damping);
     assert_close(limit, limit_of(a, "") / sqrt(1.0 + fraction), 1e-9);
     assert_true(growth(a, damping, 0.99 * limit, a->steps, &residual) < 1.0 + 1e-5);
@@ -111,11 +115,12 @@ static void nonviscous_component_damping_lowers_the_limit_by_its_root(void **sta
 
 static void an_automatic_step_is_its_share_of_the_limit(void **state) {
     (void)state;
-    gn_world *w = world_of("dimension: 3\nspecimen: {lattice: {kind: fcc, radius: 1e-3, cells: [3, 3, 3]}}\n"
-                           "materials: [{name: m, density: 2650, contact_modulus: 1e10, kratio: 2, "
-                           "tensile_strength: 1e30, shear_strength: 1e30}]\n"
-                           "law: {stiffness: arithmetic}\nbonds: {}\ntime: {safety: 0.8, end: 100}\n"
-                           "run: {threads: 1}\n");
+    gn_world *w =
+        world_of("dimension: 3\nspecimen: {lattice: {kind: fcc, radius: 1e-3, cells: [3, 3, 3]}}\n"
+                 "materials: [{name: m, density: 2650, contact_modulus: 1e10, kratio: 2, "
+                 "tensile_strength: 1e30, shear_strength: 1e30}]\n"
+                 "law: {stiffness: arithmetic}\nbonds: {}\ntime: {safety: 0.8, end: 100}\n"
+                 "run: {threads: 1}\n");
     assert_close(w->dt, 0.8 * w->stable, 1e-15);
     assert_true(w->stable <= w->limit.sharp && w->limit.bound <= w->limit.sharp);
     world_end(w);
@@ -125,13 +130,14 @@ static void a_step_above_the_limit_is_refused(void **state) {
     (void)state;
     gn_world w;
     gneiss_error error = {0};
-    gneiss_status status = world_try(
-        &w,
-        "dimension: 3\nspecimen: {lattice: {kind: fcc, radius: 1e-3, cells: [2, 2, 2]}}\n"
-        "materials: [{name: m, density: 2650, contact_modulus: 1e10, kratio: 2, tensile_strength: 1e30, "
-        "shear_strength: 1e30}]\nlaw: {stiffness: arithmetic}\nbonds: {}\n"
-        "time: {step: 1e-6, end: 100}\nrun: {threads: 1}\n",
-        NULL, &error);
+    gneiss_status status =
+        world_try(&w,
+                  "dimension: 3\nspecimen: {lattice: {kind: fcc, radius: 1e-3, cells: [2, 2, 2]}}\n"
+                  "materials: [{name: m, density: 2650, contact_modulus: 1e10, kratio: 2, "
+                  "tensile_strength: 1e30, "
+                  "shear_strength: 1e30}]\nlaw: {stiffness: arithmetic}\nbonds: {}\n"
+                  "time: {step: 1e-6, end: 100}\nrun: {threads: 1}\n",
+                  NULL, &error);
     assert_int_equal(status, GNEISS_ERROR_INPUT);
     assert_non_null(strstr(error.message, "time.step"));
 }

@@ -251,9 +251,10 @@ GN_INLINE void contact_vector(const gn_contact_args *a, size_t c, size_t end, la
 
 GN_INLINE void contact_core(const gn_contact_args *a, size_t begin, size_t end,
                             gn_contact_sums *sums, variant w) {
-    lane_sums e;
-    gn_v *parts = &e.elastic_normal;
-    for (size_t k = 0; k < sizeof e / sizeof *parts; k++) parts[k] = gn_set(0.0);
+    const gn_v zero = gn_set(0.0);
+    lane_sums e = {.elastic_normal = zero, .elastic_shear = zero, .friction = zero};
+    e.damping = e.breaking = e.force = e.carrying = zero;
+    for (int k = 0; k < 9; k++) e.stress[k] = zero;
     for (size_t c = begin; c < end; c += GN_W) contact_vector(a, c, end, &e, sums, w);
     if (a->measure) {
         for (int k = 0; k < 9; k++) sums->stress[k] += fold(e.stress[k]);

@@ -77,7 +77,8 @@ static size_t surface_directions(int dimension, double direction[DIRECTIONS_2D][
         return count;
     }
     for (int k = 0; k < 27; k++) {
-        double x[3] = {k % 3 - 1, k / 3 % 3 - 1, k / 9 - 1};
+        const int digit[3] = {k % 3, k / 3 % 3, k / 9};
+        double x[3] = {digit[0] - 1.0, digit[1] - 1.0, digit[2] - 1.0};
         double length = sqrt(x[0] * x[0] + x[1] * x[1] + x[2] * x[2]);
         if (length == 0) continue;
         for (int a = 0; a < 3; a++) direction[count][a] = x[a] / length;
