@@ -13,7 +13,7 @@ packages_build=(
     libfyaml-dev libudunits2-dev libhdf5-dev libqhull-dev libcmocka-dev
     python3 python3-numpy python3-h5py python3-matplotlib
 )
-packages_check=(git clang libomp-dev clang-format clang-tidy cppcheck)
+packages_check=(git clang libclang-rt-14-dev libomp-dev clang-format clang-tidy cppcheck)
 packages_bench=(libbenchmark-dev)
 packages_peers=(yade) # large; only for bench --peers
 

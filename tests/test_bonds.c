@@ -2,8 +2,7 @@
  * bonded pairs, damping, loads and walls. */
 #include "world_helpers.h"
 
-/* --- parameters of Rojek et al. 2012
- * --------------------------------------------------------------- */
+/* --- parameters of Rojek et al. 2012 --- */
 
 enum { MODELS = 6 };
 static const char *const models[MODELS] = {"uniform",     "arithmetic",      "harmonic",
@@ -92,8 +91,7 @@ static void bonds_form_within_the_range_and_the_group(void **state) {
     world_end(w);
 }
 
-/* --- a pair that is pulled and sheared
- * ------------------------------------------------------------- */
+/* --- a pair that is pulled and sheared --- */
 
 static const double pair_kn = 2e7, pair_kt = 1e7, pair_rn = 50.0, pair_rt = 30.0, pair_mu = 0.4;
 
@@ -173,8 +171,7 @@ static void a_bond_does_not_break_in_compression(void **state) {
     world_end(w);
 }
 
-/* --- after breaking
- * -------------------------------------------------------------------------------- */
+/* --- after breaking --- */
 
 /* Overlap of a tenth of the radii, bonded: stress-free; pressed by 2 um, then sheared until it
  * breaks. */

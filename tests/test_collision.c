@@ -1,8 +1,7 @@
 /* Free collisions, and a sphere or disc that slides and rolls on a wall. */
 #include "world_helpers.h"
 
-/* --- conserved quantities
- * -------------------------------------------------------------------------- */
+/* --- conserved quantities --- */
 
 typedef struct momentum {
     double linear[3], angular[3];
@@ -98,8 +97,7 @@ static void discs_keep_momentum_and_moment_of_momentum(void **state) {
     collisions_keep_momentum(2);
 }
 
-/* --- restitution
- * ----------------------------------------------------------------------------------- */
+/* --- restitution --- */
 
 static const double restitutions[] = {0.1, 0.3, 0.5, 0.8, 1.0};
 
@@ -175,8 +173,7 @@ static void a_sphere_rebounds_from_a_wall_with_the_restitution_coefficient(void 
     }
 }
 
-/* --- sliding and rolling
- * --------------------------------------------------------------------------- */
+/* --- sliding and rolling --- */
 
 enum { RADIUS_MM = 10 };
 static const double g = 10.0, mu = 0.25, v0 = 1.0, kn = 1e8;

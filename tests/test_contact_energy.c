@@ -65,8 +65,7 @@ static void viscous_damping_lets_an_oscillator_decay_exponentially(void **state)
     world_end(w);
 }
 
-/* --- non-viscous damping
- * --------------------------------------------------------------------------- */
+/* --- non-viscous damping --- */
 
 static gn_world *pushed_sphere(const char *model, double a) {
     return world_of(
@@ -128,8 +127,7 @@ static void nonviscous_damping_books_what_an_oscillator_loses(void **state) {
     }
 }
 
-/* --- loads
- * ----------------------------------------------------------------------------------------- */
+/* --- loads --- */
 
 static void free_fall_is_the_exact_parabola(void **state) {
     (void)state;
@@ -215,8 +213,7 @@ static void reactions_of_an_accelerated_set_hold_inertia(void **state) {
     world_end(w);
 }
 
-/* --- walls
- * ----------------------------------------------------------------------------------------- */
+/* --- walls --- */
 
 /* A sphere between a floor and a wall that is servo-controlled to 5 N, later 8 N. */
 static void a_servo_wall_reaches_and_holds_its_force(void **state) {

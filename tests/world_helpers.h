@@ -4,6 +4,7 @@
 
 #include "test.h"
 
+#include "base/random.h"
 #include "sim/parts.h"
 
 /* |a - b| <= allowed, in the unit of a and b; prints both when not. */
@@ -112,6 +113,21 @@ static inline double length3(const double *a) {
 static inline double shear_of(const gn_contacts *k, size_t c, double t[3]) {
     for (size_t a = 0; a < 3; a++) t[a] = k->shear[c + a * k->soa.capacity];
     return length3(t);
+}
+
+/* The next number of a stream, uniform in [low, high). */
+static inline double uniform(uint64_t *at, double low, double high) {
+    return low + (high - low) * 0.5 * (gn_random_symmetric(7, (*at)++) + 1.0);
+}
+
+static inline double dot3(const double *a, const double *b) {
+    return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
+}
+
+static inline void cross3(const double *a, const double *b, double *r) {
+    r[0] = a[1] * b[2] - a[2] * b[1];
+    r[1] = a[2] * b[0] - a[0] * b[2];
+    r[2] = a[0] * b[1] - a[1] * b[0];
 }
 
 #endif
