@@ -1,5 +1,6 @@
 #include "bench_world.h"
 
+#include "sim/parts.h"
 #include "sim/run.h"
 
 #include <omp.h>
@@ -130,13 +131,8 @@ static const gn_contacts *longer_list(const gn_world *w) {
 
 size_t bench_world_contact_kernel(bench_world *b, size_t blocks) {
     gn_world *w = &b->world;
-    gn_contact_args a = {0};
-    a.pos = w->particles.pos;
-    a.vel = w->particles.vel;
-    a.spin = w->particles.spin;
-    a.contacts = longer_list(w);
-    a.arm_factor = w->scene.contact_arm == GN_ARM_MIDPOINT ? 0.5 : 0.0;
-    memcpy(a.period, w->period, sizeof a.period);
+    gn_contact_args a = gn_world_contact_args(w, longer_list(w), false);
+    a.dt = 0.0; /* the state stands still */
     gn_contact_kernel *kernel = bonds_are_more(w) ? w->bond_kernel : w->pair_kernel;
     size_t last = blocks * GN_CONTACT_BLOCK;
     if (last > a.contacts->soa.count) last = a.contacts->soa.count;
@@ -150,16 +146,8 @@ size_t bench_world_contact_kernel(bench_world *b, size_t blocks) {
 
 size_t bench_world_motion_kernel(bench_world *b, size_t blocks) {
     gn_world *w = &b->world;
-    gn_motion_args a = {0};
-    a.particles = &w->particles;
-    a.bonds = &w->bonds;
-    a.pairs = &w->pairs;
-    a.bonds_of = &w->bonds_of;
-    a.pairs_of = &w->pairs_of;
-    a.wall_contacts = w->effects & GN_FX_WALLS ? &w->wall_contacts : NULL;
-    a.wall_first = w->wall_first;
-    memcpy(a.gravity, w->scene.gravity, sizeof a.gravity);
-    a.damping = w->scene.background_coefficient;
+    gn_motion_args a = gn_world_motion_args(w, false);
+    a.dt = a.dt_past = 0.0;
     size_t last = blocks * GN_PARTICLE_BLOCK;
     if (last > w->particles.soa.count) last = w->particles.soa.count;
     for (size_t first = 0; first < last; first += GN_PARTICLE_BLOCK) {

@@ -130,13 +130,6 @@ GN_INLINE void measure_contact(lane_sums *e, const pair_state *s, gn_v3 f, varia
     e->carrying = e->carrying + gn_keep(gn_less(gn_set(0.0), size), gn_set(1.0));
 }
 
-GN_INLINE double fold(gn_v v) {
-    double lanes[GN_W], sum = 0.0;
-    gn_store(lanes, v);
-    for (int k = 0; k < GN_W; k++) sum += lanes[k];
-    return sum;
-}
-
 /* Forces of a contact before and after its limits. */
 typedef struct contact_state {
     gn_v kn, kt, stretch, elastic, normal; /* elastic: k_n stretch; normal: what acts of it */
@@ -257,16 +250,16 @@ GN_INLINE void contact_core(const gn_contact_args *a, size_t begin, size_t end,
     for (int k = 0; k < 9; k++) e.stress[k] = zero;
     for (size_t c = begin; c < end; c += GN_W) contact_vector(a, c, end, &e, sums, w);
     if (a->measure) {
-        for (int k = 0; k < 9; k++) sums->stress[k] += fold(e.stress[k]);
-        sums->force += fold(e.force);
-        sums->carrying += fold(e.carrying);
+        for (int k = 0; k < 9; k++) sums->stress[k] += gn_fold(e.stress[k]);
+        sums->force += gn_fold(e.force);
+        sums->carrying += gn_fold(e.carrying);
     }
     if (!w.energy) return;
-    sums->elastic_normal += fold(e.elastic_normal);
-    sums->elastic_shear += fold(e.elastic_shear);
-    sums->friction += fold(e.friction);
-    sums->contact_damping += fold(e.damping);
-    sums->bond_breaking += fold(e.breaking);
+    sums->elastic_normal += gn_fold(e.elastic_normal);
+    sums->elastic_shear += gn_fold(e.elastic_shear);
+    sums->friction += gn_fold(e.friction);
+    sums->contact_damping += gn_fold(e.damping);
+    sums->bond_breaking += gn_fold(e.breaking);
 }
 
 /* --- the variants

@@ -141,13 +141,6 @@ typedef struct lane_sums {
     gn_v kinetic, rotational, resultant, damping[2], gravity[2], applied[2], speed2;
 } lane_sums;
 
-static inline double fold(gn_v v) {
-    double lanes[GN_W], sum = 0.0;
-    gn_store(lanes, v);
-    for (int k = 0; k < GN_W; k++) sum += lanes[k];
-    return sum;
-}
-
 /* --- prescribed particles, lane by lane
  * ------------------------------------------------------------- */
 
@@ -344,13 +337,13 @@ GN_INLINE void motion_core(const gn_motion_args *a, size_t begin, size_t end, gn
     lane_sums e = {zero, zero, zero, {zero, zero}, {zero, zero}, {zero, zero}, zero};
     for (size_t b = begin; b < end; b += GN_PARTICLE_BLOCK)
         motion_block(a, b, b + GN_PARTICLE_BLOCK < end ? b + GN_PARTICLE_BLOCK : end, &e, s, w);
-    s->kinetic += fold(e.kinetic);
-    s->rotational += fold(e.rotational);
-    s->resultant += fold(e.resultant);
+    s->kinetic += gn_fold(e.kinetic);
+    s->rotational += gn_fold(e.rotational);
+    s->resultant += gn_fold(e.resultant);
     for (int h = 0; h < 2; h++) {
-        s->damping[h] += fold(e.damping[h]);
-        s->gravity[h] += fold(e.gravity[h]);
-        s->applied[h] += fold(e.applied[h]);
+        s->damping[h] += gn_fold(e.damping[h]);
+        s->gravity[h] += gn_fold(e.gravity[h]);
+        s->applied[h] += gn_fold(e.applied[h]);
     }
     double speed2[GN_W];
     gn_store(speed2, e.speed2);

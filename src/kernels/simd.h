@@ -27,6 +27,14 @@ GN_INLINE gn_v gn_pick(int literal, gn_v a, gn_v b) {
     return literal ? a : b;
 }
 
+/* Sum of the lanes, in lane order. */
+GN_INLINE double gn_fold(gn_v v) {
+    double lanes[GN_W], sum = 0.0;
+    gn_store(lanes, v);
+    for (int k = 0; k < GN_W; k++) sum += lanes[k];
+    return sum;
+}
+
 /* A vector of three components; in 2D z stays zero and is not computed. */
 typedef struct gn_v3 {
     gn_v x, y, z;

@@ -27,9 +27,6 @@ GN_INLINE gn_v gn_fnma(gn_v a, gn_v b, gn_v c) {
 GN_INLINE gn_v gn_sqrt(gn_v a) {
     return _mm256_sqrt_pd(a);
 }
-GN_INLINE gn_v gn_min(gn_v a, gn_v b) {
-    return _mm256_min_pd(a, b);
-}
 GN_INLINE gn_v gn_max(gn_v a, gn_v b) {
     return _mm256_max_pd(a, b);
 }

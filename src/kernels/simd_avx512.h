@@ -26,9 +26,6 @@ GN_INLINE gn_v gn_fnma(gn_v a, gn_v b, gn_v c) {
 GN_INLINE gn_v gn_sqrt(gn_v a) {
     return _mm512_sqrt_pd(a);
 }
-GN_INLINE gn_v gn_min(gn_v a, gn_v b) {
-    return _mm512_min_pd(a, b);
-}
 GN_INLINE gn_v gn_max(gn_v a, gn_v b) {
     return _mm512_max_pd(a, b);
 }

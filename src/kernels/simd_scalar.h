@@ -27,9 +27,6 @@ GN_INLINE gn_v gn_fnma(gn_v a, gn_v b, gn_v c) {
 GN_INLINE gn_v gn_sqrt(gn_v a) {
     return sqrt(a);
 }
-GN_INLINE gn_v gn_min(gn_v a, gn_v b) {
-    return a < b ? a : b;
-}
 GN_INLINE gn_v gn_max(gn_v a, gn_v b) {
     return a > b ? a : b;
 }

@@ -154,7 +154,6 @@ gneiss_status gn_world_check_step(gn_world *w, bool full, gneiss_error *error) {
         w->stable = usable_limit(w);
         status = react(w, w->stable, error);
     }
-    w->limit_step = w->step;
     w->seconds[GN_PHASE_step_limit] += gn_now() - start;
     return status;
 }

@@ -104,43 +104,46 @@ static void mirror(gn_contacts *list, size_t c) {
     }
     /* n x F_t (and the half gap) look the same from both ends, only the force turns round. */
     double *row = gn_contacts_row(list) + (size_t)gn_contacts_row_width(list) * c;
-    bool plane_moment = !list->row8 && list->soa.effects & GN_FX_ROTATION;
-    for (int a = 0; a < (plane_moment ? 2 : 3); a++) row[a] = -row[a];
+    for (int a = 0; a < (list->soa.effects & GN_FX_SPACE ? 3 : 2); a++) row[a] = -row[a];
+}
+
+/* Sorts the keys and puts the items of *list in their order, into *now; *list is freed. */
+static gneiss_status sort_items(const gn_record *record, void *list, void *now, renamed *keys,
+                                gneiss_error *error) {
+    const gn_soa head = *(const gn_soa *)list;
+    int32_t *order = gn_alloc_array(head.count + 1, sizeof *order);
+    if (!order)
+        return gn_fail(error, GNEISS_ERROR_MEMORY, "no memory to sort %zu contacts", head.count);
+    gneiss_status status = gn_soa_create(record, now, head.count, head.effects, error);
+    if (status == GNEISS_OK) {
+        qsort(keys, head.count, sizeof *keys, by_pair);
+        for (size_t c = 0; c < head.count; c++) order[c] = keys[c].place;
+        gn_soa_permute(record, now, list, order);
+        gn_soa_destroy(record, list);
+    }
+    gn_free(order);
+    return status;
 }
 
 /* Renumbers the ends of contacts and sorts them again; place[old] is the new number. */
 static gneiss_status rename_contacts(gn_contacts *list, const int32_t *place, gneiss_error *error) {
     size_t count = list->soa.count;
     renamed *keys = gn_alloc_array(count + 1, sizeof *keys);
-    int32_t *order = gn_alloc_array(count + 1, sizeof *order);
-    gn_contacts now = {0};
-    gneiss_status status =
-        keys && order
-            ? gn_soa_create(&gn_contact_record, &now, count, list->soa.effects, error)
-            : gn_fail(error, GNEISS_ERROR_MEMORY, "no memory to sort %zu contacts", count);
-    if (status == GNEISS_OK) {
-        for (size_t c = 0; c < count; c++) {
-            int32_t i = place[list->i[c]], j = place[list->j[c]];
-            keys[c] = (renamed){i < j ? i : j, i < j ? j : i, (int32_t)c, i > j};
-        }
-        qsort(keys, count, sizeof *keys, by_pair);
-        for (size_t c = 0; c < count; c++) order[c] = keys[c].place;
-        gn_soa_permute(&gn_contact_record, &now, list, order);
-        for (size_t c = 0; c < count; c++) {
-            now.i[c] = keys[c].i;
-            now.j[c] = keys[c].j;
-            if (keys[c].swapped) mirror(&now, c);
-        }
-        gn_soa_destroy(&gn_contact_record, list);
-        *list = now;
+    if (!keys) return gn_fail(error, GNEISS_ERROR_MEMORY, "no memory to sort %zu contacts", count);
+    for (size_t c = 0; c < count; c++) {
+        int32_t i = place[list->i[c]], j = place[list->j[c]];
+        keys[c] = (renamed){i < j ? i : j, i < j ? j : i, (int32_t)c, i > j};
     }
+    gn_contacts now = {0};
+    gneiss_status status = sort_items(&gn_contact_record, list, &now, keys, error);
+    for (size_t c = 0; status == GNEISS_OK && c < count; c++) {
+        now.i[c] = keys[c].i;
+        now.j[c] = keys[c].j;
+        if (keys[c].swapped) mirror(&now, c);
+    }
+    if (status == GNEISS_OK) *list = now;
     gn_free(keys);
-    gn_free(order);
     return status;
-}
-
-static int by_wall(const void *a, const void *b) {
-    return by_pair(a, b);
 }
 
 static gneiss_status rename_wall_contacts(gn_wall_contacts *list, const int32_t *place,
@@ -148,24 +151,14 @@ static gneiss_status rename_wall_contacts(gn_wall_contacts *list, const int32_t 
     size_t count = list->soa.count;
     if (!count) return GNEISS_OK;
     renamed *keys = gn_alloc_array(count + 1, sizeof *keys);
-    int32_t *order = gn_alloc_array(count + 1, sizeof *order);
+    if (!keys) return gn_fail(error, GNEISS_ERROR_MEMORY, "no memory to sort %zu contacts", count);
+    for (size_t c = 0; c < count; c++)
+        keys[c] = (renamed){place[list->i[c]], list->wall[c], (int32_t)c, false};
     gn_wall_contacts now = {0};
-    gneiss_status status =
-        keys && order
-            ? gn_soa_create(&gn_wall_contact_record, &now, count, list->soa.effects, error)
-            : gn_fail(error, GNEISS_ERROR_MEMORY, "no memory to sort %zu contacts", count);
-    if (status == GNEISS_OK) {
-        for (size_t c = 0; c < count; c++)
-            keys[c] = (renamed){place[list->i[c]], list->wall[c], (int32_t)c, false};
-        qsort(keys, count, sizeof *keys, by_wall);
-        for (size_t c = 0; c < count; c++) order[c] = keys[c].place;
-        gn_soa_permute(&gn_wall_contact_record, &now, list, order);
-        for (size_t c = 0; c < count; c++) now.i[c] = keys[c].i;
-        gn_soa_destroy(&gn_wall_contact_record, list);
-        *list = now;
-    }
+    gneiss_status status = sort_items(&gn_wall_contact_record, list, &now, keys, error);
+    for (size_t c = 0; status == GNEISS_OK && c < count; c++) now.i[c] = keys[c].i;
+    if (status == GNEISS_OK) *list = now;
     gn_free(keys);
-    gn_free(order);
     return status;
 }
 
@@ -378,7 +371,6 @@ gneiss_status gn_world_refresh_lists(gn_world *w, gneiss_error *error) {
         return GNEISS_OK;
     double start = gn_now();
     w->verlet.drift = largest_travel(w);
-    w->verlet.checks++;
     w->seconds[GN_PHASE_lists] += gn_now() - start;
     /* A tenth of the skin in hand, or the next step would run out again. */
     if (2.2 * w->verlet.drift <= w->verlet.skin && w->verlet.drift + wall <= 0.9 * w->verlet.skin)

@@ -37,25 +37,12 @@ static void free_bond_fields(bond_fields *f) {
 }
 
 static void count_contacts(const gn_world *w, const gn_contacts *list, double *coordination) {
-    const double *rows = gn_contacts_row(list);
     for (size_t c = 0; c < list->soa.count; c++) {
-        const double *row = rows + (size_t)gn_contacts_row_width(list) * c;
-        bool carries =
-            row[0] != 0.0 || row[1] != 0.0 || (w->effects & GN_FX_SPACE && row[2] != 0.0);
         bool intact = list->rn && list->rn[c] > 0.0;
-        if (!carries && !intact) continue;
+        if (!intact && !gn_contact_carries(list, c)) continue;
         coordination[w->particles.id[list->i[c]]] += 1.0;
         coordination[w->particles.id[list->j[c]]] += 1.0;
     }
-}
-
-static double porosity_of(const gn_world *w) {
-    double solid = 0.0;
-    for (size_t p = 0; p < w->particles.soa.count; p++) {
-        double r = w->particles.pos[4 * p + 3];
-        solid += w->effects & GN_FX_SPACE ? 4.0 / 3.0 * M_PI * r * r * r : M_PI * r * r;
-    }
-    return 1.0 - solid / w->volume;
 }
 
 static gneiss_status make_particle_fields(const gn_world *w, particle_fields *f,
@@ -74,7 +61,7 @@ static gneiss_status make_particle_fields(const gn_world *w, particle_fields *f,
     held = held && damage && stress && (f->stress = calloc(n + 1, 6 * sizeof(double)));
     if (held) {
         gn_assembly assembly = gn_world_assembly(w);
-        gn_stress_particles(&assembly, porosity_of(w), stress);
+        gn_stress_particles(&assembly, gn_world_porosity(w), stress);
         if (w->effects & GN_FX_BONDS) gn_damage_particles(q, &w->bonds, damage);
         for (size_t p = 0; p < n; p++) {
             size_t id = (size_t)q->id[p];
@@ -374,11 +361,7 @@ gneiss_status gn_output_results(const gn_run *run, gneiss_error *error) {
 
 static size_t touching(const gn_contacts *list) {
     size_t count = 0;
-    const double *rows = gn_contacts_row(list);
-    for (size_t c = 0; c < list->soa.count; c++) {
-        const double *row = rows + (size_t)gn_contacts_row_width(list) * c;
-        count += row[0] != 0.0 || row[1] != 0.0 || row[2] != 0.0;
-    }
+    for (size_t c = 0; c < list->soa.count; c++) count += gn_contact_carries(list, c);
     return count;
 }
 

@@ -36,10 +36,14 @@ void gn_reactions_sum(gn_world *world);
 gneiss_status gn_walls_create(gn_world *world, gneiss_error *error);
 gneiss_status gn_wall_contacts_find(gn_world *world, gneiss_error *error);
 /* Forces of one block of wall contacts, into their rows and world->wall_sums[block]. */
-void gn_wall_contacts_block(const gn_world *world, size_t block, bool measure);
+void gn_wall_contacts_block(const gn_world *world, size_t block);
 /* Sums the forces on the walls, books their work, moves them over the coming step. */
 void gn_walls_sum(gn_world *world);
 void gn_walls_move(gn_world *world);
+
+/* What the kernels get in the coming step (step.c). */
+gn_contact_args gn_world_contact_args(const gn_world *world, const gn_contacts *list, bool measure);
+gn_motion_args gn_world_motion_args(gn_world *world, bool measure);
 
 size_t gn_blocks(size_t count, size_t block);
 

@@ -6,7 +6,7 @@
 #include <omp.h>
 #include <string.h>
 
-static gn_contact_args contact_args(const gn_world *w, const gn_contacts *list, bool measure) {
+gn_contact_args gn_world_contact_args(const gn_world *w, const gn_contacts *list, bool measure) {
     gn_contact_args a = {0};
     a.pos = w->particles.pos;
     a.vel = w->particles.vel;
@@ -20,7 +20,7 @@ static gn_contact_args contact_args(const gn_world *w, const gn_contacts *list, 
     return a;
 }
 
-static gn_motion_args motion_args(gn_world *w, bool measure) {
+gn_motion_args gn_world_motion_args(gn_world *w, bool measure) {
     gn_motion_args a = {0};
     a.particles = &w->particles;
     a.bonds = &w->bonds;
@@ -82,7 +82,7 @@ static void book(gn_world *w, gn_phase phase, double *mark) {
 /* The parallel part: contacts -> rows, walls, then rows -> particles. Nothing is shared but rows
  * that one thread writes and, after the barrier, others read. */
 static void compute(gn_world *w, const gn_contact_args *bonds, const gn_contact_args *pairs,
-                    const gn_motion_args *motion, bool measure) {
+                    const gn_motion_args *motion) {
 #pragma omp parallel num_threads(w->threads)
     {
         double mark = gn_now();
@@ -93,7 +93,7 @@ static void compute(gn_world *w, const gn_contact_args *bonds, const gn_contact_
         if (w->wall_blocks) {
             size_t begin, end;
             my_blocks(w->wall_blocks, &begin, &end);
-            for (size_t b = begin; b < end; b++) gn_wall_contacts_block(w, b, measure);
+            for (size_t b = begin; b < end; b++) gn_wall_contacts_block(w, b);
             book(w, GN_PHASE_walls, &mark);
         }
 #pragma omp barrier
@@ -222,10 +222,10 @@ gneiss_status gn_world_step(gn_world *w, bool measure, gneiss_error *error) {
     GN_TRY(gn_world_refresh_lists(w, error));
     if (w->effects & GN_FX_PRESCRIBED) gn_prescription_update(w, w->time + 0.5 * w->dt);
 
-    gn_contact_args bonds = contact_args(w, &w->bonds, measure);
-    gn_contact_args pairs = contact_args(w, &w->pairs, measure);
-    gn_motion_args motion = motion_args(w, measure);
-    compute(w, &bonds, &pairs, &motion, measure);
+    gn_contact_args bonds = gn_world_contact_args(w, &w->bonds, measure);
+    gn_contact_args pairs = gn_world_contact_args(w, &w->pairs, measure);
+    gn_motion_args motion = gn_world_motion_args(w, measure);
+    compute(w, &bonds, &pairs, &motion);
 
     gn_motion_sums moved = add_motion_sums(w->motion_sums, w->motion_blocks);
     gn_walls_sum(w);

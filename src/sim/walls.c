@@ -175,8 +175,7 @@ static void wall_contact(const gn_world *w, size_t c, gn_contact_sums *sums) {
         for (int b = 0; b < 3; b++) sums->stress[3 * a + b] += row[a] * s.arm * s.n[b];
 }
 
-void gn_wall_contacts_block(const gn_world *w, size_t block, bool measure) {
-    (void)measure; /* elastic energy costs nothing here */
+void gn_wall_contacts_block(const gn_world *w, size_t block) {
     size_t begin = block * GN_CONTACT_BLOCK, end = begin + GN_CONTACT_BLOCK;
     if (end > w->wall_contacts.soa.count) end = w->wall_contacts.soa.count;
     w->wall_sums[block] = (gn_contact_sums){0};

@@ -101,15 +101,17 @@ static gneiss_status measure_specimen(gn_world *w, gneiss_error *error) {
     return GNEISS_OK;
 }
 
+double gn_world_porosity(const gn_world *w) {
+    double solid = 0.0;
+    for (size_t p = 0; p < w->particles.soa.count; p++)
+        solid += particle_volume(w, w->particles.pos[4 * p + 3]);
+    return 1.0 - solid / w->volume;
+}
+
 static double bulk_factor(const gn_world *w) {
     if (w->scene.specimen.density_basis == GN_DENSITY_PARTICLE) return 1.0;
     double porosity = w->scene.specimen.porosity;
-    if (porosity < 0.0) {
-        double solid = 0.0;
-        for (size_t p = 0; p < w->particles.soa.count; p++)
-            solid += particle_volume(w, w->particles.pos[4 * p + 3]);
-        porosity = 1.0 - solid / w->volume;
-    }
+    if (porosity < 0.0) porosity = gn_world_porosity(w);
     return 1.0 / (1.0 - porosity);
 }
 

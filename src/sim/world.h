@@ -46,7 +46,7 @@ typedef struct gn_verlet {
     double skin;       /* m, as it is now */
     double skin_start; /* m, as it was at the start */
     double drift;      /* m, bound on any particle's path since `ref` was set */
-    int64_t rebuilds, checks;
+    int64_t rebuilds;
     int64_t last_step; /* step of the last rebuild */
 } gn_verlet;
 
@@ -97,7 +97,6 @@ typedef struct gn_world {
     double stable; /* s: what the step is held against: sharp limit or bound, less the share that
                     * non-viscous damping takes */
     double bound;  /* s: last rigorous bound */
-    int64_t limit_step; /* when */
     int64_t dt_lowered; /* times that the step was lowered while running */
 
     gn_energy energy;  /* running totals */
@@ -139,6 +138,9 @@ gneiss_status gn_world_check_step(gn_world *world, bool full, gneiss_error *erro
 
 /* The view that measures and the time step estimate work on. */
 gn_assembly gn_world_assembly(const gn_world *world);
+
+/* 1 - volume of the particles (overlaps counted twice) over that of the specimen. */
+double gn_world_porosity(const gn_world *world);
 
 /* Hash of the state: particles, contacts, walls, time. */
 uint64_t gn_world_hash(const gn_world *world);

@@ -100,6 +100,14 @@ static inline int gn_contacts_row_width(const gn_contacts *contacts) {
     return contacts->row8 ? 8 : 4;
 }
 
+/* Whether contact c carried force at the last evaluation. In 2D the third slot of a row is no
+ * force. */
+static inline bool gn_contact_carries(const gn_contacts *contacts, size_t c) {
+    const double *row = gn_contacts_row(contacts) + (size_t)gn_contacts_row_width(contacts) * c;
+    bool space = contacts->soa.effects & GN_FX_SPACE;
+    return row[0] != 0.0 || row[1] != 0.0 || (space && row[2] != 0.0);
+}
+
 /* Padded contacts point at two null particles behind the last one: apart, at rest, without radius.
  */
 static inline int32_t gn_null_first(const gn_particles *p) {
