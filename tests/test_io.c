@@ -1,4 +1,4 @@
-#include "test.h"
+#include "io_helpers.h"
 
 #include "io/checkpoint_files.h"
 #include "io/files.h"
@@ -15,61 +15,9 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
-typedef struct fixture {
-    char dir[64], path[96];
-} fixture;
-
 static int setup(void **state) {
-    fixture *f = calloc(1, sizeof *f);
-    strcpy(f->dir, "/tmp/gneiss-io-XXXXXX");
-    if (!mkdtemp(f->dir)) return -1;
-    snprintf(f->path, sizeof f->path, "%s/a.txt", f->dir);
-    *state = f;
-    return 0;
+    return make_fixture(state, "a.txt");
 }
-
-/* Number of entries; with `remove_them` the folder is emptied, folders in it too. */
-static int entries(const char *dir, bool remove_them) {
-    int count = 0;
-    DIR *d = opendir(dir);
-    for (struct dirent *e; (e = readdir(d));) {
-        if (!strcmp(e->d_name, ".") || !strcmp(e->d_name, "..")) continue;
-        count++;
-        if (!remove_them || unlinkat(dirfd(d), e->d_name, 0) == 0) continue;
-        char inner[512];
-        snprintf(inner, sizeof inner, "%s/%s", dir, e->d_name);
-        entries(inner, true);
-        rmdir(inner);
-    }
-    closedir(d);
-    return count;
-}
-
-static int teardown(void **state) {
-    fixture *f = *state;
-    entries(f->dir, true);
-    rmdir(f->dir);
-    free(f);
-    return 0;
-}
-
-#define ok(call)                                                                                   \
-    do {                                                                                           \
-        gneiss_error ok_error = {0};                                                               \
-        gneiss_error *error = &ok_error;                                                           \
-        if ((call) != GNEISS_OK) fail_msg("%s: %s", #call, ok_error.message);                      \
-    } while (0)
-
-/* The call fails with this status and its message has this text. */
-#define fails(call, wanted, text)                                                                  \
-    do {                                                                                           \
-        gneiss_error fails_error = {0};                                                            \
-        gneiss_error *error = &fails_error;                                                        \
-        int fails_status = (call);                                                                 \
-        if (fails_status != (wanted) || !strstr(fails_error.message, text))                        \
-            fail_msg("%s: status %d, message '%s', expected '%s'", #call, fails_status,            \
-                     fails_error.message, text);                                                   \
-    } while (0)
 
 static void spill(const char *path, const void *bytes, size_t size) {
     FILE *f = fopen(path, "wb");
