@@ -172,11 +172,17 @@ static size_t width(const void *array, size_t bytes) {
 
 void bench_world_contact_traffic(const bench_world *b, size_t *read, size_t *written) {
     const gn_contacts *k = longer_list(&b->world);
+    const gn_partials *q =
+        bonds_are_more(&b->world) ? &b->world.bond_partials : &b->world.pair_partials;
     size_t shear = b->world.effects & GN_FX_SPACE ? 24 : 16;
     *read = width(k->i, 4) + width(k->j, 4) + width(k->kn, 8) + width(k->kt, 8) + width(k->mu, 8) +
             width(k->cn, 8) + width(k->length0, 8) + width(k->rn, 8) + width(k->rt, 8) +
             width(k->shear, shear) + width(k->fd, 8);
-    *written = width(k->shear, shear) + width(k->fd, 8) + width(k->row4, 32) + width(k->row8, 64);
+    *written = width(k->shear, shear) + width(k->fd, 8);
+    /* a row is cleared, read and written again by the contacts of its block */
+    size_t rows = q->blocks ? (size_t)q->first[q->blocks] * (size_t)q->width * sizeof *q->row : 0;
+    *written += rows / k->soa.count;
+    *read += rows / k->soa.count + 2 * sizeof *q->place;
 }
 
 const char *bench_version(void) {

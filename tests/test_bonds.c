@@ -113,12 +113,9 @@ static gn_world *driven_pair(int dimension, double distance, const char *v, cons
         space ? "vz: 0, wx: 0, wy: 0, " : "", dt);
 }
 
-/* Force of the only bond on its first particle, in the direction of scene x and y from particle 0.
- */
+/* Force of the only bond on particle 0, which is held: what its support does not supply. */
 static void bond_force(const gn_world *w, double f[3]) {
-    const double *row = gn_contacts_row(&w->bonds);
-    double sign = w->particles.id[w->bonds.i[0]] == 0 ? 1.0 : -1.0;
-    for (int a = 0; a < 3; a++) f[a] = a < 2 || w->bonds.row8 ? sign * row[a] : 0.0;
+    for (int a = 0; a < 3; a++) f[a] = -w->set_reaction[a];
 }
 
 /* Loads the pair until it breaks; checks that the last force with the bond intact lay below the

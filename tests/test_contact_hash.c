@@ -43,7 +43,7 @@ static void bonds_broke(const gn_world *w) {
 
 static void a_crushed_specimen_has_one_state(void **state) {
     (void)state;
-    check("dimension: 3\nspecimen: {lattice: {kind: fcc, radius: 1e-3, cells: [4, 4, 4], jitter: "
+    check("dimension: 3\nspecimen: {lattice: {kind: fcc, radius: 1e-3, cells: [7, 7, 4], jitter: "
           "0.03}}\n"
           "materials: [{name: m, density: 2650, contact_modulus: 1e9, kratio: 2, friction: 0.5, "
           "tensile_strength: 3e6, shear_strength: 3e6}]\nlaw: {stiffness: harmonic}\nbonds: {}\n"

@@ -256,7 +256,9 @@ static void a_removed_particle_counts_as_not_displaced(void **state) {
 static gn_contacts contacts_of_cloud(const lattice *l, const double period[3], gn_effects effects,
                                      const double strain[3][3], double kn, double kt) {
     gn_contacts list = {0};
-    assert_int_equal(gn_soa_create(&gn_contact_record, &list, 8 * points.count, effects, NULL), 0);
+    assert_int_equal(gn_soa_create(&gn_contact_record, &list, 8 * points.count,
+                                   effects | GN_FX_CONTACT_FORCES, NULL),
+                     0);
     double *row = gn_contacts_row(&list);
     int width = gn_contacts_row_width(&list);
     size_t count = 0;
@@ -354,7 +356,8 @@ typedef struct scrap {
 static const double floor_normal[4] = {0, 0, 1, 0};
 
 static void scrap_contact(gn_contacts *list, int32_t i, int32_t j, const double f[3]) {
-    assert_int_equal(gn_soa_create(&gn_contact_record, list, 1, all_effects, NULL), 0);
+    assert_int_equal(
+        gn_soa_create(&gn_contact_record, list, 1, all_effects | GN_FX_CONTACT_FORCES, NULL), 0);
     list->i[0] = i;
     list->j[0] = j;
     memcpy(gn_contacts_row(list), f, 3 * sizeof *f);

@@ -2,34 +2,32 @@
  * one against the formulas written down anew in plain doubles. */
 #include "world_helpers.h"
 
-enum { PARTICLES = 2 * GN_PARTICLE_BLOCK + 93, LINKS = 5 * PARTICLES, SUPPORTS = PARTICLES / 3 };
+enum { PARTICLES = 2 * GN_PARTICLE_BLOCK + 93, LINKS = 9 * PARTICLES, SUPPORTS = PARTICLES / 3 };
 
 /* Particles with bonds, pairs, wall contacts whose rows hold random forces; some particles
  * prescribed. */
 typedef struct herd {
     gn_particles p;
     gn_contacts lists[2];
-    gn_incidence of[2];
+    gn_partials sums[2];
     gn_wall_contacts walls;
     int32_t *wall_first;
     gn_prescription prescribed;
     gn_motion_args args;
 } herd;
 
-static void make_list(gn_contacts *k, gn_incidence *of, gn_effects effects, uint64_t *at) {
+/* Contacts with random partial sums: what a block's row holds must reach its particle. */
+static void make_list(gn_contacts *k, gn_partials *sums, gn_effects effects, uint64_t *at) {
     assert_int_equal(gn_soa_create(&gn_contact_record, k, LINKS, effects, NULL), GNEISS_OK);
-    int width = gn_contacts_row_width(k);
     for (size_t c = 0; c < LINKS; c++) { /* sorted by the first end, as the engine keeps them */
         k->i[c] = (int32_t)(c / 5 % (PARTICLES - 12));
         k->j[c] = k->i[c] + 1 + (int32_t)(c % 5) * 2;
-        double *row = gn_contacts_row(k) + (size_t)width * c;
-        for (int a = 0; a < width; a++) row[a] = uniform(at, -3.0, 3.0);
-        if (width == 8)
-            row[3] = uniform(at, -1e-5, 1e-5);
-        else if (!(effects & GN_FX_SPACE))
-            row[2] = uniform(at, -1e-5, 1e-5);
     }
-    assert_int_equal(gn_incidence_build(k, PARTICLES, of, NULL), GNEISS_OK);
+    assert_int_equal(gn_partials_build(k, PARTICLES, 2, sums, NULL), GNEISS_OK);
+    assert_true(sums->blocks > 1);
+    for (int32_t r = 0; r < sums->first[sums->blocks]; r++)
+        for (int a = 0; a < sums->width; a++)
+            sums->row[sums->width * r + a] = a % 4 < 3 ? uniform(at, -3.0, 3.0) : 0.0;
 }
 
 static void make_supports(herd *h, gn_effects effects, uint64_t *at) {
@@ -40,7 +38,7 @@ static void make_supports(herd *h, gn_effects effects, uint64_t *at) {
         h->walls.i[c] = (int32_t)(3 * c);
         for (int a = 0; a < 8; a++)
             h->walls.row[8 * c + (size_t)a] =
-                a % 4 < 2 || effects & GN_FX_SPACE ? uniform(at, -3.0, 3.0) : 0.0;
+                a < 2 || a == 6 || effects & GN_FX_SPACE ? uniform(at, -3.0, 3.0) : 0.0;
         h->walls.row[8 * c + 3] = h->walls.row[8 * c + 7] = 0.0;
     }
     for (int p = 0; p <= PARTICLES; p++) h->wall_first[p] = p / 3 + (p % 3 > 0 ? 1 : 0);
@@ -81,7 +79,7 @@ static herd make_herd(gn_effects effects, double dt_past, uint64_t seed) {
     h.prescribed.load = calloc(PARTICLES, 6 * sizeof(double));
     for (size_t p = 0; p < PARTICLES; p++) make_particle(&h, p, effects & GN_FX_SPACE ? 1 : 0, &at);
     gn_particles_set_null(&h.p, 1.0);
-    for (int k = 0; k < 2; k++) make_list(&h.lists[k], &h.of[k], effects, &at);
+    for (int k = 0; k < 2; k++) make_list(&h.lists[k], &h.sums[k], effects, &at);
     make_supports(&h, effects, &at);
     h.args = (gn_motion_args){.dt_past = dt_past,
                               .dt = 1e-6,
@@ -96,7 +94,7 @@ static herd make_herd(gn_effects effects, double dt_past, uint64_t seed) {
 static void free_herd(herd *h) {
     gn_soa_destroy(&gn_particle_record, &h->p);
     for (int k = 0; k < 2; k++) gn_soa_destroy(&gn_contact_record, &h->lists[k]);
-    for (int k = 0; k < 2; k++) gn_incidence_free(&h->of[k]);
+    for (int k = 0; k < 2; k++) gn_partials_free(&h->sums[k]);
     gn_soa_destroy(&gn_wall_contact_record, &h->walls);
     free(h->wall_first);
     free(h->prescribed.set);
@@ -108,10 +106,8 @@ static void free_herd(herd *h) {
 static gn_motion_sums move(herd *h, gn_motion_kernel *kernel) {
     gn_motion_sums total = {.bad = -1};
     h->args.particles = &h->p;
-    h->args.bonds = &h->lists[0];
-    h->args.pairs = &h->lists[1];
-    h->args.bonds_of = &h->of[0];
-    h->args.pairs_of = &h->of[1];
+    h->args.bonds = &h->sums[0];
+    h->args.pairs = &h->sums[1];
     h->args.wall_contacts = &h->walls;
     h->args.wall_first = h->wall_first;
     h->args.prescribed = &h->prescribed;
@@ -134,27 +130,26 @@ static gn_motion_sums move(herd *h, gn_motion_kernel *kernel) {
     return total;
 }
 
-/* Force and moment on every particle, [n][6], contact by contact. */
+/* Force and moment on every particle, [n][6]. The rows of a block are numbered by its contacts. */
 static double *gathered(const herd *h, gn_effects effects) {
     double *f = calloc(PARTICLES, 6 * sizeof *f);
-    for (int l = 0; l < 2; l++)
-        for (size_t c = 0; c < LINKS; c++) {
-            const gn_contacts *k = &h->lists[l];
-            int width = gn_contacts_row_width(k), space = effects & GN_FX_SPACE ? 1 : 0;
-            const double *row = gn_contacts_row(k) + (size_t)width * c;
-            double *i = f + 6 * k->i[c], *j = f + 6 * k->j[c];
-            for (int a = 0; a < 2 + space; a++) {
-                i[a] += row[a];
-                j[a] -= row[a];
-            }
+    int space = effects & GN_FX_SPACE ? 1 : 0;
+    for (int l = 0; l < 2; l++) {
+        const gn_partials *q = &h->sums[l];
+        bool *taken = calloc((size_t)q->first[q->blocks], sizeof *taken);
+        for (size_t c = 0; c < 2 * LINKS; c++) {
+            int32_t r = q->first[c / 2 / GN_CONTACT_BLOCK] + q->place[c];
+            if (taken[r]) continue;
+            taken[r] = true;
+            int32_t p = c % 2 ? h->lists[l].j[c / 2] : h->lists[l].i[c / 2];
+            const double *row = q->row + q->width * r;
+            for (int a = 0; a < 2 + space; a++) f[6 * p + a] += row[a];
             if (!(effects & GN_FX_ROTATION)) continue;
-            double half = space ? row[3] : row[2];
-            for (int a = 0; a < 3; a++) {
-                double turn = space ? row[4 + a] : a == 2 ? row[3] : 0.0;
-                i[3 + a] += (h->p.pos[4 * k->i[c] + 3] + half) * turn;
-                j[3 + a] += (h->p.pos[4 * k->j[c] + 3] + half) * turn;
-            }
+            for (int a = 0; space && a < 3; a++) f[6 * p + 3 + a] += row[4 + a];
+            if (!space) f[6 * p + 5] += row[2];
         }
+        free(taken);
+    }
     for (size_t c = 0; c < SUPPORTS; c++)
         for (int a = 0; a < 3; a++) {
             f[6 * h->walls.i[c] + a] += h->walls.row[8 * c + (size_t)a];

@@ -205,7 +205,8 @@ static gn_world *tumble(double skin, bool glued) {
         glued ? "bonds: {interaction_range: 0.2}\n" : "", skin);
 }
 
-/* Pairs that do not touch add zeros to sums whose order is the same: not a bit may change. */
+/* Pairs that do not touch add zeros to sums whose order is the same: within one block of contacts,
+ * not a bit may change. */
 static void the_skin_does_not_change_a_bit(void **state) {
     (void)state;
     gn_world *a = tumble(3e-5, true), *b = tumble(1e-3, true);

@@ -3,8 +3,8 @@
 
 #include "base/random.h"
 
-static const gn_effects every = GN_FX_SPACE | GN_FX_ROTATION | GN_FX_PAIRS | GN_FX_SHEAR |
-                                GN_FX_FRICTION | GN_FX_BONDS | GN_FX_CONTACT_DAMPING |
+static const gn_effects every = GN_FX_SPACE | GN_FX_ROTATION | GN_FX_PAIRS | GN_FX_CONTACT_FORCES |
+                                GN_FX_SHEAR | GN_FX_FRICTION | GN_FX_BONDS | GN_FX_CONTACT_DAMPING |
                                 GN_FX_APPLIED | GN_FX_PRESCRIBED | GN_FX_ORIENTATION | GN_FX_ENERGY;
 
 static size_t bytes_of(const gn_field *f, size_t items) {
@@ -47,8 +47,9 @@ static void only_fields_of_active_effects_are_allocated(void **state) {
     (void)state;
     gn_contacts bare = contacts(5, 0), flat = contacts(5, GN_FX_ROTATION | GN_FX_BONDS),
                 full = contacts(5, every);
-    assert_true(bare.kn && bare.row4 && !bare.kt && !bare.mu && !bare.rn && !bare.rt && !bare.row8);
-    assert_true(flat.rn && flat.row4 && !flat.rt && !flat.row8); /* rt needs shear as well */
+    assert_true(bare.kn && !bare.row4 && !bare.kt && !bare.mu && !bare.rn && !bare.rt &&
+                !bare.row8);
+    assert_true(flat.rn && !flat.row4 && !flat.rt && !flat.row8); /* rt needs shear as well */
     assert_true(full.rt && full.fd && full.row8 && !full.row4);
     assert_true(gn_record_bytes(&gn_contact_record, 0) <
                 gn_record_bytes(&gn_contact_record, every));

@@ -26,7 +26,8 @@
     X(WALL_SHEAR, wall_shear, "friction on walls")                                                 \
     X(PERIODIC, periodic, "periodic box")                                                          \
     X(ORIENTATION, orientation, "particle orientations (quaternions) for output")                  \
-    X(ENERGY, energy, "energy ledger")
+    X(ENERGY, energy, "energy ledger")                                                             \
+    X(CONTACT_FORCES, contact_forces, "forces kept contact by contact, while output looks at them")
 
 typedef enum gn_effect_index {
 #define X(NAME, name, text) GN_FX_INDEX_##NAME,

@@ -2,21 +2,21 @@
 #ifndef GN_KERNELS_CONTACT_H
 #define GN_KERNELS_CONTACT_H
 
+#include "kernels/partials.h"
 #include "soa/records.h"
 
-/* Contacts are worked on in blocks of this many. Sums (energies, broken bonds) are kept per block
- * and merged in block order, so that they do not depend on the number of threads. */
-enum { GN_CONTACT_BLOCK = 256 };
 _Static_assert(GN_CONTACT_BLOCK % GN_LANES_MAX == 0, "a block holds whole vectors");
 
 typedef struct gn_contact_args {
     const double *pos, *vel, *spin; /* particle rows [n][4]; spin NULL without rotation */
-    const gn_contacts *contacts;    /* fields are written, the record is not changed */
-    double dt;         /* s, the interval that led to these positions; 0 at the start */
-    double arm_factor; /* 0.5: contact point at r + gap/2; 0: at r */
-    double period[3];  /* m, with GN_FX_PERIODIC */
-    double time;       /* s, of this instant */
-    bool measure;      /* also sum what is read off: see gn_contact_sums */
+    const gn_contacts *contacts; /* fields are written, the record is not changed; the row of each
+                                    contact only if the list keeps forces */
+    const gn_partials *partials; /* of `contacts`: where forces are summed; NULL: nowhere */
+    double dt;                   /* s, the interval that led to these positions; 0 at the start */
+    double arm_factor;           /* 0.5: contact point at r + gap/2; 0: at r */
+    double period[3];            /* m, with GN_FX_PERIODIC */
+    double time;                 /* s, of this instant */
+    bool measure;                /* also sum what is read off: see gn_contact_sums */
 } gn_contact_args;
 
 typedef struct gn_contact_sums {
@@ -27,8 +27,9 @@ typedef struct gn_contact_sums {
     int64_t broken_tension, broken_shear;            /* bonds broken in this step */
 } gn_contact_sums;
 
-/* Works on contacts [begin, end); begin is a multiple of GN_LANES_MAX, and vectors may run past
- * `end` into padding. Adds to *sums. */
+/* Works on contacts [begin, end) of one block: begin is a multiple of GN_CONTACT_BLOCK and end at
+ * most one block later; vectors may run past `end` into padding. Sets the block's partial sums and
+ * adds to *sums. */
 typedef void gn_contact_kernel(const gn_contact_args *args, size_t begin, size_t end,
                                gn_contact_sums *sums);
 

@@ -4,25 +4,42 @@
  *
  * Per contact: geometry from the rows of the two particles, linear normal law with a stress-free
  * length, incremental tangential law with radial return, brittle uncoupled bond (Rojek et al. 2012,
- * eq. 15-16), viscous normal damping. Output: one row with the force on the first particle, half
- * the gap (for the arms) and n x F_t, which the gather in motion_template.c sums per particle. */
+ * eq. 15-16), viscous normal damping. Output: the block's partial sums of force and moment per
+ * particle, which motion_template.c adds up. */
 #include "kernels/contact.h"
 #include "kernels/contact_law.h"
 #include "kernels/expand.h"
+
+#include <string.h>
 
 /* Literal switches of a variant. */
 typedef struct variant {
     int space, rotation, shear, friction, bonds, damping, energy, periodic;
 } variant;
 
-typedef struct pair_state {
+/* Vectors are worked on in groups, phase by phase. One vector has a chain of dependent operations
+ * (root, division, normal, ...) that is longer than what a core can look ahead; several vectors in
+ * the same phase fill the gaps. What passes from phase to phase stays in the L1 cache. */
+enum { GROUP_CONTACTS = 64, GROUP = GROUP_CONTACTS / GN_W };
+
+typedef struct pair_geometry {
     gn_v3 n; /* normal from i to j */
+    gn_v distance, gap;
+    gn_v rate; /* dt/(2 distance) */
+} pair_geometry;
+
+typedef struct pair_motion {
+    gn_v speed; /* normal component, opening positive */
     gn_v3 across,
         relative; /* tangential velocity of centre j against centre i, and at the contact */
-    gn_v distance, gap, speed; /* speed: normal component, opening positive */
-    gn_v rate;                 /* dt/(2 distance) */
-    gn_v twist;                /* mean spin of the pair about n, rad/s */
-} pair_state;
+    gn_v twist;   /* mean spin of the pair about n, rad/s */
+} pair_motion;
+
+typedef struct group {
+    pair_geometry geometry[GROUP];
+    double arm_i[GROUP_CONTACTS], arm_j[GROUP_CONTACTS]; /* from the centres to the contact */
+    double row[8 * GROUP_CONTACTS]; /* force on i, 0, n x F_t, 0 (width 4: see gn_partials) */
+} group;
 
 GN_INLINE gn_v3 nearest_image(gn_v3 d, const double *period, int space) {
     gn_v3 r = d;
@@ -34,50 +51,63 @@ GN_INLINE gn_v3 nearest_image(gn_v3 d, const double *period, int space) {
 
 /* Sums over the two ends are written symmetrically, so that exchanging i and j mirrors every bit.
  */
-GN_INLINE pair_state pair_kinematics(const gn_contact_args *a, const int32_t *i, const int32_t *j,
-                                     variant w) {
-    gn_v pi[4], pj[4], vi[4], vj[4];
+GN_INLINE void find_geometry(const gn_contact_args *a, const int32_t *i, const int32_t *j, group *g,
+                             int k, variant w) {
+    gn_v pi[4], pj[4];
     gn_rows4(a->pos, i, pi);
     gn_rows4(a->pos, j, pj);
-    gn_rows4(a->vel, i, vi);
-    gn_rows4(a->vel, j, vj);
     gn_v3 d = {pj[0] - pi[0], pj[1] - pi[1], gn_pick(w.space, pj[2] - pi[2], gn_set(0.0))};
     if (w.periodic) d = nearest_image(d, a->period, w.space);
-    pair_state s;
-    s.twist = gn_set(0.0);
-    s.distance = gn_sqrt(gn_dot(d, d, w.space));
+    gn_v distance = gn_sqrt(gn_dot(d, d, w.space));
     /* Coincident centres have no direction: the tiny floor gives a zero normal and no force. */
-    gn_v inverse = gn_set(1.0) / gn_max(s.distance, gn_set(1e-150));
-    s.n = gn_scale(inverse, d, w.space);
-    s.gap = s.distance - (pi[3] + pj[3]);
+    gn_v inverse = gn_set(1.0) / gn_max(distance, gn_set(1e-150));
+    gn_v gap = distance - (pi[3] + pj[3]);
+    pair_geometry *s = &g->geometry[k];
+    s->n = gn_scale(inverse, d, w.space);
+    s->distance = distance;
+    s->gap = gap;
+    s->rate = gn_set(0.5 * a->dt) * inverse;
+    if (w.shear && w.rotation) {
+        gn_v half = gn_set(a->arm_factor) * gap;
+        gn_store(g->arm_i + k * GN_W, pi[3] + half);
+        gn_store(g->arm_j + k * GN_W, pj[3] + half);
+    }
+}
+
+GN_INLINE pair_motion find_motion(const gn_contact_args *a, const int32_t *i, const int32_t *j,
+                                  const group *g, int k, variant w) {
+    const pair_geometry *p = &g->geometry[k];
+    gn_v vi[4], vj[4];
+    gn_rows4(a->vel, i, vi);
+    gn_rows4(a->vel, j, vj);
+    pair_motion s;
+    s.twist = gn_set(0.0);
     gn_v3 v = {vj[0] - vi[0], vj[1] - vi[1], gn_pick(w.space, vj[2] - vi[2], gn_set(0.0))};
-    s.speed = gn_dot(v, s.n, w.space);
-    s.across = gn_axmy(v, s.speed, s.n, w.space);
+    s.speed = gn_dot(v, p->n, w.space);
+    s.across = gn_axmy(v, s.speed, p->n, w.space);
     s.relative = s.across;
-    s.rate = gn_set(0.5 * a->dt) * inverse;
     if (w.shear && w.rotation) {
         gn_v wi[4], wj[4];
         gn_rows4(a->spin, i, wi);
         gn_rows4(a->spin, j, wj);
-        gn_v half = gn_set(a->arm_factor) * s.gap;
-        gn_v ai = pi[3] + half, aj = pj[3] + half;
+        gn_v ai = gn_load(g->arm_i + k * GN_W), aj = gn_load(g->arm_j + k * GN_W);
         gn_v3 sum = {gn_set(0.0), gn_set(0.0), ai * wi[2] + aj * wj[2]};
         if (w.space) {
             sum.x = ai * wi[0] + aj * wj[0];
             sum.y = ai * wi[1] + aj * wj[1];
             gn_v3 spins = {wi[0] + wj[0], wi[1] + wj[1], wi[2] + wj[2]};
-            s.twist = gn_set(0.5) * gn_dot(spins, s.n, 1);
+            s.twist = gn_set(0.5) * gn_dot(spins, p->n, 1);
         }
-        s.relative = gn_less_spin_cross(s.across, sum, s.n, w.space);
+        s.relative = gn_less_spin_cross(s.across, sum, p->n, w.space);
     }
     return s;
 }
 
 /* Elastic tangential force before any limit. */
-GN_INLINE gn_v3 shear_trial(const gn_contact_args *a, const pair_state *s, gn_v3 *turned, gn_v kt,
-                            variant w) {
-    gn_v3 t = gn_turn_with_normal(*turned, s->n, s->across, s->rate, w.space);
-    if (w.space && w.rotation) t = gn_turn_about_normal(t, s->n, gn_set(a->dt) * s->twist);
+GN_INLINE gn_v3 shear_trial(const gn_contact_args *a, const pair_geometry *p, const pair_motion *s,
+                            gn_v3 *turned, gn_v kt, variant w) {
+    gn_v3 t = gn_turn_with_normal(*turned, p->n, s->across, p->rate, w.space);
+    if (w.space && w.rotation) t = gn_turn_about_normal(t, p->n, gn_set(a->dt) * s->twist);
     *turned = t;
     return gn_axpy(t, kt * gn_set(a->dt), s->relative, w.space);
 }
@@ -98,16 +128,19 @@ static __attribute__((noinline)) void record_breaks(const gn_contact_args *a, si
     }
 }
 
-GN_INLINE void write_row(const gn_contacts *k, size_t c, gn_v3 force, gn_v half, gn_v3 moment,
-                         variant w) {
+GN_INLINE int row_width(variant w) {
+    return w.space && w.rotation ? 8 : 4;
+}
+
+GN_INLINE void write_rows(group *g, int k, gn_v3 force, gn_v3 moment, variant w) {
     gn_v zero = gn_set(0.0);
+    double *rows = g->row + (size_t)(k * GN_W * row_width(w));
     if (w.space && w.rotation) {
-        gn_v row[8] = {force.x, force.y, force.z, half, moment.x, moment.y, moment.z, zero};
-        gn_store_rows8(k->row8 + 8 * c, row);
+        gn_v row[8] = {force.x, force.y, force.z, zero, moment.x, moment.y, moment.z, zero};
+        gn_store_rows8(rows, row);
     } else {
-        gn_v row[4] = {force.x, force.y, gn_pick(w.space, force.z, half),
-                       gn_pick(w.space, zero, moment.z)};
-        gn_store_rows4(k->row4 + 4 * c, row);
+        gn_v row[4] = {force.x, force.y, gn_pick(w.space, force.z, moment.z), zero};
+        gn_store_rows4(rows, row);
     }
 }
 
@@ -118,7 +151,7 @@ typedef struct lane_sums {
 } lane_sums;
 
 /* What a reading needs of each contact; only in steps that are measured. */
-GN_INLINE void measure_contact(lane_sums *e, const pair_state *s, gn_v3 f, variant w) {
+GN_INLINE void measure_contact(lane_sums *e, const pair_geometry *s, gn_v3 f, variant w) {
     gn_v3 l = gn_scale(s->distance, s->n, w.space);
     const gn_v from[3] = {f.x, f.y, f.z}, to[3] = {l.x, l.y, l.z};
     int dimension = w.space ? 3 : 2;
@@ -174,7 +207,7 @@ GN_INLINE void break_bonds(const gn_contact_args *a, size_t c, size_t end, conta
 }
 
 /* Rare: energy that slipping and breaking contacts release. */
-GN_INLINE void book_release(const gn_contact_args *a, const pair_state *s, const contact_state *q,
+GN_INLINE void book_release(const gn_contact_args *a, const pair_motion *s, const contact_state *q,
                             lane_sums *e, variant w) {
     gn_v shear_part = gn_set(0.0), normal_part = gn_set(0.0);
     if (w.shear)
@@ -197,7 +230,7 @@ GN_INLINE void book_elastic(const contact_state *q, lane_sums *e, variant w) {
             e->elastic_shear + half * gn_dot(q->t, q->t, w.space) / gn_max(q->kt, gn_set(1e-300));
 }
 
-GN_INLINE gn_v damped(const gn_contact_args *a, size_t c, const pair_state *s,
+GN_INLINE gn_v damped(const gn_contact_args *a, size_t c, const pair_motion *s,
                       const contact_state *q, gn_m acting, lane_sums *e, variant w) {
     const gn_contacts *k = a->contacts;
     gn_v viscous = gn_keep(acting, gn_load(k->cn + c) * s->speed);
@@ -209,37 +242,79 @@ GN_INLINE gn_v damped(const gn_contact_args *a, size_t c, const pair_state *s,
     return q->normal + viscous;
 }
 
-GN_INLINE void contact_vector(const gn_contact_args *a, size_t c, size_t end, lane_sums *e,
-                              gn_contact_sums *sums, variant w) {
-    const gn_contacts *k = a->contacts;
+/* Vector k of a group, whose first contact is c. */
+GN_INLINE void find_forces(const gn_contact_args *a, size_t c, size_t end, group *g, int k,
+                           lane_sums *e, gn_contact_sums *sums, variant w) {
+    const gn_contacts *list = a->contacts;
     const gn_v zero = gn_set(0.0);
-    pair_state s = pair_kinematics(a, k->i + c, k->j + c, w);
-    contact_state q = {.kn = gn_load(k->kn + c), .stretch = s.gap};
+    const pair_geometry *p = &g->geometry[k];
+    pair_motion s = find_motion(a, list->i + c, list->j + c, g, k, w);
+    contact_state q = {.kn = gn_load(list->kn + c), .stretch = p->gap};
     q.intact = q.breaking = q.slipping = gn_m_none();
-    if (w.bonds) q.stretch = s.distance - gn_load(k->length0 + c);
+    if (w.bonds) q.stretch = p->distance - gn_load(list->length0 + c);
     q.elastic = q.kn * q.stretch;
     q.touching = gn_less(q.stretch, zero);
     if (w.shear) {
-        q.kt = gn_load(k->kt + c);
-        q.before = gn_load3(k->shear + c, k->soa.capacity, w.space);
-        q.trial = shear_trial(a, &s, &q.before, q.kt, w);
+        q.kt = gn_load(list->kt + c);
+        q.before = gn_load3(list->shear + c, list->soa.capacity, w.space);
+        q.trial = shear_trial(a, p, &s, &q.before, q.kt, w);
     }
     if (w.bonds) break_bonds(a, c, end, &q, sums, w);
     gn_m acting = gn_or(q.touching, q.intact);
     q.normal = gn_keep(acting, q.elastic);
     gn_v total = q.normal;
     if (w.damping) total = damped(a, c, &s, &q, acting, e, w);
-    if (w.shear) limit_shear(k, c, total, &q, w);
+    if (w.shear) limit_shear(list, c, total, &q, w);
     if (w.energy && gn_bits(gn_or(q.slipping, q.breaking))) book_release(a, &s, &q, e, w);
     if (w.energy && a->measure) book_elastic(&q, e, w);
 
-    gn_v3 force = gn_scale(total, s.n, w.space), moment = {zero, zero, zero};
+    gn_v3 force = gn_scale(total, p->n, w.space), moment = {zero, zero, zero};
     if (w.shear) {
-        force = gn_axpy(q.t, total, s.n, w.space);
-        if (w.rotation) moment = gn_cross(s.n, q.t, w.space);
+        force = gn_axpy(q.t, total, p->n, w.space);
+        if (w.rotation) moment = gn_cross(p->n, q.t, w.space);
     }
-    if (a->measure) measure_contact(e, &s, force, w);
-    write_row(k, c, force, gn_set(a->arm_factor) * s.gap, moment, w);
+    if (a->measure) measure_contact(e, p, force, w);
+    write_rows(g, k, force, moment, w);
+}
+
+/* Adds the rows of `count` contacts to the block's partial sums. The force has opposite signs for
+ * the two particles; the moment has the same sign, because arm and force both turn round. */
+GN_INLINE void add_rows(const group *g, const uint16_t *place, size_t count, double *sums,
+                        variant w) {
+    size_t width = (size_t)row_width(w);
+    for (size_t k = 0; k < count; k++) {
+        const double *row = g->row + width * k;
+        double *i = sums + width * place[2 * k], *j = sums + width * place[2 * k + 1];
+        if (w.space && w.rotation)
+            gn_add_row8(i, j, row, g->arm_i + k, g->arm_j + k, w.shear);
+        else
+            gn_add_row4(i, j, row, g->arm_i + k, g->arm_j + k, w.shear && w.rotation);
+    }
+}
+
+GN_INLINE void work_group(const gn_contact_args *a, size_t c, size_t end, double *partial,
+                          lane_sums *e, gn_contact_sums *sums, variant w) {
+    const gn_contacts *list = a->contacts;
+    group g;
+    size_t count = end - c < GROUP_CONTACTS ? end - c : GROUP_CONTACTS;
+    int vectors = (int)((count + GN_W - 1) / GN_W);
+    for (int k = 0; k < vectors; k++)
+        find_geometry(a, list->i + c + k * GN_W, list->j + c + k * GN_W, &g, k, w);
+    for (int k = 0; k < vectors; k++)
+        find_forces(a, c + (size_t)(k * GN_W), end, &g, k, e, sums, w);
+    if (partial) add_rows(&g, a->partials->place + 2 * c, count, partial, w);
+    if (gn_contacts_row(list))
+        memcpy(gn_contacts_row(list) + (size_t)row_width(w) * c, g.row,
+               (size_t)row_width(w) * count * sizeof *g.row);
+}
+
+/* The rows of the block that begins with contact `begin`, zeroed. */
+GN_INLINE double *clear_partials(const gn_contact_args *a, size_t begin, variant w) {
+    const gn_partials *q = a->partials;
+    if (!q) return NULL;
+    size_t block = begin / GN_CONTACT_BLOCK, width = (size_t)row_width(w);
+    size_t first = (size_t)q->first[block], rows = (size_t)q->first[block + 1] - first;
+    return memset(q->row + width * first, 0, width * rows * sizeof *q->row);
 }
 
 GN_INLINE void contact_core(const gn_contact_args *a, size_t begin, size_t end,
@@ -248,7 +323,9 @@ GN_INLINE void contact_core(const gn_contact_args *a, size_t begin, size_t end,
     lane_sums e = {.elastic_normal = zero, .elastic_shear = zero, .friction = zero};
     e.damping = e.breaking = e.force = e.carrying = zero;
     for (int k = 0; k < 9; k++) e.stress[k] = zero;
-    for (size_t c = begin; c < end; c += GN_W) contact_vector(a, c, end, &e, sums, w);
+    double *partial = clear_partials(a, begin, w);
+    for (size_t c = begin; c < end; c += GROUP_CONTACTS)
+        work_group(a, c, end, partial, &e, sums, w);
     if (a->measure) {
         for (int k = 0; k < 9; k++) sums->stress[k] += gn_fold(e.stress[k]);
         sums->force += gn_fold(e.force);

@@ -1,20 +1,10 @@
-/* Second pass of a step: sum the contact rows per particle in fixed order and integrate. */
+/* Second pass of a step: add up the partial sums of each particle in fixed order and integrate.
+ * Sums over particles are kept per block and merged in block order. */
 #ifndef GN_KERNELS_MOTION_H
 #define GN_KERNELS_MOTION_H
 
+#include "kernels/partials.h"
 #include "soa/records.h"
-
-/* Particles are worked on in blocks of this many; sums are kept per block and merged in block
- * order. */
-enum { GN_PARTICLE_BLOCK = 128 };
-
-/* Which contacts a particle takes part in: entries [start[p], start[p + 1]), each 2 contact + side
- * with side 0 for the first and 1 for the second particle of the contact, ascending. One list for
- * both sides makes one loop whose end is mispredicted once a particle and not twice. */
-typedef struct gn_incidence {
-    int32_t *start; /* [particles + 1] */
-    int32_t *entry; /* [2 contacts] */
-} gn_incidence;
 
 /* Prescribed particles, by slot. */
 typedef struct gn_prescription {
@@ -27,8 +17,7 @@ typedef struct gn_prescription {
 
 typedef struct gn_motion_args {
     gn_particles *particles;
-    const gn_contacts *bonds, *pairs; /* count 0 when absent */
-    const gn_incidence *bonds_of, *pairs_of;
+    const gn_partials *bonds, *pairs;
     const gn_wall_contacts *wall_contacts; /* NULL when absent */
     const int32_t *wall_first;             /* [particles + 1] */
     gn_prescription *prescribed;           /* NULL when absent */

@@ -1,12 +1,12 @@
-/* Gather and integrate: central differences (leap-frog) with variable step. A block of particles is
- * summed from the contact rows into columns that stay in the L1 cache, then integrated lane by
- * lane. One body, expanded per variant and compiled per instruction set, as contact_template.c. */
-#include "kernels/contact.h"
+/* Gather and integrate: central differences (leap-frog) with variable step. The partial sums of a
+ * block of particles are added up in the L1 cache, then the block is integrated lane by lane. One
+ * body, expanded per variant and compiled per instruction set, as contact_template.c. */
 #include "kernels/expand.h"
 #include "kernels/motion.h"
 #include "kernels/simd.h"
 
 #include <math.h>
+#include <string.h>
 
 typedef struct variant {
     int space, rotation, viscous, vector, component, gravity, energy;
@@ -15,69 +15,63 @@ typedef struct variant {
 /* --- gather
  * ---------------------------------------------------------------------------------------- */
 
-/* Sums of a block, in columns: force xyz, moment xyz (2D: moment z). */
+/* Loads of a block of particles, in rows as those of gn_partials. */
 typedef struct block_load {
-    double force[3][GN_PARTICLE_BLOCK], moment[3][GN_PARTICLE_BLOCK];
+    double row[8 * GN_PARTICLE_BLOCK];
 } block_load;
 
+GN_INLINE int row_width(variant w) {
+    return w.space && w.rotation ? 8 : 4;
+}
+
 /* A row of four doubles in a register. */
-typedef double row __attribute__((vector_size(32), aligned(8)));
+typedef double half_row __attribute__((vector_size(32), aligned(8)));
 
-typedef struct load {
-    row force, moment; /* xyz in the first three; 2D: moment z */
-} load;
-
-/* Adds one contact. The force has opposite signs for the two particles; the moment has the same
- * sign, because arm and force both turn round. */
-GN_INLINE void add_contact(const double *rows, int32_t entry, double radius, load *sum, variant w) {
-    static const double signs[2] = {1.0, -1.0};
-    int width = w.space && w.rotation ? 8 : 4;
-    const double *at = rows + width * (int64_t)(entry >> 1);
-    double sign = signs[entry & 1];
-    row r = *(const row *)at;
-    if (w.space && w.rotation) {
-        double arm = radius + r[3];
-        sum->moment += *(const row *)(at + 4) * (row){arm, arm, arm, arm};
-    } else if (w.rotation) {
-        sum->moment[2] += (radius + r[2]) * r[3];
+GN_INLINE void add_shares(const gn_partials *from, size_t begin, double *load, variant w) {
+    if (!from->blocks) return;
+    size_t block = begin / GN_PARTICLE_BLOCK;
+    int64_t width = row_width(w);
+    for (int32_t k = from->start[block]; k < from->start[block + 1]; k++) {
+        gn_share s = from->share[k];
+        double *to = load + width * (s.particle - (int64_t)begin);
+        const double *row = from->row + width * s.row;
+        *(half_row *)to += *(const half_row *)row;
+        if (w.space && w.rotation) *(half_row *)(to + 4) += *(const half_row *)(row + 4);
     }
-    sum->force += r * (row){sign, sign, sign, sign};
 }
 
-GN_INLINE void add_contacts(const gn_contacts *contacts, const gn_incidence *of, size_t p,
-                            double radius, load *sum, variant w) {
-    const double *rows = gn_contacts_row(contacts);
-    for (int32_t k = of->start[p]; k < of->start[p + 1]; k++)
-        add_contact(rows, of->entry[k], radius, sum, w);
-}
-
-GN_INLINE load gather(const gn_motion_args *a, size_t p, variant w) {
-    load sum = {{0, 0, 0, 0}, {0, 0, 0, 0}};
-    double radius = a->particles->pos[4 * p + 3];
-    if (a->bonds->soa.count) add_contacts(a->bonds, a->bonds_of, p, radius, &sum, w);
-    if (a->pairs->soa.count) add_contacts(a->pairs, a->pairs_of, p, radius, &sum, w);
-    if (a->wall_contacts) {
-        for (int32_t c = a->wall_first[p]; c < a->wall_first[p + 1]; c++) {
-            const double *r = a->wall_contacts->row + 8 * (int64_t)c;
-            sum.force += *(const row *)r;
-            sum.moment += *(const row *)(r + 4);
-        }
+GN_INLINE void add_walls(const gn_motion_args *a, size_t begin, size_t end, double *load,
+                         variant w) {
+    const gn_wall_contacts *walls = a->wall_contacts;
+    for (int32_t c = a->wall_first[begin]; c < a->wall_first[end]; c++) {
+        double *to = load + (size_t)row_width(w) * ((size_t)walls->i[c] - begin);
+        const double *row = walls->row + 8 * (int64_t)c;
+        for (int k = 0; k < 2 + w.space; k++) to[k] += row[k];
+        for (int k = 4; w.space && w.rotation && k < 7; k++) to[k] += row[k];
+        if (!w.space && w.rotation) to[2] += row[6];
     }
-    if (!w.space) sum.force[2] = 0.0; /* the slot held the half gap */
-    return sum;
 }
 
 GN_INLINE void gather_block(const gn_motion_args *a, size_t begin, size_t end, block_load *out,
                             variant w) {
-    size_t count = end - begin, padded = (count + GN_W - 1) / GN_W * GN_W;
-    for (size_t k = 0; k < padded; k++) {
-        load sum = {{0, 0, 0, 0}, {0, 0, 0, 0}};
-        if (k < count) sum = gather(a, begin + k, w);
-        for (int c = 0; c < 3; c++) {
-            out->force[c][k] = sum.force[c];
-            if (w.rotation) out->moment[c][k] = sum.moment[c];
-        }
+    memset(out->row, 0, GN_PARTICLE_BLOCK * (size_t)row_width(w) * sizeof *out->row);
+    add_shares(a->bonds, begin, out->row, w);
+    add_shares(a->pairs, begin, out->row, w);
+    if (a->wall_contacts) add_walls(a, begin, end, out->row, w);
+}
+
+/* Forces or moments (`part` 0 or 1) of GN_W particles of a block, from its k-th on. */
+GN_INLINE gn_v3 load_of(const block_load *sum, size_t k, int part, variant w) {
+    static const int32_t narrow[8] = {0, 1, 2, 3, 4, 5, 6, 7},
+                         wide[8] = {0, 2, 4, 6, 8, 10, 12, 14};
+    gn_v r[4], zero = gn_set(0.0);
+    if (w.space && w.rotation) {
+        gn_rows4(sum->row + 8 * k + 4 * part, wide, r);
+        return (gn_v3){r[0], r[1], r[2]};
     }
+    gn_rows4(sum->row + 4 * k, narrow, r);
+    if (part) return (gn_v3){zero, zero, r[2]};
+    return (gn_v3){r[0], r[1], gn_pick(w.space, r[2], zero)};
 }
 
 /* --- integration
@@ -248,8 +242,7 @@ GN_INLINE void translate(const gn_motion_args *a, size_t p, const block_load *su
     m.inverse = v[3];
     m.mass = mass_of(v[3]);
     m.v = (gn_v3){v[0], v[1], v[2]};
-    m.f =
-        (gn_v3){gn_load(sum->force[0] + k), gn_load(sum->force[1] + k), gn_load(sum->force[2] + k)};
+    m.f = load_of(sum, k, 0, w);
     gn_v3 weight = {gn_set(0.0), gn_set(0.0), gn_set(0.0)}, applied = weight;
     if (w.gravity) {
         gn_v3 g = {gn_set(a->gravity[0]), gn_set(a->gravity[1]), gn_set(a->gravity[2])};
@@ -303,8 +296,7 @@ GN_INLINE void rotate(const gn_motion_args *a, size_t p, const block_load *sum, 
     m.inverse = o[3];
     m.mass = mass_of(o[3]);
     m.v = (gn_v3){o[0], o[1], o[2]};
-    m.f = (gn_v3){gn_load(sum->moment[0] + k), gn_load(sum->moment[1] + k),
-                  gn_load(sum->moment[2] + k)};
+    m.f = load_of(sum, k, 1, w);
     m.v_new = m.v;
     kick(a, &m, interval, 1, w);
     if (prescribed) prescribe(a, p, 3, interval, &m, s);

@@ -109,12 +109,43 @@ GN_INLINE void gn_store_rows4(double *rows, const gn_v in[4]) {
     gn_store_pairs(rows, 4, pairs);
 }
 
+/* Two halves of rows (0,2), (1,3), (4,6), (5,7) joined to whole rows. */
 GN_INLINE void gn_store_rows8(double *rows, const gn_v in[8]) {
-    gn_v pairs[4];
-    gn_columns_to_pairs(in, pairs);
-    gn_store_pairs(rows, 8, pairs);
-    gn_columns_to_pairs(in + 4, pairs);
-    gn_store_pairs(rows + 4, 8, pairs);
+    static const int first[4] = {0, 1, 4, 5};
+    gn_v low[4], high[4];
+    gn_columns_to_pairs(in, low);
+    gn_columns_to_pairs(in + 4, high);
+    for (int k = 0; k < 4; k++) {
+        double *row = rows + 8 * first[k];
+        _mm512_storeu_pd(row, _mm512_shuffle_f64x2(low[k], high[k], 0x44));
+        _mm512_storeu_pd(row + 16, _mm512_shuffle_f64x2(low[k], high[k], 0xEE));
+    }
+}
+
+/* Factors of a row of width 4: the sign; with arms (2D) +-1, +-1, arm, 0. */
+GN_INLINE __m256d gn_factor4(double sign, const double *arm, int arms) {
+    __m256d factor = _mm256_set1_pd(sign);
+    if (arms) factor = _mm256_blend_pd(factor, _mm256_broadcast_sd(arm), 0x4);
+    return factor;
+}
+GN_INLINE void gn_add_row4(double *i, double *j, const double *row, const double *arm_i,
+                           const double *arm_j, int arms) {
+    __m256d r = _mm256_loadu_pd(row);
+    _mm256_storeu_pd(i, _mm256_fmadd_pd(r, gn_factor4(1.0, arm_i, arms), _mm256_loadu_pd(i)));
+    _mm256_storeu_pd(j, _mm256_fmadd_pd(r, gn_factor4(-1.0, arm_j, arms), _mm256_loadu_pd(j)));
+}
+
+GN_INLINE void gn_add_row8(double *i, double *j, const double *row, const double *arm_i,
+                           const double *arm_j, int arms) {
+    if (!arms) {
+        gn_add_row4(i, j, row, arm_i, arm_j, 0);
+        return;
+    }
+    __m512d r = _mm512_loadu_pd(row), plus = _mm512_set1_pd(1.0), minus = _mm512_set1_pd(-1.0);
+    plus = _mm512_mask_broadcastsd_pd(plus, 0xF0, _mm_load_sd(arm_i));
+    minus = _mm512_mask_broadcastsd_pd(minus, 0xF0, _mm_load_sd(arm_j));
+    _mm512_storeu_pd(i, _mm512_fmadd_pd(r, plus, _mm512_loadu_pd(i)));
+    _mm512_storeu_pd(j, _mm512_fmadd_pd(r, minus, _mm512_loadu_pd(j)));
 }
 
 #endif

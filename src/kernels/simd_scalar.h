@@ -76,4 +76,23 @@ GN_INLINE void gn_store_rows8(double *rows, const gn_v in[8]) {
     for (int k = 0; k < 8; k++) rows[k] = in[k];
 }
 
+/* Adds a contact's row to those of its two particles: force with opposite signs; moment times the
+ * arms, when there are any. Width 8: force xyz, 0, moment xyz, 0. */
+GN_INLINE void gn_add_row8(double *i, double *j, const double *row, const double *arm_i,
+                           const double *arm_j, int arms) {
+    for (int k = 0; k < 3; k++) i[k] += row[k];
+    for (int k = 0; k < 3; k++) j[k] -= row[k];
+    for (int k = 4; arms && k < 7; k++) i[k] = fma(row[k], *arm_i, i[k]);
+    for (int k = 4; arms && k < 7; k++) j[k] = fma(row[k], *arm_j, j[k]);
+}
+
+/* Width 4: force xyz, 0; with arms (2D) force xy, moment z, 0. */
+GN_INLINE void gn_add_row4(double *i, double *j, const double *row, const double *arm_i,
+                           const double *arm_j, int arms) {
+    for (int k = 0; k < 2 + !arms; k++) i[k] += row[k];
+    for (int k = 0; k < 2 + !arms; k++) j[k] -= row[k];
+    if (arms) i[2] = fma(row[2], *arm_i, i[2]);
+    if (arms) j[2] = fma(row[2], *arm_j, j[2]);
+}
+
 #endif

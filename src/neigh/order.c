@@ -47,32 +47,3 @@ gneiss_status gn_morton_order(const gn_particles *particles, int dimension, int3
     gn_free(keys);
     return GNEISS_OK;
 }
-
-gneiss_status gn_incidence_build(const gn_contacts *contacts, size_t particle_count,
-                                 gn_incidence *incidence, gneiss_error *error) {
-    size_t count = contacts->soa.count, n = particle_count;
-    gn_incidence_free(incidence);
-    int32_t *start = incidence->start = gn_alloc_array(n + 2, sizeof *start);
-    int32_t *entry = incidence->entry = gn_alloc_array(2 * count + 1, sizeof *entry);
-    if (!start || !entry) {
-        gn_incidence_free(incidence);
-        return gn_fail(error, GNEISS_ERROR_MEMORY, "no memory for the contacts of %zu particles",
-                       n);
-    }
-    for (size_t c = 0; c < count; c++) {
-        start[contacts->i[c] + 2]++;
-        start[contacts->j[c] + 2]++;
-    }
-    for (size_t p = 2; p < n + 2; p++) start[p] += start[p - 1];
-    for (size_t c = 0; c < count; c++) {
-        entry[start[contacts->i[c] + 1]++] = (int32_t)(2 * c);
-        entry[start[contacts->j[c] + 1]++] = (int32_t)(2 * c + 1);
-    }
-    return GNEISS_OK;
-}
-
-void gn_incidence_free(gn_incidence *incidence) {
-    gn_free(incidence->start);
-    gn_free(incidence->entry);
-    *incidence = (gn_incidence){0};
-}

@@ -3,7 +3,7 @@
 #define GN_NEIGH_PAIRS_H
 
 #include "base/error.h"
-#include "kernels/motion.h"
+#include "kernels/partials.h"
 #include "soa/records.h"
 
 /* Which pairs are wanted: |x_j - x_i| - r_i - r_j <= margin + range (r_i + r_j). */
@@ -35,9 +35,10 @@ void gn_pair_list_free(gn_pair_list *list);
 gneiss_status gn_morton_order(const gn_particles *particles, int dimension, int32_t *order,
                               gneiss_error *error);
 
-/* Which contacts each particle takes part in; allocates the arrays anew. */
-gneiss_status gn_incidence_build(const gn_contacts *contacts, size_t particle_count,
-                                 gn_incidence *incidence, gneiss_error *error);
-void gn_incidence_free(gn_incidence *incidence);
+/* Where the forces of a list of contacts are summed: numbering of the blocks' rows, and which rows
+ * each particle has. Takes the place of what *partials held. */
+gneiss_status gn_partials_build(const gn_contacts *contacts, size_t particle_count, int threads,
+                                gn_partials *partials, gneiss_error *error);
+void gn_partials_free(gn_partials *partials);
 
 #endif

@@ -76,7 +76,8 @@ static gneiss_status make_pairs(gn_world *w, gneiss_error *error) {
         w->pairs = now;
         gn_contacts_pad(&w->pairs, &w->particles);
         w->pair_blocks = gn_blocks(now.soa.count, GN_CONTACT_BLOCK);
-        status = gn_incidence_build(&w->pairs, w->particles.soa.count, &w->pairs_of, error);
+        status = gn_partials_build(&w->pairs, w->particles.soa.count, w->threads, &w->pair_partials,
+                                   error);
     }
     gn_pair_list_free(&found);
     return status;
@@ -102,9 +103,6 @@ static void mirror(gn_contacts *list, size_t c) {
         double *t = &list->shear[c + (size_t)a * list->soa.capacity];
         *t = -*t;
     }
-    /* n x F_t (and the half gap) look the same from both ends, only the force turns round. */
-    double *row = gn_contacts_row(list) + (size_t)gn_contacts_row_width(list) * c;
-    for (int a = 0; a < (list->soa.effects & GN_FX_SPACE ? 3 : 2); a++) row[a] = -row[a];
 }
 
 /* Sorts the keys and puts the items of *list in their order, into *now; *list is freed. */
@@ -194,7 +192,8 @@ static gneiss_status reorder(gn_world *w, gneiss_error *error) {
     if (status == GNEISS_OK && w->bonds.soa.capacity) {
         status = rename_contacts(&w->bonds, place, error);
         gn_contacts_pad(&w->bonds, &w->particles);
-        if (status == GNEISS_OK) status = gn_incidence_build(&w->bonds, n, &w->bonds_of, error);
+        if (status == GNEISS_OK)
+            status = gn_partials_build(&w->bonds, n, w->threads, &w->bond_partials, error);
     }
     if (status == GNEISS_OK && w->pairs.soa.capacity)
         status = rename_contacts(&w->pairs, place, error);
@@ -314,7 +313,7 @@ gneiss_status gn_world_rebuild(gn_world *w, gneiss_error *error) {
     if (w->lost != lost) release_bonds_of_removed(w);
     if (w->effects & GN_FX_PERIODIC) wrap(w);
     if (order_is_old(w)) GN_TRY(reorder(w, error));
-    if (!w->bonds_of.start) GN_TRY(gn_bonds_form(w, error));
+    if (!w->bond_partials.first) GN_TRY(gn_bonds_form(w, error));
     GN_TRY(make_pairs(w, error));
     GN_TRY(gn_wall_contacts_find(w, error));
     GN_TRY(allocate_sums(w, error));
@@ -342,8 +341,8 @@ gneiss_status gn_world_restore(gn_world *w, gneiss_error *error) {
     for (size_t c = 0; c < w->wall_contacts.soa.count; c++)
         w->wall_first[w->wall_contacts.i[c] + 1]++;
     for (size_t p = 1; p <= n; p++) w->wall_first[p] += w->wall_first[p - 1];
-    GN_TRY(gn_incidence_build(&w->bonds, n, &w->bonds_of, error));
-    GN_TRY(gn_incidence_build(&w->pairs, n, &w->pairs_of, error));
+    GN_TRY(gn_partials_build(&w->bonds, n, w->threads, &w->bond_partials, error));
+    GN_TRY(gn_partials_build(&w->pairs, n, w->threads, &w->pair_partials, error));
     return allocate_sums(w, error);
 }
 

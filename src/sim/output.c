@@ -45,8 +45,8 @@ static void count_contacts(const gn_world *w, const gn_contacts *list, double *c
     }
 }
 
-static gneiss_status make_particle_fields(const gn_world *w, particle_fields *f,
-                                          gneiss_error *error) {
+static gneiss_status make_particle_fields(const gn_world *w, const gn_observed *seen,
+                                          particle_fields *f, gneiss_error *error) {
     size_t n = w->particles.soa.count;
     const gn_particles *q = &w->particles;
     *f = (particle_fields){.count = n};
@@ -61,6 +61,8 @@ static gneiss_status make_particle_fields(const gn_world *w, particle_fields *f,
     held = held && damage && stress && (f->stress = calloc(n + 1, 6 * sizeof(double)));
     if (held) {
         gn_assembly assembly = gn_world_assembly(w);
+        assembly.bonds = &seen->bonds;
+        assembly.pairs = &seen->pairs;
         gn_stress_particles(&assembly, gn_world_porosity(w), stress);
         if (w->effects & GN_FX_BONDS) gn_damage_particles(q, &w->bonds, damage);
         for (size_t p = 0; p < n; p++) {
@@ -76,8 +78,8 @@ static gneiss_status make_particle_fields(const gn_world *w, particle_fields *f,
                 if (q->spin) f->spin[3 * id + a] = q->spin[4 * p + a];
             }
         }
-        count_contacts(w, &w->bonds, f->coordination);
-        count_contacts(w, &w->pairs, f->coordination);
+        count_contacts(w, &seen->bonds, f->coordination);
+        count_contacts(w, &seen->pairs, f->coordination);
     }
     free(damage);
     free(stress);
@@ -100,9 +102,10 @@ static double normal_force(const gn_world *w, const gn_contacts *b, size_t c, co
     return d2 > 0.0 ? along / sqrt(d2) : 0.0;
 }
 
-static void fill_bond(const gn_world *w, bond_fields *f, size_t c) {
+/* State and strengths are the world's; the copy only has the forces. */
+static void fill_bond(const gn_world *w, const gn_contacts *seen, bond_fields *f, size_t c) {
     const gn_contacts *b = &w->bonds;
-    const double *row = gn_contacts_row(b) + (size_t)gn_contacts_row_width(b) * c;
+    const double *row = gn_contacts_row(seen) + (size_t)gn_contacts_row_width(seen) * c;
     double force[3] = {row[0], row[1], w->effects & GN_FX_SPACE ? row[2] : 0.0}, size2 = 0.0;
     int32_t i = w->particles.id[b->i[c]], j = w->particles.id[b->j[c]];
     double turn = i < j ? 1.0 : -1.0; /* force on the end with the smaller id, which comes first */
@@ -121,7 +124,8 @@ static void fill_bond(const gn_world *w, bond_fields *f, size_t c) {
     f->criterion[c] = b->cause[c] ? 1.0 : fmax(0.0, ratio);
 }
 
-static gneiss_status make_bond_fields(const gn_world *w, bond_fields *f, gneiss_error *error) {
+static gneiss_status make_bond_fields(const gn_world *w, const gn_contacts *seen, bond_fields *f,
+                                      gneiss_error *error) {
     size_t n = w->bonds.soa.count;
     *f = (bond_fields){.count = n};
     double **scalars[] = {&f->normal, &f->shear, &f->criterion, &f->state, &f->broken_time};
@@ -132,18 +136,19 @@ static gneiss_status make_bond_fields(const gn_world *w, bond_fields *f, gneiss_
         free_bond_fields(f);
         return gn_fail(error, GNEISS_ERROR_MEMORY, "no memory for the output of %zu bonds", n);
     }
-    for (size_t c = 0; c < n; c++) fill_bond(w, f, c);
+    for (size_t c = 0; c < n; c++) fill_bond(w, seen, f, c);
     return GNEISS_OK;
 }
 
 /* --- snapshots
  * ------------------------------------------------------------------------------------- */
 
-gneiss_status gn_output_snapshot(const gn_run *run, const char *particles_name,
-                                 const char *bonds_name, gneiss_error *error) {
+static gneiss_status write_snapshot(const gn_run *run, const gn_observed *seen,
+                                    const char *particles_name, const char *bonds_name,
+                                    gneiss_error *error) {
     const gn_world *w = &run->world;
     particle_fields p;
-    GN_TRY(make_particle_fields(w, &p, error));
+    GN_TRY(make_particle_fields(w, seen, &p, error));
     const gn_snapshot_array points[] = {
         {"id", "1", 1, p.id},
         {"radius", "m", 1, p.radius},
@@ -160,7 +165,7 @@ gneiss_status gn_output_snapshot(const gn_run *run, const char *particles_name,
     gneiss_status status = gn_snapshot_write(run->directory, particles_name, &s, error);
     bond_fields b = {0};
     if (status == GNEISS_OK && w->effects & GN_FX_BONDS) {
-        status = make_bond_fields(w, &b, error);
+        status = make_bond_fields(w, &seen->bonds, &b, error);
         const gn_snapshot_array lines[] = {{"state", "1", 1, b.state},
                                            {"force", "N", 1, b.normal},
                                            {"shear_force", "N", 1, b.shear},
@@ -174,6 +179,15 @@ gneiss_status gn_output_snapshot(const gn_run *run, const char *particles_name,
     }
     free_particle_fields(&p);
     free_bond_fields(&b);
+    return status;
+}
+
+gneiss_status gn_output_snapshot(const gn_run *run, const char *particles_name,
+                                 const char *bonds_name, gneiss_error *error) {
+    gn_observed seen;
+    GN_TRY(gn_world_observe(&run->world, &seen, error));
+    gneiss_status status = write_snapshot(run, &seen, particles_name, bonds_name, error);
+    gn_observed_free(&seen);
     return status;
 }
 
@@ -262,9 +276,10 @@ static gneiss_status put_tables(const gn_run *run, gn_h5 *file, gneiss_error *er
     return GNEISS_OK;
 }
 
-static gneiss_status put_particles(const gn_world *w, gn_h5 *file, gneiss_error *error) {
+static gneiss_status put_particles(const gn_world *w, const gn_observed *seen, gn_h5 *file,
+                                   gneiss_error *error) {
     particle_fields f;
-    GN_TRY(make_particle_fields(w, &f, error));
+    GN_TRY(make_particle_fields(w, seen, &f, error));
     const struct {
         const char *name, *unit, *text;
         size_t components;
@@ -305,10 +320,10 @@ static gneiss_status put_particles(const gn_world *w, gn_h5 *file, gneiss_error 
     return status;
 }
 
-static gneiss_status put_bonds(const gn_run *run, gn_h5 *file, gneiss_error *error) {
-    const gn_world *w = &run->world;
+static gneiss_status put_bonds(const gn_world *w, const gn_contacts *seen, gn_h5 *file,
+                               gneiss_error *error) {
     bond_fields f;
-    GN_TRY(make_bond_fields(w, &f, error));
+    GN_TRY(make_bond_fields(w, seen, &f, error));
     int32_t *state = calloc(f.count + 1, sizeof *state);
     if (!state) {
         free_bond_fields(&f);
@@ -348,9 +363,12 @@ gneiss_status gn_output_results(const gn_run *run, gneiss_error *error) {
     GN_TRY(gn_h5_create(path, &file, error));
     gneiss_status status = put_header(run, file, error);
     if (status == GNEISS_OK) status = put_tables(run, file, error);
-    if (status == GNEISS_OK) status = put_particles(&run->world, file, error);
+    gn_observed seen = {0};
+    if (status == GNEISS_OK) status = gn_world_observe(&run->world, &seen, error);
+    if (status == GNEISS_OK) status = put_particles(&run->world, &seen, file, error);
     if (status == GNEISS_OK && run->world.effects & GN_FX_BONDS)
-        status = put_bonds(run, file, error);
+        status = put_bonds(&run->world, &seen.bonds, file, error);
+    gn_observed_free(&seen);
     if (status == GNEISS_OK) return gn_h5_commit(file, error);
     gn_h5_close(file);
     return status;
@@ -369,6 +387,10 @@ gneiss_status gn_output_summary(const gn_run *run, gneiss_error *error) {
     const gn_world *w = &run->world;
     gn_progress p = gn_run_progress(run);
     gn_readings r = gn_record_readings(w, &run->history);
+    gn_observed seen;
+    GN_TRY(gn_world_observe(w, &seen, error));
+    size_t contacts = touching(&seen.bonds) + touching(&seen.pairs);
+    gn_observed_free(&seen);
     char hash[24], path[GN_PATH_SIZE + 32];
     snprintf(hash, sizeof hash, "%016llx", (unsigned long long)gn_world_hash(w));
     gn_json *j = gn_json_begin();
@@ -380,7 +402,7 @@ gneiss_status gn_output_summary(const gn_run *run, gneiss_error *error) {
     gn_json_end(j);
     gn_json_object(j, "counts");
     gn_json_integer(j, "particles", (int64_t)w->particles.soa.count);
-    gn_json_integer(j, "contacts", (int64_t)(touching(&w->bonds) + touching(&w->pairs)));
+    gn_json_integer(j, "contacts", (int64_t)contacts);
     gn_json_integer(j, "bonds", w->bonds_at_start);
     gn_json_integer(j, "broken_tension", w->broken_tension);
     gn_json_integer(j, "broken_shear", w->broken_shear);

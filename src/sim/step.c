@@ -12,6 +12,7 @@ gn_contact_args gn_world_contact_args(const gn_world *w, const gn_contacts *list
     a.vel = w->particles.vel;
     a.spin = w->particles.spin;
     a.contacts = list;
+    a.partials = list == &w->bonds ? &w->bond_partials : &w->pair_partials;
     a.dt = w->dt_past;
     a.arm_factor = w->scene.contact_arm == GN_ARM_MIDPOINT ? 0.5 : 0.0;
     memcpy(a.period, w->period, sizeof a.period);
@@ -23,10 +24,8 @@ gn_contact_args gn_world_contact_args(const gn_world *w, const gn_contacts *list
 gn_motion_args gn_world_motion_args(gn_world *w, bool measure) {
     gn_motion_args a = {0};
     a.particles = &w->particles;
-    a.bonds = &w->bonds;
-    a.pairs = &w->pairs;
-    a.bonds_of = &w->bonds_of;
-    a.pairs_of = &w->pairs_of;
+    a.bonds = &w->bond_partials;
+    a.pairs = &w->pair_partials;
     a.wall_contacts = w->effects & GN_FX_WALLS ? &w->wall_contacts : NULL;
     a.wall_first = w->wall_first;
     a.prescribed = w->effects & GN_FX_PRESCRIBED ? &w->prescribed : NULL;
@@ -79,8 +78,8 @@ static void book(gn_world *w, gn_phase phase, double *mark) {
     }
 }
 
-/* The parallel part: contacts -> rows, walls, then rows -> particles. Nothing is shared but rows
- * that one thread writes and, after the barrier, others read. */
+/* The parallel part: contacts -> partial sums, walls, then partial sums -> particles. Nothing is
+ * shared but rows that one thread writes and, after the barrier, others read. */
 static void compute(gn_world *w, const gn_contact_args *bonds, const gn_contact_args *pairs,
                     const gn_motion_args *motion) {
 #pragma omp parallel num_threads(w->threads)
@@ -216,6 +215,38 @@ static gneiss_status check_motion(const gn_world *w, const gn_motion_sums *m, gn
     }
     return fail_particle(w, worst, "moved farther in one step than half the smallest radius",
                          error);
+}
+
+/* A step of no length on a copy: whatever limits it would reach stays in the copy. */
+static gneiss_status observe(const gn_world *w, const gn_contacts *list, gn_contact_kernel *kernel,
+                             gn_contacts *copy, gneiss_error *error) {
+    gn_effects effects = list->soa.effects | GN_FX_CONTACT_FORCES;
+    GN_TRY(gn_soa_copy(&gn_contact_record, copy, list, effects, error));
+    gn_contacts_pad(copy, &w->particles);
+    gn_contact_args args = gn_world_contact_args(w, copy, false);
+    args.partials = NULL;
+    args.dt = 0.0;
+    size_t count = copy->soa.count;
+#pragma omp parallel for schedule(static) num_threads(w->threads)
+    for (size_t c = 0; c < count; c += GN_CONTACT_BLOCK) {
+        gn_contact_sums sums = {0};
+        kernel(&args, c, c + GN_CONTACT_BLOCK < count ? c + GN_CONTACT_BLOCK : count, &sums);
+    }
+    return GNEISS_OK;
+}
+
+gneiss_status gn_world_observe(const gn_world *w, gn_observed *observed, gneiss_error *error) {
+    *observed = (gn_observed){0};
+    gneiss_status status = observe(w, &w->bonds, w->bond_kernel, &observed->bonds, error);
+    if (status == GNEISS_OK)
+        status = observe(w, &w->pairs, w->pair_kernel, &observed->pairs, error);
+    if (status != GNEISS_OK) gn_observed_free(observed);
+    return status;
+}
+
+void gn_observed_free(gn_observed *observed) {
+    gn_soa_destroy(&gn_contact_record, &observed->bonds);
+    gn_soa_destroy(&gn_contact_record, &observed->pairs);
 }
 
 gneiss_status gn_world_step(gn_world *w, bool measure, gneiss_error *error) {

@@ -229,8 +229,8 @@ void gn_world_free(gn_world *w) {
     gn_soa_destroy(&gn_contact_record, &w->bonds);
     gn_soa_destroy(&gn_contact_record, &w->pairs);
     gn_soa_destroy(&gn_wall_contact_record, &w->wall_contacts);
-    gn_incidence_free(&w->bonds_of);
-    gn_incidence_free(&w->pairs_of);
+    gn_partials_free(&w->bond_partials);
+    gn_partials_free(&w->pair_partials);
     gn_strain_gauge_free(&w->gauge);
     void *blocks[] = {w->wall_first,      w->index_of_id,     w->walls,
                       w->wall_normals,    w->channel_set,     w->set_reaction,

@@ -67,7 +67,7 @@ typedef struct gn_world {
     gn_particles particles;
     gn_contacts bonds, pairs;
     gn_wall_contacts wall_contacts;
-    gn_incidence bonds_of, pairs_of;
+    gn_partials bond_partials, pair_partials;
     int32_t *wall_first;  /* [particles + 1] */
     int32_t *index_of_id; /* [particles] */
     gn_derived derived;
@@ -126,7 +126,7 @@ gneiss_status gn_world_step(gn_world *world, bool measure, gneiss_error *error);
 /* Makes the lists anew (lists.c). `first`: at the start, when bonds are formed as well. */
 gneiss_status gn_world_rebuild(gn_world *world, gneiss_error *error);
 
-/* After the records of a checkpoint were read: null particles, padding, incidence, block sums. */
+/* After the records of a checkpoint were read: null particles, padding, partial and block sums. */
 gneiss_status gn_world_restore(gn_world *world, gneiss_error *error);
 
 /* Rebuilds if the displacement bound says so. */
@@ -135,6 +135,14 @@ gneiss_status gn_world_refresh_lists(gn_world *world, gneiss_error *error);
 /* Checks the stability limit and lowers an automatic step (dt.c). `full`: Lanczos even if the
  * rigorous bound is above the step. */
 gneiss_status gn_world_check_step(gn_world *world, bool full, gneiss_error *error);
+
+/* The lists with the forces of the present positions in their rows (velocities and tangential
+ * forces of the last step): for output. The world is not changed; the copies are the caller's. */
+typedef struct gn_observed {
+    gn_contacts bonds, pairs;
+} gn_observed;
+gneiss_status gn_world_observe(const gn_world *world, gn_observed *observed, gneiss_error *error);
+void gn_observed_free(gn_observed *observed);
 
 /* The view that measures and the time step estimate work on. */
 gn_assembly gn_world_assembly(const gn_world *world);

@@ -113,6 +113,24 @@ void gn_soa_permute(const gn_record *record, void *dst, const void *src, const i
     }
 }
 
+gneiss_status gn_soa_copy(const gn_record *record, void *dst, const void *src, gn_effects effects,
+                          gneiss_error *error) {
+    const gn_soa *from = src;
+    GN_TRY(gn_soa_create(record, dst, from->count, effects, error));
+    const gn_soa *to = dst;
+    for (size_t f = 0; f < record->field_count; f++) {
+        const gn_field *field = &record->fields[f];
+        char *out = gn_field_data(field, dst);
+        const char *in = gn_field_data(field, src);
+        if (!out || !in) continue;
+        for (int c = 0; c < stream_count(field); c++) {
+            stream o = field_stream(field, to, c), s = field_stream(field, from, c);
+            memcpy(out + o.base, in + s.base, s.stride * from->count);
+        }
+    }
+    return GNEISS_OK;
+}
+
 uint64_t gn_hash_bytes(const void *bytes, size_t size, uint64_t seed) {
     const unsigned char *p = bytes;
     for (size_t k = 0; k < size; k++) seed = (seed ^ p[k]) * UINT64_C(0x100000001b3);

@@ -73,6 +73,10 @@ void gn_soa_destroy(const gn_record *record, void *soa);
  * records have the same effects; dst->count items are written. */
 void gn_soa_permute(const gn_record *record, void *dst, const void *src, const int32_t *order);
 
+/* A copy of src with more (or fewer) fields: those of `effects`. What src does not have is zero. */
+gneiss_status gn_soa_copy(const gn_record *record, void *dst, const void *src, gn_effects effects,
+                          gneiss_error *error);
+
 /* FNV-1a of all STATE fields of the first `count` items, chained from `seed`. */
 uint64_t gn_soa_hash(const gn_record *record, const void *soa, uint64_t seed);
 

@@ -48,10 +48,12 @@
       "0 intact, 1 broken in tension, 2 broken in shear")                                          \
     X(broken_time, double, GN_F64, 1, GN_COLUMNS, GN_STATE, GN_FX_BONDS, 0, "s",                   \
       "when the bond broke; 0 while it is intact")                                                 \
-    X(row4, double, GN_F64, 4, GN_ROWS, GN_SAVED, 0, GN_FX_SPACE | GN_FX_ROTATION, "N, m, N",      \
-      "force on the first particle x y; 3D: z; 2D with rotation: half gap, n x F_t")               \
-    X(row8, double, GN_F64, 8, GN_ROWS, GN_SAVED, GN_FX_SPACE | GN_FX_ROTATION, 0, "N, m, N",      \
-      "force on the first particle x y z, half gap, n x F_t (3), unused")
+    X(row4, double, GN_F64, 4, GN_ROWS, GN_SCRATCH, GN_FX_CONTACT_FORCES,                          \
+      GN_FX_SPACE | GN_FX_ROTATION, "N, N",                                                        \
+      "force on the first particle x y z 0; 2D: x y, moment z, 0")                                 \
+    X(row8, double, GN_F64, 8, GN_ROWS, GN_SCRATCH,                                                \
+      GN_FX_CONTACT_FORCES | GN_FX_SPACE | GN_FX_ROTATION, 0, "N, N",                              \
+      "force on the first particle x y z 0, n x F_t x y z 0")
 
 /* Contacts of particles with plane walls, sorted by (i, wall). Normal from the particle to the
  * wall. */
@@ -92,16 +94,22 @@ extern const gn_record gn_particle_record;
 extern const gn_record gn_contact_record;
 extern const gn_record gn_wall_contact_record;
 
-/* The row written by the contact kernel, whichever width is active. */
+/* Doubles in a row of forces: 8 with rotation in space, else 4 (gn_partials has rows alike). */
+static inline int gn_row_width(gn_effects effects) {
+    const gn_effects wide = GN_FX_SPACE | GN_FX_ROTATION;
+    return (effects & wide) == wide ? 8 : 4;
+}
+
+/* The rows that the contact kernel writes, whichever width is active; NULL when they are not kept.
+ */
 static inline double *gn_contacts_row(const gn_contacts *contacts) {
     return contacts->row8 ? contacts->row8 : contacts->row4;
 }
 static inline int gn_contacts_row_width(const gn_contacts *contacts) {
-    return contacts->row8 ? 8 : 4;
+    return gn_row_width(contacts->soa.effects);
 }
 
-/* Whether contact c carried force at the last evaluation. In 2D the third slot of a row is no
- * force. */
+/* Whether contact c carries force. In 2D the third slot of a row is no force. */
 static inline bool gn_contact_carries(const gn_contacts *contacts, size_t c) {
     const double *row = gn_contacts_row(contacts) + (size_t)gn_contacts_row_width(contacts) * c;
     bool space = contacts->soa.effects & GN_FX_SPACE;

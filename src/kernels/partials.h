@@ -1,0 +1,36 @@
+/* Forces on their way from contacts to particles. A block of contacts sums what its contacts exert
+ * in rows of its own, one for each particle that it touches; a particle then adds up its rows in
+ * block order. Blocks follow the order of the contacts and not the threads, so that sums are the
+ * same for any number of threads, and a block's rows stay in the cache of the core that works on
+ * it. */
+#ifndef GN_KERNELS_PARTIALS_H
+#define GN_KERNELS_PARTIALS_H
+
+#include <stddef.h>
+#include <stdint.h>
+
+/* Contacts are worked on in blocks of this many. Sums (forces, energies, broken bonds) are kept per
+ * block and merged in block order, so that they do not depend on the number of threads. */
+enum { GN_CONTACT_BLOCK = 1024 };
+
+/* Particles are worked on in blocks of this many. */
+enum { GN_PARTICLE_BLOCK = 128 };
+
+/* A row that a particle has in some block. */
+typedef struct gn_share {
+    int32_t particle, row;
+} gn_share;
+
+/* Partial sums of one list of contacts. Rows are force xyz, 0, moment xyz, 0 (width 8: rotation in
+ * space) or force xyz, 0 (width 4); in 2D force xy, moment z, 0. */
+typedef struct gn_partials {
+    int width;
+    size_t blocks;
+    int32_t *first;  /* [blocks + 1] first row of a block */
+    uint16_t *place; /* [contacts][2] rows of a contact's two particles, from its block's first */
+    double *row;     /* [first[blocks]][width] */
+    int32_t *start;  /* [particle blocks + 1] first share of a block of particles */
+    gn_share *share; /* [first[blocks]] sorted by particle, then row */
+} gn_partials;
+
+#endif

@@ -1,0 +1,110 @@
+#include "base/memory.h"
+#include "neigh/pairs.h"
+
+#include <string.h>
+
+/* Numbers the particles of each block in the order in which its contacts name them: neighbours in
+ * the list become neighbours in the rows. */
+typedef struct numbering {
+    int32_t *particle; /* [blocks][2 GN_CONTACT_BLOCK] who has a row */
+    int32_t *count;    /* [blocks] */
+} numbering;
+
+static uint16_t place_of(int32_t particle, int32_t *seen, int32_t *rows, int32_t *count) {
+    if (seen[particle] < 0) {
+        seen[particle] = *count;
+        rows[(*count)++] = particle;
+    }
+    return (uint16_t)seen[particle];
+}
+
+static void number_block(const gn_contacts *contacts, size_t block, int32_t *seen,
+                         const numbering *n, uint16_t *place) {
+    size_t begin = block * GN_CONTACT_BLOCK, end = begin + GN_CONTACT_BLOCK;
+    if (end > contacts->soa.count) end = contacts->soa.count;
+    int32_t *rows = n->particle + block * 2 * GN_CONTACT_BLOCK, count = 0;
+    for (size_t c = begin; c < end; c++) {
+        place[2 * c] = place_of(contacts->i[c], seen, rows, &count);
+        place[2 * c + 1] = place_of(contacts->j[c], seen, rows, &count);
+    }
+    for (int32_t k = 0; k < count; k++) seen[rows[k]] = -1;
+    n->count[block] = count;
+}
+
+/* Every thread marks particles in an array of its own; false without memory. */
+static bool number_blocks(const gn_contacts *contacts, size_t particles, int threads,
+                          const numbering *n, gn_partials *q) {
+    bool held = true;
+#pragma omp parallel num_threads(threads)
+    {
+        int32_t *seen = gn_alloc_array(particles + 1, sizeof *seen);
+        if (seen)
+            for (size_t p = 0; p < particles; p++) seen[p] = -1;
+        else
+#pragma omp atomic write
+            held = false;
+#pragma omp for schedule(static)
+        for (size_t b = 0; b < q->blocks; b++)
+            if (seen) number_block(contacts, b, seen, n, q->place);
+        gn_free(seen);
+    }
+    return held;
+}
+
+/* Shares sorted by particle (counting sort, stable: rows of a particle stay in block order). */
+static bool sort_shares(const numbering *n, size_t particles, gn_partials *q) {
+    size_t particle_blocks = (particles + GN_PARTICLE_BLOCK - 1) / GN_PARTICLE_BLOCK;
+    int32_t *next = gn_alloc_array(particles + 2, sizeof *next);
+    q->start = gn_alloc_array(particle_blocks + 1, sizeof *q->start);
+    q->share = gn_alloc_array((size_t)q->first[q->blocks] + 1, sizeof *q->share);
+    bool held = next && q->start && q->share;
+    for (size_t b = 0; held && b < q->blocks; b++)
+        for (int32_t k = 0; k < n->count[b]; k++)
+            next[n->particle[b * 2 * GN_CONTACT_BLOCK + (size_t)k] + 1]++;
+    for (size_t p = 1; held && p <= particles; p++) next[p] += next[p - 1];
+    for (size_t b = 0; held && b <= particle_blocks; b++) {
+        size_t p = b * GN_PARTICLE_BLOCK;
+        q->start[b] = next[p < particles ? p : particles];
+    }
+    for (size_t b = 0; held && b < q->blocks; b++)
+        for (int32_t k = 0; k < n->count[b]; k++) {
+            int32_t p = n->particle[b * 2 * GN_CONTACT_BLOCK + (size_t)k];
+            q->share[next[p]++] = (gn_share){p, q->first[b] + k};
+        }
+    gn_free(next);
+    return held;
+}
+
+gneiss_status gn_partials_build(const gn_contacts *contacts, size_t particle_count, int threads,
+                                gn_partials *q, gneiss_error *error) {
+    size_t count = contacts->soa.count, blocks = (count + GN_CONTACT_BLOCK - 1) / GN_CONTACT_BLOCK;
+    gn_partials_free(q);
+    q->width = gn_contacts_row_width(contacts);
+    q->blocks = blocks;
+    numbering n = {gn_alloc_array(blocks + 1, 2 * GN_CONTACT_BLOCK * sizeof *n.particle),
+                   gn_alloc_array(blocks + 1, sizeof *n.count)};
+    q->place = gn_alloc_array(count + 1, 2 * sizeof *q->place);
+    q->first = gn_alloc_array(blocks + 1, sizeof *q->first);
+    bool held = n.particle && n.count && q->place && q->first &&
+                number_blocks(contacts, particle_count, threads, &n, q);
+    if (held) {
+        for (size_t b = 0; b < blocks; b++) q->first[b + 1] = q->first[b] + n.count[b];
+        q->row = gn_alloc_array((size_t)q->first[blocks] + 1, (size_t)q->width * sizeof *q->row);
+        held = q->row && sort_shares(&n, particle_count, q);
+    }
+    gn_free(n.particle);
+    gn_free(n.count);
+    if (held) return GNEISS_OK;
+    gn_partials_free(q);
+    return gn_fail(error, GNEISS_ERROR_MEMORY, "no memory to sum the forces of %zu contacts",
+                   count);
+}
+
+void gn_partials_free(gn_partials *q) {
+    gn_free(q->first);
+    gn_free(q->place);
+    gn_free(q->row);
+    gn_free(q->start);
+    gn_free(q->share);
+    *q = (gn_partials){0};
+}
