@@ -165,7 +165,6 @@ def wrong_calls_are_refused(folder):
         ("run", LATTICE, "--threads", "-1"): "run.threads",
         ("run", LATTICE, "--isa", "mmx"): "run.isa.*mmx",
         ("run", LATTICE, "--precision", "half"): "run.precision.*half",
-        ("run", LATTICE, "--precision", "mixed"): "double",
         ("run", LATTICE, "--set", "time.end"): "KEY=VALUE",
         ("run", LATTICE, "--set", "=1"): "KEY=VALUE",
         ("run", LATTICE, "--set", "time.ende=1"): "--set time.ende",

@@ -4,8 +4,10 @@
 
 /* The world after 500 steps of a scene with `threads` and `isa`; some steps are measured, as in a
  * run. */
-static gn_world *after_500(const char *scene_text, int threads, const char *isa) {
-    gn_world *w = world_of("%srun: {threads: %d, isa: %s}\n", scene_text, threads, isa);
+static gn_world *after_500(const char *scene_text, int threads, const char *isa,
+                           const char *precision) {
+    gn_world *w = world_of("%srun: {threads: %d, isa: %s, precision: %s}\n", scene_text, threads,
+                           isa, precision);
     for (int k = 0; k < 10; k++) {
         measured_step(w);
         run_steps(w, 49);
@@ -13,8 +15,9 @@ static gn_world *after_500(const char *scene_text, int threads, const char *isa)
     return w;
 }
 
-static void check(const char *scene_text, void (*happened)(const gn_world *)) {
-    gn_world *w = after_500(scene_text, 1, "scalar");
+static void check_in(const char *precision, const char *scene_text,
+                     void (*happened)(const gn_world *)) {
+    gn_world *w = after_500(scene_text, 1, "scalar", precision);
     uint64_t want = gn_world_hash(w);
     gn_energy ledger = w->reading;
     happened(w);
@@ -26,14 +29,20 @@ static void check(const char *scene_text, void (*happened)(const gn_world *)) {
             continue;
         }
         for (int threads = 1; threads <= 4; threads++) {
-            w = after_500(scene_text, threads, set->name);
+            w = after_500(scene_text, threads, set->name, precision);
             if (gn_world_hash(w) != want)
-                fail_msg("%s on %d threads has another state", set->name, threads);
+                fail_msg("%s on %d threads in %s precision has another state", set->name, threads,
+                         precision);
             /* Sums over lanes depend on the set's width, but not on the threads. */
             if (s == 0) assert_memory_equal(&w->reading, &ledger, sizeof ledger);
             world_end(w);
         }
     }
+}
+
+static void check(const char *scene_text, void (*happened)(const gn_world *)) {
+    check_in("double", scene_text, happened);
+    check_in("mixed", scene_text, happened);
 }
 
 static void bonds_broke(const gn_world *w) {

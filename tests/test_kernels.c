@@ -1,5 +1,7 @@
 /* The contact kernels: every variant of every instruction set against the scalar one,
  * and the scalar one against the formulas written down anew in plain doubles. */
+#include "neigh/pairs.h"
+#include "soa/single.h"
 #include "world_helpers.h"
 
 #include <float.h>
@@ -11,6 +13,7 @@ enum { CONTACTS = 2 * GN_CONTACT_BLOCK + 187 }; /* a part of a block, and a part
 typedef struct bench {
     gn_particles p;
     gn_contacts k;
+    gn_partials sums;
     gn_contact_args args;
     int space;
 } bench;
@@ -73,16 +76,22 @@ static void set_contact(bench *b, size_t c, uint64_t *at) {
     if (k->kt) k->kt[c] = kn / uniform(at, 1.0, 4.0);
     if (k->mu) k->mu[c] = uniform(at, 0.0, 0.8);
     if (k->cn) k->cn[c] = uniform(at, 0.0, 2.0);
-    if (k->fd) k->fd[c] = uniform(at, -0.1, 0.1);
+    double fd = k->cn ? uniform(at, -0.1, 0.1) : 0.0;
+    if (k->fd) k->fd[c] = fd;
+    if (k->fd_f) k->fd_f[c] = (float)fd;
     if (k->length0) k->length0[c] = (ri + rj) * (1.0 + uniform(at, -1e-3, 1e-3));
     if (k->rn) k->rn[c] = scale * uniform(at, 0.1, 1.5) * (c % 4 == 3 ? -1.0 : 1.0);
     if (k->rt) k->rt[c] = scale * uniform(at, 0.1, 1.5);
-    if (!k->shear || c % 5 == 4) return;
+    if (!k->kt || c % 5 == 4) return;
     double d[3], old[3], t[3];
     separation(b, c, d, old);
     for (int a = 0; a < 3; a++) t[a] = a < 2 || b->space ? scale * uniform(at, -0.6, 0.6) : 0.0;
     double share = dot3(t, old) / fmax(dot3(old, old), 1e-30);
-    for (int a = 0; a < 3; a++) k->shear[c + (size_t)a * k->soa.capacity] = t[a] - share * old[a];
+    for (size_t a = 0; a < 3; a++) {
+        double now = t[a] - share * old[a];
+        if (k->shear) k->shear[c + a * k->soa.capacity] = now;
+        if (k->shear_f) k->shear_f[c + a * k->soa.capacity] = (float)now;
+    }
 }
 
 static bench make_bench(gn_effects effects, uint64_t seed) {
@@ -113,7 +122,26 @@ static bench make_bench(gn_effects effects, uint64_t seed) {
     return b;
 }
 
+/* The working set of mixed precision: particles have travelled by up to 1 % of a radius since the
+ * lists were made; coincident centres have not. */
+static void make_single(bench *b, uint64_t seed) {
+    uint64_t at = seed;
+    for (size_t c = 0; c < CONTACTS; c++)
+        for (int a = 0; a < 2 + b->space; a++) {
+            bool travels = c % 97 != 13;
+            size_t i = 4 * (size_t)b->k.i[c] + (size_t)a, j = 4 * (size_t)b->k.j[c] + (size_t)a;
+            b->p.ref[i] = b->p.pos[i] - (travels ? uniform(&at, -1e-5, 1e-5) : 0.0);
+            b->p.ref[j] = b->p.pos[j] - (travels ? uniform(&at, -1e-5, 1e-5) : 0.0);
+        }
+    gn_particles_to_single(&b->p, 1);
+    gn_contacts_to_single(&b->k, &b->p, b->args.period, 1);
+    b->args.pos_f = b->p.travel_f;
+    b->args.vel_f = b->p.vel_f;
+    b->args.spin_f = b->p.spin_f;
+}
+
 static void free_bench(bench *b) {
+    gn_partials_free(&b->sums);
     gn_soa_destroy(&gn_particle_record, &b->p);
     gn_soa_destroy(&gn_contact_record, &b->k);
 }
@@ -131,6 +159,8 @@ static void add_sums(gn_contact_sums *total, const gn_contact_sums *s) {
 static gn_contact_sums run(bench *b, gn_contact_kernel *kernel) {
     gn_contact_sums total = {0};
     b->args.contacts = &b->k;
+    assert_int_equal(gn_partials_build(&b->k, 2 * CONTACTS, 1, &b->sums, NULL), GNEISS_OK);
+    b->args.partials = &b->sums;
     for (size_t c = 0; c < CONTACTS; c += GN_CONTACT_BLOCK) {
         gn_contact_sums s = {0};
         size_t end = c + GN_CONTACT_BLOCK < CONTACTS ? c + GN_CONTACT_BLOCK : CONTACTS;
@@ -364,6 +394,121 @@ static void every_contact_kernel_has_the_bits_of_the_scalar_one(void **state) {
     }
 }
 
+/* Every particle of the bench has one contact, and so one row of partial sums: [0, 1][x y z]. */
+static void sums_at(const bench *b, size_t c, int end, double force[3], double moment[3]) {
+    const gn_partials *q = &b->sums;
+    const double *row = q->row + (size_t)q->width * (size_t)q->first[c / GN_CONTACT_BLOCK] +
+                        q->place[2 * c + (size_t)end];
+    for (int a = 0; a < 3; a++) force[a] = a < 2 || b->space ? row[a] : 0.0;
+    for (int a = 0; a < 3; a++) moment[a] = q->width == 8 ? row[4 + a] : 0.0;
+    if (!b->space && b->k.soa.effects & GN_FX_ROTATION) moment[2] = row[2];
+}
+
+static void partial_sums_hold_force_and_moment_of_both_ends(void **state) {
+    (void)state;
+    for (unsigned v = 0; v < GN_CONTACT_VARIANTS; v++) {
+        if (!gn_contact_table_scalar[v]) continue;
+        bench b = make_bench(gn_contact_variant_effects(v), 1000 * v);
+        run(&b, gn_contact_table_scalar[v]);
+        int width = gn_contacts_row_width(&b.k);
+        bool turns = b.k.shear && b.k.soa.effects & GN_FX_ROTATION;
+        for (size_t c = 0; c < CONTACTS; c++) {
+            const double *row = gn_contacts_row(&b.k) + (size_t)width * c;
+            double d[3], old[3], ri = b.p.pos[4 * b.k.i[c] + 3], rj = b.p.pos[4 * b.k.j[c] + 3];
+            separation(&b, c, d, old);
+            double half = 0.5 * (sqrt(dot3(d, d)) - ri - rj);
+            for (int end = 0; end < 2; end++) {
+                double f[3], m[3], arm = (end ? rj : ri) + half;
+                sums_at(&b, c, end, f, m);
+                for (int a = 0; a < 2 + b.space; a++) assert_true(f[a] == (end ? -row[a] : row[a]));
+                for (int a = 0; turns && a < 3; a++) {
+                    double turn = b.space ? row[4 + a] : a == 2 ? row[2] : 0.0;
+                    assert_near(m[a], arm * turn, 1e-15 * fabs(turn));
+                }
+            }
+        }
+        free_bench(&b);
+    }
+}
+
+/* --- mixed precision --- */
+
+static bench make_mixed(unsigned v) {
+    gn_effects effects = gn_contact_variant_effects(v) | GN_FX_MIXED;
+    bench b = make_bench(effects, 1000 * v);
+    make_single(&b, 7 + v);
+    return b;
+}
+
+static void every_mixed_kernel_has_the_bits_of_the_scalar_one(void **state) {
+    (void)state;
+    for (int s = 1; s < GN_KERNEL_SETS; s++) {
+        const gn_kernel_set *set = gn_kernel_set_at(s);
+        if (!gn_kernel_set_supported(set)) continue;
+        for (unsigned v = 0; v < GN_CONTACT_VARIANTS; v++) {
+            char name[200];
+            int used = snprintf(name, sizeof name, "%s mixed ", set->name);
+            gn_contact_variant_name(v, name + used, sizeof name - (size_t)used);
+            bool periodic = gn_contact_variant_effects(v) & GN_FX_PERIODIC;
+            assert_true(!set->mixed[v] == (periodic || !gn_contact_table_scalar[v]));
+            if (!set->mixed[v]) continue;
+            bench a = make_mixed(v), b = make_mixed(v);
+            gn_contact_sums want = run(&a, gn_contact_table_scalar_mixed[v]);
+            gn_contact_sums got = run(&b, set->mixed[v]);
+            assert_same_contacts(&a.k, &b.k, name);
+            size_t size = (size_t)a.sums.first[a.sums.blocks] * (size_t)a.sums.width;
+            for (size_t k = 0; k < size; k++)
+                if (k % 4 != 3 && !(a.sums.row[k] == b.sums.row[k]))
+                    fail_msg("%s: partial sum %zu differs from the scalar kernel", name, k);
+            assert_near(got.friction, want.friction, 1e-5 * fabs(want.friction)); /* single */
+            assert_near(got.bond_breaking, want.bond_breaking, 1e-5 * fabs(want.bond_breaking));
+            assert_int_equal(got.broken_tension, want.broken_tension);
+            assert_int_equal(got.broken_shear, want.broken_shear);
+            free_bench(&a);
+            free_bench(&b);
+        }
+    }
+}
+
+/* Against double, over the force of a stretch of 1e-3, at least 1e-6 m here. Travel changes a
+ * distance by up to 4e-5 m; rounding that (6e-8), the stretch before it and their sum is 7e-12 m:
+ * 7e-6. Positions in single precision would be off by 6e-8 x 0.02 m: 1e-3. */
+static void mixed_forces_follow_the_double_ones(void **state) {
+    (void)state;
+    double worst = 0.0;
+    size_t other_side = 0, contacts = 0;
+    for (unsigned v = 0; v < GN_CONTACT_VARIANTS; v++) {
+        gn_effects fx = gn_contact_variant_effects(v);
+        if (!gn_contact_table_scalar[v]) continue;
+        bench a = make_bench(fx, 1000 * v), b = make_mixed(v);
+        run(&a, gn_contact_table_scalar[v]);
+        run(&b, gn_contact_table_scalar_mixed[v & ~128U]); /* images are in the branch */
+        for (size_t c = 0; c < CONTACTS; c++) {
+            contacts++;
+            if (a.k.cause && a.k.cause[c] != b.k.cause[c]) { /* within rounding of its strength */
+                other_side++;
+                continue;
+            }
+            double ri = a.p.pos[4 * a.k.i[c] + 3], rj = a.p.pos[4 * a.k.j[c] + 3];
+            double scale = a.k.kn[c] * 1e-3 * (ri + rj);
+            for (int end = 0; end < 2; end++) {
+                double f[3], g[3], m[3], n[3];
+                sums_at(&a, c, end, f, m);
+                sums_at(&b, c, end, g, n);
+                for (int k = 0; k < 3; k++) {
+                    worst = fmax(worst, fabs(f[k] - g[k]) / scale);
+                    worst = fmax(worst, fabs(m[k] - n[k]) / (scale * (ri + rj)));
+                }
+            }
+        }
+        free_bench(&a);
+        free_bench(&b);
+    }
+    print_message("# mixed: largest error %.2g of the force of a stretch of 1e-3\n", worst);
+    assert_true(worst > 0.0 && worst < 7e-6);
+    assert_true(other_side * 10000 < contacts);
+}
+
 static void exchanging_the_ends_mirrors_the_force(void **state) {
     (void)state;
     for (int s = 0; s < GN_KERNEL_SETS; s++) {
@@ -498,6 +643,9 @@ int main(void) {
         cmocka_unit_test(scalar_contact_kernel_follows_the_formulas),
         cmocka_unit_test(every_contact_kernel_has_the_bits_of_the_scalar_one),
         cmocka_unit_test(exchanging_the_ends_mirrors_the_force),
+        cmocka_unit_test(partial_sums_hold_force_and_moment_of_both_ends),
+        cmocka_unit_test(every_mixed_kernel_has_the_bits_of_the_scalar_one),
+        cmocka_unit_test(mixed_forces_follow_the_double_ones),
         cmocka_unit_test(shear_turns_with_a_spin_about_the_normal),
         cmocka_unit_test(shear_turns_with_a_rotation_across_the_normal),
         cmocka_unit_test(shear_turns_with_a_rotation_about_an_oblique_axis),

@@ -120,6 +120,32 @@ def interrupted_and_resumed(folder, number, *arguments):
 
 
 @fact
+def mixed_precision_agrees_with_double_until_something_breaks(folder):
+    # Without background damping: its direction at rest is that of rounding, and so differs from the first step on.
+    undamped = ("--set", "damping.background.model=none", "--set", "damping.background.coefficient=0")
+    stress = {}
+    for precision in ("double", "mixed"):
+        out = os.path.join(folder, precision)
+        run(UCS, out, "--precision", precision, *undamped)
+        rows = history(out)
+        whole = next(k for k, n in enumerate(rows["broken_tension"] + rows["broken_shear"]) if n)
+        stress[precision] = rows["stress"][:whole]
+    assert len(stress["double"]) == len(stress["mixed"]) > 50
+    error = max(abs(stress["double"] - stress["mixed"])) / max(abs(stress["double"]))
+    assert 0 < error < 1e-6, error
+
+
+@fact
+def a_run_in_mixed_precision_resumes_to_the_same_bits(folder):
+    straight, broken = os.path.join(folder, "straight"), os.path.join(folder, "broken")
+    run(UCS, straight, "--precision", "mixed", "--threads", 2)
+    assert summary(straight)["precision"] == "mixed" and abs(summary(straight)["energy_residual"]) < 1e-3
+    expect(stop_at_snapshot(broken, 3, signal.SIGINT, "--precision", "mixed", "--threads", 1), 6)
+    resume(broken, "--threads", 2)
+    check_same(broken, straight)
+
+
+@fact
 def ctrl_c_writes_a_checkpoint_and_resume_gives_the_same_bits(folder):
     interrupted_and_resumed(folder, signal.SIGINT)
 
@@ -256,7 +282,7 @@ def resume_needs_neither_the_scene_nor_the_specimen_file(folder):
 @fact
 def resume_takes_only_what_does_not_change_the_model(folder):
     run(LATTICE, folder)
-    for key in ("materials.block.friction=0.1", "output.directory=x", "output.energy=off", "gravity=[0,0,1]"):
+    for key in ("materials.block.friction=0.1", "output.directory=x", "output.energy=off", "gravity=[0,0,1]", "run.precision=mixed"):
         expect(gneiss("resume", folder, "--set", key), 2, re.escape(key.split("=")[0]))
     expect(gneiss("resume", folder, "--out", "elsewhere"), 2, "--out")
     expect(gneiss("resume", folder, "--set", "time.end=soon"), 2, "time.end")

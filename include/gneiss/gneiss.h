@@ -208,7 +208,8 @@ typedef enum gneiss_type {
     GNEISS_F64 = 0, /* double */
     GNEISS_I64 = 1, /* int64_t */
     GNEISS_I32 = 2, /* int32_t */
-    GNEISS_U8 = 3   /* uint8_t */
+    GNEISS_U8 = 3,  /* uint8_t */
+    GNEISS_F32 = 4  /* float */
 } gneiss_type;
 
 /* A look at an array. Component c of item k is at

@@ -7,7 +7,8 @@
 #include <string.h>
 
 _Static_assert((int)GNEISS_F64 == (int)GN_F64 && (int)GNEISS_I64 == (int)GN_I64 &&
-                   (int)GNEISS_I32 == (int)GN_I32 && (int)GNEISS_U8 == (int)GN_U8,
+                   (int)GNEISS_I32 == (int)GN_I32 && (int)GNEISS_U8 == (int)GN_U8 &&
+                   (int)GNEISS_F32 == (int)GN_F32,
                "public and inner types have the same numbers");
 
 const char *gneiss_version(void) {

@@ -140,6 +140,8 @@ double gneiss_view_value(const gneiss_view *view, size_t item, size_t component)
         return *(const int32_t *)at;
     case GNEISS_U8:
         return *(const uint8_t *)at;
+    case GNEISS_F32:
+        return (double)*(const float *)at;
     }
     return NAN;
 }

@@ -27,6 +27,7 @@
     X(PERIODIC, periodic, "periodic box")                                                          \
     X(ORIENTATION, orientation, "particle orientations (quaternions) for output")                  \
     X(ENERGY, energy, "energy ledger")                                                             \
+    X(MIXED, mixed, "contacts in single precision, sums and state in double")                      \
     X(CONTACT_FORCES, contact_forces, "forces kept contact by contact, while output looks at them")
 
 typedef enum gn_effect_index {

@@ -164,7 +164,7 @@ static void command_info(void) {
         const gn_kernel_set *set = gn_kernel_set_at(k);
         printf(" %s%s", set->name, gn_kernel_set_supported(set) ? "" : " (not on this machine)");
     }
-    printf("\nprecision         double\n");
+    printf("\nprecision         double mixed\n");
     size_t contact = 0, motion = 0;
     for (int k = 0; k < GN_CONTACT_VARIANTS; k++) contact += gn_contact_table_scalar[k] != NULL;
     for (int k = 0; k < GN_MOTION_VARIANTS; k++) motion += gn_motion_table_scalar[k] != NULL;

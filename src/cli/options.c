@@ -34,7 +34,7 @@ void gn_print_usage(FILE *out) {
           "  --set KEY=VALUE    override a key of the scene: --set time.end=2ms, --set "
           "walls.top.friction=0.2\n"
           "  --threads N        threads (default: all cores)\n"
-          "  --precision P      double\n"
+          "  --precision P      double or mixed\n"
           "  --isa NAME         scalar, avx2, avx512 (default: GNEISS_ISA, else the widest)\n"
           "  --quiet            no progress line, no tables\n"
           "  --log json         progress and summary as JSON lines on standard output\n"

@@ -23,7 +23,9 @@ static void print_record(const gn_record *record, const char *name, gn_effects e
 
 static void print_kernels(const gn_world *w) {
     char name[200];
-    printf("kernels (%s, %d lanes, double)\n", w->kernels->name, w->kernels->lanes);
+    bool mixed = w->effects & GN_FX_MIXED;
+    int lanes = mixed && w->kernels->lanes > 1 ? 2 * w->kernels->lanes : w->kernels->lanes;
+    printf("kernels (%s, %d lanes, %s)\n", w->kernels->name, lanes, mixed ? "mixed" : "double");
     if (w->bonds.soa.count) {
         gn_contact_variant_name(gn_contact_variant(w->bonds.soa.effects), name, sizeof name);
         printf("  bonds   %s\n", name);

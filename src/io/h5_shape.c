@@ -13,6 +13,8 @@ hid_t gn_h5_file_type(gn_type type) {
         return H5T_STD_I32LE;
     case GN_U8:
         return H5T_STD_U8LE;
+    case GN_F32:
+        return H5T_IEEE_F32LE;
     }
     return -1;
 }
@@ -27,6 +29,8 @@ hid_t gn_h5_memory_type(gn_type type) {
         return H5T_NATIVE_INT32;
     case GN_U8:
         return H5T_NATIVE_UINT8;
+    case GN_F32:
+        return H5T_NATIVE_FLOAT;
     }
     return -1;
 }

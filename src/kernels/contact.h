@@ -7,10 +7,18 @@
 
 _Static_assert(GN_CONTACT_BLOCK % GN_LANES_MAX == 0, "a block holds whole vectors");
 
+/* Per parameter: 0, or all ones when all contacts of the list share the value, which the kernel
+ * then reads at the start of the column again and again instead of streaming it. */
+typedef struct gn_uniform {
+    size_t kn, kt, mu, cn;
+} gn_uniform;
+
 typedef struct gn_contact_args {
-    const double *pos, *vel, *spin; /* particle rows [n][4]; spin NULL without rotation */
+    const double *pos, *vel, *spin;      /* particle rows [n][4]; spin NULL without rotation */
+    const float *pos_f, *vel_f, *spin_f; /* in mixed precision; pos_f: travel, see records.h */
     const gn_contacts *contacts; /* fields are written, the record is not changed; the row of each
                                     contact only if the list keeps forces */
+    gn_uniform uniform;
     const gn_partials *partials; /* of `contacts`: where forces are summed; NULL: nowhere */
     double dt;                   /* s, the interval that led to these positions; 0 at the start */
     double arm_factor;           /* 0.5: contact point at r + gap/2; 0: at r */
@@ -57,10 +65,14 @@ void gn_contact_variant_name(unsigned variant, char *name, size_t size);
  * with them the tangential spring when nothing could load it (no friction). */
 gn_effects gn_contact_list_effects(gn_effects scene_effects, bool bonds);
 
-/* One table per instruction set; NULL entries are combinations that make no sense (friction without
- * a tangential spring, a tangential spring that neither bond nor friction uses). */
+/* One table per instruction set and precision; NULL entries are combinations that make no sense
+ * (friction without a tangential spring, a tangential spring that neither bond nor friction uses).
+ */
 extern gn_contact_kernel *const gn_contact_table_scalar[GN_CONTACT_VARIANTS];
 extern gn_contact_kernel *const gn_contact_table_avx2[GN_CONTACT_VARIANTS];
 extern gn_contact_kernel *const gn_contact_table_avx512[GN_CONTACT_VARIANTS];
+extern gn_contact_kernel *const gn_contact_table_scalar_mixed[GN_CONTACT_VARIANTS];
+extern gn_contact_kernel *const gn_contact_table_avx2_mixed[GN_CONTACT_VARIANTS];
+extern gn_contact_kernel *const gn_contact_table_avx512_mixed[GN_CONTACT_VARIANTS];
 
 #endif

@@ -17,15 +17,23 @@ typedef struct variant {
     int space, rotation, shear, friction, bonds, damping, energy, periodic;
 } variant;
 
+/* A column in the precision of the kernel. */
+#if GN_MIXED
+#define COLUMN(list, name) ((list)->name##_f)
+#else
+#define COLUMN(list, name) ((list)->name)
+#endif
+
 /* Vectors are worked on in groups, phase by phase. One vector has a chain of dependent operations
  * (root, division, normal, ...) that is longer than what a core can look ahead; several vectors in
  * the same phase fill the gaps. What passes from phase to phase stays in the L1 cache. */
 enum { GROUP_CONTACTS = 64, GROUP = GROUP_CONTACTS / GN_W };
 
 typedef struct pair_geometry {
-    gn_v3 n; /* normal from i to j */
-    gn_v distance, gap;
-    gn_v rate; /* dt/(2 distance) */
+    gn_v3 n;                /* normal from i to j */
+    gn_v distance, stretch; /* stretch: beyond the distance at which the normal force is zero */
+    gn_v rate;              /* dt/(2 distance) */
+    gn_v arm_i, arm_j;      /* from the centres to the contact */
 } pair_geometry;
 
 typedef struct pair_motion {
@@ -37,10 +45,11 @@ typedef struct pair_motion {
 
 typedef struct group {
     pair_geometry geometry[GROUP];
-    double arm_i[GROUP_CONTACTS], arm_j[GROUP_CONTACTS]; /* from the centres to the contact */
-    double row[8 * GROUP_CONTACTS]; /* force on i, 0, n x F_t, 0 (width 4: see gn_partials) */
+    double arm_i[GROUP_CONTACTS], arm_j[GROUP_CONTACTS];
+    gn_real row[8 * GROUP_CONTACTS]; /* force on i, 0, n x F_t, 0 (width 4: see gn_partials) */
 } group;
 
+#if !GN_MIXED
 GN_INLINE gn_v3 nearest_image(gn_v3 d, const double *period, int space) {
     gn_v3 r = d;
     r.x = gn_fnma(gn_set(period[0]), gn_round(d.x * gn_set(1.0 / period[0])), d.x);
@@ -48,38 +57,68 @@ GN_INLINE gn_v3 nearest_image(gn_v3 d, const double *period, int space) {
     if (space) r.z = gn_fnma(gn_set(period[2]), gn_round(d.z * gn_set(1.0 / period[2])), d.z);
     return r;
 }
+#endif
 
-/* Sums over the two ends are written symmetrically, so that exchanging i and j mirrors every bit.
- */
-GN_INLINE void find_geometry(const gn_contact_args *a, const int32_t *i, const int32_t *j, group *g,
-                             int k, variant w) {
-    gn_v pi[4], pj[4];
-    gn_rows4(a->pos, i, pi);
-    gn_rows4(a->pos, j, pj);
+/* From i to j, its length, and the stretch. Sums over the two ends are written symmetrically, so
+ * that exchanging i and j mirrors every bit. */
+#if GN_MIXED
+/* Single precision resolves neither positions nor the difference of two lengths. Both come from the
+ * branch D and the stretch s of the instant when the lists were made (computed in double) and from
+ * the travel u since then: |D + u|^2 - |D|^2 = (2 D + u).u has the relative precision of u. */
+GN_INLINE gn_v3 branch(const gn_contact_args *a, size_t c, const gn_v pi[4], const gn_v pj[4],
+                       gn_v *distance, gn_v *stretch, variant w) {
+    const gn_contacts *list = a->contacts;
+    gn_v3 u = {pj[0] - pi[0], pj[1] - pi[1], gn_pick(w.space, pj[2] - pi[2], gn_set(0.0))};
+    gn_v3 start = gn_load3(list->branch_f + c, list->soa.capacity, w.space);
+    gn_v3 d = gn_add(start, u, w.space);
+    gn_v grown = gn_dot(gn_add(start, d, w.space), u, w.space);
+    gn_v free = pi[3] + pj[3], before = gn_load(list->stretch_f + c);
+    if (w.bonds) free = gn_load(list->length0_f + c);
+    *distance = gn_sqrt(gn_dot(d, d, w.space));
+    *stretch = before + grown / gn_max(*distance + (free + before), gn_set(GN_TINY));
+    return d;
+}
+#else
+GN_INLINE gn_v3 branch(const gn_contact_args *a, size_t c, const gn_v pi[4], const gn_v pj[4],
+                       gn_v *distance, gn_v *stretch, variant w) {
     gn_v3 d = {pj[0] - pi[0], pj[1] - pi[1], gn_pick(w.space, pj[2] - pi[2], gn_set(0.0))};
     if (w.periodic) d = nearest_image(d, a->period, w.space);
-    gn_v distance = gn_sqrt(gn_dot(d, d, w.space));
+    gn_v free = pi[3] + pj[3];
+    if (w.bonds) free = gn_load(a->contacts->length0 + c);
+    *distance = gn_sqrt(gn_dot(d, d, w.space));
+    *stretch = *distance - free;
+    return d;
+}
+#endif
+
+GN_INLINE void find_geometry(const gn_contact_args *a, size_t c, group *g, int k, variant w) {
+    const int32_t *i = a->contacts->i + c, *j = a->contacts->j + c;
+    gn_v pi[4], pj[4], distance, stretch;
+    gn_rows4(COLUMN(a, pos), i, pi);
+    gn_rows4(COLUMN(a, pos), j, pj);
+    gn_v3 d = branch(a, c, pi, pj, &distance, &stretch, w);
     /* Coincident centres have no direction: the tiny floor gives a zero normal and no force. */
-    gn_v inverse = gn_set(1.0) / gn_max(distance, gn_set(1e-150));
-    gn_v gap = distance - (pi[3] + pj[3]);
+    gn_v inverse = gn_set(1.0) / gn_max(distance, gn_set(GN_TINY));
     pair_geometry *s = &g->geometry[k];
     s->n = gn_scale(inverse, d, w.space);
     s->distance = distance;
-    s->gap = gap;
+    s->stretch = stretch;
     s->rate = gn_set(0.5 * a->dt) * inverse;
     if (w.shear && w.rotation) {
-        gn_v half = gn_set(a->arm_factor) * gap;
-        gn_store(g->arm_i + k * GN_W, pi[3] + half);
-        gn_store(g->arm_j + k * GN_W, pj[3] + half);
+        gn_v half = gn_set(a->arm_factor) * (distance - (pi[3] + pj[3]));
+        s->arm_i = pi[3] + half;
+        s->arm_j = pj[3] + half;
+        gn_store_wide(g->arm_i + k * GN_W, s->arm_i);
+        gn_store_wide(g->arm_j + k * GN_W, s->arm_j);
     }
 }
 
-GN_INLINE pair_motion find_motion(const gn_contact_args *a, const int32_t *i, const int32_t *j,
-                                  const group *g, int k, variant w) {
-    const pair_geometry *p = &g->geometry[k];
+GN_INLINE pair_motion find_motion(const gn_contact_args *a, size_t c, const pair_geometry *p,
+                                  variant w) {
+    const int32_t *i = a->contacts->i + c, *j = a->contacts->j + c;
     gn_v vi[4], vj[4];
-    gn_rows4(a->vel, i, vi);
-    gn_rows4(a->vel, j, vj);
+    gn_rows4(COLUMN(a, vel), i, vi);
+    gn_rows4(COLUMN(a, vel), j, vj);
     pair_motion s;
     s.twist = gn_set(0.0);
     gn_v3 v = {vj[0] - vi[0], vj[1] - vi[1], gn_pick(w.space, vj[2] - vi[2], gn_set(0.0))};
@@ -88,9 +127,9 @@ GN_INLINE pair_motion find_motion(const gn_contact_args *a, const int32_t *i, co
     s.relative = s.across;
     if (w.shear && w.rotation) {
         gn_v wi[4], wj[4];
-        gn_rows4(a->spin, i, wi);
-        gn_rows4(a->spin, j, wj);
-        gn_v ai = gn_load(g->arm_i + k * GN_W), aj = gn_load(g->arm_j + k * GN_W);
+        gn_rows4(COLUMN(a, spin), i, wi);
+        gn_rows4(COLUMN(a, spin), j, wj);
+        gn_v ai = p->arm_i, aj = p->arm_j;
         gn_v3 sum = {gn_set(0.0), gn_set(0.0), ai * wi[2] + aj * wj[2]};
         if (w.space) {
             sum.x = ai * wi[0] + aj * wj[0];
@@ -101,6 +140,11 @@ GN_INLINE pair_motion find_motion(const gn_contact_args *a, const int32_t *i, co
         s.relative = gn_less_spin_cross(s.across, sum, p->n, w.space);
     }
     return s;
+}
+
+/* Where a parameter that may be the same everywhere is read. */
+GN_INLINE size_t same(size_t c, size_t uniform) {
+    return c & ~uniform;
 }
 
 /* Elastic tangential force before any limit. */
@@ -121,6 +165,9 @@ static __attribute__((noinline)) void record_breaks(const gn_contact_args *a, si
         unsigned bit = 1u << lane;
         if (!((tension | shear) & bit)) continue;
         k->rn[c + lane] = -k->rn[c + lane];
+#if GN_MIXED
+        k->rn_f[c + lane] = -k->rn_f[c + lane];
+#endif
         k->broken_time[c + lane] = a->time;
         k->cause[c + lane] = tension & bit ? GN_BROKEN_TENSION : GN_BROKEN_SHEAR;
         sums->broken_tension += tension & bit ? 1 : 0;
@@ -134,7 +181,7 @@ GN_INLINE int row_width(variant w) {
 
 GN_INLINE void write_rows(group *g, int k, gn_v3 force, gn_v3 moment, variant w) {
     gn_v zero = gn_set(0.0);
-    double *rows = g->row + (size_t)(k * GN_W * row_width(w));
+    gn_real *rows = g->row + (size_t)(k * GN_W * row_width(w));
     if (w.space && w.rotation) {
         gn_v row[8] = {force.x, force.y, force.z, zero, moment.x, moment.y, moment.z, zero};
         gn_store_rows8(rows, row);
@@ -173,11 +220,13 @@ typedef struct contact_state {
 /* Coulomb limit for whatever is not an intact bond; open contacts lose their force. Sizes are
  * compared by their squares, so that only a vector with a slipping contact pays for the root and
  * the division. */
-GN_INLINE void limit_shear(const gn_contacts *k, size_t c, gn_v total, contact_state *q,
+GN_INLINE void limit_shear(const gn_contact_args *a, size_t c, gn_v total, contact_state *q,
                            variant w) {
+    const gn_contacts *k = a->contacts;
     gn_v limit = gn_set(0.0);
     if (w.friction)
-        limit = gn_keep(q->touching, gn_load(k->mu + c) * gn_max(gn_set(0.0) - total, gn_set(0.0)));
+        limit = gn_keep(q->touching, gn_load(COLUMN(k, mu) + same(c, a->uniform.mu)) *
+                                         gn_max(gn_set(0.0) - total, gn_set(0.0)));
     gn_v size2 = gn_dot(q->trial, q->trial, w.space);
     q->slipping = gn_and(gn_not(q->intact), gn_less(limit * limit, size2));
     q->t = q->trial;
@@ -185,18 +234,18 @@ GN_INLINE void limit_shear(const gn_contacts *k, size_t c, gn_v total, contact_s
         gn_v factor = gn_where(q->slipping, limit / gn_sqrt(size2), gn_set(1.0));
         q->t = gn_scale(factor, q->trial, w.space);
     }
-    gn_store3(k->shear + c, k->soa.capacity, q->t, w.space);
+    gn_store3(COLUMN(k, shear) + c, k->soa.capacity, q->t, w.space);
 }
 
 /* Which intact bonds reach their strength in this step; tension counts first. */
 GN_INLINE void break_bonds(const gn_contact_args *a, size_t c, size_t end, contact_state *q,
                            gn_contact_sums *sums, variant w) {
     const gn_contacts *k = a->contacts;
-    gn_v rn = gn_load(k->rn + c);
+    gn_v rn = gn_load(COLUMN(k, rn) + c);
     q->intact = gn_less(gn_set(0.0), rn);
     gn_m in_tension = gn_and(q->intact, gn_at_least(q->elastic, rn)), in_shear = gn_m_none();
     if (w.shear) {
-        gn_v rt = gn_load(k->rt + c);
+        gn_v rt = gn_load(COLUMN(k, rt) + c);
         gn_m strong = gn_at_least(gn_dot(q->trial, q->trial, w.space), rt * rt);
         in_shear = gn_and(gn_and(q->intact, gn_not(in_tension)), strong);
     }
@@ -212,7 +261,7 @@ GN_INLINE void book_release(const gn_contact_args *a, const pair_motion *s, cons
     gn_v shear_part = gn_set(0.0), normal_part = gn_set(0.0);
     if (w.shear)
         shear_part =
-            gn_released3(q->before, q->t, q->trial, gn_max(q->kt, gn_set(1e-300)), w.space);
+            gn_released3(q->before, q->t, q->trial, gn_max(q->kt, gn_set(GN_TINY)), w.space);
     if (w.bonds) {
         gn_v old = q->kn * (q->stretch - s->speed * gn_set(a->dt));
         normal_part = gn_released(old, q->normal, q->elastic, q->kn);
@@ -227,17 +276,17 @@ GN_INLINE void book_elastic(const contact_state *q, lane_sums *e, variant w) {
     e->elastic_normal = e->elastic_normal + half * q->normal * q->stretch;
     if (w.shear)
         e->elastic_shear =
-            e->elastic_shear + half * gn_dot(q->t, q->t, w.space) / gn_max(q->kt, gn_set(1e-300));
+            e->elastic_shear + half * gn_dot(q->t, q->t, w.space) / gn_max(q->kt, gn_set(GN_TINY));
 }
 
 GN_INLINE gn_v damped(const gn_contact_args *a, size_t c, const pair_motion *s,
                       const contact_state *q, gn_m acting, lane_sums *e, variant w) {
     const gn_contacts *k = a->contacts;
-    gn_v viscous = gn_keep(acting, gn_load(k->cn + c) * s->speed);
+    gn_v viscous = gn_keep(acting, gn_load(COLUMN(k, cn) + same(c, a->uniform.cn)) * s->speed);
     if (w.energy) {
-        gn_v half = gn_set(0.5) * (gn_load(k->fd + c) + viscous);
+        gn_v half = gn_set(0.5) * (gn_load(COLUMN(k, fd) + c) + viscous);
         e->damping = e->damping + half * s->speed * gn_set(a->dt);
-        gn_store(k->fd + c, viscous);
+        gn_store(COLUMN(k, fd) + c, viscous);
     }
     return q->normal + viscous;
 }
@@ -248,15 +297,15 @@ GN_INLINE void find_forces(const gn_contact_args *a, size_t c, size_t end, group
     const gn_contacts *list = a->contacts;
     const gn_v zero = gn_set(0.0);
     const pair_geometry *p = &g->geometry[k];
-    pair_motion s = find_motion(a, list->i + c, list->j + c, g, k, w);
-    contact_state q = {.kn = gn_load(list->kn + c), .stretch = p->gap};
+    pair_motion s = find_motion(a, c, p, w);
+    contact_state q = {.stretch = p->stretch};
+    q.kn = gn_load(COLUMN(list, kn) + same(c, a->uniform.kn));
     q.intact = q.breaking = q.slipping = gn_m_none();
-    if (w.bonds) q.stretch = p->distance - gn_load(list->length0 + c);
     q.elastic = q.kn * q.stretch;
     q.touching = gn_less(q.stretch, zero);
     if (w.shear) {
-        q.kt = gn_load(list->kt + c);
-        q.before = gn_load3(list->shear + c, list->soa.capacity, w.space);
+        q.kt = gn_load(COLUMN(list, kt) + same(c, a->uniform.kt));
+        q.before = gn_load3(COLUMN(list, shear) + c, list->soa.capacity, w.space);
         q.trial = shear_trial(a, p, &s, &q.before, q.kt, w);
     }
     if (w.bonds) break_bonds(a, c, end, &q, sums, w);
@@ -264,7 +313,7 @@ GN_INLINE void find_forces(const gn_contact_args *a, size_t c, size_t end, group
     q.normal = gn_keep(acting, q.elastic);
     gn_v total = q.normal;
     if (w.damping) total = damped(a, c, &s, &q, acting, e, w);
-    if (w.shear) limit_shear(list, c, total, &q, w);
+    if (w.shear) limit_shear(a, c, total, &q, w);
     if (w.energy && gn_bits(gn_or(q.slipping, q.breaking))) book_release(a, &s, &q, e, w);
     if (w.energy && a->measure) book_elastic(&q, e, w);
 
@@ -283,8 +332,8 @@ GN_INLINE void add_rows(const group *g, const uint16_t *place, size_t count, dou
                         variant w) {
     size_t width = (size_t)row_width(w);
     for (size_t k = 0; k < count; k++) {
-        const double *row = g->row + width * k;
-        double *i = sums + width * place[2 * k], *j = sums + width * place[2 * k + 1];
+        const gn_real *row = g->row + width * k;
+        double *i = sums + place[2 * k], *j = sums + place[2 * k + 1];
         if (w.space && w.rotation)
             gn_add_row8(i, j, row, g->arm_i + k, g->arm_j + k, w.shear);
         else
@@ -294,18 +343,19 @@ GN_INLINE void add_rows(const group *g, const uint16_t *place, size_t count, dou
 
 GN_INLINE void work_group(const gn_contact_args *a, size_t c, size_t end, double *partial,
                           lane_sums *e, gn_contact_sums *sums, variant w) {
-    const gn_contacts *list = a->contacts;
     group g;
     size_t count = end - c < GROUP_CONTACTS ? end - c : GROUP_CONTACTS;
     int vectors = (int)((count + GN_W - 1) / GN_W);
-    for (int k = 0; k < vectors; k++)
-        find_geometry(a, list->i + c + k * GN_W, list->j + c + k * GN_W, &g, k, w);
+    for (int k = 0; k < vectors; k++) find_geometry(a, c + (size_t)(k * GN_W), &g, k, w);
     for (int k = 0; k < vectors; k++)
         find_forces(a, c + (size_t)(k * GN_W), end, &g, k, e, sums, w);
     if (partial) add_rows(&g, a->partials->place + 2 * c, count, partial, w);
-    if (gn_contacts_row(list))
-        memcpy(gn_contacts_row(list) + (size_t)row_width(w) * c, g.row,
+#if !GN_MIXED /* output looks at contacts in double */
+    double *rows = gn_contacts_row(a->contacts);
+    if (rows)
+        memcpy(rows + (size_t)row_width(w) * c, g.row,
                (size_t)row_width(w) * count * sizeof *g.row);
+#endif
 }
 
 /* The rows of the block that begins with contact `begin`, zeroed. */
@@ -342,9 +392,11 @@ GN_INLINE void contact_core(const gn_contact_args *a, size_t begin, size_t end,
 /* --- the variants
  * ---------------------------------------------------------------------------------- */
 
-/* Not worth a kernel: friction without shear, or shear that neither friction nor bonds load. */
+/* Not worth a kernel: friction without shear, or shear that neither friction nor bonds load. In
+ * mixed precision the branch at the start knows the image: periodic boxes need no kernel. */
 #define SENSELESS(v)                                                                               \
-    ((GN_BIT(v, 3) && !GN_BIT(v, 2)) || (GN_BIT(v, 2) && !GN_BIT(v, 3) && !GN_BIT(v, 4)))
+    ((GN_BIT(v, 3) && !GN_BIT(v, 2)) || (GN_BIT(v, 2) && !GN_BIT(v, 3) && !GN_BIT(v, 4)) ||        \
+     (GN_MIXED && GN_BIT(v, 7)))
 
 #define WRAPPER(v)                                                                                 \
     static void contact_##v(const gn_contact_args *a, size_t begin, size_t end,                    \

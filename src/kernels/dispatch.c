@@ -5,9 +5,9 @@
 #include <string.h>
 
 static const gn_kernel_set sets[GN_KERNEL_SETS] = {
-    {"scalar", 1, gn_contact_table_scalar, gn_motion_table_scalar},
-    {"avx2", 4, gn_contact_table_avx2, gn_motion_table_avx2},
-    {"avx512", 8, gn_contact_table_avx512, gn_motion_table_avx512},
+    {"scalar", 1, gn_contact_table_scalar, gn_contact_table_scalar_mixed, gn_motion_table_scalar},
+    {"avx2", 4, gn_contact_table_avx2, gn_contact_table_avx2_mixed, gn_motion_table_avx2},
+    {"avx512", 8, gn_contact_table_avx512, gn_contact_table_avx512_mixed, gn_motion_table_avx512},
 };
 
 const gn_kernel_set *gn_kernel_set_at(int index) {
@@ -121,8 +121,10 @@ gn_effects gn_contact_list_effects(gn_effects effects, bool bonds) {
 
 gneiss_status gn_contact_kernel_choose(const gn_kernel_set *set, gn_effects list_effects,
                                        gn_contact_kernel **kernel, gneiss_error *error) {
+    bool mixed = list_effects & GN_FX_MIXED;
+    if (mixed) list_effects &= ~(gn_effects)GN_FX_PERIODIC; /* the branch at the start knows */
     unsigned variant = gn_contact_variant(list_effects);
-    *kernel = set->contact[variant];
+    *kernel = (mixed ? set->mixed : set->contact)[variant];
     if (*kernel) return GNEISS_OK;
     char name[160];
     gn_contact_variant_name(variant, name, sizeof name);

@@ -10,6 +10,7 @@ typedef struct gn_kernel_set {
     const char *name; /* "scalar", "avx2", "avx512" */
     int lanes;
     gn_contact_kernel *const *contact; /* [GN_CONTACT_VARIANTS] */
+    gn_contact_kernel *const *mixed;   /* the same in mixed precision */
     gn_motion_kernel *const *motion;   /* [GN_MOTION_VARIANTS] */
 } gn_kernel_set;
 
@@ -26,7 +27,8 @@ bool gn_kernel_set_supported(const gn_kernel_set *set);
 gneiss_status gn_kernel_set_choose(const char *name, const gn_kernel_set **set,
                                    gneiss_error *error);
 
-/* Kernel of a set for effects; fails with the variant's name when there is none. */
+/* Kernel of a set for effects (GN_FX_MIXED: in mixed precision); fails with the variant's name when
+ * there is none. */
 gneiss_status gn_contact_kernel_choose(const gn_kernel_set *set, gn_effects list_effects,
                                        gn_contact_kernel **kernel, gneiss_error *error);
 gneiss_status gn_motion_kernel_choose(const gn_kernel_set *set, gn_effects effects,

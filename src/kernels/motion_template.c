@@ -284,6 +284,14 @@ GN_INLINE void translate(const gn_motion_args *a, size_t p, const block_load *su
                      gn_fma(dt, m.v_new.z, x[2]), x[3]};
     gn_store_rows4(q->vel + 4 * p, velocity);
     gn_store_rows4(q->pos + 4 * p, place);
+    if (q->travel_f) {
+        gn_v ref[4];
+        load_rows(q->ref, p, ref);
+        gn_v travel[4] = {place[0] - ref[0], place[1] - ref[1], place[2] - ref[2], x[3]};
+        velocity[3] = gn_set(0.0);
+        gn_store_rows4_single(q->travel_f + 4 * p, travel);
+        gn_store_rows4_single(q->vel_f + 4 * p, velocity);
+    }
 }
 
 GN_INLINE void rotate(const gn_motion_args *a, size_t p, const block_load *sum, size_t k,
@@ -307,6 +315,8 @@ GN_INLINE void rotate(const gn_motion_args *a, size_t p, const block_load *sum, 
     if (a->measure) e->rotational = e->rotational + kinetic(a, &m, 1);
     gn_v spin[4] = {m.v_new.x, m.v_new.y, m.v_new.z, o[3]};
     gn_store_rows4(q->spin + 4 * p, spin);
+    spin[3] = gn_set(0.0);
+    if (q->spin_f) gn_store_rows4_single(q->spin_f + 4 * p, spin);
     if (!q->orientation) return;
     for (size_t lane = 0; lane < GN_W && p + lane < q->soa.count; lane++)
         turn_orientation(q->orientation + 4 * (p + lane), q->spin + 4 * (p + lane), a->dt);

@@ -27,7 +27,8 @@ typedef struct gn_partials {
     int width;
     size_t blocks;
     int32_t *first;  /* [blocks + 1] first row of a block */
-    uint16_t *place; /* [contacts][2] rows of a contact's two particles, from its block's first */
+    uint16_t *place; /* [contacts][2] where the rows of a contact's two particles begin, in doubles
+                        from the block's first row */
     double *row;     /* [first[blocks]][width] */
     int32_t *start;  /* [particle blocks + 1] first share of a block of particles */
     gn_share *share; /* [first[blocks]] sorted by particle, then row */

@@ -1,10 +1,10 @@
-/* The SIMD vocabulary: what kernels are written in. GN_SIMD (set by the build) picks the backend:
- * 1 scalar (the oracle), 4 AVX2, 8 AVX-512; all in double precision. Arithmetic is by the operators
- * + - * / on gn_v, which round every operation on its own (no contraction), and by gn_fma and
- * gn_fnma, which round once where they are written, so that all backends give the same bits lane by
- * lane.
+/* The SIMD vocabulary: what kernels are written in. GN_SIMD (set by the build) picks the backend by
+ * the doubles in its registers: 1 scalar, 4 AVX2, 8 AVX-512; GN_MIXED 1 takes single precision and
+ * twice the lanes. Arithmetic is by the operators + - * / on gn_v, which round every operation on
+ * its own (no contraction), and by gn_fma and gn_fnma, which round once where they are written, so
+ * that all backends give the same bits lane by lane.
  *
- * gn_v: GN_W doubles; gn_m: a mask of GN_W lanes. */
+ * gn_real: double or float; gn_v: GN_W of them; gn_m: a mask of GN_W lanes. */
 #ifndef GN_KERNELS_SIMD_H
 #define GN_KERNELS_SIMD_H
 
@@ -13,13 +13,28 @@
 
 #define GN_INLINE static inline __attribute__((always_inline))
 
-#if GN_SIMD == 8
+#if GN_MIXED
+typedef float gn_real;
+#define GN_TINY           1e-30 /* smaller than any stiffness or length, its inverse finite */
+#define GN_MATH(function) function##f
+#else
+typedef double gn_real;
+#define GN_TINY           1e-150
+#define GN_MATH(function) function
+#endif
+
+#if GN_SIMD == 8 && GN_MIXED
+#include "kernels/simd_avx512_single.h"
+#elif GN_SIMD == 8
 #include "kernels/simd_avx512.h"
+#elif GN_SIMD == 4 && GN_MIXED
+#include "kernels/simd_avx2_single.h"
 #elif GN_SIMD == 4
 #include "kernels/simd_avx2.h"
 #else
 #include "kernels/simd_scalar.h"
 #endif
+#include "kernels/simd_sums.h"
 
 /* a if the literal holds, else b. (A conditional expression does not take products of vector
  * types.) */
@@ -30,7 +45,7 @@ GN_INLINE gn_v gn_pick(int literal, gn_v a, gn_v b) {
 /* Sum of the lanes, in lane order. */
 GN_INLINE double gn_fold(gn_v v) {
     double lanes[GN_W], sum = 0.0;
-    gn_store(lanes, v);
+    gn_store_wide(lanes, v);
     for (int k = 0; k < GN_W; k++) sum += lanes[k];
     return sum;
 }
@@ -102,13 +117,13 @@ GN_INLINE gn_v3 gn_less_spin_cross(gn_v3 a, gn_v3 w, gn_v3 b, int space) {
     return r;
 }
 
-GN_INLINE gn_v3 gn_load3(const double *columns, uint64_t stride, int space) {
+GN_INLINE gn_v3 gn_load3(const gn_real *columns, uint64_t stride, int space) {
     gn_v3 r = {gn_load(columns), gn_load(columns + stride), gn_set(0.0)};
     if (space) r.z = gn_load(columns + 2 * stride);
     return r;
 }
 
-GN_INLINE void gn_store3(double *columns, uint64_t stride, gn_v3 a, int space) {
+GN_INLINE void gn_store3(gn_real *columns, uint64_t stride, gn_v3 a, int space) {
     gn_store(columns, a.x);
     gn_store(columns + stride, a.y);
     if (space) gn_store(columns + 2 * stride, a.z);

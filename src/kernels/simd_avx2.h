@@ -92,28 +92,14 @@ GN_INLINE void gn_store_rows8(double *rows, const gn_v in[8]) {
     }
 }
 
-/* Factors of a row of width 4: the sign; with arms (2D) +-1, +-1, arm, 0. */
-GN_INLINE __m256d gn_factor4(double sign, const double *arm, int arms) {
-    __m256d factor = _mm256_set1_pd(sign);
-    if (arms) factor = _mm256_blend_pd(factor, _mm256_broadcast_sd(arm), 0x4);
-    return factor;
-}
-GN_INLINE void gn_add_row4(double *i, double *j, const double *row, const double *arm_i,
-                           const double *arm_j, int arms) {
-    __m256d r = _mm256_loadu_pd(row);
-    _mm256_storeu_pd(i, _mm256_fmadd_pd(r, gn_factor4(1.0, arm_i, arms), _mm256_loadu_pd(i)));
-    _mm256_storeu_pd(j, _mm256_fmadd_pd(r, gn_factor4(-1.0, arm_j, arms), _mm256_loadu_pd(j)));
+GN_INLINE void gn_store_wide(double *p, gn_v a) {
+    gn_store(p, a);
 }
 
-GN_INLINE void gn_add_row8(double *i, double *j, const double *row, const double *arm_i,
-                           const double *arm_j, int arms) {
-    gn_add_row4(i, j, row, arm_i, arm_j, 0);
-    if (!arms) return;
-    __m256d moment = _mm256_loadu_pd(row + 4);
-    _mm256_storeu_pd(i + 4,
-                     _mm256_fmadd_pd(moment, _mm256_broadcast_sd(arm_i), _mm256_loadu_pd(i + 4)));
-    _mm256_storeu_pd(j + 4,
-                     _mm256_fmadd_pd(moment, _mm256_broadcast_sd(arm_j), _mm256_loadu_pd(j + 4)));
+GN_INLINE void gn_store_rows4_single(float *rows, const gn_v in[4]) {
+    gn_v t[4];
+    gn_transpose4(in[0], in[1], in[2], in[3], t);
+    for (int k = 0; k < 4; k++) _mm_storeu_ps(rows + 4 * k, _mm256_cvtpd_ps(t[k]));
 }
 
 #endif

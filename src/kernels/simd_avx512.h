@@ -1,4 +1,4 @@
-/* AVX-512 backend: eight lanes, masks in mask registers. */
+/* AVX-512 backend in double: eight lanes, masks in mask registers. */
 #ifndef GN_KERNELS_SIMD_AVX512_H
 #define GN_KERNELS_SIMD_AVX512_H
 
@@ -122,30 +122,19 @@ GN_INLINE void gn_store_rows8(double *rows, const gn_v in[8]) {
     }
 }
 
-/* Factors of a row of width 4: the sign; with arms (2D) +-1, +-1, arm, 0. */
-GN_INLINE __m256d gn_factor4(double sign, const double *arm, int arms) {
-    __m256d factor = _mm256_set1_pd(sign);
-    if (arms) factor = _mm256_blend_pd(factor, _mm256_broadcast_sd(arm), 0x4);
-    return factor;
-}
-GN_INLINE void gn_add_row4(double *i, double *j, const double *row, const double *arm_i,
-                           const double *arm_j, int arms) {
-    __m256d r = _mm256_loadu_pd(row);
-    _mm256_storeu_pd(i, _mm256_fmadd_pd(r, gn_factor4(1.0, arm_i, arms), _mm256_loadu_pd(i)));
-    _mm256_storeu_pd(j, _mm256_fmadd_pd(r, gn_factor4(-1.0, arm_j, arms), _mm256_loadu_pd(j)));
+GN_INLINE void gn_store_wide(double *p, gn_v a) {
+    gn_store(p, a);
 }
 
-GN_INLINE void gn_add_row8(double *i, double *j, const double *row, const double *arm_i,
-                           const double *arm_j, int arms) {
-    if (!arms) {
-        gn_add_row4(i, j, row, arm_i, arm_j, 0);
-        return;
+GN_INLINE void gn_store_rows4_single(float *rows, const gn_v in[4]) {
+    static const int first[4] = {0, 1, 4, 5};
+    gn_v pairs[4];
+    gn_columns_to_pairs(in, pairs);
+    for (int k = 0; k < 4; k++) {
+        __m256 two = _mm512_cvtpd_ps(pairs[k]);
+        _mm_storeu_ps(rows + 4 * first[k], _mm256_castps256_ps128(two));
+        _mm_storeu_ps(rows + 4 * (first[k] + 2), _mm256_extractf128_ps(two, 1));
     }
-    __m512d r = _mm512_loadu_pd(row), plus = _mm512_set1_pd(1.0), minus = _mm512_set1_pd(-1.0);
-    plus = _mm512_mask_broadcastsd_pd(plus, 0xF0, _mm_load_sd(arm_i));
-    minus = _mm512_mask_broadcastsd_pd(minus, 0xF0, _mm_load_sd(arm_j));
-    _mm512_storeu_pd(i, _mm512_fmadd_pd(r, plus, _mm512_loadu_pd(i)));
-    _mm512_storeu_pd(j, _mm512_fmadd_pd(r, minus, _mm512_loadu_pd(j)));
 }
 
 #endif

@@ -10,26 +10,29 @@ typedef struct numbering {
     int32_t *count;    /* [blocks] */
 } numbering;
 
-static uint16_t place_of(int32_t particle, int32_t *seen, int32_t *rows, int32_t *count) {
+static uint16_t place_of(int32_t particle, int width, int32_t *seen, int32_t *rows,
+                         int32_t *count) {
     if (seen[particle] < 0) {
         seen[particle] = *count;
         rows[(*count)++] = particle;
     }
-    return (uint16_t)seen[particle];
+    return (uint16_t)(seen[particle] * width);
 }
 
 static void number_block(const gn_contacts *contacts, size_t block, int32_t *seen,
-                         const numbering *n, uint16_t *place) {
+                         const numbering *n, gn_partials *q) {
     size_t begin = block * GN_CONTACT_BLOCK, end = begin + GN_CONTACT_BLOCK;
     if (end > contacts->soa.count) end = contacts->soa.count;
     int32_t *rows = n->particle + block * 2 * GN_CONTACT_BLOCK, count = 0;
     for (size_t c = begin; c < end; c++) {
-        place[2 * c] = place_of(contacts->i[c], seen, rows, &count);
-        place[2 * c + 1] = place_of(contacts->j[c], seen, rows, &count);
+        q->place[2 * c] = place_of(contacts->i[c], q->width, seen, rows, &count);
+        q->place[2 * c + 1] = place_of(contacts->j[c], q->width, seen, rows, &count);
     }
     for (int32_t k = 0; k < count; k++) seen[rows[k]] = -1;
     n->count[block] = count;
 }
+
+_Static_assert(2 * GN_CONTACT_BLOCK * 8 <= UINT16_MAX + 1, "places fit in 16 bits");
 
 /* Every thread marks particles in an array of its own; false without memory. */
 static bool number_blocks(const gn_contacts *contacts, size_t particles, int threads,
@@ -45,7 +48,7 @@ static bool number_blocks(const gn_contacts *contacts, size_t particles, int thr
             held = false;
 #pragma omp for schedule(static)
         for (size_t b = 0; b < q->blocks; b++)
-            if (seen) number_block(contacts, b, seen, n, q->place);
+            if (seen) number_block(contacts, b, seen, n, q);
         gn_free(seen);
     }
     return held;

@@ -279,6 +279,7 @@ gn_effects gn_scene_effects(const gn_scene *s) {
     if (s->has_periodic) mask |= GN_FX_PERIODIC;
     if (s->orientation == GN_SWITCH_ON && (mask & GN_FX_ROTATION)) mask |= GN_FX_ORIENTATION;
     if (s->energy != GN_SWITCH_OFF) mask |= GN_FX_ENERGY;
+    if (s->precision == GN_PRECISION_MIXED) mask |= GN_FX_MIXED;
     return mask;
 }
 

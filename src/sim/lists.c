@@ -2,6 +2,7 @@
 #include "base/memory.h"
 #include "base/timer.h"
 #include "sim/parts.h"
+#include "soa/single.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -48,10 +49,13 @@ static void set_pair(const gn_world *w, gn_contacts *now, size_t c, const gn_con
     if (now->cn) now->cn[c] = p.cn;
     int64_t before = find_contact(old, now->i[c], now->j[c]);
     if (before < 0) return;
-    for (int a = 0; now->shear && a < 3; a++)
-        now->shear[c + (size_t)a * now->soa.capacity] =
-            old->shear[(size_t)before + (size_t)a * old->soa.capacity];
+    for (size_t a = 0; a < 3; a++) {
+        size_t to = c + a * now->soa.capacity, from = (size_t)before + a * old->soa.capacity;
+        if (now->shear) now->shear[to] = old->shear[from];
+        if (now->shear_f) now->shear_f[to] = old->shear_f[from];
+    }
     if (now->fd) now->fd[c] = old->fd[before];
+    if (now->fd_f) now->fd_f[c] = old->fd_f[before];
 }
 
 static gneiss_status make_pairs(gn_world *w, gneiss_error *error) {
@@ -99,9 +103,10 @@ static int by_pair(const void *a, const void *b) {
 
 /* A contact whose ends change places sees everything from the other side. */
 static void mirror(gn_contacts *list, size_t c) {
-    for (int a = 0; list->shear && a < 3; a++) {
-        double *t = &list->shear[c + (size_t)a * list->soa.capacity];
-        *t = -*t;
+    for (size_t a = 0; a < 3; a++) {
+        size_t at = c + a * list->soa.capacity;
+        if (list->shear) list->shear[at] = -list->shear[at];
+        if (list->shear_f) list->shear_f[at] = -list->shear_f[at];
     }
 }
 
@@ -251,7 +256,10 @@ static void release_bonds_of_removed(gn_world *w) {
         }
         b->kn[c] = 0.0;
         if (b->kt) b->kt[c] = 0.0;
-        for (int a = 0; b->shear && a < 3; a++) b->shear[c + (size_t)a * b->soa.capacity] = 0.0;
+        for (size_t a = 0; a < 3; a++) {
+            if (b->shear) b->shear[c + a * b->soa.capacity] = 0.0;
+            if (b->shear_f) b->shear_f[c + a * b->soa.capacity] = 0.0F;
+        }
         if (b->cn) b->cn[c] = 0.0;
     }
 }
@@ -305,6 +313,30 @@ static void tune_skin(gn_world *w) {
     if (life > LONG_LIFE) w->verlet.skin = fmax(0.8 * w->verlet.skin, w->verlet.skin_start);
 }
 
+/* All ones if all contacts share the first one's value. */
+static size_t uniform(const double *column, size_t count) {
+    if (!column) return 0;
+    for (size_t c = 1; c < count; c++)
+        if (column[c] != column[0]) return 0;
+    return ~(size_t)0;
+}
+
+static gn_uniform find_uniform(const gn_contacts *k) {
+    size_t n = k->soa.count;
+    return (gn_uniform){uniform(k->kn, n), uniform(k->kt, n), uniform(k->mu, n), uniform(k->cn, n)};
+}
+
+/* What kernels read besides the records themselves, once lists and `ref` stand. */
+static void ready_kernels(gn_world *w) {
+    w->bond_uniform = find_uniform(&w->bonds);
+    w->pair_uniform = find_uniform(&w->pairs);
+    double period[3] = {0, 0, 0};
+    if (w->effects & GN_FX_PERIODIC) memcpy(period, w->period, sizeof period);
+    gn_particles_to_single(&w->particles, w->threads);
+    gn_contacts_to_single(&w->bonds, &w->particles, period, w->threads);
+    gn_contacts_to_single(&w->pairs, &w->particles, period, w->threads);
+}
+
 gneiss_status gn_world_rebuild(gn_world *w, gneiss_error *error) {
     double start = gn_now();
     tune_skin(w);
@@ -318,6 +350,7 @@ gneiss_status gn_world_rebuild(gn_world *w, gneiss_error *error) {
     GN_TRY(gn_wall_contacts_find(w, error));
     GN_TRY(allocate_sums(w, error));
     memcpy(w->particles.ref, w->particles.pos, w->particles.soa.count * 4 * sizeof(double));
+    ready_kernels(w);
     w->verlet.drift = 0.0;
     w->verlet.rebuilds++;
     w->verlet.last_step = w->step;
@@ -343,6 +376,7 @@ gneiss_status gn_world_restore(gn_world *w, gneiss_error *error) {
     for (size_t p = 1; p <= n; p++) w->wall_first[p] += w->wall_first[p - 1];
     GN_TRY(gn_partials_build(&w->bonds, n, w->threads, &w->bond_partials, error));
     GN_TRY(gn_partials_build(&w->pairs, n, w->threads, &w->pair_partials, error));
+    ready_kernels(w);
     return allocate_sums(w, error);
 }
 

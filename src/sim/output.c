@@ -226,7 +226,7 @@ static gneiss_status put_header(const gn_run *run, gn_h5 *file, gneiss_error *er
                               {"version", gn_version()},
                               {"build", gn_build()},
                               {"isa", w->kernels->name},
-                              {"precision", "double"},
+                              {"precision", w->effects & GN_FX_MIXED ? "mixed" : "double"},
                               {"effects", effects},
                               {"state_hash", hash},
                               {"stop_reason", run->stop_reason}};
@@ -430,7 +430,7 @@ gneiss_status gn_output_summary(const gn_run *run, gneiss_error *error) {
     gn_json_number(j, "contact_steps_per_second", (double)w->contact_steps / p.seconds);
     gn_json_integer(j, "threads", w->threads);
     gn_json_text(j, "isa", w->kernels->name);
-    gn_json_text(j, "precision", "double");
+    gn_json_text(j, "precision", w->effects & GN_FX_MIXED ? "mixed" : "double");
     gn_json_text(j, "version", gn_version());
     gn_json_text(j, "build", gn_build());
     char *text = gn_json_finish(j, true);

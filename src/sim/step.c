@@ -1,6 +1,7 @@
 /* One step of the model, from top to bottom: lists, contact forces, walls, motion. */
 #include "base/timer.h"
 #include "sim/parts.h"
+#include "soa/single.h"
 
 #include <math.h>
 #include <omp.h>
@@ -11,7 +12,11 @@ gn_contact_args gn_world_contact_args(const gn_world *w, const gn_contacts *list
     a.pos = w->particles.pos;
     a.vel = w->particles.vel;
     a.spin = w->particles.spin;
+    a.pos_f = w->particles.travel_f;
+    a.vel_f = w->particles.vel_f;
+    a.spin_f = w->particles.spin_f;
     a.contacts = list;
+    a.uniform = list == &w->bonds ? w->bond_uniform : w->pair_uniform;
     a.partials = list == &w->bonds ? &w->bond_partials : &w->pair_partials;
     a.dt = w->dt_past;
     a.arm_factor = w->scene.contact_arm == GN_ARM_MIDPOINT ? 0.5 : 0.0;
@@ -217,14 +222,18 @@ static gneiss_status check_motion(const gn_world *w, const gn_motion_sums *m, gn
                          error);
 }
 
-/* A step of no length on a copy: whatever limits it would reach stays in the copy. */
-static gneiss_status observe(const gn_world *w, const gn_contacts *list, gn_contact_kernel *kernel,
-                             gn_contacts *copy, gneiss_error *error) {
-    gn_effects effects = list->soa.effects | GN_FX_CONTACT_FORCES;
+/* A step of no length on a copy, in double: whatever limits it would reach stays in the copy. */
+static gneiss_status observe(const gn_world *w, const gn_contacts *list, gn_contacts *copy,
+                             gneiss_error *error) {
+    gn_effects effects = (list->soa.effects & ~(gn_effects)GN_FX_MIXED) | GN_FX_CONTACT_FORCES;
+    gn_contact_kernel *kernel;
+    GN_TRY(gn_contact_kernel_choose(w->kernels, effects, &kernel, error));
     GN_TRY(gn_soa_copy(&gn_contact_record, copy, list, effects, error));
+    gn_contacts_from_single(copy, list);
     gn_contacts_pad(copy, &w->particles);
     gn_contact_args args = gn_world_contact_args(w, copy, false);
     args.partials = NULL;
+    args.uniform = (gn_uniform){0};
     args.dt = 0.0;
     size_t count = copy->soa.count;
 #pragma omp parallel for schedule(static) num_threads(w->threads)
@@ -237,9 +246,8 @@ static gneiss_status observe(const gn_world *w, const gn_contacts *list, gn_cont
 
 gneiss_status gn_world_observe(const gn_world *w, gn_observed *observed, gneiss_error *error) {
     *observed = (gn_observed){0};
-    gneiss_status status = observe(w, &w->bonds, w->bond_kernel, &observed->bonds, error);
-    if (status == GNEISS_OK)
-        status = observe(w, &w->pairs, w->pair_kernel, &observed->pairs, error);
+    gneiss_status status = observe(w, &w->bonds, &observed->bonds, error);
+    if (status == GNEISS_OK) status = observe(w, &w->pairs, &observed->pairs, error);
     if (status != GNEISS_OK) gn_observed_free(observed);
     return status;
 }

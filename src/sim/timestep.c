@@ -71,7 +71,7 @@ static bool contact_spring(const gn_spectrum *spectrum, const gn_contacts *list,
     /* Coincident centres have no direction and, as in the kernel, no normal force. */
     for (int k = 0; k < 3; k++) s->n[k] = distance == 0.0 ? 0.0 : d[k] / distance;
     bool holds = intact || (list->mu && list->mu[c] > 0.0);
-    s->kt = holds && list->shear && list->kt ? list->kt[c] : 0.0;
+    s->kt = holds && list->kt ? list->kt[c] : 0.0;
     s->cn = list->cn ? list->cn[c] : 0.0;
     return true;
 }

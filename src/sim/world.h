@@ -68,6 +68,7 @@ typedef struct gn_world {
     gn_contacts bonds, pairs;
     gn_wall_contacts wall_contacts;
     gn_partials bond_partials, pair_partials;
+    gn_uniform bond_uniform, pair_uniform;
     int32_t *wall_first;  /* [particles + 1] */
     int32_t *index_of_id; /* [particles] */
     gn_derived derived;

@@ -11,6 +11,7 @@ size_t gn_type_size(gn_type type) {
     case GN_I64:
         return 8;
     case GN_I32:
+    case GN_F32:
         return 4;
     case GN_U8:
         return 1;

@@ -18,7 +18,7 @@
 #include <stddef.h>
 #include <stdint.h>
 
-typedef enum gn_type { GN_F64, GN_I64, GN_I32, GN_U8 } gn_type;
+typedef enum gn_type { GN_F64, GN_I64, GN_I32, GN_U8, GN_F32 } gn_type;
 typedef enum gn_layout { GN_ROWS, GN_COLUMNS } gn_layout;
 
 /* STATE decides the future: hashed and saved. SAVED is kept in checkpoints (reference positions,

@@ -6,6 +6,9 @@
 
 #include "soa/field.h"
 
+/* Fields ending in _f are the working set of mixed precision: what contact kernels then read of
+ * particles (travel since the lists were made, so that single precision resolves it) and their
+ * columns. */
 #define GN_PARTICLE_FIELDS(X)                                                                      \
     X(pos, double, GN_F64, 4, GN_ROWS, GN_STATE, 0, 0, "m", "centre x y z, radius")                \
     X(vel, double, GN_F64, 4, GN_ROWS, GN_STATE, 0, 0, "m/s, 1/kg",                                \
@@ -22,7 +25,12 @@
     X(group, int32_t, GN_I32, 1, GN_ROWS, GN_SAVED, 0, 0, "1", "cohesive group, 0: none")          \
     X(bonds0, int32_t, GN_I32, 1, GN_ROWS, GN_SAVED, GN_FX_BONDS, 0, "1", "bonds at the start")    \
     X(slot, int32_t, GN_I32, 1, GN_ROWS, GN_SAVED, GN_FX_PRESCRIBED, 0, "1",                       \
-      "place in the list of prescribed particles, -1: none")
+      "place in the list of prescribed particles, -1: none")                                       \
+    X(travel_f, float, GN_F32, 4, GN_ROWS, GN_SCRATCH, GN_FX_MIXED, 0, "m",                        \
+      "centre less ref x y z, radius")                                                             \
+    X(vel_f, float, GN_F32, 4, GN_ROWS, GN_SCRATCH, GN_FX_MIXED, 0, "m/s", "velocity x y z, 0")    \
+    X(spin_f, float, GN_F32, 4, GN_ROWS, GN_SCRATCH, GN_FX_MIXED | GN_FX_ROTATION, 0, "rad/s",     \
+      "angular velocity x y z, 0")
 
 /* Contacts between particles, sorted by (i, j), i < j. Normal from i to j. Bonds and unbonded pairs
  * are two records of this kind; the pairs are made with GN_FX_BONDS cleared. */
@@ -40,14 +48,35 @@
       "tensile strength; negative once broken")                                                    \
     X(rt, double, GN_F64, 1, GN_COLUMNS, GN_STATE, GN_FX_BONDS | GN_FX_SHEAR, 0, "N",              \
       "shear strength")                                                                            \
-    X(shear, double, GN_F64, 3, GN_COLUMNS, GN_STATE, GN_FX_SHEAR, 0, "N",                         \
+    X(shear, double, GN_F64, 3, GN_COLUMNS, GN_STATE, GN_FX_SHEAR, GN_FX_MIXED, "N",               \
       "tangential force on the first particle")                                                    \
-    X(fd, double, GN_F64, 1, GN_COLUMNS, GN_SAVED, GN_FX_CONTACT_DAMPING | GN_FX_ENERGY, 0, "N",   \
-      "viscous normal force of the last step")                                                     \
+    X(fd, double, GN_F64, 1, GN_COLUMNS, GN_SAVED, GN_FX_CONTACT_DAMPING | GN_FX_ENERGY,           \
+      GN_FX_MIXED, "N", "viscous normal force of the last step")                                   \
     X(cause, uint8_t, GN_U8, 1, GN_COLUMNS, GN_STATE, GN_FX_BONDS, 0, "1",                         \
       "0 intact, 1 broken in tension, 2 broken in shear")                                          \
     X(broken_time, double, GN_F64, 1, GN_COLUMNS, GN_STATE, GN_FX_BONDS, 0, "s",                   \
       "when the bond broke; 0 while it is intact")                                                 \
+    X(shear_f, float, GN_F32, 3, GN_COLUMNS, GN_STATE, GN_FX_MIXED | GN_FX_SHEAR, 0, "N",          \
+      "tangential force on the first particle")                                                    \
+    X(fd_f, float, GN_F32, 1, GN_COLUMNS, GN_SAVED,                                                \
+      GN_FX_MIXED | GN_FX_CONTACT_DAMPING | GN_FX_ENERGY, 0, "N",                                  \
+      "viscous normal force of the last step")                                                     \
+    X(branch_f, float, GN_F32, 3, GN_COLUMNS, GN_SCRATCH, GN_FX_MIXED, 0, "m",                     \
+      "from i to j when the lists were made")                                                      \
+    X(stretch_f, float, GN_F32, 1, GN_COLUMNS, GN_SCRATCH, GN_FX_MIXED, 0, "m",                    \
+      "distance less that of zero force when the lists were made")                                 \
+    X(length0_f, float, GN_F32, 1, GN_COLUMNS, GN_SCRATCH, GN_FX_MIXED | GN_FX_BONDS, 0, "m",      \
+      "as length0")                                                                                \
+    X(kn_f, float, GN_F32, 1, GN_COLUMNS, GN_SCRATCH, GN_FX_MIXED, 0, "N/m", "as kn")              \
+    X(kt_f, float, GN_F32, 1, GN_COLUMNS, GN_SCRATCH, GN_FX_MIXED | GN_FX_SHEAR, 0, "N/m",         \
+      "as kt")                                                                                     \
+    X(mu_f, float, GN_F32, 1, GN_COLUMNS, GN_SCRATCH, GN_FX_MIXED | GN_FX_FRICTION, 0, "1",        \
+      "as mu")                                                                                     \
+    X(cn_f, float, GN_F32, 1, GN_COLUMNS, GN_SCRATCH, GN_FX_MIXED | GN_FX_CONTACT_DAMPING, 0,      \
+      "N s/m", "as cn")                                                                            \
+    X(rn_f, float, GN_F32, 1, GN_COLUMNS, GN_SCRATCH, GN_FX_MIXED | GN_FX_BONDS, 0, "N", "as rn")  \
+    X(rt_f, float, GN_F32, 1, GN_COLUMNS, GN_SCRATCH, GN_FX_MIXED | GN_FX_BONDS | GN_FX_SHEAR, 0,  \
+      "N", "as rt")                                                                                \
     X(row4, double, GN_F64, 4, GN_ROWS, GN_SCRATCH, GN_FX_CONTACT_FORCES,                          \
       GN_FX_SPACE | GN_FX_ROTATION, "N, N",                                                        \
       "force on the first particle x y z 0; 2D: x y, moment z, 0")                                 \

@@ -1,0 +1,88 @@
+/* Adding a contact's row to those of its two particles: force with opposite signs; moment times the
+ * arms, when there are any. Rows of the kernel's precision, sums in double. Every product is fused
+ * with its sum, in every backend.
+ *
+ * Width 8: force xyz, 0, moment xyz, 0. Width 4: force xyz, 0; with arms (2D) force xy, moment z,
+ * 0. */
+#ifndef GN_KERNELS_SIMD_SUMS_H
+#define GN_KERNELS_SIMD_SUMS_H
+
+#if GN_SIMD == 1
+
+GN_INLINE void gn_add_row8(double *i, double *j, const gn_real *row, const double *arm_i,
+                           const double *arm_j, int arms) {
+    for (int k = 0; k < 3; k++) i[k] += row[k];
+    for (int k = 0; k < 3; k++) j[k] -= row[k];
+    for (int k = 4; arms && k < 7; k++) i[k] = fma(row[k], *arm_i, i[k]);
+    for (int k = 4; arms && k < 7; k++) j[k] = fma(row[k], *arm_j, j[k]);
+}
+
+GN_INLINE void gn_add_row4(double *i, double *j, const gn_real *row, const double *arm_i,
+                           const double *arm_j, int arms) {
+    for (int k = 0; k < 2 + !arms; k++) i[k] += row[k];
+    for (int k = 0; k < 2 + !arms; k++) j[k] -= row[k];
+    if (arms) i[2] = fma(row[2], *arm_i, i[2]);
+    if (arms) j[2] = fma(row[2], *arm_j, j[2]);
+}
+
+#else
+
+GN_INLINE __m256d gn_load_row4(const gn_real *row) {
+#if GN_MIXED
+    return _mm256_cvtps_pd(_mm_loadu_ps(row));
+#else
+    return _mm256_loadu_pd(row);
+#endif
+}
+
+GN_INLINE __m256d gn_factor4(double sign, const double *arm, int arms) {
+    __m256d factor = _mm256_set1_pd(sign);
+    if (arms) factor = _mm256_blend_pd(factor, _mm256_broadcast_sd(arm), 0x4);
+    return factor;
+}
+
+GN_INLINE void gn_add_row4(double *i, double *j, const gn_real *row, const double *arm_i,
+                           const double *arm_j, int arms) {
+    __m256d r = gn_load_row4(row);
+    _mm256_storeu_pd(i, _mm256_fmadd_pd(r, gn_factor4(1.0, arm_i, arms), _mm256_loadu_pd(i)));
+    _mm256_storeu_pd(j, _mm256_fmadd_pd(r, gn_factor4(-1.0, arm_j, arms), _mm256_loadu_pd(j)));
+}
+
+#if GN_SIMD == 4
+
+GN_INLINE void gn_add_row8(double *i, double *j, const gn_real *row, const double *arm_i,
+                           const double *arm_j, int arms) {
+    gn_add_row4(i, j, row, arm_i, arm_j, 0);
+    if (!arms) return;
+    __m256d m = gn_load_row4(row + 4), ai = _mm256_broadcast_sd(arm_i),
+            aj = _mm256_broadcast_sd(arm_j);
+    _mm256_storeu_pd(i + 4, _mm256_fmadd_pd(m, ai, _mm256_loadu_pd(i + 4)));
+    _mm256_storeu_pd(j + 4, _mm256_fmadd_pd(m, aj, _mm256_loadu_pd(j + 4)));
+}
+
+#else
+
+GN_INLINE __m512d gn_load_row8(const gn_real *row) {
+#if GN_MIXED
+    return _mm512_cvtps_pd(_mm256_loadu_ps(row));
+#else
+    return _mm512_loadu_pd(row);
+#endif
+}
+
+GN_INLINE void gn_add_row8(double *i, double *j, const gn_real *row, const double *arm_i,
+                           const double *arm_j, int arms) {
+    if (!arms) {
+        gn_add_row4(i, j, row, arm_i, arm_j, 0);
+        return;
+    }
+    __m512d r = gn_load_row8(row), plus = _mm512_set1_pd(1.0), minus = _mm512_set1_pd(-1.0);
+    plus = _mm512_mask_broadcastsd_pd(plus, 0xF0, _mm_load_sd(arm_i));
+    minus = _mm512_mask_broadcastsd_pd(minus, 0xF0, _mm_load_sd(arm_j));
+    _mm512_storeu_pd(i, _mm512_fmadd_pd(r, plus, _mm512_loadu_pd(i)));
+    _mm512_storeu_pd(j, _mm512_fmadd_pd(r, minus, _mm512_loadu_pd(j)));
+}
+
+#endif
+#endif
+#endif

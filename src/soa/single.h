@@ -1,0 +1,18 @@
+/* The working set of mixed precision: fields ending in _f of particles and contacts. */
+#ifndef GN_SOA_SINGLE_H
+#define GN_SOA_SINGLE_H
+
+#include "soa/records.h"
+
+/* Fills travel_f, vel_f and spin_f from the double state and `ref`. */
+void gn_particles_to_single(const gn_particles *particles, int threads);
+
+/* Fills branch_f and stretch_f from the particles' `ref`, and the parameters; shear_f and fd_f are
+ * state and stay. `period` per axis (0: none), nearest images. */
+void gn_contacts_to_single(gn_contacts *contacts, const gn_particles *particles,
+                           const double period[3], int threads);
+
+/* The other way, for a copy of a list without GN_FX_MIXED: shear and fd in double. */
+void gn_contacts_from_single(gn_contacts *to, const gn_contacts *from);
+
+#endif
