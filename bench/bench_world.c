@@ -134,11 +134,11 @@ size_t bench_world_contact_kernel(bench_world *b, size_t blocks) {
     gn_contact_args a = gn_world_contact_args(w, longer_list(w), false);
     a.dt = 0.0; /* the state stands still */
     gn_contact_kernel *kernel = bonds_are_more(w) ? w->bond_kernel : w->pair_kernel;
-    size_t last = blocks * GN_CONTACT_BLOCK;
+    size_t length = a.partials->length, last = blocks * length;
     if (last > a.contacts->soa.count) last = a.contacts->soa.count;
-    for (size_t first = 0; first < last; first += GN_CONTACT_BLOCK) {
+    for (size_t first = 0; first < last; first += length) {
         gn_contact_sums sums = {0};
-        size_t end = first + GN_CONTACT_BLOCK < last ? first + GN_CONTACT_BLOCK : last;
+        size_t end = first + length < last ? first + length : last;
         kernel(&a, first, end, &sums);
     }
     return last;

@@ -6,7 +6,7 @@
 
 #include <float.h>
 
-enum { CONTACTS = 2 * GN_CONTACT_BLOCK + 187 }; /* a part of a block, and a part of a vector */
+enum { CONTACTS = 1211 }; /* a part of a block, and a part of a vector */
 
 /* --- a list of contacts in every state --- */
 
@@ -109,10 +109,13 @@ static bench make_bench(gn_effects effects, uint64_t seed) {
                                .time = 0.25,
                                .measure = true};
     if (effects & GN_FX_PERIODIC)
-        for (int a = 0; a < 3; a++) b.args.period[a] = 0.05 + 0.01 * a;
+        for (int a = 0; a < 3; a++) {
+            b.args.period[a] = 0.05 + 0.01 * a;
+            b.args.inverse_period[a] = 1.0 / b.args.period[a];
+        }
     for (size_t c = 0; c < CONTACTS; c++) {
         b.k.i[c] =
-            (int32_t)(c * 2 * 331 % (2 * CONTACTS)); /* scattered rows; 331 is coprime to 699 */
+            (int32_t)(c * 2 * 331 % (2 * CONTACTS)); /* scattered rows; 331 is coprime to 1211 */
         b.k.j[c] = b.k.i[c] + 1;
         place_contact(&b, c, &at);
         set_contact(&b, c, &at);
@@ -161,9 +164,10 @@ static gn_contact_sums run(bench *b, gn_contact_kernel *kernel) {
     b->args.contacts = &b->k;
     assert_int_equal(gn_partials_build(&b->k, 2 * CONTACTS, 1, &b->sums, NULL), GNEISS_OK);
     b->args.partials = &b->sums;
-    for (size_t c = 0; c < CONTACTS; c += GN_CONTACT_BLOCK) {
+    assert_true(b->sums.blocks > 2);
+    for (size_t c = 0; c < CONTACTS; c += b->sums.length) {
         gn_contact_sums s = {0};
-        size_t end = c + GN_CONTACT_BLOCK < CONTACTS ? c + GN_CONTACT_BLOCK : CONTACTS;
+        size_t end = c + b->sums.length < CONTACTS ? c + b->sums.length : CONTACTS;
         kernel(&b->args, c, end, &s);
         add_sums(&total, &s);
     }
@@ -397,8 +401,8 @@ static void every_contact_kernel_has_the_bits_of_the_scalar_one(void **state) {
 /* Every particle of the bench has one contact, and so one row of partial sums: [0, 1][x y z]. */
 static void sums_at(const bench *b, size_t c, int end, double force[3], double moment[3]) {
     const gn_partials *q = &b->sums;
-    const double *row = q->row + (size_t)q->width * (size_t)q->first[c / GN_CONTACT_BLOCK] +
-                        q->place[2 * c + (size_t)end];
+    const double *row =
+        q->row + (size_t)q->width * (size_t)q->first[c / q->length] + q->place[2 * c + (size_t)end];
     for (int a = 0; a < 3; a++) force[a] = a < 2 || b->space ? row[a] : 0.0;
     for (int a = 0; a < 3; a++) moment[a] = q->width == 8 ? row[4 + a] : 0.0;
     if (!b->space && b->k.soa.effects & GN_FX_ROTATION) moment[2] = row[2];

@@ -138,7 +138,7 @@ static double *gathered(const herd *h, gn_effects effects) {
         const gn_partials *q = &h->sums[l];
         bool *taken = calloc((size_t)q->first[q->blocks], sizeof *taken);
         for (size_t c = 0; c < 2 * LINKS; c++) {
-            int32_t r = q->first[c / 2 / GN_CONTACT_BLOCK] + q->place[c] / q->width;
+            int32_t r = q->first[c / 2 / q->length] + q->place[c] / q->width;
             if (taken[r]) continue;
             taken[r] = true;
             int32_t p = c % 2 ? h->lists[l].j[c / 2] : h->lists[l].i[c / 2];

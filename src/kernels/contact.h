@@ -5,7 +5,7 @@
 #include "kernels/partials.h"
 #include "soa/records.h"
 
-_Static_assert(GN_CONTACT_BLOCK % GN_LANES_MAX == 0, "a block holds whole vectors");
+_Static_assert(GN_CONTACT_BLOCK_LEAST % GN_LANES_MAX == 0, "a block holds whole vectors");
 
 /* Per parameter: 0, or all ones when all contacts of the list share the value, which the kernel
  * then reads at the start of the column again and again instead of streaming it. */
@@ -22,9 +22,9 @@ typedef struct gn_contact_args {
     const gn_partials *partials; /* of `contacts`: where forces are summed; NULL: nowhere */
     double dt;                   /* s, the interval that led to these positions; 0 at the start */
     double arm_factor;           /* 0.5: contact point at r + gap/2; 0: at r */
-    double period[3];            /* m, with GN_FX_PERIODIC */
-    double time;                 /* s, of this instant */
-    bool measure;                /* also sum what is read off: see gn_contact_sums */
+    double period[3], inverse_period[3]; /* m, 1/m, with GN_FX_PERIODIC */
+    double time;                         /* s, of this instant */
+    bool measure;                        /* also sum what is read off: see gn_contact_sums */
 } gn_contact_args;
 
 typedef struct gn_contact_sums {
@@ -35,9 +35,9 @@ typedef struct gn_contact_sums {
     int64_t broken_tension, broken_shear;            /* bonds broken in this step */
 } gn_contact_sums;
 
-/* Works on contacts [begin, end) of one block: begin is a multiple of GN_CONTACT_BLOCK and end at
- * most one block later; vectors may run past `end` into padding. Sets the block's partial sums and
- * adds to *sums. */
+/* Works on contacts [begin, end) of one block of the partial sums (without them: of any begin that
+ * is a multiple of GN_LANES_MAX); vectors may run past `end` into padding. Sets the block's partial
+ * sums and adds to *sums. */
 typedef void gn_contact_kernel(const gn_contact_args *args, size_t begin, size_t end,
                                gn_contact_sums *sums);
 

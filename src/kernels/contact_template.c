@@ -24,10 +24,10 @@ typedef struct variant {
 #define COLUMN(list, name) ((list)->name)
 #endif
 
-/* Vectors are worked on in groups, phase by phase. One vector has a chain of dependent operations
- * (root, division, normal, ...) that is longer than what a core can look ahead; several vectors in
- * the same phase fill the gaps. What passes from phase to phase stays in the L1 cache. */
-enum { GROUP_CONTACTS = 64, GROUP = GROUP_CONTACTS / GN_W };
+/* Work is staggered: while one vector of contacts goes through root and division, the one before is
+ * past them and its forces are found, and the forces of the one before that are added to the sums.
+ * A vector's own chain of dependent operations is longer than what a core can look ahead. */
+enum { LAG = 2, RING = 4 };
 
 typedef struct pair_geometry {
     gn_v3 n;                /* normal from i to j */
@@ -43,18 +43,19 @@ typedef struct pair_motion {
     gn_v twist;   /* mean spin of the pair about n, rad/s */
 } pair_motion;
 
-typedef struct group {
-    pair_geometry geometry[GROUP];
-    double arm_i[GROUP_CONTACTS], arm_j[GROUP_CONTACTS];
-    gn_real row[8 * GROUP_CONTACTS]; /* force on i, 0, n x F_t, 0 (width 4: see gn_partials) */
-} group;
+/* A vector on its way. */
+typedef struct stage {
+    pair_geometry geometry;
+    double arm_i[GN_W], arm_j[GN_W];
+    gn_real row[8 * GN_W]; /* force on i, 0, n x F_t, 0 (width 4: see gn_partials) */
+} stage;
 
 #if !GN_MIXED
-GN_INLINE gn_v3 nearest_image(gn_v3 d, const double *period, int space) {
+GN_INLINE gn_v3 nearest_image(gn_v3 d, const double *period, const double *inverse, int space) {
     gn_v3 r = d;
-    r.x = gn_fnma(gn_set(period[0]), gn_round(d.x * gn_set(1.0 / period[0])), d.x);
-    r.y = gn_fnma(gn_set(period[1]), gn_round(d.y * gn_set(1.0 / period[1])), d.y);
-    if (space) r.z = gn_fnma(gn_set(period[2]), gn_round(d.z * gn_set(1.0 / period[2])), d.z);
+    r.x = gn_fnma(gn_set(period[0]), gn_round(d.x * gn_set(inverse[0])), d.x);
+    r.y = gn_fnma(gn_set(period[1]), gn_round(d.y * gn_set(inverse[1])), d.y);
+    if (space) r.z = gn_fnma(gn_set(period[2]), gn_round(d.z * gn_set(inverse[2])), d.z);
     return r;
 }
 #endif
@@ -82,7 +83,7 @@ GN_INLINE gn_v3 branch(const gn_contact_args *a, size_t c, const gn_v pi[4], con
 GN_INLINE gn_v3 branch(const gn_contact_args *a, size_t c, const gn_v pi[4], const gn_v pj[4],
                        gn_v *distance, gn_v *stretch, variant w) {
     gn_v3 d = {pj[0] - pi[0], pj[1] - pi[1], gn_pick(w.space, pj[2] - pi[2], gn_set(0.0))};
-    if (w.periodic) d = nearest_image(d, a->period, w.space);
+    if (w.periodic) d = nearest_image(d, a->period, a->inverse_period, w.space);
     gn_v free = pi[3] + pj[3];
     if (w.bonds) free = gn_load(a->contacts->length0 + c);
     *distance = gn_sqrt(gn_dot(d, d, w.space));
@@ -91,7 +92,7 @@ GN_INLINE gn_v3 branch(const gn_contact_args *a, size_t c, const gn_v pi[4], con
 }
 #endif
 
-GN_INLINE void find_geometry(const gn_contact_args *a, size_t c, group *g, int k, variant w) {
+GN_INLINE void find_geometry(const gn_contact_args *a, size_t c, stage *g, variant w) {
     const int32_t *i = a->contacts->i + c, *j = a->contacts->j + c;
     gn_v pi[4], pj[4], distance, stretch;
     gn_rows4(COLUMN(a, pos), i, pi);
@@ -99,7 +100,7 @@ GN_INLINE void find_geometry(const gn_contact_args *a, size_t c, group *g, int k
     gn_v3 d = branch(a, c, pi, pj, &distance, &stretch, w);
     /* Coincident centres have no direction: the tiny floor gives a zero normal and no force. */
     gn_v inverse = gn_set(1.0) / gn_max(distance, gn_set(GN_TINY));
-    pair_geometry *s = &g->geometry[k];
+    pair_geometry *s = &g->geometry;
     s->n = gn_scale(inverse, d, w.space);
     s->distance = distance;
     s->stretch = stretch;
@@ -108,8 +109,8 @@ GN_INLINE void find_geometry(const gn_contact_args *a, size_t c, group *g, int k
         gn_v half = gn_set(a->arm_factor) * (distance - (pi[3] + pj[3]));
         s->arm_i = pi[3] + half;
         s->arm_j = pj[3] + half;
-        gn_store_wide(g->arm_i + k * GN_W, s->arm_i);
-        gn_store_wide(g->arm_j + k * GN_W, s->arm_j);
+        gn_store_wide(g->arm_i, s->arm_i);
+        gn_store_wide(g->arm_j, s->arm_j);
     }
 }
 
@@ -179,15 +180,14 @@ GN_INLINE int row_width(variant w) {
     return w.space && w.rotation ? 8 : 4;
 }
 
-GN_INLINE void write_rows(group *g, int k, gn_v3 force, gn_v3 moment, variant w) {
+GN_INLINE void write_rows(stage *g, gn_v3 force, gn_v3 moment, variant w) {
     gn_v zero = gn_set(0.0);
-    gn_real *rows = g->row + (size_t)(k * GN_W * row_width(w));
     if (w.space && w.rotation) {
         gn_v row[8] = {force.x, force.y, force.z, zero, moment.x, moment.y, moment.z, zero};
-        gn_store_rows8(rows, row);
+        gn_store_rows8(g->row, row);
     } else {
         gn_v row[4] = {force.x, force.y, gn_pick(w.space, force.z, moment.z), zero};
-        gn_store_rows4(rows, row);
+        gn_store_rows4(g->row, row);
     }
 }
 
@@ -291,12 +291,11 @@ GN_INLINE gn_v damped(const gn_contact_args *a, size_t c, const pair_motion *s,
     return q->normal + viscous;
 }
 
-/* Vector k of a group, whose first contact is c. */
-GN_INLINE void find_forces(const gn_contact_args *a, size_t c, size_t end, group *g, int k,
-                           lane_sums *e, gn_contact_sums *sums, variant w) {
+GN_INLINE void find_forces(const gn_contact_args *a, size_t c, size_t end, stage *g, lane_sums *e,
+                           gn_contact_sums *sums, variant w) {
     const gn_contacts *list = a->contacts;
     const gn_v zero = gn_set(0.0);
-    const pair_geometry *p = &g->geometry[k];
+    const pair_geometry *p = &g->geometry;
     pair_motion s = find_motion(a, c, p, w);
     contact_state q = {.stretch = p->stretch};
     q.kn = gn_load(COLUMN(list, kn) + same(c, a->uniform.kn));
@@ -323,14 +322,20 @@ GN_INLINE void find_forces(const gn_contact_args *a, size_t c, size_t end, group
         if (w.rotation) moment = gn_cross(p->n, q.t, w.space);
     }
     if (a->measure) measure_contact(e, p, force, w);
-    write_rows(g, k, force, moment, w);
+    write_rows(g, force, moment, w);
 }
 
-/* Adds the rows of `count` contacts to the block's partial sums. The force has opposite signs for
- * the two particles; the moment has the same sign, because arm and force both turn round. */
-GN_INLINE void add_rows(const group *g, const uint16_t *place, size_t count, double *sums,
-                        variant w) {
-    size_t width = (size_t)row_width(w);
+/* Adds the rows of a vector, of contacts from c on. The force has opposite signs for the two
+ * particles; the moment has the same sign, because arm and force both turn round. */
+GN_INLINE void add_rows(const gn_contact_args *a, size_t c, size_t end, const stage *g,
+                        double *sums, variant w) {
+    size_t width = (size_t)row_width(w), count = end - c < GN_W ? end - c : GN_W;
+#if !GN_MIXED /* output looks at contacts in double */
+    double *rows = gn_contacts_row(a->contacts);
+    if (rows) memcpy(rows + width * c, g->row, width * count * sizeof *rows);
+#endif
+    if (!sums) return;
+    const uint16_t *place = a->partials->place + 2 * c;
     for (size_t k = 0; k < count; k++) {
         const gn_real *row = g->row + width * k;
         double *i = sums + place[2 * k], *j = sums + place[2 * k + 1];
@@ -341,28 +346,11 @@ GN_INLINE void add_rows(const group *g, const uint16_t *place, size_t count, dou
     }
 }
 
-GN_INLINE void work_group(const gn_contact_args *a, size_t c, size_t end, double *partial,
-                          lane_sums *e, gn_contact_sums *sums, variant w) {
-    group g;
-    size_t count = end - c < GROUP_CONTACTS ? end - c : GROUP_CONTACTS;
-    int vectors = (int)((count + GN_W - 1) / GN_W);
-    for (int k = 0; k < vectors; k++) find_geometry(a, c + (size_t)(k * GN_W), &g, k, w);
-    for (int k = 0; k < vectors; k++)
-        find_forces(a, c + (size_t)(k * GN_W), end, &g, k, e, sums, w);
-    if (partial) add_rows(&g, a->partials->place + 2 * c, count, partial, w);
-#if !GN_MIXED /* output looks at contacts in double */
-    double *rows = gn_contacts_row(a->contacts);
-    if (rows)
-        memcpy(rows + (size_t)row_width(w) * c, g.row,
-               (size_t)row_width(w) * count * sizeof *g.row);
-#endif
-}
-
 /* The rows of the block that begins with contact `begin`, zeroed. */
 GN_INLINE double *clear_partials(const gn_contact_args *a, size_t begin, variant w) {
     const gn_partials *q = a->partials;
     if (!q) return NULL;
-    size_t block = begin / GN_CONTACT_BLOCK, width = (size_t)row_width(w);
+    size_t block = begin / q->length, width = (size_t)row_width(w);
     size_t first = (size_t)q->first[block], rows = (size_t)q->first[block + 1] - first;
     return memset(q->row + width * first, 0, width * rows * sizeof *q->row);
 }
@@ -374,8 +362,15 @@ GN_INLINE void contact_core(const gn_contact_args *a, size_t begin, size_t end,
     e.damping = e.breaking = e.force = e.carrying = zero;
     for (int k = 0; k < 9; k++) e.stress[k] = zero;
     double *partial = clear_partials(a, begin, w);
-    for (size_t c = begin; c < end; c += GROUP_CONTACTS)
-        work_group(a, c, end, partial, &e, sums, w);
+    stage ring[RING];
+    size_t vectors = (end - begin + GN_W - 1) / GN_W;
+    for (size_t v = 0; v < vectors + LAG + 1; v++) {
+        size_t c = begin + v * GN_W, lag = LAG * GN_W;
+        if (v < vectors) find_geometry(a, c, &ring[v % RING], w);
+        if (v > LAG) add_rows(a, c - lag - GN_W, end, &ring[(v - LAG - 1) % RING], partial, w);
+        if (v >= LAG && v < vectors + LAG)
+            find_forces(a, c - lag, end, &ring[(v - LAG) % RING], &e, sums, w);
+    }
     if (a->measure) {
         for (int k = 0; k < 9; k++) sums->stress[k] += gn_fold(e.stress[k]);
         sums->force += gn_fold(e.force);

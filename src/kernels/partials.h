@@ -9,9 +9,10 @@
 #include <stddef.h>
 #include <stdint.h>
 
-/* Contacts are worked on in blocks of this many. Sums (forces, energies, broken bonds) are kept per
- * block and merged in block order, so that they do not depend on the number of threads. */
-enum { GN_CONTACT_BLOCK = 1024 };
+/* Contacts are worked on in blocks of at most this many (shorter in short lists). Sums (forces,
+ * energies, broken bonds) are kept per block and merged in block order, so that they do not depend
+ * on the number of threads. */
+enum { GN_CONTACT_BLOCK = 1024, GN_CONTACT_BLOCK_LEAST = 64 };
 
 /* Particles are worked on in blocks of this many. */
 enum { GN_PARTICLE_BLOCK = 128 };
@@ -25,13 +26,15 @@ typedef struct gn_share {
  * space) or force xyz, 0 (width 4); in 2D force xy, moment z, 0. */
 typedef struct gn_partials {
     int width;
-    size_t blocks;
-    int32_t *first;  /* [blocks + 1] first row of a block */
+    size_t blocks, length; /* contacts per block, a multiple of GN_LANES_MAX */
+    int32_t *first;        /* [blocks + 1] first row of a block */
     uint16_t *place; /* [contacts][2] where the rows of a contact's two particles begin, in doubles
                         from the block's first row */
     double *row;     /* [first[blocks]][width] */
     int32_t *start;  /* [particle blocks + 1] first share of a block of particles */
     gn_share *share; /* [first[blocks]] sorted by particle, then row */
+    int32_t *touched[2]; /* [particle blocks] first and last block with a row for one of its
+                            particles; INT32_MAX and -1: none */
 } gn_partials;
 
 #endif

@@ -6,7 +6,7 @@
 /* Numbers the particles of each block in the order in which its contacts name them: neighbours in
  * the list become neighbours in the rows. */
 typedef struct numbering {
-    int32_t *particle; /* [blocks][2 GN_CONTACT_BLOCK] who has a row */
+    int32_t *particle; /* [blocks][2 length] who has a row */
     int32_t *count;    /* [blocks] */
 } numbering;
 
@@ -21,9 +21,9 @@ static uint16_t place_of(int32_t particle, int width, int32_t *seen, int32_t *ro
 
 static void number_block(const gn_contacts *contacts, size_t block, int32_t *seen,
                          const numbering *n, gn_partials *q) {
-    size_t begin = block * GN_CONTACT_BLOCK, end = begin + GN_CONTACT_BLOCK;
+    size_t begin = block * q->length, end = begin + q->length;
     if (end > contacts->soa.count) end = contacts->soa.count;
-    int32_t *rows = n->particle + block * 2 * GN_CONTACT_BLOCK, count = 0;
+    int32_t *rows = n->particle + block * 2 * q->length, count = 0;
     for (size_t c = begin; c < end; c++) {
         q->place[2 * c] = place_of(contacts->i[c], q->width, seen, rows, &count);
         q->place[2 * c + 1] = place_of(contacts->j[c], q->width, seen, rows, &count);
@@ -54,6 +54,22 @@ static bool number_blocks(const gn_contacts *contacts, size_t particles, int thr
     return held;
 }
 
+static bool find_touched(const numbering *n, size_t particle_blocks, gn_partials *q) {
+    for (int end = 0; end < 2; end++) {
+        q->touched[end] = gn_alloc_array(particle_blocks + 1, sizeof *q->touched[end]);
+        if (!q->touched[end]) return false;
+        for (size_t p = 0; p < particle_blocks; p++) q->touched[end][p] = end ? -1 : INT32_MAX;
+    }
+    for (size_t b = 0; b < q->blocks; b++)
+        for (int32_t k = 0; k < n->count[b]; k++) {
+            int32_t particle = n->particle[b * 2 * q->length + (size_t)k];
+            size_t p = (size_t)particle / GN_PARTICLE_BLOCK;
+            if (q->touched[0][p] > (int32_t)b) q->touched[0][p] = (int32_t)b;
+            q->touched[1][p] = (int32_t)b;
+        }
+    return true;
+}
+
 /* Shares sorted by particle (counting sort, stable: rows of a particle stay in block order). */
 static bool sort_shares(const numbering *n, size_t particles, gn_partials *q) {
     size_t particle_blocks = (particles + GN_PARTICLE_BLOCK - 1) / GN_PARTICLE_BLOCK;
@@ -63,7 +79,7 @@ static bool sort_shares(const numbering *n, size_t particles, gn_partials *q) {
     bool held = next && q->start && q->share;
     for (size_t b = 0; held && b < q->blocks; b++)
         for (int32_t k = 0; k < n->count[b]; k++)
-            next[n->particle[b * 2 * GN_CONTACT_BLOCK + (size_t)k] + 1]++;
+            next[n->particle[b * 2 * q->length + (size_t)k] + 1]++;
     for (size_t p = 1; held && p <= particles; p++) next[p] += next[p - 1];
     for (size_t b = 0; held && b <= particle_blocks; b++) {
         size_t p = b * GN_PARTICLE_BLOCK;
@@ -71,20 +87,30 @@ static bool sort_shares(const numbering *n, size_t particles, gn_partials *q) {
     }
     for (size_t b = 0; held && b < q->blocks; b++)
         for (int32_t k = 0; k < n->count[b]; k++) {
-            int32_t p = n->particle[b * 2 * GN_CONTACT_BLOCK + (size_t)k];
+            int32_t p = n->particle[b * 2 * q->length + (size_t)k];
             q->share[next[p]++] = (gn_share){p, q->first[b] + k};
         }
     gn_free(next);
-    return held;
+    return held && find_touched(n, particle_blocks, q);
+}
+
+/* Long blocks have fewer rows in all; short lists still want several blocks to share out. */
+static size_t block_length(size_t count) {
+    enum { BLOCKS_WANTED = 48 };
+    size_t length = GN_CONTACT_BLOCK_LEAST;
+    while (length < GN_CONTACT_BLOCK && length * BLOCKS_WANTED < count) length *= 2;
+    return length;
 }
 
 gneiss_status gn_partials_build(const gn_contacts *contacts, size_t particle_count, int threads,
                                 gn_partials *q, gneiss_error *error) {
-    size_t count = contacts->soa.count, blocks = (count + GN_CONTACT_BLOCK - 1) / GN_CONTACT_BLOCK;
+    size_t count = contacts->soa.count, length = block_length(count);
+    size_t blocks = (count + length - 1) / length;
     gn_partials_free(q);
+    q->length = length;
     q->width = gn_contacts_row_width(contacts);
     q->blocks = blocks;
-    numbering n = {gn_alloc_array(blocks + 1, 2 * GN_CONTACT_BLOCK * sizeof *n.particle),
+    numbering n = {gn_alloc_array(blocks + 1, 2 * length * sizeof *n.particle),
                    gn_alloc_array(blocks + 1, sizeof *n.count)};
     q->place = gn_alloc_array(count + 1, 2 * sizeof *q->place);
     q->first = gn_alloc_array(blocks + 1, sizeof *q->first);
@@ -109,5 +135,7 @@ void gn_partials_free(gn_partials *q) {
     gn_free(q->row);
     gn_free(q->start);
     gn_free(q->share);
+    gn_free(q->touched[0]);
+    gn_free(q->touched[1]);
     *q = (gn_partials){0};
 }

@@ -92,7 +92,6 @@ gneiss_status gn_bonds_form(gn_world *w, gneiss_error *error) {
     if (status != GNEISS_OK) return status;
     w->bonds_at_start = (int64_t)w->bonds.soa.count;
     gn_contacts_pad(&w->bonds, &w->particles);
-    w->bond_blocks = gn_blocks(w->bonds.soa.count, GN_CONTACT_BLOCK);
     return gn_partials_build(&w->bonds, w->particles.soa.count, w->threads, &w->bond_partials,
                              error);
 }

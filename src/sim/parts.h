@@ -37,6 +37,12 @@ gneiss_status gn_walls_create(gn_world *world, gneiss_error *error);
 gneiss_status gn_wall_contacts_find(gn_world *world, gneiss_error *error);
 /* Forces of one block of wall contacts, into their rows and world->wall_sums[block]. */
 void gn_wall_contacts_block(const gn_world *world, size_t block);
+enum { GN_WALL_BLOCK = 256 };
+
+/* sweep.c: walls, contacts and motion of one step, in parallel. Prepare when threads change. */
+void gn_sweep_prepare(gn_world *world);
+void gn_sweep(gn_world *world, const gn_contact_args *bonds, const gn_contact_args *pairs,
+              const gn_motion_args *motion);
 /* Sums the forces on the walls, books their work, moves them over the coming step. */
 void gn_walls_sum(gn_world *world);
 void gn_walls_move(gn_world *world);

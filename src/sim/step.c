@@ -1,10 +1,9 @@
-/* One step of the model, from top to bottom: lists, contact forces, walls, motion. */
-#include "base/timer.h"
+/* One step of the model, from top to bottom: lists, then walls, contact forces and motion
+ * (sweep.c), then what they sum up to. */
 #include "sim/parts.h"
 #include "soa/single.h"
 
 #include <math.h>
-#include <omp.h>
 #include <string.h>
 
 gn_contact_args gn_world_contact_args(const gn_world *w, const gn_contacts *list, bool measure) {
@@ -21,6 +20,7 @@ gn_contact_args gn_world_contact_args(const gn_world *w, const gn_contacts *list
     a.dt = w->dt_past;
     a.arm_factor = w->scene.contact_arm == GN_ARM_MIDPOINT ? 0.5 : 0.0;
     memcpy(a.period, w->period, sizeof a.period);
+    for (int k = 0; k < 3; k++) a.inverse_period[k] = w->period[k] > 0.0 ? 1.0 / w->period[k] : 0.0;
     a.time = w->time;
     a.measure = measure;
     return a;
@@ -40,71 +40,6 @@ gn_motion_args gn_world_motion_args(gn_world *w, bool measure) {
     a.damping = w->scene.background_coefficient;
     a.measure = measure;
     return a;
-}
-
-/* The share of `count` blocks that belongs to this thread: contiguous, so that a thread comes back
- * to the same memory in every step. */
-static void my_blocks(size_t count, size_t *begin, size_t *end) {
-    size_t t = (size_t)omp_get_thread_num(), of = (size_t)omp_get_num_threads();
-    *begin = count * t / of;
-    *end = count * (t + 1) / of;
-}
-
-static void run_contacts(gn_contact_kernel *kernel, const gn_contact_args *args, size_t blocks,
-                         gn_contact_sums *sums) {
-    size_t begin, end;
-    my_blocks(blocks, &begin, &end);
-    for (size_t b = begin; b < end; b++) {
-        size_t first = b * GN_CONTACT_BLOCK, last = first + GN_CONTACT_BLOCK;
-        if (last > args->contacts->soa.count) last = args->contacts->soa.count;
-        sums[b] = (gn_contact_sums){0};
-        kernel(args, first, last, &sums[b]);
-    }
-}
-
-static void run_motion(gn_motion_kernel *kernel, const gn_motion_args *args, gn_world *w) {
-    size_t begin, end, count = w->particles.soa.count;
-    my_blocks(w->motion_blocks, &begin, &end);
-    for (size_t b = begin; b < end; b++) {
-        size_t first = b * GN_PARTICLE_BLOCK, last = first + GN_PARTICLE_BLOCK;
-        if (last > count) last = count;
-        w->motion_sums[b] = (gn_motion_sums){.bad = -1};
-        kernel(args, first, last, &w->motion_sums[b]);
-    }
-}
-
-/* Books the time since *mark under a phase (first thread only) and moves the mark. */
-static void book(gn_world *w, gn_phase phase, double *mark) {
-#pragma omp master
-    {
-        double now = gn_now();
-        w->seconds[phase] += now - *mark;
-        *mark = now;
-    }
-}
-
-/* The parallel part: contacts -> partial sums, walls, then partial sums -> particles. Nothing is
- * shared but rows that one thread writes and, after the barrier, others read. */
-static void compute(gn_world *w, const gn_contact_args *bonds, const gn_contact_args *pairs,
-                    const gn_motion_args *motion) {
-#pragma omp parallel num_threads(w->threads)
-    {
-        double mark = gn_now();
-        if (w->bonds.soa.count) run_contacts(w->bond_kernel, bonds, w->bond_blocks, w->bond_sums);
-        book(w, GN_PHASE_bonds, &mark);
-        if (w->pairs.soa.count) run_contacts(w->pair_kernel, pairs, w->pair_blocks, w->pair_sums);
-        book(w, GN_PHASE_pairs, &mark);
-        if (w->wall_blocks) {
-            size_t begin, end;
-            my_blocks(w->wall_blocks, &begin, &end);
-            for (size_t b = begin; b < end; b++) gn_wall_contacts_block(w, b);
-            book(w, GN_PHASE_walls, &mark);
-        }
-#pragma omp barrier
-        run_motion(w->motion_kernel, motion, w);
-#pragma omp barrier
-        book(w, GN_PHASE_motion, &mark);
-    }
 }
 
 /* --- merging, in block order
@@ -155,8 +90,8 @@ static double unbalanced_ratio(const gn_world *w, double resultant, double force
  */
 static void merge_before(gn_world *w, const gn_motion_sums *m, bool measure) {
     gn_contact_sums bonds = {0}, pairs = {0}, walls = {0};
-    if (w->bonds.soa.count) add_contact_sums(&bonds, w->bond_sums, w->bond_blocks);
-    if (w->pairs.soa.count) add_contact_sums(&pairs, w->pair_sums, w->pair_blocks);
+    if (w->bonds.soa.count) add_contact_sums(&bonds, w->bond_sums, w->bond_partials.blocks);
+    if (w->pairs.soa.count) add_contact_sums(&pairs, w->pair_sums, w->pair_partials.blocks);
     add_contact_sums(&walls, w->wall_sums, w->wall_blocks);
     gn_energy *e = &w->energy;
     e->friction += bonds.friction + pairs.friction + walls.friction;
@@ -235,7 +170,7 @@ static gneiss_status observe(const gn_world *w, const gn_contacts *list, gn_cont
     args.partials = NULL;
     args.uniform = (gn_uniform){0};
     args.dt = 0.0;
-    size_t count = copy->soa.count;
+    size_t count = copy->soa.count; /* without partial sums, any cut into blocks will do */
 #pragma omp parallel for schedule(static) num_threads(w->threads)
     for (size_t c = 0; c < count; c += GN_CONTACT_BLOCK) {
         gn_contact_sums sums = {0};
@@ -264,7 +199,7 @@ gneiss_status gn_world_step(gn_world *w, bool measure, gneiss_error *error) {
     gn_contact_args bonds = gn_world_contact_args(w, &w->bonds, measure);
     gn_contact_args pairs = gn_world_contact_args(w, &w->pairs, measure);
     gn_motion_args motion = gn_world_motion_args(w, measure);
-    compute(w, &bonds, &pairs, &motion);
+    gn_sweep(w, &bonds, &pairs, &motion);
 
     gn_motion_sums moved = add_motion_sums(w->motion_sums, w->motion_blocks);
     gn_walls_sum(w);

@@ -167,6 +167,8 @@ static gneiss_status choose_kernels(gn_world *w, gneiss_error *error) {
 gneiss_status gn_world_prepare(gn_world *w, gneiss_error *error) {
     w->effects = gn_scene_effects(&w->scene);
     w->threads = w->scene.threads > 0 ? (int)w->scene.threads : omp_get_num_procs();
+    if (w->threads > GN_THREADS_MAX) w->threads = GN_THREADS_MAX;
+    gn_sweep_prepare(w);
     for (int a = 0; a < 3; a++) w->period[a] = w->scene.periodic_max[a] - w->scene.periodic_min[a];
     return choose_kernels(w, error);
 }
@@ -231,7 +233,7 @@ void gn_world_free(gn_world *w) {
                       w->wall_normals,    w->channel_set,     w->set_reaction,
                       w->prescribed.set,  w->prescribed.mask, w->prescribed.velocity,
                       w->prescribed.load, w->bond_sums,       w->pair_sums,
-                      w->wall_sums,       w->motion_sums};
+                      w->wall_sums,       w->motion_sums,     w->moved};
     for (size_t k = 0; k < sizeof blocks / sizeof *blocks; k++) gn_free(blocks[k]);
     gn_scene_free(&w->scene);
     memset(w, 0, sizeof *w);

@@ -56,6 +56,13 @@ typedef struct gn_derived {
     double radius2; /* m2: strengths are 4 sigma_c radius2, 4 tau_c radius2 */
 } gn_derived;
 
+/* Seconds that a thread worked in the last sweep; a cache line each. */
+typedef struct gn_busy {
+    _Alignas(64) double seconds;
+} gn_busy;
+
+enum { GN_THREADS_MAX = 1024 };
+
 typedef struct gn_world {
     gn_scene scene;
     gn_effects effects;
@@ -63,6 +70,8 @@ typedef struct gn_world {
     gn_contact_kernel *bond_kernel, *pair_kernel;
     gn_motion_kernel *motion_kernel;
     int threads;
+    double share[GN_THREADS_MAX]; /* part of the contacts before a thread's own (sweep.c) */
+    gn_busy busy[GN_THREADS_MAX];
 
     gn_particles particles;
     gn_contacts bonds, pairs;
@@ -81,7 +90,8 @@ typedef struct gn_world {
 
     gn_contact_sums *bond_sums, *pair_sums, *wall_sums; /* per block */
     gn_motion_sums *motion_sums;
-    size_t bond_blocks, pair_blocks, wall_blocks, motion_blocks;
+    size_t wall_blocks, motion_blocks;
+    int64_t *moved; /* [motion_blocks] step in which a thread moved these particles on its own */
 
     gn_verlet verlet;
     gn_strain_gauge gauge;
