@@ -35,7 +35,7 @@ static gneiss_status make_data(const gn_world *w, spectrum_data *d, gneiss_error
         d->stiffness[2 * k] = def->stiffness;
         bool shear = w->effects & GN_FX_WALL_SHEAR && def->friction > 0.0 && def->kratio > 0.0;
         d->stiffness[2 * k + 1] = shear ? def->stiffness / def->kratio : 0.0;
-        d->damping[k] = gn_contact_damping_fraction(&w->scene);
+        d->damping[k] = w->damping_fraction;
     }
     for (size_t p = 0; d->fixed && p < n; p++)
         d->fixed[p] = w->particles.slot[p] >= 0 ? w->prescribed.mask[w->particles.slot[p]] : 0;
@@ -69,7 +69,7 @@ static double free_flight_limit(const gn_world *w) {
             least =
                 fmin(least, 2.0 * sqrt(1.0 / (w->scene.walls[s].stiffness * q->vel[4 * p + 3])));
     }
-    double alpha = gn_contact_damping_fraction(&w->scene);
+    double alpha = w->damping_fraction;
     return least * (sqrt(1.0 + alpha * alpha) - alpha);
 }
 

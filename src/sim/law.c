@@ -75,7 +75,7 @@ gn_contact_parameters gn_contact_law(const gn_world *w, int32_t i, int32_t j) {
            tb = b->kratio > 0.0 ? 1.0 / b->kratio : 0.0;
     p.kt = ta + tb > 0.0 ? p.kn * series(ta, tb) : 0.0;
     p.mu = smaller(a->friction, b->friction);
-    double alpha = gn_contact_damping_fraction(&w->scene);
+    double alpha = w->damping_fraction;
     if (alpha > 0.0) {
         double inverse = q->vel[4 * (int64_t)i + 3] + q->vel[4 * (int64_t)j + 3];
         p.cn = 2.0 * alpha * sqrt(p.kn / inverse);

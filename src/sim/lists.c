@@ -5,6 +5,7 @@
 #include "soa/single.h"
 
 #include <math.h>
+#include <omp.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -15,47 +16,80 @@ size_t gn_blocks(size_t count, size_t block) {
 /* --- unbonded pairs
  * -------------------------------------------------------------------------------- */
 
-/* Place of (i, j) in a list sorted by (i, j), or -1. */
-static int64_t find_contact(const gn_contacts *list, int32_t i, int32_t j) {
+static bool comes_before(const gn_contacts *list, size_t c, int32_t i, int32_t j) {
+    return list->i[c] < i || (list->i[c] == i && list->j[c] < j);
+}
+
+/* First contact of a sorted list that does not come before (i, j). */
+static size_t lower_bound(const gn_contacts *list, int32_t i, int32_t j) {
     size_t low = 0, high = list->soa.count;
     while (low < high) {
         size_t mid = (low + high) / 2;
-        if (list->i[mid] < i || (list->i[mid] == i && list->j[mid] < j))
+        if (comes_before(list, mid, i, j))
             low = mid + 1;
         else
             high = mid;
     }
-    if (low < list->soa.count && list->i[low] == i && list->j[low] == j) return (int64_t)low;
-    return -1;
+    return low;
+}
+
+/* Whether the list has (i, j), walking on from *at: both lists are sorted. */
+static bool walk_to(const gn_contacts *list, size_t *at, int32_t i, int32_t j) {
+    while (*at < list->soa.count && comes_before(list, *at, i, j)) (*at)++;
+    return *at < list->soa.count && list->i[*at] == i && list->j[*at] == j;
 }
 
 static void drop_bonded(const gn_world *w, gn_pair_list *pairs) {
     if (!w->bonds.soa.count) return;
-    size_t kept = 0;
+    size_t kept = 0, at = 0;
     for (size_t c = 0; c < pairs->count; c++) {
         int32_t i = pairs->pair[c][0], j = pairs->pair[c][1];
-        if (find_contact(&w->bonds, i, j) >= 0) continue;
+        if (walk_to(&w->bonds, &at, i, j)) continue;
         pairs->pair[kept][0] = i;
         pairs->pair[kept++][1] = j;
     }
     pairs->count = kept;
 }
 
-static void set_pair(const gn_world *w, gn_contacts *now, size_t c, const gn_contacts *old) {
-    gn_contact_parameters p = gn_contact_law(w, now->i[c], now->j[c]);
-    now->kn[c] = p.kn;
-    if (now->kt) now->kt[c] = p.kt;
-    if (now->mu) now->mu[c] = p.mu;
-    if (now->cn) now->cn[c] = p.cn;
-    int64_t before = find_contact(old, now->i[c], now->j[c]);
-    if (before < 0) return;
+/* Parameters depend on the two particles alone: a pair that was there keeps them, and its history.
+ */
+static void keep_pair(gn_contacts *now, size_t c, const gn_contacts *old, size_t before) {
+    now->kn[c] = old->kn[before];
+    if (now->kt) now->kt[c] = old->kt[before];
+    if (now->mu) now->mu[c] = old->mu[before];
+    if (now->cn) now->cn[c] = old->cn[before];
     for (size_t a = 0; a < 3; a++) {
-        size_t to = c + a * now->soa.capacity, from = (size_t)before + a * old->soa.capacity;
+        size_t to = c + a * now->soa.capacity, from = before + a * old->soa.capacity;
         if (now->shear) now->shear[to] = old->shear[from];
         if (now->shear_f) now->shear_f[to] = old->shear_f[from];
     }
     if (now->fd) now->fd[c] = old->fd[before];
     if (now->fd_f) now->fd_f[c] = old->fd_f[before];
+}
+
+static void new_pair(const gn_world *w, gn_contacts *now, size_t c) {
+    gn_contact_parameters p = gn_contact_law(w, now->i[c], now->j[c]);
+    now->kn[c] = p.kn;
+    if (now->kt) now->kt[c] = p.kt;
+    if (now->mu) now->mu[c] = p.mu;
+    if (now->cn) now->cn[c] = p.cn;
+}
+
+/* Fills the list from the pairs found; every thread walks through its part of the old list. */
+static void fill_pairs(const gn_world *w, const gn_pair_list *found, gn_contacts *now) {
+#pragma omp parallel num_threads(w->threads)
+    {
+        size_t t = (size_t)omp_get_thread_num(), of = (size_t)omp_get_num_threads();
+        size_t begin = found->count * t / of, end = found->count * (t + 1) / of, at = 0;
+        if (begin < end) at = lower_bound(&w->pairs, found->pair[begin][0], found->pair[begin][1]);
+        for (size_t c = begin; c < end; c++) {
+            int32_t i = now->i[c] = found->pair[c][0], j = now->j[c] = found->pair[c][1];
+            if (walk_to(&w->pairs, &at, i, j))
+                keep_pair(now, c, &w->pairs, at);
+            else
+                new_pair(w, now, c);
+        }
+    }
 }
 
 static gneiss_status make_pairs(gn_world *w, gneiss_error *error) {
@@ -70,12 +104,7 @@ static gneiss_status make_pairs(gn_world *w, gneiss_error *error) {
     gneiss_status status = gn_soa_create(&gn_contact_record, &now, found.count,
                                          gn_contact_list_effects(w->effects, false), error);
     if (status == GNEISS_OK) {
-#pragma omp parallel for schedule(static) num_threads(w->threads)
-        for (size_t c = 0; c < found.count; c++) {
-            now.i[c] = found.pair[c][0];
-            now.j[c] = found.pair[c][1];
-            set_pair(w, &now, c, &w->pairs);
-        }
+        fill_pairs(w, &found, &now);
         gn_soa_destroy(&gn_contact_record, &w->pairs);
         w->pairs = now;
         gn_contacts_pad(&w->pairs, &w->particles);

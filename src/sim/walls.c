@@ -152,7 +152,7 @@ static void wall_contact(const gn_world *w, size_t c, gn_contact_sums *sums) {
     double normal = touching ? def->stiffness * overlap : 0.0, viscous = 0.0, t[3] = {0, 0, 0},
            elastic = 0.0;
     if (w->effects & GN_FX_CONTACT_DAMPING) {
-        double alpha = gn_contact_damping_fraction(&w->scene);
+        double alpha = w->damping_fraction;
         if (touching)
             viscous = 2.0 * alpha * sqrt(def->stiffness / w->particles.vel[4 * p + 3]) * s.speed;
         if (q->fd) {
@@ -189,7 +189,7 @@ static double step_stiffness(const gn_world *w, size_t c) {
     double k = w->scene.walls[w->wall_contacts.wall[c]].stiffness;
     double inverse_mass = w->particles.vel[4 * (int64_t)w->wall_contacts.i[c] + 3];
     if (!(inverse_mass > 0.0)) return k;
-    return k + 2.0 * gn_contact_damping_fraction(&w->scene) * sqrt(k / inverse_mass) / w->dt;
+    return k + 2.0 * w->damping_fraction * sqrt(k / inverse_mass) / w->dt;
 }
 
 void gn_walls_sum(gn_world *w) {

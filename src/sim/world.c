@@ -169,6 +169,7 @@ gneiss_status gn_world_prepare(gn_world *w, gneiss_error *error) {
     w->threads = w->scene.threads > 0 ? (int)w->scene.threads : omp_get_num_procs();
     if (w->threads > GN_THREADS_MAX) w->threads = GN_THREADS_MAX;
     gn_sweep_prepare(w);
+    w->damping_fraction = gn_contact_damping_fraction(&w->scene);
     for (int a = 0; a < 3; a++) w->period[a] = w->scene.periodic_max[a] - w->scene.periodic_min[a];
     return choose_kernels(w, error);
 }

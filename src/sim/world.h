@@ -96,6 +96,7 @@ typedef struct gn_world {
     gn_verlet verlet;
     gn_strain_gauge gauge;
     double period[3];
+    double damping_fraction;   /* of critical, of contacts that are pressed */
     double volume;             /* m3 (2D: m2 x 1 m): of the specimen at the start */
     double lower[3], upper[3]; /* m: extent of the specimen at the start, radii included */
     double test_length, test_area;
