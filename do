@@ -15,7 +15,7 @@ packages_build=(
 )
 packages_check=(git clang libclang-rt-14-dev libomp-dev clang-format clang-tidy cppcheck)
 packages_bench=(libbenchmark-dev)
-packages_peers=(yade) # large; only for bench --peers
+packages_peers=(yade lammps liggghts esys-particle) # large; only for bench --peers
 
 usage() {
     cat <<'TEXT'
@@ -24,7 +24,9 @@ usage: ./do COMMAND [...]
   run SCENE [gneiss options]   build, run the scene, make its report
   test [meson options]         build and run every test
   check [steps]                format gcc clang cppcheck tidy sanitizers python (all of them)
-  bench [--peers] [--large]    build and run the benchmarks; --peers: beside YADE
+  bench [--peers] [--large] [--sweep]
+                               build and run the benchmarks; --peers: beside LAMMPS, LIGGGHTS, YADE and
+                               ESyS-Particle; --large: big specimens; --sweep: 1 372 to 1 000 188 grains
   keys [prefix]                the keys that a scene file may hold
   clean                        remove the build folders
   help                         this text
@@ -145,7 +147,10 @@ command_test() {
 
 command_bench() {
     need "${packages_build[@]}" "${packages_bench[@]}"
-    [[ " $* " != *" --peers "* ]] || need "${packages_peers[@]}"
+    if [[ " $* " == *" --peers "* ]]; then
+        local peer
+        for peer in "${packages_peers[@]}"; do (need "$peer") || say "./do: going on without $peer"; done
+    fi
     configure build-bench --buildtype=release -Dbench=enabled
     build build-bench bench/bench_step gneiss
     [[ -f $root/bench/meson.build ]] || die "bench: there is no bench/meson.build"

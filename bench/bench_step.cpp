@@ -1,10 +1,14 @@
 // Benches of whole steps, of single effects and of kernels alone.
 //
-//   bench_step [--scenes DIR] [--large] [google-benchmark options]
+//   bench_step [--scenes DIR] [--large] [--sweep] [google-benchmark options]
+//
+// --large adds specimens beyond the caches, --sweep the frictional lattice from 1 372 to 1 000 188
+// grains.
 //
 // A world is made once and shared by the benches that differ only in threads and instruction set.
 // Times are wall times; one iteration is one step (or one sweep of a kernel).
 #include "bench_world.h"
+#include "limits.h"
 
 #include <benchmark/benchmark.h>
 
@@ -261,20 +265,36 @@ void add_effects() {
     }
 }
 
-void add_all(bool large) {
+struct Wanted {
+    bool large, sweep;
+};
+
+void add_all(Wanted wanted) {
     const Model rock = {"rock-a", "../../scenes/ucs-rock.yaml", "", {}, 20};
     const Model small = fcc("fcc-32k", 20);
+    const char *mixed = "run.precision=mixed";
     add_steps(rock, true);
     add_kernels(rock);
+    add_steps(with(rock, "rock-a-mixed", {mixed}), true);
+    add_kernels(with(rock, "rock-a-mixed", {mixed}));
     add_steps(with(rock, "rock-a-no-energy", {"output.energy=off"}), false);
     add_steps(small, true);
     add_kernels(small);
+    add_steps(with(small, "fcc-32k-mixed", {mixed}), true);
+    add_kernels(with(small, "fcc-32k-mixed", {mixed}));
     add_steps(with(small, "fcc-32k-energy", {"output.energy=on"}), false);
     add_steps({"chute", "chute.yaml", "", {}, 3000}, false);
-    if (large) {
-        for (int n : {7, 10, 14, 30})
-            add_steps(fcc("fcc-" + std::to_string(4 * n * n * n), n), false);
+    if (wanted.sweep)
+        for (int n : {7, 14, 30, 63}) {
+            const Model model = fcc("fcc-" + std::to_string(4 * n * n * n), n);
+            add_steps(model, false);
+            add_steps(with(model, model.name + "-mixed", {mixed}), false);
+        }
+    if (wanted.large || wanted.sweep) {
         add_steps(fcc("fcc-500k", 50), false);
+        add_steps(with(fcc("fcc-500k", 50), "fcc-500k-mixed", {mixed}), false);
+    }
+    if (wanted.large) {
         add_steps({"bonded-108k",
                    "lattice.yaml",
                    "bonds: {interaction_range: 0.05}\n",
@@ -300,13 +320,26 @@ std::string first_line(const char *path) {
     return line;
 }
 
+// The roofs of one core: arithmetic, and streams from the second-level cache and from memory.
+void add_limits() {
+    const auto giga = [](double rate) { return std::to_string(1e-9 * rate); };
+    benchmark::AddCustomContext("limit_gflops_double", giga(bench_limit_flops(0)));
+    benchmark::AddCustomContext("limit_gflops_single", giga(bench_limit_flops(1)));
+    benchmark::AddCustomContext("limit_gbs_cached",
+                                giga(bench_limit_triad(static_cast<std::size_t>(1) << 20)));
+    benchmark::AddCustomContext("limit_gbs_far",
+                                giga(bench_limit_triad(static_cast<std::size_t>(96) << 20)));
+}
+
 // Takes our own options out of argv; google-benchmark sees the rest.
-bool own_options(int *argc, char **argv) {
-    bool large = false;
+Wanted own_options(int *argc, char **argv) {
+    Wanted wanted = {false, false};
     int kept = 1;
     for (int k = 1; k < *argc; k++) {
         if (std::strcmp(argv[k], "--large") == 0)
-            large = true;
+            wanted.large = true;
+        else if (std::strcmp(argv[k], "--sweep") == 0)
+            wanted.sweep = true;
         else if (std::strcmp(argv[k], "--scenes") == 0 && k + 1 < *argc)
             scenes_folder = argv[++k];
         else
@@ -314,20 +347,24 @@ bool own_options(int *argc, char **argv) {
     }
     argv[kept] = nullptr;
     *argc = kept;
-    return large;
+    return wanted;
 }
 
 } // namespace
 
 int main(int argc, char **argv) {
-    bool large = own_options(&argc, argv);
+    Wanted wanted = own_options(&argc, argv);
     benchmark::AddCustomContext("gneiss", std::string(bench_version()) + " " + bench_build());
     benchmark::AddCustomContext("isa", bench_widest_isa());
     benchmark::AddCustomContext("cpu", cpu_model());
     benchmark::AddCustomContext("load_at_start", first_line("/proc/loadavg"));
+    bool lists = false;
+    for (int k = 1; k < argc; k++)
+        lists = lists || std::strncmp(argv[k], "--benchmark_list", 16) == 0;
+    if (!lists) add_limits();
     benchmark::Initialize(&argc, argv);
     if (benchmark::ReportUnrecognizedArguments(argc, argv)) return 2;
-    add_all(large);
+    add_all(wanted);
     benchmark::RunSpecifiedBenchmarks();
     benchmark::Shutdown();
     return 0;

@@ -159,7 +159,10 @@ size_t bench_world_motion_kernel(bench_world *b, size_t blocks) {
 }
 
 void bench_world_contact_name(const bench_world *b, char *name, size_t size) {
-    gn_contact_variant_name(gn_contact_variant(longer_list(&b->world)->soa.effects), name, size);
+    gn_effects effects = longer_list(&b->world)->soa.effects;
+    gn_contact_variant_name(gn_contact_variant(effects), name, size);
+    size_t used = strlen(name);
+    if (effects & GN_FX_MIXED) snprintf(name + used, size - used, "_mixed");
 }
 
 void bench_world_motion_name(const bench_world *b, char *name, size_t size) {
@@ -170,19 +173,28 @@ static size_t width(const void *array, size_t bytes) {
     return array ? bytes : 0;
 }
 
+/* Bytes of the columns that are streamed; what all contacts share is read from one place. */
+static size_t parameters(const gn_contacts *k, const gn_uniform *u) {
+    bool mixed = k->kn_f;
+    size_t real = mixed ? 4 : 8, bytes = 0;
+    bytes += width(u->kn ? NULL : k->kn, real) + width(u->kt ? NULL : k->kt, real);
+    bytes += width(u->mu ? NULL : k->mu, real) + width(u->cn ? NULL : k->cn, real);
+    bytes += width(k->length0, real) + width(k->rn, real) + width(k->rt, real);
+    return bytes + width(k->branch_f, 12) + width(k->stretch_f, 4);
+}
+
 void bench_world_contact_traffic(const bench_world *b, size_t *read, size_t *written) {
-    const gn_contacts *k = longer_list(&b->world);
-    const gn_partials *q =
-        bonds_are_more(&b->world) ? &b->world.bond_partials : &b->world.pair_partials;
-    size_t shear = b->world.effects & GN_FX_SPACE ? 24 : 16;
-    *read = width(k->i, 4) + width(k->j, 4) + width(k->kn, 8) + width(k->kt, 8) + width(k->mu, 8) +
-            width(k->cn, 8) + width(k->length0, 8) + width(k->rn, 8) + width(k->rt, 8) +
-            width(k->shear, shear) + width(k->fd, 8);
-    *written = width(k->shear, shear) + width(k->fd, 8);
-    /* a row is cleared, read and written again by the contacts of its block */
+    const gn_world *w = &b->world;
+    const gn_contacts *k = longer_list(w);
+    const gn_partials *q = bonds_are_more(w) ? &w->bond_partials : &w->pair_partials;
+    size_t components = w->effects & GN_FX_SPACE ? 3 : 2;
+    size_t state = width(k->shear, 8 * components) + width(k->shear_f, 4 * components) +
+                   width(k->fd, 8) + width(k->fd_f, 4);
+    /* a row is cleared, and then read and written by the contacts of its block from the cache */
     size_t rows = q->blocks ? (size_t)q->first[q->blocks] * (size_t)q->width * sizeof *q->row : 0;
-    *written += rows / k->soa.count;
-    *read += rows / k->soa.count + 2 * sizeof *q->place;
+    *read = 2 * sizeof *k->i + 2 * sizeof *q->place + state + rows / k->soa.count +
+            parameters(k, bonds_are_more(w) ? &w->bond_uniform : &w->pair_uniform);
+    *written = state + rows / k->soa.count;
 }
 
 const char *bench_version(void) {

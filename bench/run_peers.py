@@ -1,15 +1,19 @@
-"""gneiss beside other codes on the same scene, in turns, in one session.
+"""gneiss beside other codes on the same scenes, in turns, in one session.
 
-run_peers.py --build FOLDER [--out FOLDER] [--repeats N] [--steps N]
+run_peers.py --build FOLDER [--out FOLDER] [--repeats N] [--steps N] [--large] [--scene NAME ...]
 
-The scene is rock-a: uniaxial compression of 10 225 bonded spheres. What is compared is bond-steps per second, the
-number of intact bonds times the steps per second of wall time; set-up is left out everywhere. Prints a table and
-writes peers.json and peers.md. Standard library only.
+Scenes: fcc-32k, a frictional lattice (LAMMPS, LIGGGHTS); fcc-500k, the same beyond the caches (LAMMPS; with --large);
+rock-a, uniaxial compression of 10 225 bonded spheres (YADE, ESyS-Particle). What is compared is contact-steps or
+bond-steps per second: touching pairs or intact bonds times the steps per second of wall time; set-up is left out
+everywhere. A code that is not installed, or that fails, is left out with a note. Prints tables and writes peers.json,
+peers.md and peers.csv. Standard library only.
 """
 import argparse
+import csv
 import datetime
 import json
 import os
+import re
 import shutil
 import statistics
 import subprocess
@@ -17,116 +21,351 @@ import sys
 import tempfile
 
 ROOT = os.path.dirname(os.path.dirname(os.path.abspath(__file__)))
-SCENE = os.path.join(ROOT, "scenes", "ucs-rock.yaml")
+PEERS = os.path.join(ROOT, "bench", "peers")
+UCS = os.path.join(ROOT, "scenes", "ucs-rock.yaml")
 PACKING = os.path.join(ROOT, "scenes", "specimens", "rock-a.txt")
+SECONDS = {"ns": 1e-9, "us": 1e-6, "ms": 1e-3, "s": 1.0}
+MIN_TIME = 0.5  # seconds per gneiss measurement
+TO_FAILURE = "to failure"  # key of results that are wall seconds of a whole test
+
+# Code: its program, its Debian package.
+CODES = {"LAMMPS": ("lmp", "lammps"), "LIGGGHTS": ("liggghts", "liggghts"), "YADE": ("yade", "yade"),
+         "ESyS-Particle": ("esysparticle", "esys-particle")}
+# Scene: what it counts, and the rows that others are compared with.
+SCENES = {"fcc-32k": ("contact", ["LAMMPS, 2 ranks"]), "fcc-500k": ("contact", ["LAMMPS, 2 ranks"]),
+          "rock-a": ("bond", ["YADE -j2", "ESyS-Particle, 2 workers"])}
+
+
+class Failed(Exception):
+    """A program ended badly or did not print what was expected."""
 
 
 def call(command, extra=None, timeout=900):
-    environment = dict(os.environ, **(extra or {}))
-    done = subprocess.run(command, env=environment, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True,
-                          timeout=timeout, check=False)
+    """What the command prints; it runs in a folder of its own. Waiting OpenMP threads of every code spin briefly."""
+    environment = {"GOMP_SPINCOUNT": "20000", **os.environ, **(extra or {})}
+    with tempfile.TemporaryDirectory() as folder:
+        try:
+            done = subprocess.run(command, env=environment, cwd=folder, stdout=subprocess.PIPE,
+                                  stderr=subprocess.STDOUT, text=True, timeout=timeout, check=False)
+        except (OSError, subprocess.TimeoutExpired) as error:
+            raise Failed(f"{' '.join(command)}: {error}") from error
     if done.returncode != 0:
-        sys.exit(f"run_peers.py: {' '.join(command)} failed ({done.returncode}):\n{done.stdout[-2000:]}")
+        raise Failed(f"{' '.join(command)} failed ({done.returncode}):\n{done.stdout[-2000:]}")
     return done.stdout
 
 
-def gneiss_steps(build, threads, isa):
-    """Steps alone, through the bench harness."""
-    text = call([os.path.join(build, "bench", "bench_step"), "--benchmark_min_time=0.5", "--benchmark_format=json",
-                 f"--benchmark_filter=^step/rock-a/threads:{threads}/{isa}/"])
-    results = json.loads(text[text.index("{"):])
-    entries = results["benchmarks"]
-    if not entries or entries[0].get("error_occurred"):
-        sys.exit(f"run_peers.py: bench_step gave no rock-a at {threads} threads with {isa}:\n{text[-2000:]}")
-    entry = entries[0]
-    seconds = entry["real_time"] * {"ns": 1e-9, "us": 1e-6, "ms": 1e-3}[entry["time_unit"]]
-    return {"bonds": entry["bonds"], "bond_steps_per_second": entry["bonds"] / seconds, "steps": entry["iterations"],
-            "isa": results["context"]["isa"], "version": results["context"]["gneiss"]}
+def mpirun(processes):
+    root = ["--allow-run-as-root"] if os.geteuid() == 0 else []
+    # Open MPI looks for ssh even when it starts nothing on other machines.
+    return ["mpirun", *root, "--mca", "plm_rsh_agent", "/bin/false", "--oversubscribe", "--bind-to", "none", "-np",
+            str(processes)]
 
 
-def gneiss_run(build, threads):
-    """A tenth of the real run, with its readings, history and snapshots at their normal pace."""
+def result(items, steps, seconds, **more):
+    return dict(more, items=items, steps=steps, seconds=seconds, speed=items * steps / seconds)
+
+
+# --- gneiss -------------------------------------------------------------------------------------------
+
+
+def gneiss_models(bench, scene):
+    """The models of the bench harness that stand for the scene, by precision: those that it has."""
+    names = call([bench, "--large", "--benchmark_list_tests"]).split()
+    present = {name.split("/")[1] for name in names if name.startswith("step/")}
+    wanted = {"double": scene, "mixed": scene + "-mixed"}
+    return {precision: model for precision, model in wanted.items() if model in present}
+
+
+def gneiss_steps(bench, model, precision, unit):
+    """Steps alone with the widest instruction set, on 2 threads and on 1, through the bench harness."""
+    text = call([bench, "--large", f"--benchmark_min_time={MIN_TIME}", "--benchmark_format=json",
+                 f"--benchmark_filter=^step/{model}/threads:[12]/"])
+    results = json.loads(text[text.index("{"):text.rindex("}") + 1])
+    widest, rows = results["context"]["isa"], {}
+    for entry in results["benchmarks"]:
+        if entry.get("error_occurred"):
+            raise Failed(f"{entry['name']}: {entry['error_message']}")
+        if f"/{widest}/" in entry["name"]:
+            threads = int(entry["threads"])
+            label = f"gneiss, {threads} thread{'s' if threads > 1 else ''}, {precision}, {widest}"
+            steps = entry["iterations"]
+            rows[label] = result(entry["bonds" if unit == "bond" else "contacts"], steps,
+                                 entry["real_time"] * SECONDS[entry["time_unit"]] * steps,
+                                 threads=threads, precision=precision, isa=widest)
+    if not rows:
+        raise Failed(f"bench_step has no step/{model} with {widest}:\n{text[-2000:]}")
+    return dict(sorted(rows.items(), key=lambda row: -row[1]["threads"]))
+
+
+def gneiss_summary(program, *options):
     with tempfile.TemporaryDirectory() as folder:
-        call([os.path.join(build, "gneiss"), "run", SCENE, "--quiet", "--threads", str(threads), "--out", folder,
-              "--set", "time.end=0.6 ms", "--set", "output.history_rows=200", "--set", "output.snapshots=2"])
+        call([program, "run", UCS, "--quiet", "--threads", "2", "--out", folder, *options])
         with open(os.path.join(folder, "summary.json"), encoding="utf-8") as f:
-            summary = json.load(f)
-    seconds, bonds = summary["seconds"], summary["counts"]["bonds"]
-    return {"bonds": bonds, "steps": summary["steps"], "dt": summary["dt"], "phases": seconds,
-            "bond_steps_per_second": bonds * summary["steps"] / (seconds["total"] - seconds["setup"])}
+            return json.load(f)
 
 
-def yade(threads, steps):
+def gneiss_run(program):
+    """A tenth of the real run, with its readings, history and snapshots at their normal pace."""
+    summary = gneiss_summary(program, "--set", "time.end=0.6 ms", "--set", "output.history_rows=200",
+                             "--set", "output.snapshots=2")
+    seconds = summary["seconds"]
+    return {"gneiss, whole run, 2 threads": result(summary["counts"]["bonds"], summary["steps"],
+                                                   seconds["total"] - seconds["setup"], dt=summary["dt"],
+                                                   phases=seconds)}
+
+
+def gneiss_to_failure(program):
+    """The scene as it stands, until it stops by itself; set-up and output included."""
+    summary = gneiss_summary(program)
+    return {TO_FAILURE: {"seconds": summary["seconds"]["total"], "steps": summary["steps"], "time": summary["time"],
+                         "dt": summary["dt"], "stop_reason": summary["stop_reason"]}}
+
+
+# --- other codes --------------------------------------------------------------------------------------
+
+
+def loop_of_lammps(text):
+    """(steps, seconds) of the second run, contacts: LIGGGHTS reports them in the same words."""
+    loops = re.findall(r"Loop time of (\S+) on \d+ procs for (\d+) steps", text)
+    contacts = re.search(r"RESULT contacts ([\d.]+)", text)
+    if len(loops) < 2 or not contacts:
+        raise Failed(f"expected two `Loop time` lines and `RESULT contacts`, found:\n{text[-2000:]}")
+    return int(loops[1][1]), float(loops[1][0]), float(contacts.group(1))
+
+
+def granular(code, script, cells, ranks, steps):
+    text = call([*mpirun(ranks), CODES[code][0], "-in", os.path.join(PEERS, script), "-log", "none", "-var", "cells",
+                 str(cells), "-var", "steps", str(steps), "-var", "warm", str(steps // 6 + 1)],
+                {"OMP_NUM_THREADS": "1"})
+    steps, seconds, contacts = loop_of_lammps(text)
+    return {f"{code}, {ranks} rank{'s' if ranks > 1 else ''}": result(contacts, steps, seconds, ranks=ranks)}
+
+
+def bonded(label, command, steps):
+    """A Python script inside the other code, which leaves its result in a file."""
     with tempfile.TemporaryDirectory() as folder:
-        result = os.path.join(folder, "yade.json")
-        call(["yade", "-n", "-x", f"-j{threads}", os.path.join(ROOT, "bench", "peers", "yade_ucs.py")],
-             {"QT_QPA_PLATFORM": "offscreen", "PACKING": PACKING, "STEPS": str(steps), "RESULT": result})
-        with open(result, encoding="utf-8") as f:
-            r = json.load(f)
-    r["bond_steps_per_second"] = r["bonds"] * r["steps"] / r["seconds"]
-    return r
+        path = os.path.join(folder, "result.json")
+        call(command, {"QT_QPA_PLATFORM": "offscreen", "PACKING": PACKING, "STEPS": str(steps), "RESULT": path})
+        try:
+            with open(path, encoding="utf-8") as f:
+                r = json.load(f)
+        except (OSError, ValueError) as error:
+            raise Failed(f"{' '.join(command)} left no result: {error}") from error
+    return {label: result(r.pop("bonds"), r.pop("steps"), r.pop("seconds"), **r)}
 
 
-def summarise(runs, reference):
-    """Rows [label, median, least, most, times the reference or None]."""
-    speed = {label: sorted(r["bond_steps_per_second"] for r in results) for label, results in runs.items()}
-    base = statistics.median(speed[reference]) if reference in speed else None
-    return [[label, statistics.median(s), s[0], s[-1], statistics.median(s) / base if base else None]
-            for label, s in speed.items()]
+# --- what is measured ---------------------------------------------------------------------------------
 
 
-def markdown(rows, conditions, bonds):
-    lines = [conditions, "", f"| rock-a, {bonds:.0f} bonds, elastic part | M bond-steps/s | least - most | "
-             "times YADE -j2 |", "| --- | ---: | ---: | ---: |"]
-    for label, middle, least, most, ratio in rows:
-        times = f"{ratio:.1f}" if ratio else ""
-        lines.append(f"| {label} | {middle / 1e6:.2f} | {least / 1e6:.2f} - {most / 1e6:.2f} | {times} |")
-    return "\n".join(lines) + "\n"
+def missing_codes():
+    found = {code for code, (program, _) in CODES.items() if shutil.which(program)}
+    if not shutil.which("mpirun"):
+        found &= {"YADE"}
+    return [code for code in CODES if code not in found]
 
 
-def main():
-    parser = argparse.ArgumentParser(description=__doc__.split("\n")[0])
+def peers_of(scene, steps):
+    """(code, measurement) of the other codes that know the scene."""
+    lammps, liggghts = "lammps_fcc.in", "liggghts_fcc.in"
+    yade, esys = os.path.join(PEERS, "yade_ucs.py"), os.path.join(PEERS, "esys_ucs.py")
+    if scene == "fcc-32k":
+        return [("LAMMPS", lambda: granular("LAMMPS", lammps, 20, 2, steps)),
+                ("LAMMPS", lambda: granular("LAMMPS", lammps, 20, 1, steps)),
+                ("LIGGGHTS", lambda: granular("LIGGGHTS", liggghts, 20, 2, steps))]
+    if scene == "fcc-500k":
+        return [("LAMMPS", lambda: granular("LAMMPS", lammps, 50, 2, max(steps // 6, 20)))]
+    return [("YADE", lambda: bonded("YADE -j2", ["yade", "-n", "-x", "-j2", yade], steps)),
+            ("YADE", lambda: bonded("YADE -j1", ["yade", "-n", "-x", "-j1", yade], steps)),
+            ("ESyS-Particle", lambda: bonded("ESyS-Particle, 2 workers", [*mpirun(3), "esysparticle", esys], steps))]
+
+
+def measurements(scene, build, steps, missing):
+    """(code, measurement) in the order of a turn; each measurement gives rows {label: result}."""
+    bench, program = os.path.join(build, "bench", "bench_step"), os.path.join(build, "gneiss")
+    unit = SCENES[scene][0]
+    own = [("gneiss", lambda m=model, p=precision: gneiss_steps(bench, m, p, unit))
+           for precision, model in gneiss_models(bench, scene).items()]
+    if scene == "rock-a":
+        own += [("gneiss", lambda: gneiss_run(program)), ("gneiss", lambda: gneiss_to_failure(program))]
+    return own + [(code, measure) for code, measure in peers_of(scene, steps) if code not in missing]
+
+
+def progress(turn, repeats, scene, rows, unit):
+    for label, row in rows.items():
+        amount = f"{row['seconds']:.1f} s" if label == TO_FAILURE else f"{row['speed'] / 1e6:.2f} M {unit}-steps/s"
+        print(f"  {turn + 1}/{repeats}  {scene}  {label}: {amount}", file=sys.stderr, flush=True)
+
+
+def measure_scene(scene, options, missing, notes):
+    """{label: results of all turns}; a peer that fails is dropped, with a note."""
+    work, runs = measurements(scene, options.build, options.steps, missing), {}
+    for turn in range(options.repeats):
+        for entry in list(work):
+            code, measure = entry
+            try:
+                rows = measure()
+            except Failed as error:
+                if code == "gneiss":
+                    sys.exit(f"run_peers.py: {error}")
+                notes.append(f"{code} failed on {scene} and is left out.")
+                print(f"run_peers.py: {notes[-1]} {error}", file=sys.stderr)
+                work.remove(entry)
+                continue
+            for label, row in rows.items():
+                runs.setdefault(label, []).append(row)
+            progress(turn, options.repeats, scene, rows, SCENES[scene][0])
+    return runs
+
+
+# --- tables -------------------------------------------------------------------------------------------
+
+
+def summarise(scene, runs):
+    """Rows {code, items, median, least, most, times: {reference: ratio}} of the codes' speeds."""
+    unit, references = SCENES[scene]
+    speeds = {label: sorted(r["speed"] for r in results) for label, results in runs.items() if label != TO_FAILURE}
+    middle = {label: statistics.median(s) for label, s in speeds.items()}
+    rows = [{"code": label, "items": runs[label][0]["items"], "median": middle[label], "least": s[0], "most": s[-1],
+             "times": {r: middle[label] / middle[r] for r in references if r in middle}}
+            for label, s in speeds.items()]
+    return {"scene": scene, "unit": f"{unit}-steps/s", "references": [r for r in references if r in middle],
+            "rows": rows}
+
+
+def to_failure(runs):
+    """Wall seconds of the whole test: measured for gneiss, worked out from speed and step for YADE."""
+    if TO_FAILURE not in runs:
+        return None
+    own = sorted(runs[TO_FAILURE], key=lambda r: r["seconds"])
+    steps, time, reason = own[0]["steps"], own[0]["time"], own[0]["stop_reason"]
+    seconds = [r["seconds"] for r in own]
+    rows = [{"code": "gneiss, 2 threads, from start to failure", "steps": steps, "median": statistics.median(seconds),
+             "least": seconds[0], "most": seconds[-1], "estimate": False}]
+    for label in ("YADE -j2", "YADE -j1"):
+        if label in runs:
+            needed = time / runs[label][0]["dt"]
+            estimates = sorted(needed * r["seconds"] / r["steps"] for r in runs[label])
+            rows.append({"code": f"{label}, estimate", "steps": needed, "median": statistics.median(estimates),
+                         "least": estimates[0], "most": estimates[-1], "estimate": True})
+    return {"time": time, "stop_reason": reason, "rows": rows}
+
+
+def speed_table(table):
+    counts = [row["items"] for row in table["rows"]]
+    what = "bonds, elastic part" if table["unit"].startswith("bond") else "frictional contacts"
+    heads = "".join(f" times {r} |" for r in table["references"])
+    lines = [f"| {table['scene']}, {counts[0]:.0f} {what} | M {table['unit']} | least - most |{heads}",
+             "| --- | ---: | ---: |" + " ---: |" * len(table["references"])]
+    for row in table["rows"]:
+        times = "".join(f" {row['times'][r]:.1f} |" for r in table["references"])
+        lines.append(f"| {row['code']} | {row['median'] / 1e6:.2f} | {row['least'] / 1e6:.2f} - "
+                     f"{row['most'] / 1e6:.2f} |{times}")
+    other = [f"{row['code']} has {row['items']:.0f}" for row in table["rows"]
+             if abs(row["items"] - counts[0]) > 1e-3 * counts[0]]
+    return lines + (["", "Counts differ: " + ", ".join(other) + "."] if other else [])
+
+
+def failure_table(failure):
+    lines = ["| rock-a, seconds from start to failure | steps | seconds | least - most |",
+             "| --- | ---: | ---: | ---: |"]
+    for row in failure["rows"]:
+        lines.append(f"| {row['code']} | {row['steps']:.0f} | {row['median']:.1f} | {row['least']:.1f} - "
+                     f"{row['most']:.1f} |")
+    return lines + ["", f"gneiss: the whole program until \"{failure['stop_reason']}\", after "
+                    f"{1e3 * failure['time']:.3g} ms of the test. Estimate: the same time in steps of the other code, "
+                    "at the speed of its elastic part."]
+
+
+def markdown(conditions, notes, tables, failure):
+    parts = [[conditions]] + [speed_table(t) for t in tables]
+    if failure:
+        parts.append(failure_table(failure))
+    if notes:
+        parts.append([" ".join(dict.fromkeys(notes))])
+    return "\n\n".join("\n".join(p) for p in parts) + "\n"
+
+
+def spread(row):
+    return [f"{row[k]:.6g}" for k in ("median", "least", "most")]
+
+
+def write_csv(path, stamp, tables, failure):
+    with open(path, "w", encoding="utf-8", newline="") as f:
+        out = csv.writer(f)
+        out.writerow(["date", "gneiss", "load_before", "scene", "code", "unit", "items", "median", "least", "most",
+                      "reference_1", "times_1", "reference_2", "times_2"])
+        for table in tables:
+            for row in table["rows"]:
+                times = [x for r in table["references"] for x in (r, f"{row['times'][r]:.4g}")]
+                out.writerow([*stamp, table["scene"], row["code"], table["unit"], f"{row['items']:.0f}",
+                              *spread(row), *(times + 4 * [""])[:4]])
+        for row in failure["rows"] if failure else []:
+            out.writerow([*stamp, "rock-a to failure", row["code"], "s", "", *spread(row), "", "", "", ""])
+
+
+# --- main ---------------------------------------------------------------------------------------------
+
+
+def version_of(package):
+    done = subprocess.run(["dpkg-query", "-W", "-f", "${Version}", package], stdout=subprocess.PIPE,
+                          stderr=subprocess.DEVNULL, text=True, check=False) if shutil.which("dpkg-query") else None
+    if not done or done.returncode != 0 or not done.stdout:
+        return "of unknown version"
+    return re.split(r"[+-]|\.git", done.stdout)[0]  # without what Debian adds
+
+
+def gneiss_version(build):
+    """Name, compiler and build kind, from the harness itself."""
+    text = call([os.path.join(build, "bench", "bench_step"), "--benchmark_format=json", "--benchmark_min_time=0.001",
+                 "--benchmark_filter=^step/rock-a/threads:1/scalar/"])
+    return json.loads(text[text.index("{"):text.rindex("}") + 1])["context"]["gneiss"]
+
+
+def arguments():
+    parser = argparse.ArgumentParser(description=__doc__.split("\n", maxsplit=1)[0])
     parser.add_argument("--build", required=True, help="build folder with bench/bench_step and gneiss")
     parser.add_argument("--out", default=os.path.join(ROOT, "bench", "out"))
     parser.add_argument("--repeats", type=int, default=3)
-    parser.add_argument("--steps", type=int, default=300, help="timed steps of the peers")
+    parser.add_argument("--steps", type=int, default=300, help="timed steps of the other codes")
+    parser.add_argument("--large", action="store_true", help="fcc-500k as well")
+    parser.add_argument("--scene", action="append", choices=list(SCENES), help="this scene only (may be repeated)")
     options = parser.parse_args()
-    have_yade = shutil.which("yade") is not None
-    if not have_yade:
-        print("YADE is not installed: `./do bench --peers` installs it (or apt-get install yade). gneiss alone:")
+    options.build = os.path.abspath(options.build)
+    return options
 
-    widest = gneiss_steps(options.build, 1, "(scalar|avx2|avx512)")["isa"]
-    candidates = {f"gneiss, steps, 2 threads, {widest}": lambda: gneiss_steps(options.build, 2, widest),
-                  f"gneiss, steps, 1 thread, {widest}": lambda: gneiss_steps(options.build, 1, widest),
-                  "gneiss, steps, 2 threads, scalar": lambda: gneiss_steps(options.build, 2, "scalar"),
-                  "gneiss, whole run, 2 threads": lambda: gneiss_run(options.build, 2)}
-    if have_yade:
-        candidates["YADE -j2"] = lambda: yade(2, options.steps)
-        candidates["YADE -j1"] = lambda: yade(1, options.steps)
 
+def main():
+    options = arguments()
+    scenes = options.scene or [s for s in SCENES if options.large or s != "fcc-500k"]
+    missing = missing_codes()
+    notes = [f"{code} is not installed (Debian package {CODES[code][1]}) and is left out." for code in missing]
+    for note in notes:
+        print(note, file=sys.stderr)
+
+    try:
+        version = f"gneiss {gneiss_version(options.build)}"
+    except Failed as error:
+        sys.exit(f"run_peers.py: {error}")
     load_before = os.getloadavg()[0]
-    runs = {label: [] for label in candidates}
-    for turn in range(options.repeats):
-        for label, measure in candidates.items():
-            runs[label].append(measure())
-            print(f"  {turn + 1}/{options.repeats}  {label}: {runs[label][-1]['bond_steps_per_second'] / 1e6:.2f} M "
-                  "bond-steps/s", file=sys.stderr, flush=True)
-    load_after = os.getloadavg()[0]
+    runs = {scene: measure_scene(scene, options, missing, notes) for scene in scenes}
+    load_after, cores = os.getloadavg()[0], os.cpu_count()
 
-    cores = os.cpu_count()
-    first = next(iter(runs.values()))[0]
-    versions = f"gneiss {first['version']}" + (f", YADE {runs['YADE -j2'][0]['version']}" if have_yade else "")
-    conditions = (f"{datetime.date.today()}, {versions}, {cores} cores, medians of {options.repeats} turns; load average "
-                  f"{load_before:.1f} before and {load_after:.1f} after"
+    versions = ", ".join([version] + [f"{code} {version_of(package)}" for code, (_, package) in CODES.items()
+                                      if code not in missing])
+    conditions = (f"{datetime.date.today()}, {versions}, {cores} cores, medians of {options.repeats} turns; load "
+                  f"average {load_before:.1f} before and {load_after:.1f} after"
                   + (" (**the machine was shared with other work**)." if load_before > 0.5 * cores else "."))
-    rows = summarise(runs, "YADE -j2")
-    text = markdown(rows, conditions, first["bonds"])
+    tables = [summarise(scene, runs[scene]) for scene in scenes]
+    failure = to_failure(runs.get("rock-a", {}))
+    text = markdown(conditions, notes, tables, failure)
     os.makedirs(options.out, exist_ok=True)
     with open(os.path.join(options.out, "peers.md"), "w", encoding="utf-8") as f:
         f.write(text)
     with open(os.path.join(options.out, "peers.json"), "w", encoding="utf-8") as f:
-        json.dump({"conditions": conditions, "load_before": load_before, "load_after": load_after, "runs": runs}, f,
-                  indent=1)
+        json.dump({"conditions": conditions, "notes": notes, "load_before": load_before, "load_after": load_after,
+                   "tables": tables, "to_failure": failure, "runs": runs}, f, indent=1)
+    write_csv(os.path.join(options.out, "peers.csv"), [datetime.date.today(), version, f"{load_before:.2f}"], tables,
+              failure)
     print(text, end="")
 
 

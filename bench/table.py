@@ -1,9 +1,10 @@
 """Tables from the results of bench_step.
 
-table.py STEPS.json STEPS.md                   medians as Markdown
+table.py STEPS.json STEPS.md [STEPS.csv]       medians as Markdown, and as rows of numbers
 table.py --update PAGE.md TABLE.md [TABLE.md]  puts tables into a page, between its lines
                                                <!-- begin NAME --> and <!-- end NAME -->
 """
+import csv
 import json
 import os
 import sys
@@ -72,26 +73,73 @@ def effect_table(entries):
     return lines
 
 
-def kernel_table(entries):
-    lines = ["| kernel alone, 1 thread | scene | set | data | ns/item | M items/s | B read | B written | GB/s |",
-             "| --- | --- | --- | --- |" + " ---: |" * 5]
+# Additions and multiplications per contact, counted in docs/performance.md; mixed has 12 more for the stretch.
+OPERATIONS = {"rock-a": 135, "rock-a-mixed": 147, "fcc-32k": 144, "fcc-32k-mixed": 147}
+
+
+def roof(context, model, data, moved):
+    """Contact-steps per second that arithmetic or the stream allow, whichever is less, on one core."""
+    precision = "single" if model.endswith("-mixed") else "double"
+    arithmetic = float(context[f"limit_gflops_{precision}"]) / OPERATIONS[model]
+    stream = float(context["limit_gbs_cached" if data == "cached" else "limit_gbs_far"]) / moved
+    return 1e9 * min(arithmetic, stream), "arithmetic" if arithmetic < stream else "stream"
+
+
+def kernel_table(results, entries):
+    context = results["context"]
+    lines = [f"Roofs of one core: {float(context['limit_gflops_double']):.0f} Gflop/s in double and "
+             f"{float(context['limit_gflops_single']):.0f} in single precision (fused multiply-adds, widest set), "
+             f"{float(context['limit_gbs_cached']):.0f} GB/s from the second-level cache (\"cached\"), "
+             f"{float(context['limit_gbs_far']):.0f} GB/s from 96 MB (\"all\"); the share is of the lower one.", "",
+             "| kernel alone, 1 thread | scene | set | data | ns/item | M items/s | B read | B written | GB/s | Gflop/s "
+             "| share of the roof |", "| --- | --- | --- | --- |" + " ---: |" * 7]
+    head = len(lines)
     for name, e in entries.items():
         kind, model, *rest = name.split("/")
         if kind not in ("contact", "motion"):
             continue
         item = "contact-step" if kind == "contact" else "particle-step"
-        traffic = (f"{e['B read']:.0f} | {e['B written']:.0f} | {e['traffic'] / 1e9:.1f}" if kind == "contact" else
-                   " | | ")
+        traffic = " | | | | "
+        if kind == "contact":
+            most, what = roof(context, model, rest[1], e["B read"] + e["B written"])
+            share = f"{100 * e[item + 's'] / most:.0f} % of {what}" if rest[0] == context["isa"] else ""
+            traffic = (f"{e['B read']:.0f} | {e['B written']:.0f} | {e['traffic'] / 1e9:.1f} | "
+                       f"{1e-9 * OPERATIONS[model] * e[item + 's']:.1f} | {share}")
         lines.append(f"| {e['label'].split()[1]} | {model} | {rest[0]} | {rest[1]} | {e['per ' + item] * 1e9:.2f} | "
                      f"{e[item + 's'] / 1e6:.1f} | {traffic} |")
-    return lines if len(lines) > 2 else []
+    return lines if len(lines) > head else []
 
 
-def write_tables(source, target):
+GOOGLE_KEYS = {"name", "run_name", "run_type", "repetitions", "repetition_index", "family_index",
+               "per_family_instance_index", "threads", "aggregate_name", "aggregate_unit", "iterations", "real_time",
+               "cpu_time", "time_unit", "label"}
+
+
+def write_csv(results, entries, target):
+    """One row per bench; counters that a bench does not have stay empty. Every row says where it was made."""
+    context = results["context"]
+    stamp = [context[k] for k in ("date", "gneiss", "cpu", "num_cpus", "load_at_start")]
+    counters = sorted({key for e in entries.values() for key in e if key not in GOOGLE_KEYS})
+    with open(target, "w", encoding="utf-8", newline="") as f:
+        out = csv.writer(f)
+        out.writerow(["date", "gneiss", "cpu", "cpus", "load_at_start", "kind", "model", "variant", "label", "threads",
+                      "ms", "cpu_ms", "cv", *counters])
+        for name, e in entries.items():
+            kind, model, *rest = name.split("/")
+            cv, unit = spread(results, name), MILLISECONDS[e["time_unit"]]
+            out.writerow([*stamp, kind, model, "/".join(rest), e.get("label", ""), f"{e['threads']:.0f}",
+                          f"{e['real_time'] * unit:.6g}", f"{e['cpu_time'] * unit:.6g}",
+                          "" if cv is None else f"{cv:.3g}",
+                          *("" if c not in e else f"{e[c]:.6g}" for c in counters)])
+
+
+def write_tables(source, target, rows=None):
     with open(source, encoding="utf-8") as f:
         results = json.load(f)
     entries = medians(results)
-    parts = [[conditions(results)], step_table(results, entries), effect_table(entries), kernel_table(entries)]
+    if rows:
+        write_csv(results, entries, rows)
+    parts = [[conditions(results)], step_table(results, entries), effect_table(entries), kernel_table(results, entries)]
     with open(target, "w", encoding="utf-8") as f:
         f.write("\n\n".join("\n".join(p) for p in parts if p) + "\n")
 
@@ -115,7 +163,7 @@ def update(page, tables):
 if __name__ == "__main__":
     if len(sys.argv) >= 4 and sys.argv[1] == "--update":
         update(sys.argv[2], sys.argv[3:])
-    elif len(sys.argv) == 3:
-        write_tables(sys.argv[1], sys.argv[2])
+    elif len(sys.argv) in (3, 4):
+        write_tables(*sys.argv[1:])
     else:
         sys.exit(__doc__)

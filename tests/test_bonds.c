@@ -168,6 +168,36 @@ static void a_bond_does_not_break_in_compression(void **state) {
     world_end(w);
 }
 
+/* Looking gives the force of the present distance and changes nothing; past its strength the bond
+ * is still whole, for the world has not taken the step that breaks it. */
+static void looking_at_the_forces_changes_nothing(void **state) {
+    (void)state;
+    gn_world *w = driven_pair(3, 2e-3, "vx: 0.5, vy: 0.2", "bonds: {}\n", 1e-8);
+    double last = 0.0;
+    for (int k = 0; k < 100000 && w->bonds.cause[0] == GN_INTACT; k++) {
+        run_steps(w, 1);
+        gn_observed seen;
+        gneiss_error error;
+        uint64_t before = gn_world_hash(w);
+        assert_int_equal(gn_world_observe(w, &seen, &error), GNEISS_OK);
+        assert_true(gn_world_hash(w) == before);
+        assert_null(gn_contacts_row(&w->bonds));
+        const double *row = gn_contacts_row(&seen.bonds);
+        double x[3], t[3], force[3];
+        for (int a = 0; a < 3; a++) x[a] = pos_of(w, 1)[a] - pos_of(w, 0)[a];
+        double distance = length3(x), sign = w->particles.id[w->bonds.i[0]] == 0 ? 1.0 : -1.0;
+        for (int a = 0; a < 3; a++) force[a] = sign * row[a];
+        shear_of(&w->bonds, 0, t);
+        last = pair_kn * (distance - 2e-3);
+        if (last < pair_rn && w->bonds.cause[0] == GN_INTACT)
+            assert_near(force[0] * x[0] / distance + force[1] * x[1] / distance, last,
+                        1e-9 * pair_rn + 1e-3 * length3(t)); /* the shear force is a step old */
+        gn_observed_free(&seen);
+    }
+    assert_true(last >= pair_rn || w->bonds.cause[0] == GN_BROKEN_TENSION);
+    world_end(w);
+}
+
 /* --- after breaking --- */
 
 /* Overlap of a tenth of the radii, bonded: stress-free; pressed by 2 um, then sheared until it
@@ -304,6 +334,7 @@ int main(void) {
         cmocka_unit_test(a_bond_breaks_at_its_tensile_strength),
         cmocka_unit_test(a_bond_breaks_at_its_shear_strength),
         cmocka_unit_test(a_bond_does_not_break_in_compression),
+        cmocka_unit_test(looking_at_the_forces_changes_nothing),
         cmocka_unit_test(a_broken_overlapping_bond_keeps_its_zero_gap),
         cmocka_unit_test(a_bond_broken_in_tension_touches_again_at_its_own_length),
         cmocka_unit_test(a_pair_broken_at_once_behaves_as_one_never_bonded),

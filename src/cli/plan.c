@@ -21,6 +21,16 @@ static void print_record(const gn_record *record, const char *name, gn_effects e
     printf("\n");
 }
 
+/* How forces reach the particles, and which parameters are not streamed. */
+static void print_sums(const char *name, const gn_partials *q, const gn_uniform *same) {
+    if (!q->blocks) return;
+    printf("  forces of %-8s %10d rows of %d bytes, in %zu blocks of %zu contacts", name,
+           q->first[q->blocks], 8 * q->width, q->blocks, q->length);
+    printf("; the same for all:%s%s%s%s%s\n", same->kn ? " kn" : "", same->kt ? " kt" : "",
+           same->mu ? " mu" : "", same->cn ? " cn" : "",
+           same->kn || same->kt || same->mu || same->cn ? "" : " nothing");
+}
+
 static void print_kernels(const gn_world *w) {
     char name[200];
     bool mixed = w->effects & GN_FX_MIXED;
@@ -88,8 +98,9 @@ gneiss_status gn_print_plan(gn_world *w, gneiss_error *error) {
     if (w->effects & GN_FX_WALLS)
         print_record(&gn_wall_contact_record, "wall contacts", w->effects,
                      w->wall_contacts.soa.count);
-    printf("  in all %.1f MB; forces are summed in two passes (contact rows, then gather)\n",
-           (double)gn_world_bytes(w) / 1e6);
+    print_sums("bonds", &w->bond_partials, &w->bond_uniform);
+    print_sums("pairs", &w->pair_partials, &w->pair_uniform);
+    printf("  in all %.1f MB\n", (double)gn_world_bytes(w) / 1e6);
     print_kernels(w);
     print_step(w);
     double steps = ceil(w->scene.end / w->dt), per_step = 0.0;

@@ -41,11 +41,11 @@ static bool number_blocks(const gn_contacts *contacts, size_t particles, int thr
 #pragma omp parallel num_threads(threads)
     {
         int32_t *seen = gn_alloc_array(particles + 1, sizeof *seen);
-        if (seen)
-            for (size_t p = 0; p < particles; p++) seen[p] = -1;
-        else
+        if (!seen) {
 #pragma omp atomic write
             held = false;
+        }
+        for (size_t p = 0; seen && p < particles; p++) seen[p] = -1;
 #pragma omp for schedule(static)
         for (size_t b = 0; b < q->blocks; b++)
             if (seen) number_block(contacts, b, seen, n, q);
@@ -103,7 +103,8 @@ static size_t block_length(size_t count) {
 }
 
 gneiss_status gn_partials_build(const gn_contacts *contacts, size_t particle_count, int threads,
-                                gn_partials *q, gneiss_error *error) {
+                                gn_partials *partials, gneiss_error *error) {
+    gn_partials *q = partials;
     size_t count = contacts->soa.count, length = block_length(count);
     size_t blocks = (count + length - 1) / length;
     gn_partials_free(q);
@@ -129,7 +130,8 @@ gneiss_status gn_partials_build(const gn_contacts *contacts, size_t particle_cou
                    count);
 }
 
-void gn_partials_free(gn_partials *q) {
+void gn_partials_free(gn_partials *partials) {
+    gn_partials *q = partials;
     gn_free(q->first);
     gn_free(q->place);
     gn_free(q->row);

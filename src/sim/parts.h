@@ -37,7 +37,7 @@ gneiss_status gn_walls_create(gn_world *world, gneiss_error *error);
 gneiss_status gn_wall_contacts_find(gn_world *world, gneiss_error *error);
 /* Forces of one block of wall contacts, into their rows and world->wall_sums[block]. */
 void gn_wall_contacts_block(const gn_world *world, size_t block);
-enum { GN_WALL_BLOCK = 256 };
+enum { GN_WALL_BLOCK = 64 };
 
 /* sweep.c: walls, contacts and motion of one step, in parallel. Prepare when threads change. */
 void gn_sweep_prepare(gn_world *world);

@@ -264,13 +264,18 @@ uint64_t gn_world_hash(const gn_world *w) {
     return gn_hash_bytes(&w->step, sizeof w->step, h);
 }
 
+static size_t list_bytes(const gn_contacts *list, const gn_partials *q) {
+    size_t bytes = list->soa.capacity * gn_record_bytes(&gn_contact_record, list->soa.effects);
+    if (!q->blocks) return bytes;
+    size_t rows = (size_t)q->first[q->blocks];
+    bytes += rows * ((size_t)q->width * sizeof *q->row + sizeof *q->share);
+    return bytes + list->soa.count * 2 * sizeof *q->place;
+}
+
 size_t gn_world_bytes(const gn_world *w) {
     size_t n = w->particles.soa.capacity;
     size_t bytes = n * gn_record_bytes(&gn_particle_record, w->effects);
-    bytes +=
-        w->bonds.soa.capacity * (gn_record_bytes(&gn_contact_record, w->bonds.soa.effects) + 4);
-    bytes +=
-        w->pairs.soa.capacity * (gn_record_bytes(&gn_contact_record, w->pairs.soa.effects) + 4);
+    bytes += list_bytes(&w->bonds, &w->bond_partials) + list_bytes(&w->pairs, &w->pair_partials);
     bytes += w->wall_contacts.soa.capacity * gn_record_bytes(&gn_wall_contact_record, w->effects);
-    return bytes + n * 5 * sizeof(int32_t);
+    return bytes + n * 2 * sizeof(int32_t);
 }

@@ -7,7 +7,8 @@ static void row_to_single(float *to, const double *from, const double *origin, d
     to[3] = (float)last;
 }
 
-void gn_particles_to_single(const gn_particles *q, int threads) {
+void gn_particles_to_single(const gn_particles *particles, int threads) {
+    const gn_particles *q = particles;
     if (!q->travel_f) return;
     size_t count = q->soa.count + 2; /* with the null particles, whose ref is 0 */
 #pragma omp parallel for schedule(static) num_threads(threads)
