@@ -307,14 +307,13 @@ static void wrap(gn_world *w) {
 
 static gneiss_status allocate_sums(gn_world *w, gneiss_error *error) {
     gn_free(w->pair_sums);
-    gn_free(w->wall_sums);
     w->pair_sums = gn_alloc_array(w->pair_partials.blocks + 1, sizeof *w->pair_sums);
-    w->wall_sums = gn_alloc_array(w->wall_blocks + 1, sizeof *w->wall_sums);
     if (!w->bond_sums)
         w->bond_sums = gn_alloc_array(w->bond_partials.blocks + 1, sizeof *w->bond_sums);
     if (!w->motion_sums) {
         w->motion_blocks = gn_blocks(w->particles.soa.count, GN_PARTICLE_BLOCK);
         w->motion_sums = gn_alloc_array(w->motion_blocks + 1, sizeof *w->motion_sums);
+        w->wall_sums = gn_alloc_array(w->motion_blocks + 1, sizeof *w->wall_sums);
         w->moved = gn_alloc_array(w->motion_blocks + 1, sizeof *w->moved);
         for (size_t b = 0; w->moved && b < w->motion_blocks; b++) w->moved[b] = -1;
     }
@@ -399,7 +398,6 @@ gneiss_status gn_world_restore(gn_world *w, gneiss_error *error) {
     number_ids(w);
     gn_contacts_pad(&w->bonds, &w->particles);
     gn_contacts_pad(&w->pairs, &w->particles);
-    w->wall_blocks = gn_blocks(w->wall_contacts.soa.count, GN_WALL_BLOCK);
     for (size_t c = 0; c < w->wall_contacts.soa.count; c++)
         w->wall_first[w->wall_contacts.i[c] + 1]++;
     for (size_t p = 1; p <= n; p++) w->wall_first[p] += w->wall_first[p - 1];

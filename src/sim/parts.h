@@ -35,9 +35,9 @@ void gn_reactions_sum(gn_world *world);
 /* Walls (walls.c). */
 gneiss_status gn_walls_create(gn_world *world, gneiss_error *error);
 gneiss_status gn_wall_contacts_find(gn_world *world, gneiss_error *error);
-/* Forces of one block of wall contacts, into their rows and world->wall_sums[block]. */
-void gn_wall_contacts_block(const gn_world *world, size_t block);
-enum { GN_WALL_BLOCK = 64 };
+/* Forces of wall contacts [begin, end), into their rows; adds to *sums. Reads of particles only
+ * those that touch. */
+void gn_wall_contacts_work(const gn_world *world, size_t begin, size_t end, gn_contact_sums *sums);
 
 /* sweep.c: walls, contacts and motion of one step, in parallel. Prepare when threads change. */
 void gn_sweep_prepare(gn_world *world);

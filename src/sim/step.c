@@ -92,7 +92,7 @@ static void merge_before(gn_world *w, const gn_motion_sums *m, bool measure) {
     gn_contact_sums bonds = {0}, pairs = {0}, walls = {0};
     if (w->bonds.soa.count) add_contact_sums(&bonds, w->bond_sums, w->bond_partials.blocks);
     if (w->pairs.soa.count) add_contact_sums(&pairs, w->pair_sums, w->pair_partials.blocks);
-    add_contact_sums(&walls, w->wall_sums, w->wall_blocks);
+    add_contact_sums(&walls, w->wall_sums, w->effects & GN_FX_WALLS ? w->motion_blocks : 0);
     gn_energy *e = &w->energy;
     e->friction += bonds.friction + pairs.friction + walls.friction;
     e->contact_damping += bonds.contact_damping + pairs.contact_damping + walls.contact_damping;

@@ -1,4 +1,4 @@
-/* The parallel part of a step: walls, contacts, motion, and who does what.
+/* The parallel part of a step: contacts, walls, motion, and who does what.
  *
  * Contacts are worked on in order, and each block of particles moves as soon as the last contact
  * that reads or loads it is done, while its partial sums are in the cache. Blocks of particles that
@@ -122,12 +122,20 @@ static void advance(const work *k, bool of_bonds, int64_t until, range *due, sto
     book(w, of_bonds ? GN_PHASE_bonds : GN_PHASE_pairs, c);
 }
 
-static void move(const work *k, size_t block) {
+/* Walls and motion of a block of particles, whose contacts are done. */
+static void move(const work *k, size_t block, stopwatch *c) {
     gn_world *w = k->w;
     size_t first = block * GN_PARTICLE_BLOCK, last = first + GN_PARTICLE_BLOCK;
     if (last > w->particles.soa.count) last = w->particles.soa.count;
+    if (w->effects & GN_FX_WALLS) {
+        size_t begin = (size_t)w->wall_first[first], end = (size_t)w->wall_first[last];
+        w->wall_sums[block] = (gn_contact_sums){0};
+        gn_wall_contacts_work(w, begin, end, &w->wall_sums[block]);
+        if (begin < end) book(w, GN_PHASE_walls, c);
+    }
     w->motion_sums[block] = (gn_motion_sums){.bad = -1};
     w->motion_kernel(k->motion, first, last, &w->motion_sums[block]);
+    book(w, GN_PHASE_motion, c);
 }
 
 /* Last block of contacts that touches a block of particles, -1: none. */
@@ -154,19 +162,18 @@ static void sweep(const work *k, stopwatch *c) {
         if (!mine) continue;
         advance(k, true, bond, &bonds_due, c);
         advance(k, false, pair, &pairs_due, c);
-        move(k, p);
+        move(k, p, c);
         w->moved[p] = w->step;
-        book(w, GN_PHASE_motion, c);
     }
     advance(k, true, INT64_MAX - 1, &bonds_due, c);
     advance(k, false, INT64_MAX - 1, &pairs_due, c);
 }
 
 /* The blocks of particles that no thread could move alone, dealt out in turns. */
-static void move_shared(const work *k) {
+static void move_shared(const work *k, stopwatch *c) {
     size_t t = (size_t)omp_get_thread_num(), of = (size_t)omp_get_num_threads(), shared = 0;
     for (size_t p = 0; p < k->w->motion_blocks; p++)
-        if (k->w->moved[p] != k->w->step && shared++ % of == t) move(k, p);
+        if (k->w->moved[p] != k->w->step && shared++ % of == t) move(k, p, c);
 }
 
 void gn_sweep(gn_world *w, const gn_contact_args *bonds, const gn_contact_args *pairs,
@@ -175,18 +182,12 @@ void gn_sweep(gn_world *w, const gn_contact_args *bonds, const gn_contact_args *
 #pragma omp parallel num_threads(w->threads)
     {
         stopwatch c = {omp_get_thread_num() == 0, gn_now()};
-        if (w->wall_blocks) { /* they read what the sweep changes, and so come first */
-            range walls = equal_share(w->wall_blocks);
-            for (size_t b = walls.begin; b < walls.end; b++) gn_wall_contacts_block(w, b);
-#pragma omp barrier
-            book(w, GN_PHASE_walls, &c);
-        }
         double start = gn_now();
         sweep(&k, &c);
         w->busy[omp_get_thread_num()].seconds = gn_now() - start;
 #pragma omp barrier
-        move_shared(&k);
-        book(w, GN_PHASE_motion, &c);
+        book(w, GN_PHASE_motion, &c); /* waiting for the other threads */
+        move_shared(&k, &c);
     }
     if (w->threads > 1) follow_pace(w);
 }

@@ -92,7 +92,6 @@ gneiss_status gn_wall_contacts_find(gn_world *w, gneiss_error *error) {
         }
     gn_soa_destroy(&gn_wall_contact_record, &old);
     w->wall_contacts = now;
-    w->wall_blocks = gn_blocks(count, GN_WALL_BLOCK);
     for (size_t k = 0; k < walls; k++) w->walls[k].travel = 0.0;
     return GNEISS_OK;
 }
@@ -175,11 +174,8 @@ static void wall_contact(const gn_world *w, size_t c, gn_contact_sums *sums) {
         for (int b = 0; b < 3; b++) sums->stress[3 * a + b] += row[a] * s.arm * s.n[b];
 }
 
-void gn_wall_contacts_block(const gn_world *w, size_t block) {
-    size_t begin = block * GN_WALL_BLOCK, end = begin + GN_WALL_BLOCK;
-    if (end > w->wall_contacts.soa.count) end = w->wall_contacts.soa.count;
-    w->wall_sums[block] = (gn_contact_sums){0};
-    for (size_t c = begin; c < end; c++) wall_contact(w, c, &w->wall_sums[block]);
+void gn_wall_contacts_work(const gn_world *w, size_t begin, size_t end, gn_contact_sums *sums) {
+    for (size_t c = begin; c < end; c++) wall_contact(w, c, sums);
 }
 
 /* Force that a wall contact gives for a path of the wall made in one step, over that path: the

@@ -88,9 +88,10 @@ typedef struct gn_world {
     int32_t *channel_set; /* [prescribed.count][6] set that drives a channel, -1: free */
     double *set_reaction; /* [scene.set_count][6] N, N m: what the prescription supplied */
 
-    gn_contact_sums *bond_sums, *pair_sums, *wall_sums; /* per block */
+    gn_contact_sums *bond_sums, *pair_sums; /* per block of contacts */
+    gn_contact_sums *wall_sums;             /* per block of particles */
     gn_motion_sums *motion_sums;
-    size_t wall_blocks, motion_blocks;
+    size_t motion_blocks;
     int64_t *moved; /* [motion_blocks] step in which a thread moved these particles on its own */
 
     gn_verlet verlet;
