@@ -330,12 +330,12 @@ static bool order_is_old(const gn_world *w) {
            (!(w->effects & GN_FX_BONDS) && w->verlet.rebuilds % REBUILDS_PER_SORT == 0);
 }
 
-/* A rebuild costs about as much as ten steps, so lists that live for less than a hundred steps cost
- * more than a tenth of the run: the skin grows. Lists that live long may be needlessly wide: it
- * shrinks again. Steps and not seconds decide, so that every run does the same; forces do not
- * depend on the skin at all. */
+/* A rebuild costs about as much as fifteen steps, so lists that live for less than 150 cost more
+ * than a tenth of the run: the skin grows. Lists that live long may be needlessly wide: it shrinks
+ * again. Steps and not seconds decide, so that every run does the same; forces do not depend on the
+ * skin at all. */
 static void tune_skin(gn_world *w) {
-    enum { SHORT_LIFE = 100, LONG_LIFE = 2000 };
+    enum { SHORT_LIFE = 160, LONG_LIFE = 2000 };
     if (w->scene.skin > 0.0 || w->verlet.rebuilds == 0) return;
     int64_t life = w->step - w->verlet.last_step;
     double most = 6.0 * w->verlet.skin_start;
