@@ -204,6 +204,10 @@ Model with(const Model &base, const std::string &name, const std::vector<std::st
     return model;
 }
 
+Model mixed(const Model &base) {
+    return with(base, base.name + "-mixed", {"run.precision=mixed"});
+}
+
 // fcc lattice of the frictional scene with n cells along each edge.
 Model fcc(const std::string &name, int n) {
     const double edge = 1.4024821086288453; // (4/1.45)^(1/3)
@@ -272,27 +276,27 @@ struct Wanted {
 void add_all(Wanted wanted) {
     const Model rock = {"rock-a", "../../scenes/ucs-rock.yaml", "", {}, 20};
     const Model small = fcc("fcc-32k", 20);
-    const char *mixed = "run.precision=mixed";
     add_steps(rock, true);
     add_kernels(rock);
-    add_steps(with(rock, "rock-a-mixed", {mixed}), true);
-    add_kernels(with(rock, "rock-a-mixed", {mixed}));
+    add_steps(mixed(rock), true);
+    add_kernels(mixed(rock));
     add_steps(with(rock, "rock-a-no-energy", {"output.energy=off"}), false);
     add_steps(small, true);
     add_kernels(small);
-    add_steps(with(small, "fcc-32k-mixed", {mixed}), true);
-    add_kernels(with(small, "fcc-32k-mixed", {mixed}));
+    add_steps(mixed(small), true);
+    add_kernels(mixed(small));
     add_steps(with(small, "fcc-32k-energy", {"output.energy=on"}), false);
     add_steps({"chute", "chute.yaml", "", {}, 3000}, false);
     if (wanted.sweep)
         for (int n : {7, 14, 30, 63}) {
             const Model model = fcc("fcc-" + std::to_string(4 * n * n * n), n);
             add_steps(model, false);
-            add_steps(with(model, model.name + "-mixed", {mixed}), false);
+            add_steps(mixed(model), false);
         }
     if (wanted.large || wanted.sweep) {
-        add_steps(fcc("fcc-500k", 50), false);
-        add_steps(with(fcc("fcc-500k", 50), "fcc-500k-mixed", {mixed}), false);
+        const Model large = fcc("fcc-500k", 50);
+        add_steps(large, false);
+        add_steps(mixed(large), false);
     }
     if (wanted.large) {
         add_steps({"bonded-108k",

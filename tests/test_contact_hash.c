@@ -24,10 +24,7 @@ static void check_in(const char *precision, const char *scene_text,
     world_end(w);
     for (int s = 0; s < GN_KERNEL_SETS; s++) {
         const gn_kernel_set *set = gn_kernel_set_at(s);
-        if (!gn_kernel_set_supported(set)) {
-            print_message("# %s: not on this machine, skipped\n", set->name);
-            continue;
-        }
+        if (!runs_here(set)) continue;
         for (int threads = 1; threads <= 4; threads++) {
             w = after_500(scene_text, threads, set->name, precision);
             if (gn_world_hash(w) != want)

@@ -76,6 +76,13 @@ static inline void run_steps(gn_world *w, int64_t count) {
         if (gn_world_step(w, w->step == 0, &error) != GNEISS_OK) fail_msg("%s", error.message);
 }
 
+/* Whether this machine runs an instruction set; says so when not. */
+static inline bool runs_here(const gn_kernel_set *set) {
+    bool runs = gn_kernel_set_supported(set);
+    if (!runs) print_message("# %s: not on this machine, skipped\n", set->name);
+    return runs;
+}
+
 /* Rows of a particle by its number in the scene. */
 static inline double *pos_of(const gn_world *w, int id) {
     return w->particles.pos + 4 * (int64_t)w->index_of_id[id];

@@ -177,7 +177,7 @@ static __attribute__((noinline)) void record_breaks(const gn_contact_args *a, si
 }
 
 GN_INLINE int row_width(variant w) {
-    return w.space && w.rotation ? 8 : 4;
+    return gn_row_width(w.space, w.rotation);
 }
 
 GN_INLINE void write_rows(stage *g, gn_v3 force, gn_v3 moment, variant w) {

@@ -21,7 +21,7 @@ typedef struct block_load {
 } block_load;
 
 GN_INLINE int row_width(variant w) {
-    return w.space && w.rotation ? 8 : 4;
+    return gn_row_width(w.space, w.rotation);
 }
 
 /* A row of four doubles in a register. */
@@ -60,16 +60,21 @@ GN_INLINE void gather_block(const gn_motion_args *a, size_t begin, size_t end, b
     if (a->wall_contacts) add_walls(a, begin, end, out->row, w);
 }
 
+/* Consecutive rows of four as four columns. */
+GN_INLINE void load_rows(const double *rows, size_t p, gn_v out[4]) {
+    static const int32_t lanes[8] = {0, 1, 2, 3, 4, 5, 6, 7};
+    gn_rows4(rows + 4 * p, lanes, out);
+}
+
 /* Forces or moments (`part` 0 or 1) of GN_W particles of a block, from its k-th on. */
 GN_INLINE gn_v3 load_of(const block_load *sum, size_t k, int part, variant w) {
-    static const int32_t narrow[8] = {0, 1, 2, 3, 4, 5, 6, 7},
-                         wide[8] = {0, 2, 4, 6, 8, 10, 12, 14};
+    static const int32_t wide[8] = {0, 2, 4, 6, 8, 10, 12, 14};
     gn_v r[4], zero = gn_set(0.0);
     if (w.space && w.rotation) {
         gn_rows4(sum->row + 8 * k + 4 * part, wide, r);
         return (gn_v3){r[0], r[1], r[2]};
     }
-    gn_rows4(sum->row + 4 * k, narrow, r);
+    load_rows(sum->row, k, r);
     if (part) return (gn_v3){zero, zero, r[2]};
     return (gn_v3){r[0], r[1], gn_pick(w.space, r[2], zero)};
 }
@@ -134,6 +139,17 @@ GN_INLINE gn_v kinetic(const gn_motion_args *a, const motion *q, int space) {
 typedef struct lane_sums {
     gn_v kinetic, rotational, resultant, damping[2], gravity[2], applied[2], speed2;
 } lane_sums;
+
+/* Work of a force, and what background damping takes, in the halves before and after the instant.
+ */
+GN_INLINE void book_work(gn_v halves[2], const gn_motion_args *a, gn_v3 f, const motion *q) {
+    halves[0] = halves[0] + half_work(f, q->v, a->dt_past, 1);
+    halves[1] = halves[1] + half_work(f, q->v_new, a->dt, 1);
+}
+GN_INLINE void book_loss(gn_v halves[2], const gn_motion_args *a, const motion *q) {
+    halves[0] = halves[0] - half_work(q->d, q->v, a->dt_past, 1);
+    halves[1] = halves[1] - half_work(q->d, q->v_new, a->dt, 1);
+}
 
 /* --- prescribed particles, lane by lane
  * ------------------------------------------------------------- */
@@ -216,12 +232,6 @@ GN_INLINE gn_v mass_of(gn_v inverse) {
     return gn_keep(gn_less(gn_set(0.0), inverse), gn_set(1.0) / inverse);
 }
 
-/* Consecutive rows of four as four columns, and back. */
-GN_INLINE void load_rows(const double *rows, size_t p, gn_v out[4]) {
-    static const int32_t lanes[8] = {0, 1, 2, 3, 4, 5, 6, 7};
-    gn_rows4(rows + 4 * p, lanes, out);
-}
-
 /* Turns a quaternion by the spin over dt (first order in the angle, renormalised). */
 static void turn_orientation(double q[4], const double spin[3], double dt) {
     double x = 0.5 * dt * spin[0], y = 0.5 * dt * spin[1], z = 0.5 * dt * spin[2];
@@ -260,16 +270,9 @@ GN_INLINE void translate(const gn_motion_args *a, size_t p, const block_load *su
     if (prescribed) prescribe(a, p, 0, interval, &m, s);
 
     if (w.energy) {
-        e->damping[0] = e->damping[0] - half_work(m.d, m.v, a->dt_past, 1);
-        e->damping[1] = e->damping[1] - half_work(m.d, m.v_new, a->dt, 1);
-        if (w.gravity) {
-            e->gravity[0] = e->gravity[0] + half_work(weight, m.v, a->dt_past, 1);
-            e->gravity[1] = e->gravity[1] + half_work(weight, m.v_new, a->dt, 1);
-        }
-        if (q->applied) {
-            e->applied[0] = e->applied[0] + half_work(applied, m.v, a->dt_past, 1);
-            e->applied[1] = e->applied[1] + half_work(applied, m.v_new, a->dt, 1);
-        }
+        book_loss(e->damping, a, &m);
+        if (w.gravity) book_work(e->gravity, a, weight, &m);
+        if (q->applied) book_work(e->applied, a, applied, &m);
     }
     if (a->measure) {
         e->kinetic = e->kinetic + kinetic(a, &m, 1);
@@ -308,10 +311,7 @@ GN_INLINE void rotate(const gn_motion_args *a, size_t p, const block_load *sum, 
     m.v_new = m.v;
     kick(a, &m, interval, 1, w);
     if (prescribed) prescribe(a, p, 3, interval, &m, s);
-    if (w.energy) {
-        e->damping[0] = e->damping[0] - half_work(m.d, m.v, a->dt_past, 1);
-        e->damping[1] = e->damping[1] - half_work(m.d, m.v_new, a->dt, 1);
-    }
+    if (w.energy) book_loss(e->damping, a, &m);
     if (a->measure) e->rotational = e->rotational + kinetic(a, &m, 1);
     gn_v spin[4] = {m.v_new.x, m.v_new.y, m.v_new.z, o[3]};
     gn_store_rows4(q->spin + 4 * p, spin);

@@ -7,6 +7,7 @@
 #define GN_W 8
 typedef __m512d gn_v;
 typedef __mmask8 gn_m;
+#include "kernels/simd_avx512_masks.h"
 
 GN_INLINE gn_v gn_set(double a) {
     return _mm512_set1_pd(a);
@@ -38,26 +39,11 @@ GN_INLINE gn_m gn_less(gn_v a, gn_v b) {
 GN_INLINE gn_m gn_at_least(gn_v a, gn_v b) {
     return _mm512_cmp_pd_mask(a, b, _CMP_GE_OQ);
 }
-GN_INLINE gn_m gn_m_none(void) {
-    return 0;
-}
-GN_INLINE gn_m gn_and(gn_m a, gn_m b) {
-    return (gn_m)(a & b);
-}
-GN_INLINE gn_m gn_or(gn_m a, gn_m b) {
-    return (gn_m)(a | b);
-}
-GN_INLINE gn_m gn_not(gn_m a) {
-    return (gn_m)~a;
-}
 GN_INLINE gn_v gn_where(gn_m m, gn_v a, gn_v b) {
     return _mm512_mask_blend_pd(m, b, a);
 }
 GN_INLINE gn_v gn_keep(gn_m m, gn_v a) {
     return _mm512_maskz_mov_pd(m, a);
-}
-GN_INLINE unsigned gn_bits(gn_m m) {
-    return m;
 }
 
 /* Two 32-byte rows in one register. */

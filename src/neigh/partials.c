@@ -1,8 +1,6 @@
 #include "base/memory.h"
 #include "neigh/pairs.h"
 
-#include <string.h>
-
 /* Numbers the particles of each block in the order in which its contacts name them: neighbours in
  * the list become neighbours in the rows. */
 typedef struct numbering {
@@ -54,20 +52,20 @@ static bool number_blocks(const gn_contacts *contacts, size_t particles, int thr
     return held;
 }
 
-static bool find_touched(const numbering *n, size_t particle_blocks, gn_partials *q) {
+static bool make_touched(size_t particle_blocks, gn_partials *q) {
     for (int end = 0; end < 2; end++) {
         q->touched[end] = gn_alloc_array(particle_blocks + 1, sizeof *q->touched[end]);
         if (!q->touched[end]) return false;
         for (size_t p = 0; p < particle_blocks; p++) q->touched[end][p] = end ? -1 : INT32_MAX;
     }
-    for (size_t b = 0; b < q->blocks; b++)
-        for (int32_t k = 0; k < n->count[b]; k++) {
-            int32_t particle = n->particle[b * 2 * q->length + (size_t)k];
-            size_t p = (size_t)particle / GN_PARTICLE_BLOCK;
-            if (q->touched[0][p] > (int32_t)b) q->touched[0][p] = (int32_t)b;
-            q->touched[1][p] = (int32_t)b;
-        }
     return true;
+}
+
+/* Contact blocks come in ascending order. */
+static void touch(gn_partials *q, int32_t particle, size_t contact_block) {
+    size_t p = (size_t)particle / GN_PARTICLE_BLOCK;
+    if (q->touched[1][p] < 0) q->touched[0][p] = (int32_t)contact_block;
+    q->touched[1][p] = (int32_t)contact_block;
 }
 
 /* Shares sorted by particle (counting sort, stable: rows of a particle stay in block order). */
@@ -76,7 +74,7 @@ static bool sort_shares(const numbering *n, size_t particles, gn_partials *q) {
     int32_t *next = gn_alloc_array(particles + 2, sizeof *next);
     q->start = gn_alloc_array(particle_blocks + 1, sizeof *q->start);
     q->share = gn_alloc_array((size_t)q->first[q->blocks] + 1, sizeof *q->share);
-    bool held = next && q->start && q->share;
+    bool held = next && q->start && q->share && make_touched(particle_blocks, q);
     for (size_t b = 0; held && b < q->blocks; b++)
         for (int32_t k = 0; k < n->count[b]; k++)
             next[n->particle[b * 2 * q->length + (size_t)k] + 1]++;
@@ -89,9 +87,10 @@ static bool sort_shares(const numbering *n, size_t particles, gn_partials *q) {
         for (int32_t k = 0; k < n->count[b]; k++) {
             int32_t p = n->particle[b * 2 * q->length + (size_t)k];
             q->share[next[p]++] = (gn_share){p, q->first[b] + k};
+            touch(q, p, b);
         }
     gn_free(next);
-    return held && find_touched(n, particle_blocks, q);
+    return held;
 }
 
 /* Long blocks have fewer rows in all; short lists still want several blocks to share out. */

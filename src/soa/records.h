@@ -124,9 +124,8 @@ extern const gn_record gn_contact_record;
 extern const gn_record gn_wall_contact_record;
 
 /* Doubles in a row of forces: 8 with rotation in space, else 4 (gn_partials has rows alike). */
-static inline int gn_row_width(gn_effects effects) {
-    const gn_effects wide = GN_FX_SPACE | GN_FX_ROTATION;
-    return (effects & wide) == wide ? 8 : 4;
+static inline int gn_row_width(bool space, bool rotation) {
+    return space && rotation ? 8 : 4;
 }
 
 /* The rows that the contact kernel writes, whichever width is active; NULL when they are not kept.
@@ -135,7 +134,8 @@ static inline double *gn_contacts_row(const gn_contacts *contacts) {
     return contacts->row8 ? contacts->row8 : contacts->row4;
 }
 static inline int gn_contacts_row_width(const gn_contacts *contacts) {
-    return gn_row_width(contacts->soa.effects);
+    return gn_row_width(contacts->soa.effects & GN_FX_SPACE,
+                        contacts->soa.effects & GN_FX_ROTATION);
 }
 
 /* Whether contact c carries force. In 2D the third slot of a row is no force. */
