@@ -17,7 +17,7 @@ typedef struct fixture {
     char dir[64], path[96];
 } fixture;
 
-static int make_fixture(void **state, const char *file) {
+static inline int make_fixture(void **state, const char *file) {
     fixture *f = calloc(1, sizeof *f);
     strcpy(f->dir, "/tmp/gneiss-io-XXXXXX");
     if (!mkdtemp(f->dir)) return -1;
@@ -27,7 +27,7 @@ static int make_fixture(void **state, const char *file) {
 }
 
 /* Number of entries; with `remove_them` the folder is emptied, folders in it too. */
-static int entries(const char *dir, bool remove_them) {
+static inline int entries(const char *dir, bool remove_them) {
     int count = 0;
     DIR *d = opendir(dir);
     for (struct dirent *e; (e = readdir(d));) {
@@ -35,7 +35,7 @@ static int entries(const char *dir, bool remove_them) {
         count++;
         if (!remove_them || unlinkat(dirfd(d), e->d_name, 0) == 0) continue;
         char inner[512];
-        snprintf(inner, sizeof inner, "%s/%s", dir, e->d_name);
+        if (snprintf(inner, sizeof inner, "%s/%s", dir, e->d_name) >= (int)sizeof inner) continue;
         entries(inner, true);
         rmdir(inner);
     }
@@ -43,7 +43,7 @@ static int entries(const char *dir, bool remove_them) {
     return count;
 }
 
-static int teardown(void **state) {
+static inline int teardown(void **state) {
     fixture *f = *state;
     entries(f->dir, true);
     rmdir(f->dir);

@@ -1,0 +1,364 @@
+/* From corners to a closed boundary: who is next to whom, which side is outside, and which edges
+ * and corners are re-entrant. */
+#include "base/memory.h"
+#include "pack/domain_facets.h"
+
+#include <math.h>
+#include <stdlib.h>
+
+/* Height over extent up to which a triangle is a needle: its normal would be round-off of the
+ * single precision in which surfaces are often kept. */
+static const double needle_height = 1e-7;
+/* Sine of the bend from which an edge counts as re-entrant; flatter, and the slack of the feet on
+ * the facets beside it closes the gap. */
+static const double crease_bend = 1e-10;
+
+typedef struct half_edge {
+    int32_t low, high; /* nodes */
+    int32_t half;      /* 4 * facet + edge */
+} half_edge;
+
+static int compare_halves(const void *left, const void *right) {
+    const half_edge *a = left, *b = right;
+    if (a->low != b->low) return a->low < b->low ? -1 : 1;
+    if (a->high != b->high) return a->high < b->high ? -1 : 1;
+    return (a->half > b->half) - (a->half < b->half);
+}
+
+static gneiss_status read_facets(gn_facets *s, const double *node, const int32_t *element,
+                                 const char *name, gneiss_error *error) {
+    const char *what = s->corners == 2 ? "edge" : "triangle";
+    for (size_t i = 0; i < s->count; i++) {
+        gn_facet *f = &s->facet[i];
+        f->id = (int32_t)i;
+        for (int c = 0; c < s->corners; c++) {
+            int32_t n = element[i * (size_t)s->corners + (size_t)c];
+            if (n < 0 || (size_t)n >= s->node_count)
+                return gn_fail(error, GNEISS_ERROR_INPUT,
+                               "%s: %s %zu has node %d (base 0) but there are %zu nodes", name,
+                               what, i + 1, n, s->node_count);
+            f->node[c] = n;
+            for (int k = 0; k < s->corners; k++) {
+                double value = node[3 * (size_t)n + (size_t)k];
+                if (!isfinite(value))
+                    return gn_fail(error, GNEISS_ERROR_INPUT,
+                                   "%s: %s %zu: expected finite coordinates, found %g", name, what,
+                                   i + 1, value);
+                f->corner[c][k] = value;
+                s->lower[k] = fmin(s->lower[k], value);
+                s->upper[k] = fmax(s->upper[k], value);
+            }
+        }
+    }
+    for (int k = 0; k < s->corners; k++) s->size = fmax(s->size, s->upper[k] - s->lower[k]);
+    if (!(s->size > 0) || !isfinite(s->size))
+        return gn_fail(error, GNEISS_ERROR_INPUT,
+                       "%s: expected a body of some finite size, found %g m", name, s->size);
+    if (s->corners == 2) s->lower[2] = s->upper[2] = 0;
+    return GNEISS_OK;
+}
+
+/* Unit normals; needles get none yet. */
+static gneiss_status set_normals(gn_facets *s, const char *name, gneiss_error *error) {
+    for (size_t i = 0; i < s->count; i++) {
+        gn_facet *f = &s->facet[i];
+        double edge[3][3], cross[3], longest2 = 0;
+        for (int k = 0; k < s->corners; k++) {
+            gn_minus(f->corner[s->corners == 2 ? 1 - k : gn_next(k)], f->corner[k], edge[k]);
+            double length2 = gn_dot(edge[k], edge[k]);
+            if (!(length2 > 0))
+                return gn_fail(error, GNEISS_ERROR_INPUT,
+                               "%s: two corners of %s %d coincide at (%g, %g, %g)", name,
+                               s->corners == 2 ? "edge" : "triangle", f->id + 1, f->corner[k][0],
+                               f->corner[k][1], f->corner[k][2]);
+            longest2 = fmax(longest2, length2);
+        }
+        if (s->corners == 2) {
+            cross[0] = edge[0][1], cross[1] = -edge[0][0], cross[2] = 0;
+        } else {
+            gn_cross(edge[0], edge[1], cross);
+            if (gn_dot(cross, cross) <=
+                needle_height * needle_height * s->size * s->size * longest2)
+                f->flags |= GN_FACET_NEEDLE;
+        }
+        double length = sqrt(gn_dot(cross, cross));
+        for (int k = 0; k < 3 && !(f->flags & GN_FACET_NEEDLE); k++)
+            f->normal[k] = cross[k] / length;
+    }
+    return GNEISS_OK;
+}
+
+static int longest_edge(const gn_facet *f) {
+    int longest = 0;
+    double most = 0;
+    for (int k = 0; k < 3; k++) {
+        double edge[3];
+        gn_minus(f->corner[gn_next(k)], f->corner[k], edge);
+        if (gn_dot(edge, edge) > most) most = gn_dot(edge, edge), longest = k;
+    }
+    return longest;
+}
+
+static bool has_normal(const gn_facet *f) {
+    return gn_dot(f->normal, f->normal) > 0;
+}
+
+/* Gives needles the normal of a neighbour that has one: the one along the longest edge or, with
+ * `any`, the first. Whether there was such a needle; *left: one that has none yet. */
+static bool lend_normals(gn_facets *s, bool any, const gn_facet **left) {
+    bool progress = false;
+    *left = NULL;
+    for (size_t i = 0; i < s->count; i++) {
+        gn_facet *f = &s->facet[i];
+        if (has_normal(f)) continue;
+        int edge = longest_edge(f);
+        for (int k = 0; any && k < 3; k++)
+            if (has_normal(&s->facet[f->neighbour[k] >> 2])) edge = k;
+        const gn_facet *beside = &s->facet[f->neighbour[edge] >> 2];
+        for (int k = 0; k < 3; k++) f->normal[k] = beside->normal[k];
+        if (has_normal(f))
+            progress = true;
+        else
+            *left = f;
+    }
+    return progress;
+}
+
+/* A needle is the limit of a thin triangle in the plane of the facet along its longest edge. Some
+ * lie along others: repeated until all have a normal. */
+static gneiss_status set_needle_normals(gn_facets *s, const char *name, gneiss_error *error) {
+    const gn_facet *left;
+    do {
+        bool progress = lend_normals(s, false, &left);
+        /* Two that have the longest edge in common wait for each other. */
+        if (left && !progress && !lend_normals(s, true, &left))
+            return gn_fail(error, GNEISS_ERROR_INPUT,
+                           "%s: triangle %d at (%g, %g, %g) and those along it have no area", name,
+                           left->id + 1, left->corner[0][0], left->corner[0][1],
+                           left->corner[0][2]);
+    } while (left);
+    return GNEISS_OK;
+}
+
+static gneiss_status open_edge(const gn_facets *s, const half_edge *h, size_t uses,
+                               const char *name, gneiss_error *error) {
+    const gn_facet *f = &s->facet[h->half >> 2];
+    const double *a = f->corner[h->half & 3], *b = f->corner[gn_next(h->half & 3)];
+    return gn_fail(error, GNEISS_ERROR_INPUT,
+                   "%s: expected a closed surface whose triangles all turn the same way round; the "
+                   "edge from (%g, %g, %g) to (%g, %g, %g) of triangle %d belongs to %zu triangle%s"
+                   "%s",
+                   name, a[0], a[1], a[2], b[0], b[1], b[2], f->id + 1, uses, uses == 1 ? "" : "s",
+                   uses == 2 ? " that turn differently" : "");
+}
+
+/* Pairs the edges of triangles. */
+static gneiss_status pair_edges(gn_facets *s, half_edge *halves, const char *name,
+                                gneiss_error *error) {
+    size_t count = 3 * s->count;
+    for (size_t i = 0; i < count; i++) {
+        int32_t f = (int32_t)(i / 3), e = (int32_t)(i % 3);
+        int32_t a = s->facet[f].node[e], b = s->facet[f].node[gn_next(e)];
+        halves[i] = (half_edge){a < b ? a : b, a < b ? b : a, 4 * f + e};
+    }
+    qsort(halves, count, sizeof *halves, compare_halves);
+    for (size_t i = 0; i < count;) {
+        size_t end = i + 1;
+        while (end < count && halves[end].low == halves[i].low &&
+               halves[end].high == halves[i].high)
+            end++;
+        if (end - i != 2) return open_edge(s, &halves[i], end - i, name, error);
+        int32_t a = halves[i].half, b = halves[i + 1].half;
+        if (s->facet[a >> 2].node[a & 3] == s->facet[b >> 2].node[b & 3])
+            return open_edge(s, &halves[i], 2, name, error);
+        s->facet[a >> 2].neighbour[a & 3] = b;
+        s->facet[b >> 2].neighbour[b & 3] = a;
+        i = end;
+    }
+    return GNEISS_OK;
+}
+
+/* Lists the facets round each node, in the order of the facets. */
+static void set_stars(gn_facets *s) {
+    for (size_t i = 0; i < s->count; i++)
+        for (int c = 0; c < s->corners; c++) s->star_first[s->facet[i].node[c] + 1]++;
+    for (size_t n = 0; n < s->node_count; n++) s->star_first[n + 1] += s->star_first[n];
+    for (size_t i = s->count; i-- > 0;) {
+        for (int c = 0; c < s->corners; c++) {
+            int32_t n = s->facet[i].node[c];
+            /* Filled from the end: star_first[n + 1] sinks to the start of n's list. */
+            s->star[--s->star_first[n + 1]] = 4 * (int32_t)i + c;
+        }
+    }
+    for (size_t n = 0; n < s->node_count; n++) s->star_first[n] = s->star_first[n + 1];
+    s->star_first[s->node_count] = (int32_t)(s->count * (size_t)s->corners);
+}
+
+static gneiss_status check_loops(const gn_facets *s, const char *name, gneiss_error *error) {
+    for (size_t n = 0; n < s->node_count; n++) {
+        int starts = 0, ends = 0;
+        for (int32_t i = s->star_first[n]; i < s->star_first[n + 1]; i++)
+            *(s->star[i] & 3 ? &ends : &starts) += 1;
+        if (starts == ends) continue;
+        const double *x =
+            s->facet[s->star[s->star_first[n]] >> 2].corner[s->star[s->star_first[n]] & 3];
+        return gn_fail(
+            error, GNEISS_ERROR_INPUT,
+            "%s: expected closed loops with the body on their left; at (%g, %g) %d lines "
+            "start and %d end",
+            name, x[0], x[1], starts, ends);
+    }
+    return GNEISS_OK;
+}
+
+static gneiss_status link_facets(gn_facets *s, const char *name, gneiss_error *error) {
+    size_t corners = (size_t)s->corners;
+    s->star_first = gn_alloc_array(s->node_count + 1, sizeof *s->star_first);
+    s->star = gn_alloc_array(s->count, corners * sizeof *s->star);
+    s->node_normal = gn_alloc_array(s->node_count, 3 * sizeof *s->node_normal);
+    half_edge *halves = gn_alloc_array(s->count, 3 * sizeof *halves);
+    gneiss_status status = GNEISS_OK;
+    if (!s->star_first || !s->star || !s->node_normal || !halves)
+        status =
+            gn_fail(error, GNEISS_ERROR_MEMORY, "no memory for the links of %zu facets", s->count);
+    else {
+        set_stars(s);
+        status = corners == 2 ? check_loops(s, name, error) : pair_edges(s, halves, name, error);
+    }
+    gn_free(halves);
+    return status;
+}
+
+/* Angle-weighted pseudonormals (Baerentzen & Aanaes 2005, eq. 5). */
+static void set_node_normals(gn_facets *s) {
+    for (size_t i = 0; i < s->count; i++) {
+        const gn_facet *f = &s->facet[i];
+        for (int c = 0; c < s->corners; c++) {
+            double angle = 1;
+            if (s->corners == 3) {
+                double u[3], v[3], w[3];
+                gn_minus(f->corner[gn_next(c)], f->corner[c], u);
+                gn_minus(f->corner[gn_next(gn_next(c))], f->corner[c], v);
+                gn_cross(u, v, w);
+                angle = atan2(sqrt(gn_dot(w, w)), gn_dot(u, v));
+            }
+            for (int k = 0; k < 3; k++) s->node_normal[3 * f->node[c] + k] += angle * f->normal[k];
+        }
+    }
+}
+
+/* Facets met on the way round a node across edges, starting from its first one. */
+static int32_t fan_size(const gn_facets *s, int32_t start) {
+    int32_t at = start, size = 0;
+    do {
+        /* The neighbour runs along the shared edge the other way: the node is its end there. */
+        int32_t half = s->facet[at >> 2].neighbour[at & 3];
+        at = (half & ~3) | gn_next(half & 3);
+        size++;
+    } while (at != start);
+    return size;
+}
+
+static bool crease(const gn_facets *s, const gn_facet *f, int edge) {
+    const gn_facet *g = &s->facet[f->neighbour[edge] >> 2];
+    double along[3], inward[3];
+    gn_minus(f->corner[edge], f->corner[gn_next(edge)], along);
+    gn_cross(g->normal, along, inward);
+    return gn_dot(f->normal, inward) > crease_bend * sqrt(gn_dot(along, along));
+}
+
+static bool reentrant_corner(const gn_facets *s, int32_t first, int32_t second) {
+    const gn_facet *a = &s->facet[first >> 2], *b = &s->facet[second >> 2];
+    const gn_facet *in = first & 3 ? a : b, *out = first & 3 ? b : a;
+    return in->normal[0] * out->normal[1] - in->normal[1] * out->normal[0] < -crease_bend;
+}
+
+static void set_flags(gn_facets *s) {
+    for (size_t i = 0; s->corners == 3 && i < s->count; i++) {
+        gn_facet *f = &s->facet[i];
+        for (int k = 0; k < 3; k++)
+            if ((size_t)(f->neighbour[k] >> 2) > i && crease(s, f, k))
+                f->flags |= (uint32_t)GN_FACET_CREASE_0 << k;
+    }
+    for (size_t n = 0; n < s->node_count; n++) {
+        int32_t first = s->star_first[n], count = s->star_first[n + 1] - first;
+        if (!count) continue;
+        const int32_t *star = s->star + first;
+        bool tip = false, pinched = count != (s->corners == 2 ? 2 : fan_size(s, star[0]));
+        for (int32_t i = 0; i < count && s->corners == 3; i++) {
+            const gn_facet *f = &s->facet[star[i] >> 2];
+            tip |= crease(s, f, star[i] & 3);
+        }
+        if (s->corners == 2) tip = pinched || reentrant_corner(s, star[0], star[1]);
+        if (tip) s->facet[star[0] >> 2].flags |= (uint32_t)GN_FACET_TIP_0 << (star[0] & 3);
+        for (int32_t i = 0; i < count && pinched; i++)
+            s->facet[star[i] >> 2].flags |= (uint32_t)GN_FACET_PINCHED_0 << (star[i] & 3);
+    }
+}
+
+/* By the divergence theorem, from the middle of the bounds. */
+static gneiss_status set_volume(gn_facets *s, const char *name, gneiss_error *error) {
+    double middle[3], unit = pow(s->size, s->corners);
+    for (int k = 0; k < 3; k++) middle[k] = 0.5 * (s->lower[k] + s->upper[k]);
+    for (size_t i = 0; i < s->count; i++) {
+        double v[3][3], cross[3];
+        for (int c = 0; c < s->corners; c++) gn_minus(s->facet[i].corner[c], middle, v[c]);
+        gn_cross(v[0], v[1], cross);
+        s->volume += s->corners == 2 ? cross[2] / 2 : gn_dot(cross, v[2]) / 6;
+    }
+    if (s->volume > 1e-12 * unit && isfinite(s->volume)) return GNEISS_OK;
+    return gn_fail(error, GNEISS_ERROR_INPUT,
+                   "%s: expected a boundary turned outward round some %s, found %g %s", name,
+                   s->corners == 2 ? "area" : "volume", s->volume, s->corners == 2 ? "m2" : "m3");
+}
+
+static gneiss_status build(gn_facets *s, const double *node, const int32_t *element,
+                           const char *name, gneiss_error *error) {
+    GN_TRY(read_facets(s, node, element, name, error));
+    GN_TRY(set_normals(s, name, error));
+    GN_TRY(gn_tree_build(s, error));
+    GN_TRY(link_facets(s, name, error));
+    GN_TRY(set_needle_normals(s, name, error));
+    GN_TRY(gn_facets_check_cuts(s, name, error));
+    GN_TRY(set_volume(s, name, error));
+    set_node_normals(s);
+    set_flags(s);
+    return gn_facets_know(s, error);
+}
+
+gneiss_status gn_facets_create(const double *node, size_t node_count, const int32_t *element,
+                               size_t count, int corners, const char *name, gn_facets **facets,
+                               gneiss_error *error) {
+    size_t least = (size_t)corners + (corners == 3), most = INT32_MAX / 8;
+    if (count < least || count > most || node_count > INT32_MAX / 4)
+        return gn_fail(error, GNEISS_ERROR_INPUT,
+                       "%s: expected a boundary of %zu to %zu %s, found %zu", name, least, most,
+                       corners == 2 ? "edges" : "triangles", count);
+    gn_facets *s = gn_alloc(sizeof *s);
+    if (s) s->facet = gn_alloc_array(count, sizeof *s->facet);
+    if (!s || !s->facet) {
+        gn_free(s);
+        return gn_fail(error, GNEISS_ERROR_MEMORY, "%s: no memory for %zu facets", name, count);
+    }
+    s->corners = corners;
+    s->count = count;
+    s->node_count = node_count;
+    for (int k = 0; k < 3; k++) s->lower[k] = INFINITY, s->upper[k] = -INFINITY;
+    gneiss_status status = build(s, node, element, name, error);
+    if (status == GNEISS_OK)
+        *facets = s;
+    else
+        gn_facets_free(s);
+    return status;
+}
+
+void gn_facets_free(gn_facets *s) {
+    if (!s) return;
+    gn_free(s->facet);
+    gn_free(s->tree);
+    gn_free(s->node_normal);
+    gn_free(s->star_first);
+    gn_free(s->star);
+    gn_free(s->known);
+    gn_free(s);
+}
