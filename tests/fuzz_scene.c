@@ -89,6 +89,14 @@ static const char *const tokens[] = {"-",
                                      "lattice:",
                                      "file: /",
                                      "file: /dev/null",
+                                     "surface: /dev/null",
+                                     "mesh: /dev/null",
+                                     "box: {size: [1, 2, 3]}",
+                                     "disc: {diameter: 1}",
+                                     "rectangle: {width: 1, height: 2}",
+                                     "[[0, 0], [1, 0], [0, 1]]",
+                                     "nodes",
+                                     "100",
                                      "\x01"};
 
 static char *read_file(const char *file) {
@@ -167,7 +175,7 @@ static bool finite_key(const gn_key *key, const char *base) {
     const gn_table *table = (const gn_table *)at;
     const char *array = NULL;
     size_t count = 0;
-    if (key->type == GN_KEY_PARTICLES || key->type == GN_KEY_LIST) {
+    if (gn_key_element_size(key)) {
         memcpy(&array, at, sizeof array);
         count = *(const size_t *)(base + key->second);
     }
@@ -181,6 +189,8 @@ static bool finite_key(const gn_key *key, const char *base) {
         return finite_array(table->time, table->count) && finite_array(table->value, table->count);
     case GN_KEY_PARTICLES:
         return finite_array((const double *)array, 4 * count);
+    case GN_KEY_POINTS:
+        return finite_array((const double *)array, 2 * count);
     case GN_KEY_SECTION:
         return finite_section(key->section, at);
     case GN_KEY_LIST:
@@ -221,7 +231,7 @@ static bool survives(gn_units *units, const char *text, const gn_override *overr
 }
 
 static const char *const seeds[] = {"tests/scenes/everything.yaml", "tests/scenes/plane.yaml",
-                                    "scenes/ucs-rock.yaml"};
+                                    "tests/scenes/polygon.yaml", "scenes/ucs-rock.yaml"};
 
 static void mutated_scenes_are_refused_or_sound(void **state) {
     (void)state;
@@ -252,6 +262,8 @@ static void mutated_overrides_are_refused_or_sound(void **state) {
                                        "gravity[2]",
                                        "sets[1].select.ids",
                                        "test",
+                                       "specimen.packing.refine[0].size",
+                                       "specimen.particles",
                                        "run.seed",
                                        "title"};
     gn_units *units = gn_units_new();

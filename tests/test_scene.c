@@ -237,9 +237,11 @@ static void keys_that_contradict_each_other_are_refused(void **state) {
     (void)state;
     static const char *const changes[][3] = {
         {"  particles: [[0, 0, 0, 1 mm], [2 mm, 0, 0, 1 mm]]\n", "  group: 1\n",
-         "s.yaml:2:1: specimen: expected one of file, particles and lattice, found none"},
+         "s.yaml:2:1: specimen: expected one of file, a list of particles, lattice, box, cylinder, "
+         "surface, mesh, found none"},
         {"specimen:\n", "specimen:\n  lattice: {kind: fcc, radius: 1, cells: [1, 1, 1]}\n",
-         "s.yaml:2:1: specimen: expected one of file, particles and lattice, found several"},
+         "s.yaml:2:1: specimen: expected one of file, a list of particles, lattice, box, cylinder, "
+         "surface, mesh, found a list of particles, lattice"},
         {"  particles: [[0, 0, 0, 1 mm], [2 mm, 0, 0, 1 mm]]\n",
          "  lattice: {kind: square, radius: 1, cells: [1, 1, 1]}\n",
          "s.yaml:3:19: specimen.lattice.kind: expected a lattice of a 3D scene: cubic, fcc, hcp"},

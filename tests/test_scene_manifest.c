@@ -41,11 +41,13 @@ static void same_key(const gn_key *key, const char *a, const char *b) {
     case GN_KEY_LIST:
         same_array(key, a, b, key->section->size);
         break;
-    case GN_KEY_IDS:
-        same_array(key, a, b, sizeof(int64_t));
-        break;
     case GN_KEY_PARTICLES:
-        same_array(key, a, b, 4 * sizeof(double));
+        same_bits(key, a + key->number, b + key->number, sizeof(int64_t));
+        same_array(key, a, b, gn_key_element_size(key));
+        break;
+    case GN_KEY_IDS:
+    case GN_KEY_POINTS:
+        same_array(key, a, b, gn_key_element_size(key));
         break;
     case GN_KEY_TABLE:
         assert_int_equal(t->count, u->count);
@@ -84,13 +86,75 @@ static void comes_back(gn_scene *scene) {
 static void a_written_scene_comes_back_bit_for_bit(void **state) {
     (void)state;
     static const char *const files[] = {"scenes/ucs-rock.yaml", "tests/scenes/everything.yaml",
-                                        "tests/scenes/plane.yaml"};
+                                        "tests/scenes/plane.yaml", "tests/scenes/polygon.yaml"};
     for (size_t k = 0; k < sizeof files / sizeof *files; k++) {
         gn_scene scene = loaded(files[k]);
         comes_back(&scene);
     }
     gn_scene scene = parsed(small);
     comes_back(&scene);
+}
+
+static void every_shape_comes_back_bit_for_bit(void **state) {
+    (void)state;
+    static const struct {
+        int dimension;
+        const char *specimen;
+    } cases[] = {
+        {2, "rectangle: {width: 0.1, height: 0.3}\n  origin: [-0.0, 1e-9]\n  particles: 4"},
+        {2, "disc: {diameter: 0.7}\n  mean_radius: 0.011"},
+        {3, "box: {size: [0.1, 0.2, 0.3]}\n  particles: 100000000"},
+        {3, "surface: ../meson.build\n  scale: 1e-3\n  particles: 50"},
+        {3, "mesh: test.h\n  packing: {start: nodes}"},
+        {2, "mesh: test.h\n  mean_radius: 1 um"},
+        {2, "lattice: {kind: square, radius: 1, cells: [1, 1]}\n  origin: [-0.0, 0]"}};
+    for (size_t k = 0; k < sizeof cases / sizeof *cases; k++) {
+        gn_scene scene;
+        gneiss_error error = {0};
+        char text[1024], folder[4096];
+        snprintf(folder, sizeof folder, "%s/tests", test_source());
+        snprintf(text, sizeof text,
+                 "dimension: %d\nspecimen:\n  %s\nmaterials:\n  - {name: a, density: 1, kratio: 0, "
+                 "normal_stiffness: 1}\nlaw: {stiffness: uniform}\ntime: {end: 1}\n",
+                 cases[k].dimension, cases[k].specimen);
+        if (gn_scene_parse(text, "s.yaml", folder, NULL, 0, &scene, &error))
+            fail_msg("refused: %s", error.message);
+        comes_back(&scene);
+    }
+}
+
+static void a_scene_without_a_shape_says_nothing_of_packing(void **state) {
+    (void)state;
+    gn_scene scene = parsed(small);
+    char *text = gn_scene_write(&scene);
+    assert_non_null(text);
+    assert_null(strstr(text, "packing"));
+    assert_null(strstr(text, "origin"));
+    free(text);
+    gn_scene_free(&scene);
+}
+
+static void a_copy_stands_when_the_original_is_gone(void **state) {
+    (void)state;
+    static const char *const files[] = {"tests/scenes/everything.yaml",
+                                        "tests/scenes/polygon.yaml"};
+    for (size_t k = 0; k < sizeof files / sizeof *files; k++) {
+        gn_scene scene = loaded(files[k]), copy;
+        gneiss_error error = {0};
+        assert_int_equal(gn_scene_copy(&scene, &copy, &error), GNEISS_OK);
+        same_section(&gn_scene_section, (char *)&scene, (char *)&copy);
+        char *text = gn_scene_write(&scene);
+        for (size_t c = 0; c < 2 * scene.specimen.pack.corner_count; c++)
+            scene.specimen.pack.corners[c] = -1;
+        for (size_t r = 0; r < scene.specimen.pack.refinement_count; r++)
+            scene.specimen.pack.refinements[r].size = -1;
+        gn_scene_free(&scene);
+        char *later = gn_scene_write(&copy);
+        assert_string_equal(text, later);
+        free(text);
+        free(later);
+        gn_scene_free(&copy);
+    }
 }
 
 static void awkward_numbers_come_back_bit_for_bit(void **state) {
@@ -193,6 +257,7 @@ static void is_documented(const gn_key *key, const char *path, void *context) {
     bool numeric =
         key->type == GN_KEY_REAL || key->type == GN_KEY_TABLE || key->type == GN_KEY_VECTOR;
     if (numeric && !key->unit) fail_msg("%s has no unit", path);
+    if (key->section) assert_true(key->section->key_count <= GN_SECTION_KEYS_MAX);
     if (key->type == GN_KEY_CHOICE && !key->choices) fail_msg("%s has no choices", path);
 }
 
@@ -215,30 +280,43 @@ static int outside(const char *range, bool whole, char values[2][32]) {
     return count;
 }
 
+/* A shape that the key at a path belongs to and that no scene file has; NULL otherwise. */
+static const gn_override *shape_of(const char *path) {
+    static const gn_override shapes[] = {{"specimen.rectangle", "{width: 1, height: 1}"},
+                                         {"specimen.disc", "{diameter: 1}"},
+                                         {"specimen.box", "{size: [1, 1, 1]}"}};
+    for (size_t k = 0; k < sizeof shapes / sizeof *shapes; k++)
+        if (strncmp(path, shapes[k].key, strlen(shapes[k].key)) == 0) return &shapes[k];
+    return NULL;
+}
+
 static void refuses_outside_values(const gn_key *key, const char *path, void *context) {
     size_t *checked = context;
-    bool whole =
-        key->type == GN_KEY_INTEGER || key->type == GN_KEY_CELLS || key->type == GN_KEY_IDS;
+    bool whole = key->type == GN_KEY_INTEGER || key->type == GN_KEY_CELLS ||
+                 key->type == GN_KEY_IDS || key->type == GN_KEY_PARTICLES;
     if (!key->range || key->type == GN_KEY_LIST) return;
     char at[256];
     bool servo = strstr(path, ".servo.") != NULL; /* the second wall has one */
     snprintf(at, sizeof at, servo ? "walls[1]%s" : "%s", path + (servo ? 8 : 0));
     char values[2][32], text[128], file[4096];
-    bool plane = strncmp(path, "specimen.lattice", 16) == 0;
+    const gn_override *shape = shape_of(path);
+    bool plane = strncmp(path, "specimen.lattice", 16) == 0 ||
+                 (shape && strcmp(shape->key, "specimen.box") != 0);
     snprintf(file, sizeof file, "%s/tests/scenes/%s.yaml", test_source(),
              plane ? "plane" : "everything");
     int count = outside(key->range, whole, values);
     assert_true(count > 0);
     for (int k = 0; k < count; k++) {
         snprintf(text, sizeof text,
-                 key->type == GN_KEY_CELLS ? "[%s, %s]"
-                 : key->type == GN_KEY_IDS ? "[%s]"
-                                           : "%s",
-                 values[k], values[k]);
-        gn_override overrides[] = {{at, text}};
+                 key->type == GN_KEY_CELLS    ? "[%s, %s]"
+                 : key->type == GN_KEY_VECTOR ? "[%s, %s, %s]"
+                 : key->type == GN_KEY_IDS    ? "[%s]"
+                                              : "%s",
+                 values[k], values[k], values[k]);
+        gn_override overrides[] = {shape ? *shape : (gn_override){"title", "t"}, {at, text}};
         gn_scene scene;
         gneiss_error error = {0};
-        gneiss_status status = gn_scene_load(file, overrides, 1, &scene, &error);
+        gneiss_status status = gn_scene_load(file, overrides, 2, &scene, &error);
         if (status == GNEISS_OK) fail_msg("%s = %s was accepted, range %s", path, text, key->range);
         if (!strstr(error.message, key->range)) fail_msg("%s = %s: %s", path, text, error.message);
         (*checked)++;
@@ -306,6 +384,9 @@ static void docs_keys_md_is_up_to_date(void **state) {
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(a_written_scene_comes_back_bit_for_bit),
+        cmocka_unit_test(every_shape_comes_back_bit_for_bit),
+        cmocka_unit_test(a_scene_without_a_shape_says_nothing_of_packing),
+        cmocka_unit_test(a_copy_stands_when_the_original_is_gone),
         cmocka_unit_test(awkward_numbers_come_back_bit_for_bit),
         cmocka_unit_test(effects_are_what_the_scene_calls_for),
         cmocka_unit_test(bonds_need_a_group),

@@ -14,7 +14,7 @@ typedef struct check {
 
 static check element_of(const gn_reader *reader, const gn_node *root, const char *list,
                         size_t index) {
-    check c = {.reader = reader, .map = gn_node_item(gn_node_child(root, list), index)};
+    check c = {.reader = reader, .map = gn_node_item(gn_node_find(root, list), index)};
     snprintf(c.prefix, sizeof c.prefix, "%s[%zu].", list, index);
     return c;
 }
@@ -47,13 +47,123 @@ static bool given(const check *c, const char *key) {
 
 /* ---- specimen ---- */
 
-static gneiss_status check_specimen(const check *c, gn_scene *s) {
+enum { SOURCES_SIZE = 128 };
+
+static void add_source(char sources[SOURCES_SIZE], const char *name) {
+    size_t used = strlen(sources);
+    snprintf(sources + used, SOURCES_SIZE - used, "%s%s", used ? ", " : "", name);
+}
+
+/* Exactly one of them is given; `source` is its name. Sets the kind of the shape. */
+static gneiss_status check_source(const check *c, gn_specimen *specimen, int64_t dimension,
+                                  char source[SOURCES_SIZE]) {
+    char path[GN_KEY_PATH_SIZE], shapes[GN_SHAPE_NAMES_SIZE];
+    source[0] = '\0';
+    if (*specimen->file) add_source(source, "file");
+    if (specimen->particle_count) add_source(source, "a list of particles");
+    if (specimen->lattice.kind != GN_LATTICE_NONE) add_source(source, "lattice");
+    for (size_t k = 0; k < gn_specimen_section.key_count; k++) {
+        const gn_key *key = &gn_specimen_section.keys[k];
+        snprintf(path, sizeof path, "specimen.%s", key->name);
+        if (!key->shape || !given(c, path)) continue;
+        specimen->pack.shape = key->shape;
+        add_source(source, key->name);
+    }
+    if (*source && !strchr(source, ',')) return GNEISS_OK;
+    gn_shape_names(dimension, shapes);
+    if (c->reader->specimen_only)
+        return fail(c, "specimen", "expected one of %s, found %s", shapes,
+                    *source ? source : "none");
+    return fail(c, "specimen", "expected one of file, a list of particles, lattice, %s, found %s",
+                shapes,
+                *source                ? source
+                : specimen->pack.count ? "a number of particles only"
+                                       : "none");
+}
+
+static bool is_zero(const double v[3]) {
+    return v[0] == 0 && v[1] == 0 && v[2] == 0;
+}
+
+/* What only a shape has a use for. */
+static gneiss_status check_no_shape(const check *c, gn_specimen *specimen, int64_t dimension,
+                                    const char *source) {
+    char shapes[GN_SHAPE_NAMES_SIZE];
+    gn_shape_names(dimension, shapes);
+    const char *key = c->reader->specimen_only          ? "specimen"
+                      : specimen->pack.count            ? "specimen.particles"
+                      : specimen->pack.mean_radius > 0  ? "specimen.mean_radius"
+                      : !is_zero(specimen->pack.origin) ? "specimen.origin"
+                      : given(c, "specimen.packing")    ? "specimen.packing"
+                                                        : NULL;
+    /* It is not written; a zero with a sign would not come back. */
+    if (!key) memset(specimen->pack.origin, 0, sizeof specimen->pack.origin);
+    if (!key) return GNEISS_OK;
+    if (c->reader->specimen_only)
+        return fail(c, key, "expected one of %s, found %s", shapes, source);
+    return fail(c, key, "expected one of %s beside it, found %s", shapes, source);
+}
+
+static gneiss_status check_refinement(const check *c, const gn_refinement *r) {
+    if (given(c, "from") != given(c, "to"))
+        return given(c, "from") ? fail(c, "to", "required beside from, but not given")
+                                : fail(c, "from", "required beside to, but not given");
+    if (r->has_region == r->boundary)
+        return fail(c, "boundary", "expected from and to, or boundary true, found %s",
+                    r->boundary ? "both" : "none");
+    const double *low = r->lower, *high = r->upper;
+    for (int k = 0; k < 3; k++)
+        if (low[k] > high[k])
+            return fail(c, "to", "expected a corner not below from, found %c: %g to %g", "xyz"[k],
+                        low[k], high[k]);
+    return GNEISS_OK;
+}
+
+/* Particles come by their number or their size, or from the nodes of a mesh. */
+static gneiss_status check_amount(const check *c, const gn_pack_def *pack, const char *shape) {
+    const char *key = pack->count ? "specimen.particles" : "specimen.mean_radius";
+    bool some = pack->count || pack->mean_radius > 0;
+    if (pack->start == GN_START_NODES) {
+        if (pack->shape != GN_SHAPE_MESH)
+            return fail(c, "specimen.packing.start", "expected mesh beside nodes, found %s", shape);
+        if (!some) return GNEISS_OK;
+        return fail(c, key,
+                    "expected to be left out beside packing.start nodes (each inner node of the "
+                    "mesh becomes a particle), found it given");
+    }
+    if (!some)
+        return fail(c, "specimen",
+                    "expected particles (how many) or mean_radius beside %s, found none", shape);
+    if (pack->count && pack->mean_radius > 0)
+        return fail(c, "specimen.mean_radius", "expected particles or mean_radius, found both");
+    return GNEISS_OK;
+}
+
+static gneiss_status check_pack(const check *c, const gn_pack_def *pack, const char *shape) {
+    bool fixed = pack->shape == GN_SHAPE_POLYGON || pack->shape == GN_SHAPE_SURFACE ||
+                 pack->shape == GN_SHAPE_MESH;
+    if (fixed && !is_zero(pack->origin))
+        return fail(c, "specimen.origin",
+                    "expected rectangle, disc, box or cylinder beside it, found %s", shape);
+    GN_TRY(check_amount(c, pack, shape));
+    if (pack->overlap == GN_OVERLAP_NONE && pack->overlap_size >= 0)
+        return fail(c, "specimen.packing.overlap_size",
+                    "expected overlap passive beside it, found none");
+    for (size_t k = 0; k < pack->refinement_count; k++) {
+        check element = element_of(c->reader, c->map, "specimen.packing.refine", k);
+        GN_TRY(check_refinement(&element, &pack->refinements[k]));
+    }
+    return GNEISS_OK;
+}
+
+static gneiss_status check_particles(const check *c, gn_scene *s) {
     gn_specimen *specimen = &s->specimen;
-    int sources = (*specimen->file != 0) + (specimen->particle_count > 0) +
-                  (specimen->lattice.kind != GN_LATTICE_NONE);
-    if (sources != 1)
-        return fail(c, "specimen", "expected one of file, particles and lattice, found %s",
-                    sources ? "several" : "none");
+    char source[SOURCES_SIZE];
+    GN_TRY(check_source(c, specimen, s->dimension, source));
+    if (specimen->pack.shape == GN_SHAPE_NONE)
+        GN_TRY(check_no_shape(c, specimen, s->dimension, source));
+    else
+        GN_TRY(check_pack(c, &specimen->pack, source));
     bool plane = specimen->lattice.kind == GN_LATTICE_SQUARE ||
                  specimen->lattice.kind == GN_LATTICE_HEXAGONAL;
     if (specimen->lattice.kind != GN_LATTICE_NONE && plane != (s->dimension == 2))
@@ -62,12 +172,23 @@ static gneiss_status check_specimen(const check *c, gn_scene *s) {
     if (specimen->porosity >= 0 && specimen->density_basis != GN_DENSITY_BULK)
         return fail(c, "specimen.porosity",
                     "expected density_basis bulk beside it, found particle");
+    return GNEISS_OK;
+}
+
+static gneiss_status check_specimen(const check *c, gn_scene *s) {
+    gn_specimen *specimen = &s->specimen;
+    GN_TRY(check_particles(c, s));
     if (!*specimen->material && s->material_count == 1)
         memcpy(specimen->material, s->materials[0].name, sizeof specimen->material);
     if (gn_scene_find_material(s, specimen->material) < 0)
         return fail(c, "specimen.material", "expected the name of a material, found '%s'",
                     specimen->material);
     return GNEISS_OK;
+}
+
+gneiss_status gn_check_shape(gn_reader *reader, const gn_node *root) {
+    check c = {.reader = reader, .map = root};
+    return check_particles(&c, reader->scene);
 }
 
 /* ---- materials and bonds ---- */

@@ -51,7 +51,8 @@ static void describe(char *text, size_t size, const gn_key *key) {
         describe_choices(text, size, key);
         return;
     case GN_KEY_VECTOR:
-        describe_numbers(text, size, "[x, y, z], in 2D [x, y]", key);
+        describe_numbers(text, size,
+                         key->shape_dimension == 3 ? "[x, y, z]" : "[x, y, z], in 2D [x, y]", key);
         return;
     case GN_KEY_SPIN:
         describe_numbers(text, size, "[x, y, z], in 2D a number", key);
@@ -66,7 +67,10 @@ static void describe(char *text, size_t size, const gn_key *key) {
         describe_numbers(text, size, "list of whole numbers", key);
         return;
     case GN_KEY_PARTICLES:
-        describe_numbers(text, size, "list of rows", key);
+        snprintf(text, size, "list of rows, %s, or a whole number in %s", key->unit, key->range);
+        return;
+    case GN_KEY_POINTS:
+        describe_numbers(text, size, "list of at least 3 points [x, y]", key);
         return;
     case GN_KEY_SECTION:
         snprintf(text, size, "section");

@@ -1,9 +1,5 @@
 #include "scene/manifest.h"
 
-#include <math.h>
-#include <stdlib.h>
-#include <string.h>
-
 /* A key TYPE called NAME for FIELD of STRUCT. */
 #define KEY(NAME, TYPE, STRUCT, FIELD, ...)                                                        \
     {                                                                                              \
@@ -18,6 +14,10 @@
     { .name = NAME, .type = GN_KEY_SECTION, .section = &TABLE, __VA_ARGS__ }
 #define PRESENT(KIND, STRUCT, FIELD)                                                               \
     .presence = GN_PRESENT_##KIND, .present_at = offsetof(STRUCT, FIELD)
+/* One of the bodies that can be packed. */
+#define SHAPE(KIND, DIMENSION)                                                                     \
+    .shape = GN_SHAPE_##KIND, .shape_dimension = (DIMENSION),                                      \
+    PRESENT(SHAPE, gn_scene, specimen.pack.shape)
 #define TABLE_OF(NAME)                                                                             \
     static const gn_section NAME##_section = {NAME##_keys, sizeof NAME##_keys / sizeof(gn_key), 0, \
                                               GN_NO_WHERE}
@@ -51,6 +51,10 @@ static const gn_choice lattices[] = {
     {"square", GN_LATTICE_SQUARE}, {"hexagonal", GN_LATTICE_HEXAGONAL},
     {"cubic", GN_LATTICE_CUBIC},   {"fcc", GN_LATTICE_FCC},
     {"hcp", GN_LATTICE_HCP},       {NULL, 0}};
+static const gn_choice overlaps[] = {
+    {"none", GN_OVERLAP_NONE}, {"passive", GN_OVERLAP_PASSIVE}, {NULL, 0}};
+static const gn_choice pack_starts[] = {
+    {"random", GN_START_RANDOM}, {"nodes", GN_START_NODES}, {NULL, 0}};
 static const gn_choice density_bases[] = {
     {"particle", GN_DENSITY_PARTICLE}, {"bulk", GN_DENSITY_BULK}, {NULL, 0}};
 static const gn_choice lost_policies[] = {
@@ -90,17 +94,121 @@ static const gn_key lattice_keys[] = {
 };
 TABLE_OF(lattice);
 
+static const gn_key rectangle_keys[] = {
+    KEY("width", REAL, gn_scene, specimen.pack.size[0], .unit = "m", .range = "(0, inf)",
+        .required = true, .text = "length along x"),
+    KEY("height", REAL, gn_scene, specimen.pack.size[1], .unit = "m", .range = "(0, inf)",
+        .required = true, .text = "length along y"),
+};
+TABLE_OF(rectangle);
+
+static const gn_key disc_keys[] = {
+    KEY("diameter", REAL, gn_scene, specimen.pack.diameter, .unit = "m", .range = "(0, inf)",
+        .required = true, .text = "diameter of the disc"),
+};
+TABLE_OF(disc);
+
+static const gn_key body_box_keys[] = {
+    KEY("size", VECTOR, gn_scene, specimen.pack.size, .unit = "m", .range = "(0, inf)",
+        .required = true, .shape_dimension = 3, .text = "lengths along x, y and z"),
+};
+TABLE_OF(body_box);
+
+static const gn_key cylinder_keys[] = {
+    KEY("diameter", REAL, gn_scene, specimen.pack.diameter, .unit = "m", .range = "(0, inf)",
+        .required = true, .text = "diameter of the cylinder"),
+    KEY("height", REAL, gn_scene, specimen.pack.height, .unit = "m", .range = "(0, inf)",
+        .required = true, .text = "length along z"),
+};
+TABLE_OF(cylinder);
+
+static const gn_key refinement_keys[] = {
+    KEY("from", VECTOR, gn_refinement, lower, .unit = "m", PRESENT(BOOL, gn_refinement, has_region),
+        .text = "lower corner of a box, which may be flat or a point"),
+    KEY("to", VECTOR, gn_refinement, upper, .unit = "m", PRESENT(BOOL, gn_refinement, has_region),
+        .text = "upper corner; given together with from"),
+    KEY("boundary", CHOICE, gn_refinement, boundary, .choices = booleans, .fallback = "false",
+        .text = "the boundary of the body instead of a box"),
+    KEY("size", REAL, gn_refinement, size, .unit = "1", .range = "(0, 1]", .required = true,
+        .text = "size of the particles there over that elsewhere"),
+    KEY("distance", REAL, gn_refinement, distance, .unit = "m", .range = "(0, inf)",
+        .required = true, .text = "over which the size grows back"),
+};
+ELEMENTS_OF(refinement, gn_refinement);
+
+static const gn_key packing_keys[] = {
+    KEY("size_ratio", REAL, gn_scene, specimen.pack.size_ratio, .unit = "1", .range = "[1.2, 100]",
+        .fallback = "6", .text = "largest over smallest radius asked for"),
+    KEY("size_variation", REAL, gn_scene, specimen.pack.size_variation, .unit = "1",
+        .range = "[0, 1]", .word = "auto", .word_value = -1, .fallback = "auto",
+        .text = "standard deviation of the radii over their mean before the fit"),
+    KEY("overlap", CHOICE, gn_scene, specimen.pack.overlap, .choices = overlaps, .fallback = "none",
+        .text = "passive: neighbours overlap by a few per cent, free of stress when bonded with "
+                "bonds.passive_gaps"),
+    KEY("overlap_size", REAL, gn_scene, specimen.pack.overlap_size, .unit = "1",
+        .range = "[0, 0.2]", .word = "auto", .word_value = -1, .fallback = "auto",
+        .text = "wanted overlap over the sum of the radii; with overlap passive"),
+    KEY("gap", REAL, gn_scene, specimen.pack.gap, .unit = "1", .range = "[0, 0.5]", .word = "auto",
+        .word_value = -1, .fallback = "auto",
+        .text = "pairs up to this gap over the sum of the radii are closed"),
+    KEY("start", CHOICE, gn_scene, specimen.pack.start, .choices = pack_starts,
+        .fallback = "random",
+        .text = "centres at the start: well-spread random points, or the inner nodes of the mesh"),
+    KEY("jiggle", REAL, gn_scene, specimen.pack.jiggle, .unit = "1", .range = "[0, 1]",
+        .fallback = "0.3",
+        .text = "with start nodes: random shift of the nodes over their spacing"),
+    ARRAY("refine", LIST, gn_scene, specimen.pack.refinements, specimen.pack.refinement_count,
+          .section = &refinement_section, .range = "[0, 1000]",
+          .text = "where particles are smaller"),
+    KEY("iterations", INTEGER, gn_scene, specimen.pack.iterations, .range = "[1, 1e6]",
+        .word = "auto", .fallback = "auto", .text = "most iterations of the fit"),
+    KEY("residual", REAL, gn_scene, specimen.pack.residual, .unit = "1", .range = "(0, 1)",
+        .word = "auto", .fallback = "auto",
+        .text = "stop once the root mean square gap of the closed pairs, over the sum of their "
+                "radii, is below"),
+    KEY("time", REAL, gn_scene, specimen.pack.time_limit, .unit = "s", .range = "(0, inf)",
+        .word = "off", .fallback = "off",
+        .text = "wall time after which the best so far is taken; the result then depends on the "
+                "machine"),
+};
+TABLE_OF(packing);
+
 static const gn_key specimen_keys[] = {
     KEY("file", FILE, gn_scene, specimen.file, .second = offsetof(gn_scene, specimen.path),
         PRESENT(TEXT, gn_scene, specimen.file),
         .text = "text file of rows x y z r (2D: x y r); relative to the folder of the scene"),
     KEY("scale", REAL, gn_scene, specimen.scale, .unit = "1", .range = "(0, inf)", .fallback = "1",
-        .text = "lengths in the file times this give metres"),
+        .text = "lengths in the file, surface or mesh times this give metres"),
     ARRAY("particles", PARTICLES, gn_scene, specimen.particles, specimen.particle_count,
-          .unit = "m", PRESENT(COUNT, gn_scene, specimen.particle_count),
-          .text = "the particles themselves: rows [x, y, z, r], in 2D [x, y, r]"),
+          .unit = "m", .number = offsetof(gn_scene, specimen.pack.count), .range = "[4, 1e8]",
+          PRESENT(ROWS, gn_scene, specimen.particle_count),
+          .text = "the particles themselves: rows [x, y, z, r], in 2D [x, y, r]; or how many to "
+                  "pack into a shape"),
     SECTION("lattice", lattice_section, PRESENT(ENUM, gn_scene, specimen.lattice.kind),
             .text = "a regular arrangement of equal particles"),
+    SECTION("rectangle", rectangle_section, SHAPE(RECTANGLE, 2),
+            .text = "2D shape; its lower left corner is at the origin"),
+    SECTION("disc", disc_section, SHAPE(DISC, 2), .text = "2D shape; its centre is at the origin"),
+    ARRAY("polygon", POINTS, gn_scene, specimen.pack.corners, specimen.pack.corner_count,
+          .unit = "m", SHAPE(POLYGON, 2), .text = "2D shape; its corners in either sense"),
+    SECTION("box", body_box_section, SHAPE(BOX, 3),
+            .text = "3D shape; its lower corner is at the origin"),
+    SECTION("cylinder", cylinder_section, SHAPE(CYLINDER, 3),
+            .text = "3D shape, axis along z; the centre of its lower end is at the origin"),
+    KEY("surface", FILE, gn_scene, specimen.pack.surface,
+        .second = offsetof(gn_scene, specimen.pack.surface_path), SHAPE(SURFACE, 3),
+        .text = "3D shape: STL file of a closed surface"),
+    KEY("mesh", FILE, gn_scene, specimen.pack.mesh,
+        .second = offsetof(gn_scene, specimen.pack.mesh_path), SHAPE(MESH, 0),
+        .text = "2D or 3D shape: gmsh .msh file, whose triangles (3D: tetrahedra) are the body"),
+    KEY("origin", VECTOR, gn_scene, specimen.pack.origin, .unit = "m", .fallback = "0",
+        PRESENT(ENUM, gn_scene, specimen.pack.shape),
+        .text = "where a rectangle, disc, box or cylinder stands"),
+    KEY("mean_radius", REAL, gn_scene, specimen.pack.mean_radius, .unit = "m", .range = "(0, inf)",
+        .word = "none", .fallback = "none",
+        .text = "of the particles to pack into a shape, instead of how many"),
+    SECTION("packing", packing_section, PRESENT(BESIDE, gn_scene, specimen.pack.shape),
+            .text = "how a shape is packed"),
     KEY("material", TEXT, gn_scene, specimen.material, .fallback = "",
         .text = "name of the material; may be left out when there is only one"),
     KEY("group", INTEGER, gn_scene, specimen.group, .range = "[0, 1000000]", .fallback = "1",
@@ -112,8 +220,8 @@ static const gn_key specimen_keys[] = {
         .word = "measure", .word_value = -1, .fallback = "measure",
         .text = "with density_basis bulk: particle density is density/(1 - porosity)"),
 };
-static const gn_section specimen_section = {specimen_keys, sizeof specimen_keys / sizeof(gn_key), 0,
-                                            offsetof(gn_scene, specimen.where)};
+const gn_section gn_specimen_section = {specimen_keys, sizeof specimen_keys / sizeof(gn_key), 0,
+                                        offsetof(gn_scene, specimen.where)};
 
 static const gn_key material_keys[] = {
     KEY("name", NAME, gn_material, name, .required = true,
@@ -412,10 +520,12 @@ static const gn_key run_keys[] = {
 TABLE_OF(run);
 
 static const gn_key scene_keys[] = {
-    KEY("title", TEXT, gn_scene, title, .fallback = "", .text = "one line for reports"),
+    KEY("title", TEXT, gn_scene, title, .fallback = "", .packing = true,
+        .text = "one line for reports"),
     KEY("dimension", INTEGER, gn_scene, dimension, .range = "[2, 3]", .fallback = "3",
-        .text = "2: discs in plane strain; 3: spheres"),
-    SECTION("specimen", specimen_section, .required = true, .text = "the particles"),
+        .packing = true, .text = "2: discs in plane strain; 3: spheres"),
+    SECTION("specimen", gn_specimen_section, .required = true, .packing = true,
+            .text = "the particles"),
     ARRAY("materials", LIST, gn_scene, materials, material_count, .section = &material_section,
           .range = "[1, 1000]", .required = true, .text = "what particles are made of"),
     SECTION("law", law_section, .required = true, .text = "the contact law"),
@@ -435,76 +545,10 @@ static const gn_key scene_keys[] = {
     SECTION("test", test_section, PRESENT(ENUM, gn_scene, test.kind),
             .text = "a laboratory test: where stress and strain are read"),
     SECTION("time", time_section, .required = true, .text = "step and duration"),
-    SECTION("output", output_section, .text = "what is written"),
+    SECTION("output", output_section, .packing = true, .text = "what is written"),
     SECTION("neighbours", neighbours_section, .text = "the neighbour list"),
-    SECTION("run", run_section, .text = "how the run is carried out; no physics"),
+    SECTION("run", run_section, .packing = true, .text = "how the run is carried out; no physics"),
 };
 
 const gn_section gn_scene_section = {scene_keys, sizeof scene_keys / sizeof(gn_key), 0,
                                      GN_NO_WHERE};
-
-/* ---- reading the tables ---- */
-
-gn_range gn_range_read(const char *text) {
-    gn_range range = {-INFINITY, INFINITY, true, true};
-    if (!text) return range;
-    char *rest;
-    range.low_open = text[0] == '(';
-    range.low = strtod(text + 1, &rest);
-    range.high = strtod(rest + 1, &rest);
-    range.high_open = rest[0] == ')';
-    return range;
-}
-
-bool gn_range_holds(const char *text, double value) {
-    gn_range range = gn_range_read(text);
-    if (!isfinite(value)) return false;
-    if (range.low_open ? value <= range.low : value < range.low) return false;
-    return range.high_open ? value < range.high : value <= range.high;
-}
-
-bool gn_key_present(const gn_key *key, const void *base) {
-    const char *at = (const char *)base + key->present_at;
-    switch (key->presence) {
-    case GN_PRESENT_ALWAYS:
-        return true;
-    case GN_PRESENT_BOOL:
-        return *(const bool *)at;
-    case GN_PRESENT_ENUM:
-        return *(const uint32_t *)at != 0;
-    case GN_PRESENT_AXIS:
-        return *(const int64_t *)at >= 0;
-    case GN_PRESENT_COUNT:
-        return *(const size_t *)at != 0;
-    case GN_PRESENT_TEXT:
-        return *at != '\0';
-    }
-    return true;
-}
-
-int64_t gn_choice_load(const gn_key *key, const void *at) {
-    if (key->size == sizeof(bool)) return *(const bool *)at;
-    if (key->size == sizeof(int64_t)) return *(const int64_t *)at;
-    uint32_t value;
-    memcpy(&value, at, sizeof value);
-    return value;
-}
-
-void gn_choice_store(const gn_key *key, void *at, int64_t value) {
-    uint32_t narrow = (uint32_t)value;
-    if (key->size == sizeof(bool))
-        *(bool *)at = value != 0;
-    else if (key->size == sizeof(int64_t))
-        *(int64_t *)at = value;
-    else
-        memcpy(at, &narrow, sizeof narrow);
-}
-
-const char *gn_choice_name(const gn_choice *choices, int64_t value) {
-    for (; choices->name; choices++)
-        if (choices->value == value) return choices->name;
-    return "";
-}
-
-_Static_assert(sizeof(gn_stiffness_model) == 4 && sizeof(gn_switch) == 4 && sizeof(bool) == 1,
-               "choices are stored by size");

@@ -18,7 +18,9 @@ typedef enum gn_key_type {
     GN_KEY_CELLS,   /* int64_t[3]; two components in 2D scenes */
     GN_KEY_TABLE,   /* gn_table: constant or [[time, value], ...] */
     GN_KEY_IDS,     /* int64_t *, their number at `second` */
-    GN_KEY_PARTICLES, /* double *, their number at `second`; rows [x, y, z, r], in 2D [x, y, r] */
+    GN_KEY_PARTICLES, /* double *, their number at `second`; rows [x, y, z, r], in 2D [x, y, r]; or
+                         a whole number in `range` instead, which goes to the int64_t at `number` */
+    GN_KEY_POINTS,    /* double *, their number at `second`; at least 3 rows [x, y] */
     GN_KEY_SECTION,   /* the keys of `section`, in the struct at `offset` */
     GN_KEY_LIST       /* a pointer to structs, their number at `second`; each by `section` */
 } gn_key_type;
@@ -31,7 +33,10 @@ typedef enum gn_presence {
     GN_PRESENT_ENUM,  /* an enum that is not 0 */
     GN_PRESENT_AXIS,  /* int64_t, -1 when absent */
     GN_PRESENT_COUNT, /* size_t that is not 0 */
-    GN_PRESENT_TEXT   /* char[] that is not empty */
+    GN_PRESENT_TEXT,  /* char[] that is not empty */
+    GN_PRESENT_ROWS,  /* of GN_KEY_PARTICLES: rows or their wanted number */
+    GN_PRESENT_SHAPE, /* gn_shape_kind that is the key's */
+    GN_PRESENT_BESIDE /* an enum that is not 0; of a section that takes its defaults without it */
 } gn_presence;
 
 /* A word of the file and its value in the struct. Ends with a NULL name; of several words for one
@@ -48,6 +53,7 @@ typedef struct gn_key {
     gn_key_type type;
     size_t offset, size; /* in the struct of the section */
     size_t second;       /* see gn_key_type */
+    size_t number;       /* see GN_KEY_PARTICLES */
     bool required;       /* an error when its section is given without it */
     const char
         *fallback;     /* default as it would be written (each component of a vector); NULL: none */
@@ -57,7 +63,10 @@ typedef struct gn_key {
     double word_value; /* what the word stands for in the struct */
     const gn_choice *choices; /* of GN_KEY_CHOICE */
     gn_presence presence;
-    size_t present_at; /* offset of what `presence` looks at */
+    size_t present_at;   /* offset of what `presence` looks at */
+    gn_shape_kind shape; /* that the key gives; GN_SHAPE_NONE: it gives none */
+    int shape_dimension; /* of scenes that can have the key; 0: any */
+    bool packing;        /* a section of the scene that gn_scene_load_specimen reads */
     const gn_section *section;
     const char *text; /* one line of explanation */
 } gn_key;
@@ -71,8 +80,8 @@ struct gn_section {
     long where;  /* offset of the gn_where to fill; GN_NO_WHERE: none */
 };
 
-/* The whole scene. */
-extern const gn_section gn_scene_section;
+/* The whole scene, and its specimen. */
+extern const gn_section gn_scene_section, gn_specimen_section;
 
 /* An interval "[low, high)" and whether a value lies in it. NULL: every finite value. */
 typedef struct gn_range {
@@ -84,6 +93,13 @@ bool gn_range_holds(const char *text, double value);
 
 /* Whether the key is present in the struct `base` of its section. */
 bool gn_key_present(const gn_key *key, const void *base);
+
+/* Bytes of an element of the array that a key is; 0 when it is none. */
+size_t gn_key_element_size(const gn_key *key);
+
+/* The shapes of a dimension: "box, cylinder, ...". */
+enum { GN_SHAPE_NAMES_SIZE = 128 };
+void gn_shape_names(int64_t dimension, char names[GN_SHAPE_NAMES_SIZE]);
 
 /* The value of a GN_KEY_CHOICE at its place, and back. */
 int64_t gn_choice_load(const gn_key *key, const void *at);

@@ -195,12 +195,12 @@ static gneiss_status read_choice(const gn_reader *reader, const gn_key *key, con
 static gneiss_status read_file(const gn_reader *reader, const gn_key *key, const gn_node *node,
                                char *file, char *path) {
     GN_TRY(read_text(reader, key, node, file));
-    if (!reader->folder) {
+    if (!reader->folder && *file) {
         memcpy(path, file, strlen(file) + 1);
         return GNEISS_OK;
     }
     char joined[2 * GN_PATH_SIZE], resolved[PATH_MAX];
-    if (*file == '/')
+    if (*file == '/' || !*file)
         snprintf(joined, sizeof joined, "%s", file);
     else
         snprintf(joined, sizeof joined, "%s/%s", reader->folder, file);
@@ -327,28 +327,65 @@ static gneiss_status read_ids(gn_reader *reader, const gn_key *key, const gn_nod
 
 static gneiss_status read_particle(gn_reader *reader, const gn_key *key, const gn_node *row,
                                    double particle[4]) {
+    const gn_key coordinate = {.unit = key->unit};
     bool plane = reader->scene->dimension == 2;
     if (row->kind != GN_NODE_LIST || row->count != (plane ? 3 : 4))
         return unexpected(reader, row, plane ? "a row [x, y, r]" : "a row [x, y, z, r]", "");
     size_t index = 0;
     for (const gn_node *item = row->first; item; item = item->next, index++) {
         size_t slot = plane && index == 2 ? 3 : index;
-        GN_TRY(read_number(reader, key, key->unit, item, &particle[slot]));
+        GN_TRY(read_number(reader, &coordinate, key->unit, item, &particle[slot]));
     }
     if (particle[3] <= 0) return unexpected(reader, row->last, "a radius above 0", "");
     return GNEISS_OK;
 }
 
+/* Of something else than a list or a number in range. */
+static gneiss_status no_particles(const gn_reader *reader, const gn_key *key, const gn_node *node) {
+    char expected[96];
+    snprintf(expected, sizeof expected, "a list of particles or a whole number in %s", key->range);
+    bool empty = node->kind == GN_NODE_LIST;
+    return unexpected(reader, node, expected, empty ? " without any" : "");
+}
+
 static gneiss_status read_particles(gn_reader *reader, const gn_key *key, const gn_node *node,
                                     char *base) {
-    if (node->kind != GN_NODE_LIST || !node->count)
-        return unexpected(reader, node, "a list of particles", node->count ? "" : " without any");
+    if (node->kind == GN_NODE_SCALAR) {
+        gneiss_error unused = {0};
+        gn_reader quiet = *reader;
+        quiet.error = &unused;
+        if (read_integer(&quiet, key, node, (int64_t *)(base + key->number)) == GNEISS_OK)
+            return GNEISS_OK;
+    }
+    if (node->kind != GN_NODE_LIST || !node->count) return no_particles(reader, key, node);
     void *array;
     GN_TRY(make_array(reader, key, node, 4 * sizeof(double), base, &array));
     size_t index = 0;
     for (const gn_node *row = node->first; row; row = row->next, index++) {
         size_t mark = path_push_index(reader, index);
         GN_TRY(read_particle(reader, key, row, (double *)array + 4 * index));
+        path_pop(reader, mark);
+    }
+    return GNEISS_OK;
+}
+
+static gneiss_status read_points(gn_reader *reader, const gn_key *key, const gn_node *node,
+                                 char *base) {
+    if (node->kind != GN_NODE_LIST || node->count < 3) {
+        char reason[32] = "";
+        if (node->kind == GN_NODE_LIST) snprintf(reason, sizeof reason, " of %zu", node->count);
+        return unexpected(reader, node, "a list of at least 3 points [x, y]", reason);
+    }
+    void *array;
+    GN_TRY(make_array(reader, key, node, 2 * sizeof(double), base, &array));
+    double *point = array;
+    size_t index = 0;
+    for (const gn_node *row = node->first; row; row = row->next, index++, point += 2) {
+        size_t mark = path_push_index(reader, index);
+        if (row->kind != GN_NODE_LIST || row->count != 2)
+            return unexpected(reader, row, "a point [x, y]", "");
+        GN_TRY(read_number(reader, key, key->unit, row->first, &point[0]));
+        GN_TRY(read_number(reader, key, key->unit, row->last, &point[1]));
         path_pop(reader, mark);
     }
     return GNEISS_OK;
@@ -382,9 +419,20 @@ static gneiss_status read_list(gn_reader *reader, const gn_key *key, const gn_no
 
 /* ---- keys and sections ---- */
 
+/* Told before its value is looked at, which the other dimension may have no use for. */
+static gneiss_status wrong_shape(const gn_reader *reader, const gn_key *key, const gn_node *node) {
+    char names[GN_SHAPE_NAMES_SIZE];
+    gn_shape_names(reader->scene->dimension, names);
+    return gn_read_fail(reader, node, node->key_where, reader->path,
+                        "expected a shape of a %dD scene: %s, found %s",
+                        (int)reader->scene->dimension, names, key->name);
+}
+
 static gneiss_status read_key(gn_reader *reader, const gn_key *key, const gn_node *node,
                               char *base) {
     char *at = base + key->offset;
+    if (key->shape_dimension && key->shape_dimension != reader->scene->dimension)
+        return wrong_shape(reader, key, node);
     switch (key->type) {
     case GN_KEY_REAL:
         return read_real(reader, key, node, (double *)at);
@@ -410,6 +458,8 @@ static gneiss_status read_key(gn_reader *reader, const gn_key *key, const gn_nod
         return read_ids(reader, key, node, base);
     case GN_KEY_PARTICLES:
         return read_particles(reader, key, node, base);
+    case GN_KEY_POINTS:
+        return read_points(reader, key, node, base);
     case GN_KEY_LIST:
         return read_list(reader, key, node, base);
     case GN_KEY_SECTION:
@@ -421,7 +471,8 @@ static gneiss_status read_key(gn_reader *reader, const gn_key *key, const gn_nod
 /* A default goes through the same code as a value of the file. */
 static gneiss_status read_fallback(gn_reader *reader, const gn_key *key, char *base) {
     if (key->presence == GN_PRESENT_AXIS) *(int64_t *)(base + key->present_at) = -1;
-    if (key->type == GN_KEY_SECTION && (key->presence == GN_PRESENT_ALWAYS))
+    if (key->type == GN_KEY_SECTION &&
+        (key->presence == GN_PRESENT_ALWAYS || key->presence == GN_PRESENT_BESIDE))
         return read_section(reader, key->section, NULL, base + key->offset);
     if (!key->fallback) return GNEISS_OK;
     gn_node node = {.kind = GN_NODE_SCALAR, .text = key->fallback};
@@ -509,6 +560,7 @@ static gneiss_status read_section(gn_reader *reader, const gn_section *section, 
         *(gn_where *)(base + section->where) = map->key ? map->key_where : map->where;
     for (size_t k = 0; k < section->key_count; k++) {
         const gn_key *key = &section->keys[k];
+        if (reader->specimen_only && section == &gn_scene_section && !key->packing) continue;
         size_t mark = path_push_name(reader, key->name);
         if (!nodes[k] && key->required) {
             gn_where where = map ? map->key_where : (gn_where){1, 1};

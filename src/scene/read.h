@@ -13,6 +13,7 @@ typedef struct gn_reader {
     const char *name; /* of the scene, in messages */
     const char
         *folder; /* relative paths start here; NULL: paths are absolute, files need not be there */
+    bool specimen_only; /* see gn_scene_load_specimen */
     gn_units *units;
     gn_scene *scene;
     gneiss_error *error;
@@ -25,6 +26,9 @@ gneiss_status gn_read_scene(gn_reader *reader, const gn_node *root);
 
 /* Checks what concerns several keys and completes what follows from others. */
 gneiss_status gn_check_scene(gn_reader *reader, const gn_node *root);
+
+/* The same of a scene read with specimen_only. */
+gneiss_status gn_check_shape(gn_reader *reader, const gn_node *root);
 
 /* "file:line:column: path: ..." or "--set key: ...". */
 gneiss_status gn_read_fail(const gn_reader *reader, const gn_node *node, gn_where where,

@@ -17,8 +17,9 @@ static gneiss_status parse_tree(gn_reader *reader, gn_tree *tree, const gn_overr
                                 size_t override_count) {
     for (size_t k = 0; k < override_count; k++)
         GN_TRY(gn_tree_override(tree, &overrides[k], reader->error));
-    GN_TRY(gn_read_scene(reader, gn_tree_root(tree)));
-    return gn_check_scene(reader, gn_tree_root(tree));
+    const gn_node *root = gn_tree_root(tree);
+    GN_TRY(gn_read_scene(reader, root));
+    return reader->specimen_only ? gn_check_shape(reader, root) : gn_check_scene(reader, root);
 }
 
 static gneiss_status check_length(const char *text, size_t length, const char *name,
@@ -33,22 +34,21 @@ static gneiss_status check_length(const char *text, size_t length, const char *n
     return GNEISS_OK;
 }
 
-gneiss_status gn_scene_parse_with(gn_units *units, const char *text, size_t length,
-                                  const char *name, const char *folder,
-                                  const gn_override *overrides, size_t override_count,
-                                  gn_scene *scene, gneiss_error *error) {
+/* Fills reader->scene; what else the reader needs is there. */
+static gneiss_status parse(gn_reader *reader, const char *text, size_t length,
+                           const gn_override *overrides, size_t override_count) {
+    const char *name = reader->name;
+    gn_scene *scene = reader->scene;
     memset(scene, 0, sizeof *scene);
-    GN_TRY(check_length(text, length, name, error));
+    GN_TRY(check_length(text, length, name, reader->error));
     snprintf(scene->source, sizeof scene->source, "%s", name);
     gn_tree *tree = NULL;
-    gn_reader reader = {
-        .name = name, .folder = folder, .units = units, .scene = scene, .error = error};
     /* Numbers have a point, whatever the locale of the calling program says. */
     locale_t c_locale = newlocale(LC_ALL_MASK, "C", (locale_t)0);
-    if (!c_locale) return gn_fail(error, GNEISS_ERROR_MEMORY, "%s: out of memory", name);
+    if (!c_locale) return gn_fail(reader->error, GNEISS_ERROR_MEMORY, "%s: out of memory", name);
     locale_t previous = uselocale(c_locale);
-    gneiss_status status = gn_tree_read(text, length, name, &tree, error);
-    if (status == GNEISS_OK) status = parse_tree(&reader, tree, overrides, override_count);
+    gneiss_status status = gn_tree_read(text, length, name, &tree, reader->error);
+    if (status == GNEISS_OK) status = parse_tree(reader, tree, overrides, override_count);
     gn_tree_free(tree);
     uselocale(previous);
     freelocale(c_locale);
@@ -56,15 +56,24 @@ gneiss_status gn_scene_parse_with(gn_units *units, const char *text, size_t leng
     return status;
 }
 
-static gneiss_status parse_length(const char *text, size_t length, const char *name,
-                                  const char *folder, const gn_override *overrides,
-                                  size_t override_count, gn_scene *scene, gneiss_error *error) {
-    memset(scene, 0, sizeof *scene);
-    gn_units *units = gn_units_new();
-    if (!units) return gn_fail(error, GNEISS_ERROR_MEMORY, "%s: out of memory", name);
-    gneiss_status status = gn_scene_parse_with(units, text, length, name, folder, overrides,
-                                               override_count, scene, error);
-    gn_units_free(units);
+gneiss_status gn_scene_parse_with(gn_units *units, const char *text, size_t length,
+                                  const char *name, const char *folder,
+                                  const gn_override *overrides, size_t override_count,
+                                  gn_scene *scene, gneiss_error *error) {
+    gn_reader reader = {
+        .name = name, .folder = folder, .units = units, .scene = scene, .error = error};
+    return parse(&reader, text, length, overrides, override_count);
+}
+
+/* With units of its own. */
+static gneiss_status parse_alone(gn_reader *reader, const char *text, size_t length,
+                                 const gn_override *overrides, size_t override_count) {
+    memset(reader->scene, 0, sizeof *reader->scene);
+    reader->units = gn_units_new();
+    if (!reader->units)
+        return gn_fail(reader->error, GNEISS_ERROR_MEMORY, "%s: out of memory", reader->name);
+    gneiss_status status = parse(reader, text, length, overrides, override_count);
+    gn_units_free(reader->units);
     return status;
 }
 
@@ -72,12 +81,14 @@ gneiss_status gn_scene_parse(const char *text, const char *name, const char *fol
                              const gn_override *overrides, size_t override_count, gn_scene *scene,
                              gneiss_error *error) {
     if (!folder || !*folder) folder = ".";
-    return parse_length(text, strlen(text), name, folder, overrides, override_count, scene, error);
+    gn_reader reader = {.name = name, .folder = folder, .scene = scene, .error = error};
+    return parse_alone(&reader, text, strlen(text), overrides, override_count);
 }
 
 gneiss_status gn_scene_parse_saved(const char *text, const char *name, const gn_override *overrides,
                                    size_t override_count, gn_scene *scene, gneiss_error *error) {
-    return parse_length(text, strlen(text), name, NULL, overrides, override_count, scene, error);
+    gn_reader reader = {.name = name, .scene = scene, .error = error};
+    return parse_alone(&reader, text, strlen(text), overrides, override_count);
 }
 
 /* The whole file with a NUL behind it; stops one byte above the limit. */
@@ -125,25 +136,37 @@ static gneiss_status read_scene_file(const char *path, char **text, size_t *leng
     return status;
 }
 
-gneiss_status gn_scene_load(const char *path, const gn_override *overrides, size_t override_count,
-                            gn_scene *scene, gneiss_error *error) {
-    memset(scene, 0, sizeof *scene);
+static gneiss_status load(gn_reader reader, const gn_override *overrides, size_t override_count) {
+    const char *path = reader.name;
+    memset(reader.scene, 0, sizeof *reader.scene);
     if (strlen(path) >= GN_PATH_SIZE)
-        return gn_fail(error, GNEISS_ERROR_INPUT, "%.80s...: the path of the scene is too long",
-                       path);
+        return gn_fail(reader.error, GNEISS_ERROR_INPUT,
+                       "%.80s...: the path of the scene is too long", path);
     char *text = NULL, folder[GN_PATH_SIZE] = ".";
     size_t length = 0;
-    GN_TRY(read_scene_file(path, &text, &length, error));
+    GN_TRY(read_scene_file(path, &text, &length, reader.error));
     const char *slash = strrchr(path, '/');
     if (slash) {
         size_t keep = slash == path ? 1 : (size_t)(slash - path);
         memcpy(folder, path, keep);
         folder[keep] = '\0';
     }
-    gneiss_status status =
-        parse_length(text, length, path, folder, overrides, override_count, scene, error);
+    reader.folder = folder;
+    gneiss_status status = parse_alone(&reader, text, length, overrides, override_count);
     free(text);
     return status;
+}
+
+gneiss_status gn_scene_load(const char *path, const gn_override *overrides, size_t override_count,
+                            gn_scene *scene, gneiss_error *error) {
+    gn_reader reader = {.name = path, .scene = scene, .error = error};
+    return load(reader, overrides, override_count);
+}
+
+gneiss_status gn_scene_load_specimen(const char *path, const gn_override *overrides,
+                                     size_t override_count, gn_scene *scene, gneiss_error *error) {
+    gn_reader reader = {.name = path, .specimen_only = true, .scene = scene, .error = error};
+    return load(reader, overrides, override_count);
 }
 
 /* ---- freeing ---- */
@@ -157,8 +180,7 @@ static void free_section(const gn_section *section, char *base) {
             gn_free(((gn_table *)at)->time);
             gn_free(((gn_table *)at)->value);
         }
-        if (key->type != GN_KEY_IDS && key->type != GN_KEY_PARTICLES && key->type != GN_KEY_LIST)
-            continue;
+        if (!gn_key_element_size(key)) continue;
         char *array;
         memcpy(&array, at, sizeof array);
         size_t count = array ? *(size_t *)(base + key->second) : 0;
@@ -198,11 +220,8 @@ static bool own_section(const gn_section *section, char *base) {
             held &= own_array(&table->time, table->count, sizeof(double));
             held &= own_array(&table->value, table->count, sizeof(double));
         }
-        if (key->type != GN_KEY_IDS && key->type != GN_KEY_PARTICLES && key->type != GN_KEY_LIST)
-            continue;
-        size_t size = key->type == GN_KEY_LIST        ? key->section->size
-                      : key->type == GN_KEY_PARTICLES ? 4 * sizeof(double)
-                                                      : sizeof(int64_t);
+        size_t size = gn_key_element_size(key);
+        if (!size) continue;
         size_t count = *(size_t *)(base + key->second);
         held &= own_array(at, count, size);
         char *array;

@@ -39,6 +39,28 @@ typedef enum gn_lattice_kind {
     GN_LATTICE_HCP        /* 3D */
 } gn_lattice_kind;
 
+/* Bodies that are packed with particles. */
+typedef enum gn_shape_kind {
+    GN_SHAPE_NONE,
+    GN_SHAPE_RECTANGLE, /* 2D */
+    GN_SHAPE_DISC,      /* 2D */
+    GN_SHAPE_POLYGON,   /* 2D */
+    GN_SHAPE_BOX,       /* 3D */
+    GN_SHAPE_CYLINDER,  /* 3D, axis along z */
+    GN_SHAPE_SURFACE,   /* 3D */
+    GN_SHAPE_MESH       /* 2D: triangles, 3D: tetrahedra */
+} gn_shape_kind;
+
+typedef enum gn_overlap_kind {
+    GN_OVERLAP_NONE,
+    GN_OVERLAP_PASSIVE /* neighbours overlap, to be bonded free of stress */
+} gn_overlap_kind;
+
+typedef enum gn_pack_start {
+    GN_START_RANDOM, /* well-spread random points */
+    GN_START_NODES   /* the inner nodes of the mesh */
+} gn_pack_start;
+
 typedef enum gn_contact_arm {
     GN_ARM_MIDPOINT, /* contact point at r_i + u_n/2 from i: conserves energy */
     GN_ARM_RADIUS    /* contact point at r_i from i, as Rojek et al. 2012 */
@@ -96,13 +118,53 @@ typedef struct gn_lattice {
     double jitter;    /* random shift of each centre, uniform in a cube of +- jitter * radius */
 } gn_lattice;
 
+/* Where a packing has smaller particles: inside a box and near it, or near the boundary. */
+typedef struct gn_refinement {
+    bool has_region;
+    double lower[3], upper[3]; /* of the box, which may be flat or a point, m */
+    bool boundary;             /* instead of a box */
+    double size;               /* of particles there over that elsewhere, (0, 1] */
+    double distance;           /* over which the size grows back, m */
+    gn_where where;
+} gn_refinement;
+
+/* A body that is to be filled with particles, and how. */
+typedef struct gn_pack_def {
+    gn_shape_kind shape;
+    double size[3];  /* of a rectangle (two) and a box, m */
+    double diameter; /* of a disc and a cylinder, m */
+    double height;   /* of a cylinder, m */
+    size_t corner_count;
+    double *corners;            /* of a polygon, [corner_count][2], m */
+    char surface[GN_PATH_SIZE]; /* as written; "" when the shape is another */
+    char surface_path[GN_PATH_SIZE];
+    char mesh[GN_PATH_SIZE]; /* the same */
+    char mesh_path[GN_PATH_SIZE];
+    double origin[3];      /* see docs/scene.md, m; 0 with a polygon, surface or mesh */
+    int64_t count;         /* of particles; 0: not given */
+    double mean_radius;    /* m; 0: not given */
+    double size_ratio;     /* largest over smallest radius */
+    double size_variation; /* standard deviation of the radii over their mean; -1: automatic */
+    gn_overlap_kind overlap;
+    double overlap_size; /* over r_i + r_j; -1: automatic */
+    double gap;          /* pairs up to this gap over r_i + r_j are closed; -1: automatic */
+    gn_pack_start start;
+    double jiggle; /* random shift of mesh nodes over their spacing */
+    size_t refinement_count;
+    gn_refinement *refinements;
+    int64_t iterations; /* most of the fit; 0: automatic */
+    double residual;    /* root mean square gap over r_i + r_j that is enough; 0: automatic */
+    double time_limit;  /* s of wall time; 0: none */
+} gn_pack_def;
+
 typedef struct gn_specimen {
     char file[GN_PATH_SIZE]; /* as written; "" when another source is used */
     char path[GN_PATH_SIZE]; /* resolved: relative to the scene file's folder */
-    double scale;            /* lengths in the file times this give metres */
+    double scale;            /* lengths in a file, surface or mesh times this give metres */
     gn_lattice lattice;
     size_t particle_count; /* inline particles */
     double *particles;     /* [particle_count][4]: x y z r, m (2D: x y 0 r) */
+    gn_pack_def pack;
     char material[GN_NAME_SIZE];
     int64_t group;                  /* cohesive group; 0: never bonded */
     gn_density_basis density_basis; /* bulk: particle density = density/(1 - porosity) */
@@ -250,6 +312,12 @@ gneiss_status gn_scene_parse(const char *text, const char *name, const char *fol
 gneiss_status gn_scene_parse_saved(const char *text, const char *name, const gn_override *overrides,
                                    size_t override_count, gn_scene *scene, gneiss_error *error);
 
+/* Reads only what a packing needs: `title`, `dimension`, `specimen`, `output` and `run`. The
+ * specimen must be a shape; its material is not looked up. Of other sections only the names are
+ * checked, their fields stay zero. */
+gneiss_status gn_scene_load_specimen(const char *path, const gn_override *overrides,
+                                     size_t override_count, gn_scene *scene, gneiss_error *error);
+
 void gn_scene_free(gn_scene *scene);
 
 /* A copy that shares nothing with the original. On failure nothing is held. */
@@ -258,6 +326,9 @@ gneiss_status gn_scene_copy(const gn_scene *from, gn_scene *to, gneiss_error *er
 /* The resolved scene as YAML that gn_scene_parse reads back to the same struct bit for bit (%.17g,
  * SI, absolute specimen path). The caller frees the text with free(). NULL: out of memory. */
 char *gn_scene_write(const gn_scene *scene);
+
+/* The same of `dimension`, `specimen` and `run.seed` alone: what gn_scene_load_specimen needs. */
+char *gn_scene_write_specimen(const gn_scene *scene);
 
 /* The effects the scene calls for. */
 gn_effects gn_scene_effects(const gn_scene *scene);

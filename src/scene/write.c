@@ -45,8 +45,21 @@ static void write_integers(FILE *out, const int64_t *values, size_t count) {
     fputc(']', out);
 }
 
-static void write_particles(FILE *out, const double *particles, size_t count, bool plane,
+static void write_points(FILE *out, const double *points, size_t count) {
+    for (size_t k = 0; k < count; k++) {
+        fputs(k ? ", " : "[", out);
+        write_numbers(out, points + 2 * k, 2);
+    }
+    fputc(']', out);
+}
+
+/* Rows, or their wanted number. */
+static void write_particles(FILE *out, const gn_key *key, const char *base, bool plane,
                             int indent) {
+    const double *particles;
+    memcpy(&particles, base + key->offset, sizeof particles);
+    size_t count = *(const size_t *)(base + key->second);
+    if (!count) fprintf(out, " %" PRId64, *(const int64_t *)(base + key->number));
     for (size_t k = 0; k < count; k++) {
         const double *p = particles + 4 * k;
         double row[4] = {p[0], p[1], plane ? p[3] : p[2], p[3]};
@@ -58,7 +71,7 @@ static void write_particles(FILE *out, const double *particles, size_t count, bo
 static void write_value(FILE *out, const gn_key *key, const char *base, bool plane, int indent) {
     const char *at = base + key->offset;
     const void *array = NULL;
-    if (key->type == GN_KEY_IDS || key->type == GN_KEY_PARTICLES) memcpy(&array, at, sizeof array);
+    if (gn_key_element_size(key)) memcpy(&array, at, sizeof array);
     switch (key->type) {
     case GN_KEY_REAL:
         if (key->word && *(const double *)at == key->word_value)
@@ -99,7 +112,10 @@ static void write_value(FILE *out, const gn_key *key, const char *base, bool pla
         write_integers(out, array, *(const size_t *)(base + key->second));
         break;
     case GN_KEY_PARTICLES:
-        write_particles(out, array, *(const size_t *)(base + key->second), plane, indent);
+        write_particles(out, key, base, plane, indent);
+        break;
+    case GN_KEY_POINTS:
+        write_points(out, array, *(const size_t *)(base + key->second));
         break;
     case GN_KEY_SECTION:
     case GN_KEY_LIST:
@@ -143,7 +159,17 @@ static void write_section(FILE *out, const gn_section *section, const char *base
     }
 }
 
-char *gn_scene_write(const gn_scene *scene) {
+static void write_all(FILE *out, const gn_scene *scene) {
+    write_section(out, &gn_scene_section, (const char *)scene, scene->dimension == 2, 0, false);
+}
+
+static void write_specimen(FILE *out, const gn_scene *scene) {
+    fprintf(out, "dimension: %" PRId64 "\nspecimen:\n", scene->dimension);
+    write_section(out, &gn_specimen_section, (const char *)scene, scene->dimension == 2, 2, false);
+    fprintf(out, "run:\n  seed: %" PRIu64 "\n", scene->seed);
+}
+
+static char *write_with(void (*write)(FILE *out, const gn_scene *scene), const gn_scene *scene) {
     char *text = NULL;
     size_t size = 0;
     locale_t c_locale = newlocale(LC_ALL_MASK, "C", (locale_t)0);
@@ -153,7 +179,7 @@ char *gn_scene_write(const gn_scene *scene) {
         return NULL;
     }
     locale_t previous = uselocale(c_locale);
-    write_section(out, &gn_scene_section, (const char *)scene, scene->dimension == 2, 0, false);
+    write(out, scene);
     bool failed = ferror(out) != 0;
     failed = fclose(out) != 0 || failed;
     uselocale(previous);
@@ -161,4 +187,12 @@ char *gn_scene_write(const gn_scene *scene) {
     if (!failed) return text;
     free(text);
     return NULL;
+}
+
+char *gn_scene_write(const gn_scene *scene) {
+    return write_with(write_all, scene);
+}
+
+char *gn_scene_write_specimen(const gn_scene *scene) {
+    return write_with(write_specimen, scene);
 }

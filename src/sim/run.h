@@ -2,6 +2,7 @@
 #ifndef GN_SIM_RUN_H
 #define GN_SIM_RUN_H
 
+#include "base/version.h"
 #include "sim/record.h"
 
 #include <signal.h>
@@ -91,9 +92,5 @@ gneiss_status gn_output_snapshot(const gn_run *run, const char *particles_name,
 gneiss_status gn_output_series(const gn_run *run, gneiss_error *error);
 gneiss_status gn_output_results(const gn_run *run, gneiss_error *error);
 gneiss_status gn_output_summary(const gn_run *run, gneiss_error *error);
-
-/* "0.1.0", and the compiler and flags it was built with. */
-const char *gn_version(void);
-const char *gn_build(void);
 
 #endif
