@@ -1,5 +1,6 @@
 /* The `gneiss` program. */
 #include "cli/options.h"
+#include "cli/pack.h"
 #include "cli/plan.h"
 #include "cli/progress.h"
 #include "io/files.h"
@@ -88,12 +89,22 @@ static gneiss_status go(const gn_options *o, gn_run *run, gneiss_error *error) {
     return finish(o, run, error);
 }
 
+/* A specimen that has to be packed first is given up cleanly on Ctrl-C; the rest of the set-up is
+ * short. */
+static gneiss_status start(const gn_options *o, gn_scene *scene, gn_run *run, gneiss_error *error) {
+    catch_signals();
+    gneiss_status status = gn_pack_ahead(o, scene, &interrupted, error);
+    if (status == GNEISS_OK) return gn_run_start(scene, o->out, run, error);
+    gn_scene_free(scene);
+    return status;
+}
+
 static gneiss_status command_run(const gn_options *o, gneiss_error *error) {
     gn_scene scene;
     gn_run *run = calloc(1, sizeof *run);
     if (!run) return gn_fail(error, GNEISS_ERROR_MEMORY, "no memory");
     gneiss_status status = gn_scene_load(o->target, o->overrides, o->override_count, &scene, error);
-    if (status == GNEISS_OK) status = gn_run_start(&scene, o->out, run, error);
+    if (status == GNEISS_OK) status = start(o, &scene, run, error);
     if (status == GNEISS_OK) {
         status = go(o, run, error);
         gn_run_free(run);
@@ -121,6 +132,11 @@ static gneiss_status command_look(const gn_options *o, bool plan, gneiss_error *
     if (!world) return gn_fail(error, GNEISS_ERROR_MEMORY, "no memory");
     int warnings = 0;
     gneiss_status status = gn_scene_load(o->target, o->overrides, o->override_count, &scene, error);
+    if (status == GNEISS_OK) {
+        catch_signals();
+        status = gn_pack_ahead(o, &scene, &interrupted, error);
+        if (status != GNEISS_OK) gn_scene_free(&scene);
+    }
     if (status == GNEISS_OK) status = gn_world_create(&scene, world, error);
     if (status == GNEISS_OK) {
         if (!plan) status = gn_print_check(world, &warnings, error);
@@ -174,6 +190,10 @@ static void command_info(void) {
 
 static gneiss_status dispatch(const gn_options *o, gneiss_error *error) {
     if (strcmp(o->command, "run") == 0) return command_run(o, error);
+    if (strcmp(o->command, "pack") == 0) {
+        catch_signals();
+        return gn_command_pack(o, &interrupted, error);
+    }
     if (strcmp(o->command, "resume") == 0) return command_resume(o, error);
     if (strcmp(o->command, "check") == 0) return command_look(o, false, error);
     if (strcmp(o->command, "plan") == 0) return command_look(o, true, error);

@@ -15,6 +15,8 @@ static const command commands[] = {
     {"run", "SCENE", "run a scene", true},
     {"check", "SCENE", "read a scene and look its specimen over, run nothing", true},
     {"plan", "SCENE", "print what a run would compute, store and cost", true},
+    {"pack", "FILE", "fill the shape of a specimen with particles, print and store its quality",
+     true},
     {"resume", "DIR", "go on from the newest checkpoint in an output folder", true},
     {"report", "DIR", "make report.html from the results in an output folder", true},
     {"keys", "[PREFIX]", "print the keys of a scene file (--markdown for docs)", false},
@@ -34,6 +36,7 @@ void gn_print_usage(FILE *out) {
           "  --set KEY=VALUE    override a key of the scene: --set time.end=2ms, --set "
           "walls.top.friction=0.2\n"
           "  --threads N        threads (default: all cores)\n"
+          "  --seed N           of every random number\n"
           "  --precision P      double or mixed\n"
           "  --isa NAME         scalar, avx2, avx512 (default: GNEISS_ISA, else the widest)\n"
           "  --quiet            no progress line, no tables\n"
@@ -100,6 +103,7 @@ enum {
     OPT_OUT = 256,
     OPT_SET,
     OPT_THREADS,
+    OPT_SEED,
     OPT_PRECISION,
     OPT_ISA,
     OPT_QUIET,
@@ -113,6 +117,7 @@ static const struct option long_options[] = {
     {"out", required_argument, 0, OPT_OUT},
     {"set", required_argument, 0, OPT_SET},
     {"threads", required_argument, 0, OPT_THREADS},
+    {"seed", required_argument, 0, OPT_SEED},
     {"precision", required_argument, 0, OPT_PRECISION},
     {"isa", required_argument, 0, OPT_ISA},
     {"quiet", no_argument, 0, OPT_QUIET},
@@ -132,6 +137,8 @@ static gneiss_status apply(gn_options *o, int option, const char *value, gneiss_
         return add_set(o, value, error);
     case OPT_THREADS:
         return add_override(o, "run.threads", value, error);
+    case OPT_SEED:
+        return add_override(o, "run.seed", value, error);
     case OPT_PRECISION:
         return add_override(o, "run.precision", value, error);
     case OPT_ISA:

@@ -1,6 +1,7 @@
 #include "io/packing.h"
 
 #include "base/memory.h"
+#include "io/files.h"
 
 #include <ctype.h>
 #include <errno.h>
@@ -243,6 +244,38 @@ gneiss_status gn_packing_read(const char *path, int dimension, double scale, gn_
     if (status != GNEISS_OK) gn_packing_free(packing);
     if (plain) freelocale(plain);
     free(in);
+    return status;
+}
+
+static void print_rows(FILE *out, int dimension, const gn_packing *packing, const char *header) {
+    fprintf(out, "# %s\n# %s [m]\n", header, dimension == 3 ? "x y z r" : "x y r");
+    for (size_t k = 0; k < packing->count; k++) {
+        const double *x = packing->sphere + 4 * k;
+        fprintf(out, "%.17g %.17g ", x[0], x[1]);
+        if (dimension == 3) fprintf(out, "%.17g ", x[2]);
+        fprintf(out, "%.17g\n", x[3]);
+    }
+}
+
+gneiss_status gn_packing_write(const char *path, int dimension, const gn_packing *packing,
+                               const char *header, gneiss_error *error) {
+    char *text = NULL;
+    size_t size = 0;
+    locale_t plain = newlocale(LC_ALL_MASK, "C", (locale_t)0);
+    FILE *out = plain ? open_memstream(&text, &size) : NULL;
+    bool failed = !out;
+    if (out) {
+        locale_t before = uselocale(plain);
+        print_rows(out, dimension, packing, header);
+        failed = ferror(out) != 0;
+        failed = fclose(out) != 0 || failed;
+        uselocale(before);
+    }
+    if (plain) freelocale(plain);
+    gneiss_status status =
+        failed ? gn_fail(error, GNEISS_ERROR_MEMORY, "%s: no memory to write it", path)
+               : gn_write_text_file(path, text, error);
+    free(text);
     return status;
 }
 

@@ -17,6 +17,10 @@ typedef struct gn_packing {
  * multiplies everything. */
 gneiss_status gn_packing_read(const char *path, int dimension, double scale, gn_packing *packing,
                               gneiss_error *error);
+/* Writes the form that gn_packing_read takes: a # line with `header`, then 17 significant digits a
+ * number, so that reading gives the same doubles. Whole or not at all. */
+gneiss_status gn_packing_write(const char *path, int dimension, const gn_packing *packing,
+                               const char *header, gneiss_error *error);
 void gn_packing_free(gn_packing *packing);
 
 #endif

@@ -1,5 +1,6 @@
 #include "base/memory.h"
 #include "base/random.h"
+#include "pack/store.h"
 #include "sim/parts.h"
 
 #include <math.h>
@@ -69,12 +70,23 @@ static gneiss_status make_lattice(const gn_scene *scene, gn_packing *packing, gn
     return GNEISS_OK;
 }
 
+static gneiss_status pack(const gn_scene *scene, gn_packing *packing, gneiss_error *error) {
+    gn_pack_result result;
+    char note[512];
+    GN_TRY(gn_pack_obtain(scene, NULL, NULL, &result, note, sizeof note, error));
+    *packing = result.packing;
+    result.packing = (gn_packing){0};
+    gn_pack_result_free(&result);
+    return GNEISS_OK;
+}
+
 gneiss_status gn_specimen_make(const gn_scene *scene, gn_packing *packing, gneiss_error *error) {
     const gn_specimen *s = &scene->specimen;
     *packing = (gn_packing){0};
     if (s->file[0])
         return gn_packing_read(s->path, (int)scene->dimension, s->scale, packing, error);
     if (s->lattice.kind != GN_LATTICE_NONE) return make_lattice(scene, packing, error);
+    if (s->pack.shape != GN_SHAPE_NONE) return pack(scene, packing, error);
     GN_TRY(allocate(packing, (double)s->particle_count, error));
     memcpy(packing->sphere, s->particles, s->particle_count * 4 * sizeof(double));
     return GNEISS_OK;

@@ -1,0 +1,194 @@
+#include "cli/pack.h"
+
+#include "base/timer.h"
+#include "cli/progress.h"
+#include "io/files.h"
+#include "pack/body.h"
+#include "pack/store.h"
+#include "sim/folder.h"
+
+#include <math.h>
+#include <omp.h>
+#include <stdlib.h>
+#include <unistd.h>
+
+/* ---- progress ---- */
+
+typedef struct display {
+    const gn_options *options;
+    const volatile sig_atomic_t *interrupted;
+    double start, next; /* s */
+    bool shown;
+} display;
+
+static void print_line(const display *d, const gn_pack_progress *p) {
+    char eta[32];
+    double seconds = gn_now() - d->start;
+    bool terminal = isatty(STDERR_FILENO);
+    fprintf(stderr,
+            "%spacking %zu particles: %-10s iteration %d  gap %.2e  largest overlap %.2f %%  %s "
+            "pairs  at most %s more%s",
+            terminal ? "\r\033[K" : "", p->particles, gn_pack_stage_name(p->stage),
+            p->state.iteration, p->state.gap_rms, 100.0 * p->state.overlap_max,
+            gn_format_count((double)p->state.pairs, (char[32]){0}, 32),
+            gn_format_seconds(seconds / p->fraction - seconds, eta, sizeof eta),
+            terminal ? "" : "\n");
+    fflush(stderr);
+}
+
+static void print_json(const gn_pack_progress *p) {
+    gn_json *j = gn_json_begin();
+    gn_json_text(j, "packing", gn_pack_stage_name(p->stage));
+    gn_json_integer(j, "particles", (int64_t)p->particles);
+    gn_json_integer(j, "iteration", p->state.iteration);
+    gn_json_number(j, "fraction", p->fraction);
+    gn_json_number(j, "gap_rms", p->state.gap_rms);
+    gn_json_number(j, "overlap_max", p->state.overlap_max);
+    char *text = gn_json_finish(j, false);
+    if (text) puts(text);
+    free(text);
+    fflush(stdout);
+}
+
+static bool show(void *context, const gn_pack_progress *p) {
+    display *d = context;
+    if (*d->interrupted) return false;
+    if (d->options->quiet || gn_now() < d->next) return true;
+    d->next = gn_now() + (isatty(STDERR_FILENO) || d->options->json ? 0.5 : 5.0);
+    d->shown = true;
+    if (d->options->json)
+        print_json(p);
+    else
+        print_line(d, p);
+    return true;
+}
+
+static gneiss_status obtain(const gn_options *o, const gn_scene *scene,
+                            const volatile sig_atomic_t *interrupted, gn_pack_result *result,
+                            gneiss_error *error) {
+    char note[512];
+    display d = {.options = o, .interrupted = interrupted, .start = gn_now()};
+    d.next = d.start + 0.5;
+    gneiss_status status = gn_pack_obtain(scene, show, &d, result, note, sizeof note, error);
+    if (d.shown && !o->json && isatty(STDERR_FILENO)) fputs("\r\033[K", stderr);
+    if (*note) fprintf(stderr, "gneiss: warning: %s\n", note);
+    return status;
+}
+
+gneiss_status gn_pack_ahead(const gn_options *o, const gn_scene *scene,
+                            const volatile sig_atomic_t *interrupted, gneiss_error *error) {
+    if (scene->specimen.pack.shape == GN_SHAPE_NONE) return GNEISS_OK;
+    gn_pack_result result;
+    GN_TRY(obtain(o, scene, interrupted, &result, error));
+    if (!o->quiet && !o->json)
+        printf("specimen: %zu particles %s\n", result.packing.count,
+               result.from_cache ? "packed before (from the cache)" : "packed");
+    gn_pack_result_free(&result);
+    return GNEISS_OK;
+}
+
+/* ---- the command ---- */
+
+static void print_quality(const gn_scene *scene, const gn_pack_result *r,
+                          const gn_pack_quality *q) {
+    const bool plane = scene->dimension == 2;
+    const char *who = plane ? "discs" : "spheres";
+    printf("%zu %s in %.6g %s, %s %.1f s, %zu iterations%s\n", r->packing.count, who, r->volume,
+           plane ? "m2" : "m3", r->from_cache ? "from the cache; made in" : "packed in", r->seconds,
+           r->trace_count,
+           r->in_time ? "" : " (cut short by packing.time: depends on the machine)");
+    printf("  porosity         %.2f %% (overlaps counted twice), %.2f %% (once)\n",
+           100.0 * q->porosity, 100.0 * q->porosity_net);
+    printf("  coordination     %.2f at gaps up to 0.1 %% of r_i + r_j, %.2f up to 1 %%, %.2f up to "
+           "5 %%\n",
+           q->coordination_01, q->coordination_1, q->coordination_5);
+    printf("  floating         %.2f %% of the particles have fewer than %d contacts\n",
+           100.0 * q->floating, plane ? 3 : 4);
+    printf("  radii            %.4g to %.4g m, mean %.4g m, ratio %.2f (%.2f without the outer "
+           "1 %%), variation %.3f\n",
+           q->radius_min, q->radius_max, q->radius_mean, q->radius_ratio, q->radius_ratio_98,
+           q->radius_variation);
+    if (plane)
+        printf("  fabric           xx %.4f yy %.4f xy %.4f", q->fabric[0], q->fabric[4],
+               q->fabric[1]);
+    else
+        printf("  fabric           xx %.4f yy %.4f zz %.4f", q->fabric[0], q->fabric[4],
+               q->fabric[8]);
+    printf("; eigenvalues within %.2f %% of isotropic\n", 100.0 * q->anisotropy);
+    printf("  overlaps         median %.2f %%, largest %.2f %% of r_i + r_j, %.2f per particle\n",
+           100.0 * q->overlap_median, 100.0 * q->overlap_max, q->overlaps);
+    printf("  boundary         %.1f %% of the particles touch it (gap %.2f %% of the radius rms), "
+           "largest protrusion %.2f %%\n",
+           100.0 * q->wall_contacts, 100.0 * q->wall_gap_rms, 100.0 * q->wall_protrusion);
+}
+
+static void print_quality_json(const gn_pack_result *r, const gn_pack_quality *q) {
+    gn_json *j = gn_json_begin();
+    gn_json_integer(j, "particles", (int64_t)r->packing.count);
+    gn_json_number(j, "volume", r->volume);
+    gn_json_number(j, "seconds", r->seconds);
+    gn_json_bool(j, "from_cache", r->from_cache);
+    gn_json_bool(j, "in_time", r->in_time);
+    gn_json_integer(j, "iterations", (int64_t)r->trace_count);
+#define PUT(name, unit, text) gn_json_number(j, #name, q->name);
+    GN_PACK_FIGURES(PUT)
+#undef PUT
+    char *text = gn_json_finish(j, false);
+    if (text) puts(text);
+    free(text);
+}
+
+static gneiss_status measure(const gn_scene *scene, const gn_pack_result *result,
+                             gn_pack_quality *quality, gneiss_error *error) {
+    gn_body body;
+    int threads = scene->threads > 0 ? (int)scene->threads : omp_get_num_procs();
+    GN_TRY(gn_body_create(scene, &body, error));
+    gneiss_status status = gn_pack_measure(&result->packing, (int)scene->dimension, body.domain,
+                                           result->volume, threads, quality, error);
+    gn_body_free(&body);
+    return status;
+}
+
+/* The folder must not hold a run: its results would seem to belong to this packing. */
+static gneiss_status open_folder(const gn_options *o, const gn_scene *scene, char *folder,
+                                 size_t size, gneiss_error *error) {
+    char path[GN_PATH_SIZE + 32];
+    gn_folder_choose(scene, o->out, folder, size);
+    snprintf(path, sizeof path, "%s/results.h5", folder);
+    if (access(path, F_OK) == 0)
+        return gn_fail(error, GNEISS_ERROR_INPUT,
+                       "%.300s: expected a folder for the packing, found the results of a run in "
+                       "it; choose another with --out",
+                       folder);
+    return gn_make_directory(folder, error);
+}
+
+static gneiss_status pack_scene(const gn_options *o, const gn_scene *scene,
+                                const volatile sig_atomic_t *interrupted, gneiss_error *error) {
+    char folder[GN_PATH_SIZE];
+    gn_pack_result result;
+    gn_pack_quality quality;
+    GN_TRY(open_folder(o, scene, folder, sizeof folder, error));
+    GN_TRY(obtain(o, scene, interrupted, &result, error));
+    gneiss_status status = measure(scene, &result, &quality, error);
+    if (status == GNEISS_OK) {
+        status = gn_pack_write_folder(folder, scene, &result, &quality, error);
+        if (status == GNEISS_OK && o->json) print_quality_json(&result, &quality);
+        if (status == GNEISS_OK && !o->json && !o->quiet) {
+            print_quality(scene, &result, &quality);
+            printf("written to %s: packing.txt, packing.h5, particles.hdf.series\n", folder);
+        }
+        gn_pack_quality_free(&quality);
+    }
+    gn_pack_result_free(&result);
+    return status;
+}
+
+gneiss_status gn_command_pack(const gn_options *o, const volatile sig_atomic_t *interrupted,
+                              gneiss_error *error) {
+    gn_scene scene;
+    GN_TRY(gn_scene_load_specimen(o->target, o->overrides, o->override_count, &scene, error));
+    gneiss_status status = pack_scene(o, &scene, interrupted, error);
+    gn_scene_free(&scene);
+    return status;
+}

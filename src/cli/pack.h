@@ -1,0 +1,18 @@
+/* `gneiss pack`, and packing the specimen of a run before it starts. */
+#ifndef GN_CLI_PACK_H
+#define GN_CLI_PACK_H
+
+#include "cli/options.h"
+
+#include <signal.h>
+
+/* Packs the specimen of a scene file into an output folder and prints its quality. */
+gneiss_status gn_command_pack(const gn_options *options, const volatile sig_atomic_t *interrupted,
+                              gneiss_error *error);
+
+/* With a progress line; nothing to do when the specimen is no shape or is in the cache. The world
+ * finds it there. */
+gneiss_status gn_pack_ahead(const gn_options *options, const gn_scene *scene,
+                            const volatile sig_atomic_t *interrupted, gneiss_error *error);
+
+#endif

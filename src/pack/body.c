@@ -1,0 +1,124 @@
+#include "pack/body.h"
+
+#include "base/memory.h"
+
+#include <math.h>
+#include <string.h>
+
+/* ---- mesh ---- */
+
+static const gn_mesh_elements *elements_of(const gn_mesh *mesh, int dimension) {
+    return dimension == 3 ? &mesh->tetrahedra : &mesh->triangles;
+}
+
+/* Every edge counts once for each element it is in: all that is wanted is a mean. */
+static gneiss_status measure_nodes(gn_body *body, int dimension, gneiss_error *error) {
+    const gn_mesh *mesh = &body->mesh;
+    const gn_mesh_elements *e = elements_of(mesh, dimension);
+    body->node_size = gn_alloc_array(mesh->node_count + 1, sizeof *body->node_size);
+    double *edges = gn_alloc_array(mesh->node_count + 1, sizeof *edges);
+    if (!body->node_size || !edges) {
+        gn_free(edges);
+        return gn_fail(error, GNEISS_ERROR_MEMORY, "no memory for a mesh of %zu nodes",
+                       mesh->node_count);
+    }
+    for (size_t k = 0; k < e->count; k++)
+        for (int a = 0; a < e->nodes; a++)
+            for (int b = 0; b < e->nodes; b++) {
+                if (a == b) continue;
+                int32_t from = e->node[k * e->nodes + a], to = e->node[k * e->nodes + b];
+                const double *x = mesh->node + 3 * from, *y = mesh->node + 3 * to;
+                body->node_size[from] += hypot(hypot(x[0] - y[0], x[1] - y[1]), x[2] - y[2]);
+                edges[from] += 1.0;
+            }
+    for (size_t k = 0; k < mesh->node_count; k++)
+        if (edges[k] > 0.0) body->node_size[k] /= edges[k];
+    gn_free(edges);
+    return GNEISS_OK;
+}
+
+static gneiss_status from_mesh(const gn_scene *scene, gn_body *body, gneiss_error *error) {
+    const gn_pack_def *def = &scene->specimen.pack;
+    int dimension = (int)scene->dimension;
+    GN_TRY(gn_mesh_read_msh(def->mesh_path, scene->specimen.scale, &body->mesh, error));
+    GN_TRY(gn_mesh_boundary(&body->mesh, dimension, def->mesh_path, error));
+    GN_TRY(gn_domain_surface(&body->mesh, dimension, def->mesh_path, &body->domain, error));
+    return measure_nodes(body, dimension, error);
+}
+
+static gneiss_status from_surface(const gn_scene *scene, gn_body *body, gneiss_error *error) {
+    const gn_pack_def *def = &scene->specimen.pack;
+    gn_mesh surface = {0};
+    double volume;
+    gneiss_status status =
+        gn_mesh_read_stl(def->surface_path, scene->specimen.scale, &surface, error);
+    if (status == GNEISS_OK)
+        status = gn_mesh_close_surface(&surface, def->surface_path, &volume, error);
+    if (status == GNEISS_OK)
+        status = gn_domain_surface(&surface, 3, def->surface_path, &body->domain, error);
+    gn_mesh_free(&surface);
+    return status;
+}
+
+static gneiss_status from_shape(const gn_scene *scene, gn_body *body, gneiss_error *error) {
+    const gn_pack_def *def = &scene->specimen.pack;
+    double upper[3];
+    for (int a = 0; a < 3; a++) upper[a] = def->origin[a] + def->size[a];
+    switch (def->shape) {
+    case GN_SHAPE_RECTANGLE:
+        return gn_domain_rectangle(def->origin, upper, &body->domain, error);
+    case GN_SHAPE_DISC:
+        return gn_domain_disc(def->origin, def->diameter / 2.0, &body->domain, error);
+    case GN_SHAPE_POLYGON:
+        return gn_domain_polygon(def->corners, def->corner_count, &body->domain, error);
+    case GN_SHAPE_BOX:
+        return gn_domain_box(def->origin, upper, &body->domain, error);
+    case GN_SHAPE_CYLINDER:
+        return gn_domain_cylinder(def->origin, def->diameter / 2.0, def->height, &body->domain,
+                                  error);
+    case GN_SHAPE_SURFACE:
+        return from_surface(scene, body, error);
+    case GN_SHAPE_MESH:
+        return from_mesh(scene, body, error);
+    case GN_SHAPE_NONE:
+        break;
+    }
+    return gn_fail(error, GNEISS_ERROR_INTERNAL, "%s: specimen: no shape to pack", scene->source);
+}
+
+gneiss_status gn_body_create(const gn_scene *scene, gn_body *body, gneiss_error *error) {
+    *body = (gn_body){.refinements = scene->specimen.pack.refinements,
+                      .refinement_count = scene->specimen.pack.refinement_count};
+    gneiss_status status = from_shape(scene, body, error);
+    if (status != GNEISS_OK) gn_body_free(body);
+    return status;
+}
+
+void gn_body_free(gn_body *body) {
+    gn_domain_free(body->domain);
+    gn_mesh_free(&body->mesh);
+    gn_free(body->node_size);
+    *body = (gn_body){0};
+}
+
+/* ---- size of particles ---- */
+
+static double box_distance(const gn_refinement *r, const double x[3]) {
+    double square = 0.0;
+    for (int a = 0; a < 3; a++) {
+        double d = fmax(fmax(r->lower[a] - x[a], x[a] - r->upper[a]), 0.0);
+        square += d * d;
+    }
+    return sqrt(square);
+}
+
+double gn_body_size(const gn_body *body, const double x[3]) {
+    double size = 1.0;
+    for (size_t k = 0; k < body->refinement_count; k++) {
+        const gn_refinement *r = &body->refinements[k];
+        double away =
+            r->boundary ? fmax(gn_domain_depth(body->domain, x), 0.0) : box_distance(r, x);
+        size = fmin(size, r->size + (1.0 - r->size) * fmin(away / r->distance, 1.0));
+    }
+    return size;
+}

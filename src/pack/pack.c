@@ -1,0 +1,283 @@
+#include "pack/pack.h"
+
+#include "base/memory.h"
+#include "base/timer.h"
+#include "neigh/pairs.h"
+#include "pack/seeds.h"
+
+#include <math.h>
+#include <omp.h>
+#include <string.h>
+
+const char *gn_pack_stage_name(gn_pack_stage stage) {
+    static const char *const names[GN_PACK_STAGES] = {"spread", "compress", "decompress", "close",
+                                                      "separate"};
+    return names[stage];
+}
+
+/* ---- the schedule ---- */
+
+/* Volume of the particles over that of the body: at the start, and at which the springs would be
+ * without force (both by measurement: docs/packing.md). */
+typedef struct schedule {
+    double loose, wanted;
+    double stiffness; /* of the springs while compressing */
+    double release;   /* factor of the stiffness per decompression */
+    int releases;
+    double last; /* factor of the stiffness for the last stages */
+    bool hold;   /* all contacts of the compressed state are kept */
+    double overlap, gap, pull;
+} schedule;
+
+/* In the plane a compressed packing is a triangulation already, and all of its contacts can be kept
+ * (Koebe: every planar triangulation has a packing of touching discs). In space a maximum of the
+ * volume has 8 contacts per particle: the pressure is let off first, then what is nearly closed is
+ * closed. */
+static schedule schedule_of(const gn_pack_def *def, int dimension) {
+    schedule s = {.loose = 0.5,
+                  .wanted = 2.0,
+                  .stiffness = 3.0,
+                  .release = 0.2,
+                  .releases = 3,
+                  .last = 0.01,
+                  .overlap = 0.0,
+                  .gap = 0.03,
+                  .pull = 0.3};
+    if (dimension == 2) {
+        s.loose = 0.7;
+        s.releases = 0;
+        s.last = 1e-5;
+        s.hold = true;
+        s.pull = 1.0;
+    }
+    if (def->overlap == GN_OVERLAP_PASSIVE) {
+        s.overlap = def->overlap_size >= 0.0 ? def->overlap_size : 0.04;
+        s.gap = fmax(s.gap, 3.25 * s.overlap);
+        s.pull = 0.5;
+    }
+    if (def->gap >= 0.0) s.gap = def->gap;
+    return s;
+}
+
+static gn_fit_goal goal_of(gn_pack_stage stage, int dimension) {
+    switch (stage) {
+    case GN_PACK_SPREAD:
+        return (gn_fit_goal){30, 20, 0.1, 1e-3, 0.5, 3};
+    case GN_PACK_COMPRESS:
+        return (gn_fit_goal){100, 30, 0.05, 1e-4, 0.3, 4};
+    case GN_PACK_DECOMPRESS:
+        return (gn_fit_goal){60, 30, 0.05, 3e-4, 0.3, 6};
+    case GN_PACK_CLOSE:
+        if (dimension == 2) return (gn_fit_goal){30, 200, 0.01, 1e-2, 0.5, 5};
+        return (gn_fit_goal){60, 60, 0.01, 1e-3, 0.2, 5};
+    case GN_PACK_SEPARATE:
+    case GN_PACK_STAGES:
+        break;
+    }
+    return (gn_fit_goal){40, 60, 0.01, 1e-2, 0.1, 5};
+}
+
+/* ---- running ---- */
+
+typedef struct job {
+    const gn_scene *scene;
+    const gn_pack_def *def;
+    int dimension;
+    gn_seeds seeds;
+    double *wanted, *least, *most;
+    gn_fit *fit;
+    schedule plan;
+    gn_pack_stage stage;
+    int planned, started; /* iterations that may come in all, and before this stage */
+    size_t trace_capacity;
+    double begin;
+    bool out_of_time, enough, given_up, no_memory;
+    gn_pack_watch *watch;
+    void *context;
+    gn_pack_result *result;
+} job;
+
+static bool push_trace(job *j, const gn_fit_state *state) {
+    gn_pack_result *r = j->result;
+    if (r->trace_count == j->trace_capacity) {
+        size_t capacity = j->trace_capacity ? 2 * j->trace_capacity : 256;
+        gn_pack_trace *more = gn_alloc_array(capacity, sizeof *more);
+        if (!more) return false;
+        if (r->trace_count) memcpy(more, r->trace, r->trace_count * sizeof *more);
+        gn_free(r->trace);
+        r->trace = more;
+        j->trace_capacity = capacity;
+    }
+    r->trace[r->trace_count++] = (gn_pack_trace){j->stage, *state};
+    return true;
+}
+
+/* What the user set as limits ends the search, never the removal of overlaps after it. */
+static bool watch_fit(void *context, const gn_fit_state *state) {
+    job *j = context;
+    if (!push_trace(j, state)) j->no_memory = true;
+    if (j->watch) {
+        double fraction = fmin((double)state->iteration / j->planned, 1.0);
+        gn_pack_progress p = {j->stage, fraction, *state, j->seeds.count};
+        if (!j->watch(j->context, &p)) j->given_up = true;
+    }
+    if (j->given_up || j->no_memory) return false;
+    if (j->stage == GN_PACK_SEPARATE) return true;
+    if (j->def->time_limit > 0.0 && gn_now() - j->begin > j->def->time_limit) j->out_of_time = true;
+    if (j->def->iterations > 0 && state->iteration >= j->def->iterations) j->enough = true;
+    if (j->stage == GN_PACK_CLOSE && state->gap_rms < j->def->residual) j->enough = true;
+    return !j->out_of_time && !j->enough;
+}
+
+static gneiss_status run_stage(job *j, gn_pack_stage stage, const gn_fit_law *law,
+                               gneiss_error *error) {
+    if (stage != GN_PACK_SEPARATE && (j->out_of_time || j->enough)) return GNEISS_OK;
+    gn_fit_goal goal = goal_of(stage, j->dimension);
+    bool go_on = true;
+    j->stage = stage;
+    GN_TRY(gn_fit_run(j->fit, law, &goal, watch_fit, j, &go_on, error));
+    if (j->no_memory) return gn_fail(error, GNEISS_ERROR_MEMORY, "no memory to pack");
+    if (j->given_up) return gn_fail(error, GNEISS_INTERRUPTED, "packing interrupted");
+    return GNEISS_OK;
+}
+
+static gneiss_status run_stages(job *j, gneiss_error *error) {
+    const schedule *s = &j->plan;
+    gn_fit_law law = {.fixed_radii = true};
+    GN_TRY(run_stage(j, GN_PACK_SPREAD, &law, error));
+    law = (gn_fit_law){.stiffness = s->stiffness};
+    GN_TRY(run_stage(j, GN_PACK_COMPRESS, &law, error));
+    for (int k = 0; k < s->releases; k++) {
+        law.stiffness *= s->release;
+        GN_TRY(run_stage(j, GN_PACK_DECOMPRESS, &law, error));
+    }
+    law.stiffness *= s->last;
+    if (s->hold) {
+        GN_TRY(gn_fit_hold(j->fit, error));
+        law.pull = s->pull;
+        GN_TRY(run_stage(j, GN_PACK_CLOSE, &law, error));
+        gn_fit_release(j->fit);
+    }
+    law.overlap = s->overlap;
+    law.gap = s->gap;
+    law.pull = s->pull;
+    GN_TRY(run_stage(j, GN_PACK_CLOSE, &law, error));
+    if (j->def->overlap == GN_OVERLAP_PASSIVE) return GNEISS_OK;
+    law.stiffness *= 0.1;
+    law.pull *= 0.1; /* enough to keep what touches together while overlaps are taken apart */
+    law.gap = fmin(law.gap, 0.015);
+    return run_stage(j, GN_PACK_SEPARATE, &law, error);
+}
+
+/* ---- before and after ---- */
+
+static gneiss_status prepare(job *j, const gn_domain *domain, int threads, gneiss_error *error) {
+    size_t n = j->seeds.count;
+    double packed = gn_packed_fraction(j->dimension);
+    double loose = pow(j->plan.loose / packed, 1.0 / j->dimension);
+    double wanted = pow(j->plan.wanted / packed, 1.0 / j->dimension);
+    j->wanted = gn_alloc_array(n, sizeof(double));
+    j->least = gn_alloc_array(n, sizeof(double));
+    j->most = gn_alloc_array(n, sizeof(double));
+    if (!j->wanted || !j->least || !j->most)
+        return gn_fail(error, GNEISS_ERROR_MEMORY, "no memory to pack %zu particles", n);
+    for (size_t k = 0; k < n; k++) {
+        double nominal = j->seeds.row[4 * k + 3];
+        j->wanted[k] = wanted * nominal;
+        j->least[k] = 0.2 * nominal;
+        j->most[k] = 5.0 * nominal;
+        j->seeds.row[4 * k + 3] = loose * nominal;
+    }
+    return gn_fit_create(domain, n, j->seeds.row, j->wanted, j->least, j->most, threads, &j->fit,
+                         error);
+}
+
+/* Takes off the rest of overlaps: every radius by the worst of its own. */
+static gneiss_status shrink(job *j, const gn_domain *domain, int threads, gneiss_error *error) {
+    gn_packing *p = &j->result->packing;
+    gn_particles q = {0};
+    gn_pair_list pairs = {0};
+    double *factor = j->least; /* no longer needed */
+    GN_TRY(gn_soa_create(&gn_particle_record, &q, p->count, 0, error));
+    memcpy(q.pos, p->sphere, p->count * 4 * sizeof(double));
+    for (size_t k = 0; k < p->count; k++) {
+        const double *x = p->sphere + 4 * k;
+        q.vel[4 * k + 3] = 1.0;
+        factor[k] = fmin(1.0, gn_domain_depth(domain, x) / x[3]);
+    }
+    gn_pair_query query = {.particles = &q, .dimension = j->dimension, .threads = threads};
+    gneiss_status status = gn_pairs_find(&query, &pairs, error);
+    for (size_t k = 0; k < pairs.count; k++) {
+        const double *a = q.pos + 4 * pairs.pair[k][0], *b = q.pos + 4 * pairs.pair[k][1];
+        double u[3] = {a[0] - b[0], a[1] - b[1], a[2] - b[2]};
+        double share = sqrt(u[0] * u[0] + u[1] * u[1] + u[2] * u[2]) / (a[3] + b[3]);
+        for (int side = 0; side < 2; side++)
+            factor[pairs.pair[k][side]] = fmin(factor[pairs.pair[k][side]], share);
+    }
+    for (size_t k = 0; k < p->count; k++) p->sphere[4 * k + 3] *= factor[k];
+    gn_pair_list_free(&pairs);
+    gn_soa_destroy(&gn_particle_record, &q);
+    return status;
+}
+
+static gneiss_status take_result(job *j, const gn_domain *domain, int threads,
+                                 gneiss_error *error) {
+    gn_packing *p = &j->result->packing;
+    p->count = j->seeds.count;
+    p->sphere = gn_alloc_array(p->count + 1, 4 * sizeof *p->sphere);
+    if (!p->sphere) return gn_fail(error, GNEISS_ERROR_MEMORY, "no memory to pack");
+    memcpy(p->sphere, gn_fit_rows(j->fit), p->count * 4 * sizeof *p->sphere);
+    j->result->in_time = !j->out_of_time;
+    if (j->def->overlap == GN_OVERLAP_PASSIVE) return GNEISS_OK;
+    return shrink(j, domain, threads, error);
+}
+
+static int planned_iterations(const job *j) {
+    int sum = 0;
+    for (int k = 0; k < GN_PACK_STAGES; k++) {
+        int times = k == GN_PACK_DECOMPRESS ? j->plan.releases : 1;
+        sum += times * goal_of((gn_pack_stage)k, j->dimension).iterations;
+    }
+    return sum;
+}
+
+static gneiss_status make(job *j, const gn_body *body, gneiss_error *error) {
+    int threads = j->scene->threads > 0 ? (int)j->scene->threads : omp_get_num_procs();
+    j->plan = schedule_of(j->def, j->dimension);
+    j->planned = planned_iterations(j);
+    GN_TRY(gn_seeds_create(j->scene, body, &j->seeds, error));
+    GN_TRY(prepare(j, body->domain, threads, error));
+    GN_TRY(run_stages(j, error));
+    return take_result(j, body->domain, threads, error);
+}
+
+gneiss_status gn_pack_make(const gn_scene *scene, gn_pack_watch *watch, void *context,
+                           gn_pack_result *result, gneiss_error *error) {
+    *result = (gn_pack_result){0};
+    job j = {.scene = scene,
+             .def = &scene->specimen.pack,
+             .dimension = (int)scene->dimension,
+             .begin = gn_now(),
+             .watch = watch,
+             .context = context,
+             .result = result};
+    gn_body body;
+    GN_TRY(gn_body_create(scene, &body, error));
+    result->volume = gn_domain_volume(body.domain);
+    gneiss_status status = make(&j, &body, error);
+    result->seconds = gn_now() - j.begin;
+    gn_fit_free(j.fit);
+    gn_seeds_free(&j.seeds);
+    gn_free(j.wanted);
+    gn_free(j.least);
+    gn_free(j.most);
+    gn_body_free(&body);
+    if (status != GNEISS_OK) gn_pack_result_free(result);
+    return status;
+}
+
+void gn_pack_result_free(gn_pack_result *result) {
+    gn_packing_free(&result->packing);
+    gn_free(result->trace);
+    *result = (gn_pack_result){0};
+}

@@ -1,0 +1,53 @@
+/* Dense packings of discs and spheres in any body (Labra & Onate 2009; Labra 2012, ch. 3). */
+#ifndef GN_PACK_PACK_H
+#define GN_PACK_PACK_H
+
+#include "io/packing.h"
+#include "pack/fit.h"
+#include "scene/scene.h"
+
+/* What the fit does, in this order (docs/packing.md). */
+typedef enum gn_pack_stage {
+    GN_PACK_SPREAD,     /* random points move apart, radii fixed and small */
+    GN_PACK_COMPRESS,   /* radii grow until every neighbour presses */
+    GN_PACK_DECOMPRESS, /* the pressure falls in steps; each comes to equilibrium */
+    GN_PACK_CLOSE,      /* pairs with small gaps are drawn together */
+    GN_PACK_SEPARATE,   /* what still overlaps is taken apart */
+    GN_PACK_STAGES
+} gn_pack_stage;
+
+const char *gn_pack_stage_name(gn_pack_stage stage);
+
+/* One iteration. */
+typedef struct gn_pack_trace {
+    gn_pack_stage stage;
+    gn_fit_state state;
+} gn_pack_trace;
+
+typedef struct gn_pack_progress {
+    gn_pack_stage stage;
+    double fraction; /* of the iterations that may come, [0, 1] */
+    gn_fit_state state;
+    size_t particles;
+} gn_pack_progress;
+
+/* Called after every iteration; false gives the packing up (GNEISS_INTERRUPTED). */
+typedef bool gn_pack_watch(void *context, const gn_pack_progress *progress);
+
+typedef struct gn_pack_result {
+    gn_packing packing; /* in Morton order */
+    double volume;      /* of the body, m3; 2D: m2 */
+    double seconds;
+    bool in_time; /* false: the time limit cut the fit short, the result depends on the machine */
+    bool from_cache;
+    size_t trace_count;
+    gn_pack_trace *trace; /* gn_alloc'ed */
+} gn_pack_result;
+
+/* Packs the body of scene->specimen.pack. The same bits for any number of threads (scene->threads,
+ * 0: all cores). `watch` may be NULL. */
+gneiss_status gn_pack_make(const gn_scene *scene, gn_pack_watch *watch, void *context,
+                           gn_pack_result *result, gneiss_error *error);
+void gn_pack_result_free(gn_pack_result *result);
+
+#endif

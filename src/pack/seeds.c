@@ -1,0 +1,310 @@
+#include "pack/seeds.h"
+
+#include "base/memory.h"
+#include "base/random.h"
+#include "neigh/pairs.h"
+
+#include <math.h>
+#include <string.h>
+#include <unistd.h>
+
+/* What the fit and its neighbour lists take, measured. */
+enum { BYTES_PER_PARTICLE = 4000 };
+
+typedef struct source {
+    const gn_scene *scene;
+    const gn_body *body;
+    int dimension;
+    uint64_t drawn; /* random numbers used */
+    double spread;  /* sigma of the logarithm of the radius */
+    double widest;  /* bound of that logarithm */
+    double lower[3], upper[3];
+    const gn_mesh_elements *elements; /* of a mesh shape; NULL: none */
+    double *weight;                   /* [elements->count] running sum of particles wanted */
+} source;
+
+/* Uniform in [0, 1). */
+static double draw(source *s) {
+    return 0.5 * (1.0 + gn_random_symmetric(s->scene->seed, s->drawn++));
+}
+
+/* Radius over the median, log-normal within its bounds. */
+static double draw_size(source *s) {
+    if (s->spread <= 0.0) return 1.0;
+    for (;;) {
+        double u = 1.0 - draw(s), v = draw(s);
+        double g = s->spread * sqrt(-2.0 * log(u)) * cos(2.0 * M_PI * v);
+        if (fabs(g) <= s->widest) return exp(g);
+    }
+}
+
+/* The fit widens a distribution (small particles in pores stay small): half to three quarters of
+ * the range on a logarithmic scale go in, and the range asked for comes out. */
+static void set_sizes(source *s) {
+    const double widening = 0.7, deviations = 2.2;
+    const gn_pack_def *def = &s->scene->specimen.pack;
+    s->widest = 0.5 * widening * log(def->size_ratio);
+    s->spread = def->size_variation >= 0.0
+                    ? sqrt(log(1.0 + def->size_variation * def->size_variation))
+                    : s->widest / deviations;
+}
+
+static double ball(int dimension, double radius) {
+    return dimension == 3 ? 4.0 / 3.0 * M_PI * radius * radius * radius : M_PI * radius * radius;
+}
+
+/* ---- random points ---- */
+
+static double corner_size(const source *s, size_t element) {
+    const gn_mesh_elements *e = s->elements;
+    double sum = 0.0;
+    for (int a = 0; a < e->nodes; a++) sum += s->body->node_size[e->node[element * e->nodes + a]];
+    return sum / e->nodes;
+}
+
+static double element_volume(const source *s, size_t element) {
+    const gn_mesh_elements *e = s->elements;
+    double edge[3][3] = {{0}};
+    const double *x = s->body->mesh.node + 3 * e->node[element * e->nodes];
+    for (int a = 1; a < e->nodes; a++)
+        for (int d = 0; d < 3; d++)
+            edge[a - 1][d] = s->body->mesh.node[3 * e->node[element * e->nodes + a] + d] - x[d];
+    if (s->dimension == 2) return 0.5 * fabs(edge[0][0] * edge[1][1] - edge[0][1] * edge[1][0]);
+    double c[3] = {edge[0][1] * edge[1][2] - edge[0][2] * edge[1][1],
+                   edge[0][2] * edge[1][0] - edge[0][0] * edge[1][2],
+                   edge[0][0] * edge[1][1] - edge[0][1] * edge[1][0]};
+    return fabs(c[0] * edge[2][0] + c[1] * edge[2][1] + c[2] * edge[2][2]) / 6.0;
+}
+
+/* As many particles per element everywhere: a finer mesh has finer particles. */
+static gneiss_status weigh_elements(source *s, gneiss_error *error) {
+    if (s->scene->specimen.pack.shape != GN_SHAPE_MESH) return GNEISS_OK;
+    s->elements = s->dimension == 3 ? &s->body->mesh.tetrahedra : &s->body->mesh.triangles;
+    s->weight = gn_alloc_array(s->elements->count + 1, sizeof *s->weight);
+    if (!s->weight)
+        return gn_fail(error, GNEISS_ERROR_MEMORY, "no memory for a mesh of %zu elements",
+                       s->elements->count);
+    double sum = 0.0;
+    for (size_t k = 0; k < s->elements->count; k++) {
+        sum += element_volume(s, k) / pow(corner_size(s, k), s->dimension);
+        s->weight[k] = sum;
+    }
+    return GNEISS_OK;
+}
+
+/* A point of the mesh, uniform in an element, and the size of the mesh there. */
+static double draw_in_mesh(source *s, double x[3]) {
+    const gn_mesh_elements *e = s->elements;
+    double at = draw(s) * s->weight[e->count - 1], share[4], sum = 0.0, size = 0.0;
+    size_t low = 0, high = e->count - 1;
+    while (low < high) {
+        size_t middle = low + (high - low) / 2;
+        if (s->weight[middle] > at)
+            high = middle;
+        else
+            low = middle + 1;
+    }
+    for (int a = 0; a < e->nodes; a++) sum += share[a] = -log(1.0 - draw(s));
+    memset(x, 0, 3 * sizeof *x);
+    for (int a = 0; a < e->nodes; a++) {
+        int32_t node = e->node[low * e->nodes + a];
+        for (int d = 0; d < s->dimension; d++)
+            x[d] += share[a] / sum * s->body->mesh.node[3 * node + d];
+        size += share[a] / sum * s->body->node_size[node];
+    }
+    return size * gn_body_size(s->body, x);
+}
+
+/* A point of the body's box with a density that suits the sizes there; 0: thrown away. */
+static double draw_in_box(source *s, double finest, double x[3]) {
+    for (int d = 0; d < s->dimension; d++)
+        x[d] = s->lower[d] + (s->upper[d] - s->lower[d]) * draw(s);
+    if (s->dimension == 2) x[2] = 0.0;
+    if (s->body->refinement_count == 0) return 1.0;
+    double size = gn_body_size(s->body, x);
+    return draw(s) < pow(finest / size, s->dimension) ? size : 0.0;
+}
+
+static double finest_size(const gn_body *body) {
+    double size = 1.0;
+    for (size_t k = 0; k < body->refinement_count; k++)
+        size = fmin(size, body->refinements[k].size);
+    return size;
+}
+
+static gneiss_status draw_points(source *s, gn_seeds *seeds, gneiss_error *error) {
+    double finest = finest_size(s->body);
+    uint64_t tries = 0, limit = 100000000 + 2000 * (uint64_t)seeds->count;
+    for (size_t k = 0; k < seeds->count; tries++) {
+        double *row = seeds->row + 4 * k;
+        double size = s->elements ? draw_in_mesh(s, row) : draw_in_box(s, finest, row);
+        if (tries > limit)
+            return gn_fail(error, GNEISS_ERROR_INPUT,
+                           "%s: specimen: %zu of %zu particles found a place: the body fills too "
+                           "little of its box, or is refined too much",
+                           s->scene->source, k, seeds->count);
+        if (size == 0.0 || (!s->elements && gn_domain_depth(s->body->domain, row) <= 0.0)) continue;
+        row[3] = size * draw_size(s);
+        k++;
+    }
+    return GNEISS_OK;
+}
+
+/* ---- nodes of the mesh ---- */
+
+static bool is_inner(const source *s, const double *x, double size) {
+    return size > 0.0 && gn_domain_depth(s->body->domain, x) > 0.1 * size;
+}
+
+static size_t count_inner(const source *s) {
+    size_t count = 0;
+    for (size_t k = 0; k < s->body->mesh.node_count; k++)
+        count += is_inner(s, s->body->mesh.node + 3 * k, s->body->node_size[k]);
+    return count;
+}
+
+static void take_nodes(source *s, gn_seeds *seeds) {
+    double jiggle = 0.5 * s->scene->specimen.pack.jiggle;
+    double *row = seeds->row;
+    for (size_t k = 0; k < s->body->mesh.node_count; k++) {
+        const double *x = s->body->mesh.node + 3 * k;
+        double size = s->body->node_size[k], moved[3] = {x[0], x[1], x[2]};
+        if (!is_inner(s, x, size)) continue;
+        for (int d = 0; d < s->dimension; d++) moved[d] += jiggle * size * (2.0 * draw(s) - 1.0);
+        bool stays = gn_domain_depth(s->body->domain, moved) > 0.0;
+        memcpy(row, stays ? moved : x, 3 * sizeof *row);
+        if (s->dimension == 2) row[2] = 0.0;
+        row[3] = size * draw_size(s);
+        row += 4;
+    }
+}
+
+/* ---- number and size ---- */
+
+/* Mean of size^-d over the body: how many more particles refinement makes of one. */
+static gneiss_status refinement_factor(const source *s, double *factor, gneiss_error *error) {
+    enum { POINTS = 20000, TRIES = 20000000 };
+    *factor = 1.0;
+    if (s->body->refinement_count == 0 || s->elements) return GNEISS_OK;
+    double sum = 0.0, x[3] = {0};
+    int found = 0;
+    for (uint64_t k = 0; found < POINTS && k < TRIES; k++) {
+        for (int d = 0; d < s->dimension; d++)
+            x[d] = s->lower[d] + (s->upper[d] - s->lower[d]) * 0.5 *
+                                     (1.0 + gn_random_symmetric(~s->scene->seed, 3 * k + d));
+        if (gn_domain_depth(s->body->domain, x) <= 0.0) continue;
+        sum += pow(gn_body_size(s->body, x), -s->dimension);
+        found++;
+    }
+    if (found == 0)
+        return gn_fail(error, GNEISS_ERROR_INPUT,
+                       "%s: specimen: the body fills too little of its box to place particles",
+                       s->scene->source);
+    *factor = sum / found;
+    return GNEISS_OK;
+}
+
+/* Means of r and r^d over radii in units of the median, by the quantiles of the distribution. */
+static void size_moments(const source *s, double *first, double *last) {
+    enum { POINTS = 2001 };
+    double weight = 0.0, sum1 = 0.0, sum_d = 0.0;
+    for (int k = 0; k < POINTS; k++) {
+        double g = s->spread > 0.0 ? s->widest * (2.0 * k / (POINTS - 1.0) - 1.0) : 0.0;
+        double p = s->spread > 0.0 ? exp(-0.5 * g * g / (s->spread * s->spread)) : 1.0;
+        weight += p;
+        sum1 += p * exp(g);
+        sum_d += p * exp(s->dimension * g);
+    }
+    *first = sum1 / weight;
+    *last = sum_d / weight;
+}
+
+static gneiss_status choose_count(source *s, size_t *count, gneiss_error *error) {
+    const gn_pack_def *def = &s->scene->specimen.pack;
+    double number = (double)def->count, first, last, factor;
+    if (def->start == GN_START_NODES) {
+        number = (double)count_inner(s);
+        if (number < 1.0)
+            return gn_fail(error, GNEISS_ERROR_INPUT,
+                           "%s: expected a mesh with inner nodes to start from, found none: "
+                           "refine it, or use packing.start: random",
+                           def->mesh_path);
+    } else if (def->mean_radius > 0.0) {
+        size_moments(s, &first, &last);
+        GN_TRY(refinement_factor(s, &factor, error));
+        double median = def->mean_radius / first;
+        number = ceil(factor * gn_packed_fraction(s->dimension) *
+                      gn_domain_volume(s->body->domain) / (ball(s->dimension, median) * last));
+    }
+    double have = (double)sysconf(_SC_PHYS_PAGES) * (double)sysconf(_SC_PAGESIZE);
+    if (number * BYTES_PER_PARTICLE > have || number > 1e9)
+        return gn_fail(error, GNEISS_ERROR_MEMORY,
+                       "%s: specimen: %.4g particles need about %.3g GB to be packed; this machine "
+                       "has %.3g GB",
+                       s->scene->source, number, number * BYTES_PER_PARTICLE / 1e9, have / 1e9);
+    if (number < 4.0)
+        return gn_fail(error, GNEISS_ERROR_INPUT,
+                       "%s: specimen: expected at least 4 particles in the body, found %.0f: the "
+                       "mean radius is too large",
+                       s->scene->source, number);
+    *count = (size_t)number;
+    return GNEISS_OK;
+}
+
+/* Radii such that together they have the volume of a dense packing. */
+static void scale_radii(const source *s, gn_seeds *seeds) {
+    double sum = 0.0;
+    for (size_t k = 0; k < seeds->count; k++) sum += ball(s->dimension, seeds->row[4 * k + 3]);
+    double wanted = gn_packed_fraction(s->dimension) * gn_domain_volume(s->body->domain);
+    double factor = pow(wanted / sum, 1.0 / s->dimension);
+    for (size_t k = 0; k < seeds->count; k++) seeds->row[4 * k + 3] *= factor;
+}
+
+static gneiss_status sort_rows(const source *s, gn_seeds *seeds, gneiss_error *error) {
+    gn_particles p = {0};
+    int32_t *order = gn_alloc_array(seeds->count + 1, sizeof *order);
+    gneiss_status status = order ? GNEISS_OK : gn_fail(error, GNEISS_ERROR_MEMORY, "no memory");
+    if (status == GNEISS_OK)
+        status = gn_soa_create(&gn_particle_record, &p, seeds->count, 0, error);
+    if (status == GNEISS_OK) {
+        memcpy(p.pos, seeds->row, seeds->count * 4 * sizeof(double));
+        for (size_t k = 0; k < seeds->count; k++) p.id[k] = (int32_t)k;
+        status = gn_morton_order(&p, s->dimension, order, error);
+    }
+    for (size_t k = 0; k < seeds->count && status == GNEISS_OK; k++)
+        memcpy(seeds->row + 4 * k, p.pos + 4 * order[k], 4 * sizeof(double));
+    gn_soa_destroy(&gn_particle_record, &p);
+    gn_free(order);
+    return status;
+}
+
+static gneiss_status make(source *s, gn_seeds *seeds, gneiss_error *error) {
+    GN_TRY(weigh_elements(s, error));
+    GN_TRY(choose_count(s, &seeds->count, error));
+    seeds->row = gn_alloc_array(seeds->count + 1, 4 * sizeof *seeds->row);
+    if (!seeds->row)
+        return gn_fail(error, GNEISS_ERROR_MEMORY, "no memory for %zu particles", seeds->count);
+    if (s->scene->specimen.pack.start == GN_START_NODES)
+        take_nodes(s, seeds);
+    else
+        GN_TRY(draw_points(s, seeds, error));
+    scale_radii(s, seeds);
+    return sort_rows(s, seeds, error);
+}
+
+gneiss_status gn_seeds_create(const gn_scene *scene, const gn_body *body, gn_seeds *seeds,
+                              gneiss_error *error) {
+    *seeds = (gn_seeds){0};
+    source s = {.scene = scene, .body = body, .dimension = (int)scene->dimension};
+    gn_domain_bounds(body->domain, s.lower, s.upper);
+    set_sizes(&s);
+    gneiss_status status = make(&s, seeds, error);
+    gn_free(s.weight);
+    if (status != GNEISS_OK) gn_seeds_free(seeds);
+    return status;
+}
+
+void gn_seeds_free(gn_seeds *seeds) {
+    gn_free(seeds->row);
+    *seeds = (gn_seeds){0};
+}
