@@ -1,6 +1,8 @@
-"""make_results.py KIND FILE [PACKING]: a made-up results.h5 in the layout of docs/results.md, for the tests of
-the report. Nothing in it is a result of the engine. Kinds: see KINDS.
+"""make_results.py KIND FILE [PACKING]: a made-up results.h5 (docs/results.md) or packing.h5 (docs/packing.md), for the
+tests of the report. Nothing in it is a result of the engine. Kinds: see KINDS and PACKINGS.
 """
+import os
+import re
 import sys
 
 import h5py
@@ -170,5 +172,104 @@ def make(kind, path, packing=None):
     writer.file.close()
 
 
+# --- packing.h5 ----------------------------------------------------------------------------------------
+
+QUALITY = os.path.join(os.path.dirname(os.path.abspath(__file__)), "..", "src", "pack", "quality.h")
+
+
+def figures_of_quality():
+    """{name: (unit, text)} of GN_PACK_FIGURES, as the program writes them."""
+    with open(QUALITY, encoding="utf-8") as file:
+        macro = re.search(r"#define GN_PACK_FIGURES\(X\)(.*?[^\\])\n", file.read(), re.DOTALL)[1]
+    found = re.findall(r'X\((\w+),\s*"([^"]*)",((?:[\s\\]*"[^"]*")+)\)', macro)
+    assert len(found) == len(re.findall(r"X\(\w+,", macro)), "GN_PACK_FIGURES could not be read"
+    return {name: (unit, "".join(re.findall(r'"([^"]*)"', text))) for name, unit, text in found}
+
+
+def measure(position, radius, pairs, gap, dimension):
+    """Some figures as they are, the others made up: small, different from each other."""
+    figures = {name: 0.011 + 0.001 * k for k, name in enumerate(figures_of_quality())}
+    figures.update(porosity=0.3236, anisotropy=0.0149, radius_mean=radius.mean(), radius_min=radius.min(),
+                   radius_max=radius.max(), radius_ratio=radius.max() / radius.min(), radius_volume=radius.mean(),
+                   fabric_min=0.99 / dimension, fabric_max=1.01 / dimension)
+    for name, tolerance in (("01", 0.001), ("1", 0.01), ("5", 0.05)):
+        figures["coordination_" + name] = 2 * np.count_nonzero(gap <= tolerance) / len(radius)
+    overlap = -gap[gap < -1e-9]
+    if not len(overlap):
+        figures.update(overlap_median=0.0, overlap_mean=0.0, overlap_max=0.0, overlaps=0.0)
+    return figures
+
+
+def count_directions(normal):
+    turn = np.arctan2(normal[:, 1], normal[:, 0]) / (2 * np.pi)
+    around = np.concatenate([turn, turn + 0.5]) % 1
+    return (np.histogram(around, 36, (0, 1))[0], 2 * np.histogram(np.abs(normal[:, 2]), 36, (0, 1))[0])
+
+
+def put_quality(writer, position, radius, dimension):
+    pairs = bonds_of(position, radius)
+    branch = position[pairs[:, 1]] - position[pairs[:, 0]]
+    length, reach = np.linalg.norm(branch, axis=1), radius[pairs].sum(axis=1)
+    gap = (length - reach) / reach
+    near = gap <= 0.01
+    normal = branch[near] / length[near, None]
+    writer.put("contacts/pair", pairs.astype(np.int32).reshape(-1, 2))
+    writer.put("contacts/gap", gap)
+    values = measure(position, radius, pairs, gap, dimension)
+    for name, (unit, text) in figures_of_quality().items():
+        writer.put(f"quality/{name}", [values[name]], unit, text)
+    writer.put("quality/fabric", (normal.T @ normal / max(1, len(normal))).ravel())
+    count, edge = np.histogram(radius, np.linspace(radius.min(), max(radius.max(), radius.min()), 25))
+    writer.put("histogram/radius_edge", edge, "m")
+    writer.put("histogram/radius_count", count.astype(np.int64))
+    angle, polar = count_directions(normal)
+    writer.put("histogram/angle_count", angle.astype(np.int64))
+    writer.put("histogram/polar_count", polar.astype(np.int64))
+    return len(pairs)
+
+
+def put_trace(writer, rows):
+    k = np.arange(rows)
+    writer.put("trace/iteration", (k + 1).astype(np.int64))
+    writer.put("trace/stage", np.minimum(4, 5 * k // max(1, rows)).astype(np.uint8))
+    writer.put("trace/energy", 0.3 * np.exp(-0.1 * k) + 1e-6)
+    writer.put("trace/gap_rms", 0.3 * np.exp(-0.06 * k))
+    writer.put("trace/overlap_max", np.where(k == rows - 1, 0.0, 0.9 * np.exp(-0.05 * k)))
+    writer.put("trace/pairs", np.full(rows, 4000, np.int64))
+
+
+# dimension, factor on the radii, particles at most, iterations, in time, from the cache
+PACKINGS = {
+    "packed_cylinder": (3, 1.09, None, 90, 1, 0),
+    "packed_square": (2, 1.09, None, 60, 1, 0),
+    "cached": (3, 1.0, None, 0, 1, 1),
+    "cached_square": (2, 1.09, None, 0, 1, 1),
+    "cut_short": (3, 1.09, None, 1, 0, 0),
+    "no_contacts": (3, 0.5, None, 20, 1, 0),
+    "one_disc": (2, 1.0, 1, 2, 1, 0),
+    "equal_radii": (3, None, None, 20, 1, 0),
+}
+
+
+def make_packing(kind, path):
+    dimension, factor, most, rows, in_time, from_cache = PACKINGS[kind]
+    position, radius = lattice(dimension)
+    position = position[:most]
+    radius = radius[:most] * factor if factor else np.full(len(radius), 1e-3)
+    writer = Writer(path)
+    pairs = put_quality(writer, position, radius, dimension)
+    attributes = dict(kind="packing", version="0.1.0", build="gcc 12 release", title=f"Made-up {kind} <&> $1",
+                      dimension=np.int64(dimension), seed=np.int64(11), particles=np.int64(len(radius)),
+                      pairs=np.int64(pairs), volume=1.9112e-5 if dimension == 3 else 0.01, seconds=3.71,
+                      in_time=np.int64(in_time), from_cache=np.int64(from_cache))
+    for name, value in attributes.items():
+        writer.file.attrs[name] = value
+    writer.file["request"] = f"dimension: {dimension}\nspecimen: <made-up>\n"
+    writer.put("particles/position", position, "m")
+    writer.put("particles/radius", radius, "m")
+    put_trace(writer, rows)
+    writer.file.close()
+
+
 if __name__ == "__main__":
-    make(*sys.argv[1:])
+    (make_packing if sys.argv[1] in PACKINGS else make)(*sys.argv[1:])

@@ -1,5 +1,6 @@
-"""Runs tools/report.py on made-up results of every kind and on files that cannot be read. Speaks TAP."""
+"""Runs tools/report.py on made-up results and packings of every kind and on files that cannot be read. Speaks TAP."""
 import contextlib
+import html
 import io
 import os
 import re
@@ -13,11 +14,12 @@ from types import SimpleNamespace
 import h5py
 import numpy as np
 
-from make_results import KINDS, make
+from make_results import KINDS, PACKINGS, figures_of_quality, make, make_packing
 
 TOOLS = os.path.join(os.path.dirname(os.path.abspath(__file__)), "..", "tools")
 sys.path.insert(0, TOOLS)
 import report  # noqa: E402  (it stands in another folder)
+import report_packing  # noqa: E402
 
 
 def run_report(folder):
@@ -40,17 +42,21 @@ def the_command_tells_by_its_exit_code(folder):
     assert done.stdout.strip() == os.path.join(folder, "report.html")
 
 
+def check_png(path):
+    with open(path, "rb") as file:
+        data = file.read()
+    assert data[:8] == b"\x89PNG\r\n\x1a\n" and data[-8:-4] == b"IEND", f"{path} is not a whole PNG"
+    width, height = struct.unpack(">II", data[16:24])
+    assert 200 < width < 5000 and 100 < height < 3000, f"{path} is {width} x {height}"
+
+
 def check_pictures(folder, page):
     """Every picture of the page is there, whole and of a sensible size; none is left over."""
     named = set(re.findall(r'src="report/([^"]+)"', page))
     there = set(os.listdir(os.path.join(folder, "report")))
     assert named == there, f"page names {sorted(named)}, folder holds {sorted(there)}"
     for name in named:
-        with open(os.path.join(folder, "report", name), "rb") as file:
-            data = file.read()
-        assert data[:8] == b"\x89PNG\r\n\x1a\n" and data[-8:-4] == b"IEND", f"{name} is not a whole PNG"
-        width, height = struct.unpack(">II", data[16:24])
-        assert 200 < width < 5000 and 100 < height < 3000, f"{name} is {width} x {height}"
+        check_png(os.path.join(folder, "report", name))
     return named
 
 
@@ -132,12 +138,157 @@ def old_pictures_are_removed(folder):
     assert left == expected_pictures("no_particles"), f"left over: {sorted(left)}"
 
 
+# --- packings ------------------------------------------------------------------------------------------
+
+def packing_page(kind, folder):
+    make_packing(kind, os.path.join(folder, "packing.h5"))
+    done = run_report(folder)
+    assert done.returncode == 0, done.stderr
+    assert not done.stderr, f"warnings: {done.stderr}"
+    with open(os.path.join(folder, "report.html"), encoding="utf-8") as file:
+        return file.read()
+
+
+def every_packing(kind, folder):
+    dimension, _, _, rows, in_time, from_cache = PACKINGS[kind]
+    page = packing_page(kind, folder)
+    expected = {"packing", "radii", "gaps", "directions"} | ({"polar"} if dimension == 3 else set())
+    expected |= {"trace"} if rows else set()
+    named = check_pictures(folder, page)
+    assert named == {name + ".png" for name in expected}, f"pictures {sorted(named)}"
+    check_png(os.path.join(folder, "packing.png"))
+    assert f"Made-up {kind} &lt;&amp;&gt; $1" in page and "specimen: &lt;made-up&gt;" in page, "not escaped"
+    assert ("Cut short" in page) == (not in_time)
+    assert ("from the cache</p>" in page) == bool(from_cache)
+    assert ("No iterations of the fit are recorded" in page) == (not rows)
+    assert ("19.112 cm³" if dimension == 3 else "100 cm²") in page, "the volume is missing"
+
+
+def text_of(kind, folder):
+    """The page without its pictures."""
+    path = os.path.join(folder, "packing.h5")
+    make_packing(kind, path)
+    return report_packing.page(report_packing.Packing(path), {})
+
+
+def every_figure_of_a_packing_is_listed_with_its_meaning(folder):
+    page = text_of("packed_cylinder", folder)
+    figures = figures_of_quality()
+    assert "porosity" in figures and len(figures) > 20, sorted(figures)
+    for name, (unit, text) in figures.items():
+        row = re.search(rf"<tr><td[^>]*>{name.replace('_', ' ')}</td>(.*?)</tr>", page)
+        assert row, f"{name} is missing"
+        assert html.escape(text) in row[1], f"the meaning of {name} is missing"
+        assert unit == "1" or f" {unit}</td>" in row[1], f"the unit of {name} is missing"
+
+
+def figures_of_a_packing_stand_in_the_order_of_their_texts(folder):
+    """Some texts refer to the one before."""
+    page = text_of("packed_cylinder", folder)
+    listed = re.search(r"<h2>Figures</h2>(.*?)</table>", page, re.DOTALL)[1]
+    names = [name.replace(" ", "_") for name in re.findall(r"<tr><td[^>]*>([^<]*)</td>", listed)]
+    assert names == list(figures_of_quality()), names
+
+
+def figures_of_a_packing_have_handy_units(folder):
+    page = text_of("packed_cylinder", folder)
+    with h5py.File(os.path.join(folder, "packing.h5"), "r") as file:
+        radius = 1e3 * file["quality/radius_mean"][0]
+    for text in (f">{radius:.4g} mm<", ">32.4 %<", ">1.49 %<", ">3.71 s<"):
+        assert text in page, f"{text} is missing"
+
+
+def the_report_names_only_figures_that_are_measured(_):
+    known = {name for name, _ in report_packing.CARDS} | set(report_packing.PERCENT)
+    assert known <= set(figures_of_quality()), sorted(known - set(figures_of_quality()))
+
+
+def a_folder_with_a_run_and_a_packing_gets_the_report_of_the_run(folder):
+    make("two_rows", os.path.join(folder, "results.h5"))
+    page = packing_page("packed_square", folder)
+    assert "Made-up two_rows" in page and not os.path.exists(os.path.join(folder, "packing.png"))
+
+
+def a_truncated_packing_is_refused(folder):
+    path = os.path.join(folder, "packing.h5")
+    make_packing("packed_square", path)
+    os.truncate(path, os.path.getsize(path) // 2)
+    refused(folder, "damaged or not a packing file")
+
+
+def a_text_file_for_a_packing_is_refused(folder):
+    with open(os.path.join(folder, "packing.h5"), "w", encoding="utf-8") as file:
+        file.write("0 0 0 1\n" * 100)
+    refused(folder, "damaged or not a packing file")
+
+
+def results_named_packing_are_refused(folder):
+    make("disc", os.path.join(folder, "packing.h5"))
+    refused(folder, 'kind = "packing", found none')
+
+
+def change(name, value):
+    """A test that the packing with the data set `name` replaced, or without it, is refused for that."""
+    def test(folder):
+        path = os.path.join(folder, "packing.h5")
+        make_packing("packed_square", path)
+        with h5py.File(path, "r+") as file:
+            del file[name]
+            if value is not None:
+                file[name] = value
+        refused(folder, "/trace" if name.startswith("trace") else "/" + name)
+        assert not os.path.exists(os.path.join(folder, "packing.png")), "a picture was drawn"
+    test.__name__ = f"a packing {'without' if value is None else 'with another'} {name} is refused"
+    return test
+
+
+CHANGES = (("particles/radius", None), ("particles/position", np.ones((7, 2))),
+           ("contacts/pair", np.full((3, 2), 1)), ("contacts/gap", None), ("quality/fabric", np.ones(4)),
+           ("histogram/angle_count", None), ("histogram/radius_edge", np.arange(3.0)), ("trace/energy", np.ones(3)))
+
+
+def a_packing_of_no_known_dimension_is_refused(folder):
+    path = os.path.join(folder, "packing.h5")
+    make_packing("packed_square", path)
+    with h5py.File(path, "r+") as file:
+        file.attrs["dimension"] = 5
+    refused(folder, "dimension 2 or 3, found 5")
+
+
+def particles_that_are_not_a_number_are_left_out(folder):
+    path = os.path.join(folder, "packing.h5")
+    for kind in ("packed_square", "packed_cylinder"):
+        make_packing(kind, path)
+        with h5py.File(path, "r+") as file:
+            file["particles/position"][3] = np.nan
+            file["particles/radius"][4] = np.nan
+            file["quality/overlap_median"][0] = np.nan
+        done = run_report(folder)
+        assert done.returncode == 0 and not done.stderr, done.stderr
+
+
+def a_pair_of_particles_that_are_not_there_is_refused(folder):
+    path = os.path.join(folder, "packing.h5")
+    make_packing("packed_square", path)
+    with h5py.File(path, "r+") as file:
+        file["contacts/pair"][5, 1] = 100000
+    refused(folder, "/contacts/pair names particles")
+
+
 def main():
     tests = [(f"report of {kind}", lambda folder, kind=kind: every_kind(kind, folder)) for kind in KINDS]
     tests += [(f.__name__, f) for f in (
         a_missing_file_is_refused, a_truncated_file_is_refused, a_text_file_is_refused, a_foreign_hdf5_file_is_refused,
         a_damaged_chunk_is_refused, old_pictures_are_removed,
         the_command_tells_by_its_exit_code)]
+    tests += [(f"report of {kind}", lambda folder, kind=kind: every_packing(kind, folder)) for kind in PACKINGS]
+    tests += [(f.__name__, f) for f in (
+        every_figure_of_a_packing_is_listed_with_its_meaning, figures_of_a_packing_stand_in_the_order_of_their_texts,
+        figures_of_a_packing_have_handy_units,
+        the_report_names_only_figures_that_are_measured, a_folder_with_a_run_and_a_packing_gets_the_report_of_the_run,
+        a_truncated_packing_is_refused, a_text_file_for_a_packing_is_refused, results_named_packing_are_refused,
+        a_packing_of_no_known_dimension_is_refused, particles_that_are_not_a_number_are_left_out,
+        a_pair_of_particles_that_are_not_there_is_refused, *(change(*c) for c in CHANGES))]
     print(f"1..{len(tests)}", flush=True)
     failed = 0
     for number, (name, test) in enumerate(tests, 1):

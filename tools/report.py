@@ -1,36 +1,19 @@
 #!/usr/bin/python3
-"""report.py OUTDIR: reads OUTDIR/results.h5, writes OUTDIR/report.html and OUTDIR/report/*.png.
+"""report.py OUTDIR: reads OUTDIR/results.h5, writes OUTDIR/report.html and OUTDIR/report/*.png. Where there is no
+run but a packing, OUTDIR/packing.h5, the report is on that, and OUTDIR/packing.png shows it at a glance.
 
 Exit codes: 0 done, 2 there is no results file that can be read, 3 the report cannot be written.
 """
-import html
 import os
 import sys
 
 import numpy as np
 
 from report_curves import CURVES
+from report_packing import write_packing_report
+from report_page import STYLE, draw, escape, figure, table, write_page
 from report_pictures import Specimen, plot_slice, plot_surface
 from report_results import Results, Unreadable, quantity
-
-STYLE = """
-:root { --ink: #22303c; --soft: #5c6b76; --line: #dde3e7; --accent: #c8402f; }
-body { font: 15px/1.5 system-ui, "DejaVu Sans", sans-serif; color: var(--ink); margin: 0 auto; max-width: 1180px;
-  padding: 1.5rem 1.2rem 4rem; background: #fff; }
-h1 { font-size: 1.7rem; margin: 0 0 .2rem; } h2 { font-size: 1.15rem; margin: 2.2rem 0 .6rem; }
-.soft, figcaption { color: var(--soft); font-size: .9rem; }
-.warning { border-left: 4px solid var(--accent); padding: .4rem .9rem; background: #fdf1ef; margin: 1rem 0; }
-.cards { display: flex; flex-wrap: wrap; gap: .8rem; margin: 1.2rem 0; }
-.card { border: 1px solid var(--line); border-radius: 8px; padding: .6rem 1rem; min-width: 9.5rem; }
-.card b { display: block; font-size: 1.35rem; } .card span { color: var(--soft); font-size: .85rem; }
-table { border-collapse: collapse; margin: .4rem 0; } td, th { padding: .22rem .9rem .22rem 0; text-align: left;
-  border-bottom: 1px solid var(--line); vertical-align: top; } td.number { font-variant-numeric: tabular-nums;
-  white-space: nowrap; } td.si { color: var(--soft); font-variant-numeric: tabular-nums; }
-.grid { display: grid; grid-template-columns: repeat(auto-fit, minmax(440px, 1fr)); gap: 1.2rem; }
-.tables { display: flex; flex-wrap: wrap; gap: 0 3rem; }
-figure { margin: 0; } figure img { max-width: 100%; height: auto; } figure.wide { margin: 1rem 0; }
-pre { background: #f6f8f9; padding: 1rem; overflow-x: auto; font-size: .85rem; } code { font-size: .9em; }
-"""
 
 CARDS = (("young_modulus", "Young's modulus"), ("poisson_ratio", "Poisson's ratio"),
          ("peak_stress", "peak stress"), ("peak_strain", "strain at the peak"))
@@ -41,21 +24,6 @@ def reading_text(name, column):
     if column.unit in ("", "1") and "strain" in name and np.isfinite(value):
         return f"{100 * value:.3g} %"
     return quantity(value, column.unit)
-
-
-def escape(text):
-    return html.escape(str(text))
-
-
-def table(rows, head=None):
-    """HTML table of rows of (cell, class) or plain cells, escaped here."""
-    out = ["<table>"]
-    if head:
-        out.append("<tr>" + "".join(f"<th>{escape(h)}</th>" for h in head) + "</tr>")
-    for row in rows:
-        cells = [c if isinstance(c, tuple) else (c, "") for c in row]
-        out.append("<tr>" + "".join(f'<td class="{k}">{escape(t)}</td>' for t, k in cells) + "</tr>")
-    return "\n".join(out + ["</table>"])
 
 
 # --- tables --------------------------------------------------------------------------------------------
@@ -119,28 +87,13 @@ def residual_text(results):
 
 def draw_figures(results, folder):
     """{name: caption} of what could be drawn into folder/report; old pictures are removed."""
-    pictures = os.path.join(folder, "report")
-    os.makedirs(pictures, exist_ok=True)
     specimen = Specimen(results) if results.particle_count and results.particle("position") is not None else None
+    there = specimen is not None and specimen.count > 0
     jobs = {name: (lambda path, plot=plot: plot(results, path) if results.rows or plot is CURVES["profile"] else None)
             for name, plot in CURVES.items()}
-    if specimen and specimen.count:
-        jobs["surface"] = lambda path: plot_surface(specimen, path)
-        jobs["slice"] = lambda path: plot_slice(specimen, results, path)
-    for name in (*CURVES, "surface", "slice"):
-        try:
-            os.remove(os.path.join(pictures, name + ".png"))
-        except FileNotFoundError:
-            pass
-    captions = {name: job(os.path.join(pictures, name + ".png")) for name, job in jobs.items()}
-    return {name: caption for name, caption in captions.items() if caption}
-
-
-def figure(name, captions, kind=""):
-    if name not in captions:
-        return ""
-    return (f'<figure class="{kind}"><img src="report/{name}.png" alt="{escape(name.replace("_", " "))}">'
-            f"<figcaption>{escape(captions[name])}</figcaption></figure>")
+    jobs["surface"] = lambda path: plot_surface(specimen, path) if there else None
+    jobs["slice"] = lambda path: plot_slice(specimen, results, path) if there else None
+    return draw(jobs, folder)
 
 
 # --- the page ------------------------------------------------------------------------------------------
@@ -194,18 +147,16 @@ def page(results, captions):
 
 
 def write_report(folder):
-    results = Results(os.path.join(folder, "results.h5"))
-    captions = draw_figures(results, folder)
-    target = os.path.join(folder, "report.html")
-    with open(target + ".tmp", "w", encoding="utf-8") as file:
-        file.write(page(results, captions))
-    os.replace(target + ".tmp", target)
-    return target
+    path, packing = (os.path.join(folder, name) for name in ("results.h5", "packing.h5"))
+    if os.path.exists(packing) and not os.path.exists(path):
+        return write_packing_report(folder)
+    results = Results(path)
+    return write_page(folder, page(results, draw_figures(results, folder)))
 
 
 def main(arguments):
     if len(arguments) != 1 or arguments[0].startswith("-"):
-        print("usage: report.py OUTDIR (the output folder of a run)", file=sys.stderr)
+        print("usage: report.py OUTDIR (the output folder of a run or a packing)", file=sys.stderr)
         return 2
     try:
         print(write_report(arguments[0]))

@@ -1,0 +1,65 @@
+"""What the pages of `report.py` have in common: style, tables, figures, writing."""
+import html
+import os
+
+STYLE = """
+:root { --ink: #22303c; --soft: #5c6b76; --line: #dde3e7; --accent: #c8402f; }
+body { font: 15px/1.5 system-ui, "DejaVu Sans", sans-serif; color: var(--ink); margin: 0 auto; max-width: 1180px;
+  padding: 1.5rem 1.2rem 4rem; background: #fff; }
+h1 { font-size: 1.7rem; margin: 0 0 .2rem; } h2 { font-size: 1.15rem; margin: 2.2rem 0 .6rem; }
+.soft, figcaption { color: var(--soft); font-size: .9rem; }
+.warning { border-left: 4px solid var(--accent); padding: .4rem .9rem; background: #fdf1ef; margin: 1rem 0; }
+.cards { display: flex; flex-wrap: wrap; gap: .8rem; margin: 1.2rem 0; }
+.card { border: 1px solid var(--line); border-radius: 8px; padding: .6rem 1rem; min-width: 9.5rem; }
+.card b { display: block; font-size: 1.35rem; } .card span { color: var(--soft); font-size: .85rem; }
+table { border-collapse: collapse; margin: .4rem 0; } td, th { padding: .22rem .9rem .22rem 0; text-align: left;
+  border-bottom: 1px solid var(--line); vertical-align: top; } td.number { font-variant-numeric: tabular-nums;
+  white-space: nowrap; } td.si { color: var(--soft); font-variant-numeric: tabular-nums; }
+.grid { display: grid; grid-template-columns: repeat(auto-fit, minmax(440px, 1fr)); gap: 1.2rem; }
+.tables { display: flex; flex-wrap: wrap; gap: 0 3rem; }
+figure { margin: 0; } figure img { max-width: 100%; height: auto; } figure.wide { margin: 1rem 0; }
+pre { background: #f6f8f9; padding: 1rem; overflow-x: auto; font-size: .85rem; } code { font-size: .9em; }
+"""
+
+
+def escape(text):
+    return html.escape(str(text))
+
+
+def table(rows, head=None):
+    """HTML table of rows of (cell, class) or plain cells, escaped here."""
+    out = ["<table>"]
+    if head:
+        out.append("<tr>" + "".join(f"<th>{escape(h)}</th>" for h in head) + "</tr>")
+    for row in rows:
+        cells = [c if isinstance(c, tuple) else (c, "") for c in row]
+        out.append("<tr>" + "".join(f'<td class="{k}">{escape(t)}</td>' for t, k in cells) + "</tr>")
+    return "\n".join(out + ["</table>"])
+
+
+def figure(name, captions, kind=""):
+    if name not in captions:
+        return ""
+    return (f'<figure class="{kind}"><img src="report/{name}.png" alt="{escape(name.replace("_", " "))}">'
+            f"<figcaption>{escape(captions[name])}</figcaption></figure>")
+
+
+def draw(jobs, folder):
+    """{name: caption} of what the jobs {name: function of a path} drew into folder/report; a job that draws
+    nothing returns None. Old pictures of these names are removed."""
+    pictures = os.path.join(folder, "report")
+    os.makedirs(pictures, exist_ok=True)
+    paths = {name: os.path.join(pictures, name + ".png") for name in jobs}
+    for path in paths.values():
+        if os.path.exists(path):
+            os.remove(path)
+    captions = {name: job(paths[name]) for name, job in jobs.items()}
+    return {name: caption for name, caption in captions.items() if caption}
+
+
+def write_page(folder, text):
+    target = os.path.join(folder, "report.html")
+    with open(target + ".tmp", "w", encoding="utf-8") as file:
+        file.write(text)
+    os.replace(target + ".tmp", target)
+    return target
