@@ -83,7 +83,7 @@ static gneiss_status from_shape(const gn_scene *scene, gn_body *body, gneiss_err
     case GN_SHAPE_NONE:
         break;
     }
-    return gn_fail(error, GNEISS_ERROR_INTERNAL, "%s: specimen: no shape to pack", scene->source);
+    return gn_fail(error, GNEISS_ERROR_INTERNAL, "no shape to pack");
 }
 
 gneiss_status gn_body_create(const gn_scene *scene, gn_body *body, gneiss_error *error) {

@@ -251,8 +251,8 @@ static gneiss_status make(job *j, const gn_body *body, gneiss_error *error) {
     return take_result(j, body->domain, threads, error);
 }
 
-gneiss_status gn_pack_make(const gn_scene *scene, gn_pack_watch *watch, void *context,
-                           gn_pack_result *result, gneiss_error *error) {
+static gneiss_status pack(const gn_scene *scene, gn_pack_watch *watch, void *context,
+                          gn_pack_result *result, gneiss_error *error) {
     *result = (gn_pack_result){0};
     job j = {.scene = scene,
              .def = &scene->specimen.pack,
@@ -274,6 +274,19 @@ gneiss_status gn_pack_make(const gn_scene *scene, gn_pack_watch *watch, void *co
     gn_body_free(&body);
     if (status != GNEISS_OK) gn_pack_result_free(result);
     return status;
+}
+
+/* Says whose specimen it is, in front of what is wrong with it. */
+static gneiss_status name_specimen(const gn_scene *scene, gneiss_status status,
+                                   gneiss_error *error) {
+    if (status == GNEISS_OK || status == GNEISS_INTERRUPTED) return status;
+    return gn_fail_context(error, "%s:%d:%d: specimen: ", scene->source, scene->specimen.where.line,
+                           scene->specimen.where.column);
+}
+
+gneiss_status gn_pack_make(const gn_scene *scene, gn_pack_watch *watch, void *context,
+                           gn_pack_result *result, gneiss_error *error) {
+    return name_specimen(scene, pack(scene, watch, context, result, error), error);
 }
 
 void gn_pack_result_free(gn_pack_result *result) {

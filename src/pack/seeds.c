@@ -9,7 +9,7 @@
 #include <unistd.h>
 
 /* What the fit and its neighbour lists take, measured. */
-enum { BYTES_PER_PARTICLE = 4000 };
+enum { BYTES_PER_PARTICLE = 2000 };
 
 typedef struct source {
     const gn_scene *scene;
@@ -140,9 +140,9 @@ static gneiss_status draw_points(source *s, gn_seeds *seeds, gneiss_error *error
         double size = s->elements ? draw_in_mesh(s, row) : draw_in_box(s, finest, row);
         if (tries > limit)
             return gn_fail(error, GNEISS_ERROR_INPUT,
-                           "%s: specimen: %zu of %zu particles found a place: the body fills too "
+                           "%zu of %zu particles found a place: the body fills too "
                            "little of its box, or is refined too much",
-                           s->scene->source, k, seeds->count);
+                           k, seeds->count);
         if (size == 0.0 || (!s->elements && gn_domain_depth(s->body->domain, row) <= 0.0)) continue;
         row[3] = size * draw_size(s);
         k++;
@@ -198,8 +198,7 @@ static gneiss_status refinement_factor(const source *s, double *factor, gneiss_e
     }
     if (found == 0)
         return gn_fail(error, GNEISS_ERROR_INPUT,
-                       "%s: specimen: the body fills too little of its box to place particles",
-                       s->scene->source);
+                       "the body fills too little of its box to place particles");
     *factor = sum / found;
     return GNEISS_OK;
 }
@@ -239,14 +238,14 @@ static gneiss_status choose_count(source *s, size_t *count, gneiss_error *error)
     double have = (double)sysconf(_SC_PHYS_PAGES) * (double)sysconf(_SC_PAGESIZE);
     if (number * BYTES_PER_PARTICLE > have || number > 1e9)
         return gn_fail(error, GNEISS_ERROR_MEMORY,
-                       "%s: specimen: %.4g particles need about %.3g GB to be packed; this machine "
+                       "%.4g particles need about %.3g GB to be packed; this machine "
                        "has %.3g GB",
-                       s->scene->source, number, number * BYTES_PER_PARTICLE / 1e9, have / 1e9);
+                       number, number * BYTES_PER_PARTICLE / 1e9, have / 1e9);
     if (number < 4.0)
         return gn_fail(error, GNEISS_ERROR_INPUT,
-                       "%s: specimen: expected at least 4 particles in the body, found %.0f: the "
+                       "expected at least 4 particles in the body, found %.0f: the "
                        "mean radius is too large",
-                       s->scene->source, number);
+                       number);
     *count = (size_t)number;
     return GNEISS_OK;
 }
