@@ -3,6 +3,7 @@
 #include "base/effects.h"
 #include "base/error.h"
 #include "base/memory.h"
+#include "base/pace.h"
 
 static void a_failure_carries_status_and_text(void **state) {
     (void)state;
@@ -38,12 +39,54 @@ static void every_effect_has_a_name(void **state) {
     for (int k = 0; k < GN_EFFECT_COUNT; k++) assert_true(strlen(gn_effect_text(k)) > 5);
 }
 
+/* Rounds of unit work that cost `alone` by one thread and `together` by all of four; how many were
+ * done by one. */
+static int rounds_alone(gn_pace *pace, int rounds, double alone, double together, double waiting) {
+    int count = 0;
+    for (int k = 0; k < rounds; k++) {
+        bool one = gn_pace_threads(pace) == 1;
+        assert_true(one || gn_pace_threads(pace) == 4);
+        count += one;
+        gn_pace_note(pace, one ? alone : together, 1.0, one ? 0.0 : waiting);
+    }
+    return count;
+}
+
+static void threads_that_help_are_used(void **state) {
+    (void)state;
+    gn_pace pace = gn_pace_start(4, 4, 32, 1024);
+    assert_int_equal(rounds_alone(&pace, 10000, 3.0, 1.0, 0.1), 0);
+    pace = gn_pace_start(4, 4, 32, 1024); /* how much they wait is not known: trials, ever rarer */
+    assert_in_range(rounds_alone(&pace, 10000, 3.0, 1.0, 1.0), 20, 80);
+}
+
+static void threads_that_hinder_are_left_alone(void **state) {
+    (void)state;
+    gn_pace pace = gn_pace_start(4, 4, 32, 1024);
+    assert_in_range(rounds_alone(&pace, 10000, 1.0, 9.0, 0.6), 10000 - 32 - 80, 10000 - 33);
+    /* the machine is quiet again */
+    rounds_alone(&pace, 2000, 3.0, 1.0, 0.1);
+    assert_int_equal(rounds_alone(&pace, 1000, 3.0, 1.0, 0.1), 0);
+}
+
+static void one_thread_stays_one(void **state) {
+    (void)state;
+    gn_pace pace = gn_pace_start(1, 4, 32, 1024);
+    for (int k = 0; k < 1000; k++) {
+        assert_int_equal(gn_pace_threads(&pace), 1);
+        gn_pace_note(&pace, 1.0, 1.0, 1.0);
+    }
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(a_failure_carries_status_and_text),
         cmocka_unit_test(memory_is_aligned_and_zeroed),
         cmocka_unit_test(a_product_that_overflows_is_refused),
         cmocka_unit_test(every_effect_has_a_name),
+        cmocka_unit_test(threads_that_help_are_used),
+        cmocka_unit_test(threads_that_hinder_are_left_alone),
+        cmocka_unit_test(one_thread_stays_one),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -75,7 +75,7 @@ static gneiss_status obtain(const gn_options *o, const gn_scene *scene,
     return status;
 }
 
-gneiss_status gn_pack_ahead(const gn_options *o, const gn_scene *scene,
+gneiss_status gn_pack_ahead(const gn_options *o, gn_scene *scene,
                             const volatile sig_atomic_t *interrupted, gneiss_error *error) {
     if (scene->specimen.pack.shape == GN_SHAPE_NONE) return GNEISS_OK;
     gn_pack_result result;
@@ -83,6 +83,9 @@ gneiss_status gn_pack_ahead(const gn_options *o, const gn_scene *scene,
     if (!o->quiet && !o->json)
         printf("specimen: %zu particles %s\n", result.packing.count,
                result.from_cache ? "packed before (from the cache)" : "packed");
+    scene->specimen.packed = result.packing.sphere;
+    scene->specimen.packed_count = result.packing.count;
+    result.packing = (gn_packing){0};
     gn_pack_result_free(&result);
     return GNEISS_OK;
 }

@@ -10,9 +10,9 @@
 gneiss_status gn_command_pack(const gn_options *options, const volatile sig_atomic_t *interrupted,
                               gneiss_error *error);
 
-/* With a progress line; nothing to do when the specimen is no shape or is in the cache. The world
- * finds it there. */
-gneiss_status gn_pack_ahead(const gn_options *options, const gn_scene *scene,
+/* With a progress line; the particles are left in scene->specimen.packed. Nothing to do when the
+ * specimen is no shape. */
+gneiss_status gn_pack_ahead(const gn_options *options, gn_scene *scene,
                             const volatile sig_atomic_t *interrupted, gneiss_error *error);
 
 #endif

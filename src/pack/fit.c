@@ -47,7 +47,7 @@ gneiss_status gn_fit_create(const gn_domain *domain, size_t count, const double 
     f->count = count;
     f->blocks = (count + GN_FIT_BLOCK - 1) / GN_FIT_BLOCK;
     f->threads = threads;
-    f->pace.all = threads;
+    f->pace = gn_pace_start(threads, 1, 16, 256);
     f->wanted = wanted;
     f->least = least;
     f->most = most;
@@ -100,30 +100,6 @@ void gn_fit_release(gn_fit *f) {
 
 /* ---- iterations ---- */
 
-/* How many threads an iteration gets. On a machine that is busy with other things two threads can
- * be many times slower than one, since each waits for the other at every barrier. Now and then one
- * iteration is done by one thread and one by all, and the cheaper way is taken until the next look;
- * looks become rarer as long as they change nothing. The bits of the result do not depend on it. */
-static int choose_threads(gn_fit_pace *p) {
-    enum { FIRST_INTERVAL = 16, LAST_INTERVAL = 256 };
-    if (p->all == 1) return 1;
-    if (p->since == 0) return p->all;
-    if (p->since == 1) return 1;
-    int best = p->cost[0] < p->cost[1] ? 1 : p->all;
-    if (p->since == 2) {
-        bool same = best == p->best;
-        p->interval = same && p->interval < LAST_INTERVAL ? 2 * p->interval : FIRST_INTERVAL;
-        p->best = best;
-    }
-    return best;
-}
-
-static void note_pace(gn_fit_pace *p, int threads, double seconds, int products) {
-    const int products_worth = 5; /* of the rest of an iteration */
-    p->cost[threads > 1] = seconds / (products + products_worth);
-    if (++p->since > p->interval + 2) p->since = 0;
-}
-
 /* x + step with the step of each particle cut to a fifth of its radius, radii within their bounds.
  */
 static void make_trial(gn_fit *f, const gn_fit_law *law) {
@@ -141,12 +117,13 @@ static void make_trial(gn_fit *f, const gn_fit_law *law) {
     }
 }
 
+static const int products_worth = 5; /* of what an iteration does besides products */
 static const double damping_first = 1e-2, damping_least = 1e-6, damping_most = 1e4;
 
 /* One step of Levenberg-Marquardt; the damping follows its success. */
 static bool iterate(gn_fit *f, const gn_fit_law *law, const gn_fit_goal *goal) {
     double begin = gn_now();
-    f->threads = choose_threads(&f->pace);
+    f->threads = gn_pace_threads(&f->pace);
     gn_fit_state now = f->state, then = f->state;
     gn_fit_assemble(f, law, f->x, true, &now);
     int products = gn_fit_solve(f, law, goal->products, goal->solve);
@@ -161,7 +138,7 @@ static bool iterate(gn_fit *f, const gn_fit_law *law, const gn_fit_goal *goal) {
     } else {
         f->damping = fmin(f->damping * 5.0, damping_most);
     }
-    note_pace(&f->pace, f->threads, gn_now() - begin, products);
+    gn_pace_note(&f->pace, gn_now() - begin, products + products_worth, 1.0);
     f->state = better ? then : now;
     f->state.iteration++;
     return better;

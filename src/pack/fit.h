@@ -7,12 +7,13 @@
  *   + 1/2 sum_walls w_b (2 r)^(d-2) (depth - r)^2                          planes near a particle
  *   + 1/2 sum_particles stiffness 2^d r^(d-2) (r - wanted)^2               springs on the radii
  *
- * w_c is 1 where the spheres are too close, `pull` where the gap is within reach (`gap`, or the
- * pair is held), else 0. The first two are Labra's residuals divided by about two radii, weighted
- * so that a relative overlap costs energy in proportion to volume: the springs then press on every
- * particle with the same pressure, whatever its size, and as that pressure falls to zero the sum of
- * the volumes comes to a maximum under the constraint that nothing overlaps. At such a maximum a
- * particle has as many contacts as unknowns on the average: 6 in 2D and 8 in 3D. */
+ * Weights are held within an iteration (Gauss-Newton). w_c is 1 where the spheres are too close,
+ * `pull` where the gap is within reach (`gap`, or the pair is held), else 0. The first two are
+ * Labra's residuals divided by about two radii, weighted so that a relative overlap costs energy in
+ * proportion to volume: the springs then press on every particle with the same pressure, whatever
+ * its size, and as that pressure falls to zero the sum of the volumes comes to a maximum under the
+ * constraint that nothing overlaps. At such a maximum a particle has as many contacts as unknowns
+ * on the average: 6 in 2D and 8 in 3D. */
 #ifndef GN_PACK_FIT_H
 #define GN_PACK_FIT_H
 
@@ -26,6 +27,8 @@ typedef struct gn_fit_law {
     double gap;       /* relative gap up to which pairs are drawn together; 0: none but held ones */
     double pull;      /* weight of a gap over that of an overlap */
     double stiffness; /* of the springs on the radii, relative */
+    double most;      /* overlap over r_i + r_j from which on more of it weighs 20 times as much; 0:
+                         nothing does */
     bool fixed_radii;
 } gn_fit_law;
 

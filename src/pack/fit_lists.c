@@ -102,6 +102,8 @@ static inline void add_term(row *out, double weight, double gap, gn_d4 direction
     out->partner[out->count++] = partner;
 }
 
+enum { HARD = 20 };
+
 static void pair_terms(const gn_fit *f, const gn_fit_law *law, const gn_d4 *x, size_t i, bool terms,
                        row *out, sums *s) {
     const double shrink = 1.0 - law->overlap;
@@ -116,14 +118,17 @@ static void pair_terms(const gn_fit *f, const gn_fit_law *law, const gn_d4 *x, s
         double length = sqrt(square), gap = length - touch;
         double weight = size_weight(f->dimension, reach) * (gap < 0.0 ? 1.0 : law->pull);
         double relative = gap / reach;
-        s->energy += 0.25 * weight * gap * gap;
+        double excess = law->most > 0.0 ? fmin(0.0, length - (1.0 - law->most) * reach) : 0.0;
+        double stiff = excess < 0.0 ? HARD * weight : 0.0;
+        s->energy += 0.25 * (weight * gap * gap + stiff * excess * excess);
         s->squares += 0.5 * relative * relative;
         s->pairs += 0.5;
         s->overlap = fmax(s->overlap, -relative);
         if (!terms) continue;
         double inverse = length > 0.0 ? 1.0 / length : 0.0;
         gn_d4 n = {u[0] * inverse, u[1] * inverse, u[2] * inverse, -shrink};
-        add_term(out, weight, gap, n, j);
+        /* Both residuals have the same direction: one term with the sum of weights and forces. */
+        add_term(out, weight + stiff, (weight * gap + stiff * excess) / (weight + stiff), n, j);
     }
 }
 

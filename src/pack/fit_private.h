@@ -3,6 +3,7 @@
 #ifndef GN_PACK_FIT_PRIVATE_H
 #define GN_PACK_FIT_PRIVATE_H
 
+#include "base/pace.h"
 #include "neigh/pairs.h"
 #include "pack/fit.h"
 
@@ -17,18 +18,9 @@ enum { GN_FIT_BLOCK = 256 };
  * overlap) for pairs or -1 for planes. Single precision: the direction of a step, not its goal. */
 typedef gn_f4 gn_fit_term;
 
-/* Cost of an iteration by one thread and by all (fit.c). */
-typedef struct gn_fit_pace {
-    int all;        /* threads that may be used */
-    double cost[2]; /* s per product: by one, by all */
-    int since;      /* iterations since the last look */
-    int interval;   /* iterations between two looks */
-    int best;       /* outcome of the last look */
-} gn_fit_pace;
-
 struct gn_fit {
     int dimension, threads;
-    gn_fit_pace pace;
+    gn_pace pace; /* of iterations */
     size_t count, blocks;
     const gn_domain *domain;
     const double *wanted, *least, *most;

@@ -24,9 +24,9 @@ typedef struct schedule {
     double stiffness; /* of the springs while compressing */
     double release;   /* factor of the stiffness per decompression */
     int releases;
-    double last; /* factor of the stiffness for the last stages */
-    bool hold;   /* all contacts of the compressed state are kept */
-    double overlap, gap, pull;
+    double last;                     /* factor of the stiffness for the last stages */
+    bool hold;                       /* all contacts of the compressed state are kept */
+    double overlap, gap, pull, most; /* gn_fit_law of the last stages */
 } schedule;
 
 /* In the plane a compressed packing is a triangulation already, and all of its contacts can be kept
@@ -51,9 +51,10 @@ static schedule schedule_of(const gn_pack_def *def, int dimension) {
         s.pull = 1.0;
     }
     if (def->overlap == GN_OVERLAP_PASSIVE) {
-        s.overlap = def->overlap_size >= 0.0 ? def->overlap_size : 0.04;
-        s.gap = fmax(s.gap, 3.25 * s.overlap);
-        s.pull = 0.5;
+        s.overlap = def->overlap_size >= 0.0 ? def->overlap_size : 0.03;
+        s.gap = fmax(s.gap, 4.0 * s.overlap);
+        s.pull = 2.0;
+        s.most = 2.0 * s.overlap;
     }
     if (def->gap >= 0.0) s.gap = def->gap;
     return s;
@@ -161,6 +162,7 @@ static gneiss_status run_stages(job *j, gneiss_error *error) {
     law.overlap = s->overlap;
     law.gap = s->gap;
     law.pull = s->pull;
+    law.most = s->most;
     GN_TRY(run_stage(j, GN_PACK_CLOSE, &law, error));
     if (j->def->overlap == GN_OVERLAP_PASSIVE) return GNEISS_OK;
     law.stiffness *= 0.1;

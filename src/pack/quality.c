@@ -21,7 +21,9 @@ static double lens(int dimension, double a, double b, double d) {
     }
     double p = (d * d + a * a - b * b) / (2.0 * d * a), q = (d * d + b * b - a * a) / (2.0 * d * b);
     double kite = (-d + a + b) * (d + a - b) * (d - a + b) * (d + a + b);
-    return a * a * acos(p) + b * b * acos(q) - 0.5 * sqrt(fmax(kite, 0.0));
+    /* p and q can pass 1 by rounding when one just touches the other from inside. */
+    double turn_a = acos(fmax(fmin(p, 1.0), -1.0)), turn_b = acos(fmax(fmin(q, 1.0), -1.0));
+    return a * a * turn_a + b * b * turn_b - 0.5 * sqrt(fmax(kite, 0.0));
 }
 
 static int ascending(const void *a, const void *b) {

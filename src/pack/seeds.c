@@ -223,11 +223,11 @@ static gneiss_status choose_count(source *s, size_t *count, gneiss_error *error)
     double number = (double)def->count, first, last, factor;
     if (def->start == GN_START_NODES) {
         number = (double)count_inner(s);
-        if (number < 1.0)
+        if (number < 4.0)
             return gn_fail(error, GNEISS_ERROR_INPUT,
-                           "%s: expected a mesh with inner nodes to start from, found none: "
-                           "refine it, or use packing.start: random",
-                           def->mesh_path);
+                           "%s: expected a mesh with at least 4 inner nodes to start from, found "
+                           "%.0f: refine it, or use packing.start: random",
+                           def->mesh_path, number);
     } else if (def->mean_radius > 0.0) {
         size_moments(s, &first, &last);
         GN_TRY(refinement_factor(s, &factor, error));

@@ -194,6 +194,7 @@ static void free_section(const gn_section *section, char *base) {
 void gn_scene_free(gn_scene *scene) {
     if (!scene) return;
     free_section(&gn_scene_section, (char *)scene);
+    gn_free(scene->specimen.packed);
     memset(scene, 0, sizeof *scene);
 }
 
@@ -234,6 +235,8 @@ static bool own_section(const gn_section *section, char *base) {
 
 gneiss_status gn_scene_copy(const gn_scene *from, gn_scene *to, gneiss_error *error) {
     *to = *from;
+    to->specimen.packed = NULL;
+    to->specimen.packed_count = 0;
     if (own_section(&gn_scene_section, (char *)to)) return GNEISS_OK;
     gn_scene_free(to);
     return gn_fail(error, GNEISS_ERROR_MEMORY, "%s: no memory for a copy of the scene",

@@ -165,6 +165,8 @@ typedef struct gn_specimen {
     size_t particle_count; /* inline particles */
     double *particles;     /* [particle_count][4]: x y z r, m (2D: x y 0 r) */
     gn_pack_def pack;
+    size_t packed_count; /* of a shape packed already (no key): its particles, as above */
+    double *packed;
     char material[GN_NAME_SIZE];
     int64_t group;                  /* cohesive group; 0: never bonded */
     gn_density_basis density_basis; /* bulk: particle density = density/(1 - porosity) */
@@ -320,7 +322,9 @@ gneiss_status gn_scene_load_specimen(const char *path, const gn_override *overri
 
 void gn_scene_free(gn_scene *scene);
 
-/* A copy that shares nothing with the original. On failure nothing is held. */
+/* A copy that shares nothing with the original, without specimen.packed. On failure nothing is
+ * held.
+ */
 gneiss_status gn_scene_copy(const gn_scene *from, gn_scene *to, gneiss_error *error);
 
 /* The resolved scene as YAML that gn_scene_parse reads back to the same struct bit for bit (%.17g,

@@ -71,6 +71,12 @@ static gneiss_status make_lattice(const gn_scene *scene, gn_packing *packing, gn
 }
 
 static gneiss_status pack(const gn_scene *scene, gn_packing *packing, gneiss_error *error) {
+    const gn_specimen *s = &scene->specimen;
+    if (s->packed) {
+        GN_TRY(allocate(packing, (double)s->packed_count, error));
+        memcpy(packing->sphere, s->packed, s->packed_count * 4 * sizeof(double));
+        return GNEISS_OK;
+    }
     gn_pack_result result;
     char note[512];
     GN_TRY(gn_pack_obtain(scene, NULL, NULL, &result, note, sizeof note, error));

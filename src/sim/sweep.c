@@ -99,6 +99,7 @@ void gn_sweep_prepare(gn_world *w) {
         w->share[t] = t < w->threads ? (double)t / w->threads : 1.0;
         w->busy[t].seconds = 0.0;
     }
+    w->pace = gn_pace_start(w->threads, 32, 512, 32768);
 }
 
 /* --- the work
@@ -179,7 +180,9 @@ static void move_shared(const work *k, stopwatch *c) {
 void gn_sweep(gn_world *w, const gn_contact_args *bonds, const gn_contact_args *pairs,
               const gn_motion_args *motion) {
     const work k = {w, bonds, pairs, motion};
-#pragma omp parallel num_threads(w->threads)
+    const int threads = gn_pace_threads(&w->pace);
+    const double begin = gn_now();
+#pragma omp parallel num_threads(threads)
     {
         stopwatch c = {omp_get_thread_num() == 0, gn_now()};
         double start = gn_now();
@@ -189,5 +192,8 @@ void gn_sweep(gn_world *w, const gn_contact_args *bonds, const gn_contact_args *
         book(w, GN_PHASE_motion, &c); /* waiting for the other threads */
         move_shared(&k, &c);
     }
-    if (w->threads > 1) follow_pace(w);
+    double seconds = gn_now() - begin, busy = 0.0;
+    for (int t = 0; t < threads; t++) busy += w->busy[t].seconds / threads;
+    if (threads > 1) follow_pace(w);
+    gn_pace_note(&w->pace, seconds, 1.0, 1.0 - busy / seconds);
 }

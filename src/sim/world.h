@@ -3,6 +3,7 @@
 #ifndef GN_SIM_WORLD_H
 #define GN_SIM_WORLD_H
 
+#include "base/pace.h"
 #include "kernels/dispatch.h"
 #include "measure/energy.h"
 #include "measure/measure.h"
@@ -72,6 +73,7 @@ typedef struct gn_world {
     int threads;
     double share[GN_THREADS_MAX]; /* part of the contacts before a thread's own (sweep.c) */
     gn_busy busy[GN_THREADS_MAX];
+    gn_pace pace; /* of steps */
 
     gn_particles particles;
     gn_contacts bonds, pairs;
