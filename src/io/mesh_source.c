@@ -1,6 +1,7 @@
 #include "io/mesh_private.h"
 
 #include "base/memory.h"
+#include "io/decimal.h"
 
 #include <ctype.h>
 #include <errno.h>
@@ -184,22 +185,6 @@ gneiss_status gn_mesh_take_integer(gn_mesh_source *in, const char *what, size_t 
                           (long long)least, (long long)most, (long long)*value);
 }
 
-/* [+-] digits [. digits] [e [+-] digits]: strtod alone would take nan, inf and hexadecimal. */
-static bool is_decimal(const unsigned char *text, size_t length) {
-    size_t k = text[0] == '+' || text[0] == '-', digits = 0;
-    for (; k < length && isdigit(text[k]); k++) digits++;
-    if (k < length && text[k] == '.')
-        for (k++; k < length && isdigit(text[k]); k++) digits++;
-    if (digits == 0) return false;
-    if (k == length) return true;
-    if (text[k] != 'e' && text[k] != 'E') return false;
-    k++;
-    if (k < length && (text[k] == '+' || text[k] == '-')) k++;
-    if (k == length) return false;
-    while (k < length && isdigit(text[k])) k++;
-    return k == length;
-}
-
 gneiss_status gn_mesh_take_coordinates(gn_mesh_source *in, double x[3]) {
     static const char *const what[] = {"coordinate x (a finite number)",
                                        "coordinate y (a finite number)",
@@ -210,7 +195,7 @@ gneiss_status gn_mesh_take_coordinates(gn_mesh_source *in, double x[3]) {
             GN_TRY(take_bytes(in, what[d], &x[d], sizeof x[d]));
         } else {
             GN_TRY(gn_mesh_take_field(in, what[d], &start, &length));
-            if (!is_decimal(in->bytes + start, length))
+            if (!gn_is_decimal((const char *)in->bytes + start, length))
                 return gn_mesh_refuse(in, start, "expected %s, found '%s'", what[d],
                                       gn_mesh_show(in, start).text);
             x[d] = strtod((const char *)in->bytes + start, NULL);

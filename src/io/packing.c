@@ -1,6 +1,7 @@
 #include "io/packing.h"
 
 #include "base/memory.h"
+#include "io/decimal.h"
 #include "io/files.h"
 
 #include <ctype.h>
@@ -86,27 +87,11 @@ static const char *shown(const char *text, size_t length, char out[48]) {
     return out;
 }
 
-/* [+-] digits [. digits] [e [+-] digits]: strtod alone would take nan, inf and hexadecimal. */
-static bool is_decimal(const char *text, size_t length) {
-    size_t k = text[0] == '+' || text[0] == '-', digits = 0;
-    for (; k < length && isdigit((unsigned char)text[k]); k++) digits++;
-    if (k < length && text[k] == '.')
-        for (k++; k < length && isdigit((unsigned char)text[k]); k++) digits++;
-    if (digits == 0) return false;
-    if (k == length) return true;
-    if (text[k] != 'e' && text[k] != 'E') return false;
-    k++;
-    if (k < length && (text[k] == '+' || text[k] == '-')) k++;
-    if (k == length) return false;
-    while (k < length && isdigit((unsigned char)text[k])) k++;
-    return k == length;
-}
-
 static gneiss_status read_number(reader *in, size_t at, size_t length, double *value) {
     char seen[48];
     const char *text = in->text + at;
     if (length == 0) return refuse(in, at, "expected a number, found nothing beside the comma");
-    if (!is_decimal(text, length))
+    if (!gn_is_decimal(text, length))
         return refuse(in, at, "expected a finite decimal number, found '%s'",
                       shown(text, length, seen));
     *value = strtod(text, NULL) * in->scale;

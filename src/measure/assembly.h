@@ -2,6 +2,7 @@
 #ifndef GN_MEASURE_ASSEMBLY_H
 #define GN_MEASURE_ASSEMBLY_H
 
+#include "base/ball.h"
 #include "measure/measure.h"
 
 #include <math.h>
@@ -26,8 +27,7 @@ static inline bool gn_particle_removed(const gn_particles *particles, size_t p) 
 
 /* Volume of a sphere, area of a disc (unit thickness). */
 static inline double gn_particle_volume(const gn_particles *particles, size_t p, int dimension) {
-    double r = particles->pos[4 * p + 3];
-    return dimension == 3 ? 4.0 / 3.0 * M_PI * r * r * r : M_PI * r * r;
+    return gn_ball_volume(dimension, particles->pos[4 * p + 3]);
 }
 
 #endif

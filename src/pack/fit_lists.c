@@ -127,8 +127,12 @@ static void pair_terms(const gn_fit *f, const gn_fit_law *law, const gn_d4 *x, s
         if (!terms) continue;
         double inverse = length > 0.0 ? 1.0 / length : 0.0;
         gn_d4 n = {u[0] * inverse, u[1] * inverse, u[2] * inverse, -shrink};
-        /* Both residuals have the same direction: one term with the sum of weights and forces. */
-        add_term(out, weight + stiff, (weight * gap + stiff * excess) / (weight + stiff), n, j);
+        add_term(out, weight + stiff, weight / (weight + stiff) * gap, n, j);
+        if (stiff == 0.0) continue;
+        /* The second residual shares the row of the first: its slope along the radii differs a
+         * little, which the gradient has and the matrix leaves out. */
+        n[3] = -(1.0 - law->most);
+        out->gradient += stiff * excess * n;
     }
 }
 

@@ -1,5 +1,6 @@
 #include "pack/quality.h"
 
+#include "base/ball.h"
 #include "base/eigen.h"
 #include "base/memory.h"
 #include "neigh/pairs.h"
@@ -8,13 +9,9 @@
 #include <stdlib.h>
 #include <string.h>
 
-static double ball(int dimension, double r) {
-    return dimension == 3 ? 4.0 / 3.0 * M_PI * r * r * r : M_PI * r * r;
-}
-
 /* Volume that two balls share, distance d < a + b between their centres. */
 static double lens(int dimension, double a, double b, double d) {
-    if (d <= fabs(a - b)) return ball(dimension, fmin(a, b));
+    if (d <= fabs(a - b)) return gn_ball_volume(dimension, fmin(a, b));
     if (dimension == 3) {
         double t = a + b - d;
         return M_PI * t * t * (d * d + 2.0 * d * (a + b) - 3.0 * (a - b) * (a - b)) / (12.0 * d);
@@ -51,14 +48,14 @@ static gneiss_status measure_radii(const gn_packing *p, int dimension, double vo
     for (size_t k = 0; k < p->count; k++) {
         sorted[k] = p->sphere[4 * k + 3];
         sum += sorted[k];
-        volumes += ball(dimension, sorted[k]);
+        volumes += gn_ball_volume(dimension, sorted[k]);
     }
     qsort(sorted, p->count, sizeof *sorted, ascending);
     q->radius_mean = sum / n;
     for (size_t k = 0; k < p->count; k++)
         squares += (sorted[k] - q->radius_mean) * (sorted[k] - q->radius_mean);
     q->radius_variation = sqrt(squares / n) / q->radius_mean;
-    q->radius_volume = pow(volumes / n / ball(dimension, 1.0), 1.0 / dimension);
+    q->radius_volume = pow(volumes / n / gn_ball_volume(dimension, 1.0), 1.0 / dimension);
     q->radius_min = sorted[0];
     q->radius_max = sorted[p->count - 1];
     q->radius_ratio = q->radius_max / q->radius_min;

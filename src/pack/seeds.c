@@ -1,5 +1,6 @@
 #include "pack/seeds.h"
 
+#include "base/ball.h"
 #include "base/memory.h"
 #include "base/random.h"
 #include "neigh/pairs.h"
@@ -47,10 +48,6 @@ static void set_sizes(source *s) {
     s->spread = def->size_variation >= 0.0
                     ? sqrt(log(1.0 + def->size_variation * def->size_variation))
                     : s->widest / deviations;
-}
-
-static double ball(int dimension, double radius) {
-    return dimension == 3 ? 4.0 / 3.0 * M_PI * radius * radius * radius : M_PI * radius * radius;
 }
 
 /* ---- random points ---- */
@@ -232,8 +229,9 @@ static gneiss_status choose_count(source *s, size_t *count, gneiss_error *error)
         size_moments(s, &first, &last);
         GN_TRY(refinement_factor(s, &factor, error));
         double median = def->mean_radius / first;
-        number = ceil(factor * gn_packed_fraction(s->dimension) *
-                      gn_domain_volume(s->body->domain) / (ball(s->dimension, median) * last));
+        number =
+            ceil(factor * gn_packed_fraction(s->dimension) * gn_domain_volume(s->body->domain) /
+                 (gn_ball_volume(s->dimension, median) * last));
     }
     double have = (double)sysconf(_SC_PHYS_PAGES) * (double)sysconf(_SC_PAGESIZE);
     if (number * BYTES_PER_PARTICLE > have || number > 1e9)
@@ -253,7 +251,8 @@ static gneiss_status choose_count(source *s, size_t *count, gneiss_error *error)
 /* Radii such that together they have the volume of a dense packing. */
 static void scale_radii(const source *s, gn_seeds *seeds) {
     double sum = 0.0;
-    for (size_t k = 0; k < seeds->count; k++) sum += ball(s->dimension, seeds->row[4 * k + 3]);
+    for (size_t k = 0; k < seeds->count; k++)
+        sum += gn_ball_volume(s->dimension, seeds->row[4 * k + 3]);
     double wanted = gn_packed_fraction(s->dimension) * gn_domain_volume(s->body->domain);
     double factor = pow(wanted / sum, 1.0 / s->dimension);
     for (size_t k = 0; k < seeds->count; k++) seeds->row[4 * k + 3] *= factor;

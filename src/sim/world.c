@@ -1,5 +1,6 @@
 #include "sim/world.h"
 
+#include "base/ball.h"
 #include "base/memory.h"
 #include "base/random.h"
 #include "base/timer.h"
@@ -25,10 +26,6 @@ const char *gn_phase_name(gn_phase phase) {
 }
 const char *gn_phase_text(gn_phase phase) {
     return phase_texts[phase];
-}
-
-static double particle_volume(const gn_world *w, double r) {
-    return w->effects & GN_FX_SPACE ? 4.0 / 3.0 * M_PI * r * r * r : M_PI * r * r;
 }
 
 /* Packing -> particle record, in file order. */
@@ -104,7 +101,7 @@ static gneiss_status measure_specimen(gn_world *w, gneiss_error *error) {
 double gn_world_porosity(const gn_world *w) {
     double solid = 0.0;
     for (size_t p = 0; p < w->particles.soa.count; p++)
-        solid += particle_volume(w, w->particles.pos[4 * p + 3]);
+        solid += gn_ball_volume((int)w->scene.dimension, w->particles.pos[4 * p + 3]);
     return 1.0 - solid / w->volume;
 }
 
@@ -121,7 +118,8 @@ static void set_masses(gn_world *w) {
     double factor = bulk_factor(w);
     for (size_t p = 0; p < q->soa.count; p++) {
         double r = q->pos[4 * p + 3];
-        double mass = w->scene.materials[q->material[p]].density * factor * particle_volume(w, r);
+        double mass = w->scene.materials[q->material[p]].density * factor *
+                      gn_ball_volume((int)w->scene.dimension, r);
         q->vel[4 * p + 3] = 1.0 / mass;
         if (q->spin)
             q->spin[4 * p + 3] = 1.0 / ((w->effects & GN_FX_SPACE ? 0.4 : 0.5) * mass * r * r);
