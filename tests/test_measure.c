@@ -160,6 +160,31 @@ static void assert_empty_gauge(int dimension) {
     particles_free(&p);
 }
 
+static void loosely_bonded_particles_do_not_count_as_strain(void **state) {
+    (void)state;
+    const double gradient[9] = {1e-3, 2e-4, 0, -1e-4, 3e-3, 1e-4, 5e-4, 0, -2e-3};
+    cloud_random(300, 3);
+    gn_particles p = particles_of_cloud(all_effects, false);
+    for (size_t k = 0; k < 300; k++) p.bonds0[k] = k % 10 ? 4 : 3;
+    gn_strain_gauge held = gauge_of(&p, 3);
+    displace(&p, gradient);
+    for (size_t k = 0; k < 300; k += 10) p.pos[4 * k + 2] += 0.01;
+    find_indices(&p);
+    double g[9];
+    gn_strain_gauge_read(&held, &p, index_of_id, g);
+    for (int k = 0; k < 9; k++) assert_near(g[k], gradient[k], 1e-12, "held ones alone", k);
+    for (size_t k = 0; k < held.count; k++) assert_int_not_equal(held.id[k] % 10, 0);
+    gn_strain_gauge_free(&held);
+
+    for (size_t k = 0; k < 300; k++) p.bonds0[k] = k % 10 ? 3 : 4; /* hardly a bonded body */
+    gn_strain_gauge all = gauge_of(&p, 3);
+    bool loose = false;
+    for (size_t k = 0; k < all.count; k++) loose = loose || all.id[k] % 10 != 0;
+    assert_true(loose);
+    gn_strain_gauge_free(&all);
+    particles_free(&p);
+}
+
 static void points_on_a_plane_or_line_give_an_empty_gauge(void **state) {
     (void)state;
     cloud_random(200, 3);
@@ -601,6 +626,7 @@ int main(void) {
         cmocka_unit_test(only_outer_particles_have_a_weight),
         cmocka_unit_test(a_reading_is_the_volume_weighted_mean_of_the_simplices),
         cmocka_unit_test(the_gauge_does_not_depend_on_the_order_of_the_particles),
+        cmocka_unit_test(loosely_bonded_particles_do_not_count_as_strain),
         cmocka_unit_test(points_on_a_plane_or_line_give_an_empty_gauge),
         cmocka_unit_test(too_few_points_give_an_empty_gauge),
         cmocka_unit_test(points_at_one_place_do_not_disturb_the_gauge),

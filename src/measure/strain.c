@@ -41,19 +41,32 @@ static int compare_faces(const void *a, const void *b) {
     return (x->sign > y->sign) - (x->sign < y->sign);
 }
 
+/* In a bonded body a particle with fewer bonds than directions plus one hangs in it like a
+ * pendulum: how it swings is no strain of the body, but on the surface it would count like its
+ * neighbours. */
+static bool is_held(const gn_particles *particles, size_t p, int dimension) {
+    return !particles->bonds0 || particles->bonds0[p] > dimension;
+}
+
 /* Centres at the start in the order of the ids, about the first one: the triangulation of a lattice
  * depends on the order of its points, and the order of the particles on the run so far. */
 static gneiss_status reference_points(const gn_particles *particles, int dimension, double **points,
-                                      numbered **order, gneiss_error *error) {
+                                      numbered **order, size_t *used, gneiss_error *error) {
     size_t count = particles->soa.count;
+    *used = 0;
     *order = gn_alloc_array(count, sizeof **order);
     *points = gn_alloc_array(count * (size_t)dimension, sizeof **points);
     if (!*order || !*points)
         return gn_fail(error, GNEISS_ERROR_MEMORY, "no memory for a strain gauge of %zu particles",
                        count);
-    for (size_t p = 0; p < count; p++) (*order)[p] = (numbered){particles->id[p], (int32_t)p};
-    qsort(*order, count, sizeof **order, compare_ids);
-    for (size_t k = 0; k < count; k++)
+    for (size_t p = 0; p < count; p++)
+        if (is_held(particles, p, dimension))
+            (*order)[(*used)++] = (numbered){particles->id[p], (int32_t)p};
+    if (2 * *used < count) /* hardly a bonded body */
+        for (*used = 0; *used < count; ++*used)
+            (*order)[*used] = (numbered){particles->id[*used], (int32_t)*used};
+    qsort(*order, *used, sizeof **order, compare_ids);
+    for (size_t k = 0; k < *used; k++)
         for (int a = 0; a < dimension; a++)
             (*points)[k * dimension + a] = particles->start[4 * (size_t)(*order)[k].index + a] -
                                            particles->start[4 * (size_t)(*order)[0].index + a];
@@ -231,8 +244,8 @@ gneiss_status gn_strain_gauge_create(const gn_particles *particles, int dimensio
     gn_triangulation triangulation = {0};
     double *points = NULL;
     numbered *order = NULL;
-    size_t count = particles->soa.count;
-    gneiss_status status = reference_points(particles, dimension, &points, &order, error);
+    size_t count;
+    gneiss_status status = reference_points(particles, dimension, &points, &order, &count, error);
     if (status == GNEISS_OK) status = gn_delaunay(points, count, dimension, &triangulation, error);
     if (status == GNEISS_OK && triangulation.count > 0)
         status = gauge_fill(&triangulation, points, count, order, gauge, error);
