@@ -98,7 +98,7 @@ static void cloud_lattice(const lattice *l, double scale, bool closed) {
 static const gn_effects all_effects = GN_FX_SPACE | GN_FX_ROTATION | GN_FX_BONDS | GN_FX_SHEAR;
 
 /* Particles of the cloud, in an order unlike that of their ids; unit mass. */
-static gn_particles particles_of_cloud(gn_effects effects, bool shuffle) {
+static inline gn_particles particles_of_cloud(gn_effects effects, bool shuffle) {
     gn_particles p = {0};
     assert_int_equal(gn_soa_create(&gn_particle_record, &p, points.count, effects, NULL), 0);
     for (size_t k = 0; k < points.count; k++) p.id[k] = (int32_t)k;
@@ -117,17 +117,17 @@ static gn_particles particles_of_cloud(gn_effects effects, bool shuffle) {
     return p;
 }
 
-static void particles_free(gn_particles *p) {
+static inline void particles_free(gn_particles *p) {
     gn_soa_destroy(&gn_particle_record, p);
 }
 
 static int32_t index_of_id[POINTS_MAX];
 
-static void find_indices(const gn_particles *p) {
+static inline void find_indices(const gn_particles *p) {
     for (size_t k = 0; k < p->soa.count; k++) index_of_id[p->id[k]] = (int32_t)k;
 }
 
-static gn_strain_gauge gauge_of(const gn_particles *p, int dimension) {
+static inline gn_strain_gauge gauge_of(const gn_particles *p, int dimension) {
     gn_strain_gauge gauge;
     gneiss_error error = {0};
     if (gn_strain_gauge_create(p, dimension, &gauge, &error) != GNEISS_OK)
@@ -139,7 +139,7 @@ static gn_strain_gauge gauge_of(const gn_particles *p, int dimension) {
 static const double gradient3[9] = {-0.011, 0.4, 0.03, -0.3, 0.02, 0.07, 0.005, -0.21, 0.013};
 static const double gradient2[9] = {-0.011, 0.4, 0, -0.3, 0.02, 0, 0, 0, 0};
 
-static void displace(gn_particles *p, const double g[9]) {
+static inline void displace(gn_particles *p, const double g[9]) {
     for (size_t k = 0; k < p->soa.count; k++)
         for (int a = 0; a < 3; a++)
             for (int b = 0; b < 3; b++) p->pos[4 * k + a] += g[3 * a + b] * p->start[4 * k + b];

@@ -153,10 +153,8 @@ static gneiss_status measure(const gn_scene *scene, const gn_pack_result *result
 }
 
 /* The folder must not hold a run: its results would seem to belong to this packing. */
-static gneiss_status open_folder(const gn_options *o, const gn_scene *scene, char *folder,
-                                 size_t size, gneiss_error *error) {
+static gneiss_status open_folder(const char *folder, gneiss_error *error) {
     char path[GN_PATH_SIZE + 32];
-    gn_folder_choose(scene, o->out, folder, size);
     snprintf(path, sizeof path, "%s/results.h5", folder);
     if (access(path, F_OK) == 0)
         return gn_fail(error, GNEISS_ERROR_INPUT,
@@ -166,12 +164,10 @@ static gneiss_status open_folder(const gn_options *o, const gn_scene *scene, cha
     return gn_make_directory(folder, error);
 }
 
-static gneiss_status pack_scene(const gn_options *o, const gn_scene *scene,
-                                const volatile sig_atomic_t *interrupted, gneiss_error *error) {
-    char folder[GN_PATH_SIZE];
+static gneiss_status pack_into(const gn_options *o, const gn_scene *scene, const char *folder,
+                               const volatile sig_atomic_t *interrupted, gneiss_error *error) {
     gn_pack_result result;
     gn_pack_quality quality;
-    GN_TRY(open_folder(o, scene, folder, sizeof folder, error));
     GN_TRY(obtain(o, scene, interrupted, &result, error));
     gneiss_status status = measure(scene, &result, &quality, error);
     if (status == GNEISS_OK) {
@@ -184,6 +180,19 @@ static gneiss_status pack_scene(const gn_options *o, const gn_scene *scene,
         gn_pack_quality_free(&quality);
     }
     gn_pack_result_free(&result);
+    return status;
+}
+
+/* The folder comes first, so that nobody waits for a packing that cannot be written; a new one goes
+ * again when nothing came into it. */
+static gneiss_status pack_scene(const gn_options *o, const gn_scene *scene,
+                                const volatile sig_atomic_t *interrupted, gneiss_error *error) {
+    char folder[GN_PATH_SIZE];
+    gn_folder_choose(scene, o->out, folder, sizeof folder);
+    bool there = access(folder, F_OK) == 0;
+    GN_TRY(open_folder(folder, error));
+    gneiss_status status = pack_into(o, scene, folder, interrupted, error);
+    if (status != GNEISS_OK && !there) rmdir(folder);
     return status;
 }
 

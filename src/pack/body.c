@@ -1,6 +1,7 @@
 #include "pack/body.h"
 
 #include "base/memory.h"
+#include "io/gmsh.h"
 
 #include <math.h>
 #include <string.h>
@@ -40,7 +41,10 @@ static gneiss_status measure_nodes(gn_body *body, int dimension, gneiss_error *e
 static gneiss_status from_mesh(const gn_scene *scene, gn_body *body, gneiss_error *error) {
     const gn_pack_def *def = &scene->specimen.pack;
     int dimension = (int)scene->dimension;
-    GN_TRY(gn_mesh_read_msh(def->mesh_path, scene->specimen.scale, &body->mesh, error));
+    double scale = scene->specimen.scale;
+    GN_TRY(gn_is_geometry(def->mesh_path)
+               ? gn_mesh_geometry(def->mesh_path, dimension, scale, &body->mesh, error)
+               : gn_mesh_read_msh(def->mesh_path, scale, &body->mesh, error));
     GN_TRY(gn_mesh_boundary(&body->mesh, dimension, def->mesh_path, error));
     GN_TRY(gn_domain_surface(&body->mesh, dimension, def->mesh_path, &body->domain, error));
     return measure_nodes(body, dimension, error);

@@ -1,0 +1,523 @@
+"""gneiss pack, and scenes that ask for a packing. Speaks TAP."""
+import shlex
+import signal
+
+from program import *  # noqa: F403
+
+DISC = "disc: {diameter: 20 mm}"
+CYLINDER = "cylinder: {diameter: 23 mm, height: 30 mm}"
+
+
+def request(folder, shape=CYLINDER, particles=200, more="", dimension=3, name="body.yaml"):
+    """A file with a specimen alone."""
+    return write_scene(folder, f"dimension: {dimension}\nspecimen:\n  {shape}\n  particles: {particles}\n{more}", name)
+
+
+SCENE = """
+materials: [{name: ball, density: 2000, normal_stiffness: 1e6, kratio: 2, friction: 0.3,
+             bond_tension_limit: 100, bond_shear_limit: 100}]
+law: {stiffness: uniform}
+bonds: {}
+gravity: [0, 0, -10]
+damping: {background: {model: nonviscous_vector, coefficient: 0.7}}
+time: {end: 0.2 ms}
+output: {snapshots: 2, history_rows: 10}
+run: {threads: 1}
+"""
+
+
+def cached(folder, **more):
+    """Options that keep the cache of a test in its folder."""
+    return {"environment": {"GNEISS_CACHE": os.path.join(folder, "cache"), **more}}
+
+
+def pack(folder, body, *arguments, out="out", **options):
+    path = os.path.join(folder, out)
+    return path, expect(gneiss("pack", body, "--out", path, *arguments, **cached(folder), **options), 0)
+
+
+def packing(out):
+    """Rows x y z r of packing.h5."""
+    with h5py.File(os.path.join(out, "packing.h5")) as file:
+        return np.column_stack([file["particles/position"][:], file["particles/radius"][:]])
+
+
+def scene_of_specimen(folder, specimen, name="scene.yaml", dimension=3):
+    """A scene that runs; in 2D without gravity along z."""
+    rest = SCENE if dimension == 3 else SCENE.replace("gravity: [0, 0, -10]", "gravity: [0, -10]")
+    return write_scene(folder, f"dimension: {dimension}\nspecimen:\n  {specimen}\n{rest}", name)
+
+
+def check_whole_files(out, particles):
+    """No file that is there is half-written."""
+    for name in os.listdir(out):
+        path = os.path.join(out, name)
+        assert not name.endswith(".tmp"), os.listdir(out)
+        if name.endswith(".txt"):
+            assert len(np.loadtxt(path)) == particles, f"{name} is cut short"
+        elif name.endswith((".h5", ".hdf")):
+            with h5py.File(path) as file:
+                assert len(file), f"{name} is empty"
+        elif name.endswith(".series"):
+            with open(path) as file:
+                json.load(file)
+
+
+# --- what is written --------------------------------------------------------------------------------------
+
+@fact
+def the_text_has_the_same_doubles_as_packing_h5(folder):
+    for dimension, shape in ((2, DISC), (3, CYLINDER)):
+        out, _ = pack(folder, request(folder, shape, dimension=dimension), out=str(dimension))
+        rows = np.loadtxt(os.path.join(out, "packing.txt"))
+        columns = [0, 1, 3] if dimension == 2 else [0, 1, 2, 3]
+        assert rows.shape == (200, len(columns)), rows.shape
+        assert np.array_equal(rows, packing(out)[:, columns])
+
+
+@fact
+def the_text_is_a_specimen_with_the_same_doubles(folder):
+    for dimension, shape in ((2, DISC), (3, CYLINDER)):
+        out, _ = pack(folder, request(folder, shape, dimension=dimension), out=f"packing-{dimension}")
+        scene = scene_of_specimen(folder, f"file: packing-{dimension}/packing.txt", dimension=dimension)
+        ran = os.path.join(folder, f"run-{dimension}")
+        run(scene, ran)
+        with results(ran) as file:
+            start = file["particles/position"][:] - file["particles/displacement"][:]
+            assert np.array_equal(file["particles/radius"][:], packing(out)[:, 3])
+        assert np.allclose(start, packing(out)[:, :3], rtol=0, atol=1e-15)
+        with h5py.File(os.path.join(ran, "particles_0000000000.hdf")) as file:
+            assert np.array_equal(file["VTKHDF/Points"][:], packing(out)[:, :3])
+
+
+@fact
+def packing_h5_has_the_layout_and_units_of_its_document(folder):
+    out, _ = pack(folder, request(folder))
+    units = {"particles/position": "m", "particles/radius": "m", "contacts/pair": "1", "contacts/gap": "1",
+             "quality/porosity": "1", "quality/radius_mean": "m", "quality/fabric": "1",
+             "histogram/radius_edge": "m", "histogram/radius_count": "1", "histogram/angle_count": "1",
+             "histogram/polar_count": "1", "trace/iteration": "1", "trace/stage": "1", "trace/energy": "1",
+             "trace/gap_rms": "1", "trace/overlap_max": "1", "trace/pairs": "1"}
+    with h5py.File(os.path.join(out, "packing.h5")) as file:
+        for name, unit in units.items():
+            assert text(file[name].attrs["unit"]) == unit and text(file[name].attrs["description"]), name
+        assert text(file.attrs["kind"]) == "packing" and text(file.attrs["version"]) and text(file.attrs["build"])
+        assert [int(file.attrs[k]) for k in ("dimension", "seed", "particles", "in_time", "from_cache")] == \
+            [3, 1, 200, 1, 0]
+        assert abs(float(file.attrs["volume"]) / (np.pi * 0.0115 ** 2 * 0.03) - 1) < 1e-12
+        assert file["contacts/pair"].shape == (int(file.attrs["pairs"]), 2)
+        assert np.all(np.diff(file["trace/iteration"][:]) == 1) and set(file["trace/stage"][:]) == {0, 1, 2, 3, 4}
+
+
+@fact
+def the_figures_are_those_of_the_particles(folder):
+    out, _ = pack(folder, request(folder))
+    rows = packing(out)
+    away = np.linalg.norm(rows[:, None, :3] - rows[None, :, :3], axis=2)
+    both = rows[:, None, 3] + rows[None, :, 3]
+    gap = (away - both)[np.triu_indices(len(rows), 1)] / both[np.triu_indices(len(rows), 1)]
+    with h5py.File(os.path.join(out, "packing.h5")) as file:
+        def figure(name):
+            return float(file["quality/" + name][0])
+        solid = 4 / 3 * np.pi * np.sum(rows[:, 3] ** 3) / file.attrs["volume"]
+        assert abs(figure("porosity") - (1 - solid)) < 1e-12
+        assert figure("coordination_1") == 2 * np.count_nonzero(gap <= 0.01) / len(rows)
+        assert figure("coordination_5") == 2 * np.count_nonzero(gap <= 0.05) / len(rows)
+        assert np.allclose(np.sort(file["contacts/gap"][:]), np.sort(gap[gap <= 0.05]), rtol=0, atol=1e-12)
+        assert abs(figure("radius_mean") / np.mean(rows[:, 3]) - 1) < 1e-12
+        assert file["histogram/radius_count"][:].sum() == len(rows)
+
+
+@fact
+def the_request_in_packing_h5_gives_the_same_packing(folder):
+    more = "  origin: [0, 0, 1 mm]\n  packing: {size_ratio: 3, refine: [{boundary: true, size: 0.7, distance: 3 mm}]}\n"
+    out, _ = pack(folder, request(folder, more=more), "--seed", 7)
+    with h5py.File(os.path.join(out, "packing.h5")) as file:
+        again = write_scene(folder, text(file["request"][()]), "again.yaml")
+    other, done = pack(folder, again, out="other")
+    assert "from the cache" in done.stdout and np.array_equal(packing(out), packing(other))
+    expect(gneiss("pack", again, "--out", os.path.join(folder, "third"), environment={"GNEISS_CACHE": "off"}), 0)
+    assert np.array_equal(packing(out), packing(os.path.join(folder, "third")))
+
+
+@fact
+def a_snapshot_for_paraview_has_centres_and_radii(folder):
+    out, _ = pack(folder, request(folder))
+    (name, _), = series(out)
+    with h5py.File(os.path.join(out, name)) as file:
+        assert np.array_equal(file["VTKHDF/Points"][:], packing(out)[:, :3])
+        assert np.array_equal(file["VTKHDF/PointData/radius"][:], packing(out)[:, 3])
+
+
+@fact
+def packing_again_into_the_same_folder_takes_the_place_of_everything(folder):
+    out, _ = pack(folder, request(folder))
+    first = packing(out)
+    pack(folder, request(folder, particles=90))
+    assert len(packing(out)) == 90 and len(first) == 200
+    check_whole_files(out, 90)
+
+
+# --- what is printed --------------------------------------------------------------------------------------
+
+@fact
+def figures_are_printed(folder):
+    out, done = pack(folder, request(folder))
+    for pattern in (r"200 spheres in [\d.e-]+ m3, packed in [\d.]+ s, \d+ iterations", r"porosity +[\d.]+ % .*once",
+                    r"coordination +[\d.]+ at gaps up to 0\.1 % of r_i \+ r_j, [\d.]+ up to 1 %", r"floating +[\d.]+ %",
+                    r"radii +[\d.e-]+ to [\d.e-]+ m, mean", r"fabric +xx [\d.]+ yy [\d.]+ zz [\d.]+",
+                    r"overlaps +median", r"boundary +[\d.]+ %", "written to " + re.escape(out)):
+        assert re.search(pattern, done.stdout), f"/{pattern}/ is missing:\n{done.stdout}"
+    with h5py.File(os.path.join(out, "packing.h5")) as file:
+        percent = 100 * float(file["quality/porosity"][0])
+    assert f"{percent:.2f} % (overlaps counted twice)" in done.stdout, done.stdout
+    assert not done.stderr, done.stderr
+
+
+@fact
+def figures_of_discs_are_printed(folder):
+    _, done = pack(folder, request(folder, DISC, dimension=2))
+    assert re.search(r"200 discs in [\d.e-]+ m2", done.stdout), done.stdout
+    assert re.search(r"fabric +xx [\d.]+ yy [\d.]+ xy", done.stdout), done.stdout
+
+
+@fact
+def quiet_prints_nothing(folder):
+    out, done = pack(folder, request(folder), "--quiet")
+    assert not done.stdout and not done.stderr and len(packing(out)) == 200
+
+
+@fact
+def a_log_as_json_has_valid_lines(folder):
+    out, done = pack(folder, request(folder, particles=3000), "--log", "json", "--threads", 1)
+    lines = [json.loads(line) for line in done.stdout.splitlines()]
+    last = lines[-1]
+    assert last["particles"] == 3000 and last["in_time"] is True and last["from_cache"] is False
+    with h5py.File(os.path.join(out, "packing.h5")) as file:
+        for name in ("porosity", "coordination_1", "radius_mean", "overlap_max", "anisotropy"):
+            assert last[name] == float(file["quality/" + name][0]), name
+    for line in lines[:-1]:
+        assert line["packing"] in ("spread", "compress", "decompress", "close", "separate"), line
+        assert 0 < line["fraction"] <= 1 and line["particles"] == 3000 and line["iteration"] > 0, line
+    assert not done.stderr, done.stderr
+
+
+@fact
+def a_seed_gives_a_packing_of_its_own(folder):
+    body = request(folder)
+    one, _ = pack(folder, body)
+    two, _ = pack(folder, body, "--seed", 2, out="two")
+    three, done = pack(folder, body, "--set", "run.seed=2", out="three")
+    assert not np.array_equal(packing(one), packing(two)) and np.array_equal(packing(two), packing(three))
+    assert "from the cache" in done.stdout
+
+
+@fact
+def keys_of_the_shape_can_be_set_on_the_command_line(folder):
+    keys = "specimen.particles=50", "specimen.cylinder.diameter=46 mm"
+    out, _ = pack(folder, request(folder), "--set", keys[0], "--set", keys[1])
+    with h5py.File(os.path.join(out, "packing.h5")) as file:
+        assert len(file["particles/radius"]) == 50
+        assert abs(file.attrs["volume"] / (np.pi * 0.023 ** 2 * 0.03) - 1) < 1e-12
+
+
+@fact
+def a_packing_cut_short_by_time_says_so(folder):
+    out, done = pack(folder, request(folder, more="  packing: {time: 1e-9}\n"))
+    assert "cut short by packing.time" in done.stdout
+    with h5py.File(os.path.join(out, "packing.h5")) as file:
+        assert file.attrs["in_time"] == 0
+    assert not os.path.exists(os.path.join(folder, "cache"))
+
+
+# --- the cache --------------------------------------------------------------------------------------------
+
+@fact
+def a_second_packing_comes_from_the_cache_with_the_same_bits(folder):
+    body = request(folder)
+    one, done = pack(folder, body, "--threads", 1)
+    assert "packed in" in done.stdout
+    two, done = pack(folder, body, "--threads", 2, out="two")
+    assert "from the cache; made in" in done.stdout and np.array_equal(packing(one), packing(two))
+    with h5py.File(os.path.join(two, "packing.h5")) as file:
+        assert file.attrs["from_cache"] == 1 and len(file["trace/energy"]) > 20
+
+
+@fact
+def a_damaged_cache_file_is_warned_of_and_replaced(folder):
+    body = request(folder)
+    one, _ = pack(folder, body)
+    (name,) = os.listdir(os.path.join(folder, "cache"))
+    with open(os.path.join(folder, "cache", name), "r+b") as file:
+        file.truncate(1000)
+    two, done = pack(folder, body, out="two")
+    assert re.search(r"gneiss: warning: \S+" + re.escape(name) + ": not used: ", done.stderr), done.stderr
+    assert "packed in" in done.stdout and np.array_equal(packing(one), packing(two))
+    _, done = pack(folder, body, out="three")
+    assert not done.stderr and "from the cache" in done.stdout
+
+
+@fact
+def a_cache_that_cannot_be_written_is_warned_of(folder):
+    taken = write_scene(folder, "a file", "taken")
+    done = gneiss("pack", request(folder), "--out", os.path.join(folder, "out"), environment={"GNEISS_CACHE": taken})
+    expect(done, 0, "gneiss: warning: packing not cached: .*taken")
+    assert len(packing(os.path.join(folder, "out"))) == 200
+
+
+# --- scenes -----------------------------------------------------------------------------------------------
+
+@fact
+def a_scene_packs_its_specimen_once(folder):
+    for dimension, shape in ((2, DISC), (3, CYLINDER)):
+        scene = scene_of_specimen(folder, f"{shape}\n  particles: 100", dimension=dimension)
+        outs = [os.path.join(folder, f"{dimension}-{k}") for k in range(2)]
+        first, second = (expect(gneiss("run", scene, "--out", out, **cached(folder)), 0) for out in outs)
+        assert "100 particles packed\n" in first.stdout, first.stdout
+        assert "100 particles packed before (from the cache)" in second.stdout, second.stdout
+        check_same(outs[1], outs[0])
+        assert summary(outs[0])["counts"]["particles"] == 100
+
+
+@fact
+def a_scene_runs_the_particles_that_pack_writes(folder):
+    scene = scene_of_specimen(folder, f"{CYLINDER}\n  particles: 100")
+    out, _ = pack(folder, scene)
+    ran = os.path.join(folder, "run")
+    assert "from the cache" in expect(gneiss("run", scene, "--out", ran, **cached(folder)), 0).stdout
+    with h5py.File(os.path.join(ran, "particles_0000000000.hdf")) as file:
+        assert np.array_equal(file["VTKHDF/Points"][:], packing(out)[:, :3])
+
+
+@fact
+def a_scene_runs_without_a_cache(folder):
+    scene = scene_of_specimen(folder, f"{CYLINDER}\n  particles: 100")
+    outs = [os.path.join(folder, name) for name in ("on", "off")]
+    run(scene, outs[0], **cached(folder))
+    run(scene, outs[1], environment={"GNEISS_CACHE": "off"})
+    check_same(outs[1], outs[0])
+
+
+@fact
+def check_and_plan_pack_what_they_look_at(folder):
+    scene = scene_of_specimen(folder, f"{CYLINDER}\n  particles: 100")
+    out = expect(gneiss("check", scene, **cached(folder)), 0).stdout
+    assert "100 particles packed\n" in out and "can run" in out, out
+    out = expect(gneiss("plan", scene, **cached(folder)), 0).stdout
+    assert "from the cache" in out and re.search(r"particles +100 x", out), out
+    assert sorted(os.listdir(folder)) == ["cache", "scene.yaml"], os.listdir(folder)
+
+
+@fact
+def a_resumed_run_needs_neither_cache_nor_shape(folder):
+    nowhere = {"environment": {"GNEISS_CACHE": os.path.join(folder, "taken", "below")}}
+    write_scene(folder, "a file, so that no cache can be made", "taken")
+    write_cube(folder, "cube.stl", 20)
+    scene = scene_of_specimen(folder, "surface: cube.stl\n  scale: 1e-3\n  particles: 100")
+    straight, out = os.path.join(folder, "straight"), os.path.join(folder, "out")
+    run(scene, straight, **cached(folder))
+    run(scene, out, "--set", "time.end=0.1 ms", **cached(folder))
+    shutil.rmtree(os.path.join(folder, "cache"))
+    os.remove(os.path.join(folder, "cube.stl"))
+    os.remove(scene)
+    done = resume(out, "--set", "time.end=0.2 ms", **nowhere)
+    assert not done.stderr, done.stderr
+    assert state_hash(out) == state_hash(straight)
+    assert not os.path.exists(os.path.join(folder, "cache"))
+
+
+# --- interrupted ------------------------------------------------------------------------------------------
+
+def interrupted(folder, *arguments):
+    """Starts, waits for the first line of progress, interrupts; the finished process."""
+    environment = {**ENVIRONMENT, "GNEISS_CACHE": os.path.join(folder, "cache")}
+    with subprocess.Popen(command(*arguments, "--log", "json"), stdout=subprocess.PIPE, stderr=subprocess.PIPE,
+                          text=True, env=environment) as process:
+        line = process.stdout.readline()
+        assert json.loads(line)["packing"], line
+        process.send_signal(signal.SIGINT)
+        stdout, stderr = process.communicate(timeout=120)
+    assert process.returncode == 6, f"exit code {process.returncode}: {stderr}"
+    assert "packing interrupted" in stderr, stderr
+    for line in stdout.splitlines():
+        json.loads(line)
+
+
+@fact
+def an_interrupted_packing_leaves_no_files(folder):
+    out = os.path.join(folder, "out")
+    interrupted(folder, "pack", request(folder, particles=30000), "--out", out)
+    assert not os.path.exists(out), os.listdir(out)
+    assert not os.path.exists(os.path.join(folder, "cache"))
+
+
+@fact
+def a_run_interrupted_while_packing_leaves_no_folder(folder):
+    out = os.path.join(folder, "out")
+    interrupted(folder, "run", scene_of_specimen(folder, f"{CYLINDER}\n  particles: 30000"), "--out", out)
+    assert sorted(os.listdir(folder)) == ["scene.yaml"], os.listdir(folder)
+
+
+# --- folders and disks ------------------------------------------------------------------------------------
+
+@fact
+def a_folder_with_results_of_a_run_is_refused(folder):
+    out = os.path.join(folder, "out")
+    run(LATTICE, out, "--set", "time.end=0.1 ms")
+    before = {name: os.path.getmtime(os.path.join(out, name)) for name in os.listdir(out)}
+    done = gneiss("pack", request(folder), "--out", out, **cached(folder))
+    expect(done, 2, re.escape(out) + ": expected a folder for the packing, found the results of a run")
+    assert {name: os.path.getmtime(os.path.join(out, name)) for name in os.listdir(out)} == before
+    assert not os.path.exists(os.path.join(folder, "cache")), "packed before it was refused"
+
+
+@fact
+def a_file_in_the_place_of_the_folder_is_an_error(folder):
+    place = write_scene(folder, "mine", "taken")
+    expect(gneiss("pack", request(folder), "--out", place, **cached(folder)), 3, "taken")
+    assert open(place).read() == "mine"
+
+
+@fact
+def a_folder_in_the_place_of_a_file_is_an_error(folder):
+    for name in ("packing.txt", "packing.h5"):
+        out = os.path.join(folder, name)
+        os.makedirs(os.path.join(out, name))
+        expect(gneiss("pack", request(folder), "--out", out, "--quiet", **cached(folder)), 3, re.escape(name))
+        assert not [entry for entry in os.listdir(out) if entry.endswith(".tmp")], os.listdir(out)
+
+
+def in_namespace(script, *arguments, cache):
+    """A shell script with a mount table of its own; `$1` is a folder on a small disk."""
+    try:
+        if subprocess.run(["unshare", "-m", "true"], capture_output=True).returncode != 0:
+            raise Skip("no mount namespaces for this user")
+    except FileNotFoundError:
+        raise Skip("no unshare on this machine") from None
+    call = subprocess.run(["unshare", "-m", "--propagation", "private", "sh", "-c", script, "sh", *arguments],
+                          capture_output=True, text=True, env={**ENVIRONMENT, "GNEISS_CACHE": cache}, timeout=120)
+    if call.returncode == 77:
+        raise Skip("tmpfs cannot be mounted")
+    return call
+
+
+@fact
+def a_read_only_folder_is_an_error(folder):
+    disk = os.path.join(folder, "disk")
+    os.mkdir(disk)
+    program, body = map(shlex.quote, (PROGRAM, request(folder)))
+    for out in ('"$1"', '"$1/below"'):
+        script = f'mount -t tmpfs -o ro none "$1" || exit 77; {program} pack {body} --quiet --out {out}; echo code $?'
+        call = in_namespace(script, disk, cache=os.path.join(folder, "cache"))
+        assert "code 3" in call.stdout and "Read-only file system" in call.stderr, call.stdout + call.stderr
+
+
+@fact
+def a_full_disk_is_an_error_and_leaves_whole_files_only(folder):
+    particles = 2000
+    body = request(folder, particles=particles)
+    out, _ = pack(folder, body)
+    size = {name: os.path.getsize(os.path.join(out, name)) for name in os.listdir(out)}
+    snapshot, = (name for name in size if name.endswith(".hdf"))
+    room = (size["packing.txt"] // 2, size["packing.txt"] + size["packing.h5"] // 2,
+            size["packing.txt"] + size["packing.h5"] + size[snapshot] // 2)
+    program, path = map(shlex.quote, (PROGRAM, body))
+    for number, bytes_free in enumerate(room):
+        disk, copy = os.path.join(folder, "disk"), os.path.join(folder, f"copy-{number}")
+        os.makedirs(disk, exist_ok=True)
+        os.mkdir(copy)
+        script = f'mount -t tmpfs -o size={bytes_free // 4096 * 4096} none "$1" || exit 77; ' \
+                 f'{program} pack {path} --quiet --out "$1"; echo code $?; cp -a "$1"/. "$2"'
+        call = in_namespace(script, disk, copy, cache=os.path.join(folder, "cache"))
+        assert "code 3" in call.stdout and "No space left on device" in call.stderr, call.stdout + call.stderr
+        assert len(os.listdir(copy)) == number, os.listdir(copy)
+        check_whole_files(copy, particles)
+
+
+@fact
+def a_full_disk_under_the_cache_is_a_warning(folder):
+    program, body = map(shlex.quote, (PROGRAM, request(folder, particles=2000)))
+    disk, out = os.path.join(folder, "disk"), os.path.join(folder, "out")
+    os.mkdir(disk)
+    script = f'mount -t tmpfs -o size=40k none "$1" || exit 77; {program} pack {body} --quiet --out "$2"; ' \
+             'echo code $?; ls -A "$1"'
+    call = in_namespace(script, disk, out, cache=disk)
+    assert call.stdout == "code 0\n", call.stdout + call.stderr
+    assert re.search("gneiss: warning: packing not cached: .*No space left on device", call.stderr), call.stderr
+    check_whole_files(out, 2000)
+
+
+# --- bad input --------------------------------------------------------------------------------------------
+
+CUBE = ((0, 2, 1), (1, 2, 3), (4, 5, 6), (5, 7, 6), (0, 1, 4), (1, 5, 4),
+        (2, 6, 3), (3, 6, 7), (0, 4, 2), (2, 4, 6), (1, 3, 5), (3, 7, 5))
+
+
+def write_cube(folder, name, side, faces=CUBE):
+    lines = ["solid cube"]
+    for face in faces:
+        lines += ["facet normal 0 0 0", "outer loop"]
+        lines += [f"vertex {side * (c & 1)} {side * (c >> 1 & 1)} {side * (c >> 2)}" for c in face]
+        lines += ["endloop", "endfacet"]
+    return write_scene(folder, "\n".join([*lines, "endsolid cube", ""]), name)
+
+
+FLAT = "$MeshFormat\n2.2 0 8\n$EndMeshFormat\n$Nodes\n4\n1 0 0 0\n2 1 0 0\n3 1 1 0\n4 0 1 0\n$EndNodes\n" \
+       "$Elements\n2\n1 2 2 1 1 1 2 3\n2 2 2 1 1 1 3 4\n$EndElements\n"
+
+
+@fact
+def errors_name_the_place_in_the_scene(folder):
+    cases = (("dimension: 3\nspecimen:\n  box: {size: [1, 1]}\n  particles: 9\n", r"body\.yaml:3:\d+: "),
+             ("dimension: 3\nspecimen:\n  box: {size: [1, 1, 1]}\n  particles: 3\n", r"body\.yaml:4:14: "),
+             ("dimension: 3\nspecimen:\n  box: {size: [1, 1, 1]}\n", r"body\.yaml:2:1: .*mean_radius"),
+             ("dimension: 3\nspecimen:\n  disc: {diameter: 1}\n  particles: 9\n", r"body\.yaml:3:3: "),
+             ("dimension: 3\nspecimen:\n  surface: none.stl\n  particles: 9\n", r"body\.yaml:3:12: .*none\.stl"),
+             ("dimension: 3\nspecimen:\n  lattice: {kind: cubic, radius: 1, cells: [2, 2, 2]}\n", r"body\.yaml:2:1: "),
+             ("dimension: 3\nspecimen:\n  box: {size: [1, 1, 1]}\n  mean_radius: 0.7\n",
+              r"body\.yaml:2:1: .*mean radius is too large"),
+             ("dimension: 2\nspecimen:\n  polygon: [[0, 0], [1, 1], [1, 0], [0, 1]]\n  particles: 9\n",
+              r"body\.yaml:2:1: .*edge 1 from \(0, 0\) to \(1, 1\)"),
+             ("dimension: 3\nspecimen:\n  box: {size: [1, 1, 1]}\n  particles: 9\n  packing: {gapp: 1}\n",
+              r"body\.yaml:5:\d+: .*gapp"))
+    out = os.path.join(folder, "out")
+    for scene, pattern in cases:
+        done = gneiss("pack", write_scene(folder, scene, "body.yaml"), "--out", out, **cached(folder))
+        expect(done, 2, pattern)
+        assert not os.path.exists(out) or not os.listdir(out), os.listdir(out)
+
+
+@fact
+def errors_in_mesh_files_name_the_file(folder):
+    write_cube(folder, "open.stl", 1, CUBE[:-1])
+    write_scene(folder, "solid\nfacet normal 0 0 0\nouter loop\nvertex 0 0 zero\n", "word.stl")
+    write_scene(folder, FLAT, "flat.msh")
+    write_scene(folder, FLAT.replace("2 1 0 0", "2 1 0 nan"), "nan.msh")
+    cases = (("surface: open.stl", r"open\.stl: .*expected a closed surface"),
+             ("surface: word.stl", r"word\.stl:4:\d+: "),
+             ("mesh: flat.msh", r"flat\.msh: .*tetrahedra"), ("mesh: nan.msh", r"nan\.msh:\d+:\d+: "))
+    for shape, pattern in cases:
+        out = os.path.join(folder, "out")
+        expect(gneiss("pack", request(folder, shape), "--out", out, **cached(folder)), 2, pattern)
+        for verb in ("run", "check", "plan"):
+            scene = scene_of_specimen(folder, f"{shape}\n  particles: 9")
+            ran = ("--out", os.path.join(folder, "ran")) if verb == "run" else ()
+            expect(gneiss(verb, scene, *ran, **cached(folder)), 2, pattern)
+    assert not os.path.exists(os.path.join(folder, "ran"))
+
+
+@fact
+def a_packing_too_large_for_the_memory_is_an_error(folder):
+    body = write_scene(folder, "dimension: 3\nspecimen:\n  box: {size: [1, 1, 1]}\n  mean_radius: 1e-9\n", "body.yaml")
+    done = gneiss("pack", body, "--out", os.path.join(folder, "out"), **cached(folder))
+    expect(done, 4, r"body\.yaml.*particles need about [\d.e+]+ GB to be packed; this machine has [\d.e+]+ GB")
+
+
+@fact
+def pack_needs_a_file(folder):
+    expect(gneiss("pack"), 2, "expected FILE")
+    expect(gneiss("pack", os.path.join(folder, "none.yaml")), 2, r"none\.yaml: cannot open")
+
+
+if __name__ == "__main__":
+    sys.exit(main())
