@@ -5,7 +5,7 @@
 Settings come from the environment:
   PACKING  rows x y z r in metres      WORKERS  2
   STEPS    timed steps (300)           WARM     steps before the clock starts (50)
-  RESULT   file for the JSON result; it is printed as well
+  RESULT   file for the JSON result
 
 BrittleBeam bonds: beams with normal and shear force, bending and twisting moments between spheres that rotate (Wang,
 Abe, Latham and Mora 2006, Pure Appl. Geophys. 163). gneiss' harmonic bonds carry no moments, so this is the nearest
@@ -21,7 +21,6 @@ round to none and their arc cosines be left out). This times steps; it simulates
 """
 import json
 import os
-import sys
 import tempfile
 import time
 from math import pi, sqrt
@@ -149,12 +148,8 @@ def main():
         result = {"code": "esys-particle", "version": version, "workers": workers, "particles": particles,
                   "bonds": last_number(counts), "bonds_at_start": len(pairs), "greatest_speed": last_number(speeds),
                   "dt": dt, "steps": steps, "seconds": seconds, "load_average": os.getloadavg()[0]}
-    text = json.dumps(result)
-    if os.environ.get("RESULT"):
-        with open(os.environ["RESULT"], "w", encoding="utf-8") as out:
-            out.write(text + "\n")
-    print("RESULT " + text)
-    sys.stdout.flush()
+    with open(os.environ["RESULT"], "w", encoding="utf-8") as out:
+        json.dump(result, out)
 
 
 main()

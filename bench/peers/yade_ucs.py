@@ -5,7 +5,7 @@
 Settings come from the environment, because yade keeps the command line to itself:
   PACKING  rows x y z r in metres
   STEPS    timed steps (300)       WARM  steps before the clock starts (50)
-  RESULT   file for the JSON result; it is printed as well
+  RESULT   file for the JSON result
 
 The contact law equals gneiss' harmonic law: JCFpm with young = 2 E_c, poisson = k_t/k_n and tensileStrength =
 cohesion = 4 sigma_c/pi gives kn = 2 E_c 2 r1 r2/(r1 + r2), ks = kn/kappa and limits 4 sigma_c r_min^2. Only the
@@ -15,7 +15,6 @@ across it, as frictionless platens that are stress-free at the start would move 
 """
 import json
 import os
-import sys
 import time
 from math import atan, pi
 
@@ -84,9 +83,5 @@ result = {
     "particle_steps_per_second": len(spheres) * steps / seconds,
     "load_average": os.getloadavg()[0],
 }
-text = json.dumps(result)
-if os.environ.get("RESULT"):
-    with open(os.environ["RESULT"], "w", encoding="utf-8") as out:
-        out.write(text + "\n")
-print("RESULT " + text)
-sys.stdout.flush()
+with open(os.environ["RESULT"], "w", encoding="utf-8") as out:
+    json.dump(result, out)

@@ -3,7 +3,7 @@
     QT_QPA_PLATFORM=offscreen yade -n -x -j2 validate/peers/yade_pack.py
 
 Settings come from the environment, because yade keeps the command line to itself:
-  OUT        file for the rows                    RESULT   file for the JSON result; it is printed as well
+  OUT        file for the rows                    RESULT   file for the JSON result
   RADIUS     mean radius, m                       FUZZ     half width of the uniform radii over the mean (0.3)
   CELL       spheres in the periodic cell that is compressed and then repeated (2000); 0: the whole
              cylinder's box at once, between walls (TriaxialTest)
@@ -11,7 +11,6 @@ Settings come from the environment, because yade keeps the command line to itsel
 """
 import json
 import os
-import sys
 import time
 
 from yade import pack
@@ -36,9 +35,5 @@ with open(os.environ["OUT"], "w", encoding="utf-8") as out:
 result = {"code": "yade", "version": version, "threads": int(os.environ["OMP_NUM_THREADS"]),  # set by -j
           "particles": len(spheres), "radius": radius, "fuzz": fuzz, "cell": cell, "seconds": seconds,
           "load_average": os.getloadavg()[0]}
-text = json.dumps(result)
-if os.environ.get("RESULT"):
-    with open(os.environ["RESULT"], "w", encoding="utf-8") as out:
-        out.write(text + "\n")
-print("RESULT " + text)
-sys.stdout.flush()
+with open(os.environ["RESULT"], "w", encoding="utf-8") as out:
+    json.dump(result, out)
