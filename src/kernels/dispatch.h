@@ -3,6 +3,7 @@
 #define GN_KERNELS_DISPATCH_H
 
 #include "kernels/contact.h"
+#include "kernels/element.h"
 #include "kernels/motion.h"
 
 /* Kernels of one instruction set. */
@@ -12,6 +13,7 @@ typedef struct gn_kernel_set {
     gn_contact_kernel *const *contact; /* [GN_CONTACT_VARIANTS] */
     gn_contact_kernel *const *mixed;   /* the same in mixed precision */
     gn_motion_kernel *const *motion;   /* [GN_MOTION_VARIANTS] */
+    gn_element_kernel *const *element; /* [GN_ELEMENT_VARIANTS] */
 } gn_kernel_set;
 
 enum { GN_KERNEL_SETS = 3 };

@@ -1,8 +1,8 @@
-/* Forces on their way from contacts to particles. A block of contacts sums what its contacts exert
- * in rows of its own, one for each particle that it touches; a particle then adds up its rows in
- * block order. Blocks follow the order of the contacts and not the threads, so that sums are the
- * same for any number of threads, and a block's rows stay in the cache of the core that works on
- * it. */
+/* Forces on their way from contacts to particles (from elements to nodes alike). A block of
+ * contacts sums what its contacts exert in rows of its own, one for each particle that it touches;
+ * a particle then adds up its rows in block order. Blocks follow the order of the contacts and not
+ * the threads, so that sums are the same for any number of threads, and a block's rows stay in the
+ * cache of the core that works on it. */
 #ifndef GN_KERNELS_PARTIALS_H
 #define GN_KERNELS_PARTIALS_H
 
@@ -22,14 +22,15 @@ typedef struct gn_share {
     int32_t particle, row;
 } gn_share;
 
-/* Partial sums of one list of contacts. Rows are force xyz, 0, moment xyz, 0 (width 8: rotation in
- * space) or force xyz, 0 (width 4); in 2D force xy, moment z, 0. */
+/* Partial sums of one list of contacts, or of finite elements, whose nodes are particles to it.
+ * Rows are force xyz, 0, moment xyz, 0 (width 8: rotation in space) or force xyz, 0 (width 4); in
+ * 2D force xy, moment z, 0. */
 typedef struct gn_partials {
     int width;
     size_t blocks, length; /* contacts per block, a multiple of GN_LANES_MAX */
     int32_t *first;        /* [blocks + 1] first row of a block */
     uint16_t *place; /* [contacts][2] where the rows of a contact's two particles begin, in doubles
-                        from the block's first row */
+                        from the block's first row; elements: [elements][nodes of an element] */
     double *row;     /* [first[blocks]][width] */
     int32_t *start;  /* [particle blocks + 1] first share of a block of particles */
     gn_share *share; /* [first[blocks]] sorted by particle, then row */

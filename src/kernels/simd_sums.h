@@ -1,6 +1,6 @@
-/* Adding a contact's row to those of its two particles: force with opposite signs; moment times the
- * arms, when there are any. Rows of the kernel's precision, sums in double. Every product is fused
- * with its sum, in every backend.
+/* Adding a contact's row to those of its two particles (an element's rows to those of its nodes):
+ * force with opposite signs; moment times the arms, when there are any. Rows of the kernel's
+ * precision, sums in double. Every product is fused with its sum, in every backend.
  *
  * Width 8: force xyz, 0, moment xyz, 0. Width 4: force xyz, 0; with arms (2D) force xy, moment z,
  * 0. */
@@ -25,6 +25,11 @@ GN_INLINE void gn_add_row4(double *i, double *j, const gn_real *row, const doubl
     if (arms) j[2] = fma(row[2], *arm_j, j[2]);
 }
 
+/* Adds a row of four. */
+GN_INLINE void gn_add_plain4(double *to, const gn_real *row) {
+    for (int k = 0; k < 4; k++) to[k] += row[k];
+}
+
 #else
 
 GN_INLINE __m256d gn_load_row4(const gn_real *row) {
@@ -33,6 +38,10 @@ GN_INLINE __m256d gn_load_row4(const gn_real *row) {
 #else
     return _mm256_loadu_pd(row);
 #endif
+}
+
+GN_INLINE void gn_add_plain4(double *to, const gn_real *row) {
+    _mm256_storeu_pd(to, _mm256_add_pd(_mm256_loadu_pd(to), gn_load_row4(row)));
 }
 
 GN_INLINE __m256d gn_factor4(double sign, const double *arm, int arms) {

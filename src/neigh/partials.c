@@ -4,7 +4,7 @@
 /* Numbers the particles of each block in the order in which its contacts name them: neighbours in
  * the list become neighbours in the rows. */
 typedef struct numbering {
-    int32_t *particle; /* [blocks][2 length] who has a row */
+    int32_t *particle; /* [blocks][members length] who has a row */
     int32_t *count;    /* [blocks] */
 } numbering;
 
@@ -17,23 +17,34 @@ static uint16_t place_of(int32_t particle, int width, int32_t *seen, int32_t *ro
     return (uint16_t)(seen[particle] * width);
 }
 
-static void number_block(const gn_contacts *contacts, size_t block, int32_t *seen,
-                         const numbering *n, gn_partials *q) {
+static inline __attribute__((always_inline)) void number_members(const gn_partial_items *items,
+                                                                 size_t members, size_t block,
+                                                                 int32_t *seen, const numbering *n,
+                                                                 gn_partials *q) {
     size_t begin = block * q->length, end = begin + q->length;
-    if (end > contacts->soa.count) end = contacts->soa.count;
-    int32_t *rows = n->particle + block * 2 * q->length, count = 0;
-    for (size_t c = begin; c < end; c++) {
-        q->place[2 * c] = place_of(contacts->i[c], q->width, seen, rows, &count);
-        q->place[2 * c + 1] = place_of(contacts->j[c], q->width, seen, rows, &count);
-    }
+    if (end > items->count) end = items->count;
+    int32_t *rows = n->particle + block * members * q->length, count = 0;
+    for (size_t c = begin; c < end; c++)
+        for (size_t m = 0; m < members; m++)
+            q->place[members * c + m] = place_of(items->member[m][c], q->width, seen, rows, &count);
     for (int32_t k = 0; k < count; k++) seen[rows[k]] = -1;
     n->count[block] = count;
 }
 
-_Static_assert(2 * GN_CONTACT_BLOCK * 8 <= UINT16_MAX + 1, "places fit in 16 bits");
+/* Contacts, whose lists are made often, have a loop of their own. */
+static void number_block(const gn_partial_items *items, size_t block, int32_t *seen,
+                         const numbering *n, gn_partials *q) {
+    if (items->members == 2)
+        number_members(items, 2, block, seen, n, q);
+    else
+        number_members(items, (size_t)items->members, block, seen, n, q);
+}
+
+_Static_assert(2 * GN_CONTACT_BLOCK * 8 <= UINT16_MAX + 1, "places of contacts fit in 16 bits");
+_Static_assert(4 * GN_CONTACT_BLOCK * 4 <= UINT16_MAX + 1, "places of elements fit in 16 bits");
 
 /* Every thread marks particles in an array of its own; false without memory. */
-static bool number_blocks(const gn_contacts *contacts, size_t particles, int threads,
+static bool number_blocks(const gn_partial_items *items, size_t particles, int threads,
                           const numbering *n, gn_partials *q) {
     bool held = true;
 #pragma omp parallel num_threads(threads)
@@ -46,7 +57,7 @@ static bool number_blocks(const gn_contacts *contacts, size_t particles, int thr
         for (size_t p = 0; seen && p < particles; p++) seen[p] = -1;
 #pragma omp for schedule(static)
         for (size_t b = 0; b < q->blocks; b++)
-            if (seen) number_block(contacts, b, seen, n, q);
+            if (seen) number_block(items, b, seen, n, q);
         gn_free(seen);
     }
     return held;
@@ -69,15 +80,15 @@ static void touch(gn_partials *q, int32_t particle, size_t contact_block) {
 }
 
 /* Shares sorted by particle (counting sort, stable: rows of a particle stay in block order). */
-static bool sort_shares(const numbering *n, size_t particles, gn_partials *q) {
+static bool sort_shares(const numbering *n, size_t members, size_t particles, gn_partials *q) {
+    const size_t most = members * q->length; /* rows of a block */
     size_t particle_blocks = (particles + GN_PARTICLE_BLOCK - 1) / GN_PARTICLE_BLOCK;
     int32_t *next = gn_alloc_array(particles + 2, sizeof *next);
     q->start = gn_alloc_array(particle_blocks + 1, sizeof *q->start);
     q->share = gn_alloc_array((size_t)q->first[q->blocks] + 1, sizeof *q->share);
     bool held = next && q->start && q->share && make_touched(particle_blocks, q);
     for (size_t b = 0; held && b < q->blocks; b++)
-        for (int32_t k = 0; k < n->count[b]; k++)
-            next[n->particle[b * 2 * q->length + (size_t)k] + 1]++;
+        for (int32_t k = 0; k < n->count[b]; k++) next[n->particle[b * most + (size_t)k] + 1]++;
     for (size_t p = 1; held && p <= particles; p++) next[p] += next[p - 1];
     for (size_t b = 0; held && b <= particle_blocks; b++) {
         size_t p = b * GN_PARTICLE_BLOCK;
@@ -85,7 +96,7 @@ static bool sort_shares(const numbering *n, size_t particles, gn_partials *q) {
     }
     for (size_t b = 0; held && b < q->blocks; b++)
         for (int32_t k = 0; k < n->count[b]; k++) {
-            int32_t p = n->particle[b * 2 * q->length + (size_t)k];
+            int32_t p = n->particle[b * most + (size_t)k];
             q->share[next[p]++] = (gn_share){p, q->first[b] + k};
             touch(q, p, b);
         }
@@ -101,32 +112,52 @@ static size_t block_length(size_t count) {
     return length;
 }
 
-gneiss_status gn_partials_build(const gn_contacts *contacts, size_t particle_count, int threads,
-                                gn_partials *partials, gneiss_error *error) {
+gneiss_status gn_partials_build_items(const gn_partial_items *items, size_t particle_count,
+                                      int threads, gn_partials *partials, gneiss_error *error) {
     gn_partials *q = partials;
-    size_t count = contacts->soa.count, length = block_length(count);
+    size_t count = items->count, members = (size_t)items->members, length = block_length(count);
     size_t blocks = (count + length - 1) / length;
     gn_partials_free(q);
     q->length = length;
-    q->width = gn_contacts_row_width(contacts);
+    q->width = items->width;
     q->blocks = blocks;
-    numbering n = {gn_alloc_array(blocks + 1, 2 * length * sizeof *n.particle),
+    numbering n = {gn_alloc_array(blocks + 1, members * length * sizeof *n.particle),
                    gn_alloc_array(blocks + 1, sizeof *n.count)};
-    q->place = gn_alloc_array(count + 1, 2 * sizeof *q->place);
+    q->place = gn_alloc_array(count + 1, members * sizeof *q->place);
     q->first = gn_alloc_array(blocks + 1, sizeof *q->first);
     bool held = n.particle && n.count && q->place && q->first &&
-                number_blocks(contacts, particle_count, threads, &n, q);
+                number_blocks(items, particle_count, threads, &n, q);
     if (held) {
         for (size_t b = 0; b < blocks; b++) q->first[b + 1] = q->first[b] + n.count[b];
         q->row = gn_alloc_array((size_t)q->first[blocks] + 1, (size_t)q->width * sizeof *q->row);
-        held = q->row && sort_shares(&n, particle_count, q);
+        held = q->row && sort_shares(&n, members, particle_count, q);
     }
     gn_free(n.particle);
     gn_free(n.count);
     if (held) return GNEISS_OK;
     gn_partials_free(q);
-    return gn_fail(error, GNEISS_ERROR_MEMORY, "no memory to sum the forces of %zu contacts",
-                   count);
+    return gn_fail(error, GNEISS_ERROR_MEMORY, "no memory to sum the forces of %zu %s", count,
+                   items->name);
+}
+
+gneiss_status gn_partials_build(const gn_contacts *contacts, size_t particle_count, int threads,
+                                gn_partials *partials, gneiss_error *error) {
+    const gn_partial_items items = {.name = "contacts",
+                                    .count = contacts->soa.count,
+                                    .members = 2,
+                                    .member = {contacts->i, contacts->j},
+                                    .width = gn_contacts_row_width(contacts)};
+    return gn_partials_build_items(&items, particle_count, threads, partials, error);
+}
+
+gneiss_status gn_element_partials_build(const gn_elements *elements, size_t node_count, int threads,
+                                        gn_partials *partials, gneiss_error *error) {
+    gn_partial_items items = {.name = "elements",
+                              .count = elements->soa.count,
+                              .members = gn_elements_dimension(elements) + 1,
+                              .width = 4};
+    for (int a = 0; a < items.members; a++) items.member[a] = gn_elements_node(elements, a);
+    return gn_partials_build_items(&items, node_count, threads, partials, error);
 }
 
 void gn_partials_free(gn_partials *partials) {

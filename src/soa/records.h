@@ -1,4 +1,6 @@
-/* The records: particles, contacts between particles, contacts with walls. One list each.
+/* The records: particles, contacts between particles, contacts with walls, finite elements. One
+ * list each. The nodes of finite elements are particles without radius: `start` is their reference
+ * position.
  *
  * X(name, ctype, type, components, layout, role, needs, unless, unit, text) */
 #ifndef GN_SOA_RECORDS_H
@@ -98,6 +100,22 @@
     X(row, double, GN_F64, 8, GN_ROWS, GN_SAVED, 0, 0, "N, N m",                                   \
       "force on the particle x y z, 0, moment x y z, 0")
 
+/* Linear finite elements, sorted by their nodes: tetrahedra, or triangles in plane strain (1 m
+ * thick). N_a is the shape function of node a; gradients are stored for all nodes but the first,
+ * whose gradient is minus their sum. */
+#define GN_ELEMENT_FIELDS(X)                                                                       \
+    X(node, int32_t, GN_I32, 3, GN_COLUMNS, GN_STATE, 0, 0, "1", "nodes 0 1 2")                    \
+    X(node3, int32_t, GN_I32, 1, GN_COLUMNS, GN_STATE, GN_FX_SPACE, 0, "1", "node 3")              \
+    X(gradient2, double, GN_F64, 4, GN_COLUMNS, GN_SAVED, 0, GN_FX_SPACE, "1/m",                   \
+      "dN/dX of nodes 1 2 at the start: 1x 1y 2x 2y")                                              \
+    X(gradient3, double, GN_F64, 9, GN_COLUMNS, GN_SAVED, GN_FX_SPACE, 0, "1/m",                   \
+      "dN/dX of nodes 1 2 3 at the start: 1x 1y 1z 2x ...")                                        \
+    X(volume, double, GN_F64, 1, GN_COLUMNS, GN_SAVED, 0, 0, "m3", "volume at the start")          \
+    X(lambda, double, GN_F64, 1, GN_COLUMNS, GN_SAVED, 0, 0, "Pa", "first Lame constant")          \
+    X(mu, double, GN_F64, 1, GN_COLUMNS, GN_SAVED, 0, 0, "Pa", "shear modulus")                    \
+    X(material, int32_t, GN_I32, 1, GN_COLUMNS, GN_SAVED, 0, 0, "1", "material, base 0")           \
+    X(id, int32_t, GN_I32, 1, GN_COLUMNS, GN_STATE, 0, 0, "1", "place in the mesh, base 0")
+
 #define GN_DECLARE_POINTER(name, ctype, ...) ctype *name;
 
 typedef struct gn_particles {
@@ -115,6 +133,11 @@ typedef struct gn_wall_contacts {
     GN_WALL_CONTACT_FIELDS(GN_DECLARE_POINTER)
 } gn_wall_contacts;
 
+typedef struct gn_elements {
+    gn_soa soa;
+    GN_ELEMENT_FIELDS(GN_DECLARE_POINTER)
+} gn_elements;
+
 #undef GN_DECLARE_POINTER
 
 typedef enum gn_cause { GN_INTACT = 0, GN_BROKEN_TENSION = 1, GN_BROKEN_SHEAR = 2 } gn_cause;
@@ -122,6 +145,7 @@ typedef enum gn_cause { GN_INTACT = 0, GN_BROKEN_TENSION = 1, GN_BROKEN_SHEAR = 
 extern const gn_record gn_particle_record;
 extern const gn_record gn_contact_record;
 extern const gn_record gn_wall_contact_record;
+extern const gn_record gn_element_record;
 
 /* Doubles in a row of forces: 8 with rotation in space, else 4 (gn_partials has rows alike). */
 static inline int gn_row_width(bool space, bool rotation) {
@@ -159,5 +183,24 @@ void gn_particles_set_null(gn_particles *particles, double distance);
 
 /* Points the padding of a contact list at the null particles. */
 void gn_contacts_pad(gn_contacts *contacts, const gn_particles *particles);
+
+static inline int gn_elements_dimension(const gn_elements *elements) {
+    return elements->soa.effects & GN_FX_SPACE ? 3 : 2;
+}
+
+/* The column of node a of all elements. */
+static inline int32_t *gn_elements_node(const gn_elements *elements, int a) {
+    return a == 3 ? elements->node3 : elements->node + (size_t)a * elements->soa.capacity;
+}
+
+/* The column of dN_a/dX_k, a > 0. */
+static inline double *gn_elements_gradient(const gn_elements *elements, int a, int k) {
+    int dimension = gn_elements_dimension(elements);
+    double *first = dimension == 3 ? elements->gradient3 : elements->gradient2;
+    return first + (size_t)(dimension * (a - 1) + k) * elements->soa.capacity;
+}
+
+/* Points the padding of elements at a null node (it has no volume and exerts no force). */
+void gn_elements_pad(gn_elements *elements, const gn_particles *nodes);
 
 #endif

@@ -1,0 +1,401 @@
+/* From a mesh to nodes and elements. */
+#include "fem/body.h"
+
+#include "base/memory.h"
+#include "fem/parts.h"
+#include "neigh/pairs.h"
+
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+/* What building needs besides the body. */
+typedef struct builder {
+    gn_fem_body *body;
+    const gn_fem_spec *spec;
+    gn_mesh_elements *solids;
+    int32_t *place;    /* [nodes of the mesh as given] place in the body, -1: unused */
+    int32_t *material; /* [solids] */
+} builder;
+
+static gneiss_status out_of_memory(const builder *b, gneiss_error *error) {
+    return gn_fail(error, GNEISS_ERROR_MEMORY, "%s: no memory for %zu nodes and %zu elements",
+                   b->body->name, b->body->mesh.node_count, b->solids->count);
+}
+
+/* --- materials
+ * --------------------------------------------------------------------------------- */
+
+static gneiss_status check_material(const gn_fem_body *body, const gn_fem_material *m,
+                                    gneiss_error *error) {
+    const char *group = m->group ? m->group : "all elements";
+    if (!(m->young > 0.0 && m->young < INFINITY && m->density > 0.0 && m->density < INFINITY))
+        return gn_fail(error, GNEISS_ERROR_INPUT,
+                       "%s: material of %s: expected Young's modulus and density > 0, found %g Pa "
+                       "and %g kg/m3",
+                       body->name, group, m->young, m->density);
+    if (m->poisson > -1.0 && m->poisson < 0.5) return GNEISS_OK;
+    return gn_fail(error, GNEISS_ERROR_INPUT,
+                   "%s: material of %s: expected Poisson's ratio > -1 and < 0.5, because the "
+                   "explicit displacement form has no stable step for an incompressible material, "
+                   "found %g",
+                   body->name, group, m->poisson);
+}
+
+/* Marks the elements of one material; how many there are. */
+static gneiss_status give_material(builder *b, int32_t index, gneiss_error *error) {
+    const gn_fem_material *m = &b->spec->materials[index];
+    gn_fem_body *body = b->body;
+    GN_TRY(check_material(body, m, error));
+    body->density[index] = m->density;
+    uint8_t *in = gn_alloc_array(b->solids->count + 1, sizeof *in);
+    if (!in) return out_of_memory(b, error);
+    const gn_mesh_group *group =
+        m->group ? gn_fem_find_group(&body->mesh, m->group, body->dimension) : NULL;
+    if (group)
+        gn_fem_mark_group(b->solids, group->tag, in);
+    else
+        memset(in, m->group == NULL, b->solids->count);
+    size_t marked = 0;
+    for (size_t e = 0; e < b->solids->count; e++) {
+        if (!in[e]) continue;
+        b->material[e] = index;
+        marked++;
+    }
+    gn_free(in);
+    if (marked) return GNEISS_OK;
+    return gn_fem_no_group(body->name, &body->mesh, m->group, body->dimension, error);
+}
+
+static gneiss_status give_materials(builder *b, gneiss_error *error) {
+    b->material = gn_alloc_array(b->solids->count + 1, sizeof *b->material);
+    b->body->density = gn_alloc_array(b->spec->material_count + 1, sizeof *b->body->density);
+    if (!b->material || !b->body->density) return out_of_memory(b, error);
+    for (size_t e = 0; e < b->solids->count; e++) b->material[e] = -1;
+    for (size_t m = 0; m < b->spec->material_count; m++)
+        GN_TRY(give_material(b, (int32_t)m, error));
+    for (size_t e = 0; e < b->solids->count; e++)
+        if (b->material[e] < 0)
+            return gn_fail(error, GNEISS_ERROR_INPUT,
+                           "%s: expected a material for every %s, found none for number %zu (base "
+                           "0) in group %d",
+                           b->body->name, gn_fem_kind(b->body->dimension), e, b->solids->group[e]);
+    return GNEISS_OK;
+}
+
+/* --- nodes
+ * ------------------------------------------------------------------------------------- */
+
+static gneiss_status check_plane(const gn_fem_body *body, const gn_mesh_elements *solids,
+                                 gneiss_error *error) {
+    const double *x = body->mesh.node, *first = x + 3 * (size_t)solids->node[0];
+    for (size_t k = 0; body->dimension == 2 && k < 3 * solids->count; k++) {
+        const double *p = x + 3 * (size_t)solids->node[k];
+        if (p[2] != first[2])
+            return gn_fail(error, GNEISS_ERROR_INPUT,
+                           "%s: expected all nodes in one plane z = %g m, found node %d (base 0) "
+                           "at z = %g m",
+                           body->name, first[2], solids->node[k], p[2]);
+    }
+    return GNEISS_OK;
+}
+
+/* The used nodes as particles in the order of the mesh. */
+static gneiss_status take_nodes(builder *b, gn_particles *nodes, gneiss_error *error) {
+    gn_fem_body *body = b->body;
+    const gn_mesh *mesh = &body->mesh;
+    b->place = gn_alloc_array(mesh->node_count + 1, sizeof *b->place);
+    if (!b->place) return out_of_memory(b, error);
+    for (size_t k = 0; k < b->solids->count * (size_t)b->solids->nodes; k++)
+        b->place[b->solids->node[k]] = 1;
+    size_t used = 0;
+    for (size_t n = 0; n < mesh->node_count; n++) used += b->place[n] == 1;
+    body->unused_nodes = mesh->node_count - used;
+    GN_TRY(gn_soa_create(&gn_particle_record, nodes, used, body->effects, error));
+    used = 0;
+    for (size_t n = 0; n < mesh->node_count; n++) {
+        if (!b->place[n]) continue;
+        for (int k = 0; k < body->dimension; k++) nodes->pos[4 * used + k] = mesh->node[3 * n + k];
+        nodes->slot[used] = -1;
+        nodes->id[used++] = (int32_t)n;
+    }
+    return GNEISS_OK;
+}
+
+/* The body's nodes along the Morton curve, and where each node of the mesh has gone. */
+static gneiss_status order_nodes(builder *b, const gn_particles *given, gneiss_error *error) {
+    gn_fem_body *body = b->body;
+    size_t count = given->soa.count;
+    int32_t *order = gn_alloc_array(count + 1, sizeof *order);
+    gneiss_status status = order ? GNEISS_OK : out_of_memory(b, error);
+    if (status == GNEISS_OK) status = gn_morton_order(given, body->dimension, order, error);
+    if (status == GNEISS_OK)
+        status = gn_soa_create(&gn_particle_record, &body->nodes, count, body->effects, error);
+    if (status == GNEISS_OK) {
+        gn_soa_permute(&gn_particle_record, &body->nodes, given, order);
+        memcpy(body->nodes.start, body->nodes.pos, 4 * count * sizeof(double));
+        gn_particles_set_null(&body->nodes, 1.0);
+        for (size_t n = 0; n < body->mesh.node_count; n++) b->place[n] = -1;
+        for (size_t n = 0; n < count; n++) b->place[body->nodes.id[n]] = (int32_t)n;
+    }
+    gn_free(order);
+    return status;
+}
+
+/* Facets (or solids) in the body's numbers; those with an unused node are left out. */
+static void renumber_elements(const int32_t *place, gn_mesh_elements *list) {
+    size_t kept = 0, also = 0, next = 0, nodes = (size_t)list->nodes;
+    for (size_t e = 0; e < list->count; e++) {
+        bool used = true;
+        for (size_t k = 0; k < nodes; k++) {
+            int32_t node = place[list->node[nodes * e + k]];
+            used = used && node >= 0;
+            list->node[nodes * kept + k] = node;
+        }
+        for (; next < list->also_count && list->also[next].element == e; next++)
+            if (used) list->also[also++] = (gn_mesh_membership){kept, list->also[next].group};
+        list->group[kept] = list->group[e];
+        kept += used;
+    }
+    list->count = kept;
+    list->also_count = also;
+}
+
+static gneiss_status renumber_mesh(builder *b, gneiss_error *error) {
+    gn_mesh *mesh = &b->body->mesh;
+    size_t count = b->body->nodes.soa.count;
+    double *node = gn_alloc_array(count + 1, 3 * sizeof *node);
+    if (!node) return out_of_memory(b, error);
+    for (size_t n = 0; n < count; n++)
+        memcpy(node + 3 * n, mesh->node + 3 * (size_t)b->body->nodes.id[n], 3 * sizeof *node);
+    gn_free(mesh->node);
+    mesh->node = node;
+    mesh->node_count = count;
+    for (int d = 1; d <= 3; d++) renumber_elements(b->place, gn_fem_elements_of(mesh, d));
+    return GNEISS_OK;
+}
+
+/* --- elements
+ * ---------------------------------------------------------------------------------- */
+
+/* The places of an element's nodes, ascending, and its number. */
+typedef struct sorted_element {
+    int32_t node[4], id;
+} sorted_element;
+
+static int by_nodes(const void *a, const void *b) {
+    const sorted_element *x = a, *y = b;
+    for (int k = 0; k < 4; k++)
+        if (x->node[k] != y->node[k]) return x->node[k] < y->node[k] ? -1 : 1;
+    return (x->id > y->id) - (x->id < y->id);
+}
+
+static int by_number(const void *a, const void *b) {
+    const int32_t *x = a, *y = b;
+    return (*x > *y) - (*x < *y);
+}
+
+static sorted_element *sort_elements(const builder *b) {
+    const gn_mesh_elements *list = b->solids;
+    sorted_element *s = gn_alloc_array(list->count + 1, sizeof *s);
+    for (size_t e = 0; s && e < list->count; e++) {
+        s[e] = (sorted_element){.id = (int32_t)e};
+        for (int k = 0; k < list->nodes; k++)
+            s[e].node[k] = list->node[(size_t)list->nodes * e + (size_t)k];
+        qsort(s[e].node, (size_t)list->nodes, sizeof *s[e].node, by_number);
+    }
+    if (s) qsort(s, list->count, sizeof *s, by_nodes);
+    return s;
+}
+
+static double cross_part(const double *a, const double *b, int k) {
+    return a[(k + 1) % 3] * b[(k + 2) % 3] - a[(k + 2) % 3] * b[(k + 1) % 3];
+}
+
+/* Gradients of all nodes but the first, and the volume, which is negative inside out. The gradient
+ * of node a is normal to the edges of the others: rows of the inverse of the edges' matrix. */
+static double gradients(int dimension, const double *const x[4], double gradient[3][3]) {
+    double edge[3][3] = {{0.0}, {0.0}, {0.0, 0.0, 1.0}};
+    for (int a = 0; a < dimension; a++)
+        for (int k = 0; k < dimension; k++) edge[a][k] = x[a + 1][k] - x[0][k];
+    double det = 0.0;
+    for (int k = 0; k < 3; k++) det += edge[0][k] * cross_part(edge[1], edge[2], k);
+    for (int a = 0; a < 3; a++)
+        for (int k = 0; k < 3; k++)
+            gradient[a][k] = cross_part(edge[(a + 1) % 3], edge[(a + 2) % 3], k) / det;
+    return dimension == 3 ? det / 6.0 : det / 2.0;
+}
+
+static double longest_edge(int dimension, const double *const x[4]) {
+    double most = 0.0;
+    for (int a = 0; a <= dimension; a++)
+        for (int c = 0; c < a; c++) {
+            double d2 = 0.0;
+            for (int k = 0; k < dimension; k++) d2 += (x[a][k] - x[c][k]) * (x[a][k] - x[c][k]);
+            most = fmax(most, d2);
+        }
+    return sqrt(most);
+}
+
+static gneiss_status no_volume(const builder *b, int32_t id, const int32_t node[4], double volume,
+                               gneiss_error *error) {
+    const double *x = b->body->nodes.start + 4 * (size_t)node[0];
+    return gn_fail(error, GNEISS_ERROR_INPUT,
+                   "%s: expected elements with a volume, found %s %d (base 0) at (%g, %g, %g) m "
+                   "with %g m%d",
+                   b->body->name, gn_fem_kind(b->body->dimension), id, x[0], x[1], x[2], volume,
+                   b->body->dimension);
+}
+
+/* Element e of the body from element `id` of the mesh; nodes in the mesh's order, the last two
+ * exchanged when it is inside out. */
+static gneiss_status make_element(builder *b, size_t e, int32_t id, gneiss_error *error) {
+    enum { ROUND_OFF = 64 };
+    gn_fem_body *body = b->body;
+    const int d = body->dimension;
+    gn_elements *q = &body->elements;
+    const double *x[4];
+    int32_t node[4] = {0};
+    memcpy(node, b->solids->node + (size_t)(d + 1) * (size_t)id, (size_t)(d + 1) * sizeof *node);
+    double gradient[3][3], volume = 0.0;
+    for (int turn = 0; turn < 2; turn++) {
+        for (int a = 0; a <= d; a++) x[a] = body->nodes.start + 4 * (size_t)node[a];
+        volume = gradients(d, x, gradient);
+        if (turn || !(volume < 0.0)) break;
+        int32_t last = node[d];
+        node[d] = node[d - 1];
+        node[d - 1] = last;
+        body->turned_elements++;
+    }
+    if (!(volume > ROUND_OFF * 2.2e-16 * pow(longest_edge(d, x), d)))
+        return no_volume(b, id, node, volume, error);
+    const gn_fem_material *m = &b->spec->materials[b->material[id]];
+    q->id[e] = id;
+    q->material[e] = b->material[id];
+    q->volume[e] = volume;
+    q->mu[e] = 0.5 * m->young / (1.0 + m->poisson);
+    q->lambda[e] = 2.0 * q->mu[e] * m->poisson / (1.0 - 2.0 * m->poisson);
+    for (int a = 0; a <= d; a++) {
+        gn_elements_node(q, a)[e] = node[a];
+        for (int k = 0; a && k < d; k++) gn_elements_gradient(q, a, k)[e] = gradient[a - 1][k];
+        body->nodes.vel[4 * (size_t)node[a] + 3] += m->density * volume / (d + 1);
+    }
+    body->volume += volume;
+    body->mass += m->density * volume;
+    return GNEISS_OK;
+}
+
+static gneiss_status make_elements(builder *b, gneiss_error *error) {
+    gn_fem_body *body = b->body;
+    GN_TRY(
+        gn_soa_create(&gn_element_record, &body->elements, b->solids->count, body->effects, error));
+    sorted_element *order = sort_elements(b);
+    gneiss_status status = order ? GNEISS_OK : out_of_memory(b, error);
+    for (size_t e = 0; e < b->solids->count && status == GNEISS_OK; e++)
+        status = make_element(b, e, order[e].id, error);
+    gn_free(order);
+    GN_TRY(status);
+    /* The sums of masses become their inverses. */
+    for (size_t n = 0; n < body->nodes.soa.count; n++)
+        body->nodes.vel[4 * n + 3] = 1.0 / body->nodes.vel[4 * n + 3];
+    bool uniform = b->spec->material_count == 1;
+    body->uniform.lambda = body->uniform.mu = uniform ? ~(size_t)0 : 0;
+    gn_elements_pad(&body->elements, &body->nodes);
+    return GNEISS_OK;
+}
+
+/* --- all of it
+ * --------------------------------------------------------------------------------- */
+
+static gneiss_status prepare(gn_fem_body *body, const gn_fem_spec *spec, gneiss_error *error) {
+    bool space = spec->dimension == 3;
+    snprintf(body->name, sizeof body->name, "%s", spec->name ? spec->name : "mesh");
+    body->dimension = spec->dimension;
+    body->threads = spec->threads > 0 ? spec->threads : 1;
+    body->pace = gn_pace_start(body->threads, 32, 512, 32768);
+    memcpy(body->gravity, spec->gravity, (size_t)spec->dimension * sizeof *body->gravity);
+    body->damping_coefficient = spec->damping_coefficient;
+    body->effects = GN_FX_APPLIED | GN_FX_PRESCRIBED | GN_FX_ENERGY | spec->damping;
+    if (space) body->effects |= GN_FX_SPACE;
+    for (int k = 0; k < 3; k++)
+        if (body->gravity[k] != 0.0) body->effects |= GN_FX_GRAVITY;
+    GN_TRY(gn_kernel_set_choose(spec->isa, &body->kernels, error));
+    for (int measure = 0; measure < 2; measure++)
+        body->element_kernel[measure] = body->kernels->element[gn_element_variant(space, measure)];
+    return gn_motion_kernel_choose(body->kernels, body->effects, &body->motion_kernel, error);
+}
+
+static gneiss_status make_sums(builder *b, gneiss_error *error) {
+    gn_fem_body *body = b->body;
+    size_t nodes = body->nodes.soa.count;
+    GN_TRY(
+        gn_element_partials_build(&body->elements, nodes, body->threads, &body->partials, error));
+    body->motion_blocks = (nodes + GN_PARTICLE_BLOCK - 1) / GN_PARTICLE_BLOCK;
+    body->element_sums = gn_alloc_array(body->partials.blocks + 1, sizeof *body->element_sums);
+    body->motion_sums = gn_alloc_array(body->motion_blocks + 1, sizeof *body->motion_sums);
+    return body->element_sums && body->motion_sums ? GNEISS_OK : out_of_memory(b, error);
+}
+
+static gneiss_status build(builder *b, gneiss_error *error) {
+    gn_fem_body *body = b->body;
+    if (b->spec->dimension != 2 && b->spec->dimension != 3)
+        return gn_fail(error, GNEISS_ERROR_INPUT,
+                       "finite elements: expected dimension 2 or 3, found %d", b->spec->dimension);
+    GN_TRY(prepare(body, b->spec, error));
+    if (!b->solids->count)
+        return gn_fail(error, GNEISS_ERROR_INPUT,
+                       "%s: expected a mesh with %s elements, found none (%zu lines, %zu "
+                       "triangles, %zu tetrahedra)",
+                       body->name, gn_fem_kind(body->dimension), body->mesh.lines.count,
+                       body->mesh.triangles.count, body->mesh.tetrahedra.count);
+    GN_TRY(check_plane(body, b->solids, error));
+    GN_TRY(give_materials(b, error));
+    gn_particles given = {0};
+    gneiss_status status = take_nodes(b, &given, error);
+    if (status == GNEISS_OK) status = order_nodes(b, &given, error);
+    gn_soa_destroy(&gn_particle_record, &given);
+    GN_TRY(status);
+    GN_TRY(renumber_mesh(b, error));
+    GN_TRY(make_elements(b, error));
+    return make_sums(b, error);
+}
+
+gneiss_status gn_fem_body_create(const gn_fem_spec *spec, gn_mesh *mesh, gn_fem_body *body,
+                                 gneiss_error *error) {
+    memset(body, 0, sizeof *body);
+    body->mesh = *mesh;
+    memset(mesh, 0, sizeof *mesh);
+    builder b = {.body = body, .spec = spec};
+    b.solids = gn_fem_elements_of(&body->mesh, spec->dimension);
+    gneiss_status status = build(&b, error);
+    gn_free(b.place);
+    gn_free(b.material);
+    if (status != GNEISS_OK) gn_fem_body_free(body);
+    return status;
+}
+
+void gn_fem_body_free(gn_fem_body *body) {
+    gn_prescription *q = &body->prescribed;
+    void *blocks[] = {q->set,
+                      q->mask,
+                      q->velocity,
+                      q->load,
+                      body->channel,
+                      body->element_sums,
+                      body->motion_sums,
+                      body->density};
+    gn_mesh_free(&body->mesh);
+    gn_soa_destroy(&gn_particle_record, &body->nodes);
+    gn_soa_destroy(&gn_element_record, &body->elements);
+    gn_partials_free(&body->partials);
+    for (size_t k = 0; k < sizeof blocks / sizeof *blocks; k++) gn_free(blocks[k]);
+    memset(body, 0, sizeof *body);
+}
+
+uint64_t gn_fem_hash(const gn_fem_body *body) {
+    uint64_t h = gn_soa_hash(&gn_particle_record, &body->nodes, GN_HASH_SEED);
+    h = gn_soa_hash(&gn_element_record, &body->elements, h);
+    h = gn_hash_bytes(&body->time, sizeof body->time, h);
+    return gn_hash_bytes(&body->step, sizeof body->step, h);
+}

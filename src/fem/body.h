@@ -1,0 +1,163 @@
+/* A body of explicit finite elements: linear triangles in plane strain (1 m thick) or tetrahedra,
+ * linear elastic, large rotations, plain displacement form.
+ *
+ * Flow: gn_fem_body_create (mesh -> nodes, elements), loads.c (sets, loads), gn_fem_limits (time
+ * step), gn_fem_step, stress.c (readings), gn_fem_body_free. Nodes are a particle record, so that
+ * the motion kernels move them; the elements' kernel is kernels/element_template.c. */
+#ifndef GN_FEM_BODY_H
+#define GN_FEM_BODY_H
+
+#include "base/pace.h"
+#include "io/mesh.h"
+#include "kernels/dispatch.h"
+
+typedef struct gn_fem_material {
+    const char *group;              /* of elements, by name or tag; NULL: all elements */
+    double young, poisson, density; /* Pa, -, kg/m3 */
+} gn_fem_material;
+
+typedef struct gn_fem_spec {
+    const char *name; /* of the mesh, for messages */
+    int dimension;    /* 2: the mesh's triangles, all z equal; 3: its tetrahedra */
+    const gn_fem_material *materials;
+    size_t material_count; /* an element has the last material that names it */
+    double gravity[3];     /* m/s2; in 2D the third is ignored */
+    gn_effects damping;    /* 0 or one kind of background damping, GN_FX_VISCOUS ... */
+    double damping_coefficient;
+    int threads;     /* 0: one */
+    const char *isa; /* instruction set, NULL: automatic */
+} gn_fem_spec;
+
+/* J. Works are trapezoidal; kinetic is 1/2 m v(-) v(+), see docs/design.md. */
+typedef struct gn_fem_energy {
+    double kinetic, elastic;                            /* of the last measured instant */
+    double work_prescribed, work_applied, work_gravity; /* done on the body so far */
+    double damping;                                     /* dissipated so far */
+    double stored_at_start;
+} gn_fem_energy;
+
+typedef struct gn_fem_body {
+    char name[128];
+    int dimension, threads;
+    gn_effects effects;
+    gn_mesh mesh; /* its nodes and all its elements in the body's numbering of nodes; facets without
+                     solid elements behind them left out */
+    gn_particles nodes;   /* along a Morton curve; id: node of the mesh as it was given */
+    gn_elements elements; /* sorted by nodes; id: place in the mesh's list */
+    gn_element_uniform uniform;
+    gn_partials partials, none;
+    size_t unused_nodes;    /* nodes of the mesh that no element uses: dropped */
+    size_t turned_elements; /* elements that were turned inside out in the mesh: turned back */
+    double volume, mass;    /* m3, kg, at the start */
+    double *density;        /* [materials] kg/m3 */
+
+    const gn_kernel_set *kernels;
+    gn_element_kernel *element_kernel[2]; /* plain, measuring */
+    gn_motion_kernel *motion_kernel;
+    double gravity[3], damping_coefficient;
+    gn_prescription prescribed;
+    int32_t (*channel)[3]; /* [prescribed.count] motion that drives a component, -1: free */
+    int32_t motion_count;
+
+    gn_element_sums *element_sums; /* per block of elements */
+    gn_motion_sums *motion_sums;   /* per block of nodes */
+    size_t motion_blocks;
+    gn_pace pace;
+
+    int64_t step;
+    double time, dt_past;
+    gn_fem_energy energy;    /* running */
+    gn_fem_energy reading;   /* at the last measured instant */
+    gn_element_sums elastic; /* of the last measured instant, all elements; `element` by place */
+} gn_fem_body;
+
+/* Takes over the contents of `mesh` (also on failure, when they are freed). Errors are
+ * GNEISS_ERROR_INPUT: material out of range (the explicit displacement form needs nu < 0.5), no
+ * elements, an element without volume or material, a missing group. */
+gneiss_status gn_fem_body_create(const gn_fem_spec *spec, gn_mesh *mesh, gn_fem_body *body,
+                                 gneiss_error *error);
+void gn_fem_body_free(gn_fem_body *body);
+
+/* --- sets and loads (loads.c)
+ * ---------------------------------------------------------------------------------- */
+
+/* Nodes by their places in the body. */
+typedef struct gn_fem_set {
+    size_t count;
+    int32_t *node; /* [count] ascending; gn_alloc'ed */
+} gn_fem_set;
+
+/* The nodes of a physical group of any dimension, by name or tag. GNEISS_ERROR_INPUT names the
+ * groups there are. */
+gneiss_status gn_fem_nodes_of_group(const gn_fem_body *body, const char *group, gn_fem_set *set,
+                                    gneiss_error *error);
+/* The nodes that start in a box, boundary included. GNEISS_ERROR_INPUT when there are none. */
+gneiss_status gn_fem_nodes_in_box(const gn_fem_body *body, const double lower[3],
+                                  const double upper[3], gn_fem_set *set, gneiss_error *error);
+void gn_fem_set_free(gn_fem_set *set);
+
+/* Prescribes components (mask, bit k: x y z) of the velocity; later calls win. *motion is the
+ * number under which the velocity is changed and the reaction asked for. To be called before the
+ * first step: nodes start with what is prescribed. */
+gneiss_status gn_fem_prescribe(gn_fem_body *body, const gn_fem_set *set, unsigned mask,
+                               const double velocity[3], int32_t *motion, gneiss_error *error);
+void gn_fem_set_velocity(gn_fem_body *body, int32_t motion, const double velocity[3]);
+/* N: what the prescription supplied at the instant the last step started from. */
+void gn_fem_reaction(const gn_fem_body *body, int32_t motion, double force[3]);
+
+/* N, to every node of a set, on top of what is there. */
+void gn_fem_add_force(gn_fem_body *body, const gn_fem_set *set, const double force[3]);
+/* Pa, of fixed direction, on the facets of a group (lines in 2D), lumped to their nodes, on top. */
+gneiss_status gn_fem_add_traction(gn_fem_body *body, const char *group, const double traction[3],
+                                  gneiss_error *error);
+
+/* --- time step (limit.c)
+ * --------------------------------------------------------------------------------------- */
+
+typedef struct gn_fem_limit {
+    double bound;          /* s, never above the limit of the linearised body at the start */
+    int32_t bound_element; /* that sets it, by its id */
+    double sharp;          /* s: 2/w_max by Lanczos */
+    double sharp_low;      /* s: 2/sqrt(Ritz value + residual), never below `bound` */
+    int32_t sharp_element; /* with the largest share of the energy of the fastest mode, by its id */
+    int32_t sharp_node;    /* with the largest share in it, by its id */
+    int iterations;        /* Lanczos vectors */
+    double frequency;      /* w_max, rad/s */
+} gn_fem_limit;
+
+/* About the reference state, prescribed components immovable. Non-viscous background damping a
+ * takes 1/sqrt(1 + a) of the limit (see docs/design.md), viscous none; both are left out here.
+ * Without anything that can move both limits are INFINITY. `tolerance`: as gn_step_limits. The same
+ * for any number of threads. */
+gneiss_status gn_fem_limits(gn_fem_body *body, double tolerance, gn_fem_limit *limit,
+                            gneiss_error *error);
+/* Only the bound and the element that sets it. */
+gneiss_status gn_fem_bound(gn_fem_body *body, gn_fem_limit *limit, gneiss_error *error);
+
+/* --- step (step.c)
+ * --------------------------------------------------------------------------------------------- */
+
+/* Advances by one step. Forces, reactions and, with `measure`, `reading` and `elastic` are those of
+ * the instant at which the step starts; positions, velocities and time those at its end.
+ * GNEISS_ERROR_UNSTABLE: an element inside out (looked for in measured steps and every
+ * GN_FEM_CHECK_EVERY steps), or a velocity that is not finite; the state is the last computed. */
+enum { GN_FEM_CHECK_EVERY = 64 };
+gneiss_status gn_fem_step(gn_fem_body *body, double dt, bool measure, gneiss_error *error);
+
+/* Stored energy less what it was and what came in, plus what was lost: of `reading`, in J. */
+double gn_fem_energy_residual(const gn_fem_energy *energy);
+
+/* Hash of the state: nodes, elements, time. */
+uint64_t gn_fem_hash(const gn_fem_body *body);
+
+/* --- readings (stress.c)
+ * --------------------------------------------------------------------------------------- */
+
+/* Pa, Cauchy, tension positive, of the present positions: xx yy zz xy yz zx per element, by place.
+ */
+void gn_fem_element_stress(const gn_fem_body *body, double (*stress)[6]);
+/* The same at nodes: mean over the elements at the node, weighted by their volumes. */
+gneiss_status gn_fem_nodal_stress(const gn_fem_body *body, const double (*element)[6],
+                                  double (*nodal)[6], gneiss_error *error);
+
+#endif

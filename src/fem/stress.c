@@ -1,0 +1,67 @@
+/* Stresses of the present positions, for output: plain code. */
+#include "base/memory.h"
+#include "fem/parts.h"
+
+#include <string.h>
+
+/* F, and its determinant; plane strain has F_zz = 1. */
+static double deformation(const gn_fem_body *body, size_t e, double f[3][3]) {
+    const gn_elements *q = &body->elements;
+    const double *first = body->nodes.pos + 4 * (size_t)gn_elements_node(q, 0)[e];
+    memset(f, 0, 9 * sizeof(double));
+    f[2][2] = body->dimension == 2 ? 1.0 : 0.0;
+    for (int a = 1; a <= body->dimension; a++) {
+        const double *x = body->nodes.pos + 4 * (size_t)gn_elements_node(q, a)[e];
+        for (int i = 0; i < body->dimension; i++)
+            for (int k = 0; k < body->dimension; k++)
+                f[i][k] += (x[i] - first[i]) * gn_elements_gradient(q, a, k)[e];
+    }
+    return f[0][0] * (f[1][1] * f[2][2] - f[1][2] * f[2][1]) -
+           f[0][1] * (f[1][0] * f[2][2] - f[1][2] * f[2][0]) +
+           f[0][2] * (f[1][0] * f[2][1] - f[1][1] * f[2][0]);
+}
+
+static void second_piola(const gn_elements *q, size_t e, double f[3][3], double s[3][3]) {
+    double trace = 0.0;
+    for (int k = 0; k < 3; k++)
+        for (int l = 0; l < 3; l++) {
+            double c = f[0][k] * f[0][l] + f[1][k] * f[1][l] + f[2][k] * f[2][l] - (k == l);
+            s[k][l] = q->mu[e] * c;
+            if (k == l) trace += 0.5 * c;
+        }
+    for (int k = 0; k < 3; k++) s[k][k] += q->lambda[e] * trace;
+}
+
+void gn_fem_element_stress(const gn_fem_body *body, double (*stress)[6]) {
+    static const int row[6] = {0, 1, 2, 0, 1, 2}, column[6] = {0, 1, 2, 1, 2, 0};
+#pragma omp parallel for num_threads(body->threads) schedule(static)
+    for (size_t e = 0; e < body->elements.soa.count; e++) {
+        double f[3][3], s[3][3], det = deformation(body, e, f);
+        second_piola(&body->elements, e, f, s);
+        for (int c = 0; c < 6; c++) {
+            double sum = 0.0;
+            for (int k = 0; k < 3; k++)
+                for (int l = 0; l < 3; l++) sum += f[row[c]][k] * s[k][l] * f[column[c]][l];
+            stress[e][c] = sum / det;
+        }
+    }
+}
+
+gneiss_status gn_fem_nodal_stress(const gn_fem_body *body, const double (*element)[6],
+                                  double (*nodal)[6], gneiss_error *error) {
+    const gn_elements *q = &body->elements;
+    const size_t nodes = body->nodes.soa.count;
+    double *volume = gn_alloc_array(nodes + 1, sizeof *volume);
+    if (!volume) return gn_fail(error, GNEISS_ERROR_MEMORY, "no memory for %zu nodes", nodes);
+    memset(nodal, 0, nodes * sizeof *nodal);
+    for (size_t e = 0; e < q->soa.count; e++)
+        for (int a = 0; a <= body->dimension; a++) {
+            size_t n = (size_t)gn_elements_node(q, a)[e];
+            volume[n] += q->volume[e];
+            for (int c = 0; c < 6; c++) nodal[n][c] += q->volume[e] * element[e][c];
+        }
+    for (size_t n = 0; n < nodes; n++)
+        for (int c = 0; c < 6; c++) nodal[n][c] /= volume[n];
+    gn_free(volume);
+    return GNEISS_OK;
+}

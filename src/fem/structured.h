@@ -1,0 +1,24 @@
+/* Built-in meshes of boxes and rectangles. */
+#ifndef GN_FEM_STRUCTURED_H
+#define GN_FEM_STRUCTURED_H
+
+#include "io/mesh.h"
+
+#include <stdint.h>
+
+typedef struct gn_structured {
+    double lower[3], size[3]; /* m; in 2D the plane is z = 0 */
+    int32_t cells[3];         /* per direction, > 0 */
+    double
+        distortion; /* 0: none; nodes move at random by up to this part of a cell's sides, those of
+                       the boundary along it; < 1/4 in 2D, < 1/6 in 3D, so that nothing inverts */
+    uint64_t seed;  /* of the distortion */
+} gn_structured;
+
+/* Cells are split in two triangles (five tetrahedra), mirrored from cell to cell like the colours
+ * of a chess-board, so that no direction is preferred. Groups: "body" and, per side, "x_lower",
+ * "x_upper", "y_lower", ... of lines (triangles). On failure *mesh is empty. */
+gneiss_status gn_mesh_rectangle(const gn_structured *spec, gn_mesh *mesh, gneiss_error *error);
+gneiss_status gn_mesh_box(const gn_structured *spec, gn_mesh *mesh, gneiss_error *error);
+
+#endif

@@ -1,0 +1,49 @@
+/* Linear finite elements: what a kernel gets and gives, and the table of variants. */
+#ifndef GN_KERNELS_ELEMENT_H
+#define GN_KERNELS_ELEMENT_H
+
+#include "kernels/partials.h"
+#include "soa/records.h"
+
+#include <math.h>
+
+/* Per parameter 0, or all ones when all elements share the value (see gn_uniform). */
+typedef struct gn_element_uniform {
+    size_t lambda, mu;
+} gn_element_uniform;
+
+typedef struct gn_element_args {
+    const double *pos; /* node rows [n][4] */
+    const gn_elements *elements;
+    gn_element_uniform uniform;
+    const gn_partials *partials; /* of `elements`: where forces are summed; rows are written */
+} gn_element_args;
+
+/* What measuring variants sum up; start from GN_ELEMENT_SUMS_ZERO. */
+typedef struct gn_element_sums {
+    double elastic;   /* J */
+    double stress[9]; /* N m: sum of current volume x Cauchy stress */
+    double volume;    /* m3, current */
+    double least;     /* smallest det F */
+    int64_t element;  /* the element that has it, -1: none; of equals the first */
+} gn_element_sums;
+
+#define GN_ELEMENT_SUMS_ZERO ((gn_element_sums){.least = INFINITY, .element = -1})
+
+/* Works on elements [begin, end) of one block of the partial sums; vectors may run past `end` into
+ * padding. Sets the block's partial sums; measuring variants add to *sums. */
+typedef void gn_element_kernel(const gn_element_args *args, size_t begin, size_t end,
+                               gn_element_sums *sums);
+
+enum { GN_ELEMENT_VARIANTS = 4 };
+
+/* Bit 0: tetrahedra in space instead of triangles in plane strain; bit 1: measures. */
+static inline unsigned gn_element_variant(bool space, bool measure) {
+    return (space ? 1u : 0u) | (measure ? 2u : 0u);
+}
+
+extern gn_element_kernel *const gn_element_table_scalar[GN_ELEMENT_VARIANTS];
+extern gn_element_kernel *const gn_element_table_avx2[GN_ELEMENT_VARIANTS];
+extern gn_element_kernel *const gn_element_table_avx512[GN_ELEMENT_VARIANTS];
+
+#endif

@@ -1,0 +1,586 @@
+/* Bodies of finite elements at rest: patch test, rotation, loads, reactions, and what is refused.
+ */
+#include "fem_helpers.h"
+
+#include <unistd.h>
+
+static const double sizes[2][3] = {{1.0, 0.7, 0.0}, {1.0, 0.7, 0.8}};
+static const int cells[2][3] = {{9, 6, 0}, {5, 4, 4}};
+
+static double distortion_of(int d) {
+    return d == 3 ? 0.16 : 0.24;
+}
+
+static gn_fem_body *distorted_body(int d) {
+    gn_fem_spec spec = spec_of(d, &rock);
+    return body_of(&spec, mesh_of(sizes[d - 2], cells[d - 2], distortion_of(d)));
+}
+
+/* x = F X for all nodes. */
+static void place(gn_fem_body *body, double f[3][3]) {
+    for (size_t n = 0; n < body->nodes.soa.count; n++)
+        for (int k = 0; k < body->dimension; k++)
+            body->nodes.pos[4 * n + (size_t)k] = dot3(f[k], body->nodes.start + 4 * n);
+}
+
+static bool on_boundary(const gn_fem_body *body, size_t n) {
+    const double *x = body->nodes.start + 4 * n, *size = sizes[body->dimension - 2];
+    bool on = false;
+    for (int k = 0; k < body->dimension; k++) on = on || x[k] == 0.0 || x[k] == size[k];
+    return on;
+}
+
+/* A homogeneous deformation with strains of about 1e-3. */
+static void small_deformation(int d, double f[3][3]) {
+    uint64_t at = 40;
+    for (int i = 0; i < 3; i++)
+        for (int k = 0; k < 3; k++) {
+            bool there = d == 3 || (i < 2 && k < 2);
+            f[i][k] = (i == k ? 1.0 : 0.0) + (there ? uniform(&at, -1e-3, 1e-3) : 0.0);
+        }
+}
+
+/* Stresses of all elements against F S F^T/det F; allowed in parts of Young's modulus. */
+static void assert_stress(const gn_fem_body *body, double f[3][3], double allowed) {
+    static const int at[6][2] = {{0, 0}, {1, 1}, {2, 2}, {0, 1}, {1, 2}, {2, 0}};
+    double sigma[3][3], (*stress)[6] = calloc(body->elements.soa.count, sizeof *stress);
+    cauchy(f, lame_lambda(&rock), lame_mu(&rock), sigma);
+    gn_fem_element_stress(body, stress);
+    for (size_t e = 0; e < body->elements.soa.count; e++)
+        for (int c = 0; c < 6; c++)
+            assert_near(stress[e][c], sigma[at[c][0]][at[c][1]], allowed * rock.young);
+    free(stress);
+}
+
+/* Positions have an error of 2^-53 in the body's unit length and strains of 2^-53 over the size of
+ * an element; slender ones add up a few. */
+enum { ROUND_OFF = 64, DRIVE = 200 };
+static double strain_round_off(int d) {
+    return ROUND_OFF * 0x1p-53 * (d == 3 ? 5.0 : 9.0);
+}
+
+static void linear_displacements_leave_no_force_inside_and_exact_stress(void **state) {
+    (void)state;
+    for (int d = 2; d <= 3; d++) {
+        gn_fem_body *body = distorted_body(d);
+        double f[3][3];
+        small_deformation(d, f);
+        place(body, f);
+        fem_evaluate(body);
+        assert_stress(body, f, strain_round_off(d));
+        size_t inside = 0;
+        for (size_t n = 0; n < body->nodes.soa.count; n++) {
+            double force[3], area = d == 3 ? 0.2 * 0.2 : 0.12;
+            fem_force(&body->partials, (int32_t)n, force);
+            inside += !on_boundary(body, n);
+            for (int k = 0; k < d && !on_boundary(body, n); k++)
+                assert_near(force[k], 0.0, strain_round_off(d) * rock.young * area);
+        }
+        assert_int_equal(inside, d == 3 ? 4 * 3 * 3 : 8 * 5);
+        body_end(body);
+    }
+}
+
+/* Drives the boundary nodes to F X in so many steps. */
+static void drive_boundary(gn_fem_body *body, double f[3][3], double dt, int steps) {
+    gn_fem_set set = {.node = calloc(body->nodes.soa.count, sizeof(int32_t))};
+    const double rest[3] = {0.0};
+    int32_t motion;
+    for (size_t n = 0; n < body->nodes.soa.count; n++)
+        if (on_boundary(body, n)) set.node[set.count++] = (int32_t)n;
+    assert_int_equal(gn_fem_prescribe(body, &set, 7, rest, &motion, NULL), GNEISS_OK);
+    for (size_t s = 0; s < set.count; s++) {
+        const size_t node = (size_t)set.node[s], slot = (size_t)body->nodes.slot[node];
+        const double *x = body->nodes.start + 4 * node;
+        for (int k = 0; k < body->dimension; k++)
+            body->prescribed.velocity[6 * slot + (size_t)k] = (dot3(f[k], x) - x[k]) / (dt * steps);
+    }
+    for (int s = 0; s < steps; s++) fem_step(body, dt, false);
+    gn_fem_set_velocity(body, motion, rest);
+    free(set.node);
+}
+
+static void a_body_whose_boundary_moves_linearly_relaxes_to_linear_displacements(void **state) {
+    (void)state;
+    for (int d = 2; d <= 3; d++) {
+        gn_fem_spec spec = spec_of(d, &rock);
+        spec.damping = GN_FX_VISCOUS;
+        spec.damping_coefficient = 2.0 * 4e3 * 3.14; /* 1/s, critical for waves of a metre or so */
+        gn_fem_body *body = body_of(&spec, mesh_of(sizes[d - 2], cells[d - 2], distortion_of(d)));
+        double f[3][3], dt = 0.9 * fem_limits(body).sharp;
+        small_deformation(d, f);
+        drive_boundary(body, f, dt, DRIVE);
+        for (int s = 0; s < 4000; s++) fem_step(body, dt, false);
+        const double off = DRIVE * 0x1p-53; /* roundings of positions on the way */
+        for (size_t n = 0; n < body->nodes.soa.count; n++)
+            for (int k = 0; k < d; k++)
+                assert_near(body->nodes.pos[4 * n + (size_t)k],
+                            dot3(f[k], body->nodes.start + 4 * n), 2.0 * off);
+        assert_stress(body, f, 2.0 * strain_round_off(d) * DRIVE / ROUND_OFF);
+        body_end(body);
+    }
+}
+
+static void large_homogeneous_deformation_gives_the_closed_form_of_the_material(void **state) {
+    (void)state;
+    for (int d = 2; d <= 3; d++) {
+        gn_fem_body *body = distorted_body(d);
+        double f[3][3] = {{1.3, 0.4, 0.0}, {-0.2, 0.8, 0.0}, {0.0, 0.0, 1.0}}, s[3][3];
+        if (d == 3) f[0][2] = 0.3;
+        if (d == 3) f[2][1] = -0.25;
+        place(body, f);
+        fem_evaluate(body);
+        assert_stress(body, f, 4.0 * strain_round_off(d));
+        double density = kirchhoff(f, lame_lambda(&rock), lame_mu(&rock), s);
+        assert_close(body->reading.elastic, density * body->volume, 1e-12);
+        assert_close(body->elastic.volume, determinant(f) * body->volume, 1e-12);
+        assert_close(body->elastic.least, determinant(f), 1e-12);
+        body_end(body);
+    }
+}
+
+static void a_full_turn_leaves_no_stress_at_any_angle(void **state) {
+    (void)state;
+    for (int d = 2; d <= 3; d++) {
+        gn_fem_body *body = distorted_body(d);
+        const double axis[3] = {d == 3 ? 0.4 : 0.0, d == 3 ? -0.7 : 0.0, 1.0};
+        double still[3][3] = {{1.0, 0.0, 0.0}, {0.0, 1.0, 0.0}, {0.0, 0.0, 1.0}}, r[3][3];
+        for (int angle = 0; angle <= 360; angle += 15) {
+            rotation(axis, angle * pi / 180.0, r);
+            place(body, r);
+            fem_evaluate(body);
+            assert_stress(body, still, strain_round_off(d));
+            assert_near(body->reading.elastic, 0.0,
+                        rock.young * strain_round_off(d) * strain_round_off(d));
+        }
+        body_end(body);
+    }
+}
+
+static void nodal_stress_of_a_homogeneous_state_is_that_state(void **state) {
+    (void)state;
+    for (int d = 2; d <= 3; d++) {
+        gn_fem_body *body = distorted_body(d);
+        double f[3][3];
+        small_deformation(d, f);
+        place(body, f);
+        double(*element)[6] = calloc(body->elements.soa.count, sizeof *element);
+        double(*nodal)[6] = calloc(body->nodes.soa.count, sizeof *nodal);
+        gn_fem_element_stress(body, element);
+        assert_int_equal(gn_fem_nodal_stress(body, (const double(*)[6])element, nodal, NULL),
+                         GNEISS_OK);
+        for (size_t n = 0; n < body->nodes.soa.count; n++)
+            for (int c = 0; c < 6; c++)
+                assert_near(nodal[n][c], element[0][c], 2.0 * strain_round_off(d) * rock.young);
+        free(element);
+        free(nodal);
+        body_end(body);
+    }
+}
+
+/* --- meshes --- */
+
+static void structured_meshes_fill_their_box(void **state) {
+    (void)state;
+    for (int d = 2; d <= 3; d++) {
+        gn_fem_body *body = distorted_body(d);
+        double volume = sizes[d - 2][0] * sizes[d - 2][1] * (d == 3 ? sizes[1][2] : 1.0);
+        assert_close(body->volume, volume, 1e-13);
+        assert_close(body->mass, volume * rock.density, 1e-13);
+        assert_int_equal(body->turned_elements, 0);
+        assert_int_equal(body->unused_nodes, 0);
+        double mass = 0.0;
+        for (size_t n = 0; n < body->nodes.soa.count; n++) mass += 1.0 / body->nodes.vel[4 * n + 3];
+        assert_close(mass, body->mass, 1e-13);
+        body_end(body);
+    }
+}
+
+/* The sides' facets are those of the elements: the mesh's own boundary has no others. */
+static void sides_of_structured_meshes_are_their_boundary(void **state) {
+    (void)state;
+    for (int d = 2; d <= 3; d++) {
+        gn_mesh mesh = mesh_of(sizes[d - 2], cells[d - 2], 0.1);
+        gneiss_error error = {0};
+        const gn_mesh_elements *sides = d == 3 ? &mesh.triangles : &mesh.lines;
+        size_t count = sides->count;
+        if (gn_mesh_boundary(&mesh, d, "box", &error) != GNEISS_OK) fail_msg("%s", error.message);
+        assert_int_equal(sides->count, count);
+        for (size_t f = 0; f < sides->count; f++) assert_in_range(sides->group[f], 2, 1 + 2 * d);
+        gn_mesh_free(&mesh);
+    }
+}
+
+static void nodes_and_elements_lie_close_together(void **state) {
+    (void)state;
+    const double size[3] = {1.0, 1.0, 1.0};
+    const int many[3] = {20, 20, 20};
+    gn_fem_spec spec = spec_of(3, &rock);
+    gn_fem_body *body = body_of(&spec, mesh_of(size, many, 0.0));
+    /* A block of 1024 elements has about as many nodes as a cube of 205 cells, 7^3; along the curve
+     * cubes are cut in pieces. */
+    const gn_partials *q = &body->partials;
+    assert_true(q->length >= 512);
+    assert_true((double)q->first[q->blocks] / (double)q->blocks < 0.55 * (double)q->length);
+    for (size_t n = 0; n < body->nodes.soa.count; n++)
+        assert_memory_equal(body->nodes.start + 4 * n, body->mesh.node + 3 * n, 3 * sizeof(double));
+    body_end(body);
+}
+
+/* --- loads --- */
+
+static void a_traction_gives_its_area_times_itself(void **state) {
+    (void)state;
+    for (int d = 2; d <= 3; d++) {
+        gn_fem_body *body = distorted_body(d);
+        const double traction[3] = {3e4, -2e4, d == 3 ? 1e4 : 0.0};
+        double area = sizes[d - 2][1] * (d == 3 ? sizes[1][2] : 1.0), sum[3] = {0.0}, moment = 0.0;
+        assert_int_equal(gn_fem_add_traction(body, "x_upper", traction, NULL), GNEISS_OK);
+        for (size_t n = 0; n < body->nodes.soa.count; n++) {
+            const double *f = body->nodes.applied + 4 * n, *x = body->nodes.start + 4 * n;
+            for (int k = 0; k < 3; k++) sum[k] += f[k];
+            moment += x[1] * f[0];
+            assert_true(f[0] == 0.0 || x[0] == sizes[d - 2][0]);
+        }
+        for (int k = 0; k < d; k++) assert_close(sum[k], traction[k] * area, 1e-13);
+        assert_close(moment, 0.5 * sizes[d - 2][1] * traction[0] * area, 1e-13);
+        body_end(body);
+    }
+}
+
+static void hold(gn_fem_body *body, const char *group, unsigned mask, int32_t *motion) {
+    const double rest[3] = {0.0};
+    gn_fem_set set;
+    gneiss_error error = {0};
+    if (gn_fem_nodes_of_group(body, group, &set, &error) != GNEISS_OK)
+        fail_msg("%s", error.message);
+    assert_int_equal(gn_fem_prescribe(body, &set, mask, rest, motion, &error), GNEISS_OK);
+    gn_fem_set_free(&set);
+}
+
+/* A block on rollers under its weight and a load on top. */
+static void reactions_carry_weight_and_loads(void **state) {
+    (void)state;
+    for (int d = 2; d <= 3; d++) {
+        gn_fem_spec spec = spec_of(d, &rock);
+        const double traction[3] = {0.0, -1e4, 0.0};
+        int32_t below, left, back;
+        double force[3], area = sizes[d - 2][0] * (d == 3 ? sizes[1][2] : 1.0);
+        spec.gravity[1] = -9.81;
+        spec.damping = GN_FX_VISCOUS;
+        spec.damping_coefficient = 1e4;
+        gn_fem_body *body = body_of(&spec, mesh_of(sizes[d - 2], cells[d - 2], 0.1));
+        hold(body, "y_lower", 2, &below);
+        hold(body, "x_lower", 1, &left);
+        if (d == 3) hold(body, "z_lower", 4, &back);
+        assert_int_equal(gn_fem_add_traction(body, "y_upper", traction, NULL), GNEISS_OK);
+        double dt = 0.9 * fem_limits(body).sharp;
+        for (int s = 0; s < 6000; s++) fem_step(body, dt, s == 0);
+        fem_step(body, dt, true);
+        gn_fem_reaction(body, below, force);
+        assert_close(force[1], 9.81 * body->mass + 1e4 * area, 1e-8);
+        assert_true(force[0] == 0.0); /* the side's, although it has a corner of the base */
+        gn_fem_reaction(body, left, force);
+        assert_near(force[0], 0.0, 1e-8 * 1e4 * area);
+        double scale = body->reading.work_gravity + body->reading.work_applied;
+        /* The ledger is exact for a linear law; the rest of this one is of the size of strains. */
+        assert_near(gn_fem_energy_residual(&body->reading), 0.0, 1e-6 * scale);
+        assert_true(body->reading.damping > 0.1 * scale);
+        body_end(body);
+    }
+}
+
+/* Uniaxial strain by moving sides: the reaction is the confined modulus, and its work is stored. */
+static void prescribed_strain_gives_the_confined_stress(void **state) {
+    (void)state;
+    gn_fem_spec spec = spec_of(2, &rock);
+    spec.damping = GN_FX_VISCOUS;
+    spec.damping_coefficient = 1e4;
+    gn_fem_body *body = body_of(&spec, mesh_of(sizes[0], cells[0], 0.1));
+    int32_t left, below, above, right;
+    hold(body, "y_lower", 2, &below);
+    hold(body, "y_upper", 2, &above);
+    hold(body, "x_lower", 1, &left);
+    hold(body, "x_upper", 1, &right);
+    double dt = 0.9 * fem_limits(body).sharp, force[3];
+    const double pull[3] = {1e-6 / (500.0 * dt), 0.0, 0.0}, rest[3] = {0.0};
+    gn_fem_set_velocity(body, right, pull);
+    for (int s = 0; s < 500; s++) fem_step(body, dt, s == 0);
+    gn_fem_set_velocity(body, right, rest);
+    for (int s = 0; s < 6000; s++) fem_step(body, dt, false);
+    fem_step(body, dt, true);
+    gn_fem_reaction(body, right, force);
+    assert_close(force[0], confined(&rock) * 1e-6 * sizes[0][1],
+                 1e-5); /* strain 1e-6: not linear */
+    gn_fem_reaction(body, left, force);
+    assert_close(force[0], -confined(&rock) * 1e-6 * sizes[0][1], 1e-5);
+    assert_near(gn_fem_energy_residual(&body->reading), 0.0, 1e-6 * body->reading.work_prescribed);
+    body_end(body);
+}
+
+static void two_materials_meet_with_the_same_stress(void **state) {
+    (void)state;
+    const double size[3] = {2.0, 1.0, 0.0};
+    const int grid[3] = {8, 4, 0};
+    gn_mesh mesh = mesh_of(size, grid, 0.0);
+    const gn_fem_material both[2] = {{.young = 10e9, .poisson = 0.2, .density = 2000.0},
+                                     {"hard", 30e9, 0.2, 2600.0}};
+    /* The group of all elements becomes one of the right half. */
+    snprintf(mesh.groups[mesh.group_count - 1].name, GN_MESH_NAME_SIZE, "hard");
+    for (size_t e = 0; e < mesh.triangles.count; e++) {
+        double x = 0.0;
+        for (int a = 0; a < 3; a++)
+            x += mesh.node[3 * mesh.triangles.node[3 * e + (size_t)a]] / 3.0;
+        mesh.triangles.group[e] = x > 1.0 ? 1 : 99;
+    }
+    gn_fem_spec spec = spec_of(2, both);
+    spec.material_count = 2;
+    gn_fem_body *body = body_of(&spec, mesh);
+    assert_close(body->mass, 2000.0 + 2600.0, 1e-13);
+    for (size_t e = 0; e < body->elements.soa.count; e++) {
+        double x = 0.0;
+        for (int a = 0; a < 3; a++)
+            x += body->nodes.start[4 * (size_t)gn_elements_node(&body->elements, a)[e]] / 3.0;
+        assert_close(body->elements.mu[e], lame_mu(&both[x > 1.0]), 1e-14);
+    }
+    /* Under uniaxial strain both halves carry the same stress when strains are inverse to moduli.
+     */
+    for (size_t n = 0; n < body->nodes.soa.count; n++) {
+        double *x = body->nodes.pos + 4 * n;
+        x[0] += 3e-7 * fmin(x[0], 1.0) + 1e-7 * fmax(x[0] - 1.0, 0.0);
+    }
+    fem_evaluate(body);
+    for (size_t n = 0; n < body->nodes.soa.count; n++) {
+        const double *x = body->nodes.start + 4 * n;
+        double force[3];
+        fem_force(&body->partials, (int32_t)n, force);
+        if (x[0] > 0.0 && x[0] < 2.0)
+            assert_near(force[0], 0.0, 1e-6 * confined(&both[0]) * 3e-7 * 0.25);
+    }
+    body_end(body);
+}
+
+/* Two triangles of a unit square, the second one turned, and a node in the air. */
+static const char square_msh[] =
+    "$MeshFormat\n2.2 0 8\n$EndMeshFormat\n"
+    "$PhysicalNames\n2\n1 7 \"base\"\n2 9 \"rock\"\n$EndPhysicalNames\n"
+    "$Nodes\n5\n10 1 1 0\n20 0 0 0\n30 5 5 0\n40 1 0 0\n50 0 1 0\n$EndNodes\n"
+    "$Elements\n3\n1 1 2 7 1 20 40\n2 2 2 9 1 20 40 10\n3 2 2 9 1 20 50 10\n$EndElements\n";
+
+static void a_gmsh_file_becomes_a_body(void **state) {
+    (void)state;
+    char path[] = "/tmp/gneiss_fem_XXXXXX";
+    int file = mkstemp(path);
+    assert_true(file >= 0 && write(file, square_msh, strlen(square_msh)) > 0);
+    close(file);
+    gn_mesh mesh;
+    gneiss_error error = {0};
+    gneiss_status status = gn_mesh_read_msh(path, 2.0, &mesh, &error);
+    remove(path);
+    if (status != GNEISS_OK) fail_msg("%s", error.message);
+    gn_fem_material m = rock;
+    m.group = "rock";
+    gn_fem_spec spec = spec_of(2, &m);
+    gn_fem_body *body = body_of(&spec, mesh);
+    int32_t motion;
+    hold(body, "base", 3, &motion);
+    assert_int_equal(body->prescribed.count, 2);
+    assert_int_equal(body->unused_nodes, 1);
+    assert_int_equal(body->turned_elements, 1);
+    assert_close(body->mass, 4.0 * rock.density, 1e-14);
+    body_end(body);
+}
+
+/* --- what is refused --- */
+
+static void assert_refused(gn_fem_spec spec, gn_mesh mesh, const char *part) {
+    gn_fem_body body;
+    gneiss_error error = {0};
+    assert_int_equal(gn_fem_body_create(&spec, &mesh, &body, &error), GNEISS_ERROR_INPUT);
+    if (!strstr(error.message, part)) fail_msg("'%s' is not in: %s", part, error.message);
+    assert_null(body.nodes.pos);
+}
+
+static gn_mesh plain_mesh(int d) {
+    return mesh_of(sizes[d - 2], cells[d - 2], 0.0);
+}
+
+static void incompressible_material_is_refused(void **state) {
+    (void)state;
+    for (int d = 2; d <= 3; d++) {
+        gn_fem_material m = rock;
+        m.poisson = 0.5;
+        assert_refused(spec_of(d, &m), plain_mesh(d),
+                       "expected Poisson's ratio > -1 and < 0.5, because the explicit displacement "
+                       "form has no stable step");
+        m.poisson = NAN;
+        assert_refused(spec_of(d, &m), plain_mesh(d), "found nan");
+    }
+}
+
+static void a_missing_group_is_named_with_those_there_are(void **state) {
+    (void)state;
+    gn_fem_material m = rock;
+    m.group = "granite";
+    assert_refused(spec_of(3, &m), plain_mesh(3),
+                   "expected a physical group 'granite' of tetrahedron elements with elements, "
+                   "found 'x_lower' (tag 2, 2D), 'x_upper' (tag 3, 2D)");
+    gn_fem_body *body = distorted_body(2);
+    gn_fem_set set;
+    gneiss_error error = {0};
+    const double traction[3] = {1.0, 0.0, 0.0};
+    assert_int_equal(gn_fem_nodes_of_group(body, "lid", &set, &error), GNEISS_ERROR_INPUT);
+    assert_non_null(strstr(error.message, "expected a physical group 'lid'"));
+    assert_int_equal(gn_fem_add_traction(body, "body", traction, &error), GNEISS_ERROR_INPUT);
+    assert_non_null(strstr(error.message, "expected a physical group 'body' of line elements"));
+    const double low[3] = {2.0, 2.0, 2.0}, high[3] = {3.0, 3.0, 3.0};
+    assert_int_equal(gn_fem_nodes_in_box(body, low, high, &set, &error), GNEISS_ERROR_INPUT);
+    assert_non_null(strstr(error.message, "expected nodes in the box from (2, 2, 2)"));
+    body_end(body);
+}
+
+static void elements_without_a_material_are_refused(void **state) {
+    (void)state;
+    gn_mesh mesh = plain_mesh(2);
+    gn_fem_material m = rock;
+    m.group = "body";
+    mesh.triangles.group[17] = 0;
+    assert_refused(spec_of(2, &m), mesh, "found none for number 17 (base 0)");
+}
+
+static void a_mesh_without_elements_is_refused(void **state) {
+    (void)state;
+    assert_refused(spec_of(1, &rock), plain_mesh(2), "expected dimension 2 or 3, found 1");
+    assert_refused(spec_of(3, &rock), plain_mesh(2),
+                   "expected a mesh with tetrahedron elements, found none");
+}
+
+static void elements_without_volume_are_refused_by_number(void **state) {
+    (void)state;
+    gn_mesh mesh = plain_mesh(3);
+    mesh.tetrahedra.node[4 * 31 + 2] = mesh.tetrahedra.node[4 * 31 + 1];
+    assert_refused(spec_of(3, &rock), mesh, "found tetrahedron 31 (base 0)");
+}
+
+static void a_bent_plane_is_refused(void **state) {
+    (void)state;
+    gn_mesh mesh = plain_mesh(2);
+    mesh.node[3 * 5 + 2] = 0.01;
+    assert_refused(spec_of(2, &rock), mesh,
+                   "expected all nodes in one plane z = 0 m, found node 5");
+}
+
+static void mixed_up_order_of_nodes_is_put_right(void **state) {
+    (void)state;
+    for (int d = 2; d <= 3; d++) {
+        gn_mesh mesh = plain_mesh(d);
+        gn_mesh_elements *list = d == 3 ? &mesh.tetrahedra : &mesh.triangles;
+        for (size_t e = 0; e < list->count; e += 3) { /* turned inside out */
+            int32_t *node = list->node + (size_t)(d + 1) * e, first = node[0];
+            node[0] = node[1];
+            node[1] = first;
+        }
+        gn_fem_spec spec = spec_of(d, &rock);
+        gn_fem_body *body = body_of(&spec, mesh);
+        double f[3][3];
+        assert_int_equal(body->turned_elements, (body->elements.soa.count + 2) / 3);
+        small_deformation(d, f);
+        place(body, f);
+        assert_stress(body, f, strain_round_off(d));
+        body_end(body);
+    }
+}
+
+/* A mesh without its last row of cells: their upper nodes are left behind, and the sides' lines
+ * that need them. */
+static void unused_nodes_are_dropped_and_counted(void **state) {
+    (void)state;
+    gn_mesh mesh = plain_mesh(2);
+    gn_fem_spec spec = spec_of(2, &rock);
+    size_t nodes = mesh.node_count, lines = mesh.lines.count;
+    gn_mesh larger = mesh_of((double[3]){1.0, 0.7, 0.0}, (int[3]){9, 7, 0}, 0.0);
+    larger.triangles.count -= 18;
+    gn_fem_body *body = body_of(&spec, larger);
+    assert_int_equal(body->unused_nodes, 10);
+    assert_int_equal(body->nodes.soa.count, nodes);
+    assert_int_equal(body->mesh.node_count, nodes);
+    assert_int_equal(body->mesh.lines.count,
+                     lines - 9); /* the upper side and two lines beside it */
+    gn_fem_set set;
+    gneiss_error error = {0};
+    assert_int_equal(gn_fem_nodes_of_group(body, "y_upper", &set, &error), GNEISS_ERROR_INPUT);
+    assert_int_equal(gn_fem_nodes_of_group(body, "x_lower", &set, &error), GNEISS_OK);
+    assert_int_equal(set.count, 7);
+    for (size_t k = 0; k < set.count; k++) assert_true(body->nodes.start[4 * set.node[k]] == 0.0);
+    gn_fem_set_free(&set);
+    gn_mesh_free(&mesh);
+    body_end(body);
+}
+
+static void an_inverted_element_stops_the_run_with_its_number(void **state) {
+    (void)state;
+    for (int d = 2; d <= 3; d++) {
+        gn_fem_body *body = distorted_body(d);
+        const size_t e = 37;
+        size_t node = (size_t)gn_elements_node(&body->elements, 1)[e];
+        char number[64];
+        gneiss_error error = {0};
+        /* Element 37 alone through the opposite face: move its node 1 so that det F = -1/2. */
+        double g[3], size2 = 0.0;
+        for (int k = 0; k < d; k++) {
+            g[k] = gn_elements_gradient(&body->elements, 1, k)[e];
+            size2 += g[k] * g[k];
+        }
+        for (int k = 0; k < d; k++) body->nodes.pos[4 * node + (size_t)k] -= 1.5 * g[k] / size2;
+        assert_int_equal(gn_fem_step(body, 1e-9, true, &error), GNEISS_ERROR_UNSTABLE);
+        snprintf(number, sizeof number, "%s %d (base 0)", d == 3 ? "tetrahedron" : "triangle",
+                 body->elements.id[body->elastic.element]);
+        assert_true(body->elastic.least <= -0.5 + 1e-12);
+        assert_non_null(strstr(error.message, number));
+        assert_non_null(strstr(error.message, "turned inside out: det F = -"));
+        body_end(body);
+    }
+}
+
+static void too_much_distortion_is_refused(void **state) {
+    (void)state;
+    gn_structured s = {.size = {1.0, 1.0, 1.0}, .cells = {2, 2, 2}, .distortion = 0.25};
+    gn_mesh mesh;
+    gneiss_error error = {0};
+    assert_int_equal(gn_mesh_rectangle(&s, &mesh, &error), GNEISS_ERROR_INPUT);
+    assert_non_null(
+        strstr(error.message, "expected a distortion from 0 to below 0.25, found 0.25"));
+    s.distortion = 0.0;
+    s.cells[2] = 0;
+    assert_int_equal(gn_mesh_box(&s, &mesh, &error), GNEISS_ERROR_INPUT);
+    assert_non_null(strstr(error.message, "at least one cell along z"));
+}
+
+int main(void) {
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(linear_displacements_leave_no_force_inside_and_exact_stress),
+        cmocka_unit_test(a_body_whose_boundary_moves_linearly_relaxes_to_linear_displacements),
+        cmocka_unit_test(large_homogeneous_deformation_gives_the_closed_form_of_the_material),
+        cmocka_unit_test(a_full_turn_leaves_no_stress_at_any_angle),
+        cmocka_unit_test(nodal_stress_of_a_homogeneous_state_is_that_state),
+        cmocka_unit_test(structured_meshes_fill_their_box),
+        cmocka_unit_test(sides_of_structured_meshes_are_their_boundary),
+        cmocka_unit_test(nodes_and_elements_lie_close_together),
+        cmocka_unit_test(a_traction_gives_its_area_times_itself),
+        cmocka_unit_test(reactions_carry_weight_and_loads),
+        cmocka_unit_test(prescribed_strain_gives_the_confined_stress),
+        cmocka_unit_test(two_materials_meet_with_the_same_stress),
+        cmocka_unit_test(a_gmsh_file_becomes_a_body),
+        cmocka_unit_test(incompressible_material_is_refused),
+        cmocka_unit_test(a_missing_group_is_named_with_those_there_are),
+        cmocka_unit_test(elements_without_a_material_are_refused),
+        cmocka_unit_test(a_mesh_without_elements_is_refused),
+        cmocka_unit_test(elements_without_volume_are_refused_by_number),
+        cmocka_unit_test(a_bent_plane_is_refused),
+        cmocka_unit_test(mixed_up_order_of_nodes_is_put_right),
+        cmocka_unit_test(unused_nodes_are_dropped_and_counted),
+        cmocka_unit_test(an_inverted_element_stops_the_run_with_its_number),
+        cmocka_unit_test(too_much_distortion_is_refused),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
