@@ -7,6 +7,7 @@
 //
 // A world is made once and shared by the benches that differ only in threads and instruction set.
 // Times are wall times; one iteration is one step (or one sweep of a kernel).
+#include "bench_fem.h"
 #include "bench_world.h"
 #include "limits.h"
 
@@ -269,6 +270,70 @@ void add_effects() {
     }
 }
 
+// --- finite elements
+// -------------------------------------------------------------------------------------
+
+struct Block {
+    std::string name;
+    int dimension, cells;
+};
+
+using Fem = std::unique_ptr<bench_fem, decltype(&bench_fem_free)>;
+
+void fem_counters(benchmark::State &state, const bench_fem *fem, double elements) {
+    double columns, rows, operations;
+    bench_fem_traffic(fem, &columns, &rows, &operations);
+    rate(state, "element-steps", "per element-step", elements);
+    state.counters["elements"] = static_cast<double>(bench_fem_elements(fem));
+    state.counters["nodes"] = static_cast<double>(bench_fem_nodes(fem));
+    state.counters["B columns"] = columns;
+    state.counters["B rows"] = rows;
+    state.counters["operations"] = operations;
+    state.SetLabel(bench_fem_isa(fem));
+}
+
+void fem_bench(benchmark::State &state, const Block &block, const Setting &setting,
+               std::size_t blocks) {
+    char message[BENCH_MESSAGE_SIZE] = "";
+    Fem fem(bench_fem_create(block.dimension, block.cells, setting.threads, setting.isa.c_str(),
+                             message),
+            bench_fem_free);
+    if (!fem || !bench_fem_steps(fem.get(), 3, message)) {
+        state.SkipWithError(message);
+        return;
+    }
+    double elements = 0.0;
+    for (auto _ : state) {
+        if (blocks > 0) {
+            elements += static_cast<double>(bench_fem_kernel(fem.get(), blocks));
+        } else {
+            elements += static_cast<double>(bench_fem_elements(fem.get()));
+            if (!bench_fem_steps(fem.get(), 1, message)) state.SkipWithError(message);
+        }
+    }
+    fem_counters(state, fem.get(), elements);
+    state.counters["threads"] = setting.threads;
+}
+
+void add_fem_bench(const std::string &name, const Block &block, const Setting &setting,
+                   std::size_t blocks) {
+    benchmark::RegisterBenchmark(
+        name.c_str(), [=](benchmark::State &state) { fem_bench(state, block, setting, blocks); })
+        ->UseRealTime()
+        ->Unit(benchmark::kMillisecond);
+}
+
+void add_fem(const Block &block, bool kernels) {
+    const std::string widest = bench_widest_isa();
+    for (int threads : {1, 2})
+        add_fem_bench("fem/" + block.name + "/threads:" + std::to_string(threads) + "/" + widest,
+                      block, Setting{threads, widest}, 0);
+    for (const std::string &isa : kernels ? isas() : std::vector<std::string>{})
+        for (bool cached : {true, false})
+            add_fem_bench("element/" + block.name + "/" + isa + (cached ? "/cached" : "/all"),
+                          block, Setting{1, isa}, cached ? 8 : static_cast<std::size_t>(1) << 40);
+}
+
 struct Wanted {
     bool large, sweep;
 };
@@ -308,6 +373,14 @@ void add_all(Wanted wanted) {
                   false);
     }
     add_effects();
+    add_fem({"t3-40k", 2, 141}, true);
+    add_fem({"t4-40k", 3, 20}, true);
+    if (wanted.large || wanted.sweep) {
+        for (int cells : {22, 700})
+            add_fem({"t3-" + std::to_string(2 * cells * cells), 2, cells}, false);
+        for (int cells : {6, 58})
+            add_fem({"t4-" + std::to_string(5 * cells * cells * cells), 3, cells}, false);
+    }
 }
 
 std::string cpu_model() {

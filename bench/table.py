@@ -1,6 +1,7 @@
 """Tables from the results of bench_step.
 
-table.py STEPS.json STEPS.md [STEPS.csv]       medians as Markdown, and as rows of numbers
+table.py STEPS.json STEPS.md [STEPS.csv]       medians as Markdown, and as rows of numbers; those of finite
+                                               elements go to fem.md beside STEPS.md
 table.py --update PAGE.md TABLE.md [TABLE.md]  puts tables into a page, between its lines
                                                <!-- begin NAME --> and <!-- end NAME -->
 """
@@ -77,10 +78,9 @@ def effect_table(entries):
 OPERATIONS = {"rock-a": 135, "rock-a-mixed": 147, "fcc-32k": 144, "fcc-32k-mixed": 147}
 
 
-def roof(context, model, data, moved):
-    """Contact-steps per second that arithmetic or the stream allow, whichever is less, on one core."""
-    precision = "single" if model.endswith("-mixed") else "double"
-    arithmetic = float(context[f"limit_gflops_{precision}"]) / OPERATIONS[model]
+def roof(context, operations, moved, data, precision="double"):
+    """Items per second that arithmetic or the stream allow, whichever is less, on one core."""
+    arithmetic = float(context[f"limit_gflops_{precision}"]) / operations
     stream = float(context["limit_gbs_cached" if data == "cached" else "limit_gbs_far"]) / moved
     return 1e9 * min(arithmetic, stream), "arithmetic" if arithmetic < stream else "stream"
 
@@ -101,13 +101,41 @@ def kernel_table(results, entries):
         item = "contact-step" if kind == "contact" else "particle-step"
         traffic = " | | | | "
         if kind == "contact":
-            most, what = roof(context, model, rest[1], e["B read"] + e["B written"])
+            precision = "single" if model.endswith("-mixed") else "double"
+            most, what = roof(context, OPERATIONS[model], e["B read"] + e["B written"], rest[1], precision)
             share = f"{100 * e[item + 's'] / most:.0f} % of {what}" if rest[0] == context["isa"] else ""
             traffic = (f"{e['B read']:.0f} | {e['B written']:.0f} | {e['traffic'] / 1e9:.1f} | "
                        f"{1e-9 * OPERATIONS[model] * e[item + 's']:.1f} | {share}")
         lines.append(f"| {e['label'].split()[1]} | {model} | {rest[0]} | {rest[1]} | {e['per ' + item] * 1e9:.2f} | "
                      f"{e[item + 's'] / 1e6:.1f} | {traffic} |")
     return lines if len(lines) > head else []
+
+
+def fem_table(results, entries):
+    steps = ["| finite elements, whole step | elements | nodes | threads | set | ms/step | M element-steps/s | ns/element | "
+             "speed-up | +- |", "| --- |" + " ---: |" * 9]
+    kernels = ["| element kernel alone, 1 thread | set | data | ns/element | M elements/s | B columns | B rows | GB/s | "
+               "Gflop/s | share of the roof |", "| --- | --- | --- |" + " ---: |" * 7]
+    heads = len(steps) + len(kernels)
+    for name, e in entries.items():
+        kind, model, *rest = name.split("/")
+        if kind == "fem":
+            single = entries.get(name.replace(f"threads:{e['threads']:.0f}", "threads:1"))
+            ratio = f"{e['element-steps'] / single['element-steps']:.2f}" if single and e["threads"] > 1 else ""
+            cv = spread(results, name)
+            steps.append(
+                f"| {model[:2].upper()} | {e['elements']:.0f} | {e['nodes']:.0f} | {e['threads']:.0f} | {e['label']} | "
+                f"{e['real_time'] * MILLISECONDS[e['time_unit']]:.3f} | {e['element-steps'] / 1e6:.1f} | "
+                f"{e['per element-step'] * 1e9:.2f} | {ratio} | {'' if cv is None else f'{100 * cv:.0f} %'} |")
+        elif kind == "element":
+            moved = e["B columns"] + e["B rows"]
+            most, what = roof(results["context"], e["operations"], moved, rest[1])
+            share = f"{100 * e['element-steps'] / most:.0f} % of {what}" if rest[0] == results["context"]["isa"] else ""
+            kernels.append(
+                f"| {model[:2].upper()} | {rest[0]} | {rest[1]} | {e['per element-step'] * 1e9:.2f} | "
+                f"{e['element-steps'] / 1e6:.1f} | {e['B columns']:.0f} | {e['B rows']:.0f} | "
+                f"{1e-9 * moved * e['element-steps']:.1f} | {1e-9 * e['operations'] * e['element-steps']:.1f} | {share} |")
+    return [*steps, "", *kernels] if len(steps) + len(kernels) > heads else []
 
 
 GOOGLE_KEYS = {"name", "run_name", "run_type", "repetitions", "repetition_index", "family_index",
@@ -140,8 +168,10 @@ def write_tables(source, target, rows=None):
     if rows:
         write_csv(results, entries, rows)
     parts = [[conditions(results)], step_table(results, entries), effect_table(entries), kernel_table(results, entries)]
-    with open(target, "w", encoding="utf-8") as f:
-        f.write("\n\n".join("\n".join(p) for p in parts if p) + "\n")
+    elements = [[conditions(results)], fem_table(results, entries)]
+    for place, tables in ((target, parts), (os.path.join(os.path.dirname(target), "fem.md"), elements)):
+        with open(place, "w", encoding="utf-8") as f:
+            f.write("\n\n".join("\n".join(p) for p in tables if p) + "\n")
 
 
 def update(page, tables):

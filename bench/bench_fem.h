@@ -1,0 +1,39 @@
+/* A block of finite elements as the benches see it. C and C++, as bench_world.h. */
+#ifndef GN_BENCH_FEM_H
+#define GN_BENCH_FEM_H
+
+#include "bench_world.h"
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+typedef struct bench_fem bench_fem;
+
+/* A square (dimension 2) or cube of side 1 m with `cells` per side, 2 triangles or 5 tetrahedra a
+ * cell, under gravity; `isa` as bench_world_use. NULL with a message on failure. */
+bench_fem *bench_fem_create(int dimension, int cells, int threads, const char *isa,
+                            char message[BENCH_MESSAGE_SIZE]);
+void bench_fem_free(bench_fem *fem);
+
+/* `steps` steps at 0.9 of the rigorous bound, none of them measured but every 64th. */
+bool bench_fem_steps(bench_fem *fem, int steps, char message[BENCH_MESSAGE_SIZE]);
+
+size_t bench_fem_elements(const bench_fem *fem);
+size_t bench_fem_nodes(const bench_fem *fem);
+const char *bench_fem_isa(const bench_fem *fem);
+
+/* The element kernel over the first `blocks` blocks, or all when there are fewer; returns the
+ * elements visited. */
+size_t bench_fem_kernel(bench_fem *fem, size_t blocks);
+
+/* Per element: bytes of columns and of rows (nodes read, partial sums read and written) that the
+ * kernel moves, and additions and multiplications. Rows are shared: so many per element as the
+ * blocks have. */
+void bench_fem_traffic(const bench_fem *fem, double *columns, double *rows, double *operations);
+
+#ifdef __cplusplus
+}
+#endif
+
+#endif
