@@ -61,7 +61,6 @@ class Runner:
         self.gneiss = str(Path(options.gneiss).resolve())
         self.hash = program_hash(self.gneiss)
         self.environment = dict(os.environ, GNEISS_CACHE="off", QT_QPA_PLATFORM="offscreen")
-        self.environment.setdefault("OMP_WAIT_POLICY", "passive")
 
     def spend(self, folder, command, limit, extra):
         """Runs a command in a folder; code, output and what it used. code None: the limit was reached."""

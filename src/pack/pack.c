@@ -65,7 +65,7 @@ static gn_fit_goal goal_of(gn_pack_stage stage, int dimension) {
     case GN_PACK_SPREAD:
         return (gn_fit_goal){30, 20, 0.1, 1e-3, 0.5, 3};
     case GN_PACK_COMPRESS:
-        return (gn_fit_goal){100, 30, 0.05, 1e-4, 0.3, 4};
+        return (gn_fit_goal){100, 30, 0.05, dimension == 3 ? 1e-4 : 1e-3, 0.3, 4};
     case GN_PACK_DECOMPRESS:
         return (gn_fit_goal){60, 30, 0.05, 3e-4, 0.3, 6};
     case GN_PACK_CLOSE:
