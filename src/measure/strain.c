@@ -41,11 +41,11 @@ static int compare_faces(const void *a, const void *b) {
     return (x->sign > y->sign) - (x->sign < y->sign);
 }
 
-/* In a bonded body a particle with fewer bonds than directions plus one hangs in it like a
- * pendulum: how it swings is no strain of the body, but on the surface it would count like its
- * neighbours. */
+/* A particle with fewer bonds than directions swings like a pendulum (about the line through two
+ * contacts in space, about one contact in the plane): that is no strain of the body, but on the
+ * surface it would count like its neighbours. */
 static bool is_held(const gn_particles *particles, size_t p, int dimension) {
-    return !particles->bonds0 || particles->bonds0[p] > dimension;
+    return !particles->bonds0 || particles->bonds0[p] >= dimension;
 }
 
 /* Centres at the start in the order of the ids, about the first one: the triangulation of a lattice
