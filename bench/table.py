@@ -42,6 +42,15 @@ def conditions(results):
             + (" **The machine was shared with other work.**" if busy else ""))
 
 
+def common_cells(results, entries, name, rate):
+    """Of a whole step: milliseconds, speed-up over one thread, scatter of the repetitions."""
+    e = entries[name]
+    single = entries.get(name.replace(f"threads:{e['threads']:.0f}", "threads:1"))
+    ratio = f"{e[rate] / single[rate]:.2f}" if single and e["threads"] > 1 else ""
+    cv = spread(results, name)
+    return (f"{e['real_time'] * MILLISECONDS[e['time_unit']]:.3f}", ratio, "" if cv is None else f"{100 * cv:.0f} %")
+
+
 def step_table(results, entries):
     lines = ["| whole step | threads | set | ms/step | Mcs/s | ns/contact | Mps/s | B/contact | rebuilds per 1000 | "
              "lists | speed-up | +- |", "| --- |" + " ---: |" * 11]
@@ -49,14 +58,12 @@ def step_table(results, entries):
         kind, model, *_ = name.split("/")
         if kind != "step":
             continue
-        single = entries.get(name.replace(f"threads:{e['threads']:.0f}", "threads:1"))
-        ratio = f"{e['contact-steps'] / single['contact-steps']:.2f}" if single and e["threads"] > 1 else ""
-        cv = spread(results, name)
+        time, ratio, scatter = common_cells(results, entries, name, "contact-steps")
         lines.append(
-            f"| {model} | {e['threads']:.0f} | {e['label']} | {e['real_time'] * MILLISECONDS[e['time_unit']]:.3f} | "
+            f"| {model} | {e['threads']:.0f} | {e['label']} | {time} | "
             f"{e['contact-steps'] / 1e6:.1f} | {e['per contact-step'] * 1e9:.2f} | {e['particle-steps'] / 1e6:.1f} | "
             f"{e['B/contact']:.0f} | {e['rebuilds/1000 steps']:.1f} | {100 * e['lists']:.1f} % | {ratio} | "
-            f"{'' if cv is None else f'{100 * cv:.0f} %'} |")
+            f"{scatter} |")
     return lines if len(lines) > 2 else []
 
 
@@ -120,13 +127,10 @@ def fem_table(results, entries):
     for name, e in entries.items():
         kind, model, *rest = name.split("/")
         if kind == "fem":
-            single = entries.get(name.replace(f"threads:{e['threads']:.0f}", "threads:1"))
-            ratio = f"{e['element-steps'] / single['element-steps']:.2f}" if single and e["threads"] > 1 else ""
-            cv = spread(results, name)
+            time, ratio, scatter = common_cells(results, entries, name, "element-steps")
             steps.append(
                 f"| {model[:2].upper()} | {e['elements']:.0f} | {e['nodes']:.0f} | {e['threads']:.0f} | {e['label']} | "
-                f"{e['real_time'] * MILLISECONDS[e['time_unit']]:.3f} | {e['element-steps'] / 1e6:.1f} | "
-                f"{e['per element-step'] * 1e9:.2f} | {ratio} | {'' if cv is None else f'{100 * cv:.0f} %'} |")
+                f"{time} | {e['element-steps'] / 1e6:.1f} | {e['per element-step'] * 1e9:.2f} | {ratio} | {scatter} |")
         elif kind == "element":
             moved = e["B columns"] + e["B rows"]
             most, what = roof(results["context"], e["operations"], moved, rest[1])

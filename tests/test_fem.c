@@ -59,13 +59,19 @@ static double strain_round_off(int d) {
     return ROUND_OFF * 0x1p-53 * (d == 3 ? 5.0 : 9.0);
 }
 
+/* A distorted mesh under the small deformation `f`. */
+static gn_fem_body *deformed_body(int d, double f[3][3]) {
+    gn_fem_body *body = distorted_body(d);
+    small_deformation(d, f);
+    place(body, f);
+    return body;
+}
+
 static void linear_displacements_leave_no_force_inside_and_exact_stress(void **state) {
     (void)state;
     for (int d = 2; d <= 3; d++) {
-        gn_fem_body *body = distorted_body(d);
         double f[3][3];
-        small_deformation(d, f);
-        place(body, f);
+        gn_fem_body *body = deformed_body(d, f);
         fem_evaluate(body);
         assert_stress(body, f, strain_round_off(d));
         size_t inside = 0;
@@ -160,10 +166,8 @@ static void a_full_turn_leaves_no_stress_at_any_angle(void **state) {
 static void nodal_stress_of_a_homogeneous_state_is_that_state(void **state) {
     (void)state;
     for (int d = 2; d <= 3; d++) {
-        gn_fem_body *body = distorted_body(d);
         double f[3][3];
-        small_deformation(d, f);
-        place(body, f);
+        gn_fem_body *body = deformed_body(d, f);
         double(*element)[6] = calloc(body->elements.soa.count, sizeof *element);
         double(*nodal)[6] = calloc(body->nodes.soa.count, sizeof *nodal);
         gn_fem_element_stress(body, element);
