@@ -165,7 +165,7 @@ static void loosely_bonded_particles_do_not_count_as_strain(void **state) {
     const double gradient[9] = {1e-3, 2e-4, 0, -1e-4, 3e-3, 1e-4, 5e-4, 0, -2e-3};
     cloud_random(300, 3);
     gn_particles p = particles_of_cloud(all_effects, false);
-    for (size_t k = 0; k < 300; k++) p.bonds0[k] = k % 10 ? 3 : 2;
+    for (size_t k = 0; k < 300; k++) p.bonds0[k] = k % 10 ? 4 : 3;
     gn_strain_gauge held = gauge_of(&p, 3);
     displace(&p, gradient);
     for (size_t k = 0; k < 300; k += 10) p.pos[4 * k + 2] += 0.01;
@@ -176,7 +176,7 @@ static void loosely_bonded_particles_do_not_count_as_strain(void **state) {
     for (size_t k = 0; k < held.count; k++) assert_int_not_equal(held.id[k] % 10, 0);
     gn_strain_gauge_free(&held);
 
-    for (size_t k = 0; k < 300; k++) p.bonds0[k] = k % 10 ? 2 : 3; /* hardly a bonded body */
+    for (size_t k = 0; k < 300; k++) p.bonds0[k] = k % 10 ? 3 : 4; /* hardly a bonded body */
     gn_strain_gauge all = gauge_of(&p, 3);
     bool loose = false;
     for (size_t k = 0; k < all.count; k++) loose = loose || all.id[k] % 10 != 0;

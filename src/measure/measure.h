@@ -27,7 +27,7 @@ typedef struct gn_assembly {
 /* The volume average of the displacement gradient over a Delaunay triangulation of the reference
  * centres is linear in the displacements: <du_a/dx_b> = sum_p u_a(p) w_b(p). The weights of inner
  * particles vanish (divergence theorem), so a reading costs only the surface particles. In a bonded
- * body only particles with at least `dimension` bonds at the start count, unless fewer than half
+ * body only particles with more bonds at the start than dimensions count, unless fewer than half
  * of all have them. */
 typedef struct gn_strain_gauge {
     size_t count;
