@@ -157,6 +157,7 @@ def sigterm_writes_a_checkpoint_and_resume_gives_the_same_bits(folder):
 
 @fact
 def a_lost_terminal_writes_a_checkpoint(folder):
+    signal.signal(signal.SIGHUP, signal.SIG_DFL)  # under nohup it would be ignored, and stay so in the program
     expect(stop_at_snapshot(folder, 2, signal.SIGHUP), 6)
     assert len(checkpoints(folder)) == 1
 

@@ -31,9 +31,8 @@ static void node_block(const work *k, size_t block) {
 
 static void sweep(const work *k) {
     gn_fem_body *body = k->body;
-    const int threads = gn_pace_threads(&body->pace);
     const double begin = gn_now();
-#pragma omp parallel num_threads(threads)
+#pragma omp parallel num_threads(gn_pace_threads(&body->pace))
     {
 #pragma omp for schedule(static)
         for (size_t b = 0; b < body->partials.blocks; b++) element_block(k, b);

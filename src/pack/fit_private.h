@@ -69,8 +69,8 @@ static inline double gn_d4_sum(gn_d4 a) {
 /* Neighbour lists for the present rows. */
 gneiss_status gn_fit_lists(gn_fit *fit, double reach, gneiss_error *error);
 
-/* Energy and figures at `row`; with `terms` also the terms and the gradient. */
-void gn_fit_assemble(gn_fit *fit, const gn_fit_law *law, const gn_d4 *row, bool terms,
+/* Energy and figures at the rows `x`; with `terms` also the terms and the gradient. */
+void gn_fit_assemble(gn_fit *fit, const gn_fit_law *law, const gn_d4 *x, bool terms,
                      gn_fit_state *state);
 
 /* (J^T J + damping D) step = -gradient by conjugate gradients with the inverse diagonal blocks as
