@@ -35,23 +35,12 @@ void gn_pair_list_free(gn_pair_list *list);
 gneiss_status gn_morton_order(const gn_particles *particles, int dimension, int32_t *order,
                               gneiss_error *error);
 
-/* Things with two to four particles each, of width 8 only with two. */
-typedef struct gn_partial_items {
-    const char *name; /* for messages */
-    size_t count;
-    int members;
-    const int32_t *member[4]; /* [members][count] */
-    int width;                /* of a row, see gn_partials */
-} gn_partial_items;
-
 /* Where the forces of a list of contacts are summed: numbering of the blocks' rows, and which rows
  * each particle has. Takes the place of what *partials held. */
 gneiss_status gn_partials_build(const gn_contacts *contacts, size_t particle_count, int threads,
                                 gn_partials *partials, gneiss_error *error);
 gneiss_status gn_element_partials_build(const gn_elements *elements, size_t node_count, int threads,
                                         gn_partials *partials, gneiss_error *error);
-gneiss_status gn_partials_build_items(const gn_partial_items *items, size_t particle_count,
-                                      int threads, gn_partials *partials, gneiss_error *error);
 void gn_partials_free(gn_partials *partials);
 
 #endif

@@ -1,6 +1,15 @@
 #include "base/memory.h"
 #include "neigh/pairs.h"
 
+/* Things with two to four particles each, of width 8 only with two. */
+typedef struct partial_items {
+    const char *name; /* for messages */
+    size_t count;
+    int members;
+    const int32_t *member[4]; /* [members][count] */
+    int width;                /* of a row, see gn_partials */
+} partial_items;
+
 /* Numbers the particles of each block in the order in which its contacts name them: neighbours in
  * the list become neighbours in the rows. */
 typedef struct numbering {
@@ -17,7 +26,7 @@ static uint16_t place_of(int32_t particle, int width, int32_t *seen, int32_t *ro
     return (uint16_t)(seen[particle] * width);
 }
 
-static inline __attribute__((always_inline)) void number_members(const gn_partial_items *items,
+static inline __attribute__((always_inline)) void number_members(const partial_items *items,
                                                                  size_t members, size_t block,
                                                                  int32_t *seen, const numbering *n,
                                                                  gn_partials *q) {
@@ -32,7 +41,7 @@ static inline __attribute__((always_inline)) void number_members(const gn_partia
 }
 
 /* Contacts, whose lists are made often, have a loop of their own. */
-static void number_block(const gn_partial_items *items, size_t block, int32_t *seen,
+static void number_block(const partial_items *items, size_t block, int32_t *seen,
                          const numbering *n, gn_partials *q) {
     if (items->members == 2)
         number_members(items, 2, block, seen, n, q);
@@ -44,7 +53,7 @@ _Static_assert(2 * GN_CONTACT_BLOCK * 8 <= UINT16_MAX + 1, "places of contacts f
 _Static_assert(4 * GN_CONTACT_BLOCK * 4 <= UINT16_MAX + 1, "places of elements fit in 16 bits");
 
 /* Every thread marks particles in an array of its own; false without memory. */
-static bool number_blocks(const gn_partial_items *items, size_t particles, int threads,
+static bool number_blocks(const partial_items *items, size_t particles, int threads,
                           const numbering *n, gn_partials *q) {
     bool held = true;
 #pragma omp parallel num_threads(threads)
@@ -112,8 +121,8 @@ static size_t block_length(size_t count) {
     return length;
 }
 
-gneiss_status gn_partials_build_items(const gn_partial_items *items, size_t particle_count,
-                                      int threads, gn_partials *partials, gneiss_error *error) {
+static gneiss_status build_items(const partial_items *items, size_t particle_count, int threads,
+                                 gn_partials *partials, gneiss_error *error) {
     gn_partials *q = partials;
     size_t count = items->count, members = (size_t)items->members, length = block_length(count);
     size_t blocks = (count + length - 1) / length;
@@ -142,22 +151,22 @@ gneiss_status gn_partials_build_items(const gn_partial_items *items, size_t part
 
 gneiss_status gn_partials_build(const gn_contacts *contacts, size_t particle_count, int threads,
                                 gn_partials *partials, gneiss_error *error) {
-    const gn_partial_items items = {.name = "contacts",
-                                    .count = contacts->soa.count,
-                                    .members = 2,
-                                    .member = {contacts->i, contacts->j},
-                                    .width = gn_contacts_row_width(contacts)};
-    return gn_partials_build_items(&items, particle_count, threads, partials, error);
+    const partial_items items = {.name = "contacts",
+                                 .count = contacts->soa.count,
+                                 .members = 2,
+                                 .member = {contacts->i, contacts->j},
+                                 .width = gn_contacts_row_width(contacts)};
+    return build_items(&items, particle_count, threads, partials, error);
 }
 
 gneiss_status gn_element_partials_build(const gn_elements *elements, size_t node_count, int threads,
                                         gn_partials *partials, gneiss_error *error) {
-    gn_partial_items items = {.name = "elements",
-                              .count = elements->soa.count,
-                              .members = gn_elements_dimension(elements) + 1,
-                              .width = 4};
+    partial_items items = {.name = "elements",
+                           .count = elements->soa.count,
+                           .members = gn_elements_dimension(elements) + 1,
+                           .width = 4};
     for (int a = 0; a < items.members; a++) items.member[a] = gn_elements_node(elements, a);
-    return gn_partials_build_items(&items, node_count, threads, partials, error);
+    return build_items(&items, node_count, threads, partials, error);
 }
 
 void gn_partials_free(gn_partials *partials) {

@@ -3,6 +3,7 @@
 #include "base/memory.h"
 #include "base/timer.h"
 #include "pack/fit_private.h"
+#include "pack/spheres.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -51,19 +52,14 @@ gneiss_status gn_fit_create(const gn_domain *domain, size_t count, const double 
     f->wanted = wanted;
     f->least = least;
     f->most = most;
-    gneiss_status status = allocate(f)
-                               ? gn_soa_create(&gn_particle_record, &f->particles, count, 0, error)
-                               : no_memory(count, error);
+    gneiss_status status = allocate(f) ? gn_particles_of_spheres(row, count, &f->particles, error)
+                                       : no_memory(count, error);
     if (status != GNEISS_OK) {
         gn_fit_free(f);
         *out = NULL;
         return status;
     }
     memcpy(f->x, row, count * sizeof *f->x);
-    for (size_t i = 0; i < count; i++) {
-        f->particles.vel[4 * i + 3] = 1.0; /* mass: the search leaves out particles without */
-        f->particles.id[i] = (int32_t)i;
-    }
     return GNEISS_OK;
 }
 

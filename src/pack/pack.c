@@ -4,6 +4,7 @@
 #include "base/timer.h"
 #include "neigh/pairs.h"
 #include "pack/seeds.h"
+#include "pack/spheres.h"
 
 #include <math.h>
 #include <omp.h>
@@ -197,14 +198,12 @@ static gneiss_status prepare(job *j, const gn_domain *domain, int threads, gneis
 /* Takes off the rest of overlaps: every radius by the worst of its own. */
 static gneiss_status shrink(job *j, const gn_domain *domain, int threads, gneiss_error *error) {
     gn_packing *p = &j->result->packing;
-    gn_particles q = {0};
+    gn_particles q;
     gn_pair_list pairs = {0};
     double *factor = j->least; /* no longer needed */
-    GN_TRY(gn_soa_create(&gn_particle_record, &q, p->count, 0, error));
-    memcpy(q.pos, p->sphere, p->count * 4 * sizeof(double));
+    GN_TRY(gn_particles_of_spheres(p->sphere, p->count, &q, error));
     for (size_t k = 0; k < p->count; k++) {
         const double *x = p->sphere + 4 * k;
-        q.vel[4 * k + 3] = 1.0;
         factor[k] = fmin(1.0, gn_domain_depth(domain, x) / x[3]);
     }
     gn_pair_query query = {.particles = &q, .dimension = j->dimension, .threads = threads};

@@ -4,6 +4,7 @@
 #include "base/eigen.h"
 #include "base/memory.h"
 #include "neigh/pairs.h"
+#include "pack/spheres.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -167,11 +168,9 @@ static void measure_walls(const gn_packing *p, const gn_domain *domain, tally *t
 
 static gneiss_status find_pairs(const gn_packing *p, int dimension, int threads, gn_pack_quality *q,
                                 gneiss_error *error) {
-    gn_particles particles = {0};
+    gn_particles particles;
     gn_pair_list list = {0};
-    GN_TRY(gn_soa_create(&gn_particle_record, &particles, p->count, 0, error));
-    memcpy(particles.pos, p->sphere, p->count * 4 * sizeof(double));
-    for (size_t k = 0; k < p->count; k++) particles.vel[4 * k + 3] = 1.0;
+    GN_TRY(gn_particles_of_spheres(p->sphere, p->count, &particles, error));
     gn_pair_query query = {
         .particles = &particles, .dimension = dimension, .range = 0.05, .threads = threads};
     gneiss_status status = gn_pairs_find(&query, &list, error);

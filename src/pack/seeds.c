@@ -4,6 +4,7 @@
 #include "base/memory.h"
 #include "base/random.h"
 #include "neigh/pairs.h"
+#include "pack/spheres.h"
 
 #include <math.h>
 #include <string.h>
@@ -262,13 +263,8 @@ static gneiss_status sort_rows(const source *s, gn_seeds *seeds, gneiss_error *e
     gn_particles p = {0};
     int32_t *order = gn_alloc_array(seeds->count + 1, sizeof *order);
     gneiss_status status = order ? GNEISS_OK : gn_fail(error, GNEISS_ERROR_MEMORY, "no memory");
-    if (status == GNEISS_OK)
-        status = gn_soa_create(&gn_particle_record, &p, seeds->count, 0, error);
-    if (status == GNEISS_OK) {
-        memcpy(p.pos, seeds->row, seeds->count * 4 * sizeof(double));
-        for (size_t k = 0; k < seeds->count; k++) p.id[k] = (int32_t)k;
-        status = gn_morton_order(&p, s->dimension, order, error);
-    }
+    if (status == GNEISS_OK) status = gn_particles_of_spheres(seeds->row, seeds->count, &p, error);
+    if (status == GNEISS_OK) status = gn_morton_order(&p, s->dimension, order, error);
     for (size_t k = 0; k < seeds->count && status == GNEISS_OK; k++)
         memcpy(seeds->row + 4 * k, p.pos + 4 * order[k], 4 * sizeof(double));
     gn_soa_destroy(&gn_particle_record, &p);
