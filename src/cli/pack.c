@@ -141,12 +141,14 @@ static void print_quality_json(const gn_pack_result *r, const gn_pack_quality *q
     free(text);
 }
 
+/* A packing from the cache comes without its body, which is then made again. */
 static gneiss_status measure(const gn_scene *scene, const gn_pack_result *result,
                              gn_pack_quality *quality, gneiss_error *error) {
-    gn_body body;
+    gn_body body = {0};
     int threads = scene->threads > 0 ? (int)scene->threads : omp_get_num_procs();
-    GN_TRY(gn_body_create(scene, &body, error));
-    gneiss_status status = gn_pack_measure(&result->packing, (int)scene->dimension, body.domain,
+    if (!result->domain) GN_TRY(gn_body_create(scene, &body, error));
+    gneiss_status status = gn_pack_measure(&result->packing, (int)scene->dimension,
+                                           result->domain ? result->domain : body.domain,
                                            result->volume, threads, quality, error);
     gn_body_free(&body);
     return status;

@@ -272,6 +272,10 @@ static gneiss_status pack(const gn_scene *scene, gn_pack_watch *watch, void *con
     gn_free(j.wanted);
     gn_free(j.least);
     gn_free(j.most);
+    if (status == GNEISS_OK) {
+        result->domain = body.domain;
+        body.domain = NULL;
+    }
     gn_body_free(&body);
     if (status != GNEISS_OK) gn_pack_result_free(result);
     return status;
@@ -292,6 +296,7 @@ gneiss_status gn_pack_make(const gn_scene *scene, gn_pack_watch *watch, void *co
 
 void gn_pack_result_free(gn_pack_result *result) {
     gn_packing_free(&result->packing);
+    gn_domain_free(result->domain);
     gn_free(result->trace);
     *result = (gn_pack_result){0};
 }

@@ -36,6 +36,7 @@ typedef bool gn_pack_watch(void *context, const gn_pack_progress *progress);
 
 typedef struct gn_pack_result {
     gn_packing packing; /* in Morton order */
+    gn_domain *domain;  /* the body, for measuring; NULL when it came from the cache */
     double volume;      /* of the body, m3; 2D: m2 */
     double seconds;
     bool in_time; /* false: the time limit cut the fit short, the result depends on the machine */
