@@ -24,16 +24,17 @@ typedef struct variant {
 #define COLUMN(list, name) ((list)->name)
 #endif
 
-/* Work is staggered: while one vector of contacts goes through root and division, the one before is
- * past them and its forces are found, and the forces of the one before that are added to the sums.
- * A vector's own chain of dependent operations is longer than what a core can look ahead. */
-enum { LAG = 2, RING = 4 };
+/* Work is staggered: a vector of contacts goes through six short stages, one per turn of the loop,
+ * so that in every turn six vectors advance that do not wait for each other. A vector's own chain
+ * of dependent operations (root, division, dot products) is longer than what a core can look ahead.
+ */
+enum { STAGES = 6, RING = 8 };
 
 typedef struct pair_geometry {
-    gn_v3 n;                /* normal from i to j */
+    gn_v3 n; /* normal from i to j; before find_normal the branch, not of unit length */
     gn_v distance, stretch; /* stretch: beyond the distance at which the normal force is zero */
     gn_v rate;              /* dt/(2 distance) */
-    gn_v arm_i, arm_j;      /* from the centres to the contact */
+    gn_v arm_i, arm_j;      /* from the centres to the contact; before find_normal the radii */
 } pair_geometry;
 
 typedef struct pair_motion {
@@ -46,9 +47,27 @@ typedef struct pair_motion {
 /* A vector on its way. */
 typedef struct stage {
     pair_geometry geometry;
-    double arm_i[GN_W], arm_j[GN_W];
-    gn_real row[8 * GN_W]; /* force on i, 0, n x F_t, 0 (width 4: see gn_partials) */
+    gn_v speed;          /* see pair_motion */
+    gn_v3 before, trial; /* see contact_state */
+#if GN_MIXED
+    double wide_arm[2][GN_W]; /* arms as the sums take them */
+#endif
 } stage;
+
+/* What only the next stage reads. */
+typedef union brief {
+    pair_motion motion;
+    _Alignas(64) gn_real row[8 * GN_W]; /* force on i, 0, n x F_t, 0 (width 4: see gn_partials) */
+} brief;
+
+/* Arms of the lanes as doubles: 0 of the first particles, 1 of the second. */
+GN_INLINE const double *wide_arm(const stage *g, int end) {
+#if GN_MIXED
+    return g->wide_arm[end];
+#else
+    return (const double *)(end ? &g->geometry.arm_j : &g->geometry.arm_i);
+#endif
+}
 
 #if !GN_MIXED
 GN_INLINE gn_v3 nearest_image(gn_v3 d, const double *period, const double *inverse, int space) {
@@ -92,37 +111,43 @@ GN_INLINE gn_v3 branch(const gn_contact_args *a, size_t c, const gn_v pi[4], con
 }
 #endif
 
-GN_INLINE void find_geometry(const gn_contact_args *a, size_t c, stage *g, variant w) {
+GN_INLINE void find_branch(const gn_contact_args *a, size_t c, stage *g, variant w) {
     const int32_t *i = a->contacts->i + c, *j = a->contacts->j + c;
-    gn_v pi[4], pj[4], distance, stretch;
+    gn_v pi[4], pj[4];
     gn_rows4(COLUMN(a, pos), i, pi);
     gn_rows4(COLUMN(a, pos), j, pj);
-    gn_v3 d = branch(a, c, pi, pj, &distance, &stretch, w);
+    pair_geometry *s = &g->geometry;
+    s->n = branch(a, c, pi, pj, &s->distance, &s->stretch, w);
+    s->arm_i = pi[3];
+    s->arm_j = pj[3];
+}
+
+GN_INLINE void find_normal(const gn_contact_args *a, stage *g, variant w) {
+    pair_geometry *s = &g->geometry;
+    gn_v distance = s->distance;
     /* Coincident centres have no direction: the tiny floor gives a zero normal and no force. */
     gn_v inverse = gn_set(1.0) / gn_max(distance, gn_set(GN_TINY));
-    pair_geometry *s = &g->geometry;
-    s->n = gn_scale(inverse, d, w.space);
-    s->distance = distance;
-    s->stretch = stretch;
+    s->n = gn_scale(inverse, s->n, w.space);
     s->rate = gn_set(0.5 * a->dt) * inverse;
     if (w.shear && w.rotation) {
-        gn_v half = gn_set(a->arm_factor) * (distance - (pi[3] + pj[3]));
-        s->arm_i = pi[3] + half;
-        s->arm_j = pj[3] + half;
-        gn_store_wide(g->arm_i, s->arm_i);
-        gn_store_wide(g->arm_j, s->arm_j);
+        gn_v half = gn_set(a->arm_factor) * (distance - (s->arm_i + s->arm_j));
+        s->arm_i = s->arm_i + half;
+        s->arm_j = s->arm_j + half;
+#if GN_MIXED
+        gn_store_wide(g->wide_arm[0], s->arm_i);
+        gn_store_wide(g->wide_arm[1], s->arm_j);
+#endif
     }
 }
 
 GN_INLINE pair_motion find_motion(const gn_contact_args *a, size_t c, const pair_geometry *p,
                                   variant w) {
     const int32_t *i = a->contacts->i + c, *j = a->contacts->j + c;
-    gn_v vi[4], vj[4];
-    gn_rows4(COLUMN(a, vel), i, vi);
-    gn_rows4(COLUMN(a, vel), j, vj);
+    gn_v opening[4];
+    gn_rows4_less(COLUMN(a, vel), j, i, opening);
     pair_motion s;
     s.twist = gn_set(0.0);
-    gn_v3 v = {vj[0] - vi[0], vj[1] - vi[1], gn_pick(w.space, vj[2] - vi[2], gn_set(0.0))};
+    gn_v3 v = {opening[0], opening[1], gn_pick(w.space, opening[2], gn_set(0.0))};
     s.speed = gn_dot(v, p->n, w.space);
     s.across = gn_axmy(v, s.speed, p->n, w.space);
     s.relative = s.across;
@@ -180,7 +205,7 @@ GN_INLINE int row_width(variant w) {
     return gn_row_width(w.space, w.rotation);
 }
 
-GN_INLINE void write_rows(stage *g, gn_v3 force, gn_v3 moment, variant w) {
+GN_INLINE void write_rows(brief *g, gn_v3 force, gn_v3 moment, variant w) {
     gn_v zero = gn_set(0.0);
     if (w.space && w.rotation) {
         gn_v row[8] = {force.x, force.y, force.z, zero, moment.x, moment.y, moment.z, zero};
@@ -256,14 +281,14 @@ GN_INLINE void break_bonds(const gn_contact_args *a, size_t c, size_t end, conta
 }
 
 /* Rare: energy that slipping and breaking contacts release. */
-GN_INLINE void book_release(const gn_contact_args *a, const pair_motion *s, const contact_state *q,
+GN_INLINE void book_release(const gn_contact_args *a, gn_v speed, const contact_state *q,
                             lane_sums *e, variant w) {
     gn_v shear_part = gn_set(0.0), normal_part = gn_set(0.0);
     if (w.shear)
         shear_part =
             gn_released3(q->before, q->t, q->trial, gn_max(q->kt, gn_set(GN_TINY)), w.space);
     if (w.bonds) {
-        gn_v old = q->kn * (q->stretch - s->speed * gn_set(a->dt));
+        gn_v old = q->kn * (q->stretch - speed * gn_set(a->dt));
         normal_part = gn_released(old, q->normal, q->elastic, q->kn);
     }
     e->breaking = e->breaking + gn_keep(q->breaking, shear_part + normal_part);
@@ -279,24 +304,33 @@ GN_INLINE void book_elastic(const contact_state *q, lane_sums *e, variant w) {
             e->elastic_shear + half * gn_dot(q->t, q->t, w.space) / gn_max(q->kt, gn_set(GN_TINY));
 }
 
-GN_INLINE gn_v damped(const gn_contact_args *a, size_t c, const pair_motion *s,
-                      const contact_state *q, gn_m acting, lane_sums *e, variant w) {
+GN_INLINE gn_v damped(const gn_contact_args *a, size_t c, gn_v speed, const contact_state *q,
+                      gn_m acting, lane_sums *e, variant w) {
     const gn_contacts *k = a->contacts;
-    gn_v viscous = gn_keep(acting, gn_load(COLUMN(k, cn) + same(c, a->uniform.cn)) * s->speed);
+    gn_v viscous = gn_keep(acting, gn_load(COLUMN(k, cn) + same(c, a->uniform.cn)) * speed);
     if (w.energy) {
         gn_v half = gn_set(0.5) * (gn_load(COLUMN(k, fd) + c) + viscous);
-        e->damping = e->damping + half * s->speed * gn_set(a->dt);
+        e->damping = e->damping + half * speed * gn_set(a->dt);
         gn_store(COLUMN(k, fd) + c, viscous);
     }
     return q->normal + viscous;
 }
 
-GN_INLINE void find_forces(const gn_contact_args *a, size_t c, size_t end, stage *g, lane_sums *e,
-                           gn_contact_sums *sums, variant w) {
+GN_INLINE void find_trial(const gn_contact_args *a, size_t c, const brief *from, stage *g,
+                          variant w) {
+    const gn_contacts *list = a->contacts;
+    g->speed = from->motion.speed;
+    if (!w.shear) return;
+    gn_v kt = gn_load(COLUMN(list, kt) + same(c, a->uniform.kt));
+    g->before = gn_load3(COLUMN(list, shear) + c, list->soa.capacity, w.space);
+    g->trial = shear_trial(a, &g->geometry, &from->motion, &g->before, kt, w);
+}
+
+GN_INLINE void find_forces(const gn_contact_args *a, size_t c, size_t end, const stage *g,
+                           brief *out, lane_sums *e, gn_contact_sums *sums, variant w) {
     const gn_contacts *list = a->contacts;
     const gn_v zero = gn_set(0.0);
     const pair_geometry *p = &g->geometry;
-    pair_motion s = find_motion(a, c, p, w);
     contact_state q = {.stretch = p->stretch};
     q.kn = gn_load(COLUMN(list, kn) + same(c, a->uniform.kn));
     q.intact = q.breaking = q.slipping = gn_m_none();
@@ -304,16 +338,16 @@ GN_INLINE void find_forces(const gn_contact_args *a, size_t c, size_t end, stage
     q.touching = gn_less(q.stretch, zero);
     if (w.shear) {
         q.kt = gn_load(COLUMN(list, kt) + same(c, a->uniform.kt));
-        q.before = gn_load3(COLUMN(list, shear) + c, list->soa.capacity, w.space);
-        q.trial = shear_trial(a, p, &s, &q.before, q.kt, w);
+        q.before = g->before;
+        q.trial = g->trial;
     }
     if (w.bonds) break_bonds(a, c, end, &q, sums, w);
     gn_m acting = gn_or(q.touching, q.intact);
     q.normal = gn_keep(acting, q.elastic);
     gn_v total = q.normal;
-    if (w.damping) total = damped(a, c, &s, &q, acting, e, w);
+    if (w.damping) total = damped(a, c, g->speed, &q, acting, e, w);
     if (w.shear) limit_shear(a, c, total, &q, w);
-    if (w.energy && gn_bits(gn_or(q.slipping, q.breaking))) book_release(a, &s, &q, e, w);
+    if (w.energy && gn_bits(gn_or(q.slipping, q.breaking))) book_release(a, g->speed, &q, e, w);
     if (w.energy && a->measure) book_elastic(&q, e, w);
 
     gn_v3 force = gn_scale(total, p->n, w.space), moment = {zero, zero, zero};
@@ -322,27 +356,28 @@ GN_INLINE void find_forces(const gn_contact_args *a, size_t c, size_t end, stage
         if (w.rotation) moment = gn_cross(p->n, q.t, w.space);
     }
     if (a->measure) measure_contact(e, p, force, w);
-    write_rows(g, force, moment, w);
+    write_rows(out, force, moment, w);
 }
 
 /* Adds the rows of a vector, of contacts from c on. The force has opposite signs for the two
  * particles; the moment has the same sign, because arm and force both turn round. */
 GN_INLINE void add_rows(const gn_contact_args *a, size_t c, size_t end, const stage *g,
-                        double *sums, variant w) {
+                        const brief *from, double *sums, variant w) {
     size_t width = (size_t)row_width(w), count = end - c < GN_W ? end - c : GN_W;
 #if !GN_MIXED /* output looks at contacts in double */
     double *rows = gn_contacts_row(a->contacts);
-    if (rows) memcpy(rows + width * c, g->row, width * count * sizeof *rows);
+    if (rows) memcpy(rows + width * c, from->row, width * count * sizeof *rows);
 #endif
     if (!sums) return;
     const uint16_t *place = a->partials->place + 2 * c;
+    const double *arm_i = wide_arm(g, 0), *arm_j = wide_arm(g, 1);
     for (size_t k = 0; k < count; k++) {
-        const gn_real *row = g->row + width * k;
+        const gn_real *row = from->row + width * k;
         double *i = sums + place[2 * k], *j = sums + place[2 * k + 1];
         if (w.space && w.rotation)
-            gn_add_row8(i, j, row, g->arm_i + k, g->arm_j + k, w.shear);
+            gn_add_row8(i, j, row, arm_i + k, arm_j + k, w.shear);
         else
-            gn_add_row4(i, j, row, g->arm_i + k, g->arm_j + k, w.shear && w.rotation);
+            gn_add_row4(i, j, row, arm_i + k, arm_j + k, w.shear && w.rotation);
     }
 }
 
@@ -355,6 +390,10 @@ GN_INLINE double *clear_partials(const gn_contact_args *a, size_t begin, variant
     return memset(q->row + width * first, 0, width * rows * sizeof *q->row);
 }
 
+/* The vector that entered `lag` turns ago, and whether there is one. */
+#define AT(lag)        (&ring[(v - (lag)) % RING])
+#define UNDER_WAY(lag) (v >= (lag) && v < vectors + (lag))
+
 GN_INLINE void contact_core(const gn_contact_args *a, size_t begin, size_t end,
                             gn_contact_sums *sums, variant w) {
     const gn_v zero = gn_set(0.0);
@@ -363,13 +402,19 @@ GN_INLINE void contact_core(const gn_contact_args *a, size_t begin, size_t end,
     for (int k = 0; k < 9; k++) e.stress[k] = zero;
     double *partial = clear_partials(a, begin, w);
     stage ring[RING];
-    size_t vectors = (end - begin + GN_W - 1) / GN_W;
-    for (size_t v = 0; v < vectors + LAG + 1; v++) {
-        size_t c = begin + v * GN_W, lag = LAG * GN_W;
-        if (v < vectors) find_geometry(a, c, &ring[v % RING], w);
-        if (v > LAG) add_rows(a, c - lag - GN_W, end, &ring[(v - LAG - 1) % RING], partial, w);
-        if (v >= LAG && v < vectors + LAG)
-            find_forces(a, c - lag, end, &ring[(v - LAG) % RING], &e, sums, w);
+    brief motion[2], rows[2];
+    const size_t vectors = (end - begin + GN_W - 1) / GN_W;
+    for (size_t v = 0; v < vectors + STAGES - 1; v++) {
+        const size_t c = begin + v * GN_W;
+        brief *even = &rows[v % 2], *odd = &rows[(v + 1) % 2];
+        if (UNDER_WAY(5)) add_rows(a, c - 5 * GN_W, end, AT(5), odd, partial, w);
+        if (UNDER_WAY(4)) find_forces(a, c - 4 * GN_W, end, AT(4), even, &e, sums, w);
+        if (UNDER_WAY(1)) find_normal(a, AT(1), w);
+        even = &motion[v % 2];
+        odd = &motion[(v + 1) % 2];
+        if (UNDER_WAY(3)) find_trial(a, c - 3 * GN_W, odd, AT(3), w);
+        if (UNDER_WAY(0)) find_branch(a, c, AT(0), w);
+        if (UNDER_WAY(2)) even->motion = find_motion(a, c - 2 * GN_W, &AT(2)->geometry, w);
     }
     if (a->measure) {
         for (int k = 0; k < 9; k++) sums->stress[k] += gn_fold(e.stress[k]);

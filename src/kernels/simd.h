@@ -36,6 +36,23 @@ typedef double gn_real;
 #endif
 #include "kernels/simd_sums.h"
 
+/* Lane k gets the four numbers of row index[k]. */
+GN_INLINE void gn_rows4(const gn_real *rows, const int32_t *index, gn_v out[4]) {
+    gn_v r[4];
+    gn_gather4(rows, index, r);
+    gn_columns4(r, out);
+}
+
+/* Lane k gets row index[k] less row from[k]: one turn into columns instead of two. */
+GN_INLINE void gn_rows4_less(const gn_real *rows, const int32_t *index, const int32_t *from,
+                             gn_v out[4]) {
+    gn_v r[4], s[4];
+    gn_gather4(rows, index, r);
+    gn_gather4(rows, from, s);
+    for (int k = 0; k < 4; k++) r[k] = r[k] - s[k];
+    gn_columns4(r, out);
+}
+
 /* a if the literal holds, else b. (A conditional expression does not take products of vector
  * types.) */
 GN_INLINE gn_v gn_pick(int literal, gn_v a, gn_v b) {

@@ -70,10 +70,12 @@ GN_INLINE void gn_transpose4(gn_v r0, gn_v r1, gn_v r2, gn_v r3, gn_v out[4]) {
     out[3] = _mm256_permute2f128_pd(t1, t3, 0x31);
 }
 
-GN_INLINE void gn_rows4(const double *rows, const int32_t *index, gn_v out[4]) {
-    gn_transpose4(gn_load(rows + 4 * (int64_t)index[0]), gn_load(rows + 4 * (int64_t)index[1]),
-                  gn_load(rows + 4 * (int64_t)index[2]), gn_load(rows + 4 * (int64_t)index[3]),
-                  out);
+GN_INLINE void gn_gather4(const double *rows, const int32_t *index, gn_v out[4]) {
+    for (int k = 0; k < 4; k++) out[k] = gn_load(rows + 4 * (int64_t)index[k]);
+}
+
+GN_INLINE void gn_columns4(const gn_v in[4], gn_v out[4]) {
+    gn_transpose4(in[0], in[1], in[2], in[3], out);
 }
 
 GN_INLINE void gn_store_rows4(double *rows, const gn_v in[4]) {

@@ -72,13 +72,15 @@ GN_INLINE void gn_transpose_parts(const gn_v in[4], gn_v out[4]) {
     out[3] = _mm256_castpd_ps(_mm256_unpackhi_pd(t1, t3));
 }
 
-GN_INLINE void gn_rows4(const float *rows, const int32_t *index, gn_v out[4]) {
-    gn_v r[4];
+GN_INLINE void gn_gather4(const float *rows, const int32_t *index, gn_v out[4]) {
     for (int k = 0; k < 4; k++)
-        r[k] =
+        out[k] =
             _mm256_insertf128_ps(_mm256_castps128_ps256(_mm_loadu_ps(rows + 4 * (int64_t)index[k])),
                                  _mm_loadu_ps(rows + 4 * (int64_t)index[k + 4]), 1);
-    gn_transpose_parts(r, out);
+}
+
+GN_INLINE void gn_columns4(const gn_v in[4], gn_v out[4]) {
+    gn_transpose_parts(in, out);
 }
 
 GN_INLINE void gn_store_rows4(float *rows, const gn_v in[4]) {

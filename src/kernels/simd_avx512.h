@@ -52,19 +52,19 @@ GN_INLINE gn_v gn_pair(const double *rows, int32_t low, int32_t high) {
                               _mm256_loadu_pd(rows + 4 * (int64_t)high), 1);
 }
 
-/* In: registers with rows (0,2), (1,3), (4,6), (5,7). Out: the four columns in lane order. */
-GN_INLINE void gn_transpose_pairs(gn_v r0, gn_v r1, gn_v r2, gn_v r3, gn_v out[4]) {
-    gn_v t0 = _mm512_unpacklo_pd(r0, r1), t1 = _mm512_unpackhi_pd(r0, r1);
-    gn_v t2 = _mm512_unpacklo_pd(r2, r3), t3 = _mm512_unpackhi_pd(r2, r3);
+/* Registers with rows (0,2), (1,3), (4,6), (5,7). */
+GN_INLINE void gn_gather4(const double *rows, const int32_t *index, gn_v out[4]) {
+    static const int first[4] = {0, 1, 4, 5};
+    for (int k = 0; k < 4; k++) out[k] = gn_pair(rows, index[first[k]], index[first[k] + 2]);
+}
+
+GN_INLINE void gn_columns4(const gn_v in[4], gn_v out[4]) {
+    gn_v t0 = _mm512_unpacklo_pd(in[0], in[1]), t1 = _mm512_unpackhi_pd(in[0], in[1]);
+    gn_v t2 = _mm512_unpacklo_pd(in[2], in[3]), t3 = _mm512_unpackhi_pd(in[2], in[3]);
     out[0] = _mm512_shuffle_f64x2(t0, t2, 0x88);
     out[1] = _mm512_shuffle_f64x2(t1, t3, 0x88);
     out[2] = _mm512_shuffle_f64x2(t0, t2, 0xDD);
     out[3] = _mm512_shuffle_f64x2(t1, t3, 0xDD);
-}
-
-GN_INLINE void gn_rows4(const double *rows, const int32_t *index, gn_v out[4]) {
-    gn_transpose_pairs(gn_pair(rows, index[0], index[2]), gn_pair(rows, index[1], index[3]),
-                       gn_pair(rows, index[4], index[6]), gn_pair(rows, index[5], index[7]), out);
 }
 
 /* Out: registers with rows (0,2), (1,3), (4,6), (5,7) of the eight lanes. */

@@ -66,10 +66,12 @@ GN_INLINE gn_v gn_quad(const float *rows, const int32_t *index) {
     return _mm512_mask_broadcast_f32x4(r, 0xF000, _mm_loadu_ps(rows + 4 * (int64_t)index[12]));
 }
 
-GN_INLINE void gn_rows4(const float *rows, const int32_t *index, gn_v out[4]) {
-    gn_v r[4] = {gn_quad(rows, index), gn_quad(rows, index + 1), gn_quad(rows, index + 2),
-                 gn_quad(rows, index + 3)};
-    gn_transpose_parts(r, out);
+GN_INLINE void gn_gather4(const float *rows, const int32_t *index, gn_v out[4]) {
+    for (int k = 0; k < 4; k++) out[k] = gn_quad(rows, index + k);
+}
+
+GN_INLINE void gn_columns4(const gn_v in[4], gn_v out[4]) {
+    gn_transpose_parts(in, out);
 }
 
 GN_INLINE void gn_store_rows4(float *rows, const gn_v in[4]) {

@@ -63,10 +63,14 @@ GN_INLINE unsigned gn_bits(gn_m m) {
     return m ? 1u : 0u;
 }
 
-/* Lane k gets the four numbers of row index[k]. */
-GN_INLINE void gn_rows4(const gn_real *rows, const int32_t *index, gn_v out[4]) {
+/* Rows index[0], index[1], ... as they lie in memory, in an order that suits the backend, and as
+ * columns: lane k has the numbers of row index[k]. */
+GN_INLINE void gn_gather4(const gn_real *rows, const int32_t *index, gn_v out[4]) {
     const gn_real *row = rows + 4 * (int64_t)index[0];
     for (int k = 0; k < 4; k++) out[k] = row[k];
+}
+GN_INLINE void gn_columns4(const gn_v in[4], gn_v out[4]) {
+    for (int k = 0; k < 4; k++) out[k] = in[k];
 }
 
 /* Row k gets lane k of the four (eight) vectors. */
