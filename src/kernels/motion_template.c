@@ -17,7 +17,7 @@ typedef struct variant {
 
 /* Loads of a block of particles, in rows as those of gn_partials. */
 typedef struct block_load {
-    double row[8 * GN_PARTICLE_BLOCK];
+    _Alignas(64) double row[8 * GN_PARTICLE_BLOCK];
 } block_load;
 
 GN_INLINE int row_width(variant w) {
@@ -26,6 +26,7 @@ GN_INLINE int row_width(variant w) {
 
 /* A row of four doubles in a register. */
 typedef double half_row __attribute__((vector_size(32), aligned(8)));
+typedef double whole_row __attribute__((vector_size(64), aligned(8)));
 
 GN_INLINE void add_shares(const gn_partials *from, size_t begin, double *load, variant w) {
     if (!from->blocks) return;
@@ -35,8 +36,10 @@ GN_INLINE void add_shares(const gn_partials *from, size_t begin, double *load, v
         gn_share s = from->share[k];
         double *to = load + width * (s.particle - (int64_t)begin);
         const double *row = from->row + width * s.row;
-        *(half_row *)to += *(const half_row *)row;
-        if (w.space && w.rotation) *(half_row *)(to + 4) += *(const half_row *)(row + 4);
+        if (w.space && w.rotation)
+            *(whole_row *)to += *(const whole_row *)row;
+        else
+            *(half_row *)to += *(const half_row *)row;
     }
 }
 
