@@ -312,6 +312,7 @@ static gneiss_status prepare(gn_fem_body *body, const gn_fem_spec *spec, gneiss_
     bool space = spec->dimension == 3;
     snprintf(body->name, sizeof body->name, "%s", spec->name ? spec->name : "mesh");
     body->dimension = spec->dimension;
+    body->form = spec->form;
     body->threads = spec->threads > 0 ? spec->threads : 1;
     body->pace = gn_pace_start(body->threads, 32, 512, 32768);
     memcpy(body->gravity, spec->gravity, (size_t)spec->dimension * sizeof *body->gravity);
@@ -342,6 +343,10 @@ static gneiss_status build(builder *b, gneiss_error *error) {
     if (b->spec->dimension != 2 && b->spec->dimension != 3)
         return gn_fail(error, GNEISS_ERROR_INPUT,
                        "finite elements: expected dimension 2 or 3, found %d", b->spec->dimension);
+    if (b->spec->form != GN_FEM_DISPLACEMENT)
+        return gn_fail(error, GNEISS_ERROR_INPUT,
+                       "finite elements: expected the displacement form, found form %d",
+                       (int)b->spec->form);
     GN_TRY(prepare(body, b->spec, error));
     if (!b->solids->count)
         return gn_fail(error, GNEISS_ERROR_INPUT,

@@ -16,9 +16,13 @@ typedef struct gn_fem_material {
     double young, poisson, density; /* Pa, -, kg/m3 */
 } gn_fem_material;
 
+/* What the pressure comes from: each element's own volume, or nodes (see docs/fem.md). */
+typedef enum gn_fem_form { GN_FEM_DISPLACEMENT, GN_FEM_MIXED } gn_fem_form;
+
 typedef struct gn_fem_spec {
     const char *name; /* of the mesh, for messages */
     int dimension;    /* 2: the mesh's triangles, all z equal; 3: its tetrahedra */
+    gn_fem_form form;
     const gn_fem_material *materials;
     size_t material_count; /* an element has the last material that names it */
     double gravity[3];     /* m/s2; in 2D the third is ignored */
@@ -39,6 +43,7 @@ typedef struct gn_fem_energy {
 typedef struct gn_fem_body {
     char name[128];
     int dimension, threads;
+    gn_fem_form form;
     gn_effects effects;
     gn_mesh mesh; /* its nodes and all its elements in the body's numbering of nodes; facets without
                      solid elements behind them left out */
