@@ -29,7 +29,7 @@ FILE = Path(__file__).resolve().parent / "references" / "fem.json"
 COOK = {"compressible": (1.0, 1.0 / 3.0, 1.0 / 16.0), "incompressible": (240.565, 0.4999, 6.25)}
 BLOCK = {"compressible": (240.565e6, 1.0 / 3.0), "incompressible": (240.565e6, 0.4999)}
 P0, HALF, SIDE, HEIGHT = 20e3, 0.05, 0.1, 0.05
-CUBE = 0.0125  # m, side of the cubes under the middle over which the pressure is averaged
+CUBE = SIDE / 6  # m, side of the cubes under the middle over which the pressure is averaged
 
 
 # --- meshes: a grid of (2 n + 1) points per direction, of which the elements use what they need -----------------------
