@@ -115,13 +115,15 @@ class Deck:
             self.lines += ["*EL PRINT, ELSET=EALL", "S"]
         self.lines.append("*END STEP")
 
-    def explicit(self, dt, steps, gravity=None):
-        """An explicit step of a fixed dt; no output but that of the last increment's displacements."""
-        self.lines += [f"*STEP, INC={steps + 10}", "*DYNAMIC, EXPLICIT, DIRECT", f"{exact(dt)}, {exact(dt * steps)}"]
-        if gravity is not None:
-            size = float(np.linalg.norm(gravity))
-            self.lines += ["*DLOAD", "EALL, GRAV, " + ", ".join(exact(x) for x in [size, *np.divide(gravity, size)])]
-        self.lines += [f"*NODE PRINT, NSET=NALL, FREQUENCY={steps}", "U", "*END STEP"]
+    def explicit(self, time, gravity, most=1000000):
+        """An explicit step of that duration under gravity[3]; displacements of all nodes at its end. ccx 2.20 steps at
+        its own stable increment whatever is asked for (Result.increment), and stops at once when DIRECT is given or
+        the least increment is left out."""
+        size = float(np.linalg.norm(gravity))
+        self.lines += [f"*STEP, INC={most}", "*DYNAMIC, EXPLICIT",
+                       f"{exact(time)}, {exact(time)}, {exact(1e-6 * time)}",
+                       "*DLOAD", "EALL, GRAV, " + ", ".join(exact(x) for x in [size, *np.divide(gravity, size)]),
+                       f"*NODE PRINT, NSET=NALL, FREQUENCY={most}", "U", "*END STEP"]
 
     def text(self):
         return "\n".join(["*HEADING", self.title, *self.lines]) + "\n"
@@ -137,11 +139,13 @@ class Deck:
 
 class Result:
     """Of the last increment: displacement {node: [3]}; stress {element: [points, 6]}, xx yy zz xy xz yz at the
-    integration points; and the log and seconds of wall."""
+    integration points; and the log, the seconds of wall, and the increment of an explicit step, if there is one."""
 
     def __init__(self, folder, log, seconds):
         self.log, self.seconds = log, seconds
         self.displacement, self.stress = read_dat(folder / "job.dat")
+        increment = re.search(r"COURANT initial stable time increment:\s*(\S+)", log)
+        self.increment = float(increment.group(1)) if increment else None
 
 
 def run_job(folder, text, title, threads, timeout):
