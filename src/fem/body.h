@@ -176,5 +176,8 @@ void gn_fem_element_stress(const gn_fem_body *body, double (*stress)[6]);
 /* The same at nodes: mean over the elements at the node, weighted by their volumes. */
 gneiss_status gn_fem_nodal_stress(const gn_fem_body *body, const double (*element)[6],
                                   double (*nodal)[6], gneiss_error *error);
+/* Pa, tension positive, per node, by place: the mixed form's own; in the displacement form that of
+ * the nodal stress. */
+gneiss_status gn_fem_nodal_pressure(const gn_fem_body *body, double *pressure, gneiss_error *error);
 
 #endif

@@ -104,12 +104,16 @@ gneiss_status gn_fem_mixed_prepare(gn_fem_body *body, gneiss_error *error) {
 /* --- a step
  * ---------------------------------------------------------------------------------------- */
 
-void gn_fem_moved(gn_fem_body *body) {
-    gn_particles *q = &body->nodes;
-    for (size_t n = 0; body->form == GN_FEM_MIXED && n < q->soa.count; n++) {
+static void copy_places(const gn_fem_body *body) {
+    const gn_particles *q = &body->nodes;
+    for (size_t n = 0; n < q->soa.count; n++) {
         memcpy(q->placed_p + 4 * n, q->pos + 4 * n, 3 * sizeof *q->pos);
         q->placed_p[4 * n + 3] = q->smooth[4 * n + 3];
     }
+}
+
+void gn_fem_moved(gn_fem_body *body) {
+    if (body->form == GN_FEM_MIXED) copy_places(body);
 }
 
 gn_dilation_args gn_fem_dilation_args(const gn_fem_body *body) {
@@ -148,6 +152,7 @@ void gn_fem_find_pressures(const gn_fem_body *body) {
     const gn_partials *q = &body->partials;
     const size_t nodes = body->nodes.soa.count;
     double *pressure = body->pressure;
+    copy_places(body);
     memset(pressure, 0, nodes * sizeof *pressure);
     for (size_t b = 0; b < q->blocks; b++) {
         size_t end = (b + 1) * q->length;
