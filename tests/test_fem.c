@@ -241,6 +241,14 @@ static void incompressible_material_is_refused(void **state) {
                        "form has no stable step");
         m.poisson = NAN;
         assert_refused(spec_of(d, &m), plain_mesh(d), "found nan");
+        gn_fem_spec mixed = spec_of(d, &m);
+        mixed.form = GN_FEM_MIXED;
+        m.poisson = 0.5;
+        assert_refused(mixed, plain_mesh(d),
+                       "expected Poisson's ratio > -1 and < 0.5, because the explicit mixed form "
+                       "has no stable step");
+        mixed.form = (gn_fem_form)7;
+        assert_refused(mixed, plain_mesh(d), "found form 7");
     }
 }
 
