@@ -24,10 +24,7 @@ double gn_fem_stabiliser_eigenvalue(const gn_elements *elements, size_t element)
 gneiss_status gn_fem_mixed_prepare(gn_fem_body *body, gneiss_error *error);
 
 gn_dilation_args gn_fem_dilation_args(const gn_fem_body *body);
-/* Pressures of a block of nodes whose growth is known. */
-void gn_fem_pressure_block(gn_fem_body *body, size_t block);
-/* The stabilising pressure of a block of nodes over the coming interval. */
-void gn_fem_smooth_block(gn_fem_body *body, size_t block, double dt);
+gn_pressure_args gn_fem_pressure_args(gn_fem_body *body, double dt, bool measure);
 /* body->pressure of the present positions. */
 void gn_fem_find_pressures(const gn_fem_body *body);
 

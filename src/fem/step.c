@@ -10,6 +10,7 @@ typedef struct work {
     gn_dilation_args dilation;
     gn_element_args elements;
     gn_motion_args motion;
+    gn_pressure_args pressure;
     bool measure;
 } work;
 
@@ -35,7 +36,15 @@ static void node_block(const work *k, size_t block) {
     gn_motion_sums *sums = &k->body->motion_sums[block];
     *sums = (gn_motion_sums){.bad = -1};
     k->body->motion_kernel(&k->motion, begin, end, sums);
-    if (k->body->form == GN_FEM_MIXED) gn_fem_smooth_block(k->body, block, k->motion.dt);
+    if (k->body->form == GN_FEM_MIXED)
+        k->body->pressure_kernel[1](&k->pressure, begin, end, &k->body->pressure_sums[block]);
+}
+
+static void pressure_block(const work *k, size_t block) {
+    size_t begin = block * GN_PARTICLE_BLOCK, end = begin + GN_PARTICLE_BLOCK;
+    if (end > k->body->nodes.soa.count) end = k->body->nodes.soa.count;
+    k->body->pressure_sums[block] = (gn_pressure_sums){0};
+    k->body->pressure_kernel[0](&k->pressure, begin, end, &k->body->pressure_sums[block]);
 }
 
 /* First passes of the mixed form: growth of the elements, pressures of the nodes. By all threads.
@@ -44,7 +53,7 @@ static void find_pressures(const work *k) {
 #pragma omp for schedule(static)
     for (size_t b = 0; b < k->body->partials.blocks; b++) dilation_block(k, b);
 #pragma omp for schedule(static)
-    for (size_t b = 0; b < k->body->motion_blocks; b++) gn_fem_pressure_block(k->body, b);
+    for (size_t b = 0; b < k->body->motion_blocks; b++) pressure_block(k, b);
 }
 
 static void sweep(const work *k) {
@@ -66,6 +75,7 @@ static work start(gn_fem_body *body, double dt, bool measure) {
     const double *place = body->nodes.pos;
     if (body->form == GN_FEM_MIXED) {
         k.dilation = gn_fem_dilation_args(body);
+        k.pressure = gn_fem_pressure_args(body, dt, measure);
         place = body->nodes.placed_p;
     }
     k.elements = (gn_element_args){place, &body->elements, body->uniform, &body->partials,
@@ -99,8 +109,8 @@ static gn_element_sums merge_elements(const gn_fem_body *body) {
     return total;
 }
 
-static gn_fem_pressure_sums merge_pressure(const gn_fem_body *body) {
-    gn_fem_pressure_sums total = {0};
+static gn_pressure_sums merge_pressure(const gn_fem_body *body) {
+    gn_pressure_sums total = {0};
     for (size_t b = 0; body->pressure_sums && b < body->motion_blocks; b++) {
         total.elastic += body->pressure_sums[b].elastic;
         total.damping += body->pressure_sums[b].damping;
@@ -114,7 +124,7 @@ static int64_t merge_motion(gn_fem_body *body, bool measure) {
     gn_fem_energy *e = &body->energy;
     double kinetic = 0.0;
     int64_t bad = -1;
-    const gn_fem_pressure_sums pressure = merge_pressure(body);
+    const gn_pressure_sums pressure = merge_pressure(body);
     e->damping += pressure.damping;
     for (int half = 0; half < 2; half++) {
         for (size_t b = 0; b < body->motion_blocks; b++) {
