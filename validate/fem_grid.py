@@ -12,7 +12,7 @@ def chess(cells):
 def grid_elements(kind, cells):
     """Places [elements, nodes, dimension] in the grid of half cells."""
     cell, odd = chess(cells)
-    if kind in ("CPE8", "CPE8R"):
+    if kind in ("CPE8", "CPE8R", "CPS8R"):
         corner = np.array([[0, 0], [2, 0], [2, 2], [0, 2]])
         return [(cell, np.vstack([corner, (corner + np.roll(corner, -1, axis=0)) // 2]), None)]
     if kind == "C3D20R":
