@@ -81,8 +81,8 @@ def rows_of(case, forms):
 def tables(forms):
     text = []
     for case, (key, _, sizes) in CASES.items():
-        head = [f"{case}: {key}", "mesh", "form", *(f"n = {n}" for n in sizes), "order", f"{ALSO[case]}, n = {sizes[-1]}",
-                "jumps of pressure"]
+        head = [f"{case}: {key}", "mesh", "form", *(f"n = {n}" for n in sizes), "order",
+                f"{ALSO[case]}, n = {sizes[-1]}", "jumps of pressure"]
         text.append(study.table(head, rows_of(case, forms)))
     return "\n\n".join(text)
 
@@ -91,13 +91,14 @@ def pressures_of_the_block(forms):
     sizes = CASES["block"][2]
     rows = []
     for material in ("compressible", "incompressible"):
-        reference = REFERENCES["block"][material]["reference"]
-        keys = [k for k in reference if k.startswith("pressure")]
-        rows.append([material, "CalculiX", *(f"{reference[k]['value'] / 1e3:.2f} +- {reference[k]['uncertainty'] / 1e3:.2f}"
+        known = REFERENCES["block"][material]["reference"]
+        keys = [k for k in known if k.startswith("pressure")]
+        rows.append([material, "CalculiX", *(f"{known[k]['value'] / 1e3:.2f} +- {known[k]['uncertainty'] / 1e3:.2f}"
                                              for k in keys)])
         for form in forms:
             found, _ = relax("block", material, form, sizes[-1])
-            rows.append([material, f"{FORMS[form]}, n = {sizes[-1]}", *(f"{found['readings'][k] / 1e3:.2f}" for k in keys)])
+            rows.append([material, f"{FORMS[form]}, n = {sizes[-1]}",
+                         *(f"{found['readings'][k] / 1e3:.2f}" for k in keys)])
     return study.table(["block: mean pressure, kPa", "", "0 to 16.7 mm below the middle", "16.7 to 33.3 mm",
                         "33.3 to 50 mm"], rows)
 
@@ -111,7 +112,8 @@ def picture(forms):
         for ax, form in zip(row, forms):
             _, fields = relax("cook", "incompressible", form, f"32{mark}")
             points, element, pressure = read_fields(fields, 2)
-            drawn = ax.tripcolor(points[:, 0], points[:, 1], element, facecolors=pressure, cmap="RdBu_r", vmin=-25, vmax=25)
+            drawn = ax.tripcolor(points[:, 0], points[:, 1], element, facecolors=pressure, cmap="RdBu_r", vmin=-25,
+                                 vmax=25)
             ax.set_title(f"{FORMS[form]} form, {mesh}", fontsize=10)
             ax.set_aspect("equal")
     for ax in axes[-1]:

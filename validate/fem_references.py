@@ -40,7 +40,8 @@ def cook_map(graded):
     def shape(unit):
         s, t = unit[:, 0], unit[:, 1]
         if graded:  # towards the four corners: the clamped ones and those where the traction ends are singular
-            s, t = (np.where(q < 0.5, 2**(graded - 1) * q**graded, 1 - 2**(graded - 1) * (1 - q)**graded) for q in (s, t))
+            half = 2**(graded - 1)
+            s, t = (np.where(q < 0.5, half * q**graded, 1 - half * (1 - q)**graded) for q in (s, t))
         return np.stack([48 * s, (44 * s) * (1 - t) + (44 + 16 * s) * t], axis=1)
     return shape
 
