@@ -5,8 +5,8 @@ run_peers.py --build FOLDER [--out FOLDER] [--repeats N] [--steps N] [--large] [
 Scenes: fcc-32k, a frictional lattice (LAMMPS, LIGGGHTS); fcc-500k, the same beyond the caches (LAMMPS; with --large);
 rock-a, uniaxial compression of 10 225 bonded spheres (YADE, ESyS-Particle); t4-40k, t3-40k, falling blocks of finite
 elements (CalculiX). What is compared is contact-steps, bond-steps or element-steps per second: touching pairs, intact
-bonds or elements times the steps per second of wall time; set-up is left out everywhere. A code that is not installed, or that fails, is left out with a note. Prints tables and writes peers.json,
-peers.md and peers.csv. Standard library only.
+bonds or elements times the steps per second of wall time; set-up is left out everywhere. A code that is not installed,
+or that fails, is left out with a note. Prints tables and writes peers.json, peers.md and peers.csv. Standard library only.
 """
 import argparse
 import csv

@@ -72,9 +72,10 @@ def rows_of(case, forms):
             for form in forms:
                 found = [relax(case, material, form, f"{n}{mark}") for n in sizes]
                 off = [[100 * (r["readings"][k] / wanted[k] - 1) for r, _ in found] for k in (key, ALSO[case])]
-                order = math.log2(abs(off[0][-2] / off[0][-1]))
+                ratio = off[0][-2] / off[0][-1]
+                order = f"{math.log2(ratio):.2f}" if ratio > 0 else "-"
                 rough = roughness(found[-1][1], 2 if case == "cook" else 3)
-                yield [material, mesh, FORMS[form], *(f"{x:+.2f} %" for x in off[0]), f"{order:.2f}",
+                yield [material, mesh, FORMS[form], *(f"{x:+.2f} %" for x in off[0]), order,
                        f"{off[1][-1]:+.2f} %", f"{rough:.2f}"]
 
 
@@ -93,7 +94,7 @@ def pressures_of_the_block(forms):
     for material in ("compressible", "incompressible"):
         known = REFERENCES["block"][material]["reference"]
         keys = [k for k in known if k.startswith("pressure")]
-        rows.append([material, "CalculiX", *(f"{known[k]['value'] / 1e3:.2f} +- {known[k]['uncertainty'] / 1e3:.2f}"
+        rows.append([material, "CalculiX", *(f"{known[k]['value'] / 1e3:.2f} +- {known[k]['uncertainty'] / 1e3:.1g}"
                                              for k in keys)])
         for form in forms:
             found, _ = relax("block", material, form, sizes[-1])

@@ -1,5 +1,6 @@
 """Structured meshes of quadratic and linear elements, with the triangles and tetrahedra of the core's own structured
-meshes: a grid of (2 n + 1) points per direction, of which the elements use what they need. Kinds are those of CalculiX."""
+meshes: a grid of (2 n + 1) points per direction, of which the elements use what they need. Kinds are those of
+CalculiX."""
 import numpy as np
 
 

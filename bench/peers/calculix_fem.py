@@ -1,5 +1,5 @@
-"""A block of linear triangles or tetrahedra that falls freely, by the explicit dynamics of CalculiX: the meshes of gneiss'
-own benches (side 1 m, gravity), the same number of elements and nodes.
+"""A block of linear triangles or tetrahedra that falls freely, by the explicit dynamics of CalculiX: the meshes of
+gneiss' own benches (side 1 m, gravity), the same number of elements and nodes.
 
     /usr/bin/python3 bench/peers/calculix_fem.py
 
@@ -7,9 +7,8 @@ Settings come from the environment, as for the other peers:
   KIND     CPE3 or C3D4          CELLS  per side       THREADS  (1)
   STEPS    timed steps (10)      RESULT file for the JSON result
 
-Set-up is left out: the time is the difference of a run of three steps and one of 3 + STEPS. Steps are of the length that
-CalculiX chooses (Courant's with the size of the smallest element and a factor, a part of what is stable); it scales no
-masses here. The fall of the block shows that all of them were done.
+Set-up is left out: the time is the difference of a run of three steps and one of 3 + STEPS. Steps are of the length
+that CalculiX chooses (Courant's, a part of what is stable); it scales no masses here. The fall of the block shows that all of them were done.
 """
 import json
 import os

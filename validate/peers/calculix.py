@@ -23,8 +23,8 @@ from pathlib import Path
 import numpy as np
 
 PROGRAM = os.environ.get("CCX", "ccx")
-CORNERS = {"CPE3": 3, "CPE4": 4, "CPE6": 6, "CPE8": 8, "CPE8R": 8, "CPS8R": 8, "C3D4": 4, "C3D8": 8, "C3D10": 10, "C3D20": 20,
-           "C3D20R": 20}
+CORNERS = {"CPE3": 3, "CPE4": 4, "CPE6": 6, "CPE8": 8, "CPE8R": 8, "CPS8R": 8, "C3D4": 4, "C3D8": 8, "C3D10": 10,
+           "C3D20": 20, "C3D20R": 20}
 PER_LINE = 15  # numbers; CalculiX takes 16
 
 
