@@ -76,7 +76,13 @@ typedef struct gn_fem_body {
     gn_element_sums *element_sums; /* per block of elements */
     gn_motion_sums *motion_sums;   /* per block of nodes */
     size_t motion_blocks;
+
+    /* Who works on what (sweep.c). */
     gn_pace pace;
+    double *share; /* [threads] part of the elements' blocks before a thread's own */
+    gn_busy *busy; /* [threads] */
+    int64_t *done; /* [motion_blocks] the pass that a block of nodes was last worked on in */
+    int64_t passes;
 
     int64_t step;
     double time, dt_past;
