@@ -397,7 +397,7 @@ void gn_fem_body_free(gn_fem_body *body) {
                       body->motion_sums,
                       body->density,
                       body->growth_row,
-                      body->gradient_row,
+                      body->slope_row,
                       body->pressure,
                       body->pressure_sums,
                       body->share,

@@ -67,9 +67,9 @@ typedef struct gn_fem_body {
 
     /* Mixed form (mixed.c); NULL and zero in the other. */
     gn_dilation_kernel *dilation_kernel;
-    double *growth_row, *gradient_row; /* second and third rows of the partial sums, [2] and [4] */
-    double *pressure;                  /* [nodes] scratch of readings */
-    double rate2;                      /* 1/s2: how fast the stabilising pressure follows */
+    double *growth_row, *slope_row; /* further rows of the partial sums, [2] each */
+    double *pressure;               /* [nodes] scratch of readings */
+    double rate2;                   /* 1/s2: how fast the stabilising pressure follows */
     gn_pressure_kernel *const *pressure_kernel; /* [GN_PRESSURE_PASSES] */
     gn_pressure_sums *pressure_sums;            /* per block of nodes */
 

@@ -124,8 +124,8 @@ static work prepare(gn_fem_body *body, double dt, bool measure) {
         k.pressure = gn_fem_pressure_args(body, dt, measure);
         place = body->nodes.placed_p;
     }
-    k.elements = (gn_element_args){place, &body->elements, body->uniform, &body->partials,
-                                   body->gradient_row};
+    k.elements =
+        (gn_element_args){place, &body->elements, body->uniform, &body->partials, body->slope_row};
     k.motion = (gn_motion_args){.particles = &body->nodes,
                                 .bonds = &body->partials,
                                 .pairs = &body->none,
