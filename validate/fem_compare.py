@@ -3,7 +3,7 @@
     /usr/bin/python3 validate/fem_compare.py [--form displacement|mixed ...] [--fresh]
 
 Needs build/validate/fem_static. Fills the tables of docs/fem.md (section References) and draws
-docs/pictures/fem-pressure.png; about twenty minutes of one core.
+docs/pictures/fem-reference.png; about twenty minutes of one core.
 """
 import argparse
 import json
@@ -123,7 +123,7 @@ def picture(forms):
         ax.set_ylabel("y (m)")
     figure.colorbar(drawn, ax=axes, label="pressure (Pa), compression positive", extend="both", shrink=0.7)
     figure.suptitle("Cook's membrane, nu = 0.4999, 32 x 32 cells", fontsize=12)
-    path = study.ROOT / "docs" / "pictures" / "fem-pressure.png"
+    path = study.ROOT / "docs" / "pictures" / "fem-reference.png"
     figure.savefig(path, dpi=90)
 
 

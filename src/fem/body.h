@@ -67,16 +67,22 @@ typedef struct gn_fem_body {
 
     /* Mixed form (mixed.c); NULL and zero in the other. */
     gn_dilation_kernel *dilation_kernel;
-    double *growth_row, *gradient_row; /* second and third rows of the partial sums, [2] and [4] */
-    double *pressure;                  /* [nodes] scratch of readings */
-    double rate2;                      /* 1/s2: how fast the stabilising pressure follows */
+    double *growth_row, *slope_row; /* further rows of the partial sums, [2] each */
+    double *pressure;               /* [nodes] scratch of readings */
+    double rate2;                   /* 1/s2: how fast the stabilising pressure follows */
     gn_pressure_kernel *const *pressure_kernel; /* [GN_PRESSURE_PASSES] */
     gn_pressure_sums *pressure_sums;            /* per block of nodes */
 
     gn_element_sums *element_sums; /* per block of elements */
     gn_motion_sums *motion_sums;   /* per block of nodes */
     size_t motion_blocks;
+
+    /* Who works on what (sweep.c). */
     gn_pace pace;
+    double *share; /* [threads] part of the elements' blocks before a thread's own */
+    gn_busy *busy; /* [threads] */
+    int64_t *done; /* [motion_blocks] the pass that a block of nodes was last worked on in */
+    int64_t passes;
 
     int64_t step;
     double time, dt_past;

@@ -162,7 +162,7 @@ void gn_fem_linear_mixed(const void *system, const double *x, double *out) {
     const linear_system *y = system;
     gn_fem_body *body = y->body;
     set_fields(y, x);
-    run(y, (pass){add_gradient, take_gradient, 4, body->gradient_row}, out);
+    run(y, (pass){add_gradient, take_gradient, 4, body->partials.row}, out);
     run(y, (pass){add_growth, take_pressure, 2, body->growth_row}, out);
     run(y, (pass){add_force, take_force, 4, body->partials.row}, out);
 }
@@ -171,7 +171,7 @@ void gn_fem_linear_metric(const void *system, const double *x, double *out) {
     const linear_system *y = system;
     gn_fem_body *body = y->body;
     set_fields(y, x);
-    run(y, (pass){add_gradient, take_gradient, 4, body->gradient_row}, out);
+    run(y, (pass){add_gradient, take_gradient, 4, body->partials.row}, out);
     run(y, (pass){add_growth, take_term, 2, body->growth_row}, out);
     memcpy(out, x, body->nodes.soa.count * (size_t)y->dimension * sizeof *out);
 }

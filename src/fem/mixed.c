@@ -90,10 +90,10 @@ gneiss_status gn_fem_mixed_prepare(gn_fem_body *body, gneiss_error *error) {
     body->dilation_kernel = body->kernels->dilation[body->dimension == 3];
     body->pressure_kernel = body->kernels->pressure;
     body->growth_row = gn_alloc_array(rows, 2 * sizeof *body->growth_row);
-    body->gradient_row = gn_alloc_array(rows, 4 * sizeof *body->gradient_row);
+    body->slope_row = gn_alloc_array(rows, 2 * sizeof *body->slope_row);
     body->pressure_sums = gn_alloc_array(body->motion_blocks + 1, sizeof *body->pressure_sums);
     body->pressure = gn_alloc_array(body->nodes.soa.count + 1, sizeof *body->pressure);
-    if (!body->growth_row || !body->gradient_row || !body->pressure_sums || !body->pressure)
+    if (!body->growth_row || !body->slope_row || !body->pressure_sums || !body->pressure)
         return gn_fail(error, GNEISS_ERROR_MEMORY, "%s: no memory for the pressures of %zu nodes",
                        body->name, body->nodes.soa.count);
     weigh(body);
@@ -135,7 +135,7 @@ gn_pressure_args gn_fem_pressure_args(gn_fem_body *body, double dt, bool measure
     return (gn_pressure_args){.nodes = &body->nodes,
                               .partials = &body->partials,
                               .growth_row = body->growth_row,
-                              .gradient_row = body->gradient_row,
+                              .slope_row = body->slope_row,
                               .dt_past = body->dt_past,
                               .dt = dt,
                               .rate2 = body->rate2,

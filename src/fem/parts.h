@@ -14,6 +14,13 @@ gneiss_status gn_fem_no_group(const char *mesh_name, const gn_mesh *mesh, const 
 /* in[element]: whether an element belongs to a group; elements of one kind. */
 void gn_fem_mark_group(const gn_mesh_elements *list, int32_t tag, uint8_t *in);
 
+/* --- the parallel part of a step (sweep.c) --- */
+
+gneiss_status gn_fem_sweep_prepare(gn_fem_body *body, gneiss_error *error);
+/* Forces of the present instant, and nodes (with the stabilising pressure) over the coming
+ * interval; leaves the sums of all blocks. */
+void gn_fem_sweep(gn_fem_body *body, double dt, bool measure);
+
 /* --- mixed form (mixed.c) --- */
 
 /* Bulk modulus, Pa. */

@@ -16,9 +16,11 @@ typedef struct gn_element_args {
     const double *pos; /* node rows [n][4]; mixed form: x y z and the pressure there */
     const gn_elements *elements;
     gn_element_uniform uniform;
-    const gn_partials *partials; /* of `elements`: where forces are summed; rows are written */
-    double *gradient_row;        /* mixed form: rows as those of `partials`, written: integral of
-                                    tau N_a times the pressure's gradient */
+    const gn_partials *partials; /* of `elements`: where forces are summed; rows are written. In
+                                    the mixed form the slope, the integral of tau N_a times the
+                                    pressure's gradient, has the numbers that forces leave free:
+                                    force xy, slope xy or force xyz, slope x */
+    double *slope_row; /* mixed form in space: rows [2] as those of `partials`, written: slope yz */
 } gn_element_args;
 
 /* First pass of the mixed form. */

@@ -28,6 +28,7 @@ typedef struct state {
     gn_v c[6], s[6];
     gn_v volume;
     gn_v pressure[4]; /* mixed form: of node 0, and what nodes 1 2 3 have more */
+    gn_v3 slope;      /* mixed form: every node's share of tau times the pressure's gradient */
 } state;
 
 GN_INLINE const int32_t *node_column(const gn_elements *q, int n) {
@@ -126,13 +127,36 @@ GN_INLINE gn_v3 add_pressure(const state *t, int k, gn_v3 piola, variant w) {
     return piola;
 }
 
+/* A row of two where a row of four has the place `place`. */
+GN_INLINE double *row_of_two(double *rows, uint16_t place) {
+    return (double *)((char *)rows + sizeof(double) / 2 * (size_t)place);
+}
+
 /* Rows of forces, node after node. */
 typedef struct element_rows {
     gn_real row[4][4 * GN_W];
 } element_rows;
 
-GN_INLINE void write_row(gn_real *row, gn_v3 force) {
-    gn_v columns[4] = {force.x, force.y, force.z, gn_set(0.0)};
+/* sum_n gradient_n d_n over nodes 1 2 3. */
+GN_INLINE gn_v3 gradient_of(const gn_v3 gradient[3], const gn_v d[3], int space) {
+    gn_v3 g = gn_axpy(gn_scale(d[0], gradient[0], space), d[1], gradient[1], space);
+    return space ? gn_axpy(g, d[2], gradient[2], 1) : g;
+}
+
+GN_INLINE void find_slope(const gn_element_args *a, size_t e, state *t, variant w) {
+    gn_v share = gn_set(w.space ? 0.25 : 1.0 / 3.0) * t->volume * gn_load(a->elements->tau + e);
+    t->slope = gn_scale(share, gradient_of(t->gradient, t->pressure + 1, w.space), w.space);
+}
+
+/* In the mixed form the numbers of a row that a force leaves free are those of the slope. */
+GN_INLINE void write_row(gn_real *row, gn_v3 force, const state *t, variant w) {
+    const gn_v zero = gn_set(0.0);
+    gn_v columns[4] = {force.x, force.y, force.z, zero};
+    if (w.mixed && w.space) columns[3] = t->slope.x;
+    if (w.mixed && !w.space) {
+        columns[2] = t->slope.x;
+        columns[3] = t->slope.y;
+    }
     gn_store_rows4(row, columns);
 }
 
@@ -148,27 +172,22 @@ GN_INLINE void find_forces(const state *t, gn_v3 piola[3], element_rows *out, va
         force = gn_axpy(force, t->gradient[n].y, piola[1], w.space);
         if (w.space) force = gn_axpy(force, t->gradient[n].z, piola[2], 1);
         first = gn_sub(first, force, w.space);
-        write_row(out->row[n + 1], force);
+        write_row(out->row[n + 1], force, t, w);
     }
-    write_row(out->row[0], first);
+    write_row(out->row[0], first, t, w);
 }
 
-/* sum_n gradient_n d_n over nodes 1 2 3. */
-GN_INLINE gn_v3 gradient_of(const gn_v3 gradient[3], const gn_v d[3], int space) {
-    gn_v3 g = gn_axpy(gn_scale(d[0], gradient[0], space), d[1], gradient[1], space);
-    return space ? gn_axpy(g, d[2], gradient[2], 1) : g;
-}
-
-/* Every node of an element takes the same share of tau times the pressure's gradient. */
-GN_INLINE void add_gradients(const gn_element_args *a, size_t e, size_t end, const state *t,
-                             double *sums, variant w) {
-    const size_t nodes = 3 + (size_t)w.space, count = end - e < GN_W ? end - e : GN_W;
+/* The rest of the slope of tetrahedra. */
+GN_INLINE void add_slopes(const gn_element_args *a, size_t e, size_t end, const state *t,
+                          double *sums) {
+    const size_t nodes = 4, count = end - e < GN_W ? end - e : GN_W;
     const uint16_t *place = a->partials->place + nodes * e;
     gn_real row[4 * GN_W];
-    gn_v share = gn_set(w.space ? 0.25 : 1.0 / 3.0) * t->volume * gn_load(a->elements->tau + e);
-    write_row(row, gn_scale(share, gradient_of(t->gradient, t->pressure + 1, w.space), w.space));
+    gn_v columns[4] = {t->slope.y, t->slope.z, t->slope.y, t->slope.z};
+    gn_store_rows4(row, columns);
     for (size_t k = 0; k < count; k++)
-        for (size_t n = 0; n < nodes; n++) gn_add_plain4(sums + place[nodes * k + n], row + 4 * k);
+        for (size_t n = 0; n < nodes; n++)
+            gn_add_two(row_of_two(sums, place[nodes * k + n]), row + 4 * k);
 }
 
 GN_INLINE void add_rows(const gn_element_args *a, size_t e, size_t end, const element_rows *rows,
@@ -252,8 +271,8 @@ GN_INLINE double *clear_rows(const gn_partials *q, size_t begin, size_t width, d
 
 GN_INLINE void element_core(const gn_element_args *a, size_t begin, size_t end,
                             gn_element_sums *sums, variant w) {
-    double *partial = clear_rows(a->partials, begin, 4, a->partials->row), *gradients = NULL;
-    if (w.mixed) gradients = clear_rows(a->partials, begin, 4, a->gradient_row);
+    double *partial = clear_rows(a->partials, begin, 4, a->partials->row), *slopes = NULL;
+    if (w.mixed && w.space) slopes = clear_rows(a->partials, begin, 2, a->slope_row);
     lane_sums s = no_sums();
     for (size_t e = begin; e < end; e += GN_W) {
         gn_v3 edge[3], piola[3];
@@ -263,9 +282,10 @@ GN_INLINE void element_core(const gn_element_args *a, size_t begin, size_t end,
         load_gradients(a->elements, e, &t, w);
         find_strain(edge, &t, w);
         find_stress(a, e, &t, w);
+        if (w.mixed) find_slope(a, e, &t, w);
         find_forces(&t, piola, &rows, w);
         add_rows(a, e, end, &rows, partial, w);
-        if (w.mixed) add_gradients(a, e, end, &t, gradients, w);
+        if (w.mixed && w.space) add_slopes(a, e, end, &t, slopes);
         if (w.measure) measure(&t, piola, e, end, &s, w);
     }
     if (w.measure) fold_sums(&s, sums);
@@ -338,8 +358,7 @@ GN_INLINE void dilation_core(const gn_dilation_args *a, size_t begin, size_t end
         }
         for (size_t k = 0; k < (end - e < GN_W ? end - e : GN_W); k++)
             for (size_t n = 0; n < nodes; n++)
-                gn_add_two((double *)((char *)sums + 4 * (size_t)place[nodes * k + n]),
-                           row[n / 2] + 4 * k + n % 2 * 2);
+                gn_add_two(row_of_two(sums, place[nodes * k + n]), row[n / 2] + 4 * k + n % 2 * 2);
     }
 }
 

@@ -12,7 +12,7 @@ typedef struct gn_pressure_args {
     gn_particles *nodes;
     const gn_partials *partials; /* of the elements: who shares what */
     const double *growth_row;    /* what the dilation kernel wrote */
-    const double *gradient_row;  /* what the element kernel wrote beside forces */
+    const double *slope_row;     /* what the element kernel wrote beside the partial sums */
     double dt_past, dt; /* s: the interval that led here (0 at the start), the coming one */
     double rate2;       /* 1/s2: how fast the stabilising pressure follows */
     double damping;     /* 1/s: of the stabilising pressure */

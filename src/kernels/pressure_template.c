@@ -50,14 +50,20 @@ static void find_pressures(const gn_pressure_args *a, size_t begin, size_t end,
 /* --- second pass
  * ------------------------------------------------------------------------------------ */
 
-static void gather_gradients(const gn_pressure_args *a, size_t begin, double *sum) {
+static void gather_slopes(const gn_pressure_args *a, size_t begin, double *sum) {
     const gn_partials *q = a->partials;
     const size_t block = begin / GN_PARTICLE_BLOCK;
+    const bool space = a->nodes->soa.effects & GN_FX_SPACE;
     memset(sum, 0, (size_t)4 * GN_PARTICLE_BLOCK * sizeof *sum);
     for (int32_t k = q->start[block]; k < q->start[block + 1]; k++) {
         const gn_share s = q->share[k];
-        *(four *)(sum + 4 * ((size_t)s.particle - begin)) +=
-            *(const four *)(a->gradient_row + 4 * (int64_t)s.row);
+        double *to = sum + 4 * ((size_t)s.particle - begin);
+        const double *row = q->row + 4 * (int64_t)s.row;
+        if (space) {
+            to[0] += row[3];
+            *(two *)(to + 1) += *(const two *)(a->slope_row + 2 * (int64_t)s.row);
+        } else
+            *(two *)to += *(const two *)(row + 2);
     }
 }
 
@@ -79,7 +85,7 @@ static void follow(const gn_pressure_args *a, size_t begin, size_t end, gn_press
     const double interval = 0.5 * (a->dt_past + a->dt), half = 0.5 * a->damping * interval;
     const double keep = (1.0 - half) / (1.0 + half), kick = interval * a->rate2 / (1.0 + half);
     double sum[4 * GN_PARTICLE_BLOCK];
-    gather_gradients(a, begin, sum);
+    gather_slopes(a, begin, sum);
     for (size_t n = begin; n < end; n++) {
         four *value = (four *)(p->smooth + 4 * n), *rate = (four *)(p->smooth_rate + 4 * n);
         const double weight = p->lumped[4 * n + 1], before = (*rate)[3];
