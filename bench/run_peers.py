@@ -82,7 +82,7 @@ def gneiss_models(bench, scene):
     kind = kind_of_bench(SCENES[scene][0])
     present = {name.split("/")[1] for name in names if name.startswith(kind + "/")}
     if kind == "fem":
-        wanted = {"plain form": scene, "mixed form": scene.replace("-", "-mixed-")}
+        wanted = {"plain form": scene, "mixed form": scene + "-mixed"}
     else:
         wanted = {"double": scene, "mixed": scene + "-mixed"}
     return {precision: model for precision, model in wanted.items() if model in present}
