@@ -15,7 +15,7 @@ packages_build=(
 )
 packages_check=(git clang libclang-rt-14-dev libomp-dev clang-format clang-tidy cppcheck)
 packages_bench=(libbenchmark-dev)
-packages_peers=(yade lammps liggghts esys-particle) # large; only for bench --peers
+packages_peers=(yade lammps liggghts esys-particle calculix-ccx) # large; only for bench --peers
 
 usage() {
     cat <<'TEXT'
@@ -25,8 +25,8 @@ usage: ./do COMMAND [...]
   test [meson options]         build and run every test
   check [steps]                format gcc clang cppcheck tidy sanitizers python (all of them)
   bench [--peers] [--large] [--sweep]
-                               build and run the benchmarks; --peers: beside LAMMPS, LIGGGHTS, YADE and
-                               ESyS-Particle; --large: big specimens; --sweep: 1 372 to 1 000 188 grains
+                               build and run the benchmarks; --peers: beside LAMMPS, LIGGGHTS, YADE,
+                               ESyS-Particle and CalculiX; --large: big specimens; --sweep: 1 372 to 1 000 188 grains
   keys [prefix]                the keys that a scene file may hold
   clean                        remove the build folders
   help                         this text

@@ -12,12 +12,13 @@ struct bench_fem {
     double dt;
 };
 
-static gneiss_status make(bench_fem *f, int dimension, int cells, int threads, const char *isa,
-                          gneiss_error *error) {
+static gneiss_status make(bench_fem *f, int dimension, bool mixed, int cells, int threads,
+                          const char *isa, gneiss_error *error) {
     const gn_structured block = {.size = {1.0, 1.0, 1.0}, .cells = {cells, cells, cells}};
     const gn_fem_material rock = {NULL, 20e9, 0.2, 2650.0};
     const gn_fem_spec spec = {.name = "block",
                               .dimension = dimension,
+                              .form = mixed ? GN_FEM_MIXED : GN_FEM_DISPLACEMENT,
                               .materials = &rock,
                               .material_count = 1,
                               .gravity = {0.0, -9.81, 0.0},
@@ -36,11 +37,11 @@ static gneiss_status make(bench_fem *f, int dimension, int cells, int threads, c
     return status;
 }
 
-bench_fem *bench_fem_create(int dimension, int cells, int threads, const char *isa,
+bench_fem *bench_fem_create(int dimension, bool mixed, int cells, int threads, const char *isa,
                             char message[BENCH_MESSAGE_SIZE]) {
     gneiss_error error = {0};
     bench_fem *f = calloc(1, sizeof *f);
-    if (f && make(f, dimension, cells, threads, isa, &error) == GNEISS_OK) return f;
+    if (f && make(f, dimension, mixed, cells, threads, isa, &error) == GNEISS_OK) return f;
     snprintf(message, BENCH_MESSAGE_SIZE, "%s", f ? error.message : "no memory");
     free(f);
     return NULL;
@@ -76,7 +77,7 @@ const char *bench_fem_isa(const bench_fem *fem) {
 
 size_t bench_fem_kernel(bench_fem *fem, size_t blocks) {
     const gn_fem_body *b = &fem->body;
-    const gn_element_args args = {b->nodes.pos, &b->elements, b->uniform, &b->partials};
+    const gn_element_args args = {b->nodes.pos, &b->elements, b->uniform, &b->partials, NULL};
     size_t length = b->partials.length, count = b->elements.soa.count;
     if (blocks > b->partials.blocks) blocks = b->partials.blocks;
     for (size_t k = 0; k < blocks; k++) {

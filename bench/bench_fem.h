@@ -11,8 +11,9 @@ extern "C" {
 typedef struct bench_fem bench_fem;
 
 /* A square (dimension 2) or cube of side 1 m with `cells` per side, 2 triangles or 5 tetrahedra a
- * cell, under gravity; `isa` as bench_world_use. NULL with a message on failure. */
-bench_fem *bench_fem_create(int dimension, int cells, int threads, const char *isa,
+ * cell, in the mixed or the displacement form, under gravity; `isa` as bench_world_use. NULL with a
+ * message on failure. */
+bench_fem *bench_fem_create(int dimension, bool mixed, int cells, int threads, const char *isa,
                             char message[BENCH_MESSAGE_SIZE]);
 void bench_fem_free(bench_fem *fem);
 
@@ -23,8 +24,8 @@ size_t bench_fem_elements(const bench_fem *fem);
 size_t bench_fem_nodes(const bench_fem *fem);
 const char *bench_fem_isa(const bench_fem *fem);
 
-/* The element kernel over the first `blocks` blocks, or all when there are fewer; returns the
- * elements visited. */
+/* The displacement form's element kernel over the first `blocks` blocks, or all when there are
+ * fewer; returns the elements visited. */
 size_t bench_fem_kernel(bench_fem *fem, size_t blocks);
 
 /* Per element: bytes of columns and of rows (nodes read, partial sums read and written) that the

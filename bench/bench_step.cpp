@@ -276,7 +276,14 @@ void add_effects() {
 struct Block {
     std::string name;
     int dimension, cells;
+    bool mixed = false;
 };
+
+Block mixed(Block block) {
+    block.name += "-mixed";
+    block.mixed = true;
+    return block;
+}
 
 using Fem = std::unique_ptr<bench_fem, decltype(&bench_fem_free)>;
 
@@ -295,8 +302,8 @@ void fem_counters(benchmark::State &state, const bench_fem *fem, double elements
 void fem_bench(benchmark::State &state, const Block &block, const Setting &setting,
                std::size_t blocks) {
     char message[BENCH_MESSAGE_SIZE] = "";
-    Fem fem(bench_fem_create(block.dimension, block.cells, setting.threads, setting.isa.c_str(),
-                             message),
+    Fem fem(bench_fem_create(block.dimension, block.mixed, block.cells, setting.threads,
+                             setting.isa.c_str(), message),
             bench_fem_free);
     if (!fem || !bench_fem_steps(fem.get(), 3, message)) {
         state.SkipWithError(message);
@@ -373,13 +380,16 @@ void add_all(Wanted wanted) {
                   false);
     }
     add_effects();
-    add_fem({"t3-40k", 2, 141}, true);
-    add_fem({"t4-40k", 3, 20}, true);
+    std::vector<Block> blocks = {{"t3-40k", 2, 141}, {"t4-40k", 3, 20}};
     if (wanted.large || wanted.sweep) {
         for (int cells : {22, 700})
-            add_fem({"t3-" + std::to_string(2 * cells * cells), 2, cells}, false);
+            blocks.push_back({"t3-" + std::to_string(2 * cells * cells), 2, cells});
         for (int cells : {6, 58})
-            add_fem({"t4-" + std::to_string(5 * cells * cells * cells), 3, cells}, false);
+            blocks.push_back({"t4-" + std::to_string(5 * cells * cells * cells), 3, cells});
+    }
+    for (const Block &block : blocks) {
+        add_fem(block, block.cells == 141 || block.cells == 20);
+        add_fem(mixed(block), false);
     }
 }
 

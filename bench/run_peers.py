@@ -3,10 +3,10 @@
 run_peers.py --build FOLDER [--out FOLDER] [--repeats N] [--steps N] [--large] [--scene NAME ...]
 
 Scenes: fcc-32k, a frictional lattice (LAMMPS, LIGGGHTS); fcc-500k, the same beyond the caches (LAMMPS; with --large);
-rock-a, uniaxial compression of 10 225 bonded spheres (YADE, ESyS-Particle). What is compared is contact-steps or
-bond-steps per second: touching pairs or intact bonds times the steps per second of wall time; set-up is left out
-everywhere. A code that is not installed, or that fails, is left out with a note. Prints tables and writes peers.json,
-peers.md and peers.csv. Standard library only.
+rock-a, uniaxial compression of 10 225 bonded spheres (YADE, ESyS-Particle); t4-40k, t3-40k, falling blocks of finite
+elements (CalculiX). What is compared is contact-steps, bond-steps or element-steps per second: touching pairs, intact
+bonds or elements times the steps per second of wall time; set-up is left out everywhere. A code that is not installed,
+or that fails, is left out with a note. Prints tables and writes peers.json, peers.md and peers.csv. Standard library only.
 """
 import argparse
 import csv
@@ -30,10 +30,14 @@ TO_FAILURE = "to failure"  # key of results that are wall seconds of a whole tes
 
 # Code: its program, its Debian package.
 CODES = {"LAMMPS": ("lmp", "lammps"), "LIGGGHTS": ("liggghts", "liggghts"), "YADE": ("yade", "yade"),
-         "ESyS-Particle": ("esysparticle", "esys-particle")}
+         "ESyS-Particle": ("esysparticle", "esys-particle"), "CalculiX": ("ccx", "calculix-ccx")}
+WITHOUT_MPI = {"YADE", "CalculiX"}
 # Scene: what it counts, and the rows that others are compared with.
 SCENES = {"fcc-32k": ("contact", ["LAMMPS, 2 ranks"]), "fcc-500k": ("contact", ["LAMMPS, 2 ranks"]),
-          "rock-a": ("bond", ["YADE -j2", "ESyS-Particle, 2 workers"])}
+          "rock-a": ("bond", ["YADE -j2", "ESyS-Particle, 2 workers"]),
+          "t4-40k": ("element", ["CalculiX, 2 threads", "CalculiX, 1 thread"]),
+          "t3-40k": ("element", ["CalculiX, 2 threads", "CalculiX, 1 thread"])}
+ELEMENTS = {"t4-40k": ("C3D4", 20), "t3-40k": ("CPE3", 141)}  # as in bench_step.cpp: kind, cells per side
 
 
 class Failed(Exception):
@@ -68,18 +72,26 @@ def result(items, steps, seconds, **more):
 # --- gneiss -------------------------------------------------------------------------------------------
 
 
+def kind_of_bench(unit):
+    return "fem" if unit == "element" else "step"
+
+
 def gneiss_models(bench, scene):
-    """The models of the bench harness that stand for the scene, by precision: those that it has."""
+    """The models of the bench harness that stand for the scene, by precision (or form): those that it has."""
     names = call([bench, "--large", "--benchmark_list_tests"]).split()
-    present = {name.split("/")[1] for name in names if name.startswith("step/")}
-    wanted = {"double": scene, "mixed": scene + "-mixed"}
+    kind = kind_of_bench(SCENES[scene][0])
+    present = {name.split("/")[1] for name in names if name.startswith(kind + "/")}
+    if kind == "fem":
+        wanted = {"plain form": scene, "mixed form": scene + "-mixed"}
+    else:
+        wanted = {"double": scene, "mixed": scene + "-mixed"}
     return {precision: model for precision, model in wanted.items() if model in present}
 
 
 def gneiss_steps(bench, model, precision, unit):
     """Steps alone with the widest instruction set, on 2 threads and on 1, through the bench harness."""
     text = call([bench, "--large", f"--benchmark_min_time={MIN_TIME}", "--benchmark_format=json",
-                 f"--benchmark_filter=^step/{model}/threads:[12]/"])
+                 f"--benchmark_filter=^{kind_of_bench(unit)}/{model}/threads:[12]/"])
     results = json.loads(text[text.index("{"):text.rindex("}") + 1])
     widest, rows = results["context"]["isa"], {}
     for entry in results["benchmarks"]:
@@ -89,11 +101,11 @@ def gneiss_steps(bench, model, precision, unit):
             threads = int(entry["threads"])
             label = f"gneiss, {threads} thread{'s' if threads > 1 else ''}, {precision}, {widest}"
             steps = entry["iterations"]
-            rows[label] = result(entry["bonds" if unit == "bond" else "contacts"], steps,
+            rows[label] = result(entry[unit + "s"], steps,
                                  entry["real_time"] * SECONDS[entry["time_unit"]] * steps,
                                  threads=threads, precision=precision, isa=widest)
     if not rows:
-        raise Failed(f"bench_step has no step/{model} with {widest}:\n{text[-2000:]}")
+        raise Failed(f"bench_step has no {kind_of_bench(unit)}/{model} with {widest}:\n{text[-2000:]}")
     return dict(sorted(rows.items(), key=lambda row: -row[1]["threads"]))
 
 
@@ -141,17 +153,28 @@ def granular(code, script, cells, ranks, steps):
     return {f"{code}, {ranks} rank{'s' if ranks > 1 else ''}": result(contacts, steps, seconds, ranks=ranks)}
 
 
-def bonded(label, command, steps):
-    """A Python script inside the other code, which leaves its result in a file."""
+def scripted(label, command, items, steps, **settings):
+    """A Python script inside or in front of the other code, which leaves its result in a file."""
     with tempfile.TemporaryDirectory() as folder:
         path = os.path.join(folder, "result.json")
-        call(command, {"QT_QPA_PLATFORM": "offscreen", "PACKING": PACKING, "STEPS": str(steps), "RESULT": path})
+        call(command, {"STEPS": str(steps), "RESULT": path, **settings})
         try:
             with open(path, encoding="utf-8") as f:
                 r = json.load(f)
         except (OSError, ValueError) as error:
             raise Failed(f"{' '.join(command)} left no result: {error}") from error
-    return {label: result(r.pop("bonds"), r.pop("steps"), r.pop("seconds"), **r)}
+    return {label: result(r.pop(items), r.pop("steps"), r.pop("seconds"), **r)}
+
+
+def bonded(label, command, steps):
+    return scripted(label, command, "bonds", steps, QT_QPA_PLATFORM="offscreen", PACKING=PACKING)
+
+
+def elements(scene, threads, steps):
+    kind, cells = ELEMENTS[scene]
+    return scripted(f"CalculiX, {threads} thread{'s' if threads > 1 else ''}",
+                    [sys.executable, os.path.join(PEERS, "calculix_fem.py")], "elements", steps, KIND=kind,
+                    CELLS=str(cells), THREADS=str(threads))
 
 
 # --- what is measured ---------------------------------------------------------------------------------
@@ -160,7 +183,7 @@ def bonded(label, command, steps):
 def missing_codes():
     found = {code for code, (program, _) in CODES.items() if shutil.which(program)}
     if not shutil.which("mpirun"):
-        found &= {"YADE"}
+        found &= WITHOUT_MPI
     return [code for code in CODES if code not in found]
 
 
@@ -174,6 +197,9 @@ def peers_of(scene, steps):
                 ("LIGGGHTS", lambda: granular("LIGGGHTS", liggghts, 20, 2, steps))]
     if scene == "fcc-500k":
         return [("LAMMPS", lambda: granular("LAMMPS", lammps, 50, 2, max(steps // 6, 20)))]
+    if scene in ELEMENTS:
+        few = max(steps // 5, 20)  # a step of CalculiX takes hundreds of those of gneiss
+        return [("CalculiX", lambda: elements(scene, 2, few)), ("CalculiX", lambda: elements(scene, 1, few))]
     return [("YADE", lambda: bonded("YADE -j2", ["yade", "-n", "-x", "-j2", yade], steps)),
             ("YADE", lambda: bonded("YADE -j1", ["yade", "-n", "-x", "-j1", yade], steps)),
             ("ESyS-Particle", lambda: bonded("ESyS-Particle, 2 workers", [*mpirun(3), "esysparticle", esys], steps))]
@@ -252,7 +278,8 @@ def to_failure(runs):
 
 def speed_table(table):
     counts = [row["items"] for row in table["rows"]]
-    what = "bonds, elastic part" if table["unit"].startswith("bond") else "frictional contacts"
+    unit = table["unit"].split("-")[0]
+    what = {"bond": "bonds, elastic part", "contact": "frictional contacts", "element": "elements"}[unit]
     heads = "".join(f" times {r} |" for r in table["references"])
     lines = [f"| {table['scene']}, {counts[0]:.0f} {what} | M {table['unit']} | least - most |{heads}",
              "| --- | ---: | ---: |" + " ---: |" * len(table["references"])]

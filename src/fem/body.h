@@ -16,9 +16,13 @@ typedef struct gn_fem_material {
     double young, poisson, density; /* Pa, -, kg/m3 */
 } gn_fem_material;
 
+/* What the pressure comes from: each element's own volume, or nodes (see docs/fem.md). */
+typedef enum gn_fem_form { GN_FEM_DISPLACEMENT, GN_FEM_MIXED } gn_fem_form;
+
 typedef struct gn_fem_spec {
     const char *name; /* of the mesh, for messages */
     int dimension;    /* 2: the mesh's triangles, all z equal; 3: its tetrahedra */
+    gn_fem_form form;
     const gn_fem_material *materials;
     size_t material_count; /* an element has the last material that names it */
     double gravity[3];     /* m/s2; in 2D the third is ignored */
@@ -28,7 +32,8 @@ typedef struct gn_fem_spec {
     const char *isa; /* instruction set, NULL: automatic */
 } gn_fem_spec;
 
-/* J. Works are trapezoidal; kinetic is 1/2 m v(-) v(+), see docs/design.md. */
+/* J. Works are trapezoidal; kinetic is 1/2 m v(-) v(+), see docs/design.md. In the mixed form
+ * `elastic` has the energy of the stabilising pressure, its inertia included. */
 typedef struct gn_fem_energy {
     double kinetic, elastic;                            /* of the last measured instant */
     double work_prescribed, work_applied, work_gravity; /* done on the body so far */
@@ -39,6 +44,7 @@ typedef struct gn_fem_energy {
 typedef struct gn_fem_body {
     char name[128];
     int dimension, threads;
+    gn_fem_form form;
     gn_effects effects;
     gn_mesh mesh; /* its nodes and all its elements in the body's numbering of nodes; facets without
                      solid elements behind them left out */
@@ -59,10 +65,24 @@ typedef struct gn_fem_body {
     int32_t (*channel)[3]; /* [prescribed.count] motion that drives a component, -1: free */
     int32_t motion_count;
 
+    /* Mixed form (mixed.c); NULL and zero in the other. */
+    gn_dilation_kernel *dilation_kernel;
+    double *growth_row, *slope_row; /* further rows of the partial sums, [2] each */
+    double *pressure;               /* [nodes] scratch of readings */
+    double rate2;                   /* 1/s2: how fast the stabilising pressure follows */
+    gn_pressure_kernel *const *pressure_kernel; /* [GN_PRESSURE_PASSES] */
+    gn_pressure_sums *pressure_sums;            /* per block of nodes */
+
     gn_element_sums *element_sums; /* per block of elements */
     gn_motion_sums *motion_sums;   /* per block of nodes */
     size_t motion_blocks;
+
+    /* Who works on what (sweep.c). */
     gn_pace pace;
+    double *share; /* [threads] part of the elements' blocks before a thread's own */
+    gn_busy *busy; /* [threads] */
+    int64_t *done; /* [motion_blocks] the pass that a block of nodes was last worked on in */
+    int64_t passes;
 
     int64_t step;
     double time, dt_past;
@@ -144,6 +164,9 @@ gneiss_status gn_fem_bound(gn_fem_body *body, gn_fem_limit *limit, gneiss_error 
 enum { GN_FEM_CHECK_EVERY = 64 };
 gneiss_status gn_fem_step(gn_fem_body *body, double dt, bool measure, gneiss_error *error);
 
+/* To be called after positions were changed other than by steps: the mixed form keeps a copy. */
+void gn_fem_moved(gn_fem_body *body);
+
 /* Stored energy less what it was and what came in, plus what was lost: of `reading`, in J. */
 double gn_fem_energy_residual(const gn_fem_energy *energy);
 
@@ -159,5 +182,8 @@ void gn_fem_element_stress(const gn_fem_body *body, double (*stress)[6]);
 /* The same at nodes: mean over the elements at the node, weighted by their volumes. */
 gneiss_status gn_fem_nodal_stress(const gn_fem_body *body, const double (*element)[6],
                                   double (*nodal)[6], gneiss_error *error);
+/* Pa, tension positive, per node, by place: the mixed form's own; in the displacement form that of
+ * the nodal stress. */
+gneiss_status gn_fem_nodal_pressure(const gn_fem_body *body, double *pressure, gneiss_error *error);
 
 #endif

@@ -413,7 +413,7 @@ GN_INLINE void contact_core(const gn_contact_args *a, size_t begin, size_t end,
         even = &motion[v % 2];
         odd = &motion[(v + 1) % 2];
         if (UNDER_WAY(3)) find_trial(a, c - 3 * GN_W, odd, AT(3), w);
-        if (UNDER_WAY(0)) find_branch(a, c, AT(0), w);
+        if (v < vectors) find_branch(a, c, AT(0), w);
         if (UNDER_WAY(2)) even->motion = find_motion(a, c - 2 * GN_W, &AT(2)->geometry, w);
     }
     if (a->measure) {

@@ -5,15 +5,18 @@
 #include "kernels/contact.h"
 #include "kernels/element.h"
 #include "kernels/motion.h"
+#include "kernels/pressure.h"
 
 /* Kernels of one instruction set. */
 typedef struct gn_kernel_set {
     const char *name; /* "scalar", "avx2", "avx512" */
     int lanes;
-    gn_contact_kernel *const *contact; /* [GN_CONTACT_VARIANTS] */
-    gn_contact_kernel *const *mixed;   /* the same in mixed precision */
-    gn_motion_kernel *const *motion;   /* [GN_MOTION_VARIANTS] */
-    gn_element_kernel *const *element; /* [GN_ELEMENT_VARIANTS] */
+    gn_contact_kernel *const *contact;   /* [GN_CONTACT_VARIANTS] */
+    gn_contact_kernel *const *mixed;     /* the same in mixed precision */
+    gn_motion_kernel *const *motion;     /* [GN_MOTION_VARIANTS] */
+    gn_element_kernel *const *element;   /* [GN_ELEMENT_VARIANTS] */
+    gn_dilation_kernel *const *dilation; /* [2] triangles, tetrahedra */
+    gn_pressure_kernel *const *pressure; /* [GN_PRESSURE_PASSES] */
 } gn_kernel_set;
 
 enum { GN_KERNEL_SETS = 3 };

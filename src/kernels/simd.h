@@ -53,6 +53,18 @@ GN_INLINE void gn_rows4_less(const gn_real *rows, const int32_t *index, const in
     gn_columns4(r, out);
 }
 
+/* Lane k gets the sum of rows index[0][k], index[1][k], ... */
+GN_INLINE void gn_rows4_sum(const gn_real *rows, const int32_t *const *index, int count,
+                            gn_v out[4]) {
+    gn_v r[4], s[4];
+    gn_gather4(rows, index[0], r);
+    for (int n = 1; n < count; n++) {
+        gn_gather4(rows, index[n], s);
+        for (int k = 0; k < 4; k++) r[k] = r[k] + s[k];
+    }
+    gn_columns4(r, out);
+}
+
 /* a if the literal holds, else b. (A conditional expression does not take products of vector
  * types.) */
 GN_INLINE gn_v gn_pick(int literal, gn_v a, gn_v b) {

@@ -1,0 +1,29 @@
+/* fem_study FORM CUT CELLS: Cook's membrane, nearly incompressible, at rest; for
+ * validate/fem_study.py. Prints the deflection of the corner, the part of the pressure that is
+ * checkerboard, steps and the time step, then a row per node of the grid: x, y, pressure. */
+#include "cook.h"
+
+int main(int count, char **argument) {
+    if (count != 4) {
+        fprintf(stderr, "usage: fem_study displacement|mixed chess|rising|falling CELLS\n");
+        return 2;
+    }
+    const cook c = {.form = strcmp(argument[1], "mixed") ? GN_FEM_DISPLACEMENT : GN_FEM_MIXED,
+                    .cut = *argument[2] == 'c'   ? COOK_CHESS
+                           : *argument[2] == 'r' ? COOK_RISING
+                                                 : COOK_FALLING,
+                    .poisson = 0.4999,
+                    .cells = atoi(argument[3])};
+    gn_fem_body *body = cook_at_rest(&c);
+    double *p = cook_pressure(body, &c);
+    printf("%.8g %.6g %lld %.6g\n", cook_deflection(body, &c), cook_checkerboard(p, c.cells),
+           (long long)body->step, body->dt_past);
+    for (int row = 0; row <= c.cells; row++)
+        for (int column = 0; column <= c.cells; column++) {
+            const double *x = body->nodes.start + 4 * cook_node(body, c.cells, column, row);
+            printf("%.8g %.8g %.8g\n", x[0], x[1], p[row * (c.cells + 1) + column]);
+        }
+    free(p);
+    body_end(body);
+    return 0;
+}
