@@ -217,6 +217,10 @@ gneiss_status gn_fem_nodal_stress(const gn_fem_body *body, const double (*elemen
 /* det F of an element at the present positions (measures.c). */
 double gn_fem_volume_ratio(const gn_fem_body *body, size_t element);
 
+/* s: 2/sqrt of the trace of M_e^-1 K_e of every element alone, by place: how elements compare in
+ * what step they allow (measures.c). */
+void gn_fem_step_scales(const gn_fem_body *body, double *scale);
+
 /* --- averages (measures.c)
  * ------------------------------------------------------------------------------------- */
 

@@ -101,3 +101,17 @@ double gn_fem_volume_ratio(const gn_fem_body *body, size_t element) {
     double f[3][3];
     return gn_fem_deformation(body, element, f);
 }
+
+/* The trace of an element's stiffness at a node is V |G|^2 (lambda + (1 + d) mu). */
+void gn_fem_step_scales(const gn_fem_body *body, double *scale) {
+    const gn_elements *q = &body->elements;
+    const int d = body->dimension;
+    for (size_t e = 0; e < q->soa.count; e++) {
+        double gradient[4][3], sum = 0.0;
+        gn_fem_gradients(q, e, gradient);
+        for (int a = 0; a <= d; a++)
+            for (int k = 0; k < d; k++) sum += gradient[a][k] * gradient[a][k];
+        scale[e] = 2.0 / sqrt(sum * (q->lambda[e] + (1 + d) * q->mu[e]) * (d + 1) /
+                              body->density[q->material[e]]);
+    }
+}
