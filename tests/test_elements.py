@@ -155,16 +155,16 @@ def forces_and_energies_balance(folder):
         energy = {name: data[()] for name, data in file["energy"].items()}
         rows = file["history"]
         reaction = [rows[f"motion_{name}_reaction_y"][-1] for name in ("supports", "load")]
+        corners, place, velocity = (file[name][:] for name in ("elements/node", "nodes/position", "nodes/velocity"))
     assert energy["elastic_elements"] > 0.5 * energy["work_prescribed"] > 0
     assert energy["work_gravity"] != 0 and energy["work_applied"] != 0
     assert abs(energy["residual"]) < 1e-6, energy["residual"]
-        corners, place, velocity = (file[name][:] for name in ("elements/node", "nodes/position", "nodes/velocity"))
     edges = place[corners[:, 1:]] - place[corners[:, :1]]
     mass = np.bincount(corners.ravel(), np.repeat(2400 * np.linalg.det(edges) / 24, 4))
+    assert abs(mass.sum() / (2400 * (0.17 * 0.05 - 0.004 * 0.01) * 0.03) - 1) < 1e-3
     # The traction has come to 20 kPa on the upper face. Background damping holds against the motion with a m v.
     down = 20e3 * 0.17 * 0.03 + 9.81 * mass.sum()
     drag = -1e4 * (mass * velocity[:, 1]).sum()
-    assert abs(mass.sum() / (2400 * (0.17 * 0.05 - 0.004 * 0.01) * 0.03) - 1) < 1e-3
     assert abs(sum(reaction) + drag - down) < 0.02 * max(map(abs, reaction)), (reaction, drag, down)
 
 
@@ -476,11 +476,12 @@ def strain_that_stiffens_lowers_an_automatic_step_and_stops_a_given_one(folder):
     out = os.path.join(folder, "out")
     path = write_scene(folder, scene)
     run(path, out, "--set", "time.end=2 ms")
-    dt = np.diff(history(out)["time"]) / np.diff(history(out)["step"])
+    rows = history(out)
+    dt = [float(d) for d in np.diff(rows["time"]) / np.diff(rows["step"])]
     assert dt[-1] < 0.95 * dt[0], (dt[0], dt[-1])
     assert abs(summary(out)["energy_residual"]) < 1e-3
     expect(gneiss("run", path, "--out", os.path.join(folder, "given"), "--set", "time.end=2 ms", "--set",
-                  f"time.step={0.99 * summary(out)['dt_limit_sharp']}"), 5, "stability limit at step", "set by element")
+                  f"time.step={dt[0]!r}"), 5, "stability limit at step", "set by element")
 
 
 @fact
