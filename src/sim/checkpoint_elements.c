@@ -41,10 +41,10 @@ static void piece_path(const piece *p, char *path, size_t size) {
 }
 
 gneiss_status gn_elements_save(const gn_world *w, gn_h5 *file, gneiss_error *error) {
+    if (!w->elements) return GNEISS_OK;
     const gn_element_model *q = w->elements;
     const gn_fem_body *b = &q->body;
     char path[96];
-    if (!q) return GNEISS_OK;
     GN_TRY(gn_h5_put_mesh(file, "mesh", &b->mesh, error));
     GN_TRY(gn_h5_put_record(file, "mesh_nodes", &gn_particle_record, &b->nodes, error));
     GN_TRY(gn_h5_put_record(file, "mesh_elements", &gn_element_record, &b->elements, error));
