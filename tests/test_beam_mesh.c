@@ -197,6 +197,7 @@ static void shares_of_facets_are_their_area_and_those_of_nodes_one(void **state)
         for (int k = 0; k < 3; k++) sum[k] += body->nodes.applied[4 * n + k];
     assert_true(fabs(sum[0] - 2e6 * 0.02 * 0.03) < 1e-10 && sum[1] == 0.0 && sum[2] == 0.0);
     const double aside[3] = {9.0, 9.0, 9.0};
+    gn_fem_load_free(&load[1]);
     assert_int_equal(gn_fem_load_on_facets(body, NULL, aside, aside, &load[1], &error),
                      GNEISS_ERROR_INPUT);
     assert_non_null(strstr(error.message, "found none among the 104 triangles"));
