@@ -413,6 +413,7 @@ def the_report_shows_the_mesh(folder):
 @fact
 def the_terminal_speaks_of_elements(folder):
     done = expect(gneiss("run", PLATE, "--out", folder), 0, r"element-steps/s")
+    assert "note: left out 1 node" in done.stdout and "note: turned 1 element" in done.stdout
     assert "15 nodes, 16 elements" in done.stdout and "elements.hdf.series" in done.stdout
     assert "particle" not in done.stdout + done.stderr
     lines = gneiss("run", PLATE, "--out", folder, "--log", "json").stdout.splitlines()

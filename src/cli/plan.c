@@ -91,6 +91,9 @@ static void print_step(const gn_world *w) {
            w->scene.step > 0.0 ? " (given)" : "", w->dt / w->stable, w->stable);
     if (w->scene.has_specimen) print_particle_limits(w);
     gn_print_element_limits(w);
+    if (w->elements && w->effects & (GN_FX_NONVISCOUS_VECTOR | GN_FX_NONVISCOUS_COMPONENT))
+        printf("  less             %.3f for non-viscous damping, which stiffens the fastest mode\n",
+               1.0 / sqrt(1.0 + w->scene.background_coefficient));
 }
 
 /* Seconds per step from a few steps of the real thing, none beyond its end. */

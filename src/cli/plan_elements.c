@@ -48,13 +48,15 @@ static void print_groups(const gn_mesh *mesh) {
     }
 }
 
-static void print_notes(const gn_fem_body *b) {
+void gn_print_element_notes(const gn_world *w, const char *indent) {
+    if (!w->elements) return;
+    const gn_fem_body *b = &w->elements->body;
     if (b->unused_nodes)
-        printf("  note: left out %zu node%s of the mesh that belong%s to no element\n",
+        printf("%snote: left out %zu node%s of the mesh that belong%s to no element\n", indent,
                b->unused_nodes, b->unused_nodes == 1 ? "" : "s", b->unused_nodes == 1 ? "s" : "");
     if (b->turned_elements)
-        printf("  note: turned %zu element%s that had nodes in the other order (inside out)\n",
-               b->turned_elements, b->turned_elements == 1 ? "" : "s");
+        printf("%snote: turned %zu element%s that had nodes in the other order (inside out)\n",
+               indent, b->turned_elements, b->turned_elements == 1 ? "" : "s");
 }
 
 static int by_size(const void *a, const void *b) {
@@ -104,6 +106,6 @@ void gn_print_element_check(const gn_world *w, int *warnings) {
     for (size_t k = 0; k < e->load_count; k++)
         printf("  load %-15s %zu nodes\n", e->loads[k].name[0] ? e->loads[k].name : "-",
                w->elements->load[k].count);
-    print_notes(b);
+    gn_print_element_notes(w, "  ");
     print_slivers(w, warnings);
 }

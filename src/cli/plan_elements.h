@@ -6,6 +6,8 @@
 
 void gn_print_element_kernels(const gn_world *world);
 void gn_print_element_limits(const gn_world *world);
+/* Unused nodes and turned elements; `indent` before each line. */
+void gn_print_element_notes(const gn_world *world, const char *indent);
 void gn_print_element_check(const gn_world *world, int *warnings);
 
 #endif

@@ -1,5 +1,7 @@
 #include "cli/progress.h"
 
+#include "cli/plan_elements.h"
+
 #include "io/files.h"
 
 #include <math.h>
@@ -95,6 +97,7 @@ void gn_print_start(const gn_options *o, const gn_run *run) {
         printf("%zu nodes, %zu elements; ", w->elements->body.nodes.soa.count,
                w->elements->body.elements.soa.count);
     printf("%d thread%s, %s\n", w->threads, w->threads == 1 ? "" : "s", w->kernels->name);
+    gn_print_element_notes(w, "");
     print_limits(w);
     printf("output: %s\n", run->directory);
     fflush(stdout);
