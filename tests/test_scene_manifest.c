@@ -196,7 +196,7 @@ static void effects_are_what_the_scene_calls_for(void **state) {
                      GN_FX_SPACE | GN_FX_ROTATION | GN_FX_PAIRS | GN_FX_SHEAR | GN_FX_FRICTION |
                          GN_FX_BONDS | GN_FX_CONTACT_DAMPING | GN_FX_VISCOUS | GN_FX_GRAVITY |
                          GN_FX_APPLIED | GN_FX_PRESCRIBED | GN_FX_WALLS | GN_FX_WALL_SHEAR |
-                         GN_FX_PERIODIC | GN_FX_ORIENTATION | GN_FX_MIXED);
+                         GN_FX_PERIODIC | GN_FX_ORIENTATION | GN_FX_MIXED | GN_FX_ELEMENTS);
     assert_int_equal(effects_of(loaded("tests/scenes/plane.yaml")),
                      GN_FX_ROTATION | GN_FX_PAIRS | GN_FX_NONVISCOUS_COMPONENT | GN_FX_GRAVITY |
                          GN_FX_APPLIED | GN_FX_PRESCRIBED | GN_FX_WALLS | GN_FX_ENERGY);
@@ -284,7 +284,10 @@ static int outside(const char *range, bool whole, char values[2][32]) {
 static const gn_override *shape_of(const char *path) {
     static const gn_override shapes[] = {{"specimen.rectangle", "{width: 1, height: 1}"},
                                          {"specimen.disc", "{diameter: 1}"},
-                                         {"specimen.box", "{size: [1, 1, 1]}"}};
+                                         {"specimen.box", "{size: [1, 1, 1]}"},
+                                         {"elements.rectangle", "{size: [1, 1], cells: [1, 1]}"},
+                                         {"elements.beam", "{length: 1, height: 1, cell: 1}"},
+                                         {"elements.box", "{size: [1, 1, 1], cells: [1, 1, 1]}"}};
     for (size_t k = 0; k < sizeof shapes / sizeof *shapes; k++)
         if (strncmp(path, shapes[k].key, strlen(shapes[k].key)) == 0) return &shapes[k];
     return NULL;
@@ -301,17 +304,16 @@ static void refuses_outside_values(const gn_key *key, const char *path, void *co
     char values[2][32], text[128], file[4096];
     const gn_override *shape = shape_of(path);
     bool plane = strncmp(path, "specimen.lattice", 16) == 0 ||
-                 (shape && strcmp(shape->key, "specimen.box") != 0);
+                 (shape && !strstr(shape->key, ".box") && !strstr(shape->key, ".beam"));
     snprintf(file, sizeof file, "%s/tests/scenes/%s.yaml", test_source(),
              plane ? "plane" : "everything");
     int count = outside(key->range, whole, values);
     assert_true(count > 0);
     for (int k = 0; k < count; k++) {
         snprintf(text, sizeof text,
-                 key->type == GN_KEY_CELLS    ? "[%s, %s]"
-                 : key->type == GN_KEY_VECTOR ? "[%s, %s, %s]"
-                 : key->type == GN_KEY_IDS    ? "[%s]"
-                                              : "%s",
+                 key->type == GN_KEY_CELLS || key->type == GN_KEY_VECTOR ? "[%s, %s, %s]"
+                 : key->type == GN_KEY_IDS                               ? "[%s]"
+                                                                         : "%s",
                  values[k], values[k], values[k]);
         gn_override overrides[] = {shape ? *shape : (gn_override){"title", "t"}, {at, text}};
         gn_scene scene;

@@ -28,8 +28,10 @@
     X(ORIENTATION, orientation, "particle orientations (quaternions) for output")                  \
     X(ENERGY, energy, "energy ledger")                                                             \
     X(MIXED, mixed, "contacts in single precision, sums and state in double")                      \
-    X(CONTACT_FORCES, contact_forces, "forces kept contact by contact, while output looks at them")  \
-    X(PRESSURE, pressure, "finite elements with pressures at their nodes (mixed form)")
+    X(CONTACT_FORCES, contact_forces,                                                              \
+      "forces kept contact by contact, while output looks at them")                                \
+    X(PRESSURE, pressure, "finite elements with pressures at their nodes (mixed form)")            \
+    X(ELEMENTS, elements, "finite elements")
 
 typedef enum gn_effect_index {
 #define X(NAME, name, text) GN_FX_INDEX_##NAME,

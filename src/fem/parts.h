@@ -14,6 +14,13 @@ gneiss_status gn_fem_no_group(const char *mesh_name, const gn_mesh *mesh, const 
 /* in[element]: whether an element belongs to a group; elements of one kind. */
 void gn_fem_mark_group(const gn_mesh_elements *list, int32_t tag, uint8_t *in);
 
+/* F of an element at the present positions, and its determinant; plane strain has F_zz = 1
+ * (stress.c). */
+double gn_fem_deformation(const gn_fem_body *body, size_t element, double f[3][3]);
+
+/* m2 of a facet at the start; of a line 1 m thick (loads.c). */
+double gn_fem_facet_area(const gn_fem_body *body, const int32_t *node);
+
 /* --- the parallel part of a step (sweep.c) --- */
 
 gneiss_status gn_fem_sweep_prepare(gn_fem_body *body, gneiss_error *error);
@@ -55,10 +62,12 @@ void gn_fem_linear_mixed(const void *system, const double *x, double *out);
 void gn_fem_linear_metric(const void *system, const double *x, double *out);
 
 static inline gn_mesh_elements *gn_fem_elements_of(gn_mesh *mesh, int dimension) {
-    return dimension == 3 ? &mesh->tetrahedra : dimension == 2 ? &mesh->triangles : &mesh->lines;
+    gn_mesh_elements *lists[] = {&mesh->points, &mesh->lines, &mesh->triangles, &mesh->tetrahedra};
+    return lists[dimension];
 }
 static inline const char *gn_fem_kind(int dimension) {
-    return dimension == 3 ? "tetrahedron" : dimension == 2 ? "triangle" : "line";
+    static const char *const names[] = {"point", "line", "triangle", "tetrahedron"};
+    return names[dimension];
 }
 
 #endif

@@ -85,9 +85,13 @@ static double nonviscous_share(const gn_world *w) {
 
 /* The limit that the scene trusts: sharp, or the rigorous bound. Contacts that may still form are
  * covered by never going above what a single pair would need. */
-static double usable_limit(const gn_world *w) {
+static double usable_limit(gn_world *w) {
     double limit = w->scene.estimate == GN_STEP_BOUND ? w->limit.bound : w->limit.sharp;
-    return nonviscous_share(w) * fmin(limit, free_flight_limit(w));
+    w->stable_particles =
+        w->scene.has_specimen ? fmin(limit, free_flight_limit(w)) : (double)INFINITY;
+    double least = w->stable_particles;
+    if (w->elements) least = fmin(least, w->elements->stable);
+    return nonviscous_share(w) * least;
 }
 
 /* Only the rigorous bound, or Lanczos as well; the former leaves the sharp value unknown. */
@@ -120,8 +124,21 @@ static gneiss_status find_limit(gn_world *w, const gn_step_limit *quick, gneiss_
     return GNEISS_OK;
 }
 
+/* What sets the limit. */
+static const char *culprit(const gn_world *w, char *text, size_t size) {
+    if (gn_elements_lead(w)) return gn_elements_culprit(w, text, size);
+    snprintf(text, size, "particle %d",
+             w->scene.estimate == GN_STEP_BOUND ? w->limit.bound_id : w->limit.sharp_id);
+    return text;
+}
+
 static gneiss_status react(gn_world *w, double limit, gneiss_error *error) {
+    char text[160];
     if (w->scene.step == 0.0) {
+        if (!isfinite(limit))
+            return gn_fail(error, GNEISS_ERROR_INPUT,
+                           "%s: time.step: required, because nothing can move that would limit it",
+                           w->scene.source);
         double wanted = w->scene.safety * limit;
         /* Small changes of the stiffest mode are what the safety factor is for. */
         if (w->step > 0 && wanted > 0.97 * w->dt) return GNEISS_OK;
@@ -133,24 +150,33 @@ static gneiss_status react(gn_world *w, double limit, gneiss_error *error) {
     if (w->dt <= limit || w->scene.on_unstable == GN_POLICY_WARN) return GNEISS_OK;
     return gn_fail(
         error, w->step > 0 ? GNEISS_ERROR_UNSTABLE : GNEISS_ERROR_INPUT,
-        "%s: time.step: expected at most %.6g s (stability limit at step %lld, set by particle "
-        "%d; the rigorous bound without damping is %.6g s), found %.6g s = %.3f of the limit "
+        "%s: time.step: expected at most %.6g s (stability limit at step %lld, set by %s; the "
+        "rigorous bound without damping is %.6g s), found %.6g s = %.3f of the limit "
         "(time.on_unstable: warn runs it all the same)",
-        w->scene.source, limit, (long long)w->step,
-        w->scene.estimate == GN_STEP_BOUND ? w->limit.bound_id : w->limit.sharp_id, w->limit.bound,
-        w->dt, w->dt / limit);
+        w->scene.source, limit, (long long)w->step, culprit(w, text, sizeof text),
+        gn_world_bound(w), w->dt, w->dt / limit);
 }
 
-gneiss_status gn_world_check_step(gn_world *w, bool full, gneiss_error *error) {
-    double start = gn_now();
+/* *due: the limit of the particles has changed. */
+static gneiss_status particle_limit(gn_world *w, bool full, bool *due, gneiss_error *error) {
     gn_step_limit quick = {0};
     gneiss_status status = estimate(w, false, &quick, error);
     /* The rigorous bound falls with every contact that makes a particle stiffer. As long as it is
      * where it was when the limit was found, that limit holds within the safety factor. */
-    bool due = full || quick.bound < 0.98 * w->limit.bound;
-    if (status == GNEISS_OK && due) status = find_limit(w, &quick, error);
+    *due = full || quick.bound < 0.98 * w->limit.bound;
+    if (status == GNEISS_OK && *due) status = find_limit(w, &quick, error);
     w->bound = quick.bound;
-    if (status == GNEISS_OK && due) {
+    return status;
+}
+
+gneiss_status gn_world_check_step(gn_world *w, bool full, gneiss_error *error) {
+    double start = gn_now();
+    bool due = false, elements_due = false;
+    gneiss_status status = GNEISS_OK;
+    if (w->scene.has_specimen) status = particle_limit(w, full, &due, error);
+    if (status == GNEISS_OK && w->elements)
+        status = gn_elements_limit(w, full, &elements_due, error);
+    if (status == GNEISS_OK && (due || elements_due)) {
         w->stable = usable_limit(w);
         status = react(w, w->stable, error);
     }
