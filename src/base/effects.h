@@ -28,7 +28,8 @@
     X(ORIENTATION, orientation, "particle orientations (quaternions) for output")                  \
     X(ENERGY, energy, "energy ledger")                                                             \
     X(MIXED, mixed, "contacts in single precision, sums and state in double")                      \
-    X(CONTACT_FORCES, contact_forces, "forces kept contact by contact, while output looks at them")  \
+    X(CONTACT_FORCES, contact_forces,                                                              \
+      "forces kept contact by contact, while output looks at them")                                \
     X(PRESSURE, pressure, "finite elements with pressures at their nodes (mixed form)")
 
 typedef enum gn_effect_index {
