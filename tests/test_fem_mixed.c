@@ -23,14 +23,15 @@ static void mixed_form_converges_to_the_same_on_any_cut_of_the_cells(void **stat
     double limit[3];
     for (int cut = 0; cut < 3; cut++) {
         double d[3];
-        for (int k = 0; k < 3; k++) d[k] = deflection(GN_FEM_MIXED, (cook_cut)cut, 8 << k);
+        for (int k = 0; k < 3; k++) d[k] = deflection(GN_FEM_MIXED, (cook_cut)cut, 6 << k);
         limit[cut] = limit_of(d);
         print_message("# cut %d: %.4f %.4f %.4f, limit %.3f\n", cut, d[0], d[1], d[2], limit[cut]);
         assert_true(d[2] - d[1] < 0.5 * (d[1] - d[0]));
-        assert_close(d[2], limit[cut], 0.04);
+        assert_close(d[2], limit[cut], 0.06);
     }
-    assert_close(limit[1], limit[0], 0.01);
-    assert_close(limit[2], limit[0], 0.01);
+    /* Extrapolation takes most of the first order out. */
+    assert_close(limit[1], limit[0], 0.02);
+    assert_close(limit[2], limit[0], 0.02);
 }
 
 static void displacement_form_locks(void **state) {
@@ -58,6 +59,57 @@ static void pressures_have_no_checkerboard(void **state) {
         print_message("# cut %d: displacement form %.2g, mixed form %.2g\n", cut, part[0], part[1]);
         assert_true(part[1] < 0.01);
         assert_true(part[1] < 0.2 * part[0]);
+    }
+}
+
+/* The stabilising pressure has an inertia: what it does when a load comes at once and nothing is
+ * damped. */
+static void a_sudden_load_makes_no_checkerboard_either(void **state) {
+    (void)state;
+    for (int cut = 0; cut < 3; cut++) {
+        const cook c = {GN_FEM_MIXED, (cook_cut)cut, 0.4999, 16};
+        gn_fem_body *body = cook_body(&c);
+        const double dt = 0.95 * fem_limits(body).sharp;
+        double worst = 0.0;
+        body->damping_coefficient = 0.0;
+        /* About a third of the first period. */
+        for (int s = 0; body->time < 6.0; s++) {
+            fem_step(body, dt, s % 50 == 0);
+            if (body->time < 1.0 || s % 50) continue;
+            double *p = cook_pressure(body, &c);
+            worst = fmax(worst, cook_checkerboard(p, c.cells));
+            free(p);
+        }
+        print_message("# cut %d: at most %.2g\n", cut, worst);
+        assert_true(worst < 0.02);
+        assert_near(gn_fem_energy_residual(&body->reading), 0.0, 1e-8 * body->reading.work_applied);
+        body_end(body);
+    }
+}
+
+static void the_sharp_limit_holds_when_nearly_incompressible(void **state) {
+    (void)state;
+    for (int v = 0; v < 4; v++) {
+        const int d = v & 1 ? 3 : 2;
+        const bool above = v & 2;
+        const double size[3] = {1.0, 0.8, d == 3 ? 0.9 : 0.0};
+        const int cells[3] = {4, 4, d == 3 ? 4 : 0};
+        gn_fem_material m = rock;
+        m.poisson = 0.4999;
+        gn_fem_spec spec = spec_of(d, &m);
+        spec.form = GN_FEM_MIXED;
+        gn_fem_body *body = body_of(&spec, mesh_of(size, cells, 0.15));
+        double dt = (above ? 1.02 : 0.99) * fem_limits(body).sharp, most = 0.0;
+        uint64_t at = 3;
+        for (size_t n = 0; n < body->nodes.soa.count; n++)
+            for (int k = 0; k < d; k++)
+                body->nodes.vel[4 * n + (size_t)k] = 1e-6 * uniform(&at, -1.0, 1.0);
+        /* As in test_fem_dynamics.c: growth by 1.49 a step, or at most 7 times the start. */
+        for (int s = 0; s < (above ? 40 : 20000); s++) fem_step(body, dt, false);
+        for (size_t n = 0; n < body->nodes.soa.count; n++)
+            for (size_t k = 0; k < 3; k++) most = fmax(most, fabs(body->nodes.vel[4 * n + k]));
+        assert_true(above ? most > 1e-3 : most < 1e-5);
+        body_end(body);
     }
 }
 
@@ -129,7 +181,7 @@ static double sinking(gn_fem_form form, int cells) {
     assert_true(body->nodes.start[4 * middle + 1] == 1.0);
     const double dt = 0.95 * fem_limits(body).sharp;
     double now = 0.0, before = 1.0;
-    for (int quiet = 0; quiet < 4;) {
+    for (int quiet = 0; quiet < 2;) {
         for (double t = 0.0; t < 2.0; t += dt) fem_step(body, dt, false);
         now = 1.0 - body->nodes.pos[4 * middle + 1];
         quiet = fabs(now - before) < 1e-5 * fabs(now) ? quiet + 1 : 0;
@@ -157,6 +209,8 @@ int main(void) {
         cmocka_unit_test(mixed_form_converges_to_the_same_on_any_cut_of_the_cells),
         cmocka_unit_test(displacement_form_locks),
         cmocka_unit_test(pressures_have_no_checkerboard),
+        cmocka_unit_test(a_sudden_load_makes_no_checkerboard_either),
+        cmocka_unit_test(the_sharp_limit_holds_when_nearly_incompressible),
         cmocka_unit_test(ledger_closes_on_the_way_to_rest),
         cmocka_unit_test(a_pressed_block_converges_in_the_mixed_form),
     };
