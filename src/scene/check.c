@@ -329,6 +329,53 @@ static gneiss_status check_wall(const check *c, const gn_scene *s, size_t index)
     return check_plane_motion(c, s, &wall->motion);
 }
 
+/* ---- bodies ---- */
+
+/* Exactly one of the shapes is given. */
+static gneiss_status check_body_shape(const check *c, const gn_scene *s, const gn_body_def *b) {
+    static const char *const names[] = {"surface", "box", "cylinder", "polygon", "polyline"};
+    const bool has[] = {*b->surface != '\0', b->has_box, b->has_cylinder, b->polygon_count > 0,
+                        b->polyline_count > 0};
+    char found[SOURCES_SIZE] = "";
+    for (int k = 0; k < 5; k++)
+        if (has[k]) add_source(found, names[k]);
+    if (*found && !strchr(found, ',')) return GNEISS_OK;
+    return fail(c, "name", "expected one of %s beside it, found %s",
+                s->dimension == 2 ? "polygon, polyline" : "surface, box, cylinder",
+                *found ? found : "none");
+}
+
+static gneiss_status check_free(const check *c, const gn_body_def *b) {
+    static const char *const only[] = {"density", "initial_velocity", "initial_spin"};
+    if (b->free) {
+        GN_TRY(need(c, b->density, "density", "by a free body"));
+        if (b->polyline_count)
+            return fail(c, "free", "expected a polygon beside it (a polyline has no inside)");
+        if (b->has_cylinder && b->cylinder.open)
+            return fail(c, "free", "expected a closed cylinder beside it, found an open one");
+        if (b->has_reference)
+            return fail(c, "reference",
+                        "expected none: the reference point of a free body is its centre of mass");
+        return GNEISS_OK;
+    }
+    for (int k = 0; k < 3; k++)
+        if (given(c, only[k])) return fail(c, only[k], "expected free true beside it, found false");
+    return GNEISS_OK;
+}
+
+static gneiss_status check_body(const check *c, const gn_scene *s, size_t index) {
+    gn_body_def *b = &s->bodies[index];
+    if (gn_scene_find_body(s, b->name) != (int)index || gn_scene_find_wall(s, b->name) >= 0 ||
+        gn_scene_find_set(s, b->name) >= 0)
+        return fail(c, "name", "expected a name of its own, found '%s' a second time", b->name);
+    if (s->has_periodic)
+        return fail(c, "name", "expected no periodic box beside a body, found one");
+    GN_TRY(check_body_shape(c, s, b));
+    if (b->friction > 0) GN_TRY(need(c, b->kratio, "kratio", "by friction"));
+    GN_TRY(check_free(c, b));
+    return check_plane_motion(c, s, &b->motion);
+}
+
 /* ---- test and time ---- */
 
 static gneiss_status check_end(const check *c, const gn_scene *s, const char *key,
@@ -376,6 +423,10 @@ gneiss_status gn_check_scene(gn_reader *reader, const gn_node *root) {
     for (size_t k = 0; k < s->wall_count; k++) {
         check element = element_of(reader, root, "walls", k);
         GN_TRY(check_wall(&element, s, k));
+    }
+    for (size_t k = 0; k < s->body_count; k++) {
+        check element = element_of(reader, root, "bodies", k);
+        GN_TRY(check_body(&element, s, k));
     }
     GN_TRY(check_test(&c, s));
     if (s->step > s->end)

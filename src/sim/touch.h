@@ -40,7 +40,7 @@ static inline double gn_touch_friction(const gn_world *w, const gn_touch *s, dou
                                        double *elastic) {
     double old[3], trial[3], side[3], size2 = 0.0;
     for (int a = 0; a < 3; a++) old[a] = shear[(size_t)a * stride];
-    if (w->particles.spin && w->effects & GN_FX_SPACE) {
+    if ((w->particles.spin || s->twist != 0.0) && w->effects & GN_FX_SPACE) {
         double angle = 0.5 * w->dt_past * s->twist;
         gn_cross3(s->n, old, side);
         for (int a = 0; a < 3; a++) old[a] += angle * side[a] - 0.5 * angle * angle * old[a];

@@ -48,37 +48,70 @@ static void carry_over(gn_wall_contacts *now, const gn_wall_contacts *old, size_
             high = mid;
     }
     if (low == old->soa.count || old->i[low] != now->i[c] || old->wall[low] != now->wall[c]) return;
-    for (int a = 0; now->shear && a < 3; a++)
-        now->shear[c + (size_t)a * now->soa.capacity] =
-            old->shear[low + (size_t)a * old->soa.capacity];
+    for (size_t a = 0; a < 3; a++) {
+        size_t to = c + a * now->soa.capacity, from = low + a * old->soa.capacity;
+        if (now->shear) now->shear[to] = old->shear[from];
+        if (now->normal) now->normal[to] = old->normal[from];
+    }
     now->gap0[c] = old->gap0[low];
     if (now->fd) now->fd[c] = old->fd[low];
 }
 
+/* Walls and facets near a particle, ascending, into `found` (NULL: only counted). */
+static size_t neighbours(const gn_world *w, size_t p, int32_t *found) {
+    size_t count = 0;
+    for (size_t k = 0; k < w->scene.wall_count; k++) {
+        if (!near_wall(w, p, k)) continue;
+        if (found) found[count] = (int32_t)k;
+        count++;
+    }
+    if (w->effects & GN_FX_FACETS) count += gn_surfaces_near(w, p, found ? found + count : NULL);
+    return count;
+}
+
+static gneiss_status count_rows(gn_world *w, size_t *count, gneiss_error *error) {
+    size_t n = w->particles.soa.count;
+    int64_t sum = 0;
+#pragma omp parallel for schedule(dynamic, 256) num_threads(w->threads)
+    for (size_t p = 0; p < n; p++) w->wall_first[p + 1] = (int32_t)neighbours(w, p, NULL);
+    w->wall_first[0] = 0;
+    for (size_t p = 0; p < n; p++) {
+        sum += w->wall_first[p + 1];
+        if (sum > INT32_MAX)
+            return gn_fail(error, GNEISS_ERROR_INPUT,
+                           "expected fewer than %d contacts with walls and facets, found more",
+                           INT32_MAX);
+        w->wall_first[p + 1] = (int32_t)sum;
+    }
+    *count = (size_t)sum;
+    return GNEISS_OK;
+}
+
 gneiss_status gn_wall_contacts_find(gn_world *w, gneiss_error *error) {
-    size_t n = w->particles.soa.count, walls = w->scene.wall_count, count = 0;
+    size_t n = w->particles.soa.count, count = 0;
     if (!(w->effects & GN_FX_WALLS)) return GNEISS_OK;
     if (!w->wall_first) w->wall_first = gn_alloc_array(n + 2, sizeof *w->wall_first);
     if (!w->wall_first) return gn_fail(error, GNEISS_ERROR_MEMORY, "no memory for wall contacts");
-    for (size_t p = 0; p < n; p++) {
-        w->wall_first[p] = (int32_t)count;
-        for (size_t k = 0; k < walls; k++) count += near_wall(w, p, k);
-    }
-    w->wall_first[n] = (int32_t)count;
+    gn_surfaces_refer(w);
+    GN_TRY(count_rows(w, &count, error));
     gn_wall_contacts old = w->wall_contacts, now = {0};
     GN_TRY(gn_soa_create(&gn_wall_contact_record, &now, count, w->effects, error));
     bool first = w->verlet.rebuilds == 0;
-    for (size_t p = 0, c = 0; p < n; p++)
-        for (size_t k = 0; k < walls; k++) {
-            if (!near_wall(w, p, k)) continue;
+#pragma omp parallel for schedule(dynamic, 256) num_threads(w->threads)
+    for (size_t p = 0; p < n; p++) {
+        size_t begin = (size_t)w->wall_first[p], end = (size_t)w->wall_first[p + 1];
+        if (begin < end) neighbours(w, p, now.wall + begin);
+        for (size_t c = begin; c < end; c++) {
+            size_t k = (size_t)now.wall[c];
             now.i[c] = (int32_t)p;
-            now.wall[c] = (int32_t)k;
-            if (first && w->scene.walls[k].passive) now.gap0[c] = fmin(0.0, wall_gap(w, p, k));
-            carry_over(&now, &old, c++);
+            if (first && k < w->scene.wall_count && w->scene.walls[k].passive)
+                now.gap0[c] = fmin(0.0, wall_gap(w, p, k));
+            carry_over(&now, &old, c);
         }
+    }
     gn_soa_destroy(&gn_wall_contact_record, &old);
     w->wall_contacts = now;
-    for (size_t k = 0; k < walls; k++) w->walls[k].travel = 0.0;
+    for (size_t k = 0; k < w->scene.wall_count; k++) w->walls[k].travel = 0.0;
     return GNEISS_OK;
 }
 
@@ -123,7 +156,12 @@ static void wall_contact(const gn_world *w, size_t c, gn_contact_sums *sums) {
 }
 
 void gn_wall_contacts_work(const gn_world *w, size_t begin, size_t end, gn_contact_sums *sums) {
-    for (size_t c = begin; c < end; c++) wall_contact(w, c, sums);
+    for (size_t c = begin; c < end;) {
+        if ((size_t)w->wall_contacts.wall[c] < w->scene.wall_count)
+            wall_contact(w, c++, sums);
+        else
+            c = gn_surface_contacts_work(w, c, end, sums);
+    }
 }
 
 /* Force that a wall contact gives for a path of the wall made in one step, over that path: the
@@ -143,6 +181,7 @@ void gn_walls_sum(gn_world *w) {
         wall->stiffness = 0.0;
     }
     for (size_t c = 0; c < w->wall_contacts.soa.count; c++) {
+        if ((size_t)w->wall_contacts.wall[c] >= w->scene.wall_count) continue;
         const double *row = w->wall_contacts.row + 8 * c;
         gn_wall *wall = &w->walls[w->wall_contacts.wall[c]];
         for (int a = 0; a < 3; a++) wall->force[a] -= row[a];

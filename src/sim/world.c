@@ -8,6 +8,7 @@
 
 #include <math.h>
 #include <omp.h>
+#include <stddef.h>
 #include <string.h>
 
 static const char *const phase_names[] = {
@@ -196,6 +197,7 @@ static gneiss_status build(gn_world *w, gneiss_error *error) {
     set_masses(w);
     GN_TRY(gn_sets_apply(w, error));
     GN_TRY(gn_walls_create(w, error));
+    GN_TRY(gn_bodies_create(w, error));
     w->index_of_id = gn_alloc_array(w->particles.soa.count + 1, sizeof *w->index_of_id);
     if (!w->index_of_id)
         return gn_fail(error, GNEISS_ERROR_MEMORY, "no memory for particle numbers");
@@ -228,11 +230,21 @@ void gn_world_free(gn_world *w) {
     gn_partials_free(&w->bond_partials);
     gn_partials_free(&w->pair_partials);
     gn_strain_gauge_free(&w->gauge);
-    void *blocks[] = {w->wall_first,      w->index_of_id,     w->walls,
-                      w->wall_normals,    w->channel_set,     w->set_reaction,
-                      w->prescribed.set,  w->prescribed.mask, w->prescribed.velocity,
-                      w->prescribed.load, w->bond_sums,       w->pair_sums,
-                      w->wall_sums,       w->motion_sums,     w->moved};
+    for (size_t k = 0; k < w->surface_count; k++) {
+        gn_facet_tree_free(&w->surfaces[k].tree);
+        gn_free(w->surfaces[k].force);
+        gn_free(w->surfaces[k].ref);
+    }
+    void *blocks[] = {w->bodies,          w->surfaces,
+                      w->body_shape,      w->body_vertex,
+                      w->body_corner,     w->wall_first,
+                      w->index_of_id,     w->walls,
+                      w->wall_normals,    w->channel_set,
+                      w->set_reaction,    w->prescribed.set,
+                      w->prescribed.mask, w->prescribed.velocity,
+                      w->prescribed.load, w->bond_sums,
+                      w->pair_sums,       w->wall_sums,
+                      w->motion_sums,     w->moved};
     for (size_t k = 0; k < sizeof blocks / sizeof *blocks; k++) gn_free(blocks[k]);
     gn_scene_free(&w->scene);
     memset(w, 0, sizeof *w);
@@ -245,6 +257,7 @@ gn_assembly gn_world_assembly(const gn_world *w) {
     a.bonds = &w->bonds;
     a.pairs = &w->pairs;
     a.wall_contacts = w->effects & GN_FX_WALLS ? &w->wall_contacts : NULL;
+    a.wall_count = w->scene.wall_count;
     a.wall_normals = w->wall_normals;
     a.periodic = w->effects & GN_FX_PERIODIC;
     memcpy(a.period, w->period, sizeof a.period);
@@ -258,6 +271,8 @@ uint64_t gn_world_hash(const gn_world *w) {
     h = gn_soa_hash(&gn_wall_contact_record, &w->wall_contacts, h);
     for (size_t k = 0; k < w->scene.wall_count; k++)
         h = gn_hash_bytes(w->walls[k].point, sizeof w->walls[k].point, h);
+    for (size_t k = 0; k < w->scene.body_count; k++)
+        h = gn_hash_bytes(&w->bodies[k], offsetof(gn_rigid, mass), h);
     h = gn_hash_bytes(&w->time, sizeof w->time, h);
     return gn_hash_bytes(&w->step, sizeof w->step, h);
 }
