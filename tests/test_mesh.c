@@ -39,13 +39,15 @@ static void expect_sample(const fixture *f) {
     ok(gn_mesh_read_msh(f->path, 1.0, &m, error));
     assert_int_equal(m.node_count, SAMPLE_NODES);
     assert_memory_equal(m.node, sample_node, sizeof sample_node);
+    expect_elements(&m.points, 0);
     expect_elements(&m.lines, 1);
     expect_elements(&m.triangles, 2);
     expect_elements(&m.tetrahedra, 3);
-    assert_int_equal(m.group_count, 3);
-    expect_group(&m, 0, 1, 5, "");
-    expect_group(&m, 1, 3, 1, "rock");
-    expect_group(&m, 2, 3, 6, "all of it");
+    assert_int_equal(m.group_count, 4);
+    expect_group(&m, 0, 0, 9, "tip");
+    expect_group(&m, 1, 1, 5, "");
+    expect_group(&m, 2, 3, 1, "rock");
+    expect_group(&m, 3, 3, 6, "all of it");
     gn_mesh_free(&m);
     assert_null(m.node);
 }

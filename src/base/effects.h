@@ -30,6 +30,7 @@
     X(MIXED, mixed, "contacts in single precision, sums and state in double")                      \
     X(CONTACT_FORCES, contact_forces,                                                              \
       "forces kept contact by contact, while output looks at them")                                \
+    X(ELEMENTS, elements, "finite elements")                                                       \
     X(FACETS, facets, "surfaces of triangles or segments, with walls")
 
 typedef enum gn_effect_index {

@@ -172,7 +172,7 @@ static gneiss_status renumber_mesh(builder *b, gneiss_error *error) {
     gn_free(mesh->node);
     mesh->node = node;
     mesh->node_count = count;
-    for (int d = 1; d <= 3; d++) renumber_elements(b->place, gn_fem_elements_of(mesh, d));
+    for (int d = 0; d <= 3; d++) renumber_elements(b->place, gn_fem_elements_of(mesh, d));
     return GNEISS_OK;
 }
 

@@ -78,6 +78,9 @@ gneiss_status gn_fem_body_create(const gn_fem_spec *spec, gn_mesh *mesh, gn_fem_
                                  gneiss_error *error);
 void gn_fem_body_free(gn_fem_body *body);
 
+/* Bytes held by nodes, elements and partial sums. */
+size_t gn_fem_bytes(const gn_fem_body *body);
+
 /* --- sets and loads (loads.c)
  * ---------------------------------------------------------------------------------- */
 
@@ -87,6 +90,11 @@ typedef struct gn_fem_set {
     int32_t *node; /* [count] ascending; gn_alloc'ed */
 } gn_fem_set;
 
+/* Whether a mesh has a group of that dimension (-1: of any), by name or tag. */
+bool gn_fem_has_group(const gn_mesh *mesh, const char *group, int dimension);
+/* GNEISS_ERROR_INPUT with the groups there are when it has not; `name` is that of the mesh. */
+gneiss_status gn_fem_check_group(const char *name, const gn_mesh *mesh, const char *group,
+                                 int dimension, gneiss_error *error);
 /* The nodes of a physical group of any dimension, by name or tag. GNEISS_ERROR_INPUT names the
  * groups there are. */
 gneiss_status gn_fem_nodes_of_group(const gn_fem_body *body, const char *group, gn_fem_set *set,
@@ -111,6 +119,30 @@ void gn_fem_add_force(gn_fem_body *body, const gn_fem_set *set, const double for
 gneiss_status gn_fem_add_traction(gn_fem_body *body, const char *group, const double traction[3],
                                   gneiss_error *error);
 
+/* A load whose size may follow time (timed_loads.c): nodes and what each has of it. */
+typedef struct gn_fem_load {
+    size_t count;
+    int32_t *node; /* [count]; gn_alloc'ed, as below */
+    double *share; /* [count] m2 of a traction, or parts of 1 of a force */
+} gn_fem_load;
+
+/* Shares of the facets of a group (of dimension - 1) or, with `group` NULL, of the mesh's facets
+ * whose nodes all start in a box, boundary included: m2, lumped to their nodes. GNEISS_ERROR_INPUT
+ * when there are none. */
+gneiss_status gn_fem_load_on_facets(const gn_fem_body *body, const char *group,
+                                    const double lower[3], const double upper[3], gn_fem_load *load,
+                                    gneiss_error *error);
+/* Shares by mass; they add up to 1. */
+gneiss_status gn_fem_load_on_nodes(const gn_fem_body *body, const gn_fem_set *set,
+                                   gn_fem_load *load, gneiss_error *error);
+/* Scales the shares so that they add up to 1. */
+void gn_fem_load_normalise(gn_fem_load *load);
+void gn_fem_load_free(gn_fem_load *load);
+/* The forces on all nodes of the loads become the sum of share x value; no other force is left on
+ * them. */
+void gn_fem_set_loads(gn_fem_body *body, const gn_fem_load *load, const double (*value)[3],
+                      size_t count);
+
 /* --- time step (limit.c)
  * --------------------------------------------------------------------------------------- */
 
@@ -134,6 +166,10 @@ gneiss_status gn_fem_limits(gn_fem_body *body, double tolerance, gn_fem_limit *l
 /* Only the bound and the element that sets it. */
 gneiss_status gn_fem_bound(gn_fem_body *body, gn_fem_limit *limit, gneiss_error *error);
 
+/* By what strain and tension may have divided the limit since the start (measures.c): it is now at
+ * least `bound`/factor, to first order in the strain. 1 without strain, whatever the rotation. */
+gneiss_status gn_fem_stiffening(const gn_fem_body *body, double *factor, gneiss_error *error);
+
 /* --- step (step.c)
  * --------------------------------------------------------------------------------------------- */
 
@@ -156,8 +192,24 @@ uint64_t gn_fem_hash(const gn_fem_body *body);
 /* Pa, Cauchy, tension positive, of the present positions: xx yy zz xy yz zx per element, by place.
  */
 void gn_fem_element_stress(const gn_fem_body *body, double (*stress)[6]);
-/* The same at nodes: mean over the elements at the node, weighted by their volumes. */
+/* Stress at nodes: mean over the elements at the node, weighted by their volumes. */
 gneiss_status gn_fem_nodal_stress(const gn_fem_body *body, const double (*element)[6],
                                   double (*nodal)[6], gneiss_error *error);
+
+/* det F of an element at the present positions (measures.c). */
+double gn_fem_volume_ratio(const gn_fem_body *body, size_t element);
+
+/* --- averages (measures.c)
+ * ------------------------------------------------------------------------------------- */
+
+/* The mean displacement gradient over the body is linear in the displacements: <du_a/dX_b> = sum_n
+ * u_a(n) w_b(n), with w(n) = sum_e V_e grad N_n / sum_e V_e. weight[nodes][3], 1/m. */
+void gn_fem_strain_weights(const gn_fem_body *body, double (*weight)[3]);
+/* gradient[3 a + b] = <du_a/dX_b> of the present positions. */
+void gn_fem_mean_gradient(const gn_fem_body *body, const double (*weight)[3], double gradient[9]);
+
+/* N: mean size of the forces V sigma grad N_a that elements exert on their nodes, from Cauchy
+ * stresses; what a mean resultant is to be compared with. */
+double gn_fem_mean_force(const gn_fem_body *body, const double (*stress)[6]);
 
 #endif

@@ -20,6 +20,16 @@ const gn_mesh_group *gn_fem_find_group(const gn_mesh *mesh, const char *name, in
     return NULL;
 }
 
+bool gn_fem_has_group(const gn_mesh *mesh, const char *group, int dimension) {
+    return gn_fem_find_group(mesh, group, dimension) != NULL;
+}
+
+gneiss_status gn_fem_check_group(const char *name, const gn_mesh *mesh, const char *group,
+                                 int dimension, gneiss_error *error) {
+    if (gn_fem_has_group(mesh, group, dimension)) return GNEISS_OK;
+    return gn_fem_no_group(name, mesh, group, dimension, error);
+}
+
 gneiss_status gn_fem_no_group(const char *mesh_name, const gn_mesh *mesh, const char *name,
                               int dimension, gneiss_error *error) {
     char there[512] = "none";
@@ -30,7 +40,7 @@ gneiss_status gn_fem_no_group(const char *mesh_name, const gn_mesh *mesh, const 
                                  k ? ", " : "", g->name, g->tag, g->dimension);
     }
     char kind[32] = "";
-    if (dimension > 0) snprintf(kind, sizeof kind, " of %s elements", gn_fem_kind(dimension));
+    if (dimension >= 0) snprintf(kind, sizeof kind, " of %s elements", gn_fem_kind(dimension));
     return gn_fail(error, GNEISS_ERROR_INPUT,
                    "%s: expected a physical group '%s'%s with elements, found %s", mesh_name, name,
                    kind, there);
@@ -198,8 +208,7 @@ void gn_fem_add_force(gn_fem_body *body, const gn_fem_set *set, const double for
             body->nodes.applied[4 * (size_t)set->node[k] + (size_t)a] += force[a];
 }
 
-/* m2; of a line 1 m thick. */
-static double facet_area(const gn_fem_body *body, const int32_t *node) {
+double gn_fem_facet_area(const gn_fem_body *body, const int32_t *node) {
     const double *x = body->mesh.node + 3 * (size_t)node[0];
     const double *y = body->mesh.node + 3 * (size_t)node[1];
     double a[3] = {y[0] - x[0], y[1] - x[1], y[2] - x[2]};
@@ -225,7 +234,7 @@ gneiss_status gn_fem_add_traction(gn_fem_body *body, const char *group, const do
     for (size_t f = 0; f < list->count; f++) {
         if (!in[f]) continue;
         const int32_t *node = list->node + nodes * f;
-        double part = facet_area(body, node) / (double)nodes;
+        double part = gn_fem_facet_area(body, node) / (double)nodes;
         for (size_t k = 0; k < nodes * nodes; k++)
             body->nodes.applied[4 * (size_t)node[k / nodes] + k % nodes] +=
                 part * traction[k % nodes];

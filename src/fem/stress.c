@@ -4,8 +4,7 @@
 
 #include <string.h>
 
-/* F, and its determinant; plane strain has F_zz = 1. */
-static double deformation(const gn_fem_body *body, size_t e, double f[3][3]) {
+double gn_fem_deformation(const gn_fem_body *body, size_t e, double f[3][3]) {
     const gn_elements *q = &body->elements;
     const double *first = body->nodes.pos + 4 * (size_t)gn_elements_node(q, 0)[e];
     memset(f, 0, 9 * sizeof(double));
@@ -36,7 +35,7 @@ void gn_fem_element_stress(const gn_fem_body *body, double (*stress)[6]) {
     static const int row[6] = {0, 1, 2, 0, 1, 2}, column[6] = {0, 1, 2, 1, 2, 0};
 #pragma omp parallel for num_threads(body->threads) schedule(static)
     for (size_t e = 0; e < body->elements.soa.count; e++) {
-        double f[3][3], s[3][3], det = deformation(body, e, f);
+        double f[3][3], s[3][3], det = gn_fem_deformation(body, e, f);
         second_piola(&body->elements, e, f, s);
         for (int c = 0; c < 6; c++) {
             double sum = 0.0;

@@ -1,4 +1,4 @@
-#include "fem/structured.h"
+#include "fem/grid.h"
 
 #include "base/memory.h"
 #include "base/random.h"
@@ -8,22 +8,13 @@
 #include <stdio.h>
 #include <string.h>
 
-enum { BODY_TAG = 1, SIDE_TAG = 2 };
-
-typedef struct grid {
-    const gn_structured *spec;
-    int dimension;
-    size_t nodes[3]; /* per direction */
-} grid;
-
-static size_t node_at(const grid *g, const size_t at[3]) {
+static size_t node_at(const gn_grid *g, const size_t at[3]) {
     return (at[2] * g->nodes[1] + at[1]) * g->nodes[0] + at[0];
 }
 
-static gneiss_status check(const grid *g, gneiss_error *error) {
-    const gn_structured *s = g->spec;
-    double cells = 1.0, most = g->dimension == 3 ? 1.0 / 6.0 : 0.25;
-    for (int k = 0; k < g->dimension; k++) {
+static gneiss_status check(const gn_structured *s, int dimension, gneiss_error *error) {
+    double cells = 1.0, most = dimension == 3 ? 1.0 / 6.0 : 0.25;
+    for (int k = 0; k < dimension; k++) {
         if (s->cells[k] < 1 || !(s->size[k] > 0.0))
             return gn_fail(error, GNEISS_ERROR_INPUT,
                            "structured mesh: expected a size > 0 and at least one cell along %c, "
@@ -41,8 +32,7 @@ static gneiss_status check(const grid *g, gneiss_error *error) {
     return GNEISS_OK;
 }
 
-static void place_nodes(const grid *g, gn_mesh *mesh) {
-    const gn_structured *s = g->spec;
+static void place_nodes(const gn_grid *g, const gn_structured *s, gn_mesh *mesh) {
     size_t at[3];
     for (at[2] = 0; at[2] < g->nodes[2]; at[2]++)
         for (at[1] = 0; at[1] < g->nodes[1]; at[1]++)
@@ -59,14 +49,14 @@ static void place_nodes(const grid *g, gn_mesh *mesh) {
 
 /* Corner c of a cell: bit k is the step along direction k. In odd cells the numbers of the corners
  * are mirrored along x. */
-static int32_t corner(const grid *g, const size_t cell[3], int c) {
+static int32_t corner(const gn_grid *g, const size_t cell[3], int c) {
     size_t odd = (cell[0] + cell[1] + cell[2]) % 2, at[3];
     for (size_t k = 0; k < 3; k++) at[k] = cell[k] + ((size_t)c >> k & 1);
     if (odd) at[0] = cell[0] + 1 - ((size_t)c & 1);
     return (int32_t)node_at(g, at);
 }
 
-static void add(gn_mesh_elements *list, const grid *g, const size_t cell[3], const int *corners,
+static void add(gn_mesh_elements *list, const gn_grid *g, const size_t cell[3], const int *corners,
                 bool mirror, int32_t tag) {
     int32_t *node = list->node + (size_t)list->nodes * list->count;
     for (int k = 0; k < list->nodes; k++) node[k] = corner(g, cell, corners[k]);
@@ -91,75 +81,96 @@ static const int side_triangle[3][2][2][3] = {
 };
 static const int side_line[2][2][2] = {{{2, 0}, {1, 3}}, {{0, 1}, {3, 2}}};
 
-static void add_sides(const grid *g, gn_mesh *mesh, const size_t cell[3], bool odd) {
+/* Whether a cell of the grid is left out. */
+static bool in_hole(const gn_grid *g, const size_t cell[3]) {
+    for (int k = 0; k < g->dimension; k++)
+        if (cell[k] < g->hole_lower[k] || cell[k] >= g->hole_upper[k]) return false;
+    return true;
+}
+
+/* The group of a side of a cell; 0 when there is a cell behind it. */
+static int32_t side_tag(const gn_grid *g, const size_t cell[3], int k, int upper) {
+    size_t other[3] = {cell[0], cell[1], cell[2]};
+    if (cell[k] == (upper ? g->nodes[k] - 2 : 0)) return GN_GRID_SIDE + 2 * k + upper;
+    other[k] = upper ? cell[k] + 1 : cell[k] - 1;
+    return in_hole(g, other) ? GN_GRID_HOLE : 0;
+}
+
+static void add_sides(const gn_grid *g, gn_mesh *mesh, const size_t cell[3], bool odd) {
     for (int k = 0; k < g->dimension; k++)
         for (int upper = 0; upper < 2; upper++) {
-            size_t end = upper ? (size_t)g->spec->cells[k] - 1 : 0;
-            if (cell[k] != end) continue;
+            int32_t tag = side_tag(g, cell, k, upper);
+            if (!tag) continue;
             int side = k == 0 && odd ? 1 - upper : upper; /* of the mirrored numbers */
-            int32_t tag = SIDE_TAG + 2 * k + upper;
             for (int f = 0; g->dimension == 3 && f < 2; f++)
                 add(&mesh->triangles, g, cell, side_triangle[k][side][f], odd, tag);
             if (g->dimension == 2) add(&mesh->lines, g, cell, side_line[k][side], odd, tag);
         }
 }
 
-static void fill(const grid *g, gn_mesh *mesh) {
-    size_t cell[3], layers = g->dimension == 3 ? (size_t)g->spec->cells[2] : 1;
+void gn_grid_fill(const gn_grid *g, gn_mesh *mesh) {
+    size_t cell[3], layers = g->dimension == 3 ? g->nodes[2] - 1 : 1;
     for (cell[2] = 0; cell[2] < layers; cell[2]++)
-        for (cell[1] = 0; cell[1] < (size_t)g->spec->cells[1]; cell[1]++)
-            for (cell[0] = 0; cell[0] < (size_t)g->spec->cells[0]; cell[0]++) {
+        for (cell[1] = 0; cell[1] + 1 < g->nodes[1]; cell[1]++)
+            for (cell[0] = 0; cell[0] + 1 < g->nodes[0]; cell[0]++) {
+                if (in_hole(g, cell)) continue;
                 bool odd = (cell[0] + cell[1] + cell[2]) % 2;
                 for (int e = 0; g->dimension == 3 && e < 5; e++)
-                    add(&mesh->tetrahedra, g, cell, tetrahedron[e], odd, BODY_TAG);
+                    add(&mesh->tetrahedra, g, cell, tetrahedron[e], odd, GN_GRID_BODY);
                 for (int e = 0; g->dimension == 2 && e < 2; e++)
-                    add(&mesh->triangles, g, cell, triangle[e], odd, BODY_TAG);
+                    add(&mesh->triangles, g, cell, triangle[e], odd, GN_GRID_BODY);
                 add_sides(g, mesh, cell, odd);
             }
 }
 
-static void name_groups(const grid *g, gn_mesh *mesh) {
+void gn_grid_name_groups(const gn_grid *g, gn_mesh *mesh) {
     gn_mesh_group *group = mesh->groups;
     for (int k = 0; k < 2 * g->dimension; k++, group++) {
-        *group = (gn_mesh_group){.dimension = g->dimension - 1, .tag = SIDE_TAG + k};
+        *group = (gn_mesh_group){.dimension = g->dimension - 1, .tag = GN_GRID_SIDE + k};
         snprintf(group->name, sizeof group->name, "%c_%s", "xyz"[k / 2], k % 2 ? "upper" : "lower");
     }
-    *group = (gn_mesh_group){.dimension = g->dimension, .tag = BODY_TAG, .name = "body"};
+    *group = (gn_mesh_group){.dimension = g->dimension, .tag = GN_GRID_BODY, .name = "body"};
     mesh->group_count = 2 * (size_t)g->dimension + 1;
 }
 
-static bool allocate(gn_mesh_elements *list, int nodes, size_t count) {
+static bool allocate_list(gn_mesh_elements *list, int nodes, size_t count) {
     list->nodes = nodes;
     list->node = gn_alloc_array(count + 1, (size_t)nodes * sizeof *list->node);
     list->group = gn_alloc_array(count + 1, sizeof *list->group);
     return list->node && list->group;
 }
 
+gneiss_status gn_grid_allocate(const gn_grid *g, gn_mesh *mesh, gneiss_error *error) {
+    size_t cells = 1, sides = 0;
+    for (int k = 0; k < g->dimension; k++) cells *= g->nodes[k] - 1;
+    for (int k = 0; k < g->dimension; k++) {
+        sides += 2 * (cells / (g->nodes[k] - 1));
+        sides += 2 * (g->hole_upper[k] > 0 ? cells / (g->nodes[k] - 1) : 0);
+    }
+    memset(mesh, 0, sizeof *mesh);
+    mesh->node_count = g->nodes[0] * g->nodes[1] * g->nodes[2];
+    mesh->node = gn_alloc_array(mesh->node_count, 3 * sizeof *mesh->node);
+    mesh->groups = gn_alloc_array(GN_GRID_GROUPS_MAX, sizeof *mesh->groups);
+    bool solid = g->dimension == 3;
+    bool held = mesh->node && mesh->groups && allocate_list(&mesh->points, 1, 0);
+    held = held && allocate_list(&mesh->lines, 2, solid ? 0 : sides);
+    held = held && allocate_list(&mesh->triangles, 3, solid ? 2 * sides : 2 * cells);
+    held = held && allocate_list(&mesh->tetrahedra, 4, solid ? 5 * cells : 0);
+    if (held) return GNEISS_OK;
+    gn_mesh_free(mesh);
+    return gn_fail(error, GNEISS_ERROR_MEMORY, "no memory for a mesh of %zu cells", cells);
+}
+
 static gneiss_status make(const gn_structured *spec, int dimension, gn_mesh *mesh,
                           gneiss_error *error) {
-    grid g = {spec, dimension, {1, 1, 1}};
+    gn_grid g = {.dimension = dimension, .nodes = {1, 1, 1}};
     memset(mesh, 0, sizeof *mesh);
-    GN_TRY(check(&g, error));
-    size_t cells = 1, sides = 0;
-    for (int k = 0; k < dimension; k++) {
-        g.nodes[k] = (size_t)spec->cells[k] + 1;
-        cells *= (size_t)spec->cells[k];
-    }
-    for (int k = 0; k < dimension; k++) sides += 2 * (cells / (size_t)spec->cells[k]);
-    mesh->node_count = g.nodes[0] * g.nodes[1] * g.nodes[2];
-    mesh->node = gn_alloc_array(mesh->node_count, 3 * sizeof *mesh->node);
-    mesh->groups = gn_alloc_array(7, sizeof *mesh->groups);
-    bool solid = dimension == 3;
-    bool held = mesh->node && mesh->groups && allocate(&mesh->lines, 2, solid ? 0 : sides);
-    held = held && allocate(&mesh->triangles, 3, solid ? 2 * sides : 2 * cells);
-    held = held && allocate(&mesh->tetrahedra, 4, solid ? 5 * cells : 0);
-    if (!held) {
-        gn_mesh_free(mesh);
-        return gn_fail(error, GNEISS_ERROR_MEMORY, "no memory for a mesh of %zu cells", cells);
-    }
-    place_nodes(&g, mesh);
-    fill(&g, mesh);
-    name_groups(&g, mesh);
+    GN_TRY(check(spec, dimension, error));
+    for (int k = 0; k < dimension; k++) g.nodes[k] = (size_t)spec->cells[k] + 1;
+    GN_TRY(gn_grid_allocate(&g, mesh, error));
+    place_nodes(&g, spec, mesh);
+    gn_grid_fill(&g, mesh);
+    gn_grid_name_groups(&g, mesh);
     return GNEISS_OK;
 }
 

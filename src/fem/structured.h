@@ -21,4 +21,22 @@ typedef struct gn_structured {
 gneiss_status gn_mesh_rectangle(const gn_structured *spec, gn_mesh *mesh, gneiss_error *error);
 gneiss_status gn_mesh_box(const gn_structured *spec, gn_mesh *mesh, gneiss_error *error);
 
+/* A beam along x for bending, supported below at both ends of the span and loaded above mid-span,
+ * with a notch from below at mid-span. */
+typedef struct gn_structured_beam {
+    double lower[3];
+    double length, height, thickness; /* m; thickness 0: 2D */
+    double span;                      /* m, between the supports, <= length */
+    double notch_width, notch_depth;  /* m; depth 0: none */
+    double cell;                      /* m, largest side of a cell */
+    int64_t notch_cells;              /* across half the width of the notch, > 0 */
+    double growth;                    /* of sides of cells away from the tip of the notch, > 1 */
+} gn_structured_beam;
+
+/* Cells as above, symmetric about mid-span, graded along x and y from the tip of the notch. Groups
+ * as above and "notch" (its faces) and, of points in 2D and lines along z in 3D, "support_left",
+ * "support_right", "supports" (both), "load" and, with a notch, "mouth_left", "mouth_right". On
+ * failure *mesh is empty. */
+gneiss_status gn_mesh_beam(const gn_structured_beam *spec, gn_mesh *mesh, gneiss_error *error);
+
 #endif

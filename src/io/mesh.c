@@ -117,6 +117,7 @@ void gn_mesh_elements_free(gn_mesh_elements *elements) {
 void gn_mesh_free(gn_mesh *mesh) {
     gn_free(mesh->node);
     gn_free(mesh->groups);
+    gn_mesh_elements_free(&mesh->points);
     gn_mesh_elements_free(&mesh->lines);
     gn_mesh_elements_free(&mesh->triangles);
     gn_mesh_elements_free(&mesh->tetrahedra);

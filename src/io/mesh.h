@@ -11,7 +11,7 @@ enum { GN_MESH_NAME_SIZE = 64 };
 
 /* A physical group: `tag` > 0 as in the file, `name` "" when it has none. */
 typedef struct gn_mesh_group {
-    int dimension; /* of its elements: 1, 2, 3 */
+    int dimension; /* of its elements: 0, 1, 2, 3 */
     int32_t tag;
     char name[GN_MESH_NAME_SIZE];
 } gn_mesh_group;
@@ -25,7 +25,7 @@ typedef struct gn_mesh_membership {
 /* Elements of one kind: nodes base 0, in the file's order. */
 typedef struct gn_mesh_elements {
     size_t count;
-    int nodes;      /* per element: 2 line, 3 triangle, 4 tetrahedron */
+    int nodes;      /* per element: 1 point, 2 line, 3 triangle, 4 tetrahedron */
     int32_t *node;  /* [count][nodes]; gn_alloc'ed, as all below */
     int32_t *group; /* [count]: tag of the first physical group, 0: none */
     size_t also_count;
@@ -35,13 +35,14 @@ typedef struct gn_mesh_elements {
 typedef struct gn_mesh {
     size_t node_count;
     double *node; /* [node_count][3], m; gn_alloc'ed */
+    gn_mesh_elements points; /* only those of groups */
     gn_mesh_elements lines, triangles, tetrahedra;
     size_t group_count;
     gn_mesh_group *groups; /* by dimension, then tag; gn_alloc'ed */
 } gn_mesh;
 
 /* Reads a gmsh .msh file, format 2.2 or 4.1, text or binary. Linear lines, triangles and tetrahedra
- * are kept, points are skipped, every other element is refused by name (quadrangles, second order,
+ * are kept, points when they belong to a group; every other element is refused by name (quadrangles, second order,
  * ...). Nodes that no element uses are kept. `scale` multiplies coordinates. A negative physical
  * tag (reversed orientation) turns the element and is stored positive, so that both formats of one
  * mesh read alike. Unknown sections are skipped. All errors of content are GNEISS_ERROR_INPUT with

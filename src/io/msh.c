@@ -193,7 +193,6 @@ static gneiss_status read_names(gn_mesh_source *in, group_set *set) {
         GN_TRY(gn_mesh_take_integer(in, "dimension of a physical group", 4, 0, 3, &dimension));
         GN_TRY(gn_mesh_take_integer(in, "tag of a physical group", 4, 1, INT32_MAX, &tag));
         GN_TRY(take_name(in, group.name));
-        if (dimension == 0) continue; /* points are not kept */
         group.dimension = (int)dimension;
         group.tag = (int32_t)tag;
         bool is_new;
@@ -216,7 +215,7 @@ static int by_dimension_and_tag(const void *a, const void *b) {
 /* Groups without a name are known by their elements alone. */
 static gneiss_status add_unnamed_groups(gn_msh *msh, group_set *set) {
     bool is_new;
-    for (int d = 1; d <= 3; d++) {
+    for (int d = 0; d <= 3; d++) {
         const gn_mesh_elements *e = msh->list[d].elements;
         gn_mesh_group group = {.dimension = d};
         for (size_t k = 0; k < e->count + e->also_count; k++) {
@@ -265,8 +264,10 @@ static gneiss_status read_sections(gn_msh *msh, group_set *set) {
 }
 
 gneiss_status gn_mesh_read_msh(const char *path, double scale, gn_mesh *mesh, gneiss_error *error) {
-    *mesh = (gn_mesh){.lines.nodes = 2, .triangles.nodes = 3, .tetrahedra.nodes = 4};
+    *mesh =
+        (gn_mesh){.points.nodes = 1, .lines.nodes = 2, .triangles.nodes = 3, .tetrahedra.nodes = 4};
     gn_msh msh = {.mesh = mesh};
+    msh.list[0].elements = &mesh->points;
     msh.list[1].elements = &mesh->lines;
     msh.list[2].elements = &mesh->triangles;
     msh.list[3].elements = &mesh->tetrahedra;

@@ -311,7 +311,7 @@ static gneiss_status read_element_2(gn_msh *msh, int dimension, int64_t tags) {
         GN_TRY(gn_mesh_take_integer(in, k ? "tag of an element" : "physical tag of an element", 4,
                                     -INT32_MAX, INT32_MAX, k ? &other : &group));
     GN_TRY(take_element_nodes(msh, 4, dimension, node));
-    if (dimension == 0) return GNEISS_OK;
+    if (dimension == 0 && group == 0) return GNEISS_OK;
     return keep_element_2(msh, dimension, node, (int32_t)(group < 0 ? -group : group));
 }
 
@@ -412,8 +412,8 @@ static gneiss_status read_element_block(gn_msh *msh, int64_t *left) {
         gn_mesh_next_row(in);
         GN_TRY(gn_mesh_take_integer(in, "tag of an element", 8, 0, INT64_MAX, &number));
         GN_TRY(take_element_nodes(msh, 8, (int)dimension, node));
-        if (dimension == 0) continue;
-        if (groups.reversed) reverse(node, dimension);
+        if (dimension == 0 && groups.count == 0) continue;
+        if (groups.reversed && dimension > 0) reverse(node, dimension);
         if (!gn_mesh_add_element(&msh->list[dimension], node, groups.tag, groups.count))
             return gn_mesh_no_memory(in);
     }

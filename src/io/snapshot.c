@@ -13,19 +13,29 @@
 #include <string.h>
 #include <unistd.h>
 
-enum { VTK_VERTEX = 1, VTK_LINE = 3 };
+enum { VTK_VERTEX = 1, VTK_LINE = 3, VTK_TRIANGLE = 5, VTK_TETRA = 10 };
 
 /* A grid of lines may be empty (all bonds broken); its line arrays tell what it is. */
 static bool is_lines(const gn_snapshot *s) {
     return s->line_count > 0 || s->line_array_count > 0;
 }
 
+/* Points of a cell. */
+static size_t cell_points(const gn_snapshot *s) {
+    if (!is_lines(s)) return 1;
+    return s->line_points ? s->line_points : 2;
+}
+
 static gneiss_status check_lines(const gn_snapshot *s, gneiss_error *error) {
-    for (size_t k = 0; k < 2 * s->line_count; k++)
+    size_t points = cell_points(s);
+    if (points > 4)
+        return gn_fail(error, GNEISS_ERROR_INTERNAL, "expected cells of 2 to 4 points, found %zu",
+                       points);
+    for (size_t k = 0; k < points * s->line_count; k++)
         if (s->lines[k] < 0 || (size_t)s->lines[k] >= s->point_count)
             return gn_fail(error, GNEISS_ERROR_INTERNAL,
-                           "line %zu: expected a point below %zu, found %d", k / 2, s->point_count,
-                           (int)s->lines[k]);
+                           "line %zu: expected a point below %zu, found %d", k / points,
+                           s->point_count, (int)s->lines[k]);
     return GNEISS_OK;
 }
 
@@ -34,16 +44,17 @@ static gneiss_status put_number(gn_h5 *file, const char *name, size_t value, gne
     return gn_h5_put(file, name, GN_I64, 1, 1, 0, &number, NULL, NULL, error);
 }
 
-/* Connectivity, offsets and types, filled one after the other into `work` of 2 cells + 1 numbers. A
- * vertex has one point, a line two. */
+/* Connectivity, offsets and types, filled one after the other into `work`, which has room for each.
+ */
 static gneiss_status put_topology(gn_h5 *file, const gn_snapshot *s, size_t cells, int64_t *work,
                                   gneiss_error *error) {
-    size_t per_cell = is_lines(s) ? 2 : 1, ids = per_cell * cells;
-    for (size_t k = 0; k < ids; k++) work[k] = per_cell == 2 ? s->lines[k] : (int64_t)k;
+    static const int types[] = {0, VTK_VERTEX, VTK_LINE, VTK_TRIANGLE, VTK_TETRA};
+    size_t per_cell = cell_points(s), ids = per_cell * cells;
+    for (size_t k = 0; k < ids; k++) work[k] = is_lines(s) ? s->lines[k] : (int64_t)k;
     GN_TRY(gn_h5_put(file, "VTKHDF/Connectivity", GN_I64, ids, 1, 0, work, NULL, NULL, error));
     for (size_t k = 0; k <= cells; k++) work[k] = (int64_t)(per_cell * k);
     GN_TRY(gn_h5_put(file, "VTKHDF/Offsets", GN_I64, cells + 1, 1, 0, work, NULL, NULL, error));
-    memset(work, per_cell == 2 ? VTK_LINE : VTK_VERTEX, cells);
+    memset(work, types[per_cell], cells);
     GN_TRY(gn_h5_put(file, "VTKHDF/Types", GN_U8, cells, 1, 0, work, NULL, NULL, error));
     GN_TRY(put_number(file, "VTKHDF/NumberOfPoints", s->point_count, error));
     GN_TRY(put_number(file, "VTKHDF/NumberOfCells", cells, error));
@@ -52,7 +63,7 @@ static gneiss_status put_topology(gn_h5 *file, const gn_snapshot *s, size_t cell
 
 static gneiss_status put_cells(gn_h5 *file, const gn_snapshot *s, gneiss_error *error) {
     size_t cells = is_lines(s) ? s->line_count : s->point_count;
-    int64_t *work = gn_alloc_array(2 * cells + 1, sizeof *work);
+    int64_t *work = gn_alloc_array(cell_points(s) * cells + 1, sizeof *work);
     if (!work) return gn_fail(error, GNEISS_ERROR_MEMORY, "no memory for %zu cells", cells);
     gneiss_status status = put_topology(file, s, cells, work, error);
     gn_free(work);

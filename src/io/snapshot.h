@@ -1,5 +1,6 @@
 /* Snapshots for ParaView 5.11: one static VTKHDF 1.0 UnstructuredGrid per instant (vertices for
- * particles, lines for bonds) and a `.hdf.series` JSON with the times. */
+ * particles, lines for bonds, triangles or tetrahedra for finite elements) and a `.hdf.series` JSON
+ * with the times. */
 #ifndef GN_IO_SNAPSHOT_H
 #define GN_IO_SNAPSHOT_H
 
@@ -20,7 +21,8 @@ typedef struct gn_snapshot {
     size_t point_count;
     const double *points; /* [point_count][3], m */
     size_t line_count;
-    const int32_t *lines; /* [line_count][2] point indices */
+    const int32_t *lines; /* [line_count][line_points] point indices */
+    size_t line_points;   /* 0 or 2: lines, 3: triangles, 4: tetrahedra instead */
     size_t point_array_count, line_array_count;
     const gn_snapshot_array *point_arrays; /* [point_count], become PointData */
     const gn_snapshot_array *line_arrays;  /* [line_count], become CellData */

@@ -1,29 +1,18 @@
-#include "scene/read.h"
+#include "scene/check.h"
 
 #include <float.h>
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
-/* Where a check is: an element of a list with its prefix ("walls[2]."), or the whole scene. */
-typedef struct check {
-    const gn_reader *reader;
-    const gn_node *map;
-    char prefix[64];
-} check;
-
-static check element_of(const gn_reader *reader, const gn_node *root, const char *list,
-                        size_t index) {
+check gn_check_element(const gn_reader *reader, const gn_node *root, const char *list,
+                       size_t index) {
     check c = {.reader = reader, .map = gn_node_item(gn_node_find(root, list), index)};
     snprintf(c.prefix, sizeof c.prefix, "%s[%zu].", list, index);
     return c;
 }
 
-/* Fails at the value of `key`, or, when it is not given, at the section around it. */
-static gneiss_status fail(const check *c, const char *key, const char *format, ...)
-    __attribute__((format(printf, 3, 4)));
-
-static gneiss_status fail(const check *c, const char *key, const char *format, ...) {
+gneiss_status gn_check_fail(const check *c, const char *key, const char *format, ...) {
     char text[512], path[GN_KEY_PATH_SIZE], up[GN_KEY_PATH_SIZE];
     va_list args;
     va_start(args, format);
@@ -41,7 +30,7 @@ static gneiss_status fail(const check *c, const char *key, const char *format, .
     return gn_read_fail(c->reader, node, value ? node->where : node->key_where, path, "%s", text);
 }
 
-static bool given(const check *c, const char *key) {
+bool gn_check_given(const check *c, const char *key) {
     return gn_node_find(c->map, key) != NULL;
 }
 
@@ -65,20 +54,20 @@ static gneiss_status check_source(const check *c, gn_specimen *specimen, int64_t
     for (size_t k = 0; k < gn_specimen_section.key_count; k++) {
         const gn_key *key = &gn_specimen_section.keys[k];
         snprintf(path, sizeof path, "specimen.%s", key->name);
-        if (!key->shape || !given(c, path)) continue;
+        if (!key->shape || !gn_check_given(c, path)) continue;
         specimen->pack.shape = key->shape;
         add_source(source, key->name);
     }
     if (*source && !strchr(source, ',')) return GNEISS_OK;
     gn_shape_names(dimension, shapes);
     if (c->reader->specimen_only)
-        return fail(c, "specimen", "expected one of %s, found %s", shapes,
-                    *source ? source : "none");
-    return fail(c, "specimen", "expected one of file, a list of particles, lattice, %s, found %s",
-                shapes,
-                *source                ? source
-                : specimen->pack.count ? "a number of particles only"
-                                       : "none");
+        return gn_check_fail(c, "specimen", "expected one of %s, found %s", shapes,
+                             *source ? source : "none");
+    return gn_check_fail(c, "specimen",
+                         "expected one of file, a list of particles, lattice, %s, found %s", shapes,
+                         *source                ? source
+                         : specimen->pack.count ? "a number of particles only"
+                                                : "none");
 }
 
 static bool is_zero(const double v[3]) {
@@ -90,32 +79,33 @@ static gneiss_status check_no_shape(const check *c, gn_specimen *specimen, int64
                                     const char *source) {
     char shapes[GN_SHAPE_NAMES_SIZE];
     gn_shape_names(dimension, shapes);
-    const char *key = c->reader->specimen_only          ? "specimen"
-                      : specimen->pack.count            ? "specimen.particles"
-                      : specimen->pack.mean_radius > 0  ? "specimen.mean_radius"
-                      : !is_zero(specimen->pack.origin) ? "specimen.origin"
-                      : given(c, "specimen.packing")    ? "specimen.packing"
-                                                        : NULL;
+    const char *key = c->reader->specimen_only                ? "specimen"
+                      : specimen->pack.count                  ? "specimen.particles"
+                      : specimen->pack.mean_radius > 0        ? "specimen.mean_radius"
+                      : !is_zero(specimen->pack.origin)       ? "specimen.origin"
+                      : gn_check_given(c, "specimen.packing") ? "specimen.packing"
+                                                              : NULL;
     /* It is not written; a zero with a sign would not come back. */
     if (!key) memset(specimen->pack.origin, 0, sizeof specimen->pack.origin);
     if (!key) return GNEISS_OK;
     if (c->reader->specimen_only)
-        return fail(c, key, "expected one of %s, found %s", shapes, source);
-    return fail(c, key, "expected one of %s beside it, found %s", shapes, source);
+        return gn_check_fail(c, key, "expected one of %s, found %s", shapes, source);
+    return gn_check_fail(c, key, "expected one of %s beside it, found %s", shapes, source);
 }
 
 static gneiss_status check_refinement(const check *c, const gn_refinement *r) {
-    if (given(c, "from") != given(c, "to"))
-        return given(c, "from") ? fail(c, "to", "required beside from, but not given")
-                                : fail(c, "from", "required beside to, but not given");
+    if (gn_check_given(c, "from") != gn_check_given(c, "to"))
+        return gn_check_given(c, "from")
+                   ? gn_check_fail(c, "to", "required beside from, but not given")
+                   : gn_check_fail(c, "from", "required beside to, but not given");
     if (r->has_region == r->boundary)
-        return fail(c, "boundary", "expected from and to, or boundary true, found %s",
-                    r->boundary ? "both" : "none");
+        return gn_check_fail(c, "boundary", "expected from and to, or boundary true, found %s",
+                             r->boundary ? "both" : "none");
     const double *low = r->lower, *high = r->upper;
     for (int k = 0; k < 3; k++)
         if (low[k] > high[k])
-            return fail(c, "to", "expected a corner not below from, found %c: %g to %g", "xyz"[k],
-                        low[k], high[k]);
+            return gn_check_fail(c, "to", "expected a corner not below from, found %c: %g to %g",
+                                 "xyz"[k], low[k], high[k]);
     return GNEISS_OK;
 }
 
@@ -125,17 +115,21 @@ static gneiss_status check_amount(const check *c, const gn_pack_def *pack, const
     bool some = pack->count || pack->mean_radius > 0;
     if (pack->start == GN_START_NODES) {
         if (pack->shape != GN_SHAPE_MESH)
-            return fail(c, "specimen.packing.start", "expected mesh beside nodes, found %s", shape);
+            return gn_check_fail(c, "specimen.packing.start",
+                                 "expected mesh beside nodes, found %s", shape);
         if (!some) return GNEISS_OK;
-        return fail(c, key,
-                    "expected to be left out beside packing.start nodes (each inner node of the "
-                    "mesh becomes a particle), found it given");
+        return gn_check_fail(
+            c, key,
+            "expected to be left out beside packing.start nodes (each inner node of the "
+            "mesh becomes a particle), found it given");
     }
     if (!some)
-        return fail(c, "specimen",
-                    "expected particles (how many) or mean_radius beside %s, found none", shape);
+        return gn_check_fail(c, "specimen",
+                             "expected particles (how many) or mean_radius beside %s, found none",
+                             shape);
     if (pack->count && pack->mean_radius > 0)
-        return fail(c, "specimen.mean_radius", "expected particles or mean_radius, found both");
+        return gn_check_fail(c, "specimen.mean_radius",
+                             "expected particles or mean_radius, found both");
     return GNEISS_OK;
 }
 
@@ -143,14 +137,15 @@ static gneiss_status check_pack(const check *c, const gn_pack_def *pack, const c
     bool fixed = pack->shape == GN_SHAPE_POLYGON || pack->shape == GN_SHAPE_SURFACE ||
                  pack->shape == GN_SHAPE_MESH;
     if (fixed && !is_zero(pack->origin))
-        return fail(c, "specimen.origin",
-                    "expected rectangle, disc, box or cylinder beside it, found %s", shape);
+        return gn_check_fail(c, "specimen.origin",
+                             "expected rectangle, disc, box or cylinder beside it, found %s",
+                             shape);
     GN_TRY(check_amount(c, pack, shape));
     if (pack->overlap == GN_OVERLAP_NONE && pack->overlap_size >= 0)
-        return fail(c, "specimen.packing.overlap_size",
-                    "expected overlap passive beside it, found none");
+        return gn_check_fail(c, "specimen.packing.overlap_size",
+                             "expected overlap passive beside it, found none");
     for (size_t k = 0; k < pack->refinement_count; k++) {
-        check element = element_of(c->reader, c->map, "specimen.packing.refine", k);
+        check element = gn_check_element(c->reader, c->map, "specimen.packing.refine", k);
         GN_TRY(check_refinement(&element, &pack->refinements[k]));
     }
     return GNEISS_OK;
@@ -167,27 +162,39 @@ static gneiss_status check_particles(const check *c, gn_scene *s) {
     bool plane = specimen->lattice.kind == GN_LATTICE_SQUARE ||
                  specimen->lattice.kind == GN_LATTICE_HEXAGONAL;
     if (specimen->lattice.kind != GN_LATTICE_NONE && plane != (s->dimension == 2))
-        return fail(c, "specimen.lattice.kind", "expected a lattice of a %dD scene: %s",
-                    (int)s->dimension, s->dimension == 2 ? "square, hexagonal" : "cubic, fcc, hcp");
+        return gn_check_fail(c, "specimen.lattice.kind", "expected a lattice of a %dD scene: %s",
+                             (int)s->dimension,
+                             s->dimension == 2 ? "square, hexagonal" : "cubic, fcc, hcp");
     if (specimen->porosity >= 0 && specimen->density_basis != GN_DENSITY_BULK)
-        return fail(c, "specimen.porosity",
-                    "expected density_basis bulk beside it, found particle");
+        return gn_check_fail(c, "specimen.porosity",
+                             "expected density_basis bulk beside it, found particle");
     return GNEISS_OK;
+}
+
+static gneiss_status not_given(const check *c, const char *key) {
+    return gn_check_fail(c, key, "required, but not given");
 }
 
 static gneiss_status check_specimen(const check *c, gn_scene *s) {
     gn_specimen *specimen = &s->specimen;
+    if (!s->has_specimen)
+        return gn_check_fail(c, "specimen",
+                             "required, but not given; expected a specimen, elements "
+                             "or both");
+    if (!s->material_count) return not_given(c, "materials");
+    if (!s->has_law) return not_given(c, "law");
     GN_TRY(check_particles(c, s));
     if (!*specimen->material && s->material_count == 1)
         memcpy(specimen->material, s->materials[0].name, sizeof specimen->material);
     if (gn_scene_find_material(s, specimen->material) < 0)
-        return fail(c, "specimen.material", "expected the name of a material, found '%s'",
-                    specimen->material);
+        return gn_check_fail(c, "specimen.material", "expected the name of a material, found '%s'",
+                             specimen->material);
     return GNEISS_OK;
 }
 
 gneiss_status gn_check_shape(gn_reader *reader, const gn_node *root) {
     check c = {.reader = reader, .map = root};
+    if (!reader->scene->has_specimen) return not_given(&c, "specimen");
     return check_particles(&c, reader->scene);
 }
 
@@ -195,13 +202,14 @@ gneiss_status gn_check_shape(gn_reader *reader, const gn_node *root) {
 
 static gneiss_status need(const check *c, double value, const char *key, const char *reason) {
     if (value > 0) return GNEISS_OK;
-    return fail(c, key, "required %s, but not given", reason);
+    return gn_check_fail(c, key, "required %s, but not given", reason);
 }
 
 static gneiss_status check_material(const check *c, const gn_scene *s, size_t index) {
     const gn_material *m = &s->materials[index];
     if (gn_scene_find_material(s, m->name) != (int)index)
-        return fail(c, "name", "expected a name of its own, found '%s' a second time", m->name);
+        return gn_check_fail(c, "name", "expected a name of its own, found '%s' a second time",
+                             m->name);
     bool bonds = s->bonds == GN_SWITCH_ON;
     if (s->stiffness == GN_STIFFNESS_UNIFORM) {
         GN_TRY(need(c, m->normal_stiffness, "normal_stiffness", "by the uniform law"));
@@ -221,55 +229,59 @@ static gneiss_status check_damping(const check *c, const gn_scene *s) {
     const char *key = "damping.background.coefficient";
     double a = s->background_coefficient, value;
     if (s->background == GN_BACKGROUND_NONE && a > 0)
-        return fail(c, key, "expected a model beside it, found none");
-    if (s->background != GN_BACKGROUND_NONE && !given(c, key))
-        return fail(c, key, "required by the model, but not given");
+        return gn_check_fail(c, key, "expected a model beside it, found none");
+    if (s->background != GN_BACKGROUND_NONE && !gn_check_given(c, key))
+        return gn_check_fail(c, key, "required by the model, but not given");
     const gn_node *node = gn_node_find(c->map, key);
     if (node && s->background != GN_BACKGROUND_NONE) {
         const char *unit = s->background == GN_BACKGROUND_VISCOUS ? "1/s" : "1";
         char reason[96];
         if (!gn_units_read(c->reader->units, node->text, unit, &value, reason, sizeof reason))
-            return fail(c, key, "expected %s for this model, found '%.60s'%s", gn_unit_text(unit),
-                        node->text, reason);
+            return gn_check_fail(c, key, "expected %s for this model, found '%.60s'%s",
+                                 gn_unit_text(unit), node->text, reason);
     }
     if (s->background > GN_BACKGROUND_VISCOUS && a >= 1)
-        return fail(c, key, "expected a fraction in [0, 1), found %g", a);
+        return gn_check_fail(c, key, "expected a fraction in [0, 1), found %g", a);
     if (s->restitution > 0 && s->damping_fraction > 0)
-        return fail(c, "damping.contact.fraction", "expected restitution or fraction, found both");
+        return gn_check_fail(c, "damping.contact.fraction",
+                             "expected restitution or fraction, found both");
     return GNEISS_OK;
 }
 
 /* ---- boxes ---- */
 
-static gneiss_status check_box(const check *c, const gn_scene *s, const char *key,
-                               const double *low, const double *high) {
+gneiss_status gn_check_box(const check *c, const gn_scene *s, const char *key, const double *low,
+                           const double *high) {
     for (int64_t k = 0; k < s->dimension; k++)
         if (!(low[k] < high[k]))
-            return fail(c, key,
-                        "expected a corner above min in every direction, found %c: %g to %g",
-                        "xyz"[k], low[k], high[k]);
+            return gn_check_fail(
+                c, key, "expected a corner above min in every direction, found %c: %g to %g",
+                "xyz"[k], low[k], high[k]);
     return GNEISS_OK;
 }
 
 static gneiss_status check_surroundings(const check *c, const gn_scene *s) {
-    if (s->has_periodic) GN_TRY(check_box(c, s, "periodic.max", s->periodic_min, s->periodic_max));
+    if (s->has_periodic)
+        GN_TRY(gn_check_box(c, s, "periodic.max", s->periodic_min, s->periodic_max));
     if (!s->has_domain) return GNEISS_OK;
-    if (!given(c, "domain.min")) return fail(c, "domain.min", "required beside max, but not given");
-    if (!given(c, "domain.max")) return fail(c, "domain.max", "required beside min, but not given");
-    return check_box(c, s, "domain.max", s->domain_min, s->domain_max);
+    if (!gn_check_given(c, "domain.min"))
+        return gn_check_fail(c, "domain.min", "required beside max, but not given");
+    if (!gn_check_given(c, "domain.max"))
+        return gn_check_fail(c, "domain.max", "required beside min, but not given");
+    return gn_check_box(c, s, "domain.max", s->domain_min, s->domain_max);
 }
 
 /* ---- sets and walls ---- */
 
-static gneiss_status check_plane_motion(const check *c, const gn_scene *s,
-                                        const gn_motion *motion) {
+gneiss_status gn_check_plane_motion(const check *c, const gn_scene *s, const gn_motion *motion) {
     if (s->dimension != 2) return GNEISS_OK;
     const char *key = motion->velocity[2].count ? "motion.vz"
                       : motion->spin[0].count   ? "motion.wx"
                       : motion->spin[1].count   ? "motion.wy"
                                                 : NULL;
     if (!key) return GNEISS_OK;
-    return fail(c, key, "expected nothing out of the plane of a 2D scene: only vx, vy and wz move");
+    return gn_check_fail(
+        c, key, "expected nothing out of the plane of a 2D scene: only vx, vy and wz move");
 }
 
 static gneiss_status check_spin(const check *c, const gn_scene *s, const gn_set *set) {
@@ -277,25 +289,28 @@ static gneiss_status check_spin(const check *c, const gn_scene *s, const gn_set 
     static const char *const keys[] = {"motion.wx", "motion.wy", "motion.wz"};
     for (int k = 0; k < 3; k++)
         if (set->motion.spin[k].count)
-            return fail(c, keys[k], "expected law.rotation on beside a spin, found off");
+            return gn_check_fail(c, keys[k], "expected law.rotation on beside a spin, found off");
     if (set->has_initial_spin)
-        return fail(c, "initial_spin", "expected law.rotation on beside a spin, found off");
+        return gn_check_fail(c, "initial_spin",
+                             "expected law.rotation on beside a spin, found off");
     return GNEISS_OK;
 }
 
 static gneiss_status check_set(const check *c, const gn_scene *s, size_t index) {
     const gn_set *set = &s->sets[index];
     if (gn_scene_find_set(s, set->name) != (int)index || gn_scene_find_wall(s, set->name) >= 0)
-        return fail(c, "name", "expected a name of its own, found '%s' a second time", set->name);
+        return gn_check_fail(c, "name", "expected a name of its own, found '%s' a second time",
+                             set->name);
     if (!set->all && !set->has_box && !set->id_count && set->end_axis < 0)
-        return fail(c, "select", "expected all, box, ids or end, found none");
-    if (set->has_box) GN_TRY(check_box(c, s, "select.box.max", set->box_min, set->box_max));
+        return gn_check_fail(c, "select", "expected all, box, ids or end, found none");
+    if (set->has_box) GN_TRY(gn_check_box(c, s, "select.box.max", set->box_min, set->box_max));
     if (set->end_axis >= s->dimension)
-        return fail(c, "select.end.axis", "expected x or y in a 2D scene, found z");
+        return gn_check_fail(c, "select.end.axis", "expected x or y in a 2D scene, found z");
     if (*set->material && gn_scene_find_material(s, set->material) < 0)
-        return fail(c, "material", "expected the name of a material, found '%s'", set->material);
+        return gn_check_fail(c, "material", "expected the name of a material, found '%s'",
+                             set->material);
     GN_TRY(check_spin(c, s, set));
-    return check_plane_motion(c, s, &set->motion);
+    return gn_check_plane_motion(c, s, &set->motion);
 }
 
 /* A unit vector stays as it is, so that a scene written out and read again keeps every bit. */
@@ -321,116 +336,98 @@ static bool moves(const gn_motion *motion) {
 static gneiss_status check_wall(const check *c, const gn_scene *s, size_t index) {
     gn_wall_def *wall = &s->walls[index];
     if (gn_scene_find_wall(s, wall->name) != (int)index)
-        return fail(c, "name", "expected a name of its own, found '%s' a second time", wall->name);
-    if (!normalise(wall->normal)) return fail(c, "normal", "expected a direction, found [0, 0, 0]");
+        return gn_check_fail(c, "name", "expected a name of its own, found '%s' a second time",
+                             wall->name);
+    if (!normalise(wall->normal))
+        return gn_check_fail(c, "normal", "expected a direction, found [0, 0, 0]");
     if (wall->friction > 0) GN_TRY(need(c, wall->kratio, "kratio", "by friction"));
     if (wall->servo.active && moves(&wall->motion))
-        return fail(c, "servo", "expected motion or servo, found both");
-    return check_plane_motion(c, s, &wall->motion);
-}
-
-/* ---- bodies ---- */
-
-/* Exactly one of the shapes is given. */
-static gneiss_status check_body_shape(const check *c, const gn_scene *s, const gn_body_def *b) {
-    static const char *const names[] = {"surface", "box", "cylinder", "polygon", "polyline"};
-    const bool has[] = {*b->surface != '\0', b->has_box, b->has_cylinder, b->polygon_count > 0,
-                        b->polyline_count > 0};
-    char found[SOURCES_SIZE] = "";
-    for (int k = 0; k < 5; k++)
-        if (has[k]) add_source(found, names[k]);
-    if (*found && !strchr(found, ',')) return GNEISS_OK;
-    return fail(c, "name", "expected one of %s beside it, found %s",
-                s->dimension == 2 ? "polygon, polyline" : "surface, box, cylinder",
-                *found ? found : "none");
-}
-
-static gneiss_status check_free(const check *c, const gn_body_def *b) {
-    static const char *const only[] = {"density", "initial_velocity", "initial_spin"};
-    if (b->free) {
-        GN_TRY(need(c, b->density, "density", "by a free body"));
-        if (b->polyline_count)
-            return fail(c, "free", "expected a polygon beside it (a polyline has no inside)");
-        if (b->has_cylinder && b->cylinder.open)
-            return fail(c, "free", "expected a closed cylinder beside it, found an open one");
-        if (b->has_reference)
-            return fail(c, "reference",
-                        "expected none: the reference point of a free body is its centre of mass");
-        return GNEISS_OK;
-    }
-    for (int k = 0; k < 3; k++)
-        if (given(c, only[k])) return fail(c, only[k], "expected free true beside it, found false");
-    return GNEISS_OK;
-}
-
-static gneiss_status check_body(const check *c, const gn_scene *s, size_t index) {
-    gn_body_def *b = &s->bodies[index];
-    if (gn_scene_find_body(s, b->name) != (int)index || gn_scene_find_wall(s, b->name) >= 0 ||
-        gn_scene_find_set(s, b->name) >= 0)
-        return fail(c, "name", "expected a name of its own, found '%s' a second time", b->name);
-    if (s->has_periodic)
-        return fail(c, "name", "expected no periodic box beside a body, found one");
-    GN_TRY(check_body_shape(c, s, b));
-    if (b->friction > 0) GN_TRY(need(c, b->kratio, "kratio", "by friction"));
-    GN_TRY(check_free(c, b));
-    return check_plane_motion(c, s, &b->motion);
+        return gn_check_fail(c, "servo", "expected motion or servo, found both");
+    return gn_check_plane_motion(c, s, &wall->motion);
 }
 
 /* ---- test and time ---- */
 
 static gneiss_status check_end(const check *c, const gn_scene *s, const char *key,
                                const char *name) {
-    if (gn_scene_find_wall(s, name) >= 0 || gn_scene_find_set(s, name) >= 0) return GNEISS_OK;
-    return fail(c, key, "expected the name of a wall or a set, found '%s'", name);
+    if (gn_scene_find_wall(s, name) >= 0 || gn_scene_find_set(s, name) >= 0 ||
+        gn_scene_find_element_motion(s, name) >= 0)
+        return GNEISS_OK;
+    return gn_check_fail(c, key, "expected the name of a wall or a set%s, found '%s'",
+                         s->has_elements ? " or a motion of elements" : "", name);
 }
 
 static gneiss_status check_test(const check *c, const gn_scene *s) {
     if (s->test.kind == GN_TEST_NONE) {
         if (s->stop_peak_drop > 0)
-            return fail(c, "time.stop.peak_drop",
-                        "expected a test section that reads stress, found none");
+            return gn_check_fail(c, "time.stop.peak_drop",
+                                 "expected a test section that reads stress, found none");
         if (s->stop_strain > 0)
-            return fail(c, "time.stop.strain",
-                        "expected a test section that reads strain, found none");
+            return gn_check_fail(c, "time.stop.strain",
+                                 "expected a test section that reads strain, found none");
         return GNEISS_OK;
     }
     GN_TRY(check_end(c, s, "test.lower", s->test.lower));
     GN_TRY(check_end(c, s, "test.upper", s->test.upper));
     if (strcmp(s->test.lower, s->test.upper) == 0)
-        return fail(c, "test.upper", "expected another end than lower, found '%s'", s->test.upper);
+        return gn_check_fail(c, "test.upper", "expected another end than lower, found '%s'",
+                             s->test.upper);
     if (s->test.axis >= s->dimension)
-        return fail(c, "test.axis", "expected x or y in a 2D scene, found z");
+        return gn_check_fail(c, "test.axis", "expected x or y in a 2D scene, found z");
     if (s->test.area > 0 && s->test.diameter > 0)
-        return fail(c, "test.diameter", "expected area or diameter, found both");
+        return gn_check_fail(c, "test.diameter", "expected area or diameter, found both");
+    return GNEISS_OK;
+}
+
+/* What only particles have a use for. */
+static gneiss_status check_no_specimen(const check *c, const gn_scene *s) {
+    const struct {
+        bool found;
+        const char *key;
+    } keys[] = {{s->material_count > 0, "materials"},
+                {s->has_law, "law"},
+                {s->bonds == GN_SWITCH_ON, "bonds"},
+                {s->set_count > 0, "sets"},
+                {s->wall_count > 0, "walls"},
+                {s->has_periodic, "periodic"},
+                {s->has_domain, "domain"},
+                {s->random_velocity > 0, "initial.random_velocity"}};
+    for (size_t k = 0; k < sizeof keys / sizeof *keys; k++)
+        if (keys[k].found)
+            return gn_check_fail(c, keys[k].key,
+                                 "expected a specimen beside it, found elements only (their "
+                                 "materials, motions and loads stand under elements)");
     return GNEISS_OK;
 }
 
 gneiss_status gn_check_scene(gn_reader *reader, const gn_node *root) {
     gn_scene *s = reader->scene;
     check c = {.reader = reader, .map = root};
-    if (s->bonds == GN_SWITCH_AUTO) s->bonds = given(&c, "bonds") ? GN_SWITCH_ON : GN_SWITCH_OFF;
-    GN_TRY(check_specimen(&c, s));
-    for (size_t k = 0; k < s->material_count; k++) {
-        check element = element_of(reader, root, "materials", k);
+    if (s->bonds == GN_SWITCH_AUTO)
+        s->bonds = gn_check_given(&c, "bonds") ? GN_SWITCH_ON : GN_SWITCH_OFF;
+    if (s->has_specimen || !s->has_elements)
+        GN_TRY(check_specimen(&c, s));
+    else
+        GN_TRY(check_no_specimen(&c, s));
+    if (s->has_elements) GN_TRY(gn_check_elements(reader, root));
+    for (size_t k = 0; s->has_specimen && k < s->material_count; k++) {
+        check element = gn_check_element(reader, root, "materials", k);
         GN_TRY(check_material(&element, s, k));
     }
     GN_TRY(check_damping(&c, s));
     GN_TRY(check_surroundings(&c, s));
     for (size_t k = 0; k < s->set_count; k++) {
-        check element = element_of(reader, root, "sets", k);
+        check element = gn_check_element(reader, root, "sets", k);
         GN_TRY(check_set(&element, s, k));
     }
     for (size_t k = 0; k < s->wall_count; k++) {
-        check element = element_of(reader, root, "walls", k);
+        check element = gn_check_element(reader, root, "walls", k);
         GN_TRY(check_wall(&element, s, k));
     }
-    for (size_t k = 0; k < s->body_count; k++) {
-        check element = element_of(reader, root, "bodies", k);
-        GN_TRY(check_body(&element, s, k));
-    }
+    GN_TRY(gn_check_bodies(reader, root));
     GN_TRY(check_test(&c, s));
     if (s->step > s->end)
-        return fail(&c, "time.step", "expected a step below the end, found %g s and %g s", s->step,
-                    s->end);
+        return gn_check_fail(&c, "time.step", "expected a step below the end, found %g s and %g s",
+                             s->step, s->end);
     return GNEISS_OK;
 }

@@ -1,4 +1,4 @@
-#include "scene/manifest_macros.h"
+#include "scene/manifest_keys.h"
 
 /* ---- words ---- */
 
@@ -423,9 +423,9 @@ static const gn_key test_keys[] = {
     KEY("axis", CHOICE, gn_scene, test.axis, .choices = axes, .required = true,
         .text = "direction of loading"),
     KEY("lower", TEXT, gn_scene, test.lower, .required = true,
-        .text = "wall or set at the lower end"),
+        .text = "wall, set or motion of elements at the lower end"),
     KEY("upper", TEXT, gn_scene, test.upper, .required = true,
-        .text = "wall or set at the upper end"),
+        .text = "wall, set or motion of elements at the upper end"),
     KEY("length", REAL, gn_scene, test.length, .unit = "m", .range = "(0, inf)", .word = "auto",
         .fallback = "auto", .text = "length of the specimen; auto: its extent along the axis"),
     KEY("area", REAL, gn_scene, test.area, .unit = "m2", .range = "(0, inf)", .word = "auto",
@@ -501,11 +501,15 @@ static const gn_key scene_keys[] = {
         .text = "one line for reports"),
     KEY("dimension", INTEGER, gn_scene, dimension, .range = "[2, 3]", .fallback = "3",
         .packing = true, .text = "2: discs in plane strain; 3: spheres"),
-    SECTION("specimen", gn_specimen_section, .required = true, .packing = true,
-            .text = "the particles"),
+    SECTION("specimen", gn_specimen_section, PRESENT(BOOL, gn_scene, has_specimen), .packing = true,
+            .text = "the particles; specimen, elements or both"),
     ARRAY("materials", LIST, gn_scene, materials, material_count, .section = &material_section,
-          .range = "[1, 1000]", .required = true, .text = "what particles are made of"),
-    SECTION("law", law_section, .required = true, .text = "the contact law"),
+          .range = "[1, 1000]", PRESENT(COUNT, gn_scene, material_count),
+          .text = "what particles are made of; needed with a specimen"),
+    SECTION("law", law_section, PRESENT(BOOL, gn_scene, has_law),
+            .text = "the contact law; needed with a specimen"),
+    SECTION("elements", gn_elements_section, PRESENT(BOOL, gn_scene, has_elements),
+            .text = "finite elements: linear triangles in plane strain or tetrahedra"),
     SECTION("bonds", bonds_section, .text = "brittle bonds between particles of one group"),
     SECTION("damping", damping_section, .text = "dissipation besides friction and breakage"),
     KEY("gravity", VECTOR, gn_scene, gravity, .unit = "m/s2", .fallback = "0",

@@ -1,5 +1,5 @@
 /* The keys of `bodies`. */
-#include "scene/manifest_macros.h"
+#include "scene/manifest_keys.h"
 
 static const gn_choice booleans[] = {{"true", 1}, {"false", 0}, {"on", 1}, {"off", 0},
                                      {"yes", 1},  {"no", 0},    {NULL, 0}};

@@ -424,10 +424,10 @@ static gneiss_status read_list(gn_reader *reader, const gn_key *key, const gn_no
 /* Told before its value is looked at, which the other dimension may have no use for. */
 static gneiss_status wrong_shape(const gn_reader *reader, const gn_key *key, const gn_node *node) {
     char names[GN_SHAPE_NAMES_SIZE];
-    if (key->shape == GN_SHAPE_NONE)
+    if (!key->shape)
         return gn_read_fail(reader, node, node->key_where, reader->path,
-                            "expected a key of a %dD scene, found one of a %dD scene",
-                            (int)reader->scene->dimension, key->shape_dimension);
+                            "expected in a %dD scene only, found in a %dD one",
+                            key->shape_dimension, (int)reader->scene->dimension);
     gn_shape_names(reader->scene->dimension, names);
     return gn_read_fail(reader, node, node->key_where, reader->path,
                         "expected a shape of a %dD scene: %s, found %s",

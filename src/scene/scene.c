@@ -287,9 +287,10 @@ static bool is_prescribed(const gn_motion *motion) {
 }
 
 gn_effects gn_scene_effects(const gn_scene *s) {
-    gn_effects mask = contact_effects(s) | background_effect(s);
+    gn_effects mask = background_effect(s) | (s->has_specimen ? contact_effects(s) : GN_FX_PAIRS);
     if (s->dimension == 3) mask |= GN_FX_SPACE;
-    if (s->rotation != GN_SWITCH_OFF) mask |= GN_FX_ROTATION;
+    if (s->has_specimen && s->rotation != GN_SWITCH_OFF) mask |= GN_FX_ROTATION;
+    if (s->has_elements) mask |= GN_FX_ELEMENTS;
     if (s->gravity[0] != 0 || s->gravity[1] != 0 || s->gravity[2] != 0) mask |= GN_FX_GRAVITY;
     for (size_t k = 0; k < s->set_count; k++) {
         if (s->sets[k].has_force) mask |= GN_FX_APPLIED;
@@ -342,6 +343,12 @@ int gn_scene_find_body(const gn_scene *scene, const char *name) {
 int gn_scene_find_set(const gn_scene *scene, const char *name) {
     for (size_t k = 0; k < scene->set_count; k++)
         if (strcmp(scene->sets[k].name, name) == 0) return (int)k;
+    return -1;
+}
+
+int gn_scene_find_element_motion(const gn_scene *scene, const char *name) {
+    for (size_t k = 0; k < scene->elements.motion_count; k++)
+        if (strcmp(scene->elements.motions[k].name, name) == 0) return (int)k;
     return -1;
 }
 

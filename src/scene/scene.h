@@ -255,7 +255,7 @@ typedef struct gn_body_def {
 typedef struct gn_test {
     gn_test_kind kind;
     int64_t axis;             /* 0 1 2 */
-    char lower[GN_NAME_SIZE]; /* wall or set */
+    char lower[GN_NAME_SIZE]; /* wall, set or motion of elements */
     char upper[GN_NAME_SIZE];
     double length;   /* m; 0: extent of the specimen along the axis */
     double area;     /* m2; 0: from diameter, else from the specimen (see docs/scene.md) */
@@ -263,15 +263,84 @@ typedef struct gn_test {
     gn_where where;
 } gn_test;
 
+/* Linear finite elements: what they are made of. */
+typedef struct gn_element_material {
+    char group[GN_NAME_SIZE];       /* of elements, by name or tag; "": all elements */
+    double young, poisson, density; /* Pa, -, kg/m3 */
+    gn_where where;
+} gn_element_material;
+
+/* Nodes (facets, for tractions) by a group of the mesh or by a box about their places at the start:
+ * one of the two. */
+typedef struct gn_region {
+    char group[GN_NAME_SIZE]; /* name or tag; "": box */
+    bool has_box;
+    double box_min[3], box_max[3]; /* m, boundary included */
+} gn_region;
+
+/* Nodes that move as prescribed, or whose mean displacement is recorded when all is free. */
+typedef struct gn_element_motion {
+    char name[GN_NAME_SIZE];
+    gn_region region;
+    gn_motion motion; /* velocities only */
+    gn_where where;
+} gn_element_motion;
+
+typedef struct gn_element_load {
+    char name[GN_NAME_SIZE]; /* "": none */
+    gn_region region;
+    bool has_traction, has_force; /* one of the two */
+    gn_table traction[3];         /* Pa on facets, of fixed direction */
+    gn_table force[3];            /* N in all; shared out by area (facets) or mass */
+    gn_where where;
+} gn_element_load;
+
+/* A beam with supports below, a load above mid-span and a notch there. */
+typedef struct gn_beam_def {
+    double length, height, thickness; /* m; thickness 0 in 2D */
+    double span;                      /* m between the supports; 0: the length */
+    double notch_width, notch_depth;  /* m; depth 0: no notch */
+    double cell;                      /* m, largest side of a cell */
+    int64_t notch_cells;              /* across half the width of the notch */
+    double growth;                    /* of neighbouring cells away from the notch */
+    double origin[3];                 /* m, lower corner */
+} gn_beam_def;
+
+typedef enum gn_formulation { GN_FORMULATION_DISPLACEMENT, GN_FORMULATION_MIXED } gn_formulation;
+
+/* A body of finite elements: exactly one of mesh, rectangle, box, beam. */
+typedef struct gn_element_def {
+    char mesh[GN_PATH_SIZE]; /* as written; "" when another source is used */
+    char mesh_path[GN_PATH_SIZE];
+    double scale; /* lengths in the file times this give metres */
+    bool has_rectangle, has_box, has_beam;
+    double size[3], origin[3]; /* m, of a rectangle or box */
+    int64_t cells[3];
+    double distortion; /* random shift of inner nodes over the sides of a cell */
+    gn_beam_def beam;
+    gn_formulation formulation;
+    size_t material_count;
+    gn_element_material *materials; /* an element has the last that names it */
+    size_t motion_count;
+    gn_element_motion *motions; /* a later one goes over an earlier one */
+    size_t load_count;
+    gn_element_load *loads; /* on top of each other */
+    gn_where where;
+} gn_element_def;
+
 typedef struct gn_scene {
     char source[GN_PATH_SIZE]; /* the scene file, for messages */
     char title[256];
     int64_t dimension; /* 2 or 3 */
 
+    bool has_specimen; /* particles */
     gn_specimen specimen;
     size_t material_count;
     gn_material *materials;
+    bool has_elements;
+    gn_element_def elements;
 
+    bool has_law;
     gn_stiffness_model stiffness;
     gn_contact_arm contact_arm;
     gn_switch rotation; /* auto: on */
@@ -385,5 +454,6 @@ int gn_scene_find_wall(const gn_scene *scene, const char *name);
 int gn_scene_find_body(const gn_scene *scene, const char *name);
 int gn_scene_find_set(const gn_scene *scene, const char *name);
 int gn_scene_find_material(const gn_scene *scene, const char *name);
+int gn_scene_find_element_motion(const gn_scene *scene, const char *name);
 
 #endif

@@ -10,7 +10,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-enum { FORMAT = 1 };
+enum { FORMAT = 2 };
 
 /* A fixed-size piece of the run: doubles or 64-bit integers at an offset. */
 typedef struct piece {
@@ -32,6 +32,8 @@ static const piece pieces[] = {
     DOUBLES(world.bound),
     DOUBLES(world.stable),
     DOUBLES(world.surface_rate),
+    DOUBLES(world.vertex_rate),
+    DOUBLES(world.stable_particles),
     DOUBLES(world.limit.bound),
     DOUBLES(world.limit.sharp),
     DOUBLES(world.limit.sharp_low),
@@ -174,6 +176,7 @@ static gneiss_status put_all(gn_run *run, gn_h5 *file, gneiss_error *error) {
         GN_TRY(gn_h5_put_record(file, "wall_contacts", &gn_wall_contact_record, &w->wall_contacts,
                                 error));
     GN_TRY(put_pieces(run, file, error));
+    GN_TRY(gn_elements_save(w, file, error));
     return put_history(run, file, error);
 }
 
@@ -369,6 +372,7 @@ static gneiss_status load(gn_run *run, const gn_h5 *file, const char *path,
     GN_TRY(get_pieces(run, file, error));
     GN_TRY(get_arrays(run, file, error));
     GN_TRY(get_records(w, file, error));
+    GN_TRY(gn_elements_load(w, file, path, error));
     GN_TRY(check_indices(w, path, error));
     GN_TRY(check_numbers(run, path, error));
     GN_TRY(get_history(run, file, error));

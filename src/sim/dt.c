@@ -92,23 +92,39 @@ static double nonviscous_share(const gn_world *w) {
     return active ? 1.0 / sqrt(1.0 + w->scene.background_coefficient) : 1.0;
 }
 
-/* Surfaces that give way. With P the particles while surfaces are held fast and S the surfaces
- * while particles are, the energy of a contact |D^1/2 (p + s)|^2 <= (1 + e) |D^1/2 p|^2 + (1 + 1/e)
- * |D^1/2 s|^2 for any e > 0; with e = w_S^2/w_P^2 the square of the largest frequency of all is at
- * most w_P^2 + w_S^2. With dashpots, whose part of 4/dt^2 grows with 2/dt, the rates 1/dt add up.
+/* Of two parts with limits p and s (s), of which each is found with the other held fast, and
+ * contacts between them. The energy of a contact |D^1/2 (x + y)|^2 <= (1 + e) |D^1/2 x|^2 + (1 +
+ * 1/e) |D^1/2 y|^2 for any e > 0; with e = w_s^2/w_p^2 the square of the largest frequency of all
+ * is at most w_p^2 + w_s^2. With dashpots, whose part of 4/dt^2 grows with 2/dt, the rates 1/dt add
+ * up.
  */
-static double with_surfaces(const gn_world *w, double limit) {
-    double rate = w->surface_rate;
-    if (!(rate > 0.0)) return limit;
-    return w->damping_fraction > 0.0 ? 1.0 / (1.0 / limit + rate)
-                                     : 1.0 / sqrt(1.0 / (limit * limit) + rate * rate);
+static double together(const gn_world *w, double p, double s) {
+    if (!isfinite(s)) return p;
+    return w->damping_fraction > 0.0 ? 1.0 / (1.0 / p + 1.0 / s)
+                                     : 1.0 / sqrt(1.0 / (p * p) + 1.0 / (s * s));
+}
+
+static double limit_of(double rate) {
+    return rate > 0.0 ? 1.0 / rate : (double)INFINITY;
+}
+
+/* Particles, free bodies and finite elements; bodies and elements only meet particles. */
+static double all_together(const gn_world *w, double share) {
+    double particles = share * w->stable_particles, bodies = limit_of(w->surface_rate);
+    double elements = w->elements ? share * w->elements->stable : (double)INFINITY;
+    if (w->vertex_rate > 0.0) /* they touch */
+        return together(w, particles,
+                        fmin(bodies, together(w, elements, limit_of(w->vertex_rate))));
+    return fmin(together(w, particles, bodies), elements);
 }
 
 /* The limit that the scene trusts: sharp, or the rigorous bound. Contacts that may still form are
  * covered by never going above what a single pair would need. */
-static double usable_limit(const gn_world *w) {
+static double usable_limit(gn_world *w) {
     double limit = w->scene.estimate == GN_STEP_BOUND ? w->limit.bound : w->limit.sharp;
-    return with_surfaces(w, nonviscous_share(w) * fmin(limit, free_flight_limit(w)));
+    w->stable_particles =
+        w->scene.has_specimen ? fmin(limit, free_flight_limit(w)) : (double)INFINITY;
+    return all_together(w, nonviscous_share(w));
 }
 
 /* Only the rigorous bound, or Lanczos as well; the former leaves the sharp value unknown. */
@@ -128,7 +144,8 @@ static gneiss_status estimate(const gn_world *w, bool sharp, gn_step_limit *limi
  * below. */
 static bool bound_suffices(const gn_world *w, double bound) {
     if (w->scene.estimate == GN_STEP_BOUND) return true;
-    double limit = with_surfaces(w, nonviscous_share(w) * fmin(bound, free_flight_limit(w)));
+    double limit = together(w, nonviscous_share(w) * fmin(bound, free_flight_limit(w)),
+                            limit_of(fmax(w->surface_rate, w->vertex_rate)));
     return w->scene.step > 0.0 && w->scene.step <= limit;
 }
 
@@ -141,8 +158,21 @@ static gneiss_status find_limit(gn_world *w, const gn_step_limit *quick, gneiss_
     return GNEISS_OK;
 }
 
+/* What sets the limit. */
+static const char *culprit(const gn_world *w, char *text, size_t size) {
+    if (gn_elements_lead(w)) return gn_elements_culprit(w, text, size);
+    snprintf(text, size, "particle %d",
+             w->scene.estimate == GN_STEP_BOUND ? w->limit.bound_id : w->limit.sharp_id);
+    return text;
+}
+
 static gneiss_status react(gn_world *w, double limit, gneiss_error *error) {
+    char text[160];
     if (w->scene.step == 0.0) {
+        if (!isfinite(limit))
+            return gn_fail(error, GNEISS_ERROR_INPUT,
+                           "%s: time.step: required, because nothing can move that would limit it",
+                           w->scene.source);
         double wanted = w->scene.safety * limit;
         /* Small changes of the stiffest mode are what the safety factor is for. */
         if (w->step > 0 && wanted > 0.97 * w->dt) return GNEISS_OK;
@@ -154,27 +184,40 @@ static gneiss_status react(gn_world *w, double limit, gneiss_error *error) {
     if (w->dt <= limit || w->scene.on_unstable == GN_POLICY_WARN) return GNEISS_OK;
     return gn_fail(
         error, w->step > 0 ? GNEISS_ERROR_UNSTABLE : GNEISS_ERROR_INPUT,
-        "%s: time.step: expected at most %.6g s (stability limit at step %lld, set by particle "
-        "%d; the rigorous bound without damping is %.6g s), found %.6g s = %.3f of the limit "
+        "%s: time.step: expected at most %.6g s (stability limit at step %lld, set by %s; the "
+        "rigorous bound without damping is %.6g s), found %.6g s = %.3f of the limit "
         "(time.on_unstable: warn runs it all the same)",
-        w->scene.source, limit, (long long)w->step,
-        w->scene.estimate == GN_STEP_BOUND ? w->limit.bound_id : w->limit.sharp_id, w->limit.bound,
-        w->dt, w->dt / limit);
+        w->scene.source, limit, (long long)w->step, culprit(w, text, sizeof text),
+        gn_world_bound(w), w->dt, w->dt / limit);
 }
 
-gneiss_status gn_world_check_step(gn_world *w, bool full, gneiss_error *error) {
-    double start = gn_now();
+/* *due: the limit of the particles has changed. */
+static gneiss_status particle_limit(gn_world *w, bool full, bool *due, gneiss_error *error) {
     gn_step_limit quick = {0};
     gneiss_status status = estimate(w, false, &quick, error);
     /* The rigorous bound falls with every contact that makes a particle stiffer. As long as it is
      * where it was when the limit was found, that limit holds within the safety factor. */
-    double rate = 0.0;
-    if (status == GNEISS_OK) status = gn_surfaces_rate(w, &rate, error);
-    bool due = full || quick.bound < 0.98 * w->limit.bound || rate > 1.02 * w->surface_rate;
-    if (due) w->surface_rate = rate;
-    if (status == GNEISS_OK && due) status = find_limit(w, &quick, error);
+    double bodies = 0.0, vertices = 0.0;
+    if (status == GNEISS_OK) status = gn_surfaces_rate(w, &bodies, &vertices, error);
+    *due = full || quick.bound < 0.98 * w->limit.bound || bodies > 1.02 * w->surface_rate ||
+           vertices > 1.02 * w->vertex_rate;
+    if (*due) {
+        w->surface_rate = bodies;
+        w->vertex_rate = vertices;
+    }
+    if (status == GNEISS_OK && *due) status = find_limit(w, &quick, error);
     w->bound = quick.bound;
-    if (status == GNEISS_OK && due) {
+    return status;
+}
+
+gneiss_status gn_world_check_step(gn_world *w, bool full, gneiss_error *error) {
+    double start = gn_now();
+    bool due = false, elements_due = false;
+    gneiss_status status = GNEISS_OK;
+    if (w->scene.has_specimen) status = particle_limit(w, full, &due, error);
+    if (status == GNEISS_OK && w->elements)
+        status = gn_elements_limit(w, full, &elements_due, error);
+    if (status == GNEISS_OK && (due || elements_due)) {
         w->stable = usable_limit(w);
         status = react(w, w->stable, error);
     }

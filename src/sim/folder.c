@@ -95,9 +95,11 @@ static gneiss_status remove_snapshots(const char *directory, const char *name,
 }
 
 gneiss_status gn_folder_clear(const char *directory, const gn_scene *scene, gneiss_error *error) {
-    static const char *const files[] = {"results.h5", "summary.json", "particles.hdf.series",
-                                        "bonds.hdf.series", "report.html"};
-    static const char *const series[] = {"particles", "bonds", "failed_particles", "failed_bonds"};
+    static const char *const files[] = {"results.h5",           "summary.json",
+                                        "particles.hdf.series", "bonds.hdf.series",
+                                        "elements.hdf.series",  "report.html"};
+    static const char *const series[] = {"particles",    "bonds",    "failed_particles",
+                                         "failed_bonds", "elements", "failed_elements"};
     char path[GN_PATH_SIZE + 32];
     int64_t step;
     size_t checkpoints;

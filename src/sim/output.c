@@ -185,6 +185,7 @@ static gneiss_status write_snapshot(const gn_run *run, const gn_observed *seen,
 gneiss_status gn_output_snapshot(const gn_run *run, const char *particles_name,
                                  const char *bonds_name, gneiss_error *error) {
     gn_observed seen;
+    if (!run->world.particles.soa.count) return GNEISS_OK;
     GN_TRY(gn_world_observe(&run->world, &seen, error));
     gneiss_status status = write_snapshot(run, &seen, particles_name, bonds_name, error);
     gn_observed_free(&seen);
@@ -192,6 +193,9 @@ gneiss_status gn_output_snapshot(const gn_run *run, const char *particles_name,
 }
 
 gneiss_status gn_output_series(const gn_run *run, gneiss_error *error) {
+    if (run->world.elements)
+        GN_TRY(gn_snapshot_series(run->directory, "elements", run->world.step, error));
+    if (!run->world.particles.soa.count) return GNEISS_OK;
     GN_TRY(gn_snapshot_series(run->directory, "particles", run->world.step, error));
     if (!(run->world.effects & GN_FX_BONDS)) return GNEISS_OK;
     return gn_snapshot_series(run->directory, "bonds", run->world.step, error);
@@ -364,8 +368,10 @@ gneiss_status gn_output_results(const gn_run *run, gneiss_error *error) {
     gneiss_status status = put_header(run, file, error);
     if (status == GNEISS_OK) status = put_tables(run, file, error);
     gn_observed seen = {0};
+    if (status == GNEISS_OK) status = gn_elements_results(&run->world, file, error);
     if (status == GNEISS_OK) status = gn_world_observe(&run->world, &seen, error);
-    if (status == GNEISS_OK) status = put_particles(&run->world, &seen, file, error);
+    if (status == GNEISS_OK && run->world.particles.soa.count)
+        status = put_particles(&run->world, &seen, file, error);
     if (status == GNEISS_OK && run->world.effects & GN_FX_BONDS)
         status = put_bonds(&run->world, &seen.bonds, file, error);
     gn_observed_free(&seen);
@@ -407,6 +413,10 @@ gneiss_status gn_output_summary(const gn_run *run, gneiss_error *error) {
     gn_json_integer(j, "broken_tension", w->broken_tension);
     gn_json_integer(j, "broken_shear", w->broken_shear);
     gn_json_integer(j, "removed", w->lost);
+    if (w->elements) {
+        gn_json_integer(j, "nodes", (int64_t)w->elements->body.nodes.soa.count);
+        gn_json_integer(j, "elements", (int64_t)w->elements->body.elements.soa.count);
+    }
     gn_json_end(j);
     gn_json_number(j, "energy_residual",
                    w->effects & GN_FX_ENERGY ? gn_energy_residual(&w->reading) : NAN);
@@ -417,8 +427,8 @@ gneiss_status gn_output_summary(const gn_run *run, gneiss_error *error) {
     gn_json_number(j, "time", w->time);
     gn_json_number(j, "dt", w->dt);
     gn_json_number(j, "dt_limit", w->stable);
-    gn_json_number(j, "dt_limit_sharp", w->limit.sharp);
-    gn_json_number(j, "dt_limit_bound", w->limit.bound);
+    gn_json_number(j, "dt_limit_sharp", gn_world_sharp_limit(w));
+    gn_json_number(j, "dt_limit_bound", gn_world_bound(w));
     gn_json_integer(j, "list_rebuilds", w->verlet.rebuilds);
     gn_json_object(j, "seconds");
     for (int k = 0; k < GN_PHASE_COUNT; k++)
@@ -428,6 +438,7 @@ gneiss_status gn_output_summary(const gn_run *run, gneiss_error *error) {
     gn_json_number(j, "particle_steps_per_second",
                    (double)w->particles.soa.count * (double)w->step / p.seconds);
     gn_json_number(j, "contact_steps_per_second", (double)w->contact_steps / p.seconds);
+    if (w->elements) gn_json_number(j, "element_steps_per_second", p.element_steps_per_second);
     gn_json_integer(j, "threads", w->threads);
     gn_json_text(j, "isa", w->kernels->name);
     gn_json_text(j, "precision", w->effects & GN_FX_MIXED ? "mixed" : "double");

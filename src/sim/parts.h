@@ -72,9 +72,10 @@ gneiss_status gn_surface_springs(const gn_world *world, gn_extra_spring **spring
                                  gneiss_error *error);
 /* Whether a surface gives way to particles. */
 bool gn_surfaces_yield(const gn_world *world);
-/* 1/s: 1/dt at which free bodies and vertices alone, with all particles that are near held fast,
- * would be at their limit, from above; the elasticity of what vertices belong to left out. */
-gneiss_status gn_surfaces_rate(const gn_world *world, double *rate, gneiss_error *error);
+/* 1/s: 1/dt at which free bodies, and vertices, with all particles that are near held fast, would
+ * be at their limit, from above; the elasticity of what vertices belong to is left out. */
+gneiss_status gn_surfaces_rate(const gn_world *world, double *bodies, double *vertices,
+                               gneiss_error *error);
 /* The surface that a row belongs to. */
 const gn_surface *gn_surface_of_row(const gn_world *world, size_t row);
 /* A point, a direction from the body's frame, and back. */

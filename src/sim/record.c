@@ -1,4 +1,4 @@
-#include "sim/record.h"
+#include "sim/record_parts.h"
 
 #include "base/memory.h"
 #include "base/timer.h"
@@ -30,8 +30,8 @@ static gneiss_status add(gn_history *h, const fixed_column *columns, size_t coun
     return GNEISS_OK;
 }
 
-static gneiss_status add_tensor(const gn_world *w, gn_history *h, const char *what,
-                                const char *unit, const char *text, gneiss_error *error) {
+gneiss_status gn_record_add_tensor(const gn_world *w, gn_history *h, const char *what,
+                                   const char *unit, const char *text, gneiss_error *error) {
     for (int c = 0; c < 6; c++) {
         char name[32];
         if (!in_plane(w, c)) continue;
@@ -42,9 +42,9 @@ static gneiss_status add_tensor(const gn_world *w, gn_history *h, const char *wh
     return GNEISS_OK;
 }
 
-static gneiss_status add_vector(const gn_world *w, gn_history *h, const char *kind,
-                                const char *owner, const char *what, const char *unit,
-                                const char *text, gneiss_error *error) {
+gneiss_status gn_record_add_vector(const gn_world *w, gn_history *h, const char *kind,
+                                   const char *owner, const char *what, const char *unit,
+                                   const char *text, gneiss_error *error) {
     for (int a = 0; a < (int)w->scene.dimension; a++) {
         char name[GN_COLUMN_NAME_SIZE];
         snprintf(name, sizeof name, "%s_%s_%s_%c", kind, owner, what, axes[a]);
@@ -63,32 +63,33 @@ static bool set_moves(const gn_set *s) {
 static gneiss_status add_body(const gn_world *w, gn_history *h, size_t k, gneiss_error *error) {
     const char *name = w->scene.bodies[k].name;
     char column[GN_COLUMN_NAME_SIZE];
-    GN_TRY(
-        add_vector(w, h, "body", name, "force", "N", "force of the particles on the body", error));
+    GN_TRY(gn_record_add_vector(w, h, "body", name, "force", "N",
+                                "force of the particles on the body", error));
     for (int a = w->scene.dimension == 3 ? 0 : 2; a < 3; a++) {
         snprintf(column, sizeof column, "body_%s_moment_%c", name, axes[a]);
         GN_TRY(gn_history_add_column(h, column, "N m",
                                      "their moment about the reference point of the body", error));
     }
-    GN_TRY(add_vector(w, h, "body", name, "displacement", "m",
-                      "path of the reference point from its start", error));
-    return add_vector(w, h, "body", name, "velocity", "m/s",
-                      "velocity of the reference point at the last half step", error);
+    GN_TRY(gn_record_add_vector(w, h, "body", name, "displacement", "m",
+                                "path of the reference point from its start", error));
+    return gn_record_add_vector(w, h, "body", name, "velocity", "m/s",
+                                "velocity of the reference point at the last half step", error);
 }
 
 static gneiss_status add_owners(const gn_world *w, gn_history *h, gneiss_error *error) {
     for (size_t k = 0; k < w->scene.wall_count; k++) {
         const char *name = w->scene.walls[k].name;
-        GN_TRY(add_vector(w, h, "wall", name, "force", "N", "force of the particles on the wall",
-                          error));
-        GN_TRY(add_vector(w, h, "wall", name, "displacement", "m",
-                          "path of the wall from its start", error));
+        GN_TRY(gn_record_add_vector(w, h, "wall", name, "force", "N",
+                                    "force of the particles on the wall", error));
+        GN_TRY(gn_record_add_vector(w, h, "wall", name, "displacement", "m",
+                                    "path of the wall from its start", error));
     }
     for (size_t k = 0; k < w->scene.body_count; k++) GN_TRY(add_body(w, h, k, error));
     for (size_t k = 0; k < w->scene.set_count; k++)
         if (set_moves(&w->scene.sets[k]))
-            GN_TRY(add_vector(w, h, "set", w->scene.sets[k].name, "reaction", "N",
-                              "force that the prescribed motion supplies to the set", error));
+            GN_TRY(gn_record_add_vector(w, h, "set", w->scene.sets[k].name, "reaction", "N",
+                                        "force that the prescribed motion supplies to the set",
+                                        error));
     return GNEISS_OK;
 }
 
@@ -109,10 +110,10 @@ gneiss_status gn_record_create(const gn_world *w, gn_history *h, gneiss_error *e
     *h = (gn_history){0};
     GN_TRY(add(h, first, 2, error));
     if (w->scene.test.kind != GN_TEST_NONE) GN_TRY(add(h, test, 4, error));
-    GN_TRY(
-        add_tensor(w, h, "strain", "1", "average strain of the specimen, tension positive", error));
-    GN_TRY(add_tensor(w, h, "stress", "Pa", "average stress of the specimen, tension positive",
-                      error));
+    GN_TRY(gn_record_add_tensor(w, h, "strain", "1",
+                                "average strain of the specimen, tension positive", error));
+    GN_TRY(gn_record_add_tensor(w, h, "stress", "Pa",
+                                "average stress of the specimen, tension positive", error));
     GN_TRY(add(h, state, 1, error));
     if (w->effects & GN_FX_BONDS) GN_TRY(add(h, bonds, 4, error));
     if (w->effects & GN_FX_ENERGY) {
@@ -123,7 +124,8 @@ gneiss_status gn_record_create(const gn_world *w, gn_history *h, gneiss_error *e
                                      "what the ledger does not explain, over the work done",
                                      error));
     }
-    return add_owners(w, h, error);
+    GN_TRY(add_owners(w, h, error));
+    return gn_elements_add_columns(w, h, error);
 }
 
 /* --- rows
@@ -134,7 +136,13 @@ gneiss_status gn_record_create(const gn_world *w, gn_history *h, gneiss_error *e
 static double end_travel(const gn_world *w, const char *name) {
     int axis = (int)w->scene.test.axis, wall = gn_scene_find_wall(&w->scene, name);
     if (wall >= 0) return w->walls[wall].point[axis] - w->walls[wall].start[axis];
-    int set = gn_scene_find_set(&w->scene, name);
+    int set = gn_scene_find_set(&w->scene, name),
+        motion = gn_scene_find_element_motion(&w->scene, name);
+    if (motion >= 0) {
+        double travel[3];
+        gn_elements_travel(w, (size_t)motion, travel);
+        return travel[axis];
+    }
     double sum = 0.0;
     size_t count = 0;
     for (size_t id = 0; id < w->particles.soa.count; id++) {
@@ -151,7 +159,13 @@ static double end_travel(const gn_world *w, const char *name) {
 static double end_force(const gn_world *w, const char *name) {
     int axis = (int)w->scene.test.axis, wall = gn_scene_find_wall(&w->scene, name);
     if (wall >= 0) return -w->walls[wall].force[axis];
-    int set = gn_scene_find_set(&w->scene, name);
+    int set = gn_scene_find_set(&w->scene, name),
+        motion = gn_scene_find_element_motion(&w->scene, name);
+    if (motion >= 0) {
+        double force[3];
+        gn_elements_reaction(w, (size_t)motion, force);
+        return force[axis];
+    }
     return set >= 0 && w->set_reaction ? w->set_reaction[6 * set + axis] : 0.0;
 }
 
@@ -159,21 +173,30 @@ static double test_sign(const gn_world *w) {
     return w->scene.test.kind == GN_TEST_COMPRESSION ? -1.0 : 1.0;
 }
 
+void gn_record_end_forces(const gn_world *w, double *lower, double *upper) {
+    double sign = test_sign(w);
+    *lower = -sign * end_force(w, w->scene.test.lower);
+    *upper = sign * end_force(w, w->scene.test.upper);
+}
+
 typedef struct before_step {
     double step, time, strain, gradient[9];
 } before_step;
 
-static before_step read_positions(const gn_world *w) {
+/* `elements` as gn_elements_before_size wants it. */
+static before_step read_positions(const gn_world *w, double *elements) {
     before_step b = {.step = (double)w->step, .time = w->time};
     if (w->scene.test.kind != GN_TEST_NONE)
         b.strain = test_sign(w) *
                    (end_travel(w, w->scene.test.upper) - end_travel(w, w->scene.test.lower)) /
                    w->test_length;
     gn_strain_gauge_read(&w->gauge, &w->particles, w->index_of_id, b.gradient);
+    gn_elements_read_before(w, elements);
+    if (w->elements && !w->scene.has_specimen) memcpy(b.gradient, elements, sizeof b.gradient);
     return b;
 }
 
-static double *put_tensor(const gn_world *w, double *row, const double t[9]) {
+double *gn_record_put_tensor(const gn_world *w, double *row, const double t[9]) {
     for (int c = 0; c < 6; c++) {
         int a = components[c][0], b = components[c][1];
         if (in_plane(w, c)) *row++ = 0.5 * (t[3 * a + b] + t[3 * b + a]);
@@ -232,20 +255,21 @@ static double *put_energy(const gn_world *w, double *row) {
 }
 
 static void fill_row(const gn_world *w, const before_step *b, const double *displacement,
-                     double *row) {
+                     const double *elements, double *row) {
     *row++ = b->step;
     *row++ = b->time;
     if (w->scene.test.kind != GN_TEST_NONE) {
-        double sign = test_sign(w);
-        double lower = -sign * end_force(w, w->scene.test.lower) / w->test_area;
-        double upper = sign * end_force(w, w->scene.test.upper) / w->test_area;
+        double lower, upper;
+        gn_record_end_forces(w, &lower, &upper);
+        lower /= w->test_area;
+        upper /= w->test_area;
         *row++ = b->strain;
         *row++ = 0.5 * (lower + upper);
         *row++ = lower;
         *row++ = upper;
     }
-    row = put_tensor(w, row, b->gradient);
-    row = put_tensor(w, row, w->stress);
+    row = gn_record_put_tensor(w, row, b->gradient);
+    row = gn_record_put_tensor(w, row, w->stress);
     *row++ = w->unbalanced;
     if (w->effects & GN_FX_BONDS) {
         double broken = (double)(w->broken_tension + w->broken_shear),
@@ -256,21 +280,23 @@ static void fill_row(const gn_world *w, const before_step *b, const double *disp
         *row++ = all > 0.0 ? broken / all : 0.0;
     }
     row = put_energy(w, row);
-    put_owners(w, row, displacement);
+    row = put_owners(w, row, displacement);
+    gn_elements_put(w, elements, b->strain, row);
 }
 
 gneiss_status gn_record_step(gn_world *w, gn_history *h, gneiss_error *error) {
     double start = gn_now();
-    before_step before = read_positions(w);
-    double *displacement = calloc(owner_values(w) + h->column_count + 1, sizeof *displacement);
+    size_t owners = owner_values(w), elements = gn_elements_before_size(w);
+    double *displacement = calloc(owners + elements + h->column_count + 1, sizeof *displacement);
     if (!displacement) return gn_fail(error, GNEISS_ERROR_MEMORY, "no memory for a history row");
-    double *row = displacement + owner_values(w);
+    double *read = displacement + owners, *row = read + elements;
+    before_step before = read_positions(w, read);
     read_owners(w, displacement);
     w->seconds[GN_PHASE_measure] += gn_now() - start;
     gneiss_status status = gn_world_step(w, true, error);
     start = gn_now();
     if (status == GNEISS_OK) {
-        fill_row(w, &before, displacement, row);
+        fill_row(w, &before, displacement, read, row);
         status = gn_history_append(h, row, error);
     }
     free(displacement);

@@ -244,12 +244,17 @@ void gn_run_free(gn_run *run) {
 /* --- running
  * ---------------------------------------------------------------------------------------- */
 
+static gneiss_status write_snapshots(const gn_run *run, gneiss_error *error) {
+    GN_TRY(gn_output_snapshot(run, "particles", "bonds", error));
+    GN_TRY(gn_elements_snapshot(&run->world, run->directory, "elements", error));
+    return gn_output_series(run, error);
+}
+
 static gneiss_status one_step(gn_run *run, gneiss_error *error) {
     gn_world *w = &run->world;
     if (run->directory[0] && run->snapshot_interval && w->step % run->snapshot_interval == 0) {
         double start = gn_now();
-        gneiss_status status = gn_output_snapshot(run, "particles", "bonds", error);
-        if (status == GNEISS_OK) status = gn_output_series(run, error);
+        gneiss_status status = write_snapshots(run, error);
         w->seconds[GN_PHASE_output] += gn_now() - start;
         GN_TRY(status);
     }
@@ -309,6 +314,8 @@ gn_progress gn_run_progress(const gn_run *run) {
     p.seconds = run->wall_before + gn_now() - run->wall_start;
     double rate = p.seconds > 0.0 ? (double)w->step / p.seconds : 0.0;
     p.particle_steps_per_second = rate * (double)w->particles.soa.count;
+    if (w->elements)
+        p.element_steps_per_second = rate * (double)w->elements->body.elements.soa.count;
     p.contact_steps_per_second = p.seconds > 0.0 ? (double)w->contact_steps / p.seconds : 0.0;
     p.eta = rate > 0.0 ? fmax(0.0, (w->scene.end - w->time) / w->dt / rate) : NAN;
     p.unbalanced = w->unbalanced;
@@ -325,8 +332,7 @@ gn_progress gn_run_progress(const gn_run *run) {
 
 gneiss_status gn_run_finish(gn_run *run, gneiss_error *error) {
     double start = gn_now();
-    gneiss_status status = gn_output_snapshot(run, "particles", "bonds", error);
-    if (status == GNEISS_OK) status = gn_output_series(run, error);
+    gneiss_status status = write_snapshots(run, error);
     if (status == GNEISS_OK) status = gn_checkpoint_save(run, error);
     run->world.seconds[GN_PHASE_output] += gn_now() - start;
     if (status == GNEISS_OK) status = gn_output_results(run, error);
@@ -338,5 +344,6 @@ gneiss_status gn_run_write_failure(gn_run *run, const char *message, gneiss_erro
     snprintf(run->stop_reason, sizeof run->stop_reason, "failed: %s", message);
     run->finished = false;
     GN_TRY(gn_output_snapshot(run, "failed_particles", "failed_bonds", error));
+    GN_TRY(gn_elements_snapshot(&run->world, run->directory, "failed_elements", error));
     return gn_output_results(run, error);
 }

@@ -29,6 +29,7 @@ typedef struct gn_progress {
     double time, end;                                           /* s */
     double seconds;                                             /* wall, all sittings */
     double particle_steps_per_second, contact_steps_per_second; /* of all sittings */
+    double element_steps_per_second;                            /* the same */
     double eta; /* s, to `end`; a stop condition may come first */
     double unbalanced, residual;
     int64_t broken;
@@ -71,7 +72,7 @@ gn_progress gn_run_progress(const gn_run *run);
 /* Writes the last snapshot, a checkpoint, results.h5 and summary.json. */
 gneiss_status gn_run_finish(gn_run *run, gneiss_error *error);
 
-/* After GNEISS_ERROR_UNSTABLE: a snapshot of the bad state (failed_*.hdf) and results.h5 with the
+/* After GNEISS_ERROR_UNSTABLE: snapshots of the bad state (failed_*.hdf) and results.h5 with the
  * message. The checkpoints on disk are left as they are. */
 gneiss_status gn_run_write_failure(gn_run *run, const char *message, gneiss_error *error);
 

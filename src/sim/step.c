@@ -1,5 +1,6 @@
 /* One step of the model, from top to bottom: lists, then walls, contact forces and motion
- * (sweep.c), then what they sum up to. */
+ * (sweep.c), then what they sum up to, then finite elements, to whose nodes everything else has
+ * brought its forces by then. */
 #include "sim/parts.h"
 #include "soa/single.h"
 
@@ -215,7 +216,7 @@ gneiss_status gn_world_step(gn_world *w, bool measure, gneiss_error *error) {
     gn_contact_args bonds = gn_world_contact_args(w, &w->bonds, measure);
     gn_contact_args pairs = gn_world_contact_args(w, &w->pairs, measure);
     gn_motion_args motion = gn_world_motion_args(w, measure);
-    gn_sweep(w, &bonds, &pairs, &motion);
+    if (w->particles.soa.count) gn_sweep(w, &bonds, &pairs, &motion);
 
     gn_motion_sums moved = add_motion_sums(w->motion_sums, w->motion_blocks);
     gn_walls_sum(w);
@@ -230,6 +231,8 @@ gneiss_status gn_world_step(gn_world *w, bool measure, gneiss_error *error) {
     gn_bodies_drift(w);
     gneiss_status status = check_motion(w, &moved, error);
     if (status == GNEISS_OK) status = check_bodies(w, error);
+    if (w->elements && status == GNEISS_OK) status = gn_elements_step(w, measure, error);
+    if (w->elements && measure) gn_elements_book(w);
     w->verlet.drift += w->dt * sqrt(moved.speed2);
     w->contact_steps += (int64_t)(w->bonds.soa.count + w->pairs.soa.count);
     w->time += w->dt;

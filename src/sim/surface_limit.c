@@ -179,9 +179,13 @@ static gneiss_status surface_rate(const gn_world *w, const gn_surface *s, double
                 : gn_fail(error, GNEISS_ERROR_MEMORY, "no memory for %zu vertices", s->vertices);
 }
 
-gneiss_status gn_surfaces_rate(const gn_world *w, double *rate, gneiss_error *error) {
-    *rate = 0.0;
-    for (size_t k = 0; k < w->surface_count; k++)
-        if (yields(w, &w->surfaces[k])) GN_TRY(surface_rate(w, &w->surfaces[k], rate, error));
+gneiss_status gn_surfaces_rate(const gn_world *w, double *bodies, double *vertices,
+                               gneiss_error *error) {
+    *bodies = *vertices = 0.0;
+    for (size_t k = 0; k < w->surface_count; k++) {
+        const gn_surface *s = &w->surfaces[k];
+        if (!yields(w, s)) continue;
+        GN_TRY(surface_rate(w, s, s->body >= 0 ? bodies : vertices, error));
+    }
     return GNEISS_OK;
 }

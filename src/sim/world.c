@@ -74,19 +74,11 @@ static void measure_extent(gn_world *w) {
     }
 }
 
-/* Extent with radii and the volume that porosity and average stress refer to: the periodic box,
- * else the test's length x area, else the convex hull of the particles. */
-static gneiss_status measure_specimen(gn_world *w, gneiss_error *error) {
+/* Length and area of the specimen in a test, from the scene or its extent and volume. */
+static void measure_test(gn_world *w) {
     const gn_test *t = &w->scene.test;
     int axis = (int)t->axis;
-    if (w->effects & GN_FX_PERIODIC || (t->length > 0.0 && (t->area > 0.0 || t->diameter > 0.0)))
-        measure_extent(w); /* the volume is known without a hull */
-    else
-        GN_TRY(gn_packing_hull(&w->particles, (int)w->scene.dimension, &w->volume, w->lower,
-                               w->upper, error));
-    if (w->effects & GN_FX_PERIODIC)
-        w->volume = w->period[0] * w->period[1] * (w->effects & GN_FX_SPACE ? w->period[2] : 1.0);
-    if (t->kind == GN_TEST_NONE) return GNEISS_OK;
+    if (t->kind == GN_TEST_NONE) return;
     w->test_length = t->length > 0.0 ? t->length : w->upper[axis] - w->lower[axis];
     if (t->area > 0.0)
         w->test_area = t->area;
@@ -95,6 +87,21 @@ static gneiss_status measure_specimen(gn_world *w, gneiss_error *error) {
             w->effects & GN_FX_SPACE ? 0.25 * M_PI * t->diameter * t->diameter : t->diameter;
     else
         w->test_area = w->volume / w->test_length;
+}
+
+/* Extent with radii and the volume that porosity and average stress refer to: the periodic box,
+ * else the test's length x area, else the convex hull of the particles. */
+static gneiss_status measure_specimen(gn_world *w, gneiss_error *error) {
+    const gn_test *t = &w->scene.test;
+    if (w->effects & GN_FX_PERIODIC || (t->length > 0.0 && (t->area > 0.0 || t->diameter > 0.0)))
+        measure_extent(w); /* the volume is known without a hull */
+    else
+        GN_TRY(gn_packing_hull(&w->particles, (int)w->scene.dimension, &w->volume, w->lower,
+                               w->upper, error));
+    if (w->effects & GN_FX_PERIODIC)
+        w->volume = w->period[0] * w->period[1] * (w->effects & GN_FX_SPACE ? w->period[2] : 1.0);
+    if (t->kind == GN_TEST_NONE) return GNEISS_OK;
+    measure_test(w);
     if (!(w->effects & GN_FX_PERIODIC)) w->volume = w->test_length * w->test_area;
     return GNEISS_OK;
 }
@@ -187,8 +194,7 @@ static gneiss_status check_specimen(const gn_world *w, gneiss_error *error) {
     return GNEISS_OK;
 }
 
-static gneiss_status build(gn_world *w, gneiss_error *error) {
-    GN_TRY(gn_world_prepare(w, error));
+static gneiss_status build_particles(gn_world *w, gneiss_error *error) {
     GN_TRY(load_particles(w, error));
     GN_TRY(measure_specimen(w, error));
     set_domain(w);
@@ -207,6 +213,40 @@ static gneiss_status build(gn_world *w, gneiss_error *error) {
     /* A periodic box has no surface whose displacements would tell its strain. */
     if (!(w->effects & GN_FX_PERIODIC))
         GN_TRY(gn_strain_gauge_create(&w->particles, (int)w->scene.dimension, &w->gauge, error));
+    return GNEISS_OK;
+}
+
+/* Without particles: empty records, so that nothing else needs to know. */
+static gneiss_status build_empty(gn_world *w, gneiss_error *error) {
+    GN_TRY(gn_soa_create(&gn_particle_record, &w->particles, 0, w->effects, error));
+    GN_TRY(gn_soa_create(&gn_contact_record, &w->bonds, 0,
+                         gn_contact_list_effects(w->effects, true), error));
+    GN_TRY(gn_soa_create(&gn_contact_record, &w->pairs, 0,
+                         gn_contact_list_effects(w->effects, false), error));
+    w->verlet.skin = w->verlet.skin_start = 1.0;
+    return gn_world_restore(w, error);
+}
+
+static void measure_body(gn_world *w) {
+    const gn_particles *nodes = &w->elements->body.nodes;
+    for (size_t a = 0; a < 3; a++) {
+        w->lower[a] = INFINITY;
+        w->upper[a] = -INFINITY;
+        for (size_t n = 0; n < nodes->soa.count; n++) {
+            w->lower[a] = fmin(w->lower[a], nodes->start[4 * n + a]);
+            w->upper[a] = fmax(w->upper[a], nodes->start[4 * n + a]);
+        }
+    }
+    w->volume = w->elements->body.volume;
+    measure_test(w);
+}
+
+static gneiss_status build(gn_world *w, gneiss_error *error) {
+    bool particles = w->scene.has_specimen;
+    GN_TRY(gn_world_prepare(w, error));
+    GN_TRY(particles ? build_particles(w, error) : build_empty(w, error));
+    if (w->scene.has_elements) GN_TRY(gn_elements_create(w, NULL, error));
+    if (!particles) measure_body(w);
     return gn_world_check_step(w, true, error);
 }
 
@@ -223,6 +263,7 @@ gneiss_status gn_world_create(gn_scene *scene, gn_world *world, gneiss_error *er
 }
 
 void gn_world_free(gn_world *w) {
+    gn_elements_free(w);
     gn_soa_destroy(&gn_particle_record, &w->particles);
     gn_soa_destroy(&gn_contact_record, &w->bonds);
     gn_soa_destroy(&gn_contact_record, &w->pairs);
@@ -273,6 +314,10 @@ uint64_t gn_world_hash(const gn_world *w) {
         h = gn_hash_bytes(w->walls[k].point, sizeof w->walls[k].point, h);
     for (size_t k = 0; k < w->scene.body_count; k++)
         h = gn_hash_bytes(&w->bodies[k], offsetof(gn_rigid, mass), h);
+    if (w->elements) {
+        uint64_t body = gn_fem_hash(&w->elements->body);
+        h = gn_hash_bytes(&body, sizeof body, h);
+    }
     h = gn_hash_bytes(&w->time, sizeof w->time, h);
     return gn_hash_bytes(&w->step, sizeof w->step, h);
 }
@@ -290,5 +335,6 @@ size_t gn_world_bytes(const gn_world *w) {
     size_t bytes = n * gn_record_bytes(&gn_particle_record, w->effects);
     bytes += list_bytes(&w->bonds, &w->bond_partials) + list_bytes(&w->pairs, &w->pair_partials);
     bytes += w->wall_contacts.soa.capacity * gn_record_bytes(&gn_wall_contact_record, w->effects);
+    if (w->elements) bytes += gn_fem_bytes(&w->elements->body);
     return bytes + n * 2 * sizeof(int32_t);
 }

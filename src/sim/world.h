@@ -9,6 +9,7 @@
 #include "measure/measure.h"
 #include "neigh/pairs.h"
 #include "scene/scene.h"
+#include "sim/elements.h"
 #include "sim/surface.h"
 #include "sim/timestep.h"
 
@@ -18,6 +19,7 @@
     X(pairs, "unbonded contact kernels")                                                           \
     X(walls, "wall contacts and wall motion")                                                      \
     X(motion, "gather, damping, integration")                                                      \
+    X(elements, "finite elements: forces, motion, readings")                                       \
     X(lists, "neighbour search and lists")                                                         \
     X(step_limit, "stability limit")                                                               \
     X(measure, "readings and history")                                                             \
@@ -65,7 +67,7 @@ typedef struct gn_busy {
 
 enum { GN_THREADS_MAX = 1024 };
 
-typedef struct gn_world {
+struct gn_world {
     gn_scene scene;
     gn_effects effects;
     const gn_kernel_set *kernels;
@@ -84,6 +86,7 @@ typedef struct gn_world {
     int32_t *wall_first;  /* [particles + 1] */
     int32_t *index_of_id; /* [particles] */
     gn_derived derived;
+    gn_element_model *elements; /* NULL: none */
 
     gn_wall *walls;       /* [scene.wall_count] */
     double *wall_normals; /* [walls][4], for measures */
@@ -120,9 +123,11 @@ typedef struct gn_world {
     gn_step_limit limit; /* last full estimate */
     double stable; /* s: what the step is held against: sharp limit or bound, less the share that
                     * non-viscous damping takes */
-    double bound;  /* s: last rigorous bound */
-    double surface_rate; /* 1/s: 1/dt of free bodies and vertices, see gn_surfaces_rate */
-    int64_t dt_lowered;  /* times that the step was lowered while running */
+    double stable_particles; /* s: the same of the particles alone, damping left out */
+    double surface_rate;     /* 1/s: 1/dt of free bodies, see gn_surfaces_rate */
+    double vertex_rate;      /* 1/s: the same of what contacts do to nodes of finite elements */
+    double bound;            /* s: last rigorous bound of the particles */
+    int64_t dt_lowered;      /* times that the step was lowered while running */
 
     gn_energy energy;  /* running totals */
     gn_energy reading; /* the ledger at the last measured instant */
@@ -133,7 +138,7 @@ typedef struct gn_world {
     int64_t lost;          /* removed particles */
     int64_t contact_steps; /* contacts worked on, summed over steps */
     double seconds[GN_PHASE_COUNT];
-} gn_world;
+};
 
 /* Builds the world; takes over the contents of `scene` (also on failure, when they are freed). On
  * failure nothing is held. */

@@ -1,6 +1,6 @@
-/* How the tables of keys are written down: inside the manifest files only. */
-#ifndef GN_SCENE_MANIFEST_MACROS_H
-#define GN_SCENE_MANIFEST_MACROS_H
+/* How the tables of keys are written: private to the files that hold them. */
+#ifndef GN_SCENE_MANIFEST_KEYS_H
+#define GN_SCENE_MANIFEST_KEYS_H
 
 #include "scene/manifest.h"
 
@@ -28,5 +28,8 @@
 #define ELEMENTS_OF(NAME, STRUCT)                                                                  \
     static const gn_section NAME##_section = {NAME##_keys, sizeof NAME##_keys / sizeof(gn_key),    \
                                               sizeof(STRUCT), offsetof(STRUCT, where)}
+
+/* The section `elements` (manifest_elements.c); its fields lie in gn_scene. */
+extern const gn_section gn_elements_section;
 
 #endif

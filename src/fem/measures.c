@@ -1,0 +1,112 @@
+/* Averages over the body, and how strain changes its stability limit: plain code. */
+#include "base/memory.h"
+#include "fem/parts.h"
+
+#include <math.h>
+#include <string.h>
+
+static void gradient_of(const gn_elements *q, size_t e, int dimension, double gradient[4][3]) {
+    memset(gradient, 0, 12 * sizeof(double));
+    for (int a = 1; a <= dimension; a++)
+        for (int k = 0; k < dimension; k++) {
+            gradient[a][k] = gn_elements_gradient(q, a, k)[e];
+            gradient[0][k] -= gradient[a][k];
+        }
+}
+
+/* --- strain
+ * ------------------------------------------------------------------------------------- */
+
+void gn_fem_strain_weights(const gn_fem_body *body, double (*weight)[3]) {
+    const gn_elements *q = &body->elements;
+    double gradient[4][3];
+    memset(weight, 0, body->nodes.soa.count * sizeof *weight);
+    for (size_t e = 0; e < q->soa.count; e++) {
+        gradient_of(q, e, body->dimension, gradient);
+        for (int a = 0; a <= body->dimension; a++)
+            for (int k = 0; k < 3; k++)
+                weight[gn_elements_node(q, a)[e]][k] +=
+                    q->volume[e] / body->volume * gradient[a][k];
+    }
+}
+
+void gn_fem_mean_gradient(const gn_fem_body *body, const double (*weight)[3], double gradient[9]) {
+    memset(gradient, 0, 9 * sizeof *gradient);
+    for (size_t n = 0; n < body->nodes.soa.count; n++)
+        for (size_t a = 0; a < 3; a++) {
+            double u = body->nodes.pos[4 * n + a] - body->nodes.start[4 * n + a];
+            for (size_t b = 0; b < 3; b++) gradient[3 * a + b] += u * weight[n][b];
+        }
+}
+
+/* --- per element
+ * ------------------------------------------------------------------------------------- */
+
+static double element_force(const gn_fem_body *body, size_t e, const double s[6]) {
+    double gradient[4][3], sum = 0.0;
+    gradient_of(&body->elements, e, body->dimension, gradient);
+    for (int a = 0; a <= body->dimension; a++) {
+        const double *g = gradient[a];
+        double f[3] = {s[0] * g[0] + s[3] * g[1] + s[5] * g[2],
+                       s[3] * g[0] + s[1] * g[1] + s[4] * g[2],
+                       s[5] * g[0] + s[4] * g[1] + s[2] * g[2]};
+        sum += sqrt(f[0] * f[0] + f[1] * f[1] + f[2] * f[2]);
+    }
+    return sum * body->elements.volume[e];
+}
+
+double gn_fem_mean_force(const gn_fem_body *body, const double (*stress)[6]) {
+    size_t count = body->elements.soa.count, corners = (size_t)body->dimension + 1;
+    double total = 0.0;
+    for (size_t e = 0; e < count; e++) total += element_force(body, e, stress[e]);
+    return total / (double)(count * corners);
+}
+
+/* Of the tangent's two parts the material one is that of the reference for the motion F^T H, so
+ * that its eigenvalues grow by at most |C| = |I + 2 E| <= 1 + 2 |E|. The geometric one, V sigma : H
+ * H^T, has at most |sigma|/(lambda + 2 mu) times the largest eigenvalue of the element, which is
+ * at least that of a pressure wave along the same gradient (Bathe 1996, sec. 6.3 for the tangent).
+ * Norms are Frobenius'; to first order in the strain. */
+static double element_stiffening(const gn_fem_body *body, size_t e, const double s[6]) {
+    const gn_elements *q = &body->elements;
+    double f[3][3], strain2 = 0.0;
+    gn_fem_deformation(body, e, f);
+    for (int k = 0; k < 3; k++)
+        for (int l = 0; l < 3; l++) {
+            double c = f[0][k] * f[0][l] + f[1][k] * f[1][l] + f[2][k] * f[2][l] - (k == l);
+            strain2 += 0.25 * c * c;
+        }
+    double stress2 =
+        s[0] * s[0] + s[1] * s[1] + s[2] * s[2] + 2.0 * (s[3] * s[3] + s[4] * s[4] + s[5] * s[5]);
+    return 1.0 + 2.0 * sqrt(strain2) + sqrt(stress2) / (q->lambda[e] + 2.0 * q->mu[e]);
+}
+
+gneiss_status gn_fem_stiffening(const gn_fem_body *body, double *factor, gneiss_error *error) {
+    size_t count = body->elements.soa.count;
+    double(*stress)[6] = gn_alloc_array(count + 1, sizeof *stress), most = 1.0;
+    if (!stress)
+        return gn_fail(error, GNEISS_ERROR_MEMORY,
+                       "no memory to watch the time step of %zu "
+                       "elements",
+                       count);
+    gn_fem_element_stress(body, stress);
+#pragma omp parallel for reduction(max : most) num_threads(body->threads) schedule(static)
+    for (size_t e = 0; e < count; e++) most = fmax(most, element_stiffening(body, e, stress[e]));
+    gn_free(stress);
+    *factor = sqrt(most);
+    return GNEISS_OK;
+}
+
+size_t gn_fem_bytes(const gn_fem_body *body) {
+    const gn_partials *q = &body->partials;
+    size_t rows = q->blocks ? (size_t)q->first[q->blocks] : 0;
+    return body->nodes.soa.capacity * gn_record_bytes(&gn_particle_record, body->effects) +
+           body->elements.soa.capacity * gn_record_bytes(&gn_element_record, body->effects) +
+           rows * ((size_t)q->width * sizeof *q->row + sizeof *q->share) +
+           body->elements.soa.count * (size_t)(body->dimension + 1) * sizeof *q->place;
+}
+
+double gn_fem_volume_ratio(const gn_fem_body *body, size_t element) {
+    double f[3][3];
+    return gn_fem_deformation(body, element, f);
+}

@@ -1,0 +1,283 @@
+/* The built-in mesh of a beam for three-point bending. */
+#include "base/memory.h"
+#include "fem/grid.h"
+#include "fem/parts.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+/* Places along one direction, from the first to the last. */
+typedef struct places {
+    size_t count, capacity;
+    double *at;
+} places;
+
+/* How large cells are at a distance from where they are finest: least + (growth - 1) x distance, up
+ * to most. */
+typedef struct grading {
+    double least, slope, most;
+} grading;
+
+/* --- grading
+ * ------------------------------------------------------------------------------------ */
+
+/* Distance up to which cells grow. */
+static double growing(const grading *g) {
+    return (g->most - g->least) / g->slope;
+}
+
+/* Cells between the finest place and a distance from it: the integral of 1/size. */
+static double cells_to(const grading *g, double distance) {
+    double grown = fmin(distance, growing(g));
+    return log1p(g->slope * grown / g->least) / g->slope + (distance - grown) / g->most;
+}
+
+static double distance_of(const grading *g, double cells) {
+    double grown = cells_to(g, growing(g));
+    if (cells > grown) return growing(g) + (cells - grown) * g->most;
+    return expm1(g->slope * cells) * g->least / g->slope;
+}
+
+static bool append(places *p, double at) {
+    if (p->count == p->capacity) {
+        size_t more = p->capacity ? 2 * p->capacity : 64;
+        double *wider = realloc(p->at, more * sizeof *wider);
+        if (!wider) return false;
+        p->at = wider;
+        p->capacity = more;
+    }
+    p->at[p->count++] = at;
+    return true;
+}
+
+/* From one distance to another, both of which become places; the first is there already. */
+static bool divide(const grading *g, double from, double to, places *p) {
+    if (!(to - from > 1e-12 * to)) return true;
+    double first = cells_to(g, from), last = cells_to(g, to);
+    double parts = ceil(last - first - 1e-9);
+    for (double k = 1.0; k < parts; k++)
+        if (!append(p, distance_of(g, first + (last - first) * k / parts))) return false;
+    return append(p, to);
+}
+
+/* --- lines of the grid
+ * -------------------------------------------------------------------------------- */
+
+typedef struct beam {
+    const gn_structured_beam *spec;
+    grading grading;
+    places x, y, z;
+    size_t middle, left, right, mouth_left, mouth_right; /* in x */
+    size_t tip;                                          /* in y */
+} beam;
+
+static bool notched(const gn_structured_beam *s) {
+    return s->notch_depth > 0.0;
+}
+
+/* The right half from mid-span, then both. */
+static bool make_x(beam *b) {
+    const gn_structured_beam *s = b->spec;
+    const grading *g = &b->grading;
+    const double face = notched(s) ? 0.5 * s->notch_width : 0.0;
+    places half = {0};
+    bool held = append(&half, 0.0);
+    for (int64_t k = 1; held && face > 0.0 && k <= s->notch_cells; k++)
+        held = append(&half, face * (double)k / (double)s->notch_cells);
+    size_t mouth = half.count - 1, inside = half.count;
+    held = held && divide(g, 0.0, 0.5 * s->span - face, &half);
+    size_t support = half.count - 1;
+    held = held && divide(g, 0.5 * s->span - face, 0.5 * s->length - face, &half);
+    for (size_t k = inside; k < half.count; k++) half.at[k] += face; /* from the middle */
+    b->middle = half.count - 1;
+    for (size_t k = half.count; held && k-- > 1;)
+        held = append(&b->x, s->lower[0] + (0.5 * s->length - half.at[k]));
+    for (size_t k = 0; held && k < half.count; k++)
+        held = append(&b->x, s->lower[0] + (0.5 * s->length + half.at[k]));
+    b->left = b->middle - support;
+    b->right = b->middle + support;
+    b->mouth_left = b->middle - mouth;
+    b->mouth_right = b->middle + mouth;
+    free(half.at);
+    return held;
+}
+
+static bool make_y(beam *b) {
+    const gn_structured_beam *s = b->spec;
+    places down = {0};
+    bool held = append(&down, 0.0) && divide(&b->grading, 0.0, s->notch_depth, &down);
+    for (size_t k = down.count; held && k-- > 0;)
+        held = append(&b->y, s->lower[1] + (s->notch_depth - down.at[k]));
+    free(down.at);
+    b->tip = b->y.count - 1;
+    held = held && divide(&b->grading, 0.0, s->height - s->notch_depth, &b->y);
+    for (size_t k = b->tip + 1; held && k < b->y.count; k++)
+        b->y.at[k] += s->lower[1] + s->notch_depth;
+    return held;
+}
+
+static bool make_z(beam *b) {
+    const gn_structured_beam *s = b->spec;
+    double layers = ceil(s->thickness / s->cell - 1e-9);
+    bool held = append(&b->z, s->thickness > 0.0 ? s->lower[2] : 0.0);
+    for (double k = 1.0; held && k <= layers; k++)
+        held = append(&b->z, s->lower[2] + s->thickness * k / layers);
+    return held;
+}
+
+static gneiss_status make_lines(beam *b, gneiss_error *error) {
+    const gn_structured_beam *s = b->spec;
+    double finest = s->cell;
+    if (notched(s)) finest = fmin(finest, 0.5 * s->notch_width / (double)s->notch_cells);
+    b->grading = (grading){finest, s->growth - 1.0, s->cell};
+    if (!make_x(b) || !make_y(b) || !make_z(b))
+        return gn_fail(error, GNEISS_ERROR_MEMORY, "no memory for the mesh of a beam");
+    double nodes = (double)b->x.count * (double)b->y.count * (double)b->z.count;
+    if (6.0 * nodes < INT32_MAX) return GNEISS_OK;
+    return gn_fail(error, GNEISS_ERROR_INPUT, "beam: expected less than 2^31/6 nodes, found %g",
+                   nodes);
+}
+
+/* --- mesh
+ * --------------------------------------------------------------------------------------- */
+
+static size_t node_at(const beam *b, size_t x, size_t y, size_t z) {
+    return (z * b->y.count + y) * b->x.count + x;
+}
+
+static void place_nodes(const beam *b, gn_mesh *mesh) {
+    for (size_t z = 0; z < b->z.count; z++)
+        for (size_t y = 0; y < b->y.count; y++)
+            for (size_t x = 0; x < b->x.count; x++) {
+                double *at = mesh->node + 3 * node_at(b, x, y, z);
+                at[0] = b->x.at[x];
+                at[1] = b->y.at[y];
+                at[2] = b->z.at[z];
+            }
+}
+
+/* A point, or a line along z, at a place of the section. */
+static void add_mark(const beam *b, gn_mesh *mesh, size_t x, size_t y, int32_t tag) {
+    bool solid = b->z.count > 1;
+    gn_mesh_elements *list = solid ? &mesh->lines : &mesh->points;
+    for (size_t z = 0; z + 1 < b->z.count || z == 0; z++) {
+        int32_t *node = list->node + (size_t)list->nodes * list->count;
+        node[0] = (int32_t)node_at(b, x, y, z);
+        if (solid) node[1] = (int32_t)node_at(b, x, y, z + 1);
+        list->group[list->count++] = tag;
+    }
+}
+
+enum { SUPPORT_LEFT = GN_GRID_HOLE + 1, SUPPORT_RIGHT, LOAD, MOUTH_LEFT, MOUTH_RIGHT, SUPPORTS };
+
+static gneiss_status add_marks(const beam *b, gn_mesh *mesh, gneiss_error *error) {
+    gn_mesh_elements *list = b->z.count > 1 ? &mesh->lines : &mesh->points;
+    size_t most = 5 * b->z.count;
+    gn_free(list->node);
+    gn_free(list->group);
+    list->node = gn_alloc_array(most, (size_t)list->nodes * sizeof *list->node);
+    list->group = gn_alloc_array(most, sizeof *list->group);
+    list->also = gn_alloc_array(most, sizeof *list->also);
+    if (!list->node || !list->group || !list->also)
+        return gn_fail(error, GNEISS_ERROR_MEMORY, "no memory for the groups of a beam");
+    add_mark(b, mesh, b->left, 0, SUPPORT_LEFT);
+    add_mark(b, mesh, b->right, 0, SUPPORT_RIGHT);
+    list->also_count = list->count;
+    for (size_t k = 0; k < list->count; k++) list->also[k] = (gn_mesh_membership){k, SUPPORTS};
+    add_mark(b, mesh, b->middle, b->y.count - 1, LOAD);
+    if (!notched(b->spec)) return GNEISS_OK;
+    add_mark(b, mesh, b->mouth_left, 0, MOUTH_LEFT);
+    add_mark(b, mesh, b->mouth_right, 0, MOUTH_RIGHT);
+    return GNEISS_OK;
+}
+
+static int by_dimension_and_tag(const void *a, const void *b) {
+    const gn_mesh_group *p = a, *q = b;
+    return p->dimension != q->dimension ? p->dimension - q->dimension : p->tag - q->tag;
+}
+
+static void add_names(const beam *b, int dimension, gn_mesh *mesh) {
+    const gn_mesh_group marks[] = {
+        {dimension - 2, SUPPORT_LEFT, "support_left"},
+        {dimension - 2, SUPPORT_RIGHT, "support_right"},
+        {dimension - 2, LOAD, "load"},
+        {dimension - 2, SUPPORTS, "supports"},
+        {dimension - 1, GN_GRID_HOLE, "notch"},
+        {dimension - 2, MOUTH_LEFT, "mouth_left"},
+        {dimension - 2, MOUTH_RIGHT, "mouth_right"},
+    };
+    size_t count = notched(b->spec) ? 7 : 4;
+    memcpy(mesh->groups + mesh->group_count, marks, count * sizeof *marks);
+    mesh->group_count += count;
+    qsort(mesh->groups, mesh->group_count, sizeof *mesh->groups, by_dimension_and_tag);
+}
+
+/* Leaves out the nodes that only cells of the notch had. */
+static gneiss_status drop_unused(int dimension, gn_mesh *mesh, gneiss_error *error) {
+    const gn_mesh_elements *solids = gn_fem_elements_of(mesh, dimension);
+    int32_t *place = gn_alloc_array(mesh->node_count + 1, sizeof *place), kept = 0;
+    if (!place) return gn_fail(error, GNEISS_ERROR_MEMORY, "no memory for the mesh of a beam");
+    for (size_t k = 0; k < solids->count * (size_t)solids->nodes; k++) place[solids->node[k]] = 1;
+    for (size_t n = 0; n < mesh->node_count; n++) {
+        if (!place[n]) continue;
+        memmove(mesh->node + 3 * (size_t)kept, mesh->node + 3 * n, 3 * sizeof *mesh->node);
+        place[n] = kept++;
+    }
+    mesh->node_count = (size_t)kept;
+    for (int d = 0; d <= dimension; d++) {
+        gn_mesh_elements *list = gn_fem_elements_of(mesh, d);
+        for (size_t k = 0; k < list->count * (size_t)list->nodes; k++)
+            list->node[k] = place[list->node[k]];
+    }
+    gn_free(place);
+    return GNEISS_OK;
+}
+
+static gneiss_status check(const gn_structured_beam *s, gneiss_error *error) {
+    bool good = s->length > 0.0 && s->height > 0.0 && s->thickness >= 0.0 && s->span > 0.0 &&
+                s->span <= s->length && s->cell > 0.0 && s->growth > 1.0 && s->notch_depth >= 0.0 &&
+                s->notch_depth < s->height;
+    if (good && notched(s))
+        good = s->notch_cells > 0 && s->notch_width > 0.0 && s->notch_width < s->span;
+    if (good) return GNEISS_OK;
+    return gn_fail(error, GNEISS_ERROR_INPUT,
+                   "beam: expected lengths > 0, a span up to the length, growth > 1, a notch "
+                   "inside the span and below the height; found length %g m, height %g m, span %g "
+                   "m, cell %g m, growth %g, notch %g m wide and %g m deep",
+                   s->length, s->height, s->span, s->cell, s->growth, s->notch_width,
+                   s->notch_depth);
+}
+
+static gneiss_status make(beam *b, gn_mesh *mesh, gneiss_error *error) {
+    const gn_structured_beam *s = b->spec;
+    GN_TRY(make_lines(b, error));
+    gn_grid g = {.dimension = s->thickness > 0.0 ? 3 : 2,
+                 .nodes = {b->x.count, b->y.count, b->z.count}};
+    if (notched(s)) {
+        g.hole_lower[0] = b->mouth_left;
+        g.hole_upper[0] = b->mouth_right;
+        g.hole_upper[1] = b->tip;
+        g.hole_upper[2] = b->z.count;
+    }
+    GN_TRY(gn_grid_allocate(&g, mesh, error));
+    place_nodes(b, mesh);
+    gn_grid_fill(&g, mesh);
+    gn_grid_name_groups(&g, mesh);
+    add_names(b, g.dimension, mesh);
+    gneiss_status status = add_marks(b, mesh, error);
+    if (status == GNEISS_OK) status = drop_unused(g.dimension, mesh, error);
+    if (status != GNEISS_OK) gn_mesh_free(mesh);
+    return status;
+}
+
+gneiss_status gn_mesh_beam(const gn_structured_beam *spec, gn_mesh *mesh, gneiss_error *error) {
+    beam b = {.spec = spec};
+    memset(mesh, 0, sizeof *mesh);
+    GN_TRY(check(spec, error));
+    gneiss_status status = make(&b, mesh, error);
+    free(b.x.at);
+    free(b.y.at);
+    free(b.z.at);
+    return status;
+}

@@ -1,0 +1,37 @@
+/* What the checks of several files share. */
+#ifndef GN_SCENE_CHECK_H
+#define GN_SCENE_CHECK_H
+
+#include "scene/read.h"
+
+/* Where a check is: an element of a list with its prefix ("walls[2]."), or the whole scene. */
+typedef struct check {
+    const gn_reader *reader;
+    const gn_node *map;
+    char prefix[64];
+} check;
+
+/* Element `index` of the list at a path such as "elements.motions". */
+check gn_check_element(const gn_reader *reader, const gn_node *root, const char *list,
+                       size_t index);
+
+/* Fails at the value of `key`, or, when it is not given, at the section around it. */
+gneiss_status gn_check_fail(const check *c, const char *key, const char *format, ...)
+    __attribute__((format(printf, 3, 4)));
+
+bool gn_check_given(const check *c, const char *key);
+
+/* Corners in order; `key` is that of the upper one. */
+gneiss_status gn_check_box(const check *c, const gn_scene *s, const char *key, const double *low,
+                           const double *high);
+
+/* Nothing prescribed out of the plane of a 2D scene. */
+gneiss_status gn_check_plane_motion(const check *c, const gn_scene *s, const gn_motion *motion);
+
+/* The list `bodies`, which may be empty. */
+gneiss_status gn_check_bodies(const gn_reader *reader, const gn_node *root);
+
+/* The section `elements`, which is given. */
+gneiss_status gn_check_elements(const gn_reader *reader, const gn_node *root);
+
+#endif

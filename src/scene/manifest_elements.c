@@ -1,0 +1,163 @@
+/* The keys of finite elements. */
+#include "scene/manifest_keys.h"
+
+static const gn_choice formulations[] = {
+    {"displacement", GN_FORMULATION_DISPLACEMENT}, {"mixed", GN_FORMULATION_MIXED}, {NULL, 0}};
+
+/* ---- meshes ---- */
+
+static const gn_key block_keys[] = {
+    KEY("size", VECTOR, gn_scene, elements.size, .unit = "m", .required = true,
+        .text = "lengths along the axes"),
+    KEY("cells", CELLS, gn_scene, elements.cells, .range = "[1, 1e6]", .required = true,
+        .text = "cells along the axes, of two triangles or five tetrahedra each"),
+    KEY("origin", VECTOR, gn_scene, elements.origin, .unit = "m", .fallback = "0",
+        .text = "lower corner"),
+    KEY("distortion", REAL, gn_scene, elements.distortion, .unit = "1", .range = "[0, 0.25)",
+        .fallback = "0",
+        .text = "random shift of the nodes over the sides of a cell; in 3D below 1/6"),
+};
+TABLE_OF(block);
+
+static const gn_key beam_keys[] = {
+    KEY("length", REAL, gn_scene, elements.beam.length, .unit = "m", .range = "(0, inf)",
+        .required = true, .text = "length along x"),
+    KEY("height", REAL, gn_scene, elements.beam.height, .unit = "m", .range = "(0, inf)",
+        .required = true, .text = "height, along y"),
+    KEY("thickness", REAL, gn_scene, elements.beam.thickness, .unit = "m", .range = "(0, inf)",
+        .word = "none", .fallback = "none", .text = "thickness, along z; needed in 3D"),
+    KEY("span", REAL, gn_scene, elements.beam.span, .unit = "m", .range = "(0, inf)",
+        .word = "auto", .fallback = "auto", .text = "between the supports; auto: the length"),
+    KEY("notch_depth", REAL, gn_scene, elements.beam.notch_depth, .unit = "m", .range = "(0, inf)",
+        .word = "none", .fallback = "none", .text = "of the notch from below at mid-span"),
+    KEY("notch_width", REAL, gn_scene, elements.beam.notch_width, .unit = "m", .range = "(0, inf)",
+        .word = "none", .fallback = "none", .text = "needed with notch_depth"),
+    KEY("cell", REAL, gn_scene, elements.beam.cell, .unit = "m", .range = "(0, inf)",
+        .required = true, .text = "largest side of a cell"),
+    KEY("notch_cells", INTEGER, gn_scene, elements.beam.notch_cells, .range = "[1, 1000]",
+        .fallback = "1",
+        .text = "cells over half the width of the notch; they set the size of the cells at its "
+                "tip"),
+    KEY("growth", REAL, gn_scene, elements.beam.growth, .unit = "1", .range = "[1.01, 3]",
+        .fallback = "1.2", .text = "how cells grow from one to the next away from the notch"),
+    KEY("origin", VECTOR, gn_scene, elements.beam.origin, .unit = "m", .fallback = "0",
+        .text = "lower corner"),
+};
+TABLE_OF(beam);
+
+/* ---- materials, motions, loads ---- */
+
+static const gn_key material_keys[] = {
+    KEY("group", TEXT, gn_element_material, group, .fallback = "",
+        .text = "of elements in the mesh, by name or number; left out: all elements"),
+    KEY("young", REAL, gn_element_material, young, .unit = "Pa", .range = "(0, inf)",
+        .required = true, .text = "Young's modulus"),
+    KEY("poisson", REAL, gn_element_material, poisson, .unit = "1", .range = "(-1, 0.5]",
+        .required = true,
+        .text =
+            "Poisson's ratio, below 0.5: incompressible has no stable step in an explicit scheme"),
+    KEY("density", REAL, gn_element_material, density, .unit = "kg/m3", .range = "(0, inf)",
+        .required = true, .text = "mass density"),
+};
+ELEMENTS_OF(material, gn_element_material);
+
+#define REGION_BOX(STRUCT, NAME)                                                                   \
+    static const gn_key NAME##_keys[] = {                                                          \
+        KEY("min", VECTOR, STRUCT, region.box_min, .unit = "m", .required = true,                  \
+            .text = "lower corner"),                                                               \
+        KEY("max", VECTOR, STRUCT, region.box_max, .unit = "m", .required = true,                  \
+            .text = "upper corner"),                                                               \
+    };                                                                                             \
+    TABLE_OF(NAME)
+
+#define CHANNEL(NAME, FIELD, STRUCT, UNIT, WORD, TEXT)                                             \
+    KEY(NAME, TABLE, STRUCT, FIELD, .unit = UNIT, .word = WORD, .fallback = WORD, .text = TEXT)
+
+REGION_BOX(gn_element_motion, motion_box);
+
+static const gn_key velocity_keys[] = {
+    CHANNEL("vx", velocity[0], gn_motion, "m/s", "free", "prescribed velocity along x"),
+    CHANNEL("vy", velocity[1], gn_motion, "m/s", "free", "prescribed velocity along y"),
+    CHANNEL("vz", velocity[2], gn_motion, "m/s", "free", "prescribed velocity along z"),
+};
+TABLE_OF(velocity);
+
+static const gn_key motion_keys[] = {
+    KEY("name", NAME, gn_element_motion, name, .required = true,
+        .text = "what the rest of the scene and the columns of the history call it"),
+    KEY("group", TEXT, gn_element_motion, region.group, .fallback = "",
+        PRESENT(TEXT, gn_element_motion, region.group),
+        .text = "nodes of a group of the mesh, by name or number"),
+    SECTION("box", motion_box_section, PRESENT(BOOL, gn_element_motion, region.has_box),
+            .text = "nodes that start in a box, boundary included; instead of group"),
+    SECTION("motion", velocity_section, .offset = offsetof(gn_element_motion, motion),
+            .text = "each component free, constant or a table [[time, value], ...]; all free: only "
+                    "the displacement is recorded"),
+};
+ELEMENTS_OF(motion, gn_element_motion);
+
+REGION_BOX(gn_element_load, load_box);
+
+static const gn_key traction_keys[] = {
+    CHANNEL("tx", traction[0], gn_element_load, "Pa", "none", "component along x"),
+    CHANNEL("ty", traction[1], gn_element_load, "Pa", "none", "component along y"),
+    CHANNEL("tz", traction[2], gn_element_load, "Pa", "none", "component along z"),
+};
+TABLE_OF(traction);
+
+static const gn_key force_keys[] = {
+    CHANNEL("fx", force[0], gn_element_load, "N", "none", "component along x"),
+    CHANNEL("fy", force[1], gn_element_load, "N", "none", "component along y"),
+    CHANNEL("fz", force[2], gn_element_load, "N", "none", "component along z"),
+};
+TABLE_OF(force);
+
+static const gn_key load_keys[] = {
+    KEY("name", TEXT, gn_element_load, name, .fallback = "",
+        .text = "by which --set finds it; may be left out"),
+    KEY("group", TEXT, gn_element_load, region.group, .fallback = "",
+        PRESENT(TEXT, gn_element_load, region.group),
+        .text = "nodes or facets of a group of the mesh, by name or number"),
+    SECTION("box", load_box_section, PRESENT(BOOL, gn_element_load, region.has_box),
+            .text = "nodes that start in a box, or the mesh's facets that lie in it whole; instead "
+                    "of group"),
+    SECTION("traction", traction_section, PRESENT(BOOL, gn_element_load, has_traction),
+            .text = "force per area on facets, of fixed direction; each component constant or a "
+                    "table"),
+    SECTION("force", force_section, PRESENT(BOOL, gn_element_load, has_force),
+            .text = "total force, shared out by area over the facets of a group of facets, "
+                    "otherwise by mass; each component constant or a table"),
+};
+ELEMENTS_OF(load, gn_element_load);
+
+/* ---- all ---- */
+
+static const gn_key elements_keys[] = {
+    KEY("mesh", FILE, gn_scene, elements.mesh, .second = offsetof(gn_scene, elements.mesh_path),
+        PRESENT(TEXT, gn_scene, elements.mesh),
+        .text = "gmsh .msh file, format 2.2 or 4.1, linear triangles (3D: tetrahedra)"),
+    KEY("scale", REAL, gn_scene, elements.scale, .unit = "1", .range = "(0, inf)", .fallback = "1",
+        .text = "lengths in the file times this give metres"),
+    SECTION("rectangle", block_section, PRESENT(BOOL, gn_scene, elements.has_rectangle),
+            .shape_dimension = 2, .text = "built-in 2D mesh; groups body, x_lower, x_upper, ..."),
+    SECTION("box", block_section, PRESENT(BOOL, gn_scene, elements.has_box), .shape_dimension = 3,
+            .text = "built-in 3D mesh; groups body, x_lower, x_upper, y_lower, ..."),
+    SECTION("beam", beam_section, PRESENT(BOOL, gn_scene, elements.has_beam),
+            .text = "built-in mesh of a beam for bending, with a notch if wanted; groups also "
+                    "support_left, support_right, supports, load, notch, mouth_left, mouth_right"),
+    KEY("formulation", CHOICE, gn_scene, elements.formulation, .choices = formulations,
+        .fallback = "displacement",
+        .text = "displacement, or mixed displacement and pressure for nearly incompressible "
+                "materials"),
+    ARRAY("materials", LIST, gn_scene, elements.materials, elements.material_count,
+          .section = &material_section, .range = "[1, 1000]", .required = true,
+          .text = "what elements are made of; a later one goes over an earlier one"),
+    ARRAY("motions", LIST, gn_scene, elements.motions, elements.motion_count,
+          .section = &motion_section, .range = "[0, 10000]",
+          .text = "nodes that move as prescribed, or are watched; a later one goes over an earlier "
+                  "one"),
+    ARRAY("loads", LIST, gn_scene, elements.loads, elements.load_count, .section = &load_section,
+          .range = "[0, 10000]", .text = "tractions and forces, added up"),
+};
+const gn_section gn_elements_section = {elements_keys, sizeof elements_keys / sizeof(gn_key), 0,
+                                        offsetof(gn_scene, elements.where)};

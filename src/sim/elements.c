@@ -1,0 +1,379 @@
+/* From the scene to a body of finite elements, and its part of a step. */
+#include "sim/elements.h"
+
+#include "base/memory.h"
+#include "base/timer.h"
+#include "fem/structured.h"
+#include "sim/world.h"
+
+#include <math.h>
+#include <string.h>
+
+/* --- messages
+ * ----------------------------------------------------------------------------------- */
+
+/* Puts the place in the scene before a message about the mesh. */
+static gneiss_status at(const gn_world *w, gn_where where, const char *list, size_t index,
+                        gneiss_status status, gneiss_error *error) {
+    char text[GNEISS_MESSAGE_SIZE], item[64] = "elements";
+    if (status != GNEISS_ERROR_INPUT || !error) return status;
+    memcpy(text, error->message, sizeof text);
+    if (list) snprintf(item, sizeof item, "elements.%s[%zu]", list, index);
+    return gn_fail(error, status, "%.400s:%d:%d: %s: %.1400s", w->scene.source, where.line,
+                   where.column, item, text);
+}
+
+static gneiss_status no_memory(gneiss_error *error) {
+    return gn_fail(error, GNEISS_ERROR_MEMORY, "no memory for finite elements");
+}
+
+/* --- mesh
+ * --------------------------------------------------------------------------------------- */
+
+static gneiss_status make_block(const gn_world *w, gn_mesh *mesh, gneiss_error *error) {
+    const gn_element_def *e = &w->scene.elements;
+    gn_structured s = {.distortion = e->distortion, .seed = w->scene.seed};
+    for (int k = 0; k < 3; k++) {
+        s.lower[k] = e->origin[k];
+        s.size[k] = e->size[k];
+        s.cells[k] = (int32_t)e->cells[k];
+    }
+    return e->has_box ? gn_mesh_box(&s, mesh, error) : gn_mesh_rectangle(&s, mesh, error);
+}
+
+static gneiss_status make_beam(const gn_world *w, gn_mesh *mesh, gneiss_error *error) {
+    const gn_beam_def *b = &w->scene.elements.beam;
+    gn_structured_beam s = {.lower = {b->origin[0], b->origin[1], b->origin[2]},
+                            .length = b->length,
+                            .height = b->height,
+                            .thickness = b->thickness,
+                            .span = b->span > 0.0 ? b->span : b->length,
+                            .notch_width = b->notch_width,
+                            .notch_depth = b->notch_depth,
+                            .cell = b->cell,
+                            .notch_cells = b->notch_cells,
+                            .growth = b->growth};
+    return gn_mesh_beam(&s, mesh, error);
+}
+
+static gneiss_status make_mesh(const gn_world *w, gn_mesh *mesh, gneiss_error *error) {
+    const gn_element_def *e = &w->scene.elements;
+    if (e->mesh[0]) return gn_mesh_read_msh(e->mesh_path, e->scale, mesh, error);
+    gneiss_status status = e->has_beam ? make_beam(w, mesh, error) : make_block(w, mesh, error);
+    return at(w, e->where, NULL, 0, status, error);
+}
+
+/* --- body
+ * --------------------------------------------------------------------------------------- */
+
+static const char *mesh_name(const gn_element_def *e) {
+    const char *slash = strrchr(e->mesh, '/');
+    if (slash) return slash + 1;
+    return e->mesh[0] ? e->mesh : e->has_beam ? "beam" : e->has_box ? "box" : "rectangle";
+}
+
+static gneiss_status check_groups(const gn_world *w, const gn_mesh *mesh, gneiss_error *error) {
+    const gn_element_def *e = &w->scene.elements;
+    for (size_t k = 0; k < e->material_count; k++) {
+        const gn_element_material *m = &e->materials[k];
+        if (!m->group[0]) continue;
+        gneiss_status status =
+            gn_fem_check_group(mesh_name(e), mesh, m->group, (int)w->scene.dimension, error);
+        GN_TRY(at(w, m->where, "materials", k, status, error));
+    }
+    return GNEISS_OK;
+}
+
+/* Takes over the mesh. */
+static gneiss_status make_body(gn_world *w, gn_mesh *mesh, gneiss_error *error) {
+    const gn_element_def *e = &w->scene.elements;
+    gn_fem_material *materials = gn_alloc_array(e->material_count + 1, sizeof *materials);
+    if (!materials) {
+        gn_mesh_free(mesh);
+        return no_memory(error);
+    }
+    for (size_t k = 0; k < e->material_count; k++) {
+        const gn_element_material *m = &e->materials[k];
+        materials[k] =
+            (gn_fem_material){m->group[0] ? m->group : NULL, m->young, m->poisson, m->density};
+    }
+    gn_fem_spec spec = {.name = mesh_name(e),
+                        .dimension = (int)w->scene.dimension,
+                        .materials = materials,
+                        .material_count = e->material_count,
+                        .damping = w->effects & (GN_FX_VISCOUS | GN_FX_NONVISCOUS_VECTOR |
+                                                 GN_FX_NONVISCOUS_COMPONENT),
+                        .damping_coefficient = w->scene.background_coefficient,
+                        .threads = w->threads,
+                        .isa = w->kernels->name};
+    memcpy(spec.gravity, w->scene.gravity, sizeof spec.gravity);
+    gneiss_status status = gn_fem_body_create(&spec, mesh, &w->elements->body, error);
+    gn_free(materials);
+    return at(w, e->where, NULL, 0, status, error);
+}
+
+/* --- what drives it
+ * ----------------------------------------------------------------------------- */
+
+static gneiss_status nodes_of(const gn_fem_body *body, const gn_region *r, gn_fem_set *set,
+                              gneiss_error *error) {
+    return r->has_box ? gn_fem_nodes_in_box(body, r->box_min, r->box_max, set, error)
+                      : gn_fem_nodes_of_group(body, r->group, set, error);
+}
+
+static void velocity_at(const gn_element_motion *m, double time, double velocity[3]) {
+    for (int a = 0; a < 3; a++) velocity[a] = gn_table_at(&m->motion.velocity[a], time);
+}
+
+static gneiss_status make_motion(gn_world *w, size_t k, gneiss_error *error) {
+    const gn_element_motion *m = &w->scene.elements.motions[k];
+    gn_element_model *q = w->elements;
+    unsigned mask = 0;
+    double velocity[3];
+    for (int a = 0; a < 3; a++) mask |= m->motion.velocity[a].count ? 1u << a : 0;
+    q->motion[k] = -1;
+    gneiss_status status = nodes_of(&q->body, &m->region, &q->motion_set[k], error);
+    GN_TRY(at(w, m->where, "motions", k, status, error));
+    if (!mask) return GNEISS_OK;
+    velocity_at(m, 0.0, velocity);
+    return gn_fem_prescribe(&q->body, &q->motion_set[k], mask, velocity, &q->motion[k], error);
+}
+
+/* A force on a group of facets is shared out by area, on other nodes by mass. */
+static gneiss_status make_load(gn_world *w, size_t k, gneiss_error *error) {
+    const gn_element_load *l = &w->scene.elements.loads[k];
+    const gn_region *r = &l->region;
+    gn_element_model *q = w->elements;
+    int facets = (int)w->scene.dimension - 1;
+    bool by_area =
+        l->has_traction || (!r->has_box && gn_fem_has_group(&q->body.mesh, r->group, facets));
+    if (by_area) {
+        GN_TRY(gn_fem_load_on_facets(&q->body, r->has_box ? NULL : r->group, r->box_min, r->box_max,
+                                     &q->load[k], error));
+        if (l->has_force) gn_fem_load_normalise(&q->load[k]);
+        return GNEISS_OK;
+    }
+    gn_fem_set set;
+    GN_TRY(nodes_of(&q->body, r, &set, error));
+    gneiss_status status = gn_fem_load_on_nodes(&q->body, &set, &q->load[k], error);
+    gn_fem_set_free(&set);
+    return status;
+}
+
+static void set_loads(gn_world *w, double time) {
+    const gn_element_def *e = &w->scene.elements;
+    gn_element_model *q = w->elements;
+    for (size_t k = 0; k < e->load_count; k++) {
+        const gn_table *value = e->loads[k].has_force ? e->loads[k].force : e->loads[k].traction;
+        for (int a = 0; a < 3; a++) q->load_value[k][a] = gn_table_at(&value[a], time);
+    }
+    gn_fem_set_loads(&q->body, q->load, (const double(*)[3])q->load_value, e->load_count);
+}
+
+static bool varies(const gn_table tables[3]) {
+    return tables[0].count > 1 || tables[1].count > 1 || tables[2].count > 1;
+}
+
+static gneiss_status make_drives(gn_world *w, gneiss_error *error) {
+    const gn_element_def *e = &w->scene.elements;
+    gn_element_model *q = w->elements;
+    q->motion_set = gn_alloc_array(e->motion_count + 1, sizeof *q->motion_set);
+    q->motion = gn_alloc_array(e->motion_count + 1, sizeof *q->motion);
+    q->load = gn_alloc_array(e->load_count + 1, sizeof *q->load);
+    q->load_value = gn_alloc_array(e->load_count + 1, sizeof *q->load_value);
+    if (!q->motion_set || !q->motion || !q->load || !q->load_value) return no_memory(error);
+    for (size_t k = 0; k < e->motion_count; k++) GN_TRY(make_motion(w, k, error));
+    for (size_t k = 0; k < e->load_count; k++) {
+        const gn_element_load *l = &e->loads[k];
+        gneiss_status status = make_load(w, k, error);
+        GN_TRY(at(w, l->where, "loads", k, status, error));
+        q->loads_vary = q->loads_vary || varies(l->has_force ? l->force : l->traction);
+    }
+    set_loads(w, 0.0);
+    return GNEISS_OK;
+}
+
+/* --- all of it
+ * ---------------------------------------------------------------------------------- */
+
+static gneiss_status check_formulation(const gn_world *w, gneiss_error *error) {
+    const gn_element_def *e = &w->scene.elements;
+    if (e->formulation == GN_FORMULATION_DISPLACEMENT) return GNEISS_OK;
+    return gn_fail(error, GNEISS_ERROR_INPUT,
+                   "%s:%d:%d: elements.formulation: expected displacement, found mixed, which this "
+                   "version does not have yet",
+                   w->scene.source, e->where.line, e->where.column);
+}
+
+gneiss_status gn_elements_create(gn_world *w, gn_mesh *mesh, gneiss_error *error) {
+    gn_mesh own = {0};
+    if (mesh) {
+        own = *mesh;
+        *mesh = (gn_mesh){0};
+    }
+    gneiss_status status = check_formulation(w, error);
+    if (status == GNEISS_OK && !mesh) status = make_mesh(w, &own, error);
+    if (status == GNEISS_OK) status = check_groups(w, &own, error);
+    if (status == GNEISS_OK) {
+        w->elements = gn_alloc_array(1, sizeof *w->elements);
+        if (!w->elements) status = no_memory(error);
+    }
+    if (status != GNEISS_OK) {
+        gn_mesh_free(&own);
+        return status;
+    }
+    gn_element_model *q = w->elements;
+    q->stiffening = 1.0;
+    GN_TRY(make_body(w, &own, error));
+    q->weight = gn_alloc_array(q->body.nodes.soa.count + 1, sizeof *q->weight);
+    if (!q->weight) return no_memory(error);
+    gn_fem_strain_weights(&q->body, q->weight);
+    return make_drives(w, error);
+}
+
+void gn_elements_free(gn_world *w) {
+    gn_element_model *q = w->elements;
+    if (!q) return;
+    for (size_t k = 0; q->motion_set && k < w->scene.elements.motion_count; k++)
+        gn_fem_set_free(&q->motion_set[k]);
+    for (size_t k = 0; q->load && k < w->scene.elements.load_count; k++)
+        gn_fem_load_free(&q->load[k]);
+    void *blocks[] = {q->motion_set, q->motion, q->load, q->load_value, q->weight};
+    for (size_t k = 0; k < sizeof blocks / sizeof *blocks; k++) gn_free(blocks[k]);
+    gn_fem_body_free(&q->body);
+    gn_free(q);
+    w->elements = NULL;
+}
+
+/* --- step
+ * --------------------------------------------------------------------------------------- */
+
+static void set_velocities(gn_world *w, double time) {
+    const gn_element_def *e = &w->scene.elements;
+    for (size_t k = 0; k < e->motion_count; k++) {
+        double velocity[3];
+        if (w->elements->motion[k] < 0 || !varies(e->motions[k].motion.velocity)) continue;
+        velocity_at(&e->motions[k], time, velocity);
+        gn_fem_set_velocity(&w->elements->body, w->elements->motion[k], velocity);
+    }
+}
+
+/* After the step: stresses are those of its end. */
+static gneiss_status measure_forces(gn_element_model *q, gneiss_error *error) {
+    const gn_fem_body *b = &q->body;
+    double(*stress)[6] = gn_alloc_array(b->elements.soa.count + 1, sizeof *stress);
+    if (!stress) return no_memory(error);
+    gn_fem_element_stress(b, stress);
+    double force = gn_fem_mean_force(b, (const double(*)[6])stress), resultant = 0.0;
+    gn_free(stress);
+    for (size_t k = 0; k < b->motion_blocks; k++) resultant += b->motion_sums[k].resultant;
+    size_t nodes = b->nodes.soa.count - b->prescribed.count;
+    q->unbalanced = force > 0.0 && nodes ? resultant / (double)nodes / force : 0.0;
+    return GNEISS_OK;
+}
+
+gneiss_status gn_elements_step(gn_world *w, bool measure, gneiss_error *error) {
+    gn_element_model *q = w->elements;
+    double start = gn_now();
+    set_velocities(w, w->time + 0.5 * w->dt);
+    if (q->loads_vary) set_loads(w, w->time);
+    gneiss_status status = gn_fem_step(&q->body, w->dt, measure, error);
+    if (status == GNEISS_OK && measure) {
+        for (int k = 0; k < 9; k++)
+            q->stress[k] = q->body.elastic.stress[k] / q->body.elastic.volume;
+        status = measure_forces(q, error);
+        if (!w->scene.has_specimen) memcpy(w->stress, q->stress, sizeof w->stress);
+        w->unbalanced = w->scene.has_specimen ? fmax(w->unbalanced, q->unbalanced) : q->unbalanced;
+    }
+    w->seconds[GN_PHASE_elements] += gn_now() - start;
+    return status;
+}
+
+void gn_elements_book(gn_world *w) {
+    const gn_fem_energy *e = &w->elements->body.reading;
+    w->reading.kinetic += e->kinetic;
+    w->reading.elastic_elements += e->elastic;
+    w->reading.work_prescribed += e->work_prescribed;
+    w->reading.work_applied += e->work_applied;
+    w->reading.work_gravity += e->work_gravity;
+    w->reading.background_damping += e->damping;
+    w->reading.stored_at_start += e->stored_at_start;
+}
+
+/* --- readings
+ * ----------------------------------------------------------------------------------- */
+
+void gn_elements_travel(const gn_world *w, size_t motion, double travel[3]) {
+    const gn_fem_set *set = &w->elements->motion_set[motion];
+    const gn_particles *q = &w->elements->body.nodes;
+    memset(travel, 0, 3 * sizeof *travel);
+    for (size_t k = 0; k < set->count; k++)
+        for (size_t a = 0; a < 3; a++) {
+            size_t n = 4 * (size_t)set->node[k] + a;
+            travel[a] += (q->pos[n] - q->start[n]) / (double)set->count;
+        }
+}
+
+void gn_elements_reaction(const gn_world *w, size_t motion, double force[3]) {
+    memset(force, 0, 3 * sizeof *force);
+    int32_t number = w->elements->motion[motion];
+    if (number >= 0) gn_fem_reaction(&w->elements->body, number, force);
+}
+
+/* --- stability
+ * ---------------------------------------------------------------------------------- */
+
+static gneiss_status full_limit(gn_world *w, gneiss_error *error) {
+    gn_element_model *q = w->elements;
+    GN_TRY(gn_fem_bound(&q->body, &q->limit, error));
+    bool settled = w->scene.estimate == GN_STEP_BOUND ||
+                   (w->scene.step > 0.0 && w->scene.step <= 0.5 * q->limit.bound);
+    if (!settled) return gn_fem_limits(&q->body, 1e-3, &q->limit, error);
+    q->limit.sharp = q->limit.sharp_low = q->limit.bound;
+    q->limit.sharp_element = q->limit.bound_element;
+    return GNEISS_OK;
+}
+
+gneiss_status gn_elements_limit(gn_world *w, bool full, bool *due, gneiss_error *error) {
+    gn_element_model *q = w->elements;
+    double factor = 1.0;
+    if (w->step > 0) GN_TRY(gn_fem_stiffening(&q->body, &factor, error));
+    *due = full || factor > 1.02 * q->stiffening;
+    if (full) GN_TRY(full_limit(w, error));
+    if (!*due) return GNEISS_OK;
+    q->stiffening = factor;
+    q->stable = (w->scene.estimate == GN_STEP_BOUND ? q->limit.bound : q->limit.sharp) / factor;
+    return GNEISS_OK;
+}
+
+double gn_world_sharp_limit(const gn_world *w) {
+    double limit = w->scene.has_specimen ? w->limit.sharp : INFINITY;
+    return w->elements ? fmin(limit, w->elements->limit.sharp) : limit;
+}
+
+double gn_world_bound(const gn_world *w) {
+    double limit = w->scene.has_specimen ? w->limit.bound : INFINITY;
+    return w->elements ? fmin(limit, w->elements->limit.bound) : limit;
+}
+
+bool gn_elements_lead(const gn_world *w) {
+    return w->elements && (!w->scene.has_specimen || w->stable_particles >= w->elements->stable);
+}
+
+/* By its id: the place at the start tells more than a number. */
+const char *gn_elements_culprit(const gn_world *w, char *text, size_t size) {
+    const gn_element_model *q = w->elements;
+    const gn_fem_body *b = &q->body;
+    int32_t id =
+        w->scene.estimate == GN_STEP_BOUND ? q->limit.bound_element : q->limit.sharp_element;
+    double centre[3] = {0.0};
+    for (size_t e = 0; e < b->elements.soa.count; e++) {
+        if (b->elements.id[e] != id) continue;
+        for (int a = 0; a <= b->dimension; a++)
+            for (size_t k = 0; k < 3; k++)
+                centre[k] += b->nodes.start[4 * (size_t)gn_elements_node(&b->elements, a)[e] + k] /
+                             (b->dimension + 1);
+    }
+    snprintf(text, size, "element %d at (%.6g, %.6g, %.6g) m", id, centre[0], centre[1], centre[2]);
+    return text;
+}

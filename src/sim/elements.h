@@ -1,0 +1,77 @@
+/* The finite elements of a world: the body, what drives it, what is read off it. */
+#ifndef GN_SIM_ELEMENTS_H
+#define GN_SIM_ELEMENTS_H
+
+#include "fem/body.h"
+#include "io/h5.h"
+#include "measure/history.h"
+
+typedef struct gn_world gn_world;
+
+typedef struct gn_element_model {
+    gn_fem_body body;
+    gn_fem_set *motion_set;  /* [motions of the scene] nodes */
+    int32_t *motion;         /* [motions] number in the body, -1: only watched */
+    gn_fem_load *load;       /* [loads of the scene] */
+    double (*load_value)[3]; /* [loads] Pa or N, at present */
+    bool loads_vary;
+    double (*weight)[3]; /* [nodes] of the mean strain */
+
+    gn_fem_limit limit; /* of the body at its start */
+    double stiffening;  /* what has divided it since (gn_fem_stiffening), when last acted on */
+    double stable;      /* s: sharp limit or bound, divided by it */
+
+    double stress[9];  /* Pa, mean over the body at the last measured step, tension positive */
+    double unbalanced; /* mean resultant on a free node over the mean force of an element on one */
+} gn_element_model;
+
+/* Makes world->elements with its mesh, motions and loads; `mesh` NULL: from the scene, else taken
+ * over (also on failure). Errors say where in the scene. */
+gneiss_status gn_elements_create(gn_world *world, gn_mesh *mesh, gneiss_error *error);
+void gn_elements_free(gn_world *world);
+
+/* Velocities, loads and one step of world->dt; with `measure` also stress and unbalanced. */
+gneiss_status gn_elements_step(gn_world *world, bool measure, gneiss_error *error);
+
+/* Adds the body's ledger to world->reading. */
+void gn_elements_book(gn_world *world);
+
+/* Looks at the body's stability limit (dt.c): `full` from its start on, otherwise only at what
+ * strain has done since. *due: `stable` has changed. */
+gneiss_status gn_elements_limit(gn_world *world, bool full, bool *due, gneiss_error *error);
+
+/* Of the whole world: the lesser of particles and elements, s. */
+double gn_world_sharp_limit(const gn_world *world);
+double gn_world_bound(const gn_world *world);
+/* Whether the elements set the step, and which: "element 12 at (x, y, z) m". */
+bool gn_elements_lead(const gn_world *world);
+const char *gn_elements_culprit(const gn_world *world, char *text, size_t size);
+
+/* Mean displacement of the nodes of a motion, m, and the force that it supplies, N. */
+void gn_elements_travel(const gn_world *world, size_t motion, double travel[3]);
+void gn_elements_reaction(const gn_world *world, size_t motion, double force[3]);
+
+/* --- history (record_elements.c)
+ * ---------------------------------------------------------------------------------------- */
+
+gneiss_status gn_elements_add_columns(const gn_world *world, gn_history *history,
+                                      gneiss_error *error);
+/* Doubles that `before` has to hold: what is read before a step. */
+size_t gn_elements_before_size(const gn_world *world);
+void gn_elements_read_before(const gn_world *world, double *before);
+/* The rest of a row, and where it ends; `strain`: of the test. */
+double *gn_elements_put(const gn_world *world, const double *before, double strain, double *row);
+
+/* --- files (output_elements.c, checkpoint_elements.c)
+ * ---------------------------------------------------------------------------------------- */
+
+gneiss_status gn_elements_snapshot(const gn_world *world, const char *directory, const char *name,
+                                   gneiss_error *error);
+/* /nodes, /elements, /motions of results.h5. */
+gneiss_status gn_elements_results(const gn_world *world, gn_h5 *file, gneiss_error *error);
+gneiss_status gn_elements_save(const gn_world *world, gn_h5 *file, gneiss_error *error);
+/* Makes world->elements from a checkpoint; `path` stands in messages. */
+gneiss_status gn_elements_load(gn_world *world, const gn_h5 *file, const char *path,
+                               gneiss_error *error);
+
+#endif
