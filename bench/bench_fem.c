@@ -76,7 +76,7 @@ const char *bench_fem_isa(const bench_fem *fem) {
 
 size_t bench_fem_kernel(bench_fem *fem, size_t blocks) {
     const gn_fem_body *b = &fem->body;
-    const gn_element_args args = {b->nodes.pos, &b->elements, b->uniform, &b->partials};
+    const gn_element_args args = {b->nodes.pos, &b->elements, b->uniform, &b->partials, NULL};
     size_t length = b->partials.length, count = b->elements.soa.count;
     if (blocks > b->partials.blocks) blocks = b->partials.blocks;
     for (size_t k = 0; k < blocks; k++) {

@@ -14,7 +14,8 @@ typedef struct bench {
     gn_element_args args;
     int dimension;
     double reference[NODES][3];
-    double allowed; /* N: round-off of a node's force */
+    double *gradient_row, *growth_row; /* of the mixed form */
+    double allowed;                    /* N: round-off of a node's force */
 } bench;
 
 static void edges(const bench *b, const double *rows, size_t stride, size_t e, double out[3][3]) {
@@ -47,13 +48,15 @@ static void make_element(bench *b, size_t e, uint64_t *at) {
     b->elements.volume[e] = determinant(edge) / (b->dimension == 3 ? 6.0 : 2.0);
     b->elements.lambda[e] = uniform(at, 1e9, 3e9);
     b->elements.mu[e] = uniform(at, 1e9, 3e9);
+    b->elements.tau[e] = uniform(at, 1e-12, 3e-12);
     b->elements.id[e] = (int32_t)e;
 }
 
-/* Random elements over nodes in a unit box, strained by some 10 % and turned round. */
+/* Random elements over nodes in a unit box, strained by some 10 % and turned round; at the nodes
+ * pressures, where particles have their radius, and a stabilising pressure of any gradient. */
 static bench make_bench(int dimension, uint64_t seed) {
     bench b = {.dimension = dimension, .allowed = 1e-12 * 3e9};
-    gn_effects effects = dimension == 3 ? GN_FX_SPACE : 0;
+    gn_effects effects = GN_FX_PRESSURE | (dimension == 3 ? GN_FX_SPACE : 0);
     double turn[3][3], stretch[3][3] = {{0.0}}, f[3][3];
     const double axis[3] = {dimension == 3 ? 0.3 : 0.0, dimension == 3 ? -0.5 : 0.0, 1.0};
     assert_int_equal(gn_soa_create(&gn_particle_record, &b.nodes, NODES, effects, NULL), GNEISS_OK);
@@ -69,12 +72,20 @@ static bench make_bench(int dimension, uint64_t seed) {
         for (int k = 0; k < dimension; k++)
             b.nodes.pos[4 * n + (size_t)k] =
                 dot3(f[k], b.reference[n]) + uniform(&seed, -0.01, 0.01);
+        b.nodes.pos[4 * n + 3] = uniform(&seed, -1e9, 1e9);
+        for (size_t k = 0; k < 4; k++) b.nodes.smooth[4 * n + k] = uniform(&seed, -1e9, 1e9);
     }
     for (size_t e = 0; e < ELEMENTS; e++) make_element(&b, e, &seed);
     gn_particles_set_null(&b.nodes, 1.0);
     gn_elements_pad(&b.elements, &b.nodes);
     assert_int_equal(gn_element_partials_build(&b.elements, NODES, 1, &b.sums, NULL), GNEISS_OK);
-    b.args = (gn_element_args){.pos = b.nodes.pos, .elements = &b.elements, .partials = &b.sums};
+    size_t rows = (size_t)b.sums.first[b.sums.blocks];
+    b.gradient_row = calloc(rows, 4 * sizeof(double));
+    b.growth_row = calloc(rows, 2 * sizeof(double));
+    b.args = (gn_element_args){.pos = b.nodes.pos,
+                               .elements = &b.elements,
+                               .partials = &b.sums,
+                               .gradient_row = b.gradient_row};
     return b;
 }
 
@@ -82,6 +93,8 @@ static void free_bench(bench *b) {
     gn_soa_destroy(&gn_particle_record, &b->nodes);
     gn_soa_destroy(&gn_element_record, &b->elements);
     gn_partials_free(&b->sums);
+    free(b->gradient_row);
+    free(b->growth_row);
 }
 
 /* Positions are those of make_bench, wherever the struct has gone. */
@@ -101,20 +114,23 @@ static gn_element_sums run(bench *b, gn_element_kernel *kernel) {
 
 typedef struct expected {
     double force[NODES][3], elastic, stress[9], volume, least;
+    double gradient[NODES][3], growth[NODES][2]; /* mixed form */
     int64_t element;
 } expected;
 
-/* Area times outward normal of the face opposite to node a, at the start. */
-static void face(const bench *b, size_t e, int a, double normal[3]) {
-    const double *x[4];
+/* Area times outward normal of the face opposite to node a, of positions in rows. */
+static void face(const bench *b, const double *rows, size_t stride, size_t e, int a,
+                 double normal[3]) {
+    const double *x[4] = {0}, *own = rows + stride * (size_t)gn_elements_node(&b->elements, a)[e];
     int others = 0;
     for (int c = 0; c <= b->dimension; c++)
-        if (c != a) x[others++] = b->reference[gn_elements_node(&b->elements, c)[e]];
-    double u[3] = {0}, v[3] = {0.0, 0.0, 2.0}, inward[3], side = 0.0;
+        if (c != a) x[others++] = rows + stride * (size_t)gn_elements_node(&b->elements, c)[e];
+    double u[3] = {0}, v[3] = {0.0, 0.0, 2.0}, inward[3] = {0}, side = 0.0;
     for (int k = 0; k < 3; k++) {
+        if (k == b->dimension) break; /* the fourth of a row is no coordinate */
         u[k] = x[1][k] - x[0][k];
         if (b->dimension == 3) v[k] = x[2][k] - x[0][k];
-        inward[k] = b->reference[gn_elements_node(&b->elements, a)[e]][k] - x[0][k];
+        inward[k] = own[k] - x[0][k];
     }
     for (int k = 0; k < 3; k++) {
         normal[k] = 0.5 * (u[(k + 1) % 3] * v[(k + 2) % 3] - u[(k + 2) % 3] * v[(k + 1) % 3]);
@@ -123,18 +139,68 @@ static void face(const bench *b, size_t e, int a, double normal[3]) {
     for (int k = 0; side > 0.0 && k < 3; k++) normal[k] = -normal[k];
 }
 
-static void expect_element(const bench *b, size_t e, expected *out) {
+/* Gradient of a field with the values v at the nodes, at the start. */
+static void slope(const bench *b, size_t e, const double *v, size_t stride, double g[3]) {
+    double before[3][3], inverse[3][3];
+    size_t first = stride * (size_t)gn_elements_node(&b->elements, 0)[e];
+    edges(b, &b->reference[0][0], 3, e, before);
+    invert(before, inverse);
+    for (int k = 0; k < 3; k++) g[k] = 0.0;
+    for (int a = 1; a <= b->dimension; a++)
+        for (int k = 0; k < b->dimension; k++)
+            g[k] += inverse[a - 1][k] *
+                    (v[stride * (size_t)gn_elements_node(&b->elements, a)[e]] - v[first]);
+}
+
+/* What the nodes' pressures do in an element: they push on its present faces. */
+static void expect_pressure(const bench *b, size_t e, double volume, double det, expected *out) {
+    const gn_elements *q = &b->elements;
+    const int nodes = b->dimension + 1;
+    double mean = 0.0, normal[3], g[3];
+    for (int a = 0; a < nodes; a++) mean += b->nodes.pos[4 * gn_elements_node(q, a)[e] + 3] / nodes;
+    slope(b, e, b->nodes.pos + 3, 4, g);
+    for (int a = 0; a < nodes; a++) {
+        int32_t n = gn_elements_node(q, a)[e];
+        face(b, b->nodes.pos, 4, e, a, normal);
+        for (int k = 0; k < b->dimension; k++) {
+            out->force[n][k] += mean * normal[k] / b->dimension;
+            out->gradient[n][k] += q->tau[e] * volume / nodes * g[k];
+        }
+    }
+    for (int k = 0; k < b->dimension; k++) out->stress[4 * k] += mean * volume * det;
+}
+
+/* Growth in volume, and tau V0 grad N_a . (grad q - mean of the projected gradients); the gradient
+ * of N_a is minus the area of the opposite face over d V0. */
+static void expect_growth(const bench *b, size_t e, double volume, double det, expected *out) {
+    const gn_elements *q = &b->elements;
+    const int nodes = b->dimension + 1;
+    double g[3], normal[3];
+    slope(b, e, b->nodes.smooth + 3, 4, g);
+    for (int a = 0; a < nodes; a++)
+        for (int k = 0; k < b->dimension; k++)
+            g[k] -= b->nodes.smooth[4 * gn_elements_node(q, a)[e] + k] / nodes;
+    for (int a = 0; a < nodes; a++) {
+        int32_t n = gn_elements_node(q, a)[e];
+        face(b, &b->reference[0][0], 3, e, a, normal);
+        out->growth[n][0] += volume * (det - 1.0) / nodes;
+        out->growth[n][1] -= q->tau[e] * dot3(normal, g) / b->dimension;
+    }
+}
+
+static void expect_element(const bench *b, size_t e, bool mixed, expected *out) {
     double before[3][3], now[3][3], inverse[3][3], f[3][3], s[3][3], p[3][3], normal[3];
     const gn_elements *q = &b->elements;
     edges(b, &b->reference[0][0], 3, e, before);
     edges(b, b->nodes.pos, 4, e, now);
     invert(before, inverse);
     multiply(now, inverse, f);
-    double density = kirchhoff(f, q->lambda[e], q->mu[e], s), det = determinant(f);
+    double lambda = mixed ? -2.0 / 3.0 * q->mu[e] : q->lambda[e];
+    double density = kirchhoff(f, lambda, q->mu[e], s), det = determinant(f);
     double volume = determinant(before) / (b->dimension == 3 ? 6.0 : 2.0);
     multiply(f, s, p);
     for (int a = 0; a <= b->dimension; a++) {
-        face(b, e, a, normal);
+        face(b, &b->reference[0][0], 3, e, a, normal);
         for (int k = 0; k < b->dimension; k++)
             out->force[gn_elements_node(q, a)[e]][k] += dot3(p[k], normal) / b->dimension;
     }
@@ -144,19 +210,29 @@ static void expect_element(const bench *b, size_t e, expected *out) {
                                                 (b->dimension == 3 ? p[i][2] * f[k][2] : 0.0));
     out->elastic += volume * density;
     out->volume += volume * det;
+    if (mixed) expect_pressure(b, e, volume, det, out);
+    if (mixed) expect_growth(b, e, volume, det, out);
     if (det >= out->least) return;
     out->least = det;
     out->element = (int64_t)e;
 }
 
+static expected *expect(const bench *b, bool mixed) {
+    expected *want = calloc(1, sizeof *want);
+    want->least = INFINITY;
+    for (size_t e = 0; e < ELEMENTS; e++) expect_element(b, e, mixed, want);
+    return want;
+}
+
 static void scalar_kernels_agree_with_long_hand_mechanics(void **state) {
     (void)state;
-    for (int d = 2; d <= 3; d++) {
+    for (int v = 0; v < 4; v++) {
+        const int d = v & 1 ? 3 : 2;
+        const bool mixed = v & 2;
         bench b = make_bench(d, 11);
-        expected *want = calloc(1, sizeof *want);
-        want->least = INFINITY;
-        for (size_t e = 0; e < ELEMENTS; e++) expect_element(&b, e, want);
-        gn_element_sums got = run(&b, gn_element_table_scalar[gn_element_variant(d == 3, true)]);
+        expected *want = expect(&b, mixed);
+        gn_element_sums got =
+            run(&b, gn_element_table_scalar[gn_element_variant(d == 3, true, mixed)]);
         for (int32_t n = 0; n < NODES; n++) {
             double force[3];
             fem_force(&b.sums, n, force);
@@ -173,9 +249,75 @@ static void scalar_kernels_agree_with_long_hand_mechanics(void **state) {
     }
 }
 
+/* A node's sum over rows of some width. */
+static double row_sum(const bench *b, const double *row, size_t width, int32_t node, size_t k) {
+    const gn_partials *q = &b->sums;
+    double sum = 0.0;
+    for (int32_t s = q->start[node / GN_PARTICLE_BLOCK]; s < q->start[node / GN_PARTICLE_BLOCK + 1];
+         s++)
+        if (q->share[s].particle == node) sum += row[width * (size_t)q->share[s].row + k];
+    return sum;
+}
+
+static void gradients_of_pressures_agree_with_long_hand_mechanics(void **state) {
+    (void)state;
+    for (int d = 2; d <= 3; d++) {
+        bench b = make_bench(d, 12);
+        expected *want = expect(&b, true);
+        run(&b, gn_element_table_scalar[gn_element_variant(d == 3, false, true)]);
+        /* Some ten elements meet at a node, with edges from 0.3 m: tau V dp/dx. */
+        for (int32_t n = 0; n < NODES; n++)
+            for (size_t k = 0; k < (size_t)d; k++)
+                assert_near(row_sum(&b, b.gradient_row, 4, n, k), want->gradient[n][k], 1e-14);
+        free(want);
+        free_bench(&b);
+    }
+}
+
+static void run_dilation(bench *b, gn_dilation_kernel *kernel) {
+    const gn_dilation_args args = {b->nodes.pos, b->nodes.smooth, &b->elements, &b->sums,
+                                   b->growth_row};
+    for (size_t k = 0; k < b->sums.blocks; k++) {
+        size_t begin = k * b->sums.length, end = begin + b->sums.length;
+        kernel(&args, begin, end < ELEMENTS ? end : ELEMENTS);
+    }
+}
+
+static void dilation_kernels_agree_with_long_hand_mechanics(void **state) {
+    (void)state;
+    for (int d = 2; d <= 3; d++) {
+        bench b = make_bench(d, 13);
+        expected *want = expect(&b, true);
+        run_dilation(&b, gn_dilation_table_scalar[d == 3]);
+        for (int32_t n = 0; n < NODES; n++)
+            for (size_t k = 0; k < 2; k++)
+                assert_near(row_sum(&b, b.growth_row, 2, n, k), want->growth[n][k],
+                            k ? 1e-13 : 1e-15);
+        free(want);
+        free_bench(&b);
+    }
+}
+
+static void every_dilation_kernel_has_the_bits_of_the_scalar_one(void **state) {
+    (void)state;
+    for (int s = 1; s < GN_KERNEL_SETS; s++) {
+        const gn_kernel_set *set = gn_kernel_set_at(s);
+        for (int d = 2; d <= 3 && runs_here(set); d++) {
+            bench a = make_bench(d, 14), b = make_bench(d, 14);
+            run_dilation(&a, gn_dilation_table_scalar[d == 3]);
+            run_dilation(&b, set->dilation[d == 3]);
+            assert_memory_equal(a.growth_row, b.growth_row,
+                                2 * (size_t)a.sums.first[a.sums.blocks] * sizeof(double));
+            free_bench(&a);
+            free_bench(&b);
+        }
+    }
+}
+
 static void assert_same_rows(const bench *a, const bench *b) {
     size_t size = 4 * (size_t)a->sums.first[a->sums.blocks] * sizeof *a->sums.row;
     assert_memory_equal(a->sums.row, b->sums.row, size);
+    assert_memory_equal(a->gradient_row, b->gradient_row, size);
 }
 
 static void every_element_kernel_has_the_bits_of_the_scalar_one(void **state) {
@@ -202,10 +344,11 @@ static void every_element_kernel_has_the_bits_of_the_scalar_one(void **state) {
 
 static void measuring_changes_no_force(void **state) {
     (void)state;
-    for (int d = 2; d <= 3; d++) {
+    for (int v = 0; v < 4; v++) {
+        const int d = v & 1 ? 3 : 2;
         bench a = make_bench(d, 5), b = make_bench(d, 5);
-        run(&a, gn_element_table_scalar[gn_element_variant(d == 3, false)]);
-        run(&b, gn_element_table_scalar[gn_element_variant(d == 3, true)]);
+        run(&a, gn_element_table_scalar[gn_element_variant(d == 3, false, v & 2)]);
+        run(&b, gn_element_table_scalar[gn_element_variant(d == 3, true, v & 2)]);
         assert_same_rows(&a, &b);
         free_bench(&a);
         free_bench(&b);
@@ -226,8 +369,8 @@ static void shared_parameters_give_the_bits_of_columns(void **state) {
             b.elements.lambda[k] = a.elements.lambda[0];
             b.elements.mu[k] = a.elements.mu[0];
         }
-        run(&a, gn_element_table_scalar[gn_element_variant(d == 3, false)]);
-        run(&b, gn_element_table_scalar[gn_element_variant(d == 3, false)]);
+        run(&a, gn_element_table_scalar[gn_element_variant(d == 3, false, false)]);
+        run(&b, gn_element_table_scalar[gn_element_variant(d == 3, false, false)]);
         assert_same_rows(&a, &b);
         free_bench(&a);
         free_bench(&b);
@@ -236,14 +379,17 @@ static void shared_parameters_give_the_bits_of_columns(void **state) {
 
 static void forces_of_an_element_have_no_resultant_and_no_moment(void **state) {
     (void)state;
-    for (int d = 2; d <= 3; d++) {
+    for (int v = 0; v < 4; v++) {
+        const int d = v & 1 ? 3 : 2;
         bench b = make_bench(d, 21);
         gn_element_sums none = GN_ELEMENT_SUMS_ZERO;
         for (size_t e = 0; e < ELEMENTS; e += b.sums.length) {
             double force[3] = {0.0}, moment[3] = {0.0}, size = 0.0;
             b.args.elements = &b.elements;
             b.args.partials = &b.sums;
-            gn_element_table_scalar[gn_element_variant(d == 3, false)](&b.args, e, e + 1, &none);
+            b.args.pos = b.nodes.pos;
+            gn_element_table_scalar[gn_element_variant(d == 3, false, v & 2)](&b.args, e, e + 1,
+                                                                              &none);
             for (int a = 0; a <= d; a++) {
                 const double *x = b.nodes.pos + 4 * (size_t)gn_elements_node(&b.elements, a)[e];
                 const double *f = b.sums.row + 4 * (size_t)b.sums.first[e / b.sums.length] +
@@ -267,7 +413,8 @@ static void forces_are_the_slope_of_the_energy(void **state) {
     (void)state;
     for (int d = 2; d <= 3; d++) {
         bench b = make_bench(d, 31);
-        gn_element_kernel *kernel = gn_element_table_scalar[gn_element_variant(d == 3, true)];
+        gn_element_kernel *kernel =
+            gn_element_table_scalar[gn_element_variant(d == 3, true, false)];
         const double step = 1e-4;
         double scale = run(&b, kernel).elastic;
         for (int32_t n = 0; n < 10; n++)
@@ -290,6 +437,9 @@ static void forces_are_the_slope_of_the_energy(void **state) {
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(scalar_kernels_agree_with_long_hand_mechanics),
+        cmocka_unit_test(gradients_of_pressures_agree_with_long_hand_mechanics),
+        cmocka_unit_test(dilation_kernels_agree_with_long_hand_mechanics),
+        cmocka_unit_test(every_dilation_kernel_has_the_bits_of_the_scalar_one),
         cmocka_unit_test(every_element_kernel_has_the_bits_of_the_scalar_one),
         cmocka_unit_test(measuring_changes_no_force),
         cmocka_unit_test(shared_parameters_give_the_bits_of_columns),

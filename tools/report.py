@@ -10,6 +10,7 @@ import sys
 import numpy as np
 
 from report_curves import CURVES
+from report_elements import plot_elements
 from report_packing import write_packing_report
 from report_page import STYLE, draw, escape, figure, table, write_page
 from report_pictures import Specimen, plot_slice, plot_surface
@@ -39,7 +40,12 @@ def readings_table(results):
 
 def count_rows(results):
     state = results.bond_state
-    rows = [("particles", results.particle_count)]
+    rows = [("particles", results.particle_count)] if results.particle_count or not results.element_count else []
+    if results.element_count:
+        rows += [("nodes", len(results.nodes["position"].value) if "position" in results.nodes else 0),
+                 ("elements", results.element_count)]
+    if not results.particle_count and results.element_count:
+        return count_cells(rows)
     removed = results.particle("removed")
     if removed is not None and np.any(removed):
         rows.append(("removed particles", int(np.count_nonzero(removed))))
@@ -52,6 +58,10 @@ def count_rows(results):
                  ("broken, of all", f"{100 * broken / len(state):.3g} %")]
     else:
         rows.append(("bonds", 0))
+    return count_cells(rows)
+
+
+def count_cells(rows):
     return [(a, (f"{b:,}".replace(",", " ") if isinstance(b, int) else b, "number")) for a, b in rows]
 
 
@@ -92,6 +102,7 @@ def draw_figures(results, folder):
     jobs = {name: (lambda path, plot=plot: plot(results, path) if results.rows or plot is CURVES["profile"] else None)
             for name, plot in CURVES.items()}
     jobs["surface"] = lambda path: plot_surface(specimen, path) if there else None
+    jobs["elements"] = lambda path: plot_elements(results, path)
     jobs["slice"] = lambda path: plot_slice(specimen, results, path) if there else None
     return draw(jobs, folder)
 
@@ -110,18 +121,24 @@ def cards(results):
     return "".join(f'<div class="card"><span>{escape(t)}</span><b>{escape(v)}</b></div>' for t, v in shown)
 
 
+def bodies_text(results):
+    parts = [f"{results.particle_count} particles"] if results.particle_count or not results.element_count else []
+    return ", ".join(parts + ([f"{results.element_count} elements"] if results.element_count else []))
+
+
 def page(results, captions):
     title = results.attribute("title") or "gneiss run"
     curves = "".join(figure(n, captions) for n in CURVES if n != "profile")
     if not curves:
         curves = "<p>The history has no rows: there is no curve to draw.</p>"
     pictures = figure("surface", captions, "wide") + figure("slice", captions, "wide")
+    pictures += figure("elements", captions, "wide")
     scene = ""
     if results.scene:
         scene = ("<details><summary>The resolved scene: every key, SI units</summary>"
                  f"<pre>{escape(results.scene)}</pre></details>")
     subtitle = " · ".join(filter(None, (
-        f"gneiss {results.attribute('version')}", f"{results.dimension}D", f"{results.particle_count} particles",
+        f"gneiss {results.attribute('version')}", f"{results.dimension}D", bodies_text(results),
         results.attribute("stop_reason"))))
     return f"""<!DOCTYPE html>
 <html lang="en"><head><meta charset="utf-8"><meta name="viewport" content="width=device-width, initial-scale=1">

@@ -13,6 +13,7 @@ STORED = {
     "elastic_normal": ("elastic, normal", "#2c7fb8"),
     "elastic_shear": ("elastic, shear", "#7fcdbb"),
     "elastic_wall": ("elastic, walls", "#c7e9b4"),
+    "elastic_elements": ("elastic, elements", "#1d4f91"),
     "kinetic": ("kinetic", "#6a51a3"),
     "rotational": ("rotational", "#bcbddc"),
 }
@@ -192,7 +193,7 @@ def plot_unbalanced(results, path):
         axes.set_yscale("log")
     axes.margins(x=0.02)
     save(figure, path)
-    return "Mean resultant over mean contact force: small means quasi-static, jumps are fracture."
+    return "Mean resultant over mean contact or element force: small means quasi-static, jumps are fracture."
 
 
 def plot_strains(results, path):
@@ -211,6 +212,20 @@ def plot_strains(results, path):
     return "Volume averages over the specimen's triangulation (Bagi 1996)."
 
 
+def plot_deflection(results, path):
+    """Force over deflection of a test of finite elements, and of nodes that are only watched."""
+    force, deflection = results.column("force"), results.column("deflection")
+    if force is None or deflection is None:
+        return None
+    f_factor, f_unit = scale_of(force, "N")
+    d_factor, d_unit = scale_of(deflection, "m")
+    figure, axes = new_axes("Force and deflection", f"deflection [{d_unit}]", f"force [{f_unit}]", 3.2)
+    axes.plot(deflection / d_factor, force / f_factor, color=INK, **style_for(force))
+    axes.margins(x=0.02)
+    save(figure, path)
+    return "Mean force of both ends over the change of their distance, both positive in the sense of the test."
+
+
 def plot_forces(results, path):
     """Forces on walls and reactions of sets over time: what there is to see without a test."""
     time = results.column("time")
@@ -223,7 +238,7 @@ def plot_forces(results, path):
     shown = sorted((n for n in names if peaks[n] > 0.01 * largest), key=peaks.get, reverse=True)[:8]
     factor, unit = scale_of([largest], "N")
     t_factor, t_unit = scale_of(time, "s")
-    figure, axes = new_axes("Forces on walls and sets", f"time [{t_unit}]", f"force [{unit}]")
+    figure, axes = new_axes("Forces on walls, sets and motions", f"time [{t_unit}]", f"force [{unit}]")
     for name in shown:
         values = results.column(name) / factor
         axes.plot(time / t_factor, values, lw=1.2, label=name.replace("_", " "), **style_for(values))
@@ -255,6 +270,7 @@ def plot_profile(results, path):
 CURVES = {
     "stress_strain": plot_stress,
     "broken_bonds": plot_broken,
+    "force_deflection": plot_deflection,
     "forces": plot_forces,
     "energy": plot_energy,
     "unbalanced": plot_unbalanced,

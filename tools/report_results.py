@@ -32,7 +32,8 @@ def _group(file, name):
 
 
 class Results:
-    """history, readings, energy, particles, bonds, profile: dictionaries of Column; empty if absent."""
+    """history, readings, energy, particles, bonds, nodes, elements, profile: dictionaries of Column; empty if
+    absent."""
 
     def __init__(self, path):
         try:
@@ -43,7 +44,7 @@ class Results:
         except (OSError, RuntimeError, KeyError, ValueError) as e:
             reason = re.sub(r"\s+", " ", str(e))
             raise Unreadable(f"{path}: damaged or not a results file: {reason}") from None
-        if not self.history and not self.particles:
+        if not self.history and not self.particles and not self.elements:
             raise Unreadable(f"{path}: expected groups /history and /particles, found neither")
 
     def _read(self, file):
@@ -55,6 +56,8 @@ class Results:
         self.energy = _group(file, "energy")
         self.particles = _group(file, "particles")
         self.bonds = _group(file, "bonds")
+        self.nodes = _group(file, "nodes")
+        self.elements = _group(file, "elements")
         self.profile = _group(file, "profile")
         lengths = [np.size(c.value) for c in self.history.values()]
         self.rows = min(lengths, default=0)
@@ -94,6 +97,11 @@ class Results:
     def particle_count(self):
         radius = self.particle("radius")
         return 0 if radius is None else len(radius)
+
+    @property
+    def element_count(self):
+        node = self.elements.get("node")
+        return 0 if node is None else len(node.value)
 
     @property
     def bond_state(self):

@@ -30,6 +30,7 @@
     X(MIXED, mixed, "contacts in single precision, sums and state in double")                      \
     X(CONTACT_FORCES, contact_forces,                                                              \
       "forces kept contact by contact, while output looks at them")                                \
+    X(PRESSURE, pressure, "finite elements with pressures at their nodes (mixed form)")            \
     X(ELEMENTS, elements, "finite elements")                                                       \
     X(FACETS, facets, "surfaces of triangles or segments, with walls")
 

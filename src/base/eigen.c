@@ -121,12 +121,21 @@ typedef struct lanczos {
     size_t n;
     int size; /* vectors the basis can hold besides the next one */
     int threads;
+    gn_operator *metric; /* NULL: none */
+    const void *context;
+    double *weighed;                       /* [n] B w, with a metric */
     double *basis;                         /* [size + 1][n] */
     double *partial;                       /* [blocks][size + 1] */
     double h[BASIS_MAX * BASIS_MAX];       /* the projection of S, [size][size] */
     double values[BASIS_MAX];              /* Ritz values */
     double vectors[BASIS_MAX * BASIS_MAX]; /* Ritz vectors in the basis, as rows */
 } lanczos;
+
+/* |w|; leaves B w in `weighed`. */
+static double length_of(const lanczos *l, const double *w) {
+    if (l->metric) l->metric(l->context, w, l->weighed);
+    return sqrt(gn_eigen_dot(l->n, w, l->metric ? l->weighed : w, l->threads));
+}
 
 /* c[k] = basis[k] . w for from <= k < count. */
 static void project(const lanczos *l, int from, int count, const double *w, double *c) {
@@ -163,13 +172,15 @@ static void scale_vector(size_t n, double factor, double *w, int threads) {
  * so that the loss of orthogonality does not build up (Daniel, Gragg, Kaufman & Stewart 1976). */
 static double orthogonalise(lanczos *l, int count, double *w) {
     double c[BASIS_MAX], sum[BASIS_MAX] = {0.0}, before, after = 0.0;
+    const double *weighed = l->metric ? l->weighed : w;
+    if (l->metric) l->metric(l->context, w, l->weighed);
     for (int round = 0; round < 5; round++) {
         int from = round == 0 && count > 2 ? count - 2 : 0;
         before = after;
-        project(l, from, count, w, c);
+        project(l, from, count, weighed, c);
         subtract(l, from, count, c, w);
         for (int k = from; k < count; k++) sum[k] += c[k];
-        after = sqrt(gn_eigen_dot(l->n, w, w, l->threads));
+        after = length_of(l, w);
         if (round > 0 && after > 0.7 * before) break;
     }
     for (int k = 0; k < count; k++)
@@ -238,32 +249,49 @@ static int iterate(lanczos *l, gn_operator *apply, const void *context, double t
     }
 }
 
-gneiss_status gn_eigen_largest(size_t n, gn_operator *apply, const void *context, double tolerance,
-                               int threads, double *vector, gn_eigen_top *top,
-                               gneiss_error *error) {
-    *top = (gn_eigen_top){0};
-    double length = sqrt(gn_eigen_dot(n, vector, vector, threads));
+static gneiss_status allocate(lanczos *l, gneiss_error *error) {
+    l->basis = gn_alloc_array((size_t)l->size + 1, l->n * sizeof(double));
+    l->partial = gn_alloc_array(block_count(l->n), ((size_t)l->size + 1) * sizeof(double));
+    if (l->metric) l->weighed = gn_alloc_array(l->n, sizeof(double));
+    if (l->basis && l->partial && (l->weighed || !l->metric)) return GNEISS_OK;
+    return gn_fail(error, GNEISS_ERROR_MEMORY, "no memory for %d Lanczos vectors of length %zu",
+                   l->size + 1, l->n);
+}
+
+static gneiss_status search(lanczos *l, gn_operator *apply, double tolerance, double *vector,
+                            gn_eigen_top *top, gneiss_error *error) {
+    GN_TRY(allocate(l, error));
+    memcpy(l->basis, vector, l->n * sizeof(double));
+    double length = length_of(l, l->basis);
     if (!(length > 0.0 && length < INFINITY))
         return gn_fail(error, GNEISS_ERROR_INTERNAL,
                        "Lanczos needs a start vector of positive length, found %g", length);
+    scale_vector(l->n, 1.0 / length, l->basis, l->threads);
+    /* Below this the residual is round-off. */
+    int count = iterate(l, apply, l->context, fmax(tolerance, 1e-13), top);
+    combine(l, 1, count);
+    memcpy(vector, l->basis, l->n * sizeof(double));
+    return GNEISS_OK;
+}
+
+gneiss_status gn_eigen_largest_in(size_t n, gn_operator *apply, gn_operator *metric,
+                                  const void *context, double tolerance, int threads,
+                                  double *vector, gn_eigen_top *top, gneiss_error *error) {
+    *top = (gn_eigen_top){0};
     size_t size = basis_bytes / (n * sizeof(double));
     size = size < BASIS_MIN ? BASIS_MIN : size > BASIS_MAX ? BASIS_MAX : size;
     lanczos l = {.n = n, .size = (int)(size < n ? size : n), .threads = threads};
-    l.basis = gn_alloc_array((size_t)l.size + 1, n * sizeof(double));
-    l.partial = gn_alloc_array(block_count(n), ((size_t)l.size + 1) * sizeof(double));
-    if (!l.basis || !l.partial) {
-        gn_free(l.basis);
-        gn_free(l.partial);
-        return gn_fail(error, GNEISS_ERROR_MEMORY, "no memory for %d Lanczos vectors of length %zu",
-                       l.size + 1, n);
-    }
-    memcpy(l.basis, vector, n * sizeof(double));
-    scale_vector(n, 1.0 / length, l.basis, threads);
-    /* Below this the residual is round-off. */
-    int count = iterate(&l, apply, context, fmax(tolerance, 1e-13), top);
-    combine(&l, 1, count);
-    memcpy(vector, l.basis, n * sizeof(double));
+    l.metric = metric;
+    l.context = context;
+    gneiss_status status = search(&l, apply, tolerance, vector, top, error);
     gn_free(l.basis);
     gn_free(l.partial);
-    return GNEISS_OK;
+    gn_free(l.weighed);
+    return status;
+}
+
+gneiss_status gn_eigen_largest(size_t n, gn_operator *apply, const void *context, double tolerance,
+                               int threads, double *vector, gn_eigen_top *top,
+                               gneiss_error *error) {
+    return gn_eigen_largest_in(n, apply, NULL, context, tolerance, threads, vector, top, error);
 }

@@ -28,6 +28,13 @@ typedef struct gn_eigen_top {
 gneiss_status gn_eigen_largest(size_t n, gn_operator *apply, const void *context, double tolerance,
                                int threads, double *vector, gn_eigen_top *top, gneiss_error *error);
 
+/* The same for an operator S that is symmetric and positive semi-definite in the metric of B, x . B
+ * S y = S x . B y; `metric` gives B x, with B symmetric and positive semi-definite. Lengths are
+ * sqrt(x . B x). NULL: B = 1. */
+gneiss_status gn_eigen_largest_in(size_t n, gn_operator *apply, gn_operator *metric,
+                                  const void *context, double tolerance, int threads,
+                                  double *vector, gn_eigen_top *top, gneiss_error *error);
+
 /* x . y, the same bits for any number of threads. */
 double gn_eigen_dot(size_t n, const double *x, const double *y, int threads);
 

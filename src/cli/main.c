@@ -184,8 +184,9 @@ static void command_info(void) {
     size_t contact = 0, motion = 0;
     for (int k = 0; k < GN_CONTACT_VARIANTS; k++) contact += gn_contact_table_scalar[k] != NULL;
     for (int k = 0; k < GN_MOTION_VARIANTS; k++) motion += gn_motion_table_scalar[k] != NULL;
-    printf("kernel variants   %zu contact, %zu motion, for each instruction set\n", contact,
-           motion);
+    printf("kernel variants   %zu contact, %zu motion, %d element, for each instruction set\n",
+           contact, motion, GN_ELEMENT_VARIANTS);
+    printf("finite elements   triangles in plane strain, tetrahedra; displacement, mixed\n");
 }
 
 static gneiss_status dispatch(const gn_options *o, gneiss_error *error) {

@@ -26,7 +26,8 @@ enum { COMMANDS = sizeof commands / sizeof *commands };
 
 void gn_print_usage(FILE *out) {
     fprintf(out,
-            "gneiss %s: bonded discrete elements for rock and concrete\n\nusage: gneiss COMMAND "
+            "gneiss %s: bonded discrete and finite elements for rock and concrete\n\nusage: gneiss "
+            "COMMAND "
             "[options]\n\ncommands:\n",
             gn_version());
     for (size_t k = 0; k < COMMANDS; k++)

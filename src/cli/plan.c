@@ -1,6 +1,7 @@
 #include "cli/plan.h"
 
 #include "base/timer.h"
+#include "cli/plan_elements.h"
 #include "cli/progress.h"
 
 #include <math.h>
@@ -31,11 +32,20 @@ static void print_sums(const char *name, const gn_partials *q, const gn_uniform 
            same->kn || same->kt || same->mu || same->cn ? "" : " nothing");
 }
 
-static void print_kernels(const gn_world *w) {
+static void print_particle_storage(const gn_world *w) {
+    print_record(&gn_particle_record, "particles", w->effects, w->particles.soa.count);
+    if (w->bonds.soa.count)
+        print_record(&gn_contact_record, "bonds", w->bonds.soa.effects, w->bonds.soa.count);
+    print_record(&gn_contact_record, "pairs", w->pairs.soa.effects, w->pairs.soa.count);
+    if (w->effects & GN_FX_WALLS)
+        print_record(&gn_wall_contact_record, "wall contacts", w->effects,
+                     w->wall_contacts.soa.count);
+    print_sums("bonds", &w->bond_partials, &w->bond_uniform);
+    print_sums("pairs", &w->pair_partials, &w->pair_uniform);
+}
+
+static void print_particle_kernels(const gn_world *w) {
     char name[200];
-    bool mixed = w->effects & GN_FX_MIXED;
-    int lanes = mixed && w->kernels->lanes > 1 ? 2 * w->kernels->lanes : w->kernels->lanes;
-    printf("kernels (%s, %d lanes, %s)\n", w->kernels->name, lanes, mixed ? "mixed" : "double");
     if (w->bonds.soa.count) {
         gn_contact_variant_name(gn_contact_variant(w->bonds.soa.effects), name, sizeof name);
         printf("  bonds   %s\n", name);
@@ -46,17 +56,24 @@ static void print_kernels(const gn_world *w) {
     printf("  motion  %s\n", name);
 }
 
-static void print_step(const gn_world *w) {
+static void print_kernels(const gn_world *w) {
+    bool mixed = w->effects & GN_FX_MIXED;
+    int lanes = mixed && w->kernels->lanes > 1 ? 2 * w->kernels->lanes : w->kernels->lanes;
+    printf("kernels (%s, %d lanes, %s)\n", w->kernels->name, lanes, mixed ? "mixed" : "double");
+    if (w->scene.has_specimen) print_particle_kernels(w);
+    gn_print_element_kernels(w);
+}
+
+static void print_particle_limits(const gn_world *w) {
     double sharp = w->limit.sharp;
-    printf("step\n  dt               %.6g s%s = %.3f of the stability limit %.6g s\n", w->dt,
-           w->scene.step > 0.0 ? " (given)" : "", w->dt / w->stable, w->stable);
+    if (w->elements) printf("  particles\n");
     if (w->limit.iterations == 0)
         printf("  sharp limit      not computed: the rigorous bound settles it and stands for it "
                "below\n");
     else
         printf("  sharp limit      %.6g s  (Lanczos, %d vectors; fastest mode at particle %d)\n",
                sharp, w->limit.iterations, w->limit.sharp_id);
-    if (w->stable < 0.999 * sharp && w->scene.estimate == GN_STEP_SHARP)
+    if (!w->elements && w->stable < 0.999 * sharp && w->scene.estimate == GN_STEP_SHARP)
         printf("                   less %.3f for non-viscous damping, which stiffens the fastest "
                "mode\n",
                w->stable / sharp);
@@ -67,6 +84,13 @@ static void print_step(const gn_world *w) {
            "%.2f: %.3f\n",
            w->limit.literature, w->limit.literature / sharp, w->scene.dimension == 3 ? 0.17 : 0.3,
            (w->scene.dimension == 3 ? 0.17 : 0.3) * w->limit.literature / sharp);
+}
+
+static void print_step(const gn_world *w) {
+    printf("step\n  dt               %.6g s%s = %.3f of the stability limit %.6g s\n", w->dt,
+           w->scene.step > 0.0 ? " (given)" : "", w->dt / w->stable, w->stable);
+    if (w->scene.has_specimen) print_particle_limits(w);
+    gn_print_element_limits(w);
 }
 
 /* Seconds per step from a few steps of the real thing, none beyond its end. */
@@ -91,15 +115,12 @@ gneiss_status gn_print_plan(gn_world *w, gneiss_error *error) {
     char text[32];
     print_effects(w);
     printf("storage\n");
-    print_record(&gn_particle_record, "particles", w->effects, w->particles.soa.count);
-    if (w->bonds.soa.count)
-        print_record(&gn_contact_record, "bonds", w->bonds.soa.effects, w->bonds.soa.count);
-    print_record(&gn_contact_record, "pairs", w->pairs.soa.effects, w->pairs.soa.count);
-    if (w->effects & GN_FX_WALLS)
-        print_record(&gn_wall_contact_record, "wall contacts", w->effects,
-                     w->wall_contacts.soa.count);
-    print_sums("bonds", &w->bond_partials, &w->bond_uniform);
-    print_sums("pairs", &w->pair_partials, &w->pair_uniform);
+    if (w->scene.has_specimen) print_particle_storage(w);
+    if (w->elements) {
+        const gn_fem_body *b = &w->elements->body;
+        print_record(&gn_particle_record, "nodes", b->effects, b->nodes.soa.count);
+        print_record(&gn_element_record, "elements", b->effects, b->elements.soa.count);
+    }
     printf("  in all %.1f MB\n", (double)gn_world_bytes(w) / 1e6);
     print_kernels(w);
     print_step(w);
@@ -110,8 +131,14 @@ gneiss_status gn_print_plan(gn_world *w, gneiss_error *error) {
            w->scene.stop_peak_drop > 0.0 || w->scene.stop_strain > 0.0
                ? " (a stop condition may come first)"
                : "");
-    printf("  per step         %.1f us with %d threads: %s contact-steps/s\n", per_step * 1e6,
-           w->threads, gn_format_count(contacts / per_step, text, sizeof text));
+    printf("  per step         %.1f us with %d threads:", per_step * 1e6, w->threads);
+    if (w->scene.has_specimen)
+        printf(" %s contact-steps/s", gn_format_count(contacts / per_step, text, sizeof text));
+    if (w->elements)
+        printf("%s %s element-steps/s", w->scene.has_specimen ? "," : "",
+               gn_format_count((double)w->elements->body.elements.soa.count / per_step, text,
+                               sizeof text));
+    printf("\n");
     printf("  time             %s\n", gn_format_seconds(per_step * steps, text, sizeof text));
     return GNEISS_OK;
 }
@@ -177,7 +204,7 @@ static void print_bodies(const gn_world *w) {
     }
 }
 
-gneiss_status gn_print_check(const gn_world *w, int *warnings, gneiss_error *error) {
+static gneiss_status check_particles(const gn_world *w, int *warnings, gneiss_error *error) {
     gn_pair_query query = {
         &w->particles, (int)w->scene.dimension,     0.0,
         0.05,          w->effects & GN_FX_PERIODIC, {w->period[0], w->period[1], w->period[2]},
@@ -189,7 +216,6 @@ gneiss_status gn_print_check(const gn_world *w, int *warnings, gneiss_error *err
     gn_packing_measure(&assembly, (const int32_t *)pairs.pair, pairs.count, 0.01, w->volume, &at1);
     gn_packing_measure(&assembly, (const int32_t *)pairs.pair, pairs.count, 0.05, w->volume, &at5);
     gn_pair_list_free(&pairs);
-    *warnings = 0;
     printf("specimen\n  particles        %zu, radius %.4g to %.4g m, mean %.4g m\n", at5.particles,
            at5.radius_min, at5.radius_max, at5.radius_mean);
     for (int a = 0; a < (int)w->scene.dimension; a++)
@@ -208,6 +234,13 @@ gneiss_status gn_print_check(const gn_world *w, int *warnings, gneiss_error *err
     }
     print_bond_numbers(w, warnings);
     print_walls(w, warnings);
+    return GNEISS_OK;
+}
+
+gneiss_status gn_print_check(const gn_world *w, int *warnings, gneiss_error *error) {
+    *warnings = 0;
+    if (w->scene.has_specimen) GN_TRY(check_particles(w, warnings, error));
     print_bodies(w);
+    gn_print_element_check(w, warnings);
     return GNEISS_OK;
 }

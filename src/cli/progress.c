@@ -37,6 +37,8 @@ static void progress_json(const gn_progress *p) {
     gn_json_number(j, "seconds", p->seconds);
     gn_json_number(j, "particle_steps_per_second", p->particle_steps_per_second);
     gn_json_number(j, "contact_steps_per_second", p->contact_steps_per_second);
+    if (p->element_steps_per_second > 0.0)
+        gn_json_number(j, "element_steps_per_second", p->element_steps_per_second);
     gn_json_number(j, "eta", p->eta);
     gn_json_number(j, "unbalanced", p->unbalanced);
     gn_json_integer(j, "broken", p->broken);
@@ -58,12 +60,14 @@ void gn_print_progress(const gn_options *o, const gn_run *run) {
         return;
     }
     char rate[32], eta[32];
-    bool terminal = isatty(STDERR_FILENO);
-    fprintf(stderr,
-            "%sstep %lld  t %.4g/%.4g s  %s particle-steps/s  ETA %s  unbalanced %.2g  broken %lld",
+    bool terminal = isatty(STDERR_FILENO), particles = run->world.scene.has_specimen;
+    fprintf(stderr, "%sstep %lld  t %.4g/%.4g s  %s %s-steps/s  ETA %s  unbalanced %.2g",
             terminal ? "\r\033[K" : "", (long long)p.step, p.time, p.end,
-            gn_format_count(p.particle_steps_per_second, rate, sizeof rate),
-            gn_format_seconds(p.eta, eta, sizeof eta), p.unbalanced, (long long)p.broken);
+            gn_format_count(particles ? p.particle_steps_per_second : p.element_steps_per_second,
+                            rate, sizeof rate),
+            particles ? "particle" : "element", gn_format_seconds(p.eta, eta, sizeof eta),
+            p.unbalanced);
+    if (particles) fprintf(stderr, "  broken %lld", (long long)p.broken);
     if (!isnan(p.residual)) fprintf(stderr, "  residual %.1e", p.residual);
     if (!isnan(p.stress))
         fprintf(stderr, "  stress %.4g MPa  strain %.3g %%", p.stress / 1e6, p.strain * 100.0);
@@ -71,18 +75,27 @@ void gn_print_progress(const gn_options *o, const gn_run *run) {
     fflush(stderr);
 }
 
+static void print_limits(const gn_world *w) {
+    printf("step %.4g s = %.2f of the stability limit %.4g s (undamped: sharp %.4g s, rigorous "
+           "bound %.4g s",
+           w->dt, w->dt / w->stable, w->stable, gn_world_sharp_limit(w), gn_world_bound(w));
+    if (w->scene.has_specimen)
+        printf(", one-spring estimate of the literature %.4g s", w->limit.literature);
+    printf(")\n");
+}
+
 void gn_print_start(const gn_options *o, const gn_run *run) {
     const gn_world *w = &run->world;
     if (o->quiet || o->json) return;
     printf("%s\n", w->scene.title[0] ? w->scene.title : w->scene.source);
-    printf("%zu particles, %zu bonds, %zu other pairs in the lists; %d thread%s, %s\n",
-           w->particles.soa.count, w->bonds.soa.count, w->pairs.soa.count, w->threads,
-           w->threads == 1 ? "" : "s", w->kernels->name);
-    printf("step %.4g s = %.2f of the stability limit %.4g s (undamped: sharp %.4g s, rigorous "
-           "bound %.4g s, "
-           "one-spring estimate of the literature %.4g s)\n",
-           w->dt, w->dt / w->stable, w->stable, w->limit.sharp, w->limit.bound,
-           w->limit.literature);
+    if (w->scene.has_specimen)
+        printf("%zu particles, %zu bonds, %zu other pairs in the lists; ", w->particles.soa.count,
+               w->bonds.soa.count, w->pairs.soa.count);
+    if (w->elements)
+        printf("%zu nodes, %zu elements; ", w->elements->body.nodes.soa.count,
+               w->elements->body.elements.soa.count);
+    printf("%d thread%s, %s\n", w->threads, w->threads == 1 ? "" : "s", w->kernels->name);
+    print_limits(w);
     printf("output: %s\n", run->directory);
     fflush(stdout);
 }
@@ -113,6 +126,10 @@ static void print_profile(const gn_run *run) {
                    100.0 * run->world.seconds[k] / total);
     printf("  %-36s %9.3f s\n", "total", total);
     gn_progress p = gn_run_progress(run);
+    if (run->world.elements)
+        printf("  %s element-steps/s\n",
+               gn_format_count(p.element_steps_per_second, text, sizeof text));
+    if (!run->world.scene.has_specimen) return;
     printf("  %s particle-steps/s",
            gn_format_count(p.particle_steps_per_second, text, sizeof text));
     printf(", %s contact-steps/s", gn_format_count(p.contact_steps_per_second, text, sizeof text));
@@ -134,6 +151,8 @@ void gn_print_summary(const gn_options *o, const gn_run *run) {
                gn_energy_scale(&w->reading));
     printf("  state hash       %016llx\n", (unsigned long long)gn_world_hash(w));
     print_profile(run);
-    printf("\nwritten to %s: results.h5, summary.json, particles.hdf.series%s\n", run->directory,
-           w->effects & GN_FX_BONDS ? ", bonds.hdf.series" : "");
+    printf("\nwritten to %s: results.h5, summary.json%s%s%s\n", run->directory,
+           w->scene.has_specimen ? ", particles.hdf.series" : "",
+           w->effects & GN_FX_BONDS ? ", bonds.hdf.series" : "",
+           w->elements ? ", elements.hdf.series" : "");
 }

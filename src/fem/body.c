@@ -38,9 +38,9 @@ static gneiss_status check_material(const gn_fem_body *body, const gn_fem_materi
     if (m->poisson > -1.0 && m->poisson < 0.5) return GNEISS_OK;
     return gn_fail(error, GNEISS_ERROR_INPUT,
                    "%s: material of %s: expected Poisson's ratio > -1 and < 0.5, because the "
-                   "explicit displacement form has no stable step for an incompressible material, "
-                   "found %g",
-                   body->name, group, m->poisson);
+                   "explicit %s form has no stable step for an incompressible material, found %g",
+                   body->name, group, body->form == GN_FEM_MIXED ? "mixed" : "displacement",
+                   m->poisson);
 }
 
 /* Marks the elements of one material; how many there are. */
@@ -312,17 +312,21 @@ static gneiss_status prepare(gn_fem_body *body, const gn_fem_spec *spec, gneiss_
     bool space = spec->dimension == 3;
     snprintf(body->name, sizeof body->name, "%s", spec->name ? spec->name : "mesh");
     body->dimension = spec->dimension;
+    body->form = spec->form;
     body->threads = spec->threads > 0 ? spec->threads : 1;
     body->pace = gn_pace_start(body->threads, 32, 512, 32768);
     memcpy(body->gravity, spec->gravity, (size_t)spec->dimension * sizeof *body->gravity);
     body->damping_coefficient = spec->damping_coefficient;
     body->effects = GN_FX_APPLIED | GN_FX_PRESCRIBED | GN_FX_ENERGY | spec->damping;
     if (space) body->effects |= GN_FX_SPACE;
+    const bool mixed = body->form == GN_FEM_MIXED;
+    if (mixed) body->effects |= GN_FX_PRESSURE;
     for (int k = 0; k < 3; k++)
         if (body->gravity[k] != 0.0) body->effects |= GN_FX_GRAVITY;
     GN_TRY(gn_kernel_set_choose(spec->isa, &body->kernels, error));
     for (int measure = 0; measure < 2; measure++)
-        body->element_kernel[measure] = body->kernels->element[gn_element_variant(space, measure)];
+        body->element_kernel[measure] =
+            body->kernels->element[gn_element_variant(space, measure, mixed)];
     return gn_motion_kernel_choose(body->kernels, body->effects, &body->motion_kernel, error);
 }
 
@@ -342,6 +346,11 @@ static gneiss_status build(builder *b, gneiss_error *error) {
     if (b->spec->dimension != 2 && b->spec->dimension != 3)
         return gn_fail(error, GNEISS_ERROR_INPUT,
                        "finite elements: expected dimension 2 or 3, found %d", b->spec->dimension);
+    if (b->spec->form != GN_FEM_DISPLACEMENT && b->spec->form != GN_FEM_MIXED)
+        return gn_fail(error, GNEISS_ERROR_INPUT,
+                       "finite elements: expected the displacement or the mixed form, found form "
+                       "%d",
+                       (int)b->spec->form);
     GN_TRY(prepare(body, b->spec, error));
     if (!b->solids->count)
         return gn_fail(error, GNEISS_ERROR_INPUT,
@@ -358,7 +367,8 @@ static gneiss_status build(builder *b, gneiss_error *error) {
     GN_TRY(status);
     GN_TRY(renumber_mesh(b, error));
     GN_TRY(make_elements(b, error));
-    return make_sums(b, error);
+    GN_TRY(make_sums(b, error));
+    return body->form == GN_FEM_MIXED ? gn_fem_mixed_prepare(body, error) : GNEISS_OK;
 }
 
 gneiss_status gn_fem_body_create(const gn_fem_spec *spec, gn_mesh *mesh, gn_fem_body *body,
@@ -384,7 +394,11 @@ void gn_fem_body_free(gn_fem_body *body) {
                       body->channel,
                       body->element_sums,
                       body->motion_sums,
-                      body->density};
+                      body->density,
+                      body->growth_row,
+                      body->gradient_row,
+                      body->pressure,
+                      body->pressure_sums};
     gn_mesh_free(&body->mesh);
     gn_soa_destroy(&gn_particle_record, &body->nodes);
     gn_soa_destroy(&gn_element_record, &body->elements);

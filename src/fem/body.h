@@ -16,9 +16,13 @@ typedef struct gn_fem_material {
     double young, poisson, density; /* Pa, -, kg/m3 */
 } gn_fem_material;
 
+/* What the pressure comes from: each element's own volume, or nodes (see docs/fem.md). */
+typedef enum gn_fem_form { GN_FEM_DISPLACEMENT, GN_FEM_MIXED } gn_fem_form;
+
 typedef struct gn_fem_spec {
     const char *name; /* of the mesh, for messages */
     int dimension;    /* 2: the mesh's triangles, all z equal; 3: its tetrahedra */
+    gn_fem_form form;
     const gn_fem_material *materials;
     size_t material_count; /* an element has the last material that names it */
     double gravity[3];     /* m/s2; in 2D the third is ignored */
@@ -28,7 +32,8 @@ typedef struct gn_fem_spec {
     const char *isa; /* instruction set, NULL: automatic */
 } gn_fem_spec;
 
-/* J. Works are trapezoidal; kinetic is 1/2 m v(-) v(+), see docs/design.md. */
+/* J. Works are trapezoidal; kinetic is 1/2 m v(-) v(+), see docs/design.md. In the mixed form
+ * `elastic` has the energy of the stabilising pressure, its inertia included. */
 typedef struct gn_fem_energy {
     double kinetic, elastic;                            /* of the last measured instant */
     double work_prescribed, work_applied, work_gravity; /* done on the body so far */
@@ -36,9 +41,15 @@ typedef struct gn_fem_energy {
     double stored_at_start;
 } gn_fem_energy;
 
+/* J: what pressures hold, and what was lost by damping the stabilising one. */
+typedef struct gn_fem_pressure_sums {
+    double elastic, damping;
+} gn_fem_pressure_sums;
+
 typedef struct gn_fem_body {
     char name[128];
     int dimension, threads;
+    gn_fem_form form;
     gn_effects effects;
     gn_mesh mesh; /* its nodes and all its elements in the body's numbering of nodes; facets without
                      solid elements behind them left out */
@@ -58,6 +69,13 @@ typedef struct gn_fem_body {
     gn_prescription prescribed;
     int32_t (*channel)[3]; /* [prescribed.count] motion that drives a component, -1: free */
     int32_t motion_count;
+
+    /* Mixed form (mixed.c); NULL and zero in the other. */
+    gn_dilation_kernel *dilation_kernel;
+    double *growth_row, *gradient_row; /* second and third rows of the partial sums, [2] and [4] */
+    double *pressure;                  /* [nodes] scratch of readings */
+    double rate2;                      /* 1/s2: how fast the stabilising pressure follows */
+    gn_fem_pressure_sums *pressure_sums; /* per block of nodes */
 
     gn_element_sums *element_sums; /* per block of elements */
     gn_motion_sums *motion_sums;   /* per block of nodes */
@@ -198,6 +216,10 @@ gneiss_status gn_fem_nodal_stress(const gn_fem_body *body, const double (*elemen
 
 /* det F of an element at the present positions (measures.c). */
 double gn_fem_volume_ratio(const gn_fem_body *body, size_t element);
+
+/* s: 2/sqrt of the trace of M_e^-1 K_e of every element alone, by place: how elements compare in
+ * what step they allow (measures.c). */
+void gn_fem_step_scales(const gn_fem_body *body, double *scale);
 
 /* --- averages (measures.c)
  * ------------------------------------------------------------------------------------- */

@@ -19,15 +19,9 @@
 #include <math.h>
 #include <string.h>
 
-typedef struct linear_system {
-    gn_fem_body *body;
-    int dimension, strains;
-    double *scale;     /* [nodes][dimension] M^-1/2, 0 for prescribed components */
-    double *moved;     /* [nodes][dimension] scratch of the operator */
-    double *stiffness; /* [nodes] sum over its elements of the traces of their blocks at it */
-} linear_system;
+typedef gn_fem_linear linear_system;
 
-static void gradients_of(const gn_elements *q, size_t e, double gradient[4][3]) {
+void gn_fem_gradients(const gn_elements *q, size_t e, double gradient[4][3]) {
     const int d = gn_elements_dimension(q);
     memset(gradient, 0, 12 * sizeof(double));
     for (int a = 1; a <= d; a++)
@@ -51,7 +45,7 @@ static void sum_stiffness(linear_system *y) {
     const gn_elements *q = &y->body->elements;
     double gradient[4][3];
     for (size_t e = 0; e < q->soa.count; e++) {
-        gradients_of(q, e, gradient);
+        gn_fem_gradients(q, e, gradient);
         for (int a = 0; a <= y->dimension; a++)
             y->stiffness[gn_elements_node(q, a)[e]] +=
                 node_stiffness(q, e, y->dimension, gradient[a]);
@@ -112,7 +106,7 @@ static double element_eigenvalue(const linear_system *y, size_t e, bool by_stiff
     const gn_fem_body *body = y->body;
     const int d = y->dimension, n = y->strains;
     double gradient[4][3], a[36] = {0.0}, values[6], vectors[36];
-    gradients_of(q, e, gradient);
+    gn_fem_gradients(q, e, gradient);
     for (int c = 0; c <= d; c++) {
         size_t node = (size_t)gn_elements_node(q, c)[e];
         double inverse = (d + 1) / (body->density[q->material[e]] * q->volume[e]);
@@ -140,10 +134,17 @@ typedef struct worst {
     int64_t element;
 } worst;
 
+/* Mixed form: what the stabilising pressure alone would do, see linear_mixed.c. */
+static double stabiliser_eigenvalue(const linear_system *y, size_t e) {
+    if (y->body->form != GN_FEM_MIXED) return 0.0;
+    return y->body->rate2 * (1.0 + gn_fem_stabiliser_eigenvalue(&y->body->elements, e));
+}
+
 static worst worst_of_block(const linear_system *y, size_t begin, size_t end, bool by_stiffness) {
     worst w = {0.0, -1};
     for (size_t e = begin; e < end; e++) {
         double value = element_eigenvalue(y, e, by_stiffness, w.value);
+        value = fmax(value, stabiliser_eigenvalue(y, e));
         if (value > w.value) w = (worst){value, (int64_t)e};
     }
     return w;
@@ -180,7 +181,7 @@ static double linear_element(const linear_system *y, size_t e, const double *u,
     const gn_elements *q = &y->body->elements;
     const int d = y->dimension;
     double gradient[4][3], strain[3][3] = {{0.0}}, trace = 0.0, energy = 0.0;
-    gradients_of(q, e, gradient);
+    gn_fem_gradients(q, e, gradient);
     for (int a = 0; a <= d; a++) {
         const double *v = u + (size_t)d * (size_t)gn_elements_node(q, a)[e];
         for (int i = 0; i < d; i++)
@@ -263,14 +264,18 @@ static void find_culprits(const linear_system *y, const double *mode, gn_fem_lim
 
 static gneiss_status find_sharp(const linear_system *y, double tolerance, gn_fem_limit *limit,
                                 gneiss_error *error) {
-    size_t n = y->body->nodes.soa.count * (size_t)y->dimension;
+    const bool mixed = y->body->form == GN_FEM_MIXED;
+    size_t n = y->body->nodes.soa.count * (size_t)(y->dimension + mixed);
     double *mode = gn_alloc_array(n + 1, sizeof *mode);
     if (!mode) return gn_fail(error, GNEISS_ERROR_MEMORY, "no memory for the fastest mode");
     /* What cannot move stays out of it. */
-    for (size_t k = 0; k < n; k++) mode[k] = y->scale[k] > 0.0 ? gn_random_symmetric(1, k) : 0.0;
+    for (size_t k = 0; k < n; k++) mode[k] = gn_random_symmetric(1, k);
+    for (size_t k = 0; k < y->body->nodes.soa.count * (size_t)y->dimension; k++)
+        if (!(y->scale[k] > 0.0)) mode[k] = 0.0;
     gn_eigen_top top;
-    gneiss_status status =
-        gn_eigen_largest(n, apply, y, tolerance, y->body->threads, mode, &top, error);
+    gneiss_status status = gn_eigen_largest_in(n, mixed ? gn_fem_linear_mixed : apply,
+                                               mixed ? gn_fem_linear_metric : NULL, y, tolerance,
+                                               y->body->threads, mode, &top, error);
     if (status == GNEISS_OK) {
         limit->iterations = top.vectors;
         limit->frequency = sqrt(top.value);
@@ -296,13 +301,21 @@ static void set_scale(linear_system *y) {
         }
 }
 
+static bool make_mixed(linear_system *y) {
+    size_t nodes = y->body->nodes.soa.count;
+    if (y->body->form != GN_FEM_MIXED) return true;
+    y->gradient = gn_alloc_array(nodes + 1, 4 * sizeof *y->gradient);
+    y->pressure = gn_alloc_array(nodes + 1, sizeof *y->pressure);
+    return y->gradient && y->pressure;
+}
+
 static gneiss_status find_limits(linear_system *y, bool sharp, double tolerance,
                                  gn_fem_limit *limit, gneiss_error *error) {
     size_t nodes = y->body->nodes.soa.count, d = (size_t)y->dimension;
     y->scale = gn_alloc_array(nodes + 1, d * sizeof *y->scale);
     y->moved = gn_alloc_array(nodes + 1, d * sizeof *y->moved);
     y->stiffness = gn_alloc_array(nodes + 1, sizeof *y->stiffness);
-    if (!y->scale || !y->moved || !y->stiffness)
+    if (!y->scale || !y->moved || !y->stiffness || !make_mixed(y))
         return gn_fail(error, GNEISS_ERROR_MEMORY, "no memory for the time step of %zu nodes",
                        nodes);
     set_scale(y);
@@ -326,6 +339,8 @@ static gneiss_status limits(gn_fem_body *body, bool sharp, double tolerance, gn_
     gn_free(y.scale);
     gn_free(y.moved);
     gn_free(y.stiffness);
+    gn_free(y.gradient);
+    gn_free(y.pressure);
     return status;
 }
 

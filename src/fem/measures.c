@@ -5,15 +5,6 @@
 #include <math.h>
 #include <string.h>
 
-static void gradient_of(const gn_elements *q, size_t e, int dimension, double gradient[4][3]) {
-    memset(gradient, 0, 12 * sizeof(double));
-    for (int a = 1; a <= dimension; a++)
-        for (int k = 0; k < dimension; k++) {
-            gradient[a][k] = gn_elements_gradient(q, a, k)[e];
-            gradient[0][k] -= gradient[a][k];
-        }
-}
-
 /* --- strain
  * ------------------------------------------------------------------------------------- */
 
@@ -22,7 +13,7 @@ void gn_fem_strain_weights(const gn_fem_body *body, double (*weight)[3]) {
     double gradient[4][3];
     memset(weight, 0, body->nodes.soa.count * sizeof *weight);
     for (size_t e = 0; e < q->soa.count; e++) {
-        gradient_of(q, e, body->dimension, gradient);
+        gn_fem_gradients(q, e, gradient);
         for (int a = 0; a <= body->dimension; a++)
             for (int k = 0; k < 3; k++)
                 weight[gn_elements_node(q, a)[e]][k] +=
@@ -44,7 +35,7 @@ void gn_fem_mean_gradient(const gn_fem_body *body, const double (*weight)[3], do
 
 static double element_force(const gn_fem_body *body, size_t e, const double s[6]) {
     double gradient[4][3], sum = 0.0;
-    gradient_of(&body->elements, e, body->dimension, gradient);
+    gn_fem_gradients(&body->elements, e, gradient);
     for (int a = 0; a <= body->dimension; a++) {
         const double *g = gradient[a];
         double f[3] = {s[0] * g[0] + s[3] * g[1] + s[5] * g[2],
@@ -109,4 +100,18 @@ size_t gn_fem_bytes(const gn_fem_body *body) {
 double gn_fem_volume_ratio(const gn_fem_body *body, size_t element) {
     double f[3][3];
     return gn_fem_deformation(body, element, f);
+}
+
+/* The trace of an element's stiffness at a node is V |G|^2 (lambda + (1 + d) mu). */
+void gn_fem_step_scales(const gn_fem_body *body, double *scale) {
+    const gn_elements *q = &body->elements;
+    const int d = body->dimension;
+    for (size_t e = 0; e < q->soa.count; e++) {
+        double gradient[4][3], sum = 0.0;
+        gn_fem_gradients(q, e, gradient);
+        for (int a = 0; a <= d; a++)
+            for (int k = 0; k < d; k++) sum += gradient[a][k] * gradient[a][k];
+        scale[e] = 2.0 / sqrt(sum * (q->lambda[e] + (1 + d) * q->mu[e]) * (d + 1) /
+                              body->density[q->material[e]]);
+    }
 }

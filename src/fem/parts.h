@@ -2,6 +2,7 @@
 #ifndef GN_FEM_PARTS_H
 #define GN_FEM_PARTS_H
 
+#include "base/eigen.h"
 #include "fem/body.h"
 
 /* The group called `name`, or with that number; NULL when the mesh has none of `dimension` (-1: of
@@ -19,6 +20,42 @@ double gn_fem_deformation(const gn_fem_body *body, size_t element, double f[3][3
 
 /* m2 of a facet at the start; of a line 1 m thick (loads.c). */
 double gn_fem_facet_area(const gn_fem_body *body, const int32_t *node);
+
+/* --- mixed form (mixed.c) --- */
+
+/* Bulk modulus, Pa. */
+double gn_fem_bulk(const gn_elements *elements, size_t element);
+/* Largest eigenvalue of the stabilising term over the lumped pressure mass of an element alone. */
+double gn_fem_stabiliser_eigenvalue(const gn_elements *elements, size_t element);
+/* Weights, rows and the rate of the stabilising pressure; nothing may be prescribed yet. */
+gneiss_status gn_fem_mixed_prepare(gn_fem_body *body, gneiss_error *error);
+
+gn_dilation_args gn_fem_dilation_args(const gn_fem_body *body);
+/* Pressures of a block of nodes whose growth is known. */
+void gn_fem_pressure_block(gn_fem_body *body, size_t block);
+/* The stabilising pressure of a block of nodes over the coming interval. */
+void gn_fem_smooth_block(gn_fem_body *body, size_t block, double dt);
+/* body->pressure of the present positions. */
+void gn_fem_find_pressures(const gn_fem_body *body);
+
+/* --- the body linearised at its start (limit.c) --- */
+
+typedef struct gn_fem_linear {
+    gn_fem_body *body;
+    int dimension, strains;
+    double *scale;     /* [nodes][dimension] M^-1/2, 0 for prescribed components */
+    double *moved;     /* [nodes][dimension] scratch of the operator */
+    double *stiffness; /* [nodes] sum over its elements of the traces of their blocks at it */
+    double *gradient;  /* mixed form: [nodes][4] projected gradient of q, q */
+    double *pressure;  /* mixed form: [nodes] scratch */
+} gn_fem_linear;
+
+void gn_fem_gradients(const gn_elements *elements, size_t element, double gradient[4][3]);
+
+/* Of the mixed form (linear_mixed.c): operator and metric over M^1/2 u and q, [nodes][dimension]
+ * and [nodes]. */
+void gn_fem_linear_mixed(const void *system, const double *x, double *out);
+void gn_fem_linear_metric(const void *system, const double *x, double *out);
 
 static inline gn_mesh_elements *gn_fem_elements_of(gn_mesh *mesh, int dimension) {
     gn_mesh_elements *lists[] = {&mesh->points, &mesh->lines, &mesh->triangles, &mesh->tetrahedra};

@@ -7,10 +7,18 @@
 
 typedef struct work {
     gn_fem_body *body;
+    gn_dilation_args dilation;
     gn_element_args elements;
     gn_motion_args motion;
     bool measure;
 } work;
+
+static void dilation_block(const work *k, size_t block) {
+    const gn_partials *q = &k->body->partials;
+    size_t begin = block * q->length, end = begin + q->length;
+    if (end > k->body->elements.soa.count) end = k->body->elements.soa.count;
+    k->body->dilation_kernel(&k->dilation, begin, end);
+}
 
 static void element_block(const work *k, size_t block) {
     const gn_partials *q = &k->body->partials;
@@ -27,6 +35,16 @@ static void node_block(const work *k, size_t block) {
     gn_motion_sums *sums = &k->body->motion_sums[block];
     *sums = (gn_motion_sums){.bad = -1};
     k->body->motion_kernel(&k->motion, begin, end, sums);
+    if (k->body->form == GN_FEM_MIXED) gn_fem_smooth_block(k->body, block, k->motion.dt);
+}
+
+/* First passes of the mixed form: growth of the elements, pressures of the nodes. By all threads.
+ */
+static void find_pressures(const work *k) {
+#pragma omp for schedule(static)
+    for (size_t b = 0; b < k->body->partials.blocks; b++) dilation_block(k, b);
+#pragma omp for schedule(static)
+    for (size_t b = 0; b < k->body->motion_blocks; b++) gn_fem_pressure_block(k->body, b);
 }
 
 static void sweep(const work *k) {
@@ -34,6 +52,7 @@ static void sweep(const work *k) {
     const double begin = gn_now();
 #pragma omp parallel num_threads(gn_pace_threads(&body->pace))
     {
+        if (body->form == GN_FEM_MIXED) find_pressures(k);
 #pragma omp for schedule(static)
         for (size_t b = 0; b < body->partials.blocks; b++) element_block(k, b);
 #pragma omp for schedule(static)
@@ -44,8 +63,13 @@ static void sweep(const work *k) {
 
 static work start(gn_fem_body *body, double dt, bool measure) {
     work k = {.body = body, .measure = measure};
-    k.elements =
-        (gn_element_args){body->nodes.pos, &body->elements, body->uniform, &body->partials};
+    const double *place = body->nodes.pos;
+    if (body->form == GN_FEM_MIXED) {
+        k.dilation = gn_fem_dilation_args(body);
+        place = body->nodes.placed_p;
+    }
+    k.elements = (gn_element_args){place, &body->elements, body->uniform, &body->partials,
+                                   body->gradient_row};
     k.motion = (gn_motion_args){.particles = &body->nodes,
                                 .bonds = &body->partials,
                                 .pairs = &body->none,
@@ -75,12 +99,23 @@ static gn_element_sums merge_elements(const gn_fem_body *body) {
     return total;
 }
 
+static gn_fem_pressure_sums merge_pressure(const gn_fem_body *body) {
+    gn_fem_pressure_sums total = {0};
+    for (size_t b = 0; body->pressure_sums && b < body->motion_blocks; b++) {
+        total.elastic += body->pressure_sums[b].elastic;
+        total.damping += body->pressure_sums[b].damping;
+    }
+    return total;
+}
+
 /* The first halves of the works close the interval that led here, the second ones are of the coming
  * interval; the reading lies between them. */
 static int64_t merge_motion(gn_fem_body *body, bool measure) {
     gn_fem_energy *e = &body->energy;
     double kinetic = 0.0;
     int64_t bad = -1;
+    const gn_fem_pressure_sums pressure = merge_pressure(body);
+    e->damping += pressure.damping;
     for (int half = 0; half < 2; half++) {
         for (size_t b = 0; b < body->motion_blocks; b++) {
             const gn_motion_sums *s = &body->motion_sums[b];
@@ -93,6 +128,7 @@ static int64_t merge_motion(gn_fem_body *body, bool measure) {
         }
         if (half || !measure) continue;
         body->elastic = merge_elements(body);
+        body->elastic.elastic += pressure.elastic;
         e->kinetic = kinetic;
         e->elastic = body->elastic.elastic;
         if (body->step == 0) e->stored_at_start = e->kinetic + e->elastic;

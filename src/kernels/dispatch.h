@@ -10,10 +10,11 @@
 typedef struct gn_kernel_set {
     const char *name; /* "scalar", "avx2", "avx512" */
     int lanes;
-    gn_contact_kernel *const *contact; /* [GN_CONTACT_VARIANTS] */
-    gn_contact_kernel *const *mixed;   /* the same in mixed precision */
-    gn_motion_kernel *const *motion;   /* [GN_MOTION_VARIANTS] */
-    gn_element_kernel *const *element; /* [GN_ELEMENT_VARIANTS] */
+    gn_contact_kernel *const *contact;   /* [GN_CONTACT_VARIANTS] */
+    gn_contact_kernel *const *mixed;     /* the same in mixed precision */
+    gn_motion_kernel *const *motion;     /* [GN_MOTION_VARIANTS] */
+    gn_element_kernel *const *element;   /* [GN_ELEMENT_VARIANTS] */
+    gn_dilation_kernel *const *dilation; /* [2] */
 } gn_kernel_set;
 
 enum { GN_KERNEL_SETS = 3 };

@@ -13,11 +13,23 @@ typedef struct gn_element_uniform {
 } gn_element_uniform;
 
 typedef struct gn_element_args {
-    const double *pos; /* node rows [n][4] */
+    const double *pos; /* node rows [n][4]; mixed form: x y z and the pressure there */
     const gn_elements *elements;
     gn_element_uniform uniform;
     const gn_partials *partials; /* of `elements`: where forces are summed; rows are written */
+    double *gradient_row;        /* mixed form: rows as those of `partials`, written: integral of
+                                    tau N_a times the pressure's gradient */
 } gn_element_args;
+
+/* First pass of the mixed form. */
+typedef struct gn_dilation_args {
+    const double *pos;    /* node rows [n][4] */
+    const double *smooth; /* node rows [n][4]: projected gradient of q xyz, q */
+    const gn_elements *elements;
+    const gn_partials *partials; /* of `elements`: numbers of the rows */
+    double *row; /* rows [2] as those of `partials`, written: share of the growth in volume (m3), of
+                    the stabilising term (m3) */
+} gn_dilation_args;
 
 /* What measuring variants sum up; start from GN_ELEMENT_SUMS_ZERO. */
 typedef struct gn_element_sums {
@@ -35,15 +47,23 @@ typedef struct gn_element_sums {
 typedef void gn_element_kernel(const gn_element_args *args, size_t begin, size_t end,
                                gn_element_sums *sums);
 
-enum { GN_ELEMENT_VARIANTS = 4 };
+enum { GN_ELEMENT_VARIANTS = 8 };
 
-/* Bit 0: tetrahedra in space instead of triangles in plane strain; bit 1: measures. */
-static inline unsigned gn_element_variant(bool space, bool measure) {
-    return (space ? 1u : 0u) | (measure ? 2u : 0u);
+/* Bit 0: tetrahedra in space instead of triangles in plane strain; bit 1: measures; bit 2: mixed
+ * form, whose energy is that of the deviator. */
+static inline unsigned gn_element_variant(bool space, bool measure, bool mixed) {
+    return (space ? 1u : 0u) | (measure ? 2u : 0u) | (mixed ? 4u : 0u);
 }
 
 extern gn_element_kernel *const gn_element_table_scalar[GN_ELEMENT_VARIANTS];
 extern gn_element_kernel *const gn_element_table_avx2[GN_ELEMENT_VARIANTS];
 extern gn_element_kernel *const gn_element_table_avx512[GN_ELEMENT_VARIANTS];
+
+/* As gn_element_kernel; triangles, tetrahedra. */
+typedef void gn_dilation_kernel(const gn_dilation_args *args, size_t begin, size_t end);
+
+extern gn_dilation_kernel *const gn_dilation_table_scalar[2];
+extern gn_dilation_kernel *const gn_dilation_table_avx2[2];
+extern gn_dilation_kernel *const gn_dilation_table_avx512[2];
 
 #endif

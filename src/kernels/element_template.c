@@ -5,7 +5,11 @@
  * strain E = (F^T F - I)/2, St Venant-Kirchhoff stress S = lambda tr(E) I + 2 mu E, nodal forces
  * f_a = -V0 F S dN_a/dX (Belytschko, Liu & Moran 2000, Nonlinear Finite Elements, sec. 4.9). E is
  * zero under any rotation, and S derives from an energy, V0 (lambda/2 tr(E)^2 + mu E:E). For small
- * strains it is linear elasticity. */
+ * strains it is linear elasticity.
+ *
+ * Mixed form: S = 2 mu dev(E) + p J C^-1 with p the mean of the nodes' pressures, that is lambda =
+ * -2 mu/3 and V0 p cof(F) added to V0 F S: the work of p on the growth in volume. What makes the
+ * pressures is the first pass, below (docs/fem.md has the equations). */
 #include "kernels/element.h"
 #include "kernels/expand.h"
 #include "kernels/simd.h"
@@ -14,7 +18,7 @@
 #include <string.h>
 
 typedef struct variant {
-    int space, measure;
+    int space, measure, mixed;
 } variant;
 
 /* GN_W elements. Columns of F are the deformed base vectors; the strain is c = F^T F - I = 2 E in
@@ -23,17 +27,22 @@ typedef struct state {
     gn_v3 f[3], gradient[3]; /* gradient: of nodes 1 2 3 */
     gn_v c[6], s[6];
     gn_v volume;
+    gn_v pressure[4]; /* mixed form: of node 0, and what nodes 1 2 3 have more */
 } state;
 
-GN_INLINE void load_nodes(const gn_element_args *a, size_t e, gn_v3 edge[3], variant w) {
+GN_INLINE const int32_t *node_column(const gn_elements *q, int n) {
+    return n == 3 ? q->node3 : q->node + (size_t)n * q->soa.capacity;
+}
+
+GN_INLINE void load_nodes(const gn_element_args *a, size_t e, gn_v3 edge[3], state *t, variant w) {
     gn_v first[4], x[4];
-    gn_rows4(a->pos, gn_elements_node(a->elements, 0) + e, first);
+    gn_rows4(a->pos, node_column(a->elements, 0) + e, first);
+    if (w.mixed) t->pressure[0] = first[3];
     for (int n = 0; n < 2 + w.space; n++) {
-        const int32_t *node = a->elements->node + (size_t)(n + 1) * a->elements->soa.capacity;
-        if (n == 2) node = a->elements->node3;
-        gn_rows4(a->pos, node + e, x);
+        gn_rows4(a->pos, node_column(a->elements, n + 1) + e, x);
         edge[n] = (gn_v3){x[0] - first[0], x[1] - first[1],
                           gn_pick(w.space, x[2] - first[2], gn_set(0.0))};
+        if (w.mixed) t->pressure[n + 1] = x[3] - first[3];
     }
 }
 
@@ -80,7 +89,8 @@ GN_INLINE void find_stress(const gn_element_args *a, size_t e, state *t, variant
     const gn_elements *q = a->elements;
     gn_v minus = gn_set(0.0) - t->volume;
     gn_v mu = minus * gn_load(q->mu + same(e, a->uniform.mu));
-    gn_v lambda = minus * gn_load(q->lambda + same(e, a->uniform.lambda));
+    gn_v lambda = gn_set(-2.0 / 3.0) * mu;
+    if (!w.mixed) lambda = minus * gn_load(q->lambda + same(e, a->uniform.lambda));
     gn_v trace = t->c[0] + t->c[1];
     if (w.space) trace = trace + t->c[2];
     gn_v mean = gn_set(0.5) * lambda * trace;
@@ -101,6 +111,21 @@ GN_INLINE gn_v3 first_piola(const state *t, int k, variant w) {
     return w.space ? gn_axpy(p, t->s[at[k][2]], t->f[2], 1) : p;
 }
 
+/* What the pressure adds to column k of F s: -V0 p cof(F). */
+GN_INLINE gn_v3 add_pressure(const state *t, int k, gn_v3 piola, variant w) {
+    gn_v sum = t->pressure[1] + t->pressure[2];
+    if (w.space) sum = sum + t->pressure[3];
+    gn_v mean = gn_fma(gn_set(w.space ? 0.25 : 1.0 / 3.0), sum, t->pressure[0]);
+    gn_v factor = gn_set(0.0) - t->volume * mean;
+    if (w.space)
+        return gn_axpy(piola, factor, gn_cross(t->f[(k + 1) % 3], t->f[(k + 2) % 3], 1), 1);
+    const gn_v3 *other = &t->f[1 - k];
+    if (k) factor = gn_set(0.0) - factor;
+    piola.x = gn_fma(factor, other->y, piola.x);
+    piola.y = gn_fnma(factor, other->x, piola.y);
+    return piola;
+}
+
 /* Rows of forces, node after node. */
 typedef struct element_rows {
     gn_real row[4][4 * GN_W];
@@ -114,7 +139,10 @@ GN_INLINE void write_row(gn_real *row, gn_v3 force) {
 GN_INLINE void find_forces(const state *t, gn_v3 piola[3], element_rows *out, variant w) {
     const gn_v zero = gn_set(0.0);
     gn_v3 first = {zero, zero, zero};
-    for (int k = 0; k < 2 + w.space; k++) piola[k] = first_piola(t, k, w);
+    for (int k = 0; k < 2 + w.space; k++) {
+        piola[k] = first_piola(t, k, w);
+        if (w.mixed) piola[k] = add_pressure(t, k, piola[k], w);
+    }
     for (int n = 0; n < 2 + w.space; n++) {
         gn_v3 force = gn_scale(t->gradient[n].x, piola[0], w.space);
         force = gn_axpy(force, t->gradient[n].y, piola[1], w.space);
@@ -123,6 +151,24 @@ GN_INLINE void find_forces(const state *t, gn_v3 piola[3], element_rows *out, va
         write_row(out->row[n + 1], force);
     }
     write_row(out->row[0], first);
+}
+
+/* sum_n gradient_n d_n over nodes 1 2 3. */
+GN_INLINE gn_v3 gradient_of(const gn_v3 gradient[3], const gn_v d[3], int space) {
+    gn_v3 g = gn_axpy(gn_scale(d[0], gradient[0], space), d[1], gradient[1], space);
+    return space ? gn_axpy(g, d[2], gradient[2], 1) : g;
+}
+
+/* Every node of an element takes the same share of tau times the pressure's gradient. */
+GN_INLINE void add_gradients(const gn_element_args *a, size_t e, size_t end, const state *t,
+                             double *sums, variant w) {
+    const size_t nodes = 3 + (size_t)w.space, count = end - e < GN_W ? end - e : GN_W;
+    const uint16_t *place = a->partials->place + nodes * e;
+    gn_real row[4 * GN_W];
+    gn_v share = gn_set(w.space ? 0.25 : 1.0 / 3.0) * t->volume * gn_load(a->elements->tau + e);
+    write_row(row, gn_scale(share, gradient_of(t->gradient, t->pressure + 1, w.space), w.space));
+    for (size_t k = 0; k < count; k++)
+        for (size_t n = 0; n < nodes; n++) gn_add_plain4(sums + place[nodes * k + n], row + 4 * k);
 }
 
 GN_INLINE void add_rows(const gn_element_args *a, size_t e, size_t end, const element_rows *rows,
@@ -198,42 +244,111 @@ GN_INLINE void fold_sums(const lane_sums *s, gn_element_sums *out) {
  * ---------------------------------------------------------------------------------- */
 
 /* The rows of the block that begins with element `begin`, zeroed. */
-GN_INLINE double *clear_partials(const gn_partials *q, size_t begin) {
+GN_INLINE double *clear_rows(const gn_partials *q, size_t begin, size_t width, double *row) {
     size_t block = begin / q->length, first = (size_t)q->first[block];
     size_t rows = (size_t)q->first[block + 1] - first;
-    return memset(q->row + 4 * first, 0, 4 * rows * sizeof *q->row);
+    return memset(row + width * first, 0, width * rows * sizeof *row);
 }
 
 GN_INLINE void element_core(const gn_element_args *a, size_t begin, size_t end,
                             gn_element_sums *sums, variant w) {
-    double *partial = clear_partials(a->partials, begin);
+    double *partial = clear_rows(a->partials, begin, 4, a->partials->row), *gradients = NULL;
+    if (w.mixed) gradients = clear_rows(a->partials, begin, 4, a->gradient_row);
     lane_sums s = no_sums();
     for (size_t e = begin; e < end; e += GN_W) {
         gn_v3 edge[3], piola[3];
         state t;
         element_rows rows;
-        load_nodes(a, e, edge, w);
+        load_nodes(a, e, edge, &t, w);
         load_gradients(a->elements, e, &t, w);
         find_strain(edge, &t, w);
         find_stress(a, e, &t, w);
         find_forces(&t, piola, &rows, w);
         add_rows(a, e, end, &rows, partial, w);
+        if (w.mixed) add_gradients(a, e, end, &t, gradients, w);
         if (w.measure) measure(&t, piola, e, end, &s, w);
     }
     if (w.measure) fold_sums(&s, sums);
 }
 
+/* --- first pass of the mixed form
+ * ------------------------------------------------------------------- */
+
+/* Per element: growth in volume V - V0, from the edges, and g = grad q - mean of the nodes'
+ * projected gradients; node a takes (V - V0)/nodes and tau V0 grad N_a . g. */
+typedef struct dilation {
+    double growth[GN_W], term[4][GN_W];
+} dilation;
+
+GN_INLINE dilation find_dilation(const gn_dilation_args *a, size_t e, int space) {
+    const gn_v zero = gn_set(0.0);
+    const double nodes = 3 + space, factorial = space ? 6.0 : 2.0;
+    gn_v first[4], x[4], base[4], z[4], dq[3];
+    gn_v3 edge[3], mean;
+    state t;
+    dilation out;
+    gn_rows4(a->pos, node_column(a->elements, 0) + e, first);
+    gn_rows4(a->smooth, node_column(a->elements, 0) + e, base);
+    mean = (gn_v3){base[0], base[1], gn_pick(space, base[2], zero)};
+    for (int n = 0; n < 2 + space; n++) {
+        const int32_t *node = node_column(a->elements, n + 1) + e;
+        gn_rows4(a->pos, node, x);
+        gn_rows4(a->smooth, node, z);
+        edge[n] = (gn_v3){x[0] - first[0], x[1] - first[1], gn_pick(space, x[2] - first[2], zero)};
+        dq[n] = z[3] - base[3];
+        mean = gn_add(mean, (gn_v3){z[0], z[1], z[2]}, space);
+    }
+    load_gradients(a->elements, e, &t, (variant){.space = space});
+    gn_v3 normal = gn_cross(edge[0], edge[1], space);
+    gn_v det = space ? gn_dot(normal, edge[2], 1) : normal.z;
+    gn_store(out.growth,
+             gn_fma(gn_set(1.0 / (factorial * nodes)), det, gn_set(-1.0 / nodes) * t.volume));
+    gn_v3 g = gn_axmy(gradient_of(t.gradient, dq, space), gn_set(1.0 / nodes), mean, space);
+    g = gn_scale(t.volume * gn_load(a->elements->tau + e), g, space);
+    gn_v rest = zero;
+    for (int n = 0; n < 2 + space; n++) {
+        gn_v term = gn_dot(t.gradient[n], g, space);
+        rest = rest - term;
+        gn_store(out.term[n + 1], term);
+    }
+    gn_store(out.term[0], rest);
+    return out;
+}
+
+GN_INLINE void dilation_core(const gn_dilation_args *a, size_t begin, size_t end, int space) {
+    const size_t nodes = 3 + (size_t)space;
+    double *sums = clear_rows(a->partials, begin, 2, a->row);
+    for (size_t e = begin; e < end; e += GN_W) {
+        dilation d = find_dilation(a, e, space);
+        const uint16_t *place = a->partials->place + nodes * e;
+        for (size_t k = 0; k < (end - e < GN_W ? end - e : GN_W); k++)
+            for (size_t n = 0; n < nodes; n++) {
+                double *to = sums + place[nodes * k + n] / 2;
+                to[0] += d.growth[k];
+                to[1] += d.term[n][k];
+            }
+    }
+}
+
 /* --- the variants
  * ---------------------------------------------------------------------------------- */
 
-#define GN_EACH_4(X) X(0) X(1) X(2) X(3)
+#define GN_EACH_8(X) X(0) X(1) X(2) X(3) X(4) X(5) X(6) X(7)
 
 #define WRAPPER(v)                                                                                 \
     static void element_##v(const gn_element_args *a, size_t begin, size_t end,                    \
                             gn_element_sums *sums) {                                               \
-        element_core(a, begin, end, sums, (variant){GN_BIT(v, 0), GN_BIT(v, 1)});                  \
+        element_core(a, begin, end, sums, (variant){GN_BIT(v, 0), GN_BIT(v, 1), GN_BIT(v, 2)});    \
     }
-GN_EACH_4(WRAPPER)
+GN_EACH_8(WRAPPER)
 
 #define ENTRY(v) element_##v,
-gn_element_kernel *const GN_TABLE(element)[GN_ELEMENT_VARIANTS] = {GN_EACH_4(ENTRY)};
+gn_element_kernel *const GN_TABLE(element)[GN_ELEMENT_VARIANTS] = {GN_EACH_8(ENTRY)};
+
+static void dilation_triangle(const gn_dilation_args *a, size_t begin, size_t end) {
+    dilation_core(a, begin, end, 0);
+}
+static void dilation_tetrahedron(const gn_dilation_args *a, size_t begin, size_t end) {
+    dilation_core(a, begin, end, 1);
+}
+gn_dilation_kernel *const GN_TABLE(dilation)[2] = {dilation_triangle, dilation_tetrahedron};

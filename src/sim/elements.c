@@ -97,15 +97,17 @@ static gneiss_status make_body(gn_world *w, gn_mesh *mesh, gneiss_error *error) 
         materials[k] =
             (gn_fem_material){m->group[0] ? m->group : NULL, m->young, m->poisson, m->density};
     }
-    gn_fem_spec spec = {.name = mesh_name(e),
-                        .dimension = (int)w->scene.dimension,
-                        .materials = materials,
-                        .material_count = e->material_count,
-                        .damping = w->effects & (GN_FX_VISCOUS | GN_FX_NONVISCOUS_VECTOR |
-                                                 GN_FX_NONVISCOUS_COMPONENT),
-                        .damping_coefficient = w->scene.background_coefficient,
-                        .threads = w->threads,
-                        .isa = w->kernels->name};
+    gn_fem_spec spec = {
+        .name = mesh_name(e),
+        .dimension = (int)w->scene.dimension,
+        .form = e->formulation == GN_FORMULATION_MIXED ? GN_FEM_MIXED : GN_FEM_DISPLACEMENT,
+        .materials = materials,
+        .material_count = e->material_count,
+        .damping =
+            w->effects & (GN_FX_VISCOUS | GN_FX_NONVISCOUS_VECTOR | GN_FX_NONVISCOUS_COMPONENT),
+        .damping_coefficient = w->scene.background_coefficient,
+        .threads = w->threads,
+        .isa = w->kernels->name};
     memcpy(spec.gravity, w->scene.gravity, sizeof spec.gravity);
     gneiss_status status = gn_fem_body_create(&spec, mesh, &w->elements->body, error);
     gn_free(materials);
@@ -196,23 +198,13 @@ static gneiss_status make_drives(gn_world *w, gneiss_error *error) {
 /* --- all of it
  * ---------------------------------------------------------------------------------- */
 
-static gneiss_status check_formulation(const gn_world *w, gneiss_error *error) {
-    const gn_element_def *e = &w->scene.elements;
-    if (e->formulation == GN_FORMULATION_DISPLACEMENT) return GNEISS_OK;
-    return gn_fail(error, GNEISS_ERROR_INPUT,
-                   "%s:%d:%d: elements.formulation: expected displacement, found mixed, which this "
-                   "version does not have yet",
-                   w->scene.source, e->where.line, e->where.column);
-}
-
 gneiss_status gn_elements_create(gn_world *w, gn_mesh *mesh, gneiss_error *error) {
     gn_mesh own = {0};
     if (mesh) {
         own = *mesh;
         *mesh = (gn_mesh){0};
     }
-    gneiss_status status = check_formulation(w, error);
-    if (status == GNEISS_OK && !mesh) status = make_mesh(w, &own, error);
+    gneiss_status status = mesh ? GNEISS_OK : make_mesh(w, &own, error);
     if (status == GNEISS_OK) status = check_groups(w, &own, error);
     if (status == GNEISS_OK) {
         w->elements = gn_alloc_array(1, sizeof *w->elements);

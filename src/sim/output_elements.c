@@ -90,7 +90,7 @@ static void fill_nodes(const gn_fem_body *b, const double (*stress)[6], node_fie
         size_t r = (size_t)f->row[n];
         f->id[r] = q->id[n];
         memcpy(f->stress + 6 * r, stress[n], sizeof *stress);
-        f->pressure[r] = pressure_of(stress[n]);
+        f->pressure[r] = b->form == GN_FEM_MIXED ? -b->pressure[n] : pressure_of(stress[n]);
         for (size_t a = 0; a < 3; a++) {
             f->position[3 * r + a] = q->pos[4 * n + a];
             f->displacement[3 * r + a] = q->pos[4 * n + a] - q->start[4 * n + a];

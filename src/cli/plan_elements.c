@@ -1,0 +1,111 @@
+#include "cli/plan_elements.h"
+
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+
+void gn_print_element_kernels(const gn_world *w) {
+    char name[200];
+    if (!w->elements) return;
+    const gn_fem_body *b = &w->elements->body;
+    printf("  element %s, %s form\n", b->dimension == 3 ? "tetrahedron" : "triangle, plane strain",
+           b->form == GN_FEM_MIXED ? "mixed" : "displacement");
+    gn_motion_variant_name(gn_motion_variant(b->effects), name, sizeof name);
+    printf("  nodes   %s\n", name);
+}
+
+void gn_print_element_limits(const gn_world *w) {
+    char text[160];
+    if (!w->elements) return;
+    const gn_fem_limit *limit = &w->elements->limit;
+    printf("  elements%s\n", gn_elements_lead(w) ? ", which set the step" : "");
+    if (limit->iterations == 0)
+        printf("  sharp limit      not computed: the rigorous bound settles it and stands for it "
+               "below\n");
+    else
+        printf("  sharp limit      %.6g s  (Lanczos, %d vectors)\n", limit->sharp,
+               limit->iterations);
+    printf("  rigorous bound   %.6g s  = %.3f of the sharp limit (element %d)\n", limit->bound,
+           limit->bound / limit->sharp, limit->bound_element);
+    printf("  set by           %s\n", gn_elements_culprit(w, text, sizeof text));
+}
+
+/* --- check
+ * -------------------------------------------------------------------------------------- */
+
+static void print_groups(const gn_mesh *mesh) {
+    for (size_t k = 0; k < mesh->group_count; k++) {
+        const gn_mesh_group *g = &mesh->groups[k];
+        const gn_mesh_elements *lists[] = {&mesh->points, &mesh->lines, &mesh->triangles,
+                                           &mesh->tetrahedra};
+        static const char *const kinds[] = {"points", "lines", "triangles", "tetrahedra"};
+        const gn_mesh_elements *list = lists[g->dimension];
+        size_t count = 0;
+        for (size_t e = 0; e < list->count; e++) count += list->group[e] == g->tag;
+        for (size_t e = 0; e < list->also_count; e++) count += list->also[e].group == g->tag;
+        printf("  group %-14s %zu %s (number %d)\n", g->name[0] ? g->name : "-", count,
+               kinds[g->dimension], g->tag);
+    }
+}
+
+static void print_notes(const gn_fem_body *b) {
+    if (b->unused_nodes)
+        printf("  note: %zu nodes of the mesh belong to no element and are left out\n",
+               b->unused_nodes);
+    if (b->turned_elements)
+        printf(
+            "  note: %zu elements of the mesh were inside out (nodes in the other order) and are "
+            "turned\n",
+            b->turned_elements);
+}
+
+static int by_size(const void *a, const void *b) {
+    const double *x = a, *y = b;
+    return (*x > *y) - (*x < *y);
+}
+
+/* A few slivers make the whole run slow. */
+static void print_slivers(const gn_world *w, int *warnings) {
+    const gn_fem_body *b = &w->elements->body;
+    size_t count = b->elements.soa.count;
+    char text[160];
+    double *scale = calloc(count + 1, sizeof *scale);
+    if (!scale) return; /* only a hint */
+    gn_fem_step_scales(b, scale);
+    qsort(scale, count, sizeof *scale, by_size);
+    double ratio = scale[0] / scale[count / 2];
+    free(scale);
+    if (ratio > 0.3) return;
+    printf("  warning: the step is that of a sliver, %.2g of what half of the elements allow: %s\n",
+           ratio, gn_elements_culprit(w, text, sizeof text));
+    (*warnings)++;
+}
+
+void gn_print_element_check(const gn_world *w, int *warnings) {
+    if (!w->elements) return;
+    const gn_fem_body *b = &w->elements->body;
+    const gn_element_def *e = &w->scene.elements;
+    double lower[3], upper[3];
+    printf("elements\n  mesh             %s: %zu nodes, %zu %s\n", b->name, b->nodes.soa.count,
+           b->elements.soa.count, b->dimension == 3 ? "tetrahedra" : "triangles");
+    for (size_t a = 0; a < (size_t)b->dimension; a++) {
+        lower[a] = INFINITY;
+        upper[a] = -INFINITY;
+        for (size_t n = 0; n < b->nodes.soa.count; n++) {
+            lower[a] = fmin(lower[a], b->nodes.start[4 * n + a]);
+            upper[a] = fmax(upper[a], b->nodes.start[4 * n + a]);
+        }
+        printf("  %c                %.6g to %.6g m\n", "xyz"[a], lower[a], upper[a]);
+    }
+    printf("  volume           %.6g m3, mass %.6g kg%s\n", b->volume, b->mass,
+           b->dimension == 2 ? " (1 m thick)" : "");
+    print_groups(&b->mesh);
+    for (size_t k = 0; k < e->motion_count; k++)
+        printf("  motion %-13s %zu nodes%s\n", e->motions[k].name, w->elements->motion_set[k].count,
+               w->elements->motion[k] < 0 ? ", watched only" : "");
+    for (size_t k = 0; k < e->load_count; k++)
+        printf("  load %-15s %zu nodes\n", e->loads[k].name[0] ? e->loads[k].name : "-",
+               w->elements->load[k].count);
+    print_notes(b);
+    print_slivers(w, warnings);
+}

@@ -1,0 +1,11 @@
+/* What `plan` and `check` print of finite elements; nothing without them. */
+#ifndef GN_CLI_PLAN_ELEMENTS_H
+#define GN_CLI_PLAN_ELEMENTS_H
+
+#include "sim/world.h"
+
+void gn_print_element_kernels(const gn_world *world);
+void gn_print_element_limits(const gn_world *world);
+void gn_print_element_check(const gn_world *world, int *warnings);
+
+#endif
