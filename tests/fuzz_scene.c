@@ -97,6 +97,11 @@ static const char *const tokens[] = {"-",
                                      "[[0, 0], [1, 0], [0, 1]]",
                                      "nodes",
                                      "100",
+                                     "elements:",
+                                     "group: body",
+                                     "beam: {length: 1, height: 1, cell: 1}",
+                                     "mixed",
+                                     "0.5",
                                      "\x01"};
 
 static char *read_file(const char *file) {
@@ -231,7 +236,8 @@ static bool survives(gn_units *units, const char *text, const gn_override *overr
 }
 
 static const char *const seeds[] = {"tests/scenes/everything.yaml", "tests/scenes/plane.yaml",
-                                    "tests/scenes/polygon.yaml", "scenes/ucs-rock.yaml"};
+                                    "tests/scenes/polygon.yaml", "scenes/ucs-rock.yaml",
+                                    "tests/scenes/beam-small.yaml"};
 
 static void mutated_scenes_are_refused_or_sound(void **state) {
     (void)state;
@@ -265,7 +271,11 @@ static void mutated_overrides_are_refused_or_sound(void **state) {
                                        "specimen.packing.refine[0].size",
                                        "specimen.particles",
                                        "run.seed",
-                                       "title"};
+                                       "title",
+                                       "elements.materials[1].poisson",
+                                       "elements.motions.foot.motion.vz",
+                                       "elements.loads.wind.traction.tx",
+                                       "elements.box.cells"};
     gn_units *units = gn_units_new();
     char *text = read_file(seeds[0]), *key = malloc(TEXT_SIZE), *value = malloc(TEXT_SIZE);
     uint64_t random = 2;

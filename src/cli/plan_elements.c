@@ -50,13 +50,11 @@ static void print_groups(const gn_mesh *mesh) {
 
 static void print_notes(const gn_fem_body *b) {
     if (b->unused_nodes)
-        printf("  note: %zu nodes of the mesh belong to no element and are left out\n",
-               b->unused_nodes);
+        printf("  note: left out %zu node%s of the mesh that belong%s to no element\n",
+               b->unused_nodes, b->unused_nodes == 1 ? "" : "s", b->unused_nodes == 1 ? "s" : "");
     if (b->turned_elements)
-        printf(
-            "  note: %zu elements of the mesh were inside out (nodes in the other order) and are "
-            "turned\n",
-            b->turned_elements);
+        printf("  note: turned %zu element%s that had nodes in the other order (inside out)\n",
+               b->turned_elements, b->turned_elements == 1 ? "" : "s");
 }
 
 static int by_size(const void *a, const void *b) {

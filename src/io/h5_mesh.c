@@ -69,6 +69,7 @@ static gneiss_status get(const gn_h5 *file, const char *group, const char *kind,
                          gn_type type, size_t components, size_t *rows, void **data,
                          gneiss_error *error) {
     char path[160];
+    *data = NULL;
     snprintf(path, sizeof path, "%s/%s%s%s", group, kind, *kind ? "_" : "", what);
     GN_TRY(gn_h5_rows(file, path, rows, error));
     *data = gn_alloc_array(*rows + 1, components * gn_type_size(type));

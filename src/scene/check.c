@@ -357,6 +357,12 @@ static gneiss_status check_end(const check *c, const gn_scene *s, const char *ke
                          s->has_elements ? " or a motion of elements" : "", name);
 }
 
+/* Nodes of elements that are free along the axis of the test have no reaction. */
+static bool end_is_watched(const gn_scene *s, const char *name) {
+    int motion = gn_scene_find_element_motion(s, name);
+    return motion >= 0 && !s->elements.motions[motion].motion.velocity[s->test.axis].count;
+}
+
 static gneiss_status check_test(const check *c, const gn_scene *s) {
     if (s->test.kind == GN_TEST_NONE) {
         if (s->stop_peak_drop > 0)
@@ -372,6 +378,11 @@ static gneiss_status check_test(const check *c, const gn_scene *s) {
     if (strcmp(s->test.lower, s->test.upper) == 0)
         return gn_check_fail(c, "test.upper", "expected another end than lower, found '%s'",
                              s->test.upper);
+    if (end_is_watched(s, s->test.lower) && end_is_watched(s, s->test.upper))
+        return gn_check_fail(c, "test.upper",
+                             "expected at least one end with a prescribed velocity along %c, which "
+                             "has a reaction, found none",
+                             "xyz"[s->test.axis]);
     if (s->test.axis >= s->dimension)
         return gn_check_fail(c, "test.axis", "expected x or y in a 2D scene, found z");
     if (s->test.area > 0 && s->test.diameter > 0)

@@ -173,10 +173,20 @@ static double test_sign(const gn_world *w) {
     return w->scene.test.kind == GN_TEST_COMPRESSION ? -1.0 : 1.0;
 }
 
+/* Whether an end can load the specimen along the axis; nodes that are only watched cannot. */
+static bool end_drives(const gn_world *w, const char *name) {
+    int motion = gn_scene_find_element_motion(&w->scene, name);
+    return motion < 0 ||
+           w->scene.elements.motions[motion].motion.velocity[w->scene.test.axis].count;
+}
+
+/* An end that is only watched (what loads it is a traction) has the force of the other one. */
 void gn_record_end_forces(const gn_world *w, double *lower, double *upper) {
     double sign = test_sign(w);
     *lower = -sign * end_force(w, w->scene.test.lower);
     *upper = sign * end_force(w, w->scene.test.upper);
+    if (!end_drives(w, w->scene.test.lower)) *lower = *upper;
+    if (!end_drives(w, w->scene.test.upper)) *upper = *lower;
 }
 
 typedef struct before_step {

@@ -10,8 +10,9 @@
 #include <string.h>
 #include <unistd.h>
 
-/* Steps between looks at the stability limit, and between looks at the clock. */
-enum { WATCH_INTERVAL = 2000, CLOCK_INTERVAL = 16 };
+/* Steps between looks at the stability limit (with finite elements, whose limit falls with their
+ * strain, more often), and between looks at the clock. */
+enum { WATCH_INTERVAL = 2000, WATCH_ELEMENTS = 500, CLOCK_INTERVAL = 16 };
 
 /* --- setting up
  * ------------------------------------------------------------------------------------- */
@@ -264,7 +265,8 @@ static gneiss_status one_step(gn_run *run, gneiss_error *error) {
     } else {
         GN_TRY(gn_world_step(w, false, error));
     }
-    if (w->step % WATCH_INTERVAL == 0) GN_TRY(gn_world_check_step(w, false, error));
+    if (w->step % (w->elements ? WATCH_ELEMENTS : WATCH_INTERVAL) == 0)
+        GN_TRY(gn_world_check_step(w, false, error));
     if (!run->finished && w->time >= w->scene.end - 0.5 * w->dt)
         stop(run, "t = %g s reached", w->scene.end);
     return GNEISS_OK;
