@@ -299,7 +299,9 @@ gn_effects gn_scene_effects(const gn_scene *s) {
     if (s->wall_count) mask |= GN_FX_WALLS;
     for (size_t k = 0; k < s->wall_count; k++)
         if (s->walls[k].friction > 0) mask |= GN_FX_WALL_SHEAR;
-    if (s->body_count) mask |= GN_FX_WALLS | GN_FX_FACETS;
+    bool touched = s->has_elements && s->elements.has_contact && s->has_specimen;
+    if (s->body_count || touched) mask |= GN_FX_WALLS | GN_FX_FACETS;
+    if (touched && s->elements.contact.friction > 0) mask |= GN_FX_WALL_SHEAR;
     for (size_t k = 0; k < s->body_count; k++)
         if (s->bodies[k].friction > 0) mask |= GN_FX_WALL_SHEAR;
     if (s->has_periodic) mask |= GN_FX_PERIODIC;

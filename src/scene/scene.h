@@ -308,6 +308,14 @@ typedef struct gn_beam_def {
 
 typedef enum gn_formulation { GN_FORMULATION_DISPLACEMENT, GN_FORMULATION_MIXED } gn_formulation;
 
+/* How particles meet the surface of finite elements. */
+typedef struct gn_element_contact_def {
+    char group[GN_NAME_SIZE]; /* of facets; "": the whole boundary */
+    double stiffness;         /* penalty k_n, N/m */
+    double kratio;            /* k_n/k_t; used when friction > 0 */
+    double friction;
+} gn_element_contact_def;
+
 /* A body of finite elements: exactly one of mesh, rectangle, box, beam. */
 typedef struct gn_element_def {
     char mesh[GN_PATH_SIZE]; /* as written; "" when another source is used */
@@ -325,6 +333,8 @@ typedef struct gn_element_def {
     gn_element_motion *motions; /* a later one goes over an earlier one */
     size_t load_count;
     gn_element_load *loads; /* on top of each other */
+    bool has_contact;
+    gn_element_contact_def contact;
     gn_where where;
 } gn_element_def;
 

@@ -212,7 +212,7 @@ static gneiss_status put_shapes(gn_world *w, const gn_body_shape *shapes, gneiss
 
 gneiss_status gn_bodies_create(gn_world *w, gneiss_error *error) {
     size_t count = w->scene.body_count;
-    if (!count) return GNEISS_OK;
+    if (!count) return gn_bodies_surfaces(w, error);
     w->bodies = gn_alloc_array(count, sizeof *w->bodies);
     gn_body_shape *shapes = gn_alloc_array(count, sizeof *shapes);
     gneiss_status status = w->bodies && shapes
@@ -230,7 +230,7 @@ gneiss_status gn_bodies_create(gn_world *w, gneiss_error *error) {
 
 gneiss_status gn_bodies_surfaces(gn_world *w, gneiss_error *error) {
     size_t corners = (size_t)w->scene.dimension, vertex = 0, corner = 0;
-    if (!w->scene.body_count) return GNEISS_OK;
+    if (!(w->effects & GN_FX_FACETS)) return GNEISS_OK;
     w->surfaces = gn_alloc_array(w->scene.body_count + 1, sizeof *w->surfaces);
     if (!w->surfaces) return gn_fail(error, GNEISS_ERROR_MEMORY, "no memory for surfaces");
     for (size_t k = 0; k < w->scene.body_count; k++) {
@@ -239,6 +239,7 @@ gneiss_status gn_bodies_surfaces(gn_world *w, gneiss_error *error) {
         s->facets = (gn_facet_set){(int)corners, (size_t)w->body_shape[k][1],
                                    w->body_corner + corner, w->body_vertex + 4 * vertex};
         s->body = (int32_t)k;
+        s->travel = &w->bodies[k].travel;
         s->first = (int32_t)(corner / corners);
         s->vertices = (size_t)w->body_shape[k][0];
         s->stiffness = def->stiffness;

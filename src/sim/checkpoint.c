@@ -273,21 +273,20 @@ static gneiss_status check_format(const gn_h5 *file, const char *path, gneiss_er
 }
 
 /* Facets of each body lie within its vertices, and all of them in what is there. */
-static bool good_bodies(const gn_world *w, size_t *facets) {
-    size_t corners = (size_t)w->scene.dimension, vertices = 0;
-    *facets = 0;
+static bool good_bodies(const gn_world *w) {
+    size_t corners = (size_t)w->scene.dimension, vertices = 0, facets = 0;
     for (size_t k = 0; k < w->scene.body_count; k++) {
         const int64_t *shape = w->body_shape[k];
         if (shape[0] < 0 || shape[0] > INT32_MAX || shape[1] < 1 || shape[1] > INT32_MAX)
             return false;
-        size_t begin = corners * *facets, end = begin + corners * (size_t)shape[1];
+        size_t begin = corners * facets, end = begin + corners * (size_t)shape[1];
         vertices += (size_t)shape[0];
-        *facets += (size_t)shape[1];
+        facets += (size_t)shape[1];
         if (end > w->body_corner_count) return false;
         for (size_t c = begin; c < end; c++)
             if (w->body_corner[c] < 0 || w->body_corner[c] >= shape[0]) return false;
     }
-    return vertices == w->body_vertex_count && corners * *facets == w->body_corner_count;
+    return vertices == w->body_vertex_count && corners * facets == w->body_corner_count;
 }
 
 /* Indices that kernels follow without looking must lie in range even if the file was tampered with.
@@ -295,8 +294,7 @@ static bool good_bodies(const gn_world *w, size_t *facets) {
 static gneiss_status check_indices(const gn_world *w, const char *path, gneiss_error *error) {
     size_t n = w->particles.soa.count;
     const gn_contacts *lists[] = {&w->bonds, &w->pairs};
-    size_t facets = 0;
-    bool good = good_bodies(w, &facets);
+    bool good = good_bodies(w);
     for (size_t k = 0; k < 2; k++)
         for (size_t c = 0; c < lists[k]->soa.count; c++) {
             int32_t i = lists[k]->i[c], j = lists[k]->j[c];
@@ -304,8 +302,7 @@ static gneiss_status check_indices(const gn_world *w, const char *path, gneiss_e
         }
     for (size_t c = 0; c < w->wall_contacts.soa.count; c++)
         good = good && w->wall_contacts.i[c] >= 0 && (size_t)w->wall_contacts.i[c] < n &&
-               w->wall_contacts.wall[c] >= 0 &&
-               (size_t)w->wall_contacts.wall[c] < w->scene.wall_count + facets;
+               w->wall_contacts.wall[c] >= 0; /* and below: check_facets */
     for (size_t p = 0; p < n; p++) {
         good = good && w->particles.id[p] >= 0 && (size_t)w->particles.id[p] < n &&
                w->particles.material[p] >= 0 &&
@@ -362,6 +359,18 @@ static gneiss_status get_scene(gn_world *w, const gn_h5 *file, const char *path,
     return status;
 }
 
+/* Once all surfaces are there. */
+static gneiss_status check_facets(const gn_world *w, const char *path, gneiss_error *error) {
+    size_t all = w->scene.wall_count;
+    bool good = true;
+    for (size_t k = 0; k < w->surface_count; k++) all += w->surfaces[k].facets.count;
+    for (size_t c = 0; c < w->wall_contacts.soa.count; c++)
+        good = good && (size_t)w->wall_contacts.wall[c] < all;
+    return good ? GNEISS_OK
+                : gn_fail(error, GNEISS_ERROR_INPUT,
+                          "%s: expected walls and facets below %zu, found others", path, all);
+}
+
 static gneiss_status load(gn_run *run, const gn_h5 *file, const char *path,
                           const gn_override *overrides, size_t count, gneiss_error *error) {
     gn_world *w = &run->world;
@@ -377,6 +386,8 @@ static gneiss_status load(gn_run *run, const gn_h5 *file, const char *path,
     GN_TRY(check_numbers(run, path, error));
     GN_TRY(get_history(run, file, error));
     GN_TRY(gn_bodies_surfaces(w, error));
+    GN_TRY(gn_element_contact_create(w, error));
+    GN_TRY(check_facets(w, path, error));
     GN_TRY(gn_world_restore(w, error));
     uint64_t hash = 0;
     GN_TRY(gn_h5_get_attribute_i64(file, "/", "state_hash", (int64_t *)&hash, 1, error));

@@ -30,14 +30,14 @@ typedef struct gn_rigid {
 typedef struct gn_surface {
     gn_facet_set facets;    /* borrowed arrays; rigid: positions in the body's frame */
     const double *velocity; /* [vertices][4], m/s, 1/kg; NULL: rigid */
-    double *force;          /* [vertices][4], N, of the particles on vertices; NULL: rigid */
-    int32_t body;           /* that it belongs to; -1: vertices move by themselves */
-    int32_t first;          /* place of its first facet among all facets */
+    double *force; /* [vertices][4], N, of the particles on vertices; borrowed; NULL: rigid */
+    int32_t body;  /* that it belongs to; -1: vertices move by themselves */
+    int32_t first; /* place of its first facet among all facets */
     double stiffness, kratio, friction;
     gn_facet_tree tree;
-    double travel; /* m, as gn_rigid.travel; not of rigid ones */
+    double *travel; /* m, bound on the path of any vertex since the lists were made; borrowed */
     size_t vertices;
-    double *ref; /* [vertices][4], m, when the lists were made; NULL: rigid */
+    double *ref; /* [vertices][4], m, when the lists were made; borrowed; NULL: rigid */
 } gn_surface;
 
 #endif

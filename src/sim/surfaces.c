@@ -70,10 +70,9 @@ size_t gn_surfaces_near(const gn_world *w, size_t p, int32_t *found) {
 void gn_surfaces_refer(gn_world *w) {
     for (size_t k = 0; k < w->surface_count; k++) {
         gn_surface *s = &w->surfaces[k];
-        s->travel = 0.0;
+        *s->travel = 0.0;
         if (s->body >= 0) {
             gn_rigid *b = &w->bodies[s->body];
-            b->travel = 0.0;
             memcpy(b->ref_position, b->position, sizeof b->position);
             memcpy(b->ref_axes, b->axes, sizeof b->axes);
         } else {
@@ -109,9 +108,8 @@ double gn_surfaces_travel(gn_world *w, bool exact) {
     for (size_t k = 0; k < w->surface_count; k++) {
         gn_surface *s = &w->surfaces[k];
         gn_rigid *b = s->body >= 0 ? &w->bodies[s->body] : NULL;
-        double *travel = b ? &b->travel : &s->travel;
-        if (exact) *travel = b ? body_travel(b) : vertex_travel(s);
-        most = fmax(most, *travel);
+        if (exact) *s->travel = b ? body_travel(b) : vertex_travel(s);
+        most = fmax(most, *s->travel);
     }
     return most;
 }
@@ -128,6 +126,7 @@ const gn_surface *gn_surface_of_row(const gn_world *w, size_t row) {
 
 /* A contact of the last step. */
 typedef struct memory {
+    size_t row;
     double n[3], shear[3], fd;
     bool taken;
 } memory;
@@ -137,7 +136,7 @@ static size_t recall(const gn_wall_contacts *q, size_t begin, size_t end, memory
     size_t count = 0, stride = q->soa.capacity;
     for (size_t c = begin; c < end; c++) {
         memset(q->row + 8 * c, 0, 8 * sizeof *q->row);
-        memory m = {.fd = q->fd ? q->fd[c] : 0.0};
+        memory m = {.row = c, .fd = q->fd ? q->fd[c] : 0.0};
         bool any = false;
         for (size_t a = 0; a < 3; a++) {
             m.n[a] = q->normal[c + a * stride];
@@ -203,29 +202,37 @@ static int32_t facet_of(const group *g, size_t row) {
     return g->w->wall_contacts.wall[row] - (int32_t)g->w->scene.wall_count - g->s->first;
 }
 
+static void near_of_row(const group *g, const double centre[3], size_t row, gn_facet_near *near) {
+    const gn_facet_set *f = &g->s->facets;
+    const int32_t *corner = f->corner + f->corners * (int64_t)facet_of(g, row);
+    const double *x[3] = {0};
+    *near = (gn_facet_near){.corner = {-1, -1, -1}, .row = row};
+    for (int k = 0; k < f->corners; k++) {
+        near->corner[k] = corner[k];
+        x[k] = f->pos + 4 * (int64_t)corner[k];
+    }
+    gn_facet_nearest(f->corners, x, centre, near);
+}
+
+static void away_in_space(const group *g, gn_facet_near *near) {
+    double world[3];
+    if (!g->body) return;
+    gn_rigid_direct(g->body, near->away, world);
+    memcpy(near->away, world, sizeof world);
+}
+
 /* Minima of the distance that are nearer than `reach`, nearest first. */
 static size_t minima_within(const group *g, double reach, gn_facet_near *minima) {
-    const gn_facet_set *f = &g->s->facets;
     double centre[3];
     size_t count = 0;
     centre_in(g->w, g->s, g->particle, centre);
     for (size_t c = g->begin; c < g->end; c++) {
-        const int32_t *corner = f->corner + f->corners * (int64_t)facet_of(g, c);
-        const double *x[3] = {0};
-        gn_facet_near near = {.corner = {-1, -1, -1}, .row = c};
-        for (int k = 0; k < f->corners; k++) {
-            near.corner[k] = corner[k];
-            x[k] = f->pos + 4 * (int64_t)corner[k];
-        }
-        gn_facet_nearest(f->corners, x, centre, &near);
+        gn_facet_near near;
+        near_of_row(g, centre, c, &near);
         if (near.distance < reach) gn_facet_add(minima, &count, &near);
     }
     count = gn_facet_minima(minima, count);
-    for (size_t k = 0; g->body && k < count; k++) {
-        double world[3];
-        gn_rigid_direct(g->body, minima[k].away, world);
-        memcpy(minima[k].away, world, sizeof world);
-    }
+    for (size_t k = 0; k < count; k++) away_in_space(g, &minima[k]);
     return count;
 }
 
@@ -354,17 +361,15 @@ static void contact(const group *g, const gn_facet_near *minima, const gn_facet_
 /* A contact that opened in this step: its spring across and its dashpot let go, as those of a wall
  * do. */
 static void open_contact(const group *g, memory *m, gn_contact_sums *sums) {
-    double t[3], r = g->w->particles.pos[4 * g->particle + 3];
-    gn_facet_contact k = {.overlap = 0.0};
+    double t[3], centre[3];
+    gn_facet_near near;
+    gn_facet_contact k;
+    centre_in(g->w, g->s, g->particle, centre);
+    near_of_row(g, centre, m->row, &near);
+    away_in_space(g, &near);
+    gn_facet_single(&near, 0, near.distance, &k); /* no overlap */
     memcpy(k.n, m->n, sizeof k.n);
-    for (int a = 0; a < 3; a++) k.arm[a] = r * m->n[a];
-    if (!g->body) {
-        /* Where a deformed surface was touched is not kept; what is lost is a step's dashpot. */
-        double kt = law_of(g->s).kt;
-        if (kt > 0.0) sums->friction += 0.5 * gn_dot3(m->shear, m->shear) / kt;
-        return;
-    }
-    gn_touch s = touch_of(g, NULL, &k, k.arm);
+    gn_touch s = touch_of(g, &near, &k, k.arm);
     gn_touch_law law = law_of(g->s);
     gn_touch_force(g->w, &law, &s, g->w->wall_contacts.fd ? &m->fd : NULL,
                    g->w->wall_contacts.shear ? m->shear : NULL, 1, t, sums);

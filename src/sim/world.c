@@ -204,6 +204,7 @@ static gneiss_status build_particles(gn_world *w, gneiss_error *error) {
     GN_TRY(gn_sets_apply(w, error));
     GN_TRY(gn_walls_create(w, error));
     GN_TRY(gn_bodies_create(w, error));
+    GN_TRY(gn_element_contact_create(w, error));
     w->index_of_id = gn_alloc_array(w->particles.soa.count + 1, sizeof *w->index_of_id);
     if (!w->index_of_id)
         return gn_fail(error, GNEISS_ERROR_MEMORY, "no memory for particle numbers");
@@ -244,8 +245,8 @@ static void measure_body(gn_world *w) {
 static gneiss_status build(gn_world *w, gneiss_error *error) {
     bool particles = w->scene.has_specimen;
     GN_TRY(gn_world_prepare(w, error));
-    GN_TRY(particles ? build_particles(w, error) : build_empty(w, error));
     if (w->scene.has_elements) GN_TRY(gn_elements_create(w, NULL, error));
+    GN_TRY(particles ? build_particles(w, error) : build_empty(w, error));
     if (!particles) measure_body(w);
     return gn_world_check_step(w, true, error);
 }
@@ -271,11 +272,7 @@ void gn_world_free(gn_world *w) {
     gn_partials_free(&w->bond_partials);
     gn_partials_free(&w->pair_partials);
     gn_strain_gauge_free(&w->gauge);
-    for (size_t k = 0; k < w->surface_count; k++) {
-        gn_facet_tree_free(&w->surfaces[k].tree);
-        gn_free(w->surfaces[k].force);
-        gn_free(w->surfaces[k].ref);
-    }
+    for (size_t k = 0; k < w->surface_count; k++) gn_facet_tree_free(&w->surfaces[k].tree);
     void *blocks[] = {w->bodies,          w->surfaces,
                       w->body_shape,      w->body_vertex,
                       w->body_corner,     w->wall_first,
