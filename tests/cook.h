@@ -5,16 +5,21 @@
 
 #include "fem_helpers.h"
 
-/* Corners (0, 0), (48, 44), (48, 60), (0, 44). `scale`: part of the load of 100 N per metre of
- * thickness, so that strains stay in the range where all laws are the linear one. */
+/* How the cells are cut: like the colours of a chess-board, all along the diagonal from the lower
+ * left to the upper right, or all along the other one. */
+typedef enum cook_cut { COOK_CHESS, COOK_RISING, COOK_FALLING } cook_cut;
+
+/* Corners (0, 0), (48, 44), (48, 60), (0, 44). */
 typedef struct cook {
     gn_fem_form form;
-    double poisson, scale;
-    int cells;    /* along each side */
-    bool slanted; /* all cells are cut along the same diagonal, the long one */
+    cook_cut cut;
+    double poisson;
+    int cells; /* along each side */
 } cook;
 
-enum { COOK_YOUNG_MILLI = 240565 };
+/* Part of the load of 100 N per metre of thickness that is applied: strains stay in the range where
+ * all laws are the linear one, results are those of the whole load. */
+static const double cook_scale = 1e-4;
 
 static inline gn_mesh cook_mesh(const cook *c) {
     const double unit[3] = {1.0, 1.0, 0.0};
@@ -26,31 +31,27 @@ static inline gn_mesh cook_mesh(const cook *c) {
         x[1] = (1.0 - t) * 44.0 * s + t * (44.0 + 16.0 * s);
     }
     /* Cells in rows, two triangles each. */
-    const int32_t across = c->cells + 1;
-    for (int32_t k = 0; c->slanted && k < c->cells * c->cells; k++) {
-        int32_t first = k / c->cells * across + k % c->cells, *node = mesh.triangles.node + 6 * k;
-        const int32_t cut[6] = {first, first + 1,          first + across + 1,
-                                first, first + across + 1, first + across};
-        memcpy(node, cut, sizeof cut);
+    const int32_t row = c->cells + 1;
+    for (int32_t k = 0; c->cut != COOK_CHESS && k < c->cells * c->cells; k++) {
+        const int32_t a = k / c->cells * row + k % c->cells, b = a + 1, d = a + row;
+        const int32_t cut[2][6] = {{a, b, d + 1, a, d + 1, d}, {a, b, d, b, d + 1, d}};
+        memcpy(mesh.triangles.node + 6 * k, cut[c->cut == COOK_FALLING], sizeof *cut);
     }
     return mesh;
 }
 
-/* Node of the upper right corner. */
-static inline size_t cook_tip(const gn_fem_body *body) {
-    size_t tip = 0;
-    for (size_t n = 0; n < body->nodes.soa.count; n++) {
-        const double *x = body->nodes.start + 4 * n, *best = body->nodes.start + 4 * tip;
-        if (x[0] + x[1] > best[0] + best[1]) tip = n;
-    }
-    return tip;
+/* The node at (column, row) of the grid. */
+static inline size_t cook_node(const gn_fem_body *body, int cells, int column, int row) {
+    for (size_t n = 0; n < body->nodes.soa.count; n++)
+        if (body->nodes.id[n] == row * (cells + 1) + column) return n;
+    fail_msg("no node at column %d, row %d", column, row);
+    return 0;
 }
 
 /* The loaded panel before its first step. */
 static inline gn_fem_body *cook_body(const cook *c) {
-    const gn_fem_material m = {
-        .young = 1e-3 * COOK_YOUNG_MILLI, .poisson = c->poisson, .density = 1.0};
-    const double rest[3] = {0.0}, traction[3] = {0.0, 6.25 * c->scale, 0.0};
+    const gn_fem_material m = {.young = 240.565, .poisson = c->poisson, .density = 1.0};
+    const double rest[3] = {0.0}, traction[3] = {0.0, 6.25 * cook_scale, 0.0};
     gn_fem_spec spec = spec_of(2, &m);
     spec.form = c->form;
     spec.damping = GN_FX_VISCOUS;
@@ -65,27 +66,54 @@ static inline gn_fem_body *cook_body(const cook *c) {
     return body;
 }
 
-/* At rest under its load. */
+/* Vertical displacement of the upper right corner under the whole load. */
+static inline double cook_deflection(const gn_fem_body *body, const cook *c) {
+    const size_t tip = 4 * cook_node(body, c->cells, c->cells, c->cells) + 1;
+    return (body->nodes.pos[tip] - body->nodes.start[tip]) / cook_scale;
+}
+
+/* At rest under its load: the corner moves by less than 1e-6 of its way in four times 5 s, which is
+ * about a quarter of the first period each. */
 static inline gn_fem_body *cook_at_rest(const cook *c) {
     gn_fem_body *body = cook_body(c);
-    const size_t tip = cook_tip(body);
-    const double dt = 0.95 * fem_limits(body).sharp, *y = body->nodes.pos + 4 * tip + 1;
-    double before = *y;
-    /* Changes of a quarter of a period or so. */
+    const double dt = 0.95 * fem_limits(body).sharp;
+    double before = 0.0;
     for (int quiet = 0; quiet < 4;) {
         for (double t = 0.0; t < 5.0; t += dt) fem_step(body, dt, false);
-        double moved = fabs(*y - before), all = fabs(*y - body->nodes.start[4 * tip + 1]);
-        quiet = moved < 1e-6 * all ? quiet + 1 : 0;
-        before = *y;
-        if (!(all < 100.0)) fail_msg("the panel does not come to rest");
+        double now = cook_deflection(body, c);
+        if (!(fabs(now) < 100.0)) fail_msg("the panel does not come to rest");
+        quiet = fabs(now - before) < 1e-6 * fabs(now) ? quiet + 1 : 0;
+        before = now;
     }
     return body;
 }
 
-/* Vertical displacement of the tip under the whole load. */
-static inline double cook_deflection(const gn_fem_body *body, const cook *c) {
-    const size_t tip = 4 * cook_tip(body) + 1;
-    return (body->nodes.pos[tip] - body->nodes.start[tip]) / c->scale;
+/* Pressures at nodes under the whole load, in rows of the grid; to be freed. */
+static inline double *cook_pressure(const gn_fem_body *body, const cook *c) {
+    const size_t nodes = body->nodes.soa.count;
+    double *place = calloc(nodes, sizeof *place), *grid = calloc(nodes, sizeof *grid);
+    (void)c;
+    assert_int_equal(gn_fem_nodal_pressure(body, place, NULL), GNEISS_OK);
+    for (size_t n = 0; n < nodes; n++) grid[body->nodes.id[n]] = place[n] / cook_scale;
+    free(place);
+    return grid;
+}
+
+/* Root mean square, over inner nodes, of the highest frequency that the grid has, the part that
+ * changes sign from node to node along both directions, over that of the pressure itself. */
+static inline double cook_checkerboard(const double *p, int cells) {
+    const int row = cells + 1;
+    double high = 0.0, all = 0.0;
+    for (int k = 0; k < row * row; k++) all += p[k] * p[k] / (row * row);
+    for (int j = 1; j < cells; j++)
+        for (int i = 1; i < cells; i++) {
+            double sum = 0.0;
+            for (int dj = -1; dj <= 1; dj++)
+                for (int di = -1; di <= 1; di++)
+                    sum += (dj ? -1 : 2) * (di ? -1 : 2) * p[(j + dj) * row + i + di] / 16.0;
+            high += sum * sum / ((cells - 1) * (cells - 1));
+        }
+    return sqrt(high / all);
 }
 
 #endif

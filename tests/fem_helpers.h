@@ -51,6 +51,7 @@ static inline void fem_step(gn_fem_body *body, double dt, bool measure) {
 
 /* Forces and readings of the present positions; nothing moves in an interval of no length. */
 static inline void fem_evaluate(gn_fem_body *body) {
+    gn_fem_moved(body);
     fem_step(body, 0.0, true);
 }
 

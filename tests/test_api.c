@@ -272,7 +272,7 @@ static void what_is_not_there_is_refused(void **state) {
     REFUSED(gneiss_world_step(w, -1, &error));
     REFUSED(gneiss_world_advance(w, -1.0, &error));
     REFUSED(gneiss_world_advance(w, NAN, &error));
-    REFUSED(gneiss_world_field(w, (gneiss_record)4, "pos", &view, &error));
+    REFUSED(gneiss_world_field(w, (gneiss_record)6, "pos", &view, &error));
     REFUSED(gneiss_world_field(w, (gneiss_record)-1, "pos", &view, &error));
     REFUSED(gneiss_world_field(w, GNEISS_PARTICLES, "colour", &view, &error));
     assert_message(&error, GNEISS_ERROR_INPUT, "pos, vel");
@@ -317,7 +317,7 @@ static void null_is_nothing_to_free_and_counts_nothing(void **state) {
     assert_int_equal(gneiss_world_field_count(NULL, GNEISS_PARTICLES), 0);
     assert_int_equal(gneiss_world_history_count(NULL), 0);
     assert_true(isnan(gneiss_view_value(NULL, 0, 0)));
-    assert_null(gneiss_record_name((gneiss_record)4));
+    assert_null(gneiss_record_name((gneiss_record)6));
 }
 
 static void the_error_may_be_null(void **state) {
@@ -458,6 +458,33 @@ static void a_scene_has_only_the_fields_it_calls_for(void **state) {
     assert_int_equal(c.particles, 2);
     assert_int_equal(c.bonds, 0);
     assert_int_equal(c.wall_contacts, 0);
+    gneiss_world_free(w);
+}
+
+static void nodes_and_elements_have_fields(void **state) {
+    (void)state;
+    static const char bar[] = "dimension: 2\n"
+                              "elements:\n"
+                              "  rectangle: {size: [4 cm, 1 cm], cells: [4, 1]}\n"
+                              "  materials: [{young: 30 GPa, poisson: 0.2, density: 2400 kg/m3}]\n"
+                              "  motions: [{name: end, group: x_upper, motion: {vx: 1 m/s}}]\n"
+                              "time: {end: 1 ms}\n"
+                              "run: {threads: 1}\n";
+    gneiss_world *w = world_of(bar, NULL, NULL);
+    gneiss_limits limits;
+    must(gneiss_world_limits(w, &limits, NULL), &(gneiss_error){0});
+    assert_true(limits.bound > 0.0 && limits.bound <= limits.sharp && isfinite(limits.sharp));
+    step(w, 3);
+    gneiss_view pos = field(w, GNEISS_NODES, "pos"), vel = field(w, GNEISS_NODES, "vel");
+    assert_int_equal(pos.count, 10);
+    assert_int_equal(field(w, GNEISS_ELEMENTS, "node").count, 8);
+    for (size_t k = 0; k < pos.count; k++)
+        if (gneiss_view_value(&pos, k, 0) > 0.04) assert_true(gneiss_view_value(&vel, k, 0) == 1.0);
+    assert_int_equal(counts_of(w).particles, 0);
+    gneiss_world_free(w);
+    w = world_of(loose, NULL, NULL);
+    assert_int_equal(gneiss_world_field_count(w, GNEISS_NODES), 0);
+    assert_int_equal(gneiss_world_field_count(w, GNEISS_ELEMENTS), 0);
     gneiss_world_free(w);
 }
 
@@ -860,6 +887,7 @@ int main(void) {
         cmocka_unit_test(column_views_stride_by_component),
         cmocka_unit_test(every_field_is_found_by_index_and_by_name),
         cmocka_unit_test(a_scene_has_only_the_fields_it_calls_for),
+        cmocka_unit_test(nodes_and_elements_have_fields),
         cmocka_unit_test(counts_follow_the_views),
         cmocka_unit_test(the_history_has_a_row_every_interval),
         cmocka_unit_test(readings_are_those_of_the_closed_form),

@@ -49,6 +49,44 @@ static void lanczos_converges_through_restarts(void **state) {
     free(x);
 }
 
+/* The path in other units: x = d y, with scales d from 1 to 1000; D^-1 T D is symmetric in D^2. */
+static double unit_of(size_t k) {
+    return 1.0 + 999.0 * (double)(k % 7) / 6.0;
+}
+
+static void scaled_product(const void *context, const double *y, double *out) {
+    size_t n = *(const size_t *)context;
+    for (size_t k = 0; k < n; k++) {
+        double left = k ? unit_of(k - 1) * y[k - 1] : 0.0;
+        double right = k + 1 < n ? unit_of(k + 1) * y[k + 1] : 0.0;
+        out[k] = 2.0 * y[k] - (left + right) / unit_of(k);
+    }
+}
+
+static void scaled_metric(const void *context, const double *y, double *out) {
+    size_t n = *(const size_t *)context;
+    for (size_t k = 0; k < n; k++) out[k] = unit_of(k) * unit_of(k) * y[k];
+}
+
+static void lanczos_finds_the_same_in_a_metric(void **state) {
+    (void)state;
+    size_t n = 300;
+    double *x = calloc(n, sizeof *x), *weighed = calloc(n, sizeof *weighed);
+    for (size_t k = 0; k < n; k++) x[k] = (double)((k * k * 31 + 7 * k) % 101) - 50.0;
+    gn_eigen_top top;
+    assert_int_equal(
+        gn_eigen_largest_in(n, scaled_product, scaled_metric, &n, 1e-6, 2, x, &top, NULL),
+        GNEISS_OK);
+    double s = sin(pi * (double)n / (2.0 * (n + 1.0)));
+    assert_true(top.vectors > 50);
+    assert_true(top.value <= 4.0 * s * s * (1.0 + 1e-14));
+    assert_close(top.value, 4.0 * s * s, 1e-6);
+    scaled_metric(&n, x, weighed);
+    assert_close(gn_eigen_dot(n, x, weighed, 1), 1.0, 1e-12);
+    free(x);
+    free(weighed);
+}
+
 static void lanczos_refuses_a_zero_start(void **state) {
     (void)state;
     size_t n = 3;
@@ -62,6 +100,7 @@ int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(jacobi_finds_the_spectrum_of_a_path),
         cmocka_unit_test(lanczos_converges_through_restarts),
+        cmocka_unit_test(lanczos_finds_the_same_in_a_metric),
         cmocka_unit_test(lanczos_refuses_a_zero_start),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

@@ -176,7 +176,7 @@ static void expect_growth(const bench *b, size_t e, double volume, double det, e
     const gn_elements *q = &b->elements;
     const int nodes = b->dimension + 1;
     double g[3], normal[3];
-    slope(b, e, b->nodes.smooth + 3, 4, g);
+    slope(b, e, b->nodes.pos + 3, 4, g);
     for (int a = 0; a < nodes; a++)
         for (int k = 0; k < b->dimension; k++)
             g[k] -= b->nodes.smooth[4 * gn_elements_node(q, a)[e] + k] / nodes;

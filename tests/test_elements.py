@@ -46,6 +46,9 @@ def reads_back(folder, dimension, form):
     for name, wanted in ((plane + "young_modulus", YOUNG), (plane + "poisson_ratio", POISSON)):
         assert abs(readings[name] / wanted - 1) < 2e-3, f"{name}: {readings[name]} for {wanted}"
     assert readings["peak_strain"] < 6e-4
+    with results(os.path.join(folder, "out")) as file:  # uniform tension: sigma/3, in plane strain (1 + nu) sigma/3
+        wanted = -file["history/stress"][-1] / 3 * (1 + POISSON if dimension == 2 else 1)
+        assert np.allclose(file["nodes/pressure"][:], wanted, rtol=0.02), file["nodes/pressure"][:] / wanted
     assert abs(summary(os.path.join(folder, "out"))["energy_residual"]) < 1e-6
 
 
@@ -337,6 +340,7 @@ def results_hold_nodes_elements_and_motions_in_the_order_of_the_mesh(folder):
         assert np.allclose(elements["principal_stress"][:], np.linalg.eigvalsh(tensor)[:, ::-1])
         deviator = tensor + elements["pressure"][:][:, None, None] * np.eye(3)
         assert np.allclose(elements["von_mises"][:], np.sqrt(1.5 * (deviator**2).sum(axis=(1, 2))))
+        assert np.allclose(nodes["pressure"][:], -nodes["stress"][:, :3].mean(axis=1))
         for path in ("nodes/stress", "nodes/pressure", "elements/von_mises"):
             assert text(file[path].attrs["unit"]) == "Pa", path
         assert "particles" not in file

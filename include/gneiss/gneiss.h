@@ -199,9 +199,11 @@ GNEISS_API uint64_t gneiss_world_hash(const gneiss_world *world);
 
 typedef enum gneiss_record {
     GNEISS_PARTICLES = 0,
-    GNEISS_BONDS = 1,        /* formed at the start; a broken one stays in the list */
-    GNEISS_PAIRS = 2,        /* near each other and not bonded: touching or not */
-    GNEISS_WALL_CONTACTS = 3 /* particles near walls */
+    GNEISS_BONDS = 1,         /* formed at the start; a broken one stays in the list */
+    GNEISS_PAIRS = 2,         /* near each other and not bonded: touching or not */
+    GNEISS_WALL_CONTACTS = 3, /* particles near walls */
+    GNEISS_NODES = 4,         /* of finite elements */
+    GNEISS_ELEMENTS = 5       /* triangles or tetrahedra */
 } gneiss_record;
 
 typedef enum gneiss_type {
@@ -228,7 +230,7 @@ typedef struct gneiss_view {
     const void *data;
 } gneiss_view;
 
-/* "particles", "bonds", "pairs", "wall_contacts"; NULL for anything else. */
+/* "particles", "bonds", "pairs", "wall_contacts", "nodes", "elements"; NULL for anything else. */
 GNEISS_API const char *gneiss_record_name(gneiss_record record);
 
 /* How many fields a record has in this world: only those that its scene calls for. 0 for NULL or no

@@ -316,8 +316,8 @@ gneiss_status gneiss_world_limits(const gneiss_world *world, gneiss_limits *limi
     GN_TRY(gn_api_require(world, "world", error));
     GN_TRY(gn_api_require(limits, "limits", error));
     const gn_world *w = &world->run.world;
-    *limits =
-        (gneiss_limits){w->dt, w->stable, w->limit.sharp, w->limit.bound, w->limit.literature};
+    *limits = (gneiss_limits){w->dt, w->stable, gn_world_sharp_limit(w), gn_world_bound(w),
+                              w->scene.has_specimen ? w->limit.literature : (double)INFINITY};
     return GNEISS_OK;
 }
 

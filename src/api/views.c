@@ -28,12 +28,15 @@ typedef struct place {
 } place;
 
 const char *gneiss_record_name(gneiss_record record) {
-    static const char *const names[] = {"particles", "bonds", "pairs", "wall_contacts"};
-    return (unsigned)record < 4 ? names[record] : NULL;
+    static const char *const names[] = {"particles",     "bonds", "pairs",
+                                        "wall_contacts", "nodes", "elements"};
+    return (unsigned)record < 6 ? names[record] : NULL;
 }
 
 static place find_record(const gneiss_world *world, gneiss_record record) {
+    static const gn_fem_body none;
     const gn_world *w = &world->run.world;
+    const gn_fem_body *body = w->elements ? &w->elements->body : &none;
     switch (record) {
     case GNEISS_PARTICLES:
         return (place){&gn_particle_record, &w->particles.soa};
@@ -43,6 +46,10 @@ static place find_record(const gneiss_world *world, gneiss_record record) {
         return (place){&gn_contact_record, &w->pairs.soa};
     case GNEISS_WALL_CONTACTS:
         return (place){&gn_wall_contact_record, &w->wall_contacts.soa};
+    case GNEISS_NODES:
+        return (place){&gn_particle_record, &body->nodes.soa};
+    case GNEISS_ELEMENTS:
+        return (place){&gn_element_record, &body->elements.soa};
     }
     return (place){NULL, NULL};
 }
@@ -52,7 +59,7 @@ static gneiss_status require_record(const gneiss_world *world, gneiss_record rec
     GN_TRY(gn_api_require(world, "world", error));
     *out = find_record(world, record);
     if (out->record) return GNEISS_OK;
-    return gn_fail(error, GNEISS_ERROR_INPUT, "argument record: expected one in [0, 3], found %d",
+    return gn_fail(error, GNEISS_ERROR_INPUT, "argument record: expected one in [0, 5], found %d",
                    (int)record);
 }
 

@@ -314,7 +314,7 @@ static gneiss_status prepare(gn_fem_body *body, const gn_fem_spec *spec, gneiss_
     body->dimension = spec->dimension;
     body->form = spec->form;
     body->threads = spec->threads > 0 ? spec->threads : 1;
-    body->pace = gn_pace_start(body->threads, 32, 512, 32768);
+    if (body->threads > GN_THREADS_MAX) body->threads = GN_THREADS_MAX;
     memcpy(body->gravity, spec->gravity, (size_t)spec->dimension * sizeof *body->gravity);
     body->damping_coefficient = spec->damping_coefficient;
     body->effects = GN_FX_APPLIED | GN_FX_PRESCRIBED | GN_FX_ENERGY | spec->damping;
@@ -338,7 +338,8 @@ static gneiss_status make_sums(builder *b, gneiss_error *error) {
     body->motion_blocks = (nodes + GN_PARTICLE_BLOCK - 1) / GN_PARTICLE_BLOCK;
     body->element_sums = gn_alloc_array(body->partials.blocks + 1, sizeof *body->element_sums);
     body->motion_sums = gn_alloc_array(body->motion_blocks + 1, sizeof *body->motion_sums);
-    return body->element_sums && body->motion_sums ? GNEISS_OK : out_of_memory(b, error);
+    if (!body->element_sums || !body->motion_sums) return out_of_memory(b, error);
+    return gn_fem_sweep_prepare(body, error);
 }
 
 static gneiss_status build(builder *b, gneiss_error *error) {
@@ -398,7 +399,10 @@ void gn_fem_body_free(gn_fem_body *body) {
                       body->growth_row,
                       body->gradient_row,
                       body->pressure,
-                      body->pressure_sums};
+                      body->pressure_sums,
+                      body->share,
+                      body->busy,
+                      body->done};
     gn_mesh_free(&body->mesh);
     gn_soa_destroy(&gn_particle_record, &body->nodes);
     gn_soa_destroy(&gn_element_record, &body->elements);

@@ -41,11 +41,6 @@ typedef struct gn_fem_energy {
     double stored_at_start;
 } gn_fem_energy;
 
-/* J: what pressures hold, and what was lost by damping the stabilising one. */
-typedef struct gn_fem_pressure_sums {
-    double elastic, damping;
-} gn_fem_pressure_sums;
-
 typedef struct gn_fem_body {
     char name[128];
     int dimension, threads;
@@ -80,12 +75,19 @@ typedef struct gn_fem_body {
     double *growth_row, *gradient_row; /* second and third rows of the partial sums, [2] and [4] */
     double *pressure;                  /* [nodes] scratch of readings */
     double rate2;                      /* 1/s2: how fast the stabilising pressure follows */
-    gn_fem_pressure_sums *pressure_sums; /* per block of nodes */
+    gn_pressure_kernel *const *pressure_kernel; /* [GN_PRESSURE_PASSES] */
+    gn_pressure_sums *pressure_sums;            /* per block of nodes */
 
     gn_element_sums *element_sums; /* per block of elements */
     gn_motion_sums *motion_sums;   /* per block of nodes */
     size_t motion_blocks;
+
+    /* Who works on what (sweep.c). */
     gn_pace pace;
+    double *share; /* [threads] part of the elements' blocks before a thread's own */
+    gn_busy *busy; /* [threads] */
+    int64_t *done; /* [motion_blocks] the pass that a block of nodes was last worked on in */
+    int64_t passes;
 
     int64_t step;
     double time, dt_past;
@@ -209,6 +211,9 @@ gneiss_status gn_fem_stiffening(const gn_fem_body *body, double *factor, gneiss_
 enum { GN_FEM_CHECK_EVERY = 64 };
 gneiss_status gn_fem_step(gn_fem_body *body, double dt, bool measure, gneiss_error *error);
 
+/* To be called after positions were changed other than by steps: the mixed form keeps a copy. */
+void gn_fem_moved(gn_fem_body *body);
+
 /* Stored energy less what it was and what came in, plus what was lost: of `reading`, in J. */
 double gn_fem_energy_residual(const gn_fem_energy *energy);
 
@@ -224,6 +229,9 @@ void gn_fem_element_stress(const gn_fem_body *body, double (*stress)[6]);
 /* Stress at nodes: mean over the elements at the node, weighted by their volumes. */
 gneiss_status gn_fem_nodal_stress(const gn_fem_body *body, const double (*element)[6],
                                   double (*nodal)[6], gneiss_error *error);
+/* Pa, tension positive, per node, by place: the mixed form's own; in the displacement form that of
+ * the nodal stress. */
+gneiss_status gn_fem_nodal_pressure(const gn_fem_body *body, double *pressure, gneiss_error *error);
 
 /* det F of an element at the present positions (measures.c). */
 double gn_fem_volume_ratio(const gn_fem_body *body, size_t element);

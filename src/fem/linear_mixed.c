@@ -90,7 +90,7 @@ static void add_gradient(const linear_system *y, size_t e, double *sums[4]) {
 static void take_gradient(const linear_system *y, size_t n, const double *sum, double *out) {
     (void)out;
     for (int k = 0; k < 3; k++)
-        y->gradient[4 * n + (size_t)k] = y->body->nodes.lumped[2 * n + 1] * sum[k];
+        y->gradient[4 * n + (size_t)k] = y->body->nodes.lumped[4 * n + 1] * sum[k];
 }
 
 /* Growth and stabilising term. */
@@ -114,7 +114,7 @@ static void add_growth(const linear_system *y, size_t e, double *sums[4]) {
 
 static void take_pressure(const linear_system *y, size_t n, const double *sum, double *out) {
     const size_t at = y->body->nodes.soa.count * (size_t)y->dimension + n;
-    y->pressure[n] = y->body->nodes.lumped[2 * n] * (sum[0] - sum[1]);
+    y->pressure[n] = y->body->nodes.lumped[4 * n] * (sum[0] - sum[1]);
     out[at] = y->body->rate2 * (y->gradient[4 * n + 3] - y->pressure[n]);
 }
 

@@ -50,11 +50,12 @@ static void weigh(gn_fem_body *body) {
         double share = q->volume[e] / nodes;
         for (int a = 0; a < nodes; a++) {
             size_t n = (size_t)gn_elements_node(q, a)[e];
-            lumped[2 * n] += share / gn_fem_bulk(q, e);
-            lumped[2 * n + 1] += share * q->tau[e];
+            lumped[4 * n] += share / gn_fem_bulk(q, e);
+            lumped[4 * n + 1] += share * q->tau[e];
         }
     }
-    for (size_t k = 0; k < 2 * body->nodes.soa.count; k++) lumped[k] = 1.0 / lumped[k];
+    for (size_t n = 0; n < body->nodes.soa.count; n++)
+        for (size_t k = 0; k < 2; k++) lumped[4 * n + k] = 1.0 / lumped[4 * n + k];
 }
 
 /* M_p^-1 S, element by element, with the element's own M_p: nodes K tau times the largest
@@ -87,6 +88,7 @@ static gneiss_status choose_rate(gn_fem_body *body, gneiss_error *error) {
 gneiss_status gn_fem_mixed_prepare(gn_fem_body *body, gneiss_error *error) {
     size_t rows = (size_t)body->partials.first[body->partials.blocks] + 1;
     body->dilation_kernel = body->kernels->dilation[body->dimension == 3];
+    body->pressure_kernel = body->kernels->pressure;
     body->growth_row = gn_alloc_array(rows, 2 * sizeof *body->growth_row);
     body->gradient_row = gn_alloc_array(rows, 4 * sizeof *body->gradient_row);
     body->pressure_sums = gn_alloc_array(body->motion_blocks + 1, sizeof *body->pressure_sums);
@@ -95,51 +97,28 @@ gneiss_status gn_fem_mixed_prepare(gn_fem_body *body, gneiss_error *error) {
         return gn_fail(error, GNEISS_ERROR_MEMORY, "%s: no memory for the pressures of %zu nodes",
                        body->name, body->nodes.soa.count);
     weigh(body);
+    gn_fem_moved(body);
     return choose_rate(body, error);
 }
 
 /* --- a step
  * ---------------------------------------------------------------------------------------- */
 
+static void copy_places(const gn_fem_body *body) {
+    const gn_particles *q = &body->nodes;
+    for (size_t n = 0; n < q->soa.count; n++) {
+        memcpy(q->placed_p + 4 * n, q->pos + 4 * n, 3 * sizeof *q->pos);
+        q->placed_p[4 * n + 3] = q->smooth[4 * n + 3];
+    }
+}
+
+void gn_fem_moved(gn_fem_body *body) {
+    if (body->form == GN_FEM_MIXED) copy_places(body);
+}
+
 gn_dilation_args gn_fem_dilation_args(const gn_fem_body *body) {
-    return (gn_dilation_args){body->nodes.pos, body->nodes.smooth, &body->elements, &body->partials,
-                              body->growth_row};
-}
-
-/* Growth and stabilising term of a block of nodes. */
-static void gather_growth(const gn_fem_body *body, size_t block, double sum[][2]) {
-    const gn_partials *q = &body->partials;
-    memset(sum, 0, GN_PARTICLE_BLOCK * sizeof *sum);
-    for (int32_t k = q->start[block]; k < q->start[block + 1]; k++) {
-        double *to = sum[q->share[k].particle - (int32_t)(block * GN_PARTICLE_BLOCK)];
-        const double *row = body->growth_row + 2 * (int64_t)q->share[k].row;
-        to[0] += row[0];
-        to[1] += row[1];
-    }
-}
-
-static size_t end_of(const gn_fem_body *body, size_t block) {
-    size_t end = (block + 1) * GN_PARTICLE_BLOCK;
-    return end < body->nodes.soa.count ? end : body->nodes.soa.count;
-}
-
-void gn_fem_pressure_block(gn_fem_body *body, size_t block) {
-    gn_particles *q = &body->nodes;
-    const size_t begin = block * GN_PARTICLE_BLOCK, end = end_of(body, block);
-    const double per_time = body->dt_past > 0.0 ? 1.0 / body->dt_past : 0.0;
-    double sum[GN_PARTICLE_BLOCK][2], elastic = 0.0;
-    gather_growth(body, block, sum);
-    for (size_t n = begin; n < end; n++) {
-        const double growth = sum[n - begin][0], term = sum[n - begin][1];
-        const double pressure = q->lumped[2 * n] * (growth - term);
-        double *kept = q->stabiliser + 3 * n;
-        kept[1] = (term - kept[0]) * per_time;
-        kept[0] = term;
-        memcpy(q->placed_p + 4 * n, q->pos + 4 * n, 3 * sizeof(double));
-        q->placed_p[4 * n + 3] = pressure;
-        elastic += pressure * (growth - term) + q->smooth[4 * n + 3] * term;
-    }
-    body->pressure_sums[block] = (gn_fem_pressure_sums){.elastic = 0.5 * elastic};
+    return (gn_dilation_args){body->nodes.placed_p, body->nodes.smooth, &body->elements,
+                              &body->partials, body->growth_row};
 }
 
 /* With viscous damping q is damped at the same rate; other kinds damp a mode of frequency w by
@@ -151,66 +130,38 @@ static double damping_rate(const gn_fem_body *body) {
     return 2.0 / pi * body->damping_coefficient * sqrt(body->rate2);
 }
 
-/* Energies of the inertia S/w^2: S times the rate of the past interval is known from the change of
- * the stabilising term. A loss is booked when its interval has passed: its second half (with the
- * mean rate of the instant at which it began) before its first one. */
-static void book(const gn_fem_body *body, size_t n, double before, double after, double damping,
-                 gn_fem_pressure_sums *s) {
-    double *kept = body->nodes.stabiliser + 3 * n, mean = 0.5 * (before + after);
-    double momentum = kept[1] / body->rate2;
-    s->elastic += 0.5 * after * momentum;
-    s->damping += 0.5 * body->dt_past * damping * (kept[2] + mean) * momentum;
-    kept[2] = mean;
-}
-
-void gn_fem_smooth_block(gn_fem_body *body, size_t block, double dt) {
-    gn_particles *p = &body->nodes;
-    const gn_partials *q = &body->partials;
-    const size_t begin = block * GN_PARTICLE_BLOCK, end = end_of(body, block);
-    const double interval = 0.5 * (body->dt_past + dt), damping = damping_rate(body);
-    const double half = 0.5 * damping * interval, kick = interval * body->rate2;
-    double sum[GN_PARTICLE_BLOCK][4];
-    memset(sum, 0, sizeof sum);
-    for (int32_t k = q->start[block]; k < q->start[block + 1]; k++) {
-        double *to = sum[q->share[k].particle - (int32_t)begin];
-        const double *row = body->gradient_row + 4 * (int64_t)q->share[k].row;
-        for (int c = 0; c < 4; c++) to[c] += row[c];
-    }
-    for (size_t n = begin; n < end; n++) {
-        double *value = p->smooth + 4 * n, *rate = p->smooth_rate + 4 * n, before = rate[3];
-        double *target = sum[n - begin];
-        for (int c = 0; c < 3; c++) target[c] *= p->lumped[2 * n + 1];
-        target[3] = p->placed_p[4 * n + 3];
-        for (int c = 0; c < 4; c++) {
-            rate[c] = ((1.0 - half) * rate[c] + kick * (target[c] - value[c])) / (1.0 + half);
-            value[c] += dt * rate[c];
-        }
-        book(body, n, before, rate[3], damping, &body->pressure_sums[block]);
-    }
+gn_pressure_args gn_fem_pressure_args(gn_fem_body *body, double dt, bool measure) {
+    const double damping = damping_rate(body);
+    return (gn_pressure_args){.nodes = &body->nodes,
+                              .partials = &body->partials,
+                              .growth_row = body->growth_row,
+                              .gradient_row = body->gradient_row,
+                              .dt_past = body->dt_past,
+                              .dt = dt,
+                              .rate2 = body->rate2,
+                              .damping = damping,
+                              .book = measure || damping > 0.0};
 }
 
 /* --- reading
  * --------------------------------------------------------------------------------------- */
 
-/* Of the mixed form: one serial pass over all blocks; the rows are made anew in every step. */
-static void find_pressures(const gn_fem_body *body, double *pressure) {
+/* One serial pass over all blocks; rows are made anew in every step, and no energy is asked for. */
+void gn_fem_find_pressures(const gn_fem_body *body) {
     const gn_dilation_args args = gn_fem_dilation_args(body);
     const gn_partials *q = &body->partials;
-    double sum[GN_PARTICLE_BLOCK][2];
+    const size_t nodes = body->nodes.soa.count;
+    double *pressure = body->pressure;
+    copy_places(body);
+    memset(pressure, 0, nodes * sizeof *pressure);
     for (size_t b = 0; b < q->blocks; b++) {
         size_t end = (b + 1) * q->length;
         if (end > body->elements.soa.count) end = body->elements.soa.count;
         body->dilation_kernel(&args, b * q->length, end);
     }
-    for (size_t b = 0; b < body->motion_blocks; b++) {
-        gather_growth(body, b, sum);
-        for (size_t n = b * GN_PARTICLE_BLOCK; n < end_of(body, b); n++) {
-            const double *s = sum[n % GN_PARTICLE_BLOCK];
-            pressure[n] = body->nodes.lumped[2 * n] * (s[0] - s[1]);
-        }
+    for (int32_t s = 0; s < q->first[q->blocks]; s++) {
+        const double *row = body->growth_row + 2 * (int64_t)q->share[s].row;
+        pressure[q->share[s].particle] += row[0] - row[1];
     }
-}
-
-void gn_fem_find_pressures(const gn_fem_body *body) {
-    find_pressures(body, body->pressure);
+    for (size_t n = 0; n < nodes; n++) pressure[n] *= body->nodes.lumped[4 * n];
 }

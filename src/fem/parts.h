@@ -21,6 +21,13 @@ double gn_fem_deformation(const gn_fem_body *body, size_t element, double f[3][3
 /* m2 of a facet at the start; of a line 1 m thick (loads.c). */
 double gn_fem_facet_area(const gn_fem_body *body, const int32_t *node);
 
+/* --- the parallel part of a step (sweep.c) --- */
+
+gneiss_status gn_fem_sweep_prepare(gn_fem_body *body, gneiss_error *error);
+/* Forces of the present instant, and nodes (with the stabilising pressure) over the coming
+ * interval; leaves the sums of all blocks. */
+void gn_fem_sweep(gn_fem_body *body, double dt, bool measure);
+
 /* --- mixed form (mixed.c) --- */
 
 /* Bulk modulus, Pa. */
@@ -31,10 +38,7 @@ double gn_fem_stabiliser_eigenvalue(const gn_elements *elements, size_t element)
 gneiss_status gn_fem_mixed_prepare(gn_fem_body *body, gneiss_error *error);
 
 gn_dilation_args gn_fem_dilation_args(const gn_fem_body *body);
-/* Pressures of a block of nodes whose growth is known. */
-void gn_fem_pressure_block(gn_fem_body *body, size_t block);
-/* The stabilising pressure of a block of nodes over the coming interval. */
-void gn_fem_smooth_block(gn_fem_body *body, size_t block, double dt);
+gn_pressure_args gn_fem_pressure_args(gn_fem_body *body, double dt, bool measure);
 /* body->pressure of the present positions. */
 void gn_fem_find_pressures(const gn_fem_body *body);
 

@@ -77,3 +77,22 @@ gneiss_status gn_fem_nodal_stress(const gn_fem_body *body, const double (*elemen
     gn_free(volume);
     return GNEISS_OK;
 }
+
+gneiss_status gn_fem_nodal_pressure(const gn_fem_body *body, double *pressure,
+                                    gneiss_error *error) {
+    const size_t nodes = body->nodes.soa.count, elements = body->elements.soa.count;
+    if (body->form == GN_FEM_MIXED) {
+        gn_fem_find_pressures(body);
+        memcpy(pressure, body->pressure, nodes * sizeof *pressure);
+        return GNEISS_OK;
+    }
+    double(*stress)[6] = gn_alloc_array(elements + nodes + 1, sizeof *stress);
+    if (!stress) return gn_fail(error, GNEISS_ERROR_MEMORY, "no memory for %zu nodes", nodes);
+    gn_fem_element_stress(body, stress);
+    double(*nodal)[6] = stress + elements;
+    gneiss_status status = gn_fem_nodal_stress(body, (const double(*)[6])stress, nodal, error);
+    for (size_t n = 0; n < nodes; n++)
+        pressure[n] = (nodal[n][0] + nodal[n][1] + nodal[n][2]) / 3.0;
+    gn_free(stress);
+    return status;
+}

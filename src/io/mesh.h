@@ -34,7 +34,7 @@ typedef struct gn_mesh_elements {
 
 typedef struct gn_mesh {
     size_t node_count;
-    double *node; /* [node_count][3], m; gn_alloc'ed */
+    double *node;            /* [node_count][3], m; gn_alloc'ed */
     gn_mesh_elements points; /* only those of groups */
     gn_mesh_elements lines, triangles, tetrahedra;
     size_t group_count;
@@ -42,7 +42,8 @@ typedef struct gn_mesh {
 } gn_mesh;
 
 /* Reads a gmsh .msh file, format 2.2 or 4.1, text or binary. Linear lines, triangles and tetrahedra
- * are kept, points when they belong to a group; every other element is refused by name (quadrangles, second order,
+ * are kept, points when they belong to a group; every other element is refused by name
+ * (quadrangles, second order,
  * ...). Nodes that no element uses are kept. `scale` multiplies coordinates. A negative physical
  * tag (reversed orientation) turns the element and is stored positive, so that both formats of one
  * mesh read alike. Unknown sections are skipped. All errors of content are GNEISS_ERROR_INPUT with

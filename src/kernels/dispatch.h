@@ -5,6 +5,7 @@
 #include "kernels/contact.h"
 #include "kernels/element.h"
 #include "kernels/motion.h"
+#include "kernels/pressure.h"
 
 /* Kernels of one instruction set. */
 typedef struct gn_kernel_set {
@@ -14,7 +15,8 @@ typedef struct gn_kernel_set {
     gn_contact_kernel *const *mixed;     /* the same in mixed precision */
     gn_motion_kernel *const *motion;     /* [GN_MOTION_VARIANTS] */
     gn_element_kernel *const *element;   /* [GN_ELEMENT_VARIANTS] */
-    gn_dilation_kernel *const *dilation; /* [2] */
+    gn_dilation_kernel *const *dilation; /* [2] triangles, tetrahedra */
+    gn_pressure_kernel *const *pressure; /* [GN_PRESSURE_PASSES] */
 } gn_kernel_set;
 
 enum { GN_KERNEL_SETS = 3 };

@@ -23,8 +23,8 @@ typedef struct gn_element_args {
 
 /* First pass of the mixed form. */
 typedef struct gn_dilation_args {
-    const double *pos;    /* node rows [n][4] */
-    const double *smooth; /* node rows [n][4]: projected gradient of q xyz, q */
+    const double *place;  /* node rows [n][4]: x y z and the stabilising pressure q */
+    const double *smooth; /* node rows [n][4]: projected gradient of q xyz */
     const gn_elements *elements;
     const gn_partials *partials; /* of `elements`: numbers of the rows */
     double *row; /* rows [2] as those of `partials`, written: share of the growth in volume (m3), of

@@ -277,41 +277,51 @@ GN_INLINE void element_core(const gn_element_args *a, size_t begin, size_t end,
 /* Per element: growth in volume V - V0, from the edges, and g = grad q - mean of the nodes'
  * projected gradients; node a takes (V - V0)/nodes and tau V0 grad N_a . g. */
 typedef struct dilation {
-    double growth[GN_W], term[4][GN_W];
+    gn_v growth, term[4];
 } dilation;
 
+/* Edges, and what nodes 1 2 3 have more of q than node 0. */
+GN_INLINE void load_places(const gn_dilation_args *a, size_t e, gn_v3 edge[3], gn_v dq[3],
+                           int space) {
+    gn_v first[4], x[4];
+    gn_rows4(a->place, node_column(a->elements, 0) + e, first);
+    for (int n = 0; n < 2 + space; n++) {
+        gn_rows4(a->place, node_column(a->elements, n + 1) + e, x);
+        edge[n] =
+            (gn_v3){x[0] - first[0], x[1] - first[1], gn_pick(space, x[2] - first[2], gn_set(0.0))};
+        dq[n] = x[3] - first[3];
+    }
+}
+
+/* Sum of the projected gradients over the nodes. */
+GN_INLINE gn_v3 load_gradient_sum(const gn_dilation_args *a, size_t e, int space) {
+    const int32_t *node[4];
+    gn_v sum[4];
+    for (int n = 0; n < 3 + space; n++) node[n] = node_column(a->elements, n) + e;
+    gn_rows4_sum(a->smooth, node, 3 + space, sum);
+    return (gn_v3){sum[0], sum[1], gn_pick(space, sum[2], gn_set(0.0))};
+}
+
 GN_INLINE dilation find_dilation(const gn_dilation_args *a, size_t e, int space) {
-    const gn_v zero = gn_set(0.0);
     const double nodes = 3 + space, factorial = space ? 6.0 : 2.0;
-    gn_v first[4], x[4], base[4], z[4], dq[3];
-    gn_v3 edge[3], mean;
+    gn_v dq[3];
+    gn_v3 edge[3];
     state t;
     dilation out;
-    gn_rows4(a->pos, node_column(a->elements, 0) + e, first);
-    gn_rows4(a->smooth, node_column(a->elements, 0) + e, base);
-    mean = (gn_v3){base[0], base[1], gn_pick(space, base[2], zero)};
-    for (int n = 0; n < 2 + space; n++) {
-        const int32_t *node = node_column(a->elements, n + 1) + e;
-        gn_rows4(a->pos, node, x);
-        gn_rows4(a->smooth, node, z);
-        edge[n] = (gn_v3){x[0] - first[0], x[1] - first[1], gn_pick(space, x[2] - first[2], zero)};
-        dq[n] = z[3] - base[3];
-        mean = gn_add(mean, (gn_v3){z[0], z[1], z[2]}, space);
-    }
+    load_places(a, e, edge, dq, space);
     load_gradients(a->elements, e, &t, (variant){.space = space});
     gn_v3 normal = gn_cross(edge[0], edge[1], space);
     gn_v det = space ? gn_dot(normal, edge[2], 1) : normal.z;
-    gn_store(out.growth,
-             gn_fma(gn_set(1.0 / (factorial * nodes)), det, gn_set(-1.0 / nodes) * t.volume));
-    gn_v3 g = gn_axmy(gradient_of(t.gradient, dq, space), gn_set(1.0 / nodes), mean, space);
+    out.growth = gn_fma(gn_set(1.0 / (factorial * nodes)), det, gn_set(-1.0 / nodes) * t.volume);
+    gn_v3 g = gradient_of(t.gradient, dq, space);
+    g = gn_axmy(g, gn_set(1.0 / nodes), load_gradient_sum(a, e, space), space);
     g = gn_scale(t.volume * gn_load(a->elements->tau + e), g, space);
-    gn_v rest = zero;
+    out.term[0] = gn_set(0.0);
     for (int n = 0; n < 2 + space; n++) {
-        gn_v term = gn_dot(t.gradient[n], g, space);
-        rest = rest - term;
-        gn_store(out.term[n + 1], term);
+        out.term[n + 1] = gn_dot(t.gradient[n], g, space);
+        out.term[0] = out.term[0] - out.term[n + 1];
     }
-    gn_store(out.term[0], rest);
+    if (!space) out.term[3] = gn_set(0.0);
     return out;
 }
 
@@ -319,14 +329,17 @@ GN_INLINE void dilation_core(const gn_dilation_args *a, size_t begin, size_t end
     const size_t nodes = 3 + (size_t)space;
     double *sums = clear_rows(a->partials, begin, 2, a->row);
     for (size_t e = begin; e < end; e += GN_W) {
-        dilation d = find_dilation(a, e, space);
+        const dilation d = find_dilation(a, e, space);
         const uint16_t *place = a->partials->place + nodes * e;
+        gn_real row[2][4 * GN_W]; /* of two nodes each */
+        for (int n = 0; n < 2; n++) {
+            gn_v columns[4] = {d.growth, d.term[2 * n], d.growth, d.term[2 * n + 1]};
+            gn_store_rows4(row[n], columns);
+        }
         for (size_t k = 0; k < (end - e < GN_W ? end - e : GN_W); k++)
-            for (size_t n = 0; n < nodes; n++) {
-                double *to = sums + place[nodes * k + n] / 2;
-                to[0] += d.growth[k];
-                to[1] += d.term[n][k];
-            }
+            for (size_t n = 0; n < nodes; n++)
+                gn_add_two((double *)((char *)sums + 4 * (size_t)place[nodes * k + n]),
+                           row[n / 2] + 4 * k + n % 2 * 2);
     }
 }
 

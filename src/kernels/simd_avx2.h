@@ -76,6 +76,15 @@ GN_INLINE void gn_rows4(const double *rows, const int32_t *index, gn_v out[4]) {
                   out);
 }
 
+GN_INLINE void gn_rows4_sum(const double *rows, const int32_t *const *index, int count,
+                            gn_v out[4]) {
+    gn_v sum[4];
+    for (int k = 0; k < 4; k++) sum[k] = gn_load(rows + 4 * (int64_t)index[0][k]);
+    for (int n = 1; n < count; n++)
+        for (int k = 0; k < 4; k++) sum[k] = sum[k] + gn_load(rows + 4 * (int64_t)index[n][k]);
+    gn_transpose4(sum[0], sum[1], sum[2], sum[3], out);
+}
+
 GN_INLINE void gn_store_rows4(double *rows, const gn_v in[4]) {
     gn_v t[4];
     gn_transpose4(in[0], in[1], in[2], in[3], t);

@@ -67,6 +67,17 @@ GN_INLINE void gn_rows4(const double *rows, const int32_t *index, gn_v out[4]) {
                        gn_pair(rows, index[4], index[6]), gn_pair(rows, index[5], index[7]), out);
 }
 
+GN_INLINE void gn_rows4_sum(const double *rows, const int32_t *const *index, int count,
+                            gn_v out[4]) {
+    static const int first[4] = {0, 1, 4, 5};
+    gn_v sum[4];
+    for (int k = 0; k < 4; k++) sum[k] = gn_pair(rows, index[0][first[k]], index[0][first[k] + 2]);
+    for (int n = 1; n < count; n++)
+        for (int k = 0; k < 4; k++)
+            sum[k] = sum[k] + gn_pair(rows, index[n][first[k]], index[n][first[k] + 2]);
+    gn_transpose_pairs(sum[0], sum[1], sum[2], sum[3], out);
+}
+
 /* Out: registers with rows (0,2), (1,3), (4,6), (5,7) of the eight lanes. */
 GN_INLINE void gn_columns_to_pairs(const gn_v in[4], gn_v out[4]) {
     gn_v u0 = _mm512_unpacklo_pd(in[0], in[1]), u1 = _mm512_unpackhi_pd(in[0], in[1]);

@@ -69,6 +69,16 @@ GN_INLINE void gn_rows4(const gn_real *rows, const int32_t *index, gn_v out[4]) 
     for (int k = 0; k < 4; k++) out[k] = row[k];
 }
 
+/* The same of the sums of `count` rows: lane k gets those of index[0][k], index[1][k] ... */
+GN_INLINE void gn_rows4_sum(const gn_real *rows, const int32_t *const *index, int count,
+                            gn_v out[4]) {
+    gn_rows4(rows, index[0], out);
+    for (int n = 1; n < count; n++) {
+        const gn_real *row = rows + 4 * (int64_t)index[n][0];
+        for (int k = 0; k < 4; k++) out[k] += row[k];
+    }
+}
+
 /* Row k gets lane k of the four (eight) vectors. */
 GN_INLINE void gn_store_rows4(gn_real *rows, const gn_v in[4]) {
     for (int k = 0; k < 4; k++) rows[k] = in[k];

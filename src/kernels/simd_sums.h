@@ -25,6 +25,11 @@ GN_INLINE void gn_add_row4(double *i, double *j, const gn_real *row, const doubl
     if (arms) j[2] = fma(row[2], *arm_j, j[2]);
 }
 
+/* Adds two numbers. */
+GN_INLINE void gn_add_two(double *to, const double *row) {
+    for (int k = 0; k < 2; k++) to[k] += row[k];
+}
+
 /* Adds a row of four. */
 GN_INLINE void gn_add_plain4(double *to, const gn_real *row) {
     for (int k = 0; k < 4; k++) to[k] += row[k];
@@ -42,6 +47,10 @@ GN_INLINE __m256d gn_load_row4(const gn_real *row) {
 
 GN_INLINE void gn_add_plain4(double *to, const gn_real *row) {
     _mm256_storeu_pd(to, _mm256_add_pd(_mm256_loadu_pd(to), gn_load_row4(row)));
+}
+
+GN_INLINE void gn_add_two(double *to, const double *row) {
+    _mm_storeu_pd(to, _mm_add_pd(_mm_loadu_pd(to), _mm_loadu_pd(row)));
 }
 
 GN_INLINE __m256d gn_factor4(double sign, const double *arm, int arms) {

@@ -62,6 +62,12 @@ static void turn_from_matrix(const double m[9], double q[4]) {
     for (int c = 0; c < 4; c++) q[c] /= sqrt(size2);
 }
 
+void gn_rigid_orientation(const gn_rigid *b, double turn[4]) {
+    const double *s = b->turn_start, back[4] = {s[0], -s[1], -s[2], -s[3]};
+    multiply(b->turn, back, turn);
+    for (int k = 0; turn[0] < 0.0 && k < 4; k++) turn[k] = -turn[k];
+}
+
 /* Turns by a vector in space. */
 static void turn_by(gn_rigid *b, const double vector[3]) {
     double angle = sqrt(gn_dot3(vector, vector));

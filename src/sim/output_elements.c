@@ -84,13 +84,14 @@ static double pressure_of(const double s[6]) {
     return -(s[0] + s[1] + s[2]) / 3.0;
 }
 
-static void fill_nodes(const gn_fem_body *b, const double (*stress)[6], node_fields *f) {
+static void fill_nodes(const gn_fem_body *b, const double (*stress)[6], const double *pressure,
+                       node_fields *f) {
     const gn_particles *q = &b->nodes;
     for (size_t n = 0; n < f->count; n++) {
         size_t r = (size_t)f->row[n];
         f->id[r] = q->id[n];
         memcpy(f->stress + 6 * r, stress[n], sizeof *stress);
-        f->pressure[r] = b->form == GN_FEM_MIXED ? -b->pressure[n] : pressure_of(stress[n]);
+        f->pressure[r] = -pressure[n];
         for (size_t a = 0; a < 3; a++) {
             f->position[3 * r + a] = q->pos[4 * n + a];
             f->displacement[3 * r + a] = q->pos[4 * n + a] - q->start[4 * n + a];
@@ -133,21 +134,24 @@ static void fill_elements(const gn_fem_body *b, const double (*stress)[6], const
 static gneiss_status make_fields(const gn_fem_body *b, fields *f, gneiss_error *error) {
     double(*element)[6] = gn_alloc_array(b->elements.soa.count + 1, sizeof *element);
     double(*nodal)[6] = gn_alloc_array(b->nodes.soa.count + 1, sizeof *nodal);
+    double *pressure = gn_alloc_array(b->nodes.soa.count + 1, sizeof *pressure);
     gneiss_status status = GNEISS_OK;
-    if (!allocate(b, f) || !element || !nodal)
+    if (!allocate(b, f) || !element || !nodal || !pressure)
         status = gn_fail(error, GNEISS_ERROR_MEMORY, "no memory for the output of %zu elements",
                          b->elements.soa.count);
     if (status == GNEISS_OK) {
         gn_fem_element_stress(b, element);
         status = gn_fem_nodal_stress(b, (const double(*)[6])element, nodal, error);
     }
+    if (status == GNEISS_OK) status = gn_fem_nodal_pressure(b, pressure, error);
     if (status == GNEISS_OK) status = number_rows(b, f->nodes.row, error);
     if (status == GNEISS_OK) {
-        fill_nodes(b, (const double(*)[6])nodal, &f->nodes);
+        fill_nodes(b, (const double(*)[6])nodal, pressure, &f->nodes);
         fill_elements(b, (const double(*)[6])element, f->nodes.row, &f->elements);
     }
     gn_free(element);
     gn_free(nodal);
+    gn_free(pressure);
     if (status != GNEISS_OK) free_fields(f);
     return status;
 }
@@ -210,8 +214,9 @@ static gneiss_status put_fields(const gn_fem_body *b, const fields *f, gn_h5 *fi
         {"nodes/stress", "Pa",
          "xx yy zz xy yz xz, tension positive; mean over the elements at the node by volume",
          n->count, 6, n->stress},
-        {"nodes/pressure", "Pa", "compression positive, from the nodes' stress", n->count, 1,
-         n->pressure},
+        {"nodes/pressure", "Pa",
+         "compression positive; that of the nodes' stress, in the mixed form the node's own",
+         n->count, 1, n->pressure},
         {"elements/stress", "Pa", "xx yy zz xy yz xz, tension positive", e->count, 6, e->stress},
         {"elements/von_mises", "Pa", "von Mises' equivalent stress", e->count, 1, e->mises},
         {"elements/principal_stress", "Pa", "principal stresses, the largest first", e->count, 3,

@@ -96,6 +96,13 @@ void gn_bodies_kinetic(const gn_world *world, double *translation, double *rotat
 /* New positions; books the works of the coming interval. */
 void gn_bodies_drift(gn_world *world);
 
+/* Bodies as files (output_bodies.c): one grid of all facets, and their group in results.h5. */
+gneiss_status gn_bodies_snapshot(const gn_world *world, const char *directory, const char *name,
+                                 gneiss_error *error);
+gneiss_status gn_bodies_results(const gn_world *world, gn_h5 *file, gneiss_error *error);
+/* Orientation from the start, w x y z with w >= 0. */
+void gn_rigid_orientation(const gn_rigid *body, double turn[4]);
+
 /* sweep.c: walls, contacts and motion of one step, in parallel. Prepare when threads change. */
 void gn_sweep_prepare(gn_world *world);
 void gn_sweep(gn_world *world, const gn_contact_args *bonds, const gn_contact_args *pairs,

@@ -75,25 +75,6 @@ static range my_share(const gn_world *w, bool of_bonds) {
     return (range){cut(w, of_bonds, t, of), cut(w, of_bonds, t + 1, of)};
 }
 
-/* share[t]: the part of the blocks that comes before thread t. Threads that were slower than the
- * others take a little less from now on. */
-static void follow_pace(gn_world *w) {
-    int threads = w->threads;
-    double mean = 0.0, total = 0.0, part[GN_THREADS_MAX];
-    for (int t = 0; t < threads; t++) mean += w->busy[t].seconds / threads;
-    for (int t = 0; t < threads; t++) {
-        double now = t + 1 < threads ? w->share[t + 1] : 1.0;
-        double off = mean > 0.0 ? w->busy[t].seconds / mean - 1.0 : 0.0;
-        part[t] = (now - w->share[t]) * (1.0 - 0.05 * fmax(-0.5, fmin(0.5, off)));
-        total += part[t];
-    }
-    double before = 0.0;
-    for (int t = 0; t < threads; t++) {
-        w->share[t] = before;
-        before += part[t] / total;
-    }
-}
-
 void gn_sweep_prepare(gn_world *w) {
     for (int t = 0; t < GN_THREADS_MAX; t++) {
         w->share[t] = t < w->threads ? (double)t / w->threads : 1.0;
@@ -194,6 +175,6 @@ void gn_sweep(gn_world *w, const gn_contact_args *bonds, const gn_contact_args *
     }
     double seconds = gn_now() - begin, busy = 0.0;
     for (int t = 0; t < threads; t++) busy += w->busy[t].seconds / threads;
-    if (threads > 1) follow_pace(w);
+    if (threads > 1) gn_pace_follow(threads, w->busy, w->share);
     gn_pace_note(&w->pace, seconds, 1.0, 1.0 - busy / seconds);
 }

@@ -60,13 +60,6 @@ typedef struct gn_derived {
     double radius2; /* m2: strengths are 4 sigma_c radius2, 4 tau_c radius2 */
 } gn_derived;
 
-/* Seconds that a thread worked in the last sweep; a cache line each. */
-typedef struct gn_busy {
-    _Alignas(64) double seconds;
-} gn_busy;
-
-enum { GN_THREADS_MAX = 1024 };
-
 struct gn_world {
     gn_scene scene;
     gn_effects effects;

@@ -34,15 +34,15 @@
     X(spin_f, float, GN_F32, 4, GN_ROWS, GN_SCRATCH, GN_FX_MIXED | GN_FX_ROTATION, 0, "rad/s",     \
       "angular velocity x y z, 0")                                                                 \
     X(placed_p, double, GN_F64, 4, GN_ROWS, GN_SAVED, GN_FX_PRESSURE, 0, "m, Pa",                  \
-      "centre and pressure of the instant of the last forces, tension positive")                   \
+      "centre x y z, stabilising pressure; during a step the pressure")                            \
     X(smooth, double, GN_F64, 4, GN_ROWS, GN_STATE, GN_FX_PRESSURE, 0, "Pa/m, Pa",                 \
       "projected gradient x y z of the stabilising pressure, that pressure")                       \
     X(smooth_rate, double, GN_F64, 4, GN_ROWS, GN_STATE, GN_FX_PRESSURE, 0, "Pa/(m s), Pa/s",      \
       "their rates at the last half step")                                                         \
-    X(lumped, double, GN_F64, 2, GN_ROWS, GN_SAVED, GN_FX_PRESSURE, 0, "Pa/m3, Pa/m5",             \
-      "inverse of the lumped pressure mass, of the projection's")                                  \
-    X(stabiliser, double, GN_F64, 3, GN_ROWS, GN_SAVED, GN_FX_PRESSURE, 0, "m3, m3/s, Pa/s",       \
-      "stabilising term, its rate over the last interval, mean rate of the stabilising pressure")
+    X(lumped, double, GN_F64, 4, GN_ROWS, GN_SAVED, GN_FX_PRESSURE, 0, "Pa/m3, Pa/m5, m3, m3/s",   \
+      "inverse lumped masses of pressure and projection, stabilising term, its past rate")         \
+    X(mean_rate, double, GN_F64, 1, GN_ROWS, GN_SAVED, GN_FX_PRESSURE, 0, "Pa/s",                  \
+      "mean rate of the stabilising pressure at the last instant")
 
 /* Contacts between particles, sorted by (i, j), i < j. Normal from i to j. Bonds and unbonded pairs
  * are two records of this kind; the pairs are made with GN_FX_BONDS cleared. */

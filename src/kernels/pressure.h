@@ -1,0 +1,39 @@
+/* Pressures at the nodes of finite elements in the mixed form: the two passes over nodes that
+ * follow those over elements. */
+#ifndef GN_KERNELS_PRESSURE_H
+#define GN_KERNELS_PRESSURE_H
+
+#include "kernels/partials.h"
+#include "soa/records.h"
+
+#include <stdbool.h>
+
+typedef struct gn_pressure_args {
+    gn_particles *nodes;
+    const gn_partials *partials; /* of the elements: who shares what */
+    const double *growth_row;    /* what the dilation kernel wrote */
+    const double *gradient_row;  /* what the element kernel wrote beside forces */
+    double dt_past, dt; /* s: the interval that led here (0 at the start), the coming one */
+    double rate2;       /* 1/s2: how fast the stabilising pressure follows */
+    double damping;     /* 1/s: of the stabilising pressure */
+    bool book;          /* energies are asked for */
+} gn_pressure_args;
+
+/* J: what pressures hold, what was lost by damping the stabilising one. */
+typedef struct gn_pressure_sums {
+    double elastic, damping;
+} gn_pressure_sums;
+
+/* Nodes [begin, end) of one block. First pass: pressures from growth and stabilising term. Second
+ * pass, after the nodes have moved: the stabilising pressure over the coming interval. Both add to
+ * *sums, with `book`. */
+typedef void gn_pressure_kernel(const gn_pressure_args *args, size_t begin, size_t end,
+                                gn_pressure_sums *sums);
+
+enum { GN_PRESSURE_PASSES = 2 };
+
+extern gn_pressure_kernel *const gn_pressure_table_scalar[GN_PRESSURE_PASSES];
+extern gn_pressure_kernel *const gn_pressure_table_avx2[GN_PRESSURE_PASSES];
+extern gn_pressure_kernel *const gn_pressure_table_avx512[GN_PRESSURE_PASSES];
+
+#endif
