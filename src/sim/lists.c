@@ -439,5 +439,8 @@ gneiss_status gn_world_refresh_lists(gn_world *w, gneiss_error *error) {
         return GNEISS_OK;
     GN_TRY(gn_world_rebuild(w, error));
     /* A surface that gives way may have come near many particles since the last look. */
-    return gn_surfaces_yield(w) ? gn_world_check_step(w, false, error) : GNEISS_OK;
+    double bodies = 0.0, vertices = 0.0;
+    GN_TRY(gn_surfaces_rate(w, &bodies, &vertices, error));
+    bool more = bodies > 1.02 * w->surface_rate || vertices > 1.02 * w->vertex_rate;
+    return more ? gn_world_check_step(w, false, error) : GNEISS_OK;
 }

@@ -3,6 +3,7 @@
 #include "io/files.h"
 #include "io/h5.h"
 #include "io/snapshot.h"
+#include "sim/parts.h"
 #include "sim/run.h"
 
 #include <math.h>

@@ -70,8 +70,6 @@ size_t gn_surface_contacts_at(const gn_world *world, size_t begin, double skin,
 /* Springs of the particles that touch surfaces, for the stability limit; the caller frees them. */
 gneiss_status gn_surface_springs(const gn_world *world, gn_extra_spring **springs, size_t *count,
                                  gneiss_error *error);
-/* Whether a surface gives way to particles. */
-bool gn_surfaces_yield(const gn_world *world);
 /* 1/s: 1/dt at which free bodies, and vertices, with all particles that are near held fast, would
  * be at their limit, from above; the elasticity of what vertices belong to is left out. */
 gneiss_status gn_surfaces_rate(const gn_world *world, double *bodies, double *vertices,

@@ -4,6 +4,7 @@
 #include "io/checkpoint_files.h"
 #include "io/files.h"
 #include "sim/folder.h"
+#include "sim/parts.h"
 
 #include <math.h>
 #include <stdlib.h>

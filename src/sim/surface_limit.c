@@ -48,18 +48,13 @@ gneiss_status gn_surface_springs(const gn_world *w, gn_extra_spring **springs, s
     return GNEISS_OK;
 }
 
+/* Whether it gives way to particles. */
 static bool yields(const gn_world *w, const gn_surface *s) {
     if (s->body < 0) return true;
     const gn_rigid *b = &w->bodies[s->body];
     double sum = 0.0;
     for (int a = 0; a < 3; a++) sum += b->inverse_mass[a] + b->inverse_inertia[a];
     return sum > 0.0;
-}
-
-bool gn_surfaces_yield(const gn_world *w) {
-    for (size_t k = 0; k < w->surface_count; k++)
-        if (yields(w, &w->surfaces[k])) return true;
-    return false;
 }
 
 /* --- rigid bodies
