@@ -168,9 +168,9 @@ void gn_fem_load_free(gn_fem_load *load);
 void gn_fem_set_loads(gn_fem_body *body, const gn_fem_load *load, const double (*value)[3],
                       size_t count);
 
-/* Facets that others can touch (surface.c): those of a group, by name or tag, or, with `group` NULL,
- * the whole boundary. Nodes by their places in the body; *corner [*count][dimension], gn_alloc'ed.
- * GNEISS_ERROR_INPUT names the groups there are. */
+/* Facets that others can touch (surface.c): those of a group, by name or tag, or, with `group`
+ * NULL, the whole boundary. Nodes by their places in the body; *corner [*count][dimension],
+ * gn_alloc'ed. GNEISS_ERROR_INPUT names the groups there are. */
 gneiss_status gn_fem_surface(const gn_fem_body *body, const char *group, int32_t **corner,
                              size_t *count, gneiss_error *error);
 
