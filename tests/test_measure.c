@@ -400,7 +400,7 @@ static void scrap_make(scrap *s) {
     assert_int_equal(gn_soa_create(&gn_wall_contact_record, &s->walls, 1, all_effects, NULL), 0);
     memcpy(s->walls.row, (double[3]){0.7, 0, 9}, 3 * sizeof(double));
     s->assembly =
-        (gn_assembly){3, &s->p, &s->bonds, &s->pairs, &s->walls, floor_normal, false, {0}};
+        (gn_assembly){3, &s->p, &s->bonds, &s->pairs, &s->walls, floor_normal, false, {0}, 1};
 }
 
 static void scrap_free(scrap *s) {
@@ -455,8 +455,11 @@ static void a_squeezed_sphere_is_in_compression(void **state) {
     walls.wall[1] = 1;
     walls.row[2] = force;
     walls.row[8 + 2] = -force;
-    gn_assembly assembly = {
-        .dimension = 3, .particles = &p, .wall_contacts = &walls, .wall_normals = normals};
+    gn_assembly assembly = {.dimension = 3,
+                            .particles = &p,
+                            .wall_contacts = &walls,
+                            .wall_normals = normals,
+                            .wall_count = 2};
     double sigma[6];
     gn_stress_particles(&assembly, 0.25, sigma);
     assert_close(sigma[2], -force * 2 * r * 0.75 / (4.0 / 3 * M_PI * r * r * r), 1e-14);

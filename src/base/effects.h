@@ -22,8 +22,8 @@
     X(GRAVITY, gravity, "uniform body acceleration")                                               \
     X(APPLIED, applied, "forces applied to particle sets")                                         \
     X(PRESCRIBED, prescribed, "prescribed motion of particle sets, with reactions")                \
-    X(WALLS, walls, "plane walls")                                                                 \
-    X(WALL_SHEAR, wall_shear, "friction on walls")                                                 \
+    X(WALLS, walls, "contacts with walls")                                                         \
+    X(WALL_SHEAR, wall_shear, "friction on walls and surfaces")                                    \
     X(PERIODIC, periodic, "periodic box")                                                          \
     X(ORIENTATION, orientation, "particle orientations (quaternions) for output")                  \
     X(ENERGY, energy, "energy ledger")                                                             \
@@ -31,7 +31,8 @@
     X(CONTACT_FORCES, contact_forces,                                                              \
       "forces kept contact by contact, while output looks at them")                                \
     X(PRESSURE, pressure, "finite elements with pressures at their nodes (mixed form)")            \
-    X(ELEMENTS, elements, "finite elements")
+    X(ELEMENTS, elements, "finite elements")                                                       \
+    X(FACETS, facets, "surfaces of triangles or segments, with walls")
 
 typedef enum gn_effect_index {
 #define X(NAME, name, text) GN_FX_INDEX_##NAME,

@@ -193,6 +193,20 @@ static void print_walls(const gn_world *w, int *warnings) {
     }
 }
 
+static void print_bodies(const gn_world *w) {
+    for (size_t k = 0; k < w->scene.body_count; k++) {
+        const gn_rigid *b = &w->bodies[k];
+        const int64_t *shape = w->body_shape[k];
+        printf("  body %-12s %lld facets, %lld vertices", w->scene.bodies[k].name,
+               (long long)shape[1], (long long)shape[0]);
+        if (shape[2]) printf("; %lld facets without area dropped", (long long)shape[2]);
+        if (w->scene.bodies[k].free)
+            printf("; free: %.6g m3, %.6g kg, centre of mass (%.6g, %.6g, %.6g) m", b->volume,
+                   b->mass, b->position[0], b->position[1], b->position[2]);
+        printf("\n");
+    }
+}
+
 static gneiss_status check_particles(const gn_world *w, int *warnings, gneiss_error *error) {
     gn_pair_query query = {
         &w->particles, (int)w->scene.dimension,     0.0,
@@ -229,6 +243,7 @@ static gneiss_status check_particles(const gn_world *w, int *warnings, gneiss_er
 gneiss_status gn_print_check(const gn_world *w, int *warnings, gneiss_error *error) {
     *warnings = 0;
     if (w->scene.has_specimen) GN_TRY(check_particles(w, warnings, error));
+    print_bodies(w);
     gn_print_element_check(w, warnings);
     return GNEISS_OK;
 }

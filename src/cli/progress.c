@@ -154,8 +154,9 @@ void gn_print_summary(const gn_options *o, const gn_run *run) {
                gn_energy_scale(&w->reading));
     printf("  state hash       %016llx\n", (unsigned long long)gn_world_hash(w));
     print_profile(run);
-    printf("\nwritten to %s: results.h5, summary.json%s%s%s\n", run->directory,
+    printf("\nwritten to %s: results.h5, summary.json%s%s%s%s\n", run->directory,
            w->scene.has_specimen ? ", particles.hdf.series" : "",
            w->effects & GN_FX_BONDS ? ", bonds.hdf.series" : "",
-           w->elements ? ", elements.hdf.series" : "");
+           w->elements ? ", elements.hdf.series" : "",
+           w->scene.body_count ? ", bodies.hdf.series" : "");
 }

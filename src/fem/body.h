@@ -57,6 +57,11 @@ typedef struct gn_fem_body {
     double volume, mass;    /* m3, kg, at the start */
     double *density;        /* [materials] kg/m3 */
 
+    /* Rows of force on nodes from outside, as of contacts with walls (borrowed); NULL: none.
+     * contact_first[nodes + 1]: rows of each node. */
+    const gn_wall_contacts *contacts;
+    const int32_t *contact_first;
+
     const gn_kernel_set *kernels;
     gn_element_kernel *element_kernel[2]; /* plain, measuring */
     gn_motion_kernel *motion_kernel;
@@ -162,6 +167,12 @@ void gn_fem_load_free(gn_fem_load *load);
  * them. */
 void gn_fem_set_loads(gn_fem_body *body, const gn_fem_load *load, const double (*value)[3],
                       size_t count);
+
+/* Facets that others can touch (surface.c): those of a group, by name or tag, or, with `group`
+ * NULL, the whole boundary. Nodes by their places in the body; *corner [*count][dimension],
+ * gn_alloc'ed. GNEISS_ERROR_INPUT names the groups there are. */
+gneiss_status gn_fem_surface(const gn_fem_body *body, const char *group, int32_t **corner,
+                             size_t *count, gneiss_error *error);
 
 /* --- time step (limit.c)
  * --------------------------------------------------------------------------------------- */

@@ -129,6 +129,8 @@ static work prepare(gn_fem_body *body, double dt, bool measure) {
     k.motion = (gn_motion_args){.particles = &body->nodes,
                                 .bonds = &body->partials,
                                 .pairs = &body->none,
+                                .wall_contacts = body->contacts,
+                                .wall_first = body->contact_first,
                                 .prescribed = body->prescribed.count ? &body->prescribed : NULL,
                                 .dt_past = body->dt_past,
                                 .dt = dt,

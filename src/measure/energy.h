@@ -9,9 +9,9 @@
     X(rotational, STORED, "kinetic energy of rotation")                                            \
     X(elastic_normal, STORED, "elastic energy of normal springs")                                  \
     X(elastic_shear, STORED, "elastic energy of tangential springs")                               \
-    X(elastic_wall, STORED, "elastic energy of wall contacts")                                     \
+    X(elastic_wall, STORED, "elastic energy of contacts with walls and surfaces")                  \
     X(elastic_elements, STORED, "elastic energy of finite elements")                               \
-    X(work_walls, INPUT, "work of moving walls")                                                   \
+    X(work_walls, INPUT, "work of moving walls and bodies")                                        \
     X(work_prescribed, INPUT, "work of prescribed motions")                                        \
     X(work_applied, INPUT, "work of applied forces")                                               \
     X(work_gravity, INPUT, "work of gravity")                                                      \

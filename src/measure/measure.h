@@ -18,7 +18,8 @@ typedef struct gn_assembly {
     const gn_wall_contacts *wall_contacts; /* may be NULL */
     const double *wall_normals;            /* [walls][4], unit, pointing to the particles */
     bool periodic;
-    double period[3]; /* m, with `periodic` */
+    double period[3];  /* m, with `periodic` */
+    size_t wall_count; /* gn_wall_contacts.wall from here on is a facet */
 } gn_assembly;
 
 /* --- strain (Bagi 1996)

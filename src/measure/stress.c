@@ -30,12 +30,19 @@ static void add_outer(double sigma[9], const double f[3], const double l[3]) {
  * arm: walls are stiff and their distance is not part of an assembly. */
 static void wall_contact_at(const gn_assembly *assembly, size_t c, double f[3], double l[3]) {
     const gn_wall_contacts *list = assembly->wall_contacts;
-    const double *normal = assembly->wall_normals + 4 * (size_t)list->wall[c];
-    double r = assembly->particles->pos[4 * (size_t)list->i[c] + 3];
-    for (int a = 0; a < 3; a++) {
-        f[a] = a < assembly->dimension ? list->row[8 * c + a] : 0;
-        l[a] = a < assembly->dimension ? -r * normal[a] : 0;
+    const double *x = assembly->particles->pos + 4 * (size_t)list->i[c];
+    size_t wall = (size_t)list->wall[c], stride = list->soa.capacity;
+    bool facet = list->touch && wall >= assembly->wall_count;
+    double away[3] = {0}, size2 = 0;
+    for (size_t a = 0; a < (size_t)assembly->dimension; a++) {
+        f[a] = list->row[8 * c + a];
+        away[a] =
+            facet ? list->touch[c + a * stride] - x[a] : -assembly->wall_normals[4 * wall + a];
+        size2 += away[a] * away[a];
     }
+    double scale = !facet ? x[3] : size2 > 0 ? x[3] / sqrt(size2) : 0;
+    for (int a = 0; a < 3; a++) l[a] = scale * away[a];
+    for (int a = assembly->dimension; a < 3; a++) f[a] = 0;
 }
 
 void gn_stress_average(const gn_assembly *assembly, double volume, double sigma[9]) {

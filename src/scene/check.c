@@ -435,6 +435,7 @@ gneiss_status gn_check_scene(gn_reader *reader, const gn_node *root) {
         check element = gn_check_element(reader, root, "walls", k);
         GN_TRY(check_wall(&element, s, k));
     }
+    GN_TRY(gn_check_bodies(reader, root));
     GN_TRY(check_test(&c, s));
     if (s->step > s->end)
         return gn_check_fail(&c, "time.step", "expected a step below the end, found %g s and %g s",

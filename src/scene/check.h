@@ -28,6 +28,9 @@ gneiss_status gn_check_box(const check *c, const gn_scene *s, const char *key, c
 /* Nothing prescribed out of the plane of a 2D scene. */
 gneiss_status gn_check_plane_motion(const check *c, const gn_scene *s, const gn_motion *motion);
 
+/* The list `bodies`, which may be empty. */
+gneiss_status gn_check_bodies(const gn_reader *reader, const gn_node *root);
+
 /* The section `elements`, which is given. */
 gneiss_status gn_check_elements(const gn_reader *reader, const gn_node *root);
 

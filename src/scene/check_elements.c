@@ -125,6 +125,11 @@ gneiss_status gn_check_elements(const gn_reader *reader, const gn_node *root) {
     const gn_element_def *e = &s->elements;
     check c = {.reader = reader, .map = root};
     GN_TRY(check_mesh(&c, s));
+    if (e->contact.friction > 0 && !(e->contact.kratio > 0))
+        return gn_check_fail(&c, "elements.contact.kratio", "required by friction, but not given");
+    if (e->has_contact && s->has_periodic)
+        return gn_check_fail(&c, "elements.contact",
+                             "expected no periodic box beside it, found one");
     for (size_t k = 0; k < e->material_count; k++) {
         check element = gn_check_element(reader, root, "elements.materials", k);
         GN_TRY(check_poisson(&element, &e->materials[k]));

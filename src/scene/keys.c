@@ -70,7 +70,10 @@ static void describe(char *text, size_t size, const gn_key *key) {
         snprintf(text, size, "list of rows, %s, or a whole number in %s", key->unit, key->range);
         return;
     case GN_KEY_POINTS:
-        describe_numbers(text, size, "list of at least 3 points [x, y]", key);
+        describe_numbers(text, size,
+                         key->number == 2 ? "list of at least 2 points [x, y]"
+                                          : "list of at least 3 points [x, y]",
+                         key);
         return;
     case GN_KEY_SECTION:
         snprintf(text, size, "section");

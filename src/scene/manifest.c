@@ -523,6 +523,8 @@ static const gn_key scene_keys[] = {
                   "earlier one"),
     ARRAY("walls", LIST, gn_scene, walls, wall_count, .section = &wall_section,
           .range = "[0, 10000]", .text = "plane walls"),
+    ARRAY("bodies", LIST, gn_scene, bodies, body_count, .section = &gn_body_section,
+          .range = "[0, 1000]", .text = "rigid bodies with a surface of triangles (2D: segments)"),
     SECTION("test", test_section, PRESENT(ENUM, gn_scene, test.kind),
             .text = "a laboratory test: where stress and strain are read"),
     SECTION("time", time_section, .required = true, .text = "step and duration"),

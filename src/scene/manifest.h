@@ -20,7 +20,7 @@ typedef enum gn_key_type {
     GN_KEY_IDS,     /* int64_t *, their number at `second` */
     GN_KEY_PARTICLES, /* double *, their number at `second`; rows [x, y, z, r], in 2D [x, y, r]; or
                          a whole number in `range` instead, which goes to the int64_t at `number` */
-    GN_KEY_POINTS,    /* double *, their number at `second`; at least 3 rows [x, y] */
+    GN_KEY_POINTS,    /* double *, their number at `second`; rows [x, y], at least 3 or `number` */
     GN_KEY_SECTION,   /* the keys of `section`, in the struct at `offset` */
     GN_KEY_LIST       /* a pointer to structs, their number at `second`; each by `section` */
 } gn_key_type;
@@ -53,7 +53,7 @@ typedef struct gn_key {
     gn_key_type type;
     size_t offset, size; /* in the struct of the section */
     size_t second;       /* see gn_key_type */
-    size_t number;       /* see GN_KEY_PARTICLES */
+    size_t number;       /* see GN_KEY_PARTICLES, GN_KEY_POINTS */
     bool required;       /* an error when its section is given without it */
     const char
         *fallback;     /* default as it would be written (each component of a vector); NULL: none */
@@ -82,6 +82,8 @@ struct gn_section {
 
 /* The whole scene, and its specimen. */
 extern const gn_section gn_scene_section, gn_specimen_section;
+/* An element of `bodies` (manifest_bodies.c). */
+extern const gn_section gn_body_section;
 
 /* An interval "[low, high)" and whether a value lies in it. NULL: every finite value. */
 typedef struct gn_range {

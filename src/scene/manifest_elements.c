@@ -130,6 +130,18 @@ static const gn_key load_keys[] = {
 };
 ELEMENTS_OF(load, gn_element_load);
 
+static const gn_key contact_keys[] = {
+    KEY("group", TEXT, gn_scene, elements.contact.group, .fallback = "",
+        .text = "facets of a group of the mesh, by name or number; left out: the whole boundary"),
+    KEY("stiffness", REAL, gn_scene, elements.contact.stiffness, .unit = "N/m", .range = "(0, inf)",
+        .required = true, .text = "penalty stiffness k_n"),
+    KEY("kratio", REAL, gn_scene, elements.contact.kratio, .unit = "1", .range = "(0, inf)",
+        .word = "none", .fallback = "none", .text = "k_n/k_t of the surface; needed with friction"),
+    KEY("friction", REAL, gn_scene, elements.contact.friction, .unit = "1", .range = "[0, inf)",
+        .fallback = "0", .text = "Coulomb friction coefficient"),
+};
+TABLE_OF(contact);
+
 /* ---- all ---- */
 
 static const gn_key elements_keys[] = {
@@ -158,6 +170,8 @@ static const gn_key elements_keys[] = {
                   "one"),
     ARRAY("loads", LIST, gn_scene, elements.loads, elements.load_count, .section = &load_section,
           .range = "[0, 10000]", .text = "tractions and forces, added up"),
+    SECTION("contact", contact_section, PRESENT(BOOL, gn_scene, elements.has_contact),
+            .text = "particles touch the surface; without it they pass through"),
 };
 const gn_section gn_elements_section = {elements_keys, sizeof elements_keys / sizeof(gn_key), 0,
                                         offsetof(gn_scene, elements.where)};

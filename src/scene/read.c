@@ -371,10 +371,12 @@ static gneiss_status read_particles(gn_reader *reader, const gn_key *key, const 
 
 static gneiss_status read_points(gn_reader *reader, const gn_key *key, const gn_node *node,
                                  char *base) {
-    if (node->kind != GN_NODE_LIST || node->count < 3) {
-        char reason[32] = "";
+    size_t least = key->number ? key->number : 3;
+    if (node->kind != GN_NODE_LIST || node->count < least) {
+        char expected[64], reason[32] = "";
+        snprintf(expected, sizeof expected, "a list of at least %zu points [x, y]", least);
         if (node->kind == GN_NODE_LIST) snprintf(reason, sizeof reason, " of %zu", node->count);
-        return unexpected(reader, node, "a list of at least 3 points [x, y]", reason);
+        return unexpected(reader, node, expected, reason);
     }
     void *array;
     GN_TRY(make_array(reader, key, node, 2 * sizeof(double), base, &array));

@@ -299,6 +299,11 @@ gn_effects gn_scene_effects(const gn_scene *s) {
     if (s->wall_count) mask |= GN_FX_WALLS;
     for (size_t k = 0; k < s->wall_count; k++)
         if (s->walls[k].friction > 0) mask |= GN_FX_WALL_SHEAR;
+    bool touched = s->has_elements && s->elements.has_contact && s->has_specimen;
+    if (s->body_count || touched) mask |= GN_FX_WALLS | GN_FX_FACETS;
+    if (touched && s->elements.contact.friction > 0) mask |= GN_FX_WALL_SHEAR;
+    for (size_t k = 0; k < s->body_count; k++)
+        if (s->bodies[k].friction > 0) mask |= GN_FX_WALL_SHEAR;
     if (s->has_periodic) mask |= GN_FX_PERIODIC;
     if (s->orientation == GN_SWITCH_ON && (mask & GN_FX_ROTATION)) mask |= GN_FX_ORIENTATION;
     if (s->energy != GN_SWITCH_OFF) mask |= GN_FX_ENERGY;
@@ -328,6 +333,12 @@ double gn_table_at(const gn_table *table, double time) {
 int gn_scene_find_wall(const gn_scene *scene, const char *name) {
     for (size_t k = 0; k < scene->wall_count; k++)
         if (strcmp(scene->walls[k].name, name) == 0) return (int)k;
+    return -1;
+}
+
+int gn_scene_find_body(const gn_scene *scene, const char *name) {
+    for (size_t k = 0; k < scene->body_count; k++)
+        if (strcmp(scene->bodies[k].name, name) == 0) return (int)k;
     return -1;
 }
 

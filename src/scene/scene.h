@@ -89,7 +89,7 @@ typedef struct gn_table {
     double *value; /* [count] */
 } gn_table;
 
-/* Motion of a set or a wall. Walls use the first three channels only. */
+/* Motion of a set, a wall or a body. Walls use the first three channels only. */
 typedef struct gn_motion {
     gn_table velocity[3]; /* m/s */
     gn_table spin[3];     /* rad/s */
@@ -217,6 +217,40 @@ typedef struct gn_wall_def {
     gn_where where;
 } gn_wall_def;
 
+/* A tube, a funnel or, with both ends closed, a cylinder or a truncated cone; axis along z. */
+typedef struct gn_body_cylinder {
+    double diameter, upper_diameter, height; /* m; upper_diameter 0: the same */
+    int64_t sides;
+    bool open; /* without end faces */
+} gn_body_cylinder;
+
+/* A rigid body: a surface that particles touch, and how it moves. */
+typedef struct gn_body_def {
+    char name[GN_NAME_SIZE];
+    char surface[GN_PATH_SIZE]; /* as written; "" when the shape is another */
+    char surface_path[GN_PATH_SIZE];
+    bool has_box, has_cylinder;
+    double box_size[3]; /* m */
+    gn_body_cylinder cylinder;
+    size_t polygon_count, polyline_count;
+    double *polygon, *polyline; /* [count][2], m */
+    double scale;               /* lengths of the shape times this give metres */
+    double origin[3];           /* m, where the shape's own origin stands */
+    bool has_rotation;
+    double rotation[3]; /* rad, vector about the shape's origin, before it is put in its place */
+    double stiffness;   /* penalty k_n, N/m */
+    double kratio;      /* k_n/k_t; used when friction > 0 */
+    double friction;
+    bool has_reference;
+    double reference[3]; /* m: point about which a prescribed spin turns the body */
+    bool free;           /* channels without prescribed motion follow the forces */
+    double density;      /* kg/m3, of free bodies */
+    bool has_initial_velocity, has_initial_spin;
+    double initial_velocity[3], initial_spin[3];
+    gn_motion motion;
+    gn_where where;
+} gn_body_def;
+
 /* A laboratory test: which two ends load the specimen and how stress and strain are formed. */
 typedef struct gn_test {
     gn_test_kind kind;
@@ -274,6 +308,14 @@ typedef struct gn_beam_def {
 
 typedef enum gn_formulation { GN_FORMULATION_DISPLACEMENT, GN_FORMULATION_MIXED } gn_formulation;
 
+/* How particles meet the surface of finite elements. */
+typedef struct gn_element_contact_def {
+    char group[GN_NAME_SIZE]; /* of facets; "": the whole boundary */
+    double stiffness;         /* penalty k_n, N/m */
+    double kratio;            /* k_n/k_t; used when friction > 0 */
+    double friction;
+} gn_element_contact_def;
+
 /* A body of finite elements: exactly one of mesh, rectangle, box, beam. */
 typedef struct gn_element_def {
     char mesh[GN_PATH_SIZE]; /* as written; "" when another source is used */
@@ -291,6 +333,8 @@ typedef struct gn_element_def {
     gn_element_motion *motions; /* a later one goes over an earlier one */
     size_t load_count;
     gn_element_load *loads; /* on top of each other */
+    bool has_contact;
+    gn_element_contact_def contact;
     gn_where where;
 } gn_element_def;
 
@@ -334,6 +378,8 @@ typedef struct gn_scene {
     gn_set *sets;
     size_t wall_count;
     gn_wall_def *walls;
+    size_t body_count;
+    gn_body_def *bodies;
     gn_test test;
 
     double step;   /* dt, s; 0: automatic */
@@ -415,6 +461,7 @@ double gn_table_at(const gn_table *table, double time);
 
 /* Finds by name; -1 when there is none. */
 int gn_scene_find_wall(const gn_scene *scene, const char *name);
+int gn_scene_find_body(const gn_scene *scene, const char *name);
 int gn_scene_find_set(const gn_scene *scene, const char *name);
 int gn_scene_find_material(const gn_scene *scene, const char *name);
 int gn_scene_find_element_motion(const gn_scene *scene, const char *name);

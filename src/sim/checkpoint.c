@@ -31,6 +31,8 @@ static const piece pieces[] = {
     DOUBLES(world.dt),
     DOUBLES(world.bound),
     DOUBLES(world.stable),
+    DOUBLES(world.surface_rate),
+    DOUBLES(world.vertex_rate),
     DOUBLES(world.stable_particles),
     DOUBLES(world.limit.bound),
     DOUBLES(world.limit.sharp),
@@ -67,7 +69,8 @@ static const piece pieces[] = {
 };
 enum { PIECES = sizeof pieces / sizeof *pieces };
 
-_Static_assert(sizeof(gn_energy) % 8 == 0 && sizeof(gn_wall) % 8 == 0, "made of doubles only");
+_Static_assert(sizeof(gn_energy) % 8 == 0 && sizeof(gn_wall) % 8 == 0 && sizeof(gn_rigid) % 8 == 0,
+               "made of doubles only");
 _Static_assert(sizeof(((gn_run *)0)->world.seconds) == GN_PHASE_COUNT * 8, "one double a phase");
 
 /* --- variable-size arrays
@@ -80,7 +83,7 @@ typedef struct array {
     void **data;
 } array;
 
-enum { MAX_ARRAYS = 10 };
+enum { MAX_ARRAYS = 14 };
 
 static size_t list_arrays(gn_run *run, array out[MAX_ARRAYS]) {
     gn_world *w = &run->world;
@@ -89,6 +92,15 @@ static size_t list_arrays(gn_run *run, array out[MAX_ARRAYS]) {
         (array){"walls", GN_F64, w->scene.wall_count, sizeof(gn_wall) / 8, (void **)&w->walls};
     out[n++] = (array){"gauge_id", GN_I32, w->gauge.count, 1, (void **)&w->gauge.id};
     out[n++] = (array){"gauge_weight", GN_F64, w->gauge.count, 3, (void **)&w->gauge.weight};
+    if (w->scene.body_count) {
+        size_t bodies = w->scene.body_count;
+        out[n++] = (array){"bodies", GN_F64, bodies, sizeof(gn_rigid) / 8, (void **)&w->bodies};
+        out[n++] = (array){"body_shape", GN_I64, bodies, 3, (void **)&w->body_shape};
+        out[n++] =
+            (array){"body_vertex", GN_F64, w->body_vertex_count, 4, (void **)&w->body_vertex};
+        out[n++] =
+            (array){"body_corner", GN_I32, w->body_corner_count, 1, (void **)&w->body_corner};
+    }
     if (!(w->effects & GN_FX_PRESCRIBED)) return n;
     gn_prescription *f = &w->prescribed;
     out[n++] = (array){"prescribed_set", GN_I32, f->count, 1, (void **)&f->set};
@@ -208,6 +220,10 @@ static gneiss_status get_arrays(gn_run *run, const gn_h5 *file, gneiss_error *er
     GN_TRY(gn_h5_rows(file, "arrays/gauge_id", &w->gauge.count, error));
     if (w->effects & GN_FX_PRESCRIBED)
         GN_TRY(gn_h5_rows(file, "arrays/prescribed_set", &w->prescribed.count, error));
+    if (w->scene.body_count) {
+        GN_TRY(gn_h5_rows(file, "arrays/body_vertex", &w->body_vertex_count, error));
+        GN_TRY(gn_h5_rows(file, "arrays/body_corner", &w->body_corner_count, error));
+    }
     array arrays[MAX_ARRAYS];
     size_t count = list_arrays(run, arrays);
     for (size_t k = 0; k < count; k++) {
@@ -256,12 +272,29 @@ static gneiss_status check_format(const gn_h5 *file, const char *path, gneiss_er
                    (long long)format);
 }
 
+/* Facets of each body lie within its vertices, and all of them in what is there. */
+static bool good_bodies(const gn_world *w) {
+    size_t corners = (size_t)w->scene.dimension, vertices = 0, facets = 0;
+    for (size_t k = 0; k < w->scene.body_count; k++) {
+        const int64_t *shape = w->body_shape[k];
+        if (shape[0] < 0 || shape[0] > INT32_MAX || shape[1] < 1 || shape[1] > INT32_MAX)
+            return false;
+        size_t begin = corners * facets, end = begin + corners * (size_t)shape[1];
+        vertices += (size_t)shape[0];
+        facets += (size_t)shape[1];
+        if (end > w->body_corner_count) return false;
+        for (size_t c = begin; c < end; c++)
+            if (w->body_corner[c] < 0 || w->body_corner[c] >= shape[0]) return false;
+    }
+    return vertices == w->body_vertex_count && corners * facets == w->body_corner_count;
+}
+
 /* Indices that kernels follow without looking must lie in range even if the file was tampered with.
  */
 static gneiss_status check_indices(const gn_world *w, const char *path, gneiss_error *error) {
     size_t n = w->particles.soa.count;
     const gn_contacts *lists[] = {&w->bonds, &w->pairs};
-    bool good = true;
+    bool good = good_bodies(w);
     for (size_t k = 0; k < 2; k++)
         for (size_t c = 0; c < lists[k]->soa.count; c++) {
             int32_t i = lists[k]->i[c], j = lists[k]->j[c];
@@ -269,8 +302,7 @@ static gneiss_status check_indices(const gn_world *w, const char *path, gneiss_e
         }
     for (size_t c = 0; c < w->wall_contacts.soa.count; c++)
         good = good && w->wall_contacts.i[c] >= 0 && (size_t)w->wall_contacts.i[c] < n &&
-               w->wall_contacts.wall[c] >= 0 &&
-               (size_t)w->wall_contacts.wall[c] < w->scene.wall_count;
+               w->wall_contacts.wall[c] >= 0; /* and below: check_facets */
     for (size_t p = 0; p < n; p++) {
         good = good && w->particles.id[p] >= 0 && (size_t)w->particles.id[p] < n &&
                w->particles.material[p] >= 0 &&
@@ -327,6 +359,18 @@ static gneiss_status get_scene(gn_world *w, const gn_h5 *file, const char *path,
     return status;
 }
 
+/* Once all surfaces are there. */
+static gneiss_status check_facets(const gn_world *w, const char *path, gneiss_error *error) {
+    size_t all = w->scene.wall_count;
+    bool good = true;
+    for (size_t k = 0; k < w->surface_count; k++) all += w->surfaces[k].facets.count;
+    for (size_t c = 0; c < w->wall_contacts.soa.count; c++)
+        good = good && (size_t)w->wall_contacts.wall[c] < all;
+    return good ? GNEISS_OK
+                : gn_fail(error, GNEISS_ERROR_INPUT,
+                          "%s: expected walls and facets below %zu, found others", path, all);
+}
+
 static gneiss_status load(gn_run *run, const gn_h5 *file, const char *path,
                           const gn_override *overrides, size_t count, gneiss_error *error) {
     gn_world *w = &run->world;
@@ -341,6 +385,9 @@ static gneiss_status load(gn_run *run, const gn_h5 *file, const char *path,
     GN_TRY(check_indices(w, path, error));
     GN_TRY(check_numbers(run, path, error));
     GN_TRY(get_history(run, file, error));
+    GN_TRY(gn_bodies_surfaces(w, error));
+    GN_TRY(gn_element_contact_create(w, error));
+    GN_TRY(check_facets(w, path, error));
     GN_TRY(gn_world_restore(w, error));
     uint64_t hash = 0;
     GN_TRY(gn_h5_get_attribute_i64(file, "/", "state_hash", (int64_t *)&hash, 1, error));

@@ -27,7 +27,7 @@ static const piece pieces[] = {
     DOUBLES(body.energy),     INTEGER(body.unused_nodes), INTEGER(body.turned_elements),
     DOUBLES(limit.bound),     DOUBLES(limit.sharp),       DOUBLES(limit.sharp_low),
     DOUBLES(limit.frequency), DOUBLES(stiffening),        DOUBLES(stable),
-    DOUBLES(stress),          DOUBLES(unbalanced),
+    DOUBLES(stress),          DOUBLES(unbalanced),        DOUBLES(contact.travel),
 };
 enum { PIECES = sizeof pieces / sizeof *pieces };
 

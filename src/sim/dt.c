@@ -10,6 +10,8 @@
 typedef struct spectrum_data {
     double *point, *stiffness, *damping;
     uint8_t *fixed;
+    gn_extra_spring *surface;
+    size_t surface_count;
 } spectrum_data;
 
 static void free_data(spectrum_data *d) {
@@ -17,6 +19,7 @@ static void free_data(spectrum_data *d) {
     gn_free(d->stiffness);
     gn_free(d->damping);
     gn_free(d->fixed);
+    gn_free(d->surface);
 }
 
 static gneiss_status make_data(const gn_world *w, spectrum_data *d, gneiss_error *error) {
@@ -39,7 +42,9 @@ static gneiss_status make_data(const gn_world *w, spectrum_data *d, gneiss_error
     }
     for (size_t p = 0; d->fixed && p < n; p++)
         d->fixed[p] = w->particles.slot[p] >= 0 ? w->prescribed.mask[w->particles.slot[p]] : 0;
-    return GNEISS_OK;
+    gneiss_status status = gn_surface_springs(w, &d->surface, &d->surface_count, error);
+    if (status != GNEISS_OK) free_data(d);
+    return status;
 }
 
 static gn_spectrum spectrum_of(const gn_world *w, const gn_assembly *assembly,
@@ -50,6 +55,8 @@ static gn_spectrum spectrum_of(const gn_world *w, const gn_assembly *assembly,
     s.wall_point = d->point;
     s.wall_stiffness = d->stiffness;
     s.wall_damping = d->damping;
+    s.extra = d->surface;
+    s.extra_count = d->surface_count;
     s.fixed = d->fixed;
     s.threads = w->threads;
     return s;
@@ -68,6 +75,8 @@ static double free_flight_limit(const gn_world *w) {
         for (size_t s = 0; s < w->scene.wall_count; s++)
             least =
                 fmin(least, 2.0 * sqrt(1.0 / (w->scene.walls[s].stiffness * q->vel[4 * p + 3])));
+        for (size_t s = 0; s < w->surface_count; s++)
+            least = fmin(least, 2.0 * sqrt(1.0 / (w->surfaces[s].stiffness * q->vel[4 * p + 3])));
     }
     double alpha = w->damping_fraction;
     return least * (sqrt(1.0 + alpha * alpha) - alpha);
@@ -83,15 +92,39 @@ static double nonviscous_share(const gn_world *w) {
     return active ? 1.0 / sqrt(1.0 + w->scene.background_coefficient) : 1.0;
 }
 
+/* Of two parts with limits p and s (s), of which each is found with the other held fast, and
+ * contacts between them. The energy of a contact |D^1/2 (x + y)|^2 <= (1 + e) |D^1/2 x|^2 + (1 +
+ * 1/e) |D^1/2 y|^2 for any e > 0; with e = w_s^2/w_p^2 the square of the largest frequency of all
+ * is at most w_p^2 + w_s^2. With dashpots, whose part of 4/dt^2 grows with 2/dt, the rates 1/dt add
+ * up.
+ */
+static double together(const gn_world *w, double p, double s) {
+    if (!isfinite(s)) return p;
+    return w->damping_fraction > 0.0 ? 1.0 / (1.0 / p + 1.0 / s)
+                                     : 1.0 / sqrt(1.0 / (p * p) + 1.0 / (s * s));
+}
+
+static double limit_of(double rate) {
+    return rate > 0.0 ? 1.0 / rate : (double)INFINITY;
+}
+
+/* Particles, free bodies and finite elements; bodies and elements only meet particles. */
+static double all_together(const gn_world *w, double share) {
+    double particles = share * w->stable_particles, bodies = limit_of(w->surface_rate);
+    double elements = w->elements ? share * w->elements->stable : (double)INFINITY;
+    if (w->vertex_rate > 0.0) /* they touch */
+        return together(w, particles,
+                        fmin(bodies, together(w, elements, limit_of(w->vertex_rate))));
+    return fmin(together(w, particles, bodies), elements);
+}
+
 /* The limit that the scene trusts: sharp, or the rigorous bound. Contacts that may still form are
  * covered by never going above what a single pair would need. */
 static double usable_limit(gn_world *w) {
     double limit = w->scene.estimate == GN_STEP_BOUND ? w->limit.bound : w->limit.sharp;
     w->stable_particles =
         w->scene.has_specimen ? fmin(limit, free_flight_limit(w)) : (double)INFINITY;
-    double least = w->stable_particles;
-    if (w->elements) least = fmin(least, w->elements->stable);
-    return nonviscous_share(w) * least;
+    return all_together(w, nonviscous_share(w));
 }
 
 /* Only the rigorous bound, or Lanczos as well; the former leaves the sharp value unknown. */
@@ -111,7 +144,8 @@ static gneiss_status estimate(const gn_world *w, bool sharp, gn_step_limit *limi
  * below. */
 static bool bound_suffices(const gn_world *w, double bound) {
     if (w->scene.estimate == GN_STEP_BOUND) return true;
-    double limit = nonviscous_share(w) * fmin(bound, free_flight_limit(w));
+    double limit = together(w, nonviscous_share(w) * fmin(bound, free_flight_limit(w)),
+                            limit_of(fmax(w->surface_rate, w->vertex_rate)));
     return w->scene.step > 0.0 && w->scene.step <= limit;
 }
 
@@ -163,7 +197,14 @@ static gneiss_status particle_limit(gn_world *w, bool full, bool *due, gneiss_er
     gneiss_status status = estimate(w, false, &quick, error);
     /* The rigorous bound falls with every contact that makes a particle stiffer. As long as it is
      * where it was when the limit was found, that limit holds within the safety factor. */
-    *due = full || quick.bound < 0.98 * w->limit.bound;
+    double bodies = 0.0, vertices = 0.0;
+    if (status == GNEISS_OK) status = gn_surfaces_rate(w, &bodies, &vertices, error);
+    *due = full || quick.bound < 0.98 * w->limit.bound || bodies > 1.02 * w->surface_rate ||
+           vertices > 1.02 * w->vertex_rate;
+    if (*due) {
+        w->surface_rate = bodies;
+        w->vertex_rate = vertices;
+    }
     if (status == GNEISS_OK && *due) status = find_limit(w, &quick, error);
     w->bound = quick.bound;
     return status;

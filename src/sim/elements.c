@@ -232,6 +232,7 @@ void gn_elements_free(gn_world *w) {
         gn_fem_load_free(&q->load[k]);
     void *blocks[] = {q->motion_set, q->motion, q->load, q->load_value, q->weight};
     for (size_t k = 0; k < sizeof blocks / sizeof *blocks; k++) gn_free(blocks[k]);
+    gn_element_contact_free(&q->contact);
     gn_fem_body_free(&q->body);
     gn_free(q);
     w->elements = NULL;
@@ -269,7 +270,9 @@ gneiss_status gn_elements_step(gn_world *w, bool measure, gneiss_error *error) {
     double start = gn_now();
     set_velocities(w, w->time + 0.5 * w->dt);
     if (q->loads_vary) set_loads(w, w->time);
+    gn_element_contact_load(w);
     gneiss_status status = gn_fem_step(&q->body, w->dt, measure, error);
+    gn_element_contact_moved(w);
     if (status == GNEISS_OK && measure) {
         for (int k = 0; k < 9; k++)
             q->stress[k] = q->body.elastic.stress[k] / q->body.elastic.volume;

@@ -8,8 +8,18 @@
 
 typedef struct gn_world gn_world;
 
+/* What particles do to the surface (element_contact.c). */
+typedef struct gn_element_contact {
+    int32_t *corner;       /* of facets, by places of nodes */
+    double *force;         /* [nodes][4], N */
+    gn_wall_contacts rows; /* the same, of the nodes of facets, as the motion kernel takes it */
+    int32_t *first;        /* [nodes + 1] */
+    double travel;         /* m, as gn_rigid.travel */
+} gn_element_contact;
+
 typedef struct gn_element_model {
     gn_fem_body body;
+    gn_element_contact contact;
     gn_fem_set *motion_set;  /* [motions of the scene] nodes */
     int32_t *motion;         /* [motions] number in the body, -1: only watched */
     gn_fem_load *load;       /* [loads of the scene] */
@@ -32,6 +42,13 @@ void gn_elements_free(gn_world *world);
 
 /* Velocities, loads and one step of world->dt; with `measure` also stress and unbalanced. */
 gneiss_status gn_elements_step(gn_world *world, bool measure, gneiss_error *error);
+
+/* Makes the surface that particles touch, if the scene wants it: after bodies. */
+gneiss_status gn_element_contact_create(gn_world *world, gneiss_error *error);
+/* Hands the forces of particles over to the nodes; notes how far nodes came. */
+void gn_element_contact_load(gn_world *world);
+void gn_element_contact_moved(gn_world *world);
+void gn_element_contact_free(gn_element_contact *contact);
 
 /* Adds the body's ledger to world->reading. */
 void gn_elements_book(gn_world *world);

@@ -95,11 +95,12 @@ static gneiss_status remove_snapshots(const char *directory, const char *name,
 }
 
 gneiss_status gn_folder_clear(const char *directory, const gn_scene *scene, gneiss_error *error) {
-    static const char *const files[] = {"results.h5",           "summary.json",
-                                        "particles.hdf.series", "bonds.hdf.series",
-                                        "elements.hdf.series",  "report.html"};
-    static const char *const series[] = {"particles",    "bonds",    "failed_particles",
-                                         "failed_bonds", "elements", "failed_elements"};
+    static const char *const files[] = {
+        "results.h5",          "summary.json",      "particles.hdf.series", "bonds.hdf.series",
+        "elements.hdf.series", "bodies.hdf.series", "report.html"};
+    static const char *const series[] = {"particles",    "bonds",        "failed_particles",
+                                         "failed_bonds", "elements",     "failed_elements",
+                                         "bodies",       "failed_bodies"};
     char path[GN_PATH_SIZE + 32];
     int64_t step;
     size_t checkpoints;

@@ -421,19 +421,26 @@ static double largest_travel(const gn_world *w) {
     return sqrt(most);
 }
 
-/* Two particles close in by at most twice the largest path; a particle and a wall by the sum of
- * theirs. The cheap bound on the path adds up the largest speed; when it runs out, the true largest
- * displacement takes its place. */
+/* Two particles close in by at most twice the largest path; a particle and a wall or a surface by
+ * the sum of theirs. The cheap bound on the path adds up the largest speed; when it runs out, the
+ * true largest displacement takes its place. */
 gneiss_status gn_world_refresh_lists(gn_world *w, gneiss_error *error) {
     double wall = 0.0;
     for (size_t k = 0; k < w->scene.wall_count; k++) wall = fmax(wall, w->walls[k].travel);
-    if (2.0 * w->verlet.drift <= w->verlet.skin && w->verlet.drift + wall <= w->verlet.skin)
+    double surface = fmax(wall, gn_surfaces_travel(w, false));
+    if (2.0 * w->verlet.drift <= w->verlet.skin && w->verlet.drift + surface <= w->verlet.skin)
         return GNEISS_OK;
     double start = gn_now();
     w->verlet.drift = largest_travel(w);
+    wall = fmax(wall, gn_surfaces_travel(w, true));
     w->seconds[GN_PHASE_lists] += gn_now() - start;
     /* A tenth of the skin in hand, or the next step would run out again. */
     if (2.2 * w->verlet.drift <= w->verlet.skin && w->verlet.drift + wall <= 0.9 * w->verlet.skin)
         return GNEISS_OK;
-    return gn_world_rebuild(w, error);
+    GN_TRY(gn_world_rebuild(w, error));
+    /* A surface that gives way may have come near many particles since the last look. */
+    double bodies = 0.0, vertices = 0.0;
+    GN_TRY(gn_surfaces_rate(w, &bodies, &vertices, error));
+    bool more = bodies > 1.02 * w->surface_rate || vertices > 1.02 * w->vertex_rate;
+    return more ? gn_world_check_step(w, false, error) : GNEISS_OK;
 }

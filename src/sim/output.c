@@ -3,6 +3,7 @@
 #include "io/files.h"
 #include "io/h5.h"
 #include "io/snapshot.h"
+#include "sim/parts.h"
 #include "sim/run.h"
 
 #include <math.h>
@@ -193,6 +194,8 @@ gneiss_status gn_output_snapshot(const gn_run *run, const char *particles_name,
 }
 
 gneiss_status gn_output_series(const gn_run *run, gneiss_error *error) {
+    if (run->world.scene.body_count)
+        GN_TRY(gn_snapshot_series(run->directory, "bodies", run->world.step, error));
     if (run->world.elements)
         GN_TRY(gn_snapshot_series(run->directory, "elements", run->world.step, error));
     if (!run->world.particles.soa.count) return GNEISS_OK;
@@ -369,6 +372,7 @@ gneiss_status gn_output_results(const gn_run *run, gneiss_error *error) {
     if (status == GNEISS_OK) status = put_tables(run, file, error);
     gn_observed seen = {0};
     if (status == GNEISS_OK) status = gn_elements_results(&run->world, file, error);
+    if (status == GNEISS_OK) status = gn_bodies_results(&run->world, file, error);
     if (status == GNEISS_OK) status = gn_world_observe(&run->world, &seen, error);
     if (status == GNEISS_OK && run->world.particles.soa.count)
         status = put_particles(&run->world, &seen, file, error);
@@ -413,6 +417,10 @@ gneiss_status gn_output_summary(const gn_run *run, gneiss_error *error) {
     gn_json_integer(j, "broken_tension", w->broken_tension);
     gn_json_integer(j, "broken_shear", w->broken_shear);
     gn_json_integer(j, "removed", w->lost);
+    if (w->scene.body_count) {
+        gn_json_integer(j, "bodies", (int64_t)w->scene.body_count);
+        gn_json_integer(j, "facets", (int64_t)w->body_corner_count / w->scene.dimension);
+    }
     if (w->elements) {
         gn_json_integer(j, "nodes", (int64_t)w->elements->body.nodes.soa.count);
         gn_json_integer(j, "elements", (int64_t)w->elements->body.elements.soa.count);

@@ -3,6 +3,7 @@
 #define GN_SIM_PARTS_H
 
 #include "io/packing.h"
+#include "sim/facet.h"
 #include "sim/world.h"
 
 /* Particles of the scene's specimen, from whichever source (specimen.c). */
@@ -38,6 +39,67 @@ gneiss_status gn_wall_contacts_find(gn_world *world, gneiss_error *error);
 /* Forces of wall contacts [begin, end), into their rows; adds to *sums. Reads of particles only
  * those that touch. */
 void gn_wall_contacts_work(const gn_world *world, size_t begin, size_t end, gn_contact_sums *sums);
+
+/* Surfaces (surfaces.c): facets within reach of a particle, as gn_wall_contacts.wall counts them,
+ * ascending into `found` (NULL: only counted). */
+size_t gn_surfaces_near(const gn_world *world, size_t particle, int32_t *found);
+/* Notes where surfaces are when the lists are made. */
+void gn_surfaces_refer(gn_world *world);
+/* Bound on the path of any vertex since then. `exact`: looks where they are. */
+double gn_surfaces_travel(gn_world *world, bool exact);
+/* As gn_wall_contacts_work, of the facets of one surface that the particle of row `begin` has;
+ * returns the first row behind them. */
+size_t gn_surface_contacts_work(const gn_world *world, size_t begin, size_t end,
+                                gn_contact_sums *sums);
+/* Sums the forces on bodies and vertices. */
+void gn_surfaces_sum(gn_world *world);
+/* Contacts of the facets of one surface that the particle of row `begin` has, at the present
+ * positions; returns the first row behind them. `skin` 0: those that touch; else minima of the
+ * distance up to that far from the particle, each for itself. */
+enum { GN_SURFACE_CONTACTS = GN_FACET_TOUCHES };
+typedef struct gn_surface_contact {
+    const gn_surface *surface;
+    size_t particle;
+    gn_facet_contact contact;
+    int parts; /* of a surface whose vertices move by themselves */
+    int32_t vertex[9];
+    double weight[9];
+} gn_surface_contact;
+size_t gn_surface_contacts_at(const gn_world *world, size_t begin, double skin,
+                              gn_surface_contact *contacts, size_t *count);
+/* Springs of the particles that touch surfaces, for the stability limit; the caller frees them. */
+gneiss_status gn_surface_springs(const gn_world *world, gn_extra_spring **springs, size_t *count,
+                                 gneiss_error *error);
+/* 1/s: 1/dt at which free bodies, and vertices, with all particles that are near held fast, would
+ * be at their limit, from above; the elasticity of what vertices belong to is left out. */
+gneiss_status gn_surfaces_rate(const gn_world *world, double *bodies, double *vertices,
+                               gneiss_error *error);
+/* The surface that a row belongs to. */
+const gn_surface *gn_surface_of_row(const gn_world *world, size_t row);
+/* A point, a direction from the body's frame, and back. */
+void gn_rigid_place(const gn_rigid *body, const double local[3], double point[3]);
+void gn_rigid_direct(const gn_rigid *body, const double local[3], double direction[3]);
+void gn_rigid_local(const gn_rigid *body, const double direction[3], double local[3]);
+/* v . I^-1 v about the centre. */
+double gn_rigid_compliance(const gn_rigid *body, const double v[3]);
+
+/* Rigid bodies (bodies.c). */
+gneiss_status gn_bodies_create(gn_world *world, gneiss_error *error);
+/* Surfaces of bodies from the arrays that a checkpoint stores as well. */
+gneiss_status gn_bodies_surfaces(gn_world *world, gneiss_error *error);
+/* New velocities from the forces; books the works of the interval that led here. */
+void gn_bodies_kick(gn_world *world);
+/* Kinetic energy of free motions at the instant of the kick. */
+void gn_bodies_kinetic(const gn_world *world, double *translation, double *rotation);
+/* New positions; books the works of the coming interval. */
+void gn_bodies_drift(gn_world *world);
+
+/* Bodies as files (output_bodies.c): one grid of all facets, and their group in results.h5. */
+gneiss_status gn_bodies_snapshot(const gn_world *world, const char *directory, const char *name,
+                                 gneiss_error *error);
+gneiss_status gn_bodies_results(const gn_world *world, gn_h5 *file, gneiss_error *error);
+/* Orientation from the start, w x y z with w >= 0. */
+void gn_rigid_orientation(const gn_rigid *body, double turn[4]);
 
 /* sweep.c: walls, contacts and motion of one step, in parallel. Prepare when threads change. */
 void gn_sweep_prepare(gn_world *world);

@@ -59,6 +59,23 @@ static bool set_moves(const gn_set *s) {
     return points > 0;
 }
 
+/* In the plane moments have the one component z. */
+static gneiss_status add_body(const gn_world *w, gn_history *h, size_t k, gneiss_error *error) {
+    const char *name = w->scene.bodies[k].name;
+    char column[GN_COLUMN_NAME_SIZE];
+    GN_TRY(gn_record_add_vector(w, h, "body", name, "force", "N",
+                                "force of the particles on the body", error));
+    for (int a = w->scene.dimension == 3 ? 0 : 2; a < 3; a++) {
+        snprintf(column, sizeof column, "body_%s_moment_%c", name, axes[a]);
+        GN_TRY(gn_history_add_column(h, column, "N m",
+                                     "their moment about the reference point of the body", error));
+    }
+    GN_TRY(gn_record_add_vector(w, h, "body", name, "displacement", "m",
+                                "path of the reference point from its start", error));
+    return gn_record_add_vector(w, h, "body", name, "velocity", "m/s",
+                                "velocity of the reference point at the last half step", error);
+}
+
 static gneiss_status add_owners(const gn_world *w, gn_history *h, gneiss_error *error) {
     for (size_t k = 0; k < w->scene.wall_count; k++) {
         const char *name = w->scene.walls[k].name;
@@ -67,6 +84,7 @@ static gneiss_status add_owners(const gn_world *w, gn_history *h, gneiss_error *
         GN_TRY(gn_record_add_vector(w, h, "wall", name, "displacement", "m",
                                     "path of the wall from its start", error));
     }
+    for (size_t k = 0; k < w->scene.body_count; k++) GN_TRY(add_body(w, h, k, error));
     for (size_t k = 0; k < w->scene.set_count; k++)
         if (set_moves(&w->scene.sets[k]))
             GN_TRY(gn_record_add_vector(w, h, "set", w->scene.sets[k].name, "reaction", "N",
@@ -196,12 +214,41 @@ double *gn_record_put_tensor(const gn_world *w, double *row, const double t[9]) 
     return row;
 }
 
+/* What a row shows of the positions before the step: paths of walls, then paths and velocities of
+ * bodies. */
+static size_t owner_values(const gn_world *w) {
+    return 3 * w->scene.wall_count + 6 * w->scene.body_count;
+}
+
+static void read_owners(const gn_world *w, double *out) {
+    for (size_t k = 0; k < w->scene.wall_count; k++)
+        for (int a = 0; a < 3; a++) *out++ = w->walls[k].point[a] - w->walls[k].start[a];
+    for (size_t k = 0; k < w->scene.body_count; k++) {
+        const gn_rigid *b = &w->bodies[k];
+        for (int a = 0; a < 3; a++) *out++ = b->position[a] - b->start[a];
+        for (int a = 0; a < 3; a++) *out++ = b->velocity[a];
+    }
+}
+
+static double *put_bodies(const gn_world *w, double *row, const double *before) {
+    int dimension = (int)w->scene.dimension;
+    for (size_t k = 0; k < w->scene.body_count; k++, before += 6) {
+        const gn_rigid *b = &w->bodies[k];
+        for (int a = 0; a < dimension; a++) *row++ = b->force[a];
+        for (int a = dimension == 3 ? 0 : 2; a < 3; a++) *row++ = b->moment[a];
+        for (int a = 0; a < dimension; a++) *row++ = before[a];
+        for (int a = 0; a < dimension; a++) *row++ = before[3 + a];
+    }
+    return row;
+}
+
 static double *put_owners(const gn_world *w, double *row, const double *displacement) {
     int dimension = (int)w->scene.dimension;
     for (size_t k = 0; k < w->scene.wall_count; k++) {
         for (int a = 0; a < dimension; a++) *row++ = w->walls[k].force[a];
         for (int a = 0; a < dimension; a++) *row++ = displacement[3 * k + (size_t)a];
     }
+    row = put_bodies(w, row, displacement + 3 * w->scene.wall_count);
     for (size_t k = 0; k < w->scene.set_count; k++)
         for (int a = 0; set_moves(&w->scene.sets[k]) && a < dimension; a++)
             *row++ = w->set_reaction[6 * k + (size_t)a];
@@ -249,14 +296,12 @@ static void fill_row(const gn_world *w, const before_step *b, const double *disp
 
 gneiss_status gn_record_step(gn_world *w, gn_history *h, gneiss_error *error) {
     double start = gn_now();
-    size_t walls = 3 * w->scene.wall_count, elements = gn_elements_before_size(w);
-    double *displacement = calloc(walls + elements + h->column_count + 1, sizeof *displacement);
+    size_t owners = owner_values(w), elements = gn_elements_before_size(w);
+    double *displacement = calloc(owners + elements + h->column_count + 1, sizeof *displacement);
     if (!displacement) return gn_fail(error, GNEISS_ERROR_MEMORY, "no memory for a history row");
-    double *read = displacement + walls, *row = read + elements;
+    double *read = displacement + owners, *row = read + elements;
     before_step before = read_positions(w, read);
-    for (size_t k = 0; k < w->scene.wall_count; k++)
-        for (int a = 0; a < 3; a++)
-            displacement[3 * k + (size_t)a] = w->walls[k].point[a] - w->walls[k].start[a];
+    read_owners(w, displacement);
     w->seconds[GN_PHASE_measure] += gn_now() - start;
     gneiss_status status = gn_world_step(w, true, error);
     start = gn_now();

@@ -4,6 +4,7 @@
 #include "io/checkpoint_files.h"
 #include "io/files.h"
 #include "sim/folder.h"
+#include "sim/parts.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -248,6 +249,7 @@ void gn_run_free(gn_run *run) {
 static gneiss_status write_snapshots(const gn_run *run, gneiss_error *error) {
     GN_TRY(gn_output_snapshot(run, "particles", "bonds", error));
     GN_TRY(gn_elements_snapshot(&run->world, run->directory, "elements", error));
+    GN_TRY(gn_bodies_snapshot(&run->world, run->directory, "bodies", error));
     return gn_output_series(run, error);
 }
 
@@ -347,5 +349,6 @@ gneiss_status gn_run_write_failure(gn_run *run, const char *message, gneiss_erro
     run->finished = false;
     GN_TRY(gn_output_snapshot(run, "failed_particles", "failed_bonds", error));
     GN_TRY(gn_elements_snapshot(&run->world, run->directory, "failed_elements", error));
+    GN_TRY(gn_bodies_snapshot(&run->world, run->directory, "failed_bodies", error));
     return gn_output_results(run, error);
 }

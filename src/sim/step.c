@@ -105,8 +105,10 @@ static void merge_before(gn_world *w, const gn_motion_sums *m, bool measure) {
     e->work_applied += m->applied[0];
     e->work_prescribed += m->prescribed[0];
     if (!measure) return;
-    e->kinetic = m->kinetic;
-    e->rotational = m->rotational;
+    double translation, rotation;
+    gn_bodies_kinetic(w, &translation, &rotation);
+    e->kinetic = m->kinetic + translation;
+    e->rotational = m->rotational + rotation;
     e->elastic_normal = bonds.elastic_normal + pairs.elastic_normal;
     e->elastic_shear = bonds.elastic_shear + pairs.elastic_shear;
     e->elastic_wall = walls.elastic_normal;
@@ -137,6 +139,20 @@ static gneiss_status fail_particle(const gn_world *w, size_t p, const char *what
         "radius %g m; the step is %.3g s, its stability limit was estimated as %.3g s",
         (long long)w->step, w->time, q->id[p], what, x[0], x[1], x[2], v[0], v[1], v[2], x[3],
         w->dt, w->stable);
+}
+
+static gneiss_status check_bodies(const gn_world *w, gneiss_error *error) {
+    for (size_t k = 0; k < w->scene.body_count; k++) {
+        const double *v = w->bodies[k].velocity, *o = w->bodies[k].spin;
+        if (isfinite(v[0] + v[1] + v[2]) && isfinite(o[0] + o[1] + o[2])) continue;
+        return gn_fail(error, GNEISS_ERROR_UNSTABLE,
+                       "step %lld, t = %g s: body '%s' has a velocity that is not finite: (%g, %g, "
+                       "%g) m/s, spin (%g, %g, %g) rad/s; the step is %.3g s, its stability limit "
+                       "was estimated as %.3g s",
+                       (long long)w->step, w->time, w->scene.bodies[k].name, v[0], v[1], v[2], o[0],
+                       o[1], o[2], w->dt, w->stable);
+    }
+    return GNEISS_OK;
 }
 
 static gneiss_status check_motion(const gn_world *w, const gn_motion_sums *m, gneiss_error *error) {
@@ -204,13 +220,17 @@ gneiss_status gn_world_step(gn_world *w, bool measure, gneiss_error *error) {
 
     gn_motion_sums moved = add_motion_sums(w->motion_sums, w->motion_blocks);
     gn_walls_sum(w);
+    gn_surfaces_sum(w);
+    gn_bodies_kick(w);
     merge_before(w, &moved, measure);
     if (measure) w->reading = w->energy;
     if (w->effects & GN_FX_PRESCRIBED) gn_reactions_sum(w);
 
     merge_after(w, &moved);
     gn_walls_move(w);
+    gn_bodies_drift(w);
     gneiss_status status = check_motion(w, &moved, error);
+    if (status == GNEISS_OK) status = check_bodies(w, error);
     if (w->elements && status == GNEISS_OK) status = gn_elements_step(w, measure, error);
     if (w->elements && measure) gn_elements_book(w);
     w->verlet.drift += w->dt * sqrt(moved.speed2);

@@ -81,6 +81,7 @@ static bool wall_spring(const gn_spectrum *spectrum, const gn_wall_contacts *lis
     const gn_assembly *a = spectrum->assembly;
     const gn_particles *p = a->particles;
     size_t wall = (size_t)list->wall[c];
+    if (list->touch && wall >= a->wall_count) return false; /* a facet: see `extra` */
     *s = (spring){.i = list->i[c], .j = -1, .kn = spectrum->wall_stiffness[2 * wall]};
     if (removed(p, s->i)) return false;
     const double *x = p->pos + 4 * (size_t)s->i;
@@ -99,24 +100,38 @@ static bool wall_spring(const gn_spectrum *spectrum, const gn_wall_contacts *lis
     return true;
 }
 
+static bool extra_spring(const gn_spectrum *spectrum, size_t k, spring *s) {
+    const gn_extra_spring *e = &spectrum->extra[k];
+    *s =
+        (spring){.i = e->particle, .j = -1, .arm_i = e->arm, .kn = e->kn, .kt = e->kt, .cn = e->cn};
+    memcpy(s->n, e->n, sizeof s->n);
+    return !removed(spectrum->assembly->particles, s->i);
+}
+
+static size_t wall_contact_count(const gn_assembly *a) {
+    return a->wall_contacts ? a->wall_contacts->soa.count : 0;
+}
+
 static size_t list_count(const gn_contacts *list) {
     return list ? list->soa.count : 0;
 }
 
-/* Contact k of bonds, pairs and wall contacts counted through. */
+/* Contact k of bonds, pairs, wall contacts and further springs counted through. */
 static bool make_spring(const gn_spectrum *spectrum, size_t k, spring *s) {
     const gn_assembly *a = spectrum->assembly;
     if (k < list_count(a->bonds)) return contact_spring(spectrum, a->bonds, k, s);
     k -= list_count(a->bonds);
     if (k < list_count(a->pairs)) return contact_spring(spectrum, a->pairs, k, s);
-    return wall_spring(spectrum, a->wall_contacts, k - list_count(a->pairs), s);
+    k -= list_count(a->pairs);
+    if (k < wall_contact_count(a)) return wall_spring(spectrum, a->wall_contacts, k, s);
+    return extra_spring(spectrum, k - wall_contact_count(a), s);
 }
 
 /* Counts the active springs of each block of contacts, then writes them in order. */
 static gneiss_status collect_springs(spring_system *y, gneiss_error *error) {
     const gn_assembly *a = y->spectrum->assembly;
-    size_t contacts = list_count(a->bonds) + list_count(a->pairs) +
-                      (a->wall_contacts ? a->wall_contacts->soa.count : 0);
+    size_t contacts = list_count(a->bonds) + list_count(a->pairs) + wall_contact_count(a) +
+                      y->spectrum->extra_count;
     size_t blocks = (contacts + CONTACT_BLOCK - 1) / CONTACT_BLOCK;
     size_t *start = gn_alloc_array(blocks + 1, sizeof *start);
     if (!start)

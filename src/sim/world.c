@@ -8,6 +8,7 @@
 
 #include <math.h>
 #include <omp.h>
+#include <stddef.h>
 #include <string.h>
 
 static const char *const phase_names[] = {
@@ -202,6 +203,8 @@ static gneiss_status build_particles(gn_world *w, gneiss_error *error) {
     set_masses(w);
     GN_TRY(gn_sets_apply(w, error));
     GN_TRY(gn_walls_create(w, error));
+    GN_TRY(gn_bodies_create(w, error));
+    GN_TRY(gn_element_contact_create(w, error));
     w->index_of_id = gn_alloc_array(w->particles.soa.count + 1, sizeof *w->index_of_id);
     if (!w->index_of_id)
         return gn_fail(error, GNEISS_ERROR_MEMORY, "no memory for particle numbers");
@@ -242,8 +245,8 @@ static void measure_body(gn_world *w) {
 static gneiss_status build(gn_world *w, gneiss_error *error) {
     bool particles = w->scene.has_specimen;
     GN_TRY(gn_world_prepare(w, error));
-    GN_TRY(particles ? build_particles(w, error) : build_empty(w, error));
     if (w->scene.has_elements) GN_TRY(gn_elements_create(w, NULL, error));
+    GN_TRY(particles ? build_particles(w, error) : build_empty(w, error));
     if (!particles) measure_body(w);
     return gn_world_check_step(w, true, error);
 }
@@ -269,11 +272,17 @@ void gn_world_free(gn_world *w) {
     gn_partials_free(&w->bond_partials);
     gn_partials_free(&w->pair_partials);
     gn_strain_gauge_free(&w->gauge);
-    void *blocks[] = {w->wall_first,      w->index_of_id,     w->walls,
-                      w->wall_normals,    w->channel_set,     w->set_reaction,
-                      w->prescribed.set,  w->prescribed.mask, w->prescribed.velocity,
-                      w->prescribed.load, w->bond_sums,       w->pair_sums,
-                      w->wall_sums,       w->motion_sums,     w->moved};
+    for (size_t k = 0; k < w->surface_count; k++) gn_facet_tree_free(&w->surfaces[k].tree);
+    void *blocks[] = {w->bodies,          w->surfaces,
+                      w->body_shape,      w->body_vertex,
+                      w->body_corner,     w->wall_first,
+                      w->index_of_id,     w->walls,
+                      w->wall_normals,    w->channel_set,
+                      w->set_reaction,    w->prescribed.set,
+                      w->prescribed.mask, w->prescribed.velocity,
+                      w->prescribed.load, w->bond_sums,
+                      w->pair_sums,       w->wall_sums,
+                      w->motion_sums,     w->moved};
     for (size_t k = 0; k < sizeof blocks / sizeof *blocks; k++) gn_free(blocks[k]);
     gn_scene_free(&w->scene);
     memset(w, 0, sizeof *w);
@@ -286,6 +295,7 @@ gn_assembly gn_world_assembly(const gn_world *w) {
     a.bonds = &w->bonds;
     a.pairs = &w->pairs;
     a.wall_contacts = w->effects & GN_FX_WALLS ? &w->wall_contacts : NULL;
+    a.wall_count = w->scene.wall_count;
     a.wall_normals = w->wall_normals;
     a.periodic = w->effects & GN_FX_PERIODIC;
     memcpy(a.period, w->period, sizeof a.period);
@@ -299,6 +309,8 @@ uint64_t gn_world_hash(const gn_world *w) {
     h = gn_soa_hash(&gn_wall_contact_record, &w->wall_contacts, h);
     for (size_t k = 0; k < w->scene.wall_count; k++)
         h = gn_hash_bytes(w->walls[k].point, sizeof w->walls[k].point, h);
+    for (size_t k = 0; k < w->scene.body_count; k++)
+        h = gn_hash_bytes(&w->bodies[k], offsetof(gn_rigid, mass), h);
     if (w->elements) {
         uint64_t body = gn_fem_hash(&w->elements->body);
         h = gn_hash_bytes(&body, sizeof body, h);

@@ -10,6 +10,7 @@
 #include "neigh/pairs.h"
 #include "scene/scene.h"
 #include "sim/elements.h"
+#include "sim/surface.h"
 #include "sim/timestep.h"
 
 /* X(name, text): what the seconds of a run are booked under. */
@@ -82,6 +83,14 @@ struct gn_world {
 
     gn_wall *walls;       /* [scene.wall_count] */
     double *wall_normals; /* [walls][4], for measures */
+    gn_rigid *bodies;     /* [scene.body_count] */
+    size_t surface_count;
+    gn_surface *surfaces;     /* first those of bodies, in their order */
+    size_t body_vertex_count; /* of all bodies */
+    size_t body_corner_count; /* of facets of all bodies */
+    int64_t (*body_shape)[3]; /* [bodies]: vertices, facets, facets dropped */
+    double *body_vertex;      /* [body_vertex_count][4], m, in the frames */
+    int32_t *body_corner;     /* [body_corner_count], within a body */
     gn_prescription prescribed;
     int32_t *channel_set; /* [prescribed.count][6] set that drives a channel, -1: free */
     double *set_reaction; /* [scene.set_count][6] N, N m: what the prescription supplied */
@@ -108,6 +117,8 @@ struct gn_world {
     double stable; /* s: what the step is held against: sharp limit or bound, less the share that
                     * non-viscous damping takes */
     double stable_particles; /* s: the same of the particles alone, damping left out */
+    double surface_rate;     /* 1/s: 1/dt of free bodies, see gn_surfaces_rate */
+    double vertex_rate;      /* 1/s: the same of what contacts do to nodes of finite elements */
     double bound;            /* s: last rigorous bound of the particles */
     int64_t dt_lowered;      /* times that the step was lowered while running */
 

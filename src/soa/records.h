@@ -96,17 +96,23 @@
       GN_FX_CONTACT_FORCES | GN_FX_SPACE | GN_FX_ROTATION, 0, "N, N",                              \
       "force on the first particle x y z 0, n x F_t x y z 0")
 
-/* Contacts of particles with plane walls, sorted by (i, wall). Normal from the particle to the
- * wall. */
+/* Contacts of particles with plane walls and with facets of surfaces, sorted by (i, wall). Normal
+ * from the particle to the wall. A particle's facets of one surface are worked on together: a
+ * contact that several of them share has its history in the row of one. */
 #define GN_WALL_CONTACT_FIELDS(X)                                                                  \
     X(i, int32_t, GN_I32, 1, GN_COLUMNS, GN_STATE, 0, 0, "1", "particle")                          \
-    X(wall, int32_t, GN_I32, 1, GN_COLUMNS, GN_STATE, 0, 0, "1", "wall, base 0")                   \
+    X(wall, int32_t, GN_I32, 1, GN_COLUMNS, GN_STATE, 0, 0, "1",                                   \
+      "wall, base 0; from the number of walls on: facet, all surfaces counted through")            \
     X(gap0, double, GN_F64, 1, GN_COLUMNS, GN_STATE, 0, 0, "m",                                    \
       "gap at which the normal force is zero; negative for passive walls")                         \
     X(shear, double, GN_F64, 3, GN_COLUMNS, GN_STATE, GN_FX_WALL_SHEAR, 0, "N",                    \
       "tangential force on the particle")                                                          \
     X(fd, double, GN_F64, 1, GN_COLUMNS, GN_SAVED, GN_FX_CONTACT_DAMPING | GN_FX_ENERGY, 0, "N",   \
       "viscous normal force of the last step")                                                     \
+    X(normal, double, GN_F64, 3, GN_COLUMNS, GN_STATE, GN_FX_FACETS, 0, "1",                       \
+      "of a contact with facets in the last step; 0: there was none")                              \
+    X(touch, double, GN_F64, 3, GN_COLUMNS, GN_SAVED, GN_FX_FACETS, 0, "m",                        \
+      "point of a facet on which the force acts")                                                  \
     X(row, double, GN_F64, 8, GN_ROWS, GN_SAVED, 0, 0, "N, N m",                                   \
       "force on the particle x y z, 0, moment x y z, 0")
 

@@ -1,0 +1,91 @@
+/* The keys of `bodies`. */
+#include "scene/manifest_keys.h"
+
+static const gn_choice booleans[] = {{"true", 1}, {"false", 0}, {"on", 1}, {"off", 0},
+                                     {"yes", 1},  {"no", 0},    {NULL, 0}};
+
+static const gn_key box_keys[] = {
+    KEY("size", VECTOR, gn_body_def, box_size, .unit = "m", .range = "(0, inf)", .required = true,
+        .shape_dimension = 3, .text = "lengths along x, y and z"),
+};
+TABLE_OF(box);
+
+static const gn_key cylinder_keys[] = {
+    KEY("diameter", REAL, gn_body_cylinder, diameter, .unit = "m", .range = "(0, inf)",
+        .required = true, .text = "diameter at the lower end, through the corners"),
+    KEY("upper_diameter", REAL, gn_body_cylinder, upper_diameter, .unit = "m", .range = "(0, inf)",
+        .word = "same", .fallback = "same",
+        .text = "diameter at the upper end: a truncated cone, or a funnel when open"),
+    KEY("height", REAL, gn_body_cylinder, height, .unit = "m", .range = "(0, inf)",
+        .required = true, .text = "length along z"),
+    KEY("sides", INTEGER, gn_body_cylinder, sides, .range = "[3, 10000]", .fallback = "32",
+        .text = "of the polygon that stands for the circle"),
+    KEY("open", CHOICE, gn_body_cylinder, open, .choices = booleans, .fallback = "false",
+        .text = "without end faces: a tube or a funnel"),
+};
+TABLE_OF(cylinder);
+
+#define CHANNEL(NAME, FIELD, UNIT, TEXT)                                                           \
+    KEY(NAME, TABLE, gn_motion, FIELD, .unit = UNIT, .word = "free", .fallback = "free",           \
+        .text = TEXT)
+
+static const gn_key motion_keys[] = {
+    CHANNEL("vx", velocity[0], "m/s", "velocity of the reference point along x"),
+    CHANNEL("vy", velocity[1], "m/s", "velocity of the reference point along y"),
+    CHANNEL("vz", velocity[2], "m/s", "velocity of the reference point along z"),
+    CHANNEL("wx", spin[0], "rad/s", "spin about x"),
+    CHANNEL("wy", spin[1], "rad/s", "spin about y"),
+    CHANNEL("wz", spin[2], "rad/s", "spin about z"),
+};
+TABLE_OF(motion);
+
+static const gn_key body_keys[] = {
+    KEY("name", NAME, gn_body_def, name, .required = true,
+        .text = "what the rest of the scene calls it"),
+    KEY("surface", FILE, gn_body_def, surface, .second = offsetof(gn_body_def, surface_path),
+        PRESENT(TEXT, gn_body_def, surface), .shape_dimension = 3,
+        .text = "3D shape: STL file; closed when the body is free"),
+    SECTION("box", box_section, PRESENT(BOOL, gn_body_def, has_box), .shape_dimension = 3,
+            .text = "3D shape; its lower corner is its origin"),
+    SECTION("cylinder", cylinder_section, .offset = offsetof(gn_body_def, cylinder),
+            PRESENT(BOOL, gn_body_def, has_cylinder), .shape_dimension = 3,
+            .text = "3D shape, axis along z; the centre of its lower end is its origin"),
+    ARRAY("polygon", POINTS, gn_body_def, polygon, polygon_count, .unit = "m",
+          PRESENT(COUNT, gn_body_def, polygon_count), .shape_dimension = 2,
+          .text = "2D shape: closed line through its corners"),
+    ARRAY("polyline", POINTS, gn_body_def, polyline, polyline_count, .unit = "m", .number = 2,
+          PRESENT(COUNT, gn_body_def, polyline_count), .shape_dimension = 2,
+          .text = "2D shape: open line through its points"),
+    KEY("scale", REAL, gn_body_def, scale, .unit = "1", .range = "(0, inf)", .fallback = "1",
+        .text = "lengths of the shape times this give metres"),
+    KEY("origin", VECTOR, gn_body_def, origin, .unit = "m", .fallback = "0",
+        .text = "where the origin of the shape stands"),
+    KEY("rotation", SPIN, gn_body_def, rotation, .unit = "rad",
+        PRESENT(BOOL, gn_body_def, has_rotation),
+        .text = "turns the shape about its origin first: axis times angle; in 2D one number"),
+    KEY("stiffness", REAL, gn_body_def, stiffness, .unit = "N/m", .range = "(0, inf)",
+        .required = true, .text = "penalty stiffness k_n"),
+    KEY("kratio", REAL, gn_body_def, kratio, .unit = "1", .range = "(0, inf)", .word = "none",
+        .fallback = "none", .text = "k_n/k_t of the surface; needed with friction"),
+    KEY("friction", REAL, gn_body_def, friction, .unit = "1", .range = "[0, inf)", .fallback = "0",
+        .text = "Coulomb friction coefficient"),
+    KEY("reference", VECTOR, gn_body_def, reference, .unit = "m",
+        PRESENT(BOOL, gn_body_def, has_reference),
+        .text = "point about which spin turns the body and moments are taken; without it the "
+                "origin, of free bodies the centre of mass"),
+    KEY("free", CHOICE, gn_body_def, free, .choices = booleans, .fallback = "false",
+        .text = "channels that motion leaves free follow the forces of particles and gravity"),
+    KEY("density", REAL, gn_body_def, density, .unit = "kg/m3", .range = "(0, inf)", .word = "none",
+        .fallback = "none", .text = "mass density; needed by a free body"),
+    KEY("initial_velocity", VECTOR, gn_body_def, initial_velocity, .unit = "m/s",
+        PRESENT(BOOL, gn_body_def, has_initial_velocity),
+        .text = "velocity of a free body at the start"),
+    KEY("initial_spin", SPIN, gn_body_def, initial_spin, .unit = "rad/s",
+        PRESENT(BOOL, gn_body_def, has_initial_spin),
+        .text = "spin of a free body at the start; in 2D one number"),
+    SECTION("motion", motion_section, .offset = offsetof(gn_body_def, motion),
+            .text = "how the body moves; a channel that is left out stands still, or is free in a "
+                    "free body (spins all three or none)"),
+};
+const gn_section gn_body_section = {body_keys, sizeof body_keys / sizeof(gn_key),
+                                    sizeof(gn_body_def), offsetof(gn_body_def, where)};

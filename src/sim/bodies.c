@@ -1,0 +1,346 @@
+/* Rigid bodies: from the scene, and how they move.
+ *
+ * Velocities stand at half steps, positions at whole ones, as those of particles. A free rotation
+ * keeps the angular momentum in space and lets the body run about its principal axes one after the
+ * other, each turn exact: x y z y x with half, half, whole, half, half of the step (Dullweber,
+ * Leimkuhler and McLachlan 1997, J. Chem. Phys. 107, 5840). Without moment that keeps the momentum
+ * exactly and the energy without drift; it is symplectic, reversible and of second order. */
+#include "base/eigen.h"
+#include "base/memory.h"
+#include "sim/body_shape.h"
+#include "sim/parts.h"
+#include "sim/touch.h"
+
+#include <math.h>
+#include <string.h>
+
+/* --- orientation
+ * ------------------------------------------------------------------------------------ */
+
+static void set_axes(gn_rigid *b) {
+    const double *q = b->turn, w = q[0], x = q[1], y = q[2], z = q[3];
+    const double m[9] = {1 - 2 * (y * y + z * z), 2 * (x * y - w * z),     2 * (x * z + w * y),
+                         2 * (x * y + w * z),     1 - 2 * (x * x + z * z), 2 * (y * z - w * x),
+                         2 * (x * z - w * y),     2 * (y * z + w * x),     1 - 2 * (x * x + y * y)};
+    memcpy(b->axes, m, sizeof m);
+}
+
+static void multiply(const double a[4], const double b[4], double out[4]) {
+    const double r[4] = {a[0] * b[0] - a[1] * b[1] - a[2] * b[2] - a[3] * b[3],
+                         a[0] * b[1] + a[1] * b[0] + a[2] * b[3] - a[3] * b[2],
+                         a[0] * b[2] - a[1] * b[3] + a[2] * b[0] + a[3] * b[1],
+                         a[0] * b[3] + a[1] * b[2] - a[2] * b[1] + a[3] * b[0]};
+    memcpy(out, r, sizeof r);
+}
+
+/* Keeps rounding from growing; the unit quaternion of a body that does not turn stays as it is. */
+static void settle(gn_rigid *b) {
+    double *q = b->turn, size2 = q[0] * q[0] + q[1] * q[1] + q[2] * q[2] + q[3] * q[3];
+    if (size2 != 1.0)
+        for (int k = 0; k < 4; k++) q[k] /= sqrt(size2);
+    set_axes(b);
+}
+
+/* From a rotation matrix by rows (Shepperd 1978): the largest component is found first. */
+static void turn_from_matrix(const double m[9], double q[4]) {
+    double trace = m[0] + m[4] + m[8], size[4] = {trace, m[0], m[4], m[8]};
+    int k = 0;
+    for (int c = 1; c < 4; c++)
+        if (size[c] > size[k]) k = c;
+    double part[4] = {m[7] - m[5], m[2] - m[6], m[3] - m[1], 0.0};
+    if (k == 0) {
+        q[0] = 1.0 + trace;
+        for (int c = 0; c < 3; c++) q[c + 1] = part[c];
+    } else {
+        int a = k - 1, b = k % 3, c = (k + 1) % 3;
+        q[0] = part[a];
+        q[a + 1] = 1.0 + m[4 * a] - m[4 * b] - m[4 * c];
+        q[b + 1] = m[3 * a + b] + m[3 * b + a];
+        q[c + 1] = m[3 * a + c] + m[3 * c + a];
+    }
+    double size2 = q[0] * q[0] + q[1] * q[1] + q[2] * q[2] + q[3] * q[3];
+    for (int c = 0; c < 4; c++) q[c] /= sqrt(size2);
+}
+
+void gn_rigid_orientation(const gn_rigid *b, double turn[4]) {
+    const double *s = b->turn_start, back[4] = {s[0], -s[1], -s[2], -s[3]};
+    multiply(b->turn, back, turn);
+    for (int k = 0; turn[0] < 0.0 && k < 4; k++) turn[k] = -turn[k];
+}
+
+/* Turns by a vector in space. */
+static void turn_by(gn_rigid *b, const double vector[3]) {
+    double angle = sqrt(gn_dot3(vector, vector));
+    if (!(angle > 0.0)) return;
+    double s = sin(0.5 * angle) / angle;
+    const double q[4] = {cos(0.5 * angle), s * vector[0], s * vector[1], s * vector[2]};
+    multiply(q, b->turn, b->turn);
+    settle(b);
+}
+
+/* The exact flow of L_k^2/(2 I_k) over a time: L stays in space. */
+static void turn_about_axis(gn_rigid *b, int k, double time) {
+    double along = 0.0;
+    for (int a = 0; a < 3; a++) along += b->axes[3 * a + k] * b->momentum[a];
+    double half = 0.5 * time * along * b->inverse_inertia[k];
+    double q[4] = {cos(half), 0.0, 0.0, 0.0};
+    q[k + 1] = sin(half);
+    multiply(b->turn, q, b->turn);
+    settle(b);
+}
+
+static bool turns_freely(const gn_rigid *b) {
+    return b->inverse_inertia[2] > 0.0;
+}
+
+/* Spin from the angular momentum at the present orientation. */
+static void spin_from_momentum(gn_rigid *b) {
+    double local[3];
+    gn_rigid_local(b, b->momentum, local);
+    for (int a = 0; a < 3; a++) local[a] *= b->inverse_inertia[a];
+    gn_rigid_direct(b, local, b->spin);
+}
+
+static void rotate_freely(gn_rigid *b, double dt, bool space) {
+    static const int order[5] = {0, 1, 2, 1, 0};
+    static const double part[5] = {0.5, 0.5, 1.0, 0.5, 0.5};
+    if (space)
+        for (int k = 0; k < 5; k++) turn_about_axis(b, order[k], part[k] * dt);
+    else
+        turn_about_axis(b, 2, dt);
+    spin_from_momentum(b);
+}
+
+/* --- from the scene
+ * --------------------------------------------------------------------------------- */
+
+static bool has_spin(const gn_motion *m) {
+    return m->spin[0].count || m->spin[1].count || m->spin[2].count;
+}
+
+/* Principal axes as a rotation, so that the frame is right-handed. */
+static void set_principal(const gn_body_shape *shape, double density, bool space, gn_rigid *b) {
+    double a[9], values[3], vectors[9], m[9];
+    if (!space) {
+        b->inertia[2] = density * shape->moment[8];
+        return;
+    }
+    memcpy(a, shape->moment, sizeof a);
+    gn_eigen_symmetric(3, a, values, vectors);
+    double cross[3];
+    gn_cross3(vectors, vectors + 3, cross);
+    double sign = gn_dot3(cross, vectors + 6) < 0.0 ? -1.0 : 1.0;
+    for (int k = 0; k < 3; k++) {
+        b->inertia[k] = density * values[k];
+        for (int r = 0; r < 3; r++) m[3 * r + k] = (k == 2 ? sign : 1.0) * vectors[3 * k + r];
+    }
+    turn_from_matrix(m, b->turn);
+    set_axes(b);
+}
+
+static void set_motion_at_start(const gn_body_def *def, gn_rigid *b) {
+    for (int a = 0; a < 3; a++) {
+        b->velocity[a] = def->motion.velocity[a].count || !def->free
+                             ? gn_table_at(&def->motion.velocity[a], 0.0)
+                             : def->initial_velocity[a];
+        b->spin[a] = has_spin(&def->motion) || !def->free ? gn_table_at(&def->motion.spin[a], 0.0)
+                                                          : def->initial_spin[a];
+    }
+    if (!turns_freely(b)) return;
+    double local[3];
+    gn_rigid_local(b, b->spin, local);
+    for (int a = 0; a < 3; a++) local[a] *= b->inertia[a];
+    gn_rigid_direct(b, local, b->momentum);
+}
+
+static void set_body(const gn_scene *s, size_t k, const gn_body_shape *shape, gn_rigid *b) {
+    const gn_body_def *def = &s->bodies[k];
+    bool space = s->dimension == 3;
+    b->turn[0] = 1.0;
+    set_axes(b);
+    const double *at = def->free            ? shape->centre
+                       : def->has_reference ? def->reference
+                                            : def->origin;
+    memcpy(b->position, at, sizeof b->position);
+    if (def->free) {
+        b->volume = shape->volume;
+        b->mass = def->density * shape->volume;
+        set_principal(shape, def->density, space, b);
+        for (int a = 0; a < (space ? 3 : 2); a++)
+            if (!def->motion.velocity[a].count) b->inverse_mass[a] = 1.0 / b->mass;
+        for (int a = space ? 0 : 2; a < 3; a++)
+            if (!has_spin(&def->motion)) b->inverse_inertia[a] = 1.0 / b->inertia[a];
+    }
+    memcpy(b->start, b->position, sizeof b->start);
+    memcpy(b->turn_start, b->turn, sizeof b->turn);
+    set_motion_at_start(def, b);
+}
+
+/* Vertices into the body's frame. */
+static void put_vertices(const gn_body_shape *shape, gn_rigid *b, double *out) {
+    for (size_t v = 0; v < shape->vertices; v++) {
+        double d[3];
+        for (size_t a = 0; a < 3; a++) d[a] = shape->vertex[4 * v + a] - b->position[a];
+        gn_rigid_local(b, d, out + 4 * v);
+        b->reach = fmax(b->reach, sqrt(gn_dot3(d, d)));
+    }
+}
+
+static gneiss_status put_shapes(gn_world *w, const gn_body_shape *shapes, gneiss_error *error) {
+    size_t corners = (size_t)w->scene.dimension, vertices = 0, facets = 0;
+    for (size_t k = 0; k < w->scene.body_count; k++) {
+        vertices += shapes[k].vertices;
+        facets += shapes[k].facets;
+    }
+    if (facets > INT32_MAX / 4 || vertices > INT32_MAX / 4)
+        return gn_fail(error, GNEISS_ERROR_INPUT,
+                       "bodies: expected fewer than %d facets, found %zu", INT32_MAX / 4, facets);
+    w->body_vertex_count = vertices;
+    w->body_corner_count = corners * facets;
+    w->body_shape = gn_alloc_array(w->scene.body_count, sizeof *w->body_shape);
+    w->body_vertex = gn_alloc_array(vertices, 4 * sizeof *w->body_vertex);
+    w->body_corner = gn_alloc_array(corners * facets, sizeof *w->body_corner);
+    if (!w->body_shape || !w->body_vertex || !w->body_corner)
+        return gn_fail(error, GNEISS_ERROR_MEMORY, "no memory for %zu facets of bodies", facets);
+    size_t vertex = 0, corner = 0;
+    for (size_t k = 0; k < w->scene.body_count; k++) {
+        const gn_body_shape *shape = &shapes[k];
+        w->body_shape[k][0] = (int64_t)shape->vertices;
+        w->body_shape[k][1] = (int64_t)shape->facets;
+        w->body_shape[k][2] = (int64_t)shape->dropped;
+        put_vertices(shape, &w->bodies[k], w->body_vertex + 4 * vertex);
+        memcpy(w->body_corner + corner, shape->corner, corners * shape->facets * sizeof(int32_t));
+        vertex += shape->vertices;
+        corner += corners * shape->facets;
+    }
+    return GNEISS_OK;
+}
+
+gneiss_status gn_bodies_create(gn_world *w, gneiss_error *error) {
+    size_t count = w->scene.body_count;
+    if (!count) return gn_bodies_surfaces(w, error);
+    w->bodies = gn_alloc_array(count, sizeof *w->bodies);
+    gn_body_shape *shapes = gn_alloc_array(count, sizeof *shapes);
+    gneiss_status status = w->bodies && shapes
+                               ? GNEISS_OK
+                               : gn_fail(error, GNEISS_ERROR_MEMORY, "no memory for bodies");
+    for (size_t k = 0; status == GNEISS_OK && k < count; k++) {
+        status = gn_body_shape_make(&w->scene, k, &shapes[k], error);
+        if (status == GNEISS_OK) set_body(&w->scene, k, &shapes[k], &w->bodies[k]);
+    }
+    if (status == GNEISS_OK) status = put_shapes(w, shapes, error);
+    for (size_t k = 0; shapes && k < count; k++) gn_body_shape_free(&shapes[k]);
+    gn_free(shapes);
+    return status == GNEISS_OK ? gn_bodies_surfaces(w, error) : status;
+}
+
+gneiss_status gn_bodies_surfaces(gn_world *w, gneiss_error *error) {
+    size_t corners = (size_t)w->scene.dimension, vertex = 0, corner = 0;
+    if (!(w->effects & GN_FX_FACETS)) return GNEISS_OK;
+    w->surfaces = gn_alloc_array(w->scene.body_count + 1, sizeof *w->surfaces);
+    if (!w->surfaces) return gn_fail(error, GNEISS_ERROR_MEMORY, "no memory for surfaces");
+    for (size_t k = 0; k < w->scene.body_count; k++) {
+        const gn_body_def *def = &w->scene.bodies[k];
+        gn_surface *s = &w->surfaces[k];
+        s->facets = (gn_facet_set){(int)corners, (size_t)w->body_shape[k][1],
+                                   w->body_corner + corner, w->body_vertex + 4 * vertex};
+        s->body = (int32_t)k;
+        s->travel = &w->bodies[k].travel;
+        s->first = (int32_t)(corner / corners);
+        s->vertices = (size_t)w->body_shape[k][0];
+        s->stiffness = def->stiffness;
+        s->kratio = def->kratio;
+        s->friction = def->friction;
+        GN_TRY(gn_facet_tree_build(&s->facets, &s->tree, error));
+        w->surface_count++;
+        vertex += s->vertices;
+        corner += corners * s->facets.count;
+    }
+    return GNEISS_OK;
+}
+
+/* --- motion
+ * ----------------------------------------------------------------------------------------- */
+
+/* Works of what is prescribed and of gravity over half an interval. */
+static void book(gn_world *w, const gn_rigid *b, double dt) {
+    double prescribed = 0.0, weight = 0.0;
+    for (int a = 0; a < 3; a++) {
+        if (b->inverse_mass[a] > 0.0)
+            weight += b->mass * w->scene.gravity[a] * b->velocity[a];
+        else
+            prescribed -= b->force[a] * b->velocity[a];
+    }
+    if (!turns_freely(b)) prescribed -= gn_dot3(b->moment, b->spin);
+    w->energy.work_walls += 0.5 * dt * prescribed;
+    w->energy.work_gravity += 0.5 * dt * weight;
+}
+
+void gn_bodies_kick(gn_world *w) {
+    double interval = 0.5 * (w->dt_past + w->dt), middle = w->time + 0.5 * w->dt;
+    for (size_t k = 0; k < w->scene.body_count; k++) {
+        gn_rigid *b = &w->bodies[k];
+        const gn_motion *motion = &w->scene.bodies[k].motion;
+        book(w, b, w->dt_past);
+        memcpy(b->velocity_past, b->velocity, sizeof b->velocity);
+        memcpy(b->spin_past, b->spin, sizeof b->spin);
+        memcpy(b->momentum_past, b->momentum, sizeof b->momentum);
+        for (int a = 0; a < 3; a++) {
+            if (b->inverse_mass[a] > 0.0)
+                b->velocity[a] +=
+                    interval * (b->force[a] * b->inverse_mass[a] + w->scene.gravity[a]);
+            else
+                b->velocity[a] = gn_table_at(&motion->velocity[a], middle);
+            if (turns_freely(b))
+                b->momentum[a] += interval * b->moment[a];
+            else
+                b->spin[a] = gn_table_at(&motion->spin[a], middle);
+        }
+        if (!(w->effects & GN_FX_SPACE)) b->momentum[0] = b->momentum[1] = 0.0;
+        if (turns_freely(b)) spin_from_momentum(b);
+    }
+}
+
+/* 1/2 v(-) m v(+), as of particles, and 1/2 L(-) . I^-1 L(+); at the start (-) is what a full kick
+ * would have come from. */
+void gn_bodies_kinetic(const gn_world *w, double *translation, double *rotation) {
+    *translation = *rotation = 0.0;
+    for (size_t k = 0; k < w->scene.body_count; k++) {
+        const gn_rigid *b = &w->bodies[k];
+        double before[3], first[3], second[3];
+        bool start = !(w->dt_past > 0.0);
+        for (int a = 0; a < 3; a++) {
+            double v = start ? 2.0 * b->velocity_past[a] - b->velocity[a] : b->velocity_past[a];
+            if (b->inverse_mass[a] > 0.0) *translation += 0.5 * b->mass * v * b->velocity[a];
+            before[a] = start ? 2.0 * b->momentum_past[a] - b->momentum[a] : b->momentum_past[a];
+        }
+        gn_rigid_local(b, before, first);
+        gn_rigid_local(b, b->momentum, second);
+        for (int a = 0; a < 3; a++) *rotation += 0.5 * first[a] * b->inverse_inertia[a] * second[a];
+    }
+}
+
+void gn_bodies_drift(gn_world *w) {
+    for (size_t k = 0; k < w->scene.body_count; k++) {
+        gn_rigid *b = &w->bodies[k];
+        double speed = sqrt(gn_dot3(b->velocity, b->velocity)), turn[3];
+        book(w, b, w->dt);
+        for (int a = 0; a < 3; a++) {
+            b->position[a] += w->dt * b->velocity[a];
+            turn[a] = w->dt * b->spin[a];
+        }
+        if (turns_freely(b))
+            rotate_freely(b, w->dt, w->effects & GN_FX_SPACE);
+        else
+            turn_by(b, turn);
+        /* A free spin changes within the step; never beyond the largest that its momentum allows.
+         */
+        double spin = sqrt(gn_dot3(b->spin, b->spin));
+        if (turns_freely(b)) {
+            double most =
+                fmax(b->inverse_inertia[0], fmax(b->inverse_inertia[1], b->inverse_inertia[2]));
+            spin = most * sqrt(gn_dot3(b->momentum, b->momentum));
+        }
+        b->travel += w->dt * (speed + spin * b->reach);
+    }
+}

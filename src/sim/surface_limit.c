@@ -1,0 +1,186 @@
+/* What surfaces mean for the stability limit. */
+#include "base/eigen.h"
+#include "base/memory.h"
+#include "sim/parts.h"
+#include "sim/touch.h"
+
+#include <math.h>
+#include <string.h>
+
+static double shear_stiffness(const gn_world *w, const gn_surface *s) {
+    bool shear = w->effects & GN_FX_WALL_SHEAR && s->friction > 0.0 && s->kratio > 0.0;
+    return shear ? s->stiffness / s->kratio : 0.0;
+}
+
+static gn_extra_spring spring_of(const gn_world *w, const gn_surface_contact *c) {
+    const gn_facet_contact *k = &c->contact;
+    double inverse = w->particles.vel[4 * c->particle + 3];
+    gn_extra_spring e = {.particle = (int32_t)c->particle, .kn = c->surface->stiffness};
+    memcpy(e.n, k->n, sizeof e.n);
+    e.arm = w->scene.contact_arm == GN_ARM_MIDPOINT ? sqrt(gn_dot3(k->arm, k->arm))
+                                                    : w->particles.pos[4 * c->particle + 3];
+    /* Joined contacts resist in every direction in which one of them does. */
+    e.kt = shear_stiffness(w, c->surface);
+    if (k->members > 1) e.kt = fmax(e.kt, e.kn);
+    /* Of a surface that yields the dashpot is weaker. */
+    e.cn = 2.0 * w->damping_fraction * sqrt(e.kn / inverse);
+    return e;
+}
+
+gneiss_status gn_surface_springs(const gn_world *w, gn_extra_spring **springs, size_t *count,
+                                 gneiss_error *error) {
+    size_t rows = w->wall_contacts.soa.count;
+    *springs = NULL;
+    *count = 0;
+    if (!w->surface_count) return GNEISS_OK;
+    *springs = gn_alloc_array(rows + 1, sizeof **springs);
+    if (!*springs) return gn_fail(error, GNEISS_ERROR_MEMORY, "no memory for %zu springs", rows);
+    gn_surface_contact found[GN_SURFACE_CONTACTS];
+    for (size_t c = 0; c < rows;) {
+        size_t many = 0;
+        if ((size_t)w->wall_contacts.wall[c] < w->scene.wall_count) {
+            c++;
+            continue;
+        }
+        c = gn_surface_contacts_at(w, c, 0.0, found, &many);
+        for (size_t k = 0; k < many; k++) (*springs)[(*count)++] = spring_of(w, &found[k]);
+    }
+    return GNEISS_OK;
+}
+
+/* Whether it gives way to particles. */
+static bool yields(const gn_world *w, const gn_surface *s) {
+    if (s->body < 0) return true;
+    const gn_rigid *b = &w->bodies[s->body];
+    double sum = 0.0;
+    for (int a = 0; a < 3; a++) sum += b->inverse_mass[a] + b->inverse_inertia[a];
+    return sum > 0.0;
+}
+
+/* --- rigid bodies
+ * ----------------------------------------------------------------------------------- */
+
+/* Sums over contacts of B^T B and of what dashpots do, scaled by the masses: 6 x 6. */
+typedef struct body_block {
+    double stiff[36], damp[36];
+} body_block;
+
+/* Adds value * row^T row, where row . (velocity, spin) is a speed of the surface at the contact. */
+static void add_row(double *block, const double row[6], double value) {
+    for (int p = 0; p < 6; p++)
+        for (int q = 0; q < 6; q++) block[6 * p + q] += value * row[p] * row[q];
+}
+
+/* Speed at a point along a direction, per unit of the scaled degrees of freedom. */
+static void scaled_row(const gn_rigid *b, const double at[3], const double direction[3],
+                       double row[6]) {
+    double lever[3], local[3];
+    gn_cross3(at, direction, lever);
+    gn_rigid_local(b, lever, local);
+    for (int a = 0; a < 3; a++) {
+        row[a] = direction[a] * sqrt(b->inverse_mass[a]);
+        row[3 + a] = local[a] * sqrt(b->inverse_inertia[a]);
+    }
+}
+
+static void add_contact(const gn_world *w, const gn_surface_contact *c, body_block *block) {
+    const gn_rigid *b = &w->bodies[c->surface->body];
+    const double *x = w->particles.pos + 4 * c->particle;
+    double k = fmax(c->surface->stiffness, shear_stiffness(w, c->surface)), at[3], row[6];
+    double mass = 1.0 / w->particles.vel[4 * c->particle + 3]; /* the dashpot's is less */
+    for (int a = 0; a < 3; a++) at[a] = x[a] + c->contact.arm[a] - b->position[a];
+    for (int a = 0; a < 3; a++) {
+        const double unit[3] = {a == 0, a == 1, a == 2};
+        scaled_row(b, at, unit, row);
+        add_row(block->stiff, row, k);
+    }
+    scaled_row(b, at, c->contact.n, row);
+    add_row(block->damp, row, 2.0 * w->damping_fraction * sqrt(c->surface->stiffness * mass));
+}
+
+static double largest(const double block[36]) {
+    double a[36], values[6], vectors[36], trace = 0.0;
+    memcpy(a, block, sizeof a);
+    for (int k = 0; k < 6; k++) trace += a[7 * k];
+    if (!(trace > 0.0)) return trace;
+    gn_eigen_symmetric(6, a, values, vectors);
+    return values[0] + 1e-13 * trace;
+}
+
+/* --- one surface
+ * ------------------------------------------------------------------------------------- */
+
+/* The root of 4 tau^2 = a + 2 tau b. */
+static double rate_of(double a, double b) {
+    return (b + sqrt(b * b + 4.0 * a)) / 4.0;
+}
+
+/* Of one surface, from the contacts of which each is handed over. */
+typedef struct rate_sums {
+    body_block body;
+    double *stiff, *damp; /* [vertices]: sums of k weight and c weight; NULL: rigid */
+} rate_sums;
+
+static void add(const gn_world *w, const gn_surface_contact *c, rate_sums *sums) {
+    if (c->surface->body >= 0) {
+        add_contact(w, c, &sums->body);
+        return;
+    }
+    double k = fmax(c->surface->stiffness, shear_stiffness(w, c->surface));
+    double damp = 2.0 * w->damping_fraction *
+                  sqrt(c->surface->stiffness / w->particles.vel[4 * c->particle + 3]);
+    for (int v = 0; v < c->parts; v++) {
+        sums->stiff[c->vertex[v]] += k * c->weight[v];
+        sums->damp[c->vertex[v]] += damp * c->weight[v];
+    }
+}
+
+/* Vertices: the entries of M^-1 sum k N^T N are not negative, so that its row sums bound it, and
+ * the weights of a contact add up to one. */
+static double rate_of_sums(const gn_surface *s, const rate_sums *sums) {
+    double most = 0.0;
+    if (s->body >= 0) return rate_of(largest(sums->body.stiff), largest(sums->body.damp));
+    for (size_t v = 0; v < s->vertices; v++) {
+        double inverse = s->velocity[4 * v + 3];
+        most = fmax(most, rate_of(sums->stiff[v] * inverse, sums->damp[v] * inverse));
+    }
+    return most;
+}
+
+static gneiss_status surface_rate(const gn_world *w, const gn_surface *s, double *rate,
+                                  gneiss_error *error) {
+    const int32_t *wall = w->wall_contacts.wall;
+    int32_t begin = (int32_t)w->scene.wall_count + s->first, end = begin + (int32_t)s->facets.count;
+    rate_sums sums = {0};
+    if (s->body < 0) {
+        sums.stiff = gn_alloc_array(s->vertices, sizeof(double));
+        sums.damp = gn_alloc_array(s->vertices, sizeof(double));
+    }
+    bool held = s->body >= 0 || (sums.stiff && sums.damp);
+    for (size_t c = 0; held && c < w->wall_contacts.soa.count;) {
+        gn_surface_contact found[GN_SURFACE_CONTACTS];
+        size_t many = 0;
+        if (wall[c] < begin || wall[c] >= end) {
+            c++;
+            continue;
+        }
+        c = gn_surface_contacts_at(w, c, w->verlet.skin, found, &many);
+        for (size_t k = 0; k < many; k++) add(w, &found[k], &sums);
+    }
+    if (held) *rate = fmax(*rate, rate_of_sums(s, &sums));
+    gn_free(sums.stiff);
+    gn_free(sums.damp);
+    return held ? GNEISS_OK
+                : gn_fail(error, GNEISS_ERROR_MEMORY, "no memory for %zu vertices", s->vertices);
+}
+
+gneiss_status gn_surfaces_rate(const gn_world *w, double *bodies, double *vertices,
+                               gneiss_error *error) {
+    *bodies = *vertices = 0.0;
+    for (size_t k = 0; k < w->surface_count; k++) {
+        const gn_surface *s = &w->surfaces[k];
+        if (!yields(w, s)) continue;
+        GN_TRY(surface_rate(w, s, s->body >= 0 ? bodies : vertices, error));
+    }
+    return GNEISS_OK;
+}

@@ -1,0 +1,479 @@
+/* Contacts of particles with surfaces: found facet by facet, worked on particle by particle. */
+#include "base/memory.h"
+#include "sim/facet.h"
+#include "sim/parts.h"
+#include "sim/touch.h"
+
+#include <math.h>
+#include <string.h>
+
+/* --- frames
+ * ----------------------------------------------------------------------------------------- */
+
+void gn_rigid_direct(const gn_rigid *b, const double local[3], double direction[3]) {
+    for (int a = 0; a < 3; a++) direction[a] = gn_dot3(b->axes + 3 * a, local);
+}
+
+void gn_rigid_place(const gn_rigid *b, const double local[3], double point[3]) {
+    gn_rigid_direct(b, local, point);
+    for (int a = 0; a < 3; a++) point[a] += b->position[a];
+}
+
+void gn_rigid_local(const gn_rigid *b, const double direction[3], double local[3]) {
+    for (int a = 0; a < 3; a++)
+        local[a] = b->axes[a] * direction[0] + b->axes[3 + a] * direction[1] +
+                   b->axes[6 + a] * direction[2];
+}
+
+double gn_rigid_compliance(const gn_rigid *b, const double v[3]) {
+    double local[3], sum = 0.0;
+    gn_rigid_local(b, v, local);
+    for (int a = 0; a < 3; a++) sum += b->inverse_inertia[a] * local[a] * local[a];
+    return sum;
+}
+
+static const gn_rigid *body_of(const gn_world *w, const gn_surface *s) {
+    return s->body >= 0 ? &w->bodies[s->body] : NULL;
+}
+
+/* The centre of a particle as the surface's vertices see it. */
+static void centre_in(const gn_world *w, const gn_surface *s, size_t p, double centre[3]) {
+    const double *x = w->particles.pos + 4 * p;
+    const gn_rigid *b = body_of(w, s);
+    double d[3];
+    for (int a = 0; a < 3; a++) d[a] = b ? x[a] - b->position[a] : x[a];
+    if (b)
+        gn_rigid_local(b, d, centre);
+    else
+        memcpy(centre, d, sizeof d);
+}
+
+/* --- lists
+ * ------------------------------------------------------------------------------------------ */
+
+size_t gn_surfaces_near(const gn_world *w, size_t p, int32_t *found) {
+    size_t count = 0;
+    if (!(w->particles.vel[4 * p + 3] > 0.0)) return 0;
+    for (size_t k = 0; k < w->surface_count; k++) {
+        const gn_surface *s = &w->surfaces[k];
+        double centre[3], reach = w->particles.pos[4 * p + 3] + w->verlet.skin;
+        centre_in(w, s, p, centre);
+        int32_t *mine = found ? found + count : NULL;
+        size_t more = gn_facet_tree_near(&s->tree, &s->facets, centre, reach, mine);
+        for (size_t c = 0; mine && c < more; c++)
+            mine[c] += (int32_t)w->scene.wall_count + s->first;
+        count += more;
+    }
+    return count;
+}
+
+void gn_surfaces_refer(gn_world *w) {
+    for (size_t k = 0; k < w->surface_count; k++) {
+        gn_surface *s = &w->surfaces[k];
+        *s->travel = 0.0;
+        if (s->body >= 0) {
+            gn_rigid *b = &w->bodies[s->body];
+            memcpy(b->ref_position, b->position, sizeof b->position);
+            memcpy(b->ref_axes, b->axes, sizeof b->axes);
+        } else {
+            gn_facet_tree_refit(&s->facets, &s->tree);
+            memcpy(s->ref, s->facets.pos, s->vertices * 4 * sizeof *s->ref);
+        }
+    }
+}
+
+/* |R X - R' X| <= 2 sin(angle/2) |X|, and the Frobenius norm of R - R' is 2 sqrt(2) sin(angle/2).
+ */
+static double body_travel(const gn_rigid *b) {
+    double d2 = 0.0, f2 = 0.0;
+    for (int a = 0; a < 3; a++)
+        d2 += (b->position[a] - b->ref_position[a]) * (b->position[a] - b->ref_position[a]);
+    for (int a = 0; a < 9; a++) f2 += (b->axes[a] - b->ref_axes[a]) * (b->axes[a] - b->ref_axes[a]);
+    return sqrt(d2) + sqrt(0.5 * f2) * b->reach;
+}
+
+static double vertex_travel(const gn_surface *s) {
+    double most = 0.0;
+    for (size_t v = 0; v < s->vertices; v++) {
+        double d2 = 0.0;
+        for (size_t a = 4 * v; a < 4 * v + 3; a++)
+            d2 += (s->facets.pos[a] - s->ref[a]) * (s->facets.pos[a] - s->ref[a]);
+        most = fmax(most, d2);
+    }
+    return sqrt(most);
+}
+
+double gn_surfaces_travel(gn_world *w, bool exact) {
+    double most = 0.0;
+    for (size_t k = 0; k < w->surface_count; k++) {
+        gn_surface *s = &w->surfaces[k];
+        gn_rigid *b = s->body >= 0 ? &w->bodies[s->body] : NULL;
+        if (exact) *s->travel = b ? body_travel(b) : vertex_travel(s);
+        most = fmax(most, *s->travel);
+    }
+    return most;
+}
+
+const gn_surface *gn_surface_of_row(const gn_world *w, size_t row) {
+    int32_t facet = w->wall_contacts.wall[row] - (int32_t)w->scene.wall_count;
+    size_t k = 0;
+    while (k + 1 < w->surface_count && facet >= w->surfaces[k + 1].first) k++;
+    return &w->surfaces[k];
+}
+
+/* --- history
+ * ---------------------------------------------------------------------------------------- */
+
+/* A contact of the last step. */
+typedef struct memory {
+    size_t row;
+    double n[3], shear[3], fd;
+    bool taken;
+} memory;
+
+/* Takes the histories out of the rows and empties them. */
+static size_t recall(const gn_wall_contacts *q, size_t begin, size_t end, memory *old) {
+    size_t count = 0, stride = q->soa.capacity;
+    for (size_t c = begin; c < end; c++) {
+        memset(q->row + 8 * c, 0, 8 * sizeof *q->row);
+        memory m = {.row = c, .fd = q->fd ? q->fd[c] : 0.0};
+        bool any = false;
+        for (size_t a = 0; a < 3; a++) {
+            m.n[a] = q->normal[c + a * stride];
+            any = any || m.n[a] != 0.0;
+        }
+        if (!any) continue;
+        for (size_t a = 0; a < 3; a++) {
+            q->normal[c + a * stride] = 0.0;
+            if (!q->shear) continue;
+            m.shear[a] = q->shear[c + a * stride];
+            q->shear[c + a * stride] = 0.0;
+        }
+        if (q->fd) q->fd[c] = 0.0;
+        if (count < GN_FACET_TOUCHES) old[count++] = m;
+    }
+    return count;
+}
+
+/* Which contact of the last step a contact goes on from: the pairs whose normals agree best, one
+ * after the other. -1: none within 60 degrees. */
+static void match(const gn_facet_contact *now, size_t contacts, memory *old, size_t count,
+                  int *from) {
+    for (size_t k = 0; k < contacts; k++) from[k] = -1;
+    for (;;) {
+        double best = 0.5;
+        size_t contact = 0;
+        int which = -1;
+        for (size_t k = 0; k < contacts; k++)
+            for (size_t m = 0; from[k] < 0 && m < count; m++) {
+                double cosine = gn_dot3(now[k].n, old[m].n);
+                if (old[m].taken || !(cosine > best)) continue;
+                best = cosine;
+                contact = k;
+                which = (int)m;
+            }
+        if (which < 0) return;
+        from[contact] = which;
+        old[which].taken = true;
+    }
+}
+
+/* Turns a force with the normal: the shortest rotation from one unit vector to the other. */
+static void follow_normal(const double from[3], const double to[3], double force[3]) {
+    double axis[3], once[3], twice[3], c = gn_dot3(from, to);
+    gn_cross3(from, to, axis);
+    gn_cross3(axis, force, once);
+    gn_cross3(axis, once, twice);
+    for (int a = 0; a < 3; a++) force[a] += once[a] + twice[a] / (1.0 + c);
+}
+
+/* --- contacts
+ * --------------------------------------------------------------------------------------- */
+
+/* The facets of one surface and one particle. */
+typedef struct group {
+    const gn_world *w;
+    const gn_surface *s;
+    const gn_rigid *body;
+    size_t particle, begin, end;
+} group;
+
+static int32_t facet_of(const group *g, size_t row) {
+    return g->w->wall_contacts.wall[row] - (int32_t)g->w->scene.wall_count - g->s->first;
+}
+
+static void near_of_row(const group *g, const double centre[3], size_t row, gn_facet_near *near) {
+    const gn_facet_set *f = &g->s->facets;
+    const int32_t *corner = f->corner + f->corners * (int64_t)facet_of(g, row);
+    const double *x[3] = {0};
+    *near = (gn_facet_near){.corner = {-1, -1, -1}, .row = row};
+    for (int k = 0; k < f->corners; k++) {
+        near->corner[k] = corner[k];
+        x[k] = f->pos + 4 * (int64_t)corner[k];
+    }
+    gn_facet_nearest(f->corners, x, centre, near);
+}
+
+static void away_in_space(const group *g, gn_facet_near *near) {
+    double world[3];
+    if (!g->body) return;
+    gn_rigid_direct(g->body, near->away, world);
+    memcpy(near->away, world, sizeof world);
+}
+
+/* Minima of the distance that are nearer than `reach`, nearest first. */
+static size_t minima_within(const group *g, double reach, gn_facet_near *minima) {
+    double centre[3];
+    size_t count = 0;
+    centre_in(g->w, g->s, g->particle, centre);
+    for (size_t c = g->begin; c < g->end; c++) {
+        gn_facet_near near;
+        near_of_row(g, centre, c, &near);
+        if (near.distance < reach) gn_facet_add(minima, &count, &near);
+    }
+    count = gn_facet_minima(minima, count);
+    for (size_t k = 0; k < count; k++) away_in_space(g, &minima[k]);
+    return count;
+}
+
+/* Velocity of a rigid surface at a point that lies `arm` from the particle's centre. */
+static void rigid_velocity(const group *g, const double arm[3], double v[3]) {
+    double at[3], turn[3];
+    const double *x = g->w->particles.pos + 4 * g->particle;
+    for (int a = 0; a < 3; a++) at[a] = x[a] + arm[a] - g->body->position[a];
+    gn_cross3(g->body->spin, at, turn);
+    for (int a = 0; a < 3; a++) v[a] = g->body->velocity[a] + turn[a];
+}
+
+/* How much of a vertex moves with a contact. */
+typedef struct vertex_part {
+    int32_t vertex;
+    double weight;
+} vertex_part;
+
+static int vertex_parts(const gn_facet_near *minima, const gn_facet_contact *k,
+                        vertex_part part[9]) {
+    int count = 0;
+    for (int m = 0; m < k->members; m++) {
+        const gn_facet_near *near = &minima[k->member[m]];
+        for (int c = 0; c < 3; c++) {
+            if (!(near->feature >> c & 1)) continue;
+            int at = 0;
+            while (at < count && part[at].vertex != near->corner[c]) at++;
+            if (at == count) part[count++] = (vertex_part){near->corner[c], 0.0};
+            part[at].weight += k->share[m] * near->weight[c];
+        }
+    }
+    return count;
+}
+
+/* Velocity of the surface at the contact and 1/mass with which it gives way along n. */
+static double surface_motion(const group *g, const gn_facet_near *minima, const gn_facet_contact *k,
+                             const double arm[3], double v[3]) {
+    if (g->body) {
+        double lever[3], at[3], inverse = 0.0;
+        const double *x = g->w->particles.pos + 4 * g->particle;
+        rigid_velocity(g, arm, v);
+        for (int a = 0; a < 3; a++) {
+            at[a] = x[a] + arm[a] - g->body->position[a];
+            inverse += g->body->inverse_mass[a] * k->n[a] * k->n[a];
+        }
+        gn_cross3(at, k->n, lever);
+        return inverse + gn_rigid_compliance(g->body, lever);
+    }
+    vertex_part part[9];
+    int parts = vertex_parts(minima, k, part);
+    double inverse = 0.0;
+    v[0] = v[1] = v[2] = 0.0;
+    for (int c = 0; c < parts; c++) {
+        const double *u = g->s->velocity + 4 * (int64_t)part[c].vertex;
+        for (int a = 0; a < 3; a++) v[a] += part[c].weight * u[a];
+        inverse += part[c].weight * part[c].weight * u[3];
+    }
+    return inverse;
+}
+
+/* Relative motion at a contact whose normal, overlap and arm are known. */
+static gn_touch touch_of(const group *g, const gn_facet_near *minima, const gn_facet_contact *k,
+                         const double arm[3]) {
+    const gn_particles *q = &g->w->particles;
+    const double *vp = q->vel + 4 * g->particle, *spin = q->spin ? q->spin + 4 * g->particle : NULL;
+    gn_touch s = {.overlap = k->overlap};
+    double v[3], turn[3] = {0, 0, 0};
+    memcpy(s.n, k->n, sizeof s.n);
+    s.inverse_mass = vp[3] + surface_motion(g, minima, k, arm, v);
+    if (spin) {
+        gn_cross3(spin, arm, turn);
+        s.twist = gn_dot3(spin, s.n);
+    }
+    if (g->body) s.twist += gn_dot3(g->body->spin, s.n);
+    for (int a = 0; a < 3; a++) v[a] -= vp[a] + turn[a];
+    s.speed = gn_dot3(v, s.n);
+    for (int a = 0; a < 3; a++) s.relative[a] = v[a] - s.speed * s.n[a];
+    return s;
+}
+
+static gn_touch_law law_of(const gn_surface *s) {
+    return (gn_touch_law){s->stiffness, s->friction,
+                          s->kratio > 0.0 ? s->stiffness / s->kratio : 0.0};
+}
+
+/* One contact: force and history into the row of its first member, force of the others into
+ * theirs. */
+static void contact(const group *g, const gn_facet_near *minima, const gn_facet_contact *k,
+                    const memory *before, gn_contact_sums *sums) {
+    const gn_wall_contacts *q = &g->w->wall_contacts;
+    size_t stride = q->soa.capacity, own = minima[k->member[0]].row;
+    const double *x = g->w->particles.pos + 4 * g->particle;
+    double arm[3], t[3], force[3], fd = before ? before->fd : 0.0;
+    double scale =
+        g->w->scene.contact_arm == GN_ARM_MIDPOINT ? 1.0 : x[3] / sqrt(gn_dot3(k->arm, k->arm));
+    for (int a = 0; a < 3; a++) arm[a] = scale * k->arm[a];
+    double old[3] = {0, 0, 0};
+    if (before) {
+        memcpy(old, before->shear, sizeof old);
+        follow_normal(before->n, k->n, old);
+    }
+    gn_touch s = touch_of(g, minima, k, arm);
+    gn_touch_law law = law_of(g->s);
+    double total =
+        gn_touch_force(g->w, &law, &s, q->fd ? &fd : NULL, q->shear ? old : NULL, 1, t, sums);
+    for (int a = 0; a < 3; a++) force[a] = total * s.n[a] + t[a];
+    for (int m = 0; m < k->members; m++) {
+        size_t row = minima[k->member[m]].row;
+        for (size_t a = 0; a < 3; a++) {
+            q->row[8 * row + a] += k->share[m] * force[a];
+            q->touch[row + a * stride] =
+                x[a] + (k->members == 1 ? arm[a] : scale * minima[k->member[m]].away[a]);
+        }
+    }
+    /* Along one facet's normal the spring has no lever. */
+    gn_cross3(arm, k->members == 1 ? t : force, q->row + 8 * own + 4);
+    for (size_t a = 0; a < 3; a++) {
+        q->normal[own + a * stride] = s.n[a];
+        if (q->shear) q->shear[own + a * stride] = old[a];
+    }
+    if (q->fd) q->fd[own] = fd;
+    for (int a = 0; a < 3; a++)
+        for (int b = 0; b < 3; b++) sums->stress[3 * a + b] += force[a] * arm[b];
+}
+
+/* A contact that opened in this step: its spring across and its dashpot let go, as those of a wall
+ * do. */
+static void open_contact(const group *g, memory *m, gn_contact_sums *sums) {
+    double t[3], centre[3];
+    gn_facet_near near;
+    gn_facet_contact k;
+    centre_in(g->w, g->s, g->particle, centre);
+    near_of_row(g, centre, m->row, &near);
+    away_in_space(g, &near);
+    gn_facet_single(&near, 0, near.distance, &k); /* no overlap */
+    memcpy(k.n, m->n, sizeof k.n);
+    gn_touch s = touch_of(g, &near, &k, k.arm);
+    gn_touch_law law = law_of(g->s);
+    gn_touch_force(g->w, &law, &s, g->w->wall_contacts.fd ? &m->fd : NULL,
+                   g->w->wall_contacts.shear ? m->shear : NULL, 1, t, sums);
+}
+
+/* The group that begins with a row, up to `end`. */
+static group group_at(const gn_world *w, size_t begin, size_t end) {
+    const gn_wall_contacts *q = &w->wall_contacts;
+    const gn_surface *s = gn_surface_of_row(w, begin);
+    int32_t last = (int32_t)w->scene.wall_count + s->first + (int32_t)s->facets.count;
+    size_t past = begin + 1;
+    while (past < end && q->i[past] == q->i[begin] && q->wall[past] < last) past++;
+    return (group){w, s, body_of(w, s), (size_t)q->i[begin], begin, past};
+}
+
+size_t gn_surface_contacts_at(const gn_world *w, size_t begin, double skin,
+                              gn_surface_contact *contacts, size_t *count) {
+    group g = group_at(w, begin, w->wall_contacts.soa.count);
+    gn_facet_near minima[GN_FACET_TOUCHES];
+    gn_facet_contact now[GN_FACET_TOUCHES];
+    double r = w->particles.pos[4 * g.particle + 3];
+    size_t near = minima_within(&g, r + skin, minima);
+    *count = skin > 0.0 ? near : gn_facet_contacts(minima, near, r, now);
+    for (size_t k = 0; k < *count; k++) {
+        vertex_part part[9];
+        gn_surface_contact *out = &contacts[k];
+        *out = (gn_surface_contact){.surface = g.s, .particle = g.particle};
+        if (skin > 0.0) gn_facet_single(minima, k, r, &now[k]);
+        out->contact = now[k];
+        if (g.body) continue;
+        out->parts = vertex_parts(minima, &now[k], part);
+        for (int v = 0; v < out->parts; v++) {
+            out->vertex[v] = part[v].vertex;
+            out->weight[v] = part[v].weight;
+        }
+    }
+    return g.end;
+}
+
+size_t gn_surface_contacts_work(const gn_world *w, size_t begin, size_t end,
+                                gn_contact_sums *sums) {
+    group g = group_at(w, begin, end);
+    double r = w->particles.pos[4 * g.particle + 3];
+    memory old[GN_FACET_TOUCHES];
+    gn_facet_near minima[GN_FACET_TOUCHES];
+    size_t remembered = recall(&w->wall_contacts, begin, g.end, old);
+    size_t count = minima_within(&g, r, minima);
+    if (!remembered && !count) return g.end;
+    gn_facet_contact now[GN_FACET_TOUCHES];
+    int from[GN_FACET_TOUCHES];
+    size_t contacts = gn_facet_contacts(minima, count, r, now);
+    match(now, contacts, old, remembered, from);
+    for (size_t k = 0; k < contacts; k++)
+        contact(&g, minima, &now[k], from[k] >= 0 ? &old[from[k]] : NULL, sums);
+    for (size_t m = 0; m < remembered; m++)
+        if (!old[m].taken) open_contact(&g, &old[m], sums);
+    return g.end;
+}
+
+/* --- forces on surfaces
+ * ----------------------------------------------------------------------------- */
+
+static void load_body(gn_rigid *b, const double touch[3], const double force[3]) {
+    double lever[3], moment[3];
+    for (int a = 0; a < 3; a++) lever[a] = touch[a] - b->position[a];
+    gn_cross3(lever, force, moment);
+    for (int a = 0; a < 3; a++) {
+        b->force[a] -= force[a];
+        b->moment[a] -= moment[a];
+    }
+}
+
+static void load_vertices(const gn_surface *s, int32_t facet, const double touch[3],
+                          const double force[3]) {
+    const int32_t *corner = s->facets.corner + s->facets.corners * (int64_t)facet;
+    const double *x[3] = {0};
+    gn_facet_near near;
+    for (int c = 0; c < s->facets.corners; c++) x[c] = s->facets.pos + 4 * (int64_t)corner[c];
+    gn_facet_nearest(s->facets.corners, x, touch, &near);
+    for (int c = 0; c < s->facets.corners; c++)
+        for (int a = 0; a < 3; a++)
+            s->force[4 * (int64_t)corner[c] + a] -= near.weight[c] * force[a];
+}
+
+void gn_surfaces_sum(gn_world *w) {
+    const gn_wall_contacts *q = &w->wall_contacts;
+    if (!(w->effects & GN_FX_FACETS)) return;
+    for (size_t k = 0; k < w->scene.body_count; k++) {
+        memset(w->bodies[k].force, 0, sizeof w->bodies[k].force);
+        memset(w->bodies[k].moment, 0, sizeof w->bodies[k].moment);
+    }
+    for (size_t k = 0; k < w->surface_count; k++)
+        if (w->surfaces[k].force)
+            memset(w->surfaces[k].force, 0, w->surfaces[k].vertices * 4 * sizeof(double));
+    for (size_t c = 0; c < q->soa.count; c++) {
+        const double *force = q->row + 8 * c;
+        int32_t facet = q->wall[c] - (int32_t)w->scene.wall_count;
+        if (facet < 0 || !(force[0] != 0.0 || force[1] != 0.0 || force[2] != 0.0)) continue;
+        const gn_surface *s = gn_surface_of_row(w, c);
+        double touch[3];
+        for (size_t a = 0; a < 3; a++) touch[a] = q->touch[c + a * q->soa.capacity];
+        if (s->body >= 0)
+            load_body(&w->bodies[s->body], touch, force);
+        else
+            load_vertices(s, facet - s->first, touch, force);
+    }
+}

@@ -1,0 +1,232 @@
+/* Particles on the surface of finite elements. */
+#include "surface_helpers.h"
+
+#include "sim/run.h"
+
+/* Spheres (discs) fly at a block of elements that floats free. */
+static gn_world *shower(int dimension, const char *more) {
+    text t = {0}, s = {0};
+    uint64_t at = 11;
+    add(&t, "dimension: %d\nspecimen:\n  group: 0\n  particles:\n", dimension);
+    add(&s, "sets:\n");
+    for (int k = 0; k < 9; k++) {
+        double x = 2.2e-3 * (k % 3 - 1) + uniform(&at, -2e-4, 2e-4);
+        double y = dimension == 3 ? 2.2e-3 * (k / 3 - 1) + uniform(&at, -2e-4, 2e-4) : 0.0;
+        double z = (k % 2 ? -1 : 1) * (dimension == 3 ? 3.2e-3 : 3.2e-3 + 2.1e-3 * (k / 3));
+        double r = uniform(&at, 0.6e-3, 1e-3), v = z < 0 ? 1.0 : -1.0;
+        if (dimension == 3) {
+            add(&t, "    - [%.17g, %.17g, %.17g, %.17g]\n", x, y, z, r);
+            add(&s,
+                "  - {name: s%d, select: {ids: [%d]}, initial_velocity: [0.3, -0.2, %g], "
+                "initial_spin: [100, 50, 200]}\n",
+                k, k, v);
+        } else {
+            add(&t, "    - [%.17g, %.17g, %.17g]\n", x, z, r);
+            add(&s,
+                "  - {name: s%d, select: {ids: [%d]}, initial_velocity: [0.3, %g], initial_spin: "
+                "100}\n",
+                k, k, v);
+        }
+    }
+    const char *block = dimension == 3
+                            ? "box: {size: [8e-3, 8e-3, 4e-3], origin: [-4e-3, -4e-3, -2e-3], "
+                              "cells: [6, 6, 3], distortion: 0.1}"
+                            : "rectangle: {size: [8e-3, 4e-3], origin: [-4e-3, -2e-3], cells: [8, "
+                              "4], distortion: 0.2}";
+    return world_of(
+        "%s%s"
+        "materials: [{name: m, density: 2500, normal_stiffness: 1e6, kratio: 2, friction: 0.3}]\n"
+        "law: {stiffness: uniform}\n"
+        "elements: {%s, materials: [{young: %g, poisson: 0.2, density: 2000}], contact: "
+        "{stiffness: 1e6, kratio: 2, friction: 0.4}}\n"
+        "domain: {min: [-9, -9%s], max: [9, 9%s]}\nrun: {threads: 1}\n%s",
+        t.s, s.s, block, dimension == 3 ? 1e9 : 1e7, dimension == 3 ? ", -9" : "",
+        dimension == 3 ? ", 9" : "", more);
+}
+
+typedef struct momentum {
+    double linear[3], angular[3], linear_size, angular_size;
+} momentum;
+
+static void add_all(momentum *m, const gn_particles *q) {
+    for (size_t p = 0; p < q->soa.count; p++) {
+        const double *x = q->pos + 4 * p, *v = q->vel + 4 * p,
+                     *o = q->spin ? q->spin + 4 * p : NULL;
+        double turn[3];
+        cross3(x, v, turn);
+        for (int a = 0; a < 3; a++) {
+            m->linear[a] += v[a] / v[3];
+            m->angular[a] += turn[a] / v[3] + (o ? o[a] / o[3] : 0.0);
+        }
+        m->linear_size += length3(v) / v[3];
+        m->angular_size += length3(x) * length3(v) / v[3] + (o ? length3(o) / o[3] : 0.0);
+    }
+}
+
+static momentum momentum_of(const gn_world *w) {
+    momentum m = {0};
+    add_all(&m, &w->particles);
+    add_all(&m, &w->elements->body.nodes);
+    return m;
+}
+
+/* Particles and nodes exchange equal forces at one point; what elements do among themselves keeps
+ * both sums too. */
+static void keeps_momentum(int dimension) {
+    gn_world *w = shower(dimension, "damping: {contact: {restitution: 0.7}}\ntime: {end: 1}\n");
+    momentum before = momentum_of(w);
+    gn_energy e = measured_step(w);
+    double kinetic = e.kinetic + e.rotational;
+    int64_t steps = 20000;
+    run_steps(w, steps);
+    momentum after = momentum_of(w);
+    double nodes = (double)w->elements->body.nodes.soa.count;
+    for (int a = 0; a < 3; a++) {
+        /* The elements' forces are large and cancel: roundings of each node's, every step. */
+        double allowed = 2.2e-16 * (double)steps * sqrt(nodes) * 4.0;
+        assert_near(after.linear[a], before.linear[a], allowed * before.linear_size);
+        assert_near(after.angular[a], before.angular[a], allowed * before.angular_size);
+    }
+    e = measured_step(w);
+    assert_true(e.friction > 1e-3 * kinetic && e.contact_damping > 0.05 * kinetic);
+    world_end(w);
+}
+
+static void particles_and_nodes_keep_momentum(void **state) {
+    (void)state;
+    keeps_momentum(3);
+    keeps_momentum(2);
+}
+
+static void the_ledger_of_particles_and_elements_closes(void **state) {
+    (void)state;
+    for (int dimension = 2; dimension <= 3; dimension++) {
+        double residual[2];
+        for (int k = 0; k < 2; k++) {
+            char more[96];
+            snprintf(more, sizeof more, "time: {step: %g, end: 1}\n", k ? 2.5e-8 : 1e-7);
+            gn_world *w = shower(dimension, more);
+            gn_energy e = measured_step(w);
+            double start = e.kinetic + e.rotational, worst = 0.0, stored = 0.0;
+            for (int64_t n = 0; n < (k ? 60000 : 15000); n++) {
+                e = measured_step(w);
+                stored = fmax(stored, e.elastic_elements);
+                worst = fmax(worst, fabs(gn_energy_residual(&e)) * gn_energy_scale(&e));
+            }
+            assert_true(e.friction > 1e-3 * start && stored > 1e-3 * start);
+            residual[k] = worst / start;
+            world_end(w);
+        }
+        assert_true(residual[0] < 3e-3);
+        assert_true(residual[1] < 0.35 * residual[0]);
+    }
+}
+
+/* A light, soft block on a bed of spheres on a wall, pressed by gravity. */
+static gn_world *bed(const char *step) {
+    return world_of(
+        "dimension: 3\nspecimen: {lattice: {kind: cubic, radius: 1e-3, cells: [4, 4, 1], "
+        "spacing: 1.05}, group: 0}\n"
+        "materials: [{name: m, density: 2500, normal_stiffness: 1e6, kratio: 2, friction: "
+        "0.5}]\nlaw: {stiffness: uniform}\ngravity: [0, 0, -1e3]\n"
+        "walls: [{name: w, point: [0, 0, 5e-5], normal: [0, 0, 1], stiffness: 1e6}]\n"
+        "elements: {box: {size: [8.4e-3, 8.4e-3, 1e-3], origin: [0, 0, 2.05e-3], cells: [16, 16, "
+        "2]}, materials: [{young: 1e7, poisson: 0.2, density: 500}], contact: {stiffness: 1e6, "
+        "kratio: 2, friction: 0.5}}\n"
+        "domain: {min: [-9, -9, -9], max: [9, 9, 9]}\ntime: {%s, end: 9}\nrun: {threads: 1}\n",
+        step);
+}
+
+/* Contacts are far stiffer than the elements: without them in the limit the run blows up. */
+static void the_limit_knows_of_contacts_with_nodes(void **state) {
+    (void)state;
+    gn_world *w = bed("step: auto");
+    double alone = fmin(w->stable_particles, w->elements->stable), most = 0.0, work = 0.0;
+    assert_true(w->vertex_rate * alone > 2.0 && w->dt < 0.5 * alone);
+    for (int n = 0; n < 20000; n++) {
+        gn_energy e = measured_step(w);
+        most = fmax(most, fabs(gn_energy_residual(&e)) * gn_energy_scale(&e));
+        work = fmax(work, e.work_gravity);
+    }
+    assert_true(w->vertex_rate > 0.0);
+    assert_true(most < 0.05 * work); /* contacts open and close within steps near the limit */
+    world_end(w);
+    char step_text[64];
+    snprintf(step_text, sizeof step_text, "step: %.17g, on_unstable: warn", 0.99 * alone);
+    w = bed(step_text);
+    gneiss_error error = {0};
+    double speed = 0.0;
+    for (int n = 0; n < 2000 && gn_world_step(w, false, &error) == GNEISS_OK; n++)
+        for (size_t v = 0; v < w->elements->body.nodes.soa.count; v++)
+            speed = fmax(speed, fabs(w->elements->body.nodes.vel[4 * v + 2]));
+    /* Free fall over the whole time would come to far less. */
+    assert_true(speed > 10.0 * 1e3 * 2000 * alone);
+    world_end(w);
+}
+
+/* --- the same bits
+ * ------------------------------------------------------------------------------------- */
+
+static void threads_and_resume_give_the_same_bits(void **state) {
+    (void)state;
+    const char *more = "damping: {contact: {restitution: 0.7}}\ntime: {end: 1}\n";
+    char saved[64];
+    snprintf(saved, sizeof saved, "/tmp/gneiss-contact-%d.h5", (int)getpid());
+    gn_world *one = shower(3, more), *two = shower(3, more);
+    two->threads = 2;
+    gn_sweep_prepare(two);
+    run_steps(one, 4000);
+    run_steps(two, 4000);
+    assert_true(gn_world_hash(one) == gn_world_hash(two));
+    gn_run stopped = {0}, resumed;
+    gneiss_error error = {0};
+    stopped.world = *two;
+    stopped.history_interval = 1;
+    if (gn_record_create(&stopped.world, &stopped.history, &error) != GNEISS_OK ||
+        gn_checkpoint_write(&stopped, saved, &error) != GNEISS_OK ||
+        gn_checkpoint_load(saved, NULL, 0, &resumed, &error) != GNEISS_OK)
+        fail_msg("%s", error.message);
+    gn_history_free(&stopped.history);
+    unlink(saved);
+    run_steps(one, 4000);
+    run_steps(&resumed.world, 4000);
+    assert_true(one->verlet.rebuilds > 3);
+    assert_true(gn_world_hash(one) == gn_world_hash(&resumed.world));
+    world_end(one);
+    world_end(two);
+    gn_run_free(&resumed);
+}
+
+static void errors_say_where_and_what(void **state) {
+    (void)state;
+    const char *const scenes[][2] = {
+        {"contact: {group: nowhere, stiffness: 1}", "nowhere"},
+        {"contact: {stiffness: 1, friction: 0.3}", "elements.contact.kratio"},
+        {"contact: {}", "elements.contact.stiffness"},
+    };
+    for (int k = 0; k < 3; k++) {
+        char scene_text[1024];
+        gn_world w;
+        gneiss_error error = {0};
+        snprintf(scene_text, sizeof scene_text,
+                 "dimension: 3\nspecimen: {particles: [[50, 0, 0, 1e-3]]}\nmaterials: [{name: m, "
+                 "density: 2500, normal_stiffness: 1, kratio: 2}]\nlaw: {stiffness: uniform}\n"
+                 "elements: {box: {size: [1, 1, 1], cells: [1, 1, 1]}, materials: [{young: 1e9, "
+                 "poisson: 0.2, density: 2000}], %s}\ntime: {end: 1}\n",
+                 scenes[k][0]);
+        if (world_try(&w, scene_text, NULL, &error) == GNEISS_OK) fail_msg("%s", scenes[k][0]);
+        if (!strstr(error.message, scenes[k][1]) || !strstr(error.message, "s.yaml:"))
+            fail_msg("%s", error.message);
+    }
+}
+
+int main(void) {
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(particles_and_nodes_keep_momentum),
+        cmocka_unit_test(the_ledger_of_particles_and_elements_closes),
+        cmocka_unit_test(the_limit_knows_of_contacts_with_nodes),
+        cmocka_unit_test(threads_and_resume_give_the_same_bits),
+        cmocka_unit_test(errors_say_where_and_what),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}

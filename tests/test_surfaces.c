@@ -1,0 +1,374 @@
+/* Particles on surfaces of triangles and segments. */
+#include "surface_helpers.h"
+
+static const double kn = 1e6, radius = 1e-3;
+
+/* One sphere or disc over a support, `walls: [...]` or `bodies: [...]`. */
+static gn_world *over(int dimension, double height, const char *support, const char *more) {
+    const char *zero = dimension == 3 ? "0, 0, " : "0, ";
+    return world_of("dimension: %d\nspecimen: {particles: [[%s%.17g, %g]], group: 0}\n"
+                    "materials: [{name: m, density: 2500, normal_stiffness: 1e6, kratio: 2}]\n"
+                    "law: {stiffness: uniform}\ndomain: {min: [%s-9], max: [%s]}\n%s\n%s\n"
+                    "time: {step: 1e-6, end: 9}\nrun: {threads: 1}\n",
+                    dimension, zero, height, radius, dimension == 3 ? "-9, -9, " : "-9, ",
+                    dimension == 3 ? "9, 9, 9" : "9, 9", more, support);
+}
+
+/* --- a plane of triangles is a plane
+ * ---------------------------------------------------------------------- */
+
+/* Largest deviations so far, of what is compared step by step. */
+typedef struct deviation {
+    double force, force_size, shear_size, speed, speed_size;
+} deviation;
+
+static void compare_step(gn_world *flat, gn_world *facets, deviation *d) {
+    measured_step(flat);
+    measured_step(facets);
+    double off = 0.0, size = 0.0, speed = 0.0, speed_off = 0.0;
+    for (int a = 0; a < 3; a++) {
+        double f = flat->walls[0].force[a], g = facets->bodies[0].force[a];
+        off += (f - g) * (f - g);
+        size += f * f;
+        double v = vel_of(flat, 0)[a], o = radius * spin_of(flat, 0)[a];
+        speed += v * v + o * o;
+        double dv = v - vel_of(facets, 0)[a], dw = o - radius * spin_of(facets, 0)[a];
+        speed_off += dv * dv + dw * dw;
+    }
+    d->force = fmax(d->force, sqrt(off));
+    d->force_size = fmax(d->force_size, sqrt(size));
+    d->shear_size = fmax(d->shear_size, fabs(flat->walls[0].force[0]));
+    d->speed = fmax(d->speed, sqrt(speed_off));
+    d->speed_size = fmax(d->speed_size, sqrt(speed));
+}
+
+static void same_run(gn_world *flat, gn_world *facets, int64_t steps) {
+    deviation d = {0};
+    for (int64_t k = 0; k < steps; k++) compare_step(flat, facets, &d);
+    assert_true(d.force_size > 0.0 && d.shear_size > 0.01 * d.force_size);
+    assert_true(d.force <= 1e-6 * d.force_size);
+    assert_true(d.speed <= 1e-6 * d.speed_size);
+    gn_energy a = flat->reading, b = facets->reading;
+    double work = fabs(a.work_walls) + fabs(a.work_gravity);
+    assert_near(a.work_walls, b.work_walls, 1e-6 * work);
+    assert_near(a.friction, b.friction, 1e-6 * work);
+    assert_near(a.contact_damping, b.contact_damping, 1e-6 * work);
+    assert_near(a.elastic_wall, b.elastic_wall, 1e-6 * work);
+    assert_near(a.rotational, b.rotational, 1e-6 * work);
+}
+
+/* Bounces, slides and rolls over many facets of a plate that moves as well; gravity is slanted. */
+static void plane_of_triangles(uint64_t seed, const char *damping) {
+    soup *s = calloc(1, sizeof *s);
+    char path[32], support[512], more[512];
+    random_plane(s, seed, 16, 0.03);
+    write_soup(s, path);
+    snprintf(more, sizeof more,
+             "gravity: [2, 3, -10]\n%s\nsets: [{name: a, select: {all: true}, initial_velocity: "
+             "[0.2, -0.35, -0.1], initial_spin: [100, 50, 200]}]",
+             damping);
+    const char *law = "stiffness: 1e6, kratio: 2, friction: 0.3, motion: {vx: 0.1, vz: 0.05}";
+    snprintf(support, sizeof support, "walls: [{name: w, point: [0, 0, 0], normal: [0, 0, 1], %s}]",
+             law);
+    gn_world *flat = over(3, 1.05e-3, support, more);
+    snprintf(support, sizeof support, "bodies: [{name: w, surface: %s, %s}]", path, law);
+    gn_world *facets = over(3, 1.05e-3, support, more);
+    same_run(flat, facets, 60000);
+    /* It came from one end to the other. */
+    assert_true(length3(pos_of(flat, 0)) > 0.01);
+    world_end(flat);
+    world_end(facets);
+    unlink(path);
+    free(s);
+}
+
+static void a_plane_of_random_triangles_is_a_plane(void **state) {
+    (void)state;
+    for (uint64_t seed = 1; seed <= 4; seed++) plane_of_triangles(seed, "");
+}
+
+static void it_is_a_plane_with_damping_too(void **state) {
+    (void)state;
+    for (uint64_t seed = 5; seed <= 8; seed++)
+        plane_of_triangles(seed, "damping: {contact: {restitution: 0.5}}");
+}
+
+static void a_line_of_random_segments_is_a_line(void **state) {
+    (void)state;
+    for (uint64_t seed = 1; seed <= 4; seed++) {
+        text t = {0};
+        uint64_t at = 77 * seed;
+        char support[256];
+        const char *more =
+            "gravity: [3, -10]\ndamping: {contact: {restitution: 0.7}}\nsets: [{name: a, select: "
+            "{all: true}, initial_velocity: [0.2, -0.1], initial_spin: -30}]";
+        const char *law = "stiffness: 1e6, kratio: 2, friction: 0.3, motion: {vx: 0.1, vy: 0.05}";
+        add(&t, "bodies: [{name: w, polyline: [[-0.06, 0]");
+        for (double x = -0.06; x < 0.06;) {
+            x += uniform(&at, 1e-4, 2e-3);
+            add(&t, ", [%.17g, 0]", x);
+        }
+        add(&t, "], %s}]", law);
+        snprintf(support, sizeof support, "walls: [{name: w, point: [0, 0], normal: [0, 1], %s}]",
+                 law);
+        gn_world *flat = over(2, 1.05e-3, support, more), *facets = over(2, 1.05e-3, t.s, more);
+        same_run(flat, facets, 60000);
+        world_end(flat);
+        world_end(facets);
+    }
+}
+
+/* Planes of three times the angle of rounding, folded along a random line that the particle crosses
+ * at an angle: the two planes agree with the one up to the fold. */
+static void a_nearly_flat_fold_is_nearly_flat(void **state) {
+    (void)state;
+    const double folds[] = {1e-12, 1e-9, 1e-7, -1e-12, -1e-9, -1e-7};
+    const char *more = "gravity: [0, -10]\nsets: [{name: a, select: {all: true}, "
+                       "initial_velocity: [0.5, 0], initial_spin: -10}]";
+    const char *law = "stiffness: 1e6, kratio: 2, friction: 0.3";
+    char support[256];
+    for (int k = 0; k < 6; k++) {
+        double h = radius - disc_mass(2500, radius) * 10.0 / kn; /* in balance */
+        snprintf(support, sizeof support,
+                 "bodies: [{name: w, polyline: [[-0.05, 0], [2e-3, 0], [0.05, %.17g]], %s}]",
+                 0.048 * folds[k], law);
+        gn_world *bent = over(2, h, support, more);
+        snprintf(support, sizeof support, "walls: [{name: w, point: [0, 0], normal: [0, 1], %s}]",
+                 law);
+        gn_world *flat = over(2, h, support, more);
+        deviation d = {0};
+        for (int step = 0; step < 10000; step++) compare_step(flat, bent, &d);
+        assert_true(pos_of(flat, 0)[0] > 3e-3);
+        /* The kink hits with v fold; that bounces at kn v fold/w, w^2 = kn/m. */
+        double hit = 0.5 * fabs(folds[k]) * sqrt(kn * disc_mass(2500, radius));
+        assert_true(d.force <= 1e-6 * d.force_size + 2.0 * hit);
+        world_end(bent);
+        world_end(flat);
+    }
+}
+
+/* --- faces, edges, corners
+ * -------------------------------------------------------------------------------- */
+
+/* Rebound velocity along `away` (unit) of a sphere that comes at 1 m/s against a body. */
+static double rebound(const char *shape, const double away[3], double restitution) {
+    double start = radius + 100.5 * 1e-7, r3 = radius; /* touches in the middle of a step */
+    gn_world *w =
+        world_of("dimension: 3\nspecimen: {particles: [[%.17g, %.17g, %.17g, %.17g]], group: 0}\n"
+                 "materials: [{name: m, density: 2500, normal_stiffness: 1e6, kratio: 0}]\n"
+                 "law: {stiffness: uniform}\ndamping: {contact: {restitution: %g}}\n%s\n"
+                 "sets: [{name: a, select: {all: true}, initial_velocity: [%.17g, %.17g, %.17g]}]\n"
+                 "domain: {min: [-9, -9, -9], max: [9, 9, 9]}\ntime: {step: 1e-7, end: 9}\n"
+                 "run: {threads: 1}\n",
+                 start * away[0], start * away[1], start * away[2], r3, restitution, shape,
+                 -away[0], -away[1], -away[2]);
+    for (int k = 0; k < 12000; k++) measured_step(w);
+    double speed = dot3(vel_of(w, 0), away), v[3];
+    memcpy(v, vel_of(w, 0), sizeof v);
+    for (int a = 0; a < 3; a++) v[a] -= speed * away[a];
+    assert_true(length3(v) < 1e-9); /* straight back */
+    world_end(w);
+    return speed;
+}
+
+static void faces_edges_and_corners_rebound_as_walls_do(void **state) {
+    (void)state;
+    const double face[3] = {0, 0, 1}, edge[3] = {0, sqrt(0.5), sqrt(0.5)},
+                 corner[3] = {sqrt(1. / 3), sqrt(1. / 3), sqrt(1. / 3)};
+    for (int k = 0; k < 3; k++) {
+        double e = (double[]){0.3, 0.7, 1.0}[k];
+        double wall = rebound(
+            "walls: [{name: w, point: [0, 0, 0], normal: [0, 0, 1], stiffness: 1e6}]", face, e);
+        assert_near(wall, e, 0.01);
+        /* The same force law, so that only rounding differs. */
+        assert_near(rebound("bodies: [{name: w, box: {size: [0.1, 0.1, 0.1]}, origin: [-0.05, "
+                            "-0.05, -0.1], stiffness: 1e6}]",
+                            face, e),
+                    wall, 1e-9);
+        assert_near(rebound("bodies: [{name: w, box: {size: [0.1, 0.1, 0.1]}, origin: [-0.05, "
+                            "-0.1, -0.1], stiffness: 1e6}]",
+                            edge, e),
+                    wall, 1e-9);
+        assert_near(rebound("bodies: [{name: w, box: {size: [0.1, 0.1, 0.1]}, origin: [-0.1, "
+                            "-0.1, -0.1], stiffness: 1e6}]",
+                            corner, e),
+                    wall, 1e-9);
+    }
+}
+
+/* --- concave corners
+ * -------------------------------------------------------------------------------------- */
+
+/* A disc that falls into a groove whose sides rise at the two angles. */
+static void groove_is_two_walls(double left, double right) {
+    text t = {0};
+    const char *more = "gravity: [0, -10]\ndamping: {contact: {restitution: 0.6}}\nsets: [{name: "
+                       "a, select: {all: true}, initial_velocity: [0.02, 0], initial_spin: 20}]";
+    const char *law = "stiffness: 1e6, kratio: 2, friction: 0.3";
+    add(&t, "bodies: [{name: w, polyline: [[%.17g, %.17g], [0, 0], [%.17g, %.17g]], %s}]",
+        -0.1 * cos(left), 0.1 * sin(left), 0.1 * cos(right), 0.1 * sin(right), law);
+    double height = 1.05 * radius / sin(0.5 * (pi - left - right));
+    gn_world *groove = over(2, height, t.s, more);
+    t.used = 0;
+    add(&t,
+        "walls: [{name: p, point: [0, 0], normal: [%.17g, %.17g], %s}, {name: q, point: [0, 0], "
+        "normal: [%.17g, %.17g], %s}]",
+        sin(left), cos(left), law, -sin(right), cos(right), law);
+    gn_world *walls = over(2, height, t.s, more);
+    double most = 0.0, worst = 0.0;
+    for (int k = 0; k < 40000; k++) {
+        measured_step(groove);
+        measured_step(walls);
+        for (int a = 0; a < 2; a++) {
+            double f = walls->walls[0].force[a] + walls->walls[1].force[a];
+            most = fmax(most, fabs(f));
+            worst = fmax(worst, fabs(f - groove->bodies[0].force[a]));
+        }
+    }
+    assert_true(most > 0.0 && worst <= 1e-6 * most);
+    assert_near(spin_of(walls, 0)[2], spin_of(groove, 0)[2], 1e-5);
+    world_end(groove);
+    world_end(walls);
+}
+
+static void a_groove_is_two_walls(void **state) {
+    (void)state;
+    groove_is_two_walls(pi / 4, pi / 4);
+    groove_is_two_walls(pi / 6, pi / 3);
+    groove_is_two_walls(0.3, 0.3);
+    groove_is_two_walls(1.2, 0.9);
+}
+
+/* Inside a box, and at the three walls of its corner. Well damped: sliding and
+ * sticking in turns, each bounce in the corner multiplies what rounding left by some 30. */
+static void the_corner_of_a_box_is_three_walls(void **state) {
+    (void)state;
+    const char *more = "gravity: [-3, -4, -10]\ndamping: {contact: {restitution: 0.1}}\nsets: "
+                       "[{name: a, select: {all: true}, "
+                       "initial_velocity: [0.01, 0.02, 0]}]";
+    const char *box = "bodies: [{name: w, box: {size: [0.02, 0.02, 0.02]}, origin: [-1.02e-3, "
+                      "-1.01e-3, 0], stiffness: 1e6, kratio: 2, friction: 0.3}]";
+    const char *walls =
+        "walls: [{name: p, point: [-1.02e-3, 0, 0], normal: [1, 0, 0], stiffness: 1e6, kratio: 2, "
+        "friction: 0.3}, {name: q, point: [0, -1.01e-3, 0], normal: [0, 1, 0], stiffness: 1e6, "
+        "kratio: 2, friction: 0.3}, {name: r, point: [0, 0, 0], normal: [0, 0, 1], stiffness: "
+        "1e6, kratio: 2, friction: 0.3}]";
+    gn_world *a = over(3, 1.03e-3, box, more), *b = over(3, 1.03e-3, walls, more);
+    double most = 0.0, worst = 0.0;
+    for (int k = 0; k < 30000; k++) {
+        measured_step(a);
+        measured_step(b);
+        for (int d = 0; d < 3; d++) {
+            double f = 0.0;
+            for (int s = 0; s < 3; s++) f += b->walls[s].force[d];
+            most = fmax(most, fabs(f));
+            worst = fmax(worst, fabs(f - a->bodies[0].force[d]));
+        }
+    }
+    assert_true(most > 0.0 && worst <= 1e-6 * most);
+    for (int d = 0; d < 3; d++) assert_true(b->walls[d].force[d] < 0.0); /* it lies in the corner */
+    world_end(a);
+    world_end(b);
+}
+
+/* --- no jumps, no energy from nowhere
+ * -------------------------------------------------------------------- */
+
+/* Slides without friction over a profile; the force of a step never differs from the one before by
+ * more than it may, and energy stays. */
+static void slide_over(const char *profile, double speed, double dt_allowed) {
+    char more[256];
+    snprintf(more, sizeof more,
+             "gravity: [0, -10]\nsets: [{name: a, select: {all: true}, initial_velocity: [%g, 0]}]",
+             speed);
+    double m = disc_mass(2500, radius);
+    gn_world *w = over(2, radius - m * 10.0 / kn, profile, more);
+    double before[2] = {0, 0}, jump = 0.0, most = 0.0;
+    gn_energy e = measured_step(w);
+    double scale = e.kinetic;
+    for (int k = 0; k < 60000; k++) {
+        memcpy(before, w->bodies[0].force, sizeof before);
+        e = measured_step(w);
+        if (k == 0) continue;
+        for (int a = 0; a < 2; a++) {
+            jump = fmax(jump, fabs(w->bodies[0].force[a] - before[a]));
+            most = fmax(most, fabs(w->bodies[0].force[a]));
+        }
+        double now = e.kinetic + e.elastic_wall - e.work_gravity;
+        assert_near(now, scale, 1e-3 * scale);
+    }
+    assert_true(pos_of(w, 0)[0] > 8e-3);
+    /* k v dt is what a spring gains in a step. */
+    assert_true(jump <= dt_allowed * kn * 2.0 * speed * w->dt);
+    assert_true(most > 0.0);
+    world_end(w);
+}
+
+static void shallow_folds_make_no_jump(void **state) {
+    (void)state;
+    /* Concave and convex by 0.5, 3, 10 and 20 degrees. */
+    const char *const profiles[] = {
+        "[[-0.05, 0], [2e-3, 0], [4e-3, 1.75e-5], [6e-3, 0], [0.1, 0]]",
+        "[[-0.05, 0], [2e-3, 0], [4e-3, 1.05e-4], [6e-3, 1.05e-4], [0.1, 0.003]]",
+        "[[-0.05, 0], [2e-3, 0], [4e-3, 3.5e-4], [6e-3, 4e-4], [0.1, 4e-4]]",
+        "[[-0.05, 0], [2e-3, 0], [4e-3, 7.3e-4], [6e-3, 7.5e-4], [0.1, 7.5e-4]]",
+    };
+    for (int k = 0; k < 4; k++) {
+        char support[256];
+        snprintf(support, sizeof support, "bodies: [{name: w, polyline: %s, stiffness: 1e6}]",
+                 profiles[k]);
+        slide_over(support, 0.6, 1.5);
+    }
+}
+
+static void a_convex_edge_and_a_step_keep_energy(void **state) {
+    (void)state;
+    slide_over("bodies: [{name: w, polyline: [[-0.05, 0], [2e-3, 0], [3e-3, -1e-3], [5e-3, -1e-3], "
+               "[0.1, -1e-3]], stiffness: 1e6}]",
+               0.3, 1e9);
+}
+
+/* --- plates
+ * ------------------------------------------------------------------------------------------- */
+
+/* A plate thinner than the overlap that its spheres make, one above and one below: each feels one
+ * plate. */
+static void a_thin_plate_is_touched_from_both_sides(void **state) {
+    (void)state;
+    const char *const plates[] = {"box: {size: [0.04, 0.04, 2e-6]}, origin: [-0.02, -0.02, -1e-6]",
+                                  "box: {size: [0.04, 0.04, 2e-4]}, origin: [-0.02, -0.02, -1e-4]"};
+    for (int k = 0; k < 2; k++) {
+        double half = k ? 1e-4 : 1e-6, gap = -1e-5; /* overlap 10 um, thickness 2 um, 200 um */
+        gn_world *w = world_of(
+            "dimension: 3\nspecimen: {particles: [[0.3e-3, 0.1e-3, %.17g, 1e-3], [5e-3, 0, %.17g, "
+            "1e-3], [20e-3, 0, %.17g, 1e-3]], group: 0}\n"
+            "materials: [{name: m, density: 2500, normal_stiffness: 1e6, kratio: 0}]\n"
+            "law: {stiffness: uniform}\nbodies: [{name: p, %s, stiffness: 1e6}]\n"
+            "time: {step: 1e-9, end: 1}\nrun: {threads: 1}\n",
+            1e-3 + half + gap, -1e-3 - half - gap, 1e-3 + half + gap, plates[k]);
+        measured_step(w);
+        double f = kn * 1e-5; /* v after the first half step is F dt/(2 m) */
+        double unit = 0.5 * w->dt / mass_of(w, 0);
+        assert_close(vel_of(w, 0)[2], f * unit, 1e-6);
+        assert_close(vel_of(w, 1)[2], -f * unit, 1e-6);
+        /* Above the rim: the edge, straight below the centre. */
+        assert_close(vel_of(w, 2)[2], f * unit, 1e-6);
+        world_end(w);
+    }
+}
+
+int main(void) {
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(a_plane_of_random_triangles_is_a_plane),
+        cmocka_unit_test(it_is_a_plane_with_damping_too),
+        cmocka_unit_test(a_line_of_random_segments_is_a_line),
+        cmocka_unit_test(a_nearly_flat_fold_is_nearly_flat),
+        cmocka_unit_test(faces_edges_and_corners_rebound_as_walls_do),
+        cmocka_unit_test(a_groove_is_two_walls),
+        cmocka_unit_test(the_corner_of_a_box_is_three_walls),
+        cmocka_unit_test(shallow_folds_make_no_jump),
+        cmocka_unit_test(a_convex_edge_and_a_step_keep_energy),
+        cmocka_unit_test(a_thin_plate_is_touched_from_both_sides),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
