@@ -35,15 +35,26 @@ GN_INLINE const int32_t *node_column(const gn_elements *q, int n) {
     return n == 3 ? q->node3 : q->node + (size_t)n * q->soa.capacity;
 }
 
+/* Rows less those of `first`, as columns: one turn into columns fewer than columns subtracted. */
+GN_INLINE void less_rows(const double *rows, const int32_t *index, const gn_v first[4],
+                         gn_v out[4]) {
+    gn_v r[4];
+    gn_gather4(rows, index, r);
+    for (int k = 0; k < 4; k++) r[k] = r[k] - first[k];
+    gn_columns4(r, out);
+}
+
 GN_INLINE void load_nodes(const gn_element_args *a, size_t e, gn_v3 edge[3], state *t, variant w) {
     gn_v first[4], x[4];
-    gn_rows4(a->pos, node_column(a->elements, 0) + e, first);
-    if (w.mixed) t->pressure[0] = first[3];
+    gn_gather4(a->pos, node_column(a->elements, 0) + e, first);
+    if (w.mixed) {
+        gn_columns4(first, x);
+        t->pressure[0] = x[3];
+    }
     for (int n = 0; n < 2 + w.space; n++) {
-        gn_rows4(a->pos, node_column(a->elements, n + 1) + e, x);
-        edge[n] = (gn_v3){x[0] - first[0], x[1] - first[1],
-                          gn_pick(w.space, x[2] - first[2], gn_set(0.0))};
-        if (w.mixed) t->pressure[n + 1] = x[3] - first[3];
+        less_rows(a->pos, node_column(a->elements, n + 1) + e, first, x);
+        edge[n] = (gn_v3){x[0], x[1], gn_pick(w.space, x[2], gn_set(0.0))};
+        if (w.mixed) t->pressure[n + 1] = x[3];
     }
 }
 
@@ -269,24 +280,50 @@ GN_INLINE double *clear_rows(const gn_partials *q, size_t begin, size_t width, d
     return memset(row + width * first, 0, width * rows * sizeof *row);
 }
 
+/* From the nodes to the strain. */
+GN_INLINE void deform(const gn_element_args *a, size_t e, state *t, variant w) {
+    gn_v3 edge[3];
+    load_nodes(a, e, edge, t, w);
+    load_gradients(a->elements, e, t, w);
+    find_strain(edge, t, w);
+}
+
+/* From the strain to rows of forces. `slopes`: of the block, mixed form in space. */
+GN_INLINE void resist(const gn_element_args *a, size_t e, size_t end, state *t, element_rows *rows,
+                      double *slopes, lane_sums *s, variant w) {
+    gn_v3 piola[3];
+    find_stress(a, e, t, w);
+    if (w.mixed) find_slope(a, e, t, w);
+    find_forces(t, piola, rows, w);
+    if (w.mixed && w.space) add_slopes(a, e, end, t, slopes);
+    if (w.measure) measure(t, piola, e, end, s, w);
+}
+
+/* Tetrahedra of the displacement form go through three stages, a vector in each in every turn of
+ * the loop: the chain of one vector is longer than what a core can look ahead (see
+ * contact_template.c). The others gain nothing by it. */
 GN_INLINE void element_core(const gn_element_args *a, size_t begin, size_t end,
                             gn_element_sums *sums, variant w) {
     double *partial = clear_rows(a->partials, begin, 4, a->partials->row), *slopes = NULL;
     if (w.mixed && w.space) slopes = clear_rows(a->partials, begin, 2, a->slope_row);
     lane_sums s = no_sums();
-    for (size_t e = begin; e < end; e += GN_W) {
-        gn_v3 edge[3], piola[3];
-        state t;
-        element_rows rows;
-        load_nodes(a, e, edge, &t, w);
-        load_gradients(a->elements, e, &t, w);
-        find_strain(edge, &t, w);
-        find_stress(a, e, &t, w);
-        if (w.mixed) find_slope(a, e, &t, w);
-        find_forces(&t, piola, &rows, w);
-        add_rows(a, e, end, &rows, partial, w);
-        if (w.mixed && w.space) add_slopes(a, e, end, &t, slopes);
-        if (w.measure) measure(&t, piola, e, end, &s, w);
+    state ring[2];
+    element_rows rows[2];
+    const size_t vectors = (end - begin + GN_W - 1) / GN_W;
+    const bool staged = w.space && !w.mixed;
+    for (size_t v = 0; !staged && v < vectors; v++) {
+        const size_t e = begin + v * GN_W;
+        deform(a, e, &ring[0], w);
+        resist(a, e, end, &ring[0], &rows[0], slopes, &s, w);
+        add_rows(a, e, end, &rows[0], partial, w);
+    }
+    for (size_t v = 0; staged && v < vectors + 2; v++) {
+        const size_t e = begin + v * GN_W;
+        state *before = &ring[(v + 1) % 2];
+        element_rows *out = &rows[(v + 1) % 2];
+        if (v >= 2) add_rows(a, e - 2 * GN_W, end, &rows[v % 2], partial, w);
+        if (v >= 1 && v < vectors + 1) resist(a, e - GN_W, end, before, out, slopes, &s, w);
+        if (v < vectors) deform(a, e, &ring[v % 2], w);
     }
     if (w.measure) fold_sums(&s, sums);
 }
@@ -304,12 +341,11 @@ typedef struct dilation {
 GN_INLINE void load_places(const gn_dilation_args *a, size_t e, gn_v3 edge[3], gn_v dq[3],
                            int space) {
     gn_v first[4], x[4];
-    gn_rows4(a->place, node_column(a->elements, 0) + e, first);
+    gn_gather4(a->place, node_column(a->elements, 0) + e, first);
     for (int n = 0; n < 2 + space; n++) {
-        gn_rows4(a->place, node_column(a->elements, n + 1) + e, x);
-        edge[n] =
-            (gn_v3){x[0] - first[0], x[1] - first[1], gn_pick(space, x[2] - first[2], gn_set(0.0))};
-        dq[n] = x[3] - first[3];
+        less_rows(a->place, node_column(a->elements, n + 1) + e, first, x);
+        edge[n] = (gn_v3){x[0], x[1], gn_pick(space, x[2], gn_set(0.0))};
+        dq[n] = x[3];
     }
 }
 
@@ -345,20 +381,44 @@ GN_INLINE dilation find_dilation(const gn_dilation_args *a, size_t e, int space)
     return out;
 }
 
+/* Rows of two nodes each. */
+typedef struct dilation_rows {
+    gn_real row[2][4 * GN_W];
+} dilation_rows;
+
+GN_INLINE void write_dilation(const dilation *d, dilation_rows *rows) {
+    for (int n = 0; n < 2; n++) {
+        gn_v columns[4] = {d->growth, d->term[2 * n], d->growth, d->term[2 * n + 1]};
+        gn_store_rows4(rows->row[n], columns);
+    }
+}
+
+GN_INLINE void add_dilation(const gn_dilation_args *a, size_t e, size_t end,
+                            const dilation_rows *rows, double *sums, int space) {
+    const size_t nodes = 3 + (size_t)space, count = end - e < GN_W ? end - e : GN_W;
+    const uint16_t *place = a->partials->place + nodes * e;
+    for (size_t k = 0; k < count; k++)
+        for (size_t n = 0; n < nodes; n++)
+            gn_add_two(row_of_two(sums, place[nodes * k + n]),
+                       rows->row[n / 2] + 4 * k + n % 2 * 2);
+}
+
+/* In three stages for tetrahedra, as element_core. */
 GN_INLINE void dilation_core(const gn_dilation_args *a, size_t begin, size_t end, int space) {
-    const size_t nodes = 3 + (size_t)space;
     double *sums = clear_rows(a->partials, begin, 2, a->row);
-    for (size_t e = begin; e < end; e += GN_W) {
-        const dilation d = find_dilation(a, e, space);
-        const uint16_t *place = a->partials->place + nodes * e;
-        gn_real row[2][4 * GN_W]; /* of two nodes each */
-        for (int n = 0; n < 2; n++) {
-            gn_v columns[4] = {d.growth, d.term[2 * n], d.growth, d.term[2 * n + 1]};
-            gn_store_rows4(row[n], columns);
-        }
-        for (size_t k = 0; k < (end - e < GN_W ? end - e : GN_W); k++)
-            for (size_t n = 0; n < nodes; n++)
-                gn_add_two(row_of_two(sums, place[nodes * k + n]), row[n / 2] + 4 * k + n % 2 * 2);
+    dilation found[2];
+    dilation_rows rows[2];
+    const size_t vectors = (end - begin + GN_W - 1) / GN_W;
+    for (size_t v = 0; !space && v < vectors; v++) {
+        found[0] = find_dilation(a, begin + v * GN_W, 0);
+        write_dilation(&found[0], &rows[0]);
+        add_dilation(a, begin + v * GN_W, end, &rows[0], sums, 0);
+    }
+    for (size_t v = 0; space && v < vectors + 2; v++) {
+        const size_t e = begin + v * GN_W;
+        if (v >= 2) add_dilation(a, e - 2 * GN_W, end, &rows[v % 2], sums, 1);
+        if (v >= 1 && v < vectors + 1) write_dilation(&found[(v - 1) % 2], &rows[(v - 1) % 2]);
+        if (v < vectors) found[v % 2] = find_dilation(a, e, 1);
     }
 }
 
