@@ -150,7 +150,9 @@ def run(job):
         def histories():
             reaction = np.stack([np.stack([world.history(f"set_{n}_reaction_{c}") for c in "xyz"], axis=1)
                                  for n in names], axis=1) if names else np.zeros((len(world.history("step")), 0, 3))
-            return reaction, world.history("broken_tension"), world.history("broken_shear")
+            none = np.zeros(len(reaction))
+            return (reaction, *(world.history(f"broken_{cause}") if job.get("bonded", True) else none
+                                for cause in ("tension", "shear")))
 
         taken, seconds, peak, stop = 0, 0.0, 0.0, False
         if apart:

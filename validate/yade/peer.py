@@ -75,7 +75,7 @@ def record(n):
     for s in job["sets"]:
         total = Vector3(0, 0, 0)
         for k in s["ids"]:
-            total -= O.forces.f(k)
+            total -= O.forces.f(k) + states[k].mass * gravity  # NewtonIntegrator keeps the weight to itself
         reactions += list(total)
     rows.append([n, *reactions, law.nbTensCracks, law.nbShearCracks])
     drop = job.get("peak_drop")
@@ -136,7 +136,12 @@ def complete_broken():
 
 
 def complete_fresh():
-    """Pairs that touch for the first time: overlap from zero, shear of this step (few particles only)."""
+    """Pairs that touch for the first time: overlap from zero, shear of this step."""
+    global known
+    now = O.interactions.countReal()
+    if now == known:
+        return
+    known = now
     for i in O.interactions:
         if not i.isReal or i.phys.isCohesive or i.phys.initD == 0.0 or (i.id1, i.id2) in bonded:
             continue
@@ -190,20 +195,21 @@ def raise_stop():
 
 stopped = False
 law = Law2_ScGeom_JCFpmPhys_JointedCohesiveFrictionalPM(neverErase=True)
-reach = 1 + job["interaction_range"]
+reach = 1 + (job["interaction_range"] if job.get("bonded", True) else 0)
 bounds = Bo1_Sphere_Aabb(aabbEnlargeFactor=reach)
 detection = Ig2_Sphere_Sphere_ScGeom(interactionDetectionFactor=reach,
                                      avoidGranularRatcheting=choice["arms"] == "ratcheting")
 newton = NewtonIntegrator(damping=0 if choice["damping"] == "past" else job["damping"], gravity=gravity)
 O.engines = [ForceResetter(), InsertionSortCollider([bounds]),
              InteractionLoop([detection], [Ip2_JCFpmMat_JCFpmMat_JCFpmPhys(
-                 cohesiveTresholdIteration=1 if job.get("bonded", True) else -1)], [law]),
+                 cohesiveTresholdIteration=1 if job.get("bonded", True) else 0)], [law]),
              newton]
 O.dt = 0
 O.step()  # forms the bonds
 bounds.aabbEnlargeFactor = 1
 detection.interactionDetectionFactor = 1
 bonded = {(i.id1, i.id2) for i in O.interactions if i.isReal and i.phys.isCohesive}
+known = O.interactions.countReal()
 intact = [(i, i.phys) for i in O.interactions if i.isReal and i.phys.isCohesive]
 if choice["start"] == "plain":
     give_velocities()
@@ -215,7 +221,7 @@ O.run(steps + 1, True)  # the last tick sees the forces after `steps` steps
 seconds = time.perf_counter() - started
 rows = np.array(rows)
 sets = len(job["sets"])
-np.savez(os.environ["OUT"], step=rows[:, 0].astype(int), reaction=rows[:, 1:1 + 3 * sets].reshape(-1, sets, 3),
+np.savez(os.environ["OUT"], step=rows[:, 0].astype(int), reaction=rows[:, 1:1 + 3 * sets].reshape(len(rows), sets, 3),
          broken_tension=rows[:, -2].astype(int), broken_shear=rows[:, -1].astype(int),
          snapshot_step=np.array([n for n, _ in snapshots], dtype=int), snapshot=np.array([v for _, v in snapshots]),
          bonds=len(bonded), seconds=seconds, steps_taken=O.iter - 1 - first_iteration, version=version,
