@@ -15,7 +15,7 @@ A job is a dictionary (JSON):
   yade, gneiss        choices of one code alone (peer.py, own.py)
 
 Result: step[n], reaction[n, sets, 3] (N, on the set), broken_tension[n], broken_shear[n], snapshot_step[m],
-snapshot[m, particles, 3 or 9], bonds, seconds, steps_taken. Row n belongs to the instant after n steps.
+snapshot[m, particles, 3 or 9], broken[b, 2] (particles of broken bonds at the end), bonds, seconds, steps_taken. Row n belongs to the instant after n steps.
 """
 import hashlib
 import json

@@ -127,3 +127,67 @@ def job_for(test, name, number=0, **more):
 
 def name_for(test, name, number=0, mark=""):
     return f"{test.lower()}-{name}" + (f"-shifted-{number}" if number else "") + mark
+
+
+# --- runs ------------------------------------------------------------------------------------------------
+
+CHAOS = {"rock-b": (8, 3)}  # shifted copies run in gneiss and in YADE; elsewhere:
+CHAOS_ELSEWHERE = (4, 0)
+
+# On rock-b: what YADE's own definitions, and gneiss' own, do to the test.
+VARIANTS = [
+    ("the same definitions", {}),
+    ("YADE's shear arms (avoidGranularRatcheting)", {"yade": {"fresh": "aligned", "arms": "ratcheting"}}),
+    ("YADE's new pairs", {"yade": {"fresh": "plain"}}),
+    ("YADE's start (shear before the first step)", {"yade": {"fresh": "aligned", "start": "plain"}}),
+    ("YADE: no friction on broken bonds (frictionAngle = 0)", {"yade": {"fresh": "aligned", "friction": "none"}}),
+    ("YADE: frictionAngle = atan(mu): pressure strengthens bonds", {"yade": {"fresh": "aligned", "friction": "coulomb"}}),
+    ("YADE as most scripts have it: its arms, pairs, start, frictionAngle = atan(mu)",
+     {"yade": {"fresh": "plain", "start": "plain", "arms": "ratcheting", "friction": "coulomb"}}),
+    ("gneiss: damping by the velocity of the last half step", {"gneiss": {"velocity": "half_step"}}),
+    ("gneiss: vector form of the damping", {"gneiss": {"damping": "nonviscous_vector"}}),
+    ("gneiss: law.contact_arm: radius", {"gneiss": {"contact_arm": "radius"}}),
+]
+
+
+def changes_yade(change):
+    return "yade" in change
+
+
+def run_test(test, name):
+    """Job and both codes' runs; gneiss' and YADE's strength, E and nu on the shifted copies: {code: [(UCS, E, nu)]}."""
+    job = job_for(test, name)
+    own_run, peer_run = jobs.both(name_for(test, name), job)
+    shifts = {"gneiss": [], "YADE": []}
+    if test == "UCS":
+        copies = CHAOS.get(name, CHAOS_ELSEWHERE)
+        for code, run, count in zip(shifts, (jobs.run_gneiss, jobs.run_yade), copies):
+            for number in range(1, count + 1):
+                other = job_for(test, name, number, dt=job["dt"])
+                r = readings(other, run(name_for(test, name, number), other))
+                shifts[code].append((r["strength"], r["E"], r["nu"]))
+    return job, own_run, peer_run, shifts
+
+
+def run_variants():
+    """(what, job, readings of gneiss or None, readings of YADE or None) of each variant on rock-b."""
+    rows = []
+    for number, (what, change) in enumerate(VARIANTS):
+        job = job_for("UCS", "rock-b", **change)
+        mark = "" if number == 0 else f"-variant-{number}"
+        name = name_for("UCS", "rock-b", mark=mark)
+        own_run = jobs.run_gneiss(name, job) if number == 0 or not changes_yade(change) else None
+        peer_run = jobs.run_yade(name, job) if number == 0 or changes_yade(change) else None
+        rows.append((what, *(readings(job, r) if r is not None else None for r in (own_run, peer_run))))
+    return rows
+
+
+def run_packings():
+    """Strength, E and nu in gneiss over all packings of 2000 spheres: {name: readings}, per test."""
+    found = {}
+    for test in TESTS:
+        found[test] = {}
+        for name in ("rock-b", *PACKED):
+            job = job_for(test, name)
+            found[test][name] = readings(job, jobs.run_gneiss(name_for(test, name), job))
+    return found

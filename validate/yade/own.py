@@ -140,6 +140,16 @@ def fallen(job, reaction, broken, peak):
     return bool(np.any((broken > 0) & (load < (1 - job["peak_drop"]) * peaks))), peaks[-1]
 
 
+def broken_pairs(world, job):
+    """Particles of every broken bond, by their place in the specimen, [n, 2]."""
+    if not job.get("bonded", True):
+        return np.zeros((0, 2), int)
+    place = world.field(PARTICLES, "id")[:, 0]
+    pairs = np.column_stack([place[world.field(BONDS, end)[:, 0]] for end in "ij"])
+    pairs = np.sort(pairs[world.field(BONDS, "cause")[:, 0] != 0], axis=1)
+    return pairs[np.lexsort(pairs.T[::-1])]
+
+
 def run(job):
     """The same arrays as peer.py leaves."""
     snapshots, fields = [], ["pos", "vel", "spin"] if job.get("velocities") else ["pos"]
@@ -173,6 +183,6 @@ def run(job):
         return {"step": world.history("step").astype(int), "reaction": reaction,
                 "broken_tension": tension.astype(int), "broken_shear": shear.astype(int),
                 "snapshot_step": np.array([n for n, _ in snapshots], dtype=int),
-                "snapshot": np.array([v for _, v in snapshots]), "bonds": len(world.field(BONDS, "i")) if
+                "snapshot": np.array([v for _, v in snapshots]), "broken": broken_pairs(world, job), "bonds": len(world.field(BONDS, "i")) if
                 job.get("bonded", True) else 0, "seconds": seconds, "steps_taken": taken,
                 "version": world.lib.gneiss_version().decode(), "threads": job.get("threads", 1)}

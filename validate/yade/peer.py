@@ -220,9 +220,10 @@ started = time.perf_counter()
 O.run(steps + 1, True)  # the last tick sees the forces after `steps` steps
 seconds = time.perf_counter() - started
 rows = np.array(rows)
+broken = [pair for pair in sorted(bonded) if not O.interactions[pair].phys.isCohesive]
 sets = len(job["sets"])
 np.savez(os.environ["OUT"], step=rows[:, 0].astype(int), reaction=rows[:, 1:1 + 3 * sets].reshape(len(rows), sets, 3),
          broken_tension=rows[:, -2].astype(int), broken_shear=rows[:, -1].astype(int),
          snapshot_step=np.array([n for n, _ in snapshots], dtype=int), snapshot=np.array([v for _, v in snapshots]),
-         bonds=len(bonded), seconds=seconds, steps_taken=O.iter - 1 - first_iteration, version=version,
+         broken=np.array(broken, dtype=int).reshape(-1, 2), bonds=len(bonded), seconds=seconds, steps_taken=O.iter - 1 - first_iteration, version=version,
          threads=int(os.environ["OMP_NUM_THREADS"]), pwave_step=utils.PWaveTimeStep(), load=os.getloadavg()[0])

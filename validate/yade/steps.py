@@ -106,7 +106,7 @@ DIFFERENCES = [
      "damping.background.velocity: instant", "damping", {"gneiss": {"velocity": "half_step"}}, False),
     ("damping sign, the other way", "YADE made to take the sign of the last half step, from Python",
      "damping", {"gneiss": {"velocity": "half_step"}, "yade": {"damping": "past"}}, True),
-    ("damping form", "gneiss' vector form -a |F| v/|v|", "damping", {"gneiss": {"damping": "nonviscous_vector"}}, False),
+    ("damping form", "gneiss' vector form, against the velocity as a whole", "damping", {"gneiss": {"damping": "nonviscous_vector"}}, False),
     ("arms at the radius", "gneiss with law.contact_arm: radius", "shear", {"gneiss": {"contact_arm": "radius"}}, False),
 ]
 
