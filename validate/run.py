@@ -3,7 +3,8 @@
     ./do validate                 everything; what is kept in runs/validate and has not changed is not run again
     ./do validate --quick         step by step, and compression of rock-b: a few minutes; writes runs/validate/quick.md
     ./do validate --time          the running times alone, then the page
-    ./do validate --only NAME     one section (steps, laboratory, beam, published, time), then the page
+    ./do validate --only NAME     one section (steps, laboratory, beam, collisions, labra, rojek, time), then the page
+    ./do validate --kept          sections from the YADE runs that are there already: YADE runs that are missing are left out
   --fresh  forgets what is kept         --large  the beam of 240 x 80 x 40 mm
 """
 import sys
@@ -33,7 +34,8 @@ def sections():
     import timing
 
     return {"steps": steps_page.section, "laboratory": laboratory_page.section, "beam": beam.section,
-            "published": published.section, "time": timing.section}
+            "collisions": published.collision_section, "labra": published.labra_section, "rojek": published.rojek_section,
+            "time": timing.section}
 
 
 def write_page(names):
@@ -47,6 +49,7 @@ def main(arguments):
     if not jobs.yade_program():
         sys.exit("validate: yade is not installed; `./do validate` installs it")
     options = {name: f"--{name}" in arguments for name in ("quick", "large", "time", "fresh")}
+    jobs.KEPT_ONLY = "--kept" in arguments
     known = sections()
     if options["quick"]:
         text = "\n\n".join(known[name](options) for name in ("steps", "laboratory"))

@@ -11,9 +11,7 @@ import study
 
 # --- Rojek et al. 2012 -----------------------------------------------------------------------------------
 
-ROJEK = """## Published tables
-
-### Five parameter models (Rojek et al. 2012)
+ROJEK = """## Five parameter models (Rojek et al. 2012)
 
 `scenes/ucs-rock.yaml` with each model on rock-a (as many spheres as the published specimen, but 9.5 bonded neighbours each instead of
 11.9) and rock-c (wide sizes). Published numbers are of another packing: what can be compared is the order and the ratios; `docs/models.md`
@@ -40,7 +38,7 @@ def rojek():
 
 # --- Labra et al. 2012 -----------------------------------------------------------------------------------
 
-LABRA = """### Elastic constants against k_t/k_n (Labra et al. 2012)
+LABRA = """## Elastic constants against k_t/k_n (Labra et al. 2012)
 
 The uniform law, small strains, no bond breaks: discs in plane strain (`scenes/ucs-discs.yaml`; E, nu the true constants) and the spheres of
 rock-b. `uniform strain`: the micromechanical tensor of the same bonds, an upper bound of E. Psi_E = E rt/(k_n n_c (1-e)),
@@ -242,5 +240,13 @@ def collisions():
 the limit of large s, which the table approaches."""])
 
 
-def section(options):
-    return "\n".join([ROJEK, rojek(), "", LABRA, labra(options), "", collisions()])
+def rojek_section(options):
+    return "\n".join([ROJEK, rojek()])
+
+
+def labra_section(options):
+    return "\n".join([LABRA, labra(options)])
+
+
+def collision_section(options):
+    return collisions()
