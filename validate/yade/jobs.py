@@ -23,6 +23,7 @@ import os
 import shutil
 import subprocess
 import sys
+import time
 from pathlib import Path
 
 import numpy as np
@@ -33,6 +34,7 @@ import study
 HERE = Path(__file__).resolve().parent
 RUNS = Path(os.environ.get("GNEISS_VALIDATE", study.ROOT / "runs" / "validate"))
 YADE_TIME = 4 * 3600
+STARTED = time.time()
 KEPT_ONLY = False  # missing YADE runs raise NotKept
 
 
@@ -60,7 +62,7 @@ def peer_half(job):
 
 
 def kept(path, key):
-    if "--fresh" in sys.argv or not path.exists():
+    if not path.exists() or (study.FRESH and path.stat().st_mtime < STARTED):
         return None
     with np.load(path, allow_pickle=False) as found:
         return dict(found) if str(found["key"]) == key else None

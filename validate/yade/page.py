@@ -36,7 +36,7 @@ def figures():
 
 
 def save(figure, name, docs=True):
-    folder = PICTURES if docs else jobs.RUNS
+    folder = PICTURES if docs else jobs.RUNS / "pictures"
     folder.mkdir(parents=True, exist_ok=True)
     figure.tight_layout()
     figure.savefig(folder / f"validation-{name}.png", dpi=100, metadata={"Software": None})
