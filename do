@@ -15,6 +15,7 @@ packages_build=(
 )
 packages_check=(git clang libclang-rt-14-dev libomp-dev clang-format clang-tidy cppcheck)
 packages_bench=(libbenchmark-dev)
+packages_validate=(yade)
 packages_peers=(yade lammps liggghts esys-particle calculix-ccx) # large; only for bench --peers
 
 usage() {
@@ -27,6 +28,9 @@ usage: ./do COMMAND [...]
   bench [--peers] [--large] [--sweep]
                                build and run the benchmarks; --peers: beside LAMMPS, LIGGGHTS, YADE,
                                ESyS-Particle and CalculiX; --large: big specimens; --sweep: 1 372 to 1 000 188 grains
+  validate [--quick] [--time] [--only SECTION] [--fresh] [--large]
+                               beside YADE, closed forms and published tables; writes docs/validation.md
+  install WHAT                 the packages of build, check, bench, validate or peers
   keys [prefix]                the keys that a scene file may hold
   clean                        remove the build folders
   help                         this text
@@ -161,6 +165,22 @@ command_bench() {
     fi
 }
 
+command_validate() {
+    need "${packages_build[@]}" "${packages_validate[@]}"
+    prepare
+    build build
+    "$python" "$root/validate/run.py" "$@"
+}
+
+command_install() {
+    local name
+    for name in "$@"; do
+        local -n packages="packages_$name" 2>/dev/null || die "install: no such list of packages: $name"
+        [[ -v packages[@] ]] || die "install: no such list of packages: $name"
+        need "${packages[@]}"
+    done
+}
+
 command_keys() {
     prepare
     build build
@@ -259,7 +279,7 @@ main() {
     local command=${1:-help}
     (($#)) && shift
     case $command in
-    run | test | check | bench | keys | clean) "command_$command" "$@" ;;
+    run | test | check | bench | validate | install | keys | clean) "command_$command" "$@" ;;
     help | -h | --help) usage ;;
     *)
         usage >&2

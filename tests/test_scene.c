@@ -285,6 +285,9 @@ static void keys_that_contradict_each_other_are_refused(void **state) {
          "model, found '5 %' (another dimension)"},
         {"damping: {background: {model: viscous}}",
          "s.yaml:20:11: damping.background.coefficient: required by the model, but not given"},
+        {"damping: {background: {model: viscous, coefficient: 5, velocity: instant}}",
+         "s.yaml:20:66: damping.background.velocity: instant needs the model nonviscous_component, "
+         "found another one"},
         {"periodic: {min: [0, 0, 0], max: [1, 0, 1]}",
          "s.yaml:20:33: periodic.max: expected a corner above min in every direction, found y: 0 "
          "to 0"},

@@ -16,6 +16,7 @@ import numpy as np
 ROOT = Path(__file__).resolve().parent.parent
 RUNS = Path(os.environ.get("GNEISS_STUDIES", ROOT / "runs" / "studies"))
 PROGRAM = os.environ.get("GNEISS", str(ROOT / "build" / "gneiss"))
+LIBRARY = os.environ.get("GNEISS_LIBRARY", str(ROOT / "build" / "libgneiss.so"))
 THREADS = int(os.environ.get("GNEISS_THREADS", "2"))
 FRESH = "--fresh" in sys.argv
 ROCK = "scenes/ucs-rock.yaml"

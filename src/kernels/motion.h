@@ -24,7 +24,10 @@ typedef struct gn_motion_args {
     double dt_past, dt; /* s: the interval that led here (0 at the start) and the coming one */
     double gravity[3];
     double damping; /* coefficient of the background damping */
-    bool measure;   /* also sum kinetic energies and resultants */
+    /* Non-viscous, per component: the sign is that of v + damping_lead interval F/m. 0: of the last
+     * half step; 0.5: of the instant, if nothing were damped. */
+    double damping_lead;
+    bool measure; /* also sum kinetic energies and resultants */
 } gn_motion_args;
 
 /* Works of the background damping and so on are split in the halves 1/2 F dt v before and after the

@@ -119,9 +119,10 @@ GN_INLINE void kick(const gn_motion_args *a, motion *q, double interval, int spa
         gn_v factor = gn_keep(gn_less(zero, speed), gn_set(-a->damping) * size / speed);
         q->d = gn_scale(factor, q->v, space);
     } else if (w.component) {
-        q->d.x = opposing(a, q->f.x, q->v.x);
-        q->d.y = opposing(a, q->f.y, q->v.y);
-        if (space) q->d.z = opposing(a, q->f.z, q->v.z);
+        gn_v3 v = gn_axpy(q->v, gn_set(a->damping_lead) * rate, q->f, space);
+        q->d.x = opposing(a, q->f.x, v.x);
+        q->d.y = opposing(a, q->f.y, v.y);
+        if (space) q->d.z = opposing(a, q->f.z, v.z);
     }
     q->v_new = gn_axpy(q->v, rate, gn_add(q->f, q->d, space), space);
 }

@@ -22,6 +22,8 @@ static const gn_choice backgrounds[] = {
     {"nonviscous_vector", GN_BACKGROUND_NONVISCOUS_VECTOR},
     {"nonviscous_component", GN_BACKGROUND_NONVISCOUS_COMPONENT},
     {NULL, 0}};
+static const gn_choice damped_velocities[] = {
+    {"half_step", GN_VELOCITY_HALF_STEP}, {"instant", GN_VELOCITY_INSTANT}, {NULL, 0}};
 static const gn_choice lattices[] = {
     {"square", GN_LATTICE_SQUARE}, {"hexagonal", GN_LATTICE_HEXAGONAL},
     {"cubic", GN_LATTICE_CUBIC},   {"fcc", GN_LATTICE_FCC},
@@ -264,6 +266,10 @@ static const gn_key background_keys[] = {
                 "sign(v_k)"),
     KEY("coefficient", REAL, gn_scene, background_coefficient, .unit = "1/s|1", .range = "[0, inf)",
         .fallback = "0", .text = "a: in 1/s with viscous, otherwise a fraction in [0, 1)"),
+    KEY("velocity", CHOICE, gn_scene, background_velocity, .choices = damped_velocities,
+        .fallback = "half_step",
+        .text = "with nonviscous_component, whose sign counts: that of the last half step, or of "
+                "the instant, v + dt F/(2 m), as in YADE"),
 };
 TABLE_OF(background);
 

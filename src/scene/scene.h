@@ -30,6 +30,12 @@ typedef enum gn_background_damping {
     GN_BACKGROUND_NONVISCOUS_COMPONENT, /* the same */
 } gn_background_damping;
 
+/* Whose sign nonviscous_component damping opposes. */
+typedef enum gn_damped_velocity {
+    GN_VELOCITY_HALF_STEP, /* of the last half step */
+    GN_VELOCITY_INSTANT    /* of the instant: that of the last half step plus dt F/(2 m) */
+} gn_damped_velocity;
+
 typedef enum gn_lattice_kind {
     GN_LATTICE_NONE,
     GN_LATTICE_SQUARE,    /* 2D */
@@ -362,6 +368,7 @@ typedef struct gn_scene {
 
     gn_background_damping background;
     double background_coefficient;
+    gn_damped_velocity background_velocity;
     double restitution;      /* c_r in (0, 1]; negative: contact damping by fraction */
     double damping_fraction; /* alpha of critical; 0 and restitution < 0: no contact damping */
 

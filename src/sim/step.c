@@ -39,6 +39,7 @@ gn_motion_args gn_world_motion_args(gn_world *w, bool measure) {
     a.dt = w->dt;
     memcpy(a.gravity, w->scene.gravity, sizeof a.gravity);
     a.damping = w->scene.background_coefficient;
+    a.damping_lead = w->scene.background_velocity == GN_VELOCITY_INSTANT ? 0.5 : 0.0;
     a.measure = measure;
     return a;
 }

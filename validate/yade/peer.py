@@ -1,0 +1,229 @@
+"""Carries out one job (validate/yade/jobs.py says what a job holds) in YADE.
+
+    JOB=job.json OUT=result.npz QT_QPA_PLATFORM=offscreen yade -n -x -j1 validate/yade/peer.py
+
+JCFpm with young = 2 E_c, poisson = k_t/k_n and tensileStrength = 4 sigma_c/pi, cohesion = 4 tau_c/pi is the harmonic law
+of gneiss. What YADE defines in another way is made equal here, each by an option of its own so that its effect can be
+measured (`job["yade"]`):
+  arms       "contact": shear at the contact point (avoidGranularRatcheting off); "ratcheting": YADE's default
+  friction   "completed": broken bonds get their friction in the step in which they break, and it limits their shear
+             force in that step already; "none": what YADE does with frictionAngle = 0; "coulomb": frictionAngle =
+             atan(mu) from the start, so that bonds are strengthened by pressure
+  start      "aligned": velocities are given after the first forces, so that no shear is counted before the start, and the
+             first kick under gravity is a half one; "plain": given with the particles
+  fresh      "aligned": pairs that meet later measure the overlap from zero and count the shear of their first step;
+             "plain": from the overlap at the first step in which they touch, without the shear of that step
+  damping    "yade": NewtonIntegrator's rule; "past": sign of the velocity before the kick, from Python (slow)
+"""
+import json
+import os
+import time
+from math import atan, pi
+
+import numpy as np
+from yade import O, utils
+
+with open(os.environ["JOB"], encoding="utf-8") as f:
+    job = json.load(f)
+choice = {"arms": "contact", "friction": "completed", "start": "aligned", "fresh": "plain", "damping": "yade",
+          **job.get("yade", {})}
+spheres = np.loadtxt(job["spheres"], ndmin=2)
+mu, every, steps, dt = job["friction"], job["every"], job["steps"], job["dt"]
+gravity = Vector3(*job.get("gravity", (0, 0, 0)))
+snapshot_every = job.get("snapshot_every", 0)
+
+rock = O.materials.append(JCFpmMat(
+    type=1, young=2 * job["contact_modulus"], poisson=1 / job["kratio"], density=job["density"],
+    tensileStrength=4 * job["tension"] / pi, cohesion=4 * job["shear"] / pi,
+    frictionAngle=atan(mu) if choice["friction"] == "coulomb" else 0, residualFrictionAngle=atan(mu)))
+for x, y, z, r in spheres.tolist():
+    O.bodies.append(utils.sphere((x, y, z), r, material=rock))
+bodies = [O.bodies[k] for k in range(len(spheres))]
+states = [b.state for b in bodies]
+for s in job["sets"]:
+    blocked = "".join(c for c, v in zip("xyzXYZ", s["v"] + s["w"]) if v is not None)
+    for k in s["ids"]:
+        states[k].blockedDOFs = "".join(sorted(set(states[k].blockedDOFs) | set(blocked)))
+
+
+def give_velocities():
+    for s in job.get("initial", []):
+        for k in s["ids"]:
+            states[k].vel, states[k].angVel = Vector3(*s["v"]), Vector3(*s["w"])
+    for s in job["sets"]:
+        for k in s["ids"]:
+            for target, values in (("vel", s["v"]), ("angVel", s["w"])):
+                now = list(getattr(states[k], target))
+                now = [old if v is None else v for old, v in zip(now, values)]
+                setattr(states[k], target, Vector3(*now))
+    if choice["start"] == "aligned" and gravity.norm() > 0:
+        for state in states:  # the first kick is a whole one in YADE: half of it is taken back beforehand
+            free = [0 if axis in state.blockedDOFs else 1 for axis in "xyz"]
+            kept = 1 - job["damping"]
+            state.vel -= Vector3(*(0.5 * dt * kept * g * f for g, f in zip(gravity, free)))
+
+
+# --- what is recorded ----------------------------------------------------------------------------------
+
+rows, snapshots = [], []
+peak = 0.0
+
+
+def record(n):
+    global peak
+    reactions = []
+    for s in job["sets"]:
+        total = Vector3(0, 0, 0)
+        for k in s["ids"]:
+            total -= O.forces.f(k) + states[k].mass * gravity  # NewtonIntegrator keeps the weight to itself
+        reactions += list(total)
+    rows.append([n, *reactions, law.nbTensCracks, law.nbShearCracks])
+    drop = job.get("peak_drop")
+    if drop:
+        axis, names = job["axis"], [s["name"] for s in job["sets"]]
+        a, b = names.index(job["ends"][0]), names.index(job["ends"][1])
+        load = 0.5 * abs(reactions[3 * a + axis] - reactions[3 * b + axis])
+        peak = max(peak, load)
+        if law.nbTensCracks + law.nbShearCracks > 0 and load < (1 - drop) * peak:
+            return True
+    return False
+
+
+def snapshot(n):
+    values = np.array([[*s.pos, *s.vel, *s.angVel] for s in states])
+    snapshots.append((n, values if job.get("velocities") else values[:, :3]))
+
+
+# --- what makes the laws equal -------------------------------------------------------------------------
+
+cracks, intact, known = 0, [], 0
+
+
+def change_shear(i, new):
+    """Another shear force in this step: what acts on the particles changes with it."""
+    change, n = new - i.phys.shearForce, i.geom.normal
+    overlap = i.geom.penetrationDepth
+    O.forces.addF(i.id1, -change)
+    O.forces.addF(i.id2, change)
+    O.forces.addT(i.id1, (i.geom.refR1 - 0.5 * overlap) * n.cross(-change))
+    O.forces.addT(i.id2, (i.geom.refR2 - 0.5 * overlap) * n.cross(-change))
+    i.phys.shearForce = new
+
+
+def limit_shear(i):
+    force, limit = i.phys.shearForce, mu * max(i.phys.normalForce.dot(i.geom.normal), 0.0)
+    size = force.norm()
+    if size > limit:
+        change_shear(i, force * (limit / size))
+
+
+def complete_broken():
+    """Friction for bonds that broke in this step."""
+    global cracks, intact
+    now = law.nbTensCracks + law.nbShearCracks
+    if now == cracks:
+        return
+    cracks = now
+    left = []
+    for pair in intact:
+        if pair[1].isCohesive:
+            left.append(pair)
+            continue
+        i, phys = pair
+        phys.tanFrictionAngle = mu
+        limit_shear(i)
+    intact = left
+
+
+def complete_fresh():
+    """Pairs that touch for the first time: overlap from zero, shear of this step."""
+    global known
+    now = O.interactions.countReal()
+    if now == known:
+        return
+    known = now
+    for i in O.interactions:
+        if not i.isReal or i.phys.isCohesive or i.phys.initD == 0.0 or (i.id1, i.id2) in bonded:
+            continue
+        n, overlap = i.geom.normal, i.geom.penetrationDepth
+        i.phys.initD = 0.0
+        normal = i.phys.kn * overlap * n
+        change = normal - i.phys.normalForce
+        i.phys.normalForce = normal
+        O.forces.addF(i.id1, -change)
+        O.forces.addF(i.id2, change)
+        first, second = states[i.id1], states[i.id2]
+        a, b = i.geom.refR1 - 0.5 * overlap, i.geom.refR2 - 0.5 * overlap
+        v = second.vel - first.vel + second.angVel.cross(-b * n) - first.angVel.cross(a * n)
+        change_shear(i, -i.phys.ks * dt * (v - v.dot(n) * n))
+        limit_shear(i)
+
+
+def damp_past():
+    """-a |F_k| sign(v_k) with the velocity before the kick, on free components."""
+    for k, state in enumerate(states):
+        blocked = state.blockedDOFs
+        f, m, v, w = O.forces.f(k) + state.mass * gravity, O.forces.t(k), state.vel, state.angVel
+        O.forces.addF(k, Vector3(*(0 if c in blocked else -job["damping"] * abs(f[a]) * np.sign(v[a])
+                                   for a, c in enumerate("xyz"))))
+        O.forces.addT(k, Vector3(*(0 if c in blocked else -job["damping"] * abs(m[a]) * np.sign(w[a])
+                                   for a, c in enumerate("XYZ"))))
+
+
+def tick():
+    """Between forces and motion: n steps have been taken, the forces are those at the present positions."""
+    n = O.iter - first_iteration
+    if choice["friction"] == "completed":
+        complete_broken()
+    if choice["fresh"] == "aligned":
+        complete_fresh()
+    if n == 0 and choice["start"] == "aligned":
+        give_velocities()
+    if snapshot_every and n % snapshot_every == 0:
+        snapshot(n)
+    if n % every == 0 and record(n):
+        raise_stop()
+    if choice["damping"] == "past":
+        damp_past()
+
+
+def raise_stop():
+    global stopped
+    stopped = True
+    O.pause()
+
+
+stopped = False
+law = Law2_ScGeom_JCFpmPhys_JointedCohesiveFrictionalPM(neverErase=True)
+reach = 1 + (job["interaction_range"] if job.get("bonded", True) else 0)
+bounds = Bo1_Sphere_Aabb(aabbEnlargeFactor=reach)
+detection = Ig2_Sphere_Sphere_ScGeom(interactionDetectionFactor=reach,
+                                     avoidGranularRatcheting=choice["arms"] == "ratcheting")
+newton = NewtonIntegrator(damping=0 if choice["damping"] == "past" else job["damping"], gravity=gravity)
+O.engines = [ForceResetter(), InsertionSortCollider([bounds]),
+             InteractionLoop([detection], [Ip2_JCFpmMat_JCFpmMat_JCFpmPhys(
+                 cohesiveTresholdIteration=1 if job.get("bonded", True) else 0)], [law]),
+             newton]
+O.dt = 0
+O.step()  # forms the bonds
+bounds.aabbEnlargeFactor = 1
+detection.interactionDetectionFactor = 1
+bonded = {(i.id1, i.id2) for i in O.interactions if i.isReal and i.phys.isCohesive}
+known = O.interactions.countReal()
+intact = [(i, i.phys) for i in O.interactions if i.isReal and i.phys.isCohesive]
+if choice["start"] == "plain":
+    give_velocities()
+first_iteration = O.iter
+O.engines = O.engines[:3] + [PyRunner(command="tick()", iterPeriod=1, initRun=True)] + O.engines[3:]
+O.dt = dt
+started = time.perf_counter()
+O.run(steps + 1, True)  # the last tick sees the forces after `steps` steps
+seconds = time.perf_counter() - started
+rows = np.array(rows)
+broken = [pair for pair in sorted(bonded) if not O.interactions[pair].phys.isCohesive]
+sets = len(job["sets"])
+np.savez(os.environ["OUT"], step=rows[:, 0].astype(int), reaction=rows[:, 1:1 + 3 * sets].reshape(len(rows), sets, 3),
+         broken_tension=rows[:, -2].astype(int), broken_shear=rows[:, -1].astype(int),
+         snapshot_step=np.array([n for n, _ in snapshots], dtype=int), snapshot=np.array([v for _, v in snapshots]),
+         broken=np.array(broken, dtype=int).reshape(-1, 2), bonds=len(bonded), seconds=seconds, steps_taken=O.iter - 1 - first_iteration, version=version,
+         threads=int(os.environ["OMP_NUM_THREADS"]), pwave_step=utils.PWaveTimeStep(), load=os.getloadavg()[0])
