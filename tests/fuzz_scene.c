@@ -101,6 +101,12 @@ static const char *const tokens[] = {"-",
                                      "group: body",
                                      "beam: {length: 1, height: 1, cell: 1}",
                                      "mixed",
+                                     "bodies:",
+                                     "free: true",
+                                     "polyline: [[0, 0], [1, 0]]",
+                                     "cylinder: {diameter: 1, height: 1, sides: 3}",
+                                     "contact: {stiffness: 1}",
+                                     "motion: {wz: [[0, 0], [1, 1]]}",
                                      "0.5",
                                      "\x01"};
 
@@ -236,8 +242,8 @@ static bool survives(gn_units *units, const char *text, const gn_override *overr
 }
 
 static const char *const seeds[] = {"tests/scenes/everything.yaml", "tests/scenes/plane.yaml",
-                                    "tests/scenes/polygon.yaml", "scenes/ucs-rock.yaml",
-                                    "tests/scenes/beam-small.yaml"};
+                                    "tests/scenes/polygon.yaml",    "scenes/ucs-rock.yaml",
+                                    "tests/scenes/beam-small.yaml", "scenes/block-on-bed.yaml"};
 
 static void mutated_scenes_are_refused_or_sound(void **state) {
     (void)state;

@@ -499,6 +499,20 @@ def an_element_turned_inside_out_stops_the_run_with_its_number(folder):
 
 
 @fact
+def a_load_far_too_large_names_the_element_before_it_runs_away(folder):
+    for formulation in ("displacement", "mixed"):
+        scene = bar(2)
+        scene["elements"]["formulation"] = formulation
+        del scene["elements"]["motions"][1]
+        scene.pop("test", None)
+        scene["elements"]["loads"] = [{"group": "x_upper", "traction": {"tx": -10e9}}]
+        done = expect(gneiss("run", write_scene(folder, scene), "--out", os.path.join(folder, formulation)), 5,
+                      r"turned inside out: det F = -", "the state is in")
+        ratio = float(re.search(r"det F = (\S+)", done.stderr).group(1))
+        assert -10 < ratio <= 0, ratio  # of the step in which it turned, not of what became of it
+
+
+@fact
 def strain_that_stiffens_lowers_an_automatic_step_and_stops_a_given_one(folder):
     scene = bar(2)
     scene["elements"]["motions"][1]["motion"]["vx"] = 4.0  # a tenth in 1 ms

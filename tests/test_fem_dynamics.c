@@ -348,7 +348,7 @@ static double shape_error(const bar *b) {
 
 static void a_confined_wave_runs_at_its_speed_and_its_error_falls_as_h2(void **state) {
     (void)state;
-    double displacement = 0.0;
+    double twice_as_large = 0.0;
     for (int way = 0; way < WAYS; way += 2) {
         double error[2], off[2];
         for (int fine = 0; fine < 2; fine++) {
@@ -360,10 +360,12 @@ static void a_confined_wave_runs_at_its_speed_and_its_error_falls_as_h2(void **s
         print_message("# %s: wave speed off by %.2g, %.2g; shape by %.3g, %.3g: order %.2f\n",
                       name_of(way), off[0], off[1], error[0], error[1], log2(error[0] / error[1]));
         assert_true(off[1] < 0.01);
+        assert_true(off[1] < 0.35 * off[0]); /* a quarter by theory; measured 0.25, mixed 0.22 */
         /* A node's mean pressure reaches over two cells, so that the mixed form's dispersion lies
-         * between those of cells and of cells twice as large. */
-        if (!way) displacement = error[1];
-        assert_true(error[1] < (way ? 4.0 * displacement : 0.02));
+         * between those of cells and of cells twice as large (measured 0.037 between 0.015 and
+         * 0.055). */
+        if (!way) twice_as_large = error[0];
+        assert_true(error[1] < (way ? twice_as_large : 0.02));
         assert_true(log2(error[0] / error[1]) > 1.7);
     }
 }
@@ -453,7 +455,10 @@ static void first_frequency_of_a_cantilever_converges_to_that_of_the_beam(void *
     print_message("# over Timoshenko's: 8 cells %.5f, 16 cells %.5f, extrapolated %.5f; "
                   "Euler-Bernoulli %.5f\n",
                   coarse / beam, fine / beam, limit / beam, beam_frequency(10.0, false) / beam);
-    assert_close(limit, beam, 0.01);
+    /* Measured 5e-4. Without shear and rotary inertia the beam's is 7.6e-3 higher: to be told
+     * apart.
+     */
+    assert_close(limit, beam, 0.002);
     assert_true(fabs(fine / beam - 1.0) < 0.4 * fabs(coarse / beam - 1.0));
 }
 

@@ -17,21 +17,23 @@ static double limit_of(const double d[3]) {
 }
 
 /* The corner where the clamped side meets the upper one is singular, so that convergence is of
- * about first order. */
-static void mixed_form_converges_to_the_same_on_any_cut_of_the_cells(void **state) {
+ * about first order, and extrapolation takes most of that out. The reference is that of quadratic
+ * elements (docs/fem.md). With 24 cells the three are 2.4, 4.6 and 1.8 % below it, their limits
+ * within 0.06, 1.2 and 0.15 %; the second, whose meshes are the stiffest, is the slowest to settle:
+ * within 0.2 % from 8, 16 and 32 cells. */
+static void mixed_form_converges_to_the_reference_on_any_cut_of_the_cells(void **state) {
     (void)state;
-    double limit[3];
+    const double reference = 8.07605, near[3] = {0.005, 0.02, 0.005};
     for (int cut = 0; cut < 3; cut++) {
-        double d[3];
+        double d[3], limit;
         for (int k = 0; k < 3; k++) d[k] = deflection(GN_FEM_MIXED, (cook_cut)cut, 6 << k);
-        limit[cut] = limit_of(d);
-        print_message("# cut %d: %.4f %.4f %.4f, limit %.3f\n", cut, d[0], d[1], d[2], limit[cut]);
-        assert_true(d[2] - d[1] < 0.5 * (d[1] - d[0]));
-        assert_close(d[2], limit[cut], 0.06);
+        limit = limit_of(d);
+        print_message("# cut %d: %.4f %.4f %.4f, limit %.3f\n", cut, d[0], d[1], d[2], limit);
+        assert_true(d[0] < d[1] && d[1] < d[2] && d[2] < reference);
+        /* The remaining error is at most half of that of cells twice as large. */
+        assert_true(reference - d[2] < 0.5 * (reference - d[1]));
+        assert_close(limit, reference, near[cut]);
     }
-    /* Extrapolation takes most of the first order out. */
-    assert_close(limit[1], limit[0], 0.02);
-    assert_close(limit[2], limit[0], 0.02);
 }
 
 static void displacement_form_locks(void **state) {
@@ -200,13 +202,14 @@ static void a_pressed_block_converges_in_the_mixed_form(void **state) {
     double error = fabs(mixed[2] - mixed[1]);
     assert_true(error < 0.5 * fabs(mixed[1] - mixed[0]));
     assert_true(error < 0.02 * mixed[2]);
-    /* Five tetrahedra in a cube lock less than most meshes, but they do. */
-    assert_true(mixed[2] - plain > 4.0 * error);
+    /* Five tetrahedra in a cube lock less than most meshes, but they do: on the same mesh. The
+     * mixed form's own error there is about `error` (measured 1.3 %, the difference 7.4 %). */
+    assert_true(mixed[1] - plain > 4.0 * error);
 }
 
 int main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(mixed_form_converges_to_the_same_on_any_cut_of_the_cells),
+        cmocka_unit_test(mixed_form_converges_to_the_reference_on_any_cut_of_the_cells),
         cmocka_unit_test(displacement_form_locks),
         cmocka_unit_test(pressures_have_no_checkerboard),
         cmocka_unit_test(a_sudden_load_makes_no_checkerboard_either),

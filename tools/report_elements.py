@@ -105,7 +105,7 @@ def draw_panel(figure, axes, mesh, place, title, name, colors, symmetric):
     axes.set_ylim(low[1] - margin - 0.06 * (high - low)[1], high[1] + margin)
     axes.axis("off")
     scale_bar(axes, low, high)
-    color_bar(figure, axes, norm, colors, f"{title.lower()} [{text}]", "both")
+    color_bar(figure, axes, norm, colors, f"{title[0].lower()}{title[1:]} [{text}]", "both")
 
 
 def outline(mesh, axes):

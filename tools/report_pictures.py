@@ -49,9 +49,11 @@ class Specimen:
         self.damage = None if damage is None else np.nan_to_num(np.asarray(damage, float).reshape(-1)[keep])
         self.has_bonds = len(results.bond_state) > 0
         self.count = len(self.radius)
+        # A specimen that broke is seen where it stood, without what flew off; loose particles where they went.
+        self.framed = self.start if self.has_bonds else self.position
         if self.count:
-            self.lower = (self.start - self.radius[:, None]).min(axis=0)
-            self.upper = (self.start + self.radius[:, None]).max(axis=0)
+            self.lower = (self.framed - self.radius[:, None]).min(axis=0)
+            self.upper = (self.framed + self.radius[:, None]).max(axis=0)
 
     def displacement_scale(self):
         """(factor, unit, top): the top is the 98th percentile, so that a few fragments do not hide the rest."""
@@ -139,9 +141,9 @@ class Surface:
     def __init__(self, specimen):
         turn = oblique(specimen)
         middle = 0.5 * (specimen.lower + specimen.upper)
-        start = ((specimen.start - middle) @ turn.T)[:, :2]
-        self.low = (start - specimen.radius[:, None]).min(axis=0)
-        self.high = (start + specimen.radius[:, None]).max(axis=0)
+        framed = ((specimen.framed - middle) @ turn.T)[:, :2]
+        self.low = (framed - specimen.radius[:, None]).min(axis=0)
+        self.high = (framed + specimen.radius[:, None]).max(axis=0)
         margin = 0.04 * (self.high - self.low).max()
         self.low, self.high = self.low - margin, self.high + margin
         size = self.high - self.low

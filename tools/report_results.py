@@ -109,11 +109,15 @@ class Results:
         return np.zeros(0, int) if column is None else column.value.astype(int)
 
     def test_axis(self):
-        """0, 1, 2: the axis of the test as the scene says, else the longest side of the specimen."""
+        """0, 1, 2: the axis of the test as the scene says, else that of gravity, else the longest side of the specimen."""
         block = re.search(r"^test:.*?(?=^\S|\Z)", self.scene, re.MULTILINE | re.DOTALL)
         axis = block and re.search(r"\baxis:\s*[\"']?([xyz])", block[0])
         if axis:
             return "xyz".index(axis[1])
+        gravity = re.search(r"^gravity:\s*\[([^\]]*)\]", self.scene, re.MULTILINE)
+        pull = [abs(float(g)) for g in gravity[1].split(",")] if gravity else [0.0]
+        if max(pull) > 0:
+            return pull.index(max(pull))
         position = self.particle("position")
         if position is None or not len(position):
             return 2

@@ -57,11 +57,32 @@ static void print_particle_kernels(const gn_world *w) {
 }
 
 static void print_kernels(const gn_world *w) {
-    bool mixed = w->effects & GN_FX_MIXED;
+    /* Finite elements are in double whatever the scene says. */
+    bool mixed = w->effects & GN_FX_MIXED && w->scene.has_specimen;
     int lanes = mixed && w->kernels->lanes > 1 ? 2 * w->kernels->lanes : w->kernels->lanes;
     printf("kernels (%s, %d lanes, %s)\n", w->kernels->name, lanes, mixed ? "mixed" : "double");
     if (w->scene.has_specimen) print_particle_kernels(w);
     gn_print_element_kernels(w);
+}
+
+static double nonviscous_share(const gn_world *w) {
+    bool active = w->effects & (GN_FX_NONVISCOUS_VECTOR | GN_FX_NONVISCOUS_COMPONENT);
+    return active ? 1.0 / sqrt(1.0 + w->scene.background_coefficient) : 1.0;
+}
+
+/* Why the step's limit lies below that of the springs that touch now. */
+static void print_lowered(const gn_world *w, double limit) {
+    double share = nonviscous_share(w), particles = w->stable_particles;
+    if (particles < 0.999 * limit)
+        printf("                   less %.3f for contacts that may form\n", particles / limit);
+    if (w->elements) return;
+    if (share < 1.0)
+        printf("                   less %.3f for non-viscous damping, which stiffens the fastest "
+               "mode\n",
+               share);
+    if (w->stable < 0.999 * share * particles)
+        printf("                   less %.3f for bodies that give way to particles\n",
+               w->stable / (share * particles));
 }
 
 static void print_particle_limits(const gn_world *w) {
@@ -73,10 +94,7 @@ static void print_particle_limits(const gn_world *w) {
     else
         printf("  sharp limit      %.6g s  (Lanczos, %d vectors; fastest mode at particle %d)\n",
                sharp, w->limit.iterations, w->limit.sharp_id);
-    if (!w->elements && w->stable < 0.999 * sharp && w->scene.estimate == GN_STEP_SHARP)
-        printf("                   less %.3f for non-viscous damping, which stiffens the fastest "
-               "mode\n",
-               w->stable / sharp);
+    print_lowered(w, w->scene.estimate == GN_STEP_BOUND ? w->limit.bound : sharp);
     printf("  rigorous bound   %.6g s  = %.3f of the sharp limit (particle %d)\n", w->limit.bound,
            w->limit.bound / sharp, w->limit.bound_id);
     printf("  literature       %.6g s  = %.3f of the sharp limit (min 2 sqrt(m/k), one spring); "
@@ -91,9 +109,9 @@ static void print_step(const gn_world *w) {
            w->scene.step > 0.0 ? " (given)" : "", w->dt / w->stable, w->stable);
     if (w->scene.has_specimen) print_particle_limits(w);
     gn_print_element_limits(w);
-    if (w->elements && w->effects & (GN_FX_NONVISCOUS_VECTOR | GN_FX_NONVISCOUS_COMPONENT))
+    if (w->elements && nonviscous_share(w) < 1.0)
         printf("  less             %.3f for non-viscous damping, which stiffens the fastest mode\n",
-               1.0 / sqrt(1.0 + w->scene.background_coefficient));
+               nonviscous_share(w));
 }
 
 /* Seconds per step from a few steps of the real thing, none beyond its end. */

@@ -238,6 +238,21 @@ static double longest_edge(int dimension, const double *const x[4]) {
     return sqrt(most);
 }
 
+/* A shape function falls from 1 to 0 over the height of its node. */
+static double least_height(int dimension, const double gradient[3][3]) {
+    double first[3] = {0.0}, steepest2 = 0.0;
+    for (int a = 0; a < dimension; a++) {
+        double size2 = 0.0;
+        for (int k = 0; k < dimension; k++) {
+            size2 += gradient[a][k] * gradient[a][k];
+            first[k] -= gradient[a][k];
+        }
+        steepest2 = fmax(steepest2, size2);
+    }
+    steepest2 = fmax(steepest2, first[0] * first[0] + first[1] * first[1] + first[2] * first[2]);
+    return 1.0 / sqrt(steepest2);
+}
+
 static gneiss_status no_volume(const builder *b, int32_t id, const int32_t node[4], double volume,
                                gneiss_error *error) {
     const double *x = b->body->nodes.start + 4 * (size_t)node[0];
@@ -271,6 +286,7 @@ static gneiss_status make_element(builder *b, size_t e, int32_t id, gneiss_error
     if (!(volume > ROUND_OFF * 2.2e-16 * pow(longest_edge(d, x), d)))
         return no_volume(b, id, node, volume, error);
     const gn_fem_material *m = &b->spec->materials[b->material[id]];
+    body->height = fmin(body->height, least_height(d, (const double(*)[3])gradient));
     q->id[e] = id;
     q->material[e] = b->material[id];
     q->volume[e] = volume;
@@ -291,6 +307,7 @@ static gneiss_status make_elements(builder *b, gneiss_error *error) {
     GN_TRY(
         gn_soa_create(&gn_element_record, &body->elements, b->solids->count, body->effects, error));
     sorted_element *order = sort_elements(b);
+    body->height = INFINITY;
     gneiss_status status = order ? GNEISS_OK : out_of_memory(b, error);
     for (size_t e = 0; e < b->solids->count && status == GNEISS_OK; e++)
         status = make_element(b, e, order[e].id, error);

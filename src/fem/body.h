@@ -55,6 +55,8 @@ typedef struct gn_fem_body {
     size_t unused_nodes;    /* nodes of the mesh that no element uses: dropped */
     size_t turned_elements; /* elements that were turned inside out in the mesh: turned back */
     double volume, mass;    /* m3, kg, at the start */
+    double height;          /* m, least of any element at the start */
+    double path;            /* m, that no node can have exceeded since elements were looked at */
     double *density;        /* [materials] kg/m3 */
 
     /* Rows of force on nodes from outside, as of contacts with walls (borrowed); NULL: none.
@@ -206,8 +208,9 @@ gneiss_status gn_fem_stiffening(const gn_fem_body *body, double *factor, gneiss_
 
 /* Advances by one step. Forces, reactions and, with `measure`, `reading` and `elastic` are those of
  * the instant at which the step starts; positions, velocities and time those at its end.
- * GNEISS_ERROR_UNSTABLE: an element inside out (looked for in measured steps and every
- * GN_FEM_CHECK_EVERY steps), or a velocity that is not finite; the state is the last computed. */
+ * GNEISS_ERROR_UNSTABLE: an element inside out (looked for in measured steps, every
+ * GN_FEM_CHECK_EVERY steps and where nodes are fast enough for one between two looks), or a
+ * velocity that is not finite; the state is the last computed. */
 enum { GN_FEM_CHECK_EVERY = 64 };
 gneiss_status gn_fem_step(gn_fem_body *body, double dt, bool measure, gneiss_error *error);
 

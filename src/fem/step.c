@@ -1,6 +1,8 @@
 /* One step: the sweep, sums in block order, and what stops a run. */
 #include "fem/parts.h"
 
+#include <math.h>
+
 /* --- merging, in block order
  * ----------------------------------------------------------------------- */
 
@@ -29,9 +31,10 @@ static gn_pressure_sums merge_pressure(const gn_fem_body *body) {
 
 /* The first halves of the works close the interval that led here, the second ones are of the coming
  * interval; the reading lies between them. */
-static int64_t merge_motion(gn_fem_body *body, bool measure) {
+static int64_t merge_motion(gn_fem_body *body, bool measure, double *speed2) {
     gn_fem_energy *e = &body->energy;
     double kinetic = 0.0;
+    *speed2 = 0.0;
     int64_t bad = -1;
     const gn_pressure_sums pressure = merge_pressure(body);
     e->damping += pressure.damping;
@@ -44,6 +47,7 @@ static int64_t merge_motion(gn_fem_body *body, bool measure) {
             e->work_prescribed += s->prescribed[half];
             if (half == 0) kinetic += s->kinetic;
             if (bad < 0) bad = s->bad;
+            *speed2 = fmax(*speed2, s->speed2);
         }
         if (half || !measure) continue;
         body->elastic = merge_elements(body);
@@ -89,11 +93,13 @@ static gneiss_status not_finite(const gn_fem_body *body, size_t node, gneiss_err
 }
 
 gneiss_status gn_fem_step(gn_fem_body *body, double dt, bool measure, gneiss_error *error) {
-    measure = measure || body->step % GN_FEM_CHECK_EVERY == 0;
+    double speed2;
+    measure = measure || body->step % GN_FEM_CHECK_EVERY == 0 || body->path > 0.1 * body->height;
     gn_fem_sweep(body, dt, measure);
-    int64_t bad = merge_motion(body, measure);
+    int64_t bad = merge_motion(body, measure, &speed2);
     if (measure && body->elastic.least <= 0.0) return inside_out(body, error);
     if (bad >= 0) return not_finite(body, (size_t)bad, error);
+    body->path = (measure ? 0.0 : body->path) + dt * sqrt(speed2);
     body->dt_past = dt;
     body->time += dt;
     body->step++;

@@ -35,6 +35,10 @@ static gneiss_status check_free(const check *c, const gn_body_def *b) {
             return gn_check_fail(
                 c, "reference",
                 "expected none: the reference point of a free body is its centre of mass");
+        const gn_table *spin = b->motion.spin;
+        if (b->has_initial_spin && (spin[0].count || spin[1].count || spin[2].count))
+            return gn_check_fail(c, "initial_spin",
+                                 "expected no prescribed spin beside it, found one in motion");
         return GNEISS_OK;
     }
     for (int k = 0; k < 3; k++)
