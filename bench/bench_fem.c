@@ -12,13 +12,14 @@ struct bench_fem {
     double dt;
 };
 
-static gneiss_status make(bench_fem *f, int dimension, bool mixed, int cells, int threads,
+static gneiss_status make(bench_fem *f, int dimension, bench_fem_kind kind, int cells, int threads,
                           const char *isa, gneiss_error *error) {
     const gn_structured block = {.size = {1.0, 1.0, 1.0}, .cells = {cells, cells, cells}};
     const gn_fem_material rock = {NULL, 20e9, 0.2, 2650.0};
     const gn_fem_spec spec = {.name = "block",
                               .dimension = dimension,
-                              .form = mixed ? GN_FEM_MIXED : GN_FEM_DISPLACEMENT,
+                              .form = kind == BENCH_FEM_MIXED ? GN_FEM_MIXED : GN_FEM_DISPLACEMENT,
+                              .single = kind == BENCH_FEM_SINGLE,
                               .materials = &rock,
                               .material_count = 1,
                               .gravity = {0.0, -9.81, 0.0},
@@ -37,11 +38,11 @@ static gneiss_status make(bench_fem *f, int dimension, bool mixed, int cells, in
     return status;
 }
 
-bench_fem *bench_fem_create(int dimension, bool mixed, int cells, int threads, const char *isa,
-                            char message[BENCH_MESSAGE_SIZE]) {
+bench_fem *bench_fem_create(int dimension, bench_fem_kind kind, int cells, int threads,
+                            const char *isa, char message[BENCH_MESSAGE_SIZE]) {
     gneiss_error error = {0};
     bench_fem *f = calloc(1, sizeof *f);
-    if (f && make(f, dimension, mixed, cells, threads, isa, &error) == GNEISS_OK) return f;
+    if (f && make(f, dimension, kind, cells, threads, isa, &error) == GNEISS_OK) return f;
     snprintf(message, BENCH_MESSAGE_SIZE, "%s", f ? error.message : "no memory");
     free(f);
     return NULL;
@@ -77,7 +78,11 @@ const char *bench_fem_isa(const bench_fem *fem) {
 
 size_t bench_fem_kernel(bench_fem *fem, size_t blocks) {
     const gn_fem_body *b = &fem->body;
-    const gn_element_args args = {b->nodes.pos, &b->elements, b->uniform, &b->partials, NULL};
+    const gn_element_args args = {.pos = b->nodes.pos,
+                                  .elements = &b->elements,
+                                  .uniform = b->uniform,
+                                  .partials = &b->partials,
+                                  .travel = b->nodes.travel_f};
     size_t length = b->partials.length, count = b->elements.soa.count;
     if (blocks > b->partials.blocks) blocks = b->partials.blocks;
     for (size_t k = 0; k < blocks; k++) {
@@ -89,14 +94,17 @@ size_t bench_fem_kernel(bench_fem *fem, size_t blocks) {
 }
 
 /* Operations by the kernel's source, a fused product as two. In space: edges 9, F 45, strain 33,
- * stress 16, F S 45, forces 54, sums 12; in the plane 4, 12, 11, 11, 12, 16, 6. */
+ * stress 16, F S 45, forces 54, sums 12; in the plane 4, 12, 11, 11, 12, 16, 6. Single precision
+ * has 12 (6) more: two sums for every strain, and 1 added to the diagonal of H. */
 void bench_fem_traffic(const bench_fem *fem, double *columns, double *rows, double *operations) {
     const gn_fem_body *b = &fem->body;
     const bool space = b->dimension == 3;
     const double nodes = b->dimension + 1, row = 4 * sizeof(double);
+    const double real = b->single ? sizeof(float) : sizeof(double);
     double shared = (double)b->partials.first[b->partials.blocks] / (double)b->elements.soa.count;
-    *columns = nodes * (sizeof(int32_t) + sizeof(uint16_t)) +
-               sizeof(double) * (b->dimension * b->dimension + 1.0);
-    *rows = shared * 3.0 * row; /* a node read, a partial sum cleared and written */
+    *columns =
+        nodes * (sizeof(int32_t) + sizeof(uint16_t)) + real * (b->dimension * b->dimension + 1.0);
+    *rows = shared * (2.0 * row + 4.0 * real); /* a node read, a partial sum cleared and written */
     *operations = space ? 214.0 : 72.0;
+    if (b->single) *operations += space ? 12.0 : 6.0;
 }

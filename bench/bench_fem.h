@@ -10,11 +10,13 @@ extern "C" {
 
 typedef struct bench_fem bench_fem;
 
+/* The displacement form in double and with forces in single precision, the mixed form. */
+typedef enum bench_fem_kind { BENCH_FEM_DOUBLE, BENCH_FEM_SINGLE, BENCH_FEM_MIXED } bench_fem_kind;
+
 /* A square (dimension 2) or cube of side 1 m with `cells` per side, 2 triangles or 5 tetrahedra a
- * cell, in the mixed or the displacement form, under gravity; `isa` as bench_world_use. NULL with a
- * message on failure. */
-bench_fem *bench_fem_create(int dimension, bool mixed, int cells, int threads, const char *isa,
-                            char message[BENCH_MESSAGE_SIZE]);
+ * cell, under gravity; `isa` as bench_world_use. NULL with a message on failure. */
+bench_fem *bench_fem_create(int dimension, bench_fem_kind kind, int cells, int threads,
+                            const char *isa, char message[BENCH_MESSAGE_SIZE]);
 void bench_fem_free(bench_fem *fem);
 
 /* `steps` steps at 0.9 of the rigorous bound, none of them measured but every 64th. */

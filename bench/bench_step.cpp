@@ -276,12 +276,19 @@ void add_effects() {
 struct Block {
     std::string name;
     int dimension, cells;
-    bool mixed = false;
+    bench_fem_kind kind = BENCH_FEM_DOUBLE;
 };
 
 Block mixed(Block block) {
     block.name += "-mixed";
-    block.mixed = true;
+    block.kind = BENCH_FEM_MIXED;
+    return block;
+}
+
+// Forces in single precision; not the mixed form.
+Block single(Block block) {
+    block.name += "-single";
+    block.kind = BENCH_FEM_SINGLE;
     return block;
 }
 
@@ -302,7 +309,7 @@ void fem_counters(benchmark::State &state, const bench_fem *fem, double elements
 void fem_bench(benchmark::State &state, const Block &block, const Setting &setting,
                std::size_t blocks) {
     char message[BENCH_MESSAGE_SIZE] = "";
-    Fem fem(bench_fem_create(block.dimension, block.mixed, block.cells, setting.threads,
+    Fem fem(bench_fem_create(block.dimension, block.kind, block.cells, setting.threads,
                              setting.isa.c_str(), message),
             bench_fem_free);
     if (!fem || !bench_fem_steps(fem.get(), 3, message)) {
@@ -388,7 +395,9 @@ void add_all(Wanted wanted) {
             blocks.push_back({"t4-" + std::to_string(5 * cells * cells * cells), 3, cells});
     }
     for (const Block &block : blocks) {
-        add_fem(block, block.cells == 141 || block.cells == 20);
+        const bool kernels = block.cells == 141 || block.cells == 20;
+        add_fem(block, kernels);
+        add_fem(single(block), kernels);
         add_fem(mixed(block), false);
     }
 }

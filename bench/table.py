@@ -118,9 +118,14 @@ def kernel_table(results, entries):
     return lines if len(lines) > head else []
 
 
+def fem_variant(model):
+    """Of a block: the mixed form, the displacement form with forces in single precision, or it in double."""
+    return next((v for v in (" mixed", " single") if model.endswith(v.replace(" ", "-"))), "")
+
+
 def fem_table(results, entries):
     steps = ["| finite elements, whole step | elements | nodes | threads | set | ms/step | M element-steps/s | ns/element | "
-             "of the displacement form | speed-up | +- |", "| --- |" + " ---: |" * 10]
+             "of the displacement form in double | speed-up | +- |", "| --- |" + " ---: |" * 10]
     kernels = ["| element kernel alone, 1 thread | set | data | ns/element | M elements/s | B columns | B rows | GB/s | "
                "Gflop/s | share of the roof |", "| --- | --- | --- |" + " ---: |" * 7]
     heads = len(steps) + len(kernels)
@@ -128,18 +133,19 @@ def fem_table(results, entries):
         kind, model, *rest = name.split("/")
         if kind == "fem":
             time, ratio, scatter = common_cells(results, entries, name, "element-steps")
-            plain = entries.get(name.replace("-mixed/", "/"))
-            mixed = model.endswith("-mixed") and plain is not None
-            cost = f"{e['per element-step'] / plain['per element-step']:.2f}" if mixed else ""
+            variant = fem_variant(model)
+            plain = entries.get(name.replace(f"-{variant.strip()}/", "/")) if variant else None
+            cost = f"{e['per element-step'] / plain['per element-step']:.2f}" if plain else ""
             steps.append(
-                f"| {model[:2].upper()}{' mixed' * mixed} | {e['elements']:.0f} | {e['nodes']:.0f} | {e['threads']:.0f} | {e['label']} | "
+                f"| {model[:2].upper()}{variant} | {e['elements']:.0f} | {e['nodes']:.0f} | {e['threads']:.0f} | {e['label']} | "
                 f"{time} | {e['element-steps'] / 1e6:.1f} | {e['per element-step'] * 1e9:.2f} | {cost} | {ratio} | {scatter} |")
         elif kind == "element":
             moved = e["B columns"] + e["B rows"]
-            most, what = roof(results["context"], e["operations"], moved, rest[1])
+            precision = "single" if fem_variant(model) == " single" else "double"
+            most, what = roof(results["context"], e["operations"], moved, rest[1], precision)
             share = f"{100 * e['element-steps'] / most:.0f} % of {what}" if rest[0] == results["context"]["isa"] else ""
             kernels.append(
-                f"| {model[:2].upper()} | {rest[0]} | {rest[1]} | {e['per element-step'] * 1e9:.2f} | "
+                f"| {model[:2].upper()}{fem_variant(model)} | {rest[0]} | {rest[1]} | {e['per element-step'] * 1e9:.2f} | "
                 f"{e['element-steps'] / 1e6:.1f} | {e['B columns']:.0f} | {e['B rows']:.0f} | "
                 f"{1e-9 * moved * e['element-steps']:.1f} | {1e-9 * e['operations'] * e['element-steps']:.1f} | {share} |")
     return [*steps, "", *kernels] if len(steps) + len(kernels) > heads else []

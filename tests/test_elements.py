@@ -271,6 +271,29 @@ def the_mixed_form_resumes_to_the_same_bits(folder):
 
 
 @fact
+def single_precision_has_the_same_bits_for_any_threads_and_after_resume(folder):
+    straight, broken = os.path.join(folder, "straight"), os.path.join(folder, "broken")
+    single = ("--set", "run.precision=mixed", "--set", "time.end=0.5 ms")
+    run(BEAM, straight, "--threads", 1, *single)
+    run(BEAM, broken, "--threads", 2, *single[:-1], "time.end=0.2 ms", "--set", "output.history_rows=120",
+        "--set", "output.snapshots=2")
+    resume(broken, "--threads", 3, "--set", "time.end=0.5 ms")
+    double = os.path.join(folder, "double")
+    run(BEAM, double, "--set", "time.end=0.5 ms")
+    assert state_hash(straight) == state_hash(broken) != state_hash(double)
+    for out in (straight, broken):
+        assert summary(out)["precision"] == "mixed" and abs(summary(out)["energy_residual"]) < 1e-6, summary(out)
+
+
+@fact
+def plan_tells_what_mixed_precision_is_for(folder):
+    said = gneiss("plan", BEAM, "--set", "run.precision=mixed").stdout
+    assert "displacement form, forces in single precision" in said, said
+    said = gneiss("plan", BEAM, "--set", "run.precision=mixed", "--set", "elements.formulation=mixed").stdout
+    assert "double precision (run.precision: mixed is for the displacement form)" in said, said
+
+
+@fact
 def a_finished_run_resumes_to_nothing_new(folder):
     run(BEAM, folder)
     resume(folder)

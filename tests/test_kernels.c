@@ -136,7 +136,7 @@ static void make_single(bench *b, uint64_t seed) {
             b->p.ref[i] = b->p.pos[i] - (travels ? uniform(&at, -1e-5, 1e-5) : 0.0);
             b->p.ref[j] = b->p.pos[j] - (travels ? uniform(&at, -1e-5, 1e-5) : 0.0);
         }
-    gn_particles_to_single(&b->p, 1);
+    gn_particles_to_single(&b->p, b->p.ref, 1);
     gn_contacts_to_single(&b->k, &b->p, b->args.period, 1);
     b->args.pos_f = b->p.travel_f;
     b->args.vel_f = b->p.vel_f;

@@ -27,7 +27,7 @@
     X(PERIODIC, periodic, "periodic box")                                                          \
     X(ORIENTATION, orientation, "particle orientations (quaternions) for output")                  \
     X(ENERGY, energy, "energy ledger")                                                             \
-    X(MIXED, mixed, "contacts in single precision, sums and state in double")                      \
+    X(MIXED, mixed, "forces in single precision, sums and state in double")                        \
     X(CONTACT_FORCES, contact_forces,                                                              \
       "forces kept contact by contact, while output looks at them")                                \
     X(PRESSURE, pressure, "finite elements with pressures at their nodes (mixed form)")            \

@@ -8,8 +8,13 @@ void gn_print_element_kernels(const gn_world *w) {
     char name[200];
     if (!w->elements) return;
     const gn_fem_body *b = &w->elements->body;
-    printf("  element %s, %s form\n", b->dimension == 3 ? "tetrahedron" : "triangle, plane strain",
-           b->form == GN_FEM_MIXED ? "mixed" : "displacement");
+    bool refused = w->effects & GN_FX_MIXED && !b->single;
+    printf("  element %s, %s form, %s\n",
+           b->dimension == 3 ? "tetrahedron" : "triangle, plane strain",
+           b->form == GN_FEM_MIXED ? "mixed" : "displacement",
+           b->single ? "forces in single precision"
+           : refused ? "double precision (run.precision: mixed is for the displacement form)"
+                     : "double precision");
     gn_motion_variant_name(gn_motion_variant(b->effects), name, sizeof name);
     printf("  nodes   %s\n", name);
 }

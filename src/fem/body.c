@@ -4,6 +4,7 @@
 #include "base/memory.h"
 #include "fem/parts.h"
 #include "neigh/pairs.h"
+#include "soa/single.h"
 
 #include <math.h>
 #include <stdio.h>
@@ -330,6 +331,7 @@ static gneiss_status prepare(gn_fem_body *body, const gn_fem_spec *spec, gneiss_
     snprintf(body->name, sizeof body->name, "%s", spec->name ? spec->name : "mesh");
     body->dimension = spec->dimension;
     body->form = spec->form;
+    body->single = spec->single;
     body->threads = spec->threads > 0 ? spec->threads : 1;
     if (body->threads > GN_THREADS_MAX) body->threads = GN_THREADS_MAX;
     memcpy(body->gravity, spec->gravity, (size_t)spec->dimension * sizeof *body->gravity);
@@ -338,12 +340,14 @@ static gneiss_status prepare(gn_fem_body *body, const gn_fem_spec *spec, gneiss_
     if (space) body->effects |= GN_FX_SPACE;
     const bool mixed = body->form == GN_FEM_MIXED;
     if (mixed) body->effects |= GN_FX_PRESSURE;
+    if (body->single) body->effects |= GN_FX_MIXED;
     for (int k = 0; k < 3; k++)
         if (body->gravity[k] != 0.0) body->effects |= GN_FX_GRAVITY;
     GN_TRY(gn_kernel_set_choose(spec->isa, &body->kernels, error));
     for (int measure = 0; measure < 2; measure++)
         body->element_kernel[measure] =
             body->kernels->element[gn_element_variant(space, measure, mixed)];
+    if (body->single) body->element_kernel[0] = body->kernels->single[space];
     return gn_motion_kernel_choose(body->kernels, body->effects, &body->motion_kernel, error);
 }
 
@@ -369,6 +373,10 @@ static gneiss_status build(builder *b, gneiss_error *error) {
                        "finite elements: expected the displacement or the mixed form, found form "
                        "%d",
                        (int)b->spec->form);
+    if (b->spec->single && b->spec->form == GN_FEM_MIXED)
+        return gn_fail(error, GNEISS_ERROR_INPUT,
+                       "finite elements: expected double precision with the mixed form, found "
+                       "single, which only the displacement form has");
     GN_TRY(prepare(body, b->spec, error));
     if (!b->solids->count)
         return gn_fail(error, GNEISS_ERROR_INPUT,
@@ -386,6 +394,7 @@ static gneiss_status build(builder *b, gneiss_error *error) {
     GN_TRY(renumber_mesh(b, error));
     GN_TRY(make_elements(b, error));
     GN_TRY(make_sums(b, error));
+    gn_fem_to_single(body);
     return body->form == GN_FEM_MIXED ? gn_fem_mixed_prepare(body, error) : GNEISS_OK;
 }
 
@@ -401,6 +410,11 @@ gneiss_status gn_fem_body_create(const gn_fem_spec *spec, gn_mesh *mesh, gn_fem_
     gn_free(b.material);
     if (status != GNEISS_OK) gn_fem_body_free(body);
     return status;
+}
+
+void gn_fem_to_single(gn_fem_body *body) {
+    gn_particles_to_single(&body->nodes, body->nodes.start, body->threads);
+    gn_elements_to_single(&body->elements);
 }
 
 void gn_fem_body_free(gn_fem_body *body) {

@@ -23,6 +23,7 @@ typedef struct gn_fem_spec {
     const char *name; /* of the mesh, for messages */
     int dimension;    /* 2: the mesh's triangles, all z equal; 3: its tetrahedra */
     gn_fem_form form;
+    bool single; /* forces in single precision, sums and state in double; displacement form only */
     const gn_fem_material *materials;
     size_t material_count; /* an element has the last material that names it */
     double gravity[3];     /* m/s2; in 2D the third is ignored */
@@ -45,6 +46,7 @@ typedef struct gn_fem_body {
     char name[128];
     int dimension, threads;
     gn_fem_form form;
+    bool single;
     gn_effects effects;
     gn_mesh mesh; /* its nodes and all its elements in the body's numbering of nodes; facets without
                      solid elements behind them left out */
@@ -65,7 +67,8 @@ typedef struct gn_fem_body {
     const int32_t *contact_first;
 
     const gn_kernel_set *kernels;
-    gn_element_kernel *element_kernel[2]; /* plain, measuring */
+    gn_element_kernel *element_kernel[2]; /* plain, measuring; in single precision the measuring one
+                                             is that in double, whose forces do not count */
     gn_motion_kernel *motion_kernel;
     double gravity[3], damping_coefficient;
     gn_prescription prescribed;
@@ -214,8 +217,11 @@ gneiss_status gn_fem_stiffening(const gn_fem_body *body, double *factor, gneiss_
 enum { GN_FEM_CHECK_EVERY = 64 };
 gneiss_status gn_fem_step(gn_fem_body *body, double dt, bool measure, gneiss_error *error);
 
-/* To be called after positions were changed other than by steps: the mixed form keeps a copy. */
+/* To be called after positions were changed other than by steps: the mixed form and single
+ * precision keep copies. */
 void gn_fem_moved(gn_fem_body *body);
+/* Makes all that single precision keeps anew, if the body has it: after records were read. */
+void gn_fem_to_single(gn_fem_body *body);
 
 /* Stored energy less what it was and what came in, plus what was lost: of `reading`, in J. */
 double gn_fem_energy_residual(const gn_fem_energy *energy);

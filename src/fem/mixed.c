@@ -13,6 +13,7 @@
  */
 #include "base/memory.h"
 #include "fem/parts.h"
+#include "soa/single.h"
 
 #include <math.h>
 #include <string.h>
@@ -114,6 +115,7 @@ static void copy_places(const gn_fem_body *body) {
 
 void gn_fem_moved(gn_fem_body *body) {
     if (body->form == GN_FEM_MIXED) copy_places(body);
+    gn_particles_to_single(&body->nodes, body->nodes.start, body->threads);
 }
 
 gn_dilation_args gn_fem_dilation_args(const gn_fem_body *body) {

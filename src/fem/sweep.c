@@ -54,8 +54,12 @@ static void find_pressures(const work *k, size_t block) {
 static void find_forces(const work *k, size_t block) {
     const range r = elements_of(k, block);
     gn_element_sums *sums = &k->body->element_sums[block];
+    const gn_fem_body *body = k->body;
     *sums = GN_ELEMENT_SUMS_ZERO;
-    k->body->element_kernel[k->measure](&k->elements, r.begin, r.end, sums);
+    if (k->measure) body->element_kernel[1](&k->elements, r.begin, r.end, sums);
+    /* Forces in single precision take the place of those that the energy was measured with: a run
+     * must not depend on how often it is measured. */
+    if (!k->measure || body->single) body->element_kernel[0](&k->elements, r.begin, r.end, sums);
 }
 
 static void move(const work *k, size_t block) {
@@ -124,9 +128,14 @@ static work prepare(gn_fem_body *body, double dt, bool measure) {
         k.pressure = gn_fem_pressure_args(body, dt, measure);
         place = body->nodes.placed_p;
     }
-    k.elements =
-        (gn_element_args){place, &body->elements, body->uniform, &body->partials, body->slope_row};
+    k.elements = (gn_element_args){.pos = place,
+                                   .elements = &body->elements,
+                                   .uniform = body->uniform,
+                                   .partials = &body->partials,
+                                   .slope_row = body->slope_row,
+                                   .travel = body->nodes.travel_f};
     k.motion = (gn_motion_args){.particles = &body->nodes,
+                                .origin = body->nodes.start,
                                 .bonds = &body->partials,
                                 .pairs = &body->none,
                                 .wall_contacts = body->contacts,

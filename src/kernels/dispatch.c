@@ -6,11 +6,14 @@
 
 static const gn_kernel_set sets[GN_KERNEL_SETS] = {
     {"scalar", 1, gn_contact_table_scalar, gn_contact_table_scalar_mixed, gn_motion_table_scalar,
-     gn_element_table_scalar, gn_dilation_table_scalar, gn_pressure_table_scalar},
+     gn_element_table_scalar, gn_element_table_scalar_mixed, gn_dilation_table_scalar,
+     gn_pressure_table_scalar},
     {"avx2", 4, gn_contact_table_avx2, gn_contact_table_avx2_mixed, gn_motion_table_avx2,
-     gn_element_table_avx2, gn_dilation_table_avx2, gn_pressure_table_avx2},
+     gn_element_table_avx2, gn_element_table_avx2_mixed, gn_dilation_table_avx2,
+     gn_pressure_table_avx2},
     {"avx512", 8, gn_contact_table_avx512, gn_contact_table_avx512_mixed, gn_motion_table_avx512,
-     gn_element_table_avx512, gn_dilation_table_avx512, gn_pressure_table_avx512},
+     gn_element_table_avx512, gn_element_table_avx512_mixed, gn_dilation_table_avx512,
+     gn_pressure_table_avx512},
 };
 
 const gn_kernel_set *gn_kernel_set_at(int index) {

@@ -15,6 +15,7 @@ typedef struct gn_kernel_set {
     gn_contact_kernel *const *mixed;     /* the same in mixed precision */
     gn_motion_kernel *const *motion;     /* [GN_MOTION_VARIANTS] */
     gn_element_kernel *const *element;   /* [GN_ELEMENT_VARIANTS] */
+    gn_element_kernel *const *single;    /* [2] triangles, tetrahedra, in mixed precision */
     gn_dilation_kernel *const *dilation; /* [2] triangles, tetrahedra */
     gn_pressure_kernel *const *pressure; /* [GN_PRESSURE_PASSES] */
 } gn_kernel_set;

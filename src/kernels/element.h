@@ -21,6 +21,7 @@ typedef struct gn_element_args {
                                     pressure's gradient, has the numbers that forces leave free:
                                     force xy, slope xy or force xyz, slope x */
     double *slope_row; /* mixed form in space: rows [2] as those of `partials`, written: slope yz */
+    const float *travel; /* kernels in single precision: node rows [n][4], displacement */
 } gn_element_args;
 
 /* First pass of the mixed form. */
@@ -60,6 +61,13 @@ static inline unsigned gn_element_variant(bool space, bool measure, bool mixed) 
 extern gn_element_kernel *const gn_element_table_scalar[GN_ELEMENT_VARIANTS];
 extern gn_element_kernel *const gn_element_table_avx2[GN_ELEMENT_VARIANTS];
 extern gn_element_kernel *const gn_element_table_avx512[GN_ELEMENT_VARIANTS];
+
+/* Forces of the displacement form in single precision, summed in double: triangles, tetrahedra.
+ * They read `travel` instead of `pos`, columns ending in _f, and leave *sums alone: energies are
+ * for the kernels in double. */
+extern gn_element_kernel *const gn_element_table_scalar_mixed[2];
+extern gn_element_kernel *const gn_element_table_avx2_mixed[2];
+extern gn_element_kernel *const gn_element_table_avx512_mixed[2];
 
 /* As gn_element_kernel; triangles, tetrahedra. */
 typedef void gn_dilation_kernel(const gn_dilation_args *args, size_t begin, size_t end);

@@ -27,7 +27,8 @@ typedef struct gn_motion_args {
     /* Non-viscous, per component: the sign is that of v + damping_lead interval F/m. 0: of the last
      * half step; 0.5: of the instant, if nothing were damped. */
     double damping_lead;
-    bool measure; /* also sum kinetic energies and resultants */
+    bool measure;         /* also sum kinetic energies and resultants */
+    const double *origin; /* rows [n][4] that travel_f is counted from; NULL: `ref` */
 } gn_motion_args;
 
 /* Works of the background damping and so on are split in the halves 1/2 F dt v before and after the

@@ -293,7 +293,7 @@ GN_INLINE void translate(const gn_motion_args *a, size_t p, const block_load *su
     gn_store_rows4(q->pos + 4 * p, place);
     if (q->travel_f) {
         gn_v ref[4];
-        load_rows(q->ref, p, ref);
+        load_rows(a->origin ? a->origin : q->ref, p, ref);
         gn_v travel[4] = {place[0] - ref[0], place[1] - ref[1], place[2] - ref[2], x[3]};
         velocity[3] = gn_set(0.0);
         gn_store_rows4_single(q->travel_f + 4 * p, travel);

@@ -496,7 +496,8 @@ static const gn_key run_keys[] = {
     KEY("threads", INTEGER, gn_scene, threads, .range = "[0, 1024]", .word = "auto",
         .fallback = "auto", .text = "auto or 0: all cores"),
     KEY("precision", CHOICE, gn_scene, precision, .choices = precisions, .fallback = "double",
-        .text = "of the contact kernels; mixed: single, with sums, positions and motion in double"),
+        .text = "of the kernels of contacts and elements (displacement form); mixed: single, with "
+                "sums, positions and motion in double"),
     KEY("isa", CHOICE, gn_scene, isa, .choices = isas, .fallback = "auto",
         .text = "instruction set of the kernels; auto: the widest the machine has"),
 };

@@ -103,6 +103,7 @@ static gneiss_status take_records(gn_fem_body *b, const gn_h5 *file, const char 
     b->elements = elements;
     gn_particles_set_null(&b->nodes, 1.0);
     gn_elements_pad(&b->elements, &b->nodes);
+    gn_fem_to_single(b);
     if (indices_are_good(b)) return GNEISS_OK;
     return gn_fail(error, GNEISS_ERROR_INPUT,
                    "%s: expected nodes below %zu and elements below %zu, found others", path,

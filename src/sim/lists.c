@@ -362,7 +362,7 @@ static void ready_kernels(gn_world *w) {
     w->pair_uniform = find_uniform(&w->pairs);
     double period[3] = {0, 0, 0};
     if (w->effects & GN_FX_PERIODIC) memcpy(period, w->period, sizeof period);
-    gn_particles_to_single(&w->particles, w->threads);
+    gn_particles_to_single(&w->particles, w->particles.ref, w->threads);
     gn_contacts_to_single(&w->bonds, &w->particles, period, w->threads);
     gn_contacts_to_single(&w->pairs, &w->particles, period, w->threads);
 }

@@ -8,9 +8,9 @@
 
 #include "soa/field.h"
 
-/* Fields ending in _f are the working set of mixed precision: what contact kernels then read of
- * particles (travel since the lists were made, so that single precision resolves it) and their
- * columns. */
+/* Fields ending in _f are the working set of mixed precision: what contact and element kernels then
+ * read of particles (travel since the lists were made, of nodes since the start, so that single
+ * precision resolves it) and their columns. */
 #define GN_PARTICLE_FIELDS(X)                                                                      \
     X(pos, double, GN_F64, 4, GN_ROWS, GN_STATE, 0, 0, "m", "centre x y z, radius")                \
     X(vel, double, GN_F64, 4, GN_ROWS, GN_STATE, 0, 0, "m/s, 1/kg",                                \
@@ -29,7 +29,7 @@
     X(slot, int32_t, GN_I32, 1, GN_ROWS, GN_SAVED, GN_FX_PRESCRIBED, 0, "1",                       \
       "place in the list of prescribed particles, -1: none")                                       \
     X(travel_f, float, GN_F32, 4, GN_ROWS, GN_SCRATCH, GN_FX_MIXED, 0, "m",                        \
-      "centre less ref x y z, radius")                                                             \
+      "centre less ref (nodes: start) x y z, radius")                                              \
     X(vel_f, float, GN_F32, 4, GN_ROWS, GN_SCRATCH, GN_FX_MIXED, 0, "m/s", "velocity x y z, 0")    \
     X(spin_f, float, GN_F32, 4, GN_ROWS, GN_SCRATCH, GN_FX_MIXED | GN_FX_ROTATION, 0, "rad/s",     \
       "angular velocity x y z, 0")                                                                 \
@@ -131,6 +131,13 @@
     X(mu, double, GN_F64, 1, GN_COLUMNS, GN_SAVED, 0, 0, "Pa", "shear modulus")                    \
     X(tau, double, GN_F64, 1, GN_COLUMNS, GN_SAVED, GN_FX_PRESSURE, 0, "m2/Pa",                    \
       "weight of the stabilising term")                                                            \
+    X(gradient2_f, float, GN_F32, 4, GN_COLUMNS, GN_SCRATCH, GN_FX_MIXED, GN_FX_SPACE, "1/m",      \
+      "as gradient2")                                                                              \
+    X(gradient3_f, float, GN_F32, 9, GN_COLUMNS, GN_SCRATCH, GN_FX_MIXED | GN_FX_SPACE, 0, "1/m",  \
+      "as gradient3")                                                                              \
+    X(volume_f, float, GN_F32, 1, GN_COLUMNS, GN_SCRATCH, GN_FX_MIXED, 0, "m3", "as volume")       \
+    X(lambda_f, float, GN_F32, 1, GN_COLUMNS, GN_SCRATCH, GN_FX_MIXED, 0, "Pa", "as lambda")       \
+    X(mu_f, float, GN_F32, 1, GN_COLUMNS, GN_SCRATCH, GN_FX_MIXED, 0, "Pa", "as mu")               \
     X(material, int32_t, GN_I32, 1, GN_COLUMNS, GN_SAVED, 0, 0, "1", "material, base 0")           \
     X(id, int32_t, GN_I32, 1, GN_COLUMNS, GN_STATE, 0, 0, "1", "place in the mesh, base 0")
 

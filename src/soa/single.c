@@ -7,13 +7,13 @@ static void row_to_single(float *to, const double *from, const double *origin, d
     to[3] = (float)last;
 }
 
-void gn_particles_to_single(const gn_particles *particles, int threads) {
+void gn_particles_to_single(const gn_particles *particles, const double *origin, int threads) {
     const gn_particles *q = particles;
     if (!q->travel_f) return;
-    size_t count = q->soa.count + 2; /* with the null particles, whose ref is 0 */
+    size_t count = q->soa.count + 2; /* with the null particles, whose origin is 0 */
 #pragma omp parallel for schedule(static) num_threads(threads)
     for (size_t p = 0; p < count; p++) {
-        row_to_single(q->travel_f + 4 * p, q->pos + 4 * p, q->ref + 4 * p, q->pos[4 * p + 3]);
+        row_to_single(q->travel_f + 4 * p, q->pos + 4 * p, origin + 4 * p, q->pos[4 * p + 3]);
         row_to_single(q->vel_f + 4 * p, q->vel + 4 * p, NULL, 0.0);
         if (q->spin_f) row_to_single(q->spin_f + 4 * p, q->spin + 4 * p, NULL, 0.0);
     }
@@ -57,4 +57,19 @@ void gn_contacts_from_single(gn_contacts *to, const gn_contacts *from) {
             to->shear[c + a * to->soa.capacity] = from->shear_f[c + a * from->soa.capacity];
         if (to->fd && from->fd_f) to->fd[c] = from->fd_f[c];
     }
+}
+
+static void column_to_single(float *to, const double *from, size_t count) {
+    for (size_t k = 0; k < count; k++) to[k] = (float)from[k];
+}
+
+void gn_elements_to_single(gn_elements *q) {
+    const size_t stride = q->soa.capacity, dimension = (size_t)gn_elements_dimension(q);
+    if (!q->volume_f) return;
+    const bool space = dimension == 3;
+    column_to_single(space ? q->gradient3_f : q->gradient2_f, space ? q->gradient3 : q->gradient2,
+                     dimension * dimension * stride);
+    column_to_single(q->volume_f, q->volume, stride);
+    column_to_single(q->lambda_f, q->lambda, stride);
+    column_to_single(q->mu_f, q->mu, stride);
 }

@@ -1,11 +1,15 @@
-/* The working set of mixed precision: fields ending in _f of particles and contacts. */
+/* The working set of mixed precision: fields ending in _f of particles, contacts, elements. */
 #ifndef GN_SOA_SINGLE_H
 #define GN_SOA_SINGLE_H
 
 #include "soa/records.h"
 
-/* Fills travel_f, vel_f and spin_f from the double state and `ref`. */
-void gn_particles_to_single(const gn_particles *particles, int threads);
+/* Fills travel_f, vel_f and spin_f from the double state; `origin`: rows [n][4] that the travel is
+ * counted from. */
+void gn_particles_to_single(const gn_particles *particles, const double *origin, int threads);
+
+/* Fills gradients, volumes and moduli. */
+void gn_elements_to_single(gn_elements *elements);
 
 /* Fills branch_f and stretch_f from the particles' `ref`, and the parameters; shear_f and fd_f are
  * state and stay. `period` per axis (0: none), nearest images. */
