@@ -57,8 +57,7 @@ static void print_particle_kernels(const gn_world *w) {
 }
 
 static void print_kernels(const gn_world *w) {
-    /* Finite elements are in double whatever the scene says. */
-    bool mixed = w->effects & GN_FX_MIXED && w->scene.has_specimen;
+    bool mixed = w->effects & GN_FX_MIXED;
     int lanes = mixed && w->kernels->lanes > 1 ? 2 * w->kernels->lanes : w->kernels->lanes;
     printf("kernels (%s, %d lanes, %s)\n", w->kernels->name, lanes, mixed ? "mixed" : "double");
     if (w->scene.has_specimen) print_particle_kernels(w);

@@ -31,9 +31,9 @@ void gn_fem_sweep(gn_fem_body *body, double dt, bool measure);
 /* --- mixed form (mixed.c) --- */
 
 /* Bulk modulus, Pa. */
-double gn_fem_bulk(const gn_elements *elements, size_t element);
+double gn_fem_bulk(const gn_elements *q, size_t e);
 /* Largest eigenvalue of the stabilising term over the lumped pressure mass of an element alone. */
-double gn_fem_stabiliser_eigenvalue(const gn_elements *elements, size_t element);
+double gn_fem_stabiliser_eigenvalue(const gn_elements *q, size_t e);
 /* Weights, rows and the rate of the stabilising pressure; nothing may be prescribed yet. */
 gneiss_status gn_fem_mixed_prepare(gn_fem_body *body, gneiss_error *error);
 
@@ -54,7 +54,7 @@ typedef struct gn_fem_linear {
     double *pressure;  /* mixed form: [nodes] scratch */
 } gn_fem_linear;
 
-void gn_fem_gradients(const gn_elements *elements, size_t element, double gradient[4][3]);
+void gn_fem_gradients(const gn_elements *q, size_t e, double gradient[4][3]);
 
 /* Of the mixed form (linear_mixed.c): operator and metric over M^1/2 u and q, [nodes][dimension]
  * and [nodes]. */

@@ -177,7 +177,7 @@ static gneiss_status from_line(const gn_body_def *def, gn_body_shape *shape, gne
     }
     for (size_t f = 0; f < shape->facets; f++) {
         shape->corner[2 * f] = (int32_t)f;
-        shape->corner[2 * f + 1] = (int32_t)((f + 1) % n);
+        shape->corner[2 * f + 1] = f + 1 < n ? (int32_t)(f + 1) : 0;
     }
     return GNEISS_OK;
 }

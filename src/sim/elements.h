@@ -48,7 +48,7 @@ gneiss_status gn_element_contact_create(gn_world *world, gneiss_error *error);
 /* Hands the forces of particles over to the nodes; notes how far nodes came. */
 void gn_element_contact_load(gn_world *world);
 void gn_element_contact_moved(gn_world *world);
-void gn_element_contact_free(gn_element_contact *contact);
+void gn_element_contact_free(gn_element_contact *k);
 
 /* Adds the body's ledger to world->reading. */
 void gn_elements_book(gn_world *world);

@@ -54,8 +54,7 @@ void gn_facet_add(gn_facet_near *list, size_t *count, const gn_facet_near *item)
 size_t gn_facet_minima(gn_facet_near *list, size_t count);
 
 /* Minimum k by itself. */
-void gn_facet_single(const gn_facet_near *minima, size_t k, double radius,
-                     gn_facet_contact *contact);
+void gn_facet_single(const gn_facet_near *minima, size_t k, double radius, gn_facet_contact *out);
 
 /* Joins minima of a particle of this radius (all overlap) into contacts, deepest first; returns
  * their number, at most `count`. */
