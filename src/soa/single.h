@@ -9,7 +9,7 @@
 void gn_particles_to_single(const gn_particles *particles, const double *origin, int threads);
 
 /* Fills gradients, volumes and moduli. */
-void gn_elements_to_single(gn_elements *elements);
+void gn_elements_to_single(gn_elements *q);
 
 /* Fills branch_f and stretch_f from the particles' `ref`, and the parameters; shear_f and fd_f are
  * state and stay. `period` per axis (0: none), nearest images. */
