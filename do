@@ -236,7 +236,7 @@ check_sanitizers() {
     CC=clang CXX=clang++ configure build-check-sanitize -Doptimization=1 -Ddebug=true -Db_ndebug=false \
         -Db_sanitize=address,undefined -Db_lundef=false "-Dc_args=-g1 -fsanitize-ignorelist=$ignore" || return 1
     ASAN_OPTIONS=detect_leaks=1 UBSAN_OPTIONS=halt_on_error=1:print_stacktrace=1 \
-        run_tests build-check-sanitize --timeout-multiplier 5
+        run_tests build-check-sanitize --no-suite long --timeout-multiplier 5
 }
 
 check_python() {
