@@ -89,10 +89,9 @@ static inline gn_fem_body *cook_at_rest(const cook *c) {
 }
 
 /* Pressures at nodes under the whole load, in rows of the grid; to be freed. */
-static inline double *cook_pressure(const gn_fem_body *body, const cook *c) {
+static inline double *cook_pressure(const gn_fem_body *body) {
     const size_t nodes = body->nodes.soa.count;
     double *place = calloc(nodes, sizeof *place), *grid = calloc(nodes, sizeof *grid);
-    (void)c;
     assert_int_equal(gn_fem_nodal_pressure(body, place, NULL), GNEISS_OK);
     for (size_t n = 0; n < nodes; n++) grid[body->nodes.id[n]] = place[n] / cook_scale;
     free(place);

@@ -15,7 +15,7 @@ int main(int count, char **argument) {
                     .poisson = 0.4999,
                     .cells = atoi(argument[3])};
     gn_fem_body *body = cook_at_rest(&c);
-    double *p = cook_pressure(body, &c);
+    double *p = cook_pressure(body);
     printf("%.8g %.6g %lld %.6g\n", cook_deflection(body, &c), cook_checkerboard(p, c.cells),
            (long long)body->step, body->dt_past);
     for (int row = 0; row <= c.cells; row++)

@@ -6,6 +6,7 @@
  * length, incremental tangential law with radial return, brittle uncoupled bond (Rojek et al. 2012,
  * eq. 15-16), viscous normal damping. Output: the block's partial sums of force and moment per
  * particle, which motion_template.c adds up. */
+#include "kernels/block_rows.h"
 #include "kernels/contact.h"
 #include "kernels/contact_law.h"
 #include "kernels/expand.h"
@@ -168,11 +169,6 @@ GN_INLINE pair_motion find_motion(const gn_contact_args *a, size_t c, const pair
     return s;
 }
 
-/* Where a parameter that may be the same everywhere is read. */
-GN_INLINE size_t same(size_t c, size_t uniform) {
-    return c & ~uniform;
-}
-
 /* Elastic tangential force before any limit. */
 GN_INLINE gn_v3 shear_trial(const gn_contact_args *a, const pair_geometry *p, const pair_motion *s,
                             gn_v3 *turned, gn_v kt, variant w) {
@@ -250,7 +246,7 @@ GN_INLINE void limit_shear(const gn_contact_args *a, size_t c, gn_v total, conta
     const gn_contacts *k = a->contacts;
     gn_v limit = gn_set(0.0);
     if (w.friction)
-        limit = gn_keep(q->touching, gn_load(COLUMN(k, mu) + same(c, a->uniform.mu)) *
+        limit = gn_keep(q->touching, gn_load(COLUMN(k, mu) + gn_column_at(c, a->uniform.mu)) *
                                          gn_max(gn_set(0.0) - total, gn_set(0.0)));
     gn_v size2 = gn_dot(q->trial, q->trial, w.space);
     q->slipping = gn_and(gn_not(q->intact), gn_less(limit * limit, size2));
@@ -307,7 +303,7 @@ GN_INLINE void book_elastic(const contact_state *q, lane_sums *e, variant w) {
 GN_INLINE gn_v damped(const gn_contact_args *a, size_t c, gn_v speed, const contact_state *q,
                       gn_m acting, lane_sums *e, variant w) {
     const gn_contacts *k = a->contacts;
-    gn_v viscous = gn_keep(acting, gn_load(COLUMN(k, cn) + same(c, a->uniform.cn)) * speed);
+    gn_v viscous = gn_keep(acting, gn_load(COLUMN(k, cn) + gn_column_at(c, a->uniform.cn)) * speed);
     if (w.energy) {
         gn_v half = gn_set(0.5) * (gn_load(COLUMN(k, fd) + c) + viscous);
         e->damping = e->damping + half * speed * gn_set(a->dt);
@@ -321,7 +317,7 @@ GN_INLINE void find_trial(const gn_contact_args *a, size_t c, const brief *from,
     const gn_contacts *list = a->contacts;
     g->speed = from->motion.speed;
     if (!w.shear) return;
-    gn_v kt = gn_load(COLUMN(list, kt) + same(c, a->uniform.kt));
+    gn_v kt = gn_load(COLUMN(list, kt) + gn_column_at(c, a->uniform.kt));
     g->before = gn_load3(COLUMN(list, shear) + c, list->soa.capacity, w.space);
     g->trial = shear_trial(a, &g->geometry, &from->motion, &g->before, kt, w);
 }
@@ -332,12 +328,12 @@ GN_INLINE void find_forces(const gn_contact_args *a, size_t c, size_t end, const
     const gn_v zero = gn_set(0.0);
     const pair_geometry *p = &g->geometry;
     contact_state q = {.stretch = p->stretch};
-    q.kn = gn_load(COLUMN(list, kn) + same(c, a->uniform.kn));
+    q.kn = gn_load(COLUMN(list, kn) + gn_column_at(c, a->uniform.kn));
     q.intact = q.breaking = q.slipping = gn_m_none();
     q.elastic = q.kn * q.stretch;
     q.touching = gn_less(q.stretch, zero);
     if (w.shear) {
-        q.kt = gn_load(COLUMN(list, kt) + same(c, a->uniform.kt));
+        q.kt = gn_load(COLUMN(list, kt) + gn_column_at(c, a->uniform.kt));
         q.before = g->before;
         q.trial = g->trial;
     }
@@ -381,15 +377,6 @@ GN_INLINE void add_rows(const gn_contact_args *a, size_t c, size_t end, const st
     }
 }
 
-/* The rows of the block that begins with contact `begin`, zeroed. */
-GN_INLINE double *clear_partials(const gn_contact_args *a, size_t begin, variant w) {
-    const gn_partials *q = a->partials;
-    if (!q) return NULL;
-    size_t block = begin / q->length, width = (size_t)row_width(w);
-    size_t first = (size_t)q->first[block], rows = (size_t)q->first[block + 1] - first;
-    return memset(q->row + width * first, 0, width * rows * sizeof *q->row);
-}
-
 /* The vector that entered `lag` turns ago, and whether there is one. */
 #define AT(lag)        (&ring[(v - (lag)) % RING])
 #define UNDER_WAY(lag) (v >= (lag) && v < vectors + (lag))
@@ -400,7 +387,9 @@ GN_INLINE void contact_core(const gn_contact_args *a, size_t begin, size_t end,
     lane_sums e = {.elastic_normal = zero, .elastic_shear = zero, .friction = zero};
     e.damping = e.breaking = e.force = e.carrying = zero;
     for (int k = 0; k < 9; k++) e.stress[k] = zero;
-    double *partial = clear_partials(a, begin, w);
+    const gn_partials *q = a->partials;
+    const size_t width = (size_t)row_width(w);
+    double *partial = q ? gn_clear_block_rows(q, begin, width, q->row) : NULL;
     stage ring[RING];
     brief motion[2], rows[2];
     const size_t vectors = (end - begin + GN_W - 1) / GN_W;

@@ -8,10 +8,7 @@
  * itself, h the size of the element. Energies and det F are for the kernel in double.
  *
  * No stages as in element_template.c: with twice the lanes they gain nothing. */
-#include "kernels/element.h"
-#include "kernels/simd.h"
-
-#include <string.h>
+#include "kernels/element_parts.h"
 
 /* Columns of H and F, strain c = 2 E and stress s = -V0 S in the order 00 11 22 01 12 20. */
 typedef struct state {
@@ -19,27 +16,12 @@ typedef struct state {
     gn_v c[6], s[6];
 } state;
 
-/* Rows of forces, node after node. */
-typedef struct element_rows {
-    gn_real row[4][4 * GN_W];
-} element_rows;
-
-GN_INLINE const int32_t *node_column(const gn_elements *q, int n) {
-    return n == 3 ? q->node3 : q->node + (size_t)n * q->soa.capacity;
-}
-
-GN_INLINE gn_v component(gn_v3 a, int k) {
-    return k == 0 ? a.x : k == 1 ? a.y : a.z;
-}
-
 /* What nodes 1 2 3 have moved more than node 0. */
 GN_INLINE void load_travel(const gn_element_args *a, size_t e, gn_v3 moved[3], int space) {
-    gn_v first[4], r[4], x[4];
-    gn_gather4(a->travel, node_column(a->elements, 0) + e, first);
+    gn_v first[4], x[4];
+    gn_gather4(a->travel, gn_node_column(a->elements, 0) + e, first);
     for (int n = 0; n < 2 + space; n++) {
-        gn_gather4(a->travel, node_column(a->elements, n + 1) + e, r);
-        for (int k = 0; k < 4; k++) r[k] = r[k] - first[k];
-        gn_columns4(r, x);
+        gn_rows4_beyond(a->travel, gn_node_column(a->elements, n + 1) + e, first, x);
         moved[n] = (gn_v3){x[0], x[1], gn_pick(space, x[2], gn_set(0.0))};
     }
 }
@@ -53,15 +35,15 @@ GN_INLINE void deform(const gn_element_args *a, size_t e, state *t, int space) {
     for (size_t n = 0; n < dimension; n++)
         t->gradient[n] = gn_load3(column + n * dimension * stride, stride, space);
     for (int k = 0; k < 2 + space; k++) {
-        t->h[k] = gn_scale(component(t->gradient[0], k), moved[0], space);
-        t->h[k] = gn_axpy(t->h[k], component(t->gradient[1], k), moved[1], space);
-        if (space) t->h[k] = gn_axpy(t->h[k], component(t->gradient[2], k), moved[2], 1);
+        t->h[k] = gn_scale(gn_component(t->gradient[0], k), moved[0], space);
+        t->h[k] = gn_axpy(t->h[k], gn_component(t->gradient[1], k), moved[1], space);
+        if (space) t->h[k] = gn_axpy(t->h[k], gn_component(t->gradient[2], k), moved[2], 1);
     }
 }
 
 /* 2 E of the columns k and l. */
 GN_INLINE gn_v strain(const state *t, int k, int l, int space) {
-    return (component(t->h[k], l) + component(t->h[l], k)) + gn_dot(t->h[k], t->h[l], space);
+    return (gn_component(t->h[k], l) + gn_component(t->h[l], k)) + gn_dot(t->h[k], t->h[l], space);
 }
 
 /* From here on t->h is F. */
@@ -80,16 +62,11 @@ GN_INLINE void find_strain(state *t, int space) {
     t->h[1].y = t->h[1].y + one;
 }
 
-/* Where a parameter that may be the same everywhere is read. */
-GN_INLINE size_t same(size_t e, size_t uniform) {
-    return e & ~uniform;
-}
-
 GN_INLINE void find_stress(const gn_element_args *a, size_t e, state *t, int space) {
     const gn_elements *q = a->elements;
     gn_v minus = gn_set(0.0) - gn_load(q->volume_f + e);
-    gn_v mu = minus * gn_load(q->mu_f + same(e, a->uniform.mu));
-    gn_v lambda = minus * gn_load(q->lambda_f + same(e, a->uniform.lambda));
+    gn_v mu = minus * gn_load(q->mu_f + gn_column_at(e, a->uniform.mu));
+    gn_v lambda = minus * gn_load(q->lambda_f + gn_column_at(e, a->uniform.lambda));
     gn_v trace = t->c[0] + t->c[1];
     if (space) trace = trace + t->c[2];
     gn_v mean = gn_set(0.5) * lambda * trace;
@@ -102,26 +79,19 @@ GN_INLINE void find_stress(const gn_element_args *a, size_t e, state *t, int spa
     t->s[5] = mu * t->c[5];
 }
 
-/* Column k of F s. */
-GN_INLINE gn_v3 first_piola(const state *t, int k, int space) {
-    static const int at[3][3] = {{0, 3, 5}, {3, 1, 4}, {5, 4, 2}};
-    gn_v3 p = gn_scale(t->s[at[k][0]], t->h[0], space);
-    p = gn_axpy(p, t->s[at[k][1]], t->h[1], space);
-    return space ? gn_axpy(p, t->s[at[k][2]], t->h[2], 1) : p;
-}
-
 GN_INLINE void write_row(gn_real *row, gn_v3 force) {
     gn_v columns[4] = {force.x, force.y, force.z, gn_set(0.0)};
     gn_store_rows4(row, columns);
 }
 
 /* From the strain to rows of forces. */
-GN_INLINE void resist(const gn_element_args *a, size_t e, state *t, element_rows *out, int space) {
+GN_INLINE void resist(const gn_element_args *a, size_t e, state *t, gn_element_rows *out,
+                      int space) {
     const gn_v zero = gn_set(0.0);
     gn_v3 piola[3], first = {zero, zero, zero};
     find_strain(t, space);
     find_stress(a, e, t, space);
-    for (int k = 0; k < 2 + space; k++) piola[k] = first_piola(t, k, space);
+    for (int k = 0; k < 2 + space; k++) piola[k] = gn_first_piola(t->h, t->s, k, space);
     for (int n = 0; n < 2 + space; n++) {
         gn_v3 force = gn_scale(t->gradient[n].x, piola[0], space);
         force = gn_axpy(force, t->gradient[n].y, piola[1], space);
@@ -132,30 +102,14 @@ GN_INLINE void resist(const gn_element_args *a, size_t e, state *t, element_rows
     write_row(out->row[0], first);
 }
 
-GN_INLINE void add_rows(const gn_element_args *a, size_t e, size_t end, const element_rows *rows,
-                        double *sums, int space) {
-    const size_t nodes = 3 + (size_t)space, count = end - e < GN_W ? end - e : GN_W;
-    const uint16_t *place = a->partials->place + nodes * e;
-    for (size_t k = 0; k < count; k++)
-        for (size_t n = 0; n < nodes; n++)
-            gn_add_plain4(sums + place[nodes * k + n], rows->row[n] + 4 * k);
-}
-
-/* The rows of the block that begins with element `begin`, zeroed. */
-GN_INLINE double *clear_rows(const gn_partials *q, size_t begin) {
-    size_t block = begin / q->length, first = (size_t)q->first[block];
-    size_t rows = (size_t)q->first[block + 1] - first;
-    return memset(q->row + 4 * first, 0, 4 * rows * sizeof *q->row);
-}
-
 GN_INLINE void element_core(const gn_element_args *a, size_t begin, size_t end, int space) {
-    double *partial = clear_rows(a->partials, begin);
+    double *partial = gn_clear_block_rows(a->partials, begin, 4, a->partials->row);
     state t;
-    element_rows rows;
+    gn_element_rows rows;
     for (size_t e = begin; e < end; e += GN_W) {
         deform(a, e, &t, space);
         resist(a, e, &t, &rows, space);
-        add_rows(a, e, end, &rows, partial, space);
+        gn_add_element_rows(a, e, end, &rows, partial, space);
     }
 }
 

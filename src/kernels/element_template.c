@@ -10,12 +10,10 @@
  * Mixed form: S = 2 mu dev(E) + p J C^-1 with p the mean of the nodes' pressures, that is lambda =
  * -2 mu/3 and V0 p cof(F) added to V0 F S: the work of p on the growth in volume. What makes the
  * pressures is the first pass, below (docs/fem.md has the equations). */
-#include "kernels/element.h"
+#include "kernels/element_parts.h"
 #include "kernels/expand.h"
-#include "kernels/simd.h"
 
 #include <math.h>
-#include <string.h>
 
 typedef struct variant {
     int space, measure, mixed;
@@ -31,28 +29,15 @@ typedef struct state {
     gn_v3 slope;      /* mixed form: every node's share of tau times the pressure's gradient */
 } state;
 
-GN_INLINE const int32_t *node_column(const gn_elements *q, int n) {
-    return n == 3 ? q->node3 : q->node + (size_t)n * q->soa.capacity;
-}
-
-/* Rows less those of `first`, as columns: one turn into columns fewer than columns subtracted. */
-GN_INLINE void less_rows(const double *rows, const int32_t *index, const gn_v first[4],
-                         gn_v out[4]) {
-    gn_v r[4];
-    gn_gather4(rows, index, r);
-    for (int k = 0; k < 4; k++) r[k] = r[k] - first[k];
-    gn_columns4(r, out);
-}
-
 GN_INLINE void load_nodes(const gn_element_args *a, size_t e, gn_v3 edge[3], state *t, variant w) {
     gn_v first[4], x[4];
-    gn_gather4(a->pos, node_column(a->elements, 0) + e, first);
+    gn_gather4(a->pos, gn_node_column(a->elements, 0) + e, first);
     if (w.mixed) {
         gn_columns4(first, x);
         t->pressure[0] = x[3];
     }
     for (int n = 0; n < 2 + w.space; n++) {
-        less_rows(a->pos, node_column(a->elements, n + 1) + e, first, x);
+        gn_rows4_beyond(a->pos, gn_node_column(a->elements, n + 1) + e, first, x);
         edge[n] = (gn_v3){x[0], x[1], gn_pick(w.space, x[2], gn_set(0.0))};
         if (w.mixed) t->pressure[n + 1] = x[3];
     }
@@ -66,10 +51,6 @@ GN_INLINE void load_gradients(const gn_elements *q, size_t e, state *t, variant 
     t->volume = gn_load(q->volume + e);
 }
 
-GN_INLINE gn_v component(gn_v3 a, int k) {
-    return k == 0 ? a.x : k == 1 ? a.y : a.z;
-}
-
 /* |f|^2 - 1; first the component that is near one while rotations are small, which then cancels
  * without a rounding. */
 GN_INLINE gn_v stretched(gn_v near_one, gn_v a, gn_v b, variant w) {
@@ -79,9 +60,9 @@ GN_INLINE gn_v stretched(gn_v near_one, gn_v a, gn_v b, variant w) {
 
 GN_INLINE void find_strain(const gn_v3 edge[3], state *t, variant w) {
     for (int k = 0; k < 2 + w.space; k++) {
-        t->f[k] = gn_scale(component(t->gradient[0], k), edge[0], w.space);
-        t->f[k] = gn_axpy(t->f[k], component(t->gradient[1], k), edge[1], w.space);
-        if (w.space) t->f[k] = gn_axpy(t->f[k], component(t->gradient[2], k), edge[2], 1);
+        t->f[k] = gn_scale(gn_component(t->gradient[0], k), edge[0], w.space);
+        t->f[k] = gn_axpy(t->f[k], gn_component(t->gradient[1], k), edge[1], w.space);
+        if (w.space) t->f[k] = gn_axpy(t->f[k], gn_component(t->gradient[2], k), edge[2], 1);
     }
     t->c[0] = stretched(t->f[0].x, t->f[0].y, t->f[0].z, w);
     t->c[1] = stretched(t->f[1].y, t->f[1].x, t->f[1].z, w);
@@ -92,17 +73,12 @@ GN_INLINE void find_strain(const gn_v3 edge[3], state *t, variant w) {
     t->c[5] = gn_dot(t->f[2], t->f[0], 1);
 }
 
-/* Where a parameter that may be the same everywhere is read. */
-GN_INLINE size_t same(size_t e, size_t uniform) {
-    return e & ~uniform;
-}
-
 GN_INLINE void find_stress(const gn_element_args *a, size_t e, state *t, variant w) {
     const gn_elements *q = a->elements;
     gn_v minus = gn_set(0.0) - t->volume;
-    gn_v mu = minus * gn_load(q->mu + same(e, a->uniform.mu));
+    gn_v mu = minus * gn_load(q->mu + gn_column_at(e, a->uniform.mu));
     gn_v lambda = gn_set(-2.0 / 3.0) * mu;
-    if (!w.mixed) lambda = minus * gn_load(q->lambda + same(e, a->uniform.lambda));
+    if (!w.mixed) lambda = minus * gn_load(q->lambda + gn_column_at(e, a->uniform.lambda));
     gn_v trace = t->c[0] + t->c[1];
     if (w.space) trace = trace + t->c[2];
     gn_v mean = gn_set(0.5) * lambda * trace;
@@ -113,14 +89,6 @@ GN_INLINE void find_stress(const gn_element_args *a, size_t e, state *t, variant
     t->s[2] = gn_fma(mu, t->c[2], mean);
     t->s[4] = mu * t->c[4];
     t->s[5] = mu * t->c[5];
-}
-
-/* Column k of F s. */
-GN_INLINE gn_v3 first_piola(const state *t, int k, variant w) {
-    static const int at[3][3] = {{0, 3, 5}, {3, 1, 4}, {5, 4, 2}};
-    gn_v3 p = gn_scale(t->s[at[k][0]], t->f[0], w.space);
-    p = gn_axpy(p, t->s[at[k][1]], t->f[1], w.space);
-    return w.space ? gn_axpy(p, t->s[at[k][2]], t->f[2], 1) : p;
 }
 
 /* What the pressure adds to column k of F s: -V0 p cof(F). */
@@ -142,11 +110,6 @@ GN_INLINE gn_v3 add_pressure(const state *t, int k, gn_v3 piola, variant w) {
 GN_INLINE double *row_of_two(double *rows, uint16_t place) {
     return (double *)((char *)rows + sizeof(double) / 2 * (size_t)place);
 }
-
-/* Rows of forces, node after node. */
-typedef struct element_rows {
-    gn_real row[4][4 * GN_W];
-} element_rows;
 
 /* sum_n gradient_n d_n over nodes 1 2 3. */
 GN_INLINE gn_v3 gradient_of(const gn_v3 gradient[3], const gn_v d[3], int space) {
@@ -171,11 +134,11 @@ GN_INLINE void write_row(gn_real *row, gn_v3 force, const state *t, variant w) {
     gn_store_rows4(row, columns);
 }
 
-GN_INLINE void find_forces(const state *t, gn_v3 piola[3], element_rows *out, variant w) {
+GN_INLINE void find_forces(const state *t, gn_v3 piola[3], gn_element_rows *out, variant w) {
     const gn_v zero = gn_set(0.0);
     gn_v3 first = {zero, zero, zero};
     for (int k = 0; k < 2 + w.space; k++) {
-        piola[k] = first_piola(t, k, w);
+        piola[k] = gn_first_piola(t->f, t->s, k, w.space);
         if (w.mixed) piola[k] = add_pressure(t, k, piola[k], w);
     }
     for (int n = 0; n < 2 + w.space; n++) {
@@ -199,15 +162,6 @@ GN_INLINE void add_slopes(const gn_element_args *a, size_t e, size_t end, const 
     for (size_t k = 0; k < count; k++)
         for (size_t n = 0; n < nodes; n++)
             gn_add_two(row_of_two(sums, place[nodes * k + n]), row + 4 * k);
-}
-
-GN_INLINE void add_rows(const gn_element_args *a, size_t e, size_t end, const element_rows *rows,
-                        double *sums, variant w) {
-    const size_t nodes = 3 + (size_t)w.space, count = end - e < GN_W ? end - e : GN_W;
-    const uint16_t *place = a->partials->place + nodes * e;
-    for (size_t k = 0; k < count; k++)
-        for (size_t n = 0; n < nodes; n++)
-            gn_add_plain4(sums + place[nodes * k + n], rows->row[n] + 4 * k);
 }
 
 /* --- measuring
@@ -243,9 +197,9 @@ GN_INLINE void measure(const state *t, const gn_v3 piola[3], size_t e, size_t en
     s->elastic = s->elastic - gn_set(0.25) * (own + gn_set(2.0) * shear);
     for (int i = 0; i < 2 + w.space; i++)
         for (int j = 0; j < 2 + w.space; j++) {
-            gn_v sum = component(piola[0], i) * component(t->f[0], j) +
-                       component(piola[1], i) * component(t->f[1], j);
-            if (w.space) sum = sum + component(piola[2], i) * component(t->f[2], j);
+            gn_v sum = gn_component(piola[0], i) * gn_component(t->f[0], j) +
+                       gn_component(piola[1], i) * gn_component(t->f[1], j);
+            if (w.space) sum = sum + gn_component(piola[2], i) * gn_component(t->f[2], j);
             s->stress[3 * i + j] = s->stress[3 * i + j] - sum;
         }
     gn_v det = determinant(t, w), element = gn_set((double)e) + gn_load(lanes);
@@ -273,13 +227,6 @@ GN_INLINE void fold_sums(const lane_sums *s, gn_element_sums *out) {
 /* --- a block
  * ---------------------------------------------------------------------------------- */
 
-/* The rows of the block that begins with element `begin`, zeroed. */
-GN_INLINE double *clear_rows(const gn_partials *q, size_t begin, size_t width, double *row) {
-    size_t block = begin / q->length, first = (size_t)q->first[block];
-    size_t rows = (size_t)q->first[block + 1] - first;
-    return memset(row + width * first, 0, width * rows * sizeof *row);
-}
-
 /* From the nodes to the strain. */
 GN_INLINE void deform(const gn_element_args *a, size_t e, state *t, variant w) {
     gn_v3 edge[3];
@@ -289,8 +236,8 @@ GN_INLINE void deform(const gn_element_args *a, size_t e, state *t, variant w) {
 }
 
 /* From the strain to rows of forces. `slopes`: of the block, mixed form in space. */
-GN_INLINE void resist(const gn_element_args *a, size_t e, size_t end, state *t, element_rows *rows,
-                      double *slopes, lane_sums *s, variant w) {
+GN_INLINE void resist(const gn_element_args *a, size_t e, size_t end, state *t,
+                      gn_element_rows *rows, double *slopes, lane_sums *s, variant w) {
     gn_v3 piola[3];
     find_stress(a, e, t, w);
     if (w.mixed) find_slope(a, e, t, w);
@@ -304,24 +251,24 @@ GN_INLINE void resist(const gn_element_args *a, size_t e, size_t end, state *t, 
  * contact_template.c). The others gain nothing by it. */
 GN_INLINE void element_core(const gn_element_args *a, size_t begin, size_t end,
                             gn_element_sums *sums, variant w) {
-    double *partial = clear_rows(a->partials, begin, 4, a->partials->row), *slopes = NULL;
-    if (w.mixed && w.space) slopes = clear_rows(a->partials, begin, 2, a->slope_row);
+    double *partial = gn_clear_block_rows(a->partials, begin, 4, a->partials->row), *slopes = NULL;
+    if (w.mixed && w.space) slopes = gn_clear_block_rows(a->partials, begin, 2, a->slope_row);
     lane_sums s = no_sums();
     state ring[2];
-    element_rows rows[2];
+    gn_element_rows rows[2];
     const size_t vectors = (end - begin + GN_W - 1) / GN_W;
     const bool staged = w.space && !w.mixed;
     for (size_t v = 0; !staged && v < vectors; v++) {
         const size_t e = begin + v * GN_W;
         deform(a, e, &ring[0], w);
         resist(a, e, end, &ring[0], &rows[0], slopes, &s, w);
-        add_rows(a, e, end, &rows[0], partial, w);
+        gn_add_element_rows(a, e, end, &rows[0], partial, w.space);
     }
     for (size_t v = 0; staged && v < vectors + 2; v++) {
         const size_t e = begin + v * GN_W;
         state *before = &ring[(v + 1) % 2];
-        element_rows *out = &rows[(v + 1) % 2];
-        if (v >= 2) add_rows(a, e - 2 * GN_W, end, &rows[v % 2], partial, w);
+        gn_element_rows *out = &rows[(v + 1) % 2];
+        if (v >= 2) gn_add_element_rows(a, e - 2 * GN_W, end, &rows[v % 2], partial, w.space);
         if (v >= 1 && v < vectors + 1) resist(a, e - GN_W, end, before, out, slopes, &s, w);
         if (v < vectors) deform(a, e, &ring[v % 2], w);
     }
@@ -341,9 +288,9 @@ typedef struct dilation {
 GN_INLINE void load_places(const gn_dilation_args *a, size_t e, gn_v3 edge[3], gn_v dq[3],
                            int space) {
     gn_v first[4], x[4];
-    gn_gather4(a->place, node_column(a->elements, 0) + e, first);
+    gn_gather4(a->place, gn_node_column(a->elements, 0) + e, first);
     for (int n = 0; n < 2 + space; n++) {
-        less_rows(a->place, node_column(a->elements, n + 1) + e, first, x);
+        gn_rows4_beyond(a->place, gn_node_column(a->elements, n + 1) + e, first, x);
         edge[n] = (gn_v3){x[0], x[1], gn_pick(space, x[2], gn_set(0.0))};
         dq[n] = x[3];
     }
@@ -353,7 +300,7 @@ GN_INLINE void load_places(const gn_dilation_args *a, size_t e, gn_v3 edge[3], g
 GN_INLINE gn_v3 load_gradient_sum(const gn_dilation_args *a, size_t e, int space) {
     const int32_t *node[4];
     gn_v sum[4];
-    for (int n = 0; n < 3 + space; n++) node[n] = node_column(a->elements, n) + e;
+    for (int n = 0; n < 3 + space; n++) node[n] = gn_node_column(a->elements, n) + e;
     gn_rows4_sum(a->smooth, node, 3 + space, sum);
     return (gn_v3){sum[0], sum[1], gn_pick(space, sum[2], gn_set(0.0))};
 }
@@ -405,7 +352,7 @@ GN_INLINE void add_dilation(const gn_dilation_args *a, size_t e, size_t end,
 
 /* In three stages for tetrahedra, as element_core. */
 GN_INLINE void dilation_core(const gn_dilation_args *a, size_t begin, size_t end, int space) {
-    double *sums = clear_rows(a->partials, begin, 2, a->row);
+    double *sums = gn_clear_block_rows(a->partials, begin, 2, a->row);
     dilation found[2];
     dilation_rows rows[2];
     const size_t vectors = (end - begin + GN_W - 1) / GN_W;

@@ -9,6 +9,7 @@
 #define GN_KERNELS_SIMD_H
 
 #include <math.h>
+#include <stddef.h>
 #include <stdint.h>
 
 #define GN_INLINE static inline __attribute__((always_inline))
@@ -43,14 +44,21 @@ GN_INLINE void gn_rows4(const gn_real *rows, const int32_t *index, gn_v out[4]) 
     gn_columns4(r, out);
 }
 
+/* Lane k gets row index[k] less the row that `first` (gathered) has for it. */
+GN_INLINE void gn_rows4_beyond(const gn_real *rows, const int32_t *index, const gn_v first[4],
+                               gn_v out[4]) {
+    gn_v r[4];
+    gn_gather4(rows, index, r);
+    for (int k = 0; k < 4; k++) r[k] = r[k] - first[k];
+    gn_columns4(r, out);
+}
+
 /* Lane k gets row index[k] less row from[k]: one turn into columns instead of two. */
 GN_INLINE void gn_rows4_less(const gn_real *rows, const int32_t *index, const int32_t *from,
                              gn_v out[4]) {
-    gn_v r[4], s[4];
-    gn_gather4(rows, index, r);
-    gn_gather4(rows, from, s);
-    for (int k = 0; k < 4; k++) r[k] = r[k] - s[k];
-    gn_columns4(r, out);
+    gn_v first[4];
+    gn_gather4(rows, from, first);
+    gn_rows4_beyond(rows, index, first, out);
 }
 
 /* Lane k gets the sum of rows index[0][k], index[1][k], ... */
@@ -63,6 +71,11 @@ GN_INLINE void gn_rows4_sum(const gn_real *rows, const int32_t *const *index, in
         for (int k = 0; k < 4; k++) r[k] = r[k] + s[k];
     }
     gn_columns4(r, out);
+}
+
+/* Where a parameter that may be the same everywhere (`uniform` all ones, else 0) is read. */
+GN_INLINE size_t gn_column_at(size_t item, size_t uniform) {
+    return item & ~uniform;
 }
 
 /* a if the literal holds, else b. (A conditional expression does not take products of vector

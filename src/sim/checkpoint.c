@@ -2,6 +2,7 @@
 #include "base/memory.h"
 #include "io/checkpoint_files.h"
 #include "io/h5.h"
+#include "io/h5_pieces.h"
 #include "sim/parts.h"
 #include "sim/run.h"
 
@@ -12,19 +13,10 @@
 
 enum { FORMAT = 2 };
 
-/* A fixed-size piece of the run: doubles or 64-bit integers at an offset. */
-typedef struct piece {
-    const char *name;
-    gn_type type;
-    size_t offset, count;
-} piece;
+#define DOUBLES(member) GN_PIECE_DOUBLES(gn_run, member)
+#define INTEGER(member) GN_PIECE_INTEGER(gn_run, member)
 
-#define DOUBLES(field)                                                                             \
-    { #field, GN_F64, offsetof(gn_run, field), sizeof(((gn_run *)0)->field) / 8 }
-#define INTEGER(field)                                                                             \
-    { #field, GN_I64, offsetof(gn_run, field), 1 }
-
-static const piece pieces[] = {
+static const gn_piece pieces[] = {
     INTEGER(world.step),
     DOUBLES(world.time),
     DOUBLES(world.dt_past),
@@ -112,23 +104,11 @@ static size_t list_arrays(gn_run *run, array out[MAX_ARRAYS]) {
     return n;
 }
 
-/* Data set names cannot hold the dots of a member path. */
-static void piece_path(const piece *p, char *path, size_t size) {
-    snprintf(path, size, "run/%s", p->name);
-    for (char *c = path; *c; c++)
-        if (*c == '.') *c = '_';
-}
-
 /* --- writing
  * ---------------------------------------------------------------------------------------- */
 
 static gneiss_status put_pieces(gn_run *run, gn_h5 *file, gneiss_error *error) {
-    for (size_t k = 0; k < PIECES; k++) {
-        char path[128];
-        piece_path(&pieces[k], path, sizeof path);
-        GN_TRY(gn_h5_put(file, path, pieces[k].type, pieces[k].count, 1, 0,
-                         (char *)run + pieces[k].offset, NULL, NULL, error));
-    }
+    GN_TRY(gn_h5_put_pieces(file, "run", pieces, PIECES, run, error));
     array arrays[MAX_ARRAYS];
     size_t count = list_arrays(run, arrays);
     for (size_t k = 0; k < count; k++) {
@@ -204,16 +184,6 @@ gneiss_status gn_checkpoint_save(const gn_run *run, gneiss_error *error) {
 
 /* --- reading
  * ---------------------------------------------------------------------------------------- */
-
-static gneiss_status get_pieces(gn_run *run, const gn_h5 *file, gneiss_error *error) {
-    for (size_t k = 0; k < PIECES; k++) {
-        char path[128];
-        piece_path(&pieces[k], path, sizeof path);
-        GN_TRY(gn_h5_get(file, path, pieces[k].type, pieces[k].count, 1, 0,
-                         (char *)run + pieces[k].offset, error));
-    }
-    return GNEISS_OK;
-}
 
 static gneiss_status get_arrays(gn_run *run, const gn_h5 *file, gneiss_error *error) {
     gn_world *w = &run->world;
@@ -378,7 +348,7 @@ static gneiss_status load(gn_run *run, const gn_h5 *file, const char *path,
     GN_TRY(get_scene(w, file, path, overrides, count, error));
     GN_TRY(gn_world_prepare(w, error));
     GN_TRY(gn_h5_get_attribute_f64(file, "/", "seconds", &run->wall_before, 1, error));
-    GN_TRY(get_pieces(run, file, error));
+    GN_TRY(gn_h5_get_pieces(file, "run", pieces, PIECES, run, error));
     GN_TRY(get_arrays(run, file, error));
     GN_TRY(get_records(w, file, error));
     GN_TRY(gn_elements_load(w, file, path, error));

@@ -2,27 +2,17 @@
  * and the state that is put into it. */
 #include "base/memory.h"
 #include "io/h5_mesh.h"
+#include "io/h5_pieces.h"
 #include "sim/world.h"
 
 #include <math.h>
 #include <stddef.h>
 #include <string.h>
 
-typedef struct piece {
-    const char *name;
-    gn_type type;
-    size_t offset, count;
-} piece;
+#define DOUBLES(member) GN_PIECE_DOUBLES(gn_element_model, member)
+#define INTEGER(member) GN_PIECE_INTEGER(gn_element_model, member)
 
-#define DOUBLES(field)                                                                             \
-    {                                                                                              \
-#field, GN_F64, offsetof(gn_element_model, field),                                         \
-            sizeof(((gn_element_model *)0)->field) / 8                                             \
-    }
-#define INTEGER(field)                                                                             \
-    { #field, GN_I64, offsetof(gn_element_model, field), 1 }
-
-static const piece pieces[] = {
+static const gn_piece pieces[] = {
     INTEGER(body.step),       DOUBLES(body.time),         DOUBLES(body.dt_past),
     DOUBLES(body.energy),     INTEGER(body.unused_nodes), INTEGER(body.turned_elements),
     DOUBLES(limit.bound),     DOUBLES(limit.sharp),       DOUBLES(limit.sharp_low),
@@ -33,26 +23,14 @@ enum { PIECES = sizeof pieces / sizeof *pieces };
 
 _Static_assert(sizeof(gn_fem_energy) % 8 == 0 && sizeof(size_t) == 8, "pieces of eight bytes");
 
-/* Data set names cannot hold the dots of a member path. */
-static void piece_path(const piece *p, char *path, size_t size) {
-    snprintf(path, size, "elements/%s", p->name);
-    for (char *c = path; *c; c++)
-        if (*c == '.') *c = '_';
-}
-
 gneiss_status gn_elements_save(const gn_world *w, gn_h5 *file, gneiss_error *error) {
     if (!w->elements) return GNEISS_OK;
     const gn_element_model *q = w->elements;
     const gn_fem_body *b = &q->body;
-    char path[96];
     GN_TRY(gn_h5_put_mesh(file, "mesh", &b->mesh, error));
     GN_TRY(gn_h5_put_record(file, "mesh_nodes", &gn_particle_record, &b->nodes, error));
     GN_TRY(gn_h5_put_record(file, "mesh_elements", &gn_element_record, &b->elements, error));
-    for (size_t k = 0; k < PIECES; k++) {
-        piece_path(&pieces[k], path, sizeof path);
-        GN_TRY(gn_h5_put(file, path, pieces[k].type, pieces[k].count, 1, 0,
-                         (const char *)q + pieces[k].offset, NULL, NULL, error));
-    }
+    GN_TRY(gn_h5_put_pieces(file, "elements", pieces, PIECES, q, error));
     int64_t culprits[3] = {q->limit.bound_element, q->limit.sharp_element, q->limit.iterations};
     GN_TRY(gn_h5_put(file, "elements/culprits", GN_I64, 3, 1, 0, culprits, NULL, NULL, error));
     return gn_h5_put(file, "elements/load", GN_F64, b->prescribed.count, 6, 0, b->prescribed.load,
@@ -113,17 +91,12 @@ static gneiss_status take_records(gn_fem_body *b, const gn_h5 *file, const char 
 gneiss_status gn_elements_load(gn_world *w, const gn_h5 *file, const char *path,
                                gneiss_error *error) {
     gn_mesh mesh;
-    char name[96];
     if (!w->scene.has_elements) return GNEISS_OK;
     GN_TRY(gn_h5_get_mesh(file, "mesh", &mesh, error));
     GN_TRY(gn_elements_create(w, &mesh, error));
     gn_element_model *q = w->elements;
     GN_TRY(take_records(&q->body, file, path, error));
-    for (size_t k = 0; k < PIECES; k++) {
-        piece_path(&pieces[k], name, sizeof name);
-        GN_TRY(gn_h5_get(file, name, pieces[k].type, pieces[k].count, 1, 0,
-                         (char *)q + pieces[k].offset, error));
-    }
+    GN_TRY(gn_h5_get_pieces(file, "elements", pieces, PIECES, q, error));
     int64_t culprits[3];
     GN_TRY(gn_h5_get(file, "elements/culprits", GN_I64, 3, 1, 0, culprits, error));
     q->limit.bound_element = (int32_t)culprits[0];

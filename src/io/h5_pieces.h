@@ -1,0 +1,28 @@
+/* Members of a struct, doubles or 64-bit integers, as data sets of one group: what a checkpoint
+ * holds besides records and arrays. */
+#ifndef GN_IO_H5_PIECES_H
+#define GN_IO_H5_PIECES_H
+
+#include "io/h5.h"
+
+#include <stddef.h>
+
+typedef struct gn_piece {
+    const char *name; /* path of the member; its data set has underscores for dots */
+    gn_type type;     /* GN_F64 or GN_I64 */
+    size_t offset, count;
+} gn_piece;
+
+/* A member, or array or struct of doubles alone, of TYPE; and one of 64-bit integers. */
+#define GN_PIECE_DOUBLES(TYPE, member)                                                             \
+    { #member, GN_F64, offsetof(TYPE, member), sizeof(((TYPE *)0)->member) / 8 }
+#define GN_PIECE_INTEGER(TYPE, member)                                                             \
+    { #member, GN_I64, offsetof(TYPE, member), 1 }
+
+/* The `count` pieces of the struct at `base`, into and out of `group`. */
+gneiss_status gn_h5_put_pieces(gn_h5 *file, const char *group, const gn_piece *pieces, size_t count,
+                               const void *base, gneiss_error *error);
+gneiss_status gn_h5_get_pieces(const gn_h5 *file, const char *group, const gn_piece *pieces,
+                               size_t count, void *base, gneiss_error *error);
+
+#endif
