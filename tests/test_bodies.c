@@ -394,8 +394,7 @@ static uint64_t swarm_hash(int threads, int64_t steps) {
     snprintf(more, sizeof more,
              "damping: {contact: {restitution: 0.6}}\ntime: {step: 5e-7, end: 1}");
     gn_world *w = swarm(more);
-    w->threads = threads;
-    gn_sweep_prepare(w);
+    assert_int_equal(gn_world_use_threads(w, threads, NULL), GNEISS_OK);
     run_steps(w, steps);
     uint64_t hash = gn_world_hash(w);
     world_end(w);

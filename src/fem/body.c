@@ -360,7 +360,9 @@ static gneiss_status make_sums(builder *b, gneiss_error *error) {
     body->element_sums = gn_alloc_array(body->partials.blocks + 1, sizeof *body->element_sums);
     body->motion_sums = gn_alloc_array(body->motion_blocks + 1, sizeof *body->motion_sums);
     if (!body->element_sums || !body->motion_sums) return out_of_memory(b, error);
-    return gn_fem_sweep_prepare(body, error);
+    GN_TRY(gn_deal_create(&body->deal, body->threads, error));
+    return gn_deal_lists(&body->deal, (gn_deal_list){.partials = &body->partials},
+                         (gn_deal_list){0}, body->motion_blocks, error);
 }
 
 static gneiss_status build(builder *b, gneiss_error *error) {
@@ -430,14 +432,12 @@ void gn_fem_body_free(gn_fem_body *body) {
                       body->growth_row,
                       body->slope_row,
                       body->pressure,
-                      body->pressure_sums,
-                      body->share,
-                      body->busy,
-                      body->done};
+                      body->pressure_sums};
     gn_mesh_free(&body->mesh);
     gn_soa_destroy(&gn_particle_record, &body->nodes);
     gn_soa_destroy(&gn_element_record, &body->elements);
     gn_partials_free(&body->partials);
+    gn_deal_free(&body->deal);
     for (size_t k = 0; k < sizeof blocks / sizeof *blocks; k++) gn_free(blocks[k]);
     memset(body, 0, sizeof *body);
 }

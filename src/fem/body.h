@@ -7,9 +7,9 @@
 #ifndef GN_FEM_BODY_H
 #define GN_FEM_BODY_H
 
-#include "base/pace.h"
 #include "io/mesh.h"
 #include "kernels/dispatch.h"
+#include "neigh/deal.h"
 
 typedef struct gn_fem_material {
     const char *group;              /* of elements, by name or tag; NULL: all elements */
@@ -88,11 +88,7 @@ typedef struct gn_fem_body {
     size_t motion_blocks;
 
     /* Who works on what (sweep.c). */
-    gn_pace pace;
-    double *share; /* [threads] part of the elements' blocks before a thread's own */
-    gn_busy *busy; /* [threads] */
-    int64_t *done; /* [motion_blocks] the pass that a block of nodes was last worked on in */
-    int64_t passes;
+    gn_deal deal; /* of steps among the threads */
 
     int64_t step;
     double time, dt_past;

@@ -23,7 +23,6 @@ double gn_fem_facet_area(const gn_fem_body *body, const int32_t *node);
 
 /* --- the parallel part of a step (sweep.c) --- */
 
-gneiss_status gn_fem_sweep_prepare(gn_fem_body *body, gneiss_error *error);
 /* Forces of the present instant, and nodes (with the stabilising pressure) over the coming
  * interval; leaves the sums of all blocks. */
 void gn_fem_sweep(gn_fem_body *body, double dt, bool measure);

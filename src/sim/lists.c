@@ -305,7 +305,8 @@ static void wrap(gn_world *w) {
 /* --- the lists
  * ------------------------------------------------------------------------------------- */
 
-static gneiss_status allocate_sums(gn_world *w, gneiss_error *error) {
+/* What goes by the blocks of the lists: sums, and who works on what. */
+static gneiss_status ready_blocks(gn_world *w, gneiss_error *error) {
     gn_free(w->pair_sums);
     w->pair_sums = gn_alloc_array(w->pair_partials.blocks + 1, sizeof *w->pair_sums);
     if (!w->bond_sums)
@@ -314,12 +315,10 @@ static gneiss_status allocate_sums(gn_world *w, gneiss_error *error) {
         w->motion_blocks = gn_blocks(w->particles.soa.count, GN_PARTICLE_BLOCK);
         w->motion_sums = gn_alloc_array(w->motion_blocks + 1, sizeof *w->motion_sums);
         w->wall_sums = gn_alloc_array(w->motion_blocks + 1, sizeof *w->wall_sums);
-        w->moved = gn_alloc_array(w->motion_blocks + 1, sizeof *w->moved);
-        for (size_t b = 0; w->moved && b < w->motion_blocks; b++) w->moved[b] = -1;
     }
-    if (!w->pair_sums || !w->wall_sums || !w->bond_sums || !w->motion_sums || !w->moved)
+    if (!w->pair_sums || !w->wall_sums || !w->bond_sums || !w->motion_sums)
         return gn_fail(error, GNEISS_ERROR_MEMORY, "no memory for block sums");
-    return GNEISS_OK;
+    return gn_world_deal_lists(w, error);
 }
 
 /* Particles that flow are sorted again now and then; a bonded specimen keeps its order. The
@@ -378,7 +377,7 @@ gneiss_status gn_world_rebuild(gn_world *w, gneiss_error *error) {
     if (!w->bond_partials.first) GN_TRY(gn_bonds_form(w, error));
     GN_TRY(make_pairs(w, error));
     GN_TRY(gn_wall_contacts_find(w, error));
-    GN_TRY(allocate_sums(w, error));
+    GN_TRY(ready_blocks(w, error));
     memcpy(w->particles.ref, w->particles.pos, w->particles.soa.count * 4 * sizeof(double));
     ready_kernels(w);
     w->verlet.drift = 0.0;
@@ -404,7 +403,7 @@ gneiss_status gn_world_restore(gn_world *w, gneiss_error *error) {
     GN_TRY(gn_partials_build(&w->bonds, n, w->threads, &w->bond_partials, error));
     GN_TRY(gn_partials_build(&w->pairs, n, w->threads, &w->pair_partials, error));
     ready_kernels(w);
-    return allocate_sums(w, error);
+    return ready_blocks(w, error);
 }
 
 static double largest_travel(const gn_world *w) {

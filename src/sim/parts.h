@@ -101,8 +101,8 @@ gneiss_status gn_bodies_results(const gn_world *world, gn_h5 *file, gneiss_error
 /* Orientation from the start, w x y z with w >= 0. */
 void gn_rigid_orientation(const gn_rigid *body, double turn[4]);
 
-/* sweep.c: walls, contacts and motion of one step, in parallel. Prepare when threads change. */
-void gn_sweep_prepare(gn_world *world);
+/* sweep.c: walls, contacts and motion of one step, in parallel; the lists that are shared out. */
+gneiss_status gn_world_deal_lists(gn_world *world, gneiss_error *error);
 void gn_sweep(gn_world *world, const gn_contact_args *bonds, const gn_contact_args *pairs,
               const gn_motion_args *motion);
 /* Sums the forces on the walls, books their work, moves them over the coming step. */

@@ -185,7 +185,8 @@ void gn_walls_sum(gn_world *w) {
         const double *row = w->wall_contacts.row + 8 * c;
         gn_wall *wall = &w->walls[w->wall_contacts.wall[c]];
         for (int a = 0; a < 3; a++) wall->force[a] -= row[a];
-        if (gn_dot3(row, row) > 0.0) wall->stiffness += step_stiffness(w, c);
+        bool servo = w->scene.walls[w->wall_contacts.wall[c]].servo.active;
+        if (servo && gn_dot3(row, row) > 0.0) wall->stiffness += step_stiffness(w, c);
     }
     /* The path that led here closes with the force it led to (trapezoidal work of the walls). */
     for (size_t k = 0; k < w->scene.wall_count; k++)

@@ -168,13 +168,19 @@ static gneiss_status choose_kernels(gn_world *w, gneiss_error *error) {
     return gn_motion_kernel_choose(w->kernels, w->effects, &w->motion_kernel, error);
 }
 
+gneiss_status gn_world_use_threads(gn_world *w, int threads, gneiss_error *error) {
+    w->threads = threads < GN_THREADS_MAX ? threads : GN_THREADS_MAX;
+    gn_deal_free(&w->deal);
+    GN_TRY(gn_deal_create(&w->deal, w->threads, error));
+    return gn_world_deal_lists(w, error);
+}
+
 /* Scene -> effects, threads, kernels, period: everything that does not depend on particles. Resume
  * calls this too, so that a checkpoint goes on with the kernels of its scene. */
 gneiss_status gn_world_prepare(gn_world *w, gneiss_error *error) {
     w->effects = gn_scene_effects(&w->scene);
-    w->threads = w->scene.threads > 0 ? (int)w->scene.threads : omp_get_num_procs();
-    if (w->threads > GN_THREADS_MAX) w->threads = GN_THREADS_MAX;
-    gn_sweep_prepare(w);
+    int threads = w->scene.threads > 0 ? (int)w->scene.threads : omp_get_num_procs();
+    GN_TRY(gn_world_use_threads(w, threads, error));
     w->damping_fraction = gn_contact_damping_fraction(&w->scene);
     for (int a = 0; a < 3; a++) w->period[a] = w->scene.periodic_max[a] - w->scene.periodic_min[a];
     return choose_kernels(w, error);
@@ -282,8 +288,9 @@ void gn_world_free(gn_world *w) {
                       w->prescribed.mask, w->prescribed.velocity,
                       w->prescribed.load, w->bond_sums,
                       w->pair_sums,       w->wall_sums,
-                      w->motion_sums,     w->moved};
+                      w->motion_sums};
     for (size_t k = 0; k < sizeof blocks / sizeof *blocks; k++) gn_free(blocks[k]);
+    gn_deal_free(&w->deal);
     gn_scene_free(&w->scene);
     memset(w, 0, sizeof *w);
 }

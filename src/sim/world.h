@@ -3,10 +3,10 @@
 #ifndef GN_SIM_WORLD_H
 #define GN_SIM_WORLD_H
 
-#include "base/pace.h"
 #include "kernels/dispatch.h"
 #include "measure/energy.h"
 #include "measure/measure.h"
+#include "neigh/deal.h"
 #include "neigh/pairs.h"
 #include "scene/scene.h"
 #include "sim/elements.h"
@@ -41,7 +41,7 @@ typedef struct gn_wall {
     double normal[3];          /* unit, to the particles */
     double velocity[3];        /* m/s, over the interval that led here */
     double force[3];           /* N, of the particles on the wall at the last evaluation */
-    double stiffness;          /* N/m, sum of the touching contacts (servo) */
+    double stiffness;          /* N/m, sum of the touching contacts; only with a servo */
     double travel;             /* m, path since the lists were made */
 } gn_wall;
 
@@ -67,9 +67,7 @@ struct gn_world {
     gn_contact_kernel *bond_kernel, *pair_kernel;
     gn_motion_kernel *motion_kernel;
     int threads;
-    double share[GN_THREADS_MAX]; /* part of the contacts before a thread's own (sweep.c) */
-    gn_busy busy[GN_THREADS_MAX];
-    gn_pace pace; /* of steps */
+    gn_deal deal; /* of steps among the threads */
 
     gn_particles particles;
     gn_contacts bonds, pairs;
@@ -99,7 +97,6 @@ struct gn_world {
     gn_contact_sums *wall_sums;             /* per block of particles */
     gn_motion_sums *motion_sums;
     size_t motion_blocks;
-    int64_t *moved; /* [motion_blocks] step in which a thread moved these particles on its own */
 
     gn_verlet verlet;
     gn_strain_gauge gauge;
@@ -140,6 +137,9 @@ void gn_world_free(gn_world *world);
 
 /* Effects, threads and kernels from world->scene; gn_world_create and resume call it. */
 gneiss_status gn_world_prepare(gn_world *world, gneiss_error *error);
+
+/* Another number of threads from now on; results stay the same. */
+gneiss_status gn_world_use_threads(gn_world *world, int threads, gneiss_error *error);
 
 /* Advances by one step. Forces, wall forces, reactions and, with `measure`, `reading` and
  * `unbalanced` are those of the instant at which the step starts; positions, velocities and time

@@ -1,0 +1,138 @@
+/* Work dealt out to threads: every block once, particles after all their items, for any number of
+ * threads, shares and shapes of lists. */
+#include "neigh/deal.h"
+#include "world_helpers.h"
+
+#include <omp.h>
+#include <stdatomic.h>
+#include <string.h>
+
+enum { BLOCKS_MAX = 64, PARTICLES_MAX = 96, LENGTH = 64 };
+
+/* Lists whose blocks touch ranges of blocks of particles at random. */
+typedef struct model {
+    gn_partials list[GN_DEAL_LISTS];
+    int32_t first[GN_DEAL_LISTS][PARTICLES_MAX], last[GN_DEAL_LISTS][PARTICLES_MAX];
+    int32_t leader[GN_DEAL_LISTS][BLOCKS_MAX * LENGTH];
+    size_t particle_blocks;
+    _Atomic int items[GN_DEAL_LISTS][BLOCKS_MAX], particles[PARTICLES_MAX];
+    _Atomic int early; /* particles that were worked on before one of their items */
+} model;
+
+static void make_list(model *m, int l, size_t blocks, uint64_t *seed) {
+    gn_partials *q = &m->list[l];
+    *q = (gn_partials){.blocks = blocks, .length = LENGTH};
+    q->touched[0] = m->first[l];
+    q->touched[1] = m->last[l];
+    for (size_t c = 0; c < blocks * LENGTH; c++)
+        m->leader[l][c] = (int32_t)(c * m->particle_blocks * GN_PARTICLE_BLOCK / (blocks * LENGTH));
+    for (size_t p = 0; p < m->particle_blocks; p++) {
+        double at = (double)(p * blocks) / (double)m->particle_blocks;
+        double low = at - uniform(seed, 0.0, 0.5 * (double)blocks), high = at + 3.0;
+        if (uniform(seed, 0.0, 1.0) < 0.05) low = 0.0; /* a periodic neighbour */
+        m->first[l][p] = low > 0.0 ? (int32_t)low : 0;
+        m->last[l][p] = high < (double)blocks ? (int32_t)high : (int32_t)blocks - 1;
+        if (blocks && uniform(seed, 0.0, 1.0) > 0.1) continue;
+        m->first[l][p] = INT32_MAX;
+        m->last[l][p] = -1;
+    }
+}
+
+static void items(void *context, int list, size_t block) {
+    model *m = context;
+    for (volatile size_t k = 0; k < 100 * (block % 7); k++) continue;
+    atomic_fetch_add(&m->items[list][block], 1);
+}
+
+static void particles(void *context, size_t p) {
+    model *m = context;
+    for (int l = 0; l < GN_DEAL_LISTS; l++)
+        for (int32_t b = m->first[l][p]; m->last[l][p] >= 0 && b <= m->last[l][p]; b++)
+            if (!atomic_load(&m->items[l][b])) atomic_fetch_add(&m->early, 1);
+    atomic_fetch_add(&m->particles[p], 1);
+}
+
+static void clear(model *m) {
+    memset(m->items, 0, sizeof m->items);
+    memset(m->particles, 0, sizeof m->particles);
+    m->early = 0;
+}
+
+static void check(const model *m) {
+    assert_int_equal(m->early, 0);
+    for (int l = 0; l < GN_DEAL_LISTS; l++)
+        for (size_t b = 0; b < m->list[l].blocks; b++) assert_int_equal(m->items[l][b], 1);
+    for (size_t p = 0; p < m->particle_blocks; p++) assert_int_equal(m->particles[p], 1);
+}
+
+/* Rounds of one or two sweeps, whose second one must not run ahead of the first. */
+static void work_through(model *m, int threads, int rounds) {
+    static const gn_deal_work work = {items, particles};
+    gn_deal deal;
+    assert_int_equal(gn_deal_create(&deal, threads, NULL), GNEISS_OK);
+    for (int round = 0; round < rounds; round++) {
+        if (round % 10 == 0)
+            assert_int_equal(gn_deal_lists(&deal, (gn_deal_list){&m->list[0], m->leader[0]},
+                                           (gn_deal_list){&m->list[1], m->leader[1]},
+                                           m->particle_blocks, NULL),
+                             GNEISS_OK);
+        const int sweeps = 1 + round % 2, team = gn_deal_begin(&deal);
+#pragma omp parallel num_threads(team)
+        for (int pass = 0; pass < sweeps; pass++) {
+#pragma omp single
+            clear(m);
+            gn_deal_sweep(&deal, pass, &work, m);
+#pragma omp barrier
+        }
+        gn_deal_end(&deal, sweeps, 1e-5);
+        check(m);
+    }
+    gn_deal_free(&deal);
+}
+
+static void every_block_once_and_in_time(void **state) {
+    (void)state;
+    static const size_t blocks[][3] = {
+        {40, 7, 96}, {0, 33, 50}, {64, 64, 13}, {3, 0, 96}, {0, 0, 5}};
+    uint64_t seed = 3;
+    model *m = calloc(1, sizeof *m);
+    for (size_t k = 0; k < sizeof blocks / sizeof *blocks; k++)
+        for (int threads = 1; threads <= 5; threads++) {
+            m->particle_blocks = blocks[k][2];
+            for (int l = 0; l < GN_DEAL_LISTS; l++) make_list(m, l, blocks[k][l], &seed);
+            work_through(m, threads, 100);
+        }
+    free(m);
+}
+
+/* Whoever was slow gets less. */
+static void shares_follow_the_pace(void **state) {
+    (void)state;
+    uint64_t seed = 3;
+    model *m = calloc(1, sizeof *m);
+    gn_deal deal;
+    m->particle_blocks = 10;
+    make_list(m, 0, 40, &seed);
+    assert_int_equal(gn_deal_create(&deal, 2, NULL), GNEISS_OK);
+    assert_int_equal(gn_deal_lists(&deal, (gn_deal_list){&m->list[0], m->leader[0]},
+                                   (gn_deal_list){0}, m->particle_blocks, NULL),
+                     GNEISS_OK);
+    for (int round = 0; round < 200; round++) {
+        assert_int_equal(gn_deal_begin(&deal), 2);
+        /* The first thread takes three times as long for a block. */
+        deal.busy[0].seconds = 3e-6 * (double)deal.cut[0][1];
+        deal.busy[1].seconds = 1e-6 * (double)(40 - deal.cut[0][1]);
+        gn_deal_end(&deal, 1, 4e-5);
+    }
+    assert_in_range(deal.cut[0][1], 9, 11);
+    gn_deal_free(&deal);
+    free(m);
+}
+
+int main(void) {
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(every_block_once_and_in_time),
+        cmocka_unit_test(shares_follow_the_pace),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
