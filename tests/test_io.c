@@ -37,15 +37,15 @@ static bool exists(const char *dir, const char *name) {
 static void a_text_file_is_written_and_read(void **state) {
     fixture *f = *state;
     char *text;
-    ok(gn_write_text_file(f->path, "old", error));
-    ok(gn_write_text_file(f->path, "new\ntext", error));
+    ok(gn_write_text_file(f->path, "old", GN_DURABLE, error));
+    ok(gn_write_text_file(f->path, "new\ntext", GN_DURABLE, error));
     ok(gn_read_text_file(f->path, 100, &text, error));
     assert_string_equal(text, "new\ntext");
     free(text);
     ok(gn_read_text_file(f->path, 8, &text, error));
     free(text);
     assert_int_equal(entries(f->dir, false), 1);
-    ok(gn_write_text_file(f->path, "", error));
+    ok(gn_write_text_file(f->path, "", GN_DURABLE, error));
     ok(gn_read_text_file(f->path, 0, &text, error));
     assert_string_equal(text, "");
     free(text);
@@ -69,14 +69,14 @@ static void a_full_disk_leaves_the_old_text(void **state) {
     fixture *f = *state;
     struct rlimit before, small;
     char *text;
-    ok(gn_write_text_file(f->path, "old", error));
+    ok(gn_write_text_file(f->path, "old", GN_DURABLE, error));
     getrlimit(RLIMIT_FSIZE, &before);
     small = before;
     small.rlim_cur = 5;
     signal(SIGXFSZ, SIG_IGN);
     gneiss_error why = {0};
     assert_int_equal(setrlimit(RLIMIT_FSIZE, &small), 0);
-    gneiss_status status = gn_write_text_file(f->path, "longer than five", &why);
+    gneiss_status status = gn_write_text_file(f->path, "longer than five", GN_DURABLE, &why);
     setrlimit(RLIMIT_FSIZE, &before);
     signal(SIGXFSZ, SIG_DFL);
     assert_int_equal(status, GNEISS_ERROR_IO);
@@ -478,21 +478,22 @@ static void the_series_is_made_from_the_files(void **state) {
     fixture *f = *state;
     char path[128], *text;
     const int64_t steps[] = {20000000000, 0, 500, 900};
-    const double times[] = {3, 0, 0.1, 0.2};
+    const double at[] = {3, 0, 0.1, 0.2};
+    gn_snapshot_times times = {0}, later = {0};
     for (int k = 0; k < 4; k++) {
-        gn_snapshot s = particles_at(steps[k], times[k]);
+        gn_snapshot s = particles_at(steps[k], at[k]);
         ok(gn_snapshot_write(f->dir, "p", &s, error));
         ok(gn_snapshot_write(f->dir, "p_q", &s, error)); /* another name that begins alike */
     }
     snprintf(path, sizeof path, "%s/p_0000000700.hdf.tmp", f->dir);
     spill(path, "cut", 3);
     snprintf(path, sizeof path, "%s/p.hdf.series", f->dir);
-    ok(gn_snapshot_series(f->dir, "p", INT64_MAX, error));
+    ok(gn_snapshot_series(f->dir, "p", INT64_MAX, &times, error));
     ok(gn_read_text_file(path, 10000, &text, error));
     assert_non_null(strstr(text, "\"name\": \"p_20000000000.hdf\",\n      \"time\": 3\n"));
     free(text);
 
-    ok(gn_snapshot_series(f->dir, "p", 500, error));
+    ok(gn_snapshot_series(f->dir, "p", 500, &times, error));
     ok(gn_read_text_file(path, 10000, &text, error));
     assert_string_equal(text,
                         "{\n  \"file-series-version\": \"1.0\",\n  \"files\": [\n"
@@ -507,9 +508,23 @@ static void the_series_is_made_from_the_files(void **state) {
 
     snprintf(path, sizeof path, "%s/p_0000000500.hdf", f->dir);
     assert_int_equal(truncate(path, 2000), 0);
-    fails(gn_snapshot_series(f->dir, "p", 500, error), GNEISS_ERROR_INPUT,
+    fails(gn_snapshot_series(f->dir, "p", 500, &later, error), GNEISS_ERROR_INPUT,
           "p_0000000500.hdf: is damaged");
-    fails(gn_snapshot_series(f->path, "p", 500, error), GNEISS_ERROR_IO, "cannot be listed");
+    /* What is known already is not read again. */
+    ok(gn_snapshot_series(f->dir, "p", 500, &times, error));
+    ok(gn_snapshot_times_add(&later, 500, 0.4, error));
+    ok(gn_snapshot_times_add(&later, 500, 0.3, error));
+    ok(gn_snapshot_times_add(&later, 100, 0.2, error));
+    assert_int_equal(later.step[1], 100);
+    ok(gn_snapshot_series(f->dir, "p", 500, &later, error));
+    snprintf(path, sizeof path, "%s/p.hdf.series", f->dir);
+    ok(gn_read_text_file(path, 10000, &text, error));
+    assert_non_null(strstr(text, "\"name\": \"p_0000000500.hdf\",\n      \"time\": 0.3\n"));
+    free(text);
+    gn_snapshot_times_free(&times);
+    gn_snapshot_times_free(&later);
+    fails(gn_snapshot_series(f->path, "p", 500, &times, error), GNEISS_ERROR_IO,
+          "cannot be listed");
 }
 
 /* ---- checkpoints */

@@ -97,9 +97,10 @@ static void sync_folder(const char *path) {
     free(folder);
 }
 
-gneiss_status gn_atomic_commit(gn_atomic_file *file, gneiss_error *error) {
+gneiss_status gn_atomic_commit(gn_atomic_file *file, gn_durability durability,
+                               gneiss_error *error) {
     const char *failed = NULL;
-    if (fsync_again(file->descriptor) != 0) failed = "flushed to disk";
+    if (durability != GN_RENAMED && fsync_again(file->descriptor) != 0) failed = "flushed to disk";
     int code = errno;
     /* close may be the call that reports a full disk (network file systems); Linux frees the
      * descriptor even then, so it is not repeated. */
@@ -117,7 +118,7 @@ gneiss_status gn_atomic_commit(gn_atomic_file *file, gneiss_error *error) {
         unlink(file->temporary);
         status = gn_fail(error, GNEISS_ERROR_IO, "%s: cannot be %s: %s", file->path, failed,
                          strerror(code));
-    } else {
+    } else if (durability == GN_DURABLE) {
         sync_folder(file->path);
     }
     gn_atomic_abort(file);

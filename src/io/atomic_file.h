@@ -1,4 +1,4 @@
-/* A file that appears under its name whole or not at all: written beside it, fsynced, renamed. */
+/* A file that appears under its name whole or not at all: written beside it, synced, renamed. */
 #ifndef GN_IO_ATOMIC_FILE_H
 #define GN_IO_ATOMIC_FILE_H
 
@@ -12,6 +12,13 @@ typedef struct gn_atomic_file {
     char *temporary; /* own: path + ".tmp" */
 } gn_atomic_file;
 
+/* What a file withstands once it is committed, if the power fails. */
+typedef enum gn_durability {
+    GN_DURABLE, /* it is there: results, checkpoints */
+    GN_SYNCED,  /* it is whole, but may be gone: snapshots, which a resumed run writes again */
+    GN_RENAMED, /* it may be cut: what is made anew from other files */
+} gn_durability;
+
 /* Opens path.tmp (an old one is emptied). GNEISS_ERROR_IO: folder missing, no permission, or `path`
  * is there and is not a regular file. After a failure there is nothing to free. */
 gneiss_status gn_atomic_create(gn_atomic_file *file, const char *path, gneiss_error *error);
@@ -20,8 +27,9 @@ gneiss_status gn_atomic_create(gn_atomic_file *file, const char *path, gneiss_er
 gneiss_status gn_atomic_write(gn_atomic_file *file, const void *bytes, size_t size,
                               gneiss_error *error);
 
-/* fsync, rename, fsync of the folder; frees. On failure the temporary file is removed. */
-gneiss_status gn_atomic_commit(gn_atomic_file *file, gneiss_error *error);
+/* Syncs and renames the file, then syncs the folder, as far as asked for; frees. On failure the
+ * temporary file is removed. */
+gneiss_status gn_atomic_commit(gn_atomic_file *file, gn_durability durability, gneiss_error *error);
 
 /* Removes the temporary file and frees; harmless after commit or a failed create. */
 void gn_atomic_abort(gn_atomic_file *file);

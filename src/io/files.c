@@ -62,11 +62,12 @@ gneiss_status gn_make_directory(const char *path, gneiss_error *error) {
     return check_writable(path, error);
 }
 
-gneiss_status gn_write_text_file(const char *path, const char *text, gneiss_error *error) {
+gneiss_status gn_write_text_file(const char *path, const char *text, gn_durability durability,
+                                 gneiss_error *error) {
     gn_atomic_file file;
     GN_TRY(gn_atomic_create(&file, path, error));
     gneiss_status status = gn_atomic_write(&file, text, strlen(text), error);
-    if (status == GNEISS_OK) return gn_atomic_commit(&file, error);
+    if (status == GNEISS_OK) return gn_atomic_commit(&file, durability, error);
     gn_atomic_abort(&file);
     return status;
 }

@@ -2,7 +2,7 @@
 #ifndef GN_IO_FILES_H
 #define GN_IO_FILES_H
 
-#include "base/error.h"
+#include "io/atomic_file.h"
 
 #include <stdbool.h>
 #include <stddef.h>
@@ -12,8 +12,9 @@
 /* Creates the folder and its parents; checks that it can be written to. */
 gneiss_status gn_make_directory(const char *path, gneiss_error *error);
 
-/* Writes `text` to path.tmp, fsyncs, renames. */
-gneiss_status gn_write_text_file(const char *path, const char *text, gneiss_error *error);
+/* Writes `text` to path.tmp and commits it. */
+gneiss_status gn_write_text_file(const char *path, const char *text, gn_durability durability,
+                                 gneiss_error *error);
 
 /* Whole file as a NUL-terminated malloc'ed string. GNEISS_ERROR_INPUT: a folder, more than `limit`
  * bytes, a zero byte in it; GNEISS_ERROR_IO: it cannot be opened or read. */

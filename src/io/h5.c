@@ -180,7 +180,7 @@ gneiss_status gn_h5_open(const char *path, gn_h5 **out, gneiss_error *error) {
     return GNEISS_OK;
 }
 
-gneiss_status gn_h5_commit(gn_h5 *file, gneiss_error *error) {
+gneiss_status gn_h5_commit(gn_h5 *file, gn_durability durability, gneiss_error *error) {
     gn_h5_quiet();
     gneiss_status status = GNEISS_OK;
     if (!file->writing || file->failed)
@@ -194,7 +194,7 @@ gneiss_status gn_h5_commit(gn_h5 *file, gneiss_error *error) {
     else {
         file->id = -1;
         status = gn_atomic_write(&file->target, file->image.data, file->image.size, error);
-        if (status == GNEISS_OK) status = gn_atomic_commit(&file->target, error);
+        if (status == GNEISS_OK) status = gn_atomic_commit(&file->target, durability, error);
     }
     gn_h5_close(file);
     return status;

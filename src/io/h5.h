@@ -3,6 +3,7 @@
 #ifndef GN_IO_H5_H
 #define GN_IO_H5_H
 
+#include "io/atomic_file.h"
 #include "soa/field.h"
 
 typedef struct gn_h5 gn_h5;
@@ -17,7 +18,7 @@ gneiss_status gn_h5_open(const char *path, gn_h5 **out, gneiss_error *error);
 /* Flushes, fsyncs, renames to the final name, fsyncs the folder, closes and frees. On failure (disk
  * full) the temporary file is removed, the old file under `path` is untouched, and the handle is
  * freed. */
-gneiss_status gn_h5_commit(gn_h5 *file, gneiss_error *error);
+gneiss_status gn_h5_commit(gn_h5 *file, gn_durability durability, gneiss_error *error);
 /* Closes; a file being created is removed. NULL is allowed. */
 void gn_h5_close(gn_h5 *file);
 

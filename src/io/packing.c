@@ -259,7 +259,7 @@ gneiss_status gn_packing_write(const char *path, int dimension, const gn_packing
     if (plain) freelocale(plain);
     gneiss_status status =
         failed ? gn_fail(error, GNEISS_ERROR_MEMORY, "%s: no memory to write it", path)
-               : gn_write_text_file(path, text, error);
+               : gn_write_text_file(path, text, GN_DURABLE, error);
     free(text);
     return status;
 }

@@ -116,9 +116,50 @@ gneiss_status gn_snapshot_write(const char *directory, const char *name,
     free(path);
     if (status != GNEISS_OK) return status;
     status = put_grid(file, snapshot, error);
-    if (status == GNEISS_OK) return gn_h5_commit(file, error);
+    if (status == GNEISS_OK) return gn_h5_commit(file, GN_SYNCED, error);
     gn_h5_close(file);
     return status;
+}
+
+/* --- the series
+ * ------------------------------------------------------------------------------------------ */
+
+/* Where a step is, or would have to be put in. */
+static size_t place_of(const gn_snapshot_times *times, int64_t step) {
+    size_t at = times->count; /* mostly the last one */
+    while (at > 0 && times->step[at - 1] >= step) at--;
+    return at;
+}
+
+gneiss_status gn_snapshot_times_add(gn_snapshot_times *times, int64_t step, double time,
+                                    gneiss_error *error) {
+    size_t at = place_of(times, step);
+    if (at < times->count && times->step[at] == step) {
+        times->time[at] = time;
+        return GNEISS_OK;
+    }
+    if (times->count == times->capacity) {
+        size_t capacity = times->capacity ? 2 * times->capacity : 64;
+        int64_t *steps = realloc(times->step, capacity * sizeof *steps);
+        if (steps) times->step = steps;
+        double *values = realloc(times->time, capacity * sizeof *values);
+        if (values) times->time = values;
+        if (!steps || !values)
+            return gn_fail(error, GNEISS_ERROR_MEMORY, "no memory for the times of snapshots");
+        times->capacity = capacity;
+    }
+    memmove(times->step + at + 1, times->step + at, (times->count - at) * sizeof *times->step);
+    memmove(times->time + at + 1, times->time + at, (times->count - at) * sizeof *times->time);
+    times->step[at] = step;
+    times->time[at] = time;
+    times->count++;
+    return GNEISS_OK;
+}
+
+void gn_snapshot_times_free(gn_snapshot_times *times) {
+    free(times->step);
+    free(times->time);
+    *times = (gn_snapshot_times){0};
 }
 
 static gneiss_status read_time(const char *path, double *time, gneiss_error *error) {
@@ -131,23 +172,28 @@ static gneiss_status read_time(const char *path, double *time, gneiss_error *err
 }
 
 /* One entry of the series, or the removal of a file that is later than the series. */
-static gneiss_status add_to_series(gn_json *json, const char *path, bool later,
-                                   gneiss_error *error) {
+static gneiss_status add_to_series(gn_json *json, const char *path, int64_t step, bool later,
+                                   gn_snapshot_times *times, gneiss_error *error) {
     if (later) {
         if (unlink(path) == 0 || errno == ENOENT) return GNEISS_OK;
         return gn_fail(error, GNEISS_ERROR_IO, "%s: cannot be removed: %s", path, strerror(errno));
     }
-    double time;
-    GN_TRY(read_time(path, &time, error));
+    size_t at = place_of(times, step);
+    if (at == times->count || times->step[at] != step) {
+        double time;
+        GN_TRY(read_time(path, &time, error));
+        GN_TRY(gn_snapshot_times_add(times, step, time, error));
+    }
     gn_json_object(json, NULL);
     gn_json_text(json, "name", strrchr(path, '/') + 1);
-    gn_json_number(json, "time", time);
+    gn_json_number(json, "time", times->time[at]);
     gn_json_end(json);
     return GNEISS_OK;
 }
 
 static gneiss_status build_series(gn_json *json, const char *directory, const char *name,
-                                  int64_t last_step, gneiss_error *error) {
+                                  int64_t last_step, gn_snapshot_times *times,
+                                  gneiss_error *error) {
     int64_t *steps;
     size_t count;
     GN_TRY(gn_step_list(directory, name, ".hdf", &steps, &count, error));
@@ -156,7 +202,7 @@ static gneiss_status build_series(gn_json *json, const char *directory, const ch
     gn_json_array(json, "files");
     for (size_t k = 0; k < count && status == GNEISS_OK; k++) {
         char *path = gn_step_path(directory, name, steps[k], ".hdf");
-        status = path ? add_to_series(json, path, steps[k] > last_step, error)
+        status = path ? add_to_series(json, path, steps[k], steps[k] > last_step, times, error)
                       : gn_fail(error, GNEISS_ERROR_MEMORY, "%s: no memory for a name", directory);
         free(path);
     }
@@ -165,15 +211,15 @@ static gneiss_status build_series(gn_json *json, const char *directory, const ch
 }
 
 gneiss_status gn_snapshot_series(const char *directory, const char *name, int64_t last_step,
-                                 gneiss_error *error) {
+                                 gn_snapshot_times *times, gneiss_error *error) {
     gn_json *json = gn_json_begin();
-    gneiss_status status = build_series(json, directory, name, last_step, error);
+    gneiss_status status = build_series(json, directory, name, last_step, times, error);
     char *text = gn_json_finish(json, true);
     char *path = gn_text_format("%s/%s.hdf.series", directory, name);
     if (status == GNEISS_OK && (!text || !path))
         status =
             gn_fail(error, GNEISS_ERROR_MEMORY, "%s: no memory for the series %s", directory, name);
-    if (status == GNEISS_OK) status = gn_write_text_file(path, text, error);
+    if (status == GNEISS_OK) status = gn_write_text_file(path, text, GN_RENAMED, error);
     free(path);
     free(text);
     return status;

@@ -36,11 +36,23 @@ typedef struct gn_snapshot {
 gneiss_status gn_snapshot_write(const char *directory, const char *name,
                                 const gn_snapshot *snapshot, gneiss_error *error);
 
+/* Times of snapshots that were written or read before, by their steps in ascending order, so that
+ * a series does not open every file again. Zeroed to begin with. */
+typedef struct gn_snapshot_times {
+    size_t count, capacity;
+    int64_t *step;
+    double *time; /* s */
+} gn_snapshot_times;
+
+gneiss_status gn_snapshot_times_add(gn_snapshot_times *times, int64_t step, double time,
+                                    gneiss_error *error);
+void gn_snapshot_times_free(gn_snapshot_times *times);
+
 /* Rewrites DIR/NAME.hdf.series from the snapshots on disk up to `last_step`, atomically; snapshots
  * of later steps (left by a run that was killed and resumed from before them) are removed. Times
- * come from the files; one that cannot be read is GNEISS_ERROR_INPUT. Temporary files of a killed
- * run are removed. */
+ * that are not in `times` come from the files (and are put into it); one that cannot be read is
+ * GNEISS_ERROR_INPUT. Temporary files of a killed run are removed. */
 gneiss_status gn_snapshot_series(const char *directory, const char *name, int64_t last_step,
-                                 gneiss_error *error);
+                                 gn_snapshot_times *times, gneiss_error *error);
 
 #endif

@@ -137,7 +137,7 @@ static gneiss_status keep(const char *path, const char *key, const gn_pack_resul
     if (status == GNEISS_OK) status = gn_h5_create(path, &file, error);
     if (status != GNEISS_OK) return status;
     status = put_packing(file, key, r, error);
-    if (status == GNEISS_OK) return gn_h5_commit(file, error);
+    if (status == GNEISS_OK) return gn_h5_commit(file, GN_DURABLE, error);
     gn_h5_close(file);
     return status;
 }

@@ -118,7 +118,7 @@ gneiss_status gn_pack_write(const char *path, const gn_scene *scene, const gn_pa
     gn_h5 *file = NULL;
     GN_TRY(gn_h5_create(path, &file, error));
     gneiss_status status = put_all(file, scene, result, quality, error);
-    if (status == GNEISS_OK) return gn_h5_commit(file, error);
+    if (status == GNEISS_OK) return gn_h5_commit(file, GN_DURABLE, error);
     gn_h5_close(file);
     return status;
 }
@@ -139,7 +139,9 @@ static gneiss_status write_snapshot(const char *directory, const gn_packing *p,
         .point_count = p->count, .points = block, .point_array_count = 1, .point_arrays = &array};
     gneiss_status status = gn_snapshot_write(directory, "particles", &snapshot, error);
     gn_free(block);
-    if (status == GNEISS_OK) status = gn_snapshot_series(directory, "particles", 0, error);
+    gn_snapshot_times times = {0};
+    if (status == GNEISS_OK) status = gn_snapshot_series(directory, "particles", 0, &times, error);
+    gn_snapshot_times_free(&times);
     return status;
 }
 

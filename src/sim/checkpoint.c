@@ -170,7 +170,7 @@ gneiss_status gn_checkpoint_write(const gn_run *const_run, const char *path, gne
         gn_h5_close(file);
         return status;
     }
-    return gn_h5_commit(file, error);
+    return gn_h5_commit(file, GN_DURABLE, error);
 }
 
 gneiss_status gn_checkpoint_save(const gn_run *run, gneiss_error *error) {

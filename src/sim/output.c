@@ -193,15 +193,16 @@ gneiss_status gn_output_snapshot(const gn_run *run, const char *particles_name,
     return status;
 }
 
-gneiss_status gn_output_series(const gn_run *run, gneiss_error *error) {
+gneiss_status gn_output_series(gn_run *run, gneiss_error *error) {
+    gn_snapshot_times *times = &run->snapshot_times;
     if (run->world.scene.body_count)
-        GN_TRY(gn_snapshot_series(run->directory, "bodies", run->world.step, error));
+        GN_TRY(gn_snapshot_series(run->directory, "bodies", run->world.step, times, error));
     if (run->world.elements)
-        GN_TRY(gn_snapshot_series(run->directory, "elements", run->world.step, error));
+        GN_TRY(gn_snapshot_series(run->directory, "elements", run->world.step, times, error));
     if (!run->world.particles.soa.count) return GNEISS_OK;
-    GN_TRY(gn_snapshot_series(run->directory, "particles", run->world.step, error));
+    GN_TRY(gn_snapshot_series(run->directory, "particles", run->world.step, times, error));
     if (!(run->world.effects & GN_FX_BONDS)) return GNEISS_OK;
-    return gn_snapshot_series(run->directory, "bonds", run->world.step, error);
+    return gn_snapshot_series(run->directory, "bonds", run->world.step, times, error);
 }
 
 /* --- results.h5
@@ -379,7 +380,7 @@ gneiss_status gn_output_results(const gn_run *run, gneiss_error *error) {
     if (status == GNEISS_OK && run->world.effects & GN_FX_BONDS)
         status = put_bonds(&run->world, &seen.bonds, file, error);
     gn_observed_free(&seen);
-    if (status == GNEISS_OK) return gn_h5_commit(file, error);
+    if (status == GNEISS_OK) return gn_h5_commit(file, GN_DURABLE, error);
     gn_h5_close(file);
     return status;
 }
@@ -455,7 +456,7 @@ gneiss_status gn_output_summary(const gn_run *run, gneiss_error *error) {
     char *text = gn_json_finish(j, true);
     if (!text) return gn_fail(error, GNEISS_ERROR_MEMORY, "no memory for summary.json");
     snprintf(path, sizeof path, "%s/summary.json", run->directory);
-    gneiss_status status = gn_write_text_file(path, text, error);
+    gneiss_status status = gn_write_text_file(path, text, GN_DURABLE, error);
     free(text);
     return status;
 }

@@ -239,6 +239,7 @@ gneiss_status gn_run_load(const char *path, const gn_override *overrides, size_t
 void gn_run_free(gn_run *run) {
     gn_world_free(&run->world);
     gn_history_free(&run->history);
+    gn_snapshot_times_free(&run->snapshot_times);
     if (run->folder_lock > 0) close(run->folder_lock);
     memset(run, 0, sizeof *run);
 }
@@ -246,10 +247,12 @@ void gn_run_free(gn_run *run) {
 /* --- running
  * ---------------------------------------------------------------------------------------- */
 
-static gneiss_status write_snapshots(const gn_run *run, gneiss_error *error) {
+static gneiss_status write_snapshots(gn_run *run, gneiss_error *error) {
     GN_TRY(gn_output_snapshot(run, "particles", "bonds", error));
     GN_TRY(gn_elements_snapshot(&run->world, run->directory, "elements", error));
     GN_TRY(gn_bodies_snapshot(&run->world, run->directory, "bodies", error));
+    const gn_world *w = &run->world;
+    GN_TRY(gn_snapshot_times_add(&run->snapshot_times, w->step, w->time, error));
     return gn_output_series(run, error);
 }
 

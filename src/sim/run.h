@@ -3,6 +3,7 @@
 #define GN_SIM_RUN_H
 
 #include "base/version.h"
+#include "io/snapshot.h"
 #include "sim/record.h"
 
 #include <signal.h>
@@ -19,6 +20,7 @@ typedef struct gn_run {
     double peak;               /* largest stress so far, Pa */
     bool finished;
     char stop_reason[256];
+    gn_snapshot_times snapshot_times; /* of the output folder */
     int folder_lock; /* descriptor that keeps other runs out of the folder; 0: none */
     char note[GNEISS_MESSAGE_SIZE]; /* of gn_run_resume: which checkpoint was damaged; "": none */
 } gn_run;
@@ -90,7 +92,7 @@ gneiss_status gn_checkpoint_load(const char *path, const gn_override *overrides,
 /* output.c */
 gneiss_status gn_output_snapshot(const gn_run *run, const char *particles_name,
                                  const char *bonds_name, gneiss_error *error);
-gneiss_status gn_output_series(const gn_run *run, gneiss_error *error);
+gneiss_status gn_output_series(gn_run *run, gneiss_error *error);
 gneiss_status gn_output_results(const gn_run *run, gneiss_error *error);
 gneiss_status gn_output_summary(const gn_run *run, gneiss_error *error);
 

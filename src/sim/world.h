@@ -24,7 +24,7 @@
     X(step_limit, "stability limit")                                                               \
     X(measure, "readings and history")                                                             \
     X(output, "snapshots, checkpoints, results")                                                   \
-    X(setup, "specimen, bonds, first lists")
+    X(setup, "specimen, bonds, first lists and limit")
 
 typedef enum gn_phase {
 #define X(name, text) GN_PHASE_##name,
