@@ -14,7 +14,9 @@ gneiss_status gn_deal_create(gn_deal *deal, int threads, gneiss_error *error) {
     deal->share = gn_alloc_array(n + 1, sizeof *deal->share);
     deal->busy = gn_alloc_array(n, sizeof *deal->busy);
     deal->mark = gn_alloc_array(n, sizeof *deal->mark);
-    bool held = deal->share && deal->busy && deal->mark;
+    deal->first = gn_alloc_array(n + 1, sizeof *deal->first);
+    deal->ticket = gn_alloc_array(n, sizeof *deal->ticket);
+    bool held = deal->share && deal->busy && deal->mark && deal->first && deal->ticket;
     for (int l = 0; l < GN_DEAL_LISTS; l++) {
         deal->cut[l] = gn_alloc_array(n + 1, sizeof *deal->cut[l]);
         held = held && deal->cut[l];
@@ -28,6 +30,8 @@ void gn_deal_free(gn_deal *deal) {
     gn_free(deal->share);
     gn_free(deal->busy);
     gn_free(deal->mark);
+    gn_free(deal->first);
+    gn_free(deal->ticket);
     for (int l = 0; l < GN_DEAL_LISTS; l++) gn_free(deal->cut[l]);
     gn_free(deal->owner);
     gn_free(deal->shared);
@@ -115,17 +119,38 @@ static int32_t holder(const gn_deal *deal, int l, int64_t b) {
     return low;
 }
 
-static int32_t owner_of(const gn_deal *deal, size_t p) {
-    int32_t owner = -1;
+/* The first and the last thread with items of a block of particles. */
+typedef struct span {
+    int32_t first, last;
+} span;
+
+static span threads_of(const gn_deal *deal, size_t p) {
+    span s = {deal->team, -1};
     for (int l = 0; l < GN_DEAL_LISTS; l++) {
         if (last_touch(&deal->list[l], p) < 0) continue;
         int32_t first = holder(deal, l, first_touch(&deal->list[l], p));
         int32_t last = holder(deal, l, last_touch(&deal->list[l], p));
-        if (first != last || (owner >= 0 && owner != first)) return -1;
-        owner = first;
+        if (first < s.first) s.first = first;
+        if (last > s.last) s.last = last;
     }
     /* Particles without any item go to all in equal parts. */
-    return owner >= 0 ? owner : (int32_t)(p * (size_t)deal->team / deal->particle_blocks);
+    if (s.last < 0) s.first = s.last = (int32_t)(p * (size_t)deal->team / deal->particle_blocks);
+    return s;
+}
+
+/* Blocks of particles with one thread get an owner, the others are listed by their last thread. */
+static void deal_out(gn_deal *deal) {
+    for (int t = 0; t <= deal->team; t++) deal->first[t] = 0;
+    for (size_t p = 0; p < deal->particle_blocks; p++) {
+        span s = threads_of(deal, p);
+        deal->owner[p] = s.first == s.last ? s.first : -1;
+        if (s.first != s.last) deal->first[s.last + 1]++;
+    }
+    for (int t = 0; t < deal->team; t++) deal->first[t + 1] += deal->first[t];
+    size_t next = 0;
+    for (int t = 0; t < deal->team; t++)
+        for (size_t p = 0; p < deal->particle_blocks && next < deal->first[t + 1]; p++)
+            if (deal->owner[p] < 0 && threads_of(deal, p).last == t) deal->shared[next++] = p;
 }
 
 int gn_deal_begin(gn_deal *deal) {
@@ -139,19 +164,20 @@ int gn_deal_begin(gn_deal *deal) {
         }
     if (same) return threads;
     deal->team = threads;
-    deal->shared_count = 0;
-    for (size_t p = 0; p < deal->particle_blocks; p++) {
-        deal->owner[p] = owner_of(deal, p);
-        if (deal->owner[p] < 0) deal->shared[deal->shared_count++] = p;
-    }
+    deal_out(deal);
     return threads;
 }
 
 /* --- a sweep
  * --------------------------------------------------------------------------------------------- */
 
-static int64_t stamped(int64_t sweep, size_t block) {
-    return (sweep << 24) + (int64_t)block;
+static int64_t stamped(int64_t sweep, size_t blocks) {
+    return (sweep << 24) + (int64_t)blocks;
+}
+
+/* Whether a thread works from the end of its share to the beginning. */
+static bool downwards(const gn_deal *deal, int t) {
+    return t % 2 == 0 && t + 1 < deal->team;
 }
 
 /* A thread in a sweep. */
@@ -159,17 +185,50 @@ typedef struct worker {
     gn_deal *deal;
     const gn_deal_work *work;
     void *context;
-    int me;
+    int me, pass;
     int64_t sweep;
-    size_t next[GN_DEAL_LISTS]; /* first block not yet done */
+    size_t done[GN_DEAL_LISTS]; /* blocks of its share */
 } worker;
 
-static void advance(worker *k, int l, size_t end) {
-    while (k->next[l] < end) {
-        k->work->items(k->context, l, k->next[l]++);
-        atomic_store_explicit(&k->deal->mark[k->me].done[l], stamped(k->sweep, k->next[l]),
+static size_t size_of_share(const gn_deal *deal, int l, int t) {
+    return deal->cut[l][t + 1] - deal->cut[l][t];
+}
+
+/* How many blocks of thread t's share have to be done until all of it that touches a block of
+ * particles is done. */
+static size_t needed(const gn_deal *deal, int l, int t, size_t p) {
+    const int64_t begin = (int64_t)deal->cut[l][t], end = (int64_t)deal->cut[l][t + 1];
+    const int64_t last = last_touch(&deal->list[l], p);
+    if (last < begin || begin == end) return 0;
+    const int64_t first = first_touch(&deal->list[l], p);
+    if (first >= end) return 0;
+    if (downwards(deal, t)) return (size_t)(end - (first > begin ? first : begin));
+    return (size_t)((last < end ? last + 1 : end) - begin);
+}
+
+static void advance(worker *k, int l, size_t wanted) {
+    const gn_deal *deal = k->deal;
+    const bool down = downwards(deal, k->me);
+    while (k->done[l] < wanted) {
+        size_t next = k->done[l]++;
+        k->work->items(k->context, l,
+                       down ? deal->cut[l][k->me + 1] - 1 - next : deal->cut[l][k->me] + next);
+        atomic_store_explicit(&deal->mark[k->me].done[l], stamped(k->sweep, k->done[l]),
                               memory_order_release);
     }
+}
+
+static void work_alone(worker *k) {
+    const gn_deal *deal = k->deal;
+    const size_t blocks = deal->particle_blocks;
+    const bool down = downwards(deal, k->me);
+    for (size_t b = 0; b < blocks; b++) {
+        const size_t p = down ? blocks - 1 - b : b;
+        if (deal->owner[p] != k->me) continue;
+        for (int l = 0; l < GN_DEAL_LISTS; l++) advance(k, l, needed(deal, l, k->me, p));
+        k->work->particles(k->context, p);
+    }
+    for (int l = 0; l < GN_DEAL_LISTS; l++) advance(k, l, size_of_share(deal, l, k->me));
 }
 
 /* Spins until `done` has come to `wanted`; returns the seconds lost. */
@@ -188,48 +247,48 @@ static double await(const _Atomic int64_t *done, int64_t wanted) {
 /* Until all items of a shared block of particles are done; returns the seconds lost. */
 static double await_items(const worker *k, size_t p) {
     const gn_deal *deal = k->deal;
+    const span s = threads_of(deal, p);
     double lost = 0.0;
-    for (int l = 0; l < GN_DEAL_LISTS; l++) {
-        const int64_t last = last_touch(&deal->list[l], p);
-        if (last < 0) continue;
-        const int end = holder(deal, l, last);
-        for (int t = holder(deal, l, first_touch(&deal->list[l], p)); t <= end; t++) {
-            const size_t past = t < end ? deal->cut[l][t + 1] : (size_t)last + 1;
-            /* A share may be empty: its thread has nothing to report. */
-            if (t != k->me && past > deal->cut[l][t])
-                lost += await(&deal->mark[t].done[l], stamped(k->sweep, past));
+    for (int l = 0; l < GN_DEAL_LISTS; l++)
+        for (int t = s.first; t <= s.last; t++) {
+            const size_t wanted = needed(deal, l, t, p);
+            if (t != k->me && wanted)
+                lost += await(&deal->mark[t].done[l], stamped(k->sweep, wanted));
+        }
+    return lost;
+}
+
+/* Every thread draws one ticket too many of every thread's. */
+static int64_t tickets(const gn_deal *deal, int t) {
+    return (int64_t)(deal->first[t + 1] - deal->first[t]) + deal->team;
+}
+
+static double work_on_shared(worker *k) {
+    gn_deal *deal = k->deal;
+    double lost = 0.0;
+    for (int turn = 0; turn < deal->team; turn++) {
+        const int t = (k->me + turn) % deal->team;
+        const int64_t ticket = deal->ticket[t] + k->pass * tickets(deal, t);
+        const int64_t count = (int64_t)(deal->first[t + 1] - deal->first[t]);
+        for (;;) {
+            int64_t drawn =
+                atomic_fetch_add_explicit(&deal->mark[t].drawn, 1, memory_order_relaxed) - ticket;
+            if (drawn >= count) break;
+            const size_t p = deal->shared[deal->first[t] + (size_t)drawn];
+            lost += await_items(k, p);
+            k->work->particles(k->context, p);
         }
     }
     return lost;
 }
 
-/* Every thread draws one ticket too many. */
-static double work_on_shared(worker *k, int pass) {
-    gn_deal *deal = k->deal;
-    const int64_t first = deal->first + pass * (int64_t)(deal->shared_count + (size_t)deal->team);
-    double lost = 0.0;
-    for (;;) {
-        int64_t ticket = atomic_fetch_add_explicit(&deal->drawn, 1, memory_order_relaxed) - first;
-        if (ticket >= (int64_t)deal->shared_count) return lost;
-        const size_t p = deal->shared[ticket];
-        lost += await_items(k, p);
-        k->work->particles(k->context, p);
-    }
-}
-
 void gn_deal_sweep(gn_deal *deal, int pass, const gn_deal_work *work, void *context) {
     worker k = {.deal = deal, .work = work, .context = context, .me = omp_get_thread_num()};
     const double start = gn_now();
+    k.pass = pass;
     k.sweep = deal->sweeps + pass + 1;
-    for (int l = 0; l < GN_DEAL_LISTS; l++) k.next[l] = deal->cut[l][k.me];
-    for (size_t p = 0; p < deal->particle_blocks; p++) {
-        if (deal->owner[p] != k.me) continue;
-        for (int l = 0; l < GN_DEAL_LISTS; l++)
-            advance(&k, l, (size_t)(last_touch(&deal->list[l], p) + 1));
-        work->particles(context, p);
-    }
-    for (int l = 0; l < GN_DEAL_LISTS; l++) advance(&k, l, deal->cut[l][k.me + 1]);
-    const double lost = work_on_shared(&k, pass);
+    work_alone(&k);
+    const double lost = work_on_shared(&k);
     deal->busy[k.me].seconds += gn_now() - start - lost;
 }
 
@@ -240,5 +299,5 @@ void gn_deal_end(gn_deal *deal, int sweeps, double seconds) {
     for (int t = 0; t < deal->team; t++) deal->busy[t].seconds = 0.0;
     gn_pace_note(&deal->pace, seconds, 1.0, 1.0 - busy / seconds);
     deal->sweeps += sweeps;
-    deal->first = atomic_load_explicit(&deal->drawn, memory_order_relaxed);
+    for (int t = 0; t < deal->team; t++) deal->ticket[t] += sweeps * tickets(deal, t);
 }

@@ -1,11 +1,17 @@
 /* Who of the threads works on what in one sweep over items (contacts of up to two lists, or finite
- * elements) and particles (or nodes). Blocks of items are worked on in order, each thread in a
- * share of its own of each list; a block of particles follows as soon as the last block of items
- * that reads or loads it is done, while its partial sums are in the cache. Blocks of particles
- * whose items belong to several threads are taken, one after the other, by whoever has done with
- * its own items, once the other threads have gone past the items that it takes: nobody waits at a
- * barrier in between, and whoever was faster takes more of them. All sums are kept per block (see
- * gn_partials) and merged in block order, so that no result depends on who does what and when. */
+ * elements) and particles (or nodes). Each thread has a share of its own of each list, whose blocks
+ * it works on in order; a block of particles follows as soon as the last block of items that reads
+ * or loads it is done, while its partial sums are in the cache.
+ *
+ * Blocks of particles whose items belong to several threads ("shared") come last. They go to the
+ * thread with the last of these items, because most of the others are its own as well (items are
+ * sorted by the first of their particles), and are worked on when the other threads have done
+ * theirs. So that this is soon, every second thread works from the end of its share to the
+ * beginning: it begins where it meets the next one. A thread that has nothing left takes shared
+ * blocks of the others.
+ *
+ * All sums are kept per block (see gn_partials) and merged in block order, so that no result
+ * depends on who does what and when. */
 #ifndef GN_NEIGH_DEAL_H
 #define GN_NEIGH_DEAL_H
 
@@ -25,7 +31,8 @@ typedef struct gn_deal_list {
 
 /* What a thread has done of each list; a cache line each. */
 typedef struct gn_deal_mark {
-    _Alignas(64) _Atomic int64_t done[GN_DEAL_LISTS]; /* sweep << 24 | first block not yet done */
+    _Alignas(64) _Atomic int64_t done[GN_DEAL_LISTS]; /* sweep << 24 | blocks of its share done */
+    _Atomic int64_t drawn; /* tickets for shared blocks that are its own, so far */
 } gn_deal_mark;
 
 typedef struct gn_deal {
@@ -38,12 +45,11 @@ typedef struct gn_deal {
     size_t *cut[GN_DEAL_LISTS]; /* [threads + 1] first block of a thread's share of a list */
     int team;                   /* threads of the present cuts; 0: to be planned anew */
     size_t particle_blocks;
-    int32_t *owner; /* [particle_blocks] the thread that has all items of these particles, or -1 */
-    size_t *shared; /* [shared_count] the blocks of particles without owner */
-    size_t shared_count;
-    int64_t sweeps;        /* so far */
-    _Atomic int64_t drawn; /* tickets for shared blocks, so far */
-    int64_t first;         /* ticket of the first shared block of the coming sweep */
+    int32_t *owner;  /* [particle_blocks] the thread that has all items of these particles, or -1 */
+    size_t *shared;  /* the blocks of particles without owner, by their threads */
+    size_t *first;   /* [threads + 1] of a thread's blocks in `shared` */
+    int64_t sweeps;  /* so far */
+    int64_t *ticket; /* [threads] of the first of these in the coming sweep */
 } gn_deal;
 
 /* The work on one block; `list` counts from 0. Called by any thread, with the context it brought.
