@@ -105,8 +105,9 @@ void gn_fem_sweep(gn_fem_body *body, double dt, bool measure) {
     static const gn_deal_work growth = {find_growth, find_pressures}, forces = {find_forces, move};
     work k = prepare(body, dt, measure);
     const double begin = gn_now();
-    const int threads = gn_deal_begin(&body->deal), sweeps = body->form == GN_FEM_MIXED ? 2 : 1;
-#pragma omp parallel num_threads(threads)
+    const int sweeps = body->form == GN_FEM_MIXED ? 2 : 1;
+    gn_deal_begin(&body->deal);
+#pragma omp parallel num_threads(body->deal.team)
     {
         if (sweeps == 2) {
             gn_deal_sweep(&body->deal, 0, &growth, &k);

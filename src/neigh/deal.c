@@ -153,7 +153,7 @@ static void deal_out(gn_deal *deal) {
             if (deal->owner[p] < 0 && threads_of(deal, p).last == t) deal->shared[next++] = p;
 }
 
-int gn_deal_begin(gn_deal *deal) {
+void gn_deal_begin(gn_deal *deal) {
     const int threads = gn_pace_threads(&deal->pace), lead = lead_of(deal);
     bool same = deal->team == threads;
     for (int l = 0; l < GN_DEAL_LISTS; l++)
@@ -162,10 +162,9 @@ int gn_deal_begin(gn_deal *deal) {
             same = same && cut == deal->cut[l][t];
             deal->cut[l][t] = cut;
         }
-    if (same) return threads;
+    if (same) return;
     deal->team = threads;
     deal_out(deal);
-    return threads;
 }
 
 /* --- a sweep

@@ -68,8 +68,8 @@ void gn_deal_free(gn_deal *deal);
 gneiss_status gn_deal_lists(gn_deal *deal, gn_deal_list one, gn_deal_list other,
                             size_t particle_blocks, gneiss_error *error);
 
-/* Decides about the coming round of one or more sweeps; returns its number of threads. */
-int gn_deal_begin(gn_deal *deal);
+/* Decides about the coming round of one or more sweeps, by deal->team threads. */
+void gn_deal_begin(gn_deal *deal);
 
 /* Sweep number `pass` of the round, called by every thread of a parallel region of that many; a
  * barrier has to stand between two. */

@@ -64,8 +64,8 @@ void gn_sweep(gn_world *w, const gn_contact_args *bonds, const gn_contact_args *
               const gn_motion_args *motion) {
     static const gn_deal_work blocks = {contacts, move};
     const double begin = gn_now();
-    const int threads = gn_deal_begin(&w->deal);
-#pragma omp parallel num_threads(threads)
+    gn_deal_begin(&w->deal);
+#pragma omp parallel num_threads(w->deal.team)
     {
         work k = {w, bonds, pairs, motion, .mark = gn_now()};
         k.books = omp_get_thread_num() == 0 && w->step % BOOKED == 0;
