@@ -251,8 +251,14 @@ def summarise(scene, runs):
     unit, references = SCENES[scene]
     speeds = {label: sorted(r["speed"] for r in results) for label, results in runs.items() if label != TO_FAILURE}
     middle = {label: statistics.median(s) for label, s in speeds.items()}
+
+    def times(label, reference):
+        """Median of the ratios within the turns: what slows the machine for minutes slows both."""
+        pairs = zip(runs[label], runs[reference])
+        return statistics.median(own["speed"] / other["speed"] for own, other in pairs)
+
     rows = [{"code": label, "items": runs[label][0]["items"], "median": middle[label], "least": s[0], "most": s[-1],
-             "times": {r: middle[label] / middle[r] for r in references if r in middle}}
+             "times": {r: times(label, r) for r in references if r in middle}}
             for label, s in speeds.items()]
     return {"scene": scene, "unit": f"{unit}-steps/s", "references": [r for r in references if r in middle],
             "rows": rows}
@@ -379,7 +385,7 @@ def main():
 
     versions = ", ".join([version] + [f"{code} {version_of(package)}" for code, (_, package) in CODES.items()
                                       if code not in missing])
-    conditions = (f"{datetime.date.today()}, {versions}, {cores} cores, medians of {options.repeats} turns; load "
+    conditions = (f"{datetime.date.today()}, {versions}, {cores} cores, medians of {options.repeats} turns (ratios: of those within a turn); load "
                   f"average {load_before:.1f} before and {load_after:.1f} after"
                   + (" (**the machine was shared with other work**)." if load_before > 0.5 * cores else "."))
     tables = [summarise(scene, runs[scene]) for scene in scenes]

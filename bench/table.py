@@ -2,6 +2,7 @@
 
 table.py STEPS.json STEPS.md [STEPS.csv]       medians as Markdown, and as rows of numbers; those of finite
                                                elements go to fem.md beside STEPS.md
+table.py --merge STEPS.json PART.json [...]    one file out of several of the same session
 table.py --update PAGE.md TABLE.md [TABLE.md]  puts tables into a page, between its lines
                                                <!-- begin NAME --> and <!-- end NAME -->
 """
@@ -187,6 +188,20 @@ def write_tables(source, target, rows=None):
             f.write("\n\n".join("\n".join(p) for p in tables if p) + "\n")
 
 
+def merge(target, parts):
+    """The conditions of the first, the results of all."""
+    merged = None
+    for part in parts:
+        with open(part, encoding="utf-8") as f:
+            results = json.load(f)
+        if merged is None:
+            merged = results
+        else:
+            merged["benchmarks"] += results["benchmarks"]
+    with open(target, "w", encoding="utf-8") as f:
+        json.dump(merged, f, indent=1)
+
+
 def update(page, tables):
     with open(page, encoding="utf-8") as f:
         text = f.read()
@@ -206,6 +221,8 @@ def update(page, tables):
 if __name__ == "__main__":
     if len(sys.argv) >= 4 and sys.argv[1] == "--update":
         update(sys.argv[2], sys.argv[3:])
+    elif len(sys.argv) >= 4 and sys.argv[1] == "--merge":
+        merge(sys.argv[2], sys.argv[3:])
     elif len(sys.argv) in (3, 4):
         write_tables(*sys.argv[1:])
     else:

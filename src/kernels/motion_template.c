@@ -87,10 +87,15 @@ GN_INLINE gn_v3 load_of(const block_load *sum, size_t k, int part, variant w) {
 
 /* Translation or rotation of GN_W particles. */
 typedef struct motion {
-    gn_v3 v, v_new;     /* velocity (spin) at the half steps before and after */
-    gn_v3 f, d;         /* force (moment) without background damping, and background damping */
-    gn_v inverse, mass; /* 1/m and m (inertia); both 0 for removed particles */
+    gn_v3 v, v_new; /* velocity (spin) at the half steps before and after */
+    gn_v3 f, d;     /* force (moment) without background damping, and background damping */
+    gn_v inverse;   /* 1/m (inertia); 0 for removed particles */
 } motion;
+
+/* m, 0 for removed particles; only where it is called for, as it takes a division. */
+GN_INLINE gn_v mass_of(const motion *q) {
+    return gn_keep(gn_less(gn_set(0.0), q->inverse), gn_set(1.0) / q->inverse);
+}
 
 GN_INLINE gn_v absolute(gn_v a) {
     return gn_max(a, gn_set(0.0) - a);
@@ -111,7 +116,8 @@ GN_INLINE void kick(const gn_motion_args *a, motion *q, double interval, int spa
         double half = 0.5 * a->damping * interval;
         gn_v3 kept = gn_scale(gn_set(1.0 - half), q->v, space);
         q->v_new = gn_scale(gn_set(1.0 / (1.0 + half)), gn_axpy(kept, rate, q->f, space), space);
-        q->d = gn_scale(gn_set(-0.5 * a->damping) * q->mass, gn_add(q->v, q->v_new, space), space);
+        q->d =
+            gn_scale(gn_set(-0.5 * a->damping) * mass_of(q), gn_add(q->v, q->v_new, space), space);
         return;
     }
     if (w.vector) {
@@ -136,7 +142,7 @@ GN_INLINE gn_v half_work(gn_v3 f, gn_v3 v, double dt, int space) {
 GN_INLINE gn_v kinetic(const gn_motion_args *a, const motion *q, int space) {
     gn_v3 before = q->v;
     if (!(a->dt_past > 0.0)) before = gn_sub(gn_scale(gn_set(2.0), q->v, space), q->v_new, space);
-    return gn_set(0.5) * q->mass * gn_dot(before, q->v_new, space);
+    return gn_set(0.5) * mass_of(q) * gn_dot(before, q->v_new, space);
 }
 
 /* Lane sums over a block. */
@@ -187,9 +193,12 @@ static gn_v3 pack(double in[3][GN_W]) {
     return (gn_v3){gn_load(in[0]), gn_load(in[1]), gn_load(in[2])};
 }
 
-/* Some of the lanes are prescribed. */
-static __attribute__((noinline)) void prescribe(const gn_motion_args *a, size_t p, int first,
-                                                double interval, motion *q, gn_motion_sums *s) {
+/* Some of the lanes are prescribed. By value: a motion whose address is known has to live in
+ * memory.
+ */
+static __attribute__((noinline)) motion prescribe(const gn_motion_args *a, size_t p, int first,
+                                                  double interval, motion m, gn_motion_sums *s) {
+    motion *q = &m;
     double v[3][GN_W], v_new[3][GN_W], f[3][GN_W], d[3][GN_W], inverse[GN_W];
     unpack(q->v, v);
     unpack(q->v_new, v_new);
@@ -203,6 +212,7 @@ static __attribute__((noinline)) void prescribe(const gn_motion_args *a, size_t 
     }
     q->v_new = pack(v_new);
     q->d = pack(d);
+    return m;
 }
 
 static bool any_prescribed(const gn_motion_args *a, size_t p) {
@@ -232,10 +242,6 @@ static void note_bad(const gn_motion_args *a, size_t p, unsigned bad, gn_motion_
             s->bad = (int64_t)p + lane;
 }
 
-GN_INLINE gn_v mass_of(gn_v inverse) {
-    return gn_keep(gn_less(gn_set(0.0), inverse), gn_set(1.0) / inverse);
-}
-
 /* Turns a quaternion by the spin over dt (first order in the angle, renormalised). */
 static void turn_orientation(double q[4], const double spin[3], double dt) {
     double x = 0.5 * dt * spin[0], y = 0.5 * dt * spin[1], z = 0.5 * dt * spin[2];
@@ -254,13 +260,12 @@ GN_INLINE void translate(const gn_motion_args *a, size_t p, const block_load *su
     load_rows(q->vel, p, v);
     motion m;
     m.inverse = v[3];
-    m.mass = mass_of(v[3]);
     m.v = (gn_v3){v[0], v[1], v[2]};
     m.f = load_of(sum, k, 0, w);
     gn_v3 weight = {gn_set(0.0), gn_set(0.0), gn_set(0.0)}, applied = weight;
     if (w.gravity) {
         gn_v3 g = {gn_set(a->gravity[0]), gn_set(a->gravity[1]), gn_set(a->gravity[2])};
-        weight = gn_scale(m.mass, g, 1);
+        weight = gn_scale(mass_of(&m), g, 1);
         m.f = gn_add(m.f, weight, 1);
     }
     if (q->applied) {
@@ -271,7 +276,7 @@ GN_INLINE void translate(const gn_motion_args *a, size_t p, const block_load *su
     }
     m.v_new = m.v;
     kick(a, &m, interval, 1, w);
-    if (prescribed) prescribe(a, p, 0, interval, &m, s);
+    if (prescribed) m = prescribe(a, p, 0, interval, m, s);
 
     if (w.energy) {
         book_loss(e->damping, a, &m);
@@ -309,12 +314,11 @@ GN_INLINE void rotate(const gn_motion_args *a, size_t p, const block_load *sum, 
     load_rows(q->spin, p, o);
     motion m;
     m.inverse = o[3];
-    m.mass = mass_of(o[3]);
     m.v = (gn_v3){o[0], o[1], o[2]};
     m.f = load_of(sum, k, 1, w);
     m.v_new = m.v;
     kick(a, &m, interval, 1, w);
-    if (prescribed) prescribe(a, p, 3, interval, &m, s);
+    if (prescribed) m = prescribe(a, p, 3, interval, m, s);
     if (w.energy) book_loss(e->damping, a, &m);
     if (a->measure) e->rotational = e->rotational + kinetic(a, &m, 1);
     gn_v spin[4] = {m.v_new.x, m.v_new.y, m.v_new.z, o[3]};

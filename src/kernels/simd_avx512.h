@@ -95,17 +95,13 @@ GN_INLINE void gn_store_rows4(double *rows, const gn_v in[4]) {
     gn_store_pairs(rows, 4, pairs);
 }
 
-/* Two halves of rows (0,2), (1,3), (4,6), (5,7) joined to whole rows. */
+/* Both halves of rows (0,2), (1,3), (4,6), (5,7): stores take what shuffles would have to join. */
 GN_INLINE void gn_store_rows8(double *rows, const gn_v in[8]) {
-    static const int first[4] = {0, 1, 4, 5};
     gn_v low[4], high[4];
     gn_columns_to_pairs(in, low);
     gn_columns_to_pairs(in + 4, high);
-    for (int k = 0; k < 4; k++) {
-        double *row = rows + 8 * first[k];
-        _mm512_storeu_pd(row, _mm512_shuffle_f64x2(low[k], high[k], 0x44));
-        _mm512_storeu_pd(row + 16, _mm512_shuffle_f64x2(low[k], high[k], 0xEE));
-    }
+    gn_store_pairs(rows, 8, low);
+    gn_store_pairs(rows + 4, 8, high);
 }
 
 GN_INLINE void gn_store_wide(double *p, gn_v a) {
