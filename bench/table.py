@@ -188,12 +188,21 @@ def write_tables(source, target, rows=None):
             f.write("\n\n".join("\n".join(p) for p in tables if p) + "\n")
 
 
+def place(entry):
+    """Threads, instruction set, cached before all: in turns they come in any order."""
+    words = entry["run_name"].split("/")
+    threads = next((int(w[8:]) for w in words if w.startswith("threads:")), 0)
+    sets = ["scalar", "avx2", "avx512"]
+    return threads, next((sets.index(w) for w in words if w in sets), -1), "all" in words
+
+
 def merge(target, parts):
     """The conditions of the first, the results of all."""
     merged = None
     for part in parts:
         with open(part, encoding="utf-8") as f:
             results = json.load(f)
+        results["benchmarks"].sort(key=place)
         if merged is None:
             merged = results
         else:
