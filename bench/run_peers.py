@@ -385,8 +385,8 @@ def main():
 
     versions = ", ".join([version] + [f"{code} {version_of(package)}" for code, (_, package) in CODES.items()
                                       if code not in missing])
-    conditions = (f"{datetime.date.today()}, {versions}, {cores} cores, medians of {options.repeats} turns (ratios: of those within a turn); load "
-                  f"average {load_before:.1f} before and {load_after:.1f} after"
+    conditions = (f"{datetime.date.today()}, {versions}, {cores} cores, medians of {options.repeats} turns "
+                  f"(ratios: of those within a turn); load average {load_before:.1f} before and {load_after:.1f} after"
                   + (" (**the machine was shared with other work**)." if load_before > 0.5 * cores else "."))
     tables = [summarise(scene, runs[scene]) for scene in scenes]
     failure = to_failure(runs.get("rock-a", {}))

@@ -2,7 +2,7 @@
 
 table.py STEPS.json STEPS.md [STEPS.csv]       medians as Markdown, and as rows of numbers; those of finite
                                                elements go to fem.md beside STEPS.md
-table.py --merge STEPS.json PART.json [...]    one file out of several of the same session
+table.py --merge STEPS.json PART.json [...]    one file out of several of one run
 table.py --update PAGE.md TABLE.md [TABLE.md]  puts tables into a page, between its lines
                                                <!-- begin NAME --> and <!-- end NAME -->
 """
@@ -188,7 +188,7 @@ def write_tables(source, target, rows=None):
             f.write("\n\n".join("\n".join(p) for p in tables if p) + "\n")
 
 
-def place(entry):
+def rank(entry):
     """Threads, instruction set, cached before all: in turns they come in any order."""
     words = entry["run_name"].split("/")
     threads = next((int(w[8:]) for w in words if w.startswith("threads:")), 0)
@@ -202,7 +202,7 @@ def merge(target, parts):
     for part in parts:
         with open(part, encoding="utf-8") as f:
             results = json.load(f)
-        results["benchmarks"].sort(key=place)
+        results["benchmarks"].sort(key=rank)
         if merged is None:
             merged = results
         else:

@@ -143,4 +143,12 @@ static inline double confined(const gn_fem_material *m) {
     return lame_lambda(m) + 2.0 * lame_mu(m);
 }
 
+/* Random velocities up to `speed` in every direction. */
+static inline void stir(gn_fem_body *body, double speed) {
+    uint64_t at = 3;
+    for (size_t n = 0; n < body->nodes.soa.count; n++)
+        for (int k = 0; k < body->dimension; k++)
+            body->nodes.vel[4 * n + (size_t)k] = speed * uniform(&at, -1.0, 1.0);
+}
+
 #endif

@@ -130,14 +130,6 @@ static void a_body_that_cannot_move_has_no_limit(void **state) {
     body_end(body);
 }
 
-/* Random velocities of a size at which the law is linear to the last digits. */
-static void stir(gn_fem_body *body, double speed) {
-    uint64_t at = 3;
-    for (size_t n = 0; n < body->nodes.soa.count; n++)
-        for (int k = 0; k < body->dimension; k++)
-            body->nodes.vel[4 * n + (size_t)k] = speed * uniform(&at, -1.0, 1.0);
-}
-
 static double fastest(const gn_fem_body *body) {
     double most = 0.0;
     for (size_t n = 0; n < body->nodes.soa.count; n++)

@@ -160,13 +160,6 @@ static void forces_of_a_turned_body_are_within_the_bound(void **state) {
 /* --- bits
  * -------------------------------------------------------------------------------------- */
 
-static void stir(gn_fem_body *body, double speed) {
-    uint64_t at = 3;
-    for (size_t n = 0; n < body->nodes.soa.count; n++)
-        for (int k = 0; k < body->dimension; k++)
-            body->nodes.vel[4 * n + (size_t)k] = speed * uniform(&at, -1.0, 1.0);
-}
-
 /* After some steps, every `measured`-th measured. */
 static uint64_t hash_after(gn_fem_body *body, int steps, int measured) {
     gn_fem_limit limit;

@@ -64,14 +64,9 @@ static void print_kernels(const gn_world *w) {
     gn_print_element_kernels(w);
 }
 
-static double nonviscous_share(const gn_world *w) {
-    bool active = w->effects & (GN_FX_NONVISCOUS_VECTOR | GN_FX_NONVISCOUS_COMPONENT);
-    return active ? 1.0 / sqrt(1.0 + w->scene.background_coefficient) : 1.0;
-}
-
 /* Why the step's limit lies below that of the springs that touch now. */
 static void print_lowered(const gn_world *w, double limit) {
-    double share = nonviscous_share(w), particles = w->stable_particles;
+    double share = gn_world_nonviscous_share(w), particles = w->stable_particles;
     if (particles < 0.999 * limit)
         printf("                   less %.3f for contacts that may form\n", particles / limit);
     if (w->elements) return;
@@ -108,9 +103,9 @@ static void print_step(const gn_world *w) {
            w->scene.step > 0.0 ? " (given)" : "", w->dt / w->stable, w->stable);
     if (w->scene.has_specimen) print_particle_limits(w);
     gn_print_element_limits(w);
-    if (w->elements && nonviscous_share(w) < 1.0)
+    if (w->elements && gn_world_nonviscous_share(w) < 1.0)
         printf("  less             %.3f for non-viscous damping, which stiffens the fastest mode\n",
-               nonviscous_share(w));
+               gn_world_nonviscous_share(w));
 }
 
 /* Seconds per step from a few steps of the real thing, none beyond its end. */

@@ -87,7 +87,6 @@ typedef struct gn_fem_body {
     gn_motion_sums *motion_sums;   /* per block of nodes */
     size_t motion_blocks;
 
-    /* Who works on what (sweep.c). */
     gn_deal deal; /* of steps among the threads */
 
     int64_t step;

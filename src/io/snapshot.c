@@ -126,9 +126,15 @@ gneiss_status gn_snapshot_write(const char *directory, const char *name,
 
 /* Where a step is, or would have to be put in. */
 static size_t place_of(const gn_snapshot_times *times, int64_t step) {
-    size_t at = times->count; /* mostly the last one */
-    while (at > 0 && times->step[at - 1] >= step) at--;
-    return at;
+    size_t low = 0, high = times->count;
+    while (low < high) {
+        size_t mid = (low + high) / 2;
+        if (times->step[mid] < step)
+            low = mid + 1;
+        else
+            high = mid;
+    }
+    return low;
 }
 
 gneiss_status gn_snapshot_times_add(gn_snapshot_times *times, int64_t step, double time,

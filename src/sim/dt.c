@@ -87,7 +87,7 @@ static double free_flight_limit(const gn_world *w) {
  * from step to step, the resultant always slows down: its stiffness is 1 + a times the undamped
  * one, and the limit falls by sqrt(1 + a). (Seen in practice: at 0.9 of the undamped limit and a =
  * 0.7 the kinetic energy 1/2 m v(-) v(+) turns negative and bonds break before any load.) */
-static double nonviscous_share(const gn_world *w) {
+double gn_world_nonviscous_share(const gn_world *w) {
     bool active = w->effects & (GN_FX_NONVISCOUS_VECTOR | GN_FX_NONVISCOUS_COMPONENT);
     return active ? 1.0 / sqrt(1.0 + w->scene.background_coefficient) : 1.0;
 }
@@ -124,7 +124,7 @@ static double usable_limit(gn_world *w) {
     double limit = w->scene.estimate == GN_STEP_BOUND ? w->limit.bound : w->limit.sharp;
     w->stable_particles =
         w->scene.has_specimen ? fmin(limit, free_flight_limit(w)) : (double)INFINITY;
-    return all_together(w, nonviscous_share(w));
+    return all_together(w, gn_world_nonviscous_share(w));
 }
 
 /* Only the rigorous bound, or Lanczos as well; the former leaves the sharp value unknown. */
@@ -144,7 +144,7 @@ static gneiss_status estimate(const gn_world *w, bool sharp, gn_step_limit *limi
  * below. */
 static bool bound_suffices(const gn_world *w, double bound) {
     if (w->scene.estimate == GN_STEP_BOUND) return true;
-    double limit = together(w, nonviscous_share(w) * fmin(bound, free_flight_limit(w)),
+    double limit = together(w, gn_world_nonviscous_share(w) * fmin(bound, free_flight_limit(w)),
                             limit_of(fmax(w->surface_rate, w->vertex_rate)));
     return w->scene.step > 0.0 && w->scene.step <= limit;
 }

@@ -159,6 +159,9 @@ gneiss_status gn_world_refresh_lists(gn_world *world, gneiss_error *error);
  * rigorous bound is above the step. */
 gneiss_status gn_world_check_step(gn_world *world, bool full, gneiss_error *error);
 
+/* What non-viscous damping leaves of the limit, 1 without it. */
+double gn_world_nonviscous_share(const gn_world *world);
+
 /* The lists with the forces of the present positions in their rows (velocities and tangential
  * forces of the last step): for output. The world is not changed; the copies are the caller's. */
 typedef struct gn_observed {
