@@ -396,8 +396,11 @@ static void forces_of_an_element_have_no_resultant_and_no_moment(void **state) {
                                                                               &none);
             for (int a = 0; a <= d; a++) {
                 const double *x = b.nodes.pos + 4 * (size_t)gn_elements_node(&b.elements, a)[e];
-                const double *f = b.sums.row + 4 * (size_t)b.sums.first[e / b.sums.length] +
-                                  b.sums.place[(size_t)(d + 1) * e + (size_t)a];
+                const uint16_t place = b.sums.place[(size_t)(d + 1) * e + (size_t)a];
+                const int32_t first = b.sums.first[e / b.sums.length];
+                assert_int_equal(b.sums.particle[first + place / 4],
+                                 gn_elements_node(&b.elements, a)[e]);
+                const double *f = b.sums.row + 4 * (size_t)first + place;
                 const double own[3] = {f[0], f[1], d == 3 ? f[2] : 0.0};
                 for (int k = 0; k < 3; k++) {
                     force[k] += own[k];

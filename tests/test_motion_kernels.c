@@ -139,9 +139,10 @@ static double *gathered(const herd *h, gn_effects effects) {
         bool *taken = calloc((size_t)q->first[q->blocks], sizeof *taken);
         for (size_t c = 0; c < 2 * LINKS; c++) {
             int32_t r = q->first[c / 2 / q->length] + q->place[c] / q->width;
+            int32_t p = c % 2 ? h->lists[l].j[c / 2] : h->lists[l].i[c / 2];
+            assert_int_equal(q->particle[r], p);
             if (taken[r]) continue;
             taken[r] = true;
-            int32_t p = c % 2 ? h->lists[l].j[c / 2] : h->lists[l].i[c / 2];
             const double *row = q->row + q->width * r;
             for (int a = 0; a < 2 + space; a++) f[6 * p + a] += row[a];
             if (!(effects & GN_FX_ROTATION)) continue;

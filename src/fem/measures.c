@@ -1,6 +1,7 @@
 /* Averages over the body, and how strain changes its stability limit: plain code. */
 #include "base/memory.h"
 #include "fem/parts.h"
+#include "neigh/pairs.h"
 
 #include <math.h>
 #include <string.h>
@@ -89,12 +90,9 @@ gneiss_status gn_fem_stiffening(const gn_fem_body *body, double *factor, gneiss_
 }
 
 size_t gn_fem_bytes(const gn_fem_body *body) {
-    const gn_partials *q = &body->partials;
-    size_t rows = q->blocks ? (size_t)q->first[q->blocks] : 0;
     return body->nodes.soa.capacity * gn_record_bytes(&gn_particle_record, body->effects) +
            body->elements.soa.capacity * gn_record_bytes(&gn_element_record, body->effects) +
-           rows * ((size_t)q->width * sizeof *q->row + sizeof *q->share) +
-           body->elements.soa.count * (size_t)(body->dimension + 1) * sizeof *q->place;
+           gn_partials_bytes(&body->partials, body->elements.soa.count, body->dimension + 1);
 }
 
 double gn_fem_volume_ratio(const gn_fem_body *body, size_t element) {

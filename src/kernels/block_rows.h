@@ -1,8 +1,10 @@
-/* The rows in which a block sums what its contacts or elements exert (see partials.h). */
+/* The rows of a block of contacts or elements: those that it reads of its particles, and those in
+ * which it sums what it exerts (see partials.h). */
 #ifndef GN_KERNELS_BLOCK_ROWS_H
 #define GN_KERNELS_BLOCK_ROWS_H
 
 #include "kernels/partials.h"
+#include "kernels/simd.h"
 
 #include <string.h>
 
@@ -13,6 +15,30 @@ static inline double *gn_clear_block_rows(const gn_partials *q, size_t begin, si
     size_t block = begin / q->length, first = (size_t)q->first[block];
     size_t rows = (size_t)q->first[block + 1] - first;
     return memset(row + width * first, 0, width * rows * sizeof *row);
+}
+
+/* The particles of a block that are still to be fetched. */
+typedef struct gn_block_particles {
+    const int32_t *next, *end;
+} gn_block_particles;
+
+/* Of the block that begins with item `begin`; none without partial sums. */
+static inline gn_block_particles gn_block_particles_of(const gn_partials *q, size_t begin) {
+    if (!q) return (gn_block_particles){NULL, NULL};
+    const int32_t *first = q->first + begin / q->length;
+    return (gn_block_particles){q->particle + first[0], q->particle + first[1]};
+}
+
+/* Has the next few of them brought into the caches, from `kinds` arrays of rows of four. Particles
+ * lie scattered, and the waits for them are what a core cannot look past. They are asked for once
+ * per block (not per contact), in the order of their first use and ahead of it: vectors name fewer
+ * new particles than are fetched for each. May run over the end by less than GN_LANES_MAX. */
+GN_INLINE void gn_fetch_ahead(gn_block_particles *ahead, const gn_real *const *rows, int kinds,
+                              int few) {
+    if (ahead->next >= ahead->end) return;
+    for (int k = 0; k < few; k++)
+        for (int r = 0; r < kinds; r++) __builtin_prefetch(rows[r] + 4 * (int64_t)ahead->next[k]);
+    ahead->next += few;
 }
 
 #endif

@@ -390,11 +390,14 @@ GN_INLINE void contact_core(const gn_contact_args *a, size_t begin, size_t end,
     const gn_partials *q = a->partials;
     const size_t width = (size_t)row_width(w);
     double *partial = q ? gn_clear_block_rows(q, begin, width, q->row) : NULL;
+    const gn_real *const read[3] = {COLUMN(a, pos), COLUMN(a, vel), COLUMN(a, spin)};
+    gn_block_particles ahead = gn_block_particles_of(q, begin);
     stage ring[RING];
     brief motion[2], rows[2];
     const size_t vectors = (end - begin + GN_W - 1) / GN_W;
     for (size_t v = 0; v < vectors + STAGES - 1; v++) {
         const size_t c = begin + v * GN_W;
+        gn_fetch_ahead(&ahead, read, 2 + (w.shear && w.rotation), (GN_W + 1) / 2);
         brief *even = &rows[v % 2], *odd = &rows[(v + 1) % 2];
         if (UNDER_WAY(5)) add_rows(a, c - 5 * GN_W, end, AT(5), odd, partial, w);
         if (UNDER_WAY(4)) find_forces(a, c - 4 * GN_W, end, AT(4), even, &e, sums, w);

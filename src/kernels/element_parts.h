@@ -15,6 +15,11 @@ GN_INLINE const int32_t *gn_node_column(const gn_elements *q, int n) {
     return n == 3 ? q->node3 : q->node + (size_t)n * q->soa.capacity;
 }
 
+/* How many nodes to fetch per vector: tetrahedra share more of them than triangles. */
+GN_INLINE int gn_nodes_ahead(int space) {
+    return space ? (GN_W + 1) / 2 : GN_W;
+}
+
 GN_INLINE gn_v gn_component(gn_v3 a, int k) {
     return k == 0 ? a.x : k == 1 ? a.y : a.z;
 }

@@ -104,9 +104,11 @@ GN_INLINE void resist(const gn_element_args *a, size_t e, state *t, gn_element_r
 
 GN_INLINE void element_core(const gn_element_args *a, size_t begin, size_t end, int space) {
     double *partial = gn_clear_block_rows(a->partials, begin, 4, a->partials->row);
+    gn_block_particles ahead = gn_block_particles_of(a->partials, begin);
     state t;
     gn_element_rows rows;
     for (size_t e = begin; e < end; e += GN_W) {
+        gn_fetch_ahead(&ahead, &a->travel, 1, gn_nodes_ahead(space));
         deform(a, e, &t, space);
         resist(a, e, &t, &rows, space);
         gn_add_element_rows(a, e, end, &rows, partial, space);

@@ -253,6 +253,7 @@ GN_INLINE void element_core(const gn_element_args *a, size_t begin, size_t end,
                             gn_element_sums *sums, variant w) {
     double *partial = gn_clear_block_rows(a->partials, begin, 4, a->partials->row), *slopes = NULL;
     if (w.mixed && w.space) slopes = gn_clear_block_rows(a->partials, begin, 2, a->slope_row);
+    gn_block_particles ahead = gn_block_particles_of(a->partials, begin);
     lane_sums s = no_sums();
     state ring[2];
     gn_element_rows rows[2];
@@ -260,12 +261,14 @@ GN_INLINE void element_core(const gn_element_args *a, size_t begin, size_t end,
     const bool staged = w.space && !w.mixed;
     for (size_t v = 0; !staged && v < vectors; v++) {
         const size_t e = begin + v * GN_W;
+        gn_fetch_ahead(&ahead, &a->pos, 1, gn_nodes_ahead(w.space));
         deform(a, e, &ring[0], w);
         resist(a, e, end, &ring[0], &rows[0], slopes, &s, w);
         gn_add_element_rows(a, e, end, &rows[0], partial, w.space);
     }
     for (size_t v = 0; staged && v < vectors + 2; v++) {
         const size_t e = begin + v * GN_W;
+        gn_fetch_ahead(&ahead, &a->pos, 1, gn_nodes_ahead(w.space));
         state *before = &ring[(v + 1) % 2];
         gn_element_rows *out = &rows[(v + 1) % 2];
         if (v >= 2) gn_add_element_rows(a, e - 2 * GN_W, end, &rows[v % 2], partial, w.space);
@@ -353,16 +356,20 @@ GN_INLINE void add_dilation(const gn_dilation_args *a, size_t e, size_t end,
 /* In three stages for tetrahedra, as element_core. */
 GN_INLINE void dilation_core(const gn_dilation_args *a, size_t begin, size_t end, int space) {
     double *sums = gn_clear_block_rows(a->partials, begin, 2, a->row);
+    const double *const read[2] = {a->place, a->smooth};
+    gn_block_particles ahead = gn_block_particles_of(a->partials, begin);
     dilation found[2];
     dilation_rows rows[2];
     const size_t vectors = (end - begin + GN_W - 1) / GN_W;
     for (size_t v = 0; !space && v < vectors; v++) {
+        gn_fetch_ahead(&ahead, read, 2, gn_nodes_ahead(0));
         found[0] = find_dilation(a, begin + v * GN_W, 0);
         write_dilation(&found[0], &rows[0]);
         add_dilation(a, begin + v * GN_W, end, &rows[0], sums, 0);
     }
     for (size_t v = 0; space && v < vectors + 2; v++) {
         const size_t e = begin + v * GN_W;
+        gn_fetch_ahead(&ahead, read, 2, gn_nodes_ahead(1));
         if (v >= 2) add_dilation(a, e - 2 * GN_W, end, &rows[v % 2], sums, 1);
         if (v >= 1 && v < vectors + 1) write_dilation(&found[(v - 1) % 2], &rows[(v - 1) % 2]);
         if (v < vectors) found[v % 2] = find_dilation(a, e, 1);

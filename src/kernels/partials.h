@@ -29,6 +29,8 @@ typedef struct gn_partials {
     int width;
     size_t blocks, length; /* contacts per block, a multiple of GN_LANES_MAX */
     int32_t *first;        /* [blocks + 1] first row of a block */
+    int32_t *particle;     /* [first[blocks] + GN_LANES_MAX] whose row it is, in the order in which
+                              the block names them: what it will read next */
     uint16_t *place; /* [contacts][2] where the rows of a contact's two particles begin, in doubles
                         from the block's first row; elements: [elements][nodes of an element] */
     double *row;     /* [first[blocks]][width] */

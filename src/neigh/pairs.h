@@ -43,4 +43,7 @@ gneiss_status gn_element_partials_build(const gn_elements *elements, size_t node
                                         gn_partials *partials, gneiss_error *error);
 void gn_partials_free(gn_partials *partials);
 
+/* Of so many items with so many particles each. */
+size_t gn_partials_bytes(const gn_partials *partials, size_t items, int members);
+
 #endif

@@ -1,6 +1,8 @@
 #include "base/memory.h"
 #include "neigh/pairs.h"
 
+#include <string.h>
+
 /* Things with two to four particles each, of width 8 only with two. */
 typedef struct partial_items {
     const char *name; /* for messages */
@@ -72,6 +74,13 @@ static bool number_blocks(const partial_items *items, size_t particles, int thre
     return held;
 }
 
+/* Beyond the last row: particle 0. */
+static void name_rows(const numbering *n, size_t members, gn_partials *q) {
+    int32_t *next = q->particle;
+    for (size_t b = 0; b < q->blocks; next += n->count[b++])
+        memcpy(next, n->particle + b * members * q->length, (size_t)n->count[b] * sizeof *next);
+}
+
 static bool make_touched(size_t particle_blocks, gn_partials *q) {
     for (int end = 0; end < 2; end++) {
         q->touched[end] = gn_alloc_array(particle_blocks + 1, sizeof *q->touched[end]);
@@ -139,7 +148,9 @@ static gneiss_status build_items(const partial_items *items, size_t particle_cou
     if (held) {
         for (size_t b = 0; b < blocks; b++) q->first[b + 1] = q->first[b] + n.count[b];
         q->row = gn_alloc_array((size_t)q->first[blocks] + 1, (size_t)q->width * sizeof *q->row);
-        held = q->row && sort_shares(&n, members, particle_count, q);
+        q->particle = gn_alloc_array((size_t)q->first[blocks] + GN_LANES_MAX, sizeof *q->particle);
+        held = q->row && q->particle && sort_shares(&n, members, particle_count, q);
+        if (held) name_rows(&n, members, q);
     }
     gn_free(n.particle);
     gn_free(n.count);
@@ -169,11 +180,18 @@ gneiss_status gn_element_partials_build(const gn_elements *elements, size_t node
     return build_items(&items, node_count, threads, partials, error);
 }
 
+size_t gn_partials_bytes(const gn_partials *q, size_t items, int members) {
+    if (!q->blocks) return 0;
+    size_t row = (size_t)q->width * sizeof *q->row + sizeof *q->share + sizeof *q->particle;
+    return (size_t)q->first[q->blocks] * row + items * (size_t)members * sizeof *q->place;
+}
+
 void gn_partials_free(gn_partials *partials) {
     gn_partials *q = partials;
     gn_free(q->first);
     gn_free(q->place);
     gn_free(q->row);
+    gn_free(q->particle);
     gn_free(q->start);
     gn_free(q->share);
     gn_free(q->touched[0]);

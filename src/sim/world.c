@@ -328,11 +328,8 @@ uint64_t gn_world_hash(const gn_world *w) {
 }
 
 static size_t list_bytes(const gn_contacts *list, const gn_partials *q) {
-    size_t bytes = list->soa.capacity * gn_record_bytes(&gn_contact_record, list->soa.effects);
-    if (!q->blocks) return bytes;
-    size_t rows = (size_t)q->first[q->blocks];
-    bytes += rows * ((size_t)q->width * sizeof *q->row + sizeof *q->share);
-    return bytes + list->soa.count * 2 * sizeof *q->place;
+    return list->soa.capacity * gn_record_bytes(&gn_contact_record, list->soa.effects) +
+           gn_partials_bytes(q, list->soa.count, 2);
 }
 
 size_t gn_world_bytes(const gn_world *w) {
