@@ -180,7 +180,8 @@ gneiss_status gn_element_partials_build(const gn_elements *elements, size_t node
     return build_items(&items, node_count, threads, partials, error);
 }
 
-size_t gn_partials_bytes(const gn_partials *q, size_t items, int members) {
+size_t gn_partials_bytes(const gn_partials *partials, size_t items, int members) {
+    const gn_partials *q = partials;
     if (!q->blocks) return 0;
     size_t row = (size_t)q->width * sizeof *q->row + sizeof *q->share + sizeof *q->particle;
     return (size_t)q->first[q->blocks] * row + items * (size_t)members * sizeof *q->place;
