@@ -31,8 +31,9 @@ static inline gn_block_particles gn_block_particles_of(const gn_partials *q, siz
 
 /* Has the next few of them brought into the caches, from `kinds` arrays of rows of four. Particles
  * lie scattered, and the waits for them are what a core cannot look past. They are asked for once
- * per block (not per contact), in the order of their first use and ahead of it: vectors name fewer
- * new particles than are fetched for each. May run over the end by less than GN_LANES_MAX. */
+ * per block (not per contact), in the order of their first use and ahead of it: vectors mostly
+ * name fewer new particles than are fetched for each. May run over the end by less than
+ * GN_LANES_MAX. */
 GN_INLINE void gn_fetch_ahead(gn_block_particles *ahead, const gn_real *const *rows, int kinds,
                               int few) {
     if (ahead->next >= ahead->end) return;

@@ -98,24 +98,23 @@ static void touch(gn_partials *q, int32_t particle, size_t contact_block) {
 }
 
 /* Shares sorted by particle (counting sort, stable: rows of a particle stay in block order). */
-static bool sort_shares(const numbering *n, size_t members, size_t particles, gn_partials *q) {
-    const size_t most = members * q->length; /* rows of a block */
+static bool sort_shares(size_t particles, gn_partials *q) {
+    const int32_t rows = q->first[q->blocks];
     size_t particle_blocks = (particles + GN_PARTICLE_BLOCK - 1) / GN_PARTICLE_BLOCK;
     int32_t *next = gn_alloc_array(particles + 2, sizeof *next);
     q->start = gn_alloc_array(particle_blocks + 1, sizeof *q->start);
-    q->share = gn_alloc_array((size_t)q->first[q->blocks] + 1, sizeof *q->share);
+    q->share = gn_alloc_array((size_t)rows + 1, sizeof *q->share);
     bool held = next && q->start && q->share && make_touched(particle_blocks, q);
-    for (size_t b = 0; held && b < q->blocks; b++)
-        for (int32_t k = 0; k < n->count[b]; k++) next[n->particle[b * most + (size_t)k] + 1]++;
+    for (int32_t r = 0; held && r < rows; r++) next[q->particle[r] + 1]++;
     for (size_t p = 1; held && p <= particles; p++) next[p] += next[p - 1];
     for (size_t b = 0; held && b <= particle_blocks; b++) {
         size_t p = b * GN_PARTICLE_BLOCK;
         q->start[b] = next[p < particles ? p : particles];
     }
     for (size_t b = 0; held && b < q->blocks; b++)
-        for (int32_t k = 0; k < n->count[b]; k++) {
-            int32_t p = n->particle[b * most + (size_t)k];
-            q->share[next[p]++] = (gn_share){p, q->first[b] + k};
+        for (int32_t r = q->first[b]; r < q->first[b + 1]; r++) {
+            int32_t p = q->particle[r];
+            q->share[next[p]++] = (gn_share){p, r};
             touch(q, p, b);
         }
     gn_free(next);
@@ -149,8 +148,8 @@ static gneiss_status build_items(const partial_items *items, size_t particle_cou
         for (size_t b = 0; b < blocks; b++) q->first[b + 1] = q->first[b] + n.count[b];
         q->row = gn_alloc_array((size_t)q->first[blocks] + 1, (size_t)q->width * sizeof *q->row);
         q->particle = gn_alloc_array((size_t)q->first[blocks] + GN_LANES_MAX, sizeof *q->particle);
-        held = q->row && q->particle && sort_shares(&n, members, particle_count, q);
-        if (held) name_rows(&n, members, q);
+        if (q->particle) name_rows(&n, members, q);
+        held = q->row && q->particle && sort_shares(particle_count, q);
     }
     gn_free(n.particle);
     gn_free(n.count);
