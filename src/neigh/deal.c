@@ -174,11 +174,6 @@ static int64_t stamped(int64_t sweep, size_t blocks) {
     return (sweep << 24) + (int64_t)blocks;
 }
 
-/* Whether a thread works from the end of its share to the beginning. */
-static bool downwards(const gn_deal *deal, int t) {
-    return t % 2 == 0 && t + 1 < deal->team;
-}
-
 /* A thread in a sweep. */
 typedef struct worker {
     gn_deal *deal;
@@ -199,19 +194,14 @@ static size_t needed(const gn_deal *deal, int l, int t, size_t p) {
     const int64_t begin = (int64_t)deal->cut[l][t], end = (int64_t)deal->cut[l][t + 1];
     const int64_t last = last_touch(&deal->list[l], p);
     if (last < begin || begin == end) return 0;
-    const int64_t first = first_touch(&deal->list[l], p);
-    if (first >= end) return 0;
-    if (downwards(deal, t)) return (size_t)(end - (first > begin ? first : begin));
+    if (first_touch(&deal->list[l], p) >= end) return 0;
     return (size_t)((last < end ? last + 1 : end) - begin);
 }
 
 static void advance(worker *k, int l, size_t wanted) {
     const gn_deal *deal = k->deal;
-    const bool down = downwards(deal, k->me);
     while (k->done[l] < wanted) {
-        size_t next = k->done[l]++;
-        k->work->items(k->context, l,
-                       down ? deal->cut[l][k->me + 1] - 1 - next : deal->cut[l][k->me] + next);
+        k->work->items(k->context, l, deal->cut[l][k->me] + k->done[l]++);
         atomic_store_explicit(&deal->mark[k->me].done[l], stamped(k->sweep, k->done[l]),
                               memory_order_release);
     }
@@ -219,10 +209,7 @@ static void advance(worker *k, int l, size_t wanted) {
 
 static void work_alone(worker *k) {
     const gn_deal *deal = k->deal;
-    const size_t blocks = deal->particle_blocks;
-    const bool down = downwards(deal, k->me);
-    for (size_t b = 0; b < blocks; b++) {
-        const size_t p = down ? blocks - 1 - b : b;
+    for (size_t p = 0; p < deal->particle_blocks; p++) {
         if (deal->owner[p] != k->me) continue;
         for (int l = 0; l < GN_DEAL_LISTS; l++) advance(k, l, needed(deal, l, k->me, p));
         k->work->particles(k->context, p);

@@ -3,11 +3,13 @@
  * it works on in order; a block of particles follows as soon as the last block of items that reads
  * or loads it is done, while its partial sums are in the cache.
  *
+ * Items lie with the first of their particles, so that all but those of a particle with earlier
+ * ones come just before it moves: working in the order of the list, a thread leaves few particles
+ * waiting, and rows and partial sums are in its cache when they are called for.
+ *
  * Blocks of particles whose items belong to several threads ("shared") come last. They go to the
- * thread with the last of these items, because most of the others are its own as well (items are
- * sorted by the first of their particles), and are worked on when the other threads have done
- * theirs. So that this is soon, every second thread works from the end of its share to the
- * beginning: it begins where it meets the next one. A thread that has nothing left takes shared
+ * thread with the last of these items, because most of the others are its own as well, and are
+ * worked on when the other threads have done theirs. A thread that has nothing left takes shared
  * blocks of the others.
  *
  * All sums are kept per block (see gn_partials) and merged in block order, so that no result
