@@ -192,7 +192,7 @@ void bench_world_contact_traffic(const bench_world *b, size_t *read, size_t *wri
                    width(k->fd, 8) + width(k->fd_f, 4);
     /* a row is cleared, and then read and written by the contacts of its block from the cache */
     size_t count = q->blocks ? (size_t)q->first[q->blocks] : 0;
-    size_t rows = count * (size_t)q->width * sizeof *q->row, named = count * sizeof *q->particle;
+    size_t rows = count * gn_partials_row_bytes(q), named = count * sizeof *q->particle;
     *read = 2 * sizeof *k->i + 2 * sizeof *q->place + state + (rows + named) / k->soa.count +
             parameters(k, bonds_are_more(w) ? &w->bond_uniform : &w->pair_uniform);
     *written = state + rows / k->soa.count;

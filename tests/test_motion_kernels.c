@@ -1,5 +1,6 @@
 /* The motion kernels: every variant of every instruction set against the scalar one, and the scalar
  * one against the formulas written down anew in plain doubles. */
+#include "partials_help.h"
 #include "world_helpers.h"
 
 enum { PARTICLES = 2 * GN_PARTICLE_BLOCK + 93, LINKS = 9 * PARTICLES, SUPPORTS = PARTICLES / 3 };
@@ -27,7 +28,8 @@ static void make_list(gn_contacts *k, gn_partials *sums, gn_effects effects, uin
     assert_true(sums->blocks > 1);
     for (int32_t r = 0; r < sums->first[sums->blocks]; r++)
         for (int a = 0; a < sums->width; a++)
-            sums->row[sums->width * r + a] = a % 4 < 3 ? uniform(at, -3.0, 3.0) : 0.0;
+            set_partial_sum(sums, (size_t)(sums->width * r + a),
+                            a % 4 < 3 ? uniform(at, -3.0, 3.0) : 0.0);
 }
 
 static void make_supports(herd *h, gn_effects effects, uint64_t *at) {
@@ -79,7 +81,8 @@ static herd make_herd(gn_effects effects, double dt_past, uint64_t seed) {
     h.prescribed.load = calloc(PARTICLES, 6 * sizeof(double));
     for (size_t p = 0; p < PARTICLES; p++) make_particle(&h, p, effects & GN_FX_SPACE ? 1 : 0, &at);
     gn_particles_set_null(&h.p, 1.0);
-    for (int k = 0; k < 2; k++) make_list(&h.lists[k], &h.sums[k], effects, &at);
+    make_list(&h.lists[0], &h.sums[0], effects, &at);
+    make_list(&h.lists[1], &h.sums[1], effects | GN_FX_MIXED, &at); /* rows in single precision */
     make_supports(&h, effects, &at);
     h.args = (gn_motion_args){.dt_past = dt_past,
                               .dt = 1e-6,
@@ -143,7 +146,8 @@ static double *gathered(const herd *h, gn_effects effects) {
             assert_int_equal(q->particle[r], p);
             if (taken[r]) continue;
             taken[r] = true;
-            const double *row = q->row + q->width * r;
+            double row[8] = {0};
+            for (int a = 0; a < q->width; a++) row[a] = partial_sum(q, (size_t)(q->width * r + a));
             for (int a = 0; a < 2 + space; a++) f[6 * p + a] += row[a];
             if (!(effects & GN_FX_ROTATION)) continue;
             for (int a = 0; space && a < 3; a++) f[6 * p + 3 + a] += row[4 + a];

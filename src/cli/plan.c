@@ -25,8 +25,8 @@ static void print_record(const gn_record *record, const char *name, gn_effects e
 /* How forces reach the particles, and which parameters are not streamed. */
 static void print_sums(const char *name, const gn_partials *q, const gn_uniform *same) {
     if (!q->blocks) return;
-    printf("  forces of %-8s %10d rows of %d bytes, in %zu blocks of %zu contacts", name,
-           q->first[q->blocks], 8 * q->width, q->blocks, q->length);
+    printf("  forces of %-8s %10d rows of %zu bytes, in %zu blocks of %zu contacts", name,
+           q->first[q->blocks], gn_partials_row_bytes(q), q->blocks, q->length);
     printf("; the same for all:%s%s%s%s%s\n", same->kn ? " kn" : "", same->kt ? " kt" : "",
            same->mu ? " mu" : "", same->cn ? " cn" : "",
            same->kn || same->kt || same->mu || same->cn ? "" : " nothing");

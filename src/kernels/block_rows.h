@@ -8,13 +8,13 @@
 
 #include <string.h>
 
-/* Those of the block that begins with item `begin`, zeroed. `row`: rows of all blocks, of `width`.
- */
-static inline double *gn_clear_block_rows(const gn_partials *q, size_t begin, size_t width,
-                                          double *row) {
+/* Those of the block that begins with item `begin`, zeroed. `row`: rows of all blocks, of so many
+ * bytes each. */
+static inline void *gn_clear_block_rows(const gn_partials *q, size_t begin, size_t bytes,
+                                        void *row) {
     size_t block = begin / q->length, first = (size_t)q->first[block];
     size_t rows = (size_t)q->first[block + 1] - first;
-    return memset(row + width * first, 0, width * rows * sizeof *row);
+    return memset((char *)row + bytes * first, 0, bytes * rows);
 }
 
 /* The particles of a block that are still to be fetched. */

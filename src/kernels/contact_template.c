@@ -50,9 +50,6 @@ typedef struct stage {
     pair_geometry geometry;
     gn_v speed;          /* see pair_motion */
     gn_v3 before, trial; /* see contact_state */
-#if GN_MIXED
-    double wide_arm[2][GN_W]; /* arms as the sums take them */
-#endif
 } stage;
 
 /* What only the next stage reads. */
@@ -60,15 +57,6 @@ typedef union brief {
     pair_motion motion;
     _Alignas(64) gn_real row[8 * GN_W]; /* force on i, 0, n x F_t, 0 (width 4: see gn_partials) */
 } brief;
-
-/* Arms of the lanes as doubles: 0 of the first particles, 1 of the second. */
-GN_INLINE const double *wide_arm(const stage *g, int end) {
-#if GN_MIXED
-    return g->wide_arm[end];
-#else
-    return (const double *)(end ? &g->geometry.arm_j : &g->geometry.arm_i);
-#endif
-}
 
 #if !GN_MIXED
 GN_INLINE gn_v3 nearest_image(gn_v3 d, const double *period, const double *inverse, int space) {
@@ -134,10 +122,6 @@ GN_INLINE void find_normal(const gn_contact_args *a, stage *g, variant w) {
         gn_v half = gn_set(a->arm_factor) * (distance - (s->arm_i + s->arm_j));
         s->arm_i = s->arm_i + half;
         s->arm_j = s->arm_j + half;
-#if GN_MIXED
-        gn_store_wide(g->wide_arm[0], s->arm_i);
-        gn_store_wide(g->wide_arm[1], s->arm_j);
-#endif
     }
 }
 
@@ -358,7 +342,7 @@ GN_INLINE void find_forces(const gn_contact_args *a, size_t c, size_t end, const
 /* Adds the rows of a vector, of contacts from c on. The force has opposite signs for the two
  * particles; the moment has the same sign, because arm and force both turn round. */
 GN_INLINE void add_rows(const gn_contact_args *a, size_t c, size_t end, const stage *g,
-                        const brief *from, double *sums, variant w) {
+                        const brief *from, gn_real *sums, variant w) {
     size_t width = (size_t)row_width(w), count = end - c < GN_W ? end - c : GN_W;
 #if !GN_MIXED /* output looks at contacts in double */
     double *rows = gn_contacts_row(a->contacts);
@@ -366,10 +350,11 @@ GN_INLINE void add_rows(const gn_contact_args *a, size_t c, size_t end, const st
 #endif
     if (!sums) return;
     const uint16_t *place = a->partials->place + 2 * c;
-    const double *arm_i = wide_arm(g, 0), *arm_j = wide_arm(g, 1);
+    const gn_real *arm_i = (const gn_real *)&g->geometry.arm_i;
+    const gn_real *arm_j = (const gn_real *)&g->geometry.arm_j;
     for (size_t k = 0; k < count; k++) {
         const gn_real *row = from->row + width * k;
-        double *i = sums + place[2 * k], *j = sums + place[2 * k + 1];
+        gn_real *i = sums + place[2 * k], *j = sums + place[2 * k + 1];
         if (w.space && w.rotation)
             gn_add_row8(i, j, row, arm_i + k, arm_j + k, w.shear);
         else
@@ -389,7 +374,8 @@ GN_INLINE void contact_core(const gn_contact_args *a, size_t begin, size_t end,
     for (int k = 0; k < 9; k++) e.stress[k] = zero;
     const gn_partials *q = a->partials;
     const size_t width = (size_t)row_width(w);
-    double *partial = q ? gn_clear_block_rows(q, begin, width, q->row) : NULL;
+    gn_real *partial = NULL;
+    if (q) partial = gn_clear_block_rows(q, begin, width * sizeof *partial, COLUMN(q, row));
     const gn_real *const read[3] = {COLUMN(a, pos), COLUMN(a, vel), COLUMN(a, spin)};
     gn_block_particles ahead = gn_block_particles_of(q, begin);
     stage ring[RING];

@@ -103,7 +103,7 @@ GN_INLINE void resist(const gn_element_args *a, size_t e, state *t, gn_element_r
 }
 
 GN_INLINE void element_core(const gn_element_args *a, size_t begin, size_t end, int space) {
-    double *partial = gn_clear_block_rows(a->partials, begin, 4, a->partials->row);
+    double *partial = gn_clear_block_rows(a->partials, begin, 4 * sizeof(double), a->partials->row);
     gn_block_particles ahead = gn_block_particles_of(a->partials, begin);
     state t;
     gn_element_rows rows;

@@ -251,8 +251,10 @@ GN_INLINE void resist(const gn_element_args *a, size_t e, size_t end, state *t,
  * contact_template.c). The others gain nothing by it. */
 GN_INLINE void element_core(const gn_element_args *a, size_t begin, size_t end,
                             gn_element_sums *sums, variant w) {
-    double *partial = gn_clear_block_rows(a->partials, begin, 4, a->partials->row), *slopes = NULL;
-    if (w.mixed && w.space) slopes = gn_clear_block_rows(a->partials, begin, 2, a->slope_row);
+    double *partial = gn_clear_block_rows(a->partials, begin, 4 * sizeof(double), a->partials->row),
+           *slopes = NULL;
+    if (w.mixed && w.space)
+        slopes = gn_clear_block_rows(a->partials, begin, 2 * sizeof(double), a->slope_row);
     gn_block_particles ahead = gn_block_particles_of(a->partials, begin);
     lane_sums s = no_sums();
     state ring[2];
@@ -355,7 +357,7 @@ GN_INLINE void add_dilation(const gn_dilation_args *a, size_t e, size_t end,
 
 /* In three stages for tetrahedra, as element_core. */
 GN_INLINE void dilation_core(const gn_dilation_args *a, size_t begin, size_t end, int space) {
-    double *sums = gn_clear_block_rows(a->partials, begin, 2, a->row);
+    double *sums = gn_clear_block_rows(a->partials, begin, 2 * sizeof(double), a->row);
     const double *const read[2] = {a->place, a->smooth};
     gn_block_particles ahead = gn_block_particles_of(a->partials, begin);
     dilation found[2];

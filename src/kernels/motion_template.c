@@ -24,23 +24,40 @@ GN_INLINE int row_width(variant w) {
     return gn_row_width(w.space, w.rotation);
 }
 
-/* A row of four doubles in a register. */
-typedef double half_row __attribute__((vector_size(32), aligned(8)));
-typedef double whole_row __attribute__((vector_size(64), aligned(8)));
+/* A row in a register. */
+typedef double row4 __attribute__((vector_size(32), aligned(8)));
+typedef double row8 __attribute__((vector_size(64), aligned(8)));
+typedef float row4_f __attribute__((vector_size(16), aligned(4)));
+typedef float row8_f __attribute__((vector_size(32), aligned(4)));
+
+/* Sums are in double also when rows are not. */
+GN_INLINE void add_row(const gn_partials *from, int64_t row, int single, double *to, variant w) {
+    const bool wide = w.space && w.rotation;
+    if (wide && single)
+        *(row8 *)to += __builtin_convertvector(*(const row8_f *)(from->row_f + 8 * row), row8);
+    else if (wide)
+        *(row8 *)to += *(const row8 *)(from->row + 8 * row);
+    else if (single)
+        *(row4 *)to += __builtin_convertvector(*(const row4_f *)(from->row_f + 4 * row), row4);
+    else
+        *(row4 *)to += *(const row4 *)(from->row + 4 * row);
+}
+
+GN_INLINE void add_rows(const gn_partials *from, int single, size_t begin, double *load,
+                        variant w) {
+    const int32_t *start = from->start + begin / GN_PARTICLE_BLOCK;
+    for (int32_t k = start[0]; k < start[1]; k++) {
+        gn_share s = from->share[k];
+        add_row(from, s.row, single, load + row_width(w) * (s.particle - (int64_t)begin), w);
+    }
+}
 
 GN_INLINE void add_shares(const gn_partials *from, size_t begin, double *load, variant w) {
     if (!from->blocks) return;
-    size_t block = begin / GN_PARTICLE_BLOCK;
-    int64_t width = row_width(w);
-    for (int32_t k = from->start[block]; k < from->start[block + 1]; k++) {
-        gn_share s = from->share[k];
-        double *to = load + width * (s.particle - (int64_t)begin);
-        const double *row = from->row + width * s.row;
-        if (w.space && w.rotation)
-            *(whole_row *)to += *(const whole_row *)row;
-        else
-            *(half_row *)to += *(const half_row *)row;
-    }
+    if (from->row_f)
+        add_rows(from, 1, begin, load, w);
+    else
+        add_rows(from, 0, begin, load, w);
 }
 
 GN_INLINE void add_walls(const gn_motion_args *a, size_t begin, size_t end, double *load,

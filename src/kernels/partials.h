@@ -31,13 +31,19 @@ typedef struct gn_partials {
     int32_t *first;        /* [blocks + 1] first row of a block */
     int32_t *particle;     /* [first[blocks] + GN_LANES_MAX] whose row it is, in the order in which
                               the block names them: what it will read next */
-    uint16_t *place; /* [contacts][2] where the rows of a contact's two particles begin, in doubles
+    uint16_t *place; /* [contacts][2] where the rows of a contact's two particles begin, in numbers
                         from the block's first row; elements: [elements][nodes of an element] */
-    double *row;     /* [first[blocks]][width] */
+    double *row;     /* [first[blocks]][width]; NULL for contacts in mixed precision */
+    float *row_f;    /* the same for these; NULL for others */
     int32_t *start;  /* [particle blocks + 1] first share of a block of particles */
     gn_share *share; /* [first[blocks]] sorted by particle, then row */
     int32_t *touched[2]; /* [particle blocks] first and last block with a row for one of its
                             particles; INT32_MAX and -1: none */
 } gn_partials;
+
+static inline size_t gn_partials_row_bytes(const gn_partials *partials) {
+    const gn_partials *q = partials;
+    return (size_t)q->width * (q->row_f ? sizeof *q->row_f : sizeof *q->row);
+}
 
 #endif

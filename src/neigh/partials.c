@@ -10,6 +10,7 @@ typedef struct partial_items {
     int members;
     const int32_t *member[4]; /* [members][count] */
     int width;                /* of a row, see gn_partials */
+    bool single;              /* rows in single precision */
 } partial_items;
 
 /* Numbers the particles of each block in the order in which its contacts name them: neighbours in
@@ -146,10 +147,14 @@ static gneiss_status build_items(const partial_items *items, size_t particle_cou
                 number_blocks(items, particle_count, threads, &n, q);
     if (held) {
         for (size_t b = 0; b < blocks; b++) q->first[b + 1] = q->first[b] + n.count[b];
-        q->row = gn_alloc_array((size_t)q->first[blocks] + 1, (size_t)q->width * sizeof *q->row);
+        const size_t rows = (size_t)q->first[blocks] + 1, width = (size_t)q->width;
+        if (items->single)
+            q->row_f = gn_alloc_array(rows, width * sizeof *q->row_f);
+        else
+            q->row = gn_alloc_array(rows, width * sizeof *q->row);
         q->particle = gn_alloc_array((size_t)q->first[blocks] + GN_LANES_MAX, sizeof *q->particle);
         if (q->particle) name_rows(&n, members, q);
-        held = q->row && q->particle && sort_shares(particle_count, q);
+        held = (q->row || q->row_f) && q->particle && sort_shares(particle_count, q);
     }
     gn_free(n.particle);
     gn_free(n.count);
@@ -165,7 +170,8 @@ gneiss_status gn_partials_build(const gn_contacts *contacts, size_t particle_cou
                                  .count = contacts->soa.count,
                                  .members = 2,
                                  .member = {contacts->i, contacts->j},
-                                 .width = gn_contacts_row_width(contacts)};
+                                 .width = gn_contacts_row_width(contacts),
+                                 .single = contacts->soa.effects & GN_FX_MIXED};
     return build_items(&items, particle_count, threads, partials, error);
 }
 
@@ -182,7 +188,7 @@ gneiss_status gn_element_partials_build(const gn_elements *elements, size_t node
 size_t gn_partials_bytes(const gn_partials *partials, size_t items, int members) {
     const gn_partials *q = partials;
     if (!q->blocks) return 0;
-    size_t row = (size_t)q->width * sizeof *q->row + sizeof *q->share + sizeof *q->particle;
+    size_t row = gn_partials_row_bytes(q) + sizeof *q->share + sizeof *q->particle;
     return (size_t)q->first[q->blocks] * row + items * (size_t)members * sizeof *q->place;
 }
 
@@ -191,6 +197,7 @@ void gn_partials_free(gn_partials *partials) {
     gn_free(q->first);
     gn_free(q->place);
     gn_free(q->row);
+    gn_free(q->row_f);
     gn_free(q->particle);
     gn_free(q->start);
     gn_free(q->share);

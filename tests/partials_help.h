@@ -1,0 +1,19 @@
+/* Partial sums of either precision. */
+#ifndef GN_TESTS_PARTIALS_HELP_H
+#define GN_TESTS_PARTIALS_HELP_H
+
+#include "kernels/partials.h"
+
+/* Number k of all rows. */
+static inline double partial_sum(const gn_partials *q, size_t k) {
+    return q->row_f ? (double)q->row_f[k] : q->row[k];
+}
+
+static inline void set_partial_sum(const gn_partials *q, size_t k, double value) {
+    if (q->row_f)
+        q->row_f[k] = (float)value;
+    else
+        q->row[k] = value;
+}
+
+#endif
