@@ -3,9 +3,9 @@
  * it works on in order; a block of particles follows as soon as the last block of items that reads
  * or loads it is done, while its partial sums are in the cache.
  *
- * Items lie with the first of their particles, so that all but those of a particle with earlier
- * ones come just before it moves: working in the order of the list, a thread leaves few particles
- * waiting, and rows and partial sums are in its cache when they are called for.
+ * Items are sorted by the first of their particles: when a particle's own come up, those that it
+ * has with earlier ones are done. So a thread that works in this order leaves few particles
+ * waiting, and finds their rows and partial sums in its cache.
  *
  * Blocks of particles whose items belong to several threads ("shared") come last. They go to the
  * thread with the last of these items, because most of the others are its own as well, and are
