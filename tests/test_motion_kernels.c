@@ -146,8 +146,8 @@ static double *gathered(const herd *h, gn_effects effects) {
             assert_int_equal(q->particle[r], p);
             if (taken[r]) continue;
             taken[r] = true;
-            double row[8] = {0};
-            for (int a = 0; a < q->width; a++) row[a] = partial_sum(q, (size_t)(q->width * r + a));
+            double row[8];
+            partial_row(q, (size_t)r, row);
             for (int a = 0; a < 2 + space; a++) f[6 * p + a] += row[a];
             if (!(effects & GN_FX_ROTATION)) continue;
             for (int a = 0; space && a < 3; a++) f[6 * p + 3 + a] += row[4 + a];

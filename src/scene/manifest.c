@@ -497,7 +497,7 @@ static const gn_key run_keys[] = {
         .fallback = "auto", .text = "auto or 0: all cores"),
     KEY("precision", CHOICE, gn_scene, precision, .choices = precisions, .fallback = "double",
         .text = "of the kernels of contacts and elements (displacement form); mixed: single, with "
-                "positions, motion and energies in double"),
+                "positions and motion in double"),
     KEY("isa", CHOICE, gn_scene, isa, .choices = isas, .fallback = "auto",
         .text = "instruction set of the kernels; auto: the widest the machine has"),
 };
