@@ -399,9 +399,9 @@ static void every_contact_kernel_has_the_bits_of_the_scalar_one(void **state) {
 /* Every particle of the bench has one contact, and so one row of partial sums: [0, 1][x y z]. */
 static void sums_at(const bench *b, size_t c, int end, double force[3], double moment[3]) {
     const gn_partials *q = &b->sums;
-    const int32_t local = q->place[2 * c + (size_t)end] / q->width;
+    const size_t first = (size_t)q->first[c / q->length];
     double row[8];
-    partial_row(q, (size_t)(q->first[c / q->length] + local), row);
+    partial_row(q, first + q->place[2 * c + (size_t)end] / (size_t)q->width, row);
     for (int a = 0; a < 3; a++) force[a] = a < 2 || b->space ? row[a] : 0.0;
     for (int a = 0; a < 3; a++) moment[a] = q->width == 8 ? row[4 + a] : 0.0;
     if (!b->space && b->k.soa.effects & GN_FX_ROTATION) moment[2] = row[2];

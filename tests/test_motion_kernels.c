@@ -28,7 +28,7 @@ static void make_list(gn_contacts *k, gn_partials *sums, gn_effects effects, uin
     assert_true(sums->blocks > 1);
     for (int32_t r = 0; r < sums->first[sums->blocks]; r++)
         for (int a = 0; a < sums->width; a++)
-            set_partial_sum(sums, (size_t)(sums->width * r + a),
+            set_partial_sum(sums, (size_t)sums->width * (size_t)r + (size_t)a,
                             a % 4 < 3 ? uniform(at, -3.0, 3.0) : 0.0);
 }
 
