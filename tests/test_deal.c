@@ -1,9 +1,11 @@
 /* Work dealt out to threads: every block once, particles after all their items, for any number of
- * threads, shares and shapes of lists. */
+ * threads, shares and shapes of lists; threads help one that stands still. */
+#include "base/timer.h"
 #include "neigh/deal.h"
 #include "world_helpers.h"
 
 #include <omp.h>
+#include <sched.h>
 #include <stdatomic.h>
 #include <string.h>
 
@@ -16,7 +18,9 @@ typedef struct model {
     int32_t leader[GN_DEAL_LISTS][BLOCKS_MAX * LENGTH];
     size_t particle_blocks;
     _Atomic int items[GN_DEAL_LISTS][BLOCKS_MAX], particles[PARTICLES_MAX];
-    _Atomic int early; /* particles that were worked on before one of their items */
+    _Atomic int early;  /* particles that were worked on before one of their items */
+    _Atomic int still;  /* this thread stands still in its first items, until all others are done */
+    _Atomic bool stuck; /* nobody did the others */
 } model;
 
 static void make_list(model *m, int l, size_t blocks, uint64_t *seed) {
@@ -38,8 +42,27 @@ static void make_list(model *m, int l, size_t blocks, uint64_t *seed) {
     }
 }
 
+static int items_done(const model *m) {
+    int done = 0;
+    for (int l = 0; l < GN_DEAL_LISTS; l++)
+        for (size_t b = 0; b < m->list[l].blocks; b++) done += atomic_load(&m->items[l][b]);
+    return done;
+}
+
+static void stand_still(model *m) {
+    static const double patience = 20.0; /* s */
+    const int others = (int)(m->list[0].blocks + m->list[1].blocks) - 1;
+    const double start = gn_now();
+    while (items_done(m) < others && !m->stuck) {
+        m->stuck = gn_now() - start > patience;
+        sched_yield();
+    }
+    m->still = -1;
+}
+
 static void items(void *context, int list, size_t block) {
     model *m = context;
+    if (omp_get_thread_num() == m->still) stand_still(m);
     for (volatile size_t k = 0; k < 100 * (block % 7); k++) continue;
     atomic_fetch_add(&m->items[list][block], 1);
 }
@@ -65,17 +88,19 @@ static void check(const model *m) {
     for (size_t p = 0; p < m->particle_blocks; p++) assert_int_equal(m->particles[p], 1);
 }
 
+static void give_lists(gn_deal *deal, const model *m) {
+    gn_deal_list list[GN_DEAL_LISTS] = {{&m->list[0], m->leader[0]}, {&m->list[1], m->leader[1]}};
+    if (!m->list[1].blocks) list[0].leader = NULL, list[1] = (gn_deal_list){0};
+    assert_int_equal(gn_deal_lists(deal, list[0], list[1], m->particle_blocks, NULL), GNEISS_OK);
+}
+
 /* Rounds of one or two sweeps, whose second one must not run ahead of the first. */
 static void work_through(model *m, int threads, int rounds) {
     static const gn_deal_work work = {items, particles};
     gn_deal deal;
     assert_int_equal(gn_deal_create(&deal, threads, NULL), GNEISS_OK);
     for (int round = 0; round < rounds; round++) {
-        if (round % 10 == 0)
-            assert_int_equal(gn_deal_lists(&deal, (gn_deal_list){&m->list[0], m->leader[0]},
-                                           (gn_deal_list){&m->list[1], m->leader[1]},
-                                           m->particle_blocks, NULL),
-                             GNEISS_OK);
+        if (round % 10 == 0) give_lists(&deal, m);
         const int sweeps = 1 + round % 2;
         gn_deal_begin(&deal);
 #pragma omp parallel num_threads(deal.team)
@@ -102,9 +127,40 @@ static void every_block_once_and_in_time(void **state) {
          */
         for (int threads = 5; threads >= 1; threads--) {
             m->particle_blocks = blocks[k][2];
+            m->still = -1;
             for (int l = 0; l < GN_DEAL_LISTS; l++) make_list(m, l, blocks[k][l], &seed);
             work_through(m, threads, 100);
         }
+    free(m);
+}
+
+/* A thread that is held up with its first items, by another program say, finds all others done. */
+static void others_help_a_thread_that_stands_still(void **state) {
+    (void)state;
+    static const gn_deal_work work = {items, particles};
+    uint64_t seed = 5;
+    model *m = calloc(1, sizeof *m);
+    m->particle_blocks = 96;
+    make_list(m, 0, 40, &seed);
+    make_list(m, 1, 17, &seed);
+    for (int threads = 2; threads <= 4; threads++) {
+        gn_deal deal;
+        assert_int_equal(gn_deal_create(&deal, threads, NULL), GNEISS_OK);
+        give_lists(&deal, m);
+        for (int still = 0; still < threads; still++) {
+            clear(m);
+            gn_deal_begin(&deal);
+            const double share = deal.share[1];
+            m->still = still;
+#pragma omp parallel num_threads(deal.team)
+            gn_deal_sweep(&deal, 0, &work, m);
+            gn_deal_end(&deal, 1, 1e-5);
+            assert_false(m->stuck);
+            check(m);
+            if (still == 0) assert_true(deal.share[1] < share);
+        }
+        gn_deal_free(&deal);
+    }
     free(m);
 }
 
@@ -117,15 +173,14 @@ static void shares_follow_the_pace(void **state) {
     m->particle_blocks = 10;
     make_list(m, 0, 40, &seed);
     assert_int_equal(gn_deal_create(&deal, 2, NULL), GNEISS_OK);
-    assert_int_equal(gn_deal_lists(&deal, (gn_deal_list){&m->list[0], m->leader[0]},
-                                   (gn_deal_list){0}, m->particle_blocks, NULL),
-                     GNEISS_OK);
+    give_lists(&deal, m);
     for (int round = 0; round < 200; round++) {
         gn_deal_begin(&deal);
         assert_int_equal(deal.team, 2);
-        /* The first thread takes three times as long for a block. */
-        deal.busy[0].seconds = 3e-6 * (double)deal.cut[0][1];
-        deal.busy[1].seconds = 1e-6 * (double)(40 - deal.cut[0][1]);
+        /* The first thread takes three times as long for a block: it comes to 10 of 40, whatever
+         * its share is. */
+        deal.mark[0].worked = 10;
+        deal.mark[1].worked = 30;
         gn_deal_end(&deal, 1, 4e-5);
     }
     assert_in_range(deal.cut[0][1], 9, 11);
@@ -136,6 +191,7 @@ static void shares_follow_the_pace(void **state) {
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(every_block_once_and_in_time),
+        cmocka_unit_test(others_help_a_thread_that_stands_still),
         cmocka_unit_test(shares_follow_the_pace),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

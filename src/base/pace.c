@@ -1,7 +1,5 @@
 #include "base/pace.h"
 
-#include <math.h>
-
 static void begin_period(gn_pace *p, bool trying) {
     p->trying = trying;
     p->rounds = 0;
@@ -37,20 +35,4 @@ void gn_pace_note(gn_pace *p, double seconds, double work, double waiting) {
         lengthen(p);
     }
     begin_period(p, false);
-}
-
-void gn_pace_follow(int threads, const gn_busy *busy, double *share) {
-    double mean = 0.0, total = 0.0, part[GN_THREADS_MAX];
-    for (int t = 0; t < threads; t++) mean += busy[t].seconds / threads;
-    for (int t = 0; t < threads; t++) {
-        double now = t + 1 < threads ? share[t + 1] : 1.0;
-        double off = mean > 0.0 ? busy[t].seconds / mean - 1.0 : 0.0;
-        part[t] = (now - share[t]) * (1.0 - 0.05 * fmax(-0.5, fmin(0.5, off)));
-        total += part[t];
-    }
-    double before = 0.0;
-    for (int t = 0; t < threads; t++) {
-        share[t] = before;
-        before += part[t] / total;
-    }
 }

@@ -33,15 +33,7 @@ static inline int gn_pace_threads(const gn_pace *pace) {
  * little. */
 void gn_pace_note(gn_pace *pace, double seconds, double work, double waiting);
 
+/* More are not used by anything. */
 enum { GN_THREADS_MAX = 1024 };
-
-/* Seconds that a thread worked in the last round; a cache line each. */
-typedef struct gn_busy {
-    _Alignas(64) double seconds;
-} gn_busy;
-
-/* share[t]: the part of the work that comes before thread t's own. Threads that were slower than
- * the others take a little less from now on. */
-void gn_pace_follow(int threads, const gn_busy *busy, double *share);
 
 #endif

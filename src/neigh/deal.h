@@ -7,10 +7,14 @@
  * has with earlier ones are done. So a thread that works in this order leaves few particles
  * waiting, and finds their rows and partial sums in its cache.
  *
- * Blocks of particles whose items belong to several threads ("shared") come last. They go to the
- * thread with the last of these items, because most of the others are its own as well, and are
- * worked on when the other threads have done theirs. A thread that has nothing left takes shared
- * blocks of the others.
+ * A thread that has none of its own items left takes blocks from the far end of the others' shares:
+ * a processor core is often slower than its neighbour, for a moment or for long (other programs,
+ * other machines on the same host), and nobody can cut the next sweep for that in advance.
+ *
+ * Blocks of particles whose items were worked on by several threads come last: those at the cuts
+ * ("shared"; they go to the thread with the last of these items, because most of the others are
+ * its own as well) and those at the end of a share of which others took a part ("late"). Each is
+ * worked on by its own thread or another that has nothing left, when its items are done.
  *
  * All sums are kept per block (see gn_partials) and merged in block order, so that no result
  * depends on who does what and when. */
@@ -31,27 +35,40 @@ typedef struct gn_deal_list {
     const int32_t *leader; /* [items] a particle of each, in ascending order; for two lists */
 } gn_deal_list;
 
-/* What a thread has done of each list; a cache line each. */
+/* How far a thread's share is in the present sweep; a cache line each. A word of an earlier sweep
+ * stands for a share that nobody has begun. */
 typedef struct gn_deal_mark {
-    _Alignas(64) _Atomic int64_t done[GN_DEAL_LISTS]; /* sweep << 24 | blocks of its share done */
-    _Atomic int64_t drawn; /* tickets for shared blocks that are its own, so far */
+    _Alignas(64) _Atomic uint64_t open; /* which of its tasks nobody has taken: a range */
+    _Atomic uint64_t done;              /* how many it has done itself, from the front */
+    _Atomic uint64_t drawn;             /* how many of its shared and late blocks are taken */
+    size_t worked;                      /* tasks of any share that it has done in this round */
+    double seconds;                     /* that it did not wait, in this round */
 } gn_deal_mark;
 
 typedef struct gn_deal {
     gn_pace pace;
     int threads;        /* that may be used */
     double *share;      /* [threads + 1] part of the work that comes before a thread's own */
-    gn_busy *busy;      /* [threads] */
     gn_deal_mark *mark; /* [threads] */
     gn_deal_list list[GN_DEAL_LISTS];
     size_t *cut[GN_DEAL_LISTS]; /* [threads + 1] first block of a thread's share of a list */
     int team;                   /* threads of the present cuts; 0: to be planned anew */
+    uint64_t sweeps;            /* so far */
+
+    /* Blocks of items as tasks, those of the second list after those of the first. */
+    size_t tasks, room;
+    int32_t *task;      /* [tasks] by threads, in the order in which their particles need them */
+    size_t *task_first; /* [threads + 1] */
+    int32_t *place;     /* [tasks] the place of each among its thread's */
+    _Atomic uint64_t *taken; /* [tasks] the sweep in which another thread last did it */
+
+    /* Blocks of particles by threads: those whose items are all in one share, and the shared. */
     size_t particle_blocks;
-    int32_t *owner;  /* [particle_blocks] the thread that has all items of these particles, or -1 */
-    size_t *shared;  /* the blocks of particles without owner, by their threads */
-    size_t *first;   /* [threads + 1] of a thread's blocks in `shared` */
-    int64_t sweeps;  /* so far */
-    int64_t *ticket; /* [threads] of the first of these in the coming sweep */
+    int32_t *owned;       /* [particle_blocks] */
+    int32_t *after;       /* [particle_blocks] how many tasks of its share come before it */
+    size_t *owned_first;  /* [threads + 2] */
+    int32_t *shared;      /* [particle_blocks] */
+    size_t *shared_first; /* [threads + 2] */
 } gn_deal;
 
 /* The work on one block; `list` counts from 0. Called by any thread, with the context it brought.

@@ -64,14 +64,17 @@ void gn_sweep(gn_world *w, const gn_contact_args *bonds, const gn_contact_args *
               const gn_motion_args *motion) {
     static const gn_deal_work blocks = {contacts, move};
     const double begin = gn_now();
+    const bool booked = w->step % BOOKED == 0;
     gn_deal_begin(&w->deal);
 #pragma omp parallel num_threads(w->deal.team)
     {
         work k = {w, bonds, pairs, motion, .mark = gn_now()};
-        k.books = omp_get_thread_num() == 0 && w->step % BOOKED == 0;
+        k.books = booked && omp_get_thread_num() == 0;
         gn_deal_sweep(&w->deal, 0, &blocks, &k);
+        if (booked) {
 #pragma omp barrier
-        book(&k, GN_PHASE_motion); /* waiting for the other threads */
+            book(&k, GN_PHASE_motion); /* waiting for the other threads */
+        }
     }
     gn_deal_end(&w->deal, 1, gn_now() - begin);
 }
