@@ -16,6 +16,7 @@ gneiss_status gn_deal_create(gn_deal *deal, int threads, gneiss_error *error) {
     deal->task_first = gn_alloc_array(n + 1, sizeof *deal->task_first);
     deal->owned_first = gn_alloc_array(n + 2, sizeof *deal->owned_first);
     deal->shared_first = gn_alloc_array(n + 2, sizeof *deal->shared_first);
+    deal->put_off = gn_alloc_array(n, sizeof *deal->put_off);
     bool held =
         deal->share && deal->mark && deal->task_first && deal->owned_first && deal->shared_first;
     for (int l = 0; l < GN_DEAL_LISTS; l++) {
@@ -50,6 +51,7 @@ void gn_deal_free(gn_deal *deal) {
     gn_free(deal->task_first);
     gn_free(deal->owned_first);
     gn_free(deal->shared_first);
+    gn_free(deal->put_off);
     for (int l = 0; l < GN_DEAL_LISTS; l++) gn_free(deal->cut[l]);
     free_tasks(deal);
     free_particles(deal);
@@ -250,6 +252,21 @@ static void add_up(size_t *first, int threads) {
     for (int t = 0; t < threads; t++) first[t + 2] += first[t + 1];
 }
 
+/* As many of the last owned blocks as others have more shared ones. */
+static void put_off(gn_deal *deal) {
+    size_t most = 0;
+    for (int t = 0; t < deal->team; t++) {
+        const size_t shared = deal->shared_first[t + 1] - deal->shared_first[t];
+        if (shared > most) most = shared;
+    }
+    for (int t = 0; t < deal->team; t++) {
+        const size_t shared = deal->shared_first[t + 1] - deal->shared_first[t];
+        const size_t owned = deal->owned_first[t + 1] - deal->owned_first[t];
+        const size_t later = most - shared < owned ? most - shared : owned;
+        deal->put_off[t] = deal->owned_first[t + 1] - later;
+    }
+}
+
 /* Blocks of particles with one thread go to that, the others are listed by their last thread. */
 static void deal_out(gn_deal *deal) {
     for (int t = 0; t < deal->team + 2; t++) deal->owned_first[t] = deal->shared_first[t] = 0;
@@ -266,6 +283,7 @@ static void deal_out(gn_deal *deal) {
         else
             deal->shared[deal->shared_first[s.last + 1]++] = (int32_t)p;
     }
+    put_off(deal);
     deal->task_first[0] = 0;
     for (int t = 0; t < deal->team; t++) put_in_order(deal, t);
 }
@@ -358,7 +376,7 @@ static void work_on_share(worker *k) {
     const gn_deal *deal = k->deal;
     gn_deal_mark *mark = &k->deal->mark[k->me];
     size_t p = deal->owned_first[k->me];
-    const size_t end = deal->owned_first[k->me + 1];
+    const size_t end = deal->put_off[k->me];
     for (int64_t done = 0;; done++) {
         for (; p < end && deal->after[p] == done; p++)
             k->work->particles(k->context, (size_t)deal->owned[p]);
@@ -425,7 +443,7 @@ static void await_items(worker *k, size_t p) {
 static size_t first_late(const worker *k, int t) {
     const gn_deal *deal = k->deal;
     const uint64_t own = open_of(k, t).back;
-    size_t low = deal->owned_first[t], high = deal->owned_first[t + 1];
+    size_t low = deal->owned_first[t], high = deal->put_off[t];
     while (low < high) {
         const size_t mid = (low + high) / 2;
         if ((uint64_t)deal->after[mid] <= own)

@@ -14,7 +14,9 @@
  * Blocks of particles whose items were worked on by several threads come last: those at the cuts
  * ("shared"; they go to the thread with the last of these items, because most of the others are
  * its own as well) and those at the end of a share of which others took a part ("late"). Each is
- * worked on by its own thread or another that has nothing left, when its items are done.
+ * worked on by its own thread or another that has nothing left, when its items are done. Who has
+ * fewer shared blocks puts off the last blocks of its own until then, so that all have as much to
+ * do at the end and seldom take what lies in another core's cache.
  *
  * All sums are kept per block (see gn_partials) and merged in block order, so that no result
  * depends on who does what and when. */
@@ -67,6 +69,7 @@ typedef struct gn_deal {
     int32_t *owned;       /* [particle_blocks] */
     int32_t *after;       /* [particle_blocks] how many tasks of its share come before it */
     size_t *owned_first;  /* [threads + 2] */
+    size_t *put_off;      /* [threads] from this one on they come when all tasks are done */
     int32_t *shared;      /* [particle_blocks] */
     size_t *shared_first; /* [threads + 2] */
 } gn_deal;
