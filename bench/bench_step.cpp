@@ -40,10 +40,15 @@ std::string scenes_folder = BENCH_SCENES;
 
 using World = std::unique_ptr<bench_world, decltype(&bench_world_free)>;
 
-// The world of the last model asked for; benches are registered model by model.
-bench_world *world_of(const Model &model, std::string *message) {
-    static World world(nullptr, bench_world_free);
-    static std::string held;
+enum { COPIES = 2 };
+
+// The world of the last model asked for, or another one like it; benches are registered model by
+// model.
+bench_world *world_of(const Model &model, std::string *message, int copy = 0) {
+    static World worlds[COPIES] = {{nullptr, bench_world_free}, {nullptr, bench_world_free}};
+    static std::string names[COPIES];
+    World &world = worlds[copy];
+    std::string &held = names[copy];
     if (held == model.name) return world.get();
     held.clear();
     world.reset();
@@ -61,9 +66,10 @@ bench_world *world_of(const Model &model, std::string *message) {
     return world.get();
 }
 
-bench_world *prepare(benchmark::State &state, const Model &model, const Setting &setting) {
+bench_world *prepare(benchmark::State &state, const Model &model, const Setting &setting,
+                     int copy = 0) {
     std::string message;
-    bench_world *world = world_of(model, &message);
+    bench_world *world = world_of(model, &message, copy);
     if (!world) {
         state.SkipWithError(message.c_str());
     } else if (!bench_world_use(world, setting.threads, setting.isa.c_str())) {
@@ -112,6 +118,34 @@ void step(benchmark::State &state, const Model &model, const Setting &setting) {
     state.SetLabel(after.isa);
 }
 
+// What the machine allows two threads: as many worlds at once, one thread each, that share nothing
+// but the machine. The time is that of a step of either, over the number of worlds.
+void copies(benchmark::State &state, const Model &model, const Setting &setting) {
+    bench_world *worlds[COPIES];
+    for (int k = 0; k < COPIES; k++) {
+        worlds[k] = prepare(state, model, setting, k);
+        if (!worlds[k]) return;
+    }
+    const auto count = [&] {
+        bench_numbers n = bench_world_numbers(worlds[0]);
+        return static_cast<double>(n.contact_steps);
+    };
+    const double before = count();
+    char message[BENCH_MESSAGE_SIZE];
+    for (auto _ : state) {
+        double seconds[COPIES], mean = 0.0;
+        if (!bench_worlds_at_once(worlds, COPIES, 1, seconds, message)) {
+            state.SkipWithError(message);
+            break;
+        }
+        for (double s : seconds) mean += s / COPIES;
+        state.SetIterationTime(mean / COPIES);
+    }
+    rate(state, "contact-steps", "per contact-step", count() - before);
+    state.counters["threads"] = COPIES;
+    state.SetLabel(bench_world_numbers(worlds[0]).isa);
+}
+
 void contact_kernel(benchmark::State &state, const Model &model, const Setting &setting,
                     std::size_t blocks) {
     bench_world *world = prepare(state, model, setting);
@@ -156,6 +190,16 @@ void add_step(const char *kind, const Model &model, const Setting &setting) {
     benchmark::RegisterBenchmark(title(kind, model, setting).c_str(),
                                  [=](benchmark::State &state) { step(state, model, setting); })
         ->UseRealTime()
+        ->Unit(benchmark::kMillisecond);
+}
+
+void add_copies(const Model &model) {
+    const std::string widest = bench_widest_isa();
+    benchmark::RegisterBenchmark(("step/" + model.name + "/copies/" + widest).c_str(),
+                                 [=](benchmark::State &state) {
+                                     copies(state, model, Setting{1, widest});
+                                 })
+        ->UseManualTime()
         ->Unit(benchmark::kMillisecond);
 }
 
@@ -356,8 +400,10 @@ void add_all(Wanted wanted) {
     const Model rock = {"rock-a", "../../scenes/ucs-rock.yaml", "", {}, 20};
     const Model small = fcc("fcc-32k", 20);
     add_steps(rock, true);
+    add_copies(rock);
     add_kernels(rock);
     add_steps(mixed(rock), true);
+    add_copies(mixed(rock));
     add_kernels(mixed(rock));
     add_steps(with(rock, "rock-a-no-energy", {"output.energy=off"}), false);
     add_steps(small, true);
@@ -374,8 +420,10 @@ void add_all(Wanted wanted) {
         }
     if (wanted.large || wanted.sweep) {
         const Model large = fcc("fcc-500k", 50);
-        add_steps(large, false);
-        add_steps(mixed(large), false);
+        for (const Model &model : {large, mixed(large)}) {
+            add_steps(model, false);
+            add_copies(model);
+        }
     }
     if (wanted.large) {
         add_steps({"bonded-108k",

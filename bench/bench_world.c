@@ -1,5 +1,6 @@
 #include "bench_world.h"
 
+#include "base/timer.h"
 #include "sim/parts.h"
 #include "sim/run.h"
 
@@ -95,6 +96,25 @@ bool bench_world_steps(bench_world *b, int steps, char message[BENCH_MESSAGE_SIZ
         return false;
     }
     return true;
+}
+
+bool bench_worlds_at_once(bench_world *const *worlds, int count, int steps, double *seconds,
+                          char message[BENCH_MESSAGE_SIZE]) {
+    bool well = true;
+#pragma omp parallel for num_threads(count) schedule(static, 1)
+    for (int k = 0; k < count; k++) {
+        char text[BENCH_MESSAGE_SIZE];
+        const double start = gn_now();
+        const bool stepped = bench_world_steps(worlds[k], steps, text);
+        seconds[k] = gn_now() - start;
+        if (stepped) continue;
+#pragma omp critical(bench_message)
+        {
+            snprintf(message, BENCH_MESSAGE_SIZE, "%s", text);
+            well = false;
+        }
+    }
+    return well;
 }
 
 bench_numbers bench_world_numbers(const bench_world *b) {

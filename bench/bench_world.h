@@ -39,6 +39,11 @@ bool bench_world_use(bench_world *world, int threads, const char *isa);
 /* `steps` steps; false with a message if the world went bad. */
 bool bench_world_steps(bench_world *world, int steps, char message[BENCH_MESSAGE_SIZE]);
 
+/* The same for several worlds at once, each in a thread of its own; `seconds` [count] is what each
+ * took. */
+bool bench_worlds_at_once(bench_world *const *worlds, int count, int steps, double *seconds,
+                          char message[BENCH_MESSAGE_SIZE]);
+
 bench_numbers bench_world_numbers(const bench_world *world);
 
 /* The contact kernel over the first `blocks` blocks of the longer of the two lists, or over all of

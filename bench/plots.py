@@ -52,8 +52,9 @@ class Step:
 
 def widest_steps(results):
     isa = results["context"]["isa"]
-    return [Step(name, entry) for name, entry in medians(results).items()
-            if name.startswith("step/") and name.split("/")[3] == isa]
+    split = [(name, name.split("/"), entry) for name, entry in medians(results).items()]
+    return [Step(name, entry) for name, words, entry in split
+            if words[0] == "step" and words[2] != "copies" and words[3] == isa]
 
 
 def read(path):

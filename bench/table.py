@@ -12,6 +12,10 @@ import os
 import sys
 
 
+def bare(name):
+    return name.replace("/real_time", "").replace("/manual_time", "")
+
+
 def medians(results):
     """Name without google-benchmark's endings -> entry; plain runs when nothing was repeated."""
     entries = {}
@@ -21,13 +25,13 @@ def medians(results):
             continue
         if entry["run_type"] == "aggregate" and entry["aggregate_name"] != "median":
             continue
-        entries[entry["run_name"].replace("/real_time", "")] = entry
+        entries[bare(entry["run_name"])] = entry
     return entries
 
 
 def spread(results, name):
     for entry in results["benchmarks"]:
-        if entry.get("aggregate_name") == "cv" and entry["run_name"].replace("/real_time", "") == name:
+        if entry.get("aggregate_name") == "cv" and bare(entry["run_name"]) == name:
             return entry["real_time"]
     return None
 
@@ -56,8 +60,8 @@ def step_table(results, entries):
     lines = ["| whole step | threads | set | ms/step | Mcs/s | ns/contact | Mps/s | B/contact | rebuilds per 1000 | "
              "lists | speed-up | +- |", "| --- |" + " ---: |" * 11]
     for name, e in entries.items():
-        kind, model, *_ = name.split("/")
-        if kind != "step":
+        kind, model, how, *_ = name.split("/")
+        if kind != "step" or how == "copies":
             continue
         time, ratio, scatter = common_cells(results, entries, name, "contact-steps")
         lines.append(
@@ -65,6 +69,21 @@ def step_table(results, entries):
             f"{e['contact-steps'] / 1e6:.1f} | {e['per contact-step'] * 1e9:.2f} | {e['particle-steps'] / 1e6:.1f} | "
             f"{e['B/contact']:.0f} | {e['rebuilds/1000 steps']:.1f} | {100 * e['lists']:.1f} % | {ratio} | "
             f"{scatter} |")
+    return lines if len(lines) > 2 else []
+
+
+def copies_table(entries):
+    """What the machine gives two threads that share nothing, as a measure of the speed-up of two that do."""
+    lines = ["| one model on two threads, two models at once | 1 thread, ms/step | 2 threads | speed-up | two models, 1 thread "
+             "each: half a step of either | speed-up that the machine allows | reached |", "| --- |" + " ---: |" * 6]
+    for name, e in entries.items():
+        kind, model, how, *rest = name.split("/")
+        pair = [entries.get("/".join([kind, model, f"threads:{n}", *rest])) for n in (1, 2)]
+        if how != "copies" or None in pair:
+            continue
+        one, two, both = (x["real_time"] * MILLISECONDS[x["time_unit"]] for x in (*pair, e))
+        lines.append(f"| {model} | {one:.3f} | {two:.3f} | {one / two:.2f} | {both:.3f} | {one / both:.2f} | "
+                     f"{100 * both / two:.0f} % |")
     return lines if len(lines) > 2 else []
 
 
@@ -181,7 +200,8 @@ def write_tables(source, target, rows=None):
     entries = medians(results)
     if rows:
         write_csv(results, entries, rows)
-    parts = [[conditions(results)], step_table(results, entries), effect_table(entries), kernel_table(results, entries)]
+    parts = [[conditions(results)], step_table(results, entries), copies_table(entries),
+             effect_table(entries), kernel_table(results, entries)]
     elements = [[conditions(results)], fem_table(results, entries)]
     for place, tables in ((target, parts), (os.path.join(os.path.dirname(target), "fem.md"), elements)):
         with open(place, "w", encoding="utf-8") as f:
