@@ -134,7 +134,7 @@ void copies(benchmark::State &state, const Model &model, const Setting &setting)
     char message[BENCH_MESSAGE_SIZE];
     for (auto _ : state) {
         double seconds[COPIES], mean = 0.0;
-        if (!bench_worlds_at_once(worlds, COPIES, 1, seconds, message)) {
+        if (!bench_worlds_at_once(worlds, COPIES, seconds, message)) {
             state.SkipWithError(message);
             break;
         }

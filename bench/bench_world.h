@@ -39,9 +39,9 @@ bool bench_world_use(bench_world *world, int threads, const char *isa);
 /* `steps` steps; false with a message if the world went bad. */
 bool bench_world_steps(bench_world *world, int steps, char message[BENCH_MESSAGE_SIZE]);
 
-/* The same for several worlds at once, each in a thread of its own; `seconds` [count] is what each
+/* One step of several worlds at once, each in a thread of its own; `seconds` [count] is what each
  * took. */
-bool bench_worlds_at_once(bench_world *const *worlds, int count, int steps, double *seconds,
+bool bench_worlds_at_once(bench_world *const *worlds, int count, double *seconds,
                           char message[BENCH_MESSAGE_SIZE]);
 
 bench_numbers bench_world_numbers(const bench_world *world);

@@ -134,21 +134,18 @@ static size_t cut_wanted(const gn_deal *deal, const gn_deal_list *leading, int t
 
 /* The longer list is cut by blocks, the shorter one at the same particles, so that few particles
  * have items on both sides. */
+static size_t cut_of(const gn_deal_list *list, const gn_deal_list *leading, size_t cut) {
+    if (list == leading || cut == 0) return cut;
+    if (cut >= block_count(leading) || !block_count(list)) return block_count(list);
+    return block_at(list, leading->leader[cut * leading->partials->length]);
+}
+
 static void cut_lists(gn_deal *deal, int lead, int threads) {
     const gn_deal_list *leading = &deal->list[lead];
     for (int t = 0; t <= threads; t++) {
         const size_t cut = cut_wanted(deal, leading, t, threads);
-        for (int l = 0; l < GN_DEAL_LISTS; l++) {
-            if (l == lead)
-                deal->cut[l][t] = cut;
-            else if (t == 0)
-                deal->cut[l][t] = 0;
-            else if (cut >= block_count(leading) || !block_count(&deal->list[l]))
-                deal->cut[l][t] = block_count(&deal->list[l]);
-            else
-                deal->cut[l][t] =
-                    block_at(&deal->list[l], leading->leader[cut * leading->partials->length]);
-        }
+        for (int l = 0; l < GN_DEAL_LISTS; l++)
+            deal->cut[l][t] = cut_of(&deal->list[l], leading, cut);
     }
     deal->team = threads;
 }
@@ -252,16 +249,19 @@ static void add_up(size_t *first, int threads) {
     for (int t = 0; t < threads; t++) first[t + 2] += first[t + 1];
 }
 
+/* How many of a list by threads are thread t's. */
+static size_t count_of(const size_t *first, int t) {
+    return first[t + 1] - first[t];
+}
+
 /* As many of the last owned blocks as others have more shared ones. */
 static void put_off(gn_deal *deal) {
     size_t most = 0;
+    for (int t = 0; t < deal->team; t++)
+        if (count_of(deal->shared_first, t) > most) most = count_of(deal->shared_first, t);
     for (int t = 0; t < deal->team; t++) {
-        const size_t shared = deal->shared_first[t + 1] - deal->shared_first[t];
-        if (shared > most) most = shared;
-    }
-    for (int t = 0; t < deal->team; t++) {
-        const size_t shared = deal->shared_first[t + 1] - deal->shared_first[t];
-        const size_t owned = deal->owned_first[t + 1] - deal->owned_first[t];
+        const size_t shared = count_of(deal->shared_first, t);
+        const size_t owned = count_of(deal->owned_first, t);
         const size_t later = most - shared < owned ? most - shared : owned;
         deal->put_off[t] = deal->owned_first[t + 1] - later;
     }
@@ -333,14 +333,10 @@ typedef struct worker {
     double lost;  /* s of waiting */
 } worker;
 
-static uint64_t tasks_of(const gn_deal *deal, int t) {
-    return deal->task_first[t + 1] - deal->task_first[t];
-}
-
 /* The range of thread t's tasks that nobody has taken. */
 static range open_of(const worker *k, int t) {
     uint64_t word = atomic_load_explicit(&k->deal->mark[t].open, memory_order_relaxed);
-    return unpacked(word, k->sweep, tasks_of(k->deal, t));
+    return unpacked(word, k->sweep, count_of(k->deal->task_first, t));
 }
 
 /* Takes the next of the worker's own tasks from the front, or one of another thread's from the
@@ -349,7 +345,7 @@ static int64_t take(const worker *k, int t) {
     gn_deal_mark *mark = &k->deal->mark[t];
     uint64_t word = atomic_load_explicit(&mark->open, memory_order_relaxed);
     for (;;) {
-        range r = unpacked(word, k->sweep, tasks_of(k->deal, t));
+        range r = unpacked(word, k->sweep, count_of(k->deal->task_first, t));
         if (r.front >= r.back) return -1;
         const uint64_t place = t == k->me ? r.front++ : --r.back;
         if (atomic_compare_exchange_weak_explicit(&mark->open, &word, packed(k->sweep, r),
@@ -473,7 +469,7 @@ static void work_on_the_rest(worker *k) {
     for (int turn = 0; turn < deal->team; turn++) {
         const int t = (k->me + turn) % deal->team;
         const size_t late = first_late(k, t);
-        const size_t shared = deal->shared_first[t + 1] - deal->shared_first[t];
+        const size_t shared = count_of(deal->shared_first, t);
         const size_t count = shared + deal->owned_first[t + 1] - late;
         for (int64_t n; (n = draw(&k->deal->mark[t].drawn, k->sweep, count)) >= 0;) {
             const size_t p = (size_t)n < shared
@@ -500,7 +496,7 @@ void gn_deal_sweep(gn_deal *deal, int pass, const gn_deal_work *work, void *cont
  * per sweep says nothing: it is a matter of who came last. */
 static double surplus(const gn_deal *deal, int t, int sweeps) {
     static const double most = 0.5;
-    const double own = (double)tasks_of(deal, t) * sweeps;
+    const double own = (double)count_of(deal->task_first, t) * sweeps;
     const double more = (double)deal->mark[t].worked - own;
     if (fabs(more) <= sweeps) return 0.0;
     return fmin(most, fmax(-most, more / fmax(own, 1.0)));
