@@ -234,28 +234,35 @@ static expected expect(const bench *b, size_t c, tally *sum) {
     double ri = b->p.pos[4 * i + 3], rj = b->p.pos[4 * j + 3], gap = length - ri - rj;
     expected e = {0};
 
-    /* v_r = (v_j + w_j x l_j) - (v_i + w_i x l_i), l towards the middle of the gap */
-    double vr[3], twist = 0.0, li[3], lj[3], ti[3] = {0}, tj[3] = {0};
-    for (int a = 0; a < 3; a++) li[a] = (ri + 0.5 * gap) * n[a];
-    for (int a = 0; a < 3; a++) lj[a] = -(rj + 0.5 * gap) * n[a];
+    /* Velocities act on the branch of the middle of the step: v_r = (v_j + w_j x l_j) - (v_i + w_i
+     * x l_i), l towards the middle of the gap. */
+    double v[3], middle[3], vr[3], twist = 0.0, li[3], lj[3], ti[3] = {0}, tj[3] = {0};
+    for (int a = 0; a < 3; a++) v[a] = b->p.vel[4 * j + a] - b->p.vel[4 * i + a];
+    for (int a = 0; a < 3; a++) middle[a] = d[a] - 0.5 * dt * v[a];
+    double length_middle = sqrt(dot3(middle, middle)), gap_middle = length_middle - ri - rj;
+    for (int a = 0; a < 3; a++) middle[a] = length > 0.0 ? middle[a] / length_middle : 0.0;
+    for (int a = 0; a < 3; a++) li[a] = (ri + 0.5 * gap_middle) * middle[a];
+    for (int a = 0; a < 3; a++) lj[a] = -(rj + 0.5 * gap_middle) * middle[a];
     if (fx & GN_FX_ROTATION) {
         const double *wi = b->p.spin + 4 * i, *wj = b->p.spin + 4 * j;
         cross3(wi, li, ti);
         cross3(wj, lj, tj);
-        if (b->space) twist = 0.5 * (dot3(wi, n) + dot3(wj, n));
+        if (b->space) twist = 0.5 * (dot3(wi, middle) + dot3(wj, middle));
     }
-    for (int a = 0; a < 3; a++) vr[a] = b->p.vel[4 * j + a] + tj[a] - b->p.vel[4 * i + a] - ti[a];
-    double vn = dot3(vr, n), vt[3];
-    for (int a = 0; a < 3; a++) vt[a] = vr[a] - vn * n[a];
+    for (int a = 0; a < 3; a++) vr[a] = v[a] + tj[a] - ti[a];
+    double vn = dot3(v, n), path = dt * dot3(v, middle), vt[3];
+    for (int a = 0; a < 3; a++) vt[a] = vr[a] - path / dt * middle[a];
 
     double kn = k->kn[c], kt = k->kt ? k->kt[c] : 0.0;
-    double u = fx & GN_FX_BONDS ? length - k->length0[c] : gap;
+    double u = fx & GN_FX_BONDS ? length - k->length0[c] : gap, u_old = u - path;
     bool bonded = fx & GN_FX_BONDS && k->rn[c] > 0.0, touching = u < 0.0;
     double before[3] = {0}, trial[3] = {0}, t[3] = {0};
     if (k->shear) {
         for (int a = 0; a < 3; a++) before[a] = k->shear[c + (size_t)a * k->soa.capacity];
         rotate_from_to(n_old, n, before);
         rotate_about(n, dt * twist, before);
+        rotate_from_to(middle, n, vt);
+        rotate_about(n, 0.5 * dt * twist, vt);
         for (int a = 0; a < 3; a++) t[a] = trial[a] = before[a] + kt * dt * vt[a];
     }
     double size = sqrt(dot3(trial, trial));
@@ -264,8 +271,17 @@ static expected expect(const bench *b, size_t c, tally *sum) {
     else if (bonded && k->rt && size >= k->rt[c])
         e.cause = GN_BROKEN_SHEAR;
     bool intact = bonded && !e.cause;
-    double fn = intact || touching ? kn * u : 0.0, viscous = 0.0;
-    if (k->cn && (intact || touching)) viscous = k->cn[c] * vn;
+    double fn = intact || touching ? kn * u : 0.0, share = intact || touching, way = u;
+    if (touching && u_old > 0.0 && !bonded) { /* closed within the step */
+        fn = 0.5 * kn * u * (1.0 + u / path);
+        share = 0.5 + u / path;
+        way = path;
+    } else if (!touching && u_old < 0.0 && !intact) { /* opened within the step */
+        fn = -0.5 * kn * u_old * (u / path);
+        share = 0.5 - u / path;
+        way = -path;
+    }
+    double viscous = k->cn ? share * k->cn[c] * vn : 0.0;
     double limit = touching && k->mu ? k->mu[c] * fmax(0.0, -(fn + viscous)) : 0.0;
     e.slipping = !intact && size > limit;
     if (e.slipping)
@@ -281,20 +297,20 @@ static expected expect(const bench *b, size_t c, tally *sum) {
     e.tolerance = 1e-12 * sqrt(dot3(e.force, e.force)) + 8.0 * DBL_EPSILON * kn * fmax(0.05, box);
 
     /* Work of the step by the trapezoidal rule, less what the spring keeps. */
-    double u_old = u - dt * vn, work = 0.0, kept = 0.0, lost_shear = 0.0;
+    double work = 0.0, kept = 0.0, lost_shear = 0.0;
     for (int a = 0; a < 3; a++) work += 0.5 * (before[a] + t[a]) * dt * vt[a];
     if (kt > 0.0) lost_shear = work - 0.5 * (dot3(t, t) - dot3(before, before)) / kt;
-    work = 0.5 * (kn * u_old + fn) * dt * vn;
-    kept = 0.5 * fn * u - 0.5 * kn * u_old * u_old;
+    work = 0.5 * (kn * u_old + fn) * path;
+    kept = 0.5 * fn * way - 0.5 * kn * u_old * u_old;
     if (e.cause)
         sum->breaking += lost_shear + work - kept;
     else if (e.slipping)
         sum->friction += lost_shear;
-    sum->elastic_normal += 0.5 * fn * u;
+    sum->elastic_normal += 0.5 * fn * way;
     sum->elastic_shear += kt > 0.0 ? 0.5 * dot3(t, t) / kt : 0.0;
-    if (k->fd) sum->damping += 0.5 * (k->fd[c] + viscous) * vn * dt;
+    if (k->fd) sum->damping += 0.5 * (k->fd[c] + viscous) * path;
     sum->scale += kn * u * u + (kt > 0.0 ? dot3(trial, trial) / kt : 0.0) +
-                  fabs(kn * u_old * dt * vn) +
+                  fabs(kn * u_old * path) +
                   (fabs(viscous) + (k->fd ? fabs(k->fd[c]) : 0.0)) * fabs(vn) * dt;
     return e;
 }

@@ -39,16 +39,17 @@ typedef struct pair_geometry {
 } pair_geometry;
 
 typedef struct pair_motion {
-    gn_v speed; /* normal component, opening positive */
-    gn_v3 across,
-        relative; /* tangential velocity of centre j against centre i, and at the contact */
-    gn_v twist;   /* mean spin of the pair about n, rad/s */
+    gn_v speed;     /* normal component at the end of the step, opening positive */
+    gn_v path;      /* by how much the distance grew in the step */
+    gn_v3 half;     /* see gn_half_turn */
+    gn_v3 relative; /* velocity across the normal at the contact, in the middle of the step */
+    gn_v twist;     /* mean spin of the pair about that normal, rad/s */
 } pair_motion;
 
 /* A vector on its way. */
 typedef struct stage {
     pair_geometry geometry;
-    gn_v speed;          /* see pair_motion */
+    gn_v speed, path;    /* see pair_motion */
     gn_v3 before, trial; /* see contact_state */
 } stage;
 
@@ -125,6 +126,32 @@ GN_INLINE void find_normal(const gn_contact_args *a, stage *g, variant w) {
     }
 }
 
+/* Spins enter with the arms of the middle of the step; those of the force stay at its end, so that
+ * force and moment keep the angular momentum. */
+GN_INLINE void add_spins(const gn_contact_args *a, size_t c, const pair_geometry *p, gn_v half2,
+                         gn_v3 middle, pair_motion *s, variant w) {
+    const int32_t *i = a->contacts->i + c, *j = a->contacts->j + c;
+    gn_v wi[4], wj[4];
+    gn_rows4(COLUMN(a, spin), i, wi);
+    gn_rows4(COLUMN(a, spin), j, wj);
+    /* |middle branch| - distance, and the share of it that each arm takes */
+    gn_v back = gn_set(0.5 * a->dt) * s->speed;
+    gn_v longer = gn_fma(gn_set(0.5) * half2, p->distance - back, gn_set(0.0) - back);
+    gn_v ai = gn_fma(gn_set(a->arm_factor), longer, p->arm_i);
+    gn_v aj = gn_fma(gn_set(a->arm_factor), longer, p->arm_j);
+    gn_v3 sum = {gn_set(0.0), gn_set(0.0), ai * wi[2] + aj * wj[2]};
+    if (w.space) {
+        sum.x = ai * wi[0] + aj * wj[0];
+        sum.y = ai * wi[1] + aj * wj[1];
+        gn_v3 spins = {wi[0] + wj[0], wi[1] + wj[1], wi[2] + wj[2]};
+        s->twist = gn_set(0.5) * gn_dot(spins, middle, 1);
+    }
+    s->relative = gn_less_spin_cross(s->relative, sum, middle, w.space);
+}
+
+/* Velocities belong to the middle of the step that led here, so that what they do to the contact is
+ * seen with the normal and the arms of the middle: a cluster that turns as a whole then strains no
+ * contact, whatever the angle of a step. */
 GN_INLINE pair_motion find_motion(const gn_contact_args *a, size_t c, const pair_geometry *p,
                                   variant w) {
     const int32_t *i = a->contacts->i + c, *j = a->contacts->j + c;
@@ -134,32 +161,31 @@ GN_INLINE pair_motion find_motion(const gn_contact_args *a, size_t c, const pair
     s.twist = gn_set(0.0);
     gn_v3 v = {opening[0], opening[1], gn_pick(w.space, opening[2], gn_set(0.0))};
     s.speed = gn_dot(v, p->n, w.space);
-    s.across = gn_axmy(v, s.speed, p->n, w.space);
-    s.relative = s.across;
-    if (w.shear && w.rotation) {
-        gn_v wi[4], wj[4];
-        gn_rows4(COLUMN(a, spin), i, wi);
-        gn_rows4(COLUMN(a, spin), j, wj);
-        gn_v ai = p->arm_i, aj = p->arm_j;
-        gn_v3 sum = {gn_set(0.0), gn_set(0.0), ai * wi[2] + aj * wj[2]};
-        if (w.space) {
-            sum.x = ai * wi[0] + aj * wj[0];
-            sum.y = ai * wi[1] + aj * wj[1];
-            gn_v3 spins = {wi[0] + wj[0], wi[1] + wj[1], wi[2] + wj[2]};
-            s.twist = gn_set(0.5) * gn_dot(spins, p->n, 1);
-        }
-        s.relative = gn_less_spin_cross(s.across, sum, p->n, w.space);
-    }
+    gn_v3 across = gn_axmy(v, s.speed, p->n, w.space);
+    s.half = gn_half_turn(across, s.speed, p->rate, w.space);
+    gn_v half2;
+    gn_v3 middle = gn_middle_normal(p->n, &s.half, w.space, &half2);
+    gn_v along = gn_dot(v, middle, w.space);
+    s.path = along * gn_set(a->dt);
+    s.relative = gn_axmy(v, along, middle, w.space);
+    if (w.shear && w.rotation) add_spins(a, c, p, half2, middle, &s, w);
     return s;
 }
 
-/* Elastic tangential force before any limit. */
+/* Elastic tangential force before any limit. What the step adds turns with the normal from the
+ * middle on (half of `half` is the tangent of half that angle), and by half the twist. */
 GN_INLINE gn_v3 shear_trial(const gn_contact_args *a, const pair_geometry *p, const pair_motion *s,
                             gn_v3 *turned, gn_v kt, variant w) {
-    gn_v3 t = gn_turn_with_normal(*turned, p->n, s->across, p->rate, w.space);
-    if (w.space && w.rotation) t = gn_turn_about_normal(t, p->n, gn_set(a->dt) * s->twist);
+    gn_v3 t = gn_turn_with_normal(*turned, p->n, s->half, w.space);
+    gn_v3 more = gn_scale(kt * gn_set(a->dt), s->relative, w.space);
+    more = gn_turn_with_normal(more, p->n, gn_scale(gn_set(0.5), s->half, w.space), w.space);
+    if (w.space && w.rotation) {
+        gn_v angle = gn_set(a->dt) * s->twist;
+        t = gn_turn_about_normal(t, p->n, angle);
+        more = gn_axpy(more, gn_set(0.5) * angle, gn_cross(p->n, more, 1), 1);
+    }
     *turned = t;
-    return gn_axpy(t, kt * gn_set(a->dt), s->relative, w.space);
+    return gn_add(t, more, w.space);
 }
 
 /* Rare: writes down which bonds broke and why. */
@@ -218,6 +244,8 @@ GN_INLINE void measure_contact(lane_sums *e, const pair_geometry *s, gn_v3 f, va
 /* Forces of a contact before and after its limits. */
 typedef struct contact_state {
     gn_v kn, kt, stretch, elastic, normal; /* elastic: k_n stretch; normal: what acts of it */
+    gn_v way;                              /* normal times this is twice the energy of the spring */
+    gn_v share;                            /* of the dashpot's force */
     gn_v3 before, trial, t;                /* tangential: last step's, turned; unlimited; acting */
     gn_m touching, intact, breaking, slipping;
 } contact_state;
@@ -261,14 +289,13 @@ GN_INLINE void break_bonds(const gn_contact_args *a, size_t c, size_t end, conta
 }
 
 /* Rare: energy that slipping and breaking contacts release. */
-GN_INLINE void book_release(const gn_contact_args *a, gn_v speed, const contact_state *q,
-                            lane_sums *e, variant w) {
+GN_INLINE void book_release(gn_v path, const contact_state *q, lane_sums *e, variant w) {
     gn_v shear_part = gn_set(0.0), normal_part = gn_set(0.0);
     if (w.shear)
         shear_part =
             gn_released3(q->before, q->t, q->trial, gn_max(q->kt, gn_set(GN_TINY)), w.space);
     if (w.bonds) {
-        gn_v old = q->kn * (q->stretch - speed * gn_set(a->dt));
+        gn_v old = q->kn * (q->stretch - path);
         normal_part = gn_released(old, q->normal, q->elastic, q->kn);
     }
     e->breaking = e->breaking + gn_keep(q->breaking, shear_part + normal_part);
@@ -278,19 +305,58 @@ GN_INLINE void book_release(const gn_contact_args *a, gn_v speed, const contact_
 /* In measured steps: energy stored in the springs. */
 GN_INLINE void book_elastic(const contact_state *q, lane_sums *e, variant w) {
     gn_v half = gn_set(0.5);
-    e->elastic_normal = e->elastic_normal + half * q->normal * q->stretch;
+    e->elastic_normal = e->elastic_normal + half * q->normal * q->way;
     if (w.shear)
         e->elastic_shear =
             e->elastic_shear + half * gn_dot(q->t, q->t, w.space) / gn_max(q->kt, gn_set(GN_TINY));
 }
 
-GN_INLINE gn_v damped(const gn_contact_args *a, size_t c, gn_v speed, const contact_state *q,
-                      gn_m acting, lane_sums *e, variant w) {
+/* A contact that closed or opened within the step acted for a part of it only. Forces stand at the
+ * ends of steps and count for half a step on either side; with g the gap before, u the overlap
+ * after it closed by p = g + u, the spring's impulse is that of a force which begins at the share
+ * u/p: k u (1 + u/p)/2, and the dashpot acted for 1/2 + u/p steps. Where it opened, the full forces
+ * of the last instant were too much: taken back are k u (1 - u/p)/2 of the spring, and of the
+ * dashpot's step 1/2 - u/p. So the energy of a rebound is off by (w dt)^4/16 at most instead of (w
+ * dt)^2/4. The energy that is booked with the instant is what closes the trapezoidal sums: half the
+ * force times the path. */
+GN_INLINE void cross(gn_v path, gn_m closing, gn_m opening, contact_state *q) {
+    gn_v half = gn_set(0.5), one = gn_set(1.0);
+    gn_v in = gn_where(closing, q->stretch / path, gn_set(0.0));
+    gn_v out = gn_where(opening, q->stretch / path, gn_set(0.0)); /* the open share of the step */
+    gn_v before = q->stretch - path;
+    q->normal = gn_where(closing, half * q->elastic * (one + in), q->normal);
+    q->normal = gn_where(opening, gn_set(-0.5) * q->kn * before * out, q->normal);
+    q->share = gn_where(closing, half + in, q->share);
+    q->share = gn_where(opening, half - out, q->share);
+    q->way = gn_where(closing, path, q->way);
+    q->way = gn_where(opening, gn_set(0.0) - path, q->way);
+    q->elastic = gn_where(opening, q->normal, q->elastic); /* nothing is left to release */
+}
+
+/* What acts along the normal but for the dashpot. A gap that is not more than the rounding of the
+ * positions was none. A bond that breaks was a spring both ways until now: it does not close. */
+GN_INLINE void find_normal_force(const stage *g, contact_state *q, variant w) {
+    const gn_v zero = gn_set(0.0), rounding = gn_set(0x1p-48) * g->geometry.distance;
+    gn_m acting = gn_or(q->touching, q->intact), loose = gn_not(q->intact);
+    gn_m touched = gn_less(q->stretch - g->path, rounding);
+    q->normal = gn_keep(acting, q->elastic);
+    q->way = q->stretch;
+    q->share = gn_keep(acting, gn_set(1.0));
+    gn_m opening = gn_and(loose, gn_and(touched, gn_not(q->touching)));
+    if (w.bonds) loose = gn_and(loose, gn_not(q->breaking));
+    gn_m closing = gn_and(loose, gn_and(q->touching, gn_not(touched)));
+    opening = gn_and(opening, gn_less(zero, g->path));
+    if (__builtin_expect(gn_bits(gn_or(closing, opening)) != 0, 0))
+        cross(g->path, closing, opening, q);
+}
+
+GN_INLINE gn_v damped(const gn_contact_args *a, size_t c, const stage *g, const contact_state *q,
+                      lane_sums *e, variant w) {
     const gn_contacts *k = a->contacts;
-    gn_v viscous = gn_keep(acting, gn_load(COLUMN(k, cn) + gn_column_at(c, a->uniform.cn)) * speed);
+    gn_v viscous = q->share * gn_load(COLUMN(k, cn) + gn_column_at(c, a->uniform.cn)) * g->speed;
     if (w.energy) {
         gn_v half = gn_set(0.5) * (gn_load(COLUMN(k, fd) + c) + viscous);
-        e->damping = e->damping + half * speed * gn_set(a->dt);
+        e->damping = e->damping + half * g->path;
         gn_store(COLUMN(k, fd) + c, viscous);
     }
     return q->normal + viscous;
@@ -300,6 +366,7 @@ GN_INLINE void find_trial(const gn_contact_args *a, size_t c, const brief *from,
                           variant w) {
     const gn_contacts *list = a->contacts;
     g->speed = from->motion.speed;
+    g->path = from->motion.path;
     if (!w.shear) return;
     gn_v kt = gn_load(COLUMN(list, kt) + gn_column_at(c, a->uniform.kt));
     g->before = gn_load3(COLUMN(list, shear) + c, list->soa.capacity, w.space);
@@ -322,12 +389,11 @@ GN_INLINE void find_forces(const gn_contact_args *a, size_t c, size_t end, const
         q.trial = g->trial;
     }
     if (w.bonds) break_bonds(a, c, end, &q, sums, w);
-    gn_m acting = gn_or(q.touching, q.intact);
-    q.normal = gn_keep(acting, q.elastic);
+    find_normal_force(g, &q, w);
     gn_v total = q.normal;
-    if (w.damping) total = damped(a, c, g->speed, &q, acting, e, w);
+    if (w.damping) total = damped(a, c, g, &q, e, w);
     if (w.shear) limit_shear(a, c, total, &q, w);
-    if (w.energy && gn_bits(gn_or(q.slipping, q.breaking))) book_release(a, g->speed, &q, e, w);
+    if (w.energy && gn_bits(gn_or(q.slipping, q.breaking))) book_release(g->path, &q, e, w);
     if (w.energy && a->measure) book_elastic(&q, e, w);
 
     gn_v3 force = gn_scale(total, p->n, w.space), moment = {zero, zero, zero};

@@ -246,7 +246,7 @@ static gneiss_status check_damping(const check *c, const gn_scene *s) {
         s->background_velocity == GN_VELOCITY_INSTANT)
         return gn_check_fail(c, "damping.background.velocity",
                              "instant needs the model nonviscous_component, found another one");
-    if (s->restitution > 0 && s->damping_fraction > 0)
+    if (s->restitution >= 0 && s->damping_fraction > 0)
         return gn_check_fail(c, "damping.contact.fraction",
                              "expected restitution or fraction, found both");
     return GNEISS_OK;

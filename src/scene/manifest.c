@@ -274,7 +274,7 @@ static const gn_key background_keys[] = {
 TABLE_OF(background);
 
 static const gn_key contact_keys[] = {
-    KEY("restitution", REAL, gn_scene, restitution, .unit = "1", .range = "(0, 1]", .word = "none",
+    KEY("restitution", REAL, gn_scene, restitution, .unit = "1", .range = "[0, 1]", .word = "none",
         .word_value = -1, .fallback = "none",
         .text = "restitution coefficient of a free collision"),
     KEY("fraction", REAL, gn_scene, damping_fraction, .unit = "1", .range = "(0, 1]",

@@ -369,7 +369,7 @@ typedef struct gn_scene {
     gn_background_damping background;
     double background_coefficient;
     gn_damped_velocity background_velocity;
-    double restitution;      /* c_r in (0, 1]; negative: contact damping by fraction */
+    double restitution;      /* c_r in [0, 1]; negative: contact damping by fraction */
     double damping_fraction; /* alpha of critical; 0 and restitution < 0: no contact damping */
 
     double gravity[3];      /* m/s2 */

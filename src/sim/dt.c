@@ -166,6 +166,12 @@ static const char *culprit(const gn_world *w, char *text, size_t size) {
     return text;
 }
 
+static void set_step(gn_world *w, double dt) {
+    if (w->dt == dt) return;
+    w->dt = dt;
+    gn_world_refresh_dashpots(w);
+}
+
 static gneiss_status react(gn_world *w, double limit, gneiss_error *error) {
     char text[160];
     if (w->scene.step == 0.0) {
@@ -177,10 +183,10 @@ static gneiss_status react(gn_world *w, double limit, gneiss_error *error) {
         /* Small changes of the stiffest mode are what the safety factor is for. */
         if (w->step > 0 && wanted > 0.97 * w->dt) return GNEISS_OK;
         if (w->step > 0) w->dt_lowered++;
-        w->dt = wanted;
+        set_step(w, wanted);
         return GNEISS_OK;
     }
-    w->dt = w->scene.step;
+    set_step(w, w->scene.step);
     if (w->dt <= limit || w->scene.on_unstable == GN_POLICY_WARN) return GNEISS_OK;
     return gn_fail(
         error, w->step > 0 ? GNEISS_ERROR_UNSTABLE : GNEISS_ERROR_INPUT,

@@ -4,6 +4,7 @@
  * A contact is seen as a bar between the centres. In 3D its section is (2r)^2 and its length 2r, so
  * that k_n = 2 E_c r and R = 4 sigma_c r^2; in 2D (unit thickness) the section is 2r x 1 m, so that
  * k_n = E_c x 1 m whatever r, and R = 2 sigma_c r x 1 m. */
+#include "sim/dashpot.h"
 #include "sim/parts.h"
 
 #include <math.h>
@@ -11,6 +12,7 @@
 double gn_contact_damping_fraction(const gn_scene *scene) {
     if (scene->restitution < 0.0) return scene->damping_fraction;
     if (scene->restitution >= 1.0) return 0.0;
+    if (scene->restitution == 0.0) return 1.0; /* critical: it closes and does not come back */
     double l = log(scene->restitution);
     return -l / sqrt(M_PI * M_PI + l * l);
 }
@@ -64,6 +66,29 @@ static void set_kn_and_strength(const gn_world *w, const gn_material *a, const g
     p->rt = smaller(a->shear_strength, b->shear_strength) * section;
 }
 
+double gn_inverse_mass_along(const gn_world *w, size_t p, const double n[3]) {
+    double inverse = w->particles.vel[4 * p + 3], free = 0.0;
+    int32_t slot = w->prescribed.count ? w->particles.slot[p] : -1;
+    if (slot < 0) return inverse;
+    for (int a = 0; a < 3; a++)
+        if (!(w->prescribed.mask[slot] >> a & 1)) free += n[a] * n[a];
+    return free * inverse;
+}
+
+/* Of the pair along the line between its centres, where it is now. */
+static double pair_inverse_mass(const gn_world *w, int32_t i, int32_t j) {
+    const double *x = w->particles.pos + 4 * (int64_t)i, *y = w->particles.pos + 4 * (int64_t)j;
+    double n[3], length2 = 0.0;
+    for (int a = 0; a < 3; a++) {
+        n[a] = y[a] - x[a];
+        if (w->period[a] > 0.0) n[a] -= w->period[a] * round(n[a] / w->period[a]);
+        length2 += n[a] * n[a];
+    }
+    double scale = length2 > 0.0 ? 1.0 / sqrt(length2) : 0.0;
+    for (int a = 0; a < 3; a++) n[a] *= scale;
+    return gn_inverse_mass_along(w, (size_t)i, n) + gn_inverse_mass_along(w, (size_t)j, n);
+}
+
 gn_contact_parameters gn_contact_law(const gn_world *w, int32_t i, int32_t j) {
     const gn_particles *q = &w->particles;
     const gn_material *a = &w->scene.materials[q->material[i]];
@@ -75,11 +100,8 @@ gn_contact_parameters gn_contact_law(const gn_world *w, int32_t i, int32_t j) {
            tb = b->kratio > 0.0 ? 1.0 / b->kratio : 0.0;
     p.kt = ta + tb > 0.0 ? p.kn * series(ta, tb) : 0.0;
     p.mu = smaller(a->friction, b->friction);
-    double alpha = w->damping_fraction;
-    if (alpha > 0.0) {
-        double inverse = q->vel[4 * (int64_t)i + 3] + q->vel[4 * (int64_t)j + 3];
-        p.cn = 2.0 * alpha * sqrt(p.kn / inverse);
-    }
+    if (w->damping_fraction > 0.0)
+        p.cn = gn_dashpot(p.kn, pair_inverse_mass(w, i, j), w->damping_fraction, w->dt);
     return p;
 }
 

@@ -355,6 +355,21 @@ static gn_uniform find_uniform(const gn_contacts *k) {
     return (gn_uniform){uniform(k->kn, n), uniform(k->kt, n), uniform(k->mu, n), uniform(k->cn, n)};
 }
 
+static void refresh_dashpots(const gn_world *w, gn_contacts *q) {
+    for (size_t c = 0; q->cn && c < q->soa.count; c++) {
+        q->cn[c] = gn_contact_law(w, q->i[c], q->j[c]).cn;
+        if (q->cn_f) q->cn_f[c] = (float)q->cn[c];
+    }
+}
+
+void gn_world_refresh_dashpots(gn_world *w) {
+    if (!(w->effects & GN_FX_CONTACT_DAMPING)) return;
+    refresh_dashpots(w, &w->bonds);
+    refresh_dashpots(w, &w->pairs);
+    w->bond_uniform = find_uniform(&w->bonds);
+    w->pair_uniform = find_uniform(&w->pairs);
+}
+
 /* What kernels read besides the records themselves, once lists and `ref` stand. */
 static void ready_kernels(gn_world *w) {
     w->bond_uniform = find_uniform(&w->bonds);

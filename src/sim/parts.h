@@ -16,12 +16,19 @@ typedef struct gn_contact_parameters {
 } gn_contact_parameters;
 gn_contact_parameters gn_contact_law(const gn_world *world, int32_t i, int32_t j);
 
+/* 1/kg with which a particle gives way along a unit vector: prescribed components do not. */
+double gn_inverse_mass_along(const gn_world *world, size_t particle, const double n[3]);
+
 /* Uniform parameters from the packing (models 3a, 3b, 3c); `pairs` are the contacts to average
  * over. */
 gneiss_status gn_law_derive(gn_world *world, const gn_pair_list *pairs, gneiss_error *error);
 
 /* Damping fraction alpha of the contacts, 0 for none. */
 double gn_contact_damping_fraction(const gn_scene *scene);
+
+/* The coefficients of unbonded pairs, which depend on the step, after that has changed (lists.c).
+ */
+void gn_world_refresh_dashpots(gn_world *world);
 
 /* Bonds between the pairs at the start that lie in the interaction range (bonds.c). */
 gneiss_status gn_bonds_form(gn_world *world, gneiss_error *error);

@@ -298,10 +298,11 @@ static gn_touch touch_of(const group *g, const gn_facet_near *minima, const gn_f
                          const double arm[3]) {
     const gn_particles *q = &g->w->particles;
     const double *vp = q->vel + 4 * g->particle, *spin = q->spin ? q->spin + 4 * g->particle : NULL;
-    gn_touch s = {.overlap = k->overlap};
+    gn_touch s = {.gap = k->overlap, .rounding = 0x1p-48 * q->pos[4 * g->particle + 3]};
     double v[3], turn[3] = {0, 0, 0};
     memcpy(s.n, k->n, sizeof s.n);
-    s.inverse_mass = vp[3] + surface_motion(g, minima, k, arm, v);
+    s.inverse_mass =
+        gn_inverse_mass_along(g->w, g->particle, s.n) + surface_motion(g, minima, k, arm, v);
     if (spin) {
         gn_cross3(spin, arm, turn);
         s.twist = gn_dot3(spin, s.n);
@@ -358,21 +359,57 @@ static void contact(const group *g, const gn_facet_near *minima, const gn_facet_
         for (int b = 0; b < 3; b++) sums->stress[3 * a + b] += force[a] * arm[b];
 }
 
-/* A contact that opened in this step: its spring across and its dashpot let go, as those of a wall
- * do. */
+/* Where a particle that let go of the surface is nearest to it now, in the direction of the contact
+ * that it had; false: nowhere within half its radius. */
+static bool left_behind(const group *g, const memory *m, gn_facet_near *near) {
+    gn_facet_near minima[GN_FACET_TOUCHES];
+    size_t count = minima_within(g, 1.5 * g->w->particles.pos[4 * g->particle + 3], minima);
+    double best = 0.5;
+    for (size_t k = 0; k < count; k++) {
+        double cosine = gn_dot3(minima[k].away, m->n) / minima[k].distance;
+        if (!(cosine > best)) continue;
+        best = cosine;
+        *near = minima[k];
+    }
+    return best > 0.5;
+}
+
+/* A contact that opened in this step: its spring across and its dashpot let go, and what the last
+ * force did beyond the opening is taken back, as at a wall. One that was joined to another is not
+ * open. */
 static void open_contact(const group *g, memory *m, gn_contact_sums *sums) {
-    double t[3], centre[3];
+    const gn_wall_contacts *q = &g->w->wall_contacts;
+    double t[3];
+    const double *x = g->w->particles.pos + 4 * g->particle;
     gn_facet_near near;
     gn_facet_contact k;
-    centre_in(g->w, g->s, g->particle, centre);
-    near_of_row(g, centre, m->row, &near);
-    away_in_space(g, &near);
-    gn_facet_single(&near, 0, near.distance, &k); /* no overlap */
-    memcpy(k.n, m->n, sizeof k.n);
+    bool behind = left_behind(g, m, &near);
+    if (!behind) {
+        double centre[3];
+        centre_in(g->w, g->s, g->particle, centre);
+        near_of_row(g, centre, m->row, &near);
+        away_in_space(g, &near);
+    }
+    gn_facet_single(&near, 0, x[3], &k);
+    if (!behind) memcpy(k.n, m->n, sizeof k.n);
     gn_touch s = touch_of(g, &near, &k, k.arm);
+    if (!behind || s.gap <= 0.0) s.gap = INFINITY;
     gn_touch_law law = law_of(g->s);
-    gn_touch_force(g->w, &law, &s, g->w->wall_contacts.fd ? &m->fd : NULL,
-                   g->w->wall_contacts.shear ? m->shear : NULL, 1, t, sums);
+    double total = gn_touch_force(g->w, &law, &s, q->fd ? &m->fd : NULL, q->shear ? m->shear : NULL,
+                                  1, t, sums);
+    if (total == 0.0) return;
+    double *row = q->row + 8 * near.row;
+    size_t stride = q->soa.capacity;
+    bool used = row[0] != 0.0 || row[1] != 0.0 || row[2] != 0.0;
+    for (size_t a = 0; a < 3; a++) {
+        row[a] += total * s.n[a];
+        if (!used) q->touch[near.row + a * stride] = x[a] + k.arm[a];
+        for (size_t b = 0; b < 3; b++) sums->stress[3 * a + b] += total * s.n[a] * k.arm[b];
+    }
+    /* The dashpot's work closes with the next step. */
+    if (used || m->fd == 0.0) return;
+    for (size_t a = 0; a < 3; a++) q->normal[near.row + a * stride] = s.n[a];
+    q->fd[near.row] = m->fd;
 }
 
 /* The group that begins with a row, up to `end`. */

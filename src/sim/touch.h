@@ -3,6 +3,7 @@
 #ifndef GN_SIM_TOUCH_H
 #define GN_SIM_TOUCH_H
 
+#include "sim/dashpot.h"
 #include "sim/world.h"
 
 #include <math.h>
@@ -15,7 +16,8 @@ typedef struct gn_touch_law {
 /* A contact at one instant. Normal from the particle into the wall, as for a second particle. */
 typedef struct gn_touch {
     double n[3];
-    double overlap;      /* m, negative while it presses */
+    double gap;          /* m, negative while it presses */
+    double rounding;     /* m, of the gap: less was no gap */
     double speed;        /* m/s, of the wall against the particle along n */
     double relative[3];  /* m/s, the same across n, at the point of contact */
     double twist;        /* rad/s, sum of both spins about n */
@@ -60,28 +62,51 @@ static inline double gn_touch_friction(const gn_world *w, const gn_touch *s, dou
     return lost;
 }
 
+/* What acts along the normal but for the dashpot, and the dashpot's share of a step. */
+typedef struct gn_touch_normal {
+    double force, way, share; /* N; m: force times way is twice the energy; - */
+} gn_touch_normal;
+
+/* A contact that closed or opened within the step: see the kernel of particles
+ * (kernels/contact_template.c, cross). */
+static inline gn_touch_normal gn_touch_normal_of(double stiffness, double gap, double path,
+                                                 double rounding) {
+    double before = gap - path;
+    if (gap < 0.0 && before < rounding) return (gn_touch_normal){stiffness * gap, gap, 1.0};
+    if (gap < 0.0)
+        return (gn_touch_normal){0.5 * stiffness * gap * (1.0 + gap / path), path,
+                                 0.5 + gap / path};
+    if (before < rounding && path > 0.0)
+        return (gn_touch_normal){-0.5 * stiffness * before * (gap / path), -path, 0.5 - gap / path};
+    return (gn_touch_normal){0.0, 0.0, 0.0};
+}
+
 /* Force on the particle: the returned value along n, and t across it. `fd` (may be NULL): viscous
  * force of the last step, then of this one; `shear` may be NULL. Energies go to *sums. */
 static inline double gn_touch_force(const gn_world *w, const gn_touch_law *law, const gn_touch *s,
                                     double *fd, double *shear, size_t stride, double t[3],
                                     gn_contact_sums *sums) {
-    bool touching = s->overlap < 0.0;
-    double normal = touching ? law->stiffness * s->overlap : 0.0, viscous = 0.0, elastic = 0.0;
+    bool touching = s->gap < 0.0;
+    double path = s->speed * w->dt_past, elastic = 0.0;
+    gn_touch_normal normal = gn_touch_normal_of(law->stiffness, s->gap, path, s->rounding);
+    double total = normal.force;
     if (w->effects & GN_FX_CONTACT_DAMPING) {
-        double alpha = w->damping_fraction;
-        if (touching) viscous = 2.0 * alpha * sqrt(law->stiffness / s->inverse_mass) * s->speed;
+        double viscous = 0.0;
+        if (normal.share != 0.0)
+            viscous = normal.share * s->speed *
+                      gn_dashpot(law->stiffness, s->inverse_mass, w->damping_fraction, w->dt_past);
         if (fd) {
-            sums->contact_damping += 0.5 * (*fd + viscous) * s->speed * w->dt_past;
+            sums->contact_damping += 0.5 * (*fd + viscous) * path;
             *fd = viscous;
         }
+        total += viscous;
     }
-    double total = normal + viscous;
     t[0] = t[1] = t[2] = 0.0;
     if (shear && law->kt > 0.0)
         sums->friction +=
             gn_touch_friction(w, s, law->kt, touching ? law->friction * fmax(-total, 0.0) : 0.0,
                               shear, stride, t, &elastic);
-    sums->elastic_normal += 0.5 * normal * s->overlap * touching + elastic;
+    sums->elastic_normal += 0.5 * normal.force * normal.way + elastic;
     return total;
 }
 

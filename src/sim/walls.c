@@ -121,7 +121,7 @@ static gn_touch touch_of(const gn_world *w, size_t c, double *arm) {
     size_t p = (size_t)w->wall_contacts.i[c], k = (size_t)w->wall_contacts.wall[c];
     const gn_wall *wall = &w->walls[k];
     double gap = wall_gap(w, p, k);
-    gn_touch s = {.overlap = gap - w->wall_contacts.gap0[c], .inverse_mass = q->vel[4 * p + 3]};
+    gn_touch s = {.gap = gap - w->wall_contacts.gap0[c], .rounding = 0x1p-48 * q->pos[4 * p + 3]};
     *arm = q->pos[4 * p + 3] + (w->scene.contact_arm == GN_ARM_MIDPOINT ? gap : 0.0);
     double v[3], turn[3] = {0, 0, 0};
     for (int a = 0; a < 3; a++) {
@@ -129,6 +129,7 @@ static gn_touch touch_of(const gn_world *w, size_t c, double *arm) {
         v[a] = wall->velocity[a] - q->vel[4 * p + a];
     }
     s.speed = gn_dot3(v, s.n);
+    s.inverse_mass = gn_inverse_mass_along(w, p, s.n);
     if (q->spin) {
         gn_cross3(q->spin + 4 * p, s.n, turn);
         s.twist = gn_dot3(q->spin + 4 * p, s.n);

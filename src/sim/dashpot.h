@@ -1,0 +1,30 @@
+/* The dashpot of a contact that rebounds with a restitution coefficient. */
+#ifndef GN_SIM_DASHPOT_H
+#define GN_SIM_DASHPOT_H
+
+#include <math.h>
+
+/* c_n in N s/m with which two bodies that meet alone rebound as the oscillator of damping fraction
+ * `alpha` does, in steps of `dt` (0: none yet, 2 alpha sqrt(m k)).
+ *
+ * The force of a step sees the velocity of half a step before. A free oscillator so stepped obeys
+ *     u(+) - (2 - q - y^2) u + (1 - q) u(-) = 0,   y = w dt, q = c_n dt/m, w^2 = k/m,
+ * whose solutions shrink by exp(-zeta) and turn by theta in a step, with exp(-2 zeta) = 1 - q and
+ * y = |1 - exp(-zeta + i theta)|. The rebound is right if zeta/theta is what it is for small steps,
+ * alpha/sqrt(1 - alpha^2): with zeta = alpha psi and theta = sqrt(1 - alpha^2) psi the last
+ * equation gives psi(y) as the series below (next term of order y^4), and q = 1 - exp(-2 alpha
+ * psi), with a quotient for tanh(alpha psi), which is the same on every machine. Without it c_n
+ * would be too large by the factor 1 + alpha y/2: 3 % at ten steps per contact and c_r = 0.5.
+ * Stiffness and what rests is left alone. */
+static inline double gn_dashpot(double stiffness, double inverse_mass, double alpha, double dt) {
+    if (!(alpha > 0.0) || !(inverse_mass > 0.0)) return 0.0;
+    double c = 2.0 * alpha * sqrt(stiffness / inverse_mass);
+    double y = dt * sqrt(stiffness * inverse_mass);
+    if (!(y > 0.0) || isinf(y)) return c;
+    double psi = y * (1.0 + y * (0.5 * alpha + y * (7.0 * alpha * alpha + 1.0) / 24.0));
+    double h = alpha * psi, tangent = h * (15.0 + h * h) / (15.0 + 6.0 * h * h);
+    double q = fmin(2.0 * tangent / (1.0 + tangent), 1.0);
+    return fmin(c, q / (dt * inverse_mass));
+}
+
+#endif
