@@ -250,8 +250,8 @@ static expected expect(const bench *b, size_t c, tally *sum) {
         if (b->space) twist = 0.5 * (dot3(wi, middle) + dot3(wj, middle));
     }
     for (int a = 0; a < 3; a++) vr[a] = v[a] + tj[a] - ti[a];
-    double vn = dot3(v, n), path = dt * dot3(v, middle), vt[3];
-    for (int a = 0; a < 3; a++) vt[a] = vr[a] - path / dt * middle[a];
+    double vn = dot3(v, n), path = dt * vn, along = dot3(v, middle), vt[3];
+    for (int a = 0; a < 3; a++) vt[a] = vr[a] - along * middle[a];
 
     double kn = k->kn[c], kt = k->kt ? k->kt[c] : 0.0;
     double u = fx & GN_FX_BONDS ? length - k->length0[c] : gap, u_old = u - path;

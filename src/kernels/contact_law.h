@@ -6,52 +6,30 @@
 
 #include "kernels/simd.h"
 
-/* The normal from the middle of a step to its end. With v = speed n + across the branch of the
- * middle is d n - dt/2 v, so that it stands at tan(angle) = (dt/2) |across|/(d - dt/2 speed) to n;
+/* Direction of the branch in the middle of the step, of the length at which its component along n
+ * is 1: with v = speed n + across that branch is d n - dt/2 v = (d - dt/2 speed) middle, so that
+ * middle = n - half, |half| = (dt/2) |across|/(d - dt/2 speed) the tangent of the angle to n.
  * `rate` is dt/(2 d), and 1/(1 - rate speed) is taken to second order. */
-GN_INLINE gn_v3 gn_half_turn(gn_v3 across, gn_v speed, gn_v rate, int space) {
-    return gn_scale(gn_fma(rate * rate, speed, rate), across, space);
+GN_INLINE gn_v3 gn_middle(gn_v3 v, gn_v3 n, gn_v speed, gn_v rate, int space) {
+    gn_v scaled = gn_fma(rate * rate, speed, rate);
+    return gn_axmy(gn_scale(gn_fma(scaled, speed, gn_set(1.0)), n, space), scaled, v, space);
 }
 
-/* Rare: half a step turns the normal by more than a twentieth. Beyond 45 degrees, as where centres
- * (nearly) coincide, there is no telling which way it went: it has not turned then. */
-static __attribute__((noinline)) void gn_wide_turn(gn_m wide, gn_v3 *half, gn_v *half2,
-                                                   gn_v *shrink) {
-    gn_m known = gn_at_least(gn_set(1.0), *half2);
-    half->x = gn_keep(known, half->x);
-    half->y = gn_keep(known, half->y);
-    half->z = gn_keep(known, half->z);
-    *half2 = gn_keep(known, *half2);
-    *shrink = gn_where(wide, gn_set(1.0) / gn_sqrt(gn_set(1.0) + *half2), *shrink);
+/* Takes a vector across an earlier normal into the tangent plane of n, along `middle`.
+ * Across the normal of the last instant, which `middle` halves the angle to, that is the shortest
+ * rotation (Labra et al. 2012, ch. 2), t - (t.n)(n_old + n)/(1 + n_old.n), and keeps |t|. Across
+ * `middle` itself it turns by half that angle and stretches, by a factor 1 + half^2/2, what lies in
+ * the plane of the turn. Whatever is along `middle` drops out. */
+GN_INLINE gn_v3 gn_turn_with_normal(gn_v3 t, gn_v3 n, gn_v3 middle, int space) {
+    return gn_axmy(t, gn_dot(t, n, space), middle, space);
 }
 
-/* The unit normal in the middle of the step, (n - half)/sqrt(1 + half^2); the root up to half^6. */
-GN_INLINE gn_v3 gn_middle_normal(gn_v3 n, gn_v3 *half, int space, gn_v *half2) {
-    gn_v h2 = gn_dot(*half, *half, space);
-    gn_v shrink = gn_fma(gn_fma(h2, gn_set(0.375), gn_set(-0.5)), h2, gn_set(1.0));
-    gn_m wide = gn_not(gn_at_least(gn_set(2.5e-3), h2));
-    if (__builtin_expect(gn_bits(wide) != 0, 0)) gn_wide_turn(wide, half, &h2, &shrink);
-    *half2 = h2;
-    return gn_scale(shrink, gn_sub(n, *half, space), space);
-}
-
-/* Turns a vector across the normal of an earlier instant into the tangent plane of n, by the
- * shortest rotation (Labra et al. 2012, ch. 2): t - (t.n)(n_old + n)/(1 + n_old.n), where the last
- * quotient is n less the tangent of half the angle along the way that n went. It keeps |t|, and
- * n_old need not be stored. */
-GN_INLINE gn_v3 gn_turn_with_normal(gn_v3 t, gn_v3 n, gn_v3 half, int space) {
-    gn_v along = gn_dot(t, n, space);
-    return gn_axmy(t, along, gn_sub(n, half, space), space);
-}
-
-/* Turns a tangential force by `angle` about n (mean spin of the pair): sine and cosine to fifth
- * order, so that |t| is kept to sixth. Only in 3D: in 2D the spin is normal to the plane. */
+/* Turns a tangential force by `angle` about n (mean spin of the pair): t + a n x t - a^2/2 t, which
+ * keeps |t| to fourth order. Only in 3D: in 2D the spin is normal to the plane. */
 GN_INLINE gn_v3 gn_turn_about_normal(gn_v3 t, gn_v3 n, gn_v angle) {
-    gn_v a2 = angle * angle;
-    gn_v sine = gn_fma(gn_fma(a2, gn_set(1.0 / 120.0), gn_set(-1.0 / 6.0)) * a2, angle, angle);
-    gn_v less = gn_fma(a2, gn_set(1.0 / 24.0), gn_set(-0.5)) * a2; /* cos - 1 */
-    gn_v3 turned = gn_axpy(t, sine, gn_cross(n, t, 1), 1);
-    return gn_axpy(turned, less, t, 1);
+    gn_v3 side = gn_cross(n, t, 1);
+    gn_v3 turned = gn_axpy(t, angle, side, 1);
+    return gn_axpy(turned, gn_set(-0.5) * angle * angle, t, 1);
 }
 
 /* Elastic energy that a jump of force from `trial` to `now` releases when the force was `old`

@@ -40,16 +40,15 @@ typedef struct pair_geometry {
 
 typedef struct pair_motion {
     gn_v speed;     /* normal component at the end of the step, opening positive */
-    gn_v path;      /* by how much the distance grew in the step */
-    gn_v3 half;     /* see gn_half_turn */
-    gn_v3 relative; /* velocity across the normal at the contact, in the middle of the step */
-    gn_v twist;     /* mean spin of the pair about that normal, rad/s */
+    gn_v3 middle;   /* see gn_middle */
+    gn_v3 relative; /* tangential velocity at the contact, turned from the middle to the end */
+    gn_v twist;     /* mean spin of the pair about the normal, rad/s */
 } pair_motion;
 
 /* A vector on its way. */
 typedef struct stage {
     pair_geometry geometry;
-    gn_v speed, path;    /* see pair_motion */
+    gn_v speed, angle;   /* see pair_motion; the twist of the step */
     gn_v3 before, trial; /* see contact_state */
 } stage;
 
@@ -118,7 +117,9 @@ GN_INLINE void find_normal(const gn_contact_args *a, stage *g, variant w) {
     /* Coincident centres have no direction: the tiny floor gives a zero normal and no force. */
     gn_v inverse = gn_set(1.0) / gn_max(distance, gn_set(GN_TINY));
     s->n = gn_scale(inverse, s->n, w.space);
-    s->rate = gn_set(0.5 * a->dt) * inverse;
+    /* Of centres that (nearly) coincide there is no telling which way the normal goes. */
+    gn_m apart = gn_less(gn_set(0.05) * (s->arm_i + s->arm_j), distance);
+    s->rate = gn_keep(apart, gn_set(0.5 * a->dt) * inverse);
     if (w.shear && w.rotation) {
         gn_v half = gn_set(a->arm_factor) * (distance - (s->arm_i + s->arm_j));
         s->arm_i = s->arm_i + half;
@@ -126,32 +127,11 @@ GN_INLINE void find_normal(const gn_contact_args *a, stage *g, variant w) {
     }
 }
 
-/* Spins enter with the arms of the middle of the step; those of the force stay at its end, so that
- * force and moment keep the angular momentum. */
-GN_INLINE void add_spins(const gn_contact_args *a, size_t c, const pair_geometry *p, gn_v half2,
-                         gn_v3 middle, pair_motion *s, variant w) {
-    const int32_t *i = a->contacts->i + c, *j = a->contacts->j + c;
-    gn_v wi[4], wj[4];
-    gn_rows4(COLUMN(a, spin), i, wi);
-    gn_rows4(COLUMN(a, spin), j, wj);
-    /* |middle branch| - distance, and the share of it that each arm takes */
-    gn_v back = gn_set(0.5 * a->dt) * s->speed;
-    gn_v longer = gn_fma(gn_set(0.5) * half2, p->distance - back, gn_set(0.0) - back);
-    gn_v ai = gn_fma(gn_set(a->arm_factor), longer, p->arm_i);
-    gn_v aj = gn_fma(gn_set(a->arm_factor), longer, p->arm_j);
-    gn_v3 sum = {gn_set(0.0), gn_set(0.0), ai * wi[2] + aj * wj[2]};
-    if (w.space) {
-        sum.x = ai * wi[0] + aj * wj[0];
-        sum.y = ai * wi[1] + aj * wj[1];
-        gn_v3 spins = {wi[0] + wj[0], wi[1] + wj[1], wi[2] + wj[2]};
-        s->twist = gn_set(0.5) * gn_dot(spins, middle, 1);
-    }
-    s->relative = gn_less_spin_cross(s->relative, sum, middle, w.space);
-}
-
 /* Velocities belong to the middle of the step that led here, so that what they do to the contact is
  * seen with the normal and the arms of the middle: a cluster that turns as a whole then strains no
- * contact, whatever the angle of a step. */
+ * contact, whatever the angle of a step. (The arms of the force stay at the end, so that force and
+ * moment keep the angular momentum.) With arms to the middle of the gap a rigid rotation gives
+ * exactly no relative velocity: those arms add up to the length of the middle branch. */
 GN_INLINE pair_motion find_motion(const gn_contact_args *a, size_t c, const pair_geometry *p,
                                   variant w) {
     const int32_t *i = a->contacts->i + c, *j = a->contacts->j + c;
@@ -161,31 +141,37 @@ GN_INLINE pair_motion find_motion(const gn_contact_args *a, size_t c, const pair
     s.twist = gn_set(0.0);
     gn_v3 v = {opening[0], opening[1], gn_pick(w.space, opening[2], gn_set(0.0))};
     s.speed = gn_dot(v, p->n, w.space);
-    gn_v3 across = gn_axmy(v, s.speed, p->n, w.space);
-    s.half = gn_half_turn(across, s.speed, p->rate, w.space);
-    gn_v half2;
-    gn_v3 middle = gn_middle_normal(p->n, &s.half, w.space, &half2);
-    gn_v along = gn_dot(v, middle, w.space);
-    s.path = along * gn_set(a->dt);
-    s.relative = gn_axmy(v, along, middle, w.space);
-    if (w.shear && w.rotation) add_spins(a, c, p, half2, middle, &s, w);
+    if (!w.shear) return s;
+    s.middle = gn_middle(v, p->n, s.speed, p->rate, w.space);
+    if (w.rotation) {
+        gn_v wi[4], wj[4];
+        gn_rows4(COLUMN(a, spin), i, wi);
+        gn_rows4(COLUMN(a, spin), j, wj);
+        gn_v back = gn_set(0.5 * a->dt * a->arm_factor) * s.speed;
+        gn_v ai = p->arm_i - back, aj = p->arm_j - back;
+        gn_v3 sum = {gn_set(0.0), gn_set(0.0), ai * wi[2] + aj * wj[2]};
+        if (w.space) {
+            sum.x = ai * wi[0] + aj * wj[0];
+            sum.y = ai * wi[1] + aj * wj[1];
+            gn_v3 spins = {wi[0] + wj[0], wi[1] + wj[1], wi[2] + wj[2]};
+            s.twist = gn_set(0.5) * gn_dot(spins, s.middle, 1);
+        }
+        v = gn_less_spin_cross(v, sum, s.middle, w.space);
+    }
+    s.relative = gn_turn_with_normal(v, p->n, s.middle, w.space);
     return s;
 }
 
-/* Elastic tangential force before any limit. What the step adds turns with the normal from the
- * middle on (half of `half` is the tangent of half that angle), and by half the twist. */
+/* Elastic tangential force before any limit. The twist comes halfway through the increment: one
+ * before or after it would let the two tangential directions drive each other. */
 GN_INLINE gn_v3 shear_trial(const gn_contact_args *a, const pair_geometry *p, const pair_motion *s,
-                            gn_v3 *turned, gn_v kt, variant w) {
-    gn_v3 t = gn_turn_with_normal(*turned, p->n, s->half, w.space);
-    gn_v3 more = gn_scale(kt * gn_set(a->dt), s->relative, w.space);
-    more = gn_turn_with_normal(more, p->n, gn_scale(gn_set(0.5), s->half, w.space), w.space);
-    if (w.space && w.rotation) {
-        gn_v angle = gn_set(a->dt) * s->twist;
-        t = gn_turn_about_normal(t, p->n, angle);
-        more = gn_axpy(more, gn_set(0.5) * angle, gn_cross(p->n, more, 1), 1);
-    }
+                            gn_v3 *turned, gn_v angle, gn_v kt, variant w) {
+    gn_v3 t = gn_turn_with_normal(*turned, p->n, s->middle, w.space);
     *turned = t;
-    return gn_add(t, more, w.space);
+    if (!(w.space && w.rotation)) return gn_axpy(t, kt * gn_set(a->dt), s->relative, w.space);
+    gn_v half = kt * gn_set(0.5 * a->dt);
+    t = gn_turn_about_normal(gn_axpy(t, half, s->relative, 1), p->n, angle);
+    return gn_axpy(t, half, s->relative, 1);
 }
 
 /* Rare: writes down which bonds broke and why. */
@@ -289,11 +275,14 @@ GN_INLINE void break_bonds(const gn_contact_args *a, size_t c, size_t end, conta
 }
 
 /* Rare: energy that slipping and breaking contacts release. */
-GN_INLINE void book_release(gn_v path, const contact_state *q, lane_sums *e, variant w) {
+GN_INLINE void book_release(const stage *g, gn_v path, const contact_state *q, lane_sums *e,
+                            variant w) {
     gn_v shear_part = gn_set(0.0), normal_part = gn_set(0.0);
-    if (w.shear)
-        shear_part =
-            gn_released3(q->before, q->t, q->trial, gn_max(q->kt, gn_set(GN_TINY)), w.space);
+    if (w.shear) {
+        gn_v3 before = q->before;
+        if (w.space && w.rotation) before = gn_turn_about_normal(before, g->geometry.n, g->angle);
+        shear_part = gn_released3(before, q->t, q->trial, gn_max(q->kt, gn_set(GN_TINY)), w.space);
+    }
     if (w.bonds) {
         gn_v old = q->kn * (q->stretch - path);
         normal_part = gn_released(old, q->normal, q->elastic, q->kn);
@@ -319,44 +308,45 @@ GN_INLINE void book_elastic(const contact_state *q, lane_sums *e, variant w) {
  * dashpot's step 1/2 - u/p. So the energy of a rebound is off by (w dt)^4/16 at most instead of (w
  * dt)^2/4. The energy that is booked with the instant is what closes the trapezoidal sums: half the
  * force times the path. */
-GN_INLINE void cross(gn_v path, gn_m closing, gn_m opening, contact_state *q) {
-    gn_v half = gn_set(0.5), one = gn_set(1.0);
-    gn_v in = gn_where(closing, q->stretch / path, gn_set(0.0));
-    gn_v out = gn_where(opening, q->stretch / path, gn_set(0.0)); /* the open share of the step */
+GN_INLINE void cross(gn_v path, gn_v distance, gn_m loose, contact_state *q) {
+    gn_v half = gn_set(0.5), one = gn_set(1.0), zero = gn_set(0.0);
     gn_v before = q->stretch - path;
+    /* A gap within the rounding of the positions was none. */
+    gn_m touched = gn_less(before, gn_set(0x1p-48) * distance);
+    /* A bond that breaks in this step was a spring both ways until now. */
+    gn_m closing = gn_and(gn_and(loose, gn_not(q->breaking)), gn_and(q->touching, gn_not(touched)));
+    gn_m opening = gn_and(gn_and(loose, gn_less(zero, path)), gn_and(touched, gn_not(q->touching)));
+    gn_v in = gn_where(closing, q->stretch / path, zero);
+    gn_v out = gn_where(opening, q->stretch / path, zero);
     q->normal = gn_where(closing, half * q->elastic * (one + in), q->normal);
     q->normal = gn_where(opening, gn_set(-0.5) * q->kn * before * out, q->normal);
     q->share = gn_where(closing, half + in, q->share);
     q->share = gn_where(opening, half - out, q->share);
     q->way = gn_where(closing, path, q->way);
-    q->way = gn_where(opening, gn_set(0.0) - path, q->way);
+    q->way = gn_where(opening, zero - path, q->way);
     q->elastic = gn_where(opening, q->normal, q->elastic); /* nothing is left to release */
 }
 
-/* What acts along the normal but for the dashpot. A gap that is not more than the rounding of the
- * positions was none. A bond that breaks was a spring both ways until now: it does not close. */
-GN_INLINE void find_normal_force(const stage *g, contact_state *q, variant w) {
-    const gn_v zero = gn_set(0.0), rounding = gn_set(0x1p-48) * g->geometry.distance;
+/* What acts along the normal but for the dashpot. */
+GN_INLINE void find_normal_force(const stage *g, gn_v path, contact_state *q) {
     gn_m acting = gn_or(q->touching, q->intact), loose = gn_not(q->intact);
-    gn_m touched = gn_less(q->stretch - g->path, rounding);
+    gn_m touched = gn_less(q->stretch, path);
     q->normal = gn_keep(acting, q->elastic);
     q->way = q->stretch;
     q->share = gn_keep(acting, gn_set(1.0));
-    gn_m opening = gn_and(loose, gn_and(touched, gn_not(q->touching)));
-    if (w.bonds) loose = gn_and(loose, gn_not(q->breaking));
-    gn_m closing = gn_and(loose, gn_and(q->touching, gn_not(touched)));
-    opening = gn_and(opening, gn_less(zero, g->path));
-    if (__builtin_expect(gn_bits(gn_or(closing, opening)) != 0, 0))
-        cross(g->path, closing, opening, q);
+    gn_m crossing =
+        gn_or(gn_and(q->touching, gn_not(touched)), gn_and(touched, gn_not(q->touching)));
+    if (__builtin_expect(gn_bits(gn_and(loose, crossing)) != 0, 0))
+        cross(path, g->geometry.distance, loose, q);
 }
 
-GN_INLINE gn_v damped(const gn_contact_args *a, size_t c, const stage *g, const contact_state *q,
-                      lane_sums *e, variant w) {
+GN_INLINE gn_v damped(const gn_contact_args *a, size_t c, gn_v speed, gn_v path,
+                      const contact_state *q, lane_sums *e, variant w) {
     const gn_contacts *k = a->contacts;
-    gn_v viscous = q->share * gn_load(COLUMN(k, cn) + gn_column_at(c, a->uniform.cn)) * g->speed;
+    gn_v viscous = q->share * gn_load(COLUMN(k, cn) + gn_column_at(c, a->uniform.cn)) * speed;
     if (w.energy) {
         gn_v half = gn_set(0.5) * (gn_load(COLUMN(k, fd) + c) + viscous);
-        e->damping = e->damping + half * g->path;
+        e->damping = e->damping + half * path;
         gn_store(COLUMN(k, fd) + c, viscous);
     }
     return q->normal + viscous;
@@ -366,11 +356,11 @@ GN_INLINE void find_trial(const gn_contact_args *a, size_t c, const brief *from,
                           variant w) {
     const gn_contacts *list = a->contacts;
     g->speed = from->motion.speed;
-    g->path = from->motion.path;
     if (!w.shear) return;
+    g->angle = gn_set(a->dt) * from->motion.twist;
     gn_v kt = gn_load(COLUMN(list, kt) + gn_column_at(c, a->uniform.kt));
     g->before = gn_load3(COLUMN(list, shear) + c, list->soa.capacity, w.space);
-    g->trial = shear_trial(a, &g->geometry, &from->motion, &g->before, kt, w);
+    g->trial = shear_trial(a, &g->geometry, &from->motion, &g->before, g->angle, kt, w);
 }
 
 GN_INLINE void find_forces(const gn_contact_args *a, size_t c, size_t end, const stage *g,
@@ -389,11 +379,12 @@ GN_INLINE void find_forces(const gn_contact_args *a, size_t c, size_t end, const
         q.trial = g->trial;
     }
     if (w.bonds) break_bonds(a, c, end, &q, sums, w);
-    find_normal_force(g, &q, w);
+    gn_v path = gn_set(a->dt) * g->speed;
+    find_normal_force(g, path, &q);
     gn_v total = q.normal;
-    if (w.damping) total = damped(a, c, g, &q, e, w);
+    if (w.damping) total = damped(a, c, g->speed, path, &q, e, w);
     if (w.shear) limit_shear(a, c, total, &q, w);
-    if (w.energy && gn_bits(gn_or(q.slipping, q.breaking))) book_release(g->path, &q, e, w);
+    if (w.energy && gn_bits(gn_or(q.slipping, q.breaking))) book_release(g, path, &q, e, w);
     if (w.energy && a->measure) book_elastic(&q, e, w);
 
     gn_v3 force = gn_scale(total, p->n, w.space), moment = {zero, zero, zero};
