@@ -167,11 +167,16 @@ static void fastest(const gn_table tables[3], double velocity[3]) {
     }
 }
 
-static gneiss_status check_particles(const gn_world *w, gneiss_error *error) {
+gneiss_status gn_origin_check_specimen(const gn_world *w, gneiss_error *error) {
+    double reach[3];
+    reach_of(&w->particles, reach);
+    return too_coarse(w, "specimen", reach, "the smallest radius", w->radius_min, error);
+}
+
+static gneiss_status check_sets(const gn_world *w, gneiss_error *error) {
     char what[GN_NAME_SIZE + 16];
     double reach[3], velocity[3];
     reach_of(&w->particles, reach);
-    GN_TRY(too_coarse(w, "specimen", reach, "the smallest radius", w->radius_min, error));
     for (size_t k = 0; k < w->scene.set_count; k++) {
         const gn_set *s = &w->scene.sets[k];
         snprintf(what, sizeof what, "set '%s'", s->name);
@@ -225,7 +230,7 @@ static gneiss_status check_elements(const gn_world *w, gneiss_error *error) {
 }
 
 gneiss_status gn_origin_check(const gn_world *w, gneiss_error *error) {
-    if (w->scene.has_specimen) GN_TRY(check_particles(w, error));
+    GN_TRY(check_sets(w, error));
     if (w->elements) GN_TRY(check_elements(w, error));
     GN_TRY(check_walls(w, error));
     return check_bodies(w, error);

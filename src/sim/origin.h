@@ -22,9 +22,11 @@ gneiss_status gn_origin_enter(gn_world *world, gn_mesh *mesh, gneiss_error *erro
 /* world->scene from world->given, which says its origin. */
 gneiss_status gn_origin_shift(gn_world *world, gneiss_error *error);
 
-/* Refuses a model of which, even so, places are too coarse: the spacing of doubles there above 1e-8
- * of the smallest radius or height of an element, or more than 2 % of the path that something moves
- * in a step. */
+/* Refuses a specimen of which, even so, places are too coarse: the spacing of doubles there above
+ * 1e-8 of the smallest radius. */
+gneiss_status gn_origin_check_specimen(const gn_world *world, gneiss_error *error);
+/* The same of elements, by their least height, and of the reference points of bodies; and motion of
+ * which a step moves less than 50 spacings. Once the step is known. */
 gneiss_status gn_origin_check(const gn_world *world, gneiss_error *error);
 
 /* m: the largest coordinate at which particles of that radius are not too coarse. */

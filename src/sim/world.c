@@ -211,6 +211,7 @@ static gneiss_status check_specimen(const gn_world *w, gneiss_error *error) {
 
 static gneiss_status build_particles(gn_world *w, gneiss_error *error) {
     GN_TRY(load_particles(w, error));
+    GN_TRY(gn_origin_check_specimen(w, error));
     GN_TRY(measure_specimen(w, error));
     set_domain(w);
     GN_TRY(check_specimen(w, error));
