@@ -261,8 +261,8 @@ static void measure_body(gn_world *w) {
 static gneiss_status build(gn_world *w, gneiss_error *error) {
     bool particles = w->given.has_specimen;
     gn_mesh mesh = {0};
-    GN_TRY(gn_origin_enter(w, &mesh, error));
-    gneiss_status status = gn_world_prepare(w, error);
+    gneiss_status status = gn_origin_enter(w, &mesh, error);
+    if (status == GNEISS_OK) status = gn_world_prepare(w, error);
     if (status == GNEISS_OK && w->scene.has_elements)
         status = gn_elements_create(w, w->scene.elements.mesh[0] ? &mesh : NULL, error);
     gn_mesh_free(&mesh);
