@@ -183,6 +183,27 @@ def elements_at_1e8_m_keep_their_energy(folder):
 
 
 @fact
+def particles_on_elements_have_the_same_bits_wherever_they_stand(folder):
+    def scene(place):
+        made = beam(place)
+        made["elements"]["rectangle"]["size"] = [0.125, 0.0625]
+        made["elements"]["motions"] = [{"name": "lo", "group": "y_lower", "motion": {"vx": 0, "vy": 0}}]
+        made["elements"]["contact"] = {"group": "y_upper", "stiffness": 1e6}
+        top = at(place, (0.0625, 0.0625 + RADIUS))
+        fall = {"specimen": {"particles": [[*top, RADIUS]]}, "gravity": [0, -10],
+                "sets": [{"name": "all", "select": {"all": True}, "initial_velocity": [0.1, -1]}],
+                "time": {"end": 2e-4}}
+        made = {**ball((0, 0)), **made, **fall}
+        del made["test"]
+        return made
+    for k, precision in enumerate(("double", "mixed")):
+        near, far = (done(folder, scene(place), name + str(k), "--set", "run.precision=" + precision)
+                     for name, place in (("near", NEAR[:2]), ("far", EXACT[:2])))
+        check_same(far, near)
+        assert history(near)["energy_elastic_elements"].max() > 0
+
+
+@fact
 def boxes_choose_by_the_coordinates_of_the_scene(folder):
     # 5e6 + 0.1 is rounded by 4e-10 m in the scene; the corner of the mesh is rounded alike.
     near, far = done(folder, beam(NEAR, 0.1), "near"), done(folder, beam(MAP[:2], 0.1), "far")
