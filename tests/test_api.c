@@ -488,6 +488,33 @@ static void nodes_and_elements_have_fields(void **state) {
     gneiss_world_free(w);
 }
 
+static void views_show_positions_from_the_origin(void **state) {
+    (void)state;
+    static const char far[] = "dimension: 2\n"
+                              "elements:\n"
+                              "  rectangle: {size: [4 mm, 1 mm], cells: [4, 1], origin: [1e6, 0]}\n"
+                              "  materials: [{young: 30 GPa, poisson: 0.2, density: 2400 kg/m3}]\n"
+                              "time: {end: 1 ms}\n"
+                              "run: {threads: 1}\n";
+    double origin[3] = {-1, -1, -1};
+    gneiss_error error = {0};
+    gneiss_world *w = world_of(far, NULL, NULL);
+    must(gneiss_world_origin(w, origin, &error), &error);
+    assert_true(origin[0] == 1e6 && origin[1] == 0.0 && origin[2] == 0.0);
+    gneiss_view pos = field(w, GNEISS_NODES, "pos");
+    for (size_t k = 0; k < pos.count; k++) {
+        double x = gneiss_view_value(&pos, k, 0);
+        assert_true(x >= 0.0 && x <= 4e-3);
+    }
+    gneiss_world_free(w);
+    w = world_of(far, "elements.rectangle.origin=[3, 0]", NULL);
+    must(gneiss_world_origin(w, origin, &error), &error);
+    assert_true(origin[0] == 0.0 && origin[1] == 0.0 && origin[2] == 0.0);
+    assert_int_equal(gneiss_world_origin(NULL, origin, NULL), GNEISS_ERROR_INPUT);
+    assert_int_equal(gneiss_world_origin(w, NULL, NULL), GNEISS_ERROR_INPUT);
+    gneiss_world_free(w);
+}
+
 static void counts_follow_the_views(void **state) {
     (void)state;
     gneiss_world *w = world_of(block, NULL, NULL);
@@ -888,6 +915,7 @@ int main(void) {
         cmocka_unit_test(every_field_is_found_by_index_and_by_name),
         cmocka_unit_test(a_scene_has_only_the_fields_it_calls_for),
         cmocka_unit_test(nodes_and_elements_have_fields),
+        cmocka_unit_test(views_show_positions_from_the_origin),
         cmocka_unit_test(counts_follow_the_views),
         cmocka_unit_test(the_history_has_a_row_every_interval),
         cmocka_unit_test(readings_are_those_of_the_closed_form),

@@ -182,10 +182,8 @@ static void every_slip_is_told_with_its_place(void **state) {
          "s.yaml:9:5: materials[0].frction: unknown key 'frction'; did you mean 'friction'?"},
         {"law:\n", "lawwwwwwwww: 1\nlaw:\n",
          "s.yaml:10:1: lawwwwwwwww: unknown key 'lawwwwwwwww'; expected one of title, dimension, "
-         "specimen, materials, law, elements, bonds, damping, gravity, initial, periodic, domain, "
-         "sets, "
-         "walls, bodies, "
-         "test, time, output, neighbours, run"},
+         "origin, specimen, materials, law, elements, bonds, damping, gravity, initial, periodic, "
+         "domain, sets, walls, bodies, test, time, output, neighbours, run"},
         {"    kratio: 2\n", "", "s.yaml:5:5: materials[0].kratio: required, but not given"},
         {"  end: 5 ms", "  safety: 1", "s.yaml:18:1: time.end: required, but not given"},
         {"    friction: 0.5\n", "    density: 1\n",

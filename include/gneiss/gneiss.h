@@ -237,11 +237,17 @@ GNEISS_API const char *gneiss_record_name(gneiss_record record);
  * such record. */
 GNEISS_API size_t gneiss_world_field_count(const gneiss_world *world, gneiss_record record);
 
+/* m: what positions are computed relative to (key `origin`; docs/scene.md). Views of positions
+ * (`pos`, `start`, `ref`) show what the world computes with: add this for the coordinates of the
+ * scene file. Zero unless the model lies far from 0 or its scene says so. */
+GNEISS_API gneiss_status gneiss_world_origin(const gneiss_world *world, double origin[3],
+                                             gneiss_error *error);
+
 /* A field by name, or by index in [0, gneiss_world_field_count). Particles always have `pos`
- * [4] (x y z, radius, m), `vel` [4] (velocity at the last half step, m/s, and inverse mass, 1/kg; 0
- * mass: removed) and `id`; contacts `i`, `j` (particles, in their present order) and `kn` (N/m).
- * The rest depends on the scene. GNEISS_ERROR_INPUT: no such record or field; the message lists
- * those there are. */
+ * [4] (x y z from the origin, radius, m), `vel` [4] (velocity at the last half step, m/s, and
+ * inverse mass, 1/kg; 0 mass: removed) and `id`; contacts `i`, `j` (particles, in their present
+ * order) and `kn` (N/m). The rest depends on the scene. GNEISS_ERROR_INPUT: no such record or
+ * field; the message lists those there are. */
 GNEISS_API gneiss_status gneiss_world_field(const gneiss_world *world, gneiss_record record,
                                             const char *name, gneiss_view *view,
                                             gneiss_error *error);

@@ -90,6 +90,14 @@ static void fill_view(place p, const gn_field *field, gneiss_view *view) {
     };
 }
 
+gneiss_status gneiss_world_origin(const gneiss_world *world, double origin[3],
+                                  gneiss_error *error) {
+    GN_TRY(gn_api_require(world, "world", error));
+    GN_TRY(gn_api_require(origin, "origin", error));
+    memcpy(origin, world->run.world.scene.origin, sizeof world->run.world.scene.origin);
+    return GNEISS_OK;
+}
+
 size_t gneiss_world_field_count(const gneiss_world *world, gneiss_record record) {
     place p = world ? find_record(world, record) : (place){NULL, NULL};
     size_t count = 0;

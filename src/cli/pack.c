@@ -1,11 +1,13 @@
 #include "cli/pack.h"
 
+#include "base/point.h"
 #include "base/timer.h"
 #include "cli/progress.h"
 #include "io/files.h"
 #include "pack/body.h"
 #include "pack/store.h"
 #include "sim/folder.h"
+#include "sim/origin.h"
 
 #include <math.h>
 #include <omp.h>
@@ -75,11 +77,25 @@ static gneiss_status obtain(const gn_options *o, const gn_scene *scene,
     return status;
 }
 
+/* The scene as a world would see it: the same packing whatever the origin. */
+static gneiss_status obtain_shifted(const gn_options *o, gn_scene *scene,
+                                    const volatile sig_atomic_t *interrupted, gn_scene *shifted,
+                                    gn_pack_result *result, gneiss_error *error) {
+    GN_TRY(gn_origin_choose(scene, NULL, error));
+    GN_TRY(gn_scene_copy(scene, shifted, error));
+    gn_scene_shift(shifted);
+    gneiss_status status = obtain(o, shifted, interrupted, result, error);
+    if (status != GNEISS_OK) gn_scene_free(shifted);
+    return status;
+}
+
 gneiss_status gn_pack_ahead(const gn_options *o, gn_scene *scene,
                             const volatile sig_atomic_t *interrupted, gneiss_error *error) {
     if (scene->specimen.pack.shape == GN_SHAPE_NONE) return GNEISS_OK;
     gn_pack_result result;
-    GN_TRY(obtain(o, scene, interrupted, &result, error));
+    gn_scene shifted;
+    GN_TRY(obtain_shifted(o, scene, interrupted, &shifted, &result, error));
+    gn_scene_free(&shifted);
     if (!o->quiet && !o->json)
         printf("specimen: %zu particles %s\n", result.packing.count,
                result.from_cache ? "packed before (from the cache)" : "packed");
@@ -166,12 +182,22 @@ static gneiss_status open_folder(const char *folder, gneiss_error *error) {
     return gn_make_directory(folder, error);
 }
 
-static gneiss_status pack_into(const gn_options *o, const gn_scene *scene, const char *folder,
+/* Particles as the user sees them, for files. */
+static void move_out(const gn_scene *scene, gn_packing *packing) {
+    for (size_t k = 0; k < packing->count; k++)
+        for (size_t a = 0; a < 3; a++)
+            packing->sphere[4 * k + a] = gn_point_out(scene->origin[a], packing->sphere[4 * k + a]);
+}
+
+static gneiss_status pack_into(const gn_options *o, gn_scene *scene, const char *folder,
                                const volatile sig_atomic_t *interrupted, gneiss_error *error) {
     gn_pack_result result;
     gn_pack_quality quality;
-    GN_TRY(obtain(o, scene, interrupted, &result, error));
-    gneiss_status status = measure(scene, &result, &quality, error);
+    gn_scene shifted;
+    GN_TRY(obtain_shifted(o, scene, interrupted, &shifted, &result, error));
+    gneiss_status status = measure(&shifted, &result, &quality, error);
+    gn_scene_free(&shifted);
+    move_out(scene, &result.packing);
     if (status == GNEISS_OK) {
         status = gn_pack_write_folder(folder, scene, &result, &quality, error);
         if (status == GNEISS_OK && o->json) print_quality_json(&result, &quality);
@@ -187,7 +213,7 @@ static gneiss_status pack_into(const gn_options *o, const gn_scene *scene, const
 
 /* The folder comes first, so that nobody waits for a packing that cannot be written; a new one goes
  * again when nothing came into it. */
-static gneiss_status pack_scene(const gn_options *o, const gn_scene *scene,
+static gneiss_status pack_scene(const gn_options *o, gn_scene *scene,
                                 const volatile sig_atomic_t *interrupted, gneiss_error *error) {
     char folder[GN_PATH_SIZE];
     gn_folder_choose(scene, o->out, folder, sizeof folder);

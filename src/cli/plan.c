@@ -1,5 +1,6 @@
 #include "cli/plan.h"
 
+#include "base/point.h"
 #include "base/timer.h"
 #include "cli/plan_elements.h"
 #include "cli/progress.h"
@@ -158,6 +159,13 @@ gneiss_status gn_print_plan(gn_world *w, gneiss_error *error) {
     return GNEISS_OK;
 }
 
+void gn_print_range(const gn_world *w, int axis, double lower, double upper, const char *note) {
+    double origin = w->scene.origin[axis];
+    int digits = origin != 0.0 ? 12 : 6;
+    printf("  %c                %.*g to %.*g m%s\n", "xyz"[axis], digits,
+           gn_point_out(origin, lower), digits, gn_point_out(origin, upper), note);
+}
+
 /* --- check
  * ------------------------------------------------------------------------------------------ */
 
@@ -209,12 +217,13 @@ static void print_bodies(const gn_world *w) {
     for (size_t k = 0; k < w->scene.body_count; k++) {
         const gn_rigid *b = &w->bodies[k];
         const int64_t *shape = w->body_shape[k];
+        char at[GN_POINT_SIZE];
         printf("  body %-12s %lld facets, %lld vertices", w->scene.bodies[k].name,
                (long long)shape[1], (long long)shape[0]);
         if (shape[2]) printf("; %lld facets without area dropped", (long long)shape[2]);
         if (w->scene.bodies[k].free)
-            printf("; free: %.6g m3, %.6g kg, centre of mass (%.6g, %.6g, %.6g) m", b->volume,
-                   b->mass, b->position[0], b->position[1], b->position[2]);
+            printf("; free: %.6g m3, %.6g kg, centre of mass %s m", b->volume, b->mass,
+                   gn_point_text(w->scene.origin, b->position, at));
         printf("\n");
     }
 }
@@ -234,8 +243,7 @@ static gneiss_status check_particles(const gn_world *w, int *warnings, gneiss_er
     printf("specimen\n  particles        %zu, radius %.4g to %.4g m, mean %.4g m\n", at5.particles,
            at5.radius_min, at5.radius_max, at5.radius_mean);
     for (int a = 0; a < (int)w->scene.dimension; a++)
-        printf("  %c                %.6g to %.6g m (surfaces)\n", "xyz"[a], w -> lower[a],
-               w -> upper[a]);
+        gn_print_range(w, a, w->lower[a], w->upper[a], " (surfaces)");
     printf("  porosity         %.2f %% (overlapping volume counted twice)\n", 100.0 * at5.porosity);
     printf("  coordination     %.2f at gaps up to 1 %%, %.2f up to 5 %% of r_i + r_j\n",
            at1.coordination, at5.coordination);
@@ -252,8 +260,17 @@ static gneiss_status check_particles(const gn_world *w, int *warnings, gneiss_er
     return GNEISS_OK;
 }
 
+static void print_origin(const gn_world *w) {
+    const double *o = w->scene.origin, none[3] = {0, 0, 0};
+    char at[GN_POINT_SIZE];
+    if (o[0] == 0.0 && o[1] == 0.0 && o[2] == 0.0) return;
+    printf("origin             %s m: positions are computed relative to it\n",
+           gn_point_text(o, none, at));
+}
+
 gneiss_status gn_print_check(const gn_world *w, int *warnings, gneiss_error *error) {
     *warnings = 0;
+    print_origin(w);
     if (w->scene.has_specimen) GN_TRY(check_particles(w, warnings, error));
     print_bodies(w);
     gn_print_element_check(w, warnings);

@@ -11,4 +11,7 @@ gneiss_status gn_print_plan(gn_world *world, gneiss_error *error);
 /* Packing figures, bonds per particle, and what looks wrong; *warnings counts those. */
 gneiss_status gn_print_check(const gn_world *world, int *warnings, gneiss_error *error);
 
+/* "  x  LOWER to UPPER m" as the user sees them. */
+void gn_print_range(const gn_world *world, int axis, double lower, double upper, const char *note);
+
 #endif

@@ -1,5 +1,7 @@
 #include "cli/plan_elements.h"
 
+#include "cli/plan.h"
+
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -100,7 +102,7 @@ void gn_print_element_check(const gn_world *w, int *warnings) {
             lower[a] = fmin(lower[a], b->nodes.start[4 * n + a]);
             upper[a] = fmax(upper[a], b->nodes.start[4 * n + a]);
         }
-        printf("  %c                %.6g to %.6g m\n", "xyz"[a], lower[a], upper[a]);
+        gn_print_range(w, (int)a, lower[a], upper[a], "");
     }
     printf("  volume           %.6g m3, mass %.6g kg%s\n", b->volume, b->mass,
            b->dimension == 2 ? " (1 m thick)" : "");

@@ -256,11 +256,11 @@ static double least_height(int dimension, const double gradient[3][3]) {
 
 static gneiss_status no_volume(const builder *b, int32_t id, const int32_t node[4], double volume,
                                gneiss_error *error) {
-    const double *x = b->body->nodes.start + 4 * (size_t)node[0];
+    char at[GN_POINT_SIZE];
+    gn_point_text(b->body->origin, b->body->nodes.start + 4 * (size_t)node[0], at);
     return gn_fail(error, GNEISS_ERROR_INPUT,
-                   "%s: expected elements with a volume, found %s %d (base 0) at (%g, %g, %g) m "
-                   "with %g m%d",
-                   b->body->name, gn_fem_kind(b->body->dimension), id, x[0], x[1], x[2], volume,
+                   "%s: expected elements with a volume, found %s %d (base 0) at %s m with %g m%d",
+                   b->body->name, gn_fem_kind(b->body->dimension), id, at, volume,
                    b->body->dimension);
 }
 
@@ -329,6 +329,7 @@ static gneiss_status make_elements(builder *b, gneiss_error *error) {
 static gneiss_status prepare(gn_fem_body *body, const gn_fem_spec *spec, gneiss_error *error) {
     bool space = spec->dimension == 3;
     snprintf(body->name, sizeof body->name, "%s", spec->name ? spec->name : "mesh");
+    memcpy(body->origin, spec->origin, sizeof body->origin);
     body->dimension = spec->dimension;
     body->form = spec->form;
     body->single = spec->single;

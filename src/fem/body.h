@@ -21,6 +21,7 @@ typedef enum gn_fem_form { GN_FEM_DISPLACEMENT, GN_FEM_MIXED } gn_fem_form;
 
 typedef struct gn_fem_spec {
     const char *name; /* of the mesh, for messages */
+    double origin[3]; /* m: what the places of nodes are relative to */
     int dimension;    /* 2: the mesh's triangles, all z equal; 3: its tetrahedra */
     gn_fem_form form;
     bool single; /* forces in single precision, sums and state in double; displacement form only */
@@ -44,6 +45,7 @@ typedef struct gn_fem_energy {
 
 typedef struct gn_fem_body {
     char name[128];
+    double origin[3]; /* m: what the places of nodes are relative to */
     int dimension, threads;
     gn_fem_form form;
     bool single;
@@ -124,7 +126,8 @@ gneiss_status gn_fem_check_group(const char *name, const gn_mesh *mesh, const ch
  * groups there are. */
 gneiss_status gn_fem_nodes_of_group(const gn_fem_body *body, const char *group, gn_fem_set *set,
                                     gneiss_error *error);
-/* The nodes that start in a box, boundary included. GNEISS_ERROR_INPUT when there are none. */
+/* The nodes that start in a box, boundary included; corners as the user sees them.
+ * GNEISS_ERROR_INPUT when there are none. */
 gneiss_status gn_fem_nodes_in_box(const gn_fem_body *body, const double lower[3],
                                   const double upper[3], gn_fem_set *set, gneiss_error *error);
 void gn_fem_set_free(gn_fem_set *set);

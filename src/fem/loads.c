@@ -108,15 +108,17 @@ gneiss_status gn_fem_nodes_in_box(const gn_fem_body *body, const double lower[3]
         const double *x = body->nodes.start + 4 * n;
         chosen[n] = 1;
         for (int k = 0; k < body->dimension; k++)
-            if (!(x[k] >= lower[k] && x[k] <= upper[k])) chosen[n] = 0;
+            chosen[n] &= gn_fem_between(body, x, k, lower[k], upper[k]);
     }
     gneiss_status status = collect(chosen, nodes, set, error);
     gn_free(chosen);
     if (status != GNEISS_OK || set->count) return status;
     gn_fem_set_free(set);
-    return gn_fail(error, GNEISS_ERROR_INPUT,
-                   "%s: expected nodes in the box from (%g, %g, %g) to (%g, %g, %g) m, found none",
-                   body->name, lower[0], lower[1], lower[2], upper[0], upper[1], upper[2]);
+    return gn_fail(
+        error, GNEISS_ERROR_INPUT,
+        "%s: expected nodes in the box from (%.12g, %.12g, %.12g) to (%.12g, %.12g, %.12g) m, "
+        "found none",
+        body->name, lower[0], lower[1], lower[2], upper[0], upper[1], upper[2]);
 }
 
 void gn_fem_set_free(gn_fem_set *set) {

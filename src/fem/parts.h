@@ -3,6 +3,7 @@
 #define GN_FEM_PARTS_H
 
 #include "base/eigen.h"
+#include "base/point.h"
 #include "fem/body.h"
 
 /* The group called `name`, or with that number; NULL when the mesh has none of `dimension` (-1: of
@@ -10,6 +11,13 @@
 const gn_mesh_group *gn_fem_find_group(const gn_mesh *mesh, const char *name, int dimension);
 gneiss_status gn_fem_no_group(const char *mesh_name, const gn_mesh *mesh, const char *name,
                               int dimension, gneiss_error *error);
+
+/* Whether a coordinate lies between two as the user sees them. */
+static inline bool gn_fem_between(const gn_fem_body *body, const double *x, int axis, double lower,
+                                  double upper) {
+    double seen = gn_point_out(body->origin[axis], x[axis]);
+    return seen >= lower && seen <= upper;
+}
 
 /* in[element]: whether an element belongs to a group; elements of one kind. */
 void gn_fem_mark_group(const gn_mesh_elements *list, int32_t tag, uint8_t *in);

@@ -72,24 +72,27 @@ static gneiss_status inside_out(const gn_fem_body *body, gneiss_error *error) {
     const gn_elements *q = &body->elements;
     size_t e = (size_t)body->elastic.element;
     double centre[3] = {0.0};
+    char at[GN_POINT_SIZE];
     for (int a = 0; a <= body->dimension; a++)
         for (int k = 0; k < 3; k++)
             centre[k] += body->nodes.start[4 * (size_t)gn_elements_node(q, a)[e] + (size_t)k] /
                          (body->dimension + 1);
-    return gn_fail(error, GNEISS_ERROR_UNSTABLE,
-                   "%s: step %lld, t = %g s: %s %d (base 0), at the start at (%g, %g, %g) m, is "
-                   "turned inside out: det F = %g",
-                   body->name, (long long)body->step, body->time, gn_fem_kind(body->dimension),
-                   q->id[e], centre[0], centre[1], centre[2], body->elastic.least);
+    return gn_fail(
+        error, GNEISS_ERROR_UNSTABLE,
+        "%s: step %lld, t = %g s: %s %d (base 0), at the start at %s m, is turned inside "
+        "out: det F = %g",
+        body->name, (long long)body->step, body->time, gn_fem_kind(body->dimension), q->id[e],
+        gn_point_text(body->origin, centre, at), body->elastic.least);
 }
 
 static gneiss_status not_finite(const gn_fem_body *body, size_t node, gneiss_error *error) {
-    const double *x = body->nodes.start + 4 * node;
-    return gn_fail(error, GNEISS_ERROR_UNSTABLE,
-                   "%s: step %lld, t = %g s: node %d (base 0), at the start at (%g, %g, %g) m, has "
-                   "a velocity that is not finite",
-                   body->name, (long long)body->step, body->time, body->nodes.id[node], x[0], x[1],
-                   x[2]);
+    char at[GN_POINT_SIZE];
+    gn_point_text(body->origin, body->nodes.start + 4 * node, at);
+    return gn_fail(
+        error, GNEISS_ERROR_UNSTABLE,
+        "%s: step %lld, t = %g s: node %d (base 0), at the start at %s m, has a velocity "
+        "that is not finite",
+        body->name, (long long)body->step, body->time, body->nodes.id[node], at);
 }
 
 gneiss_status gn_fem_step(gn_fem_body *body, double dt, bool measure, gneiss_error *error) {

@@ -26,8 +26,8 @@ static bool starts_in(const gn_fem_body *body, const int32_t *node, size_t nodes
                       const double lower[3], const double upper[3]) {
     for (size_t k = 0; k < nodes; k++)
         for (int a = 0; a < body->dimension; a++) {
-            double x = body->nodes.start[4 * (size_t)node[k] + (size_t)a];
-            if (!(x >= lower[a] && x <= upper[a])) return false;
+            const double *x = body->nodes.start + 4 * (size_t)node[k];
+            if (!gn_fem_between(body, x, a, lower[a], upper[a])) return false;
         }
     return true;
 }
@@ -37,11 +37,12 @@ static gneiss_status no_facets(const gn_fem_body *body, const char *group, const
     int facets = body->dimension - 1;
     if (group) return gn_fem_no_group(body->name, &body->mesh, group, facets, error);
     gn_mesh mesh = body->mesh;
-    return gn_fail(error, GNEISS_ERROR_INPUT,
-                   "%s: expected facets in the box from (%g, %g, %g) to (%g, %g, %g) m, found none "
-                   "among the %zu %ss that the mesh lists",
-                   body->name, lower[0], lower[1], lower[2], upper[0], upper[1], upper[2],
-                   gn_fem_elements_of(&mesh, facets)->count, gn_fem_kind(facets));
+    return gn_fail(
+        error, GNEISS_ERROR_INPUT,
+        "%s: expected facets in the box from (%.12g, %.12g, %.12g) to (%.12g, %.12g, %.12g) "
+        "m, found none among the %zu %ss that the mesh lists",
+        body->name, lower[0], lower[1], lower[2], upper[0], upper[1], upper[2],
+        gn_fem_elements_of(&mesh, facets)->count, gn_fem_kind(facets));
 }
 
 gneiss_status gn_fem_load_on_facets(const gn_fem_body *body, const char *group,

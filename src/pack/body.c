@@ -1,6 +1,7 @@
 #include "pack/body.h"
 
 #include "base/memory.h"
+#include "base/point.h"
 #include "io/gmsh.h"
 
 #include <math.h>
@@ -38,6 +39,12 @@ static gneiss_status measure_nodes(gn_body *body, int dimension, gneiss_error *e
     return GNEISS_OK;
 }
 
+/* A file's own places, from the scene's origin. */
+static void place(const gn_pack_def *def, gn_mesh *mesh) {
+    for (size_t k = 0; k < 3 * mesh->node_count; k++)
+        mesh->node[k] = gn_point_out(def->origin[k % 3], mesh->node[k]);
+}
+
 static gneiss_status from_mesh(const gn_scene *scene, gn_body *body, gneiss_error *error) {
     const gn_pack_def *def = &scene->specimen.pack;
     int dimension = (int)scene->dimension;
@@ -45,6 +52,7 @@ static gneiss_status from_mesh(const gn_scene *scene, gn_body *body, gneiss_erro
     GN_TRY(gn_is_geometry(def->mesh_path)
                ? gn_mesh_geometry(def->mesh_path, dimension, scale, &body->mesh, error)
                : gn_mesh_read_msh(def->mesh_path, scale, &body->mesh, error));
+    place(def, &body->mesh);
     GN_TRY(gn_mesh_boundary(&body->mesh, dimension, def->mesh_path, error));
     GN_TRY(gn_domain_surface(&body->mesh, dimension, def->mesh_path, &body->domain, error));
     return measure_nodes(body, dimension, error);
@@ -56,6 +64,7 @@ static gneiss_status from_surface(const gn_scene *scene, gn_body *body, gneiss_e
     double volume;
     gneiss_status status =
         gn_mesh_read_stl(def->surface_path, scene->specimen.scale, &surface, error);
+    place(def, &surface);
     if (status == GNEISS_OK)
         status = gn_mesh_close_surface(&surface, def->surface_path, &volume, error);
     if (status == GNEISS_OK)

@@ -1,6 +1,7 @@
 #include "pack/pack.h"
 
 #include "base/memory.h"
+#include "base/point.h"
 #include "base/timer.h"
 #include "neigh/pairs.h"
 #include "pack/seeds.h"
@@ -285,8 +286,13 @@ static gneiss_status pack(const gn_scene *scene, gn_pack_watch *watch, void *con
 static gneiss_status name_specimen(const gn_scene *scene, gneiss_status status,
                                    gneiss_error *error) {
     if (status == GNEISS_OK || status == GNEISS_INTERRUPTED) return status;
-    return gn_fail_context(error, "%s:%d:%d: specimen: ", scene->source, scene->specimen.where.line,
-                           scene->specimen.where.column);
+    char at[GN_POINT_SIZE], from[GN_POINT_SIZE + 40] = "";
+    const double *o = scene->origin;
+    if (o[0] != 0.0 || o[1] != 0.0 || o[2] != 0.0)
+        snprintf(from, sizeof from, "(places are from the origin %s m) ",
+                 gn_point_text(o, (const double[3]){0, 0, 0}, at));
+    return gn_fail_context(error, "%s:%d:%d: specimen: %s", scene->source,
+                           scene->specimen.where.line, scene->specimen.where.column, from);
 }
 
 gneiss_status gn_pack_make(const gn_scene *scene, gn_pack_watch *watch, void *context,

@@ -146,10 +146,11 @@ typedef struct gn_pack_def {
     char surface_path[GN_PATH_SIZE];
     char mesh[GN_PATH_SIZE]; /* the same */
     char mesh_path[GN_PATH_SIZE];
-    double origin[3];      /* see docs/scene.md, m; 0 with a polygon, surface or mesh */
-    int64_t count;         /* of particles; 0: not given */
-    double mean_radius;    /* m; 0: not given */
-    double size_ratio;     /* largest over smallest radius */
+    double origin[3];   /* see docs/scene.md, m; 0 with a polygon; with a surface or mesh what has
+                         * to be added to places in the file: see gn_scene_shift */
+    int64_t count;      /* of particles; 0: not given */
+    double mean_radius; /* m; 0: not given */
+    double size_ratio;  /* largest over smallest radius */
     double size_variation; /* standard deviation of the radii over their mean; -1: automatic */
     gn_overlap_kind overlap;
     double overlap_size; /* over r_i + r_j; -1: automatic */
@@ -171,8 +172,8 @@ typedef struct gn_specimen {
     size_t particle_count; /* inline particles */
     double *particles;     /* [particle_count][4]: x y z r, m (2D: x y 0 r) */
     gn_pack_def pack;
-    size_t packed_count; /* of a shape packed already (no key): its particles, as above */
-    double *packed;
+    size_t packed_count; /* of a file or shape read or packed already (no key): its particles, as */
+    double *packed;      /* above, but relative to the scene's origin */
     char material[GN_NAME_SIZE];
     int64_t group;                  /* cohesive group; 0: never bonded */
     gn_density_basis density_basis; /* bulk: particle density = density/(1 - porosity) */
@@ -348,6 +349,8 @@ typedef struct gn_scene {
     char source[GN_PATH_SIZE]; /* the scene file, for messages */
     char title[256];
     int64_t dimension; /* 2 or 3 */
+    bool has_origin;
+    double origin[3]; /* m: what positions are computed relative to */
 
     bool has_specimen; /* particles */
     gn_specimen specimen;
@@ -448,6 +451,12 @@ void gn_scene_free(gn_scene *scene);
  * held.
  */
 gneiss_status gn_scene_copy(const gn_scene *from, gn_scene *to, gneiss_error *error);
+
+/* Takes scene->origin off the points of the scene: what a world computes with. Not off the boxes of
+ * sets and regions, which are held against places as the user sees them: relative ones may be
+ * rounded otherwise than the corners of a box. Not off files, which is up to their readers (a
+ * surface or mesh to pack finds it in specimen.pack.origin), nor specimen.packed. */
+void gn_scene_shift(gn_scene *scene);
 
 /* The resolved scene as YAML that gn_scene_parse reads back to the same struct bit for bit (%.17g,
  * SI, absolute specimen path). The caller frees the text with free(). NULL: out of memory. */

@@ -3,6 +3,7 @@
 #include "io/checkpoint_files.h"
 #include "io/h5.h"
 #include "io/h5_pieces.h"
+#include "sim/origin.h"
 #include "sim/parts.h"
 #include "sim/run.h"
 
@@ -142,7 +143,7 @@ static gneiss_status put_all(gn_run *run, gn_h5 *file, gneiss_error *error) {
     GN_TRY(gn_h5_attribute_i64(file, "/", "pair_effects", &pairs, 1, error));
     GN_TRY(gn_h5_attribute_text(file, "/", "version", gn_version(), error));
     GN_TRY(gn_h5_attribute_text(file, "/", "scene_file", w->scene.source, error));
-    char *scene = gn_scene_write(&w->scene);
+    char *scene = gn_scene_write(&w->given);
     if (!scene) return gn_fail(error, GNEISS_ERROR_MEMORY, "no memory for the scene text");
     gneiss_status status = gn_h5_put_text(file, "scene", scene, error);
     free(scene);
@@ -322,11 +323,11 @@ static gneiss_status get_scene(gn_world *w, const gn_h5 *file, const char *path,
     GN_TRY(gn_h5_get_text(file, "scene", &text, error));
     gneiss_status status = gn_h5_get_attribute_text(file, "/", "scene_file", &source, error);
     if (status == GNEISS_OK)
-        status = gn_scene_parse_saved(text, path, overrides, count, &w->scene, error);
-    if (status == GNEISS_OK) snprintf(w->scene.source, sizeof w->scene.source, "%s", source);
+        status = gn_scene_parse_saved(text, path, overrides, count, &w->given, error);
+    if (status == GNEISS_OK) snprintf(w->given.source, sizeof w->given.source, "%s", source);
     free(text);
     free(source);
-    return status;
+    return status == GNEISS_OK ? gn_origin_shift(w, error) : status;
 }
 
 /* Once all surfaces are there. */

@@ -2,6 +2,7 @@
 #include "sim/elements.h"
 
 #include "base/memory.h"
+#include "base/point.h"
 #include "base/timer.h"
 #include "fem/structured.h"
 #include "sim/world.h"
@@ -58,7 +59,6 @@ static gneiss_status make_beam(const gn_world *w, gn_mesh *mesh, gneiss_error *e
 
 static gneiss_status make_mesh(const gn_world *w, gn_mesh *mesh, gneiss_error *error) {
     const gn_element_def *e = &w->scene.elements;
-    if (e->mesh[0]) return gn_mesh_read_msh(e->mesh_path, e->scale, mesh, error);
     gneiss_status status = e->has_beam ? make_beam(w, mesh, error) : make_block(w, mesh, error);
     return at(w, e->where, NULL, 0, status, error);
 }
@@ -110,6 +110,7 @@ static gneiss_status make_body(gn_world *w, gn_mesh *mesh, gneiss_error *error) 
         .threads = w->threads,
         .isa = w->kernels->name};
     memcpy(spec.gravity, w->scene.gravity, sizeof spec.gravity);
+    memcpy(spec.origin, w->scene.origin, sizeof spec.origin);
     gneiss_status status = gn_fem_body_create(&spec, mesh, &w->elements->body, error);
     gn_free(materials);
     return at(w, e->where, NULL, 0, status, error);
@@ -370,6 +371,7 @@ const char *gn_elements_culprit(const gn_world *w, char *text, size_t size) {
                 centre[k] += b->nodes.start[4 * (size_t)gn_elements_node(&b->elements, a)[e] + k] /
                              (b->dimension + 1);
     }
-    snprintf(text, size, "element %d at (%.6g, %.6g, %.6g) m", id, centre[0], centre[1], centre[2]);
+    char at[GN_POINT_SIZE];
+    snprintf(text, size, "element %d at %s m", id, gn_point_text(b->origin, centre, at));
     return text;
 }

@@ -35,8 +35,8 @@ typedef struct gn_element_model {
     double unbalanced; /* mean resultant on a free node over the mean force of an element on one */
 } gn_element_model;
 
-/* Makes world->elements with its mesh, motions and loads; `mesh` NULL: from the scene, else taken
- * over (also on failure). Errors say where in the scene. */
+/* Makes world->elements with its mesh, motions and loads; `mesh` NULL: a built-in one, else
+ * taken over (also on failure), relative to the origin. Errors say where in the scene. */
 gneiss_status gn_elements_create(gn_world *world, gn_mesh *mesh, gneiss_error *error);
 void gn_elements_free(gn_world *world);
 

@@ -1,6 +1,8 @@
 /* Neighbour lists: when they are made anew, and how contacts keep their history. */
 #include "base/memory.h"
+#include "base/point.h"
 #include "base/timer.h"
+#include "sim/origin.h"
 #include "sim/parts.h"
 #include "soa/single.h"
 
@@ -239,23 +241,39 @@ static gneiss_status reorder(gn_world *w, gneiss_error *error) {
 /* --- domain
  * ---------------------------------------------------------------------------------------- */
 
+/* Beyond the reach of its coordinates a particle has left the domain, however large that is. */
+static bool in_domain(const gn_world *w, const double *x, double reach) {
+    for (int a = 0; a < (int)w->scene.dimension; a++)
+        if (!(x[a] >= w->scene.domain_min[a] && x[a] <= w->scene.domain_max[a] &&
+              fabs(x[a]) <= reach))
+            return false;
+    return true;
+}
+
+static gneiss_status left_domain(const gn_world *w, size_t p, double reach, gneiss_error *error) {
+    const double *x = w->particles.pos + 4 * p, *v = w->particles.vel + 4 * p;
+    char at[GN_POINT_SIZE], why[160] = "";
+    if (in_domain(w, x, INFINITY))
+        snprintf(
+            why, sizeof why,
+            "; beyond %g m from the origin places are too coarse for the smallest radius, %g m",
+            reach, w->radius_min);
+    return gn_fail(error, GNEISS_ERROR_UNSTABLE,
+                   "step %lld, t = %g s: particle %d left the domain at %s m with (%g, %g, %g) m/s "
+                   "(domain.lost: remove lets a run go on without it)%s",
+                   (long long)w->step, w->time, w->particles.id[p],
+                   gn_point_text(w->scene.origin, x, at), v[0], v[1], v[2], why);
+}
+
 /* A particle outside the domain stops the run or leaves the model: it stays where it was last seen,
  * at rest, without mass and contacts. Its energy is booked as carried away. */
 static gneiss_status check_domain(gn_world *w, gneiss_error *error) {
     gn_particles *q = &w->particles;
+    double reach = gn_origin_reach(w->radius_min);
     for (size_t p = 0; p < q->soa.count; p++) {
         double *v = q->vel + 4 * p, *x = q->pos + 4 * p;
-        if (v[3] == 0.0) continue;
-        bool inside = true;
-        for (int a = 0; a < (int)w->scene.dimension; a++)
-            inside = inside && x[a] >= w->scene.domain_min[a] && x[a] <= w->scene.domain_max[a];
-        if (inside) continue;
-        if (w->scene.lost == GN_LOST_STOP)
-            return gn_fail(
-                error, GNEISS_ERROR_UNSTABLE,
-                "step %lld, t = %g s: particle %d left the domain at (%g, %g, %g) m with "
-                "(%g, %g, %g) m/s (domain.lost: remove lets a run go on without it)",
-                (long long)w->step, w->time, q->id[p], x[0], x[1], x[2], v[0], v[1], v[2]);
+        if (v[3] == 0.0 || in_domain(w, x, reach)) continue;
+        if (w->scene.lost == GN_LOST_STOP) return left_domain(w, p, reach, error);
         w->energy.removed += 0.5 * (v[0] * v[0] + v[1] * v[1] + v[2] * v[2]) / v[3];
         if (q->spin) {
             double *o = q->spin + 4 * p;

@@ -72,8 +72,8 @@ static gneiss_status make_particle_fields(const gn_world *w, const gn_observed *
             f->radius[id] = q->pos[4 * p + 3];
             f->damage[id] = damage[p];
             memcpy(f->stress + 6 * id, stress + 6 * p, 6 * sizeof(double));
+            gn_world_point_out(w, q->pos + 4 * p, f->position + 3 * id);
             for (size_t a = 0; a < 3; a++) {
-                f->position[3 * id + a] = q->pos[4 * p + a];
                 f->displacement[3 * id + a] = q->pos[4 * p + a] - q->start[4 * p + a];
                 f->velocity[3 * id + a] = q->vel[4 * p + a];
                 if (q->spin) f->spin[3 * id + a] = q->spin[4 * p + a];
@@ -248,7 +248,8 @@ static gneiss_status put_header(const gn_run *run, gn_h5 *file, gneiss_error *er
     double seconds = gn_run_progress(run).seconds;
     GN_TRY(gn_h5_attribute_f64(file, "/", "dt", &w->dt, 1, error));
     GN_TRY(gn_h5_attribute_f64(file, "/", "seconds", &seconds, 1, error));
-    char *scene = gn_scene_write(&w->scene);
+    GN_TRY(gn_h5_attribute_f64(file, "/", "origin", w->scene.origin, 3, error));
+    char *scene = gn_scene_write(&w->given);
     if (!scene) return gn_fail(error, GNEISS_ERROR_MEMORY, "no memory for the scene text");
     gneiss_status status = gn_h5_put_text(file, "scene", scene, error);
     free(scene);

@@ -51,6 +51,7 @@ static void fill(const gn_world *w, fields *f) {
         for (size_t v = vertex; v < vertex + (size_t)shape[0]; v++) {
             gn_rigid_place(&w->bodies[k], w->body_vertex + 4 * v, f->point + 3 * v);
             velocity_at(&w->bodies[k], f->point + 3 * v, f->velocity + 3 * v);
+            gn_world_point_out(w, f->point + 3 * v, f->point + 3 * v);
         }
         vertex += (size_t)shape[0];
         facet += (size_t)shape[1];
@@ -78,6 +79,28 @@ gneiss_status gn_bodies_snapshot(const gn_world *w, const char *directory, const
     return status;
 }
 
+/* Places as the user sees them, and orientations. */
+static gneiss_status put_places(const gn_world *w, gn_h5 *file, gneiss_error *error) {
+    size_t count = w->scene.body_count, stride = 10 * sizeof(double);
+    double *row = gn_alloc_array(count, stride);
+    if (!row) return gn_fail(error, GNEISS_ERROR_MEMORY, "no memory for %zu bodies", count);
+    for (size_t k = 0; k < count; k++) {
+        gn_world_point_out(w, w->bodies[k].position, row + 10 * k);
+        gn_world_point_out(w, w->bodies[k].start, row + 10 * k + 3);
+        gn_rigid_orientation(&w->bodies[k], row + 10 * k + 6);
+    }
+    gneiss_status status = gn_h5_put(file, "bodies/position", GN_F64, count, 3, stride, row, "m",
+                                     "reference point; free: centre of mass", error);
+    if (status == GNEISS_OK)
+        status = gn_h5_put(file, "bodies/start", GN_F64, count, 3, stride, row + 3, "m",
+                           "the same at the start", error);
+    if (status == GNEISS_OK)
+        status = gn_h5_put(file, "bodies/orientation", GN_F64, count, 4, stride, row + 6, "1",
+                           "quaternion w x y z from the start", error);
+    gn_free(row);
+    return status;
+}
+
 static gneiss_status put_rows(const gn_world *w, gn_h5 *file, gneiss_error *error) {
     size_t count = w->scene.body_count, stride = sizeof(gn_rigid);
     const gn_rigid *b = w->bodies;
@@ -86,8 +109,6 @@ static gneiss_status put_rows(const gn_world *w, gn_h5 *file, gneiss_error *erro
         size_t components;
         const double *data;
     } columns[] = {
-        {"bodies/position", "m", "reference point; free: centre of mass", 3, b->position},
-        {"bodies/start", "m", "the same at the start", 3, b->start},
         {"bodies/velocity", "m/s", "of the reference point, at the last half step", 3, b->velocity},
         {"bodies/spin", "rad/s", "angular velocity", 3, b->spin},
         {"bodies/force", "N", "of the particles on the body", 3, b->force},
@@ -99,13 +120,7 @@ static gneiss_status put_rows(const gn_world *w, gn_h5 *file, gneiss_error *erro
     for (size_t k = 0; k < sizeof columns / sizeof *columns; k++)
         GN_TRY(gn_h5_put(file, columns[k].name, GN_F64, count, columns[k].components, stride,
                          columns[k].data, columns[k].unit, columns[k].text, error));
-    double *turn = gn_alloc_array(count, 4 * sizeof *turn);
-    if (!turn) return gn_fail(error, GNEISS_ERROR_MEMORY, "no memory for %zu bodies", count);
-    for (size_t k = 0; k < count; k++) gn_rigid_orientation(&b[k], turn + 4 * k);
-    gneiss_status status = gn_h5_put(file, "bodies/orientation", GN_F64, count, 4, 0, turn, "1",
-                                     "quaternion w x y z from the start", error);
-    gn_free(turn);
-    return status;
+    return put_places(w, file, error);
 }
 
 gneiss_status gn_bodies_results(const gn_world *w, gn_h5 *file, gneiss_error *error) {

@@ -1,6 +1,7 @@
 /* Finite elements as files: snapshots and their groups in results.h5 (docs/results.md). */
 #include "base/eigen.h"
 #include "base/memory.h"
+#include "base/point.h"
 #include "io/snapshot.h"
 #include "sim/world.h"
 
@@ -93,7 +94,7 @@ static void fill_nodes(const gn_fem_body *b, const double (*stress)[6], const do
         memcpy(f->stress + 6 * r, stress[n], sizeof *stress);
         f->pressure[r] = -pressure[n];
         for (size_t a = 0; a < 3; a++) {
-            f->position[3 * r + a] = q->pos[4 * n + a];
+            f->position[3 * r + a] = gn_point_out(b->origin[a], q->pos[4 * n + a]);
             f->displacement[3 * r + a] = q->pos[4 * n + a] - q->start[4 * n + a];
             f->velocity[3 * r + a] = q->vel[4 * n + a];
         }

@@ -6,8 +6,26 @@
 #include "sim/facet.h"
 #include "sim/world.h"
 
-/* Particles of the scene's specimen, from whichever source (specimen.c). */
+#include <math.h>
+
+/* Particles of the scene's specimen, from whichever source (specimen.c); of a file those in
+ * specimen.packed. */
 gneiss_status gn_specimen_make(const gn_scene *scene, gn_packing *packing, gneiss_error *error);
+
+/* A box about points. */
+typedef struct gn_extent {
+    double lower[3], upper[3]; /* m */
+} gn_extent;
+#define GN_EXTENT_NONE                                                                             \
+    {                                                                                              \
+        {INFINITY, INFINITY, INFINITY}, {                                                          \
+            -INFINITY, -INFINITY, -INFINITY                                                        \
+        }                                                                                          \
+    }
+void gn_extent_add(gn_extent *extent, const double point[3], double radius);
+/* About where the specimen will be. Nothing is added for a geometry that gmsh has to mesh first,
+ * nor for a file that cannot be read: packing it will tell why. */
+void gn_specimen_extent(const gn_scene *scene, gn_extent *extent);
 
 /* Parameters of one contact between particles (law.c; Rojek et al. 2012, sec. 2). */
 typedef struct gn_contact_parameters {

@@ -4,6 +4,7 @@
 #include "io/checkpoint_files.h"
 #include "io/files.h"
 #include "sim/folder.h"
+#include "sim/origin.h"
 #include "sim/parts.h"
 
 #include <math.h>
@@ -191,6 +192,7 @@ static gneiss_status apply_overrides(gn_run *run, const gn_override *overrides, 
             return error && error->status != GNEISS_ERROR_UNSTABLE ? error->status
                                                                    : GNEISS_ERROR_INPUT;
         w->dt_lowered = lowered;
+        GN_TRY(gn_origin_check(w, error));
     }
     set_intervals(run, sets(overrides, count, "output.history_rows"),
                   sets(overrides, count, "output.snapshots"));

@@ -1,5 +1,6 @@
 /* Particle sets: who belongs to them, what they change, how they move. */
 #include "base/memory.h"
+#include "base/point.h"
 #include "sim/parts.h"
 
 #include <math.h>
@@ -21,8 +22,10 @@ static bool in_ids(const gn_set *s, int32_t id) {
 static bool selected(const gn_world *w, const gn_set *s, size_t p) {
     const double *x = w->particles.pos + 4 * p;
     if (s->has_box)
-        for (int a = 0; a < (int)w->scene.dimension; a++)
-            if (x[a] < s->box_min[a] || x[a] > s->box_max[a]) return false;
+        for (int a = 0; a < (int)w->scene.dimension; a++) {
+            double seen = gn_point_out(w->scene.origin[a], x[a]);
+            if (seen < s->box_min[a] || seen > s->box_max[a]) return false;
+        }
     if (s->end_axis >= 0 && !in_end(w, s, x)) return false;
     if (s->id_count && !in_ids(s, w->particles.id[p])) return false;
     return true;

@@ -1,5 +1,6 @@
 #include "base/memory.h"
 #include "base/random.h"
+#include "io/gmsh.h"
 #include "pack/store.h"
 #include "sim/parts.h"
 
@@ -71,12 +72,6 @@ static gneiss_status make_lattice(const gn_scene *scene, gn_packing *packing, gn
 }
 
 static gneiss_status pack(const gn_scene *scene, gn_packing *packing, gneiss_error *error) {
-    const gn_specimen *s = &scene->specimen;
-    if (s->packed) {
-        GN_TRY(allocate(packing, (double)s->packed_count, error));
-        memcpy(packing->sphere, s->packed, s->packed_count * 4 * sizeof(double));
-        return GNEISS_OK;
-    }
     gn_pack_result result;
     char note[512];
     GN_TRY(gn_pack_obtain(scene, NULL, NULL, &result, note, sizeof note, error));
@@ -89,11 +84,71 @@ static gneiss_status pack(const gn_scene *scene, gn_packing *packing, gneiss_err
 gneiss_status gn_specimen_make(const gn_scene *scene, gn_packing *packing, gneiss_error *error) {
     const gn_specimen *s = &scene->specimen;
     *packing = (gn_packing){0};
-    if (s->file[0])
-        return gn_packing_read(s->path, (int)scene->dimension, s->scale, packing, error);
+    if (s->packed) {
+        GN_TRY(allocate(packing, (double)s->packed_count, error));
+        memcpy(packing->sphere, s->packed, s->packed_count * 4 * sizeof(double));
+        return GNEISS_OK;
+    }
     if (s->lattice.kind != GN_LATTICE_NONE) return make_lattice(scene, packing, error);
     if (s->pack.shape != GN_SHAPE_NONE) return pack(scene, packing, error);
     GN_TRY(allocate(packing, (double)s->particle_count, error));
     memcpy(packing->sphere, s->particles, s->particle_count * 4 * sizeof(double));
     return GNEISS_OK;
+}
+
+/* --- where it will be
+ * ---------------------------------------------------------------------------- */
+
+void gn_extent_add(gn_extent *extent, const double point[3], double radius) {
+    for (int a = 0; a < 3; a++) {
+        extent->lower[a] = fmin(extent->lower[a], point[a] - radius);
+        extent->upper[a] = fmax(extent->upper[a], point[a] + radius);
+    }
+}
+
+static void add_lattice(const gn_lattice *l, gn_extent *extent) {
+    unit_cell cell = cell_of(l->kind);
+    double upper[3], a = 2.0 * l->radius * l->spacing;
+    for (int d = 0; d < 3; d++) upper[d] = l->origin[d] + a * cell.edge[d] * (double)l->cells[d];
+    gn_extent_add(extent, l->origin, 0.0);
+    gn_extent_add(extent, upper, 0.0);
+}
+
+static void add_file(const gn_scene *scene, gn_extent *extent) {
+    const gn_pack_def *p = &scene->specimen.pack;
+    double scale = scene->specimen.scale;
+    gn_mesh mesh = {0};
+    if (p->shape == GN_SHAPE_SURFACE)
+        gn_mesh_read_stl(p->surface_path, scale, &mesh, NULL);
+    else if (!gn_is_geometry(p->mesh_path))
+        gn_mesh_read_msh(p->mesh_path, scale, &mesh, NULL);
+    for (size_t n = 0; n < mesh.node_count; n++) gn_extent_add(extent, mesh.node + 3 * n, 0.0);
+    gn_mesh_free(&mesh);
+}
+
+static void add_shape(const gn_scene *scene, gn_extent *extent) {
+    const gn_pack_def *p = &scene->specimen.pack;
+    double upper[3];
+    if (p->shape == GN_SHAPE_SURFACE || p->shape == GN_SHAPE_MESH) add_file(scene, extent);
+    for (size_t k = 0; p->shape == GN_SHAPE_POLYGON && k < p->corner_count; k++)
+        gn_extent_add(extent, (const double[3]){p->corners[2 * k], p->corners[2 * k + 1], 0.0},
+                      0.0);
+    if (p->shape == GN_SHAPE_DISC || p->shape == GN_SHAPE_CYLINDER)
+        gn_extent_add(extent, p->origin, 0.5 * p->diameter);
+    if (p->shape != GN_SHAPE_RECTANGLE && p->shape != GN_SHAPE_BOX && p->shape != GN_SHAPE_CYLINDER)
+        return;
+    bool sides = p->shape != GN_SHAPE_CYLINDER;
+    for (int a = 0; a < 3; a++) upper[a] = p->origin[a] + (sides ? p->size[a] : 0.0);
+    if (!sides) upper[2] += p->height;
+    gn_extent_add(extent, p->origin, 0.0);
+    gn_extent_add(extent, upper, 0.0);
+}
+
+void gn_specimen_extent(const gn_scene *scene, gn_extent *extent) {
+    const gn_specimen *s = &scene->specimen;
+    const double *rows = s->file[0] ? s->packed : s->particles;
+    size_t count = s->file[0] ? s->packed_count : s->particle_count;
+    for (size_t k = 0; rows && k < count; k++) gn_extent_add(extent, rows + 4 * k, rows[4 * k + 3]);
+    if (s->lattice.kind != GN_LATTICE_NONE) add_lattice(&s->lattice, extent);
+    if (s->pack.shape != GN_SHAPE_NONE) add_shape(scene, extent);
 }

@@ -1,6 +1,7 @@
 /* One step of the model, from top to bottom: lists, then walls, contact forces and motion
  * (sweep.c), then what they sum up to, then finite elements, to whose nodes everything else has
  * brought its forces by then. */
+#include "base/point.h"
 #include "sim/parts.h"
 #include "soa/single.h"
 
@@ -134,12 +135,13 @@ static gneiss_status fail_particle(const gn_world *w, size_t p, const char *what
                                    gneiss_error *error) {
     const gn_particles *q = &w->particles;
     const double *x = q->pos + 4 * p, *v = q->vel + 4 * p;
+    char at[GN_POINT_SIZE];
     return gn_fail(
         error, GNEISS_ERROR_UNSTABLE,
-        "step %lld, t = %g s: particle %d %s: position (%g, %g, %g) m, velocity (%g, %g, %g) m/s, "
-        "radius %g m; the step is %.3g s, its stability limit was estimated as %.3g s",
-        (long long)w->step, w->time, q->id[p], what, x[0], x[1], x[2], v[0], v[1], v[2], x[3],
-        w->dt, w->stable);
+        "step %lld, t = %g s: particle %d %s: position %s m, velocity (%g, %g, %g) m/s, radius %g "
+        "m; the step is %.3g s, its stability limit was estimated as %.3g s",
+        (long long)w->step, w->time, q->id[p], what, gn_point_text(w->scene.origin, x, at), v[0],
+        v[1], v[2], x[3], w->dt, w->stable);
 }
 
 static gneiss_status check_bodies(const gn_world *w, gneiss_error *error) {

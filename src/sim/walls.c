@@ -1,10 +1,21 @@
 /* Plane walls: contacts with particles (few, so plain scalar code), motion, servo, work. */
 #include "base/memory.h"
+#include "sim/origin.h"
 #include "sim/parts.h"
 #include "sim/touch.h"
 
 #include <math.h>
 #include <string.h>
+
+/* A plane may be given by a point far along it, whose coordinates would round the gap and the
+ * motion of the wall; then the foot of the perpendicular from the origin takes its place. */
+static void take_near_point(const gn_world *w, gn_wall *wall) {
+    const double *p = wall->point;
+    double far = fmax(fabs(p[0]), fmax(fabs(p[1]), fabs(p[2])));
+    if (far <= gn_origin_reach(w->radius_min)) return;
+    double distance = gn_dot3(p, wall->normal);
+    for (int a = 0; a < 3; a++) wall->point[a] = distance * wall->normal[a];
+}
 
 gneiss_status gn_walls_create(gn_world *w, gneiss_error *error) {
     size_t count = w->scene.wall_count;
@@ -16,8 +27,9 @@ gneiss_status gn_walls_create(gn_world *w, gneiss_error *error) {
         gn_wall *wall = &w->walls[k];
         const gn_wall_def *def = &w->scene.walls[k];
         memcpy(wall->point, def->point, sizeof wall->point);
-        memcpy(wall->start, def->point, sizeof wall->start);
         memcpy(wall->normal, def->normal, sizeof wall->normal);
+        take_near_point(w, wall);
+        memcpy(wall->start, wall->point, sizeof wall->start);
         memcpy(w->wall_normals + 4 * k, def->normal, sizeof def->normal);
         for (int a = 0; a < 3; a++) wall->velocity[a] = gn_table_at(&def->motion.velocity[a], 0.0);
     }

@@ -2,8 +2,10 @@
 
 #include "base/ball.h"
 #include "base/memory.h"
+#include "base/point.h"
 #include "base/random.h"
 #include "base/timer.h"
+#include "sim/origin.h"
 #include "sim/parts.h"
 
 #include <math.h>
@@ -58,6 +60,9 @@ static gneiss_status load_particles(gn_world *w, gneiss_error *error) {
     for (size_t p = 0; p < packing.count; p++)
         w->radius_min = fmin(w->radius_min, packing.sphere[4 * p + 3]);
     gn_packing_free(&packing);
+    gn_free(w->scene.specimen.packed); /* was needed for this alone */
+    w->scene.specimen.packed = NULL;
+    w->scene.specimen.packed_count = 0;
     return status;
 }
 
@@ -138,16 +143,19 @@ static void set_masses(gn_world *w) {
     }
 }
 
+/* From what files show, so that a resumed run has the same bits. */
 static void set_domain(gn_world *w) {
-    gn_scene *s = &w->scene;
+    gn_scene *s = &w->scene, *given = &w->given;
     if (s->has_domain || w->effects & GN_FX_PERIODIC) return;
     double size = 0.0;
     for (int a = 0; a < (int)s->dimension; a++) size = fmax(size, w->upper[a] - w->lower[a]);
     for (int a = 0; a < 3; a++) {
-        s->domain_min[a] = w->lower[a] - 10.0 * size;
-        s->domain_max[a] = w->upper[a] + 10.0 * size;
+        given->domain_min[a] = gn_point_out(s->origin[a], w->lower[a] - 10.0 * size);
+        given->domain_max[a] = gn_point_out(s->origin[a], w->upper[a] + 10.0 * size);
+        s->domain_min[a] = given->domain_min[a] - s->origin[a];
+        s->domain_max[a] = given->domain_max[a] - s->origin[a];
     }
-    s->has_domain = true;
+    s->has_domain = given->has_domain = true;
 }
 
 /* Wide enough that a quasi-static specimen never rebuilds, narrow enough that few idle pairs are
@@ -194,14 +202,16 @@ static gneiss_status check_specimen(const gn_world *w, gneiss_error *error) {
             return gn_fail(
                 error, GNEISS_ERROR_INPUT,
                 "%s: specimen: expected particles inside the domain, found particle %d at "
-                "%c = %g m",
-                w->scene.source, w->particles.id[p], "xyz"[a], x);
+                "%c = %.*g m",
+                w->scene.source, w->particles.id[p], "xyz"[a], w -> scene.origin[a] != 0.0 ? 12 : 6,
+                gn_point_out(w->scene.origin[a], x));
         }
     return GNEISS_OK;
 }
 
 static gneiss_status build_particles(gn_world *w, gneiss_error *error) {
     GN_TRY(load_particles(w, error));
+    GN_TRY(gn_origin_check_specimen(w, error));
     GN_TRY(measure_specimen(w, error));
     set_domain(w);
     GN_TRY(check_specimen(w, error));
@@ -249,17 +259,23 @@ static void measure_body(gn_world *w) {
 }
 
 static gneiss_status build(gn_world *w, gneiss_error *error) {
-    bool particles = w->scene.has_specimen;
-    GN_TRY(gn_world_prepare(w, error));
-    if (w->scene.has_elements) GN_TRY(gn_elements_create(w, NULL, error));
+    bool particles = w->given.has_specimen;
+    gn_mesh mesh = {0};
+    gneiss_status status = gn_origin_enter(w, &mesh, error);
+    if (status == GNEISS_OK) status = gn_world_prepare(w, error);
+    if (status == GNEISS_OK && w->scene.has_elements)
+        status = gn_elements_create(w, w->scene.elements.mesh[0] ? &mesh : NULL, error);
+    gn_mesh_free(&mesh);
+    GN_TRY(status);
     GN_TRY(particles ? build_particles(w, error) : build_empty(w, error));
     if (!particles) measure_body(w);
-    return gn_world_check_step(w, true, error);
+    GN_TRY(gn_world_check_step(w, true, error));
+    return gn_origin_check(w, error);
 }
 
 gneiss_status gn_world_create(gn_scene *scene, gn_world *world, gneiss_error *error) {
     memset(world, 0, sizeof *world);
-    world->scene = *scene;
+    world->given = *scene;
     memset(scene, 0, sizeof *scene);
     double start = gn_now();
     gneiss_status status = build(world, error);
@@ -293,7 +309,12 @@ void gn_world_free(gn_world *w) {
     for (size_t k = 0; k < sizeof blocks / sizeof *blocks; k++) gn_free(blocks[k]);
     gn_deal_free(&w->deal);
     gn_scene_free(&w->scene);
+    gn_scene_free(&w->given);
     memset(w, 0, sizeof *w);
+}
+
+void gn_world_point_out(const gn_world *w, const double point[3], double out[3]) {
+    for (int a = 0; a < 3; a++) out[a] = gn_point_out(w->scene.origin[a], point[a]);
 }
 
 gn_assembly gn_world_assembly(const gn_world *w) {

@@ -61,7 +61,8 @@ typedef struct gn_derived {
 } gn_derived;
 
 struct gn_world {
-    gn_scene scene;
+    gn_scene scene; /* its points relative to scene.origin, as all points of the world */
+    gn_scene given; /* the same as the user sees it, for files */
     gn_effects effects;
     const gn_kernel_set *kernels;
     gn_contact_kernel *bond_kernel, *pair_kernel;
@@ -129,6 +130,9 @@ struct gn_world {
     int64_t contact_steps; /* contacts worked on, summed over steps */
     double seconds[GN_PHASE_COUNT];
 };
+
+/* A point of the world as the user sees it. */
+void gn_world_point_out(const gn_world *world, const double point[3], double out[3]);
 
 /* Builds the world; takes over the contents of `scene` (also on failure, when they are freed). On
  * failure nothing is held. */
