@@ -210,6 +210,25 @@ static void without_input_the_scale_is_the_energy_at_the_start(void **state) {
     assert_close(gn_energy_residual(&e), -0.3, 1e-15);
 }
 
+static void work_that_is_taken_back_still_counts_as_passed(void **state) {
+    (void)state;
+    /* A ball thrown up: 2 J at the start, all of it gravity's at the top, back again below. */
+    gn_energy e = {.stored_at_start = 2, .work_gravity = -2};
+    assert_close(gn_energy_passed(&e), 2, 1e-15);
+    /* Dropped from rest instead and seen where it came from: no term is left, but 3 J went. */
+    e = (gn_energy){.kinetic = 1e-9, .passed = 3};
+    assert_close(gn_energy_scale(&e), 3, 1e-15);
+    assert_close(gn_energy_residual(&e), 1e-9 / 3, 1e-12);
+}
+
+static void energy_from_nowhere_cannot_hide_behind_itself(void **state) {
+    (void)state;
+    /* 1 J came in, 10 J are stored and 20 J were dissipated: 29 of 20 that passed. */
+    gn_energy e = {.work_walls = 1, .elastic_normal = 12, .kinetic = -2, .friction = 20};
+    assert_close(gn_energy_scale(&e), 20, 1e-15);
+    assert_close(gn_energy_residual(&e), 29.0 / 20, 1e-15);
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(a_synthetic_curve_is_read_exactly),
@@ -222,6 +241,8 @@ int main(void) {
         cmocka_unit_test(the_residual_counts_every_term_once_with_its_sign),
         cmocka_unit_test(a_balanced_ledger_has_no_residual),
         cmocka_unit_test(without_input_the_scale_is_the_energy_at_the_start),
+        cmocka_unit_test(work_that_is_taken_back_still_counts_as_passed),
+        cmocka_unit_test(energy_from_nowhere_cannot_hide_behind_itself),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

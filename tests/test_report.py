@@ -82,6 +82,7 @@ def every_kind(kind, folder):
     assert f"Made-up {kind} &lt;&amp;&gt;" in page, "the title is not escaped"
     assert "<details>" in page and "0123456789abcdef" in page
     assert ("Unfinished" in page) == (kind == "unfinished")
+    assert ("Energy residual.</b> 0.03 of 1 J &lt;&amp;&gt;" in page and "End balance.</b> by half" in page) == (kind == "disc")
     if kind == "cylinder":
         for text in ("18.1 GPa", "240 MPa", "0.17", "1.44 %", "100 ns", "40000"):
             assert text in page, f"{text} is missing"

@@ -90,7 +90,7 @@ def residual_text(results):
     if not np.isfinite(value):
         return ""
     unit = results.energy["residual"].unit
-    return f"{value:.2e} of the energy put in" if unit in ("", "1") else quantity(value, unit)
+    return f"{value:.2e} of the energy that has gone through" if unit in ("", "1") else quantity(value, unit)
 
 
 # --- figures -------------------------------------------------------------------------------------------
@@ -110,9 +110,12 @@ def draw_figures(results, folder):
 # --- the page ------------------------------------------------------------------------------------------
 
 def banner(results):
+    lines = [line.partition(": ") for line in results.attribute("warnings").splitlines()]
+    warnings = "".join(f'<p class="warning"><b>{escape(name.replace("_", " ").capitalize())}.</b> {escape(said)}</p>'
+                       for name, _, said in lines)
     if results.finished:
-        return ""
-    return ('<p class="warning"><b>Unfinished.</b> The run goes on or was interrupted; '
+        return warnings
+    return warnings + ('<p class="warning"><b>Unfinished.</b> The run goes on or was interrupted; '
             "what follows is its state when the file was written.</p>")
 
 

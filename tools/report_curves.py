@@ -177,7 +177,7 @@ def plot_energy(results, path):
     axes.margins(x=0.02)
     save(figure, path)
     return ("Where the energy is and where it went, stacked; the dashed line is what was put in and should be the "
-            "upper edge of the stack. Below: what is missing, over the energy put in. Terms under 0.2 % are left out.")
+            "upper edge of the stack. Below: what is missing, over the energy that has gone through. Terms under 0.2 % are left out.")
 
 
 def plot_unbalanced(results, path):

@@ -139,6 +139,13 @@ static void print_profile(const gn_run *run) {
     printf(", %lld list rebuilds\n", (long long)run->world.verlet.rebuilds);
 }
 
+void gn_print_warnings(const gn_run *run) {
+    gn_warnings list = gn_run_warnings(run);
+    fflush(stdout);
+    for (size_t k = 0; k < list.count; k++)
+        fprintf(stderr, "gneiss: warning: %s: %s\n", list.warning[k].name, list.warning[k].text);
+}
+
 void gn_print_summary(const gn_options *o, const gn_run *run) {
     const gn_world *w = &run->world;
     if (o->quiet || o->json) return;

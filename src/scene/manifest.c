@@ -500,6 +500,15 @@ static const gn_key run_keys[] = {
                 "positions and motion in double"),
     KEY("isa", CHOICE, gn_scene, isa, .choices = isas, .fallback = "auto",
         .text = "instruction set of the kernels; auto: the widest the machine has"),
+    KEY("residual_warning", REAL, gn_scene, residual_warning, .unit = "1", .range = "(0, inf)",
+        .word = "off", .fallback = "1 %",
+        .text = "a run whose energy ledger leaves more than this unexplained, over the energy that "
+                "has gone through, ends with a warning"),
+    KEY("residual_limit", REAL, gn_scene, residual_limit, .unit = "1", .range = "(0, inf)",
+        .word = "off", .fallback = "10 %",
+        .text =
+            "a run that leaves more than this unexplained has gone bad: it stops, or ends, with "
+            "exit code 5"),
 };
 TABLE_OF(run);
 

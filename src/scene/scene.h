@@ -413,6 +413,8 @@ typedef struct gn_scene {
     int64_t threads; /* 0: all cores */
     gn_precision precision;
     gn_isa isa;
+    double residual_warning; /* of the energy ledger, from which a run warns; 0: off */
+    double residual_limit;   /* from which it has gone bad; 0: off */
 } gn_scene;
 
 /* One override from the command line: `--set time.end=2ms` is {"time.end", "2ms"}. */

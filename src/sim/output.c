@@ -224,6 +224,16 @@ static void effect_names(gn_effects effects, char *text, size_t size) {
                                      gn_effect_name((gn_effect_index)k));
 }
 
+/* One a line, "name: text"; "" when there are none. */
+static gneiss_status put_warnings(const gn_run *run, gn_h5 *file, gneiss_error *error) {
+    gn_warnings list = gn_run_warnings(run);
+    char text[sizeof list] = "";
+    for (size_t k = 0, used = 0; k < list.count; k++)
+        used += (size_t)snprintf(text + used, sizeof text - used, "%s%s: %s", used ? "\n" : "",
+                                 list.warning[k].name, list.warning[k].text);
+    return gn_h5_attribute_text(file, "/", "warnings", text, error);
+}
+
 static gneiss_status put_header(const gn_run *run, gn_h5 *file, gneiss_error *error) {
     const gn_world *w = &run->world;
     char effects[512], hash[24];
@@ -248,6 +258,7 @@ static gneiss_status put_header(const gn_run *run, gn_h5 *file, gneiss_error *er
     double seconds = gn_run_progress(run).seconds;
     GN_TRY(gn_h5_attribute_f64(file, "/", "dt", &w->dt, 1, error));
     GN_TRY(gn_h5_attribute_f64(file, "/", "seconds", &seconds, 1, error));
+    GN_TRY(put_warnings(run, file, error));
     char *scene = gn_scene_write(&w->scene);
     if (!scene) return gn_fail(error, GNEISS_ERROR_MEMORY, "no memory for the scene text");
     gneiss_status status = gn_h5_put_text(file, "scene", scene, error);
@@ -276,7 +287,8 @@ static gneiss_status put_tables(const gn_run *run, gn_h5 *file, gneiss_error *er
         GN_TRY(put_scalar(file, "energy", "stored_at_start", w->reading.stored_at_start, "J",
                           "stored energy at the start", error));
         GN_TRY(put_scalar(file, "energy", "residual", gn_energy_residual(&w->reading), "1",
-                          "what the ledger does not explain, over the work done", error));
+                          "what the ledger does not explain, over the energy that has gone through",
+                          error));
     }
     for (int k = 0; k < GN_PHASE_COUNT; k++)
         GN_TRY(put_scalar(file, "profile", gn_phase_name((gn_phase)k), w->seconds[k], "s",
@@ -394,6 +406,18 @@ static size_t touching(const gn_contacts *list) {
     return count;
 }
 
+static void summary_warnings(const gn_run *run, gn_json *j) {
+    gn_warnings list = gn_run_warnings(run);
+    gn_json_array(j, "warnings");
+    for (size_t k = 0; k < list.count; k++) {
+        gn_json_object(j, NULL);
+        gn_json_text(j, "name", list.warning[k].name);
+        gn_json_text(j, "text", list.warning[k].text);
+        gn_json_end(j);
+    }
+    gn_json_end(j);
+}
+
 gneiss_status gn_output_summary(const gn_run *run, gneiss_error *error) {
     const gn_world *w = &run->world;
     gn_progress p = gn_run_progress(run);
@@ -429,6 +453,7 @@ gneiss_status gn_output_summary(const gn_run *run, gneiss_error *error) {
     gn_json_end(j);
     gn_json_number(j, "energy_residual",
                    w->effects & GN_FX_ENERGY ? gn_energy_residual(&w->reading) : NAN);
+    summary_warnings(run, j);
     gn_json_text(j, "state_hash", hash);
     gn_json_bool(j, "finished", run->finished);
     gn_json_text(j, "stop_reason", run->stop_reason);

@@ -120,9 +120,9 @@ gneiss_status gn_record_create(const gn_world *w, gn_history *h, gneiss_error *e
 #define X(name, kind, text) GN_TRY(gn_history_add_column(h, "energy_" #name, "J", text, error));
         GN_ENERGY_TERMS(X)
 #undef X
-        GN_TRY(gn_history_add_column(h, "energy_residual", "1",
-                                     "what the ledger does not explain, over the work done",
-                                     error));
+        GN_TRY(gn_history_add_column(
+            h, "energy_residual", "1",
+            "what the ledger does not explain, over the energy that has gone through", error));
     }
     GN_TRY(add_owners(w, h, error));
     return gn_elements_add_columns(w, h, error);
@@ -294,6 +294,11 @@ static void fill_row(const gn_world *w, const before_step *b, const double *disp
     gn_elements_put(w, elements, b->strain, row);
 }
 
+/* The scale of the residual never falls. Elements are in the reading only. */
+static void note_passed(gn_world *w) {
+    w->energy.passed = w->reading.passed = fmax(w->energy.passed, gn_energy_passed(&w->reading));
+}
+
 gneiss_status gn_record_step(gn_world *w, gn_history *h, gneiss_error *error) {
     double start = gn_now();
     size_t owners = owner_values(w), elements = gn_elements_before_size(w);
@@ -306,6 +311,7 @@ gneiss_status gn_record_step(gn_world *w, gn_history *h, gneiss_error *error) {
     gneiss_status status = gn_world_step(w, true, error);
     start = gn_now();
     if (status == GNEISS_OK) {
+        note_passed(w);
         fill_row(w, &before, displacement, read, row);
         status = gn_history_append(h, row, error);
     }
