@@ -436,7 +436,8 @@ static const gn_key test_keys[] = {
         .fallback = "auto", .text = "length of the specimen; auto: its extent along the axis"),
     KEY("area", REAL, gn_scene, test.area, .unit = "m2", .range = "(0, inf)", .word = "auto",
         .fallback = "auto",
-        .text = "area of its section; auto: from the diameter, else from the specimen"),
+        .text = "area of its section; auto: from the diameter, else the specimen's volume over the "
+                "length"),
     KEY("diameter", REAL, gn_scene, test.diameter, .unit = "m", .range = "(0, inf)", .word = "none",
         .fallback = "none", .text = "diameter of a cylinder"),
 };

@@ -173,6 +173,7 @@ typedef struct gn_specimen {
     gn_pack_def pack;
     size_t packed_count; /* of a shape packed already (no key): its particles, as above */
     double *packed;
+    double packed_volume; /* of that shape, m3 (2D: m2) */
     char material[GN_NAME_SIZE];
     int64_t group;                  /* cohesive group; 0: never bonded */
     gn_density_basis density_basis; /* bulk: particle density = density/(1 - porosity) */

@@ -257,6 +257,8 @@ static gneiss_status put_header(const gn_run *run, gn_h5 *file, gneiss_error *er
     GN_TRY(gn_h5_attribute_i64(file, "/", "steps", &steps, 1, error));
     double seconds = gn_run_progress(run).seconds;
     GN_TRY(gn_h5_attribute_f64(file, "/", "dt", &w->dt, 1, error));
+    GN_TRY(gn_h5_attribute_f64(file, "/", "volume", &w->volume, 1, error));
+    GN_TRY(gn_h5_attribute_text(file, "/", "volume_of", gn_world_volume_source(w), error));
     GN_TRY(gn_h5_attribute_f64(file, "/", "seconds", &seconds, 1, error));
     GN_TRY(put_warnings(run, file, error));
     char *scene = gn_scene_write(&w->scene);
@@ -451,6 +453,8 @@ gneiss_status gn_output_summary(const gn_run *run, gneiss_error *error) {
         gn_json_integer(j, "elements", (int64_t)w->elements->body.elements.soa.count);
     }
     gn_json_end(j);
+    gn_json_number(j, "volume", w->volume);
+    gn_json_text(j, "volume_of", gn_world_volume_source(w));
     gn_json_number(j, "energy_residual",
                    w->effects & GN_FX_ENERGY ? gn_energy_residual(&w->reading) : NAN);
     summary_warnings(run, j);

@@ -6,8 +6,10 @@
 #include "sim/facet.h"
 #include "sim/world.h"
 
-/* Particles of the scene's specimen, from whichever source (specimen.c). */
-gneiss_status gn_specimen_make(const gn_scene *scene, gn_packing *packing, gneiss_error *error);
+/* Particles of the scene's specimen, from whichever source (specimen.c). `volume`: of the shape
+ * that they fill, m3 (2D: m2); 0 when they come without one. */
+gneiss_status gn_specimen_make(const gn_scene *scene, gn_packing *packing, double *volume,
+                               gneiss_error *error);
 
 /* Parameters of one contact between particles (law.c; Rojek et al. 2012, sec. 2). */
 typedef struct gn_contact_parameters {

@@ -4,23 +4,15 @@
 #include <float.h>
 #include <math.h>
 
-static double mass_of(const gn_particles *q) {
-    double mass = 0.0;
-    for (size_t p = 0; p < q->soa.count; p++)
-        if (q->vel[4 * p + 3] > 0.0) mass += 1.0 / q->vel[4 * p + 3];
-    return mass;
-}
-
 /* Energy that the rounding of coordinates makes by itself: a shift by an ulp of the extent within a
  * step. In a scene at rest there is nothing else, and a residual relative to it would mean nothing.
  */
 static double rounding_energy(const gn_world *w) {
-    double extent = 0.0, mass = mass_of(&w->particles);
-    if (w->elements) mass += w->elements->body.mass;
+    double extent = 0.0;
     for (int a = 0; a < (int)w->scene.dimension; a++)
         extent = fmax(extent, w->upper[a] - w->lower[a]);
     double speed = DBL_EPSILON * extent / w->dt;
-    return mass * speed * speed;
+    return gn_world_mass(w) * speed * speed;
 }
 
 double gn_run_residual(const gn_run *run) {
