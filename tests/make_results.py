@@ -122,6 +122,10 @@ def put_readings(writer, missing):
                               ("peak_stress", 240e6, "Pa"), ("peak_strain", 1.435e-2, "1"),
                               ("plane_young_modulus", nan, "Pa")):
         writer.put(f"readings/{name}", nan if missing else value, unit)
+        if missing:
+            writer.file[f"readings/{name}"].attrs["absent"] = "made-up <reason>"
+    writer.put("readings/largest_stress", 241e6, "Pa")
+    writer.put("readings/largest_strain", 1.5e-2)
 
 
 # dimension, rows, test, bonds, finished, broken readings

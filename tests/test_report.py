@@ -83,6 +83,9 @@ def every_kind(kind, folder):
     assert "<details>" in page and "0123456789abcdef" in page
     assert ("Unfinished" in page) == (kind == "unfinished")
     assert ("Energy residual.</b> 0.03 of 1 J &lt;&amp;&gt;" in page and "End balance.</b> by half" in page) == (kind == "disc")
+    missing = KINDS[kind][5]
+    assert ("absent: made-up &lt;reason&gt;" in page) == missing and ("<small>made-up &lt;reason&gt;" in page) == missing
+    assert ("largest stress (no peak)" in page) == missing
     if kind == "cylinder":
         for text in ("18.1 GPa", "240 MPa", "0.17", "1.44 %", "100 ns", "40000"):
             assert text in page, f"{text} is missing"

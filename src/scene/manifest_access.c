@@ -58,6 +58,8 @@ size_t gn_key_element_size(const gn_key *key) {
         return 2 * sizeof(double);
     case GN_KEY_IDS:
         return sizeof(int64_t);
+    case GN_KEY_NAMES:
+        return GN_NAME_SIZE;
     default:
         return 0;
     }

@@ -325,6 +325,27 @@ static gneiss_status read_ids(gn_reader *reader, const gn_key *key, const gn_nod
     return GNEISS_OK;
 }
 
+/* One name stands for a list of one. */
+static gneiss_status read_names(gn_reader *reader, const gn_key *key, const gn_node *node,
+                                char *base) {
+    const gn_key name = {.size = GN_NAME_SIZE};
+    bool one = node->kind == GN_NODE_SCALAR;
+    if (!one && (node->kind != GN_NODE_LIST || !node->count))
+        return unexpected(reader, node, "a name or a list of names", "");
+    size_t count = one ? 1 : node->count, index = 0;
+    char(*names)[GN_NAME_SIZE] = gn_alloc_array(count, sizeof *names);
+    if (!names) return no_memory(reader);
+    memcpy(base + key->offset, &names, sizeof names);
+    memcpy(base + key->second, &count, sizeof count);
+    if (one) return read_text(reader, &name, node, names[0]);
+    for (const gn_node *item = node->first; item; item = item->next, index++) {
+        size_t mark = path_push_index(reader, index);
+        GN_TRY(read_text(reader, &name, item, names[index]));
+        path_pop(reader, mark);
+    }
+    return GNEISS_OK;
+}
+
 static gneiss_status read_particle(gn_reader *reader, const gn_key *key, const gn_node *row,
                                    double particle[4]) {
     const gn_key coordinate = {.unit = key->unit};
@@ -462,6 +483,8 @@ static gneiss_status read_key(gn_reader *reader, const gn_key *key, const gn_nod
         return read_table(reader, key, node, (gn_table *)at);
     case GN_KEY_IDS:
         return read_ids(reader, key, node, base);
+    case GN_KEY_NAMES:
+        return read_names(reader, key, node, base);
     case GN_KEY_PARTICLES:
         return read_particles(reader, key, node, base);
     case GN_KEY_POINTS:

@@ -258,12 +258,17 @@ typedef struct gn_body_def {
     gn_where where;
 } gn_body_def;
 
+/* Walls, bodies, sets, motions of elements that load the specimen together. */
+typedef struct gn_test_end {
+    size_t count;
+    char (*name)[GN_NAME_SIZE]; /* [count] */
+} gn_test_end;
+
 /* A laboratory test: which two ends load the specimen and how stress and strain are formed. */
 typedef struct gn_test {
     gn_test_kind kind;
-    int64_t axis;             /* 0 1 2 */
-    char lower[GN_NAME_SIZE]; /* wall, set or motion of elements */
-    char upper[GN_NAME_SIZE];
+    int64_t axis; /* 0 1 2 */
+    gn_test_end lower, upper;
     double length;   /* m; 0: extent of the specimen along the axis */
     double area;     /* m2; 0: from diameter, else from the specimen (see docs/scene.md) */
     double diameter; /* m; 0: not given */
@@ -475,5 +480,9 @@ int gn_scene_find_body(const gn_scene *scene, const char *name);
 int gn_scene_find_set(const gn_scene *scene, const char *name);
 int gn_scene_find_material(const gn_scene *scene, const char *name);
 int gn_scene_find_element_motion(const gn_scene *scene, const char *name);
+
+/* Whether some part of an end loads the specimen along the axis of the test. Sets and nodes that
+ * nothing is prescribed for and no force acts on are only watched. */
+bool gn_scene_end_drives(const gn_scene *scene, const gn_test_end *end);
 
 #endif

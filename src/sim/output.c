@@ -268,6 +268,24 @@ static gneiss_status put_header(const gn_run *run, gn_h5 *file, gneiss_error *er
     return status;
 }
 
+/* One that is absent is NaN and says why. */
+static gneiss_status put_reading(gn_h5 *file, const char *name, double value, const char *unit,
+                                 const char *text, const char *reason, gneiss_error *error) {
+    char path[160];
+    GN_TRY(put_scalar(file, "readings", name, value, unit, text, error));
+    snprintf(path, sizeof path, "readings/%s", name);
+    return *reason ? gn_h5_attribute_text(file, path, "absent", reason, error) : GNEISS_OK;
+}
+
+static gneiss_status put_readings(const gn_run *run, gn_h5 *file, gneiss_error *error) {
+    gn_readings r = gn_record_readings(&run->world, &run->history);
+#define X(name, unit, text)                                                                        \
+    GN_TRY(put_reading(file, #name, r.name, unit, text, r.reason[GN_READING_##name], error));
+    GN_READINGS(X)
+#undef X
+    return GNEISS_OK;
+}
+
 static gneiss_status put_tables(const gn_run *run, gn_h5 *file, gneiss_error *error) {
     const gn_world *w = &run->world;
     for (size_t c = 0; c < run->history.column_count; c++) {
@@ -277,10 +295,7 @@ static gneiss_status put_tables(const gn_run *run, gn_h5 *file, gneiss_error *er
         GN_TRY(gn_h5_put(file, path, GN_F64, run->history.row_count, 1, 0, column->value,
                          column->unit, column->text, error));
     }
-    gn_readings r = gn_record_readings(w, &run->history);
-#define X(name, unit, text) GN_TRY(put_scalar(file, "readings", #name, r.name, unit, text, error));
-    GN_READINGS(X)
-#undef X
+    GN_TRY(put_readings(run, file, error));
     if (w->effects & GN_FX_ENERGY) {
 #define X(name, kind, text)                                                                        \
     GN_TRY(put_scalar(file, "energy", #name, w->reading.name, "J", text, error));
@@ -420,6 +435,12 @@ static void summary_warnings(const gn_run *run, gn_json *j) {
     gn_json_end(j);
 }
 
+static const char *const reading_names[] = {
+#define X(name, unit, text) #name,
+    GN_READINGS(X)
+#undef X
+};
+
 gneiss_status gn_output_summary(const gn_run *run, gneiss_error *error) {
     const gn_world *w = &run->world;
     gn_progress p = gn_run_progress(run);
@@ -436,6 +457,10 @@ gneiss_status gn_output_summary(const gn_run *run, gneiss_error *error) {
 #define X(name, unit, text) gn_json_number(j, #name, r.name);
     GN_READINGS(X)
 #undef X
+    gn_json_end(j);
+    gn_json_object(j, "absent"); /* why a reading is null */
+    for (int k = 0; k < GN_READING_COUNT; k++)
+        if (r.reason[k][0]) gn_json_text(j, reading_names[k], r.reason[k]);
     gn_json_end(j);
     gn_json_object(j, "counts");
     gn_json_integer(j, "particles", (int64_t)w->particles.soa.count);

@@ -34,6 +34,8 @@ gneiss_status gn_sets_apply(gn_world *world, gneiss_error *error);
 /* Velocities of prescribed particles and sums of the reactions. */
 void gn_prescription_update(gn_world *world, double time);
 void gn_reactions_sum(gn_world *world);
+/* Mean displacement of a set from the start along an axis, m. */
+double gn_set_travel(const gn_world *world, size_t set, int axis);
 
 /* Walls (walls.c). */
 gneiss_status gn_walls_create(gn_world *world, gneiss_error *error);

@@ -73,8 +73,24 @@ static void warn_of_residual(const gn_run *run, gn_warnings *list) {
         gn_energy_residual(&w->reading), gn_energy_scale(&w->reading), w->scene.residual_warning);
 }
 
+/* Waves, gravity and viscous damping leave a little between the ends of a dynamic test; a support
+ * that is not counted leaves half of the load. */
+static const double imbalance_limit = 0.1;
+
+static void warn_of_balance(const gn_run *run, gn_warnings *list) {
+    gn_readings r = gn_record_readings(&run->world, &run->history);
+    if (!(r.end_imbalance > imbalance_limit)) return;
+    gn_warning *to = &list->warning[list->count++];
+    to->name = "end_imbalance";
+    snprintf(to->text, sizeof to->text,
+             "the forces of the two ends of the test differ by %.0f %% of their mean: does "
+             "something else load or hold the specimen? (an end may be a list)",
+             100.0 * r.end_imbalance);
+}
+
 gn_warnings gn_run_warnings(const gn_run *run) {
     gn_warnings list = {0};
     warn_of_residual(run, &list);
+    warn_of_balance(run, &list);
     return list;
 }
