@@ -333,8 +333,8 @@ def a_residual_that_stays_beyond_its_limit_stops_the_run(folder):
 @fact
 def a_run_that_ends_beyond_the_limit_is_written_and_fails(folder):
     """Too short to be stopped on the way: the onset of contacts is given a hundred steps."""
-    arguments = ("--quiet", "--set", "time.end=0.12 ms", "--set", "output.history_rows=100000", "--set",
-                 "run.residual_limit=1e-15")
+    arguments = ("--quiet", "--set", "time.step=1 us", "--set", "time.end=95 us", "--set", "output.history_rows=95",
+                 "--set", "run.residual_limit=1e-15")
     expect(gneiss("run", LATTICE, "--out", folder, *arguments), 5, "ledger does not close.* at the end")
     assert summary(folder)["finished"] is True and summary(folder)["steps"] < 100
     expect(gneiss("resume", folder, "--quiet"), 5, "ledger does not close")

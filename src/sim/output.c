@@ -435,16 +435,25 @@ static void summary_warnings(const gn_run *run, gn_json *j) {
     gn_json_end(j);
 }
 
-static const char *const reading_names[] = {
-#define X(name, unit, text) #name,
+/* Numbers, null where one is absent, and why it is. */
+static void summary_readings(const gn_run *run, gn_json *j) {
+    gn_readings r = gn_record_readings(&run->world, &run->history);
+    gn_json_object(j, "readings");
+#define X(name, unit, text) gn_json_number(j, #name, r.name);
     GN_READINGS(X)
 #undef X
-};
+    gn_json_end(j);
+    gn_json_object(j, "absent");
+#define X(name, unit, text)                                                                        \
+    if (r.reason[GN_READING_##name][0]) gn_json_text(j, #name, r.reason[GN_READING_##name]);
+    GN_READINGS(X)
+#undef X
+    gn_json_end(j);
+}
 
 gneiss_status gn_output_summary(const gn_run *run, gneiss_error *error) {
     const gn_world *w = &run->world;
     gn_progress p = gn_run_progress(run);
-    gn_readings r = gn_record_readings(w, &run->history);
     gn_observed seen;
     GN_TRY(gn_world_observe(w, &seen, error));
     size_t contacts = touching(&seen.bonds) + touching(&seen.pairs);
@@ -453,15 +462,7 @@ gneiss_status gn_output_summary(const gn_run *run, gneiss_error *error) {
     snprintf(hash, sizeof hash, "%016llx", (unsigned long long)gn_world_hash(w));
     gn_json *j = gn_json_begin();
     gn_json_text(j, "title", w->scene.title);
-    gn_json_object(j, "readings");
-#define X(name, unit, text) gn_json_number(j, #name, r.name);
-    GN_READINGS(X)
-#undef X
-    gn_json_end(j);
-    gn_json_object(j, "absent"); /* why a reading is null */
-    for (int k = 0; k < GN_READING_COUNT; k++)
-        if (r.reason[k][0]) gn_json_text(j, reading_names[k], r.reason[k]);
-    gn_json_end(j);
+    summary_readings(run, j);
     gn_json_object(j, "counts");
     gn_json_integer(j, "particles", (int64_t)w->particles.soa.count);
     gn_json_integer(j, "contacts", (int64_t)contacts);

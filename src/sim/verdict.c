@@ -83,8 +83,9 @@ static void warn_of_balance(const gn_run *run, gn_warnings *list) {
     gn_warning *to = &list->warning[list->count++];
     to->name = "end_imbalance";
     snprintf(to->text, sizeof to->text,
-             "the forces of the two ends of the test differ by %.0f %% of their mean: does "
-             "something else load or hold the specimen? (an end may be a list)",
+             "the forces of the two ends of the test differ by %.0f %% of their mean: inertia (the "
+             "load is fast), or something else loads or holds the specimen, or an end leaves out a "
+             "part (it may be a list)",
              100.0 * r.end_imbalance);
 }
 
