@@ -143,7 +143,7 @@ KINDS = {
 }
 
 
-WARNINGS = {"disc": "energy_residual: 0.03 of 1 J <&>\nend_balance: by half"}
+WARNINGS = {"disc": "energy_residual: 0.03 of 1 J <&>\nend_imbalance: by half"}
 
 
 def make(kind, path, packing=None):
@@ -152,7 +152,7 @@ def make(kind, path, packing=None):
     attributes = dict(title=f"Made-up {kind} <&>", scene_file="made-up.yaml", version="0.1.0", build="gcc 12 release",
                       isa="avx2", precision="double", threads=2, effects="space bonds", state_hash="0123456789abcdef",
                       finished=int(finished), stop_reason="peak_drop: stress fell to half its peak" if finished else "",
-                      dimension=dimension, warnings=WARNINGS.get(kind, ""))
+                      dimension=dimension, volume=1.9e-5, volume_of="the <shape>", warnings=WARNINGS.get(kind, ""))
     for name, value in attributes.items():
         writer.file.attrs[name] = value
     axis = "y" if dimension == 2 else "z"

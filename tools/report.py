@@ -83,9 +83,15 @@ def fact_rows(results):
              ("steps", steps), ("simulated time", quantity(float(np.nanmax(time)), "s") if time is not None else ""),
              ("wall time", f"{seconds:.3g} s" if seconds else ""),
              ("energy residual", residual_text(results)),
+             ("volume", volume_text(results)),
              ("stopped because", results.attribute("stop_reason")), ("state hash", results.attribute("state_hash")),
              ("scene file", results.attribute("scene_file"))]
     return [(a, (b, "number" if a != "scene file" else "")) for a, b in rows if str(b)]
+
+
+def volume_text(results):
+    value, of = results.attribute("volume"), results.attribute("volume_of")
+    return f"{float(value):.4g} m³ ({of})" if value else ""
 
 
 def residual_text(results):
