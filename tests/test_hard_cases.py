@@ -361,6 +361,15 @@ def a_gas_between_closing_walls_does_not_end_well_with_a_wrong_ledger(folder):
 
 
 @fact
+def particles_that_touch_by_rounding_are_at_rest(folder):
+    """Neighbours of a hexagonal lattice overlap by an ulp here and there; energies are below 1e-26 J."""
+    scene = spheres(THREE, dimension=2, damping={"background": {"model": "nonviscous_vector", "coefficient": 0.5}})
+    scene["specimen"] = {"lattice": {"kind": "hexagonal", "radius": 1e-4, "cells": [20, 20]}}
+    out = done(folder, scene)
+    assert warnings(out) == {} and history(out)["energy_kinetic"].max() < 1e-24
+
+
+@fact
 def a_ball_that_comes_back_to_where_it_fell_from_leaves_no_residual(folder):
     """There every term of the ledger is nearly zero. The first contact begins between two of about 150 steps of a
     contact, which costs less than (1/150) of the energy."""
