@@ -122,6 +122,10 @@ def put_readings(writer, missing):
                               ("peak_stress", 240e6, "Pa"), ("peak_strain", 1.435e-2, "1"),
                               ("plane_young_modulus", nan, "Pa")):
         writer.put(f"readings/{name}", nan if missing else value, unit)
+        if missing:
+            writer.file[f"readings/{name}"].attrs["absent"] = "made-up <reason>"
+    writer.put("readings/largest_stress", 241e6, "Pa")
+    writer.put("readings/largest_strain", 1.5e-2)
 
 
 # dimension, rows, test, bonds, finished, broken readings
@@ -139,13 +143,16 @@ KINDS = {
 }
 
 
+WARNINGS = {"disc": "energy_residual: 0.03 of 1 J <&>\nend_imbalance: by half"}
+
+
 def make(kind, path, packing=None):
     dimension, rows, test, with_bonds, finished, missing = KINDS[kind]
     writer = Writer(path)
     attributes = dict(title=f"Made-up {kind} <&>", scene_file="made-up.yaml", version="0.1.0", build="gcc 12 release",
                       isa="avx2", precision="double", threads=2, effects="space bonds", state_hash="0123456789abcdef",
                       finished=int(finished), stop_reason="peak_drop: stress fell to half its peak" if finished else "",
-                      dimension=dimension)
+                      dimension=dimension, volume=1.9e-5, volume_of="the <shape>", warnings=WARNINGS.get(kind, ""))
     for name, value in attributes.items():
         writer.file.attrs[name] = value
     axis = "y" if dimension == 2 else "z"

@@ -298,5 +298,89 @@ def a_file_size_limit_at_the_start_is_an_error(folder):
     assert not os.listdir(folder), os.listdir(folder)
 
 
+# --- energy that nobody put in -----------------------------------------------------------------------------
+
+def warnings(folder):
+    return {w["name"]: w["text"] for w in summary(folder)["warnings"]}
+
+
+@fact
+def a_residual_beyond_its_warning_is_named_everywhere(folder):
+    done = expect(gneiss("run", LATTICE, "--out", folder, "--quiet", "--set", "run.residual_warning=1e-15"), 0,
+                  "warning: energy_residual: .*unexplained.*run.residual_warning: 1e-15")
+    assert len(done.stderr.splitlines()) == 1, done.stderr
+    with results(folder) as file:
+        assert text(file.attrs["warnings"]) == "energy_residual: " + warnings(folder)["energy_residual"]
+
+
+@fact
+def a_ledger_that_closes_has_no_warning(folder):
+    assert run(UCS, folder).stderr == "" and warnings(folder) == {}
+    with results(folder) as file:
+        assert text(file.attrs["warnings"]) == ""
+
+
+@fact
+def a_residual_that_stays_beyond_its_limit_stops_the_run(folder):
+    call = expect(gneiss("run", LATTICE, "--out", folder, "--quiet", "--set", "run.residual_limit=1e-15"), 5,
+                  r"ledger does not close.*run.residual_limit: 1e-15\), since step \d+", r"failed_\*\.hdf")
+    with results(folder) as file:
+        assert file.attrs["finished"] == 0 and "ledger does not close" in text(file.attrs["stop_reason"])
+        assert file["history/time"][-1] < 0.39e-3, call.stderr
+    assert not os.path.exists(os.path.join(folder, "summary.json"))
+
+
+@fact
+def a_run_that_ends_beyond_the_limit_is_written_and_fails(folder):
+    """Too short to be stopped on the way: the onset of contacts is given a hundred steps."""
+    arguments = ("--quiet", "--set", "time.step=1 us", "--set", "time.end=95 us", "--set", "output.history_rows=95",
+                 "--set", "run.residual_limit=1e-15")
+    expect(gneiss("run", LATTICE, "--out", folder, *arguments), 5, "ledger does not close.* at the end")
+    assert summary(folder)["finished"] is True and summary(folder)["steps"] < 100
+    expect(gneiss("resume", folder, "--quiet"), 5, "ledger does not close")
+    resume(folder, "--set", "run.residual_limit=off")
+
+
+@fact
+def a_gas_between_closing_walls_does_not_end_well_with_a_wrong_ledger(folder):
+    wall = {"stiffness": 1e6, "kratio": 2, "friction": 0.3}
+    walls = []
+    for axis, name in enumerate("xyz"):
+        for side, place in ((1, 0.0), (-1, 0.0115)):
+            walls.append({"name": f"{name}{place}".replace(".", "_"), **wall,
+                          "point": [place if a == axis else 0 for a in range(3)],
+                          "normal": [side if a == axis else 0 for a in range(3)], "motion": {f"v{name}": 0.2 * side}})
+    scene = spheres(THREE, walls=walls, time={"end": 4.3125e-3})
+    scene["specimen"] = {"lattice": {"kind": "cubic", "radius": 1e-3, "cells": [5, 5, 5], "spacing": 1.15, "jitter": 0.02}}
+    call = gneiss("run", write_scene(folder, scene), "--out", os.path.join(folder, "out"), "--quiet")
+    assert call.returncode in (0, 5), call.stderr
+    if call.returncode == 0:
+        assert abs(summary(os.path.join(folder, "out"))["energy_residual"]) < 0.1
+    else:
+        assert "ledger does not close" in call.stderr, call.stderr
+
+
+@fact
+def particles_that_touch_by_rounding_are_at_rest(folder):
+    """Neighbours of a hexagonal lattice overlap by an ulp here and there; energies are below 1e-26 J."""
+    scene = spheres(THREE, dimension=2, damping={"background": {"model": "nonviscous_vector", "coefficient": 0.5}})
+    scene["specimen"] = {"lattice": {"kind": "hexagonal", "radius": 1e-4, "cells": [20, 20]}}
+    out = done(folder, scene)
+    assert warnings(out) == {} and history(out)["energy_kinetic"].max() < 1e-24
+
+
+@fact
+def a_ball_that_comes_back_to_where_it_fell_from_leaves_no_residual(folder):
+    """There every term of the ledger is nearly zero. The first contact begins between two of about 150 steps of a
+    contact, which costs less than (1/150) of the energy."""
+    scene = spheres([[0, 0, 2e-3, 1e-3]], gravity=[0, 0, -10], time={"end": 0.1, "safety": 0.02},
+                    walls=[{"name": "floor", "point": [0, 0, 0], "normal": [0, 0, 1], "stiffness": 1e5}])
+    scene["output"]["history_rows"] = 5000
+    out = done(folder, scene)
+    rows = history(out)
+    assert np.sum(np.diff(np.sign(rows["energy_work_gravity"] - 5e-8)) > 0) > 2, "it did not come back"
+    assert np.abs(rows["energy_residual"]).max() < 1 / 150, np.abs(rows["energy_residual"]).max()
+
+
 if __name__ == "__main__":
     sys.exit(main())

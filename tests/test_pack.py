@@ -519,5 +519,86 @@ def pack_needs_a_file(folder):
     expect(gneiss("pack", os.path.join(folder, "none.yaml")), 2, r"none\.yaml: cannot open")
 
 
+# --- volume ------------------------------------------------------------------------------------------------
+
+L_CORNERS = ((0, 0), (20, 0), (20, 8), (8, 8), (8, 20), (0, 20))  # mm; 256 mm2, its hull 328 mm2
+L_AREA, L_HULL = 256e-6, 328e-6
+
+
+def write_prism(folder, name, corners, height):
+    """An L as a closed surface: two rectangles make each end."""
+    ends = ((0, 1, 2), (0, 2, 3), (0, 3, 4), (0, 4, 5))
+    facets = [[(*corners[k], 0) for k in reversed(t)] for t in ends] + [[(*corners[k], height) for k in t] for t in ends]
+    for a, b in zip(corners, corners[1:] + corners[:1]):
+        facets += [[(*a, 0), (*b, 0), (*b, height)], [(*a, 0), (*b, height), (*a, height)]]
+    lines = ["solid l"]
+    for facet in facets:
+        lines += ["facet normal 0 0 0", "outer loop"] + ["vertex %g %g %g" % v for v in facet] + ["endloop", "endfacet"]
+    with open(os.path.join(folder, name), "w") as file:
+        file.write("\n".join(lines + ["endsolid l", ""]))
+
+
+def concave(folder, more=""):
+    write_prism(folder, "l.stl", L_CORNERS, 20)
+    scene = scene_of_specimen(folder, f"surface: l.stl\n  scale: 1e-3\n  particles: 300\n  density_basis: bulk\n{more}")
+    return scene, L_AREA * 20e-3
+
+
+def found(pattern, text):
+    match = re.search(pattern, text)
+    assert match, f"/{pattern}/ is not in: {text}"
+    return float(match[1])
+
+
+@fact
+def check_and_pack_say_the_same_porosity_of_a_concave_surface(folder):
+    scene, volume = concave(folder)
+    packed = pack(folder, scene)[1].stdout
+    checked = expect(gneiss("check", scene, **cached(folder)), 0).stdout
+    assert found(r"porosity +([\d.]+) %", packed) == found(r"porosity +([\d.]+) %", checked), packed + checked
+    assert "m3, of the shape" in checked and abs(found(r"volume +(\S+) m3", checked) / volume - 1) < 1e-5, checked
+
+
+@fact
+def bulk_density_gives_a_concave_surface_the_mass_of_its_volume(folder):
+    scene, volume = concave(folder)
+    checked = expect(gneiss("check", scene, **cached(folder)), 0).stdout
+    assert abs(found(r"mass (\S+) kg", checked) / (2000 * volume) - 1) < 1e-5, checked
+
+
+@fact
+def the_area_of_a_test_is_the_mean_section_of_the_shape(folder):
+    test = """walls:
+  - {name: low, point: [0, 0, 0], normal: [0, 0, 1], stiffness: 1e6}
+  - {name: up, point: [0, 0, 20 mm], normal: [0, 0, -1], stiffness: 1e6}
+test: {kind: compression, axis: z, lower: low, upper: up, length: 20 mm}
+"""
+    scene = concave(folder, test)[0]
+    checked = expect(gneiss("check", scene, **cached(folder)), 0).stdout
+    assert abs(found(r"area (\S+) m2", checked) / L_AREA - 1) < 1e-5, checked
+
+
+@fact
+def a_mean_stress_is_over_the_volume_of_the_shape(folder):
+    """What is written says so, and the run that packs by itself (no file of particles) agrees."""
+    scene, volume = concave(folder)
+    out = os.path.join(folder, "out")
+    run(scene, out, **cached(folder))
+    with results(out) as file:
+        assert abs(file.attrs["volume"] / volume - 1) < 1e-9 and text(file.attrs["volume_of"]) == "the shape"
+    assert summary(out)["volume_of"] == "the shape"
+
+
+@fact
+def particles_from_a_file_have_the_volume_of_their_hull_and_say_so(folder):
+    scene = concave(folder)[0]
+    made, _ = pack(folder, scene)
+    shutil.copy(os.path.join(made, "packing.txt"), folder)
+    checked = expect(gneiss("check", scene_of_specimen(folder, "file: packing.txt")), 0).stdout
+    assert "of the convex hull of the particles" in checked, checked
+    # The hull of spheres inside the L: less than its hull, more than half way to it.
+    assert 0.5 * (L_AREA + L_HULL) < found(r"volume +(\S+) m3", checked) / 20e-3 < L_HULL, checked
+
+
 if __name__ == "__main__":
     sys.exit(main())

@@ -38,6 +38,16 @@ static void history_of_test(gn_history *h, int axis, int sign, int rows) {
     }
 }
 
+static gn_readings read_history(const gn_history *h, int dimension, int axis, int sign) {
+    gn_readings r;
+    gn_tested tested = {.dimension = dimension, .axis = axis, .sign = sign};
+    gn_readings_compute(h, &tested, &r);
+#define X(name, unit, text) assert_true(isnan(r.name) == (r.reason[GN_READING_##name][0] != 0));
+    GN_READINGS(X)
+#undef X
+    return r;
+}
+
 static void a_synthetic_curve_is_read_exactly(void **state) {
     (void)state;
     for (int axis = 0; axis < 3; axis++)
@@ -45,7 +55,7 @@ static void a_synthetic_curve_is_read_exactly(void **state) {
             gn_history h;
             gn_readings r;
             history_of_test(&h, axis, sign, 1000);
-            gn_readings_compute(&h, 3, axis, sign, &r);
+            r = read_history(&h, 3, axis, sign);
             assert_close(r.young_modulus, 40e9, 1e-12);
             assert_close(r.young_modulus_average, 40e9 / 0.9, 1e-12);
             assert_close(r.poisson_ratio, 0.2, 1e-12);
@@ -63,7 +73,7 @@ static void scatter_of_the_axial_strain_does_not_bias_poissons_ratio(void **stat
     history_of_test(&h, 2, -1, 4000);
     srand(8);
     for (size_t k = 0; k < h.row_count; k++) h.columns[4].value[k] += 2e-4 * (random_unit() - 0.5);
-    gn_readings_compute(&h, 3, 2, -1, &r);
+    r = read_history(&h, 3, 2, -1);
     /* Standard error of the slope: 2e-4/sqrt(12) over the spread 0.79e-3/sqrt(12) and sqrt(1580)
      * rows, 0.7 %; three of them. Lateral over axial would lose 1/(1 + (2e-4/(0.9 0.79e-3))^2)
      * = 7.3 %. */
@@ -76,12 +86,12 @@ static void fewer_than_three_points_give_no_slope(void **state) {
     gn_history h;
     gn_readings r;
     history_of_test(&h, 2, -1, 5); /* 0, 40, 80 % ...: one row in the range */
-    gn_readings_compute(&h, 3, 2, -1, &r);
+    r = read_history(&h, 3, 2, -1);
     assert_true(isnan(r.young_modulus) && isnan(r.young_modulus_average) && isnan(r.poisson_ratio));
     assert_close(r.peak_stress, 64e6, 1e-14);
     gn_history_free(&h);
     history_of_test(&h, 2, -1, 8); /* rows at 10, 20, 30 and 40 % of the modulus' line */
-    gn_readings_compute(&h, 3, 2, -1, &r);
+    r = read_history(&h, 3, 2, -1);
     assert_close(r.young_modulus, 40e9, 1e-12);
     gn_history_free(&h);
 }
@@ -91,15 +101,15 @@ static void no_test_gives_no_readings(void **state) {
     gn_history h;
     gn_readings r;
     history_make(&h);
-    gn_readings_compute(&h, 3, 2, -1, &r);
+    r = read_history(&h, 3, 2, -1);
 #define X(name, unit, text) assert_true(isnan(r.name));
     GN_READINGS(X)
     gn_history_append(&h, (double[COLUMNS]){1e-3, -5, 0, 0, 0}, NULL); /* never loaded */
-    gn_readings_compute(&h, 3, 2, -1, &r);
+    r = read_history(&h, 3, 2, -1);
     GN_READINGS(X)
     gn_history_free(&h);
     h = (gn_history){0};
-    gn_readings_compute(&h, 3, 2, -1, &r);
+    r = read_history(&h, 3, 2, -1);
     GN_READINGS(X)
 #undef X
 }
@@ -118,13 +128,230 @@ static void plane_strain_readings_are_converted_to_the_material(void **state) {
             row[3 - axis] = plane_nu * e;
             gn_history_append(&h, row, NULL);
         }
-        gn_readings_compute(&h, 2, axis, -1, &r);
+        r = read_history(&h, 2, axis, -1);
         assert_close(r.young_modulus, plane_modulus, 1e-12);
         assert_close(r.poisson_ratio, plane_nu, 1e-12);
         assert_close(r.plane_young_modulus, modulus, 1e-12);
         assert_close(r.plane_poisson_ratio, nu, 1e-12);
         gn_history_free(&h);
     }
+}
+
+/* --- absent, with the reason --- */
+
+static void absent_for(const gn_readings *r, gn_reading which, const char *reason) {
+    if (!strstr(r->reason[which], reason)) fail_msg("'%s'", r->reason[which]);
+}
+
+/* A column beside those of history_make, in a history of `rows` rows. */
+static gn_history with_column(const gn_history *of, const char *name, double (*value)(double)) {
+    gn_history h = {0};
+    for (size_t c = 0; c < of->column_count; c++)
+        gn_history_add_column(&h, of->columns[c].name, "1", "", NULL);
+    assert_int_equal(gn_history_add_column(&h, name, "1", "", NULL), GNEISS_OK);
+    for (size_t k = 0; k < of->row_count; k++) {
+        double row[32];
+        for (size_t c = 0; c < of->column_count; c++) row[c] = of->columns[c].value[k];
+        row[of->column_count] = value(gn_history_column(of, "stress")[k]);
+        assert_int_equal(gn_history_append(&h, row, NULL), GNEISS_OK);
+    }
+    return h;
+}
+
+static void add_column(gn_history *h, const char *name, double (*value)(double)) {
+    gn_history more = with_column(h, name, value);
+    gn_history_free(h);
+    *h = more;
+}
+
+static double along(double stress) {
+    return -stress;
+}
+static double of_a_cell(double stress) {
+    (void)stress;
+    return -5e6;
+}
+static double of_rough_ends(double stress) {
+    return -0.04 * stress;
+}
+static double of_a_glued_cube(double stress) {
+    return -0.075 * stress;
+}
+static double of_moving_sides(double stress) {
+    return -0.8 * stress;
+}
+static double none(double stress) {
+    return 0 * stress;
+}
+static double one(double stress) {
+    return 1 + 0 * stress;
+}
+
+static void a_constant_pressure_on_the_sides_leaves_the_readings(void **state) {
+    (void)state;
+    gn_history h;
+    history_of_test(&h, 2, -1, 1000);
+    add_column(&h, "stress_zz", along);
+    add_column(&h, "stress_xx", of_a_cell);
+    add_column(&h, "stress_yy", of_rough_ends);
+    gn_readings r = read_history(&h, 3, 2, -1);
+    assert_close(r.young_modulus, 40e9, 1e-12);
+    assert_close(r.poisson_ratio, 0.2, 1e-12);
+    gn_history_free(&h);
+}
+
+static void a_little_on_the_sides_leaves_the_modulus_but_not_poissons_ratio(void **state) {
+    (void)state;
+    gn_history h;
+    history_of_test(&h, 2, -1, 1000);
+    add_column(&h, "stress_zz", along);
+    add_column(&h, "stress_xx", of_a_glued_cube);
+    gn_readings r = read_history(&h, 3, 2, -1);
+    assert_close(r.young_modulus, 40e9, 1e-12);
+    absent_for(&r, GN_READING_poisson_ratio, "changes by 0.075 of the axial stress");
+    gn_history_free(&h);
+}
+
+static void sides_or_shear_that_grow_with_the_load_leave_no_constants(void **state) {
+    (void)state;
+    const char *names[] = {"stress_xx", "stress_yy", "stress_xy", "stress_yz", "stress_xz"};
+    for (int k = 0; k < 5; k++) {
+        gn_history h;
+        history_of_test(&h, 2, -1, 1000);
+        add_column(&h, "stress_zz", along);
+        add_column(&h, names[k], of_moving_sides);
+        gn_readings r = read_history(&h, 3, 2, -1);
+        absent_for(&r, GN_READING_young_modulus, "not loaded along z alone");
+        absent_for(&r, GN_READING_young_modulus_average, names[k]);
+        absent_for(&r, GN_READING_poisson_ratio, "changes by 0.8 of the axial stress");
+        assert_close(r.peak_stress, 64e6, 1e-14);
+        gn_history_free(&h);
+    }
+}
+
+static void a_stress_that_falls_while_the_ends_close_is_no_modulus(void **state) {
+    (void)state;
+    gn_history h;
+    history_of_test(&h, 2, -1, 1000);
+    for (size_t k = 0; k < h.row_count; k++) h.columns[0].value[k] *= -1;
+    gn_readings r = read_history(&h, 3, 2, -1);
+    absent_for(&r, GN_READING_young_modulus, "falls while the strain grows");
+    gn_history_free(&h);
+}
+
+static void scattered_rows_are_no_modulus(void **state) {
+    (void)state;
+    gn_history h;
+    history_of_test(&h, 2, -1, 20);
+    srand(3);
+    for (size_t k = 0; k < h.row_count; k++) h.columns[0].value[k] += 4e-3 * random_unit();
+    gn_readings r = read_history(&h, 3, 2, -1);
+    absent_for(&r, GN_READING_young_modulus, "");
+    assert_true(isnan(r.young_modulus));
+    gn_history_free(&h);
+}
+
+static void ends_that_move_far_more_than_the_specimen_strains_are_no_modulus(void **state) {
+    (void)state;
+    gn_history h;
+    history_of_test(&h, 2, -1, 1000);
+    for (size_t k = 0; k < h.row_count; k++) h.columns[0].value[k] *= 10;
+    gn_readings r = read_history(&h, 3, 2, -1);
+    absent_for(&r, GN_READING_young_modulus, "is 0.09 of the platen strain");
+    assert_close(r.young_modulus_average, 40e9 / 0.9, 1e-12);
+    gn_history_free(&h);
+}
+
+static void sides_that_move_more_than_the_ends_are_no_poissons_ratio(void **state) {
+    (void)state;
+    gn_history h;
+    history_of_test(&h, 2, -1, 1000);
+    for (size_t k = 0; k < h.row_count; k++) h.columns[2].value[k] *= 100;
+    gn_readings r = read_history(&h, 3, 2, -1);
+    absent_for(&r, GN_READING_poisson_ratio, "more than the ends");
+    assert_close(r.young_modulus, 40e9, 1e-12);
+    gn_history_free(&h);
+}
+
+/* Rises to 64 MPa in 100 rows, then falls to `share` of it in 10 more. */
+static void history_that_falls_to(gn_history *h, double share) {
+    history_make(h);
+    for (int k = 0; k <= 110; k++) {
+        double stress = k <= 100 ? 0.64e6 * k : 64e6 * (1 - (1 - share) * (k - 100) / 10);
+        double row[COLUMNS] = {2e-5 * k, stress, 0, 0, -1e-5 * k};
+        assert_int_equal(gn_history_append(h, row, NULL), GNEISS_OK);
+    }
+}
+
+static void only_a_stress_that_falls_again_is_a_peak(void **state) {
+    (void)state;
+    const double shares[] = {1.0, 0.96, 0.94, 0.5};
+    for (int k = 0; k < 4; k++) {
+        gn_history h;
+        history_that_falls_to(&h, shares[k]);
+        gn_readings r = read_history(&h, 3, 2, -1);
+        assert_close(r.largest_stress, 64e6, 1e-12);
+        assert_close(r.largest_strain, 2e-3, 1e-12);
+        if (k < 2)
+            absent_for(&r, GN_READING_peak_stress, "ended before the peak");
+        else
+            assert_close(r.peak_stress, 64e6, 1e-12);
+        assert_true(isnan(r.peak_strain) == (k < 2));
+        gn_history_free(&h);
+    }
+}
+
+static void a_fall_without_a_broken_bond_is_no_strength(void **state) {
+    (void)state;
+    for (int broken = 0; broken < 2; broken++) {
+        gn_history h;
+        history_that_falls_to(&h, 0.5);
+        add_column(&h, "broken_tension", broken ? one : none);
+        add_column(&h, "broken_shear", none);
+        gn_readings r = read_history(&h, 3, 2, -1);
+        assert_true(isnan(r.peak_stress) == !broken);
+        if (!broken) absent_for(&r, GN_READING_peak_stress, "no bond has broken");
+        gn_history_free(&h);
+    }
+}
+
+static void what_cannot_fail_has_no_strength(void **state) {
+    (void)state;
+    gn_history h;
+    gn_readings r;
+    history_that_falls_to(&h, 0.5);
+    gn_readings_compute(&h, &(gn_tested){.dimension = 3, .axis = 2, .sign = -1, .elastic = true},
+                        &r);
+    absent_for(&r, GN_READING_peak_stress, "finite elements do not fail");
+    assert_close(r.largest_stress, 64e6, 1e-12);
+    gn_history_free(&h);
+}
+
+static double half(double stress) {
+    return 0.5 * stress;
+}
+static double whole(double stress) {
+    return stress;
+}
+static double waved(double stress) {
+    return stress + ((long)(stress / 0.64e6 + 0.5) % 2 ? 1e6 : -1e6);
+}
+
+static void a_missing_share_of_the_load_shows_and_waves_do_not(void **state) {
+    (void)state;
+    gn_history h;
+    history_that_falls_to(&h, 0.5);
+    add_column(&h, "stress_lower", half);
+    add_column(&h, "stress_upper", whole);
+    gn_readings r = read_history(&h, 3, 2, -1);
+    assert_close(r.end_imbalance, 2.0 / 3, 1e-12); /* (1 - 1/2)/(3/4) */
+    gn_history_free(&h);
+    history_that_falls_to(&h, 0.5);
+    add_column(&h, "stress_lower", waved);
+    add_column(&h, "stress_upper", whole);
+    r = read_history(&h, 3, 2, -1);
+    assert_true(r.end_imbalance < 1.1e6 / (100 * 32e6)); /* one wave at most is not made up for */
+    gn_history_free(&h);
 }
 
 /* --- history --------------------------------------------------------------------------------- */
@@ -210,6 +437,25 @@ static void without_input_the_scale_is_the_energy_at_the_start(void **state) {
     assert_close(gn_energy_residual(&e), -0.3, 1e-15);
 }
 
+static void work_that_is_taken_back_still_counts_as_passed(void **state) {
+    (void)state;
+    /* A ball thrown up: 2 J at the start, all of it gravity's at the top, back again below. */
+    gn_energy e = {.stored_at_start = 2, .work_gravity = -2};
+    assert_close(gn_energy_passed(&e), 2, 1e-15);
+    /* Dropped from rest instead and seen where it came from: no term is left, but 3 J went. */
+    e = (gn_energy){.kinetic = 1e-9, .passed = 3};
+    assert_close(gn_energy_scale(&e), 3, 1e-15);
+    assert_close(gn_energy_residual(&e), 1e-9 / 3, 1e-12);
+}
+
+static void energy_from_nowhere_cannot_hide_behind_itself(void **state) {
+    (void)state;
+    /* 1 J came in, 10 J are stored and 20 J were dissipated: 29 of 20 that passed. */
+    gn_energy e = {.work_walls = 1, .elastic_normal = 12, .kinetic = -2, .friction = 20};
+    assert_close(gn_energy_scale(&e), 20, 1e-15);
+    assert_close(gn_energy_residual(&e), 29.0 / 20, 1e-15);
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(a_synthetic_curve_is_read_exactly),
@@ -217,11 +463,24 @@ int main(void) {
         cmocka_unit_test(fewer_than_three_points_give_no_slope),
         cmocka_unit_test(no_test_gives_no_readings),
         cmocka_unit_test(plane_strain_readings_are_converted_to_the_material),
+        cmocka_unit_test(a_constant_pressure_on_the_sides_leaves_the_readings),
+        cmocka_unit_test(a_little_on_the_sides_leaves_the_modulus_but_not_poissons_ratio),
+        cmocka_unit_test(sides_or_shear_that_grow_with_the_load_leave_no_constants),
+        cmocka_unit_test(a_stress_that_falls_while_the_ends_close_is_no_modulus),
+        cmocka_unit_test(scattered_rows_are_no_modulus),
+        cmocka_unit_test(ends_that_move_far_more_than_the_specimen_strains_are_no_modulus),
+        cmocka_unit_test(sides_that_move_more_than_the_ends_are_no_poissons_ratio),
+        cmocka_unit_test(only_a_stress_that_falls_again_is_a_peak),
+        cmocka_unit_test(a_fall_without_a_broken_bond_is_no_strength),
+        cmocka_unit_test(what_cannot_fail_has_no_strength),
+        cmocka_unit_test(a_missing_share_of_the_load_shows_and_waves_do_not),
         cmocka_unit_test(a_history_grows_and_keeps_its_rows),
         cmocka_unit_test(a_column_is_refused_when_it_cannot_be_added),
         cmocka_unit_test(the_residual_counts_every_term_once_with_its_sign),
         cmocka_unit_test(a_balanced_ledger_has_no_residual),
         cmocka_unit_test(without_input_the_scale_is_the_energy_at_the_start),
+        cmocka_unit_test(work_that_is_taken_back_still_counts_as_passed),
+        cmocka_unit_test(energy_from_nowhere_cannot_hide_behind_itself),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

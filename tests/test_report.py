@@ -82,6 +82,13 @@ def every_kind(kind, folder):
     assert f"Made-up {kind} &lt;&amp;&gt;" in page, "the title is not escaped"
     assert "<details>" in page and "0123456789abcdef" in page
     assert ("Unfinished" in page) == (kind == "unfinished")
+    for said in ("Energy residual.</b> 0.03 of 1 J &lt;&amp;&gt;", "End imbalance.</b> by half"):
+        assert (said in page) == (kind == "disc"), said
+    assert "1.9e-05 m³ (the &lt;shape&gt;)" in page
+    missing = KINDS[kind][5]
+    for said in ("absent: made-up &lt;reason&gt;", "<small>made-up &lt;reason&gt;"):
+        assert (said in page) == missing, said
+    assert ("largest stress (no peak)" in page) == missing
     if kind == "cylinder":
         for text in ("18.1 GPa", "240 MPa", "0.17", "1.44 %", "100 ns", "40000"):
             assert text in page, f"{text} is missing"

@@ -299,7 +299,7 @@ static void keys_that_contradict_each_other_are_refused(void **state) {
         {"sets:\n  - {name: a, material: b, select: {all: true}}",
          "s.yaml:21:25: sets[0].material: expected the name of a material, found 'b'"},
         {"test: {kind: tension, axis: z, lower: floor, upper: roof}",
-         "s.yaml:20:53: test.upper: expected the name of a wall or a set, found 'roof'"},
+         "s.yaml:20:53: test.upper: expected the name of a wall, a body or a set, found 'roof'"},
         {"test: {kind: tension, axis: z, lower: floor, upper: floor}",
          "s.yaml:20:53: test.upper: expected another end than lower, found 'floor'"},
         {"test: {kind: none, axis: z, lower: floor, upper: floor}",

@@ -118,7 +118,8 @@ static void slips_are_told_with_their_place(void **state) {
          "s.yaml:10:24: elements.loads[0].traction: expected at least one component, found none"},
         {"{ty: -1 kPa}", "{ty: -1 kN}", "elements.loads[0].traction.ty: expected a stress"},
         {"lower: left", "lower: lfet",
-         "s.yaml:11:39: test.lower: expected the name of a wall or a set or a motion of elements, "
+         "s.yaml:11:39: test.lower: expected the name of a wall, a body or a set or a motion of "
+         "elements, "
          "found 'lfet'"},
         {"{vx: 0}}\n    - {name: right, group: x_upper, motion: {vx: 1 mm/s}}",
          "{vy: 0}}\n    - {name: right, group: x_upper}",

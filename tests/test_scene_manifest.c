@@ -46,6 +46,7 @@ static void same_key(const gn_key *key, const char *a, const char *b) {
         same_array(key, a, b, gn_key_element_size(key));
         break;
     case GN_KEY_IDS:
+    case GN_KEY_NAMES:
     case GN_KEY_POINTS:
         same_array(key, a, b, gn_key_element_size(key));
         break;

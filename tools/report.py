@@ -19,10 +19,12 @@ from report_results import Results, Unreadable, quantity
 CARDS = (("young_modulus", "Young's modulus"), ("poisson_ratio", "Poisson's ratio"),
          ("peak_stress", "peak stress"), ("peak_strain", "strain at the peak"))
 
+LARGEST = {"largest_stress": "largest stress (no peak)", "largest_strain": "strain at it"}
+
 
 def reading_text(name, column):
     value = float(np.asarray(column.value, float).reshape(-1)[0])
-    if column.unit in ("", "1") and "strain" in name and np.isfinite(value):
+    if column.unit in ("", "1") and ("strain" in name or name == "end_imbalance") and np.isfinite(value):
         return f"{100 * value:.3g} %"
     return quantity(value, column.unit)
 
@@ -34,7 +36,8 @@ def readings_table(results):
     for name, column in results.readings.items():
         value = float(np.asarray(column.value, float).reshape(-1)[0])
         si = f"{value:.6g} {column.unit}" if np.isfinite(value) else ""
-        rows.append((name.replace("_", " "), (reading_text(name, column), "number"), (si, "si"), column.text))
+        meaning = f"absent: {column.absent}. ({column.text})" if column.absent else column.text
+        rows.append((name.replace("_", " "), (reading_text(name, column), "number"), (si, "si"), meaning))
     return table(rows, ("reading", "value", "SI", "meaning")) if rows else "<p>The run has no readings.</p>"
 
 
@@ -80,9 +83,15 @@ def fact_rows(results):
              ("steps", steps), ("simulated time", quantity(float(np.nanmax(time)), "s") if time is not None else ""),
              ("wall time", f"{seconds:.3g} s" if seconds else ""),
              ("energy residual", residual_text(results)),
+             ("volume", volume_text(results)),
              ("stopped because", results.attribute("stop_reason")), ("state hash", results.attribute("state_hash")),
              ("scene file", results.attribute("scene_file"))]
     return [(a, (b, "number" if a != "scene file" else "")) for a, b in rows if str(b)]
+
+
+def volume_text(results):
+    value, of = results.attribute("volume"), results.attribute("volume_of")
+    return f"{float(value):.4g} m³ ({of})" if value else ""
 
 
 def residual_text(results):
@@ -90,7 +99,7 @@ def residual_text(results):
     if not np.isfinite(value):
         return ""
     unit = results.energy["residual"].unit
-    return f"{value:.2e} of the energy put in" if unit in ("", "1") else quantity(value, unit)
+    return f"{value:.2e} of the energy that has gone through" if unit in ("", "1") else quantity(value, unit)
 
 
 # --- figures -------------------------------------------------------------------------------------------
@@ -110,15 +119,28 @@ def draw_figures(results, folder):
 # --- the page ------------------------------------------------------------------------------------------
 
 def banner(results):
+    lines = [line.partition(": ") for line in results.attribute("warnings").splitlines()]
+    warnings = "".join(f'<p class="warning"><b>{escape(name.replace("_", " ").capitalize())}.</b> {escape(said)}</p>'
+                       for name, _, said in lines)
     if results.finished:
-        return ""
-    return ('<p class="warning"><b>Unfinished.</b> The run goes on or was interrupted; '
+        return warnings
+    return warnings + ('<p class="warning"><b>Unfinished.</b> The run goes on or was interrupted; '
             "what follows is its state when the file was written.</p>")
 
 
 def cards(results):
-    shown = [(title, reading_text(name, results.readings[name])) for name, title in CARDS if name in results.readings]
-    return "".join(f'<div class="card"><span>{escape(t)}</span><b>{escape(v)}</b></div>' for t, v in shown)
+    """The main readings; what is absent says why, and a stress that is no peak stands under its own name."""
+    shown = []
+    for name, title in CARDS:
+        other = name.replace("peak", "largest")
+        if name != other and other in results.readings and not np.isfinite(results.scalar(results.readings, name)):
+            name, title = other, LARGEST[other]
+        if name in results.readings:
+            column = results.readings[name]
+            shown.append((title, reading_text(name, column), column.absent))
+    return "".join(f'<div class="card"><span>{escape(title)}</span><b>{escape(value)}</b>'
+                   + (f'<small>{escape(absent)}</small>' if absent else "") + "</div>"
+                   for title, value, absent in shown)
 
 
 def bodies_text(results):

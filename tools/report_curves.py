@@ -65,7 +65,7 @@ def save(figure, path):
 
 
 def fit_line(results, strain, stress):
-    """(slope, intercept) of E between 1 and 50 % of the peak; None when E could not be read."""
+    """(slope, intercept) of E between 1 and 50 % of the largest stress; None when E could not be read."""
     slope = results.scalar(results.readings, "young_modulus")
     peak = int(np.nanargmax(stress))
     if not np.isfinite(slope) or not stress[peak] > 0:
@@ -75,6 +75,12 @@ def fit_line(results, strain, stress):
     if not used.any():
         return None
     return slope, float(np.mean(stress[used] - slope * strain[used]))
+
+
+def peak_name(results):
+    """A largest stress from which the curve has not fallen is not a peak."""
+    known = "peak_stress" in results.readings
+    return "largest" if known and not np.isfinite(results.scalar(results.readings, "peak_stress")) else "peak"
 
 
 def plot_stress(results, path):
@@ -100,7 +106,7 @@ def plot_stress(results, path):
         axes.axhspan(0.01 * stress[peak] / factor, 0.5 * stress[peak] / factor, color=BLUE, alpha=0.05, lw=0)
     if stress[peak] > 0 and np.isfinite(strain[peak]):
         axes.plot(100 * strain[peak], stress[peak] / factor, "o", color=RED, ms=6, zorder=5,
-                  label=f"peak {stress[peak] / factor:.4g} {unit} at {100 * strain[peak]:.3g} %")
+                  label=f"{peak_name(results)} {stress[peak] / factor:.4g} {unit} at {100 * strain[peak]:.3g} %")
     axes.margins(x=0.02)
     axes.legend(loc="best")
     save(figure, path)
@@ -177,7 +183,7 @@ def plot_energy(results, path):
     axes.margins(x=0.02)
     save(figure, path)
     return ("Where the energy is and where it went, stacked; the dashed line is what was put in and should be the "
-            "upper edge of the stack. Below: what is missing, over the energy put in. Terms under 0.2 % are left out.")
+            "upper edge of the stack. Below: what is missing, over the energy that has gone through. Terms under 0.2 % are left out.")
 
 
 def plot_unbalanced(results, path):
@@ -213,7 +219,7 @@ def plot_strains(results, path):
 
 
 def plot_deflection(results, path):
-    """Force over deflection of a test of finite elements, and of nodes that are only watched."""
+    """Force over deflection of a test: what bending shows, where stress and strain are nominal."""
     force, deflection = results.column("force"), results.column("deflection")
     if force is None or deflection is None:
         return None

@@ -12,6 +12,7 @@ h1 { font-size: 1.7rem; margin: 0 0 .2rem; } h2 { font-size: 1.15rem; margin: 2.
 .cards { display: flex; flex-wrap: wrap; gap: .8rem; margin: 1.2rem 0; }
 .card { border: 1px solid var(--line); border-radius: 8px; padding: .6rem 1rem; min-width: 9.5rem; }
 .card b { display: block; font-size: 1.35rem; } .card span { color: var(--soft); font-size: .85rem; }
+.card small { display: block; color: var(--soft); max-width: 15rem; line-height: 1.3; }
 table { border-collapse: collapse; margin: .4rem 0; } td, th { padding: .22rem .9rem .22rem 0; text-align: left;
   border-bottom: 1px solid var(--line); vertical-align: top; } td.number { font-variant-numeric: tabular-nums;
   white-space: nowrap; } td.si { color: var(--soft); font-variant-numeric: tabular-nums; }

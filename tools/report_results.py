@@ -22,6 +22,7 @@ class Column:
         self.value = np.asarray(dataset[()])
         self.unit = _text(dataset.attrs.get("unit", ""))
         self.text = _text(dataset.attrs.get("description", dataset.attrs.get("text", "")))
+        self.absent = _text(dataset.attrs.get("absent", ""))  # why there is no number
 
 
 def _group(file, name):

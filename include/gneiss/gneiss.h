@@ -94,10 +94,11 @@ GNEISS_API void gneiss_world_free(gneiss_world *world);
 
 /* Takes exactly `steps` >= 0 steps, also past time.end and the stop conditions. History rows are
  * taken and, with an output folder, snapshots and checkpoints written as they fall due.
- * GNEISS_ERROR_UNSTABLE: the run went bad (NaN, lost particle, step above its limit); with an
- * output folder the bad state is in failed_*.hdf and results.h5. The world can still be looked at,
- * but every further advance or save is refused with the same message. GNEISS_ERROR_IO: an output
- * could not be written; the world is good and the call may be repeated. */
+ * GNEISS_ERROR_UNSTABLE: the run went bad (NaN, lost particle, step above its limit, energy
+ * ledger beyond run.residual_limit); with an output folder the bad state is in failed_*.hdf and
+ * results.h5. The world can still be looked at, but every further advance or save is refused with
+ * the same message. GNEISS_ERROR_IO: an output could not be written; the world is good and the call
+ * may be repeated. */
 GNEISS_API gneiss_status gneiss_world_step(gneiss_world *world, int64_t steps, gneiss_error *error);
 
 /* Runs for about `seconds` >= 0 of wall time, or until time.end or a stop condition is reached
@@ -105,8 +106,9 @@ GNEISS_API gneiss_status gneiss_world_step(gneiss_world *world, int64_t steps, g
 GNEISS_API gneiss_status gneiss_world_advance(gneiss_world *world, double seconds,
                                               gneiss_error *error);
 
-/* Writes last snapshot, checkpoint, results.h5 and summary.json to the output folder. Without an
- * output folder: nothing, GNEISS_OK. */
+/* Writes last snapshot, checkpoint, results.h5 and summary.json to the output folder, if there is
+ * one. GNEISS_ERROR_UNSTABLE: all is written, but the run has ended with an energy ledger beyond
+ * run.residual_limit. */
 GNEISS_API gneiss_status gneiss_world_finish(gneiss_world *world, gneiss_error *error);
 
 /* Runs until time.end or a stop condition is reached, then as gneiss_world_finish. */

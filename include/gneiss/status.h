@@ -13,7 +13,8 @@ typedef enum gneiss_status {
     GNEISS_ERROR_INPUT = 2,    /* scene, specimen, checkpoint or argument cannot be used */
     GNEISS_ERROR_IO = 3,       /* a file could not be read or written (permission, disk full) */
     GNEISS_ERROR_MEMORY = 4,   /* not enough memory */
-    GNEISS_ERROR_UNSTABLE = 5, /* the run went bad: NaN, lost particle, step above its limit */
+    GNEISS_ERROR_UNSTABLE = 5, /* the run went bad: NaN, lost particle, step above its limit,
+                                  an energy ledger that does not close */
     GNEISS_INTERRUPTED = 6     /* stopped by a signal after a checkpoint; `gneiss resume` goes on */
 } gneiss_status;
 

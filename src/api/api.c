@@ -227,7 +227,8 @@ gneiss_status gneiss_world_advance(gneiss_world *world, double seconds, gneiss_e
 
 gneiss_status gneiss_world_finish(gneiss_world *world, gneiss_error *error) {
     GN_TRY(require_good(world, error));
-    return world->run.directory[0] ? gn_run_finish(&world->run, error) : GNEISS_OK;
+    if (world->run.directory[0]) GN_TRY(gn_run_finish(&world->run, error));
+    return gn_run_verdict(&world->run, error);
 }
 
 gneiss_status gneiss_world_run(gneiss_world *world, gneiss_error *error) {

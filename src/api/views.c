@@ -262,9 +262,9 @@ static void list_energies(const gneiss_world *world, gneiss_quantity out[ENERGIE
 #undef X
     *out++ = (gneiss_quantity){"stored_at_start", "J", "stored energy at the start",
                                known ? e->stored_at_start : NAN};
-    *out =
-        (gneiss_quantity){"residual", "1", "what the ledger does not explain, over the work done",
-                          known ? gn_energy_residual(e) : NAN};
+    *out = (gneiss_quantity){
+        "residual", "1", "what the ledger does not explain, over the energy that has gone through",
+        known ? gn_energy_residual(e) : NAN};
 }
 
 size_t gneiss_reading_count(void) {

@@ -46,6 +46,7 @@ static gneiss_status finish(const gn_options *o, gn_run *run, gneiss_error *erro
     gneiss_status status = gn_run_finish(run, error);
     if (status != GNEISS_OK) return status;
     gn_print_summary(o, run);
+    gn_print_warnings(run);
     if (o->json) {
         char path[GN_PATH_SIZE + 32], *text = NULL;
         snprintf(path, sizeof path, "%s/summary.json", run->directory);
@@ -53,7 +54,7 @@ static gneiss_status finish(const gn_options *o, gn_run *run, gneiss_error *erro
         print_one_line(text);
         free(text);
     }
-    return GNEISS_OK;
+    return gn_run_verdict(run, error);
 }
 
 /* The bad state is kept for looking at; the message of the first error is the one that counts. */

@@ -101,6 +101,7 @@ gneiss_status gn_pack_ahead(const gn_options *o, gn_scene *scene,
                result.from_cache ? "packed before (from the cache)" : "packed");
     scene->specimen.packed = result.packing.sphere;
     scene->specimen.packed_count = result.packing.count;
+    scene->specimen.packed_volume = result.volume;
     result.packing = (gn_packing){0};
     gn_pack_result_free(&result);
     return GNEISS_OK;

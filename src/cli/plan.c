@@ -228,6 +228,18 @@ static void print_bodies(const gn_world *w) {
     }
 }
 
+static void print_volume(const gn_world *w) {
+    bool space = w->scene.dimension == 3;
+    printf("  volume           %.6g m3%s, of %s; mass %.6g kg\n", w->volume,
+           space ? "" : " (1 m thick)", gn_world_volume_source(w), gn_world_mass(w));
+    if (w->scene.test.kind == GN_TEST_NONE) return;
+    printf("  test             length %.6g m, area %.6g %s%s\n", w->test_length, w->test_area,
+           space ? "m2" : "m2 (1 m thick)",
+           w->scene.test.area > 0.0 || w->scene.test.diameter > 0.0
+               ? ""
+               : ", that volume over the length");
+}
+
 static gneiss_status check_particles(const gn_world *w, int *warnings, gneiss_error *error) {
     gn_pair_query query = {
         &w->particles, (int)w->scene.dimension,     0.0,
@@ -244,6 +256,7 @@ static gneiss_status check_particles(const gn_world *w, int *warnings, gneiss_er
            at5.radius_min, at5.radius_max, at5.radius_mean);
     for (int a = 0; a < (int)w->scene.dimension; a++)
         gn_print_range(w, a, w->lower[a], w->upper[a], " (surfaces)");
+    print_volume(w);
     printf("  porosity         %.2f %% (overlapping volume counted twice)\n", 100.0 * at5.porosity);
     printf("  coordination     %.2f at gaps up to 1 %%, %.2f up to 5 %% of r_i + r_j\n",
            at1.coordination, at5.coordination);

@@ -103,20 +103,37 @@ void gn_print_start(const gn_options *o, const gn_run *run) {
     fflush(stdout);
 }
 
+/* A line with the number, or with why there is none. */
+static void print_reading(const char *label, double value, const char *unit, const char *note,
+                          const char *reason) {
+    if (*reason)
+        printf("  %-22s %10s   %s\n", label, "-", reason);
+    else
+        printf("  %-22s %10.4g%s%s%s%s\n", label, value, *unit ? " " : "", unit, *note ? "   " : "",
+               note);
+}
+
 static void print_readings(const gn_run *run) {
-    const gn_world *w = &run->world;
-    gn_readings r = gn_record_readings(w, &run->history);
-    if (w->scene.test.kind == GN_TEST_NONE) return;
-    printf("  Young's modulus        %10.4g GPa   (1-50 %% of the peak, platen strain)\n",
-           r.young_modulus / 1e9);
-    printf("                         %10.4g GPa   (over the average strain)\n",
-           r.young_modulus_average / 1e9);
-    printf("  Poisson's ratio        %10.4g\n", r.poisson_ratio);
-    if (w->scene.dimension == 2)
-        printf("  plane strain           %10.4g GPa, nu %.4g\n", r.plane_young_modulus / 1e9,
-               r.plane_poisson_ratio);
-    printf("  peak stress            %10.4g MPa\n", r.peak_stress / 1e6);
-    printf("  strain at the peak     %10.4g %%\n", r.peak_strain * 100.0);
+    gn_readings r = gn_record_readings(&run->world, &run->history);
+    if (run->world.scene.test.kind == GN_TEST_NONE) return;
+#define PRINT(label, name, factor, unit, note)                                                     \
+    print_reading(label, r.name *(factor), unit, note, r.reason[GN_READING_##name])
+    PRINT("Young's modulus", young_modulus, 1e-9, "GPa",
+          "(1-50 % of the largest stress, platen strain)");
+    PRINT("", young_modulus_average, 1e-9, "GPa", "(over the average strain)");
+    PRINT("Poisson's ratio", poisson_ratio, 1, "", "");
+    if (run->world.scene.dimension == 2) {
+        PRINT("plane strain, E", plane_young_modulus, 1e-9, "GPa", "");
+        PRINT("plane strain, nu", plane_poisson_ratio, 1, "", "");
+    }
+    PRINT("peak stress", peak_stress, 1e-6, "MPa", "");
+    PRINT("strain at the peak", peak_strain, 100, "%", "");
+    if (isnan(r.peak_stress)) {
+        PRINT("largest stress so far", largest_stress, 1e-6, "MPa", "");
+        PRINT("strain there", largest_strain, 100, "%", "");
+    }
+    PRINT("ends out of balance by", end_imbalance, 100, "%", "");
+#undef PRINT
 }
 
 static void print_profile(const gn_run *run) {
@@ -137,6 +154,13 @@ static void print_profile(const gn_run *run) {
            gn_format_count(p.particle_steps_per_second, text, sizeof text));
     printf(", %s contact-steps/s", gn_format_count(p.contact_steps_per_second, text, sizeof text));
     printf(", %lld list rebuilds\n", (long long)run->world.verlet.rebuilds);
+}
+
+void gn_print_warnings(const gn_run *run) {
+    gn_warnings list = gn_run_warnings(run);
+    fflush(stdout);
+    for (size_t k = 0; k < list.count; k++)
+        fprintf(stderr, "gneiss: warning: %s: %s\n", list.warning[k].name, list.warning[k].text);
 }
 
 void gn_print_summary(const gn_options *o, const gn_run *run) {

@@ -14,6 +14,9 @@ void gn_print_start(const gn_options *options, const gn_run *run);
 /* Readings, counts and the profile. */
 void gn_print_summary(const gn_options *options, const gn_run *run);
 
+/* On standard error, also when quiet. */
+void gn_print_warnings(const gn_run *run);
+
 /* "2 h 03 min", "12.4 s" into text. */
 const char *gn_format_seconds(double seconds, char *text, size_t size);
 

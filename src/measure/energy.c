@@ -19,11 +19,21 @@ double gn_energy_stored(const gn_energy *energy) {
 #undef X
 }
 
-double gn_energy_scale(const gn_energy *energy) {
+double gn_energy_passed(const gn_energy *energy) {
 #define X(name, kind, text) PICK_INPUT_##kind(fabs(energy->name))
     double input = 0 GN_ENERGY_TERMS(X);
 #undef X
-    return fmax(input, energy->stored_at_start);
+#define X(name, kind, text) PICK_STORED_##kind(fabs(energy->name))
+    double stored = 0 GN_ENERGY_TERMS(X);
+#undef X
+#define X(name, kind, text) PICK_LOST_##kind(fabs(energy->name))
+    double lost = 0 GN_ENERGY_TERMS(X);
+#undef X
+    return fmax(fmax(input, energy->stored_at_start), fmax(stored, lost));
+}
+
+double gn_energy_scale(const gn_energy *energy) {
+    return fmax(energy->passed, gn_energy_passed(energy));
 }
 
 double gn_energy_residual(const gn_energy *energy) {

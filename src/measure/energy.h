@@ -26,13 +26,19 @@ typedef struct gn_energy {
     GN_ENERGY_TERMS(X)
 #undef X
     double stored_at_start; /* J */
+    double passed;          /* J, the most that gn_energy_passed gave at an instant before */
 } gn_energy;
 
 /* Sum of the stored terms. */
 double gn_energy_stored(const gn_energy *energy);
 
-/* Sum of the absolute values of the inputs, or the stored energy at the start if that is larger:
- * what the residual is measured against. */
+/* What has gone through the system at this instant: the largest of what came in, what was stored at
+ * the start, what is stored and what was dissipated, each as a sum of absolute values. */
+double gn_energy_passed(const gn_energy *energy);
+
+/* The most that has gone through so far, which is what the residual is measured against: inputs
+ * that are taken back (a ball thrown up that comes down, a wall that goes to and fro) leave none of
+ * the terms large, and yet the work was done. */
 double gn_energy_scale(const gn_energy *energy);
 
 /* (stored - stored_at_start - input + lost)/scale; 0 when the scale is 0. */

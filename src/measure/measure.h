@@ -98,28 +98,47 @@ void gn_damage_particles(const gn_particles *particles, const gn_contacts *bonds
 /* --- laboratory readings
  * --------------------------------------------------------------------------- */
 
-/* Final readings, SI. NaN where there is nothing to read (no test, fewer than 3 points in the
- * range). */
+/* Final readings, SI. */
 #define GN_READINGS(X)                                                                             \
     X(young_modulus, "Pa",                                                                         \
-      "slope of stress over platen strain, least squares, 1 to 50 % of the peak")                  \
+      "slope of stress over platen strain, least squares, 1 to 50 % of the largest stress")        \
     X(young_modulus_average, "Pa", "the same over the average (Bagi) axial strain")                \
     X(poisson_ratio, "1", "lateral over axial average strain, slopes over the same range")         \
-    X(peak_stress, "Pa", "largest axial stress, positive in the sense of the test")                \
+    X(peak_stress, "Pa",                                                                           \
+      "strength: largest axial stress, after which it fell; positive in the sense of the test")    \
     X(peak_strain, "1", "platen strain at the peak, positive in the sense of the test")            \
+    X(largest_stress, "Pa", "largest axial stress so far, whether it was a peak or not")           \
+    X(largest_strain, "1", "platen strain at the largest stress")                                  \
     X(plane_young_modulus, "Pa", "2D: E = E'(1 - nu^2), the plane-strain correction")              \
-    X(plane_poisson_ratio, "1", "2D: nu = nu'/(1 + nu'), the plane-strain correction")
+    X(plane_poisson_ratio, "1", "2D: nu = nu'/(1 + nu'), the plane-strain correction")             \
+    X(end_imbalance, "1",                                                                          \
+      "difference of the forces of both ends over their mean, summed up to the largest stress")
+
+#define X(name, unit, text) GN_READING_##name,
+typedef enum gn_reading { GN_READINGS(X) GN_READING_COUNT } gn_reading;
+#undef X
+
+enum { GN_REASON_SIZE = 160 };
 
 typedef struct gn_readings {
 #define X(name, unit, text) double name;
     GN_READINGS(X)
 #undef X
+    char reason[GN_READING_COUNT][GN_REASON_SIZE]; /* why one is absent (NaN); "": it is there */
 } gn_readings;
 
-/* From history columns `strain`, `stress` (positive in the sense of the test) and `strain_xx`,
- * `strain_yy`, `strain_zz` (average, tension positive). `axis` 0 1 2; `sign` -1 compression, +1
- * tension. In 2D the lateral strain is that of the one other in-plane axis. */
-void gn_readings_compute(const gn_history *history, int dimension, int axis, int sign,
-                         gn_readings *readings);
+/* What the readings are of. */
+typedef struct gn_tested {
+    int dimension, axis; /* axis 0 1 2 */
+    int sign;            /* -1 compression, +1 tension */
+    bool elastic;        /* nothing in it can fail */
+    bool watched;        /* one end has the force of the other by definition */
+} gn_tested;
+
+/* From history columns `strain`, `stress`, `stress_lower`, `stress_upper` (positive in the sense of
+ * the test), `strain_xx` .. and `stress_xx` .. (averages, tension positive), `broken_tension`,
+ * `broken_shear`; what is not there is not looked at. In 2D the lateral strain is that of the one
+ * other in-plane axis. A reading that the curves cannot give is NaN and has a reason. */
+void gn_readings_compute(const gn_history *history, const gn_tested *tested, gn_readings *readings);
 
 #endif

@@ -1,74 +1,299 @@
-/* What a laboratory would read off the curves of a test. */
+/* What a laboratory would read off the curves of a test, and why some of it cannot be read. */
 #include "measure/measure.h"
 
 #include <math.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdio.h>
+#include <string.h>
 
 /* Rows [first, last) of the history. */
 typedef struct span {
     size_t first, last;
 } span;
 
-static size_t peak_row(const double *stress, size_t rows) {
-    size_t peak = rows;
-    for (size_t k = 0; k < rows; k++)
-        if (stress[k] > 0 && (peak == rows || stress[k] > stress[peak])) peak = k;
-    return peak;
+/* y over x: least squares, and the standard error of the slope. */
+typedef struct fit {
+    double slope, error;
+} fit;
+
+typedef struct curves {
+    const gn_tested *tested;
+    const gn_history *history;
+    const double *strain, *stress;
+    const double *average[3]; /* strain, by axis */
+    size_t largest;           /* row of the largest stress */
+    span loading;
+} curves;
+
+/* A stress is a peak once it has fallen by this share: more than what vibrations and single bonds
+ * take off a rising curve. */
+static const double fall = 0.05;
+/* Slopes are readings while their standard error is below this share of them. */
+static const double scatter = 0.1;
+/* Other stresses that grow by the share k of the axial one leave (nu - k (1 - nu))/(1 - 2 nu k) to
+ * be read as nu and E/(1 - 2 nu k) as E. Rough ends do that: k is 0.03 in a cylinder twice as high
+ * as wide between glued ends, 0.075 in a cube (nu 0.2: 0.14 is read, and 1.03 E). */
+static const double beside_modulus = 0.1, beside_ratio = 0.05;
+
+/* --- absent
+ * ------------------------------------------------------------------------------------------ */
+
+static char *reason_of(gn_readings *r, gn_reading which) {
+    return r->reason[which];
 }
 
-/* From the first crossing of 1 % of the peak up to the first crossing of 50 %, both before the
- * peak. */
-static span loading_span(const double *stress, size_t peak) {
+__attribute__((format(printf, 3, 4))) static void absent(gn_readings *r, gn_reading which,
+                                                         const char *format, ...) {
+    va_list args;
+    va_start(args, format);
+    if (!reason_of(r, which)[0]) vsnprintf(reason_of(r, which), GN_REASON_SIZE, format, args);
+    va_end(args);
+}
+
+static void all_absent(gn_readings *r, const char *reason) {
+    for (int k = 0; k < GN_READING_COUNT; k++) absent(r, (gn_reading)k, "%s", reason);
+}
+
+_Static_assert(offsetof(gn_readings, reason) == GN_READING_COUNT * sizeof(double),
+               "doubles in a row, then reasons");
+
+static double *values_of(gn_readings *r) {
+    return &r->young_modulus; /* the first of them */
+}
+
+/* What has a reason is no number; what is none has a reason. */
+static void settle(gn_readings *r) {
+    for (int k = 0; k < GN_READING_COUNT; k++) {
+        if (r->reason[k][0]) values_of(r)[k] = NAN;
+        if (isnan(values_of(r)[k])) absent(r, (gn_reading)k, "there is nothing to read it from");
+    }
+}
+
+/* --- rows
+ * ------------------------------------------------------------------------------------------- */
+
+static size_t largest_row(const double *stress, size_t rows) {
+    size_t largest = rows;
+    for (size_t k = 0; k < rows; k++)
+        if (stress[k] > 0 && (largest == rows || stress[k] > stress[largest])) largest = k;
+    return largest;
+}
+
+/* From the first crossing of 1 % of the largest stress up to the first crossing of 50 %, both
+ * before it. */
+static span loading_span(const double *stress, size_t largest) {
     span s = {0};
-    while (s.first < peak && !(stress[s.first] >= 0.01 * stress[peak])) s.first++;
+    while (s.first < largest && !(stress[s.first] >= 0.01 * stress[largest])) s.first++;
     s.last = s.first;
-    while (s.last < peak && !(stress[s.last] > 0.5 * stress[peak])) s.last++;
+    while (s.last < largest && !(stress[s.last] > 0.5 * stress[largest])) s.last++;
     return s;
 }
 
-/* Least-squares slope of y over x; NaN for fewer than 3 points, or all at the same x. */
-static double slope(const double *x, const double *y, span s) {
-    if (!x || !y || s.last - s.first < 3) return NAN;
-    double n = (double)(s.last - s.first), mean_x = 0, mean_y = 0, xx = 0, xy = 0;
+/* NaN for fewer than 3 points, or all at the same x. */
+static fit line(const double *x, const double *y, span s) {
+    if (!x || !y || s.last - s.first < 3) return (fit){NAN, NAN};
+    double n = (double)(s.last - s.first), mean_x = 0, mean_y = 0, xx = 0, xy = 0, yy = 0;
     for (size_t k = s.first; k < s.last; k++) mean_x += x[k] / n, mean_y += y[k] / n;
     for (size_t k = s.first; k < s.last; k++) {
         xx += (x[k] - mean_x) * (x[k] - mean_x);
         xy += (x[k] - mean_x) * (y[k] - mean_y);
+        yy += (y[k] - mean_y) * (y[k] - mean_y);
     }
-    return xx > 0 ? xy / xx : NAN;
+    if (!(xx > 0)) return (fit){NAN, NAN};
+    double slope = xy / xx;
+    return (fit){slope, sqrt(fmax(0, yy - slope * xy) / (n - 2) / xx)};
+}
+
+/* --- what the scene lets be read
+ * ------------------------------------------------------------------------ */
+
+/* Slope of a mean stress of the specimen over that of the test. */
+static double follows(const curves *c, int a, int b) {
+    char name[16];
+    snprintf(name, sizeof name, "stress_%c%c", "xyz"[a < b ? a : b], "xyz"[a < b ? b : a]);
+    return line(c->stress, gn_history_column(c->history, name), c->loading).slope;
+}
+
+/* A modulus is stress over strain along one axis, all other stresses staying what they are: none,
+ * or those of a cell. Scenes that load or hold the sides, or shear, do something else. */
+static void need_one_axis(const curves *c, gn_reading which, double limit, gn_readings *r) {
+    int axis = c->tested->axis;
+    double along = c->tested->sign * follows(c, axis, axis);
+    if (isnan(along)) return; /* no mean stress to look at */
+    if (!(along > 0.5 && along < 2))
+        absent(r, which,
+               "the mean stress of the specimen along %c changes by %.3g of that of the ends (area "
+               "and volume of one specimen?)",
+               "xyz"[axis], along);
+    for (int a = 0; a < c->tested->dimension; a++)
+        for (int b = a; b < c->tested->dimension; b++) {
+            double other = follows(c, a, b) / along;
+            if ((a == axis && b == axis) || !(fabs(other) > limit)) continue;
+            absent(r, which,
+                   "the specimen is not loaded along %c alone: stress_%c%c changes by %.2g of the "
+                   "axial stress (sides held, loaded or sheared)",
+                   "xyz"[axis], "xyz"[a], "xyz"[b], fabs(other));
+        }
+}
+
+static void need_rows(const curves *c, gn_reading which, gn_readings *r) {
+    size_t rows = c->loading.last - c->loading.first;
+    if (rows < 3)
+        absent(r, which,
+               "%zu history row%s between 1 and 50 %% of the largest stress, 3 are needed "
+               "(output.history_rows)",
+               rows, rows == 1 ? "" : "s");
+}
+
+static void need_modulus(fit f, gn_reading which, gn_readings *r) {
+    if (f.slope <= 0) absent(r, which, "the stress falls while the strain grows");
+    if (f.error > scatter * f.slope)
+        absent(r, which, "the rows scatter: standard error of the slope %.0f %%",
+               100 * f.error / f.slope);
+}
+
+/* --- readings
+ * --------------------------------------------------------------------------------------- */
+
+static void read_modulus(const curves *c, gn_readings *r) {
+    const gn_reading which = GN_READING_young_modulus;
+    fit f = line(c->strain, c->stress, c->loading);
+    /* How the ends' way compares with the mean strain: far more of it went into bending, or into
+     * the ends themselves. */
+    double ways =
+        c->tested->sign * line(c->stress, c->average[c->tested->axis], c->loading).slope * f.slope;
+    r->young_modulus = f.slope;
+    need_rows(c, which, r);
+    need_one_axis(c, which, beside_modulus, r);
+    need_modulus(f, which, r);
+    if (ways < 0.5 || ways > 2)
+        absent(r, which,
+               "the mean strain of the specimen is %.2g of the platen strain (bending, or soft "
+               "ends)",
+               ways);
+}
+
+static void read_average_modulus(const curves *c, gn_readings *r) {
+    const gn_reading which = GN_READING_young_modulus_average;
+    fit f = line(c->average[c->tested->axis], c->stress, c->loading);
+    f.slope *= c->tested->sign;
+    r->young_modulus_average = f.slope;
+    need_rows(c, which, r);
+    if (isnan(f.slope)) absent(r, which, "the scene has no average strain");
+    need_one_axis(c, which, beside_modulus, r);
+    need_modulus(f, which, r);
 }
 
 /* Both strains are fitted over the stress and the slopes divided. Fitting lateral over axial strain
  * instead would be biased towards zero by the vibrations in the axial average; over the stress such
  * scatter averages out of both slopes. */
-static double poisson_ratio(const double *stress, const double *const strain[3], int dimension,
-                            int axis, span s) {
-    double lateral = 0;
-    for (int a = 0; a < dimension; a++)
-        if (a != axis) lateral += slope(stress, strain[a], s) / (dimension - 1);
-    return -lateral / slope(stress, strain[axis], s);
+static void read_poisson(const curves *c, gn_readings *r) {
+    const gn_reading which = GN_READING_poisson_ratio;
+    int axis = c->tested->axis, dimension = c->tested->dimension;
+    double lateral = 0, variance = 0;
+    for (int a = 0; a < dimension; a++) {
+        if (a == axis) continue;
+        fit f = line(c->stress, c->average[a], c->loading);
+        lateral += f.slope / (dimension - 1);
+        variance += f.error * f.error / ((dimension - 1) * (dimension - 1));
+    }
+    fit axial = line(c->stress, c->average[axis], c->loading);
+    r->poisson_ratio = -lateral / axial.slope;
+    double error = hypot(sqrt(variance), r->poisson_ratio * axial.error) / fabs(axial.slope);
+    need_rows(c, which, r);
+    if (isnan(r->poisson_ratio)) absent(r, which, "the scene has no average strain");
+    need_one_axis(c, which, beside_ratio, r);
+    if (error > scatter) absent(r, which, "the rows scatter: standard error %.2g", error);
+    if (!(fabs(r->poisson_ratio) <= 1))
+        absent(r, which, "the sides move more than the ends (%.3g)", r->poisson_ratio);
 }
 
-void gn_readings_compute(const gn_history *history, int dimension, int axis, int sign,
-                         gn_readings *readings) {
-#define X(name, unit, text) readings->name = NAN;
-    GN_READINGS(X)
-#undef X
-    const double *strain = gn_history_column(history, "strain");
-    const double *stress = gn_history_column(history, "stress");
-    const double *average[3] = {gn_history_column(history, "strain_xx"),
-                                gn_history_column(history, "strain_yy"),
-                                gn_history_column(history, "strain_zz")};
-    size_t peak = stress ? peak_row(stress, history->row_count) : 0;
-    if (!stress || peak == history->row_count) return;
-    span s = loading_span(stress, peak);
-    readings->peak_stress = stress[peak];
-    if (strain) readings->peak_strain = strain[peak];
-    readings->young_modulus = slope(strain, stress, s);
-    readings->young_modulus_average = sign * slope(average[axis], stress, s);
-    readings->poisson_ratio = poisson_ratio(stress, average, dimension, axis, s);
-    if (dimension != 2) return;
-    /* Plane strain: E' = E/(1 - nu^2), nu' = nu/(1 - nu), solved for E and nu. */
-    double nu = readings->poisson_ratio / (1 + readings->poisson_ratio);
-    readings->plane_poisson_ratio = nu;
-    readings->plane_young_modulus = readings->young_modulus * (1 - nu * nu);
+/* Plane strain: E' = E/(1 - nu^2), nu' = nu/(1 - nu), solved for E and nu. */
+static void read_plane(const curves *c, gn_readings *r) {
+    const gn_reading modulus = GN_READING_plane_young_modulus,
+                     ratio = GN_READING_plane_poisson_ratio;
+    if (c->tested->dimension != 2) {
+        absent(r, modulus, "a reading of 2D scenes");
+        absent(r, ratio, "a reading of 2D scenes");
+        return;
+    }
+    double nu = r->poisson_ratio / (1 + r->poisson_ratio);
+    r->plane_poisson_ratio = nu;
+    r->plane_young_modulus = r->young_modulus * (1 - nu * nu);
+    const char *no_ratio = reason_of(r, GN_READING_poisson_ratio),
+               *no_modulus = reason_of(r, GN_READING_young_modulus);
+    if (*no_modulus) absent(r, modulus, "%s", no_modulus);
+    if (*no_ratio) absent(r, modulus, "%s", no_ratio);
+    if (*no_ratio) absent(r, ratio, "%s", no_ratio);
+}
+
+static double last_of(const gn_history *history, const char *name) {
+    const double *column = gn_history_column(history, name);
+    return column ? column[history->row_count - 1] : NAN;
+}
+
+/* Why the largest stress is no strength; NULL: it is one. */
+static const char *no_peak(const curves *c) {
+    double least = c->stress[c->largest];
+    for (size_t k = c->largest; k < c->history->row_count; k++) least = fmin(least, c->stress[k]);
+    if (c->tested->elastic) return "finite elements do not fail";
+    if (last_of(c->history, "broken_tension") + last_of(c->history, "broken_shear") == 0)
+        return "no bond has broken";
+    if (least > (1 - fall) * c->stress[c->largest])
+        return "the run ended before the peak: the stress has not fallen by 5 % from its largest";
+    return NULL;
+}
+
+static void read_peak(const curves *c, gn_readings *r) {
+    r->largest_stress = r->peak_stress = c->stress[c->largest];
+    r->largest_strain = r->peak_strain = c->strain ? c->strain[c->largest] : NAN;
+    const char *reason = no_peak(c);
+    if (reason) absent(r, GN_READING_peak_stress, "%s", reason);
+    if (reason) absent(r, GN_READING_peak_strain, "%s", reason);
+}
+
+/* Signed sums: waves that run to and fro between the ends cancel, a part that is missing stays. */
+static void read_balance(const curves *c, gn_readings *r) {
+    const double *lower = gn_history_column(c->history, "stress_lower"),
+                 *upper = gn_history_column(c->history, "stress_upper");
+    if (c->tested->watched)
+        absent(r, GN_READING_end_imbalance, "one end is only watched and has the other's force");
+    if (!lower || !upper) return;
+    size_t rows = c->largest + 1 - c->loading.first;
+    if (rows < 3)
+        absent(r, GN_READING_end_imbalance, "%zu history row%s up to the largest stress", rows,
+               rows == 1 ? "" : "s");
+    double difference = 0, sum = 0;
+    for (size_t k = c->loading.first; k <= c->largest; k++) {
+        difference += upper[k] - lower[k];
+        sum += 0.5 * (fabs(upper[k]) + fabs(lower[k]));
+    }
+    r->end_imbalance = fabs(difference) / sum;
+}
+
+void gn_readings_compute(const gn_history *history, const gn_tested *tested, gn_readings *r) {
+    memset(r, 0, sizeof *r);
+    for (int k = 0; k < GN_READING_COUNT; k++) values_of(r)[k] = NAN;
+    curves c = {.tested = tested, .history = history};
+    c.strain = gn_history_column(history, "strain");
+    c.stress = gn_history_column(history, "stress");
+    c.average[0] = gn_history_column(history, "strain_xx");
+    c.average[1] = gn_history_column(history, "strain_yy");
+    c.average[2] = gn_history_column(history, "strain_zz");
+    if (!c.stress) all_absent(r, "the scene has no test");
+    if (history->row_count == 0) all_absent(r, "the history has no rows");
+    if (c.stress) c.largest = largest_row(c.stress, history->row_count);
+    if (c.stress && c.largest == history->row_count)
+        all_absent(r, "the stress never had the sense of the test");
+    if (!reason_of(r, GN_READING_largest_stress)[0]) {
+        c.loading = loading_span(c.stress, c.largest);
+        read_peak(&c, r);
+        read_modulus(&c, r);
+        read_average_modulus(&c, r);
+        read_poisson(&c, r);
+        read_plane(&c, r);
+        read_balance(&c, r);
+    }
+    settle(r);
 }

@@ -352,19 +352,40 @@ static gneiss_status check_wall(const check *c, const gn_scene *s, size_t index)
 
 /* ---- test and time ---- */
 
-static gneiss_status check_end(const check *c, const gn_scene *s, const char *key,
-                               const char *name) {
-    if (gn_scene_find_wall(s, name) >= 0 || gn_scene_find_set(s, name) >= 0 ||
-        gn_scene_find_element_motion(s, name) >= 0)
-        return GNEISS_OK;
-    return gn_check_fail(c, key, "expected the name of a wall or a set%s, found '%s'",
-                         s->has_elements ? " or a motion of elements" : "", name);
+static bool in_end(const gn_test_end *end, size_t before, const char *name) {
+    for (size_t k = 0; k < before; k++)
+        if (strcmp(end->name[k], name) == 0) return true;
+    return false;
 }
 
-/* Nodes of elements that are free along the axis of the test have no reaction. */
-static bool end_is_watched(const gn_scene *s, const char *name) {
-    int motion = gn_scene_find_element_motion(s, name);
-    return motion >= 0 && !s->elements.motions[motion].motion.velocity[s->test.axis].count;
+static gneiss_status check_end(const check *c, const gn_scene *s, const char *key,
+                               const gn_test_end *end) {
+    for (size_t k = 0; k < end->count; k++) {
+        const char *name = end->name[k];
+        if (gn_scene_find_wall(s, name) < 0 && gn_scene_find_set(s, name) < 0 &&
+            gn_scene_find_body(s, name) < 0 && gn_scene_find_element_motion(s, name) < 0)
+            return gn_check_fail(c, key,
+                                 "expected the name of a wall, a body or a set%s, found '%s'",
+                                 s->has_elements ? " or a motion of elements" : "", name);
+        if (in_end(end, k, name))
+            return gn_check_fail(c, key, "expected every name once, found '%s' again", name);
+    }
+    return GNEISS_OK;
+}
+
+static gneiss_status check_ends(const check *c, const gn_scene *s) {
+    const gn_test *t = &s->test;
+    GN_TRY(check_end(c, s, "test.lower", &t->lower));
+    GN_TRY(check_end(c, s, "test.upper", &t->upper));
+    for (size_t k = 0; k < t->upper.count; k++)
+        if (in_end(&t->lower, t->lower.count, t->upper.name[k]))
+            return gn_check_fail(c, "test.upper", "expected another end than lower, found '%s'",
+                                 t->upper.name[k]);
+    if (gn_scene_end_drives(s, &t->lower) || gn_scene_end_drives(s, &t->upper)) return GNEISS_OK;
+    return gn_check_fail(c, "test.upper",
+                         "expected at least one end with a prescribed velocity along %c, which "
+                         "has a reaction, found none",
+                         "xyz"[t->axis]);
 }
 
 static gneiss_status check_test(const check *c, const gn_scene *s) {
@@ -377,18 +398,9 @@ static gneiss_status check_test(const check *c, const gn_scene *s) {
                                  "expected a test section that reads strain, found none");
         return GNEISS_OK;
     }
-    GN_TRY(check_end(c, s, "test.lower", s->test.lower));
-    GN_TRY(check_end(c, s, "test.upper", s->test.upper));
-    if (strcmp(s->test.lower, s->test.upper) == 0)
-        return gn_check_fail(c, "test.upper", "expected another end than lower, found '%s'",
-                             s->test.upper);
-    if (end_is_watched(s, s->test.lower) && end_is_watched(s, s->test.upper))
-        return gn_check_fail(c, "test.upper",
-                             "expected at least one end with a prescribed velocity along %c, which "
-                             "has a reaction, found none",
-                             "xyz"[s->test.axis]);
     if (s->test.axis >= s->dimension)
         return gn_check_fail(c, "test.axis", "expected x or y in a 2D scene, found z");
+    GN_TRY(check_ends(c, s));
     if (s->test.area > 0 && s->test.diameter > 0)
         return gn_check_fail(c, "test.diameter", "expected area or diameter, found both");
     return GNEISS_OK;

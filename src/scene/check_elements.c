@@ -99,7 +99,8 @@ static gneiss_status check_region(const check *c, const gn_scene *s, const gn_re
 static gneiss_status check_motion(const check *c, const gn_scene *s, size_t index) {
     const gn_element_motion *m = &s->elements.motions[index];
     if (gn_scene_find_element_motion(s, m->name) != (int)index ||
-        gn_scene_find_set(s, m->name) >= 0 || gn_scene_find_wall(s, m->name) >= 0)
+        gn_scene_find_set(s, m->name) >= 0 || gn_scene_find_wall(s, m->name) >= 0 ||
+        gn_scene_find_body(s, m->name) >= 0)
         return gn_check_fail(c, "name", "expected a name of its own, found '%s' a second time",
                              m->name);
     GN_TRY(check_region(c, s, &m->region));

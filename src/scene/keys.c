@@ -75,6 +75,9 @@ static void describe(char *text, size_t size, const gn_key *key) {
                                           : "list of at least 3 points [x, y]",
                          key);
         return;
+    case GN_KEY_NAMES:
+        snprintf(text, size, "name or list of names");
+        return;
     case GN_KEY_SECTION:
         snprintf(text, size, "section");
         return;

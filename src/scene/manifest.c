@@ -428,15 +428,17 @@ static const gn_key test_keys[] = {
         .text = "which sign of stress is counted positive"),
     KEY("axis", CHOICE, gn_scene, test.axis, .choices = axes, .required = true,
         .text = "direction of loading"),
-    KEY("lower", TEXT, gn_scene, test.lower, .required = true,
-        .text = "wall, set or motion of elements at the lower end"),
-    KEY("upper", TEXT, gn_scene, test.upper, .required = true,
-        .text = "wall, set or motion of elements at the upper end"),
+    ARRAY("lower", NAMES, gn_scene, test.lower.name, test.lower.count, .required = true,
+          .text = "wall, body, set or motion of elements at the lower end; of several the forces "
+                  "add up"),
+    ARRAY("upper", NAMES, gn_scene, test.upper.name, test.upper.count, .required = true,
+          .text = "the same at the upper end"),
     KEY("length", REAL, gn_scene, test.length, .unit = "m", .range = "(0, inf)", .word = "auto",
         .fallback = "auto", .text = "length of the specimen; auto: its extent along the axis"),
     KEY("area", REAL, gn_scene, test.area, .unit = "m2", .range = "(0, inf)", .word = "auto",
         .fallback = "auto",
-        .text = "area of its section; auto: from the diameter, else from the specimen"),
+        .text = "area of its section; auto: from the diameter, else the specimen's volume over the "
+                "length"),
     KEY("diameter", REAL, gn_scene, test.diameter, .unit = "m", .range = "(0, inf)", .word = "none",
         .fallback = "none", .text = "diameter of a cylinder"),
 };
@@ -500,6 +502,15 @@ static const gn_key run_keys[] = {
                 "positions and motion in double"),
     KEY("isa", CHOICE, gn_scene, isa, .choices = isas, .fallback = "auto",
         .text = "instruction set of the kernels; auto: the widest the machine has"),
+    KEY("residual_warning", REAL, gn_scene, residual_warning, .unit = "1", .range = "(0, inf)",
+        .word = "off", .fallback = "1 %",
+        .text = "a run whose energy ledger leaves more than this unexplained, over the energy that "
+                "has gone through, ends with a warning"),
+    KEY("residual_limit", REAL, gn_scene, residual_limit, .unit = "1", .range = "(0, inf)",
+        .word = "off", .fallback = "10 %",
+        .text =
+            "a run that leaves more than this unexplained has gone bad: it stops, or ends, with "
+            "exit code 5"),
 };
 TABLE_OF(run);
 

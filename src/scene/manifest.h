@@ -21,6 +21,7 @@ typedef enum gn_key_type {
     GN_KEY_PARTICLES, /* double *, their number at `second`; rows [x, y, z, r], in 2D [x, y, r]; or
                          a whole number in `range` instead, which goes to the int64_t at `number` */
     GN_KEY_POINTS,    /* double *, their number at `second`; rows [x, y], at least 3 or `number` */
+    GN_KEY_NAMES,     /* char (*)[GN_NAME_SIZE], their number at `second`; one name, or a list */
     GN_KEY_SECTION,   /* the keys of `section`, in the struct at `offset` */
     GN_KEY_LIST       /* a pointer to structs, their number at `second`; each by `section` */
 } gn_key_type;
@@ -107,5 +108,8 @@ void gn_shape_names(int64_t dimension, char names[GN_SHAPE_NAMES_SIZE]);
 int64_t gn_choice_load(const gn_key *key, const void *at);
 void gn_choice_store(const gn_key *key, void *at, int64_t value);
 const char *gn_choice_name(const gn_choice *choices, int64_t value);
+
+/* Edits (insertion, removal, replacement, swap of neighbours) between two words. */
+size_t gn_edit_distance(const char *a, const char *b);
 
 #endif

@@ -325,6 +325,24 @@ static gneiss_status read_ids(gn_reader *reader, const gn_key *key, const gn_nod
     return GNEISS_OK;
 }
 
+/* One name stands for a list of one; its node is then the item. */
+static gneiss_status read_names(gn_reader *reader, const gn_key *key, const gn_node *node,
+                                char *base) {
+    const gn_key name = {.size = GN_NAME_SIZE};
+    gn_node list = {.count = 1};
+    if (node->kind != GN_NODE_SCALAR && (node->kind != GN_NODE_LIST || !node->count))
+        return unexpected(reader, node, "a name or a list of names", "");
+    if (node->kind == GN_NODE_LIST) list = *node;
+    void *names;
+    GN_TRY(make_array(reader, key, &list, GN_NAME_SIZE, base, &names));
+    for (const gn_node *item = list.first ? list.first : node; item; item = item->next) {
+        GN_TRY(read_text(reader, &name, item, names));
+        names = (char *)names + GN_NAME_SIZE;
+        if (!list.first) break; /* its neighbours are other keys */
+    }
+    return GNEISS_OK;
+}
+
 static gneiss_status read_particle(gn_reader *reader, const gn_key *key, const gn_node *row,
                                    double particle[4]) {
     const gn_key coordinate = {.unit = key->unit};
@@ -462,6 +480,8 @@ static gneiss_status read_key(gn_reader *reader, const gn_key *key, const gn_nod
         return read_table(reader, key, node, (gn_table *)at);
     case GN_KEY_IDS:
         return read_ids(reader, key, node, base);
+    case GN_KEY_NAMES:
+        return read_names(reader, key, node, base);
     case GN_KEY_PARTICLES:
         return read_particles(reader, key, node, base);
     case GN_KEY_POINTS:
@@ -488,32 +508,6 @@ static gneiss_status read_fallback(gn_reader *reader, const gn_key *key, char *b
     return GNEISS_OK;
 }
 
-/* Edits (insertion, removal, replacement, swap of neighbours) between two words. */
-static size_t edit_distance(const char *a, const char *b) {
-    enum { LIMIT = 32 };
-    size_t rows[3][LIMIT + 1], la = strlen(a), lb = strlen(b);
-    if (la > LIMIT || lb > LIMIT) return LIMIT;
-    size_t *before = rows[0], *last = rows[1], *now = rows[2];
-    for (size_t j = 0; j <= lb; j++) last[j] = j;
-    for (size_t i = 1; i <= la; i++) {
-        now[0] = i;
-        for (size_t j = 1; j <= lb; j++) {
-            size_t best = last[j - 1] + (a[i - 1] != b[j - 1]);
-            if (last[j] + 1 < best) best = last[j] + 1;
-            if (now[j - 1] + 1 < best) best = now[j - 1] + 1;
-            if (i > 1 && j > 1 && a[i - 1] == b[j - 2] && a[i - 2] == b[j - 1] &&
-                before[j - 2] + 1 < best)
-                best = before[j - 2] + 1;
-            now[j] = best;
-        }
-        size_t *spare = before;
-        before = last;
-        last = now;
-        now = spare;
-    }
-    return last[lb];
-}
-
 static gneiss_status unknown_key(gn_reader *reader, const gn_section *section,
                                  const gn_node *node) {
     const char *nearest = NULL;
@@ -521,7 +515,7 @@ static gneiss_status unknown_key(gn_reader *reader, const gn_section *section,
     char known[600] = "";
     for (size_t k = 0; k < section->key_count; k++) {
         const char *name = section->keys[k].name;
-        size_t distance = edit_distance(node->key, name), used = strlen(known);
+        size_t distance = gn_edit_distance(node->key, name), used = strlen(known);
         if (distance < least && distance < strlen(name)) {
             least = distance;
             nearest = name;

@@ -354,6 +354,20 @@ int gn_scene_find_element_motion(const gn_scene *scene, const char *name) {
     return -1;
 }
 
+bool gn_scene_end_drives(const gn_scene *scene, const gn_test_end *end) {
+    int64_t axis = scene->test.axis;
+    for (size_t k = 0; k < end->count; k++) {
+        int motion = gn_scene_find_element_motion(scene, end->name[k]),
+            set = gn_scene_find_set(scene, end->name[k]);
+        if (motion < 0 && set < 0) return true;
+        if (motion >= 0 && scene->elements.motions[motion].motion.velocity[axis].count) return true;
+        if (set >= 0 && scene->sets[set].motion.velocity[axis].count) return true;
+        if (set >= 0 && scene->sets[set].has_force && scene->sets[set].force[axis] != 0.0)
+            return true;
+    }
+    return false;
+}
+
 int gn_scene_find_material(const gn_scene *scene, const char *name) {
     for (size_t k = 0; k < scene->material_count; k++)
         if (strcmp(scene->materials[k].name, name) == 0) return (int)k;

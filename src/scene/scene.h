@@ -174,6 +174,7 @@ typedef struct gn_specimen {
     gn_pack_def pack;
     size_t packed_count; /* of a file or shape read or packed already (no key): its particles, as */
     double *packed;      /* above, but relative to the scene's origin */
+    double packed_volume; /* of that shape, m3 (2D: m2); 0: a file */
     char material[GN_NAME_SIZE];
     int64_t group;                  /* cohesive group; 0: never bonded */
     gn_density_basis density_basis; /* bulk: particle density = density/(1 - porosity) */
@@ -258,12 +259,17 @@ typedef struct gn_body_def {
     gn_where where;
 } gn_body_def;
 
+/* Walls, bodies, sets, motions of elements that load the specimen together. */
+typedef struct gn_test_end {
+    size_t count;
+    char (*name)[GN_NAME_SIZE]; /* [count] */
+} gn_test_end;
+
 /* A laboratory test: which two ends load the specimen and how stress and strain are formed. */
 typedef struct gn_test {
     gn_test_kind kind;
-    int64_t axis;             /* 0 1 2 */
-    char lower[GN_NAME_SIZE]; /* wall, set or motion of elements */
-    char upper[GN_NAME_SIZE];
+    int64_t axis; /* 0 1 2 */
+    gn_test_end lower, upper;
     double length;   /* m; 0: extent of the specimen along the axis */
     double area;     /* m2; 0: from diameter, else from the specimen (see docs/scene.md) */
     double diameter; /* m; 0: not given */
@@ -416,6 +422,8 @@ typedef struct gn_scene {
     int64_t threads; /* 0: all cores */
     gn_precision precision;
     gn_isa isa;
+    double residual_warning; /* of the energy ledger, from which a run warns; 0: off */
+    double residual_limit;   /* from which it has gone bad; 0: off */
 } gn_scene;
 
 /* One override from the command line: `--set time.end=2ms` is {"time.end", "2ms"}. */
@@ -481,5 +489,9 @@ int gn_scene_find_body(const gn_scene *scene, const char *name);
 int gn_scene_find_set(const gn_scene *scene, const char *name);
 int gn_scene_find_material(const gn_scene *scene, const char *name);
 int gn_scene_find_element_motion(const gn_scene *scene, const char *name);
+
+/* Whether some part of an end loads the specimen along the axis of the test. Sets and nodes that
+ * nothing is prescribed for and no force acts on are only watched. */
+bool gn_scene_end_drives(const gn_scene *scene, const gn_test_end *end);
 
 #endif

@@ -45,6 +45,14 @@ static void write_integers(FILE *out, const int64_t *values, size_t count) {
     fputc(']', out);
 }
 
+static void write_names(FILE *out, const char (*names)[GN_NAME_SIZE], size_t count) {
+    for (size_t k = 0; k < count; k++) {
+        if (count > 1) fputs(k ? ", " : "[", out);
+        write_text(out, names[k]);
+    }
+    if (count > 1) fputc(']', out);
+}
+
 static void write_points(FILE *out, const double *points, size_t count) {
     for (size_t k = 0; k < count; k++) {
         fputs(k ? ", " : "[", out);
@@ -110,6 +118,9 @@ static void write_value(FILE *out, const gn_key *key, const char *base, bool pla
         break;
     case GN_KEY_IDS:
         write_integers(out, array, *(const size_t *)(base + key->second));
+        break;
+    case GN_KEY_NAMES:
+        write_names(out, array, *(const size_t *)(base + key->second));
         break;
     case GN_KEY_PARTICLES:
         write_particles(out, key, base, plane, indent);

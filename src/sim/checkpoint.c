@@ -12,7 +12,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-enum { FORMAT = 2 };
+enum { FORMAT = 3 };
 
 #define DOUBLES(member) GN_PIECE_DOUBLES(gn_run, member)
 #define INTEGER(member) GN_PIECE_INTEGER(gn_run, member)
@@ -59,6 +59,7 @@ static const gn_piece pieces[] = {
     INTEGER(history_interval),
     INTEGER(snapshot_interval),
     DOUBLES(peak),
+    INTEGER(bad_since),
 };
 enum { PIECES = sizeof pieces / sizeof *pieces };
 

@@ -76,8 +76,8 @@ gneiss_status gn_elements_add_columns(const gn_world *world, gn_history *history
 /* Doubles that `before` has to hold: what is read before a step. */
 size_t gn_elements_before_size(const gn_world *world);
 void gn_elements_read_before(const gn_world *world, double *before);
-/* The rest of a row, and where it ends; `strain`: of the test. */
-double *gn_elements_put(const gn_world *world, const double *before, double strain, double *row);
+/* The rest of a row, and where it ends. */
+double *gn_elements_put(const gn_world *world, const double *before, double *row);
 
 /* --- files (output_elements.c, checkpoint_elements.c)
  * ---------------------------------------------------------------------------------------- */

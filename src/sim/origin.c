@@ -73,6 +73,7 @@ gneiss_status gn_origin_shift(gn_world *w, gneiss_error *error) {
     gn_scene_shift(&w->scene);
     w->scene.specimen.packed = w->given.specimen.packed;
     w->scene.specimen.packed_count = w->given.specimen.packed_count;
+    w->scene.specimen.packed_volume = w->given.specimen.packed_volume;
     w->given.specimen.packed = NULL;
     w->given.specimen.packed_count = 0;
     return GNEISS_OK;

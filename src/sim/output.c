@@ -224,6 +224,16 @@ static void effect_names(gn_effects effects, char *text, size_t size) {
                                      gn_effect_name((gn_effect_index)k));
 }
 
+/* One a line, "name: text"; "" when there are none. */
+static gneiss_status put_warnings(const gn_run *run, gn_h5 *file, gneiss_error *error) {
+    gn_warnings list = gn_run_warnings(run);
+    char text[sizeof list] = "";
+    for (size_t k = 0, used = 0; k < list.count; k++)
+        used += (size_t)snprintf(text + used, sizeof text - used, "%s%s: %s", used ? "\n" : "",
+                                 list.warning[k].name, list.warning[k].text);
+    return gn_h5_attribute_text(file, "/", "warnings", text, error);
+}
+
 static gneiss_status put_header(const gn_run *run, gn_h5 *file, gneiss_error *error) {
     const gn_world *w = &run->world;
     char effects[512], hash[24];
@@ -247,13 +257,34 @@ static gneiss_status put_header(const gn_run *run, gn_h5 *file, gneiss_error *er
     GN_TRY(gn_h5_attribute_i64(file, "/", "steps", &steps, 1, error));
     double seconds = gn_run_progress(run).seconds;
     GN_TRY(gn_h5_attribute_f64(file, "/", "dt", &w->dt, 1, error));
+    GN_TRY(gn_h5_attribute_f64(file, "/", "volume", &w->volume, 1, error));
+    GN_TRY(gn_h5_attribute_text(file, "/", "volume_of", gn_world_volume_source(w), error));
     GN_TRY(gn_h5_attribute_f64(file, "/", "seconds", &seconds, 1, error));
     GN_TRY(gn_h5_attribute_f64(file, "/", "origin", w->scene.origin, 3, error));
+    GN_TRY(put_warnings(run, file, error));
     char *scene = gn_scene_write(&w->given);
     if (!scene) return gn_fail(error, GNEISS_ERROR_MEMORY, "no memory for the scene text");
     gneiss_status status = gn_h5_put_text(file, "scene", scene, error);
     free(scene);
     return status;
+}
+
+/* One that is absent is NaN and says why. */
+static gneiss_status put_reading(gn_h5 *file, const char *name, double value, const char *unit,
+                                 const char *text, const char *reason, gneiss_error *error) {
+    char path[160];
+    GN_TRY(put_scalar(file, "readings", name, value, unit, text, error));
+    snprintf(path, sizeof path, "readings/%s", name);
+    return *reason ? gn_h5_attribute_text(file, path, "absent", reason, error) : GNEISS_OK;
+}
+
+static gneiss_status put_readings(const gn_run *run, gn_h5 *file, gneiss_error *error) {
+    gn_readings r = gn_record_readings(&run->world, &run->history);
+#define X(name, unit, text)                                                                        \
+    GN_TRY(put_reading(file, #name, r.name, unit, text, r.reason[GN_READING_##name], error));
+    GN_READINGS(X)
+#undef X
+    return GNEISS_OK;
 }
 
 static gneiss_status put_tables(const gn_run *run, gn_h5 *file, gneiss_error *error) {
@@ -265,10 +296,7 @@ static gneiss_status put_tables(const gn_run *run, gn_h5 *file, gneiss_error *er
         GN_TRY(gn_h5_put(file, path, GN_F64, run->history.row_count, 1, 0, column->value,
                          column->unit, column->text, error));
     }
-    gn_readings r = gn_record_readings(w, &run->history);
-#define X(name, unit, text) GN_TRY(put_scalar(file, "readings", #name, r.name, unit, text, error));
-    GN_READINGS(X)
-#undef X
+    GN_TRY(put_readings(run, file, error));
     if (w->effects & GN_FX_ENERGY) {
 #define X(name, kind, text)                                                                        \
     GN_TRY(put_scalar(file, "energy", #name, w->reading.name, "J", text, error));
@@ -277,7 +305,8 @@ static gneiss_status put_tables(const gn_run *run, gn_h5 *file, gneiss_error *er
         GN_TRY(put_scalar(file, "energy", "stored_at_start", w->reading.stored_at_start, "J",
                           "stored energy at the start", error));
         GN_TRY(put_scalar(file, "energy", "residual", gn_energy_residual(&w->reading), "1",
-                          "what the ledger does not explain, over the work done", error));
+                          "what the ledger does not explain, over the energy that has gone through",
+                          error));
     }
     for (int k = 0; k < GN_PHASE_COUNT; k++)
         GN_TRY(put_scalar(file, "profile", gn_phase_name((gn_phase)k), w->seconds[k], "s",
@@ -395,10 +424,37 @@ static size_t touching(const gn_contacts *list) {
     return count;
 }
 
+static void summary_warnings(const gn_run *run, gn_json *j) {
+    gn_warnings list = gn_run_warnings(run);
+    gn_json_array(j, "warnings");
+    for (size_t k = 0; k < list.count; k++) {
+        gn_json_object(j, NULL);
+        gn_json_text(j, "name", list.warning[k].name);
+        gn_json_text(j, "text", list.warning[k].text);
+        gn_json_end(j);
+    }
+    gn_json_end(j);
+}
+
+/* Numbers, null where one is absent, and why it is. */
+static void summary_readings(const gn_run *run, gn_json *j) {
+    gn_readings r = gn_record_readings(&run->world, &run->history);
+    gn_json_object(j, "readings");
+#define X(name, unit, text) gn_json_number(j, #name, r.name);
+    GN_READINGS(X)
+#undef X
+    gn_json_end(j);
+    gn_json_object(j, "absent");
+#define X(name, unit, text)                                                                        \
+    if (r.reason[GN_READING_##name][0]) gn_json_text(j, #name, r.reason[GN_READING_##name]);
+    GN_READINGS(X)
+#undef X
+    gn_json_end(j);
+}
+
 gneiss_status gn_output_summary(const gn_run *run, gneiss_error *error) {
     const gn_world *w = &run->world;
     gn_progress p = gn_run_progress(run);
-    gn_readings r = gn_record_readings(w, &run->history);
     gn_observed seen;
     GN_TRY(gn_world_observe(w, &seen, error));
     size_t contacts = touching(&seen.bonds) + touching(&seen.pairs);
@@ -407,11 +463,7 @@ gneiss_status gn_output_summary(const gn_run *run, gneiss_error *error) {
     snprintf(hash, sizeof hash, "%016llx", (unsigned long long)gn_world_hash(w));
     gn_json *j = gn_json_begin();
     gn_json_text(j, "title", w->scene.title);
-    gn_json_object(j, "readings");
-#define X(name, unit, text) gn_json_number(j, #name, r.name);
-    GN_READINGS(X)
-#undef X
-    gn_json_end(j);
+    summary_readings(run, j);
     gn_json_object(j, "counts");
     gn_json_integer(j, "particles", (int64_t)w->particles.soa.count);
     gn_json_integer(j, "contacts", (int64_t)contacts);
@@ -428,8 +480,11 @@ gneiss_status gn_output_summary(const gn_run *run, gneiss_error *error) {
         gn_json_integer(j, "elements", (int64_t)w->elements->body.elements.soa.count);
     }
     gn_json_end(j);
+    gn_json_number(j, "volume", w->volume);
+    gn_json_text(j, "volume_of", gn_world_volume_source(w));
     gn_json_number(j, "energy_residual",
                    w->effects & GN_FX_ENERGY ? gn_energy_residual(&w->reading) : NAN);
+    summary_warnings(run, j);
     gn_json_text(j, "state_hash", hash);
     gn_json_bool(j, "finished", run->finished);
     gn_json_text(j, "stop_reason", run->stop_reason);

@@ -9,8 +9,9 @@
 #include <math.h>
 
 /* Particles of the scene's specimen, from whichever source (specimen.c); of a file those in
- * specimen.packed. */
-gneiss_status gn_specimen_make(const gn_scene *scene, gn_packing *packing, gneiss_error *error);
+ * specimen.packed. `volume`: of the shape that they fill, m3 (2D: m2); 0 when they come without one. */
+gneiss_status gn_specimen_make(const gn_scene *scene, gn_packing *packing, double *volume,
+                               gneiss_error *error);
 
 /* A box about points. */
 typedef struct gn_extent {
@@ -57,6 +58,8 @@ gneiss_status gn_sets_apply(gn_world *world, gneiss_error *error);
 /* Velocities of prescribed particles and sums of the reactions. */
 void gn_prescription_update(gn_world *world, double time);
 void gn_reactions_sum(gn_world *world);
+/* Mean displacement of a set from the start along an axis, m. */
+double gn_set_travel(const gn_world *world, size_t set, int axis);
 
 /* Walls (walls.c). */
 gneiss_status gn_walls_create(gn_world *world, gneiss_error *error);

@@ -100,7 +100,9 @@ gneiss_status gn_record_create(const gn_world *w, gn_history *h, gneiss_error *e
          "change of the distance of the ends over the length, positive in the test's sense"},
         {"stress", "Pa", "mean of both ends' force over the area, positive in the test's sense"},
         {"stress_lower", "Pa", "force on the lower end over the area"},
-        {"stress_upper", "Pa", "force on the upper end over the area"}};
+        {"stress_upper", "Pa", "force on the upper end over the area"},
+        {"force", "N", "mean of both ends' force, positive in the test's sense"},
+        {"deflection", "m", "change of the distance of the ends, positive in the test's sense"}};
     static const fixed_column state[] = {
         {"unbalanced", "1", "mean resultant on a particle over the mean contact force"}};
     static const fixed_column bonds[] = {{"bonds_intact", "1", "intact bonds"},
@@ -109,7 +111,7 @@ gneiss_status gn_record_create(const gn_world *w, gn_history *h, gneiss_error *e
                                          {"damage", "1", "broken bonds over bonds at the start"}};
     *h = (gn_history){0};
     GN_TRY(add(h, first, 2, error));
-    if (w->scene.test.kind != GN_TEST_NONE) GN_TRY(add(h, test, 4, error));
+    if (w->scene.test.kind != GN_TEST_NONE) GN_TRY(add(h, test, sizeof test / sizeof *test, error));
     GN_TRY(gn_record_add_tensor(w, h, "strain", "1",
                                 "average strain of the specimen, tension positive", error));
     GN_TRY(gn_record_add_tensor(w, h, "stress", "Pa",
@@ -120,9 +122,9 @@ gneiss_status gn_record_create(const gn_world *w, gn_history *h, gneiss_error *e
 #define X(name, kind, text) GN_TRY(gn_history_add_column(h, "energy_" #name, "J", text, error));
         GN_ENERGY_TERMS(X)
 #undef X
-        GN_TRY(gn_history_add_column(h, "energy_residual", "1",
-                                     "what the ledger does not explain, over the work done",
-                                     error));
+        GN_TRY(gn_history_add_column(
+            h, "energy_residual", "1",
+            "what the ledger does not explain, over the energy that has gone through", error));
     }
     GN_TRY(add_owners(w, h, error));
     return gn_elements_add_columns(w, h, error);
@@ -131,75 +133,14 @@ gneiss_status gn_record_create(const gn_world *w, gn_history *h, gneiss_error *e
 /* --- rows
  * ------------------------------------------------------------------------------------------ */
 
-/* Position of an end along the test axis, from its start: a wall's path or the mean displacement of
- * a set. */
-static double end_travel(const gn_world *w, const char *name) {
-    int axis = (int)w->scene.test.axis, wall = gn_scene_find_wall(&w->scene, name);
-    if (wall >= 0) return w->walls[wall].point[axis] - w->walls[wall].start[axis];
-    int set = gn_scene_find_set(&w->scene, name),
-        motion = gn_scene_find_element_motion(&w->scene, name);
-    if (motion >= 0) {
-        double travel[3];
-        gn_elements_travel(w, (size_t)motion, travel);
-        return travel[axis];
-    }
-    double sum = 0.0;
-    size_t count = 0;
-    for (size_t id = 0; id < w->particles.soa.count; id++) {
-        size_t p = (size_t)w->index_of_id[id];
-        int32_t slot = w->particles.slot ? w->particles.slot[p] : -1;
-        if (slot < 0 || w->prescribed.set[slot] != set) continue;
-        sum += w->particles.pos[4 * p + (size_t)axis] - w->particles.start[4 * p + (size_t)axis];
-        count++;
-    }
-    return count ? sum / (double)count : 0.0;
-}
-
-/* Force with which an end loads the specimen, along the test axis. */
-static double end_force(const gn_world *w, const char *name) {
-    int axis = (int)w->scene.test.axis, wall = gn_scene_find_wall(&w->scene, name);
-    if (wall >= 0) return -w->walls[wall].force[axis];
-    int set = gn_scene_find_set(&w->scene, name),
-        motion = gn_scene_find_element_motion(&w->scene, name);
-    if (motion >= 0) {
-        double force[3];
-        gn_elements_reaction(w, (size_t)motion, force);
-        return force[axis];
-    }
-    return set >= 0 && w->set_reaction ? w->set_reaction[6 * set + axis] : 0.0;
-}
-
-static double test_sign(const gn_world *w) {
-    return w->scene.test.kind == GN_TEST_COMPRESSION ? -1.0 : 1.0;
-}
-
-/* Whether an end can load the specimen along the axis; nodes that are only watched cannot. */
-static bool end_drives(const gn_world *w, const char *name) {
-    int motion = gn_scene_find_element_motion(&w->scene, name);
-    return motion < 0 ||
-           w->scene.elements.motions[motion].motion.velocity[w->scene.test.axis].count;
-}
-
-/* An end that is only watched (what loads it is a traction) has the force of the other one. */
-void gn_record_end_forces(const gn_world *w, double *lower, double *upper) {
-    double sign = test_sign(w);
-    *lower = -sign * end_force(w, w->scene.test.lower);
-    *upper = sign * end_force(w, w->scene.test.upper);
-    if (!end_drives(w, w->scene.test.lower)) *lower = *upper;
-    if (!end_drives(w, w->scene.test.upper)) *upper = *lower;
-}
-
 typedef struct before_step {
-    double step, time, strain, gradient[9];
+    double step, time, deflection, gradient[9];
 } before_step;
 
 /* `elements` as gn_elements_before_size wants it. */
 static before_step read_positions(const gn_world *w, double *elements) {
     before_step b = {.step = (double)w->step, .time = w->time};
-    if (w->scene.test.kind != GN_TEST_NONE)
-        b.strain = test_sign(w) *
-                   (end_travel(w, w->scene.test.upper) - end_travel(w, w->scene.test.lower)) /
-                   w->test_length;
+    if (w->scene.test.kind != GN_TEST_NONE) b.deflection = gn_record_deflection(w);
     gn_strain_gauge_read(&w->gauge, &w->particles, w->index_of_id, b.gradient);
     gn_elements_read_before(w, elements);
     if (w->elements && !w->scene.has_specimen) memcpy(b.gradient, elements, sizeof b.gradient);
@@ -271,12 +212,13 @@ static void fill_row(const gn_world *w, const before_step *b, const double *disp
     if (w->scene.test.kind != GN_TEST_NONE) {
         double lower, upper;
         gn_record_end_forces(w, &lower, &upper);
-        lower /= w->test_area;
-        upper /= w->test_area;
-        *row++ = b->strain;
+        *row++ = b->deflection / w->test_length;
+        double area = w->test_area;
+        *row++ = 0.5 * (lower / area + upper / area);
+        *row++ = lower / area;
+        *row++ = upper / area;
         *row++ = 0.5 * (lower + upper);
-        *row++ = lower;
-        *row++ = upper;
+        *row++ = b->deflection;
     }
     row = gn_record_put_tensor(w, row, b->gradient);
     row = gn_record_put_tensor(w, row, w->stress);
@@ -291,7 +233,12 @@ static void fill_row(const gn_world *w, const before_step *b, const double *disp
     }
     row = put_energy(w, row);
     row = put_owners(w, row, displacement);
-    gn_elements_put(w, elements, b->strain, row);
+    gn_elements_put(w, elements, row);
+}
+
+/* The scale of the residual never falls. Elements are in the reading only. */
+static void note_passed(gn_world *w) {
+    w->energy.passed = w->reading.passed = fmax(w->energy.passed, gn_energy_passed(&w->reading));
 }
 
 gneiss_status gn_record_step(gn_world *w, gn_history *h, gneiss_error *error) {
@@ -306,6 +253,7 @@ gneiss_status gn_record_step(gn_world *w, gn_history *h, gneiss_error *error) {
     gneiss_status status = gn_world_step(w, true, error);
     start = gn_now();
     if (status == GNEISS_OK) {
+        note_passed(w);
         fill_row(w, &before, displacement, read, row);
         status = gn_history_append(h, row, error);
     }
@@ -315,12 +263,14 @@ gneiss_status gn_record_step(gn_world *w, gn_history *h, gneiss_error *error) {
 }
 
 gn_readings gn_record_readings(const gn_world *w, const gn_history *h) {
+    const gn_test *t = &w->scene.test;
     gn_readings r;
-#define X(name, unit, text) r.name = NAN;
-    GN_READINGS(X)
-#undef X
-    if (w->scene.test.kind != GN_TEST_NONE)
-        gn_readings_compute(h, (int)w->scene.dimension, (int)w->scene.test.axis, (int)test_sign(w),
-                            &r);
+    gn_tested tested = {.dimension = (int)w->scene.dimension,
+                        .axis = (int)t->axis,
+                        .sign = t->kind == GN_TEST_COMPRESSION ? -1 : 1,
+                        .elastic = !w->scene.has_specimen,
+                        .watched = !gn_scene_end_drives(&w->scene, &t->lower) ||
+                                   !gn_scene_end_drives(&w->scene, &t->upper)};
+    gn_readings_compute(h, &tested, &r);
     return r;
 }

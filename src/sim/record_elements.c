@@ -18,14 +18,6 @@ gneiss_status gn_elements_add_columns(const gn_world *w, gn_history *h, gneiss_e
                                     "average stress of the finite elements, tension positive",
                                     error));
     }
-    if (w->scene.test.kind != GN_TEST_NONE) {
-        GN_TRY(gn_history_add_column(
-            h, "force", "N", "mean force of both ends, positive in the test's sense", error));
-        GN_TRY(gn_history_add_column(h, "deflection", "m",
-                                     "change of the distance of the ends, positive in the test's "
-                                     "sense",
-                                     error));
-    }
     for (size_t k = 0; k < w->scene.elements.motion_count; k++) {
         const char *name = w->scene.elements.motions[k].name;
         GN_TRY(gn_record_add_vector(w, h, "motion", name, "displacement", "m",
@@ -56,17 +48,11 @@ static double *put_vector(const gn_world *w, double *row, const double v[3]) {
     return row;
 }
 
-double *gn_elements_put(const gn_world *w, const double *before, double strain, double *row) {
+double *gn_elements_put(const gn_world *w, const double *before, double *row) {
     if (!w->elements) return row;
     if (beside_particles(w)) {
         row = gn_record_put_tensor(w, row, before);
         row = gn_record_put_tensor(w, row, w->elements->stress);
-    }
-    if (w->scene.test.kind != GN_TEST_NONE) {
-        double lower, upper;
-        gn_record_end_forces(w, &lower, &upper);
-        *row++ = 0.5 * (lower + upper);
-        *row++ = strain * w->test_length;
     }
     for (size_t k = 0; k < w->scene.elements.motion_count; k++) {
         double force[3];

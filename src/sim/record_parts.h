@@ -2,6 +2,7 @@
 #ifndef GN_SIM_RECORD_PARTS_H
 #define GN_SIM_RECORD_PARTS_H
 
+#include "sim/parts.h"
 #include "sim/record.h"
 
 /* Columns <what>_xx ... of the components that the dimension has, and their values. */
@@ -14,7 +15,10 @@ gneiss_status gn_record_add_vector(const gn_world *world, gn_history *history, c
                                    const char *owner, const char *what, const char *unit,
                                    const char *text, gneiss_error *error);
 
-/* Forces of the ends along the axis, N, positive in the sense of the test. */
+/* Change of the distance of the ends, m, positive in the sense of the test (ends.c). */
+double gn_record_deflection(const gn_world *world);
+/* Forces of the ends along the axis, N, positive in the sense of the test. An end that is only
+ * watched (what loads it is a traction) has the force of the other one. */
 void gn_record_end_forces(const gn_world *world, double *lower, double *upper);
 
 #endif

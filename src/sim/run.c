@@ -47,6 +47,7 @@ static gneiss_status open_folder(gn_run *run, gneiss_error *error) {
 
 gneiss_status gn_run_create(gn_scene *scene, gn_run *run, gneiss_error *error) {
     memset(run, 0, sizeof *run);
+    run->bad_since = -1;
     double start = gn_now();
     GN_TRY(gn_world_create(scene, &run->world, error));
     gneiss_status status = gn_record_create(&run->world, &run->history, error);
@@ -268,6 +269,7 @@ static gneiss_status one_step(gn_run *run, gneiss_error *error) {
     }
     if (w->step % run->history_interval == 0) {
         GN_TRY(gn_record_step(w, &run->history, error));
+        GN_TRY(gn_run_check_ledger(run, error));
         check_stop_conditions(run);
     } else {
         GN_TRY(gn_world_step(w, false, error));

@@ -18,6 +18,7 @@ typedef struct gn_run {
     double wall_start;         /* gn_now() at the start of this one */
     double next_checkpoint;    /* gn_now() */
     double peak;               /* largest stress so far, Pa */
+    int64_t bad_since;         /* step since which the ledger has not closed, -1: it does */
     bool finished;
     char stop_reason[256];
     gn_snapshot_times snapshot_times; /* of the output folder */
@@ -81,6 +82,26 @@ gneiss_status gn_run_write_failure(gn_run *run, const char *message, gneiss_erro
 gneiss_status gn_run_checkpoint(gn_run *run, gneiss_error *error);
 
 void gn_run_free(gn_run *run);
+
+/* verdict.c: |residual| of the ledger at the last history row over the energy that has gone
+ * through, or over what rounding alone makes where that is more; NaN without the ledger. */
+double gn_run_residual(const gn_run *run);
+/* After every row. GNEISS_ERROR_UNSTABLE: the residual stays beyond run.residual_limit. */
+gneiss_status gn_run_check_ledger(gn_run *run, gneiss_error *error);
+/* When all is written. GNEISS_ERROR_UNSTABLE: it ended beyond that limit. */
+gneiss_status gn_run_verdict(const gn_run *run, gneiss_error *error);
+
+/* What is to be said beside the results, each by a name that scripts can look for. */
+typedef struct gn_warning {
+    const char *name;
+    char text[320];
+} gn_warning;
+enum { GN_WARNINGS_MAX = 4 };
+typedef struct gn_warnings {
+    size_t count;
+    gn_warning warning[GN_WARNINGS_MAX];
+} gn_warnings;
+gn_warnings gn_run_warnings(const gn_run *run);
 
 /* checkpoint.c */
 gneiss_status gn_checkpoint_save(const gn_run *run, gneiss_error *error);

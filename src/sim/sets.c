@@ -19,16 +19,18 @@ static bool in_ids(const gn_set *s, int32_t id) {
     return false;
 }
 
-static bool selected(const gn_world *w, const gn_set *s, size_t p) {
-    const double *x = w->particles.pos + 4 * p;
+static bool selected_at(const gn_world *w, const gn_set *s, const double *x, int32_t id) {
     if (s->has_box)
         for (int a = 0; a < (int)w->scene.dimension; a++) {
             double seen = gn_point_out(w->scene.origin[a], x[a]);
             if (seen < s->box_min[a] || seen > s->box_max[a]) return false;
         }
     if (s->end_axis >= 0 && !in_end(w, s, x)) return false;
-    if (s->id_count && !in_ids(s, w->particles.id[p])) return false;
-    return true;
+    return !s->id_count || in_ids(s, id);
+}
+
+static bool selected(const gn_world *w, const gn_set *s, size_t p) {
+    return selected_at(w, s, w->particles.pos + 4 * p, w->particles.id[p]);
 }
 
 static const gn_table *channel(const gn_motion *motion, int k) {
@@ -149,8 +151,34 @@ void gn_prescription_update(gn_world *w, double time) {
 void gn_reactions_sum(gn_world *w) {
     memset(w->set_reaction, 0, w->scene.set_count * 6 * sizeof *w->set_reaction);
     for (size_t slot = 0; slot < w->prescribed.count; slot++)
-        for (int k = 0; k < 6; k++)
-            w->set_reaction[6 * w->prescribed.set[slot] + k] += w->prescribed.load[6 * slot + k];
+        for (int k = 0; k < 6; k++) {
+            int32_t s = w->channel_set[6 * slot + k]; /* of several sets the one that drives it */
+            if (s >= 0) w->set_reaction[6 * s + k] += w->prescribed.load[6 * slot + k];
+        }
+}
+
+/* Whether a particle counts for the travel of a set: where the set prescribes the velocity, those
+ * that have it from there, else all that were selected at the start. */
+static bool travels(const gn_world *w, size_t set, int axis, size_t p) {
+    const gn_particles *q = &w->particles;
+    const gn_set *s = &w->scene.sets[set];
+    if (s->motion.velocity[axis].count == 0) return selected_at(w, s, q->start + 4 * p, q->id[p]);
+    int32_t slot = q->slot[p];
+    return slot >= 0 && w->channel_set[6 * slot + axis] == (int32_t)set;
+}
+
+double gn_set_travel(const gn_world *w, size_t set, int axis) {
+    const gn_particles *q = &w->particles;
+    const gn_set *s = &w->scene.sets[set];
+    double sum = 0.0;
+    size_t count = 0, all = s->id_count ? s->id_count : q->soa.count;
+    for (size_t k = 0; k < all; k++) {
+        size_t p = (size_t)w->index_of_id[s->id_count ? (size_t)s->ids[k] : k];
+        if (!travels(w, set, axis, p)) continue;
+        sum += q->pos[4 * p + (size_t)axis] - q->start[4 * p + (size_t)axis];
+        count++;
+    }
+    return count ? sum / (double)count : 0.0;
 }
 
 /* Prescribed components start with their prescribed value, not with a jump. */

@@ -71,26 +71,31 @@ static gneiss_status make_lattice(const gn_scene *scene, gn_packing *packing, gn
     return GNEISS_OK;
 }
 
-static gneiss_status pack(const gn_scene *scene, gn_packing *packing, gneiss_error *error) {
+static gneiss_status pack(const gn_scene *scene, gn_packing *packing, double *volume,
+                          gneiss_error *error) {
     gn_pack_result result;
     char note[512];
     GN_TRY(gn_pack_obtain(scene, NULL, NULL, &result, note, sizeof note, error));
     *packing = result.packing;
+    *volume = result.volume;
     result.packing = (gn_packing){0};
     gn_pack_result_free(&result);
     return GNEISS_OK;
 }
 
-gneiss_status gn_specimen_make(const gn_scene *scene, gn_packing *packing, gneiss_error *error) {
+gneiss_status gn_specimen_make(const gn_scene *scene, gn_packing *packing, double *volume,
+                               gneiss_error *error) {
     const gn_specimen *s = &scene->specimen;
     *packing = (gn_packing){0};
+    *volume = 0.0;
     if (s->packed) {
+        *volume = s->packed_volume;
         GN_TRY(allocate(packing, (double)s->packed_count, error));
         memcpy(packing->sphere, s->packed, s->packed_count * 4 * sizeof(double));
         return GNEISS_OK;
     }
     if (s->lattice.kind != GN_LATTICE_NONE) return make_lattice(scene, packing, error);
-    if (s->pack.shape != GN_SHAPE_NONE) return pack(scene, packing, error);
+    if (s->pack.shape != GN_SHAPE_NONE) return pack(scene, packing, volume, error);
     GN_TRY(allocate(packing, (double)s->particle_count, error));
     memcpy(packing->sphere, s->particles, s->particle_count * 4 * sizeof(double));
     return GNEISS_OK;

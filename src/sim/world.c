@@ -31,10 +31,10 @@ const char *gn_phase_text(gn_phase phase) {
     return phase_texts[phase];
 }
 
-/* Packing -> particle record, in file order. */
+/* Packing -> particle record, in file order. A shape leaves its volume. */
 static gneiss_status load_particles(gn_world *w, gneiss_error *error) {
     gn_packing packing = {0};
-    GN_TRY(gn_specimen_make(&w->scene, &packing, error));
+    GN_TRY(gn_specimen_make(&w->scene, &packing, &w->volume, error));
     if (packing.count > INT32_MAX - 2 * GN_LANES_MAX) {
         gn_packing_free(&packing);
         return gn_fail(error, GNEISS_ERROR_INPUT,
@@ -94,20 +94,43 @@ static void measure_test(gn_world *w) {
         w->test_area = w->volume / w->test_length;
 }
 
-/* Extent with radii and the volume that porosity and average stress refer to: the periodic box,
- * else the test's length x area, else the convex hull of the particles. */
-static gneiss_status measure_specimen(gn_world *w, gneiss_error *error) {
+typedef enum volume_source {
+    FROM_ELEMENTS,
+    FROM_BOX,
+    FROM_SHAPE,
+    FROM_TEST,
+    FROM_HULL
+} volume_source;
+
+static volume_source source_of_volume(const gn_world *w) {
     const gn_test *t = &w->scene.test;
-    if (w->effects & GN_FX_PERIODIC || (t->length > 0.0 && (t->area > 0.0 || t->diameter > 0.0)))
-        measure_extent(w); /* the volume is known without a hull */
-    else
+    if (!w->scene.has_specimen) return FROM_ELEMENTS;
+    if (w->effects & GN_FX_PERIODIC) return FROM_BOX;
+    if (w->scene.specimen.pack.shape != GN_SHAPE_NONE) return FROM_SHAPE;
+    bool given = t->kind != GN_TEST_NONE && (t->area > 0.0 || t->diameter > 0.0);
+    return given ? FROM_TEST : FROM_HULL;
+}
+
+const char *gn_world_volume_source(const gn_world *w) {
+    static const char *const names[] = {"the elements", "the periodic box", "the shape",
+                                        "length times area of the test",
+                                        "the convex hull of the particles"};
+    return names[source_of_volume(w)];
+}
+
+/* Extent with radii and the volume that density, porosity and average stress refer to. That of a
+ * shape is there already. */
+static gneiss_status measure_specimen(gn_world *w, gneiss_error *error) {
+    volume_source source = source_of_volume(w);
+    if (source == FROM_HULL)
         GN_TRY(gn_packing_hull(&w->particles, (int)w->scene.dimension, &w->volume, w->lower,
                                w->upper, error));
-    if (w->effects & GN_FX_PERIODIC)
+    else
+        measure_extent(w);
+    if (source == FROM_BOX)
         w->volume = w->period[0] * w->period[1] * (w->effects & GN_FX_SPACE ? w->period[2] : 1.0);
-    if (t->kind == GN_TEST_NONE) return GNEISS_OK;
     measure_test(w);
-    if (!(w->effects & GN_FX_PERIODIC)) w->volume = w->test_length * w->test_area;
+    if (source == FROM_TEST) w->volume = w->test_length * w->test_area;
     return GNEISS_OK;
 }
 
@@ -116,6 +139,13 @@ double gn_world_porosity(const gn_world *w) {
     for (size_t p = 0; p < w->particles.soa.count; p++)
         solid += gn_ball_volume((int)w->scene.dimension, w->particles.pos[4 * p + 3]);
     return 1.0 - solid / w->volume;
+}
+
+double gn_world_mass(const gn_world *w) {
+    double mass = w->elements ? w->elements->body.mass : 0.0;
+    for (size_t p = 0; p < w->particles.soa.count; p++) /* 0: removed */
+        if (w->particles.vel[4 * p + 3] > 0.0) mass += 1.0 / w->particles.vel[4 * p + 3];
+    return mass;
 }
 
 static double bulk_factor(const gn_world *w) {

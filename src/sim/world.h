@@ -177,6 +177,12 @@ void gn_observed_free(gn_observed *observed);
 /* The view that measures and the time step estimate work on. */
 gn_assembly gn_world_assembly(const gn_world *world);
 
+/* What world->volume is the volume of: "the shape", "the convex hull of the particles", ... */
+const char *gn_world_volume_source(const gn_world *world);
+
+/* Of particles and elements, kg. */
+double gn_world_mass(const gn_world *world);
+
 /* 1 - volume of the particles (overlaps counted twice) over that of the specimen. */
 double gn_world_porosity(const gn_world *world);
 

@@ -1,0 +1,220 @@
+"""Laboratory tests: ends of several parts, what can be read and why some of it cannot. Speaks TAP."""
+from program import *  # noqa: F403
+
+
+def block(cells, **more):
+    """A bonded 2D block of discs of 1 mm that cannot break, damped so that waves die out in a part of the run."""
+    scene = {
+        "dimension": 2,
+        "specimen": {"lattice": {"kind": "square", "radius": 1e-3, "cells": cells}},
+        "materials": [{"name": "a", "density": 2000, "normal_stiffness": 1e6, "kratio": 2, "friction": 0.3,
+                       "bond_tension_limit": 1e9, "bond_shear_limit": 1e9}],
+        "law": {"stiffness": "uniform"}, "bonds": {},
+        "damping": {"background": {"model": "viscous", "coefficient": 200}},
+        "time": {"end": 0.1}, "output": {"history_rows": 200, "snapshots": 0, "checkpoint": "off"},
+        "run": {"threads": 1}}
+    return {**scene, **more}
+
+
+RAMP = [[0, 0], [0.1, -1e-3]]
+
+
+def part(name, low, high, **motion):
+    return {"name": name, "select": {"box": {"min": low, "max": high}}, "motion": motion}
+
+
+def bending(lower, more_sets=()):
+    """A beam of 16 by 4 discs on two supports, pressed down in the middle."""
+    sets = [part("left", [0, 0], [2e-3, 2e-3], vy=0), part("right", [30e-3, 0], [32e-3, 2e-3], vy=0),
+            part("punch", [14e-3, 6e-3], [18e-3, 8e-3], vy=RAMP), *more_sets]
+    return block([16, 4], sets=sets, test={"kind": "compression", "axis": "y", "lower": lower, "upper": "punch"})
+
+
+def run_scene(folder, scene, *arguments):
+    """The output folder and what was said while running."""
+    out = os.path.join(folder, "out")
+    return out, expect(gneiss("run", write_scene(folder, scene), "--out", out, *arguments), 0)
+
+
+def absent(out):
+    return summary(out)["absent"]
+
+
+def warnings(out):
+    return {w["name"]: w["text"] for w in summary(out)["warnings"]}
+
+
+# --- ends -------------------------------------------------------------------------------------------------
+
+@fact
+def the_forces_of_two_supports_add_up(folder):
+    out, done = run_scene(folder, bending(["left", "right"]), "--quiet")
+    rows = history(out)
+    supports = rows["set_left_reaction_y"] + rows["set_right_reaction_y"]
+    assert np.allclose(rows["force"], 0.5 * (supports - rows["set_punch_reaction_y"]), rtol=1e-12, atol=1e-12)
+    # The drag of the viscous damping is what is left: mass times rate times velocity over the force.
+    assert rows["force"][-1] > 0 and abs(supports[-1] / rows["force"][-1] - 1) < 0.02, supports[-1]
+    assert warnings(out) == {} and done.stderr == ""
+    assert summary(out)["readings"]["end_imbalance"] < 0.05, summary(out)["readings"]
+
+
+@fact
+def an_end_that_leaves_out_a_support_is_said_to_be_out_of_balance(folder):
+    """Half of the load on one end: its difference is two thirds of the mean."""
+    out, done = run_scene(folder, bending("left"), "--quiet")
+    assert abs(summary(out)["readings"]["end_imbalance"] - 2 / 3) < 0.05
+    assert "differ by" in warnings(out)["end_imbalance"] and "warning: end_imbalance" in done.stderr, done.stderr
+
+
+@fact
+def particles_have_force_and_deflection_as_elements_have(folder):
+    out, _ = run_scene(folder, bending(["left", "right"]), "--quiet")
+    rows = history(out)
+    assert np.allclose(rows["deflection"], rows["strain"] * 8e-3, rtol=1e-12)
+    assert np.allclose(rows["force"], rows["stress"] * 32e-3, rtol=0.05)  # the hull cuts corners of the discs
+    moved = 0.5 * 1e-3 / 0.1 * rows["time"][-1] ** 2
+    assert abs(rows["deflection"][-1] / moved - 1) < 1e-6
+
+
+@fact
+def a_reaction_goes_to_the_set_that_drives_the_channel(folder):
+    """A pin that holds a support sideways does not take its vertical force."""
+    pin = part("pin", [0, 0], [2e-3, 2e-3], vx=0)
+    out, _ = run_scene(folder, bending(["left", "right"], [pin]), "--quiet")
+    rows = history(out)
+    assert rows["set_pin_reaction_y"][-1] == 0
+    assert abs(rows["set_left_reaction_y"][-1] / rows["set_right_reaction_y"][-1] - 1) < 0.02
+
+
+@fact
+def bodies_and_walls_make_an_end_together(folder):
+    """Two blocks below, a wall above; each part has its share, the travel is the mean over the parts."""
+    def foot(name, x, speed):
+        corners = [[x, -2e-3], [x + 6e-3, -2e-3], [x + 6e-3, 0], [x, 0]]
+        return {"name": name, "polygon": corners, "stiffness": 1e6, "motion": {"vy": speed}}
+
+    wall = {"name": "lid", "point": [0, 8e-3], "normal": [0, -1], "stiffness": 1e6, "motion": {"vy": RAMP}}
+    scene = block([8, 4], bodies=[foot("one", 0, 0), foot("two", 10e-3, [[0, 0], [0.1, 5e-4]])], walls=[wall],
+                  test={"kind": "compression", "axis": "y", "lower": ["one", "two"], "upper": "lid"})
+    out, _ = run_scene(folder, scene, "--quiet")
+    rows = history(out)
+    feet = rows["body_one_force_y"] + rows["body_two_force_y"]
+    assert np.allclose(rows["force"], 0.5 * (rows["wall_lid_force_y"] - feet), rtol=1e-12, atol=1e-12)
+    assert rows["body_one_force_y"][-1] < 0 and rows["body_two_force_y"][-1] < 0
+    travel = 0.5 * rows["body_two_displacement_y"] - rows["wall_lid_displacement_y"]
+    assert np.allclose(rows["deflection"], travel, rtol=1e-12, atol=1e-18)
+
+
+@fact
+def a_set_that_nothing_drives_is_watched(folder):
+    """It has the force of the other end and moves as its particles do."""
+    sets = [part("top", [0, 6e-3], [8e-3, 8e-3], vy=RAMP), part("foot", [0, 0], [8e-3, 2e-3], vx=0)]
+    wall = {"name": "floor", "point": [0, 0], "normal": [0, 1], "stiffness": 1e6}
+    scene = block([4, 4], sets=sets, walls=[wall],
+                  test={"kind": "compression", "axis": "y", "lower": "foot", "upper": "top"})
+    out, _ = run_scene(folder, scene, "--quiet")
+    rows = history(out)
+    assert np.array_equal(rows["stress_lower"], rows["stress_upper"]) and rows["stress"][-1] > 0
+    moved = 0.5 * 1e-3 / 0.1 * rows["time"][-1] ** 2
+    assert 0 < rows["deflection"][-1] < 0.95 * moved, "the foot did not give way"
+    assert "watched" in absent(out)["end_imbalance"]
+
+
+@fact
+def an_end_is_made_of_things_that_are_there_and_each_once(folder):
+    for lower, pattern in ((["left", "middle"], "found 'middle'"), (["left", "left"], "found 'left' again"),
+                           (["left", "punch"], "test.upper: expected another end than lower, found 'punch'"),
+                           ([], "expected a name or a list of names")):
+        expect(gneiss("check", write_scene(folder, bending(lower))), 2, pattern)
+
+
+# --- what can be read -------------------------------------------------------------------------------------
+
+def between(cells, sides=None, **more):
+    """A block between two walls along y and, with `sides`, two more along x that move in by that times as much."""
+    height, width = 2e-3 * cells[1], 2e-3 * cells[0]
+    wall = {"stiffness": 1e6}
+    walls = [{"name": "low", "point": [0, 0], "normal": [0, 1], **wall},
+             {"name": "up", "point": [0, height], "normal": [0, -1], "motion": {"vy": RAMP}, **wall}]
+    if sides is not None:
+        walls += [{"name": "west", "point": [0, 0], "normal": [1, 0], **wall},
+                  {"name": "east", "point": [width, 0], "normal": [-1, 0], "motion": {"vx": [[0, 0], [0.1, -1e-3 * sides]]},
+                   **wall}]
+    return block(cells, walls=walls, test={"kind": "compression", "axis": "y", "lower": "low", "upper": "up"}, **more)
+
+
+@fact
+def one_axis_gives_a_modulus_and_poissons_ratio(folder):
+    """A square lattice along its bonds: k_n per unit of width, nothing sideways, in series with two walls of k_n
+    per column, as stiff as a bond each: 12 discs have 11 bonds and 12 diameters."""
+    out, _ = run_scene(folder, between([6, 12]), "--quiet")
+    readings = summary(out)["readings"]
+    assert abs(readings["young_modulus"] / (1e6 * 12 / 13) - 1) < 0.02, readings
+    assert abs(readings["poisson_ratio"]) < 0.01, readings
+    assert set(absent(out)) == {"peak_stress", "peak_strain"}, absent(out)
+
+
+@fact
+def sides_that_are_pressed_leave_neither_modulus_nor_poissons_ratio(folder):
+    out, done = run_scene(folder, between([12, 12], sides=1))
+    for name in ("young_modulus", "young_modulus_average", "poisson_ratio", "plane_young_modulus", "plane_poisson_ratio"):
+        assert summary(out)["readings"][name] is None
+        assert re.search(r"not loaded along y alone: stress_xx changes by (0.9|1|1.)\d* of", absent(out)[name]), absent(out)
+    assert "Poisson's ratio                 -   the specimen is not loaded along y alone" in done.stdout, done.stdout
+
+
+@fact
+def a_shear_test_leaves_neither_modulus_nor_poissons_ratio(folder):
+    """The upper edge goes sideways and a little down."""
+    sets = [part("low", [0, 0], [24e-3, 2e-3], vx=0, vy=0),
+            part("up", [0, 22e-3], [24e-3, 24e-3], vx=[[0, 0], [0.1, 1e-3]], vy=[[0, 0], [0.1, -1e-4]])]
+    scene = block([12, 12], sets=sets, test={"kind": "compression", "axis": "y", "lower": "low", "upper": "up"})
+    out, _ = run_scene(folder, scene, "--quiet")
+    for name in ("young_modulus", "young_modulus_average", "poisson_ratio"):
+        assert summary(out)["readings"][name] is None and "not loaded along y alone" in absent(out)[name], absent(out)
+
+
+@fact
+def bending_leaves_no_modulus_over_the_platen_strain(folder):
+    out, _ = run_scene(folder, bending(["left", "right"]), "--quiet")
+    assert summary(out)["readings"]["young_modulus"] is None and "bending" in absent(out)["young_modulus"], absent(out)
+
+
+@fact
+def a_stress_that_still_rises_is_no_peak(folder):
+    run(UCS, folder, "--set", "time.end=0.1 ms")
+    readings, stress = summary(folder)["readings"], history(folder)["stress"]
+    assert readings["peak_stress"] is None and readings["peak_strain"] is None
+    assert "no bond has broken" in absent(folder)["peak_stress"] or "ended before the peak" in absent(folder)["peak_stress"]
+    assert readings["largest_stress"] == stress.max() and readings["largest_strain"] > 0
+
+
+@fact
+def a_stress_that_has_fallen_is_a_peak(folder):
+    run(UCS, folder)
+    readings, stress = summary(folder)["readings"], history(folder)["stress"]
+    assert readings["peak_stress"] == readings["largest_stress"] == stress.max() and stress[-1] < 0.95 * stress.max()
+    assert not {"peak_stress", "peak_strain"} & set(absent(folder))
+
+
+@fact
+def results_say_beside_every_absent_reading_why(folder):
+    out, _ = run_scene(folder, between([12, 12], sides=1), "--quiet")
+    with results(out) as file:
+        for name, data in file["readings"].items():
+            reason = text(data.attrs["absent"]) if "absent" in data.attrs else ""
+            assert np.isnan(data[0]) == bool(reason), name
+            assert absent(out).get(name, "") == reason, name
+
+
+@fact
+def without_a_test_every_reading_is_absent_for_that(folder):
+    scene = between([3, 3])
+    del scene["test"]
+    out, _ = run_scene(folder, scene, "--quiet")
+    assert set(absent(out)) == set(summary(out)["readings"])
+    assert set(absent(out).values()) == {"the scene has no test"}
+
+
+if __name__ == "__main__":
+    sys.exit(main())
