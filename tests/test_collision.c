@@ -142,16 +142,13 @@ static double worst_rebound(double fine) {
     return worst;
 }
 
-/* First order: the contact opens and closes at the ends of steps, where the viscous force changes
- * the speed v by 2 alpha w dt v in a step (v = c_r at the end), and that force is that of the speed
- * half a step before. */
-static void restitution_error_is_of_first_order_in_the_step(void **state) {
+/* The parts of the first and the last step count as they are, with errors of second order: the
+ * dashpot sees the velocity of half a step before, which its coefficient knows of in the mean only.
+ * Measured: 0.03 to 0.04 of (w dt)^2 here. */
+static void restitution_error_is_of_second_order_in_the_step(void **state) {
     (void)state;
-    double alpha = -log(0.5) / sqrt(pi * pi + log(0.5) * log(0.5));
-    for (double fine = 6.4e-2; fine > 2e-4; fine /= 4.0) {
-        double bound = 2.0 * alpha * (0.5 + 0.5) * fine;
-        assert_true(worst_rebound(fine) <= bound);
-    }
+    for (double fine = 0.256; fine > 2e-4; fine /= 4.0)
+        assert_true(worst_rebound(fine) <= 0.06 * fine * fine);
 }
 
 static void a_sphere_rebounds_from_a_wall_with_the_restitution_coefficient(void **state) {
@@ -268,7 +265,7 @@ int main(void) {
         cmocka_unit_test(spheres_keep_momentum_and_moment_of_momentum),
         cmocka_unit_test(discs_keep_momentum_and_moment_of_momentum),
         cmocka_unit_test(spheres_rebound_with_the_restitution_coefficient),
-        cmocka_unit_test(restitution_error_is_of_first_order_in_the_step),
+        cmocka_unit_test(restitution_error_is_of_second_order_in_the_step),
         cmocka_unit_test(a_sphere_rebounds_from_a_wall_with_the_restitution_coefficient),
         cmocka_unit_test(a_sliding_sphere_comes_to_roll_at_five_sevenths),
         cmocka_unit_test(a_sliding_disc_comes_to_roll_at_two_thirds),

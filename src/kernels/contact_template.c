@@ -302,33 +302,40 @@ GN_INLINE void book_elastic(const contact_state *q, lane_sums *e, variant w) {
 
 /* A contact that closed or opened within the step acted for a part of it only. Forces stand at the
  * ends of steps and count for half a step on either side; with g the gap before, u the overlap
- * after it closed by p = g + u, the spring's impulse is that of a force which begins at the share
- * u/p: k u (1 + u/p)/2, and the dashpot acted for 1/2 + u/p steps. Where it opened, the full forces
- * of the last instant were too much: taken back are k u (1 - u/p)/2 of the spring, and of the
- * dashpot's step 1/2 - u/p. So the energy of a rebound is off by (w dt)^4/16 at most instead of (w
- * dt)^2/4. The energy that is booked with the instant is what closes the trapezoidal sums: half the
- * force times the path. */
-GN_INLINE void cross(gn_v path, gn_v distance, gn_m loose, contact_state *q) {
-    gn_v half = gn_set(0.5), one = gn_set(1.0), zero = gn_set(0.0);
+ * after it closed by p = g + u, the spring's impulse is that of a force which begins at the share s
+ * = u/p: k u (1 + s)/2, and the dashpot acted for 1/2 + s steps. Where it opened by p to the gap s
+ * p, the full forces of the last instant, at the overlap (1 - s) p, were too much: taken back are
+ * k (1 - s) p s/2 of the spring, and of the dashpot's step 1/2 - s. So the energy of a rebound is
+ * off by some y^4/40 instead of y^2/4, y = w dt, w^2 = k (1/m_i + 1/m_j); with the factors 1 -+ y^2
+ * s (1 - s)/4, from the trapezoidal sums of this and the next step of a pair that meets alone, by
+ * y^8. The energy that is booked with the instant is what closes those sums: half the force times
+ * the path. */
+GN_INLINE void cross(const gn_contact_args *a, size_t c, gn_v path, gn_v distance, gn_m loose,
+                     contact_state *q) {
+    gn_v half = gn_set(0.5), one = gn_set(1.0), zero = gn_set(0.0), vi[4], vj[4];
+    gn_rows4(COLUMN(a, vel), a->contacts->i + c, vi);
+    gn_rows4(COLUMN(a, vel), a->contacts->j + c, vj);
+    gn_v quarter_y2 = gn_set(0.25 * a->dt * a->dt) * q->kn * (vi[3] + vj[3]);
+    quarter_y2 = gn_set(0.0) - gn_max(gn_set(0.0) - quarter_y2, gn_set(-0.125));
     gn_v before = q->stretch - path;
     /* A gap within the rounding of the positions was none. */
     gn_m touched = gn_less(before, gn_set(0x1p-48) * distance);
     /* A bond that breaks in this step was a spring both ways until now. */
     gn_m closing = gn_and(gn_and(loose, gn_not(q->breaking)), gn_and(q->touching, gn_not(touched)));
     gn_m opening = gn_and(gn_and(loose, gn_less(zero, path)), gn_and(touched, gn_not(q->touching)));
-    gn_v in = gn_where(closing, q->stretch / path, zero);
-    gn_v out = gn_where(opening, q->stretch / path, zero);
-    q->normal = gn_where(closing, half * q->elastic * (one + in), q->normal);
-    q->normal = gn_where(opening, gn_set(-0.5) * q->kn * before * out, q->normal);
-    q->share = gn_where(closing, half + in, q->share);
-    q->share = gn_where(opening, half - out, q->share);
-    q->way = gn_where(closing, path, q->way);
-    q->way = gn_where(opening, zero - path, q->way);
+    gn_v s = gn_where(gn_or(closing, opening), q->stretch / path, zero);
+    gn_v bend = quarter_y2 * s * (one - s);
+    gn_v in = half * q->elastic * (one + s) * (one - bend);
+    gn_v out = gn_set(-0.5) * q->kn * before * s * (one + bend);
+    q->normal = gn_where(closing, in, gn_where(opening, out, q->normal));
+    q->share = gn_where(closing, half + s, gn_where(opening, half - s, q->share));
+    q->way = gn_where(closing, path, gn_where(opening, zero - path, q->way));
     q->elastic = gn_where(opening, q->normal, q->elastic); /* nothing is left to release */
 }
 
 /* What acts along the normal but for the dashpot. */
-GN_INLINE void find_normal_force(const stage *g, gn_v path, contact_state *q) {
+GN_INLINE void find_normal_force(const gn_contact_args *a, size_t c, const stage *g, gn_v path,
+                                 contact_state *q) {
     gn_m acting = gn_or(q->touching, q->intact), loose = gn_not(q->intact);
     gn_m touched = gn_less(q->stretch, path);
     q->normal = gn_keep(acting, q->elastic);
@@ -337,7 +344,7 @@ GN_INLINE void find_normal_force(const stage *g, gn_v path, contact_state *q) {
     gn_m crossing =
         gn_or(gn_and(q->touching, gn_not(touched)), gn_and(touched, gn_not(q->touching)));
     if (__builtin_expect(gn_bits(gn_and(loose, crossing)) != 0, 0))
-        cross(path, g->geometry.distance, loose, q);
+        cross(a, c, path, g->geometry.distance, loose, q);
 }
 
 GN_INLINE gn_v damped(const gn_contact_args *a, size_t c, gn_v speed, gn_v path,
@@ -380,7 +387,7 @@ GN_INLINE void find_forces(const gn_contact_args *a, size_t c, size_t end, const
     }
     if (w.bonds) break_bonds(a, c, end, &q, sums, w);
     gn_v path = gn_set(a->dt) * g->speed;
-    find_normal_force(g, path, &q);
+    find_normal_force(a, c, g, path, &q);
     gn_v total = q.normal;
     if (w.damping) total = damped(a, c, g->speed, path, &q, e, w);
     if (w.shear) limit_shear(a, c, total, &q, w);

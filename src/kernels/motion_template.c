@@ -317,7 +317,6 @@ GN_INLINE void translate(const gn_motion_args *a, size_t p, const block_load *su
         gn_v ref[4];
         load_rows(a->origin ? a->origin : q->ref, p, ref);
         gn_v travel[4] = {place[0] - ref[0], place[1] - ref[1], place[2] - ref[2], x[3]};
-        velocity[3] = gn_set(0.0);
         gn_store_rows4_single(q->travel_f + 4 * p, travel);
         gn_store_rows4_single(q->vel_f + 4 * p, velocity);
     }

@@ -69,15 +69,16 @@ typedef struct gn_touch_normal {
 
 /* A contact that closed or opened within the step: see the kernel of particles
  * (kernels/contact_template.c, cross). */
-static inline gn_touch_normal gn_touch_normal_of(double stiffness, double gap, double path,
-                                                 double rounding) {
-    double before = gap - path;
-    if (gap < 0.0 && before < rounding) return (gn_touch_normal){stiffness * gap, gap, 1.0};
-    if (gap < 0.0)
-        return (gn_touch_normal){0.5 * stiffness * gap * (1.0 + gap / path), path,
-                                 0.5 + gap / path};
-    if (before < rounding && path > 0.0)
-        return (gn_touch_normal){-0.5 * stiffness * before * (gap / path), -path, 0.5 - gap / path};
+static inline gn_touch_normal gn_touch_normal_of(double stiffness, const gn_touch *t, double path,
+                                                 double dt) {
+    double before = t->gap - path, gap = t->gap, s = gap / path;
+    bool touching = gap < 0.0, touched = before < t->rounding;
+    if (touching && touched) return (gn_touch_normal){stiffness * gap, gap, 1.0};
+    double bend = fmin(0.25 * dt * dt * stiffness * t->inverse_mass, 0.125) * s * (1.0 - s);
+    if (touching)
+        return (gn_touch_normal){0.5 * stiffness * gap * (1.0 + s) * (1.0 - bend), path, 0.5 + s};
+    if (touched && path > 0.0)
+        return (gn_touch_normal){-0.5 * stiffness * before * s * (1.0 + bend), -path, 0.5 - s};
     return (gn_touch_normal){0.0, 0.0, 0.0};
 }
 
@@ -88,7 +89,7 @@ static inline double gn_touch_force(const gn_world *w, const gn_touch_law *law, 
                                     gn_contact_sums *sums) {
     bool touching = s->gap < 0.0;
     double path = s->speed * w->dt_past, elastic = 0.0;
-    gn_touch_normal normal = gn_touch_normal_of(law->stiffness, s->gap, path, s->rounding);
+    gn_touch_normal normal = gn_touch_normal_of(law->stiffness, s, path, w->dt_past);
     double total = normal.force;
     if (w->effects & GN_FX_CONTACT_DAMPING) {
         double viscous = 0.0;

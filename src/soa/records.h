@@ -30,7 +30,8 @@
       "place in the list of prescribed particles, -1: none")                                       \
     X(travel_f, float, GN_F32, 4, GN_ROWS, GN_SCRATCH, GN_FX_MIXED, 0, "m",                        \
       "centre less ref (nodes: start) x y z, radius")                                              \
-    X(vel_f, float, GN_F32, 4, GN_ROWS, GN_SCRATCH, GN_FX_MIXED, 0, "m/s", "velocity x y z, 0")    \
+    X(vel_f, float, GN_F32, 4, GN_ROWS, GN_SCRATCH, GN_FX_MIXED, 0, "m/s, 1/kg",                   \
+      "velocity x y z, inverse mass")                                                              \
     X(spin_f, float, GN_F32, 4, GN_ROWS, GN_SCRATCH, GN_FX_MIXED | GN_FX_ROTATION, 0, "rad/s",     \
       "angular velocity x y z, 0")                                                                 \
     X(placed_p, double, GN_F64, 4, GN_ROWS, GN_SAVED, GN_FX_PRESSURE, 0, "m, Pa",                  \

@@ -14,7 +14,7 @@ void gn_particles_to_single(const gn_particles *particles, const double *origin,
 #pragma omp parallel for schedule(static) num_threads(threads)
     for (size_t p = 0; p < count; p++) {
         row_to_single(q->travel_f + 4 * p, q->pos + 4 * p, origin + 4 * p, q->pos[4 * p + 3]);
-        row_to_single(q->vel_f + 4 * p, q->vel + 4 * p, NULL, 0.0);
+        row_to_single(q->vel_f + 4 * p, q->vel + 4 * p, NULL, q->vel[4 * p + 3]);
         if (q->spin_f) row_to_single(q->spin_f + 4 * p, q->spin + 4 * p, NULL, 0.0);
     }
 }
