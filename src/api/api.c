@@ -226,8 +226,12 @@ gneiss_status gneiss_world_advance(gneiss_world *world, double seconds, gneiss_e
 }
 
 gneiss_status gneiss_world_finish(gneiss_world *world, gneiss_error *error) {
+    gneiss_error found = {0};
     GN_TRY(require_good(world, error));
-    return world->run.directory[0] ? gn_run_finish(&world->run, error) : GNEISS_OK;
+    if (!world->run.directory[0]) return GNEISS_OK;
+    gneiss_status status = gn_run_finish(&world->run, &found);
+    if (status == GNEISS_ERROR_UNSTABLE) return settle(world, status, &found, error);
+    return status == GNEISS_OK ? status : gn_fail(error, status, "%s", found.message);
 }
 
 gneiss_status gneiss_world_run(gneiss_world *world, gneiss_error *error) {

@@ -109,6 +109,12 @@ void gn_sweep(gn_world *world, const gn_contact_args *bonds, const gn_contact_ar
 void gn_walls_sum(gn_world *world);
 void gn_walls_move(gn_world *world);
 
+/* That bodies and walls, and nodes that particles touch, did not move too far in the step
+ * (paths.c).
+ */
+gneiss_status gn_paths_check(const gn_world *world, gneiss_error *error);
+gneiss_status gn_paths_check_nodes(const gn_world *world, gneiss_error *error);
+
 /* What the kernels get in the coming step (step.c). */
 gn_contact_args gn_world_contact_args(const gn_world *world, const gn_contacts *list, bool measure);
 gn_motion_args gn_world_motion_args(gn_world *world, bool measure);

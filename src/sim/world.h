@@ -128,6 +128,7 @@ struct gn_world {
     int64_t lost;          /* removed particles */
     int64_t contact_steps; /* contacts worked on, summed over steps */
     double seconds[GN_PHASE_COUNT];
+    bool bad; /* the run failed: its state is written as it is, for looking at */
 };
 
 /* Builds the world; takes over the contents of `scene` (also on failure, when they are freed). On
