@@ -396,7 +396,8 @@ static const gn_key servo_keys[] = {
     KEY("max_velocity", REAL, gn_wall_def, servo.max_velocity, .unit = "m/s", .range = "(0, inf)",
         .required = true, .text = "limit of the wall's velocity"),
     KEY("relaxation", REAL, gn_wall_def, servo.relaxation, .unit = "1", .range = "(0, 1]",
-        .fallback = "0.1", .text = "fraction of the force error corrected per step"),
+        .fallback = "0.1", .text = "fraction of the force error corrected per step; less where that would not be "
+                "stable with the time step"),
 };
 TABLE_OF(servo);
 
