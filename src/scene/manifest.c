@@ -255,7 +255,9 @@ static const gn_key bonds_keys[] = {
         .fallback = "0.05", .text = "bonds form at gaps up to this times the sum of the radii"),
     KEY("overlap_range", REAL, gn_scene, overlap_range, .unit = "1", .range = "[0, 1]",
         .fallback = "1",
-        .text = "bonds form at overlaps up to this times the sum of the radii; 1: unlimited"),
+        .text = "bonds form at overlaps up to this times the sum of the radii; 1: unlimited (but "
+                "centres "
+                "of bonded particles stand apart by 0.01 of the smaller radius)"),
     KEY("passive_gaps", CHOICE, gn_scene, passive_gaps, .choices = booleans, .fallback = "true",
         .text = "bonds are free of stress at the distance where they form"),
 };
@@ -396,7 +398,8 @@ static const gn_key servo_keys[] = {
     KEY("max_velocity", REAL, gn_wall_def, servo.max_velocity, .unit = "m/s", .range = "(0, inf)",
         .required = true, .text = "limit of the wall's velocity"),
     KEY("relaxation", REAL, gn_wall_def, servo.relaxation, .unit = "1", .range = "(0, 1]",
-        .fallback = "0.1", .text = "fraction of the force error corrected per step; less where that would not be "
+        .fallback = "0.1",
+        .text = "fraction of the force error corrected per step; less where that would not be "
                 "stable with the time step"),
 };
 TABLE_OF(servo);
