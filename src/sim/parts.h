@@ -62,8 +62,8 @@ typedef struct gn_surface_contact {
     size_t particle;
     gn_facet_contact contact;
     int parts; /* of a surface whose vertices move by themselves */
-    int32_t vertex[9];
-    double weight[9];
+    int32_t vertex[3];
+    double weight[3];
 } gn_surface_contact;
 size_t gn_surface_contacts_at(const gn_world *world, size_t begin, double skin,
                               gn_surface_contact *contacts, size_t *count);

@@ -19,9 +19,9 @@ static gn_extra_spring spring_of(const gn_world *w, const gn_surface_contact *c)
     memcpy(e.n, k->n, sizeof e.n);
     e.arm = w->scene.contact_arm == GN_ARM_MIDPOINT ? sqrt(gn_dot3(k->arm, k->arm))
                                                     : w->particles.pos[4 * c->particle + 3];
-    /* Joined contacts resist in every direction in which one of them does. */
+    /* Contacts that share resist in every direction in which one of them does. */
     e.kt = shear_stiffness(w, c->surface);
-    if (k->members > 1) e.kt = fmax(e.kt, e.kn);
+    if (k->part < 1.0) e.kt = fmax(e.kt, e.kn);
     /* Of a surface that yields the dashpot is weaker. */
     e.cn = 2.0 * w->damping_fraction * sqrt(e.kn / inverse);
     return e;
