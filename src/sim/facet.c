@@ -264,7 +264,8 @@ static void solve(sharing *s) {
 
 void gn_facet_single(const gn_facet_near *minima, size_t k, double radius, gn_facet_contact *out) {
     const gn_facet_near *m = &minima[k];
-    *out = (gn_facet_contact){.overlap = m->distance - radius, .part = 1.0, .member = (int)k};
+    *out = (gn_facet_contact){
+        .overlap = m->distance - radius, .part = 1.0, .crowd = 1.0, .member = (int)k};
     for (int a = 0; a < 3; a++) {
         out->n[a] = m->away[a] / m->distance;
         out->arm[a] = m->away[a];
@@ -294,7 +295,7 @@ static void lean(const sharing *s, size_t i, const gn_facet_near *near, gn_facet
     for (size_t k = 0; k < s->actives; k++) {
         size_t j = s->active[k];
         if (j == i) continue;
-        share_of(s->m[i], s->m[j], &slope);
+        out->crowd += share_of(s->m[i], s->m[j], &slope);
         for (int a = 0; a < 3; a++) w[a] += slope * s->lambda[j] * s->m[j][a];
     }
     across(near, s->m[i], w, along, turning);

@@ -43,8 +43,9 @@ typedef struct gn_facet_contact {
     double n[3];    /* unit, from the centre into the surface: the force is against it */
     double overlap; /* m, negative */
     double arm[3];  /* m, from the centre to the point of contact, on the surface */
-    double part; /* of the surface's stiffness that it has: lambda/d, 1 where nothing is shared */
-    int member;  /* place among the minima */
+    double part;  /* of the surface's stiffness that it has: lambda/d, 1 where nothing is shared */
+    double crowd; /* sum of f over all that press, its own 1 included */
+    int member;   /* place among the minima */
 } gn_facet_contact;
 
 /* Nearest point to `centre` of the facet with `corners` (2, 3) vertices at x; fills all but
