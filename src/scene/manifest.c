@@ -106,7 +106,7 @@ static const gn_key refinement_keys[] = {
         .text = "upper corner; given together with from"),
     KEY("boundary", CHOICE, gn_refinement, boundary, .choices = booleans, .fallback = "false",
         .text = "the boundary of the body instead of a box"),
-    KEY("size", REAL, gn_refinement, size, .unit = "1", .range = "(0, 1]", .required = true,
+    KEY("size", REAL, gn_refinement, size, .unit = "1", .range = "[1e-3, 1]", .required = true,
         .text = "size of the particles there over that elsewhere"),
     KEY("distance", REAL, gn_refinement, distance, .unit = "m", .range = GN_LENGTHS,
         .required = true, .text = "over which the size grows back"),
