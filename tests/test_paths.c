@@ -74,6 +74,16 @@ static void a_wall_may_slide_along_itself(void **state) {
     passes(LID("motion: {vx: 1e6}"));
 }
 
+/* Whoever is measured first has the initial spins. */
+static void a_particle_may_turn_half_a_radian_in_a_step(void **state) {
+    (void)state;
+    gneiss_error error = {0};
+    passes("sets: [{name: a, select: {all: true}, initial_spin: [0, 4.9e5, 0]}]\n");
+    const char *fast = "sets: [{name: a, select: {all: true}, initial_spin: [0, -5.1e5, 0]}]\n";
+    assert_int_equal(first_step(fast, &error), GNEISS_ERROR_UNSTABLE);
+    if (!strstr(error.message, "particle 0 turned")) fail_msg("%s", error.message);
+}
+
 #define BLOCK(SPEED)                                                                               \
     "elements: {box: {size: [0.01, 0.01, 0.01], cells: [1, 1, 1], origin: [0.1, 0, 0]}, "          \
     "materials: [{young: 1e6, poisson: 0.2, density: 1000}], contact: {stiffness: 1e3}, motions: " \
@@ -92,6 +102,7 @@ int main(void) {
         cmocka_unit_test(a_spin_that_has_no_number_is_told),
         cmocka_unit_test(a_wall_may_move_half_a_radius_in_a_step),
         cmocka_unit_test(a_wall_may_slide_along_itself),
+        cmocka_unit_test(a_particle_may_turn_half_a_radian_in_a_step),
         cmocka_unit_test(a_node_may_move_half_a_radius_in_a_step),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

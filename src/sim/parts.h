@@ -113,6 +113,8 @@ void gn_walls_move(gn_world *world);
  * (paths.c).
  */
 gneiss_status gn_paths_check(const gn_world *world, gneiss_error *error);
+/* That the surface of no particle turned farther than half its radius; of measured steps. */
+gneiss_status gn_paths_check_spins(const gn_world *world, gneiss_error *error);
 gneiss_status gn_paths_check_nodes(const gn_world *world, gneiss_error *error);
 
 /* What the kernels get in the coming step (step.c). */

@@ -49,6 +49,26 @@ gneiss_status gn_paths_check(const gn_world *w, gneiss_error *error) {
     return GNEISS_OK;
 }
 
+gneiss_status gn_paths_check_spins(const gn_world *w, gneiss_error *error) {
+    const gn_particles *q = &w->particles;
+    double most = 0.0;
+    if (!q->spin) return GNEISS_OK;
+#pragma omp parallel for schedule(static) num_threads(w->threads) reduction(max : most)
+    for (size_t p = 0; p < q->soa.count; p++)
+        most = fmax(most, gn_dot3(q->spin + 4 * p, q->spin + 4 * p));
+    if (w->dt * sqrt(most) <= 0.5) return GNEISS_OK;
+    size_t worst = 0;
+    while (gn_dot3(q->spin + 4 * worst, q->spin + 4 * worst) < most) worst++;
+    const double *o = q->spin + 4 * worst, *x = q->pos + 4 * worst;
+    return gn_fail(
+        error, GNEISS_ERROR_UNSTABLE,
+        "step %lld, t = %g s: particle %d turned in one step by more than half a radian: "
+        "position (%g, %g, %g) m, spin (%g, %g, %g) rad/s; the step is %.3g s, its "
+        "stability limit was estimated as %.3g s; %s",
+        (long long)w->step, w->time, q->id[worst], x[0], x[1], x[2], o[0], o[1], o[2], w->dt,
+        w->stable, advice);
+}
+
 gneiss_status gn_paths_check_nodes(const gn_world *w, gneiss_error *error) {
     const gn_fem_body *b = &w->elements->body;
     double speed2 = 0.0;

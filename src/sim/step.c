@@ -218,6 +218,7 @@ gneiss_status gn_world_step(gn_world *w, bool measure, gneiss_error *error) {
     gn_bodies_drift(w);
     gneiss_status status = check_motion(w, &moved, error);
     if (status == GNEISS_OK) status = gn_paths_check(w, error);
+    if (status == GNEISS_OK && measure) status = gn_paths_check_spins(w, error);
     if (w->elements && status == GNEISS_OK) status = gn_elements_step(w, measure, error);
     if (w->elements && measure) gn_elements_book(w);
     if (w->elements && status == GNEISS_OK) status = gn_paths_check_nodes(w, error);
