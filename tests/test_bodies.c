@@ -137,6 +137,39 @@ static void prescribed_spin_turns_about_the_reference_point(void **state) {
     world_end(w);
 }
 
+/* A vertex seen from the reference point, turned by the orientation that results.h5 gives. */
+static void turned_vertex(const gn_rigid *b, const double at_start[3], double out[3]) {
+    double q[4], t[3], once[3];
+    gn_rigid_orientation(b, q);
+    assert_true(q[0] >= 0.0);
+    cross3(q + 1, at_start, t);
+    for (int a = 0; a < 3; a++) t[a] = 2.0 * t[a];
+    cross3(q + 1, t, once);
+    for (int a = 0; a < 3; a++) out[a] = at_start[a] + q[0] * t[a] + once[a];
+}
+
+/* Prescribed and free, to several whole turns: a few ulp of each of at most 700 products. */
+static void orientation_is_the_turn_from_the_start_at_every_angle(void **state) {
+    (void)state;
+    const char *const bodies[] = {"motion: {wx: 3, wy: -2, wz: 4}",
+                                  "free: true, density: 10, initial_spin: [3, -2, 4]"};
+    for (int k = 0; k < 2; k++) {
+        gn_world *w = world_of("%sbodies: [{name: b, box: {size: [1, 2, 3]}, rotation: [0.3, 0.4, "
+                               "-0.7], stiffness: 1, %s}]\ntime: {step: 5e-3, end: 100}\n",
+                               head, bodies[k]);
+        const gn_rigid *b = &w->bodies[0];
+        double start[3], now[3], got[3];
+        gn_rigid_direct(b, w->surfaces[0].facets.pos, start);
+        for (int n = 0; n < 700; n++) {
+            step(w);
+            gn_rigid_direct(b, w->surfaces[0].facets.pos, now);
+            turned_vertex(b, start, got);
+            for (int a = 0; a < 3; a++) assert_true(fabs(got[a] - now[a]) < 1e-12);
+        }
+        world_end(w);
+    }
+}
+
 static gn_world *top(const char *size, const char *spin, double dt) {
     return world_of("%sbodies: [{name: b, box: {size: [%s]}, stiffness: 1, free: true, density: "
                     "10, initial_spin: [%s]}]\ntime: {step: %.17g, end: 1000}\n",
@@ -527,6 +560,7 @@ int main(void) {
         cmocka_unit_test(a_free_body_falls_exactly),
         cmocka_unit_test(a_channel_may_be_prescribed),
         cmocka_unit_test(prescribed_spin_turns_about_the_reference_point),
+        cmocka_unit_test(orientation_is_the_turn_from_the_start_at_every_angle),
         cmocka_unit_test(an_asymmetric_top_keeps_momentum_and_energy),
         cmocka_unit_test(a_symmetric_top_precesses_as_it_should),
         cmocka_unit_test(particles_and_a_body_keep_momentum),

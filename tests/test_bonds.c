@@ -327,6 +327,35 @@ static void work_of_shear_breaking_and_slip_balances(void **state) {
     world_end(w);
 }
 
+/* Two spheres of radii 1 and 2 mm: a hundredth of the smaller is 10 um. */
+static gneiss_status close_pair(double distance, const char *bonds, gneiss_error *error) {
+    char scene[1024];
+    gn_world w;
+    snprintf(scene, sizeof scene,
+             "dimension: 3\nspecimen: {particles: [[0, 0, 0, 1 mm], [%.17g, 0, 0, 2 mm]]}\n"
+             "materials: [{name: m, density: 2500, normal_stiffness: 1e5, kratio: 2, "
+             "bond_tension_limit: 70, bond_shear_limit: 90}]\n"
+             "law: {stiffness: uniform}\n%stime: {end: 1}\nrun: {threads: 1}\n",
+             distance, bonds);
+    gneiss_status status = world_try(&w, scene, NULL, error);
+    if (status == GNEISS_OK) gn_world_free(&w);
+    return status;
+}
+
+static void bonded_centres_keep_a_distance(void **state) {
+    (void)state;
+    const double close[] = {1e-12, 1e-8, 9.9e-6};
+    for (int k = 0; k < 3; k++) {
+        gneiss_error error = {0};
+        assert_int_equal(close_pair(close[k], "bonds: {}\n", &error), GNEISS_ERROR_INPUT);
+        if (!strstr(error.message, "particles 0 and 1")) fail_msg("%s", error.message);
+        assert_int_equal(close_pair(close[k], "bonds: {overlap_range: 0.9}\n", &error), GNEISS_OK);
+        assert_int_equal(close_pair(close[k], "", &error), GNEISS_OK);
+    }
+    gneiss_error error = {0};
+    assert_int_equal(close_pair(1.01e-5, "bonds: {}\n", &error), GNEISS_OK);
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(stiffness_and_strength_follow_every_model),
@@ -337,6 +366,7 @@ int main(void) {
         cmocka_unit_test(looking_at_the_forces_changes_nothing),
         cmocka_unit_test(a_broken_overlapping_bond_keeps_its_zero_gap),
         cmocka_unit_test(a_bond_broken_in_tension_touches_again_at_its_own_length),
+        cmocka_unit_test(bonded_centres_keep_a_distance),
         cmocka_unit_test(a_pair_broken_at_once_behaves_as_one_never_bonded),
         cmocka_unit_test(work_of_breaking_balances),
         cmocka_unit_test(work_of_shear_breaking_and_slip_balances),

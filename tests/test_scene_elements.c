@@ -86,7 +86,7 @@ static void slips_are_told_with_their_place(void **state) {
          "s.yaml:2:1: elements: expected one of mesh, rectangle, beam, found several"},
         {"rectangle: {size: [4 cm, 1 cm]", "box: {size: [4 cm, 1 cm]",
          "s.yaml:3:3: elements.box: expected in a 3D scene only, found in a 2D one"},
-        {"4 cm", "0", "s.yaml:3:21: elements.rectangle.size: expected lengths above 0"},
+        {"4 cm", "0", "s.yaml:3:21: elements.rectangle.size: expected lengths in [1e-9, 1e9] m"},
         {"cells: [8", "cells: [0",
          "elements.rectangle.cells[0]: expected a whole number in [1, 1e6]"},
         {"  materials", "  scale: 2\n  materials",

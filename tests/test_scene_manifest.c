@@ -273,12 +273,13 @@ static void every_key_is_documented(void **state) {
 static int outside(const char *range, bool whole, char values[2][32]) {
     gn_range r = gn_range_read(range);
     int count = 0;
-    double step = whole ? 1 : fmax(1e-9, fabs(r.low) * 1e-9);
+    double below = whole ? 1 : r.low != 0 ? fabs(r.low) * 1e-9 : 1e-9;
+    double above = whole ? 1 : r.high != 0 ? fabs(r.high) * 1e-9 : 1e-9;
     if (isfinite(r.low))
-        snprintf(values[count++], 32, whole ? "%.0f" : "%.17g", r.low_open ? r.low : r.low - step);
+        snprintf(values[count++], 32, whole ? "%.0f" : "%.17g", r.low_open ? r.low : r.low - below);
     if (isfinite(r.high))
         snprintf(values[count++], 32, whole ? "%.0f" : "%.17g",
-                 r.high_open ? r.high : r.high + step);
+                 r.high_open ? r.high : r.high + above);
     return count;
 }
 
@@ -293,6 +294,8 @@ static const gn_override *shape_of(const char *path) {
                                          {"elements.contact", "{stiffness: 1}"},
                                          {"bodies", "[{name: b, box: {size: [1, 1, 1]}, cylinder: "
                                                     "{diameter: 1, height: 1}, stiffness: 1}]"}};
+    static const gn_override line = {"bodies", "[{name: b, stiffness: 1}]"};
+    if (strncmp(path, "bodies[0].poly", 14) == 0) return &line;
     for (size_t k = 0; k < sizeof shapes / sizeof *shapes; k++)
         if (strncmp(path, shapes[k].key, strlen(shapes[k].key)) == 0) return &shapes[k];
     return NULL;
@@ -308,7 +311,7 @@ static void refuses_outside_values(const gn_key *key, const char *path, void *co
     snprintf(at, sizeof at, servo ? "walls[1]%s" : "%s", path + (servo ? 8 : 0));
     char values[2][32], text[128], file[4096];
     const gn_override *shape = shape_of(path);
-    bool plane = strncmp(path, "specimen.lattice", 16) == 0 ||
+    bool plane = strncmp(path, "specimen.lattice", 16) == 0 || key->type == GN_KEY_POINTS ||
                  (shape && !strstr(shape->key, ".box") && !strstr(shape->key, ".beam") &&
                   !strstr(shape->key, ".contact") && strcmp(shape->key, "bodies") != 0);
     snprintf(file, sizeof file, "%s/tests/scenes/%s.yaml", test_source(),
@@ -316,10 +319,13 @@ static void refuses_outside_values(const gn_key *key, const char *path, void *co
     int count = outside(key->range, whole, values);
     assert_true(count > 0);
     for (int k = 0; k < count; k++) {
+        bool vector = key->type == GN_KEY_CELLS || key->type == GN_KEY_VECTOR ||
+                      (key->type == GN_KEY_SPIN && !plane);
         snprintf(text, sizeof text,
-                 key->type == GN_KEY_CELLS || key->type == GN_KEY_VECTOR ? "[%s, %s, %s]"
-                 : key->type == GN_KEY_IDS                               ? "[%s]"
-                                                                         : "%s",
+                 vector                       ? "[%s, %s, %s]"
+                 : key->type == GN_KEY_POINTS ? "[[%s, 0], [%s, 0], [%s, 1]]"
+                 : key->type == GN_KEY_IDS    ? "[%s]"
+                                              : "%s",
                  values[k], values[k], values[k]);
         gn_override overrides[] = {shape ? *shape : (gn_override){"title", "t"}, {at, text}};
         gn_scene scene;

@@ -226,8 +226,13 @@ gneiss_status gneiss_world_advance(gneiss_world *world, double seconds, gneiss_e
 }
 
 gneiss_status gneiss_world_finish(gneiss_world *world, gneiss_error *error) {
+    gneiss_error found = {0};
     GN_TRY(require_good(world, error));
-    if (world->run.directory[0]) GN_TRY(gn_run_finish(&world->run, error));
+    if (world->run.directory[0]) {
+        gneiss_status status = gn_run_finish(&world->run, &found);
+        if (status == GNEISS_ERROR_UNSTABLE) return settle(world, status, &found, error);
+        if (status != GNEISS_OK) return gn_fail(error, status, "%s", found.message);
+    }
     return gn_run_verdict(&world->run, error);
 }
 

@@ -82,12 +82,15 @@ static gneiss_status go(const gn_options *o, gn_run *run, gneiss_error *error) {
         gn_print_progress(o, run);
         if (!interrupted || run->finished) continue;
         snprintf(run->stop_reason, sizeof run->stop_reason, "interrupted");
-        GN_TRY(gn_run_checkpoint(run, error));
+        status = gn_run_checkpoint(run, error);
+        if (status == GNEISS_ERROR_UNSTABLE) return fail(run, error);
+        GN_TRY(status);
         return gn_fail(error, GNEISS_INTERRUPTED,
                        "interrupted at step %lld; go on with: gneiss resume %s",
                        (long long)run->world.step, run->directory);
     }
-    return finish(o, run, error);
+    gneiss_status status = finish(o, run, error);
+    return status == GNEISS_ERROR_UNSTABLE ? fail(run, error) : status;
 }
 
 /* A specimen that has to be packed first is given up cleanly on Ctrl-C; the rest of the set-up is

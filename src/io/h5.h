@@ -30,6 +30,9 @@ gneiss_status gn_h5_put(gn_h5 *file, const char *name, gn_type type, size_t rows
                         size_t stride, const void *data, const char *unit, const char *text,
                         gneiss_error *error);
 gneiss_status gn_h5_put_text(gn_h5 *file, const char *name, const char *text, gneiss_error *error);
+/* From now on gn_h5_put refuses real numbers that are not finite (GNEISS_ERROR_UNSTABLE), or takes
+ * any again, as at the beginning. Returns what held before. */
+bool gn_h5_demand_finite(gn_h5 *file, bool demanded);
 /* Attributes of the group or data set `object` ("/" is the root; groups are made as needed). */
 gneiss_status gn_h5_attribute_text(gn_h5 *file, const char *object, const char *name,
                                    const char *text, gneiss_error *error);

@@ -17,8 +17,11 @@ gneiss_status gn_h5_put_pieces(gn_h5 *file, const char *group, const gn_piece *p
     for (size_t k = 0; k < count; k++) {
         char path[PATH_SIZE];
         path_of(group, &pieces[k], path);
-        GN_TRY(gn_h5_put(file, path, pieces[k].type, pieces[k].count, 1, 0,
-                         (const char *)base + pieces[k].offset, NULL, NULL, error));
+        bool demanded = pieces[k].any && gn_h5_demand_finite(file, false);
+        gneiss_status status = gn_h5_put(file, path, pieces[k].type, pieces[k].count, 1, 0,
+                                         (const char *)base + pieces[k].offset, NULL, NULL, error);
+        if (demanded) gn_h5_demand_finite(file, true);
+        GN_TRY(status);
     }
     return GNEISS_OK;
 }

@@ -11,13 +11,17 @@ typedef struct gn_piece {
     const char *name; /* path of the member; its data set has underscores for dots */
     gn_type type;     /* GN_F64 or GN_I64 */
     size_t offset, count;
+    bool any; /* may be infinite or no number in a file of which finite numbers are demanded */
 } gn_piece;
 
-/* A member, or array or struct of doubles alone, of TYPE; and one of 64-bit integers. */
+/* A member, or array or struct of doubles alone, of TYPE; one of limits,
+ * which are infinite where nothing sets them; and one of 64-bit integers. */
 #define GN_PIECE_DOUBLES(TYPE, member)                                                             \
-    { #member, GN_F64, offsetof(TYPE, member), sizeof(((TYPE *)0)->member) / 8 }
+    { #member, GN_F64, offsetof(TYPE, member), sizeof(((TYPE *)0)->member) / 8, false }
+#define GN_PIECE_ANY(TYPE, member)                                                                 \
+    { #member, GN_F64, offsetof(TYPE, member), sizeof(((TYPE *)0)->member) / 8, true }
 #define GN_PIECE_INTEGER(TYPE, member)                                                             \
-    { #member, GN_I64, offsetof(TYPE, member), 1 }
+    { #member, GN_I64, offsetof(TYPE, member), 1, false }
 
 /* The `count` pieces of the struct at `base`, into and out of `group`. */
 gneiss_status gn_h5_put_pieces(gn_h5 *file, const char *group, const gn_piece *pieces, size_t count,

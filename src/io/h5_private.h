@@ -19,6 +19,7 @@ struct gn_h5 {
     hid_t id;
     char *path;
     bool writing;
+    bool finite; /* real numbers that are not are refused */
     bool failed; /* a write failed: the file must not be committed */
     gn_atomic_file target;
     gn_h5_image image;

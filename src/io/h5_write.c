@@ -2,6 +2,7 @@
 #include "base/memory.h"
 #include "io/h5_private.h"
 
+#include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -85,9 +86,37 @@ static gneiss_status check_writing(const gn_h5 *file, const char *name, gneiss_e
                    file->path, name);
 }
 
+bool gn_h5_demand_finite(gn_h5 *file, bool demanded) {
+    bool before = file->finite;
+    file->finite = demanded;
+    return before;
+}
+
+static double real_at(gn_type type, const void *data, size_t k) {
+    return type == GN_F64 ? ((const double *)data)[k] : (double)((const float *)data)[k];
+}
+
+/* What goes wrong in a run and is not seen at once must not end as a result. */
+static gneiss_status check_finite(const gn_h5 *file, const char *name, gn_type type,
+                                  gn_h5_shape shape, size_t bytes, const void *data,
+                                  gneiss_error *error) {
+    if (!file->finite || (type != GN_F64 && type != GN_F32)) return GNEISS_OK;
+    size_t count = bytes / gn_type_size(type), columns = shape.rank == 2 ? shape.size[1] : 1;
+    for (size_t k = 0; k < count; k++) {
+        double value = real_at(type, data, k);
+        if (!isfinite(value))
+            return gn_fail(error, GNEISS_ERROR_UNSTABLE,
+                           "%s: %s: expected finite numbers, found %g in row %zu, column %zu (base "
+                           "0)",
+                           file->path, name, value, k / columns, k % columns);
+    }
+    return GNEISS_OK;
+}
+
 static gneiss_status put_packed(gn_h5 *file, const char *name, gn_type type, gn_h5_shape shape,
                                 size_t bytes, const void *data, const char *unit, const char *text,
                                 gneiss_error *error) {
+    GN_TRY(check_finite(file, name, type, shape, bytes, data, error));
     hid_t space = H5Screate_simple(shape.rank, shape.size, NULL);
     hid_t creation = creation_list(type, shape, bytes), links = link_list();
     hid_t set =

@@ -6,6 +6,7 @@
 
 #include "base/error.h"
 
+#include <stdbool.h>
 #include <stddef.h>
 #include <stdint.h>
 
@@ -16,6 +17,7 @@ typedef struct gn_snapshot_array {
 } gn_snapshot_array;
 
 typedef struct gn_snapshot {
+    bool bad;    /* of a run that went bad: numbers need not be finite, else they must */
     double time; /* s */
     int64_t step;
     size_t point_count;

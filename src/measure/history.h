@@ -4,6 +4,7 @@
 
 #include "base/error.h"
 
+#include <stdbool.h>
 #include <stddef.h>
 
 enum { GN_COLUMN_NAME_SIZE = 96 };
@@ -12,6 +13,7 @@ typedef struct gn_column {
     char name[GN_COLUMN_NAME_SIZE]; /* "stress", "wall_top_force_z" */
     char unit[24];
     char text[160];
+    bool absent;   /* the scene does not give it: not a number in every row */
     double *value; /* [rows] */
 } gn_column;
 

@@ -211,6 +211,9 @@ static gneiss_status check_material(const check *c, const gn_scene *s, size_t in
         return gn_check_fail(c, "name", "expected a name of its own, found '%s' a second time",
                              m->name);
     bool bonds = s->bonds == GN_SWITCH_ON;
+    if (m->kratio > 0 && m->kratio < 1e-6)
+        return gn_check_fail(
+            c, "kratio", "expected 0 (no tangential spring) or at least 1e-6, found %g", m->kratio);
     if (s->stiffness == GN_STIFFNESS_UNIFORM) {
         GN_TRY(need(c, m->normal_stiffness, "normal_stiffness", "by the uniform law"));
         if (!bonds) return GNEISS_OK;

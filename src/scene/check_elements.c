@@ -11,9 +11,9 @@ static gneiss_status check_block(const check *c, const gn_scene *s, const char *
     char key[64];
     for (int64_t k = 0; k < s->dimension; k++) {
         snprintf(key, sizeof key, "elements.%s.size", kind);
-        if (!(e->size[k] > 0))
-            return gn_check_fail(c, key, "expected lengths above 0, found %g m along %c",
-                                 e->size[k], "xyz"[k]);
+        if (!gn_range_holds(GN_LENGTHS, e->size[k]))
+            return gn_check_fail(c, key, "expected lengths in %s m, found %g m along %c",
+                                 GN_LENGTHS, e->size[k], "xyz"[k]);
     }
     snprintf(key, sizeof key, "elements.%s.distortion", kind);
     if (s->dimension == 3 && e->distortion >= 1.0 / 6.0)

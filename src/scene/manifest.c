@@ -57,13 +57,13 @@ static const gn_choice isas[] = {{"auto", GN_ISA_AUTO},
 static const gn_key lattice_keys[] = {
     KEY("kind", CHOICE, gn_scene, specimen.lattice.kind, .choices = lattices, .required = true,
         .text = "square and hexagonal in 2D; cubic, fcc and hcp in 3D"),
-    KEY("radius", REAL, gn_scene, specimen.lattice.radius, .unit = "m", .range = "(0, inf)",
+    KEY("radius", REAL, gn_scene, specimen.lattice.radius, .unit = "m", .range = GN_LENGTHS,
         .required = true, .text = "radius of every particle"),
     KEY("cells", CELLS, gn_scene, specimen.lattice.cells, .range = "[1, 100000]", .required = true,
         .text = "unit cells along x, y and z"),
-    KEY("origin", VECTOR, gn_scene, specimen.lattice.origin, .unit = "m", .fallback = "0",
-        .text = "lower corner of the first cell"),
-    KEY("spacing", REAL, gn_scene, specimen.lattice.spacing, .unit = "1", .range = "(0, inf)",
+    KEY("origin", VECTOR, gn_scene, specimen.lattice.origin, .unit = "m", .range = GN_PLACES,
+        .fallback = "0", .text = "lower corner of the first cell"),
+    KEY("spacing", REAL, gn_scene, specimen.lattice.spacing, .unit = "1", .range = "[1e-3, 1e6]",
         .fallback = "1", .text = "distance of nearest neighbours over two radii; 1: just touching"),
     KEY("jitter", REAL, gn_scene, specimen.lattice.jitter, .unit = "1", .range = "[0, 1)",
         .fallback = "0",
@@ -72,29 +72,29 @@ static const gn_key lattice_keys[] = {
 TABLE_OF(lattice);
 
 static const gn_key rectangle_keys[] = {
-    KEY("width", REAL, gn_scene, specimen.pack.size[0], .unit = "m", .range = "(0, inf)",
+    KEY("width", REAL, gn_scene, specimen.pack.size[0], .unit = "m", .range = GN_LENGTHS,
         .required = true, .text = "length along x"),
-    KEY("height", REAL, gn_scene, specimen.pack.size[1], .unit = "m", .range = "(0, inf)",
+    KEY("height", REAL, gn_scene, specimen.pack.size[1], .unit = "m", .range = GN_LENGTHS,
         .required = true, .text = "length along y"),
 };
 TABLE_OF(rectangle);
 
 static const gn_key disc_keys[] = {
-    KEY("diameter", REAL, gn_scene, specimen.pack.diameter, .unit = "m", .range = "(0, inf)",
+    KEY("diameter", REAL, gn_scene, specimen.pack.diameter, .unit = "m", .range = GN_LENGTHS,
         .required = true, .text = "diameter of the disc"),
 };
 TABLE_OF(disc);
 
 static const gn_key body_box_keys[] = {
-    KEY("size", VECTOR, gn_scene, specimen.pack.size, .unit = "m", .range = "(0, inf)",
+    KEY("size", VECTOR, gn_scene, specimen.pack.size, .unit = "m", .range = GN_LENGTHS,
         .required = true, .shape_dimension = 3, .text = "lengths along x, y and z"),
 };
 TABLE_OF(body_box);
 
 static const gn_key cylinder_keys[] = {
-    KEY("diameter", REAL, gn_scene, specimen.pack.diameter, .unit = "m", .range = "(0, inf)",
+    KEY("diameter", REAL, gn_scene, specimen.pack.diameter, .unit = "m", .range = GN_LENGTHS,
         .required = true, .text = "diameter of the cylinder"),
-    KEY("height", REAL, gn_scene, specimen.pack.height, .unit = "m", .range = "(0, inf)",
+    KEY("height", REAL, gn_scene, specimen.pack.height, .unit = "m", .range = GN_LENGTHS,
         .required = true, .text = "length along z"),
 };
 TABLE_OF(cylinder);
@@ -106,9 +106,9 @@ static const gn_key refinement_keys[] = {
         .text = "upper corner; given together with from"),
     KEY("boundary", CHOICE, gn_refinement, boundary, .choices = booleans, .fallback = "false",
         .text = "the boundary of the body instead of a box"),
-    KEY("size", REAL, gn_refinement, size, .unit = "1", .range = "(0, 1]", .required = true,
+    KEY("size", REAL, gn_refinement, size, .unit = "1", .range = "[1e-3, 1]", .required = true,
         .text = "size of the particles there over that elsewhere"),
-    KEY("distance", REAL, gn_refinement, distance, .unit = "m", .range = "(0, inf)",
+    KEY("distance", REAL, gn_refinement, distance, .unit = "m", .range = GN_LENGTHS,
         .required = true, .text = "over which the size grows back"),
 };
 ELEMENTS_OF(refinement, gn_refinement);
@@ -154,7 +154,7 @@ static const gn_key specimen_keys[] = {
     KEY("file", FILE, gn_scene, specimen.file, .second = offsetof(gn_scene, specimen.path),
         PRESENT(TEXT, gn_scene, specimen.file),
         .text = "text file of rows x y z r (2D: x y r); relative to the folder of the scene"),
-    KEY("scale", REAL, gn_scene, specimen.scale, .unit = "1", .range = "(0, inf)", .fallback = "1",
+    KEY("scale", REAL, gn_scene, specimen.scale, .unit = "1", .range = GN_SCALES, .fallback = "1",
         .text = "lengths in the file, surface or mesh times this give metres"),
     ARRAY("particles", PARTICLES, gn_scene, specimen.particles, specimen.particle_count,
           .unit = "m", .number = offsetof(gn_scene, specimen.pack.count), .range = "[4, 1e8]",
@@ -167,7 +167,8 @@ static const gn_key specimen_keys[] = {
             .text = "2D shape; its lower left corner is at the origin"),
     SECTION("disc", disc_section, SHAPE(DISC, 2), .text = "2D shape; its centre is at the origin"),
     ARRAY("polygon", POINTS, gn_scene, specimen.pack.corners, specimen.pack.corner_count,
-          .unit = "m", SHAPE(POLYGON, 2), .text = "2D shape; its corners in either sense"),
+          .unit = "m", .range = GN_PLACES, SHAPE(POLYGON, 2),
+          .text = "2D shape; its corners in either sense"),
     SECTION("box", body_box_section, SHAPE(BOX, 3),
             .text = "3D shape; its lower corner is at the origin"),
     SECTION("cylinder", cylinder_section, SHAPE(CYLINDER, 3),
@@ -180,10 +181,10 @@ static const gn_key specimen_keys[] = {
         .text = "2D or 3D shape: gmsh .msh file, whose triangles (3D: tetrahedra) are the body; or "
                 "a .geo, "
                 ".step, .brep or .iges file, which the gmsh program meshes first"),
-    KEY("origin", VECTOR, gn_scene, specimen.pack.origin, .unit = "m", .fallback = "0",
-        PRESENT(ENUM, gn_scene, specimen.pack.shape),
+    KEY("origin", VECTOR, gn_scene, specimen.pack.origin, .unit = "m", .range = GN_PLACES,
+        .fallback = "0", PRESENT(ENUM, gn_scene, specimen.pack.shape),
         .text = "where a rectangle, disc, box or cylinder stands"),
-    KEY("mean_radius", REAL, gn_scene, specimen.pack.mean_radius, .unit = "m", .range = "(0, inf)",
+    KEY("mean_radius", REAL, gn_scene, specimen.pack.mean_radius, .unit = "m", .range = GN_LENGTHS,
         .word = "none", .fallback = "none",
         .text = "of the particles to pack into a shape, instead of how many"),
     SECTION("packing", packing_section, PRESENT(BESIDE, gn_scene, specimen.pack.shape),
@@ -205,29 +206,29 @@ const gn_section gn_specimen_section = {specimen_keys, sizeof specimen_keys / si
 static const gn_key material_keys[] = {
     KEY("name", NAME, gn_material, name, .required = true,
         .text = "what the rest of the scene calls it"),
-    KEY("density", REAL, gn_material, density, .unit = "kg/m3", .range = "(0, inf)",
+    KEY("density", REAL, gn_material, density, .unit = "kg/m3", .range = GN_DENSITIES,
         .required = true,
         .text = "mass density, of particles or of the bulk (specimen.density_basis)"),
-    KEY("contact_modulus", REAL, gn_material, contact_modulus, .unit = "Pa", .range = "(0, inf)",
+    KEY("contact_modulus", REAL, gn_material, contact_modulus, .unit = "Pa", .range = GN_MODULI,
         .word = "none", .fallback = "none",
         .text = "E_c: normal stiffness over radius; needed by every law but uniform"),
-    KEY("normal_stiffness", REAL, gn_material, normal_stiffness, .unit = "N/m", .range = "(0, inf)",
+    KEY("normal_stiffness", REAL, gn_material, normal_stiffness, .unit = "N/m", .range = GN_SPRINGS,
         .word = "none", .fallback = "none",
         .text = "k_n of every contact; needed by the uniform law"),
-    KEY("kratio", REAL, gn_material, kratio, .unit = "1", .range = "[0, inf)", .required = true,
+    KEY("kratio", REAL, gn_material, kratio, .unit = "1", .range = "[0, 1e12]", .required = true,
         .text = "k_n/k_t; 0: no tangential spring"),
-    KEY("friction", REAL, gn_material, friction, .unit = "1", .range = "[0, inf)", .fallback = "0",
-        .text = "Coulomb friction coefficient"),
-    KEY("tensile_strength", REAL, gn_material, tensile_strength, .unit = "Pa", .range = "(0, inf)",
-        .word = "none", .fallback = "none",
+    KEY("friction", REAL, gn_material, friction, .unit = "1", .range = GN_FRICTIONS,
+        .fallback = "0", .text = "Coulomb friction coefficient"),
+    KEY("tensile_strength", REAL, gn_material, tensile_strength, .unit = "Pa",
+        .range = GN_STRENGTHS, .word = "none", .fallback = "none",
         .text = "sigma_c of a bond; needed with bonds by every law but uniform"),
-    KEY("shear_strength", REAL, gn_material, shear_strength, .unit = "Pa", .range = "(0, inf)",
+    KEY("shear_strength", REAL, gn_material, shear_strength, .unit = "Pa", .range = GN_STRENGTHS,
         .word = "none", .fallback = "none",
         .text = "tau_c of a bond; needed with bonds by every law but uniform"),
     KEY("bond_tension_limit", REAL, gn_material, bond_tension_limit, .unit = "N",
-        .range = "(0, inf)", .word = "none", .fallback = "none",
+        .range = GN_BREAKING, .word = "none", .fallback = "none",
         .text = "R_n: normal force at which a bond breaks; needed with bonds by the uniform law"),
-    KEY("bond_shear_limit", REAL, gn_material, bond_shear_limit, .unit = "N", .range = "(0, inf)",
+    KEY("bond_shear_limit", REAL, gn_material, bond_shear_limit, .unit = "N", .range = GN_BREAKING,
         .word = "none", .fallback = "none",
         .text = "R_t: shear force at which a bond breaks; needed with bonds by the uniform law"),
 };
@@ -250,11 +251,13 @@ TABLE_OF(law);
 static const gn_key bonds_keys[] = {
     KEY("enabled", CHOICE, gn_scene, bonds, .choices = switches, .fallback = "auto",
         .text = "auto: on when the scene has a bonds section"),
-    KEY("interaction_range", REAL, gn_scene, interaction_range, .unit = "1", .range = "[0, inf)",
+    KEY("interaction_range", REAL, gn_scene, interaction_range, .unit = "1", .range = "[0, 100]",
         .fallback = "0.05", .text = "bonds form at gaps up to this times the sum of the radii"),
     KEY("overlap_range", REAL, gn_scene, overlap_range, .unit = "1", .range = "[0, 1]",
         .fallback = "1",
-        .text = "bonds form at overlaps up to this times the sum of the radii; 1: unlimited"),
+        .text = "bonds form at overlaps up to this times the sum of the radii; 1: unlimited (but "
+                "centres "
+                "of bonded particles stand apart by 0.01 of the smaller radius)"),
     KEY("passive_gaps", CHOICE, gn_scene, passive_gaps, .choices = booleans, .fallback = "true",
         .text = "bonds are free of stress at the distance where they form"),
 };
@@ -264,8 +267,9 @@ static const gn_key background_keys[] = {
     KEY("model", CHOICE, gn_scene, background, .choices = backgrounds, .fallback = "none",
         .text = "viscous: -a m v; nonviscous_vector: -a |F| v/|v|; nonviscous_component: -a |F_k| "
                 "sign(v_k)"),
-    KEY("coefficient", REAL, gn_scene, background_coefficient, .unit = "1/s|1", .range = "[0, inf)",
-        .fallback = "0", .text = "a: in 1/s with viscous, otherwise a fraction in [0, 1)"),
+    KEY("coefficient", REAL, gn_scene, background_coefficient, .unit = "1/s|1",
+        .range = "[0, 1e15]", .fallback = "0",
+        .text = "a: in 1/s with viscous, otherwise a fraction in [0, 1)"),
     KEY("velocity", CHOICE, gn_scene, background_velocity, .choices = damped_velocities,
         .fallback = "half_step",
         .text = "with nonviscous_component, whose sign counts: that of the last half step, or of "
@@ -292,15 +296,15 @@ TABLE_OF(damping);
 /* ---- surroundings ---- */
 
 static const gn_key initial_keys[] = {
-    KEY("random_velocity", REAL, gn_scene, random_velocity, .unit = "m/s", .range = "[0, inf)",
+    KEY("random_velocity", REAL, gn_scene, random_velocity, .unit = "m/s", .range = "[0, 3e8]",
         .fallback = "0", .text = "velocity components drawn uniformly from +- this at the start"),
 };
 TABLE_OF(initial);
 
 static const gn_key periodic_keys[] = {
-    KEY("min", VECTOR, gn_scene, periodic_min, .unit = "m", .required = true,
+    KEY("min", VECTOR, gn_scene, periodic_min, .unit = "m", .range = GN_PLACES, .required = true,
         .text = "lower corner of the periodic box"),
-    KEY("max", VECTOR, gn_scene, periodic_max, .unit = "m", .required = true,
+    KEY("max", VECTOR, gn_scene, periodic_max, .unit = "m", .range = GN_PLACES, .required = true,
         .text = "upper corner of the periodic box"),
 };
 TABLE_OF(periodic);
@@ -317,24 +321,24 @@ TABLE_OF(domain);
 
 /* ---- sets and walls ---- */
 
-#define CHANNEL(NAME, FIELD, UNIT, TEXT)                                                           \
-    KEY(NAME, TABLE, gn_motion, FIELD, .unit = UNIT, .word = "free", .fallback = "free",           \
-        .text = TEXT)
+#define CHANNEL(NAME, FIELD, UNIT, RANGE, TEXT)                                                    \
+    KEY(NAME, TABLE, gn_motion, FIELD, .unit = UNIT, .range = RANGE, .word = "free",               \
+        .fallback = "free", .text = TEXT)
 
 static const gn_key set_motion_keys[] = {
-    CHANNEL("vx", velocity[0], "m/s", "prescribed velocity along x"),
-    CHANNEL("vy", velocity[1], "m/s", "prescribed velocity along y"),
-    CHANNEL("vz", velocity[2], "m/s", "prescribed velocity along z"),
-    CHANNEL("wx", spin[0], "rad/s", "prescribed spin about x"),
-    CHANNEL("wy", spin[1], "rad/s", "prescribed spin about y"),
-    CHANNEL("wz", spin[2], "rad/s", "prescribed spin about z"),
+    CHANNEL("vx", velocity[0], "m/s", GN_SPEEDS, "prescribed velocity along x"),
+    CHANNEL("vy", velocity[1], "m/s", GN_SPEEDS, "prescribed velocity along y"),
+    CHANNEL("vz", velocity[2], "m/s", GN_SPEEDS, "prescribed velocity along z"),
+    CHANNEL("wx", spin[0], "rad/s", GN_SPINS, "prescribed spin about x"),
+    CHANNEL("wy", spin[1], "rad/s", GN_SPINS, "prescribed spin about y"),
+    CHANNEL("wz", spin[2], "rad/s", GN_SPINS, "prescribed spin about z"),
 };
 TABLE_OF(set_motion);
 
 static const gn_key wall_motion_keys[] = {
-    CHANNEL("vx", velocity[0], "m/s", "velocity along x"),
-    CHANNEL("vy", velocity[1], "m/s", "velocity along y"),
-    CHANNEL("vz", velocity[2], "m/s", "velocity along z"),
+    CHANNEL("vx", velocity[0], "m/s", GN_SPEEDS, "velocity along x"),
+    CHANNEL("vy", velocity[1], "m/s", GN_SPEEDS, "velocity along y"),
+    CHANNEL("vz", velocity[2], "m/s", GN_SPEEDS, "velocity along z"),
 };
 TABLE_OF(wall_motion);
 
@@ -348,7 +352,7 @@ static const gn_key end_keys[] = {
     KEY("axis", CHOICE, gn_set, end_axis, .choices = axes, .required = true,
         .text = "along which the specimen has two ends"),
     KEY("side", CHOICE, gn_set, end_upper, .choices = sides, .required = true, .text = "which end"),
-    KEY("depth", REAL, gn_set, end_depth, .unit = "m", .range = "(0, inf)", .required = true,
+    KEY("depth", REAL, gn_set, end_depth, .unit = "m", .range = GN_LENGTHS, .required = true,
         .text = "how far from the end of the specimen"),
     KEY("by", CHOICE, gn_set, end_by_surface, .choices = measures, .fallback = "centre",
         .text = "what lies within the depth: the centre or any part of the surface"),
@@ -376,12 +380,12 @@ static const gn_key set_keys[] = {
         .text = "name of another material than the specimen's"),
     KEY("group", INTEGER, gn_set, group, .range = "[0, 1000000]", .word = "keep", .word_value = -1,
         .fallback = "keep", .text = "another cohesive group than the specimen's"),
-    KEY("initial_velocity", VECTOR, gn_set, initial_velocity, .unit = "m/s",
+    KEY("initial_velocity", VECTOR, gn_set, initial_velocity, .unit = "m/s", .range = GN_SPEEDS,
         PRESENT(BOOL, gn_set, has_initial_velocity), .text = "velocity at the start"),
-    KEY("initial_spin", SPIN, gn_set, initial_spin, .unit = "rad/s",
+    KEY("initial_spin", SPIN, gn_set, initial_spin, .unit = "rad/s", .range = GN_SPINS,
         PRESENT(BOOL, gn_set, has_initial_spin), .text = "spin at the start; in 2D one number"),
-    KEY("force", VECTOR, gn_set, force, .unit = "N", PRESENT(BOOL, gn_set, has_force),
-        .text = "total force on the set, shared out by mass"),
+    KEY("force", VECTOR, gn_set, force, .unit = "N", .range = GN_FORCES,
+        PRESENT(BOOL, gn_set, has_force), .text = "total force on the set, shared out by mass"),
     SECTION("motion", set_motion_section, .offset = offsetof(gn_set, motion),
             .text =
                 "prescribed motion; each channel free, constant or a table [[time, value], ...]"),
@@ -389,28 +393,30 @@ static const gn_key set_keys[] = {
 ELEMENTS_OF(set, gn_set);
 
 static const gn_key servo_keys[] = {
-    KEY("force", TABLE, gn_wall_def, servo.force, .unit = "N", .required = true,
+    KEY("force", TABLE, gn_wall_def, servo.force, .unit = "N", .range = GN_FORCES, .required = true,
         .text = "wanted normal force, compression positive; constant or a table"),
     KEY("max_velocity", REAL, gn_wall_def, servo.max_velocity, .unit = "m/s", .range = "(0, inf)",
         .required = true, .text = "limit of the wall's velocity"),
     KEY("relaxation", REAL, gn_wall_def, servo.relaxation, .unit = "1", .range = "(0, 1]",
-        .fallback = "0.1", .text = "fraction of the force error corrected per step"),
+        .fallback = "0.1",
+        .text = "fraction of the force error corrected per step; less where that would not be "
+                "stable with the time step"),
 };
 TABLE_OF(servo);
 
 static const gn_key wall_keys[] = {
     KEY("name", NAME, gn_wall_def, name, .required = true,
         .text = "what the rest of the scene calls it"),
-    KEY("point", VECTOR, gn_wall_def, point, .unit = "m", .required = true,
+    KEY("point", VECTOR, gn_wall_def, point, .unit = "m", .range = GN_PLACES, .required = true,
         .text = "a point of the plane"),
     KEY("normal", VECTOR, gn_wall_def, normal, .unit = "1", .required = true,
         .text = "into the side where the particles are; of any length"),
-    KEY("stiffness", REAL, gn_wall_def, stiffness, .unit = "N/m", .range = "(0, inf)",
+    KEY("stiffness", REAL, gn_wall_def, stiffness, .unit = "N/m", .range = GN_SPRINGS,
         .required = true, .text = "penalty stiffness k_n"),
-    KEY("kratio", REAL, gn_wall_def, kratio, .unit = "1", .range = "(0, inf)", .word = "none",
+    KEY("kratio", REAL, gn_wall_def, kratio, .unit = "1", .range = GN_RATIOS, .word = "none",
         .fallback = "none", .text = "k_n/k_t of the wall; needed with friction"),
-    KEY("friction", REAL, gn_wall_def, friction, .unit = "1", .range = "[0, inf)", .fallback = "0",
-        .text = "Coulomb friction coefficient"),
+    KEY("friction", REAL, gn_wall_def, friction, .unit = "1", .range = GN_FRICTIONS,
+        .fallback = "0", .text = "Coulomb friction coefficient"),
     KEY("passive", CHOICE, gn_wall_def, passive, .choices = booleans, .fallback = "false",
         .text = "particles that overlap the wall at the start are stress-free there, as bonds with "
                 "passive_gaps: a platen laid on a cut face"),
@@ -433,13 +439,13 @@ static const gn_key test_keys[] = {
                   "add up"),
     ARRAY("upper", NAMES, gn_scene, test.upper.name, test.upper.count, .required = true,
           .text = "the same at the upper end"),
-    KEY("length", REAL, gn_scene, test.length, .unit = "m", .range = "(0, inf)", .word = "auto",
+    KEY("length", REAL, gn_scene, test.length, .unit = "m", .range = GN_LENGTHS, .word = "auto",
         .fallback = "auto", .text = "length of the specimen; auto: its extent along the axis"),
-    KEY("area", REAL, gn_scene, test.area, .unit = "m2", .range = "(0, inf)", .word = "auto",
+    KEY("area", REAL, gn_scene, test.area, .unit = "m2", .range = GN_AREAS, .word = "auto",
         .fallback = "auto",
         .text = "area of its section; auto: from the diameter, else the specimen's volume over the "
                 "length"),
-    KEY("diameter", REAL, gn_scene, test.diameter, .unit = "m", .range = "(0, inf)", .word = "none",
+    KEY("diameter", REAL, gn_scene, test.diameter, .unit = "m", .range = GN_LENGTHS, .word = "none",
         .fallback = "none", .text = "diameter of a cylinder"),
 };
 static const gn_section test_section = {test_keys, sizeof test_keys / sizeof(gn_key), 0,
@@ -488,7 +494,7 @@ static const gn_key output_keys[] = {
 TABLE_OF(output);
 
 static const gn_key neighbours_keys[] = {
-    KEY("skin", REAL, gn_scene, skin, .unit = "m", .range = "(0, inf)", .word = "auto",
+    KEY("skin", REAL, gn_scene, skin, .unit = "m", .range = "[1e-12, 1e9]", .word = "auto",
         .fallback = "auto", .text = "extra distance of the neighbour list, to rebuild it seldom"),
 };
 TABLE_OF(neighbours);
@@ -534,8 +540,8 @@ static const gn_key scene_keys[] = {
             .text = "finite elements: linear triangles in plane strain or tetrahedra"),
     SECTION("bonds", bonds_section, .text = "brittle bonds between particles of one group"),
     SECTION("damping", damping_section, .text = "dissipation besides friction and breakage"),
-    KEY("gravity", VECTOR, gn_scene, gravity, .unit = "m/s2", .fallback = "0",
-        .text = "acceleration of free fall"),
+    KEY("gravity", VECTOR, gn_scene, gravity, .unit = "m/s2", .range = GN_ACCELERATIONS,
+        .fallback = "0", .text = "acceleration of free fall"),
     SECTION("initial", initial_section, .text = "the state at the start"),
     SECTION("periodic", periodic_section, PRESENT(BOOL, gn_scene, has_periodic),
             .text = "a periodic box"),

@@ -81,6 +81,10 @@ struct gn_section {
     long where;  /* offset of the gn_where to fill; GN_NO_WHERE: none */
 };
 
+/* m: what lengths and coordinates may be, as GN_LENGTH_LEAST and GN_PLACE_MOST. */
+#define GN_LENGTHS "[1e-9, 1e9]"
+#define GN_PLACES  "[-1e9, 1e9]"
+
 /* The whole scene, and its specimen. */
 extern const gn_section gn_scene_section, gn_specimen_section;
 /* An element of `bodies` (manifest_bodies.c). */

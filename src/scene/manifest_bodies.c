@@ -5,18 +5,18 @@ static const gn_choice booleans[] = {{"true", 1}, {"false", 0}, {"on", 1}, {"off
                                      {"yes", 1},  {"no", 0},    {NULL, 0}};
 
 static const gn_key box_keys[] = {
-    KEY("size", VECTOR, gn_body_def, box_size, .unit = "m", .range = "(0, inf)", .required = true,
+    KEY("size", VECTOR, gn_body_def, box_size, .unit = "m", .range = GN_LENGTHS, .required = true,
         .shape_dimension = 3, .text = "lengths along x, y and z"),
 };
 TABLE_OF(box);
 
 static const gn_key cylinder_keys[] = {
-    KEY("diameter", REAL, gn_body_cylinder, diameter, .unit = "m", .range = "(0, inf)",
+    KEY("diameter", REAL, gn_body_cylinder, diameter, .unit = "m", .range = GN_LENGTHS,
         .required = true, .text = "diameter at the lower end, through the corners"),
-    KEY("upper_diameter", REAL, gn_body_cylinder, upper_diameter, .unit = "m", .range = "(0, inf)",
+    KEY("upper_diameter", REAL, gn_body_cylinder, upper_diameter, .unit = "m", .range = GN_LENGTHS,
         .word = "same", .fallback = "same",
         .text = "diameter at the upper end: a truncated cone, or a funnel when open"),
-    KEY("height", REAL, gn_body_cylinder, height, .unit = "m", .range = "(0, inf)",
+    KEY("height", REAL, gn_body_cylinder, height, .unit = "m", .range = GN_LENGTHS,
         .required = true, .text = "length along z"),
     KEY("sides", INTEGER, gn_body_cylinder, sides, .range = "[3, 10000]", .fallback = "32",
         .text = "of the polygon that stands for the circle"),
@@ -25,17 +25,17 @@ static const gn_key cylinder_keys[] = {
 };
 TABLE_OF(cylinder);
 
-#define CHANNEL(NAME, FIELD, UNIT, TEXT)                                                           \
-    KEY(NAME, TABLE, gn_motion, FIELD, .unit = UNIT, .word = "free", .fallback = "free",           \
-        .text = TEXT)
+#define CHANNEL(NAME, FIELD, UNIT, RANGE, TEXT)                                                    \
+    KEY(NAME, TABLE, gn_motion, FIELD, .unit = UNIT, .range = RANGE, .word = "free",               \
+        .fallback = "free", .text = TEXT)
 
 static const gn_key motion_keys[] = {
-    CHANNEL("vx", velocity[0], "m/s", "velocity of the reference point along x"),
-    CHANNEL("vy", velocity[1], "m/s", "velocity of the reference point along y"),
-    CHANNEL("vz", velocity[2], "m/s", "velocity of the reference point along z"),
-    CHANNEL("wx", spin[0], "rad/s", "spin about x"),
-    CHANNEL("wy", spin[1], "rad/s", "spin about y"),
-    CHANNEL("wz", spin[2], "rad/s", "spin about z"),
+    CHANNEL("vx", velocity[0], "m/s", GN_SPEEDS, "velocity of the reference point along x"),
+    CHANNEL("vy", velocity[1], "m/s", GN_SPEEDS, "velocity of the reference point along y"),
+    CHANNEL("vz", velocity[2], "m/s", GN_SPEEDS, "velocity of the reference point along z"),
+    CHANNEL("wx", spin[0], "rad/s", GN_SPINS, "spin about x"),
+    CHANNEL("wy", spin[1], "rad/s", GN_SPINS, "spin about y"),
+    CHANNEL("wz", spin[2], "rad/s", GN_SPINS, "spin about z"),
 };
 TABLE_OF(motion);
 
@@ -50,37 +50,37 @@ static const gn_key body_keys[] = {
     SECTION("cylinder", cylinder_section, .offset = offsetof(gn_body_def, cylinder),
             PRESENT(BOOL, gn_body_def, has_cylinder), .shape_dimension = 3,
             .text = "3D shape, axis along z; the centre of its lower end is its origin"),
-    ARRAY("polygon", POINTS, gn_body_def, polygon, polygon_count, .unit = "m",
+    ARRAY("polygon", POINTS, gn_body_def, polygon, polygon_count, .unit = "m", .range = GN_PLACES,
           PRESENT(COUNT, gn_body_def, polygon_count), .shape_dimension = 2,
           .text = "2D shape: closed line through its corners"),
-    ARRAY("polyline", POINTS, gn_body_def, polyline, polyline_count, .unit = "m", .number = 2,
-          PRESENT(COUNT, gn_body_def, polyline_count), .shape_dimension = 2,
-          .text = "2D shape: open line through its points"),
-    KEY("scale", REAL, gn_body_def, scale, .unit = "1", .range = "(0, inf)", .fallback = "1",
+    ARRAY("polyline", POINTS, gn_body_def, polyline, polyline_count, .unit = "m",
+          .range = GN_PLACES, .number = 2, PRESENT(COUNT, gn_body_def, polyline_count),
+          .shape_dimension = 2, .text = "2D shape: open line through its points"),
+    KEY("scale", REAL, gn_body_def, scale, .unit = "1", .range = GN_SCALES, .fallback = "1",
         .text = "lengths of the shape times this give metres"),
-    KEY("origin", VECTOR, gn_body_def, origin, .unit = "m", .fallback = "0",
+    KEY("origin", VECTOR, gn_body_def, origin, .unit = "m", .range = GN_PLACES, .fallback = "0",
         .text = "where the origin of the shape stands"),
-    KEY("rotation", SPIN, gn_body_def, rotation, .unit = "rad",
+    KEY("rotation", SPIN, gn_body_def, rotation, .unit = "rad", .range = GN_TURNS,
         PRESENT(BOOL, gn_body_def, has_rotation),
         .text = "turns the shape about its origin first: axis times angle; in 2D one number"),
-    KEY("stiffness", REAL, gn_body_def, stiffness, .unit = "N/m", .range = "(0, inf)",
+    KEY("stiffness", REAL, gn_body_def, stiffness, .unit = "N/m", .range = GN_SPRINGS,
         .required = true, .text = "penalty stiffness k_n"),
-    KEY("kratio", REAL, gn_body_def, kratio, .unit = "1", .range = "(0, inf)", .word = "none",
+    KEY("kratio", REAL, gn_body_def, kratio, .unit = "1", .range = GN_RATIOS, .word = "none",
         .fallback = "none", .text = "k_n/k_t of the surface; needed with friction"),
-    KEY("friction", REAL, gn_body_def, friction, .unit = "1", .range = "[0, inf)", .fallback = "0",
-        .text = "Coulomb friction coefficient"),
-    KEY("reference", VECTOR, gn_body_def, reference, .unit = "m",
+    KEY("friction", REAL, gn_body_def, friction, .unit = "1", .range = GN_FRICTIONS,
+        .fallback = "0", .text = "Coulomb friction coefficient"),
+    KEY("reference", VECTOR, gn_body_def, reference, .unit = "m", .range = GN_PLACES,
         PRESENT(BOOL, gn_body_def, has_reference),
         .text = "point about which spin turns the body and moments are taken; without it the "
                 "origin, of free bodies the centre of mass"),
     KEY("free", CHOICE, gn_body_def, free, .choices = booleans, .fallback = "false",
         .text = "channels that motion leaves free follow the forces of particles and gravity"),
-    KEY("density", REAL, gn_body_def, density, .unit = "kg/m3", .range = "(0, inf)", .word = "none",
-        .fallback = "none", .text = "mass density; needed by a free body"),
+    KEY("density", REAL, gn_body_def, density, .unit = "kg/m3", .range = GN_DENSITIES,
+        .word = "none", .fallback = "none", .text = "mass density; needed by a free body"),
     KEY("initial_velocity", VECTOR, gn_body_def, initial_velocity, .unit = "m/s",
-        PRESENT(BOOL, gn_body_def, has_initial_velocity),
+        .range = GN_SPEEDS, PRESENT(BOOL, gn_body_def, has_initial_velocity),
         .text = "velocity of a free body at the start"),
-    KEY("initial_spin", SPIN, gn_body_def, initial_spin, .unit = "rad/s",
+    KEY("initial_spin", SPIN, gn_body_def, initial_spin, .unit = "rad/s", .range = GN_SPINS,
         PRESENT(BOOL, gn_body_def, has_initial_spin),
         .text = "spin of a free body at the start; in 2D one number"),
     SECTION("motion", motion_section, .offset = offsetof(gn_body_def, motion),

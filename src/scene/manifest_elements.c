@@ -11,8 +11,8 @@ static const gn_key block_keys[] = {
         .text = "lengths along the axes"),
     KEY("cells", CELLS, gn_scene, elements.cells, .range = "[1, 1e6]", .required = true,
         .text = "cells along the axes, of two triangles or five tetrahedra each"),
-    KEY("origin", VECTOR, gn_scene, elements.origin, .unit = "m", .fallback = "0",
-        .text = "lower corner"),
+    KEY("origin", VECTOR, gn_scene, elements.origin, .unit = "m", .range = GN_PLACES,
+        .fallback = "0", .text = "lower corner"),
     KEY("distortion", REAL, gn_scene, elements.distortion, .unit = "1", .range = "[0, 0.25)",
         .fallback = "0",
         .text = "random shift of the nodes over the sides of a cell; in 3D below 1/6"),
@@ -20,19 +20,19 @@ static const gn_key block_keys[] = {
 TABLE_OF(block);
 
 static const gn_key beam_keys[] = {
-    KEY("length", REAL, gn_scene, elements.beam.length, .unit = "m", .range = "(0, inf)",
+    KEY("length", REAL, gn_scene, elements.beam.length, .unit = "m", .range = GN_LENGTHS,
         .required = true, .text = "length along x"),
-    KEY("height", REAL, gn_scene, elements.beam.height, .unit = "m", .range = "(0, inf)",
+    KEY("height", REAL, gn_scene, elements.beam.height, .unit = "m", .range = GN_LENGTHS,
         .required = true, .text = "height, along y"),
-    KEY("thickness", REAL, gn_scene, elements.beam.thickness, .unit = "m", .range = "(0, inf)",
+    KEY("thickness", REAL, gn_scene, elements.beam.thickness, .unit = "m", .range = GN_LENGTHS,
         .word = "none", .fallback = "none", .text = "thickness, along z; needed in 3D"),
-    KEY("span", REAL, gn_scene, elements.beam.span, .unit = "m", .range = "(0, inf)",
+    KEY("span", REAL, gn_scene, elements.beam.span, .unit = "m", .range = GN_LENGTHS,
         .word = "auto", .fallback = "auto", .text = "between the supports; auto: the length"),
-    KEY("notch_depth", REAL, gn_scene, elements.beam.notch_depth, .unit = "m", .range = "(0, inf)",
+    KEY("notch_depth", REAL, gn_scene, elements.beam.notch_depth, .unit = "m", .range = GN_LENGTHS,
         .word = "none", .fallback = "none", .text = "of the notch from below at mid-span"),
-    KEY("notch_width", REAL, gn_scene, elements.beam.notch_width, .unit = "m", .range = "(0, inf)",
+    KEY("notch_width", REAL, gn_scene, elements.beam.notch_width, .unit = "m", .range = GN_LENGTHS,
         .word = "none", .fallback = "none", .text = "needed with notch_depth"),
-    KEY("cell", REAL, gn_scene, elements.beam.cell, .unit = "m", .range = "(0, inf)",
+    KEY("cell", REAL, gn_scene, elements.beam.cell, .unit = "m", .range = GN_LENGTHS,
         .required = true, .text = "largest side of a cell"),
     KEY("notch_cells", INTEGER, gn_scene, elements.beam.notch_cells, .range = "[1, 1000]",
         .fallback = "1",
@@ -40,8 +40,8 @@ static const gn_key beam_keys[] = {
                 "tip"),
     KEY("growth", REAL, gn_scene, elements.beam.growth, .unit = "1", .range = "[1.01, 3]",
         .fallback = "1.2", .text = "how cells grow from one to the next away from the notch"),
-    KEY("origin", VECTOR, gn_scene, elements.beam.origin, .unit = "m", .fallback = "0",
-        .text = "lower corner"),
+    KEY("origin", VECTOR, gn_scene, elements.beam.origin, .unit = "m", .range = GN_PLACES,
+        .fallback = "0", .text = "lower corner"),
 };
 TABLE_OF(beam);
 
@@ -50,13 +50,13 @@ TABLE_OF(beam);
 static const gn_key material_keys[] = {
     KEY("group", TEXT, gn_element_material, group, .fallback = "",
         .text = "of elements in the mesh, by name or number; left out: all elements"),
-    KEY("young", REAL, gn_element_material, young, .unit = "Pa", .range = "(0, inf)",
+    KEY("young", REAL, gn_element_material, young, .unit = "Pa", .range = GN_MODULI,
         .required = true, .text = "Young's modulus"),
     KEY("poisson", REAL, gn_element_material, poisson, .unit = "1", .range = "(-1, 0.5]",
         .required = true,
         .text =
             "Poisson's ratio, below 0.5: incompressible has no stable step in an explicit scheme"),
-    KEY("density", REAL, gn_element_material, density, .unit = "kg/m3", .range = "(0, inf)",
+    KEY("density", REAL, gn_element_material, density, .unit = "kg/m3", .range = GN_DENSITIES,
         .required = true, .text = "mass density"),
 };
 ELEMENTS_OF(material, gn_element_material);
@@ -70,15 +70,16 @@ ELEMENTS_OF(material, gn_element_material);
     };                                                                                             \
     TABLE_OF(NAME)
 
-#define CHANNEL(NAME, FIELD, STRUCT, UNIT, WORD, TEXT)                                             \
-    KEY(NAME, TABLE, STRUCT, FIELD, .unit = UNIT, .word = WORD, .fallback = WORD, .text = TEXT)
+#define CHANNEL(NAME, FIELD, STRUCT, UNIT, RANGE, WORD, TEXT)                                      \
+    KEY(NAME, TABLE, STRUCT, FIELD, .unit = UNIT, .range = RANGE, .word = WORD, .fallback = WORD,  \
+        .text = TEXT)
 
 REGION_BOX(gn_element_motion, motion_box);
 
 static const gn_key velocity_keys[] = {
-    CHANNEL("vx", velocity[0], gn_motion, "m/s", "free", "prescribed velocity along x"),
-    CHANNEL("vy", velocity[1], gn_motion, "m/s", "free", "prescribed velocity along y"),
-    CHANNEL("vz", velocity[2], gn_motion, "m/s", "free", "prescribed velocity along z"),
+    CHANNEL("vx", velocity[0], gn_motion, "m/s", GN_SPEEDS, "free", "prescribed velocity along x"),
+    CHANNEL("vy", velocity[1], gn_motion, "m/s", GN_SPEEDS, "free", "prescribed velocity along y"),
+    CHANNEL("vz", velocity[2], gn_motion, "m/s", GN_SPEEDS, "free", "prescribed velocity along z"),
 };
 TABLE_OF(velocity);
 
@@ -99,16 +100,16 @@ ELEMENTS_OF(motion, gn_element_motion);
 REGION_BOX(gn_element_load, load_box);
 
 static const gn_key traction_keys[] = {
-    CHANNEL("tx", traction[0], gn_element_load, "Pa", "none", "component along x"),
-    CHANNEL("ty", traction[1], gn_element_load, "Pa", "none", "component along y"),
-    CHANNEL("tz", traction[2], gn_element_load, "Pa", "none", "component along z"),
+    CHANNEL("tx", traction[0], gn_element_load, "Pa", GN_TRACTIONS, "none", "component along x"),
+    CHANNEL("ty", traction[1], gn_element_load, "Pa", GN_TRACTIONS, "none", "component along y"),
+    CHANNEL("tz", traction[2], gn_element_load, "Pa", GN_TRACTIONS, "none", "component along z"),
 };
 TABLE_OF(traction);
 
 static const gn_key force_keys[] = {
-    CHANNEL("fx", force[0], gn_element_load, "N", "none", "component along x"),
-    CHANNEL("fy", force[1], gn_element_load, "N", "none", "component along y"),
-    CHANNEL("fz", force[2], gn_element_load, "N", "none", "component along z"),
+    CHANNEL("fx", force[0], gn_element_load, "N", GN_FORCES, "none", "component along x"),
+    CHANNEL("fy", force[1], gn_element_load, "N", GN_FORCES, "none", "component along y"),
+    CHANNEL("fz", force[2], gn_element_load, "N", GN_FORCES, "none", "component along z"),
 };
 TABLE_OF(force);
 
@@ -133,11 +134,11 @@ ELEMENTS_OF(load, gn_element_load);
 static const gn_key contact_keys[] = {
     KEY("group", TEXT, gn_scene, elements.contact.group, .fallback = "",
         .text = "facets of a group of the mesh, by name or number; left out: the whole boundary"),
-    KEY("stiffness", REAL, gn_scene, elements.contact.stiffness, .unit = "N/m", .range = "(0, inf)",
+    KEY("stiffness", REAL, gn_scene, elements.contact.stiffness, .unit = "N/m", .range = GN_SPRINGS,
         .required = true, .text = "penalty stiffness k_n"),
-    KEY("kratio", REAL, gn_scene, elements.contact.kratio, .unit = "1", .range = "(0, inf)",
+    KEY("kratio", REAL, gn_scene, elements.contact.kratio, .unit = "1", .range = GN_RATIOS,
         .word = "none", .fallback = "none", .text = "k_n/k_t of the surface; needed with friction"),
-    KEY("friction", REAL, gn_scene, elements.contact.friction, .unit = "1", .range = "[0, inf)",
+    KEY("friction", REAL, gn_scene, elements.contact.friction, .unit = "1", .range = GN_FRICTIONS,
         .fallback = "0", .text = "Coulomb friction coefficient"),
 };
 TABLE_OF(contact);
@@ -148,7 +149,7 @@ static const gn_key elements_keys[] = {
     KEY("mesh", FILE, gn_scene, elements.mesh, .second = offsetof(gn_scene, elements.mesh_path),
         PRESENT(TEXT, gn_scene, elements.mesh),
         .text = "gmsh .msh file, format 2.2 or 4.1, linear triangles (3D: tetrahedra)"),
-    KEY("scale", REAL, gn_scene, elements.scale, .unit = "1", .range = "(0, inf)", .fallback = "1",
+    KEY("scale", REAL, gn_scene, elements.scale, .unit = "1", .range = GN_SCALES, .fallback = "1",
         .text = "lengths in the file times this give metres"),
     SECTION("rectangle", block_section, PRESENT(BOOL, gn_scene, elements.has_rectangle),
             .shape_dimension = 2, .text = "built-in 2D mesh; groups body, x_lower, x_upper, ..."),

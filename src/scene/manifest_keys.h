@@ -4,6 +4,26 @@
 
 #include "scene/manifest.h"
 
+/* What quantities may be: wide enough for every scene that has a meaning, in SI units, so that a
+ * slip (a missing unit, an exponent too many) is refused where it stands, and products of them stay
+ * far from overflow. Limits (strengths, a servo's velocity) may be large to say that there is none.
+ */
+#define GN_AREAS         "[1e-18, 1e18]"  /* m2 */
+#define GN_SCALES        "[1e-12, 1e12]"  /* 1 */
+#define GN_DENSITIES     "[1e-9, 1e15]"   /* kg/m3 */
+#define GN_SPRINGS       "[1e-15, 1e21]"  /* N/m */
+#define GN_MODULI        "[1e-9, 1e18]"   /* Pa */
+#define GN_STRENGTHS     "[1e-12, 1e100]" /* Pa */
+#define GN_BREAKING      "[1e-30, 1e100]" /* N */
+#define GN_RATIOS        "[1e-6, 1e12]"   /* k_n/k_t */
+#define GN_FRICTIONS     "[0, 1e30]"
+#define GN_SPEEDS        "[-3e8, 3e8]"   /* m/s: that of light */
+#define GN_SPINS         "[-1e12, 1e12]" /* rad/s */
+#define GN_TURNS         "[-1e6, 1e6]"   /* rad */
+#define GN_ACCELERATIONS "[-1e12, 1e12]" /* m/s2 */
+#define GN_FORCES        "[-1e18, 1e18]" /* N */
+#define GN_TRACTIONS     "[-1e18, 1e18]" /* Pa */
+
 /* A key TYPE called NAME for FIELD of STRUCT. */
 #define KEY(NAME, TYPE, STRUCT, FIELD, ...)                                                        \
     {                                                                                              \

@@ -345,16 +345,17 @@ static gneiss_status read_names(gn_reader *reader, const gn_key *key, const gn_n
 
 static gneiss_status read_particle(gn_reader *reader, const gn_key *key, const gn_node *row,
                                    double particle[4]) {
-    const gn_key coordinate = {.unit = key->unit};
+    const gn_key coordinate = {.unit = key->unit, .range = GN_PLACES},
+                 radius = {.unit = key->unit, .range = GN_LENGTHS};
     bool plane = reader->scene->dimension == 2;
     if (row->kind != GN_NODE_LIST || row->count != (plane ? 3 : 4))
         return unexpected(reader, row, plane ? "a row [x, y, r]" : "a row [x, y, z, r]", "");
     size_t index = 0;
     for (const gn_node *item = row->first; item; item = item->next, index++) {
         size_t slot = plane && index == 2 ? 3 : index;
-        GN_TRY(read_number(reader, &coordinate, key->unit, item, &particle[slot]));
+        GN_TRY(read_number(reader, slot == 3 ? &radius : &coordinate, key->unit, item,
+                           &particle[slot]));
     }
-    if (particle[3] <= 0) return unexpected(reader, row->last, "a radius above 0", "");
     return GNEISS_OK;
 }
 

@@ -13,6 +13,10 @@
 
 enum { GN_NAME_SIZE = 64, GN_PATH_SIZE = 4096 };
 
+/* Coordinates and sizes that a scene, or a file that it names, may hold (manifest_keys.h). */
+static const double GN_PLACE_MOST = 1e9;    /* m, either side of the origin */
+static const double GN_LENGTH_LEAST = 1e-9; /* m */
+
 /* How normal stiffness and bond strength follow from the radii (Rojek et al. 2012, sec. 2). */
 typedef enum gn_stiffness_model {
     GN_STIFFNESS_UNIFORM,         /* given k_n, R_n, R_t, the same for every contact */

@@ -65,7 +65,9 @@ static void turn_from_matrix(const double m[9], double q[4]) {
 void gn_rigid_orientation(const gn_rigid *b, double turn[4]) {
     const double *s = b->turn_start, back[4] = {s[0], -s[1], -s[2], -s[3]};
     multiply(b->turn, back, turn);
-    for (int k = 0; turn[0] < 0.0 && k < 4; k++) turn[k] = -turn[k];
+    /* q and -q are one turn; all four change sign or none. */
+    double sign = turn[0] < 0.0 ? -1.0 : 1.0;
+    for (int k = 0; k < 4; k++) turn[k] *= sign;
 }
 
 /* Turns by a vector in space. */

@@ -246,6 +246,18 @@ static gneiss_status weigh(gn_body_shape *shape, int corners, gneiss_error *erro
     return GNEISS_OK;
 }
 
+/* Files and scales can each be sensible and give together what no key may say. */
+static gneiss_status check_places(const gn_body_shape *shape, gneiss_error *error) {
+    for (size_t v = 0; v < shape->vertices; v++) {
+        const double *x = shape->vertex + 4 * v;
+        if (fmax(fabs(x[0]), fmax(fabs(x[1]), fabs(x[2]))) <= GN_PLACE_MOST) continue;
+        return gn_fail(error, GNEISS_ERROR_INPUT,
+                       "expected coordinates up to %g m, found a vertex at (%g, %g, %g) m",
+                       GN_PLACE_MOST, x[0], x[1], x[2]);
+    }
+    return GNEISS_OK;
+}
+
 gneiss_status gn_body_shape_make(const gn_scene *s, size_t index, gn_body_shape *shape,
                                  gneiss_error *error) {
     const gn_body_def *def = &s->bodies[index];
@@ -257,8 +269,9 @@ gneiss_status gn_body_shape_make(const gn_scene *s, size_t index, gn_body_shape 
     if (corners == 3) GN_TRY(make_mesh(s, index, &mesh, error));
     status = corners == 3 ? from_mesh(def, &mesh, shape, error) : from_line(def, shape, error);
     gn_mesh_free(&mesh);
-    if (status == GNEISS_OK && def->free) {
-        status = weigh(shape, corners, error);
+    if (status == GNEISS_OK) {
+        status = check_places(shape, error);
+        if (status == GNEISS_OK && def->free) status = weigh(shape, corners, error);
         if (status != GNEISS_OK)
             gn_fail_context(error, "%s (%s): ", name_of(s, index, name, sizeof name), def->name);
     }

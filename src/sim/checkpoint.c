@@ -15,6 +15,7 @@
 enum { FORMAT = 3 };
 
 #define DOUBLES(member) GN_PIECE_DOUBLES(gn_run, member)
+#define LIMIT(member)   GN_PIECE_ANY(gn_run, member)
 #define INTEGER(member) GN_PIECE_INTEGER(gn_run, member)
 
 static const gn_piece pieces[] = {
@@ -22,16 +23,16 @@ static const gn_piece pieces[] = {
     DOUBLES(world.time),
     DOUBLES(world.dt_past),
     DOUBLES(world.dt),
-    DOUBLES(world.bound),
-    DOUBLES(world.stable),
+    LIMIT(world.bound),
+    LIMIT(world.stable),
     DOUBLES(world.surface_rate),
     DOUBLES(world.vertex_rate),
-    DOUBLES(world.stable_particles),
-    DOUBLES(world.limit.bound),
-    DOUBLES(world.limit.sharp),
-    DOUBLES(world.limit.sharp_low),
-    DOUBLES(world.limit.frequency),
-    DOUBLES(world.limit.literature),
+    LIMIT(world.stable_particles),
+    LIMIT(world.limit.bound),
+    LIMIT(world.limit.sharp),
+    LIMIT(world.limit.sharp_low),
+    LIMIT(world.limit.frequency),
+    LIMIT(world.limit.literature),
     INTEGER(world.dt_lowered),
     DOUBLES(world.energy),
     DOUBLES(world.reading),
@@ -54,7 +55,7 @@ static const gn_piece pieces[] = {
     DOUBLES(world.upper),
     DOUBLES(world.test_length),
     DOUBLES(world.test_area),
-    DOUBLES(world.radius_min),
+    LIMIT(world.radius_min),
     DOUBLES(world.gauge.volume),
     INTEGER(history_interval),
     INTEGER(snapshot_interval),
@@ -127,9 +128,11 @@ static gneiss_status put_history(const gn_run *run, gn_h5 *file, gneiss_error *e
         const gn_column *column = &run->history.columns[c];
         char path[160];
         snprintf(path, sizeof path, "history/%s", column->name);
+        gn_h5_demand_finite(file, !column->absent);
         GN_TRY(gn_h5_put(file, path, GN_F64, run->history.row_count, 1, 0, column->value, NULL,
                          NULL, error));
     }
+    gn_h5_demand_finite(file, true);
     return GNEISS_OK;
 }
 
@@ -167,6 +170,7 @@ gneiss_status gn_checkpoint_write(const gn_run *const_run, const char *path, gne
         const_run; /* list_arrays hands out places to fill; here they are read */
     gn_h5 *file = NULL;
     GN_TRY(gn_h5_create(path, &file, error));
+    gn_h5_demand_finite(file, true);
     gneiss_status status = put_all(run, file, error);
     if (status != GNEISS_OK) {
         gn_h5_close(file);

@@ -10,14 +10,15 @@
 #include <string.h>
 
 #define DOUBLES(member) GN_PIECE_DOUBLES(gn_element_model, member)
+#define LIMIT(member)   GN_PIECE_ANY(gn_element_model, member)
 #define INTEGER(member) GN_PIECE_INTEGER(gn_element_model, member)
 
 static const gn_piece pieces[] = {
-    INTEGER(body.step),       DOUBLES(body.time),         DOUBLES(body.dt_past),
-    DOUBLES(body.energy),     INTEGER(body.unused_nodes), INTEGER(body.turned_elements),
-    DOUBLES(limit.bound),     DOUBLES(limit.sharp),       DOUBLES(limit.sharp_low),
-    DOUBLES(limit.frequency), DOUBLES(stiffening),        DOUBLES(stable),
-    DOUBLES(stress),          DOUBLES(unbalanced),        DOUBLES(contact.travel),
+    INTEGER(body.step),     DOUBLES(body.time),         DOUBLES(body.dt_past),
+    DOUBLES(body.energy),   INTEGER(body.unused_nodes), INTEGER(body.turned_elements),
+    LIMIT(limit.bound),     LIMIT(limit.sharp),         LIMIT(limit.sharp_low),
+    LIMIT(limit.frequency), DOUBLES(stiffening),        LIMIT(stable),
+    DOUBLES(stress),        DOUBLES(unbalanced),        DOUBLES(contact.travel),
 };
 enum { PIECES = sizeof pieces / sizeof *pieces };
 

@@ -63,6 +63,20 @@ static gneiss_status make_mesh(const gn_world *w, gn_mesh *mesh, gneiss_error *e
     return at(w, e->where, NULL, 0, status, error);
 }
 
+/* Files, origins and scales can each be sensible and give together what no key may say. */
+static gneiss_status check_places(const gn_world *w, const gn_mesh *mesh, gneiss_error *error) {
+    for (size_t n = 0; n < mesh->node_count; n++) {
+        const double *x = mesh->node + 3 * n;
+        if (fmax(fabs(x[0]), fmax(fabs(x[1]), fabs(x[2]))) <= GN_PLACE_MOST) continue;
+        gneiss_status status =
+            gn_fail(error, GNEISS_ERROR_INPUT,
+                    "expected coordinates up to %g m, found a node at (%g, %g, %g) m",
+                    GN_PLACE_MOST, x[0], x[1], x[2]);
+        return at(w, w->scene.elements.where, NULL, 0, status, error);
+    }
+    return GNEISS_OK;
+}
+
 /* --- body
  * --------------------------------------------------------------------------------------- */
 
@@ -207,6 +221,7 @@ gneiss_status gn_elements_create(gn_world *w, gn_mesh *mesh, gneiss_error *error
         *mesh = (gn_mesh){0};
     }
     gneiss_status status = mesh ? GNEISS_OK : make_mesh(w, &own, error);
+    if (status == GNEISS_OK) status = check_places(w, &own, error);
     if (status == GNEISS_OK) status = check_groups(w, &own, error);
     if (status == GNEISS_OK) {
         w->elements = gn_alloc_array(1, sizeof *w->elements);

@@ -35,6 +35,7 @@ static void on_side(const double a[3], const double b[3], int i, int j, gn_facet
     near->weight[0] = near->weight[1] = near->weight[2] = 0.0;
     near->weight[i] = 1.0 - t;
     near->weight[j] = t;
+    memcpy(near->along, side, sizeof side);
     set_point(near, p, feature);
 }
 
@@ -70,6 +71,7 @@ static void on_triangle(double x[3][3], gn_facet_near *near) {
     }
     memcpy(near->away, best.away, sizeof best.away);
     memcpy(near->weight, best.weight, sizeof best.weight);
+    memcpy(near->along, best.along, sizeof best.along);
     near->distance = best.distance;
     near->feature = best.feature;
 }
@@ -143,127 +145,198 @@ size_t gn_facet_minima(gn_facet_near *list, size_t count) {
     return kept;
 }
 
-/* --- joining
+/* --- sharing
  * ---------------------------------------------------------------------------------------- */
 
-/* Half spaces n . u >= depth. */
-typedef struct cluster {
+enum { ACTIVE = 40 }; /* minima that press and share */
+
+/* The problem of facet.h. */
+typedef struct sharing {
     size_t count;
-    size_t place[GN_FACET_TOUCHES];
-    double n[GN_FACET_TOUCHES][3], depth[GN_FACET_TOUCHES]; /* n from the surface to the centre */
+    double m[GN_FACET_TOUCHES][3]; /* from the surface to the centre */
+    double depth[GN_FACET_TOUCHES], lambda[GN_FACET_TOUCHES];
     double slack;
-} cluster;
+    size_t actives, active[ACTIVE];
+} sharing;
 
-static bool resolves(const cluster *c, const double u[3]) {
-    for (size_t k = 0; k < c->count; k++)
-        if (gn_dot3(c->n[k], u) < c->depth[k] - c->slack) return false;
-    return true;
+/* f of two unit normals, and its derivative by their cosine. The angle from the chord is exact for
+ * small ones. */
+static double share_of(const double a[3], const double b[3], double *slope) {
+    double chord2 = 0.0;
+    for (int k = 0; k < 3; k++) chord2 += (a[k] - b[k]) * (a[k] - b[k]);
+    *slope = 0.0;
+    if (chord2 >= GN_FACET_SHARE * GN_FACET_SHARE) return 0.0;
+    double half = asin(0.5 * sqrt(chord2)), angle = 2.0 * half, x = angle / GN_FACET_SHARE;
+    if (x >= 1.0) return 0.0;
+    double rest = 1.0 - x, cube = rest * rest * rest;
+    double arc = angle > 1e-8 ? angle / sin(angle) : 1.0;
+    *slope = 20.0 * cube * arc / (GN_FACET_SHARE * GN_FACET_SHARE);
+    return (1.0 + 4.0 * x) * rest * cube;
 }
 
-/* u = lambda_i n_i + lambda_j n_j that just meets both; false when one of them would pull. */
-static bool meet_two(const cluster *c, size_t i, size_t j, double u[3], double share[3]) {
-    double across[3], side[3];
-    gn_cross3(c->n[i], c->n[j], across);
-    double sine = sqrt(gn_dot3(across, across)), cosine = gn_dot3(c->n[i], c->n[j]);
-    if (!(sine > 1e-9)) return false;
-    double beta = (c->depth[j] - cosine * c->depth[i]) / sine;
-    share[1] = beta / sine;
-    share[0] = c->depth[i] - cosine * share[1];
-    if (!(share[0] >= 0.0 && share[1] >= 0.0)) return false;
-    for (int a = 0; a < 3; a++) {
-        side[a] = (c->n[j][a] - cosine * c->n[i][a]) / sine;
-        u[a] = c->depth[i] * c->n[i][a] + beta * side[a];
+static double share(const sharing *s, size_t i, size_t j) {
+    double slope;
+    return i == j ? 1.0 : share_of(s->m[i], s->m[j], &slope);
+}
+
+/* What of an overlap the active ones do not make yet. */
+static double missing(const sharing *s, size_t i) {
+    double sum = s->depth[i];
+    for (size_t k = 0; k < s->actives; k++) {
+        size_t j = s->active[k];
+        sum -= share(s, i, j) * s->lambda[j];
+    }
+    return sum;
+}
+
+/* z of the active ones alone, by Cholesky; false: two of them have the same normal. */
+static bool solve_active(const sharing *s, double z[ACTIVE]) {
+    double low[ACTIVE][ACTIVE];
+    size_t n = s->actives;
+    for (size_t r = 0; r < n; r++) {
+        double value = s->depth[s->active[r]];
+        for (size_t c = 0; c <= r; c++) {
+            double sum = share(s, s->active[r], s->active[c]);
+            for (size_t k = 0; k < c; k++) sum -= low[r][k] * low[c][k];
+            if (c == r && !(sum > 1e-10)) return false;
+            low[r][c] = c == r ? sqrt(sum) : sum / low[c][c];
+            if (c < r) value -= low[r][c] * z[c];
+        }
+        z[r] = value / low[r][r];
+    }
+    for (size_t r = n; r-- > 0;) {
+        for (size_t k = r + 1; k < n; k++) z[r] -= low[k][r] * z[k];
+        z[r] /= low[r][r];
     }
     return true;
 }
 
-static bool meet_three(const cluster *c, const size_t at[3], double u[3], double share[3]) {
-    double across[3][3];
-    for (int k = 0; k < 3; k++) gn_cross3(c->n[at[(k + 1) % 3]], c->n[at[(k + 2) % 3]], across[k]);
-    double det = gn_dot3(c->n[at[0]], across[0]);
-    if (!(fabs(det) > 1e-12)) return false;
-    for (int a = 0; a < 3; a++) {
-        u[a] = 0.0;
-        for (int k = 0; k < 3; k++) u[a] += c->depth[at[k]] * across[k][a] / det;
+/* Goes from the lambda to z as far as none turns negative; what has come to zero leaves. False: all
+ * the way. */
+static bool step_back(sharing *s, const double z[ACTIVE]) {
+    double way = 1.0;
+    for (size_t k = 0; k < s->actives; k++) {
+        double old = s->lambda[s->active[k]];
+        if (!(z[k] > 0.0)) way = fmin(way, old > z[k] ? old / (old - z[k]) : 0.0);
     }
-    for (int k = 0; k < 3; k++) {
-        share[k] = gn_dot3(u, across[k]) / det;
-        if (!(share[k] >= 0.0)) return false;
+    bool left = false;
+    size_t kept = 0;
+    for (size_t k = 0; k < s->actives; k++) {
+        size_t i = s->active[k];
+        s->lambda[i] += way * (z[k] - s->lambda[i]);
+        bool leaves = !(z[k] > 0.0) && !(s->lambda[i] > s->slack);
+        if (leaves)
+            s->lambda[i] = 0.0;
+        else
+            s->active[kept++] = i;
+        left = left || leaves;
     }
-    return true;
+    s->actives = kept;
+    return left;
 }
 
-/* The shortest u that resolves all: one, two or three of them hold it. Places in `at`. */
-static int shortest(const cluster *c, double u[3], size_t at[3], double share[3]) {
-    at[0] = 0;
-    share[0] = 1.0;
-    for (int a = 0; a < 3; a++) u[a] = c->depth[0] * c->n[0][a];
-    if (resolves(c, u)) return 1;
-    for (at[0] = 0; at[0] < c->count; at[0]++)
-        for (at[1] = at[0] + 1; at[1] < c->count; at[1]++)
-            if (meet_two(c, at[0], at[1], u, share) && resolves(c, u)) return 2;
-    for (at[0] = 0; at[0] < c->count; at[0]++)
-        for (at[1] = at[0] + 1; at[1] < c->count; at[1]++)
-            for (at[2] = at[1] + 1; at[2] < c->count; at[2]++)
-                if (meet_three(c, at, u, share) && resolves(c, u)) return 3;
-    /* Only rounding leads here: the deepest stands for all. */
-    at[0] = 0;
-    share[0] = 1.0;
-    for (int a = 0; a < 3; a++) u[a] = c->depth[0] * c->n[0][a];
-    return 1;
+/* Active sets (Lawson and Hanson 1974, chapter 23): the most missing one joins, then whoever would
+ * pull leaves. */
+static void solve(sharing *s) {
+    bool refused[GN_FACET_TOUCHES] = {false};
+    for (size_t round = 0; round < 4 * s->count + 8 && s->actives < ACTIVE; round++) {
+        double most = s->slack, z[ACTIVE];
+        size_t next = s->count;
+        for (size_t i = 0; i < s->count; i++) {
+            if (refused[i] || s->lambda[i] > 0.0) continue;
+            double lacks = missing(s, i);
+            if (lacks > most) {
+                most = lacks;
+                next = i;
+            }
+        }
+        if (next == s->count) return;
+        s->active[s->actives++] = next;
+        if (!solve_active(s, z)) {
+            refused[next] = true; /* one with its normal is deeper */
+            s->actives--;
+            continue;
+        }
+        while (step_back(s, z))
+            if (!solve_active(s, z)) return;
+    }
 }
 
 void gn_facet_single(const gn_facet_near *minima, size_t k, double radius, gn_facet_contact *out) {
     const gn_facet_near *m = &minima[k];
-    *out = (gn_facet_contact){.overlap = m->distance - radius, .members = 1};
-    out->member[0] = (int)k;
-    out->share[0] = 1.0;
+    *out = (gn_facet_contact){
+        .overlap = m->distance - radius, .part = 1.0, .crowd = 1.0, .member = (int)k};
     for (int a = 0; a < 3; a++) {
         out->n[a] = m->away[a] / m->distance;
         out->arm[a] = m->away[a];
     }
 }
 
-static void join(const gn_facet_near *minima, const cluster *c, double radius,
-                 gn_facet_contact *out) {
-    double u[3], share[3], sum = 0.0;
-    size_t at[3];
-    int members = shortest(c, u, at, share);
-    if (members == 1) {
-        gn_facet_single(minima, c->place[at[0]], radius, out);
-        return;
+/* The part of v across the normal m that the feature of a minimum leaves (an edge: along it, a
+ * face: all of it), and the rest, by which its normal turns when the particle moves by v. */
+static void across(const gn_facet_near *near, const double m[3], const double v[3], double along[3],
+                   double turning[3]) {
+    double normal = gn_dot3(m, v), edge = 0.0, size2 = gn_dot3(near->along, near->along);
+    int corners = size_of(near->feature);
+    if (corners == 2 && size2 > 0.0) edge = gn_dot3(near->along, v) / size2;
+    for (int a = 0; a < 3; a++) {
+        double flat = v[a] - normal * m[a];
+        along[a] = corners == 3 ? flat : edge * near->along[a];
+        turning[a] = flat - along[a];
     }
-    double size = sqrt(gn_dot3(u, u));
-    *out = (gn_facet_contact){.overlap = -size, .members = members};
-    for (int k = 0; k < members; k++) sum += share[k];
-    for (int k = 0; k < members; k++) {
-        out->share[k] = share[k] / sum;
-        out->member[k] = (int)c->place[at[k]];
-        for (int a = 0; a < 3; a++) out->arm[a] += out->share[k] * minima[out->member[k]].away[a];
+}
+
+/* Where a normal turns with the particle, f changes, and the potential with it: with w_i = sum_j
+ * f'_ij lambda_j m_j the gradient is k lambda_i (m_i + (what m_i turns by w_i)/distance). Forces
+ * act on the surface where its own turning does the work that is missing: w_i along the feature off
+ * the point. Both together leave no moment about the centre. */
+static void lean(const sharing *s, size_t i, const gn_facet_near *near, gn_facet_contact *out) {
+    double w[3] = {0, 0, 0}, along[3], turning[3], slope;
+    for (size_t k = 0; k < s->actives; k++) {
+        size_t j = s->active[k];
+        if (j == i) continue;
+        out->crowd += share_of(s->m[i], s->m[j], &slope);
+        for (int a = 0; a < 3; a++) w[a] += slope * s->lambda[j] * s->m[j][a];
     }
-    for (int a = 0; a < 3; a++) out->n[a] = -u[a] / size;
+    across(near, s->m[i], w, along, turning);
+    for (int a = 0; a < 3; a++) {
+        out->n[a] -= turning[a] / near->distance;
+        out->arm[a] += along[a];
+    }
+    double size = sqrt(gn_dot3(out->n, out->n));
+    for (int a = 0; a < 3; a++) out->n[a] /= size;
+}
+
+/* Whether any two of them share. */
+static bool set_up(const gn_facet_near *minima, size_t count, double radius, sharing *s) {
+    bool any = false;
+    s->count = count;
+    s->actives = 0;
+    s->slack = 1e-12 * (radius - minima[0].distance) + 8.0 * DBL_EPSILON * radius;
+    for (size_t i = 0; i < count; i++) {
+        s->lambda[i] = 0.0;
+        s->depth[i] = radius - minima[i].distance;
+        for (int a = 0; a < 3; a++) s->m[i][a] = -minima[i].away[a] / minima[i].distance;
+        for (size_t j = 0; j < i && !any; j++) any = share(s, i, j) > 0.0;
+    }
+    return any;
 }
 
 size_t gn_facet_contacts(const gn_facet_near *minima, size_t count, double radius,
                          gn_facet_contact *contacts) {
-    bool taken[GN_FACET_TOUCHES] = {false};
-    size_t found = 0;
-    for (size_t first = 0; first < count; first++) {
-        const double *d = minima[first].away;
-        if (taken[first] || !(minima[first].distance > 0.0)) continue;
-        cluster c;
-        c.count = 0;
-        c.slack = 1e-12 * (radius - minima[first].distance) + 8.0 * DBL_EPSILON * radius;
-        for (size_t k = first; k < count; k++) {
-            const gn_facet_near *m = &minima[k];
-            double cosine = gn_dot3(m->away, d) / (m->distance * minima[first].distance);
-            if (taken[k] || (k > first && !(cosine > GN_FACET_JOIN))) continue;
-            taken[k] = true;
-            for (int a = 0; a < 3; a++) c.n[c.count][a] = -m->away[a] / m->distance;
-            c.depth[c.count] = radius - m->distance;
-            c.place[c.count++] = k;
-        }
-        join(minima, &c, radius, &contacts[found++]);
+    size_t first = 0, found = 0;
+    while (first < count && !(minima[first].distance > 0.0)) first++;
+    sharing s;
+    bool shared = count - first > 1 && set_up(minima + first, count - first, radius, &s);
+    if (shared) solve(&s);
+    for (size_t k = first; k < count; k++) {
+        double lambda = shared ? s.lambda[k - first] : 0.0;
+        if (shared && !(lambda > 0.0)) continue;
+        gn_facet_contact *out = &contacts[found++];
+        gn_facet_single(minima, k, radius, out);
+        if (!shared || lambda == s.depth[k - first]) continue;
+        out->part = fmin(1.0, lambda / s.depth[k - first]);
+        lean(&s, k - first, &minima[k], out);
     }
     return found;
 }

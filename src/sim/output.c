@@ -159,8 +159,11 @@ static gneiss_status write_snapshot(const gn_run *run, const gn_observed *seen,
         {"stress", "Pa", 6, p.stress},
         {"coordination", "1", 1, p.coordination},
     };
-    gn_snapshot s = {
-        .time = w->time, .step = w->step, .point_count = p.count, .points = p.position};
+    gn_snapshot s = {.bad = w->bad,
+                     .time = w->time,
+                     .step = w->step,
+                     .point_count = p.count,
+                     .points = p.position};
     s.point_arrays = points;
     s.point_array_count = sizeof points / sizeof *points;
     gneiss_status status = gn_snapshot_write(run->directory, particles_name, &s, error);
@@ -280,10 +283,12 @@ static gneiss_status put_reading(gn_h5 *file, const char *name, double value, co
 
 static gneiss_status put_readings(const gn_run *run, gn_h5 *file, gneiss_error *error) {
     gn_readings r = gn_record_readings(&run->world, &run->history);
+    bool demanded = gn_h5_demand_finite(file, false);
 #define X(name, unit, text)                                                                        \
     GN_TRY(put_reading(file, #name, r.name, unit, text, r.reason[GN_READING_##name], error));
     GN_READINGS(X)
 #undef X
+    gn_h5_demand_finite(file, demanded);
     return GNEISS_OK;
 }
 
@@ -293,9 +298,11 @@ static gneiss_status put_tables(const gn_run *run, gn_h5 *file, gneiss_error *er
         const gn_column *column = &run->history.columns[c];
         char path[160];
         snprintf(path, sizeof path, "history/%s", column->name);
+        gn_h5_demand_finite(file, !column->absent && !w->bad);
         GN_TRY(gn_h5_put(file, path, GN_F64, run->history.row_count, 1, 0, column->value,
                          column->unit, column->text, error));
     }
+    gn_h5_demand_finite(file, !w->bad);
     GN_TRY(put_readings(run, file, error));
     if (w->effects & GN_FX_ENERGY) {
 #define X(name, kind, text)                                                                        \
@@ -377,12 +384,17 @@ static gneiss_status put_bonds(const gn_world *w, const gn_contacts *seen, gn_h5
     if (status == GNEISS_OK)
         status = gn_h5_put(file, "bonds/state", GN_I32, f.count, 1, 0, state, "1",
                            "0 intact, 1 broken in tension, 2 broken in shear", error);
+    if (status == GNEISS_OK) {
+        bool demanded = gn_h5_demand_finite(file, false);
+        status = gn_h5_put(file, "bonds/broken_time", GN_F64, f.count, 1, 0, f.broken_time, "s",
+                           "when it broke; NaN: intact", error);
+        gn_h5_demand_finite(file, demanded);
+    }
     const struct {
         const char *name, *unit, *text;
         size_t components;
         const double *data;
     } fields[] = {
-        {"bonds/broken_time", "s", "when it broke; NaN: intact", 1, f.broken_time},
         {"bonds/force", "N", "force on i", 3, f.force},
         {"bonds/criterion", "1", "largest of force over strength; 1: broken", 1, f.criterion},
     };
@@ -399,6 +411,7 @@ gneiss_status gn_output_results(const gn_run *run, gneiss_error *error) {
     snprintf(path, sizeof path, "%s/results.h5", run->directory);
     gn_h5 *file = NULL;
     GN_TRY(gn_h5_create(path, &file, error));
+    gn_h5_demand_finite(file, !run->world.bad);
     gneiss_status status = put_header(run, file, error);
     if (status == GNEISS_OK) status = put_tables(run, file, error);
     gn_observed seen = {0};

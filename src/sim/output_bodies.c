@@ -66,7 +66,11 @@ gneiss_status gn_bodies_snapshot(const gn_world *w, const char *directory, const
     fill(w, &f);
     const gn_snapshot_array points[] = {{"velocity", "m/s", 3, f.velocity}};
     const gn_snapshot_array cells[] = {{"body", "1", 1, f.body}};
-    gn_snapshot s = {.time = w->time, .step = w->step, .point_count = f.points, .points = f.point};
+    gn_snapshot s = {.bad = w->bad,
+                     .time = w->time,
+                     .step = w->step,
+                     .point_count = f.points,
+                     .points = f.point};
     s.line_count = f.facets;
     s.lines = f.corner;
     s.line_points = f.corners;

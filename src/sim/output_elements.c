@@ -181,7 +181,8 @@ gneiss_status gn_elements_snapshot(const gn_world *w, const char *directory, con
         {"material", "1", 1, f.elements.material},
         {"volume_ratio", "1", 1, f.elements.ratio},
     };
-    const gn_snapshot s = {.time = w->time,
+    const gn_snapshot s = {.bad = w->bad,
+                           .time = w->time,
                            .step = w->step,
                            .point_count = f.nodes.count,
                            .points = f.nodes.position,

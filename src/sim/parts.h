@@ -90,8 +90,8 @@ typedef struct gn_surface_contact {
     size_t particle;
     gn_facet_contact contact;
     int parts; /* of a surface whose vertices move by themselves */
-    int32_t vertex[9];
-    double weight[9];
+    int32_t vertex[3];
+    double weight[3];
 } gn_surface_contact;
 size_t gn_surface_contacts_at(const gn_world *world, size_t begin, double skin,
                               gn_surface_contact *contacts, size_t *count);
@@ -136,6 +136,14 @@ void gn_sweep(gn_world *world, const gn_contact_args *bonds, const gn_contact_ar
 /* Sums the forces on the walls, books their work, moves them over the coming step. */
 void gn_walls_sum(gn_world *world);
 void gn_walls_move(gn_world *world);
+
+/* That bodies and walls, and nodes that particles touch, did not move too far in the step
+ * (paths.c).
+ */
+gneiss_status gn_paths_check(const gn_world *world, gneiss_error *error);
+/* That the surface of no particle turned farther than half its radius; of measured steps. */
+gneiss_status gn_paths_check_spins(const gn_world *world, gneiss_error *error);
+gneiss_status gn_paths_check_nodes(const gn_world *world, gneiss_error *error);
 
 /* What the kernels get in the coming step (step.c). */
 gn_contact_args gn_world_contact_args(const gn_world *world, const gn_contacts *list, bool measure);

@@ -112,8 +112,12 @@ gneiss_status gn_record_create(const gn_world *w, gn_history *h, gneiss_error *e
     *h = (gn_history){0};
     GN_TRY(add(h, first, 2, error));
     if (w->scene.test.kind != GN_TEST_NONE) GN_TRY(add(h, test, sizeof test / sizeof *test, error));
+    size_t strains = h->column_count;
     GN_TRY(gn_record_add_tensor(w, h, "strain", "1",
                                 "average strain of the specimen, tension positive", error));
+    /* Too few particles, or all on a plane, have no average strain. */
+    for (size_t c = strains; c < h->column_count; c++)
+        h->columns[c].absent = w->scene.has_specimen && !w->gauge.count;
     GN_TRY(gn_record_add_tensor(w, h, "stress", "Pa",
                                 "average stress of the specimen, tension positive", error));
     GN_TRY(add(h, state, 1, error));
@@ -241,6 +245,17 @@ static void note_passed(gn_world *w) {
     w->energy.passed = w->reading.passed = fmax(w->energy.passed, gn_energy_passed(&w->reading));
 }
 
+/* What a row must not hold is found in the row in which it first stands. */
+static gneiss_status check_row(const gn_history *h, const double *row, gneiss_error *error) {
+    for (size_t c = 0; c < h->column_count; c++)
+        if (!h->columns[c].absent && !isfinite(row[c]))
+            return gn_fail(error, GNEISS_ERROR_UNSTABLE,
+                           "step %.0f, t = %g s: history column %s: expected a finite number, "
+                           "found %g",
+                           row[0], row[1], h->columns[c].name, row[c]);
+    return GNEISS_OK;
+}
+
 gneiss_status gn_record_step(gn_world *w, gn_history *h, gneiss_error *error) {
     double start = gn_now();
     size_t owners = owner_values(w), elements = gn_elements_before_size(w);
@@ -255,7 +270,8 @@ gneiss_status gn_record_step(gn_world *w, gn_history *h, gneiss_error *error) {
     if (status == GNEISS_OK) {
         note_passed(w);
         fill_row(w, &before, displacement, read, row);
-        status = gn_history_append(h, row, error);
+        status = check_row(h, row, error);
+        if (status == GNEISS_OK) status = gn_history_append(h, row, error);
     }
     free(displacement);
     w->seconds[GN_PHASE_measure] += gn_now() - start;
@@ -272,5 +288,10 @@ gn_readings gn_record_readings(const gn_world *w, const gn_history *h) {
                         .watched = !gn_scene_end_drives(&w->scene, &t->lower) ||
                                    !gn_scene_end_drives(&w->scene, &t->upper)};
     gn_readings_compute(h, &tested, &r);
+    /* A quotient by nothing is no reading either. */
+#define X(name, unit, text)                                                                        \
+    if (!isfinite(r.name)) r.name = NAN;
+    GN_READINGS(X)
+#undef X
     return r;
 }

@@ -354,6 +354,7 @@ gneiss_status gn_run_finish(gn_run *run, gneiss_error *error) {
 gneiss_status gn_run_write_failure(gn_run *run, const char *message, gneiss_error *error) {
     snprintf(run->stop_reason, sizeof run->stop_reason, "failed: %s", message);
     run->finished = false;
+    run->world.bad = true;
     GN_TRY(gn_output_snapshot(run, "failed_particles", "failed_bonds", error));
     GN_TRY(gn_elements_snapshot(&run->world, run->directory, "failed_elements", error));
     GN_TRY(gn_bodies_snapshot(&run->world, run->directory, "failed_bodies", error));

@@ -83,11 +83,25 @@ static gneiss_status pack(const gn_scene *scene, gn_packing *packing, double *vo
     return GNEISS_OK;
 }
 
-gneiss_status gn_specimen_make(const gn_scene *scene, gn_packing *packing, double *volume,
-                               gneiss_error *error) {
+/* Files, scales, cells and rows can each be sensible and give together what no key may say. */
+static gneiss_status check_sizes(const gn_scene *scene, const gn_packing *packing,
+                                 gneiss_error *error) {
+    for (size_t p = 0; p < packing->count; p++) {
+        const double *s = packing->sphere + 4 * p;
+        double far = fmax(fabs(s[0]), fmax(fabs(s[1]), fabs(s[2])));
+        if (far <= GN_PLACE_MOST && s[3] >= GN_LENGTH_LEAST && s[3] <= GN_PLACE_MOST) continue;
+        return gn_fail(error, GNEISS_ERROR_INPUT,
+                       "%s: specimen: expected coordinates up to %g m and radii of %g to %g m, "
+                       "found particle %zu (base 0) at (%g, %g, %g) m with radius %g m",
+                       scene->source, GN_PLACE_MOST, GN_LENGTH_LEAST, GN_PLACE_MOST, p, s[0], s[1],
+                       s[2], s[3]);
+    }
+    return GNEISS_OK;
+}
+
+static gneiss_status make(const gn_scene *scene, gn_packing *packing, double *volume,
+                          gneiss_error *error) {
     const gn_specimen *s = &scene->specimen;
-    *packing = (gn_packing){0};
-    *volume = 0.0;
     if (s->packed) {
         *volume = s->packed_volume;
         GN_TRY(allocate(packing, (double)s->packed_count, error));
@@ -156,4 +170,14 @@ void gn_specimen_extent(const gn_scene *scene, gn_extent *extent) {
     for (size_t k = 0; rows && k < count; k++) gn_extent_add(extent, rows + 4 * k, rows[4 * k + 3]);
     if (s->lattice.kind != GN_LATTICE_NONE) add_lattice(&s->lattice, extent);
     if (s->pack.shape != GN_SHAPE_NONE) add_shape(scene, extent);
+}
+
+gneiss_status gn_specimen_make(const gn_scene *scene, gn_packing *packing, double *volume,
+                               gneiss_error *error) {
+    *packing = (gn_packing){0};
+    *volume = 0.0;
+    GN_TRY(make(scene, packing, volume, error));
+    gneiss_status status = check_sizes(scene, packing, error);
+    if (status != GNEISS_OK) gn_packing_free(packing);
+    return status;
 }

@@ -144,20 +144,6 @@ static gneiss_status fail_particle(const gn_world *w, size_t p, const char *what
         v[1], v[2], x[3], w->dt, w->stable);
 }
 
-static gneiss_status check_bodies(const gn_world *w, gneiss_error *error) {
-    for (size_t k = 0; k < w->scene.body_count; k++) {
-        const double *v = w->bodies[k].velocity, *o = w->bodies[k].spin;
-        if (isfinite(v[0] + v[1] + v[2]) && isfinite(o[0] + o[1] + o[2])) continue;
-        return gn_fail(error, GNEISS_ERROR_UNSTABLE,
-                       "step %lld, t = %g s: body '%s' has a velocity that is not finite: (%g, %g, "
-                       "%g) m/s, spin (%g, %g, %g) rad/s; the step is %.3g s, its stability limit "
-                       "was estimated as %.3g s",
-                       (long long)w->step, w->time, w->scene.bodies[k].name, v[0], v[1], v[2], o[0],
-                       o[1], o[2], w->dt, w->stable);
-    }
-    return GNEISS_OK;
-}
-
 static gneiss_status check_motion(const gn_world *w, const gn_motion_sums *m, gneiss_error *error) {
     if (m->bad >= 0)
         return fail_particle(w, (size_t)m->bad, "has a velocity that is not finite", error);
@@ -233,9 +219,11 @@ gneiss_status gn_world_step(gn_world *w, bool measure, gneiss_error *error) {
     gn_walls_move(w);
     gn_bodies_drift(w);
     gneiss_status status = check_motion(w, &moved, error);
-    if (status == GNEISS_OK) status = check_bodies(w, error);
+    if (status == GNEISS_OK) status = gn_paths_check(w, error);
+    if (status == GNEISS_OK && measure) status = gn_paths_check_spins(w, error);
     if (w->elements && status == GNEISS_OK) status = gn_elements_step(w, measure, error);
     if (w->elements && measure) gn_elements_book(w);
+    if (w->elements && status == GNEISS_OK) status = gn_paths_check_nodes(w, error);
     w->verlet.drift += w->dt * sqrt(moved.speed2);
     w->contact_steps += (int64_t)(w->bonds.soa.count + w->pairs.soa.count);
     w->time += w->dt;

@@ -215,10 +215,12 @@ static void near_of_row(const group *g, const double centre[3], size_t row, gn_f
 }
 
 static void away_in_space(const group *g, gn_facet_near *near) {
-    double world[3];
+    double world[3], along[3];
     if (!g->body) return;
     gn_rigid_direct(g->body, near->away, world);
+    gn_rigid_direct(g->body, near->along, along);
     memcpy(near->away, world, sizeof world);
+    memcpy(near->along, along, sizeof along);
 }
 
 /* Minima of the distance that are nearer than `reach`, nearest first. */
@@ -251,19 +253,10 @@ typedef struct vertex_part {
     double weight;
 } vertex_part;
 
-static int vertex_parts(const gn_facet_near *minima, const gn_facet_contact *k,
-                        vertex_part part[9]) {
+static int vertex_parts(const gn_facet_near *near, vertex_part part[3]) {
     int count = 0;
-    for (int m = 0; m < k->members; m++) {
-        const gn_facet_near *near = &minima[k->member[m]];
-        for (int c = 0; c < 3; c++) {
-            if (!(near->feature >> c & 1)) continue;
-            int at = 0;
-            while (at < count && part[at].vertex != near->corner[c]) at++;
-            if (at == count) part[count++] = (vertex_part){near->corner[c], 0.0};
-            part[at].weight += k->share[m] * near->weight[c];
-        }
-    }
+    for (int c = 0; c < 3; c++)
+        if (near->feature >> c & 1) part[count++] = (vertex_part){near->corner[c], near->weight[c]};
     return count;
 }
 
@@ -281,8 +274,8 @@ static double surface_motion(const group *g, const gn_facet_near *minima, const 
         gn_cross3(at, k->n, lever);
         return inverse + gn_rigid_compliance(g->body, lever);
     }
-    vertex_part part[9];
-    int parts = vertex_parts(minima, k, part);
+    vertex_part part[3];
+    int parts = vertex_parts(&minima[k->member], part);
     double inverse = 0.0;
     v[0] = v[1] = v[2] = 0.0;
     for (int c = 0; c < parts; c++) {
@@ -319,12 +312,11 @@ static gn_touch_law law_of(const gn_surface *s) {
                           s->kratio > 0.0 ? s->stiffness / s->kratio : 0.0};
 }
 
-/* One contact: force and history into the row of its first member, force of the others into
- * theirs. */
+/* One contact: force and history into its row. */
 static void contact(const group *g, const gn_facet_near *minima, const gn_facet_contact *k,
                     const memory *before, gn_contact_sums *sums) {
     const gn_wall_contacts *q = &g->w->wall_contacts;
-    size_t stride = q->soa.capacity, own = minima[k->member[0]].row;
+    size_t stride = q->soa.capacity, own = minima[k->member].row;
     const double *x = g->w->particles.pos + 4 * g->particle;
     double arm[3], t[3], force[3], fd = before ? before->fd : 0.0;
     double scale =
@@ -337,19 +329,19 @@ static void contact(const group *g, const gn_facet_near *minima, const gn_facet_
     }
     gn_touch s = touch_of(g, minima, k, arm);
     gn_touch_law law = law_of(g->s);
+    /* Contacts that share have parts of the stiffness and of the mass behind it, so that their
+     * dashpots add up as well. Across, friction bounds what each carries. */
+    law.stiffness *= k->part;
+    s.inverse_mass /= k->part;
     double total =
         gn_touch_force(g->w, &law, &s, q->fd ? &fd : NULL, q->shear ? old : NULL, 1, t, sums);
-    for (int a = 0; a < 3; a++) force[a] = total * s.n[a] + t[a];
-    for (int m = 0; m < k->members; m++) {
-        size_t row = minima[k->member[m]].row;
-        for (size_t a = 0; a < 3; a++) {
-            q->row[8 * row + a] += k->share[m] * force[a];
-            q->touch[row + a * stride] =
-                x[a] + (k->members == 1 ? arm[a] : scale * minima[k->member[m]].away[a]);
-        }
+    for (size_t a = 0; a < 3; a++) {
+        force[a] = total * s.n[a] + t[a];
+        q->row[8 * own + a] = force[a];
+        q->touch[own + a * stride] = x[a] + arm[a];
     }
     /* Along one facet's normal the spring has no lever. */
-    gn_cross3(arm, k->members == 1 ? t : force, q->row + 8 * own + 4);
+    gn_cross3(arm, k->part < 1.0 ? force : t, q->row + 8 * own + 4);
     for (size_t a = 0; a < 3; a++) {
         q->normal[own + a * stride] = s.n[a];
         if (q->shear) q->shear[own + a * stride] = old[a];
@@ -431,13 +423,13 @@ size_t gn_surface_contacts_at(const gn_world *w, size_t begin, double skin,
     size_t near = minima_within(&g, r + skin, minima);
     *count = skin > 0.0 ? near : gn_facet_contacts(minima, near, r, now);
     for (size_t k = 0; k < *count; k++) {
-        vertex_part part[9];
+        vertex_part part[3];
         gn_surface_contact *out = &contacts[k];
         *out = (gn_surface_contact){.surface = g.s, .particle = g.particle};
         if (skin > 0.0) gn_facet_single(minima, k, r, &now[k]);
         out->contact = now[k];
         if (g.body) continue;
-        out->parts = vertex_parts(minima, &now[k], part);
+        out->parts = vertex_parts(&minima[now[k].member], part);
         for (int v = 0; v < out->parts; v++) {
             out->vertex[v] = part[v].vertex;
             out->weight[v] = part[v].weight;

@@ -206,14 +206,46 @@ void gn_walls_sum(gn_world *w) {
         w->energy.work_walls -= 0.5 * w->dt_past * gn_dot3(w->walls[k].force, w->walls[k].velocity);
 }
 
-/* Servo: the wall is moved along its normal by the share `relaxation` of what the touching springs
- * need to take up the missing force. */
+/* Sum of the springs alone that press the wall. */
+static double springs_of(const gn_world *w, size_t k) {
+    double sum = 0.0;
+    for (size_t c = 0; c < w->wall_contacts.soa.count; c++) {
+        const double *row = w->wall_contacts.row + 8 * c;
+        if ((size_t)w->wall_contacts.wall[c] == k && gn_dot3(row, row) > 0.0)
+            sum += w->scene.walls[k].stiffness;
+    }
+    return sum;
+}
+
+/* The largest relaxation that leaves the loop of wall and particles stable. The wall moves by
+ * rho (F* - F)/K with K = sum k + c/dt; the force F answers with sum g (w - x), g(z) = k + c (1 -
+ * 1/z)/dt, the displacements x with M (z - 2 + 1/z)/dt^2 x = forces. Eliminating w leaves the
+ * particles as with a wall at rest, but for the springs at the wall, which are in series with a
+ * dashpot, the servo: their part G = sum g along (g) becomes G (z - 1)/(z - 1 + rho G/K). On the
+ * unit circle its imaginary part has one sign, so that nothing crosses it but at z = -1, and there
+ * the part is 1/(1 - r/2) times that of the wall at rest, with r = rho (sum k + 2 c/dt)/K.
+ * Stiffness times that factor must stay below 4 M/dt^2. With a wall at rest it may be 4 M/limit^2
+ * at most, of which dashpots are felt as 2 c/dt: so with s = dt/limit r <= 2 (1 - s^2), with
+ * dashpots r <= 2 (1 - s). Whether it is one particle or many does not matter: the bound takes all
+ * of the fastest mode to be at the wall. r = 1 takes up all that is missing in one step; more than
+ * that is never of use. Where the step is at its limit a little has to be left to move the wall. */
+static double stable_relaxation(const gn_world *w, size_t k) {
+    double share = fmin(1.0, w->dt / w->stable), stiffness = w->walls[k].stiffness;
+    bool dashpots = w->damping_fraction > 0.0;
+    double most = fmax(0.01, fmin(1.0, 2.0 * (1.0 - (dashpots ? share : share * share))));
+    if (!dashpots || !(stiffness > 0.0)) return most;
+    return most * stiffness / (2.0 * stiffness - springs_of(w, k));
+}
+
+/* Servo: the wall is moved along its normal by the share `relaxation`, if that is stable, of what
+ * the touching springs need to take up the missing force. */
 static void servo_velocity(gn_world *w, size_t k) {
     const gn_servo *servo = &w->scene.walls[k].servo;
     gn_wall *wall = &w->walls[k];
+    double relaxation = fmin(servo->relaxation, stable_relaxation(w, k));
     double missing = gn_table_at(&servo->force, w->time) + gn_dot3(wall->force, wall->normal);
     double stiffness = wall->stiffness > 0.0 ? wall->stiffness : w->scene.walls[k].stiffness;
-    double speed = servo->relaxation * missing / (stiffness * w->dt);
+    double speed = relaxation * missing / (stiffness * w->dt);
     speed = fmax(-servo->max_velocity, fmin(servo->max_velocity, speed));
     for (int a = 0; a < 3; a++) wall->velocity[a] = speed * wall->normal[a];
 }

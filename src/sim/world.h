@@ -129,6 +129,7 @@ struct gn_world {
     int64_t lost;          /* removed particles */
     int64_t contact_steps; /* contacts worked on, summed over steps */
     double seconds[GN_PHASE_COUNT];
+    bool bad; /* the run failed: its state is written as it is, for looking at */
 };
 
 /* A point of the world as the user sees it. */

@@ -98,8 +98,7 @@
       "force on the first particle x y z 0, n x F_t x y z 0")
 
 /* Contacts of particles with plane walls and with facets of surfaces, sorted by (i, wall). Normal
- * from the particle to the wall. A particle's facets of one surface are worked on together: a
- * contact that several of them share has its history in the row of one. */
+ * from the particle to the wall. A particle's facets of one surface are worked on together. */
 #define GN_WALL_CONTACT_FIELDS(X)                                                                  \
     X(i, int32_t, GN_I32, 1, GN_COLUMNS, GN_STATE, 0, 0, "1", "particle")                          \
     X(wall, int32_t, GN_I32, 1, GN_COLUMNS, GN_STATE, 0, 0, "1",                                   \

@@ -1,0 +1,82 @@
+/* How far things move in one step. Particles and what they touch may each move half the smallest
+ * radius: then the two have come closer by at most a radius, and neither is behind the other before
+ * it was seen to press. */
+#include "sim/parts.h"
+#include "sim/touch.h"
+
+#include <math.h>
+
+static const char advice[] = "a smaller time.step or a slower motion can be followed";
+
+static double speed(const double v[3]) {
+    return sqrt(gn_dot3(v, v));
+}
+
+/* Of the farthest vertex. Written so that a path that is not a number is none that may pass. */
+static gneiss_status check_body(const gn_world *w, size_t k, gneiss_error *error) {
+    const gn_rigid *b = &w->bodies[k];
+    const double *v = b->velocity, *o = b->spin;
+    double path = w->dt * (speed(v) + speed(o) * b->reach);
+    if (path <= 0.5 * w->radius_min) return GNEISS_OK;
+    bool finite = isfinite(v[0] + v[1] + v[2]) && isfinite(o[0] + o[1] + o[2]);
+    return gn_fail(error, GNEISS_ERROR_UNSTABLE,
+                   "step %lld, t = %g s: body '%s' %s: velocity (%g, %g, %g) m/s, spin (%g, %g, "
+                   "%g) rad/s, farthest vertex %g m from its reference point, smallest radius %g "
+                   "m; the step is %.3g s, its stability limit was estimated as %.3g s; %s",
+                   (long long)w->step, w->time, w->scene.bodies[k].name,
+                   finite ? "moved farther in one step than half the smallest radius"
+                          : "has a velocity that is not finite",
+                   v[0], v[1], v[2], o[0], o[1], o[2], b->reach, w->radius_min, w->dt, w->stable,
+                   advice);
+}
+
+/* A plane that moves along itself stays where it is. */
+static gneiss_status check_wall(const gn_world *w, size_t k, gneiss_error *error) {
+    const gn_wall *wall = &w->walls[k];
+    double along = gn_dot3(wall->velocity, wall->normal);
+    if (w->dt * fabs(along) <= 0.5 * w->radius_min) return GNEISS_OK;
+    return gn_fail(
+        error, GNEISS_ERROR_UNSTABLE,
+        "step %lld, t = %g s: wall '%s' moved farther in one step than half the smallest "
+        "radius: %g m/s along its normal, smallest radius %g m; the step is %.3g s; %s",
+        (long long)w->step, w->time, w->scene.walls[k].name, along, w->radius_min, w->dt,
+        w->scene.walls[k].servo.active ? "servo.max_velocity bounds it" : advice);
+}
+
+gneiss_status gn_paths_check(const gn_world *w, gneiss_error *error) {
+    for (size_t k = 0; k < w->scene.body_count; k++) GN_TRY(check_body(w, k, error));
+    for (size_t k = 0; k < w->scene.wall_count; k++) GN_TRY(check_wall(w, k, error));
+    return GNEISS_OK;
+}
+
+gneiss_status gn_paths_check_spins(const gn_world *w, gneiss_error *error) {
+    const gn_particles *q = &w->particles;
+    double most = 0.0;
+    if (!q->spin) return GNEISS_OK;
+#pragma omp parallel for schedule(static) num_threads(w->threads) reduction(max : most)
+    for (size_t p = 0; p < q->soa.count; p++)
+        most = fmax(most, gn_dot3(q->spin + 4 * p, q->spin + 4 * p));
+    if (w->dt * sqrt(most) <= 0.5) return GNEISS_OK;
+    size_t worst = 0;
+    while (gn_dot3(q->spin + 4 * worst, q->spin + 4 * worst) < most) worst++;
+    const double *o = q->spin + 4 * worst, *x = q->pos + 4 * worst;
+    return gn_fail(
+        error, GNEISS_ERROR_UNSTABLE,
+        "step %lld, t = %g s: particle %d turned in one step by more than half a radian: "
+        "position (%g, %g, %g) m, spin (%g, %g, %g) rad/s; the step is %.3g s, its "
+        "stability limit was estimated as %.3g s; %s",
+        (long long)w->step, w->time, q->id[worst], x[0], x[1], x[2], o[0], o[1], o[2], w->dt,
+        w->stable, advice);
+}
+
+gneiss_status gn_paths_check_nodes(const gn_world *w, gneiss_error *error) {
+    const gn_fem_body *b = &w->elements->body;
+    double speed2 = 0.0;
+    if (!w->elements->contact.force) return GNEISS_OK;
+    for (size_t k = 0; k < b->motion_blocks; k++) speed2 = fmax(speed2, b->motion_sums[k].speed2);
+    if (w->dt * sqrt(speed2) <= 0.5 * w->radius_min) return GNEISS_OK;
+    return gn_fail(error, GNEISS_ERROR_UNSTABLE,
+                   "step %lld, t = %g s: elements: a node moved farther in one step than half the "
+                   "smallest radius: %g m/s, smallest radius %g m; the step is %.3g s; %s",
+                   (long long)w->step, w->time, sqrt(speed2), w->radius_min, w->dt, advice);
+}

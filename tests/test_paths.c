@@ -1,0 +1,109 @@
+/* Bodies, walls and nodes that move so fast that they would pass through particles between two
+ * steps: the run stops and says which. */
+#include "world_helpers.h"
+
+/* A sphere of radius 1 mm at the origin, 1 us a step: half a radius a step is 500 m/s. */
+static const char head[] =
+    "dimension: 3\nspecimen: {particles: [[0, 0, 0, 1 mm]], group: 0}\n"
+    "materials: [{name: m, density: 2500, normal_stiffness: 1e4, kratio: 2}]\n"
+    "law: {stiffness: uniform}\ndomain: {min: [-9, -9, -9], max: [9, 9, 9]}\n"
+    "run: {threads: 1}\ntime: {step: 1e-6, end: 1}\n";
+
+/* How the first step ends. */
+static gneiss_status first_step(const char *scene, gneiss_error *error) {
+    gn_world *w = world_of("%s%s", head, scene);
+    gneiss_status status = gn_world_step(w, true, error);
+    world_end(w);
+    return status;
+}
+
+static void passes(const char *scene) {
+    gneiss_error error = {0};
+    if (first_step(scene, &error) != GNEISS_OK) fail_msg("%s", error.message);
+}
+
+static void stops(const char *scene, const char *who) {
+    gneiss_error error = {0};
+    assert_int_equal(first_step(scene, &error), GNEISS_ERROR_UNSTABLE);
+    if (!strstr(error.message, who)) fail_msg("expected %s in: %s", who, error.message);
+    if (!strstr(error.message, "half the smallest radius")) fail_msg("%s", error.message);
+}
+
+#define PLATE(MORE)                                                                                \
+    "bodies: [{name: tool, box: {size: [1, 1, 0.001]}, origin: [-0.5, -0.5, 0.02], stiffness: "    \
+    "1e4, " MORE "}]\n"
+
+static void a_body_may_move_half_a_radius_in_a_step(void **state) {
+    (void)state;
+    passes(PLATE("motion: {vz: -499}"));
+    stops(PLATE("motion: {vz: -501}"), "body 'tool'");
+    stops(PLATE("free: true, density: 1000, initial_velocity: [0, 0, -501]"), "body 'tool'");
+}
+
+/* The farthest corners are sqrt(0.5) m from the middle of the plate. */
+static void spin_counts_with_the_farthest_vertex(void **state) {
+    (void)state;
+    passes(PLATE("reference: [0, 0, 0.02], motion: {wz: 700}"));
+    stops(PLATE("reference: [0, 0, 0.02], motion: {wz: 710}"), "body 'tool'");
+    stops(PLATE("reference: [0, 0, 0.02], motion: {wz: 1e12}"), "body 'tool'");
+}
+
+static void a_spin_that_has_no_number_is_told(void **state) {
+    (void)state;
+    gneiss_error error = {0};
+    gn_world *w = world_of("%s%s", head, PLATE("free: true, density: 1000"));
+    w->bodies[0].momentum[1] = NAN;
+    assert_int_equal(gn_world_step(w, true, &error), GNEISS_ERROR_UNSTABLE);
+    assert_non_null(strstr(error.message, "body 'tool' has a velocity that is not finite"));
+    world_end(w);
+}
+
+#define LID(MORE)                                                                                  \
+    "walls: [{name: lid, point: [0, 0, 1], normal: [0, 0, -1], stiffness: 1e4, " MORE "}]\n"
+
+/* The first step ends with a wall at its new velocity. */
+static void a_wall_may_move_half_a_radius_in_a_step(void **state) {
+    (void)state;
+    passes(LID("motion: {vz: -499}"));
+    stops(LID("motion: {vz: -501}"), "wall 'lid'");
+    stops(LID("servo: {force: 1e9, max_velocity: 501}"), "servo.max_velocity");
+}
+
+static void a_wall_may_slide_along_itself(void **state) {
+    (void)state;
+    passes(LID("motion: {vx: 1e6}"));
+}
+
+/* Whoever is measured first has the initial spins. */
+static void a_particle_may_turn_half_a_radian_in_a_step(void **state) {
+    (void)state;
+    gneiss_error error = {0};
+    passes("sets: [{name: a, select: {all: true}, initial_spin: [0, 4.9e5, 0]}]\n");
+    const char *fast = "sets: [{name: a, select: {all: true}, initial_spin: [0, -5.1e5, 0]}]\n";
+    assert_int_equal(first_step(fast, &error), GNEISS_ERROR_UNSTABLE);
+    if (!strstr(error.message, "particle 0 turned")) fail_msg("%s", error.message);
+}
+
+#define BLOCK(SPEED)                                                                               \
+    "elements: {box: {size: [0.01, 0.01, 0.01], cells: [1, 1, 1], origin: [0.1, 0, 0]}, "          \
+    "materials: [{young: 1e6, poisson: 0.2, density: 1000}], contact: {stiffness: 1e3}, motions: " \
+    "[{name: all, group: body, motion: {vx: " SPEED "}}]}\n"
+
+static void a_node_may_move_half_a_radius_in_a_step(void **state) {
+    (void)state;
+    passes(BLOCK("-499"));
+    stops(BLOCK("-501"), "elements: a node");
+}
+
+int main(void) {
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(a_body_may_move_half_a_radius_in_a_step),
+        cmocka_unit_test(spin_counts_with_the_farthest_vertex),
+        cmocka_unit_test(a_spin_that_has_no_number_is_told),
+        cmocka_unit_test(a_wall_may_move_half_a_radius_in_a_step),
+        cmocka_unit_test(a_wall_may_slide_along_itself),
+        cmocka_unit_test(a_particle_may_turn_half_a_radian_in_a_step),
+        cmocka_unit_test(a_node_may_move_half_a_radius_in_a_step),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}

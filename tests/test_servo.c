@@ -1,0 +1,87 @@
+/* A wall that a servo moves: whatever relaxation is asked for, the loop of wall and particles is
+ * stable, also near the limit of the step. */
+#include "world_helpers.h"
+
+/* Between a floor and a servo wall that wants 5 N, all a little pressed at the start, so that the
+ * automatic step knows its contacts. */
+static gn_world *pressed(const char *particles, double top, const char *damping, double relaxation,
+                         double safety) {
+    return world_of("dimension: 3\nspecimen: {%s, group: 0}\n"
+                    "materials: [{name: m, density: 2500, normal_stiffness: 1e5, kratio: 0}]\n"
+                    "law: {stiffness: uniform}\ndamping: {%s}\n"
+                    "domain: {min: [-1, -1, -1], max: [1, 1, 1]}\nwalls:\n"
+                    "- {name: floor, point: [0, 0, 0], normal: [0, 0, 1], stiffness: 1e5}\n"
+                    "- {name: lid, point: [0, 0, %.17g], normal: [0, 0, -1], stiffness: 1e5, "
+                    "servo: {force: 5, max_velocity: 1, relaxation: %g}}\n"
+                    "time: {safety: %g, end: 1}\nrun: {threads: 1}\n",
+                    particles, damping, top, relaxation, safety);
+}
+
+static const char one[] = "particles: [[0, 0, 0.99999 mm, 1 mm]]";
+static const char cubes[] =
+    "lattice: {kind: cubic, radius: 1 mm, cells: [3, 3, 3], spacing: 0.9999}";
+
+/* How far the force is from 5 N at most in the last quarter of the time. */
+static double unrest(gn_world *w, double time) {
+    double most = 0.0;
+    gneiss_error error = {0};
+    while (w->time < time) {
+        if (gn_world_step(w, false, &error) != GNEISS_OK) fail_msg("%s", error.message);
+        if (w->time > 0.75 * time) most = fmax(most, fabs(w->walls[1].force[2] - 5.0));
+    }
+    world_end(w);
+    return most;
+}
+
+/* The force settles with the slowest of what damps it; after 10 ms (about 200 periods of a sphere
+ * between its walls, 40 of a column of three) less than 1 % of the start is left. An unstable loop
+ * swings between no contact and twice the force. */
+static void settles(const char *particles, double top, double time) {
+    const char *const dampings[] = {"", "contact: {restitution: 0.9}",
+                                    "contact: {restitution: 0.5}", "contact: {restitution: 0.05}"};
+    bool lattice = particles == cubes;
+    for (int d = lattice; d < 4; d++)
+        for (int r = 1; r < 4; r++)
+            for (int s = 0; s < 2; s++) {
+                double relaxation = (const double[]){0.1, 0.3, 0.5, 1.0}[r];
+                double safety = s ? 0.9 : 0.5;
+                double most =
+                    unrest(pressed(particles, top, dampings[d], relaxation, safety), time);
+                if (most > 0.05)
+                    fail_msg("'%s', relaxation %g, safety %g: 5 N missed by %g N", dampings[d],
+                             relaxation, safety, most);
+            }
+}
+
+static void one_sphere_settles_at_any_relaxation(void **state) {
+    (void)state;
+    settles(one, 1.99998e-3, 10e-3);
+}
+
+static void a_lattice_settles_at_any_relaxation(void **state) {
+    (void)state;
+    settles(cubes, 3 * 2e-3 * 0.9999, 10e-3);
+}
+
+/* A small relaxation is taken as it is: the first step moves the wall by it. */
+static void the_default_is_not_touched(void **state) {
+    (void)state;
+    const char *const dampings[] = {"", "contact: {restitution: 0.5}"};
+    for (int d = 0; d < 2; d++) {
+        gn_world *w = pressed(one, 1.99998e-3, dampings[d], 0.1, 0.9);
+        run_steps(w, 1);
+        double missing = 5.0 - w->walls[1].force[2];
+        assert_close(-w->walls[1].velocity[2] * w->dt, 0.1 * missing / w->walls[1].stiffness,
+                     1e-12);
+        world_end(w);
+    }
+}
+
+int main(void) {
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(one_sphere_settles_at_any_relaxation),
+        cmocka_unit_test(a_lattice_settles_at_any_relaxation),
+        cmocka_unit_test(the_default_is_not_touched),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
