@@ -2,6 +2,7 @@
 
 #include "base/timer.h"
 #include "cli/progress.h"
+#include "io/checkpoint_files.h"
 #include "io/files.h"
 #include "pack/body.h"
 #include "pack/store.h"
@@ -154,16 +155,19 @@ static gneiss_status measure(const gn_scene *scene, const gn_pack_result *result
     return status;
 }
 
-/* The folder must not hold a run: its results would seem to belong to this packing. */
-static gneiss_status open_folder(const char *folder, gneiss_error *error) {
+/* The folder must not hold a run: its results would seem to belong to this packing, and a run that
+ * is still to be resumed would lose its snapshots. */
+static gneiss_status check_folder(const char *folder, gneiss_error *error) {
     char path[GN_PATH_SIZE + 32];
+    int64_t step;
+    size_t checkpoints;
     snprintf(path, sizeof path, "%s/results.h5", folder);
-    if (access(path, F_OK) == 0)
-        return gn_fail(error, GNEISS_ERROR_INPUT,
-                       "%.300s: expected a folder for the packing, found the results of a run in "
-                       "it; choose another with --out",
-                       folder);
-    return gn_make_directory(folder, error);
+    GN_TRY(gn_checkpoint_list(folder, &step, 1, &checkpoints, error));
+    if (checkpoints == 0 && access(path, F_OK) != 0) return GNEISS_OK;
+    return gn_fail(error, GNEISS_ERROR_INPUT,
+                   "%.300s: expected a folder for the packing, found the %s of a run in it; choose "
+                   "another with --out",
+                   folder, checkpoints ? "checkpoints" : "results");
 }
 
 static gneiss_status pack_into(const gn_options *o, const gn_scene *scene, const char *folder,
@@ -190,11 +194,15 @@ static gneiss_status pack_into(const gn_options *o, const gn_scene *scene, const
 static gneiss_status pack_scene(const gn_options *o, const gn_scene *scene,
                                 const volatile sig_atomic_t *interrupted, gneiss_error *error) {
     char folder[GN_PATH_SIZE];
-    gn_folder_choose(scene, o->out, folder, sizeof folder);
+    int lock = 0;
+    GN_TRY(gn_folder_choose(scene, o->out, folder, error));
     bool there = access(folder, F_OK) == 0;
-    GN_TRY(open_folder(folder, error));
-    gneiss_status status = pack_into(o, scene, folder, interrupted, error);
+    GN_TRY(gn_make_directory(folder, error));
+    GN_TRY(gn_folder_lock(folder, &lock, error));
+    gneiss_status status = check_folder(folder, error);
+    if (status == GNEISS_OK) status = pack_into(o, scene, folder, interrupted, error);
     if (status != GNEISS_OK && !there) rmdir(folder);
+    if (lock > 0) close(lock);
     return status;
 }
 
