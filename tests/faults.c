@@ -5,6 +5,7 @@
  * holds TEXT GNEISS_FAULT_READ, _WRITE     the same for reading from it, writing into it
  *   GNEISS_RECORD=FILE            opens, writes, syncs, renames, removals, in order */
 #define _GNU_SOURCE
+#undef _FILE_OFFSET_BITS /* both open and open64 are defined here */
 #include <dlfcn.h>
 #include <errno.h>
 #include <fcntl.h>
@@ -19,6 +20,8 @@
 #include <sys/stat.h>
 #include <sys/syscall.h>
 #include <unistd.h>
+
+#pragma GCC visibility push(default) /* these take the place of the C library's */
 
 /* The allocator of glibc under its own names: dlsym would allocate. */
 extern void *__libc_malloc(size_t);

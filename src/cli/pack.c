@@ -163,11 +163,12 @@ static gneiss_status check_folder(const char *folder, gneiss_error *error) {
     size_t checkpoints;
     snprintf(path, sizeof path, "%s/results.h5", folder);
     GN_TRY(gn_checkpoint_list(folder, &step, 1, &checkpoints, error));
-    if (checkpoints == 0 && access(path, F_OK) != 0) return GNEISS_OK;
+    bool results = access(path, F_OK) == 0;
+    if (checkpoints == 0 && !results) return GNEISS_OK;
     return gn_fail(error, GNEISS_ERROR_INPUT,
                    "%.300s: expected a folder for the packing, found the %s of a run in it; choose "
                    "another with --out",
-                   folder, checkpoints ? "checkpoints" : "results");
+                   folder, results ? "results" : "checkpoints");
 }
 
 static gneiss_status pack_into(const gn_options *o, const gn_scene *scene, const char *folder,
