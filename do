@@ -123,7 +123,7 @@ command_run() {
     build build
     local status=0 folder
     folder=$(output_folder "$@")
-    "$root/build/gneiss" run "$@" || status=$?
+    "$root/build/gneiss" run --force "$@" || status=$?
     # An unstable or interrupted run (5, 6) has results worth a look too.
     if ((status == 0 || status == 5 || status == 6)) && [[ -f $folder/results.h5 ]]; then
         "$root/build/gneiss" report "$folder" || status=$((status ? status : $?))

@@ -2,6 +2,7 @@
 
 #include "base/timer.h"
 #include "cli/progress.h"
+#include "cli/signals.h"
 #include "io/checkpoint_files.h"
 #include "io/files.h"
 #include "pack/body.h"
@@ -17,7 +18,6 @@
 
 typedef struct display {
     const gn_options *options;
-    const volatile sig_atomic_t *interrupted;
     double start, next; /* s */
     bool shown;
 } display;
@@ -53,7 +53,6 @@ static void print_json(const gn_pack_progress *p) {
 
 static bool show(void *context, const gn_pack_progress *p) {
     display *d = context;
-    if (*d->interrupted) return false;
     if (d->options->quiet || gn_now() < d->next) return true;
     d->next = gn_now() + (isatty(STDERR_FILENO) || d->options->json ? 0.5 : 5.0);
     d->shown = true;
@@ -64,11 +63,10 @@ static bool show(void *context, const gn_pack_progress *p) {
     return true;
 }
 
-static gneiss_status obtain(const gn_options *o, const gn_scene *scene,
-                            const volatile sig_atomic_t *interrupted, gn_pack_result *result,
+static gneiss_status obtain(const gn_options *o, const gn_scene *scene, gn_pack_result *result,
                             gneiss_error *error) {
     char note[512];
-    display d = {.options = o, .interrupted = interrupted, .start = gn_now()};
+    display d = {.options = o, .start = gn_now()};
     d.next = d.start + 0.5;
     gneiss_status status = gn_pack_obtain(scene, show, &d, result, note, sizeof note, error);
     if (d.shown && !o->json && isatty(STDERR_FILENO)) fputs("\r\033[K", stderr);
@@ -76,11 +74,10 @@ static gneiss_status obtain(const gn_options *o, const gn_scene *scene,
     return status;
 }
 
-gneiss_status gn_pack_ahead(const gn_options *o, gn_scene *scene,
-                            const volatile sig_atomic_t *interrupted, gneiss_error *error) {
+gneiss_status gn_pack_ahead(const gn_options *o, gn_scene *scene, gneiss_error *error) {
     if (scene->specimen.pack.shape == GN_SHAPE_NONE) return GNEISS_OK;
     gn_pack_result result;
-    GN_TRY(obtain(o, scene, interrupted, &result, error));
+    GN_TRY(obtain(o, scene, &result, error));
     if (!o->quiet && !o->json)
         printf("specimen: %zu particles %s\n", result.packing.count,
                result.from_cache ? "packed before (from the cache)" : "packed");
@@ -92,6 +89,8 @@ gneiss_status gn_pack_ahead(const gn_options *o, gn_scene *scene,
 }
 
 /* ---- the command ---- */
+
+static const char interrupted[] = "gneiss: interrupted: packing interrupted\n";
 
 static void print_quality(const gn_scene *scene, const gn_pack_result *r,
                           const gn_pack_quality *q) {
@@ -172,12 +171,13 @@ static gneiss_status check_folder(const char *folder, gneiss_error *error) {
 }
 
 static gneiss_status pack_into(const gn_options *o, const gn_scene *scene, const char *folder,
-                               const volatile sig_atomic_t *interrupted, gneiss_error *error) {
+                               gneiss_error *error) {
     gn_pack_result result;
     gn_pack_quality quality;
-    GN_TRY(obtain(o, scene, interrupted, &result, error));
+    GN_TRY(obtain(o, scene, &result, error));
     gneiss_status status = measure(scene, &result, &quality, error);
     if (status == GNEISS_OK) {
+        (void)gn_signals_set_flag(); /* writing is short and is not left half done */
         status = gn_pack_write_folder(folder, scene, &result, &quality, error);
         if (status == GNEISS_OK && o->json) print_quality_json(&result, &quality);
         if (status == GNEISS_OK && !o->json && !o->quiet) {
@@ -192,8 +192,7 @@ static gneiss_status pack_into(const gn_options *o, const gn_scene *scene, const
 
 /* The folder comes first, so that nobody waits for a packing that cannot be written; a new one goes
  * again when nothing came into it. */
-static gneiss_status pack_scene(const gn_options *o, const gn_scene *scene,
-                                const volatile sig_atomic_t *interrupted, gneiss_error *error) {
+static gneiss_status pack_scene(const gn_options *o, const gn_scene *scene, gneiss_error *error) {
     char folder[GN_PATH_SIZE];
     int lock = 0;
     GN_TRY(gn_folder_choose(scene, o->out, folder, error));
@@ -201,17 +200,24 @@ static gneiss_status pack_scene(const gn_options *o, const gn_scene *scene,
     GN_TRY(gn_make_directory(folder, error));
     GN_TRY(gn_folder_lock(folder, &lock, error));
     gneiss_status status = check_folder(folder, error);
-    if (status == GNEISS_OK) status = pack_into(o, scene, folder, interrupted, error);
+    gn_signals_end_at_once(interrupted, there ? NULL : folder);
+    if (status == GNEISS_OK) status = pack_into(o, scene, folder, error);
+    gn_signals_end_at_once(interrupted, NULL);
     if (status != GNEISS_OK && !there) rmdir(folder);
     if (lock > 0) close(lock);
     return status;
 }
 
-gneiss_status gn_command_pack(const gn_options *o, const volatile sig_atomic_t *interrupted,
-                              gneiss_error *error) {
-    gn_scene scene;
-    GN_TRY(gn_scene_load_specimen(o->target, o->overrides, o->override_count, &scene, error));
-    gneiss_status status = pack_scene(o, &scene, interrupted, error);
-    gn_scene_free(&scene);
+gneiss_status gn_command_pack(const gn_options *o, gneiss_error *error) {
+    gn_scene *scene = calloc(1, sizeof *scene); /* too large for a small stack */
+    if (!scene) return gn_fail(error, GNEISS_ERROR_MEMORY, "no memory");
+    gn_signals_end_at_once(interrupted, NULL);
+    gneiss_status status =
+        gn_scene_load_specimen(o->target, o->overrides, o->override_count, scene, error);
+    if (status == GNEISS_OK) {
+        status = pack_scene(o, scene, error);
+        gn_scene_free(scene);
+    }
+    free(scene);
     return status;
 }

@@ -83,6 +83,21 @@ static gneiss_status check_owner(const char *path, const char *directory, const 
     return status;
 }
 
+double gn_folder_finished(const char *directory) {
+    char path[GN_PATH_SIZE + 32];
+    gn_h5 *file = NULL;
+    int64_t finished = 0;
+    double seconds = 0.0;
+    gneiss_error error;
+    snprintf(path, sizeof path, "%s/results.h5", directory);
+    if (gn_h5_open(path, &file, &error) != GNEISS_OK) return 0.0;
+    bool known =
+        gn_h5_get_attribute_i64(file, "/", "finished", &finished, 1, &error) == GNEISS_OK &&
+        gn_h5_get_attribute_f64(file, "/", "seconds", &seconds, 1, &error) == GNEISS_OK;
+    gn_h5_close(file);
+    return known && finished ? seconds : 0.0;
+}
+
 static gneiss_status remove_file(const char *path, gneiss_error *error) {
     if (unlink(path) == 0 || errno == ENOENT) return GNEISS_OK;
     return gn_fail(error, GNEISS_ERROR_IO, "%s: cannot be removed: %s", path, strerror(errno));

@@ -14,6 +14,10 @@ gneiss_status gn_folder_choose(const gn_scene *scene, const char *wanted, char o
  * lock. GNEISS_ERROR_INPUT when another holds it. */
 gneiss_status gn_folder_lock(const char *directory, int *lock, gneiss_error *error);
 
+/* Wall time of the finished run whose results are there, s; 0: there are none, or they are of a run
+ * that did not come to its end. */
+double gn_folder_finished(const char *directory);
+
 /* Makes way for a new run: removes what an earlier run of the same scene file left. Results of
  * another scene are not touched: GNEISS_ERROR_INPUT. */
 gneiss_status gn_folder_clear(const char *directory, const gn_scene *scene, gneiss_error *error);

@@ -215,6 +215,7 @@ static gneiss_status apply_overrides(gn_run *run, const gn_override *overrides, 
                                                                    : GNEISS_ERROR_INPUT;
         w->dt_lowered = lowered;
     }
+    GN_TRY(gn_world_check_duration(w, error));
     set_intervals(run, sets(overrides, count, "output.history_rows"),
                   sets(overrides, count, "output.snapshots"));
     return GNEISS_OK;
