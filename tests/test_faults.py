@@ -1,4 +1,6 @@
 """Calls of the system that fail, one at a time (tests/faults.c, the second argument). Speaks TAP."""
+import random
+
 from program import *  # noqa: F403
 
 SHIM = os.path.abspath(sys.argv[2])
@@ -93,6 +95,164 @@ def a_full_disk_at_a_later_snapshot_names_the_earlier_checkpoint(folder):
                   write="particles_:28", open="h5.tmp:28")
     expect(done, 3, f"the checkpoint of step {int(earlier[11:21])} stands")
     assert checkpoints(folder) == [earlier]
+
+
+# --- memory ------------------------------------------------------------------------------------------------
+
+def allocations(out, *arguments):
+    """How many the program makes; what libraries do by themselves is not counted."""
+    file = out + ".count"
+    expect(faulty(*arguments, "--out", out, "--quiet", "--threads", 2, count=file), 0)
+    return int(open(file).read())
+
+
+def out_of_memory(folder, arguments, numbers, all_later=""):
+    out = os.path.join(folder, "out")
+    for number in numbers(allocations(out, *arguments)):
+        shutil.rmtree(out)
+        os.mkdir(out)
+        done = faulty(*arguments, "--out", out, "--quiet", "--threads", 2, alloc=f"{number}{all_later}")
+        assert done.returncode == 4 and "out of memory" in done.stderr, (number, done.returncode, done.stderr)
+        names = os.listdir(out)
+        assert not [name for name in names if name.endswith(".tmp")], (number, names)
+        assert "summary.json" not in names, (number, "a folder that looks finished")
+
+
+SMALL = ("run", LATTICE, "--set", "time.end=0.05 ms", "--set", "output.snapshots=1", "--set", "output.history_rows=5")
+
+
+@fact
+def allocations_of_the_setup_may_fail(folder):
+    # Some 260 in all: the first of them (options, scene, threads), and every sixth of the lists.
+    out_of_memory(folder, SMALL, lambda count: [*range(1, 61), *range(61, 300, 6)])
+
+
+@fact
+def allocations_of_steps_and_outputs_may_fail(folder):
+    out_of_memory(folder, SMALL, lambda count: range(300, count + 1, 9))
+
+
+@fact
+def memory_may_run_out_for_good_at_any_time(folder):
+    out_of_memory(folder, SMALL, lambda count: range(1, count + 1, 13), "+")
+
+
+@fact
+def allocations_of_a_packing_may_fail(folder):
+    body = write_scene(folder, "specimen: {cylinder: {diameter: 20 mm, height: 30 mm}, particles: 60}\n")
+    out_of_memory(folder, ("pack", body), lambda count: range(1, count + 1, 11))
+
+
+# --- power loss ----------------------------------------------------------------------------------------------
+
+class Disk:
+    """What a power loss may leave, as POSIX allows it: of a file what was synced and any part of what was written
+    since, of a folder what was synced and any of the names made, changed and removed since."""
+
+    def __init__(self):
+        self.files, self.serial, self.names, self.durable, self.pending = [], {}, {}, {}, []
+
+    def entry(self, path, file):
+        self.pending.append((path, file))
+        if file is None:
+            self.names.pop(path, None)
+        else:
+            self.names[path] = file
+
+    def apply(self, kind, arguments, data):
+        if kind == "open":
+            number, how, path = arguments
+            if how == "2":
+                self.serial[number] = path
+                return
+            if path not in self.names:
+                self.files.append([bytearray(), b""])
+                self.entry(path, len(self.files) - 1)
+            self.serial[number] = self.names[path]
+        elif kind in ("write", "cut"):
+            content = self.files[self.serial[arguments[0]]][0]
+            if kind == "write":
+                content += data
+            else:
+                del content[int(arguments[1]):]
+        elif kind == "sync" and isinstance(self.serial.get(arguments[0]), str):
+            folder = self.serial[arguments[0]]
+            self.settle([op for op in self.pending if os.path.dirname(op[0]) == folder])
+            self.pending = [op for op in self.pending if os.path.dirname(op[0]) != folder]
+        elif kind == "sync":
+            file = self.files[self.serial[arguments[0]]]
+            file[1] = bytes(file[0])
+        elif kind == "rename" and arguments[0] in self.names:
+            self.entry(arguments[1], self.names[arguments[0]])
+            self.entry(arguments[0], None)
+        elif kind == "unlink" and arguments[0] in self.names:
+            self.entry(arguments[0], None)
+
+    def settle(self, operations):
+        for path, file in operations:
+            if file is None:
+                self.durable.pop(path, None)
+            else:
+                self.durable[path] = file
+
+    def has_checkpoint(self):
+        return any(re.search(r"checkpoint_\d+\.h5$", path) for path in self.durable)
+
+    def after_power_loss(self, pick, folder):
+        """Writes one of the possible states."""
+        names = dict(self.durable)
+        for path, file in self.pending:
+            if pick.random() < 0.5:
+                names.pop(path, None) if file is None else names.update({path: file})
+        for path, file in names.items():
+            written, synced = self.files[file]
+            content = bytes(written) if pick.random() < 0.3 else synced
+            if content == synced and len(written) > len(synced):
+                more = pick.randrange(len(written) - len(synced))
+                content += pick.choice((bytes(more), bytes(written[len(synced):len(synced) + more])))
+            with open(os.path.join(folder, os.path.basename(path)), "wb") as out:
+                out.write(content)
+
+
+def recorded(path):
+    """(kind, arguments, data) in order."""
+    events, data = [], open(path, "rb").read()
+    while data:
+        line, data = data.split(b"\n", 1)
+        kind, *arguments = line.decode().split("\t")
+        size = int(arguments[1]) if kind == "write" else 0
+        events.append((kind, arguments, data[:size]))
+        data = data[size:]
+    return events
+
+
+@fact
+def after_a_power_loss_at_any_moment_a_run_goes_on_from_its_last_checkpoint(folder):
+    whole, again, log = (os.path.join(folder, name) for name in ("whole", "again", "log"))
+    more = "--set", "output.snapshots=6"
+    done = faulty("run", LATTICE, "--out", whole, "--quiet", "--threads", 1, *more, "--set", "output.checkpoint=0.1 ms",
+                  record=log)
+    expect(done, 0)
+    wanted, disk, pick, resumed = state_hash(whole), Disk(), random.Random(18), 0
+    events = recorded(log)
+    moments = set(pick.sample(range(len(events)), 40))
+    assert sum(kind == "rename" and "checkpoint" in arguments[1] for kind, arguments, _ in events) > 5
+    for moment, event in enumerate(events):
+        disk.apply(*event)
+        if moment not in moments:
+            continue
+        os.mkdir(again)
+        disk.after_power_loss(pick, again)
+        done = gneiss("resume", again, "--quiet", "--threads", 1, "--set", "output.checkpoint=off")
+        if disk.has_checkpoint():
+            expect(done, 0)
+            assert state_hash(again) == wanted, f"event {moment}: another state"
+            assert len(series(again)) >= 6 and all(os.path.exists(os.path.join(again, name)) for name, _ in series(again))
+            resumed += 1
+        else:
+            assert done.returncode in (0, 2), (moment, done.returncode, done.stderr)
+        shutil.rmtree(again)
+    assert resumed > 20, f"only {resumed} moments had a checkpoint"
 
 
 if __name__ == "__main__":

@@ -91,7 +91,8 @@ static gneiss_status check_replacing(const gn_options *o, const gn_scene *scene,
                                      gneiss_error *error) {
     char folder[GN_PATH_SIZE], text[32];
     GN_TRY(gn_folder_choose(scene, o->out, folder, error));
-    double seconds = gn_folder_finished(folder);
+    double seconds = 0.0;
+    GN_TRY(gn_folder_finished(folder, &seconds, error));
     if (o->force || !(seconds > LONG_RUN)) return GNEISS_OK;
     return gn_fail(error, GNEISS_ERROR_INPUT,
                    "%.300s: expected no results or those of a short run, found those of a finished "
@@ -241,5 +242,8 @@ int main(int argc, char **argv) {
     if (status != GNEISS_OK)
         fprintf(stderr, "gneiss: %s: %s\n", gn_status_name(status), error.message);
     gn_options_free(&options);
+    /* HDF5 may hold files that it could not close without memory; its clean-up would trip over
+     * them. */
+    if (status == GNEISS_ERROR_MEMORY) _exit((int)status);
     return (int)status;
 }

@@ -74,7 +74,8 @@ static gneiss_status add_set(gn_options *o, const char *text, gneiss_error *erro
     if (!equals || equals == text)
         return gn_fail(error, GNEISS_ERROR_INPUT, "--set: expected KEY=VALUE, found '%s'", text);
     char *key = strndup(text, (size_t)(equals - text));
-    if (!key || o->held_count == GN_MAX_OVERRIDES) {
+    if (!key) return gn_fail(error, GNEISS_ERROR_MEMORY, "--set: no memory");
+    if (o->held_count == GN_MAX_OVERRIDES) {
         free(key);
         return gn_fail(error, GNEISS_ERROR_INPUT, "--set: too many overrides");
     }

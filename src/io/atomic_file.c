@@ -2,6 +2,7 @@
 
 #include <errno.h>
 #include <fcntl.h>
+#include <limits.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -113,17 +114,16 @@ gneiss_status gn_atomic_write(gn_atomic_file *file, const void *bytes, size_t si
 }
 
 void gn_sync_folder_of(const char *path) {
+    char folder[PATH_MAX]; /* without memory it must work as well */
     const char *slash = strrchr(path, '/');
-    char *folder = !slash          ? strdup(".")
-                   : slash == path ? strdup("/")
-                                   : strndup(path, (size_t)(slash - path));
-    if (!folder) return;
+    size_t length = !slash ? 0 : slash == path ? 1 : (size_t)(slash - path);
+    if (length >= sizeof folder) return;
+    memcpy(folder, length ? path : ".", length ? length : 1);
+    folder[length ? length : 1] = '\0';
     int descriptor = open_again(folder, O_RDONLY | O_DIRECTORY);
-    if (descriptor >= 0) {
-        (void)fsync_again(descriptor);
-        close(descriptor);
-    }
-    free(folder);
+    if (descriptor < 0) return;
+    (void)fsync_again(descriptor);
+    close(descriptor);
 }
 
 gneiss_status gn_atomic_commit(gn_atomic_file *file, gn_durability durability,

@@ -252,8 +252,9 @@ gneiss_status gn_h5_commit(gn_h5 *file, gn_durability durability, gneiss_error *
         status = gn_h5_fail(file, error, GNEISS_ERROR_MEMORY, "cannot be completed in memory");
     else if (H5Fclose(file->id) < 0)
         status = gn_h5_fail(file, error, GNEISS_ERROR_MEMORY, "cannot be closed in memory");
+    else if (file->id = -1, file->image.exhausted) /* HDF5 does not always tell */
+        status = gn_fail(error, GNEISS_ERROR_MEMORY, "%s: no memory to write it", file->path);
     else {
-        file->id = -1;
         status = gn_atomic_write(&file->target, file->image.data, file->image.size, error);
         if (status == GNEISS_OK) status = gn_atomic_commit(&file->target, durability, error);
     }

@@ -83,19 +83,25 @@ static gneiss_status check_owner(const char *path, const char *directory, const 
     return status;
 }
 
-double gn_folder_finished(const char *directory) {
+gneiss_status gn_folder_finished(const char *directory, double *seconds, gneiss_error *error) {
     char path[GN_PATH_SIZE + 32];
     gn_h5 *file = NULL;
     int64_t finished = 0;
-    double seconds = 0.0;
-    gneiss_error error;
+    gneiss_error reading = {0};
+    *seconds = 0.0;
     snprintf(path, sizeof path, "%s/results.h5", directory);
-    if (gn_h5_open(path, &file, &error) != GNEISS_OK) return 0.0;
-    bool known =
-        gn_h5_get_attribute_i64(file, "/", "finished", &finished, 1, &error) == GNEISS_OK &&
-        gn_h5_get_attribute_f64(file, "/", "seconds", &seconds, 1, &error) == GNEISS_OK;
+    if (access(path, F_OK) != 0) return GNEISS_OK;
+    gneiss_status status = gn_h5_open(path, &file, &reading);
+    if (status == GNEISS_OK)
+        status = gn_h5_get_attribute_i64(file, "/", "finished", &finished, 1, &reading);
+    if (status == GNEISS_OK)
+        status = gn_h5_get_attribute_f64(file, "/", "seconds", seconds, 1, &reading);
     gn_h5_close(file);
-    return known && finished ? seconds : 0.0;
+    if (!finished || status != GNEISS_OK) *seconds = 0.0;
+    /* What tells nothing is refused when the folder is cleared. */
+    return status == GNEISS_OK || status == GNEISS_ERROR_INPUT
+               ? GNEISS_OK
+               : gn_fail(error, status, "%s", reading.message);
 }
 
 static gneiss_status remove_file(const char *path, gneiss_error *error) {

@@ -16,7 +16,7 @@ gneiss_status gn_folder_lock(const char *directory, int *lock, gneiss_error *err
 
 /* Wall time of the finished run whose results are there, s; 0: there are none, or they are of a run
  * that did not come to its end. */
-double gn_folder_finished(const char *directory);
+gneiss_status gn_folder_finished(const char *directory, double *seconds, gneiss_error *error);
 
 /* Makes way for a new run: removes what an earlier run of the same scene file left. Results of
  * another scene are not touched: GNEISS_ERROR_INPUT. */

@@ -10,7 +10,9 @@ static gneiss_status say_where(const gn_run *run, const gneiss_error *first, con
     int64_t step = -1;
     size_t count = 0;
     gneiss_error second = {0};
-    if (gn_checkpoint_list(run->directory, &step, 1, &count, &second) != GNEISS_OK) count = 0;
+    if (gn_checkpoint_list(run->directory, &step, 1, &count, &second) != GNEISS_OK)
+        return gn_fail(error, first->status, "%.1000s\n  at step %lld%.500s", first->message,
+                       (long long)run->world.step, tried);
     if (count == 0)
         return gn_fail(error, first->status,
                        "%.1000s\n  at step %lld%.500s; there is no checkpoint", first->message,
