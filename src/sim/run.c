@@ -159,6 +159,13 @@ static gneiss_status load_one(const char *directory, int64_t step, const gn_over
     return status;
 }
 
+static void note_damage(gn_run *run, const gneiss_error *first) {
+    snprintf(run->note, sizeof run->note,
+             "%.1500s; it is kept with .damaged behind its name; going on from the checkpoint of "
+             "step %lld",
+             first->message, (long long)run->world.step);
+}
+
 /* A damaged checkpoint gives way to the one before it: run->note tells, and *damaged is how many of
  * the newest are to be moved aside. A checkpoint that cannot be read now (no descriptors, no
  * memory, an error of the disk) may be intact: nothing is taken in its place. */
@@ -171,27 +178,19 @@ static gneiss_status load_newest(const char *directory, const gn_override *overr
     if (count == 0)
         return gn_fail(error, GNEISS_ERROR_INPUT,
                        "%s: expected checkpoint_<step>.h5 files, found none", directory);
-    gneiss_error first = {0};
+    gneiss_error first = {0}, reading = {0};
     bool same = true;
-    for (size_t k = 0; k < count; k++) {
-        gneiss_error reading = {0};
+    for (*damaged = 0; *damaged < count; ++*damaged) {
         gneiss_status status =
-            load_one(directory, steps[k], overrides, override_count, run, &reading);
-        if (status == GNEISS_OK) {
-            *damaged = k;
-            if (k > 0)
-                snprintf(run->note, sizeof run->note,
-                         "%.1500s; it is kept with .damaged behind its name; going on from the "
-                         "checkpoint of step %lld",
-                         first.message, (long long)steps[k]);
-            return GNEISS_OK;
-        }
+            load_one(directory, steps[*damaged], overrides, override_count, run, &reading);
+        if (status == GNEISS_OK && *damaged > 0) note_damage(run, &first);
+        if (status == GNEISS_OK) return GNEISS_OK;
         if (status != GNEISS_ERROR_INPUT)
             return gn_fail(error, status,
                            "%.1500s\n  it may be intact, and nothing was changed: try again, or "
                            "move it away to go on from an older one",
                            reading.message);
-        if (k == 0) first = reading;
+        if (*damaged == 0) first = reading;
         same = same && strcmp(first.message, reading.message) == 0;
     }
     /* The same for each: not the checkpoints are to blame (an override). */
