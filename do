@@ -24,7 +24,8 @@ usage: ./do COMMAND [...]
 
   run SCENE [gneiss options]   build, run the scene, make its report
   test [meson options]         build and run every test
-  check [steps]                format gcc clang cppcheck tidy sanitizers python (all of them)
+  check [steps]                format gcc clang cppcheck tidy sanitizers python (all of them); on request
+                               also tsan: data races, by ThreadSanitizer with LLVM's OpenMP
   bench [--peers] [--large] [--sweep]
                                build and run the benchmarks; --peers: beside LAMMPS, LIGGGHTS, YADE,
                                ESyS-Particle and CalculiX; --large: big specimens; --sweep: 1 372 to 1 000 188 grains
@@ -123,7 +124,7 @@ command_run() {
     build build
     local status=0 folder
     folder=$(output_folder "$@")
-    "$root/build/gneiss" run "$@" || status=$?
+    "$root/build/gneiss" run --force "$@" || status=$?
     # An unstable or interrupted run (5, 6) has results worth a look too.
     if ((status == 0 || status == 5 || status == 6)) && [[ -f $folder/results.h5 ]]; then
         "$root/build/gneiss" report "$folder" || status=$((status ? status : $?))
@@ -188,7 +189,7 @@ command_keys() {
 }
 
 command_clean() {
-    rm -rf "$root"/build "$root"/build-bench "$root"/build-check-{gcc,clang,sanitize}
+    rm -rf "$root"/build "$root"/build-bench "$root"/build-check-{gcc,clang,sanitize,tsan}
 }
 
 # --- check: each step is one function that fails or not -------------------------------------------------
@@ -237,6 +238,24 @@ check_sanitizers() {
         -Db_sanitize=address,undefined -Db_lundef=false "-Dc_args=-g1 -fsanitize-ignorelist=$ignore" || return 1
     ASAN_OPTIONS=detect_leaks=1 UBSAN_OPTIONS=halt_on_error=1:print_stacktrace=1 \
         run_tests build-check-sanitize --no-suite long --timeout-multiplier 5
+}
+
+# Archer tells ThreadSanitizer what OpenMP orders; without it every parallel region would seem to be a race.
+check_tsan() {
+    local archer=/usr/lib/llvm-14/lib/libarcher.so out scene status=0 fixed=()
+    [[ -f $archer ]] || { say "tsan: $archer is missing (libomp-14-dev)"; return 1; }
+    CC=clang CXX=clang++ configure build-check-tsan -Doptimization=1 -Ddebug=true -Db_ndebug=false \
+        -Db_sanitize=thread -Db_lundef=false -Dc_args=-g1 && build build-check-tsan gneiss || return 1
+    setarch -R true 2>/dev/null && fixed=(setarch -R) # clang 14 does not know the widest randomisation of addresses
+    out=$(mktemp -d)
+    for scene in lattice-small ucs-small beam-small elements polygon; do
+        OMP_TOOL_LIBRARIES=$archer OMP_WAIT_POLICY=passive GNEISS_CACHE=off \
+            TSAN_OPTIONS="ignore_noninstrumented_modules=1 halt_on_error=1" "${fixed[@]}" \
+            "$root/build-check-tsan/gneiss" run "$root/tests/scenes/$scene.yaml" --out "$out/$scene" --threads 3 --quiet ||
+            { say "tsan: $scene"; status=1; }
+    done
+    rm -rf "$out"
+    return "$status"
 }
 
 check_python() {

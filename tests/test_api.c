@@ -671,6 +671,85 @@ static void step_takes_exactly_as_many_also_past_the_end(void **state) {
     gneiss_world_free(w);
 }
 
+/* Asks for things by index and name, there or not; nothing of it may change a world. */
+static void ask(const gneiss_world *w, unsigned pick) {
+    static const char *const names[] = {"position",      "force", "time", "kinetic",
+                                        "young_modulus", "",      "x",    "%s%n"};
+    static const size_t indices[] = {0, 1, 7, 12, 99, (size_t)INT32_MAX + 1, SIZE_MAX};
+    const char *name = names[pick % 8];
+    size_t index = indices[pick / 8 % 7];
+    gneiss_record record = (gneiss_record)((int)(pick / 64 % 9) - 1); /* -1 and 6, 7 are none */
+    gneiss_view view = {0};
+    gneiss_quantity quantity;
+    gneiss_progress progress;
+    gneiss_counts counts;
+    (void)gneiss_world_field_count(w, record);
+    (void)gneiss_record_name(record);
+    (void)gneiss_world_field_at(w, record, index, &view, NULL);
+    (void)gneiss_view_value(&view, index, index);
+    (void)gneiss_view_value(&view, 0, SIZE_MAX);
+    (void)gneiss_world_field(w, record, name, &view, NULL);
+    (void)gneiss_world_history(w, name, &view, NULL);
+    (void)gneiss_view_value(&view, index, 0);
+    (void)gneiss_world_history_at(w, index, &view, NULL);
+    (void)gneiss_world_reading(w, name, &quantity, NULL);
+    (void)gneiss_world_reading_at(w, index, &quantity, NULL);
+    (void)gneiss_world_energy(w, name, &quantity, NULL);
+    (void)gneiss_world_energy_at(w, index, &quantity, NULL);
+    (void)gneiss_world_progress(w, &progress, NULL);
+    (void)gneiss_world_counts(w, &counts, NULL);
+}
+
+/* One call that must be refused or must come to nothing. */
+static void misuse(gneiss_world *w, const place *p, unsigned pick) {
+    switch (pick % 8) {
+    case 0:
+        assert_int_equal(gneiss_world_step(w, -1 - (int64_t)pick, NULL), GNEISS_ERROR_INPUT);
+        break;
+    case 1:
+        assert_int_equal(gneiss_world_advance(w, NAN, NULL), GNEISS_ERROR_INPUT);
+        break;
+    case 2:
+        assert_int_equal(gneiss_world_advance(w, -1.0, NULL), GNEISS_ERROR_INPUT);
+        break;
+    case 3:
+        assert_int_equal(gneiss_world_checkpoint(w, NULL), GNEISS_ERROR_INPUT); /* no folder */
+        break;
+    case 4:
+        assert_int_equal(gneiss_world_finish(w, NULL), GNEISS_OK); /* no folder: nothing to do */
+        break;
+    case 5:
+        assert_int_equal(gneiss_world_save(w, p->path, NULL), GNEISS_ERROR_IO); /* a folder */
+        break;
+    case 6:
+        assert_int_equal(gneiss_world_step(w, 0, NULL), GNEISS_OK);
+        break;
+    case 7:
+        assert_int_equal(gneiss_world_save(w, inside(p, "saved.h5"), NULL), GNEISS_OK);
+        break;
+    }
+}
+
+static void calls_in_any_order_leave_the_world_as_it_is(void **state) {
+    (void)state;
+    place p = make_place();
+    gneiss_world *w = world_of(block, NULL, NULL), *same = world_of(block, NULL, NULL);
+    unsigned random = 7;
+    for (int k = 0; k < 400; k++) {
+        random = random * 1664525u + 1013904223u;
+        if (k % 10 == 0) {
+            step(w, 1);
+            step(same, 1);
+        }
+        misuse(w, &p, random >> 8);
+        ask(w, random >> 8);
+    }
+    assert_true(gneiss_world_hash(w) == gneiss_world_hash(same));
+    gneiss_world_free(w);
+    gneiss_world_free(same);
+    remove_place(&p);
+}
+
 static void slices_of_wall_time_come_to_the_same_end(void **state) {
     (void)state;
     gneiss_world *a = world_of(block, NULL, NULL), *b = world_of(block, NULL, NULL);
@@ -924,6 +1003,7 @@ int main(void) {
         cmocka_unit_test(energies_without_a_ledger_are_nan),
         cmocka_unit_test(the_step_is_a_share_of_the_limit),
         cmocka_unit_test(step_takes_exactly_as_many_also_past_the_end),
+        cmocka_unit_test(calls_in_any_order_leave_the_world_as_it_is),
         cmocka_unit_test(slices_of_wall_time_come_to_the_same_end),
         cmocka_unit_test(two_worlds_in_turns_do_not_touch_each_other),
         cmocka_unit_test(two_worlds_in_two_threads_give_the_same_bits),

@@ -21,7 +21,7 @@ def ucs():
 def help_names_every_command_option_and_exit_code(folder):
     out = expect(gneiss("--help"), 0).stdout
     for word in ("run", "check", "plan", "resume", "report", "keys", "info", "--out", "--set", "--threads",
-                 "--precision", "--isa", "--quiet", "--log", "--markdown", "--version"):
+                 "--precision", "--isa", "--force", "--quiet", "--log", "--markdown", "--version"):
         assert re.search(r"(^|\s)" + word + r"\b", out), f"{word} is missing"
     assert all(re.search(rf"\b{code} \w", out.split("exit codes")[1]) for code in range(7))
 

@@ -1,6 +1,7 @@
 """Runs that cannot go well and how gneiss says so. Speaks TAP."""
 import resource
 import shlex
+import signal
 
 from program import *  # noqa: F403
 
@@ -380,6 +381,109 @@ def a_ball_that_comes_back_to_where_it_fell_from_leaves_no_residual(folder):
     rows = history(out)
     assert np.sum(np.diff(np.sign(rows["energy_work_gravity"] - 5e-8)) > 0) > 2, "it did not come back"
     assert np.abs(rows["energy_residual"]).max() < 1 / 150, np.abs(rows["energy_residual"]).max()
+
+
+# --- runs without end, signals before the first step, small stacks --------------------------------------
+
+@fact
+def a_run_that_would_never_end_is_refused_at_its_place(folder):
+    text = json.dumps(spheres(THREE, time=None)).replace('"time": null', '\n"time": {"end": END, "step": STEP}')
+    for end, step in (("1e308", "1e-6"), ("2e-5", "5e-24"), ("1e15", "1e-6")):
+        refused(folder, text.replace("END", end).replace("STEP", step), 2,
+                r"scene\.yaml:2:\d+: time: expected an end within 1e\+15 steps, found \S+ steps of " + f"{float(step):.4g} s")
+
+
+@fact
+def a_safety_that_leaves_no_step_is_refused(folder):
+    out = os.path.join(folder, "out")
+    for safety in ("1e-308", "5e-324"):
+        expect(gneiss("run", LATTICE, "--out", out, "--set", f"time.safety={safety}"), 2, "time: expected an end within")
+    assert not os.path.exists(out)
+
+
+@fact
+def a_resumed_run_that_would_never_end_is_refused(folder):
+    run(LATTICE, folder, "--set", "time.end=0.1 ms")
+    before = contents(folder)
+    expect(gneiss("resume", folder, "--set", "time.end=1e300"), 2, "time: expected an end within")
+    assert contents(folder) == before
+
+
+@fact
+def a_time_of_a_century_is_told_in_years(folder):
+    # 4e13 steps of 1600 particles: even at 3 microseconds each, which no machine reaches, four years.
+    done = expect(gneiss("plan", UCS, "--set", "time.end=1e7"), 0)
+    assert re.search(r"\n  time +\d\S* years\n", done.stdout), done.stdout
+
+
+def signalled(folder, *arguments):
+    """Interrupted half a second after its start, long before it is done with what it prepares."""
+    process = subprocess.Popen(command(*arguments), env={**ENVIRONMENT, "GNEISS_CACHE": "off"},
+                               stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
+    time.sleep(0.5)
+    assert process.poll() is None, process.stderr.read()
+    process.send_signal(signal.SIGINT)
+    out, err = process.communicate(timeout=120)
+    assert process.returncode == 6, (process.returncode, err)
+    return err
+
+
+@fact
+def a_signal_while_particles_are_seeded_ends_the_packing(folder):
+    # Of a million random points one stays: 1e8 of them are tried before the packing is given up.
+    body = write_scene(folder, "specimen:\n  cylinder: {diameter: 20 mm, height: 30 mm}\n  particles: 60\n"
+                               "  packing: {refine: [{from: [0, 0, 0], to: [0, 0, 1 nm], size: 1e-8, distance: 1 nm}]}\n")
+    out = os.path.join(folder, "out")
+    assert "packing interrupted" in signalled(folder, "pack", body, "--out", out)
+    assert not os.path.exists(out), os.listdir(out)
+
+
+@fact
+def a_signal_while_elements_are_made_leaves_nothing(folder):
+    scene = {"elements": {"box": {"size": [1, 1, 1], "cells": [40, 40, 40]},
+                          "materials": [{"density": 2500, "young": 1e10, "poisson": 0.25}]},
+             "time": {"end": 1e-3}, "output": {"snapshots": 0}, "run": {"threads": 1}}
+    out = os.path.join(folder, "out")
+    assert "before the first step" in signalled(folder, "run", write_scene(folder, scene), "--out", out)
+    assert not os.path.exists(out), os.listdir(out)
+
+
+@fact
+def a_stack_of_128_kb_is_enough(folder):
+    def limited():
+        resource.setrlimit(resource.RLIMIT_STACK, (131072, 131072))
+
+    body = write_scene(folder, "specimen: {cylinder: {diameter: 20 mm, height: 30 mm}, particles: 60}\n")
+    for name in ("lattice-small", "beam-small", "elements"):
+        out = os.path.join(folder, name)
+        scene = os.path.join(SCENES, name + ".yaml")
+        expect(gneiss("run", scene, "--out", out, "--quiet", "--threads", 2, preexec_fn=limited), 0)
+        expect(gneiss("resume", out, "--quiet", preexec_fn=limited), 0)
+    expect(gneiss("pack", body, "--out", os.path.join(folder, "p"), "--quiet", preexec_fn=limited,
+                  environment={"GNEISS_CACHE": os.path.join(folder, "cache")}), 0)
+
+
+# --- finished runs ------------------------------------------------------------------------------------------
+
+@fact
+def a_finished_long_run_is_replaced_only_by_force(folder):
+    run(LATTICE, folder)
+    with h5py.File(os.path.join(folder, "results.h5"), "r+") as file:
+        file.attrs["seconds"] = 3723.0  # as if it had taken this long
+    before = contents(folder)
+    expect(gneiss("run", LATTICE, "--out", folder, "--quiet"), 2, "finished run that took 62 min 03 s", "--force", "--out")
+    assert contents(folder) == before
+    run(LATTICE, folder, "--force", "--set", "time.end=0.1 ms")
+    assert contents(folder) != before
+
+
+@fact
+def a_long_run_that_did_not_end_is_replaced_as_it_is(folder):
+    run(LATTICE, folder)
+    with h5py.File(os.path.join(folder, "results.h5"), "r+") as file:
+        file.attrs["seconds"] = 3723.0
+        file.attrs["finished"] = 0
+    run(LATTICE, folder)
 
 
 if __name__ == "__main__":

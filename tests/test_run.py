@@ -309,9 +309,11 @@ def a_truncated_checkpoint_gives_way_to_the_older_one(folder):
     out, straight = os.path.join(folder, "out"), os.path.join(folder, "straight")
     older, newer = two_checkpoints(out)
     truncate(newer)
+    size = os.path.getsize(newer)
     done = gneiss("resume", out, "--set", "time.end=0.4 ms", "--quiet")
     expect(done, 0, "warning: .*" + os.path.basename(newer), "going on from the checkpoint of step")
-    assert not os.path.exists(newer), "a damaged checkpoint is still there"
+    assert not os.path.exists(newer), "a damaged checkpoint is still listed"
+    assert os.path.getsize(newer + ".damaged") == size, "the damaged checkpoint was not kept"
     run(LATTICE, straight)
     assert state_hash(out) == state_hash(straight)
 
@@ -372,6 +374,15 @@ def a_folder_takes_one_run_at_a_time(folder):
     expect(gneiss("resume", folder), 2, "another run")
     assert process.wait(timeout=60) == 0
     assert state_hash(folder) == state_hash(reference())
+
+
+@fact
+def an_output_folder_that_is_too_long_leaves_no_folders_behind(folder):
+    # No file system of Linux takes a name of more than 255 bytes; the path as a whole is limited by gneiss.
+    expect(gneiss("run", LATTICE, "--out", os.path.join(folder, "a", "b", 300 * "x"), "--quiet"), 3, "File name too long")
+    deep = os.path.join(folder, *(["a" * 200] * 20))
+    expect(gneiss("run", LATTICE, "--out", deep, "--quiet"), 2, "less than 4032 characters")
+    assert not os.listdir(folder), os.listdir(folder)
 
 
 @fact

@@ -125,7 +125,7 @@ class Runner:
         settings = {"output.snapshots": 0, "output.checkpoint": "off", "run.seed": seed, **settings}
 
         def work(folder):
-            command = [self.gneiss, "run", str(SCENE), "--quiet", "--out", str(folder / "run"), "--threads",
+            command = [self.gneiss, "run", str(SCENE), "--force", "--quiet", "--out", str(folder / "run"), "--threads",
                        str(self.options.threads), *study.set_arguments(settings)]
             used = self.spend(folder, command, 3600, {})
             if used["code"] != 0:

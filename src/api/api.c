@@ -159,17 +159,20 @@ static gneiss_status hand_over(gneiss_status status, gneiss_world *made, gneiss_
 
 gneiss_status gneiss_world_create(const gneiss_scene *scene, const char *folder,
                                   gneiss_world **world, gneiss_error *error) {
-    gn_scene copy;
     gneiss_world *made;
     GN_TRY(gn_api_require(world, "world", error));
     *world = NULL;
     GN_TRY(gn_api_require(scene, "scene", error));
     if (folder) GN_TRY(require_path(folder, "folder", error));
     GN_TRY(new_world(&made, error));
-    gneiss_status status = gn_scene_copy(&scene->scene, &copy, error);
+    gn_scene *copy = malloc(sizeof *copy); /* too large for a small stack */
+    gneiss_status status =
+        copy ? gn_scene_copy(&scene->scene, copy, error)
+             : gn_fail(error, GNEISS_ERROR_MEMORY, "no memory for a copy of the scene");
     if (status == GNEISS_OK)
-        status = folder ? gn_run_start(&copy, folder, &made->run, error)
-                        : gn_run_create(&copy, &made->run, error);
+        status = folder ? gn_run_start(copy, folder, &made->run, error)
+                        : gn_run_create(copy, &made->run, error);
+    free(copy);
     return hand_over(status, made, world);
 }
 

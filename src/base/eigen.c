@@ -129,6 +129,7 @@ typedef struct lanczos {
     double h[BASIS_MAX * BASIS_MAX];       /* the projection of S, [size][size] */
     double values[BASIS_MAX];              /* Ritz values */
     double vectors[BASIS_MAX * BASIS_MAX]; /* Ritz vectors in the basis, as rows */
+    double work[BASIS_MAX * BASIS_MAX];
 } lanczos;
 
 /* |w|; leaves B w in `weighed`. */
@@ -189,15 +190,14 @@ static double orthogonalise(lanczos *l, int count, double *w) {
 }
 
 static void ritz(lanczos *l, int count) {
-    double a[BASIS_MAX * BASIS_MAX];
     for (int p = 0; p < count; p++)
-        for (int q = 0; q < count; q++) a[p * count + q] = l->h[p * l->size + q];
-    gn_eigen_symmetric(count, a, l->values, l->vectors);
+        for (int q = 0; q < count; q++) l->work[p * count + q] = l->h[p * l->size + q];
+    gn_eigen_symmetric(count, l->work, l->values, l->vectors);
 }
 
 /* basis[k] = sum_q vectors[k][q] basis[q] for k < keep, q < count. */
 static void combine(const lanczos *l, int keep, int count) {
-    enum { CHUNK = 256 };
+    enum { CHUNK = 32 }; /* stacks of threads may be small */
 #pragma omp parallel for num_threads(l->threads) schedule(static) if (l->n > 4 * BLOCK)
     for (size_t start = 0; start < l->n; start += CHUNK) {
         double out[BASIS_MAX][CHUNK];
@@ -280,13 +280,18 @@ gneiss_status gn_eigen_largest_in(size_t n, gn_operator *apply, gn_operator *met
     *top = (gn_eigen_top){0};
     size_t size = basis_bytes / (n * sizeof(double));
     size = size < BASIS_MIN ? BASIS_MIN : size > BASIS_MAX ? BASIS_MAX : size;
-    lanczos l = {.n = n, .size = (int)(size < n ? size : n), .threads = threads};
-    l.metric = metric;
-    l.context = context;
-    gneiss_status status = search(&l, apply, tolerance, vector, top, error);
-    gn_free(l.basis);
-    gn_free(l.partial);
-    gn_free(l.weighed);
+    lanczos *l = gn_alloc(sizeof *l); /* too large for a small stack */
+    if (!l) return gn_fail(error, GNEISS_ERROR_MEMORY, "no memory for Lanczos vectors");
+    l->n = n;
+    l->size = (int)(size < n ? size : n);
+    l->threads = threads;
+    l->metric = metric;
+    l->context = context;
+    gneiss_status status = search(l, apply, tolerance, vector, top, error);
+    gn_free(l->basis);
+    gn_free(l->partial);
+    gn_free(l->weighed);
+    gn_free(l);
     return status;
 }
 

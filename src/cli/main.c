@@ -3,33 +3,19 @@
 #include "cli/pack.h"
 #include "cli/plan.h"
 #include "cli/progress.h"
+#include "cli/signals.h"
 #include "io/files.h"
+#include "sim/folder.h"
 
 #include <omp.h>
 #include <stdlib.h>
 #include <string.h>
 #include <unistd.h>
 
-/* The one piece of file-scope state: signal handlers have no other way to speak. */
-static volatile sig_atomic_t interrupted;
+enum { LONG_RUN = 60 }; /* s of computing that are not replaced without being asked for */
 
-static void on_signal(int number) {
-    (void)number;
-    interrupted = 1;
-}
-
-/* From here on there is something to save. What the caller ignores (nohup) stays ignored. */
-static void catch_signals(void) {
-    static const int numbers[] = {SIGINT, SIGTERM, SIGHUP};
-    struct sigaction action, before;
-    memset(&action, 0, sizeof action);
-    action.sa_handler = on_signal;
-    action.sa_flags = (int)SA_RESETHAND; /* a second Ctrl-C ends the program at once */
-    for (size_t k = 0; k < sizeof numbers / sizeof *numbers; k++)
-        if (sigaction(numbers[k], NULL, &before) == 0 && before.sa_handler != SIG_IGN)
-            sigaction(numbers[k], &action, NULL);
-    signal(SIGPIPE, SIG_IGN); /* nobody reads on: no reason to lose a run */
-}
+static const char nothing_lost[] =
+    "gneiss: interrupted: before the first step; there is nothing to save\n";
 
 /* JSON lines: the text without its line breaks and indentation. */
 static void print_one_line(const char *json) {
@@ -71,16 +57,16 @@ static gneiss_status fail(gn_run *run, gneiss_error *error) {
 }
 
 static gneiss_status go(const gn_options *o, gn_run *run, gneiss_error *error) {
-    catch_signals();
+    const volatile sig_atomic_t *interrupted = gn_signals_set_flag();
     if (run->note[0]) fprintf(stderr, "gneiss: warning: %s\n", run->note);
     gn_print_start(o, run);
     while (!run->finished) {
         double pause = isatty(STDERR_FILENO) || o->json ? 0.5 : 5.0;
-        gneiss_status status = gn_run_advance(run, pause, &interrupted, error);
+        gneiss_status status = gn_run_advance(run, pause, interrupted, error);
         if (status == GNEISS_ERROR_UNSTABLE) return fail(run, error);
         GN_TRY(status);
         gn_print_progress(o, run);
-        if (!interrupted || run->finished) continue;
+        if (!*interrupted || run->finished) continue;
         snprintf(run->stop_reason, sizeof run->stop_reason, "interrupted");
         status = gn_run_checkpoint(run, error);
         if (status == GNEISS_ERROR_UNSTABLE) return fail(run, error);
@@ -93,22 +79,47 @@ static gneiss_status go(const gn_options *o, gn_run *run, gneiss_error *error) {
     return status == GNEISS_ERROR_UNSTABLE ? fail(run, error) : status;
 }
 
-/* A specimen that has to be packed first is given up cleanly on Ctrl-C; the rest of the set-up is
- * short. */
+/* A scene on the heap: it is too large for a small stack. */
+static gneiss_status load_scene(const gn_options *o, gn_scene **scene, gneiss_error *error) {
+    *scene = calloc(1, sizeof **scene);
+    if (!*scene) return gn_fail(error, GNEISS_ERROR_MEMORY, "no memory");
+    gneiss_status status = gn_scene_load(o->target, o->overrides, o->override_count, *scene, error);
+    if (status == GNEISS_OK) return GNEISS_OK;
+    free(*scene);
+    *scene = NULL;
+    return status;
+}
+
+/* Hours of computing are not thrown away by a command repeated by mistake. */
+static gneiss_status check_replacing(const gn_options *o, const gn_scene *scene,
+                                     gneiss_error *error) {
+    char folder[GN_PATH_SIZE], text[32];
+    GN_TRY(gn_folder_choose(scene, o->out, folder, error));
+    double seconds = 0.0;
+    GN_TRY(gn_folder_finished(folder, &seconds, error));
+    if (o->force || !(seconds > LONG_RUN)) return GNEISS_OK;
+    return gn_fail(error, GNEISS_ERROR_INPUT,
+                   "%.300s: expected no results or those of a short run, found those of a finished "
+                   "run that took %s: --force replaces them, --out chooses another folder",
+                   folder, gn_format_seconds(seconds, text, sizeof text));
+}
+
 static gneiss_status start(const gn_options *o, gn_scene *scene, gn_run *run, gneiss_error *error) {
-    catch_signals();
-    gneiss_status status = gn_pack_ahead(o, scene, &interrupted, error);
+    gneiss_status status = check_replacing(o, scene, error);
+    if (status == GNEISS_OK) status = gn_pack_ahead(o, scene, error);
     if (status == GNEISS_OK) return gn_run_start(scene, o->out, run, error);
     gn_scene_free(scene);
     return status;
 }
 
 static gneiss_status command_run(const gn_options *o, gneiss_error *error) {
-    gn_scene scene;
+    gn_scene *scene = NULL;
     gn_run *run = calloc(1, sizeof *run);
     if (!run) return gn_fail(error, GNEISS_ERROR_MEMORY, "no memory");
-    gneiss_status status = gn_scene_load(o->target, o->overrides, o->override_count, &scene, error);
-    if (status == GNEISS_OK) status = start(o, &scene, run, error);
+    gn_signals_end_at_once(nothing_lost, NULL);
+    gneiss_status status = load_scene(o, &scene, error);
+    if (status == GNEISS_OK) status = start(o, scene, run, error);
+    free(scene);
     if (status == GNEISS_OK) {
         status = go(o, run, error);
         gn_run_free(run);
@@ -120,6 +131,7 @@ static gneiss_status command_run(const gn_options *o, gneiss_error *error) {
 static gneiss_status command_resume(const gn_options *o, gneiss_error *error) {
     gn_run *run = calloc(1, sizeof *run);
     if (!run) return gn_fail(error, GNEISS_ERROR_MEMORY, "no memory");
+    gn_signals_end_at_once(nothing_lost, NULL);
     gneiss_status status = gn_run_resume(o->target, o->overrides, o->override_count, run, error);
     if (status == GNEISS_OK) {
         status = go(o, run, error);
@@ -131,17 +143,18 @@ static gneiss_status command_resume(const gn_options *o, gneiss_error *error) {
 
 /* `plan` and `check` build the world and write nothing. */
 static gneiss_status command_look(const gn_options *o, bool plan, gneiss_error *error) {
-    gn_scene scene;
+    gn_scene *scene = NULL;
     gn_world *world = calloc(1, sizeof *world);
     if (!world) return gn_fail(error, GNEISS_ERROR_MEMORY, "no memory");
     int warnings = 0;
-    gneiss_status status = gn_scene_load(o->target, o->overrides, o->override_count, &scene, error);
+    gn_signals_end_at_once(nothing_lost, NULL);
+    gneiss_status status = load_scene(o, &scene, error);
     if (status == GNEISS_OK) {
-        catch_signals();
-        status = gn_pack_ahead(o, &scene, &interrupted, error);
-        if (status != GNEISS_OK) gn_scene_free(&scene);
+        status = gn_pack_ahead(o, scene, error);
+        if (status != GNEISS_OK) gn_scene_free(scene);
     }
-    if (status == GNEISS_OK) status = gn_world_create(&scene, world, error);
+    if (status == GNEISS_OK) status = gn_world_create(scene, world, error);
+    free(scene);
     if (status == GNEISS_OK) {
         if (!plan) status = gn_print_check(world, &warnings, error);
         if (status == GNEISS_OK) status = gn_print_plan(world, error);
@@ -195,10 +208,7 @@ static void command_info(void) {
 
 static gneiss_status dispatch(const gn_options *o, gneiss_error *error) {
     if (strcmp(o->command, "run") == 0) return command_run(o, error);
-    if (strcmp(o->command, "pack") == 0) {
-        catch_signals();
-        return gn_command_pack(o, &interrupted, error);
-    }
+    if (strcmp(o->command, "pack") == 0) return gn_command_pack(o, error);
     if (strcmp(o->command, "resume") == 0) return command_resume(o, error);
     if (strcmp(o->command, "check") == 0) return command_look(o, false, error);
     if (strcmp(o->command, "plan") == 0) return command_look(o, true, error);
@@ -236,5 +246,8 @@ int main(int argc, char **argv) {
     if (status != GNEISS_OK)
         fprintf(stderr, "gneiss: %s: %s\n", gn_status_name(status), error.message);
     gn_options_free(&options);
+    /* HDF5 may hold files that it could not close without memory; its clean-up would trip over
+     * them. */
+    if (status == GNEISS_ERROR_MEMORY) _exit((int)status);
     return (int)status;
 }

@@ -40,13 +40,16 @@ void gn_print_usage(FILE *out) {
           "  --seed N           of every random number\n"
           "  --precision P      double or mixed\n"
           "  --isa NAME         scalar, avx2, avx512 (default: GNEISS_ISA, else the widest)\n"
+          "  --force            run: replace also what a finished run of more than a minute left\n"
           "  --quiet            no progress line, no tables\n"
           "  --log json         progress and summary as JSON lines on standard output\n"
           "  --markdown         keys: as Markdown\n"
           "  --help, --version\n"
           "\nexit codes: 0 done, 1 defect of gneiss, 2 input cannot be used, 3 file could not be "
           "read or\n"
-          "written, 4 out of memory, 5 run went bad, 6 interrupted (a checkpoint was written)\n",
+          "written, 4 out of memory, 5 run went bad, 6 interrupted (a checkpoint was written if "
+          "the run\n"
+          "had begun)\n",
           out);
 }
 
@@ -71,7 +74,8 @@ static gneiss_status add_set(gn_options *o, const char *text, gneiss_error *erro
     if (!equals || equals == text)
         return gn_fail(error, GNEISS_ERROR_INPUT, "--set: expected KEY=VALUE, found '%s'", text);
     char *key = strndup(text, (size_t)(equals - text));
-    if (!key || o->held_count == GN_MAX_OVERRIDES) {
+    if (!key) return gn_fail(error, GNEISS_ERROR_MEMORY, "--set: no memory");
+    if (o->held_count == GN_MAX_OVERRIDES) {
         free(key);
         return gn_fail(error, GNEISS_ERROR_INPUT, "--set: too many overrides");
     }
@@ -107,6 +111,7 @@ enum {
     OPT_SEED,
     OPT_PRECISION,
     OPT_ISA,
+    OPT_FORCE,
     OPT_QUIET,
     OPT_LOG,
     OPT_MARKDOWN,
@@ -121,6 +126,7 @@ static const struct option long_options[] = {
     {"seed", required_argument, 0, OPT_SEED},
     {"precision", required_argument, 0, OPT_PRECISION},
     {"isa", required_argument, 0, OPT_ISA},
+    {"force", no_argument, 0, OPT_FORCE},
     {"quiet", no_argument, 0, OPT_QUIET},
     {"log", required_argument, 0, OPT_LOG},
     {"markdown", no_argument, 0, OPT_MARKDOWN},
@@ -144,6 +150,9 @@ static gneiss_status apply(gn_options *o, int option, const char *value, gneiss_
         return add_override(o, "run.precision", value, error);
     case OPT_ISA:
         return add_override(o, "run.isa", value, error);
+    case OPT_FORCE:
+        o->force = true;
+        return GNEISS_OK;
     case OPT_QUIET:
         o->quiet = true;
         return GNEISS_OK;

@@ -11,6 +11,7 @@ typedef struct gn_options {
     const char *target; /* scene file or output folder; NULL when not given */
     const char *out;    /* --out */
     bool quiet, json;   /* --quiet, --log json */
+    bool force;         /* run: replace a finished long run */
     bool markdown;      /* keys --markdown */
     gn_override overrides[GN_MAX_OVERRIDES];
     size_t override_count;

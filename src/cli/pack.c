@@ -1,8 +1,11 @@
 #include "cli/pack.h"
 
+#include "base/memory.h"
 #include "base/point.h"
 #include "base/timer.h"
 #include "cli/progress.h"
+#include "cli/signals.h"
+#include "io/checkpoint_files.h"
 #include "io/files.h"
 #include "pack/body.h"
 #include "pack/store.h"
@@ -18,7 +21,6 @@
 
 typedef struct display {
     const gn_options *options;
-    const volatile sig_atomic_t *interrupted;
     double start, next; /* s */
     bool shown;
 } display;
@@ -54,7 +56,6 @@ static void print_json(const gn_pack_progress *p) {
 
 static bool show(void *context, const gn_pack_progress *p) {
     display *d = context;
-    if (*d->interrupted) return false;
     if (d->options->quiet || gn_now() < d->next) return true;
     d->next = gn_now() + (isatty(STDERR_FILENO) || d->options->json ? 0.5 : 5.0);
     d->shown = true;
@@ -65,11 +66,10 @@ static bool show(void *context, const gn_pack_progress *p) {
     return true;
 }
 
-static gneiss_status obtain(const gn_options *o, const gn_scene *scene,
-                            const volatile sig_atomic_t *interrupted, gn_pack_result *result,
+static gneiss_status obtain(const gn_options *o, const gn_scene *scene, gn_pack_result *result,
                             gneiss_error *error) {
     char note[512];
-    display d = {.options = o, .interrupted = interrupted, .start = gn_now()};
+    display d = {.options = o, .start = gn_now()};
     d.next = d.start + 0.5;
     gneiss_status status = gn_pack_obtain(scene, show, &d, result, note, sizeof note, error);
     if (d.shown && !o->json && isatty(STDERR_FILENO)) fputs("\r\033[K", stderr);
@@ -78,24 +78,25 @@ static gneiss_status obtain(const gn_options *o, const gn_scene *scene,
 }
 
 /* The scene as a world would see it: the same packing whatever the origin. */
-static gneiss_status obtain_shifted(const gn_options *o, gn_scene *scene,
-                                    const volatile sig_atomic_t *interrupted, gn_scene *shifted,
+static gneiss_status obtain_shifted(const gn_options *o, gn_scene *scene, gn_scene *shifted,
                                     gn_pack_result *result, gneiss_error *error) {
     GN_TRY(gn_origin_choose(scene, NULL, error));
     GN_TRY(gn_scene_copy(scene, shifted, error));
     gn_scene_shift(shifted);
-    gneiss_status status = obtain(o, shifted, interrupted, result, error);
+    gneiss_status status = obtain(o, shifted, result, error);
     if (status != GNEISS_OK) gn_scene_free(shifted);
     return status;
 }
 
-gneiss_status gn_pack_ahead(const gn_options *o, gn_scene *scene,
-                            const volatile sig_atomic_t *interrupted, gneiss_error *error) {
+gneiss_status gn_pack_ahead(const gn_options *o, gn_scene *scene, gneiss_error *error) {
     if (scene->specimen.pack.shape == GN_SHAPE_NONE) return GNEISS_OK;
     gn_pack_result result;
-    gn_scene shifted;
-    GN_TRY(obtain_shifted(o, scene, interrupted, &shifted, &result, error));
-    gn_scene_free(&shifted);
+    gn_scene *shifted = gn_alloc(sizeof *shifted);
+    if (!shifted) return gn_fail(error, GNEISS_ERROR_MEMORY, "no memory for a scene");
+    gneiss_status status = obtain_shifted(o, scene, shifted, &result, error);
+    if (status == GNEISS_OK) gn_scene_free(shifted);
+    gn_free(shifted);
+    GN_TRY(status);
     if (!o->quiet && !o->json)
         printf("specimen: %zu particles %s\n", result.packing.count,
                result.from_cache ? "packed before (from the cache)" : "packed");
@@ -108,6 +109,8 @@ gneiss_status gn_pack_ahead(const gn_options *o, gn_scene *scene,
 }
 
 /* ---- the command ---- */
+
+static const char interrupted[] = "gneiss: interrupted: packing interrupted\n";
 
 static void print_quality(const gn_scene *scene, const gn_pack_result *r,
                           const gn_pack_quality *q) {
@@ -171,16 +174,20 @@ static gneiss_status measure(const gn_scene *scene, const gn_pack_result *result
     return status;
 }
 
-/* The folder must not hold a run: its results would seem to belong to this packing. */
-static gneiss_status open_folder(const char *folder, gneiss_error *error) {
+/* The folder must not hold a run: its results would seem to belong to this packing, and a run that
+ * is still to be resumed would lose its snapshots. */
+static gneiss_status check_folder(const char *folder, gneiss_error *error) {
     char path[GN_PATH_SIZE + 32];
+    int64_t step;
+    size_t checkpoints;
     snprintf(path, sizeof path, "%s/results.h5", folder);
-    if (access(path, F_OK) == 0)
-        return gn_fail(error, GNEISS_ERROR_INPUT,
-                       "%.300s: expected a folder for the packing, found the results of a run in "
-                       "it; choose another with --out",
-                       folder);
-    return gn_make_directory(folder, error);
+    GN_TRY(gn_checkpoint_list(folder, &step, 1, &checkpoints, error));
+    bool results = access(path, F_OK) == 0;
+    if (checkpoints == 0 && !results) return GNEISS_OK;
+    return gn_fail(error, GNEISS_ERROR_INPUT,
+                   "%.300s: expected a folder for the packing, found the %s of a run in it; choose "
+                   "another with --out",
+                   folder, results ? "results" : "checkpoints");
 }
 
 /* Particles as the user sees them, for files. */
@@ -191,15 +198,20 @@ static void move_out(const gn_scene *scene, gn_packing *packing) {
 }
 
 static gneiss_status pack_into(const gn_options *o, gn_scene *scene, const char *folder,
-                               const volatile sig_atomic_t *interrupted, gneiss_error *error) {
+                               gneiss_error *error) {
     gn_pack_result result;
     gn_pack_quality quality;
-    gn_scene shifted;
-    GN_TRY(obtain_shifted(o, scene, interrupted, &shifted, &result, error));
-    gneiss_status status = measure(&shifted, &result, &quality, error);
-    gn_scene_free(&shifted);
+    gn_scene *shifted = gn_alloc(sizeof *shifted);
+    if (!shifted) return gn_fail(error, GNEISS_ERROR_MEMORY, "no memory for a scene");
+    gneiss_status status = obtain_shifted(o, scene, shifted, &result, error);
+    bool obtained = status == GNEISS_OK;
+    if (obtained) status = measure(shifted, &result, &quality, error);
+    if (obtained) gn_scene_free(shifted);
+    gn_free(shifted);
+    if (!obtained) return status;
     move_out(scene, &result.packing);
     if (status == GNEISS_OK) {
+        (void)gn_signals_set_flag(); /* writing is short and is not left half done */
         status = gn_pack_write_folder(folder, scene, &result, &quality, error);
         if (status == GNEISS_OK && o->json) print_quality_json(&result, &quality);
         if (status == GNEISS_OK && !o->json && !o->quiet) {
@@ -214,22 +226,32 @@ static gneiss_status pack_into(const gn_options *o, gn_scene *scene, const char 
 
 /* The folder comes first, so that nobody waits for a packing that cannot be written; a new one goes
  * again when nothing came into it. */
-static gneiss_status pack_scene(const gn_options *o, gn_scene *scene,
-                                const volatile sig_atomic_t *interrupted, gneiss_error *error) {
+static gneiss_status pack_scene(const gn_options *o, gn_scene *scene, gneiss_error *error) {
     char folder[GN_PATH_SIZE];
-    gn_folder_choose(scene, o->out, folder, sizeof folder);
+    int lock = 0;
+    GN_TRY(gn_folder_choose(scene, o->out, folder, error));
     bool there = access(folder, F_OK) == 0;
-    GN_TRY(open_folder(folder, error));
-    gneiss_status status = pack_into(o, scene, folder, interrupted, error);
+    GN_TRY(gn_make_directory(folder, error));
+    GN_TRY(gn_folder_lock(folder, &lock, error));
+    gneiss_status status = check_folder(folder, error);
+    gn_signals_end_at_once(interrupted, there ? NULL : folder);
+    if (status == GNEISS_OK) status = pack_into(o, scene, folder, error);
+    gn_signals_end_at_once(interrupted, NULL);
     if (status != GNEISS_OK && !there) rmdir(folder);
+    if (lock > 0) close(lock);
     return status;
 }
 
-gneiss_status gn_command_pack(const gn_options *o, const volatile sig_atomic_t *interrupted,
-                              gneiss_error *error) {
-    gn_scene scene;
-    GN_TRY(gn_scene_load_specimen(o->target, o->overrides, o->override_count, &scene, error));
-    gneiss_status status = pack_scene(o, &scene, interrupted, error);
-    gn_scene_free(&scene);
+gneiss_status gn_command_pack(const gn_options *o, gneiss_error *error) {
+    gn_scene *scene = calloc(1, sizeof *scene); /* too large for a small stack */
+    if (!scene) return gn_fail(error, GNEISS_ERROR_MEMORY, "no memory");
+    gn_signals_end_at_once(interrupted, NULL);
+    gneiss_status status =
+        gn_scene_load_specimen(o->target, o->overrides, o->override_count, scene, error);
+    if (status == GNEISS_OK) {
+        status = pack_scene(o, scene, error);
+        gn_scene_free(scene);
+    }
+    free(scene);
     return status;
 }

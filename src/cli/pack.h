@@ -4,15 +4,11 @@
 
 #include "cli/options.h"
 
-#include <signal.h>
-
 /* Packs the specimen of a scene file into an output folder and prints its quality. */
-gneiss_status gn_command_pack(const gn_options *options, const volatile sig_atomic_t *interrupted,
-                              gneiss_error *error);
+gneiss_status gn_command_pack(const gn_options *options, gneiss_error *error);
 
 /* With a progress line; the particles are left in scene->specimen.packed. Nothing to do when the
  * specimen is no shape. */
-gneiss_status gn_pack_ahead(const gn_options *options, gn_scene *scene,
-                            const volatile sig_atomic_t *interrupted, gneiss_error *error);
+gneiss_status gn_pack_ahead(const gn_options *options, gn_scene *scene, gneiss_error *error);
 
 #endif

@@ -15,8 +15,12 @@ const char *gn_format_seconds(double s, char *text, size_t size) {
         snprintf(text, size, "%.1f s", s);
     else if (s < 6000.0)
         snprintf(text, size, "%d min %02d s", (int)(s / 60.0), (int)fmod(s, 60.0));
-    else
+    else if (s < 100.0 * 86400.0)
         snprintf(text, size, "%d h %02d min", (int)(s / 3600.0), (int)fmod(s / 60.0, 60.0));
+    else if (s < 1000.0 * 86400.0)
+        snprintf(text, size, "%.0f days", s / 86400.0);
+    else
+        snprintf(text, size, "%.3g years", s / (365.25 * 86400.0));
     return text;
 }
 

@@ -2,9 +2,11 @@
 
 #include <errno.h>
 #include <fcntl.h>
+#include <limits.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <sys/file.h>
 #include <sys/stat.h>
 #include <unistd.h>
 
@@ -46,23 +48,53 @@ static gneiss_status check_target(const char *path, gneiss_error *error) {
                    S_ISDIR(info.st_mode) ? "a folder" : "a device or pipe");
 }
 
+bool gn_own_temporary(int descriptor, const char *path) {
+    struct stat mine, there;
+    if (flock(descriptor, LOCK_EX | LOCK_NB) != 0 && errno == EWOULDBLOCK) return false;
+    return fstat(descriptor, &mine) == 0 && lstat(path, &there) == 0 &&
+           mine.st_dev == there.st_dev && mine.st_ino == there.st_ino;
+}
+
+/* An empty file under this name that nobody else writes, -1: none (errno: why). What a killed
+ * process left is taken over; what another holds, or has just renamed, is not touched. */
+static int open_temporary(const char *name) {
+    int descriptor = open_again(name, O_WRONLY | O_CREAT | O_NOFOLLOW);
+    if (descriptor < 0) return -1;
+    if (!gn_own_temporary(descriptor, name))
+        errno = EWOULDBLOCK;
+    else if (ftruncate(descriptor, 0) == 0)
+        return descriptor;
+    int code = errno;
+    close(descriptor);
+    errno = code;
+    return -1;
+}
+
+enum { MOST_WRITERS = 64 }; /* of one file at a time */
+
+static gneiss_status begin_temporary(gn_atomic_file *file, gneiss_error *error) {
+    for (int k = 1; k <= MOST_WRITERS; k++) {
+        free(file->temporary);
+        file->temporary = k == 1 ? gn_text_format("%s.tmp", file->path)
+                                 : gn_text_format("%s.%d.tmp", file->path, k);
+        if (!file->temporary)
+            return gn_fail(error, GNEISS_ERROR_MEMORY, "%s: no memory for its name", file->path);
+        file->descriptor = open_temporary(file->temporary);
+        if (file->descriptor >= 0) return GNEISS_OK;
+        if (errno != EWOULDBLOCK) break;
+    }
+    return gn_fail(error, GNEISS_ERROR_IO, "%s: cannot be created: %s", file->temporary,
+                   errno == EWOULDBLOCK ? "others write it" : strerror(errno));
+}
+
 gneiss_status gn_atomic_create(gn_atomic_file *file, const char *path, gneiss_error *error) {
     *file = (gn_atomic_file){.descriptor = -1};
     GN_TRY(check_target(path, error));
     file->path = strdup(path);
-    file->temporary = gn_text_format("%s.tmp", path);
-    if (!file->path || !file->temporary) {
-        gn_atomic_abort(file);
-        return gn_fail(error, GNEISS_ERROR_MEMORY, "%s: no memory for its name", path);
-    }
-    file->descriptor = open_again(file->temporary, O_WRONLY | O_CREAT | O_TRUNC | O_NOFOLLOW);
-    if (file->descriptor < 0) {
-        gn_fail(error, GNEISS_ERROR_IO, "%s: cannot be created: %s", file->temporary,
-                strerror(errno));
-        gn_atomic_abort(file);
-        return GNEISS_ERROR_IO;
-    }
-    return GNEISS_OK;
+    if (!file->path) return gn_fail(error, GNEISS_ERROR_MEMORY, "%s: no memory for its name", path);
+    gneiss_status status = begin_temporary(file, error);
+    if (status != GNEISS_OK) gn_atomic_abort(file);
+    return status;
 }
 
 gneiss_status gn_atomic_write(gn_atomic_file *file, const void *bytes, size_t size,
@@ -81,20 +113,17 @@ gneiss_status gn_atomic_write(gn_atomic_file *file, const void *bytes, size_t si
     return GNEISS_OK;
 }
 
-/* Without this a power cut after the rename may bring the old name back. Some file systems cannot
- * do it. */
-static void sync_folder(const char *path) {
+void gn_sync_folder_of(const char *path) {
+    char folder[PATH_MAX]; /* without memory it must work as well */
     const char *slash = strrchr(path, '/');
-    char *folder = !slash          ? strdup(".")
-                   : slash == path ? strdup("/")
-                                   : strndup(path, (size_t)(slash - path));
-    if (!folder) return;
+    size_t length = !slash ? 0 : slash == path ? 1 : (size_t)(slash - path);
+    if (length >= sizeof folder) return;
+    memcpy(folder, length ? path : ".", length ? length : 1);
+    folder[length ? length : 1] = '\0';
     int descriptor = open_again(folder, O_RDONLY | O_DIRECTORY);
-    if (descriptor >= 0) {
-        (void)fsync_again(descriptor);
-        close(descriptor);
-    }
-    free(folder);
+    if (descriptor < 0) return;
+    (void)fsync_again(descriptor);
+    close(descriptor);
 }
 
 gneiss_status gn_atomic_commit(gn_atomic_file *file, gn_durability durability,
@@ -102,24 +131,26 @@ gneiss_status gn_atomic_commit(gn_atomic_file *file, gn_durability durability,
     const char *failed = NULL;
     if (durability != GN_RENAMED && fsync_again(file->descriptor) != 0) failed = "flushed to disk";
     int code = errno;
-    /* close may be the call that reports a full disk (network file systems); Linux frees the
-     * descriptor even then, so it is not repeated. */
-    if (close(file->descriptor) != 0 && errno != EINTR && !failed) {
+    /* close may be the call that reports a full disk (network file systems). A copy is closed: the
+     * descriptor itself keeps others from the temporary file until it has its name. Linux frees a
+     * descriptor even when close fails, so it is not repeated. */
+    int copy = dup(file->descriptor);
+    if (copy >= 0 && close(copy) != 0 && errno != EINTR && !failed) {
         failed = "closed";
         code = errno;
     }
-    file->descriptor = -1;
     if (!failed && rename(file->temporary, file->path) != 0) {
         failed = "renamed from its temporary name";
         code = errno;
     }
     gneiss_status status = GNEISS_OK;
     if (failed) {
-        unlink(file->temporary);
         status = gn_fail(error, GNEISS_ERROR_IO, "%s: cannot be %s: %s", file->path, failed,
                          strerror(code));
-    } else if (durability == GN_DURABLE) {
-        sync_folder(file->path);
+    } else {
+        if (durability == GN_DURABLE) gn_sync_folder_of(file->path);
+        close(file->descriptor);
+        file->descriptor = -1;
     }
     gn_atomic_abort(file);
     return status;
@@ -127,8 +158,8 @@ gneiss_status gn_atomic_commit(gn_atomic_file *file, gn_durability durability,
 
 void gn_atomic_abort(gn_atomic_file *file) {
     if (file->descriptor >= 0) {
-        close(file->descriptor);
-        if (file->temporary) unlink(file->temporary);
+        unlink(file->temporary);
+        close(file->descriptor); /* gives the name free */
     }
     free(file->path);
     free(file->temporary);

@@ -1,9 +1,11 @@
 #include "io/checkpoint_files.h"
 
+#include "io/atomic_file.h"
 #include "io/listing.h"
 
 #include <errno.h>
 #include <inttypes.h>
+#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 #include <unistd.h>
@@ -57,13 +59,27 @@ gneiss_status gn_checkpoint_prune(const char *directory, size_t keep, gneiss_err
     return status;
 }
 
-gneiss_status gn_checkpoint_prune_after(const char *directory, int64_t step, gneiss_error *error) {
-    int64_t *steps;
-    size_t count;
-    GN_TRY(gn_step_list(directory, prefix, suffix, &steps, &count, error));
+/* A name that nothing has yet: the same step may have been damaged before. NULL: out of memory. */
+static char *free_name(const char *path) {
+    char *name = gn_text_format("%s.damaged", path);
+    for (int k = 2; name && access(name, F_OK) == 0; k++) {
+        free(name);
+        name = gn_text_format("%s.damaged-%d", path, k);
+    }
+    return name;
+}
+
+gneiss_status gn_checkpoint_set_aside(const char *directory, int64_t step, gneiss_error *error) {
+    char *path;
+    GN_TRY(gn_checkpoint_path(directory, step, &path, error));
+    char *name = free_name(path);
     gneiss_status status = GNEISS_OK;
-    for (size_t k = 0; k < count && status == GNEISS_OK; k++)
-        if (steps[k] > step) status = remove_checkpoint(directory, steps[k], error);
-    free(steps);
+    if (!name)
+        status = gn_fail(error, GNEISS_ERROR_MEMORY, "%s: no memory for a name", directory);
+    else if (rename(path, name) != 0)
+        status = gn_fail(error, GNEISS_ERROR_IO, "%s: cannot be renamed to %s: %s", path, name,
+                         strerror(errno));
+    free(name);
+    free(path);
     return status;
 }

@@ -12,14 +12,16 @@ gneiss_status gn_checkpoint_path(const char *directory, int64_t step, char **pat
                                  gneiss_error *error);
 
 /* The steps of up to `max` checkpoints, newest first; *count is how many were filled in. The names
- * are looked at, not the contents. Temporary files of killed runs are removed. */
+ * are looked at, not the contents. Temporary files that nobody writes any more are
+ * removed. */
 gneiss_status gn_checkpoint_list(const char *directory, int64_t *steps, size_t max, size_t *count,
                                  gneiss_error *error);
 
 /* Removes all but the newest `keep`. */
 gneiss_status gn_checkpoint_prune(const char *directory, size_t keep, gneiss_error *error);
 
-/* Removes those of later steps than `step`. */
-gneiss_status gn_checkpoint_prune_after(const char *directory, int64_t step, gneiss_error *error);
+/* Puts ".damaged" behind the name (".damaged-2", ... when that is taken): kept for looking at, no
+ * longer listed. */
+gneiss_status gn_checkpoint_set_aside(const char *directory, int64_t step, gneiss_error *error);
 
 #endif

@@ -11,25 +11,41 @@
 
 /* An automounter or a read-only parent may answer EACCES or EROFS for a folder that is there: look.
  */
-static int make_one(const char *path) {
-    if (mkdir(path, 0777) == 0) return 0;
+static int make_one(const char *path, bool *made) {
+    *made = mkdir(path, 0777) == 0;
+    if (*made) {
+        gn_sync_folder_of(path); /* what is synced inside it is lost with it */
+        return 0;
+    }
     int code = errno;
     struct stat info;
     if (stat(path, &info) != 0) return code;
     return S_ISDIR(info.st_mode) ? 0 : ENOTDIR;
 }
 
-static gneiss_status make_parents(char *path, gneiss_error *error) {
+/* *first is the length of the first folder that was not there before, 0: all were. */
+static gneiss_status make_parents(char *path, size_t *first, gneiss_error *error) {
     for (char *end = path + 1;; end++) {
         if (*end != '/' && *end != '\0') continue;
         char saved = *end;
+        bool made;
         *end = '\0';
-        int code = make_one(path);
+        int code = make_one(path, &made);
+        if (made && !*first) *first = (size_t)(end - path);
         if (code)
             return gn_fail(error, GNEISS_ERROR_IO, "%s: cannot be made a folder: %s", path,
                            code == ENOTDIR ? "there is a file of this name" : strerror(code));
         *end = saved;
         if (saved == '\0') return GNEISS_OK;
+    }
+}
+
+/* Innermost first; folders into which something came meanwhile stay. */
+static void remove_parents(char *path, size_t first) {
+    for (size_t length = strlen(path); first && length >= first; length--) {
+        if (path[length] != '\0' && path[length] != '/') continue;
+        path[length] = '\0';
+        (void)rmdir(path);
     }
 }
 
@@ -56,10 +72,12 @@ gneiss_status gn_make_directory(const char *path, gneiss_error *error) {
         return gn_fail(error, GNEISS_ERROR_INPUT, "expected the name of a folder, found nothing");
     char *copy = strdup(path);
     if (!copy) return gn_fail(error, GNEISS_ERROR_MEMORY, "%s: no memory for its name", path);
-    gneiss_status status = make_parents(copy, error);
+    size_t first = 0;
+    gneiss_status status = make_parents(copy, &first, error);
+    if (status == GNEISS_OK) status = check_writable(path, error);
+    if (status != GNEISS_OK) remove_parents(copy, first);
     free(copy);
-    if (status != GNEISS_OK) return status;
-    return check_writable(path, error);
+    return status;
 }
 
 gneiss_status gn_write_text_file(const char *path, const char *text, gn_durability durability,
@@ -70,6 +88,14 @@ gneiss_status gn_write_text_file(const char *path, const char *text, gn_durabili
     if (status == GNEISS_OK) return gn_atomic_commit(&file, durability, error);
     gn_atomic_abort(&file);
     return status;
+}
+
+static int open_to_read(const char *path) {
+    int descriptor;
+    do {
+        descriptor = open(path, O_RDONLY | O_CLOEXEC);
+    } while (descriptor < 0 && errno == EINTR);
+    return descriptor;
 }
 
 /* Reads to the end, at most limit + 1 bytes; errno is set on failure. */
@@ -102,10 +128,7 @@ static char *read_all(int descriptor, size_t limit, size_t *size) {
 
 gneiss_status gn_read_text_file(const char *path, size_t limit, char **text, gneiss_error *error) {
     *text = NULL;
-    int descriptor;
-    do {
-        descriptor = open(path, O_RDONLY | O_CLOEXEC);
-    } while (descriptor < 0 && errno == EINTR);
+    int descriptor = open_to_read(path);
     if (descriptor < 0)
         return gn_fail(error, GNEISS_ERROR_IO, "%s: cannot be opened: %s", path, strerror(errno));
     size_t size = 0;
@@ -130,4 +153,49 @@ gneiss_status gn_read_text_file(const char *path, size_t limit, char **text, gne
     else
         free(read_text);
     return status;
+}
+
+static gneiss_status read_bytes(int descriptor, const char *path, char *bytes, size_t size,
+                                gneiss_error *error) {
+    for (size_t used = 0; used < size;) {
+        size_t most = (size_t)1 << 30, left = size - used; /* one call moves less than 2 GB */
+        ssize_t got = read(descriptor, bytes + used, left < most ? left : most);
+        if (got < 0 && errno == EINTR) continue;
+        if (got < 0)
+            return gn_fail(error, GNEISS_ERROR_IO, "%s: cannot be read: %s", path, strerror(errno));
+        if (got == 0)
+            return gn_fail(error, GNEISS_ERROR_INPUT, "%s: expected %zu bytes, found %zu", path,
+                           size, used);
+        used += (size_t)got;
+    }
+    return GNEISS_OK;
+}
+
+gneiss_status gn_read_bytes(const char *path, void **bytes, size_t *size, gneiss_error *error) {
+    struct stat info;
+    *bytes = NULL;
+    int descriptor = open_to_read(path);
+    if (descriptor < 0 || fstat(descriptor, &info) != 0) {
+        int code = errno;
+        if (descriptor >= 0) close(descriptor);
+        return gn_fail(error, GNEISS_ERROR_IO, "%s: cannot be opened: %s", path, strerror(code));
+    }
+    gneiss_status status = GNEISS_OK;
+    size_t found = S_ISREG(info.st_mode) ? (size_t)info.st_size : 0;
+    void *block = found ? malloc(found) : NULL;
+    if (!found)
+        status = gn_fail(error, GNEISS_ERROR_INPUT, "%s: expected a file with contents", path);
+    else if (!block)
+        status =
+            gn_fail(error, GNEISS_ERROR_MEMORY, "%s: no memory to read %zu bytes", path, found);
+    else
+        status = read_bytes(descriptor, path, block, found, error);
+    close(descriptor);
+    if (status != GNEISS_OK) {
+        free(block);
+        return status;
+    }
+    *bytes = block;
+    *size = found;
+    return GNEISS_OK;
 }

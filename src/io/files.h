@@ -9,7 +9,8 @@
 #include <stdint.h>
 #include <stdio.h>
 
-/* Creates the folder and its parents; checks that it can be written to. */
+/* Creates the folder and its parents; checks that it can be written to. On failure those that it
+ * made are gone again. */
 gneiss_status gn_make_directory(const char *path, gneiss_error *error);
 
 /* Writes `text` to path.tmp and commits it. */
@@ -19,6 +20,10 @@ gneiss_status gn_write_text_file(const char *path, const char *text, gn_durabili
 /* Whole file as a NUL-terminated malloc'ed string. GNEISS_ERROR_INPUT: a folder, more than `limit`
  * bytes, a zero byte in it; GNEISS_ERROR_IO: it cannot be opened or read. */
 gneiss_status gn_read_text_file(const char *path, size_t limit, char **text, gneiss_error *error);
+
+/* Whole file, malloc'ed. GNEISS_ERROR_IO: it cannot be opened or read; GNEISS_ERROR_INPUT: it is
+ * empty or ends before its size. */
+gneiss_status gn_read_bytes(const char *path, void **bytes, size_t *size, gneiss_error *error);
 
 /* Minimal JSON building: numbers in full precision, NaN and infinity as null, strings escaped. */
 typedef struct gn_json gn_json;

@@ -1,3 +1,4 @@
+#include "io/files.h"
 #include "io/h5_private.h"
 
 #include <errno.h>
@@ -11,22 +12,31 @@ void gn_h5_quiet(void) {
     (void)H5Eset_auto2(H5E_DEFAULT, NULL, NULL);
 }
 
-static herr_t keep_innermost(unsigned depth, const H5E_error2_t *entry, void *out) {
-    if (depth == 0 && entry->desc) snprintf(out, 256, ": %s", entry->desc);
+typedef struct failure {
+    char reason[256];
+    bool no_memory;
+} failure;
+
+static herr_t look_at_failure(unsigned depth, const H5E_error2_t *entry, void *out) {
+    failure *f = out;
+    if (depth == 0 && entry->desc) snprintf(f->reason, sizeof f->reason, ": %s", entry->desc);
+    f->no_memory = f->no_memory || entry->maj_num == H5E_RESOURCE ||
+                   entry->min_num == H5E_NOSPACE || entry->min_num == H5E_CANTALLOC;
     return 0;
 }
 
 gneiss_status gn_h5_fail(const gn_h5 *file, gneiss_error *error, gneiss_status status,
                          const char *format, ...) {
-    char what[512], reason[256] = "";
+    char what[512];
+    failure found = {.no_memory = file->image.exhausted};
     va_list args;
     va_start(args, format);
     vsnprintf(what, sizeof what, format, args);
     va_end(args);
-    (void)H5Ewalk2(H5E_DEFAULT, H5E_WALK_UPWARD, keep_innermost, reason);
+    (void)H5Ewalk2(H5E_DEFAULT, H5E_WALK_UPWARD, look_at_failure, &found);
     (void)H5Eclear2(H5E_DEFAULT);
-    if (file->image.exhausted) status = GNEISS_ERROR_MEMORY;
-    return gn_fail(error, status, "%s: %s%s", file->path, what, reason);
+    if (found.no_memory) status = GNEISS_ERROR_MEMORY;
+    return gn_fail(error, status, "%s: %s%s", file->path, what, found.reason);
 }
 
 /* A file being created lives in memory and is written by plain write calls at the end: HDF5 1.10
@@ -45,6 +55,19 @@ static void *image_resize(void *data, size_t size, H5FD_file_image_op_t op, void
     }
     image->size = size;
     return image->data;
+}
+
+/* A file being read: the bytes are there already and are never copied nor resized. */
+static void *image_hand_out(size_t size, H5FD_file_image_op_t op, void *udata) {
+    (void)op;
+    gn_h5_image *image = udata;
+    return size <= image->size ? image->data : NULL;
+}
+
+static void *image_stay(void *to, const void *from, size_t size, H5FD_file_image_op_t op,
+                        void *udata) {
+    (void)op, (void)udata;
+    return to == from ? to : memcpy(to, from, size);
 }
 
 static herr_t image_release(void *data, H5FD_file_image_op_t op, void *udata) {
@@ -156,28 +179,66 @@ static gneiss_status check_signature(const gn_h5 *file, gneiss_error *error) {
     return GNEISS_OK;
 }
 
-gneiss_status gn_h5_open(const char *path, gn_h5 **out, gneiss_error *error) {
+static gneiss_status open_on_disk(gn_h5 *file, gneiss_error *error) {
+    hid_t access = H5Pcreate(H5P_FILE_ACCESS);
+    /* Files appear whole by renaming, and some cluster file systems have no locks. */
+    (void)H5Pset_file_locking(access, 0, 1);
+    (void)H5Pset_fclose_degree(access, H5F_CLOSE_STRONG);
+    file->id = H5Fopen(file->path, H5F_ACC_RDONLY, access);
+    (void)H5Pclose(access);
+    if (file->id >= 0) return GNEISS_OK;
+    return gn_h5_fail(file, error, GNEISS_ERROR_INPUT, "is damaged or truncated");
+}
+
+static gneiss_status open_image(gn_h5 *file, gneiss_error *error) {
+    gn_h5_image *image = &file->image;
+    GN_TRY(gn_read_bytes(file->path, &image->data, &image->size, error));
+    H5FD_file_image_callbacks_t callbacks = {
+        .image_malloc = image_hand_out,
+        .image_memcpy = image_stay,
+        .image_realloc = NULL,
+        .image_free = image_release,
+        .udata_copy = image_udata_copy,
+        .udata_free = image_udata_free,
+        .udata = image,
+    };
+    hid_t access = H5Pcreate(H5P_FILE_ACCESS);
+    char *name = gn_text_format("%s/image", file->path); /* a name that is not on disk */
+    if (name && access >= 0 && H5Pset_fapl_core(access, 1, 0) >= 0 &&
+        H5Pset_file_image_callbacks(access, &callbacks) >= 0 &&
+        H5Pset_file_image(access, image->data, image->size) >= 0 &&
+        H5Pset_fclose_degree(access, H5F_CLOSE_STRONG) >= 0)
+        file->id = H5Fopen(name, H5F_ACC_RDONLY, access);
+    else
+        image->exhausted = true;
+    free(name);
+    if (access >= 0) (void)H5Pclose(access);
+    if (file->id >= 0) return GNEISS_OK;
+    return gn_h5_fail(file, error, GNEISS_ERROR_INPUT, "is damaged or truncated");
+}
+
+static gneiss_status open_with(gneiss_status (*way)(gn_h5 *, gneiss_error *), const char *path,
+                               gn_h5 **out, gneiss_error *error) {
     gn_h5_quiet();
     *out = NULL;
     gn_h5 *file = new_handle(path, error);
     if (!file) return GNEISS_ERROR_MEMORY;
     gneiss_status status = check_signature(file, error);
-    if (status == GNEISS_OK) {
-        hid_t access = H5Pcreate(H5P_FILE_ACCESS);
-        /* Files appear whole by renaming, and some cluster file systems have no locks. */
-        (void)H5Pset_file_locking(access, 0, 1);
-        (void)H5Pset_fclose_degree(access, H5F_CLOSE_STRONG);
-        file->id = H5Fopen(path, H5F_ACC_RDONLY, access);
-        (void)H5Pclose(access);
-        if (file->id < 0)
-            status = gn_h5_fail(file, error, GNEISS_ERROR_INPUT, "is damaged or truncated");
-    }
+    if (status == GNEISS_OK) status = way(file, error);
     if (status != GNEISS_OK) {
         gn_h5_close(file);
         return status;
     }
     *out = file;
     return GNEISS_OK;
+}
+
+gneiss_status gn_h5_open(const char *path, gn_h5 **out, gneiss_error *error) {
+    return open_with(open_on_disk, path, out, error);
+}
+
+gneiss_status gn_h5_open_whole(const char *path, gn_h5 **out, gneiss_error *error) {
+    return open_with(open_image, path, out, error);
 }
 
 gneiss_status gn_h5_commit(gn_h5 *file, gn_durability durability, gneiss_error *error) {
@@ -191,8 +252,9 @@ gneiss_status gn_h5_commit(gn_h5 *file, gn_durability durability, gneiss_error *
         status = gn_h5_fail(file, error, GNEISS_ERROR_MEMORY, "cannot be completed in memory");
     else if (H5Fclose(file->id) < 0)
         status = gn_h5_fail(file, error, GNEISS_ERROR_MEMORY, "cannot be closed in memory");
+    else if (file->id = -1, file->image.exhausted) /* HDF5 does not always tell */
+        status = gn_fail(error, GNEISS_ERROR_MEMORY, "%s: no memory to write it", file->path);
     else {
-        file->id = -1;
         status = gn_atomic_write(&file->target, file->image.data, file->image.size, error);
         if (status == GNEISS_OK) status = gn_atomic_commit(&file->target, durability, error);
     }

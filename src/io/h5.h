@@ -15,6 +15,9 @@ gneiss_status gn_h5_create(const char *path, gn_h5 **out, gneiss_error *error);
  * cannot be opened (not there, no permission) GNEISS_ERROR_IO. Only the format of HDF5 1.10, which
  * gn_h5_create writes, is taken: its headers have checksums. */
 gneiss_status gn_h5_open(const char *path, gn_h5 **out, gneiss_error *error);
+/* The same, with the whole file read into memory first by plain read calls: an error of the disk is
+ * GNEISS_ERROR_IO, and whatever is wrong with the contents afterwards is damage of the file. */
+gneiss_status gn_h5_open_whole(const char *path, gn_h5 **out, gneiss_error *error);
 /* Flushes, fsyncs, renames to the final name, fsyncs the folder, closes and frees. On failure (disk
  * full) the temporary file is removed, the old file under `path` is untouched, and the handle is
  * freed. */

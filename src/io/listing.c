@@ -4,7 +4,9 @@
 
 #include <dirent.h>
 #include <errno.h>
+#include <fcntl.h>
 #include <inttypes.h>
+#include <stdbool.h>
 #include <stdlib.h>
 #include <string.h>
 #include <unistd.h>
@@ -41,8 +43,25 @@ static gneiss_status push(int64_t **steps, size_t *count, int64_t step) {
     return GNEISS_OK;
 }
 
-static gneiss_status collect(DIR *folder, const char *prefix, const char *suffix, int64_t **steps,
-                             size_t *count) {
+/* ".tmp", ".2.tmp" */
+static bool is_temporary(const char *ending) {
+    size_t length = strlen(ending);
+    return ending[0] == '.' && length >= 4 && strcmp(ending + length - 4, ".tmp") == 0;
+}
+
+/* A temporary file that some process still writes is its own. */
+static void remove_abandoned(const char *directory, const char *name) {
+    char *path = gn_text_format("%s/%s", directory, name);
+    int descriptor = path ? open(path, O_WRONLY | O_CLOEXEC | O_NOFOLLOW | O_NONBLOCK) : -1;
+    if (descriptor >= 0) {
+        if (gn_own_temporary(descriptor, path)) (void)unlink(path);
+        close(descriptor);
+    }
+    free(path);
+}
+
+static gneiss_status collect(DIR *folder, const char *directory, const char *prefix,
+                             const char *suffix, int64_t **steps, size_t *count) {
     size_t suffix_length = strlen(suffix);
     for (struct dirent *entry; errno = 0, (entry = readdir(folder));) {
         const char *rest;
@@ -50,8 +69,8 @@ static gneiss_status collect(DIR *folder, const char *prefix, const char *suffix
         if (step < 0 || strncmp(rest, suffix, suffix_length) != 0) continue;
         if (rest[suffix_length] == '\0')
             GN_TRY(push(steps, count, step));
-        else if (strcmp(rest + suffix_length, ".tmp") == 0)
-            (void)unlinkat(dirfd(folder), entry->d_name, 0);
+        else if (is_temporary(rest + suffix_length))
+            remove_abandoned(directory, entry->d_name);
     }
     return errno ? GNEISS_ERROR_IO : GNEISS_OK;
 }
@@ -64,7 +83,7 @@ gneiss_status gn_step_list(const char *directory, const char *prefix, const char
     if (!folder)
         return gn_fail(error, GNEISS_ERROR_IO, "%s: cannot be listed: %s", directory,
                        strerror(errno));
-    gneiss_status status = collect(folder, prefix, suffix, steps, count);
+    gneiss_status status = collect(folder, directory, prefix, suffix, steps, count);
     int code = errno;
     closedir(folder);
     if (status == GNEISS_OK) {

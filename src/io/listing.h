@@ -10,8 +10,8 @@
 /* DIRECTORY/PREFIX_<step>SUFFIX, malloc'ed; NULL: out of memory. */
 char *gn_step_path(const char *directory, const char *prefix, int64_t step, const char *suffix);
 
-/* The steps on disk, ascending; *steps is malloc'ed. Temporary files of the same form (a run that
- * was killed while it wrote) are removed. */
+/* The steps on disk, ascending; *steps is malloc'ed. Temporary files of the same form that no
+ * process holds (a run was killed while it wrote) are removed. */
 gneiss_status gn_step_list(const char *directory, const char *prefix, const char *suffix,
                            int64_t **steps, size_t *count, gneiss_error *error);
 

@@ -17,8 +17,8 @@ gneiss_status gn_deal_create(gn_deal *deal, int threads, gneiss_error *error) {
     deal->owned_first = gn_alloc_array(n + 2, sizeof *deal->owned_first);
     deal->shared_first = gn_alloc_array(n + 2, sizeof *deal->shared_first);
     deal->put_off = gn_alloc_array(n, sizeof *deal->put_off);
-    bool held =
-        deal->share && deal->mark && deal->task_first && deal->owned_first && deal->shared_first;
+    bool held = deal->share && deal->mark && deal->task_first && deal->owned_first &&
+                deal->shared_first && deal->put_off;
     for (int l = 0; l < GN_DEAL_LISTS; l++) {
         deal->cut[l] = gn_alloc_array(n + 1, sizeof *deal->cut[l]);
         held = held && deal->cut[l];
@@ -73,7 +73,9 @@ static bool hold_tasks(gn_deal *deal) {
     deal->place = gn_alloc_array(room, sizeof *deal->place);
     deal->taken = gn_alloc_array(room, sizeof *deal->taken);
     deal->room = room;
-    return deal->task && deal->place && deal->taken;
+    if (deal->task && deal->place && deal->taken) return true;
+    free_tasks(deal);
+    return false;
 }
 
 static bool hold_particles(gn_deal *deal, size_t blocks) {
@@ -83,7 +85,9 @@ static bool hold_particles(gn_deal *deal, size_t blocks) {
     deal->after = gn_alloc_array(blocks + 1, sizeof *deal->after);
     deal->shared = gn_alloc_array(blocks + 1, sizeof *deal->shared);
     deal->particle_blocks = blocks;
-    return deal->owned && deal->after && deal->shared;
+    if (deal->owned && deal->after && deal->shared) return true;
+    free_particles(deal);
+    return false;
 }
 
 gneiss_status gn_deal_lists(gn_deal *deal, gn_deal_list one, gn_deal_list other,

@@ -18,7 +18,7 @@ enum { METHOD_VERSION = 1 };
 static gneiss_status hash_file(const char *path, uint64_t *hash, gneiss_error *error) {
     FILE *file = fopen(path, "rbe");
     if (!file) return gn_fail(error, GNEISS_ERROR_IO, "%s: cannot be opened", path);
-    char buffer[1 << 16];
+    char buffer[1 << 12];
     size_t length;
     *hash = GN_HASH_SEED;
     while ((length = fread(buffer, 1, sizeof buffer, file)) > 0)
@@ -29,25 +29,34 @@ static gneiss_status hash_file(const char *path, uint64_t *hash, gneiss_error *e
 }
 
 /* The request without what does not change the packing. */
-static gneiss_status make_key(const gn_scene *scene, char **key, gneiss_error *error) {
-    gn_scene plain = *scene; /* shares its arrays; not freed */
-    gn_specimen *s = &plain.specimen;
-    uint64_t contents = 0;
-    const char *path = s->pack.shape == GN_SHAPE_MESH      ? s->pack.mesh_path
-                       : s->pack.shape == GN_SHAPE_SURFACE ? s->pack.surface_path
-                                                           : NULL;
-    if (path) GN_TRY(hash_file(path, &contents, error));
+static char *key_text(const gn_scene *scene, uint64_t contents) {
+    gn_scene *plain = malloc(sizeof *plain); /* too large for a small stack */
+    if (!plain) return NULL;
+    *plain = *scene; /* shares its arrays, which are not freed */
+    gn_specimen *s = &plain->specimen;
     s->material[0] = '\0';
     s->group = 1;
     s->density_basis = GN_DENSITY_PARTICLE;
     s->porosity = -1.0;
     s->pack.time_limit = 0.0;
     s->pack.surface_path[0] = s->pack.mesh_path[0] = '\0';
-    char *request = gn_scene_write_specimen(&plain);
-    *key = request ? gn_text_format("method: %d\nfile: %016" PRIx64 "\n%s", METHOD_VERSION,
-                                    contents, request)
-                   : NULL;
+    char *request = gn_scene_write_specimen(plain);
+    char *key = request ? gn_text_format("method: %d\nfile: %016" PRIx64 "\n%s", METHOD_VERSION,
+                                         contents, request)
+                        : NULL;
     free(request);
+    free(plain);
+    return key;
+}
+
+static gneiss_status make_key(const gn_scene *scene, char **key, gneiss_error *error) {
+    const gn_pack_def *def = &scene->specimen.pack;
+    uint64_t contents = 0;
+    const char *path = def->shape == GN_SHAPE_MESH      ? def->mesh_path
+                       : def->shape == GN_SHAPE_SURFACE ? def->surface_path
+                                                        : NULL;
+    if (path) GN_TRY(hash_file(path, &contents, error));
+    *key = key_text(scene, contents);
     return *key ? GNEISS_OK : gn_fail(error, GNEISS_ERROR_MEMORY, "no memory for a key");
 }
 

@@ -474,7 +474,8 @@ static const gn_key time_keys[] = {
         .text = "time at which the run ends"),
     SECTION("stop", stop_section, .text = "conditions that end the run earlier"),
 };
-TABLE_OF(time);
+static const gn_section time_section = {time_keys, sizeof time_keys / sizeof(gn_key), 0,
+                                        offsetof(gn_scene, time_where)};
 
 static const gn_key output_keys[] = {
     KEY("directory", TEXT, gn_scene, output_directory, .fallback = "",

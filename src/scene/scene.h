@@ -402,6 +402,7 @@ typedef struct gn_scene {
     gn_body_def *bodies;
     gn_test test;
 
+    gn_where time_where;
     double step;   /* dt, s; 0: automatic */
     double safety; /* of 2/w_max */
     gn_step_estimate estimate;

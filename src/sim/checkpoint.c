@@ -377,7 +377,7 @@ gneiss_status gn_checkpoint_load(const char *path, const gn_override *overrides,
                                  size_t override_count, gn_run *run, gneiss_error *error) {
     gn_h5 *file = NULL;
     memset(run, 0, sizeof *run);
-    GN_TRY(gn_h5_open(path, &file, error));
+    GN_TRY(gn_h5_open_whole(path, &file, error));
     gneiss_status status = load(run, file, path, overrides, override_count, error);
     gn_h5_close(file);
     if (status != GNEISS_OK) gn_run_free(run);

@@ -12,16 +12,23 @@
 #include <sys/file.h>
 #include <unistd.h>
 
-void gn_folder_choose(const gn_scene *scene, const char *wanted, char *out, size_t size) {
+/* The names of files, and what stands in front of them in messages, must fit behind it. */
+static gneiss_status check_length(int length, const char *path, gneiss_error *error) {
+    const int most = GN_PATH_SIZE - 64;
+    if (length >= 0 && length < most) return GNEISS_OK;
+    return gn_fail(error, GNEISS_ERROR_INPUT,
+                   "%.200s...: expected an output folder of less than %d characters, found %d",
+                   path, most, length);
+}
+
+gneiss_status gn_folder_choose(const gn_scene *scene, const char *wanted, char out[GN_PATH_SIZE],
+                               gneiss_error *error) {
     if (!wanted || !*wanted) wanted = scene->output_directory;
-    if (*wanted) {
-        snprintf(out, size, "%s", wanted);
-        return;
-    }
+    if (*wanted) return check_length(snprintf(out, GN_PATH_SIZE, "%s", wanted), wanted, error);
     const char *slash = strrchr(scene->source, '/'), *name = slash ? slash + 1 : scene->source;
     const char *dot = strrchr(name, '.');
     int length = dot && dot > name ? (int)(dot - name) : (int)strlen(name);
-    snprintf(out, size, "runs/%.*s", length, name);
+    return check_length(snprintf(out, GN_PATH_SIZE, "runs/%.*s", length, name), name, error);
 }
 
 gneiss_status gn_folder_lock(const char *directory, int *lock, gneiss_error *error) {
@@ -38,7 +45,8 @@ gneiss_status gn_folder_lock(const char *directory, int *lock, gneiss_error *err
     close(descriptor);
     if (code != EWOULDBLOCK) return GNEISS_OK;
     return gn_fail(error, GNEISS_ERROR_INPUT,
-                   "%s: expected a folder of its own, found another run at work in it", directory);
+                   "%s: expected a folder of its own, found another run or packing at work in it",
+                   directory);
 }
 
 /* The same file under whatever path; a file that is gone is known by its name only. */
@@ -57,7 +65,9 @@ static gneiss_status check_owner(const char *path, const char *directory, const 
     if (status == GNEISS_OK)
         status = gn_h5_get_attribute_text(file, "/", "scene_file", &owner, &reading);
     gn_h5_close(file);
-    if (status != GNEISS_OK)
+    if (status == GNEISS_ERROR_IO || status == GNEISS_ERROR_MEMORY)
+        status = gn_fail(error, status, "%s", reading.message);
+    else if (status != GNEISS_OK)
         status = gn_fail(error, GNEISS_ERROR_INPUT,
                          "%.300s: expected no results or those of %.300s, found a file that tells "
                          "nothing (%.500s); "
@@ -71,6 +81,27 @@ static gneiss_status check_owner(const char *path, const char *directory, const 
             directory, scene->source, owner);
     free(owner);
     return status;
+}
+
+gneiss_status gn_folder_finished(const char *directory, double *seconds, gneiss_error *error) {
+    char path[GN_PATH_SIZE + 32];
+    gn_h5 *file = NULL;
+    int64_t finished = 0;
+    gneiss_error reading = {0};
+    *seconds = 0.0;
+    snprintf(path, sizeof path, "%s/results.h5", directory);
+    if (access(path, F_OK) != 0) return GNEISS_OK;
+    gneiss_status status = gn_h5_open(path, &file, &reading);
+    if (status == GNEISS_OK)
+        status = gn_h5_get_attribute_i64(file, "/", "finished", &finished, 1, &reading);
+    if (status == GNEISS_OK)
+        status = gn_h5_get_attribute_f64(file, "/", "seconds", seconds, 1, &reading);
+    gn_h5_close(file);
+    if (!finished || status != GNEISS_OK) *seconds = 0.0;
+    /* What tells nothing is refused when the folder is cleared. */
+    return status == GNEISS_OK || status == GNEISS_ERROR_INPUT
+               ? GNEISS_OK
+               : gn_fail(error, status, "%s", reading.message);
 }
 
 static gneiss_status remove_file(const char *path, gneiss_error *error) {

@@ -35,6 +35,7 @@ static void free_bond_fields(bond_fields *f) {
     double *all[] = {f->force, f->normal, f->shear, f->criterion, f->state, f->broken_time};
     for (size_t k = 0; k < sizeof all / sizeof *all; k++) free(all[k]);
     free(f->ends);
+    *f = (bond_fields){0}; /* callers free once more after a failure */
 }
 
 static void count_contacts(const gn_world *w, const gn_contacts *list, double *coordination) {

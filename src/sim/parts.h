@@ -9,7 +9,8 @@
 #include <math.h>
 
 /* Particles of the scene's specimen, from whichever source (specimen.c); of a file those in
- * specimen.packed. `volume`: of the shape that they fill, m3 (2D: m2); 0 when they come without one. */
+ * specimen.packed. `volume`: of the shape that they fill, m3 (2D: m2); 0 when they come without
+ * one. */
 gneiss_status gn_specimen_make(const gn_scene *scene, gn_packing *packing, double *volume,
                                gneiss_error *error);
 

@@ -64,8 +64,8 @@ gneiss_status gn_run_create(gn_scene *scene, gn_run *run, gneiss_error *error) {
 gneiss_status gn_run_start(gn_scene *scene, const char *directory, gn_run *run,
                            gneiss_error *error) {
     GN_TRY(gn_run_create(scene, run, error));
-    gn_folder_choose(&run->world.scene, directory, run->directory, sizeof run->directory);
-    gneiss_status status = open_folder(run, error);
+    gneiss_status status = gn_folder_choose(&run->world.scene, directory, run->directory, error);
+    if (status == GNEISS_OK) status = open_folder(run, error);
     if (status != GNEISS_OK) {
         gn_run_free(run);
         return status;
@@ -146,31 +146,53 @@ static gneiss_status check_overrides(const gn_override *overrides, size_t count,
     return GNEISS_OK;
 }
 
-/* A damaged checkpoint gives way to the one before it; run->note tells. */
+enum { MOST_CHECKPOINTS = 8 };
+
+/* What cannot be used is read once more before it counts as damaged: an error that passes is none.
+ */
+static gneiss_status load_one(const char *directory, int64_t step, const gn_override *overrides,
+                              size_t override_count, gn_run *run, gneiss_error *error) {
+    char *path = NULL;
+    GN_TRY(gn_checkpoint_path(directory, step, &path, error));
+    gneiss_status status = gn_checkpoint_load(path, overrides, override_count, run, error);
+    if (status == GNEISS_ERROR_INPUT)
+        status = gn_checkpoint_load(path, overrides, override_count, run, error);
+    free(path);
+    return status;
+}
+
+static void note_damage(gn_run *run, const gneiss_error *first) {
+    snprintf(run->note, sizeof run->note,
+             "%.1500s; it is kept with .damaged behind its name; going on from the checkpoint of "
+             "step %lld",
+             first->message, (long long)run->world.step);
+}
+
+/* A damaged checkpoint gives way to the one before it: run->note tells, and *damaged is how many of
+ * the newest are to be moved aside. A checkpoint that cannot be read now (no descriptors, no
+ * memory, an error of the disk) may be intact: nothing is taken in its place. */
 static gneiss_status load_newest(const char *directory, const gn_override *overrides,
-                                 size_t override_count, gn_run *run, gneiss_error *error) {
-    int64_t steps[8];
+                                 size_t override_count, gn_run *run,
+                                 int64_t steps[MOST_CHECKPOINTS], size_t *damaged,
+                                 gneiss_error *error) {
     size_t count = 0;
-    GN_TRY(gn_checkpoint_list(directory, steps, 8, &count, error));
+    GN_TRY(gn_checkpoint_list(directory, steps, MOST_CHECKPOINTS, &count, error));
     if (count == 0)
         return gn_fail(error, GNEISS_ERROR_INPUT,
                        "%s: expected checkpoint_<step>.h5 files, found none", directory);
-    gneiss_error first = {0};
+    gneiss_error first = {0}, reading = {0};
     bool same = true;
-    for (size_t k = 0; k < count; k++) {
-        char *path = NULL;
-        gneiss_error reading = {0};
-        GN_TRY(gn_checkpoint_path(directory, steps[k], &path, error));
-        gneiss_status status = gn_checkpoint_load(path, overrides, override_count, run, &reading);
-        free(path);
-        if (status == GNEISS_OK) {
-            if (k > 0)
-                snprintf(run->note, sizeof run->note,
-                         "%.1500s; going on from the checkpoint of step %lld", first.message,
-                         (long long)steps[k]);
-            return GNEISS_OK;
-        }
-        if (k == 0) first = reading;
+    for (*damaged = 0; *damaged < count; ++*damaged) {
+        gneiss_status status =
+            load_one(directory, steps[*damaged], overrides, override_count, run, &reading);
+        if (status == GNEISS_OK && *damaged > 0) note_damage(run, &first);
+        if (status == GNEISS_OK) return GNEISS_OK;
+        if (status != GNEISS_ERROR_INPUT)
+            return gn_fail(error, status,
+                           "%.1500s\n  it may be intact, and nothing was changed: try again, or "
+                           "move it away to go on from an older one",
+                           reading.message);
+        if (*damaged == 0) first = reading;
         same = same && strcmp(first.message, reading.message) == 0;
     }
     /* The same for each: not the checkpoints are to blame (an override). */
@@ -195,6 +217,7 @@ static gneiss_status apply_overrides(gn_run *run, const gn_override *overrides, 
         w->dt_lowered = lowered;
         GN_TRY(gn_origin_check(w, error));
     }
+    GN_TRY(gn_world_check_duration(w, error));
     set_intervals(run, sets(overrides, count, "output.history_rows"),
                   sets(overrides, count, "output.snapshots"));
     return GNEISS_OK;
@@ -209,17 +232,21 @@ static void take_up(gn_run *run) {
 gneiss_status gn_run_resume(const char *directory, const gn_override *overrides,
                             size_t override_count, gn_run *run, gneiss_error *error) {
     int lock = 0;
+    int64_t steps[MOST_CHECKPOINTS];
+    size_t damaged = 0;
     memset(run, 0, sizeof *run);
     GN_TRY(check_overrides(overrides, override_count, error));
     GN_TRY(gn_folder_lock(directory, &lock, error));
-    gneiss_status status = load_newest(directory, overrides, override_count, run, error);
+    gneiss_status status =
+        load_newest(directory, overrides, override_count, run, steps, &damaged, error);
     run->folder_lock = lock;
     if (status == GNEISS_OK) status = apply_overrides(run, overrides, override_count, error);
     if (status == GNEISS_OK) {
         snprintf(run->directory, sizeof run->directory, "%s", directory);
         take_up(run);
-        status = gn_checkpoint_prune_after(directory, run->world.step, error);
     }
+    for (size_t k = 0; status == GNEISS_OK && k < damaged; k++)
+        status = gn_checkpoint_set_aside(directory, steps[k], error);
     if (status == GNEISS_OK) status = gn_output_series(run, error);
     if (status != GNEISS_OK) gn_run_free(run);
     return status;
@@ -265,7 +292,7 @@ static gneiss_status one_step(gn_run *run, gneiss_error *error) {
         double start = gn_now();
         gneiss_status status = write_snapshots(run, error);
         w->seconds[GN_PHASE_output] += gn_now() - start;
-        GN_TRY(status);
+        GN_TRY(gn_run_rescue(run, true, status, error));
     }
     if (w->step % run->history_interval == 0) {
         GN_TRY(gn_record_step(w, &run->history, error));
@@ -288,7 +315,7 @@ gneiss_status gn_run_checkpoint(gn_run *run, gneiss_error *error) {
     run->world.seconds[GN_PHASE_output] += gn_now() - start;
     double every = run->world.scene.checkpoint_wall;
     run->next_checkpoint = every > 0.0 ? gn_now() + every : INFINITY;
-    return status;
+    return gn_run_rescue(run, false, status, error);
 }
 
 gneiss_status gn_run_advance(gn_run *run, double seconds, const volatile sig_atomic_t *interrupt,
@@ -344,11 +371,12 @@ gn_progress gn_run_progress(const gn_run *run) {
 gneiss_status gn_run_finish(gn_run *run, gneiss_error *error) {
     double start = gn_now();
     gneiss_status status = write_snapshots(run, error);
-    if (status == GNEISS_OK) status = gn_checkpoint_save(run, error);
+    if (status != GNEISS_OK) return gn_run_rescue(run, true, status, error);
+    status = gn_checkpoint_save(run, error);
     run->world.seconds[GN_PHASE_output] += gn_now() - start;
     if (status == GNEISS_OK) status = gn_output_results(run, error);
     if (status == GNEISS_OK) status = gn_output_summary(run, error);
-    return status;
+    return gn_run_rescue(run, false, status, error);
 }
 
 gneiss_status gn_run_write_failure(gn_run *run, const char *message, gneiss_error *error) {

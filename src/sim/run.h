@@ -103,6 +103,11 @@ typedef struct gn_warnings {
 } gn_warnings;
 gn_warnings gn_run_warnings(const gn_run *run);
 
+/* rescue.c: after an output that could not be written (GNEISS_ERROR_IO or _MEMORY, between steps)
+ * tries a checkpoint if `save`, into whatever space is there, and adds to the message which
+ * checkpoint stands. Returns `status`. */
+gneiss_status gn_run_rescue(gn_run *run, bool save, gneiss_status status, gneiss_error *error);
+
 /* checkpoint.c */
 gneiss_status gn_checkpoint_save(const gn_run *run, gneiss_error *error);
 /* To any file, under a temporary name first; gn_checkpoint_save uses the run's folder. */

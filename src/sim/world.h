@@ -160,6 +160,9 @@ gneiss_status gn_world_restore(gn_world *world, gneiss_error *error);
 /* Rebuilds if the displacement bound says so. */
 gneiss_status gn_world_refresh_lists(gn_world *world, gneiss_error *error);
 
+/* Refuses a run that no machine would bring to its end: more than 1e15 steps. */
+gneiss_status gn_world_check_duration(const gn_world *world, gneiss_error *error);
+
 /* Checks the stability limit and lowers an automatic step (dt.c). `full`: Lanczos even if the
  * rigorous bound is above the step. */
 gneiss_status gn_world_check_step(gn_world *world, bool full, gneiss_error *error);

@@ -1,0 +1,259 @@
+"""Calls of the system that fail, one at a time (tests/faults.c, the second argument). Speaks TAP."""
+import random
+
+from program import *  # noqa: F403
+
+SHIM = os.path.abspath(sys.argv[2])
+
+
+def faulty(*arguments, **faults):
+    """One call with faults: open="NAME:ERRNO" is GNEISS_FAULT_OPEN."""
+    named = {"GNEISS_RECORD" if name == "record" else "GNEISS_FAULT_" + name.upper(): str(value)
+             for name, value in faults.items()}
+    return gneiss(*arguments, environment={"LD_PRELOAD": SHIM, "GNEISS_CACHE": "off", **named})
+
+
+def contents(folder):
+    return {name: open(os.path.join(folder, name), "rb").read() for name in sorted(os.listdir(folder))}
+
+
+# --- checkpoints that cannot be read now -------------------------------------------------------------------
+
+def two_checkpoints(folder):
+    """A run with two checkpoints; their names, the newer last."""
+    run(LATTICE, folder, "--set", "time.end=0.2 ms")
+    older = checkpoints(folder)[0]
+    shutil.copy(os.path.join(folder, older), os.path.join(folder, "kept"))
+    resume(folder, "--set", "time.end=0.3 ms")
+    os.rename(os.path.join(folder, "kept"), os.path.join(folder, older))
+    return checkpoints(folder)
+
+
+def nothing_is_lost(folder, pattern, **faults):
+    _, newer = two_checkpoints(folder)
+    before = contents(folder)
+    kind, code = next(iter(faults.items()))
+    done = faulty("resume", folder, "--quiet", "--set", "time.end=0.4 ms", **{kind: f"{newer}:{code}"})
+    expect(done, 3, newer, pattern, "nothing was changed")
+    assert contents(folder) == before, "the folder has changed"
+    resume(folder, "--set", "time.end=0.4 ms")
+
+
+@fact
+def no_descriptor_for_the_newest_checkpoint_changes_nothing(folder):
+    nothing_is_lost(folder, "Too many open files", open=24)
+
+
+@fact
+def no_memory_to_open_the_newest_checkpoint_changes_nothing(folder):
+    nothing_is_lost(folder, "Cannot allocate memory", open=12)
+
+
+@fact
+def an_error_of_the_disk_when_the_newest_checkpoint_is_opened_changes_nothing(folder):
+    nothing_is_lost(folder, "Input/output error", open=5)
+
+
+@fact
+def an_error_of_the_disk_when_the_newest_checkpoint_is_read_changes_nothing(folder):
+    nothing_is_lost(folder, "Input/output error", read=5)
+
+
+# --- outputs that cannot be written ------------------------------------------------------------------------
+
+def third_snapshot(folder):
+    out = os.path.join(folder, "whole")
+    run(LATTICE, out, "--set", "output.snapshots=5")
+    name = sorted(name for name in os.listdir(out) if re.fullmatch(r"bonds_\d+\.hdf", name))[2]
+    return name, int(re.search(r"\d+", name).group())
+
+
+@fact
+def a_snapshot_that_meets_a_full_disk_is_followed_by_a_checkpoint(folder):
+    name, step = third_snapshot(folder)
+    out = os.path.join(folder, "out")
+    done = faulty("run", LATTICE, "--out", out, "--quiet", "--set", "output.snapshots=5", write=f"{name}:28")
+    expect(done, 3, name, "No space left", f"at step {step}; the checkpoint of step {step} stands: gneiss resume")
+    assert checkpoints(out) == [f"checkpoint_{step:010d}.h5"]
+    resume(out)
+    assert state_hash(out) == state_hash(os.path.join(folder, "whole"))
+    assert len(series(out, "bonds")) == len(series(os.path.join(folder, "whole"), "bonds"))
+
+
+@fact
+def a_full_disk_without_room_for_a_checkpoint_says_that_there_is_none(folder):
+    done = faulty("run", LATTICE, "--out", folder, "--quiet", write=".hdf.tmp:28", open="checkpoint:28")
+    expect(done, 3, "No space left", "no checkpoint of it", "there is no checkpoint")
+    assert not os.listdir(folder), os.listdir(folder)
+
+
+@fact
+def a_full_disk_at_a_later_snapshot_names_the_earlier_checkpoint(folder):
+    run(LATTICE, folder, "--set", "time.end=0.2 ms")
+    (earlier,) = checkpoints(folder)
+    done = faulty("resume", folder, "--quiet", "--set", "time.end=0.4 ms",
+                  write="particles_:28", open="h5.tmp:28")
+    expect(done, 3, f"the checkpoint of step {int(earlier[11:21])} stands")
+    assert checkpoints(folder) == [earlier]
+
+
+# --- memory ------------------------------------------------------------------------------------------------
+
+def allocations(out, *arguments):
+    """How many the program makes; what libraries do by themselves is not counted."""
+    file = out + ".count"
+    expect(faulty(*arguments, "--out", out, "--quiet", "--threads", 2, count=file), 0)
+    return int(open(file).read())
+
+
+def out_of_memory(folder, arguments, numbers, all_later=""):
+    out = os.path.join(folder, "out")
+    for number in numbers(allocations(out, *arguments)):
+        shutil.rmtree(out)
+        os.mkdir(out)
+        done = faulty(*arguments, "--out", out, "--quiet", "--threads", 2, alloc=f"{number}{all_later}")
+        assert done.returncode == 4 and "out of memory" in done.stderr, (number, done.returncode, done.stderr)
+        names = os.listdir(out)
+        assert not [name for name in names if name.endswith(".tmp")], (number, names)
+        assert "summary.json" not in names, (number, "a folder that looks finished")
+
+
+SMALL = ("run", LATTICE, "--set", "time.end=0.05 ms", "--set", "output.snapshots=1", "--set", "output.history_rows=5")
+
+
+@fact
+def allocations_of_the_setup_may_fail(folder):
+    # Some 260 in all: the first of them (options, scene, threads), and every sixth of the lists.
+    out_of_memory(folder, SMALL, lambda count: [*range(1, 61), *range(61, 300, 6)])
+
+
+@fact
+def allocations_of_steps_and_outputs_may_fail(folder):
+    out_of_memory(folder, SMALL, lambda count: range(300, count + 1, 9))
+
+
+@fact
+def memory_may_run_out_for_good_at_any_time(folder):
+    out_of_memory(folder, SMALL, lambda count: range(1, count + 1, 13), "+")
+
+
+@fact
+def allocations_of_a_packing_may_fail(folder):
+    body = write_scene(folder, "specimen: {cylinder: {diameter: 20 mm, height: 30 mm}, particles: 60}\n")
+    out_of_memory(folder, ("pack", body), lambda count: range(1, count + 1, 11))
+
+
+# --- power loss ----------------------------------------------------------------------------------------------
+
+class Disk:
+    """What a power loss may leave, as POSIX allows it: of a file what was synced and any part of what was written
+    since, of a folder what was synced and any of the names made, changed and removed since."""
+
+    def __init__(self):
+        self.files, self.serial, self.names, self.durable, self.pending = [], {}, {}, {}, []
+
+    def entry(self, path, file):
+        self.pending.append((path, file))
+        if file is None:
+            self.names.pop(path, None)
+        else:
+            self.names[path] = file
+
+    def apply(self, kind, arguments, data):
+        if kind == "open":
+            number, how, path = arguments
+            if how == "2":
+                self.serial[number] = path
+                return
+            if path not in self.names:
+                self.files.append([bytearray(), b""])
+                self.entry(path, len(self.files) - 1)
+            self.serial[number] = self.names[path]
+        elif kind in ("write", "cut"):
+            content = self.files[self.serial[arguments[0]]][0]
+            if kind == "write":
+                content += data
+            else:
+                del content[int(arguments[1]):]
+        elif kind == "sync" and isinstance(self.serial.get(arguments[0]), str):
+            folder = self.serial[arguments[0]]
+            self.settle([op for op in self.pending if os.path.dirname(op[0]) == folder])
+            self.pending = [op for op in self.pending if os.path.dirname(op[0]) != folder]
+        elif kind == "sync":
+            file = self.files[self.serial[arguments[0]]]
+            file[1] = bytes(file[0])
+        elif kind == "rename" and arguments[0] in self.names:
+            self.entry(arguments[1], self.names[arguments[0]])
+            self.entry(arguments[0], None)
+        elif kind == "unlink" and arguments[0] in self.names:
+            self.entry(arguments[0], None)
+
+    def settle(self, operations):
+        for path, file in operations:
+            if file is None:
+                self.durable.pop(path, None)
+            else:
+                self.durable[path] = file
+
+    def has_checkpoint(self):
+        return any(re.search(r"checkpoint_\d+\.h5$", path) for path in self.durable)
+
+    def after_power_loss(self, pick, folder):
+        """Writes one of the possible states."""
+        names = dict(self.durable)
+        for path, file in self.pending:
+            if pick.random() < 0.5:
+                names.pop(path, None) if file is None else names.update({path: file})
+        for path, file in names.items():
+            written, synced = self.files[file]
+            content = bytes(written) if pick.random() < 0.3 else synced
+            if content == synced and len(written) > len(synced):
+                more = pick.randrange(len(written) - len(synced))
+                content += pick.choice((bytes(more), bytes(written[len(synced):len(synced) + more])))
+            with open(os.path.join(folder, os.path.basename(path)), "wb") as out:
+                out.write(content)
+
+
+def recorded(path):
+    """(kind, arguments, data) in order."""
+    events, data = [], open(path, "rb").read()
+    while data:
+        line, data = data.split(b"\n", 1)
+        kind, *arguments = line.decode().split("\t")
+        size = int(arguments[1]) if kind == "write" else 0
+        events.append((kind, arguments, data[:size]))
+        data = data[size:]
+    return events
+
+
+@fact
+def after_a_power_loss_at_any_moment_a_run_goes_on_from_its_last_checkpoint(folder):
+    whole, again, log = (os.path.join(folder, name) for name in ("whole", "again", "log"))
+    more = "--set", "output.snapshots=6"
+    done = faulty("run", LATTICE, "--out", whole, "--quiet", "--threads", 1, *more, "--set", "output.checkpoint=0.1 ms",
+                  record=log)
+    expect(done, 0)
+    wanted, disk, pick, resumed = state_hash(whole), Disk(), random.Random(18), 0
+    events = recorded(log)
+    moments = set(pick.sample(range(len(events)), 40))
+    assert sum(kind == "rename" and "checkpoint" in arguments[1] for kind, arguments, _ in events) > 5
+    for moment, event in enumerate(events):
+        disk.apply(*event)
+        if moment not in moments:
+            continue
+        os.mkdir(again)
+        disk.after_power_loss(pick, again)
+        done = gneiss("resume", again, "--quiet", "--threads", 1, "--set", "output.checkpoint=off")
+        if disk.has_checkpoint():
+            expect(done, 0)
+            assert state_hash(again) == wanted, f"event {moment}: another state"
+            assert len(series(again)) >= 6 and all(os.path.exists(os.path.join(again, name)) for name, _ in series(again))
+            resumed += 1
+        else:
+            assert done.returncode in (0, 2), (moment, done.returncode, done.stderr)
+        shutil.rmtree(again)
+    assert resumed > 20, f"only {resumed} moments had a checkpoint"
+
+
+if __name__ == "__main__":
+    sys.exit(main())
