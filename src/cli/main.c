@@ -72,6 +72,9 @@ static gneiss_status fail(gn_run *run, gneiss_error *error) {
 static gneiss_status go(const gn_options *o, gn_run *run, gneiss_error *error) {
     catch_signals();
     if (run->note[0]) fprintf(stderr, "gneiss: warning: %s\n", run->note);
+    char warning[GNEISS_MESSAGE_SIZE];
+    if (*gn_world_step_warning(&run->world, warning, sizeof warning))
+        fprintf(stderr, "gneiss: warning: %s\n", warning);
     gn_print_start(o, run);
     while (!run->finished) {
         double pause = isatty(STDERR_FILENO) || o->json ? 0.5 : 5.0;

@@ -11,7 +11,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-enum { FORMAT = 2 };
+enum { FORMAT = 3 };
 
 #define DOUBLES(member) GN_PIECE_DOUBLES(gn_run, member)
 #define INTEGER(member) GN_PIECE_INTEGER(gn_run, member)
@@ -21,7 +21,12 @@ static const gn_piece pieces[] = {
     DOUBLES(world.time),
     DOUBLES(world.dt_past),
     DOUBLES(world.dt),
-    DOUBLES(world.bound),
+    DOUBLES(world.listed),
+    DOUBLES(world.resolution.step),
+    DOUBLES(world.resolution.contact),
+    INTEGER(world.resolution.first),
+    INTEGER(world.resolution.second),
+    INTEGER(world.springs),
     DOUBLES(world.stable),
     DOUBLES(world.surface_rate),
     DOUBLES(world.vertex_rate),

@@ -402,7 +402,7 @@ gneiss_status gn_output_summary(const gn_run *run, gneiss_error *error) {
     GN_TRY(gn_world_observe(w, &seen, error));
     size_t contacts = touching(&seen.bonds) + touching(&seen.pairs);
     gn_observed_free(&seen);
-    char hash[24], path[GN_PATH_SIZE + 32];
+    char hash[24], path[GN_PATH_SIZE + 32], warning[GNEISS_MESSAGE_SIZE];
     snprintf(hash, sizeof hash, "%016llx", (unsigned long long)gn_world_hash(w));
     gn_json *j = gn_json_begin();
     gn_json_text(j, "title", w->scene.title);
@@ -438,6 +438,8 @@ gneiss_status gn_output_summary(const gn_run *run, gneiss_error *error) {
     gn_json_number(j, "dt_limit", w->stable);
     gn_json_number(j, "dt_limit_sharp", gn_world_sharp_limit(w));
     gn_json_number(j, "dt_limit_bound", gn_world_bound(w));
+    gn_json_number(j, "dt_resolution", w->resolution.step);
+    gn_json_text(j, "dt_warning", gn_world_step_warning(w, warning, sizeof warning));
     gn_json_integer(j, "list_rebuilds", w->verlet.rebuilds);
     gn_json_object(j, "seconds");
     for (int k = 0; k < GN_PHASE_COUNT; k++)
