@@ -26,7 +26,6 @@ static const gn_piece pieces[] = {
     DOUBLES(world.resolution.contact),
     INTEGER(world.resolution.first),
     INTEGER(world.resolution.second),
-    INTEGER(world.springs),
     DOUBLES(world.stable),
     DOUBLES(world.surface_rate),
     DOUBLES(world.vertex_rate),

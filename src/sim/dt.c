@@ -3,6 +3,7 @@
 #include "base/timer.h"
 #include "sim/parts.h"
 
+#include <float.h>
 #include <math.h>
 #include <string.h>
 
@@ -129,15 +130,43 @@ typedef struct question {
     double tolerance;     /* of Lanczos; 0: bounds alone */
     gn_step_limit *limit; /* answers */
     gn_step_verdict *verdict;
-    uint64_t *mark; /* which springs act; only that, without the others */
+    bool changed; /* only what has others than at the last look needs to be looked at */
 } question;
 
-static gneiss_status answer(const gn_spectrum *spectrum, const question *q, gneiss_error *error) {
-    if (q->mark) {
-        *q->mark = gn_step_mark(spectrum);
-        return GNEISS_OK;
+/* Which particles have other springs than at the last look; keeps in mind what they have. `which`
+ * 0: that act, 1: that are near. */
+static gneiss_status find_changed(const gn_spectrum *spectrum, int which, uint8_t *changed,
+                                  size_t *count, gneiss_error *error) {
+    const gn_particles *q = spectrum->assembly->particles;
+    size_t n = q->soa.count;
+    int32_t *marks = gn_alloc_array(n + 1, sizeof *marks);
+    if (!marks) return gn_fail(error, GNEISS_ERROR_MEMORY, "no memory for %zu particles", n);
+    gn_step_marks(spectrum, marks);
+    *count = 0;
+    for (size_t p = 0; p < n; p++) {
+        changed[p] = q->marks[2 * p + (size_t)which] != marks[p];
+        *count += changed[p];
+        q->marks[2 * p + (size_t)which] = marks[p];
     }
-    if (q->step > 0.0) return gn_step_holds(spectrum, q->step, q->tolerance, q->verdict, error);
+    gn_free(marks);
+    return GNEISS_OK;
+}
+
+static gneiss_status holds(const gn_spectrum *spectrum, const question *q, gneiss_error *error) {
+    size_t count = 0, n = spectrum->assembly->particles->soa.count;
+    uint8_t *changed = gn_alloc(n + 1);
+    if (!changed) return gn_fail(error, GNEISS_ERROR_MEMORY, "no memory for %zu particles", n);
+    gneiss_status status = find_changed(spectrum, spectrum->reach > 0.0, changed, &count, error);
+    *q->verdict = (gn_step_verdict){.holds = true};
+    if (status == GNEISS_OK && (!q->changed || count > 0))
+        status = gn_step_holds(spectrum, q->step, q->tolerance, q->changed ? changed : NULL,
+                               q->verdict, error);
+    gn_free(changed);
+    return status;
+}
+
+static gneiss_status answer(const gn_spectrum *spectrum, const question *q, gneiss_error *error) {
+    if (q->step > 0.0) return holds(spectrum, q, error);
     return gn_step_limits(spectrum, q->tolerance, q->limit, error);
 }
 
@@ -225,21 +254,15 @@ static gneiss_status react(gn_world *w, double limit, gneiss_error *error) {
         gn_world_bound(w), w->dt, w->dt / limit);
 }
 
-/* Whether the springs that act are others than those that the last limit rests on, and so many or
- * so stiff that it has fallen. */
+/* Whether springs that have come to act since the last look take the limit down. Without any at
+ * that look, any will do. */
 static gneiss_status limit_fell(gn_world *w, bool *fell, gneiss_error *error) {
-    uint64_t mark = 0;
-    *fell = false;
-    GN_TRY(ask(w, false, &(question){.mark = &mark}, error));
-    if (mark == (uint64_t)w->springs) return GNEISS_OK;
-    double known = 0.98 * trusted(w, &w->limit);
+    double known = trusted(w, &w->limit);
     gn_step_verdict verdict = {0};
-    if (known < INFINITY)
-        GN_TRY(ask(w, false,
-                   &(question){.step = known, .tolerance = tolerance_of(w), .verdict = &verdict},
-                   error));
+    question q = {
+        .step = known < INFINITY ? 0.95 * known : DBL_MAX, .verdict = &verdict, .changed = true};
+    GN_TRY(ask(w, false, &q, error));
     *fell = !verdict.holds;
-    w->springs = (int64_t)mark;
     return GNEISS_OK;
 }
 
@@ -247,7 +270,6 @@ static gneiss_status limit_fell(gn_world *w, bool *fell, gneiss_error *error) {
 static gneiss_status particle_limit(gn_world *w, bool full, bool *due, gneiss_error *error) {
     double bodies = 0.0, vertices = 0.0;
     bool fell = full;
-    if (full) GN_TRY(ask(w, false, &(question){.mark = (uint64_t *)&w->springs}, error));
     if (!full) GN_TRY(limit_fell(w, &fell, error));
     GN_TRY(gn_surfaces_rate(w, &bodies, &vertices, error));
     *due = fell || bodies > 1.02 * w->surface_rate || vertices > 1.02 * w->vertex_rate;
@@ -270,13 +292,16 @@ static void lower(gn_world *w, double dt) {
 /* Whether the step holds with everything in touch that the lists hold; a hundredth is left for
  * normals and arms that turn until then. An automatic step is lowered at once, to two hundredths so
  * that the next lists need not lower it again. */
-static gneiss_status listed_limit(gn_world *w, bool *holds, gneiss_error *error) {
+static gneiss_status listed_limit(gn_world *w, bool full, bool *fine, gneiss_error *error) {
     gn_step_limit limit = {0};
     gn_step_verdict verdict = {0};
     double needed = particles_needed(w, w->dt / 0.99), found;
-    *holds = true;
+    *fine = true;
     if (needed < INFINITY) {
-        question q = {.step = needed, .tolerance = tolerance_of(w), .verdict = &verdict};
+        question q = {.step = needed,
+                      .tolerance = full ? tolerance_of(w) : 0.0,
+                      .verdict = &verdict,
+                      .changed = !full};
         GN_TRY(ask(w, true, &q, error));
         if (verdict.holds) return GNEISS_OK;
         found = verdict.limit;
@@ -285,7 +310,7 @@ static gneiss_status listed_limit(gn_world *w, bool *holds, gneiss_error *error)
         GN_TRY(ask(w, true, &q, error));
         found = trusted(w, &limit);
     }
-    *holds = false;
+    *fine = false;
     w->listed = all_together(w, found);
     lower(w, 0.98 * w->listed);
     return GNEISS_OK;
@@ -297,30 +322,30 @@ static void resolve(gn_world *w, gn_resolution r) {
     lower(w, r.step);
 }
 
-static gneiss_status check_lists(gn_world *w, bool *holds, gneiss_error *error) {
-    *holds = true;
+static gneiss_status check_lists(gn_world *w, bool full, bool *fine, gneiss_error *error) {
+    *fine = true;
     if (!w->scene.has_specimen) return GNEISS_OK;
     GN_TRY(gn_loose_find(w, error));
     resolve(w, gn_resolution_listed(w));
-    return listed_limit(w, holds, error);
+    return listed_limit(w, full, fine, error);
 }
 
 gneiss_status gn_world_check_lists(gn_world *w, gneiss_error *error) {
     double start = gn_now();
-    bool holds = true;
-    gneiss_status status = check_lists(w, &holds, error);
+    bool fine = true;
+    gneiss_status status = check_lists(w, false, &fine, error);
     w->seconds[GN_PHASE_step_limit] += gn_now() - start;
     /* A given step is not held against what may form, but then against what has. */
-    if (status != GNEISS_OK || holds || w->scene.step == 0.0) return status;
+    if (status != GNEISS_OK || fine || w->scene.step == 0.0) return status;
     return gn_world_check_step(w, false, error);
 }
 
 /* As at the start: from what is near, or from what the scene holds when there is nothing near. */
 static gneiss_status check_anew(gn_world *w, gneiss_error *error) {
-    bool holds;
+    bool fine;
     w->listed = INFINITY;
     w->resolution = (gn_resolution){INFINITY, INFINITY, -1, -1};
-    GN_TRY(check_lists(w, &holds, error));
+    GN_TRY(check_lists(w, true, &fine, error));
     if (!w->scene.has_specimen || w->resolution.step < INFINITY) return GNEISS_OK;
     gn_resolution flight;
     double unused;

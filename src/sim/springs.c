@@ -243,6 +243,7 @@ bool gn_springs_can_move(const gn_springs *y, int32_t i) {
 void gn_springs_free(gn_springs *y) {
     gn_free(y->member);
     gn_free(y->local);
+    gn_free(y->weight);
     gn_free(y->spring);
     gn_free(y->first);
     gn_free(y->entry);

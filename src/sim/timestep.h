@@ -54,17 +54,22 @@ gneiss_status gn_step_bound(const gn_spectrum *spectrum, gn_step_limit *limit, g
 /* What gn_step_holds finds. */
 typedef struct gn_step_verdict {
     bool holds;   /* the scheme is stable at the step asked for */
-    double limit; /* s, if not: a step that is stable (rigorous bound, or sharp as above) */
+    double limit; /* s, if not: a step that is */
     int32_t id;   /* that sets it */
 } gn_step_verdict;
 
 /* Whether `step` is stable, at a small part of the cost of gn_step_limits: sums of stiffness over
  * mass settle nearly all particles, the blocks of the rigorous bound most others; what is left is
- * taken with its neighbours as a system of its own. `tolerance` of Lanczos; 0: by bounds alone. */
+ * taken with its neighbours, and the shares of springs between two particles are shifted until
+ * every block is below. With a `tolerance` Lanczos has the last word, on these particles as a
+ * system of its own in which springs that lead out of it count twice. `changed` [particles]: only
+ * these and their neighbours are looked at, the rest has been found to hold before; NULL: all are.
+ */
 gneiss_status gn_step_holds(const gn_spectrum *spectrum, double step, double tolerance,
-                            gn_step_verdict *verdict, gneiss_error *error);
+                            const uint8_t *changed, gn_step_verdict *verdict, gneiss_error *error);
 
-/* A hash of which springs are active: 0 for none, the same whatever their order. */
-uint64_t gn_step_mark(const gn_spectrum *spectrum);
+/* Hashes of the active springs of each particle, intact bonds left out, in any order: another one
+ * means that there are others. */
+void gn_step_marks(const gn_spectrum *spectrum, int32_t *marks);
 
 #endif

@@ -127,7 +127,6 @@ struct gn_world {
     double listed; /* s: the limit with all listed contacts in touch, where it was found to be
                     * within a hundredth of the step or below it; else INFINITY */
     gn_resolution resolution; /* the shortest so far */
-    int64_t springs;          /* gn_step_mark of those that `limit` rests on */
     int64_t dt_lowered;       /* times that the step was lowered while running */
     uint8_t *loose;           /* [particles] by id: not bonded at the start, see resolution.c */
 
