@@ -427,10 +427,14 @@ static double block_over(const gn_springs *y, size_t p, double tau) {
 
 /* Of the marked ones, of which the system consists, leaves those whose own block is above the step.
  */
-static void leave_by_blocks(const gn_springs *y, double tau, uint8_t *marked) {
+static size_t leave_by_blocks(const gn_springs *y, double tau, uint8_t *marked) {
+    size_t found = 0;
     for (size_t p = 0; p < y->particles; p++) {
-        marked[gn_springs_place(y, p)] = block_over(y, p, tau) > 1.0;
+        bool above = !(block_over(y, p, tau) <= 1.0);
+        marked[gn_springs_place(y, p)] = above;
+        found += above;
     }
+    return found;
 }
 
 /* Marks the neighbours of what is marked as well, with one more than the highest mark so far. */
@@ -496,36 +500,27 @@ static bool weights_settle(gn_springs *y, double tau, const uint8_t *marked, uin
     return settled;
 }
 
-/* The limit by the blocks of what is marked. */
 static gneiss_status judge_by_blocks(const gn_spectrum *spectrum, double step, uint8_t *marked,
                                      gn_step_verdict *verdict, gneiss_error *error) {
-    gn_step_limit limit = {0};
     gn_springs y = {0};
     gneiss_status status = gn_springs_build(spectrum, marked, &y, error);
-    if (status == GNEISS_OK) status = solve(&y, 0.0, &limit, error);
-    verdict->limit = limit.bound;
-    verdict->id = limit.bound_id;
-    verdict->holds = limit.bound >= step;
-    if (status == GNEISS_OK && !verdict->holds) leave_by_blocks(&y, 1.0 / step, marked);
+    if (status == GNEISS_OK) verdict->holds = !leave_by_blocks(&y, 1.0 / step, marked);
     gn_springs_free(&y);
     return status;
 }
 
 /* By weights or, with a tolerance, by Lanczos. Without, and if the step does not hold, the largest
- * smaller one in steps of 3 % that does by weights. verdict->limit is what blocks alone say. */
+ * smaller one in steps of 3 % that does by weights, if that is more than what blocks alone say. */
 static gneiss_status judge_system(gn_springs *y, double step, double tolerance,
                                   const uint8_t *marked, uint8_t highest, gn_step_verdict *verdict,
                                   gneiss_error *error) {
     verdict->holds = weights_settle(y, 1.0 / step, marked, highest);
     if (verdict->holds) return GNEISS_OK;
-    if (tolerance > 0.0) {
-        gn_step_limit limit;
-        GN_TRY(solve(y, tolerance, &limit, error));
-        verdict->limit = limit.sharp;
-        verdict->id = limit.sharp_id;
-        verdict->holds = limit.sharp >= step;
-        return GNEISS_OK;
-    }
+    gn_step_limit limit;
+    GN_TRY(solve(y, tolerance, &limit, error));
+    verdict->limit = tolerance > 0.0 ? limit.sharp : limit.bound;
+    verdict->holds = verdict->limit >= step;
+    if (tolerance > 0.0) return GNEISS_OK;
     for (double less = 0.97 * step; less > verdict->limit; less *= 0.97)
         if (weights_settle(y, 1.0 / less, marked, highest)) verdict->limit = less;
     return GNEISS_OK;
@@ -552,7 +547,7 @@ gneiss_status gn_step_holds(const gn_spectrum *spectrum, double step, double tol
     size_t n = spectrum->assembly->particles->soa.count;
     double *sums = gn_alloc_array(n + 1, 2 * sizeof *sums);
     uint8_t *marked = gn_alloc(n + 1);
-    *verdict = (gn_step_verdict){.holds = true, .limit = INFINITY, .id = -1};
+    *verdict = (gn_step_verdict){.holds = true, .limit = INFINITY};
     gneiss_status status = GNEISS_OK;
     if (sums && marked) {
         for (size_t p = 0; p < n; p++) marked[p] = !changed || changed[p];

@@ -55,7 +55,6 @@ gneiss_status gn_step_bound(const gn_spectrum *spectrum, gn_step_limit *limit, g
 typedef struct gn_step_verdict {
     bool holds;   /* the scheme is stable at the step asked for */
     double limit; /* s, if not: a step that is */
-    int32_t id;   /* that sets it */
 } gn_step_verdict;
 
 /* Whether `step` is stable, at a small part of the cost of gn_step_limits: sums of stiffness over
