@@ -32,23 +32,49 @@ typedef struct block {
     double kn_max;
 } block;
 
-/* B^T D B for B = [side I, arm N], N w = n x w, D = k_t I + (k_n - k_t) n n^T; 3 x 3 parts, k
- * [6][6]. */
-static void add_spring(double *k, const double n[3], double side, double arm, double kn,
-                       double kt) {
+/* Sums over the springs of a particle, of which its block is made: B^T D B for B = [side I, arm N],
+ * N w = n x w, D = k_t I + (k_n - k_t) n n^T. Symmetric parts as xx yy zz xy yz zx. */
+typedef struct block_sums {
+    double kt, normal[6];        /* k_t; (k_n - k_t) n n^T */
+    double turn, turn_normal[6]; /* arm^2 k_t; the same n n^T */
+    double cross[3];             /* side arm k_t n */
+    double damp[6];              /* c_n n n^T */
+} block_sums;
+
+static void add_spring(block_sums *b, const gn_spring *s, double side, double arm, double factor) {
+    const double *n = s->n;
+    const double nn[6] = {n[0] * n[0], n[1] * n[1], n[2] * n[2],
+                          n[0] * n[1], n[1] * n[2], n[2] * n[0]};
+    double kt = factor * s->kt, along = factor * (s->kn - s->kt), turn = arm * arm * kt;
+    double cn = factor * s->cn;
+    b->kt += kt;
+    b->turn += turn;
+    for (int k = 0; k < 6; k++) {
+        b->normal[k] += along * nn[k];
+        b->turn_normal[k] += turn * nn[k];
+        b->damp[k] += cn * nn[k];
+    }
+    for (int k = 0; k < 3; k++) b->cross[k] += side * arm * kt * n[k];
+}
+
+/* The full blocks, 6 x 6. */
+static void spread(const block_sums *b, double *k, double *c) {
+    static const int place[3][3] = {{0, 3, 5}, {3, 1, 4}, {5, 4, 2}};
+    const double *n = b->cross;
     const double cross[3][3] = {{0.0, -n[2], n[1]}, {n[2], 0.0, -n[0]}, {-n[1], n[0], 0.0}};
     for (int p = 0; p < 3; p++)
         for (int q = 0; q < 3; q++) {
-            double nn = n[p] * n[q], one = p == q ? 1.0 : 0.0;
-            k[6 * p + q] += kt * one + (kn - kt) * nn;
-            k[6 * (p + 3) + q + 3] += arm * arm * kt * (one - nn);
-            k[6 * p + q + 3] += side * arm * kt * cross[p][q];
-            k[6 * (q + 3) + p] += side * arm * kt * cross[p][q];
+            double one = p == q ? 1.0 : 0.0;
+            k[6 * p + q] = b->kt * one + b->normal[place[p][q]];
+            k[6 * (p + 3) + q + 3] = b->turn * one - b->turn_normal[place[p][q]];
+            k[6 * p + q + 3] = k[6 * (q + 3) + p] = cross[p][q];
+            c[6 * p + q] = b->damp[place[p][q]];
         }
 }
 
 static void particle_block(const gn_springs *y, size_t p, block *m) {
     double k[36] = {0.0}, c[36] = {0.0};
+    block_sums sums = {0};
     *m = (block){.n = y->dofs, .contacts = (int)(y->first[p + 1] - y->first[p])};
     for (size_t e = y->first[p]; e < y->first[p + 1]; e++) {
         const gn_spring *s = &y->spring[y->entry[e] / 2];
@@ -56,11 +82,10 @@ static void particle_block(const gn_springs *y, size_t p, block *m) {
         int32_t other = second ? s->i : s->j;
         double factor = gn_springs_can_move(y, other) ? 2.0 : 1.0;
         if (y->weight && factor == 2.0) factor = 1.0 + y->weight[other] / y->weight[p];
-        double arm = second ? s->arm_j : s->arm_i, side = second ? 1.0 : -1.0;
-        add_spring(k, s->n, side, arm, factor * s->kn, factor * s->kt);
-        if (s->cn != 0.0) add_spring(c, s->n, side, arm, factor * s->cn, 0.0);
+        add_spring(&sums, s, second ? 1.0 : -1.0, second ? s->arm_j : s->arm_i, factor);
         m->kn_max = fmax(m->kn_max, s->kn);
     }
+    spread(&sums, k, c);
     const double *scale = y->scale + p * (size_t)y->dofs;
     for (int r = 0; r < m->n; r++)
         for (int q = 0; q < m->n; q++) {
@@ -416,13 +441,27 @@ static size_t leave_by_sums(const gn_spectrum *spectrum, double tau, double *sum
     return found;
 }
 
-/* Largest eigenvalue of a particle's block over what the step allows; at most 1: it is below. */
+/* Whether all eigenvalues of S are below `most`: most I - S has a Cholesky factor. */
+static bool all_below(int n, const double *s, double most) {
+    double l[DOFS_MAX * DOFS_MAX] = {0.0};
+    for (int p = 0; p < n; p++)
+        for (int q = 0; q <= p; q++) {
+            double sum = (p == q ? most : 0.0) - s[p * n + q];
+            for (int k = 0; k < q; k++) sum -= l[p * n + k] * l[q * n + k];
+            if (p == q && !(sum > 1e-12 * most)) return false;
+            l[p * n + q] = p == q ? sqrt(sum) : sum / l[q * n + q];
+        }
+    return true;
+}
+
+/* By how much a particle's block is above the step, from above; 1: it is not. */
 static double block_over(const gn_springs *y, size_t p, double tau) {
-    double s[DOFS_MAX * DOFS_MAX], x[DOFS_MAX], most = 4.0 * tau * tau;
+    double s[DOFS_MAX * DOFS_MAX], most = 4.0 * tau * tau;
     block m;
     particle_block(y, p, &m);
     double trace = block_at(&m, tau, s);
-    return upper_estimate(m.n, s, trace) <= most ? 1.0 : block_top(&m, tau, x) / most;
+    if (trace <= most || all_below(m.n, s, most)) return 1.0;
+    return fmax(upper_estimate(m.n, s, trace) / most, 1.0 + 1e-9);
 }
 
 /* Of the marked ones, of which the system consists, leaves those whose own block is above the step.
@@ -467,7 +506,7 @@ static bool settle_round(gn_springs *y, double tau, const uint8_t *marked, uint8
     for (size_t p = 0; p < y->particles; p++) {
         double over = due[p] ? block_over(y, p, tau) : 1.0;
         if (over <= 1.0) continue;
-        if (!(over < 1.9) || marked[gn_springs_place(y, p)] == highest) return false;
+        if (!(over < 1.95) || marked[gn_springs_place(y, p)] == highest) return false;
         y->weight[p] *= 1.02 * over / (2.0 - over);
         look_again(y, p, next);
     }
