@@ -1,11 +1,13 @@
 /* The springs of the linearised system: what gn_step_limits and gn_step_holds work on. Inside
- * src/sim/springs.c and timestep.c only. */
+ * src/sim/springs.c, timestep.c and step_holds.c only. */
 #ifndef GN_SIM_SPRINGS_H
 #define GN_SIM_SPRINGS_H
 
 #include "sim/timestep.h"
 
 #include <stdbool.h>
+
+enum { GN_DOFS_MAX = 6 };
 
 /* An active contact. The normal points from i to j; j < 0: a wall. */
 typedef struct gn_spring {
@@ -58,6 +60,32 @@ int gn_springs_component(const gn_springs *y, int dof);
 /* Place in the specimen. */
 static inline size_t gn_springs_place(const gn_springs *y, size_t p) {
     return y->member ? (size_t)y->member[p] : p;
+}
+
+/* The scaled diagonal blocks of one particle, [n][n]. Springs with two movable ends count twice (|a
+ * - b|^2 <= 2|a|^2 + 2|b|^2), or 1 + d_j/d_i times (|a - b|^2 <= (1 + e)|a|^2 + (1 + 1/e)|b|^2). */
+typedef struct gn_block {
+    int n, contacts;
+    double a[GN_DOFS_MAX * GN_DOFS_MAX], b[GN_DOFS_MAX * GN_DOFS_MAX];
+    double kn_max;
+} gn_block;
+void gn_block_of(const gn_springs *y, size_t p, gn_block *m);
+/* out = A + 2 tau B; returns the trace. */
+double gn_block_at(const gn_block *m, double tau, double *out);
+/* |S^4|_F^(1/4) or the trace, whichever is smaller: not below the largest eigenvalue of S >= 0, and
+ * cheap. */
+double gn_block_upper(int n, const double *s, double trace);
+
+/* Bound and, with a tolerance, Lanczos. */
+gneiss_status gn_springs_limits(const gn_springs *y, double tolerance, gn_step_limit *limit,
+                                gneiss_error *error);
+
+/* splitmix64 (Steele, Lea & Flood 2014). */
+static inline uint64_t gn_scramble(uint64_t place) {
+    uint64_t z = (place + 1) * UINT64_C(0x9e3779b97f4a7c15);
+    z = (z ^ z >> 30) * UINT64_C(0xbf58476d1ce4e5b9);
+    z = (z ^ z >> 27) * UINT64_C(0x94d049bb133111eb);
+    return z ^ z >> 31;
 }
 
 #endif
