@@ -65,10 +65,8 @@ static void print_kernels(const gn_world *w) {
 }
 
 /* Why the step's limit lies below that of the springs that touch now. */
-static void print_lowered(const gn_world *w, double limit) {
+static void print_lowered(const gn_world *w) {
     double share = gn_world_nonviscous_share(w), particles = w->stable_particles;
-    if (limit == INFINITY)
-        printf("  contacts to come %.6g s, since nothing touches yet\n", particles);
     if (w->elements) return;
     if (share < 1.0)
         printf("                   less %.3f for non-viscous damping, which stiffens the fastest "
@@ -82,13 +80,18 @@ static void print_lowered(const gn_world *w, double limit) {
 static void print_particle_limits(const gn_world *w) {
     double sharp = w->limit.sharp;
     if (w->elements) printf("  particles\n");
+    if (w->limit.bound == INFINITY) {
+        printf("  contacts to come %.6g s, since nothing touches yet\n", w->stable_particles);
+        print_lowered(w);
+        return;
+    }
     if (w->limit.iterations == 0)
         printf("  sharp limit      not computed: the rigorous bound settles it and stands for it "
                "below\n");
     else
         printf("  sharp limit      %.6g s  (Lanczos, %d vectors; fastest mode at particle %d)\n",
                sharp, w->limit.iterations, w->limit.sharp_id);
-    print_lowered(w, w->scene.estimate == GN_STEP_BOUND ? w->limit.bound : sharp);
+    print_lowered(w);
     printf("  rigorous bound   %.6g s  = %.3f of the sharp limit (particle %d)\n", w->limit.bound,
            w->limit.bound / sharp, w->limit.bound_id);
     printf("  literature       %.6g s  = %.3f of the sharp limit (min 2 sqrt(m/k), one spring); "

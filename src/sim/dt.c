@@ -224,8 +224,11 @@ static gneiss_status usable_limit(const gn_world *w, double *limit, gneiss_error
 /* What sets the limit. */
 static const char *culprit(const gn_world *w, char *text, size_t size) {
     if (gn_elements_lead(w)) return gn_elements_culprit(w, text, size);
-    snprintf(text, size, "particle %d",
-             w->scene.estimate == GN_STEP_BOUND ? w->limit.bound_id : w->limit.sharp_id);
+    int32_t id = w->scene.estimate == GN_STEP_BOUND ? w->limit.bound_id : w->limit.sharp_id;
+    if (id >= 0)
+        snprintf(text, size, "particle %d", id);
+    else
+        snprintf(text, size, "a contact that may form");
     return text;
 }
 
