@@ -22,6 +22,7 @@ static const gn_piece pieces[] = {
     DOUBLES(world.dt_past),
     DOUBLES(world.dt),
     DOUBLES(world.listed),
+    DOUBLES(world.listed_holds),
     DOUBLES(world.resolution.step),
     DOUBLES(world.resolution.contact),
     INTEGER(world.resolution.first),

@@ -298,23 +298,24 @@ static void lower(gn_world *w, double dt) {
 static gneiss_status listed_limit(gn_world *w, bool full, bool *fine, gneiss_error *error) {
     gn_step_limit limit = {0};
     gn_step_verdict verdict = {0};
-    double needed = particles_needed(w, w->dt / 0.99), found;
-    *fine = true;
-    if (needed < INFINITY) {
-        question q = {.step = needed,
-                      .tolerance = full ? tolerance_of(w) : 0.0,
-                      .verdict = &verdict,
-                      .changed = !full};
-        GN_TRY(ask(w, true, &q, error));
-        if (verdict.holds) return GNEISS_OK;
-        found = verdict.limit;
+    double needed = particles_needed(w, w->dt / 0.99);
+    /* More is asked of the particles than they have been found to hold, since bodies give way more.
+     */
+    bool all = full || needed > w->listed_holds, finite = needed < INFINITY;
+    question q = {.tolerance = all || !finite ? tolerance_of(w) : 0.0};
+    if (finite) {
+        q.step = needed;
+        q.verdict = &verdict;
+        q.changed = !all;
     } else {
-        question q = {.tolerance = tolerance_of(w), .limit = &limit};
-        GN_TRY(ask(w, true, &q, error));
-        found = trusted(w, &limit);
+        q.limit = &limit;
     }
-    *fine = false;
-    w->listed = all_together(w, found);
+    GN_TRY(ask(w, true, &q, error));
+    *fine = finite && verdict.holds;
+    if (*fine && all) w->listed_holds = needed;
+    if (*fine) return GNEISS_OK;
+    w->listed_holds = finite ? verdict.limit : trusted(w, &limit);
+    w->listed = all_together(w, w->listed_holds);
     lower(w, 0.98 * w->listed);
     return GNEISS_OK;
 }

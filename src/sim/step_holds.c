@@ -220,10 +220,16 @@ void gn_step_marks(const gn_spectrum *spectrum, int32_t *marks) {
         if (k < bonds && a->bonds->rn && a->bonds->rn[k] > 0.0) continue;
         if (!gn_spring_make(spectrum, k, &s)) continue;
         size_t wall = k - gn_spring_pairs(spectrum);
+        uint64_t bits;
+        memcpy(&bits, &s.kn, sizeof bits);
         uint64_t i = (uint64_t)id[s.i], j = s.j < 0 ? 0 : (uint64_t)id[s.j];
         uint64_t z = s.j < 0 ? i << 32 | UINT32_MAX : i < j ? i << 32 | j : j << 32 | i;
         if (s.j < 0 && a->wall_contacts && wall < a->wall_contacts->soa.count)
             z -= 1 + (uint64_t)a->wall_contacts->wall[wall];
+        else if (s.j < 0) /* of a surface: by how stiff it is and where it is */
+            z = gn_scramble(z) + bits +
+                (uint64_t)(lround(4.0 * s.n[0]) + 16 * lround(4.0 * s.n[1]) +
+                           256 * lround(4.0 * s.n[2]) + 4096);
         uint32_t mark = (uint32_t)(gn_scramble(z) >> 32);
         marks[s.i] = (int32_t)((uint32_t)marks[s.i] + mark);
         if (s.j >= 0) marks[s.j] = (int32_t)((uint32_t)marks[s.j] + mark);

@@ -124,8 +124,9 @@ struct gn_world {
     double stable_particles; /* s: the same of the particles alone, damping left out */
     double surface_rate;     /* 1/s: 1/dt of free bodies, see gn_surfaces_rate */
     double vertex_rate;      /* 1/s: the same of what contacts do to nodes of finite elements */
-    double listed; /* s: the limit with all listed contacts in touch, where it was found to be
-                    * within a hundredth of the step or below it; else INFINITY */
+    double listed;       /* s: the limit with all listed contacts in touch, where it was found to be
+                          * within a hundredth of the step or below it; else INFINITY */
+    double listed_holds; /* s: step of the particles alone at which all that is listed holds */
     gn_resolution resolution; /* the shortest so far */
     int64_t dt_lowered;       /* times that the step was lowered while running */
     uint8_t *loose;           /* [particles] by id: not bonded at the start, see resolution.c */
