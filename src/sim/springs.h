@@ -21,7 +21,7 @@ typedef struct gn_springs {
     bool space, rotation, damped;
     size_t particles, springs;
     int32_t *member;   /* [particles] place in the specimen; NULL: all of it, in its order */
-    double *weight;    /* [particles] d > 0, see particle_block; NULL: all the same */
+    double *weight;    /* [particles] d > 0, see gn_block_of; NULL: all the same */
     int32_t *local;    /* [of the specimen] place among the members, -1: outside; NULL: all of it */
     gn_spring *spring; /* [springs] */
     size_t *first;     /* [particles + 1] into entry */
