@@ -62,6 +62,31 @@ def plan_says_effects_storage_kernels_step_and_cost(folder):
         assert re.search(pattern, out), f"/{pattern}/ is missing"
 
 
+LOOSE = """
+dimension: 3
+specimen: {particles: [[0, 0, 0, 1e-3], [2.1e-3, 0, 0, 1e-3]]}
+materials: [{name: m, density: 2500, normal_stiffness: 1e5, kratio: 1, friction: 0}]
+law: {stiffness: uniform}
+time: {step: STEP, end: 1e-4}
+run: {threads: 1}
+"""
+
+
+@fact
+def a_step_that_does_not_resolve_collisions_is_warned_of(folder):
+    for step, warns in (("1e-5", True), ("1e-7", False), ("auto", False)):
+        scene = write_scene(folder, LOOSE.replace("STEP", step))
+        out = os.path.join(folder, "steps_" + step)
+        result = expect(gneiss("run", scene, "--out", out), 0)
+        assert ("does not resolve collisions" in result.stderr) == warns
+        with open(os.path.join(out, "summary.json")) as file:
+            summary = json.load(file)
+        assert ("time_step" in [warning["name"] for warning in summary["warnings"]]) == warns
+        assert (summary["dt"] > summary["dt_resolution"]) == warns
+    plan = expect(gneiss("plan", write_scene(folder, LOOSE.replace("STEP", "auto"))), 0).stdout
+    assert "between particles 0 and 1, in " in plan
+
+
 @fact
 def effects_that_are_off_take_no_storage(folder):
     out = expect(gneiss("plan", UCS), 0).stdout

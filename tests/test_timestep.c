@@ -387,6 +387,73 @@ static void the_limits_have_the_same_bits_for_any_number_of_threads(void **state
     destroy(s);
 }
 
+/* A packing in which part of the contacts are bonds, and unbonded ones with gaps count as near. */
+static specimen *rock_with_near_contacts(double alpha, gn_effects effects) {
+    specimen *s = rock(0.012, effects);
+    bond(s, 0.05, 3.7, alpha);
+    for (size_t c = 0; c < s->bonds.soa.count; c += 3) {
+        s->bonds.rn[c] = -1.0;
+        s->bonds.length0[c] *= 0.98;
+    }
+    for (size_t i = 0; i < s->p.soa.count; i += 7) s->fixed[i] = (uint8_t)(i % 64);
+    return s;
+}
+
+/* What is said to hold is below the limit with all near contacts in touch, which Lanczos finds;
+ * what is refused is above what blocks alone allow, and with Lanczos within a few per cent of the
+ * limit.
+ */
+static void a_step_that_holds_is_below_the_limit_of_all_near_contacts(void **state) {
+    (void)state;
+    for (int k = 0; k < 6; k++) {
+        specimen *s = rock_with_near_contacts(k % 3 * 0.2,
+                                              k < 3 ? all_effects | GN_FX_FRICTION : all_effects);
+        double open = limits_of(s, 1e-5).sharp;
+        s->spectrum.reach = 1e-3;
+        gn_step_limit limit = limits_of(s, 1e-5);
+        assert_true(limit.sharp < open);
+        for (double part = 0.6; part < 1.2; part += 0.02)
+            for (int lanczos = 0; lanczos < 2; lanczos++) {
+                gn_step_verdict v;
+                double step = part * limit.sharp;
+                assert_int_equal(
+                    gn_step_holds(&s->spectrum, step, lanczos ? 1e-5 : 0.0, NULL, &v, NULL),
+                    GNEISS_OK);
+                if (v.holds) assert_true(step <= limit.sharp);
+                if (v.holds) continue;
+                assert_true(step > limit.bound && v.limit < step &&
+                            v.limit <= 1.0001 * limit.sharp);
+                assert_true(v.limit >= 0.9999 * limit.bound);
+                if (lanczos) assert_true(v.limit >= 0.9 * limit.sharp);
+            }
+        destroy(s);
+    }
+}
+
+/* Of a particle and its neighbours alone: marks tell which. */
+static void a_new_contact_is_found_where_it_is(void **state) {
+    (void)state;
+    specimen *s = chain(20, 0.0, 0.0, all_effects);
+    int32_t before[20], after[20];
+    gn_step_marks(&s->spectrum, before);
+    for (int p = 0; p < 20; p++) assert_int_equal(before[p], 0); /* intact bonds do not count */
+    s->bonds.rn[7] = -1.0;
+    s->bonds.length0[7] *= 1.001; /* broken and pressed */
+    gn_step_marks(&s->spectrum, after);
+    for (int p = 0; p < 20; p++) assert_int_equal(after[p] != 0, p == 7 || p == 8);
+    double sharp = limits_of(s, 1e-8).sharp;
+    for (int near = 0; near < 2; near++) {
+        uint8_t changed[20] = {0};
+        gn_step_verdict v;
+        changed[7] = changed[8] = 1;
+        s->bonds.kn[near ? 7 : 15] *= 4.0; /* seen only where something has changed */
+        assert_int_equal(gn_step_holds(&s->spectrum, 0.98 * sharp, 0.0, changed, &v, NULL),
+                         GNEISS_OK);
+        assert_int_equal(v.holds, !near);
+    }
+    destroy(s);
+}
+
 /* The diagonal block of each particle at tau, from the velocity of its contacts; the largest of its
  * eigenvalues over 4 tau^2 is 1 at the bound. */
 static double largest_block(const specimen *s, double tau) {
@@ -457,6 +524,8 @@ int main(void) {
         cmocka_unit_test(the_bound_is_below_the_sharp_limit_in_packings),
         cmocka_unit_test(the_limits_have_the_same_bits_for_any_number_of_threads),
         cmocka_unit_test(the_bound_is_that_of_the_worst_block),
+        cmocka_unit_test(a_step_that_holds_is_below_the_limit_of_all_near_contacts),
+        cmocka_unit_test(a_new_contact_is_found_where_it_is),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -66,10 +66,8 @@ static void print_kernels(const gn_world *w) {
 }
 
 /* Why the step's limit lies below that of the springs that touch now. */
-static void print_lowered(const gn_world *w, double limit) {
+static void print_lowered(const gn_world *w) {
     double share = gn_world_nonviscous_share(w), particles = w->stable_particles;
-    if (particles < 0.999 * limit)
-        printf("                   less %.3f for contacts that may form\n", particles / limit);
     if (w->elements) return;
     if (share < 1.0)
         printf("                   less %.3f for non-viscous damping, which stiffens the fastest "
@@ -83,13 +81,18 @@ static void print_lowered(const gn_world *w, double limit) {
 static void print_particle_limits(const gn_world *w) {
     double sharp = w->limit.sharp;
     if (w->elements) printf("  particles\n");
+    if (w->limit.bound == INFINITY) {
+        printf("  contacts to come %.6g s, since nothing touches yet\n", w->stable_particles);
+        print_lowered(w);
+        return;
+    }
     if (w->limit.iterations == 0)
         printf("  sharp limit      not computed: the rigorous bound settles it and stands for it "
                "below\n");
     else
         printf("  sharp limit      %.6g s  (Lanczos, %d vectors; fastest mode at particle %d)\n",
                sharp, w->limit.iterations, w->limit.sharp_id);
-    print_lowered(w, w->scene.estimate == GN_STEP_BOUND ? w->limit.bound : sharp);
+    print_lowered(w);
     printf("  rigorous bound   %.6g s  = %.3f of the sharp limit (particle %d)\n", w->limit.bound,
            w->limit.bound / sharp, w->limit.bound_id);
     printf("  literature       %.6g s  = %.3f of the sharp limit (min 2 sqrt(m/k), one spring); "
@@ -99,9 +102,27 @@ static void print_particle_limits(const gn_world *w) {
            (w->scene.dimension == 3 ? 0.17 : 0.3) * w->limit.literature / sharp);
 }
 
+/* What collisions ask for, and what may touch before the lists are made again. */
+static void print_contacts_to_come(const gn_world *w) {
+    const gn_resolution *r = &w->resolution;
+    char text[GNEISS_MESSAGE_SIZE];
+    if (r->step < INFINITY)
+        printf("  collisions       %.6g s resolves the shortest, %.6g s between %s, in %.4g steps; "
+               "it gets %.4g\n",
+               r->step, r->contact, gn_resolution_text(w, text, sizeof text),
+               gn_world_contact_steps(w), r->contact / w->dt);
+    else
+        printf("  collisions       none of particles that were not bonded at the start\n");
+    if (w->listed < INFINITY)
+        printf("  near contacts    %.6g s is the stability limit with all of them in touch\n",
+               w->listed);
+    if (*gn_world_step_warning(w, text, sizeof text)) printf("  warning: %s\n", text);
+}
+
 static void print_step(const gn_world *w) {
     printf("step\n  dt               %.6g s%s = %.3f of the stability limit %.6g s\n", w->dt,
            w->scene.step > 0.0 ? " (given)" : "", w->dt / w->stable, w->stable);
+    if (w->scene.has_specimen) print_contacts_to_come(w);
     if (w->scene.has_specimen) print_particle_limits(w);
     gn_print_element_limits(w);
     if (w->elements && gn_world_nonviscous_share(w) < 1.0)

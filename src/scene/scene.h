@@ -403,8 +403,9 @@ typedef struct gn_scene {
     gn_test test;
 
     gn_where time_where;
-    double step;   /* dt, s; 0: automatic */
-    double safety; /* of 2/w_max */
+    double step;          /* dt, s; 0: automatic */
+    double safety;        /* of 2/w_max */
+    double contact_steps; /* that a collision lasts at least; 0: by the restitution */
     gn_step_estimate estimate;
     gn_policy on_unstable;  /* what a step above its limit does */
     double end;             /* s */

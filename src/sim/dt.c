@@ -3,6 +3,7 @@
 #include "base/timer.h"
 #include "sim/parts.h"
 
+#include <float.h>
 #include <math.h>
 #include <string.h>
 
@@ -22,7 +23,8 @@ static void free_data(spectrum_data *d) {
     gn_free(d->surface);
 }
 
-static gneiss_status make_data(const gn_world *w, spectrum_data *d, gneiss_error *error) {
+static gneiss_status make_data(const gn_world *w, double reach, spectrum_data *d,
+                               gneiss_error *error) {
     size_t walls = w->scene.wall_count, n = w->particles.soa.count;
     d->point = gn_alloc_array(walls + 1, 4 * sizeof(double));
     d->stiffness = gn_alloc_array(walls + 1, 2 * sizeof(double));
@@ -42,14 +44,14 @@ static gneiss_status make_data(const gn_world *w, spectrum_data *d, gneiss_error
     }
     for (size_t p = 0; d->fixed && p < n; p++)
         d->fixed[p] = w->particles.slot[p] >= 0 ? w->prescribed.mask[w->particles.slot[p]] : 0;
-    gneiss_status status = gn_surface_springs(w, &d->surface, &d->surface_count, error);
+    gneiss_status status = gn_surface_springs(w, reach, &d->surface, &d->surface_count, error);
     if (status != GNEISS_OK) free_data(d);
     return status;
 }
 
-static gn_spectrum spectrum_of(const gn_world *w, const gn_assembly *assembly,
+static gn_spectrum spectrum_of(const gn_world *w, double reach, const gn_assembly *assembly,
                                const spectrum_data *d) {
-    gn_spectrum s = {0};
+    gn_spectrum s = {.reach = reach};
     s.assembly = assembly;
     s.arm_factor = w->scene.contact_arm == GN_ARM_MIDPOINT ? 0.5 : 0.0;
     s.wall_point = d->point;
@@ -60,26 +62,6 @@ static gn_spectrum spectrum_of(const gn_world *w, const gn_assembly *assembly,
     s.fixed = d->fixed;
     s.threads = w->threads;
     return s;
-}
-
-/* Without any spring in touch there is nothing to resolve yet: the stiffest possible contact of
- * each particle with its like sets the step (two ends, so 2 sqrt(m/2k) of the pair). */
-static double free_flight_limit(const gn_world *w) {
-    double least = INFINITY;
-    const gn_particles *q = &w->particles;
-    for (size_t p = 0; p < q->soa.count; p++) {
-        if (q->vel[4 * p + 3] == 0.0) continue;
-        gn_contact_parameters c = gn_contact_law(w, (int32_t)p, (int32_t)p);
-        double k = fmax(c.kn, 3.5 * c.kt); /* pair modes: 2 k_n/m, and 7 k_t/m with rolling */
-        if (k > 0.0) least = fmin(least, 2.0 * sqrt(0.5 / (k * q->vel[4 * p + 3])));
-        for (size_t s = 0; s < w->scene.wall_count; s++)
-            least =
-                fmin(least, 2.0 * sqrt(1.0 / (w->scene.walls[s].stiffness * q->vel[4 * p + 3])));
-        for (size_t s = 0; s < w->surface_count; s++)
-            least = fmin(least, 2.0 * sqrt(1.0 / (w->surfaces[s].stiffness * q->vel[4 * p + 3])));
-    }
-    double alpha = w->damping_fraction;
-    return least * (sqrt(1.0 + alpha * alpha) - alpha);
 }
 
 /* Non-viscous damping of coefficient a multiplies the resultant by 1 + a while it slows a particle
@@ -108,34 +90,93 @@ static double limit_of(double rate) {
     return rate > 0.0 ? 1.0 / rate : (double)INFINITY;
 }
 
-/* Particles, free bodies and finite elements; bodies and elements only meet particles. */
-static double all_together(const gn_world *w, double share) {
-    double particles = share * w->stable_particles, bodies = limit_of(w->surface_rate);
+/* What particles are coupled to: free bodies, and finite elements that they touch. */
+static double partner_limit(const gn_world *w) {
+    double bodies = limit_of(w->surface_rate);
+    if (!(w->vertex_rate > 0.0)) return bodies;
+    double elements = gn_world_nonviscous_share(w) * w->elements->stable;
+    return fmin(bodies, together(w, elements, limit_of(w->vertex_rate)));
+}
+
+/* Of all, from the limit of the particles alone; bodies and elements only meet particles. */
+static double all_together(const gn_world *w, double particles) {
+    double share = gn_world_nonviscous_share(w);
     double elements = w->elements ? share * w->elements->stable : (double)INFINITY;
-    if (w->vertex_rate > 0.0) /* they touch */
-        return together(w, particles,
-                        fmin(bodies, together(w, elements, limit_of(w->vertex_rate))));
-    return fmin(together(w, particles, bodies), elements);
+    return fmin(together(w, share * particles, partner_limit(w)), elements);
 }
 
-/* The limit that the scene trusts: sharp, or the rigorous bound. Contacts that may still form are
- * covered by never going above what a single pair would need. */
-static double usable_limit(gn_world *w) {
-    double limit = w->scene.estimate == GN_STEP_BOUND ? w->limit.bound : w->limit.sharp;
-    w->stable_particles =
-        w->scene.has_specimen ? fmin(limit, free_flight_limit(w)) : (double)INFINITY;
-    return all_together(w, gn_world_nonviscous_share(w));
+/* The other way round: the limit of the particles at which `step` is that of all; INFINITY: none
+ * would do. */
+static double particles_needed(const gn_world *w, double step) {
+    double other = partner_limit(w), left = 1.0 / step;
+    if (w->damping_fraction > 0.0)
+        left -= 1.0 / other;
+    else
+        left = sqrt(fmax(0.0, left * left - 1.0 / (other * other)));
+    return left > 0.0 ? 1.0 / (left * gn_world_nonviscous_share(w)) : (double)INFINITY;
 }
 
-/* Only the rigorous bound, or Lanczos as well; the former leaves the sharp value unknown. */
-static gneiss_status estimate(const gn_world *w, bool sharp, gn_step_limit *limit,
-                              gneiss_error *error) {
+/* --- the particles
+ * ---------------------------------------------------------------------------------- */
+
+/* Relative residual of Lanczos. */
+static double tolerance_of(const gn_world *w) {
+    return w->scene.estimate == GN_STEP_BOUND ? 0.0 : 1e-3;
+}
+
+/* What is asked of the springs that act now, or that may before the lists are made again. */
+typedef struct question {
+    double step;          /* s; 0: what is the limit? else: does it hold? */
+    double tolerance;     /* of Lanczos; 0: bounds alone */
+    gn_step_limit *limit; /* answers */
+    gn_step_verdict *verdict;
+    bool changed; /* only what has others than at the last look needs to be looked at */
+} question;
+
+/* Which particles have other springs than at the last look; keeps in mind what they have. `which`
+ * 0: that act, 1: that are near. */
+static gneiss_status find_changed(const gn_spectrum *spectrum, int which, uint8_t *changed,
+                                  size_t *count, gneiss_error *error) {
+    const gn_particles *q = spectrum->assembly->particles;
+    size_t n = q->soa.count;
+    int32_t *marks = gn_alloc_array(n + 1, sizeof *marks);
+    if (!marks) return gn_fail(error, GNEISS_ERROR_MEMORY, "no memory for %zu particles", n);
+    gn_step_marks(spectrum, marks);
+    *count = 0;
+    for (size_t p = 0; p < n; p++) {
+        changed[p] = q->marks[2 * p + (size_t)which] != marks[p];
+        *count += changed[p];
+        q->marks[2 * p + (size_t)which] = marks[p];
+    }
+    gn_free(marks);
+    return GNEISS_OK;
+}
+
+static gneiss_status holds(const gn_spectrum *spectrum, const question *q, gneiss_error *error) {
+    size_t count = 0, n = spectrum->assembly->particles->soa.count;
+    uint8_t *changed = gn_alloc(n + 1);
+    if (!changed) return gn_fail(error, GNEISS_ERROR_MEMORY, "no memory for %zu particles", n);
+    gneiss_status status = find_changed(spectrum, spectrum->reach > 0.0, changed, &count, error);
+    *q->verdict = (gn_step_verdict){.holds = true};
+    if (status == GNEISS_OK && (!q->changed || count > 0))
+        status = gn_step_holds(spectrum, q->step, q->tolerance, q->changed ? changed : NULL,
+                               q->verdict, error);
+    gn_free(changed);
+    return status;
+}
+
+static gneiss_status answer(const gn_spectrum *spectrum, const question *q, gneiss_error *error) {
+    if (q->step > 0.0) return holds(spectrum, q, error);
+    return gn_step_limits(spectrum, q->tolerance, q->limit, error);
+}
+
+static gneiss_status ask(const gn_world *w, bool listed, const question *q, gneiss_error *error) {
     gn_assembly assembly = gn_world_assembly(w);
     spectrum_data data = {0};
-    GN_TRY(make_data(w, &data, error));
-    gn_spectrum spectrum = spectrum_of(w, &assembly, &data);
-    gneiss_status status = sharp ? gn_step_limits(&spectrum, 1e-3, limit, error)
-                                 : gn_step_bound(&spectrum, limit, error);
+    double reach = listed ? w->verlet.skin : 0.0;
+    GN_TRY(make_data(w, reach, &data, error));
+    gn_spectrum spectrum = spectrum_of(w, reach, &assembly, &data);
+    gneiss_status status = answer(&spectrum, q, error);
     free_data(&data);
     return status;
 }
@@ -143,26 +184,51 @@ static gneiss_status estimate(const gn_world *w, bool sharp, gn_step_limit *limi
 /* Whether the rigorous bound settles it without Lanczos: the scene asks for it, or a given step is
  * below. */
 static bool bound_suffices(const gn_world *w, double bound) {
-    if (w->scene.estimate == GN_STEP_BOUND) return true;
-    double limit = together(w, gn_world_nonviscous_share(w) * fmin(bound, free_flight_limit(w)),
+    if (w->scene.estimate == GN_STEP_BOUND || bound == INFINITY) return true;
+    double limit = together(w, gn_world_nonviscous_share(w) * bound,
                             limit_of(fmax(w->surface_rate, w->vertex_rate)));
     return w->scene.step > 0.0 && w->scene.step <= limit;
 }
 
-static gneiss_status find_limit(gn_world *w, const gn_step_limit *quick, gneiss_error *error) {
-    if (!bound_suffices(w, quick->bound)) return estimate(w, true, &w->limit, error);
-    w->limit = *quick;
-    w->limit.sharp = quick->bound;
-    w->limit.sharp_id = quick->bound_id;
+static gneiss_status find_limit(gn_world *w, gneiss_error *error) {
+    gn_step_limit quick = {0};
+    GN_TRY(ask(w, false, &(question){.limit = &quick}, error));
+    if (!bound_suffices(w, quick.bound))
+        return ask(w, false, &(question){.tolerance = 1e-3, .limit = &w->limit}, error);
+    w->limit = quick;
+    w->limit.sharp = quick.bound;
+    w->limit.sharp_id = quick.bound_id;
     w->limit.iterations = 0;
     return GNEISS_OK;
+}
+
+static double trusted(const gn_world *w, const gn_step_limit *limit) {
+    return w->scene.estimate == GN_STEP_BOUND ? limit->bound : limit->sharp;
+}
+
+/* The limit that the scene trusts, of the springs that act. Without any, of all that the lists
+ * hold; without any of those, of one contact of the pair of particles, or particle and wall, that
+ * is worst of all. The last only has to give a step to start with: whatever comes near is listed,
+ * and looked at as it is, before it touches (gn_world_check_lists). */
+static gneiss_status usable_limit(const gn_world *w, double *limit, gneiss_error *error) {
+    gn_step_limit listed = {0};
+    gn_resolution unused;
+    *limit = trusted(w, &w->limit);
+    if (*limit < INFINITY) return GNEISS_OK;
+    GN_TRY(ask(w, true, &(question){.tolerance = tolerance_of(w), .limit = &listed}, error));
+    *limit = trusted(w, &listed);
+    if (*limit < INFINITY) return GNEISS_OK;
+    return gn_flight_limits(w, limit, &unused, error);
 }
 
 /* What sets the limit. */
 static const char *culprit(const gn_world *w, char *text, size_t size) {
     if (gn_elements_lead(w)) return gn_elements_culprit(w, text, size);
-    snprintf(text, size, "particle %d",
-             w->scene.estimate == GN_STEP_BOUND ? w->limit.bound_id : w->limit.sharp_id);
+    int32_t id = w->scene.estimate == GN_STEP_BOUND ? w->limit.bound_id : w->limit.sharp_id;
+    if (id >= 0)
+        snprintf(text, size, "particle %d", id);
+    else
+        snprintf(text, size, "a contact that may form");
     return text;
 }
 
@@ -197,36 +263,141 @@ static gneiss_status react(gn_world *w, double limit, gneiss_error *error) {
         gn_world_bound(w), w->dt, w->dt / limit);
 }
 
+/* Whether springs that have come to act since the last look take the limit down. Without any at
+ * that look, any will do. */
+static gneiss_status limit_fell(gn_world *w, bool *fell, gneiss_error *error) {
+    double known = trusted(w, &w->limit);
+    gn_step_verdict verdict = {0};
+    question q = {
+        .step = known < INFINITY ? 0.95 * known : DBL_MAX, .verdict = &verdict, .changed = true};
+    GN_TRY(ask(w, false, &q, error));
+    *fell = !verdict.holds;
+    return GNEISS_OK;
+}
+
 /* *due: the limit of the particles has changed. */
 static gneiss_status particle_limit(gn_world *w, bool full, bool *due, gneiss_error *error) {
-    gn_step_limit quick = {0};
-    gneiss_status status = estimate(w, false, &quick, error);
-    /* The rigorous bound falls with every contact that makes a particle stiffer. As long as it is
-     * where it was when the limit was found, that limit holds within the safety factor. */
     double bodies = 0.0, vertices = 0.0;
-    if (status == GNEISS_OK) status = gn_surfaces_rate(w, &bodies, &vertices, error);
-    *due = full || quick.bound < 0.98 * w->limit.bound || bodies > 1.02 * w->surface_rate ||
-           vertices > 1.02 * w->vertex_rate;
-    if (*due) {
-        w->surface_rate = bodies;
-        w->vertex_rate = vertices;
+    bool fell = full;
+    if (!full) GN_TRY(limit_fell(w, &fell, error));
+    GN_TRY(gn_surfaces_rate(w, &bodies, &vertices, error));
+    *due = fell || bodies > 1.02 * w->surface_rate || vertices > 1.02 * w->vertex_rate;
+    if (!*due) return GNEISS_OK;
+    w->surface_rate = bodies;
+    w->vertex_rate = vertices;
+    if (fell) GN_TRY(find_limit(w, error));
+    return usable_limit(w, &w->stable_particles, error);
+}
+
+/* --- what may happen before the lists are made again
+ * --------------------------------------------------- */
+
+static void lower(gn_world *w, double dt) {
+    if (w->scene.step > 0.0 || w->dt <= dt) return;
+    if (w->step > 0) w->dt_lowered++;
+    set_step(w, dt);
+}
+
+/* Whether the step holds with everything in touch that the lists hold; a hundredth is left for
+ * normals and arms that turn until then. An automatic step is lowered at once, to two hundredths so
+ * that the next lists need not lower it again. */
+static gneiss_status listed_limit(gn_world *w, bool full, bool *fine, gneiss_error *error) {
+    gn_step_limit limit = {0};
+    gn_step_verdict verdict = {0};
+    double needed = particles_needed(w, w->dt / 0.99);
+    *fine = false; /* of a given step it is known for good */
+    if (!full && w->scene.step > 0.0 && w->dt > w->listed) return GNEISS_OK;
+    /* More is asked of the particles than they have been found to hold, since bodies give way more.
+     */
+    bool all = full || needed > w->listed_holds, finite = needed < INFINITY;
+    question q = {.tolerance = all || !finite ? tolerance_of(w) : 0.0};
+    if (finite) {
+        q.step = needed;
+        q.verdict = &verdict;
+        q.changed = !all;
+    } else {
+        q.limit = &limit;
     }
-    if (status == GNEISS_OK && *due) status = find_limit(w, &quick, error);
-    w->bound = quick.bound;
-    return status;
+    GN_TRY(ask(w, true, &q, error));
+    *fine = finite && verdict.holds;
+    if (*fine && all) w->listed_holds = needed;
+    if (*fine) return GNEISS_OK;
+    w->listed_holds = finite ? verdict.limit : trusted(w, &limit);
+    w->listed = all_together(w, w->listed_holds);
+    lower(w, 0.98 * w->listed);
+    return GNEISS_OK;
+}
+
+static void resolve(gn_world *w, gn_resolution r) {
+    if (r.step >= w->resolution.step) return;
+    w->resolution = r;
+    lower(w, r.step);
+}
+
+static gneiss_status check_lists(gn_world *w, bool full, bool *fine, gneiss_error *error) {
+    *fine = true;
+    if (!w->scene.has_specimen) return GNEISS_OK;
+    GN_TRY(gn_loose_find(w, error));
+    resolve(w, gn_resolution_listed(w));
+    return listed_limit(w, full, fine, error);
+}
+
+gneiss_status gn_world_check_lists(gn_world *w, gneiss_error *error) {
+    double start = gn_now();
+    bool fine = true;
+    gneiss_status status = check_lists(w, false, &fine, error);
+    w->seconds[GN_PHASE_step_limit] += gn_now() - start;
+    /* A given step is not held against what may form, but then against what has. */
+    if (status != GNEISS_OK || fine || w->scene.step == 0.0) return status;
+    return gn_world_check_step(w, false, error);
+}
+
+/* As at the start: from what is near, or from what the scene holds when there is nothing near. */
+static gneiss_status check_anew(gn_world *w, gneiss_error *error) {
+    bool fine;
+    w->listed = INFINITY;
+    w->resolution = (gn_resolution){INFINITY, INFINITY, -1, -1};
+    GN_TRY(check_lists(w, true, &fine, error));
+    if (!w->scene.has_specimen || w->resolution.step < INFINITY) return GNEISS_OK;
+    gn_resolution flight;
+    double unused;
+    GN_TRY(gn_flight_limits(w, &unused, &flight, error));
+    resolve(w, flight);
+    return GNEISS_OK;
 }
 
 gneiss_status gn_world_check_step(gn_world *w, bool full, gneiss_error *error) {
     double start = gn_now();
     bool due = false, elements_due = false;
     gneiss_status status = GNEISS_OK;
+    if (w->scene.has_specimen) GN_TRY(gn_loose_find(w, error));
     if (w->scene.has_specimen) status = particle_limit(w, full, &due, error);
     if (status == GNEISS_OK && w->elements)
         status = gn_elements_limit(w, full, &elements_due, error);
     if (status == GNEISS_OK && (due || elements_due)) {
-        w->stable = usable_limit(w);
+        if (!w->scene.has_specimen) w->stable_particles = INFINITY;
+        w->stable = all_together(w, w->stable_particles);
         status = react(w, w->stable, error);
     }
+    if (status == GNEISS_OK && full) status = check_anew(w, error);
     w->seconds[GN_PHASE_step_limit] += gn_now() - start;
     return status;
+}
+
+const char *gn_world_step_warning(const gn_world *w, char *text, size_t size) {
+    char who[160];
+    *text = '\0';
+    if (w->scene.step == 0.0) return text;
+    if (w->dt > w->resolution.step)
+        snprintf(text, size,
+                 "time.step: %.6g s does not resolve collisions: that of %s lasts %.6g s = %.1f "
+                 "steps, expected at least %.1f (time.contact_steps)",
+                 w->dt, gn_resolution_text(w, who, sizeof who), w->resolution.contact,
+                 w->resolution.contact / w->dt, gn_world_contact_steps(w));
+    else if (w->dt > w->listed)
+        snprintf(text, size,
+                 "time.step: %.6g s is above %.6g s, the stability limit with all contacts in "
+                 "touch that are near",
+                 w->dt, w->listed);
+    return text;
 }

@@ -474,5 +474,6 @@ gneiss_status gn_world_refresh_lists(gn_world *w, gneiss_error *error) {
     double bodies = 0.0, vertices = 0.0;
     GN_TRY(gn_surfaces_rate(w, &bodies, &vertices, error));
     bool more = bodies > 1.02 * w->surface_rate || vertices > 1.02 * w->vertex_rate;
-    return more ? gn_world_check_step(w, false, error) : GNEISS_OK;
+    if (more) GN_TRY(gn_world_check_step(w, false, error));
+    return gn_world_check_lists(w, error);
 }

@@ -508,6 +508,7 @@ gneiss_status gn_output_summary(const gn_run *run, gneiss_error *error) {
     gn_json_number(j, "dt_limit", w->stable);
     gn_json_number(j, "dt_limit_sharp", gn_world_sharp_limit(w));
     gn_json_number(j, "dt_limit_bound", gn_world_bound(w));
+    gn_json_number(j, "dt_resolution", w->resolution.step);
     gn_json_integer(j, "list_rebuilds", w->verlet.rebuilds);
     gn_json_object(j, "seconds");
     for (int k = 0; k < GN_PHASE_COUNT; k++)

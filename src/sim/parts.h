@@ -96,9 +96,13 @@ typedef struct gn_surface_contact {
 } gn_surface_contact;
 size_t gn_surface_contacts_at(const gn_world *world, size_t begin, double skin,
                               gn_surface_contact *contacts, size_t *count);
-/* Springs of the particles that touch surfaces, for the stability limit; the caller frees them. */
-gneiss_status gn_surface_springs(const gn_world *world, gn_extra_spring **springs, size_t *count,
-                                 gneiss_error *error);
+/* Springs of the particles that touch surfaces, or are up to `reach` from them, for the stability
+ * limit; the caller frees them. */
+gneiss_status gn_surface_springs(const gn_world *world, double reach, gn_extra_spring **springs,
+                                 size_t *count, gneiss_error *error);
+/* Whether it gives way to particles; the most by which it may, as 1/kg. */
+bool gn_surface_yields(const gn_world *world, const gn_surface *surface);
+double gn_surface_give(const gn_world *world, const gn_surface *surface);
 /* 1/s: 1/dt at which free bodies, and vertices, with all particles that are near held fast, would
  * be at their limit, from above; the elasticity of what vertices belong to is left out. */
 gneiss_status gn_surfaces_rate(const gn_world *world, double *bodies, double *vertices,
@@ -111,6 +115,16 @@ void gn_rigid_direct(const gn_rigid *body, const double local[3], double directi
 void gn_rigid_local(const gn_rigid *body, const double direction[3], double local[3]);
 /* v . I^-1 v about the centre. */
 double gn_rigid_compliance(const gn_rigid *body, const double v[3]);
+
+/* Collisions in steps (resolution.c): particles that were not bonded at the start, into
+ * world->loose. */
+gneiss_status gn_loose_find(gn_world *world, gneiss_error *error);
+/* The shortest contact that can begin before the lists are made again. */
+gn_resolution gn_resolution_listed(const gn_world *world);
+/* The same of any two distinct particles of the scene, walls and surfaces, wherever they are; and
+ * the stability limit of one such contact by itself, s. */
+gneiss_status gn_flight_limits(const gn_world *world, double *stable, gn_resolution *resolution,
+                               gneiss_error *error);
 
 /* Rigid bodies (bodies.c). */
 gneiss_status gn_bodies_create(gn_world *world, gneiss_error *error);

@@ -208,7 +208,7 @@ static gneiss_status apply_overrides(gn_run *run, const gn_override *overrides, 
                                      gneiss_error *error) {
     gn_world *w = &run->world;
     if (sets(overrides, count, "time.step") || sets(overrides, count, "time.safety") ||
-        sets(overrides, count, "time.estimate")) {
+        sets(overrides, count, "time.contact_steps") || sets(overrides, count, "time.estimate")) {
         int64_t lowered = w->dt_lowered;
         w->dt = INFINITY; /* any step is less: a new one is chosen as at the start */
         if (gn_world_check_step(w, true, error) != GNEISS_OK)

@@ -12,7 +12,7 @@ static double shear_stiffness(const gn_world *w, const gn_surface *s) {
     return shear ? s->stiffness / s->kratio : 0.0;
 }
 
-static gn_extra_spring spring_of(const gn_world *w, const gn_surface_contact *c) {
+static gn_extra_spring spring_of(const gn_world *w, const gn_surface_contact *c, bool joined) {
     const gn_facet_contact *k = &c->contact;
     double inverse = w->particles.vel[4 * c->particle + 3];
     gn_extra_spring e = {.particle = (int32_t)c->particle, .kn = c->surface->stiffness};
@@ -20,6 +20,7 @@ static gn_extra_spring spring_of(const gn_world *w, const gn_surface_contact *c)
     e.arm = w->scene.contact_arm == GN_ARM_MIDPOINT ? sqrt(gn_dot3(k->arm, k->arm))
                                                     : w->particles.pos[4 * c->particle + 3];
     e.kt = shear_stiffness(w, c->surface);
+    if (joined) e.kt += e.kn;
     /* Of a surface that yields the dashpot is weaker. */
     e.cn = 2.0 * w->damping_fraction * sqrt(e.kn / inverse);
     /* Contacts that share resist in every direction in which one of them does: with the normals M
@@ -32,8 +33,8 @@ static gn_extra_spring spring_of(const gn_world *w, const gn_surface_contact *c)
     return e;
 }
 
-gneiss_status gn_surface_springs(const gn_world *w, gn_extra_spring **springs, size_t *count,
-                                 gneiss_error *error) {
+gneiss_status gn_surface_springs(const gn_world *w, double reach, gn_extra_spring **springs,
+                                 size_t *count, gneiss_error *error) {
     size_t rows = w->wall_contacts.soa.count;
     *springs = NULL;
     *count = 0;
@@ -47,19 +48,34 @@ gneiss_status gn_surface_springs(const gn_world *w, gn_extra_spring **springs, s
             c++;
             continue;
         }
-        c = gn_surface_contacts_at(w, c, 0.0, found, &many);
-        for (size_t k = 0; k < many; k++) (*springs)[(*count)++] = spring_of(w, &found[k]);
+        c = gn_surface_contacts_at(w, c, reach, found, &many);
+        /* Near several facets: they may yet be joined, into one contact. */
+        for (size_t k = 0; k < many; k++)
+            (*springs)[(*count)++] = spring_of(w, &found[k], reach > 0.0 && many > 1 && k == 0);
     }
     return GNEISS_OK;
 }
 
-/* Whether it gives way to particles. */
-static bool yields(const gn_world *w, const gn_surface *s) {
+bool gn_surface_yields(const gn_world *w, const gn_surface *s) {
     if (s->body < 0) return true;
     const gn_rigid *b = &w->bodies[s->body];
     double sum = 0.0;
     for (int a = 0; a < 3; a++) sum += b->inverse_mass[a] + b->inverse_inertia[a];
     return sum > 0.0;
+}
+
+double gn_surface_give(const gn_world *w, const gn_surface *s) {
+    double most = 0.0, turn = 0.0;
+    if (s->body < 0) {
+        for (size_t v = 0; v < s->vertices; v++) most = fmax(most, s->velocity[4 * v + 3]);
+        return most;
+    }
+    const gn_rigid *b = &w->bodies[s->body];
+    for (int a = 0; a < 3; a++) {
+        most = fmax(most, b->inverse_mass[a]);
+        turn = fmax(turn, b->inverse_inertia[a]);
+    }
+    return most + b->reach * b->reach * turn;
 }
 
 /* --- rigid bodies
@@ -184,7 +200,7 @@ gneiss_status gn_surfaces_rate(const gn_world *w, double *bodies, double *vertic
     *bodies = *vertices = 0.0;
     for (size_t k = 0; k < w->surface_count; k++) {
         const gn_surface *s = &w->surfaces[k];
-        if (!yields(w, s)) continue;
+        if (!gn_surface_yields(w, s)) continue;
         GN_TRY(surface_rate(w, s, s->body >= 0 ? bodies : vertices, error));
     }
     return GNEISS_OK;

@@ -23,6 +23,7 @@ typedef struct gn_spectrum {
     const double *wall_damping; /* [walls]: alpha, so that c_n = 2 alpha sqrt(m k_n); NULL: none */
     const gn_extra_spring *extra; /* [extra_count], by particle */
     size_t extra_count;
+    double reach;         /* m: contacts with a gap of up to this count as touching as well */
     const uint8_t *fixed; /* [particles] bit k: component k (v xyz, w xyz) prescribed; NULL: none */
     int threads;
 } gn_spectrum;
@@ -49,5 +50,25 @@ gneiss_status gn_step_limits(const gn_spectrum *spectrum, double tolerance, gn_s
 
 /* Only the rigorous bound (cheap: one pass), damping included: used to watch a run. */
 gneiss_status gn_step_bound(const gn_spectrum *spectrum, gn_step_limit *limit, gneiss_error *error);
+
+/* What gn_step_holds finds. */
+typedef struct gn_step_verdict {
+    bool holds;   /* the scheme is stable at the step asked for */
+    double limit; /* s, if not: a step that is */
+} gn_step_verdict;
+
+/* Whether `step` is stable, at a small part of the cost of gn_step_limits: sums of stiffness over
+ * mass settle nearly all particles, the blocks of the rigorous bound most others; what is left is
+ * taken with its neighbours, and the shares of springs between two particles are shifted until
+ * every block is below. With a `tolerance` Lanczos has the last word, on these particles as a
+ * system of its own in which springs that lead out of it count twice. `changed` [particles]: only
+ * these and their neighbours are looked at, the rest has been found to hold before; NULL: all are.
+ */
+gneiss_status gn_step_holds(const gn_spectrum *spectrum, double step, double tolerance,
+                            const uint8_t *changed, gn_step_verdict *verdict, gneiss_error *error);
+
+/* Hashes of the active springs of each particle, intact bonds left out, in any order: another one
+ * means that there are others. */
+void gn_step_marks(const gn_spectrum *spectrum, int32_t *marks);
 
 #endif

@@ -90,8 +90,17 @@ static void warn_of_balance(const gn_run *run, gn_warnings *list) {
              100.0 * r.end_imbalance);
 }
 
+static void warn_of_step(const gn_run *run, gn_warnings *list) {
+    char text[GNEISS_MESSAGE_SIZE];
+    if (!*gn_world_step_warning(&run->world, text, sizeof text)) return;
+    gn_warning *to = &list->warning[list->count++];
+    to->name = "time_step";
+    snprintf(to->text, sizeof to->text, "%.*s", (int)sizeof to->text - 1, text);
+}
+
 gn_warnings gn_run_warnings(const gn_run *run) {
     gn_warnings list = {0};
+    warn_of_step(run, &list);
     warn_of_residual(run, &list);
     warn_of_balance(run, &list);
     return list;

@@ -340,16 +340,12 @@ void gn_world_free(gn_world *w) {
     gn_partials_free(&w->pair_partials);
     gn_strain_gauge_free(&w->gauge);
     for (size_t k = 0; k < w->surface_count; k++) gn_facet_tree_free(&w->surfaces[k].tree);
-    void *blocks[] = {w->bodies,          w->surfaces,
-                      w->body_shape,      w->body_vertex,
-                      w->body_corner,     w->wall_first,
-                      w->index_of_id,     w->walls,
-                      w->wall_normals,    w->channel_set,
-                      w->set_reaction,    w->prescribed.set,
-                      w->prescribed.mask, w->prescribed.velocity,
-                      w->prescribed.load, w->bond_sums,
-                      w->pair_sums,       w->wall_sums,
-                      w->motion_sums};
+    void *blocks[] = {
+        w->bodies,         w->surfaces,        w->body_shape,          w->body_vertex,
+        w->body_corner,    w->wall_first,      w->index_of_id,         w->walls,
+        w->wall_normals,   w->channel_set,     w->set_reaction,        w->loose,
+        w->prescribed.set, w->prescribed.mask, w->prescribed.velocity, w->prescribed.load,
+        w->bond_sums,      w->pair_sums,       w->wall_sums,           w->motion_sums};
     for (size_t k = 0; k < sizeof blocks / sizeof *blocks; k++) gn_free(blocks[k]);
     gn_deal_free(&w->deal);
     gn_scene_free(&w->scene);

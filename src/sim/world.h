@@ -60,6 +60,14 @@ typedef struct gn_derived {
     double radius2; /* m2: strengths are 4 sigma_c radius2, 4 tau_c radius2 */
 } gn_derived;
 
+/* The shortest collision that a step has to resolve, by ids of particles; `second` < 0: wall -1 -
+ * second, behind the walls surfaces. */
+typedef struct gn_resolution {
+    double step;    /* s: what it allows; INFINITY: nothing can collide */
+    double contact; /* s: how long it lasts */
+    int64_t first, second;
+} gn_resolution;
+
 struct gn_world {
     gn_scene scene; /* its points relative to scene.origin, as all points of the world */
     gn_scene given; /* the same as the user sees it, for files */
@@ -117,8 +125,12 @@ struct gn_world {
     double stable_particles; /* s: the same of the particles alone, damping left out */
     double surface_rate;     /* 1/s: 1/dt of free bodies, see gn_surfaces_rate */
     double vertex_rate;      /* 1/s: the same of what contacts do to nodes of finite elements */
-    double bound;            /* s: last rigorous bound of the particles */
-    int64_t dt_lowered;      /* times that the step was lowered while running */
+    double listed;       /* s: the limit with all listed contacts in touch, where it was found to be
+                          * within a hundredth of the step or below it; else INFINITY */
+    double listed_holds; /* s: step of the particles alone at which all that is listed holds */
+    gn_resolution resolution; /* the shortest so far */
+    int64_t dt_lowered;       /* times that the step was lowered while running */
+    uint8_t *loose;           /* [particles] by id: not bonded at the start, see resolution.c */
 
     gn_energy energy;  /* running totals */
     gn_energy reading; /* the ledger at the last measured instant */
@@ -166,6 +178,19 @@ gneiss_status gn_world_check_duration(const gn_world *world, gneiss_error *error
 /* Checks the stability limit and lowers an automatic step (dt.c). `full`: Lanczos even if the
  * rigorous bound is above the step. */
 gneiss_status gn_world_check_step(gn_world *world, bool full, gneiss_error *error);
+
+/* The same for what the lists, just made, let happen before they are made again. */
+gneiss_status gn_world_check_lists(gn_world *world, gneiss_error *error);
+
+/* What is to be said of a given step: that it does not resolve collisions, or that contacts which
+ * may form need a smaller one. "" : nothing. */
+const char *gn_world_step_warning(const gn_world *world, char *text, size_t size);
+
+/* Steps that a collision must last. */
+double gn_world_contact_steps(const gn_world *world);
+
+/* Who the shortest collision is between. */
+const char *gn_resolution_text(const gn_world *world, char *text, size_t size);
 
 /* What non-viscous damping leaves of the limit, 1 without it. */
 double gn_world_nonviscous_share(const gn_world *world);

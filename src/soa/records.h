@@ -28,6 +28,8 @@
     X(bonds0, int32_t, GN_I32, 1, GN_ROWS, GN_SAVED, GN_FX_BONDS, 0, "1", "bonds at the start")    \
     X(slot, int32_t, GN_I32, 1, GN_ROWS, GN_SAVED, GN_FX_PRESCRIBED, 0, "1",                       \
       "place in the list of prescribed particles, -1: none")                                       \
+    X(marks, int32_t, GN_I32, 2, GN_ROWS, GN_SAVED, 0, 0, "1",                                     \
+      "hashes of its contacts that act, and of those near, when the step was last looked at")      \
     X(travel_f, float, GN_F32, 4, GN_ROWS, GN_SCRATCH, GN_FX_MIXED, 0, "m",                        \
       "centre less ref (nodes: start) x y z, radius")                                              \
     X(vel_f, float, GN_F32, 4, GN_ROWS, GN_SCRATCH, GN_FX_MIXED, 0, "m/s, 1/kg",                   \

@@ -1,0 +1,274 @@
+/* A stable step need not resolve a collision. What particles can meet that they were not bonded to
+ * at the start has to be met in enough steps: of those contacts the shortest sets the step. */
+#include "base/memory.h"
+#include "sim/dashpot.h"
+#include "sim/parts.h"
+#include "sim/touch.h"
+
+#include <math.h>
+#include <string.h>
+
+double gn_world_contact_steps(const gn_world *w) {
+    if (w->scene.contact_steps > 0.0) return w->scene.contact_steps;
+    double alpha = w->damping_fraction;
+    if (w->scene.restitution >= 0.0) return gn_steps_per_contact(w->scene.restitution);
+    return gn_steps_per_contact(alpha < 1.0 ? exp(-M_PI * alpha / sqrt(1.0 - alpha * alpha)) : 0.0);
+}
+
+/* --- what is loose
+ * ---------------------------------------------------------------------------------- */
+
+/* Without a bond at the start, unless its cohesive group is bonded for the greater part: what fell
+ * short of a bond in a specimen's pores is part of the specimen. */
+gneiss_status gn_loose_find(gn_world *w, gneiss_error *error) {
+    const gn_particles *q = &w->particles;
+    size_t n = q->soa.count;
+    int32_t groups = 1;
+    if (w->loose) return GNEISS_OK;
+    for (size_t p = 0; p < n; p++) groups = q->group[p] >= groups ? q->group[p] + 1 : groups;
+    int64_t *lead = gn_alloc_array((size_t)groups, sizeof *lead); /* bonded less unbonded ones */
+    w->loose = gn_alloc(n + 1);
+    if (!lead || !w->loose) {
+        gn_free(lead);
+        return gn_fail(error, GNEISS_ERROR_MEMORY, "no memory for %zu particles", n);
+    }
+    for (size_t p = 0; p < n; p++) lead[q->group[p]] += q->bonds0 && q->bonds0[p] > 0 ? 1 : -1;
+    for (size_t p = 0; p < n; p++) {
+        bool bonded = q->bonds0 && q->bonds0[p] > 0;
+        w->loose[q->id[p]] = !bonded && (q->group[p] == 0 || lead[q->group[p]] <= 0);
+    }
+    gn_free(lead);
+    return GNEISS_OK;
+}
+
+static bool loose(const gn_world *w, size_t p) {
+    return w->loose[w->particles.id[p]];
+}
+
+/* 1/kg; 0 of what cannot give way. One that is held along some axes only counts as free. */
+static double inverse_mass(const gn_world *w, size_t p) {
+    const gn_particles *q = &w->particles;
+    unsigned all = w->effects & GN_FX_SPACE ? 7 : 3;
+    bool held =
+        w->prescribed.count && q->slot[p] >= 0 && (w->prescribed.mask[q->slot[p]] & all) == all;
+    return held ? 0.0 : q->vel[4 * p + 3];
+}
+
+/* --- the shortest contact
+ * ----------------------------------------------------------------------------------- */
+
+/* Largest w^2 so far, and of whom; second < 0: see gn_resolution. */
+typedef struct fastest {
+    double square;
+    int64_t first, second;
+} fastest;
+
+static void meet(fastest *f, double square, const gn_world *w, size_t p, int64_t second) {
+    if (square <= f->square) return;
+    *f = (fastest){square, w->particles.id[p], second};
+}
+
+/* Steps are counted over the undamped half wave. */
+static gn_resolution resolution_of(const gn_world *w, const fastest *f) {
+    double contact = M_PI / sqrt(f->square);
+    return (gn_resolution){contact / gn_world_contact_steps(w), contact, f->first, f->second};
+}
+
+static void meet_pairs(const gn_world *w, fastest *f) {
+    const gn_contacts *k = &w->pairs;
+    for (size_t c = 0; c < k->soa.count; c++) {
+        size_t i = (size_t)k->i[c], j = (size_t)k->j[c];
+        if (!loose(w, i) && !loose(w, j)) continue;
+        double square = k->kn[c] * (inverse_mass(w, i) + inverse_mass(w, j));
+        meet(f, square, w, i, w->particles.id[j]);
+    }
+}
+
+/* 1/kg that a surface adds where a particle touches it. */
+static double give(const gn_world *w, const gn_surface_contact *c) {
+    const gn_surface *s = c->surface;
+    double sum = 0.0, at[3], lever[3];
+    if (s->body < 0) {
+        for (int v = 0; v < c->parts; v++)
+            sum += c->weight[v] * c->weight[v] * s->velocity[4 * (int64_t)c->vertex[v] + 3];
+        return sum;
+    }
+    const gn_rigid *b = &w->bodies[s->body];
+    const double *x = w->particles.pos + 4 * c->particle, *n = c->contact.n;
+    for (int a = 0; a < 3; a++) {
+        at[a] = x[a] + c->contact.arm[a] - b->position[a];
+        sum += n[a] * n[a] * b->inverse_mass[a];
+    }
+    gn_cross3(at, n, lever);
+    return sum + gn_rigid_compliance(b, lever);
+}
+
+static int64_t surface_number(const gn_world *w, const gn_surface *s) {
+    return -1 - (int64_t)w->scene.wall_count - (s - w->surfaces);
+}
+
+static void meet_walls(const gn_world *w, fastest *f) {
+    const gn_wall_contacts *k = &w->wall_contacts;
+    for (size_t c = 0; w->effects & GN_FX_WALLS && c < k->soa.count;) {
+        size_t p = (size_t)k->i[c], many = 0;
+        double inverse = inverse_mass(w, p);
+        if (!loose(w, p)) {
+            c++;
+            continue;
+        }
+        if ((size_t)k->wall[c] < w->scene.wall_count) {
+            meet(f, w->scene.walls[k->wall[c]].stiffness * inverse, w, p, -1 - (int64_t)k->wall[c]);
+            c++;
+            continue;
+        }
+        const gn_surface *s = gn_surface_of_row(w, c);
+        if (!gn_surface_yields(w, s)) {
+            meet(f, s->stiffness * inverse, w, p, surface_number(w, s));
+            c++;
+            continue;
+        }
+        gn_surface_contact found[GN_SURFACE_CONTACTS];
+        c = gn_surface_contacts_at(w, c, w->verlet.skin, found, &many);
+        for (size_t m = 0; m < many; m++)
+            meet(f, s->stiffness * (inverse + give(w, &found[m])), w, p, surface_number(w, s));
+    }
+}
+
+gn_resolution gn_resolution_listed(const gn_world *w) {
+    fastest f = {0.0, -1, -1};
+    meet_pairs(w, &f);
+    meet_walls(w, &f);
+    return resolution_of(w, &f);
+}
+
+/* --- what the scene holds
+ * ------------------------------------------------------------------------------------ */
+
+/* The smallest and the largest two of particles that are alike: material, loose, held. For a given
+ * partner w^2 = k (1/m_i + 1/m_j) has its maximum at the least or the greatest radius in every law
+ * for k and any dimension: with x = r_i/r_j it is (1 + x)(A/x^3 + B) (arithmetic), x/(1 + x) (A/x^3
+ * + B) (harmonic) or A/x^d + B, each of which falls and then rises, or only falls. So the extremes
+ * of two classes have the extreme pair among them, and two of each make it one of distinct
+ * particles. */
+typedef struct extremes {
+    size_t count, place[4]; /* two smallest, two largest */
+} extremes;
+
+static double radius(const gn_world *w, size_t p) {
+    return w->particles.pos[4 * p + 3];
+}
+
+static void keep_extremes(const gn_world *w, extremes *e, size_t p) {
+    double r = radius(w, p);
+    if (e->count < 4) {
+        size_t at = e->count++;
+        for (; at > 0 && radius(w, e->place[at - 1]) > r; at--) e->place[at] = e->place[at - 1];
+        e->place[at] = p;
+        return;
+    }
+    if (r < radius(w, e->place[1])) {
+        bool first = r < radius(w, e->place[0]);
+        e->place[1] = first ? e->place[0] : p;
+        if (first) e->place[0] = p;
+    } else if (r > radius(w, e->place[2])) {
+        bool last = r > radius(w, e->place[3]);
+        e->place[2] = last ? e->place[3] : p;
+        if (last) e->place[3] = p;
+    }
+}
+
+/* Largest w^2 of a pair with, and of shear and rolling without the dashpot. */
+typedef struct flight {
+    double normal, shear;
+    fastest resolved;
+} flight;
+
+/* (v + w x arm) per unit of force across the normal: 1/m + r^2/I. */
+static double inverse_across(const gn_world *w, size_t p) {
+    const gn_particles *q = &w->particles;
+    double r = radius(w, p);
+    return q->vel[4 * p + 3] + (q->spin ? r * r * q->spin[4 * p + 3] : 0.0);
+}
+
+static void fly_pair(const gn_world *w, size_t i, size_t j, flight *f) {
+    gn_contact_parameters c = gn_contact_law(w, (int32_t)i, (int32_t)j);
+    double square = c.kn * (inverse_mass(w, i) + inverse_mass(w, j));
+    f->normal = fmax(f->normal, square);
+    if (w->effects & GN_FX_SHEAR && c.mu > 0.0)
+        f->shear = fmax(f->shear, c.kt * (inverse_across(w, i) + inverse_across(w, j)));
+    if (loose(w, i) || loose(w, j)) meet(&f->resolved, square, w, i, w->particles.id[j]);
+}
+
+static void fly_pairs(const gn_world *w, const extremes *classes, size_t count, flight *f) {
+    for (size_t a = 0; a < count; a++)
+        for (size_t b = a; b < count; b++)
+            for (size_t i = 0; i < classes[a].count; i++)
+                for (size_t j = a == b ? i + 1 : 0; j < classes[b].count; j++)
+                    fly_pair(w, classes[a].place[i], classes[b].place[j], f);
+}
+
+static void fly_walls(const gn_world *w, size_t p, flight *f) {
+    double inverse = inverse_mass(w, p);
+    for (size_t k = 0; k < w->scene.wall_count; k++) {
+        const gn_wall_def *d = &w->scene.walls[k];
+        bool shear = w->effects & GN_FX_WALL_SHEAR && d->friction > 0.0 && d->kratio > 0.0;
+        f->normal = fmax(f->normal, d->stiffness * inverse);
+        if (shear) f->shear = fmax(f->shear, d->stiffness / d->kratio * inverse_across(w, p));
+        if (loose(w, p)) meet(&f->resolved, d->stiffness * inverse, w, p, -1 - (int64_t)k);
+    }
+    for (size_t k = 0; k < w->surface_count; k++) {
+        const gn_surface *s = &w->surfaces[k];
+        double square = s->stiffness * (inverse + gn_surface_give(w, s));
+        bool shear = w->effects & GN_FX_WALL_SHEAR && s->friction > 0.0 && s->kratio > 0.0;
+        f->normal = fmax(f->normal, square);
+        if (shear) f->shear = fmax(f->shear, s->stiffness / s->kratio * inverse_across(w, p));
+        if (loose(w, p)) meet(&f->resolved, square, w, p, surface_number(w, s));
+    }
+}
+
+static gneiss_status fly(const gn_world *w, flight *f, gneiss_error *error) {
+    size_t count = 4 * w->scene.material_count;
+    extremes *classes = gn_alloc_array(count + 1, sizeof *classes);
+    if (!classes) return gn_fail(error, GNEISS_ERROR_MEMORY, "no memory for %zu classes", count);
+    for (size_t p = 0; p < w->particles.soa.count; p++) {
+        if (w->particles.vel[4 * p + 3] == 0.0) continue;
+        size_t held = inverse_mass(w, p) == 0.0, kind = 2 * held + loose(w, p);
+        keep_extremes(w, &classes[4 * (size_t)w->particles.material[p] + kind], p);
+        if (!held) fly_walls(w, p, f);
+    }
+    fly_pairs(w, classes, count, f);
+    /* All by itself: as if it met its like, so that there is a step. */
+    for (size_t p = 0; f->normal == 0.0 && p < w->particles.soa.count; p++)
+        f->normal = 2.0 * gn_contact_law(w, (int32_t)p, (int32_t)p).kn * inverse_mass(w, p);
+    gn_free(classes);
+    return GNEISS_OK;
+}
+
+gneiss_status gn_flight_limits(const gn_world *w, double *stable, gn_resolution *resolution,
+                               gneiss_error *error) {
+    flight f = {.resolved = {0.0, -1, -1}};
+    GN_TRY(fly(w, &f, error));
+    double alpha = w->damping_fraction;
+    *stable = fmin(2.0 / sqrt(f.normal) * (sqrt(1.0 + alpha * alpha) - alpha), 2.0 / sqrt(f.shear));
+    *resolution = resolution_of(w, &f.resolved);
+    return GNEISS_OK;
+}
+
+/* --- words
+ * ---------------------------------------------------------------------------------------- */
+
+const char *gn_resolution_text(const gn_world *w, char *text, size_t size) {
+    const gn_resolution *r = &w->resolution;
+    int64_t walls = (int64_t)w->scene.wall_count, k = -1 - r->second;
+    if (r->second >= 0)
+        snprintf(text, size, "particles %lld and %lld", (long long)r->first, (long long)r->second);
+    else if (k < walls)
+        snprintf(text, size, "particle %lld and wall '%.60s'", (long long)r->first,
+                 w->scene.walls[k].name);
+    else if (k - walls < (int64_t)w->scene.body_count)
+        snprintf(text, size, "particle %lld and body '%.60s'", (long long)r->first,
+                 w->scene.bodies[k - walls].name);
+    else
+        snprintf(text, size, "particle %lld and the finite elements", (long long)r->first);
+    return text;
+}
