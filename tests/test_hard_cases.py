@@ -430,9 +430,7 @@ def signalled(folder, *arguments):
 
 @fact
 def a_signal_while_particles_are_seeded_ends_the_packing(folder):
-    # Of a million random points one stays: 1e8 of them are tried before the packing is given up.
-    body = write_scene(folder, "specimen:\n  cylinder: {diameter: 20 mm, height: 30 mm}\n  particles: 60\n"
-                               "  packing: {refine: [{from: [0, 0, 0], to: [0, 0, 1 nm], size: 1e-8, distance: 1 nm}]}\n")
+    body = write_scene(folder, "specimen:\n  cylinder: {diameter: 20 mm, height: 30 mm}\n  particles: 3000000\n")
     out = os.path.join(folder, "out")
     assert "packing interrupted" in signalled(folder, "pack", body, "--out", out)
     assert not os.path.exists(out), os.listdir(out)

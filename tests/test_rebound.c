@@ -49,7 +49,7 @@ static double rebound(const meeting *m, double restitution, double steps) {
     add(&t, "sets:\n  - {name: b, select: {ids: [%d]}, initial_velocity: [%.17g, %s]}\n", moving,
         -speed, zero);
     if (m->other == HELD) add(&t, "  - {name: a, select: {ids: [0]}, motion: {vx: 0, vy: 0}}\n");
-    add(&t, "time: {step: %.17g, end: 1e9, on_unstable: warn}\nrun: {threads: 1}\n", dt);
+    add(&t, "time: {step: %.17g, end: 1, on_unstable: warn}\nrun: {threads: 1}\n", dt);
     gn_world *w = world_of("%s", t.s);
     /* The slowest to part, at critical damping, are at 1 % of the speed after eight of 1/w. */
     run_steps(w, (int64_t)(steps * 4.0 + m->phase + 2.0));
@@ -120,7 +120,7 @@ static double drift(const double (*at)[3], int count, const double axis[3], doub
     add(t,
         "materials: [{name: m, density: 2500, normal_stiffness: %g, kratio: 2, "
         "bond_tension_limit: 1e30, bond_shear_limit: 1e30}]\nlaw: {stiffness: uniform}\n"
-        "bonds: {interaction_range: 0.05}\ntime: {step: %.17g, end: 1e9}\nrun: {threads: 1}\n"
+        "bonds: {interaction_range: 0.05}\ntime: {step: %.17g, end: 1}\nrun: {threads: 1}\n"
         "sets:\n",
         stiffness, angle / spin);
     for (int k = 0; k < count; k++) {

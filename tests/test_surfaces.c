@@ -50,21 +50,23 @@ static void same_run(gn_world *flat, gn_world *facets, gn_world *shaken, int64_t
     double grown = 0.0;
     for (int64_t k = 0; k < steps; k++) {
         compare_step(flat, facets, &d);
-        if (!shaken) continue;
-        run_steps(shaken, 1);
-        grown = fmax(grown, fabs(flat->walls[0].force[2] - shaken->walls[0].force[2]));
+        if (shaken) {
+            run_steps(shaken, 1);
+            grown = fmax(grown, fabs(flat->walls[0].force[2] - shaken->walls[0].force[2]));
+        }
+        assert_true(d.force <= 1e-6 * d.force_size + 30.0 * grown);
+        if (k == steps / 3) assert_true(grown < 1e-8 * d.force_size); /* many bounces later */
     }
-    assert_true(grown <= 1e-5 * d.force_size);
     assert_true(d.force_size > 0.0 && d.shear_size > 0.01 * d.force_size);
-    assert_true(d.force <= 1e-6 * d.force_size + 10.0 * grown);
-    assert_true(d.speed <= 1e-6 * d.speed_size);
+    double allowed = fmax(1e-6, 30.0 * grown / d.force_size);
+    assert_true(d.speed <= allowed * d.speed_size);
     gn_energy a = flat->reading, b = facets->reading;
     double work = fabs(a.work_walls) + fabs(a.work_gravity);
-    assert_near(a.work_walls, b.work_walls, 1e-6 * work);
-    assert_near(a.friction, b.friction, 1e-6 * work);
-    assert_near(a.contact_damping, b.contact_damping, 1e-6 * work);
-    assert_near(a.elastic_wall, b.elastic_wall, 1e-6 * work);
-    assert_near(a.rotational, b.rotational, 1e-6 * work);
+    assert_near(a.work_walls, b.work_walls, allowed * work);
+    assert_near(a.friction, b.friction, allowed * work);
+    assert_near(a.contact_damping, b.contact_damping, allowed * work);
+    assert_near(a.elastic_wall, b.elastic_wall, allowed * work);
+    assert_near(a.rotational, b.rotational, allowed * work);
 }
 
 /* Bounces, slides and rolls over many facets of a plate that moves as well; gravity is slanted. */

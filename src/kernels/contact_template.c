@@ -318,11 +318,11 @@ GN_INLINE void cross(const gn_contact_args *a, size_t c, gn_v path, gn_v distanc
     gn_v quarter_y2 = gn_set(0.25 * a->dt * a->dt) * q->kn * (vi[3] + vj[3]);
     quarter_y2 = gn_set(0.0) - gn_max(gn_set(0.0) - quarter_y2, gn_set(-0.125));
     gn_v before = q->stretch - path;
-    /* A gap within the rounding of the positions was none. */
-    gn_m touched = gn_less(before, gn_set(0x1p-48) * distance);
-    /* A bond that breaks in this step was a spring both ways until now. */
-    gn_m closing = gn_and(gn_and(loose, gn_not(q->breaking)), gn_and(q->touching, gn_not(touched)));
-    gn_m opening = gn_and(gn_and(loose, gn_less(zero, path)), gn_and(touched, gn_not(q->touching)));
+    gn_m opening = gn_and(gn_and(loose, gn_less(before, zero)), gn_not(q->touching));
+    /* A gap within the rounding of the positions was none, and a bond that breaks in this step was
+     * a spring both ways until now. */
+    gn_m apart = gn_and(gn_not(q->breaking), gn_at_least(before, gn_set(0x1p-48) * distance));
+    gn_m closing = gn_and(gn_and(loose, q->touching), apart);
     gn_v s = gn_where(gn_or(closing, opening), q->stretch / path, zero);
     gn_v bend = quarter_y2 * s * (one - s);
     gn_v in = half * q->elastic * (one + s) * (one - bend);

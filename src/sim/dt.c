@@ -379,6 +379,8 @@ gneiss_status gn_world_check_step(gn_world *w, bool full, gneiss_error *error) {
         w->stable = all_together(w, w->stable_particles);
         status = react(w, w->stable, error);
     }
+    /* A step of next to nothing is no step to look at lists with. */
+    if (status == GNEISS_OK && full) status = gn_world_check_duration(w, error);
     if (status == GNEISS_OK && full) status = check_anew(w, error);
     w->seconds[GN_PHASE_step_limit] += gn_now() - start;
     return status;

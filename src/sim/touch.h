@@ -72,12 +72,12 @@ typedef struct gn_touch_normal {
 static inline gn_touch_normal gn_touch_normal_of(double stiffness, const gn_touch *t, double path,
                                                  double dt) {
     double before = t->gap - path, gap = t->gap, s = gap / path;
-    bool touching = gap < 0.0, touched = before < t->rounding;
-    if (touching && touched) return (gn_touch_normal){stiffness * gap, gap, 1.0};
+    bool touching = gap < 0.0;
+    if (touching && before < t->rounding) return (gn_touch_normal){stiffness * gap, gap, 1.0};
     double bend = fmin(0.25 * dt * dt * stiffness * t->inverse_mass, 0.125) * s * (1.0 - s);
     if (touching)
         return (gn_touch_normal){0.5 * stiffness * gap * (1.0 + s) * (1.0 - bend), path, 0.5 + s};
-    if (touched && path > 0.0)
+    if (!touching && before < 0.0)
         return (gn_touch_normal){-0.5 * stiffness * before * s * (1.0 + bend), -path, 0.5 - s};
     return (gn_touch_normal){0.0, 0.0, 0.0};
 }
