@@ -7,7 +7,7 @@ import jobs
 GRAIN = {"density": 2650.0, "contact_modulus": 10e9, "kratio": 3.7, "friction": 0.5, "tension": 40e6, "shear": 40e6,
          "interaction_range": 0.05, "damping": 0.0, "dt": 1e-7, "every": 1, "snapshot_every": 1, "velocities": True}
 FREE, STILL = [None] * 3, [0.0] * 3
-SAME = {"fresh": "aligned"}  # with what peer.py does anyway: every definition the same
+SAME = {"fresh": "aligned", "increment": "middle", "crossing": "part"}  # with what peer.py does anyway: every definition the same
 # Overlapping by 2.6 %; apart by 2 micrometres; touching.
 PAIR = [[0, 0, 0, 1.0e-3], [1.85e-3, 0, 0, 0.9e-3]]
 APART = [[0, 0, 0, 1.0e-3], [1.902e-3, 0.01e-3, 0, 0.9e-3]]
