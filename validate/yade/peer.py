@@ -13,8 +13,8 @@ measured (`job["yade"]`):
              first kick under gravity is a half one; "plain": given with the particles
   fresh      "aligned": pairs that meet later measure the overlap from zero and count the shear of their first step;
              "plain": from the overlap at the first step in which they touch, without the shear of that step
-  increment  "end": shear of a step with the normal and the arms of its end; "middle": with those of its middle, and the twist
-             of the step halfway through it, as gneiss does: what differs is added before YADE's law sees the force (slow)
+  increment  "end": shear of a step with the normal and the arms of its end; "middle": with those of its middle, and the
+             twist of the step halfway through it, as in gneiss: what differs is added before YADE's law (slow)
   crossing   "whole": contacts without a bond that close or open within a step act at its end with the whole overlap or not
              at all; "part": with gneiss' share of the step (slow)
   damping    "yade": NewtonIntegrator's rule; "past": sign of the velocity before the kick, from Python (slow)
@@ -117,8 +117,8 @@ class Contacts:
     def __init__(self, members):
         self.members, self.phys = members, [i.phys for i in members]
         pairs = np.array([(i.id1, i.id2) for i in members], dtype=int).reshape(-1, 2)
-        known_bodies, place = np.unique(pairs, return_inverse=True)
-        self.states, self.place = [states[k] for k in known_bodies], place.reshape(-1, 2).T
+        ids, place = np.unique(pairs, return_inverse=True)
+        self.states, self.place = [states[k] for k in ids], place.reshape(-1, 2).T
         self.radii = spheres[pairs.T, 3]
         mass = np.array([s.mass for s in self.states])[self.place]
         self.inverse_mass = (1 / mass).sum(axis=0)
@@ -140,12 +140,12 @@ class Contacts:
         self.speed = dot(self.velocity, self.normal)
         self.stretch, self.path = self.distance - self.length0, dt * self.speed
 
-    def turn(self, part):
-        """Half the spins along a direction, over a step: how far the pair twists about it."""
-        return 0.5 * dt * dot(self.spins[0] + self.spins[1], part)
+    def twist(self, axis):
+        """How far the pair twists about a direction in the step, by its mean spin."""
+        return 0.5 * dt * dot(self.spins[0] + self.spins[1], axis)
 
     def increment(self, at):
-        """What the step adds to the tangential force on the first particle. "end": YADE's ScGeom; "middle": gneiss' law."""
+        """What the step adds to the tangential force on the first particle; at its "end" as YADE, its "middle" as gneiss."""
         back = 0.5 * dt if at == "middle" else 0.0
         length = self.distance - back * self.speed
         direction = (self.distance * self.normal - back * self.velocity) / length
@@ -154,12 +154,12 @@ class Contacts:
         whole = self.kt * dt * (v - dot(v, self.normal) * direction)
         if at == "end":
             return whole
-        angle, half = self.turn(direction), 0.5 * whole
+        angle, half = self.twist(direction), 0.5 * whole
         return whole + angle * cross(self.normal, half) - 0.5 * angle**2 * half
 
     def before_turn(self, force):
         """What YADE's turn of the old shear force, f - f x a about two axes one after the other, makes `force` of."""
-        for a in (self.turn(self.before) * self.before, cross(self.before, self.normal)):
+        for a in (self.twist(self.before) * self.before, cross(self.before, self.normal)):
             force = (force - cross(a, force) + dot(a, force) * a) / (1 + dot(a, a))
         return force
 
@@ -169,8 +169,8 @@ def add_increment():
     contacts.look()
     if choice["increment"] == "middle":
         more = contacts.before_turn(contacts.increment("middle") - contacts.increment("end"))
-        for phys, force in zip(contacts.phys, more.T.tolist()):
-            phys.shearForce -= Vector3(*force)  # acts on the second particle
+        for phys, x, y, z in zip(contacts.phys, *more.tolist()):
+            phys.shearForce -= Vector3(x, y, z)  # acts on the second particle
 
 
 def change_shear(i, new):
@@ -231,13 +231,14 @@ def complete_fresh(real):
 
 
 def complete_crossing(broken):
-    """Contacts that closed or opened within this step, bonds apart: src/kernels/contact_template.c says why so."""
-    c = contacts
+    """Contacts without a bond that closed or opened within this step: src/kernels/contact_template.c says why so. Bonds that
+    broke in it were springs until now."""
+    c, sprung = contacts, {(i.id1, i.id2) for i in broken}
     start = c.stretch - c.path
     for k in np.flatnonzero((c.stretch < 0) != (start < 0)).tolist():
         i, u, gap = c.members[k], float(c.stretch[k]), float(start[k])
         closed = u < 0
-        if c.phys[k].isCohesive or closed and (gap < 2**-48 * c.distance[k] or i in broken):
+        if c.phys[k].isCohesive or closed and (gap < 2**-48 * c.distance[k] or (i.id1, i.id2) in sprung):
             continue
         s = u / float(c.path[k])
         bend = min(0.25 * dt**2 * float(c.kn[k] * c.inverse_mass[k]), 0.125) * s * (1 - s)
