@@ -13,6 +13,10 @@ measured (`job["yade"]`):
              first kick under gravity is a half one; "plain": given with the particles
   fresh      "aligned": pairs that meet later measure the overlap from zero and count the shear of their first step;
              "plain": from the overlap at the first step in which they touch, without the shear of that step
+  increment  "end": shear of a step with the normal and the arms of its end; "middle": with those of its middle, and the
+             twist of the step halfway through it, as in gneiss: what differs is added before YADE's law (slow)
+  crossing   "whole": contacts without a bond that close or open within a step act at its end with the whole overlap or not
+             at all; "part": with gneiss' share of the step (slow)
   damping    "yade": NewtonIntegrator's rule; "past": sign of the velocity before the kick, from Python (slow)
 """
 import json
@@ -25,8 +29,8 @@ from yade import O, utils
 
 with open(os.environ["JOB"], encoding="utf-8") as f:
     job = json.load(f)
-choice = {"arms": "contact", "friction": "completed", "start": "aligned", "fresh": "plain", "damping": "yade",
-          **job.get("yade", {})}
+choice = {"arms": "contact", "friction": "completed", "start": "aligned", "fresh": "plain", "increment": "end",
+          "crossing": "whole", "damping": "yade", **job.get("yade", {})}
 spheres = np.loadtxt(job["spheres"], ndmin=2)
 mu, every, steps, dt = job["friction"], job["every"], job["steps"], job["dt"]
 gravity = Vector3(*job.get("gravity", (0, 0, 0)))
@@ -99,6 +103,76 @@ def snapshot(n):
 cracks, intact, known = 0, [], 0
 
 
+def dot(a, b):
+    return (a * b).sum(axis=0)
+
+
+def cross(a, b):
+    return np.stack([a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]])
+
+
+class Contacts:
+    """What gneiss' law reads of interactions, as arrays [interaction] or [axis, interaction]."""
+
+    def __init__(self, members):
+        self.members, self.phys = members, [i.phys for i in members]
+        pairs = np.array([(i.id1, i.id2) for i in members], dtype=int).reshape(-1, 2)
+        ids, place = np.unique(pairs, return_inverse=True)
+        self.states, self.place = [states[k] for k in ids], place.reshape(-1, 2).T
+        self.radii = spheres[pairs.T, 3]
+        mass = np.array([s.mass for s in self.states])[self.place]
+        self.inverse_mass = (1 / mass).sum(axis=0)
+        self.kn, self.kt, overlap = np.array([(p.kn, p.ks, p.initD) for p in self.phys]).reshape(-1, 3).T
+        self.length0 = self.radii.sum(axis=0) - overlap
+        self.normal = np.array([[*i.geom.normal] for i in members]).reshape(-1, 3).T
+
+    def look(self):
+        """At the end of a step, before its forces: velocities are those of the step."""
+        now = np.empty((len(self.states), 9))
+        for row, s in enumerate(self.states):
+            x, v, w = s.pos, s.vel, s.angVel
+            now[row] = x[0], x[1], x[2], v[0], v[1], v[2], w[0], w[1], w[2]
+        first, second = now.T[:, self.place[0]], now.T[:, self.place[1]]
+        branch, self.velocity = second[:3] - first[:3], second[3:6] - first[3:6]
+        self.spins = first[6:], second[6:]
+        self.distance = np.sqrt(dot(branch, branch))
+        self.before, self.normal = self.normal, branch / self.distance
+        self.speed = dot(self.velocity, self.normal)
+        self.stretch, self.path = self.distance - self.length0, dt * self.speed
+
+    def twist(self, axis):
+        """How far the pair twists about a direction in the step, by its mean spin."""
+        return 0.5 * dt * dot(self.spins[0] + self.spins[1], axis)
+
+    def increment(self, at):
+        """What the step adds to the tangential force on the first particle; at its "end" as YADE, its "middle" as gneiss."""
+        back = 0.5 * dt if at == "middle" else 0.0
+        length = self.distance - back * self.speed
+        direction = (self.distance * self.normal - back * self.velocity) / length
+        arms = self.radii + 0.5 * (length - self.radii.sum(axis=0))
+        v = self.velocity - cross(arms[0] * self.spins[0] + arms[1] * self.spins[1], direction)
+        whole = self.kt * dt * (v - dot(v, self.normal) * direction)
+        if at == "end":
+            return whole
+        angle, half = self.twist(direction), 0.5 * whole
+        return whole + angle * cross(self.normal, half) - 0.5 * angle**2 * half
+
+    def before_turn(self, force):
+        """What YADE's turn of the old shear force, f - f x a about two axes one after the other, makes `force` of."""
+        for a in (self.twist(self.before) * self.before, cross(self.before, self.normal)):
+            force = (force - cross(a, force) + dot(a, force) * a) / (1 + dot(a, a))
+        return force
+
+
+def add_increment():
+    """Before YADE's law: shear forces from which it comes to gneiss' increment, and decides by it on bonds and friction."""
+    contacts.look()
+    if choice["increment"] == "middle":
+        more = contacts.before_turn(contacts.increment("middle") - contacts.increment("end"))
+        for phys, x, y, z in zip(contacts.phys, *more.tolist()):
+            phys.shearForce -= Vector3(x, y, z)  # acts on the second particle
+
+
 def change_shear(i, new):
     """Another shear force in this step: what acts on the particles changes with it."""
     change, n = new - i.phys.shearForce, i.geom.normal
@@ -117,46 +191,75 @@ def limit_shear(i):
         change_shear(i, force * (limit / size))
 
 
-def complete_broken():
-    """Friction for bonds that broke in this step."""
+def change_normal(i, new):
+    change = new - i.phys.normalForce
+    i.phys.normalForce = new
+    O.forces.addF(i.id1, -change)
+    O.forces.addF(i.id2, change)
+
+
+def broken_now():
+    """Interactions whose bonds broke in this step."""
     global cracks, intact
     now = law.nbTensCracks + law.nbShearCracks
     if now == cracks:
-        return
+        return []
     cracks = now
-    left = []
-    for pair in intact:
-        if pair[1].isCohesive:
-            left.append(pair)
-            continue
-        i, phys = pair
-        phys.tanFrictionAngle = mu
+    gone = [i for i, phys in intact if not phys.isCohesive]
+    intact = [pair for pair in intact if pair[1].isCohesive]
+    return gone
+
+
+def complete_broken(broken):
+    """Friction for bonds that broke in this step."""
+    for i in broken:
+        i.phys.tanFrictionAngle = mu
         limit_shear(i)
-    intact = left
 
 
-def complete_fresh():
+def complete_fresh(real):
     """Pairs that touch for the first time: overlap from zero, shear of this step."""
-    global known
+    fresh = [i for i in real if not i.phys.isCohesive and i.phys.initD != 0.0 and (i.id1, i.id2) not in bonded]
+    for i in fresh:
+        i.phys.initD = 0.0
+    met = Contacts(fresh)
+    met.look()
+    for i, shear in zip(fresh, met.increment(choice["increment"]).T.tolist()):
+        change_normal(i, i.phys.kn * i.geom.penetrationDepth * i.geom.normal)
+        change_shear(i, -Vector3(*shear))
+        limit_shear(i)
+
+
+def complete_crossing(broken):
+    """Contacts without a bond that closed or opened within this step: src/kernels/contact_template.c says why so. Bonds that
+    broke in it were springs until now."""
+    c, sprung = contacts, {(i.id1, i.id2) for i in broken}
+    start = c.stretch - c.path
+    for k in np.flatnonzero((c.stretch < 0) != (start < 0)).tolist():
+        i, u, gap = c.members[k], float(c.stretch[k]), float(start[k])
+        closed = u < 0
+        if c.phys[k].isCohesive or closed and (gap < 2**-48 * c.distance[k] or (i.id1, i.id2) in sprung):
+            continue
+        s = u / float(c.path[k])
+        bend = min(0.25 * dt**2 * float(c.kn[k] * c.inverse_mass[k]), 0.125) * s * (1 - s)
+        pressing = -u * (1 + s) * (1 - bend) if closed else gap * s * (1 + bend)
+        change_normal(i, 0.5 * float(c.kn[k]) * pressing * i.geom.normal)
+        limit_shear(i)
+
+
+def complete_pairs():
+    """Pairs that touch for the first time, once the law has seen them."""
+    global known, contacts
     now = O.interactions.countReal()
     if now == known:
         return
     known = now
-    for i in O.interactions:
-        if not i.isReal or i.phys.isCohesive or i.phys.initD == 0.0 or (i.id1, i.id2) in bonded:
-            continue
-        n, overlap = i.geom.normal, i.geom.penetrationDepth
-        i.phys.initD = 0.0
-        normal = i.phys.kn * overlap * n
-        change = normal - i.phys.normalForce
-        i.phys.normalForce = normal
-        O.forces.addF(i.id1, -change)
-        O.forces.addF(i.id2, change)
-        first, second = states[i.id1], states[i.id2]
-        a, b = i.geom.refR1 - 0.5 * overlap, i.geom.refR2 - 0.5 * overlap
-        v = second.vel - first.vel + second.angVel.cross(-b * n) - first.angVel.cross(a * n)
-        change_shear(i, -i.phys.ks * dt * (v - v.dot(n) * n))
-        limit_shear(i)
+    real = [i for i in O.interactions if i.isReal]
+    if choice["fresh"] == "aligned":
+        complete_fresh(real)
+    if followed:
+        contacts = Contacts(real)
+        contacts.look()
 
 
 def damp_past():
@@ -173,10 +276,12 @@ def damp_past():
 def tick():
     """Between forces and motion: n steps have been taken, the forces are those at the present positions."""
     n = O.iter - first_iteration
+    broken = broken_now()
     if choice["friction"] == "completed":
-        complete_broken()
-    if choice["fresh"] == "aligned":
-        complete_fresh()
+        complete_broken(broken)
+    complete_pairs()
+    if choice["crossing"] == "part":
+        complete_crossing(broken)
     if n == 0 and choice["start"] == "aligned":
         give_velocities()
     if snapshot_every and n % snapshot_every == 0:
@@ -214,7 +319,11 @@ intact = [(i, i.phys) for i in O.interactions if i.isReal and i.phys.isCohesive]
 if choice["start"] == "plain":
     give_velocities()
 first_iteration = O.iter
-O.engines = O.engines[:3] + [PyRunner(command="tick()", iterPeriod=1, initRun=True)] + O.engines[3:]
+followed = choice["increment"] == "middle" or choice["crossing"] == "part"
+contacts = Contacts([i for i in O.interactions if i.isReal]) if followed else None
+ahead = [PyRunner(command="add_increment()", iterPeriod=1, initRun=True)] if followed else []
+O.engines = (O.engines[:2] + ahead + O.engines[2:3] + [PyRunner(command="tick()", iterPeriod=1, initRun=True)]
+             + O.engines[3:])
 O.dt = dt
 started = time.perf_counter()
 O.run(steps + 1, True)  # the last tick sees the forces after `steps` steps
