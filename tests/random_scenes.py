@@ -97,16 +97,22 @@ def lattice_section(d, dim, r):
     return {"kind": kind, "radius": r, "cells": cells, "spacing": spacing, "jitter": jitter}
 
 
+# Edges of a cell and the last places in it, over the distance of nearest neighbours.
 CELL = {"square": (1, 1), "hexagonal": (1, math.sqrt(3)), "cubic": (1, 1, 1), "fcc": (math.sqrt(2),) * 3,
         "hcp": (1, math.sqrt(3), math.sqrt(8 / 3))}
+LAST = {"square": (0, 0), "hexagonal": (0.5, math.sqrt(3) / 2), "cubic": (0, 0, 0), "fcc": (math.sqrt(0.5),) * 3,
+        "hcp": (0.5, math.sqrt(4 / 3), math.sqrt(2 / 3))}
+
+
+def lattice_cells(part):
+    return [2 * part["radius"] * part["spacing"] * c * n for c, n in zip(CELL[part["kind"]], part["cells"])]
 
 
 def lattice_box(part):
-    """Lower and upper corner with the particles in it: the scene does not say them, walls have to know."""
-    edge = 2 * part["radius"] * part["spacing"]
-    shift = part["jitter"] * part["radius"]
-    upper = [edge * c * n + shift for c, n in zip(CELL[part["kind"]], part["cells"])]
-    return [-shift] * len(upper), upper
+    """Corners of the box around the particles: a scene does not say them, and walls have to know."""
+    edge, r, shift = 2 * part["radius"] * part["spacing"], part["radius"], part["jitter"] * part["radius"]
+    cells = zip(CELL[part["kind"]], LAST[part["kind"]], part["cells"])
+    return [-shift] * len(part["cells"]), [2 * r + edge * (c * (n - 1) + last) + shift for c, last, n in cells]
 
 
 # --- one scene --------------------------------------------------------------------------------------------
@@ -309,12 +315,11 @@ class Maker:
         d, dim = self.d, self.dim
         if self.kind == "periodic":
             if self.lattice:
-                self.scene["periodic"] = {"min": self.lower, "max": self.upper}
                 part = self.scene["specimen"]["lattice"]
                 part["cells"] = [max(c, 3) for c in part["cells"]]
-                self.scene["periodic"] = dict(zip(("min", "max"), lattice_box({**part, "jitter": 0.0})))
+                self.scene["periodic"] = {"min": [0.0] * dim, "max": lattice_cells(part)}
             else:
-                room = max(0.0, 4 * self.rmax - min(b - a for a, b in zip(self.lower, self.upper)))
+                room = max(0.0, 5 * self.rmax - min(b - a for a, b in zip(self.lower, self.upper)))
                 self.scene["periodic"] = {"min": self.lower, "max": [x + room + self.gap for x in self.upper]}
             return
         free = {"bodies": 0.7, "elements": 0.7, "bonds": 0.4}.get(self.kind, 0.1)
