@@ -221,11 +221,17 @@ class Maker:
         self.scene["specimen"]["material"] = "a"
         self.scene.setdefault("sets", []).append({"name": "other", "select": self.some(), "material": "b"})
 
-    def some(self):
-        """Half of the particles, roughly."""
-        d = self.d
+    def count(self):
         if not self.lattice:
-            n = len(self.scene["specimen"]["particles"])
+            return len(self.scene["specimen"]["particles"])
+        part = self.scene["specimen"]["lattice"]
+        return math.prod(part["cells"]) * {"hexagonal": 2, "fcc": 4, "hcp": 4}.get(part["kind"], 1)
+
+    def some(self, exact=False):
+        """Half of the particles; of a lattice those on one side, which may be all."""
+        d = self.d
+        if not self.lattice or exact:
+            n = self.count()
             return {"ids": sorted(d.sample(range(n), max(1, n // 2)))}
         axis = d.randrange(self.dim)
         low, high = [x - 1e3 * self.r for x in self.lower], [x + 1e3 * self.r for x in self.upper]
@@ -288,13 +294,13 @@ class Maker:
             spin = {"initial_spin": self.vector(self.speed / self.rmax) if self.dim == 3 else self.speed / self.rmax}
             sets.append({"name": "thrown", "select": self.some(), "initial_velocity": self.vector(self.speed),
                          **({} if self.scene["law"]["rotation"] == "off" else spin)})
-        if d.chance(0.3):
+        if d.chance(0.3) and self.count() > 1:
             held = {"v" + a: 0.0 for a in AXES[:self.dim]}
             if d.chance(0.5):
                 held[d.choice(list(held))] = d.choice((self.speed, -self.speed, [[0, 0], [self.end, self.speed]]))
             if d.chance(0.2):
                 held.pop(d.choice(list(held)))
-            sets.append({"name": "held", "select": self.some(), "motion": held})
+            sets.append({"name": "held", "select": self.some(exact=True), "motion": held})
         if d.chance(0.1):
             sets.append({"name": "pushed", "select": {"all": True},
                          "force": self.vector(1e-3 * self.soft * self.rmin)})
@@ -321,7 +327,7 @@ class Maker:
                 part["cells"] = [max(c, 3) for c in part["cells"]]
                 self.scene["periodic"] = {"min": [0.0] * dim, "max": lattice_cells(part)}
             else:
-                room = max(0.0, 5 * self.rmax - min(b - a for a, b in zip(self.lower, self.upper)))
+                room = max(0.0, 6 * self.rmax - min(b - a for a, b in zip(self.lower, self.upper)))
                 self.scene["periodic"] = {"min": self.lower, "max": [x + room + self.gap for x in self.upper]}
             return
         free = {"bodies": 0.7, "elements": 0.7, "bonds": 0.4}.get(self.kind, 0.1)
