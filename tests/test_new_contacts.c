@@ -1,8 +1,6 @@
 /* Contacts that form while a run goes on: the automatic step holds for them, and resolves them. */
 #include "world_helpers.h"
 
-#include "sim/dashpot.h"
-
 #include "scene/read.h"
 
 static double residual_after(gn_world *w, double end) {
@@ -308,13 +306,6 @@ static void contact_steps_can_be_asked_for(void **state) {
     world_end(w);
 }
 
-static void more_damped_contacts_ask_for_more_steps(void **state) {
-    (void)state;
-    for (double c = 0.0; c < 1.0; c += 0.01)
-        assert_true(gn_steps_per_contact(c) >= gn_steps_per_contact(c + 0.01));
-    assert_true(gn_steps_per_contact(1.0) >= 1.0);
-}
-
 /* A free block is lighter than it seems where it can turn away. */
 static void a_wall_counts_as_immovable_and_a_light_body_gives_way(void **state) {
     (void)state;
@@ -365,7 +356,6 @@ int main(void) {
         cmocka_unit_test(bonded_tests_keep_their_step),
         cmocka_unit_test(a_particle_that_missed_its_bond_is_no_loose_one),
         cmocka_unit_test(contact_steps_can_be_asked_for),
-        cmocka_unit_test(more_damped_contacts_ask_for_more_steps),
         cmocka_unit_test(a_wall_counts_as_immovable_and_a_light_body_gives_way),
         cmocka_unit_test(a_given_step_that_does_not_resolve_collisions_warns),
     };

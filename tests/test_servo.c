@@ -12,7 +12,7 @@ static gn_world *pressed(const char *particles, double top, const char *damping,
                     "domain: {min: [-1, -1, -1], max: [1, 1, 1]}\nwalls:\n"
                     "- {name: floor, point: [0, 0, 0], normal: [0, 0, 1], stiffness: 1e5}\n"
                     "- {name: lid, point: [0, 0, %.17g], normal: [0, 0, -1], stiffness: 1e5, "
-                    "servo: {force: 5, max_velocity: 1, relaxation: %g}}\n"
+                    "servo: {force: 5, max_velocity: 10, relaxation: %g}}\n"
                     "time: {safety: %g, end: 1}\nrun: {threads: 1}\n",
                     particles, damping, top, relaxation, safety);
 }

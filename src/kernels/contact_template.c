@@ -230,6 +230,7 @@ GN_INLINE void measure_contact(lane_sums *e, const pair_geometry *s, gn_v3 f, va
 /* Forces of a contact before and after its limits. */
 typedef struct contact_state {
     gn_v kn, kt, stretch, elastic, normal; /* elastic: k_n stretch; normal: what acts of it */
+    gn_v beyond;                           /* the stretch and the rounding of positions */
     gn_v way;                              /* normal times this is twice the energy of the spring */
     gn_v share;                            /* of the dashpot's force */
     gn_v3 before, trial, t;                /* tangential: last step's, turned; unlimited; acting */
@@ -310,19 +311,20 @@ GN_INLINE void book_elastic(const contact_state *q, lane_sums *e, variant w) {
  * s (1 - s)/4, from the trapezoidal sums of this and the next step of a pair that meets alone, by
  * y^8. The energy that is booked with the instant is what closes those sums: half the force times
  * the path. */
-GN_INLINE void cross(const gn_contact_args *a, size_t c, gn_v path, gn_v distance, gn_m loose,
-                     contact_state *q) {
+GN_INLINE void cross(const gn_contact_args *a, size_t c, gn_v path, gn_m loose, contact_state *q) {
     gn_v half = gn_set(0.5), one = gn_set(1.0), zero = gn_set(0.0), vi[4], vj[4];
     gn_rows4(COLUMN(a, vel), a->contacts->i + c, vi);
     gn_rows4(COLUMN(a, vel), a->contacts->j + c, vj);
     gn_v quarter_y2 = gn_set(0.25 * a->dt * a->dt) * q->kn * (vi[3] + vj[3]);
     quarter_y2 = gn_set(0.0) - gn_max(gn_set(0.0) - quarter_y2, gn_set(-0.125));
     gn_v before = q->stretch - path;
-    gn_m opening = gn_and(gn_and(loose, gn_less(before, zero)), gn_not(q->touching));
-    /* A gap within the rounding of the positions was none, and a bond that breaks in this step was
-     * a spring both ways until now. */
-    gn_m apart = gn_and(gn_not(q->breaking), gn_at_least(before, gn_set(0x1p-48) * distance));
-    gn_m closing = gn_and(gn_and(loose, q->touching), apart);
+    gn_m touched = gn_less(q->beyond, path);
+    gn_m opening = gn_and(gn_and(loose, touched), gn_not(q->touching));
+    gn_m closing = gn_and(gn_and(loose, q->touching), gn_not(touched));
+    /* A bond that breaks in this step was a spring both ways until now, unless by no more than that
+     * rounding: then it may as well never have been there. */
+    gn_m never = gn_less(before, q->beyond - q->stretch);
+    closing = gn_and(closing, gn_or(gn_not(q->breaking), never));
     gn_v s = gn_where(gn_or(closing, opening), q->stretch / path, zero);
     gn_v bend = quarter_y2 * s * (one - s);
     gn_v in = half * q->elastic * (one + s) * (one - bend);
@@ -334,17 +336,15 @@ GN_INLINE void cross(const gn_contact_args *a, size_t c, gn_v path, gn_v distanc
 }
 
 /* What acts along the normal but for the dashpot. */
-GN_INLINE void find_normal_force(const gn_contact_args *a, size_t c, const stage *g, gn_v path,
-                                 contact_state *q) {
+GN_INLINE void find_normal_force(const gn_contact_args *a, size_t c, gn_v path, contact_state *q) {
     gn_m acting = gn_or(q->touching, q->intact), loose = gn_not(q->intact);
-    gn_m touched = gn_less(q->stretch, path);
+    gn_m touched = gn_less(q->beyond, path);
     q->normal = gn_keep(acting, q->elastic);
     q->way = q->stretch;
     q->share = gn_keep(acting, gn_set(1.0));
     gn_m crossing =
         gn_or(gn_and(q->touching, gn_not(touched)), gn_and(touched, gn_not(q->touching)));
-    if (__builtin_expect(gn_bits(gn_and(loose, crossing)) != 0, 0))
-        cross(a, c, path, g->geometry.distance, loose, q);
+    if (__builtin_expect(gn_bits(gn_and(loose, crossing)) != 0, 0)) cross(a, c, path, loose, q);
 }
 
 GN_INLINE gn_v damped(const gn_contact_args *a, size_t c, gn_v speed, gn_v path,
@@ -379,7 +379,10 @@ GN_INLINE void find_forces(const gn_contact_args *a, size_t c, size_t end, const
     q.kn = gn_load(COLUMN(list, kn) + gn_column_at(c, a->uniform.kn));
     q.intact = q.breaking = q.slipping = gn_m_none();
     q.elastic = q.kn * q.stretch;
-    q.touching = gn_less(q.stretch, zero);
+    /* An overlap within the rounding of the positions is none: whether contacts that begin at 0
+     * have begun is then the same in the next step, from the stretch before that. */
+    q.beyond = gn_fma(gn_set(0x1p-48), p->distance, q.stretch);
+    q.touching = gn_less(q.beyond, zero);
     if (w.shear) {
         q.kt = gn_load(COLUMN(list, kt) + gn_column_at(c, a->uniform.kt));
         q.before = g->before;
@@ -387,7 +390,7 @@ GN_INLINE void find_forces(const gn_contact_args *a, size_t c, size_t end, const
     }
     if (w.bonds) break_bonds(a, c, end, &q, sums, w);
     gn_v path = gn_set(a->dt) * g->speed;
-    find_normal_force(a, c, g, path, &q);
+    find_normal_force(a, c, path, &q);
     gn_v total = q.normal;
     if (w.damping) total = damped(a, c, g->speed, path, &q, e, w);
     if (w.shear) limit_shear(a, c, total, &q, w);

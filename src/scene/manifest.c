@@ -469,7 +469,7 @@ static const gn_key time_keys[] = {
     KEY("contact_steps", REAL, gn_scene, contact_steps, .unit = "1", .range = "(0, inf)",
         .word = "auto", .fallback = "auto",
         .text = "steps that the shortest collision of loose particles lasts in an automatic step; "
-                "auto: by the restitution"),
+                "auto: 10, which keeps restitution within 1 %"),
     KEY("estimate", CHOICE, gn_scene, estimate, .choices = estimates, .fallback = "sharp",
         .text = "stability limit: sharp by iteration, or the rigorous bound per particle"),
     KEY("on_unstable", CHOICE, gn_scene, on_unstable, .choices = policies, .fallback = "stop",

@@ -405,7 +405,7 @@ typedef struct gn_scene {
     gn_where time_where;
     double step;          /* dt, s; 0: automatic */
     double safety;        /* of 2/w_max */
-    double contact_steps; /* that a collision lasts at least; 0: by the restitution */
+    double contact_steps; /* that a collision lasts at least; 0: GN_STEPS_PER_CONTACT */
     gn_step_estimate estimate;
     gn_policy on_unstable;  /* what a step above its limit does */
     double end;             /* s */

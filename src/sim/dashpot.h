@@ -27,12 +27,12 @@ static inline double gn_dashpot(double stiffness, double inverse_mass, double al
     return fmin(c, q / (dt * inverse_mass));
 }
 
-/* Steps per half period pi/w of a free collision, w^2 = k/m, with which its restitution is within 1
- * % (below one half: within 0.01) of `restitution`, wherever in a step it begins. Measured worst
- * cases need 4.5 steps from 1 down to 0.9, 5.5 at 0.8, 7.5 at 0.6, 9.5 at 0.5 and fewer again
- * below. */
-static inline double gn_steps_per_contact(double restitution) {
-    return 5.0 + 5.0 * fmin(1.0, fmax(0.0, (1.0 - restitution) / 0.4));
-}
+/* Steps per half period pi/w of a free collision, w^2 = k/m, that an automatic step takes at least.
+ * Then its restitution is within 1 % (below one half: within 0.01) wherever in a step it begins:
+ * that takes 4.5 steps from 1 down to 0.9, 5.5 at 0.8, 7.5 at 0.6, 9.5 at 0.5 and fewer again below
+ * (worst phases, measured). Without dashpots, where every collision's error of the energy adds up,
+ * ten keep that of a bed that bounces for ever within 1 % for thousands of collisions; five did
+ * not. */
+enum { GN_STEPS_PER_CONTACT = 10 };
 
 #endif

@@ -9,10 +9,7 @@
 #include <string.h>
 
 double gn_world_contact_steps(const gn_world *w) {
-    if (w->scene.contact_steps > 0.0) return w->scene.contact_steps;
-    double alpha = w->damping_fraction;
-    if (w->scene.restitution >= 0.0) return gn_steps_per_contact(w->scene.restitution);
-    return gn_steps_per_contact(alpha < 1.0 ? exp(-M_PI * alpha / sqrt(1.0 - alpha * alpha)) : 0.0);
+    return w->scene.contact_steps > 0.0 ? w->scene.contact_steps : GN_STEPS_PER_CONTACT;
 }
 
 /* --- what is loose

@@ -17,7 +17,7 @@ typedef struct gn_touch_law {
 typedef struct gn_touch {
     double n[3];
     double gap;          /* m, negative while it presses */
-    double rounding;     /* m, of the gap: less was no gap */
+    double rounding;     /* m, of the gap: an overlap within it is none */
     double speed;        /* m/s, of the wall against the particle along n */
     double relative[3];  /* m/s, the same across n, at the point of contact */
     double twist;        /* rad/s, sum of both spins about n */
@@ -71,13 +71,13 @@ typedef struct gn_touch_normal {
  * (kernels/contact_template.c, cross). */
 static inline gn_touch_normal gn_touch_normal_of(double stiffness, const gn_touch *t, double path,
                                                  double dt) {
-    double before = t->gap - path, gap = t->gap, s = gap / path;
-    bool touching = gap < 0.0;
-    if (touching && before < t->rounding) return (gn_touch_normal){stiffness * gap, gap, 1.0};
+    double gap = t->gap, before = gap - path, s = gap / path;
+    bool touching = gap < -t->rounding, touched = before < -t->rounding;
+    if (touching && touched) return (gn_touch_normal){stiffness * gap, gap, 1.0};
     double bend = fmin(0.25 * dt * dt * stiffness * t->inverse_mass, 0.125) * s * (1.0 - s);
     if (touching)
         return (gn_touch_normal){0.5 * stiffness * gap * (1.0 + s) * (1.0 - bend), path, 0.5 + s};
-    if (!touching && before < 0.0)
+    if (touched)
         return (gn_touch_normal){-0.5 * stiffness * before * s * (1.0 + bend), -path, 0.5 - s};
     return (gn_touch_normal){0.0, 0.0, 0.0};
 }
@@ -87,7 +87,7 @@ static inline gn_touch_normal gn_touch_normal_of(double stiffness, const gn_touc
 static inline double gn_touch_force(const gn_world *w, const gn_touch_law *law, const gn_touch *s,
                                     double *fd, double *shear, size_t stride, double t[3],
                                     gn_contact_sums *sums) {
-    bool touching = s->gap < 0.0;
+    bool touching = s->gap < -s->rounding;
     double path = s->speed * w->dt_past, elastic = 0.0;
     gn_touch_normal normal = gn_touch_normal_of(law->stiffness, s, path, w->dt_past);
     double total = normal.force;

@@ -184,7 +184,7 @@ static double step_stiffness(const gn_world *w, size_t c) {
     double k = w->scene.walls[w->wall_contacts.wall[c]].stiffness;
     double inverse_mass = w->particles.vel[4 * (int64_t)w->wall_contacts.i[c] + 3];
     if (!(inverse_mass > 0.0)) return k;
-    return k + 2.0 * w->damping_fraction * sqrt(k / inverse_mass) / w->dt;
+    return k + gn_dashpot(k, inverse_mass, w->damping_fraction, w->dt) / w->dt;
 }
 
 void gn_walls_sum(gn_world *w) {
