@@ -17,12 +17,12 @@ friction, restitution 0 to 1, every background damping, gravity, walls that stan
 densities of up to 1 to 1000, both precisions, up to 1e6 extents from 0. A scene follows from its seed (`tests/random_scenes.py`), speeds and forces from
 its stiffness and masses, so that overlaps stay well below the smallest radius. The step is the automatic one with nothing set. `ended well`: exit code 0,
 no warning; `warned`: a residual above 1 %; `stopped`: a particle left the domain; `went bad`: anything else, above all a ledger that does
-not close to 10 %, which stops a run.
+not close to 10 %, which stops a run. The largest residual is that of those that ended.
 """
 
 
 def number(value):
-    return f"{value:.2g}" if isinstance(value, float) else str(value)
+    return "-" if value is None else f"{value:.2g}" if isinstance(value, float) else str(value)
 
 
 def worst(outcomes):
