@@ -149,7 +149,6 @@ static void the_limit_knows_of_contacts_with_nodes(void **state) {
         work = fmax(work, e.work_gravity);
     }
     assert_true(w->vertex_rate > 0.0);
-    printf("most %g work %g\n", most, work);
     assert_true(most < 0.05 * work); /* contacts open and close within steps near the limit */
     world_end(w);
     char step_text[64];

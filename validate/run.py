@@ -3,7 +3,7 @@
     ./do validate                 everything; what is kept in runs/validate and has not changed is not run again
     ./do validate --quick         step by step, and compression of rock-b: a few minutes; writes runs/validate/quick.md
     ./do validate --time          the running times alone, then the page
-    ./do validate --only NAME     one section (steps, laboratory, beam, collisions, labra, rojek, time), then the page
+    ./do validate --only NAME     one section (steps, laboratory, beam, collisions, scenes, labra, rojek, time), then the page
     ./do validate --kept          sections from the YADE runs that are there already: YADE runs that are missing are left out
   --fresh  forgets what is kept         --large  the beam of 240 x 80 x 40 mm
 """
@@ -31,11 +31,13 @@ def sections():
     import beam
     import laboratory_page
     import published
+    import scenes_page
     import steps_page
     import timing
 
     return {"steps": steps_page.section, "laboratory": laboratory_page.section, "beam": beam.section,
-            "collisions": published.collision_section, "labra": published.labra_section, "rojek": published.rojek_section,
+            "collisions": published.collision_section, "scenes": scenes_page.section,
+            "labra": published.labra_section, "rojek": published.rojek_section,
             "time": timing.section}
 
 

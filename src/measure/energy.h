@@ -26,7 +26,8 @@ typedef struct gn_energy {
     GN_ENERGY_TERMS(X)
 #undef X
     double stored_at_start; /* J */
-    double passed;          /* J, the most that gn_energy_passed gave at an instant before */
+    double passed;          /* J, the most that gn_energy_passed gave at an instant before, and at
+                               least what rounding makes by itself */
 } gn_energy;
 
 /* Sum of the stored terms. */

@@ -83,8 +83,7 @@ gneiss_status gn_run_checkpoint(gn_run *run, gneiss_error *error);
 
 void gn_run_free(gn_run *run);
 
-/* verdict.c: |residual| of the ledger at the last history row over the energy that has gone
- * through, or over what rounding alone makes where that is more; NaN without the ledger. */
+/* verdict.c: |residual| of the ledger at the last history row; NaN without the ledger. */
 double gn_run_residual(const gn_run *run);
 /* After every row. GNEISS_ERROR_UNSTABLE: the residual stays beyond run.residual_limit. */
 gneiss_status gn_run_check_ledger(gn_run *run, gneiss_error *error);

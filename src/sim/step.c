@@ -114,7 +114,9 @@ static void merge_before(gn_world *w, const gn_motion_sums *m, bool measure) {
     e->elastic_normal = bonds.elastic_normal + pairs.elastic_normal;
     e->elastic_shear = bonds.elastic_shear + pairs.elastic_shear;
     e->elastic_wall = walls.elastic_normal;
-    if (w->step == 0) e->stored_at_start = gn_energy_stored(e);
+    /* Bonds that are made beyond their strength break in the first evaluation: what they release
+     * was stored. */
+    if (w->step == 0) e->stored_at_start = gn_energy_stored(e) + e->bond_breaking;
     w->unbalanced = unbalanced_ratio(w, m->resultant, bonds.force + pairs.force,
                                      bonds.carrying + pairs.carrying);
     for (int k = 0; k < 9; k++)

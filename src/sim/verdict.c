@@ -1,27 +1,11 @@
 /* What a run has to say against its own results: warnings, and a ledger that does not close. */
 #include "sim/run.h"
 
-#include <float.h>
 #include <math.h>
-
-/* Energy that the rounding of coordinates makes by itself, generously: all mass moving by a hundred
- * ulps of the extent in a step (1e-8 m/s in a specimen of 5 cm at 0.1 us). In a scene at rest there
- * is nothing else (touching particles of a hexagonal lattice press by an ulp), and a residual
- * relative to it would mean nothing. */
-static double rounding_energy(const gn_world *w) {
-    double extent = 0.0;
-    for (int a = 0; a < (int)w->scene.dimension; a++)
-        extent = fmax(extent, w->upper[a] - w->lower[a]);
-    double speed = 100.0 * DBL_EPSILON * extent / w->dt;
-    return gn_world_mass(w) * speed * speed;
-}
 
 double gn_run_residual(const gn_run *run) {
     const gn_world *w = &run->world;
-    if (!(w->effects & GN_FX_ENERGY)) return NAN;
-    double scale = gn_energy_scale(&w->reading), floor = rounding_energy(w);
-    double residual = fabs(gn_energy_residual(&w->reading));
-    return scale < floor ? residual * scale / floor : residual;
+    return w->effects & GN_FX_ENERGY ? fabs(gn_energy_residual(&w->reading)) : NAN;
 }
 
 /* Not a number is beyond every limit. */

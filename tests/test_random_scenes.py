@@ -1,0 +1,28 @@
+"""Random small scenes over the whole range of what gneiss runs, at the default settings of the step: none goes bad. Speaks TAP.
+`random_scenes.py PROGRAM --seed N` runs one of them, `--seed N --write DIR` writes it."""
+import os
+import sys
+
+import random_scenes
+
+PROGRAM = os.path.abspath(sys.argv[1])
+SCENES = 200
+
+
+def main():
+    print(f"1..{len(random_scenes.KINDS)}")
+    outcomes, failed = random_scenes.run_all(PROGRAM, range(SCENES)), 0
+    for seed in sorted(set(random_scenes.OPEN) & set(range(SCENES))):
+        print(f"# left open: seed {seed}: {random_scenes.OPEN[seed]}")
+    for number, kind in enumerate(random_scenes.KINDS, 1):
+        bad = [o for o in outcomes if o.kind == kind and o.how == random_scenes.BAD and o.seed not in random_scenes.OPEN]
+        for o in bad:
+            print(f"# seed {o.seed}: {o.text}")
+        failed += bool(bad)
+        count = sum(o.kind == kind for o in outcomes)
+        print(f"{'not ok' if bad else 'ok'} {number} none of {count} random scenes goes bad: {kind}", flush=True)
+    return bool(failed)
+
+
+if __name__ == "__main__":
+    sys.exit(main())
