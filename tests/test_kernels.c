@@ -250,11 +250,14 @@ static expected expect(const bench *b, size_t c, tally *sum) {
         if (b->space) twist = 0.5 * (dot3(wi, middle) + dot3(wj, middle));
     }
     for (int a = 0; a < 3; a++) vr[a] = v[a] + tj[a] - ti[a];
-    double vn = dot3(v, n), path = dt * vn, along = dot3(v, middle), vt[3];
+    double vn = dot3(v, n), along = dot3(v, middle), vt[3];
+    double side2 = dt * dt * fmax(dot3(v, v) - vn * vn, 0.0), left = length - dt * vn;
+    double path = dt * vn - (length > 0.05 * (ri + rj) ? 0.5 * side2 / length : 0.0);
+    double grown = dt * vn - side2 / (left + sqrt(left * left + side2));
     for (int a = 0; a < 3; a++) vt[a] = vr[a] - along * middle[a];
 
     double kn = k->kn[c], kt = k->kt ? k->kt[c] : 0.0;
-    double u = fx & GN_FX_BONDS ? length - k->length0[c] : gap, u_old = u - path;
+    double u = fx & GN_FX_BONDS ? length - k->length0[c] : gap, u_old = u - grown;
     bool bonded = fx & GN_FX_BONDS && k->rn[c] > 0.0, touching = u < 0.0;
     double before[3] = {0}, trial[3] = {0}, t[3] = {0};
     if (k->shear) {
@@ -272,16 +275,16 @@ static expected expect(const bench *b, size_t c, tally *sum) {
         e.cause = GN_BROKEN_SHEAR;
     bool intact = bonded && !e.cause;
     double fn = intact || touching ? kn * u : 0.0, share = intact || touching, way = u;
-    double cut = u / path, inverse = b->p.vel[4 * i + 3] + b->p.vel[4 * j + 3];
+    double cut = u / grown, inverse = b->p.vel[4 * i + 3] + b->p.vel[4 * j + 3];
     double bend = fmin(0.25 * kn * inverse * dt * dt, 0.125) * cut * (1.0 - cut);
     if (touching && u_old > 0.0 && !bonded) { /* closed within the step */
         fn = 0.5 * kn * u * (1.0 + cut) * (1.0 - bend);
-        share = 0.5 + u / path;
-        way = path;
+        share = 0.5 + cut;
+        way = grown;
     } else if (!touching && u_old < 0.0 && !intact) { /* opened within the step */
         fn = -0.5 * kn * u_old * cut * (1.0 + bend);
-        share = 0.5 - u / path;
-        way = -path;
+        share = 0.5 - cut;
+        way = -grown;
     }
     double viscous = k->cn ? share * k->cn[c] * vn : 0.0;
     double limit = touching && k->mu ? k->mu[c] * fmax(0.0, -(fn + viscous)) : 0.0;
@@ -302,6 +305,10 @@ static expected expect(const bench *b, size_t c, tally *sum) {
     double work = 0.0, kept = 0.0, lost_shear = 0.0;
     for (int a = 0; a < 3; a++) work += 0.5 * (before[a] + t[a]) * dt * vt[a];
     if (kt > 0.0) lost_shear = work - 0.5 * (dot3(t, t) - dot3(before, before)) / kt;
+    if (fn == kn * u || fn == 0.0)
+        u_old = u - path;
+    else
+        path = grown;
     work = 0.5 * (kn * u_old + fn) * path;
     kept = 0.5 * fn * way - 0.5 * kn * u_old * u_old;
     if (e.cause)

@@ -40,6 +40,8 @@ typedef struct pair_geometry {
 
 typedef struct pair_motion {
     gn_v speed;     /* normal component at the end of the step, opening positive */
+    gn_v path;      /* by how much the distance grew in the step, see path_of */
+    gn_v side2;     /* square of the path across the normal */
     gn_v3 middle;   /* see gn_middle */
     gn_v3 relative; /* tangential velocity at the contact, turned from the middle to the end */
     gn_v twist;     /* mean spin of the pair about the normal, rad/s */
@@ -48,8 +50,8 @@ typedef struct pair_motion {
 /* A vector on its way. */
 typedef struct stage {
     pair_geometry geometry;
-    gn_v speed, angle;   /* see pair_motion; the twist of the step */
-    gn_v3 before, trial; /* see contact_state */
+    gn_v speed, path, side2, angle; /* see pair_motion; the twist of the step */
+    gn_v3 before, trial;            /* see contact_state */
 } stage;
 
 /* What only the next stage reads. */
@@ -127,6 +129,16 @@ GN_INLINE void find_normal(const gn_contact_args *a, stage *g, variant w) {
     }
 }
 
+/* The distance before the step was |d n - dt v|: with q = d - dt speed the root of q^2 + side2, so
+ * that it grew by dt speed - side2/(2 q) and less. */
+GN_INLINE void path_of(const gn_contact_args *a, const pair_geometry *p, gn_v3 v, pair_motion *s,
+                       variant w) {
+    gn_v dt = gn_set(a->dt);
+    gn_v across2 = gn_max(gn_fnma(s->speed, s->speed, gn_dot(v, v, w.space)), gn_set(0.0));
+    s->path = dt * gn_fnma(across2, p->rate, s->speed);
+    s->side2 = dt * dt * across2;
+}
+
 /* Velocities belong to the middle of the step that led here, so that what they do to the contact is
  * seen with the normal and the arms of the middle: a cluster that turns as a whole then strains no
  * contact, whatever the angle of a step. (The arms of the force stay at the end, so that force and
@@ -141,6 +153,7 @@ GN_INLINE pair_motion find_motion(const gn_contact_args *a, size_t c, const pair
     s.twist = gn_set(0.0);
     gn_v3 v = {opening[0], opening[1], gn_pick(w.space, opening[2], gn_set(0.0))};
     s.speed = gn_dot(v, p->n, w.space);
+    path_of(a, p, v, &s, w);
     if (!w.shear) return s;
     s.middle = gn_middle(v, p->n, s.speed, p->rate, w.space);
     if (w.rotation) {
@@ -311,13 +324,17 @@ GN_INLINE void book_elastic(const contact_state *q, lane_sums *e, variant w) {
  * s (1 - s)/4, from the trapezoidal sums of this and the next step of a pair that meets alone, by
  * y^8. The energy that is booked with the instant is what closes those sums: half the force times
  * the path. */
-GN_INLINE void cross(const gn_contact_args *a, size_t c, gn_v path, gn_m loose, contact_state *q) {
+GN_INLINE void cross(const gn_contact_args *a, size_t c, const stage *g, gn_m loose,
+                     contact_state *q) {
     gn_v half = gn_set(0.5), one = gn_set(1.0), zero = gn_set(0.0), vi[4], vj[4];
     gn_rows4(COLUMN(a, vel), a->contacts->i + c, vi);
     gn_rows4(COLUMN(a, vel), a->contacts->j + c, vj);
     gn_v quarter_y2 = gn_set(0.25 * a->dt * a->dt) * q->kn * (vi[3] + vj[3]);
     quarter_y2 = gn_set(0.0) - gn_max(gn_set(0.0) - quarter_y2, gn_set(-0.125));
-    gn_v before = q->stretch - path;
+    /* Up to rounding the stretch that was found a step ago. */
+    gn_v along = gn_set(a->dt) * g->speed, left = g->geometry.distance - along;
+    gn_v past = gn_max(left + gn_sqrt(gn_fma(left, left, g->side2)), gn_set(GN_TINY));
+    gn_v path = along - g->side2 / past, before = q->stretch - path;
     gn_m touched = gn_less(q->beyond, path);
     gn_m opening = gn_and(gn_and(loose, touched), gn_not(q->touching));
     gn_m closing = gn_and(gn_and(loose, q->touching), gn_not(touched));
@@ -335,16 +352,19 @@ GN_INLINE void cross(const gn_contact_args *a, size_t c, gn_v path, gn_m loose, 
     q->elastic = gn_where(opening, q->normal, q->elastic); /* nothing is left to release */
 }
 
-/* What acts along the normal but for the dashpot. */
-GN_INLINE void find_normal_force(const gn_contact_args *a, size_t c, gn_v path, contact_state *q) {
+/* What acts along the normal but for the dashpot. The path is good to much less than the way across
+ * the normal takes from it, `slack`: what is nearer to a change is looked at. */
+GN_INLINE void find_normal_force(const gn_contact_args *a, size_t c, const stage *g,
+                                 contact_state *q) {
     gn_m acting = gn_or(q->touching, q->intact), loose = gn_not(q->intact);
-    gn_m touched = gn_less(q->beyond, path);
+    gn_v slack = gn_set(a->dt) * g->speed - g->path, before = q->beyond - g->path;
+    gn_m surely = gn_less(before, gn_set(0.0) - slack), perhaps = gn_less(before, slack);
     q->normal = gn_keep(acting, q->elastic);
     q->way = q->stretch;
     q->share = gn_keep(acting, gn_set(1.0));
     gn_m crossing =
-        gn_or(gn_and(q->touching, gn_not(touched)), gn_and(touched, gn_not(q->touching)));
-    if (__builtin_expect(gn_bits(gn_and(loose, crossing)) != 0, 0)) cross(a, c, path, loose, q);
+        gn_or(gn_and(q->touching, gn_not(surely)), gn_and(perhaps, gn_not(q->touching)));
+    if (__builtin_expect(gn_bits(gn_and(loose, crossing)) != 0, 0)) cross(a, c, g, loose, q);
 }
 
 GN_INLINE gn_v damped(const gn_contact_args *a, size_t c, gn_v speed, gn_v path,
@@ -363,6 +383,8 @@ GN_INLINE void find_trial(const gn_contact_args *a, size_t c, const brief *from,
                           variant w) {
     const gn_contacts *list = a->contacts;
     g->speed = from->motion.speed;
+    g->path = from->motion.path;
+    g->side2 = from->motion.side2;
     if (!w.shear) return;
     g->angle = gn_set(a->dt) * from->motion.twist;
     gn_v kt = gn_load(COLUMN(list, kt) + gn_column_at(c, a->uniform.kt));
@@ -389,8 +411,8 @@ GN_INLINE void find_forces(const gn_contact_args *a, size_t c, size_t end, const
         q.trial = g->trial;
     }
     if (w.bonds) break_bonds(a, c, end, &q, sums, w);
-    gn_v path = gn_set(a->dt) * g->speed;
-    find_normal_force(a, c, path, &q);
+    gn_v path = g->path;
+    find_normal_force(a, c, g, &q);
     gn_v total = q.normal;
     if (w.damping) total = damped(a, c, g->speed, path, &q, e, w);
     if (w.shear) limit_shear(a, c, total, &q, w);

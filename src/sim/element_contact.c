@@ -42,6 +42,8 @@ gneiss_status gn_element_contact_create(gn_world *w, gneiss_error *error) {
     GN_TRY(status);
     s->facets = (gn_facet_set){(int)corners, count, q->contact.corner, q->body.nodes.pos};
     s->velocity = q->body.nodes.vel;
+    s->slot = q->body.nodes.slot;
+    s->prescribed = &q->body.prescribed;
     s->vertices = q->body.nodes.soa.count;
     s->body = -1;
     s->first = (int32_t)(w->body_corner_count / corners);

@@ -96,6 +96,9 @@ typedef struct gn_surface_contact {
 } gn_surface_contact;
 size_t gn_surface_contacts_at(const gn_world *world, size_t begin, double skin,
                               gn_surface_contact *contacts, size_t *count);
+/* 1/kg with which a vertex that moves by itself gives way along a unit vector: prescribed
+ * components do not. */
+double gn_vertex_inverse_mass(const gn_surface *surface, int32_t vertex, const double n[3]);
 /* Springs of the particles that touch surfaces, or are up to `reach` from them, for the stability
  * limit; the caller frees them. */
 gneiss_status gn_surface_springs(const gn_world *world, double reach, gn_extra_spring **springs,

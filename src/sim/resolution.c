@@ -87,7 +87,8 @@ static double give(const gn_world *w, const gn_surface_contact *c) {
     double sum = 0.0, at[3], lever[3];
     if (s->body < 0) {
         for (int v = 0; v < c->parts; v++)
-            sum += c->weight[v] * c->weight[v] * s->velocity[4 * (int64_t)c->vertex[v] + 3];
+            sum +=
+                c->weight[v] * c->weight[v] * gn_vertex_inverse_mass(s, c->vertex[v], c->contact.n);
         return sum;
     }
     const gn_rigid *b = &w->bodies[s->body];

@@ -183,7 +183,7 @@ static gneiss_status step_holds(const gn_spectrum *spectrum, double step, double
     if (!leave_by_sums(spectrum, 1.0 / step, sums, marked)) return GNEISS_OK;
     GN_TRY(judge_by_blocks(spectrum, step, marked, verdict, error));
     if (verdict->holds) return GNEISS_OK;
-    for (uint8_t layer = 1; layer <= LAYERS; layer++) mark_neighbours(spectrum, layer, marked);
+    for (int layer = 1; layer <= LAYERS; layer++) mark_neighbours(spectrum, (uint8_t)layer, marked);
     gneiss_status status = gn_springs_build(spectrum, marked, &y, error);
     if (status == GNEISS_OK)
         status = judge_system(&y, step, tolerance, marked, LAYERS + 1, verdict, error);

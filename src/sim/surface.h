@@ -3,6 +3,7 @@
 #ifndef GN_SIM_SURFACE_H
 #define GN_SIM_SURFACE_H
 
+#include "kernels/motion.h"
 #include "sim/facet_tree.h"
 
 #include <stdbool.h>
@@ -28,8 +29,10 @@ typedef struct gn_rigid {
 } gn_rigid;
 
 typedef struct gn_surface {
-    gn_facet_set facets;    /* borrowed arrays; rigid: positions in the body's frame */
-    const double *velocity; /* [vertices][4], m/s, 1/kg; NULL: rigid */
+    gn_facet_set facets;               /* borrowed arrays; rigid: positions in the body's frame */
+    const double *velocity;            /* [vertices][4], m/s, 1/kg; NULL: rigid */
+    const int32_t *slot;               /* [vertices] in `prescribed`, -1: free; NULL: rigid */
+    const gn_prescription *prescribed; /* of vertices; borrowed; NULL: rigid */
     double *force; /* [vertices][4], N, of the particles on vertices; borrowed; NULL: rigid */
     int32_t body;  /* that it belongs to; -1: vertices move by themselves */
     int32_t first; /* place of its first facet among all facets */

@@ -260,6 +260,15 @@ static int vertex_parts(const gn_facet_near *near, vertex_part part[3]) {
     return count;
 }
 
+double gn_vertex_inverse_mass(const gn_surface *s, int32_t vertex, const double n[3]) {
+    double inverse = s->velocity[4 * (int64_t)vertex + 3], free = 0.0;
+    int32_t slot = s->slot ? s->slot[vertex] : -1;
+    if (slot < 0) return inverse;
+    for (int a = 0; a < 3; a++)
+        if (!(s->prescribed->mask[slot] >> a & 1)) free += n[a] * n[a];
+    return free * inverse;
+}
+
 /* Velocity of the surface at the contact and 1/mass with which it gives way along n. */
 static double surface_motion(const group *g, const gn_facet_near *minima, const gn_facet_contact *k,
                              const double arm[3], double v[3]) {
@@ -281,7 +290,8 @@ static double surface_motion(const group *g, const gn_facet_near *minima, const 
     for (int c = 0; c < parts; c++) {
         const double *u = g->s->velocity + 4 * (int64_t)part[c].vertex;
         for (int a = 0; a < 3; a++) v[a] += part[c].weight * u[a];
-        inverse += part[c].weight * part[c].weight * u[3];
+        inverse +=
+            part[c].weight * part[c].weight * gn_vertex_inverse_mass(g->s, part[c].vertex, k->n);
     }
     return inverse;
 }

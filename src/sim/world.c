@@ -179,7 +179,7 @@ static void set_domain(gn_world *w) {
     if (s->has_domain || w->effects & GN_FX_PERIODIC) return;
     double size = 0.0;
     for (int a = 0; a < (int)s->dimension; a++) size = fmax(size, w->upper[a] - w->lower[a]);
-    for (int a = 0; a < 3; a++) {
+    for (int a = 0; a < (int)s->dimension; a++) {
         given->domain_min[a] = gn_point_out(s->origin[a], w->lower[a] - 10.0 * size);
         given->domain_max[a] = gn_point_out(s->origin[a], w->upper[a] + 10.0 * size);
         s->domain_min[a] = given->domain_min[a] - s->origin[a];
