@@ -274,24 +274,27 @@ static void bonded_tests_keep_their_step(void **state) {
     }
 }
 
-static const char bonded_pair[] =
-    "materials: [{name: m, density: 2500, normal_stiffness: 1e5, kratio: 1, friction: 0, "
-    "bond_tension_limit: 1e3, bond_shear_limit: 1e3}]\nlaw: {stiffness: uniform}\nbonds: {}\n"
-    "time: {end: 1}\nrun: {threads: 1}\n";
-
-/* The third one lies behind a gap of 6 % and is not bonded; it belongs to the group of the other
- * two or to none. */
-static void a_particle_that_missed_its_bond_is_no_loose_one(void **state) {
+/* A cube of eight bonded spheres, a small one in its middle and one beside it, neither bonded; both
+ * belong to the group of the cube, or to none. */
+static void what_sits_in_a_pore_of_a_bonded_body_is_no_loose_particle(void **state) {
     (void)state;
     for (int group = 0; group < 2; group++) {
-        gn_world *w =
-            world_of("dimension: 3\nspecimen: {particles: [[0, 0, 0, 1e-3], [2e-3, 0, 0, "
-                     "1e-3], [4.12e-3, 0, 0, 1e-3]]}\n%s%s",
-                     bonded_pair, group ? "" : "sets: [{name: a, select: {ids: [2]}, group: 0}]\n");
-        assert_int_equal(w->bonds.soa.count, 1);
-        assert_int_equal(w->loose[2], !group);
-        if (group) assert_true(w->resolution.step == INFINITY);
-        if (!group) assert_close(w->resolution.contact, pi / sqrt(2e5 / mass_of(w, 0)), 1e-12);
+        text t = {0};
+        add(&t, "dimension: 3\nspecimen:\n  particles:\n");
+        for (int k = 0; k < 8; k++)
+            add(&t, "    - [%d mm, %d mm, %d mm, 1 mm]\n", 2 * (k & 1), k & 2, (k & 4) / 2);
+        add(&t, "    - [1 mm, 1 mm, 1 mm, 0.5 mm]\n    - [1 mm, 1 mm, 5 mm, 1 mm]\n");
+        if (!group) add(&t, "sets: [{name: a, select: {ids: [8, 9]}, group: 0}]\n");
+        add(&t,
+            "materials: [{name: m, density: 2500, normal_stiffness: 1e5, kratio: 1, friction: 0, "
+            "bond_tension_limit: 1e3, bond_shear_limit: 1e3}]\nlaw: {stiffness: uniform}\n"
+            "bonds: {}\ntime: {end: 1}\nrun: {threads: 1}\n");
+        gn_world *w = world_of("%s", t.s);
+        assert_int_equal(w->bonds.soa.count, 12);
+        for (int k = 0; k < 8; k++) assert_int_equal(w->loose[k], 0);
+        assert_int_equal(w->loose[8], !group);
+        assert_int_equal(w->loose[9], 1);
+        assert_true(w->resolution.step < INFINITY);
         world_end(w);
     }
 }
@@ -354,7 +357,7 @@ int main(void) {
         cmocka_unit_test(the_sharp_limit_follows_a_row_that_is_pressed),
         cmocka_unit_test(the_step_falls_when_a_stiffer_pair_comes_near),
         cmocka_unit_test(bonded_tests_keep_their_step),
-        cmocka_unit_test(a_particle_that_missed_its_bond_is_no_loose_one),
+        cmocka_unit_test(what_sits_in_a_pore_of_a_bonded_body_is_no_loose_particle),
         cmocka_unit_test(contact_steps_can_be_asked_for),
         cmocka_unit_test(a_wall_counts_as_immovable_and_a_light_body_gives_way),
         cmocka_unit_test(a_given_step_that_does_not_resolve_collisions_warns),

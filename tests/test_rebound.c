@@ -77,6 +77,46 @@ static void restitution_is_kept_at_the_steps_that_the_rule_gives(void **state) {
     }
 }
 
+/* Two equal spheres that pass each other: `sideways` over the speed at which they near each other.
+ * The speed at which they part over that, along the line on which they met. */
+static double oblique(double restitution, double sideways, double depth, double phase,
+                      double steps) {
+    double r = 1e-3, m = sphere_mass(2500, r), k = 1e6, w0 = sqrt(2.0 * k / m),
+           speed = depth * r * w0;
+    double dt = pi / w0 / steps, start = phase * pi / w0 / GN_STEPS_PER_CONTACT;
+    gn_world *w = world_of(
+        "dimension: 3\nspecimen: {particles: [[0, 0, 0, 1e-3], [%.17g, %.17g, 0, 1e-3]], group: "
+        "0}\nmaterials: [{name: m, density: 2500, normal_stiffness: 1e6, kratio: 0}]\nlaw: "
+        "{stiffness: uniform}\ndamping: {contact: {restitution: %.17g}}\nsets:\n"
+        "  - {name: b, select: {ids: [1]}, initial_velocity: [%.17g, %.17g, 0]}\n"
+        "time: {step: %.17g, end: 1, on_unstable: warn}\nrun: {threads: 1}\n",
+        2.0 * r + speed * start, -sideways * speed * start, restitution, -speed, sideways * speed,
+        dt);
+    run_steps(w, (int64_t)((4.0 * steps / pi + phase * steps / GN_STEPS_PER_CONTACT) * 1.2));
+    double parts = vel_of(w, 1)[0] - vel_of(w, 0)[0];
+    world_end(w);
+    return parts / speed;
+}
+
+/* While the way across the normal is as long as that along it, the distance does not change by the
+ * speed along the normal alone: a contact that begins where a step does must not be missed. */
+static void restitution_is_kept_beside_sideways_motion(void **state) {
+    (void)state;
+    static const double asked[] = {0.1, 0.5, 0.9};
+    uint64_t at = 4;
+    for (int k = 0; k < 3; k++)
+        for (int n = 0; n < 40; n++) {
+            double sideways = uniform(&at, 0.5, 8.0), depth = pow(10.0, uniform(&at, -5.0, -2.5));
+            double phase = n < 4 ? n : n < 12 ? 1.0 + 0.005 * n : uniform(&at, 0.0, 2.0);
+            double fine = oblique(asked[k], sideways, depth, phase, 20 * GN_STEPS_PER_CONTACT);
+            double off = oblique(asked[k], sideways, depth, phase, GN_STEPS_PER_CONTACT) - fine;
+            /* The normal turns by sideways depth pi/2 meanwhile. */
+            if (fabs(off) > 0.01 + sideways * depth)
+                fail_msg("c_r %g, %g times as fast sideways, depth %g, phase %g: off by %g",
+                         asked[k], sideways, depth, phase, off);
+        }
+}
+
 /* The first of a row of five, of which four touch, hits the others and so on, between two walls. */
 static void a_cradle_keeps_its_energy_without_dashpots(void **state) {
     (void)state;
@@ -178,6 +218,7 @@ static void spinning_clusters_keep_their_energy(void **state) {
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(restitution_is_kept_at_the_steps_that_the_rule_gives),
+        cmocka_unit_test(restitution_is_kept_beside_sideways_motion),
         cmocka_unit_test(a_cradle_keeps_its_energy_without_dashpots),
         cmocka_unit_test(spinning_clusters_keep_their_energy),
     };

@@ -15,11 +15,37 @@ double gn_world_contact_steps(const gn_world *w) {
 /* --- what is loose
  * ---------------------------------------------------------------------------------- */
 
-/* Without a bond at the start, unless its cohesive group is bonded for the greater part: what fell
- * short of a bond in a specimen's pores is part of the specimen. */
-gneiss_status gn_loose_find(gn_world *w, gneiss_error *error) {
+static double radius(const gn_world *w, size_t p) {
+    return w->particles.pos[4 * p + 3];
+}
+
+/* Whether a particle sits in a pore: at least so many bonded ones as can hold it are nearer to it
+ * than its radius. */
+static bool in_pore(const gn_world *w, size_t p) {
     const gn_particles *q = &w->particles;
-    size_t n = q->soa.count;
+    const double *x = q->start + 4 * p; /* so that a resumed run finds the same */
+    int near = 0, needed = (int)w->scene.dimension + 1;
+    for (size_t j = 0; j < q->soa.count && near < needed; j++) {
+        const double *y = q->start + 4 * j;
+        double reach = 2.0 * radius(w, p) + radius(w, j), d2 = 0.0;
+        if (!q->bonds0 || q->bonds0[j] == 0) continue;
+        for (int a = 0; a < 3; a++) {
+            double d = y[a] - x[a];
+            if (w->period[a] > 0.0) d -= w->period[a] * round(d / w->period[a]);
+            d2 += d * d;
+        }
+        near += d2 < reach * reach;
+    }
+    return near >= needed;
+}
+
+/* Without a bond at the start, unless its cohesive group is bonded for the greater part and it sits
+ * in a pore: what fell short of a bond in a specimen is part of the specimen. (Pores are looked for
+ * one by one: of more than MANY pairs all count as such.) */
+gneiss_status gn_loose_find(gn_world *w, gneiss_error *error) {
+    const double MANY = 1e9;
+    const gn_particles *q = &w->particles;
+    size_t n = q->soa.count, without = 0;
     int32_t groups = 1;
     if (w->loose) return GNEISS_OK;
     for (size_t p = 0; p < n; p++) groups = q->group[p] >= groups ? q->group[p] + 1 : groups;
@@ -29,10 +55,16 @@ gneiss_status gn_loose_find(gn_world *w, gneiss_error *error) {
         gn_free(lead);
         return gn_fail(error, GNEISS_ERROR_MEMORY, "no memory for %zu particles", n);
     }
-    for (size_t p = 0; p < n; p++) lead[q->group[p]] += q->bonds0 && q->bonds0[p] > 0 ? 1 : -1;
     for (size_t p = 0; p < n; p++) {
         bool bonded = q->bonds0 && q->bonds0[p] > 0;
-        w->loose[q->id[p]] = !bonded && (q->group[p] == 0 || lead[q->group[p]] <= 0);
+        lead[q->group[p]] += bonded ? 1 : -1;
+        without += !bonded;
+    }
+    bool look = (double)without * (double)n <= MANY;
+    for (size_t p = 0; p < n; p++) {
+        bool bonded = q->bonds0 && q->bonds0[p] > 0;
+        bool part = q->group[p] != 0 && lead[q->group[p]] > 0;
+        w->loose[q->id[p]] = !bonded && !(part && (!look || in_pore(w, p)));
     }
     gn_free(lead);
     return GNEISS_OK;
@@ -151,10 +183,6 @@ gn_resolution gn_resolution_listed(const gn_world *w) {
 typedef struct extremes {
     size_t count, place[4]; /* two smallest, two largest */
 } extremes;
-
-static double radius(const gn_world *w, size_t p) {
-    return w->particles.pos[4 * p + 3];
-}
 
 static void keep_extremes(const gn_world *w, extremes *e, size_t p) {
     double r = radius(w, p);
