@@ -185,6 +185,7 @@ def wrong_calls_are_refused(folder):
         ("info", "more"): "'more'",
         ("run", LATTICE, "--fast"): "--fast",
         ("run", LATTICE, "--out"): "--out",
+        ("run", LATTICE, "--out", ""): "--out: expected a folder",
         ("run", LATTICE, "--log", "xml"): "expected json or text, found 'xml'",
         ("run", LATTICE, "--threads", "many"): "run.threads",
         ("run", LATTICE, "--threads", "-1"): "run.threads",

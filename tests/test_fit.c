@@ -186,6 +186,16 @@ static void coincident_centres_give_finite_steps(void **state) {
     forget(s);
 }
 
+static void a_sphere_without_neighbours_is_a_packing(void **state) {
+    (void)state;
+    sample *s = crowd(3, 1, 0.01, &(gn_fit_law){.stiffness = 1}, 3);
+    gn_fit_goal goal = {20, 30, 0.05, 1e-4, 0.3, 4};
+    bool go_on = true;
+    make_ok(gn_fit_run(s->fit, &s->law, &goal, NULL, NULL, &go_on, &failure));
+    for (int a = 0; a < 4; a++) assert_true(isfinite(rows_of(s)[0][a]));
+    forget(s);
+}
+
 /* ---- the linear system ---- */
 
 /* Rows of the Jacobian are kept in single precision (6e-8), and damping of 1 % bounds the condition
@@ -426,6 +436,7 @@ int main(void) {
         cmocka_unit_test(the_gradient_of_held_pairs_is_that_of_the_energy),
         cmocka_unit_test(the_energy_is_one_half_when_every_sphere_overlaps_another_by_its_size),
         cmocka_unit_test(coincident_centres_give_finite_steps),
+        cmocka_unit_test(a_sphere_without_neighbours_is_a_packing),
         cmocka_unit_test(the_step_solves_the_damped_normal_equations),
         cmocka_unit_test(the_step_of_fixed_radii_solves_the_equations_of_the_centres),
         cmocka_unit_test(a_solve_does_no_more_products_than_allowed),

@@ -251,15 +251,54 @@ static void scattered_rows_are_no_modulus(void **state) {
     gn_history_free(&h);
 }
 
-static void ends_that_move_far_more_than_the_specimen_strains_are_no_modulus(void **state) {
+static void ends_that_move_far_more_than_the_specimen_strains_leave_no_constants(void **state) {
     (void)state;
     gn_history h;
     history_of_test(&h, 2, -1, 1000);
     for (size_t k = 0; k < h.row_count; k++) h.columns[0].value[k] *= 10;
     gn_readings r = read_history(&h, 3, 2, -1);
     absent_for(&r, GN_READING_young_modulus, "is 0.09 of the platen strain");
-    assert_close(r.young_modulus_average, 40e9 / 0.9, 1e-12);
+    absent_for(&r, GN_READING_young_modulus_average, "is 0.09 of the platen strain");
+    absent_for(&r, GN_READING_poisson_ratio, "is 0.09 of the platen strain");
+    r = read_history(&h, 2, 1, -1);
+    absent_for(&r, GN_READING_plane_young_modulus, "of the platen strain");
+    absent_for(&r, GN_READING_plane_poisson_ratio, "of the platen strain");
     gn_history_free(&h);
+}
+
+static void zero_in_a_reason_has_no_sign(void **state) {
+    (void)state;
+    gn_history h;
+    history_of_test(&h, 2, -1, 1000);
+    add_column(&h, "stress_zz", none);
+    gn_readings r = read_history(&h, 3, 2, -1);
+    absent_for(&r, GN_READING_young_modulus, "changes by 0 of that of the ends");
+    gn_history_free(&h);
+}
+
+/* The lateral strains are 0.15 and 0.25 of the axial one, times `times`. */
+static gn_readings read_sides(int dimension, double times) {
+    gn_history h;
+    history_of_test(&h, 1, -1, 1000);
+    for (size_t k = 0; k < h.row_count; k++)
+        for (int c = 2; c < 5; c += 2) h.columns[c].value[k] *= times;
+    gn_readings r = read_history(&h, dimension, 1, -1);
+    gn_history_free(&h);
+    return r;
+}
+
+static void poissons_ratio_is_one_that_a_solid_can_have(void **state) {
+    (void)state;
+    assert_close(read_sides(3, 2.4).poisson_ratio, 0.48, 1e-12);
+    assert_close(read_sides(3, -0.1).poisson_ratio, -0.02, 1e-12);
+    gn_readings r = read_sides(3, 2.6); /* 0.52 */
+    absent_for(&r, GN_READING_poisson_ratio, "an elastic solid has at most 0.5");
+    r = read_sides(2, 3.6); /* x beside y: 0.25 */
+    assert_close(r.poisson_ratio, 0.9, 1e-12);
+    assert_close(r.plane_poisson_ratio, 0.9 / 1.9, 1e-12);
+    r = read_sides(2, -2.4);
+    assert_close(r.poisson_ratio, -0.6, 1e-12);
+    absent_for(&r, GN_READING_plane_poisson_ratio, "no plane strain shows a ratio of -0.6");
 }
 
 static void sides_that_move_more_than_the_ends_are_no_poissons_ratio(void **state) {
@@ -468,7 +507,9 @@ int main(void) {
         cmocka_unit_test(sides_or_shear_that_grow_with_the_load_leave_no_constants),
         cmocka_unit_test(a_stress_that_falls_while_the_ends_close_is_no_modulus),
         cmocka_unit_test(scattered_rows_are_no_modulus),
-        cmocka_unit_test(ends_that_move_far_more_than_the_specimen_strains_are_no_modulus),
+        cmocka_unit_test(ends_that_move_far_more_than_the_specimen_strains_leave_no_constants),
+        cmocka_unit_test(zero_in_a_reason_has_no_sign),
+        cmocka_unit_test(poissons_ratio_is_one_that_a_solid_can_have),
         cmocka_unit_test(sides_that_move_more_than_the_ends_are_no_poissons_ratio),
         cmocka_unit_test(only_a_stress_that_falls_again_is_a_peak),
         cmocka_unit_test(a_fall_without_a_broken_bond_is_no_strength),

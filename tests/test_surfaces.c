@@ -378,6 +378,46 @@ static void a_thin_plate_is_touched_from_both_sides(void **state) {
     }
 }
 
+/* --- a centre on a surface
+ * ---------------------------------------------------------------------- */
+
+static void a_centre_on_a_surface_is_refused_by_name(void **state) {
+    (void)state;
+    const char *const scenes[][2] = {
+        {"bodies: [{name: slab, stiffness: 1e6, box: {size: [1, 1, 1]}, origin: [-0.5, -0.5, -1]}]",
+         "particle 0: centre on the surface of body 'slab'"},
+        {"elements: {box: {size: [1, 1, 1], origin: [-0.5, -0.5, -1], cells: [1, 1, 1]}, "
+         "materials: [{young: 1e9, poisson: 0.2, density: 2000}], contact: {stiffness: 1e6}}",
+         "particle 0: centre on the surface of the elements"},
+    };
+    for (int k = 0; k < 2; k++) {
+        char scene_text[1024];
+        gn_world w;
+        gneiss_error error = {0};
+        snprintf(scene_text, sizeof scene_text,
+                 "dimension: 3\nspecimen: {particles: [[0.1, 0.2, 0, 1e-3]], group: 0}\n"
+                 "materials: [{name: m, density: 2500, normal_stiffness: 1e6, kratio: 2}]\n"
+                 "law: {stiffness: uniform}\n%s\ntime: {end: 1}\nrun: {threads: 1}\n",
+                 scenes[k][0]);
+        assert_int_equal(world_try(&w, scene_text, NULL, &error), GNEISS_ERROR_INPUT);
+        if (!strstr(error.message, scenes[k][1])) fail_msg("'%s'", error.message);
+    }
+}
+
+static void a_centre_that_comes_to_a_surface_stops_the_run_by_name(void **state) {
+    (void)state;
+    gneiss_error error = {0};
+    gn_world *w = over(3, 0.5 * radius,
+                       "bodies: [{name: slab, stiffness: 1e6, box: {size: [1, 1, 1]}, "
+                       "origin: [-0.4, -0.4, -1]}]",
+                       "");
+    measured_step(w);
+    w->particles.pos[2] = w->bodies[0].position[2];
+    assert_int_equal(gn_world_rebuild(w, &error), GNEISS_ERROR_UNSTABLE);
+    if (!strstr(error.message, "surface of body 'slab'")) fail_msg("'%s'", error.message);
+    world_end(w);
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(a_plane_of_random_triangles_is_a_plane),
@@ -390,6 +430,8 @@ int main(void) {
         cmocka_unit_test(shallow_folds_make_no_jump),
         cmocka_unit_test(a_convex_edge_and_a_step_keep_energy),
         cmocka_unit_test(a_thin_plate_is_touched_from_both_sides),
+        cmocka_unit_test(a_centre_on_a_surface_is_refused_by_name),
+        cmocka_unit_test(a_centre_that_comes_to_a_surface_stops_the_run_by_name),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -138,6 +138,8 @@ static const struct option long_options[] = {
 static gneiss_status apply(gn_options *o, int option, const char *value, gneiss_error *error) {
     switch (option) {
     case OPT_OUT:
+        if (!*value)
+            return gn_fail(error, GNEISS_ERROR_INPUT, "--out: expected a folder, found ''");
         o->out = value;
         return GNEISS_OK;
     case OPT_SET:

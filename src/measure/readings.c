@@ -39,6 +39,11 @@ static const double beside_modulus = 0.1, beside_ratio = 0.05;
 /* --- absent
  * ------------------------------------------------------------------------------------------ */
 
+/* Reasons show 0 without a sign. */
+static double unsigned_zero(double x) {
+    return x == 0 ? 0 : x;
+}
+
 static char *reason_of(gn_readings *r, gn_reading which) {
     return r->reason[which];
 }
@@ -125,7 +130,7 @@ static void need_one_axis(const curves *c, gn_reading which, double limit, gn_re
         absent(r, which,
                "the mean stress of the specimen along %c changes by %.3g of that of the ends (area "
                "and volume of one specimen?)",
-               "xyz"[axis], along);
+               "xyz"[axis], unsigned_zero(along));
     for (int a = 0; a < c->tested->dimension; a++)
         for (int b = a; b < c->tested->dimension; b++) {
             double other = follows(c, a, b) / along;
@@ -135,6 +140,18 @@ static void need_one_axis(const curves *c, gn_reading which, double limit, gn_re
                    "axial stress (sides held, loaded or sheared)",
                    "xyz"[axis], "xyz"[a], "xyz"[b], fabs(other));
         }
+}
+
+/* How the ends' way compares with the mean strain: where far more of it goes into bending, or into
+ * the ends themselves, the mean strains are not those of a specimen loaded along its axis. */
+static void need_ways(const curves *c, gn_reading which, gn_readings *r) {
+    double ways = c->tested->sign * line(c->stress, c->average[c->tested->axis], c->loading).slope *
+                  line(c->strain, c->stress, c->loading).slope;
+    if (ways < 0.5 || ways > 2)
+        absent(r, which,
+               "the mean strain of the specimen is %.2g of the platen strain (bending, or soft "
+               "ends)",
+               unsigned_zero(ways));
 }
 
 static void need_rows(const curves *c, gn_reading which, gn_readings *r) {
@@ -159,19 +176,11 @@ static void need_modulus(fit f, gn_reading which, gn_readings *r) {
 static void read_modulus(const curves *c, gn_readings *r) {
     const gn_reading which = GN_READING_young_modulus;
     fit f = line(c->strain, c->stress, c->loading);
-    /* How the ends' way compares with the mean strain: far more of it went into bending, or into
-     * the ends themselves. */
-    double ways =
-        c->tested->sign * line(c->stress, c->average[c->tested->axis], c->loading).slope * f.slope;
     r->young_modulus = f.slope;
     need_rows(c, which, r);
     need_one_axis(c, which, beside_modulus, r);
     need_modulus(f, which, r);
-    if (ways < 0.5 || ways > 2)
-        absent(r, which,
-               "the mean strain of the specimen is %.2g of the platen strain (bending, or soft "
-               "ends)",
-               ways);
+    need_ways(c, which, r);
 }
 
 static void read_average_modulus(const curves *c, gn_readings *r) {
@@ -183,6 +192,18 @@ static void read_average_modulus(const curves *c, gn_readings *r) {
     if (isnan(f.slope)) absent(r, which, "the scene has no average strain");
     need_one_axis(c, which, beside_modulus, r);
     need_modulus(f, which, r);
+    need_ways(c, which, r);
+}
+
+/* -1 to 0.5 is what an elastic solid can have; in the plane up to 1, as plane strain shows it. */
+static void need_possible_ratio(int dimension, gn_readings *r) {
+    const gn_reading which = GN_READING_poisson_ratio;
+    double nu = r->poisson_ratio, most = dimension == 2 ? 1 : 0.5;
+    if (!(fabs(nu) <= 1)) absent(r, which, "the sides move more than the ends (%.3g)", nu);
+    if (nu > most)
+        absent(r, which,
+               "the volume grows under pressure (%.3g, an elastic solid has at most %.1g)", nu,
+               most);
 }
 
 /* Both strains are fitted over the stress and the slopes divided. Fitting lateral over axial strain
@@ -205,8 +226,8 @@ static void read_poisson(const curves *c, gn_readings *r) {
     if (isnan(r->poisson_ratio)) absent(r, which, "the scene has no average strain");
     need_one_axis(c, which, beside_ratio, r);
     if (error > scatter) absent(r, which, "the rows scatter: standard error %.2g", error);
-    if (!(fabs(r->poisson_ratio) <= 1))
-        absent(r, which, "the sides move more than the ends (%.3g)", r->poisson_ratio);
+    need_ways(c, which, r);
+    need_possible_ratio(dimension, r);
 }
 
 /* Plane strain: E' = E/(1 - nu^2), nu' = nu/(1 - nu), solved for E and nu. */
@@ -226,6 +247,8 @@ static void read_plane(const curves *c, gn_readings *r) {
     if (*no_modulus) absent(r, modulus, "%s", no_modulus);
     if (*no_ratio) absent(r, modulus, "%s", no_ratio);
     if (*no_ratio) absent(r, ratio, "%s", no_ratio);
+    if (nu < -1) absent(r, modulus, "no plane strain shows a ratio of %.3g", r->poisson_ratio);
+    if (nu < -1) absent(r, ratio, "no plane strain shows a ratio of %.3g", r->poisson_ratio);
 }
 
 static double last_of(const gn_history *history, const char *name) {

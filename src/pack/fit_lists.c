@@ -8,14 +8,15 @@
 /* ---- lists ---- */
 
 static gneiss_status grow(gn_fit *f, size_t entries, size_t terms, gneiss_error *error) {
-    if (entries > f->capacity) {
+    /* A packing may have no pairs: its lists are empty, but there. */
+    if (!f->neighbour || !f->held || entries > f->capacity) {
         gn_free(f->neighbour);
         gn_free(f->held);
         f->capacity = entries + entries / 4;
         f->neighbour = gn_alloc_array(f->capacity + 1, sizeof *f->neighbour);
         f->held = gn_alloc_array(f->capacity + 1, sizeof *f->held);
     }
-    if (terms > f->term_capacity) {
+    if (!f->term || !f->partner || terms > f->term_capacity) {
         gn_free(f->term);
         gn_free(f->partner);
         f->term_capacity = terms + terms / 4;

@@ -311,7 +311,9 @@ TABLE_OF(periodic);
 
 static const gn_key domain_keys[] = {
     KEY("min", VECTOR, gn_scene, domain_min, .unit = "m", PRESENT(BOOL, gn_scene, has_domain),
-        .text = "lower corner; without it ten times the box of the specimen"),
+        .text =
+            "lower corner; without it the box of the specimen, enlarged by ten times its largest "
+            "side on every side"),
     KEY("max", VECTOR, gn_scene, domain_max, .unit = "m", PRESENT(BOOL, gn_scene, has_domain),
         .text = "upper corner; given together with min"),
     KEY("lost", CHOICE, gn_scene, lost, .choices = lost_policies, .fallback = "stop",

@@ -72,6 +72,9 @@ void gn_wall_contacts_work(const gn_world *world, size_t begin, size_t end, gn_c
 /* Surfaces (surfaces.c): facets within reach of a particle, as gn_wall_contacts.wall counts them,
  * ascending into `found` (NULL: only counted). */
 size_t gn_surfaces_near(const gn_world *world, size_t particle, int32_t *found);
+/* A particle whose centre is on a surface cannot be pushed off it: refused at the start, later the
+ * run has gone bad. */
+gneiss_status gn_surfaces_check_centres(const gn_world *world, gneiss_error *error);
 /* Notes where surfaces are when the lists are made. */
 void gn_surfaces_refer(gn_world *world);
 /* Bound on the path of any vertex since then. `exact`: looks where they are. */

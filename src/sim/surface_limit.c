@@ -39,6 +39,7 @@ gneiss_status gn_surface_springs(const gn_world *w, double reach, gn_extra_sprin
     *springs = NULL;
     *count = 0;
     if (!w->surface_count) return GNEISS_OK;
+    GN_TRY(gn_surfaces_check_centres(w, error));
     *springs = gn_alloc_array(rows + 1, sizeof **springs);
     if (!*springs) return gn_fail(error, GNEISS_ERROR_MEMORY, "no memory for %zu springs", rows);
     gn_surface_contact found[GN_SURFACE_CONTACTS];

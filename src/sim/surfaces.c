@@ -214,6 +214,41 @@ static void near_of_row(const group *g, const double centre[3], size_t row, gn_f
     gn_facet_nearest(f->corners, x, centre, near);
 }
 
+/* Row of a facet on which the centre of its particle lies, to rounding: there is no direction in
+ * which to push it. SIZE_MAX: none. */
+static size_t row_on_facet(const gn_world *w) {
+    const gn_wall_contacts *q = &w->wall_contacts;
+    size_t found = SIZE_MAX;
+#pragma omp parallel for schedule(dynamic, 1024) num_threads(w->threads) reduction(min : found)
+    for (size_t c = 0; c < q->soa.count; c++) {
+        if ((size_t)q->wall[c] < w->scene.wall_count) continue;
+        const gn_surface *s = gn_surface_of_row(w, c);
+        group g = {w, s, body_of(w, s), (size_t)q->i[c], c, c + 1};
+        gn_facet_near near;
+        double centre[3];
+        centre_in(w, s, g.particle, centre);
+        near_of_row(&g, centre, c, &near);
+        bool on = near.distance <= 0x1p-40 * w->particles.pos[4 * g.particle + 3];
+        if (on && c < found) found = c;
+    }
+    return found;
+}
+
+gneiss_status gn_surfaces_check_centres(const gn_world *w, gneiss_error *error) {
+    if (!(w->effects & GN_FX_FACETS)) return GNEISS_OK;
+    size_t row = row_on_facet(w);
+    if (row == SIZE_MAX) return GNEISS_OK;
+    const gn_surface *s = gn_surface_of_row(w, row);
+    const char *name = s->body >= 0 ? w->scene.bodies[s->body].name : NULL;
+    gneiss_status status = w->step > 0 ? GNEISS_ERROR_UNSTABLE : GNEISS_ERROR_INPUT;
+    return gn_fail(error, status,
+                   "particle %d: centre on the surface of %s%s%s: which side it is on cannot be "
+                   "told%s",
+                   (int)w->particles.id[w->wall_contacts.i[row]], name ? "body '" : "the elements",
+                   name ? name : "", name ? "'" : "",
+                   w->step > 0 ? " (pressed through? stiffer contacts or slower motion)" : "");
+}
+
 static void away_in_space(const group *g, gn_facet_near *near) {
     double world[3], along[3];
     if (!g->body) return;

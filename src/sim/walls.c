@@ -124,7 +124,7 @@ gneiss_status gn_wall_contacts_find(gn_world *w, gneiss_error *error) {
     gn_soa_destroy(&gn_wall_contact_record, &old);
     w->wall_contacts = now;
     for (size_t k = 0; k < w->scene.wall_count; k++) w->walls[k].travel = 0.0;
-    return GNEISS_OK;
+    return gn_surfaces_check_centres(w, error);
 }
 
 /* The gap and the arm of the contact force are given back as well. */
