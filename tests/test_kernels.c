@@ -252,7 +252,7 @@ static expected expect(const bench *b, size_t c, tally *sum) {
     for (int a = 0; a < 3; a++) vr[a] = v[a] + tj[a] - ti[a];
     double vn = dot3(v, n), along = dot3(v, middle), vt[3];
     double side2 = dt * dt * fmax(dot3(v, v) - vn * vn, 0.0), left = length - dt * vn;
-    double path = dt * vn - (length > 0.05 * (ri + rj) ? 0.5 * side2 / length : 0.0);
+    double curved = length > 0.05 * (ri + rj) ? 0.5 * side2 / length : 0.0;
     double grown = dt * vn - side2 / (left + sqrt(left * left + side2));
     for (int a = 0; a < 3; a++) vt[a] = vr[a] - along * middle[a];
 
@@ -274,6 +274,7 @@ static expected expect(const bench *b, size_t c, tally *sum) {
     else if (bonded && k->rt && size >= k->rt[c])
         e.cause = GN_BROKEN_SHEAR;
     bool intact = bonded && !e.cause;
+    double path = dt * vn - (intact ? 0.0 : curved);
     double fn = intact || touching ? kn * u : 0.0, share = intact || touching, way = u;
     double cut = u / grown, inverse = b->p.vel[4 * i + 3] + b->p.vel[4 * j + 3];
     double bend = fmin(0.25 * kn * inverse * dt * dt, 0.125) * cut * (1.0 - cut);

@@ -38,20 +38,26 @@ typedef struct pair_geometry {
     gn_v arm_i, arm_j;      /* from the centres to the contact; before find_normal the radii */
 } pair_geometry;
 
+/* The path of a step. */
+typedef struct passage {
+    gn_v path;  /* by how much the distance grew */
+    gn_v side2; /* square of the path across the normal */
+} passage;
+
 typedef struct pair_motion {
-    gn_v speed;     /* normal component at the end of the step, opening positive */
-    gn_v path;      /* by how much the distance grew in the step, see path_of */
-    gn_v side2;     /* square of the path across the normal */
-    gn_v3 middle;   /* see gn_middle */
-    gn_v3 relative; /* tangential velocity at the contact, turned from the middle to the end */
-    gn_v twist;     /* mean spin of the pair about the normal, rad/s */
+    gn_v speed;      /* normal component at the end of the step, opening positive */
+    passage passage; /* not of bonds, which rarely need it */
+    gn_v3 middle;    /* see gn_middle */
+    gn_v3 relative;  /* tangential velocity at the contact, turned from the middle to the end */
+    gn_v twist;      /* mean spin of the pair about the normal, rad/s */
 } pair_motion;
 
 /* A vector on its way. */
 typedef struct stage {
     pair_geometry geometry;
-    gn_v speed, path, side2, angle; /* see pair_motion; the twist of the step */
-    gn_v3 before, trial;            /* see contact_state */
+    gn_v speed, angle; /* see pair_motion; the twist of the step */
+    passage passage;
+    gn_v3 before, trial; /* see contact_state */
 } stage;
 
 /* What only the next stage reads. */
@@ -131,12 +137,17 @@ GN_INLINE void find_normal(const gn_contact_args *a, stage *g, variant w) {
 
 /* The distance before the step was |d n - dt v|: with q = d - dt speed the root of q^2 + side2, so
  * that it grew by dt speed - side2/(2 q) and less. */
-GN_INLINE void path_of(const gn_contact_args *a, const pair_geometry *p, gn_v3 v, pair_motion *s,
-                       variant w) {
+GN_INLINE passage passage_of(const gn_contact_args *a, const pair_geometry *p, gn_v3 v, gn_v speed,
+                             variant w) {
     gn_v dt = gn_set(a->dt);
-    gn_v across2 = gn_max(gn_fnma(s->speed, s->speed, gn_dot(v, v, w.space)), gn_set(0.0));
-    s->path = dt * gn_fnma(across2, p->rate, s->speed);
-    s->side2 = dt * dt * across2;
+    gn_v across2 = gn_max(gn_fnma(speed, speed, gn_dot(v, v, w.space)), gn_set(0.0));
+    return (passage){dt * gn_fnma(across2, p->rate, speed), dt * dt * across2};
+}
+
+GN_INLINE gn_v3 opening_velocity(const gn_contact_args *a, size_t c, variant w) {
+    gn_v opening[4];
+    gn_rows4_less(COLUMN(a, vel), a->contacts->j + c, a->contacts->i + c, opening);
+    return (gn_v3){opening[0], opening[1], gn_pick(w.space, opening[2], gn_set(0.0))};
 }
 
 /* Velocities belong to the middle of the step that led here, so that what they do to the contact is
@@ -147,13 +158,11 @@ GN_INLINE void path_of(const gn_contact_args *a, const pair_geometry *p, gn_v3 v
 GN_INLINE pair_motion find_motion(const gn_contact_args *a, size_t c, const pair_geometry *p,
                                   variant w) {
     const int32_t *i = a->contacts->i + c, *j = a->contacts->j + c;
-    gn_v opening[4];
-    gn_rows4_less(COLUMN(a, vel), j, i, opening);
     pair_motion s;
     s.twist = gn_set(0.0);
-    gn_v3 v = {opening[0], opening[1], gn_pick(w.space, opening[2], gn_set(0.0))};
+    gn_v3 v = opening_velocity(a, c, w);
     s.speed = gn_dot(v, p->n, w.space);
-    path_of(a, p, v, &s, w);
+    if (!w.bonds) s.passage = passage_of(a, p, v, s.speed, w);
     if (!w.shear) return s;
     s.middle = gn_middle(v, p->n, s.speed, p->rate, w.space);
     if (w.rotation) {
@@ -324,7 +333,7 @@ GN_INLINE void book_elastic(const contact_state *q, lane_sums *e, variant w) {
  * s (1 - s)/4, from the trapezoidal sums of this and the next step of a pair that meets alone, by
  * y^8. The energy that is booked with the instant is what closes those sums: half the force times
  * the path. */
-GN_INLINE void cross(const gn_contact_args *a, size_t c, const stage *g, gn_m loose,
+GN_INLINE void cross(const gn_contact_args *a, size_t c, const stage *g, passage d, gn_m loose,
                      contact_state *q) {
     gn_v half = gn_set(0.5), one = gn_set(1.0), zero = gn_set(0.0), vi[4], vj[4];
     gn_rows4(COLUMN(a, vel), a->contacts->i + c, vi);
@@ -333,8 +342,8 @@ GN_INLINE void cross(const gn_contact_args *a, size_t c, const stage *g, gn_m lo
     quarter_y2 = gn_set(0.0) - gn_max(gn_set(0.0) - quarter_y2, gn_set(-0.125));
     /* Up to rounding the stretch that was found a step ago. */
     gn_v along = gn_set(a->dt) * g->speed, left = g->geometry.distance - along;
-    gn_v past = gn_max(left + gn_sqrt(gn_fma(left, left, g->side2)), gn_set(GN_TINY));
-    gn_v path = along - g->side2 / past, before = q->stretch - path;
+    gn_v past = gn_max(left + gn_sqrt(gn_fma(left, left, d.side2)), gn_set(GN_TINY));
+    gn_v path = along - d.side2 / past, before = q->stretch - path;
     gn_m touched = gn_less(q->beyond, path);
     gn_m opening = gn_and(gn_and(loose, touched), gn_not(q->touching));
     gn_m closing = gn_and(gn_and(loose, q->touching), gn_not(touched));
@@ -352,19 +361,30 @@ GN_INLINE void cross(const gn_contact_args *a, size_t c, const stage *g, gn_m lo
     q->elastic = gn_where(opening, q->normal, q->elastic); /* nothing is left to release */
 }
 
+/* Of an intact bond the first term of the path is all that anything asks for. */
+GN_INLINE passage bonded_passage(const gn_contact_args *a, size_t c, const stage *g, gn_m intact,
+                                 variant w) {
+    passage d = {gn_set(a->dt) * g->speed, gn_set(0.0)};
+    if (__builtin_expect(gn_bits(gn_not(intact)) == 0, 1)) return d;
+    passage loose = passage_of(a, &g->geometry, opening_velocity(a, c, w), g->speed, w);
+    d.path = gn_where(intact, d.path, loose.path);
+    d.side2 = gn_where(intact, d.side2, loose.side2);
+    return d;
+}
+
 /* What acts along the normal but for the dashpot. The path is good to much less than the way across
  * the normal takes from it, `slack`: what is nearer to a change is looked at. */
-GN_INLINE void find_normal_force(const gn_contact_args *a, size_t c, const stage *g,
+GN_INLINE void find_normal_force(const gn_contact_args *a, size_t c, const stage *g, passage d,
                                  contact_state *q) {
     gn_m acting = gn_or(q->touching, q->intact), loose = gn_not(q->intact);
-    gn_v slack = gn_set(a->dt) * g->speed - g->path, before = q->beyond - g->path;
+    gn_v slack = gn_set(a->dt) * g->speed - d.path, before = q->beyond - d.path;
     gn_m surely = gn_less(before, gn_set(0.0) - slack), perhaps = gn_less(before, slack);
     q->normal = gn_keep(acting, q->elastic);
     q->way = q->stretch;
     q->share = gn_keep(acting, gn_set(1.0));
     gn_m crossing =
         gn_or(gn_and(q->touching, gn_not(surely)), gn_and(perhaps, gn_not(q->touching)));
-    if (__builtin_expect(gn_bits(gn_and(loose, crossing)) != 0, 0)) cross(a, c, g, loose, q);
+    if (__builtin_expect(gn_bits(gn_and(loose, crossing)) != 0, 0)) cross(a, c, g, d, loose, q);
 }
 
 GN_INLINE gn_v damped(const gn_contact_args *a, size_t c, gn_v speed, gn_v path,
@@ -383,8 +403,7 @@ GN_INLINE void find_trial(const gn_contact_args *a, size_t c, const brief *from,
                           variant w) {
     const gn_contacts *list = a->contacts;
     g->speed = from->motion.speed;
-    g->path = from->motion.path;
-    g->side2 = from->motion.side2;
+    if (!w.bonds) g->passage = from->motion.passage;
     if (!w.shear) return;
     g->angle = gn_set(a->dt) * from->motion.twist;
     gn_v kt = gn_load(COLUMN(list, kt) + gn_column_at(c, a->uniform.kt));
@@ -411,8 +430,9 @@ GN_INLINE void find_forces(const gn_contact_args *a, size_t c, size_t end, const
         q.trial = g->trial;
     }
     if (w.bonds) break_bonds(a, c, end, &q, sums, w);
-    gn_v path = g->path;
-    find_normal_force(a, c, g, &q);
+    passage d = w.bonds ? bonded_passage(a, c, g, q.intact, w) : g->passage;
+    gn_v path = d.path;
+    find_normal_force(a, c, g, d, &q);
     gn_v total = q.normal;
     if (w.damping) total = damped(a, c, g->speed, path, &q, e, w);
     if (w.shear) limit_shear(a, c, total, &q, w);
