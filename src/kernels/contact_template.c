@@ -323,6 +323,16 @@ GN_INLINE void book_elastic(const contact_state *q, lane_sums *e, variant w) {
             e->elastic_shear + half * gn_dot(q->t, q->t, w.space) / gn_max(q->kt, gn_set(GN_TINY));
 }
 
+/* What a rare branch reads and gives, apart from the state of the vector: an address of that would
+ * keep all of it out of registers. */
+typedef struct crossing_state {
+    gn_v kn, stretch, beyond, elastic, side2;
+    gn_m touching, loose, breaking;
+} crossing_state;
+typedef struct crossing {
+    gn_v normal, share, way, elastic;
+} crossing;
+
 /* A contact that closed or opened within the step acted for a part of it only. Forces stand at the
  * ends of steps and count for half a step on either side; with g the gap before, u the overlap
  * after it closed by p = g + u, the spring's impulse is that of a force which begins at the share s
@@ -333,40 +343,50 @@ GN_INLINE void book_elastic(const contact_state *q, lane_sums *e, variant w) {
  * s (1 - s)/4, from the trapezoidal sums of this and the next step of a pair that meets alone, by
  * y^8. The energy that is booked with the instant is what closes those sums: half the force times
  * the path. */
-GN_INLINE void cross(const gn_contact_args *a, size_t c, const stage *g, passage d, gn_m loose,
-                     contact_state *q) {
+static __attribute__((noinline)) crossing cross(const gn_contact_args *a, size_t c, const stage *g,
+                                                const crossing_state *q) {
     gn_v half = gn_set(0.5), one = gn_set(1.0), zero = gn_set(0.0), vi[4], vj[4];
     gn_rows4(COLUMN(a, vel), a->contacts->i + c, vi);
     gn_rows4(COLUMN(a, vel), a->contacts->j + c, vj);
     gn_v quarter_y2 = gn_set(0.25 * a->dt * a->dt) * q->kn * (vi[3] + vj[3]);
-    quarter_y2 = gn_set(0.0) - gn_max(gn_set(0.0) - quarter_y2, gn_set(-0.125));
+    quarter_y2 = zero - gn_max(zero - quarter_y2, gn_set(-0.125));
     /* Up to rounding the stretch that was found a step ago. */
     gn_v along = gn_set(a->dt) * g->speed, left = g->geometry.distance - along;
-    gn_v past = gn_max(left + gn_sqrt(gn_fma(left, left, d.side2)), gn_set(GN_TINY));
-    gn_v path = along - d.side2 / past, before = q->stretch - path;
+    gn_v past = gn_max(left + gn_sqrt(gn_fma(left, left, q->side2)), gn_set(GN_TINY));
+    gn_v path = along - q->side2 / past, before = q->stretch - path;
     gn_m touched = gn_less(q->beyond, path);
-    gn_m opening = gn_and(gn_and(loose, touched), gn_not(q->touching));
-    gn_m closing = gn_and(gn_and(loose, q->touching), gn_not(touched));
+    gn_m opening = gn_and(gn_and(q->loose, touched), gn_not(q->touching));
+    gn_m closing = gn_and(gn_and(q->loose, q->touching), gn_not(touched));
     /* A bond that breaks in this step was a spring both ways until now, unless by no more than that
      * rounding: then it may as well never have been there. */
     gn_m never = gn_less(before, q->beyond - q->stretch);
     closing = gn_and(closing, gn_or(gn_not(q->breaking), never));
     gn_v s = gn_where(gn_or(closing, opening), q->stretch / path, zero);
-    gn_v bend = quarter_y2 * s * (one - s);
-    gn_v in = half * q->elastic * (one + s) * (one - bend);
+    gn_v bend = quarter_y2 * s * (one - s), full = q->kn * q->stretch;
+    gn_v in = half * full * (one + s) * (one - bend);
     gn_v out = gn_set(-0.5) * q->kn * before * s * (one + bend);
-    q->normal = gn_where(closing, in, gn_where(opening, out, q->normal));
-    q->share = gn_where(closing, half + s, gn_where(opening, half - s, q->share));
-    q->way = gn_where(closing, path, gn_where(opening, zero - path, q->way));
-    q->elastic = gn_where(opening, q->normal, q->elastic); /* nothing is left to release */
+    gn_m acting = gn_not(gn_and(q->loose, gn_not(q->touching)));
+    crossing r = {gn_keep(acting, full), gn_keep(acting, one), q->stretch, q->elastic};
+    r.normal = gn_where(closing, in, gn_where(opening, out, r.normal));
+    r.share = gn_where(closing, half + s, gn_where(opening, half - s, r.share));
+    r.way = gn_where(closing, path, gn_where(opening, zero - path, r.way));
+    r.elastic = gn_where(opening, r.normal, r.elastic); /* nothing is left to release */
+    return r;
+}
+
+/* Rare among bonds: the passage of those that hold no more. In the plane the third component is 0.
+ */
+static __attribute__((noinline)) passage broken_passage(const gn_contact_args *a, size_t c,
+                                                        const stage *g) {
+    const variant space = {.space = 1};
+    return passage_of(a, &g->geometry, opening_velocity(a, c, space), g->speed, space);
 }
 
 /* Of an intact bond the first term of the path is all that anything asks for. */
-GN_INLINE passage bonded_passage(const gn_contact_args *a, size_t c, const stage *g, gn_m intact,
-                                 variant w) {
+GN_INLINE passage bonded_passage(const gn_contact_args *a, size_t c, const stage *g, gn_m intact) {
     passage d = {gn_set(a->dt) * g->speed, gn_set(0.0)};
     if (__builtin_expect(gn_bits(gn_not(intact)) == 0, 1)) return d;
-    passage loose = passage_of(a, &g->geometry, opening_velocity(a, c, w), g->speed, w);
+    passage loose = broken_passage(a, c, g);
     d.path = gn_where(intact, d.path, loose.path);
     d.side2 = gn_where(intact, d.side2, loose.side2);
     return d;
@@ -375,16 +395,26 @@ GN_INLINE passage bonded_passage(const gn_contact_args *a, size_t c, const stage
 /* What acts along the normal but for the dashpot. The path is good to much less than the way across
  * the normal takes from it, `slack`: what is nearer to a change is looked at. */
 GN_INLINE void find_normal_force(const gn_contact_args *a, size_t c, const stage *g, passage d,
-                                 contact_state *q) {
-    gn_m acting = gn_or(q->touching, q->intact), loose = gn_not(q->intact);
+                                 contact_state *q, variant w) {
+    gn_m loose = gn_not(q->intact);
+    q->normal = q->elastic;
+    q->way = q->stretch;
+    q->share = gn_set(1.0);
+    if (w.bonds && __builtin_expect(gn_bits(loose) == 0, 1)) return;
+    gn_m acting = gn_or(q->touching, q->intact);
     gn_v slack = gn_set(a->dt) * g->speed - d.path, before = q->beyond - d.path;
     gn_m surely = gn_less(before, gn_set(0.0) - slack), perhaps = gn_less(before, slack);
     q->normal = gn_keep(acting, q->elastic);
-    q->way = q->stretch;
     q->share = gn_keep(acting, gn_set(1.0));
-    gn_m crossing =
-        gn_or(gn_and(q->touching, gn_not(surely)), gn_and(perhaps, gn_not(q->touching)));
-    if (__builtin_expect(gn_bits(gn_and(loose, crossing)) != 0, 0)) cross(a, c, g, d, loose, q);
+    gn_m crosses = gn_or(gn_and(q->touching, gn_not(surely)), gn_and(perhaps, gn_not(q->touching)));
+    if (__builtin_expect(gn_bits(gn_and(loose, crosses)) == 0, 1)) return;
+    crossing_state state = {q->kn,   q->stretch,  q->beyond, q->elastic,
+                            d.side2, q->touching, loose,     q->breaking};
+    crossing r = cross(a, c, g, &state);
+    q->normal = r.normal;
+    q->share = r.share;
+    q->way = r.way;
+    q->elastic = r.elastic;
 }
 
 GN_INLINE gn_v damped(const gn_contact_args *a, size_t c, gn_v speed, gn_v path,
@@ -430,9 +460,9 @@ GN_INLINE void find_forces(const gn_contact_args *a, size_t c, size_t end, const
         q.trial = g->trial;
     }
     if (w.bonds) break_bonds(a, c, end, &q, sums, w);
-    passage d = w.bonds ? bonded_passage(a, c, g, q.intact, w) : g->passage;
+    passage d = w.bonds ? bonded_passage(a, c, g, q.intact) : g->passage;
     gn_v path = d.path;
-    find_normal_force(a, c, g, d, &q);
+    find_normal_force(a, c, g, d, &q, w);
     gn_v total = q.normal;
     if (w.damping) total = damped(a, c, g->speed, path, &q, e, w);
     if (w.shear) limit_shear(a, c, total, &q, w);
