@@ -88,6 +88,17 @@ def series(folder, name="particles"):
         return [(entry["name"], entry["time"]) for entry in json.load(file)["files"]]
 
 
+def two_checkpoints(folder):
+    """A run of the lattice with two checkpoints, 'killed' before its end; their names, the newer last."""
+    run(LATTICE, folder, "--set", "time.end=0.2 ms")
+    older = checkpoints(folder)[0]
+    shutil.copy(os.path.join(folder, older), os.path.join(folder, "kept"))
+    resume(folder, "--set", "time.end=0.3 ms")
+    os.rename(os.path.join(folder, "kept"), os.path.join(folder, older))
+    assert len(checkpoints(folder)) == 2
+    return checkpoints(folder)
+
+
 def checkpoints(folder):
     return sorted(name for name in os.listdir(folder) if re.fullmatch(r"checkpoint_\d+\.h5", name))
 

@@ -19,16 +19,6 @@ def contents(folder):
 
 # --- checkpoints that cannot be read now -------------------------------------------------------------------
 
-def two_checkpoints(folder):
-    """A run with two checkpoints; their names, the newer last."""
-    run(LATTICE, folder, "--set", "time.end=0.2 ms")
-    older = checkpoints(folder)[0]
-    shutil.copy(os.path.join(folder, older), os.path.join(folder, "kept"))
-    resume(folder, "--set", "time.end=0.3 ms")
-    os.rename(os.path.join(folder, "kept"), os.path.join(folder, older))
-    return checkpoints(folder)
-
-
 def nothing_is_lost(folder, pattern, **faults):
     _, newer = two_checkpoints(folder)
     before = contents(folder)

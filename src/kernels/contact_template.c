@@ -341,8 +341,9 @@ typedef struct crossing {
  * k (1 - s) p s/2 of the spring, and of the dashpot's step 1/2 - s. So the energy of a rebound is
  * off by some y^4/40 instead of y^2/4, y = w dt, w^2 = k (1/m_i + 1/m_j); with the factors 1 -+ y^2
  * s (1 - s)/4, from the trapezoidal sums of this and the next step of a pair that meets alone, by
- * y^8. The energy that is booked with the instant is what closes those sums: half the force times
- * the path. */
+ * y^8. (y^2 is taken as 1/2 at most: steps are to resolve a contact, and a particle that is held
+ * counts with its own mass here.) The energy that is booked with the instant is what closes those
+ * sums: half the force times the path. */
 static __attribute__((noinline)) crossing cross(const gn_contact_args *a, size_t c, const stage *g,
                                                 const crossing_state *q) {
     gn_v half = gn_set(0.5), one = gn_set(1.0), zero = gn_set(0.0), vi[4], vj[4];

@@ -7,14 +7,8 @@
 static bool bondable(const gn_world *w, int32_t i, int32_t j, double *distance) {
     const gn_particles *q = &w->particles;
     const double *a = q->pos + 4 * (int64_t)i, *b = q->pos + 4 * (int64_t)j;
-    double d2 = 0.0;
-    for (int k = 0; k < 3; k++) {
-        double d = b[k] - a[k];
-        if (w->effects & GN_FX_PERIODIC && (k < 2 || w->effects & GN_FX_SPACE))
-            d -= w->period[k] * nearbyint(d / w->period[k]);
-        d2 += d * d;
-    }
-    *distance = sqrt(d2);
+    double d[3];
+    *distance = sqrt(gn_branch(w, a, b, d));
     double sum = a[3] + b[3];
     return q->group[i] != 0 && q->group[i] == q->group[j] &&
            *distance <= sum * (1.0 + w->scene.interaction_range) &&

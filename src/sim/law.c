@@ -67,23 +67,15 @@ static void set_kn_and_strength(const gn_world *w, const gn_material *a, const g
 }
 
 double gn_inverse_mass_along(const gn_world *w, size_t p, const double n[3]) {
-    double inverse = w->particles.vel[4 * p + 3], free = 0.0;
+    double inverse = w->particles.vel[4 * p + 3];
     int32_t slot = w->prescribed.count ? w->particles.slot[p] : -1;
-    if (slot < 0) return inverse;
-    for (int a = 0; a < 3; a++)
-        if (!(w->prescribed.mask[slot] >> a & 1)) free += n[a] * n[a];
-    return free * inverse;
+    return slot < 0 ? inverse : gn_free_share(w->prescribed.mask[slot], n) * inverse;
 }
 
 /* Of the pair along the line between its centres, where it is now. */
 static double pair_inverse_mass(const gn_world *w, int32_t i, int32_t j) {
-    const double *x = w->particles.pos + 4 * (int64_t)i, *y = w->particles.pos + 4 * (int64_t)j;
-    double n[3], length2 = 0.0;
-    for (int a = 0; a < 3; a++) {
-        n[a] = y[a] - x[a];
-        if (w->period[a] > 0.0) n[a] -= w->period[a] * round(n[a] / w->period[a]);
-        length2 += n[a] * n[a];
-    }
+    const double *pos = w->particles.pos;
+    double n[3], length2 = gn_branch(w, pos + 4 * (int64_t)i, pos + 4 * (int64_t)j, n);
     double scale = length2 > 0.0 ? 1.0 / sqrt(length2) : 0.0;
     for (int a = 0; a < 3; a++) n[a] *= scale;
     return gn_inverse_mass_along(w, (size_t)i, n) + gn_inverse_mass_along(w, (size_t)j, n);

@@ -93,14 +93,8 @@ static gneiss_status make_particle_fields(const gn_world *w, const gn_observed *
 static double normal_force(const gn_world *w, const gn_contacts *b, size_t c, const double *force) {
     const double *x = w->particles.pos + 4 * (int64_t)b->i[c],
                  *y = w->particles.pos + 4 * (int64_t)b->j[c];
-    double along = 0.0, d2 = 0.0;
-    for (int a = 0; a < 3; a++) {
-        double d = y[a] - x[a];
-        if (w->effects & GN_FX_PERIODIC && w->period[a] > 0.0)
-            d -= w->period[a] * nearbyint(d / w->period[a]);
-        along += force[a] * d;
-        d2 += d * d;
-    }
+    double d[3], d2 = gn_branch(w, x, y, d), along = 0.0;
+    for (int a = 0; a < 3; a++) along += force[a] * d[a];
     return d2 > 0.0 ? along / sqrt(d2) : 0.0;
 }
 

@@ -36,6 +36,27 @@ typedef struct gn_contact_parameters {
 } gn_contact_parameters;
 gn_contact_parameters gn_contact_law(const gn_world *world, int32_t i, int32_t j);
 
+/* From x to the nearest image of y, m; returns the square of its length. */
+static inline double gn_branch(const gn_world *world, const double *x, const double *y,
+                               double d[3]) {
+    double d2 = 0.0;
+    for (int a = 0; a < 3; a++) {
+        d[a] = y[a] - x[a];
+        double period = world->period[a];
+        if (period > 0.0) d[a] -= period * nearbyint(d[a] / period);
+        d2 += d[a] * d[a];
+    }
+    return d2;
+}
+
+/* Share of a unit vector's square along components that are free: bit k of `mask` holds k. */
+static inline double gn_free_share(uint8_t mask, const double n[3]) {
+    double free = 0.0;
+    for (int a = 0; a < 3; a++)
+        if (!(mask >> a & 1)) free += n[a] * n[a];
+    return free;
+}
+
 /* 1/kg with which a particle gives way along a unit vector: prescribed components do not. */
 double gn_inverse_mass_along(const gn_world *world, size_t particle, const double n[3]);
 

@@ -26,15 +26,9 @@ static bool in_pore(const gn_world *w, size_t p) {
     const double *x = q->start + 4 * p; /* so that a resumed run finds the same */
     int near = 0, needed = (int)w->scene.dimension + 1;
     for (size_t j = 0; j < q->soa.count && near < needed; j++) {
-        const double *y = q->start + 4 * j;
-        double reach = 2.0 * radius(w, p) + radius(w, j), d2 = 0.0;
+        double reach = 2.0 * radius(w, p) + radius(w, j), d[3];
         if (!q->bonds0 || q->bonds0[j] == 0) continue;
-        for (int a = 0; a < 3; a++) {
-            double d = y[a] - x[a];
-            if (w->period[a] > 0.0) d -= w->period[a] * round(d / w->period[a]);
-            d2 += d * d;
-        }
-        near += d2 < reach * reach;
+        near += gn_branch(w, x, q->start + 4 * j, d) < reach * reach;
     }
     return near >= needed;
 }

@@ -296,12 +296,9 @@ static int vertex_parts(const gn_facet_near *near, vertex_part part[3]) {
 }
 
 double gn_vertex_inverse_mass(const gn_surface *s, int32_t vertex, const double n[3]) {
-    double inverse = s->velocity[4 * (int64_t)vertex + 3], free = 0.0;
+    double inverse = s->velocity[4 * (int64_t)vertex + 3];
     int32_t slot = s->slot ? s->slot[vertex] : -1;
-    if (slot < 0) return inverse;
-    for (int a = 0; a < 3; a++)
-        if (!(s->prescribed->mask[slot] >> a & 1)) free += n[a] * n[a];
-    return free * inverse;
+    return slot < 0 ? inverse : gn_free_share(s->prescribed->mask[slot], n) * inverse;
 }
 
 /* Velocity of the surface at the contact and 1/mass with which it gives way along n. */
