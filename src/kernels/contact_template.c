@@ -11,6 +11,7 @@
 #include "kernels/contact_law.h"
 #include "kernels/expand.h"
 
+#include <math.h>
 #include <string.h>
 
 /* Literal switches of a variant. */
@@ -47,7 +48,7 @@ typedef struct stage {
     pair_geometry geometry;
     union {
         gn_v rate; /* dt/(2 distance) */
-        gn_v path; /* from find_motion on, if nothing is bonded: by how much the distance grew */
+        gn_v path; /* from find_motion on, if path_known: by how much the distance grew */
     };
     gn_v speed;          /* normal component at the end of the step, opening positive */
     gn_v angle;          /* mean turn of the pair about the normal in the step */
@@ -144,6 +145,12 @@ GN_INLINE gn_v path_of(const gn_contact_args *a, gn_v3 v, gn_v speed, gn_v rate,
     return gn_set(a->dt) * gn_fnma(across2_of(v, speed, space), rate, speed);
 }
 
+/* Every pair with a dashpot books its path, so that it is found where the velocities are at hand.
+ */
+GN_INLINE int path_known(variant w) {
+    return !w.bonds && w.damping;
+}
+
 GN_INLINE gn_v3 opening_velocity(const gn_contact_args *a, size_t c, variant w) {
     gn_v opening[4];
     gn_rows4_less(COLUMN(a, vel), a->contacts->j + c, a->contacts->i + c, opening);
@@ -161,7 +168,7 @@ GN_INLINE void find_motion(const gn_contact_args *a, size_t c, stage *g, brief *
     gn_v3 v = opening_velocity(a, c, w);
     gn_v speed = gn_dot(v, p->n, w.space), rate = g->rate;
     g->speed = speed;
-    if (!w.bonds) g->path = path_of(a, v, speed, rate, w.space);
+    if (path_known(w)) g->path = path_of(a, v, speed, rate, w.space);
     if (!w.shear) return;
     gn_v3 middle = gn_middle(v, p->n, speed, rate, w.space);
     if (w.rotation) {
@@ -375,25 +382,34 @@ static __attribute__((noinline)) crossing cross(const gn_contact_args *a, size_t
     return r;
 }
 
-/* Rare among bonds: the path of those that hold no more; of an intact one the first term is all
+/* Rare: the path of those that are not bonded (any more); of an intact bond the first term is all
  * that anything asks for. In the plane the third component is 0. */
-static __attribute__((noinline)) gn_v broken_path(const gn_contact_args *a, size_t c,
-                                                  const stage *g, gn_m intact) {
+static __attribute__((noinline)) gn_v loose_path(const gn_contact_args *a, size_t c, const stage *g,
+                                                 gn_m intact) {
     const variant space = {.space = 1};
     gn_v3 v = opening_velocity(a, c, space);
     return gn_where(intact, gn_set(a->dt) * g->speed, path_of(a, v, g->speed, g->rate, 1));
 }
 
-/* What acts along the normal but for the dashpot, where not all are intact. The path is good to
- * much less than the way across the normal takes from it, `slack`: what is nearer to a change is
- * looked at. */
-GN_INLINE void find_normal_force(const gn_contact_args *a, size_t c, const stage *g, gn_v path,
-                                 contact_state *q) {
-    gn_m loose = gn_not(q->intact), acting = gn_or(q->touching, q->intact);
+/* Those that may have closed or opened within the step, and maybe more: by the normal speed alone
+ * and the most that any particle moves across a normal. Most contacts are far from either. */
+GN_INLINE gn_m may_cross(const gn_contact_args *a, const stage *g, const contact_state *q) {
+    gn_v along = gn_set(a->dt) * g->speed, before = q->beyond - along;
+    gn_v rounding = gn_fma(gn_set(0x1p-20), gn_max(along, gn_set(0.0) - along),
+                           gn_set(0x1p-47) * g->geometry.distance);
+    double fastest = a->speed_most > 0.0 ? 2.0 * a->speed_most : (double)INFINITY;
+    gn_v across = gn_fma(gn_set(2.02 * a->dt * fastest * fastest), g->rate, rounding);
+    gn_m surely = gn_less(before, gn_set(0.0) - across), apart = gn_at_least(before, rounding);
+    return gn_not(gn_or(gn_and(q->touching, surely), gn_and(gn_not(q->touching), apart)));
+}
+
+/* What acts along the normal but for the dashpot, of a contact whose path is known to much less
+ * than the way across the normal takes from it, `slack`: what is nearer to a change is looked at.
+ */
+GN_INLINE void cross_if_near(const gn_contact_args *a, size_t c, const stage *g, gn_v path,
+                             gn_m loose, contact_state *q) {
     gn_v slack = gn_set(a->dt) * g->speed - path, before = q->beyond - path;
     gn_m surely = gn_less(before, gn_set(0.0) - slack), perhaps = gn_less(before, slack);
-    q->normal = gn_keep(acting, q->elastic);
-    q->share = gn_keep(acting, gn_set(1.0));
     gn_m crosses = gn_or(gn_and(q->touching, gn_not(surely)), gn_and(perhaps, gn_not(q->touching)));
     if (__builtin_expect(gn_bits(gn_and(loose, crosses)) == 0, 1)) return;
     crossing_state state = {q->kn,       q->stretch, q->beyond,  q->elastic,
@@ -403,6 +419,23 @@ GN_INLINE void find_normal_force(const gn_contact_args *a, size_t c, const stage
     q->share = r.share;
     q->way = r.way;
     q->elastic = r.elastic;
+}
+
+/* What acts along the normal but for the dashpot, where not all are intact bonds; the path of the
+ * step, as far as anything asks for it. */
+GN_INLINE gn_v find_normal_force(const gn_contact_args *a, size_t c, const stage *g,
+                                 contact_state *q, variant w) {
+    gn_m loose = gn_not(q->intact), acting = gn_or(q->touching, q->intact);
+    q->normal = gn_keep(acting, q->elastic);
+    q->share = gn_keep(acting, gn_set(1.0));
+    gn_v path = gn_pick(path_known(w), g->path, gn_set(a->dt) * g->speed);
+    if (!w.damping) {
+        gn_m asked = gn_or(gn_and(loose, may_cross(a, g, q)), q->breaking);
+        if (__builtin_expect(gn_bits(asked) == 0, 1)) return path;
+    }
+    if (!path_known(w)) path = loose_path(a, c, g, q->intact);
+    cross_if_near(a, c, g, path, loose, q);
+    return path;
 }
 
 GN_INLINE gn_v damped(const gn_contact_args *a, size_t c, gn_v speed, gn_v path,
@@ -441,18 +474,16 @@ GN_INLINE void find_forces(const gn_contact_args *a, size_t c, size_t end, const
         q.t = q.trial = g->trial;
     }
     if (w.bonds) break_bonds(a, c, end, &q, sums, w);
-    gn_v path = gn_pick(w.bonds, gn_set(a->dt) * g->speed, g->path);
-    gn_v total = q.normal;
+    gn_v path = gn_set(a->dt) * g->speed, total = q.normal;
     if (w.bonds && __builtin_expect(gn_bits(gn_not(q.intact)) == 0, 1)) {
         /* Bonds that hold have nothing to limit. */
         if (w.damping) total = damped(a, c, g->speed, path, &q, e, w);
     } else {
-        if (w.bonds) path = broken_path(a, c, g, q.intact);
         /* An overlap within the rounding of the positions is none: whether contacts that begin at 0
          * have begun is then the same in the next step, from the stretch before that. */
         q.beyond = gn_fma(gn_set(0x1p-48), p->distance, q.stretch);
         q.touching = gn_less(q.beyond, zero);
-        find_normal_force(a, c, g, path, &q);
+        path = find_normal_force(a, c, g, &q, w);
         total = q.normal;
         if (w.damping) total = damped(a, c, g->speed, path, &q, e, w);
         if (w.shear) limit_shear(a, c, total, &q, w);
