@@ -1,6 +1,6 @@
 #include "cli/options.h"
 
-#include "sim/run.h"
+#include "run/run.h"
 
 #include <getopt.h>
 #include <stdlib.h>

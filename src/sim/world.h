@@ -4,14 +4,14 @@
 #define GN_SIM_WORLD_H
 
 #include "kernels/dispatch.h"
+#include "limit/timestep.h"
 #include "measure/energy.h"
 #include "measure/measure.h"
-#include "neigh/deal.h"
 #include "neigh/pairs.h"
 #include "scene/scene.h"
+#include "sched/deal.h"
 #include "sim/elements.h"
 #include "sim/surface.h"
-#include "sim/timestep.h"
 
 /* X(name, text): what the seconds of a run are booked under. */
 #define GN_PHASES(X)                                                                               \
