@@ -1,0 +1,267 @@
+/* The linear brittle law in the contact kernel: linear normal law with a stress-free length,
+ * viscous normal damping, incremental tangential law with radial return, brittle uncoupled bond
+ * (Rojek et al. 2012, eq. 15-16). Columns: kn, kt, mu, cn, rn, rt; state: shear, fd, rn < 0 once
+ * broken. */
+#ifndef GN_KERNELS_LAW_LINEAR_H
+#define GN_KERNELS_LAW_LINEAR_H
+
+#include "kernels/contact_parts.h"
+
+#include <math.h>
+
+/* Elastic tangential force before any limit. The twist comes halfway through the increment: one
+ * before or after it would let the two tangential directions drive each other. */
+GN_INLINE gn_v3 shear_trial(const gn_contact_args *a, const pair_geometry *p, const pair_motion *s,
+                            gn_v3 *turned, gn_v angle, gn_v kt, variant w) {
+    gn_v3 t = gn_turn_with_normal(*turned, p->n, s->middle, w.space);
+    *turned = t;
+    if (!(w.space && w.rotation)) return gn_axpy(t, kt * gn_set(a->dt), s->relative, w.space);
+    gn_v half = kt * gn_set(0.5 * a->dt);
+    t = gn_turn_about_normal(gn_axpy(t, half, s->relative, 1), p->n, angle);
+    return gn_axpy(t, half, s->relative, 1);
+}
+
+/* Rare: writes down which bonds broke and why. */
+static __attribute__((noinline)) void record_breaks(const gn_contact_args *a, size_t c, size_t end,
+                                                    unsigned tension, unsigned shear,
+                                                    gn_contact_sums *sums) {
+    const gn_contacts *k = a->contacts;
+    for (size_t lane = 0; lane < GN_W && c + lane < end; lane++) {
+        unsigned bit = 1u << lane;
+        if (!((tension | shear) & bit)) continue;
+        k->rn[c + lane] = -k->rn[c + lane];
+#if GN_MIXED
+        k->rn_f[c + lane] = -k->rn_f[c + lane];
+#endif
+        k->broken_time[c + lane] = a->time;
+        k->cause[c + lane] = tension & bit ? GN_BROKEN_TENSION : GN_BROKEN_SHEAR;
+        sums->broken_tension += tension & bit ? 1 : 0;
+        sums->broken_shear += tension & bit ? 0 : 1;
+    }
+}
+
+/* Forces of a contact before and after its limits. */
+typedef struct contact_state {
+    gn_v kn, kt, stretch, elastic, normal; /* elastic: k_n stretch; normal: what acts of it */
+    gn_v beyond;                           /* the stretch and the rounding of positions */
+    gn_v way;                              /* normal times this is twice the energy of the spring */
+    gn_v share;                            /* of the dashpot's force */
+    gn_v3 before, trial, t;                /* tangential: last step's, turned; unlimited; acting */
+    gn_m touching, intact, breaking, slipping;
+} contact_state;
+
+/* Coulomb limit for whatever is not an intact bond; open contacts lose their force. Sizes are
+ * compared by their squares, so that only a vector with a slipping contact pays for the root and
+ * the division. */
+GN_INLINE void limit_shear(const gn_contact_args *a, size_t c, gn_v total, contact_state *q,
+                           variant w) {
+    const gn_contacts *k = a->contacts;
+    gn_v limit = gn_set(0.0);
+    if (w.friction)
+        limit = gn_keep(q->touching, gn_load(COLUMN(k, mu) + gn_column_at(c, a->uniform.mu)) *
+                                         gn_max(gn_set(0.0) - total, gn_set(0.0)));
+    gn_v size2 = gn_dot(q->trial, q->trial, w.space);
+    q->slipping = gn_and(gn_not(q->intact), gn_less(limit * limit, size2));
+    q->t = q->trial;
+    if (gn_bits(q->slipping)) {
+        gn_v factor = gn_where(q->slipping, limit / gn_sqrt(size2), gn_set(1.0));
+        q->t = gn_scale(factor, q->trial, w.space);
+    }
+}
+
+/* Which intact bonds reach their strength in this step; tension counts first. */
+GN_INLINE void break_bonds(const gn_contact_args *a, size_t c, size_t end, contact_state *q,
+                           gn_contact_sums *sums, variant w) {
+    const gn_contacts *k = a->contacts;
+    gn_v rn = gn_load(COLUMN(k, rn) + c);
+    q->intact = gn_less(gn_set(0.0), rn);
+    gn_m in_tension = gn_and(q->intact, gn_at_least(q->elastic, rn)), in_shear = gn_m_none();
+    if (w.shear) {
+        gn_v rt = gn_load(COLUMN(k, rt) + c);
+        gn_m strong = gn_at_least(gn_dot(q->trial, q->trial, w.space), rt * rt);
+        in_shear = gn_and(gn_and(q->intact, gn_not(in_tension)), strong);
+    }
+    q->breaking = gn_or(in_tension, in_shear);
+    q->intact = gn_and(q->intact, gn_not(q->breaking));
+    if (__builtin_expect(gn_bits(q->breaking) != 0, 0))
+        record_breaks(a, c, end, gn_bits(in_tension), gn_bits(in_shear), sums);
+}
+
+/* Rare: energy that slipping and breaking contacts release. */
+GN_INLINE void book_release(const stage *g, gn_v path, const contact_state *q, lane_sums *e,
+                            variant w) {
+    gn_v shear_part = gn_set(0.0), normal_part = gn_set(0.0);
+    if (w.shear) {
+        gn_v3 before = q->before;
+        if (w.space && w.rotation) before = gn_turn_about_normal(before, g->geometry.n, g->angle);
+        shear_part = gn_released3(before, q->t, q->trial, gn_max(q->kt, gn_set(GN_TINY)), w.space);
+    }
+    if (w.bonds) {
+        gn_v old = q->kn * (q->stretch - path);
+        normal_part = gn_released(old, q->normal, q->elastic, q->kn);
+    }
+    e->breaking = e->breaking + gn_keep(q->breaking, shear_part + normal_part);
+    e->friction = e->friction + gn_keep(gn_and(q->slipping, gn_not(q->breaking)), shear_part);
+}
+
+/* In measured steps: energy stored in the springs. */
+GN_INLINE void book_elastic(const contact_state *q, lane_sums *e, variant w) {
+    gn_v half = gn_set(0.5);
+    e->elastic_normal = e->elastic_normal + half * q->normal * q->way;
+    if (w.shear)
+        e->elastic_shear =
+            e->elastic_shear + half * gn_dot(q->t, q->t, w.space) / gn_max(q->kt, gn_set(GN_TINY));
+}
+
+/* What the rare branch reads and gives, apart from the state of the vector: an address of that
+ * would keep all of it out of registers. */
+typedef struct crossing_state {
+    gn_v kn, stretch, beyond, elastic;
+    gn_m touching, loose, breaking;
+} crossing_state;
+typedef struct crossing {
+    gn_linear_crossing of;
+    gn_v elastic;
+} crossing;
+
+/* A contact that closed or opened within the step, or did not after all. */
+static __attribute__((noinline)) crossing cross(const gn_contact_args *a, size_t c, const stage *g,
+                                                const crossing_state *q) {
+    gn_v vi[4], vj[4];
+    gn_rows4(COLUMN(a, vel), a->contacts->i + c, vi);
+    gn_rows4(COLUMN(a, vel), a->contacts->j + c, vj);
+    gn_v3 v = {vj[0] - vi[0], vj[1] - vi[1], vj[2] - vi[2]};
+    gn_v side2 = gn_set(a->dt * a->dt) * across2_of(v, g->speed, 1);
+    gn_v quarter_y2 = gn_set(0.25 * a->dt * a->dt) * q->kn * (vi[3] + vj[3]);
+    /* Up to rounding the stretch that was found a step ago. */
+    gn_v along = gn_set(a->dt) * g->speed, left = g->geometry.distance - along;
+    gn_v past = gn_max(left + gn_sqrt(gn_fma(left, left, side2)), gn_set(GN_TINY));
+    gn_v path = along - side2 / past, before = q->stretch - path;
+    gn_m touched = gn_less(q->beyond, path);
+    gn_m opening = gn_and(gn_and(q->loose, touched), gn_not(q->touching));
+    gn_m closing = gn_and(gn_and(q->loose, q->touching), gn_not(touched));
+    /* A bond that breaks in this step was a spring both ways until now, unless by no more than that
+     * rounding: then it may as well never have been there. */
+    gn_m never = gn_less(before, q->beyond - q->stretch);
+    closing = gn_and(closing, gn_or(gn_not(q->breaking), never));
+    gn_m acting = gn_not(gn_and(q->loose, gn_not(q->touching)));
+    crossing r;
+    r.of = gn_linear_cross(q->kn, q->stretch, path, quarter_y2, closing, opening, acting);
+    /* Nothing is left to release. */
+    r.elastic = gn_where(opening, r.of.normal, q->elastic);
+    return r;
+}
+
+/* Rare: the path of those that are not bonded (any more); of an intact bond the first term is all
+ * that anything asks for. In the plane the third component is 0. */
+static __attribute__((noinline)) gn_v loose_path(const gn_contact_args *a, size_t c, const stage *g,
+                                                 gn_m intact) {
+    const variant space = {.space = 1};
+    gn_v3 v = opening_velocity(a, c, space);
+    return gn_where(intact, gn_set(a->dt) * g->speed, path_of(a, v, g->speed, g->rate, 1));
+}
+
+/* Those that may have closed or opened within the step, and maybe more: by the normal speed alone
+ * and the most that any particle moves across a normal. Most contacts are far from either. */
+GN_INLINE gn_m may_cross(const gn_contact_args *a, const stage *g, const contact_state *q) {
+    gn_v along = gn_set(a->dt) * g->speed, before = q->beyond - along;
+    gn_v rounding = gn_fma(gn_set(0x1p-20), gn_max(along, gn_set(0.0) - along),
+                           gn_set(0x1p-47) * g->geometry.distance);
+    double fastest = a->speed_most > 0.0 ? 2.0 * a->speed_most : (double)INFINITY;
+    gn_v across = gn_fma(gn_set(2.02 * a->dt * fastest * fastest), g->rate, rounding);
+    gn_m surely = gn_less(before, gn_set(0.0) - across), apart = gn_at_least(before, rounding);
+    return gn_not(gn_or(gn_and(q->touching, surely), gn_and(gn_not(q->touching), apart)));
+}
+
+/* What acts along the normal but for the dashpot, of a contact whose path is known to much less
+ * than the way across the normal takes from it, `slack`: what is nearer to a change is looked at.
+ */
+GN_INLINE void cross_if_near(const gn_contact_args *a, size_t c, const stage *g, gn_v path,
+                             gn_m loose, contact_state *q) {
+    gn_v slack = gn_set(a->dt) * g->speed - path, before = q->beyond - path;
+    gn_m surely = gn_less(before, gn_set(0.0) - slack), perhaps = gn_less(before, slack);
+    gn_m crosses = gn_or(gn_and(q->touching, gn_not(surely)), gn_and(perhaps, gn_not(q->touching)));
+    if (__builtin_expect(gn_bits(gn_and(loose, crosses)) == 0, 1)) return;
+    crossing_state state = {q->kn,       q->stretch, q->beyond,  q->elastic,
+                            q->touching, loose,      q->breaking};
+    crossing r = cross(a, c, g, &state);
+    q->normal = r.of.normal;
+    q->share = r.of.share;
+    q->way = r.of.way;
+    q->elastic = r.elastic;
+}
+
+/* What acts along the normal but for the dashpot, where not all are intact bonds; the path of the
+ * step, as far as anything asks for it. */
+GN_INLINE gn_v find_normal_force(const gn_contact_args *a, size_t c, const stage *g,
+                                 contact_state *q, variant w) {
+    gn_m loose = gn_not(q->intact), acting = gn_or(q->touching, q->intact);
+    q->normal = gn_keep(acting, q->elastic);
+    q->share = gn_keep(acting, gn_set(1.0));
+    gn_v path = gn_pick(path_known(w), g->path, gn_set(a->dt) * g->speed);
+    if (!w.damping) {
+        gn_m asked = gn_or(gn_and(loose, may_cross(a, g, q)), q->breaking);
+        if (__builtin_expect(gn_bits(asked) == 0, 1)) return path;
+    }
+    if (!path_known(w)) path = loose_path(a, c, g, q->intact);
+    cross_if_near(a, c, g, path, loose, q);
+    return path;
+}
+
+GN_INLINE gn_v damped(const gn_contact_args *a, size_t c, gn_v speed, gn_v path,
+                      const contact_state *q, lane_sums *e, variant w) {
+    const gn_contacts *k = a->contacts;
+    gn_v viscous = q->share * gn_load(COLUMN(k, cn) + gn_column_at(c, a->uniform.cn)) * speed;
+    if (w.energy) {
+        gn_v half = gn_set(0.5) * (gn_load(COLUMN(k, fd) + c) + viscous);
+        e->damping = e->damping + half * path;
+        gn_store(COLUMN(k, fd) + c, viscous);
+    }
+    return q->normal + viscous;
+}
+
+GN_INLINE void linear_trial(const gn_contact_args *a, size_t c, const brief *from, stage *g,
+                            variant w) {
+    const gn_contacts *list = a->contacts;
+    if (!w.shear) return;
+    gn_v kt = gn_load(COLUMN(list, kt) + gn_column_at(c, a->uniform.kt));
+    g->before = gn_load3(COLUMN(list, shear) + c, list->soa.capacity, w.space);
+    g->trial = shear_trial(a, &g->geometry, &from->motion, &g->before, g->angle, kt, w);
+}
+
+GN_INLINE contact_force linear_force(const gn_contact_args *a, size_t c, size_t end, const stage *g,
+                                     lane_sums *e, gn_contact_sums *sums, variant w) {
+    const gn_contacts *list = a->contacts;
+    const gn_v zero = gn_set(0.0);
+    const pair_geometry *p = &g->geometry;
+    contact_state q = {.stretch = p->stretch, .way = p->stretch, .share = gn_set(1.0)};
+    q.kn = gn_load(COLUMN(list, kn) + gn_column_at(c, a->uniform.kn));
+    q.intact = q.breaking = q.slipping = gn_m_none();
+    q.normal = q.elastic = q.kn * q.stretch;
+    if (w.shear) {
+        q.kt = gn_load(COLUMN(list, kt) + gn_column_at(c, a->uniform.kt));
+        q.before = g->before;
+        q.t = q.trial = g->trial;
+    }
+    if (w.bonds) break_bonds(a, c, end, &q, sums, w);
+    gn_v path = gn_set(a->dt) * g->speed, total = q.normal;
+    if (w.bonds && __builtin_expect(gn_bits(gn_not(q.intact)) == 0, 1)) {
+        /* Bonds that hold have nothing to limit. */
+        if (w.damping) total = damped(a, c, g->speed, path, &q, e, w);
+    } else {
+        /* An overlap within the rounding of the positions is none: whether contacts that begin at 0
+         * have begun is then the same in the next step, from the stretch before that. */
+        q.beyond = gn_fma(gn_set(0x1p-48), p->distance, q.stretch);
+        q.touching = gn_less(q.beyond, zero);
+        path = find_normal_force(a, c, g, &q, w);
+        total = q.normal;
+        if (w.damping) total = damped(a, c, g->speed, path, &q, e, w);
+        if (w.shear) limit_shear(a, c, total, &q, w);
+        if (w.energy && gn_bits(gn_or(q.slipping, q.breaking))) book_release(g, path, &q, e, w);
+    }
+    if (w.shear) gn_store3(COLUMN(list, shear) + c, list->soa.capacity, q.t, w.space);
+    if (w.energy && a->measure) book_elastic(&q, e, w);
+    return (contact_force){total, q.t};
+}
+
+#endif
