@@ -361,6 +361,7 @@ static gneiss_status make_sums(builder *b, gneiss_error *error) {
     body->element_sums = gn_alloc_array(body->partials.blocks + 1, sizeof *body->element_sums);
     body->motion_sums = gn_alloc_array(body->motion_blocks + 1, sizeof *body->motion_sums);
     if (!body->element_sums || !body->motion_sums) return out_of_memory(b, error);
+    GN_TRY(gn_hold_create(&body->hold, body->motion_blocks, error));
     GN_TRY(gn_deal_create(&body->deal, body->threads, error));
     return gn_deal_lists(&body->deal, (gn_deal_list){.partials = &body->partials},
                          (gn_deal_list){0}, body->motion_blocks, error);
@@ -439,6 +440,7 @@ void gn_fem_body_free(gn_fem_body *body) {
     gn_soa_destroy(&gn_element_record, &body->elements);
     gn_partials_free(&body->partials);
     gn_deal_free(&body->deal);
+    gn_hold_free(&body->hold);
     for (size_t k = 0; k < sizeof blocks / sizeof *blocks; k++) gn_free(blocks[k]);
     memset(body, 0, sizeof *body);
 }

@@ -10,6 +10,7 @@
 #include "kernels/dispatch.h"
 #include "mesh/mesh.h"
 #include "sched/deal.h"
+#include "sched/hold.h"
 
 typedef struct gn_fem_material {
     const char *group;              /* of elements, by name or tag; NULL: all elements */
@@ -89,7 +90,9 @@ typedef struct gn_fem_body {
     gn_motion_sums *motion_sums;   /* per block of nodes */
     size_t motion_blocks;
 
-    gn_deal deal; /* of steps among the threads */
+    gn_deal deal;  /* of steps among the threads */
+    gn_hold hold;  /* nodes that wait for an exchange */
+    bool measured; /* the step between gn_fem_forces and gn_fem_move */
 
     int64_t step;
     double time, dt_past;
@@ -214,6 +217,11 @@ gneiss_status gn_fem_stiffening(const gn_fem_body *body, double *factor, gneiss_
  * velocity that is not finite; the state is the last computed. */
 enum { GN_FEM_CHECK_EVERY = 64 };
 gneiss_status gn_fem_step(gn_fem_body *body, double dt, bool measure, gneiss_error *error);
+
+/* The same in two parts: forces, and the motion of all nodes that are not held; then, when an
+ * exchange has added to the loads of the others (body->hold), these. */
+void gn_fem_forces(gn_fem_body *body, double dt, bool measure);
+gneiss_status gn_fem_move(gn_fem_body *body, double dt, gneiss_error *error);
 
 /* To be called after positions were changed other than by steps: the mixed form and single
  * precision keep copies. */

@@ -34,6 +34,8 @@ double gn_fem_facet_area(const gn_fem_body *body, const int32_t *node);
 /* Forces of the present instant, and nodes (with the stabilising pressure) over the coming
  * interval; leaves the sums of all blocks. */
 void gn_fem_sweep(gn_fem_body *body, double dt, bool measure);
+/* Moves the nodes that gn_fem_sweep left. */
+void gn_fem_sweep_held(gn_fem_body *body, double dt, bool measure);
 
 /* --- mixed form (mixed.c) --- */
 

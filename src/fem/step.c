@@ -95,10 +95,21 @@ static gneiss_status not_finite(const gn_fem_body *body, size_t node, gneiss_err
         body->name, (long long)body->step, body->time, body->nodes.id[node], at);
 }
 
+void gn_fem_forces(gn_fem_body *body, double dt, bool measure) {
+    body->measured =
+        measure || body->step % GN_FEM_CHECK_EVERY == 0 || body->path > 0.1 * body->height;
+    gn_fem_sweep(body, dt, body->measured);
+}
+
 gneiss_status gn_fem_step(gn_fem_body *body, double dt, bool measure, gneiss_error *error) {
+    gn_fem_forces(body, dt, measure);
+    return gn_fem_move(body, dt, error);
+}
+
+gneiss_status gn_fem_move(gn_fem_body *body, double dt, gneiss_error *error) {
+    const bool measure = body->measured;
     double speed2;
-    measure = measure || body->step % GN_FEM_CHECK_EVERY == 0 || body->path > 0.1 * body->height;
-    gn_fem_sweep(body, dt, measure);
+    gn_fem_sweep_held(body, dt, measure);
     int64_t bad = merge_motion(body, measure, &speed2);
     if (measure && body->elastic.least <= 0.0) return inside_out(body, error);
     if (bad >= 0) return not_finite(body, (size_t)bad, error);

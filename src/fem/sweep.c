@@ -65,6 +65,8 @@ static void move(void *context, size_t block) {
     gn_fem_body *body = k->body;
     body->motion_sums[block] = (gn_motion_sums){.bad = -1};
     body->motion_kernel(&k->motion, r.begin, r.end, &body->motion_sums[block]);
+    bool waits = k->motion.hold && k->motion.hold->slot[block] >= 0;
+    if (waits && k->motion.pass == GN_PASS_GATHER) return;
     if (body->form == GN_FEM_MIXED)
         body->pressure_kernel[1](&k->pressure, r.begin, r.end, &body->pressure_sums[block]);
 }
@@ -95,6 +97,7 @@ static work prepare(gn_fem_body *body, double dt, bool measure) {
                                 .prescribed = body->prescribed.count ? &body->prescribed : NULL,
                                 .dt_past = body->dt_past,
                                 .dt = dt,
+                                .hold = body->hold.count ? &body->hold : NULL,
                                 .damping = body->damping_coefficient,
                                 .measure = measure};
     memcpy(k.motion.gravity, body->gravity, sizeof body->gravity);
@@ -116,4 +119,13 @@ void gn_fem_sweep(gn_fem_body *body, double dt, bool measure) {
         gn_deal_sweep(&body->deal, sweeps - 1, &forces, &k);
     }
     gn_deal_end(&body->deal, sweeps, gn_now() - begin);
+}
+
+void gn_fem_sweep_held(gn_fem_body *body, double dt, bool measure) {
+    const size_t held = body->hold.count;
+    if (!held) return;
+    work k = prepare(body, dt, measure);
+    k.motion.pass = GN_PASS_MOVE;
+#pragma omp parallel for schedule(static) num_threads(body->deal.threads)
+    for (size_t h = 0; h < held; h++) move(&k, (size_t)body->hold.block[h]);
 }

@@ -15,6 +15,21 @@ typedef struct gn_prescription {
     double *load;     /* [count][6] out: what the prescription had to supply (N, N m) */
 } gn_prescription;
 
+/* Blocks of particles that wait with their motion: their loads are added up and kept here, where
+ * an exchange between parts of a model may add to them; then they move (sched/hold.h). */
+typedef struct gn_hold {
+    size_t blocks, count, room;
+    int32_t *slot;  /* [blocks] place among those held, -1: moves at once */
+    int32_t *block; /* [count] */
+    double *load;   /* [room][GN_BLOCK_LOAD] N and N m, in rows as those of gn_partials */
+} gn_hold;
+
+/* Doubles that a block's loads take, whatever the width of a row. */
+enum { GN_BLOCK_LOAD = 8 * GN_PARTICLE_BLOCK };
+
+/* The two passes of a block that is held. */
+typedef enum gn_motion_pass { GN_PASS_GATHER, GN_PASS_MOVE } gn_motion_pass;
+
 typedef struct gn_motion_args {
     gn_particles *particles;
     const gn_partials *bonds, *pairs;
@@ -28,6 +43,8 @@ typedef struct gn_motion_args {
      * half step; 0.5: of the instant, if nothing were damped. */
     double damping_lead;
     bool measure;         /* also sum kinetic energies and resultants */
+    const gn_hold *hold;  /* NULL: all blocks move at once */
+    gn_motion_pass pass;  /* of blocks that are held */
     const double *origin; /* rows [n][4] that travel_f is counted from; NULL: `ref` */
 } gn_motion_args;
 

@@ -17,7 +17,7 @@ typedef struct variant {
 
 /* Loads of a block of particles, in rows as those of gn_partials. */
 typedef struct block_load {
-    _Alignas(64) double row[8 * GN_PARTICLE_BLOCK];
+    _Alignas(64) double row[GN_BLOCK_LOAD];
 } block_load;
 
 GN_INLINE int row_width(variant w) {
@@ -72,12 +72,12 @@ GN_INLINE void add_walls(const gn_motion_args *a, size_t begin, size_t end, doub
     }
 }
 
-GN_INLINE void gather_block(const gn_motion_args *a, size_t begin, size_t end, block_load *out,
+GN_INLINE void gather_block(const gn_motion_args *a, size_t begin, size_t end, double *row,
                             variant w) {
-    memset(out->row, 0, GN_PARTICLE_BLOCK * (size_t)row_width(w) * sizeof *out->row);
-    add_shares(a->bonds, begin, out->row, w);
-    add_shares(a->pairs, begin, out->row, w);
-    if (a->wall_contacts) add_walls(a, begin, end, out->row, w);
+    memset(row, 0, GN_PARTICLE_BLOCK * (size_t)row_width(w) * sizeof *row);
+    add_shares(a->bonds, begin, row, w);
+    add_shares(a->pairs, begin, row, w);
+    if (a->wall_contacts) add_walls(a, begin, end, row, w);
 }
 
 /* Consecutive rows of four as four columns. */
@@ -87,14 +87,14 @@ GN_INLINE void load_rows(const double *rows, size_t p, gn_v out[4]) {
 }
 
 /* Forces or moments (`part` 0 or 1) of GN_W particles of a block, from its k-th on. */
-GN_INLINE gn_v3 load_of(const block_load *sum, size_t k, int part, variant w) {
+GN_INLINE gn_v3 load_of(const double *sum, size_t k, int part, variant w) {
     static const int32_t wide[8] = {0, 2, 4, 6, 8, 10, 12, 14};
     gn_v r[4], zero = gn_set(0.0);
     if (w.space && w.rotation) {
-        gn_rows4(sum->row + 8 * k + 4 * part, wide, r);
+        gn_rows4(sum + 8 * k + 4 * part, wide, r);
         return (gn_v3){r[0], r[1], r[2]};
     }
-    load_rows(sum->row, k, r);
+    load_rows(sum, k, r);
     if (part) return (gn_v3){zero, zero, r[2]};
     return (gn_v3){r[0], r[1], gn_pick(w.space, r[2], zero)};
 }
@@ -268,7 +268,7 @@ static void turn_orientation(double q[4], const double spin[3], double dt) {
     for (int k = 0; k < 4; k++) q[k] = scale * r[k];
 }
 
-GN_INLINE void translate(const gn_motion_args *a, size_t p, const block_load *sum, size_t k,
+GN_INLINE void translate(const gn_motion_args *a, size_t p, const double *sum, size_t k,
                          bool prescribed, lane_sums *e, gn_motion_sums *s, variant w) {
     gn_particles *q = a->particles;
     double interval = 0.5 * (a->dt_past + a->dt);
@@ -322,7 +322,7 @@ GN_INLINE void translate(const gn_motion_args *a, size_t p, const block_load *su
     }
 }
 
-GN_INLINE void rotate(const gn_motion_args *a, size_t p, const block_load *sum, size_t k,
+GN_INLINE void rotate(const gn_motion_args *a, size_t p, const double *sum, size_t k,
                       bool prescribed, lane_sums *e, gn_motion_sums *s, variant w) {
     gn_particles *q = a->particles;
     double interval = 0.5 * (a->dt_past + a->dt);
@@ -348,12 +348,15 @@ GN_INLINE void rotate(const gn_motion_args *a, size_t p, const block_load *sum, 
 
 GN_INLINE void motion_block(const gn_motion_args *a, size_t begin, size_t end, lane_sums *e,
                             gn_motion_sums *s, variant w) {
-    block_load sum;
-    gather_block(a, begin, end, &sum, w);
+    block_load own;
+    const int32_t slot = a->hold ? a->hold->slot[begin / GN_PARTICLE_BLOCK] : -1;
+    double *sum = slot < 0 ? own.row : a->hold->load + GN_BLOCK_LOAD * (int64_t)slot;
+    if (slot < 0 || a->pass == GN_PASS_GATHER) gather_block(a, begin, end, sum, w);
+    if (slot >= 0 && a->pass == GN_PASS_GATHER) return;
     for (size_t p = begin; p < end; p += GN_W) {
         bool prescribed = a->prescribed && any_prescribed(a, p);
-        translate(a, p, &sum, p - begin, prescribed, e, s, w);
-        if (w.rotation) rotate(a, p, &sum, p - begin, prescribed, e, s, w);
+        translate(a, p, sum, p - begin, prescribed, e, s, w);
+        if (w.rotation) rotate(a, p, sum, p - begin, prescribed, e, s, w);
     }
 }
 

@@ -282,13 +282,20 @@ static gneiss_status measure_forces(gn_element_model *q, gneiss_error *error) {
     return GNEISS_OK;
 }
 
-gneiss_status gn_elements_step(gn_world *w, bool measure, gneiss_error *error) {
+void gn_elements_forces(gn_world *w, bool measure) {
     gn_element_model *q = w->elements;
     double start = gn_now();
     set_velocities(w, w->time + 0.5 * w->dt);
     if (q->loads_vary) set_loads(w, w->time);
     gn_element_contact_load(w);
-    gneiss_status status = gn_fem_step(&q->body, w->dt, measure, error);
+    gn_fem_forces(&q->body, w->dt, measure);
+    w->seconds[GN_PHASE_elements] += gn_now() - start;
+}
+
+gneiss_status gn_elements_move(gn_world *w, bool measure, gneiss_error *error) {
+    gn_element_model *q = w->elements;
+    double start = gn_now();
+    gneiss_status status = gn_fem_move(&q->body, w->dt, error);
     gn_element_contact_moved(w);
     if (status == GNEISS_OK && measure) {
         for (int k = 0; k < 9; k++)

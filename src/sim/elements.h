@@ -40,8 +40,11 @@ typedef struct gn_element_model {
 gneiss_status gn_elements_create(gn_world *world, gn_mesh *mesh, gneiss_error *error);
 void gn_elements_free(gn_world *world);
 
-/* Velocities, loads and one step of world->dt; with `measure` also stress and unbalanced. */
-gneiss_status gn_elements_step(gn_world *world, bool measure, gneiss_error *error);
+/* A step of world->dt in two parts. Velocities, loads, forces, and the motion of nodes that do not
+ * wait for an exchange; */
+void gn_elements_forces(gn_world *world, bool measure);
+/* then that of the others; with `measure` also stress and unbalanced. */
+gneiss_status gn_elements_move(gn_world *world, bool measure, gneiss_error *error);
 
 /* Makes the surface that particles touch, if the scene wants it: after bodies. */
 gneiss_status gn_element_contact_create(gn_world *world, gneiss_error *error);

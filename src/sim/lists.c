@@ -2,6 +2,7 @@
 #include "base/memory.h"
 #include "base/point.h"
 #include "base/timer.h"
+#include "sim/exchange.h"
 #include "sim/origin.h"
 #include "sim/parts.h"
 #include "soa/single.h"
@@ -333,10 +334,12 @@ static gneiss_status ready_blocks(gn_world *w, gneiss_error *error) {
         w->motion_blocks = gn_blocks(w->particles.soa.count, GN_PARTICLE_BLOCK);
         w->motion_sums = gn_alloc_array(w->motion_blocks + 1, sizeof *w->motion_sums);
         w->wall_sums = gn_alloc_array(w->motion_blocks + 1, sizeof *w->wall_sums);
+        GN_TRY(gn_hold_create(&w->hold, w->motion_blocks, error));
     }
     if (!w->pair_sums || !w->wall_sums || !w->bond_sums || !w->motion_sums)
         return gn_fail(error, GNEISS_ERROR_MEMORY, "no memory for block sums");
-    return gn_world_deal_lists(w, error);
+    GN_TRY(gn_world_deal_lists(w, error));
+    return gn_exchanges_mark(w, error);
 }
 
 /* Particles that flow are sorted again now and then; a bonded specimen keeps its order. The

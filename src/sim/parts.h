@@ -175,6 +175,8 @@ void gn_rigid_orientation(const gn_rigid *body, double turn[4]);
 gneiss_status gn_world_deal_lists(gn_world *world, gneiss_error *error);
 void gn_sweep(gn_world *world, const gn_contact_args *bonds, const gn_contact_args *pairs,
               const gn_motion_args *motion);
+/* Moves the particles that an exchange had wait. */
+void gn_sweep_held(gn_world *world, const gn_motion_args *motion);
 /* Sums the forces on the walls, books their work, moves them over the coming step. */
 void gn_walls_sum(gn_world *world);
 void gn_walls_move(gn_world *world);

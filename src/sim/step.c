@@ -2,6 +2,7 @@
  * (sweep.c), then what they sum up to, then finite elements, to whose nodes everything else has
  * brought its forces by then. */
 #include "base/point.h"
+#include "sim/exchange.h"
 #include "sim/parts.h"
 #include "soa/single.h"
 
@@ -41,6 +42,7 @@ gn_motion_args gn_world_motion_args(gn_world *w, bool measure) {
     a.dt = w->dt;
     memcpy(a.gravity, w->scene.gravity, sizeof a.gravity);
     a.damping = w->scene.background_coefficient;
+    a.hold = w->hold.count ? &w->hold : NULL;
     a.damping_lead = w->scene.background_velocity == GN_VELOCITY_INSTANT ? 0.5 : 0.0;
     a.measure = measure;
     return a;
@@ -201,37 +203,49 @@ void gn_observed_free(gn_observed *observed) {
     gn_soa_destroy(&gn_contact_record, &observed->pairs);
 }
 
-gneiss_status gn_world_step(gn_world *w, bool measure, gneiss_error *error) {
-    GN_TRY(gn_world_refresh_lists(w, error));
-    if (w->effects & GN_FX_PRESCRIBED) gn_prescription_update(w, w->time + 0.5 * w->dt);
-
+/* Forces of the instant, and the motion of all that does not wait for an exchange. */
+static void find_forces(gn_world *w, const gn_motion_args *motion, bool measure) {
     gn_contact_args bonds = gn_world_contact_args(w, &w->bonds, measure);
     gn_contact_args pairs = gn_world_contact_args(w, &w->pairs, measure);
-    gn_motion_args motion = gn_world_motion_args(w, measure);
-    if (w->particles.soa.count) gn_sweep(w, &bonds, &pairs, &motion);
-
-    gn_motion_sums moved = add_motion_sums(w->motion_sums, w->motion_blocks);
+    if (w->particles.soa.count) gn_sweep(w, &bonds, &pairs, motion);
     gn_walls_sum(w);
     gn_surfaces_sum(w);
+    if (w->elements) gn_elements_forces(w, measure);
+}
+
+/* What waited, and what moves as a whole. */
+static gneiss_status move(gn_world *w, const gn_motion_args *motion, bool measure,
+                          gneiss_error *error) {
+    if (w->hold.count) gn_sweep_held(w, motion);
+    gn_motion_sums moved = add_motion_sums(w->motion_sums, w->motion_blocks);
     gn_bodies_kick(w);
     merge_before(w, &moved, measure);
     if (measure) w->reading = w->energy;
     if (w->effects & GN_FX_PRESCRIBED) gn_reactions_sum(w);
-
     merge_after(w, &moved);
     gn_walls_move(w);
     gn_bodies_drift(w);
-    gneiss_status status = check_motion(w, &moved, error);
-    if (status == GNEISS_OK) status = gn_paths_check(w, error);
-    if (status == GNEISS_OK && measure) status = gn_paths_check_spins(w, error);
-    if (w->elements && status == GNEISS_OK) status = gn_elements_step(w, measure, error);
-    if (w->elements && measure) gn_elements_book(w);
-    if (w->elements && status == GNEISS_OK) status = gn_paths_check_nodes(w, error);
+    w->speed_most = sqrt(moved.speed2) * (1.0 + 1e-6);
     w->verlet.drift += w->dt * sqrt(moved.speed2);
+    GN_TRY(check_motion(w, &moved, error));
+    GN_TRY(gn_paths_check(w, error));
+    if (measure) GN_TRY(gn_paths_check_spins(w, error));
+    if (!w->elements) return GNEISS_OK;
+    GN_TRY(gn_elements_move(w, measure, error));
+    if (measure) gn_elements_book(w);
+    return gn_paths_check_nodes(w, error);
+}
+
+gneiss_status gn_world_step(gn_world *w, bool measure, gneiss_error *error) {
+    GN_TRY(gn_world_refresh_lists(w, error));
+    if (w->effects & GN_FX_PRESCRIBED) gn_prescription_update(w, w->time + 0.5 * w->dt);
+    gn_motion_args motion = gn_world_motion_args(w, measure);
+    find_forces(w, &motion, measure);
+    GN_TRY(gn_exchanges_act(w, error));
+    gneiss_status status = move(w, &motion, measure, error);
     w->contact_steps += (int64_t)(w->bonds.soa.count + w->pairs.soa.count);
     w->time += w->dt;
     w->dt_past = w->dt;
-    w->speed_most = sqrt(moved.speed2) * (1.0 + 1e-6);
     w->step++;
     return status;
 }

@@ -78,3 +78,17 @@ void gn_sweep(gn_world *w, const gn_contact_args *bonds, const gn_contact_args *
     }
     gn_deal_end(&w->deal, 1, gn_now() - begin);
 }
+
+/* Forces on walls were found with the loads. */
+void gn_sweep_held(gn_world *w, const gn_motion_args *motion) {
+    const size_t held = w->hold.count, count = w->particles.soa.count;
+    gn_motion_args args = *motion;
+    args.pass = GN_PASS_MOVE;
+#pragma omp parallel for schedule(static) num_threads(w->threads)
+    for (size_t h = 0; h < held; h++) {
+        size_t block = (size_t)w->hold.block[h], first = block * GN_PARTICLE_BLOCK;
+        size_t last = first + GN_PARTICLE_BLOCK < count ? first + GN_PARTICLE_BLOCK : count;
+        w->motion_sums[block] = (gn_motion_sums){.bad = -1};
+        w->motion_kernel(&args, first, last, &w->motion_sums[block]);
+    }
+}

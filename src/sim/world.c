@@ -347,6 +347,8 @@ void gn_world_free(gn_world *w) {
         w->bond_sums,      w->pair_sums,       w->wall_sums,           w->motion_sums};
     for (size_t k = 0; k < sizeof blocks / sizeof *blocks; k++) gn_free(blocks[k]);
     gn_deal_free(&w->deal);
+    gn_hold_free(&w->hold);
+    gn_free(w->exchange);
     gn_scene_free(&w->scene);
     gn_scene_free(&w->given);
     memset(w, 0, sizeof *w);

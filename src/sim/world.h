@@ -10,6 +10,7 @@
 #include "neigh/pairs.h"
 #include "scene/scene.h"
 #include "sched/deal.h"
+#include "sched/hold.h"
 #include "sim/elements.h"
 #include "sim/surface.h"
 
@@ -76,7 +77,10 @@ struct gn_world {
     gn_contact_kernel *bond_kernel, *pair_kernel;
     gn_motion_kernel *motion_kernel;
     int threads;
-    gn_deal deal; /* of steps among the threads */
+    gn_deal deal;                 /* of steps among the threads */
+    gn_hold hold;                 /* particles that wait for an exchange */
+    struct gn_exchange *exchange; /* [exchange_count] sim/exchange.h */
+    size_t exchange_count;
 
     gn_particles particles;
     gn_contacts bonds, pairs;

@@ -1,0 +1,47 @@
+#include "sched/hold.h"
+
+#include "base/memory.h"
+
+#include <string.h>
+
+gneiss_status gn_hold_create(gn_hold *hold, size_t blocks, gneiss_error *error) {
+    *hold = (gn_hold){.blocks = blocks};
+    hold->slot = gn_alloc_array(blocks + 1, sizeof *hold->slot);
+    hold->block = gn_alloc_array(blocks + 1, sizeof *hold->block);
+    if (!hold->slot || !hold->block)
+        return gn_fail(error, GNEISS_ERROR_MEMORY, "no memory for %zu blocks", blocks);
+    gn_hold_clear(hold);
+    return GNEISS_OK;
+}
+
+void gn_hold_free(gn_hold *hold) {
+    gn_free(hold->slot);
+    gn_free(hold->block);
+    gn_free(hold->load);
+    *hold = (gn_hold){0};
+}
+
+void gn_hold_clear(gn_hold *hold) {
+    for (size_t b = 0; b < hold->blocks; b++) hold->slot[b] = -1;
+    hold->count = 0;
+}
+
+/* Loads are of one step: nothing has to be kept when room is made. */
+static gneiss_status make_room(gn_hold *hold, gneiss_error *error) {
+    size_t room = 2 * hold->count + 4;
+    double *load = gn_alloc_array(room * GN_BLOCK_LOAD, sizeof *load);
+    if (!load) return gn_fail(error, GNEISS_ERROR_MEMORY, "no memory for %zu held blocks", room);
+    gn_free(hold->load);
+    hold->load = load;
+    hold->room = room;
+    return GNEISS_OK;
+}
+
+gneiss_status gn_hold_particle(gn_hold *hold, size_t particle, gneiss_error *error) {
+    size_t block = particle / GN_PARTICLE_BLOCK;
+    if (hold->slot[block] >= 0) return GNEISS_OK;
+    if (hold->count == hold->room) GN_TRY(make_room(hold, error));
+    hold->block[hold->count] = (int32_t)block;
+    hold->slot[block] = (int32_t)hold->count++;
+    return GNEISS_OK;
+}

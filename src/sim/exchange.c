@@ -1,0 +1,29 @@
+#include "sim/exchange.h"
+
+#include "base/memory.h"
+
+#include <string.h>
+
+gneiss_status gn_exchange_add(gn_world *w, gn_exchange exchange, gneiss_error *error) {
+    gn_exchange *all = gn_alloc_array(w->exchange_count + 1, sizeof *all);
+    if (!all) return gn_fail(error, GNEISS_ERROR_MEMORY, "no memory for an exchange");
+    if (w->exchange) memcpy(all, w->exchange, w->exchange_count * sizeof *all);
+    all[w->exchange_count++] = exchange;
+    gn_free(w->exchange);
+    w->exchange = all;
+    return gn_exchanges_mark(w, error);
+}
+
+gneiss_status gn_exchanges_mark(gn_world *w, gneiss_error *error) {
+    gn_hold_clear(&w->hold);
+    if (w->elements) gn_hold_clear(&w->elements->body.hold);
+    for (size_t k = 0; k < w->exchange_count; k++)
+        GN_TRY(w->exchange[k].mark(w->exchange[k].context, w, error));
+    return GNEISS_OK;
+}
+
+gneiss_status gn_exchanges_act(gn_world *w, gneiss_error *error) {
+    for (size_t k = 0; k < w->exchange_count; k++)
+        GN_TRY(w->exchange[k].act(w->exchange[k].context, w, error));
+    return GNEISS_OK;
+}
