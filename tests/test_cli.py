@@ -39,13 +39,26 @@ def info_says_threads_and_instruction_sets(folder):
 
 
 @fact
-def keys_prints_every_key_or_those_of_a_prefix(folder):
+def keys_prints_every_key_or_those_that_hold_a_text(folder):
     whole = expect(gneiss("keys"), 0).stdout
     for key in ("specimen.file", "materials[].friction", "time.end", "run.threads"):
         assert key in whole, f"{key} is missing"
     part = expect(gneiss("keys", "time."), 0).stdout
     assert "time.step" in part and "gravity" not in part
-    expect(gneiss("keys", "nothing"), 2, "'nothing'")
+    expect(gneiss("keys", "no such thing"), 2, "'no such thing'")
+
+
+@fact
+def keys_are_found_by_a_text_anywhere_in_their_names_and_descriptions(folder):
+    def found(what):
+        return [line for line in expect(gneiss("keys", what), 0).stdout.splitlines() if line and line[0] != " "]
+
+    assert {"materials[].friction", "walls[].friction", "elements.contact.friction"} <= set(found("friction"))
+    assert found("FRICTION") == found("friction")
+    assert "run.residual_limit" in found("ledger"), "the text of a key"
+    assert "specimen.lattice.kind" in found("hexagonal"), "the values of a key"
+    names = found("time")
+    assert names[0] == "time" and names.index("time.end") < names.index("gravity" if "gravity" in names else names[-1])
 
 
 @fact

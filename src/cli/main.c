@@ -219,7 +219,8 @@ static gneiss_status dispatch(const gn_options *o, gneiss_error *error) {
     }
     if (gn_scene_print_keys(stdout, o->markdown, o->target) == 0)
         return gn_fail(error, GNEISS_ERROR_INPUT,
-                       "keys: expected the beginning of a key, found '%s'", o->target);
+                       "keys: expected a text that a key or its description holds, found '%s'",
+                       o->target);
     return GNEISS_OK;
 }
 

@@ -19,7 +19,8 @@ static const command commands[] = {
      true},
     {"resume", "DIR", "go on from the newest checkpoint in an output folder", true},
     {"report", "DIR", "make report.html from the results in an output folder", true},
-    {"keys", "[PREFIX]", "print the keys of a scene file (--markdown for docs)", false},
+    {"keys", "[TEXT]",
+     "print the keys of a scene file, or those that hold a text (--markdown for docs)", false},
     {"info", "", "print version, instruction sets, threads", false},
 };
 enum { COMMANDS = sizeof commands / sizeof *commands };
