@@ -55,7 +55,7 @@ def keys_are_found_by_a_text_anywhere_in_their_names_and_descriptions(folder):
 
     assert {"materials[].friction", "walls[].friction", "elements.contact.friction"} <= set(found("friction"))
     assert found("FRICTION") == found("friction")
-    assert "run.residual_limit" in found("ledger"), "the text of a key"
+    assert "run.residual_warning" in found("Energy Ledger"), "the text of a key"
     assert "specimen.lattice.kind" in found("hexagonal"), "the values of a key"
     names = found("time")
     assert names[0] == "time" and names.index("time.end") < names.index("gravity" if "gravity" in names else names[-1])
@@ -130,6 +130,46 @@ def check_warns_of_what_will_spring_apart(folder):
                                                                                    "{passive_gaps: false}")
     out = expect(gneiss("check", write_scene(folder, scene)), 0).stdout
     assert "warning: overlaps" in out and "mind the warnings" in out, out
+
+
+APART = """
+dimension: DIM
+specimen: {particles: ROWS}
+materials: [{name: m, density: 2500, normal_stiffness: 1e5, kratio: 1}]
+law: {stiffness: uniform}
+bodies: [{name: tool, stiffness: 1e5, SHAPE}]
+time: {end: 1e-4}
+run: {threads: 1}
+"""
+
+
+@fact
+def check_says_that_nothing_overlaps(folder):
+    scene = APART.replace("DIM", "3").replace("ROWS", "[[0, 0, 0, 1e-3], [2.1e-3, 0, 0, 1e-3]]")
+    scene = scene.replace("SHAPE", "box: {size: [1, 1, 1]}, origin: [1, 0, 0]")
+    out = expect(gneiss("check", write_scene(folder, scene)), 0).stdout
+    assert re.search(r"overlaps +none\n", out) and "-1" not in out, out
+    assert re.search(r"body tool .*; no particle touches it\n", out), out
+
+
+@fact
+def check_says_how_particles_lie_on_bodies(folder):
+    # One particle overlaps a flat side by 0.1 mm, one lies in the middle, one is far.
+    skew = 0.0109 / 2 ** 0.5
+    square = "[[-0.01, -0.01], [0.01, -0.01], [0.01, 0.01], [-0.01, 0.01]]"
+    cases = [(3, "box: {size: [0.02, 0.02, 0.02]}, origin: [-0.01, -0.01, -0.01]", 0.0109, 0, True),
+             (3, "box: {size: [0.02, 0.02, 0.02]}, origin: [0, -0.0141421356, -0.01], rotation: [0, 0, 45 deg]", skew, skew,
+              True),
+             (3, "cylinder: {diameter: 0.0282842712, height: 0.02, open: true, sides: 4}, origin: [0, 0, -0.01]", skew, skew,
+              False),
+             (2, f"polygon: {square}", 0.0109, 0, True), (2, f"polyline: {square}", 0.0109, 0, False)]
+    for dimension, shape, x, y, closed in cases:
+        rows = [[x, y, *([1e-4] * (dimension - 2)), 1e-3], [0, 0, *([1e-4] * (dimension - 2)), 1e-3],
+                [0.05, 0, *([1e-4] * (dimension - 2)), 1e-3]]
+        scene = APART.replace("DIM", str(dimension)).replace("ROWS", json.dumps(rows)).replace("SHAPE", shape)
+        out = expect(gneiss("check", write_scene(folder, scene)), 0).stdout
+        assert re.search(r"body tool .*; 1 particle touches it, deepest 0\.0001 m\n", out), out
+        assert ("warning: 1 particle has its centre inside body 'tool'" in out) == closed, out
 
 
 @fact
