@@ -192,9 +192,40 @@ def the_output_folder_follows_the_name_of_the_scene(folder):
 
 
 @fact
-def quiet_prints_nothing(folder):
+def quiet_prints_what_came_out_and_nothing_else(folder):
     done = run(LATTICE, folder)
-    assert done.stdout == "" and done.stderr == "", done.stdout + done.stderr
+    for word in ("Young's modulus", "Poisson's ratio", "peak stress", "bonds broken", "energy residual", state_hash(folder)):
+        assert word in done.stdout, f"{word} is missing"
+    assert not re.search("profile|output:|written to|step", done.stdout), done.stdout
+    assert done.stderr == "", done.stderr
+
+
+@fact
+def a_folder_that_is_not_there_is_an_input_error_as_a_scene_is(folder):
+    for name in ("run", "check", "plan", "pack"):
+        expect(gneiss(name, os.path.join(folder, "nothing.yaml")), 2, "No such file")
+    for name in ("resume", "report"):
+        expect(gneiss(name, os.path.join(folder, "nothing")), 2, "(?i)no such file")
+
+
+@fact
+def the_progress_line_fits_any_terminal(folder):
+    for columns in (20, 40, 60, 80, 110, 200):
+        shown, code = on_terminal(columns, "run", LATTICE, "--out", folder, "--threads", 1)
+        assert code == 0 and shown.startswith("\r\x1b[K") and shown.count("\n") == 1 and shown.endswith("\n"), shown
+        lines = [line.strip("\r\n") for line in shown.split("\r\x1b[K")[1:]]
+        assert max(map(len, lines)) < columns, (columns, lines)
+        for least, word in ((20, r"step \d+"), (40, r"100 %|t [\d.e-]+/"), (40, "ETA"), (80, r"\d MPa"), (80, "broken"),
+                            (110, r"/s\b"), (200, "particle-steps/s"), (200, "strain"), (200, "unbalanced")):
+            assert columns < least or re.search(word, lines[-1]), (columns, word, lines[-1])
+
+
+@fact
+def what_follows_a_progress_line_stands_below_it(folder):
+    scene = write_scene(folder, LOOSE.replace("STEP", "1e-7"))
+    shown, code = on_terminal(80, "run", scene, "--out", folder + "/out", "--set", "time.end=10", interrupt=True)
+    assert code == 6, shown
+    assert re.search(r"^gneiss: interrupted", shown.replace("\r", ""), re.MULTILINE), shown
 
 
 @fact

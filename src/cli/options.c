@@ -33,25 +33,27 @@ void gn_print_usage(FILE *out) {
             gn_version());
     for (size_t k = 0; k < COMMANDS; k++)
         fprintf(out, "  %-7s %-9s %s\n", commands[k].name, commands[k].arguments, commands[k].text);
-    fputs("\noptions:\n"
-          "  --out DIR          output folder (default: runs/<scene name>)\n"
-          "  --set KEY=VALUE    override a key of the scene: --set time.end=2ms, --set "
-          "walls.top.friction=0.2\n"
-          "  --threads N        threads (default: all cores)\n"
-          "  --seed N           of every random number\n"
-          "  --precision P      double or mixed\n"
-          "  --isa NAME         scalar, avx2, avx512 (default: GNEISS_ISA, else the widest)\n"
-          "  --force            run: replace also what a finished run of more than a minute left\n"
-          "  --quiet            no progress line, no tables\n"
-          "  --log json         progress and summary as JSON lines on standard output\n"
-          "  --markdown         keys: as Markdown\n"
-          "  --help, --version\n"
-          "\nexit codes: 0 done, 1 defect of gneiss, 2 input cannot be used, 3 file could not be "
-          "read or\n"
-          "written, 4 out of memory, 5 run went bad, 6 interrupted (a checkpoint was written if "
-          "the run\n"
-          "had begun)\n",
-          out);
+    fputs(
+        "\noptions:\n"
+        "  --out DIR          output folder (default: runs/<scene name>)\n"
+        "  --set KEY=VALUE    override a key of the scene: --set time.end=2ms, --set "
+        "walls.top.friction=0.2\n"
+        "  --threads N        threads (default: all cores)\n"
+        "  --seed N           of every random number\n"
+        "  --precision P      double or mixed\n"
+        "  --isa NAME         scalar, avx2, avx512 (default: GNEISS_ISA, else the widest)\n"
+        "  --force            run: replace also what a finished run of more than a minute left\n"
+        "  --quiet            only what came out: no progress, no profile; readings and warnings "
+        "stay\n"
+        "  --log json         progress and summary as JSON lines on standard output\n"
+        "  --markdown         keys: as Markdown\n"
+        "  --help, --version\n"
+        "\nexit codes: 0 done, 1 defect of gneiss, 2 input cannot be used (a scene or folder that "
+        "is not\n"
+        "there, too), 3 file could not be read or written, 4 out of memory, 5 run went bad, 6 "
+        "interrupted\n"
+        "(a checkpoint was written if the run had begun)\n",
+        out);
 }
 
 static const command *find_command(const char *name) {
