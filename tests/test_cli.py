@@ -305,6 +305,91 @@ def wrong_scenes_are_named_by_file_line_and_column(folder):
     assert os.listdir(folder) == ["s.yaml"]
 
 
+NAMES = """
+dimension: 2
+specimen: {lattice: {kind: square, radius: 1 mm, cells: [4, 4, 1]}, material: SPECIMEN}
+materials:
+  - {name: granite, density: 2500, normal_stiffness: 1e5, kratio: 2}
+  - {name: shale, density: 2500, normal_stiffness: 1e5, kratio: 2}
+law: {stiffness: uniform}
+sets:
+  - {name: inlay, select: {all: true}, material: SET}
+walls:
+  - {name: ceiling, point: [0, 1], normal: [0, -1], stiffness: 1e5, motion: {vy: 1}}
+bodies:
+  - {name: anvil, polygon: [[0, -1], [1, -1], [0, -2]], stiffness: 1e5, kratio: KRATIO}
+test: {kind: compression, axis: y, lower: LOWER, upper: UPPER}
+time: {end: 1e-4}
+"""
+RIGHT = {"SPECIMEN": "granite", "SET": "shale", "LOWER": "anvil", "UPPER": "ceiling", "KRATIO": "2"}
+
+
+def with_names(**names):
+    scene = NAMES
+    for name, value in {**RIGHT, **names}.items():
+        scene = scene.replace(name, value)
+    return scene
+
+
+@fact
+def wrong_names_are_told_what_was_probably_meant(folder):
+    expect(gneiss("check", write_scene(folder, with_names())), 0)
+    wrong = {("SPECIMEN", "granit"): "specimen.material: .*'granit'; did you mean 'granite'[?]",
+             ("SPECIMEN", "basalt"): "specimen.material: .*'basalt'; there are granite, shale",
+             ("SET", "shael"): r"sets\[0\].material: .*'shael'; did you mean 'shale'[?]",
+             ("LOWER", "anvill"): "test.lower: .*'anvill'; did you mean 'anvil'[?]",
+             ("UPPER", "cieling"): "test.upper: .*'cieling'; did you mean 'ceiling'[?]",
+             ("UPPER", "inlaid"): "test.upper: .*'inlaid'; did you mean 'inlay'[?]",
+             ("UPPER", "roof"): "test.upper: .*'roof'; there are ceiling, anvil, inlay"}
+    for (key, name), pattern in wrong.items():
+        expect(gneiss("check", write_scene(folder, with_names(**{key: name}))), 2, pattern)
+    right = write_scene(folder, with_names())
+    expect(gneiss("check", right, "--set", "walls.cieling.friction=0"), 2, "'cieling'.*; did you mean 'ceiling'[?]")
+    expect(gneiss("check", right, "--set", "law.stiffness=unifrom"), 2, "'unifrom'; did you mean 'uniform'[?]")
+    expect(gneiss("chekc", right), 2, "'chekc'; did you mean 'check'[?]")
+
+
+@fact
+def groups_of_a_mesh_are_told_what_was_probably_meant(folder):
+    scene = open(os.path.join(SCENES, "elements.yaml")).read()
+    group = re.search(r"group: (\w{4,})", scene)[1]
+    scene = scene.replace("plate.msh", os.path.join(SCENES, "plate.msh")).replace(f"group: {group}", f"group: {group}x")
+    expect(gneiss("check", write_scene(folder, scene)), 2, f"'{group}x'.*; did you mean '{group}'[?]")
+
+
+@fact
+def all_errors_of_a_scene_are_shown_in_their_order_with_their_places(folder):
+    scene = with_names(SET="shael", LOWER="anvill", KRATIO="much").replace("density: 2500", "densty: 2500", 1)
+    scene = scene.replace("law: {stiffness: uniform}", "law: {stiffness: uniform, rotatoin: off}")
+    done = expect(gneiss("check", write_scene(folder, scene, "s.yaml"), cwd=folder), 2)
+    lines = done.stderr.replace("gneiss: input error: ", "").replace(folder + "/", "").splitlines()
+    at = [re.match(r"s\.yaml:(\d+):(\d+): ([\w.\[\]]+): ", line) for line in lines]
+    assert all(at), done.stderr
+    assert [(int(m[1]), m[3]) for m in at] == [
+        (5, "materials[0].densty"), (7, "law.rotatoin"), (9, "sets[0].material"), (13, "bodies[0].kratio"),
+        (14, "test.lower")], done.stderr
+
+
+@fact
+def one_slip_is_one_error(folder):
+    # What depends on the word that is wrong is not held against the scene as well.
+    for old, new in (("materials:", "material:"), ("law:", "lwa:"), ("walls:", "wals:"), ("specimen:", "spcimen:"),
+                     ("name: granite", "nmae: granite"), ("dimension: 2", "dimension: 4"), ("time:", "tiem:"),
+                     ("name: ceiling", "name: ceiling.x"), ("stiffness: uniform", "stiffness: elastic"),
+                     ("normal_stiffness: 1e5", "normal_stifness: 1e5")):
+        assert old in NAMES
+        done = expect(gneiss("check", write_scene(folder, with_names().replace(old, new, 1))), 2)
+        assert len(done.stderr.splitlines()) == 1, done.stderr
+
+
+@fact
+def a_scene_of_nothing_but_errors_is_cut_short(folder):
+    scene = with_names() + "".join(f"nonsense{k}: 1\n" for k in range(40))
+    lines = expect(gneiss("check", write_scene(folder, scene)), 2).stderr.splitlines()
+    assert 6 < len(lines) < 15 and re.fullmatch(r"and \d+ more", lines[-1]), lines
+    assert len(lines) - 1 + int(lines[-1].split()[1]) == 40, lines
+
+
 @fact
 def a_scene_that_is_no_file_is_an_error(folder):
     expect(gneiss("run", folder), 2, "expected a scene file, found a folder")

@@ -1,5 +1,6 @@
 #include "cli/options.h"
 
+#include "base/names.h"
 #include "sim/run.h"
 
 #include <getopt.h>
@@ -86,12 +87,19 @@ static gneiss_status add_set(gn_options *o, const char *text, gneiss_error *erro
     return add_override(o, key, equals + 1, error);
 }
 
+static gneiss_status no_command(const char *name, gneiss_error *error) {
+    char advice[GN_ADVICE_SIZE] = "";
+    gn_names names = gn_names_for(name);
+    for (size_t k = 0; k < COMMANDS; k++) gn_names_add(&names, commands[k].name);
+    if (names.nearest) gn_names_advice(&names, advice, sizeof advice);
+    return gn_fail(error, GNEISS_ERROR_INPUT, "unknown command '%s'%s (gneiss --help lists them)",
+                   name, advice);
+}
+
 static gneiss_status check_target(const gn_options *o, int argc, char **argv, int first,
                                   gneiss_error *error) {
     const command *c = find_command(o->command);
-    if (!c)
-        return gn_fail(error, GNEISS_ERROR_INPUT, "unknown command '%s' (gneiss --help lists them)",
-                       o->command);
+    if (!c) return no_command(o->command, error);
     if (c->needs_target && !o->target)
         return gn_fail(error, GNEISS_ERROR_INPUT, "gneiss %s: expected %s", c->name, c->arguments);
     if (!*c->arguments && o->target)
