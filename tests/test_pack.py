@@ -163,7 +163,7 @@ def packing_again_into_the_same_folder_takes_the_place_of_everything(folder):
 def a_folder_in_which_a_run_works_takes_no_packing(folder):
     out = os.path.join(folder, "out")
     process = subprocess.Popen(command("run", UCS, "--out", out, "--quiet", "--set", "output.checkpoint=off"),
-                               env=ENVIRONMENT, stderr=subprocess.PIPE, text=True)
+                               env=ENVIRONMENT, stdout=subprocess.DEVNULL, stderr=subprocess.PIPE, text=True)
     assert wait_until(process, lambda: os.path.exists(os.path.join(out, "particles.hdf.series"))), process.stderr.read()
     done = gneiss("pack", request(folder), "--out", out, **cached(folder))
     assert process.wait(timeout=120) == 0, process.stderr.read()
