@@ -548,6 +548,29 @@ def snapshots_are_grids_with_their_time(folder):
         assert np.array_equal(file["VTKHDF/CellData/state"][:], final["bonds/state"][:])
 
 
+@fact
+def orientations_are_written_where_they_are_asked_for(folder):
+    # Spin w about a fixed axis: the turn is cos(w t/2), axis sin(w t/2). Each step is first order in the angle and wrong
+    # by (w dt/2)^2/3 of it, 7.5e-9 here. After 4 rad the shorter way round is back.
+    spin = np.array([100.0, 200.0, 200.0])
+    scene = LOOSE.replace("STEP", "1e-6").replace("end: 1e-4", "end: 4/300 s".replace("4/300", repr(4 / 300)))
+    scene += "sets: [{name: turned, select: {ids: [1]}, motion: {wx: 100, wy: 200, wz: 200}}]\n"
+    for asked in ("off", "on"):
+        out = os.path.join(folder, asked)
+        run(write_scene(folder, scene), out, "--set", f"output.orientation={asked}")
+        last = os.path.join(out, series(out)[-1][0])
+        with results(out) as file, h5py.File(last) as grid:
+            assert ("orientation" in file["particles"]) == (asked == "on")
+            assert ("orientation" in grid["VTKHDF/PointData"]) == (asked == "on")
+            if asked == "on":
+                turn = file["particles/orientation"][:]
+                assert text(file["particles/orientation"].attrs["unit"]) == "1"
+                assert np.array_equal(turn, grid["VTKHDF/PointData/orientation"][:])
+    half = np.linalg.norm(spin) * summary(out)["time"] / 2
+    expected = -np.array([np.cos(half), *(np.sin(half) * spin / np.linalg.norm(spin))])
+    assert np.array_equal(turn[0], [1, 0, 0, 0]) and expected[0] > 0 and np.abs(turn[1] - expected).max() < 1e-7, turn
+
+
 # --- damage -----------------------------------------------------------------------------------------------
 
 def mutated(source, pick):
