@@ -24,7 +24,7 @@ usage: ./do COMMAND [...]
 
   run SCENE [gneiss options]   build, run the scene, make its report
   test [meson options]         build and run every test
-  check [steps]                format gcc clang cppcheck tidy sanitizers python (all of them); on request
+  check [steps]                format layers gcc clang cppcheck tidy sanitizers python (all of them); on request
                                also tsan: data races, by ThreadSanitizer with LLVM's OpenMP
   bench [--peers] [--large] [--sweep]
                                build and run the benchmarks; --peers: beside LAMMPS, LIGGGHTS, YADE,
@@ -231,6 +231,10 @@ check_format() {
     sources '*.c' '*.h' '*.cc' '*.cpp' '*.hpp' | (cd "$root" && xargs -r clang-format --dry-run -Werror)
 }
 
+check_layers() { # includes against the table of docs/design.md
+    "$python" "$root/tools/layers.py"
+}
+
 check_gcc() {
     CC=gcc CXX=g++ configure build-check-gcc --buildtype=release -Dwerror=true && build build-check-gcc
 }
@@ -307,7 +311,7 @@ command_check() {
     need "${packages_build[@]}" "${packages_check[@]}"
     git -C "$root" rev-parse --is-inside-work-tree >/dev/null 2>&1 ||
         die "check: $root is not a git work tree; the list of files comes from git"
-    local steps=(format gcc clang cppcheck tidy sanitizers python) failed=() step start summary=()
+    local steps=(format layers gcc clang cppcheck tidy sanitizers python) failed=() step start summary=()
     (($#)) && steps=("$@")
     for step in "${steps[@]}"; do
         declare -F "check_$step" >/dev/null || die "check: no such step: $step"

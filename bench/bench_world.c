@@ -1,8 +1,8 @@
 #include "bench_world.h"
 
 #include "base/timer.h"
+#include "run/run.h"
 #include "sim/parts.h"
-#include "sim/run.h"
 
 #include <omp.h>
 #include <stdlib.h>

@@ -6,7 +6,7 @@
 #include "io_helpers.h"
 
 #include "base/memory.h"
-#include "io/mesh.h"
+#include "mesh/mesh.h"
 
 /* Bytes that grow up to a limit that no test reaches. */
 typedef struct bytes {

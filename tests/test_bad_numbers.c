@@ -5,7 +5,7 @@
 
 #include "io/files.h"
 #include "io/h5.h"
-#include "sim/run.h"
+#include "run/run.h"
 
 #include <sys/stat.h>
 

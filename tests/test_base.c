@@ -3,7 +3,7 @@
 #include "base/effects.h"
 #include "base/error.h"
 #include "base/memory.h"
-#include "base/pace.h"
+#include "sched/pace.h"
 
 static void a_failure_carries_status_and_text(void **state) {
     (void)state;

@@ -1,8 +1,8 @@
 /* Rigid bodies: what they weigh, how they move, what particles do to them. */
 #include "surface_helpers.h"
 
-#include "sim/body_shape.h"
-#include "sim/run.h"
+#include "run/run.h"
+#include "surfaces/body_shape.h"
 
 /* One far particle, so that there is a specimen. */
 static const char head[] =

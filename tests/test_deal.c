@@ -1,7 +1,7 @@
 /* Work dealt out to threads: every block once, particles after all their items, for any number of
  * threads, shares and shapes of lists; threads help one that stands still. */
 #include "base/timer.h"
-#include "neigh/deal.h"
+#include "sched/deal.h"
 #include "world_helpers.h"
 
 #include <omp.h>

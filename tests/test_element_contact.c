@@ -1,7 +1,7 @@
 /* Particles on the surface of finite elements. */
 #include "surface_helpers.h"
 
-#include "sim/run.h"
+#include "run/run.h"
 
 /* Spheres (discs) fly at a block of elements that floats free. */
 static gn_world *shower(int dimension, const char *more) {

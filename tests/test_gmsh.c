@@ -2,7 +2,7 @@
  * first in PATH, so that the test does not depend on the real one. */
 #include "io_helpers.h"
 
-#include "io/gmsh.h"
+#include "mesh/gmsh.h"
 
 #include <sys/stat.h>
 

@@ -2,7 +2,7 @@
  * the angle, and a potential. */
 #include "surface_helpers.h"
 
-#include "sim/facet.h"
+#include "surfaces/facet.h"
 
 /* --- the angle of a groove
  * ------------------------------------------------------------------------------------- */

@@ -5,7 +5,7 @@
 #include "test.h"
 
 #include "base/eigen.h"
-#include "sim/timestep.h"
+#include "limit/timestep.h"
 #include "soa/records.h"
 
 static const double pi = 3.14159265358979323846;

@@ -3,7 +3,7 @@
 #define GN_API_HANDLES_H
 
 #include "gneiss/gneiss.h"
-#include "sim/run.h"
+#include "run/run.h"
 
 struct gneiss_scene {
     gn_scene scene;

@@ -5,7 +5,7 @@
 #include "cli/progress.h"
 #include "cli/signals.h"
 #include "io/files.h"
-#include "sim/folder.h"
+#include "run/folder.h"
 
 #include <omp.h>
 #include <stdlib.h>

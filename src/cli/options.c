@@ -1,7 +1,7 @@
 #include "cli/options.h"
 
 #include "base/names.h"
-#include "sim/run.h"
+#include "run/run.h"
 
 #include <getopt.h>
 #include <stdlib.h>

@@ -10,7 +10,7 @@
 #include "io/files.h"
 #include "pack/body.h"
 #include "pack/store.h"
-#include "sim/folder.h"
+#include "run/folder.h"
 #include "sim/origin.h"
 
 #include <math.h>

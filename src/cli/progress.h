@@ -3,7 +3,7 @@
 #define GN_CLI_PROGRESS_H
 
 #include "cli/options.h"
-#include "sim/run.h"
+#include "run/run.h"
 
 /* One line, rewritten in place on a terminal and as wide as that, one line a call elsewhere. */
 void gn_print_progress(const gn_options *options, const gn_run *run);

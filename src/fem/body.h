@@ -7,9 +7,9 @@
 #ifndef GN_FEM_BODY_H
 #define GN_FEM_BODY_H
 
-#include "io/mesh.h"
 #include "kernels/dispatch.h"
-#include "neigh/deal.h"
+#include "mesh/mesh.h"
+#include "sched/deal.h"
 
 typedef struct gn_fem_material {
     const char *group;              /* of elements, by name or tag; NULL: all elements */

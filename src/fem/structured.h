@@ -2,7 +2,7 @@
 #ifndef GN_FEM_STRUCTURED_H
 #define GN_FEM_STRUCTURED_H
 
-#include "io/mesh.h"
+#include "mesh/mesh.h"
 
 #include <stdint.h>
 

@@ -1,4 +1,4 @@
-/* The parallel part of a step: elements and nodes. Who does what: neigh/deal.h. */
+/* The parallel part of a step: elements and nodes. Who does what: sched/deal.h. */
 #include "base/timer.h"
 #include "fem/parts.h"
 

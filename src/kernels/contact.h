@@ -21,6 +21,7 @@ typedef struct gn_contact_args {
     gn_uniform uniform;
     const gn_partials *partials; /* of `contacts`: where forces are summed; NULL: nowhere */
     double dt;                   /* s, the interval that led to these positions; 0 at the start */
+    double speed_most;           /* m/s, at which the fastest particle moved in it; 0: not known */
     double arm_factor;           /* 0.5: contact point at r + gap/2; 0: at r */
     double period[3], inverse_period[3]; /* m, 1/m, with GN_FX_PERIODIC */
     double time;                         /* s, of this instant */

@@ -11,6 +11,7 @@
 #include "kernels/contact_law.h"
 #include "kernels/expand.h"
 
+#include <math.h>
 #include <string.h>
 
 /* Literal switches of a variant. */
@@ -34,29 +35,23 @@ enum { STAGES = 6, RING = 8 };
 typedef struct pair_geometry {
     gn_v3 n; /* normal from i to j; before find_normal the branch, not of unit length */
     gn_v distance, stretch; /* stretch: beyond the distance at which the normal force is zero */
-    gn_v rate;              /* dt/(2 distance) */
     gn_v arm_i, arm_j;      /* from the centres to the contact; before find_normal the radii */
 } pair_geometry;
 
-/* The path of a step. */
-typedef struct passage {
-    gn_v path;  /* by how much the distance grew */
-    gn_v side2; /* square of the path across the normal */
-} passage;
-
 typedef struct pair_motion {
-    gn_v speed;      /* normal component at the end of the step, opening positive */
-    passage passage; /* not of bonds, which rarely need it */
-    gn_v3 middle;    /* see gn_middle */
-    gn_v3 relative;  /* tangential velocity at the contact, turned from the middle to the end */
-    gn_v twist;      /* mean spin of the pair about the normal, rad/s */
+    gn_v3 middle;   /* see gn_middle */
+    gn_v3 relative; /* tangential velocity at the contact, turned from the middle to the end */
 } pair_motion;
 
 /* A vector on its way. */
 typedef struct stage {
     pair_geometry geometry;
-    gn_v speed, angle; /* see pair_motion; the twist of the step */
-    passage passage;
+    union {
+        gn_v rate; /* dt/(2 distance) */
+        gn_v path; /* from find_motion on, if path_known: by how much the distance grew */
+    };
+    gn_v speed;          /* normal component at the end of the step, opening positive */
+    gn_v angle;          /* mean turn of the pair about the normal in the step */
     gn_v3 before, trial; /* see contact_state */
 } stage;
 
@@ -65,6 +60,10 @@ typedef union brief {
     pair_motion motion;
     _Alignas(64) gn_real row[8 * GN_W]; /* force on i, 0, n x F_t, 0 (width 4: see gn_partials) */
 } brief;
+
+/* Indices into the ring are shifts then. */
+_Static_assert(sizeof(stage) == 16 * sizeof(gn_v), "a stage has a power of two of bytes");
+_Static_assert(sizeof(brief) == 8 * sizeof(gn_v) || sizeof(gn_v) < 64, "so has a brief");
 
 #if !GN_MIXED
 GN_INLINE gn_v3 nearest_image(gn_v3 d, const double *period, const double *inverse, int space) {
@@ -127,7 +126,7 @@ GN_INLINE void find_normal(const gn_contact_args *a, stage *g, variant w) {
     s->n = gn_scale(inverse, s->n, w.space);
     /* Of centres that (nearly) coincide there is no telling which way the normal goes. */
     gn_m apart = gn_less(gn_set(0.05) * (s->arm_i + s->arm_j), distance);
-    s->rate = gn_keep(apart, gn_set(0.5 * a->dt) * inverse);
+    g->rate = gn_keep(apart, gn_set(0.5 * a->dt) * inverse);
     if (w.shear && w.rotation) {
         gn_v half = gn_set(a->arm_factor) * (distance - (s->arm_i + s->arm_j));
         s->arm_i = s->arm_i + half;
@@ -135,13 +134,21 @@ GN_INLINE void find_normal(const gn_contact_args *a, stage *g, variant w) {
     }
 }
 
-/* The distance before the step was |d n - dt v|: with q = d - dt speed the root of q^2 + side2, so
- * that it grew by dt speed - side2/(2 q) and less. */
-GN_INLINE passage passage_of(const gn_contact_args *a, const pair_geometry *p, gn_v3 v, gn_v speed,
-                             variant w) {
-    gn_v dt = gn_set(a->dt);
-    gn_v across2 = gn_max(gn_fnma(speed, speed, gn_dot(v, v, w.space)), gn_set(0.0));
-    return (passage){dt * gn_fnma(across2, p->rate, speed), dt * dt * across2};
+/* Square of the velocity across the normal. */
+GN_INLINE gn_v across2_of(gn_v3 v, gn_v speed, int space) {
+    return gn_max(gn_fnma(speed, speed, gn_dot(v, v, space)), gn_set(0.0));
+}
+
+/* By how much the distance grew in the step. Before it was |d n - dt v|, with q = d - dt speed the
+ * root of q^2 + dt^2 across^2: by dt speed - dt^2 across^2/(2 q) and less. */
+GN_INLINE gn_v path_of(const gn_contact_args *a, gn_v3 v, gn_v speed, gn_v rate, int space) {
+    return gn_set(a->dt) * gn_fnma(across2_of(v, speed, space), rate, speed);
+}
+
+/* Every pair with a dashpot books its path, so that it is found where the velocities are at hand.
+ */
+GN_INLINE int path_known(variant w) {
+    return !w.bonds && w.damping;
 }
 
 GN_INLINE gn_v3 opening_velocity(const gn_contact_args *a, size_t c, variant w) {
@@ -155,33 +162,32 @@ GN_INLINE gn_v3 opening_velocity(const gn_contact_args *a, size_t c, variant w) 
  * contact, whatever the angle of a step. (The arms of the force stay at the end, so that force and
  * moment keep the angular momentum.) With arms to the middle of the gap a rigid rotation gives
  * exactly no relative velocity: those arms add up to the length of the middle branch. */
-GN_INLINE pair_motion find_motion(const gn_contact_args *a, size_t c, const pair_geometry *p,
-                                  variant w) {
+GN_INLINE void find_motion(const gn_contact_args *a, size_t c, stage *g, brief *out, variant w) {
     const int32_t *i = a->contacts->i + c, *j = a->contacts->j + c;
-    pair_motion s;
-    s.twist = gn_set(0.0);
+    const pair_geometry *p = &g->geometry;
     gn_v3 v = opening_velocity(a, c, w);
-    s.speed = gn_dot(v, p->n, w.space);
-    if (!w.bonds) s.passage = passage_of(a, p, v, s.speed, w);
-    if (!w.shear) return s;
-    s.middle = gn_middle(v, p->n, s.speed, p->rate, w.space);
+    gn_v speed = gn_dot(v, p->n, w.space), rate = g->rate;
+    g->speed = speed;
+    if (path_known(w)) g->path = path_of(a, v, speed, rate, w.space);
+    if (!w.shear) return;
+    gn_v3 middle = gn_middle(v, p->n, speed, rate, w.space);
     if (w.rotation) {
         gn_v wi[4], wj[4];
         gn_rows4(COLUMN(a, spin), i, wi);
         gn_rows4(COLUMN(a, spin), j, wj);
-        gn_v back = gn_set(0.5 * a->dt * a->arm_factor) * s.speed;
+        gn_v back = gn_set(0.5 * a->dt * a->arm_factor) * speed;
         gn_v ai = p->arm_i - back, aj = p->arm_j - back;
         gn_v3 sum = {gn_set(0.0), gn_set(0.0), ai * wi[2] + aj * wj[2]};
         if (w.space) {
             sum.x = ai * wi[0] + aj * wj[0];
             sum.y = ai * wi[1] + aj * wj[1];
             gn_v3 spins = {wi[0] + wj[0], wi[1] + wj[1], wi[2] + wj[2]};
-            s.twist = gn_set(0.5) * gn_dot(spins, s.middle, 1);
+            g->angle = gn_set(a->dt) * (gn_set(0.5) * gn_dot(spins, middle, 1));
         }
-        v = gn_less_spin_cross(v, sum, s.middle, w.space);
+        v = gn_less_spin_cross(v, sum, middle, w.space);
     }
-    s.relative = gn_turn_with_normal(v, p->n, s.middle, w.space);
-    return s;
+    out->motion.middle = middle;
+    out->motion.relative = gn_turn_with_normal(v, p->n, middle, w.space);
 }
 
 /* Elastic tangential force before any limit. The twist comes halfway through the increment: one
@@ -276,7 +282,6 @@ GN_INLINE void limit_shear(const gn_contact_args *a, size_t c, gn_v total, conta
         gn_v factor = gn_where(q->slipping, limit / gn_sqrt(size2), gn_set(1.0));
         q->t = gn_scale(factor, q->trial, w.space);
     }
-    gn_store3(COLUMN(k, shear) + c, k->soa.capacity, q->t, w.space);
 }
 
 /* Which intact bonds reach their strength in this step; tension counts first. */
@@ -326,7 +331,7 @@ GN_INLINE void book_elastic(const contact_state *q, lane_sums *e, variant w) {
 /* What a rare branch reads and gives, apart from the state of the vector: an address of that would
  * keep all of it out of registers. */
 typedef struct crossing_state {
-    gn_v kn, stretch, beyond, elastic, side2;
+    gn_v kn, stretch, beyond, elastic;
     gn_m touching, loose, breaking;
 } crossing_state;
 typedef struct crossing {
@@ -349,12 +354,14 @@ static __attribute__((noinline)) crossing cross(const gn_contact_args *a, size_t
     gn_v half = gn_set(0.5), one = gn_set(1.0), zero = gn_set(0.0), vi[4], vj[4];
     gn_rows4(COLUMN(a, vel), a->contacts->i + c, vi);
     gn_rows4(COLUMN(a, vel), a->contacts->j + c, vj);
+    gn_v3 v = {vj[0] - vi[0], vj[1] - vi[1], vj[2] - vi[2]};
+    gn_v side2 = gn_set(a->dt * a->dt) * across2_of(v, g->speed, 1);
     gn_v quarter_y2 = gn_set(0.25 * a->dt * a->dt) * q->kn * (vi[3] + vj[3]);
     quarter_y2 = zero - gn_max(zero - quarter_y2, gn_set(-0.125));
     /* Up to rounding the stretch that was found a step ago. */
     gn_v along = gn_set(a->dt) * g->speed, left = g->geometry.distance - along;
-    gn_v past = gn_max(left + gn_sqrt(gn_fma(left, left, q->side2)), gn_set(GN_TINY));
-    gn_v path = along - q->side2 / past, before = q->stretch - path;
+    gn_v past = gn_max(left + gn_sqrt(gn_fma(left, left, side2)), gn_set(GN_TINY));
+    gn_v path = along - side2 / past, before = q->stretch - path;
     gn_m touched = gn_less(q->beyond, path);
     gn_m opening = gn_and(gn_and(q->loose, touched), gn_not(q->touching));
     gn_m closing = gn_and(gn_and(q->loose, q->touching), gn_not(touched));
@@ -375,47 +382,60 @@ static __attribute__((noinline)) crossing cross(const gn_contact_args *a, size_t
     return r;
 }
 
-/* Rare among bonds: the passage of those that hold no more. In the plane the third component is 0.
- */
-static __attribute__((noinline)) passage broken_passage(const gn_contact_args *a, size_t c,
-                                                        const stage *g) {
+/* Rare: the path of those that are not bonded (any more); of an intact bond the first term is all
+ * that anything asks for. In the plane the third component is 0. */
+static __attribute__((noinline)) gn_v loose_path(const gn_contact_args *a, size_t c, const stage *g,
+                                                 gn_m intact) {
     const variant space = {.space = 1};
-    return passage_of(a, &g->geometry, opening_velocity(a, c, space), g->speed, space);
+    gn_v3 v = opening_velocity(a, c, space);
+    return gn_where(intact, gn_set(a->dt) * g->speed, path_of(a, v, g->speed, g->rate, 1));
 }
 
-/* Of an intact bond the first term of the path is all that anything asks for. */
-GN_INLINE passage bonded_passage(const gn_contact_args *a, size_t c, const stage *g, gn_m intact) {
-    passage d = {gn_set(a->dt) * g->speed, gn_set(0.0)};
-    if (__builtin_expect(gn_bits(gn_not(intact)) == 0, 1)) return d;
-    passage loose = broken_passage(a, c, g);
-    d.path = gn_where(intact, d.path, loose.path);
-    d.side2 = gn_where(intact, d.side2, loose.side2);
-    return d;
+/* Those that may have closed or opened within the step, and maybe more: by the normal speed alone
+ * and the most that any particle moves across a normal. Most contacts are far from either. */
+GN_INLINE gn_m may_cross(const gn_contact_args *a, const stage *g, const contact_state *q) {
+    gn_v along = gn_set(a->dt) * g->speed, before = q->beyond - along;
+    gn_v rounding = gn_fma(gn_set(0x1p-20), gn_max(along, gn_set(0.0) - along),
+                           gn_set(0x1p-47) * g->geometry.distance);
+    double fastest = a->speed_most > 0.0 ? 2.0 * a->speed_most : (double)INFINITY;
+    gn_v across = gn_fma(gn_set(2.02 * a->dt * fastest * fastest), g->rate, rounding);
+    gn_m surely = gn_less(before, gn_set(0.0) - across), apart = gn_at_least(before, rounding);
+    return gn_not(gn_or(gn_and(q->touching, surely), gn_and(gn_not(q->touching), apart)));
 }
 
-/* What acts along the normal but for the dashpot. The path is good to much less than the way across
- * the normal takes from it, `slack`: what is nearer to a change is looked at. */
-GN_INLINE void find_normal_force(const gn_contact_args *a, size_t c, const stage *g, passage d,
-                                 contact_state *q, variant w) {
-    gn_m loose = gn_not(q->intact);
-    q->normal = q->elastic;
-    q->way = q->stretch;
-    q->share = gn_set(1.0);
-    if (w.bonds && __builtin_expect(gn_bits(loose) == 0, 1)) return;
-    gn_m acting = gn_or(q->touching, q->intact);
-    gn_v slack = gn_set(a->dt) * g->speed - d.path, before = q->beyond - d.path;
+/* What acts along the normal but for the dashpot, of a contact whose path is known to much less
+ * than the way across the normal takes from it, `slack`: what is nearer to a change is looked at.
+ */
+GN_INLINE void cross_if_near(const gn_contact_args *a, size_t c, const stage *g, gn_v path,
+                             gn_m loose, contact_state *q) {
+    gn_v slack = gn_set(a->dt) * g->speed - path, before = q->beyond - path;
     gn_m surely = gn_less(before, gn_set(0.0) - slack), perhaps = gn_less(before, slack);
-    q->normal = gn_keep(acting, q->elastic);
-    q->share = gn_keep(acting, gn_set(1.0));
     gn_m crosses = gn_or(gn_and(q->touching, gn_not(surely)), gn_and(perhaps, gn_not(q->touching)));
     if (__builtin_expect(gn_bits(gn_and(loose, crosses)) == 0, 1)) return;
-    crossing_state state = {q->kn,   q->stretch,  q->beyond, q->elastic,
-                            d.side2, q->touching, loose,     q->breaking};
+    crossing_state state = {q->kn,       q->stretch, q->beyond,  q->elastic,
+                            q->touching, loose,      q->breaking};
     crossing r = cross(a, c, g, &state);
     q->normal = r.normal;
     q->share = r.share;
     q->way = r.way;
     q->elastic = r.elastic;
+}
+
+/* What acts along the normal but for the dashpot, where not all are intact bonds; the path of the
+ * step, as far as anything asks for it. */
+GN_INLINE gn_v find_normal_force(const gn_contact_args *a, size_t c, const stage *g,
+                                 contact_state *q, variant w) {
+    gn_m loose = gn_not(q->intact), acting = gn_or(q->touching, q->intact);
+    q->normal = gn_keep(acting, q->elastic);
+    q->share = gn_keep(acting, gn_set(1.0));
+    gn_v path = gn_pick(path_known(w), g->path, gn_set(a->dt) * g->speed);
+    if (!w.damping) {
+        gn_m asked = gn_or(gn_and(loose, may_cross(a, g, q)), q->breaking);
+        if (__builtin_expect(gn_bits(asked) == 0, 1)) return path;
+    }
+    if (!path_known(w)) path = loose_path(a, c, g, q->intact);
+    cross_if_near(a, c, g, path, loose, q);
+    return path;
 }
 
 GN_INLINE gn_v damped(const gn_contact_args *a, size_t c, gn_v speed, gn_v path,
@@ -433,10 +453,7 @@ GN_INLINE gn_v damped(const gn_contact_args *a, size_t c, gn_v speed, gn_v path,
 GN_INLINE void find_trial(const gn_contact_args *a, size_t c, const brief *from, stage *g,
                           variant w) {
     const gn_contacts *list = a->contacts;
-    g->speed = from->motion.speed;
-    if (!w.bonds) g->passage = from->motion.passage;
     if (!w.shear) return;
-    g->angle = gn_set(a->dt) * from->motion.twist;
     gn_v kt = gn_load(COLUMN(list, kt) + gn_column_at(c, a->uniform.kt));
     g->before = gn_load3(COLUMN(list, shear) + c, list->soa.capacity, w.space);
     g->trial = shear_trial(a, &g->geometry, &from->motion, &g->before, g->angle, kt, w);
@@ -445,29 +462,34 @@ GN_INLINE void find_trial(const gn_contact_args *a, size_t c, const brief *from,
 GN_INLINE void find_forces(const gn_contact_args *a, size_t c, size_t end, const stage *g,
                            brief *out, lane_sums *e, gn_contact_sums *sums, variant w) {
     const gn_contacts *list = a->contacts;
-    const gn_v zero = gn_set(0.0);
+    const gn_v zero = gn_set(0.0), one = gn_set(1.0);
     const pair_geometry *p = &g->geometry;
-    contact_state q = {.stretch = p->stretch};
+    contact_state q = {.stretch = p->stretch, .way = p->stretch, .share = one};
     q.kn = gn_load(COLUMN(list, kn) + gn_column_at(c, a->uniform.kn));
     q.intact = q.breaking = q.slipping = gn_m_none();
-    q.elastic = q.kn * q.stretch;
-    /* An overlap within the rounding of the positions is none: whether contacts that begin at 0
-     * have begun is then the same in the next step, from the stretch before that. */
-    q.beyond = gn_fma(gn_set(0x1p-48), p->distance, q.stretch);
-    q.touching = gn_less(q.beyond, zero);
+    q.normal = q.elastic = q.kn * q.stretch;
     if (w.shear) {
         q.kt = gn_load(COLUMN(list, kt) + gn_column_at(c, a->uniform.kt));
         q.before = g->before;
-        q.trial = g->trial;
+        q.t = q.trial = g->trial;
     }
     if (w.bonds) break_bonds(a, c, end, &q, sums, w);
-    passage d = w.bonds ? bonded_passage(a, c, g, q.intact) : g->passage;
-    gn_v path = d.path;
-    find_normal_force(a, c, g, d, &q, w);
-    gn_v total = q.normal;
-    if (w.damping) total = damped(a, c, g->speed, path, &q, e, w);
-    if (w.shear) limit_shear(a, c, total, &q, w);
-    if (w.energy && gn_bits(gn_or(q.slipping, q.breaking))) book_release(g, path, &q, e, w);
+    gn_v path = gn_set(a->dt) * g->speed, total = q.normal;
+    if (w.bonds && __builtin_expect(gn_bits(gn_not(q.intact)) == 0, 1)) {
+        /* Bonds that hold have nothing to limit. */
+        if (w.damping) total = damped(a, c, g->speed, path, &q, e, w);
+    } else {
+        /* An overlap within the rounding of the positions is none: whether contacts that begin at 0
+         * have begun is then the same in the next step, from the stretch before that. */
+        q.beyond = gn_fma(gn_set(0x1p-48), p->distance, q.stretch);
+        q.touching = gn_less(q.beyond, zero);
+        path = find_normal_force(a, c, g, &q, w);
+        total = q.normal;
+        if (w.damping) total = damped(a, c, g->speed, path, &q, e, w);
+        if (w.shear) limit_shear(a, c, total, &q, w);
+        if (w.energy && gn_bits(gn_or(q.slipping, q.breaking))) book_release(g, path, &q, e, w);
+    }
+    if (w.shear) gn_store3(COLUMN(list, shear) + c, list->soa.capacity, q.t, w.space);
     if (w.energy && a->measure) book_elastic(&q, e, w);
 
     gn_v3 force = gn_scale(total, p->n, w.space), moment = {zero, zero, zero};
@@ -532,7 +554,7 @@ GN_INLINE void contact_core(const gn_contact_args *a, size_t begin, size_t end,
         odd = &motion[(v + 1) % 2];
         if (UNDER_WAY(3)) find_trial(a, c - 3 * GN_W, odd, AT(3), w);
         if (v < vectors) find_branch(a, c, AT(0), w);
-        if (UNDER_WAY(2)) even->motion = find_motion(a, c - 2 * GN_W, &AT(2)->geometry, w);
+        if (UNDER_WAY(2)) find_motion(a, c - 2 * GN_W, AT(2), even, w);
     }
     if (a->measure) {
         for (int k = 0; k < 9; k++) sums->stress[k] += gn_fold(e.stress[k]);

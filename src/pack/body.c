@@ -2,7 +2,7 @@
 
 #include "base/memory.h"
 #include "base/point.h"
-#include "io/gmsh.h"
+#include "mesh/gmsh.h"
 
 #include <math.h>
 #include <string.h>

@@ -3,7 +3,7 @@
 #define GN_PACK_DOMAIN_H
 
 #include "base/error.h"
-#include "io/mesh.h"
+#include "mesh/mesh.h"
 
 #include <stdbool.h>
 #include <stddef.h>

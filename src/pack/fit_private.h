@@ -3,9 +3,9 @@
 #ifndef GN_PACK_FIT_PRIVATE_H
 #define GN_PACK_FIT_PRIVATE_H
 
-#include "base/pace.h"
 #include "neigh/pairs.h"
 #include "pack/fit.h"
+#include "sched/pace.h"
 
 typedef double gn_d4 __attribute__((vector_size(32)));
 typedef float gn_f4 __attribute__((vector_size(16)));

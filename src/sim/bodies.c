@@ -7,9 +7,9 @@
  * exactly and the energy without drift; it is symplectic, reversible and of second order. */
 #include "base/eigen.h"
 #include "base/memory.h"
-#include "sim/body_shape.h"
 #include "sim/parts.h"
 #include "sim/touch.h"
+#include "surfaces/body_shape.h"
 
 #include <math.h>
 #include <string.h>

@@ -5,7 +5,7 @@
 #ifndef GN_SIM_ORIGIN_H
 #define GN_SIM_ORIGIN_H
 
-#include "io/mesh.h"
+#include "mesh/mesh.h"
 #include "scene/scene.h"
 
 typedef struct gn_world gn_world;

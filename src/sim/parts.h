@@ -3,8 +3,8 @@
 #define GN_SIM_PARTS_H
 
 #include "io/packing.h"
-#include "sim/facet.h"
 #include "sim/world.h"
+#include "surfaces/facet.h"
 
 #include <math.h>
 

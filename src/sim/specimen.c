@@ -1,6 +1,6 @@
 #include "base/memory.h"
 #include "base/random.h"
-#include "io/gmsh.h"
+#include "mesh/gmsh.h"
 #include "pack/store.h"
 #include "sim/parts.h"
 

@@ -20,6 +20,7 @@ gn_contact_args gn_world_contact_args(const gn_world *w, const gn_contacts *list
     a.uniform = list == &w->bonds ? w->bond_uniform : w->pair_uniform;
     a.partials = list == &w->bonds ? &w->bond_partials : &w->pair_partials;
     a.dt = w->dt_past;
+    a.speed_most = w->speed_most;
     a.arm_factor = w->scene.contact_arm == GN_ARM_MIDPOINT ? 0.5 : 0.0;
     memcpy(a.period, w->period, sizeof a.period);
     for (int k = 0; k < 3; k++) a.inverse_period[k] = w->period[k] > 0.0 ? 1.0 / w->period[k] : 0.0;
@@ -230,6 +231,7 @@ gneiss_status gn_world_step(gn_world *w, bool measure, gneiss_error *error) {
     w->contact_steps += (int64_t)(w->bonds.soa.count + w->pairs.soa.count);
     w->time += w->dt;
     w->dt_past = w->dt;
+    w->speed_most = sqrt(moved.speed2) * (1.0 + 1e-6);
     w->step++;
     return status;
 }

@@ -4,7 +4,7 @@
 #define GN_SIM_SURFACE_H
 
 #include "kernels/motion.h"
-#include "sim/facet_tree.h"
+#include "surfaces/facet_tree.h"
 
 #include <stdbool.h>
 

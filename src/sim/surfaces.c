@@ -1,8 +1,8 @@
 /* Contacts of particles with surfaces: found facet by facet, worked on particle by particle. */
 #include "base/memory.h"
-#include "sim/facet.h"
 #include "sim/parts.h"
 #include "sim/touch.h"
+#include "surfaces/facet.h"
 
 #include <math.h>
 #include <string.h>

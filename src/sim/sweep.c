@@ -1,4 +1,4 @@
-/* The parallel part of a step: contacts, walls, motion. Who does what: neigh/deal.h. */
+/* The parallel part of a step: contacts, walls, motion. Who does what: sched/deal.h. */
 #include "base/timer.h"
 #include "sim/parts.h"
 

@@ -3,6 +3,7 @@
 #ifndef GN_SIM_TOUCH_H
 #define GN_SIM_TOUCH_H
 
+#include "base/vec3.h"
 #include "sim/dashpot.h"
 #include "sim/world.h"
 
@@ -23,16 +24,6 @@ typedef struct gn_touch {
     double twist;        /* rad/s, sum of both spins about n */
     double inverse_mass; /* 1/kg, sum over both sides */
 } gn_touch;
-
-static inline double gn_dot3(const double *a, const double *b) {
-    return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
-}
-
-static inline void gn_cross3(const double *a, const double *b, double *r) {
-    r[0] = a[1] * b[2] - a[2] * b[1];
-    r[1] = a[2] * b[0] - a[0] * b[2];
-    r[2] = a[0] * b[1] - a[1] * b[0];
-}
 
 /* Coulomb friction with radial return; returns the dissipated energy. `shear` [3] columns of
  * `stride`: the force of the last step, across the normal of this one; then the new one. Turns of

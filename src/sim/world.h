@@ -4,14 +4,14 @@
 #define GN_SIM_WORLD_H
 
 #include "kernels/dispatch.h"
+#include "limit/timestep.h"
 #include "measure/energy.h"
 #include "measure/measure.h"
-#include "neigh/deal.h"
 #include "neigh/pairs.h"
 #include "scene/scene.h"
+#include "sched/deal.h"
 #include "sim/elements.h"
 #include "sim/surface.h"
-#include "sim/timestep.h"
 
 /* X(name, text): what the seconds of a run are booked under. */
 #define GN_PHASES(X)                                                                               \
@@ -117,8 +117,9 @@ struct gn_world {
     double radius_min; /* m */
 
     int64_t step;
-    double time;         /* s */
-    double dt_past, dt;  /* s: interval that led here, coming interval */
+    double time;        /* s */
+    double dt_past, dt; /* s: interval that led here, coming interval */
+    double speed_most;  /* m/s, of the fastest particle in the last; 0: not known (start, resume) */
     gn_step_limit limit; /* last full estimate */
     double stable; /* s: what the step is held against: sharp limit or bound, less the share that
                     * non-viscous damping takes */

@@ -1,0 +1,237 @@
+/* Whether a step is stable, without solving for the limit: most particles settle it by themselves.
+ */
+#include "base/memory.h"
+#include "limit/springs.h"
+
+#include <math.h>
+#include <string.h>
+
+enum { DOFS_MAX = GN_DOFS_MAX };
+
+/* Adds the largest eigenvalue of one spring's block to the sums [2] of the particle: of stiffness
+ * and of dashpots. */
+static void add_end(const gn_spectrum *spectrum, const gn_spring *s, bool second, double *sums) {
+    int32_t i = second ? s->j : s->i, other = second ? s->i : s->j;
+    if (i < 0) return;
+    const gn_particles *p = spectrum->assembly->particles;
+    double arm = second ? s->arm_j : s->arm_i, mass = p->vel[4 * (size_t)i + 3];
+    double turn = p->spin ? arm * arm * p->spin[4 * (size_t)i + 3] : 0.0;
+    double factor = gn_spectrum_can_move(spectrum, other) ? 2.0 : 1.0;
+    double top = s->kn * mass, across = s->kt * (mass + turn);
+    /* Not fmax, which would hide a NaN; a normal that is none has to be noticed as well. */
+    sums[2 * (size_t)i] += factor * (across > top ? across : top) + 0.0 * s->n[0];
+    sums[2 * (size_t)i + 1] += factor * s->cn * mass;
+}
+
+/* Whether contact k has an end among the marked particles, as far as that is cheaply told. */
+static bool may_reach(const gn_spectrum *spectrum, size_t k, const uint8_t *marked) {
+    int32_t i, j;
+    if (k >= gn_spring_pairs(spectrum)) return true;
+    gn_spring_ends(spectrum, k, &i, &j);
+    return marked[i] || marked[j];
+}
+
+/* Of the marked ones leaves those that the sums over their springs do not settle: the largest
+ * eigenvalue of a sum is at most the sum of the largest. */
+static size_t leave_by_sums(const gn_spectrum *spectrum, double tau, double *sums,
+                            uint8_t *marked) {
+    size_t contacts = gn_spring_count(spectrum), found = 0;
+    for (size_t k = 0; k < contacts; k++) {
+        gn_spring s;
+        if (!may_reach(spectrum, k, marked) || !gn_spring_make(spectrum, k, &s)) continue;
+        add_end(spectrum, &s, false, sums);
+        add_end(spectrum, &s, true, sums);
+    }
+    for (size_t p = 0; p < spectrum->assembly->particles->soa.count; p++) {
+        if (!marked[p]) continue;
+        double most = (sums[2 * p] + 2.0 * tau * sums[2 * p + 1]) * (1.0 + 1e-12);
+        marked[p] = gn_spectrum_can_move(spectrum, (int32_t)p) && !(most <= 4.0 * tau * tau);
+        found += marked[p];
+    }
+    return found;
+}
+
+/* Whether all eigenvalues of S are below `most`: most I - S has a Cholesky factor. */
+static bool all_below(int n, const double *s, double most) {
+    double l[DOFS_MAX * DOFS_MAX] = {0.0};
+    for (int p = 0; p < n; p++)
+        for (int q = 0; q <= p; q++) {
+            double sum = (p == q ? most : 0.0) - s[p * n + q];
+            for (int k = 0; k < q; k++) sum -= l[p * n + k] * l[q * n + k];
+            if (p == q && !(sum > 1e-12 * most)) return false;
+            l[p * n + q] = p == q ? sqrt(sum) : sum / l[q * n + q];
+        }
+    return true;
+}
+
+/* By how much a particle's block is above the step, from above; 1: it is not. */
+static double block_over(const gn_springs *y, size_t p, double tau) {
+    double s[DOFS_MAX * DOFS_MAX], most = 4.0 * tau * tau;
+    gn_block m;
+    gn_block_of(y, p, &m);
+    double trace = gn_block_at(&m, tau, s);
+    if (trace <= most || all_below(m.n, s, most)) return 1.0;
+    return fmax(gn_block_upper(m.n, s, trace) / most, 1.0 + 1e-9);
+}
+
+/* Of the marked ones, of which the system consists, leaves those whose own block is above the step.
+ */
+static size_t leave_by_blocks(const gn_springs *y, double tau, uint8_t *marked) {
+    size_t found = 0;
+    for (size_t p = 0; p < y->particles; p++) {
+        bool above = !(block_over(y, p, tau) <= 1.0);
+        marked[gn_springs_place(y, p)] = above;
+        found += above;
+    }
+    return found;
+}
+
+/* Marks the neighbours of what is marked as well, with one more than the highest mark so far. */
+static void mark_neighbours(const gn_spectrum *spectrum, uint8_t highest, uint8_t *marked) {
+    size_t pairs = gn_spring_pairs(spectrum);
+    uint8_t next = (uint8_t)(highest + 1);
+    for (size_t k = 0; k < pairs; k++) {
+        int32_t i, j;
+        gn_spring s;
+        gn_spring_ends(spectrum, k, &i, &j);
+        bool one = marked[i] && marked[i] < next, two = marked[j] && marked[j] < next;
+        if (one == two || !gn_spring_make(spectrum, k, &s)) continue;
+        marked[one ? j : i] = next;
+    }
+}
+
+/* The particle and its neighbours are to be looked at in the next round. */
+static void look_again(const gn_springs *y, size_t p, uint8_t *next) {
+    next[p] = 1;
+    for (size_t e = y->first[p]; e < y->first[p + 1]; e++) {
+        const gn_spring *s = &y->spring[y->entry[e] / 2];
+        if (s->j >= 0) next[y->entry[e] & 1 ? s->i : s->j] = 1;
+    }
+}
+
+/* One look at all that are due; false: given up, since a block is too far above, or next to what is
+ * not in the system. */
+static bool settle_round(gn_springs *y, double tau, const uint8_t *marked, uint8_t highest,
+                         const uint8_t *due, uint8_t *next) {
+    for (size_t p = 0; p < y->particles; p++) {
+        double over = due[p] ? block_over(y, p, tau) : 1.0;
+        if (over <= 1.0) continue;
+        if (!(over < 1.95) || marked[gn_springs_place(y, p)] == highest) return false;
+        y->weight[p] *= 1.02 * over / (2.0 - over);
+        look_again(y, p, next);
+    }
+    return true;
+}
+
+/* Whether weights can be found at which every block of the system is below the step. A particle
+ * whose block is above gets more weight, which leaves more of its springs to its neighbours. Only
+ * those with mark 1 are above to start with; those with the highest have neighbours outside. */
+static bool weights_settle(gn_springs *y, double tau, const uint8_t *marked, uint8_t highest) {
+    enum { ROUNDS = 24 };
+    size_t n = y->particles;
+    uint8_t *due = gn_alloc(n + 1), *next = gn_alloc(n + 1);
+    y->weight = gn_alloc_array(n + 1, sizeof *y->weight);
+    bool going = due && next && y->weight, settled = false;
+    for (size_t p = 0; going && p < n; p++) {
+        y->weight[p] = 1.0;
+        due[p] = marked[gn_springs_place(y, p)] == 1;
+    }
+    for (int round = 0; going && !settled && round < ROUNDS; round++) {
+        going = settle_round(y, tau, marked, highest, due, next);
+        settled = going && !memchr(next, 1, n);
+        memcpy(due, next, n);
+        memset(next, 0, n);
+    }
+    gn_free(due);
+    gn_free(next);
+    gn_free(y->weight);
+    y->weight = NULL;
+    return settled;
+}
+
+static gneiss_status judge_by_blocks(const gn_spectrum *spectrum, double step, uint8_t *marked,
+                                     gn_step_verdict *verdict, gneiss_error *error) {
+    gn_springs y = {0};
+    gneiss_status status = gn_springs_build(spectrum, marked, &y, error);
+    if (status == GNEISS_OK) verdict->holds = !leave_by_blocks(&y, 1.0 / step, marked);
+    gn_springs_free(&y);
+    return status;
+}
+
+/* By weights or, with a tolerance, by Lanczos. Without, and if the step does not hold, the largest
+ * smaller one in steps of 3 % that does by weights, if that is more than what blocks alone say. */
+static gneiss_status judge_system(gn_springs *y, double step, double tolerance,
+                                  const uint8_t *marked, uint8_t highest, gn_step_verdict *verdict,
+                                  gneiss_error *error) {
+    verdict->holds = weights_settle(y, 1.0 / step, marked, highest);
+    if (verdict->holds) return GNEISS_OK;
+    gn_step_limit limit;
+    GN_TRY(gn_springs_limits(y, tolerance, &limit, error));
+    verdict->limit = tolerance > 0.0 ? limit.sharp : limit.bound;
+    verdict->holds = verdict->limit >= step;
+    if (tolerance > 0.0) return GNEISS_OK;
+    for (double less = 0.97 * step; less > verdict->limit; less *= 0.97)
+        if (weights_settle(y, 1.0 / less, marked, highest)) verdict->limit = less;
+    return GNEISS_OK;
+}
+
+static gneiss_status step_holds(const gn_spectrum *spectrum, double step, double tolerance,
+                                double *sums, uint8_t *marked, gn_step_verdict *verdict,
+                                gneiss_error *error) {
+    enum { LAYERS = 3 };
+    gn_springs y = {0};
+    if (!leave_by_sums(spectrum, 1.0 / step, sums, marked)) return GNEISS_OK;
+    GN_TRY(judge_by_blocks(spectrum, step, marked, verdict, error));
+    if (verdict->holds) return GNEISS_OK;
+    for (int layer = 1; layer <= LAYERS; layer++) mark_neighbours(spectrum, (uint8_t)layer, marked);
+    gneiss_status status = gn_springs_build(spectrum, marked, &y, error);
+    if (status == GNEISS_OK)
+        status = judge_system(&y, step, tolerance, marked, LAYERS + 1, verdict, error);
+    gn_springs_free(&y);
+    return status;
+}
+
+gneiss_status gn_step_holds(const gn_spectrum *spectrum, double step, double tolerance,
+                            const uint8_t *changed, gn_step_verdict *verdict, gneiss_error *error) {
+    size_t n = spectrum->assembly->particles->soa.count;
+    double *sums = gn_alloc_array(n + 1, 2 * sizeof *sums);
+    uint8_t *marked = gn_alloc(n + 1);
+    *verdict = (gn_step_verdict){.holds = true, .limit = INFINITY};
+    gneiss_status status = GNEISS_OK;
+    if (sums && marked) {
+        for (size_t p = 0; p < n; p++) marked[p] = !changed || changed[p];
+        if (changed) mark_neighbours(spectrum, 1, marked);
+        status = step_holds(spectrum, step, tolerance, sums, marked, verdict, error);
+    } else {
+        status = gn_fail(error, GNEISS_ERROR_MEMORY, "no memory for %zu particles", n);
+    }
+    gn_free(sums);
+    gn_free(marked);
+    return status;
+}
+
+void gn_step_marks(const gn_spectrum *spectrum, int32_t *marks) {
+    const gn_assembly *a = spectrum->assembly;
+    size_t contacts = gn_spring_count(spectrum), bonds = a->bonds ? a->bonds->soa.count : 0;
+    const int32_t *id = a->particles->id;
+    memset(marks, 0, a->particles->soa.count * sizeof *marks);
+    for (size_t k = 0; k < contacts; k++) {
+        gn_spring s;
+        if (k < bonds && a->bonds->rn && a->bonds->rn[k] > 0.0) continue;
+        if (!gn_spring_make(spectrum, k, &s)) continue;
+        size_t wall = k - gn_spring_pairs(spectrum);
+        uint64_t bits;
+        memcpy(&bits, &s.kn, sizeof bits);
+        uint64_t i = (uint64_t)id[s.i], j = s.j < 0 ? 0 : (uint64_t)id[s.j];
+        uint64_t z = s.j < 0 ? i << 32 | UINT32_MAX : i < j ? i << 32 | j : j << 32 | i;
+        if (s.j < 0 && a->wall_contacts && wall < a->wall_contacts->soa.count)
+            z -= 1 + (uint64_t)a->wall_contacts->wall[wall];
+        else if (s.j < 0) /* of a surface: by how stiff it is and where it is */
+            z = gn_scramble(z) + bits +
+                (uint64_t)(lround(4.0 * s.n[0]) + 16 * lround(4.0 * s.n[1]) +
+                           256 * lround(4.0 * s.n[2]) + 4096);
+        uint32_t mark = (uint32_t)(gn_scramble(z) >> 32);
+        marks[s.i] = (int32_t)((uint32_t)marks[s.i] + mark);
+        if (s.j >= 0) marks[s.j] = (int32_t)((uint32_t)marks[s.j] + mark);
+    }
+}

@@ -1,0 +1,377 @@
+/* With C the contact damping, K the stiffness, x = M^1/2 u and tau = 1/dt, a step is stable exactly
+ * if lambda_max(A + 2 tau B) <= 4 tau^2, where A = M^-1/2 K M^-1/2 and B = M^-1/2 C M^-1/2: every
+ * eigenvector of the amplification problem sees the scalar recurrence
+ *     z^2 - (2 - c dt - k dt^2) z + 1 - c dt = 0
+ * of its own Rayleigh quotients k and c, whose roots leave the unit circle at z = -1. A and B need
+ * not commute. The tau that follows from the quotients of any vector is a lower bound with an error
+ * of second order in that of the vector: so both the blocks of single particles and the whole
+ * system are solved.
+ *
+ * Left out: the geometric stiffness of the contact forces (force over length, small against k_n
+ * while overlaps are small against radii) and background damping. Sliding contacts count as
+ * sticking. */
+#include "limit/timestep.h"
+
+#include "base/eigen.h"
+#include "base/memory.h"
+#include "limit/springs.h"
+
+#include <float.h>
+#include <math.h>
+#include <string.h>
+
+enum { DOFS_MAX = GN_DOFS_MAX, PARTICLE_BLOCK = 1024 };
+
+/* --- the rigorous bound ---------------------------------------------------------------------- */
+
+/* Sums over the springs of a particle, of which its block is made: B^T D B for B = [side I, arm N],
+ * N w = n x w, D = k_t I + (k_n - k_t) n n^T. Symmetric parts as xx yy zz xy yz zx. */
+typedef struct block_sums {
+    double kt, normal[6];        /* k_t; (k_n - k_t) n n^T */
+    double turn, turn_normal[6]; /* arm^2 k_t; the same n n^T */
+    double cross[3];             /* side arm k_t n */
+    double damp[6];              /* c_n n n^T */
+} block_sums;
+
+static void add_spring(block_sums *b, const gn_spring *s, double side, double arm, double factor) {
+    const double *n = s->n;
+    const double nn[6] = {n[0] * n[0], n[1] * n[1], n[2] * n[2],
+                          n[0] * n[1], n[1] * n[2], n[2] * n[0]};
+    double kt = factor * s->kt, along = factor * (s->kn - s->kt), turn = arm * arm * kt;
+    double cn = factor * s->cn;
+    b->kt += kt;
+    b->turn += turn;
+    for (int k = 0; k < 6; k++) {
+        b->normal[k] += along * nn[k];
+        b->turn_normal[k] += turn * nn[k];
+        b->damp[k] += cn * nn[k];
+    }
+    for (int k = 0; k < 3; k++) b->cross[k] += side * arm * kt * n[k];
+}
+
+/* The full blocks, 6 x 6. */
+static void spread(const block_sums *b, double *k, double *c) {
+    static const int place[3][3] = {{0, 3, 5}, {3, 1, 4}, {5, 4, 2}};
+    const double *n = b->cross;
+    const double cross[3][3] = {{0.0, -n[2], n[1]}, {n[2], 0.0, -n[0]}, {-n[1], n[0], 0.0}};
+    for (int p = 0; p < 3; p++)
+        for (int q = 0; q < 3; q++) {
+            double one = p == q ? 1.0 : 0.0;
+            k[6 * p + q] = b->kt * one + b->normal[place[p][q]];
+            k[6 * (p + 3) + q + 3] = b->turn * one - b->turn_normal[place[p][q]];
+            k[6 * p + q + 3] = k[6 * (q + 3) + p] = cross[p][q];
+            c[6 * p + q] = b->damp[place[p][q]];
+        }
+}
+
+void gn_block_of(const gn_springs *y, size_t p, gn_block *m) {
+    double k[36] = {0.0}, c[36] = {0.0};
+    block_sums sums = {0};
+    *m = (gn_block){.n = y->dofs, .contacts = (int)(y->first[p + 1] - y->first[p])};
+    for (size_t e = y->first[p]; e < y->first[p + 1]; e++) {
+        const gn_spring *s = &y->spring[y->entry[e] / 2];
+        bool second = y->entry[e] & 1;
+        int32_t other = second ? s->i : s->j;
+        double factor = gn_springs_can_move(y, other) ? 2.0 : 1.0;
+        if (y->weight && factor == 2.0) factor = 1.0 + y->weight[other] / y->weight[p];
+        add_spring(&sums, s, second ? 1.0 : -1.0, second ? s->arm_j : s->arm_i, factor);
+        m->kn_max = fmax(m->kn_max, s->kn);
+    }
+    spread(&sums, k, c);
+    const double *scale = y->scale + p * (size_t)y->dofs;
+    for (int r = 0; r < m->n; r++)
+        for (int q = 0; q < m->n; q++) {
+            int at = 6 * gn_springs_component(y, r) + gn_springs_component(y, q);
+            m->a[r * m->n + q] = scale[r] * k[at] * scale[q];
+            m->b[r * m->n + q] = scale[r] * c[at] * scale[q];
+        }
+}
+
+double gn_block_at(const gn_block *m, double tau, double *out) {
+    double trace = 0.0;
+    for (int k = 0; k < m->n * m->n; k++) out[k] = m->a[k] + 2.0 * tau * m->b[k];
+    for (int k = 0; k < m->n; k++) trace += out[k * m->n + k];
+    return trace;
+}
+
+double gn_block_upper(int n, const double *s, double trace) {
+    if (!(trace > 0.0)) return trace;
+    double power[DOFS_MAX * DOFS_MAX] = {0.0}, square[DOFS_MAX * DOFS_MAX] = {0.0}, sum = 0.0;
+    for (int k = 0; k < n * n; k++) power[k] = s[k] / trace;
+    for (int round = 0; round < 2; round++) {
+        for (int p = 0; p < n; p++)
+            for (int q = 0; q < n; q++) {
+                double dot = 0.0;
+                for (int k = 0; k < n; k++) dot += power[p * n + k] * power[k * n + q];
+                square[p * n + q] = dot;
+            }
+        memcpy(power, square, (size_t)(n * n) * sizeof *power);
+    }
+    for (int k = 0; k < n * n; k++) sum += power[k] * power[k];
+    return fmin(1.0, sqrt(sqrt(sqrt(sum))) * (1.0 + 1e-12)) * trace;
+}
+
+/* Largest eigenvalue of the block at tau from above (round-off of the sums and of Jacobi included),
+ * and its vector. */
+static double block_top(const gn_block *m, double tau, double *vector) {
+    double s[DOFS_MAX * DOFS_MAX], values[DOFS_MAX], vectors[DOFS_MAX * DOFS_MAX];
+    double trace = gn_block_at(m, tau, s);
+    gn_eigen_symmetric(m->n, s, values, vectors);
+    memcpy(vector, vectors, (size_t)m->n * sizeof *vector);
+    return values[0] + 4.0 * (m->contacts + 32) * DBL_EPSILON * trace;
+}
+
+static double quadratic_form(int n, const double *s, const double *x) {
+    double sum = 0.0;
+    for (int p = 0; p < n; p++)
+        for (int q = 0; q < n; q++) sum += x[p] * s[p * n + q] * x[q];
+    return sum;
+}
+
+/* The root of 4 tau^2 = a + 2 tau b. */
+static double rate_of(double a, double b) {
+    return (b + sqrt(b * b + 4.0 * a)) / 4.0;
+}
+
+/* tau with lambda_max(A + 2 tau B) <= 4 tau^2, as small as round-off allows but not below the given
+ * one. The quotients climb to it from below; the last steps go past it until the inequality holds.
+ */
+static double block_rate(const gn_block *m, double least) {
+    double x[DOFS_MAX], tau = least;
+    for (int k = 0; k < m->n; k++) tau = fmax(tau, rate_of(m->a[k * m->n + k], m->b[k * m->n + k]));
+    if (block_top(m, tau, x) <= 4.0 * tau * tau) return tau;
+    for (int round = 0; round < 50; round++) {
+        tau = fmax(tau, rate_of(quadratic_form(m->n, m->a, x), quadratic_form(m->n, m->b, x)));
+        if (!(block_top(m, tau, x) > 4.0 * tau * tau * (1.0 + 1e-12))) break;
+    }
+    for (double past = 1e-13; past < 1.0; past *= 2.0) {
+        double raised = tau * (1.0 + past);
+        if (block_top(m, raised, x) <= 4.0 * raised * raised) return raised;
+    }
+    return NAN;
+}
+
+/* What a block of particles comes to; merged in their order. */
+typedef struct bound_part {
+    double rate, kn_over_m; /* largest tau, largest k_n/m */
+    size_t particle;        /* that sets the rate */
+} bound_part;
+
+static void merge_part(bound_part *sum, double rate, double kn_over_m, size_t particle) {
+    /* A NaN must not be lost: it wins, and the first one stays. */
+    if (!isnan(sum->rate) && !(rate <= sum->rate)) {
+        sum->rate = rate;
+        sum->particle = particle;
+    }
+    sum->kn_over_m = fmax(sum->kn_over_m, kn_over_m);
+}
+
+static bound_part bound_of_block(const gn_springs *y, size_t begin, size_t end) {
+    bound_part part = {0.0, 0.0, SIZE_MAX};
+    double s[DOFS_MAX * DOFS_MAX] = {0.0};
+    for (size_t p = begin; p < end; p++) {
+        gn_block m;
+        if (!gn_springs_can_move(y, (int32_t)p)) continue;
+        gn_block_of(y, p, &m);
+        double trace = gn_block_at(&m, part.rate, s);
+        double rate = part.rate;
+        bool slower = rate > 0.0 && gn_block_upper(m.n, s, trace) <= 4.0 * rate * rate;
+        if (!slower) rate = block_rate(&m, rate);
+        double inverse = y->spectrum->assembly->particles->vel[4 * gn_springs_place(y, p) + 3];
+        merge_part(&part, rate, m.kn_max * inverse, p);
+    }
+    return part;
+}
+
+static gneiss_status set_bound(const gn_springs *y, gn_step_limit *limit, gneiss_error *error) {
+    size_t blocks = (y->particles + PARTICLE_BLOCK - 1) / PARTICLE_BLOCK;
+    bound_part *parts = gn_alloc_array(blocks, sizeof *parts), sum = {0.0, 0.0, SIZE_MAX};
+    if (!parts)
+        return gn_fail(error, GNEISS_ERROR_MEMORY, "no memory for %zu blocks of particles", blocks);
+#pragma omp parallel for num_threads(y->threads) schedule(dynamic) if (blocks > 1)
+    for (size_t b = 0; b < blocks; b++) {
+        size_t end = (b + 1) * PARTICLE_BLOCK;
+        parts[b] = bound_of_block(y, b * PARTICLE_BLOCK, end < y->particles ? end : y->particles);
+    }
+    for (size_t b = 0; b < blocks; b++)
+        merge_part(&sum, parts[b].rate, parts[b].kn_over_m, parts[b].particle);
+    gn_free(parts);
+    *limit = (gn_step_limit){
+        .bound = 1.0 / sum.rate, .bound_id = -1, .sharp_id = -1, .springs = y->springs};
+    limit->sharp = limit->sharp_low = sum.rate == 0.0 ? INFINITY : NAN;
+    limit->frequency = sum.rate == 0.0 ? 0.0 : NAN;
+    limit->literature = 2.0 / sqrt(sum.kn_over_m);
+    if (sum.particle != SIZE_MAX)
+        limit->bound_id = y->spectrum->assembly->particles->id[gn_springs_place(y, sum.particle)];
+    if (!isfinite(sum.rate))
+        return gn_fail(
+            error, GNEISS_ERROR_UNSTABLE,
+            "particle %d: its contacts have no finite stiffness over mass (position, mass or "
+            "stiffness is not a number)",
+            (int)limit->bound_id);
+    return GNEISS_OK;
+}
+
+/* --- the sharp limit ------------------------------------------------------------------------- */
+
+/* S = stiffness A + viscosity B. */
+typedef struct step_operator {
+    const gn_springs *system;
+    double stiffness, viscosity;
+} step_operator;
+
+/* Adds what one spring pulls at its first or second particle, B^T D v_r, to out [dofs]. */
+static inline void pull(const gn_spring *s, bool second, const step_operator *o,
+                        const double *moved, bool space, bool rotation, double *out) {
+    const int dofs = space ? (rotation ? 6 : 3) : (rotation ? 3 : 2), dim = space ? 3 : 2;
+    const double *ui = moved + (size_t)s->i * (size_t)dofs;
+    double kn = o->stiffness * s->kn + o->viscosity * s->cn, kt = o->stiffness * s->kt;
+    double v[3] = {0.0}, w[3] = {0.0};
+    for (int k = 0; k < dim; k++) v[k] = -ui[k];
+    for (int k = dim; k < dofs; k++) w[space ? k - 3 : 2] = s->arm_i * ui[k];
+    if (s->j >= 0) {
+        const double *uj = moved + (size_t)s->j * (size_t)dofs;
+        for (int k = 0; k < dim; k++) v[k] += uj[k];
+        for (int k = dim; k < dofs; k++) w[space ? k - 3 : 2] += s->arm_j * uj[k];
+    }
+    const double *n = s->n;
+    double vn = v[0] * n[0] + v[1] * n[1] + v[2] * n[2];
+    v[0] -= w[1] * n[2] - w[2] * n[1];
+    v[1] -= w[2] * n[0] - w[0] * n[2];
+    v[2] -= w[0] * n[1] - w[1] * n[0];
+    double side = second ? 1.0 : -1.0, arm = (second ? s->arm_j : s->arm_i) * kt;
+    for (int k = 0; k < dim; k++) out[k] += side * (kt * v[k] + (kn - kt) * vn * n[k]);
+    if (space && rotation) {
+        out[3] -= arm * (n[1] * v[2] - n[2] * v[1]);
+        out[4] -= arm * (n[2] * v[0] - n[0] * v[2]);
+        out[5] -= arm * (n[0] * v[1] - n[1] * v[0]);
+    }
+    if (!space && rotation) out[2] -= arm * (n[0] * v[1] - n[1] * v[0]);
+}
+
+static inline __attribute__((always_inline)) void
+apply_core(const step_operator *o, const double *x, double *out, bool space, bool rotation) {
+    const gn_springs *y = o->system;
+    const size_t dofs = (size_t)(space ? (rotation ? 6 : 3) : (rotation ? 3 : 2));
+#pragma omp parallel num_threads(y->threads) if (y->particles > PARTICLE_BLOCK)
+    {
+#pragma omp for schedule(static)
+        for (size_t k = 0; k < y->particles * dofs; k++) y->moved[k] = y->scale[k] * x[k];
+#pragma omp for schedule(dynamic, PARTICLE_BLOCK)
+        for (size_t p = 0; p < y->particles; p++) {
+            double sum[DOFS_MAX] = {0.0};
+            for (size_t e = y->first[p]; e < y->first[p + 1]; e++)
+                pull(&y->spring[y->entry[e] / 2], y->entry[e] & 1, o, y->moved, space, rotation,
+                     sum);
+            for (size_t d = 0; d < dofs; d++) out[p * dofs + d] = y->scale[p * dofs + d] * sum[d];
+        }
+    }
+}
+
+static void apply_step(const void *context, const double *x, double *out) {
+    const step_operator *o = context;
+    const gn_springs *y = o->system;
+    if (y->space && y->rotation) apply_core(o, x, out, true, true);
+    if (y->space && !y->rotation) apply_core(o, x, out, true, false);
+    if (!y->space && y->rotation) apply_core(o, x, out, false, true);
+    if (!y->space && !y->rotation) apply_core(o, x, out, false, false);
+}
+
+/* Uniform in [-1, 1), from the place alone. */
+static double noise(size_t place) {
+    return (double)((int64_t)gn_scramble(place) >> 11) * 0x1p-52;
+}
+
+static int32_t fastest_particle(const gn_springs *y, const double *x) {
+    size_t best = 0, dofs = (size_t)y->dofs;
+    double most = -1.0;
+    for (size_t p = 0; p < y->particles; p++) {
+        double share = 0.0;
+        for (size_t d = 0; d < dofs; d++) share += x[p * dofs + d] * x[p * dofs + d];
+        if (share > most) {
+            most = share;
+            best = p;
+        }
+    }
+    return y->spectrum->assembly->particles->id[gn_springs_place(y, best)];
+}
+
+/* x . S x for S = stiffness A + viscosity B and unit x. */
+static double quotient(const gn_springs *y, double stiffness, double viscosity, const double *x,
+                       double *scratch) {
+    step_operator o = {y, stiffness, viscosity};
+    apply_step(&o, x, scratch);
+    return gn_eigen_dot(y->particles * (size_t)y->dofs, x, scratch, y->threads);
+}
+
+/* One search at tau = viscosity/2 from the start in x. Keeps what is known in `limit`, returns the
+ * new tau. */
+static gneiss_status search(const gn_springs *y, double tau, double tolerance, double *x,
+                            double *scratch, gn_step_limit *limit, double *rate,
+                            gneiss_error *error) {
+    size_t n = y->particles * (size_t)y->dofs;
+    step_operator o = {y, 1.0, 2.0 * tau};
+    gn_eigen_top top;
+    GN_TRY(gn_eigen_largest(n, apply_step, &o, tolerance, y->threads, x, &top, error));
+    double a = top.value, b = 0.0;
+    if (y->damped) {
+        a = tau == 0.0 ? top.value : quotient(y, 1.0, 0.0, x, scratch);
+        b = quotient(y, 0.0, 1.0, x, scratch);
+    }
+    if (tau == 0.0) limit->frequency = sqrt(top.value);
+    limit->iterations += top.vectors;
+    limit->sharp_id = fastest_particle(y, x);
+    *rate = rate_of(a, b);
+    limit->sharp = 1.0 / *rate;
+    limit->sharp_low = fmax(limit->bound, 1.0 / rate_of(a + top.residual, b));
+    return GNEISS_OK;
+}
+
+static gneiss_status set_sharp(const gn_springs *y, double tolerance, double *x, double *scratch,
+                               gn_step_limit *limit, gneiss_error *error) {
+    size_t n = y->particles * (size_t)y->dofs;
+    double tau = 0.0, rate;
+    for (size_t k = 0; k < n; k++) x[k] = y->scale[k] > 0.0 ? noise(k) : 0.0;
+    GN_TRY(search(y, 0.0, tolerance, x, scratch, limit, &rate, error));
+    /* The rate climbs and its error is squared each time; a dozen rounds are never needed. */
+    for (int round = 0; y->damped && round < 12 && fabs(rate - tau) > 0.1 * tolerance * rate;
+         round++) {
+        tau = rate;
+        /* A little of everything: another mode may overtake the one found so far. */
+        for (size_t k = 0; k < n; k++)
+            x[k] += y->scale[k] > 0.0 ? 1e-2 / sqrt((double)n) * noise(k + n * (size_t)(round + 1))
+                                      : 0.0;
+        GN_TRY(search(y, tau, tolerance, x, scratch, limit, &rate, error));
+    }
+    return GNEISS_OK;
+}
+
+/* --- public ---------------------------------------------------------------------------------- */
+
+gneiss_status gn_springs_limits(const gn_springs *y, double tolerance, gn_step_limit *limit,
+                                gneiss_error *error) {
+    GN_TRY(set_bound(y, limit, error));
+    if (limit->bound == INFINITY || tolerance == 0.0) return GNEISS_OK;
+    size_t n = y->particles * (size_t)y->dofs;
+    double *x = gn_alloc_array(n, sizeof *x), *scratch = gn_alloc_array(n, sizeof *scratch);
+    gneiss_status status = x && scratch ? set_sharp(y, tolerance, x, scratch, limit, error)
+                                        : gn_fail(error, GNEISS_ERROR_MEMORY,
+                                                  "no memory for a mode of %zu components", n);
+    gn_free(x);
+    gn_free(scratch);
+    return status;
+}
+
+gneiss_status gn_step_bound(const gn_spectrum *spectrum, gn_step_limit *limit,
+                            gneiss_error *error) {
+    return gn_step_limits(spectrum, 0.0, limit, error);
+}
+
+gneiss_status gn_step_limits(const gn_spectrum *spectrum, double tolerance, gn_step_limit *limit,
+                             gneiss_error *error) {
+    gn_springs y;
+    gneiss_status status = gn_springs_build(spectrum, NULL, &y, error);
+    if (status == GNEISS_OK) status = gn_springs_limits(&y, tolerance, limit, error);
+    gn_springs_free(&y);
+    return status;
+}

@@ -1,0 +1,101 @@
+#include "mesh/gmsh.h"
+
+#include "io/atomic_file.h"
+
+#include <errno.h>
+#include <fcntl.h>
+#include <spawn.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <strings.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+extern char **environ;
+
+bool gn_is_geometry(const char *path) {
+    static const char *const ends[] = {".geo", ".step", ".stp", ".brep", ".iges", ".igs"};
+    const char *dot = strrchr(path, '.');
+    for (size_t k = 0; dot && k < sizeof ends / sizeof *ends; k++)
+        if (strcasecmp(dot, ends[k]) == 0) return true;
+    return false;
+}
+
+/* The last line of a log that is not blank; "" when there is none. */
+static void last_line(const char *log, char *line, size_t size) {
+    char text[512];
+    *line = '\0';
+    FILE *file = fopen(log, "re");
+    if (!file) return;
+    while (fgets(text, sizeof text, file)) {
+        text[strcspn(text, "\r\n")] = '\0';
+        if (text[strspn(text, " \t")]) snprintf(line, size, "%.*s", (int)size - 1, text);
+    }
+    fclose(file);
+}
+
+static int spawn(char *const arguments[], const char *log, pid_t *child) {
+    posix_spawn_file_actions_t actions;
+    int code = posix_spawn_file_actions_init(&actions);
+    if (code) return code;
+    code = posix_spawn_file_actions_addopen(&actions, STDOUT_FILENO, log,
+                                            O_WRONLY | O_CREAT | O_TRUNC, 0600);
+    if (!code) code = posix_spawn_file_actions_adddup2(&actions, STDOUT_FILENO, STDERR_FILENO);
+    if (!code) code = posix_spawnp(child, arguments[0], &actions, NULL, arguments, environ);
+    posix_spawn_file_actions_destroy(&actions);
+    return code;
+}
+
+static gneiss_status run_gmsh(const char *path, int dimension, const char *out, const char *log,
+                              gneiss_error *error) {
+    /* posix_spawnp takes strings that it may not change, but not as const. */
+    char *arguments[] = {"gmsh",     dimension == 3 ? "-3" : "-2",
+                         "-format",  "msh41",
+                         "-o",       (char *)out,
+                         "-nopopup", (char *)path,
+                         NULL};
+    pid_t child;
+    int code = spawn(arguments, log, &child), state;
+    if (code == ENOENT)
+        return gn_fail(error, GNEISS_ERROR_INPUT,
+                       "%s: gmsh has to mesh it, but is not installed (Debian package gmsh); or "
+                       "give a .msh file",
+                       path);
+    if (code)
+        return gn_fail(error, GNEISS_ERROR_IO, "gmsh could not be started: %s", strerror(code));
+    while (waitpid(child, &state, 0) < 0)
+        if (errno != EINTR)
+            return gn_fail(error, GNEISS_ERROR_IO, "gmsh was lost: %s", strerror(errno));
+    if (WIFEXITED(state) && WEXITSTATUS(state) == 0 && access(out, R_OK) == 0) return GNEISS_OK;
+    char said[300];
+    last_line(log, said, sizeof said);
+    return gn_fail(error, GNEISS_ERROR_INPUT, "%s: gmsh made no mesh of it: %s", path,
+                   *said ? said : "it said nothing");
+}
+
+gneiss_status gn_mesh_geometry(const char *path, int dimension, double scale, gn_mesh *mesh,
+                               gneiss_error *error) {
+    *mesh = (gn_mesh){0};
+    const char *place = getenv("TMPDIR");
+    char *folder = gn_text_format("%s/gneiss-mesh-XXXXXX", place && *place ? place : "/tmp");
+    char *out = NULL, *log = NULL;
+    gneiss_status status = GNEISS_OK;
+    if (!folder || !mkdtemp(folder))
+        status =
+            gn_fail(error, GNEISS_ERROR_IO, "no temporary folder for gmsh: %s", strerror(errno));
+    if (status == GNEISS_OK) {
+        out = gn_text_format("%s/mesh.msh", folder);
+        log = gn_text_format("%s/log.txt", folder);
+        status = out && log ? run_gmsh(path, dimension, out, log, error)
+                            : gn_fail(error, GNEISS_ERROR_MEMORY, "no memory to mesh");
+        if (status == GNEISS_OK) status = gn_mesh_read_msh(out, scale, mesh, error);
+        if (out) unlink(out);
+        if (log) unlink(log);
+        rmdir(folder);
+    }
+    free(out);
+    free(log);
+    free(folder);
+    return status;
+}

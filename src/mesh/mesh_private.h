@@ -1,0 +1,129 @@
+/* What the mesh readers share: a file held in memory with a place in it, a table of keys, a mesh
+ * that grows. */
+#ifndef GN_MESH_MESH_PRIVATE_H
+#define GN_MESH_MESH_PRIVATE_H
+
+#include "mesh/mesh.h"
+
+#include <stdbool.h>
+
+/* A file in memory; [at, end) is what remains of the section that is being read. */
+typedef struct gn_mesh_source {
+    const char *path;
+    gneiss_error *error;
+    double scale;
+    unsigned char *bytes; /* a zero stands behind the last */
+    size_t size;
+    size_t at, end;
+    const char *section; /* for messages, "" before the first */
+    bool binary;         /* the fields are binary, not text */
+    bool by_offset;      /* messages tell bytes, not lines */
+} gn_mesh_source;
+
+/* Opens and reads the whole file; checks `scale`. Close in any case. */
+gneiss_status gn_mesh_source_open(gn_mesh_source *in, const char *path, double scale,
+                                  gneiss_error *error);
+void gn_mesh_source_close(gn_mesh_source *in);
+
+/* GNEISS_ERROR_INPUT with path:line:column, or path, section and byte, of offset `at`. */
+gneiss_status gn_mesh_refuse(const gn_mesh_source *in, size_t at, const char *format, ...)
+    __attribute__((format(printf, 3, 4)));
+gneiss_status gn_mesh_no_memory(const gn_mesh_source *in);
+
+/* Up to 40 printable characters of what stands at `at`, to the next blank. */
+typedef struct gn_mesh_shown {
+    char text[48];
+} gn_mesh_shown;
+gn_mesh_shown gn_mesh_show(const gn_mesh_source *in, size_t at);
+
+bool gn_mesh_is_blank(unsigned char c); /* within a line */
+bool gn_mesh_is_space(unsigned char c); /* blank or end of a line */
+
+/* Rows of fields. In text a row stands in one line and rows are separated by any white space; in
+ * binary there is nothing between them. */
+void gn_mesh_next_row(gn_mesh_source *in);
+/* Where the next field of this line begins, for messages about its value. */
+size_t gn_mesh_field_start(gn_mesh_source *in);
+/* Text: the next field of this line. `what` is named when there is none. */
+gneiss_status gn_mesh_take_field(gn_mesh_source *in, const char *what, size_t *start,
+                                 size_t *length);
+/* An integer of `width` bytes (4 or 8, binary) in [least, most]. */
+gneiss_status gn_mesh_take_integer(gn_mesh_source *in, const char *what, size_t width,
+                                   int64_t least, int64_t most, int64_t *value);
+/* A finite number times the scale. */
+gneiss_status gn_mesh_take_coordinates(gn_mesh_source *in, double x[3]);
+gneiss_status gn_mesh_skip_numbers(gn_mesh_source *in, const char *what, size_t count);
+/* Refuses a count that the rest of the section cannot hold: nothing is allocated on the word of a
+ * header alone. Bytes that one takes at least. */
+gneiss_status gn_mesh_check_count(const gn_mesh_source *in, const char *what, int64_t count,
+                                  size_t text_bytes, size_t binary_bytes);
+gneiss_status gn_mesh_end_section(gn_mesh_source *in);
+
+/* Open addressing from 128-bit keys to values >= 0. Zeroed: empty. */
+typedef struct gn_mesh_key {
+    uint64_t a, b;
+} gn_mesh_key;
+typedef struct gn_mesh_table {
+    size_t count, slots;
+    struct gn_mesh_slot *slot;
+} gn_mesh_table;
+
+/* *held is the value that the key has now: the new one, or the one it had before. False: no memory.
+ */
+bool gn_mesh_table_add(gn_mesh_table *table, gn_mesh_key key, int64_t value, int64_t *held);
+int64_t gn_mesh_table_find(const gn_mesh_table *table, gn_mesh_key key); /* -1: not there */
+void gn_mesh_table_free(gn_mesh_table *table);
+/* The same for every order and sense of `count` (2 or 3) nodes. */
+gn_mesh_key gn_mesh_face_key(const int32_t *node, int count);
+
+/* Room for `need` items of `size` bytes, at least doubled; keeps the first `used`. False: no
+ * memory. */
+bool gn_mesh_grow(void **block, size_t *capacity, size_t used, size_t need, size_t size);
+
+/* A list of elements and the room it has. */
+typedef struct gn_mesh_list {
+    gn_mesh_elements *elements;
+    size_t capacity, group_capacity, also_capacity;
+} gn_mesh_list;
+/* Appends an element with its groups (tags > 0). False: no memory. */
+bool gn_mesh_add_element(gn_mesh_list *list, const int32_t *node, const int32_t *groups,
+                         size_t group_count);
+bool gn_mesh_add_membership(gn_mesh_list *list, size_t element, int32_t group);
+void gn_mesh_elements_free(gn_mesh_elements *elements);
+
+/* Welds corner[count][3] (three per triangle) into mesh->node and mesh->triangles. */
+gneiss_status gn_mesh_weld(const double *corner, size_t count, const char *name, gn_mesh *mesh,
+                           gneiss_error *error);
+
+/* The two formats of the bodies of $Nodes and $Elements. */
+typedef struct gn_msh {
+    gn_mesh_source in;
+    gn_mesh *mesh;
+    bool version_4;
+    gn_mesh_table node_index; /* tag -> index */
+    gn_mesh_list list[4];     /* by dimension */
+    gn_mesh_table entity;     /* (dimension, tag) -> 2 * row of entity_first + reversed */
+    size_t *entity_first;     /* [entities + 1] into entity_group */
+    int32_t *entity_group;    /* > 0 */
+    size_t entity_capacity, pool_capacity;
+    bool has_entities;
+} gn_msh;
+gneiss_status gn_msh_read_entities(gn_msh *msh);
+gneiss_status gn_msh_read_nodes(gn_msh *msh);
+gneiss_status gn_msh_read_elements(gn_msh *msh);
+
+static inline void gn_mesh_between(const double *from, const double *to, double out[3]) {
+    for (int d = 0; d < 3; d++) out[d] = to[d] - from[d];
+}
+
+static inline void gn_mesh_cross(const double a[3], const double b[3], double out[3]) {
+    out[0] = a[1] * b[2] - a[2] * b[1];
+    out[1] = a[2] * b[0] - a[0] * b[2];
+    out[2] = a[0] * b[1] - a[1] * b[0];
+}
+
+static inline double gn_mesh_dot(const double a[3], const double b[3]) {
+    return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
+}
+
+#endif

@@ -1,0 +1,444 @@
+/* gmsh .msh: the bodies of $Entities, $Nodes and $Elements in formats 2.2 and 4.1. */
+#include "mesh/mesh_private.h"
+
+#include "base/memory.h"
+
+#include <string.h>
+
+enum { MSH_LINE = 1, MSH_TRIANGLE = 2, MSH_TETRAHEDRON = 4, MSH_POINT = 15 };
+
+static const char *element_name(int64_t type) {
+    static const char *const names[] = {
+        [1] = "line",
+        [2] = "triangle",
+        [3] = "quadrangle",
+        [4] = "tetrahedron",
+        [5] = "hexahedron",
+        [6] = "prism",
+        [7] = "pyramid",
+        [8] = "3-node line",
+        [9] = "6-node triangle",
+        [10] = "9-node quadrangle",
+        [11] = "10-node tetrahedron",
+        [12] = "27-node hexahedron",
+        [13] = "18-node prism",
+        [14] = "14-node pyramid",
+        [15] = "point",
+        [16] = "8-node quadrangle",
+        [17] = "20-node hexahedron",
+        [18] = "15-node prism",
+        [19] = "13-node pyramid",
+        [20] = "9-node triangle",
+        [21] = "10-node triangle",
+        [22] = "12-node triangle",
+        [23] = "15-node triangle",
+        [24] = "15-node triangle",
+        [25] = "21-node triangle",
+        [26] = "4-node line",
+        [27] = "5-node line",
+        [28] = "6-node line",
+        [29] = "20-node tetrahedron",
+        [30] = "35-node tetrahedron",
+        [31] = "56-node tetrahedron",
+    };
+    bool known = type > 0 && type < (int64_t)(sizeof names / sizeof *names);
+    return known ? names[type] : "unknown element";
+}
+
+/* -1: not one of those that are kept or skipped. */
+static int element_dimension(int64_t type) {
+    switch (type) {
+    case MSH_POINT:
+        return 0;
+    case MSH_LINE:
+        return 1;
+    case MSH_TRIANGLE:
+        return 2;
+    case MSH_TETRAHEDRON:
+        return 3;
+    default:
+        return -1;
+    }
+}
+
+static gneiss_status refuse_type(const gn_mesh_source *in, size_t at, int64_t type) {
+    bool curved = type >= 8 && type != MSH_POINT;
+    return gn_mesh_refuse(in, at,
+                          "expected points, lines, triangles and tetrahedra, found an element of "
+                          "type %lld (%s)%s",
+                          (long long)type, element_name(type),
+                          curved ? "; gmsh -order 1 writes linear elements" : "");
+}
+
+static gneiss_status take_type(gn_mesh_source *in, int64_t *type) {
+    size_t start = gn_mesh_field_start(in);
+    GN_TRY(gn_mesh_take_integer(in, "type of elements", 4, INT32_MIN, INT32_MAX, type));
+    return element_dimension(*type) < 0 ? refuse_type(in, start, *type) : GNEISS_OK;
+}
+
+static gneiss_status allocate_nodes(gn_msh *msh, int64_t count) {
+    gn_mesh_source *in = &msh->in;
+    GN_TRY(gn_mesh_check_count(in, "nodes", count, sizeof "1 0 0 0", 28));
+    if (count == 0) return gn_mesh_refuse(in, in->at, "expected nodes, found a count of 0");
+    msh->mesh->node = gn_alloc_array((size_t)count, 3 * sizeof *msh->mesh->node);
+    return msh->mesh->node ? GNEISS_OK : gn_mesh_no_memory(in);
+}
+
+/* The tag of node number `index`, base 0. */
+static gneiss_status take_node_tag(gn_msh *msh, size_t width, size_t index) {
+    gn_mesh_source *in = &msh->in;
+    int64_t tag, held;
+    gn_mesh_next_row(in);
+    size_t start = gn_mesh_field_start(in);
+    GN_TRY(gn_mesh_take_integer(in, "tag of a node", width, 1, INT64_MAX, &tag));
+    if (!gn_mesh_table_add(&msh->node_index, (gn_mesh_key){(uint64_t)tag, 0}, (int64_t)index,
+                           &held))
+        return gn_mesh_no_memory(in);
+    if (held != (int64_t)index)
+        return gn_mesh_refuse(in, start, "expected every node once, found node %lld again",
+                              (long long)tag);
+    return GNEISS_OK;
+}
+
+/* The count of format 2.2 is a line of text in binary files too. */
+static gneiss_status take_count_line(gn_mesh_source *in, const char *what, int64_t *count) {
+    bool binary = in->binary;
+    in->binary = false;
+    gn_mesh_next_row(in);
+    GN_TRY(gn_mesh_take_integer(in, what, 4, 0, INT64_MAX, count));
+    in->binary = binary;
+    if (!binary) return GNEISS_OK;
+    if (in->at < in->end && in->bytes[in->at] == '\r') in->at++;
+    if (in->at < in->end && in->bytes[in->at] == '\n') in->at++;
+    return GNEISS_OK;
+}
+
+static gneiss_status read_nodes_2(gn_msh *msh) {
+    gn_mesh *mesh = msh->mesh;
+    int64_t count;
+    GN_TRY(take_count_line(&msh->in, "number of nodes", &count));
+    GN_TRY(allocate_nodes(msh, count));
+    for (size_t k = 0; k < (size_t)count; k++) {
+        GN_TRY(take_node_tag(msh, 4, k));
+        GN_TRY(gn_mesh_take_coordinates(&msh->in, mesh->node + 3 * k));
+    }
+    mesh->node_count = (size_t)count;
+    return GNEISS_OK;
+}
+
+static gneiss_status read_node_block(gn_msh *msh, int64_t total) {
+    gn_mesh_source *in = &msh->in;
+    gn_mesh *mesh = msh->mesh;
+    int64_t dimension, tag, parametric, count;
+    gn_mesh_next_row(in);
+    GN_TRY(gn_mesh_take_integer(in, "dimension of an entity", 4, 0, 3, &dimension));
+    GN_TRY(gn_mesh_take_integer(in, "tag of an entity", 4, INT32_MIN, INT32_MAX, &tag));
+    GN_TRY(gn_mesh_take_integer(in, "parametric (0 or 1)", 4, 0, 1, &parametric));
+    size_t start = gn_mesh_field_start(in);
+    GN_TRY(gn_mesh_take_integer(in, "number of nodes in the block", 8, 0, INT64_MAX, &count));
+    if (count > total - (int64_t)mesh->node_count)
+        return gn_mesh_refuse(in, start, "expected %lld nodes in all, found %zu and %lld more",
+                              (long long)total, mesh->node_count, (long long)count);
+    size_t first = mesh->node_count;
+    for (size_t k = 0; k < (size_t)count; k++) GN_TRY(take_node_tag(msh, 8, first + k));
+    for (size_t k = 0; k < (size_t)count; k++) {
+        gn_mesh_next_row(in);
+        GN_TRY(gn_mesh_take_coordinates(in, mesh->node + 3 * (first + k)));
+        if (parametric)
+            GN_TRY(gn_mesh_skip_numbers(in, "coordinate on the entity", (size_t)dimension));
+    }
+    mesh->node_count += (size_t)count;
+    return GNEISS_OK;
+}
+
+/* blocks, total, least and greatest tag; of the last two nothing depends. */
+static gneiss_status take_block_header(gn_mesh_source *in, const char *what, int64_t *blocks,
+                                       int64_t *total) {
+    int64_t ignored;
+    gn_mesh_next_row(in);
+    GN_TRY(gn_mesh_take_integer(in, "number of blocks", 8, 0, INT64_MAX, blocks));
+    GN_TRY(gn_mesh_take_integer(in, what, 8, 0, INT64_MAX, total));
+    GN_TRY(gn_mesh_take_integer(in, "least tag", 8, 0, INT64_MAX, &ignored));
+    GN_TRY(gn_mesh_take_integer(in, "greatest tag", 8, 0, INT64_MAX, &ignored));
+    return gn_mesh_check_count(in, "blocks", *blocks, sizeof "0 1 0 0", 20);
+}
+
+static gneiss_status read_nodes_4(gn_msh *msh) {
+    int64_t blocks, total;
+    GN_TRY(take_block_header(&msh->in, "number of nodes", &blocks, &total));
+    GN_TRY(allocate_nodes(msh, total));
+    for (int64_t b = 0; b < blocks; b++) GN_TRY(read_node_block(msh, total));
+    if ((int64_t)msh->mesh->node_count != total)
+        return gn_mesh_refuse(&msh->in, msh->in.at, "expected %lld nodes in all, found %zu",
+                              (long long)total, msh->mesh->node_count);
+    return GNEISS_OK;
+}
+
+gneiss_status gn_msh_read_nodes(gn_msh *msh) {
+    GN_TRY(msh->version_4 ? read_nodes_4(msh) : read_nodes_2(msh));
+    return gn_mesh_end_section(&msh->in);
+}
+
+static gneiss_status take_physical_tags(gn_msh *msh, size_t *used, bool *reversed) {
+    gn_mesh_source *in = &msh->in;
+    int64_t count, tag;
+    GN_TRY(gn_mesh_take_integer(in, "number of physical tags", 8, 0, INT64_MAX, &count));
+    GN_TRY(gn_mesh_check_count(in, "physical tags", count, sizeof "1", 4));
+    void *pool = msh->entity_group;
+    if (!gn_mesh_grow(&pool, &msh->pool_capacity, *used, *used + (size_t)count,
+                      sizeof *msh->entity_group))
+        return gn_mesh_no_memory(in);
+    msh->entity_group = pool;
+    for (int64_t k = 0; k < count; k++) {
+        GN_TRY(gn_mesh_take_integer(in, "physical tag", 4, -INT32_MAX, INT32_MAX, &tag));
+        if (tag == 0) continue;
+        if (msh->entity_first[msh->entity.count] == *used) *reversed = tag < 0;
+        msh->entity_group[(*used)++] = (int32_t)(tag < 0 ? -tag : tag);
+    }
+    return GNEISS_OK;
+}
+
+static gneiss_status read_entity(gn_msh *msh, int dimension, size_t *used) {
+    gn_mesh_source *in = &msh->in;
+    int64_t tag, held, bounding;
+    size_t row = msh->entity.count;
+    bool reversed = false;
+    gn_mesh_next_row(in);
+    size_t start = gn_mesh_field_start(in);
+    GN_TRY(gn_mesh_take_integer(in, "tag of an entity", 4, INT32_MIN, INT32_MAX, &tag));
+    GN_TRY(gn_mesh_skip_numbers(in, "side of the entity's box", dimension ? 6 : 3));
+    GN_TRY(take_physical_tags(msh, used, &reversed));
+    int64_t value = 2 * (int64_t)row + reversed;
+    if (!gn_mesh_table_add(&msh->entity, (gn_mesh_key){(uint64_t)dimension, (uint64_t)tag}, value,
+                           &held))
+        return gn_mesh_no_memory(in);
+    if (msh->entity.count == row)
+        return gn_mesh_refuse(in, start,
+                              "expected every entity once, found entity %lld of "
+                              "dimension %d again",
+                              (long long)tag, dimension);
+    void *first = msh->entity_first;
+    if (!gn_mesh_grow(&first, &msh->entity_capacity, row + 1, row + 2, sizeof *msh->entity_first))
+        return gn_mesh_no_memory(in);
+    msh->entity_first = first;
+    msh->entity_first[row + 1] = *used;
+    if (dimension == 0) return GNEISS_OK;
+    GN_TRY(gn_mesh_take_integer(in, "number of bounding entities", 8, 0, INT64_MAX, &bounding));
+    GN_TRY(gn_mesh_check_count(in, "bounding entities", bounding, sizeof "1", 4));
+    for (int64_t k = 0; k < bounding; k++)
+        GN_TRY(gn_mesh_take_integer(in, "bounding entity", 4, INT32_MIN, INT32_MAX, &tag));
+    return GNEISS_OK;
+}
+
+gneiss_status gn_msh_read_entities(gn_msh *msh) {
+    gn_mesh_source *in = &msh->in;
+    int64_t counts[4];
+    size_t used = 0;
+    void *first = NULL;
+    if (!gn_mesh_grow(&first, &msh->entity_capacity, 0, 1, sizeof *msh->entity_first))
+        return gn_mesh_no_memory(in);
+    msh->entity_first = first;
+    msh->has_entities = true;
+    gn_mesh_next_row(in);
+    for (int d = 0; d < 4; d++)
+        GN_TRY(gn_mesh_take_integer(in, "number of entities", 8, 0, INT64_MAX, &counts[d]));
+    for (int d = 0; d < 4; d++) {
+        GN_TRY(gn_mesh_check_count(in, "entities", counts[d], sizeof "1 0 0 0 0", 36));
+        for (int64_t k = 0; k < counts[d]; k++) GN_TRY(read_entity(msh, d, &used));
+    }
+    return gn_mesh_end_section(in);
+}
+
+/* Nodes as indices; `node` has room for 4. */
+static gneiss_status take_element_nodes(gn_msh *msh, size_t width, int dimension, int32_t node[4]) {
+    gn_mesh_source *in = &msh->in;
+    for (int k = 0; k <= dimension; k++) {
+        int64_t tag;
+        size_t start = gn_mesh_field_start(in);
+        GN_TRY(gn_mesh_take_integer(in, "node of an element", width, 1, INT64_MAX, &tag));
+        int64_t index = gn_mesh_table_find(&msh->node_index, (gn_mesh_key){(uint64_t)tag, 0});
+        if (index < 0)
+            return gn_mesh_refuse(in, start, "expected a node of $Nodes, found node %lld",
+                                  (long long)tag);
+        node[k] = (int32_t)index;
+        for (int m = 0; m < k; m++)
+            if (node[m] == node[k])
+                return gn_mesh_refuse(in, start,
+                                      "expected different nodes in an element, found node %lld "
+                                      "twice",
+                                      (long long)tag);
+    }
+    return GNEISS_OK;
+}
+
+static bool same_nodes(const int32_t *a, const int32_t *b, int count) {
+    for (int i = 0; i < count; i++) {
+        bool found = false;
+        for (int j = 0; j < count; j++) found = found || a[i] == b[j];
+        if (!found) return false;
+    }
+    return true;
+}
+
+static bool in_group(const gn_mesh_elements *e, size_t element, int32_t group) {
+    if (e->group[element] == group) return true;
+    for (size_t k = e->also_count; k > 0 && e->also[k - 1].element == element; k--)
+        if (e->also[k - 1].group == group) return true;
+    return false;
+}
+
+/* Format 2.2 writes an element of several groups once for each of them, one behind the other. */
+static gneiss_status keep_element_2(gn_msh *msh, int dimension, const int32_t *node,
+                                    int32_t group) {
+    gn_mesh_list *list = &msh->list[dimension];
+    const gn_mesh_elements *e = list->elements;
+    size_t last = e->count - 1; /* not used when there is none */
+    bool room;
+    if (group && e->count && e->group[last] &&
+        same_nodes(node, e->node + (size_t)e->nodes * last, e->nodes) && !in_group(e, last, group))
+        room = gn_mesh_add_membership(list, last, group);
+    else
+        room = gn_mesh_add_element(list, node, &group, 1);
+    return room ? GNEISS_OK : gn_mesh_no_memory(&msh->in);
+}
+
+/* Tags and nodes of one element of format 2.2. */
+static gneiss_status read_element_2(gn_msh *msh, int dimension, int64_t tags) {
+    gn_mesh_source *in = &msh->in;
+    int64_t group = 0, other;
+    int32_t node[4];
+    for (int64_t k = 0; k < tags; k++)
+        GN_TRY(gn_mesh_take_integer(in, k ? "tag of an element" : "physical tag of an element", 4,
+                                    -INT32_MAX, INT32_MAX, k ? &other : &group));
+    GN_TRY(take_element_nodes(msh, 4, dimension, node));
+    if (dimension == 0 && group == 0) return GNEISS_OK;
+    return keep_element_2(msh, dimension, node, (int32_t)(group < 0 ? -group : group));
+}
+
+static gneiss_status read_text_element_2(gn_msh *msh) {
+    gn_mesh_source *in = &msh->in;
+    int64_t number, type, tags;
+    gn_mesh_next_row(in);
+    GN_TRY(gn_mesh_take_integer(in, "number of an element", 4, INT64_MIN, INT64_MAX, &number));
+    GN_TRY(take_type(in, &type));
+    GN_TRY(gn_mesh_take_integer(in, "number of tags", 4, 0, INT32_MAX, &tags));
+    return read_element_2(msh, element_dimension(type), tags);
+}
+
+/* A run of elements of one type; reduces *left. */
+static gneiss_status read_binary_run_2(gn_msh *msh, int64_t *left) {
+    gn_mesh_source *in = &msh->in;
+    int64_t type, count, tags, number;
+    GN_TRY(take_type(in, &type));
+    int dimension = element_dimension(type);
+    GN_TRY(gn_mesh_take_integer(in, "number of elements that follow", 4, 1, *left, &count));
+    GN_TRY(gn_mesh_take_integer(in, "number of tags", 4, 0, INT32_MAX, &tags));
+    GN_TRY(gn_mesh_check_count(in, "elements", count, 1, 4 * (size_t)(2 + tags + dimension)));
+    for (int64_t k = 0; k < count; k++) {
+        GN_TRY(gn_mesh_take_integer(in, "number of an element", 4, INT32_MIN, INT32_MAX, &number));
+        GN_TRY(read_element_2(msh, dimension, tags));
+    }
+    *left -= count;
+    return GNEISS_OK;
+}
+
+static gneiss_status read_elements_2(gn_msh *msh) {
+    gn_mesh_source *in = &msh->in;
+    int64_t left;
+    GN_TRY(take_count_line(in, "number of elements", &left));
+    GN_TRY(gn_mesh_check_count(in, "elements", left, sizeof "1 15 0 1", 8));
+    while (in->binary && left > 0) GN_TRY(read_binary_run_2(msh, &left));
+    for (; left > 0; left--) GN_TRY(read_text_element_2(msh));
+    return GNEISS_OK;
+}
+
+/* The groups of the elements of an entity, and whether they stand the other way round. */
+typedef struct entity_groups {
+    const int32_t *tag;
+    size_t count;
+    bool reversed;
+} entity_groups;
+
+static gneiss_status find_groups(const gn_msh *msh, size_t at, int64_t dimension, int64_t tag,
+                                 entity_groups *groups) {
+    if (!msh->has_entities) return GNEISS_OK;
+    gn_mesh_key key = {(uint64_t)dimension, (uint64_t)tag};
+    int64_t held = gn_mesh_table_find(&msh->entity, key);
+    if (held < 0)
+        return gn_mesh_refuse(&msh->in, at,
+                              "expected an entity of $Entities, found entity %lld of dimension "
+                              "%lld",
+                              (long long)tag, (long long)dimension);
+    size_t first = msh->entity_first[held / 2];
+    groups->tag = msh->entity_group + first;
+    groups->count = msh->entity_first[held / 2 + 1] - first;
+    groups->reversed = held % 2;
+    return GNEISS_OK;
+}
+
+static void reverse(int32_t *node, int64_t dimension) {
+    int a = dimension == 2 ? 1 : 0, b = a + 1; /* the pair that gmsh swaps */
+    int32_t swap = node[a];
+    node[a] = node[b];
+    node[b] = swap;
+}
+
+static gneiss_status take_element_block(gn_msh *msh, int64_t *left, int64_t *dimension,
+                                        int64_t *count, entity_groups *groups) {
+    gn_mesh_source *in = &msh->in;
+    int64_t tag, type;
+    gn_mesh_next_row(in);
+    size_t start = gn_mesh_field_start(in);
+    GN_TRY(gn_mesh_take_integer(in, "dimension of an entity", 4, 0, 3, dimension));
+    GN_TRY(gn_mesh_take_integer(in, "tag of an entity", 4, INT32_MIN, INT32_MAX, &tag));
+    GN_TRY(take_type(in, &type));
+    if (element_dimension(type) != *dimension)
+        return gn_mesh_refuse(in, start,
+                              "expected elements of dimension %lld, found type %lld "
+                              "(%s)",
+                              (long long)*dimension, (long long)type, element_name(type));
+    GN_TRY(gn_mesh_take_integer(in, "number of elements in the block", 8, 0, *left, count));
+    *left -= *count;
+    return find_groups(msh, start, *dimension, tag, groups);
+}
+
+static gneiss_status read_element_block(gn_msh *msh, int64_t *left) {
+    gn_mesh_source *in = &msh->in;
+    int64_t dimension = 0, count = 0, number;
+    entity_groups groups = {0};
+    GN_TRY(take_element_block(msh, left, &dimension, &count, &groups));
+    for (int64_t k = 0; k < count; k++) {
+        int32_t node[4];
+        gn_mesh_next_row(in);
+        GN_TRY(gn_mesh_take_integer(in, "tag of an element", 8, 0, INT64_MAX, &number));
+        GN_TRY(take_element_nodes(msh, 8, (int)dimension, node));
+        if (dimension == 0 && groups.count == 0) continue;
+        if (groups.reversed && dimension > 0) reverse(node, dimension);
+        if (!gn_mesh_add_element(&msh->list[dimension], node, groups.tag, groups.count))
+            return gn_mesh_no_memory(in);
+    }
+    return GNEISS_OK;
+}
+
+static gneiss_status read_elements_4(gn_msh *msh) {
+    gn_mesh_source *in = &msh->in;
+    int64_t blocks, left;
+    GN_TRY(take_block_header(in, "number of elements", &blocks, &left));
+    GN_TRY(gn_mesh_check_count(in, "elements", left, sizeof "1 1", 16));
+    for (int64_t b = 0; b < blocks; b++) GN_TRY(read_element_block(msh, &left));
+    if (left == 0) return GNEISS_OK;
+    return gn_mesh_refuse(in, in->at, "expected %lld elements more, found the last block",
+                          (long long)left);
+}
+
+gneiss_status gn_msh_read_elements(gn_msh *msh) {
+    const gn_mesh *mesh = msh->mesh;
+    gn_mesh_source *in = &msh->in;
+    size_t start = in->at;
+    GN_TRY(msh->version_4 ? read_elements_4(msh) : read_elements_2(msh));
+    GN_TRY(gn_mesh_end_section(in));
+    if (mesh->lines.count + mesh->triangles.count + mesh->tetrahedra.count == 0)
+        return gn_mesh_refuse(in, start,
+                              "expected lines, triangles or tetrahedra, found none of them");
+    return GNEISS_OK;
+}

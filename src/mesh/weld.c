@@ -1,0 +1,151 @@
+/* Corners of triangles that stand apart become nodes that triangles share. */
+#include "mesh/mesh_private.h"
+
+#include "base/memory.h"
+
+#include <math.h>
+#include <string.h>
+
+static const double weld_distance = 1e-6; /* of the longest side of the box */
+static const double cell_size = 8.0;      /* in weld distances: a corner is near one or two cells */
+
+typedef struct weld {
+    double origin[3];
+    double reach, cell; /* m */
+    double *node;       /* [count][3] */
+    int32_t *next;      /* [count] the next node in the same cell, -1: last */
+    size_t count;
+    gn_mesh_table cells; /* cell -> its first node */
+} weld;
+
+static gneiss_status measure(weld *w, const double *corner, size_t count, const char *name,
+                             gneiss_error *error) {
+    double extent = 0.0;
+    for (int d = 0; d < 3; d++) {
+        double least = corner[d], most = corner[d];
+        for (size_t k = 1; k < count; k++) {
+            least = fmin(least, corner[3 * k + (size_t)d]);
+            most = fmax(most, corner[3 * k + (size_t)d]);
+        }
+        w->origin[d] = least;
+        extent = fmax(extent, most - least);
+    }
+    w->reach = weld_distance * extent;
+    w->cell = cell_size * w->reach;
+    /* Products of lengths must neither overflow nor vanish. */
+    if (extent > 1e-60 && extent < 1e60) return GNEISS_OK;
+    return gn_fail(error, GNEISS_ERROR_INPUT,
+                   "%s: expected a surface with an extent of 1e-60 to 1e60 m, found %g m", name,
+                   extent);
+}
+
+static int64_t cell_index(const weld *w, double x, int d) {
+    return (int64_t)floor((x - w->origin[d]) / w->cell);
+}
+
+static gn_mesh_key cell_key(const int64_t cell[3]) {
+    return (gn_mesh_key){(uint64_t)cell[0] << 32 ^ (uint64_t)cell[1], (uint64_t)cell[2]};
+}
+
+/* The earliest node within reach, -1: none. Its cell is one of those that a cube of the reach
+ * around x touches. */
+static int64_t find_node(const weld *w, const double x[3]) {
+    int64_t lower[3], upper[3], cell[3], found = -1;
+    for (int d = 0; d < 3; d++) {
+        lower[d] = cell_index(w, x[d] - w->reach, d);
+        upper[d] = cell_index(w, x[d] + w->reach, d);
+    }
+    for (cell[0] = lower[0]; cell[0] <= upper[0]; cell[0]++)
+        for (cell[1] = lower[1]; cell[1] <= upper[1]; cell[1]++)
+            for (cell[2] = lower[2]; cell[2] <= upper[2]; cell[2]++) {
+                int64_t k = gn_mesh_table_find(&w->cells, cell_key(cell));
+                for (; k >= 0; k = w->next[k]) {
+                    double apart[3];
+                    gn_mesh_between(w->node + 3 * k, x, apart);
+                    bool near = gn_mesh_dot(apart, apart) <= w->reach * w->reach;
+                    if (near && (found < 0 || k < found)) found = k;
+                }
+            }
+    return found;
+}
+
+/* False: no memory. */
+static bool add_node(weld *w, const double x[3]) {
+    int64_t cell[3], first, k = (int64_t)w->count;
+    for (int d = 0; d < 3; d++) {
+        w->node[3 * k + d] = x[d];
+        cell[d] = cell_index(w, x[d], d);
+    }
+    if (!gn_mesh_table_add(&w->cells, cell_key(cell), k, &first)) return false;
+    w->next[k] = -1;
+    if (first != k) { /* behind the first, which the table goes on naming */
+        w->next[k] = w->next[first];
+        w->next[first] = (int32_t)k;
+    }
+    w->count++;
+    return true;
+}
+
+/* Nodes [count] of the corners. False: no memory. */
+static bool weld_corners(weld *w, const double *corner, size_t count, int32_t *node) {
+    for (size_t k = 0; k < count; k++) {
+        int64_t found = find_node(w, corner + 3 * k);
+        if (found < 0) {
+            found = (int64_t)w->count;
+            if (!add_node(w, corner + 3 * k)) return false;
+        }
+        node[k] = (int32_t)found;
+    }
+    return true;
+}
+
+/* Triangles with three different nodes, in place; nodes that only dropped ones used go too. */
+static size_t drop_degenerate(weld *w, int32_t *node, size_t triangles) {
+    size_t kept = 0, used = 0;
+    for (size_t t = 0; t < triangles; t++) {
+        int32_t a = node[3 * t], b = node[3 * t + 1], c = node[3 * t + 2];
+        if (a == b || b == c || c == a) continue;
+        node[3 * kept] = a;
+        node[3 * kept + 1] = b;
+        node[3 * kept + 2] = c;
+        kept++;
+    }
+    int32_t *renumbered = w->next; /* the chains have served */
+    for (size_t k = 0; k < w->count; k++) renumbered[k] = -1;
+    for (size_t k = 0; k < 3 * kept; k++) renumbered[node[k]] = 0;
+    for (size_t k = 0; k < w->count; k++) {
+        if (renumbered[k] < 0) continue;
+        for (size_t d = 0; d < 3; d++) w->node[3 * used + d] = w->node[3 * k + d];
+        renumbered[k] = (int32_t)used++;
+    }
+    for (size_t k = 0; k < 3 * kept; k++) node[k] = renumbered[node[k]];
+    w->count = used;
+    return kept;
+}
+
+gneiss_status gn_mesh_weld(const double *corner, size_t count, const char *name, gn_mesh *mesh,
+                           gneiss_error *error) {
+    weld w = {0};
+    GN_TRY(measure(&w, corner, count, name, error));
+    gn_mesh_elements *triangles = &mesh->triangles;
+    w.node = gn_alloc_array(count, 3 * sizeof *w.node);
+    w.next = gn_alloc_array(count, sizeof *w.next);
+    triangles->node = gn_alloc_array(count, sizeof *triangles->node);
+    triangles->group = gn_alloc_array(count / 3, sizeof *triangles->group);
+    bool room = w.node && w.next && triangles->node && triangles->group &&
+                weld_corners(&w, corner, count, triangles->node);
+    if (room) triangles->count = drop_degenerate(&w, triangles->node, count / 3);
+    mesh->node = room ? gn_alloc_array(w.count, 3 * sizeof *w.node) : NULL;
+    room = room && mesh->node;
+    if (room) memcpy(mesh->node, w.node, 3 * sizeof *w.node * w.count);
+    mesh->node_count = w.count;
+    gn_free(w.node);
+    gn_free(w.next);
+    gn_mesh_table_free(&w.cells);
+    if (!room) return gn_fail(error, GNEISS_ERROR_MEMORY, "%s: no memory for this mesh", name);
+    if (triangles->count == 0)
+        return gn_fail(error, GNEISS_ERROR_INPUT,
+                       "%s: expected triangles with three corners apart, found none in %zu", name,
+                       count / 3);
+    return GNEISS_OK;
+}

@@ -1,0 +1,110 @@
+/* The part of a checkpoint that finite elements have: the mesh, from which the body is made again,
+ * and the state that is put into it. */
+#include "base/memory.h"
+#include "io/h5_pieces.h"
+#include "mesh/h5_mesh.h"
+#include "sim/world.h"
+
+#include <math.h>
+#include <stddef.h>
+#include <string.h>
+
+#define DOUBLES(member) GN_PIECE_DOUBLES(gn_element_model, member)
+#define LIMIT(member)   GN_PIECE_ANY(gn_element_model, member)
+#define INTEGER(member) GN_PIECE_INTEGER(gn_element_model, member)
+
+static const gn_piece pieces[] = {
+    INTEGER(body.step),     DOUBLES(body.time),         DOUBLES(body.dt_past),
+    DOUBLES(body.energy),   INTEGER(body.unused_nodes), INTEGER(body.turned_elements),
+    LIMIT(limit.bound),     LIMIT(limit.sharp),         LIMIT(limit.sharp_low),
+    LIMIT(limit.frequency), DOUBLES(stiffening),        LIMIT(stable),
+    DOUBLES(stress),        DOUBLES(unbalanced),        DOUBLES(contact.travel),
+};
+enum { PIECES = sizeof pieces / sizeof *pieces };
+
+_Static_assert(sizeof(gn_fem_energy) % 8 == 0 && sizeof(size_t) == 8, "pieces of eight bytes");
+
+gneiss_status gn_elements_save(const gn_world *w, gn_h5 *file, gneiss_error *error) {
+    if (!w->elements) return GNEISS_OK;
+    const gn_element_model *q = w->elements;
+    const gn_fem_body *b = &q->body;
+    GN_TRY(gn_h5_put_mesh(file, "mesh", &b->mesh, error));
+    GN_TRY(gn_h5_put_record(file, "mesh_nodes", &gn_particle_record, &b->nodes, error));
+    GN_TRY(gn_h5_put_record(file, "mesh_elements", &gn_element_record, &b->elements, error));
+    GN_TRY(gn_h5_put_pieces(file, "elements", pieces, PIECES, q, error));
+    int64_t culprits[3] = {q->limit.bound_element, q->limit.sharp_element, q->limit.iterations};
+    GN_TRY(gn_h5_put(file, "elements/culprits", GN_I64, 3, 1, 0, culprits, NULL, NULL, error));
+    return gn_h5_put(file, "elements/load", GN_F64, b->prescribed.count, 6, 0, b->prescribed.load,
+                     NULL, NULL, error);
+}
+
+/* --- reading
+ * ------------------------------------------------------------------------------------ */
+
+/* Indices that kernels follow without looking must lie in range even if the file was tampered with.
+ */
+static bool indices_are_good(const gn_fem_body *b) {
+    const gn_elements *e = &b->elements;
+    bool good = true;
+    for (int a = 0; a <= b->dimension; a++)
+        for (size_t k = 0; k < e->soa.count; k++) {
+            int32_t node = gn_elements_node(e, a)[k];
+            good = good && node >= 0 && (size_t)node < b->nodes.soa.count;
+        }
+    for (size_t k = 0; k < e->soa.count; k++)
+        good = good && e->material[k] >= 0 && e->id[k] >= 0 && (size_t)e->id[k] < e->soa.count;
+    for (size_t n = 0; n < b->nodes.soa.count; n++)
+        good = good && b->nodes.slot[n] < (int64_t)b->prescribed.count;
+    return good;
+}
+
+/* Puts the saved records in the place of those made from the mesh; same counts, same order. */
+static gneiss_status take_records(gn_fem_body *b, const gn_h5 *file, const char *path,
+                                  gneiss_error *error) {
+    gn_particles nodes = {0};
+    gn_elements elements = {0};
+    GN_TRY(gn_h5_get_record(file, "mesh_nodes", &gn_particle_record, &nodes, b->effects, error));
+    gneiss_status status =
+        gn_h5_get_record(file, "mesh_elements", &gn_element_record, &elements, b->effects, error);
+    bool same = status == GNEISS_OK && nodes.soa.count == b->nodes.soa.count &&
+                elements.soa.count == b->elements.soa.count;
+    if (!same) {
+        gn_soa_destroy(&gn_particle_record, &nodes);
+        gn_soa_destroy(&gn_element_record, &elements);
+        if (status != GNEISS_OK) return status;
+        return gn_fail(error, GNEISS_ERROR_INPUT,
+                       "%s: expected %zu nodes and %zu elements as in its mesh, found others", path,
+                       b->nodes.soa.count, b->elements.soa.count);
+    }
+    gn_soa_destroy(&gn_particle_record, &b->nodes);
+    gn_soa_destroy(&gn_element_record, &b->elements);
+    b->nodes = nodes;
+    b->elements = elements;
+    gn_particles_set_null(&b->nodes, 1.0);
+    gn_elements_pad(&b->elements, &b->nodes);
+    gn_fem_to_single(b);
+    if (indices_are_good(b)) return GNEISS_OK;
+    return gn_fail(error, GNEISS_ERROR_INPUT,
+                   "%s: expected nodes below %zu and elements below %zu, found others", path,
+                   b->nodes.soa.count, b->elements.soa.count);
+}
+
+gneiss_status gn_elements_load(gn_world *w, const gn_h5 *file, const char *path,
+                               gneiss_error *error) {
+    gn_mesh mesh;
+    if (!w->scene.has_elements) return GNEISS_OK;
+    GN_TRY(gn_h5_get_mesh(file, "mesh", &mesh, error));
+    GN_TRY(gn_elements_create(w, &mesh, error));
+    gn_element_model *q = w->elements;
+    GN_TRY(take_records(&q->body, file, path, error));
+    GN_TRY(gn_h5_get_pieces(file, "elements", pieces, PIECES, q, error));
+    int64_t culprits[3];
+    GN_TRY(gn_h5_get(file, "elements/culprits", GN_I64, 3, 1, 0, culprits, error));
+    q->limit.bound_element = (int32_t)culprits[0];
+    q->limit.sharp_element = (int32_t)culprits[1];
+    q->limit.iterations = (int)culprits[2];
+    if (!(isfinite(q->body.time) && isfinite(q->body.dt_past) && q->body.step >= 0))
+        return gn_fail(error, GNEISS_ERROR_INPUT, "%s: expected finite times, found others", path);
+    return gn_h5_get(file, "elements/load", GN_F64, q->body.prescribed.count, 6, 0,
+                     q->body.prescribed.load, error);
+}

@@ -1,0 +1,159 @@
+#include "run/folder.h"
+
+#include "io/checkpoint_files.h"
+#include "io/h5.h"
+#include "io/listing.h"
+
+#include <errno.h>
+#include <fcntl.h>
+#include <limits.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/file.h>
+#include <unistd.h>
+
+/* The names of files, and what stands in front of them in messages, must fit behind it. */
+static gneiss_status check_length(int length, const char *path, gneiss_error *error) {
+    const int most = GN_PATH_SIZE - 64;
+    if (length >= 0 && length < most) return GNEISS_OK;
+    return gn_fail(error, GNEISS_ERROR_INPUT,
+                   "%.200s...: expected an output folder of less than %d characters, found %d",
+                   path, most, length);
+}
+
+gneiss_status gn_folder_choose(const gn_scene *scene, const char *wanted, char out[GN_PATH_SIZE],
+                               gneiss_error *error) {
+    if (!wanted || !*wanted) wanted = scene->output_directory;
+    if (*wanted) return check_length(snprintf(out, GN_PATH_SIZE, "%s", wanted), wanted, error);
+    const char *slash = strrchr(scene->source, '/'), *name = slash ? slash + 1 : scene->source;
+    const char *dot = strrchr(name, '.');
+    int length = dot && dot > name ? (int)(dot - name) : (int)strlen(name);
+    return check_length(snprintf(out, GN_PATH_SIZE, "runs/%.*s", length, name), name, error);
+}
+
+gneiss_status gn_folder_lock(const char *directory, int *lock, gneiss_error *error) {
+    *lock = 0;
+    int descriptor = open(directory, O_RDONLY | O_DIRECTORY | O_CLOEXEC);
+    /* A folder that is not there is a slip of the one who named it, as a scene is. */
+    bool absent = descriptor < 0 && (errno == ENOENT || errno == ENOTDIR);
+    if (descriptor < 0)
+        return gn_fail(error, absent ? GNEISS_ERROR_INPUT : GNEISS_ERROR_IO,
+                       "%s: cannot be opened: %s", directory, strerror(errno));
+    if (flock(descriptor, LOCK_EX | LOCK_NB) == 0) {
+        *lock = descriptor;
+        return GNEISS_OK;
+    }
+    int code = errno;
+    close(descriptor);
+    if (code != EWOULDBLOCK) return GNEISS_OK;
+    return gn_fail(error, GNEISS_ERROR_INPUT,
+                   "%s: expected a folder of its own, found another run or packing at work in it",
+                   directory);
+}
+
+/* The same file under whatever path; a file that is gone is known by its name only. */
+static bool same_file(const char *a, const char *b) {
+    char real_a[PATH_MAX], real_b[PATH_MAX];
+    if (strcmp(a, b) == 0) return true;
+    return realpath(a, real_a) && realpath(b, real_b) && strcmp(real_a, real_b) == 0;
+}
+
+static gneiss_status check_owner(const char *path, const char *directory, const gn_scene *scene,
+                                 gneiss_error *error) {
+    gn_h5 *file = NULL;
+    char *owner = NULL;
+    gneiss_error reading = {0};
+    gneiss_status status = gn_h5_open(path, &file, &reading);
+    if (status == GNEISS_OK)
+        status = gn_h5_get_attribute_text(file, "/", "scene_file", &owner, &reading);
+    gn_h5_close(file);
+    if (status == GNEISS_ERROR_IO || status == GNEISS_ERROR_MEMORY)
+        status = gn_fail(error, status, "%s", reading.message);
+    else if (status != GNEISS_OK)
+        status = gn_fail(error, GNEISS_ERROR_INPUT,
+                         "%.300s: expected no results or those of %.300s, found a file that tells "
+                         "nothing (%.500s); "
+                         "remove it or choose another folder with --out",
+                         path, scene->source, reading.message);
+    else if (!same_file(owner, scene->source))
+        status = gn_fail(
+            error, GNEISS_ERROR_INPUT,
+            "%.300s: expected no results or those of %.300s, found those of %.300s; remove them or "
+            "choose another folder with --out",
+            directory, scene->source, owner);
+    free(owner);
+    return status;
+}
+
+gneiss_status gn_folder_finished(const char *directory, double *seconds, gneiss_error *error) {
+    char path[GN_PATH_SIZE + 32];
+    gn_h5 *file = NULL;
+    int64_t finished = 0;
+    gneiss_error reading = {0};
+    *seconds = 0.0;
+    snprintf(path, sizeof path, "%s/results.h5", directory);
+    if (access(path, F_OK) != 0) return GNEISS_OK;
+    gneiss_status status = gn_h5_open(path, &file, &reading);
+    if (status == GNEISS_OK)
+        status = gn_h5_get_attribute_i64(file, "/", "finished", &finished, 1, &reading);
+    if (status == GNEISS_OK)
+        status = gn_h5_get_attribute_f64(file, "/", "seconds", seconds, 1, &reading);
+    gn_h5_close(file);
+    if (!finished || status != GNEISS_OK) *seconds = 0.0;
+    /* What tells nothing is refused when the folder is cleared. */
+    return status == GNEISS_OK || status == GNEISS_ERROR_INPUT
+               ? GNEISS_OK
+               : gn_fail(error, status, "%s", reading.message);
+}
+
+static gneiss_status remove_file(const char *path, gneiss_error *error) {
+    if (unlink(path) == 0 || errno == ENOENT) return GNEISS_OK;
+    return gn_fail(error, GNEISS_ERROR_IO, "%s: cannot be removed: %s", path, strerror(errno));
+}
+
+static gneiss_status remove_snapshots(const char *directory, const char *name,
+                                      gneiss_error *error) {
+    int64_t *steps;
+    size_t count;
+    GN_TRY(gn_step_list(directory, name, ".hdf", &steps, &count, error));
+    gneiss_status status = GNEISS_OK;
+    for (size_t k = 0; status == GNEISS_OK && k < count; k++) {
+        char *path = gn_step_path(directory, name, steps[k], ".hdf");
+        status = path ? remove_file(path, error)
+                      : gn_fail(error, GNEISS_ERROR_MEMORY, "no memory for a name");
+        free(path);
+    }
+    free(steps);
+    return status;
+}
+
+gneiss_status gn_folder_clear(const char *directory, const gn_scene *scene, gneiss_error *error) {
+    static const char *const files[] = {
+        "results.h5",          "summary.json",      "particles.hdf.series", "bonds.hdf.series",
+        "elements.hdf.series", "bodies.hdf.series", "report.html"};
+    static const char *const series[] = {"particles",    "bonds",        "failed_particles",
+                                         "failed_bonds", "elements",     "failed_elements",
+                                         "bodies",       "failed_bodies"};
+    char path[GN_PATH_SIZE + 32];
+    int64_t step;
+    size_t checkpoints;
+    snprintf(path, sizeof path, "%s/results.h5", directory);
+    if (access(path, F_OK) == 0) GN_TRY(check_owner(path, directory, scene, error));
+    GN_TRY(gn_checkpoint_list(directory, &step, 1, &checkpoints, error));
+    if (checkpoints) {
+        char *newest = NULL;
+        GN_TRY(gn_checkpoint_path(directory, step, &newest, error));
+        gneiss_status status =
+            access(path, F_OK) == 0 ? GNEISS_OK : check_owner(newest, directory, scene, error);
+        free(newest);
+        GN_TRY(status);
+    }
+    GN_TRY(gn_checkpoint_prune(directory, 0, error));
+    for (size_t k = 0; k < sizeof files / sizeof *files; k++) {
+        snprintf(path, sizeof path, "%s/%s", directory, files[k]);
+        GN_TRY(remove_file(path, error));
+    }
+    for (size_t k = 0; k < sizeof series / sizeof *series; k++)
+        GN_TRY(remove_snapshots(directory, series[k], error));
+    return GNEISS_OK;
+}

@@ -1,0 +1,25 @@
+/* The output folder of a run: which it is, whose it is, and what an earlier run left there. */
+#ifndef GN_RUN_FOLDER_H
+#define GN_RUN_FOLDER_H
+
+#include "scene/scene.h"
+
+/* `wanted`, else the scene's output.directory, else runs/<name of the scene file without folder and
+ * ending>. A path that leaves no room for the names of files is GNEISS_ERROR_INPUT. */
+gneiss_status gn_folder_choose(const gn_scene *scene, const char *wanted, char out[GN_PATH_SIZE],
+                               gneiss_error *error);
+
+/* Whoever writes into a folder (run, resume, pack) holds this lock: it keeps others out until the
+ * descriptor is closed (also by the death of the process). *lock is 0 on file systems that cannot
+ * lock. GNEISS_ERROR_INPUT when another holds it. */
+gneiss_status gn_folder_lock(const char *directory, int *lock, gneiss_error *error);
+
+/* Wall time of the finished run whose results are there, s; 0: there are none, or they are of a run
+ * that did not come to its end. */
+gneiss_status gn_folder_finished(const char *directory, double *seconds, gneiss_error *error);
+
+/* Makes way for a new run: removes what an earlier run of the same scene file left. Results of
+ * another scene are not touched: GNEISS_ERROR_INPUT. */
+gneiss_status gn_folder_clear(const char *directory, const gn_scene *scene, gneiss_error *error);
+
+#endif

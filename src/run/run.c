@@ -1,0 +1,390 @@
+#include "run/run.h"
+
+#include "base/timer.h"
+#include "io/checkpoint_files.h"
+#include "io/files.h"
+#include "run/folder.h"
+#include "sim/origin.h"
+#include "sim/parts.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+#include <unistd.h>
+
+/* Steps between looks at the stability limit (with finite elements, whose limit falls with their
+ * strain, more often), and between looks at the clock. */
+enum { WATCH_INTERVAL = 2000, WATCH_ELEMENTS = 500, CLOCK_INTERVAL = 16 };
+
+/* --- setting up
+ * ------------------------------------------------------------------------------------- */
+
+/* Rows or snapshots wanted up to the end -> steps from one to the next; the first is always taken.
+ */
+static int64_t interval(const gn_world *w, int64_t wanted) {
+    double steps = wanted > 0 ? w->scene.end / w->dt / (double)wanted : INFINITY;
+    return steps < 1.0 ? 1 : steps < 1e18 ? (int64_t)steps : INT64_MAX;
+}
+
+static void set_intervals(gn_run *run, bool history, bool snapshots) {
+    const gn_scene *s = &run->world.scene;
+    if (history) run->history_interval = interval(&run->world, s->history_rows);
+    if (snapshots)
+        run->snapshot_interval = s->snapshots > 0 ? interval(&run->world, s->snapshots) : 0;
+}
+
+static void set_clock(gn_run *run) {
+    run->wall_start = gn_now();
+    double every = run->directory[0] ? run->world.scene.checkpoint_wall : 0.0;
+    run->next_checkpoint = every > 0.0 ? run->wall_start + every : INFINITY;
+}
+
+static gneiss_status open_folder(gn_run *run, gneiss_error *error) {
+    GN_TRY(gn_make_directory(run->directory, error));
+    GN_TRY(gn_folder_lock(run->directory, &run->folder_lock, error));
+    return gn_folder_clear(run->directory, &run->world.scene, error);
+}
+
+gneiss_status gn_run_create(gn_scene *scene, gn_run *run, gneiss_error *error) {
+    memset(run, 0, sizeof *run);
+    run->bad_since = -1;
+    double start = gn_now();
+    GN_TRY(gn_world_create(scene, &run->world, error));
+    gneiss_status status = gn_record_create(&run->world, &run->history, error);
+    if (status != GNEISS_OK) {
+        gn_run_free(run);
+        return status;
+    }
+    set_intervals(run, true, true);
+    set_clock(run);
+    run->wall_start = start;
+    return GNEISS_OK;
+}
+
+gneiss_status gn_run_start(gn_scene *scene, const char *directory, gn_run *run,
+                           gneiss_error *error) {
+    GN_TRY(gn_run_create(scene, run, error));
+    gneiss_status status = gn_folder_choose(&run->world.scene, directory, run->directory, error);
+    if (status == GNEISS_OK) status = open_folder(run, error);
+    if (status != GNEISS_OK) {
+        gn_run_free(run);
+        return status;
+    }
+    double start = run->wall_start;
+    set_clock(run);
+    run->wall_start = start;
+    return GNEISS_OK;
+}
+
+/* --- stop conditions
+ * --------------------------------------------------------------------------------- */
+
+static double last(const gn_run *run, const char *column) {
+    const double *values = gn_history_column(&run->history, column);
+    return values && run->history.row_count ? values[run->history.row_count - 1] : NAN;
+}
+
+static void stop(gn_run *run, const char *format, double value) {
+    run->finished = true;
+    snprintf(run->stop_reason, sizeof run->stop_reason, format, value);
+}
+
+/* The first rows of a dynamic test swing through zero; a fall counts once something has broken (or,
+ * without bonds, after this many rows). */
+enum { ROWS_BEFORE_PEAK = 20 };
+
+static void check_stop_conditions(gn_run *run) {
+    const gn_scene *s = &run->world.scene;
+    if (s->test.kind != GN_TEST_NONE) {
+        double stress = last(run, "stress"), strain = last(run, "strain");
+        bool counts = run->world.effects & GN_FX_BONDS
+                          ? run->world.broken_tension + run->world.broken_shear > 0
+                          : run->history.row_count > ROWS_BEFORE_PEAK;
+        run->peak = fmax(run->peak, stress);
+        if (counts && s->stop_peak_drop > 0.0 && run->peak > 0.0 &&
+            stress < (1.0 - s->stop_peak_drop) * run->peak)
+            stop(run, "stress fell by %g of its peak", s->stop_peak_drop);
+        if (s->stop_strain > 0.0 && strain >= s->stop_strain)
+            stop(run, "strain reached %g", s->stop_strain);
+    }
+    if (s->stop_unbalanced > 0.0 && run->history.row_count > ROWS_BEFORE_PEAK &&
+        run->world.unbalanced < s->stop_unbalanced)
+        stop(run, "unbalanced force ratio fell below %g", s->stop_unbalanced);
+}
+
+/* --- going on
+ * --------------------------------------------------------------------------------------- */
+
+static bool sets(const gn_override *overrides, size_t count, const char *prefix) {
+    for (size_t k = 0; k < count; k++)
+        if (strncmp(overrides[k].key, prefix, strlen(prefix)) == 0) return true;
+    return false;
+}
+
+static gneiss_status check_overrides(const gn_override *overrides, size_t count,
+                                     gneiss_error *error) {
+    static const char *const allowed[] = {"time.", "output.", "run."};
+    for (size_t k = 0; k < count; k++) {
+        bool known = false;
+        for (size_t a = 0; a < 3; a++)
+            known = known || strncmp(overrides[k].key, allowed[a], strlen(allowed[a])) == 0;
+        if (!known)
+            return gn_fail(error, GNEISS_ERROR_INPUT,
+                           "--set %s: a resumed run takes time.*, output.* and run.* only",
+                           overrides[k].key);
+        if (strcmp(overrides[k].key, "output.directory") == 0)
+            return gn_fail(error, GNEISS_ERROR_INPUT,
+                           "--set output.directory: a resumed run stays in its folder");
+        if (strcmp(overrides[k].key, "output.energy") == 0 ||
+            strcmp(overrides[k].key, "output.orientation") == 0 ||
+            strcmp(overrides[k].key, "run.precision") == 0)
+            return gn_fail(error, GNEISS_ERROR_INPUT,
+                           "--set %s: it decides what is stored from the start, a resumed run "
+                           "cannot change it",
+                           overrides[k].key);
+    }
+    return GNEISS_OK;
+}
+
+enum { MOST_CHECKPOINTS = 8 };
+
+/* What cannot be used is read once more before it counts as damaged: an error that passes is none.
+ */
+static gneiss_status load_one(const char *directory, int64_t step, const gn_override *overrides,
+                              size_t override_count, gn_run *run, gneiss_error *error) {
+    char *path = NULL;
+    GN_TRY(gn_checkpoint_path(directory, step, &path, error));
+    gneiss_status status = gn_checkpoint_load(path, overrides, override_count, run, error);
+    if (status == GNEISS_ERROR_INPUT)
+        status = gn_checkpoint_load(path, overrides, override_count, run, error);
+    free(path);
+    return status;
+}
+
+static void note_damage(gn_run *run, const gneiss_error *first) {
+    snprintf(run->note, sizeof run->note,
+             "%.1500s; it is kept with .damaged behind its name; going on from the checkpoint of "
+             "step %lld",
+             first->message, (long long)run->world.step);
+}
+
+/* A damaged checkpoint gives way to the one before it: run->note tells, and *damaged is how many of
+ * the newest are to be moved aside. A checkpoint that cannot be read now (no descriptors, no
+ * memory, an error of the disk) may be intact: nothing is taken in its place. */
+static gneiss_status load_newest(const char *directory, const gn_override *overrides,
+                                 size_t override_count, gn_run *run,
+                                 int64_t steps[MOST_CHECKPOINTS], size_t *damaged,
+                                 gneiss_error *error) {
+    size_t count = 0;
+    GN_TRY(gn_checkpoint_list(directory, steps, MOST_CHECKPOINTS, &count, error));
+    if (count == 0)
+        return gn_fail(error, GNEISS_ERROR_INPUT,
+                       "%s: expected checkpoint_<step>.h5 files, found none", directory);
+    gneiss_error first = {0}, reading = {0};
+    bool same = true;
+    for (*damaged = 0; *damaged < count; ++*damaged) {
+        gneiss_status status =
+            load_one(directory, steps[*damaged], overrides, override_count, run, &reading);
+        if (status == GNEISS_OK && *damaged > 0) note_damage(run, &first);
+        if (status == GNEISS_OK) return GNEISS_OK;
+        if (status != GNEISS_ERROR_INPUT)
+            return gn_fail(error, status,
+                           "%.1500s\n  it may be intact, and nothing was changed: try again, or "
+                           "move it away to go on from an older one",
+                           reading.message);
+        if (*damaged == 0) first = reading;
+        same = same && strcmp(first.message, reading.message) == 0;
+    }
+    /* The same for each: not the checkpoints are to blame (an override). */
+    return count == 1 || same
+               ? gn_fail(error, first.status, "%s", first.message)
+               : gn_fail(error, first.status,
+                         "%.300s: none of %zu checkpoints can be used; the newest: %.1500s",
+                         directory, count, first.message);
+}
+
+/* What the overrides ask for takes hold at once. */
+static gneiss_status apply_overrides(gn_run *run, const gn_override *overrides, size_t count,
+                                     gneiss_error *error) {
+    gn_world *w = &run->world;
+    if (sets(overrides, count, "time.step") || sets(overrides, count, "time.safety") ||
+        sets(overrides, count, "time.contact_steps") || sets(overrides, count, "time.estimate")) {
+        int64_t lowered = w->dt_lowered;
+        w->dt = INFINITY; /* any step is less: a new one is chosen as at the start */
+        if (gn_world_check_step(w, true, error) != GNEISS_OK)
+            return error && error->status != GNEISS_ERROR_UNSTABLE ? error->status
+                                                                   : GNEISS_ERROR_INPUT;
+        w->dt_lowered = lowered;
+        GN_TRY(gn_origin_check(w, error));
+    }
+    GN_TRY(gn_world_check_duration(w, error));
+    set_intervals(run, sets(overrides, count, "output.history_rows"),
+                  sets(overrides, count, "output.snapshots"));
+    return GNEISS_OK;
+}
+
+/* A run that had ended has still ended, unless the overrides say otherwise. */
+static void take_up(gn_run *run) {
+    set_clock(run);
+    if (last(run, "step") == (double)(run->world.step - 1)) check_stop_conditions(run);
+}
+
+gneiss_status gn_run_resume(const char *directory, const gn_override *overrides,
+                            size_t override_count, gn_run *run, gneiss_error *error) {
+    int lock = 0;
+    int64_t steps[MOST_CHECKPOINTS];
+    size_t damaged = 0;
+    memset(run, 0, sizeof *run);
+    GN_TRY(check_overrides(overrides, override_count, error));
+    GN_TRY(gn_folder_lock(directory, &lock, error));
+    gneiss_status status =
+        load_newest(directory, overrides, override_count, run, steps, &damaged, error);
+    run->folder_lock = lock;
+    if (status == GNEISS_OK) status = apply_overrides(run, overrides, override_count, error);
+    if (status == GNEISS_OK) {
+        snprintf(run->directory, sizeof run->directory, "%s", directory);
+        take_up(run);
+    }
+    for (size_t k = 0; status == GNEISS_OK && k < damaged; k++)
+        status = gn_checkpoint_set_aside(directory, steps[k], error);
+    if (status == GNEISS_OK) status = gn_output_series(run, error);
+    if (status != GNEISS_OK) gn_run_free(run);
+    return status;
+}
+
+gneiss_status gn_run_load(const char *path, const gn_override *overrides, size_t override_count,
+                          gn_run *run, gneiss_error *error) {
+    memset(run, 0, sizeof *run);
+    GN_TRY(check_overrides(overrides, override_count, error));
+    GN_TRY(gn_checkpoint_load(path, overrides, override_count, run, error));
+    gneiss_status status = apply_overrides(run, overrides, override_count, error);
+    if (status != GNEISS_OK) {
+        gn_run_free(run);
+        return status;
+    }
+    take_up(run);
+    return GNEISS_OK;
+}
+
+void gn_run_free(gn_run *run) {
+    gn_world_free(&run->world);
+    gn_history_free(&run->history);
+    gn_snapshot_times_free(&run->snapshot_times);
+    if (run->folder_lock > 0) close(run->folder_lock);
+    memset(run, 0, sizeof *run);
+}
+
+/* --- running
+ * ---------------------------------------------------------------------------------------- */
+
+static gneiss_status write_snapshots(gn_run *run, gneiss_error *error) {
+    GN_TRY(gn_output_snapshot(run, "particles", "bonds", error));
+    GN_TRY(gn_elements_snapshot(&run->world, run->directory, "elements", error));
+    GN_TRY(gn_bodies_snapshot(&run->world, run->directory, "bodies", error));
+    const gn_world *w = &run->world;
+    GN_TRY(gn_snapshot_times_add(&run->snapshot_times, w->step, w->time, error));
+    return gn_output_series(run, error);
+}
+
+static gneiss_status one_step(gn_run *run, gneiss_error *error) {
+    gn_world *w = &run->world;
+    if (run->directory[0] && run->snapshot_interval && w->step % run->snapshot_interval == 0) {
+        double start = gn_now();
+        gneiss_status status = write_snapshots(run, error);
+        w->seconds[GN_PHASE_output] += gn_now() - start;
+        GN_TRY(gn_run_rescue(run, true, status, error));
+    }
+    if (w->step % run->history_interval == 0) {
+        GN_TRY(gn_record_step(w, &run->history, error));
+        GN_TRY(gn_run_check_ledger(run, error));
+        check_stop_conditions(run);
+    } else {
+        GN_TRY(gn_world_step(w, false, error));
+    }
+    if (w->step % (w->elements ? WATCH_ELEMENTS : WATCH_INTERVAL) == 0)
+        GN_TRY(gn_world_check_step(w, false, error));
+    if (!run->finished && w->time >= w->scene.end - 0.5 * w->dt)
+        stop(run, "t = %g s reached", w->scene.end);
+    return GNEISS_OK;
+}
+
+gneiss_status gn_run_checkpoint(gn_run *run, gneiss_error *error) {
+    double start = gn_now();
+    gneiss_status status = gn_checkpoint_save(run, error);
+    if (status == GNEISS_OK) status = gn_output_results(run, error);
+    run->world.seconds[GN_PHASE_output] += gn_now() - start;
+    double every = run->world.scene.checkpoint_wall;
+    run->next_checkpoint = every > 0.0 ? gn_now() + every : INFINITY;
+    return gn_run_rescue(run, false, status, error);
+}
+
+gneiss_status gn_run_advance(gn_run *run, double seconds, const volatile sig_atomic_t *interrupt,
+                             gneiss_error *error) {
+    double until = gn_now() + seconds;
+    if (!run->finished && run->world.time >= run->world.scene.end - 0.5 * run->world.dt)
+        stop(run, "t = %g s reached", run->world.scene.end);
+    for (int64_t k = 1; !run->finished; k++) {
+        GN_TRY(one_step(run, error));
+        if (interrupt && *interrupt) return GNEISS_OK;
+        if (k % CLOCK_INTERVAL) continue;
+        double now = gn_now();
+        if (now >= run->next_checkpoint) GN_TRY(gn_run_checkpoint(run, error));
+        if (now >= until) return GNEISS_OK;
+    }
+    return GNEISS_OK;
+}
+
+gneiss_status gn_run_steps(gn_run *run, int64_t steps, gneiss_error *error) {
+    for (int64_t k = 1; k <= steps; k++) {
+        GN_TRY(one_step(run, error));
+        if (k % CLOCK_INTERVAL == 0 && gn_now() >= run->next_checkpoint)
+            GN_TRY(gn_run_checkpoint(run, error));
+    }
+    return GNEISS_OK;
+}
+
+gn_progress gn_run_progress(const gn_run *run) {
+    const gn_world *w = &run->world;
+    gn_progress p = {0};
+    p.step = w->step;
+    p.time = w->time;
+    p.end = w->scene.end;
+    p.seconds = run->wall_before + gn_now() - run->wall_start;
+    double rate = p.seconds > 0.0 ? (double)w->step / p.seconds : 0.0;
+    p.particle_steps_per_second = rate * (double)w->particles.soa.count;
+    if (w->elements)
+        p.element_steps_per_second = rate * (double)w->elements->body.elements.soa.count;
+    p.contact_steps_per_second = p.seconds > 0.0 ? (double)w->contact_steps / p.seconds : 0.0;
+    p.eta = rate > 0.0 ? fmax(0.0, (w->scene.end - w->time) / w->dt / rate) : NAN;
+    p.unbalanced = w->unbalanced;
+    p.residual = w->effects & GN_FX_ENERGY ? gn_energy_residual(&w->reading) : NAN;
+    p.broken = w->broken_tension + w->broken_shear;
+    p.stress = last(run, "stress");
+    p.strain = last(run, "strain");
+    p.finished = run->finished;
+    return p;
+}
+
+/* --- ending
+ * ----------------------------------------------------------------------------------------- */
+
+gneiss_status gn_run_finish(gn_run *run, gneiss_error *error) {
+    double start = gn_now();
+    gneiss_status status = write_snapshots(run, error);
+    if (status != GNEISS_OK) return gn_run_rescue(run, true, status, error);
+    status = gn_checkpoint_save(run, error);
+    run->world.seconds[GN_PHASE_output] += gn_now() - start;
+    if (status == GNEISS_OK) status = gn_output_results(run, error);
+    if (status == GNEISS_OK) status = gn_output_summary(run, error);
+    return gn_run_rescue(run, false, status, error);
+}
+
+gneiss_status gn_run_write_failure(gn_run *run, const char *message, gneiss_error *error) {
+    snprintf(run->stop_reason, sizeof run->stop_reason, "failed: %s", message);
+    run->finished = false;
+    run->world.bad = true;
+    GN_TRY(gn_output_snapshot(run, "failed_particles", "failed_bonds", error));
+    GN_TRY(gn_elements_snapshot(&run->world, run->directory, "failed_elements", error));
+    GN_TRY(gn_bodies_snapshot(&run->world, run->directory, "failed_bodies", error));
+    return gn_output_results(run, error);
+}

@@ -1,0 +1,124 @@
+/* A run: a world with its history, its output folder, its stop conditions and checkpoints. */
+#ifndef GN_RUN_RUN_H
+#define GN_RUN_RUN_H
+
+#include "base/version.h"
+#include "io/snapshot.h"
+#include "run/record.h"
+
+#include <signal.h>
+
+typedef struct gn_run {
+    gn_world world;
+    gn_history history;
+    char directory[GN_PATH_SIZE];
+    int64_t history_interval;  /* steps */
+    int64_t snapshot_interval; /* steps, 0: none */
+    double wall_before;        /* s of wall time in earlier sittings */
+    double wall_start;         /* gn_now() at the start of this one */
+    double next_checkpoint;    /* gn_now() */
+    double peak;               /* largest stress so far, Pa */
+    int64_t bad_since;         /* step since which the ledger has not closed, -1: it does */
+    bool finished;
+    char stop_reason[256];
+    gn_snapshot_times snapshot_times; /* of the output folder */
+    int folder_lock; /* descriptor that keeps other runs out of the folder; 0: none */
+    char note[GNEISS_MESSAGE_SIZE]; /* of gn_run_resume: which checkpoint was damaged; "": none */
+} gn_run;
+
+/* How far a run is. */
+typedef struct gn_progress {
+    int64_t step;
+    double time, end;                                           /* s */
+    double seconds;                                             /* wall, all sittings */
+    double particle_steps_per_second, contact_steps_per_second; /* of all sittings */
+    double element_steps_per_second;                            /* the same */
+    double eta; /* s, to `end`; a stop condition may come first */
+    double unbalanced, residual;
+    int64_t broken;
+    double stress, strain; /* NaN without a test */
+    bool finished;
+} gn_progress;
+
+/* A run without an output folder: `directory` is "" and nothing is written while it goes. Takes
+ * over the contents of `scene`. On failure nothing is held. */
+gneiss_status gn_run_create(gn_scene *scene, gn_run *run, gneiss_error *error);
+
+/* Scene -> world -> output folder. Nothing is written before the world stands. `directory` NULL or
+ * "": from the scene. What an earlier run of the same scene file left there is removed; results of
+ * another scene are GNEISS_ERROR_INPUT. Takes over the contents of `scene`. */
+gneiss_status gn_run_start(gn_scene *scene, const char *directory, gn_run *run,
+                           gneiss_error *error);
+
+/* Goes on from the newest checkpoint in `directory` that can be read; everything is in it, the
+ * scene and specimen files need not be there. Overrides: time.*, output.*, run.*. The intervals of
+ * history and snapshots stay what they were unless overridden. On failure nothing is held. */
+gneiss_status gn_run_resume(const char *directory, const gn_override *overrides,
+                            size_t override_count, gn_run *run, gneiss_error *error);
+
+/* Goes on from one checkpoint file, without an output folder; overrides as in gn_run_resume. */
+gneiss_status gn_run_load(const char *path, const gn_override *overrides, size_t override_count,
+                          gn_run *run, gneiss_error *error);
+
+/* Takes `steps` steps, also past the end and the stop conditions. Outputs that fall due are
+ * written; errors as with gn_run_advance. */
+gneiss_status gn_run_steps(gn_run *run, int64_t steps, gneiss_error *error);
+
+/* Runs for about `seconds` of wall time or until the run ends. *interrupt != 0 stops it between
+ * steps. Outputs that fall due are written. GNEISS_ERROR_UNSTABLE: the state is kept for
+ * gn_run_write_failure. */
+gneiss_status gn_run_advance(gn_run *run, double seconds, const volatile sig_atomic_t *interrupt,
+                             gneiss_error *error);
+
+gn_progress gn_run_progress(const gn_run *run);
+
+/* Writes the last snapshot, a checkpoint, results.h5 and summary.json. */
+gneiss_status gn_run_finish(gn_run *run, gneiss_error *error);
+
+/* After GNEISS_ERROR_UNSTABLE: snapshots of the bad state (failed_*.hdf) and results.h5 with the
+ * message. The checkpoints on disk are left as they are. */
+gneiss_status gn_run_write_failure(gn_run *run, const char *message, gneiss_error *error);
+
+gneiss_status gn_run_checkpoint(gn_run *run, gneiss_error *error);
+
+void gn_run_free(gn_run *run);
+
+/* verdict.c: |residual| of the ledger at the last history row; NaN without the ledger. */
+double gn_run_residual(const gn_run *run);
+/* After every row. GNEISS_ERROR_UNSTABLE: the residual stays beyond run.residual_limit. */
+gneiss_status gn_run_check_ledger(gn_run *run, gneiss_error *error);
+/* When all is written. GNEISS_ERROR_UNSTABLE: it ended beyond that limit. */
+gneiss_status gn_run_verdict(const gn_run *run, gneiss_error *error);
+
+/* What is to be said beside the results, each by a name that scripts can look for. */
+typedef struct gn_warning {
+    const char *name;
+    char text[320];
+} gn_warning;
+enum { GN_WARNINGS_MAX = 4 };
+typedef struct gn_warnings {
+    size_t count;
+    gn_warning warning[GN_WARNINGS_MAX];
+} gn_warnings;
+gn_warnings gn_run_warnings(const gn_run *run);
+
+/* rescue.c: after an output that could not be written (GNEISS_ERROR_IO or _MEMORY, between steps)
+ * tries a checkpoint if `save`, into whatever space is there, and adds to the message which
+ * checkpoint stands. Returns `status`. */
+gneiss_status gn_run_rescue(gn_run *run, bool save, gneiss_status status, gneiss_error *error);
+
+/* checkpoint.c */
+gneiss_status gn_checkpoint_save(const gn_run *run, gneiss_error *error);
+/* To any file, under a temporary name first; gn_checkpoint_save uses the run's folder. */
+gneiss_status gn_checkpoint_write(const gn_run *run, const char *path, gneiss_error *error);
+gneiss_status gn_checkpoint_load(const char *path, const gn_override *overrides,
+                                 size_t override_count, gn_run *run, gneiss_error *error);
+
+/* output.c */
+gneiss_status gn_output_snapshot(const gn_run *run, const char *particles_name,
+                                 const char *bonds_name, gneiss_error *error);
+gneiss_status gn_output_series(gn_run *run, gneiss_error *error);
+gneiss_status gn_output_results(const gn_run *run, gneiss_error *error);
+gneiss_status gn_output_summary(const gn_run *run, gneiss_error *error);
+
+#endif

@@ -1,0 +1,91 @@
+/* What a run has to say against its own results: warnings, and a ledger that does not close. */
+#include "run/run.h"
+
+#include <math.h>
+
+double gn_run_residual(const gn_run *run) {
+    const gn_world *w = &run->world;
+    return w->effects & GN_FX_ENERGY ? fabs(gn_energy_residual(&w->reading)) : NAN;
+}
+
+/* Not a number is beyond every limit. */
+static bool beyond(const gn_run *run, double limit) {
+    return run->world.effects & GN_FX_ENERGY && run->history.row_count > 0 && limit > 0.0 &&
+           !(gn_run_residual(run) <= limit);
+}
+
+/* The first contacts of a run begin between two steps, and until some steps have been taken in them
+ * the residual is that of their onset. It counts when it stays. */
+enum { STEPS_OF_ONSET = 100 };
+
+static gneiss_status fail(const gn_run *run, const char *since, gneiss_error *error) {
+    const gn_world *w = &run->world;
+    return gn_fail(error, GNEISS_ERROR_UNSTABLE,
+                   "step %lld, t = %g s: the energy ledger does not close: %.3g of the %.4g J that "
+                   "have gone through are unexplained (run.residual_limit: %g)%s; try a smaller "
+                   "time.safety",
+                   (long long)w->step, w->time, gn_energy_residual(&w->reading),
+                   gn_energy_scale(&w->reading), w->scene.residual_limit, since);
+}
+
+gneiss_status gn_run_check_ledger(gn_run *run, gneiss_error *error) {
+    char since[64];
+    int64_t now = run->world.step - 1;
+    if (!beyond(run, run->world.scene.residual_limit)) {
+        run->bad_since = -1;
+        return GNEISS_OK;
+    }
+    if (run->bad_since < 0) run->bad_since = now;
+    if (now - run->bad_since < STEPS_OF_ONSET) return GNEISS_OK;
+    snprintf(since, sizeof since, ", since step %lld", (long long)run->bad_since);
+    return fail(run, since, error);
+}
+
+gneiss_status gn_run_verdict(const gn_run *run, gneiss_error *error) {
+    if (!run->finished || !beyond(run, run->world.scene.residual_limit)) return GNEISS_OK;
+    return fail(run, " at the end", error);
+}
+
+static void warn_of_residual(const gn_run *run, gn_warnings *list) {
+    const gn_world *w = &run->world;
+    if (!beyond(run, w->scene.residual_warning)) return;
+    gn_warning *to = &list->warning[list->count++];
+    to->name = "energy_residual";
+    snprintf(
+        to->text, sizeof to->text,
+        "%.3g of the %.4g J that have gone through are unexplained (run.residual_warning: %g); "
+        "a smaller time.safety tells whether the step is to blame",
+        gn_energy_residual(&w->reading), gn_energy_scale(&w->reading), w->scene.residual_warning);
+}
+
+/* Waves, gravity and viscous damping leave a little between the ends of a dynamic test; a support
+ * that is not counted leaves half of the load. */
+static const double imbalance_limit = 0.1;
+
+static void warn_of_balance(const gn_run *run, gn_warnings *list) {
+    gn_readings r = gn_record_readings(&run->world, &run->history);
+    if (!(r.end_imbalance > imbalance_limit)) return;
+    gn_warning *to = &list->warning[list->count++];
+    to->name = "end_imbalance";
+    snprintf(to->text, sizeof to->text,
+             "the forces of the two ends of the test differ by %.0f %% of their mean: inertia (the "
+             "load is fast), or something else loads or holds the specimen, or an end leaves out a "
+             "part (it may be a list)",
+             100.0 * r.end_imbalance);
+}
+
+static void warn_of_step(const gn_run *run, gn_warnings *list) {
+    char text[GNEISS_MESSAGE_SIZE];
+    if (!*gn_world_step_warning(&run->world, text, sizeof text)) return;
+    gn_warning *to = &list->warning[list->count++];
+    to->name = "time_step";
+    snprintf(to->text, sizeof to->text, "%.*s", (int)sizeof to->text - 1, text);
+}
+
+gn_warnings gn_run_warnings(const gn_run *run) {
+    gn_warnings list = {0};
+    warn_of_step(run, &list);
+    warn_of_residual(run, &list);
+    warn_of_balance(run, &list);
+    return list;
+}

@@ -1,0 +1,26 @@
+/* Shapes of rigid bodies: facets, and what they weigh. */
+#ifndef GN_SURFACES_BODY_SHAPE_H
+#define GN_SURFACES_BODY_SHAPE_H
+
+#include "scene/scene.h"
+
+/* Vertices in the scene's frame; facets are segments (2D) or triangles. */
+typedef struct gn_body_shape {
+    size_t vertices, facets, dropped; /* dropped: facets without area (2D: length) */
+    double *vertex;                   /* [vertices][4], m, the fourth 0 */
+    int32_t *corner;                  /* [facets][2 or 3] */
+    double volume;                    /* m3, of closed shapes; 2D: m2 x 1 m */
+    double centre[3];                 /* m, of mass */
+    double moment[9];                 /* m5: inertia about the centre over density */
+} gn_body_shape;
+
+/* `index`: of the body in the scene, for messages. With `free`, the shape must be closed, and
+ * volume, centre and moment are found (GNEISS_ERROR_INPUT names the open edge). */
+gneiss_status gn_body_shape_make(const gn_scene *scene, size_t index, gn_body_shape *shape,
+                                 gneiss_error *error);
+void gn_body_shape_free(gn_body_shape *shape);
+
+/* Rotation matrix (rows) of a vector axis times angle. */
+void gn_rotation_matrix(const double vector[3], double matrix[9]);
+
+#endif

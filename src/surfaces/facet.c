@@ -1,0 +1,342 @@
+#include "surfaces/facet.h"
+
+#include "base/vec3.h"
+
+#include <float.h>
+#include <math.h>
+#include <string.h>
+
+/* Distances of one point reckoned from two facets differ by rounding. */
+static const double same = 1e-10;
+
+/* --- nearest point
+ * ---------------------------------------------------------------------------------- */
+
+static void set_point(gn_facet_near *near, const double p[3], unsigned feature) {
+    memcpy(near->away, p, 3 * sizeof *p);
+    near->distance = sqrt(gn_dot3(p, p));
+    near->feature = feature;
+}
+
+/* On the side from corner i to corner j, given relative to the centre; ends included. */
+static void on_side(const double a[3], const double b[3], int i, int j, gn_facet_near *near) {
+    double side[3], p[3];
+    for (int k = 0; k < 3; k++) side[k] = b[k] - a[k];
+    double t = -gn_dot3(a, side) / gn_dot3(side, side);
+    unsigned feature = (1U << i) | (1U << j);
+    if (!(t > 0.0)) {
+        t = 0.0;
+        feature = 1U << i;
+    } else if (t >= 1.0) {
+        t = 1.0;
+        feature = 1U << j;
+    }
+    for (int k = 0; k < 3; k++) p[k] = t < 1.0 ? a[k] + t * side[k] : b[k];
+    near->weight[0] = near->weight[1] = near->weight[2] = 0.0;
+    near->weight[i] = 1.0 - t;
+    near->weight[j] = t;
+    memcpy(near->along, side, sizeof side);
+    set_point(near, p, feature);
+}
+
+/* Inside a triangle the point is taken along the normal, so that a slender triangle does not tilt
+ * it. Barycentric coordinates by areas; where one is not positive, the nearest of those sides. */
+static void on_triangle(double x[3][3], gn_facet_near *near) {
+    double e1[3], e2[3], normal[3], part[3], weight[3];
+    for (int k = 0; k < 3; k++) {
+        e1[k] = x[1][k] - x[0][k];
+        e2[k] = x[2][k] - x[0][k];
+    }
+    gn_cross3(e1, e2, normal);
+    double area2 = gn_dot3(normal, normal);
+    bool inside = area2 > 0.0;
+    for (int k = 0; k < 3; k++) {
+        gn_cross3(x[(k + 1) % 3], x[(k + 2) % 3], part);
+        weight[k] = gn_dot3(part, normal);
+        inside = inside && weight[k] > 0.0;
+    }
+    if (inside) {
+        double along = gn_dot3(x[0], normal) / area2, p[3];
+        for (int k = 0; k < 3; k++) p[k] = along * normal[k];
+        double sum = weight[0] + weight[1] + weight[2];
+        for (int k = 0; k < 3; k++) near->weight[k] = weight[k] / sum;
+        set_point(near, p, 7U);
+        return;
+    }
+    gn_facet_near best = {.distance = INFINITY}, side;
+    for (int k = 0; k < 3; k++) {
+        if (area2 > 0.0 && weight[k] > 0.0) continue;
+        on_side(x[(k + 1) % 3], x[(k + 2) % 3], (k + 1) % 3, (k + 2) % 3, &side);
+        if (side.distance < best.distance) best = side;
+    }
+    memcpy(near->away, best.away, sizeof best.away);
+    memcpy(near->weight, best.weight, sizeof best.weight);
+    memcpy(near->along, best.along, sizeof best.along);
+    near->distance = best.distance;
+    near->feature = best.feature;
+}
+
+void gn_facet_nearest(int corners, const double *const x[3], const double centre[3],
+                      gn_facet_near *near) {
+    double y[3][3] = {{0.0}};
+    for (int c = 0; c < corners; c++)
+        for (int k = 0; k < 3; k++) y[c][k] = x[c][k] - centre[k];
+    if (corners == 3)
+        on_triangle(y, near);
+    else
+        on_side(y[0], y[1], 0, 1, near);
+}
+
+void gn_facet_add(gn_facet_near *list, size_t *count, const gn_facet_near *item) {
+    if (*count < GN_FACET_TOUCHES) {
+        list[(*count)++] = *item;
+        return;
+    }
+    /* Whatever suppresses a minimum is at least as near: the farthest can go. */
+    size_t worst = 0;
+    for (size_t k = 1; k < *count; k++)
+        if (list[k].distance > list[worst].distance) worst = k;
+    if (item->distance < list[worst].distance) list[worst] = *item;
+}
+
+/* --- minima
+ * ----------------------------------------------------------------------------------------- */
+
+static int size_of(unsigned feature) {
+    return __builtin_popcount(feature);
+}
+
+/* Whether all corners of a's feature are corners of b. */
+static bool holds(const gn_facet_near *b, const gn_facet_near *a) {
+    for (int k = 0; k < 3; k++) {
+        if (!(a->feature >> k & 1)) continue;
+        bool found = false;
+        for (int m = 0; m < 3; m++) found = found || b->corner[m] == a->corner[k];
+        if (!found) return false;
+    }
+    return true;
+}
+
+/* Whether b, which has a's feature, comes nearer, or counts for it at the same point. */
+static bool suppresses(const gn_facet_near *b, const gn_facet_near *a, bool b_first) {
+    if (!holds(b, a)) return false;
+    if (b->distance < a->distance * (1.0 - same)) return true;
+    if (b->distance > a->distance * (1.0 + same)) return false;
+    int more = size_of(b->feature) - size_of(a->feature);
+    return more > 0 || (more == 0 && b_first);
+}
+
+size_t gn_facet_minima(gn_facet_near *list, size_t count) {
+    if (count < 2) return count;
+    bool keep[GN_FACET_TOUCHES];
+    for (size_t a = 0; a < count; a++) {
+        keep[a] = true;
+        for (size_t b = 0; b < count && keep[a]; b++)
+            keep[a] = b == a || !suppresses(&list[b], &list[a], b < a);
+    }
+    size_t kept = 0;
+    for (size_t a = 0; a < count; a++) {
+        if (!keep[a]) continue;
+        gn_facet_near item = list[a];
+        size_t at = kept++;
+        for (; at > 0 && list[at - 1].distance > item.distance; at--) list[at] = list[at - 1];
+        list[at] = item;
+    }
+    return kept;
+}
+
+/* --- sharing
+ * ---------------------------------------------------------------------------------------- */
+
+enum { ACTIVE = 40 }; /* minima that press and share */
+
+/* The problem of facet.h. */
+typedef struct sharing {
+    size_t count;
+    double m[GN_FACET_TOUCHES][3]; /* from the surface to the centre */
+    double depth[GN_FACET_TOUCHES], lambda[GN_FACET_TOUCHES];
+    double slack;
+    size_t actives, active[ACTIVE];
+} sharing;
+
+/* f of two unit normals, and its derivative by their cosine. The angle from the chord is exact for
+ * small ones. */
+static double share_of(const double a[3], const double b[3], double *slope) {
+    double chord2 = 0.0;
+    for (int k = 0; k < 3; k++) chord2 += (a[k] - b[k]) * (a[k] - b[k]);
+    *slope = 0.0;
+    if (chord2 >= GN_FACET_SHARE * GN_FACET_SHARE) return 0.0;
+    double half = asin(0.5 * sqrt(chord2)), angle = 2.0 * half, x = angle / GN_FACET_SHARE;
+    if (x >= 1.0) return 0.0;
+    double rest = 1.0 - x, cube = rest * rest * rest;
+    double arc = angle > 1e-8 ? angle / sin(angle) : 1.0;
+    *slope = 20.0 * cube * arc / (GN_FACET_SHARE * GN_FACET_SHARE);
+    return (1.0 + 4.0 * x) * rest * cube;
+}
+
+static double share(const sharing *s, size_t i, size_t j) {
+    double slope;
+    return i == j ? 1.0 : share_of(s->m[i], s->m[j], &slope);
+}
+
+/* What of an overlap the active ones do not make yet. */
+static double missing(const sharing *s, size_t i) {
+    double sum = s->depth[i];
+    for (size_t k = 0; k < s->actives; k++) {
+        size_t j = s->active[k];
+        sum -= share(s, i, j) * s->lambda[j];
+    }
+    return sum;
+}
+
+/* z of the active ones alone, by Cholesky; false: two of them have the same normal. */
+static bool solve_active(const sharing *s, double z[ACTIVE]) {
+    double low[ACTIVE][ACTIVE];
+    size_t n = s->actives;
+    for (size_t r = 0; r < n; r++) {
+        double value = s->depth[s->active[r]];
+        for (size_t c = 0; c <= r; c++) {
+            double sum = share(s, s->active[r], s->active[c]);
+            for (size_t k = 0; k < c; k++) sum -= low[r][k] * low[c][k];
+            if (c == r && !(sum > 1e-10)) return false;
+            low[r][c] = c == r ? sqrt(sum) : sum / low[c][c];
+            if (c < r) value -= low[r][c] * z[c];
+        }
+        z[r] = value / low[r][r];
+    }
+    for (size_t r = n; r-- > 0;) {
+        for (size_t k = r + 1; k < n; k++) z[r] -= low[k][r] * z[k];
+        z[r] /= low[r][r];
+    }
+    return true;
+}
+
+/* Goes from the lambda to z as far as none turns negative; what has come to zero leaves. False: all
+ * the way. */
+static bool step_back(sharing *s, const double z[ACTIVE]) {
+    double way = 1.0;
+    for (size_t k = 0; k < s->actives; k++) {
+        double old = s->lambda[s->active[k]];
+        if (!(z[k] > 0.0)) way = fmin(way, old > z[k] ? old / (old - z[k]) : 0.0);
+    }
+    bool left = false;
+    size_t kept = 0;
+    for (size_t k = 0; k < s->actives; k++) {
+        size_t i = s->active[k];
+        s->lambda[i] += way * (z[k] - s->lambda[i]);
+        bool leaves = !(z[k] > 0.0) && !(s->lambda[i] > s->slack);
+        if (leaves)
+            s->lambda[i] = 0.0;
+        else
+            s->active[kept++] = i;
+        left = left || leaves;
+    }
+    s->actives = kept;
+    return left;
+}
+
+/* Active sets (Lawson and Hanson 1974, chapter 23): the most missing one joins, then whoever would
+ * pull leaves. */
+static void solve(sharing *s) {
+    bool refused[GN_FACET_TOUCHES] = {false};
+    for (size_t round = 0; round < 4 * s->count + 8 && s->actives < ACTIVE; round++) {
+        double most = s->slack, z[ACTIVE];
+        size_t next = s->count;
+        for (size_t i = 0; i < s->count; i++) {
+            if (refused[i] || s->lambda[i] > 0.0) continue;
+            double lacks = missing(s, i);
+            if (lacks > most) {
+                most = lacks;
+                next = i;
+            }
+        }
+        if (next == s->count) return;
+        s->active[s->actives++] = next;
+        if (!solve_active(s, z)) {
+            refused[next] = true; /* one with its normal is deeper */
+            s->actives--;
+            continue;
+        }
+        while (step_back(s, z))
+            if (!solve_active(s, z)) return;
+    }
+}
+
+void gn_facet_single(const gn_facet_near *minima, size_t k, double radius, gn_facet_contact *out) {
+    const gn_facet_near *m = &minima[k];
+    *out = (gn_facet_contact){
+        .overlap = m->distance - radius, .part = 1.0, .crowd = 1.0, .member = (int)k};
+    for (int a = 0; a < 3; a++) {
+        out->n[a] = m->away[a] / m->distance;
+        out->arm[a] = m->away[a];
+    }
+}
+
+/* The part of v across the normal m that the feature of a minimum leaves (an edge: along it, a
+ * face: all of it), and the rest, by which its normal turns when the particle moves by v. */
+static void across(const gn_facet_near *near, const double m[3], const double v[3], double along[3],
+                   double turning[3]) {
+    double normal = gn_dot3(m, v), edge = 0.0, size2 = gn_dot3(near->along, near->along);
+    int corners = size_of(near->feature);
+    if (corners == 2 && size2 > 0.0) edge = gn_dot3(near->along, v) / size2;
+    for (int a = 0; a < 3; a++) {
+        double flat = v[a] - normal * m[a];
+        along[a] = corners == 3 ? flat : edge * near->along[a];
+        turning[a] = flat - along[a];
+    }
+}
+
+/* Where a normal turns with the particle, f changes, and the potential with it: with w_i = sum_j
+ * f'_ij lambda_j m_j the gradient is k lambda_i (m_i + (what m_i turns by w_i)/distance). Forces
+ * act on the surface where its own turning does the work that is missing: w_i along the feature off
+ * the point. Both together leave no moment about the centre. */
+static void lean(const sharing *s, size_t i, const gn_facet_near *near, gn_facet_contact *out) {
+    double w[3] = {0, 0, 0}, along[3], turning[3], slope;
+    for (size_t k = 0; k < s->actives; k++) {
+        size_t j = s->active[k];
+        if (j == i) continue;
+        out->crowd += share_of(s->m[i], s->m[j], &slope);
+        for (int a = 0; a < 3; a++) w[a] += slope * s->lambda[j] * s->m[j][a];
+    }
+    across(near, s->m[i], w, along, turning);
+    for (int a = 0; a < 3; a++) {
+        out->n[a] -= turning[a] / near->distance;
+        out->arm[a] += along[a];
+    }
+    double size = sqrt(gn_dot3(out->n, out->n));
+    for (int a = 0; a < 3; a++) out->n[a] /= size;
+}
+
+/* Whether any two of them share. */
+static bool set_up(const gn_facet_near *minima, size_t count, double radius, sharing *s) {
+    bool any = false;
+    s->count = count;
+    s->actives = 0;
+    s->slack = 1e-12 * (radius - minima[0].distance) + 8.0 * DBL_EPSILON * radius;
+    for (size_t i = 0; i < count; i++) {
+        s->lambda[i] = 0.0;
+        s->depth[i] = radius - minima[i].distance;
+        for (int a = 0; a < 3; a++) s->m[i][a] = -minima[i].away[a] / minima[i].distance;
+        for (size_t j = 0; j < i && !any; j++) any = share(s, i, j) > 0.0;
+    }
+    return any;
+}
+
+size_t gn_facet_contacts(const gn_facet_near *minima, size_t count, double radius,
+                         gn_facet_contact *contacts) {
+    size_t first = 0, found = 0;
+    while (first < count && !(minima[first].distance > 0.0)) first++;
+    sharing s;
+    bool shared = count - first > 1 && set_up(minima + first, count - first, radius, &s);
+    if (shared) solve(&s);
+    for (size_t k = first; k < count; k++) {
+        double lambda = shared ? s.lambda[k - first] : 0.0;
+        if (shared && !(lambda > 0.0)) continue;
+        gn_facet_contact *out = &contacts[found++];
+        gn_facet_single(minima, k, radius, out);
+        if (!shared || lambda == s.depth[k - first]) continue;
+        out->part = fmin(1.0, lambda / s.depth[k - first]);
+        lean(&s, k - first, &minima[k], out);
+    }
+    return found;
+}
