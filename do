@@ -32,7 +32,7 @@ usage: ./do COMMAND [...]
   validate [--quick] [--time] [--only SECTION] [--fresh] [--large]
                                beside YADE, closed forms and published tables; writes docs/validation.md
   install WHAT                 the packages of build, check, bench, validate or peers
-  keys [prefix]                the keys that a scene file may hold
+  keys [text]                  the keys that a scene file may hold, or those that hold a text
   clean                        remove the build folders
   help                         this text
 
@@ -83,8 +83,36 @@ configure() {
     printf '%s' "$wanted" >"$stamp"
 }
 
-build() { # FOLDER [targets]
-    "$ninja" --quiet -C "$root/$1" "${@:2}" | { grep -v '^ninja: no work to do' || true; } >&2
+# Lines `[7/312] Compiling ...` of a build that nobody watches on a terminal: one every ten seconds, all others whole.
+thin_out() {
+    local line shown=$SECONDS
+    while IFS= read -r line; do
+        case $line in
+        '['*/*'] '*)
+            ((SECONDS - shown >= 10)) || continue
+            shown=$SECONDS
+            ;;
+        'ninja: Entering directory'* | 'ninja: no work to do'*) continue ;;
+        esac
+        say "$line"
+    done
+}
+
+# build FOLDER [targets]: says what it does when there is something to do. A terminal gets ninja's own line.
+build() {
+    local folder=$root/$1 steps start=$SECONDS what=${*:2}
+    steps=$("$ninja" -C "$folder" -n "${@:2}" 2>/dev/null | grep -c '^\[') || true
+    if ((${steps:-0} == 0)); then
+        "$ninja" --quiet -C "$folder" "${@:2}" 2>&1 | thin_out
+        return
+    fi
+    say "building ${what:-everything} in $1: $steps steps"
+    if [[ -t 2 ]]; then
+        (cd "$folder" && "$ninja" "${@:2}") >&2 || return 1
+    else
+        "$ninja" -C "$folder" "${@:2}" 2>&1 | thin_out || return 1
+    fi
+    say "built in $((SECONDS - start)) s"
 }
 
 prepare() {
@@ -121,7 +149,7 @@ output_folder() {
 command_run() {
     (($#)) || die "run: which scene? For example: ./do run scenes/ucs-rock.yaml"
     prepare
-    build build
+    build build gneiss
     local status=0 folder
     folder=$(output_folder "$@")
     "$root/build/gneiss" run --force "$@" || status=$?
@@ -184,7 +212,7 @@ command_install() {
 
 command_keys() {
     prepare
-    build build
+    build build gneiss
     "$root/build/gneiss" keys "$@"
 }
 

@@ -20,7 +20,7 @@ import matplotlib
 
 matplotlib.use("Agg")
 import matplotlib.pyplot as plt
-from matplotlib.ticker import ScalarFormatter
+from matplotlib.ticker import FuncFormatter
 from PIL import Image
 
 from table import MILLISECONDS, medians
@@ -177,7 +177,7 @@ def peers_panel(axes, table):
          [f"{s:.3g}  (x {row['times'][reference]:.1f})" for s, row in zip(speed, table["rows"])],
          [[s - a for s, a in zip(speed, low)], [b - s for s, b in zip(speed, high)]])
     axes.set_xscale("log")
-    axes.xaxis.set_major_formatter(ScalarFormatter())
+    axes.xaxis.set_major_formatter(FuncFormatter(lambda value, place: f"{value:g}"))  # a scalar one says 0 for 0.1
     axes.set_xlabel(f"million {item}-steps per second (x: times {reference})")
     axes.set_title(f"{table['scene']}, {grouped(table['rows'][0]['items'])} {item}s")
 

@@ -1,11 +1,16 @@
 """Running the gneiss program from tests: one TAP line per fact. The program is the first argument."""
+import fcntl
 import json
 import os
+import pty
 import re
 import shutil
+import signal
+import struct
 import subprocess
 import sys
 import tempfile
+import termios
 import time
 import traceback
 
@@ -50,6 +55,28 @@ def expect(done, code, *patterns):
     for pattern in patterns:
         assert re.search(pattern, done.stderr), f"expected /{pattern}/ in: {done.stderr.strip()[:500]}"
     return done
+
+
+def on_terminal(columns, *arguments, interrupt=False):
+    """What a call writes to a standard error that is a terminal of so many columns, and its exit code. It can be
+    interrupted at its first words."""
+    main_end, end = pty.openpty()
+    fcntl.ioctl(end, termios.TIOCSWINSZ, struct.pack("HHHH", 24, columns, 0, 0))
+    process = subprocess.Popen(command(*arguments), stdout=subprocess.DEVNULL, stderr=end, env=ENVIRONMENT)
+    os.close(end)
+    shown = b""
+    while True:
+        try:
+            more = os.read(main_end, 1 << 16)
+        except OSError:  # Linux: nobody has the other end any more
+            break
+        if not more:
+            break
+        if interrupt and not shown:
+            process.send_signal(signal.SIGINT)
+        shown += more
+    os.close(main_end)
+    return shown.decode(errors="replace"), process.wait(timeout=60)
 
 
 def run(scene, folder, *arguments, **options):

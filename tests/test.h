@@ -14,6 +14,10 @@
 #include <stdlib.h>
 #include <string.h>
 
+/* cmocka 1.1 writes a skipped test as `not ok`, which meson shows as a failure: what a test needs
+ * it makes itself. */
+#undef skip
+
 /* |a - b| <= tolerance * max(|a|, |b|); prints both when not. */
 #define assert_close(a, b, tolerance)                                                              \
     do {                                                                                           \

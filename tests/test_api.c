@@ -328,7 +328,7 @@ static void the_error_may_be_null(void **state) {
                      GNEISS_ERROR_INPUT);
     assert_int_equal(gneiss_world_step(NULL, 1, NULL), GNEISS_ERROR_INPUT);
     assert_int_equal(gneiss_world_load("/nowhere/x.h5", NULL, 0, &world, NULL), GNEISS_ERROR_IO);
-    assert_int_equal(gneiss_world_resume("/nowhere", NULL, 0, &world, NULL), GNEISS_ERROR_IO);
+    assert_int_equal(gneiss_world_resume("/nowhere", NULL, 0, &world, NULL), GNEISS_ERROR_INPUT);
     const char *wild[] = {"time.step=0.1 ms"};
     must(gneiss_scene_parse(block, NULL, NULL, wild, 1, &scene, NULL), &(gneiss_error){0});
     assert_int_equal(gneiss_world_create(scene, NULL, &world, NULL), GNEISS_ERROR_INPUT);

@@ -39,13 +39,26 @@ def info_says_threads_and_instruction_sets(folder):
 
 
 @fact
-def keys_prints_every_key_or_those_of_a_prefix(folder):
+def keys_prints_every_key_or_those_that_hold_a_text(folder):
     whole = expect(gneiss("keys"), 0).stdout
     for key in ("specimen.file", "materials[].friction", "time.end", "run.threads"):
         assert key in whole, f"{key} is missing"
     part = expect(gneiss("keys", "time."), 0).stdout
     assert "time.step" in part and "gravity" not in part
-    expect(gneiss("keys", "nothing"), 2, "'nothing'")
+    expect(gneiss("keys", "no such thing"), 2, "'no such thing'")
+
+
+@fact
+def keys_are_found_by_a_text_anywhere_in_their_names_and_descriptions(folder):
+    def found(what):
+        return [line for line in expect(gneiss("keys", what), 0).stdout.splitlines() if line and line[0] != " "]
+
+    assert {"materials[].friction", "walls[].friction", "elements.contact.friction"} <= set(found("friction"))
+    assert found("FRICTION") == found("friction")
+    assert "run.residual_warning" in found("Energy Ledger"), "the text of a key"
+    assert "specimen.lattice.kind" in found("hexagonal"), "the values of a key"
+    names = found("time")
+    assert names[0] == "time" and names.index("time.end") < names.index("gravity" if "gravity" in names else names[-1])
 
 
 @fact
@@ -119,6 +132,46 @@ def check_warns_of_what_will_spring_apart(folder):
     assert "warning: overlaps" in out and "mind the warnings" in out, out
 
 
+APART = """
+dimension: DIM
+specimen: {particles: ROWS}
+materials: [{name: m, density: 2500, normal_stiffness: 1e5, kratio: 1}]
+law: {stiffness: uniform}
+bodies: [{name: tool, stiffness: 1e5, SHAPE}]
+time: {end: 1e-4}
+run: {threads: 1}
+"""
+
+
+@fact
+def check_says_that_nothing_overlaps(folder):
+    scene = APART.replace("DIM", "3").replace("ROWS", "[[0, 0, 0, 1e-3], [2.1e-3, 0, 0, 1e-3]]")
+    scene = scene.replace("SHAPE", "box: {size: [1, 1, 1]}, origin: [1, 0, 0]")
+    out = expect(gneiss("check", write_scene(folder, scene)), 0).stdout
+    assert re.search(r"overlaps +none\n", out) and "-1" not in out, out
+    assert re.search(r"body tool .*; no particle touches it\n", out), out
+
+
+@fact
+def check_says_how_particles_lie_on_bodies(folder):
+    # One particle overlaps a flat side by 0.1 mm, one lies in the middle, one is far.
+    skew = 0.0109 / 2 ** 0.5
+    square = "[[-0.01, -0.01], [0.01, -0.01], [0.01, 0.01], [-0.01, 0.01]]"
+    cases = [(3, "box: {size: [0.02, 0.02, 0.02]}, origin: [-0.01, -0.01, -0.01]", 0.0109, 0, True),
+             (3, "box: {size: [0.02, 0.02, 0.02]}, origin: [0, -0.0141421356, -0.01], rotation: [0, 0, 45 deg]", skew, skew,
+              True),
+             (3, "cylinder: {diameter: 0.0282842712, height: 0.02, open: true, sides: 4}, origin: [0, 0, -0.01]", skew, skew,
+              False),
+             (2, f"polygon: {square}", 0.0109, 0, True), (2, f"polyline: {square}", 0.0109, 0, False)]
+    for dimension, shape, x, y, closed in cases:
+        rows = [[x, y, *([1e-4] * (dimension - 2)), 1e-3], [0, 0, *([1e-4] * (dimension - 2)), 1e-3],
+                [0.05, 0, *([1e-4] * (dimension - 2)), 1e-3]]
+        scene = APART.replace("DIM", str(dimension)).replace("ROWS", json.dumps(rows)).replace("SHAPE", shape)
+        out = expect(gneiss("check", write_scene(folder, scene)), 0).stdout
+        assert re.search(r"body tool .*; 1 particle touches it, deepest 0\.0001 m\n", out), out
+        assert ("warning: 1 particle has its centre inside body 'tool'" in out) == closed, out
+
+
 @fact
 def plan_and_check_write_nothing(folder):
     shutil.copy(LATTICE, folder)
@@ -139,9 +192,40 @@ def the_output_folder_follows_the_name_of_the_scene(folder):
 
 
 @fact
-def quiet_prints_nothing(folder):
+def quiet_prints_what_came_out_and_nothing_else(folder):
     done = run(LATTICE, folder)
-    assert done.stdout == "" and done.stderr == "", done.stdout + done.stderr
+    for word in ("Young's modulus", "Poisson's ratio", "peak stress", "bonds broken", "energy residual", state_hash(folder)):
+        assert word in done.stdout, f"{word} is missing"
+    assert not re.search("profile|output:|written to|step", done.stdout), done.stdout
+    assert done.stderr == "", done.stderr
+
+
+@fact
+def a_folder_that_is_not_there_is_an_input_error_as_a_scene_is(folder):
+    for name in ("run", "check", "plan", "pack"):
+        expect(gneiss(name, os.path.join(folder, "nothing.yaml")), 2, "No such file")
+    for name in ("resume", "report"):
+        expect(gneiss(name, os.path.join(folder, "nothing")), 2, "(?i)no such file")
+
+
+@fact
+def the_progress_line_fits_any_terminal(folder):
+    for columns in (20, 40, 60, 80, 110, 200):
+        shown, code = on_terminal(columns, "run", LATTICE, "--out", folder, "--threads", 1)
+        assert code == 0 and shown.startswith("\r\x1b[K") and shown.count("\n") == 1 and shown.endswith("\n"), shown
+        lines = [line.strip("\r\n") for line in shown.split("\r\x1b[K")[1:]]
+        assert max(map(len, lines)) < columns, (columns, lines)
+        for least, word in ((20, r"step \d+"), (40, r"100 %|t [\d.e-]+/"), (40, "ETA"), (80, r"\d MPa"), (80, "broken"),
+                            (110, r"/s\b"), (200, "particle-steps/s"), (200, "strain"), (200, "unbalanced")):
+            assert columns < least or re.search(word, lines[-1]), (columns, word, lines[-1])
+
+
+@fact
+def what_follows_a_progress_line_stands_below_it(folder):
+    scene = write_scene(folder, LOOSE.replace("STEP", "1e-7"))
+    shown, code = on_terminal(80, "run", scene, "--out", folder + "/out", "--set", "time.end=10", interrupt=True)
+    assert code == 6, shown
+    assert re.search(r"^gneiss: interrupted", shown.replace("\r", ""), re.MULTILINE), shown
 
 
 @fact
@@ -219,6 +303,91 @@ def wrong_scenes_are_named_by_file_line_and_column(folder):
         path = write_scene(folder, scene, "s.yaml")
         expect(gneiss("run", path, "--out", os.path.join(folder, "out")), 2, pattern)
     assert os.listdir(folder) == ["s.yaml"]
+
+
+NAMES = """
+dimension: 2
+specimen: {lattice: {kind: square, radius: 1 mm, cells: [4, 4, 1]}, material: SPECIMEN}
+materials:
+  - {name: granite, density: 2500, normal_stiffness: 1e5, kratio: 2}
+  - {name: shale, density: 2500, normal_stiffness: 1e5, kratio: 2}
+law: {stiffness: uniform}
+sets:
+  - {name: inlay, select: {all: true}, material: SET}
+walls:
+  - {name: ceiling, point: [0, 1], normal: [0, -1], stiffness: 1e5, motion: {vy: 1}}
+bodies:
+  - {name: anvil, polygon: [[0, -1], [1, -1], [0, -2]], stiffness: 1e5, kratio: KRATIO}
+test: {kind: compression, axis: y, lower: LOWER, upper: UPPER}
+time: {end: 1e-4}
+"""
+RIGHT = {"SPECIMEN": "granite", "SET": "shale", "LOWER": "anvil", "UPPER": "ceiling", "KRATIO": "2"}
+
+
+def with_names(**names):
+    scene = NAMES
+    for name, value in {**RIGHT, **names}.items():
+        scene = scene.replace(name, value)
+    return scene
+
+
+@fact
+def wrong_names_are_told_what_was_probably_meant(folder):
+    expect(gneiss("check", write_scene(folder, with_names())), 0)
+    wrong = {("SPECIMEN", "granit"): "specimen.material: .*'granit'; did you mean 'granite'[?]",
+             ("SPECIMEN", "basalt"): "specimen.material: .*'basalt'; there are granite, shale",
+             ("SET", "shael"): r"sets\[0\].material: .*'shael'; did you mean 'shale'[?]",
+             ("LOWER", "anvill"): "test.lower: .*'anvill'; did you mean 'anvil'[?]",
+             ("UPPER", "cieling"): "test.upper: .*'cieling'; did you mean 'ceiling'[?]",
+             ("UPPER", "inlaid"): "test.upper: .*'inlaid'; did you mean 'inlay'[?]",
+             ("UPPER", "roof"): "test.upper: .*'roof'; there are ceiling, anvil, inlay"}
+    for (key, name), pattern in wrong.items():
+        expect(gneiss("check", write_scene(folder, with_names(**{key: name}))), 2, pattern)
+    right = write_scene(folder, with_names())
+    expect(gneiss("check", right, "--set", "walls.cieling.friction=0"), 2, "'cieling'.*; did you mean 'ceiling'[?]")
+    expect(gneiss("check", right, "--set", "law.stiffness=unifrom"), 2, "'unifrom'; did you mean 'uniform'[?]")
+    expect(gneiss("chekc", right), 2, "'chekc'; did you mean 'check'[?]")
+
+
+@fact
+def groups_of_a_mesh_are_told_what_was_probably_meant(folder):
+    scene = open(os.path.join(SCENES, "elements.yaml")).read()
+    group = re.search(r"group: (\w{4,})", scene)[1]
+    scene = scene.replace("plate.msh", os.path.join(SCENES, "plate.msh")).replace(f"group: {group}", f"group: {group}x")
+    expect(gneiss("check", write_scene(folder, scene)), 2, f"'{group}x'.*; did you mean '{group}'[?]")
+
+
+@fact
+def all_errors_of_a_scene_are_shown_in_their_order_with_their_places(folder):
+    scene = with_names(SET="shael", LOWER="anvill", KRATIO="much").replace("density: 2500", "densty: 2500", 1)
+    scene = scene.replace("law: {stiffness: uniform}", "law: {stiffness: uniform, rotatoin: off}")
+    done = expect(gneiss("check", write_scene(folder, scene, "s.yaml"), cwd=folder), 2)
+    lines = done.stderr.replace("gneiss: input error: ", "").replace(folder + "/", "").splitlines()
+    at = [re.match(r"s\.yaml:(\d+):(\d+): ([\w.\[\]]+): ", line) for line in lines]
+    assert all(at), done.stderr
+    assert [(int(m[1]), m[3]) for m in at] == [
+        (5, "materials[0].densty"), (7, "law.rotatoin"), (9, "sets[0].material"), (13, "bodies[0].kratio"),
+        (14, "test.lower")], done.stderr
+
+
+@fact
+def one_slip_is_one_error(folder):
+    # What depends on the word that is wrong is not held against the scene as well.
+    for old, new in (("materials:", "material:"), ("law:", "lwa:"), ("walls:", "wals:"), ("specimen:", "spcimen:"),
+                     ("name: granite", "nmae: granite"), ("dimension: 2", "dimension: 4"), ("time:", "tiem:"),
+                     ("name: ceiling", "name: ceiling.x"), ("stiffness: uniform", "stiffness: elastic"),
+                     ("normal_stiffness: 1e5", "normal_stifness: 1e5")):
+        assert old in NAMES
+        done = expect(gneiss("check", write_scene(folder, with_names().replace(old, new, 1))), 2)
+        assert len(done.stderr.splitlines()) == 1, done.stderr
+
+
+@fact
+def a_scene_of_nothing_but_errors_is_cut_short(folder):
+    scene = with_names() + "".join(f"nonsense{k}: 1\n" for k in range(40))
+    lines = expect(gneiss("check", write_scene(folder, scene)), 2).stderr.splitlines()
+    assert 6 < len(lines) < 15 and re.fullmatch(r"and \d+ more", lines[-1]), lines
+    assert len(lines) - 1 + int(lines[-1].split()[1]) == 40, lines
 
 
 @fact
@@ -377,6 +546,29 @@ def snapshots_are_grids_with_their_time(folder):
                 assert len(file["VTKHDF/PointData/" + data]) == 2000, data
     with h5py.File(os.path.join(out, series(out, "bonds")[-1][0])) as file, results(out) as final:
         assert np.array_equal(file["VTKHDF/CellData/state"][:], final["bonds/state"][:])
+
+
+@fact
+def orientations_are_written_where_they_are_asked_for(folder):
+    # Spin w about a fixed axis: the turn is cos(w t/2), axis sin(w t/2). Each step is first order in the angle and wrong
+    # by (w dt/2)^2/3 of it, 7.5e-9 here. After 4 rad the shorter way round is back.
+    spin = np.array([100.0, 200.0, 200.0])
+    scene = LOOSE.replace("STEP", "1e-6").replace("end: 1e-4", "end: 4/300 s".replace("4/300", repr(4 / 300)))
+    scene += "sets: [{name: turned, select: {ids: [1]}, motion: {wx: 100, wy: 200, wz: 200}}]\n"
+    for asked in ("off", "on"):
+        out = os.path.join(folder, asked)
+        run(write_scene(folder, scene), out, "--set", f"output.orientation={asked}")
+        last = os.path.join(out, series(out)[-1][0])
+        with results(out) as file, h5py.File(last) as grid:
+            assert ("orientation" in file["particles"]) == (asked == "on")
+            assert ("orientation" in grid["VTKHDF/PointData"]) == (asked == "on")
+            if asked == "on":
+                turn = file["particles/orientation"][:]
+                assert text(file["particles/orientation"].attrs["unit"]) == "1"
+                assert np.array_equal(turn, grid["VTKHDF/PointData/orientation"][:])
+    half = np.linalg.norm(spin) * summary(out)["time"] / 2
+    expected = -np.array([np.cos(half), *(np.sin(half) * spin / np.linalg.norm(spin))])
+    assert np.array_equal(turn[0], [1, 0, 0, 0]) and expected[0] > 0 and np.abs(turn[1] - expected).max() < 1e-7, turn
 
 
 # --- damage -----------------------------------------------------------------------------------------------

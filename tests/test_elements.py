@@ -224,7 +224,7 @@ def snapshots(folder):
 
 def interrupted(folder, number, *arguments):
     process = subprocess.Popen(command("run", BEAM, "--out", folder, "--quiet", "--threads", 1, *arguments),
-                               env=ENVIRONMENT, stderr=subprocess.PIPE, text=True)
+                               env=ENVIRONMENT, stdout=subprocess.DEVNULL, stderr=subprocess.PIPE, text=True)
     assert wait_until(process, lambda: snapshots(folder) >= 3), process.stderr.read()
     process.send_signal(number)
     _, err = process.communicate(timeout=60)
@@ -247,7 +247,7 @@ def ctrl_c_and_resume_with_other_threads_give_the_same_bits(folder):
 @fact
 def killed_and_resumed_gives_the_same_bits(folder):
     process = subprocess.Popen(command("run", BEAM, "--out", folder, "--quiet", "--set", "output.checkpoint=20 ms"),
-                               env=ENVIRONMENT)
+                               env=ENVIRONMENT, stdout=subprocess.DEVNULL)
     ready = wait_until(process, lambda: snapshots(folder) >= 3 and checkpoints(folder))
     process.kill()
     process.wait()

@@ -198,6 +198,18 @@ def a_particle_that_leaves_the_domain_can_be_removed(folder):
 
 
 @fact
+def snapshots_say_which_particles_were_removed(folder):
+    scene = spheres(THREE, **LEAVING)
+    scene["domain"]["lost"] = "remove"
+    out = done(folder, scene, "--set", "output.snapshots=4")
+    seen = []
+    for name, _ in series(out):
+        with h5py.File(os.path.join(out, name)) as file:
+            seen.append(list(file["VTKHDF/PointData/removed"][:]))
+    assert seen[0] == [0, 0, 0] and seen[-1] == [0, 1, 0], seen
+
+
+@fact
 def a_step_above_the_limit_is_refused_with_both_numbers(folder):
     scene = spheres([[0, 0, 1.99e-3 * k, 1e-3] for k in range(5)], bonds={}, time={"end": "1 s", "step": "1 ms"})
     refused(folder, scene, 2, r"time\.step: expected at most [\d.e-]+ s", r"particle \d", r"found 0\.001 s")

@@ -213,7 +213,7 @@ def killed_at_ten_random_moments_and_resumed_gives_the_same_bits(folder):
         process.kill()
         process.communicate()
         kills += 1
-        process = subprocess.Popen(command("resume", folder, "--quiet"), env=ENVIRONMENT)
+        process = subprocess.Popen(command("resume", folder, "--quiet"), env=ENVIRONMENT, stdout=subprocess.DEVNULL)
     assert process.wait(timeout=120) == 0
     assert kills >= 3, f"killed only {kills} times"
     check_same(folder, reference())
@@ -324,7 +324,7 @@ def two_truncated_checkpoints_are_an_error_and_stay_as_they_are(folder):
 @fact
 def resume_without_checkpoints_is_an_error(folder):
     expect(gneiss("resume", folder), 2, "checkpoint")
-    expect(gneiss("resume", os.path.join(folder, "nowhere")), 3, "nowhere")
+    expect(gneiss("resume", os.path.join(folder, "nowhere")), 2, "nowhere")
 
 
 def flipped(path, data, pick):

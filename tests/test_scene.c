@@ -190,7 +190,7 @@ static void every_slip_is_told_with_its_place(void **state) {
          "s.yaml:9:5: materials[0].density: expected once, found again; first given in line 6"},
         {"stiffness: uniform", "stiffness: unifrom",
          "s.yaml:11:14: law.stiffness: expected one of uniform, arithmetic, harmonic, mean_radius, "
-         "mean_arithmetic, mean_harmonic, found 'unifrom'"},
+         "mean_arithmetic, mean_harmonic, found 'unifrom'; did you mean 'uniform'?"},
         {"dimension: 3", "dimension: 4",
          "s.yaml:1:12: dimension: expected a whole number in [2, 3], found '4'"},
         {"  end: 5 ms", "  end: [5 ms]",
@@ -220,9 +220,14 @@ static void every_slip_is_told_with_its_place(void **state) {
          "s.yaml:18:1: expected one YAML document, found a second one"},
         {"[[0, 0, 0, 1 mm], ", "[[0, 0, 0, 0], ",
          "s.yaml:3:25: specimen.particles[0]: expected a value in [1e-9, 1e9] m, found '0'"},
-        {"law:", "law: 3\nrun:", "s.yaml:10:6: law: expected a section, found '3'"},
+        {"law:", "law: 3\nrun:",
+         "s.yaml:10:6: law: expected a section, found '3'\n"
+         "s.yaml:12:3: run.stiffness: unknown key 'stiffness'; expected one of seed, threads, "
+         "precision, isa, residual_warning, residual_limit"},
         {"- name: rock\n    density", "- name: rock\n  - density",
-         "s.yaml:5:5: materials[0].density: required, but not given"},
+         "s.yaml:5:5: materials[0].density: required, but not given\ns.yaml:5:5: "
+         "materials[0].kratio: required, but not given\ns.yaml:6:5: materials[1].name: required, "
+         "but not given"},
         {"dimension: 3", "title: \"a\\0b\"",
          "s.yaml:1:8: expected text, found a NUL character in it"},
         {"rock", "r\xff",
@@ -247,7 +252,8 @@ static void keys_that_contradict_each_other_are_refused(void **state) {
         {"  particles: [[0, 0, 0, 1 mm], [2 mm, 0, 0, 1 mm]]\n", "  file: no/such\n",
          "s.yaml:3:9: specimen.file: cannot open 'no/such': No such file or directory"},
         {"specimen:\n", "specimen:\n  material: rok\n",
-         "s.yaml:3:13: specimen.material: expected the name of a material, found 'rok'"},
+         "s.yaml:3:13: specimen.material: expected the name of a material, found 'rok'; did you "
+         "mean 'rock'?"},
         {"specimen:\n", "specimen:\n  porosity: 0.3\n",
          "s.yaml:3:13: specimen.porosity: expected density_basis bulk beside it, found particle"},
         {"uniform", "harmonic",
@@ -297,9 +303,11 @@ static void keys_that_contradict_each_other_are_refused(void **state) {
         {"sets:\n  - {name: a, select: {all: true}}\n  - {name: a, select: {ids: [0]}}",
          "s.yaml:22:12: sets[1].name: expected a name of its own, found 'a' a second time"},
         {"sets:\n  - {name: a, material: b, select: {all: true}}",
-         "s.yaml:21:25: sets[0].material: expected the name of a material, found 'b'"},
+         "s.yaml:21:25: sets[0].material: expected the name of a material, found 'b'; there is "
+         "rock"},
         {"test: {kind: tension, axis: z, lower: floor, upper: roof}",
-         "s.yaml:20:53: test.upper: expected the name of a wall, a body or a set, found 'roof'"},
+         "s.yaml:20:53: test.upper: expected the name of a wall, a body or a set, found 'roof'; "
+         "there is floor"},
         {"test: {kind: tension, axis: z, lower: floor, upper: floor}",
          "s.yaml:20:53: test.upper: expected another end than lower, found 'floor'"},
         {"test: {kind: none, axis: z, lower: floor, upper: floor}",
@@ -434,11 +442,12 @@ static void overrides_that_miss_are_told_by_their_key(void **state) {
     refuses_set("time.end", "2 kg",
                 "--set time.end: expected a time such as '5 ms', found '2 kg' (another dimension)");
     refuses_set("time.ned", "2", "--set time.ned: unknown key 'ned'; did you mean 'end'?");
-    refuses_set(
-        "walls.roof.friction", "1",
-        "--set walls.roof.friction: no element 'roof' in this list (index base 0, or name)");
+    refuses_set("walls.roof.friction", "1",
+                "--set walls.roof.friction: no element 'roof' in this list (index base 0, or "
+                "name); there is floor");
     refuses_set("materials[1].friction", "1",
-                "--set materials[1].friction: no element '1' in this list (index base 0, or name)");
+                "--set materials[1].friction: no element '1' in this list (index base 0, or name); "
+                "there is rock");
     refuses_set("time.end.x", "1", "--set time.end.x: 'x' is below a value, not in a section");
     refuses_set("time.end", "", "--set time.end: expected a time such as '5 ms', found nothing");
     refuses_set("gravity", "[0, 0",

@@ -357,11 +357,11 @@ static void words_are_accepted_and_written(void **state) {
 
 /* ---- the key reference ---- */
 
-static char *key_text(bool markdown, const char *prefix, size_t *count) {
+static char *key_text(bool markdown, const char *sought, size_t *count) {
     char *text = NULL;
     size_t size;
     FILE *out = open_memstream(&text, &size);
-    *count = gn_scene_print_keys(out, markdown, prefix);
+    *count = gn_scene_print_keys(out, markdown, sought);
     fclose(out);
     return text;
 }

@@ -56,9 +56,10 @@ GNEISS_API const char *gneiss_status_name(gneiss_status status);
 /* Reads a scene file. `overrides` [override_count]: "key=value" strings as for `gneiss run --set`,
  * such as "time.end=2 ms" or "walls.top.motion.vz=-0.05"; NULL with a count of 0. Relative paths in
  * the file are taken from its folder.
- * GNEISS_ERROR_IO: the file cannot be opened or read. GNEISS_ERROR_INPUT: it, or an override,
- * cannot be used; the message says file:line:column, key, expected, found. The caller frees *scene.
- */
+ * GNEISS_ERROR_IO: a file that is there cannot be opened or read. GNEISS_ERROR_INPUT: it is not
+ * there; or it, or an override, cannot be used: the message says file:line:column, key, expected,
+ * found, a line for each thing that is wrong, up to the length of a message. The caller frees
+ * *scene. */
 GNEISS_API gneiss_status gneiss_scene_load(const char *path, const char *const *overrides,
                                            size_t override_count, gneiss_scene **scene,
                                            gneiss_error *error);
@@ -135,7 +136,8 @@ GNEISS_API gneiss_status gneiss_world_load(const char *path, const char *const *
                                            size_t override_count, gneiss_world **world,
                                            gneiss_error *error);
 
-/* Goes on from the newest readable checkpoint in the output folder of a run, in that folder. */
+/* Goes on from the newest readable checkpoint in the output folder of a run, in that folder.
+ * GNEISS_ERROR_INPUT: there is no such folder, or no checkpoint in it. */
 GNEISS_API gneiss_status gneiss_world_resume(const char *folder, const char *const *overrides,
                                              size_t override_count, gneiss_world **world,
                                              gneiss_error *error);

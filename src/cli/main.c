@@ -56,7 +56,8 @@ static gneiss_status fail(gn_run *run, gneiss_error *error) {
     return status;
 }
 
-static gneiss_status go(const gn_options *o, gn_run *run, gneiss_error *error) {
+/* *shown: a progress line stands on the terminal, and the cursor behind it. */
+static gneiss_status advance(const gn_options *o, gn_run *run, bool *shown, gneiss_error *error) {
     const volatile sig_atomic_t *interrupted = gn_signals_set_flag();
     if (run->note[0]) fprintf(stderr, "gneiss: warning: %s\n", run->note);
     gn_print_start(o, run);
@@ -66,6 +67,7 @@ static gneiss_status go(const gn_options *o, gn_run *run, gneiss_error *error) {
         if (status == GNEISS_ERROR_UNSTABLE) return fail(run, error);
         GN_TRY(status);
         gn_print_progress(o, run);
+        *shown = !run->finished;
         if (!*interrupted || run->finished) continue;
         snprintf(run->stop_reason, sizeof run->stop_reason, "interrupted");
         status = gn_run_checkpoint(run, error);
@@ -77,6 +79,13 @@ static gneiss_status go(const gn_options *o, gn_run *run, gneiss_error *error) {
     }
     gneiss_status status = finish(o, run, error);
     return status == GNEISS_ERROR_UNSTABLE ? fail(run, error) : status;
+}
+
+static gneiss_status go(const gn_options *o, gn_run *run, gneiss_error *error) {
+    bool shown = false;
+    gneiss_status status = advance(o, run, &shown, error);
+    if (status != GNEISS_OK && shown) gn_leave_progress(o);
+    return status;
 }
 
 /* A scene on the heap: it is too large for a small stack. */
@@ -219,7 +228,8 @@ static gneiss_status dispatch(const gn_options *o, gneiss_error *error) {
     }
     if (gn_scene_print_keys(stdout, o->markdown, o->target) == 0)
         return gn_fail(error, GNEISS_ERROR_INPUT,
-                       "keys: expected the beginning of a key, found '%s'", o->target);
+                       "keys: expected a text that a key or its description holds, found '%s'",
+                       o->target);
     return GNEISS_OK;
 }
 

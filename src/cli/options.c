@@ -1,5 +1,6 @@
 #include "cli/options.h"
 
+#include "base/names.h"
 #include "run/run.h"
 
 #include <getopt.h>
@@ -19,7 +20,8 @@ static const command commands[] = {
      true},
     {"resume", "DIR", "go on from the newest checkpoint in an output folder", true},
     {"report", "DIR", "make report.html from the results in an output folder", true},
-    {"keys", "[PREFIX]", "print the keys of a scene file (--markdown for docs)", false},
+    {"keys", "[TEXT]",
+     "print the keys of a scene file, or those that hold a text (--markdown for docs)", false},
     {"info", "", "print version, instruction sets, threads", false},
 };
 enum { COMMANDS = sizeof commands / sizeof *commands };
@@ -32,25 +34,27 @@ void gn_print_usage(FILE *out) {
             gn_version());
     for (size_t k = 0; k < COMMANDS; k++)
         fprintf(out, "  %-7s %-9s %s\n", commands[k].name, commands[k].arguments, commands[k].text);
-    fputs("\noptions:\n"
-          "  --out DIR          output folder (default: runs/<scene name>)\n"
-          "  --set KEY=VALUE    override a key of the scene: --set time.end=2ms, --set "
-          "walls.top.friction=0.2\n"
-          "  --threads N        threads (default: all cores)\n"
-          "  --seed N           of every random number\n"
-          "  --precision P      double or mixed\n"
-          "  --isa NAME         scalar, avx2, avx512 (default: GNEISS_ISA, else the widest)\n"
-          "  --force            run: replace also what a finished run of more than a minute left\n"
-          "  --quiet            no progress line, no tables\n"
-          "  --log json         progress and summary as JSON lines on standard output\n"
-          "  --markdown         keys: as Markdown\n"
-          "  --help, --version\n"
-          "\nexit codes: 0 done, 1 defect of gneiss, 2 input cannot be used, 3 file could not be "
-          "read or\n"
-          "written, 4 out of memory, 5 run went bad, 6 interrupted (a checkpoint was written if "
-          "the run\n"
-          "had begun)\n",
-          out);
+    fputs(
+        "\noptions:\n"
+        "  --out DIR          output folder (default: runs/<scene name>)\n"
+        "  --set KEY=VALUE    override a key of the scene: --set time.end=2ms, --set "
+        "walls.top.friction=0.2\n"
+        "  --threads N        threads (default: all cores)\n"
+        "  --seed N           of every random number\n"
+        "  --precision P      double or mixed\n"
+        "  --isa NAME         scalar, avx2, avx512 (default: GNEISS_ISA, else the widest)\n"
+        "  --force            run: replace also what a finished run of more than a minute left\n"
+        "  --quiet            only what came out: no progress, no profile; readings and warnings "
+        "stay\n"
+        "  --log json         progress and summary as JSON lines on standard output\n"
+        "  --markdown         keys: as Markdown\n"
+        "  --help, --version\n"
+        "\nexit codes: 0 done, 1 defect of gneiss, 2 input cannot be used (a scene or folder that "
+        "is not\n"
+        "there, too), 3 file could not be read or written, 4 out of memory, 5 run went bad, 6 "
+        "interrupted\n"
+        "(a checkpoint was written if the run had begun)\n",
+        out);
 }
 
 static const command *find_command(const char *name) {
@@ -83,12 +87,19 @@ static gneiss_status add_set(gn_options *o, const char *text, gneiss_error *erro
     return add_override(o, key, equals + 1, error);
 }
 
+static gneiss_status no_command(const char *name, gneiss_error *error) {
+    char advice[GN_ADVICE_SIZE] = "";
+    gn_names names = gn_names_for(name);
+    for (size_t k = 0; k < COMMANDS; k++) gn_names_add(&names, commands[k].name);
+    if (names.nearest) gn_names_advice(&names, advice, sizeof advice);
+    return gn_fail(error, GNEISS_ERROR_INPUT, "unknown command '%s'%s (gneiss --help lists them)",
+                   name, advice);
+}
+
 static gneiss_status check_target(const gn_options *o, int argc, char **argv, int first,
                                   gneiss_error *error) {
     const command *c = find_command(o->command);
-    if (!c)
-        return gn_fail(error, GNEISS_ERROR_INPUT, "unknown command '%s' (gneiss --help lists them)",
-                       o->command);
+    if (!c) return no_command(o->command, error);
     if (c->needs_target && !o->target)
         return gn_fail(error, GNEISS_ERROR_INPUT, "gneiss %s: expected %s", c->name, c->arguments);
     if (!*c->arguments && o->target)

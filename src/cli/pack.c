@@ -3,6 +3,7 @@
 #include "base/memory.h"
 #include "base/point.h"
 #include "base/timer.h"
+#include "cli/line.h"
 #include "cli/progress.h"
 #include "cli/signals.h"
 #include "io/checkpoint_files.h"
@@ -26,18 +27,20 @@ typedef struct display {
 } display;
 
 static void print_line(const display *d, const gn_pack_progress *p) {
-    char eta[32];
+    char eta[32], pairs[32];
     double seconds = gn_now() - d->start;
-    bool terminal = isatty(STDERR_FILENO);
-    fprintf(stderr,
-            "%spacking %zu particles: %-10s iteration %d  gap %.2e  largest overlap %.2f %%  %s "
-            "pairs  at most %s more%s",
-            terminal ? "\r\033[K" : "", p->particles, gn_pack_stage_name(p->stage),
-            p->state.iteration, p->state.gap_rms, 100.0 * p->state.overlap_max,
-            gn_format_count((double)p->state.pairs, (char[32]){0}, 32),
-            gn_format_seconds(seconds / p->fraction - seconds, eta, sizeof eta),
-            terminal ? "" : "\n");
-    fflush(stderr);
+    gn_line line = {0};
+    gn_line_brief(gn_line_add(&line, 0, "packing %zu particles:", p->particles), "packing:");
+    gn_line_add(&line, 0, "%-10s", gn_pack_stage_name(p->stage));
+    gn_line_brief(gn_line_add(&line, 1, "iteration %d", p->state.iteration), "iter. %d",
+                  p->state.iteration);
+    gn_line_add(&line, 3, "gap %.2e", p->state.gap_rms);
+    gn_line_brief(gn_line_add(&line, 2, "largest overlap %.2f %%", 100.0 * p->state.overlap_max),
+                  "overlap %.2f %%", 100.0 * p->state.overlap_max);
+    gn_line_add(&line, 4, "%s pairs", gn_format_count((double)p->state.pairs, pairs, sizeof pairs));
+    gn_line_add(&line, 1, "at most %s more",
+                gn_format_seconds(seconds / p->fraction - seconds, eta, sizeof eta));
+    gn_line_show(&line, false);
 }
 
 static void print_json(const gn_pack_progress *p) {
@@ -214,10 +217,9 @@ static gneiss_status pack_into(const gn_options *o, gn_scene *scene, const char 
         (void)gn_signals_set_flag(); /* writing is short and is not left half done */
         status = gn_pack_write_folder(folder, scene, &result, &quality, error);
         if (status == GNEISS_OK && o->json) print_quality_json(&result, &quality);
-        if (status == GNEISS_OK && !o->json && !o->quiet) {
-            print_quality(scene, &result, &quality);
+        if (status == GNEISS_OK && !o->json) print_quality(scene, &result, &quality);
+        if (status == GNEISS_OK && !o->json && !o->quiet)
             printf("written to %s: packing.txt, packing.h5, particles.hdf.series\n", folder);
-        }
         gn_pack_quality_free(&quality);
     }
     gn_pack_result_free(&result);

@@ -1,9 +1,11 @@
 #include "cli/plan.h"
 
+#include "base/memory.h"
 #include "base/point.h"
 #include "base/timer.h"
 #include "cli/plan_elements.h"
 #include "cli/progress.h"
+#include "sim/overlap.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -211,6 +213,14 @@ static void print_bond_numbers(const gn_world *w, int *warnings) {
     }
 }
 
+static void print_touching(size_t count, double deepest) {
+    if (!count)
+        printf("no particle touches it");
+    else
+        printf("%zu particle%s it, deepest %.3g m", count, count == 1 ? " touches" : "s touch",
+               deepest);
+}
+
 static void print_walls(const gn_world *w, int *warnings) {
     for (size_t k = 0; k < w->scene.wall_count; k++) {
         size_t touching = 0, behind = 0;
@@ -224,29 +234,60 @@ static void print_walls(const gn_world *w, int *warnings) {
             behind += gap < -x[3];
             deepest = fmin(deepest, gap);
         }
-        printf("  wall %-12s %zu particles touch it, deepest %.3g m\n", w->scene.walls[k].name,
-               touching, -deepest);
+        printf("  wall %-12s ", w->scene.walls[k].name);
+        print_touching(touching, -deepest);
+        printf("\n");
         if (behind) {
-            printf("  warning: %zu particles have their centre behind wall '%s'\n", behind,
-                   w->scene.walls[k].name);
+            printf("  warning: %zu particle%s centre behind wall '%s'\n", behind,
+                   behind == 1 ? " has its" : "s have their", w->scene.walls[k].name);
             (*warnings)++;
         }
     }
 }
 
-static void print_bodies(const gn_world *w) {
+/* Particles on a surface, behind what was said of it in the same line. */
+static void print_overlap(const gn_world *w, const gn_overlap *overlap, const char *name,
+                          int *warnings) {
+    if (w->scene.has_specimen) {
+        printf("; ");
+        print_touching(overlap->touching, overlap->deepest);
+    }
+    printf("\n");
+    if (!overlap->inside) return;
+    printf("  warning: %zu particle%s centre inside %s\n", overlap->inside,
+           overlap->inside == 1 ? " has its" : "s have their", name);
+    (*warnings)++;
+}
+
+static void print_bodies(const gn_world *w, const gn_overlap *overlaps, int *warnings) {
     for (size_t k = 0; k < w->scene.body_count; k++) {
         const gn_rigid *b = &w->bodies[k];
         const int64_t *shape = w->body_shape[k];
-        char at[GN_POINT_SIZE];
+        char at[GN_POINT_SIZE], name[GN_NAME_SIZE + 16];
         printf("  body %-12s %lld facets, %lld vertices", w->scene.bodies[k].name,
                (long long)shape[1], (long long)shape[0]);
         if (shape[2]) printf("; %lld facets without area dropped", (long long)shape[2]);
         if (w->scene.bodies[k].free)
             printf("; free: %.6g m3, %.6g kg, centre of mass %s m", b->volume, b->mass,
                    gn_point_text(w->scene.origin, b->position, at));
-        printf("\n");
+        snprintf(name, sizeof name, "body '%s'", w->scene.bodies[k].name);
+        print_overlap(w, &overlaps[k], name, warnings);
     }
+    /* The last surface, behind those of bodies, is that of elements. */
+    if (w->surface_count == w->scene.body_count) return;
+    const gn_surface *s = &w->surfaces[w->scene.body_count];
+    printf("  elements         %zu facets that particles may touch", s->facets.count);
+    print_overlap(w, &overlaps[w->scene.body_count], "the elements", warnings);
+}
+
+static gneiss_status check_surfaces(const gn_world *w, int *warnings, gneiss_error *error) {
+    gn_overlap *overlaps = gn_alloc_array(w->surface_count + 1, sizeof *overlaps);
+    if (!overlaps)
+        return gn_fail(error, GNEISS_ERROR_MEMORY, "no memory for %zu surfaces", w->surface_count);
+    gneiss_status status = gn_world_overlaps(w, overlaps, error);
+    if (status == GNEISS_OK) print_bodies(w, overlaps, warnings);
+    gn_free(overlaps);
+    return status;
 }
 
 static void print_volume(const gn_world *w) {
@@ -282,8 +323,12 @@ static gneiss_status check_particles(const gn_world *w, int *warnings, gneiss_er
     printf("  coordination     %.2f at gaps up to 1 %%, %.2f up to 5 %% of r_i + r_j\n",
            at1.coordination, at5.coordination);
     printf("  fabric           %.4f %.4f %.4f\n", at5.fabric[0], at5.fabric[4], at5.fabric[8]);
-    printf("  overlaps         at most %.2f %% of r_i + r_j (particles %d and %d), mean %.2f %%\n",
-           100.0 * at5.overlap_max, at5.overlap_i, at5.overlap_j, 100.0 * at5.overlap_mean);
+    if (at5.overlap_i < 0)
+        printf("  overlaps         none\n");
+    else
+        printf(
+            "  overlaps         at most %.2f %% of r_i + r_j (particles %d and %d), mean %.2f %%\n",
+            100.0 * at5.overlap_max, at5.overlap_i, at5.overlap_j, 100.0 * at5.overlap_mean);
     if (at5.overlap_max > 0.02 && !(w->effects & GN_FX_BONDS && w->scene.passive_gaps)) {
         printf("  warning: overlaps are not stress-free in this scene; the specimen will spring "
                "apart\n");
@@ -306,7 +351,7 @@ gneiss_status gn_print_check(const gn_world *w, int *warnings, gneiss_error *err
     *warnings = 0;
     print_origin(w);
     if (w->scene.has_specimen) GN_TRY(check_particles(w, warnings, error));
-    print_bodies(w);
+    GN_TRY(check_surfaces(w, warnings, error));
     gn_print_element_check(w, warnings);
     return GNEISS_OK;
 }

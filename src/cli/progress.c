@@ -1,7 +1,7 @@
 #include "cli/progress.h"
 
+#include "cli/line.h"
 #include "cli/plan_elements.h"
-
 #include "io/files.h"
 
 #include <math.h>
@@ -66,19 +66,28 @@ void gn_print_progress(const gn_options *o, const gn_run *run) {
         return;
     }
     char rate[32], eta[32];
-    bool terminal = isatty(STDERR_FILENO), particles = run->world.scene.has_specimen;
-    fprintf(stderr, "%sstep %lld  t %.4g/%.4g s  %s %s-steps/s  ETA %s  unbalanced %.2g",
-            terminal ? "\r\033[K" : "", (long long)p.step, p.time, p.end,
-            gn_format_count(particles ? p.particle_steps_per_second : p.element_steps_per_second,
-                            rate, sizeof rate),
-            particles ? "particle" : "element", gn_format_seconds(p.eta, eta, sizeof eta),
-            p.unbalanced);
-    if (particles) fprintf(stderr, "  broken %lld", (long long)p.broken);
-    if (!isnan(p.residual)) fprintf(stderr, "  residual %.1e", p.residual);
+    bool particles = run->world.scene.has_specimen;
+    gn_line line = {0};
+    gn_line_add(&line, 0, "step %lld", (long long)p.step);
+    gn_line_brief(gn_line_add(&line, 0, "t %.4g/%.4g s", p.time, p.end), "%.3g %%",
+                  100.0 * p.time / p.end);
+    gn_format_count(particles ? p.particle_steps_per_second : p.element_steps_per_second, rate,
+                    sizeof rate);
+    gn_line_brief(gn_line_add(&line, 4, "%s %s-steps/s", rate, particles ? "particle" : "element"),
+                  "%s/s", rate);
+    gn_line_add(&line, 1, "ETA %s", gn_format_seconds(p.eta, eta, sizeof eta));
+    gn_line_add(&line, 6, "unbalanced %.2g", p.unbalanced);
+    if (particles) gn_line_add(&line, 3, "broken %lld", (long long)p.broken);
+    if (!isnan(p.residual)) gn_line_add(&line, 5, "residual %.1e", p.residual);
     if (!isnan(p.stress))
-        fprintf(stderr, "  stress %.4g MPa  strain %.3g %%", p.stress / 1e6, p.strain * 100.0);
-    fputs(terminal && !p.finished ? "" : "\n", stderr);
-    fflush(stderr);
+        gn_line_brief(gn_line_add(&line, 2, "stress %.4g MPa  strain %.3g %%", p.stress / 1e6,
+                                  p.strain * 100.0),
+                      "%.4g MPa at %.3g %%", p.stress / 1e6, p.strain * 100.0);
+    gn_line_show(&line, p.finished);
+}
+
+void gn_leave_progress(const gn_options *o) {
+    if (!o->quiet && !o->json && isatty(STDERR_FILENO)) fputc('\n', stderr);
 }
 
 static void print_limits(const gn_world *w) {
@@ -167,10 +176,9 @@ void gn_print_warnings(const gn_run *run) {
         fprintf(stderr, "gneiss: warning: %s: %s\n", list.warning[k].name, list.warning[k].text);
 }
 
-void gn_print_summary(const gn_options *o, const gn_run *run) {
+/* What the run came to. */
+static void print_outcome(const gn_run *run) {
     const gn_world *w = &run->world;
-    if (o->quiet || o->json) return;
-    printf("\n%s after %lld steps (t = %.4g s)\n\n", run->stop_reason, (long long)w->step, w->time);
     print_readings(run);
     if (w->effects & GN_FX_BONDS)
         printf("  bonds broken           %10lld in tension, %lld in shear, of %lld\n",
@@ -181,6 +189,16 @@ void gn_print_summary(const gn_options *o, const gn_run *run) {
         printf("  energy residual        %10.2e   (of %.4g J)\n", gn_energy_residual(&w->reading),
                gn_energy_scale(&w->reading));
     printf("  state hash       %016llx\n", (unsigned long long)gn_world_hash(w));
+}
+
+void gn_print_summary(const gn_options *o, const gn_run *run) {
+    const gn_world *w = &run->world;
+    if (o->json) return;
+    if (!o->quiet)
+        printf("\n%s after %lld steps (t = %.4g s)\n\n", run->stop_reason, (long long)w->step,
+               w->time);
+    print_outcome(run);
+    if (o->quiet) return;
     print_profile(run);
     printf("\nwritten to %s: results.h5, summary.json%s%s%s%s\n", run->directory,
            w->scene.has_specimen ? ", particles.hdf.series" : "",

@@ -5,13 +5,16 @@
 #include "cli/options.h"
 #include "run/run.h"
 
-/* One line, rewritten in place on a terminal, one line a call elsewhere. */
+/* One line, rewritten in place on a terminal and as wide as that, one line a call elsewhere. */
 void gn_print_progress(const gn_options *options, const gn_run *run);
+
+/* What follows on a terminal stands below the line. */
+void gn_leave_progress(const gn_options *options);
 
 /* The step and its limits, at the start. */
 void gn_print_start(const gn_options *options, const gn_run *run);
 
-/* Readings, counts and the profile. */
+/* Readings and counts, also when quiet, and the profile. */
 void gn_print_summary(const gn_options *options, const gn_run *run);
 
 /* On standard error, also when quiet. */

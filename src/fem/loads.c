@@ -1,5 +1,6 @@
 /* Sets of nodes, and what drives them. */
 #include "base/memory.h"
+#include "base/names.h"
 #include "fem/parts.h"
 
 #include <math.h>
@@ -32,18 +33,21 @@ gneiss_status gn_fem_check_group(const char *name, const gn_mesh *mesh, const ch
 
 gneiss_status gn_fem_no_group(const char *mesh_name, const gn_mesh *mesh, const char *name,
                               int dimension, gneiss_error *error) {
-    char there[512] = "none";
+    char there[512] = "none", advice[GN_ADVICE_SIZE] = "";
     size_t used = 0;
+    gn_names names = gn_names_for(name);
     for (size_t k = 0; k < mesh->group_count && used < sizeof there; k++) {
         const gn_mesh_group *g = &mesh->groups[k];
         used += (size_t)snprintf(there + used, sizeof there - used, "%s'%s' (tag %d, %dD)",
                                  k ? ", " : "", g->name, g->tag, g->dimension);
+        if (dimension < 0 || g->dimension == dimension) gn_names_add(&names, g->name);
     }
+    if (names.nearest) gn_names_advice(&names, advice, sizeof advice);
     char kind[32] = "";
     if (dimension >= 0) snprintf(kind, sizeof kind, " of %s elements", gn_fem_kind(dimension));
     return gn_fail(error, GNEISS_ERROR_INPUT,
-                   "%s: expected a physical group '%s'%s with elements, found %s", mesh_name, name,
-                   kind, there);
+                   "%s: expected a physical group '%s'%s with elements, found %s%s", mesh_name,
+                   name, kind, there, advice);
 }
 
 void gn_fem_mark_group(const gn_mesh_elements *list, int32_t tag, uint8_t *in) {

@@ -12,7 +12,7 @@
 
 typedef struct gn_snapshot_array {
     const char *name, *unit;
-    size_t components;  /* 1, 3, 6 or 9 */
+    size_t components;  /* 1, 3, 4, 6 or 9 */
     const double *data; /* [count][components] */
 } gn_snapshot_array;
 

@@ -34,9 +34,11 @@ gneiss_status gn_folder_choose(const gn_scene *scene, const char *wanted, char o
 gneiss_status gn_folder_lock(const char *directory, int *lock, gneiss_error *error) {
     *lock = 0;
     int descriptor = open(directory, O_RDONLY | O_DIRECTORY | O_CLOEXEC);
+    /* A folder that is not there is a slip of the one who named it, as a scene is. */
+    bool absent = descriptor < 0 && (errno == ENOENT || errno == ENOTDIR);
     if (descriptor < 0)
-        return gn_fail(error, GNEISS_ERROR_IO, "%s: cannot be opened: %s", directory,
-                       strerror(errno));
+        return gn_fail(error, absent ? GNEISS_ERROR_INPUT : GNEISS_ERROR_IO,
+                       "%s: cannot be opened: %s", directory, strerror(errno));
     if (flock(descriptor, LOCK_EX | LOCK_NB) == 0) {
         *lock = descriptor;
         return GNEISS_OK;

@@ -16,7 +16,8 @@
 typedef struct particle_fields {
     size_t count;
     double *position, *radius, *displacement, *velocity, *spin, *damage, *stress, *coordination,
-        *id;
+        *id, *removed;
+    double *orientation; /* NULL: output.orientation is off */
 } particle_fields;
 
 typedef struct bond_fields {
@@ -26,8 +27,9 @@ typedef struct bond_fields {
 } bond_fields;
 
 static void free_particle_fields(particle_fields *f) {
-    double *all[] = {f->position, f->radius, f->displacement, f->velocity, f->spin,
-                     f->damage,   f->stress, f->coordination, f->id};
+    double *all[] = {f->position, f->radius,  f->displacement, f->velocity,
+                     f->spin,     f->damage,  f->stress,       f->coordination,
+                     f->id,       f->removed, f->orientation};
     for (size_t k = 0; k < sizeof all / sizeof *all; k++) free(all[k]);
 }
 
@@ -47,18 +49,40 @@ static void count_contacts(const gn_world *w, const gn_contacts *list, double *c
     }
 }
 
+/* Of a quaternion and its opposite, which are the same turn, the shorter way round. */
+static void copy_turn(const double from[4], double to[4]) {
+    for (int a = 0; a < 4; a++) to[a] = from[0] < 0.0 ? -from[a] : from[a];
+}
+
+static void fill_particle(const gn_world *w, size_t p, double damage, const double stress[6],
+                          particle_fields *f) {
+    const gn_particles *q = &w->particles;
+    size_t id = (size_t)q->id[p];
+    f->id[id] = (double)id;
+    f->radius[id] = q->pos[4 * p + 3];
+    f->damage[id] = damage;
+    f->removed[id] = q->vel[4 * p + 3] == 0.0;
+    if (q->orientation) copy_turn(q->orientation + 4 * p, f->orientation + 4 * id);
+    memcpy(f->stress + 6 * id, stress, 6 * sizeof(double));
+    gn_world_point_out(w, q->pos + 4 * p, f->position + 3 * id);
+    for (size_t a = 0; a < 3; a++) {
+        f->displacement[3 * id + a] = q->pos[4 * p + a] - q->start[4 * p + a];
+        f->velocity[3 * id + a] = q->vel[4 * p + a];
+        if (q->spin) f->spin[3 * id + a] = q->spin[4 * p + a];
+    }
+}
+
 static gneiss_status make_particle_fields(const gn_world *w, const gn_observed *seen,
                                           particle_fields *f, gneiss_error *error) {
     size_t n = w->particles.soa.count;
     const gn_particles *q = &w->particles;
     *f = (particle_fields){.count = n};
-    double **scalars[] = {&f->radius, &f->damage, &f->coordination, &f->id};
+    double **scalars[] = {&f->radius, &f->damage, &f->coordination, &f->id, &f->removed};
     double **vectors[] = {&f->position, &f->displacement, &f->velocity, &f->spin};
     bool held = true;
-    for (size_t k = 0; k < 4; k++) {
-        held = held && (*scalars[k] = calloc(n + 1, sizeof(double)));
-        held = held && (*vectors[k] = calloc(n + 1, 3 * sizeof(double)));
-    }
+    for (size_t k = 0; k < 5; k++) held = held && (*scalars[k] = calloc(n + 1, sizeof(double)));
+    for (size_t k = 0; k < 4; k++) held = held && (*vectors[k] = calloc(n + 1, 3 * sizeof(double)));
+    if (q->orientation) held = held && (f->orientation = calloc(n + 1, 4 * sizeof(double)));
     double *damage = calloc(n + 1, sizeof *damage), *stress = calloc(n + 1, 6 * sizeof *stress);
     held = held && damage && stress && (f->stress = calloc(n + 1, 6 * sizeof(double)));
     if (held) {
@@ -67,19 +91,7 @@ static gneiss_status make_particle_fields(const gn_world *w, const gn_observed *
         assembly.pairs = &seen->pairs;
         gn_stress_particles(&assembly, gn_world_porosity(w), stress);
         if (w->effects & GN_FX_BONDS) gn_damage_particles(q, &w->bonds, damage);
-        for (size_t p = 0; p < n; p++) {
-            size_t id = (size_t)q->id[p];
-            f->id[id] = (double)id;
-            f->radius[id] = q->pos[4 * p + 3];
-            f->damage[id] = damage[p];
-            memcpy(f->stress + 6 * id, stress + 6 * p, 6 * sizeof(double));
-            gn_world_point_out(w, q->pos + 4 * p, f->position + 3 * id);
-            for (size_t a = 0; a < 3; a++) {
-                f->displacement[3 * id + a] = q->pos[4 * p + a] - q->start[4 * p + a];
-                f->velocity[3 * id + a] = q->vel[4 * p + a];
-                if (q->spin) f->spin[3 * id + a] = q->spin[4 * p + a];
-            }
-        }
+        for (size_t p = 0; p < n; p++) fill_particle(w, p, damage[p], stress + 6 * p, f);
         count_contacts(w, &seen->bonds, f->coordination);
         count_contacts(w, &seen->pairs, f->coordination);
     }
@@ -153,6 +165,8 @@ static gneiss_status write_snapshot(const gn_run *run, const gn_observed *seen,
         {"damage", "1", 1, p.damage},
         {"stress", "Pa", 6, p.stress},
         {"coordination", "1", 1, p.coordination},
+        {"removed", "1", 1, p.removed},
+        {"orientation", "1", 4, p.orientation}, /* the last: it is often not there */
     };
     gn_snapshot s = {.bad = w->bad,
                      .time = w->time,
@@ -160,7 +174,7 @@ static gneiss_status write_snapshot(const gn_run *run, const gn_observed *seen,
                      .point_count = p.count,
                      .points = p.position};
     s.point_arrays = points;
-    s.point_array_count = sizeof points / sizeof *points;
+    s.point_array_count = sizeof points / sizeof *points - (p.orientation ? 0 : 1);
     gneiss_status status = gn_snapshot_write(run->directory, particles_name, &s, error);
     bond_fields b = {0};
     if (status == GNEISS_OK && w->effects & GN_FX_BONDS) {
@@ -334,17 +348,20 @@ static gneiss_status put_particles(const gn_world *w, const gn_observed *seen, g
         {"particles/stress", "Pa", "xx yy zz xy yz xz, tension positive", 6, f.stress},
         {"particles/coordination", "1", "contacts that carry force and intact bonds", 1,
          f.coordination},
+        {"particles/orientation", "1", "unit quaternion w x y z of the turn from the start, w >= 0",
+         4, f.orientation},
     };
     gneiss_status status = GNEISS_OK;
     for (size_t k = 0; status == GNEISS_OK && k < sizeof fields / sizeof *fields; k++)
-        status = gn_h5_put(file, fields[k].name, GN_F64, f.count, fields[k].components, 0,
-                           fields[k].data, fields[k].unit, fields[k].text, error);
+        if (fields[k].data)
+            status = gn_h5_put(file, fields[k].name, GN_F64, f.count, fields[k].components, 0,
+                               fields[k].data, fields[k].unit, fields[k].text, error);
     int32_t *number = calloc(f.count + 1, sizeof *number);
     uint8_t *removed = calloc(f.count + 1, sizeof *removed);
     for (size_t id = 0; number && removed && id < f.count; id++) {
         size_t p = (size_t)w->index_of_id[id];
         number[id] = w->particles.bonds0 ? w->particles.bonds0[p] : 0;
-        removed[id] = w->particles.vel[4 * p + 3] == 0.0;
+        removed[id] = f.removed[id] != 0.0;
     }
     if (status == GNEISS_OK && (!number || !removed))
         status = gn_fail(error, GNEISS_ERROR_MEMORY, "no memory for the output");

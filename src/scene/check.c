@@ -1,5 +1,7 @@
 #include "scene/check.h"
 
+#include "base/names.h"
+
 #include <float.h>
 #include <math.h>
 #include <stdlib.h>
@@ -13,7 +15,7 @@ check gn_check_element(const gn_reader *reader, const gn_node *root, const char 
 }
 
 gneiss_status gn_check_fail(const check *c, const char *key, const char *format, ...) {
-    char text[512], path[GN_KEY_PATH_SIZE], up[GN_KEY_PATH_SIZE];
+    char text[1024], path[GN_KEY_PATH_SIZE], up[GN_KEY_PATH_SIZE];
     va_list args;
     va_start(args, format);
     vsnprintf(text, sizeof text, format, args);
@@ -32,6 +34,35 @@ gneiss_status gn_check_fail(const check *c, const char *key, const char *format,
 
 bool gn_check_given(const check *c, const char *key) {
     return gn_node_find(c->map, key) != NULL;
+}
+
+gneiss_status gn_check_keep(const check *c, gneiss_status status) {
+    return gn_read_keep(c->reader, status);
+}
+
+bool gn_check_sound(const check *c, const char *path) {
+    return !gn_problem_near(c->reader->problems, path);
+}
+
+bool gn_check_named(const check *c, const char *list) {
+    return !gn_problem_names(c->reader->problems, list);
+}
+
+bool gn_check_element_sound(const check *c) {
+    char path[sizeof c->prefix];
+    snprintf(path, sizeof path, "%.*s", (int)strlen(c->prefix) - 1, c->prefix);
+    return gn_check_sound(c, path);
+}
+
+/* The name of a material. */
+static gneiss_status check_material_name(const check *c, const gn_scene *s, const char *key,
+                                         const char *name) {
+    char advice[GN_ADVICE_SIZE];
+    gn_names names = gn_names_for(name);
+    if (!gn_check_named(c, "materials") || gn_scene_find_material(s, name) >= 0) return GNEISS_OK;
+    for (size_t k = 0; k < s->material_count; k++) gn_names_add(&names, s->materials[k].name);
+    return gn_check_fail(c, key, "expected the name of a material, found '%s'%s", name,
+                         gn_names_advice(&names, advice, sizeof advice));
 }
 
 /* ---- specimen ---- */
@@ -181,21 +212,20 @@ static gneiss_status check_specimen(const check *c, gn_scene *s) {
         return gn_check_fail(c, "specimen",
                              "required, but not given; expected a specimen, elements "
                              "or both");
-    if (!s->material_count) return not_given(c, "materials");
-    if (!s->has_law) return not_given(c, "law");
-    GN_TRY(check_particles(c, s));
+    if (!s->material_count && gn_check_sound(c, "materials"))
+        GN_TRY(gn_check_keep(c, not_given(c, "materials")));
+    if (!s->has_law && gn_check_sound(c, "law")) GN_TRY(gn_check_keep(c, not_given(c, "law")));
+    GN_TRY(gn_check_keep(c, check_particles(c, s)));
     if (!*specimen->material && s->material_count == 1)
         memcpy(specimen->material, s->materials[0].name, sizeof specimen->material);
-    if (gn_scene_find_material(s, specimen->material) < 0)
-        return gn_check_fail(c, "specimen.material", "expected the name of a material, found '%s'",
-                             specimen->material);
-    return GNEISS_OK;
+    return check_material_name(c, s, "specimen.material", specimen->material);
 }
 
 gneiss_status gn_check_shape(gn_reader *reader, const gn_node *root) {
     check c = {.reader = reader, .map = root};
-    if (!reader->scene->has_specimen) return not_given(&c, "specimen");
-    return check_particles(&c, reader->scene);
+    if (!gn_check_sound(&c, "specimen")) return GNEISS_OK;
+    return gn_check_keep(&c, reader->scene->has_specimen ? check_particles(&c, reader->scene)
+                                                         : not_given(&c, "specimen"));
 }
 
 /* ---- materials and bonds ---- */
@@ -313,10 +343,8 @@ static gneiss_status check_set(const check *c, const gn_scene *s, size_t index) 
     if (set->has_box) GN_TRY(gn_check_box(c, s, "select.box.max", set->box_min, set->box_max));
     if (set->end_axis >= s->dimension)
         return gn_check_fail(c, "select.end.axis", "expected x or y in a 2D scene, found z");
-    if (*set->material && gn_scene_find_material(s, set->material) < 0)
-        return gn_check_fail(c, "material", "expected the name of a material, found '%s'",
-                             set->material);
-    GN_TRY(check_spin(c, s, set));
+    if (*set->material) GN_TRY(check_material_name(c, s, "material", set->material));
+    if (gn_check_sound(c, "law.rotation")) GN_TRY(check_spin(c, s, set));
     return gn_check_plane_motion(c, s, &set->motion);
 }
 
@@ -361,15 +389,32 @@ static bool in_end(const gn_test_end *end, size_t before, const char *name) {
     return false;
 }
 
+/* All that can be an end. */
+static gn_names names_of_ends(const gn_scene *s, const char *wanted) {
+    gn_names names = gn_names_for(wanted);
+    for (size_t k = 0; k < s->wall_count; k++) gn_names_add(&names, s->walls[k].name);
+    for (size_t k = 0; k < s->body_count; k++) gn_names_add(&names, s->bodies[k].name);
+    for (size_t k = 0; k < s->set_count; k++) gn_names_add(&names, s->sets[k].name);
+    for (size_t k = 0; k < s->elements.motion_count; k++)
+        gn_names_add(&names, s->elements.motions[k].name);
+    return names;
+}
+
+static gneiss_status no_end(const check *c, const gn_scene *s, const char *key, const char *name) {
+    char advice[GN_ADVICE_SIZE];
+    gn_names names = names_of_ends(s, name);
+    return gn_check_fail(c, key, "expected the name of a wall, a body or a set%s, found '%s'%s",
+                         s->has_elements ? " or a motion of elements" : "", name,
+                         gn_names_advice(&names, advice, sizeof advice));
+}
+
 static gneiss_status check_end(const check *c, const gn_scene *s, const char *key,
                                const gn_test_end *end) {
     for (size_t k = 0; k < end->count; k++) {
         const char *name = end->name[k];
         if (gn_scene_find_wall(s, name) < 0 && gn_scene_find_set(s, name) < 0 &&
             gn_scene_find_body(s, name) < 0 && gn_scene_find_element_motion(s, name) < 0)
-            return gn_check_fail(c, key,
-                                 "expected the name of a wall, a body or a set%s, found '%s'",
-                                 s->has_elements ? " or a motion of elements" : "", name);
+            return no_end(c, s, key, name);
         if (in_end(end, k, name))
             return gn_check_fail(c, key, "expected every name once, found '%s' again", name);
     }
@@ -378,12 +423,18 @@ static gneiss_status check_end(const check *c, const gn_scene *s, const char *ke
 
 static gneiss_status check_ends(const check *c, const gn_scene *s) {
     const gn_test *t = &s->test;
-    GN_TRY(check_end(c, s, "test.lower", &t->lower));
-    GN_TRY(check_end(c, s, "test.upper", &t->upper));
+    const char *const lists[] = {"walls", "sets", "bodies", "elements.motions"};
+    for (int k = 0; k < 4; k++)
+        if (!gn_check_named(c, lists[k])) return GNEISS_OK;
+    GN_TRY(gn_check_keep(c, check_end(c, s, "test.lower", &t->lower)));
+    GN_TRY(gn_check_keep(c, check_end(c, s, "test.upper", &t->upper)));
     for (size_t k = 0; k < t->upper.count; k++)
         if (in_end(&t->lower, t->lower.count, t->upper.name[k]))
             return gn_check_fail(c, "test.upper", "expected another end than lower, found '%s'",
                                  t->upper.name[k]);
+    for (int k = 0; k < 4; k++)
+        if (!gn_check_sound(c, lists[k])) return GNEISS_OK;
+    if (!gn_check_sound(c, "test")) return GNEISS_OK;
     if (gn_scene_end_drives(s, &t->lower) || gn_scene_end_drives(s, &t->upper)) return GNEISS_OK;
     return gn_check_fail(c, "test.upper",
                          "expected at least one end with a prescribed velocity along %c, which "
@@ -430,34 +481,47 @@ static gneiss_status check_no_specimen(const check *c, const gn_scene *s) {
     return GNEISS_OK;
 }
 
+static gneiss_status check_step(const check *c, const gn_scene *s) {
+    if (s->step <= s->end) return GNEISS_OK;
+    return gn_check_fail(c, "time.step", "expected a step below the end, found %g s and %g s",
+                         s->step, s->end);
+}
+
+/* Element by element. */
+typedef gneiss_status check_one(const check *c, const gn_scene *s, size_t index);
+
+static gneiss_status check_list(const check *c, const char *list, size_t count, check_one *one) {
+    for (size_t k = 0; k < count; k++) {
+        check element = gn_check_element(c->reader, c->map, list, k);
+        if (!gn_check_element_sound(&element)) continue;
+        GN_TRY(gn_check_keep(c, one(&element, c->reader->scene, k)));
+    }
+    return GNEISS_OK;
+}
+
+static gneiss_status check_matter(const check *c, gn_scene *s) {
+    if (!gn_check_sound(c, "specimen") || !gn_check_sound(c, "elements")) return GNEISS_OK;
+    if (s->has_specimen || !s->has_elements) return gn_check_keep(c, check_specimen(c, s));
+    return gn_check_keep(c, check_no_specimen(c, s));
+}
+
 gneiss_status gn_check_scene(gn_reader *reader, const gn_node *root) {
     gn_scene *s = reader->scene;
     check c = {.reader = reader, .map = root};
+    if (!gn_check_sound(&c, "dimension")) return GNEISS_OK;
     if (s->bonds == GN_SWITCH_AUTO)
         s->bonds = gn_check_given(&c, "bonds") ? GN_SWITCH_ON : GN_SWITCH_OFF;
-    if (s->has_specimen || !s->has_elements)
-        GN_TRY(check_specimen(&c, s));
-    else
-        GN_TRY(check_no_specimen(&c, s));
+    GN_TRY(check_matter(&c, s));
     if (s->has_elements) GN_TRY(gn_check_elements(reader, root));
-    for (size_t k = 0; s->has_specimen && k < s->material_count; k++) {
-        check element = gn_check_element(reader, root, "materials", k);
-        GN_TRY(check_material(&element, s, k));
-    }
-    GN_TRY(check_damping(&c, s));
-    GN_TRY(check_surroundings(&c, s));
-    for (size_t k = 0; k < s->set_count; k++) {
-        check element = gn_check_element(reader, root, "sets", k);
-        GN_TRY(check_set(&element, s, k));
-    }
-    for (size_t k = 0; k < s->wall_count; k++) {
-        check element = gn_check_element(reader, root, "walls", k);
-        GN_TRY(check_wall(&element, s, k));
-    }
+    if (s->has_specimen && gn_check_sound(&c, "law.stiffness"))
+        GN_TRY(check_list(&c, "materials", s->material_count, check_material));
+    if (gn_check_sound(&c, "damping")) GN_TRY(gn_check_keep(&c, check_damping(&c, s)));
+    if (gn_check_sound(&c, "periodic") && gn_check_sound(&c, "domain"))
+        GN_TRY(gn_check_keep(&c, check_surroundings(&c, s)));
+    GN_TRY(check_list(&c, "sets", s->set_count, check_set));
+    GN_TRY(check_list(&c, "walls", s->wall_count, check_wall));
     GN_TRY(gn_check_bodies(reader, root));
-    GN_TRY(check_test(&c, s));
-    if (s->step > s->end)
-        return gn_check_fail(&c, "time.step", "expected a step below the end, found %g s and %g s",
-                             s->step, s->end);
-    return GNEISS_OK;
+    if (gn_check_sound(&c, "test") && gn_check_sound(&c, "time.stop"))
+        GN_TRY(gn_check_keep(&c, check_test(&c, s)));
+    return gn_check_sound(&c, "time") ? gn_check_keep(&c, check_step(&c, s)) : GNEISS_OK;
 }

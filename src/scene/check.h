@@ -21,6 +21,16 @@ gneiss_status gn_check_fail(const check *c, const char *key, const char *format,
 
 bool gn_check_given(const check *c, const char *key);
 
+/* Keeps what is wrong and goes on; returns what cannot be gone on from. */
+gneiss_status gn_check_keep(const check *c, gneiss_status status);
+
+/* Whether nothing was found to be wrong with a key of the scene, or with anything above or below
+ * it; whether all names of a list were read. What is not sound is not checked further. */
+bool gn_check_sound(const check *c, const char *path);
+bool gn_check_named(const check *c, const char *list);
+/* Of the element of a list that the check is about. */
+bool gn_check_element_sound(const check *c);
+
 /* Corners in order; `key` is that of the upper one. */
 gneiss_status gn_check_box(const check *c, const gn_scene *s, const char *key, const double *low,
                            const double *high);

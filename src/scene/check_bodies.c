@@ -65,7 +65,8 @@ gneiss_status gn_check_bodies(const gn_reader *reader, const gn_node *root) {
     const gn_scene *s = reader->scene;
     for (size_t k = 0; k < s->body_count; k++) {
         check element = gn_check_element(reader, root, "bodies", k);
-        GN_TRY(check_body(&element, s, k));
+        if (!gn_check_element_sound(&element)) continue;
+        GN_TRY(gn_check_keep(&element, check_body(&element, s, k)));
     }
     return GNEISS_OK;
 }

@@ -121,27 +121,37 @@ static gneiss_status check_load(const check *c, const gn_scene *s, const gn_elem
                          "expected at least one component, found none");
 }
 
+/* What is not in a list. */
+static gneiss_status check_whole(const check *c, const gn_scene *s) {
+    const gn_element_def *e = &s->elements;
+    GN_TRY(check_mesh(c, s));
+    if (e->contact.friction > 0 && !(e->contact.kratio > 0))
+        return gn_check_fail(c, "elements.contact.kratio", "required by friction, but not given");
+    if (e->has_contact && s->has_periodic)
+        return gn_check_fail(c, "elements.contact",
+                             "expected no periodic box beside it, found one");
+    return GNEISS_OK;
+}
+
 gneiss_status gn_check_elements(const gn_reader *reader, const gn_node *root) {
     const gn_scene *s = reader->scene;
     const gn_element_def *e = &s->elements;
     check c = {.reader = reader, .map = root};
-    GN_TRY(check_mesh(&c, s));
-    if (e->contact.friction > 0 && !(e->contact.kratio > 0))
-        return gn_check_fail(&c, "elements.contact.kratio", "required by friction, but not given");
-    if (e->has_contact && s->has_periodic)
-        return gn_check_fail(&c, "elements.contact",
-                             "expected no periodic box beside it, found one");
+    if (gn_check_sound(&c, "elements")) GN_TRY(gn_check_keep(&c, check_whole(&c, s)));
     for (size_t k = 0; k < e->material_count; k++) {
         check element = gn_check_element(reader, root, "elements.materials", k);
-        GN_TRY(check_poisson(&element, &e->materials[k]));
+        if (gn_check_element_sound(&element))
+            GN_TRY(gn_check_keep(&c, check_poisson(&element, &e->materials[k])));
     }
     for (size_t k = 0; k < e->motion_count; k++) {
         check element = gn_check_element(reader, root, "elements.motions", k);
-        GN_TRY(check_motion(&element, s, k));
+        if (gn_check_element_sound(&element))
+            GN_TRY(gn_check_keep(&c, check_motion(&element, s, k)));
     }
     for (size_t k = 0; k < e->load_count; k++) {
         check element = gn_check_element(reader, root, "elements.loads", k);
-        GN_TRY(check_load(&element, s, &e->loads[k]));
+        if (gn_check_element_sound(&element))
+            GN_TRY(gn_check_keep(&c, check_load(&element, s, &e->loads[k])));
     }
     return GNEISS_OK;
 }

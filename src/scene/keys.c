@@ -1,3 +1,4 @@
+#define _GNU_SOURCE /* strcasestr */
 #include "scene/manifest.h"
 #include "scene/units.h"
 
@@ -6,7 +7,8 @@
 typedef struct printer {
     FILE *out;
     bool markdown;
-    const char *prefix;
+    const char *sought; /* NULL: every key */
+    int rank;           /* of the keys that are printed now */
     size_t count;
 } printer;
 
@@ -126,8 +128,16 @@ static void print_key(printer *p, const char *path, const gn_key *key) {
             fallback, key->text);
 }
 
-static bool wanted(const printer *p, const char *path) {
-    return !p->prefix || strncmp(path, p->prefix, strlen(p->prefix)) == 0;
+enum { RANK_START, RANK_NAME, RANK_TEXT, RANKS };
+
+/* Where a key holds the text, the nearest first; RANKS: nowhere. */
+static int rank_of(const printer *p, const char *path, const gn_key *key) {
+    char type[256];
+    if (!p->sought) return RANK_START;
+    if (strncasecmp(path, p->sought, strlen(p->sought)) == 0) return RANK_START;
+    if (strcasestr(path, p->sought)) return RANK_NAME;
+    describe(type, sizeof type, key);
+    return strcasestr(key->text, p->sought) || strcasestr(type, p->sought) ? RANK_TEXT : RANKS;
 }
 
 static void print_section(printer *p, const gn_section *section, const char *above) {
@@ -135,15 +145,15 @@ static void print_section(printer *p, const gn_section *section, const char *abo
         const gn_key *key = &section->keys[k];
         char path[256];
         snprintf(path, sizeof path, "%s%s%s", above, *above ? "." : "", key->name);
-        if (wanted(p, path)) print_key(p, path, key);
+        if (rank_of(p, path, key) == p->rank) print_key(p, path, key);
         if (!key->section) continue;
         if (key->type == GN_KEY_LIST) strncat(path, "[]", sizeof path - strlen(path) - 1);
         print_section(p, key->section, path);
     }
 }
 
-size_t gn_scene_print_keys(FILE *out, bool markdown, const char *prefix) {
-    printer p = {.out = out, .markdown = markdown, .prefix = prefix};
+size_t gn_scene_print_keys(FILE *out, bool markdown, const char *sought) {
+    printer p = {.out = out, .markdown = markdown, .sought = sought};
     if (markdown)
         fputs("# Keys of a scene\n\n"
               "Written by `gneiss keys --markdown` from the table that also drives the reading of "
@@ -153,6 +163,6 @@ size_t gn_scene_print_keys(FILE *out, bool markdown, const char *prefix) {
               "of a list; `--set` reaches it by index or name, as in `walls.top.motion.vz=0.1`.\n\n"
               "| key | value | default | meaning |\n| --- | --- | --- | --- |\n",
               out);
-    print_section(&p, &gn_scene_section, "");
+    for (p.rank = 0; p.rank < RANKS; p.rank++) print_section(&p, &gn_scene_section, "");
     return p.count;
 }

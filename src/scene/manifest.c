@@ -496,7 +496,9 @@ static const gn_key output_keys[] = {
     KEY("energy", CHOICE, gn_scene, energy, .choices = switches, .fallback = "auto",
         .text = "energy ledger; auto: on"),
     KEY("orientation", CHOICE, gn_scene, orientation, .choices = switches, .fallback = "auto",
-        .text = "orientations of particles in the snapshots; auto: off"),
+        .text =
+            "turns of particles from the start, in snapshots and results.h5, where they rotate; "
+            "auto: off"),
 };
 TABLE_OF(output);
 

@@ -113,7 +113,4 @@ int64_t gn_choice_load(const gn_key *key, const void *at);
 void gn_choice_store(const gn_key *key, void *at, int64_t value);
 const char *gn_choice_name(const gn_choice *choices, int64_t value);
 
-/* Edits (insertion, removal, replacement, swap of neighbours) between two words. */
-size_t gn_edit_distance(const char *a, const char *b);
-
 #endif

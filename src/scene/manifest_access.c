@@ -99,30 +99,5 @@ const char *gn_choice_name(const gn_choice *choices, int64_t value) {
     return "";
 }
 
-size_t gn_edit_distance(const char *a, const char *b) {
-    enum { LIMIT = 32 };
-    size_t rows[3][LIMIT + 1], la = strlen(a), lb = strlen(b);
-    if (la > LIMIT || lb > LIMIT) return LIMIT;
-    size_t *before = rows[0], *last = rows[1], *now = rows[2];
-    for (size_t j = 0; j <= lb; j++) last[j] = j;
-    for (size_t i = 1; i <= la; i++) {
-        now[0] = i;
-        for (size_t j = 1; j <= lb; j++) {
-            size_t best = last[j - 1] + (a[i - 1] != b[j - 1]);
-            if (last[j] + 1 < best) best = last[j] + 1;
-            if (now[j - 1] + 1 < best) best = now[j - 1] + 1;
-            if (i > 1 && j > 1 && a[i - 1] == b[j - 2] && a[i - 2] == b[j - 1] &&
-                before[j - 2] + 1 < best)
-                best = before[j - 2] + 1;
-            now[j] = best;
-        }
-        size_t *spare = before;
-        before = last;
-        last = now;
-        now = spare;
-    }
-    return last[lb];
-}
-
 _Static_assert(sizeof(gn_stiffness_model) == 4 && sizeof(gn_switch) == 4 && sizeof(bool) == 1,
                "choices are stored by size");

@@ -1,6 +1,7 @@
 #include "scene/read.h"
 
 #include "base/memory.h"
+#include "base/names.h"
 
 #include <errno.h>
 #include <limits.h>
@@ -11,22 +12,6 @@
 #include <unistd.h>
 
 /* ---- messages ---- */
-
-gneiss_status gn_read_fail(const gn_reader *reader, const gn_node *node, gn_where where,
-                           const char *path, const char *format, ...) {
-    char text[1024], place[GN_PATH_SIZE + 64];
-    va_list args;
-    va_start(args, format);
-    vsnprintf(text, sizeof text, format, args);
-    va_end(args);
-    bool same = node && node->set && strcmp(node->set, path) == 0;
-    if (node && node->set)
-        snprintf(place, sizeof place, "--set %.200s", node->set);
-    else
-        snprintf(place, sizeof place, "%s:%d:%d", reader->name, where.line, where.column);
-    return gn_fail(reader->error, GNEISS_ERROR_INPUT, "%s: %s%s%s", place, same ? "" : path,
-                   same || !*path ? "" : ": ", text);
-}
 
 /* What stands at a node, for "found ...". */
 static const char *found(const gn_node *node, char *buffer, size_t size) {
@@ -181,14 +166,17 @@ static gneiss_status read_choice(const gn_reader *reader, const gn_key *key, con
                 gn_choice_store(key, at, choice->value);
                 return GNEISS_OK;
             }
-    char expected[256] = "one of";
+    char expected[256] = "one of", advice[96] = "";
+    gn_names names = gn_names_for(node->kind == GN_NODE_SCALAR ? node->text : "");
     for (const gn_choice *choice = key->choices; choice->name; choice++) {
+        gn_names_add(&names, choice->name);
         if (gn_choice_name(key->choices, choice->value) != choice->name) continue;
         size_t used = strlen(expected);
         snprintf(expected + used, sizeof expected - used, "%s %s", used > 6 ? "," : "",
                  choice->name);
     }
-    return unexpected(reader, node, expected, "");
+    if (names.nearest) gn_names_advice(&names, advice, sizeof advice);
+    return unexpected(reader, node, expected, advice);
 }
 
 /* Only opened here; the contents are read when the particles are made. */
@@ -415,6 +403,12 @@ static gneiss_status read_points(gn_reader *reader, const gn_key *key, const gn_
 static gneiss_status read_section(gn_reader *reader, const gn_section *section, const gn_node *map,
                                   char *base);
 
+static gneiss_status read_element(gn_reader *reader, const gn_section *section, const gn_node *item,
+                                  char *base) {
+    if (item->kind != GN_NODE_MAP) return unexpected(reader, item, "a section", "");
+    return read_section(reader, section, item, base);
+}
+
 static gneiss_status read_list(gn_reader *reader, const gn_key *key, const gn_node *node,
                                char *base) {
     if (node->kind == GN_NODE_NULL) return GNEISS_OK;
@@ -430,9 +424,8 @@ static gneiss_status read_list(gn_reader *reader, const gn_key *key, const gn_no
     size_t index = 0;
     for (const gn_node *item = node->first; item; item = item->next, index++) {
         size_t mark = path_push_index(reader, index);
-        if (item->kind != GN_NODE_MAP) return unexpected(reader, item, "a section", "");
-        GN_TRY(
-            read_section(reader, key->section, item, (char *)array + index * key->section->size));
+        GN_TRY(gn_read_keep(reader, read_element(reader, key->section, item,
+                                                 (char *)array + index * key->section->size)));
         path_pop(reader, mark);
     }
     return GNEISS_OK;
@@ -509,43 +502,64 @@ static gneiss_status read_fallback(gn_reader *reader, const gn_key *key, char *b
     return GNEISS_OK;
 }
 
+/* Whatever it stands for is in doubt: the key it should be, or any of the section. */
 static gneiss_status unknown_key(gn_reader *reader, const gn_section *section,
                                  const gn_node *node) {
-    const char *nearest = NULL;
-    size_t least = strlen(node->key) / 3 + 2;
-    char known[600] = "";
-    for (size_t k = 0; k < section->key_count; k++) {
-        const char *name = section->keys[k].name;
-        size_t distance = gn_edit_distance(node->key, name), used = strlen(known);
-        if (distance < least && distance < strlen(name)) {
-            least = distance;
-            nearest = name;
-        }
-        snprintf(known + used, sizeof known - used, "%s%s", used ? ", " : "", name);
-    }
-    path_push_name(reader, node->key);
-    if (nearest)
-        return gn_read_fail(reader, node, node->key_where, reader->path,
-                            "unknown key '%.60s'; did you mean '%s'?", node->key, nearest);
-    return gn_read_fail(reader, node, node->key_where, reader->path,
-                        "unknown key '%.60s'; expected one of %s", node->key, known);
+    gn_names names = gn_names_for(node->key);
+    gneiss_status status;
+    for (size_t k = 0; k < section->key_count; k++) gn_names_add(&names, section->keys[k].name);
+    size_t mark = path_push_name(reader, node->key);
+    if (names.nearest)
+        status = gn_read_fail(reader, node, node->key_where, reader->path,
+                              "unknown key '%.60s'; did you mean '%s'?", node->key, names.nearest);
+    else
+        status = gn_read_fail(reader, node, node->key_where, reader->path,
+                              "unknown key '%.60s'; expected one of %s", node->key, names.known);
+    path_pop(reader, mark);
+    if (names.nearest) path_push_name(reader, names.nearest);
+    if (names.nearest || section != &gn_scene_section)
+        gn_problem_place(reader->problems, reader->problems->at, reader->path);
+    path_pop(reader, mark);
+    return gn_read_keep(reader, status);
 }
 
-/* The node of each key of the section; refuses unknown and repeated ones. */
+static gneiss_status repeated_key(gn_reader *reader, const gn_node *first, const gn_node *node) {
+    size_t mark = path_push_name(reader, node->key);
+    gneiss_status status =
+        gn_read_fail(reader, node, node->key_where, reader->path,
+                     "expected once, found again; first given in line %d", first->key_where.line);
+    path_pop(reader, mark);
+    return gn_read_keep(reader, status);
+}
+
+/* The node of each key of the section; unknown and repeated ones are left out. */
 static gneiss_status match_keys(gn_reader *reader, const gn_section *section, const gn_node *map,
                                 const gn_node *nodes[]) {
     for (const gn_node *child = map ? map->first : NULL; child; child = child->next) {
         size_t k = 0;
         while (k < section->key_count && strcmp(section->keys[k].name, child->key) != 0) k++;
-        if (k == section->key_count) return unknown_key(reader, section, child);
-        if (nodes[k]) {
-            path_push_name(reader, child->key);
-            return gn_read_fail(reader, child, child->key_where, reader->path,
-                                "expected once, found again; first given in line %d",
-                                nodes[k]->key_where.line);
-        }
-        nodes[k] = child;
+        if (k == section->key_count)
+            GN_TRY(unknown_key(reader, section, child));
+        else if (nodes[k])
+            GN_TRY(repeated_key(reader, nodes[k], child));
+        else
+            nodes[k] = child;
     }
+    return GNEISS_OK;
+}
+
+/* The key of a section whose path is the reader's; `node` NULL: not given. */
+static gneiss_status read_member(gn_reader *reader, const gn_key *key, const gn_node *node,
+                                 const gn_node *map, char *base) {
+    if (!node && key->required) {
+        gn_where where = map ? map->key_where : (gn_where){1, 1};
+        if (gn_problem_at(reader->problems, reader->path)) return GNEISS_OK; /* misspelt */
+        return gn_read_fail(reader, map, where, reader->path, "required, but not given");
+    }
+    /* The override that made it could not be read. */
+    if (node && node->set && gn_problem_at(reader->problems, reader->path)) return GNEISS_OK;
+    GN_TRY(node ? read_key(reader, key, node, base) : read_fallback(reader, key, base));
+    if (node && key->presence == GN_PRESENT_BOOL) *(bool *)(base + key->present_at) = true;
     return GNEISS_OK;
 }
 
@@ -563,16 +577,10 @@ static gneiss_status read_section(gn_reader *reader, const gn_section *section, 
         const gn_key *key = &section->keys[k];
         if (reader->specimen_only && section == &gn_scene_section && !key->packing) continue;
         size_t mark = path_push_name(reader, key->name);
-        if (!nodes[k] && key->required) {
-            gn_where where = map ? map->key_where : (gn_where){1, 1};
-            return gn_read_fail(reader, map, where, reader->path, "required, but not given");
-        }
-        if (nodes[k])
-            GN_TRY(read_key(reader, key, nodes[k], base));
-        else
-            GN_TRY(read_fallback(reader, key, base));
-        if (nodes[k] && key->presence == GN_PRESENT_BOOL) *(bool *)(base + key->present_at) = true;
+        GN_TRY(gn_read_keep(reader, read_member(reader, key, nodes[k], map, base)));
         path_pop(reader, mark);
+        /* How many components a vector has, and which shapes there are, is not known then. */
+        if (gn_problem_at(reader->problems, "dimension")) return GNEISS_OK;
     }
     return GNEISS_OK;
 }

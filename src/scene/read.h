@@ -4,10 +4,9 @@
 #define GN_SCENE_READ_H
 
 #include "scene/manifest.h"
+#include "scene/problems.h"
 #include "scene/tree.h"
 #include "scene/units.h"
-
-enum { GN_KEY_PATH_SIZE = 256 };
 
 typedef struct gn_reader {
     const char *name; /* of the scene, in messages */
@@ -17,14 +16,17 @@ typedef struct gn_reader {
     gn_units *units;
     gn_scene *scene;
     gneiss_error *error;
+    gn_problems *problems; /* found so far; borrowed */
     size_t path_length;
     char path[GN_KEY_PATH_SIZE]; /* of the key being read */
 } gn_reader;
 
-/* Fills reader->scene, zeroed before, from the tree; what was allocated stays in it on failure. */
+/* Fills reader->scene, zeroed before, from the tree; what was allocated stays in it on failure.
+ * Goes on behind what is wrong, as gn_check_scene does: it is in reader->problems. */
 gneiss_status gn_read_scene(gn_reader *reader, const gn_node *root);
 
-/* Checks what concerns several keys and completes what follows from others. */
+/* Checks what concerns several keys and completes what follows from others. Leaves out what could
+ * only repeat a problem that was found before. */
 gneiss_status gn_check_scene(gn_reader *reader, const gn_node *root);
 
 /* The same of a scene read with specimen_only. */
@@ -34,6 +36,9 @@ gneiss_status gn_check_shape(gn_reader *reader, const gn_node *root);
 gneiss_status gn_read_fail(const gn_reader *reader, const gn_node *node, gn_where where,
                            const char *path, const char *format, ...)
     __attribute__((format(printf, 5, 6)));
+
+/* Keeps what is wrong and goes on; returns what cannot be gone on from. */
+gneiss_status gn_read_keep(const gn_reader *reader, gneiss_status status);
 
 /* Reads a number with one of the units of `unit` ("1/s|1"); false with a reason otherwise. */
 bool gn_read_quantity(const gn_reader *reader, const char *text, const char *unit, double *value,

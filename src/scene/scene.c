@@ -4,6 +4,7 @@
 #include "scene/read.h"
 
 #include <errno.h>
+#include <limits.h>
 #include <locale.h>
 #include <stdlib.h>
 #include <string.h>
@@ -15,11 +16,31 @@ static const size_t size_limit = (size_t)64 << 20;
 
 static gneiss_status parse_tree(gn_reader *reader, gn_tree *tree, const gn_override *overrides,
                                 size_t override_count) {
-    for (size_t k = 0; k < override_count; k++)
-        GN_TRY(gn_tree_override(tree, &overrides[k], reader->error));
+    for (size_t k = 0; k < override_count; k++) {
+        const char *key = overrides[k].key ? overrides[k].key : "";
+        gn_problem_place(reader->problems, (gn_where){INT_MAX, 0}, key);
+        GN_TRY(gn_read_keep(reader, gn_tree_override(tree, &overrides[k], reader->error)));
+    }
     const gn_node *root = gn_tree_root(tree);
     GN_TRY(gn_read_scene(reader, root));
-    return reader->specimen_only ? gn_check_shape(reader, root) : gn_check_scene(reader, root);
+    GN_TRY(reader->specimen_only ? gn_check_shape(reader, root) : gn_check_scene(reader, root));
+    return gn_problems_status(reader->problems, reader->error);
+}
+
+/* The reader keeps messages even for a caller who does not want them. */
+static gneiss_status parse_all(gn_reader *reader, gn_tree *tree, const gn_override *overrides,
+                               size_t override_count) {
+    gneiss_error own = {0}, *error = reader->error;
+    gn_problems *problems = gn_alloc(sizeof *problems);
+    if (!problems) return gn_fail(error, GNEISS_ERROR_MEMORY, "%s: out of memory", reader->name);
+    reader->error = &own;
+    reader->problems = problems;
+    gneiss_status status = parse_tree(reader, tree, overrides, override_count);
+    reader->error = error;
+    reader->problems = NULL;
+    gn_free(problems);
+    if (status != GNEISS_OK && error) *error = own;
+    return status;
 }
 
 static gneiss_status check_length(const char *text, size_t length, const char *name,
@@ -48,7 +69,7 @@ static gneiss_status parse(gn_reader *reader, const char *text, size_t length,
     if (!c_locale) return gn_fail(reader->error, GNEISS_ERROR_MEMORY, "%s: out of memory", name);
     locale_t previous = uselocale(c_locale);
     gneiss_status status = gn_tree_read(text, length, name, &tree, reader->error);
-    if (status == GNEISS_OK) status = parse_tree(reader, tree, overrides, override_count);
+    if (status == GNEISS_OK) status = parse_all(reader, tree, overrides, override_count);
     gn_tree_free(tree);
     uselocale(previous);
     freelocale(c_locale);

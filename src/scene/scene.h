@@ -482,9 +482,10 @@ char *gn_scene_write_specimen(const gn_scene *scene);
 /* The effects the scene calls for. */
 gn_effects gn_scene_effects(const gn_scene *scene);
 
-/* The key reference: plain text for the terminal, or Markdown for docs/keys.md. `prefix` (may be
- * NULL) restricts it to keys that start with it; returns the number of keys printed. */
-size_t gn_scene_print_keys(FILE *out, bool markdown, const char *prefix);
+/* The key reference: plain text for the terminal, or Markdown for docs/keys.md. `sought` (may be
+ * NULL) restricts it to keys that hold it in any letters: first those that begin with it, then
+ * those with it in their name, then in what stands behind. Returns the number of keys printed. */
+size_t gn_scene_print_keys(FILE *out, bool markdown, const char *sought);
 
 /* Value of a table at a time; 0 for an empty table. */
 double gn_table_at(const gn_table *table, double time);

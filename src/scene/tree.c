@@ -1,6 +1,7 @@
 #include "scene/tree.h"
 
 #include "base/memory.h"
+#include "base/names.h"
 
 #include <libfyaml.h>
 #include <stdlib.h>
@@ -361,6 +362,22 @@ static gn_node *list_element(gn_node *list, const char *step, size_t length) {
     return NULL;
 }
 
+/* By what `name` its elements could be reached. */
+static gneiss_status no_such_element(const gn_node *list, const char *step, int shown,
+                                     const gn_override *o, gneiss_error *error) {
+    char wanted[96], advice[GN_ADVICE_SIZE] = "";
+    snprintf(wanted, sizeof wanted, "%.*s", shown, step);
+    gn_names names = gn_names_for(wanted);
+    for (const gn_node *child = list->first; child; child = child->next) {
+        const gn_node *name = gn_node_child(child, "name");
+        if (name && name->kind == GN_NODE_SCALAR) gn_names_add(&names, name->text);
+    }
+    if (names.known[0]) gn_names_advice(&names, advice, sizeof advice);
+    return gn_fail(error, GNEISS_ERROR_INPUT,
+                   "--set %s: no element '%s' in this list (index base 0, or name)%s", o->key,
+                   wanted, advice);
+}
+
 /* One step down a key of an override; makes sections that are not there. */
 static gneiss_status descend(gn_tree *tree, gn_node **at, const char *step, size_t length,
                              const gn_override *o, gneiss_error *error) {
@@ -371,9 +388,7 @@ static gneiss_status descend(gn_tree *tree, gn_node **at, const char *step, size
         return fail_override(o, error, "'%.*s' is below a value, not in a section", shown, step);
     if (node->kind == GN_NODE_LIST) {
         child = list_element(node, step, length);
-        if (!child)
-            return fail_override(o, error, "no element '%.*s' in this list (index base 0, or name)",
-                                 shown, step);
+        if (!child) return no_such_element(node, step, shown, o, error);
     } else {
         child = child_span(node, step, length);
     }

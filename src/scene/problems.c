@@ -1,0 +1,116 @@
+#include "scene/problems.h"
+
+#include "scene/read.h"
+
+#include <limits.h>
+#include <stdarg.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+void gn_problem_place(gn_problems *p, gn_where where, const char *path) {
+    p->at = where;
+    snprintf(p->path, sizeof p->path, "%s", path);
+}
+
+gneiss_status gn_problem_keep(gn_problems *p, gneiss_status status, const gneiss_error *error) {
+    if (status != GNEISS_ERROR_INPUT) return status;
+    if (p->count < GN_PROBLEMS_MAX) {
+        gn_problem *next = &p->problem[p->count];
+        next->where = p->at;
+        memcpy(next->path, p->path, sizeof next->path);
+        memcpy(next->text, error->message, sizeof next->text);
+    }
+    p->count++;
+    return GNEISS_OK;
+}
+
+static size_t kept(const gn_problems *p) {
+    return p->count < GN_PROBLEMS_MAX ? p->count : GN_PROBLEMS_MAX;
+}
+
+/* --- the message
+ * --------------------------------------------------------------------------------------- */
+
+static int by_place(const void *a, const void *b) {
+    const gn_problem *x = *(gn_problem *const *)a, *y = *(gn_problem *const *)b;
+    if (x->where.line != y->where.line) return x->where.line < y->where.line ? -1 : 1;
+    if (x->where.column != y->where.column) return x->where.column < y->where.column ? -1 : 1;
+    return (x > y) - (x < y);
+}
+
+/* A line each; what has no room is counted. */
+gneiss_status gn_problems_status(gn_problems *p, gneiss_error *error) {
+    enum { REST = 48 };
+    const gn_problem *order[GN_PROBLEMS_MAX];
+    char text[GNEISS_MESSAGE_SIZE] = "";
+    size_t shown = 0, used = 0;
+    if (!p->count) return GNEISS_OK;
+    for (size_t k = 0; k < kept(p); k++) order[k] = &p->problem[k];
+    qsort(order, kept(p), sizeof *order, by_place);
+    for (; shown < kept(p); shown++) {
+        size_t more = strlen(order[shown]->text) + 1;
+        if (shown && used + more + REST > sizeof text) break;
+        used += (size_t)snprintf(text + used, sizeof text - used, "%s%s", shown ? "\n" : "",
+                                 order[shown]->text);
+    }
+    if (shown < p->count && used + REST <= sizeof text)
+        snprintf(text + used, sizeof text - used, "\nand %zu more", p->count - shown);
+    return gn_fail(error, GNEISS_ERROR_INPUT, "%s", text);
+}
+
+gneiss_status gn_read_fail(const gn_reader *reader, const gn_node *node, gn_where where,
+                           const char *path, const char *format, ...) {
+    char text[1024], place[GN_PATH_SIZE + 64];
+    va_list args;
+    va_start(args, format);
+    vsnprintf(text, sizeof text, format, args);
+    va_end(args);
+    bool same = node && node->set && strcmp(node->set, path) == 0;
+    gn_where at = node && node->set ? (gn_where){INT_MAX, 0} : where;
+    gn_problem_place(reader->problems, at, path);
+    if (node && node->set)
+        snprintf(place, sizeof place, "--set %.200s", node->set);
+    else
+        snprintf(place, sizeof place, "%s:%d:%d", reader->name, where.line, where.column);
+    return gn_fail(reader->error, GNEISS_ERROR_INPUT, "%s: %s%s%s", place, same ? "" : path,
+                   same || !*path ? "" : ": ", text);
+}
+
+gneiss_status gn_read_keep(const gn_reader *reader, gneiss_status status) {
+    return gn_problem_keep(reader->problems, status, reader->error);
+}
+
+/* --- what is in doubt
+ * ---------------------------------------------------------------------------------- */
+
+/* Whether a path is `top` or below it. */
+static bool below(const char *path, const char *top) {
+    size_t length = strlen(top);
+    return strncmp(path, top, length) == 0 && (!path[length] || strchr(".[", path[length]));
+}
+
+bool gn_problem_at(const gn_problems *p, const char *path) {
+    for (size_t k = 0; k < kept(p); k++)
+        if (strcmp(p->problem[k].path, path) == 0) return true;
+    return false;
+}
+
+bool gn_problem_near(const gn_problems *p, const char *path) {
+    if (p->count > GN_PROBLEMS_MAX) return true;
+    for (size_t k = 0; k < kept(p); k++)
+        if (below(p->problem[k].path, path) || below(path, p->problem[k].path)) return true;
+    return false;
+}
+
+bool gn_problem_names(const gn_problems *p, const char *list) {
+    if (p->count > GN_PROBLEMS_MAX) return true;
+    for (size_t k = 0; k < kept(p); k++) {
+        const char *path = p->problem[k].path;
+        if (below(list, path)) return true; /* the list itself, or what holds it */
+        if (!below(path, list)) continue;
+        const char *rest = strchr(path + strlen(list), ']');
+        if (!rest || !rest[1] || strcmp(rest, "].name") == 0) return true;
+    }
+    return false;
+}

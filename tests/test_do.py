@@ -1,0 +1,92 @@
+"""What `./do` says and builds, in a root of its own with a build folder whose program is a stub. Speaks TAP."""
+import select
+
+from program import *  # noqa: F403
+
+ROOT = os.path.dirname(os.path.dirname(os.path.abspath(__file__)))
+COUNT = os.path.join(ROOT, "tools", "count_tests.py")
+
+# As meson's, but for what is compiled: nothing.
+NINJA = """
+rule make
+  command = {command} && touch $out
+  description = making $out
+rule program
+  command = printf '#!/bin/sh\\necho "stub $$*"\\n' > $out && chmod +x $out
+  description = making $out
+build compiled.o: make
+build gneiss: program compiled.o
+build tests/test_all: make
+default gneiss tests/test_all
+"""
+
+
+def make_root(folder, command="true"):
+    """A copy of `do` beside a build folder that counts as configured."""
+    build = os.path.join(folder, "build")
+    os.makedirs(build)
+    shutil.copy(os.path.join(ROOT, "do"), folder)
+    write_scene(build, NINJA.format(command=command), "build.ninja")
+    write_scene(build, " --buildtype=release", ".do-options")
+    return build
+
+
+def call(folder, *arguments, **options):
+    if shutil.which("dpkg-query") is None:
+        raise Skip("not Debian")
+    environment = {**os.environ}
+    environment.pop("CC", None)
+    return subprocess.run([os.path.join(folder, "do"), *arguments], text=True, env=environment, timeout=120, cwd=folder,
+                          **{"capture_output": True, **options})
+
+
+@fact
+def run_builds_the_program_and_no_tests(folder):
+    build = make_root(folder)
+    done = expect(call(folder, "run", "scene.yaml"), 0)
+    assert done.stdout == "stub run --force scene.yaml\n", done.stdout
+    assert os.path.exists(os.path.join(build, "compiled.o"))
+    assert not os.path.exists(os.path.join(build, "tests")), "tests were built"
+
+
+@fact
+def a_build_says_what_it_builds_and_when_it_is_done(folder):
+    make_root(folder)
+    assert re.fullmatch(r"building gneiss in build: 2 steps\nbuilt in \d+ s\n", call(folder, "keys").stderr)
+    assert call(folder, "keys").stderr == "", "there was nothing to build"
+
+
+@fact
+def a_build_on_a_terminal_shows_every_step(folder):
+    make_root(folder)
+    main_end, end = pty.openpty()
+    expect(call(folder, "keys", capture_output=False, stdout=subprocess.PIPE, stderr=end), 0)
+    os.close(end)
+    shown = ""
+    while select.select([main_end], [], [], 1.0)[0]:
+        try:
+            shown += os.read(main_end, 4096).decode()
+        except OSError:
+            break
+    os.close(main_end)
+    assert "[2/2] making gneiss" in shown, shown
+
+
+@fact
+def a_build_that_fails_shows_why_and_ends_in_an_error(folder):
+    make_root(folder, "echo what went wrong; false")
+    done = call(folder, "keys")
+    assert done.returncode != 0 and "what went wrong" in done.stderr and "built in" not in done.stderr, done.stderr
+
+
+@fact
+def what_meson_calls_a_failure_is_counted_as_one(folder):
+    entries = [{"name": "good", "result": "OK", "stdout": "1..2\nok 1 a\nok 2 b # SKIP no such thing\n"},
+               {"name": "bad", "result": "FAIL", "returncode": 0, "stdout": "1..2\nok 1 - a\nnot ok 2 # SKIP b\n"}]
+    log = write_scene(folder, "\n".join(json.dumps(entry) for entry in entries), "log.json")
+    done = subprocess.run([sys.executable, COUNT, log], capture_output=True, text=True)
+    assert (done.returncode, done.stdout) == (1, "failed: bad (FAIL)\n2 passed, 1 failed, 1 skipped\n"), done.stdout
+
+
+if __name__ == "__main__":
+    sys.exit(main())
