@@ -3,6 +3,7 @@
 #include "base/point.h"
 #include "base/timer.h"
 #include "sim/exchange.h"
+#include "sim/invariants.h"
 #include "sim/origin.h"
 #include "sim/parts.h"
 #include "soa/single.h"
@@ -419,6 +420,7 @@ gneiss_status gn_world_rebuild(gn_world *w, gneiss_error *error) {
     w->verlet.drift = 0.0;
     w->verlet.rebuilds++;
     w->verlet.last_step = w->step;
+    gn_world_assert_lists(w);
     w->seconds[GN_PHASE_lists] += gn_now() - start;
     return GNEISS_OK;
 }
