@@ -229,7 +229,7 @@ static double springs_of(const gn_world *w, size_t k) {
  * dashpots r <= 2 (1 - s). Whether it is one particle or many does not matter: the bound takes all
  * of the fastest mode to be at the wall. r = 1 takes up all that is missing in one step; more than
  * that is never of use. Where the step is at its limit a little has to be left to move the wall. */
-static double stable_relaxation(const gn_world *w, size_t k) {
+double gn_world_servo_relaxation(const gn_world *w, size_t k) {
     double share = fmin(1.0, w->dt / w->stable), stiffness = w->walls[k].stiffness;
     bool dashpots = w->damping_fraction > 0.0;
     double most = fmax(0.01, fmin(1.0, 2.0 * (1.0 - (dashpots ? share : share * share))));
@@ -280,7 +280,7 @@ static double servo_stiffness(const gn_world *w, size_t k, double force, double 
 static void servo_velocity(gn_world *w, size_t k) {
     const gn_servo *servo = &w->scene.walls[k].servo;
     gn_wall *wall = &w->walls[k];
-    double relaxation = fmin(servo->relaxation, stable_relaxation(w, k));
+    double relaxation = fmin(servo->relaxation, gn_world_servo_relaxation(w, k));
     double missing = gn_table_at(&servo->force, w->time) + gn_dot3(wall->force, wall->normal);
     double stiffness = servo_stiffness(w, k, relaxation * missing, servo->max_velocity * w->dt);
     double speed = relaxation * missing / (stiffness * w->dt);
