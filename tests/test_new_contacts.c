@@ -299,6 +299,66 @@ static void what_sits_in_a_pore_of_a_bonded_body_is_no_loose_particle(void **sta
     }
 }
 
+/* A bonded pair beside a floor: its collision with it counts where the floor is stiffer than the
+ * bond and no platen, with half the steps. */
+static void a_bonded_body_resolves_a_wall_that_is_stiffer_than_its_bonds(void **state) {
+    (void)state;
+    for (int stiff = 0; stiff < 2; stiff++)
+        for (int passive = 0; passive < 2; passive++)
+            for (int body = 0; body < 2; body++) {
+                const char *k = stiff ? "5e5" : "1e5";
+                char floor[256];
+                if (body && passive) continue;
+                snprintf(floor, sizeof floor,
+                         body ? "bodies: [{name: b, box: {size: [8e-3, 8e-3, 1e-3]}, origin: "
+                                "[-4e-3, -4e-3, -1e-3], stiffness: %s}]"
+                              : "walls: [{name: f, point: [0, 0, 0], normal: [0, 0, 1], stiffness: "
+                                "%s, passive: %s}]",
+                         k, passive ? "true" : "false");
+                gn_world *w = world_of(
+                    "dimension: 3\nspecimen: {particles: [[0, 0, 1.01e-3, 1e-3], [0, 0, 3.01e-3, "
+                    "1e-3]], group: 1}\nmaterials: [{name: m, density: 2500, normal_stiffness: "
+                    "1e5, kratio: 1, friction: 0, bond_tension_limit: 1e3, bond_shear_limit: "
+                    "1e3}]\nlaw: {stiffness: uniform}\nbonds: {}\ntime: {end: 1}\n"
+                    "run: {threads: 1}\n%s\n",
+                    floor);
+                assert_int_equal(w->bonds.soa.count, 1);
+                double contact = pi * sqrt(mass_of(w, 0) / 5e5);
+                if (stiff && !passive)
+                    assert_near(w->resolution.step, contact / 5.0, 1e-12 * contact);
+                else
+                    assert_true(w->resolution.step == INFINITY);
+                assert_true(w->dt <= w->resolution.step);
+                world_end(w);
+            }
+}
+
+/* A sphere is torn off another: both are resolved from the next lists on. Where as many stay bonded
+ * and one more, the step remains that of a bonded body. */
+static void what_has_come_apart_is_resolved_as_loose_particles_are(void **state) {
+    (void)state;
+    for (int more = 0; more < 2; more++) {
+        gn_world *w = world_of(
+            "dimension: 3\nspecimen: {particles: [[0, 0, 0, 1e-3], [2e-3, 0, 0, 1e-3]%s], group: "
+            "1}\nmaterials: [{name: m, density: 2500, normal_stiffness: 1e5, kratio: 1, friction: "
+            "0, bond_tension_limit: 1, bond_shear_limit: 1}]\nlaw: {stiffness: uniform}\n"
+            "sets: [{name: a, select: {ids: [0]}, initial_velocity: [-2, 0, 0]}]\n"
+            "bonds: {}\ndomain: {min: [-9, -9, -9], max: [9, 9, 9]}\ntime: {end: 1}\n"
+            "run: {threads: 1}\n",
+            more ? ", [9e-3, 0, 0, 1e-3], [11e-3, 0, 0, 1e-3], [13e-3, 0, 0, 1e-3]" : "");
+        double start = w->dt, contact = pi * sqrt(mass_of(w, 0) / 2e5);
+        assert_true(w->resolution.step == INFINITY && start > 0.11 * contact);
+        int64_t lists = w->verlet.rebuilds;
+        while (w->verlet.rebuilds == lists || w->broken_tension == 0) run_steps(w, 1);
+        assert_int_equal(w->broken_tension, 1);
+        if (more)
+            assert_true(w->resolution.step == INFINITY && w->dt == start);
+        else
+            assert_near(w->dt, contact / 10.0, 1e-12 * contact);
+        world_end(w);
+    }
+}
+
 static void contact_steps_can_be_asked_for(void **state) {
     (void)state;
     gn_world *w = world_of(
@@ -358,6 +418,8 @@ int main(void) {
         cmocka_unit_test(the_step_falls_when_a_stiffer_pair_comes_near),
         cmocka_unit_test(bonded_tests_keep_their_step),
         cmocka_unit_test(what_sits_in_a_pore_of_a_bonded_body_is_no_loose_particle),
+        cmocka_unit_test(a_bonded_body_resolves_a_wall_that_is_stiffer_than_its_bonds),
+        cmocka_unit_test(what_has_come_apart_is_resolved_as_loose_particles_are),
         cmocka_unit_test(contact_steps_can_be_asked_for),
         cmocka_unit_test(a_wall_counts_as_immovable_and_a_light_body_gives_way),
         cmocka_unit_test(a_given_step_that_does_not_resolve_collisions_warns),

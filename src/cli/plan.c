@@ -113,10 +113,10 @@ static void print_contacts_to_come(const gn_world *w) {
     if (r->step < INFINITY)
         printf("  collisions       %.6g s resolves the shortest, %.6g s between %s, in %.4g steps; "
                "it gets %.4g\n",
-               r->step, r->contact, gn_resolution_text(w, text, sizeof text),
-               gn_world_contact_steps(w), r->contact / w->dt);
+               r->step, r->contact, gn_resolution_text(w, text, sizeof text), r->contact / r->step,
+               r->contact / w->dt);
     else
-        printf("  collisions       none of particles that were not bonded at the start\n");
+        printf("  collisions       none that have to be resolved: all particles are bonded\n");
     if (w->listed < INFINITY)
         printf("  near contacts    %.6g s is the stability limit with all of them in touch\n",
                w->listed);

@@ -338,7 +338,9 @@ static gneiss_status check_lists(gn_world *w, bool full, bool *fine, gneiss_erro
     *fine = true;
     if (!w->scene.has_specimen) return GNEISS_OK;
     GN_TRY(gn_loose_find(w, error));
-    resolve(w, gn_resolution_listed(w));
+    gn_resolution resolution;
+    GN_TRY(gn_resolution_listed(w, &resolution, error));
+    resolve(w, resolution);
     return listed_limit(w, full, fine, error);
 }
 
@@ -395,7 +397,7 @@ const char *gn_world_step_warning(const gn_world *w, char *text, size_t size) {
                  "time.step: %.6g s does not resolve collisions: that of %s lasts %.6g s = %.1f "
                  "steps, expected at least %.1f (time.contact_steps)",
                  w->dt, gn_resolution_text(w, who, sizeof who), w->resolution.contact,
-                 w->resolution.contact / w->dt, gn_world_contact_steps(w));
+                 w->resolution.contact / w->dt, w->resolution.contact / w->resolution.step);
     else if (w->dt > w->listed)
         snprintf(text, size,
                  "time.step: %.6g s is above %.6g s, the stability limit with all contacts in "
