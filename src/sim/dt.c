@@ -334,13 +334,18 @@ static void resolve(gn_world *w, gn_resolution r) {
     lower(w, r.step);
 }
 
+static gneiss_status resolve_listed(gn_world *w, gneiss_error *error) {
+    gn_resolution resolution;
+    GN_TRY(gn_loose_find(w, error));
+    GN_TRY(gn_resolution_listed(w, &resolution, error));
+    resolve(w, resolution);
+    return GNEISS_OK;
+}
+
 static gneiss_status check_lists(gn_world *w, bool full, bool *fine, gneiss_error *error) {
     *fine = true;
     if (!w->scene.has_specimen) return GNEISS_OK;
-    GN_TRY(gn_loose_find(w, error));
-    gn_resolution resolution;
-    GN_TRY(gn_resolution_listed(w, &resolution, error));
-    resolve(w, resolution);
+    GN_TRY(resolve_listed(w, error));
     return listed_limit(w, full, fine, error);
 }
 
@@ -381,6 +386,8 @@ gneiss_status gn_world_check_step(gn_world *w, bool full, gneiss_error *error) {
         w->stable = all_together(w, w->stable_particles);
         status = react(w, w->stable, error);
     }
+    /* What rattles or has come apart in lists that stand for long. */
+    if (status == GNEISS_OK && !full && w->scene.has_specimen) status = resolve_listed(w, error);
     /* A step of next to nothing is no step to look at lists with. */
     if (status == GNEISS_OK && full) status = gn_world_check_duration(w, error);
     if (status == GNEISS_OK && full) status = check_anew(w, error);
