@@ -188,7 +188,7 @@ static gneiss_status find_crowds(const gn_world *w, double **sum, gneiss_error *
 static double share_in(const gn_world *w, const double *crowd, size_t i, size_t j, double square) {
     if (!crowd) return 1.0;
     double together = (crowd[i] + crowd[j]) / (double)w->scene.dimension;
-    return together > square ? sqrt(together / square) : 1.0;
+    return square > 0.0 && together > square ? sqrt(together / square) : 1.0;
 }
 
 static void meet_pairs(const gn_world *w, const ties *t, const gn_contacts *k, const double *crowd,
