@@ -111,6 +111,26 @@ def plan_says_which_servo_is_slower_than_asked(folder):
 
 
 @fact
+def what_the_set_up_refuses_is_named_by_file_line_and_column(folder):
+    # LOOSE begins with an empty line: specimen stands in line 3, law in 5, time in 6, what is added in 8.
+    loose = LOOSE.replace("STEP", "auto")
+    held = "sets: [{name: a, select: {all: true}, motion: {vx: 0, vy: 0, vz: 0}}]\n"
+    wall = "walls: [{name: w, point: [1e9, 0, 1], normal: [0.6, 0, -0.8], stiffness: 1, motion: {vx: 1e-9}}]\norigin: [0, 0, 0]\n"
+    cases = (
+        (loose.replace("2.1e-3", "0"), "3:1: specimen: expected distinct centres"),
+        (loose + "domain: {min: [0, -1, -1], max: [1e-3, 1, 1]}\n", "3:1: specimen: expected particles inside the domain"),
+        (loose.replace("[[0, 0, 0, 1e-3]", "[[1e8, 0, 0, 1e-3]") + "origin: [0, 0, 0]\n", "3:1: specimen: expected places"),
+        (loose.replace("normal_stiffness: 1e5", "contact_modulus: 1e5").replace("uniform", "mean_harmonic").replace("2.1e", "2.2e"), "5:1: law.stiffness"),
+        (loose + held, "6:1: time.step: required"),
+        (LOOSE.replace("STEP", "9e-5").replace("2.1e-3", "1.9e-3"), "6:1: time.step: expected at most"),
+        (loose + wall, "8:9: wall 'w': expected a velocity"),
+    )
+    for text, words in cases:
+        result = gneiss("check", write_scene(folder, text))
+        assert result.returncode == 2 and ":" + words in result.stderr, (words, result.stderr)
+
+
+@fact
 def effects_that_are_off_take_no_storage(folder):
     out = expect(gneiss("plan", UCS), 0).stdout
     assert re.search(r"bonds .*\bshear\b", out) and re.search(r"particles .*\bspin\b", out)
