@@ -116,7 +116,7 @@ static void print_contacts_to_come(const gn_world *w) {
                r->step, r->contact, gn_resolution_text(w, text, sizeof text), r->contact / r->step,
                r->contact / w->dt);
     else
-        printf("  collisions       none that have to be resolved: all particles are bonded\n");
+        printf("  collisions       none that would have to be resolved\n");
     if (w->listed < INFINITY)
         printf("  near contacts    %.6g s is the stability limit with all of them in touch\n",
                w->listed);

@@ -1,8 +1,8 @@
 /* A stable step need not resolve a collision. What particles can meet that they were not bonded to
- * at the start has to be met in enough steps: of those contacts the shortest sets the step. Where
- * they were bonded it is left alone, but for two cases: half as many steps for what meets a wall
- * that is stiffer than its bonds, and all of them once it has come apart. More than
- * enough are taken for crowds that no dashpot calms. */
+ * at the start has to be met in enough steps: of those contacts the shortest sets the step. Crowds
+ * that no dashpot calms get more. What was bonded keeps its step, but for two cases: half as many
+ * steps where it meets a wall that is stiffer than its bonds, all of them once it has come apart.
+ */
 #include "base/memory.h"
 #include "sim/dashpot.h"
 #include "sim/parts.h"
@@ -147,10 +147,12 @@ static gn_resolution resolution_of(const gn_world *w, const fastest *f) {
     return (gn_resolution){contact / steps, contact, f->first, f->second};
 }
 
-/* Whether dashpots take so little in a collision, at a restitution of 0.95 or more, that the errors
- * of thousands add up. */
+/* Whether damping takes so little in a collision, at a restitution c of 0.95 or more, that the
+ * errors of thousands add up. Non-viscous damping of coefficient a makes the force 1 + a times as
+ * large on the way in and 1 - a on the way out: c^2 = (1 - a)/(1 + a). */
 static bool rings(const gn_world *w) {
-    return w->damping_fraction < 0.0163;
+    bool active = w->effects & (GN_FX_NONVISCOUS_VECTOR | GN_FX_NONVISCOUS_COMPONENT);
+    return w->damping_fraction < 0.0163 && !(active && w->scene.background_coefficient > 0.051);
 }
 
 /* Whether a contact may open or close while others of its particles press: its gap or overlap is no
@@ -163,7 +165,7 @@ static bool rattles(const gn_world *w, size_t i, size_t j, double square) {
 }
 
 /* Of each particle the sum of k/m over the contacts that rattle: d times the mean square of the
- * frequencies with which it moves when all of them press. *sum NULL: dashpots do not let it ring.
+ * frequencies with which it moves when all of them press. *sum NULL: damping does not let it ring.
  */
 static gneiss_status find_crowds(const gn_world *w, double **sum, gneiss_error *error) {
     const gn_contacts *k = &w->pairs;
