@@ -25,11 +25,8 @@ ENVIRONMENT = {**os.environ, "OMP_WAIT_POLICY": "passive",
                "ASAN_OPTIONS": os.environ.get("ASAN_OPTIONS", "") + ":detect_leaks=0"}
 KINDS = ("lattice", "gas", "periodic", "sizes", "bodies", "elements", "bonds")
 AXES = "xyz"
-# Seeds that go bad, and why: left open.
-WALL = "bonded particles rattle on a stiff wall, whose contacts with them need only be stable; closes with time.safety 0.3"
-SERVO = "a servo wall meets many particles at once, with a path per step that is meant for one contact; the same at any step"
-CROWD = "undamped loose particles of a dense lattice rattle; the residual falls with the cube of the step"
-OPEN = {182: WALL, 497: SERVO, 1003: CROWD, 1036: SERVO, 1332: CROWD, 1721: WALL}
+# Seeds that go bad, and why {seed: reason}: left open.
+OPEN = {}
 
 
 class Draw(random.Random):

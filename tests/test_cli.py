@@ -100,6 +100,49 @@ def a_step_that_does_not_resolve_collisions_is_warned_of(folder):
     assert "between particles 0 and 1, in " in plan
 
 
+LID = "walls: [{name: lid, point: [0, 0, GAP], normal: [0, 0, -1], stiffness: 1e5, servo: {force: 1, max_velocity: 1, relaxation: R}}]\n"
+
+
+@fact
+def a_step_that_nothing_limits_yet_is_told_in_words(folder):
+    loose = LOOSE.replace("STEP", "1e-6")
+    held = loose + "sets: [{name: a, select: {all: true}, motion: {vx: 0, vy: 0, vz: 0}}]\n"
+    for text, words in ((loose, "nothing touches yet"), (held, "can move")):
+        scene = write_scene(folder, text)
+        for command in (("plan", scene), ("run", scene, "--out", os.path.join(folder, words.replace(" ", "_")))):
+            out = expect(gneiss(*command), 0).stdout
+            assert words in out and not re.search(r"\b(inf|nan)\b", out), out
+
+
+@fact
+def plan_says_which_servo_is_slower_than_asked(folder):
+    # Its one contact is the fastest: at 0.99 of the limit the loop is stable up to 2 (1 - 0.99^2).
+    text = LOOSE.replace("2.1e-3", "9e-3").replace("{step: STEP, end: 1e-4}", "{end: 1e-4, safety: 0.99, contact_steps: 1}") + LID.replace("GAP", "0.9999 mm")
+    for asked, cut in (("1", True), ("0.03", False)):
+        out = expect(gneiss("plan", write_scene(folder, text.replace("R}", asked + "}"))), 0).stdout
+        assert ("wall 'lid': relaxation 0.0398 instead of" in out) == cut, out
+
+
+@fact
+def what_the_set_up_refuses_is_named_by_file_line_and_column(folder):
+    # LOOSE begins with an empty line: specimen stands in line 3, law in 5, time in 6, what is added in 8.
+    loose = LOOSE.replace("STEP", "auto")
+    held = "sets: [{name: a, select: {all: true}, motion: {vx: 0, vy: 0, vz: 0}}]\n"
+    wall = "walls: [{name: w, point: [1e9, 0, 1], normal: [0.6, 0, -0.8], stiffness: 1, motion: {vx: 1e-9}}]\norigin: [0, 0, 0]\n"
+    cases = (
+        (loose.replace("2.1e-3", "0"), "3:1: specimen: expected distinct centres"),
+        (loose + "domain: {min: [0, -1, -1], max: [1e-3, 1, 1]}\n", "3:1: specimen: expected particles inside the domain"),
+        (loose.replace("[[0, 0, 0, 1e-3]", "[[1e8, 0, 0, 1e-3]") + "origin: [0, 0, 0]\n", "3:1: specimen: expected places"),
+        (loose.replace("normal_stiffness: 1e5", "contact_modulus: 1e5").replace("uniform", "mean_harmonic").replace("2.1e", "2.2e"), "5:1: law.stiffness"),
+        (loose + held, "6:1: time.step: required"),
+        (LOOSE.replace("STEP", "9e-5").replace("2.1e-3", "1.9e-3"), "6:1: time.step: expected at most"),
+        (loose + wall, "8:9: wall 'w': expected a velocity"),
+    )
+    for text, words in cases:
+        result = gneiss("check", write_scene(folder, text))
+        assert result.returncode == 2 and ":" + words in result.stderr, (words, result.stderr)
+
+
 @fact
 def effects_that_are_off_take_no_storage(folder):
     out = expect(gneiss("plan", UCS), 0).stdout

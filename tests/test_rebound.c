@@ -117,6 +117,37 @@ static void restitution_is_kept_beside_sideways_motion(void **state) {
         }
 }
 
+/* A sphere that is held along x alone is met along a normal at `angle` to it. The speed along the
+ * normal at which they part over that at which they met. */
+static double held_along_x(double angle, double restitution) {
+    double n[2] = {cos(angle), sin(angle)}, r = 1e-3, m = sphere_mass(2500, r);
+    double w0 = sqrt(1e6 / m * (1.0 + n[1] * n[1])), dt = pi / w0 / GN_STEPS_PER_CONTACT;
+    double speed = 1e-4 * r * w0, start = 2.0 * r + 1.5 * speed * dt;
+    gn_world *w = world_of(
+        "dimension: 3\nspecimen: {particles: [[0, 0, 0, 1e-3], [%.17g, %.17g, 0, 1e-3]], group: "
+        "0}\nmaterials: [{name: m, density: 2500, normal_stiffness: 1e6, kratio: 0}]\nlaw: "
+        "{stiffness: uniform}\ndamping: {contact: {restitution: %.17g}}\nsets:\n"
+        "  - {name: b, select: {ids: [1]}, initial_velocity: [%.17g, %.17g, 0]}\n"
+        "  - {name: a, select: {ids: [0]}, motion: {vx: 0}}\n"
+        "time: {step: %.17g, end: 1, on_unstable: warn}\nrun: {threads: 1}\n",
+        start * n[0], start * n[1], restitution, -speed * n[0], -speed * n[1], dt);
+    run_steps(w, 4 * GN_STEPS_PER_CONTACT);
+    double parts = 0.0;
+    for (int a = 0; a < 2; a++) parts += n[a] * (vel_of(w, 1)[a] - vel_of(w, 0)[a]);
+    world_end(w);
+    return parts / speed;
+}
+
+/* Of what it can give way by only the part along the normal counts: 1/m sin^2. */
+static void restitution_is_kept_against_what_is_held_along_one_axis(void **state) {
+    (void)state;
+    for (int k = 0; k < 4; k++)
+        for (double angle = 0.0; angle < 1.6; angle += 0.25) {
+            double asked = (const double[]){0.1, 0.5, 0.8, 1.0}[k];
+            assert_near(held_along_x(angle, asked), asked, 0.01);
+        }
+}
+
 /* The first of a row of five, of which four touch, hits the others and so on, between two walls. */
 static void a_cradle_keeps_its_energy_without_dashpots(void **state) {
     (void)state;
@@ -219,6 +250,7 @@ int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(restitution_is_kept_at_the_steps_that_the_rule_gives),
         cmocka_unit_test(restitution_is_kept_beside_sideways_motion),
+        cmocka_unit_test(restitution_is_kept_against_what_is_held_along_one_axis),
         cmocka_unit_test(a_cradle_keeps_its_energy_without_dashpots),
         cmocka_unit_test(spinning_clusters_keep_their_energy),
     };

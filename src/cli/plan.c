@@ -83,6 +83,10 @@ static void print_lowered(const gn_world *w) {
 static void print_particle_limits(const gn_world *w) {
     double sharp = w->limit.sharp;
     if (w->elements) printf("  particles\n");
+    if (w->limit.bound == INFINITY && w->stable_particles == INFINITY) {
+        printf("  contacts         none that could limit the step: no particle can move\n");
+        return;
+    }
     if (w->limit.bound == INFINITY) {
         printf("  contacts to come %.6g s, since nothing touches yet\n", w->stable_particles);
         print_lowered(w);
@@ -111,22 +115,38 @@ static void print_contacts_to_come(const gn_world *w) {
     if (r->step < INFINITY)
         printf("  collisions       %.6g s resolves the shortest, %.6g s between %s, in %.4g steps; "
                "it gets %.4g\n",
-               r->step, r->contact, gn_resolution_text(w, text, sizeof text),
-               gn_world_contact_steps(w), r->contact / w->dt);
+               r->step, r->contact, gn_resolution_text(w, text, sizeof text), r->contact / r->step,
+               r->contact / w->dt);
     else
-        printf("  collisions       none of particles that were not bonded at the start\n");
+        printf("  collisions       none that would have to be resolved\n");
     if (w->listed < INFINITY)
         printf("  near contacts    %.6g s is the stability limit with all of them in touch\n",
                w->listed);
     if (*gn_world_step_warning(w, text, sizeof text)) printf("  warning: %s\n", text);
 }
 
+/* Servo walls that the step makes slower than they are asked to be. */
+static void print_servos(const gn_world *w) {
+    for (size_t k = 0; k < w->scene.wall_count; k++) {
+        const gn_wall_def *wall = &w->scene.walls[k];
+        double most = gn_world_servo_relaxation(w, k);
+        if (!wall->servo.active || wall->servo.relaxation <= most) continue;
+        printf("  servo            wall '%.60s': relaxation %.3g%s instead of %g, which would not "
+               "be stable with this step (a smaller time.safety leaves more)\n",
+               wall->name, most, w->damping_fraction > 0.0 ? " or less" : "",
+               wall->servo.relaxation);
+    }
+}
+
 static void print_step(const gn_world *w) {
-    printf("step\n  dt               %.6g s%s = %.3f of the stability limit %.6g s\n", w->dt,
-           w->scene.step > 0.0 ? " (given)" : "", w->dt / w->stable, w->stable);
+    printf("step\n  dt               %.6g s%s", w->dt, w->scene.step > 0.0 ? " (given)" : "");
+    if (w->stable < INFINITY)
+        printf(" = %.3f of the stability limit %.6g s", w->dt / w->stable, w->stable);
+    printf("\n");
     if (w->scene.has_specimen) print_contacts_to_come(w);
     if (w->scene.has_specimen) print_particle_limits(w);
     gn_print_element_limits(w);
+    print_servos(w);
     if (w->elements && gn_world_nonviscous_share(w) < 1.0)
         printf("  less             %.3f for non-viscous damping, which stiffens the fastest mode\n",
                gn_world_nonviscous_share(w));

@@ -90,11 +90,20 @@ void gn_leave_progress(const gn_options *o) {
     if (!o->quiet && !o->json && isatty(STDERR_FILENO)) fputc('\n', stderr);
 }
 
+/* Where nothing touches there are no springs, and no limits of them to show. */
 static void print_limits(const gn_world *w) {
-    printf("step %.4g s = %.2f of the stability limit %.4g s (undamped: sharp %.4g s, rigorous "
-           "bound %.4g s",
-           w->dt, w->dt / w->stable, w->stable, gn_world_sharp_limit(w), gn_world_bound(w));
-    if (w->scene.has_specimen)
+    printf("step %.4g s", w->dt);
+    if (w->stable == INFINITY) {
+        printf(": nothing can move that would limit it\n");
+        return;
+    }
+    printf(" = %.2f of the stability limit %.4g s (", w->dt / w->stable, w->stable);
+    if (gn_world_sharp_limit(w) == INFINITY)
+        printf("of contacts to come: nothing touches yet");
+    else
+        printf("undamped: sharp %.4g s, rigorous bound %.4g s", gn_world_sharp_limit(w),
+               gn_world_bound(w));
+    if (w->scene.has_specimen && w->limit.literature < INFINITY)
         printf(", one-spring estimate of the literature %.4g s", w->limit.literature);
     printf(")\n");
 }

@@ -246,7 +246,8 @@ static const gn_key law_keys[] = {
     KEY("rotation", CHOICE, gn_scene, rotation, .choices = switches, .fallback = "auto",
         .text = "whether particles spin; auto: on"),
 };
-TABLE_OF(law);
+static const gn_section law_section = {law_keys, sizeof law_keys / sizeof(gn_key), 0,
+                                       offsetof(gn_scene, law_where)};
 
 static const gn_key bonds_keys[] = {
     KEY("enabled", CHOICE, gn_scene, bonds, .choices = switches, .fallback = "auto",

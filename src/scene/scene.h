@@ -370,6 +370,7 @@ typedef struct gn_scene {
     gn_element_def elements;
 
     bool has_law;
+    gn_where law_where;
     gn_stiffness_model stiffness;
     gn_contact_arm contact_arm;
     gn_switch rotation; /* auto: on */

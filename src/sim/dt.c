@@ -242,9 +242,10 @@ static gneiss_status react(gn_world *w, double limit, gneiss_error *error) {
     char text[160];
     if (w->scene.step == 0.0) {
         if (!isfinite(limit))
-            return gn_fail(error, GNEISS_ERROR_INPUT,
-                           "%s: time.step: required, because nothing can move that would limit it",
-                           w->scene.source);
+            return gn_fail(
+                error, GNEISS_ERROR_INPUT,
+                "%s:%d:%d: time.step: required, because nothing can move that would limit it",
+                w->scene.source, w->scene.time_where.line, w->scene.time_where.column);
         double wanted = w->scene.safety * limit;
         /* Small changes of the stiffest mode are what the safety factor is for. */
         if (w->step > 0 && wanted > 0.97 * w->dt) return GNEISS_OK;
@@ -254,13 +255,14 @@ static gneiss_status react(gn_world *w, double limit, gneiss_error *error) {
     }
     set_step(w, w->scene.step);
     if (w->dt <= limit || w->scene.on_unstable == GN_POLICY_WARN) return GNEISS_OK;
-    return gn_fail(
-        error, w->step > 0 ? GNEISS_ERROR_UNSTABLE : GNEISS_ERROR_INPUT,
-        "%s: time.step: expected at most %.6g s (stability limit at step %lld, set by %s; the "
-        "rigorous bound without damping is %.6g s), found %.6g s = %.3f of the limit "
-        "(time.on_unstable: warn runs it all the same)",
-        w->scene.source, limit, (long long)w->step, culprit(w, text, sizeof text),
-        gn_world_bound(w), w->dt, w->dt / limit);
+    return gn_fail(error, w->step > 0 ? GNEISS_ERROR_UNSTABLE : GNEISS_ERROR_INPUT,
+                   "%s:%d:%d: time.step: expected at most %.6g s (stability limit at step %lld, "
+                   "set by %s; the "
+                   "rigorous bound without damping is %.6g s), found %.6g s = %.3f of the limit "
+                   "(time.on_unstable: warn runs it all the same)",
+                   w->scene.source, w->scene.time_where.line, w->scene.time_where.column, limit,
+                   (long long)w->step, culprit(w, text, sizeof text), gn_world_bound(w), w->dt,
+                   w->dt / limit);
 }
 
 /* Whether springs that have come to act since the last look take the limit down. Without any at
@@ -334,11 +336,18 @@ static void resolve(gn_world *w, gn_resolution r) {
     lower(w, r.step);
 }
 
+static gneiss_status resolve_listed(gn_world *w, gneiss_error *error) {
+    gn_resolution resolution;
+    GN_TRY(gn_loose_find(w, error));
+    GN_TRY(gn_resolution_listed(w, &resolution, error));
+    resolve(w, resolution);
+    return GNEISS_OK;
+}
+
 static gneiss_status check_lists(gn_world *w, bool full, bool *fine, gneiss_error *error) {
     *fine = true;
     if (!w->scene.has_specimen) return GNEISS_OK;
-    GN_TRY(gn_loose_find(w, error));
-    resolve(w, gn_resolution_listed(w));
+    GN_TRY(resolve_listed(w, error));
     return listed_limit(w, full, fine, error);
 }
 
@@ -379,6 +388,8 @@ gneiss_status gn_world_check_step(gn_world *w, bool full, gneiss_error *error) {
         w->stable = all_together(w, w->stable_particles);
         status = react(w, w->stable, error);
     }
+    /* What rattles or has come apart in lists that stand for long. */
+    if (status == GNEISS_OK && !full && w->scene.has_specimen) status = resolve_listed(w, error);
     /* A step of next to nothing is no step to look at lists with. */
     if (status == GNEISS_OK && full) status = gn_world_check_duration(w, error);
     if (status == GNEISS_OK && full) status = check_anew(w, error);
@@ -395,7 +406,7 @@ const char *gn_world_step_warning(const gn_world *w, char *text, size_t size) {
                  "time.step: %.6g s does not resolve collisions: that of %s lasts %.6g s = %.1f "
                  "steps, expected at least %.1f (time.contact_steps)",
                  w->dt, gn_resolution_text(w, who, sizeof who), w->resolution.contact,
-                 w->resolution.contact / w->dt, gn_world_contact_steps(w));
+                 w->resolution.contact / w->dt, w->resolution.contact / w->resolution.step);
     else if (w->dt > w->listed)
         snprintf(text, size,
                  "time.step: %.6g s is above %.6g s, the stability limit with all contacts in "

@@ -124,9 +124,9 @@ gneiss_status gn_law_derive(gn_world *w, const gn_pair_list *pairs, gneiss_error
     if (count == 0)
         return gn_fail(
             error, GNEISS_ERROR_INPUT,
-            "%s: law.stiffness: expected contacts to average over, found none between the "
+            "%s:%d:%d: law.stiffness: expected contacts to average over, found none between the "
             "particles of the specimen",
-            w->scene.source);
+            w->scene.source, w->scene.law_where.line, w->scene.law_where.column);
     w->derived = (gn_derived){sum / (double)count, sum2 / (double)count};
     return GNEISS_OK;
 }

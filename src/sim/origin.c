@@ -126,36 +126,40 @@ static void reach_of(const gn_particles *q, double reach[3]) {
     }
 }
 
-static gneiss_status too_coarse(const gn_world *w, const char *what, const double reach[3],
-                                const char *of, double length, gneiss_error *error) {
+static gneiss_status too_coarse(const gn_world *w, gn_where where, const char *what,
+                                const double reach[3], const char *of, double length,
+                                gneiss_error *error) {
     char at[GN_POINT_SIZE];
     double far = largest(reach);
     if (!(rounding(far) > coarse * length)) return GNEISS_OK;
-    return gn_fail(error, GNEISS_ERROR_INPUT,
-                   "%s: %s: expected places that are rounded to less than %g of %s (%g m), found "
-                   "%g m, as they lie up to %g m from %s m, which positions are computed relative "
-                   "to (key origin): forces would be lost in it",
-                   w->scene.source, what, coarse, of, length, rounding(far), far,
-                   gn_point_text(w->scene.origin, (const double[3]){0, 0, 0}, at));
+    return gn_fail(
+        error, GNEISS_ERROR_INPUT,
+        "%s:%d:%d: %s: expected places that are rounded to less than %g of %s (%g m), found "
+        "%g m, as they lie up to %g m from %s m, which positions are computed relative "
+        "to (key origin): forces would be lost in it",
+        w->scene.source, where.line, where.column, what, coarse, of, length, rounding(far), far,
+        gn_point_text(w->scene.origin, (const double[3]){0, 0, 0}, at));
 }
 
 /* What something moves in a step; components far below the largest are taken for round-off. A
  * constant velocity is rounded the same way in step after step, up to half the spacing each. */
-static gneiss_status too_slow(const gn_world *w, const char *what, const double velocity[3],
-                              const double reach[3], gneiss_error *error) {
+static gneiss_status too_slow(const gn_world *w, gn_where where, const char *what,
+                              const double velocity[3], const double reach[3],
+                              gneiss_error *error) {
     char at[GN_POINT_SIZE];
     for (int a = 0; a < 3; a++) {
         double speed = fabs(velocity[a]);
         if (!(speed > 1e-3 * largest(velocity)) || speed * w->dt >= 50.0 * rounding(reach[a]))
             continue;
-        return gn_fail(error, GNEISS_ERROR_INPUT,
-                       "%s: %s: expected a velocity that moves 50 times the rounding of places in "
-                       "a step, found %g m/s along %c: %.3g m in %.3g s, and places rounded to "
-                       "%.3g m, as they lie up to %g m from %s m, which positions are computed "
-                       "relative to (key origin): its motion would be lost",
-                       w->scene.source, what, speed, "xyz"[a], speed * w -> dt, w -> dt,
-                       rounding(reach[a]), fabs(reach[a]),
-                       gn_point_text(w->scene.origin, (const double[3]){0, 0, 0}, at));
+        return gn_fail(
+            error, GNEISS_ERROR_INPUT,
+            "%s:%d:%d: %s: expected a velocity that moves 50 times the rounding of places in "
+            "a step, found %g m/s along %c: %.3g m in %.3g s, and places rounded to "
+            "%.3g m, as they lie up to %g m from %s m, which positions are computed "
+            "relative to (key origin): its motion would be lost",
+            w->scene.source, where.line, where.column, what, speed, "xyz"[a], speed * w -> dt,
+            w -> dt, rounding(reach[a]), fabs(reach[a]),
+            gn_point_text(w->scene.origin, (const double[3]){0, 0, 0}, at));
     }
     return GNEISS_OK;
 }
@@ -171,7 +175,8 @@ static void fastest(const gn_table tables[3], double velocity[3]) {
 gneiss_status gn_origin_check_specimen(const gn_world *w, gneiss_error *error) {
     double reach[3];
     reach_of(&w->particles, reach);
-    return too_coarse(w, "specimen", reach, "the smallest radius", w->radius_min, error);
+    return too_coarse(w, w->scene.specimen.where, "specimen", reach, "the smallest radius",
+                      w->radius_min, error);
 }
 
 static gneiss_status check_sets(const gn_world *w, gneiss_error *error) {
@@ -182,8 +187,9 @@ static gneiss_status check_sets(const gn_world *w, gneiss_error *error) {
         const gn_set *s = &w->scene.sets[k];
         snprintf(what, sizeof what, "set '%s'", s->name);
         fastest(s->motion.velocity, velocity);
-        GN_TRY(too_slow(w, what, velocity, reach, error));
-        if (s->has_initial_velocity) GN_TRY(too_slow(w, what, s->initial_velocity, reach, error));
+        GN_TRY(too_slow(w, s->where, what, velocity, reach, error));
+        if (s->has_initial_velocity)
+            GN_TRY(too_slow(w, s->where, what, s->initial_velocity, reach, error));
     }
     return GNEISS_OK;
 }
@@ -194,7 +200,7 @@ static gneiss_status check_walls(const gn_world *w, gneiss_error *error) {
     for (size_t k = 0; k < w->scene.wall_count; k++) {
         snprintf(what, sizeof what, "wall '%s'", w->scene.walls[k].name);
         fastest(w->scene.walls[k].motion.velocity, velocity);
-        GN_TRY(too_slow(w, what, velocity, w->walls[k].point, error));
+        GN_TRY(too_slow(w, w->scene.walls[k].where, what, velocity, w->walls[k].point, error));
     }
     return GNEISS_OK;
 }
@@ -207,10 +213,11 @@ static gneiss_status check_bodies(const gn_world *w, gneiss_error *error) {
         snprintf(what, sizeof what, "body '%s': its reference point (key reference)",
                  w->scene.bodies[k].name);
         if (w->scene.has_specimen)
-            GN_TRY(too_coarse(w, what, b->position, "the smallest radius", w->radius_min, error));
+            GN_TRY(too_coarse(w, w->scene.bodies[k].where, what, b->position, "the smallest radius",
+                              w->radius_min, error));
         fastest(w->scene.bodies[k].motion.velocity, velocity);
-        GN_TRY(too_slow(w, what, velocity, b->position, error));
-        GN_TRY(too_slow(w, what, b->velocity, b->position, error));
+        GN_TRY(too_slow(w, w->scene.bodies[k].where, what, velocity, b->position, error));
+        GN_TRY(too_slow(w, w->scene.bodies[k].where, what, b->velocity, b->position, error));
     }
     return GNEISS_OK;
 }
@@ -221,11 +228,12 @@ static gneiss_status check_elements(const gn_world *w, gneiss_error *error) {
     char what[GN_NAME_SIZE + 32];
     double reach[3], velocity[3];
     reach_of(&b->nodes, reach);
-    GN_TRY(too_coarse(w, "elements", reach, "the least height of an element", b->height, error));
+    GN_TRY(too_coarse(w, e->where, "elements", reach, "the least height of an element", b->height,
+                      error));
     for (size_t k = 0; k < e->motion_count; k++) {
         snprintf(what, sizeof what, "elements: motion '%s'", e->motions[k].name);
         fastest(e->motions[k].motion.velocity, velocity);
-        GN_TRY(too_slow(w, what, velocity, reach, error));
+        GN_TRY(too_slow(w, e->motions[k].where, what, velocity, reach, error));
     }
     return GNEISS_OK;
 }

@@ -147,7 +147,8 @@ double gn_rigid_compliance(const gn_rigid *body, const double v[3]);
  * world->loose. */
 gneiss_status gn_loose_find(gn_world *world, gneiss_error *error);
 /* The shortest contact that can begin before the lists are made again. */
-gn_resolution gn_resolution_listed(const gn_world *world);
+gneiss_status gn_resolution_listed(const gn_world *world, gn_resolution *resolution,
+                                   gneiss_error *error);
 /* The same of any two distinct particles of the scene, walls and surfaces, wherever they are; and
  * the stability limit of one such contact by itself, s. */
 gneiss_status gn_flight_limits(const gn_world *world, double *stable, gn_resolution *resolution,

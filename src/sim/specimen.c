@@ -35,10 +35,13 @@ static unit_cell cell_of(gn_lattice_kind kind) {
     return (unit_cell){{1, 1, 1}, 0, {{0, 0, 0}}};
 }
 
-static gneiss_status allocate(gn_packing *packing, double count, gneiss_error *error) {
+static gneiss_status allocate(const gn_scene *scene, gn_packing *packing, double count,
+                              gneiss_error *error) {
     if (count > 1e9)
         return gn_fail(error, GNEISS_ERROR_INPUT,
-                       "specimen: expected at most 1e9 particles, found %g", count);
+                       "%s:%d:%d: specimen: expected at most 1e9 particles, found %g",
+                       scene->source, scene->specimen.where.line, scene->specimen.where.column,
+                       count);
     packing->count = (size_t)count;
     packing->sphere = gn_alloc_array(packing->count + 1, 4 * sizeof(double));
     if (!packing->sphere)
@@ -51,8 +54,8 @@ static gneiss_status make_lattice(const gn_scene *scene, gn_packing *packing, gn
     unit_cell cell = cell_of(l->kind);
     double a = 2.0 * l->radius * l->spacing;
     int64_t nz = scene->dimension == 3 ? l->cells[2] : 1;
-    GN_TRY(allocate(packing, (double)l->cells[0] * (double)l->cells[1] * (double)nz * cell.count,
-                    error));
+    GN_TRY(allocate(scene, packing,
+                    (double)l->cells[0] * (double)l->cells[1] * (double)nz * cell.count, error));
     size_t k = 0;
     for (int64_t z = 0; z < nz; z++)
         for (int64_t y = 0; y < l->cells[1]; y++)
@@ -90,11 +93,12 @@ static gneiss_status check_sizes(const gn_scene *scene, const gn_packing *packin
         const double *s = packing->sphere + 4 * p;
         double far = fmax(fabs(s[0]), fmax(fabs(s[1]), fabs(s[2])));
         if (far <= GN_PLACE_MOST && s[3] >= GN_LENGTH_LEAST && s[3] <= GN_PLACE_MOST) continue;
-        return gn_fail(error, GNEISS_ERROR_INPUT,
-                       "%s: specimen: expected coordinates up to %g m and radii of %g to %g m, "
-                       "found particle %zu (base 0) at (%g, %g, %g) m with radius %g m",
-                       scene->source, GN_PLACE_MOST, GN_LENGTH_LEAST, GN_PLACE_MOST, p, s[0], s[1],
-                       s[2], s[3]);
+        return gn_fail(
+            error, GNEISS_ERROR_INPUT,
+            "%s:%d:%d: specimen: expected coordinates up to %g m and radii of %g to %g m, "
+            "found particle %zu (base 0) at (%g, %g, %g) m with radius %g m",
+            scene->source, scene->specimen.where.line, scene->specimen.where.column, GN_PLACE_MOST,
+            GN_LENGTH_LEAST, GN_PLACE_MOST, p, s[0], s[1], s[2], s[3]);
     }
     return GNEISS_OK;
 }
@@ -104,13 +108,13 @@ static gneiss_status make(const gn_scene *scene, gn_packing *packing, double *vo
     const gn_specimen *s = &scene->specimen;
     if (s->packed) {
         *volume = s->packed_volume;
-        GN_TRY(allocate(packing, (double)s->packed_count, error));
+        GN_TRY(allocate(scene, packing, (double)s->packed_count, error));
         memcpy(packing->sphere, s->packed, s->packed_count * 4 * sizeof(double));
         return GNEISS_OK;
     }
     if (s->lattice.kind != GN_LATTICE_NONE) return make_lattice(scene, packing, error);
     if (s->pack.shape != GN_SHAPE_NONE) return pack(scene, packing, volume, error);
-    GN_TRY(allocate(packing, (double)s->particle_count, error));
+    GN_TRY(allocate(scene, packing, (double)s->particle_count, error));
     memcpy(packing->sphere, s->particles, s->particle_count * 4 * sizeof(double));
     return GNEISS_OK;
 }

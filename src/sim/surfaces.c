@@ -128,8 +128,18 @@ const gn_surface *gn_surface_of_row(const gn_world *w, size_t row) {
 typedef struct memory {
     size_t row;
     double n[3], shear[3], fd;
+    double part; /* of the stiffness that it had */
     bool taken;
 } memory;
+
+/* Rows hold the normal times the part; one of a contact that shared nothing is left as it is. */
+static void split_normal(memory *m) {
+    double size = sqrt(gn_dot3(m->n, m->n));
+    m->part = 1.0;
+    if (fabs(size - 1.0) < 1e-12) return;
+    m->part = size;
+    for (int a = 0; a < 3; a++) m->n[a] /= size;
+}
 
 /* Takes the histories out of the rows and empties them. */
 static size_t recall(const gn_wall_contacts *q, size_t begin, size_t end, memory *old) {
@@ -143,6 +153,7 @@ static size_t recall(const gn_wall_contacts *q, size_t begin, size_t end, memory
             any = any || m.n[a] != 0.0;
         }
         if (!any) continue;
+        split_normal(&m);
         for (size_t a = 0; a < 3; a++) {
             q->normal[c + a * stride] = 0.0;
             if (!q->shear) continue;
@@ -385,7 +396,7 @@ static void contact(const group *g, const gn_facet_near *minima, const gn_facet_
     /* Along one facet's normal the spring has no lever. */
     gn_cross3(arm, k->part < 1.0 ? force : t, q->row + 8 * own + 4);
     for (size_t a = 0; a < 3; a++) {
-        q->normal[own + a * stride] = s.n[a];
+        q->normal[own + a * stride] = k->part * s.n[a];
         if (q->shear) q->shear[own + a * stride] = old[a];
     }
     if (q->fd) q->fd[own] = fd;
@@ -429,6 +440,8 @@ static void open_contact(const group *g, memory *m, gn_contact_sums *sums) {
     gn_touch s = touch_of(g, &near, &k, k.arm);
     if (!behind || s.gap <= 0.0) s.gap = INFINITY;
     gn_touch_law law = law_of(g->s);
+    law.stiffness *= m->part;
+    s.inverse_mass /= m->part;
     double total = gn_touch_force(g->w, &law, &s, q->fd ? &m->fd : NULL, q->shear ? m->shear : NULL,
                                   1, t, sums);
     if (total == 0.0) return;
@@ -442,7 +455,7 @@ static void open_contact(const group *g, memory *m, gn_contact_sums *sums) {
     }
     /* The dashpot's work closes with the next step. */
     if (used || m->fd == 0.0) return;
-    for (size_t a = 0; a < 3; a++) q->normal[near.row + a * stride] = s.n[a];
+    for (size_t a = 0; a < 3; a++) q->normal[near.row + a * stride] = m->part * s.n[a];
     q->fd[near.row] = m->fd;
 }
 

@@ -229,7 +229,7 @@ static double springs_of(const gn_world *w, size_t k) {
  * dashpots r <= 2 (1 - s). Whether it is one particle or many does not matter: the bound takes all
  * of the fastest mode to be at the wall. r = 1 takes up all that is missing in one step; more than
  * that is never of use. Where the step is at its limit a little has to be left to move the wall. */
-static double stable_relaxation(const gn_world *w, size_t k) {
+double gn_world_servo_relaxation(const gn_world *w, size_t k) {
     double share = fmin(1.0, w->dt / w->stable), stiffness = w->walls[k].stiffness;
     bool dashpots = w->damping_fraction > 0.0;
     double most = fmax(0.01, fmin(1.0, 2.0 * (1.0 - (dashpots ? share : share * share))));
@@ -237,14 +237,52 @@ static double stable_relaxation(const gn_world *w, size_t k) {
     return most * stiffness / (2.0 * stiffness - springs_of(w, k));
 }
 
+/* Stiffness of the contacts that do not press yet but would within `path` of the wall, if their
+ * particles go on as they do. */
+static double stiffness_within(const gn_world *w, size_t k, double path) {
+    const gn_wall_contacts *q = &w->wall_contacts;
+    double sum = 0.0;
+    for (size_t c = 0; c < q->soa.count; c++) {
+        const double *row = q->row + 8 * c;
+        if ((size_t)q->wall[c] != k || gn_dot3(row, row) > 0.0) continue;
+        size_t p = (size_t)q->i[c];
+        double along = gn_dot3(w->particles.vel + 4 * p, w->walls[k].normal);
+        if (wall_gap(w, p, k) - q->gap0[c] + w->dt * fmin(0.0, along) < path)
+            sum += step_stiffness(w, c);
+    }
+    return sum;
+}
+
+/* K by which the wall goes force/K in a step for `force` more, at most the path `most`: of what
+ * presses (one contact's if nothing does) and of what is reached on the way, with the longest way
+ * d, to a thousandth, for which d K(d) <= force. So a crowd that is met in one step takes no more
+ * than the force that is missing, and the wall goes on as it came: a path for what presses alone
+ * would be too long by the number of particles, at any step. */
+static double servo_stiffness(const gn_world *w, size_t k, double force, double most) {
+    double pressed = w->walls[k].stiffness;
+    double least = pressed > 0.0 ? pressed : w->scene.walls[k].stiffness;
+    double high = fmin(force / least, most);
+    if (!(high > 0.0)) return least;
+    double over = pressed + stiffness_within(w, k, high);
+    if (high * over <= force) return least;
+    double low = force / over, under = pressed + stiffness_within(w, k, low);
+    while (low < 0.999 * high && under != over) {
+        double middle = 0.5 * (low + high), found = pressed + stiffness_within(w, k, middle);
+        bool fits = middle * found <= force;
+        *(fits ? &low : &high) = middle;
+        *(fits ? &under : &over) = found;
+    }
+    return under == over ? over : force / low;
+}
+
 /* Servo: the wall is moved along its normal by the share `relaxation`, if that is stable, of what
- * the touching springs need to take up the missing force. */
+ * the springs need to take up the missing force. */
 static void servo_velocity(gn_world *w, size_t k) {
     const gn_servo *servo = &w->scene.walls[k].servo;
     gn_wall *wall = &w->walls[k];
-    double relaxation = fmin(servo->relaxation, stable_relaxation(w, k));
+    double relaxation = fmin(servo->relaxation, gn_world_servo_relaxation(w, k));
     double missing = gn_table_at(&servo->force, w->time) + gn_dot3(wall->force, wall->normal);
-    double stiffness = wall->stiffness > 0.0 ? wall->stiffness : w->scene.walls[k].stiffness;
+    double stiffness = servo_stiffness(w, k, relaxation * missing, servo->max_velocity * w->dt);
     double speed = relaxation * missing / (stiffness * w->dt);
     speed = fmax(-servo->max_velocity, fmin(servo->max_velocity, speed));
     for (int a = 0; a < 3; a++) wall->velocity[a] = speed * wall->normal[a];

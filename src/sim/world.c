@@ -231,9 +231,10 @@ static gneiss_status check_specimen(const gn_world *w, gneiss_error *error) {
             if (x >= w->scene.domain_min[a] && x <= w->scene.domain_max[a]) continue;
             return gn_fail(
                 error, GNEISS_ERROR_INPUT,
-                "%s: specimen: expected particles inside the domain, found particle %d at "
+                "%s:%d:%d: specimen: expected particles inside the domain, found particle %d at "
                 "%c = %.*g m",
-                w->scene.source, w->particles.id[p], "xyz"[a], w -> scene.origin[a] != 0.0 ? 12 : 6,
+                w->scene.source, w->scene.specimen.where.line, w->scene.specimen.where.column,
+                w->particles.id[p], "xyz"[a], w -> scene.origin[a] != 0.0 ? 12 : 6,
                 gn_point_out(w->scene.origin[a], x));
         }
     return GNEISS_OK;

@@ -194,6 +194,9 @@ const char *gn_world_step_warning(const gn_world *world, char *text, size_t size
 /* Steps that a collision must last. */
 double gn_world_contact_steps(const gn_world *world);
 
+/* The largest share of the missing force that a servo wall takes up in a step and is stable. */
+double gn_world_servo_relaxation(const gn_world *world, size_t wall);
+
 /* Who the shortest collision is between. */
 const char *gn_resolution_text(const gn_world *world, char *text, size_t size);
 

@@ -112,7 +112,7 @@
     X(fd, double, GN_F64, 1, GN_COLUMNS, GN_SAVED, GN_FX_CONTACT_DAMPING | GN_FX_ENERGY, 0, "N",   \
       "viscous normal force of the last step")                                                     \
     X(normal, double, GN_F64, 3, GN_COLUMNS, GN_STATE, GN_FX_FACETS, 0, "1",                       \
-      "of a contact with facets in the last step; 0: there was none")                              \
+      "of a contact with facets in the last step, times its part of the stiffness; 0: none")       \
     X(touch, double, GN_F64, 3, GN_COLUMNS, GN_SAVED, GN_FX_FACETS, 0, "m",                        \
       "point of a facet on which the force acts")                                                  \
     X(row, double, GN_F64, 8, GN_ROWS, GN_SAVED, 0, 0, "N, N m",                                   \
