@@ -14,6 +14,7 @@ packages_build=(
     python3 python3-numpy python3-h5py python3-matplotlib
 )
 packages_check=(git clang libclang-rt-14-dev libomp-dev clang-format clang-tidy cppcheck)
+packages_aarch64=(gcc-aarch64-linux-gnu libc6-dev-arm64-cross qemu-user) # and the libraries of `build`, unpacked in a folder
 packages_bench=(libbenchmark-dev)
 packages_validate=(yade)
 packages_peers=(yade lammps liggghts esys-particle calculix-ccx) # large; only for bench --peers
@@ -26,12 +27,13 @@ usage: ./do COMMAND [...]
   test [meson options]         build and run every test
   check [steps]                format layers gcc clang cppcheck tidy sanitizers python (all of them); on request
                                also tsan: data races, by ThreadSanitizer with LLVM's OpenMP
+                               and aarch64: kernels and bits on another processor, under qemu-user
   bench [--peers] [--large] [--sweep]
                                build and run the benchmarks; --peers: beside LAMMPS, LIGGGHTS, YADE,
                                ESyS-Particle and CalculiX; --large: big specimens; --sweep: 1 372 to 1 000 188 grains
   validate [--quick] [--time] [--only SECTION] [--fresh] [--large]
                                beside YADE, closed forms and published tables; writes docs/validation.md
-  install WHAT                 the packages of build, check, bench, validate or peers
+  install WHAT                 the packages of build, check, aarch64, bench, validate or peers
   keys [text]                  the keys that a scene file may hold, or those that hold a text
   clean                        remove the build folders
   help                         this text
@@ -217,7 +219,8 @@ command_keys() {
 }
 
 command_clean() {
-    rm -rf "$root"/build "$root"/build-bench "$root"/build-check-{gcc,clang,sanitize,tsan}
+    rm -rf "$root"/build "$root"/build-bench "$root"/build-check-{gcc,clang,sanitize,tsan,aarch64} \
+        "$root"/build-aarch64-root
 }
 
 # --- check: each step is one function that fails or not -------------------------------------------------
@@ -235,8 +238,12 @@ check_layers() { # includes against the table of docs/design.md
     "$python" "$root/tools/layers.py"
 }
 
+configure_gcc() {
+    CC=gcc CXX=g++ configure build-check-gcc --buildtype=release -Dwerror=true
+}
+
 check_gcc() {
-    CC=gcc CXX=g++ configure build-check-gcc --buildtype=release -Dwerror=true && build build-check-gcc
+    configure_gcc && build build-check-gcc
 }
 
 check_clang() {
@@ -245,10 +252,11 @@ check_clang() {
 
 # Unset on purpose: values of absent effects in kernel templates, variables that Qhull's loop macros set.
 check_cppcheck() {
+    configure_gcc || return 1 # makes headers
     cppcheck --quiet --std=c11 --language=c --enable=warning,performance --inline-suppr \
         --suppress=missingIncludeSystem --suppress=unmatchedSuppression --suppress='uninitvar:*_template.c' \
         --suppress='uninitvar:*/delaunay.c' --error-exitcode=1 -j "$(nproc)" \
-        -I "$root/include" -I "$root/src" "$root/src"
+        -I "$root/include" -I "$root/src" -I "$root/build-check-gcc/src" "$root/src"
 }
 
 check_tidy() { # the checks are in .clang-tidy
@@ -297,6 +305,41 @@ check_tsan() {
     done
     rm -rf "$out"
     return "$status"
+}
+
+# The kernels' tests, and the same bits as here, on a processor that is not x86; the arithmetic is qemu's.
+check_aarch64() {
+    local rootfs=$root/build-aarch64-root folder=build-check-aarch64 libraries=() name set out status=0 there
+    local tests=(test_base test_instruction_sets test_kernels test_motion_kernels test_element_kernels test_deal test_soa)
+    need "${packages_aarch64[@]}"
+    for name in "${packages_build[@]}"; do [[ $name != lib* ]] || libraries+=("$name"); done
+    "$root/tools/aarch64_root.sh" "$rootfs" "${libraries[@]}" libgomp1 || return 1
+    configure "$folder" --cross-file "$rootfs/cross.ini" --buildtype=release -Dwerror=true || return 1
+    build "$folder" gneiss "${tests[@]/#/tests/}" || return 1
+    "$meson" test -C "$root/$folder" --no-rebuild --print-errorlogs "${tests[@]}" || status=1
+    prepare && build build gneiss || return 1
+    out=$(mktemp -d)
+    there=(qemu-aarch64 -L "$rootfs/root" "$root/$folder/gneiss")
+    for name in lattice-small elements; do
+        hash_of "$out/here-$name" "$name" "$root/build/gneiss" >"$out/want"
+        for set in $("${there[@]}" info | sed -n 's/^instruction sets *//p'); do
+            GNEISS_ISA=$set hash_of "$out/there-$name" "$name" "${there[@]}" >"$out/got"
+            if [[ -s $out/want ]] && cmp "$out/want" "$out/got"; then echo "aarch64: $set, $name: the same bits"; continue; fi
+            say "aarch64: $set, $name: other bits than here"
+            status=1
+        done
+    done
+    rm -rf "$out"
+    return "$status"
+}
+
+# hash_of FOLDER SCENE PROGRAM...: of the state in which it leaves a scene of the tests, in either precision.
+hash_of() {
+    local precision
+    for precision in double mixed; do
+        OMP_WAIT_POLICY=passive GNEISS_CACHE=off "${@:3}" run "$root/tests/scenes/$2.yaml" --out "$1" --force --quiet \
+            --threads 1 --precision "$precision" >/dev/null && grep -o '"state_hash": *"[0-9a-f]*"' "$1/summary.json"
+    done
 }
 
 check_python() {

@@ -38,6 +38,22 @@ struct Setting {
 
 std::string scenes_folder = BENCH_SCENES;
 
+std::vector<std::string> isas() {
+    std::vector<std::string> names;
+    while (const char *name = bench_isa_at(static_cast<int>(names.size()))) names.push_back(name);
+    return names;
+}
+
+std::string widest_isa() {
+    return isas().back();
+}
+
+std::string list_of(const std::vector<std::string> &names) {
+    std::string list;
+    for (const std::string &name : names) list += (list.empty() ? "" : " ") + name;
+    return list;
+}
+
 using World = std::unique_ptr<bench_world, decltype(&bench_world_free)>;
 
 enum { COPIES = 2 };
@@ -194,7 +210,7 @@ void add_step(const char *kind, const Model &model, const Setting &setting) {
 }
 
 void add_copies(const Model &model) {
-    const std::string widest = bench_widest_isa();
+    const std::string widest = widest_isa();
     benchmark::RegisterBenchmark(("step/" + model.name + "/copies/" + widest).c_str(),
                                  [=](benchmark::State &state) {
                                      copies(state, model, Setting{1, widest});
@@ -218,13 +234,6 @@ void add_kernel(const char *kind, KernelBench bench, const Model &model, const s
         ->Unit(benchmark::kMicrosecond);
 }
 
-std::vector<std::string> isas() {
-    std::vector<std::string> names = {"scalar", "avx2", "avx512"};
-    const std::string widest = bench_widest_isa();
-    while (names.back() != widest) names.pop_back();
-    return names;
-}
-
 void add_kernels(const Model &model) {
     const std::size_t all = static_cast<std::size_t>(1) << 40;
     for (const std::string &isa : isas()) {
@@ -236,7 +245,7 @@ void add_kernels(const Model &model) {
 }
 
 void add_steps(const Model &model, bool each_isa) {
-    const std::string widest = bench_widest_isa();
+    const std::string widest = widest_isa();
     for (int threads : {1, 2})
         for (const std::string &isa : isas())
             if (each_isa || isa == widest) add_step("step", model, Setting{threads, isa});
@@ -310,7 +319,7 @@ void add_effects() {
     for (const Effect &effect : effects) {
         Model model = with(bare, effect.name, effect.overrides);
         model.extra = effect.extra;
-        add_step("effect", model, Setting{1, bench_widest_isa()});
+        add_step("effect", model, Setting{1, widest_isa()});
     }
 }
 
@@ -382,7 +391,7 @@ void add_fem_bench(const std::string &name, const Block &block, const Setting &s
 }
 
 void add_fem(const Block &block, bool kernels) {
-    const std::string widest = bench_widest_isa();
+    const std::string widest = widest_isa();
     for (int threads : {1, 2})
         add_fem_bench("fem/" + block.name + "/threads:" + std::to_string(threads) + "/" + widest,
                       block, Setting{threads, widest}, 0);
@@ -499,7 +508,8 @@ Wanted own_options(int *argc, char **argv) {
 int main(int argc, char **argv) {
     Wanted wanted = own_options(&argc, argv);
     benchmark::AddCustomContext("gneiss", std::string(bench_version()) + " " + bench_build());
-    benchmark::AddCustomContext("isa", bench_widest_isa());
+    benchmark::AddCustomContext("isa", widest_isa());
+    benchmark::AddCustomContext("isas", list_of(isas()));
     benchmark::AddCustomContext("cpu", cpu_model());
     benchmark::AddCustomContext("load_at_start", first_line("/proc/loadavg"));
     bool lists = false;

@@ -80,9 +80,8 @@ void bench_world_free(bench_world *b) {
 }
 
 bool bench_world_use(bench_world *b, int threads, const char *isa) {
-    static const char *const names[] = {"auto", "scalar", "avx2", "avx512"};
-    for (int k = 0; k < 4; k++)
-        if (strcmp(names[k], isa) == 0) b->world.scene.isa = (gn_isa)k;
+    for (gn_isa k = GN_ISA_AUTO; k < GN_ISA_COUNT; k++)
+        if (strcmp(gn_isa_name(k), isa) == 0) b->world.scene.isa = k;
     b->world.scene.threads = threads;
     gneiss_error error;
     return gn_world_prepare(&b->world, &error) == GNEISS_OK;
@@ -225,9 +224,9 @@ const char *bench_build(void) {
     return gn_build();
 }
 
-const char *bench_widest_isa(void) {
-    const char *name = "scalar";
+const char *bench_isa_at(int index) {
     for (int k = 0; k < GN_KERNEL_SETS; k++)
-        if (gn_kernel_set_supported(gn_kernel_set_at(k))) name = gn_kernel_set_at(k)->name;
-    return name;
+        if (gn_kernel_set_supported(gn_kernel_set_at(k)) && index-- == 0)
+            return gn_kernel_set_at(k)->name;
+    return NULL;
 }

@@ -33,7 +33,7 @@ bench_world *bench_world_create(const char *scene, const char *extra, const char
 void bench_world_free(bench_world *world);
 
 /* Other threads and kernels for the same world; false if this machine has no such instruction set.
- * `isa` "auto", "scalar", "avx2", "avx512". */
+ * `isa` "auto" or a name of bench_isa_at. */
 bool bench_world_use(bench_world *world, int threads, const char *isa);
 
 /* `steps` steps; false with a message if the world went bad. */
@@ -64,7 +64,10 @@ void bench_world_contact_traffic(const bench_world *world, size_t *read, size_t 
 
 const char *bench_version(void);
 const char *bench_build(void);
-const char *bench_widest_isa(void);
+
+/* Names of the instruction sets that this machine runs, from narrow to wide; NULL beyond the last.
+ */
+const char *bench_isa_at(int index);
 
 #ifdef __cplusplus
 }

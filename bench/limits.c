@@ -1,6 +1,5 @@
 #include "limits.h"
 
-#include <immintrin.h>
 #include <stdlib.h>
 #include <time.h>
 
@@ -13,28 +12,60 @@ static double now(void) {
 }
 
 /* Twelve independent chains, which hide the latency of one. Returns operations. */
-#define CHAIN_LOOP(name, target_name, vector, lanes, set, fmadd)                                   \
-    __attribute__((target(target_name))) static double name(long rounds) {                         \
+#define CHAIN_LOOP(name, attribute, vector, lanes, set, fmadd, registers)                          \
+    attribute static double name(long rounds) {                                                    \
         vector a[CHAINS];                                                                          \
         _Pragma("GCC unroll 12") for (int k = 0; k < CHAINS; k++) a[k] = set(1.0F + (float)k);     \
         const vector x = set(0.999F), y = set(1e-3F);                                              \
         for (long r = 0; r < rounds; r++)                                                          \
             _Pragma("GCC unroll 12") for (int k = 0; k < CHAINS; k++) {                            \
                 a[k] = fmadd(a[k], x, y);                                                          \
-                __asm__ volatile("" : "+v"(a[k]));                                                 \
+                __asm__ volatile("" : registers(a[k]));                                            \
             }                                                                                      \
         return 2.0 * (lanes)*CHAINS * (double)rounds;                                              \
     }
 
-CHAIN_LOOP(double512, "avx512f", __m512d, 8, _mm512_set1_pd, _mm512_fmadd_pd)
-CHAIN_LOOP(single512, "avx512f", __m512, 16, _mm512_set1_ps, _mm512_fmadd_ps)
-CHAIN_LOOP(double256, "avx2,fma", __m256d, 4, _mm256_set1_pd, _mm256_fmadd_pd)
-CHAIN_LOOP(single256, "avx2,fma", __m256, 8, _mm256_set1_ps, _mm256_fmadd_ps)
+typedef double chain_loop(long rounds);
+
+#if defined(__x86_64__)
+
+#include <immintrin.h>
+
+#define WIDE   __attribute__((target("avx512f")))
+#define NARROW __attribute__((target("avx2,fma")))
+CHAIN_LOOP(double512, WIDE, __m512d, 8, _mm512_set1_pd, _mm512_fmadd_pd, "+v")
+CHAIN_LOOP(single512, WIDE, __m512, 16, _mm512_set1_ps, _mm512_fmadd_ps, "+v")
+CHAIN_LOOP(double256, NARROW, __m256d, 4, _mm256_set1_pd, _mm256_fmadd_pd, "+v")
+CHAIN_LOOP(single256, NARROW, __m256, 8, _mm256_set1_ps, _mm256_fmadd_ps, "+v")
+
+static chain_loop *widest(int single) {
+    if (__builtin_cpu_supports("avx512f")) return single ? single512 : double512;
+    return single ? single256 : double256;
+}
+
+#define CLONES __attribute__((target_clones("avx512f", "avx2", "default")))
+
+#elif defined(__aarch64__)
+
+#include <arm_neon.h>
+
+#define FMADD_F64(a, x, y) vfmaq_f64(y, a, x)
+#define FMADD_F32(a, x, y) vfmaq_f32(y, a, x)
+CHAIN_LOOP(double128, , float64x2_t, 2, vdupq_n_f64, FMADD_F64, "+w")
+CHAIN_LOOP(single128, , float32x4_t, 4, vdupq_n_f32, FMADD_F32, "+w")
+
+static chain_loop *widest(int single) {
+    return single ? single128 : double128;
+}
+
+#define CLONES
+
+#else
+#error "which fused products does this processor have?"
+#endif
 
 double bench_limit_flops(int single) {
-    int wide = __builtin_cpu_supports("avx512f");
-    double (*chains)(long) =
-        wide ? (single ? single512 : double512) : (single ? single256 : double256);
+    chain_loop *chains = widest(single);
     double best = 0.0;
     for (int k = 0; k < REPEATS; k++) {
         double start = now(), operations = chains(2000000), rate = operations / (now() - start);
@@ -43,8 +74,8 @@ double bench_limit_flops(int single) {
     return best;
 }
 
-__attribute__((target_clones("avx512f", "avx2", "default"))) static void
-triad(double *restrict a, const double *restrict b, const double *restrict c, size_t count) {
+CLONES static void triad(double *restrict a, const double *restrict b, const double *restrict c,
+                         size_t count) {
     for (size_t k = 0; k < count; k++) a[k] = b[k] + 0.5 * c[k];
 }
 

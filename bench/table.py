@@ -208,11 +208,10 @@ def write_tables(source, target, rows=None):
             f.write("\n\n".join("\n".join(p) for p in tables if p) + "\n")
 
 
-def rank(entry):
+def rank(entry, sets):
     """Threads, instruction set, cached before all: in turns they come in any order."""
     words = entry["run_name"].split("/")
     threads = next((int(w[8:]) for w in words if w.startswith("threads:")), 0)
-    sets = ["scalar", "avx2", "avx512"]
     return threads, next((sets.index(w) for w in words if w in sets), -1), "all" in words
 
 
@@ -222,7 +221,8 @@ def merge(target, parts):
     for part in parts:
         with open(part, encoding="utf-8") as f:
             results = json.load(f)
-        results["benchmarks"].sort(key=rank)
+        sets = results["context"]["isas"].split()
+        results["benchmarks"].sort(key=lambda entry: rank(entry, sets))
         if merged is None:
             merged = results
         else:

@@ -49,6 +49,12 @@ def gneiss(*arguments, environment=None, **options):
             return done
 
 
+def isas():
+    """Names of the instruction sets and whether this machine has them."""
+    line = re.search(r"instruction sets +(.*)", gneiss("info").stdout).group(1)
+    return {name: not missing for name, missing in re.findall(r"(\w+)( \(not on this machine\))?", line)}
+
+
 def expect(done, code, *patterns):
     """The exit code, and regular expressions that standard error must match."""
     assert done.returncode == code, f"exit code {done.returncode}, expected {code}: {done.stderr.strip()[:500]}"

@@ -34,12 +34,6 @@ def stop_at_snapshot(folder, count, number, *arguments):
     return subprocess.CompletedProcess([], process.returncode, out, err)
 
 
-def isas():
-    """Names of the instruction sets and whether this machine has them."""
-    line = re.search(r"instruction sets +(.*)", gneiss("info").stdout).group(1)
-    return {name: not missing for name, missing in re.findall(r"(\w+)( \(not on this machine\))?", line)}
-
-
 @fact
 def the_small_specimen_breaks_under_load(folder):
     counts = summary(reference())["counts"]
@@ -82,19 +76,16 @@ def same_with_isa(folder, isa):
     assert state_hash(folder) == state_hash(reference())
 
 
-@fact
-def scalar_kernels_give_the_same_hash(folder):
-    same_with_isa(folder, "scalar")
+def hash_fact(isa):
+    def check(folder):
+        same_with_isa(folder, isa)
+
+    check.__name__ = f"{isa}_kernels_give_the_same_hash"
+    return check
 
 
-@fact
-def avx2_kernels_give_the_same_hash(folder):
-    same_with_isa(folder, "avx2")
-
-
-@fact
-def avx512_kernels_give_the_same_hash(folder):
-    same_with_isa(folder, "avx512")
+for name in isas():
+    fact(hash_fact(name))
 
 
 @fact

@@ -1,5 +1,6 @@
 #include "cli/options.h"
 
+#include "base/instruction_sets.h"
 #include "base/names.h"
 #include "run/run.h"
 
@@ -26,6 +27,9 @@ static const command commands[] = {
 };
 enum { COMMANDS = sizeof commands / sizeof *commands };
 
+#define LISTED(set, lanes, has) #set ", "
+#define SETS_LISTED             GN_INSTRUCTION_SETS(LISTED) "auto"
+
 void gn_print_usage(FILE *out) {
     fprintf(out,
             "gneiss %s: bonded discrete and finite elements for rock and concrete\n\nusage: gneiss "
@@ -42,7 +46,7 @@ void gn_print_usage(FILE *out) {
         "  --threads N        threads (default: all cores)\n"
         "  --seed N           of every random number\n"
         "  --precision P      double or mixed\n"
-        "  --isa NAME         scalar, avx2, avx512 (default: GNEISS_ISA, else the widest)\n"
+        "  --isa NAME         " SETS_LISTED " (default: GNEISS_ISA, else the widest)\n"
         "  --force            run: replace also what a finished run of more than a minute left\n"
         "  --quiet            only what came out: no progress, no profile; readings and warnings "
         "stay\n"

@@ -2,6 +2,7 @@
 #ifndef GN_KERNELS_CONTACT_H
 #define GN_KERNELS_CONTACT_H
 
+#include "base/instruction_sets.h"
 #include "kernels/partials.h"
 #include "soa/records.h"
 
@@ -69,11 +70,10 @@ gn_effects gn_contact_list_effects(gn_effects scene_effects, bool bonds);
 /* One table per instruction set and precision; NULL entries are combinations that make no sense
  * (friction without a tangential spring, a tangential spring that neither bond nor friction uses).
  */
-extern gn_contact_kernel *const gn_contact_table_scalar[GN_CONTACT_VARIANTS];
-extern gn_contact_kernel *const gn_contact_table_avx2[GN_CONTACT_VARIANTS];
-extern gn_contact_kernel *const gn_contact_table_avx512[GN_CONTACT_VARIANTS];
-extern gn_contact_kernel *const gn_contact_table_scalar_mixed[GN_CONTACT_VARIANTS];
-extern gn_contact_kernel *const gn_contact_table_avx2_mixed[GN_CONTACT_VARIANTS];
-extern gn_contact_kernel *const gn_contact_table_avx512_mixed[GN_CONTACT_VARIANTS];
+#define X(set, lanes, has)                                                                         \
+    extern gn_contact_kernel *const gn_contact_table_##set[GN_CONTACT_VARIANTS];                   \
+    extern gn_contact_kernel *const gn_contact_table_##set##_mixed[GN_CONTACT_VARIANTS];
+GN_INSTRUCTION_SETS(X)
+#undef X
 
 #endif

@@ -4,29 +4,33 @@
 #include <stdlib.h>
 #include <string.h>
 
-static const gn_kernel_set sets[GN_KERNEL_SETS] = {
-    {"scalar", 1, gn_contact_table_scalar, gn_contact_table_scalar_mixed, gn_motion_table_scalar,
-     gn_element_table_scalar, gn_element_table_scalar_mixed, gn_dilation_table_scalar,
-     gn_pressure_table_scalar},
-    {"avx2", 4, gn_contact_table_avx2, gn_contact_table_avx2_mixed, gn_motion_table_avx2,
-     gn_element_table_avx2, gn_element_table_avx2_mixed, gn_dilation_table_avx2,
-     gn_pressure_table_avx2},
-    {"avx512", 8, gn_contact_table_avx512, gn_contact_table_avx512_mixed, gn_motion_table_avx512,
-     gn_element_table_avx512, gn_element_table_avx512_mixed, gn_dilation_table_avx512,
-     gn_pressure_table_avx512},
-};
+#define X(set, lanes, has)                                                                         \
+    static bool machine_has_##set(void) {                                                          \
+        return has;                                                                                \
+    }
+GN_INSTRUCTION_SETS(X)
+#undef X
+
+#define X(set, lanes, has)                                                                         \
+    {#set,                                                                                         \
+     lanes,                                                                                        \
+     machine_has_##set,                                                                            \
+     gn_contact_table_##set,                                                                       \
+     gn_contact_table_##set##_mixed,                                                               \
+     gn_motion_table_##set,                                                                        \
+     gn_element_table_##set,                                                                       \
+     gn_element_table_##set##_mixed,                                                               \
+     gn_dilation_table_##set,                                                                      \
+     gn_pressure_table_##set},
+static const gn_kernel_set sets[GN_KERNEL_SETS] = {GN_INSTRUCTION_SETS(X)};
+#undef X
 
 const gn_kernel_set *gn_kernel_set_at(int index) {
     return &sets[index];
 }
 
 bool gn_kernel_set_supported(const gn_kernel_set *set) {
-    __builtin_cpu_init();
-    if (set->lanes == 8)
-        return __builtin_cpu_supports("avx512f") && __builtin_cpu_supports("avx512dq") &&
-               __builtin_cpu_supports("avx512vl");
-    if (set->lanes == 4) return __builtin_cpu_supports("avx2") && __builtin_cpu_supports("fma");
-    return __builtin_cpu_supports("fma");
+    return set->supported();
 }
 
 static void supported_names(char *text, size_t size) {

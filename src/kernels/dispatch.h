@@ -2,6 +2,7 @@
 #ifndef GN_KERNELS_DISPATCH_H
 #define GN_KERNELS_DISPATCH_H
 
+#include "base/instruction_sets.h"
 #include "kernels/contact.h"
 #include "kernels/element.h"
 #include "kernels/motion.h"
@@ -9,8 +10,9 @@
 
 /* Kernels of one instruction set. */
 typedef struct gn_kernel_set {
-    const char *name; /* "scalar", "avx2", "avx512" */
-    int lanes;
+    const char *name;
+    int lanes;                           /* doubles in a register */
+    bool (*supported)(void);             /* whether this machine has it */
     gn_contact_kernel *const *contact;   /* [GN_CONTACT_VARIANTS] */
     gn_contact_kernel *const *mixed;     /* the same in mixed precision */
     gn_motion_kernel *const *motion;     /* [GN_MOTION_VARIANTS] */
@@ -20,7 +22,9 @@ typedef struct gn_kernel_set {
     gn_pressure_kernel *const *pressure; /* [GN_PRESSURE_PASSES] */
 } gn_kernel_set;
 
-enum { GN_KERNEL_SETS = 3 };
+#define X(set, lanes, has) +1
+enum { GN_KERNEL_SETS = GN_INSTRUCTION_SETS(X) };
+#undef X
 
 /* Sets from narrow to wide; index in [0, GN_KERNEL_SETS). */
 const gn_kernel_set *gn_kernel_set_at(int index);

@@ -2,6 +2,7 @@
 #ifndef GN_KERNELS_ELEMENT_H
 #define GN_KERNELS_ELEMENT_H
 
+#include "base/instruction_sets.h"
 #include "kernels/partials.h"
 #include "soa/records.h"
 
@@ -58,22 +59,17 @@ static inline unsigned gn_element_variant(bool space, bool measure, bool mixed) 
     return (space ? 1u : 0u) | (measure ? 2u : 0u) | (mixed ? 4u : 0u);
 }
 
-extern gn_element_kernel *const gn_element_table_scalar[GN_ELEMENT_VARIANTS];
-extern gn_element_kernel *const gn_element_table_avx2[GN_ELEMENT_VARIANTS];
-extern gn_element_kernel *const gn_element_table_avx512[GN_ELEMENT_VARIANTS];
-
-/* Forces of the displacement form in single precision, summed in double: triangles, tetrahedra.
- * They read `travel` instead of `pos`, columns ending in _f, and leave *sums alone: energies are
- * for the kernels in double. */
-extern gn_element_kernel *const gn_element_table_scalar_mixed[2];
-extern gn_element_kernel *const gn_element_table_avx2_mixed[2];
-extern gn_element_kernel *const gn_element_table_avx512_mixed[2];
-
 /* As gn_element_kernel; triangles, tetrahedra. */
 typedef void gn_dilation_kernel(const gn_dilation_args *args, size_t begin, size_t end);
 
-extern gn_dilation_kernel *const gn_dilation_table_scalar[2];
-extern gn_dilation_kernel *const gn_dilation_table_avx2[2];
-extern gn_dilation_kernel *const gn_dilation_table_avx512[2];
+/* The tables called _mixed: forces of the displacement form in single precision, summed in double,
+ * of triangles and tetrahedra. They read `travel` instead of `pos`, columns ending in _f, and leave
+ * *sums alone: energies are for the kernels in double. */
+#define X(set, lanes, has)                                                                         \
+    extern gn_element_kernel *const gn_element_table_##set[GN_ELEMENT_VARIANTS];                   \
+    extern gn_element_kernel *const gn_element_table_##set##_mixed[2];                             \
+    extern gn_dilation_kernel *const gn_dilation_table_##set[2];
+GN_INSTRUCTION_SETS(X)
+#undef X
 
 #endif

@@ -3,6 +3,7 @@
 #ifndef GN_KERNELS_MOTION_H
 #define GN_KERNELS_MOTION_H
 
+#include "base/instruction_sets.h"
 #include "kernels/partials.h"
 #include "soa/records.h"
 
@@ -79,8 +80,8 @@ gn_effects gn_motion_variant_effects(unsigned variant);
 void gn_motion_variant_name(unsigned variant, char *name, size_t size);
 
 /* NULL entries: more than one kind of background damping. */
-extern gn_motion_kernel *const gn_motion_table_scalar[GN_MOTION_VARIANTS];
-extern gn_motion_kernel *const gn_motion_table_avx2[GN_MOTION_VARIANTS];
-extern gn_motion_kernel *const gn_motion_table_avx512[GN_MOTION_VARIANTS];
+#define X(set, lanes, has) extern gn_motion_kernel *const gn_motion_table_##set[GN_MOTION_VARIANTS];
+GN_INSTRUCTION_SETS(X)
+#undef X
 
 #endif

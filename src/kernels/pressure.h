@@ -3,6 +3,7 @@
 #ifndef GN_KERNELS_PRESSURE_H
 #define GN_KERNELS_PRESSURE_H
 
+#include "base/instruction_sets.h"
 #include "kernels/partials.h"
 #include "soa/records.h"
 
@@ -32,8 +33,9 @@ typedef void gn_pressure_kernel(const gn_pressure_args *args, size_t begin, size
 
 enum { GN_PRESSURE_PASSES = 2 };
 
-extern gn_pressure_kernel *const gn_pressure_table_scalar[GN_PRESSURE_PASSES];
-extern gn_pressure_kernel *const gn_pressure_table_avx2[GN_PRESSURE_PASSES];
-extern gn_pressure_kernel *const gn_pressure_table_avx512[GN_PRESSURE_PASSES];
+#define X(set, lanes, has)                                                                         \
+    extern gn_pressure_kernel *const gn_pressure_table_##set[GN_PRESSURE_PASSES];
+GN_INSTRUCTION_SETS(X)
+#undef X
 
 #endif

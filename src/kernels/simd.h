@@ -1,8 +1,8 @@
-/* The SIMD vocabulary: what kernels are written in. GN_SIMD (set by the build) picks the backend by
- * the doubles in its registers: 1 scalar, 4 AVX2, 8 AVX-512; GN_MIXED 1 takes single precision and
- * twice the lanes. Arithmetic is by the operators + - * / on gn_v, which round every operation on
- * its own (no contraction), and by gn_fma and gn_fnma, which round once where they are written, so
- * that all backends give the same bits lane by lane.
+/* The SIMD vocabulary: what kernels are written in. GN_SIMD (set by the build) is the header of
+ * the instruction set's backend; GN_MIXED 1 takes single precision, with twice the lanes.
+ * Arithmetic is by the operators + - * / on gn_v, which round every operation on its own (no
+ * contraction), and by gn_fma and gn_fnma, which round once where they are written, so that all
+ * backends give the same bits lane by lane.
  *
  * gn_real: double or float; gn_v: GN_W of them; gn_m: a mask of GN_W lanes. */
 #ifndef GN_KERNELS_SIMD_H
@@ -24,18 +24,13 @@ typedef double gn_real;
 #define GN_MATH(function) function
 #endif
 
-#if GN_SIMD == 8 && GN_MIXED
-#include "kernels/simd_avx512_single.h"
-#elif GN_SIMD == 8
-#include "kernels/simd_avx512.h"
-#elif GN_SIMD == 4 && GN_MIXED
-#include "kernels/simd_avx2_single.h"
-#elif GN_SIMD == 4
-#include "kernels/simd_avx2.h"
-#else
-#include "kernels/simd_scalar.h"
+#ifndef GN_SIMD /* for tools that read a file without the build */
+#define GN_SIMD "kernels/simd_scalar.h"
 #endif
+#include GN_SIMD
+#ifndef GN_OWN_SUMS
 #include "kernels/simd_sums.h"
+#endif
 
 /* Lane k gets the four numbers of row index[k]. */
 GN_INLINE void gn_rows4(const gn_real *rows, const int32_t *index, gn_v out[4]) {

@@ -2,8 +2,6 @@
 #ifndef GN_KERNELS_SIMD_AVX2_SINGLE_H
 #define GN_KERNELS_SIMD_AVX2_SINGLE_H
 
-#include <immintrin.h>
-
 #define GN_W 8
 typedef __m256 gn_v;
 typedef __m256 gn_m;

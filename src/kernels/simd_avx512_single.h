@@ -2,8 +2,6 @@
 #ifndef GN_KERNELS_SIMD_AVX512_SINGLE_H
 #define GN_KERNELS_SIMD_AVX512_SINGLE_H
 
-#include <immintrin.h>
-
 #define GN_W 16
 typedef __m512 gn_v;
 typedef __mmask16 gn_m;

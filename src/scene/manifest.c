@@ -46,11 +46,9 @@ static const gn_choice estimates[] = {
 static const gn_choice policies[] = {{"stop", GN_POLICY_STOP}, {"warn", GN_POLICY_WARN}, {NULL, 0}};
 static const gn_choice precisions[] = {
     {"double", GN_PRECISION_DOUBLE}, {"mixed", GN_PRECISION_MIXED}, {NULL, 0}};
-static const gn_choice isas[] = {{"auto", GN_ISA_AUTO},
-                                 {"scalar", GN_ISA_SCALAR},
-                                 {"avx2", GN_ISA_AVX2},
-                                 {"avx512", GN_ISA_AVX512},
-                                 {NULL, 0}};
+#define X(name) {#name, GN_ISA_##name},
+static const gn_choice isas[] = {{"auto", GN_ISA_AUTO}, GN_KNOWN_INSTRUCTION_SETS(X){NULL, 0}};
+#undef X
 
 /* ---- specimen and materials ---- */
 

@@ -5,6 +5,7 @@
 
 #include "base/effects.h"
 #include "base/error.h"
+#include "base/instruction_sets.h"
 
 #include <stdbool.h>
 #include <stddef.h>
@@ -77,7 +78,6 @@ typedef enum gn_contact_arm {
 } gn_contact_arm;
 
 typedef enum gn_precision { GN_PRECISION_DOUBLE, GN_PRECISION_MIXED } gn_precision;
-typedef enum gn_isa { GN_ISA_AUTO, GN_ISA_SCALAR, GN_ISA_AVX2, GN_ISA_AVX512 } gn_isa;
 typedef enum gn_step_estimate { GN_STEP_SHARP, GN_STEP_BOUND } gn_step_estimate;
 typedef enum gn_policy { GN_POLICY_STOP, GN_POLICY_WARN } gn_policy;
 typedef enum gn_lost_policy { GN_LOST_STOP, GN_LOST_REMOVE } gn_lost_policy;

@@ -1,6 +1,7 @@
 #include "sched/deal.h"
 
 #include "base/memory.h"
+#include "base/processor.h"
 #include "base/timer.h"
 
 #include <math.h>
@@ -408,7 +409,7 @@ static double await(const _Atomic uint64_t *word, uint64_t wanted) {
         if (k % SPINS == 0)
             sched_yield(); /* the other thread may need this core */
         else
-            __builtin_ia32_pause();
+            gn_spin_pause();
     return gn_now() - start;
 }
 

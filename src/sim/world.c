@@ -197,8 +197,7 @@ static double automatic_skin(const gn_world *w) {
 }
 
 static gneiss_status choose_kernels(gn_world *w, gneiss_error *error) {
-    static const char *const isa_names[] = {"auto", "scalar", "avx2", "avx512"};
-    GN_TRY(gn_kernel_set_choose(isa_names[w->scene.isa], &w->kernels, error));
+    GN_TRY(gn_kernel_set_choose(gn_isa_name(w->scene.isa), &w->kernels, error));
     GN_TRY(gn_contact_kernel_choose(w->kernels, gn_contact_list_effects(w->effects, true),
                                     &w->bond_kernel, error));
     GN_TRY(gn_contact_kernel_choose(w->kernels, gn_contact_list_effects(w->effects, false),
