@@ -43,6 +43,23 @@ GN_INLINE gn_v gn_released3(gn_v3 old, gn_v3 now, gn_v3 trial, gn_v k, int space
     return gn_set(0.5) * work / k;
 }
 
+/* Elastic tangential force before any limit; `relative`: velocity at the contact across n, `angle`:
+ * twist of the step. That comes halfway through the increment: one before or after it would let the
+ * two tangential directions drive each other. */
+GN_INLINE gn_v3 gn_linear_shear(gn_v3 t, gn_v3 relative, gn_v kt, double dt, gn_v3 n, gn_v angle,
+                                int twists, int space) {
+    if (!twists) return gn_axpy(t, kt * gn_set(dt), relative, space);
+    gn_v half = kt * gn_set(0.5 * dt);
+    t = gn_turn_about_normal(gn_axpy(t, half, relative, 1), n, angle);
+    return gn_axpy(t, half, relative, 1);
+}
+
+/* Radial return: the size of what slips, of square `size2`, becomes the limit. */
+GN_INLINE gn_v3 gn_linear_slip(gn_v3 trial, gn_v size2, gn_v limit, gn_m slipping, int space) {
+    gn_v factor = gn_where(slipping, limit / gn_sqrt(size2), gn_set(1.0));
+    return gn_scale(factor, trial, space);
+}
+
 /* What acts along the normal of a linear contact in a step, without the dashpot. */
 typedef struct gn_linear_crossing {
     gn_v normal; /* N */

@@ -9,16 +9,12 @@
 
 #include <math.h>
 
-/* Elastic tangential force before any limit. The twist comes halfway through the increment: one
- * before or after it would let the two tangential directions drive each other. */
+/* Elastic tangential force before any limit; *turned: the old one, across the new normal. */
 GN_INLINE gn_v3 shear_trial(const gn_contact_args *a, const pair_geometry *p, const pair_motion *s,
                             gn_v3 *turned, gn_v angle, gn_v kt, variant w) {
     gn_v3 t = gn_turn_with_normal(*turned, p->n, s->middle, w.space);
     *turned = t;
-    if (!(w.space && w.rotation)) return gn_axpy(t, kt * gn_set(a->dt), s->relative, w.space);
-    gn_v half = kt * gn_set(0.5 * a->dt);
-    t = gn_turn_about_normal(gn_axpy(t, half, s->relative, 1), p->n, angle);
-    return gn_axpy(t, half, s->relative, 1);
+    return gn_linear_shear(t, s->relative, kt, a->dt, p->n, angle, w.space && w.rotation, w.space);
 }
 
 /* Rare: writes down which bonds broke and why. */
@@ -63,10 +59,7 @@ GN_INLINE void limit_shear(const gn_contact_args *a, size_t c, gn_v total, conta
     gn_v size2 = gn_dot(q->trial, q->trial, w.space);
     q->slipping = gn_and(gn_not(q->intact), gn_less(limit * limit, size2));
     q->t = q->trial;
-    if (gn_bits(q->slipping)) {
-        gn_v factor = gn_where(q->slipping, limit / gn_sqrt(size2), gn_set(1.0));
-        q->t = gn_scale(factor, q->trial, w.space);
-    }
+    if (gn_bits(q->slipping)) q->t = gn_linear_slip(q->trial, size2, limit, q->slipping, w.space);
 }
 
 /* Which intact bonds reach their strength in this step; tension counts first. */

@@ -54,7 +54,7 @@ gneiss_status gn_record_add_vector(const gn_world *w, gn_history *h, const char 
     return GNEISS_OK;
 }
 
-static bool set_moves(const gn_set *s) {
+static bool set_moves(const gn_set_def *s) {
     size_t points = 0;
     for (int a = 0; a < 3; a++) points += s->motion.velocity[a].count + s->motion.spin[a].count;
     return points > 0;

@@ -321,7 +321,7 @@ gneiss_status gn_check_plane_motion(const check *c, const gn_scene *s, const gn_
         c, key, "expected nothing out of the plane of a 2D scene: only vx, vy and wz move");
 }
 
-static gneiss_status check_spin(const check *c, const gn_scene *s, const gn_set *set) {
+static gneiss_status check_spin(const check *c, const gn_scene *s, const gn_set_def *set) {
     if (s->rotation != GN_SWITCH_OFF) return GNEISS_OK;
     static const char *const keys[] = {"motion.wx", "motion.wy", "motion.wz"};
     for (int k = 0; k < 3; k++)
@@ -334,7 +334,7 @@ static gneiss_status check_spin(const check *c, const gn_scene *s, const gn_set 
 }
 
 static gneiss_status check_set(const check *c, const gn_scene *s, size_t index) {
-    const gn_set *set = &s->sets[index];
+    const gn_set_def *set = &s->sets[index];
     if (gn_scene_find_set(s, set->name) != (int)index || gn_scene_find_wall(s, set->name) >= 0)
         return gn_check_fail(c, "name", "expected a name of its own, found '%s' a second time",
                              set->name);

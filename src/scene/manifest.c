@@ -344,54 +344,56 @@ static const gn_key wall_motion_keys[] = {
 TABLE_OF(wall_motion);
 
 static const gn_key box_keys[] = {
-    KEY("min", VECTOR, gn_set, box_min, .unit = "m", .required = true, .text = "lower corner"),
-    KEY("max", VECTOR, gn_set, box_max, .unit = "m", .required = true, .text = "upper corner"),
+    KEY("min", VECTOR, gn_set_def, box_min, .unit = "m", .required = true, .text = "lower corner"),
+    KEY("max", VECTOR, gn_set_def, box_max, .unit = "m", .required = true, .text = "upper corner"),
 };
 TABLE_OF(box);
 
 static const gn_key end_keys[] = {
-    KEY("axis", CHOICE, gn_set, end_axis, .choices = axes, .required = true,
+    KEY("axis", CHOICE, gn_set_def, end_axis, .choices = axes, .required = true,
         .text = "along which the specimen has two ends"),
-    KEY("side", CHOICE, gn_set, end_upper, .choices = sides, .required = true, .text = "which end"),
-    KEY("depth", REAL, gn_set, end_depth, .unit = "m", .range = GN_LENGTHS, .required = true,
+    KEY("side", CHOICE, gn_set_def, end_upper, .choices = sides, .required = true,
+        .text = "which end"),
+    KEY("depth", REAL, gn_set_def, end_depth, .unit = "m", .range = GN_LENGTHS, .required = true,
         .text = "how far from the end of the specimen"),
-    KEY("by", CHOICE, gn_set, end_by_surface, .choices = measures, .fallback = "centre",
+    KEY("by", CHOICE, gn_set_def, end_by_surface, .choices = measures, .fallback = "centre",
         .text = "what lies within the depth: the centre or any part of the surface"),
 };
 TABLE_OF(end);
 
 static const gn_key select_keys[] = {
-    KEY("all", CHOICE, gn_set, all, .choices = booleans, .fallback = "false",
+    KEY("all", CHOICE, gn_set_def, all, .choices = booleans, .fallback = "false",
         .text = "every particle"),
-    SECTION("box", box_section, PRESENT(BOOL, gn_set, has_box),
+    SECTION("box", box_section, PRESENT(BOOL, gn_set_def, has_box),
             .text = "particles whose centres lie in a box"),
-    ARRAY("ids", IDS, gn_set, ids, id_count, .range = "[0, 1e15]", PRESENT(COUNT, gn_set, id_count),
+    ARRAY("ids", IDS, gn_set_def, ids, id_count, .range = "[0, 1e15]",
+          PRESENT(COUNT, gn_set_def, id_count),
           .text = "particles by index, base 0, in the order of the specimen"),
-    SECTION("end", end_section, PRESENT(AXIS, gn_set, end_axis),
+    SECTION("end", end_section, PRESENT(AXIS, gn_set_def, end_axis),
             .text = "particles at one end of the specimen"),
 };
 TABLE_OF(select);
 
 static const gn_key set_keys[] = {
-    KEY("name", NAME, gn_set, name, .required = true,
+    KEY("name", NAME, gn_set_def, name, .required = true,
         .text = "what the rest of the scene calls it"),
     SECTION("select", select_section, .required = true,
             .text = "which particles; of several conditions all must hold"),
-    KEY("material", TEXT, gn_set, material, .fallback = "",
+    KEY("material", TEXT, gn_set_def, material, .fallback = "",
         .text = "name of another material than the specimen's"),
-    KEY("group", INTEGER, gn_set, group, .range = "[0, 1000000]", .word = "keep", .word_value = -1,
-        .fallback = "keep", .text = "another cohesive group than the specimen's"),
-    KEY("initial_velocity", VECTOR, gn_set, initial_velocity, .unit = "m/s", .range = GN_SPEEDS,
-        PRESENT(BOOL, gn_set, has_initial_velocity), .text = "velocity at the start"),
-    KEY("initial_spin", SPIN, gn_set, initial_spin, .unit = "rad/s", .range = GN_SPINS,
-        PRESENT(BOOL, gn_set, has_initial_spin), .text = "spin at the start; in 2D one number"),
-    KEY("force", VECTOR, gn_set, force, .unit = "N", .range = GN_FORCES,
-        PRESENT(BOOL, gn_set, has_force), .text = "total force on the set, shared out by mass"),
-    SECTION("motion", set_motion_section, .offset = offsetof(gn_set, motion),
+    KEY("group", INTEGER, gn_set_def, group, .range = "[0, 1000000]", .word = "keep",
+        .word_value = -1, .fallback = "keep", .text = "another cohesive group than the specimen's"),
+    KEY("initial_velocity", VECTOR, gn_set_def, initial_velocity, .unit = "m/s", .range = GN_SPEEDS,
+        PRESENT(BOOL, gn_set_def, has_initial_velocity), .text = "velocity at the start"),
+    KEY("initial_spin", SPIN, gn_set_def, initial_spin, .unit = "rad/s", .range = GN_SPINS,
+        PRESENT(BOOL, gn_set_def, has_initial_spin), .text = "spin at the start; in 2D one number"),
+    KEY("force", VECTOR, gn_set_def, force, .unit = "N", .range = GN_FORCES,
+        PRESENT(BOOL, gn_set_def, has_force), .text = "total force on the set, shared out by mass"),
+    SECTION("motion", set_motion_section, .offset = offsetof(gn_set_def, motion),
             .text =
                 "prescribed motion; each channel free, constant or a table [[time, value], ...]"),
 };
-ELEMENTS_OF(set, gn_set);
+ELEMENTS_OF(set, gn_set_def);
 
 static const gn_key servo_keys[] = {
     KEY("force", TABLE, gn_wall_def, servo.force, .unit = "N", .range = GN_FORCES, .required = true,

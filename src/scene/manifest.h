@@ -78,7 +78,7 @@ struct gn_section {
     const gn_key *keys;
     size_t key_count;
     size_t size; /* of an element, when it is one of a list */
-    long where;  /* offset of the gn_where to fill; GN_NO_WHERE: none */
+    long where;  /* offset of the gn_scene_place to fill; GN_NO_WHERE: none */
 };
 
 /* m: what lengths and coordinates may be, as GN_LENGTH_LEAST and GN_PLACE_MOST. */

@@ -8,7 +8,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-void gn_problem_place(gn_problems *p, gn_where where, const char *path) {
+void gn_problem_place(gn_problems *p, gn_scene_place where, const char *path) {
     p->at = where;
     snprintf(p->path, sizeof p->path, "%s", path);
 }
@@ -59,7 +59,7 @@ gneiss_status gn_problems_status(gn_problems *p, gneiss_error *error) {
     return gn_fail(error, GNEISS_ERROR_INPUT, "%s", text);
 }
 
-gneiss_status gn_read_fail(const gn_reader *reader, const gn_node *node, gn_where where,
+gneiss_status gn_read_fail(const gn_reader *reader, const gn_node *node, gn_scene_place where,
                            const char *path, const char *format, ...) {
     char text[1024], place[GN_PATH_SIZE + 64];
     va_list args;
@@ -67,7 +67,7 @@ gneiss_status gn_read_fail(const gn_reader *reader, const gn_node *node, gn_wher
     vsnprintf(text, sizeof text, format, args);
     va_end(args);
     bool same = node && node->set && strcmp(node->set, path) == 0;
-    gn_where at = node && node->set ? (gn_where){INT_MAX, 0} : where;
+    gn_scene_place at = node && node->set ? (gn_scene_place){INT_MAX, 0} : where;
     gn_problem_place(reader->problems, at, path);
     if (node && node->set)
         snprintf(place, sizeof place, "--set %.200s", node->set);

@@ -9,7 +9,7 @@
 enum { GN_PROBLEMS_MAX = 12, GN_KEY_PATH_SIZE = 256 };
 
 typedef struct gn_problem {
-    gn_where where;              /* line INT_MAX: of an override */
+    gn_scene_place where;        /* line INT_MAX: of an override */
     char path[GN_KEY_PATH_SIZE]; /* of the key it is about; of an unknown one what it should be */
     char text[GNEISS_MESSAGE_SIZE];
 } gn_problem;
@@ -18,12 +18,12 @@ typedef struct gn_problem {
 typedef struct gn_problems {
     size_t count; /* all of them; the first GN_PROBLEMS_MAX are kept */
     gn_problem problem[GN_PROBLEMS_MAX];
-    gn_where at;
+    gn_scene_place at;
     char path[GN_KEY_PATH_SIZE];
 } gn_problems;
 
 /* Where the message stands that comes next. */
-void gn_problem_place(gn_problems *problems, gn_where where, const char *path);
+void gn_problem_place(gn_problems *problems, gn_scene_place where, const char *path);
 
 /* Keeps the message in `error` if the status is GNEISS_ERROR_INPUT, so that reading can go on;
  * returns any other status as it is. */

@@ -552,7 +552,7 @@ static gneiss_status match_keys(gn_reader *reader, const gn_section *section, co
 static gneiss_status read_member(gn_reader *reader, const gn_key *key, const gn_node *node,
                                  const gn_node *map, char *base) {
     if (!node && key->required) {
-        gn_where where = map ? map->key_where : (gn_where){1, 1};
+        gn_scene_place where = map ? map->key_where : (gn_scene_place){1, 1};
         if (gn_problem_at(reader->problems, reader->path)) return GNEISS_OK; /* misspelt */
         return gn_read_fail(reader, map, where, reader->path, "required, but not given");
     }
@@ -572,7 +572,7 @@ static gneiss_status read_section(gn_reader *reader, const gn_section *section, 
         return unexpected(reader, map, "a section", "");
     GN_TRY(match_keys(reader, section, map, nodes));
     if (map && section->where != GN_NO_WHERE)
-        *(gn_where *)(base + section->where) = map->key ? map->key_where : map->where;
+        *(gn_scene_place *)(base + section->where) = map->key ? map->key_where : map->where;
     for (size_t k = 0; k < section->key_count; k++) {
         const gn_key *key = &section->keys[k];
         if (reader->specimen_only && section == &gn_scene_section && !key->packing) continue;

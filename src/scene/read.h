@@ -33,7 +33,7 @@ gneiss_status gn_check_scene(gn_reader *reader, const gn_node *root);
 gneiss_status gn_check_shape(gn_reader *reader, const gn_node *root);
 
 /* "file:line:column: path: ..." or "--set key: ...". */
-gneiss_status gn_read_fail(const gn_reader *reader, const gn_node *node, gn_where where,
+gneiss_status gn_read_fail(const gn_reader *reader, const gn_node *node, gn_scene_place where,
                            const char *path, const char *format, ...)
     __attribute__((format(printf, 5, 6)));
 

@@ -18,7 +18,7 @@ static gneiss_status parse_tree(gn_reader *reader, gn_tree *tree, const gn_overr
                                 size_t override_count) {
     for (size_t k = 0; k < override_count; k++) {
         const char *key = overrides[k].key ? overrides[k].key : "";
-        gn_problem_place(reader->problems, (gn_where){INT_MAX, 0}, key);
+        gn_problem_place(reader->problems, (gn_scene_place){INT_MAX, 0}, key);
         GN_TRY(gn_read_keep(reader, gn_tree_override(tree, &overrides[k], reader->error)));
     }
     const gn_node *root = gn_tree_root(tree);

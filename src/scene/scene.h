@@ -87,9 +87,9 @@ typedef enum gn_switch { GN_SWITCH_AUTO, GN_SWITCH_ON, GN_SWITCH_OFF } gn_switch
 
 /* Where a value stands in the scene file, for messages raised after parsing. Line 0: not in a file.
  */
-typedef struct gn_where {
+typedef struct gn_scene_place {
     int line, column; /* base 1 */
-} gn_where;
+} gn_scene_place;
 
 /* Piecewise linear in time; held constant before the first and after the last point. `count` 1 is a
  * constant, 0 means the channel is free (not prescribed). */
@@ -116,7 +116,7 @@ typedef struct gn_material {
     double shear_strength;     /* tau_c of the contact, Pa */
     double bond_tension_limit; /* R_n, N; uniform model */
     double bond_shear_limit;   /* R_t, N; uniform model */
-    gn_where where;
+    gn_scene_place where;
 } gn_material;
 
 typedef struct gn_lattice {
@@ -135,7 +135,7 @@ typedef struct gn_refinement {
     bool boundary;             /* instead of a box */
     double size;               /* of particles there over that elsewhere, (0, 1] */
     double distance;           /* over which the size grows back, m */
-    gn_where where;
+    gn_scene_place where;
 } gn_refinement;
 
 /* A body that is to be filled with particles, and how. */
@@ -183,12 +183,12 @@ typedef struct gn_specimen {
     int64_t group;                  /* cohesive group; 0: never bonded */
     gn_density_basis density_basis; /* bulk: particle density = density/(1 - porosity) */
     double porosity;                /* with bulk; negative: measure it */
-    gn_where where;
+    gn_scene_place where;
 } gn_specimen;
 
 /* A named selection of particles and what is done to it. Selections are conjunctions: every one
  * that is given must hold. A later set overrides an earlier one where both say something. */
-typedef struct gn_set {
+typedef struct gn_set_def {
     char name[GN_NAME_SIZE];
     bool all;
     bool has_box;
@@ -206,8 +206,8 @@ typedef struct gn_set {
     double force[3]; /* total, shared out by mass, N */
     bool has_force;
     gn_motion motion;
-    gn_where where;
-} gn_set;
+    gn_scene_place where;
+} gn_set_def;
 
 typedef struct gn_servo {
     bool active;
@@ -226,7 +226,7 @@ typedef struct gn_wall_def {
     bool passive; /* particles that overlap the wall at the start are stress-free there */
     gn_motion motion;
     gn_servo servo;
-    gn_where where;
+    gn_scene_place where;
 } gn_wall_def;
 
 /* A tube, a funnel or, with both ends closed, a cylinder or a truncated cone; axis along z. */
@@ -260,7 +260,7 @@ typedef struct gn_body_def {
     bool has_initial_velocity, has_initial_spin;
     double initial_velocity[3], initial_spin[3];
     gn_motion motion;
-    gn_where where;
+    gn_scene_place where;
 } gn_body_def;
 
 /* Walls, bodies, sets, motions of elements that load the specimen together. */
@@ -277,14 +277,14 @@ typedef struct gn_test {
     double length;   /* m; 0: extent of the specimen along the axis */
     double area;     /* m2; 0: from diameter, else from the specimen (see docs/scene.md) */
     double diameter; /* m; 0: not given */
-    gn_where where;
+    gn_scene_place where;
 } gn_test;
 
 /* Linear finite elements: what they are made of. */
 typedef struct gn_element_material {
     char group[GN_NAME_SIZE];       /* of elements, by name or tag; "": all elements */
     double young, poisson, density; /* Pa, -, kg/m3 */
-    gn_where where;
+    gn_scene_place where;
 } gn_element_material;
 
 /* Nodes (facets, for tractions) by a group of the mesh or by a box about their places at the start:
@@ -300,7 +300,7 @@ typedef struct gn_element_motion {
     char name[GN_NAME_SIZE];
     gn_region region;
     gn_motion motion; /* velocities only */
-    gn_where where;
+    gn_scene_place where;
 } gn_element_motion;
 
 typedef struct gn_element_load {
@@ -309,7 +309,7 @@ typedef struct gn_element_load {
     bool has_traction, has_force; /* one of the two */
     gn_table traction[3];         /* Pa on facets, of fixed direction */
     gn_table force[3];            /* N in all; shared out by area (facets) or mass */
-    gn_where where;
+    gn_scene_place where;
 } gn_element_load;
 
 /* A beam with supports below, a load above mid-span and a notch there. */
@@ -352,7 +352,7 @@ typedef struct gn_element_def {
     gn_element_load *loads; /* on top of each other */
     bool has_contact;
     gn_element_contact_def contact;
-    gn_where where;
+    gn_scene_place where;
 } gn_element_def;
 
 typedef struct gn_scene {
@@ -370,7 +370,7 @@ typedef struct gn_scene {
     gn_element_def elements;
 
     bool has_law;
-    gn_where law_where;
+    gn_scene_place law_where;
     gn_stiffness_model stiffness;
     gn_contact_arm contact_arm;
     gn_switch rotation; /* auto: on */
@@ -396,14 +396,14 @@ typedef struct gn_scene {
     gn_lost_policy lost;
 
     size_t set_count;
-    gn_set *sets;
+    gn_set_def *sets;
     size_t wall_count;
     gn_wall_def *walls;
     size_t body_count;
     gn_body_def *bodies;
     gn_test test;
 
-    gn_where time_where;
+    gn_scene_place time_where;
     double step;          /* dt, s; 0: automatic */
     double safety;        /* of 2/w_max */
     double contact_steps; /* that a collision lasts at least; 0: GN_STEPS_PER_CONTACT */

@@ -44,7 +44,7 @@ static const char *tree_text(gn_tree *tree, const char *text, size_t length) {
     return copy;
 }
 
-static gn_node *tree_node(gn_tree *tree, gn_node_kind kind, gn_where where) {
+static gn_node *tree_node(gn_tree *tree, gn_node_kind kind, gn_scene_place where) {
     gn_node *node = tree_alloc(tree, sizeof *node);
     if (!node) return NULL;
     node->kind = kind;
@@ -72,12 +72,12 @@ typedef struct builder {
     int depth;
 } builder;
 
-static gn_where event_where(struct fy_event *event) {
+static gn_scene_place event_where(struct fy_event *event) {
     const struct fy_mark *mark = event ? fy_event_start_mark(event) : NULL;
-    return mark ? (gn_where){mark->line + 1, mark->column + 1} : (gn_where){1, 1};
+    return mark ? (gn_scene_place){mark->line + 1, mark->column + 1} : (gn_scene_place){1, 1};
 }
 
-static gneiss_status fail_at(builder *b, gn_where where, const char *text) {
+static gneiss_status fail_at(builder *b, gn_scene_place where, const char *text) {
     if (b->set) return gn_fail(b->error, GNEISS_ERROR_INPUT, "--set %s: %s", b->set, text);
     return gn_fail(b->error, GNEISS_ERROR_INPUT, "%s:%d:%d: %s", b->tree->name, where.line,
                    where.column, text);
@@ -91,11 +91,12 @@ static gneiss_status fail_memory(builder *b) {
 static gneiss_status fail_syntax(builder *b) {
     void *iterator = NULL;
     struct fy_diag_error *first = fy_diag_errors_iterate(b->diag, &iterator);
-    if (!first) return fail_at(b, (gn_where){1, 1}, "not valid YAML");
+    if (!first) return fail_at(b, (gn_scene_place){1, 1}, "not valid YAML");
     char text[512];
     snprintf(text, sizeof text, "not valid YAML: %s", first->msg ? first->msg : "unknown reason");
     return fail_at(
-        b, (gn_where){first->line > 0 ? first->line : 1, first->column > 0 ? first->column : 1},
+        b,
+        (gn_scene_place){first->line > 0 ? first->line : 1, first->column > 0 ? first->column : 1},
         text);
 }
 
@@ -107,7 +108,7 @@ static gneiss_status next_event(builder *b, struct fy_event **event) {
 static gneiss_status read_scalar(builder *b, struct fy_event *event, gn_node **node) {
     struct fy_token *token = event->scalar.value;
     enum fy_scalar_style style = token ? fy_token_scalar_style(token) : FYSS_PLAIN;
-    gn_where where = event_where(event);
+    gn_scene_place where = event_where(event);
     if (style == FYSS_SINGLE_QUOTED || style == FYSS_DOUBLE_QUOTED) where.column--; /* its quote */
     if (event->scalar.tag) return fail_at(b, where, "YAML tags are not part of a scene");
     size_t length = 0;
@@ -160,7 +161,7 @@ static gneiss_status read_children(builder *b, gn_node *open, enum fy_event_type
 static gneiss_status read_open(builder *b, struct fy_event *event, gn_node **node) {
     bool map = event->type == FYET_MAPPING_START;
     struct fy_token *tag = map ? event->mapping_start.tag : event->sequence_start.tag;
-    gn_where where = event_where(event);
+    gn_scene_place where = event_where(event);
     if (tag) return fail_at(b, where, "YAML tags are not part of a scene");
     if (b->depth >= DEPTH_LIMIT) return fail_at(b, where, "nested too deeply");
     *node = tree_node(b->tree, map ? GN_NODE_MAP : GN_NODE_LIST, where);
@@ -173,7 +174,7 @@ static gneiss_status read_open(builder *b, struct fy_event *event, gn_node **nod
 }
 
 static gneiss_status read_node(builder *b, struct fy_event *event, gn_node **node) {
-    gn_where where = event_where(event);
+    gn_scene_place where = event_where(event);
     switch (event->type) {
     case FYET_SCALAR:
         return read_scalar(b, event, node);
@@ -278,7 +279,7 @@ gneiss_status gn_tree_read(const char *text, size_t length, const char *name, gn
     snprintf(fresh->name, sizeof fresh->name, "%s", name);
     gneiss_status status = read_yaml(fresh, text, length, NULL, &fresh->root, error);
     if (status == GNEISS_OK && (!fresh->root || fresh->root->kind != GN_NODE_MAP)) {
-        gn_where at = fresh->root ? fresh->root->where : (gn_where){1, 1};
+        gn_scene_place at = fresh->root ? fresh->root->where : (gn_scene_place){1, 1};
         status =
             gn_fail(error, GNEISS_ERROR_INPUT,
                     "%s:%d:%d: expected sections such as 'specimen:' and 'materials:', found %s",
@@ -393,7 +394,7 @@ static gneiss_status descend(gn_tree *tree, gn_node **at, const char *step, size
         child = child_span(node, step, length);
     }
     if (!child) {
-        child = tree_node(tree, GN_NODE_NULL, (gn_where){0, 0});
+        child = tree_node(tree, GN_NODE_NULL, (gn_scene_place){0, 0});
         if (!child) return gn_fail(error, GNEISS_ERROR_MEMORY, "--set %s: out of memory", o->key);
         child->key = tree_text(tree, step, length);
         child->text = "";
@@ -421,7 +422,7 @@ static gneiss_status override_value(gn_tree *tree, const gn_override *o, gn_node
     while (length && (text[length - 1] == ' ' || text[length - 1] == '\t')) length--;
     if (length && (*text == '[' || *text == '{'))
         return read_yaml(tree, text, length, set, value, error);
-    *value = tree_node(tree, length ? GN_NODE_SCALAR : GN_NODE_NULL, (gn_where){0, 0});
+    *value = tree_node(tree, length ? GN_NODE_SCALAR : GN_NODE_NULL, (gn_scene_place){0, 0});
     if (!*value) return gn_fail(error, GNEISS_ERROR_MEMORY, "--set %s: out of memory", o->key);
     (*value)->set = set;
     (*value)->text = tree_text(tree, text, length);
@@ -455,7 +456,7 @@ gneiss_status gn_tree_override(gn_tree *tree, const gn_override *o, gneiss_error
     at->kind = value->kind;
     at->text = value->text;
     at->set = value->set;
-    at->where = at->key_where = (gn_where){0, 0};
+    at->where = at->key_where = (gn_scene_place){0, 0};
     at->count = value->count;
     at->first = value->first;
     at->last = value->last;

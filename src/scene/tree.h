@@ -9,11 +9,12 @@ typedef enum gn_node_kind { GN_NODE_NULL, GN_NODE_SCALAR, GN_NODE_LIST, GN_NODE_
 
 typedef struct gn_node {
     gn_node_kind kind;
-    const char *key;           /* NULL unless the parent is a map */
-    const char *text;          /* of a scalar */
-    const char *set;           /* the key of the override it comes from; NULL: from the file */
-    gn_where where, key_where; /* key_where: of the key in a map, otherwise the same as where */
-    size_t count;              /* children */
+    const char *key;  /* NULL unless the parent is a map */
+    const char *text; /* of a scalar */
+    const char *set;  /* the key of the override it comes from; NULL: from the file */
+    gn_scene_place where,
+        key_where; /* key_where: of the key in a map, otherwise the same as where */
+    size_t count;  /* children */
     struct gn_node *first, *last, *next;
 } gn_node;
 

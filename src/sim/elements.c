@@ -14,7 +14,7 @@
  * ----------------------------------------------------------------------------------- */
 
 /* Puts the place in the scene before a message about the mesh. */
-static gneiss_status at(const gn_world *w, gn_where where, const char *list, size_t index,
+static gneiss_status at(const gn_world *w, gn_scene_place where, const char *list, size_t index,
                         gneiss_status status, gneiss_error *error) {
     char text[GNEISS_MESSAGE_SIZE], item[64] = "elements";
     if (status != GNEISS_ERROR_INPUT || !error) return status;

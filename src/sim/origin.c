@@ -126,7 +126,7 @@ static void reach_of(const gn_particles *q, double reach[3]) {
     }
 }
 
-static gneiss_status too_coarse(const gn_world *w, gn_where where, const char *what,
+static gneiss_status too_coarse(const gn_world *w, gn_scene_place where, const char *what,
                                 const double reach[3], const char *of, double length,
                                 gneiss_error *error) {
     char at[GN_POINT_SIZE];
@@ -143,7 +143,7 @@ static gneiss_status too_coarse(const gn_world *w, gn_where where, const char *w
 
 /* What something moves in a step; components far below the largest are taken for round-off. A
  * constant velocity is rounded the same way in step after step, up to half the spacing each. */
-static gneiss_status too_slow(const gn_world *w, gn_where where, const char *what,
+static gneiss_status too_slow(const gn_world *w, gn_scene_place where, const char *what,
                               const double velocity[3], const double reach[3],
                               gneiss_error *error) {
     char at[GN_POINT_SIZE];
@@ -184,7 +184,7 @@ static gneiss_status check_sets(const gn_world *w, gneiss_error *error) {
     double reach[3], velocity[3];
     reach_of(&w->particles, reach);
     for (size_t k = 0; k < w->scene.set_count; k++) {
-        const gn_set *s = &w->scene.sets[k];
+        const gn_set_def *s = &w->scene.sets[k];
         snprintf(what, sizeof what, "set '%s'", s->name);
         fastest(s->motion.velocity, velocity);
         GN_TRY(too_slow(w, s->where, what, velocity, reach, error));

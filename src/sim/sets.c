@@ -6,20 +6,20 @@
 #include <math.h>
 #include <string.h>
 
-static bool in_end(const gn_world *w, const gn_set *s, const double *x) {
+static bool in_end(const gn_world *w, const gn_set_def *s, const double *x) {
     int axis = (int)s->end_axis;
     double r = s->end_by_surface ? x[3] : 0.0;
     return s->end_upper ? x[axis] + r >= w->upper[axis] - s->end_depth
                         : x[axis] - r <= w->lower[axis] + s->end_depth;
 }
 
-static bool in_ids(const gn_set *s, int32_t id) {
+static bool in_ids(const gn_set_def *s, int32_t id) {
     for (size_t k = 0; k < s->id_count; k++)
         if (s->ids[k] == id) return true;
     return false;
 }
 
-static bool selected_at(const gn_world *w, const gn_set *s, const double *x, int32_t id) {
+static bool selected_at(const gn_world *w, const gn_set_def *s, const double *x, int32_t id) {
     if (s->has_box)
         for (int a = 0; a < (int)w->scene.dimension; a++) {
             double seen = gn_point_out(w->scene.origin[a], x[a]);
@@ -29,7 +29,7 @@ static bool selected_at(const gn_world *w, const gn_set *s, const double *x, int
     return !s->id_count || in_ids(s, id);
 }
 
-static bool selected(const gn_world *w, const gn_set *s, size_t p) {
+static bool selected(const gn_world *w, const gn_set_def *s, size_t p) {
     return selected_at(w, s, w->particles.pos + 4 * p, w->particles.id[p]);
 }
 
@@ -44,13 +44,13 @@ static uint8_t motion_mask(const gn_motion *motion) {
     return mask;
 }
 
-static size_t count_selected(const gn_world *w, const gn_set *s) {
+static size_t count_selected(const gn_world *w, const gn_set_def *s) {
     size_t count = 0;
     for (size_t p = 0; p < w->particles.soa.count; p++) count += selected(w, s, p);
     return count;
 }
 
-static gneiss_status check_ids(const gn_world *w, const gn_set *s, gneiss_error *error) {
+static gneiss_status check_ids(const gn_world *w, const gn_set_def *s, gneiss_error *error) {
     for (size_t k = 0; k < s->id_count; k++)
         if (s->ids[k] < 0 || s->ids[k] >= (int64_t)w->particles.soa.count)
             return gn_fail(
@@ -69,7 +69,7 @@ static gneiss_status check_ids(const gn_world *w, const gn_set *s, gneiss_error 
 gneiss_status gn_sets_assign(gn_world *w, gneiss_error *error) {
     gn_particles *q = &w->particles;
     for (size_t k = 0; k < w->scene.set_count; k++) {
-        const gn_set *s = &w->scene.sets[k];
+        const gn_set_def *s = &w->scene.sets[k];
         GN_TRY(check_ids(w, s, error));
         int material = s->material[0] ? gn_scene_find_material(&w->scene, s->material) : -1;
         for (size_t p = 0; p < q->soa.count; p++) {
@@ -82,7 +82,7 @@ gneiss_status gn_sets_assign(gn_world *w, gneiss_error *error) {
 }
 
 /* Initial motion and force of one set; the total force is shared out by mass. */
-static void apply_set(gn_world *w, const gn_set *s) {
+static void apply_set(gn_world *w, const gn_set_def *s) {
     gn_particles *q = &w->particles;
     double mass = 0.0;
     for (size_t p = 0; p < q->soa.count; p++)
@@ -161,7 +161,7 @@ void gn_reactions_sum(gn_world *w) {
  * that have it from there, else all that were selected at the start. */
 static bool travels(const gn_world *w, size_t set, int axis, size_t p) {
     const gn_particles *q = &w->particles;
-    const gn_set *s = &w->scene.sets[set];
+    const gn_set_def *s = &w->scene.sets[set];
     if (s->motion.velocity[axis].count == 0) return selected_at(w, s, q->start + 4 * p, q->id[p]);
     int32_t slot = q->slot[p];
     return slot >= 0 && w->channel_set[6 * slot + axis] == (int32_t)set;
@@ -169,7 +169,7 @@ static bool travels(const gn_world *w, size_t set, int axis, size_t p) {
 
 double gn_set_travel(const gn_world *w, size_t set, int axis) {
     const gn_particles *q = &w->particles;
-    const gn_set *s = &w->scene.sets[set];
+    const gn_set_def *s = &w->scene.sets[set];
     double sum = 0.0;
     size_t count = 0, all = s->id_count ? s->id_count : q->soa.count;
     for (size_t k = 0; k < all; k++) {

@@ -1,9 +1,10 @@
-/* The contact law of particles with walls and surfaces: penalty spring, dashpot, Coulomb friction.
- * What a contact is like is for walls.c and surfaces.c to find out. */
+/* The contact law of particles with walls and surfaces: the linear law of particles, one contact at
+ * a time. What a contact is like is for walls.c and surfaces.c to find out. */
 #ifndef GN_SIM_TOUCH_H
 #define GN_SIM_TOUCH_H
 
 #include "base/vec3.h"
+#include "kernels/law_scalar.h"
 #include "sim/dashpot.h"
 #include "sim/world.h"
 
@@ -31,46 +32,33 @@ typedef struct gn_touch {
 static inline double gn_touch_friction(const gn_world *w, const gn_touch *s, double kt,
                                        double limit, double *shear, size_t stride, double t[3],
                                        double *elastic) {
-    double old[3], trial[3], side[3], size2 = 0.0;
-    for (int a = 0; a < 3; a++) old[a] = shear[(size_t)a * stride];
-    if ((w->particles.spin || s->twist != 0.0) && w->effects & GN_FX_SPACE) {
-        double angle = 0.5 * w->dt_past * s->twist;
-        gn_cross3(s->n, old, side);
-        for (int a = 0; a < 3; a++) old[a] += angle * side[a] - 0.5 * angle * angle * old[a];
+    bool space = w->effects & GN_FX_SPACE, twists = space && (w->particles.spin || s->twist != 0.0);
+    double angle = 0.5 * w->dt_past * s->twist, lost = 0.0;
+    gn_v3 old = {shear[0], shear[stride], shear[2 * stride]}, n = gn_v3_of(s->n);
+    gn_v3 trial =
+        gn_linear_shear(old, gn_v3_of(s->relative), kt, w->dt_past, n, angle, twists, space);
+    gn_v3 now = trial;
+    double size2 = gn_dot(trial, trial, 1);
+    if (limit * limit < size2) {
+        now = gn_linear_slip(trial, size2, limit, true, 1);
+        lost = gn_released3(twists ? gn_turn_about_normal(old, n, angle) : old, now, trial, kt, 1);
     }
-    for (int a = 0; a < 3; a++) {
-        trial[a] = old[a] + kt * w->dt_past * s->relative[a];
-        size2 += trial[a] * trial[a];
-    }
-    double size = sqrt(size2), scale = size > limit ? limit / size : 1.0, lost = 0.0, now2 = 0.0;
-    for (int a = 0; a < 3; a++) {
-        t[a] = scale * trial[a];
-        shear[(size_t)a * stride] = t[a];
-        if (scale < 1.0) lost += 0.5 * (old[a] + t[a]) * (trial[a] - t[a]) / kt;
-        now2 += t[a] * t[a];
-    }
-    *elastic += 0.5 * now2 / kt;
+    t[0] = shear[0] = now.x;
+    t[1] = shear[stride] = now.y;
+    t[2] = shear[2 * stride] = now.z;
+    *elastic += 0.5 * gn_dot(now, now, 1) / kt;
     return lost;
 }
 
-/* What acts along the normal but for the dashpot, and the dashpot's share of a step. */
-typedef struct gn_touch_normal {
-    double force, way, share; /* N; m: force times way is twice the energy; - */
-} gn_touch_normal;
-
-/* A contact that closed or opened within the step: see the kernel of particles
- * (kernels/contact_template.c, cross). */
-static inline gn_touch_normal gn_touch_normal_of(double stiffness, const gn_touch *t, double path,
+/* What acts along the normal but for the dashpot, whose share of the step is given back too. A
+ * plane's or facet's normal does not turn within a step: the path is all along it. */
+static inline gn_linear_crossing gn_touch_normal(double stiffness, const gn_touch *t, double path,
                                                  double dt) {
-    double gap = t->gap, before = gap - path, s = gap / path;
-    bool touching = gap < -t->rounding, touched = before < -t->rounding;
-    if (touching && touched) return (gn_touch_normal){stiffness * gap, gap, 1.0};
-    double bend = fmin(0.25 * dt * dt * stiffness * t->inverse_mass, 0.125) * s * (1.0 - s);
-    if (touching)
-        return (gn_touch_normal){0.5 * stiffness * gap * (1.0 + s) * (1.0 - bend), path, 0.5 + s};
-    if (touched)
-        return (gn_touch_normal){-0.5 * stiffness * before * s * (1.0 + bend), -path, 0.5 - s};
-    return (gn_touch_normal){0.0, 0.0, 0.0};
+    bool touching = t->gap < -t->rounding, touched = t->gap - path < -t->rounding;
+    if (touching && touched) return (gn_linear_crossing){stiffness * t->gap, 1.0, t->gap};
+    if (!touching && !touched) return (gn_linear_crossing){0.0, 0.0, 0.0};
+    double quarter_y2 = 0.25 * dt * dt * stiffness * t->inverse_mass;
+    return gn_linear_cross(stiffness, t->gap, path, quarter_y2, touching, touched, touching);
 }
 
 /* Force on the particle: the returned value along n, and t across it. `fd` (may be NULL): viscous
@@ -80,8 +68,8 @@ static inline double gn_touch_force(const gn_world *w, const gn_touch_law *law, 
                                     gn_contact_sums *sums) {
     bool touching = s->gap < -s->rounding;
     double path = s->speed * w->dt_past, elastic = 0.0;
-    gn_touch_normal normal = gn_touch_normal_of(law->stiffness, s, path, w->dt_past);
-    double total = normal.force;
+    gn_linear_crossing normal = gn_touch_normal(law->stiffness, s, path, w->dt_past);
+    double total = normal.normal;
     if (w->effects & GN_FX_CONTACT_DAMPING) {
         double viscous = 0.0;
         if (normal.share != 0.0)
@@ -98,7 +86,7 @@ static inline double gn_touch_force(const gn_world *w, const gn_touch_law *law, 
         sums->friction +=
             gn_touch_friction(w, s, law->kt, touching ? law->friction * fmax(-total, 0.0) : 0.0,
                               shear, stride, t, &elastic);
-    sums->elastic_normal += 0.5 * normal.force * normal.way + elastic;
+    sums->elastic_normal += 0.5 * normal.normal * normal.way + elastic;
     return total;
 }
 
