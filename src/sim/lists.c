@@ -339,6 +339,10 @@ static gneiss_status ready_blocks(gn_world *w, gneiss_error *error) {
     }
     if (!w->pair_sums || !w->wall_sums || !w->bond_sums || !w->motion_sums)
         return gn_fail(error, GNEISS_ERROR_MEMORY, "no memory for block sums");
+    w->particle_mass = 0.0;
+    for (size_t p = 0; p < w->particles.soa.count; p++) /* 0: removed */
+        if (w->particles.vel[4 * p + 3] > 0.0)
+            w->particle_mass += 1.0 / w->particles.vel[4 * p + 3];
     GN_TRY(gn_world_deal_lists(w, error));
     return gn_exchanges_mark(w, error);
 }

@@ -54,8 +54,10 @@ gneiss_status gn_paths_check_spins(const gn_world *w, gneiss_error *error) {
     double most = 0.0;
     if (!q->spin) return GNEISS_OK;
 #pragma omp parallel for schedule(static) num_threads(w->threads) reduction(max : most)
-    for (size_t p = 0; p < q->soa.count; p++)
-        most = fmax(most, gn_dot3(q->spin + 4 * p, q->spin + 4 * p));
+    for (size_t p = 0; p < q->soa.count; p++) { /* not fmax, which is a call */
+        double size2 = gn_dot3(q->spin + 4 * p, q->spin + 4 * p);
+        most = size2 > most ? size2 : most;
+    }
     if (w->dt * sqrt(most) <= 0.5) return GNEISS_OK;
     size_t worst = 0;
     while (gn_dot3(q->spin + 4 * worst, q->spin + 4 * worst) < most) worst++;

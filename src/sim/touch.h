@@ -50,15 +50,21 @@ static inline double gn_touch_friction(const gn_world *w, const gn_touch *s, dou
     return lost;
 }
 
+/* Whether it closed or opened within the step, when its gap grew by `path`. */
+static inline bool gn_touch_crosses(const gn_touch *t, double path) {
+    return (t->gap < -t->rounding) != (t->gap - path < -t->rounding);
+}
+
 /* What acts along the normal but for the dashpot, whose share of the step is given back too. A
  * plane's or facet's normal does not turn within a step: the path is all along it. */
 static inline gn_linear_crossing gn_touch_normal(double stiffness, const gn_touch *t, double path,
                                                  double dt) {
-    bool touching = t->gap < -t->rounding, touched = t->gap - path < -t->rounding;
-    if (touching && touched) return (gn_linear_crossing){stiffness * t->gap, 1.0, t->gap};
-    if (!touching && !touched) return (gn_linear_crossing){0.0, 0.0, 0.0};
+    bool touching = t->gap < -t->rounding;
+    if (!gn_touch_crosses(t, path) && touching)
+        return (gn_linear_crossing){stiffness * t->gap, 1.0, t->gap};
+    if (!gn_touch_crosses(t, path)) return (gn_linear_crossing){0.0, 0.0, 0.0};
     double quarter_y2 = 0.25 * dt * dt * stiffness * t->inverse_mass;
-    return gn_linear_cross(stiffness, t->gap, path, quarter_y2, touching, touched, touching);
+    return gn_linear_cross(stiffness, t->gap, path, quarter_y2, touching, !touching, touching);
 }
 
 /* Force on the particle: the returned value along n, and t across it. `fd` (may be NULL): viscous

@@ -141,7 +141,9 @@ static gn_touch touch_of(const gn_world *w, size_t c, double *arm) {
         v[a] = wall->velocity[a] - q->vel[4 * p + a];
     }
     s.speed = gn_dot3(v, s.n);
-    s.inverse_mass = gn_inverse_mass_along(w, p, s.n);
+    /* A contact that stays without a dashpot needs no mass. */
+    if (w->effects & GN_FX_CONTACT_DAMPING || gn_touch_crosses(&s, s.speed * w->dt_past))
+        s.inverse_mass = gn_inverse_mass_along(w, p, s.n);
     if (q->spin) {
         gn_cross3(q->spin + 4 * p, s.n, turn);
         s.twist = gn_dot3(q->spin + 4 * p, s.n);

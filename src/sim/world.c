@@ -142,10 +142,7 @@ double gn_world_porosity(const gn_world *w) {
 }
 
 double gn_world_mass(const gn_world *w) {
-    double mass = w->elements ? w->elements->body.mass : 0.0;
-    for (size_t p = 0; p < w->particles.soa.count; p++) /* 0: removed */
-        if (w->particles.vel[4 * p + 3] > 0.0) mass += 1.0 / w->particles.vel[4 * p + 3];
-    return mass;
+    return w->particle_mass + (w->elements ? w->elements->body.mass : 0.0);
 }
 
 static double bulk_factor(const gn_world *w) {

@@ -118,7 +118,8 @@ struct gn_world {
     double volume;             /* m3 (2D: m2 x 1 m): of the specimen at the start */
     double lower[3], upper[3]; /* m: extent of the specimen at the start, radii included */
     double test_length, test_area;
-    double radius_min; /* m */
+    double radius_min;    /* m */
+    double particle_mass; /* kg, of those that were there when the lists were made */
 
     int64_t step;
     double time;        /* s */
