@@ -53,28 +53,28 @@ static void drop_bonded(const gn_world *w, gn_pair_list *pairs) {
     pairs->count = kept;
 }
 
-/* Parameters depend on the two particles alone: a pair that was there keeps them, and its history.
- */
-static void keep_pair(gn_contacts *now, size_t c, const gn_contacts *old, size_t before) {
-    now->kn[c] = old->kn[before];
-    if (now->kt) now->kt[c] = old->kt[before];
-    if (now->mu) now->mu[c] = old->mu[before];
-    if (now->cn) now->cn[c] = old->cn[before];
-    for (size_t a = 0; a < 3; a++) {
-        size_t to = c + a * now->soa.capacity, from = before + a * old->soa.capacity;
-        if (now->shear) now->shear[to] = old->shear[from];
-        if (now->shear_f) now->shear_f[to] = old->shear_f[from];
-    }
-    if (now->fd) now->fd[c] = old->fd[before];
-    if (now->fd_f) now->fd_f[c] = old->fd_f[before];
-}
-
 static void new_pair(const gn_world *w, gn_contacts *now, size_t c) {
     gn_contact_parameters p = gn_contact_law(w, now->i[c], now->j[c]);
     now->kn[c] = p.kn;
     if (now->kt) now->kt[c] = p.kt;
     if (now->mu) now->mu[c] = p.mu;
     if (now->cn) now->cn[c] = p.cn;
+}
+
+enum { PART = 512 };
+
+/* Up to PART pairs found. Parameters depend on the two particles alone: a pair that was there keeps
+ * them, and its history. */
+static void fill_part(const gn_world *w, const gn_pair_list *found, gn_contacts *now, size_t begin,
+                      size_t end, size_t *at) {
+    int32_t from[PART];
+    for (size_t c = begin; c < end; c++) {
+        int32_t i = now->i[c] = found->pair[c][0], j = now->j[c] = found->pair[c][1];
+        bool known = walk_to(&w->pairs, at, i, j);
+        from[c - begin] = known ? (int32_t)*at : -1;
+        if (!known) new_pair(w, now, c);
+    }
+    gn_soa_keep(&gn_contact_record, now, begin, end - begin, &w->pairs, from);
 }
 
 /* Fills the list from the pairs found; every thread walks through its part of the old list. */
@@ -84,13 +84,8 @@ static void fill_pairs(const gn_world *w, const gn_pair_list *found, gn_contacts
         size_t t = (size_t)omp_get_thread_num(), of = (size_t)omp_get_num_threads();
         size_t begin = found->count * t / of, end = found->count * (t + 1) / of, at = 0;
         if (begin < end) at = lower_bound(&w->pairs, found->pair[begin][0], found->pair[begin][1]);
-        for (size_t c = begin; c < end; c++) {
-            int32_t i = now->i[c] = found->pair[c][0], j = now->j[c] = found->pair[c][1];
-            if (walk_to(&w->pairs, &at, i, j))
-                keep_pair(now, c, &w->pairs, at);
-            else
-                new_pair(w, now, c);
-        }
+        for (size_t c = begin; c < end; c += PART)
+            fill_part(w, found, now, c, end - c < PART ? end : c + PART, &at);
     }
 }
 
@@ -122,22 +117,12 @@ static gneiss_status make_pairs(gn_world *w, gneiss_error *error) {
 
 typedef struct renamed {
     int32_t i, j, place;
-    bool swapped;
 } renamed;
 
 static int by_pair(const void *a, const void *b) {
     const renamed *x = a, *y = b;
     if (x->i != y->i) return x->i < y->i ? -1 : 1;
     return (x->j > y->j) - (x->j < y->j);
-}
-
-/* A contact whose ends change places sees everything from the other side. */
-static void mirror(gn_contacts *list, size_t c) {
-    for (size_t a = 0; a < 3; a++) {
-        size_t at = c + a * list->soa.capacity;
-        if (list->shear) list->shear[at] = -list->shear[at];
-        if (list->shear_f) list->shear_f[at] = -list->shear_f[at];
-    }
 }
 
 /* Sorts the keys and puts the items of *list in their order, into *now; *list is freed. */
@@ -160,22 +145,30 @@ static gneiss_status sort_items(const gn_record *record, void *list, void *now, 
 
 /* Renumbers the ends of contacts and sorts them again; place[old] is the new number. */
 static gneiss_status rename_contacts(gn_contacts *list, const int32_t *place, gneiss_error *error) {
-    size_t count = list->soa.count;
+    size_t count = list->soa.count, turned = 0;
     renamed *keys = gn_alloc_array(count + 1, sizeof *keys);
-    if (!keys) return gn_fail(error, GNEISS_ERROR_MEMORY, "no memory to sort %zu contacts", count);
-    for (size_t c = 0; c < count; c++) {
+    int32_t *swapped = gn_alloc_array(count + 1, sizeof *swapped);
+    gneiss_status status = GNEISS_OK;
+    if (!keys || !swapped)
+        status = gn_fail(error, GNEISS_ERROR_MEMORY, "no memory to sort %zu contacts", count);
+    for (size_t c = 0; status == GNEISS_OK && c < count; c++) {
         int32_t i = place[list->i[c]], j = place[list->j[c]];
-        keys[c] = (renamed){i < j ? i : j, i < j ? j : i, (int32_t)c, i > j};
+        keys[c] = (renamed){i < j ? i : j, i < j ? j : i, (int32_t)c};
+        swapped[turned] = (int32_t)c;
+        turned += i > j;
     }
     gn_contacts now = {0};
-    gneiss_status status = sort_items(&gn_contact_record, list, &now, keys, error);
+    if (status == GNEISS_OK) {
+        gn_soa_mirror(&gn_contact_record, list, swapped, turned);
+        status = sort_items(&gn_contact_record, list, &now, keys, error);
+    }
     for (size_t c = 0; status == GNEISS_OK && c < count; c++) {
         now.i[c] = keys[c].i;
         now.j[c] = keys[c].j;
-        if (keys[c].swapped) mirror(&now, c);
     }
     if (status == GNEISS_OK) *list = now;
     gn_free(keys);
+    gn_free(swapped);
     return status;
 }
 
@@ -186,7 +179,7 @@ static gneiss_status rename_wall_contacts(gn_wall_contacts *list, const int32_t 
     renamed *keys = gn_alloc_array(count + 1, sizeof *keys);
     if (!keys) return gn_fail(error, GNEISS_ERROR_MEMORY, "no memory to sort %zu contacts", count);
     for (size_t c = 0; c < count; c++)
-        keys[c] = (renamed){place[list->i[c]], list->wall[c], (int32_t)c, false};
+        keys[c] = (renamed){place[list->i[c]], list->wall[c], (int32_t)c};
     gn_wall_contacts now = {0};
     gneiss_status status = sort_items(&gn_wall_contact_record, list, &now, keys, error);
     for (size_t c = 0; status == GNEISS_OK && c < count; c++) now.i[c] = keys[c].i;
