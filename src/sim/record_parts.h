@@ -3,17 +3,6 @@
 #define GN_SIM_RECORD_PARTS_H
 
 #include "sim/parts.h"
-#include "sim/record.h"
-
-/* Columns <what>_xx ... of the components that the dimension has, and their values. */
-gneiss_status gn_record_add_tensor(const gn_world *world, gn_history *history, const char *what,
-                                   const char *unit, const char *text, gneiss_error *error);
-double *gn_record_put_tensor(const gn_world *world, double *row, const double tensor[9]);
-
-/* Columns <kind>_<owner>_<what>_x ... */
-gneiss_status gn_record_add_vector(const gn_world *world, gn_history *history, const char *kind,
-                                   const char *owner, const char *what, const char *unit,
-                                   const char *text, gneiss_error *error);
 
 /* Change of the distance of the ends, m, positive in the sense of the test (ends.c). */
 double gn_record_deflection(const gn_world *world);
