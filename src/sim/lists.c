@@ -117,6 +117,7 @@ static gneiss_status make_pairs(gn_world *w, gneiss_error *error) {
 
 typedef struct renamed {
     int32_t i, j, place;
+    bool swapped;
 } renamed;
 
 static int by_pair(const void *a, const void *b) {
@@ -143,9 +144,22 @@ static gneiss_status sort_items(const gn_record *record, void *list, void *now, 
     return status;
 }
 
+/* Contacts sorted by their new keys take these, and those whose ends changed places are mirrored;
+ * `swapped` [count] is scratch. */
+static void take_keys(gn_contacts *list, const renamed *keys, int32_t *swapped) {
+    size_t turned = 0;
+    for (size_t c = 0; c < list->soa.count; c++) {
+        list->i[c] = keys[c].i;
+        list->j[c] = keys[c].j;
+        swapped[turned] = (int32_t)c;
+        turned += keys[c].swapped;
+    }
+    gn_soa_mirror(&gn_contact_record, list, swapped, turned);
+}
+
 /* Renumbers the ends of contacts and sorts them again; place[old] is the new number. */
 static gneiss_status rename_contacts(gn_contacts *list, const int32_t *place, gneiss_error *error) {
-    size_t count = list->soa.count, turned = 0;
+    size_t count = list->soa.count;
     renamed *keys = gn_alloc_array(count + 1, sizeof *keys);
     int32_t *swapped = gn_alloc_array(count + 1, sizeof *swapped);
     gneiss_status status = GNEISS_OK;
@@ -153,20 +167,14 @@ static gneiss_status rename_contacts(gn_contacts *list, const int32_t *place, gn
         status = gn_fail(error, GNEISS_ERROR_MEMORY, "no memory to sort %zu contacts", count);
     for (size_t c = 0; status == GNEISS_OK && c < count; c++) {
         int32_t i = place[list->i[c]], j = place[list->j[c]];
-        keys[c] = (renamed){i < j ? i : j, i < j ? j : i, (int32_t)c};
-        swapped[turned] = (int32_t)c;
-        turned += i > j;
+        keys[c] = (renamed){i < j ? i : j, i < j ? j : i, (int32_t)c, i > j};
     }
     gn_contacts now = {0};
+    if (status == GNEISS_OK) status = sort_items(&gn_contact_record, list, &now, keys, error);
     if (status == GNEISS_OK) {
-        gn_soa_mirror(&gn_contact_record, list, swapped, turned);
-        status = sort_items(&gn_contact_record, list, &now, keys, error);
+        take_keys(&now, keys, swapped);
+        *list = now;
     }
-    for (size_t c = 0; status == GNEISS_OK && c < count; c++) {
-        now.i[c] = keys[c].i;
-        now.j[c] = keys[c].j;
-    }
-    if (status == GNEISS_OK) *list = now;
     gn_free(keys);
     gn_free(swapped);
     return status;
@@ -179,7 +187,7 @@ static gneiss_status rename_wall_contacts(gn_wall_contacts *list, const int32_t 
     renamed *keys = gn_alloc_array(count + 1, sizeof *keys);
     if (!keys) return gn_fail(error, GNEISS_ERROR_MEMORY, "no memory to sort %zu contacts", count);
     for (size_t c = 0; c < count; c++)
-        keys[c] = (renamed){place[list->i[c]], list->wall[c], (int32_t)c};
+        keys[c] = (renamed){place[list->i[c]], list->wall[c], (int32_t)c, false};
     gn_wall_contacts now = {0};
     gneiss_status status = sort_items(&gn_wall_contact_record, list, &now, keys, error);
     for (size_t c = 0; status == GNEISS_OK && c < count; c++) now.i[c] = keys[c].i;
