@@ -67,13 +67,15 @@ enum { PART = 512 };
  * them, and its history. */
 static void fill_part(const gn_world *w, const gn_pair_list *found, gn_contacts *now, size_t begin,
                       size_t end, size_t *at) {
-    int32_t from[PART];
+    int32_t from[PART], *first = now->i, *second = now->j;
+    size_t place = *at; /* in a register, as the ends are */
     for (size_t c = begin; c < end; c++) {
-        int32_t i = now->i[c] = found->pair[c][0], j = now->j[c] = found->pair[c][1];
-        bool known = walk_to(&w->pairs, at, i, j);
-        from[c - begin] = known ? (int32_t)*at : -1;
+        int32_t i = first[c] = found->pair[c][0], j = second[c] = found->pair[c][1];
+        bool known = walk_to(&w->pairs, &place, i, j);
+        from[c - begin] = known ? (int32_t)place : -1;
         if (!known) new_pair(w, now, c);
     }
+    *at = place;
     gn_soa_keep(&gn_contact_record, now, begin, end - begin, &w->pairs, from);
 }
 
