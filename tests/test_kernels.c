@@ -150,16 +150,6 @@ static void free_bench(bench *b) {
     gn_soa_destroy(&gn_contact_record, &b->k);
 }
 
-static void add_sums(gn_contact_sums *total, const gn_contact_sums *s) {
-    total->elastic_normal += s->elastic_normal;
-    total->elastic_shear += s->elastic_shear;
-    total->friction += s->friction;
-    total->contact_damping += s->contact_damping;
-    total->bond_breaking += s->bond_breaking;
-    total->broken_tension += s->broken_tension;
-    total->broken_shear += s->broken_shear;
-}
-
 static gn_contact_sums run(bench *b, gn_contact_kernel *kernel) {
     gn_contact_sums total = {0};
     b->args.contacts = &b->k;
@@ -170,7 +160,7 @@ static gn_contact_sums run(bench *b, gn_contact_kernel *kernel) {
         gn_contact_sums s = {0};
         size_t end = c + b->sums.length < CONTACTS ? c + b->sums.length : CONTACTS;
         kernel(&b->args, c, end, &s);
-        add_sums(&total, &s);
+        gn_contact_sums_add(&total, &s);
     }
     return total;
 }

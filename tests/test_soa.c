@@ -132,6 +132,44 @@ static void the_hash_sees_state_and_nothing_else(void **state) {
     gn_soa_destroy(&gn_contact_record, &k);
 }
 
+/* A contact's past is what a rebuild must not lose: all of its state but the ends, by which it is
+ * found again. */
+static void all_state_of_a_contact_is_kept(void **state) {
+    (void)state;
+    const gn_record *records[] = {&gn_contact_record, &gn_wall_contact_record};
+    const char *ends[][2] = {{"i", "j"}, {"i", "wall"}};
+    for (int r = 0; r < 2; r++)
+        for (size_t f = 0; f < records[r]->field_count; f++) {
+            const gn_field *field = &records[r]->fields[f];
+            bool end = !strcmp(field->name, ends[r][0]) || !strcmp(field->name, ends[r][1]);
+            if (field->role != GN_STATE) continue;
+            if (end == !!(field->care & GN_KEPT)) fail_msg("%s", field->name);
+        }
+}
+
+/* One that stands in place of a double is there exactly when that is not. */
+static void a_column_has_one_form_or_the_other_or_both(void **state) {
+    (void)state;
+    const gn_record *records[] = {&gn_contact_record, &gn_element_record};
+    for (int r = 0; r < 2; r++)
+        for (size_t f = 0; f < records[r]->field_count; f++) {
+            const gn_field *single = &records[r]->fields[f], *wide = single;
+            if (!single->single_of) continue;
+            while (wide->offset != single->single_of) wide--; /* it stands before */
+            assert_true(single->type == GN_F32 && wide->type == GN_F64);
+            assert_int_equal(single->components, wide->components);
+            gn_effects asked = single->needs | single->unless | wide->needs;
+            for (gn_effects e = asked, left = 1; left; left = e, e = (e - 1) & asked) {
+                gn_effects beside = e | GN_FX_MIXED, alone = e & ~(gn_effects)GN_FX_MIXED;
+                assert_false(gn_field_active(single, alone));
+                bool there = gn_field_active(wide, alone);
+                assert_true(gn_field_active(single, beside) == there);
+                bool replaced = wide->unless & GN_FX_MIXED;
+                assert_true(gn_field_active(wide, beside) == (there && !replaced));
+            }
+        }
+}
+
 /* FNV-1a, 64 bits: the published value for "foobar". */
 static void the_hash_is_fnv_1a(void **state) {
     (void)state;
@@ -165,6 +203,8 @@ int main(void) {
         cmocka_unit_test(permutation_moves_every_component_of_every_field),
         cmocka_unit_test(a_permutation_and_its_inverse_give_the_record_back),
         cmocka_unit_test(the_hash_sees_state_and_nothing_else),
+        cmocka_unit_test(all_state_of_a_contact_is_kept),
+        cmocka_unit_test(a_column_has_one_form_or_the_other_or_both),
         cmocka_unit_test(the_hash_is_fnv_1a),
         cmocka_unit_test(padded_contacts_join_null_particles),
     };

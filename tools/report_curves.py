@@ -152,9 +152,10 @@ def plot_energy(results, path):
     inputs = sum((v for n, v in terms.items() if n.startswith("work_")), np.zeros(results.rows))
     at_start = results.scalar(results.energy, "stored_at_start")
     inputs = inputs + (at_start if np.isfinite(at_start) else 0.0)
-    known = {**STORED, **LOST}
-    stack = [n for n in known if n in terms]
-    stack += [n for n in terms if n not in known and not n.startswith(("work_", "stored_"))]
+    known = {n: look for n, look in {**STORED, **LOST}.items() if n in terms}
+    known.update({n: (n.replace("_", " "), GREY) for n in terms
+                  if n not in known and not n.startswith(("work_", "stored_"))})
+    stack = list(known)
     largest = max([np.abs(terms[n]).max() for n in stack] + [np.abs(inputs).max()])
     shown = [n for n in stack if np.abs(terms[n]).max() > 2e-3 * largest]
     factor, unit = scale_of([largest], "J")
@@ -164,12 +165,11 @@ def plot_energy(results, path):
     axes.set_title("Energy")
     if shown and results.rows > 1 and all(terms[n].min() >= -1e-6 * largest for n in shown):
         axes.stackplot(x, [terms[n] / factor for n in shown], lw=0,
-                       labels=[known.get(n, (n, GREY))[0] for n in shown],
-                       colors=[known.get(n, (n, GREY))[1] for n in shown])
+                       labels=[known[n][0] for n in shown],
+                       colors=[known[n][1] for n in shown])
     else:
         for n in shown:
-            axes.plot(x, terms[n] / factor, label=known.get(n, (n, GREY))[0], color=known.get(n, (n, GREY))[1],
-                      **style_for(terms[n]))
+            axes.plot(x, terms[n] / factor, label=known[n][0], color=known[n][1], **style_for(terms[n]))
     axes.plot(x, inputs / factor, color=INK, lw=1.4, dashes=(5, 2), label="put in (work, stored at the start)")
     axes.set_ylabel(f"energy [{unit}]")
     handles, names = axes.get_legend_handles_labels()

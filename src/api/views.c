@@ -243,9 +243,7 @@ static gneiss_status pick(const gneiss_quantity *all, size_t count, const char *
                    name);
 }
 
-#define COUNT_ONE(...) +1
-enum { READINGS = 0 GN_READINGS(COUNT_ONE), ENERGIES = 2 GN_ENERGY_TERMS(COUNT_ONE) };
-#undef COUNT_ONE
+enum { READINGS = GN_READING_COUNT, ENERGIES = GN_ENERGY_FIGURES };
 
 static void list_readings(const gneiss_world *world, gneiss_quantity out[READINGS]) {
     gn_readings r = gn_record_readings(&world->run.world, &world->run.history);
@@ -255,16 +253,13 @@ static void list_readings(const gneiss_world *world, gneiss_quantity out[READING
 }
 
 static void list_energies(const gneiss_world *world, gneiss_quantity out[ENERGIES]) {
-    const gn_energy *e = &world->run.world.reading;
-    bool known = world->run.world.effects & GN_FX_ENERGY && world->run.history.row_count;
-#define X(name, kind, text) *out++ = (gneiss_quantity){#name, "J", text, known ? e->name : NAN};
-    GN_ENERGY_TERMS(X)
-#undef X
-    *out++ = (gneiss_quantity){"stored_at_start", "J", "stored energy at the start",
-                               known ? e->stored_at_start : NAN};
-    *out = (gneiss_quantity){
-        "residual", "1", "what the ledger does not explain, over the energy that has gone through",
-        known ? gn_energy_residual(e) : NAN};
+    const gn_world *w = &world->run.world;
+    bool known = w->effects & GN_FX_ENERGY && world->run.history.row_count;
+    gn_energy_figure figure[ENERGIES];
+    gn_energy_figures(&w->reading, figure);
+    for (int k = 0; k < ENERGIES; k++)
+        out[k] = (gneiss_quantity){figure[k].name, figure[k].unit, figure[k].text,
+                                   known ? figure[k].value : NAN};
 }
 
 size_t gneiss_reading_count(void) {

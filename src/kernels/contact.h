@@ -29,13 +29,36 @@ typedef struct gn_contact_args {
     bool measure;                        /* also sum what is read off: see gn_contact_sums */
 } gn_contact_args;
 
+/* What a block of contacts sums up: X(type, name, unit, text), V(type, name, components, unit,
+ * text). */
+#define GN_CONTACT_SUMS(X, V)                                                                      \
+    X(double, elastic_normal, "J", "stored; with `measure` and energies")                          \
+    X(double, elastic_shear, "J", "stored; with `measure` and energies")                           \
+    V(double, stress, 9, "N m", "f_a l_b, l = x_j - x_i; with `measure`")                          \
+    X(double, force, "N", "sum of |f|; with `measure`")                                            \
+    X(double, carrying, "1", "contacts that carry force; with `measure`")                          \
+    X(double, friction, "J", "dissipated in this step")                                            \
+    X(double, contact_damping, "J", "dissipated in this step")                                     \
+    X(double, bond_breaking, "J", "released in this step")                                         \
+    X(int64_t, broken_tension, "1", "bonds broken in this step")                                   \
+    X(int64_t, broken_shear, "1", "bonds broken in this step")
+
 typedef struct gn_contact_sums {
-    double elastic_normal, elastic_shear; /* J, with `measure` and energies */
-    double stress[9];                     /* N m, with `measure`: f_a l_b, l = x_j - x_i */
-    double force, carrying; /* N, with `measure`: sum of |f|; number of contacts that carry force */
-    double friction, contact_damping, bond_breaking; /* J, dissipated in this step */
-    int64_t broken_tension, broken_shear;            /* bonds broken in this step */
+#define X(type, name, unit, text)             type name;
+#define V(type, name, components, unit, text) type name[components];
+    GN_CONTACT_SUMS(X, V)
+#undef X
+#undef V
 } gn_contact_sums;
+
+static inline void gn_contact_sums_add(gn_contact_sums *total, const gn_contact_sums *block) {
+#define X(type, name, unit, text) total->name += block->name;
+#define V(type, name, components, unit, text)                                                      \
+    for (int k = 0; k < (components); k++) total->name[k] += block->name[k];
+    GN_CONTACT_SUMS(X, V)
+#undef X
+#undef V
+}
 
 /* Works on contacts [begin, end) of one block of the partial sums (without them: of any begin that
  * is a multiple of GN_LANES_MAX); vectors may run past `end` into padding. Sets the block's partial

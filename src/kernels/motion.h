@@ -49,16 +49,49 @@ typedef struct gn_motion_args {
     const double *origin; /* rows [n][4] that travel_f is counted from; NULL: `ref` */
 } gn_motion_args;
 
-/* Works of the background damping and so on are split in the halves 1/2 F dt v before and after the
- * instant: a reading takes the first half only, so that it is trapezoidal at every instant. */
+/* What a block of particles sums up, X(merge, name, unit, text); merging blocks in their order is
+ * to ADD, to take the MOST, or the FIRST that is not negative. HALVES are added: works of the
+ * background damping and so on are split in the halves 1/2 F dt v before and after the instant: a
+ * reading takes the first half only, so that it is trapezoidal at every instant. */
+#define GN_MOTION_SUMS(X)                                                                          \
+    X(ADD, kinetic, "J", "1/2 m v(-)v(+), with `measure`")                                         \
+    X(ADD, rotational, "J", "the same of rotation, with `measure`")                                \
+    X(ADD, resultant, "N", "sum of |F| over free particles, with `measure`")                       \
+    X(HALVES, damping, "J", "dissipated")                                                          \
+    X(HALVES, gravity, "J", "work")                                                                \
+    X(HALVES, applied, "J", "work")                                                                \
+    X(HALVES, prescribed, "J", "work")                                                             \
+    X(MOST, speed2, "m2/s2", "largest")                                                            \
+    X(FIRST, bad, "1", "a particle whose velocity is not finite, or -1")
+
 typedef struct gn_motion_sums {
-    double kinetic, rotational; /* J, 1/2 m v(-)v(+), with `measure` */
-    double resultant;           /* N, sum of |F| over free particles, with `measure` */
-    double damping[2];          /* J, dissipated */
-    double gravity[2], applied[2], prescribed[2]; /* J, work */
-    double speed2;                                /* m2/s2, largest */
-    int64_t bad; /* a particle whose velocity is not finite, or -1 */
+#define GN_SUM_ADD(name)           double name;
+#define GN_SUM_HALVES(name)        double name[2];
+#define GN_SUM_MOST(name)          double name;
+#define GN_SUM_FIRST(name)         int64_t name;
+#define X(merge, name, unit, text) GN_SUM_##merge(name)
+    GN_MOTION_SUMS(X)
+#undef X
+#undef GN_SUM_ADD
+#undef GN_SUM_HALVES
+#undef GN_SUM_MOST
+#undef GN_SUM_FIRST
 } gn_motion_sums;
+
+static inline void gn_motion_sums_add(gn_motion_sums *total, const gn_motion_sums *block) {
+#define GN_SUM_ADD(name) total->name += block->name;
+#define GN_SUM_HALVES(name)                                                                        \
+    for (int half = 0; half < 2; half++) total->name[half] += block->name[half];
+#define GN_SUM_MOST(name)          total->name = block->name > total->name ? block->name : total->name;
+#define GN_SUM_FIRST(name)         total->name = total->name < 0 ? block->name : total->name;
+#define X(merge, name, unit, text) GN_SUM_##merge(name)
+    GN_MOTION_SUMS(X)
+#undef X
+#undef GN_SUM_ADD
+#undef GN_SUM_HALVES
+#undef GN_SUM_MOST
+#undef GN_SUM_FIRST
+}
 
 typedef void gn_motion_kernel(const gn_motion_args *args, size_t begin, size_t end,
                               gn_motion_sums *sums);

@@ -1,6 +1,7 @@
 #include "measure/energy.h"
 
 #include <math.h>
+#include <string.h>
 
 /* Sums over the terms of one kind, picked by the kind's name in the manifest. */
 #define PICK_STORED_STORED(value) +(value)
@@ -46,4 +47,15 @@ double gn_energy_residual(const gn_energy *energy) {
     double scale = gn_energy_scale(energy);
     double unaccounted = gn_energy_stored(energy) - energy->stored_at_start - input + lost;
     return scale > 0 ? unaccounted / scale : 0;
+}
+
+void gn_energy_figures(const gn_energy *e, gn_energy_figure figures[GN_ENERGY_FIGURES]) {
+#define X(name, kind, text) {#name, "J", text, e->name},
+    const gn_energy_figure all[] = {
+        GN_ENERGY_TERMS(X){"stored_at_start", "J", "stored energy at the start",
+                           e->stored_at_start},
+        {"residual", "1", GN_ENERGY_RESIDUAL_TEXT, gn_energy_residual(e)}};
+#undef X
+    _Static_assert(sizeof all / sizeof *all == GN_ENERGY_FIGURES, "all of them");
+    memcpy(figures, all, sizeof all);
 }

@@ -30,6 +30,18 @@ typedef struct gn_energy {
                                least what rounding makes by itself */
 } gn_energy;
 
+/* A ledger as it is shown: its terms, then what was stored at the start and the residual. */
+#define GN_ENERGY_RESIDUAL_TEXT                                                                    \
+    "what the ledger does not explain, over the energy that has gone through"
+typedef struct gn_energy_figure {
+    const char *name, *unit, *text;
+    double value;
+} gn_energy_figure;
+#define GN_COUNT_ONE(...) +1
+enum { GN_ENERGY_FIGURES = 2 GN_ENERGY_TERMS(GN_COUNT_ONE) };
+#undef GN_COUNT_ONE
+void gn_energy_figures(const gn_energy *energy, gn_energy_figure figures[GN_ENERGY_FIGURES]);
+
 /* Sum of the stored terms. */
 double gn_energy_stored(const gn_energy *energy);
 

@@ -14,9 +14,10 @@
 
 enum { FORMAT = 3 };
 
-#define DOUBLES(member) GN_PIECE_DOUBLES(gn_run, member)
-#define LIMIT(member)   GN_PIECE_ANY(gn_run, member)
-#define INTEGER(member) GN_PIECE_INTEGER(gn_run, member)
+#define DOUBLES(member)      GN_PIECE_DOUBLES(gn_run, member)
+#define LIMIT(member)        GN_PIECE_ANY(gn_run, member)
+#define INTEGER(member)      GN_PIECE_INTEGER(gn_run, member)
+#define MEASURED(name, text) DOUBLES(world.name),
 
 static const gn_piece pieces[] = {
     INTEGER(world.step),
@@ -44,8 +45,7 @@ static const gn_piece pieces[] = {
     INTEGER(world.broken_tension),
     INTEGER(world.broken_shear),
     INTEGER(world.bonds_at_start),
-    DOUBLES(world.unbalanced),
-    DOUBLES(world.stress),
+    GN_MEASURED(MEASURED) DOUBLES(world.stress),
     INTEGER(world.lost),
     INTEGER(world.contact_steps),
     DOUBLES(world.seconds),

@@ -3,6 +3,7 @@
 #include "io/files.h"
 #include "io/h5.h"
 #include "io/snapshot.h"
+#include "run/output_fields.h"
 #include "run/run.h"
 #include "sim/parts.h"
 
@@ -10,197 +11,106 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* --- fields derived from the state, in the order of the specimen file
+/* --- fields of particles and bonds, in the order of the specimen file
  * -------------------------------- */
 
-typedef struct particle_fields {
-    size_t count;
-    double *position, *radius, *displacement, *velocity, *spin, *damage, *stress, *coordination,
-        *id, *removed;
-    double *orientation; /* NULL: output.orientation is off */
-} particle_fields;
-
-typedef struct bond_fields {
-    size_t count;
-    int32_t *ends; /* [count][2], ids */
-    double *force, *normal, *shear, *criterion, *state, *broken_time;
-} bond_fields;
-
-static void free_particle_fields(particle_fields *f) {
-    double *all[] = {f->position, f->radius,  f->displacement, f->velocity,
-                     f->spin,     f->damage,  f->stress,       f->coordination,
-                     f->id,       f->removed, f->orientation};
-    for (size_t k = 0; k < sizeof all / sizeof *all; k++) free(all[k]);
-}
-
-static void free_bond_fields(bond_fields *f) {
-    double *all[] = {f->force, f->normal, f->shear, f->criterion, f->state, f->broken_time};
-    for (size_t k = 0; k < sizeof all / sizeof *all; k++) free(all[k]);
-    free(f->ends);
-    *f = (bond_fields){0}; /* callers free once more after a failure */
-}
-
-static void count_contacts(const gn_world *w, const gn_contacts *list, double *coordination) {
-    for (size_t c = 0; c < list->soa.count; c++) {
-        bool intact = list->rn && list->rn[c] > 0.0;
-        if (!intact && !gn_contact_carries(list, c)) continue;
-        coordination[w->particles.id[list->i[c]]] += 1.0;
-        coordination[w->particles.id[list->j[c]]] += 1.0;
-    }
-}
-
-/* Of a quaternion and its opposite, which are the same turn, the shorter way round. */
-static void copy_turn(const double from[4], double to[4]) {
-    for (int a = 0; a < 4; a++) to[a] = from[0] < 0.0 ? -from[a] : from[a];
-}
-
-static void fill_particle(const gn_world *w, size_t p, double damage, const double stress[6],
-                          particle_fields *f) {
-    const gn_particles *q = &w->particles;
-    size_t id = (size_t)q->id[p];
-    f->id[id] = (double)id;
-    f->radius[id] = q->pos[4 * p + 3];
-    f->damage[id] = damage;
-    f->removed[id] = q->vel[4 * p + 3] == 0.0;
-    if (q->orientation) copy_turn(q->orientation + 4 * p, f->orientation + 4 * id);
-    memcpy(f->stress + 6 * id, stress, 6 * sizeof(double));
-    gn_world_point_out(w, q->pos + 4 * p, f->position + 3 * id);
-    for (size_t a = 0; a < 3; a++) {
-        f->displacement[3 * id + a] = q->pos[4 * p + a] - q->start[4 * p + a];
-        f->velocity[3 * id + a] = q->vel[4 * p + a];
-        if (q->spin) f->spin[3 * id + a] = q->spin[4 * p + a];
-    }
-}
-
-static gneiss_status make_particle_fields(const gn_world *w, const gn_observed *seen,
-                                          particle_fields *f, gneiss_error *error) {
-    size_t n = w->particles.soa.count;
-    const gn_particles *q = &w->particles;
-    *f = (particle_fields){.count = n};
-    double **scalars[] = {&f->radius, &f->damage, &f->coordination, &f->id, &f->removed};
-    double **vectors[] = {&f->position, &f->displacement, &f->velocity, &f->spin};
-    bool held = true;
-    for (size_t k = 0; k < 5; k++) held = held && (*scalars[k] = calloc(n + 1, sizeof(double)));
-    for (size_t k = 0; k < 4; k++) held = held && (*vectors[k] = calloc(n + 1, 3 * sizeof(double)));
-    if (q->orientation) held = held && (f->orientation = calloc(n + 1, 4 * sizeof(double)));
-    double *damage = calloc(n + 1, sizeof *damage), *stress = calloc(n + 1, 6 * sizeof *stress);
-    held = held && damage && stress && (f->stress = calloc(n + 1, 6 * sizeof(double)));
-    if (held) {
-        gn_assembly assembly = gn_world_assembly(w);
-        assembly.bonds = &seen->bonds;
-        assembly.pairs = &seen->pairs;
-        gn_stress_particles(&assembly, gn_world_porosity(w), stress);
-        if (w->effects & GN_FX_BONDS) gn_damage_particles(q, &w->bonds, damage);
-        for (size_t p = 0; p < n; p++) fill_particle(w, p, damage[p], stress + 6 * p, f);
-        count_contacts(w, &seen->bonds, f->coordination);
-        count_contacts(w, &seen->pairs, f->coordination);
-    }
-    free(damage);
-    free(stress);
-    if (held) return GNEISS_OK;
-    free_particle_fields(f);
-    return gn_fail(error, GNEISS_ERROR_MEMORY, "no memory for the output of %zu particles", n);
-}
-
-static double normal_force(const gn_world *w, const gn_contacts *b, size_t c, const double *force) {
-    const double *x = w->particles.pos + 4 * (int64_t)b->i[c],
-                 *y = w->particles.pos + 4 * (int64_t)b->j[c];
-    double d[3], d2 = gn_branch(w, x, y, d), along = 0.0;
-    for (int a = 0; a < 3; a++) along += force[a] * d[a];
-    return d2 > 0.0 ? along / sqrt(d2) : 0.0;
-}
-
-/* State and strengths are the world's; the copy only has the forces. */
-static void fill_bond(const gn_world *w, const gn_contacts *seen, bond_fields *f, size_t c) {
-    const gn_contacts *b = &w->bonds;
-    const double *row = gn_contacts_row(seen) + (size_t)gn_contacts_row_width(seen) * c;
-    double force[3] = {row[0], row[1], w->effects & GN_FX_SPACE ? row[2] : 0.0}, size2 = 0.0;
-    int32_t i = w->particles.id[b->i[c]], j = w->particles.id[b->j[c]];
-    double turn = i < j ? 1.0 : -1.0; /* force on the end with the smaller id, which comes first */
-    f->ends[2 * c] = i < j ? i : j;
-    f->ends[2 * c + 1] = i < j ? j : i;
-    for (size_t a = 0; a < 3; a++) {
-        f->force[3 * c + a] = turn * force[a];
-        size2 += force[a] * force[a];
-    }
-    f->normal[c] = normal_force(w, b, c, force);
-    f->shear[c] = sqrt(fmax(0.0, size2 - f->normal[c] * f->normal[c]));
-    f->state[c] = b->cause[c];
-    f->broken_time[c] = b->cause[c] ? b->broken_time[c] : NAN;
-    double ratio = f->normal[c] / b->rn[c];
-    if (b->rt) ratio = fmax(ratio, f->shear[c] / b->rt[c]);
-    f->criterion[c] = b->cause[c] ? 1.0 : fmax(0.0, ratio);
-}
-
-static gneiss_status make_bond_fields(const gn_world *w, const gn_contacts *seen, bond_fields *f,
-                                      gneiss_error *error) {
-    size_t n = w->bonds.soa.count;
-    *f = (bond_fields){.count = n};
-    double **scalars[] = {&f->normal, &f->shear, &f->criterion, &f->state, &f->broken_time};
-    bool held = (f->ends = calloc(n + 1, 2 * sizeof *f->ends)) &&
-                (f->force = calloc(n + 1, 3 * sizeof(double)));
-    for (size_t k = 0; k < 5; k++) held = held && (*scalars[k] = calloc(n + 1, sizeof(double)));
-    if (!held) {
-        free_bond_fields(f);
-        return gn_fail(error, GNEISS_ERROR_MEMORY, "no memory for the output of %zu bonds", n);
-    }
-    for (size_t c = 0; c < n; c++) fill_bond(w, seen, f, c);
+/* [count][components], malloc'ed. `row`: where an item stands; NULL: in its place. */
+static gneiss_status read_field(const gn_output_view *v, const gn_output_field *field, size_t count,
+                                const int32_t *row, double **data, gneiss_error *error) {
+    *data = calloc(count + 1, field->components * sizeof **data);
+    if (!*data)
+        return gn_fail(error, GNEISS_ERROR_MEMORY, "no memory for the output of %s", field->name);
+    for (size_t k = 0; k < count; k++)
+        field->read(v, k, *data + field->components * (row ? (size_t)row[k] : k));
     return GNEISS_OK;
 }
 
 /* --- snapshots
  * ------------------------------------------------------------------------------------- */
 
-static gneiss_status write_snapshot(const gn_run *run, const gn_observed *seen,
+typedef struct arrays {
+    size_t count;
+    gn_snapshot_array of[GN_OUTPUT_FIELDS_MOST];
+    double *data[GN_OUTPUT_FIELDS_MOST];
+} arrays;
+
+static void free_arrays(arrays *a) {
+    for (size_t k = 0; k < a->count; k++) free(a->data[k]);
+}
+
+static gneiss_status read_arrays(const gn_output_view *v, const gn_output_table *table,
+                                 size_t count, const int32_t *row, arrays *a, gneiss_error *error) {
+    *a = (arrays){0};
+    for (size_t k = 0; k < table->count; k++) {
+        const gn_output_field *f = &table->fields[k];
+        if (!(f->where & GN_IN_SNAPSHOT) || !gn_output_has(v->world, f)) continue;
+        double **data = &a->data[a->count];
+        gneiss_status status = read_field(v, f, count, row, data, error);
+        if (status != GNEISS_OK) free_arrays(a);
+        GN_TRY(status);
+        a->of[a->count++] = (gn_snapshot_array){f->name, f->unit, f->components, *data};
+    }
+    return GNEISS_OK;
+}
+
+static gneiss_status write_bonds(const gn_run *run, const gn_output_view *v, const char *name,
+                                 gn_snapshot *s, gneiss_error *error) {
+    const gn_world *w = &run->world;
+    arrays lines;
+    s->line_count = w->bonds.soa.count;
+    int32_t *ends = calloc(s->line_count + 1, 2 * sizeof *ends);
+    if (!ends) return gn_fail(error, GNEISS_ERROR_MEMORY, "no memory for the output of bonds");
+    for (size_t c = 0; c < s->line_count; c++) gn_output_bond_ends(w, c, ends + 2 * c);
+    gneiss_status status = read_arrays(v, &gn_bond_outputs, s->line_count, NULL, &lines, error);
+    if (status == GNEISS_OK) {
+        s->point_array_count = 0;
+        s->lines = ends;
+        s->line_arrays = lines.of;
+        s->line_array_count = lines.count;
+        status = gn_snapshot_write(run->directory, name, s, error);
+        free_arrays(&lines);
+    }
+    free(ends);
+    return status;
+}
+
+static gneiss_status write_snapshot(const gn_run *run, const gn_output_view *v,
                                     const char *particles_name, const char *bonds_name,
                                     gneiss_error *error) {
     const gn_world *w = &run->world;
-    particle_fields p;
-    GN_TRY(make_particle_fields(w, seen, &p, error));
-    const gn_snapshot_array points[] = {
-        {"id", "1", 1, p.id},
-        {"radius", "m", 1, p.radius},
-        {"displacement", "m", 3, p.displacement},
-        {"velocity", "m/s", 3, p.velocity},
-        {"damage", "1", 1, p.damage},
-        {"stress", "Pa", 6, p.stress},
-        {"coordination", "1", 1, p.coordination},
-        {"removed", "1", 1, p.removed},
-        {"orientation", "1", 4, p.orientation}, /* the last: it is often not there */
-    };
-    gn_snapshot s = {.bad = w->bad,
-                     .time = w->time,
-                     .step = w->step,
-                     .point_count = p.count,
-                     .points = p.position};
-    s.point_arrays = points;
-    s.point_array_count = sizeof points / sizeof *points - (p.orientation ? 0 : 1);
-    gneiss_status status = gn_snapshot_write(run->directory, particles_name, &s, error);
-    bond_fields b = {0};
-    if (status == GNEISS_OK && w->effects & GN_FX_BONDS) {
-        status = make_bond_fields(w, &seen->bonds, &b, error);
-        const gn_snapshot_array lines[] = {{"state", "1", 1, b.state},
-                                           {"force", "N", 1, b.normal},
-                                           {"shear_force", "N", 1, b.shear},
-                                           {"criterion", "1", 1, b.criterion}};
-        s.point_array_count = 0;
-        s.line_count = b.count;
-        s.lines = b.ends;
-        s.line_arrays = lines;
-        s.line_array_count = sizeof lines / sizeof *lines;
-        if (status == GNEISS_OK) status = gn_snapshot_write(run->directory, bonds_name, &s, error);
+    const size_t count = w->particles.soa.count;
+    arrays points;
+    double *place = calloc(count + 1, 3 * sizeof *place);
+    if (!place) return gn_fail(error, GNEISS_ERROR_MEMORY, "no memory for the output of particles");
+    for (size_t p = 0; p < count; p++)
+        gn_world_point_out(w, w->particles.pos + 4 * p, place + 3 * (size_t)w->particles.id[p]);
+    gneiss_status status =
+        read_arrays(v, &gn_particle_outputs, count, w->particles.id, &points, error);
+    if (status == GNEISS_OK) {
+        gn_snapshot s = {
+            .bad = w->bad, .time = w->time, .step = w->step, .point_count = count, .points = place};
+        s.point_arrays = points.of;
+        s.point_array_count = points.count;
+        status = gn_snapshot_write(run->directory, particles_name, &s, error);
+        if (status == GNEISS_OK && w->effects & GN_FX_BONDS)
+            status = write_bonds(run, v, bonds_name, &s, error);
+        free_arrays(&points);
     }
-    free_particle_fields(&p);
-    free_bond_fields(&b);
+    free(place);
     return status;
 }
 
 gneiss_status gn_output_snapshot(const gn_run *run, const char *particles_name,
                                  const char *bonds_name, gneiss_error *error) {
     gn_observed seen;
+    gn_output_view view;
     if (!run->world.particles.soa.count) return GNEISS_OK;
     GN_TRY(gn_world_observe(&run->world, &seen, error));
-    gneiss_status status = write_snapshot(run, &seen, particles_name, bonds_name, error);
+    gneiss_status status = gn_output_view_make(&run->world, &seen, &view, error);
+    if (status == GNEISS_OK) {
+        status = write_snapshot(run, &view, particles_name, bonds_name, error);
+        gn_output_view_free(&view);
+    }
     gn_observed_free(&seen);
     return status;
 }
@@ -313,108 +223,65 @@ static gneiss_status put_tables(const gn_run *run, gn_h5 *file, gneiss_error *er
     }
     gn_h5_demand_finite(file, !w->bad);
     GN_TRY(put_readings(run, file, error));
-    if (w->effects & GN_FX_ENERGY) {
-#define X(name, kind, text)                                                                        \
-    GN_TRY(put_scalar(file, "energy", #name, w->reading.name, "J", text, error));
-        GN_ENERGY_TERMS(X)
-#undef X
-        GN_TRY(put_scalar(file, "energy", "stored_at_start", w->reading.stored_at_start, "J",
-                          "stored energy at the start", error));
-        GN_TRY(put_scalar(file, "energy", "residual", gn_energy_residual(&w->reading), "1",
-                          "what the ledger does not explain, over the energy that has gone through",
-                          error));
-    }
+    gn_energy_figure figure[GN_ENERGY_FIGURES];
+    gn_energy_figures(&w->reading, figure);
+    for (int k = 0; w->effects & GN_FX_ENERGY && k < GN_ENERGY_FIGURES; k++)
+        GN_TRY(put_scalar(file, "energy", figure[k].name, figure[k].value, figure[k].unit,
+                          figure[k].text, error));
     for (int k = 0; k < GN_PHASE_COUNT; k++)
         GN_TRY(put_scalar(file, "profile", gn_phase_name((gn_phase)k), w->seconds[k], "s",
                           gn_phase_text((gn_phase)k), error));
     return GNEISS_OK;
 }
 
-static gneiss_status put_particles(const gn_world *w, const gn_observed *seen, gn_h5 *file,
-                                   gneiss_error *error) {
-    particle_fields f;
-    GN_TRY(make_particle_fields(w, seen, &f, error));
-    const struct {
-        const char *name, *unit, *text;
-        size_t components;
-        const double *data;
-    } fields[] = {
-        {"particles/position", "m", "centre", 3, f.position},
-        {"particles/radius", "m", "radius", 1, f.radius},
-        {"particles/displacement", "m", "from the start", 3, f.displacement},
-        {"particles/velocity", "m/s", "velocity", 3, f.velocity},
-        {"particles/spin", "rad/s", "angular velocity", 3, f.spin},
-        {"particles/damage", "1", "broken bonds over bonds at the start", 1, f.damage},
-        {"particles/stress", "Pa", "xx yy zz xy yz xz, tension positive", 6, f.stress},
-        {"particles/coordination", "1", "contacts that carry force and intact bonds", 1,
-         f.coordination},
-        {"particles/orientation", "1", "unit quaternion w x y z of the turn from the start, w >= 0",
-         4, f.orientation},
-    };
-    gneiss_status status = GNEISS_OK;
-    for (size_t k = 0; status == GNEISS_OK && k < sizeof fields / sizeof *fields; k++)
-        if (fields[k].data)
-            status = gn_h5_put(file, fields[k].name, GN_F64, f.count, fields[k].components, 0,
-                               fields[k].data, fields[k].unit, fields[k].text, error);
-    int32_t *number = calloc(f.count + 1, sizeof *number);
-    uint8_t *removed = calloc(f.count + 1, sizeof *removed);
-    for (size_t id = 0; number && removed && id < f.count; id++) {
-        size_t p = (size_t)w->index_of_id[id];
-        number[id] = w->particles.bonds0 ? w->particles.bonds0[p] : 0;
-        removed[id] = f.removed[id] != 0.0;
+/* Numbers of another type than double, in the place of the doubles. */
+static void narrow(void *data, gn_type type, size_t count) {
+    const double *from = data;
+    for (size_t k = 0; k < count; k++) {
+        double value = from[k];
+        if (type == GN_I32) memcpy((int32_t *)data + k, &(int32_t){(int32_t)value}, 4);
+        if (type == GN_U8) memcpy((uint8_t *)data + k, &(uint8_t){(uint8_t)value}, 1);
     }
-    if (status == GNEISS_OK && (!number || !removed))
-        status = gn_fail(error, GNEISS_ERROR_MEMORY, "no memory for the output");
-    if (status == GNEISS_OK)
-        status = gn_h5_put(file, "particles/bonds_at_start", GN_I32, f.count, 1, 0, number, "1",
-                           "bonds at the start", error);
-    if (status == GNEISS_OK)
-        status = gn_h5_put(file, "particles/removed", GN_U8, f.count, 1, 0, removed, "1",
-                           "1: left the domain", error);
-    free(number);
-    free(removed);
-    free_particle_fields(&f);
-    return status;
 }
 
-static gneiss_status put_bonds(const gn_world *w, const gn_contacts *seen, gn_h5 *file,
-                               gneiss_error *error) {
-    bond_fields f;
-    GN_TRY(make_bond_fields(w, seen, &f, error));
-    int32_t *state = calloc(f.count + 1, sizeof *state);
-    if (!state) {
-        free_bond_fields(&f);
-        return gn_fail(error, GNEISS_ERROR_MEMORY, "no memory for the output");
-    }
-    for (size_t c = 0; c < f.count; c++) state[c] = w->bonds.cause[c];
-    gneiss_status status =
-        gn_h5_put(file, "bonds/i", GN_I32, f.count, 1, 2 * sizeof(int32_t), f.ends, "1",
-                  "first particle, base 0, order of the specimen file", error);
-    if (status == GNEISS_OK)
-        status = gn_h5_put(file, "bonds/j", GN_I32, f.count, 1, 2 * sizeof(int32_t), f.ends + 1,
-                           "1", "second particle", error);
-    if (status == GNEISS_OK)
-        status = gn_h5_put(file, "bonds/state", GN_I32, f.count, 1, 0, state, "1",
-                           "0 intact, 1 broken in tension, 2 broken in shear", error);
-    if (status == GNEISS_OK) {
+static gneiss_status put_fields(const gn_output_view *v, const char *group,
+                                const gn_output_table *table, size_t count, const int32_t *row,
+                                gn_h5 *file, gneiss_error *error) {
+    for (size_t k = 0; k < table->count; k++) {
+        const gn_output_field *f = &table->fields[k];
+        char path[160];
+        double *data;
+        if (!(f->where & GN_IN_RESULTS) || !gn_output_has(v->world, f)) continue;
+        GN_TRY(read_field(v, f, count, row, &data, error));
+        narrow(data, f->type, count * f->components);
+        snprintf(path, sizeof path, "%s/%s", group, f->name);
         bool demanded = gn_h5_demand_finite(file, false);
-        status = gn_h5_put(file, "bonds/broken_time", GN_F64, f.count, 1, 0, f.broken_time, "s",
-                           "when it broke; NaN: intact", error);
+        gn_h5_demand_finite(file, demanded && !f->may_be_nan);
+        gneiss_status status =
+            gn_h5_put(file, path, f->type, count, f->components, 0, data, f->unit, f->text, error);
         gn_h5_demand_finite(file, demanded);
+        free(data);
+        GN_TRY(status);
     }
-    const struct {
-        const char *name, *unit, *text;
-        size_t components;
-        const double *data;
-    } fields[] = {
-        {"bonds/force", "N", "force on i", 3, f.force},
-        {"bonds/criterion", "1", "largest of force over strength; 1: broken", 1, f.criterion},
-    };
-    for (size_t k = 0; status == GNEISS_OK && k < sizeof fields / sizeof *fields; k++)
-        status = gn_h5_put(file, fields[k].name, GN_F64, f.count, fields[k].components, 0,
-                           fields[k].data, fields[k].unit, fields[k].text, error);
-    free(state);
-    free_bond_fields(&f);
+    return GNEISS_OK;
+}
+
+static gneiss_status put_state(const gn_world *w, gn_h5 *file, gneiss_error *error) {
+    gn_observed seen;
+    gn_output_view view;
+    if (!w->particles.soa.count && !(w->effects & GN_FX_BONDS)) return GNEISS_OK;
+    GN_TRY(gn_world_observe(w, &seen, error));
+    gneiss_status status = gn_output_view_make(w, &seen, &view, error);
+    if (status == GNEISS_OK) {
+        if (w->particles.soa.count)
+            status = put_fields(&view, "particles", &gn_particle_outputs, w->particles.soa.count,
+                                w->particles.id, file, error);
+        if (status == GNEISS_OK && w->effects & GN_FX_BONDS)
+            status =
+                put_fields(&view, "bonds", &gn_bond_outputs, w->bonds.soa.count, NULL, file, error);
+        gn_output_view_free(&view);
+    }
+    gn_observed_free(&seen);
     return status;
 }
 
@@ -426,15 +293,9 @@ gneiss_status gn_output_results(const gn_run *run, gneiss_error *error) {
     gn_h5_demand_finite(file, !run->world.bad);
     gneiss_status status = put_header(run, file, error);
     if (status == GNEISS_OK) status = put_tables(run, file, error);
-    gn_observed seen = {0};
     if (status == GNEISS_OK) status = gn_elements_results(&run->world, file, error);
     if (status == GNEISS_OK) status = gn_bodies_results(&run->world, file, error);
-    if (status == GNEISS_OK) status = gn_world_observe(&run->world, &seen, error);
-    if (status == GNEISS_OK && run->world.particles.soa.count)
-        status = put_particles(&run->world, &seen, file, error);
-    if (status == GNEISS_OK && run->world.effects & GN_FX_BONDS)
-        status = put_bonds(&run->world, &seen.bonds, file, error);
-    gn_observed_free(&seen);
+    if (status == GNEISS_OK) status = put_state(&run->world, file, error);
     if (status == GNEISS_OK) return gn_h5_commit(file, GN_DURABLE, error);
     gn_h5_close(file);
     return status;

@@ -5,16 +5,6 @@
 #include "run/record.h"
 #include "sim/parts.h"
 
-/* Columns <what>_xx ... of the components that the dimension has, and their values. */
-gneiss_status gn_record_add_tensor(const gn_world *world, gn_history *history, const char *what,
-                                   const char *unit, const char *text, gneiss_error *error);
-double *gn_record_put_tensor(const gn_world *world, double *row, const double tensor[9]);
-
-/* Columns <kind>_<owner>_<what>_x ... */
-gneiss_status gn_record_add_vector(const gn_world *world, gn_history *history, const char *kind,
-                                   const char *owner, const char *what, const char *unit,
-                                   const char *text, gneiss_error *error);
-
 /* Change of the distance of the ends, m, positive in the sense of the test (ends.c). */
 double gn_record_deflection(const gn_world *world);
 /* Forces of the ends along the axis, N, positive in the sense of the test. An end that is only

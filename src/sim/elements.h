@@ -71,17 +71,6 @@ const char *gn_elements_culprit(const gn_world *world, char *text, size_t size);
 void gn_elements_travel(const gn_world *world, size_t motion, double travel[3]);
 void gn_elements_reaction(const gn_world *world, size_t motion, double force[3]);
 
-/* --- history (record_elements.c)
- * ---------------------------------------------------------------------------------------- */
-
-gneiss_status gn_elements_add_columns(const gn_world *world, gn_history *history,
-                                      gneiss_error *error);
-/* Doubles that `before` has to hold: what is read before a step. */
-size_t gn_elements_before_size(const gn_world *world);
-void gn_elements_read_before(const gn_world *world, double *before);
-/* The rest of a row, and where it ends. */
-double *gn_elements_put(const gn_world *world, const double *before, double *row);
-
 /* --- files (output_elements.c, checkpoint_elements.c)
  * ---------------------------------------------------------------------------------------- */
 

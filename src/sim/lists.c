@@ -55,28 +55,30 @@ static void drop_bonded(const gn_world *w, gn_pair_list *pairs) {
     pairs->count = kept;
 }
 
-/* Parameters depend on the two particles alone: a pair that was there keeps them, and its history.
- */
-static void keep_pair(gn_contacts *now, size_t c, const gn_contacts *old, size_t before) {
-    now->kn[c] = old->kn[before];
-    if (now->kt) now->kt[c] = old->kt[before];
-    if (now->mu) now->mu[c] = old->mu[before];
-    if (now->cn) now->cn[c] = old->cn[before];
-    for (size_t a = 0; a < 3; a++) {
-        size_t to = c + a * now->soa.capacity, from = before + a * old->soa.capacity;
-        if (now->shear) now->shear[to] = old->shear[from];
-        if (now->shear_f) now->shear_f[to] = old->shear_f[from];
-    }
-    if (now->fd) now->fd[c] = old->fd[before];
-    if (now->fd_f) now->fd_f[c] = old->fd_f[before];
-}
-
 static void new_pair(const gn_world *w, gn_contacts *now, size_t c) {
     gn_contact_parameters p = gn_contact_law(w, now->i[c], now->j[c]);
     now->kn[c] = p.kn;
     if (now->kt) now->kt[c] = p.kt;
     if (now->mu) now->mu[c] = p.mu;
     if (now->cn) now->cn[c] = p.cn;
+}
+
+enum { PART = 512 };
+
+/* Up to PART pairs found. Parameters depend on the two particles alone: a pair that was there keeps
+ * them, and its history. */
+static void fill_part(const gn_world *w, const gn_pair_list *found, gn_contacts *now, size_t begin,
+                      size_t end, size_t *at) {
+    int32_t from[PART], *first = now->i, *second = now->j;
+    size_t place = *at; /* in a register, as the ends are */
+    for (size_t c = begin; c < end; c++) {
+        int32_t i = first[c] = found->pair[c][0], j = second[c] = found->pair[c][1];
+        bool known = walk_to(&w->pairs, &place, i, j);
+        from[c - begin] = known ? (int32_t)place : -1;
+        if (!known) new_pair(w, now, c);
+    }
+    *at = place;
+    gn_soa_keep(&gn_contact_record, now, begin, end - begin, &w->pairs, from);
 }
 
 /* Fills the list from the pairs found; every thread walks through its part of the old list. */
@@ -86,13 +88,8 @@ static void fill_pairs(const gn_world *w, const gn_pair_list *found, gn_contacts
         size_t t = (size_t)omp_get_thread_num(), of = (size_t)omp_get_num_threads();
         size_t begin = found->count * t / of, end = found->count * (t + 1) / of, at = 0;
         if (begin < end) at = lower_bound(&w->pairs, found->pair[begin][0], found->pair[begin][1]);
-        for (size_t c = begin; c < end; c++) {
-            int32_t i = now->i[c] = found->pair[c][0], j = now->j[c] = found->pair[c][1];
-            if (walk_to(&w->pairs, &at, i, j))
-                keep_pair(now, c, &w->pairs, at);
-            else
-                new_pair(w, now, c);
-        }
+        for (size_t c = begin; c < end; c += PART)
+            fill_part(w, found, now, c, end - c < PART ? end : c + PART, &at);
     }
 }
 
@@ -133,15 +130,6 @@ static int by_pair(const void *a, const void *b) {
     return (x->j > y->j) - (x->j < y->j);
 }
 
-/* A contact whose ends change places sees everything from the other side. */
-static void mirror(gn_contacts *list, size_t c) {
-    for (size_t a = 0; a < 3; a++) {
-        size_t at = c + a * list->soa.capacity;
-        if (list->shear) list->shear[at] = -list->shear[at];
-        if (list->shear_f) list->shear_f[at] = -list->shear_f[at];
-    }
-}
-
 /* Sorts the keys and puts the items of *list in their order, into *now; *list is freed. */
 static gneiss_status sort_items(const gn_record *record, void *list, void *now, renamed *keys,
                                 gneiss_error *error) {
@@ -160,24 +148,39 @@ static gneiss_status sort_items(const gn_record *record, void *list, void *now, 
     return status;
 }
 
+/* Contacts sorted by their new keys take these, and those whose ends changed places are mirrored;
+ * `swapped` [count] is scratch. */
+static void take_keys(gn_contacts *list, const renamed *keys, int32_t *swapped) {
+    size_t turned = 0;
+    for (size_t c = 0; c < list->soa.count; c++) {
+        list->i[c] = keys[c].i;
+        list->j[c] = keys[c].j;
+        swapped[turned] = (int32_t)c;
+        turned += keys[c].swapped;
+    }
+    gn_soa_mirror(&gn_contact_record, list, swapped, turned);
+}
+
 /* Renumbers the ends of contacts and sorts them again; place[old] is the new number. */
 static gneiss_status rename_contacts(gn_contacts *list, const int32_t *place, gneiss_error *error) {
     size_t count = list->soa.count;
     renamed *keys = gn_alloc_array(count + 1, sizeof *keys);
-    if (!keys) return gn_fail(error, GNEISS_ERROR_MEMORY, "no memory to sort %zu contacts", count);
-    for (size_t c = 0; c < count; c++) {
+    int32_t *swapped = gn_alloc_array(count + 1, sizeof *swapped);
+    gneiss_status status = GNEISS_OK;
+    if (!keys || !swapped)
+        status = gn_fail(error, GNEISS_ERROR_MEMORY, "no memory to sort %zu contacts", count);
+    for (size_t c = 0; status == GNEISS_OK && c < count; c++) {
         int32_t i = place[list->i[c]], j = place[list->j[c]];
         keys[c] = (renamed){i < j ? i : j, i < j ? j : i, (int32_t)c, i > j};
     }
     gn_contacts now = {0};
-    gneiss_status status = sort_items(&gn_contact_record, list, &now, keys, error);
-    for (size_t c = 0; status == GNEISS_OK && c < count; c++) {
-        now.i[c] = keys[c].i;
-        now.j[c] = keys[c].j;
-        if (keys[c].swapped) mirror(&now, c);
+    if (status == GNEISS_OK) status = sort_items(&gn_contact_record, list, &now, keys, error);
+    if (status == GNEISS_OK) {
+        take_keys(&now, keys, swapped);
+        *list = now;
     }
-    if (status == GNEISS_OK) *list = now;
     gn_free(keys);
+    gn_free(swapped);
     return status;
 }
 

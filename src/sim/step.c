@@ -52,35 +52,12 @@ gn_motion_args gn_world_motion_args(gn_world *w, bool measure) {
  * ----------------------------------------------------------------------- */
 
 static void add_contact_sums(gn_contact_sums *total, const gn_contact_sums *blocks, size_t count) {
-    for (size_t b = 0; b < count; b++) {
-        total->elastic_normal += blocks[b].elastic_normal;
-        total->elastic_shear += blocks[b].elastic_shear;
-        total->friction += blocks[b].friction;
-        total->contact_damping += blocks[b].contact_damping;
-        total->bond_breaking += blocks[b].bond_breaking;
-        total->broken_tension += blocks[b].broken_tension;
-        total->broken_shear += blocks[b].broken_shear;
-        total->force += blocks[b].force;
-        total->carrying += blocks[b].carrying;
-        for (int k = 0; k < 9; k++) total->stress[k] += blocks[b].stress[k];
-    }
+    for (size_t b = 0; b < count; b++) gn_contact_sums_add(total, &blocks[b]);
 }
 
 static gn_motion_sums add_motion_sums(const gn_motion_sums *blocks, size_t count) {
     gn_motion_sums s = {.bad = -1};
-    for (size_t b = 0; b < count; b++) {
-        s.kinetic += blocks[b].kinetic;
-        s.rotational += blocks[b].rotational;
-        s.resultant += blocks[b].resultant;
-        for (int h = 0; h < 2; h++) {
-            s.damping[h] += blocks[b].damping[h];
-            s.gravity[h] += blocks[b].gravity[h];
-            s.applied[h] += blocks[b].applied[h];
-            s.prescribed[h] += blocks[b].prescribed[h];
-        }
-        s.speed2 = fmax(s.speed2, blocks[b].speed2);
-        if (s.bad < 0) s.bad = blocks[b].bad;
-    }
+    for (size_t b = 0; b < count; b++) gn_motion_sums_add(&s, &blocks[b]);
     return s;
 }
 

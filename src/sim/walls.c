@@ -47,26 +47,25 @@ static bool near_wall(const gn_world *w, size_t p, size_t k) {
     return w->particles.vel[4 * p + 3] > 0.0 && wall_gap(w, p, k) <= w->verlet.skin;
 }
 
-/* Old and new list are both sorted by (particle, wall); the old one is already renumbered. */
-static void carry_over(gn_wall_contacts *now, const gn_wall_contacts *old, size_t c) {
+/* Old and new list are both sorted by (particle, wall); the old one is already renumbered. -1: it
+ * was not there. */
+static int32_t place_before(const gn_wall_contacts *old, int32_t i, int32_t wall) {
     size_t low = 0, high = old->soa.count;
     while (low < high) {
         size_t mid = (low + high) / 2;
-        bool before =
-            old->i[mid] < now->i[c] || (old->i[mid] == now->i[c] && old->wall[mid] < now->wall[c]);
+        bool before = old->i[mid] < i || (old->i[mid] == i && old->wall[mid] < wall);
         if (before)
             low = mid + 1;
         else
             high = mid;
     }
-    if (low == old->soa.count || old->i[low] != now->i[c] || old->wall[low] != now->wall[c]) return;
-    for (size_t a = 0; a < 3; a++) {
-        size_t to = c + a * now->soa.capacity, from = low + a * old->soa.capacity;
-        if (now->shear) now->shear[to] = old->shear[from];
-        if (now->normal) now->normal[to] = old->normal[from];
-    }
-    now->gap0[c] = old->gap0[low];
-    if (now->fd) now->fd[c] = old->fd[low];
+    if (low == old->soa.count || old->i[low] != i || old->wall[low] != wall) return -1;
+    return (int32_t)low;
+}
+
+static void carry_over(gn_wall_contacts *now, const gn_wall_contacts *old, size_t c) {
+    int32_t from = place_before(old, now->i[c], now->wall[c]);
+    if (from >= 0) gn_soa_keep(&gn_wall_contact_record, now, c, 1, old, &from);
 }
 
 /* Walls and facets near a particle, ascending, into `found` (NULL: only counted). */

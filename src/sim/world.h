@@ -69,6 +69,10 @@ typedef struct gn_resolution {
     int64_t first, second;
 } gn_resolution;
 
+/* X(name, text): numbers of the last measured step that no sum over the state gives afterwards;
+ * checkpoints have them. */
+#define GN_MEASURED(X) X(unbalanced, "mean resultant over mean contact force")
+
 struct gn_world {
     gn_scene scene; /* its points relative to scene.origin, as all points of the world */
     gn_scene given; /* the same as the user sees it, for files */
@@ -143,7 +147,9 @@ struct gn_world {
     int64_t broken_tension, broken_shear, bonds_at_start;
     double
         stress[9]; /* Pa, average over the specimen at the last measured step, tension positive */
-    double unbalanced;     /* mean resultant over mean contact force at the last measured step */
+#define X(name, text) double name;
+    GN_MEASURED(X)
+#undef X
     int64_t lost;          /* removed particles */
     int64_t contact_steps; /* contacts worked on, summed over steps */
     double seconds[GN_PHASE_COUNT];

@@ -114,6 +114,59 @@ void gn_soa_permute(const gn_record *record, void *dst, const void *src, const i
     }
 }
 
+static inline void gather_items(char *to, const char *from, size_t size, const int32_t *place,
+                                size_t count) {
+    for (size_t k = 0; k < count; k++)
+        if (place[k] >= 0) memcpy(to + k * size, from + (size_t)place[k] * size, size);
+}
+
+/* With a size that the compiler knows, a copy is one move. */
+static void gather(char *to, const char *from, size_t size, const int32_t *place, size_t count) {
+    switch (size) {
+    case 8:
+        gather_items(to, from, 8, place, count);
+        break;
+    case 4:
+        gather_items(to, from, 4, place, count);
+        break;
+    default:
+        gather_items(to, from, size, place, count);
+    }
+}
+
+void gn_soa_keep(const gn_record *record, void *now, size_t begin, size_t count, const void *old,
+                 const int32_t *from) {
+    for (size_t f = 0; f < record->field_count; f++) {
+        const gn_field *field = &record->fields[f];
+        if (!(field->care & GN_KEPT)) continue;
+        char *out = gn_field_data(field, now);
+        const char *in = gn_field_data(field, old);
+        if (!out || !in) continue;
+        for (int c = 0; c < stream_count(field); c++) {
+            stream o = field_stream(field, now, c), s = field_stream(field, old, c);
+            gather(out + o.base + begin * o.stride, in + s.base, s.size, from, count);
+        }
+    }
+}
+
+void gn_soa_mirror(const gn_record *record, void *soa, const int32_t *swapped, size_t count) {
+    const gn_soa *head = soa;
+    for (size_t f = 0; f < record->field_count; f++) {
+        const gn_field *field = &record->fields[f];
+        void *data = field->care & GN_ODD ? gn_field_data(field, soa) : NULL;
+        if (!data) continue;
+        assert(field->layout == GN_COLUMNS && (field->type == GN_F64 || field->type == GN_F32));
+        double *wide = field->type == GN_F64 ? data : NULL;
+        float *narrow = field->type == GN_F32 ? data : NULL;
+        for (size_t c = 0; c < (size_t)field->components; c++)
+            for (size_t k = 0; k < count; k++) {
+                size_t at = (size_t)swapped[k] + c * head->capacity;
+                if (wide) wide[at] = -wide[at];
+                if (narrow) narrow[at] = -narrow[at];
+            }
+    }
+}
+
 gneiss_status gn_soa_copy(const gn_record *record, void *dst, const void *src, gn_effects effects,
                           gneiss_error *error) {
     const gn_soa *from = src;

@@ -2,8 +2,8 @@
  *
  * A record (particles, contacts, wall contacts) is one X-macro list of fields. The list generates
  * the struct of pointers and a table of gn_field; the functions here work from the table, so that a
- * field is declared in one place and is then allocated, padded, permuted, hashed, saved, restored
- * and shown.
+ * field is declared in one place and is then allocated, padded, permuted, kept, mirrored,
+ * converted, hashed, saved, restored and shown.
  *
  * Layouts: ROWS is [n][components] (a particle's position and radius are one 32-byte row, loaded
  * whole and transposed in registers), COLUMNS is [components][capacity] (contact data, streamed).
@@ -25,17 +25,22 @@ typedef enum gn_layout { GN_ROWS, GN_COLUMNS } gn_layout;
  * last forces for output). SCRATCH is rebuilt from the others. */
 typedef enum gn_role { GN_STATE, GN_SAVED, GN_SCRATCH } gn_role;
 
+/* What lists do with a column of contacts, see records.h. */
+enum { GN_KEPT = 1, GN_ODD = 2 };
+
 typedef struct gn_field {
     const char *name;
     gn_type type;
     gn_layout layout;
     gn_role role;
+    unsigned care; /* GN_KEPT, GN_ODD */
     int components;
     gn_effects needs;  /* present only if all of these are active */
     gn_effects unless; /* absent if all of these are active (0: no such condition) */
     const char *unit;
     const char *text;
-    size_t offset; /* of the pointer within the struct */
+    size_t offset;    /* of the pointer within the struct */
+    size_t single_of; /* the same of the column that this one has in single precision; 0: none */
 } gn_field;
 
 /* First member of every record. */
@@ -72,6 +77,14 @@ void gn_soa_destroy(const gn_record *record, void *soa);
 /* dst[k] = src[order[k]] for k in [0, count) and every field; order[k] < 0 gives zeros. Both
  * records have the same effects; dst->count items are written. */
 void gn_soa_permute(const gn_record *record, void *dst, const void *src, const int32_t *order);
+
+/* Kept columns of a list made anew: now[begin + k] = old[from[k]] for k in [0, count); from[k] < 0:
+ * a contact that was not there, untouched. */
+void gn_soa_keep(const gn_record *record, void *now, size_t begin, size_t count, const void *old,
+                 const int32_t *from);
+
+/* Contacts whose ends change places, `swapped` [count], see odd columns from the other side. */
+void gn_soa_mirror(const gn_record *record, void *soa, const int32_t *swapped, size_t count);
 
 /* A copy of src with more (or fewer) fields: those of `effects`. What src does not have is zero. */
 gneiss_status gn_soa_copy(const gn_record *record, void *dst, const void *src, gn_effects effects,

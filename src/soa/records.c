@@ -1,12 +1,25 @@
 #include "soa/records.h"
 
-#define GN_DESCRIBE(struct_type, name, ctype, type, components, layout, role, needs, unless, unit, \
-                    text)                                                                          \
-    {#name, type, layout, role, components, needs, unless, unit, text, offsetof(struct_type, name)},
+#define GN_DESCRIBE(struct_type, name, ctype, type, components, layout, role, care, needs, unless, \
+                    unit, text, single_of)                                                         \
+    {#name,                                                                                        \
+     type,                                                                                         \
+     layout,                                                                                       \
+     role,                                                                                         \
+     care,                                                                                         \
+     components,                                                                                   \
+     needs,                                                                                        \
+     unless,                                                                                       \
+     unit,                                                                                         \
+     text,                                                                                         \
+     offsetof(struct_type, name),                                                                  \
+     offsetof(struct_type, single_of)},
 #define GN_COUNT(table) (sizeof(table) / sizeof *(table))
 
 static const gn_field particle_fields[] = {
-#define X(...) GN_DESCRIBE(gn_particles, __VA_ARGS__)
+#define X(name, ctype, type, components, layout, role, needs, unless, unit, text)                  \
+    GN_DESCRIBE(gn_particles, name, ctype, type, components, layout, role, 0, needs, unless, unit, \
+                text, soa)
     GN_PARTICLE_FIELDS(X)
 #undef X
 };

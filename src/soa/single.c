@@ -32,18 +32,38 @@ static void contact_to_single(gn_contacts *k, const gn_particles *q, const doubl
     double free = q->pos[4 * (int64_t)k->i[c] + 3] + q->pos[4 * (int64_t)k->j[c] + 3];
     if (k->length0) free = k->length0[c];
     k->stretch_f[c] = (float)(sqrt(square) - free);
-    k->kn_f[c] = (float)k->kn[c];
-    if (k->length0_f) k->length0_f[c] = (float)k->length0[c];
-    if (k->kt_f) k->kt_f[c] = (float)k->kt[c];
-    if (k->mu_f) k->mu_f[c] = (float)k->mu[c];
-    if (k->cn_f) k->cn_f[c] = (float)k->cn[c];
-    if (k->rn_f) k->rn_f[c] = (float)k->rn[c];
-    if (k->rt_f) k->rt_f[c] = (float)k->rt[c];
+}
+
+/* A column in single precision and the double that it is made of; false if one of them is absent,
+ * as the double is where the other has its place. */
+static bool find_twins(const gn_record *record, const gn_field *field, const void *single_holder,
+                       const void *double_holder, float **single, double **wide) {
+    if (!field->single_of) return false;
+    *single = gn_field_data(field, single_holder);
+    *wide = NULL;
+    for (size_t f = 0; f < record->field_count; f++)
+        if (record->fields[f].offset == field->single_of)
+            *wide = gn_field_data(&record->fields[f], double_holder);
+    return *single && *wide;
+}
+
+static void columns_to_single(const gn_record *record, const void *soa, int threads) {
+    const gn_soa *head = soa;
+    for (size_t f = 0; f < record->field_count; f++) {
+        const gn_field *field = &record->fields[f];
+        size_t count = (size_t)field->components * head->capacity; /* with padding */
+        float *to;
+        double *from;
+        if (!find_twins(record, field, soa, soa, &to, &from)) continue;
+#pragma omp parallel for schedule(static) num_threads(threads)
+        for (size_t k = 0; k < count; k++) to[k] = (float)from[k];
+    }
 }
 
 void gn_contacts_to_single(gn_contacts *contacts, const gn_particles *particles,
                            const double period[3], int threads) {
     if (!contacts->kn_f) return;
+    columns_to_single(&gn_contact_record, contacts, threads);
 #pragma omp parallel for schedule(static) num_threads(threads)
     for (size_t c = 0; c < contacts->soa.count; c++)
         contact_to_single(contacts, particles, period, c);
@@ -52,24 +72,19 @@ void gn_contacts_to_single(gn_contacts *contacts, const gn_particles *particles,
 }
 
 void gn_contacts_from_single(gn_contacts *to, const gn_contacts *from) {
-    for (size_t c = 0; c < from->soa.count; c++) {
-        for (size_t a = 0; to->shear && from->shear_f && a < 3; a++)
-            to->shear[c + a * to->soa.capacity] = from->shear_f[c + a * from->soa.capacity];
-        if (to->fd && from->fd_f) to->fd[c] = from->fd_f[c];
+    const gn_record *record = &gn_contact_record;
+    for (size_t f = 0; f < record->field_count; f++) {
+        const gn_field *field = &record->fields[f];
+        float *single;
+        double *wide, *unused_as_it_is;
+        if (find_twins(record, field, from, from, &single, &unused_as_it_is)) continue;
+        if (!find_twins(record, field, from, to, &single, &wide)) continue;
+        for (size_t a = 0; a < (size_t)field->components; a++)
+            for (size_t c = 0; c < from->soa.count; c++)
+                wide[c + a * to->soa.capacity] = single[c + a * from->soa.capacity];
     }
 }
 
-static void column_to_single(float *to, const double *from, size_t count) {
-    for (size_t k = 0; k < count; k++) to[k] = (float)from[k];
-}
-
-void gn_elements_to_single(gn_elements *q) {
-    const size_t stride = q->soa.capacity, dimension = (size_t)gn_elements_dimension(q);
-    if (!q->volume_f) return;
-    const bool space = dimension == 3;
-    column_to_single(space ? q->gradient3_f : q->gradient2_f, space ? q->gradient3 : q->gradient2,
-                     dimension * dimension * stride);
-    column_to_single(q->volume_f, q->volume, stride);
-    column_to_single(q->lambda_f, q->lambda, stride);
-    column_to_single(q->mu_f, q->mu, stride);
+void gn_elements_to_single(gn_elements *elements) {
+    if (elements->volume_f) columns_to_single(&gn_element_record, elements, 1);
 }

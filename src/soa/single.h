@@ -8,15 +8,15 @@
  * counted from. */
 void gn_particles_to_single(const gn_particles *particles, const double *origin, int threads);
 
-/* Fills gradients, volumes and moduli. */
-void gn_elements_to_single(gn_elements *q);
+/* Fills the columns that are beside one in double. */
+void gn_elements_to_single(gn_elements *elements);
 
-/* Fills branch_f and stretch_f from the particles' `ref`, and the parameters; shear_f and fd_f are
- * state and stay. `period` per axis (0: none), nearest images. */
+/* The same, and branch_f and stretch_f from the particles' `ref`. `period` per axis (0: none),
+ * nearest images. */
 void gn_contacts_to_single(gn_contacts *contacts, const gn_particles *particles,
                            const double period[3], int threads);
 
-/* The other way, for a copy of a list without GN_FX_MIXED: shear and fd in double. */
+/* The other way, for a copy of a list without GN_FX_MIXED: what took the place of a double. */
 void gn_contacts_from_single(gn_contacts *to, const gn_contacts *from);
 
 #endif

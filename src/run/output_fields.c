@@ -1,0 +1,199 @@
+#include "run/output_fields.h"
+
+#include "sim/parts.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+#define COUNT(table) (sizeof(table) / sizeof *(table))
+
+/* A scalar of item k of the view v; the world is w. */
+#define READ(name, expression)                                                                     \
+    static void read_##name(const gn_output_view *v, size_t k, double *value) {                    \
+        const gn_world *w = v->world;                                                              \
+        (void)w;                                                                                   \
+        *value = (expression);                                                                     \
+    }
+
+/* --- particles --------------------------------------------------------------------------------
+ */
+
+READ(id, w->particles.id[k])
+READ(radius, w->particles.pos[4 * k + 3])
+READ(damage, v->damage[k])
+READ(coordination, v->coordination[k])
+READ(bonds_at_start, w->particles.bonds0 ? w->particles.bonds0[k] : 0)
+READ(removed, w->particles.vel[4 * k + 3] == 0.0)
+
+static void read_position(const gn_output_view *v, size_t k, double *value) {
+    gn_world_point_out(v->world, v->world->particles.pos + 4 * k, value);
+}
+static void read_displacement(const gn_output_view *v, size_t k, double *value) {
+    const gn_particles *q = &v->world->particles;
+    for (size_t a = 0; a < 3; a++) value[a] = q->pos[4 * k + a] - q->start[4 * k + a];
+}
+static void read_velocity(const gn_output_view *v, size_t k, double *value) {
+    memcpy(value, v->world->particles.vel + 4 * k, 3 * sizeof *value);
+}
+static void read_spin(const gn_output_view *v, size_t k, double *value) {
+    const double *spin = v->world->particles.spin;
+    for (size_t a = 0; a < 3; a++) value[a] = spin ? spin[4 * k + a] : 0.0;
+}
+/* Of a quaternion and its opposite, which are the same turn, the shorter way round. */
+static void read_orientation(const gn_output_view *v, size_t k, double *value) {
+    const double *turn = v->world->particles.orientation + 4 * k;
+    for (int a = 0; a < 4; a++) value[a] = turn[0] < 0.0 ? -turn[a] : turn[a];
+}
+static void read_stress(const gn_output_view *v, size_t k, double *value) {
+    memcpy(value, v->stress + 6 * k, 6 * sizeof *value);
+}
+
+enum { BOTH = GN_IN_RESULTS | GN_IN_SNAPSHOT };
+
+static const gn_output_field of_particles[] = {
+    {"id", "1", "place in the specimen file, base 0", GN_IN_SNAPSHOT, GN_F64, false, 1, read_id, 0},
+    {"position", "m", "centre", GN_IN_RESULTS, GN_F64, false, 3, read_position, 0},
+    {"radius", "m", "radius", BOTH, GN_F64, false, 1, read_radius, 0},
+    {"displacement", "m", "from the start", BOTH, GN_F64, false, 3, read_displacement, 0},
+    {"velocity", "m/s", "velocity", BOTH, GN_F64, false, 3, read_velocity, 0},
+    {"spin", "rad/s", "angular velocity", GN_IN_RESULTS, GN_F64, false, 3, read_spin, 0},
+    {"damage", "1", "broken bonds over bonds at the start", BOTH, GN_F64, false, 1, read_damage, 0},
+    {"stress", "Pa", "xx yy zz xy yz xz, tension positive", BOTH, GN_F64, false, 6, read_stress, 0},
+    {"coordination", "1", "contacts that carry force and intact bonds", BOTH, GN_F64, false, 1,
+     read_coordination, 0},
+    {"bonds_at_start", "1", "bonds at the start", GN_IN_RESULTS, GN_I32, false, 1,
+     read_bonds_at_start, 0},
+    {"removed", "1", "1: left the domain, and stays where it was then", BOTH, GN_U8, false, 1,
+     read_removed, 0},
+    {"orientation", "1",
+     "unit quaternion w x y z of the turn from the start, w >= 0: the shorter way round; with "
+     "`output.orientation: on`",
+     BOTH, GN_F64, false, 4, read_orientation, GN_FX_ORIENTATION},
+};
+
+/* --- bonds ------------------------------------------------------------------------------------
+ */
+
+void gn_output_bond_ends(const gn_world *w, size_t c, int32_t ends[2]) {
+    int32_t i = w->particles.id[w->bonds.i[c]], j = w->particles.id[w->bonds.j[c]];
+    ends[0] = i < j ? i : j;
+    ends[1] = i < j ? j : i;
+}
+
+/* State and strengths are the world's; the copy only has the forces. */
+static void force_on_first(const gn_output_view *v, size_t c, double force[3]) {
+    const gn_contacts *seen = &v->seen->bonds;
+    const double *row = gn_contacts_row(seen) + (size_t)gn_contacts_row_width(seen) * c;
+    force[0] = row[0];
+    force[1] = row[1];
+    force[2] = v->world->effects & GN_FX_SPACE ? row[2] : 0.0;
+}
+
+static double normal_of(const gn_output_view *v, size_t c) {
+    const gn_world *w = v->world;
+    const double *x = w->particles.pos + 4 * (int64_t)w->bonds.i[c],
+                 *y = w->particles.pos + 4 * (int64_t)w->bonds.j[c];
+    double d[3], d2 = gn_branch(w, x, y, d), along = 0.0, force[3];
+    force_on_first(v, c, force);
+    for (int a = 0; a < 3; a++) along += force[a] * d[a];
+    return d2 > 0.0 ? along / sqrt(d2) : 0.0;
+}
+
+static double shear_of(const gn_output_view *v, size_t c) {
+    double force[3], normal = normal_of(v, c), square = 0.0;
+    force_on_first(v, c, force);
+    for (int a = 0; a < 3; a++) square += force[a] * force[a];
+    return sqrt(fmax(0.0, square - normal * normal));
+}
+
+static double criterion_of(const gn_output_view *v, size_t c) {
+    const gn_contacts *b = &v->world->bonds;
+    if (b->cause[c]) return 1.0;
+    double ratio = normal_of(v, c) / b->rn[c];
+    if (b->rt) ratio = fmax(ratio, shear_of(v, c) / b->rt[c]);
+    return fmax(0.0, ratio);
+}
+
+static double end_of(const gn_world *w, size_t c, int end) {
+    int32_t ends[2];
+    gn_output_bond_ends(w, c, ends);
+    return ends[end];
+}
+
+READ(first, end_of(w, k, 0))
+READ(second, end_of(w, k, 1))
+READ(state, w->bonds.cause[k])
+READ(broken_time, w->bonds.cause[k] ? w->bonds.broken_time[k] : NAN)
+READ(normal_force, normal_of(v, k))
+READ(shear_force, shear_of(v, k))
+READ(criterion, criterion_of(v, k))
+
+/* On the end with the smaller id, which comes first. */
+static void read_force(const gn_output_view *v, size_t c, double *value) {
+    const gn_world *w = v->world;
+    double turn = w->particles.id[w->bonds.i[c]] < w->particles.id[w->bonds.j[c]] ? 1.0 : -1.0;
+    force_on_first(v, c, value);
+    for (int a = 0; a < 3; a++) value[a] *= turn;
+}
+
+static const gn_output_field of_bonds[] = {
+    {"i", "1", "first particle, base 0, order of the specimen file", GN_IN_RESULTS, GN_I32, false,
+     1, read_first, 0},
+    {"j", "1", "second particle", GN_IN_RESULTS, GN_I32, false, 1, read_second, 0},
+    {"state", "1", "0 intact, 1 broken in tension, 2 broken in shear", BOTH, GN_I32, false, 1,
+     read_state, 0},
+    {"broken_time", "s", "when it broke; NaN: intact", GN_IN_RESULTS, GN_F64, true, 1,
+     read_broken_time, 0},
+    {"force", "N", "force on i", GN_IN_RESULTS, GN_F64, false, 3, read_force, 0},
+    {"force", "N", "normal force, tension positive", GN_IN_SNAPSHOT, GN_F64, false, 1,
+     read_normal_force, 0},
+    {"shear_force", "N", "size of the tangential force", GN_IN_SNAPSHOT, GN_F64, false, 1,
+     read_shear_force, 0},
+    {"criterion", "1", "largest of force over strength; 1: broken", BOTH, GN_F64, false, 1,
+     read_criterion, 0},
+};
+
+_Static_assert(COUNT(of_particles) <= GN_OUTPUT_FIELDS_MOST &&
+                   COUNT(of_bonds) <= GN_OUTPUT_FIELDS_MOST,
+               "room for the arrays of a snapshot");
+const gn_output_table gn_particle_outputs = {of_particles, COUNT(of_particles)},
+                      gn_bond_outputs = {of_bonds, COUNT(of_bonds)};
+
+/* --- what takes more than one particle --------------------------------------------------------
+ */
+
+static void count_contacts(const gn_contacts *list, double *coordination) {
+    for (size_t c = 0; c < list->soa.count; c++) {
+        bool intact = list->rn && list->rn[c] > 0.0;
+        if (!intact && !gn_contact_carries(list, c)) continue;
+        coordination[list->i[c]] += 1.0;
+        coordination[list->j[c]] += 1.0;
+    }
+}
+
+gneiss_status gn_output_view_make(const gn_world *w, const gn_observed *seen, gn_output_view *v,
+                                  gneiss_error *error) {
+    size_t n = w->particles.soa.count;
+    *v = (gn_output_view){w, seen, calloc(n + 1, sizeof(double)), calloc(n + 1, 6 * sizeof(double)),
+                          calloc(n + 1, sizeof(double))};
+    if (!v->damage || !v->stress || !v->coordination) {
+        gn_output_view_free(v);
+        return gn_fail(error, GNEISS_ERROR_MEMORY, "no memory for the output of %zu particles", n);
+    }
+    gn_assembly assembly = gn_world_assembly(w);
+    assembly.bonds = &seen->bonds;
+    assembly.pairs = &seen->pairs;
+    gn_stress_particles(&assembly, gn_world_porosity(w), v->stress);
+    if (w->effects & GN_FX_BONDS) gn_damage_particles(&w->particles, &w->bonds, v->damage);
+    count_contacts(&seen->bonds, v->coordination);
+    count_contacts(&seen->pairs, v->coordination);
+    return GNEISS_OK;
+}
+
+void gn_output_view_free(gn_output_view *v) {
+    free(v->damage);
+    free(v->stress);
+    free(v->coordination);
+    *v = (gn_output_view){0};
+}

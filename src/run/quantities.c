@@ -1,0 +1,299 @@
+#include "run/quantities.h"
+
+#include "run/record_parts.h"
+
+#include <string.h>
+
+#define COUNT(table) (sizeof(table) / sizeof *(table))
+
+static void copy3(double *to, const double *from) {
+    memcpy(to, from, 3 * sizeof *to);
+}
+
+static void difference3(double *to, const double *a, const double *b) {
+    for (int k = 0; k < 3; k++) to[k] = a[k] - b[k];
+}
+
+/* --- conditions -------------------------------------------------------------------------------
+ */
+
+static bool has_test(const gn_world *w, size_t k) {
+    (void)k;
+    return w->scene.test.kind != GN_TEST_NONE;
+}
+static bool has_bonds(const gn_world *w, size_t k) {
+    (void)k;
+    return w->effects & GN_FX_BONDS;
+}
+static bool has_ledger(const gn_world *w, size_t k) {
+    (void)k;
+    return w->effects & GN_FX_ENERGY;
+}
+static bool has_elements_beside_particles(const gn_world *w, size_t k) {
+    (void)k;
+    return w->elements && w->scene.has_specimen;
+}
+static bool set_moves(const gn_world *w, size_t k) {
+    const gn_set_def *s = &w->scene.sets[k];
+    size_t points = 0;
+    for (int a = 0; a < 3; a++) points += s->motion.velocity[a].count + s->motion.spin[a].count;
+    return points > 0;
+}
+static bool motion_drives(const gn_world *w, size_t k) {
+    return w->elements->motion[k] >= 0;
+}
+
+static const gn_condition always = {"always", NULL}, tests = {"with a test", has_test},
+                          bonded = {"with bonds", has_bonds},
+                          booked = {"with the energy ledger", has_ledger},
+                          beside = {"finite elements beside particles",
+                                    has_elements_beside_particles},
+                          moving = {"unless the set has no motion", set_moves},
+                          driven = {"unless it is only watched", motion_drives};
+
+/* --- of the whole model -----------------------------------------------------------------------
+ */
+
+#define READ(name, expression)                                                                     \
+    static void read_##name(const gn_world *w, size_t k, double *value) {                          \
+        (void)k;                                                                                   \
+        *value = (expression);                                                                     \
+    }
+
+READ(step, (double)w->step)
+READ(time, w->time)
+
+READ(deflection, gn_record_deflection(w))
+READ(test_strain, gn_record_deflection(w) / w->test_length)
+static double end_stress(const gn_world *w, bool upper_end) {
+    double lower, upper;
+    gn_record_end_forces(w, &lower, &upper);
+    return (upper_end ? upper : lower) / w->test_area;
+}
+READ(test_lower, end_stress(w, false))
+READ(test_upper, end_stress(w, true))
+READ(test_stress, 0.5 * (end_stress(w, false) + end_stress(w, true)))
+static void read_test_force(const gn_world *w, size_t k, double *value) {
+    double lower, upper;
+    (void)k;
+    gn_record_end_forces(w, &lower, &upper);
+    *value = 0.5 * (lower + upper);
+}
+
+static void read_elements_strain(const gn_world *w, size_t k, double *value) {
+    (void)k;
+    gn_fem_mean_gradient(&w->elements->body, (const double(*)[3])w->elements->weight, value);
+}
+static void read_elements_stress(const gn_world *w, size_t k, double *value) {
+    (void)k;
+    memcpy(value, w->elements->stress, sizeof w->elements->stress);
+}
+/* Elements without particles are the specimen. */
+static void read_strain(const gn_world *w, size_t k, double *value) {
+    if (w->elements && !w->scene.has_specimen)
+        read_elements_strain(w, k, value);
+    else
+        gn_strain_gauge_read(&w->gauge, &w->particles, w->index_of_id, value);
+}
+/* Too few particles, or all on a plane, have no average strain. */
+static bool no_strain(const gn_world *w) {
+    return w->scene.has_specimen && !w->gauge.count;
+}
+static void read_stress(const gn_world *w, size_t k, double *value) {
+    (void)k;
+    memcpy(value, w->stress, sizeof w->stress);
+}
+READ(unbalanced, w->unbalanced)
+
+static double broken(const gn_world *w) {
+    return (double)(w->broken_tension + w->broken_shear);
+}
+READ(bonds_intact, (double)w->bonds_at_start - broken(w))
+READ(broken_tension, (double)w->broken_tension)
+READ(broken_shear, (double)w->broken_shear)
+READ(damage, w->bonds_at_start > 0 ? broken(w) / (double)w->bonds_at_start : 0.0)
+
+#define X(name, kind, text) READ(energy_##name, w->reading.name)
+GN_ENERGY_TERMS(X)
+#undef X
+READ(energy_residual, gn_energy_residual(&w->reading))
+
+#define SCALAR(when, instant, name, unit, read, text)                                              \
+    { name, unit, text, GN_SCALAR, instant, &when, read, NULL }
+
+static const gn_quantity of_the_model[] = {
+    SCALAR(always, GN_BEFORE_STEP, "step", "1", read_step, "steps done"),
+    SCALAR(always, GN_BEFORE_STEP, "time", "s", read_time, "time"),
+    SCALAR(tests, GN_BEFORE_STEP, "strain", "1", read_test_strain,
+           "change of the distance of the ends over the length, positive in the test's sense"),
+    SCALAR(tests, GN_AFTER_STEP, "stress", "Pa", read_test_stress,
+           "mean of both ends' force over the area, positive in the test's sense"),
+    SCALAR(tests, GN_AFTER_STEP, "stress_lower", "Pa", read_test_lower,
+           "force on the lower end over the area"),
+    SCALAR(tests, GN_AFTER_STEP, "stress_upper", "Pa", read_test_upper,
+           "force on the upper end over the area"),
+    SCALAR(tests, GN_AFTER_STEP, "force", "N", read_test_force,
+           "mean of both ends' force, positive in the test's sense"),
+    SCALAR(tests, GN_BEFORE_STEP, "deflection", "m", read_deflection,
+           "change of the distance of the ends, positive in the test's sense"),
+    {"strain", "1", "average strain of the specimen, tension positive", GN_TENSOR, GN_BEFORE_STEP,
+     &always, read_strain, no_strain},
+    {"stress", "Pa", "average stress of the specimen, tension positive", GN_TENSOR, GN_AFTER_STEP,
+     &always, read_stress, NULL},
+    SCALAR(always, GN_AFTER_STEP, "unbalanced", "1", read_unbalanced,
+           "mean resultant on a particle over the mean contact force"),
+    SCALAR(bonded, GN_AFTER_STEP, "bonds_intact", "1", read_bonds_intact, "intact bonds"),
+    SCALAR(bonded, GN_AFTER_STEP, "broken_tension", "1", read_broken_tension,
+           "bonds broken in tension"),
+    SCALAR(bonded, GN_AFTER_STEP, "broken_shear", "1", read_broken_shear, "bonds broken in shear"),
+    SCALAR(bonded, GN_AFTER_STEP, "damage", "1", read_damage,
+           "broken bonds over bonds at the start"),
+#define X(name, kind, text)                                                                        \
+    SCALAR(booked, GN_AFTER_STEP, "energy_" #name, "J", read_energy_##name, text),
+    GN_ENERGY_TERMS(X)
+#undef X
+        SCALAR(booked, GN_AFTER_STEP, "energy_residual", "1", read_energy_residual,
+               GN_ENERGY_RESIDUAL_TEXT)};
+
+/* --- of walls, bodies, sets -------------------------------------------------------------------
+ */
+
+static size_t one(const gn_world *w) {
+    (void)w;
+    return 1;
+}
+
+static size_t wall_count(const gn_world *w) {
+    return w->scene.wall_count;
+}
+static const char *wall_name(const gn_world *w, size_t k) {
+    return w->scene.walls[k].name;
+}
+static void read_wall_force(const gn_world *w, size_t k, double *value) {
+    copy3(value, w->walls[k].force);
+}
+static void read_wall_displacement(const gn_world *w, size_t k, double *value) {
+    difference3(value, w->walls[k].point, w->walls[k].start);
+}
+
+static const gn_quantity of_walls[] = {{"force", "N", "force of the particles on the wall",
+                                        GN_VECTOR, GN_AFTER_STEP, &always, read_wall_force, NULL},
+                                       {"displacement", "m", "path of the wall from its start",
+                                        GN_VECTOR, GN_BEFORE_STEP, &always, read_wall_displacement,
+                                        NULL}};
+
+static size_t body_count(const gn_world *w) {
+    return w->scene.body_count;
+}
+static const char *body_name(const gn_world *w, size_t k) {
+    return w->scene.bodies[k].name;
+}
+static void read_body_force(const gn_world *w, size_t k, double *value) {
+    copy3(value, w->bodies[k].force);
+}
+static void read_body_moment(const gn_world *w, size_t k, double *value) {
+    copy3(value, w->bodies[k].moment);
+}
+static void read_body_displacement(const gn_world *w, size_t k, double *value) {
+    difference3(value, w->bodies[k].position, w->bodies[k].start);
+}
+static void read_body_velocity(const gn_world *w, size_t k, double *value) {
+    copy3(value, w->bodies[k].velocity);
+}
+
+static const gn_quantity of_bodies[] = {
+    {"force", "N", "force of the particles on the body", GN_VECTOR, GN_AFTER_STEP, &always,
+     read_body_force, NULL},
+    {"moment", "N m", "their moment about the reference point of the body", GN_TURN, GN_AFTER_STEP,
+     &always, read_body_moment, NULL},
+    {"displacement", "m", "path of the reference point from its start", GN_VECTOR, GN_BEFORE_STEP,
+     &always, read_body_displacement, NULL},
+    {"velocity", "m/s", "velocity of the reference point at the last half step", GN_VECTOR,
+     GN_BEFORE_STEP, &always, read_body_velocity, NULL}};
+
+static size_t set_count(const gn_world *w) {
+    return w->scene.set_count;
+}
+static const char *set_name(const gn_world *w, size_t k) {
+    return w->scene.sets[k].name;
+}
+static void read_set_reaction(const gn_world *w, size_t k, double *value) {
+    copy3(value, w->set_reaction + 6 * k);
+}
+
+static const gn_quantity of_sets[] = {{"reaction", "N",
+                                       "force that the prescribed motion supplies to the set",
+                                       GN_VECTOR, GN_AFTER_STEP, &moving, read_set_reaction, NULL}};
+
+/* --- of finite elements -----------------------------------------------------------------------
+ */
+
+static const gn_quantity of_elements[] = {
+    {"elements_strain", "1", "average strain of the finite elements, tension positive", GN_TENSOR,
+     GN_BEFORE_STEP, &beside, read_elements_strain, NULL},
+    {"elements_stress", "Pa", "average stress of the finite elements, tension positive", GN_TENSOR,
+     GN_AFTER_STEP, &beside, read_elements_stress, NULL}};
+
+static size_t motion_count(const gn_world *w) {
+    return w->elements ? w->scene.elements.motion_count : 0;
+}
+static const char *motion_name(const gn_world *w, size_t k) {
+    return w->scene.elements.motions[k].name;
+}
+
+static const gn_quantity of_motions[] = {
+    {"displacement", "m", "mean displacement of the nodes", GN_VECTOR, GN_BEFORE_STEP, &always,
+     gn_elements_travel, NULL},
+    {"reaction", "N", "force that the prescribed motion supplies to the nodes", GN_VECTOR,
+     GN_AFTER_STEP, &driven, gn_elements_reaction, NULL}};
+
+/* --- all of them ------------------------------------------------------------------------------
+ */
+
+const gn_quantity_group gn_quantity_groups[GN_QUANTITY_GROUPS] = {
+    {NULL, one, NULL, of_the_model, COUNT(of_the_model)},
+    {"wall", wall_count, wall_name, of_walls, COUNT(of_walls)},
+    {"body", body_count, body_name, of_bodies, COUNT(of_bodies)},
+    {"set", set_count, set_name, of_sets, COUNT(of_sets)},
+    {NULL, one, NULL, of_elements, COUNT(of_elements)},
+    {"motion", motion_count, motion_name, of_motions, COUNT(of_motions)}};
+
+bool gn_quantity_next(const gn_world *w, gn_quantity_place *p) {
+    while (p->next_group < GN_QUANTITY_GROUPS) {
+        const gn_quantity_group *g = &gn_quantity_groups[p->next_group];
+        if (p->next_owner >= g->count(w)) {
+            p->next_group++;
+            p->next_owner = 0;
+            continue;
+        }
+        p->group = g;
+        p->owner = p->next_owner;
+        p->quantity = &g->quantities[p->next_quantity++];
+        if (p->next_quantity == g->quantity_count) {
+            p->next_quantity = 0;
+            p->next_owner++;
+        }
+        const gn_condition *when = p->quantity->when;
+        if (!when->holds || when->holds(w, p->owner)) return true;
+    }
+    return false;
+}
+
+static gn_shape_component tensor_component(int a, int b) {
+    return (gn_shape_component){{'_', "xyz"[a], "xyz"[b], 0}, 3 * a + b, 3 * b + a};
+}
+
+size_t gn_shape_components(gn_shape shape, int dimension, gn_shape_component out[GN_SHAPE_MOST]) {
+    static const int tensor[6][2] = {{0, 0}, {1, 1}, {2, 2}, {0, 1}, {1, 2}, {0, 2}};
+    size_t count = 0;
+    if (shape == GN_SCALAR) out[count++] = (gn_shape_component){"", 0, 0};
+    for (int a = 0; a < 3; a++) {
+        bool there = dimension == 3 || (shape == GN_TURN ? a == 2 : a < 2);
+        if ((shape == GN_VECTOR || shape == GN_TURN) && there)
+            out[count++] = (gn_shape_component){{'_', "xyz"[a], 0, 0}, a, a};
+    }
+    for (int c = 0; shape == GN_TENSOR && c < 6; c++)
+        if (dimension == 3 || (tensor[c][0] < 2 && tensor[c][1] < 2))
+            out[count++] = tensor_component(tensor[c][0], tensor[c][1]);
+    return count;
+}

@@ -1,0 +1,62 @@
+/* What the history records: one table of quantities, from which its columns, its rows and
+ * docs/quantities.md follow. Each has a name, a unit, a text, a shape, the instant at which it is
+ * read, a condition, and the function that reads it. */
+#ifndef GN_RUN_QUANTITIES_H
+#define GN_RUN_QUANTITIES_H
+
+#include "sim/world.h"
+
+/* In 2D a vector has two components, a turn one (z), a tensor three. */
+typedef enum gn_shape { GN_SCALAR, GN_VECTOR, GN_TURN, GN_TENSOR } gn_shape;
+
+/* A row is of the instant at which a step starts: positions are read before the step, forces and
+ * energies once it is done. */
+typedef enum gn_instant { GN_BEFORE_STEP, GN_AFTER_STEP } gn_instant;
+
+typedef struct gn_condition {
+    const char *text;
+    bool (*holds)(const gn_world *world, size_t owner); /* NULL: always */
+} gn_condition;
+
+typedef struct gn_quantity {
+    const char *name, *unit, *text;
+    gn_shape shape;
+    gn_instant instant;
+    const gn_condition *when;
+    /* One number, three, or nine (row by row; what is recorded is symmetric). */
+    void (*read)(const gn_world *world, size_t owner, double *value);
+    bool (*absent)(const gn_world *world); /* the column is there without numbers; NULL: never */
+} gn_quantity;
+
+/* Quantities of the whole model (kind NULL: columns <name>_xx), or of each of its walls and so on
+ * (columns <kind>_<owner>_<name>_x). */
+typedef struct gn_quantity_group {
+    const char *kind;
+    size_t (*count)(const gn_world *world);
+    const char *(*owner)(const gn_world *world, size_t k);
+    const gn_quantity *quantities;
+    size_t quantity_count;
+} gn_quantity_group;
+
+enum { GN_QUANTITY_GROUPS = 6 };
+extern const gn_quantity_group gn_quantity_groups[GN_QUANTITY_GROUPS];
+
+/* Walks through what a world has, in the order of the columns. Starts from zeros; false at the end.
+ */
+typedef struct gn_quantity_place {
+    const gn_quantity *quantity;
+    const gn_quantity_group *group;
+    size_t owner;
+    size_t next_group, next_owner, next_quantity;
+} gn_quantity_place;
+bool gn_quantity_next(const gn_world *world, gn_quantity_place *place);
+
+/* Components of a shape, their suffixes ("_xy"; "" of a scalar) and places in what `read` gives. */
+enum { GN_SHAPE_MOST = 6 };
+typedef struct gn_shape_component {
+    char suffix[4];
+    int first, second; /* mean of both */
+} gn_shape_component;
+size_t gn_shape_components(gn_shape shape, int dimension, gn_shape_component out[GN_SHAPE_MOST]);
+
+#endif

@@ -1,0 +1,134 @@
+/* docs/quantities.md is what the tables of quantities say, and a history has what they say.
+ * `test_quantities FILE` writes the page. */
+#include "world_helpers.h"
+
+#include "run/output_fields.h"
+#include "run/quantities.h"
+#include "run/record.h"
+
+static void history_row(FILE *file, const gn_quantity_group *group, const gn_quantity *q) {
+    gn_shape_component part[GN_SHAPE_MOST];
+    gn_shape_components(q->shape, 3, part);
+    bool more = q->shape != GN_SCALAR;
+    fprintf(file, "| `%s%s%s%s`%s | %s | %s | %s |\n", group->kind ? group->kind : "",
+            group->kind ? "_<name>_" : "", q->name, part[0].suffix, more ? " .." : "", q->unit,
+            q->text, q->when->text);
+}
+
+static void field_rows(FILE *file, const gn_output_table *table) {
+    static const char *const where[] = {"", "results.h5", "snapshots", "both"};
+    fprintf(file, "\n| field | components | unit | is | in |\n| --- | --- | --- | --- | --- |\n");
+    for (size_t k = 0; k < table->count; k++) {
+        const gn_output_field *f = &table->fields[k];
+        fprintf(file, "| `%s` | %zu | %s | %s | %s |\n", f->name, f->components, f->unit, f->text,
+                where[f->where]);
+    }
+}
+
+static char *page(void) {
+    char *made = NULL;
+    size_t size = 0;
+    FILE *file = open_memstream(&made, &size);
+    assert_non_null(file);
+    fprintf(
+        file,
+        "# Quantities\n\nWritten by `build/tests/test_quantities docs/quantities.md` from the "
+        "tables that also drive what is measured and\nwritten (src/run/quantities.c, "
+        "src/run/output_fields.c, src/measure/energy.h, src/measure/measure.h). Where they "
+        "stand:\n[results.md](results.md).\n\n## History\n\nA row is of the instant at which a "
+        "step starts. `_x ..` stands for the components that the dimension has: `_x _y _z`,\nof "
+        "moments in 2D `_z`; `_xx ..` for `_xx _yy _zz _xy _yz _xz`.\n\n| column | unit | is | "
+        "there |\n| --- | --- | --- | --- |\n");
+    for (int g = 0; g < GN_QUANTITY_GROUPS; g++)
+        for (size_t k = 0; k < gn_quantity_groups[g].quantity_count; k++)
+            history_row(file, &gn_quantity_groups[g], &gn_quantity_groups[g].quantities[k]);
+    gn_energy_figure figure[GN_ENERGY_FIGURES];
+    gn_energy_figures(&(gn_energy){0}, figure);
+    fprintf(file, "\n## Energy\n\nThe ledger at the last measured instant.\n\n| term | unit | is "
+                  "|\n| --- | --- | --- |\n");
+    for (int k = 0; k < GN_ENERGY_FIGURES; k++)
+        fprintf(file, "| `%s` | %s | %s |\n", figure[k].name, figure[k].unit, figure[k].text);
+    fprintf(file, "\n## Readings\n\nWhen they are there: "
+                  "[results.md](results.md#readings).\n\n| reading | unit | is |\n| --- | --- | "
+                  "--- |\n");
+#define X(name, unit, text) fprintf(file, "| `%s` | %s | %s |\n", #name, unit, text);
+    GN_READINGS(X)
+#undef X
+    fprintf(file, "\n## Particles\n");
+    field_rows(file, &gn_particle_outputs);
+    fprintf(file, "\n## Bonds\n");
+    field_rows(file, &gn_bond_outputs);
+    assert_int_equal(fclose(file), 0);
+    return made;
+}
+
+static void docs_quantities_md_is_up_to_date(void **state) {
+    (void)state;
+    enum { MOST = 1 << 16 };
+    char path[4096], *wanted = page(), *there = calloc(1, MOST);
+    snprintf(path, sizeof path, "%s/docs/quantities.md", test_source());
+    FILE *file = fopen(path, "r");
+    if (!file) fail_msg("%s is missing", path);
+    there[fread(there, 1, MOST - 1, file)] = 0;
+    fclose(file);
+    if (strcmp(wanted, there) != 0)
+        fail_msg("stale: build/tests/test_quantities docs/quantities.md");
+    free(wanted);
+    free(there);
+}
+
+static const char scene[] =
+    "dimension: %d\nspecimen: {lattice: {kind: %s, radius: 1e-3, cells: [4, 4%s]}}\n"
+    "materials: [{name: m, density: 2650, contact_modulus: 1e9, kratio: 2, friction: 0.5, "
+    "tensile_strength: 3e6, shear_strength: 3e6}]\nlaw: {stiffness: harmonic}\nbonds: {}\n"
+    "sets:\n  - {name: still, select: {ids: [0]}, motion: {vx: 0}}\n"
+    "  - {name: free, select: {ids: [1]}}\n"
+    "walls:\n  - {name: low, point: [0, 0, 0], normal: [0, %d, %d], stiffness: 1e6}\n"
+    "time: {end: 1}\nrun: {threads: 1}\n";
+
+/* A vector has as many columns as there are dimensions, a tensor three or six. */
+static void columns_follow_the_table(void **state) {
+    (void)state;
+    for (int d = 2; d <= 3; d++) {
+        gn_world *w = d == 2 ? world_of(scene, 2, "square", "", 1, 0)
+                             : world_of(scene, 3, "cubic", ", 4", 0, 1);
+        gn_history h;
+        gneiss_error error = {0};
+        assert_int_equal(gn_record_create(w, &h, &error), GNEISS_OK);
+        const char *there[] = {"step",
+                               "strain_xy",
+                               "wall_low_force_y",
+                               "damage",
+                               "energy_friction",
+                               "energy_residual",
+                               "stress_yy",
+                               "set_still_reaction_x",
+                               "unbalanced"};
+        const char *absent[] = {"strain", "set_free_reaction_x", "elements_strain_xx"};
+        for (size_t k = 0; k < sizeof there / sizeof *there; k++) {
+            assert_int_equal(gn_record_step(w, &h, &error), GNEISS_OK);
+            if (!gn_history_column(&h, there[k])) fail_msg("no %s", there[k]);
+        }
+        for (size_t k = 0; k < sizeof absent / sizeof *absent; k++)
+            if (gn_history_column(&h, absent[k])) fail_msg("%s", absent[k]);
+        assert_true(!gn_history_column(&h, "strain_zz") == (d == 2));
+        assert_true(!gn_history_column(&h, "wall_low_displacement_z") == (d == 2));
+        assert_true(gn_history_column(&h, "step")[4] == 4.0);
+        gn_history_free(&h);
+        world_end(w);
+    }
+}
+
+int main(int argc, char **argv) {
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(docs_quantities_md_is_up_to_date),
+        cmocka_unit_test(columns_follow_the_table),
+    };
+    if (argc < 2) return cmocka_run_group_tests(tests, NULL, NULL);
+    FILE *file = fopen(argv[1], "w");
+    char *made = page();
+    bool bad = !file || fputs(made, file) < 0;
+    if (file && fclose(file)) bad = true;
+    free(made);
+    return bad;
+}
