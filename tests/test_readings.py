@@ -181,6 +181,19 @@ def bending_leaves_no_modulus_over_the_platen_strain(folder):
 
 
 @fact
+def soft_walls_leave_the_modulus_over_the_mean_strain(folder):
+    run(UCS, os.path.join(folder, "stiff"))
+    stiff = summary(os.path.join(folder, "stiff"))["readings"]
+    soft = os.path.join(folder, "soft")
+    run(UCS, soft, "--set", "walls.bottom.stiffness=1e6", "--set", "walls.top.stiffness=1e6")
+    read = summary(soft)["readings"]
+    assert read["young_modulus"] is None and "soft ends" in absent(soft)["young_modulus"], absent(soft)
+    # Loaded 5 times slower, it is less of a wave than the other: a few percent.
+    assert abs(read["young_modulus_average"] / stiff["young_modulus_average"] - 1) < 0.05, (read, stiff)
+    assert abs(read["poisson_ratio"] - stiff["poisson_ratio"]) < 0.01, (read, stiff)
+
+
+@fact
 def a_stress_that_still_rises_is_no_peak(folder):
     run(UCS, folder, "--set", "time.end=0.1 ms")
     readings, stress = summary(folder)["readings"], history(folder)["stress"]

@@ -154,6 +154,15 @@ static void need_ways(const curves *c, gn_reading which, gn_readings *r) {
                unsigned_zero(ways));
 }
 
+/* The mean strains are those of a specimen loaded along its axis whatever the ends did, if the mean
+ * stress is what the ends exert: then all of the load goes through all of it, and only the ends are
+ * soft. */
+static void need_ways_or_stress(const curves *c, gn_reading which, gn_readings *r) {
+    int axis = c->tested->axis;
+    double along = c->tested->sign * follows(c, axis, axis);
+    if (!(fabs(along - 1) <= beside_modulus)) need_ways(c, which, r);
+}
+
 static void need_rows(const curves *c, gn_reading which, gn_readings *r) {
     size_t rows = c->loading.last - c->loading.first;
     if (rows < 3)
@@ -192,7 +201,7 @@ static void read_average_modulus(const curves *c, gn_readings *r) {
     if (isnan(f.slope)) absent(r, which, "the scene has no average strain");
     need_one_axis(c, which, beside_modulus, r);
     need_modulus(f, which, r);
-    need_ways(c, which, r);
+    need_ways_or_stress(c, which, r);
 }
 
 /* -1 to 0.5 is what an elastic solid can have; in the plane up to 1, as plane strain shows it. */
@@ -226,7 +235,7 @@ static void read_poisson(const curves *c, gn_readings *r) {
     if (isnan(r->poisson_ratio)) absent(r, which, "the scene has no average strain");
     need_one_axis(c, which, beside_ratio, r);
     if (error > scatter) absent(r, which, "the rows scatter: standard error %.2g", error);
-    need_ways(c, which, r);
+    need_ways_or_stress(c, which, r);
     need_possible_ratio(dimension, r);
 }
 
