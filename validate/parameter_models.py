@@ -76,8 +76,8 @@ def main_table(specimen):
         r = runs[model] = compress("", specimen, model)
         published = PUBLISHED.get(model)
         text = "{} / {} / {}".format(*published) if published else ""
-        rows.append([f"{model} ({number})", *reading_cells(r), f"{r.residual:.0e}", f"{r.seconds:.0f}", text])
-    head = ["model", *READINGS, "energy residual", "s", "published, n_c 11.89"]
+        rows.append([f"{model} ({number})", *reading_cells(r), f"{r.residual:.0e}", r.summary["steps"], text])
+    head = ["model", *READINGS, "energy residual", "steps", "published, n_c 11.89"]
     return study.table(head, rows), runs
 
 
