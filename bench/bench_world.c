@@ -119,17 +119,17 @@ bool bench_worlds_at_once(bench_world *const *worlds, int count, double *seconds
 bench_numbers bench_world_numbers(const bench_world *b) {
     const gn_world *w = &b->world;
     bench_numbers n = {0};
-    n.particles = w->particles.soa.count;
-    n.bonds = w->bonds.soa.count;
-    n.pairs = w->pairs.soa.count;
-    n.wall_contacts = w->wall_contacts.soa.count;
-    n.bond_bytes = gn_record_bytes(&gn_contact_record, w->bonds.soa.effects);
-    n.pair_bytes = gn_record_bytes(&gn_contact_record, w->pairs.soa.effects);
+    n.particles = w->dem.particles.soa.count;
+    n.bonds = w->dem.bonds.soa.count;
+    n.pairs = w->dem.pairs.soa.count;
+    n.wall_contacts = w->boundary.contacts.soa.count;
+    n.bond_bytes = gn_record_bytes(&gn_contact_record, w->dem.bonds.soa.effects);
+    n.pair_bytes = gn_record_bytes(&gn_contact_record, w->dem.pairs.soa.effects);
     n.particle_bytes = gn_record_bytes(&gn_particle_record, w->effects);
     n.world_bytes = gn_world_bytes(w);
-    n.contact_steps = w->contact_steps;
+    n.contact_steps = w->dem.contact_steps;
     n.steps = w->step;
-    n.rebuilds = w->verlet.rebuilds;
+    n.rebuilds = w->dem.verlet.rebuilds;
     n.seconds_lists = w->seconds[GN_PHASE_lists];
     n.seconds_setup = w->seconds[GN_PHASE_setup];
     n.threads = w->threads;
@@ -141,18 +141,18 @@ bench_numbers bench_world_numbers(const bench_world *b) {
  * --------------------------------------------------------------------------------- */
 
 static bool bonds_are_more(const gn_world *w) {
-    return w->bonds.soa.count > w->pairs.soa.count;
+    return w->dem.bonds.soa.count > w->dem.pairs.soa.count;
 }
 
 static const gn_contacts *longer_list(const gn_world *w) {
-    return bonds_are_more(w) ? &w->bonds : &w->pairs;
+    return bonds_are_more(w) ? &w->dem.bonds : &w->dem.pairs;
 }
 
 size_t bench_world_contact_kernel(bench_world *b, size_t blocks) {
     gn_world *w = &b->world;
     gn_contact_args a = gn_world_contact_args(w, longer_list(w), false);
     a.dt = 0.0; /* the state stands still */
-    gn_contact_kernel *kernel = bonds_are_more(w) ? w->bond_kernel : w->pair_kernel;
+    gn_contact_kernel *kernel = bonds_are_more(w) ? w->dem.bond_kernel : w->dem.pair_kernel;
     size_t length = a.partials->length, last = blocks * length;
     if (last > a.contacts->soa.count) last = a.contacts->soa.count;
     for (size_t first = 0; first < last; first += length) {
@@ -168,7 +168,7 @@ size_t bench_world_motion_kernel(bench_world *b, size_t blocks) {
     gn_motion_args a = gn_world_motion_args(w, false);
     a.dt = a.dt_past = 0.0;
     size_t last = blocks * GN_PARTICLE_BLOCK;
-    if (last > w->particles.soa.count) last = w->particles.soa.count;
+    if (last > w->dem.particles.soa.count) last = w->dem.particles.soa.count;
     for (size_t first = 0; first < last; first += GN_PARTICLE_BLOCK) {
         gn_motion_sums sums = {.bad = -1};
         size_t end = first + GN_PARTICLE_BLOCK < last ? first + GN_PARTICLE_BLOCK : last;
@@ -205,7 +205,7 @@ static size_t parameters(const gn_contacts *k, const gn_uniform *u) {
 void bench_world_contact_traffic(const bench_world *b, size_t *read, size_t *written) {
     const gn_world *w = &b->world;
     const gn_contacts *k = longer_list(w);
-    const gn_partials *q = bonds_are_more(w) ? &w->bond_partials : &w->pair_partials;
+    const gn_partials *q = bonds_are_more(w) ? &w->dem.bond_partials : &w->dem.pair_partials;
     size_t components = w->effects & GN_FX_SPACE ? 3 : 2;
     size_t state = width(k->shear, 8 * components) + width(k->shear_f, 4 * components) +
                    width(k->fd, 8) + width(k->fd_f, 4);
@@ -213,7 +213,7 @@ void bench_world_contact_traffic(const bench_world *b, size_t *read, size_t *wri
     size_t count = q->blocks ? (size_t)q->first[q->blocks] : 0;
     size_t rows = count * gn_partials_row_bytes(q), named = count * sizeof *q->particle;
     *read = 2 * sizeof *k->i + 2 * sizeof *q->place + state + (rows + named) / k->soa.count +
-            parameters(k, bonds_are_more(w) ? &w->bond_uniform : &w->pair_uniform);
+            parameters(k, bonds_are_more(w) ? &w->dem.bond_uniform : &w->dem.pair_uniform);
     *written = state + rows / k->soa.count;
 }
 

@@ -51,7 +51,7 @@ static void a_state_that_is_not_finite_is_no_result(void **state) {
     gneiss_error found = {0};
     start(f, &run);
     ok(gn_run_steps(&run, 2, error));
-    run.world.particles.start[0] = INFINITY;
+    run.world.dem.particles.start[0] = INFINITY;
     assert_int_equal(gn_run_finish(&run, &found), GNEISS_ERROR_UNSTABLE);
     assert_non_null(strstr(found.message, "displacement"));
     assert_false(has(f, "results.h5") || has(f, "summary.json"));
@@ -66,7 +66,7 @@ static void a_failed_run_is_written_with_whatever_it_holds(void **state) {
     double displacement[3] = {0};
     start(f, &run);
     ok(gn_run_steps(&run, 2, error));
-    run.world.particles.start[0] = INFINITY;
+    run.world.dem.particles.start[0] = INFINITY;
     ok(gn_run_write_failure(&run, "it went bad", error));
     assert_false(has(f, "summary.json"));
     gn_h5 *file = NULL;
@@ -86,10 +86,10 @@ static void a_checkpoint_holds_finite_numbers(void **state) {
     start(f, &run);
     ok(gn_run_steps(&run, 2, error));
     ok(gn_checkpoint_write(&run, f->path, error));
-    run.world.particles.ref[1] = NAN;
+    run.world.dem.particles.ref[1] = NAN;
     assert_int_equal(gn_checkpoint_write(&run, f->path, &found), GNEISS_ERROR_UNSTABLE);
     assert_non_null(strstr(found.message, "particles/ref"));
-    run.world.particles.ref[1] = 0.0;
+    run.world.dem.particles.ref[1] = 0.0;
     run.world.energy.friction = NAN;
     assert_int_equal(gn_checkpoint_write(&run, f->path, &found), GNEISS_ERROR_UNSTABLE);
     assert_non_null(strstr(found.message, "world_energy"));

@@ -46,7 +46,7 @@ static void a_box_weighs_what_it_should(void **state) {
                            "rotation: [0.3, 0.4, -0.7], stiffness: 1, free: true, density: 10}]\n"
                            "time: {step: 1e-3, end: 1}\n",
                            head);
-    const gn_rigid *b = &w->bodies[0];
+    const gn_rigid *b = &w->boundary.bodies[0];
     double m = 60.0, turn[9], half[3] = {0.5, 1.0, 1.5}, rotation[3] = {0.3, 0.4, -0.7};
     weighs(b, m, m * 13 / 12, m * 10 / 12, m * 5 / 12);
     gn_rotation_matrix(rotation, turn);
@@ -63,8 +63,8 @@ static void a_prism_weighs_what_it_should(void **state) {
                            "stiffness: 1, free: true, density: 10}]\ntime: {step: 1e-3, end: 1}\n",
                            head);
     double area = 3.5 * sin(2 * pi / 7), m = 10 * 3 * area, iz = m * (2 + cos(2 * pi / 7)) / 6;
-    weighs(&w->bodies[0], m, iz, iz / 2 + m * 9 / 12, iz / 2 + m * 9 / 12);
-    assert_close(w->bodies[0].position[2], 1.5, 1e-12);
+    weighs(&w->boundary.bodies[0], m, iz, iz / 2 + m * 9 / 12, iz / 2 + m * 9 / 12);
+    assert_close(w->boundary.bodies[0].position[2], 1.5, 1e-12);
     world_end(w);
 }
 
@@ -77,7 +77,7 @@ static void a_polygon_weighs_what_it_should(void **state) {
         gn_world *w = world_of("%sbodies: [{name: b, polygon: %s, stiffness: 1, free: true, "
                                "density: 10}]\ntime: {step: 1e-3, end: 1}\n",
                                head2, senses[k]);
-        const gn_rigid *b = &w->bodies[0];
+        const gn_rigid *b = &w->boundary.bodies[0];
         assert_close(b->mass, 30.0, 1e-12);
         assert_close(b->position[0], 5. / 6, 1e-12);
         assert_close(b->position[1], 5. / 6, 1e-12);
@@ -101,7 +101,7 @@ static void a_free_body_falls_exactly(void **state) {
     for (int k = 0; k < 1000; k++) step(w);
     const double g[3] = {1, 2, -10}, v[3] = {3, 0, 4};
     for (int a = 0; a < 3; a++)
-        assert_close(w->bodies[0].position[a], 0.5 + v[a] + 0.5 * g[a], 1e-12);
+        assert_close(w->boundary.bodies[0].position[a], 0.5 + v[a] + 0.5 * g[a], 1e-12);
     assert_true(fabs(gn_energy_residual(&w->reading)) < 1e-12);
     world_end(w);
 }
@@ -113,7 +113,7 @@ static void a_channel_may_be_prescribed(void **state) {
                            "0, wz: 2}}]\ntime: {step: 1e-3, end: 1}\n",
                            head);
     for (int k = 0; k < 1000; k++) step(w);
-    const gn_rigid *b = &w->bodies[0];
+    const gn_rigid *b = &w->boundary.bodies[0];
     assert_close(b->position[0], 0.5 + 0.5, 1e-12);
     assert_close(b->position[1], 0.5 + 1.0, 1e-12);
     assert_close(b->position[2], 0.5 + 0.5, 1e-12);
@@ -130,8 +130,9 @@ static void prescribed_spin_turns_about_the_reference_point(void **state) {
                            head);
     for (int k = 0; k < 1000; k++) step(w);
     double x[3];
-    const gn_surface *s = &w->surfaces[0];
-    gn_rigid_place(&w->bodies[0], s->facets.pos, x); /* the corner that was at the origin */
+    const gn_surface *s = &w->boundary.surfaces[0];
+    gn_rigid_place(&w->boundary.bodies[0], s->facets.pos,
+                   x); /* the corner that was at the origin */
     assert_close(x[0], 2.0 - 2.0 * cos(0.5), 1e-9);
     assert_close(x[1], 1.0 - 2.0 * sin(0.5), 1e-9);
     world_end(w);
@@ -157,12 +158,12 @@ static void orientation_is_the_turn_from_the_start_at_every_angle(void **state) 
         gn_world *w = world_of("%sbodies: [{name: b, box: {size: [1, 2, 3]}, rotation: [0.3, 0.4, "
                                "-0.7], stiffness: 1, %s}]\ntime: {step: 5e-3, end: 100}\n",
                                head, bodies[k]);
-        const gn_rigid *b = &w->bodies[0];
+        const gn_rigid *b = &w->boundary.bodies[0];
         double start[3], now[3], got[3];
-        gn_rigid_direct(b, w->surfaces[0].facets.pos, start);
+        gn_rigid_direct(b, w->boundary.surfaces[0].facets.pos, start);
         for (int n = 0; n < 700; n++) {
             step(w);
-            gn_rigid_direct(b, w->surfaces[0].facets.pos, now);
+            gn_rigid_direct(b, w->boundary.surfaces[0].facets.pos, now);
             turned_vertex(b, start, got);
             for (int a = 0; a < 3; a++) assert_true(fabs(got[a] - now[a]) < 1e-12);
         }
@@ -180,7 +181,7 @@ static gn_world *top(const char *size, const char *spin, double dt) {
 static double energy_error(double dt, double time, double *late) {
     gn_world *w = top("1, 2, 3", "3, 0.01, 2", dt);
     double momentum[3], start = 0.0, worst = 0.0, before = 0.0;
-    memcpy(momentum, w->bodies[0].momentum, sizeof momentum);
+    memcpy(momentum, w->boundary.bodies[0].momentum, sizeof momentum);
     int64_t steps = (int64_t)(time / dt + 0.5);
     for (int64_t k = 0; k < steps; k++) {
         gn_energy e = measured_step(w);
@@ -189,7 +190,7 @@ static double energy_error(double dt, double time, double *late) {
         if (k == steps / 2) before = worst;
     }
     *late = worst / before;
-    for (int a = 0; a < 3; a++) assert_true(w->bodies[0].momentum[a] == momentum[a]);
+    for (int a = 0; a < 3; a++) assert_true(w->boundary.bodies[0].momentum[a] == momentum[a]);
     world_end(w);
     return worst;
 }
@@ -207,7 +208,7 @@ static void an_asymmetric_top_keeps_momentum_and_energy(void **state) {
 /* Of a symmetric top the axis turns about the momentum with L/I: where it points after a time. */
 static double precession_error(double dt) {
     gn_world *w = top("1, 1, 3", "1, 0, 4", dt);
-    const gn_rigid *b = &w->bodies[0];
+    const gn_rigid *b = &w->boundary.bodies[0];
     double l[3], size, axis[3], turned[3], vector[3], matrix[9];
     memcpy(l, b->momentum, sizeof l);
     size = length3(l);
@@ -253,14 +254,14 @@ static void add_turn(momentum *m, const double *x, const double *v, double mass)
 
 static momentum momentum_of(const gn_world *w) {
     momentum m = {0};
-    for (size_t p = 0; p < w->particles.soa.count; p++) {
-        const double *v = w->particles.vel + 4 * p, *o = w->particles.spin + 4 * p;
-        add_turn(&m, w->particles.pos + 4 * p, v, 1.0 / v[3]);
+    for (size_t p = 0; p < w->dem.particles.soa.count; p++) {
+        const double *v = w->dem.particles.vel + 4 * p, *o = w->dem.particles.spin + 4 * p;
+        add_turn(&m, w->dem.particles.pos + 4 * p, v, 1.0 / v[3]);
         for (int a = 0; a < 3; a++) m.angular[a] += o[a] / o[3];
         m.angular_size += length3(o) / o[3];
     }
     for (size_t k = 0; k < w->scene.body_count; k++) {
-        const gn_rigid *b = &w->bodies[k];
+        const gn_rigid *b = &w->boundary.bodies[k];
         add_turn(&m, b->position, b->velocity, b->mass);
         for (int a = 0; a < 3; a++) m.angular[a] += b->momentum[a];
         m.angular_size += length3(b->momentum);
@@ -356,7 +357,7 @@ static void a_sphere_rebounds_from_a_free_body(void **state) {
             "run: {threads: 1}\n",
             off, restitution);
         run_steps(w, 10000);
-        const gn_rigid *b = &w->bodies[0];
+        const gn_rigid *b = &w->boundary.bodies[0];
         /* Along z at the point that was hit; the body has hardly turned by then. */
         double at = b->velocity[2] - off * b->spin[1];
         assert_near(vel_of(w, 0)[2] - at, restitution, 0.01);
@@ -385,7 +386,7 @@ static gn_world *bed(const char *damping, const char *step) {
 }
 
 static double fastest(const gn_world *w) {
-    double most = length3(w->bodies[0].velocity);
+    double most = length3(w->boundary.bodies[0].velocity);
     for (int k = 0; k < 64; k++) most = fmax(most, length3(vel_of(w, k)));
     return most;
 }
@@ -396,8 +397,8 @@ static void the_limit_knows_of_free_bodies(void **state) {
     const char *const damping[] = {"", "damping: {contact: {fraction: 0.3}}\n"};
     for (int k = 0; k < 2; k++) {
         gn_world *w = bed(damping[k], "step: auto");
-        double particles = w->stable_particles;
-        assert_true(w->surface_rate * particles > 0.5);
+        double particles = w->dem.stable;
+        assert_true(w->boundary.surface_rate * particles > 0.5);
         assert_true(w->dt < 0.9 * particles);
         measured_step(w);
         double start = fastest(w), most = 0.0;
@@ -474,7 +475,7 @@ static void a_resumed_run_gives_the_same_bits(void **state) {
     assert_ok(gn_checkpoint_write(&stopped, saved, &error), &error);
     assert_ok(gn_checkpoint_load(saved, NULL, 0, &resumed, &error), &error);
     run_steps(&resumed.world, 6000 - 2777);
-    assert_true(straight.world.verlet.rebuilds > 2);
+    assert_true(straight.world.dem.verlet.rebuilds > 2);
     assert_true(gn_world_hash(&straight.world) == gn_world_hash(&resumed.world));
     assert_true(straight.world.dt == resumed.world.dt);
     assert_true(memcmp(&straight.world.energy, &resumed.world.energy, sizeof(gn_energy)) == 0);
@@ -545,8 +546,8 @@ static void facets_without_area_are_dropped_and_counted(void **state) {
     gn_world *w = world_of("%sbodies: [{name: b, surface: %s, stiffness: 1}]\n"
                            "time: {step: 1e-3, end: 1}\n",
                            head, path);
-    assert_int_equal(w->body_shape[0][1], 1);
-    assert_int_equal(w->body_shape[0][2], 1);
+    assert_int_equal(w->boundary.body_shape[0][1], 1);
+    assert_int_equal(w->boundary.body_shape[0][2], 1);
     world_end(w);
     unlink(path);
     free(s);

@@ -12,9 +12,9 @@ typedef struct momentum {
 /* x and v may be a step apart: x(n+1) x v(n+1/2) = x(n) x v(n+1/2). */
 static momentum momentum_of(const gn_world *w) {
     momentum m = {0};
-    for (size_t p = 0; p < w->particles.soa.count; p++) {
-        const double *x = w->particles.pos + 4 * p, *v = w->particles.vel + 4 * p;
-        const double *o = w->particles.spin + 4 * p;
+    for (size_t p = 0; p < w->dem.particles.soa.count; p++) {
+        const double *x = w->dem.particles.pos + 4 * p, *v = w->dem.particles.vel + 4 * p;
+        const double *o = w->dem.particles.spin + 4 * p;
         double turn[3] = {x[1] * v[2] - x[2] * v[1], x[2] * v[0] - x[0] * v[2],
                           x[0] * v[1] - x[1] * v[0]};
         for (int a = 0; a < 3; a++) {

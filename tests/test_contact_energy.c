@@ -186,8 +186,8 @@ static void reactions_of_prescribed_motion_are_the_spring_force(void **state) {
     double u = pos_of(w, 1)[0] - pos_of(w, 0)[0] - 2e-3;
     gn_energy e = measured_step(w); /* of the instant at which it starts */
     assert_close(u, 0.01 * 1e-7 * 1e4, 1e-10);
-    assert_close(w->set_reaction[6], k0 * u, 1e-12);  /* pulls on */
-    assert_close(w->set_reaction[0], -k0 * u, 1e-12); /* holds back */
+    assert_close(w->dem.set_reaction[6], k0 * u, 1e-12);  /* pulls on */
+    assert_close(w->dem.set_reaction[0], -k0 * u, 1e-12); /* holds back */
     assert_close(e.work_prescribed, 0.5 * k0 * u * u, 1e-9);
     assert_close(e.elastic_normal, 0.5 * k0 * u * u, 1e-12);
     assert_true(fabs(gn_energy_residual(&e)) < 1e-9);
@@ -205,7 +205,7 @@ static void reactions_of_an_accelerated_set_hold_inertia(void **state) {
                  "domain: {min: [-9, -9, -9], max: [9, 9, 9]}\n"
                  "time: {step: 1e-6, end: 1}\nrun: {threads: 1}\n");
     run_steps(w, 1000);
-    assert_close(w->set_reaction[2], m0 * 310.0, 1e-6); /* differences of v: 2e-16 v/(a dt) */
+    assert_close(w->dem.set_reaction[2], m0 * 310.0, 1e-6); /* differences of v: 2e-16 v/(a dt) */
     gn_energy e = measured_step(w);
     assert_close(e.kinetic, 0.5 * m0 * pow(300.0 * 1e-3, 2), 1e-5); /* v(-)v(+) misses (a dt/2)^2 */
     /* The half kick at the start books no inertia: m a (dt/2) v(1/2) of m (a t)^2/2. */
@@ -229,16 +229,16 @@ static void a_servo_wall_reaches_and_holds_its_force(void **state) {
     int64_t late = 0;
     while (w->time < 12e-3) {
         run_steps(w, 1);
-        assert_true(fabs(w->walls[1].velocity[2]) <= 0.05 * (1.0 + 1e-12));
-        double force = w->walls[1].force[2]; /* of the sphere on the wall: up */
+        assert_true(fabs(w->boundary.walls[1].velocity[2]) <= 0.05 * (1.0 + 1e-12));
+        double force = w->boundary.walls[1].force[2]; /* of the sphere on the wall: up */
         if (w->time > 3e-3 && w->time < 5e-3) assert_close(force, 5.0, 1e-6);
         if (w->time > 9e-3) assert_close(force, 8.0, 1e-6);
         late += w->time > 9e-3;
     }
     assert_true(late > 1000);
-    assert_close(w->walls[0].force[2], -8.0, 1e-6); /* the floor carries the same */
+    assert_close(w->boundary.walls[0].force[2], -8.0, 1e-6); /* the floor carries the same */
     /* Overlaps of 8 N/1 MN/m and 8 N/2 MN/m, closed by the wall. */
-    assert_close(w->walls[1].point[2], 2e-3 - 8e-6 - 4e-6, 1e-7);
+    assert_close(w->boundary.walls[1].point[2], 2e-3 - 8e-6 - 4e-6, 1e-7);
     gn_energy e = measured_step(w);
     assert_close(e.elastic_wall, 0.5 * 64.0 / 1e6 + 0.5 * 64.0 / 2e6, 1e-5);
     /* The two contacts were touched once each, at up to 0.05 m/s. */
@@ -261,9 +261,9 @@ static void a_wall_follows_its_velocity_table(void **state) {
                  "time: {step: 1e-6, end: 1}\nrun: {threads: 1}\n");
     run_steps(w, 6000);
     double allowed = 2.2e-16 * 6000 * 2.0;
-    assert_near(w->walls[0].point[0], 0.5 * 6e-3, allowed);
-    assert_near(w->walls[0].point[1], 1.0 - 1.5e-3 - 2e-3 + 2e-3, allowed);
-    assert_near(w->walls[0].velocity[1], 1.0, 1e-12);
+    assert_near(w->boundary.walls[0].point[0], 0.5 * 6e-3, allowed);
+    assert_near(w->boundary.walls[0].point[1], 1.0 - 1.5e-3 - 2e-3 + 2e-3, allowed);
+    assert_near(w->boundary.walls[0].velocity[1], 1.0, 1e-12);
     world_end(w);
 }
 
@@ -280,10 +280,10 @@ static void the_work_of_a_wall_is_booked(void **state) {
                  "time: {step: 1e-7, end: 1}\nrun: {threads: 1}\n");
     measured_step(w);
     run_steps(w, 10000);
-    double u = w->walls[0].point[2];
+    double u = w->boundary.walls[0].point[2];
     gn_energy e = measured_step(w);
-    assert_close(w->walls[0].force[2], -3e6 * u, 1e-11);
-    assert_close(w->set_reaction[2], -3e6 * u, 1e-11);
+    assert_close(w->boundary.walls[0].force[2], -3e6 * u, 1e-11);
+    assert_close(w->dem.set_reaction[2], -3e6 * u, 1e-11);
     assert_close(e.work_walls, 0.5 * 3e6 * u * u, 1e-9);
     assert_close(e.elastic_wall, 0.5 * 3e6 * u * u, 1e-11);
     world_end(w);
@@ -322,12 +322,12 @@ static void a_passive_wall_is_free_of_force_at_the_start(void **state) {
         "sets: [{name: a, select: {all: true}, motion: {vx: 0, vy: 0, vz: 0}}]\n"
         "time: {step: 1e-6, end: 1}\nrun: {threads: 1}\n");
     run_steps(w, 1);
-    assert_true(w->walls[0].force[2] == 0.0);
+    assert_true(w->boundary.walls[0].force[2] == 0.0);
     run_steps(w, 500);
     /* 50 um in: the overlapping sphere feels all of it, the one 100 um above nothing yet. */
-    assert_close(w->walls[0].force[2], -3e6 * 50e-6, 1e-9);
+    assert_close(w->boundary.walls[0].force[2], -3e6 * 50e-6, 1e-9);
     run_steps(w, 1000);
-    assert_close(w->walls[0].force[2], -3e6 * (150e-6 + 50e-6), 1e-9);
+    assert_close(w->boundary.walls[0].force[2], -3e6 * (150e-6 + 50e-6), 1e-9);
     world_end(w);
 }
 

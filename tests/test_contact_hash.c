@@ -43,8 +43,8 @@ static void check(const char *scene_text, void (*happened)(const gn_world *)) {
 }
 
 static void bonds_broke(const gn_world *w) {
-    assert_true(w->broken_tension > 10 && w->broken_shear > 10);
-    assert_true(w->bond_partials.blocks > 8); /* to share out */
+    assert_true(w->dem.broken_tension > 10 && w->dem.broken_shear > 10);
+    assert_true(w->dem.bond_partials.blocks > 8); /* to share out */
 }
 
 static void a_crushed_specimen_has_one_state(void **state) {
@@ -64,7 +64,7 @@ static void a_crushed_specimen_has_one_state(void **state) {
 
 static void spheres_slid(const gn_world *w) {
     assert_true(w->energy.friction > 0.0 && w->energy.contact_damping > 0.0);
-    assert_true(w->verlet.rebuilds > 1);
+    assert_true(w->dem.verlet.rebuilds > 1);
 }
 
 static void a_collapsing_column_has_one_state(void **state) {

@@ -65,7 +65,7 @@ static void add_all(momentum *m, const gn_particles *q) {
 
 static momentum momentum_of(const gn_world *w) {
     momentum m = {0};
-    add_all(&m, &w->particles);
+    add_all(&m, &w->dem.particles);
     add_all(&m, &w->elements->body.nodes);
     return m;
 }
@@ -141,14 +141,14 @@ static gn_world *bed(const char *step) {
 static void the_limit_knows_of_contacts_with_nodes(void **state) {
     (void)state;
     gn_world *w = bed("step: auto");
-    double alone = fmin(w->stable_particles, w->elements->stable), most = 0.0, work = 0.0;
-    assert_true(w->vertex_rate * alone > 2.0 && w->dt < 0.5 * alone);
+    double alone = fmin(w->dem.stable, w->elements->stable), most = 0.0, work = 0.0;
+    assert_true(w->boundary.vertex_rate * alone > 2.0 && w->dt < 0.5 * alone);
     for (int n = 0; n < 20000; n++) {
         gn_energy e = measured_step(w);
         most = fmax(most, fabs(gn_energy_residual(&e)) * gn_energy_scale(&e));
         work = fmax(work, e.work_gravity);
     }
-    assert_true(w->vertex_rate > 0.0);
+    assert_true(w->boundary.vertex_rate > 0.0);
     assert_true(most < 0.05 * work); /* contacts open and close within steps near the limit */
     world_end(w);
     char step_text[64];
@@ -189,7 +189,7 @@ static void threads_and_resume_give_the_same_bits(void **state) {
     unlink(saved);
     run_steps(one, 4000);
     run_steps(&resumed.world, 4000);
-    assert_true(one->verlet.rebuilds > 3);
+    assert_true(one->dem.verlet.rebuilds > 3);
     assert_true(gn_world_hash(one) == gn_world_hash(&resumed.world));
     world_end(one);
     world_end(two);

@@ -15,7 +15,7 @@ typedef struct tie {
 static gneiss_status tie_mark(void *context, gn_world *w, gneiss_error *error) {
     const tie *t = context;
     for (size_t k = 0; k < t->count; k++) {
-        GN_TRY(gn_hold_particle(&w->hold, (size_t)w->index_of_id[t->id[k]], error));
+        GN_TRY(gn_hold_particle(&w->dem.hold, (size_t)w->dem.index_of_id[t->id[k]], error));
         GN_TRY(gn_hold_particle(&w->elements->body.hold, (size_t)t->node[k], error));
     }
     return GNEISS_OK;
@@ -28,9 +28,9 @@ static gneiss_status tie_act(void *context, gn_world *w, gneiss_error *error) {
     const gn_particles *nodes = &w->elements->body.nodes;
     double interval = 0.5 * (w->dt_past + w->dt);
     for (size_t k = 0; k < t->count; k++) {
-        size_t p = (size_t)w->index_of_id[t->id[k]], n = (size_t)t->node[k];
-        const double *v = w->particles.vel + 4 * p, *u = nodes->vel + 4 * n;
-        double *f = gn_hold_load(&w->hold, gn_row_width(space, true), p);
+        size_t p = (size_t)w->dem.index_of_id[t->id[k]], n = (size_t)t->node[k];
+        const double *v = w->dem.particles.vel + 4 * p, *u = nodes->vel + 4 * n;
+        double *f = gn_hold_load(&w->dem.hold, gn_row_width(space, true), p);
         double *g = gn_hold_load(&w->elements->body.hold, gn_row_width(space, false), n);
         for (int a = 0; a < (space ? 3 : 2); a++) {
             double gap = (u[a] + interval * u[3] * g[a]) - (v[a] + interval * v[3] * f[a]);
@@ -69,7 +69,7 @@ static gn_world *bodies(int dimension, double step, int threads) {
                                 : "rectangle: {size: [5e-3, 3e-3], cells: [5, 3]}",
                  step, threads);
     free(t);
-    gn_particles *all[2] = {&w->particles, &w->elements->body.nodes};
+    gn_particles *all[2] = {&w->dem.particles, &w->elements->body.nodes};
     for (int b = 0; b < 2; b++)
         for (size_t p = 0; p < all[b]->soa.count; p++) {
             const double *x = all[b]->pos + 4 * p;
@@ -84,7 +84,7 @@ static void tie_make(tie *t, gn_world *w) {
     gneiss_error error = {0};
     const gn_particles *nodes = &w->elements->body.nodes;
     *t = (tie){0};
-    for (size_t k = 0; k < w->particles.soa.count; k++)
+    for (size_t k = 0; k < w->dem.particles.soa.count; k++)
         for (size_t n = 0; n < nodes->soa.count; n++) {
             const double *x = pos_of(w, (int)k), *y = nodes->pos + 4 * n;
             double d2 = 0.0;
@@ -98,7 +98,7 @@ static void tie_make(tie *t, gn_world *w) {
 }
 
 static void momentum_of(const gn_world *w, double sum[6], double *size) {
-    const gn_particles *all[2] = {&w->particles, &w->elements->body.nodes};
+    const gn_particles *all[2] = {&w->dem.particles, &w->elements->body.nodes};
     memset(sum, 0, 6 * sizeof *sum);
     *size = 0.0;
     for (int b = 0; b < 2; b++)
@@ -187,7 +187,7 @@ static void waiting_changes_no_bit(void **state) {
     tie_make(&t, w);
     w->exchange[0].act = nothing;
     run_steps(w, 300);
-    assert_true(w->hold.count > 0 && w->elements->body.hold.count > 0);
+    assert_true(w->dem.hold.count > 0 && w->elements->body.hold.count > 0);
     assert_true(gn_world_hash(w) == hash_after(1, false, 300));
     world_end(w);
 }

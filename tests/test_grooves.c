@@ -24,7 +24,7 @@ static double groove_force(double angle, const char *damping) {
         height, radius, damping, -0.01 * cos(tilt), 0.01 * sin(tilt), 0.01 * cos(tilt),
         0.01 * sin(tilt));
     measured_step(w);
-    double force = -w->bodies[0].force[1];
+    double force = -w->boundary.bodies[0].force[1];
     world_end(w);
     return force;
 }
@@ -91,7 +91,7 @@ static double bounce_in_groove(const bounce *b) {
         gn_energy now = measured_step(w);
         if (u > 0.0 && before > 0.0) {
             /* The overlap is a difference of lengths of 1 mm. */
-            assert_near(-w->bodies[0].force[1], spring * u, spring * 1e-12 * radius);
+            assert_near(-w->boundary.bodies[0].force[1], spring * u, spring * 1e-12 * radius);
             assert_near(now.elastic_wall, 0.5 * spring * u * u, spring * 1e-12 * radius * u);
         }
         before = u;

@@ -60,7 +60,7 @@ static void set_column(double *wide, float *narrow, size_t at, double value) {
 
 static void mark_contacts(gn_world *w, gn_contacts *k) {
     for (size_t c = 0; c < k->soa.count; c++) {
-        int32_t a = w->particles.id[k->i[c]], b = w->particles.id[k->j[c]];
+        int32_t a = w->dem.particles.id[k->i[c]], b = w->dem.particles.id[k->j[c]];
         set_column(k->worn, k->worn_f, c, even_of(a, b));
         for (int x = 0; x < 2; x++)
             set_column(k->lean, k->lean_f, c + (size_t)x * k->soa.capacity, odd_of(a, b, x));
@@ -71,10 +71,11 @@ static void mark_contacts(gn_world *w, gn_contacts *k) {
 }
 
 static void mark_walls(gn_world *w) {
-    gn_wall_contacts *k = &w->wall_contacts;
+    gn_wall_contacts *k = &w->boundary.contacts;
     for (size_t c = 0; c < k->soa.count; c++)
         for (size_t x = 0; x < 2; x++)
-            k->worn[c + x * k->soa.capacity] = 10.0 * w->particles.id[k->i[c]] + (double)x + 1.0;
+            k->worn[c + x * k->soa.capacity] =
+                10.0 * w->dem.particles.id[k->i[c]] + (double)x + 1.0;
 }
 
 static double column(const double *wide, const float *narrow, size_t at) {
@@ -87,7 +88,7 @@ static double column(const double *wide, const float *narrow, size_t at) {
 static size_t check_contacts(const gn_world *w, const gn_contacts *k, double fresh) {
     size_t marked = 0;
     for (size_t c = 0; c < k->soa.count; c++) {
-        int32_t a = w->particles.id[k->i[c]], b = w->particles.id[k->j[c]];
+        int32_t a = w->dem.particles.id[k->i[c]], b = w->dem.particles.id[k->j[c]];
         if (column(k->worn, k->worn_f, c) == 0.0) continue;
         marked++;
         assert_true(column(k->worn, k->worn_f, c) == even_of(a, b));
@@ -103,14 +104,14 @@ static size_t check_contacts(const gn_world *w, const gn_contacts *k, double fre
 }
 
 static size_t check_walls(const gn_world *w) {
-    const gn_wall_contacts *k = &w->wall_contacts;
+    const gn_wall_contacts *k = &w->boundary.contacts;
     size_t marked = 0;
     for (size_t c = 0; c < k->soa.count; c++) {
         if (k->worn[c] == 0.0) continue;
         marked++;
         for (size_t x = 0; x < 2; x++)
             assert_true(k->worn[c + x * k->soa.capacity] ==
-                        10.0 * w->particles.id[k->i[c]] + (double)x + 1.0);
+                        10.0 * w->dem.particles.id[k->i[c]] + (double)x + 1.0);
     }
     return marked;
 }
@@ -121,12 +122,12 @@ static void a_new_column_is_kept_when_the_lists_are_made_anew(void **state) {
     for (int p = 0; p < 2; p++) {
         gn_run *run = run_of(heap, precisions[p]);
         gn_world *w = &run->world;
-        mark_contacts(w, &w->pairs);
+        mark_contacts(w, &w->dem.pairs);
         mark_walls(w);
-        size_t pairs = w->pairs.soa.count, walls = w->wall_contacts.soa.count;
+        size_t pairs = w->dem.pairs.soa.count, walls = w->boundary.contacts.soa.count;
         assert_true(pairs > 100 && walls >= 16);
         assert_int_equal(gn_world_rebuild(w, &error), GNEISS_OK);
-        assert_int_equal(check_contacts(w, &w->pairs, 0.0), pairs);
+        assert_int_equal(check_contacts(w, &w->dem.pairs, 0.0), pairs);
         assert_int_equal(check_walls(w), walls);
         run_end(run);
     }
@@ -134,14 +135,14 @@ static void a_new_column_is_kept_when_the_lists_are_made_anew(void **state) {
 
 /* Turned by 180 degrees about z the particles come in another order along the Morton curve. */
 static void turn_by_180_degrees(gn_world *w) {
-    for (size_t p = 0; p < w->particles.soa.count; p++)
-        for (size_t a = 0; a < 2; a++) w->particles.pos[4 * p + a] *= -1.0;
+    for (size_t p = 0; p < w->dem.particles.soa.count; p++)
+        for (size_t a = 0; a < 2; a++) w->dem.particles.pos[4 * p + a] *= -1.0;
 }
 
 static size_t ends_in_reverse(const gn_world *w, const gn_contacts *k) {
     size_t count = 0;
     for (size_t c = 0; c < k->soa.count; c++)
-        count += w->particles.id[k->i[c]] > w->particles.id[k->j[c]];
+        count += w->dem.particles.id[k->i[c]] > w->dem.particles.id[k->j[c]];
     return count;
 }
 
@@ -151,15 +152,15 @@ static void an_odd_column_changes_sign_with_the_ends_and_an_even_one_does_not(vo
     for (int p = 0; p < 2; p++) {
         gn_run *run = run_of(heap, precisions[p]);
         gn_world *w = &run->world;
-        mark_contacts(w, &w->pairs);
+        mark_contacts(w, &w->dem.pairs);
         mark_walls(w);
-        size_t pairs = w->pairs.soa.count, before = ends_in_reverse(w, &w->pairs);
+        size_t pairs = w->dem.pairs.soa.count, before = ends_in_reverse(w, &w->dem.pairs);
         turn_by_180_degrees(w);
-        w->verlet.rebuilds = 16; /* the sixteenth sorts */
+        w->dem.verlet.rebuilds = 16; /* the sixteenth sorts */
         assert_int_equal(gn_world_rebuild(w, &error), GNEISS_OK);
-        size_t after = ends_in_reverse(w, &w->pairs);
+        size_t after = ends_in_reverse(w, &w->dem.pairs);
         assert_true(after > before + 20 || before > after + 20);
-        assert_int_equal(check_contacts(w, &w->pairs, 0.0), pairs);
+        assert_int_equal(check_contacts(w, &w->dem.pairs, 0.0), pairs);
         assert_true(check_walls(w) >= 16);
         run_end(run);
     }
@@ -178,15 +179,16 @@ static void a_new_column_is_in_a_checkpoint(void **state) {
         for (int s = 0; s < 2; s++) {
             gn_run *run = run_of(scenes[s], precisions[p]), *again = calloc(1, sizeof *again);
             gn_world *w = &run->world;
-            gn_contacts *k = s ? &w->bonds : &w->pairs;
+            gn_contacts *k = s ? &w->dem.bonds : &w->dem.pairs;
             mark_contacts(w, k);
             if (!s) mark_walls(w);
             if (gn_checkpoint_write(run, path, &error) != GNEISS_OK ||
                 gn_checkpoint_load(path, NULL, 0, again, &error) != GNEISS_OK)
                 fail_msg("%s", error.message);
             gn_world *r = &again->world;
-            assert_int_equal(check_contacts(r, s ? &r->bonds : &r->pairs, 1.0), k->soa.count);
-            if (!s) assert_int_equal(check_walls(r), w->wall_contacts.soa.count);
+            assert_int_equal(check_contacts(r, s ? &r->dem.bonds : &r->dem.pairs, 1.0),
+                             k->soa.count);
+            if (!s) assert_int_equal(check_walls(r), w->boundary.contacts.soa.count);
             assert_true(gn_world_hash(r) == gn_world_hash(w));
             run_end(run);
             run_end(again);
@@ -200,7 +202,7 @@ static void a_new_column_that_is_state_is_hashed(void **state) {
     for (int p = 0; p < 2; p++) {
         gn_run *run = run_of(heap, precisions[p]);
         gn_world *w = &run->world;
-        gn_contacts *k = &w->pairs;
+        gn_contacts *k = &w->dem.pairs;
         uint64_t start = gn_world_hash(w);
         k->mark[3] ^= 1;
         assert_true(gn_world_hash(w) != start);
@@ -208,9 +210,9 @@ static void a_new_column_that_is_state_is_hashed(void **state) {
         set_column(k->lean, k->lean_f, 5, 1.0);
         assert_true(gn_world_hash(w) != start);
         set_column(k->lean, k->lean_f, 5, 0.0);
-        w->wall_contacts.worn[1] = 1.0;
+        w->boundary.contacts.worn[1] = 1.0;
         assert_true(gn_world_hash(w) != start);
-        w->wall_contacts.worn[1] = 0.0;
+        w->boundary.contacts.worn[1] = 0.0;
         k->hard[0] = 1.0; /* saved only */
         assert_true(gn_world_hash(w) == start);
         run_end(run);
@@ -224,14 +226,15 @@ static void a_new_column_goes_from_one_precision_to_the_other(void **state) {
     gn_world *w = &run->world;
     gn_observed seen;
     gneiss_error error = {0};
-    assert_true(w->pairs.worn_f && !w->pairs.worn && w->pairs.hard_f && w->pairs.hard);
-    mark_contacts(w, &w->pairs);
-    memset(w->pairs.hard_f, 0, w->pairs.soa.count * sizeof *w->pairs.hard_f);
-    gn_contacts_to_single(&w->pairs, &w->particles, (const double[3]){0, 0, 0}, 1);
-    assert_int_equal(check_contacts(w, &w->pairs, 1.0), w->pairs.soa.count);
+    assert_true(w->dem.pairs.worn_f && !w->dem.pairs.worn && w->dem.pairs.hard_f &&
+                w->dem.pairs.hard);
+    mark_contacts(w, &w->dem.pairs);
+    memset(w->dem.pairs.hard_f, 0, w->dem.pairs.soa.count * sizeof *w->dem.pairs.hard_f);
+    gn_contacts_to_single(&w->dem.pairs, &w->dem.particles, (const double[3]){0, 0, 0}, 1);
+    assert_int_equal(check_contacts(w, &w->dem.pairs, 1.0), w->dem.pairs.soa.count);
     assert_int_equal(gn_world_observe(w, &seen, &error), GNEISS_OK);
     assert_true(seen.pairs.worn && !seen.pairs.worn_f);
-    assert_int_equal(check_contacts(w, &seen.pairs, 1.0), w->pairs.soa.count);
+    assert_int_equal(check_contacts(w, &seen.pairs, 1.0), w->dem.pairs.soa.count);
     gn_observed_free(&seen);
     run_end(run);
 }

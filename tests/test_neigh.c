@@ -210,17 +210,17 @@ static gn_world *tumble(double skin, bool glued) {
 static void the_skin_does_not_change_the_motion(void **state) {
     (void)state;
     gn_world *a = tumble(3e-5, true), *b = tumble(1e-3, true);
-    assert_true(a->bonds.soa.count > 5);
+    assert_true(a->dem.bonds.soa.count > 5);
     run_steps(a, 2000);
     run_steps(b, 2000);
     double *x = positions(a), *y = positions(b), largest = 0.0;
-    for (size_t k = 0; k < 3 * a->particles.soa.count; k++)
+    for (size_t k = 0; k < 3 * a->dem.particles.soa.count; k++)
         largest = fmax(largest, fabs(x[k] - y[k]));
     print_message("# largest difference %g m\n", largest);
     assert_true(largest < 1e-12); /* of paths of some 1e-3 m */
     free(x);
     free(y);
-    assert_true(a->verlet.rebuilds > 10 * b->verlet.rebuilds);
+    assert_true(a->dem.verlet.rebuilds > 10 * b->dem.verlet.rebuilds);
     assert_true(a->energy.friction > 0.0);
     assert_close(a->energy.friction, b->energy.friction, 1e-6);
     world_end(a);
@@ -236,16 +236,17 @@ static void shear_forces_survive_reorderings(void **state) {
     for (int64_t before = 0; before < 10;) {
         run_steps(a, 1);
         run_steps(b, 1);
-        if (a->verlet.rebuilds / 16 > before) before = a->verlet.rebuilds / 16;
+        if (a->dem.verlet.rebuilds / 16 > before) before = a->dem.verlet.rebuilds / 16;
     }
-    assert_true(b->verlet.rebuilds < 16);
+    assert_true(b->dem.verlet.rebuilds < 16);
     double *x = positions(a), *y = positions(b), worst = 0.0;
-    for (size_t k = 0; k < 3 * a->particles.soa.count; k++) worst = fmax(worst, fabs(x[k] - y[k]));
+    for (size_t k = 0; k < 3 * a->dem.particles.soa.count; k++)
+        worst = fmax(worst, fabs(x[k] - y[k]));
     assert_true(worst < 1e-9 * 1e-3);
     assert_close(a->energy.friction, b->energy.friction, 1e-9);
     bool moved = false; /* the places did change */
-    for (size_t k = 0; k < a->particles.soa.count; k++)
-        moved = moved || a->particles.id[k] != b->particles.id[k];
+    for (size_t k = 0; k < a->dem.particles.soa.count; k++)
+        moved = moved || a->dem.particles.id[k] != b->dem.particles.id[k];
     assert_true(moved);
     free(x);
     free(y);
@@ -274,7 +275,7 @@ static void turn_by_180_degrees(gn_world *w) {
             vel_of(w, p)[a] *= -1.0;
             spin_of(w, p)[a] *= -1.0;
         }
-    for (size_t a = 0; a < 2; a++) w->pairs.shear[a * w->pairs.soa.capacity] *= -1.0;
+    for (size_t a = 0; a < 2; a++) w->dem.pairs.shear[a * w->dem.pairs.soa.capacity] *= -1.0;
 }
 
 static void a_contact_whose_ends_change_places_goes_on_as_before(void **state) {
@@ -284,15 +285,15 @@ static void a_contact_whose_ends_change_places_goes_on_as_before(void **state) {
     double t[3];
     run_steps(a, 25);
     run_steps(b, 25);
-    assert_true(shear_of(&b->pairs, 0, t) > 0.01);
+    assert_true(shear_of(&b->dem.pairs, 0, t) > 0.01);
     turn_by_180_degrees(b);
-    b->verlet.rebuilds = 16; /* the sixteenth sorts */
-    int32_t first = b->particles.id[0];
+    b->dem.verlet.rebuilds = 16; /* the sixteenth sorts */
+    int32_t first = b->dem.particles.id[0];
     assert_int_equal(gn_world_rebuild(b, &error), GNEISS_OK);
-    assert_true(b->particles.id[0] != first);
+    assert_true(b->dem.particles.id[0] != first);
     run_steps(a, 25);
     run_steps(b, 25);
-    assert_true(shear_of(&a->pairs, 0, t) > 0.01);
+    assert_true(shear_of(&a->dem.pairs, 0, t) > 0.01);
     for (int p = 0; p < 2; p++)
         for (int k = 0; k < 3; k++) {
             double sign = k < 2 ? -1.0 : 1.0;

@@ -75,7 +75,7 @@ static void the_limit_with_all_near_contacts_is_enough_to_stay_stable(void **sta
         w->scene.contact_steps = 0.01;
         w->scene.estimate = k ? GN_STEP_BOUND : GN_STEP_SHARP;
         assert_int_equal(gn_world_check_step(w, true, &error), GNEISS_OK);
-        assert_true(w->dt < w->resolution.step);
+        assert_true(w->dt < w->dem.resolution.step);
         assert_true(fabs(residual_after(w, 5e-4)) < 0.1);
         world_end(w);
     }
@@ -101,7 +101,7 @@ static void a_closing_box_of_loose_spheres_keeps_its_ledger(void **state) {
             k % 2 ? -0.2 : 0.2);
     }
     gn_world *w = world_of("%s", t.s);
-    assert_true(w->limit.sharp == INFINITY);
+    assert_true(w->dem.limit.sharp == INFINITY);
     assert_true(fabs(residual_after(w, 4.3e-3)) < 0.01);
     world_end(w);
 }
@@ -141,7 +141,7 @@ static void unequal_spheres_rebound_with_the_speed_of_approach(void **state) {
                 "domain: {min: [-10, -10, -10], max: [10, 10, 10]}\n"
                 "sets: [{name: a, select: {ids: [0]}, initial_velocity: [1, 0, 0]}]\n",
                 1e-3 + large + gap, large);
-            double least = 2.0 * w->resolution.contact + gap, limit = 20.0 * least;
+            double least = 2.0 * w->dem.resolution.contact + gap, limit = 20.0 * least;
             while (w->time < limit && vel_of(w, 0)[0] > 0.0) run_steps(w, 1);
             run_steps(w, (int64_t)gn_world_contact_steps(w) + 2);
             double speed = vel_of(w, 1)[0] - vel_of(w, 0)[0];
@@ -164,8 +164,8 @@ static void one_tiny_particle_counts_as_it_is(void **state) {
         "0}]\nlaw: {stiffness: uniform}\ntime: {end: 1}\nrun: {threads: 1}\n");
     double square = 1e5 * (1.0 / mass_of(w, 2) + 1.0 / mass_of(w, 0));
     assert_close(w->stable, 2.0 / sqrt(square), 1e-12);
-    assert_close(w->resolution.contact, pi / sqrt(square), 1e-12);
-    assert_close(w->dt, w->resolution.step, 1e-15);
+    assert_close(w->dem.resolution.contact, pi / sqrt(square), 1e-12);
+    assert_close(w->dt, w->dem.resolution.step, 1e-15);
     world_end(w);
 }
 
@@ -197,12 +197,12 @@ static void the_stiffest_pair_in_flight_is_found_among_the_extremes(void **state
         double most = 0.0;
         for (int i = 0; i < count; i++)
             for (int j = i + 1; j < count; j++) {
-                int32_t p = w->index_of_id[i], q = w->index_of_id[j];
+                int32_t p = w->dem.index_of_id[i], q = w->dem.index_of_id[j];
                 double a = count > 3 && i == 1 ? 0.0 : vel_of(w, i)[3];
                 double b = count > 3 && j == 1 ? 0.0 : vel_of(w, j)[3];
                 most = fmax(most, gn_contact_law(w, p, q).kn * (a + b));
             }
-        assert_close(w->resolution.contact, pi / sqrt(most), 1e-12);
+        assert_close(w->dem.resolution.contact, pi / sqrt(most), 1e-12);
         world_end(w);
     }
 }
@@ -221,12 +221,13 @@ static void the_sharp_limit_follows_a_row_that_is_pressed(void **state) {
         "]}\nmaterials: [{name: m, density: 2500, normal_stiffness: 1e5, kratio: 1, friction: 0}]"
         "\nlaw: {stiffness: uniform}\ntime: {end: 1}\nrun: {threads: 1}\n");
     gn_world *w = world_of("%s", t.s);
-    double unit = sqrt(mass_of(w, 0) / 1e5), before = w->limit.sharp, bound = w->limit.bound;
+    double unit = sqrt(mass_of(w, 0) / 1e5), before = w->dem.limit.sharp,
+           bound = w->dem.limit.bound;
     assert_close(before, 2.0 / sqrt(3.0) * unit, 1e-3);
     for (int k = 0; k < 12; k++) pos_of(w, 3 + k)[0] = 1.9999e-3 * k;
     assert_int_equal(gn_world_check_step(w, false, &error), GNEISS_OK);
-    assert_close(w->limit.bound, bound, 1e-12);
-    assert_close(w->limit.sharp, unit / sin(pi * 11.0 / 24.0), 1e-3);
+    assert_close(w->dem.limit.bound, bound, 1e-12);
+    assert_close(w->dem.limit.sharp, unit / sin(pi * 11.0 / 24.0), 1e-3);
     world_end(w);
 }
 
@@ -268,8 +269,8 @@ static void bonded_tests_keep_their_step(void **state) {
     static const char *const names[] = {"ucs-rock.yaml", "ucs-discs.yaml"};
     for (int k = 0; k < 2; k++) {
         gn_world *w = loaded(names[k]);
-        assert_true(w->resolution.step == INFINITY && w->listed == INFINITY);
-        assert_close(w->dt, 0.9 / sqrt(1.7) * w->limit.sharp, 1e-12);
+        assert_true(w->dem.resolution.step == INFINITY && w->dem.listed == INFINITY);
+        assert_close(w->dt, 0.9 / sqrt(1.7) * w->dem.limit.sharp, 1e-12);
         world_end(w);
     }
 }
@@ -290,11 +291,11 @@ static void what_sits_in_a_pore_of_a_bonded_body_is_no_loose_particle(void **sta
             "bond_tension_limit: 1e3, bond_shear_limit: 1e3}]\nlaw: {stiffness: uniform}\n"
             "bonds: {}\ntime: {end: 1}\nrun: {threads: 1}\n");
         gn_world *w = world_of("%s", t.s);
-        assert_int_equal(w->bonds.soa.count, 12);
-        for (int k = 0; k < 8; k++) assert_int_equal(w->loose[k], 0);
-        assert_int_equal(w->loose[8], !group);
-        assert_int_equal(w->loose[9], 1);
-        assert_true(w->resolution.step < INFINITY);
+        assert_int_equal(w->dem.bonds.soa.count, 12);
+        for (int k = 0; k < 8; k++) assert_int_equal(w->dem.loose[k], 0);
+        assert_int_equal(w->dem.loose[8], !group);
+        assert_int_equal(w->dem.loose[9], 1);
+        assert_true(w->dem.resolution.step < INFINITY);
         world_end(w);
     }
 }
@@ -322,13 +323,13 @@ static void a_bonded_body_resolves_a_wall_that_is_stiffer_than_its_bonds(void **
                     "1e3}]\nlaw: {stiffness: uniform}\nbonds: {}\ntime: {end: 1}\n"
                     "run: {threads: 1}\n%s\n",
                     floor);
-                assert_int_equal(w->bonds.soa.count, 1);
+                assert_int_equal(w->dem.bonds.soa.count, 1);
                 double contact = pi * sqrt(mass_of(w, 0) / 5e5);
                 if (stiff && !passive)
-                    assert_near(w->resolution.step, contact / 5.0, 1e-12 * contact);
+                    assert_near(w->dem.resolution.step, contact / 5.0, 1e-12 * contact);
                 else
-                    assert_true(w->resolution.step == INFINITY);
-                assert_true(w->dt <= w->resolution.step);
+                    assert_true(w->dem.resolution.step == INFINITY);
+                assert_true(w->dt <= w->dem.resolution.step);
                 world_end(w);
             }
 }
@@ -347,12 +348,12 @@ static void what_has_come_apart_is_resolved_as_loose_particles_are(void **state)
             "run: {threads: 1}\n",
             more ? ", [9e-3, 0, 0, 1e-3], [11e-3, 0, 0, 1e-3], [13e-3, 0, 0, 1e-3]" : "");
         double start = w->dt, contact = pi * sqrt(mass_of(w, 0) / 2e5);
-        assert_true(w->resolution.step == INFINITY && start > 0.11 * contact);
-        int64_t lists = w->verlet.rebuilds;
-        while (w->verlet.rebuilds == lists || w->broken_tension == 0) run_steps(w, 1);
-        assert_int_equal(w->broken_tension, 1);
+        assert_true(w->dem.resolution.step == INFINITY && start > 0.11 * contact);
+        int64_t lists = w->dem.verlet.rebuilds;
+        while (w->dem.verlet.rebuilds == lists || w->dem.broken_tension == 0) run_steps(w, 1);
+        assert_int_equal(w->dem.broken_tension, 1);
         if (more)
-            assert_true(w->resolution.step == INFINITY && w->dt == start);
+            assert_true(w->dem.resolution.step == INFINITY && w->dt == start);
         else
             assert_near(w->dt, contact / 10.0, 1e-12 * contact);
         world_end(w);
@@ -384,7 +385,7 @@ static void a_crowd_that_rattles_undamped_gets_more_steps(void **state) {
     for (int k = 0; k < 6; k++) {
         gn_world *w = rattling(spacing[k], restitution[k], background[k]);
         double contact = pi * sqrt(mass_of(w, 0) / 2e5);
-        assert_near(w->resolution.contact, contact, 1e-9 * contact);
+        assert_near(w->dem.resolution.contact, contact, 1e-9 * contact);
         assert_near(w->dt, contact / steps[k], 1e-9 * contact);
         world_end(w);
     }
@@ -407,7 +408,7 @@ static void contact_steps_can_be_asked_for(void **state) {
         "dimension: 3\nspecimen: {particles: [[0, 0, 0, 1e-3], [2.1e-3, 0, 0, 1e-3]]}\n"
         "materials: [{name: m, density: 2500, normal_stiffness: 1e5, kratio: 1, friction: 0}]\n"
         "law: {stiffness: uniform}\ntime: {end: 1, contact_steps: 33}\nrun: {threads: 1}\n");
-    assert_close(w->dt, w->resolution.contact / 33.0, 1e-15);
+    assert_close(w->dt, w->dem.resolution.contact / 33.0, 1e-15);
     world_end(w);
 }
 
@@ -423,8 +424,8 @@ static void a_wall_counts_as_immovable_and_a_light_body_gives_way(void **state) 
                    "-1e-3], stiffness: 1e5, free: true, density: 1000}]\n"
                  : "walls: [{name: f, point: [0, 0, 0], normal: [0, 0, 1], stiffness: 1e5}]\n");
         double inverse = 1.0 / mass_of(w, 0) + (body ? 1.0 / 16e-6 : 0.0);
-        assert_close(w->resolution.contact, pi / sqrt(1e5 * inverse), 1e-9);
-        assert_true(w->resolution.second < 0);
+        assert_close(w->dem.resolution.contact, pi / sqrt(1e5 * inverse), 1e-9);
+        assert_true(w->dem.resolution.second < 0);
         world_end(w);
     }
 }

@@ -52,7 +52,7 @@ static void a_spin_that_has_no_number_is_told(void **state) {
     (void)state;
     gneiss_error error = {0};
     gn_world *w = world_of("%s%s", head, PLATE("free: true, density: 1000"));
-    w->bodies[0].momentum[1] = NAN;
+    w->boundary.bodies[0].momentum[1] = NAN;
     assert_int_equal(gn_world_step(w, true, &error), GNEISS_ERROR_UNSTABLE);
     assert_non_null(strstr(error.message, "body 'tool' has a velocity that is not finite"));
     world_end(w);

@@ -27,7 +27,7 @@ static double unrest(gn_world *w, double time) {
     gneiss_error error = {0};
     while (w->time < time) {
         if (gn_world_step(w, false, &error) != GNEISS_OK) fail_msg("%s", error.message);
-        if (w->time > 0.75 * time) most = fmax(most, fabs(w->walls[1].force[2] - 5.0));
+        if (w->time > 0.75 * time) most = fmax(most, fabs(w->boundary.walls[1].force[2] - 5.0));
     }
     world_end(w);
     return most;
@@ -70,9 +70,9 @@ static void the_default_is_not_touched(void **state) {
     for (int d = 0; d < 2; d++) {
         gn_world *w = pressed(one, 1.99998e-3, dampings[d], 0.1, 0.9);
         run_steps(w, 1);
-        double missing = 5.0 - w->walls[1].force[2];
-        assert_close(-w->walls[1].velocity[2] * w->dt, 0.1 * missing / w->walls[1].stiffness,
-                     1e-12);
+        double missing = 5.0 - w->boundary.walls[1].force[2];
+        assert_close(-w->boundary.walls[1].velocity[2] * w->dt,
+                     0.1 * missing / w->boundary.walls[1].stiffness, 1e-12);
         world_end(w);
     }
 }
@@ -89,8 +89,8 @@ static void a_crowd_that_is_met_at_once_is_not_hit(void **state) {
             const char *damping = damped ? "contact: {restitution: 0.5}" : "";
             /* Of the path of one contact, 0.1 x 5 N/k = 5 um, the gap is one tenth and so on. */
             gn_world *w = pressed(layer, 2.01e-3 + 0.5e-6 * phase, damping, 0.1, 0.5);
-            for (int k = 0; k < 100 && w->walls[1].force[2] == 0.0; k++) run_steps(w, 1);
-            double first = w->walls[1].force[2];
+            for (int k = 0; k < 100 && w->boundary.walls[1].force[2] == 0.0; k++) run_steps(w, 1);
+            double first = w->boundary.walls[1].force[2];
             assert_true(first > 0.0);
             if (first > 0.5 * (damped ? 1.5 : 1.0 + 1e-9))
                 fail_msg("%s, gap %d: %g N at once", damping, phase, first);

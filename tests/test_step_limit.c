@@ -122,7 +122,7 @@ static void an_automatic_step_is_its_share_of_the_limit(void **state) {
                  "law: {stiffness: arithmetic}\nbonds: {}\ntime: {safety: 0.8, end: 100}\n"
                  "run: {threads: 1}\n");
     assert_close(w->dt, 0.8 * w->stable, 1e-15);
-    assert_true(w->stable <= w->limit.sharp && w->limit.bound <= w->limit.sharp);
+    assert_true(w->stable <= w->dem.limit.sharp && w->dem.limit.bound <= w->dem.limit.sharp);
     world_end(w);
 }
 

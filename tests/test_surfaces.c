@@ -27,7 +27,7 @@ static void compare_step(gn_world *flat, gn_world *facets, deviation *d) {
     measured_step(facets);
     double off = 0.0, size = 0.0, speed = 0.0, speed_off = 0.0;
     for (int a = 0; a < 3; a++) {
-        double f = flat->walls[0].force[a], g = facets->bodies[0].force[a];
+        double f = flat->boundary.walls[0].force[a], g = facets->boundary.bodies[0].force[a];
         off += (f - g) * (f - g);
         size += f * f;
         double v = vel_of(flat, 0)[a], o = radius * spin_of(flat, 0)[a];
@@ -37,7 +37,7 @@ static void compare_step(gn_world *flat, gn_world *facets, deviation *d) {
     }
     d->force = fmax(d->force, sqrt(off));
     d->force_size = fmax(d->force_size, sqrt(size));
-    d->shear_size = fmax(d->shear_size, fabs(flat->walls[0].force[0]));
+    d->shear_size = fmax(d->shear_size, fabs(flat->boundary.walls[0].force[0]));
     d->speed = fmax(d->speed, sqrt(speed_off));
     d->speed_size = fmax(d->speed_size, sqrt(speed));
 }
@@ -52,7 +52,8 @@ static void same_run(gn_world *flat, gn_world *facets, gn_world *shaken, int64_t
         compare_step(flat, facets, &d);
         if (shaken) {
             run_steps(shaken, 1);
-            grown = fmax(grown, fabs(flat->walls[0].force[2] - shaken->walls[0].force[2]));
+            grown = fmax(
+                grown, fabs(flat->boundary.walls[0].force[2] - shaken->boundary.walls[0].force[2]));
         }
         assert_true(d.force <= 1e-6 * d.force_size + 30.0 * grown);
         if (k == steps / 3) assert_true(grown < 1e-8 * d.force_size); /* many bounces later */
@@ -233,9 +234,9 @@ static void groove_is_two_walls(double left, double right) {
         measured_step(groove);
         measured_step(walls);
         for (int a = 0; a < 2; a++) {
-            double f = walls->walls[0].force[a] + walls->walls[1].force[a];
+            double f = walls->boundary.walls[0].force[a] + walls->boundary.walls[1].force[a];
             most = fmax(most, fabs(f));
-            worst = fmax(worst, fabs(f - groove->bodies[0].force[a]));
+            worst = fmax(worst, fabs(f - groove->boundary.bodies[0].force[a]));
         }
     }
     assert_true(most > 0.0 && worst <= 1e-6 * most);
@@ -277,17 +278,18 @@ static void the_corner_of_a_box_is_three_walls(void **state) {
         for (int d = 0; d < 3; d++) {
             double f = 0.0, g = 0.0;
             for (int s = 0; s < 3; s++) {
-                f += b->walls[s].force[d];
-                g += shaken->walls[s].force[d];
+                f += b->boundary.walls[s].force[d];
+                g += shaken->boundary.walls[s].force[d];
             }
             most = fmax(most, fabs(f));
             grown = fmax(grown, fabs(f - g));
-            assert_near(f, a->bodies[0].force[d], 1e-9 * most + 30.0 * grown);
+            assert_near(f, a->boundary.bodies[0].force[d], 1e-9 * most + 30.0 * grown);
         }
         if (k == 9000) assert_true(most > 0.0 && grown < 1e-8 * most); /* many bounces later */
     }
     world_end(shaken);
-    for (int d = 0; d < 3; d++) assert_true(b->walls[d].force[d] < 0.0); /* it lies in the corner */
+    for (int d = 0; d < 3; d++)
+        assert_true(b->boundary.walls[d].force[d] < 0.0); /* it lies in the corner */
     world_end(a);
     world_end(b);
 }
@@ -308,12 +310,12 @@ static void slide_over(const char *profile, double speed, double dt_allowed) {
     gn_energy e = measured_step(w);
     double scale = e.kinetic;
     for (int k = 0; k < 60000; k++) {
-        memcpy(before, w->bodies[0].force, sizeof before);
+        memcpy(before, w->boundary.bodies[0].force, sizeof before);
         e = measured_step(w);
         if (k == 0) continue;
         for (int a = 0; a < 2; a++) {
-            jump = fmax(jump, fabs(w->bodies[0].force[a] - before[a]));
-            most = fmax(most, fabs(w->bodies[0].force[a]));
+            jump = fmax(jump, fabs(w->boundary.bodies[0].force[a] - before[a]));
+            most = fmax(most, fabs(w->boundary.bodies[0].force[a]));
         }
         double now = e.kinetic + e.elastic_wall - e.work_gravity;
         assert_near(now, scale, 1e-3 * scale);
@@ -412,7 +414,7 @@ static void a_centre_that_comes_to_a_surface_stops_the_run_by_name(void **state)
                        "origin: [-0.4, -0.4, -1]}]",
                        "");
     measured_step(w);
-    w->particles.pos[2] = w->bodies[0].position[2];
+    w->dem.particles.pos[2] = w->boundary.bodies[0].position[2];
     assert_int_equal(gn_world_rebuild(w, &error), GNEISS_ERROR_UNSTABLE);
     if (!strstr(error.message, "surface of body 'slab'")) fail_msg("'%s'", error.message);
     world_end(w);

@@ -85,13 +85,13 @@ static inline bool runs_here(const gn_kernel_set *set) {
 
 /* Rows of a particle by its number in the scene. */
 static inline double *pos_of(const gn_world *w, int id) {
-    return w->particles.pos + 4 * (int64_t)w->index_of_id[id];
+    return w->dem.particles.pos + 4 * (int64_t)w->dem.index_of_id[id];
 }
 static inline double *vel_of(const gn_world *w, int id) {
-    return w->particles.vel + 4 * (int64_t)w->index_of_id[id];
+    return w->dem.particles.vel + 4 * (int64_t)w->dem.index_of_id[id];
 }
 static inline double *spin_of(const gn_world *w, int id) {
-    return w->particles.spin + 4 * (int64_t)w->index_of_id[id];
+    return w->dem.particles.spin + 4 * (int64_t)w->dem.index_of_id[id];
 }
 static inline double mass_of(const gn_world *w, int id) {
     return 1.0 / vel_of(w, id)[3];
@@ -99,7 +99,7 @@ static inline double mass_of(const gn_world *w, int id) {
 
 /* Positions by number in the scene, [count][3]; the caller frees. */
 static inline double *positions(const gn_world *w) {
-    size_t n = w->particles.soa.count;
+    size_t n = w->dem.particles.soa.count;
     double *x = calloc(n + 1, 3 * sizeof *x);
     for (size_t k = 0; k < n; k++) memcpy(x + 3 * k, pos_of(w, (int)k), 3 * sizeof *x);
     return x;

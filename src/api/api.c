@@ -326,7 +326,7 @@ gneiss_status gneiss_world_limits(const gneiss_world *world, gneiss_limits *limi
     GN_TRY(gn_api_require(limits, "limits", error));
     const gn_world *w = &world->run.world;
     *limits = (gneiss_limits){w->dt, w->stable, gn_world_sharp_limit(w), gn_world_bound(w),
-                              w->scene.has_specimen ? w->limit.literature : (double)INFINITY};
+                              w->scene.has_specimen ? w->dem.limit.literature : (double)INFINITY};
     return GNEISS_OK;
 }
 
@@ -336,16 +336,16 @@ gneiss_status gneiss_world_counts(const gneiss_world *world, gneiss_counts *coun
     GN_TRY(gn_api_require(counts, "counts", error));
     const gn_world *w = &world->run.world;
     *counts = (gneiss_counts){
-        .particles = (int64_t)w->particles.soa.count,
-        .bonds = (int64_t)w->bonds.soa.count,
-        .pairs = (int64_t)w->pairs.soa.count,
-        .wall_contacts = (int64_t)w->wall_contacts.soa.count,
+        .particles = (int64_t)w->dem.particles.soa.count,
+        .bonds = (int64_t)w->dem.bonds.soa.count,
+        .pairs = (int64_t)w->dem.pairs.soa.count,
+        .wall_contacts = (int64_t)w->boundary.contacts.soa.count,
         .walls = (int64_t)w->scene.wall_count,
         .sets = (int64_t)w->scene.set_count,
-        .broken_tension = w->broken_tension,
-        .broken_shear = w->broken_shear,
-        .removed = w->lost,
-        .list_rebuilds = w->verlet.rebuilds,
+        .broken_tension = w->dem.broken_tension,
+        .broken_shear = w->dem.broken_shear,
+        .removed = w->dem.lost,
+        .list_rebuilds = w->dem.verlet.rebuilds,
         .history_rows = (int64_t)world->run.history.row_count,
     };
     return GNEISS_OK;

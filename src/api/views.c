@@ -39,13 +39,13 @@ static place find_record(const gneiss_world *world, gneiss_record record) {
     const gn_fem_body *body = w->elements ? &w->elements->body : &none;
     switch (record) {
     case GNEISS_PARTICLES:
-        return (place){&gn_particle_record, &w->particles.soa};
+        return (place){&gn_particle_record, &w->dem.particles.soa};
     case GNEISS_BONDS:
-        return (place){&gn_contact_record, &w->bonds.soa};
+        return (place){&gn_contact_record, &w->dem.bonds.soa};
     case GNEISS_PAIRS:
-        return (place){&gn_contact_record, &w->pairs.soa};
+        return (place){&gn_contact_record, &w->dem.pairs.soa};
     case GNEISS_WALL_CONTACTS:
-        return (place){&gn_wall_contact_record, &w->wall_contacts.soa};
+        return (place){&gn_wall_contact_record, &w->boundary.contacts.soa};
     case GNEISS_NODES:
         return (place){&gn_particle_record, &body->nodes.soa};
     case GNEISS_ELEMENTS:

@@ -36,24 +36,24 @@ static void print_sums(const char *name, const gn_partials *q, const gn_uniform 
 }
 
 static void print_particle_storage(const gn_world *w) {
-    print_record(&gn_particle_record, "particles", w->effects, w->particles.soa.count);
-    if (w->bonds.soa.count)
-        print_record(&gn_contact_record, "bonds", w->bonds.soa.effects, w->bonds.soa.count);
-    print_record(&gn_contact_record, "pairs", w->pairs.soa.effects, w->pairs.soa.count);
+    print_record(&gn_particle_record, "particles", w->effects, w->dem.particles.soa.count);
+    if (w->dem.bonds.soa.count)
+        print_record(&gn_contact_record, "bonds", w->dem.bonds.soa.effects, w->dem.bonds.soa.count);
+    print_record(&gn_contact_record, "pairs", w->dem.pairs.soa.effects, w->dem.pairs.soa.count);
     if (w->effects & GN_FX_WALLS)
         print_record(&gn_wall_contact_record, "wall contacts", w->effects,
-                     w->wall_contacts.soa.count);
-    print_sums("bonds", &w->bond_partials, &w->bond_uniform);
-    print_sums("pairs", &w->pair_partials, &w->pair_uniform);
+                     w->boundary.contacts.soa.count);
+    print_sums("bonds", &w->dem.bond_partials, &w->dem.bond_uniform);
+    print_sums("pairs", &w->dem.pair_partials, &w->dem.pair_uniform);
 }
 
 static void print_particle_kernels(const gn_world *w) {
     char name[200];
-    if (w->bonds.soa.count) {
-        gn_contact_variant_name(gn_contact_variant(w->bonds.soa.effects), name, sizeof name);
+    if (w->dem.bonds.soa.count) {
+        gn_contact_variant_name(gn_contact_variant(w->dem.bonds.soa.effects), name, sizeof name);
         printf("  bonds   %s\n", name);
     }
-    gn_contact_variant_name(gn_contact_variant(w->pairs.soa.effects), name, sizeof name);
+    gn_contact_variant_name(gn_contact_variant(w->dem.pairs.soa.effects), name, sizeof name);
     printf("  pairs   %s\n", name);
     gn_motion_variant_name(gn_motion_variant(w->effects), name, sizeof name);
     printf("  motion  %s\n", name);
@@ -69,7 +69,7 @@ static void print_kernels(const gn_world *w) {
 
 /* Why the step's limit lies below that of the springs that touch now. */
 static void print_lowered(const gn_world *w) {
-    double share = gn_world_nonviscous_share(w), particles = w->stable_particles;
+    double share = gn_world_nonviscous_share(w), particles = w->dem.stable;
     if (w->elements) return;
     if (share < 1.0)
         printf("                   less %.3f for non-viscous damping, which stiffens the fastest "
@@ -81,36 +81,37 @@ static void print_lowered(const gn_world *w) {
 }
 
 static void print_particle_limits(const gn_world *w) {
-    double sharp = w->limit.sharp;
+    double sharp = w->dem.limit.sharp;
     if (w->elements) printf("  particles\n");
-    if (w->limit.bound == INFINITY && w->stable_particles == INFINITY) {
+    if (w->dem.limit.bound == INFINITY && w->dem.stable == INFINITY) {
         printf("  contacts         none that could limit the step: no particle can move\n");
         return;
     }
-    if (w->limit.bound == INFINITY) {
-        printf("  contacts to come %.6g s, since nothing touches yet\n", w->stable_particles);
+    if (w->dem.limit.bound == INFINITY) {
+        printf("  contacts to come %.6g s, since nothing touches yet\n", w->dem.stable);
         print_lowered(w);
         return;
     }
-    if (w->limit.iterations == 0)
+    if (w->dem.limit.iterations == 0)
         printf("  sharp limit      not computed: the rigorous bound settles it and stands for it "
                "below\n");
     else
         printf("  sharp limit      %.6g s  (Lanczos, %d vectors; fastest mode at particle %d)\n",
-               sharp, w->limit.iterations, w->limit.sharp_id);
+               sharp, w->dem.limit.iterations, w->dem.limit.sharp_id);
     print_lowered(w);
-    printf("  rigorous bound   %.6g s  = %.3f of the sharp limit (particle %d)\n", w->limit.bound,
-           w->limit.bound / sharp, w->limit.bound_id);
+    printf("  rigorous bound   %.6g s  = %.3f of the sharp limit (particle %d)\n",
+           w->dem.limit.bound, w->dem.limit.bound / sharp, w->dem.limit.bound_id);
     printf("  literature       %.6g s  = %.3f of the sharp limit (min 2 sqrt(m/k), one spring); "
            "with its factor "
            "%.2f: %.3f\n",
-           w->limit.literature, w->limit.literature / sharp, w->scene.dimension == 3 ? 0.17 : 0.3,
-           (w->scene.dimension == 3 ? 0.17 : 0.3) * w->limit.literature / sharp);
+           w->dem.limit.literature, w->dem.limit.literature / sharp,
+           w->scene.dimension == 3 ? 0.17 : 0.3,
+           (w->scene.dimension == 3 ? 0.17 : 0.3) * w->dem.limit.literature / sharp);
 }
 
 /* What collisions ask for, and what may touch before the lists are made again. */
 static void print_contacts_to_come(const gn_world *w) {
-    const gn_resolution *r = &w->resolution;
+    const gn_resolution *r = &w->dem.resolution;
     char text[GNEISS_MESSAGE_SIZE];
     if (r->step < INFINITY)
         printf("  collisions       %.6g s resolves the shortest, %.6g s between %s, in %.4g steps; "
@@ -119,9 +120,9 @@ static void print_contacts_to_come(const gn_world *w) {
                r->contact / w->dt);
     else
         printf("  collisions       none that would have to be resolved\n");
-    if (w->listed < INFINITY)
+    if (w->dem.listed < INFINITY)
         printf("  near contacts    %.6g s is the stability limit with all of them in touch\n",
-               w->listed);
+               w->dem.listed);
     if (*gn_world_step_warning(w, text, sizeof text)) printf("  warning: %s\n", text);
 }
 
@@ -133,7 +134,7 @@ static void print_servos(const gn_world *w) {
         if (!wall->servo.active || wall->servo.relaxation <= most) continue;
         printf("  servo            wall '%.60s': relaxation %.3g%s instead of %g, which would not "
                "be stable with this step (a smaller time.safety leaves more)\n",
-               wall->name, most, w->damping_fraction > 0.0 ? " or less" : "",
+               wall->name, most, w->dem.damping_fraction > 0.0 ? " or less" : "",
                wall->servo.relaxation);
     }
 }
@@ -184,7 +185,7 @@ gneiss_status gn_print_plan(gn_world *w, gneiss_error *error) {
     print_kernels(w);
     print_step(w);
     double steps = ceil(w->scene.end / w->dt), per_step = 0.0;
-    double contacts = (double)(w->bonds.soa.count + w->pairs.soa.count);
+    double contacts = (double)(w->dem.bonds.soa.count + w->dem.pairs.soa.count);
     GN_TRY(time_steps(w, &per_step, error));
     printf("cost\n  steps            %.0f to t = %g s%s\n", steps, w->scene.end,
            w->scene.stop_peak_drop > 0.0 || w->scene.stop_strain > 0.0
@@ -213,17 +214,17 @@ void gn_print_range(const gn_world *w, int axis, double lower, double upper, con
  * ------------------------------------------------------------------------------------------ */
 
 static void print_bond_numbers(const gn_world *w, int *warnings) {
-    if (!w->particles.bonds0) return;
-    size_t none = 0, few = 0, n = w->particles.soa.count;
+    if (!w->dem.particles.bonds0) return;
+    size_t none = 0, few = 0, n = w->dem.particles.soa.count;
     int most = 0;
     for (size_t p = 0; p < n; p++) {
-        int b = w->particles.bonds0[p];
+        int b = w->dem.particles.bonds0[p];
         none += b == 0;
         few += b < (w->scene.dimension == 3 ? 4 : 3);
         most = b > most ? b : most;
     }
     printf("  bonds            %zu, %.2f per particle (2 bonds/particles), at most %d\n",
-           w->bonds.soa.count, 2.0 * (double)w->bonds.soa.count / (double)n, most);
+           w->dem.bonds.soa.count, 2.0 * (double)w->dem.bonds.soa.count / (double)n, most);
     if (few)
         printf("  loosely held     %zu particles with fewer than %d bonds, %zu of them with none\n",
                few, w->scene.dimension == 3 ? 4 : 3, none);
@@ -245,9 +246,9 @@ static void print_walls(const gn_world *w, int *warnings) {
     for (size_t k = 0; k < w->scene.wall_count; k++) {
         size_t touching = 0, behind = 0;
         double deepest = 0.0;
-        const gn_wall *wall = &w->walls[k];
-        for (size_t p = 0; p < w->particles.soa.count; p++) {
-            const double *x = w->particles.pos + 4 * p;
+        const gn_wall *wall = &w->boundary.walls[k];
+        for (size_t p = 0; p < w->dem.particles.soa.count; p++) {
+            const double *x = w->dem.particles.pos + 4 * p;
             double gap = -x[3];
             for (int a = 0; a < 3; a++) gap += (x[a] - wall->point[a]) * wall->normal[a];
             touching += gap <= 0.0;
@@ -281,8 +282,8 @@ static void print_overlap(const gn_world *w, const gn_overlap *overlap, const ch
 
 static void print_bodies(const gn_world *w, const gn_overlap *overlaps, int *warnings) {
     for (size_t k = 0; k < w->scene.body_count; k++) {
-        const gn_rigid *b = &w->bodies[k];
-        const int64_t *shape = w->body_shape[k];
+        const gn_rigid *b = &w->boundary.bodies[k];
+        const int64_t *shape = w->boundary.body_shape[k];
         char at[GN_POINT_SIZE], name[GN_NAME_SIZE + 16];
         printf("  body %-12s %lld facets, %lld vertices", w->scene.bodies[k].name,
                (long long)shape[1], (long long)shape[0]);
@@ -294,16 +295,17 @@ static void print_bodies(const gn_world *w, const gn_overlap *overlaps, int *war
         print_overlap(w, &overlaps[k], name, warnings);
     }
     /* The last surface, behind those of bodies, is that of elements. */
-    if (w->surface_count == w->scene.body_count) return;
-    const gn_surface *s = &w->surfaces[w->scene.body_count];
+    if (w->boundary.surface_count == w->scene.body_count) return;
+    const gn_surface *s = &w->boundary.surfaces[w->scene.body_count];
     printf("  elements         %zu facets that particles may touch", s->facets.count);
     print_overlap(w, &overlaps[w->scene.body_count], "the elements", warnings);
 }
 
 static gneiss_status check_surfaces(const gn_world *w, int *warnings, gneiss_error *error) {
-    gn_overlap *overlaps = gn_alloc_array(w->surface_count + 1, sizeof *overlaps);
+    gn_overlap *overlaps = gn_alloc_array(w->boundary.surface_count + 1, sizeof *overlaps);
     if (!overlaps)
-        return gn_fail(error, GNEISS_ERROR_MEMORY, "no memory for %zu surfaces", w->surface_count);
+        return gn_fail(error, GNEISS_ERROR_MEMORY, "no memory for %zu surfaces",
+                       w->boundary.surface_count);
     gneiss_status status = gn_world_overlaps(w, overlaps, error);
     if (status == GNEISS_OK) print_bodies(w, overlaps, warnings);
     gn_free(overlaps);
@@ -323,10 +325,13 @@ static void print_volume(const gn_world *w) {
 }
 
 static gneiss_status check_particles(const gn_world *w, int *warnings, gneiss_error *error) {
-    gn_pair_query query = {
-        &w->particles, (int)w->scene.dimension,     0.0,
-        0.05,          w->effects & GN_FX_PERIODIC, {w->period[0], w->period[1], w->period[2]},
-        w->threads};
+    gn_pair_query query = {&w->dem.particles,
+                           (int)w->scene.dimension,
+                           0.0,
+                           0.05,
+                           w->effects & GN_FX_PERIODIC,
+                           {w->period[0], w->period[1], w->period[2]},
+                           w->threads};
     gn_pair_list pairs = {0};
     GN_TRY(gn_pairs_find(&query, &pairs, error));
     gn_assembly assembly = gn_world_assembly(w);

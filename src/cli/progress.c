@@ -103,8 +103,8 @@ static void print_limits(const gn_world *w) {
     else
         printf("undamped: sharp %.4g s, rigorous bound %.4g s", gn_world_sharp_limit(w),
                gn_world_bound(w));
-    if (w->scene.has_specimen && w->limit.literature < INFINITY)
-        printf(", one-spring estimate of the literature %.4g s", w->limit.literature);
+    if (w->scene.has_specimen && w->dem.limit.literature < INFINITY)
+        printf(", one-spring estimate of the literature %.4g s", w->dem.limit.literature);
     printf(")\n");
 }
 
@@ -113,8 +113,8 @@ void gn_print_start(const gn_options *o, const gn_run *run) {
     if (o->quiet || o->json) return;
     printf("%s\n", w->scene.title[0] ? w->scene.title : w->scene.source);
     if (w->scene.has_specimen)
-        printf("%zu particles, %zu bonds, %zu other pairs in the lists; ", w->particles.soa.count,
-               w->bonds.soa.count, w->pairs.soa.count);
+        printf("%zu particles, %zu bonds, %zu other pairs in the lists; ",
+               w->dem.particles.soa.count, w->dem.bonds.soa.count, w->dem.pairs.soa.count);
     if (w->elements)
         printf("%zu nodes, %zu elements; ", w->elements->body.nodes.soa.count,
                w->elements->body.elements.soa.count);
@@ -175,7 +175,7 @@ static void print_profile(const gn_run *run) {
     printf("  %s particle-steps/s",
            gn_format_count(p.particle_steps_per_second, text, sizeof text));
     printf(", %s contact-steps/s", gn_format_count(p.contact_steps_per_second, text, sizeof text));
-    printf(", %lld list rebuilds\n", (long long)run->world.verlet.rebuilds);
+    printf(", %lld list rebuilds\n", (long long)run->world.dem.verlet.rebuilds);
 }
 
 void gn_print_warnings(const gn_run *run) {
@@ -191,9 +191,9 @@ static void print_outcome(const gn_run *run) {
     print_readings(run);
     if (w->effects & GN_FX_BONDS)
         printf("  bonds broken           %10lld in tension, %lld in shear, of %lld\n",
-               (long long)w->broken_tension, (long long)w->broken_shear,
-               (long long)w->bonds_at_start);
-    if (w->lost) printf("  particles removed      %10lld\n", (long long)w->lost);
+               (long long)w->dem.broken_tension, (long long)w->dem.broken_shear,
+               (long long)w->dem.bonds_at_start);
+    if (w->dem.lost) printf("  particles removed      %10lld\n", (long long)w->dem.lost);
     if (w->effects & GN_FX_ENERGY)
         printf("  energy residual        %10.2e   (of %.4g J)\n", gn_energy_residual(&w->reading),
                gn_energy_scale(&w->reading));

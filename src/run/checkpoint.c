@@ -12,7 +12,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-enum { FORMAT = 3 };
+enum { FORMAT = 4 };
 
 #define DOUBLES(member)      GN_PIECE_DOUBLES(gn_run, member)
 #define LIMIT(member)        GN_PIECE_ANY(gn_run, member)
@@ -24,43 +24,43 @@ static const gn_piece pieces[] = {
     DOUBLES(world.time),
     DOUBLES(world.dt_past),
     DOUBLES(world.dt),
-    LIMIT(world.listed),
-    LIMIT(world.listed_holds),
-    LIMIT(world.resolution.step),
-    LIMIT(world.resolution.contact),
-    INTEGER(world.resolution.first),
-    INTEGER(world.resolution.second),
+    LIMIT(world.dem.listed),
+    LIMIT(world.dem.listed_holds),
+    LIMIT(world.dem.resolution.step),
+    LIMIT(world.dem.resolution.contact),
+    INTEGER(world.dem.resolution.first),
+    INTEGER(world.dem.resolution.second),
     LIMIT(world.stable),
-    DOUBLES(world.surface_rate),
-    DOUBLES(world.vertex_rate),
-    LIMIT(world.stable_particles),
-    LIMIT(world.limit.bound),
-    LIMIT(world.limit.sharp),
-    LIMIT(world.limit.sharp_low),
-    LIMIT(world.limit.frequency),
-    LIMIT(world.limit.literature),
+    DOUBLES(world.boundary.surface_rate),
+    DOUBLES(world.boundary.vertex_rate),
+    LIMIT(world.dem.stable),
+    LIMIT(world.dem.limit.bound),
+    LIMIT(world.dem.limit.sharp),
+    LIMIT(world.dem.limit.sharp_low),
+    LIMIT(world.dem.limit.frequency),
+    LIMIT(world.dem.limit.literature),
     INTEGER(world.dt_lowered),
     DOUBLES(world.energy),
     DOUBLES(world.reading),
-    INTEGER(world.broken_tension),
-    INTEGER(world.broken_shear),
-    INTEGER(world.bonds_at_start),
+    INTEGER(world.dem.broken_tension),
+    INTEGER(world.dem.broken_shear),
+    INTEGER(world.dem.bonds_at_start),
     GN_MEASURED(MEASURED) DOUBLES(world.stress),
-    INTEGER(world.lost),
-    INTEGER(world.contact_steps),
+    INTEGER(world.dem.lost),
+    INTEGER(world.dem.contact_steps),
     DOUBLES(world.seconds),
-    DOUBLES(world.verlet.skin),
-    DOUBLES(world.verlet.skin_start),
-    DOUBLES(world.verlet.drift),
-    INTEGER(world.verlet.rebuilds),
-    INTEGER(world.verlet.last_step),
-    DOUBLES(world.derived),
+    DOUBLES(world.dem.verlet.skin),
+    DOUBLES(world.dem.verlet.skin_start),
+    DOUBLES(world.dem.verlet.drift),
+    INTEGER(world.dem.verlet.rebuilds),
+    INTEGER(world.dem.verlet.last_step),
+    DOUBLES(world.dem.derived),
     DOUBLES(world.volume),
     DOUBLES(world.lower),
     DOUBLES(world.upper),
     DOUBLES(world.test_length),
     DOUBLES(world.test_area),
-    LIMIT(world.radius_min),
+    LIMIT(world.dem.radius_min),
     DOUBLES(world.gauge.volume),
     INTEGER(history_interval),
     INTEGER(snapshot_interval),
@@ -88,27 +88,29 @@ enum { MAX_ARRAYS = 14 };
 static size_t list_arrays(gn_run *run, array out[MAX_ARRAYS]) {
     gn_world *w = &run->world;
     size_t n = 0;
-    out[n++] =
-        (array){"walls", GN_F64, w->scene.wall_count, sizeof(gn_wall) / 8, (void **)&w->walls};
+    out[n++] = (array){"walls", GN_F64, w->scene.wall_count, sizeof(gn_wall) / 8,
+                       (void **)&w->boundary.walls};
     out[n++] = (array){"gauge_id", GN_I32, w->gauge.count, 1, (void **)&w->gauge.id};
     out[n++] = (array){"gauge_weight", GN_F64, w->gauge.count, 3, (void **)&w->gauge.weight};
     if (w->scene.body_count) {
         size_t bodies = w->scene.body_count;
-        out[n++] = (array){"bodies", GN_F64, bodies, sizeof(gn_rigid) / 8, (void **)&w->bodies};
-        out[n++] = (array){"body_shape", GN_I64, bodies, 3, (void **)&w->body_shape};
         out[n++] =
-            (array){"body_vertex", GN_F64, w->body_vertex_count, 4, (void **)&w->body_vertex};
-        out[n++] =
-            (array){"body_corner", GN_I32, w->body_corner_count, 1, (void **)&w->body_corner};
+            (array){"bodies", GN_F64, bodies, sizeof(gn_rigid) / 8, (void **)&w->boundary.bodies};
+        out[n++] = (array){"body_shape", GN_I64, bodies, 3, (void **)&w->boundary.body_shape};
+        out[n++] = (array){"body_vertex", GN_F64, w->boundary.body_vertex_count, 4,
+                           (void **)&w->boundary.body_vertex};
+        out[n++] = (array){"body_corner", GN_I32, w->boundary.body_corner_count, 1,
+                           (void **)&w->boundary.body_corner};
     }
     if (!(w->effects & GN_FX_PRESCRIBED)) return n;
-    gn_prescription *f = &w->prescribed;
+    gn_prescription *f = &w->dem.prescribed;
     out[n++] = (array){"prescribed_set", GN_I32, f->count, 1, (void **)&f->set};
     out[n++] = (array){"prescribed_mask", GN_U8, f->count, 1, (void **)&f->mask};
     out[n++] = (array){"prescribed_velocity", GN_F64, f->count, 6, (void **)&f->velocity};
     out[n++] = (array){"prescribed_load", GN_F64, f->count, 6, (void **)&f->load};
-    out[n++] = (array){"channel_set", GN_I32, f->count, 6, (void **)&w->channel_set};
-    out[n++] = (array){"set_reaction", GN_F64, w->scene.set_count, 6, (void **)&w->set_reaction};
+    out[n++] = (array){"channel_set", GN_I32, f->count, 6, (void **)&w->dem.channel_set};
+    out[n++] =
+        (array){"set_reaction", GN_F64, w->scene.set_count, 6, (void **)&w->dem.set_reaction};
     return n;
 }
 
@@ -143,8 +145,8 @@ static gneiss_status put_history(const gn_run *run, gn_h5 *file, gneiss_error *e
 
 static gneiss_status put_all(gn_run *run, gn_h5 *file, gneiss_error *error) {
     gn_world *w = &run->world;
-    int64_t format = FORMAT, bonds = (int64_t)w->bonds.soa.effects,
-            pairs = (int64_t)w->pairs.soa.effects;
+    int64_t format = FORMAT, bonds = (int64_t)w->dem.bonds.soa.effects,
+            pairs = (int64_t)w->dem.pairs.soa.effects;
     uint64_t hash = gn_world_hash(w);
     GN_TRY(gn_h5_attribute_i64(file, "/", "format", &format, 1, error));
     GN_TRY(gn_h5_attribute_i64(file, "/", "state_hash", (const int64_t *)&hash, 1, error));
@@ -159,12 +161,12 @@ static gneiss_status put_all(gn_run *run, gn_h5 *file, gneiss_error *error) {
     GN_TRY(status);
     double seconds = gn_run_progress(run).seconds;
     GN_TRY(gn_h5_attribute_f64(file, "/", "seconds", &seconds, 1, error));
-    GN_TRY(gn_h5_put_record(file, "particles", &gn_particle_record, &w->particles, error));
-    GN_TRY(gn_h5_put_record(file, "bonds", &gn_contact_record, &w->bonds, error));
-    GN_TRY(gn_h5_put_record(file, "pairs", &gn_contact_record, &w->pairs, error));
+    GN_TRY(gn_h5_put_record(file, "particles", &gn_particle_record, &w->dem.particles, error));
+    GN_TRY(gn_h5_put_record(file, "bonds", &gn_contact_record, &w->dem.bonds, error));
+    GN_TRY(gn_h5_put_record(file, "pairs", &gn_contact_record, &w->dem.pairs, error));
     if (w->effects & GN_FX_WALLS)
-        GN_TRY(gn_h5_put_record(file, "wall_contacts", &gn_wall_contact_record, &w->wall_contacts,
-                                error));
+        GN_TRY(gn_h5_put_record(file, "wall_contacts", &gn_wall_contact_record,
+                                &w->boundary.contacts, error));
     GN_TRY(put_pieces(run, file, error));
     GN_TRY(gn_elements_save(w, file, error));
     return put_history(run, file, error);
@@ -200,10 +202,10 @@ static gneiss_status get_arrays(gn_run *run, const gn_h5 *file, gneiss_error *er
     gn_world *w = &run->world;
     GN_TRY(gn_h5_rows(file, "arrays/gauge_id", &w->gauge.count, error));
     if (w->effects & GN_FX_PRESCRIBED)
-        GN_TRY(gn_h5_rows(file, "arrays/prescribed_set", &w->prescribed.count, error));
+        GN_TRY(gn_h5_rows(file, "arrays/prescribed_set", &w->dem.prescribed.count, error));
     if (w->scene.body_count) {
-        GN_TRY(gn_h5_rows(file, "arrays/body_vertex", &w->body_vertex_count, error));
-        GN_TRY(gn_h5_rows(file, "arrays/body_corner", &w->body_corner_count, error));
+        GN_TRY(gn_h5_rows(file, "arrays/body_vertex", &w->boundary.body_vertex_count, error));
+        GN_TRY(gn_h5_rows(file, "arrays/body_corner", &w->boundary.body_corner_count, error));
     }
     array arrays[MAX_ARRAYS];
     size_t count = list_arrays(run, arrays);
@@ -217,10 +219,11 @@ static gneiss_status get_arrays(gn_run *run, const gn_h5 *file, gneiss_error *er
         GN_TRY(gn_h5_get(file, path, arrays[k].type, arrays[k].rows, arrays[k].components, 0,
                          *arrays[k].data, error));
     }
-    w->wall_normals = gn_alloc_array(w->scene.wall_count + 1, 4 * sizeof(double));
-    if (!w->wall_normals) return gn_fail(error, GNEISS_ERROR_MEMORY, "no memory for walls");
+    w->boundary.wall_normals = gn_alloc_array(w->scene.wall_count + 1, 4 * sizeof(double));
+    if (!w->boundary.wall_normals)
+        return gn_fail(error, GNEISS_ERROR_MEMORY, "no memory for walls");
     for (size_t k = 0; k < w->scene.wall_count; k++)
-        memcpy(w->wall_normals + 4 * k, w->walls[k].normal, 3 * sizeof(double));
+        memcpy(w->boundary.wall_normals + 4 * k, w->boundary.walls[k].normal, 3 * sizeof(double));
     return GNEISS_OK;
 }
 
@@ -257,45 +260,48 @@ static gneiss_status check_format(const gn_h5 *file, const char *path, gneiss_er
 static bool good_bodies(const gn_world *w) {
     size_t corners = (size_t)w->scene.dimension, vertices = 0, facets = 0;
     for (size_t k = 0; k < w->scene.body_count; k++) {
-        const int64_t *shape = w->body_shape[k];
+        const int64_t *shape = w->boundary.body_shape[k];
         if (shape[0] < 0 || shape[0] > INT32_MAX || shape[1] < 1 || shape[1] > INT32_MAX)
             return false;
         size_t begin = corners * facets, end = begin + corners * (size_t)shape[1];
         vertices += (size_t)shape[0];
         facets += (size_t)shape[1];
-        if (end > w->body_corner_count) return false;
+        if (end > w->boundary.body_corner_count) return false;
         for (size_t c = begin; c < end; c++)
-            if (w->body_corner[c] < 0 || w->body_corner[c] >= shape[0]) return false;
+            if (w->boundary.body_corner[c] < 0 || w->boundary.body_corner[c] >= shape[0])
+                return false;
     }
-    return vertices == w->body_vertex_count && corners * facets == w->body_corner_count;
+    return vertices == w->boundary.body_vertex_count &&
+           corners * facets == w->boundary.body_corner_count;
 }
 
 /* Indices that kernels follow without looking must lie in range even if the file was tampered with.
  */
 static gneiss_status check_indices(const gn_world *w, const char *path, gneiss_error *error) {
-    size_t n = w->particles.soa.count;
-    const gn_contacts *lists[] = {&w->bonds, &w->pairs};
+    size_t n = w->dem.particles.soa.count;
+    const gn_contacts *lists[] = {&w->dem.bonds, &w->dem.pairs};
     bool good = good_bodies(w);
     for (size_t k = 0; k < 2; k++)
         for (size_t c = 0; c < lists[k]->soa.count; c++) {
             int32_t i = lists[k]->i[c], j = lists[k]->j[c];
             good = good && i >= 0 && i < j && (size_t)j < n;
         }
-    for (size_t c = 0; c < w->wall_contacts.soa.count; c++)
-        good = good && w->wall_contacts.i[c] >= 0 && (size_t)w->wall_contacts.i[c] < n &&
-               w->wall_contacts.wall[c] >= 0; /* and below: check_facets */
+    for (size_t c = 0; c < w->boundary.contacts.soa.count; c++)
+        good = good && w->boundary.contacts.i[c] >= 0 && (size_t)w->boundary.contacts.i[c] < n &&
+               w->boundary.contacts.wall[c] >= 0; /* and below: check_facets */
     for (size_t p = 0; p < n; p++) {
-        good = good && w->particles.id[p] >= 0 && (size_t)w->particles.id[p] < n &&
-               w->particles.material[p] >= 0 &&
-               (size_t)w->particles.material[p] < w->scene.material_count;
-        if (w->particles.slot) good = good && w->particles.slot[p] < (int32_t)w->prescribed.count;
+        good = good && w->dem.particles.id[p] >= 0 && (size_t)w->dem.particles.id[p] < n &&
+               w->dem.particles.material[p] >= 0 &&
+               (size_t)w->dem.particles.material[p] < w->scene.material_count;
+        if (w->dem.particles.slot)
+            good = good && w->dem.particles.slot[p] < (int32_t)w->dem.prescribed.count;
     }
-    for (size_t s = 0; s < w->prescribed.count; s++) {
-        good =
-            good && w->prescribed.set[s] >= 0 && (size_t)w->prescribed.set[s] < w->scene.set_count;
+    for (size_t s = 0; s < w->dem.prescribed.count; s++) {
+        good = good && w->dem.prescribed.set[s] >= 0 &&
+               (size_t)w->dem.prescribed.set[s] < w->scene.set_count;
         for (size_t c = 6 * s; c < 6 * s + 6; c++)
-            good =
-                good && w->channel_set[c] >= -1 && w->channel_set[c] < (int64_t)w->scene.set_count;
+            good = good && w->dem.channel_set[c] >= -1 &&
+                   w->dem.channel_set[c] < (int64_t)w->scene.set_count;
     }
     for (size_t k = 0; k < w->gauge.count; k++)
         good = good && w->gauge.id[k] >= 0 && (size_t)w->gauge.id[k] < n;
@@ -308,7 +314,8 @@ static gneiss_status check_numbers(const gn_run *run, const char *path, gneiss_e
     const gn_world *w = &run->world;
     bool good = run->history_interval > 0 && run->snapshot_interval >= 0 && w->step >= 0 &&
                 isfinite(w->time) && w->dt > 0.0 && isfinite(w->dt) && isfinite(w->dt_past) &&
-                w->verlet.skin > 0.0 && isfinite(w->verlet.skin) && isfinite(w->verlet.drift);
+                w->dem.verlet.skin > 0.0 && isfinite(w->dem.verlet.skin) &&
+                isfinite(w->dem.verlet.drift);
     return good ? GNEISS_OK
                 : gn_fail(error, GNEISS_ERROR_INPUT,
                           "%s: expected positive steps and intervals, found others", path);
@@ -317,12 +324,12 @@ static gneiss_status check_numbers(const gn_run *run, const char *path, gneiss_e
 static gneiss_status get_records(gn_world *w, const gn_h5 *file, gneiss_error *error) {
     gn_effects bonds = gn_contact_list_effects(w->effects, true);
     gn_effects pairs = gn_contact_list_effects(w->effects, false);
-    GN_TRY(
-        gn_h5_get_record(file, "particles", &gn_particle_record, &w->particles, w->effects, error));
-    GN_TRY(gn_h5_get_record(file, "bonds", &gn_contact_record, &w->bonds, bonds, error));
-    GN_TRY(gn_h5_get_record(file, "pairs", &gn_contact_record, &w->pairs, pairs, error));
+    GN_TRY(gn_h5_get_record(file, "particles", &gn_particle_record, &w->dem.particles, w->effects,
+                            error));
+    GN_TRY(gn_h5_get_record(file, "bonds", &gn_contact_record, &w->dem.bonds, bonds, error));
+    GN_TRY(gn_h5_get_record(file, "pairs", &gn_contact_record, &w->dem.pairs, pairs, error));
     if (!(w->effects & GN_FX_WALLS)) return GNEISS_OK;
-    return gn_h5_get_record(file, "wall_contacts", &gn_wall_contact_record, &w->wall_contacts,
+    return gn_h5_get_record(file, "wall_contacts", &gn_wall_contact_record, &w->boundary.contacts,
                             w->effects, error);
 }
 
@@ -344,9 +351,10 @@ static gneiss_status get_scene(gn_world *w, const gn_h5 *file, const char *path,
 static gneiss_status check_facets(const gn_world *w, const char *path, gneiss_error *error) {
     size_t all = w->scene.wall_count;
     bool good = true;
-    for (size_t k = 0; k < w->surface_count; k++) all += w->surfaces[k].facets.count;
-    for (size_t c = 0; c < w->wall_contacts.soa.count; c++)
-        good = good && (size_t)w->wall_contacts.wall[c] < all;
+    for (size_t k = 0; k < w->boundary.surface_count; k++)
+        all += w->boundary.surfaces[k].facets.count;
+    for (size_t c = 0; c < w->boundary.contacts.soa.count; c++)
+        good = good && (size_t)w->boundary.contacts.wall[c] < all;
     return good ? GNEISS_OK
                 : gn_fail(error, GNEISS_ERROR_INPUT,
                           "%s: expected walls and facets below %zu, found others", path, all);

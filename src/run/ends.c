@@ -9,8 +9,9 @@ static double part_travel(const gn_world *w, const char *name, int axis) {
     const gn_scene *s = &w->scene;
     int wall = gn_scene_find_wall(s, name), body = gn_scene_find_body(s, name),
         motion = gn_scene_find_element_motion(s, name);
-    if (wall >= 0) return w->walls[wall].point[axis] - w->walls[wall].start[axis];
-    if (body >= 0) return w->bodies[body].position[axis] - w->bodies[body].start[axis];
+    if (wall >= 0) return w->boundary.walls[wall].point[axis] - w->boundary.walls[wall].start[axis];
+    if (body >= 0)
+        return w->boundary.bodies[body].position[axis] - w->boundary.bodies[body].start[axis];
     if (motion < 0) return gn_set_travel(w, (size_t)gn_scene_find_set(s, name), axis);
     double travel[3];
     gn_elements_travel(w, (size_t)motion, travel);
@@ -29,15 +30,15 @@ static double part_force(const gn_world *w, const char *name, int axis) {
     const gn_scene *s = &w->scene;
     int wall = gn_scene_find_wall(s, name), body = gn_scene_find_body(s, name),
         motion = gn_scene_find_element_motion(s, name);
-    if (wall >= 0) return -w->walls[wall].force[axis];
-    if (body >= 0) return -w->bodies[body].force[axis];
+    if (wall >= 0) return -w->boundary.walls[wall].force[axis];
+    if (body >= 0) return -w->boundary.bodies[body].force[axis];
     if (motion >= 0) {
         double force[3];
         gn_elements_reaction(w, (size_t)motion, force);
         return force[axis];
     }
     int set = gn_scene_find_set(s, name);
-    if (s->sets[set].motion.velocity[axis].count) return w->set_reaction[6 * set + axis];
+    if (s->sets[set].motion.velocity[axis].count) return w->dem.set_reaction[6 * set + axis];
     return s->sets[set].has_force ? s->sets[set].force[axis] : 0.0;
 }
 

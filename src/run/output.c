@@ -57,7 +57,7 @@ static gneiss_status write_bonds(const gn_run *run, const gn_output_view *v, con
                                  gn_snapshot *s, gneiss_error *error) {
     const gn_world *w = &run->world;
     arrays lines;
-    s->line_count = w->bonds.soa.count;
+    s->line_count = w->dem.bonds.soa.count;
     int32_t *ends = calloc(s->line_count + 1, 2 * sizeof *ends);
     if (!ends) return gn_fail(error, GNEISS_ERROR_MEMORY, "no memory for the output of bonds");
     for (size_t c = 0; c < s->line_count; c++) gn_output_bond_ends(w, c, ends + 2 * c);
@@ -78,14 +78,15 @@ static gneiss_status write_snapshot(const gn_run *run, const gn_output_view *v,
                                     const char *particles_name, const char *bonds_name,
                                     gneiss_error *error) {
     const gn_world *w = &run->world;
-    const size_t count = w->particles.soa.count;
+    const size_t count = w->dem.particles.soa.count;
     arrays points;
     double *place = calloc(count + 1, 3 * sizeof *place);
     if (!place) return gn_fail(error, GNEISS_ERROR_MEMORY, "no memory for the output of particles");
     for (size_t p = 0; p < count; p++)
-        gn_world_point_out(w, w->particles.pos + 4 * p, place + 3 * (size_t)w->particles.id[p]);
+        gn_world_point_out(w, w->dem.particles.pos + 4 * p,
+                           place + 3 * (size_t)w->dem.particles.id[p]);
     gneiss_status status =
-        read_arrays(v, &gn_particle_outputs, count, w->particles.id, &points, error);
+        read_arrays(v, &gn_particle_outputs, count, w->dem.particles.id, &points, error);
     if (status == GNEISS_OK) {
         gn_snapshot s = {
             .bad = w->bad, .time = w->time, .step = w->step, .point_count = count, .points = place};
@@ -104,7 +105,7 @@ gneiss_status gn_output_snapshot(const gn_run *run, const char *particles_name,
                                  const char *bonds_name, gneiss_error *error) {
     gn_observed seen;
     gn_output_view view;
-    if (!run->world.particles.soa.count) return GNEISS_OK;
+    if (!run->world.dem.particles.soa.count) return GNEISS_OK;
     GN_TRY(gn_world_observe(&run->world, &seen, error));
     gneiss_status status = gn_output_view_make(&run->world, &seen, &view, error);
     if (status == GNEISS_OK) {
@@ -121,7 +122,7 @@ gneiss_status gn_output_series(gn_run *run, gneiss_error *error) {
         GN_TRY(gn_snapshot_series(run->directory, "bodies", run->world.step, times, error));
     if (run->world.elements)
         GN_TRY(gn_snapshot_series(run->directory, "elements", run->world.step, times, error));
-    if (!run->world.particles.soa.count) return GNEISS_OK;
+    if (!run->world.dem.particles.soa.count) return GNEISS_OK;
     GN_TRY(gn_snapshot_series(run->directory, "particles", run->world.step, times, error));
     if (!(run->world.effects & GN_FX_BONDS)) return GNEISS_OK;
     return gn_snapshot_series(run->directory, "bonds", run->world.step, times, error);
@@ -269,16 +270,16 @@ static gneiss_status put_fields(const gn_output_view *v, const char *group,
 static gneiss_status put_state(const gn_world *w, gn_h5 *file, gneiss_error *error) {
     gn_observed seen;
     gn_output_view view;
-    if (!w->particles.soa.count && !(w->effects & GN_FX_BONDS)) return GNEISS_OK;
+    if (!w->dem.particles.soa.count && !(w->effects & GN_FX_BONDS)) return GNEISS_OK;
     GN_TRY(gn_world_observe(w, &seen, error));
     gneiss_status status = gn_output_view_make(w, &seen, &view, error);
     if (status == GNEISS_OK) {
-        if (w->particles.soa.count)
-            status = put_fields(&view, "particles", &gn_particle_outputs, w->particles.soa.count,
-                                w->particles.id, file, error);
+        if (w->dem.particles.soa.count)
+            status = put_fields(&view, "particles", &gn_particle_outputs,
+                                w->dem.particles.soa.count, w->dem.particles.id, file, error);
         if (status == GNEISS_OK && w->effects & GN_FX_BONDS)
-            status =
-                put_fields(&view, "bonds", &gn_bond_outputs, w->bonds.soa.count, NULL, file, error);
+            status = put_fields(&view, "bonds", &gn_bond_outputs, w->dem.bonds.soa.count, NULL,
+                                file, error);
         gn_output_view_free(&view);
     }
     gn_observed_free(&seen);
@@ -340,15 +341,15 @@ static void summary_readings(const gn_run *run, gn_json *j) {
 
 static void summary_counts(const gn_world *w, size_t contacts, gn_json *j) {
     gn_json_object(j, "counts");
-    gn_json_integer(j, "particles", (int64_t)w->particles.soa.count);
+    gn_json_integer(j, "particles", (int64_t)w->dem.particles.soa.count);
     gn_json_integer(j, "contacts", (int64_t)contacts);
-    gn_json_integer(j, "bonds", w->bonds_at_start);
-    gn_json_integer(j, "broken_tension", w->broken_tension);
-    gn_json_integer(j, "broken_shear", w->broken_shear);
-    gn_json_integer(j, "removed", w->lost);
+    gn_json_integer(j, "bonds", w->dem.bonds_at_start);
+    gn_json_integer(j, "broken_tension", w->dem.broken_tension);
+    gn_json_integer(j, "broken_shear", w->dem.broken_shear);
+    gn_json_integer(j, "removed", w->dem.lost);
     if (w->scene.body_count) {
         gn_json_integer(j, "bodies", (int64_t)w->scene.body_count);
-        gn_json_integer(j, "facets", (int64_t)w->body_corner_count / w->scene.dimension);
+        gn_json_integer(j, "facets", (int64_t)w->boundary.body_corner_count / w->scene.dimension);
     }
     if (w->elements) {
         gn_json_integer(j, "nodes", (int64_t)w->elements->body.nodes.soa.count);
@@ -364,22 +365,22 @@ static void summary_step(const gn_world *w, gn_json *j) {
     gn_json_number(j, "dt_limit", w->stable);
     gn_json_number(j, "dt_limit_sharp", gn_world_sharp_limit(w));
     gn_json_number(j, "dt_limit_bound", gn_world_bound(w));
-    gn_json_number(j, "dt_resolution", w->resolution.step);
+    gn_json_number(j, "dt_resolution", w->dem.resolution.step);
 }
 
 /* What it took, and of what. */
 static void summary_cost(const gn_run *run, gn_json *j) {
     const gn_world *w = &run->world;
     gn_progress p = gn_run_progress(run);
-    gn_json_integer(j, "list_rebuilds", w->verlet.rebuilds);
+    gn_json_integer(j, "list_rebuilds", w->dem.verlet.rebuilds);
     gn_json_object(j, "seconds");
     for (int k = 0; k < GN_PHASE_COUNT; k++)
         gn_json_number(j, gn_phase_name((gn_phase)k), w->seconds[k]);
     gn_json_number(j, "total", p.seconds);
     gn_json_end(j);
     gn_json_number(j, "particle_steps_per_second",
-                   (double)w->particles.soa.count * (double)w->step / p.seconds);
-    gn_json_number(j, "contact_steps_per_second", (double)w->contact_steps / p.seconds);
+                   (double)w->dem.particles.soa.count * (double)w->step / p.seconds);
+    gn_json_number(j, "contact_steps_per_second", (double)w->dem.contact_steps / p.seconds);
     if (w->elements) gn_json_number(j, "element_steps_per_second", p.element_steps_per_second);
     gn_json_integer(j, "threads", w->threads);
     gn_json_text(j, "isa", w->kernels->name);

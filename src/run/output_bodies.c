@@ -20,12 +20,12 @@ static void free_fields(fields *f) {
 }
 
 static gneiss_status allocate(const gn_world *w, fields *f, gneiss_error *error) {
-    *f = (fields){.points = w->body_vertex_count, .corners = (size_t)w->scene.dimension};
-    f->facets = w->body_corner_count / f->corners;
+    *f = (fields){.points = w->boundary.body_vertex_count, .corners = (size_t)w->scene.dimension};
+    f->facets = w->boundary.body_corner_count / f->corners;
     f->point = gn_alloc_array(f->points + 1, 3 * sizeof *f->point);
     f->velocity = gn_alloc_array(f->points + 1, 3 * sizeof *f->velocity);
     f->body = gn_alloc_array(f->facets + 1, sizeof *f->body);
-    f->corner = gn_alloc_array(w->body_corner_count + 1, sizeof *f->corner);
+    f->corner = gn_alloc_array(w->boundary.body_corner_count + 1, sizeof *f->corner);
     if (f->point && f->velocity && f->body && f->corner) return GNEISS_OK;
     free_fields(f);
     return gn_fail(error, GNEISS_ERROR_MEMORY, "no memory for the output of %zu facets", f->facets);
@@ -43,14 +43,15 @@ static void velocity_at(const gn_rigid *b, const double *x, double *v) {
 static void fill(const gn_world *w, fields *f) {
     size_t vertex = 0, facet = 0;
     for (size_t k = 0; k < w->scene.body_count; k++) {
-        const int64_t *shape = w->body_shape[k];
+        const int64_t *shape = w->boundary.body_shape[k];
         size_t corners = f->corners * (size_t)shape[1], first = f->corners * facet;
         for (size_t c = first; c < first + corners; c++)
-            f->corner[c] = (int32_t)vertex + w->body_corner[c];
+            f->corner[c] = (int32_t)vertex + w->boundary.body_corner[c];
         for (size_t c = 0; c < (size_t)shape[1]; c++) f->body[facet + c] = (double)k;
         for (size_t v = vertex; v < vertex + (size_t)shape[0]; v++) {
-            gn_rigid_place(&w->bodies[k], w->body_vertex + 4 * v, f->point + 3 * v);
-            velocity_at(&w->bodies[k], f->point + 3 * v, f->velocity + 3 * v);
+            gn_rigid_place(&w->boundary.bodies[k], w->boundary.body_vertex + 4 * v,
+                           f->point + 3 * v);
+            velocity_at(&w->boundary.bodies[k], f->point + 3 * v, f->velocity + 3 * v);
             gn_world_point_out(w, f->point + 3 * v, f->point + 3 * v);
         }
         vertex += (size_t)shape[0];
@@ -89,9 +90,9 @@ static gneiss_status put_places(const gn_world *w, gn_h5 *file, gneiss_error *er
     double *row = gn_alloc_array(count, stride);
     if (!row) return gn_fail(error, GNEISS_ERROR_MEMORY, "no memory for %zu bodies", count);
     for (size_t k = 0; k < count; k++) {
-        gn_world_point_out(w, w->bodies[k].position, row + 10 * k);
-        gn_world_point_out(w, w->bodies[k].start, row + 10 * k + 3);
-        gn_rigid_orientation(&w->bodies[k], row + 10 * k + 6);
+        gn_world_point_out(w, w->boundary.bodies[k].position, row + 10 * k);
+        gn_world_point_out(w, w->boundary.bodies[k].start, row + 10 * k + 3);
+        gn_rigid_orientation(&w->boundary.bodies[k], row + 10 * k + 6);
     }
     gneiss_status status = gn_h5_put(file, "bodies/position", GN_F64, count, 3, stride, row, "m",
                                      "reference point; free: centre of mass", error);
@@ -107,7 +108,7 @@ static gneiss_status put_places(const gn_world *w, gn_h5 *file, gneiss_error *er
 
 static gneiss_status put_rows(const gn_world *w, gn_h5 *file, gneiss_error *error) {
     size_t count = w->scene.body_count, stride = sizeof(gn_rigid);
-    const gn_rigid *b = w->bodies;
+    const gn_rigid *b = w->boundary.bodies;
     const struct {
         const char *name, *unit, *text;
         size_t components;

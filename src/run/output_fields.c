@@ -19,30 +19,30 @@
 /* --- particles --------------------------------------------------------------------------------
  */
 
-READ(id, w->particles.id[k])
-READ(radius, w->particles.pos[4 * k + 3])
+READ(id, w->dem.particles.id[k])
+READ(radius, w->dem.particles.pos[4 * k + 3])
 READ(damage, v->damage[k])
 READ(coordination, v->coordination[k])
-READ(bonds_at_start, w->particles.bonds0 ? w->particles.bonds0[k] : 0)
-READ(removed, w->particles.vel[4 * k + 3] == 0.0)
+READ(bonds_at_start, w->dem.particles.bonds0 ? w->dem.particles.bonds0[k] : 0)
+READ(removed, w->dem.particles.vel[4 * k + 3] == 0.0)
 
 static void read_position(const gn_output_view *v, size_t k, double *value) {
-    gn_world_point_out(v->world, v->world->particles.pos + 4 * k, value);
+    gn_world_point_out(v->world, v->world->dem.particles.pos + 4 * k, value);
 }
 static void read_displacement(const gn_output_view *v, size_t k, double *value) {
-    const gn_particles *q = &v->world->particles;
+    const gn_particles *q = &v->world->dem.particles;
     for (size_t a = 0; a < 3; a++) value[a] = q->pos[4 * k + a] - q->start[4 * k + a];
 }
 static void read_velocity(const gn_output_view *v, size_t k, double *value) {
-    memcpy(value, v->world->particles.vel + 4 * k, 3 * sizeof *value);
+    memcpy(value, v->world->dem.particles.vel + 4 * k, 3 * sizeof *value);
 }
 static void read_spin(const gn_output_view *v, size_t k, double *value) {
-    const double *spin = v->world->particles.spin;
+    const double *spin = v->world->dem.particles.spin;
     for (size_t a = 0; a < 3; a++) value[a] = spin ? spin[4 * k + a] : 0.0;
 }
 /* Of a quaternion and its opposite, which are the same turn, the shorter way round. */
 static void read_orientation(const gn_output_view *v, size_t k, double *value) {
-    const double *turn = v->world->particles.orientation + 4 * k;
+    const double *turn = v->world->dem.particles.orientation + 4 * k;
     for (int a = 0; a < 4; a++) value[a] = turn[0] < 0.0 ? -turn[a] : turn[a];
 }
 static void read_stress(const gn_output_view *v, size_t k, double *value) {
@@ -76,7 +76,7 @@ static const gn_output_field of_particles[] = {
  */
 
 void gn_output_bond_ends(const gn_world *w, size_t c, int32_t ends[2]) {
-    int32_t i = w->particles.id[w->bonds.i[c]], j = w->particles.id[w->bonds.j[c]];
+    int32_t i = w->dem.particles.id[w->dem.bonds.i[c]], j = w->dem.particles.id[w->dem.bonds.j[c]];
     ends[0] = i < j ? i : j;
     ends[1] = i < j ? j : i;
 }
@@ -92,8 +92,8 @@ static void force_on_first(const gn_output_view *v, size_t c, double force[3]) {
 
 static double normal_of(const gn_output_view *v, size_t c) {
     const gn_world *w = v->world;
-    const double *x = w->particles.pos + 4 * (int64_t)w->bonds.i[c],
-                 *y = w->particles.pos + 4 * (int64_t)w->bonds.j[c];
+    const double *x = w->dem.particles.pos + 4 * (int64_t)w->dem.bonds.i[c],
+                 *y = w->dem.particles.pos + 4 * (int64_t)w->dem.bonds.j[c];
     double d[3], d2 = gn_branch(w, x, y, d), along = 0.0, force[3];
     force_on_first(v, c, force);
     for (int a = 0; a < 3; a++) along += force[a] * d[a];
@@ -108,7 +108,7 @@ static double shear_of(const gn_output_view *v, size_t c) {
 }
 
 static double criterion_of(const gn_output_view *v, size_t c) {
-    const gn_contacts *b = &v->world->bonds;
+    const gn_contacts *b = &v->world->dem.bonds;
     if (b->cause[c]) return 1.0;
     double ratio = normal_of(v, c) / b->rn[c];
     if (b->rt) ratio = fmax(ratio, shear_of(v, c) / b->rt[c]);
@@ -123,8 +123,8 @@ static double end_of(const gn_world *w, size_t c, int end) {
 
 READ(first, end_of(w, k, 0))
 READ(second, end_of(w, k, 1))
-READ(state, w->bonds.cause[k])
-READ(broken_time, w->bonds.cause[k] ? w->bonds.broken_time[k] : NAN)
+READ(state, w->dem.bonds.cause[k])
+READ(broken_time, w->dem.bonds.cause[k] ? w->dem.bonds.broken_time[k] : NAN)
 READ(normal_force, normal_of(v, k))
 READ(shear_force, shear_of(v, k))
 READ(criterion, criterion_of(v, k))
@@ -132,7 +132,9 @@ READ(criterion, criterion_of(v, k))
 /* On the end with the smaller id, which comes first. */
 static void read_force(const gn_output_view *v, size_t c, double *value) {
     const gn_world *w = v->world;
-    double turn = w->particles.id[w->bonds.i[c]] < w->particles.id[w->bonds.j[c]] ? 1.0 : -1.0;
+    double turn = w->dem.particles.id[w->dem.bonds.i[c]] < w->dem.particles.id[w->dem.bonds.j[c]]
+                      ? 1.0
+                      : -1.0;
     force_on_first(v, c, value);
     for (int a = 0; a < 3; a++) value[a] *= turn;
 }
@@ -174,7 +176,7 @@ static void count_contacts(const gn_contacts *list, double *coordination) {
 
 gneiss_status gn_output_view_make(const gn_world *w, const gn_observed *seen, gn_output_view *v,
                                   gneiss_error *error) {
-    size_t n = w->particles.soa.count;
+    size_t n = w->dem.particles.soa.count;
     *v = (gn_output_view){w, seen, calloc(n + 1, sizeof(double)), calloc(n + 1, 6 * sizeof(double)),
                           calloc(n + 1, sizeof(double))};
     if (!v->damage || !v->stress || !v->coordination) {
@@ -185,7 +187,7 @@ gneiss_status gn_output_view_make(const gn_world *w, const gn_observed *seen, gn
     assembly.bonds = &seen->bonds;
     assembly.pairs = &seen->pairs;
     gn_stress_particles(&assembly, gn_world_porosity(w), v->stress);
-    if (w->effects & GN_FX_BONDS) gn_damage_particles(&w->particles, &w->bonds, v->damage);
+    if (w->effects & GN_FX_BONDS) gn_damage_particles(&w->dem.particles, &w->dem.bonds, v->damage);
     count_contacts(&seen->bonds, v->coordination);
     count_contacts(&seen->pairs, v->coordination);
     return GNEISS_OK;

@@ -93,7 +93,7 @@ static void read_strain(const gn_world *w, size_t k, double *value) {
     if (w->elements && !w->scene.has_specimen)
         read_elements_strain(w, k, value);
     else
-        gn_strain_gauge_read(&w->gauge, &w->particles, w->index_of_id, value);
+        gn_strain_gauge_read(&w->gauge, &w->dem.particles, w->dem.index_of_id, value);
 }
 /* Too few particles, or all on a plane, have no average strain. */
 static bool no_strain(const gn_world *w) {
@@ -106,12 +106,12 @@ static void read_stress(const gn_world *w, size_t k, double *value) {
 READ(unbalanced, w->unbalanced)
 
 static double broken(const gn_world *w) {
-    return (double)(w->broken_tension + w->broken_shear);
+    return (double)(w->dem.broken_tension + w->dem.broken_shear);
 }
-READ(bonds_intact, (double)w->bonds_at_start - broken(w))
-READ(broken_tension, (double)w->broken_tension)
-READ(broken_shear, (double)w->broken_shear)
-READ(damage, w->bonds_at_start > 0 ? broken(w) / (double)w->bonds_at_start : 0.0)
+READ(bonds_intact, (double)w->dem.bonds_at_start - broken(w))
+READ(broken_tension, (double)w->dem.broken_tension)
+READ(broken_shear, (double)w->dem.broken_shear)
+READ(damage, w->dem.bonds_at_start > 0 ? broken(w) / (double)w->dem.bonds_at_start : 0.0)
 
 #define X(name, kind, text) READ(energy_##name, w->reading.name)
 GN_ENERGY_TERMS(X)
@@ -170,10 +170,10 @@ static const char *wall_name(const gn_world *w, size_t k) {
     return w->scene.walls[k].name;
 }
 static void read_wall_force(const gn_world *w, size_t k, double *value) {
-    copy3(value, w->walls[k].force);
+    copy3(value, w->boundary.walls[k].force);
 }
 static void read_wall_displacement(const gn_world *w, size_t k, double *value) {
-    difference3(value, w->walls[k].point, w->walls[k].start);
+    difference3(value, w->boundary.walls[k].point, w->boundary.walls[k].start);
 }
 
 static const gn_quantity of_walls[] = {{"force", "N", "force of the particles on the wall",
@@ -189,16 +189,16 @@ static const char *body_name(const gn_world *w, size_t k) {
     return w->scene.bodies[k].name;
 }
 static void read_body_force(const gn_world *w, size_t k, double *value) {
-    copy3(value, w->bodies[k].force);
+    copy3(value, w->boundary.bodies[k].force);
 }
 static void read_body_moment(const gn_world *w, size_t k, double *value) {
-    copy3(value, w->bodies[k].moment);
+    copy3(value, w->boundary.bodies[k].moment);
 }
 static void read_body_displacement(const gn_world *w, size_t k, double *value) {
-    difference3(value, w->bodies[k].position, w->bodies[k].start);
+    difference3(value, w->boundary.bodies[k].position, w->boundary.bodies[k].start);
 }
 static void read_body_velocity(const gn_world *w, size_t k, double *value) {
-    copy3(value, w->bodies[k].velocity);
+    copy3(value, w->boundary.bodies[k].velocity);
 }
 
 static const gn_quantity of_bodies[] = {
@@ -218,7 +218,7 @@ static const char *set_name(const gn_world *w, size_t k) {
     return w->scene.sets[k].name;
 }
 static void read_set_reaction(const gn_world *w, size_t k, double *value) {
-    copy3(value, w->set_reaction + 6 * k);
+    copy3(value, w->dem.set_reaction + 6 * k);
 }
 
 static const gn_quantity of_sets[] = {{"reaction", "N",

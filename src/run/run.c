@@ -98,7 +98,7 @@ static void check_stop_conditions(gn_run *run) {
     if (s->test.kind != GN_TEST_NONE) {
         double stress = last(run, "stress"), strain = last(run, "strain");
         bool counts = run->world.effects & GN_FX_BONDS
-                          ? run->world.broken_tension + run->world.broken_shear > 0
+                          ? run->world.dem.broken_tension + run->world.dem.broken_shear > 0
                           : run->history.row_count > ROWS_BEFORE_PEAK;
         run->peak = fmax(run->peak, stress);
         if (counts && s->stop_peak_drop > 0.0 && run->peak > 0.0 &&
@@ -351,14 +351,14 @@ gn_progress gn_run_progress(const gn_run *run) {
     p.end = w->scene.end;
     p.seconds = run->wall_before + gn_now() - run->wall_start;
     double rate = p.seconds > 0.0 ? (double)w->step / p.seconds : 0.0;
-    p.particle_steps_per_second = rate * (double)w->particles.soa.count;
+    p.particle_steps_per_second = rate * (double)w->dem.particles.soa.count;
     if (w->elements)
         p.element_steps_per_second = rate * (double)w->elements->body.elements.soa.count;
-    p.contact_steps_per_second = p.seconds > 0.0 ? (double)w->contact_steps / p.seconds : 0.0;
+    p.contact_steps_per_second = p.seconds > 0.0 ? (double)w->dem.contact_steps / p.seconds : 0.0;
     p.eta = rate > 0.0 ? fmax(0.0, (w->scene.end - w->time) / w->dt / rate) : NAN;
     p.unbalanced = w->unbalanced;
     p.residual = w->effects & GN_FX_ENERGY ? gn_energy_residual(&w->reading) : NAN;
-    p.broken = w->broken_tension + w->broken_shear;
+    p.broken = w->dem.broken_tension + w->dem.broken_shear;
     p.stress = last(run, "stress");
     p.strain = last(run, "strain");
     p.finished = run->finished;

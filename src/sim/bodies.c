@@ -197,21 +197,22 @@ static gneiss_status put_shapes(gn_world *w, const gn_body_shape *shapes, gneiss
     if (facets > INT32_MAX / 4 || vertices > INT32_MAX / 4)
         return gn_fail(error, GNEISS_ERROR_INPUT,
                        "bodies: expected fewer than %d facets, found %zu", INT32_MAX / 4, facets);
-    w->body_vertex_count = vertices;
-    w->body_corner_count = corners * facets;
-    w->body_shape = gn_alloc_array(w->scene.body_count, sizeof *w->body_shape);
-    w->body_vertex = gn_alloc_array(vertices, 4 * sizeof *w->body_vertex);
-    w->body_corner = gn_alloc_array(corners * facets, sizeof *w->body_corner);
-    if (!w->body_shape || !w->body_vertex || !w->body_corner)
+    w->boundary.body_vertex_count = vertices;
+    w->boundary.body_corner_count = corners * facets;
+    w->boundary.body_shape = gn_alloc_array(w->scene.body_count, sizeof *w->boundary.body_shape);
+    w->boundary.body_vertex = gn_alloc_array(vertices, 4 * sizeof *w->boundary.body_vertex);
+    w->boundary.body_corner = gn_alloc_array(corners * facets, sizeof *w->boundary.body_corner);
+    if (!w->boundary.body_shape || !w->boundary.body_vertex || !w->boundary.body_corner)
         return gn_fail(error, GNEISS_ERROR_MEMORY, "no memory for %zu facets of bodies", facets);
     size_t vertex = 0, corner = 0;
     for (size_t k = 0; k < w->scene.body_count; k++) {
         const gn_body_shape *shape = &shapes[k];
-        w->body_shape[k][0] = (int64_t)shape->vertices;
-        w->body_shape[k][1] = (int64_t)shape->facets;
-        w->body_shape[k][2] = (int64_t)shape->dropped;
-        put_vertices(shape, &w->bodies[k], w->body_vertex + 4 * vertex);
-        memcpy(w->body_corner + corner, shape->corner, corners * shape->facets * sizeof(int32_t));
+        w->boundary.body_shape[k][0] = (int64_t)shape->vertices;
+        w->boundary.body_shape[k][1] = (int64_t)shape->facets;
+        w->boundary.body_shape[k][2] = (int64_t)shape->dropped;
+        put_vertices(shape, &w->boundary.bodies[k], w->boundary.body_vertex + 4 * vertex);
+        memcpy(w->boundary.body_corner + corner, shape->corner,
+               corners * shape->facets * sizeof(int32_t));
         vertex += shape->vertices;
         corner += corners * shape->facets;
     }
@@ -221,14 +222,14 @@ static gneiss_status put_shapes(gn_world *w, const gn_body_shape *shapes, gneiss
 gneiss_status gn_bodies_create(gn_world *w, gneiss_error *error) {
     size_t count = w->scene.body_count;
     if (!count) return gn_bodies_surfaces(w, error);
-    w->bodies = gn_alloc_array(count, sizeof *w->bodies);
+    w->boundary.bodies = gn_alloc_array(count, sizeof *w->boundary.bodies);
     gn_body_shape *shapes = gn_alloc_array(count, sizeof *shapes);
-    gneiss_status status = w->bodies && shapes
+    gneiss_status status = w->boundary.bodies && shapes
                                ? GNEISS_OK
                                : gn_fail(error, GNEISS_ERROR_MEMORY, "no memory for bodies");
     for (size_t k = 0; status == GNEISS_OK && k < count; k++) {
         status = gn_body_shape_make(&w->scene, k, &shapes[k], error);
-        if (status == GNEISS_OK) set_body(&w->scene, k, &shapes[k], &w->bodies[k]);
+        if (status == GNEISS_OK) set_body(&w->scene, k, &shapes[k], &w->boundary.bodies[k]);
     }
     if (status == GNEISS_OK) status = put_shapes(w, shapes, error);
     for (size_t k = 0; shapes && k < count; k++) gn_body_shape_free(&shapes[k]);
@@ -239,22 +240,23 @@ gneiss_status gn_bodies_create(gn_world *w, gneiss_error *error) {
 gneiss_status gn_bodies_surfaces(gn_world *w, gneiss_error *error) {
     size_t corners = (size_t)w->scene.dimension, vertex = 0, corner = 0;
     if (!(w->effects & GN_FX_FACETS)) return GNEISS_OK;
-    w->surfaces = gn_alloc_array(w->scene.body_count + 1, sizeof *w->surfaces);
-    if (!w->surfaces) return gn_fail(error, GNEISS_ERROR_MEMORY, "no memory for surfaces");
+    w->boundary.surfaces = gn_alloc_array(w->scene.body_count + 1, sizeof *w->boundary.surfaces);
+    if (!w->boundary.surfaces) return gn_fail(error, GNEISS_ERROR_MEMORY, "no memory for surfaces");
     for (size_t k = 0; k < w->scene.body_count; k++) {
         const gn_body_def *def = &w->scene.bodies[k];
-        gn_surface *s = &w->surfaces[k];
-        s->facets = (gn_facet_set){(int)corners, (size_t)w->body_shape[k][1],
-                                   w->body_corner + corner, w->body_vertex + 4 * vertex};
+        gn_surface *s = &w->boundary.surfaces[k];
+        s->facets =
+            (gn_facet_set){(int)corners, (size_t)w->boundary.body_shape[k][1],
+                           w->boundary.body_corner + corner, w->boundary.body_vertex + 4 * vertex};
         s->body = (int32_t)k;
-        s->travel = &w->bodies[k].travel;
+        s->travel = &w->boundary.bodies[k].travel;
         s->first = (int32_t)(corner / corners);
-        s->vertices = (size_t)w->body_shape[k][0];
+        s->vertices = (size_t)w->boundary.body_shape[k][0];
         s->stiffness = def->stiffness;
         s->kratio = def->kratio;
         s->friction = def->friction;
         GN_TRY(gn_facet_tree_build(&s->facets, &s->tree, error));
-        w->surface_count++;
+        w->boundary.surface_count++;
         vertex += s->vertices;
         corner += corners * s->facets.count;
     }
@@ -281,7 +283,7 @@ static void book(gn_world *w, const gn_rigid *b, double dt) {
 void gn_bodies_kick(gn_world *w) {
     double interval = 0.5 * (w->dt_past + w->dt), middle = w->time + 0.5 * w->dt;
     for (size_t k = 0; k < w->scene.body_count; k++) {
-        gn_rigid *b = &w->bodies[k];
+        gn_rigid *b = &w->boundary.bodies[k];
         const gn_motion *motion = &w->scene.bodies[k].motion;
         book(w, b, w->dt_past);
         memcpy(b->velocity_past, b->velocity, sizeof b->velocity);
@@ -308,7 +310,7 @@ void gn_bodies_kick(gn_world *w) {
 void gn_bodies_kinetic(const gn_world *w, double *translation, double *rotation) {
     *translation = *rotation = 0.0;
     for (size_t k = 0; k < w->scene.body_count; k++) {
-        const gn_rigid *b = &w->bodies[k];
+        const gn_rigid *b = &w->boundary.bodies[k];
         double before[3], first[3], second[3];
         bool start = !(w->dt_past > 0.0);
         for (int a = 0; a < 3; a++) {
@@ -324,7 +326,7 @@ void gn_bodies_kinetic(const gn_world *w, double *translation, double *rotation)
 
 void gn_bodies_drift(gn_world *w) {
     for (size_t k = 0; k < w->scene.body_count; k++) {
-        gn_rigid *b = &w->bodies[k];
+        gn_rigid *b = &w->boundary.bodies[k];
         double speed = sqrt(gn_dot3(b->velocity, b->velocity)), turn[3];
         book(w, b, w->dt);
         for (int a = 0; a < 3; a++) {

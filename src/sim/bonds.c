@@ -5,7 +5,7 @@
 #include <string.h>
 
 static bool bondable(const gn_world *w, int32_t i, int32_t j, double *distance) {
-    const gn_particles *q = &w->particles;
+    const gn_particles *q = &w->dem.particles;
     const double *a = q->pos + 4 * (int64_t)i, *b = q->pos + 4 * (int64_t)j;
     double d[3];
     *distance = sqrt(gn_branch(w, a, b, d));
@@ -22,10 +22,10 @@ static const double bond_least = 0.01;
 
 static gneiss_status check_bonded(const gn_world *w, int32_t i, int32_t j, double distance,
                                   gneiss_error *error) {
-    const double *pos = w->particles.pos;
+    const double *pos = w->dem.particles.pos;
     double radius = fmin(pos[4 * (int64_t)i + 3], pos[4 * (int64_t)j + 3]);
     if (distance >= bond_least * radius) return GNEISS_OK;
-    int32_t a = w->particles.id[i], b = w->particles.id[j];
+    int32_t a = w->dem.particles.id[i], b = w->dem.particles.id[j];
     return gn_fail(
         error, GNEISS_ERROR_INPUT,
         "%s:%d:%d: specimen: expected centres of bonded particles at least %g of the smaller "
@@ -44,7 +44,7 @@ static gneiss_status check_distinct(const gn_world *w, const gn_pair_list *pairs
         bool bonded = bondable(w, i, j, &distance) && w->effects & GN_FX_BONDS;
         if (distance > 0.0 && bonded) GN_TRY(check_bonded(w, i, j, distance, error));
         if (distance > 0.0) continue;
-        int32_t a = w->particles.id[i], b = w->particles.id[j];
+        int32_t a = w->dem.particles.id[i], b = w->dem.particles.id[j];
         return gn_fail(error, GNEISS_ERROR_INPUT,
                        "%s:%d:%d: specimen: expected distinct centres, found particles %d and %d "
                        "at the same place",
@@ -66,9 +66,9 @@ static void keep_bondable(const gn_world *w, gn_pair_list *pairs) {
 }
 
 static void set_bond(gn_world *w, size_t c, int32_t i, int32_t j) {
-    gn_contacts *b = &w->bonds;
+    gn_contacts *b = &w->dem.bonds;
     gn_contact_parameters p = gn_contact_law(w, i, j);
-    const double *pos = w->particles.pos;
+    const double *pos = w->dem.particles.pos;
     double distance;
     bondable(w, i, j, &distance);
     b->i[c] = i;
@@ -81,12 +81,12 @@ static void set_bond(gn_world *w, size_t c, int32_t i, int32_t j) {
     if (b->rt) b->rt[c] = p.rt;
     if (b->mu) b->mu[c] = p.mu;
     if (b->cn) b->cn[c] = p.cn;
-    w->particles.bonds0[i]++;
-    w->particles.bonds0[j]++;
+    w->dem.particles.bonds0[i]++;
+    w->dem.particles.bonds0[j]++;
 }
 
 gneiss_status gn_bonds_form(gn_world *w, gneiss_error *error) {
-    gn_pair_query query = {&w->particles,
+    gn_pair_query query = {&w->dem.particles,
                            (int)w->scene.dimension,
                            0.0,
                            w->scene.interaction_range,
@@ -100,14 +100,14 @@ gneiss_status gn_bonds_form(gn_world *w, gneiss_error *error) {
     if (status == GNEISS_OK && bonds) keep_bondable(w, &pairs);
     if (status == GNEISS_OK) status = gn_law_derive(w, &pairs, error);
     if (status == GNEISS_OK)
-        status = gn_soa_create(&gn_contact_record, &w->bonds, bonds ? pairs.count : 0,
+        status = gn_soa_create(&gn_contact_record, &w->dem.bonds, bonds ? pairs.count : 0,
                                gn_contact_list_effects(w->effects, true), error);
     if (status == GNEISS_OK && bonds)
         for (size_t c = 0; c < pairs.count; c++) set_bond(w, c, pairs.pair[c][0], pairs.pair[c][1]);
     gn_pair_list_free(&pairs);
     if (status != GNEISS_OK) return status;
-    w->bonds_at_start = (int64_t)w->bonds.soa.count;
-    gn_contacts_pad(&w->bonds, &w->particles);
-    return gn_partials_build(&w->bonds, w->particles.soa.count, w->threads, &w->bond_partials,
-                             error);
+    w->dem.bonds_at_start = (int64_t)w->dem.bonds.soa.count;
+    gn_contacts_pad(&w->dem.bonds, &w->dem.particles);
+    return gn_partials_build(&w->dem.bonds, w->dem.particles.soa.count, w->threads,
+                             &w->dem.bond_partials, error);
 }

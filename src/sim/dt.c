@@ -25,25 +25,26 @@ static void free_data(spectrum_data *d) {
 
 static gneiss_status make_data(const gn_world *w, double reach, spectrum_data *d,
                                gneiss_error *error) {
-    size_t walls = w->scene.wall_count, n = w->particles.soa.count;
+    size_t walls = w->scene.wall_count, n = w->dem.particles.soa.count;
     d->point = gn_alloc_array(walls + 1, 4 * sizeof(double));
     d->stiffness = gn_alloc_array(walls + 1, 2 * sizeof(double));
     d->damping = gn_alloc_array(walls + 1, sizeof(double));
-    d->fixed = w->prescribed.count ? gn_alloc(n + 1) : NULL;
-    if (!d->point || !d->stiffness || !d->damping || (w->prescribed.count && !d->fixed)) {
+    d->fixed = w->dem.prescribed.count ? gn_alloc(n + 1) : NULL;
+    if (!d->point || !d->stiffness || !d->damping || (w->dem.prescribed.count && !d->fixed)) {
         free_data(d);
         return gn_fail(error, GNEISS_ERROR_MEMORY, "no memory for the stability estimate");
     }
     for (size_t k = 0; k < walls; k++) {
         const gn_wall_def *def = &w->scene.walls[k];
-        memcpy(d->point + 4 * k, w->walls[k].point, 3 * sizeof(double));
+        memcpy(d->point + 4 * k, w->boundary.walls[k].point, 3 * sizeof(double));
         d->stiffness[2 * k] = def->stiffness;
         bool shear = w->effects & GN_FX_WALL_SHEAR && def->friction > 0.0 && def->kratio > 0.0;
         d->stiffness[2 * k + 1] = shear ? def->stiffness / def->kratio : 0.0;
-        d->damping[k] = w->damping_fraction;
+        d->damping[k] = w->dem.damping_fraction;
     }
     for (size_t p = 0; d->fixed && p < n; p++)
-        d->fixed[p] = w->particles.slot[p] >= 0 ? w->prescribed.mask[w->particles.slot[p]] : 0;
+        d->fixed[p] =
+            w->dem.particles.slot[p] >= 0 ? w->dem.prescribed.mask[w->dem.particles.slot[p]] : 0;
     gneiss_status status = gn_surface_springs(w, reach, &d->surface, &d->surface_count, error);
     if (status != GNEISS_OK) free_data(d);
     return status;
@@ -82,8 +83,8 @@ double gn_world_nonviscous_share(const gn_world *w) {
  */
 static double together(const gn_world *w, double p, double s) {
     if (!isfinite(s)) return p;
-    return w->damping_fraction > 0.0 ? 1.0 / (1.0 / p + 1.0 / s)
-                                     : 1.0 / sqrt(1.0 / (p * p) + 1.0 / (s * s));
+    return w->dem.damping_fraction > 0.0 ? 1.0 / (1.0 / p + 1.0 / s)
+                                         : 1.0 / sqrt(1.0 / (p * p) + 1.0 / (s * s));
 }
 
 static double limit_of(double rate) {
@@ -92,10 +93,10 @@ static double limit_of(double rate) {
 
 /* What particles are coupled to: free bodies, and finite elements that they touch. */
 static double partner_limit(const gn_world *w) {
-    double bodies = limit_of(w->surface_rate);
-    if (!(w->vertex_rate > 0.0)) return bodies;
+    double bodies = limit_of(w->boundary.surface_rate);
+    if (!(w->boundary.vertex_rate > 0.0)) return bodies;
     double elements = gn_world_nonviscous_share(w) * w->elements->stable;
-    return fmin(bodies, together(w, elements, limit_of(w->vertex_rate)));
+    return fmin(bodies, together(w, elements, limit_of(w->boundary.vertex_rate)));
 }
 
 /* Of all, from the limit of the particles alone; bodies and elements only meet particles. */
@@ -109,7 +110,7 @@ static double all_together(const gn_world *w, double particles) {
  * would do. */
 static double particles_needed(const gn_world *w, double step) {
     double other = partner_limit(w), left = 1.0 / step;
-    if (w->damping_fraction > 0.0)
+    if (w->dem.damping_fraction > 0.0)
         left -= 1.0 / other;
     else
         left = sqrt(fmax(0.0, left * left - 1.0 / (other * other)));
@@ -173,7 +174,7 @@ static gneiss_status answer(const gn_spectrum *spectrum, const question *q, gnei
 static gneiss_status ask(const gn_world *w, bool listed, const question *q, gneiss_error *error) {
     gn_assembly assembly = gn_world_assembly(w);
     spectrum_data data = {0};
-    double reach = listed ? w->verlet.skin : 0.0;
+    double reach = listed ? w->dem.verlet.skin : 0.0;
     GN_TRY(make_data(w, reach, &data, error));
     gn_spectrum spectrum = spectrum_of(w, reach, &assembly, &data);
     gneiss_status status = answer(&spectrum, q, error);
@@ -186,7 +187,7 @@ static gneiss_status ask(const gn_world *w, bool listed, const question *q, gnei
 static bool bound_suffices(const gn_world *w, double bound) {
     if (w->scene.estimate == GN_STEP_BOUND || bound == INFINITY) return true;
     double limit = together(w, gn_world_nonviscous_share(w) * bound,
-                            limit_of(fmax(w->surface_rate, w->vertex_rate)));
+                            limit_of(fmax(w->boundary.surface_rate, w->boundary.vertex_rate)));
     return w->scene.step > 0.0 && w->scene.step <= limit;
 }
 
@@ -194,11 +195,11 @@ static gneiss_status find_limit(gn_world *w, gneiss_error *error) {
     gn_step_limit quick = {0};
     GN_TRY(ask(w, false, &(question){.limit = &quick}, error));
     if (!bound_suffices(w, quick.bound))
-        return ask(w, false, &(question){.tolerance = 1e-3, .limit = &w->limit}, error);
-    w->limit = quick;
-    w->limit.sharp = quick.bound;
-    w->limit.sharp_id = quick.bound_id;
-    w->limit.iterations = 0;
+        return ask(w, false, &(question){.tolerance = 1e-3, .limit = &w->dem.limit}, error);
+    w->dem.limit = quick;
+    w->dem.limit.sharp = quick.bound;
+    w->dem.limit.sharp_id = quick.bound_id;
+    w->dem.limit.iterations = 0;
     return GNEISS_OK;
 }
 
@@ -213,7 +214,7 @@ static double trusted(const gn_world *w, const gn_step_limit *limit) {
 static gneiss_status usable_limit(const gn_world *w, double *limit, gneiss_error *error) {
     gn_step_limit listed = {0};
     gn_resolution unused;
-    *limit = trusted(w, &w->limit);
+    *limit = trusted(w, &w->dem.limit);
     if (*limit < INFINITY) return GNEISS_OK;
     GN_TRY(ask(w, true, &(question){.tolerance = tolerance_of(w), .limit = &listed}, error));
     *limit = trusted(w, &listed);
@@ -224,7 +225,7 @@ static gneiss_status usable_limit(const gn_world *w, double *limit, gneiss_error
 /* What sets the limit. */
 static const char *culprit(const gn_world *w, char *text, size_t size) {
     if (gn_elements_lead(w)) return gn_elements_culprit(w, text, size);
-    int32_t id = w->scene.estimate == GN_STEP_BOUND ? w->limit.bound_id : w->limit.sharp_id;
+    int32_t id = w->scene.estimate == GN_STEP_BOUND ? w->dem.limit.bound_id : w->dem.limit.sharp_id;
     if (id >= 0)
         snprintf(text, size, "particle %d", id);
     else
@@ -268,7 +269,7 @@ static gneiss_status react(gn_world *w, double limit, gneiss_error *error) {
 /* Whether springs that have come to act since the last look take the limit down. Without any at
  * that look, any will do. */
 static gneiss_status limit_fell(gn_world *w, bool *fell, gneiss_error *error) {
-    double known = trusted(w, &w->limit);
+    double known = trusted(w, &w->dem.limit);
     gn_step_verdict verdict = {0};
     question q = {
         .step = known < INFINITY ? 0.95 * known : DBL_MAX, .verdict = &verdict, .changed = true};
@@ -283,12 +284,13 @@ static gneiss_status particle_limit(gn_world *w, bool full, bool *due, gneiss_er
     bool fell = full;
     if (!full) GN_TRY(limit_fell(w, &fell, error));
     GN_TRY(gn_surfaces_rate(w, &bodies, &vertices, error));
-    *due = fell || bodies > 1.02 * w->surface_rate || vertices > 1.02 * w->vertex_rate;
+    *due = fell || bodies > 1.02 * w->boundary.surface_rate ||
+           vertices > 1.02 * w->boundary.vertex_rate;
     if (!*due) return GNEISS_OK;
-    w->surface_rate = bodies;
-    w->vertex_rate = vertices;
+    w->boundary.surface_rate = bodies;
+    w->boundary.vertex_rate = vertices;
     if (fell) GN_TRY(find_limit(w, error));
-    return usable_limit(w, &w->stable_particles, error);
+    return usable_limit(w, &w->dem.stable, error);
 }
 
 /* --- what may happen before the lists are made again
@@ -308,10 +310,10 @@ static gneiss_status listed_limit(gn_world *w, bool full, bool *fine, gneiss_err
     gn_step_verdict verdict = {0};
     double needed = particles_needed(w, w->dt / 0.99);
     *fine = false; /* of a given step it is known for good */
-    if (!full && w->scene.step > 0.0 && w->dt > w->listed) return GNEISS_OK;
+    if (!full && w->scene.step > 0.0 && w->dt > w->dem.listed) return GNEISS_OK;
     /* More is asked of the particles than they have been found to hold, since bodies give way more.
      */
-    bool all = full || needed > w->listed_holds, finite = needed < INFINITY;
+    bool all = full || needed > w->dem.listed_holds, finite = needed < INFINITY;
     question q = {.tolerance = all || !finite ? tolerance_of(w) : 0.0};
     if (finite) {
         q.step = needed;
@@ -322,17 +324,17 @@ static gneiss_status listed_limit(gn_world *w, bool full, bool *fine, gneiss_err
     }
     GN_TRY(ask(w, true, &q, error));
     *fine = finite && verdict.holds;
-    if (*fine && all) w->listed_holds = needed;
+    if (*fine && all) w->dem.listed_holds = needed;
     if (*fine) return GNEISS_OK;
-    w->listed_holds = finite ? verdict.limit : trusted(w, &limit);
-    w->listed = all_together(w, w->listed_holds);
-    lower(w, 0.98 * w->listed);
+    w->dem.listed_holds = finite ? verdict.limit : trusted(w, &limit);
+    w->dem.listed = all_together(w, w->dem.listed_holds);
+    lower(w, 0.98 * w->dem.listed);
     return GNEISS_OK;
 }
 
 static void resolve(gn_world *w, gn_resolution r) {
-    if (r.step >= w->resolution.step) return;
-    w->resolution = r;
+    if (r.step >= w->dem.resolution.step) return;
+    w->dem.resolution = r;
     lower(w, r.step);
 }
 
@@ -364,10 +366,10 @@ gneiss_status gn_world_check_lists(gn_world *w, gneiss_error *error) {
 /* As at the start: from what is near, or from what the scene holds when there is nothing near. */
 static gneiss_status check_anew(gn_world *w, gneiss_error *error) {
     bool fine;
-    w->listed = INFINITY;
-    w->resolution = (gn_resolution){INFINITY, INFINITY, -1, -1};
+    w->dem.listed = INFINITY;
+    w->dem.resolution = (gn_resolution){INFINITY, INFINITY, -1, -1};
     GN_TRY(check_lists(w, true, &fine, error));
-    if (!w->scene.has_specimen || w->resolution.step < INFINITY) return GNEISS_OK;
+    if (!w->scene.has_specimen || w->dem.resolution.step < INFINITY) return GNEISS_OK;
     gn_resolution flight;
     double unused;
     GN_TRY(gn_flight_limits(w, &unused, &flight, error));
@@ -384,8 +386,8 @@ gneiss_status gn_world_check_step(gn_world *w, bool full, gneiss_error *error) {
     if (status == GNEISS_OK && w->elements)
         status = gn_elements_limit(w, full, &elements_due, error);
     if (status == GNEISS_OK && (due || elements_due)) {
-        if (!w->scene.has_specimen) w->stable_particles = INFINITY;
-        w->stable = all_together(w, w->stable_particles);
+        if (!w->scene.has_specimen) w->dem.stable = INFINITY;
+        w->stable = all_together(w, w->dem.stable);
         status = react(w, w->stable, error);
     }
     /* What rattles or has come apart in lists that stand for long. */
@@ -401,16 +403,17 @@ const char *gn_world_step_warning(const gn_world *w, char *text, size_t size) {
     char who[160];
     *text = '\0';
     if (w->scene.step == 0.0) return text;
-    if (w->dt > w->resolution.step)
+    if (w->dt > w->dem.resolution.step)
         snprintf(text, size,
                  "time.step: %.6g s does not resolve collisions: that of %s lasts %.6g s = %.1f "
                  "steps, expected at least %.1f (time.contact_steps)",
-                 w->dt, gn_resolution_text(w, who, sizeof who), w->resolution.contact,
-                 w->resolution.contact / w->dt, w->resolution.contact / w->resolution.step);
-    else if (w->dt > w->listed)
+                 w->dt, gn_resolution_text(w, who, sizeof who), w->dem.resolution.contact,
+                 w->dem.resolution.contact / w->dt,
+                 w->dem.resolution.contact / w->dem.resolution.step);
+    else if (w->dt > w->dem.listed)
         snprintf(text, size,
                  "time.step: %.6g s is above %.6g s, the stability limit with all contacts in "
                  "touch that are near",
-                 w->dt, w->listed);
+                 w->dt, w->dem.listed);
     return text;
 }

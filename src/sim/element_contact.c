@@ -30,7 +30,7 @@ gneiss_status gn_element_contact_create(gn_world *w, gneiss_error *error) {
     gn_element_model *q = w->elements;
     if (!q || !w->scene.elements.has_contact || !w->scene.has_specimen) return GNEISS_OK;
     const gn_element_contact_def *def = &w->scene.elements.contact;
-    gn_surface *s = &w->surfaces[w->surface_count];
+    gn_surface *s = &w->boundary.surfaces[w->boundary.surface_count];
     size_t corners = (size_t)w->scene.dimension, count = 0;
     gneiss_status status = gn_fem_surface(&q->body, def->group[0] ? def->group : NULL,
                                           &q->contact.corner, &count, error);
@@ -46,7 +46,7 @@ gneiss_status gn_element_contact_create(gn_world *w, gneiss_error *error) {
     s->prescribed = &q->body.prescribed;
     s->vertices = q->body.nodes.soa.count;
     s->body = -1;
-    s->first = (int32_t)(w->body_corner_count / corners);
+    s->first = (int32_t)(w->boundary.body_corner_count / corners);
     s->stiffness = def->stiffness;
     s->kratio = def->kratio;
     s->friction = def->friction;
@@ -55,7 +55,7 @@ gneiss_status gn_element_contact_create(gn_world *w, gneiss_error *error) {
     GN_TRY(make_rows(q, &s->facets, error));
     s->force = q->contact.force;
     GN_TRY(gn_facet_tree_build(&s->facets, &s->tree, error));
-    w->surface_count++;
+    w->boundary.surface_count++;
     return GNEISS_OK;
 }
 

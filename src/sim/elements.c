@@ -301,8 +301,6 @@ gneiss_status gn_elements_move(gn_world *w, bool measure, gneiss_error *error) {
         for (int k = 0; k < 9; k++)
             q->stress[k] = q->body.elastic.stress[k] / q->body.elastic.volume;
         status = measure_forces(q, error);
-        if (!w->scene.has_specimen) memcpy(w->stress, q->stress, sizeof w->stress);
-        w->unbalanced = w->scene.has_specimen ? fmax(w->unbalanced, q->unbalanced) : q->unbalanced;
     }
     w->seconds[GN_PHASE_elements] += gn_now() - start;
     return status;
@@ -366,17 +364,17 @@ gneiss_status gn_elements_limit(gn_world *w, bool full, bool *due, gneiss_error 
 }
 
 double gn_world_sharp_limit(const gn_world *w) {
-    double limit = w->scene.has_specimen ? w->limit.sharp : INFINITY;
+    double limit = w->scene.has_specimen ? w->dem.limit.sharp : INFINITY;
     return w->elements ? fmin(limit, w->elements->limit.sharp) : limit;
 }
 
 double gn_world_bound(const gn_world *w) {
-    double limit = w->scene.has_specimen ? w->limit.bound : INFINITY;
+    double limit = w->scene.has_specimen ? w->dem.limit.bound : INFINITY;
     return w->elements ? fmin(limit, w->elements->limit.bound) : limit;
 }
 
 bool gn_elements_lead(const gn_world *w) {
-    return w->elements && (!w->scene.has_specimen || w->stable_particles >= w->elements->stable);
+    return w->elements && (!w->scene.has_specimen || w->dem.stable >= w->elements->stable);
 }
 
 /* By its id: the place at the start tells more than a number. */

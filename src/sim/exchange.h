@@ -9,8 +9,8 @@
 
 typedef struct gn_exchange {
     void *context; /* the caller's */
-    /* Has the blocks wait that `act` will need (gn_hold_particle on world->hold and on the hold of
-     * a body of elements): now, and whenever lists were made, when particles may have changed
+    /* Has the blocks wait that `act` will need (gn_hold_particle on world->dem.hold and on the hold
+     * of a body of elements): now, and whenever lists were made, when particles may have changed
      * places. */
     gneiss_status (*mark)(void *context, gn_world *world, gneiss_error *error);
     /* Adds to the loads of what waits. Loads are forces of contacts, walls, elements and earlier

@@ -42,7 +42,8 @@ static effective_radius radius_of(const gn_world *w, double ri, double rj) {
     case GN_STIFFNESS_MEAN_RADIUS:
     case GN_STIFFNESS_MEAN_ARITHMETIC:
     case GN_STIFFNESS_MEAN_HARMONIC:
-        return (effective_radius){w->derived.radius, w->derived.radius2, sqrt(w->derived.radius2)};
+        return (effective_radius){w->dem.derived.radius, w->dem.derived.radius2,
+                                  sqrt(w->dem.derived.radius2)};
     case GN_STIFFNESS_UNIFORM:
         break;
     }
@@ -67,14 +68,14 @@ static void set_kn_and_strength(const gn_world *w, const gn_material *a, const g
 }
 
 double gn_inverse_mass_along(const gn_world *w, size_t p, const double n[3]) {
-    double inverse = w->particles.vel[4 * p + 3];
-    int32_t slot = w->prescribed.count ? w->particles.slot[p] : -1;
-    return slot < 0 ? inverse : gn_free_share(w->prescribed.mask[slot], n) * inverse;
+    double inverse = w->dem.particles.vel[4 * p + 3];
+    int32_t slot = w->dem.prescribed.count ? w->dem.particles.slot[p] : -1;
+    return slot < 0 ? inverse : gn_free_share(w->dem.prescribed.mask[slot], n) * inverse;
 }
 
 /* Of the pair along the line between its centres, where it is now. */
 static double pair_inverse_mass(const gn_world *w, int32_t i, int32_t j) {
-    const double *pos = w->particles.pos;
+    const double *pos = w->dem.particles.pos;
     double n[3], length2 = gn_branch(w, pos + 4 * (int64_t)i, pos + 4 * (int64_t)j, n);
     double scale = length2 > 0.0 ? 1.0 / sqrt(length2) : 0.0;
     for (int a = 0; a < 3; a++) n[a] *= scale;
@@ -82,7 +83,7 @@ static double pair_inverse_mass(const gn_world *w, int32_t i, int32_t j) {
 }
 
 gn_contact_parameters gn_contact_law(const gn_world *w, int32_t i, int32_t j) {
-    const gn_particles *q = &w->particles;
+    const gn_particles *q = &w->dem.particles;
     const gn_material *a = &w->scene.materials[q->material[i]];
     const gn_material *b = &w->scene.materials[q->material[j]];
     gn_contact_parameters p = {0};
@@ -92,19 +93,19 @@ gn_contact_parameters gn_contact_law(const gn_world *w, int32_t i, int32_t j) {
            tb = b->kratio > 0.0 ? 1.0 / b->kratio : 0.0;
     p.kt = ta + tb > 0.0 ? p.kn * series(ta, tb) : 0.0;
     p.mu = smaller(a->friction, b->friction);
-    if (w->damping_fraction > 0.0)
-        p.cn = gn_dashpot(p.kn, pair_inverse_mass(w, i, j), w->damping_fraction, w->dt);
+    if (w->dem.damping_fraction > 0.0)
+        p.cn = gn_dashpot(p.kn, pair_inverse_mass(w, i, j), w->dem.damping_fraction, w->dt);
     return p;
 }
 
 /* Averages over particles (3a) or over contacts (3b, 3c), in list order. */
 gneiss_status gn_law_derive(gn_world *w, const gn_pair_list *pairs, gneiss_error *error) {
     gn_stiffness_model model = w->scene.stiffness;
-    const double *pos = w->particles.pos;
+    const double *pos = w->dem.particles.pos;
     double sum = 0.0, sum2 = 0.0;
     size_t count = pairs->count;
     if (model == GN_STIFFNESS_MEAN_RADIUS) {
-        count = w->particles.soa.count;
+        count = w->dem.particles.soa.count;
         for (size_t p = 0; p < count; p++) {
             sum += pos[4 * p + 3];
             sum2 += pos[4 * p + 3] * pos[4 * p + 3];
@@ -127,6 +128,6 @@ gneiss_status gn_law_derive(gn_world *w, const gn_pair_list *pairs, gneiss_error
             "%s:%d:%d: law.stiffness: expected contacts to average over, found none between the "
             "particles of the specimen",
             w->scene.source, w->scene.law_where.line, w->scene.law_where.column);
-    w->derived = (gn_derived){sum / (double)count, sum2 / (double)count};
+    w->dem.derived = (gn_derived){sum / (double)count, sum2 / (double)count};
     return GNEISS_OK;
 }

@@ -44,11 +44,11 @@ static bool walk_to(const gn_contacts *list, size_t *at, int32_t i, int32_t j) {
 }
 
 static void drop_bonded(const gn_world *w, gn_pair_list *pairs) {
-    if (!w->bonds.soa.count) return;
+    if (!w->dem.bonds.soa.count) return;
     size_t kept = 0, at = 0;
     for (size_t c = 0; c < pairs->count; c++) {
         int32_t i = pairs->pair[c][0], j = pairs->pair[c][1];
-        if (walk_to(&w->bonds, &at, i, j)) continue;
+        if (walk_to(&w->dem.bonds, &at, i, j)) continue;
         pairs->pair[kept][0] = i;
         pairs->pair[kept++][1] = j;
     }
@@ -73,12 +73,12 @@ static void fill_part(const gn_world *w, const gn_pair_list *found, gn_contacts 
     size_t place = *at; /* in a register, as the ends are */
     for (size_t c = begin; c < end; c++) {
         int32_t i = first[c] = found->pair[c][0], j = second[c] = found->pair[c][1];
-        bool known = walk_to(&w->pairs, &place, i, j);
+        bool known = walk_to(&w->dem.pairs, &place, i, j);
         from[c - begin] = known ? (int32_t)place : -1;
         if (!known) new_pair(w, now, c);
     }
     *at = place;
-    gn_soa_keep(&gn_contact_record, now, begin, end - begin, &w->pairs, from);
+    gn_soa_keep(&gn_contact_record, now, begin, end - begin, &w->dem.pairs, from);
 }
 
 /* Fills the list from the pairs found; every thread walks through its part of the old list. */
@@ -87,17 +87,21 @@ static void fill_pairs(const gn_world *w, const gn_pair_list *found, gn_contacts
     {
         size_t t = (size_t)omp_get_thread_num(), of = (size_t)omp_get_num_threads();
         size_t begin = found->count * t / of, end = found->count * (t + 1) / of, at = 0;
-        if (begin < end) at = lower_bound(&w->pairs, found->pair[begin][0], found->pair[begin][1]);
+        if (begin < end)
+            at = lower_bound(&w->dem.pairs, found->pair[begin][0], found->pair[begin][1]);
         for (size_t c = begin; c < end; c += PART)
             fill_part(w, found, now, c, end - c < PART ? end : c + PART, &at);
     }
 }
 
 static gneiss_status make_pairs(gn_world *w, gneiss_error *error) {
-    gn_pair_query query = {
-        &w->particles, (int)w->scene.dimension,     w->verlet.skin,
-        0.0,           w->effects & GN_FX_PERIODIC, {w->period[0], w->period[1], w->period[2]},
-        w->threads};
+    gn_pair_query query = {&w->dem.particles,
+                           (int)w->scene.dimension,
+                           w->dem.verlet.skin,
+                           0.0,
+                           w->effects & GN_FX_PERIODIC,
+                           {w->period[0], w->period[1], w->period[2]},
+                           w->threads};
     gn_pair_list found = {0};
     GN_TRY(gn_pairs_find(&query, &found, error));
     drop_bonded(w, &found);
@@ -106,11 +110,11 @@ static gneiss_status make_pairs(gn_world *w, gneiss_error *error) {
                                          gn_contact_list_effects(w->effects, false), error);
     if (status == GNEISS_OK) {
         fill_pairs(w, &found, &now);
-        gn_soa_destroy(&gn_contact_record, &w->pairs);
-        w->pairs = now;
-        gn_contacts_pad(&w->pairs, &w->particles);
-        status = gn_partials_build(&w->pairs, w->particles.soa.count, w->threads, &w->pair_partials,
-                                   error);
+        gn_soa_destroy(&gn_contact_record, &w->dem.pairs);
+        w->dem.pairs = now;
+        gn_contacts_pad(&w->dem.pairs, &w->dem.particles);
+        status = gn_partials_build(&w->dem.pairs, w->dem.particles.soa.count, w->threads,
+                                   &w->dem.pair_partials, error);
     }
     gn_pair_list_free(&found);
     return status;
@@ -202,42 +206,42 @@ static gneiss_status rename_wall_contacts(gn_wall_contacts *list, const int32_t 
 
 static void set_null_particles(gn_world *w) {
     double apart = w->effects & GN_FX_PERIODIC ? 0.25 * fmin(w->period[0], w->period[1]) : 1.0;
-    gn_particles_set_null(&w->particles, apart);
+    gn_particles_set_null(&w->dem.particles, apart);
 }
 
 static void number_ids(gn_world *w) {
-    for (size_t p = 0; p < w->particles.soa.count; p++)
-        w->index_of_id[w->particles.id[p]] = (int32_t)p;
+    for (size_t p = 0; p < w->dem.particles.soa.count; p++)
+        w->dem.index_of_id[w->dem.particles.id[p]] = (int32_t)p;
 }
 
 /* Sorts particles along the Morton curve and renumbers everything that points at them. */
 static gneiss_status reorder(gn_world *w, gneiss_error *error) {
-    size_t n = w->particles.soa.count;
+    size_t n = w->dem.particles.soa.count;
     int32_t *order = gn_alloc_array(n + 1, sizeof *order),
             *place = gn_alloc_array(n + 1, sizeof *place);
     gn_particles now = {0};
     gneiss_status status =
-        order && place ? gn_morton_order(&w->particles, (int)w->scene.dimension, order, error)
+        order && place ? gn_morton_order(&w->dem.particles, (int)w->scene.dimension, order, error)
                        : gn_fail(error, GNEISS_ERROR_MEMORY, "no memory to sort %zu particles", n);
     if (status == GNEISS_OK)
         status = gn_soa_create(&gn_particle_record, &now, n, w->effects, error);
     if (status == GNEISS_OK) {
-        gn_soa_permute(&gn_particle_record, &now, &w->particles, order);
-        gn_soa_destroy(&gn_particle_record, &w->particles);
-        w->particles = now;
+        gn_soa_permute(&gn_particle_record, &now, &w->dem.particles, order);
+        gn_soa_destroy(&gn_particle_record, &w->dem.particles);
+        w->dem.particles = now;
         set_null_particles(w);
         for (size_t p = 0; p < n; p++) place[order[p]] = (int32_t)p;
         number_ids(w);
     }
-    if (status == GNEISS_OK && w->bonds.soa.capacity) {
-        status = rename_contacts(&w->bonds, place, error);
-        gn_contacts_pad(&w->bonds, &w->particles);
+    if (status == GNEISS_OK && w->dem.bonds.soa.capacity) {
+        status = rename_contacts(&w->dem.bonds, place, error);
+        gn_contacts_pad(&w->dem.bonds, &w->dem.particles);
         if (status == GNEISS_OK)
-            status = gn_partials_build(&w->bonds, n, w->threads, &w->bond_partials, error);
+            status = gn_partials_build(&w->dem.bonds, n, w->threads, &w->dem.bond_partials, error);
     }
-    if (status == GNEISS_OK && w->pairs.soa.capacity)
-        status = rename_contacts(&w->pairs, place, error);
-    if (status == GNEISS_OK) status = rename_wall_contacts(&w->wall_contacts, place, error);
+    if (status == GNEISS_OK && w->dem.pairs.soa.capacity)
+        status = rename_contacts(&w->dem.pairs, place, error);
+    if (status == GNEISS_OK) status = rename_wall_contacts(&w->boundary.contacts, place, error);
     gn_free(order);
     gn_free(place);
     return status;
@@ -256,25 +260,25 @@ static bool in_domain(const gn_world *w, const double *x, double reach) {
 }
 
 static gneiss_status left_domain(const gn_world *w, size_t p, double reach, gneiss_error *error) {
-    const double *x = w->particles.pos + 4 * p, *v = w->particles.vel + 4 * p;
+    const double *x = w->dem.particles.pos + 4 * p, *v = w->dem.particles.vel + 4 * p;
     char at[GN_POINT_SIZE], why[160] = "";
     if (in_domain(w, x, INFINITY))
         snprintf(
             why, sizeof why,
             "; beyond %g m from the origin places are too coarse for the smallest radius, %g m",
-            reach, w->radius_min);
+            reach, w->dem.radius_min);
     return gn_fail(error, GNEISS_ERROR_UNSTABLE,
                    "step %lld, t = %g s: particle %d left the domain at %s m with (%g, %g, %g) m/s "
                    "(domain.lost: remove lets a run go on without it)%s",
-                   (long long)w->step, w->time, w->particles.id[p],
+                   (long long)w->step, w->time, w->dem.particles.id[p],
                    gn_point_text(w->scene.origin, x, at), v[0], v[1], v[2], why);
 }
 
 /* A particle outside the domain stops the run or leaves the model: it stays where it was last seen,
  * at rest, without mass and contacts. Its energy is booked as carried away. */
 static gneiss_status check_domain(gn_world *w, gneiss_error *error) {
-    gn_particles *q = &w->particles;
-    double reach = gn_origin_reach(w->radius_min);
+    gn_particles *q = &w->dem.particles;
+    double reach = gn_origin_reach(w->dem.radius_min);
     for (size_t p = 0; p < q->soa.count; p++) {
         double *v = q->vel + 4 * p, *x = q->pos + 4 * p;
         if (v[3] == 0.0 || in_domain(w, x, reach)) continue;
@@ -287,23 +291,23 @@ static gneiss_status check_domain(gn_world *w, gneiss_error *error) {
         }
         memset(v, 0, 4 * sizeof *v);
         if (q->slot) q->slot[p] = -1;
-        w->lost++;
+        w->dem.lost++;
     }
     return GNEISS_OK;
 }
 
 /* Bonds of removed particles count as broken in tension (they were stretched across the domain). */
 static void release_bonds_of_removed(gn_world *w) {
-    gn_contacts *b = &w->bonds;
+    gn_contacts *b = &w->dem.bonds;
     for (size_t c = 0; c < b->soa.count; c++) {
-        bool gone = w->particles.vel[4 * (int64_t)b->i[c] + 3] == 0.0 ||
-                    w->particles.vel[4 * (int64_t)b->j[c] + 3] == 0.0;
+        bool gone = w->dem.particles.vel[4 * (int64_t)b->i[c] + 3] == 0.0 ||
+                    w->dem.particles.vel[4 * (int64_t)b->j[c] + 3] == 0.0;
         if (!gone) continue;
         if (b->rn[c] > 0.0) {
             b->rn[c] = -b->rn[c];
             b->cause[c] = GN_BROKEN_TENSION;
             b->broken_time[c] = w->time;
-            w->broken_tension++;
+            w->dem.broken_tension++;
         }
         b->kn[c] = 0.0;
         if (b->kt) b->kt[c] = 0.0;
@@ -316,7 +320,7 @@ static void release_bonds_of_removed(gn_world *w) {
 }
 
 static void wrap(gn_world *w) {
-    gn_particles *q = &w->particles;
+    gn_particles *q = &w->dem.particles;
     for (size_t p = 0; p < q->soa.count; p++)
         for (int a = 0; a < (int)w->scene.dimension; a++) {
             double shift = floor((q->pos[4 * p + a] - w->scene.periodic_min[a]) / w->period[a]);
@@ -330,22 +334,23 @@ static void wrap(gn_world *w) {
 
 /* What goes by the blocks of the lists: sums, and who works on what. */
 static gneiss_status ready_blocks(gn_world *w, gneiss_error *error) {
-    gn_free(w->pair_sums);
-    w->pair_sums = gn_alloc_array(w->pair_partials.blocks + 1, sizeof *w->pair_sums);
-    if (!w->bond_sums)
-        w->bond_sums = gn_alloc_array(w->bond_partials.blocks + 1, sizeof *w->bond_sums);
-    if (!w->motion_sums) {
-        w->motion_blocks = gn_blocks(w->particles.soa.count, GN_PARTICLE_BLOCK);
-        w->motion_sums = gn_alloc_array(w->motion_blocks + 1, sizeof *w->motion_sums);
-        w->wall_sums = gn_alloc_array(w->motion_blocks + 1, sizeof *w->wall_sums);
-        GN_TRY(gn_hold_create(&w->hold, w->motion_blocks, error));
+    gn_free(w->dem.pair_sums);
+    w->dem.pair_sums = gn_alloc_array(w->dem.pair_partials.blocks + 1, sizeof *w->dem.pair_sums);
+    if (!w->dem.bond_sums)
+        w->dem.bond_sums =
+            gn_alloc_array(w->dem.bond_partials.blocks + 1, sizeof *w->dem.bond_sums);
+    if (!w->dem.motion_sums) {
+        w->dem.motion_blocks = gn_blocks(w->dem.particles.soa.count, GN_PARTICLE_BLOCK);
+        w->dem.motion_sums = gn_alloc_array(w->dem.motion_blocks + 1, sizeof *w->dem.motion_sums);
+        w->boundary.sums = gn_alloc_array(w->dem.motion_blocks + 1, sizeof *w->boundary.sums);
+        GN_TRY(gn_hold_create(&w->dem.hold, w->dem.motion_blocks, error));
     }
-    if (!w->pair_sums || !w->wall_sums || !w->bond_sums || !w->motion_sums)
+    if (!w->dem.pair_sums || !w->boundary.sums || !w->dem.bond_sums || !w->dem.motion_sums)
         return gn_fail(error, GNEISS_ERROR_MEMORY, "no memory for block sums");
-    w->particle_mass = 0.0;
-    for (size_t p = 0; p < w->particles.soa.count; p++) /* 0: removed */
-        if (w->particles.vel[4 * p + 3] > 0.0)
-            w->particle_mass += 1.0 / w->particles.vel[4 * p + 3];
+    w->dem.mass = 0.0;
+    for (size_t p = 0; p < w->dem.particles.soa.count; p++) /* 0: removed */
+        if (w->dem.particles.vel[4 * p + 3] > 0.0)
+            w->dem.mass += 1.0 / w->dem.particles.vel[4 * p + 3];
     GN_TRY(gn_world_deal_lists(w, error));
     return gn_exchanges_mark(w, error);
 }
@@ -354,8 +359,8 @@ static gneiss_status ready_blocks(gn_world *w, gneiss_error *error) {
  * decision rests on counts alone, so that it falls at the same step in every run. */
 static bool order_is_old(const gn_world *w) {
     enum { REBUILDS_PER_SORT = 16 };
-    return w->verlet.rebuilds == 0 ||
-           (!(w->effects & GN_FX_BONDS) && w->verlet.rebuilds % REBUILDS_PER_SORT == 0);
+    return w->dem.verlet.rebuilds == 0 ||
+           (!(w->effects & GN_FX_BONDS) && w->dem.verlet.rebuilds % REBUILDS_PER_SORT == 0);
 }
 
 /* A rebuild costs about as much as fifteen steps, so lists that live for less than 150 cost more
@@ -364,11 +369,12 @@ static bool order_is_old(const gn_world *w) {
  * skin at all. */
 static void tune_skin(gn_world *w) {
     enum { SHORT_LIFE = 160, LONG_LIFE = 2000 };
-    if (w->scene.skin > 0.0 || w->verlet.rebuilds == 0) return;
-    int64_t life = w->step - w->verlet.last_step;
-    double most = 6.0 * w->verlet.skin_start;
-    if (life < SHORT_LIFE) w->verlet.skin = fmin(1.25 * w->verlet.skin, most);
-    if (life > LONG_LIFE) w->verlet.skin = fmax(0.8 * w->verlet.skin, w->verlet.skin_start);
+    if (w->scene.skin > 0.0 || w->dem.verlet.rebuilds == 0) return;
+    int64_t life = w->step - w->dem.verlet.last_step;
+    double most = 6.0 * w->dem.verlet.skin_start;
+    if (life < SHORT_LIFE) w->dem.verlet.skin = fmin(1.25 * w->dem.verlet.skin, most);
+    if (life > LONG_LIFE)
+        w->dem.verlet.skin = fmax(0.8 * w->dem.verlet.skin, w->dem.verlet.skin_start);
 }
 
 /* All ones if all contacts share the first one's value. */
@@ -393,66 +399,67 @@ static void refresh_dashpots(const gn_world *w, gn_contacts *q) {
 
 void gn_world_refresh_dashpots(gn_world *w) {
     if (!(w->effects & GN_FX_CONTACT_DAMPING)) return;
-    refresh_dashpots(w, &w->bonds);
-    refresh_dashpots(w, &w->pairs);
-    w->bond_uniform = find_uniform(&w->bonds);
-    w->pair_uniform = find_uniform(&w->pairs);
+    refresh_dashpots(w, &w->dem.bonds);
+    refresh_dashpots(w, &w->dem.pairs);
+    w->dem.bond_uniform = find_uniform(&w->dem.bonds);
+    w->dem.pair_uniform = find_uniform(&w->dem.pairs);
 }
 
 /* What kernels read besides the records themselves, once lists and `ref` stand. */
 static void ready_kernels(gn_world *w) {
-    w->bond_uniform = find_uniform(&w->bonds);
-    w->pair_uniform = find_uniform(&w->pairs);
+    w->dem.bond_uniform = find_uniform(&w->dem.bonds);
+    w->dem.pair_uniform = find_uniform(&w->dem.pairs);
     double period[3] = {0, 0, 0};
     if (w->effects & GN_FX_PERIODIC) memcpy(period, w->period, sizeof period);
-    gn_particles_to_single(&w->particles, w->particles.ref, w->threads);
-    gn_contacts_to_single(&w->bonds, &w->particles, period, w->threads);
-    gn_contacts_to_single(&w->pairs, &w->particles, period, w->threads);
+    gn_particles_to_single(&w->dem.particles, w->dem.particles.ref, w->threads);
+    gn_contacts_to_single(&w->dem.bonds, &w->dem.particles, period, w->threads);
+    gn_contacts_to_single(&w->dem.pairs, &w->dem.particles, period, w->threads);
 }
 
 gneiss_status gn_world_rebuild(gn_world *w, gneiss_error *error) {
     double start = gn_now();
     tune_skin(w);
-    int64_t lost = w->lost;
+    int64_t lost = w->dem.lost;
     if (w->scene.has_domain) GN_TRY(check_domain(w, error));
-    if (w->lost != lost) release_bonds_of_removed(w);
+    if (w->dem.lost != lost) release_bonds_of_removed(w);
     if (w->effects & GN_FX_PERIODIC) wrap(w);
     if (order_is_old(w)) GN_TRY(reorder(w, error));
-    if (!w->bond_partials.first) GN_TRY(gn_bonds_form(w, error));
+    if (!w->dem.bond_partials.first) GN_TRY(gn_bonds_form(w, error));
     GN_TRY(make_pairs(w, error));
     GN_TRY(gn_wall_contacts_find(w, error));
     GN_TRY(ready_blocks(w, error));
-    memcpy(w->particles.ref, w->particles.pos, w->particles.soa.count * 4 * sizeof(double));
+    memcpy(w->dem.particles.ref, w->dem.particles.pos,
+           w->dem.particles.soa.count * 4 * sizeof(double));
     ready_kernels(w);
-    w->verlet.drift = 0.0;
-    w->verlet.rebuilds++;
-    w->verlet.last_step = w->step;
+    w->dem.verlet.drift = 0.0;
+    w->dem.verlet.rebuilds++;
+    w->dem.verlet.last_step = w->step;
     gn_world_assert_lists(w);
     w->seconds[GN_PHASE_lists] += gn_now() - start;
     return GNEISS_OK;
 }
 
 gneiss_status gn_world_restore(gn_world *w, gneiss_error *error) {
-    size_t n = w->particles.soa.count;
+    size_t n = w->dem.particles.soa.count;
     set_null_particles(w);
-    w->index_of_id = gn_alloc_array(n + 1, sizeof *w->index_of_id);
-    w->wall_first = gn_alloc_array(n + 2, sizeof *w->wall_first);
-    if (!w->index_of_id || !w->wall_first)
+    w->dem.index_of_id = gn_alloc_array(n + 1, sizeof *w->dem.index_of_id);
+    w->boundary.first = gn_alloc_array(n + 2, sizeof *w->boundary.first);
+    if (!w->dem.index_of_id || !w->boundary.first)
         return gn_fail(error, GNEISS_ERROR_MEMORY, "no memory for particle numbers");
     number_ids(w);
-    gn_contacts_pad(&w->bonds, &w->particles);
-    gn_contacts_pad(&w->pairs, &w->particles);
-    for (size_t c = 0; c < w->wall_contacts.soa.count; c++)
-        w->wall_first[w->wall_contacts.i[c] + 1]++;
-    for (size_t p = 1; p <= n; p++) w->wall_first[p] += w->wall_first[p - 1];
-    GN_TRY(gn_partials_build(&w->bonds, n, w->threads, &w->bond_partials, error));
-    GN_TRY(gn_partials_build(&w->pairs, n, w->threads, &w->pair_partials, error));
+    gn_contacts_pad(&w->dem.bonds, &w->dem.particles);
+    gn_contacts_pad(&w->dem.pairs, &w->dem.particles);
+    for (size_t c = 0; c < w->boundary.contacts.soa.count; c++)
+        w->boundary.first[w->boundary.contacts.i[c] + 1]++;
+    for (size_t p = 1; p <= n; p++) w->boundary.first[p] += w->boundary.first[p - 1];
+    GN_TRY(gn_partials_build(&w->dem.bonds, n, w->threads, &w->dem.bond_partials, error));
+    GN_TRY(gn_partials_build(&w->dem.pairs, n, w->threads, &w->dem.pair_partials, error));
     ready_kernels(w);
     return ready_blocks(w, error);
 }
 
 static double largest_travel(const gn_world *w) {
-    const gn_particles *q = &w->particles;
+    const gn_particles *q = &w->dem.particles;
     double most = 0.0;
     for (size_t p = 0; p < q->soa.count; p++) {
         double d2 = 0.0;
@@ -470,22 +477,25 @@ static double largest_travel(const gn_world *w) {
  * true largest displacement takes its place. */
 gneiss_status gn_world_refresh_lists(gn_world *w, gneiss_error *error) {
     double wall = 0.0;
-    for (size_t k = 0; k < w->scene.wall_count; k++) wall = fmax(wall, w->walls[k].travel);
+    for (size_t k = 0; k < w->scene.wall_count; k++) wall = fmax(wall, w->boundary.walls[k].travel);
     double surface = fmax(wall, gn_surfaces_travel(w, false));
-    if (2.0 * w->verlet.drift <= w->verlet.skin && w->verlet.drift + surface <= w->verlet.skin)
+    if (2.0 * w->dem.verlet.drift <= w->dem.verlet.skin &&
+        w->dem.verlet.drift + surface <= w->dem.verlet.skin)
         return GNEISS_OK;
     double start = gn_now();
-    w->verlet.drift = largest_travel(w);
+    w->dem.verlet.drift = largest_travel(w);
     wall = fmax(wall, gn_surfaces_travel(w, true));
     w->seconds[GN_PHASE_lists] += gn_now() - start;
     /* A tenth of the skin in hand, or the next step would run out again. */
-    if (2.2 * w->verlet.drift <= w->verlet.skin && w->verlet.drift + wall <= 0.9 * w->verlet.skin)
+    if (2.2 * w->dem.verlet.drift <= w->dem.verlet.skin &&
+        w->dem.verlet.drift + wall <= 0.9 * w->dem.verlet.skin)
         return GNEISS_OK;
     GN_TRY(gn_world_rebuild(w, error));
     /* A surface that gives way may have come near many particles since the last look. */
     double bodies = 0.0, vertices = 0.0;
     GN_TRY(gn_surfaces_rate(w, &bodies, &vertices, error));
-    bool more = bodies > 1.02 * w->surface_rate || vertices > 1.02 * w->vertex_rate;
+    bool more =
+        bodies > 1.02 * w->boundary.surface_rate || vertices > 1.02 * w->boundary.vertex_rate;
     if (more) GN_TRY(gn_world_check_step(w, false, error));
     return gn_world_check_lists(w, error);
 }

@@ -174,15 +174,15 @@ static void fastest(const gn_table tables[3], double velocity[3]) {
 
 gneiss_status gn_origin_check_specimen(const gn_world *w, gneiss_error *error) {
     double reach[3];
-    reach_of(&w->particles, reach);
+    reach_of(&w->dem.particles, reach);
     return too_coarse(w, w->scene.specimen.where, "specimen", reach, "the smallest radius",
-                      w->radius_min, error);
+                      w->dem.radius_min, error);
 }
 
 static gneiss_status check_sets(const gn_world *w, gneiss_error *error) {
     char what[GN_NAME_SIZE + 16];
     double reach[3], velocity[3];
-    reach_of(&w->particles, reach);
+    reach_of(&w->dem.particles, reach);
     for (size_t k = 0; k < w->scene.set_count; k++) {
         const gn_set_def *s = &w->scene.sets[k];
         snprintf(what, sizeof what, "set '%s'", s->name);
@@ -200,7 +200,8 @@ static gneiss_status check_walls(const gn_world *w, gneiss_error *error) {
     for (size_t k = 0; k < w->scene.wall_count; k++) {
         snprintf(what, sizeof what, "wall '%s'", w->scene.walls[k].name);
         fastest(w->scene.walls[k].motion.velocity, velocity);
-        GN_TRY(too_slow(w, w->scene.walls[k].where, what, velocity, w->walls[k].point, error));
+        GN_TRY(too_slow(w, w->scene.walls[k].where, what, velocity, w->boundary.walls[k].point,
+                        error));
     }
     return GNEISS_OK;
 }
@@ -208,13 +209,13 @@ static gneiss_status check_walls(const gn_world *w, gneiss_error *error) {
 static gneiss_status check_bodies(const gn_world *w, gneiss_error *error) {
     char what[GN_NAME_SIZE + 80];
     for (size_t k = 0; k < w->scene.body_count; k++) {
-        const gn_rigid *b = &w->bodies[k];
+        const gn_rigid *b = &w->boundary.bodies[k];
         double velocity[3];
         snprintf(what, sizeof what, "body '%s': its reference point (key reference)",
                  w->scene.bodies[k].name);
         if (w->scene.has_specimen)
             GN_TRY(too_coarse(w, w->scene.bodies[k].where, what, b->position, "the smallest radius",
-                              w->radius_min, error));
+                              w->dem.radius_min, error));
         fastest(w->scene.bodies[k].motion.velocity, velocity);
         GN_TRY(too_slow(w, w->scene.bodies[k].where, what, velocity, b->position, error));
         GN_TRY(too_slow(w, w->scene.bodies[k].where, what, b->velocity, b->position, error));

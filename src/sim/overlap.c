@@ -110,9 +110,9 @@ static size_t crossings(const gn_surface *s, int32_t at, const double from[3]) {
 
 static size_t count_inside(const gn_world *w, const gn_surface *s) {
     size_t inside = 0;
-    for (size_t p = 0; p < w->particles.soa.count; p++) {
-        const double *x = w->particles.pos + 4 * p;
-        const gn_rigid *b = s->body >= 0 ? &w->bodies[s->body] : NULL;
+    for (size_t p = 0; p < w->dem.particles.soa.count; p++) {
+        const double *x = w->dem.particles.pos + 4 * p;
+        const gn_rigid *b = s->body >= 0 ? &w->boundary.bodies[s->body] : NULL;
         double d[3], centre[3];
         for (int a = 0; a < 3; a++) centre[a] = d[a] = b ? x[a] - b->position[a] : x[a];
         if (b) gn_rigid_local(b, d, centre);
@@ -126,7 +126,7 @@ static size_t count_inside(const gn_world *w, const gn_surface *s) {
 
 /* From the lists, which hold every particle near a surface. */
 static void measure_touches(const gn_world *w, gn_overlap *overlap) {
-    const gn_wall_contacts *q = &w->wall_contacts;
+    const gn_wall_contacts *q = &w->boundary.contacts;
     gn_surface_contact contacts[GN_SURFACE_CONTACTS];
     for (size_t c = 0; c < q->soa.count;) {
         size_t count = 0;
@@ -136,7 +136,7 @@ static void measure_touches(const gn_world *w, gn_overlap *overlap) {
         }
         c = gn_surface_contacts_at(w, c, 0.0, contacts, &count);
         if (!count) continue;
-        gn_overlap *o = &overlap[contacts[0].surface - w->surfaces];
+        gn_overlap *o = &overlap[contacts[0].surface - w->boundary.surfaces];
         o->touching++;
         for (size_t k = 0; k < count; k++)
             o->deepest = fmax(o->deepest, -contacts[k].contact.overlap);
@@ -144,13 +144,13 @@ static void measure_touches(const gn_world *w, gn_overlap *overlap) {
 }
 
 gneiss_status gn_world_overlaps(const gn_world *w, gn_overlap *overlap, gneiss_error *error) {
-    memset(overlap, 0, w->surface_count * sizeof *overlap);
+    memset(overlap, 0, w->boundary.surface_count * sizeof *overlap);
     if (!(w->effects & GN_FX_FACETS)) return GNEISS_OK;
     measure_touches(w, overlap);
-    for (size_t k = 0; k < w->surface_count; k++) {
+    for (size_t k = 0; k < w->boundary.surface_count; k++) {
         bool closed = false;
-        GN_TRY(is_closed(&w->surfaces[k].facets, &closed, error));
-        if (closed) overlap[k].inside = count_inside(w, &w->surfaces[k]);
+        GN_TRY(is_closed(&w->boundary.surfaces[k].facets, &closed, error));
+        if (closed) overlap[k].inside = count_inside(w, &w->boundary.surfaces[k]);
     }
     return GNEISS_OK;
 }

@@ -10,7 +10,7 @@ typedef struct gn_overlap {
     size_t inside;   /* particles with their centre inside; 0 of a surface that is open */
 } gn_overlap;
 
-/* Of every surface, at the present positions, into overlap[world->surface_count]. */
+/* Of every surface, at the present positions, into overlap[world->boundary.surface_count]. */
 gneiss_status gn_world_overlaps(const gn_world *world, gn_overlap *overlap, gneiss_error *error);
 
 #endif

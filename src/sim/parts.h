@@ -144,7 +144,7 @@ void gn_rigid_local(const gn_rigid *body, const double direction[3], double loca
 double gn_rigid_compliance(const gn_rigid *body, const double v[3]);
 
 /* Collisions in steps (resolution.c): particles that were not bonded at the start, into
- * world->loose. */
+ * world->dem.loose. */
 gneiss_status gn_loose_find(gn_world *world, gneiss_error *error);
 /* The shortest contact that can begin before the lists are made again. */
 gneiss_status gn_resolution_listed(const gn_world *world, gn_resolution *resolution,

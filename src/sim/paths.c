@@ -14,10 +14,10 @@ static double speed(const double v[3]) {
 
 /* Of the farthest vertex. Written so that a path that is not a number is none that may pass. */
 static gneiss_status check_body(const gn_world *w, size_t k, gneiss_error *error) {
-    const gn_rigid *b = &w->bodies[k];
+    const gn_rigid *b = &w->boundary.bodies[k];
     const double *v = b->velocity, *o = b->spin;
     double path = w->dt * (speed(v) + speed(o) * b->reach);
-    if (path <= 0.5 * w->radius_min) return GNEISS_OK;
+    if (path <= 0.5 * w->dem.radius_min) return GNEISS_OK;
     bool finite = isfinite(v[0] + v[1] + v[2]) && isfinite(o[0] + o[1] + o[2]);
     return gn_fail(error, GNEISS_ERROR_UNSTABLE,
                    "step %lld, t = %g s: body '%s' %s: velocity (%g, %g, %g) m/s, spin (%g, %g, "
@@ -26,20 +26,20 @@ static gneiss_status check_body(const gn_world *w, size_t k, gneiss_error *error
                    (long long)w->step, w->time, w->scene.bodies[k].name,
                    finite ? "moved farther in one step than half the smallest radius"
                           : "has a velocity that is not finite",
-                   v[0], v[1], v[2], o[0], o[1], o[2], b->reach, w->radius_min, w->dt, w->stable,
-                   advice);
+                   v[0], v[1], v[2], o[0], o[1], o[2], b->reach, w->dem.radius_min, w->dt,
+                   w->stable, advice);
 }
 
 /* A plane that moves along itself stays where it is. */
 static gneiss_status check_wall(const gn_world *w, size_t k, gneiss_error *error) {
-    const gn_wall *wall = &w->walls[k];
+    const gn_wall *wall = &w->boundary.walls[k];
     double along = gn_dot3(wall->velocity, wall->normal);
-    if (w->dt * fabs(along) <= 0.5 * w->radius_min) return GNEISS_OK;
+    if (w->dt * fabs(along) <= 0.5 * w->dem.radius_min) return GNEISS_OK;
     return gn_fail(
         error, GNEISS_ERROR_UNSTABLE,
         "step %lld, t = %g s: wall '%s' moved farther in one step than half the smallest "
         "radius: %g m/s along its normal, smallest radius %g m; the step is %.3g s; %s",
-        (long long)w->step, w->time, w->scene.walls[k].name, along, w->radius_min, w->dt,
+        (long long)w->step, w->time, w->scene.walls[k].name, along, w->dem.radius_min, w->dt,
         w->scene.walls[k].servo.active ? "servo.max_velocity bounds it" : advice);
 }
 
@@ -50,7 +50,7 @@ gneiss_status gn_paths_check(const gn_world *w, gneiss_error *error) {
 }
 
 gneiss_status gn_paths_check_spins(const gn_world *w, gneiss_error *error) {
-    const gn_particles *q = &w->particles;
+    const gn_particles *q = &w->dem.particles;
     double most = 0.0;
     if (!q->spin) return GNEISS_OK;
 #pragma omp parallel for schedule(static) num_threads(w->threads) reduction(max : most)
@@ -76,9 +76,9 @@ gneiss_status gn_paths_check_nodes(const gn_world *w, gneiss_error *error) {
     double speed2 = 0.0;
     if (!w->elements->contact.force) return GNEISS_OK;
     for (size_t k = 0; k < b->motion_blocks; k++) speed2 = fmax(speed2, b->motion_sums[k].speed2);
-    if (w->dt * sqrt(speed2) <= 0.5 * w->radius_min) return GNEISS_OK;
+    if (w->dt * sqrt(speed2) <= 0.5 * w->dem.radius_min) return GNEISS_OK;
     return gn_fail(error, GNEISS_ERROR_UNSTABLE,
                    "step %lld, t = %g s: elements: a node moved farther in one step than half the "
                    "smallest radius: %g m/s, smallest radius %g m; the step is %.3g s; %s",
-                   (long long)w->step, w->time, sqrt(speed2), w->radius_min, w->dt, advice);
+                   (long long)w->step, w->time, sqrt(speed2), w->dem.radius_min, w->dt, advice);
 }

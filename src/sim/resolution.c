@@ -19,13 +19,13 @@ double gn_world_contact_steps(const gn_world *w) {
  * ---------------------------------------------------------------------------------- */
 
 static double radius(const gn_world *w, size_t p) {
-    return w->particles.pos[4 * p + 3];
+    return w->dem.particles.pos[4 * p + 3];
 }
 
 /* Whether a particle sits in a pore: at least so many bonded ones as can hold it are nearer to it
  * than its radius. */
 static bool in_pore(const gn_world *w, size_t p) {
-    const gn_particles *q = &w->particles;
+    const gn_particles *q = &w->dem.particles;
     const double *x = q->start + 4 * p; /* so that a resumed run finds the same */
     int near = 0, needed = (int)w->scene.dimension + 1;
     for (size_t j = 0; j < q->soa.count && near < needed; j++) {
@@ -41,14 +41,14 @@ static bool in_pore(const gn_world *w, size_t p) {
  * one by one: of more than MANY pairs all count as such.) */
 gneiss_status gn_loose_find(gn_world *w, gneiss_error *error) {
     const double MANY = 1e9;
-    const gn_particles *q = &w->particles;
+    const gn_particles *q = &w->dem.particles;
     size_t n = q->soa.count, without = 0;
     int32_t groups = 1;
-    if (w->loose) return GNEISS_OK;
+    if (w->dem.loose) return GNEISS_OK;
     for (size_t p = 0; p < n; p++) groups = q->group[p] >= groups ? q->group[p] + 1 : groups;
     int64_t *lead = gn_alloc_array((size_t)groups, sizeof *lead); /* bonded less unbonded ones */
-    w->loose = gn_alloc(n + 1);
-    if (!lead || !w->loose) {
+    w->dem.loose = gn_alloc(n + 1);
+    if (!lead || !w->dem.loose) {
         gn_free(lead);
         return gn_fail(error, GNEISS_ERROR_MEMORY, "no memory for %zu particles", n);
     }
@@ -61,22 +61,22 @@ gneiss_status gn_loose_find(gn_world *w, gneiss_error *error) {
     for (size_t p = 0; p < n; p++) {
         bool bonded = q->bonds0 && q->bonds0[p] > 0;
         bool part = q->group[p] != 0 && lead[q->group[p]] > 0;
-        w->loose[q->id[p]] = !bonded && !(part && (!look || in_pore(w, p)));
+        w->dem.loose[q->id[p]] = !bonded && !(part && (!look || in_pore(w, p)));
     }
     gn_free(lead);
     return GNEISS_OK;
 }
 
 static bool loose(const gn_world *w, size_t p) {
-    return w->loose[w->particles.id[p]];
+    return w->dem.loose[w->dem.particles.id[p]];
 }
 
 /* 1/kg; 0 of what cannot give way. One that is held along some axes only counts as free. */
 static double inverse_mass(const gn_world *w, size_t p) {
-    const gn_particles *q = &w->particles;
+    const gn_particles *q = &w->dem.particles;
     unsigned all = w->effects & GN_FX_SPACE ? 7 : 3;
-    bool held =
-        w->prescribed.count && q->slot[p] >= 0 && (w->prescribed.mask[q->slot[p]] & all) == all;
+    bool held = w->dem.prescribed.count && q->slot[p] >= 0 &&
+                (w->dem.prescribed.mask[q->slot[p]] & all) == all;
     return held ? 0.0 : q->vel[4 * p + 3];
 }
 
@@ -87,11 +87,11 @@ typedef struct ties {
 } ties;
 
 static bool come_apart(const gn_world *w, const double *stiffest, uint8_t *tied) {
-    const gn_contacts *b = &w->bonds;
+    const gn_contacts *b = &w->dem.bonds;
     size_t had = 0, have = 0;
     for (size_t c = 0; c < b->soa.count; c++)
         if (b->rn[c] >= 0.0) tied[b->i[c]] = tied[b->j[c]] = 1;
-    for (size_t p = 0; p < w->particles.soa.count; p++) {
+    for (size_t p = 0; p < w->dem.particles.soa.count; p++) {
         had += stiffest[p] > 0.0;
         have += tied[p];
     }
@@ -99,8 +99,8 @@ static bool come_apart(const gn_world *w, const double *stiffest, uint8_t *tied)
 }
 
 static gneiss_status find_ties(const gn_world *w, ties *t, gneiss_error *error) {
-    const gn_contacts *b = &w->bonds;
-    size_t n = w->particles.soa.count;
+    const gn_contacts *b = &w->dem.bonds;
+    size_t n = w->dem.particles.soa.count;
     *t = (ties){0};
     if (!b->soa.count) return GNEISS_OK;
     uint8_t *tied = gn_alloc(n + 1);
@@ -137,7 +137,7 @@ typedef struct fastest {
 static void meet(fastest *f, double square, double share, const gn_world *w, size_t p,
                  int64_t second) {
     if (square * share * share <= f->square * f->share * f->share) return;
-    *f = (fastest){square, share, w->particles.id[p], second};
+    *f = (fastest){square, share, w->dem.particles.id[p], second};
 }
 
 /* Steps are counted over the undamped half wave. */
@@ -152,14 +152,14 @@ static gn_resolution resolution_of(const gn_world *w, const fastest *f) {
  * large on the way in and 1 - a on the way out: c^2 = (1 - a)/(1 + a). */
 static bool rings(const gn_world *w) {
     bool active = w->effects & (GN_FX_NONVISCOUS_VECTOR | GN_FX_NONVISCOUS_COMPONENT);
-    return w->damping_fraction < 0.0163 && !(active && w->scene.background_coefficient > 0.051);
+    return w->dem.damping_fraction < 0.0163 && !(active && w->scene.background_coefficient > 0.051);
 }
 
 /* Whether a contact may open or close while others of its particles press: its gap or overlap is no
  * more than what they move in a collision. */
 static bool rattles(const gn_world *w, size_t i, size_t j, double square) {
-    const double *a = w->particles.pos + 4 * i, *b = w->particles.pos + 4 * j;
-    const double *v = w->particles.vel + 4 * i, *u = w->particles.vel + 4 * j;
+    const double *a = w->dem.particles.pos + 4 * i, *b = w->dem.particles.pos + 4 * j;
+    const double *v = w->dem.particles.vel + 4 * i, *u = w->dem.particles.vel + 4 * j;
     double d[3], gap = sqrt(gn_branch(w, a, b, d)) - a[3] - b[3];
     return fabs(gap) <= (sqrt(gn_dot3(v, v)) + sqrt(gn_dot3(u, u))) * M_PI / sqrt(square);
 }
@@ -168,10 +168,10 @@ static bool rattles(const gn_world *w, size_t i, size_t j, double square) {
  * frequencies with which it moves when all of them press. *sum NULL: damping does not let it ring.
  */
 static gneiss_status find_crowds(const gn_world *w, double **sum, gneiss_error *error) {
-    const gn_contacts *k = &w->pairs;
+    const gn_contacts *k = &w->dem.pairs;
     *sum = NULL;
     if (!rings(w) || !k->soa.count) return GNEISS_OK;
-    *sum = gn_alloc_array(w->particles.soa.count, sizeof **sum);
+    *sum = gn_alloc_array(w->dem.particles.soa.count, sizeof **sum);
     if (!*sum) return gn_fail(error, GNEISS_ERROR_MEMORY, "no memory for crowds");
     for (size_t c = 0; c < k->soa.count; c++) {
         size_t i = (size_t)k->i[c], j = (size_t)k->j[c];
@@ -199,7 +199,7 @@ static void meet_pairs(const gn_world *w, const ties *t, const gn_contacts *k, c
         size_t i = (size_t)k->i[c], j = (size_t)k->j[c];
         if ((k->rn && k->rn[c] >= 0.0) || (!at_large(w, t, i) && !at_large(w, t, j))) continue;
         double square = k->kn[c] * (inverse_mass(w, i) + inverse_mass(w, j));
-        meet(f, square, share_in(w, crowd, i, j, square), w, i, w->particles.id[j]);
+        meet(f, square, share_in(w, crowd, i, j, square), w, i, w->dem.particles.id[j]);
     }
 }
 
@@ -225,8 +225,8 @@ static double give(const gn_world *w, const gn_surface_contact *c) {
                 c->weight[v] * c->weight[v] * gn_vertex_inverse_mass(s, c->vertex[v], c->contact.n);
         return sum;
     }
-    const gn_rigid *b = &w->bodies[s->body];
-    const double *x = w->particles.pos + 4 * c->particle, *n = c->contact.n;
+    const gn_rigid *b = &w->boundary.bodies[s->body];
+    const double *x = w->dem.particles.pos + 4 * c->particle, *n = c->contact.n;
     for (int a = 0; a < 3; a++) {
         at[a] = x[a] + c->contact.arm[a] - b->position[a];
         sum += n[a] * n[a] * b->inverse_mass[a];
@@ -236,12 +236,12 @@ static double give(const gn_world *w, const gn_surface_contact *c) {
 }
 
 static int64_t surface_number(const gn_world *w, const gn_surface *s) {
-    return -1 - (int64_t)w->scene.wall_count - (s - w->surfaces);
+    return -1 - (int64_t)w->scene.wall_count - (s - w->boundary.surfaces);
 }
 
 /* The facets of one surface and one particle from row c; returns the row behind what was done. */
 static size_t meet_surface(const gn_world *w, const ties *t, size_t c, fastest *f) {
-    size_t p = (size_t)w->wall_contacts.i[c], many = 0;
+    size_t p = (size_t)w->boundary.contacts.i[c], many = 0;
     const gn_surface *s = gn_surface_of_row(w, c);
     double inverse = inverse_mass(w, p), share = share_with(w, t, p, s->stiffness, false);
     if (share == 0.0) return c + 1;
@@ -250,7 +250,7 @@ static size_t meet_surface(const gn_world *w, const ties *t, size_t c, fastest *
         return c + 1;
     }
     gn_surface_contact found[GN_SURFACE_CONTACTS];
-    c = gn_surface_contacts_at(w, c, w->verlet.skin, found, &many);
+    c = gn_surface_contacts_at(w, c, w->dem.verlet.skin, found, &many);
     for (size_t m = 0; m < many; m++) {
         double square = s->stiffness * (inverse + give(w, &found[m]));
         meet(f, square, share, w, p, surface_number(w, s));
@@ -259,7 +259,7 @@ static size_t meet_surface(const gn_world *w, const ties *t, size_t c, fastest *
 }
 
 static void meet_walls(const gn_world *w, const ties *t, fastest *f) {
-    const gn_wall_contacts *k = &w->wall_contacts;
+    const gn_wall_contacts *k = &w->boundary.contacts;
     for (size_t c = 0; w->effects & GN_FX_WALLS && c < k->soa.count;) {
         if ((size_t)k->wall[c] >= w->scene.wall_count) {
             c = meet_surface(w, t, c, f);
@@ -281,8 +281,8 @@ gneiss_status gn_resolution_listed(const gn_world *w, gn_resolution *resolution,
     GN_TRY(find_ties(w, &t, error));
     gneiss_status status = find_crowds(w, &crowd, error);
     if (status == GNEISS_OK) {
-        meet_pairs(w, &t, &w->pairs, crowd, &f);
-        if (t.apart) meet_pairs(w, &t, &w->bonds, crowd, &f);
+        meet_pairs(w, &t, &w->dem.pairs, crowd, &f);
+        if (t.apart) meet_pairs(w, &t, &w->dem.bonds, crowd, &f);
         meet_walls(w, &t, &f);
         *resolution = resolution_of(w, &f);
     }
@@ -331,7 +331,7 @@ typedef struct flight {
 
 /* (v + w x arm) per unit of force across the normal: 1/m + r^2/I. */
 static double inverse_across(const gn_world *w, size_t p) {
-    const gn_particles *q = &w->particles;
+    const gn_particles *q = &w->dem.particles;
     double r = radius(w, p);
     return q->vel[4 * p + 3] + (q->spin ? r * r * q->spin[4 * p + 3] : 0.0);
 }
@@ -342,7 +342,7 @@ static void fly_pair(const gn_world *w, size_t i, size_t j, flight *f) {
     f->normal = fmax(f->normal, square);
     if (w->effects & GN_FX_SHEAR && c.mu > 0.0)
         f->shear = fmax(f->shear, c.kt * (inverse_across(w, i) + inverse_across(w, j)));
-    if (loose(w, i) || loose(w, j)) meet(&f->resolved, square, 1.0, w, i, w->particles.id[j]);
+    if (loose(w, i) || loose(w, j)) meet(&f->resolved, square, 1.0, w, i, w->dem.particles.id[j]);
 }
 
 static void fly_pairs(const gn_world *w, const extremes *classes, size_t count, flight *f) {
@@ -362,8 +362,8 @@ static void fly_walls(const gn_world *w, size_t p, flight *f) {
         if (shear) f->shear = fmax(f->shear, d->stiffness / d->kratio * inverse_across(w, p));
         if (loose(w, p)) meet(&f->resolved, d->stiffness * inverse, 1.0, w, p, -1 - (int64_t)k);
     }
-    for (size_t k = 0; k < w->surface_count; k++) {
-        const gn_surface *s = &w->surfaces[k];
+    for (size_t k = 0; k < w->boundary.surface_count; k++) {
+        const gn_surface *s = &w->boundary.surfaces[k];
         double square = s->stiffness * (inverse + gn_surface_give(w, s));
         bool shear = w->effects & GN_FX_WALL_SHEAR && s->friction > 0.0 && s->kratio > 0.0;
         f->normal = fmax(f->normal, square);
@@ -376,15 +376,15 @@ static gneiss_status fly(const gn_world *w, flight *f, gneiss_error *error) {
     size_t count = 4 * w->scene.material_count;
     extremes *classes = gn_alloc_array(count + 1, sizeof *classes);
     if (!classes) return gn_fail(error, GNEISS_ERROR_MEMORY, "no memory for %zu classes", count);
-    for (size_t p = 0; p < w->particles.soa.count; p++) {
-        if (w->particles.vel[4 * p + 3] == 0.0) continue;
+    for (size_t p = 0; p < w->dem.particles.soa.count; p++) {
+        if (w->dem.particles.vel[4 * p + 3] == 0.0) continue;
         size_t held = inverse_mass(w, p) == 0.0, kind = 2 * held + loose(w, p);
-        keep_extremes(w, &classes[4 * (size_t)w->particles.material[p] + kind], p);
+        keep_extremes(w, &classes[4 * (size_t)w->dem.particles.material[p] + kind], p);
         if (!held) fly_walls(w, p, f);
     }
     fly_pairs(w, classes, count, f);
     /* All by itself: as if it met its like, so that there is a step. */
-    for (size_t p = 0; f->normal == 0.0 && p < w->particles.soa.count; p++)
+    for (size_t p = 0; f->normal == 0.0 && p < w->dem.particles.soa.count; p++)
         f->normal = 2.0 * gn_contact_law(w, (int32_t)p, (int32_t)p).kn * inverse_mass(w, p);
     gn_free(classes);
     return GNEISS_OK;
@@ -394,7 +394,7 @@ gneiss_status gn_flight_limits(const gn_world *w, double *stable, gn_resolution 
                                gneiss_error *error) {
     flight f = {.resolved = {0.0, 1.0, -1, -1}};
     GN_TRY(fly(w, &f, error));
-    double alpha = w->damping_fraction;
+    double alpha = w->dem.damping_fraction;
     *stable = fmin(2.0 / sqrt(f.normal) * (sqrt(1.0 + alpha * alpha) - alpha), 2.0 / sqrt(f.shear));
     *resolution = resolution_of(w, &f.resolved);
     return GNEISS_OK;
@@ -404,7 +404,7 @@ gneiss_status gn_flight_limits(const gn_world *w, double *stable, gn_resolution 
  * ---------------------------------------------------------------------------------------- */
 
 const char *gn_resolution_text(const gn_world *w, char *text, size_t size) {
-    const gn_resolution *r = &w->resolution;
+    const gn_resolution *r = &w->dem.resolution;
     int64_t walls = (int64_t)w->scene.wall_count, k = -1 - r->second;
     if (r->second >= 0)
         snprintf(text, size, "particles %lld and %lld", (long long)r->first, (long long)r->second);

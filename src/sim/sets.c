@@ -30,7 +30,7 @@ static bool selected_at(const gn_world *w, const gn_set_def *s, const double *x,
 }
 
 static bool selected(const gn_world *w, const gn_set_def *s, size_t p) {
-    return selected_at(w, s, w->particles.pos + 4 * p, w->particles.id[p]);
+    return selected_at(w, s, w->dem.particles.pos + 4 * p, w->dem.particles.id[p]);
 }
 
 static const gn_table *channel(const gn_motion *motion, int k) {
@@ -46,18 +46,18 @@ static uint8_t motion_mask(const gn_motion *motion) {
 
 static size_t count_selected(const gn_world *w, const gn_set_def *s) {
     size_t count = 0;
-    for (size_t p = 0; p < w->particles.soa.count; p++) count += selected(w, s, p);
+    for (size_t p = 0; p < w->dem.particles.soa.count; p++) count += selected(w, s, p);
     return count;
 }
 
 static gneiss_status check_ids(const gn_world *w, const gn_set_def *s, gneiss_error *error) {
     for (size_t k = 0; k < s->id_count; k++)
-        if (s->ids[k] < 0 || s->ids[k] >= (int64_t)w->particles.soa.count)
+        if (s->ids[k] < 0 || s->ids[k] >= (int64_t)w->dem.particles.soa.count)
             return gn_fail(
                 error, GNEISS_ERROR_INPUT,
                 "%s:%d:%d: set '%s': select.ids: expected numbers from 0 to %zu, found %lld",
                 w->scene.source, s->where.line, s->where.column, s->name,
-                w->particles.soa.count - 1, (long long)s->ids[k]);
+                w->dem.particles.soa.count - 1, (long long)s->ids[k]);
     if (count_selected(w, s) == 0)
         return gn_fail(
             error, GNEISS_ERROR_INPUT,
@@ -67,7 +67,7 @@ static gneiss_status check_ids(const gn_world *w, const gn_set_def *s, gneiss_er
 }
 
 gneiss_status gn_sets_assign(gn_world *w, gneiss_error *error) {
-    gn_particles *q = &w->particles;
+    gn_particles *q = &w->dem.particles;
     for (size_t k = 0; k < w->scene.set_count; k++) {
         const gn_set_def *s = &w->scene.sets[k];
         GN_TRY(check_ids(w, s, error));
@@ -83,7 +83,7 @@ gneiss_status gn_sets_assign(gn_world *w, gneiss_error *error) {
 
 /* Initial motion and force of one set; the total force is shared out by mass. */
 static void apply_set(gn_world *w, const gn_set_def *s) {
-    gn_particles *q = &w->particles;
+    gn_particles *q = &w->dem.particles;
     double mass = 0.0;
     for (size_t p = 0; p < q->soa.count; p++)
         if (selected(w, s, p)) mass += 1.0 / q->vel[4 * p + 3];
@@ -99,22 +99,23 @@ static void apply_set(gn_world *w, const gn_set_def *s) {
 }
 
 static gneiss_status allocate_slots(gn_world *w, size_t count, gneiss_error *error) {
-    gn_prescription *f = &w->prescribed;
+    gn_prescription *f = &w->dem.prescribed;
     f->count = count;
     f->set = gn_alloc_array(count + 1, sizeof *f->set);
     f->mask = gn_alloc_array(count + 1, sizeof *f->mask);
     f->velocity = gn_alloc_array(count + 1, 6 * sizeof *f->velocity);
     f->load = gn_alloc_array(count + 1, 6 * sizeof *f->load);
-    w->channel_set = gn_alloc_array(count + 1, 6 * sizeof *w->channel_set);
-    w->set_reaction = gn_alloc_array(w->scene.set_count + 1, 6 * sizeof *w->set_reaction);
-    if (!f->set || !f->mask || !f->velocity || !f->load || !w->channel_set || !w->set_reaction)
+    w->dem.channel_set = gn_alloc_array(count + 1, 6 * sizeof *w->dem.channel_set);
+    w->dem.set_reaction = gn_alloc_array(w->scene.set_count + 1, 6 * sizeof *w->dem.set_reaction);
+    if (!f->set || !f->mask || !f->velocity || !f->load || !w->dem.channel_set ||
+        !w->dem.set_reaction)
         return gn_fail(error, GNEISS_ERROR_MEMORY, "no memory for %zu prescribed particles", count);
     return GNEISS_OK;
 }
 
 /* A particle's slot takes each channel from the last set that prescribes it. */
 static gneiss_status make_slots(gn_world *w, gneiss_error *error) {
-    gn_particles *q = &w->particles;
+    gn_particles *q = &w->dem.particles;
     size_t count = 0;
     for (size_t p = 0; p < q->soa.count; p++) {
         q->slot[p] = -1;
@@ -123,57 +124,58 @@ static gneiss_status make_slots(gn_world *w, gneiss_error *error) {
                 q->slot[p] = (int32_t)count++;
     }
     GN_TRY(allocate_slots(w, count, error));
-    for (size_t k = 0; k < 6 * count; k++) w->channel_set[k] = -1;
+    for (size_t k = 0; k < 6 * count; k++) w->dem.channel_set[k] = -1;
     for (size_t p = 0; p < q->soa.count; p++) {
         int32_t slot = q->slot[p];
         for (size_t s = 0; slot >= 0 && s < w->scene.set_count; s++) {
             uint8_t mask = motion_mask(&w->scene.sets[s].motion);
             if (!mask || !selected(w, &w->scene.sets[s], p)) continue;
-            w->prescribed.set[slot] = (int32_t)s;
-            w->prescribed.mask[slot] |= mask;
+            w->dem.prescribed.set[slot] = (int32_t)s;
+            w->dem.prescribed.mask[slot] |= mask;
             for (int k = 0; k < 6; k++)
-                if (mask >> k & 1) w->channel_set[6 * slot + k] = (int32_t)s;
+                if (mask >> k & 1) w->dem.channel_set[6 * slot + k] = (int32_t)s;
         }
     }
     return GNEISS_OK;
 }
 
 void gn_prescription_update(gn_world *w, double time) {
-    gn_prescription *f = &w->prescribed;
+    gn_prescription *f = &w->dem.prescribed;
     for (size_t slot = 0; slot < f->count; slot++)
         for (int k = 0; k < 6; k++) {
-            int32_t s = w->channel_set[6 * slot + k];
+            int32_t s = w->dem.channel_set[6 * slot + k];
             if (s >= 0)
                 f->velocity[6 * slot + k] = gn_table_at(channel(&w->scene.sets[s].motion, k), time);
         }
 }
 
 void gn_reactions_sum(gn_world *w) {
-    memset(w->set_reaction, 0, w->scene.set_count * 6 * sizeof *w->set_reaction);
-    for (size_t slot = 0; slot < w->prescribed.count; slot++)
+    memset(w->dem.set_reaction, 0, w->scene.set_count * 6 * sizeof *w->dem.set_reaction);
+    for (size_t slot = 0; slot < w->dem.prescribed.count; slot++)
         for (int k = 0; k < 6; k++) {
-            int32_t s = w->channel_set[6 * slot + k]; /* of several sets the one that drives it */
-            if (s >= 0) w->set_reaction[6 * s + k] += w->prescribed.load[6 * slot + k];
+            int32_t s =
+                w->dem.channel_set[6 * slot + k]; /* of several sets the one that drives it */
+            if (s >= 0) w->dem.set_reaction[6 * s + k] += w->dem.prescribed.load[6 * slot + k];
         }
 }
 
 /* Whether a particle counts for the travel of a set: where the set prescribes the velocity, those
  * that have it from there, else all that were selected at the start. */
 static bool travels(const gn_world *w, size_t set, int axis, size_t p) {
-    const gn_particles *q = &w->particles;
+    const gn_particles *q = &w->dem.particles;
     const gn_set_def *s = &w->scene.sets[set];
     if (s->motion.velocity[axis].count == 0) return selected_at(w, s, q->start + 4 * p, q->id[p]);
     int32_t slot = q->slot[p];
-    return slot >= 0 && w->channel_set[6 * slot + axis] == (int32_t)set;
+    return slot >= 0 && w->dem.channel_set[6 * slot + axis] == (int32_t)set;
 }
 
 double gn_set_travel(const gn_world *w, size_t set, int axis) {
-    const gn_particles *q = &w->particles;
+    const gn_particles *q = &w->dem.particles;
     const gn_set_def *s = &w->scene.sets[set];
     double sum = 0.0;
     size_t count = 0, all = s->id_count ? s->id_count : q->soa.count;
     for (size_t k = 0; k < all; k++) {
-        size_t p = (size_t)w->index_of_id[s->id_count ? (size_t)s->ids[k] : k];
+        size_t p = (size_t)w->dem.index_of_id[s->id_count ? (size_t)s->ids[k] : k];
         if (!travels(w, set, axis, p)) continue;
         sum += q->pos[4 * p + (size_t)axis] - q->start[4 * p + (size_t)axis];
         count++;
@@ -183,14 +185,14 @@ double gn_set_travel(const gn_world *w, size_t set, int axis) {
 
 /* Prescribed components start with their prescribed value, not with a jump. */
 static void start_prescribed(gn_world *w) {
-    gn_particles *q = &w->particles;
+    gn_particles *q = &w->dem.particles;
     gn_prescription_update(w, 0.0);
     for (size_t p = 0; p < q->soa.count; p++) {
         int32_t slot = q->slot[p];
         for (int k = 0; slot >= 0 && k < 6; k++) {
-            if (!(w->prescribed.mask[slot] >> k & 1)) continue;
+            if (!(w->dem.prescribed.mask[slot] >> k & 1)) continue;
             double *target = k < 3 ? q->vel : q->spin;
-            if (target) target[4 * p + k % 3] = w->prescribed.velocity[6 * slot + k];
+            if (target) target[4 * p + k % 3] = w->dem.prescribed.velocity[6 * slot + k];
         }
     }
 }

@@ -14,15 +14,15 @@ static double shear_stiffness(const gn_world *w, const gn_surface *s) {
 
 static gn_extra_spring spring_of(const gn_world *w, const gn_surface_contact *c, bool joined) {
     const gn_facet_contact *k = &c->contact;
-    double inverse = w->particles.vel[4 * c->particle + 3];
+    double inverse = w->dem.particles.vel[4 * c->particle + 3];
     gn_extra_spring e = {.particle = (int32_t)c->particle, .kn = c->surface->stiffness};
     memcpy(e.n, k->n, sizeof e.n);
     e.arm = w->scene.contact_arm == GN_ARM_MIDPOINT ? sqrt(gn_dot3(k->arm, k->arm))
-                                                    : w->particles.pos[4 * c->particle + 3];
+                                                    : w->dem.particles.pos[4 * c->particle + 3];
     e.kt = shear_stiffness(w, c->surface);
     if (joined) e.kt += e.kn;
     /* Of a surface that yields the dashpot is weaker. */
-    e.cn = 2.0 * w->damping_fraction * sqrt(e.kn / inverse);
+    e.cn = 2.0 * w->dem.damping_fraction * sqrt(e.kn / inverse);
     /* Contacts that share resist in every direction in which one of them does: with the normals M
      * by M f^-1 M^T, of which the largest eigenvalue never exceeded the sum of min(1, 2/crowd) over
      * 60 000 random sets of normals of all spreads. */
@@ -35,17 +35,17 @@ static gn_extra_spring spring_of(const gn_world *w, const gn_surface_contact *c,
 
 gneiss_status gn_surface_springs(const gn_world *w, double reach, gn_extra_spring **springs,
                                  size_t *count, gneiss_error *error) {
-    size_t rows = w->wall_contacts.soa.count;
+    size_t rows = w->boundary.contacts.soa.count;
     *springs = NULL;
     *count = 0;
-    if (!w->surface_count) return GNEISS_OK;
+    if (!w->boundary.surface_count) return GNEISS_OK;
     GN_TRY(gn_surfaces_check_centres(w, error));
     *springs = gn_alloc_array(rows + 1, sizeof **springs);
     if (!*springs) return gn_fail(error, GNEISS_ERROR_MEMORY, "no memory for %zu springs", rows);
     gn_surface_contact found[GN_SURFACE_CONTACTS];
     for (size_t c = 0; c < rows;) {
         size_t many = 0;
-        if ((size_t)w->wall_contacts.wall[c] < w->scene.wall_count) {
+        if ((size_t)w->boundary.contacts.wall[c] < w->scene.wall_count) {
             c++;
             continue;
         }
@@ -59,7 +59,7 @@ gneiss_status gn_surface_springs(const gn_world *w, double reach, gn_extra_sprin
 
 bool gn_surface_yields(const gn_world *w, const gn_surface *s) {
     if (s->body < 0) return true;
-    const gn_rigid *b = &w->bodies[s->body];
+    const gn_rigid *b = &w->boundary.bodies[s->body];
     double sum = 0.0;
     for (int a = 0; a < 3; a++) sum += b->inverse_mass[a] + b->inverse_inertia[a];
     return sum > 0.0;
@@ -71,7 +71,7 @@ double gn_surface_give(const gn_world *w, const gn_surface *s) {
         for (size_t v = 0; v < s->vertices; v++) most = fmax(most, s->velocity[4 * v + 3]);
         return most;
     }
-    const gn_rigid *b = &w->bodies[s->body];
+    const gn_rigid *b = &w->boundary.bodies[s->body];
     for (int a = 0; a < 3; a++) {
         most = fmax(most, b->inverse_mass[a]);
         turn = fmax(turn, b->inverse_inertia[a]);
@@ -106,10 +106,10 @@ static void scaled_row(const gn_rigid *b, const double at[3], const double direc
 }
 
 static void add_contact(const gn_world *w, const gn_surface_contact *c, body_block *block) {
-    const gn_rigid *b = &w->bodies[c->surface->body];
-    const double *x = w->particles.pos + 4 * c->particle;
+    const gn_rigid *b = &w->boundary.bodies[c->surface->body];
+    const double *x = w->dem.particles.pos + 4 * c->particle;
     double k = fmax(c->surface->stiffness, shear_stiffness(w, c->surface)), at[3], row[6];
-    double mass = 1.0 / w->particles.vel[4 * c->particle + 3]; /* the dashpot's is less */
+    double mass = 1.0 / w->dem.particles.vel[4 * c->particle + 3]; /* the dashpot's is less */
     for (int a = 0; a < 3; a++) at[a] = x[a] + c->contact.arm[a] - b->position[a];
     for (int a = 0; a < 3; a++) {
         const double unit[3] = {a == 0, a == 1, a == 2};
@@ -117,7 +117,7 @@ static void add_contact(const gn_world *w, const gn_surface_contact *c, body_blo
         add_row(block->stiff, row, k);
     }
     scaled_row(b, at, c->contact.n, row);
-    add_row(block->damp, row, 2.0 * w->damping_fraction * sqrt(c->surface->stiffness * mass));
+    add_row(block->damp, row, 2.0 * w->dem.damping_fraction * sqrt(c->surface->stiffness * mass));
 }
 
 static double largest(const double block[36]) {
@@ -149,8 +149,8 @@ static void add(const gn_world *w, const gn_surface_contact *c, rate_sums *sums)
         return;
     }
     double k = fmax(c->surface->stiffness, shear_stiffness(w, c->surface));
-    double damp = 2.0 * w->damping_fraction *
-                  sqrt(c->surface->stiffness / w->particles.vel[4 * c->particle + 3]);
+    double damp = 2.0 * w->dem.damping_fraction *
+                  sqrt(c->surface->stiffness / w->dem.particles.vel[4 * c->particle + 3]);
     for (int v = 0; v < c->parts; v++) {
         sums->stiff[c->vertex[v]] += k * c->weight[v];
         sums->damp[c->vertex[v]] += damp * c->weight[v];
@@ -171,7 +171,7 @@ static double rate_of_sums(const gn_surface *s, const rate_sums *sums) {
 
 static gneiss_status surface_rate(const gn_world *w, const gn_surface *s, double *rate,
                                   gneiss_error *error) {
-    const int32_t *wall = w->wall_contacts.wall;
+    const int32_t *wall = w->boundary.contacts.wall;
     int32_t begin = (int32_t)w->scene.wall_count + s->first, end = begin + (int32_t)s->facets.count;
     rate_sums sums = {0};
     if (s->body < 0) {
@@ -179,14 +179,14 @@ static gneiss_status surface_rate(const gn_world *w, const gn_surface *s, double
         sums.damp = gn_alloc_array(s->vertices, sizeof(double));
     }
     bool held = s->body >= 0 || (sums.stiff && sums.damp);
-    for (size_t c = 0; held && c < w->wall_contacts.soa.count;) {
+    for (size_t c = 0; held && c < w->boundary.contacts.soa.count;) {
         gn_surface_contact found[GN_SURFACE_CONTACTS];
         size_t many = 0;
         if (wall[c] < begin || wall[c] >= end) {
             c++;
             continue;
         }
-        c = gn_surface_contacts_at(w, c, w->verlet.skin, found, &many);
+        c = gn_surface_contacts_at(w, c, w->dem.verlet.skin, found, &many);
         for (size_t k = 0; k < many; k++) add(w, &found[k], &sums);
     }
     if (held) *rate = fmax(*rate, rate_of_sums(s, &sums));
@@ -199,8 +199,8 @@ static gneiss_status surface_rate(const gn_world *w, const gn_surface *s, double
 gneiss_status gn_surfaces_rate(const gn_world *w, double *bodies, double *vertices,
                                gneiss_error *error) {
     *bodies = *vertices = 0.0;
-    for (size_t k = 0; k < w->surface_count; k++) {
-        const gn_surface *s = &w->surfaces[k];
+    for (size_t k = 0; k < w->boundary.surface_count; k++) {
+        const gn_surface *s = &w->boundary.surfaces[k];
         if (!gn_surface_yields(w, s)) continue;
         GN_TRY(surface_rate(w, s, s->body >= 0 ? bodies : vertices, error));
     }

@@ -33,12 +33,12 @@ double gn_rigid_compliance(const gn_rigid *b, const double v[3]) {
 }
 
 static const gn_rigid *body_of(const gn_world *w, const gn_surface *s) {
-    return s->body >= 0 ? &w->bodies[s->body] : NULL;
+    return s->body >= 0 ? &w->boundary.bodies[s->body] : NULL;
 }
 
 /* The centre of a particle as the surface's vertices see it. */
 static void centre_in(const gn_world *w, const gn_surface *s, size_t p, double centre[3]) {
-    const double *x = w->particles.pos + 4 * p;
+    const double *x = w->dem.particles.pos + 4 * p;
     const gn_rigid *b = body_of(w, s);
     double d[3];
     for (int a = 0; a < 3; a++) d[a] = b ? x[a] - b->position[a] : x[a];
@@ -53,10 +53,10 @@ static void centre_in(const gn_world *w, const gn_surface *s, size_t p, double c
 
 size_t gn_surfaces_near(const gn_world *w, size_t p, int32_t *found) {
     size_t count = 0;
-    if (!(w->particles.vel[4 * p + 3] > 0.0)) return 0;
-    for (size_t k = 0; k < w->surface_count; k++) {
-        const gn_surface *s = &w->surfaces[k];
-        double centre[3], reach = w->particles.pos[4 * p + 3] + w->verlet.skin;
+    if (!(w->dem.particles.vel[4 * p + 3] > 0.0)) return 0;
+    for (size_t k = 0; k < w->boundary.surface_count; k++) {
+        const gn_surface *s = &w->boundary.surfaces[k];
+        double centre[3], reach = w->dem.particles.pos[4 * p + 3] + w->dem.verlet.skin;
         centre_in(w, s, p, centre);
         int32_t *mine = found ? found + count : NULL;
         size_t more = gn_facet_tree_near(&s->tree, &s->facets, centre, reach, mine);
@@ -68,11 +68,11 @@ size_t gn_surfaces_near(const gn_world *w, size_t p, int32_t *found) {
 }
 
 void gn_surfaces_refer(gn_world *w) {
-    for (size_t k = 0; k < w->surface_count; k++) {
-        gn_surface *s = &w->surfaces[k];
+    for (size_t k = 0; k < w->boundary.surface_count; k++) {
+        gn_surface *s = &w->boundary.surfaces[k];
         *s->travel = 0.0;
         if (s->body >= 0) {
-            gn_rigid *b = &w->bodies[s->body];
+            gn_rigid *b = &w->boundary.bodies[s->body];
             memcpy(b->ref_position, b->position, sizeof b->position);
             memcpy(b->ref_axes, b->axes, sizeof b->axes);
         } else {
@@ -105,9 +105,9 @@ static double vertex_travel(const gn_surface *s) {
 
 double gn_surfaces_travel(gn_world *w, bool exact) {
     double most = 0.0;
-    for (size_t k = 0; k < w->surface_count; k++) {
-        gn_surface *s = &w->surfaces[k];
-        gn_rigid *b = s->body >= 0 ? &w->bodies[s->body] : NULL;
+    for (size_t k = 0; k < w->boundary.surface_count; k++) {
+        gn_surface *s = &w->boundary.surfaces[k];
+        gn_rigid *b = s->body >= 0 ? &w->boundary.bodies[s->body] : NULL;
         if (exact) *s->travel = b ? body_travel(b) : vertex_travel(s);
         most = fmax(most, *s->travel);
     }
@@ -115,10 +115,10 @@ double gn_surfaces_travel(gn_world *w, bool exact) {
 }
 
 const gn_surface *gn_surface_of_row(const gn_world *w, size_t row) {
-    int32_t facet = w->wall_contacts.wall[row] - (int32_t)w->scene.wall_count;
+    int32_t facet = w->boundary.contacts.wall[row] - (int32_t)w->scene.wall_count;
     size_t k = 0;
-    while (k + 1 < w->surface_count && facet >= w->surfaces[k + 1].first) k++;
-    return &w->surfaces[k];
+    while (k + 1 < w->boundary.surface_count && facet >= w->boundary.surfaces[k + 1].first) k++;
+    return &w->boundary.surfaces[k];
 }
 
 /* --- history
@@ -210,7 +210,7 @@ typedef struct group {
 } group;
 
 static int32_t facet_of(const group *g, size_t row) {
-    return g->w->wall_contacts.wall[row] - (int32_t)g->w->scene.wall_count - g->s->first;
+    return g->w->boundary.contacts.wall[row] - (int32_t)g->w->scene.wall_count - g->s->first;
 }
 
 static void near_of_row(const group *g, const double centre[3], size_t row, gn_facet_near *near) {
@@ -228,7 +228,7 @@ static void near_of_row(const group *g, const double centre[3], size_t row, gn_f
 /* Row of a facet on which the centre of its particle lies, to rounding: there is no direction in
  * which to push it. SIZE_MAX: none. */
 static size_t row_on_facet(const gn_world *w) {
-    const gn_wall_contacts *q = &w->wall_contacts;
+    const gn_wall_contacts *q = &w->boundary.contacts;
     size_t found = SIZE_MAX;
 #pragma omp parallel for schedule(dynamic, 1024) num_threads(w->threads) reduction(min : found)
     for (size_t c = 0; c < q->soa.count; c++) {
@@ -239,7 +239,7 @@ static size_t row_on_facet(const gn_world *w) {
         double centre[3];
         centre_in(w, s, g.particle, centre);
         near_of_row(&g, centre, c, &near);
-        bool on = near.distance <= 0x1p-40 * w->particles.pos[4 * g.particle + 3];
+        bool on = near.distance <= 0x1p-40 * w->dem.particles.pos[4 * g.particle + 3];
         if (on && c < found) found = c;
     }
     return found;
@@ -255,8 +255,8 @@ gneiss_status gn_surfaces_check_centres(const gn_world *w, gneiss_error *error) 
     return gn_fail(error, status,
                    "particle %d: centre on the surface of %s%s%s: which side it is on cannot be "
                    "told%s",
-                   (int)w->particles.id[w->wall_contacts.i[row]], name ? "body '" : "the elements",
-                   name ? name : "", name ? "'" : "",
+                   (int)w->dem.particles.id[w->boundary.contacts.i[row]],
+                   name ? "body '" : "the elements", name ? name : "", name ? "'" : "",
                    w->step > 0 ? " (pressed through? stiffer contacts or slower motion)" : "");
 }
 
@@ -287,7 +287,7 @@ static size_t minima_within(const group *g, double reach, gn_facet_near *minima)
 /* Velocity of a rigid surface at a point that lies `arm` from the particle's centre. */
 static void rigid_velocity(const group *g, const double arm[3], double v[3]) {
     double at[3], turn[3];
-    const double *x = g->w->particles.pos + 4 * g->particle;
+    const double *x = g->w->dem.particles.pos + 4 * g->particle;
     for (int a = 0; a < 3; a++) at[a] = x[a] + arm[a] - g->body->position[a];
     gn_cross3(g->body->spin, at, turn);
     for (int a = 0; a < 3; a++) v[a] = g->body->velocity[a] + turn[a];
@@ -317,7 +317,7 @@ static double surface_motion(const group *g, const gn_facet_near *minima, const 
                              const double arm[3], double v[3]) {
     if (g->body) {
         double lever[3], at[3], inverse = 0.0;
-        const double *x = g->w->particles.pos + 4 * g->particle;
+        const double *x = g->w->dem.particles.pos + 4 * g->particle;
         rigid_velocity(g, arm, v);
         for (int a = 0; a < 3; a++) {
             at[a] = x[a] + arm[a] - g->body->position[a];
@@ -342,7 +342,7 @@ static double surface_motion(const group *g, const gn_facet_near *minima, const 
 /* Relative motion at a contact whose normal, overlap and arm are known. */
 static gn_touch touch_of(const group *g, const gn_facet_near *minima, const gn_facet_contact *k,
                          const double arm[3]) {
-    const gn_particles *q = &g->w->particles;
+    const gn_particles *q = &g->w->dem.particles;
     const double *vp = q->vel + 4 * g->particle, *spin = q->spin ? q->spin + 4 * g->particle : NULL;
     gn_touch s = {.gap = k->overlap, .rounding = 0x1p-48 * q->pos[4 * g->particle + 3]};
     double v[3], turn[3] = {0, 0, 0};
@@ -368,9 +368,9 @@ static gn_touch_law law_of(const gn_surface *s) {
 /* One contact: force and history into its row. */
 static void contact(const group *g, const gn_facet_near *minima, const gn_facet_contact *k,
                     const memory *before, gn_contact_sums *sums) {
-    const gn_wall_contacts *q = &g->w->wall_contacts;
+    const gn_wall_contacts *q = &g->w->boundary.contacts;
     size_t stride = q->soa.capacity, own = minima[k->member].row;
-    const double *x = g->w->particles.pos + 4 * g->particle;
+    const double *x = g->w->dem.particles.pos + 4 * g->particle;
     double arm[3], t[3], force[3], fd = before ? before->fd : 0.0;
     double scale =
         g->w->scene.contact_arm == GN_ARM_MIDPOINT ? 1.0 : x[3] / sqrt(gn_dot3(k->arm, k->arm));
@@ -408,7 +408,7 @@ static void contact(const group *g, const gn_facet_near *minima, const gn_facet_
  * that it had; false: nowhere within half its radius. */
 static bool left_behind(const group *g, const memory *m, gn_facet_near *near) {
     gn_facet_near minima[GN_FACET_TOUCHES];
-    size_t count = minima_within(g, 1.5 * g->w->particles.pos[4 * g->particle + 3], minima);
+    size_t count = minima_within(g, 1.5 * g->w->dem.particles.pos[4 * g->particle + 3], minima);
     double best = 0.5;
     for (size_t k = 0; k < count; k++) {
         double cosine = gn_dot3(minima[k].away, m->n) / minima[k].distance;
@@ -423,9 +423,9 @@ static bool left_behind(const group *g, const memory *m, gn_facet_near *near) {
  * force did beyond the opening is taken back, as at a wall. One that was joined to another is not
  * open. */
 static void open_contact(const group *g, memory *m, gn_contact_sums *sums) {
-    const gn_wall_contacts *q = &g->w->wall_contacts;
+    const gn_wall_contacts *q = &g->w->boundary.contacts;
     double t[3];
-    const double *x = g->w->particles.pos + 4 * g->particle;
+    const double *x = g->w->dem.particles.pos + 4 * g->particle;
     gn_facet_near near;
     gn_facet_contact k;
     bool behind = left_behind(g, m, &near);
@@ -461,7 +461,7 @@ static void open_contact(const group *g, memory *m, gn_contact_sums *sums) {
 
 /* The group that begins with a row, up to `end`. */
 static group group_at(const gn_world *w, size_t begin, size_t end) {
-    const gn_wall_contacts *q = &w->wall_contacts;
+    const gn_wall_contacts *q = &w->boundary.contacts;
     const gn_surface *s = gn_surface_of_row(w, begin);
     int32_t last = (int32_t)w->scene.wall_count + s->first + (int32_t)s->facets.count;
     size_t past = begin + 1;
@@ -471,10 +471,10 @@ static group group_at(const gn_world *w, size_t begin, size_t end) {
 
 size_t gn_surface_contacts_at(const gn_world *w, size_t begin, double skin,
                               gn_surface_contact *contacts, size_t *count) {
-    group g = group_at(w, begin, w->wall_contacts.soa.count);
+    group g = group_at(w, begin, w->boundary.contacts.soa.count);
     gn_facet_near minima[GN_FACET_TOUCHES];
     gn_facet_contact now[GN_FACET_TOUCHES];
-    double r = w->particles.pos[4 * g.particle + 3];
+    double r = w->dem.particles.pos[4 * g.particle + 3];
     size_t near = minima_within(&g, r + skin, minima);
     *count = skin > 0.0 ? near : gn_facet_contacts(minima, near, r, now);
     for (size_t k = 0; k < *count; k++) {
@@ -496,10 +496,10 @@ size_t gn_surface_contacts_at(const gn_world *w, size_t begin, double skin,
 size_t gn_surface_contacts_work(const gn_world *w, size_t begin, size_t end,
                                 gn_contact_sums *sums) {
     group g = group_at(w, begin, end);
-    double r = w->particles.pos[4 * g.particle + 3];
+    double r = w->dem.particles.pos[4 * g.particle + 3];
     memory old[GN_FACET_TOUCHES];
     gn_facet_near minima[GN_FACET_TOUCHES];
-    size_t remembered = recall(&w->wall_contacts, begin, g.end, old);
+    size_t remembered = recall(&w->boundary.contacts, begin, g.end, old);
     size_t count = minima_within(&g, r, minima);
     if (!remembered && !count) return g.end;
     gn_facet_contact now[GN_FACET_TOUCHES];
@@ -539,15 +539,16 @@ static void load_vertices(const gn_surface *s, int32_t facet, const double touch
 }
 
 void gn_surfaces_sum(gn_world *w) {
-    const gn_wall_contacts *q = &w->wall_contacts;
+    const gn_wall_contacts *q = &w->boundary.contacts;
     if (!(w->effects & GN_FX_FACETS)) return;
     for (size_t k = 0; k < w->scene.body_count; k++) {
-        memset(w->bodies[k].force, 0, sizeof w->bodies[k].force);
-        memset(w->bodies[k].moment, 0, sizeof w->bodies[k].moment);
+        memset(w->boundary.bodies[k].force, 0, sizeof w->boundary.bodies[k].force);
+        memset(w->boundary.bodies[k].moment, 0, sizeof w->boundary.bodies[k].moment);
     }
-    for (size_t k = 0; k < w->surface_count; k++)
-        if (w->surfaces[k].force)
-            memset(w->surfaces[k].force, 0, w->surfaces[k].vertices * 4 * sizeof(double));
+    for (size_t k = 0; k < w->boundary.surface_count; k++)
+        if (w->boundary.surfaces[k].force)
+            memset(w->boundary.surfaces[k].force, 0,
+                   w->boundary.surfaces[k].vertices * 4 * sizeof(double));
     for (size_t c = 0; c < q->soa.count; c++) {
         const double *force = q->row + 8 * c;
         int32_t facet = q->wall[c] - (int32_t)w->scene.wall_count;
@@ -556,7 +557,7 @@ void gn_surfaces_sum(gn_world *w) {
         double touch[3];
         for (size_t a = 0; a < 3; a++) touch[a] = q->touch[c + a * q->soa.capacity];
         if (s->body >= 0)
-            load_body(&w->bodies[s->body], touch, force);
+            load_body(&w->boundary.bodies[s->body], touch, force);
         else
             load_vertices(s, facet - s->first, touch, force);
     }

@@ -29,8 +29,8 @@ static void contacts(void *context, int list, size_t block) {
     work *k = context;
     gn_world *w = k->w;
     const gn_contact_args *args = list ? k->pairs : k->bonds;
-    gn_contact_kernel *kernel = list ? w->pair_kernel : w->bond_kernel;
-    gn_contact_sums *sums = list ? w->pair_sums : w->bond_sums;
+    gn_contact_kernel *kernel = list ? w->dem.pair_kernel : w->dem.bond_kernel;
+    gn_contact_sums *sums = list ? w->dem.pair_sums : w->dem.bond_sums;
     size_t length = args->partials->length, count = args->contacts->soa.count;
     size_t end = (block + 1) * length < count ? (block + 1) * length : count;
     sums[block] = (gn_contact_sums){0};
@@ -43,21 +43,22 @@ static void move(void *context, size_t block) {
     work *k = context;
     gn_world *w = k->w;
     size_t first = block * GN_PARTICLE_BLOCK, last = first + GN_PARTICLE_BLOCK;
-    if (last > w->particles.soa.count) last = w->particles.soa.count;
+    if (last > w->dem.particles.soa.count) last = w->dem.particles.soa.count;
     if (w->effects & GN_FX_WALLS) {
-        size_t begin = (size_t)w->wall_first[first], end = (size_t)w->wall_first[last];
-        w->wall_sums[block] = (gn_contact_sums){0};
-        gn_wall_contacts_work(w, begin, end, &w->wall_sums[block]);
+        size_t begin = (size_t)w->boundary.first[first], end = (size_t)w->boundary.first[last];
+        w->boundary.sums[block] = (gn_contact_sums){0};
+        gn_wall_contacts_work(w, begin, end, &w->boundary.sums[block]);
         if (begin < end) book(k, GN_PHASE_walls);
     }
-    w->motion_sums[block] = (gn_motion_sums){.bad = -1};
-    w->motion_kernel(k->motion, first, last, &w->motion_sums[block]);
+    w->dem.motion_sums[block] = (gn_motion_sums){.bad = -1};
+    w->dem.motion_kernel(k->motion, first, last, &w->dem.motion_sums[block]);
     book(k, GN_PHASE_motion);
 }
 
 gneiss_status gn_world_deal_lists(gn_world *w, gneiss_error *error) {
-    return gn_deal_lists(&w->deal, (gn_deal_list){&w->bond_partials, w->bonds.i},
-                         (gn_deal_list){&w->pair_partials, w->pairs.i}, w->motion_blocks, error);
+    return gn_deal_lists(&w->dem.deal, (gn_deal_list){&w->dem.bond_partials, w->dem.bonds.i},
+                         (gn_deal_list){&w->dem.pair_partials, w->dem.pairs.i},
+                         w->dem.motion_blocks, error);
 }
 
 void gn_sweep(gn_world *w, const gn_contact_args *bonds, const gn_contact_args *pairs,
@@ -65,30 +66,30 @@ void gn_sweep(gn_world *w, const gn_contact_args *bonds, const gn_contact_args *
     static const gn_deal_work blocks = {contacts, move};
     const double begin = gn_now();
     const bool booked = w->step % BOOKED == 0;
-    gn_deal_begin(&w->deal);
-#pragma omp parallel num_threads(w->deal.team)
+    gn_deal_begin(&w->dem.deal);
+#pragma omp parallel num_threads(w->dem.deal.team)
     {
         work k = {w, bonds, pairs, motion, .mark = gn_now()};
         k.books = booked && omp_get_thread_num() == 0;
-        gn_deal_sweep(&w->deal, 0, &blocks, &k);
+        gn_deal_sweep(&w->dem.deal, 0, &blocks, &k);
         if (booked) {
 #pragma omp barrier
             book(&k, GN_PHASE_motion); /* waiting for the other threads */
         }
     }
-    gn_deal_end(&w->deal, 1, gn_now() - begin);
+    gn_deal_end(&w->dem.deal, 1, gn_now() - begin);
 }
 
 /* Forces on walls were found with the loads. */
 void gn_sweep_held(gn_world *w, const gn_motion_args *motion) {
-    const size_t held = w->hold.count, count = w->particles.soa.count;
+    const size_t held = w->dem.hold.count, count = w->dem.particles.soa.count;
     gn_motion_args args = *motion;
     args.pass = GN_PASS_MOVE;
 #pragma omp parallel for schedule(static) num_threads(w->threads)
     for (size_t h = 0; h < held; h++) {
-        size_t block = (size_t)w->hold.block[h], first = block * GN_PARTICLE_BLOCK;
+        size_t block = (size_t)w->dem.hold.block[h], first = block * GN_PARTICLE_BLOCK;
         size_t last = first + GN_PARTICLE_BLOCK < count ? first + GN_PARTICLE_BLOCK : count;
-        w->motion_sums[block] = (gn_motion_sums){.bad = -1};
-        w->motion_kernel(&args, first, last, &w->motion_sums[block]);
+        w->dem.motion_sums[block] = (gn_motion_sums){.bad = -1};
+        w->dem.motion_kernel(&args, first, last, &w->dem.motion_sums[block]);
     }
 }

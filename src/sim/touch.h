@@ -32,7 +32,8 @@ typedef struct gn_touch {
 static inline double gn_touch_friction(const gn_world *w, const gn_touch *s, double kt,
                                        double limit, double *shear, size_t stride, double t[3],
                                        double *elastic) {
-    bool space = w->effects & GN_FX_SPACE, twists = space && (w->particles.spin || s->twist != 0.0);
+    bool space = w->effects & GN_FX_SPACE,
+         twists = space && (w->dem.particles.spin || s->twist != 0.0);
     double angle = 0.5 * w->dt_past * s->twist, lost = 0.0;
     gn_v3 old = {shear[0], shear[stride], shear[2 * stride]}, n = gn_v3_of(s->n);
     gn_v3 trial =
@@ -79,8 +80,9 @@ static inline double gn_touch_force(const gn_world *w, const gn_touch_law *law, 
     if (w->effects & GN_FX_CONTACT_DAMPING) {
         double viscous = 0.0;
         if (normal.share != 0.0)
-            viscous = normal.share * s->speed *
-                      gn_dashpot(law->stiffness, s->inverse_mass, w->damping_fraction, w->dt_past);
+            viscous =
+                normal.share * s->speed *
+                gn_dashpot(law->stiffness, s->inverse_mass, w->dem.damping_fraction, w->dt_past);
         if (fd) {
             sums->contact_damping += 0.5 * (*fd + viscous) * path;
             *fd = viscous;

@@ -12,39 +12,39 @@
 static void take_near_point(const gn_world *w, gn_wall *wall) {
     const double *p = wall->point;
     double far = fmax(fabs(p[0]), fmax(fabs(p[1]), fabs(p[2])));
-    if (far <= gn_origin_reach(w->radius_min)) return;
+    if (far <= gn_origin_reach(w->dem.radius_min)) return;
     double distance = gn_dot3(p, wall->normal);
     for (int a = 0; a < 3; a++) wall->point[a] = distance * wall->normal[a];
 }
 
 gneiss_status gn_walls_create(gn_world *w, gneiss_error *error) {
     size_t count = w->scene.wall_count;
-    w->walls = gn_alloc_array(count + 1, sizeof *w->walls);
-    w->wall_normals = gn_alloc_array(count + 1, 4 * sizeof *w->wall_normals);
-    if (!w->walls || !w->wall_normals)
+    w->boundary.walls = gn_alloc_array(count + 1, sizeof *w->boundary.walls);
+    w->boundary.wall_normals = gn_alloc_array(count + 1, 4 * sizeof *w->boundary.wall_normals);
+    if (!w->boundary.walls || !w->boundary.wall_normals)
         return gn_fail(error, GNEISS_ERROR_MEMORY, "no memory for walls");
     for (size_t k = 0; k < count; k++) {
-        gn_wall *wall = &w->walls[k];
+        gn_wall *wall = &w->boundary.walls[k];
         const gn_wall_def *def = &w->scene.walls[k];
         memcpy(wall->point, def->point, sizeof wall->point);
         memcpy(wall->normal, def->normal, sizeof wall->normal);
         take_near_point(w, wall);
         memcpy(wall->start, wall->point, sizeof wall->start);
-        memcpy(w->wall_normals + 4 * k, def->normal, sizeof def->normal);
+        memcpy(w->boundary.wall_normals + 4 * k, def->normal, sizeof def->normal);
         for (int a = 0; a < 3; a++) wall->velocity[a] = gn_table_at(&def->motion.velocity[a], 0.0);
     }
     return GNEISS_OK;
 }
 
 static double wall_gap(const gn_world *w, size_t particle, size_t wall) {
-    const double *x = w->particles.pos + 4 * particle;
+    const double *x = w->dem.particles.pos + 4 * particle;
     double d[3];
-    for (int a = 0; a < 3; a++) d[a] = x[a] - w->walls[wall].point[a];
-    return gn_dot3(d, w->walls[wall].normal) - x[3];
+    for (int a = 0; a < 3; a++) d[a] = x[a] - w->boundary.walls[wall].point[a];
+    return gn_dot3(d, w->boundary.walls[wall].normal) - x[3];
 }
 
 static bool near_wall(const gn_world *w, size_t p, size_t k) {
-    return w->particles.vel[4 * p + 3] > 0.0 && wall_gap(w, p, k) <= w->verlet.skin;
+    return w->dem.particles.vel[4 * p + 3] > 0.0 && wall_gap(w, p, k) <= w->dem.verlet.skin;
 }
 
 /* Old and new list are both sorted by (particle, wall); the old one is already renumbered. -1: it
@@ -81,36 +81,37 @@ static size_t neighbours(const gn_world *w, size_t p, int32_t *found) {
 }
 
 static gneiss_status count_rows(gn_world *w, size_t *count, gneiss_error *error) {
-    size_t n = w->particles.soa.count;
+    size_t n = w->dem.particles.soa.count;
     int64_t sum = 0;
 #pragma omp parallel for schedule(dynamic, 256) num_threads(w->threads)
-    for (size_t p = 0; p < n; p++) w->wall_first[p + 1] = (int32_t)neighbours(w, p, NULL);
-    w->wall_first[0] = 0;
+    for (size_t p = 0; p < n; p++) w->boundary.first[p + 1] = (int32_t)neighbours(w, p, NULL);
+    w->boundary.first[0] = 0;
     for (size_t p = 0; p < n; p++) {
-        sum += w->wall_first[p + 1];
+        sum += w->boundary.first[p + 1];
         if (sum > INT32_MAX)
             return gn_fail(error, GNEISS_ERROR_INPUT,
                            "expected fewer than %d contacts with walls and facets, found more",
                            INT32_MAX);
-        w->wall_first[p + 1] = (int32_t)sum;
+        w->boundary.first[p + 1] = (int32_t)sum;
     }
     *count = (size_t)sum;
     return GNEISS_OK;
 }
 
 gneiss_status gn_wall_contacts_find(gn_world *w, gneiss_error *error) {
-    size_t n = w->particles.soa.count, count = 0;
+    size_t n = w->dem.particles.soa.count, count = 0;
     if (!(w->effects & GN_FX_WALLS)) return GNEISS_OK;
-    if (!w->wall_first) w->wall_first = gn_alloc_array(n + 2, sizeof *w->wall_first);
-    if (!w->wall_first) return gn_fail(error, GNEISS_ERROR_MEMORY, "no memory for wall contacts");
+    if (!w->boundary.first) w->boundary.first = gn_alloc_array(n + 2, sizeof *w->boundary.first);
+    if (!w->boundary.first)
+        return gn_fail(error, GNEISS_ERROR_MEMORY, "no memory for wall contacts");
     gn_surfaces_refer(w);
     GN_TRY(count_rows(w, &count, error));
-    gn_wall_contacts old = w->wall_contacts, now = {0};
+    gn_wall_contacts old = w->boundary.contacts, now = {0};
     GN_TRY(gn_soa_create(&gn_wall_contact_record, &now, count, w->effects, error));
-    bool first = w->verlet.rebuilds == 0;
+    bool first = w->dem.verlet.rebuilds == 0;
 #pragma omp parallel for schedule(dynamic, 256) num_threads(w->threads)
     for (size_t p = 0; p < n; p++) {
-        size_t begin = (size_t)w->wall_first[p], end = (size_t)w->wall_first[p + 1];
+        size_t begin = (size_t)w->boundary.first[p], end = (size_t)w->boundary.first[p + 1];
         if (begin < end) neighbours(w, p, now.wall + begin);
         for (size_t c = begin; c < end; c++) {
             size_t k = (size_t)now.wall[c];
@@ -121,18 +122,19 @@ gneiss_status gn_wall_contacts_find(gn_world *w, gneiss_error *error) {
         }
     }
     gn_soa_destroy(&gn_wall_contact_record, &old);
-    w->wall_contacts = now;
-    for (size_t k = 0; k < w->scene.wall_count; k++) w->walls[k].travel = 0.0;
+    w->boundary.contacts = now;
+    for (size_t k = 0; k < w->scene.wall_count; k++) w->boundary.walls[k].travel = 0.0;
     return gn_surfaces_check_centres(w, error);
 }
 
 /* The gap and the arm of the contact force are given back as well. */
 static gn_touch touch_of(const gn_world *w, size_t c, double *arm) {
-    const gn_particles *q = &w->particles;
-    size_t p = (size_t)w->wall_contacts.i[c], k = (size_t)w->wall_contacts.wall[c];
-    const gn_wall *wall = &w->walls[k];
+    const gn_particles *q = &w->dem.particles;
+    size_t p = (size_t)w->boundary.contacts.i[c], k = (size_t)w->boundary.contacts.wall[c];
+    const gn_wall *wall = &w->boundary.walls[k];
     double gap = wall_gap(w, p, k);
-    gn_touch s = {.gap = gap - w->wall_contacts.gap0[c], .rounding = 0x1p-48 * q->pos[4 * p + 3]};
+    gn_touch s = {.gap = gap - w->boundary.contacts.gap0[c],
+                  .rounding = 0x1p-48 * q->pos[4 * p + 3]};
     *arm = q->pos[4 * p + 3] + (w->scene.contact_arm == GN_ARM_MIDPOINT ? gap : 0.0);
     double v[3], turn[3] = {0, 0, 0};
     for (int a = 0; a < 3; a++) {
@@ -152,7 +154,7 @@ static gn_touch touch_of(const gn_world *w, size_t c, double *arm) {
 }
 
 static void wall_contact(const gn_world *w, size_t c, gn_contact_sums *sums) {
-    const gn_wall_contacts *q = &w->wall_contacts;
+    const gn_wall_contacts *q = &w->boundary.contacts;
     const gn_wall_def *def = &w->scene.walls[q->wall[c]];
     gn_touch_law law = {def->stiffness, def->friction,
                         def->kratio > 0.0 ? def->stiffness / def->kratio : 0.0};
@@ -171,7 +173,7 @@ static void wall_contact(const gn_world *w, size_t c, gn_contact_sums *sums) {
 
 void gn_wall_contacts_work(const gn_world *w, size_t begin, size_t end, gn_contact_sums *sums) {
     for (size_t c = begin; c < end;) {
-        if ((size_t)w->wall_contacts.wall[c] < w->scene.wall_count)
+        if ((size_t)w->boundary.contacts.wall[c] < w->scene.wall_count)
             wall_contact(w, c++, sums);
         else
             c = gn_surface_contacts_work(w, c, end, sums);
@@ -182,37 +184,38 @@ void gn_wall_contacts_work(const gn_world *w, size_t begin, size_t end, gn_conta
  * spring, and the dashpot that sees the path as a velocity. (Without it a servo overshoots at small
  * steps.) */
 static double step_stiffness(const gn_world *w, size_t c) {
-    double k = w->scene.walls[w->wall_contacts.wall[c]].stiffness;
-    double inverse_mass = w->particles.vel[4 * (int64_t)w->wall_contacts.i[c] + 3];
+    double k = w->scene.walls[w->boundary.contacts.wall[c]].stiffness;
+    double inverse_mass = w->dem.particles.vel[4 * (int64_t)w->boundary.contacts.i[c] + 3];
     if (!(inverse_mass > 0.0)) return k;
-    return k + gn_dashpot(k, inverse_mass, w->damping_fraction, w->dt) / w->dt;
+    return k + gn_dashpot(k, inverse_mass, w->dem.damping_fraction, w->dt) / w->dt;
 }
 
 void gn_walls_sum(gn_world *w) {
     for (size_t k = 0; k < w->scene.wall_count; k++) {
-        gn_wall *wall = &w->walls[k];
+        gn_wall *wall = &w->boundary.walls[k];
         for (int a = 0; a < 3; a++) wall->force[a] = 0.0;
         wall->stiffness = 0.0;
     }
-    for (size_t c = 0; c < w->wall_contacts.soa.count; c++) {
-        if ((size_t)w->wall_contacts.wall[c] >= w->scene.wall_count) continue;
-        const double *row = w->wall_contacts.row + 8 * c;
-        gn_wall *wall = &w->walls[w->wall_contacts.wall[c]];
+    for (size_t c = 0; c < w->boundary.contacts.soa.count; c++) {
+        if ((size_t)w->boundary.contacts.wall[c] >= w->scene.wall_count) continue;
+        const double *row = w->boundary.contacts.row + 8 * c;
+        gn_wall *wall = &w->boundary.walls[w->boundary.contacts.wall[c]];
         for (int a = 0; a < 3; a++) wall->force[a] -= row[a];
-        bool servo = w->scene.walls[w->wall_contacts.wall[c]].servo.active;
+        bool servo = w->scene.walls[w->boundary.contacts.wall[c]].servo.active;
         if (servo && gn_dot3(row, row) > 0.0) wall->stiffness += step_stiffness(w, c);
     }
     /* The path that led here closes with the force it led to (trapezoidal work of the walls). */
     for (size_t k = 0; k < w->scene.wall_count; k++)
-        w->energy.work_walls -= 0.5 * w->dt_past * gn_dot3(w->walls[k].force, w->walls[k].velocity);
+        w->energy.work_walls -=
+            0.5 * w->dt_past * gn_dot3(w->boundary.walls[k].force, w->boundary.walls[k].velocity);
 }
 
 /* Sum of the springs alone that press the wall. */
 static double springs_of(const gn_world *w, size_t k) {
     double sum = 0.0;
-    for (size_t c = 0; c < w->wall_contacts.soa.count; c++) {
-        const double *row = w->wall_contacts.row + 8 * c;
-        if ((size_t)w->wall_contacts.wall[c] == k && gn_dot3(row, row) > 0.0)
+    for (size_t c = 0; c < w->boundary.contacts.soa.count; c++) {
+        const double *row = w->boundary.contacts.row + 8 * c;
+        if ((size_t)w->boundary.contacts.wall[c] == k && gn_dot3(row, row) > 0.0)
             sum += w->scene.walls[k].stiffness;
     }
     return sum;
@@ -231,8 +234,8 @@ static double springs_of(const gn_world *w, size_t k) {
  * of the fastest mode to be at the wall. r = 1 takes up all that is missing in one step; more than
  * that is never of use. Where the step is at its limit a little has to be left to move the wall. */
 double gn_world_servo_relaxation(const gn_world *w, size_t k) {
-    double share = fmin(1.0, w->dt / w->stable), stiffness = w->walls[k].stiffness;
-    bool dashpots = w->damping_fraction > 0.0;
+    double share = fmin(1.0, w->dt / w->stable), stiffness = w->boundary.walls[k].stiffness;
+    bool dashpots = w->dem.damping_fraction > 0.0;
     double most = fmax(0.01, fmin(1.0, 2.0 * (1.0 - (dashpots ? share : share * share))));
     if (!dashpots || !(stiffness > 0.0)) return most;
     return most * stiffness / (2.0 * stiffness - springs_of(w, k));
@@ -241,13 +244,13 @@ double gn_world_servo_relaxation(const gn_world *w, size_t k) {
 /* Stiffness of the contacts that do not press yet but would within `path` of the wall, if their
  * particles go on as they do. */
 static double stiffness_within(const gn_world *w, size_t k, double path) {
-    const gn_wall_contacts *q = &w->wall_contacts;
+    const gn_wall_contacts *q = &w->boundary.contacts;
     double sum = 0.0;
     for (size_t c = 0; c < q->soa.count; c++) {
         const double *row = q->row + 8 * c;
         if ((size_t)q->wall[c] != k || gn_dot3(row, row) > 0.0) continue;
         size_t p = (size_t)q->i[c];
-        double along = gn_dot3(w->particles.vel + 4 * p, w->walls[k].normal);
+        double along = gn_dot3(w->dem.particles.vel + 4 * p, w->boundary.walls[k].normal);
         if (wall_gap(w, p, k) - q->gap0[c] + w->dt * fmin(0.0, along) < path)
             sum += step_stiffness(w, c);
     }
@@ -260,7 +263,7 @@ static double stiffness_within(const gn_world *w, size_t k, double path) {
  * than the force that is missing, and the wall goes on as it came: a path for what presses alone
  * would be too long by the number of particles, at any step. */
 static double servo_stiffness(const gn_world *w, size_t k, double force, double most) {
-    double pressed = w->walls[k].stiffness;
+    double pressed = w->boundary.walls[k].stiffness;
     double least = pressed > 0.0 ? pressed : w->scene.walls[k].stiffness;
     double high = fmin(force / least, most);
     if (!(high > 0.0)) return least;
@@ -280,7 +283,7 @@ static double servo_stiffness(const gn_world *w, size_t k, double force, double 
  * the springs need to take up the missing force. */
 static void servo_velocity(gn_world *w, size_t k) {
     const gn_servo *servo = &w->scene.walls[k].servo;
-    gn_wall *wall = &w->walls[k];
+    gn_wall *wall = &w->boundary.walls[k];
     double relaxation = fmin(servo->relaxation, gn_world_servo_relaxation(w, k));
     double missing = gn_table_at(&servo->force, w->time) + gn_dot3(wall->force, wall->normal);
     double stiffness = servo_stiffness(w, k, relaxation * missing, servo->max_velocity * w->dt);
@@ -291,7 +294,7 @@ static void servo_velocity(gn_world *w, size_t k) {
 
 void gn_walls_move(gn_world *w) {
     for (size_t k = 0; k < w->scene.wall_count; k++) {
-        gn_wall *wall = &w->walls[k];
+        gn_wall *wall = &w->boundary.walls[k];
         const gn_motion *motion = &w->scene.walls[k].motion;
         if (w->scene.walls[k].servo.active)
             servo_velocity(w, k);

@@ -41,9 +41,9 @@ static gneiss_status load_particles(gn_world *w, gneiss_error *error) {
                        "%zu particles are more than the engine can number", packing.count);
     }
     gneiss_status status =
-        gn_soa_create(&gn_particle_record, &w->particles, packing.count, w->effects, error);
+        gn_soa_create(&gn_particle_record, &w->dem.particles, packing.count, w->effects, error);
     if (status == GNEISS_OK) {
-        gn_particles *q = &w->particles;
+        gn_particles *q = &w->dem.particles;
         memcpy(q->pos, packing.sphere, packing.count * 4 * sizeof(double));
         memcpy(q->start, packing.sphere, packing.count * 4 * sizeof(double));
         int material = gn_scene_find_material(&w->scene, w->scene.specimen.material);
@@ -56,9 +56,9 @@ static gneiss_status load_particles(gn_world *w, gneiss_error *error) {
             if (q->orientation) q->orientation[4 * p] = 1.0;
         }
     }
-    w->radius_min = INFINITY;
+    w->dem.radius_min = INFINITY;
     for (size_t p = 0; p < packing.count; p++)
-        w->radius_min = fmin(w->radius_min, packing.sphere[4 * p + 3]);
+        w->dem.radius_min = fmin(w->dem.radius_min, packing.sphere[4 * p + 3]);
     gn_packing_free(&packing);
     gn_free(w->scene.specimen.packed); /* was needed for this alone */
     w->scene.specimen.packed = NULL;
@@ -70,8 +70,8 @@ static void measure_extent(gn_world *w) {
     for (int a = 0; a < 3; a++) {
         w->lower[a] = INFINITY;
         w->upper[a] = -INFINITY;
-        for (size_t p = 0; p < w->particles.soa.count; p++) {
-            const double *x = w->particles.pos + 4 * p;
+        for (size_t p = 0; p < w->dem.particles.soa.count; p++) {
+            const double *x = w->dem.particles.pos + 4 * p;
             double r = a < (int)w->scene.dimension ? x[3] : 0.0;
             w->lower[a] = fmin(w->lower[a], x[a] - r);
             w->upper[a] = fmax(w->upper[a], x[a] + r);
@@ -123,7 +123,7 @@ const char *gn_world_volume_source(const gn_world *w) {
 static gneiss_status measure_specimen(gn_world *w, gneiss_error *error) {
     volume_source source = source_of_volume(w);
     if (source == FROM_HULL)
-        GN_TRY(gn_packing_hull(&w->particles, (int)w->scene.dimension, &w->volume, w->lower,
+        GN_TRY(gn_packing_hull(&w->dem.particles, (int)w->scene.dimension, &w->volume, w->lower,
                                w->upper, error));
     else
         measure_extent(w);
@@ -136,13 +136,13 @@ static gneiss_status measure_specimen(gn_world *w, gneiss_error *error) {
 
 double gn_world_porosity(const gn_world *w) {
     double solid = 0.0;
-    for (size_t p = 0; p < w->particles.soa.count; p++)
-        solid += gn_ball_volume((int)w->scene.dimension, w->particles.pos[4 * p + 3]);
+    for (size_t p = 0; p < w->dem.particles.soa.count; p++)
+        solid += gn_ball_volume((int)w->scene.dimension, w->dem.particles.pos[4 * p + 3]);
     return 1.0 - solid / w->volume;
 }
 
 double gn_world_mass(const gn_world *w) {
-    return w->particle_mass + (w->elements ? w->elements->body.mass : 0.0);
+    return w->dem.mass + (w->elements ? w->elements->body.mass : 0.0);
 }
 
 static double bulk_factor(const gn_world *w) {
@@ -154,7 +154,7 @@ static double bulk_factor(const gn_world *w) {
 
 /* Sphere I = 2/5 m r^2, disc of unit thickness I = 1/2 m r^2. */
 static void set_masses(gn_world *w) {
-    gn_particles *q = &w->particles;
+    gn_particles *q = &w->dem.particles;
     double factor = bulk_factor(w);
     for (size_t p = 0; p < q->soa.count; p++) {
         double r = q->pos[4 * p + 3];
@@ -189,23 +189,23 @@ static void set_domain(gn_world *w) {
  * visited. */
 static double automatic_skin(const gn_world *w) {
     double sum = 0.0;
-    for (size_t p = 0; p < w->particles.soa.count; p++) sum += w->particles.pos[4 * p + 3];
-    return 0.15 * sum / (double)w->particles.soa.count;
+    for (size_t p = 0; p < w->dem.particles.soa.count; p++) sum += w->dem.particles.pos[4 * p + 3];
+    return 0.15 * sum / (double)w->dem.particles.soa.count;
 }
 
 static gneiss_status choose_kernels(gn_world *w, gneiss_error *error) {
     GN_TRY(gn_kernel_set_choose(gn_isa_name(w->scene.isa), &w->kernels, error));
     GN_TRY(gn_contact_kernel_choose(w->kernels, gn_contact_list_effects(w->effects, true),
-                                    &w->bond_kernel, error));
+                                    &w->dem.bond_kernel, error));
     GN_TRY(gn_contact_kernel_choose(w->kernels, gn_contact_list_effects(w->effects, false),
-                                    &w->pair_kernel, error));
-    return gn_motion_kernel_choose(w->kernels, w->effects, &w->motion_kernel, error);
+                                    &w->dem.pair_kernel, error));
+    return gn_motion_kernel_choose(w->kernels, w->effects, &w->dem.motion_kernel, error);
 }
 
 gneiss_status gn_world_use_threads(gn_world *w, int threads, gneiss_error *error) {
     w->threads = threads < GN_THREADS_MAX ? threads : GN_THREADS_MAX;
-    gn_deal_free(&w->deal);
-    GN_TRY(gn_deal_create(&w->deal, w->threads, error));
+    gn_deal_free(&w->dem.deal);
+    GN_TRY(gn_deal_create(&w->dem.deal, w->threads, error));
     return gn_world_deal_lists(w, error);
 }
 
@@ -215,22 +215,22 @@ gneiss_status gn_world_prepare(gn_world *w, gneiss_error *error) {
     w->effects = gn_scene_effects(&w->scene);
     int threads = w->scene.threads > 0 ? (int)w->scene.threads : omp_get_num_procs();
     GN_TRY(gn_world_use_threads(w, threads, error));
-    w->damping_fraction = gn_contact_damping_fraction(&w->scene);
+    w->dem.damping_fraction = gn_contact_damping_fraction(&w->scene);
     for (int a = 0; a < 3; a++) w->period[a] = w->scene.periodic_max[a] - w->scene.periodic_min[a];
     return choose_kernels(w, error);
 }
 
 static gneiss_status check_specimen(const gn_world *w, gneiss_error *error) {
-    for (size_t p = 0; p < w->particles.soa.count; p++)
+    for (size_t p = 0; p < w->dem.particles.soa.count; p++)
         for (int a = 0; w->scene.has_domain && a < (int)w->scene.dimension; a++) {
-            double x = w->particles.pos[4 * p + a];
+            double x = w->dem.particles.pos[4 * p + a];
             if (x >= w->scene.domain_min[a] && x <= w->scene.domain_max[a]) continue;
             return gn_fail(
                 error, GNEISS_ERROR_INPUT,
                 "%s:%d:%d: specimen: expected particles inside the domain, found particle %d at "
                 "%c = %.*g m",
                 w->scene.source, w->scene.specimen.where.line, w->scene.specimen.where.column,
-                w->particles.id[p], "xyz"[a], w -> scene.origin[a] != 0.0 ? 12 : 6,
+                w->dem.particles.id[p], "xyz"[a], w -> scene.origin[a] != 0.0 ? 12 : 6,
                 gn_point_out(w->scene.origin[a], x));
         }
     return GNEISS_OK;
@@ -248,26 +248,27 @@ static gneiss_status build_particles(gn_world *w, gneiss_error *error) {
     GN_TRY(gn_walls_create(w, error));
     GN_TRY(gn_bodies_create(w, error));
     GN_TRY(gn_element_contact_create(w, error));
-    w->index_of_id = gn_alloc_array(w->particles.soa.count + 1, sizeof *w->index_of_id);
-    if (!w->index_of_id)
+    w->dem.index_of_id = gn_alloc_array(w->dem.particles.soa.count + 1, sizeof *w->dem.index_of_id);
+    if (!w->dem.index_of_id)
         return gn_fail(error, GNEISS_ERROR_MEMORY, "no memory for particle numbers");
-    w->verlet.skin = w->scene.skin > 0.0 ? w->scene.skin : automatic_skin(w);
-    w->verlet.skin_start = w->verlet.skin;
+    w->dem.verlet.skin = w->scene.skin > 0.0 ? w->scene.skin : automatic_skin(w);
+    w->dem.verlet.skin_start = w->dem.verlet.skin;
     GN_TRY(gn_world_rebuild(w, error));
     /* A periodic box has no surface whose displacements would tell its strain. */
     if (!(w->effects & GN_FX_PERIODIC))
-        GN_TRY(gn_strain_gauge_create(&w->particles, (int)w->scene.dimension, &w->gauge, error));
+        GN_TRY(
+            gn_strain_gauge_create(&w->dem.particles, (int)w->scene.dimension, &w->gauge, error));
     return GNEISS_OK;
 }
 
 /* Without particles: empty records, so that nothing else needs to know. */
 static gneiss_status build_empty(gn_world *w, gneiss_error *error) {
-    GN_TRY(gn_soa_create(&gn_particle_record, &w->particles, 0, w->effects, error));
-    GN_TRY(gn_soa_create(&gn_contact_record, &w->bonds, 0,
+    GN_TRY(gn_soa_create(&gn_particle_record, &w->dem.particles, 0, w->effects, error));
+    GN_TRY(gn_soa_create(&gn_contact_record, &w->dem.bonds, 0,
                          gn_contact_list_effects(w->effects, true), error));
-    GN_TRY(gn_soa_create(&gn_contact_record, &w->pairs, 0,
+    GN_TRY(gn_soa_create(&gn_contact_record, &w->dem.pairs, 0,
                          gn_contact_list_effects(w->effects, false), error));
-    w->verlet.skin = w->verlet.skin_start = 1.0;
+    w->dem.verlet.skin = w->dem.verlet.skin_start = 1.0;
     return gn_world_restore(w, error);
 }
 
@@ -328,23 +329,25 @@ gneiss_status gn_world_create(gn_scene *scene, gn_world *world, gneiss_error *er
 
 void gn_world_free(gn_world *w) {
     gn_elements_free(w);
-    gn_soa_destroy(&gn_particle_record, &w->particles);
-    gn_soa_destroy(&gn_contact_record, &w->bonds);
-    gn_soa_destroy(&gn_contact_record, &w->pairs);
-    gn_soa_destroy(&gn_wall_contact_record, &w->wall_contacts);
-    gn_partials_free(&w->bond_partials);
-    gn_partials_free(&w->pair_partials);
+    gn_soa_destroy(&gn_particle_record, &w->dem.particles);
+    gn_soa_destroy(&gn_contact_record, &w->dem.bonds);
+    gn_soa_destroy(&gn_contact_record, &w->dem.pairs);
+    gn_soa_destroy(&gn_wall_contact_record, &w->boundary.contacts);
+    gn_partials_free(&w->dem.bond_partials);
+    gn_partials_free(&w->dem.pair_partials);
     gn_strain_gauge_free(&w->gauge);
-    for (size_t k = 0; k < w->surface_count; k++) gn_facet_tree_free(&w->surfaces[k].tree);
-    void *blocks[] = {
-        w->bodies,         w->surfaces,        w->body_shape,          w->body_vertex,
-        w->body_corner,    w->wall_first,      w->index_of_id,         w->walls,
-        w->wall_normals,   w->channel_set,     w->set_reaction,        w->loose,
-        w->prescribed.set, w->prescribed.mask, w->prescribed.velocity, w->prescribed.load,
-        w->bond_sums,      w->pair_sums,       w->wall_sums,           w->motion_sums};
+    for (size_t k = 0; k < w->boundary.surface_count; k++)
+        gn_facet_tree_free(&w->boundary.surfaces[k].tree);
+    void *blocks[] = {w->boundary.bodies,      w->boundary.surfaces,    w->boundary.body_shape,
+                      w->boundary.body_vertex, w->boundary.body_corner, w->boundary.first,
+                      w->dem.index_of_id,      w->boundary.walls,       w->boundary.wall_normals,
+                      w->dem.channel_set,      w->dem.set_reaction,     w->dem.loose,
+                      w->dem.prescribed.set,   w->dem.prescribed.mask,  w->dem.prescribed.velocity,
+                      w->dem.prescribed.load,  w->dem.bond_sums,        w->dem.pair_sums,
+                      w->boundary.sums,        w->dem.motion_sums};
     for (size_t k = 0; k < sizeof blocks / sizeof *blocks; k++) gn_free(blocks[k]);
-    gn_deal_free(&w->deal);
-    gn_hold_free(&w->hold);
+    gn_deal_free(&w->dem.deal);
+    gn_hold_free(&w->dem.hold);
     gn_free(w->exchange);
     gn_scene_free(&w->scene);
     gn_scene_free(&w->given);
@@ -358,26 +361,26 @@ void gn_world_point_out(const gn_world *w, const double point[3], double out[3])
 gn_assembly gn_world_assembly(const gn_world *w) {
     gn_assembly a = {0};
     a.dimension = (int)w->scene.dimension;
-    a.particles = &w->particles;
-    a.bonds = &w->bonds;
-    a.pairs = &w->pairs;
-    a.wall_contacts = w->effects & GN_FX_WALLS ? &w->wall_contacts : NULL;
+    a.particles = &w->dem.particles;
+    a.bonds = &w->dem.bonds;
+    a.pairs = &w->dem.pairs;
+    a.wall_contacts = w->effects & GN_FX_WALLS ? &w->boundary.contacts : NULL;
     a.wall_count = w->scene.wall_count;
-    a.wall_normals = w->wall_normals;
+    a.wall_normals = w->boundary.wall_normals;
     a.periodic = w->effects & GN_FX_PERIODIC;
     memcpy(a.period, w->period, sizeof a.period);
     return a;
 }
 
 uint64_t gn_world_hash(const gn_world *w) {
-    uint64_t h = gn_soa_hash(&gn_particle_record, &w->particles, GN_HASH_SEED);
-    h = gn_soa_hash(&gn_contact_record, &w->bonds, h);
-    h = gn_soa_hash(&gn_contact_record, &w->pairs, h);
-    h = gn_soa_hash(&gn_wall_contact_record, &w->wall_contacts, h);
+    uint64_t h = gn_soa_hash(&gn_particle_record, &w->dem.particles, GN_HASH_SEED);
+    h = gn_soa_hash(&gn_contact_record, &w->dem.bonds, h);
+    h = gn_soa_hash(&gn_contact_record, &w->dem.pairs, h);
+    h = gn_soa_hash(&gn_wall_contact_record, &w->boundary.contacts, h);
     for (size_t k = 0; k < w->scene.wall_count; k++)
-        h = gn_hash_bytes(w->walls[k].point, sizeof w->walls[k].point, h);
+        h = gn_hash_bytes(w->boundary.walls[k].point, sizeof w->boundary.walls[k].point, h);
     for (size_t k = 0; k < w->scene.body_count; k++)
-        h = gn_hash_bytes(&w->bodies[k], offsetof(gn_rigid, mass), h);
+        h = gn_hash_bytes(&w->boundary.bodies[k], offsetof(gn_rigid, mass), h);
     if (w->elements) {
         uint64_t body = gn_fem_hash(&w->elements->body);
         h = gn_hash_bytes(&body, sizeof body, h);
@@ -392,10 +395,12 @@ static size_t list_bytes(const gn_contacts *list, const gn_partials *q) {
 }
 
 size_t gn_world_bytes(const gn_world *w) {
-    size_t n = w->particles.soa.capacity;
+    size_t n = w->dem.particles.soa.capacity;
     size_t bytes = n * gn_record_bytes(&gn_particle_record, w->effects);
-    bytes += list_bytes(&w->bonds, &w->bond_partials) + list_bytes(&w->pairs, &w->pair_partials);
-    bytes += w->wall_contacts.soa.capacity * gn_record_bytes(&gn_wall_contact_record, w->effects);
+    bytes += list_bytes(&w->dem.bonds, &w->dem.bond_partials) +
+             list_bytes(&w->dem.pairs, &w->dem.pair_partials);
+    bytes +=
+        w->boundary.contacts.soa.capacity * gn_record_bytes(&gn_wall_contact_record, w->effects);
     if (w->elements) bytes += gn_fem_bytes(&w->elements->body);
     return bytes + n * 2 * sizeof(int32_t);
 }

@@ -3,16 +3,12 @@
 #ifndef GN_SIM_WORLD_H
 #define GN_SIM_WORLD_H
 
-#include "kernels/dispatch.h"
-#include "limit/timestep.h"
 #include "measure/energy.h"
 #include "measure/measure.h"
-#include "neigh/pairs.h"
 #include "scene/scene.h"
-#include "sched/deal.h"
-#include "sched/hold.h"
+#include "sim/boundary.h"
+#include "sim/dem.h"
 #include "sim/elements.h"
-#include "sim/surface.h"
 
 /* X(name, text): what the seconds of a run are booked under. */
 #define GN_PHASES(X)                                                                               \
@@ -37,121 +33,40 @@ typedef enum gn_phase {
 const char *gn_phase_name(gn_phase phase);
 const char *gn_phase_text(gn_phase phase);
 
-typedef struct gn_wall {
-    double point[3], start[3]; /* m; a point of the plane, and where it began */
-    double normal[3];          /* unit, to the particles */
-    double velocity[3];        /* m/s, over the interval that led here */
-    double force[3];           /* N, of the particles on the wall at the last evaluation */
-    double stiffness;          /* N/m, sum of the touching contacts; only with a servo */
-    double travel;             /* m, path since the lists were made */
-} gn_wall;
-
-/* State of the Verlet lists. */
-typedef struct gn_verlet {
-    double skin;       /* m, as it is now */
-    double skin_start; /* m, as it was at the start */
-    double drift;      /* m, bound on any particle's path since `ref` was set */
-    int64_t rebuilds;
-    int64_t last_step; /* step of the last rebuild */
-} gn_verlet;
-
-/* Uniform contact parameters derived from the packing (models 3a, 3b, 3c); 0 when not used. */
-typedef struct gn_derived {
-    double radius;  /* m: stiffness is 2 E_c radius */
-    double radius2; /* m2: strengths are 4 sigma_c radius2, 4 tau_c radius2 */
-} gn_derived;
-
-/* The shortest collision that a step has to resolve, by ids of particles; `second` < 0: wall -1 -
- * second, behind the walls surfaces. */
-typedef struct gn_resolution {
-    double step;    /* s: what it allows; INFINITY: nothing can collide */
-    double contact; /* s: how long it lasts */
-    int64_t first, second;
-} gn_resolution;
-
-/* X(name, text): numbers of the last measured step that no sum over the state gives afterwards;
- * checkpoints have them. */
-#define GN_MEASURED(X) X(unbalanced, "mean resultant over mean contact force")
-
+/* The scene, the clock and the ledger, and the parts, which own their state. */
 struct gn_world {
     gn_scene scene; /* its points relative to scene.origin, as all points of the world */
     gn_scene given; /* the same as the user sees it, for files */
     gn_effects effects;
     const gn_kernel_set *kernels;
-    gn_contact_kernel *bond_kernel, *pair_kernel;
-    gn_motion_kernel *motion_kernel;
     int threads;
-    gn_deal deal;                 /* of steps among the threads */
-    gn_hold hold;                 /* particles that wait for an exchange */
+
+    gn_dem dem;                   /* particles and their contacts */
+    gn_boundary boundary;         /* walls, bodies and facets that they touch */
+    gn_element_model *elements;   /* NULL: none */
     struct gn_exchange *exchange; /* [exchange_count] sim/exchange.h */
     size_t exchange_count;
 
-    gn_particles particles;
-    gn_contacts bonds, pairs;
-    gn_wall_contacts wall_contacts;
-    gn_partials bond_partials, pair_partials;
-    gn_uniform bond_uniform, pair_uniform;
-    int32_t *wall_first;  /* [particles + 1] */
-    int32_t *index_of_id; /* [particles] */
-    gn_derived derived;
-    gn_element_model *elements; /* NULL: none */
-
-    gn_wall *walls;       /* [scene.wall_count] */
-    double *wall_normals; /* [walls][4], for measures */
-    gn_rigid *bodies;     /* [scene.body_count] */
-    size_t surface_count;
-    gn_surface *surfaces;     /* first those of bodies, in their order */
-    size_t body_vertex_count; /* of all bodies */
-    size_t body_corner_count; /* of facets of all bodies */
-    int64_t (*body_shape)[3]; /* [bodies]: vertices, facets, facets dropped */
-    double *body_vertex;      /* [body_vertex_count][4], m, in the frames */
-    int32_t *body_corner;     /* [body_corner_count], within a body */
-    gn_prescription prescribed;
-    int32_t *channel_set; /* [prescribed.count][6] set that drives a channel, -1: free */
-    double *set_reaction; /* [scene.set_count][6] N, N m: what the prescription supplied */
-
-    gn_contact_sums *bond_sums, *pair_sums; /* per block of contacts */
-    gn_contact_sums *wall_sums;             /* per block of particles */
-    gn_motion_sums *motion_sums;
-    size_t motion_blocks;
-
-    gn_verlet verlet;
     gn_strain_gauge gauge;
     double period[3];
-    double damping_fraction;   /* of critical, of contacts that are pressed */
     double volume;             /* m3 (2D: m2 x 1 m): of the specimen at the start */
     double lower[3], upper[3]; /* m: extent of the specimen at the start, radii included */
     double test_length, test_area;
-    double radius_min;    /* m */
-    double particle_mass; /* kg, of those that were there when the lists were made */
 
     int64_t step;
     double time;        /* s */
     double dt_past, dt; /* s: interval that led here, coming interval */
-    double speed_most;  /* m/s, of the fastest particle in the last; 0: not known (start, resume) */
-    gn_step_limit limit; /* last full estimate */
     double stable; /* s: what the step is held against: sharp limit or bound, less the share that
                     * non-viscous damping takes */
-    double stable_particles; /* s: the same of the particles alone, damping left out */
-    double surface_rate;     /* 1/s: 1/dt of free bodies, see gn_surfaces_rate */
-    double vertex_rate;      /* 1/s: the same of what contacts do to nodes of finite elements */
-    double listed;       /* s: the limit with all listed contacts in touch, where it was found to be
-                          * within a hundredth of the step or below it; else INFINITY */
-    double listed_holds; /* s: step of the particles alone at which all that is listed holds */
-    gn_resolution resolution; /* the shortest so far */
-    int64_t dt_lowered;       /* times that the step was lowered while running */
-    uint8_t *loose;           /* [particles] by id: not bonded at the start, see resolution.c */
+    int64_t dt_lowered; /* times that the step was lowered while running */
 
     gn_energy energy;  /* running totals */
     gn_energy reading; /* the ledger at the last measured instant */
-    int64_t broken_tension, broken_shear, bonds_at_start;
     double
         stress[9]; /* Pa, average over the specimen at the last measured step, tension positive */
 #define X(name, text) double name;
     GN_MEASURED(X)
 #undef X
-    int64_t lost;          /* removed particles */
-    int64_t contact_steps; /* contacts worked on, summed over steps */
     double seconds[GN_PHASE_COUNT];
     bool bad; /* the run failed: its state is written as it is, for looking at */
 };
