@@ -137,8 +137,7 @@ bench_numbers bench_world_numbers(const bench_world *b) {
     return n;
 }
 
-/* --- kernels alone
- * --------------------------------------------------------------------------------- */
+/* --- kernels alone --- */
 
 static bool bonds_are_more(const gn_world *w) {
     return w->dem.bonds.soa.count > w->dem.pairs.soa.count;

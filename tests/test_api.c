@@ -138,8 +138,7 @@ static double energy(const gneiss_world *world, const char *name) {
     return q.value;
 }
 
-/* --- scenes
- * ------------------------------------------------------------------------------------- */
+/* --- scenes --- */
 
 static void scenes_load_from_a_file_with_overrides(void **state) {
     (void)state;
@@ -182,8 +181,7 @@ static void overrides_that_say_nothing_are_refused(void **state) {
     }
 }
 
-/* --- misuse
- * ------------------------------------------------------------------------------------- */
+/* --- misuse --- */
 
 #define REFUSED(call)                                                                              \
     do {                                                                                           \
@@ -350,8 +348,7 @@ static void success_leaves_the_error_as_it_was(void **state) {
     gneiss_world_free(world);
 }
 
-/* --- looking
- * ------------------------------------------------------------------------------------ */
+/* --- looking --- */
 
 static void particle_views_show_the_specimen(void **state) {
     (void)state;
@@ -646,8 +643,7 @@ static void the_step_is_a_share_of_the_limit(void **state) {
     gneiss_world_free(w);
 }
 
-/* --- advancing
- * ---------------------------------------------------------------------------------- */
+/* --- advancing --- */
 
 static void step_takes_exactly_as_many_also_past_the_end(void **state) {
     (void)state;
@@ -839,8 +835,7 @@ static void a_run_that_went_bad_can_be_looked_at_and_nothing_else(void **state) 
     remove_place(&p);
 }
 
-/* --- files
- * -------------------------------------------------------------------------------------- */
+/* --- files --- */
 
 static void a_saved_world_goes_on_to_the_same_bits(void **state) {
     (void)state;

@@ -156,8 +156,7 @@ static void impossible_beams_are_refused(void **state) {
     assert_int_equal(gn_mesh_beam(&spec, &mesh, &error), GNEISS_ERROR_INPUT);
 }
 
-/* --- loads and averages
- * ---------------------------------------------------------------------------- */
+/* --- loads and averages --- */
 
 static gn_fem_body *block(void) {
     gn_fem_spec s = spec_of(3, &rock);

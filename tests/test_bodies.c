@@ -24,8 +24,7 @@ static void step(gn_world *w) {
     measured_step(w);
 }
 
-/* --- what they weigh
- * ----------------------------------------------------------------------------------- */
+/* --- what they weigh --- */
 
 static int by_size(const void *a, const void *b) {
     return (*(const double *)a > *(const double *)b) - (*(const double *)a < *(const double *)b);
@@ -89,8 +88,7 @@ static void a_polygon_weighs_what_it_should(void **state) {
     }
 }
 
-/* --- how they move
- * ------------------------------------------------------------------------------------- */
+/* --- how they move --- */
 
 static void a_free_body_falls_exactly(void **state) {
     (void)state;
@@ -233,8 +231,7 @@ static void a_symmetric_top_precesses_as_it_should(void **state) {
     assert_true(coarse < 1e-9 || fabs(coarse / fine - 4.0) < 0.3);
 }
 
-/* --- particles and bodies
- * ------------------------------------------------------------------------------ */
+/* --- particles and bodies --- */
 
 /* Sums over particles and bodies, and the sizes of their terms. */
 typedef struct momentum {
@@ -366,8 +363,7 @@ static void a_sphere_rebounds_from_a_free_body(void **state) {
     }
 }
 
-/* --- stability
- * ----------------------------------------------------------------------------------------- */
+/* --- stability --- */
 
 /* A light plate on a bed of spheres on a wall, pressed by a strong gravity so that all contacts
  * stay closed, in balance but for small random velocities. */
@@ -420,8 +416,7 @@ static void the_limit_knows_of_free_bodies(void **state) {
     }
 }
 
-/* --- the same bits
- * ------------------------------------------------------------------------------------- */
+/* --- the same bits --- */
 
 static uint64_t swarm_hash(int threads, int64_t steps) {
     char more[160];
@@ -486,8 +481,7 @@ static void a_resumed_run_gives_the_same_bits(void **state) {
     free(s);
 }
 
-/* --- what is refused
- * ----------------------------------------------------------------------------------- */
+/* --- what is refused --- */
 
 static void refuse(const char *bodies, const char *const *parts, int count) {
     char scene_text[2048];

@@ -164,8 +164,7 @@ static void the_limit_knows_of_contacts_with_nodes(void **state) {
     world_end(w);
 }
 
-/* --- the same bits
- * ------------------------------------------------------------------------------------- */
+/* --- the same bits --- */
 
 static void threads_and_resume_give_the_same_bits(void **state) {
     (void)state;

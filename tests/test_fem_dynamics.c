@@ -3,8 +3,7 @@
 
 #include "base/eigen.h"
 
-/* --- the time step
- * ------------------------------------------------------------------------------ */
+/* --- the time step --- */
 
 /* Both dimensions in both forms. */
 enum { WAYS = 4 };
@@ -154,8 +153,7 @@ static void steps_just_below_the_sharp_limit_stay_bounded_and_above_grow(void **
         }
 }
 
-/* --- energy
- * ------------------------------------------------------------------------------------ */
+/* --- energy --- */
 
 static double stored(const gn_fem_body *body) {
     return body->reading.kinetic + body->reading.elastic;
@@ -241,8 +239,7 @@ static void a_spinning_cube_turns_rigidly(void **state) {
     }
 }
 
-/* --- a wave along a bar
- * ------------------------------------------------------------------------ */
+/* --- a wave along a bar --- */
 
 typedef struct bar {
     gn_fem_body *body;
@@ -374,8 +371,7 @@ static void a_confined_wave_in_tetrahedra_runs_at_its_speed(void **state) {
     }
 }
 
-/* --- a cantilever
- * ------------------------------------------------------------------------------ */
+/* --- a cantilever --- */
 
 /* First frequency of a clamped-free beam with shear and rotary inertia (Timoshenko; Huang 1961, J.
  * Appl. Mech. 28: 579-584, eq. 30): zero of
@@ -454,8 +450,7 @@ static void first_frequency_of_a_cantilever_converges_to_that_of_the_beam(void *
     assert_true(fabs(fine / beam - 1.0) < 0.4 * fabs(coarse / beam - 1.0));
 }
 
-/* --- the same bits
- * ----------------------------------------------------------------------------- */
+/* --- the same bits --- */
 
 /* A distorted block, pulled, heavy and damped. */
 static uint64_t hash_of_run(int way, int threads, const char *isa) {

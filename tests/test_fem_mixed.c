@@ -129,8 +129,7 @@ static void ledger_closes_on_the_way_to_rest(void **state) {
     body_end(body);
 }
 
-/* --- a block under a pressure
- * ------------------------------------------------------------------------ */
+/* --- a block under a pressure --- */
 
 static void hold_side(gn_fem_body *body, const char *group, unsigned mask) {
     const double rest[3] = {0.0};

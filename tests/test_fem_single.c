@@ -15,8 +15,7 @@ static gn_fem_body *block(int d, bool single, int threads, const char *isa) {
     return body_of(&spec, mesh_of(size, cells, 0.15));
 }
 
-/* --- forces
- * ------------------------------------------------------------------------------------ */
+/* --- forces --- */
 
 /* Nodes go where a strain of that size, random in every element, and a rigid motion take them. */
 static void displace(gn_fem_body *body, double strain, double travel, double angle) {
@@ -157,8 +156,7 @@ static void forces_of_a_turned_body_are_within_the_bound(void **state) {
     }
 }
 
-/* --- bits
- * -------------------------------------------------------------------------------------- */
+/* --- bits --- */
 
 /* After some steps, every `measured`-th measured. */
 static uint64_t hash_after(gn_fem_body *body, int steps, int measured) {
@@ -227,8 +225,7 @@ static void travel_is_counted_from_the_start_whatever_ref_is(void **state) {
     body_end(b);
 }
 
-/* --- energy
- * ------------------------------------------------------------------------------------ */
+/* --- energy --- */
 
 static void hold(gn_fem_body *body, const char *group) {
     const double rest[3] = {0.0};
@@ -274,8 +271,7 @@ static void energy_of_a_vibrating_bar_stays_within_1e_6_for_1e5_steps(void **sta
         }
 }
 
-/* --- limits
- * ------------------------------------------------------------------------------------ */
+/* --- limits --- */
 
 static void the_mixed_form_is_refused(void **state) {
     (void)state;

@@ -4,8 +4,7 @@
 
 #include "surfaces/facet.h"
 
-/* --- the angle of a groove
- * ------------------------------------------------------------------------------------- */
+/* --- the angle of a groove --- */
 
 enum { STIFFNESS = 1000000 };
 static const double radius = 1e-3, depth = 1e-6;
@@ -51,8 +50,7 @@ static void no_angle_of_a_groove_makes_a_jump(void **state) {
     }
 }
 
-/* --- rebounds
- * ------------------------------------------------------------------------------------- */
+/* --- rebounds --- */
 
 /* f of facet.h. */
 static double share_at(double angle) {
@@ -116,8 +114,7 @@ static void a_groove_gives_back_what_it_took(void **state) {
         }
 }
 
-/* --- clouds of facets
- * ------------------------------------------------------------------------------------- */
+/* --- clouds of facets --- */
 
 enum { FACETS = 7 };
 

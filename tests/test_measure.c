@@ -5,7 +5,7 @@
 
 #include "cloud.h"
 
-/* --- strain ---------------------------------------------------------------------------------- */
+/* --- strain --- */
 
 static void assert_uniform_gradient_read(int dimension, const char *what) {
     gn_particles p = particles_of_cloud(all_effects, true);
@@ -275,7 +275,7 @@ static void a_removed_particle_counts_as_not_displaced(void **state) {
     particles_free(&p);
 }
 
-/* --- stress ---------------------------------------------------------------------------------- */
+/* --- stress --- */
 
 /* All touching pairs of the cloud; the nearest image with `period`. */
 static gn_contacts contacts_of_cloud(const lattice *l, const double period[3], gn_effects effects,
@@ -469,7 +469,7 @@ static void a_squeezed_sphere_is_in_compression(void **state) {
     particles_free(&p);
 }
 
-/* --- packing --------------------------------------------------------------------------------- */
+/* --- packing --- */
 
 static int32_t pair_list[2 * POINTS_MAX * 100];
 

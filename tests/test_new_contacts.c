@@ -13,8 +13,7 @@ static double residual_after(gn_world *w, double end) {
     return residual;
 }
 
-/* --- scenes that went bad
- * ----------------------------------------------------------------------------------------- */
+/* --- scenes that went bad --- */
 
 static gn_world *closing_lattice(const char *kind, double height, double restitution,
                                  double friction, const char *law) {
@@ -151,8 +150,7 @@ static void unequal_spheres_rebound_with_the_speed_of_approach(void **state) {
         }
 }
 
-/* --- the limit in flight and when lists are made
- * ------------------------------------------------------------------ */
+/* --- the limit in flight and when lists are made --- */
 
 /* Nothing is near anything: the stiffest pair that there is counts, and not two of the smallest,
  * nor friction that the law does not have. */
@@ -248,8 +246,7 @@ static void the_step_falls_when_a_stiffer_pair_comes_near(void **state) {
     world_end(w);
 }
 
-/* --- who is resolved
- * ------------------------------------------------------------------------------------------ */
+/* --- who is resolved --- */
 
 static gn_world *loaded(const char *name) {
     char path[4096];

@@ -7,7 +7,7 @@ static double random_unit(void) {
     return rand() / (RAND_MAX + 1.0);
 }
 
-/* --- readings -------------------------------------------------------------------------------- */
+/* --- readings --- */
 
 enum { COLUMNS = 5 };
 
@@ -393,7 +393,7 @@ static void a_missing_share_of_the_load_shows_and_waves_do_not(void **state) {
     gn_history_free(&h);
 }
 
-/* --- history --------------------------------------------------------------------------------- */
+/* --- history --- */
 
 static void a_history_grows_and_keeps_its_rows(void **state) {
     (void)state;
@@ -433,7 +433,7 @@ static void a_column_is_refused_when_it_cannot_be_added(void **state) {
     gn_history_free(&h);
 }
 
-/* --- energy ---------------------------------------------------------------------------------- */
+/* --- energy --- */
 
 static void the_residual_counts_every_term_once_with_its_sign(void **state) {
     (void)state;

@@ -14,8 +14,7 @@ static gn_world *over(int dimension, double height, const char *support, const c
                     dimension == 3 ? "9, 9, 9" : "9, 9", more, support);
 }
 
-/* --- a plane of triangles is a plane
- * ---------------------------------------------------------------------- */
+/* --- a plane of triangles is a plane --- */
 
 /* Largest deviations so far, of what is compared step by step. */
 typedef struct deviation {
@@ -161,8 +160,7 @@ static void a_nearly_flat_fold_is_nearly_flat(void **state) {
     }
 }
 
-/* --- faces, edges, corners
- * -------------------------------------------------------------------------------- */
+/* --- faces, edges, corners --- */
 
 /* Rebound velocity along `away` (unit) of a sphere that comes at 1 m/s against a body. */
 static double rebound(const char *shape, const double away[3], double restitution) {
@@ -210,8 +208,7 @@ static void faces_edges_and_corners_rebound_as_walls_do(void **state) {
     }
 }
 
-/* --- concave corners
- * -------------------------------------------------------------------------------------- */
+/* --- concave corners --- */
 
 /* A disc that falls into a groove whose sides rise at the two angles. */
 static void groove_is_two_walls(double left, double right) {
@@ -294,8 +291,7 @@ static void the_corner_of_a_box_is_three_walls(void **state) {
     world_end(b);
 }
 
-/* --- no jumps, no energy from nowhere
- * -------------------------------------------------------------------- */
+/* --- no jumps, no energy from nowhere --- */
 
 /* Slides without friction over a profile; the force of a step never differs from the one before by
  * more than it may, and energy stays. */
@@ -351,8 +347,7 @@ static void a_convex_edge_and_a_step_keep_energy(void **state) {
                0.3, 1e9);
 }
 
-/* --- plates
- * ------------------------------------------------------------------------------------------- */
+/* --- plates --- */
 
 /* A plate thinner than the overlap that its spheres make, one above and one below: each feels one
  * plate. */
@@ -380,8 +375,7 @@ static void a_thin_plate_is_touched_from_both_sides(void **state) {
     }
 }
 
-/* --- a centre on a surface
- * ---------------------------------------------------------------------- */
+/* --- a centre on a surface --- */
 
 static void a_centre_on_a_surface_is_refused_by_name(void **state) {
     (void)state;

@@ -3,7 +3,7 @@
 
 #include <complex.h>
 
-/* --- closed forms ---------------------------------------------------------------------------- */
+/* --- closed forms --- */
 
 /* One sphere of radius 1 mm pressed `overlap` into the wall y = 0; v_r = -(v + a w x n). */
 static specimen *on_wall(double overlap, const double stiffness[2], const double *alpha) {
@@ -161,7 +161,7 @@ static void a_tiny_particle_sets_the_step(void **state) {
     destroy(s);
 }
 
-/* --- which contacts act ---------------------------------------------------------------------- */
+/* --- which contacts act --- */
 
 static void contacts_act_by_their_state(void **state) {
     (void)state;
@@ -208,7 +208,7 @@ static void a_position_that_is_not_a_number_is_refused(void **state) {
     destroy(s);
 }
 
-/* --- lattices: the largest Bloch frequency over all waves that fit the periodic box ---------- */
+/* --- lattices: the largest Bloch frequency over all waves that fit the periodic box --- */
 
 typedef struct lattice {
     const char *name;
@@ -346,7 +346,7 @@ static void the_bound_is_exact_for_a_cubic_lattice(void **state) {
     destroy(s);
 }
 
-/* --- packings -------------------------------------------------------------------------------- */
+/* --- packings --- */
 
 static void the_bound_is_below_the_sharp_limit_in_packings(void **state) {
     (void)state;

@@ -24,8 +24,7 @@ static const definition definitions[] = {
 static const double block_side = 0.1, block_height = 0.05, block_half = 0.05,
                     block_cube = 0.1 / 6.0; /* m */
 
-/* --- meshes
- * ------------------------------------------------------------------------------------ */
+/* --- meshes --- */
 
 static void map_cook(gn_mesh *mesh) {
     for (size_t n = 0; n < mesh->node_count; n++) {
@@ -60,8 +59,7 @@ static gneiss_status make_mesh(const definition *d, const fem_case_spec *spec, g
     return gn_mesh_box(&s, mesh, error);
 }
 
-/* --- loads and supports
- * ------------------------------------------------------------------------ */
+/* --- loads and supports --- */
 
 static gneiss_status hold(gn_fem_body *body, const char *group, unsigned mask,
                           gneiss_error *error) {
@@ -165,8 +163,7 @@ void fem_case_free(fem_case *c) {
     memset(c, 0, sizeof *c);
 }
 
-/* --- relaxation
- * -------------------------------------------------------------------------------- */
+/* --- relaxation --- */
 
 /* u f, u M u and v M v of the body, f being the applied forces; the sums run in node order. */
 static void products(const gn_fem_body *body, double *uf, double *umu, double *vmv) {
@@ -206,8 +203,7 @@ gneiss_status fem_case_relax(fem_case *c, double tolerance, int64_t most, gneiss
     return read_all(c, error);
 }
 
-/* --- readings
- * ---------------------------------------------------------------------------------- */
+/* --- readings --- */
 
 void fem_case_displacement(const fem_case *c, size_t node, double u[3]) {
     for (size_t k = 0; k < 3; k++)

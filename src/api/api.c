@@ -23,8 +23,7 @@ const char *gneiss_status_name(gneiss_status status) {
     return gn_status_name(status);
 }
 
-/* --- arguments
- * ---------------------------------------------------------------------------------- */
+/* --- arguments --- */
 
 gneiss_status gn_api_require(const void *pointer, const char *what, gneiss_error *error) {
     if (pointer) return GNEISS_OK;
@@ -80,8 +79,7 @@ static gneiss_status make_overrides(const char *const *texts, size_t count, over
     return status;
 }
 
-/* --- scenes
- * ------------------------------------------------------------------------------------- */
+/* --- scenes --- */
 
 /* The reader that both ways to a scene share; `text` NULL: from the file `name`. */
 static gneiss_status read_scene(const char *text, const char *name, const char *folder,
@@ -140,8 +138,7 @@ void gneiss_scene_free(gneiss_scene *scene) {
     free(scene);
 }
 
-/* --- worlds
- * ------------------------------------------------------------------------------------- */
+/* --- worlds --- */
 
 static gneiss_status new_world(gneiss_world **world, gneiss_error *error) {
     *world = calloc(1, sizeof **world);
@@ -244,8 +241,7 @@ gneiss_status gneiss_world_run(gneiss_world *world, gneiss_error *error) {
     return gneiss_world_finish(world, error);
 }
 
-/* --- saving and going on
- * ------------------------------------------------------------------------ */
+/* --- saving and going on --- */
 
 gneiss_status gneiss_world_save(const gneiss_world *world, const char *path, gneiss_error *error) {
     GN_TRY(require_good(world, error));
@@ -295,8 +291,7 @@ const char *gneiss_world_note(const gneiss_world *world) {
     return world ? world->run.note : "";
 }
 
-/* --- where it stands
- * ---------------------------------------------------------------------------- */
+/* --- where it stands --- */
 
 gneiss_status gneiss_world_progress(const gneiss_world *world, gneiss_progress *progress,
                                     gneiss_error *error) {

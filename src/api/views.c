@@ -18,8 +18,7 @@ static void add_name(name_list *list, const char *name) {
     list->used += gap + length;
 }
 
-/* --- fields
- * ------------------------------------------------------------------------------------- */
+/* --- fields --- */
 
 /* A record of a world and its manifest. */
 typedef struct place {
@@ -161,8 +160,7 @@ double gneiss_view_value(const gneiss_view *view, size_t item, size_t component)
     return NAN;
 }
 
-/* --- history
- * ------------------------------------------------------------------------------------ */
+/* --- history --- */
 
 size_t gneiss_world_history_count(const gneiss_world *world) {
     return world ? world->run.history.column_count : 0;
@@ -214,8 +212,7 @@ gneiss_status gneiss_world_history(const gneiss_world *world, const char *name, 
                    "expected a column of the history (%s), found '%.80s'", names.text, name);
 }
 
-/* --- readings and energies
- * ---------------------------------------------------------------------- */
+/* --- readings and energies --- */
 
 static gneiss_status pick_at(const gneiss_quantity *all, size_t count, size_t index,
                              gneiss_quantity *out, gneiss_error *error) {

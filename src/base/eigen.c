@@ -7,7 +7,7 @@
 #include <stdbool.h>
 #include <string.h>
 
-/* --- small and dense ------------------------------------------------------------------------- */
+/* --- small and dense --- */
 
 /* Zeroes a[p][q] by a plane rotation; v holds eigenvectors as rows. */
 static void rotate(int n, double *a, double *v, int p, int q) {
@@ -73,7 +73,7 @@ void gn_eigen_symmetric(int n, double *a, double *values, double *vectors) {
     sort_descending(n, values, vectors);
 }
 
-/* --- huge and implicit ----------------------------------------------------------------------- */
+/* --- huge and implicit --- */
 
 enum {
     BLOCK = 2048, /* elements per partial sum: fixed, so that sums do not depend on the threads */

@@ -210,8 +210,7 @@ void gn_print_range(const gn_world *w, int axis, double lower, double upper, con
            gn_point_out(origin, lower), digits, gn_point_out(origin, upper), note);
 }
 
-/* --- check
- * ------------------------------------------------------------------------------------------ */
+/* --- check --- */
 
 static void print_bond_numbers(const gn_world *w, int *warnings) {
     if (!w->dem.particles.bonds0) return;

@@ -37,8 +37,7 @@ void gn_print_element_limits(const gn_world *w) {
     printf("  set by           %s\n", gn_elements_culprit(w, text, sizeof text));
 }
 
-/* --- check
- * -------------------------------------------------------------------------------------- */
+/* --- check --- */
 
 static void print_groups(const gn_mesh *mesh) {
     for (size_t k = 0; k < mesh->group_count; k++) {

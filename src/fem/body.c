@@ -25,8 +25,7 @@ static gneiss_status out_of_memory(const builder *b, gneiss_error *error) {
                    b->body->name, b->body->mesh.node_count, b->solids->count);
 }
 
-/* --- materials
- * --------------------------------------------------------------------------------- */
+/* --- materials --- */
 
 static gneiss_status check_material(const gn_fem_body *body, const gn_fem_material *m,
                                     gneiss_error *error) {
@@ -85,8 +84,7 @@ static gneiss_status give_materials(builder *b, gneiss_error *error) {
     return GNEISS_OK;
 }
 
-/* --- nodes
- * ------------------------------------------------------------------------------------- */
+/* --- nodes --- */
 
 static gneiss_status check_plane(const gn_fem_body *body, const gn_mesh_elements *solids,
                                  gneiss_error *error) {
@@ -177,8 +175,7 @@ static gneiss_status renumber_mesh(builder *b, gneiss_error *error) {
     return GNEISS_OK;
 }
 
-/* --- elements
- * ---------------------------------------------------------------------------------- */
+/* --- elements --- */
 
 /* The places of an element's nodes, ascending, and its number. */
 typedef struct sorted_element {
@@ -323,8 +320,7 @@ static gneiss_status make_elements(builder *b, gneiss_error *error) {
     return GNEISS_OK;
 }
 
-/* --- all of it
- * --------------------------------------------------------------------------------- */
+/* --- all of it --- */
 
 static gneiss_status prepare(gn_fem_body *body, const gn_fem_spec *spec, gneiss_error *error) {
     bool space = spec->dimension == 3;

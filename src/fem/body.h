@@ -111,8 +111,7 @@ void gn_fem_body_free(gn_fem_body *body);
 /* Bytes held by nodes, elements and partial sums. */
 size_t gn_fem_bytes(const gn_fem_body *body);
 
-/* --- sets and loads (loads.c)
- * ---------------------------------------------------------------------------------- */
+/* --- sets and loads (loads.c) --- */
 
 /* Nodes by their places in the body. */
 typedef struct gn_fem_set {
@@ -180,8 +179,7 @@ void gn_fem_set_loads(gn_fem_body *body, const gn_fem_load *load, const double (
 gneiss_status gn_fem_surface(const gn_fem_body *body, const char *group, int32_t **corner,
                              size_t *count, gneiss_error *error);
 
-/* --- time step (limit.c)
- * --------------------------------------------------------------------------------------- */
+/* --- time step (limit.c) --- */
 
 typedef struct gn_fem_limit {
     double bound;          /* s, never above the limit of the linearised body at the start */
@@ -207,8 +205,7 @@ gneiss_status gn_fem_bound(gn_fem_body *body, gn_fem_limit *limit, gneiss_error 
  * least `bound`/factor, to first order in the strain. 1 without strain, whatever the rotation. */
 gneiss_status gn_fem_stiffening(const gn_fem_body *body, double *factor, gneiss_error *error);
 
-/* --- step (step.c)
- * --------------------------------------------------------------------------------------------- */
+/* --- step (step.c) --- */
 
 /* Advances by one step. Forces, reactions and, with `measure`, `reading` and `elastic` are those of
  * the instant at which the step starts; positions, velocities and time those at its end.
@@ -235,8 +232,7 @@ double gn_fem_energy_residual(const gn_fem_energy *energy);
 /* Hash of the state: nodes, elements, time. */
 uint64_t gn_fem_hash(const gn_fem_body *body);
 
-/* --- readings (stress.c)
- * --------------------------------------------------------------------------------------- */
+/* --- readings (stress.c) --- */
 
 /* Pa, Cauchy, tension positive, of the present positions: xx yy zz xy yz zx per element, by place.
  */
@@ -255,8 +251,7 @@ double gn_fem_volume_ratio(const gn_fem_body *body, size_t element);
  * what step they allow (measures.c). */
 void gn_fem_step_scales(const gn_fem_body *body, double *scale);
 
-/* --- averages (measures.c)
- * ------------------------------------------------------------------------------------- */
+/* --- averages (measures.c) --- */
 
 /* The mean displacement gradient over the body is linear in the displacements: <du_a/dX_b> = sum_n
  * u_a(n) w_b(n), with w(n) = sum_e V_e grad N_n / sum_e V_e. weight[nodes][3], 1/m. */

@@ -31,8 +31,7 @@ void gn_fem_gradients(const gn_elements *q, size_t e, double gradient[4][3]) {
         }
 }
 
-/* --- bound
- * ------------------------------------------------------------------------------------- */
+/* --- bound --- */
 
 /* Trace of an element's stiffness at a node: V [(lambda + mu) G (x) G + mu |G|^2 I]. */
 static double node_stiffness(const gn_elements *q, size_t e, int d, const double gradient[3]) {
@@ -172,8 +171,7 @@ static gneiss_status find_bound(const linear_system *y, gn_fem_limit *limit, gne
     return GNEISS_OK;
 }
 
-/* --- sharp
- * ------------------------------------------------------------------------------------- */
+/* --- sharp --- */
 
 /* Forces K u of one element and its energy u.K u/2. */
 static double linear_element(const linear_system *y, size_t e, const double *u,
@@ -287,8 +285,7 @@ static gneiss_status find_sharp(const linear_system *y, double tolerance, gn_fem
     return status;
 }
 
-/* --- both
- * -------------------------------------------------------------------------------------- */
+/* --- both --- */
 
 static void set_scale(linear_system *y) {
     const gn_fem_body *body = y->body;

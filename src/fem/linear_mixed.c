@@ -66,8 +66,7 @@ static void run(const linear_system *y, pass p, double *out) {
     }
 }
 
-/* --- passes
- * ---------------------------------------------------------------------------------------- */
+/* --- passes --- */
 
 /* Integral of grad q over tau, to every node its share. */
 static void gradient_of(const linear_system *y, size_t e, double gradient[4][3], double g[3]) {
@@ -149,8 +148,7 @@ static void take_force(const linear_system *y, size_t n, const double *sum, doub
     for (size_t i = 0; i < d; i++) out[d * n + i] = y->scale[d * n + i] * sum[i];
 }
 
-/* --- operators
- * --------------------------------------------------------------------------------------- */
+/* --- operators --- */
 
 static void set_fields(const linear_system *y, const double *x) {
     const size_t d = (size_t)y->dimension, nodes = y->body->nodes.soa.count;

@@ -7,8 +7,7 @@
 #include <stdio.h>
 #include <string.h>
 
-/* --- groups
- * ------------------------------------------------------------------------------------ */
+/* --- groups --- */
 
 const gn_mesh_group *gn_fem_find_group(const gn_mesh *mesh, const char *name, int dimension) {
     for (size_t k = 0; k < mesh->group_count; k++) {
@@ -56,8 +55,7 @@ void gn_fem_mark_group(const gn_mesh_elements *list, int32_t tag, uint8_t *in) {
         if (list->also[k].group == tag) in[list->also[k].element] = 1;
 }
 
-/* --- sets
- * -------------------------------------------------------------------------------------- */
+/* --- sets --- */
 
 static gneiss_status collect(const uint8_t *chosen, size_t nodes, gn_fem_set *set,
                              gneiss_error *error) {
@@ -130,8 +128,7 @@ void gn_fem_set_free(gn_fem_set *set) {
     *set = (gn_fem_set){0};
 }
 
-/* --- prescribed motion
- * ------------------------------------------------------------------------- */
+/* --- prescribed motion --- */
 
 /* A copy of an array with room for `count` items of `size`; the old one is freed. */
 static bool grow(void **array, size_t had, size_t count, size_t size) {
@@ -205,8 +202,7 @@ void gn_fem_reaction(const gn_fem_body *body, int32_t motion, double force[3]) {
             if (body->channel[slot][a] == motion) force[a] += body->prescribed.load[6 * slot + a];
 }
 
-/* --- forces
- * ------------------------------------------------------------------------------------ */
+/* --- forces --- */
 
 void gn_fem_add_force(gn_fem_body *body, const gn_fem_set *set, const double force[3]) {
     for (size_t k = 0; k < set->count; k++)

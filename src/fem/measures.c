@@ -6,8 +6,7 @@
 #include <math.h>
 #include <string.h>
 
-/* --- strain
- * ------------------------------------------------------------------------------------- */
+/* --- strain --- */
 
 void gn_fem_strain_weights(const gn_fem_body *body, double (*weight)[3]) {
     const gn_elements *q = &body->elements;
@@ -31,8 +30,7 @@ void gn_fem_mean_gradient(const gn_fem_body *body, const double (*weight)[3], do
         }
 }
 
-/* --- per element
- * ------------------------------------------------------------------------------------- */
+/* --- per element --- */
 
 static double element_force(const gn_fem_body *body, size_t e, const double s[6]) {
     double gradient[4][3], sum = 0.0;

@@ -102,8 +102,7 @@ gneiss_status gn_fem_mixed_prepare(gn_fem_body *body, gneiss_error *error) {
     return choose_rate(body, error);
 }
 
-/* --- a step
- * ---------------------------------------------------------------------------------------- */
+/* --- a step --- */
 
 static void copy_places(const gn_fem_body *body) {
     const gn_particles *q = &body->nodes;
@@ -145,8 +144,7 @@ gn_pressure_args gn_fem_pressure_args(gn_fem_body *body, double dt, bool measure
                               .book = measure || damping > 0.0};
 }
 
-/* --- reading
- * --------------------------------------------------------------------------------------- */
+/* --- reading --- */
 
 /* One serial pass over all blocks; rows are made anew in every step, and no energy is asked for. */
 void gn_fem_find_pressures(const gn_fem_body *body) {

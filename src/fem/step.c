@@ -3,8 +3,7 @@
 
 #include <math.h>
 
-/* --- merging, in block order
- * ----------------------------------------------------------------------- */
+/* --- merging, in block order --- */
 
 static gn_element_sums merge_elements(const gn_fem_body *body) {
     gn_element_sums total = GN_ELEMENT_SUMS_ZERO;
@@ -65,8 +64,7 @@ double gn_fem_energy_residual(const gn_fem_energy *e) {
            (e->work_prescribed + e->work_applied + e->work_gravity) + e->damping;
 }
 
-/* --- going bad
- * ------------------------------------------------------------------------------------- */
+/* --- going bad --- */
 
 static gneiss_status inside_out(const gn_fem_body *body, gneiss_error *error) {
     const gn_elements *q = &body->elements;

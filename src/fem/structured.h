@@ -9,10 +9,10 @@
 typedef struct gn_structured {
     double lower[3], size[3]; /* m; in 2D the plane is z = 0 */
     int32_t cells[3];         /* per direction, > 0 */
-    double
-        distortion; /* 0: none; nodes move at random by up to this part of a cell's sides, those of
+    /* 0: none; nodes move at random by up to this part of a cell's sides, those of
                        the boundary along it; < 1/4 in 2D, < 1/6 in 3D, so that nothing inverts */
-    uint64_t seed;  /* of the distortion */
+    double distortion;
+    uint64_t seed; /* of the distortion */
 } gn_structured;
 
 /* Cells are split in two triangles (five tetrahedra), mirrored from cell to cell like the colours

@@ -19,8 +19,7 @@ typedef struct grading {
     double least, slope, most;
 } grading;
 
-/* --- grading
- * ------------------------------------------------------------------------------------ */
+/* --- grading --- */
 
 /* Distance up to which cells grow. */
 static double growing(const grading *g) {
@@ -61,8 +60,7 @@ static bool divide(const grading *g, double from, double to, places *p) {
     return append(p, to);
 }
 
-/* --- lines of the grid
- * -------------------------------------------------------------------------------- */
+/* --- lines of the grid --- */
 
 typedef struct beam {
     const gn_structured_beam *spec;
@@ -139,8 +137,7 @@ static gneiss_status make_lines(beam *b, gneiss_error *error) {
                    nodes);
 }
 
-/* --- mesh
- * --------------------------------------------------------------------------------------- */
+/* --- mesh --- */
 
 static size_t node_at(const beam *b, size_t x, size_t y, size_t z) {
     return (z * b->y.count + y) * b->x.count + x;

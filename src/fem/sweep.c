@@ -29,8 +29,7 @@ static range nodes_of(const work *k, size_t block) {
     return items_of(block, GN_PARTICLE_BLOCK, k->body->nodes.soa.count);
 }
 
-/* --- one block
- * ------------------------------------------------------------------------------------- */
+/* --- one block --- */
 
 static void find_growth(void *context, int list, size_t block) {
     const work *k = context;
@@ -71,8 +70,7 @@ static void move(void *context, size_t block) {
         body->pressure_kernel[1](&k->pressure, r.begin, r.end, &body->pressure_sums[block]);
 }
 
-/* --- all of it
- * -------------------------------------------------------------------------------------- */
+/* --- all of it --- */
 
 static work prepare(gn_fem_body *body, double dt, bool measure) {
     work k = {.body = body, .measure = measure};

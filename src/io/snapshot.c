@@ -122,8 +122,7 @@ gneiss_status gn_snapshot_write(const char *directory, const char *name,
     return status;
 }
 
-/* --- the series
- * ------------------------------------------------------------------------------------------ */
+/* --- the series --- */
 
 /* Where a step is, or would have to be put in. */
 static size_t place_of(const gn_snapshot_times *times, int64_t step) {

@@ -223,8 +223,7 @@ GN_INLINE void contact_core(const gn_contact_args *a, size_t begin, size_t end,
     sums->bond_breaking += gn_fold(e.breaking);
 }
 
-/* --- the variants
- * ---------------------------------------------------------------------------------- */
+/* --- the variants --- */
 
 /* Not worth a kernel: friction without shear, or shear that neither friction nor bonds load. In
  * mixed precision the branch at the start knows the image: periodic boxes need no kernel. */

@@ -63,8 +63,7 @@ gneiss_status gn_kernel_set_choose(const char *name, const gn_kernel_set **set,
                    origin, names, name);
 }
 
-/* --- variants
- * -------------------------------------------------------------------------------------- */
+/* --- variants --- */
 
 typedef struct effect_bit {
     unsigned bit;

@@ -164,8 +164,7 @@ GN_INLINE void add_slopes(const gn_element_args *a, size_t e, size_t end, const 
             gn_add_two(row_of_two(sums, place[nodes * k + n]), row + 4 * k);
 }
 
-/* --- measuring
- * -------------------------------------------------------------------------------- */
+/* --- measuring --- */
 
 typedef struct lane_sums {
     gn_v elastic, stress[9], volume, least, element;
@@ -224,8 +223,7 @@ GN_INLINE void fold_sums(const lane_sums *s, gn_element_sums *out) {
     }
 }
 
-/* --- a block
- * ---------------------------------------------------------------------------------- */
+/* --- a block --- */
 
 /* From the nodes to the strain. */
 GN_INLINE void deform(const gn_element_args *a, size_t e, state *t, variant w) {
@@ -280,8 +278,7 @@ GN_INLINE void element_core(const gn_element_args *a, size_t begin, size_t end,
     if (w.measure) fold_sums(&s, sums);
 }
 
-/* --- first pass of the mixed form
- * ------------------------------------------------------------------- */
+/* --- first pass of the mixed form --- */
 
 /* Per element: growth in volume V - V0, from the edges, and g = grad q - mean of the nodes'
  * projected gradients; node a takes (V - V0)/nodes and tau V0 grad N_a . g. */
@@ -378,8 +375,7 @@ GN_INLINE void dilation_core(const gn_dilation_args *a, size_t begin, size_t end
     }
 }
 
-/* --- the variants
- * ---------------------------------------------------------------------------------- */
+/* --- the variants --- */
 
 #define GN_EACH_8(X) X(0) X(1) X(2) X(3) X(4) X(5) X(6) X(7)
 

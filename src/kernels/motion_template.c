@@ -12,8 +12,7 @@ typedef struct variant {
     int space, rotation, viscous, vector, component, gravity, energy;
 } variant;
 
-/* --- gather
- * ---------------------------------------------------------------------------------------- */
+/* --- gather --- */
 
 /* Loads of a block of particles, in rows as those of gn_partials. */
 typedef struct block_load {
@@ -99,8 +98,7 @@ GN_INLINE gn_v3 load_of(const double *sum, size_t k, int part, variant w) {
     return (gn_v3){r[0], r[1], gn_pick(w.space, r[2], zero)};
 }
 
-/* --- integration
- * ----------------------------------------------------------------------------------- */
+/* --- integration --- */
 
 /* Translation or rotation of GN_W particles. */
 typedef struct motion {
@@ -178,8 +176,7 @@ GN_INLINE void book_loss(gn_v halves[2], const gn_motion_args *a, const motion *
     halves[1] = halves[1] - half_work(q->d, q->v_new, a->dt, 1);
 }
 
-/* --- prescribed particles, lane by lane
- * ------------------------------------------------------------- */
+/* --- prescribed particles, lane by lane --- */
 
 /* Overrides prescribed components (first: 0 for velocity, 3 for spin) of one particle and notes the
  * load it took. Nothing that is driven has background damping. */
@@ -250,8 +247,7 @@ static gn_v free_lanes(const gn_motion_args *a, size_t p, bool prescribed) {
     return gn_load(lanes);
 }
 
-/* --- one group of lanes
- * ----------------------------------------------------------------------------- */
+/* --- one group of lanes --- */
 
 static void note_bad(const gn_motion_args *a, size_t p, unsigned bad, gn_motion_sums *s) {
     for (int lane = 0; lane < GN_W && s->bad < 0; lane++)
@@ -379,8 +375,7 @@ GN_INLINE void motion_core(const gn_motion_args *a, size_t begin, size_t end, gn
     for (int k = 0; k < GN_W; k++) s->speed2 = speed2[k] > s->speed2 ? speed2[k] : s->speed2;
 }
 
-/* --- the variants
- * ---------------------------------------------------------------------------------- */
+/* --- the variants --- */
 
 #define SENSELESS(v) (GN_BIT(v, 2) + GN_BIT(v, 3) + GN_BIT(v, 4) > 1)
 

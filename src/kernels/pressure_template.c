@@ -9,8 +9,7 @@
 typedef double four __attribute__((vector_size(32), aligned(8)));
 typedef double two __attribute__((vector_size(16), aligned(8)));
 
-/* --- first pass
- * ------------------------------------------------------------------------------------ */
+/* --- first pass --- */
 
 static void gather_growth(const gn_pressure_args *a, size_t begin, double sum[][2]) {
     const gn_partials *q = a->partials;
@@ -47,8 +46,7 @@ static void find_pressures(const gn_pressure_args *a, size_t begin, size_t end,
     }
 }
 
-/* --- second pass
- * ------------------------------------------------------------------------------------ */
+/* --- second pass --- */
 
 static void gather_slopes(const gn_pressure_args *a, size_t begin, double *sum) {
     const gn_partials *q = a->partials;

@@ -8,7 +8,7 @@
 
 enum { CONTACT_BLOCK = 8192 };
 
-/* --- the springs ----------------------------------------------------------------------------- */
+/* --- the springs --- */
 
 static bool removed(const gn_particles *p, int32_t i) {
     return p->vel[4 * (size_t)i + 3] == 0.0;
@@ -198,7 +198,7 @@ static gneiss_status list_incidence(gn_springs *y, gneiss_error *error) {
     return GNEISS_OK;
 }
 
-/* --- degrees of freedom ---------------------------------------------------------------------- */
+/* --- degrees of freedom --- */
 
 int gn_springs_component(const gn_springs *y, int dof) {
     if (y->space) return dof;

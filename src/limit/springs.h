@@ -25,8 +25,8 @@ typedef struct gn_springs {
     int32_t *local;    /* [of the specimen] place among the members, -1: outside; NULL: all of it */
     gn_spring *spring; /* [springs] */
     size_t *first;     /* [particles + 1] into entry */
-    uint32_t
-        *entry; /* 2 * spring + (0: the particle is i, 1: it is j), ascending for each particle */
+    /* 2 * spring + (0: the particle is i, 1: it is j), ascending for each particle */
+    uint32_t *entry;
     double *scale; /* [particles][dofs]: M^-1/2, 0 for what cannot move */
     double *moved; /* [particles][dofs]: scratch of the operator, M^-1/2 x */
 } gn_springs;

@@ -22,7 +22,7 @@
 
 enum { DOFS_MAX = GN_DOFS_MAX, PARTICLE_BLOCK = 1024 };
 
-/* --- the rigorous bound ---------------------------------------------------------------------- */
+/* --- the rigorous bound --- */
 
 /* Sums over the springs of a particle, of which its block is made: B^T D B for B = [side I, arm N],
  * N w = n x w, D = k_t I + (k_n - k_t) n n^T. Symmetric parts as xx yy zz xy yz zx. */
@@ -212,7 +212,7 @@ static gneiss_status set_bound(const gn_springs *y, gn_step_limit *limit, gneiss
     return GNEISS_OK;
 }
 
-/* --- the sharp limit ------------------------------------------------------------------------- */
+/* --- the sharp limit --- */
 
 /* S = stiffness A + viscosity B. */
 typedef struct step_operator {
@@ -346,7 +346,7 @@ static gneiss_status set_sharp(const gn_springs *y, double tolerance, double *x,
     return GNEISS_OK;
 }
 
-/* --- public ---------------------------------------------------------------------------------- */
+/* --- public --- */
 
 gneiss_status gn_springs_limits(const gn_springs *y, double tolerance, gn_step_limit *limit,
                                 gneiss_error *error) {

@@ -29,8 +29,8 @@ typedef struct gn_spectrum {
 } gn_spectrum;
 
 typedef struct gn_step_limit {
-    double
-        bound; /* s: 2/w from w^2 <= 2 max_i lambda_max(M_i^-1 K_ii): never above the true limit */
+    /* s: 2/w from w^2 <= 2 max_i lambda_max(M_i^-1 K_ii): never above the true limit */
+    double bound;
     int32_t bound_id;  /* the particle that sets it */
     double sharp;      /* s: 2/w_max by Lanczos, contact damping included (see below) */
     double sharp_low;  /* s: 2/sqrt(ritz value + its residual), never below `bound` */

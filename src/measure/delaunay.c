@@ -63,7 +63,7 @@ static gneiss_status qhull_run_command(qhull_run *s, char *command, const double
                    count, dimension, code, (int)strcspn(text, "\n"), text);
 }
 
-/* --- points without volume ------------------------------------------------------------------- */
+/* --- points without volume --- */
 
 /* Takes the part along the `rank` unit directions out of `x`; the length of the rest. */
 static double remainder_of(double x[3], int dimension, double direction[][3], int rank) {
@@ -120,7 +120,7 @@ static gneiss_status normalised(const double *points, size_t count, int dimensio
     return GNEISS_OK;
 }
 
-/* --- triangulation --------------------------------------------------------------------------- */
+/* --- triangulation --- */
 
 static gneiss_status take_simplices(qhT *qh, int dimension, gn_triangulation *t,
                                     gneiss_error *error) {

@@ -5,7 +5,7 @@
 
 #include <string.h>
 
-/* --- packing figures ------------------------------------------------------------------------- */
+/* --- packing figures --- */
 
 static void count_particles(const gn_assembly *assembly, double volume, gn_packing_figures *g) {
     const gn_particles *particles = assembly->particles;
@@ -60,7 +60,7 @@ void gn_packing_measure(const gn_assembly *assembly, const int32_t *pairs, size_
     *figures = g;
 }
 
-/* --- hull ------------------------------------------------------------------------------------ */
+/* --- hull --- */
 
 enum { DIRECTIONS_2D = 32, DIRECTIONS_3D = 26 };
 
@@ -124,7 +124,7 @@ gneiss_status gn_packing_hull(const gn_particles *particles, int dimension, doub
     return status;
 }
 
-/* --- damage ---------------------------------------------------------------------------------- */
+/* --- damage --- */
 
 /* Rojek et al. (2012), eq. 60. */
 void gn_damage_particles(const gn_particles *particles, const gn_contacts *bonds, double *damage) {

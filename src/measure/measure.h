@@ -22,8 +22,7 @@ typedef struct gn_assembly {
     size_t wall_count; /* gn_wall_contacts.wall from here on is a facet */
 } gn_assembly;
 
-/* --- strain (Bagi 1996)
- * ---------------------------------------------------------------------------- */
+/* --- strain (Bagi 1996) --- */
 
 /* The volume average of the displacement gradient over a Delaunay triangulation of the reference
  * centres is linear in the displacements: <du_a/dx_b> = sum_p u_a(p) w_b(p). The weights of inner
@@ -50,8 +49,7 @@ void gn_strain_gauge_free(gn_strain_gauge *gauge);
 void gn_strain_gauge_read(const gn_strain_gauge *gauge, const gn_particles *particles,
                           const int32_t *index_of_id, double gradient[9]);
 
-/* --- stress
- * ---------------------------------------------------------------------------------------- */
+/* --- stress --- */
 
 /* sigma[3*a + b] = (1/V) sum_c f_a l_b, symmetrised by nothing: f on the first particle, l = x_j -
  * x_i, and for walls from the particle's centre to the contact point. `volume` in m3 (m2 x unit
@@ -63,8 +61,7 @@ void gn_stress_average(const gn_assembly *assembly, double volume, double sigma[
  * part, in the particles' present order. */
 void gn_stress_particles(const gn_assembly *assembly, double porosity, double *sigma);
 
-/* --- packing
- * --------------------------------------------------------------------------------------- */
+/* --- packing --- */
 
 typedef struct gn_packing_figures {
     size_t particles;
@@ -95,8 +92,7 @@ gneiss_status gn_packing_hull(const gn_particles *particles, int dimension, doub
  * particles that had no bonds. `damage` [count]. */
 void gn_damage_particles(const gn_particles *particles, const gn_contacts *bonds, double *damage);
 
-/* --- laboratory readings
- * --------------------------------------------------------------------------- */
+/* --- laboratory readings --- */
 
 /* Final readings, SI. */
 #define GN_READINGS(X)                                                                             \

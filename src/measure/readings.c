@@ -36,8 +36,7 @@ static const double scatter = 0.1;
  * as wide between glued ends, 0.075 in a cube (nu 0.2: 0.14 is read, and 1.03 E). */
 static const double beside_modulus = 0.1, beside_ratio = 0.05;
 
-/* --- absent
- * ------------------------------------------------------------------------------------------ */
+/* --- absent --- */
 
 /* Reasons show 0 without a sign. */
 static double unsigned_zero(double x) {
@@ -75,8 +74,7 @@ static void settle(gn_readings *r) {
     }
 }
 
-/* --- rows
- * ------------------------------------------------------------------------------------------- */
+/* --- rows --- */
 
 static size_t largest_row(const double *stress, size_t rows) {
     size_t largest = rows;
@@ -110,8 +108,7 @@ static fit line(const double *x, const double *y, span s) {
     return (fit){slope, sqrt(fmax(0, yy - slope * xy) / (n - 2) / xx)};
 }
 
-/* --- what the scene lets be read
- * ------------------------------------------------------------------------ */
+/* --- what the scene lets be read --- */
 
 /* Slope of a mean stress of the specimen over that of the test. */
 static double follows(const curves *c, int a, int b) {
@@ -179,8 +176,7 @@ static void need_modulus(fit f, gn_reading which, gn_readings *r) {
                100 * f.error / f.slope);
 }
 
-/* --- readings
- * --------------------------------------------------------------------------------------- */
+/* --- readings --- */
 
 static void read_modulus(const curves *c, gn_readings *r) {
     const gn_reading which = GN_READING_young_modulus;

@@ -12,8 +12,7 @@ static gn_mesh_elements *list_of(gn_mesh *mesh, int dimension) {
     return lists[dimension];
 }
 
-/* --- writing
- * ------------------------------------------------------------------------------------ */
+/* --- writing --- */
 
 static gneiss_status put(gn_h5 *file, const char *group, const char *kind, const char *what,
                          gn_type type, size_t rows, size_t components, size_t stride,
@@ -61,8 +60,7 @@ gneiss_status gn_h5_put_mesh(gn_h5 *file, const char *name, const gn_mesh *from,
                sizeof *mesh.groups, mesh.group_count ? mesh.groups->name : NULL, error);
 }
 
-/* --- reading
- * ------------------------------------------------------------------------------------ */
+/* --- reading --- */
 
 /* An array of the file; *rows is told. */
 static gneiss_status get(const gn_h5 *file, const char *group, const char *kind, const char *what,

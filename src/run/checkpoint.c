@@ -73,8 +73,7 @@ _Static_assert(sizeof(gn_energy) % 8 == 0 && sizeof(gn_wall) % 8 == 0 && sizeof(
                "made of doubles only");
 _Static_assert(sizeof(((gn_run *)0)->world.seconds) == GN_PHASE_COUNT * 8, "one double a phase");
 
-/* --- variable-size arrays
- * --------------------------------------------------------------------------- */
+/* --- variable-size arrays --- */
 
 typedef struct array {
     const char *name;
@@ -114,8 +113,7 @@ static size_t list_arrays(gn_run *run, array out[MAX_ARRAYS]) {
     return n;
 }
 
-/* --- writing
- * ---------------------------------------------------------------------------------------- */
+/* --- writing --- */
 
 static gneiss_status put_pieces(gn_run *run, gn_h5 *file, gneiss_error *error) {
     GN_TRY(gn_h5_put_pieces(file, "run", pieces, PIECES, run, error));
@@ -195,8 +193,7 @@ gneiss_status gn_checkpoint_save(const gn_run *run, gneiss_error *error) {
     return gn_checkpoint_prune(run->directory, 2, error);
 }
 
-/* --- reading
- * ---------------------------------------------------------------------------------------- */
+/* --- reading --- */
 
 static gneiss_status get_arrays(gn_run *run, const gn_h5 *file, gneiss_error *error) {
     gn_world *w = &run->world;

@@ -38,8 +38,7 @@ gneiss_status gn_elements_save(const gn_world *w, gn_h5 *file, gneiss_error *err
                      NULL, NULL, error);
 }
 
-/* --- reading
- * ------------------------------------------------------------------------------------ */
+/* --- reading --- */
 
 /* Indices that kernels follow without looking must lie in range even if the file was tampered with.
  */

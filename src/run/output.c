@@ -11,8 +11,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* --- fields of particles and bonds, in the order of the specimen file
- * -------------------------------- */
+/* --- fields of particles and bonds, in the order of the specimen file --- */
 
 /* [count][components], malloc'ed. `row`: where an item stands; NULL: in its place. */
 static gneiss_status read_field(const gn_output_view *v, const gn_output_field *field, size_t count,
@@ -25,8 +24,7 @@ static gneiss_status read_field(const gn_output_view *v, const gn_output_field *
     return GNEISS_OK;
 }
 
-/* --- snapshots
- * ------------------------------------------------------------------------------------- */
+/* --- snapshots --- */
 
 typedef struct arrays {
     size_t count;
@@ -128,8 +126,7 @@ gneiss_status gn_output_series(gn_run *run, gneiss_error *error) {
     return gn_snapshot_series(run->directory, "bonds", run->world.step, times, error);
 }
 
-/* --- results.h5
- * ------------------------------------------------------------------------------------ */
+/* --- results.h5 --- */
 
 static gneiss_status put_scalar(gn_h5 *file, const char *group, const char *name, double value,
                                 const char *unit, const char *text, gneiss_error *error) {
@@ -302,8 +299,7 @@ gneiss_status gn_output_results(const gn_run *run, gneiss_error *error) {
     return status;
 }
 
-/* --- summary.json
- * ---------------------------------------------------------------------------------- */
+/* --- summary.json --- */
 
 static size_t touching(const gn_contacts *list) {
     size_t count = 0;

@@ -57,8 +57,7 @@ static bool allocate(const gn_fem_body *b, fields *f) {
     return held;
 }
 
-/* --- nodes
- * -------------------------------------------------------------------------------------- */
+/* --- nodes --- */
 
 typedef struct numbered {
     int32_t id, place;
@@ -101,8 +100,7 @@ static void fill_nodes(const gn_fem_body *b, const double (*stress)[6], const do
     }
 }
 
-/* --- elements
- * ----------------------------------------------------------------------------------- */
+/* --- elements --- */
 
 /* von Mises (1913). */
 static double mises_of(const double s[6]) {
@@ -157,8 +155,7 @@ static gneiss_status make_fields(const gn_fem_body *b, fields *f, gneiss_error *
     return status;
 }
 
-/* --- files
- * -------------------------------------------------------------------------------------- */
+/* --- files --- */
 
 gneiss_status gn_elements_snapshot(const gn_world *w, const char *directory, const char *name,
                                    gneiss_error *error) {

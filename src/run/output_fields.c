@@ -16,8 +16,7 @@
         *value = (expression);                                                                     \
     }
 
-/* --- particles --------------------------------------------------------------------------------
- */
+/* --- particles --- */
 
 READ(id, w->dem.particles.id[k])
 READ(radius, w->dem.particles.pos[4 * k + 3])
@@ -72,8 +71,7 @@ static const gn_output_field of_particles[] = {
      BOTH, GN_F64, false, 4, read_orientation, GN_FX_ORIENTATION},
 };
 
-/* --- bonds ------------------------------------------------------------------------------------
- */
+/* --- bonds --- */
 
 void gn_output_bond_ends(const gn_world *w, size_t c, int32_t ends[2]) {
     int32_t i = w->dem.particles.id[w->dem.bonds.i[c]], j = w->dem.particles.id[w->dem.bonds.j[c]];
@@ -162,8 +160,7 @@ _Static_assert(COUNT(of_particles) <= GN_OUTPUT_FIELDS_MOST &&
 const gn_output_table gn_particle_outputs = {of_particles, COUNT(of_particles)},
                       gn_bond_outputs = {of_bonds, COUNT(of_bonds)};
 
-/* --- what takes more than one particle --------------------------------------------------------
- */
+/* --- what takes more than one particle --- */
 
 static void count_contacts(const gn_contacts *list, double *coordination) {
     for (size_t c = 0; c < list->soa.count; c++) {

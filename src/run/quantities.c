@@ -14,8 +14,7 @@ static void difference3(double *to, const double *a, const double *b) {
     for (int k = 0; k < 3; k++) to[k] = a[k] - b[k];
 }
 
-/* --- conditions -------------------------------------------------------------------------------
- */
+/* --- conditions --- */
 
 static bool has_test(const gn_world *w, size_t k) {
     (void)k;
@@ -51,8 +50,7 @@ static const gn_condition always = {"always", NULL}, tests = {"with a test", has
                           moving = {"unless the set has no motion", set_moves},
                           driven = {"unless it is only watched", motion_drives};
 
-/* --- of the whole model -----------------------------------------------------------------------
- */
+/* --- of the whole model --- */
 
 #define READ(name, expression)                                                                     \
     static void read_##name(const gn_world *w, size_t k, double *value) {                          \
@@ -155,8 +153,7 @@ static const gn_quantity of_the_model[] = {
         SCALAR(booked, GN_AFTER_STEP, "energy_residual", "1", read_energy_residual,
                GN_ENERGY_RESIDUAL_TEXT)};
 
-/* --- of walls, bodies, sets -------------------------------------------------------------------
- */
+/* --- of walls, bodies, sets --- */
 
 static size_t one(const gn_world *w) {
     (void)w;
@@ -225,8 +222,7 @@ static const gn_quantity of_sets[] = {{"reaction", "N",
                                        "force that the prescribed motion supplies to the set",
                                        GN_VECTOR, GN_AFTER_STEP, &moving, read_set_reaction, NULL}};
 
-/* --- of finite elements -----------------------------------------------------------------------
- */
+/* --- of finite elements --- */
 
 static const gn_quantity of_elements[] = {
     {"elements_strain", "1", "average strain of the finite elements, tension positive", GN_TENSOR,
@@ -247,8 +243,7 @@ static const gn_quantity of_motions[] = {
     {"reaction", "N", "force that the prescribed motion supplies to the nodes", GN_VECTOR,
      GN_AFTER_STEP, &driven, gn_elements_reaction, NULL}};
 
-/* --- all of them ------------------------------------------------------------------------------
- */
+/* --- all of them --- */
 
 const gn_quantity_group gn_quantity_groups[GN_QUANTITY_GROUPS] = {
     {NULL, one, NULL, of_the_model, COUNT(of_the_model)},

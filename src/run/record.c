@@ -8,8 +8,7 @@
 #include <stdio.h>
 #include <stdlib.h>
 
-/* --- columns
- * --------------------------------------------------------------------------------------- */
+/* --- columns --- */
 
 /* In the order in which put_row fills them. */
 static gneiss_status add_columns(const gn_world *w, const gn_quantity_place *at, gn_history *h,
@@ -36,8 +35,7 @@ gneiss_status gn_record_create(const gn_world *w, gn_history *h, gneiss_error *e
     return GNEISS_OK;
 }
 
-/* --- rows
- * ------------------------------------------------------------------------------------------ */
+/* --- rows --- */
 
 /* What is read at one instant goes to its places in a row. */
 static void put_row(const gn_world *w, gn_instant instant, double *row) {

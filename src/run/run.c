@@ -16,8 +16,7 @@
  * strain, more often), and between looks at the clock. */
 enum { WATCH_INTERVAL = 2000, WATCH_ELEMENTS = 500, CLOCK_INTERVAL = 16 };
 
-/* --- setting up
- * ------------------------------------------------------------------------------------- */
+/* --- setting up --- */
 
 /* Rows or snapshots wanted up to the end -> steps from one to the next; the first is always taken.
  */
@@ -76,8 +75,7 @@ gneiss_status gn_run_start(gn_scene *scene, const char *directory, gn_run *run,
     return GNEISS_OK;
 }
 
-/* --- stop conditions
- * --------------------------------------------------------------------------------- */
+/* --- stop conditions --- */
 
 static double last(const gn_run *run, const char *column) {
     const double *values = gn_history_column(&run->history, column);
@@ -112,8 +110,7 @@ static void check_stop_conditions(gn_run *run) {
         stop(run, "unbalanced force ratio fell below %g", s->stop_unbalanced);
 }
 
-/* --- going on
- * --------------------------------------------------------------------------------------- */
+/* --- going on --- */
 
 static bool sets(const gn_override *overrides, size_t count, const char *prefix) {
     for (size_t k = 0; k < count; k++)
@@ -274,8 +271,7 @@ void gn_run_free(gn_run *run) {
     memset(run, 0, sizeof *run);
 }
 
-/* --- running
- * ---------------------------------------------------------------------------------------- */
+/* --- running --- */
 
 static gneiss_status write_snapshots(gn_run *run, gneiss_error *error) {
     GN_TRY(gn_output_snapshot(run, "particles", "bonds", error));
@@ -365,8 +361,7 @@ gn_progress gn_run_progress(const gn_run *run) {
     return p;
 }
 
-/* --- ending
- * ----------------------------------------------------------------------------------------- */
+/* --- ending --- */
 
 gneiss_status gn_run_finish(gn_run *run, gneiss_error *error) {
     double start = gn_now();

@@ -29,8 +29,7 @@ static size_t kept(const gn_problems *p) {
     return p->count < GN_PROBLEMS_MAX ? p->count : GN_PROBLEMS_MAX;
 }
 
-/* --- the message
- * --------------------------------------------------------------------------------------- */
+/* --- the message --- */
 
 static int by_place(const void *a, const void *b) {
     const gn_problem *x = *(gn_problem *const *)a, *y = *(gn_problem *const *)b;
@@ -81,8 +80,7 @@ gneiss_status gn_read_keep(const gn_reader *reader, gneiss_status status) {
     return gn_problem_keep(reader->problems, status, reader->error);
 }
 
-/* --- what is in doubt
- * ---------------------------------------------------------------------------------- */
+/* --- what is in doubt --- */
 
 /* Whether a path is `top` or below it. */
 static bool below(const char *path, const char *top) {

@@ -10,8 +10,8 @@
 
 typedef struct gn_reader {
     const char *name; /* of the scene, in messages */
-    const char
-        *folder; /* relative paths start here; NULL: paths are absolute, files need not be there */
+    /* relative paths start here; NULL: paths are absolute, files need not be there */
+    const char *folder;
     bool specimen_only; /* see gn_scene_load_specimen */
     gn_units *units;
     gn_scene *scene;

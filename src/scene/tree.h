@@ -12,9 +12,9 @@ typedef struct gn_node {
     const char *key;  /* NULL unless the parent is a map */
     const char *text; /* of a scalar */
     const char *set;  /* the key of the override it comes from; NULL: from the file */
-    gn_scene_place where,
-        key_where; /* key_where: of the key in a map, otherwise the same as where */
-    size_t count;  /* children */
+    /* key_where: of the key in a map, otherwise the same as where */
+    gn_scene_place where, key_where;
+    size_t count; /* children */
     struct gn_node *first, *last, *next;
 } gn_node;
 

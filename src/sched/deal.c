@@ -102,8 +102,7 @@ gneiss_status gn_deal_lists(gn_deal *deal, gn_deal_list one, gn_deal_list other,
                    particle_blocks, deal->tasks);
 }
 
-/* --- cuts between threads
- * -------------------------------------------------------------------------------- */
+/* --- cuts between threads --- */
 
 /* First block of a list whose first item belongs to `particle` or a later one. */
 static size_t block_at(const gn_deal_list *list, int32_t particle) {
@@ -293,8 +292,7 @@ static void deal_out(gn_deal *deal) {
     for (int t = 0; t < deal->team; t++) put_in_order(deal, t);
 }
 
-/* --- a sweep
- * --------------------------------------------------------------------------------------------- */
+/* --- a sweep --- */
 
 /* A word of a mark: the sweep it is of, and a count below 2^24. */
 enum { COUNT_BITS = 24 };

@@ -14,8 +14,7 @@
 #include <math.h>
 #include <string.h>
 
-/* --- orientation
- * ------------------------------------------------------------------------------------ */
+/* --- orientation --- */
 
 static void set_axes(gn_rigid *b) {
     const double *q = b->turn, w = q[0], x = q[1], y = q[2], z = q[3];
@@ -113,8 +112,7 @@ static void rotate_freely(gn_rigid *b, double dt, bool space) {
     spin_from_momentum(b);
 }
 
-/* --- from the scene
- * --------------------------------------------------------------------------------- */
+/* --- from the scene --- */
 
 static bool has_spin(const gn_motion *m) {
     return m->spin[0].count || m->spin[1].count || m->spin[2].count;
@@ -263,8 +261,7 @@ gneiss_status gn_bodies_surfaces(gn_world *w, gneiss_error *error) {
     return GNEISS_OK;
 }
 
-/* --- motion
- * ----------------------------------------------------------------------------------------- */
+/* --- motion --- */
 
 /* Works of what is prescribed and of gravity over half an interval. */
 static void book(gn_world *w, const gn_rigid *b, double dt) {

@@ -117,8 +117,7 @@ static double particles_needed(const gn_world *w, double step) {
     return left > 0.0 ? 1.0 / (left * gn_world_nonviscous_share(w)) : (double)INFINITY;
 }
 
-/* --- the particles
- * ---------------------------------------------------------------------------------- */
+/* --- the particles --- */
 
 /* Relative residual of Lanczos. */
 static double tolerance_of(const gn_world *w) {
@@ -293,8 +292,7 @@ static gneiss_status particle_limit(gn_world *w, bool full, bool *due, gneiss_er
     return usable_limit(w, &w->dem.stable, error);
 }
 
-/* --- what may happen before the lists are made again
- * --------------------------------------------------- */
+/* --- what may happen before the lists are made again --- */
 
 static void lower(gn_world *w, double dt) {
     if (w->scene.step > 0.0 || w->dt <= dt) return;

@@ -10,8 +10,7 @@
 #include <math.h>
 #include <string.h>
 
-/* --- messages
- * ----------------------------------------------------------------------------------- */
+/* --- messages --- */
 
 /* Puts the place in the scene before a message about the mesh. */
 static gneiss_status at(const gn_world *w, gn_scene_place where, const char *list, size_t index,
@@ -28,8 +27,7 @@ static gneiss_status no_memory(gneiss_error *error) {
     return gn_fail(error, GNEISS_ERROR_MEMORY, "no memory for finite elements");
 }
 
-/* --- mesh
- * --------------------------------------------------------------------------------------- */
+/* --- mesh --- */
 
 static gneiss_status make_block(const gn_world *w, gn_mesh *mesh, gneiss_error *error) {
     const gn_element_def *e = &w->scene.elements;
@@ -77,8 +75,7 @@ static gneiss_status check_places(const gn_world *w, const gn_mesh *mesh, gneiss
     return GNEISS_OK;
 }
 
-/* --- body
- * --------------------------------------------------------------------------------------- */
+/* --- body --- */
 
 static const char *mesh_name(const gn_element_def *e) {
     const char *slash = strrchr(e->mesh, '/');
@@ -130,8 +127,7 @@ static gneiss_status make_body(gn_world *w, gn_mesh *mesh, gneiss_error *error) 
     return at(w, e->where, NULL, 0, status, error);
 }
 
-/* --- what drives it
- * ----------------------------------------------------------------------------- */
+/* --- what drives it --- */
 
 static gneiss_status nodes_of(const gn_fem_body *body, const gn_region *r, gn_fem_set *set,
                               gneiss_error *error) {
@@ -211,8 +207,7 @@ static gneiss_status make_drives(gn_world *w, gneiss_error *error) {
     return GNEISS_OK;
 }
 
-/* --- all of it
- * ---------------------------------------------------------------------------------- */
+/* --- all of it --- */
 
 gneiss_status gn_elements_create(gn_world *w, gn_mesh *mesh, gneiss_error *error) {
     gn_mesh own = {0};
@@ -255,8 +250,7 @@ void gn_elements_free(gn_world *w) {
     w->elements = NULL;
 }
 
-/* --- step
- * --------------------------------------------------------------------------------------- */
+/* --- step --- */
 
 static void set_velocities(gn_world *w, double time) {
     const gn_element_def *e = &w->scene.elements;
@@ -317,8 +311,7 @@ void gn_elements_book(gn_world *w) {
     w->reading.stored_at_start += e->stored_at_start;
 }
 
-/* --- readings
- * ----------------------------------------------------------------------------------- */
+/* --- readings --- */
 
 void gn_elements_travel(const gn_world *w, size_t motion, double travel[3]) {
     const gn_fem_set *set = &w->elements->motion_set[motion];
@@ -337,8 +330,7 @@ void gn_elements_reaction(const gn_world *w, size_t motion, double force[3]) {
     if (number >= 0) gn_fem_reaction(&w->elements->body, number, force);
 }
 
-/* --- stability
- * ---------------------------------------------------------------------------------- */
+/* --- stability --- */
 
 static gneiss_status full_limit(gn_world *w, gneiss_error *error) {
     gn_element_model *q = w->elements;

@@ -71,8 +71,7 @@ const char *gn_elements_culprit(const gn_world *world, char *text, size_t size);
 void gn_elements_travel(const gn_world *world, size_t motion, double travel[3]);
 void gn_elements_reaction(const gn_world *world, size_t motion, double force[3]);
 
-/* --- files (output_elements.c, checkpoint_elements.c)
- * ---------------------------------------------------------------------------------------- */
+/* --- files (output_elements.c, checkpoint_elements.c) --- */
 
 gneiss_status gn_elements_snapshot(const gn_world *world, const char *directory, const char *name,
                                    gneiss_error *error);

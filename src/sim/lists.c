@@ -17,8 +17,7 @@ size_t gn_blocks(size_t count, size_t block) {
     return (count + block - 1) / block;
 }
 
-/* --- unbonded pairs
- * -------------------------------------------------------------------------------- */
+/* --- unbonded pairs --- */
 
 static bool comes_before(const gn_contacts *list, size_t c, int32_t i, int32_t j) {
     return list->i[c] < i || (list->i[c] == i && list->j[c] < j);
@@ -120,8 +119,7 @@ static gneiss_status make_pairs(gn_world *w, gneiss_error *error) {
     return status;
 }
 
-/* --- order
- * ----------------------------------------------------------------------------------------- */
+/* --- order --- */
 
 typedef struct renamed {
     int32_t i, j, place;
@@ -247,8 +245,7 @@ static gneiss_status reorder(gn_world *w, gneiss_error *error) {
     return status;
 }
 
-/* --- domain
- * ---------------------------------------------------------------------------------------- */
+/* --- domain --- */
 
 /* Beyond the reach of its coordinates a particle has left the domain, however large that is. */
 static bool in_domain(const gn_world *w, const double *x, double reach) {
@@ -329,8 +326,7 @@ static void wrap(gn_world *w) {
         }
 }
 
-/* --- the lists
- * ------------------------------------------------------------------------------------- */
+/* --- the lists --- */
 
 /* What goes by the blocks of the lists: sums, and who works on what. */
 static gneiss_status ready_blocks(gn_world *w, gneiss_error *error) {

@@ -10,8 +10,7 @@
  * does to them stays below 1e-4 of that. */
 static const double coarse = 1e-8;
 
-/* --- choosing
- * ------------------------------------------------------------------------------------ */
+/* --- choosing --- */
 
 static void add_elements(const gn_scene *s, const gn_mesh *mesh, gn_extent *extent) {
     const gn_element_def *e = &s->elements;
@@ -60,8 +59,7 @@ gneiss_status gn_origin_choose(gn_scene *s, const gn_mesh *mesh, gneiss_error *e
     return GNEISS_OK;
 }
 
-/* --- entering
- * ------------------------------------------------------------------------------------ */
+/* --- entering --- */
 
 static void take_off(const gn_scene *s, double *rows, size_t count, size_t width) {
     for (size_t k = 0; k < count; k++)
@@ -101,8 +99,7 @@ gneiss_status gn_origin_enter(gn_world *w, gn_mesh *mesh, gneiss_error *error) {
     return gn_origin_shift(w, error);
 }
 
-/* --- what is lost even so
- * ------------------------------------------------------------------------ */
+/* --- what is lost even so --- */
 
 /* The spacing of doubles. */
 static double rounding(double x) {

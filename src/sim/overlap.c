@@ -8,8 +8,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* --- closed surfaces
- * ----------------------------------------------------------------------------------- */
+/* --- closed surfaces --- */
 
 /* What two facets share: an edge; in the plane a point, twice. */
 typedef struct rim {
@@ -47,8 +46,7 @@ static gneiss_status is_closed(const gn_facet_set *s, bool *closed, gneiss_error
     return GNEISS_OK;
 }
 
-/* --- inside
- * -------------------------------------------------------------------------------------------- */
+/* --- inside --- */
 
 /* A ray in a direction that no face or edge of a usual body has. */
 static const double ray[3] = {0.6317, 0.5143, 0.5800};
@@ -121,8 +119,7 @@ static size_t count_inside(const gn_world *w, const gn_surface *s) {
     return inside;
 }
 
-/* --- touching
- * ------------------------------------------------------------------------------------------ */
+/* --- touching --- */
 
 /* From the lists, which hold every particle near a surface. */
 static void measure_touches(const gn_world *w, gn_overlap *overlap) {

@@ -15,8 +15,7 @@ double gn_world_contact_steps(const gn_world *w) {
     return w->scene.contact_steps > 0.0 ? w->scene.contact_steps : GN_STEPS_PER_CONTACT;
 }
 
-/* --- what is loose
- * ---------------------------------------------------------------------------------- */
+/* --- what is loose --- */
 
 static double radius(const gn_world *w, size_t p) {
     return w->dem.particles.pos[4 * p + 3];
@@ -124,8 +123,7 @@ static bool at_large(const gn_world *w, const ties *t, size_t p) {
     return t->apart || loose(w, p);
 }
 
-/* --- the shortest contact
- * ----------------------------------------------------------------------------------- */
+/* --- the shortest contact --- */
 
 /* The contact that asks for the smallest step so far: its w^2, what share of the steps it has to
  * last, and of whom; second < 0: see gn_resolution. */
@@ -291,8 +289,7 @@ gneiss_status gn_resolution_listed(const gn_world *w, gn_resolution *resolution,
     return status;
 }
 
-/* --- what the scene holds
- * ------------------------------------------------------------------------------------ */
+/* --- what the scene holds --- */
 
 /* The smallest and the largest two of particles that are alike: material, loose, held. For a given
  * partner w^2 = k (1/m_i + 1/m_j) has its maximum at the least or the greatest radius in every law
@@ -400,8 +397,7 @@ gneiss_status gn_flight_limits(const gn_world *w, double *stable, gn_resolution 
     return GNEISS_OK;
 }
 
-/* --- words
- * ---------------------------------------------------------------------------------------- */
+/* --- words --- */
 
 const char *gn_resolution_text(const gn_world *w, char *text, size_t size) {
     const gn_resolution *r = &w->dem.resolution;

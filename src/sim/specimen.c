@@ -119,8 +119,7 @@ static gneiss_status make(const gn_scene *scene, gn_packing *packing, double *vo
     return GNEISS_OK;
 }
 
-/* --- where it will be
- * ---------------------------------------------------------------------------- */
+/* --- where it will be --- */
 
 void gn_extent_add(gn_extent *extent, const double point[3], double radius) {
     for (int a = 0; a < 3; a++) {

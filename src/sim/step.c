@@ -47,8 +47,7 @@ gn_motion_args gn_world_motion_args(gn_world *w, bool measure) {
     return a;
 }
 
-/* --- merging, in block order
- * ----------------------------------------------------------------------- */
+/* --- merging, in block order --- */
 
 static void add_contact_sums(gn_contact_sums *total, const gn_contact_sums *blocks, size_t count) {
     for (size_t b = 0; b < count; b++) gn_contact_sums_add(total, &blocks[b]);
@@ -111,8 +110,7 @@ static void merge_after(gn_world *w, const gn_motion_sums *m) {
     w->energy.work_prescribed += m->prescribed[1];
 }
 
-/* --- going bad
- * ------------------------------------------------------------------------------------- */
+/* --- going bad --- */
 
 static gneiss_status fail_particle(const gn_world *w, size_t p, const char *what,
                                    gneiss_error *error) {

@@ -79,8 +79,7 @@ double gn_surface_give(const gn_world *w, const gn_surface *s) {
     return most + b->reach * b->reach * turn;
 }
 
-/* --- rigid bodies
- * ----------------------------------------------------------------------------------- */
+/* --- rigid bodies --- */
 
 /* Sums over contacts of B^T B and of what dashpots do, scaled by the masses: 6 x 6. */
 typedef struct body_block {
@@ -129,8 +128,7 @@ static double largest(const double block[36]) {
     return values[0] + 1e-13 * trace;
 }
 
-/* --- one surface
- * ------------------------------------------------------------------------------------- */
+/* --- one surface --- */
 
 /* The root of 4 tau^2 = a + 2 tau b. */
 static double rate_of(double a, double b) {

@@ -7,8 +7,7 @@
 #include <math.h>
 #include <string.h>
 
-/* --- frames
- * ----------------------------------------------------------------------------------------- */
+/* --- frames --- */
 
 void gn_rigid_direct(const gn_rigid *b, const double local[3], double direction[3]) {
     for (int a = 0; a < 3; a++) direction[a] = gn_dot3(b->axes + 3 * a, local);
@@ -48,8 +47,7 @@ static void centre_in(const gn_world *w, const gn_surface *s, size_t p, double c
         memcpy(centre, d, sizeof d);
 }
 
-/* --- lists
- * ------------------------------------------------------------------------------------------ */
+/* --- lists --- */
 
 size_t gn_surfaces_near(const gn_world *w, size_t p, int32_t *found) {
     size_t count = 0;
@@ -121,8 +119,7 @@ const gn_surface *gn_surface_of_row(const gn_world *w, size_t row) {
     return &w->boundary.surfaces[k];
 }
 
-/* --- history
- * ---------------------------------------------------------------------------------------- */
+/* --- history --- */
 
 /* A contact of the last step. */
 typedef struct memory {
@@ -198,8 +195,7 @@ static void follow_normal(const double from[3], const double to[3], double force
     for (int a = 0; a < 3; a++) force[a] += once[a] + twice[a] / (1.0 + c);
 }
 
-/* --- contacts
- * --------------------------------------------------------------------------------------- */
+/* --- contacts --- */
 
 /* The facets of one surface and one particle. */
 typedef struct group {
@@ -513,8 +509,7 @@ size_t gn_surface_contacts_work(const gn_world *w, size_t begin, size_t end,
     return g.end;
 }
 
-/* --- forces on surfaces
- * ----------------------------------------------------------------------------- */
+/* --- forces on surfaces --- */
 
 static void load_body(gn_rigid *b, const double touch[3], const double force[3]) {
     double lever[3], moment[3];

@@ -62,8 +62,8 @@ struct gn_world {
 
     gn_energy energy;  /* running totals */
     gn_energy reading; /* the ledger at the last measured instant */
-    double
-        stress[9]; /* Pa, average over the specimen at the last measured step, tension positive */
+    /* Pa, average over the specimen at the last measured step, tension positive */
+    double stress[9];
 #define X(name, text) double name;
     GN_MEASURED(X)
 #undef X

@@ -16,8 +16,7 @@ static const char *name_of(const gn_scene *s, size_t index, char *text, size_t s
     return text;
 }
 
-/* --- shapes as meshes
- * ------------------------------------------------------------------------------- */
+/* --- shapes as meshes --- */
 
 static gneiss_status allocate(gn_mesh *mesh, size_t nodes, size_t triangles, gneiss_error *error) {
     *mesh = (gn_mesh){.triangles.nodes = 3};
@@ -99,8 +98,7 @@ static gneiss_status make_mesh(const gn_scene *s, size_t index, gn_mesh *mesh,
     return status;
 }
 
-/* --- into place
- * ------------------------------------------------------------------------------------- */
+/* --- into place --- */
 
 void gn_rotation_matrix(const double v[3], double m[9]) {
     double angle = sqrt(gn_dot3(v, v)), axis[3] = {0, 0, 0};
@@ -182,8 +180,7 @@ static gneiss_status from_line(const gn_body_def *def, gn_body_shape *shape, gne
     return GNEISS_OK;
 }
 
-/* --- mass
- * ------------------------------------------------------------------------------------------- */
+/* --- mass --- */
 
 /* Sums over cones from a point near the body to its facets: exact integrals of 1, x and x x^T
  * (Tonon 2004, J. Math. Stat. 1, 8-11). */

@@ -9,8 +9,7 @@
 /* Distances of one point reckoned from two facets differ by rounding. */
 static const double same = 1e-10;
 
-/* --- nearest point
- * ---------------------------------------------------------------------------------- */
+/* --- nearest point --- */
 
 static void set_point(gn_facet_near *near, const double p[3], unsigned feature) {
     memcpy(near->away, p, 3 * sizeof *p);
@@ -99,8 +98,7 @@ void gn_facet_add(gn_facet_near *list, size_t *count, const gn_facet_near *item)
     if (item->distance < list[worst].distance) list[worst] = *item;
 }
 
-/* --- minima
- * ----------------------------------------------------------------------------------------- */
+/* --- minima --- */
 
 static int size_of(unsigned feature) {
     return __builtin_popcount(feature);
@@ -145,8 +143,7 @@ size_t gn_facet_minima(gn_facet_near *list, size_t count) {
     return kept;
 }
 
-/* --- sharing
- * ---------------------------------------------------------------------------------------- */
+/* --- sharing --- */
 
 enum { ACTIVE = 40 }; /* minima that press and share */
 

@@ -9,8 +9,8 @@
 
 typedef struct gn_facet_box {
     double lower[3], upper[3];
-    int32_t begin,
-        count; /* of `order`, of a leaf; count 0: two boxes, this one's next and `right` */
+    /* of `order`, of a leaf; count 0: two boxes, this one's next and `right` */
+    int32_t begin, count;
     int32_t right;
 } gn_facet_box;
 
