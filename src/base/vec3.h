@@ -1,6 +1,14 @@
-/* Products of vectors of three. */
+/* Products of vectors of three, and distances in periodic boxes. */
 #ifndef GN_BASE_VEC3_H
 #define GN_BASE_VEC3_H
+
+#include <math.h>
+
+/* A component of the way to the nearest image; `period` 0: not periodic. (The contact kernel has
+ * the same on vectors of lanes.) */
+static inline double gn_nearest(double d, double period) {
+    return period > 0.0 ? d - period * nearbyint(d / period) : d;
+}
 
 static inline double gn_dot3(const double *a, const double *b) {
     return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];

@@ -2,6 +2,7 @@
 #include "limit/springs.h"
 
 #include "base/memory.h"
+#include "base/vec3.h"
 
 #include <math.h>
 #include <string.h>
@@ -15,8 +16,7 @@ static bool removed(const gn_particles *p, int32_t i) {
 }
 
 static void nearest_image(const gn_assembly *a, double d[3]) {
-    for (int k = 0; a->periodic && k < a->dimension; k++)
-        d[k] -= a->period[k] * round(d[k] / a->period[k]);
+    for (int k = 0; a->periodic && k < a->dimension; k++) d[k] = gn_nearest(d[k], a->period[k]);
 }
 
 static bool contact_spring(const gn_spectrum *spectrum, const gn_contacts *list, size_t c,

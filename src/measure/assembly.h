@@ -3,6 +3,7 @@
 #define GN_MEASURE_ASSEMBLY_H
 
 #include "base/ball.h"
+#include "base/vec3.h"
 #include "measure/measure.h"
 
 #include <math.h>
@@ -15,7 +16,7 @@ static inline double gn_branch(const gn_assembly *assembly, size_t i, size_t j, 
     l[2] = 0;
     for (int a = 0; a < assembly->dimension; a++) {
         l[a] = pos[4 * j + a] - pos[4 * i + a];
-        if (assembly->periodic) l[a] -= assembly->period[a] * nearbyint(l[a] / assembly->period[a]);
+        if (assembly->periodic) l[a] = gn_nearest(l[a], assembly->period[a]);
         square += l[a] * l[a];
     }
     return sqrt(square);

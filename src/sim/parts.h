@@ -2,6 +2,7 @@
 #ifndef GN_SIM_PARTS_H
 #define GN_SIM_PARTS_H
 
+#include "base/vec3.h"
 #include "io/packing.h"
 #include "sim/world.h"
 #include "surfaces/facet.h"
@@ -41,9 +42,7 @@ static inline double gn_branch(const gn_world *world, const double *x, const dou
                                double d[3]) {
     double d2 = 0.0;
     for (int a = 0; a < 3; a++) {
-        d[a] = y[a] - x[a];
-        double period = world->period[a];
-        if (period > 0.0) d[a] -= period * nearbyint(d[a] / period);
+        d[a] = gn_nearest(y[a] - x[a], world->period[a]);
         d2 += d[a] * d[a];
     }
     return d2;

@@ -1,5 +1,7 @@
 #include "soa/single.h"
 
+#include "base/vec3.h"
+
 #include <math.h>
 
 static void row_to_single(float *to, const double *from, const double *origin, double last) {
@@ -24,8 +26,7 @@ static void contact_to_single(gn_contacts *k, const gn_particles *q, const doubl
     const double *xi = q->ref + 4 * (int64_t)k->i[c], *xj = q->ref + 4 * (int64_t)k->j[c];
     double square = 0.0;
     for (size_t a = 0; a < 3; a++) {
-        double d = xj[a] - xi[a];
-        if (period[a] > 0.0) d -= period[a] * nearbyint(d / period[a]);
+        double d = gn_nearest(xj[a] - xi[a], period[a]);
         k->branch_f[c + a * k->soa.capacity] = (float)d;
         square += d * d;
     }
