@@ -198,6 +198,9 @@ static gneiss_status command_report(const gn_options *o, gneiss_error *error) {
     return gn_fail(error, GNEISS_ERROR_IO, "/usr/bin/python3 could not be started");
 }
 
+/* The linker's: where the program begins in memory, and where its machine code ends. */
+extern const char __executable_start[], etext[];
+
 static void command_info(void) {
     printf("gneiss %s (%s)\n", gn_version(), gn_build());
     printf("threads           %d\n", omp_get_num_procs());
@@ -212,6 +215,8 @@ static void command_info(void) {
     for (int k = 0; k < GN_MOTION_VARIANTS; k++) motion += gn_motion_table_scalar[k] != NULL;
     printf("kernel variants   %zu contact, %zu motion, %d element, for each instruction set\n",
            contact, motion, GN_ELEMENT_VARIANTS);
+    printf("code              %.1f MB, most of it kernels\n",
+           (double)(etext - __executable_start) * 1e-6);
     printf("finite elements   triangles in plane strain, tetrahedra; displacement, mixed\n");
 }
 
