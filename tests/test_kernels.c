@@ -501,7 +501,7 @@ static void mixed_forces_follow_the_double_ones(void **state) {
         if (!gn_contact_table_scalar[v]) continue;
         bench a = make_bench(fx, 1000 * v), b = make_mixed(v);
         run(&a, gn_contact_table_scalar[v]);
-        run(&b, gn_contact_table_scalar_mixed[v & ~128U]); /* images are in the branch */
+        run(&b, gn_contact_table_scalar_mixed[v & ~16U]); /* images are in the branch */
         for (size_t c = 0; c < CONTACTS; c++) {
             contacts++;
             if (a.k.cause && a.k.cause[c] != b.k.cause[c]) { /* within rounding of its strength */

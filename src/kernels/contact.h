@@ -66,33 +66,43 @@ static inline void gn_contact_sums_add(gn_contact_sums *total, const gn_contact_
 typedef void gn_contact_kernel(const gn_contact_args *args, size_t begin, size_t end,
                                gn_contact_sums *sums);
 
-/* The effects that change a contact kernel; variants are numbered by these bits in this order. */
-#define GN_CONTACT_EFFECTS(X)                                                                      \
+/* The kinds of lists that there are kernels for. X(number, name, law, effects that make the kind
+ * out of GN_CONTACT_MAKERS, as literals 0 or 1: SHEAR, FRICTION, BONDS). A law is a header of its
+ * own (law_<law>.h), which contact_template.c includes. */
+#define GN_CONTACT_KINDS(X)                                                                        \
+    X(0, smooth, linear, 0, 0, 0)                                                                  \
+    X(1, frictional, linear, 1, 1, 0)                                                              \
+    X(2, bond_normal, linear, 0, 0, 1)                                                             \
+    X(3, bond, linear, 1, 0, 1)                                                                    \
+    X(4, bond_frictional, linear, 1, 1, 1)
+#define GN_CONTACT_MAKERS (GN_FX_SHEAR | GN_FX_FRICTION | GN_FX_BONDS)
+
+/* What any kind may have besides, by the bits of a variant's number. */
+#define GN_CONTACT_OPTIONS(X)                                                                      \
     X(0, SPACE)                                                                                    \
     X(1, ROTATION)                                                                                 \
-    X(2, SHEAR)                                                                                    \
-    X(3, FRICTION)                                                                                 \
-    X(4, BONDS)                                                                                    \
-    X(5, CONTACT_DAMPING)                                                                          \
-    X(6, ENERGY)                                                                                   \
-    X(7, PERIODIC)
+    X(2, CONTACT_DAMPING)                                                                          \
+    X(3, ENERGY)                                                                                   \
+    X(4, PERIODIC)
 
-enum { GN_CONTACT_VARIANTS = 256 };
+#define X(number, ...) +1
+enum { GN_CONTACT_VARIANTS = 32 * (0 GN_CONTACT_KINDS(X)) }; /* 32 * kind + options */
+#undef X
 
-/* Variant number of an effects mask, and the mask of a variant. */
+/* Variant number of an effects mask, GN_CONTACT_VARIANTS for a kind that there is none of; the mask
+ * of a variant. */
 unsigned gn_contact_variant(gn_effects effects);
 gn_effects gn_contact_variant_effects(unsigned variant);
 
-/* "contact_space_rotation_shear_bonds_energy", into `name`. */
+/* "contact_bond_frictional_space_rotation_energy", into `name`. */
 void gn_contact_variant_name(unsigned variant, char *name, size_t size);
 
 /* Effects that a list of contacts really has under a scene's effects: bonds cleared for pairs, and
  * with them the tangential spring when nothing could load it (no friction). */
 gn_effects gn_contact_list_effects(gn_effects scene_effects, bool bonds);
 
-/* One table per instruction set and precision; NULL entries are combinations that make no sense
- * (friction without a tangential spring, a tangential spring that neither bond nor friction uses).
- */
+/* One table per instruction set and precision. In mixed precision entries of periodic boxes are
+ * NULL: the branch at the start knows the image. */
 #define X(set, lanes, has)                                                                         \
     extern gn_contact_kernel *const gn_contact_table_##set[GN_CONTACT_VARIANTS];                   \
     extern gn_contact_kernel *const gn_contact_table_##set##_mixed[GN_CONTACT_VARIANTS];

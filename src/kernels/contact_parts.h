@@ -6,8 +6,11 @@
 #include "kernels/contact.h"
 #include "kernels/contact_law.h"
 
+typedef enum contact_law { LAW_linear } contact_law;
+
 /* Literal switches of a variant. */
 typedef struct variant {
+    contact_law law;
     int space, rotation, shear, friction, bonds, damping, energy, periodic;
 } variant;
 

@@ -141,11 +141,25 @@ GN_INLINE void measure_contact(lane_sums *e, const pair_geometry *s, gn_v3 f, va
     e->carrying = e->carrying + gn_keep(gn_less(gn_set(0.0), size), gn_set(1.0));
 }
 
+GN_INLINE void law_trial(const gn_contact_args *a, size_t c, const brief *from, stage *g,
+                         variant w) {
+    if (w.law == LAW_linear) linear_trial(a, c, from, g, w);
+}
+
+GN_INLINE contact_force law_force(const gn_contact_args *a, size_t c, size_t end, const stage *g,
+                                  lane_sums *e, gn_contact_sums *sums, variant w) {
+    switch (w.law) {
+    case LAW_linear:
+        return linear_force(a, c, end, g, e, sums, w);
+    }
+    __builtin_unreachable();
+}
+
 GN_INLINE void find_forces(const gn_contact_args *a, size_t c, size_t end, const stage *g,
                            brief *out, lane_sums *e, gn_contact_sums *sums, variant w) {
     const gn_v zero = gn_set(0.0);
     const pair_geometry *p = &g->geometry;
-    contact_force f = linear_force(a, c, end, g, e, sums, w);
+    contact_force f = law_force(a, c, end, g, e, sums, w);
     gn_v3 force = gn_scale(f.normal, p->n, w.space), moment = {zero, zero, zero};
     if (w.shear) {
         force = gn_axpy(f.shear, f.normal, p->n, w.space);
@@ -206,7 +220,7 @@ GN_INLINE void contact_core(const gn_contact_args *a, size_t begin, size_t end,
         if (UNDER_WAY(1)) find_normal(a, AT(1), w);
         even = &motion[v % 2];
         odd = &motion[(v + 1) % 2];
-        if (UNDER_WAY(3)) linear_trial(a, c - 3 * GN_W, odd, AT(3), w);
+        if (UNDER_WAY(3)) law_trial(a, c - 3 * GN_W, odd, AT(3), w);
         if (v < vectors) find_branch(a, c, AT(0), w);
         if (UNDER_WAY(2)) find_motion(a, c - 2 * GN_W, AT(2), even, w);
     }
@@ -225,21 +239,19 @@ GN_INLINE void contact_core(const gn_contact_args *a, size_t begin, size_t end,
 
 /* --- the variants --- */
 
-/* Not worth a kernel: friction without shear, or shear that neither friction nor bonds load. In
- * mixed precision the branch at the start knows the image: periodic boxes need no kernel. */
-#define SENSELESS(v)                                                                               \
-    ((GN_BIT(v, 3) && !GN_BIT(v, 2)) || (GN_BIT(v, 2) && !GN_BIT(v, 3) && !GN_BIT(v, 4)) ||        \
-     (GN_MIXED && GN_BIT(v, 7)))
-
-#define WRAPPER(v)                                                                                 \
-    static void contact_##v(const gn_contact_args *a, size_t begin, size_t end,                    \
-                            gn_contact_sums *sums) {                                               \
-        if (SENSELESS(v)) return;                                                                  \
+#define WRAPPER(options, name, law, shear, friction, bonds)                                        \
+    static void contact_##name##_##options(const gn_contact_args *a, size_t begin, size_t end,     \
+                                           gn_contact_sums *sums) {                                \
         contact_core(a, begin, end, sums,                                                          \
-                     (variant){GN_BIT(v, 0), GN_BIT(v, 1), GN_BIT(v, 2), GN_BIT(v, 3),             \
-                               GN_BIT(v, 4), GN_BIT(v, 5), GN_BIT(v, 6), GN_BIT(v, 7)});           \
+                     (variant){LAW_##law, GN_BIT(options, 0), GN_BIT(options, 1), shear, friction, \
+                               bonds, GN_BIT(options, 2), GN_BIT(options, 3),                      \
+                               GN_BIT(options, 4) && !GN_MIXED});                                  \
     }
-GN_EACH_256(WRAPPER)
+#define X(number, ...) GN_EACH_32(WRAPPER, __VA_ARGS__)
+GN_CONTACT_KINDS(X)
+#undef X
 
-#define ENTRY(v) SENSELESS(v) ? 0 : contact_##v,
-gn_contact_kernel *const GN_TABLE(contact)[GN_CONTACT_VARIANTS] = {GN_EACH_256(ENTRY)};
+#define ENTRY(options, name, ...) GN_MIXED &&GN_BIT(options, 4) ? 0 : contact_##name##_##options,
+#define X(number, ...)            GN_EACH_32(ENTRY, __VA_ARGS__)
+gn_contact_kernel *const GN_TABLE(contact)[GN_CONTACT_VARIANTS] = {GN_CONTACT_KINDS(X)};
+#undef X

@@ -72,7 +72,7 @@ typedef struct effect_bit {
 } effect_bit;
 
 #define X(bit, NAME) {bit, GN_FX_##NAME, GN_FX_INDEX_##NAME},
-static const effect_bit contact_bits[] = {GN_CONTACT_EFFECTS(X)};
+static const effect_bit option_bits[] = {GN_CONTACT_OPTIONS(X)};
 static const effect_bit motion_bits[] = {GN_MOTION_EFFECTS(X)};
 #undef X
 
@@ -101,14 +101,33 @@ static void name_of(const char *stem, const effect_bit *bits, size_t count, unsi
                 (size_t)snprintf(name + used, size - used, "_%s", gn_effect_name(bits[k].index));
 }
 
+static const struct {
+    const char *stem;
+    gn_effects effects;
+} kinds[] = {
+#define X(number, name, law, shear, friction, bonds)                                               \
+    {"contact_" #name,                                                                             \
+     (shear ? GN_FX_SHEAR : 0U) | (friction ? GN_FX_FRICTION : 0U) | (bonds ? GN_FX_BONDS : 0U)},
+    GN_CONTACT_KINDS(X)
+#undef X
+};
+enum { OPTIONS = 32 };
+_Static_assert(COUNT(kinds) * OPTIONS == GN_CONTACT_VARIANTS, "all kinds with all options");
+_Static_assert(1 << COUNT(option_bits) == OPTIONS, "as many options as bits");
+
 unsigned gn_contact_variant(gn_effects effects) {
-    return variant_of(contact_bits, COUNT(contact_bits), effects);
+    for (unsigned k = 0; k < COUNT(kinds); k++)
+        if (kinds[k].effects == (effects & GN_CONTACT_MAKERS))
+            return OPTIONS * k + variant_of(option_bits, COUNT(option_bits), effects);
+    return GN_CONTACT_VARIANTS;
 }
 gn_effects gn_contact_variant_effects(unsigned variant) {
-    return effects_of(contact_bits, COUNT(contact_bits), variant);
+    return kinds[variant / OPTIONS].effects |
+           effects_of(option_bits, COUNT(option_bits), variant % OPTIONS);
 }
 void gn_contact_variant_name(unsigned variant, char *name, size_t size) {
-    name_of("contact", contact_bits, COUNT(contact_bits), variant, name, size);
+    name_of(kinds[variant / OPTIONS].stem, option_bits, COUNT(option_bits), variant % OPTIONS, name,
+            size);
 }
 unsigned gn_motion_variant(gn_effects effects) {
     return variant_of(motion_bits, COUNT(motion_bits), effects);
@@ -133,11 +152,10 @@ gneiss_status gn_contact_kernel_choose(const gn_kernel_set *set, gn_effects list
     bool mixed = list_effects & GN_FX_MIXED;
     if (mixed) list_effects &= ~(gn_effects)GN_FX_PERIODIC; /* the branch at the start knows */
     unsigned variant = gn_contact_variant(list_effects);
-    *kernel = (mixed ? set->mixed : set->contact)[variant];
+    *kernel = variant < GN_CONTACT_VARIANTS ? (mixed ? set->mixed : set->contact)[variant] : NULL;
     if (*kernel) return GNEISS_OK;
-    char name[160];
-    gn_contact_variant_name(variant, name, sizeof name);
-    return gn_fail(error, GNEISS_ERROR_INTERNAL, "no kernel %s for %s", name, set->name);
+    return gn_fail(error, GNEISS_ERROR_INTERNAL, "no contact kernel for effects %llx of %s",
+                   (unsigned long long)list_effects, set->name);
 }
 
 gneiss_status gn_motion_kernel_choose(const gn_kernel_set *set, gn_effects effects,

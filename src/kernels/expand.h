@@ -10,10 +10,16 @@
 #define GN_EACH_128(X)                                                                             \
     GN_EACH_16(X, 0) GN_EACH_16(X, 1) GN_EACH_16(X, 2) GN_EACH_16(X, 3)                            \
     GN_EACH_16(X, 4) GN_EACH_16(X, 5) GN_EACH_16(X, 6) GN_EACH_16(X, 7)
-#define GN_EACH_256(X)                                                                             \
-    GN_EACH_128(X)                                                                                 \
-    GN_EACH_16(X, 8) GN_EACH_16(X, 9) GN_EACH_16(X, a) GN_EACH_16(X, b)                            \
-    GN_EACH_16(X, c) GN_EACH_16(X, d) GN_EACH_16(X, e) GN_EACH_16(X, f)
+/* The same with further arguments. */
+#define GN_EACH_32(X, ...)                                                                         \
+    X(0x00, __VA_ARGS__) X(0x01, __VA_ARGS__) X(0x02, __VA_ARGS__) X(0x03, __VA_ARGS__) \
+    X(0x04, __VA_ARGS__) X(0x05, __VA_ARGS__) X(0x06, __VA_ARGS__) X(0x07, __VA_ARGS__) \
+    X(0x08, __VA_ARGS__) X(0x09, __VA_ARGS__) X(0x0a, __VA_ARGS__) X(0x0b, __VA_ARGS__) \
+    X(0x0c, __VA_ARGS__) X(0x0d, __VA_ARGS__) X(0x0e, __VA_ARGS__) X(0x0f, __VA_ARGS__) \
+    X(0x10, __VA_ARGS__) X(0x11, __VA_ARGS__) X(0x12, __VA_ARGS__) X(0x13, __VA_ARGS__) \
+    X(0x14, __VA_ARGS__) X(0x15, __VA_ARGS__) X(0x16, __VA_ARGS__) X(0x17, __VA_ARGS__) \
+    X(0x18, __VA_ARGS__) X(0x19, __VA_ARGS__) X(0x1a, __VA_ARGS__) X(0x1b, __VA_ARGS__) \
+    X(0x1c, __VA_ARGS__) X(0x1d, __VA_ARGS__) X(0x1e, __VA_ARGS__) X(0x1f, __VA_ARGS__)
 /* clang-format on */
 
 #define GN_BIT(v, b) (((v) >> (b)) & 1)
