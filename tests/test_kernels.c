@@ -264,7 +264,7 @@ static expected expect(const bench *b, size_t c, tally *sum) {
     else if (bonded && k->rt && size >= k->rt[c])
         e.cause = GN_BROKEN_SHEAR;
     bool intact = bonded && !e.cause;
-    double path = dt * vn - (intact ? 0.0 : curved);
+    double path = dt * vn - (intact && !k->cn ? 0.0 : curved);
     double fn = intact || touching ? kn * u : 0.0, share = intact || touching, way = u;
     double cut = u / grown, inverse = b->p.vel[4 * i + 3] + b->p.vel[4 * j + 3];
     double bend = fmin(0.25 * kn * inverse * dt * dt, 0.125) * cut * (1.0 - cut);
@@ -277,7 +277,7 @@ static expected expect(const bench *b, size_t c, tally *sum) {
         share = 0.5 - cut;
         way = -grown;
     }
-    double viscous = k->cn ? share * k->cn[c] * vn : 0.0;
+    double viscous = k->cn ? share * k->cn[c] * (vn - (intact ? curved / dt : 0.0)) : 0.0;
     double limit = touching && k->mu ? k->mu[c] * fmax(0.0, -(fn + viscous)) : 0.0;
     e.slipping = !intact && size > limit;
     if (e.slipping)
@@ -291,6 +291,12 @@ static expected expect(const bench *b, size_t c, tally *sum) {
      * is that of the box. */
     double box = fmax(b->args.period[0], fmax(b->args.period[1], b->args.period[2]));
     e.tolerance = 1e-12 * sqrt(dot3(e.force, e.force)) + 8.0 * DBL_EPSILON * kn * fmax(0.05, box);
+    /* Here tangential forces are turned exactly. In the kernel the increment, turned by half the
+     * angle A of the step, is stretched by up to 1 + (A/2)^2/2 (gn_turn_with_normal), and the twist
+     * is taken to second order. */
+    if (length > 0.05 * (ri + rj))
+        e.tolerance += 0.125 * side2 / (length * length) * kt * dt * sqrt(dot3(vt, vt));
+    e.tolerance += fabs(pow(dt * twist, 3.0)) / 6.0 * sqrt(dot3(before, before));
 
     /* Work of the step by the trapezoidal rule, less what the spring keeps. */
     double work = 0.0, kept = 0.0, lost_shear = 0.0;

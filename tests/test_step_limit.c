@@ -142,6 +142,47 @@ static void a_step_above_the_limit_is_refused(void **state) {
     assert_non_null(strstr(error.message, "time.step"));
 }
 
+/* Three discs bonded at a right angle, turning as a whole: the bonds do not bend, so the angle
+ * opens and closes. Without tangential springs w^2 = (k/m)(2 + |cos|) of it: 1.253e-4 s at a right
+ * angle, 1.023e-4 s stretched out. The centrifugal force of 2e-3 N stores 2e-12 J in each bond. */
+static gn_world *hinge(const char *time) {
+    return world_of(
+        "dimension: 2\nspecimen: {particles: [[0, 0, 1e-3], [2e-3, 0, 1e-3], [2e-3, 2e-3, 1e-3]]}\n"
+        "materials: [{name: m, density: 2500, normal_stiffness: 1e6, kratio: 10, "
+        "bond_tension_limit: "
+        "1e9, bond_shear_limit: 1e9}]\nlaw: {stiffness: uniform}\nbonds: {}\n"
+        "sets:\n"
+        "  - {name: a, select: {ids: [0]}, initial_velocity: [7.52e-3, -15.04e-3], initial_spin: "
+        "11.28}\n"
+        "  - {name: b, select: {ids: [1]}, initial_velocity: [7.52e-3, 7.52e-3], initial_spin: "
+        "11.28}\n"
+        "  - {name: c, select: {ids: [2]}, initial_velocity: [-15.04e-3, 7.52e-3], initial_spin: "
+        "11.28}\n"
+        "time: {%s, end: 10}\nrun: {threads: 1}\n",
+        time);
+}
+
+static void bonds_that_turn_against_each_other_lower_the_step(void **state) {
+    (void)state;
+    static const char *const kinds[] = {"step: auto", "step: auto, estimate: bound"};
+    for (int k = 0; k < 2; k++) {
+        gn_world *w = hinge(kinds[k]);
+        for (int n = 0; n < 8000; n++) {
+            gn_energy e = measured_step(w);
+            if (e.elastic_normal + e.elastic_shear > 1e-10)
+                fail_msg("step %d: %g J in the bonds", n, e.elastic_normal + e.elastic_shear);
+        }
+        world_end(w);
+    }
+    gn_world *w = hinge("step: 1.1e-4");
+    gneiss_error error = {0};
+    gneiss_status status = GNEISS_OK;
+    for (int n = 0; n < 8000 && status == GNEISS_OK; n++) status = gn_world_step(w, false, &error);
+    assert_int_equal(status, GNEISS_ERROR_UNSTABLE);
+    assert_non_null(strstr(error.message, "time.step: expected at most"));
+    world_end(w);
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(a_hexagonal_lattice_is_stable_up_to_the_sharp_limit),
@@ -151,6 +192,7 @@ int main(void) {
         cmocka_unit_test(nonviscous_component_damping_lowers_the_limit_by_its_root),
         cmocka_unit_test(an_automatic_step_is_its_share_of_the_limit),
         cmocka_unit_test(a_step_above_the_limit_is_refused),
+        cmocka_unit_test(bonds_that_turn_against_each_other_lower_the_step),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -42,8 +42,8 @@ typedef struct pair_motion {
 typedef struct stage {
     pair_geometry geometry;
     union {
-        gn_v rate; /* dt/(2 distance) */
-        gn_v path; /* from find_motion on, if path_known: by how much the distance grew */
+        gn_v rate;   /* dt/(2 distance) */
+        gn_v growth; /* from find_motion on, with dashpots: mean speed at which the distance grew */
     };
     gn_v speed;          /* normal component at the end of the step, opening positive */
     gn_v angle;          /* mean turn of the pair about the normal in the step */
@@ -77,16 +77,10 @@ GN_INLINE gn_v across2_of(gn_v3 v, gn_v speed, int space) {
     return gn_max(gn_fnma(speed, speed, gn_dot(v, v, space)), gn_set(0.0));
 }
 
-/* By how much the distance grew in the step. Before it was |d n - dt v|, with q = d - dt speed the
- * root of q^2 + dt^2 across^2: by dt speed - dt^2 across^2/(2 q) and less. */
-GN_INLINE gn_v path_of(const gn_contact_args *a, gn_v3 v, gn_v speed, gn_v rate, int space) {
-    return gn_set(a->dt) * gn_fnma(across2_of(v, speed, space), rate, speed);
-}
-
-/* Every pair with a dashpot books its path, so that it is found where the velocities are at hand.
- */
-GN_INLINE int path_known(variant w) {
-    return !w.bonds && w.damping;
+/* How fast the distance grew in the step. Before it was |d n - dt v|, with q = d - dt speed the
+ * root of q^2 + dt^2 across^2: it grew by dt speed - dt^2 across^2/(2 q) and less. */
+GN_INLINE gn_v growth_of(gn_v3 v, gn_v speed, gn_v rate, int space) {
+    return gn_fnma(across2_of(v, speed, space), rate, speed);
 }
 
 GN_INLINE gn_v3 opening_velocity(const gn_contact_args *a, size_t c, variant w) {

@@ -151,7 +151,7 @@ static __attribute__((noinline)) gn_v loose_path(const gn_contact_args *a, size_
                                                  gn_m intact) {
     const variant space = {.space = 1};
     gn_v3 v = opening_velocity(a, c, space);
-    return gn_where(intact, gn_set(a->dt) * g->speed, path_of(a, v, g->speed, g->rate, 1));
+    return gn_set(a->dt) * gn_where(intact, g->speed, growth_of(v, g->speed, g->rate, 1));
 }
 
 /* Those that may have closed or opened within the step, and maybe more: by the normal speed alone
@@ -191,16 +191,20 @@ GN_INLINE gn_v find_normal_force(const gn_contact_args *a, size_t c, const stage
     gn_m loose = gn_not(q->intact), acting = gn_or(q->touching, q->intact);
     q->normal = gn_keep(acting, q->elastic);
     q->share = gn_keep(acting, gn_set(1.0));
-    gn_v path = gn_pick(path_known(w), g->path, gn_set(a->dt) * g->speed);
+    gn_v path = gn_set(a->dt) * gn_pick(w.damping, g->growth, g->speed);
     if (!w.damping) {
         gn_m asked = gn_or(gn_and(loose, may_cross(a, g, q)), q->breaking);
         if (__builtin_expect(gn_bits(asked) == 0, 1)) return path;
     }
-    if (!path_known(w)) path = loose_path(a, c, g, q->intact);
+    if (!w.damping) path = loose_path(a, c, g, q->intact);
     cross_if_near(a, c, g, path, loose, q);
     return path;
 }
 
+/* `speed`: of a bond the mean of the step, so that a damped cluster that turns as a whole
+ * dissipates nothing. In a collision the speed along the last normal: with part of the centrifugal
+ * acceleration it is nearer to the end of the step, at which the force acts, and keeps restitution
+ * beside fast sideways motion. */
 GN_INLINE gn_v damped(const gn_contact_args *a, size_t c, gn_v speed, gn_v path,
                       const contact_state *q, lane_sums *e, variant w) {
     const gn_contacts *k = a->contacts;
@@ -237,10 +241,10 @@ GN_INLINE contact_force linear_force(const gn_contact_args *a, size_t c, size_t 
         q.t = q.trial = g->trial;
     }
     if (w.bonds) break_bonds(a, c, end, &q, sums, w);
-    gn_v path = gn_set(a->dt) * g->speed, total = q.normal;
+    gn_v path = gn_set(a->dt) * gn_pick(w.damping, g->growth, g->speed), total = q.normal;
     if (w.bonds && __builtin_expect(gn_bits(gn_not(q.intact)) == 0, 1)) {
         /* Bonds that hold have nothing to limit. */
-        if (w.damping) total = damped(a, c, g->speed, path, &q, e, w);
+        if (w.damping) total = damped(a, c, g->growth, path, &q, e, w);
     } else {
         /* An overlap within the rounding of the positions is none: whether contacts that begin at 0
          * have begun is then the same in the next step, from the stretch before that. */
@@ -248,7 +252,10 @@ GN_INLINE contact_force linear_force(const gn_contact_args *a, size_t c, size_t 
         q.touching = gn_less(q.beyond, zero);
         path = find_normal_force(a, c, g, &q, w);
         total = q.normal;
-        if (w.damping) total = damped(a, c, g->speed, path, &q, e, w);
+        if (w.damping) {
+            gn_v speed = gn_pick(w.bonds, gn_where(q.intact, g->growth, g->speed), g->speed);
+            total = damped(a, c, speed, path, &q, e, w);
+        }
         if (w.shear) limit_shear(a, c, total, &q, w);
         if (w.energy && gn_bits(gn_or(q.slipping, q.breaking))) book_release(g, path, &q, e, w);
     }

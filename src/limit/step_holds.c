@@ -235,3 +235,28 @@ void gn_step_marks(const gn_spectrum *spectrum, int32_t *marks) {
         if (s.j >= 0) marks[s.j] = (int32_t)((uint32_t)marks[s.j] + mark);
     }
 }
+
+size_t gn_step_turned(const gn_spectrum *spectrum, double most, uint8_t *turned) {
+    const gn_assembly *a = spectrum->assembly;
+    const gn_contacts *lists[] = {a->bonds, a->pairs};
+    size_t found = 0, k = 0;
+    for (int l = 0; l < 2; l++)
+        for (size_t c = 0; lists[l] && c < lists[l]->soa.count; c++, k++) {
+            gn_spring s;
+            if (!gn_spring_make(spectrum, k, &s)) continue;
+            float *looked[3];
+            double way2 = 0.0, size2 = 0.0;
+            for (size_t d = 0; d < 3; d++) {
+                looked[d] = &lists[l]->looked[c + d * lists[l]->soa.capacity];
+                way2 += (s.n[d] - *looked[d]) * (s.n[d] - *looked[d]);
+                size2 += *looked[d] * *looked[d];
+            }
+            bool first = size2 == 0.0f;
+            if (!first && !(way2 > most * most)) continue;
+            for (size_t d = 0; d < 3; d++) *looked[d] = (float)s.n[d];
+            if (first) continue;
+            turned[s.i] = turned[s.j] = 1;
+            found++;
+        }
+    return found;
+}

@@ -71,4 +71,9 @@ gneiss_status gn_step_holds(const gn_spectrum *spectrum, double step, double tol
  * means that there are others. */
 void gn_step_marks(const gn_spectrum *spectrum, int32_t *marks);
 
+/* Marks the ends of the active contacts between particles whose normals have turned by more than
+ * `most` rad since they were last marked, or first seen, here; returns how many contacts these are.
+ * The limit of springs that turn against each other changes although they stay the same. */
+size_t gn_step_turned(const gn_spectrum *spectrum, double most, uint8_t *turned);
+
 #endif

@@ -131,7 +131,11 @@ typedef struct question {
     gn_step_limit *limit; /* answers */
     gn_step_verdict *verdict;
     bool changed; /* only what has others than at the last look needs to be looked at */
+    bool turned;  /* only what has turned since */
 } question;
+
+/* Between two lists contacts turn by some more: by the skin over a diameter, at most. */
+static const double turned_by = 0.05, turned_share = 0.95;
 
 /* Which particles have other springs than at the last look; keeps in mind what they have. `which`
  * 0: that act, 1: that are near. */
@@ -165,7 +169,20 @@ static gneiss_status holds(const gn_spectrum *spectrum, const question *q, gneis
     return status;
 }
 
+static gneiss_status turned_hold(const gn_spectrum *spectrum, const question *q,
+                                 gneiss_error *error) {
+    uint8_t *turned = gn_alloc(spectrum->assembly->particles->soa.count + 1);
+    if (!turned) return gn_fail(error, GNEISS_ERROR_MEMORY, "no memory for the stability estimate");
+    gneiss_status status = GNEISS_OK;
+    *q->verdict = (gn_step_verdict){.holds = true};
+    if (gn_step_turned(spectrum, turned_by, turned))
+        status = gn_step_holds(spectrum, q->step, q->tolerance, turned, q->verdict, error);
+    gn_free(turned);
+    return status;
+}
+
 static gneiss_status answer(const gn_spectrum *spectrum, const question *q, gneiss_error *error) {
+    if (q->turned) return turned_hold(spectrum, q, error);
     if (q->step > 0.0) return holds(spectrum, q, error);
     return gn_step_limits(spectrum, q->tolerance, q->limit, error);
 }
@@ -344,10 +361,32 @@ static gneiss_status resolve_listed(gn_world *w, gneiss_error *error) {
     return GNEISS_OK;
 }
 
+/* Springs that turn against each other have another limit though they are the same: a bonded chain
+ * that is stretched out needs a smaller step than one at a right angle. What has turned is held
+ * against the step, with a reserve for what turns until the next lists; where that does not hold
+ * for sure, the limit of all is found anew. */
+static gneiss_status look_at_turned(gn_world *w, gneiss_error *error) {
+    gn_step_verdict verdict = {0};
+    double needed = particles_needed(w, w->dt / turned_share), limit;
+    question q = {.step = needed < INFINITY ? needed : DBL_MAX,
+                  .tolerance = tolerance_of(w),
+                  .verdict = &verdict,
+                  .turned = true};
+    GN_TRY(ask(w, false, &q, error));
+    if (verdict.holds) return GNEISS_OK;
+    GN_TRY(find_limit(w, error));
+    GN_TRY(usable_limit(w, &limit, error));
+    w->dem.stable = limit;
+    w->stable = all_together(w, limit);
+    if (w->dt <= turned_share * w->stable) return GNEISS_OK;
+    return react(w, w->stable, error);
+}
+
 static gneiss_status check_lists(gn_world *w, bool full, bool *fine, gneiss_error *error) {
     *fine = true;
     if (!w->scene.has_specimen) return GNEISS_OK;
     GN_TRY(resolve_listed(w, error));
+    GN_TRY(look_at_turned(w, error));
     return listed_limit(w, full, fine, error);
 }
 

@@ -103,7 +103,9 @@
     Y(X, cause, uint8_t, GN_U8, 1, GN_COLUMNS, GN_STATE, GN_KEPT, NONE, GN_FX_BONDS, 0, "1",       \
       "0 intact, 1 broken in tension, 2 broken in shear")                                          \
     Y(X, broken_time, double, GN_F64, 1, GN_COLUMNS, GN_STATE, GN_KEPT, NONE, GN_FX_BONDS, 0, "s", \
-      "when the bond broke; 0 while it is intact")
+      "when the bond broke; 0 while it is intact")                                                 \
+    Y(X, looked, float, GN_F32, 3, GN_COLUMNS, GN_SAVED, GN_KEPT | GN_ODD, NONE, 0, 0, "1",        \
+      "normal when the step was last looked at; 0: not yet")
 
 /* What lists and kernels fill of contacts by themselves. */
 #define GN_CONTACT_WORK(Y, X)                                                                      \
@@ -131,7 +133,7 @@
     Y(X, fd, double, GN_F64, 1, GN_COLUMNS, GN_SAVED, GN_KEPT, NONE,                               \
       GN_FX_CONTACT_DAMPING | GN_FX_ENERGY, 0, "N", "viscous normal force of the last step")       \
     Y(X, normal, double, GN_F64, 3, GN_COLUMNS, GN_STATE, GN_KEPT, NONE, GN_FX_FACETS, 0, "1",     \
-      "of a contact with facets in the last step, times its part of the stiffness; 0: none")                              \
+      "of a contact with facets in the last step, times its part of the stiffness; 0: none")       \
     Y(X, touch, double, GN_F64, 3, GN_COLUMNS, GN_SAVED, 0, NONE, GN_FX_FACETS, 0, "m",            \
       "point of a facet on which the force acts")                                                  \
     Y(X, row, double, GN_F64, 8, GN_ROWS, GN_SAVED, 0, NONE, 0, 0, "N, N m",                       \
