@@ -127,16 +127,15 @@ gneiss_status gn_wall_contacts_find(gn_world *w, gneiss_error *error) {
     return gn_surfaces_check_centres(w, error);
 }
 
-/* The gap and the arm of the contact force are given back as well. */
-static gn_touch touch_of(const gn_world *w, size_t c, double *arm) {
+/* What moves along the normal; the gap and the arm of the contact force are given back as well. */
+static gn_touch touch_of(const gn_world *w, size_t c, double v[3], double *arm) {
     const gn_particles *q = &w->dem.particles;
-    size_t p = (size_t)w->boundary.contacts.i[c], k = (size_t)w->boundary.contacts.wall[c];
+    const gn_wall_contacts *list = &w->boundary.contacts;
+    size_t p = (size_t)list->i[c], k = (size_t)list->wall[c];
     const gn_wall *wall = &w->boundary.walls[k];
     double gap = wall_gap(w, p, k);
-    gn_touch s = {.gap = gap - w->boundary.contacts.gap0[c],
-                  .rounding = 0x1p-48 * q->pos[4 * p + 3]};
+    gn_touch s = {.gap = gap - list->gap0[c], .rounding = 0x1p-48 * q->pos[4 * p + 3]};
     *arm = q->pos[4 * p + 3] + (w->scene.contact_arm == GN_ARM_MIDPOINT ? gap : 0.0);
-    double v[3], turn[3] = {0, 0, 0};
     for (int a = 0; a < 3; a++) {
         s.n[a] = -wall->normal[a];
         v[a] = wall->velocity[a] - q->vel[4 * p + a];
@@ -145,12 +144,26 @@ static gn_touch touch_of(const gn_world *w, size_t c, double *arm) {
     /* A contact that stays without a dashpot needs no mass. */
     if (w->effects & GN_FX_CONTACT_DAMPING || gn_touch_crosses(&s, s.speed * w->dt_past))
         s.inverse_mass = gn_inverse_mass_along(w, p, s.n);
-    if (q->spin) {
-        gn_cross3(q->spin + 4 * p, s.n, turn);
-        s.twist = gn_dot3(q->spin + 4 * p, s.n);
-    }
-    for (int a = 0; a < 3; a++) s.relative[a] = v[a] - s.speed * s.n[a] - *arm * turn[a];
     return s;
+}
+
+/* What moves across it. */
+static void touch_across(const gn_world *w, size_t p, const double v[3], double arm, gn_touch *s) {
+    const gn_particles *q = &w->dem.particles;
+    double turn[3] = {0, 0, 0};
+    if (q->spin) {
+        gn_cross3(q->spin + 4 * p, s->n, turn);
+        s->twist = gn_dot3(q->spin + 4 * p, s->n);
+    }
+    for (int a = 0; a < 3; a++) s->relative[a] = v[a] - s->speed * s->n[a] - arm * turn[a];
+}
+
+/* Most listed contacts do not touch, and hold nothing from when they did. */
+static bool idle(const gn_wall_contacts *q, size_t c, const gn_touch *s, double path) {
+    if (s->gap < 0.0 || s->gap < path || (q->fd && q->fd[c] != 0.0)) return false;
+    size_t stride = q->soa.capacity;
+    return !q->shear ||
+           (q->shear[c] == 0.0 && q->shear[c + stride] == 0.0 && q->shear[c + 2 * stride] == 0.0);
 }
 
 static void wall_contact(const gn_world *w, size_t c, gn_contact_sums *sums) {
@@ -158,8 +171,13 @@ static void wall_contact(const gn_world *w, size_t c, gn_contact_sums *sums) {
     const gn_wall_def *def = &w->scene.walls[q->wall[c]];
     gn_touch_law law = {def->stiffness, def->friction,
                         def->kratio > 0.0 ? def->stiffness / def->kratio : 0.0};
-    double arm, t[3], *row = q->row + 8 * c, moment[3];
-    gn_touch s = touch_of(w, c, &arm);
+    double arm, v[3], t[3], *row = q->row + 8 * c, moment[3];
+    gn_touch s = touch_of(w, c, v, &arm);
+    if (idle(q, c, &s, s.speed * w->dt_past)) {
+        memset(row, 0, 8 * sizeof *row);
+        return;
+    }
+    if (q->shear) touch_across(w, (size_t)q->i[c], v, arm, &s);
     double total = gn_touch_force(w, &law, &s, q->fd ? q->fd + c : NULL,
                                   q->shear ? q->shear + c : NULL, q->soa.capacity, t, sums);
     gn_cross3(s.n, t, moment);
