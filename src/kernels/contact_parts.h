@@ -43,7 +43,8 @@ typedef struct stage {
     pair_geometry geometry;
     union {
         gn_v rate;   /* dt/(2 distance) */
-        gn_v growth; /* from find_motion on, with dashpots: mean speed at which the distance grew */
+        gn_v growth; /* from find_motion on, if growth_known: mean speed at which the distance grew
+                      */
     };
     gn_v speed;          /* normal component at the end of the step, opening positive */
     gn_v angle;          /* mean turn of the pair about the normal in the step */
@@ -81,6 +82,12 @@ GN_INLINE gn_v across2_of(gn_v3 v, gn_v speed, int space) {
  * root of q^2 + dt^2 across^2: it grew by dt speed - dt^2 across^2/(2 q) and less. */
 GN_INLINE gn_v growth_of(gn_v3 v, gn_v speed, gn_v rate, int space) {
     return gn_fnma(across2_of(v, speed, space), rate, speed);
+}
+
+/* The dashpots of bonds follow it, and the ledger has the work of all dashpots by it: it is found
+ * where the velocities are at hand. */
+GN_INLINE int growth_known(variant w) {
+    return w.damping && (w.bonds || w.energy);
 }
 
 GN_INLINE gn_v3 opening_velocity(const gn_contact_args *a, size_t c, variant w) {

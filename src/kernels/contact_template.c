@@ -91,7 +91,7 @@ GN_INLINE void find_motion(const gn_contact_args *a, size_t c, stage *g, brief *
     gn_v3 v = opening_velocity(a, c, w);
     gn_v speed = gn_dot(v, p->n, w.space), rate = g->rate;
     g->speed = speed;
-    if (w.damping) g->growth = growth_of(v, speed, rate, w.space);
+    if (growth_known(w)) g->growth = growth_of(v, speed, rate, w.space);
     if (!w.shear) return;
     gn_v3 middle = gn_middle(v, p->n, speed, rate, w.space);
     if (w.rotation) {

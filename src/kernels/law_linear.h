@@ -191,12 +191,12 @@ GN_INLINE gn_v find_normal_force(const gn_contact_args *a, size_t c, const stage
     gn_m loose = gn_not(q->intact), acting = gn_or(q->touching, q->intact);
     q->normal = gn_keep(acting, q->elastic);
     q->share = gn_keep(acting, gn_set(1.0));
-    gn_v path = gn_set(a->dt) * gn_pick(w.damping, g->growth, g->speed);
-    if (!w.damping) {
+    gn_v path = gn_set(a->dt) * gn_pick(growth_known(w), g->growth, g->speed);
+    if (!growth_known(w)) {
         gn_m asked = gn_or(gn_and(loose, may_cross(a, g, q)), q->breaking);
         if (__builtin_expect(gn_bits(asked) == 0, 1)) return path;
     }
-    if (!w.damping) path = loose_path(a, c, g, q->intact);
+    if (!growth_known(w)) path = loose_path(a, c, g, q->intact);
     cross_if_near(a, c, g, path, loose, q);
     return path;
 }
@@ -241,7 +241,7 @@ GN_INLINE contact_force linear_force(const gn_contact_args *a, size_t c, size_t 
         q.t = q.trial = g->trial;
     }
     if (w.bonds) break_bonds(a, c, end, &q, sums, w);
-    gn_v path = gn_set(a->dt) * gn_pick(w.damping, g->growth, g->speed), total = q.normal;
+    gn_v path = gn_set(a->dt) * gn_pick(growth_known(w), g->growth, g->speed), total = q.normal;
     if (w.bonds && __builtin_expect(gn_bits(gn_not(q.intact)) == 0, 1)) {
         /* Bonds that hold have nothing to limit. */
         if (w.damping) total = damped(a, c, g->growth, path, &q, e, w);
