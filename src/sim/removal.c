@@ -199,6 +199,8 @@ static void release_bonds(gn_world *w, const bool *gone) {
             if (b->shear_f) b->shear_f[c + a * b->soa.capacity] = 0.0F;
         }
         if (b->cn) b->cn[c] = 0.0;
+        if (b->fd) b->fd[c] = 0.0; /* its work was booked */
+        if (b->fd_f) b->fd_f[c] = 0.0F;
     }
 }
 

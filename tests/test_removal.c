@@ -1,0 +1,166 @@
+/* Particles that leave the domain: what they and their contacts held leaves the ledger with them,
+ * and their bonds are not broken. */
+#include "world_helpers.h"
+
+/* Runs until `count` particles have left, and on for 10 steps; returns the ledger then. */
+static gn_energy run_until_lost(gn_world *w, int64_t count) {
+    measured_step(w);
+    while (w->dem.lost < count && w->step < 1000000) run_steps(w, 1);
+    assert_int_equal(w->dem.lost, count);
+    run_steps(w, 10);
+    return measured_step(w);
+}
+
+static const double g0 = 9.81;
+
+/* Lies on the wall as deep as its weight presses it, and drifts across x = 10 mm. */
+static void a_grain_takes_along_what_it_pressed_into_a_wall(void **state) {
+    (void)state;
+    for (int dimension = 2; dimension <= 3; dimension++) {
+        bool space = dimension == 3;
+        double m = space ? sphere_mass(2500, 1e-3) : disc_mass(2500, 1e-3), k = 1000, v = 0.2;
+        double depth = m * g0 / k;
+        gn_world *w = world_of(
+            "dimension: %d\nspecimen: {particles: [[9e-3%s, %.17g, 1e-3]]}\n"
+            "materials: [{name: m, density: 2500, normal_stiffness: 1000, kratio: 2}]\n"
+            "law: {stiffness: uniform}\ngravity: [0%s, -9.81]\n"
+            "walls: [{name: f, point: [0, 0%s], normal: [0%s, 1], stiffness: %g}]\n"
+            "sets: [{name: a, select: {ids: [0]}, initial_velocity: [%g, 0%s]}]\n"
+            "domain: {min: [-1, -1%s], max: [10e-3, 1%s], lost: remove}\n"
+            "time: {end: 1}\nrun: {threads: 1}\n",
+            dimension, space ? ", 0" : "", 1e-3 - depth, space ? ", 0" : "", space ? ", 0" : "",
+            space ? ", 0" : "", k, v, space ? ", 0" : "", space ? ", -1" : "", space ? ", 1" : "");
+        gn_energy e = run_until_lost(w, 1);
+        /* The overlap is rounded by some ulps of the radius, 1e-19 m; it swings by as much. */
+        double pressed = 0.5 * k * depth * depth, allowed = 100 * 2.2e-16 * 1e-3 / depth;
+        assert_close(e.removed, 0.5 * m * v * v + pressed, allowed);
+        assert_near(gn_energy_residual(&e), 0.0, allowed);
+        world_end(w);
+    }
+}
+
+/* Both are driven, so that the bond stays as long as it is made; the second leaves. */
+static void a_grain_takes_along_what_stretches_its_bond(void **state) {
+    (void)state;
+    for (int dimension = 2; dimension <= 3; dimension++) {
+        bool space = dimension == 3;
+        double m = space ? sphere_mass(2500, 1e-3) : disc_mass(2500, 1e-3), k = 1e6, s = 1e-4;
+        const char *z = space ? ", 0" : "", *vz = space ? ", vz: 0" : "";
+        gn_world *w = world_of(
+            "dimension: %d\nspecimen: {particles: [[0, 0%s, 1e-3], [2.1e-3, 0%s, 1e-3]]}\n"
+            "materials: [{name: m, density: 2500, normal_stiffness: %g, kratio: 2, "
+            "bond_tension_limit: 1e9, bond_shear_limit: 1e9}]\n"
+            "law: {stiffness: uniform}\nbonds: {interaction_range: 0.1, passive_gaps: false}\n"
+            "sets: [{name: a, select: {all: true}, motion: {vx: 1, vy: 0%s}}]\n"
+            "domain: {min: [-1, -1%s], max: [4e-3, 1%s], lost: remove}\n"
+            "time: {end: 1}\nrun: {threads: 1}\n",
+            dimension, z, z, k, vz, space ? ", -1" : "", space ? ", 1" : "");
+        gn_energy e = run_until_lost(w, 1);
+        /* Steps of some 1e-6 m are rounded by 1e-18 m, some thousand times; s is 1e-4 m. */
+        assert_close(e.removed, 0.5 * m + 0.5 * k * s * s, 1e-10);
+        assert_near(gn_energy_residual(&e), 0.0, 1e-10);
+        world_end(w);
+    }
+}
+
+/* What moves on the way out is in the middle of a step. The ledger is off by no more after it than
+ * after any other step, whatever part of the contacts holds the energy. */
+static void closes(const char *what, const char *scene, int64_t lost) {
+    gn_world *w = world_of("%stime: {end: 1, safety: 0.1}\nrun: {threads: 1}\n", scene);
+    double before = 0.0, ordinary = 0.0, leaving = 0.0, last = 0.0;
+    while (w->dem.lost < lost && w->step < 100000) {
+        int64_t there = w->dem.lost;
+        gn_energy e = measured_step(w);
+        double residual = gn_energy_residual(&e);
+        leaving = fabs(residual - before);
+        if (w->dem.lost == there) ordinary = fmax(ordinary, leaving);
+        before = residual;
+        last = e.removed;
+    }
+    assert_int_equal(w->dem.lost, lost);
+    assert_true(last > 0.0);
+    if (!(leaving <= ordinary + 1e-13)) fail_msg("%s: off by %g, else %g", what, leaving, ordinary);
+    world_end(w);
+}
+
+static const char material[] =
+    "materials: [{name: m, density: 2500, normal_stiffness: 1e5, kratio: 2, friction: 0.5, "
+    "bond_tension_limit: 1e9, bond_shear_limit: 1e9}]\nlaw: {stiffness: uniform}\n";
+
+/* Stretched, sheared and turning; the second leaves. */
+static void a_swinging_bonded_pair_closes_the_ledger(void **state) {
+    (void)state;
+    char scene[2048];
+    for (int dimension = 2; dimension <= 3; dimension++) {
+        bool space = dimension == 3;
+        snprintf(scene, sizeof scene,
+                 "dimension: %d\n%sbonds: {}\n"
+                 "specimen: {particles: [[0, 0%s, 1e-3], [2e-3, 0%s, 1e-3]]}\n"
+                 "sets:\n  - {name: a, select: {ids: [0]}, initial_velocity: [1, 0%s]}\n"
+                 "  - {name: b, select: {ids: [1]}, initial_velocity: [1.2, 0.1%s]}\n"
+                 "domain: {min: [-1, -1%s], max: [5e-3, 1%s], lost: remove}\n",
+                 dimension, material, space ? ", 0" : "", space ? ", 0" : "", space ? ", 0" : "",
+                 space ? ", 0.05" : "", space ? ", -1" : "", space ? ", 1" : "");
+        closes(space ? "in space" : "in the plane", scene, 1);
+    }
+}
+
+/* Side by side, stretched across the way out. */
+static void a_bond_whose_grains_leave_at_once_leaves_once(void **state) {
+    (void)state;
+    char scene[2048];
+    snprintf(scene, sizeof scene,
+             "%sbonds: {}\nspecimen: {particles: [[0, 0, 0, 1e-3], [0, 2e-3, 0, 1e-3], "
+             "[-9e-3, 0, 0, 1e-3]]}\n"
+             "sets:\n  - {name: a, select: {ids: [0]}, initial_velocity: [1, 0, 0]}\n"
+             "  - {name: b, select: {ids: [1]}, initial_velocity: [1, 0.5, 0]}\n"
+             "domain: {min: [-1, -1, -1], max: [3e-3, 1, 1], lost: remove}\n",
+             material);
+    closes("both", scene, 2);
+}
+
+static void a_damped_contact_closes_the_ledger(void **state) {
+    (void)state;
+    char scene[2048];
+    snprintf(scene, sizeof scene,
+             "%sbonds: {}\ndamping: {contact: {fraction: 0.2}}\n"
+             "specimen: {particles: [[0, 0, 0, 1e-3], [2e-3, 0, 0, 1e-3]]}\n"
+             "sets:\n  - {name: a, select: {ids: [0]}, initial_velocity: [1, 0, 0]}\n"
+             "  - {name: b, select: {ids: [1]}, initial_velocity: [1.2, 0.1, 0]}\n"
+             "domain: {min: [-1, -1, -1], max: [3e-3, 1, 1], lost: remove}\n",
+             material);
+    closes("damped", scene, 1);
+}
+
+/* Slides and rolls, and swings upon it. */
+static void slides_over(const char *what, const char *floor) {
+    char scene[2048];
+    snprintf(scene, sizeof scene,
+             "%s%sgravity: [0, 0, -50]\nspecimen: {particles: [[0.1e-3, 0.2e-3, 1e-3, 1e-3]], "
+             "group: 0}\n"
+             "sets: [{name: a, select: {ids: [0]}, initial_velocity: [1, 0.1, 0]}]\n"
+             "domain: {min: [-1, -1, -1], max: [5e-3, 1, 1], lost: remove}\n",
+             material, floor);
+    closes(what, scene, 1);
+}
+
+static void a_grain_that_slides_closes_the_ledger(void **state) {
+    (void)state;
+    slides_over("on a wall", "walls: [{name: f, point: [0, 0, 0], normal: [0, 0, 1], "
+                             "stiffness: 1e4, kratio: 2, friction: 0.3}]\n");
+    slides_over("on a body", "bodies: [{name: b, box: {size: [1, 1, 0.1]}, "
+                             "origin: [-0.5, -0.5, -0.1], stiffness: 1e4, kratio: 2, "
+                             "friction: 0.3}]\n");
+}
+
+int main(void) {
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(a_grain_takes_along_what_it_pressed_into_a_wall),
+        cmocka_unit_test(a_grain_takes_along_what_stretches_its_bond),
+        cmocka_unit_test(a_swinging_bonded_pair_closes_the_ledger),
+        cmocka_unit_test(a_bond_whose_grains_leave_at_once_leaves_once),
+        cmocka_unit_test(a_damped_contact_closes_the_ledger),
+        cmocka_unit_test(a_grain_that_slides_closes_the_ledger),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
