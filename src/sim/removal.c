@@ -181,16 +181,15 @@ static void take_out(gn_world *w, size_t p) {
     w->dem.lost++;
 }
 
-/* Bonds stay in the list, without stiffness. */
+/* Bonds stay in the list, without stiffness: to kernels they are as if broken. */
 static void release_bonds(gn_world *w, const bool *gone) {
     gn_contacts *b = &w->dem.bonds;
     for (size_t c = 0; c < b->soa.count; c++) {
         if (!gone[b->i[c]] && !gone[b->j[c]]) continue;
         if (b->rn[c] > 0.0) {
             b->rn[c] = -b->rn[c];
-            b->cause[c] = GN_BROKEN_TENSION;
+            b->cause[c] = GN_BOND_LEFT;
             b->broken_time[c] = w->time;
-            w->dem.broken_tension++;
         }
         b->kn[c] = 0.0;
         if (b->kt) b->kt[c] = 0.0;
