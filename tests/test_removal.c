@@ -2,6 +2,8 @@
  * and their bonds are not broken. */
 #include "world_helpers.h"
 
+#include "run/record.h"
+
 /* Runs until `count` particles have left, and on for 10 steps; returns the ledger then. */
 static gn_energy run_until_lost(gn_world *w, int64_t count) {
     measured_step(w);
@@ -61,6 +63,41 @@ static void a_grain_takes_along_what_stretches_its_bond(void **state) {
         assert_near(gn_energy_residual(&e), 0.0, 1e-10);
         world_end(w);
     }
+}
+
+static double column(const gn_history *h, const char *name) {
+    const double *value = gn_history_column(h, name);
+    assert_non_null(value);
+    return value[h->row_count - 1];
+}
+
+/* Three in a row, and the last leaves without any force: one bond goes, one stays. */
+static void a_bond_that_left_is_neither_broken_nor_damage(void **state) {
+    (void)state;
+    gn_world *w = world_of(
+        "dimension: 3\n"
+        "specimen: {particles: [[0, 0, 0, 1e-3], [2e-3, 0, 0, 1e-3], [4e-3, 0, 0, 1e-3]]}\n"
+        "materials: [{name: m, density: 2500, normal_stiffness: 1e6, kratio: 2, "
+        "bond_tension_limit: 1e9, bond_shear_limit: 1e9}]\n"
+        "law: {stiffness: uniform}\nbonds: {}\n"
+        "sets: [{name: a, select: {all: true}, initial_velocity: [1, 0, 0]}]\n"
+        "domain: {min: [-1, -1, -1], max: [6e-3, 1, 1], lost: remove}\n"
+        "time: {end: 1}\nrun: {threads: 1}\n");
+    gneiss_error error = {0};
+    gn_history h;
+    double damage[3];
+    run_until_lost(w, 1);
+    assert_int_equal(gn_record_create(w, &h, &error), GNEISS_OK);
+    assert_int_equal(gn_record_step(w, &h, &error), GNEISS_OK);
+    assert_true(column(&h, "bonds_intact") == 1.0 && column(&h, "damage") == 0.0);
+    assert_true(column(&h, "broken_tension") == 0.0 && column(&h, "broken_shear") == 0.0);
+    assert_int_equal(w->dem.bonds.cause[0], GN_INTACT);
+    assert_int_equal(w->dem.bonds.cause[1], GN_BOND_LEFT);
+    assert_true(w->dem.bonds.broken_time[1] > 0.0);
+    gn_damage_particles(&w->dem.particles, &w->dem.bonds, damage);
+    for (int p = 0; p < 3; p++) assert_true(damage[p] == 0.0);
+    gn_history_free(&h);
+    world_end(w);
 }
 
 /* What moves on the way out is in the middle of a step. The ledger is off by no more after it than
@@ -157,6 +194,7 @@ int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(a_grain_takes_along_what_it_pressed_into_a_wall),
         cmocka_unit_test(a_grain_takes_along_what_stretches_its_bond),
+        cmocka_unit_test(a_bond_that_left_is_neither_broken_nor_damage),
         cmocka_unit_test(a_swinging_bonded_pair_closes_the_ledger),
         cmocka_unit_test(a_bond_whose_grains_leave_at_once_leaves_once),
         cmocka_unit_test(a_damped_contact_closes_the_ledger),
