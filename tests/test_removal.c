@@ -174,12 +174,15 @@ static void a_collision_that_is_left_closes_the_ledger(void **state) {
     char scene[2048];
     for (int k = 0; k < 2; k++) {
         snprintf(scene, sizeof scene,
-                 "%s%sspecimen: {particles: [[0, 0, 0, 1e-3], [2.001e-3, 0.4e-3, 0, 1e-3]], "
+                 "%slaw: {stiffness: uniform}\n"
+                 "materials: [{name: m, density: 2500, normal_stiffness: 100, kratio: 2, "
+                 "friction: 0.5}]\n"
+                 "specimen: {particles: [[0, 0, 0, 1e-3], [2.001e-3, 0.4e-3, 0, 1e-3]], "
                  "group: 0}\n"
                  "sets:\n  - {name: a, select: {ids: [0]}, initial_velocity: [3, 0, 0]}\n"
                  "  - {name: b, select: {ids: [1]}, initial_velocity: [2.5, 0, 0.2]}\n"
-                 "domain: {min: [-1, -1, -1], max: [2.3e-3, 1, 1], lost: remove}\n",
-                 material, dashpots[k]);
+                 "domain: {min: [-1, -1, -1], max: [3e-3, 1, 1], lost: remove}\n",
+                 dashpots[k]);
         closes(k ? "with a dashpot" : "without", scene, 1);
     }
 }
