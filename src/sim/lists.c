@@ -1,10 +1,8 @@
 /* Neighbour lists: when they are made anew, and how contacts keep their history. */
 #include "base/memory.h"
-#include "base/point.h"
 #include "base/timer.h"
 #include "sim/exchange.h"
 #include "sim/invariants.h"
-#include "sim/origin.h"
 #include "sim/parts.h"
 #include "soa/single.h"
 
