@@ -424,7 +424,7 @@ static void column_views_stride_by_component(void **state) {
 
 static void every_field_is_found_by_index_and_by_name(void **state) {
     (void)state;
-    static const size_t sizes[] = {8, 8, 4, 1};
+    static const size_t sizes[] = {8, 8, 4, 1, 4};
     gneiss_world *w = world_of(block, NULL, NULL);
     step(w, 60);
     for (int record = 0; record < 4; record++) {

@@ -53,12 +53,14 @@ def count_rows(results):
     if removed is not None and np.any(removed):
         rows.append(("removed particles", int(np.count_nonzero(removed))))
     if len(state):
-        broken = int((state > 0).sum())
+        broken, left = int(np.isin(state, (1, 2)).sum()), int((state == 3).sum())
         rows += [("bonds at the start", len(state)),
                  ("bonds per particle", f"{2 * len(state) / max(1, results.particle_count):.3g}"),
                  ("broken in tension", int((state == 1).sum())),
                  ("broken in shear", int((state == 2).sum())),
                  ("broken, of all", f"{100 * broken / len(state):.3g} %")]
+        if left:
+            rows.append(("bonds that left with removed particles", left))
     else:
         rows.append(("bonds", 0))
     return count_cells(rows)

@@ -126,13 +126,14 @@ gneiss_status gn_packing_hull(const gn_particles *particles, int dimension, doub
 
 /* --- damage --- */
 
-/* Rojek et al. (2012), eq. 60. */
+/* Rojek et al. (2012), eq. 60. A bond that left with its other particle was no damage to this one.
+ */
 void gn_damage_particles(const gn_particles *particles, const gn_contacts *bonds, double *damage) {
     memset(damage, 0, particles->soa.count * sizeof *damage);
     if (!particles->bonds0) return;
     size_t count = bonds ? bonds->soa.count : 0;
     for (size_t c = 0; c < count; c++) {
-        if (bonds->cause[c] != GN_INTACT) continue;
+        if (gn_broken(bonds->cause[c])) continue;
         damage[bonds->i[c]] += 1;
         damage[bonds->j[c]] += 1;
     }

@@ -89,7 +89,8 @@ gneiss_status gn_packing_hull(const gn_particles *particles, int dimension, doub
                               double lower[3], double upper[3], gneiss_error *error);
 
 /* Damage D = 1 - bonds now / bonds at the start per particle (Rojek et al. 2012, eq. 60), 0 for
- * particles that had no bonds. `damage` [count]. */
+ * particles that had no bonds; those that left with removed particles count as if they were there.
+ * `damage` [count]. */
 void gn_damage_particles(const gn_particles *particles, const gn_contacts *bonds, double *damage);
 
 /* --- laboratory readings --- */

@@ -107,7 +107,7 @@ static double shear_of(const gn_output_view *v, size_t c) {
 
 static double criterion_of(const gn_output_view *v, size_t c) {
     const gn_contacts *b = &v->world->dem.bonds;
-    if (b->cause[c]) return 1.0;
+    if (b->cause[c]) return gn_broken(b->cause[c]) ? 1.0 : 0.0;
     double ratio = normal_of(v, c) / b->rn[c];
     if (b->rt) ratio = fmax(ratio, shear_of(v, c) / b->rt[c]);
     return fmax(0.0, ratio);
@@ -141,16 +141,17 @@ static const gn_output_field of_bonds[] = {
     {"i", "1", "first particle, base 0, order of the specimen file", GN_IN_RESULTS, GN_I32, false,
      1, read_first, 0},
     {"j", "1", "second particle", GN_IN_RESULTS, GN_I32, false, 1, read_second, 0},
-    {"state", "1", "0 intact, 1 broken in tension, 2 broken in shear", BOTH, GN_I32, false, 1,
-     read_state, 0},
-    {"broken_time", "s", "when it broke; NaN: intact", GN_IN_RESULTS, GN_F64, true, 1,
+    {"state", "1",
+     "0 intact, 1 broken in tension, 2 broken in shear, 3 left with a removed particle", BOTH,
+     GN_I32, false, 1, read_state, 0},
+    {"broken_time", "s", "when it broke or left; NaN: intact", GN_IN_RESULTS, GN_F64, true, 1,
      read_broken_time, 0},
     {"force", "N", "force on i", GN_IN_RESULTS, GN_F64, false, 3, read_force, 0},
     {"force", "N", "normal force, tension positive", GN_IN_SNAPSHOT, GN_F64, false, 1,
      read_normal_force, 0},
     {"shear_force", "N", "size of the tangential force", GN_IN_SNAPSHOT, GN_F64, false, 1,
      read_shear_force, 0},
-    {"criterion", "1", "largest of force over strength; 1: broken", BOTH, GN_F64, false, 1,
+    {"criterion", "1", "largest of force over strength; 1: broken; 0: left", BOTH, GN_F64, false, 1,
      read_criterion, 0},
 };
 

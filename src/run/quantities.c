@@ -106,7 +106,14 @@ READ(unbalanced, w->unbalanced)
 static double broken(const gn_world *w) {
     return (double)(w->dem.broken_tension + w->dem.broken_shear);
 }
-READ(bonds_intact, (double)w->dem.bonds_at_start - broken(w))
+/* Those that left with removed particles are neither. */
+static double bonds_left(const gn_world *w) {
+    size_t left = 0;
+    for (size_t c = 0; w->dem.lost && c < w->dem.bonds.soa.count; c++)
+        left += w->dem.bonds.cause[c] == GN_BOND_LEFT;
+    return (double)left;
+}
+READ(bonds_intact, (double)w->dem.bonds_at_start - broken(w) - bonds_left(w))
 READ(broken_tension, (double)w->dem.broken_tension)
 READ(broken_shear, (double)w->dem.broken_shear)
 READ(damage, w->dem.bonds_at_start > 0 ? broken(w) / (double)w->dem.bonds_at_start : 0.0)

@@ -1,10 +1,8 @@
 /* Neighbour lists: when they are made anew, and how contacts keep their history. */
 #include "base/memory.h"
-#include "base/point.h"
 #include "base/timer.h"
 #include "sim/exchange.h"
 #include "sim/invariants.h"
-#include "sim/origin.h"
 #include "sim/parts.h"
 #include "soa/single.h"
 
@@ -245,76 +243,7 @@ static gneiss_status reorder(gn_world *w, gneiss_error *error) {
     return status;
 }
 
-/* --- domain --- */
-
-/* Beyond the reach of its coordinates a particle has left the domain, however large that is. */
-static bool in_domain(const gn_world *w, const double *x, double reach) {
-    for (int a = 0; a < (int)w->scene.dimension; a++)
-        if (!(x[a] >= w->scene.domain_min[a] && x[a] <= w->scene.domain_max[a] &&
-              fabs(x[a]) <= reach))
-            return false;
-    return true;
-}
-
-static gneiss_status left_domain(const gn_world *w, size_t p, double reach, gneiss_error *error) {
-    const double *x = w->dem.particles.pos + 4 * p, *v = w->dem.particles.vel + 4 * p;
-    char at[GN_POINT_SIZE], why[160] = "";
-    if (in_domain(w, x, INFINITY))
-        snprintf(
-            why, sizeof why,
-            "; beyond %g m from the origin places are too coarse for the smallest radius, %g m",
-            reach, w->dem.radius_min);
-    return gn_fail(error, GNEISS_ERROR_UNSTABLE,
-                   "step %lld, t = %g s: particle %d left the domain at %s m with (%g, %g, %g) m/s "
-                   "(domain.lost: remove lets a run go on without it)%s",
-                   (long long)w->step, w->time, w->dem.particles.id[p],
-                   gn_point_text(w->scene.origin, x, at), v[0], v[1], v[2], why);
-}
-
-/* A particle outside the domain stops the run or leaves the model: it stays where it was last seen,
- * at rest, without mass and contacts. Its energy is booked as carried away. */
-static gneiss_status check_domain(gn_world *w, gneiss_error *error) {
-    gn_particles *q = &w->dem.particles;
-    double reach = gn_origin_reach(w->dem.radius_min);
-    for (size_t p = 0; p < q->soa.count; p++) {
-        double *v = q->vel + 4 * p, *x = q->pos + 4 * p;
-        if (v[3] == 0.0 || in_domain(w, x, reach)) continue;
-        if (w->scene.lost == GN_LOST_STOP) return left_domain(w, p, reach, error);
-        w->energy.removed += 0.5 * (v[0] * v[0] + v[1] * v[1] + v[2] * v[2]) / v[3];
-        if (q->spin) {
-            double *o = q->spin + 4 * p;
-            w->energy.removed += 0.5 * (o[0] * o[0] + o[1] * o[1] + o[2] * o[2]) / o[3];
-            memset(o, 0, 4 * sizeof *o);
-        }
-        memset(v, 0, 4 * sizeof *v);
-        if (q->slot) q->slot[p] = -1;
-        w->dem.lost++;
-    }
-    return GNEISS_OK;
-}
-
-/* Bonds of removed particles count as broken in tension (they were stretched across the domain). */
-static void release_bonds_of_removed(gn_world *w) {
-    gn_contacts *b = &w->dem.bonds;
-    for (size_t c = 0; c < b->soa.count; c++) {
-        bool gone = w->dem.particles.vel[4 * (int64_t)b->i[c] + 3] == 0.0 ||
-                    w->dem.particles.vel[4 * (int64_t)b->j[c] + 3] == 0.0;
-        if (!gone) continue;
-        if (b->rn[c] > 0.0) {
-            b->rn[c] = -b->rn[c];
-            b->cause[c] = GN_BROKEN_TENSION;
-            b->broken_time[c] = w->time;
-            w->dem.broken_tension++;
-        }
-        b->kn[c] = 0.0;
-        if (b->kt) b->kt[c] = 0.0;
-        for (size_t a = 0; a < 3; a++) {
-            if (b->shear) b->shear[c + a * b->soa.capacity] = 0.0;
-            if (b->shear_f) b->shear_f[c + a * b->soa.capacity] = 0.0F;
-        }
-        if (b->cn) b->cn[c] = 0.0;
-    }
-}
+/* --- periodic box --- */
 
 static void wrap(gn_world *w) {
     gn_particles *q = &w->dem.particles;
@@ -415,9 +344,7 @@ static void ready_kernels(gn_world *w) {
 gneiss_status gn_world_rebuild(gn_world *w, gneiss_error *error) {
     double start = gn_now();
     tune_skin(w);
-    int64_t lost = w->dem.lost;
-    if (w->scene.has_domain) GN_TRY(check_domain(w, error));
-    if (w->dem.lost != lost) release_bonds_of_removed(w);
+    GN_TRY(gn_world_check_domain(w, error));
     if (w->effects & GN_FX_PERIODIC) wrap(w);
     if (order_is_old(w)) GN_TRY(reorder(w, error));
     if (!w->dem.bond_partials.first) GN_TRY(gn_bonds_form(w, error));

@@ -73,6 +73,11 @@ void gn_world_refresh_dashpots(gn_world *world);
 /* Bonds between the pairs at the start that lie in the interaction range (bonds.c). */
 gneiss_status gn_bonds_form(gn_world *world, gneiss_error *error);
 
+/* Particles outside the domain (removal.c) fail the run or leave the model: without mass and
+ * contacts, and what they and their contacts held is booked as carried away. Call with the lists as
+ * the last step left them. */
+gneiss_status gn_world_check_domain(gn_world *world, gneiss_error *error);
+
 /* Sets (sets.c): first materials and groups, then, when masses are known, motions and forces. */
 gneiss_status gn_sets_assign(gn_world *world, gneiss_error *error);
 gneiss_status gn_sets_apply(gn_world *world, gneiss_error *error);
@@ -135,6 +140,8 @@ gneiss_status gn_surfaces_rate(const gn_world *world, double *bodies, double *ve
                                gneiss_error *error);
 /* The surface that a row belongs to. */
 const gn_surface *gn_surface_of_row(const gn_world *world, size_t row);
+/* Its velocity over the last step where the row's force acted. */
+void gn_surface_velocity(const gn_world *world, size_t row, double v[3]);
 /* A point, a direction from the body's frame, and back. */
 void gn_rigid_place(const gn_rigid *body, const double local[3], double point[3]);
 void gn_rigid_direct(const gn_rigid *body, const double local[3], double direction[3]);

@@ -533,6 +533,31 @@ static void load_vertices(const gn_surface *s, int32_t facet, const double touch
             s->force[4 * (int64_t)corner[c] + a] -= near.weight[c] * force[a];
 }
 
+void gn_surface_velocity(const gn_world *w, size_t row, double v[3]) {
+    const gn_wall_contacts *q = &w->boundary.contacts;
+    const gn_surface *s = gn_surface_of_row(w, row);
+    const gn_rigid *b = body_of(w, s);
+    double touch[3], lever[3];
+    for (size_t a = 0; a < 3; a++) touch[a] = q->touch[row + a * q->soa.capacity];
+    if (b) {
+        for (int a = 0; a < 3; a++)
+            lever[a] = touch[a] - (b->position[a] - w->dt_past * b->velocity[a]);
+        gn_cross3(b->spin, lever, v);
+        for (int a = 0; a < 3; a++) v[a] += b->velocity[a];
+        return;
+    }
+    int32_t facet = q->wall[row] - (int32_t)w->scene.wall_count - s->first;
+    const int32_t *corner = s->facets.corner + s->facets.corners * (int64_t)facet;
+    const double *x[3] = {0};
+    gn_facet_near near;
+    for (int c = 0; c < s->facets.corners; c++) x[c] = s->facets.pos + 4 * (int64_t)corner[c];
+    gn_facet_nearest(s->facets.corners, x, touch, &near);
+    v[0] = v[1] = v[2] = 0.0;
+    for (int c = 0; c < s->facets.corners; c++)
+        for (int a = 0; a < 3; a++)
+            v[a] += near.weight[c] * s->velocity[4 * (int64_t)corner[c] + a];
+}
+
 void gn_surfaces_sum(gn_world *w) {
     const gn_wall_contacts *q = &w->boundary.contacts;
     if (!(w->effects & GN_FX_FACETS)) return;

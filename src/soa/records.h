@@ -101,9 +101,9 @@
     Y(X, fd, double, GN_F64, 1, GN_COLUMNS, GN_SAVED, GN_KEPT, INSTEAD,                            \
       GN_FX_CONTACT_DAMPING | GN_FX_ENERGY, 0, "N", "viscous normal force of the last step")       \
     Y(X, cause, uint8_t, GN_U8, 1, GN_COLUMNS, GN_STATE, GN_KEPT, NONE, GN_FX_BONDS, 0, "1",       \
-      "0 intact, 1 broken in tension, 2 broken in shear")                                          \
+      "0 intact, 1 broken in tension, 2 broken in shear, 3 left with a particle")                  \
     Y(X, broken_time, double, GN_F64, 1, GN_COLUMNS, GN_STATE, GN_KEPT, NONE, GN_FX_BONDS, 0, "s", \
-      "when the bond broke; 0 while it is intact")                                                 \
+      "when the bond broke or left; 0 while it is intact")                                         \
     Y(X, looked, float, GN_F32, 3, GN_COLUMNS, GN_SAVED, GN_KEPT | GN_ODD, NONE, 0, 0, "1",        \
       "normal when the step was last looked at; 0: not yet")
 
@@ -201,7 +201,16 @@ typedef struct gn_elements {
 
 #undef GN_DECLARE_POINTER
 
-typedef enum gn_cause { GN_INTACT = 0, GN_BROKEN_TENSION = 1, GN_BROKEN_SHEAR = 2 } gn_cause;
+/* Why a bond does not hold. One that left with a removed particle was whole until then. */
+typedef enum gn_cause {
+    GN_INTACT = 0,
+    GN_BROKEN_TENSION = 1,
+    GN_BROKEN_SHEAR = 2,
+    GN_BOND_LEFT = 3
+} gn_cause;
+static inline bool gn_broken(uint8_t cause) {
+    return cause == GN_BROKEN_TENSION || cause == GN_BROKEN_SHEAR;
+}
 
 extern const gn_record gn_particle_record;
 extern const gn_record gn_contact_record;

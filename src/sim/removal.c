@@ -1,0 +1,229 @@
+/* Particles that leave the domain: they stop the run, or leave the model with all they hold. */
+#include "base/memory.h"
+#include "base/point.h"
+#include "sim/origin.h"
+#include "sim/parts.h"
+
+#include <math.h>
+#include <string.h>
+
+/* --- who --- */
+
+/* Beyond the reach of its coordinates a particle has left the domain, however large that is. */
+static bool in_domain(const gn_world *w, const double *x, double reach) {
+    for (int a = 0; a < (int)w->scene.dimension; a++)
+        if (!(x[a] >= w->scene.domain_min[a] && x[a] <= w->scene.domain_max[a] &&
+              fabs(x[a]) <= reach))
+            return false;
+    return true;
+}
+
+static gneiss_status left_domain(const gn_world *w, size_t p, double reach, gneiss_error *error) {
+    const double *x = w->dem.particles.pos + 4 * p, *v = w->dem.particles.vel + 4 * p;
+    char at[GN_POINT_SIZE], why[160] = "";
+    if (in_domain(w, x, INFINITY))
+        snprintf(
+            why, sizeof why,
+            "; beyond %g m from the origin places are too coarse for the smallest radius, %g m",
+            reach, w->dem.radius_min);
+    return gn_fail(error, GNEISS_ERROR_UNSTABLE,
+                   "step %lld, t = %g s: particle %d left the domain at %s m with (%g, %g, %g) m/s "
+                   "(domain.lost: remove lets a run go on without it)%s",
+                   (long long)w->step, w->time, w->dem.particles.id[p],
+                   gn_point_text(w->scene.origin, x, at), v[0], v[1], v[2], why);
+}
+
+/* Marks those that are outside and were not before, in `gone` (NULL: only counted). */
+static size_t mark_gone(const gn_world *w, bool *gone) {
+    const gn_particles *q = &w->dem.particles;
+    double reach = gn_origin_reach(w->dem.radius_min);
+    size_t count = 0;
+    for (size_t p = 0; p < q->soa.count; p++) {
+        bool left = q->vel[4 * p + 3] != 0.0 && !in_domain(w, q->pos + 4 * p, reach);
+        if (gone) gone[p] = left;
+        count += left;
+        if (left && w->scene.lost == GN_LOST_STOP) return count;
+    }
+    return count;
+}
+
+/* --- what their contacts held --- */
+
+/* A particle leaves at the end of a step, when velocities are those of the half step before and its
+ * contacts will never be looked at where they are now. So what a contact takes with it is what its
+ * springs stored at the last instant, and the work that its force of that instant took up over half
+ * of the step, which the velocities have had: `power`, at which the two sides move apart against
+ * it. That closes the ledger exactly. The dashpot's part of the power is dissipated. */
+static void book_contact(gn_world *w, double stored, double power, double viscous) {
+    w->energy.removed += stored + 0.5 * w->dt_past * (power - viscous);
+    w->energy.contact_damping += 0.5 * w->dt_past * viscous;
+}
+
+/* Of a column that is in single precision in mixed precision; 0 where there is none. */
+static double value_of(const double *column, const float *single, size_t at) {
+    return column ? column[at] : single ? (double)single[at] : 0.0;
+}
+
+/* Power of the moments, whose arms are those of the last instant. */
+static double turning_power(const gn_world *w, size_t i, size_t j, double length, const double n[3],
+                            const double t[3]) {
+    const gn_particles *q = &w->dem.particles;
+    double moment[3], ri = q->pos[4 * i + 3], rj = q->pos[4 * j + 3];
+    double half = w->scene.contact_arm == GN_ARM_MIDPOINT ? 0.5 * (length - (ri + rj)) : 0.0;
+    if (!q->spin) return 0.0;
+    gn_cross3(n, t, moment);
+    return (ri + half) * gn_dot3(moment, q->spin + 4 * i) +
+           (rj + half) * gn_dot3(moment, q->spin + 4 * j);
+}
+
+/* A contact between particles, where they were at the last instant. */
+static void book_pair(gn_world *w, const gn_contacts *k, size_t c) {
+    const gn_particles *q = &w->dem.particles;
+    size_t i = (size_t)k->i[c], j = (size_t)k->j[c];
+    double n[3], v[3], t[3], force[3];
+    gn_branch(w, q->pos + 4 * i, q->pos + 4 * j, n);
+    for (size_t a = 0; a < 3; a++) {
+        v[a] = q->vel[4 * j + a] - q->vel[4 * i + a];
+        n[a] -= w->dt_past * v[a];
+    }
+    double length = sqrt(gn_dot3(n, n));
+    if (!(length > 0.0)) return;
+    double free = k->length0 ? k->length0[c] : q->pos[4 * i + 3] + q->pos[4 * j + 3];
+    double stretch = length - free, kt = k->kt ? k->kt[c] : 0.0;
+    bool acts = stretch < -0x1p-48 * length || (k->rn && k->rn[c] > 0.0);
+    double normal = acts ? k->kn[c] * stretch : 0.0;
+    double viscous = value_of(k->fd, k->fd_f, c);
+    for (size_t a = 0; a < 3; a++) {
+        n[a] /= length;
+        t[a] = value_of(k->shear, k->shear_f, c + a * k->soa.capacity);
+        force[a] = (normal + viscous) * n[a] + t[a];
+    }
+    double stored = 0.5 * normal * stretch + (kt > 0.0 ? 0.5 * gn_dot3(t, t) / kt : 0.0);
+    book_contact(w, stored, gn_dot3(force, v) - turning_power(w, i, j, length, n, t),
+                 viscous * gn_dot3(n, v));
+}
+
+/* What a row needs to know of the wall or surface that it is a contact with. */
+typedef struct wall_side {
+    double n[3], v[3]; /* from the particle into it, 0: did not touch; its velocity, m/s */
+    double kn, kt;     /* N/m; across, contacts that share have all of the stiffness each */
+} wall_side;
+
+static wall_side side_of(const gn_world *w, size_t c) {
+    const gn_wall_contacts *k = &w->boundary.contacts;
+    size_t wall = (size_t)k->wall[c];
+    wall_side s;
+    double part = 1.0, stiffness, kratio;
+    if (wall < w->scene.wall_count) {
+        for (int a = 0; a < 3; a++) s.n[a] = -w->boundary.walls[wall].normal[a];
+        memcpy(s.v, w->boundary.walls[wall].velocity, sizeof s.v);
+        stiffness = w->scene.walls[wall].stiffness;
+        kratio = w->scene.walls[wall].kratio;
+    } else {
+        for (size_t a = 0; a < 3; a++) s.n[a] = k->normal[c + a * k->soa.capacity];
+        part = sqrt(gn_dot3(s.n, s.n));
+        for (int a = 0; part > 0.0 && a < 3; a++) s.n[a] /= part;
+        gn_surface_velocity(w, c, s.v);
+        stiffness = gn_surface_of_row(w, c)->stiffness;
+        kratio = gn_surface_of_row(w, c)->kratio;
+    }
+    s.kn = part * stiffness;
+    s.kt = kratio > 0.0 ? stiffness / kratio : 0.0;
+    return s;
+}
+
+/* A contact with a wall or a facet: its row holds the force of the last instant. */
+static void book_wall_contact(gn_world *w, size_t c) {
+    const gn_wall_contacts *k = &w->boundary.contacts;
+    const gn_particles *q = &w->dem.particles;
+    size_t p = (size_t)k->i[c];
+    const double *force = k->row + 8 * c, *moment = force + 4;
+    wall_side s = side_of(w, c);
+    double v[3], t2 = 0.0, viscous = k->fd ? k->fd[c] : 0.0;
+    for (size_t a = 0; a < 3; a++) {
+        double t = k->shear ? k->shear[c + a * k->soa.capacity] : 0.0;
+        v[a] = s.v[a] - q->vel[4 * p + a];
+        t2 += t * t;
+    }
+    double pressed = fmin(0.0, gn_dot3(force, s.n) - viscous), power = gn_dot3(force, v);
+    double stored = s.kn > 0.0 ? 0.5 * pressed * pressed / s.kn : 0.0;
+    if (s.kt > 0.0) stored += 0.5 * t2 / s.kt;
+    if (q->spin) power -= gn_dot3(moment, q->spin + 4 * p);
+    book_contact(w, stored, power, viscous * gn_dot3(s.n, v));
+}
+
+static void book_pairs(gn_world *w, const gn_contacts *k, const bool *gone) {
+    for (size_t c = 0; c < k->soa.count; c++)
+        if (gone[k->i[c]] || gone[k->j[c]]) book_pair(w, k, c);
+}
+
+static void book_contacts(gn_world *w, const bool *gone) {
+    book_pairs(w, &w->dem.bonds, gone);
+    book_pairs(w, &w->dem.pairs, gone);
+    for (size_t c = 0; c < w->boundary.contacts.soa.count; c++)
+        if (gone[w->boundary.contacts.i[c]]) book_wall_contact(w, c);
+}
+
+/* --- leaving --- */
+
+/* It stays where it was last seen, at rest, without mass. Its energy is booked as carried away. */
+static void take_out(gn_world *w, size_t p) {
+    gn_particles *q = &w->dem.particles;
+    double *v = q->vel + 4 * p;
+    w->energy.removed += 0.5 * gn_dot3(v, v) / v[3];
+    if (q->spin) {
+        double *o = q->spin + 4 * p;
+        w->energy.removed += 0.5 * gn_dot3(o, o) / o[3];
+        memset(o, 0, 4 * sizeof *o);
+    }
+    memset(v, 0, 4 * sizeof *v);
+    if (q->slot) q->slot[p] = -1;
+    w->dem.lost++;
+}
+
+/* Bonds stay in the list, without stiffness: to kernels they are as if broken. */
+static void release_bonds(gn_world *w, const bool *gone) {
+    gn_contacts *b = &w->dem.bonds;
+    for (size_t c = 0; c < b->soa.count; c++) {
+        if (!gone[b->i[c]] && !gone[b->j[c]]) continue;
+        if (b->rn[c] > 0.0) {
+            b->rn[c] = -b->rn[c];
+            b->cause[c] = GN_BOND_LEFT;
+            b->broken_time[c] = w->time;
+        }
+        b->kn[c] = 0.0;
+        if (b->kt) b->kt[c] = 0.0;
+        for (size_t a = 0; a < 3; a++) {
+            if (b->shear) b->shear[c + a * b->soa.capacity] = 0.0;
+            if (b->shear_f) b->shear_f[c + a * b->soa.capacity] = 0.0F;
+        }
+        if (b->cn) b->cn[c] = 0.0;
+        if (b->fd) b->fd[c] = 0.0; /* its work was booked */
+        if (b->fd_f) b->fd_f[c] = 0.0F;
+    }
+}
+
+static void remove_gone(gn_world *w, const bool *gone) {
+    book_contacts(w, gone);
+    for (size_t p = 0; p < w->dem.particles.soa.count; p++)
+        if (gone[p]) take_out(w, p);
+    release_bonds(w, gone);
+}
+
+gneiss_status gn_world_check_domain(gn_world *w, gneiss_error *error) {
+    size_t n = w->dem.particles.soa.count;
+    if (!w->scene.has_domain || !mark_gone(w, NULL)) return GNEISS_OK;
+    bool *gone = gn_alloc_array(n, sizeof *gone);
+    if (!gone) return gn_fail(error, GNEISS_ERROR_MEMORY, "no memory to look at %zu particles", n);
+    gneiss_status status = GNEISS_OK;
+    mark_gone(w, gone);
+    if (w->scene.lost == GN_LOST_STOP) {
+        size_t p = 0;
+        while (!gone[p]) p++;
+        status = left_domain(w, p, gn_origin_reach(w->dem.radius_min), error);
+    } else {
+        remove_gone(w, gone);
+    }
+    gn_free(gone);
+    return status;
+}
