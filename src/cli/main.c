@@ -99,14 +99,17 @@ static gneiss_status load_scene(const gn_options *o, gn_scene **scene, gneiss_er
     return status;
 }
 
-/* Hours of computing are not thrown away by a command repeated by mistake. */
+/* Hours of computing are not thrown away by a command repeated by mistake, nor somebody else's
+ * files by a folder named by mistake; both are told before anything is computed. */
 static gneiss_status check_replacing(const gn_options *o, const gn_scene *scene,
                                      gneiss_error *error) {
     char folder[GN_PATH_SIZE], text[32];
     GN_TRY(gn_folder_choose(scene, o->out, folder, error));
     double seconds = 0.0;
+    if (o->force) return GNEISS_OK;
+    GN_TRY(gn_folder_check(folder, error));
     GN_TRY(gn_folder_finished(folder, &seconds, error));
-    if (o->force || !(seconds > LONG_RUN)) return GNEISS_OK;
+    if (!(seconds > LONG_RUN)) return GNEISS_OK;
     return gn_fail(error, GNEISS_ERROR_INPUT,
                    "%.300s: expected no results or those of a short run, found those of a finished "
                    "run that took %s: --force replaces them, --out chooses another folder",
@@ -116,7 +119,7 @@ static gneiss_status check_replacing(const gn_options *o, const gn_scene *scene,
 static gneiss_status start(const gn_options *o, gn_scene *scene, gn_run *run, gneiss_error *error) {
     gneiss_status status = check_replacing(o, scene, error);
     if (status == GNEISS_OK) status = gn_pack_ahead(o, scene, error);
-    if (status == GNEISS_OK) return gn_run_start(scene, o->out, run, error);
+    if (status == GNEISS_OK) return gn_run_start(scene, o->out, o->force, run, error);
     gn_scene_free(scene);
     return status;
 }

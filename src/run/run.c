@@ -38,9 +38,10 @@ static void set_clock(gn_run *run) {
     run->next_checkpoint = every > 0.0 ? run->wall_start + every : INFINITY;
 }
 
-static gneiss_status open_folder(gn_run *run, gneiss_error *error) {
+static gneiss_status open_folder(gn_run *run, bool force, gneiss_error *error) {
     GN_TRY(gn_make_directory(run->directory, error));
     GN_TRY(gn_folder_lock(run->directory, &run->folder_lock, error));
+    if (!force) GN_TRY(gn_folder_check(run->directory, error));
     return gn_folder_clear(run->directory, &run->world.scene, error);
 }
 
@@ -60,11 +61,11 @@ gneiss_status gn_run_create(gn_scene *scene, gn_run *run, gneiss_error *error) {
     return GNEISS_OK;
 }
 
-gneiss_status gn_run_start(gn_scene *scene, const char *directory, gn_run *run,
+gneiss_status gn_run_start(gn_scene *scene, const char *directory, bool force, gn_run *run,
                            gneiss_error *error) {
     GN_TRY(gn_run_create(scene, run, error));
     gneiss_status status = gn_folder_choose(&run->world.scene, directory, run->directory, error);
-    if (status == GNEISS_OK) status = open_folder(run, error);
+    if (status == GNEISS_OK) status = open_folder(run, force, error);
     if (status != GNEISS_OK) {
         gn_run_free(run);
         return status;
