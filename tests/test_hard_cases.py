@@ -438,6 +438,15 @@ def a_safety_that_leaves_no_step_is_refused(folder):
 
 
 @fact
+def collisions_that_leave_no_step_are_refused(folder):
+    # With and without contacts at the start; each collision in 1e17 steps.
+    for radius in (0.01, 0.001):
+        particles = [[0, 0, 0, radius], [0.019, 0, 0, radius]]
+        refused(folder, json.dumps(spheres(particles, time={"end": 1e-3, "contact_steps": 1e17})), 2,
+                r"time: expected an end within 1e\+15 steps, found \S+ steps")
+
+
+@fact
 def a_resumed_run_that_would_never_end_is_refused(folder):
     run(LATTICE, folder, "--set", "time.end=0.1 ms")
     before = contents(folder)

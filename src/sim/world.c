@@ -292,11 +292,13 @@ static const double steps_most = 1e15;
 gneiss_status gn_world_check_duration(const gn_world *w, gneiss_error *error) {
     double steps = (w->scene.end - w->time) / w->dt;
     if (steps <= steps_most) return GNEISS_OK;
-    return gn_fail(error, GNEISS_ERROR_INPUT,
-                   "%s:%d:%d: time: expected an end within %.0g steps, found %.3g steps of %.4g s "
-                   "to t = %.4g s: no run comes to its end (time.end, time.safety, time.step)",
-                   w->scene.source, w->scene.time_where.line, w->scene.time_where.column,
-                   steps_most, steps, w->dt, w->scene.end);
+    return gn_fail(
+        error, GNEISS_ERROR_INPUT,
+        "%s:%d:%d: time: expected an end within %.0g steps, found %.3g steps of %.4g s "
+        "to t = %.4g s: no run comes to its end (time.end, time.safety, time.contact_steps, "
+        "time.step)",
+        w->scene.source, w->scene.time_where.line, w->scene.time_where.column, steps_most, steps,
+        w->dt, w->scene.end);
 }
 
 static gneiss_status build(gn_world *w, gneiss_error *error) {
@@ -311,6 +313,8 @@ static gneiss_status build(gn_world *w, gneiss_error *error) {
     GN_TRY(particles ? build_particles(w, error) : build_empty(w, error));
     if (!particles) measure_body(w);
     GN_TRY(gn_world_check_step(w, true, error));
+    /* Of the step that is left when collisions have to be resolved, too. */
+    GN_TRY(gn_world_check_duration(w, error));
     return gn_origin_check(w, error);
 }
 
