@@ -207,6 +207,8 @@ static void every_slip_is_told_with_its_place(void **state) {
          "'0'"},
         {"vz: 1 mm/s", "vz: [[0, 0, 0]]",
          "s.yaml:17:19: walls[0].motion.vz[0]: expected a row [time, value], found a list"},
+        {"dimension: 3", "origin: [0, 0, 1e308]",
+         "s.yaml:1:16: origin[2]: expected a value in [-1e9, 1e9] m, found '1e308'"},
         {"name: rock", "name: a.b",
          "s.yaml:5:11: materials[0].name: expected a name (not empty, not a number, without . / "
          "[ ] = and control characters), found 'a.b'"},

@@ -42,7 +42,7 @@ static void settle(gn_scene *s, const gn_extent *extent) {
     double unit = ldexp(1.0, exponent);
     for (int64_t a = 0; a < s->dimension; a++) {
         double whole = unit * nearbyint(middle[a] / unit);
-        s->origin[a] = isfinite(whole) ? whole : middle[a];
+        s->origin[a] = fabs(whole) <= GN_PLACE_MOST ? whole : middle[a]; /* as the key is bounded */
     }
 }
 
