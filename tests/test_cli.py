@@ -27,6 +27,16 @@ def help_names_every_command_option_and_exit_code(folder):
 
 
 @fact
+def a_slip_in_an_option_is_told_apart_from_a_value_that_is_missing(folder):
+    for slip in ("--threds", "--threds=2"):
+        expect(gneiss("run", LATTICE, slip), 2, "unknown option '--threds'; did you mean '--threads'")
+    expect(gneiss("run", LATTICE, "-x"), 2, "unknown option '-x'")
+    expect(gneiss("run", LATTICE, "--out"), 2, "--out: expected a value")
+    expect(gneiss("run", LATTICE, "--force=no"), 2, "--force: expected no value, found 'no'")
+    assert expect(gneiss("-h"), 0).stdout == gneiss("--help").stdout
+
+
+@fact
 def version_says_version_and_build(folder):
     out = expect(gneiss("--version"), 0).stdout
     assert re.match(r"gneiss \d+\.\d+\.\d+ \(.+\)\n$", out), out
@@ -46,6 +56,8 @@ def keys_prints_every_key_or_those_that_hold_a_text(folder):
     part = expect(gneiss("keys", "time."), 0).stdout
     assert "time.step" in part and "gravity" not in part
     expect(gneiss("keys", "no such thing"), 2, "'no such thing'")
+    expect(gneiss("keys", "frction"), 2, "'frction'; did you mean 'friction'")
+    expect(gneiss("keys", "time.stp"), 2, "did you mean 'time.step'")
 
 
 @fact
@@ -121,6 +133,13 @@ def plan_says_which_servo_is_slower_than_asked(folder):
     for asked, cut in (("1", True), ("0.03", False)):
         out = expect(gneiss("plan", write_scene(folder, text.replace("R}", asked + "}"))), 0).stdout
         assert ("wall 'lid': relaxation 0.0398 instead of" in out) == cut, out
+
+
+@fact
+def check_says_a_touch_without_overlap_as_zero(folder):
+    text = LOOSE.replace("STEP", "auto") + LID.replace("GAP", "1e-3").replace("R}", "0.03}")
+    out = expect(gneiss("check", write_scene(folder, text)), 0).stdout
+    assert re.search(r"wall lid .*touch.*, deepest 0 m\n", out), out
 
 
 @fact
@@ -445,9 +464,11 @@ def a_scene_that_is_no_file_is_an_error(folder):
 
 @fact
 def output_that_nobody_takes_is_an_error(folder):
-    with open("/dev/full", "w") as full:
-        done = subprocess.run(command("keys"), stdout=full, stderr=subprocess.PIPE, text=True)
-    expect(done, 3, "standard output")
+    for arguments in (("keys",), ("run", LATTICE, "--out", folder)):
+        with open("/dev/full", "w") as full:
+            done = subprocess.run(command(*arguments), stdout=full, stderr=subprocess.PIPE, text=True)
+        expect(done, 3, "standard output")
+    assert summary(folder)["finished"]
 
 
 @fact

@@ -96,7 +96,7 @@ def how_often_is_written_does_not_change_the_state(folder):
 
 
 def interrupted_and_resumed(folder, number, *arguments):
-    done = expect(stop_at_snapshot(folder, 3, number, "--threads", 1), 6, r"interrupted at step \d+", "gneiss resume")
+    done = expect(stop_at_snapshot(folder, 3, number, "--threads", 1), 6, r"interrupted: at step \d+", "gneiss resume")
     assert len(checkpoints(folder)) == 1, checkpoints(folder)
     assert not os.path.exists(os.path.join(folder, "summary.json")), "a summary before the end"
     with results(folder) as file:

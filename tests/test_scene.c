@@ -212,6 +212,8 @@ static void every_slip_is_told_with_its_place(void **state) {
         {"name: rock", "name: a.b",
          "s.yaml:5:11: materials[0].name: expected a name (not empty, not a number, without . / "
          "[ ] = and control characters), found 'a.b'"},
+        {"dimension: 3", "dimension:\n  a: 1\n - b",
+         "s.yaml:3:2: not valid YAML: wrong indentation in sequence while in mapping"},
         {"stiffness: uniform", "stiffness: [uniform",
          "s.yaml:13:3: not valid YAML: did not find expected node content"},
         {"dimension: 3", "dimension: *three",

@@ -73,8 +73,7 @@ static gneiss_status advance(const gn_options *o, gn_run *run, bool *shown, gnei
         status = gn_run_checkpoint(run, error);
         if (status == GNEISS_ERROR_UNSTABLE) return fail(run, error);
         GN_TRY(status);
-        return gn_fail(error, GNEISS_INTERRUPTED,
-                       "interrupted at step %lld; go on with: gneiss resume %s",
+        return gn_fail(error, GNEISS_INTERRUPTED, "at step %lld; go on with: gneiss resume %s",
                        (long long)run->world.step, run->directory);
     }
     gneiss_status status = finish(o, run, error);
@@ -234,11 +233,12 @@ static gneiss_status dispatch(const gn_options *o, gneiss_error *error) {
         command_info();
         return GNEISS_OK;
     }
-    if (gn_scene_print_keys(stdout, o->markdown, o->target) == 0)
-        return gn_fail(error, GNEISS_ERROR_INPUT,
-                       "keys: expected a text that a key or its description holds, found '%s'",
-                       o->target);
-    return GNEISS_OK;
+    if (gn_scene_print_keys(stdout, o->markdown, o->target) > 0) return GNEISS_OK;
+    char nearest[256];
+    bool meant = gn_scene_nearest_key(o->target, nearest, sizeof nearest);
+    return gn_fail(error, GNEISS_ERROR_INPUT,
+                   "keys: expected a text that a key or its description holds, found '%s'%s%s%s",
+                   o->target, meant ? "; did you mean '" : "", nearest, meant ? "'?" : "");
 }
 
 /* Threads meet twice a step. By default the OpenMP library spins for long at such a meeting, and on
@@ -259,7 +259,8 @@ int main(int argc, char **argv) {
     signal(SIGXFSZ, SIG_IGN); /* a file limit is a write error, not a death */
     gneiss_status status = gn_options_parse(argc, argv, &options, &done, &error);
     if (status == GNEISS_OK && !done) status = dispatch(&options, &error);
-    if (fflush(stdout) != 0 && status == GNEISS_OK)
+    /* An earlier flush may have met the error, and nothing be left to write now. */
+    if ((fflush(stdout) != 0 || ferror(stdout)) && status == GNEISS_OK)
         status = gn_fail(&error, GNEISS_ERROR_IO, "standard output cannot be written");
     if (status != GNEISS_OK)
         fprintf(stderr, "gneiss: %s: %s\n", gn_status_name(status), error.message);
