@@ -306,7 +306,8 @@ static const gn_key periodic_keys[] = {
     KEY("max", VECTOR, gn_scene, periodic_max, .unit = "m", .range = GN_PLACES, .required = true,
         .text = "upper corner of the periodic box"),
 };
-TABLE_OF(periodic);
+static const gn_section periodic_section = {periodic_keys, sizeof periodic_keys / sizeof(gn_key), 0,
+                                            offsetof(gn_scene, periodic_where)};
 
 static const gn_key domain_keys[] = {
     KEY("min", VECTOR, gn_scene, domain_min, .unit = "m", PRESENT(BOOL, gn_scene, has_domain),

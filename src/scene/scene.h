@@ -391,6 +391,7 @@ typedef struct gn_scene {
 
     bool has_periodic;
     double periodic_min[3], periodic_max[3]; /* m */
+    gn_scene_place periodic_where;
     bool has_domain;
     double domain_min[3], domain_max[3]; /* m; default: the specimen's box grown tenfold */
     gn_lost_policy lost;
