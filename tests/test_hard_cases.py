@@ -253,7 +253,8 @@ def a_file_in_the_place_of_the_folder_is_an_error(folder):
 @fact
 def a_folder_in_the_place_of_a_file_is_an_error(folder):
     os.mkdir(os.path.join(folder, "summary.json"))
-    expect(gneiss("run", LATTICE, "--out", folder, "--quiet"), 3, "summary.json")
+    expect(gneiss("run", LATTICE, "--out", folder, "--quiet"), 2, "summary.json")
+    expect(gneiss("run", LATTICE, "--out", folder, "--quiet", "--force"), 3, "summary.json")
 
 
 def in_namespace(script, *arguments):

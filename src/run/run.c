@@ -375,14 +375,19 @@ gn_progress gn_run_progress(const gn_run *run) {
 
 /* --- ending --- */
 
+/* A summary beside results of an earlier state would belong to nothing. */
+static gneiss_status write_results(const gn_run *run, gneiss_error *error) {
+    GN_TRY(gn_output_results(run, error));
+    return gn_output_summary(run, error);
+}
+
 gneiss_status gn_run_finish(gn_run *run, gneiss_error *error) {
     double start = gn_now();
     gneiss_status status = write_snapshots(run, error);
     bool save = status == GNEISS_ERROR_MEMORY;
     status = also_write(status, gn_checkpoint_save, run, error);
     run->world.seconds[GN_PHASE_output] += gn_now() - start;
-    status = also_write(status, gn_output_results, run, error);
-    status = also_write(status, gn_output_summary, run, error);
+    status = also_write(status, write_results, run, error);
     return gn_run_rescue(run, save, status, error);
 }
 
