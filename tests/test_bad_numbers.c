@@ -22,7 +22,7 @@ static int folder(void **state) {
 static void start(const fixture *f, gn_run *run) {
     gn_scene scene;
     ok(gn_scene_parse(scene_text, "s.yaml", NULL, NULL, 0, &scene, error));
-    ok(gn_run_start(&scene, f->dir, run, error));
+    ok(gn_run_start(&scene, f->dir, false, run, error));
 }
 
 static bool has(const fixture *f, const char *name) {

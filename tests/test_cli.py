@@ -27,6 +27,16 @@ def help_names_every_command_option_and_exit_code(folder):
 
 
 @fact
+def a_slip_in_an_option_is_told_apart_from_a_value_that_is_missing(folder):
+    for slip in ("--threds", "--threds=2"):
+        expect(gneiss("run", LATTICE, slip), 2, "unknown option '--threds'; did you mean '--threads'")
+    expect(gneiss("run", LATTICE, "-x"), 2, "unknown option '-x'")
+    expect(gneiss("run", LATTICE, "--out"), 2, "--out: expected a value")
+    expect(gneiss("run", LATTICE, "--force=no"), 2, "--force: expected no value, found 'no'")
+    assert expect(gneiss("-h"), 0).stdout == gneiss("--help").stdout
+
+
+@fact
 def version_says_version_and_build(folder):
     out = expect(gneiss("--version"), 0).stdout
     assert re.match(r"gneiss \d+\.\d+\.\d+ \(.+\)\n$", out), out
@@ -46,6 +56,8 @@ def keys_prints_every_key_or_those_that_hold_a_text(folder):
     part = expect(gneiss("keys", "time."), 0).stdout
     assert "time.step" in part and "gravity" not in part
     expect(gneiss("keys", "no such thing"), 2, "'no such thing'")
+    expect(gneiss("keys", "frction"), 2, "'frction'; did you mean 'friction'")
+    expect(gneiss("keys", "time.stp"), 2, "did you mean 'time.step'")
 
 
 @fact
@@ -124,11 +136,22 @@ def plan_says_which_servo_is_slower_than_asked(folder):
 
 
 @fact
+def check_says_a_touch_without_overlap_as_zero(folder):
+    text = LOOSE.replace("STEP", "auto") + LID.replace("GAP", "1e-3").replace("R}", "0.03}")
+    out = expect(gneiss("check", write_scene(folder, text)), 0).stdout
+    assert re.search(r"wall lid .*touch.*, deepest 0 m\n", out), out
+
+
+BOX = "periodic: {min: [-1, -1, 0], max: [1, 1, SIZE]}\n"
+
+
+@fact
 def what_the_set_up_refuses_is_named_by_file_line_and_column(folder):
     # LOOSE begins with an empty line: specimen stands in line 3, law in 5, time in 6, what is added in 8.
     loose = LOOSE.replace("STEP", "auto")
     held = "sets: [{name: a, select: {all: true}, motion: {vx: 0, vy: 0, vz: 0}}]\n"
     wall = "walls: [{name: w, point: [1e9, 0, 1], normal: [0.6, 0, -0.8], stiffness: 1, motion: {vx: 1e-9}}]\norigin: [0, 0, 0]\n"
+    open(os.path.join(folder, "empty.msh"), "w").close()
     cases = (
         (loose.replace("2.1e-3", "0"), "3:1: specimen: expected distinct centres"),
         (loose + "domain: {min: [0, -1, -1], max: [1e-3, 1, 1]}\n", "3:1: specimen: expected particles inside the domain"),
@@ -137,6 +160,14 @@ def what_the_set_up_refuses_is_named_by_file_line_and_column(folder):
         (loose + held, "6:1: time.step: required"),
         (LOOSE.replace("STEP", "9e-5").replace("2.1e-3", "1.9e-3"), "6:1: time.step: expected at most"),
         (loose + wall, "8:9: wall 'w': expected a velocity"),
+        (loose + BOX.replace("SIZE", "4e-3"), "8:1: periodic: expected a length of at least 0.0043 m along z (twice the reach of "
+         "the largest particles), found 0.004 m"),  # the skin is 0.15 of the radius
+        (loose + BOX.replace("SIZE", "5e-3") + "bonds: {enabled: off, interaction_range: 0.5}\n", "8:1: periodic: expected a length of at "
+         "least 0.006 m along z (twice the reach of the largest particles, with bonds.interaction_range), found 0.005 m"),
+        (loose + BOX.replace("SIZE", "9e-3") + "neighbours: {skin: 4e-3}\n", "8:1: periodic: expected a length of at least 0.012 m "
+         "along z (twice the reach of the largest particles, with neighbours.skin), found 0.009 m"),
+        ("dimension: 2\ntime: {end: 1e-4}\nelements:\n  mesh: empty.msh\n  materials: [{density: 1, young: 1, poisson: 0}]\n",
+         f"3:1: elements.mesh: {folder}/empty.msh: expected a mesh, found an empty file"),
     )
     for text, words in cases:
         result = gneiss("check", write_scene(folder, text))
@@ -445,9 +476,11 @@ def a_scene_that_is_no_file_is_an_error(folder):
 
 @fact
 def output_that_nobody_takes_is_an_error(folder):
-    with open("/dev/full", "w") as full:
-        done = subprocess.run(command("keys"), stdout=full, stderr=subprocess.PIPE, text=True)
-    expect(done, 3, "standard output")
+    for arguments in (("keys",), ("run", LATTICE, "--out", folder)):
+        with open("/dev/full", "w") as full:
+            done = subprocess.run(command(*arguments), stdout=full, stderr=subprocess.PIPE, text=True)
+        expect(done, 3, "standard output")
+    assert summary(folder)["finished"]
 
 
 @fact

@@ -233,7 +233,7 @@ def interrupted(folder, number, *arguments):
 @fact
 def ctrl_c_and_resume_with_other_threads_give_the_same_bits(folder):
     code, err = interrupted(folder, signal.SIGINT)
-    assert code == 6 and "interrupted at step" in err, (code, err)
+    assert code == 6 and "interrupted: at step" in err, (code, err)
     resume(folder, "--threads", 2)
     check_same(folder, reference())
     assert series(folder, "elements") == series(reference(), "elements")

@@ -87,6 +87,27 @@ def a_full_disk_at_a_later_snapshot_names_the_earlier_checkpoint(folder):
     assert checkpoints(folder) == [earlier]
 
 
+@fact
+def a_full_disk_at_the_end_costs_only_what_it_has_no_room_for(folder):
+    whole = os.path.join(folder, "whole")
+    run(LATTICE, whole, "--set", "output.snapshots=0")
+    files = {"checkpoint_", "results.h5", "summary.json"}
+    # A summary stands only beside the results that it sums up.
+    cases = (("checkpoint_", {"checkpoint_"}), ("particles", set()), ("results.h5", {"results.h5", "summary.json"}),
+             ("summary.json", {"summary.json"}))
+    for number, (name, lost) in enumerate(cases):
+        out = os.path.join(folder, str(number))
+        done = faulty("run", LATTICE, "--out", out, "--quiet", "--set", "output.snapshots=0", write=f"{name}:28")
+        expect(done, 3, name, "No space left")
+        left = os.listdir(out)
+        assert {file for file in files if any(entry.startswith(file) for entry in left)} == files - lost, (name, left)
+        if "summary.json" not in lost:
+            assert state_hash(out) == state_hash(whole)
+            assert summary(out)["finished"]
+        if "results.h5" not in lost:
+            assert np.array_equal(history(out)["time"], history(whole)["time"])
+
+
 # --- memory ------------------------------------------------------------------------------------------------
 
 def allocations(out, *arguments):

@@ -253,7 +253,8 @@ def a_file_in_the_place_of_the_folder_is_an_error(folder):
 @fact
 def a_folder_in_the_place_of_a_file_is_an_error(folder):
     os.mkdir(os.path.join(folder, "summary.json"))
-    expect(gneiss("run", LATTICE, "--out", folder, "--quiet"), 3, "summary.json")
+    expect(gneiss("run", LATTICE, "--out", folder, "--quiet"), 2, "summary.json")
+    expect(gneiss("run", LATTICE, "--out", folder, "--quiet", "--force"), 3, "summary.json")
 
 
 def in_namespace(script, *arguments):
@@ -435,6 +436,15 @@ def a_safety_that_leaves_no_step_is_refused(folder):
     for safety in ("1e-308", "5e-324"):
         expect(gneiss("run", LATTICE, "--out", out, "--set", f"time.safety={safety}"), 2, "time: expected an end within")
     assert not os.path.exists(out)
+
+
+@fact
+def collisions_that_leave_no_step_are_refused(folder):
+    # With and without contacts at the start; each collision in 1e17 steps.
+    for radius in (0.01, 0.001):
+        particles = [[0, 0, 0, radius], [0.019, 0, 0, radius]]
+        refused(folder, json.dumps(spheres(particles, time={"end": 1e-3, "contact_steps": 1e17})), 2,
+                r"time: expected an end within 1e\+15 steps, found \S+ steps")
 
 
 @fact

@@ -96,7 +96,7 @@ def how_often_is_written_does_not_change_the_state(folder):
 
 
 def interrupted_and_resumed(folder, number, *arguments):
-    done = expect(stop_at_snapshot(folder, 3, number, "--threads", 1), 6, r"interrupted at step \d+", "gneiss resume")
+    done = expect(stop_at_snapshot(folder, 3, number, "--threads", 1), 6, r"interrupted: at step \d+", "gneiss resume")
     assert len(checkpoints(folder)) == 1, checkpoints(folder)
     assert not os.path.exists(os.path.join(folder, "summary.json")), "a summary before the end"
     with results(folder) as file:
@@ -387,6 +387,45 @@ def results_of_another_scene_are_not_overwritten(folder):
     before = {name: open(os.path.join(folder, name), "rb").read() for name in os.listdir(folder)}
     expect(gneiss("run", UCS, "--out", folder), 2, "lattice-small.yaml", "ucs-small.yaml", "--out")
     assert before == {name: open(os.path.join(folder, name), "rb").read() for name in os.listdir(folder)}
+
+
+@fact
+def files_of_somebody_else_are_replaced_only_by_force(folder):
+    names = ("summary.json", "report.html", "bonds.hdf.series", "particles_0000000000.hdf", "failed_bodies_0000000012.hdf")
+    for name in names:
+        out = os.path.join(folder, name + " of others")
+        os.mkdir(out)
+        with open(os.path.join(out, name), "w") as file:
+            file.write("mine")
+        expect(gneiss("run", LATTICE, "--out", out, "--quiet"), 2, re.escape(name), "--out", "--force")
+        assert os.listdir(out) == [name]
+        with open(os.path.join(out, name)) as file:
+            assert file.read() == "mine"
+    run(LATTICE, out, "--force")
+    assert names[-1] not in os.listdir(out) and "results.h5" in os.listdir(out)
+
+
+@fact
+def folders_of_packings_and_of_runs_without_a_checkpoint_are_taken_over(folder):
+    run(LATTICE, folder)
+    for name in os.listdir(folder):  # what a run has written that is killed before its first checkpoint
+        if name == "results.h5" or name == "summary.json" or name.startswith("checkpoint"):
+            os.remove(os.path.join(folder, name))
+    assert snapshots(folder) > 0
+    with open(os.path.join(folder, "notes.txt"), "w") as file:
+        file.write("mine")
+    run(LATTICE, folder)
+    assert "notes.txt" in os.listdir(folder)
+    packed = write_scene(folder, """
+dimension: 2
+specimen: {rectangle: {width: 1, height: 1}, mean_radius: 0.1, packing: {iterations: 5}}
+materials: [{name: m, density: 2500, normal_stiffness: 1e5, kratio: 1, friction: 0}]
+law: {stiffness: uniform}
+time: {step: 1e-6, end: 1e-5}
+run: {threads: 1}
+""")
+    expect(gneiss("pack", packed, "--out", os.path.join(folder, "packed"), "--quiet"), 0)
+    run(packed, os.path.join(folder, "packed"))
 
 
 if __name__ == "__main__":

@@ -207,10 +207,13 @@ static void every_slip_is_told_with_its_place(void **state) {
          "'0'"},
         {"vz: 1 mm/s", "vz: [[0, 0, 0]]",
          "s.yaml:17:19: walls[0].motion.vz[0]: expected a row [time, value], found a list"},
+        {"dimension: 3", "origin: [0, 0, 1e308]",
+         "s.yaml:1:16: origin[2]: expected a value in [-1e9, 1e9] m, found '1e308'"},
         {"name: rock", "name: a.b",
-         "s.yaml:5:11: materials[0].name: expected a name (not empty, not a number, without . [ ] "
-         "=), "
-         "found 'a.b'"},
+         "s.yaml:5:11: materials[0].name: expected a name (not empty, not a number, without . / "
+         "[ ] = and control characters), found 'a.b'"},
+        {"dimension: 3", "dimension:\n  a: 1\n - b",
+         "s.yaml:3:2: not valid YAML: wrong indentation in sequence while in mapping"},
         {"stiffness: uniform", "stiffness: [uniform",
          "s.yaml:13:3: not valid YAML: did not find expected node content"},
         {"dimension: 3", "dimension: *three",
@@ -464,6 +467,34 @@ static void overrides_that_miss_are_told_by_their_key(void **state) {
     refuses_set("", "1", "--set: expected key=value such as time.end=2ms");
 }
 
+/* Names stand in overrides and in the paths of data sets. */
+static void names_that_no_path_can_hold_are_refused(void **state) {
+    (void)state;
+    static const char *const bad[] = {"a/b", "/",    "-1",         "1e5",       ".5",
+                                      "nan", "-inf", "0x1f",       "\"a\\eb\"", "\"a\\x7f\"",
+                                      "a.b", "\"\"", "\"a\\x85\"", "\"a\\nb\""};
+    static const char *const good[] = {"1a", "nano", "e5", "rock-1", "Wand 2", "fu\u00df", "-"};
+    for (int list = 0; list < 2; list++)
+        for (size_t k = 0; k < sizeof bad / sizeof *bad; k++) {
+            char name[64];
+            gn_scene scene;
+            gneiss_error error = {0};
+            snprintf(name, sizeof name, "name: %s\n", bad[k]);
+            const char *text = variant(list ? "name: floor\n" : "name: rock\n", name);
+            int status = gn_scene_parse(text, "s.yaml", NULL, NULL, 0, &scene, &error);
+            assert_int_equal(status, GNEISS_ERROR_INPUT);
+            assert_non_null(strstr(error.message, list ? "s.yaml:13:11: walls[0].name: "
+                                                       : "s.yaml:5:11: materials[0].name: "));
+        }
+    for (size_t k = 0; k < sizeof good / sizeof *good; k++) {
+        char name[64];
+        snprintf(name, sizeof name, "name: \"%s\"\n", good[k]);
+        gn_scene scene = parsed(variant("name: floor\n", name));
+        assert_string_equal(scene.walls[0].name, good[k]);
+        gn_scene_free(&scene);
+    }
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(the_rock_scene_reads_as_written),
@@ -474,6 +505,7 @@ int main(void) {
         cmocka_unit_test(a_2d_scene_has_short_vectors),
         cmocka_unit_test(a_table_is_linear_between_and_constant_outside),
         cmocka_unit_test(every_slip_is_told_with_its_place),
+        cmocka_unit_test(names_that_no_path_can_hold_are_refused),
         cmocka_unit_test(keys_that_contradict_each_other_are_refused),
         cmocka_unit_test(a_2d_scene_stays_in_its_plane),
         cmocka_unit_test(files_that_are_no_scenes_are_refused),

@@ -85,8 +85,9 @@ GNEISS_API void gneiss_scene_free(gneiss_scene *scene);
  * output.directory, else runs/<scene name>; NULL: nothing is written. What an earlier run of the
  * same scene file left in the folder is removed; the folder is locked until gneiss_world_free.
  * GNEISS_ERROR_INPUT: the specimen or a given time step cannot be used, the folder is in use or
- * holds results of another scene. GNEISS_ERROR_IO: the specimen cannot be read, the folder not be
- * written. The caller frees *world. */
+ * holds results of another scene or files of somebody else where the run's would go.
+ * GNEISS_ERROR_IO: the specimen cannot be read, the folder not be written. The caller frees
+ * *world. */
 GNEISS_API gneiss_status gneiss_world_create(const gneiss_scene *scene, const char *folder,
                                              gneiss_world **world, gneiss_error *error);
 

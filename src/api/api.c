@@ -167,7 +167,7 @@ gneiss_status gneiss_world_create(const gneiss_scene *scene, const char *folder,
         copy ? gn_scene_copy(&scene->scene, copy, error)
              : gn_fail(error, GNEISS_ERROR_MEMORY, "no memory for a copy of the scene");
     if (status == GNEISS_OK)
-        status = folder ? gn_run_start(copy, folder, &made->run, error)
+        status = folder ? gn_run_start(copy, folder, false, &made->run, error)
                         : gn_run_create(copy, &made->run, error);
     free(copy);
     return hand_over(status, made, world);

@@ -73,8 +73,7 @@ static gneiss_status advance(const gn_options *o, gn_run *run, bool *shown, gnei
         status = gn_run_checkpoint(run, error);
         if (status == GNEISS_ERROR_UNSTABLE) return fail(run, error);
         GN_TRY(status);
-        return gn_fail(error, GNEISS_INTERRUPTED,
-                       "interrupted at step %lld; go on with: gneiss resume %s",
+        return gn_fail(error, GNEISS_INTERRUPTED, "at step %lld; go on with: gneiss resume %s",
                        (long long)run->world.step, run->directory);
     }
     gneiss_status status = finish(o, run, error);
@@ -99,14 +98,17 @@ static gneiss_status load_scene(const gn_options *o, gn_scene **scene, gneiss_er
     return status;
 }
 
-/* Hours of computing are not thrown away by a command repeated by mistake. */
+/* Hours of computing are not thrown away by a command repeated by mistake, nor somebody else's
+ * files by a folder named by mistake; both are told before anything is computed. */
 static gneiss_status check_replacing(const gn_options *o, const gn_scene *scene,
                                      gneiss_error *error) {
     char folder[GN_PATH_SIZE], text[32];
     GN_TRY(gn_folder_choose(scene, o->out, folder, error));
     double seconds = 0.0;
+    if (o->force) return GNEISS_OK;
+    GN_TRY(gn_folder_check(folder, error));
     GN_TRY(gn_folder_finished(folder, &seconds, error));
-    if (o->force || !(seconds > LONG_RUN)) return GNEISS_OK;
+    if (!(seconds > LONG_RUN)) return GNEISS_OK;
     return gn_fail(error, GNEISS_ERROR_INPUT,
                    "%.300s: expected no results or those of a short run, found those of a finished "
                    "run that took %s: --force replaces them, --out chooses another folder",
@@ -116,7 +118,7 @@ static gneiss_status check_replacing(const gn_options *o, const gn_scene *scene,
 static gneiss_status start(const gn_options *o, gn_scene *scene, gn_run *run, gneiss_error *error) {
     gneiss_status status = check_replacing(o, scene, error);
     if (status == GNEISS_OK) status = gn_pack_ahead(o, scene, error);
-    if (status == GNEISS_OK) return gn_run_start(scene, o->out, run, error);
+    if (status == GNEISS_OK) return gn_run_start(scene, o->out, o->force, run, error);
     gn_scene_free(scene);
     return status;
 }
@@ -231,11 +233,12 @@ static gneiss_status dispatch(const gn_options *o, gneiss_error *error) {
         command_info();
         return GNEISS_OK;
     }
-    if (gn_scene_print_keys(stdout, o->markdown, o->target) == 0)
-        return gn_fail(error, GNEISS_ERROR_INPUT,
-                       "keys: expected a text that a key or its description holds, found '%s'",
-                       o->target);
-    return GNEISS_OK;
+    if (gn_scene_print_keys(stdout, o->markdown, o->target) > 0) return GNEISS_OK;
+    char nearest[256];
+    bool meant = gn_scene_nearest_key(o->target, nearest, sizeof nearest);
+    return gn_fail(error, GNEISS_ERROR_INPUT,
+                   "keys: expected a text that a key or its description holds, found '%s'%s%s%s",
+                   o->target, meant ? "; did you mean '" : "", nearest, meant ? "'?" : "");
 }
 
 /* Threads meet twice a step. By default the OpenMP library spins for long at such a meeting, and on
@@ -256,7 +259,8 @@ int main(int argc, char **argv) {
     signal(SIGXFSZ, SIG_IGN); /* a file limit is a write error, not a death */
     gneiss_status status = gn_options_parse(argc, argv, &options, &done, &error);
     if (status == GNEISS_OK && !done) status = dispatch(&options, &error);
-    if (fflush(stdout) != 0 && status == GNEISS_OK)
+    /* An earlier flush may have met the error, and nothing be left to write now. */
+    if ((fflush(stdout) != 0 || ferror(stdout)) && status == GNEISS_OK)
         status = gn_fail(&error, GNEISS_ERROR_IO, "standard output cannot be written");
     if (status != GNEISS_OK)
         fprintf(stderr, "gneiss: %s: %s\n", gn_status_name(status), error.message);

@@ -47,12 +47,15 @@ void gn_print_usage(FILE *out) {
         "  --seed N           of every random number\n"
         "  --precision P      double or mixed\n"
         "  --isa NAME         " SETS_LISTED " (default: GNEISS_ISA, else the widest)\n"
-        "  --force            run: replace also what a finished run of more than a minute left\n"
+        "  --force            run: replace also what a finished run of more than a minute left, "
+        "and "
+        "files that\n"
+        "                     are not gneiss's\n"
         "  --quiet            only what came out: no progress, no profile; readings and warnings "
         "stay\n"
         "  --log json         progress and summary as JSON lines on standard output\n"
         "  --markdown         keys: as Markdown\n"
-        "  --help, --version\n"
+        "  --help (-h), --version\n"
         "\nexit codes: 0 done, 1 defect of gneiss, 2 input cannot be used (a scene or folder that "
         "is not\n"
         "there, too), 3 file could not be read or written, 4 out of memory, 5 run went bad, 6 "
@@ -187,26 +190,44 @@ static gneiss_status apply(gn_options *o, int option, const char *value, gneiss_
     }
 }
 
+/* What getopt stopped at, and what may have been meant. */
+static gneiss_status no_option(char **argv, gneiss_error *error) {
+    const char *given = argv[optind - 1];
+    char name[96], advice[GN_ADVICE_SIZE] = "";
+    if (optopt >= OPT_OUT) /* one of the list: it was given a value */
+        return gn_fail(error, GNEISS_ERROR_INPUT, "%.*s: expected no value, found '%.200s'",
+                       (int)strcspn(given, "="), given, given + strcspn(given, "=") + 1);
+    if (optopt) /* a letter, perhaps one of several */
+        return gn_fail(error, GNEISS_ERROR_INPUT, "unknown option '-%c' (gneiss --help lists them)",
+                       optopt);
+    snprintf(name, sizeof name, "%.*s", (int)strcspn(given + 2, "="), given + 2);
+    gn_names names = gn_names_for(name);
+    for (const struct option *o = long_options; o->name; o++) gn_names_add(&names, o->name);
+    if (names.nearest) snprintf(advice, sizeof advice, "; did you mean '--%s'?", names.nearest);
+    return gn_fail(error, GNEISS_ERROR_INPUT, "unknown option '--%s'%s (gneiss --help lists them)",
+                   name, advice);
+}
+
 gneiss_status gn_options_parse(int argc, char **argv, gn_options *o, bool *done,
                                gneiss_error *error) {
     memset(o, 0, sizeof *o);
     *done = false;
     opterr = 0;
     for (;;) {
-        int option = getopt_long(argc, argv, "", long_options, NULL);
+        int option = getopt_long(argc, argv, ":h", long_options, NULL);
         if (option < 0) break;
-        if (option == OPT_HELP || option == OPT_VERSION) {
-            if (option == OPT_HELP)
+        if (option == 'h' || option == OPT_HELP || option == OPT_VERSION) {
+            if (option != OPT_VERSION)
                 gn_print_usage(stdout);
             else
                 printf("gneiss %s (%s)\n", gn_version(), gn_build());
             *done = true;
             return GNEISS_OK;
         }
-        if (option == '?')
-            return gn_fail(error, GNEISS_ERROR_INPUT,
-                           "'%s': unknown option or missing value (gneiss --help)",
+        if (option == ':')
+            return gn_fail(error, GNEISS_ERROR_INPUT, "%s: expected a value (gneiss --help)",
                            argv[optind - 1]);
+        if (option == '?') return no_option(argv, error);
         GN_TRY(apply(o, option, optarg, error));
     }
     if (optind == argc)

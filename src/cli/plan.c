@@ -255,7 +255,7 @@ static void print_walls(const gn_world *w, int *warnings) {
             deepest = fmin(deepest, gap);
         }
         printf("  wall %-12s ", w->scene.walls[k].name);
-        print_touching(touching, -deepest);
+        print_touching(touching, 0.0 - deepest); /* never -0 */
         printf("\n");
         if (behind) {
             printf("  warning: %zu particle%s centre behind wall '%s'\n", behind,

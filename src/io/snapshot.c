@@ -84,6 +84,8 @@ static gneiss_status put_arrays(gn_h5 *file, const char *group, const gn_snapsho
     return GNEISS_OK;
 }
 
+static const char on_points[] = "arrays on points";
+
 static gneiss_status put_grid(gn_h5 *file, const gn_snapshot *s, gneiss_error *error) {
     const int64_t version[2] = {1, 0};
     GN_TRY(gn_h5_attribute_i64(file, "VTKHDF", "Version", version, 2, error));
@@ -92,7 +94,7 @@ static gneiss_status put_grid(gn_h5 *file, const gn_snapshot *s, gneiss_error *e
     GN_TRY(gn_h5_put(file, "VTKHDF/Points", GN_F64, s->point_count, 3, 0, s->points, "m", NULL,
                      error));
     /* An attribute makes the group, which the reader wants even when it is empty. */
-    GN_TRY(gn_h5_attribute_text(file, "VTKHDF/PointData", "text", "arrays on points", error));
+    GN_TRY(gn_h5_attribute_text(file, "VTKHDF/PointData", "text", on_points, error));
     GN_TRY(gn_h5_attribute_text(file, "VTKHDF/CellData", "text", "arrays on cells", error));
     GN_TRY(put_arrays(file, "VTKHDF/PointData", s->point_arrays, s->point_array_count,
                       s->point_count, error));
@@ -120,6 +122,21 @@ gneiss_status gn_snapshot_write(const char *directory, const char *name,
     if (status == GNEISS_OK) return gn_h5_commit(file, GN_SYNCED, error);
     gn_h5_close(file);
     return status;
+}
+
+gneiss_status gn_snapshot_is_own(const char *path, bool *own, gneiss_error *error) {
+    gn_h5 *file = NULL;
+    char *text = NULL;
+    gneiss_error reading = {0};
+    gneiss_status status = gn_h5_open(path, &file, &reading);
+    if (status == GNEISS_OK)
+        status = gn_h5_get_attribute_text(file, "VTKHDF/PointData", "text", &text, &reading);
+    gn_h5_close(file);
+    *own = status == GNEISS_OK && strcmp(text, on_points) == 0;
+    free(text);
+    return status == GNEISS_ERROR_IO || status == GNEISS_ERROR_MEMORY
+               ? gn_fail(error, status, "%s", reading.message)
+               : GNEISS_OK;
 }
 
 /* --- the series --- */

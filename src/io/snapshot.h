@@ -38,6 +38,9 @@ typedef struct gn_snapshot {
 gneiss_status gn_snapshot_write(const char *directory, const char *name,
                                 const gn_snapshot *snapshot, gneiss_error *error);
 
+/* Whether gn_snapshot_write wrote it; what cannot be read as one was not. */
+gneiss_status gn_snapshot_is_own(const char *path, bool *own, gneiss_error *error);
+
 /* Times of snapshots that were written or read before, by their steps in ascending order, so that
  * a series does not open every file again. Zeroed to begin with. */
 typedef struct gn_snapshot_times {

@@ -3,6 +3,7 @@
 #include "io/checkpoint_files.h"
 #include "io/h5.h"
 #include "io/listing.h"
+#include "io/snapshot.h"
 
 #include <errno.h>
 #include <fcntl.h>
@@ -10,6 +11,7 @@
 #include <stdlib.h>
 #include <string.h>
 #include <sys/file.h>
+#include <sys/stat.h>
 #include <unistd.h>
 
 /* The names of files, and what stands in front of them in messages, must fit behind it. */
@@ -127,13 +129,72 @@ static gneiss_status remove_snapshots(const char *directory, const char *name,
     return status;
 }
 
+/* Of each there are NAME_<step>.hdf files, of the first ones NAME.hdf.series as well. */
+static const char *const series[] = {"particles",       "bonds",        "elements",
+                                     "bodies",          "failed_bonds", "failed_particles",
+                                     "failed_elements", "failed_bodies"};
+enum { SERIES = sizeof series / sizeof *series, LISTED = 4 };
+
+/* What only a run's end writes. */
+static const char *const single[] = {"results.h5", "summary.json", "report.html"};
+enum { SINGLE = sizeof single / sizeof *single };
+
+/* --- files of somebody else --- */
+
+static gneiss_status not_ours(const char *directory, const char *name, gneiss_error *error) {
+    return gn_fail(error, GNEISS_ERROR_INPUT,
+                   "%.300s: expected an empty folder or one of an earlier run, found %.300s in it, "
+                   "which the run would replace, and no results.h5 or checkpoint that says whose "
+                   "it is: choose another folder with --out, or --force replaces it",
+                   directory, name);
+}
+
+/* A run that was killed early leaves snapshots only, and a packing has one; they tell by themselves
+ * that gneiss wrote them. The list of a series tells by its snapshots. */
+static gneiss_status check_series(const char *directory, const char *name, bool listed,
+                                  gneiss_error *error) {
+    int64_t *steps;
+    size_t count;
+    GN_TRY(gn_step_list(directory, name, ".hdf", &steps, &count, error));
+    gneiss_status status = GNEISS_OK;
+    for (size_t k = 0; status == GNEISS_OK && k < count; k++) {
+        char *path = gn_step_path(directory, name, steps[k], ".hdf");
+        bool own = false;
+        status = path ? gn_snapshot_is_own(path, &own, error)
+                      : gn_fail(error, GNEISS_ERROR_MEMORY, "no memory for a name");
+        if (status == GNEISS_OK && !own)
+            status = not_ours(directory, strrchr(path, '/') + 1, error);
+        free(path);
+    }
+    free(steps);
+    if (status != GNEISS_OK || !listed || count > 0) return status;
+    char list[64], path[GN_PATH_SIZE + 32];
+    snprintf(list, sizeof list, "%s.hdf.series", name);
+    snprintf(path, sizeof path, "%s/%s", directory, list);
+    return access(path, F_OK) == 0 ? not_ours(directory, list, error) : GNEISS_OK;
+}
+
+gneiss_status gn_folder_check(const char *directory, gneiss_error *error) {
+    char path[GN_PATH_SIZE + 32];
+    int64_t step;
+    size_t checkpoints;
+    struct stat there;
+    if (stat(directory, &there) != 0 || !S_ISDIR(there.st_mode)) return GNEISS_OK;
+    GN_TRY(gn_checkpoint_list(directory, &step, 1, &checkpoints, error));
+    if (checkpoints > 0) return GNEISS_OK;
+    for (size_t k = 0; k < SINGLE; k++) {
+        snprintf(path, sizeof path, "%s/%s", directory, single[k]);
+        if (access(path, F_OK) != 0) continue;
+        return k == 0 ? GNEISS_OK : not_ours(directory, single[k], error);
+    }
+    for (size_t k = 0; k < SERIES; k++)
+        GN_TRY(check_series(directory, series[k], k < LISTED, error));
+    return GNEISS_OK;
+}
+
+/* --- making way --- */
+
 gneiss_status gn_folder_clear(const char *directory, const gn_scene *scene, gneiss_error *error) {
-    static const char *const files[] = {
-        "results.h5",          "summary.json",      "particles.hdf.series", "bonds.hdf.series",
-        "elements.hdf.series", "bodies.hdf.series", "report.html"};
-    static const char *const series[] = {"particles",    "bonds",        "failed_particles",
-                                         "failed_bonds", "elements",     "failed_elements",
-                                         "bodies",       "failed_bodies"};
     char path[GN_PATH_SIZE + 32];
     int64_t step;
     size_t checkpoints;
@@ -149,11 +210,14 @@ gneiss_status gn_folder_clear(const char *directory, const gn_scene *scene, gnei
         GN_TRY(status);
     }
     GN_TRY(gn_checkpoint_prune(directory, 0, error));
-    for (size_t k = 0; k < sizeof files / sizeof *files; k++) {
-        snprintf(path, sizeof path, "%s/%s", directory, files[k]);
+    for (size_t k = 0; k < SINGLE; k++) {
+        snprintf(path, sizeof path, "%s/%s", directory, single[k]);
         GN_TRY(remove_file(path, error));
     }
-    for (size_t k = 0; k < sizeof series / sizeof *series; k++)
+    for (size_t k = 0; k < SERIES; k++) {
+        snprintf(path, sizeof path, "%s/%s.hdf.series", directory, series[k]);
+        if (k < LISTED) GN_TRY(remove_file(path, error));
         GN_TRY(remove_snapshots(directory, series[k], error));
+    }
     return GNEISS_OK;
 }

@@ -18,8 +18,13 @@ gneiss_status gn_folder_lock(const char *directory, int *lock, gneiss_error *err
  * that did not come to its end. */
 gneiss_status gn_folder_finished(const char *directory, double *seconds, gneiss_error *error);
 
-/* Makes way for a new run: removes what an earlier run of the same scene file left. Results of
- * another scene are not touched: GNEISS_ERROR_INPUT. */
+/* A folder that holds files under names of this program's, but neither results nor a checkpoint nor
+ * snapshots of it, is somebody else's: GNEISS_ERROR_INPUT names the first of them. */
+gneiss_status gn_folder_check(const char *directory, gneiss_error *error);
+
+/* Makes way for a new run: removes what an earlier run of the same scene file left, whoever wrote
+ * it (gn_folder_check comes before). Results of another scene are not touched:
+ * GNEISS_ERROR_INPUT. */
 gneiss_status gn_folder_clear(const char *directory, const gn_scene *scene, gneiss_error *error);
 
 #endif

@@ -38,9 +38,10 @@ static void set_clock(gn_run *run) {
     run->next_checkpoint = every > 0.0 ? run->wall_start + every : INFINITY;
 }
 
-static gneiss_status open_folder(gn_run *run, gneiss_error *error) {
+static gneiss_status open_folder(gn_run *run, bool force, gneiss_error *error) {
     GN_TRY(gn_make_directory(run->directory, error));
     GN_TRY(gn_folder_lock(run->directory, &run->folder_lock, error));
+    if (!force) GN_TRY(gn_folder_check(run->directory, error));
     return gn_folder_clear(run->directory, &run->world.scene, error);
 }
 
@@ -60,11 +61,11 @@ gneiss_status gn_run_create(gn_scene *scene, gn_run *run, gneiss_error *error) {
     return GNEISS_OK;
 }
 
-gneiss_status gn_run_start(gn_scene *scene, const char *directory, gn_run *run,
+gneiss_status gn_run_start(gn_scene *scene, const char *directory, bool force, gn_run *run,
                            gneiss_error *error) {
     GN_TRY(gn_run_create(scene, run, error));
     gneiss_status status = gn_folder_choose(&run->world.scene, directory, run->directory, error);
-    if (status == GNEISS_OK) status = open_folder(run, error);
+    if (status == GNEISS_OK) status = open_folder(run, force, error);
     if (status != GNEISS_OK) {
         gn_run_free(run);
         return status;
@@ -304,10 +305,21 @@ static gneiss_status one_step(gn_run *run, gneiss_error *error) {
     return GNEISS_OK;
 }
 
+/* A disk that has no room for one file must not cost the others: `before` is what the earlier ones
+ * met, and the first error counts. After other errors nothing more is written. */
+static gneiss_status also_write(gneiss_status before,
+                                gneiss_status (*write)(const gn_run *, gneiss_error *),
+                                const gn_run *run, gneiss_error *error) {
+    gneiss_error later = {0};
+    if (before != GNEISS_OK && before != GNEISS_ERROR_IO) return before;
+    gneiss_status status = write(run, before == GNEISS_OK ? error : &later);
+    return before == GNEISS_OK ? status : before;
+}
+
 gneiss_status gn_run_checkpoint(gn_run *run, gneiss_error *error) {
     double start = gn_now();
     gneiss_status status = gn_checkpoint_save(run, error);
-    if (status == GNEISS_OK) status = gn_output_results(run, error);
+    status = also_write(status, gn_output_results, run, error);
     run->world.seconds[GN_PHASE_output] += gn_now() - start;
     double every = run->world.scene.checkpoint_wall;
     run->next_checkpoint = every > 0.0 ? gn_now() + every : INFINITY;
@@ -363,15 +375,20 @@ gn_progress gn_run_progress(const gn_run *run) {
 
 /* --- ending --- */
 
+/* A summary beside results of an earlier state would belong to nothing. */
+static gneiss_status write_results(const gn_run *run, gneiss_error *error) {
+    GN_TRY(gn_output_results(run, error));
+    return gn_output_summary(run, error);
+}
+
 gneiss_status gn_run_finish(gn_run *run, gneiss_error *error) {
     double start = gn_now();
     gneiss_status status = write_snapshots(run, error);
-    if (status != GNEISS_OK) return gn_run_rescue(run, true, status, error);
-    status = gn_checkpoint_save(run, error);
+    bool save = status == GNEISS_ERROR_MEMORY;
+    status = also_write(status, gn_checkpoint_save, run, error);
     run->world.seconds[GN_PHASE_output] += gn_now() - start;
-    if (status == GNEISS_OK) status = gn_output_results(run, error);
-    if (status == GNEISS_OK) status = gn_output_summary(run, error);
-    return gn_run_rescue(run, false, status, error);
+    status = also_write(status, write_results, run, error);
+    return gn_run_rescue(run, save, status, error);
 }
 
 gneiss_status gn_run_write_failure(gn_run *run, const char *message, gneiss_error *error) {

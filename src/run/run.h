@@ -46,8 +46,9 @@ gneiss_status gn_run_create(gn_scene *scene, gn_run *run, gneiss_error *error);
 
 /* Scene -> world -> output folder. Nothing is written before the world stands. `directory` NULL or
  * "": from the scene. What an earlier run of the same scene file left there is removed; results of
- * another scene are GNEISS_ERROR_INPUT. Takes over the contents of `scene`. */
-gneiss_status gn_run_start(gn_scene *scene, const char *directory, gn_run *run,
+ * another scene are GNEISS_ERROR_INPUT, and unless `force` is given so are files of somebody else
+ * where the run's would go. Takes over the contents of `scene`. */
+gneiss_status gn_run_start(gn_scene *scene, const char *directory, bool force, gn_run *run,
                            gneiss_error *error);
 
 /* Goes on from the newest checkpoint in `directory` that can be read; everything is in it, the

@@ -1,4 +1,5 @@
 #define _GNU_SOURCE /* strcasestr */
+#include "base/names.h"
 #include "scene/manifest.h"
 #include "scene/units.h"
 
@@ -165,4 +166,39 @@ size_t gn_scene_print_keys(FILE *out, bool markdown, const char *sought) {
               out);
     for (p.rank = 0; p.rank < RANKS; p.rank++) print_section(&p, &gn_scene_section, "");
     return p.count;
+}
+
+/* ---- slips ---- */
+
+typedef struct slip {
+    gn_names names;
+    char *name;
+    size_t size;
+} slip;
+
+/* What is kept is a copy: a path does not last. */
+static void offer(slip *s, const char *name) {
+    size_t least = s->names.least;
+    gn_names_add(&s->names, name);
+    if (s->names.least < least) snprintf(s->name, s->size, "%s", name);
+}
+
+static void offer_section(slip *s, const gn_section *section, const char *above) {
+    for (size_t k = 0; k < section->key_count; k++) {
+        const gn_key *key = &section->keys[k];
+        char path[256];
+        snprintf(path, sizeof path, "%s%s%s", above, *above ? "." : "", key->name);
+        offer(s, key->name);
+        offer(s, path);
+        if (!key->section) continue;
+        if (key->type == GN_KEY_LIST) strncat(path, "[]", sizeof path - strlen(path) - 1);
+        offer_section(s, key->section, path);
+    }
+}
+
+bool gn_scene_nearest_key(const char *sought, char *name, size_t size) {
+    slip s = {gn_names_for(sought), name, size};
+    *name = '\0';
+    offer_section(&s, &gn_scene_section, "");
+    return *name != '\0';
 }

@@ -306,7 +306,8 @@ static const gn_key periodic_keys[] = {
     KEY("max", VECTOR, gn_scene, periodic_max, .unit = "m", .range = GN_PLACES, .required = true,
         .text = "upper corner of the periodic box"),
 };
-TABLE_OF(periodic);
+static const gn_section periodic_section = {periodic_keys, sizeof periodic_keys / sizeof(gn_key), 0,
+                                            offsetof(gn_scene, periodic_where)};
 
 static const gn_key domain_keys[] = {
     KEY("min", VECTOR, gn_scene, domain_min, .unit = "m", PRESENT(BOOL, gn_scene, has_domain),
@@ -535,8 +536,8 @@ static const gn_key scene_keys[] = {
         .text = "one line for reports"),
     KEY("dimension", INTEGER, gn_scene, dimension, .range = "[2, 3]", .fallback = "3",
         .packing = true, .text = "2: discs in plane strain; 3: spheres"),
-    KEY("origin", VECTOR, gn_scene, origin, .unit = "m", PRESENT(BOOL, gn_scene, has_origin),
-        .packing = true,
+    KEY("origin", VECTOR, gn_scene, origin, .unit = "m", .range = GN_PLACES,
+        PRESENT(BOOL, gn_scene, has_origin), .packing = true,
         .text = "point that positions are computed relative to; left out: near the model if that "
                 "lies far from 0, else 0"),
     SECTION("specimen", gn_specimen_section, PRESENT(BOOL, gn_scene, has_specimen), .packing = true,

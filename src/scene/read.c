@@ -149,13 +149,25 @@ static gneiss_status read_text(const gn_reader *reader, const gn_key *key, const
     return GNEISS_OK;
 }
 
-/* A name must be fit to stand in an override: walls.top.motion.vz. */
+/* Control characters of Unicode: C0, DEL and, in UTF-8, C1 (0xc2 0x80 to 0xc2 0x9f). */
+static bool has_control(const char *text) {
+    for (const unsigned char *c = (const unsigned char *)text; *c; c++)
+        if (*c < 0x20 || *c == 0x7f || (*c == 0xc2 && c[1] < 0xa0)) return true;
+    return false;
+}
+
+/* A name must be fit to stand in an override (walls.top.motion.vz) and in the path of a data set of
+ * results.h5 (history/wall_top_force_z). */
 static gneiss_status read_name(const gn_reader *reader, const gn_key *key, const gn_node *node,
                                char *name) {
     GN_TRY(read_text(reader, key, node, name));
-    bool bad = !*name || strpbrk(name, ".[]=\n\t\r") || strspn(name, "0123456789") == strlen(name);
-    if (!bad) return GNEISS_OK;
-    return unexpected(reader, node, "a name (not empty, not a number, without . [ ] =)", "");
+    char *rest;
+    (void)strtod(name, &rest);
+    /* Nothing is left of a number, nor of an empty name. */
+    if (*rest && !strpbrk(name, "./[]=") && !has_control(name)) return GNEISS_OK;
+    return unexpected(reader, node,
+                      "a name (not empty, not a number, without . / [ ] = and control characters)",
+                      "");
 }
 
 static gneiss_status read_choice(const gn_reader *reader, const gn_key *key, const gn_node *node,

@@ -391,6 +391,7 @@ typedef struct gn_scene {
 
     bool has_periodic;
     double periodic_min[3], periodic_max[3]; /* m */
+    gn_scene_place periodic_where;
     bool has_domain;
     double domain_min[3], domain_max[3]; /* m; default: the specimen's box grown tenfold */
     gn_lost_policy lost;
@@ -487,6 +488,10 @@ gn_effects gn_scene_effects(const gn_scene *scene);
  * NULL) restricts it to keys that hold it in any letters: first those that begin with it, then
  * those with it in their name, then in what stands behind. Returns the number of keys printed. */
 size_t gn_scene_print_keys(FILE *out, bool markdown, const char *sought);
+
+/* The key, by its name alone or with all above it, that `sought` is probably a slip for; false, and
+ * "": none is near enough. */
+bool gn_scene_nearest_key(const char *sought, char *name, size_t size);
 
 /* Value of a table at a time; 0 for an empty table. */
 double gn_table_at(const gn_table *table, double time);

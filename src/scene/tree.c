@@ -94,6 +94,8 @@ static gneiss_status fail_syntax(builder *b) {
     if (!first) return fail_at(b, (gn_scene_place){1, 1}, "not valid YAML");
     char text[512];
     snprintf(text, sizeof text, "not valid YAML: %s", first->msg ? first->msg : "unknown reason");
+    char *slip = strstr(text, "indendation"); /* the library's spelling */
+    if (slip) slip[5] = 't';
     return fail_at(
         b,
         (gn_scene_place){first->line > 0 ? first->line : 1, first->column > 0 ? first->column : 1},

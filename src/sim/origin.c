@@ -42,8 +42,16 @@ static void settle(gn_scene *s, const gn_extent *extent) {
     double unit = ldexp(1.0, exponent);
     for (int64_t a = 0; a < s->dimension; a++) {
         double whole = unit * nearbyint(middle[a] / unit);
-        s->origin[a] = isfinite(whole) ? whole : middle[a];
+        s->origin[a] = fabs(whole) <= GN_PLACE_MOST ? whole : middle[a]; /* as the key is bounded */
     }
+}
+
+static gneiss_status read_elements(const gn_scene *s, gn_mesh *mesh, gneiss_error *error) {
+    const gn_element_def *e = &s->elements;
+    gneiss_status status = gn_mesh_read_msh(e->mesh_path, e->scale, mesh, error);
+    if (status == GNEISS_OK) return status;
+    return gn_fail_context(error, "%s:%d:%d: elements.mesh: ", s->source, e->where.line,
+                           e->where.column);
 }
 
 gneiss_status gn_origin_choose(gn_scene *s, const gn_mesh *mesh, gneiss_error *error) {
@@ -51,8 +59,7 @@ gneiss_status gn_origin_choose(gn_scene *s, const gn_mesh *mesh, gneiss_error *e
     gn_mesh own = {0};
     if (s->has_origin) return GNEISS_OK;
     if (s->has_specimen) gn_specimen_extent(s, &extent);
-    if (s->has_elements && s->elements.mesh[0] && !mesh)
-        GN_TRY(gn_mesh_read_msh(s->elements.mesh_path, s->elements.scale, &own, error));
+    if (s->has_elements && s->elements.mesh[0] && !mesh) GN_TRY(read_elements(s, &own, error));
     if (s->has_elements) add_elements(s, mesh ? mesh : &own, &extent);
     gn_mesh_free(&own);
     settle(s, &extent);
@@ -91,8 +98,7 @@ gneiss_status gn_origin_enter(gn_world *w, gn_mesh *mesh, gneiss_error *error) {
     gn_scene *s = &w->given;
     *mesh = (gn_mesh){0};
     GN_TRY(read_specimen(s, error));
-    if (s->has_elements && s->elements.mesh[0])
-        GN_TRY(gn_mesh_read_msh(s->elements.mesh_path, s->elements.scale, mesh, error));
+    if (s->has_elements && s->elements.mesh[0]) GN_TRY(read_elements(s, mesh, error));
     GN_TRY(gn_origin_choose(s, mesh, error));
     if (s->specimen.file[0]) take_off(s, s->specimen.packed, s->specimen.packed_count, 4);
     take_off(s, mesh->node, mesh->node_count, 3);

@@ -236,6 +236,28 @@ static gneiss_status check_specimen(const gn_world *w, gneiss_error *error) {
     return GNEISS_OK;
 }
 
+/* A particle must not meet two images of another one: pairs are looked for within a reach. */
+static gneiss_status check_period(const gn_world *w, gneiss_error *error) {
+    const gn_scene *s = &w->scene;
+    if (!(w->effects & GN_FX_PERIODIC)) return GNEISS_OK;
+    double radius = 0.0;
+    for (size_t p = 0; p < w->dem.particles.soa.count; p++)
+        radius = fmax(radius, w->dem.particles.pos[4 * p + 3]);
+    double bonds = 2.0 * radius * (1.0 + s->interaction_range);
+    double lists = 2.0 * radius + w->dem.verlet.skin, least = 2.0 * fmax(bonds, lists);
+    const char *asks = bonds >= lists  ? ", with bonds.interaction_range"
+                       : s->skin > 0.0 ? ", with neighbours.skin"
+                                       : "";
+    for (int a = 0; a < (int)s->dimension; a++)
+        if (w->period[a] < least)
+            return gn_fail(error, GNEISS_ERROR_INPUT,
+                           "%s:%d:%d: periodic: expected a length of at least %g m along %c (twice "
+                           "the reach of the largest particles%s), found %g m",
+                           s->source, s->periodic_where.line, s->periodic_where.column, least,
+                           "xyz"[a], asks, w -> period[a]);
+    return GNEISS_OK;
+}
+
 static gneiss_status build_particles(gn_world *w, gneiss_error *error) {
     GN_TRY(load_particles(w, error));
     GN_TRY(gn_origin_check_specimen(w, error));
@@ -253,6 +275,7 @@ static gneiss_status build_particles(gn_world *w, gneiss_error *error) {
         return gn_fail(error, GNEISS_ERROR_MEMORY, "no memory for particle numbers");
     w->dem.verlet.skin = w->scene.skin > 0.0 ? w->scene.skin : automatic_skin(w);
     w->dem.verlet.skin_start = w->dem.verlet.skin;
+    GN_TRY(check_period(w, error));
     GN_TRY(gn_world_rebuild(w, error));
     /* A periodic box has no surface whose displacements would tell its strain. */
     if (!(w->effects & GN_FX_PERIODIC))
@@ -292,11 +315,13 @@ static const double steps_most = 1e15;
 gneiss_status gn_world_check_duration(const gn_world *w, gneiss_error *error) {
     double steps = (w->scene.end - w->time) / w->dt;
     if (steps <= steps_most) return GNEISS_OK;
-    return gn_fail(error, GNEISS_ERROR_INPUT,
-                   "%s:%d:%d: time: expected an end within %.0g steps, found %.3g steps of %.4g s "
-                   "to t = %.4g s: no run comes to its end (time.end, time.safety, time.step)",
-                   w->scene.source, w->scene.time_where.line, w->scene.time_where.column,
-                   steps_most, steps, w->dt, w->scene.end);
+    return gn_fail(
+        error, GNEISS_ERROR_INPUT,
+        "%s:%d:%d: time: expected an end within %.0g steps, found %.3g steps of %.4g s "
+        "to t = %.4g s: no run comes to its end (time.end, time.safety, time.contact_steps, "
+        "time.step)",
+        w->scene.source, w->scene.time_where.line, w->scene.time_where.column, steps_most, steps,
+        w->dt, w->scene.end);
 }
 
 static gneiss_status build(gn_world *w, gneiss_error *error) {
@@ -311,6 +336,8 @@ static gneiss_status build(gn_world *w, gneiss_error *error) {
     GN_TRY(particles ? build_particles(w, error) : build_empty(w, error));
     if (!particles) measure_body(w);
     GN_TRY(gn_world_check_step(w, true, error));
+    /* Of the step that is left when collisions have to be resolved, too. */
+    GN_TRY(gn_world_check_duration(w, error));
     return gn_origin_check(w, error);
 }
 
