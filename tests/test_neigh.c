@@ -305,6 +305,22 @@ static void a_contact_whose_ends_change_places_goes_on_as_before(void **state) {
     world_end(b);
 }
 
+/* Fast particles have short-lived lists, whose skin grows; a box of 4.4 mm bears 0.2 mm of it. */
+static void the_skin_grows_no_wider_than_a_periodic_box_bears(void **state) {
+    (void)state;
+    gn_world *w = world_of(
+        "dimension: 3\nspecimen: {lattice: {kind: cubic, radius: 1e-3, cells: [4, 4, 2]}, group: "
+        "0}\n"
+        "materials: [{name: m, density: 2500, normal_stiffness: 1e6, kratio: 2}]\nlaw: {stiffness: "
+        "uniform}\ndamping: {contact: {restitution: 0.9}}\ninitial: {random_velocity: 100}\n"
+        "periodic: {min: [0, 0, 0], max: [8.2e-3, 8.2e-3, 4.4e-3]}\ntime: {end: 1}\nrun: {threads: "
+        "1}\n");
+    double start = w->dem.verlet.skin_start;
+    run_steps(w, 200);
+    assert_true(w->dem.verlet.skin > start && w->dem.verlet.skin <= 0.2e-3);
+    world_end(w);
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(pairs_of_any_size_ratio_are_all_found),
@@ -318,6 +334,7 @@ int main(void) {
         cmocka_unit_test(the_skin_does_not_change_the_motion),
         cmocka_unit_test(shear_forces_survive_reorderings),
         cmocka_unit_test(a_contact_whose_ends_change_places_goes_on_as_before),
+        cmocka_unit_test(the_skin_grows_no_wider_than_a_periodic_box_bears),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

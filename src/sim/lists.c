@@ -288,6 +288,17 @@ static bool order_is_old(const gn_world *w) {
            (!(w->effects & GN_FX_BONDS) && w->dem.verlet.rebuilds % REBUILDS_PER_SORT == 0);
 }
 
+/* A particle must not have two images of another within reach. */
+static double widest_skin(const gn_world *w) {
+    double radius = 0.0, widest = INFINITY;
+    for (size_t p = 0; p < w->dem.particles.soa.count; p++)
+        radius = fmax(radius, w->dem.particles.pos[4 * p + 3]);
+    for (int a = 0; a < 3; a++)
+        if (w->period[a] > 0.0)
+            widest = fmin(widest, (0.5 * w->period[a] - 2.0 * radius) * (1.0 - 1e-9));
+    return fmax(widest, w->dem.verlet.skin);
+}
+
 /* A rebuild costs about as much as fifteen steps, so lists that live for less than 150 cost more
  * than a tenth of the run: the skin grows. Lists that live long may be needlessly wide: it shrinks
  * again. Steps and not seconds decide, so that every run does the same; forces do not depend on the
@@ -296,7 +307,7 @@ static void tune_skin(gn_world *w) {
     enum { SHORT_LIFE = 160, LONG_LIFE = 2000 };
     if (w->scene.skin > 0.0 || w->dem.verlet.rebuilds == 0) return;
     int64_t life = w->step - w->dem.verlet.last_step;
-    double most = 6.0 * w->dem.verlet.skin_start;
+    double most = fmin(6.0 * w->dem.verlet.skin_start, widest_skin(w));
     if (life < SHORT_LIFE) w->dem.verlet.skin = fmin(1.25 * w->dem.verlet.skin, most);
     if (life > LONG_LIFE)
         w->dem.verlet.skin = fmax(0.8 * w->dem.verlet.skin, w->dem.verlet.skin_start);
