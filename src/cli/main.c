@@ -8,6 +8,7 @@
 #include "run/folder.h"
 
 #include <omp.h>
+#include <stdint.h>
 #include <stdlib.h>
 #include <string.h>
 #include <unistd.h>
@@ -218,7 +219,7 @@ static void command_info(void) {
     printf("kernel variants   %zu contact, %zu motion, %d element, for each instruction set\n",
            contact, motion, GN_ELEMENT_VARIANTS);
     printf("code              %.1f MB, most of it kernels\n",
-           (double)(etext - __executable_start) * 1e-6);
+           (double)((uintptr_t)etext - (uintptr_t)__executable_start) * 1e-6);
     printf("finite elements   triangles in plane strain, tetrahedra; displacement, mixed\n");
 }
 

@@ -52,20 +52,22 @@ static gneiss_status read_arrays(const gn_output_view *v, const gn_output_table 
 }
 
 static gneiss_status write_bonds(const gn_run *run, const gn_output_view *v, const char *name,
-                                 gn_snapshot *s, gneiss_error *error) {
+                                 const gn_snapshot *points, gneiss_error *error) {
     const gn_world *w = &run->world;
+    const size_t count = w->dem.bonds.soa.count;
     arrays lines;
-    s->line_count = w->dem.bonds.soa.count;
-    int32_t *ends = calloc(s->line_count + 1, 2 * sizeof *ends);
+    int32_t *ends = calloc(count + 1, 2 * sizeof *ends);
     if (!ends) return gn_fail(error, GNEISS_ERROR_MEMORY, "no memory for the output of bonds");
-    for (size_t c = 0; c < s->line_count; c++) gn_output_bond_ends(w, c, ends + 2 * c);
-    gneiss_status status = read_arrays(v, &gn_bond_outputs, s->line_count, NULL, &lines, error);
+    for (size_t c = 0; c < count; c++) gn_output_bond_ends(w, c, ends + 2 * c);
+    gneiss_status status = read_arrays(v, &gn_bond_outputs, count, NULL, &lines, error);
     if (status == GNEISS_OK) {
-        s->point_array_count = 0;
-        s->lines = ends;
-        s->line_arrays = lines.of;
-        s->line_array_count = lines.count;
-        status = gn_snapshot_write(run->directory, name, s, error);
+        gn_snapshot s = *points;
+        s.point_array_count = 0;
+        s.line_count = count;
+        s.lines = ends;
+        s.line_arrays = lines.of;
+        s.line_array_count = lines.count;
+        status = gn_snapshot_write(run->directory, name, &s, error);
         free_arrays(&lines);
     }
     free(ends);

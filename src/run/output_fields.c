@@ -73,8 +73,9 @@ static const gn_output_field of_particles[] = {
 
 /* --- bonds --- */
 
-void gn_output_bond_ends(const gn_world *w, size_t c, int32_t ends[2]) {
-    int32_t i = w->dem.particles.id[w->dem.bonds.i[c]], j = w->dem.particles.id[w->dem.bonds.j[c]];
+void gn_output_bond_ends(const gn_world *w, size_t bond, int32_t ends[2]) {
+    int32_t i = w->dem.particles.id[w->dem.bonds.i[bond]],
+            j = w->dem.particles.id[w->dem.bonds.j[bond]];
     ends[0] = i < j ? i : j;
     ends[1] = i < j ? j : i;
 }

@@ -251,12 +251,12 @@ static double springs_of(const gn_world *w, size_t k) {
  * dashpots r <= 2 (1 - s). Whether it is one particle or many does not matter: the bound takes all
  * of the fastest mode to be at the wall. r = 1 takes up all that is missing in one step; more than
  * that is never of use. Where the step is at its limit a little has to be left to move the wall. */
-double gn_world_servo_relaxation(const gn_world *w, size_t k) {
-    double share = fmin(1.0, w->dt / w->stable), stiffness = w->boundary.walls[k].stiffness;
+double gn_world_servo_relaxation(const gn_world *w, size_t wall) {
+    double share = fmin(1.0, w->dt / w->stable), stiffness = w->boundary.walls[wall].stiffness;
     bool dashpots = w->dem.damping_fraction > 0.0;
     double most = fmax(0.01, fmin(1.0, 2.0 * (1.0 - (dashpots ? share : share * share))));
     if (!dashpots || !(stiffness > 0.0)) return most;
-    return most * stiffness / (2.0 * stiffness - springs_of(w, k));
+    return most * stiffness / (2.0 * stiffness - springs_of(w, wall));
 }
 
 /* Stiffness of the contacts that do not press yet but would within `path` of the wall, if their
