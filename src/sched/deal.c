@@ -11,7 +11,7 @@
 
 gneiss_status gn_deal_create(gn_deal *deal, int threads, gneiss_error *error) {
     const size_t n = (size_t)threads;
-    *deal = (gn_deal){.threads = threads, .pace = gn_pace_start(threads, 32, 512, 32768)};
+    *deal = (gn_deal){.threads = threads, .pace = gn_pace_start(threads, 32, 128, 32768)};
     deal->share = gn_alloc_array(n + 1, sizeof *deal->share);
     deal->mark = gn_alloc_array(n, sizeof *deal->mark);
     deal->task_first = gn_alloc_array(n + 1, sizeof *deal->task_first);
@@ -486,12 +486,12 @@ static void work_on_the_rest(worker *k) {
 
 void gn_deal_sweep(gn_deal *deal, int pass, const gn_deal_work *work, void *context) {
     worker k = {.deal = deal, .work = work, .context = context, .me = omp_get_thread_num()};
-    const double start = gn_now();
+    const double start = gn_thread_time();
     k.sweep = deal->sweeps + (uint64_t)pass + 1;
     work_on_share(&k);
     help_others(&k);
     work_on_the_rest(&k);
-    deal->mark[k.me].seconds += gn_now() - start - k.lost;
+    deal->mark[k.me].seconds += fmax(0.0, gn_thread_time() - start - k.lost);
     deal->mark[k.me].worked += k.tasks;
 }
 

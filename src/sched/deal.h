@@ -44,7 +44,7 @@ typedef struct gn_deal_mark {
     _Atomic uint64_t done;              /* how many it has done itself, from the front */
     _Atomic uint64_t drawn;             /* how many of its shared and late blocks are taken */
     size_t worked;                      /* tasks of any share that it has done in this round */
-    double seconds;                     /* that it did not wait, in this round */
+    double seconds; /* of a processor, in this round, in which it did not wait */
 } gn_deal_mark;
 
 typedef struct gn_deal {
