@@ -52,8 +52,8 @@ gneiss_status gn_paths_check(const gn_world *w, gneiss_error *error) {
 gneiss_status gn_paths_check_spins(const gn_world *w, gneiss_error *error) {
     const gn_particles *q = &w->dem.particles;
     double most = 0.0;
-    int team = w->dem.deal.team > 0 ? w->dem.deal.team : 1; /* as many as the sweep has now */
-    if (!q->spin) return GNEISS_OK;
+    int team = w->dem.deal.team; /* as many as the sweep has now; 0: no particles */
+    if (team < 1 || !q->spin) return GNEISS_OK;
 #pragma omp parallel for schedule(static) num_threads(team) reduction(max : most)
     for (size_t p = 0; p < q->soa.count; p++) { /* not fmax, which is a call */
         double size2 = gn_dot3(q->spin + 4 * p, q->spin + 4 * p);
