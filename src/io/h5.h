@@ -56,6 +56,9 @@ gneiss_status gn_h5_get_text(const gn_h5 *file, const char *name, char **text, g
 /* Attributes; their number and type must match. *text is malloc'ed. */
 gneiss_status gn_h5_get_attribute_text(const gn_h5 *file, const char *object, const char *name,
                                        char **text, gneiss_error *error);
+/* The same of a file that is not open; *text is NULL on failure. */
+gneiss_status gn_h5_peek_text(const char *path, const char *object, const char *name, char **text,
+                              gneiss_error *error);
 gneiss_status gn_h5_get_attribute_f64(const gn_h5 *file, const char *object, const char *name,
                                       double *values, size_t count, gneiss_error *error);
 gneiss_status gn_h5_get_attribute_i64(const gn_h5 *file, const char *object, const char *name,

@@ -276,3 +276,13 @@ gneiss_status gn_h5_get_attribute_text(const gn_h5 *file, const char *object, co
         free(buffer);
     return status;
 }
+
+gneiss_status gn_h5_peek_text(const char *path, const char *object, const char *name, char **text,
+                              gneiss_error *error) {
+    gn_h5 *file = NULL;
+    *text = NULL;
+    gneiss_status status = gn_h5_open(path, &file, error);
+    if (status == GNEISS_OK) status = gn_h5_get_attribute_text(file, object, name, text, error);
+    gn_h5_close(file);
+    return status;
+}

@@ -125,13 +125,9 @@ gneiss_status gn_snapshot_write(const char *directory, const char *name,
 }
 
 gneiss_status gn_snapshot_is_own(const char *path, bool *own, gneiss_error *error) {
-    gn_h5 *file = NULL;
-    char *text = NULL;
+    char *text;
     gneiss_error reading = {0};
-    gneiss_status status = gn_h5_open(path, &file, &reading);
-    if (status == GNEISS_OK)
-        status = gn_h5_get_attribute_text(file, "VTKHDF/PointData", "text", &text, &reading);
-    gn_h5_close(file);
+    gneiss_status status = gn_h5_peek_text(path, "VTKHDF/PointData", "text", &text, &reading);
     *own = status == GNEISS_OK && strcmp(text, on_points) == 0;
     free(text);
     return status == GNEISS_ERROR_IO || status == GNEISS_ERROR_MEMORY

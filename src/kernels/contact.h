@@ -14,6 +14,11 @@ typedef struct gn_uniform {
     size_t kn, kt, mu, cn;
 } gn_uniform;
 
+/* An overlap within this part of the distance (of the radius, at a wall) is rounding of positions
+ * and none: whether contacts that begin at 0 have begun is then the same in the next step, from the
+ * stretch before that. */
+#define GN_OVERLAP_ROUNDING 0x1p-48
+
 typedef struct gn_contact_args {
     const double *pos, *vel, *spin;      /* particle rows [n][4]; spin NULL without rotation */
     const float *pos_f, *vel_f, *spin_f; /* in mixed precision; pos_f: travel, see records.h */

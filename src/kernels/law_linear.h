@@ -246,9 +246,7 @@ GN_INLINE contact_force linear_force(const gn_contact_args *a, size_t c, size_t 
         /* Bonds that hold have nothing to limit. */
         if (w.damping) total = damped(a, c, g->growth, path, &q, e, w);
     } else {
-        /* An overlap within the rounding of the positions is none: whether contacts that begin at 0
-         * have begun is then the same in the next step, from the stretch before that. */
-        q.beyond = gn_fma(gn_set(0x1p-48), p->distance, q.stretch);
+        q.beyond = gn_fma(gn_set(GN_OVERLAP_ROUNDING), p->distance, q.stretch);
         q.touching = gn_less(q.beyond, zero);
         path = find_normal_force(a, c, g, &q, w);
         total = q.normal;

@@ -62,13 +62,9 @@ static bool same_file(const char *a, const char *b) {
 
 static gneiss_status check_owner(const char *path, const char *directory, const gn_scene *scene,
                                  gneiss_error *error) {
-    gn_h5 *file = NULL;
-    char *owner = NULL;
+    char *owner;
     gneiss_error reading = {0};
-    gneiss_status status = gn_h5_open(path, &file, &reading);
-    if (status == GNEISS_OK)
-        status = gn_h5_get_attribute_text(file, "/", "scene_file", &owner, &reading);
-    gn_h5_close(file);
+    gneiss_status status = gn_h5_peek_text(path, "/", "scene_file", &owner, &reading);
     if (status == GNEISS_ERROR_IO || status == GNEISS_ERROR_MEMORY)
         status = gn_fail(error, status, "%s", reading.message);
     else if (status != GNEISS_OK)

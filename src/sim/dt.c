@@ -130,8 +130,8 @@ typedef struct question {
     double tolerance;     /* of Lanczos; 0: bounds alone */
     gn_step_limit *limit; /* answers */
     gn_step_verdict *verdict;
-    bool changed; /* only what has others than at the last look needs to be looked at */
-    bool turned;  /* only what has turned since */
+    bool changed;          /* only what has others than at the last look needs to be looked at */
+    const uint8_t *turned; /* [particles] only these and their neighbours; NULL: see `changed` */
 } question;
 
 /* Between two lists contacts turn by some more: by the skin over a diameter, at most. */
@@ -169,20 +169,9 @@ static gneiss_status holds(const gn_spectrum *spectrum, const question *q, gneis
     return status;
 }
 
-static gneiss_status turned_hold(const gn_spectrum *spectrum, const question *q,
-                                 gneiss_error *error) {
-    uint8_t *turned = gn_alloc(spectrum->assembly->particles->soa.count + 1);
-    if (!turned) return gn_fail(error, GNEISS_ERROR_MEMORY, "no memory for the stability estimate");
-    gneiss_status status = GNEISS_OK;
-    *q->verdict = (gn_step_verdict){.holds = true};
-    if (gn_step_turned(spectrum, turned_by, turned))
-        status = gn_step_holds(spectrum, q->step, q->tolerance, turned, q->verdict, error);
-    gn_free(turned);
-    return status;
-}
-
 static gneiss_status answer(const gn_spectrum *spectrum, const question *q, gneiss_error *error) {
-    if (q->turned) return turned_hold(spectrum, q, error);
+    if (q->turned)
+        return gn_step_holds(spectrum, q->step, q->tolerance, q->turned, q->verdict, error);
     if (q->step > 0.0) return holds(spectrum, q, error);
     return gn_step_limits(spectrum, q->tolerance, q->limit, error);
 }
@@ -361,19 +350,40 @@ static gneiss_status resolve_listed(gn_world *w, gneiss_error *error) {
     return GNEISS_OK;
 }
 
-/* Springs that turn against each other have another limit though they are the same: a bonded chain
- * that is stretched out needs a smaller step than one at a right angle. What has turned is held
- * against the step, with a reserve for what turns until the next lists; where that does not hold
- * for sure, the limit of all is found anew. */
-static gneiss_status look_at_turned(gn_world *w, gneiss_error *error) {
+/* Marks the particles whose contacts with others have turned since the step was last looked at. */
+static size_t find_turned(const gn_world *w, uint8_t *turned) {
+    gn_assembly assembly = gn_world_assembly(w);
+    gn_spectrum spectrum = spectrum_of(w, 0.0, &assembly, &(spectrum_data){0});
+    return gn_step_turned(&spectrum, turned_by, turned);
+}
+
+/* Whether the step holds for what has turned, with a reserve for what turns until the next lists.
+ */
+static gneiss_status turned_hold(const gn_world *w, const uint8_t *turned, bool *hold,
+                                 gneiss_error *error) {
     gn_step_verdict verdict = {0};
-    double needed = particles_needed(w, w->dt / turned_share), limit;
+    double needed = particles_needed(w, w->dt / turned_share);
     question q = {.step = needed < INFINITY ? needed : DBL_MAX,
                   .tolerance = tolerance_of(w),
                   .verdict = &verdict,
-                  .turned = true};
-    GN_TRY(ask(w, false, &q, error));
-    if (verdict.holds) return GNEISS_OK;
+                  .turned = turned};
+    gneiss_status status = ask(w, false, &q, error);
+    *hold = verdict.holds;
+    return status;
+}
+
+/* Springs that turn against each other have another limit though they are the same: a bonded chain
+ * that is stretched out needs a smaller step than one at a right angle. Where the step does not
+ * hold for sure, the limit of all is found anew. */
+static gneiss_status look_at_turned(gn_world *w, gneiss_error *error) {
+    bool hold = true;
+    double limit;
+    uint8_t *turned = gn_alloc(w->dem.particles.soa.count + 1);
+    if (!turned) return gn_fail(error, GNEISS_ERROR_MEMORY, "no memory for the stability estimate");
+    gneiss_status status = GNEISS_OK;
+    if (find_turned(w, turned)) status = turned_hold(w, turned, &hold, error);
+    gn_free(turned);
+    if (status != GNEISS_OK || hold) return status;
     GN_TRY(find_limit(w, error));
     GN_TRY(usable_limit(w, &limit, error));
     w->dem.stable = limit;

@@ -58,16 +58,8 @@ static void assert_partials(const gn_world *w, const gn_contacts *list, const gn
 }
 
 static bool listed(const gn_contacts *list, int32_t i, int32_t j) {
-    size_t low = 0, high = list->soa.count;
-    while (low < high) {
-        size_t mid = (low + high) / 2;
-        bool before = list->i[mid] < i || (list->i[mid] == i && list->j[mid] < j);
-        if (before)
-            low = mid + 1;
-        else
-            high = mid;
-    }
-    return low < list->soa.count && list->i[low] == i && list->j[low] == j;
+    size_t c = gn_contacts_from(list, i, j);
+    return c < list->soa.count && list->i[c] == i && list->j[c] == j;
 }
 
 /* Whatever is nearer than the skin is in one of the lists, and in one alone. */

@@ -21,8 +21,7 @@ static bool comes_before(const gn_contacts *list, size_t c, int32_t i, int32_t j
     return list->i[c] < i || (list->i[c] == i && list->j[c] < j);
 }
 
-/* First contact of a sorted list that does not come before (i, j). */
-static size_t lower_bound(const gn_contacts *list, int32_t i, int32_t j) {
+size_t gn_contacts_from(const gn_contacts *list, int32_t i, int32_t j) {
     size_t low = 0, high = list->soa.count;
     while (low < high) {
         size_t mid = (low + high) / 2;
@@ -85,7 +84,7 @@ static void fill_pairs(const gn_world *w, const gn_pair_list *found, gn_contacts
         size_t t = (size_t)omp_get_thread_num(), of = (size_t)omp_get_num_threads();
         size_t begin = found->count * t / of, end = found->count * (t + 1) / of, at = 0;
         if (begin < end)
-            at = lower_bound(&w->dem.pairs, found->pair[begin][0], found->pair[begin][1]);
+            at = gn_contacts_from(&w->dem.pairs, found->pair[begin][0], found->pair[begin][1]);
         for (size_t c = begin; c < end; c += PART)
             fill_part(w, found, now, c, end - c < PART ? end : c + PART, &at);
     }
@@ -291,6 +290,7 @@ static bool order_is_old(const gn_world *w) {
 /* A particle must not have two images of another within reach. */
 static double widest_skin(const gn_world *w) {
     double radius = 0.0, widest = INFINITY;
+    if (!(w->effects & GN_FX_PERIODIC)) return widest;
     for (size_t p = 0; p < w->dem.particles.soa.count; p++)
         radius = fmax(radius, w->dem.particles.pos[4 * p + 3]);
     for (int a = 0; a < 3; a++)

@@ -196,6 +196,9 @@ gneiss_status gn_paths_check(const gn_world *world, gneiss_error *error);
 gneiss_status gn_paths_check_spins(const gn_world *world, gneiss_error *error);
 gneiss_status gn_paths_check_nodes(const gn_world *world, gneiss_error *error);
 
+/* The first contact of a sorted list that does not come before (i, j) (lists.c). */
+size_t gn_contacts_from(const gn_contacts *list, int32_t i, int32_t j);
+
 /* What the kernels get in the coming step (step.c). */
 gn_contact_args gn_world_contact_args(const gn_world *world, const gn_contacts *list, bool measure);
 gn_motion_args gn_world_motion_args(gn_world *world, bool measure);

@@ -90,7 +90,7 @@ static void book_pair(gn_world *w, const gn_contacts *k, size_t c) {
     if (!(length > 0.0)) return;
     double free = k->length0 ? k->length0[c] : q->pos[4 * i + 3] + q->pos[4 * j + 3];
     double stretch = length - free, kt = k->kt ? k->kt[c] : 0.0;
-    bool acts = stretch < -0x1p-48 * length || (k->rn && k->rn[c] > 0.0);
+    bool acts = stretch < -GN_OVERLAP_ROUNDING * length || (k->rn && k->rn[c] > 0.0);
     double normal = acts ? k->kn[c] * stretch : 0.0;
     double viscous = value_of(k->fd, k->fd_f, c);
     for (size_t a = 0; a < 3; a++) {

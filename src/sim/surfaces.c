@@ -340,7 +340,7 @@ static gn_touch touch_of(const group *g, const gn_facet_near *minima, const gn_f
                          const double arm[3]) {
     const gn_particles *q = &g->w->dem.particles;
     const double *vp = q->vel + 4 * g->particle, *spin = q->spin ? q->spin + 4 * g->particle : NULL;
-    gn_touch s = {.gap = k->overlap, .rounding = 0x1p-48 * q->pos[4 * g->particle + 3]};
+    gn_touch s = {.gap = k->overlap, .rounding = GN_OVERLAP_ROUNDING * q->pos[4 * g->particle + 3]};
     double v[3], turn[3] = {0, 0, 0};
     memcpy(s.n, k->n, sizeof s.n);
     s.inverse_mass =

@@ -61,9 +61,9 @@ static inline bool gn_touch_crosses(const gn_touch *t, double path) {
 static inline gn_linear_crossing gn_touch_normal(double stiffness, const gn_touch *t, double path,
                                                  double dt) {
     bool touching = t->gap < -t->rounding;
-    if (!gn_touch_crosses(t, path) && touching)
-        return (gn_linear_crossing){stiffness * t->gap, 1.0, t->gap};
-    if (!gn_touch_crosses(t, path)) return (gn_linear_crossing){0.0, 0.0, 0.0};
+    if (!gn_touch_crosses(t, path))
+        return touching ? (gn_linear_crossing){stiffness * t->gap, 1.0, t->gap}
+                        : (gn_linear_crossing){0.0, 0.0, 0.0};
     double quarter_y2 = 0.25 * dt * dt * stiffness * t->inverse_mass;
     return gn_linear_cross(stiffness, t->gap, path, quarter_y2, touching, !touching, touching);
 }

@@ -134,7 +134,7 @@ static gn_touch touch_of(const gn_world *w, size_t c, double v[3], double *arm) 
     size_t p = (size_t)list->i[c], k = (size_t)list->wall[c];
     const gn_wall *wall = &w->boundary.walls[k];
     double gap = wall_gap(w, p, k);
-    gn_touch s = {.gap = gap - list->gap0[c], .rounding = 0x1p-48 * q->pos[4 * p + 3]};
+    gn_touch s = {.gap = gap - list->gap0[c], .rounding = GN_OVERLAP_ROUNDING * q->pos[4 * p + 3]};
     *arm = q->pos[4 * p + 3] + (w->scene.contact_arm == GN_ARM_MIDPOINT ? gap : 0.0);
     for (int a = 0; a < 3; a++) {
         s.n[a] = -wall->normal[a];
