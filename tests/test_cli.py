@@ -478,7 +478,7 @@ def a_scene_that_is_no_file_is_an_error(folder):
 def output_that_nobody_takes_is_an_error(folder):
     for arguments in (("keys",), ("run", LATTICE, "--out", folder)):
         with open("/dev/full", "w") as full:
-            done = subprocess.run(command(*arguments), stdout=full, stderr=subprocess.PIPE, text=True)
+            done = subprocess.run(command(*arguments), stdout=full, stderr=subprocess.PIPE, text=True, env=ENVIRONMENT)
         expect(done, 3, "standard output")
     assert summary(folder)["finished"]
 

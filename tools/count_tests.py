@@ -2,8 +2,8 @@
 """count_tests.py TESTLOG.json: one line, `N passed, N failed, N skipped`, from meson's test log.
 
 A cmocka program counts by its subtests (TAP lines), any other test as one. A program that dies, times
-out or ends with an error without a failed subtest counts as one more failure. Exit code 0 only if
-something passed and nothing failed.
+out or ends with an error without a failed subtest counts as one more failure. Which failed, and what they
+said, stands before it. Exit code 0 only if something passed and nothing failed.
 """
 import json
 import re
@@ -29,6 +29,18 @@ def count_program(entry):
     return passed, failed, skipped
 
 
+def failures(entry, most=12):
+    """Names of the subtests that failed, with the last lines of what each said before its own line."""
+    said = []
+    for line in (entry.get("stdout") or "").splitlines():
+        if line.startswith("not ok"):
+            yield from said[-most:]
+            yield line
+        said = [] if TAP_LINE.match(line) else said + [line]
+    if entry["result"] not in GOOD:
+        yield from (entry.get("stderr") or "").splitlines()[-most:]
+
+
 def main(path):
     try:
         with open(path, encoding="utf-8") as log:
@@ -43,6 +55,8 @@ def main(path):
     for entry in entries:
         if count_program(entry)[1]:
             print(f"failed: {entry['name']} ({entry['result']})")
+            for line in failures(entry):
+                print("    " + line)
     print(f"{passed} passed, {failed} failed, {skipped} skipped")
     return 0 if passed and not failed else 1
 
