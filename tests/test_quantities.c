@@ -2,7 +2,7 @@
  * `test_quantities FILE` writes the page. */
 #include "world_helpers.h"
 
-#include "run/output_fields.h"
+#include "run/output_table.h"
 #include "run/quantities.h"
 #include "run/record.h"
 
@@ -34,7 +34,8 @@ static char *page(void) {
         file,
         "# Quantities\n\nWritten by `build/tests/test_quantities docs/quantities.md` from the "
         "tables that also drive what is measured and\nwritten (src/run/quantities.c, "
-        "src/run/output_fields.c, src/measure/energy.h, src/measure/measure.h). Where they "
+        "src/run/output_fields.c, output_elements.c, output_bodies.c, src/measure/energy.h, "
+        "src/measure/measure.h). Where they "
         "stand:\n[results.md](results.md).\n\n## History\n\nA row is of the instant at which a "
         "step starts. `_x ..` stands for the components that the dimension has: `_x _y _z`,\nof "
         "moments in 2D `_z`; `_xx ..` for `_xx _yy _zz _xy _yz _xz`.\n\n| column | unit | is | "
@@ -54,10 +55,20 @@ static char *page(void) {
 #define X(name, unit, text) fprintf(file, "| `%s` | %s | %s |\n", #name, unit, text);
     GN_READINGS(X)
 #undef X
-    fprintf(file, "\n## Particles\n");
-    field_rows(file, &gn_particle_outputs);
-    fprintf(file, "\n## Bonds\n");
-    field_rows(file, &gn_bond_outputs);
+    static const struct {
+        const char *title;
+        const gn_output_table *table;
+    } tables[] = {{"Particles", &gn_particle_outputs},
+                  {"Bonds", &gn_bond_outputs},
+                  {"Nodes", &gn_node_outputs},
+                  {"Elements", &gn_element_outputs},
+                  {"Bodies", &gn_body_outputs},
+                  {"Vertices of bodies", &gn_vertex_outputs},
+                  {"Facets of bodies", &gn_facet_outputs}};
+    for (size_t k = 0; k < sizeof tables / sizeof *tables; k++) {
+        fprintf(file, "\n## %s\n", tables[k].title);
+        field_rows(file, tables[k].table);
+    }
     assert_int_equal(fclose(file), 0);
     return made;
 }
