@@ -1,8 +1,8 @@
 """Holds the pages against what they lead to: `./do check links`.
 
 links.py [ROOT]: every relative link and picture of README.md, CONTRIBUTING.md and docs/ is there, with the heading that it
-names; every page and picture under docs/ that a source, a script or a page names is there; every picture is shown on a
-page. Prints file:line of whatever is not so.
+names; every page and picture under docs/ that a source, a script or a page names is there, and every source that a page
+names; every picture is shown on a page. Prints file:line of whatever is not so.
 """
 import re
 import sys
@@ -10,6 +10,7 @@ from pathlib import Path
 
 LINK = re.compile(r"\]\(([^)\s]+)\)")
 NAMED = re.compile(r"(?<![\w./-])docs/[\w./-]+\.(?:md|png)\b")
+SOURCE = re.compile(r"(?<![\w./-])(?:src|include|tests|bench|validate|tools|scenes|examples)/[\w./-]+\.(?:c|h|cpp|py|yaml|txt|sh|json|build)\b")
 FOLDERS = ("docs", "scenes", "include", "src", "tests", "bench", "validate", "tools", "examples")
 TEXTS = {".md", ".c", ".h", ".cc", ".cpp", ".py", ".sh", ".yaml", ".build", ""}
 
@@ -51,8 +52,11 @@ def check_links(page, root, shown):
 
 
 def check_names(path, root):
+    is_page = path.suffix == ".md"
     for number, line in enumerate(path.read_text(errors="replace").splitlines(), 1):
-        for name in NAMED.findall(re.sub(r"\[[^]]*\]\([^)]*\)", "", line) if path.suffix == ".md" else line):
+        if is_page:
+            line = re.sub(r"\[[^]]*\]\([^)]*\)", "", line)
+        for name in NAMED.findall(line) + (SOURCE.findall(line) if is_page else []):
             if not (root / name).exists():
                 yield f"{path.relative_to(root)}:{number}: {name} is not there"
 
