@@ -2,9 +2,9 @@
  * `test_quantities FILE` writes the page. */
 #include "world_helpers.h"
 
+#include "run/history_rows.h"
 #include "run/output_table.h"
 #include "run/quantities.h"
-#include "run/history_rows.h"
 
 static void history_row(FILE *file, const gn_quantity_group *group, const gn_quantity *q) {
     gn_shape_component part[GN_SHAPE_MOST];
