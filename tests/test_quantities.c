@@ -2,9 +2,9 @@
  * `test_quantities FILE` writes the page. */
 #include "world_helpers.h"
 
+#include "run/history_rows.h"
 #include "run/output_table.h"
 #include "run/quantities.h"
-#include "run/record.h"
 
 static void history_row(FILE *file, const gn_quantity_group *group, const gn_quantity *q) {
     gn_shape_component part[GN_SHAPE_MOST];
@@ -105,7 +105,7 @@ static void columns_follow_the_table(void **state) {
                              : world_of(scene, 3, "cubic", ", 4", 0, 1);
         gn_history h;
         gneiss_error error = {0};
-        assert_int_equal(gn_record_create(w, &h, &error), GNEISS_OK);
+        assert_int_equal(gn_history_begin(w, &h, &error), GNEISS_OK);
         const char *there[] = {"step",
                                "strain_xy",
                                "wall_low_force_y",
@@ -117,7 +117,7 @@ static void columns_follow_the_table(void **state) {
                                "unbalanced"};
         const char *absent[] = {"strain", "set_free_reaction_x", "elements_strain_xx"};
         for (size_t k = 0; k < sizeof there / sizeof *there; k++) {
-            assert_int_equal(gn_record_step(w, &h, &error), GNEISS_OK);
+            assert_int_equal(gn_history_step(w, &h, &error), GNEISS_OK);
             if (!gn_history_column(&h, there[k])) fail_msg("no %s", there[k]);
         }
         for (size_t k = 0; k < sizeof absent / sizeof *absent; k++)
