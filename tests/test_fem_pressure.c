@@ -18,9 +18,9 @@ static double limit_of(const double d[3]) {
 
 /* The corner where the clamped side meets the upper one is singular, so that convergence is of
  * about first order, and extrapolation takes most of that out. The reference is that of quadratic
- * elements (docs/fem.md). With 24 cells the three are 2.4, 4.6 and 1.8 % below it, their limits
- * within 0.06, 1.2 and 0.15 %; the second, whose meshes are the stiffest, is the slowest to settle:
- * within 0.2 % from 8, 16 and 32 cells. */
+ * elements (docs/evidence/fem.md). With 24 cells the three are 2.4, 4.6 and 1.8 % below it, their
+ * limits within 0.06, 1.2 and 0.15 %; the second, whose meshes are the stiffest, is the slowest to
+ * settle: within 0.2 % from 8, 16 and 32 cells. */
 static void mixed_form_converges_to_the_reference_on_any_cut_of_the_cells(void **state) {
     (void)state;
     const double reference = 8.07605, near[3] = {0.005, 0.02, 0.005};
