@@ -93,7 +93,7 @@ GN_INLINE void book_release(const stage *g, gn_v path, const contact_state *q, l
         gn_v old = q->kn * (q->stretch - path);
         normal_part = gn_released(old, q->normal, q->elastic, q->kn);
     }
-    e->breaking = e->breaking + gn_keep(q->breaking, shear_part + normal_part);
+    e->bond_breaking = e->bond_breaking + gn_keep(q->breaking, shear_part + normal_part);
     e->friction = e->friction + gn_keep(gn_and(q->slipping, gn_not(q->breaking)), shear_part);
 }
 
@@ -211,7 +211,7 @@ GN_INLINE gn_v damped(const gn_contact_args *a, size_t c, gn_v speed, gn_v path,
     gn_v viscous = q->share * gn_load(COLUMN(k, cn) + gn_column_at(c, a->uniform.cn)) * speed;
     if (w.energy) {
         gn_v half = gn_set(0.5) * (gn_load(COLUMN(k, fd) + c) + viscous);
-        e->damping = e->damping + half * path;
+        e->contact_damping = e->contact_damping + half * path;
         gn_store(COLUMN(k, fd) + c, viscous);
     }
     return q->normal + viscous;
