@@ -117,6 +117,24 @@ typedef struct gn_law {
 GN_LAWS(X)
 #undef X
 
+/* The functions of the linear law, which may stand in the tables of others (law_linear.c). */
+bool gn_linear_derive(const gn_scene *scene, const gn_particles *particles,
+                      const int32_t (*pair)[2], size_t count, gn_derived *derived);
+void gn_linear_set(const gn_law_model *model, const gn_law_pair *pair, gn_contacts *list, size_t c);
+void gn_linear_set_dashpot(const gn_law_model *model, const gn_law_pair *pair, gn_contacts *list,
+                           size_t c);
+gn_law_spring gn_linear_meeting(const gn_law_model *model, const gn_law_pair *pair, double overlap);
+gn_law_spring gn_linear_spring(const gn_contacts *list, size_t c, double overlap);
+gn_law_held gn_linear_held(const gn_contacts *list, size_t c, double length, double stretch);
+void gn_linear_release(gn_contacts *list, size_t c);
+double gn_linear_criterion(const gn_contacts *list, size_t c, double normal, double shear);
+gn_law_spring gn_linear_touch_spring(const gn_touch_side *side, double inverse_mass,
+                                     double damping_fraction, double overlap);
+double gn_linear_touch_stored(const gn_touch_side *side, double normal, double shear2);
+double gn_linear_touch(const gn_touch_step *step, const gn_touch_side *side, const gn_touch *touch,
+                       double *fd, double *shear, size_t stride, double t[3],
+                       gn_contact_sums *sums);
+
 /* The law of a list, by its effects; by those of a scene that of its bonds. */
 const gn_law *gn_law_of(gn_effects effects);
 

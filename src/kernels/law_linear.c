@@ -80,7 +80,7 @@ static parameters parameters_of(const gn_law_model *m, const gn_law_pair *q) {
     return p;
 }
 
-static void set(const gn_law_model *m, const gn_law_pair *q, gn_contacts *list, size_t c) {
+void gn_linear_set(const gn_law_model *m, const gn_law_pair *q, gn_contacts *list, size_t c) {
     parameters p = parameters_of(m, q);
     list->kn[c] = p.kn;
     if (list->kt) list->kt[c] = p.kt;
@@ -90,15 +90,16 @@ static void set(const gn_law_model *m, const gn_law_pair *q, gn_contacts *list, 
     if (list->rt) list->rt[c] = p.rt;
 }
 
-static void set_dashpot(const gn_law_model *m, const gn_law_pair *q, gn_contacts *list, size_t c) {
+void gn_linear_set_dashpot(const gn_law_model *m, const gn_law_pair *q, gn_contacts *list,
+                           size_t c) {
     if (!list->cn) return;
     list->cn[c] = parameters_of(m, q).cn;
     if (list->cn_f) list->cn_f[c] = (float)list->cn[c];
 }
 
 /* Averages over particles (3a) or over contacts (3b, 3c). */
-static bool derive(const gn_scene *scene, const gn_particles *particles, const int32_t (*pair)[2],
-                   size_t count, gn_derived *derived) {
+bool gn_linear_derive(const gn_scene *scene, const gn_particles *particles,
+                      const int32_t (*pair)[2], size_t count, gn_derived *derived) {
     gn_stiffness_model model = scene->stiffness;
     const double *pos = particles->pos;
     double sum = 0.0, sum2 = 0.0;
@@ -127,13 +128,13 @@ static bool derive(const gn_scene *scene, const gn_particles *particles, const i
 
 /* k_n (1/m_i + 1/m_j) over x = r_i/r_j is (1 + x)(A/x^3 + B) (arithmetic), x/(1 + x) (A/x^3 + B)
  * (harmonic) or A/x^d + B, each of which falls and then rises, or only falls. */
-static gn_law_spring meeting(const gn_law_model *m, const gn_law_pair *q, double overlap) {
+gn_law_spring gn_linear_meeting(const gn_law_model *m, const gn_law_pair *q, double overlap) {
     (void)overlap;
     parameters p = parameters_of(m, q);
     return (gn_law_spring){p.kn, p.mu > 0.0 ? p.kt : 0.0, p.cn};
 }
 
-static gn_law_spring spring(const gn_contacts *list, size_t c, double overlap) {
+gn_law_spring gn_linear_spring(const gn_contacts *list, size_t c, double overlap) {
     (void)overlap;
     bool holds = gn_contact_bonded(list, c) || (list->mu && list->mu[c] > 0.0);
     return (gn_law_spring){list->kn[c], holds && list->kt ? list->kt[c] : 0.0,
@@ -147,7 +148,7 @@ static double value_of(const double *column, const float *single, size_t at) {
     return column ? column[at] : single ? (double)single[at] : 0.0;
 }
 
-static gn_law_held held(const gn_contacts *k, size_t c, double length, double stretch) {
+gn_law_held gn_linear_held(const gn_contacts *k, size_t c, double length, double stretch) {
     double kt = k->kt ? k->kt[c] : 0.0, shear2 = 0.0;
     bool acts = stretch < -GN_OVERLAP_ROUNDING * length || gn_contact_bonded(k, c);
     gn_law_held h = {.normal = acts ? k->kn[c] * stretch : 0.0,
@@ -161,7 +162,7 @@ static gn_law_held held(const gn_contacts *k, size_t c, double length, double st
 }
 
 /* To kernels it is as if broken, and has no stiffness. */
-static void release(gn_contacts *b, size_t c) {
+void gn_linear_release(gn_contacts *b, size_t c) {
     if (b->rn) b->rn[c] = -fabs(b->rn[c]);
     b->kn[c] = 0.0;
     if (b->kt) b->kt[c] = 0.0;
@@ -174,7 +175,7 @@ static void release(gn_contacts *b, size_t c) {
     if (b->fd_f) b->fd_f[c] = 0.0F;
 }
 
-static double criterion(const gn_contacts *b, size_t c, double normal, double shear) {
+double gn_linear_criterion(const gn_contacts *b, size_t c, double normal, double shear) {
     double ratio = normal / b->rn[c];
     return b->rt ? fmax(ratio, shear / b->rt[c]) : ratio;
 }
@@ -185,8 +186,8 @@ static double touch_kt(const gn_touch_side *side) {
     return side->kratio > 0.0 ? side->stiffness / side->kratio : 0.0;
 }
 
-static gn_law_spring touch_spring(const gn_touch_side *side, double inverse_mass,
-                                  double damping_fraction, double overlap) {
+gn_law_spring gn_linear_touch_spring(const gn_touch_side *side, double inverse_mass,
+                                     double damping_fraction, double overlap) {
     (void)overlap;
     double kn = side->part * side->stiffness;
     return (gn_law_spring){kn, side->friction > 0.0 ? touch_kt(side) : 0.0,
@@ -194,7 +195,7 @@ static gn_law_spring touch_spring(const gn_touch_side *side, double inverse_mass
 }
 
 /* Across, contacts that share have all of the stiffness each. */
-static double touch_stored(const gn_touch_side *side, double normal, double shear2) {
+double gn_linear_touch_stored(const gn_touch_side *side, double normal, double shear2) {
     double kn = side->part * side->stiffness, kt = touch_kt(side);
     double stored = kn > 0.0 ? 0.5 * normal * normal / kn : 0.0;
     return kt > 0.0 ? stored + 0.5 * shear2 / kt : stored;
@@ -232,8 +233,9 @@ static gn_linear_crossing touch_normal(double kn, const gn_touch *t, double path
     return gn_linear_cross(kn, t->gap, path, quarter_y2, touching, !touching, touching);
 }
 
-static double touch(const gn_touch_step *step, const gn_touch_side *side, const gn_touch *s,
-                    double *fd, double *shear, size_t stride, double t[3], gn_contact_sums *sums) {
+double gn_linear_touch(const gn_touch_step *step, const gn_touch_side *side, const gn_touch *s,
+                       double *fd, double *shear, size_t stride, double t[3],
+                       gn_contact_sums *sums) {
     bool touching = s->gap < -s->rounding;
     double path = s->speed * step->dt, elastic = 0.0, kn = side->part * side->stiffness;
     gn_linear_crossing normal = touch_normal(kn, s, path, step->dt);
@@ -259,5 +261,7 @@ static double touch(const gn_touch_step *step, const gn_touch_side *side, const 
     return total;
 }
 
-const gn_law gn_law_linear = {derive,  set,       set_dashpot,  meeting,      spring, held,
-                              release, criterion, touch_spring, touch_stored, touch};
+const gn_law gn_law_linear = {gn_linear_derive,       gn_linear_set,       gn_linear_set_dashpot,
+                              gn_linear_meeting,      gn_linear_spring,    gn_linear_held,
+                              gn_linear_release,      gn_linear_criterion, gn_linear_touch_spring,
+                              gn_linear_touch_stored, gn_linear_touch};
