@@ -198,7 +198,7 @@ static void the_stiffest_pair_in_flight_is_found_among_the_extremes(void **state
                 int32_t p = w->dem.index_of_id[i], q = w->dem.index_of_id[j];
                 double a = count > 3 && i == 1 ? 0.0 : vel_of(w, i)[3];
                 double b = count > 3 && j == 1 ? 0.0 : vel_of(w, j)[3];
-                most = fmax(most, gn_contact_law(w, p, q).kn * (a + b));
+                most = fmax(most, gn_pair_spring(w, p, q).kn * (a + b));
             }
         assert_close(w->dem.resolution.contact, pi / sqrt(most), 1e-12);
         world_end(w);

@@ -1,7 +1,7 @@
 /* Collisions of loose particles with few steps per contact, and bonded clusters that spin. */
 #include "world_helpers.h"
 
-#include "sim/dashpot.h"
+#include "kernels/dashpot.h"
 
 /* --- restitution --- */
 

@@ -6,7 +6,7 @@
 /* --- closed forms --- */
 
 /* One sphere of radius 1 mm pressed `overlap` into the wall y = 0; v_r = -(v + a w x n). */
-static specimen *on_wall(double overlap, const double stiffness[2], const double *alpha) {
+static specimen *on_wall(double overlap, const gn_touch_side *side, const double *alpha) {
     static const double normal[4] = {0.0, 1.0, 0.0, 0.0}, point[4] = {0.5, 0.0, 0.1, 0.0};
     double x[4] = {0.0, 1e-3 - overlap, 0.0, 1e-3};
     specimen *s = make(3, 1, x, GN_FX_ROTATION);
@@ -16,15 +16,15 @@ static specimen *on_wall(double overlap, const double stiffness[2], const double
     s->assembly.wall_contacts = &s->walls;
     s->assembly.wall_normals = normal;
     s->spectrum.wall_point = point;
-    s->spectrum.wall_stiffness = stiffness;
+    s->spectrum.wall_side = side;
     s->spectrum.wall_damping = alpha;
     return s;
 }
 
 static void a_particle_on_a_wall_is_one_oscillator(void **state) {
     (void)state;
-    const double k[2] = {3e6, 0.0};
-    specimen *s = on_wall(1e-6, k, NULL);
+    const gn_touch_side k = {3e6, 0.0, 0.0, 1.0};
+    specimen *s = on_wall(1e-6, &k, NULL);
     gn_step_limit limit = limits_of(s, 1e-10);
     double step = 2.0 / sqrt(3e6 * inverse_mass(s, 0));
     assert_close(limit.sharp, step, 1e-12);
@@ -37,8 +37,8 @@ static void a_particle_on_a_wall_is_one_oscillator(void **state) {
 
 static void a_tangential_wall_spring_couples_with_rotation(void **state) {
     (void)state;
-    const double k[2] = {3e6, 2e6};
-    specimen *s = on_wall(1e-5, k, NULL);
+    const gn_touch_side k = {3e6, 1.5, 0.3, 1.0}; /* k_t = 2e6 */
+    specimen *s = on_wall(1e-5, &k, NULL);
     double arm = 1e-3 - 1e-5;
     double w2 = 2e6 * (inverse_mass(s, 0) + arm * arm * s->p.spin[3]);
     gn_step_limit limit = limits_of(s, 1e-10);
@@ -52,8 +52,9 @@ static void a_tangential_wall_spring_couples_with_rotation(void **state) {
 
 static void a_damped_wall_contact_has_the_known_limit(void **state) {
     (void)state;
-    const double k[2] = {3e6, 0.0}, alpha = 0.6;
-    specimen *s = on_wall(1e-6, k, &alpha);
+    const gn_touch_side k = {3e6, 0.0, 0.0, 1.0};
+    const double alpha = 0.6;
+    specimen *s = on_wall(1e-6, &k, &alpha);
     double step = 2.0 / sqrt(3e6 * inverse_mass(s, 0)) * (sqrt(1.0 + alpha * alpha) - alpha);
     gn_step_limit limit = limits_of(s, 1e-8);
     assert_close(limit.sharp, step, 1e-10);
@@ -63,8 +64,8 @@ static void a_damped_wall_contact_has_the_known_limit(void **state) {
 
 static void a_wall_that_is_not_touched_does_not_count(void **state) {
     (void)state;
-    const double k[2] = {3e6, 2e6};
-    specimen *s = on_wall(-1e-6, k, NULL);
+    const gn_touch_side k = {3e6, 1.5, 0.3, 1.0}; /* k_t = 2e6 */
+    specimen *s = on_wall(-1e-6, &k, NULL);
     gn_step_limit limit = limits_of(s, 1e-8);
     assert_int_equal(limit.springs, 0);
     assert_true(limit.sharp == INFINITY && limit.bound == INFINITY && limit.sharp_low == INFINITY);
@@ -172,7 +173,7 @@ static void contacts_act_by_their_state(void **state) {
     double normal = 2.0 / sqrt(2.0 * kn * m);
     double shear = 2.0 / sqrt(kn * m * (2.0 + 5.0 * arm * arm / 1e-6));
     assert_close(limits_of(s, 1e-10).sharp, shear, 1e-12); /* intact: k_t acts without friction */
-    s->bonds.rn[0] = -1.0;
+    s->bonds.cause[0] = GN_BROKEN_TENSION;
     assert_true(limits_of(s, 1e-10).sharp == INFINITY); /* broken at zero stretch: open */
     s->bonds.length0[0] = 2e-3;
     assert_close(limits_of(s, 1e-10).sharp, normal, 1e-12); /* pressed, frictionless */
@@ -392,7 +393,7 @@ static specimen *rock_with_near_contacts(double alpha, gn_effects effects) {
     specimen *s = rock(0.012, effects);
     bond(s, 0.05, 3.7, alpha);
     for (size_t c = 0; c < s->bonds.soa.count; c += 3) {
-        s->bonds.rn[c] = -1.0;
+        s->bonds.cause[c] = GN_BROKEN_TENSION;
         s->bonds.length0[c] *= 0.98;
     }
     for (size_t i = 0; i < s->p.soa.count; i += 7) s->fixed[i] = (uint8_t)(i % 64);
@@ -437,7 +438,7 @@ static void a_new_contact_is_found_where_it_is(void **state) {
     int32_t before[20], after[20];
     gn_step_marks(&s->spectrum, before);
     for (int p = 0; p < 20; p++) assert_int_equal(before[p], 0); /* intact bonds do not count */
-    s->bonds.rn[7] = -1.0;
+    s->bonds.cause[7] = GN_BROKEN_TENSION;
     s->bonds.length0[7] *= 1.001; /* broken and pressed */
     gn_step_marks(&s->spectrum, after);
     for (int p = 0; p < 20; p++) assert_int_equal(after[p] != 0, p == 7 || p == 8);

@@ -30,9 +30,14 @@ static void print_sums(const char *name, const gn_partials *q, const gn_uniform 
     if (!q->blocks) return;
     printf("  forces of %-8s %10d rows of %zu bytes, in %zu blocks of %zu contacts", name,
            q->first[q->blocks], gn_partials_row_bytes(q), q->blocks, q->length);
-    printf("; the same for all:%s%s%s%s%s\n", same->kn ? " kn" : "", same->kt ? " kt" : "",
-           same->mu ? " mu" : "", same->cn ? " cn" : "",
-           same->kn || same->kt || same->mu || same->cn ? "" : " nothing");
+    size_t any = 0;
+    printf("; the same for all:");
+#define X(name)                                                                                    \
+    if (same->name) printf(" " #name);                                                             \
+    any |= same->name;
+    GN_UNIFORM_COLUMNS(X)
+#undef X
+    printf("%s\n", any ? "" : " nothing");
 }
 
 static void print_particle_storage(const gn_world *w) {

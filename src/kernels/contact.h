@@ -8,10 +8,13 @@
 
 _Static_assert(GN_CONTACT_BLOCK_LEAST % GN_LANES_MAX == 0, "a block holds whole vectors");
 
-/* Per parameter: 0, or all ones when all contacts of the list share the value, which the kernel
- * then reads at the start of the column again and again instead of streaming it. */
+/* Columns of parameters that all contacts of a list may share. Per column: 0, or all ones when they
+ * do, and the kernel then reads the start of it again and again instead of streaming it. */
+#define GN_UNIFORM_COLUMNS(X) X(kn) X(kt) X(mu) X(cn)
 typedef struct gn_uniform {
-    size_t kn, kt, mu, cn;
+#define X(name) size_t name;
+    GN_UNIFORM_COLUMNS(X)
+#undef X
 } gn_uniform;
 
 /* An overlap within this part of the distance (of the radius, at a wall) is rounding of positions
@@ -34,17 +37,20 @@ typedef struct gn_contact_args {
     bool measure;                        /* also sum what is read off: see gn_contact_sums */
 } gn_contact_args;
 
-/* What a block of contacts sums up: X(type, name, unit, text), V(type, name, components, unit,
- * text). */
+/* What a block of contacts loses in a step: X(name, text), J. Lanes sum it up under its name, and
+ * the ledger has a term of that name, to which it is added. */
+#define GN_CONTACT_LOSSES(X)                                                                       \
+    X(friction, "dissipated in this step")                                                         \
+    X(contact_damping, "dissipated in this step")                                                  \
+    X(bond_breaking, "released in this step")
+
+/* What it sums up besides: X(type, name, unit, text), V(type, name, components, unit, text). */
 #define GN_CONTACT_SUMS(X, V)                                                                      \
     X(double, elastic_normal, "J", "stored; with `measure` and energies")                          \
     X(double, elastic_shear, "J", "stored; with `measure` and energies")                           \
     V(double, stress, 9, "N m", "f_a l_b, l = x_j - x_i; with `measure`")                          \
     X(double, force, "N", "sum of |f|; with `measure`")                                            \
     X(double, carrying, "1", "contacts that carry force; with `measure`")                          \
-    X(double, friction, "J", "dissipated in this step")                                            \
-    X(double, contact_damping, "J", "dissipated in this step")                                     \
-    X(double, bond_breaking, "J", "released in this step")                                         \
     X(int64_t, broken_tension, "1", "bonds broken in this step")                                   \
     X(int64_t, broken_shear, "1", "bonds broken in this step")
 
@@ -54,6 +60,9 @@ typedef struct gn_contact_sums {
     GN_CONTACT_SUMS(X, V)
 #undef X
 #undef V
+#define X(name, text) double name;
+    GN_CONTACT_LOSSES(X)
+#undef X
 } gn_contact_sums;
 
 static inline void gn_contact_sums_add(gn_contact_sums *total, const gn_contact_sums *block) {
@@ -63,6 +72,9 @@ static inline void gn_contact_sums_add(gn_contact_sums *total, const gn_contact_
     GN_CONTACT_SUMS(X, V)
 #undef X
 #undef V
+#define X(name, text) total->name += block->name;
+    GN_CONTACT_LOSSES(X)
+#undef X
 }
 
 /* Works on contacts [begin, end) of one block of the partial sums (without them: of any begin that
@@ -71,16 +83,19 @@ static inline void gn_contact_sums_add(gn_contact_sums *total, const gn_contact_
 typedef void gn_contact_kernel(const gn_contact_args *args, size_t begin, size_t end,
                                gn_contact_sums *sums);
 
+/* The contact laws. X(name, the effect that calls for it, lists that have it). The first is that of
+ * lists that no effect calls another one for. A law is law_<name>.h and law_<name>.c, see law.h. */
+#define GN_LAWS(X) X(linear, GN_FX_ALWAYS, GN_LAW_OF_ALL)
+enum { GN_LAW_OF_ALL, GN_LAW_OF_BONDS };
+
 /* The kinds of lists that there are kernels for. X(number, name, law, effects that make the kind
- * out of GN_CONTACT_MAKERS, as literals 0 or 1: SHEAR, FRICTION, BONDS). A law is a header of its
- * own (law_<law>.h), which contact_template.c includes. */
+ * besides that of the law, as literals 0 or 1: SHEAR, FRICTION, BONDS). */
 #define GN_CONTACT_KINDS(X)                                                                        \
     X(0, smooth, linear, 0, 0, 0)                                                                  \
     X(1, frictional, linear, 1, 1, 0)                                                              \
     X(2, bond_normal, linear, 0, 0, 1)                                                             \
     X(3, bond, linear, 1, 0, 1)                                                                    \
     X(4, bond_frictional, linear, 1, 1, 1)
-#define GN_CONTACT_MAKERS (GN_FX_SHEAR | GN_FX_FRICTION | GN_FX_BONDS)
 
 /* What any kind may have besides, by the bits of a variant's number. */
 #define GN_CONTACT_OPTIONS(X)                                                                      \

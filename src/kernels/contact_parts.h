@@ -6,7 +6,9 @@
 #include "kernels/contact.h"
 #include "kernels/contact_law.h"
 
-typedef enum contact_law { LAW_linear } contact_law;
+#define X(name, ...) LAW_##name,
+typedef enum contact_law { GN_LAWS(X) } contact_law;
+#undef X
 
 /* Literal switches of a variant. */
 typedef struct variant {
@@ -63,8 +65,11 @@ _Static_assert(sizeof(brief) == 8 * sizeof(gn_v) || sizeof(gn_v) < 64, "so has a
 
 /* Lane sums, kept in registers over a block and folded in lane order at its end. */
 typedef struct lane_sums {
-    gn_v elastic_normal, elastic_shear, friction, damping, breaking;
+    gn_v elastic_normal, elastic_shear;
     gn_v stress[9], force, carrying;
+#define X(name, text) gn_v name;
+    GN_CONTACT_LOSSES(X)
+#undef X
 } lane_sums;
 
 /* Of a contact on its first particle: along the normal, and across it. */

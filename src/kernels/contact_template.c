@@ -143,15 +143,18 @@ GN_INLINE void measure_contact(lane_sums *e, const pair_geometry *s, gn_v3 f, va
 
 GN_INLINE void law_trial(const gn_contact_args *a, size_t c, const brief *from, stage *g,
                          variant w) {
-    if (w.law == LAW_linear) linear_trial(a, c, from, g, w);
+#define X(name, ...)                                                                               \
+    if (w.law == LAW_##name) name##_trial(a, c, from, g, w);
+    GN_LAWS(X)
+#undef X
 }
 
 GN_INLINE contact_force law_force(const gn_contact_args *a, size_t c, size_t end, const stage *g,
                                   lane_sums *e, gn_contact_sums *sums, variant w) {
-    switch (w.law) {
-    case LAW_linear:
-        return linear_force(a, c, end, g, e, sums, w);
-    }
+#define X(name, ...)                                                                               \
+    if (w.law == LAW_##name) return name##_force(a, c, end, g, e, sums, w);
+    GN_LAWS(X)
+#undef X
     __builtin_unreachable();
 }
 
@@ -199,8 +202,10 @@ GN_INLINE void add_rows(const gn_contact_args *a, size_t c, size_t end, const st
 GN_INLINE void contact_core(const gn_contact_args *a, size_t begin, size_t end,
                             gn_contact_sums *sums, variant w) {
     const gn_v zero = gn_set(0.0);
-    lane_sums e = {.elastic_normal = zero, .elastic_shear = zero, .friction = zero};
-    e.damping = e.breaking = e.force = e.carrying = zero;
+    lane_sums e = {.elastic_normal = zero, .elastic_shear = zero, .force = zero, .carrying = zero};
+#define X(name, text) e.name = zero;
+    GN_CONTACT_LOSSES(X)
+#undef X
     for (int k = 0; k < 9; k++) e.stress[k] = zero;
     const gn_partials *q = a->partials;
     const size_t width = (size_t)row_width(w);
@@ -232,9 +237,9 @@ GN_INLINE void contact_core(const gn_contact_args *a, size_t begin, size_t end,
     if (!w.energy) return;
     sums->elastic_normal += gn_fold(e.elastic_normal);
     sums->elastic_shear += gn_fold(e.elastic_shear);
-    sums->friction += gn_fold(e.friction);
-    sums->contact_damping += gn_fold(e.damping);
-    sums->bond_breaking += gn_fold(e.breaking);
+#define X(name, text) sums->name += gn_fold(e.name);
+    GN_CONTACT_LOSSES(X)
+#undef X
 }
 
 /* --- the variants --- */

@@ -101,13 +101,22 @@ static void name_of(const char *stem, const effect_bit *bits, size_t count, unsi
                 (size_t)snprintf(name + used, size - used, "_%s", gn_effect_name(bits[k].index));
 }
 
+/* Effects that make kinds of lists. */
+#define X(name, effect, lists) | (effect)
+static const gn_effects makers = GN_FX_SHEAR | GN_FX_FRICTION | GN_FX_BONDS GN_LAWS(X);
+#undef X
+
+#define X(name, effect, lists) law_##name = (effect),
+enum { GN_LAWS(X) };
+#undef X
+
 static const struct {
     const char *stem;
     gn_effects effects;
 } kinds[] = {
 #define X(number, name, law, shear, friction, bonds)                                               \
-    {"contact_" #name,                                                                             \
-     (shear ? GN_FX_SHEAR : 0U) | (friction ? GN_FX_FRICTION : 0U) | (bonds ? GN_FX_BONDS : 0U)},
+    {"contact_" #name, law_##law | (shear ? GN_FX_SHEAR : 0U) | (friction ? GN_FX_FRICTION : 0U) | \
+                           (bonds ? GN_FX_BONDS : 0U)},
     GN_CONTACT_KINDS(X)
 #undef X
 };
@@ -117,7 +126,7 @@ _Static_assert(1 << COUNT(option_bits) == OPTIONS, "as many options as bits");
 
 unsigned gn_contact_variant(gn_effects effects) {
     for (unsigned k = 0; k < COUNT(kinds); k++)
-        if (kinds[k].effects == (effects & GN_CONTACT_MAKERS))
+        if (kinds[k].effects == (effects & makers))
             return OPTIONS * k + variant_of(option_bits, COUNT(option_bits), effects);
     return GN_CONTACT_VARIANTS;
 }
@@ -142,6 +151,10 @@ void gn_motion_variant_name(unsigned variant, char *name, size_t size) {
 gn_effects gn_contact_list_effects(gn_effects effects, bool bonds) {
     if (!bonds) {
         effects &= ~(gn_effects)GN_FX_BONDS;
+#define X(name, effect, lists)                                                                     \
+    if ((lists) == GN_LAW_OF_BONDS) effects &= ~(gn_effects)(effect);
+        GN_LAWS(X)
+#undef X
         if (!(effects & GN_FX_FRICTION)) effects &= ~(gn_effects)GN_FX_SHEAR;
     }
     return effects;

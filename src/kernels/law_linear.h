@@ -93,7 +93,7 @@ GN_INLINE void book_release(const stage *g, gn_v path, const contact_state *q, l
         gn_v old = q->kn * (q->stretch - path);
         normal_part = gn_released(old, q->normal, q->elastic, q->kn);
     }
-    e->breaking = e->breaking + gn_keep(q->breaking, shear_part + normal_part);
+    e->bond_breaking = e->bond_breaking + gn_keep(q->breaking, shear_part + normal_part);
     e->friction = e->friction + gn_keep(gn_and(q->slipping, gn_not(q->breaking)), shear_part);
 }
 
@@ -211,7 +211,7 @@ GN_INLINE gn_v damped(const gn_contact_args *a, size_t c, gn_v speed, gn_v path,
     gn_v viscous = q->share * gn_load(COLUMN(k, cn) + gn_column_at(c, a->uniform.cn)) * speed;
     if (w.energy) {
         gn_v half = gn_set(0.5) * (gn_load(COLUMN(k, fd) + c) + viscous);
-        e->damping = e->damping + half * path;
+        e->contact_damping = e->contact_damping + half * path;
         gn_store(COLUMN(k, fd) + c, viscous);
     }
     return q->normal + viscous;
@@ -226,40 +226,55 @@ GN_INLINE void linear_trial(const gn_contact_args *a, size_t c, const brief *fro
     g->trial = shear_trial(a, &g->geometry, &from->motion, &g->before, g->angle, kt, w);
 }
 
-GN_INLINE contact_force linear_force(const gn_contact_args *a, size_t c, size_t end, const stage *g,
-                                     lane_sums *e, gn_contact_sums *sums, variant w) {
+/* A contact as its spring alone would have it; what a law does to bonds goes between this and
+ * act_of. */
+GN_INLINE contact_state state_of(const gn_contact_args *a, size_t c, const stage *g, variant w) {
     const gn_contacts *list = a->contacts;
-    const gn_v zero = gn_set(0.0);
-    const pair_geometry *p = &g->geometry;
-    contact_state q = {.stretch = p->stretch, .way = p->stretch, .share = gn_set(1.0)};
+    const gn_v stretch = g->geometry.stretch;
+    contact_state q = {.stretch = stretch, .way = stretch, .share = gn_set(1.0)};
     q.kn = gn_load(COLUMN(list, kn) + gn_column_at(c, a->uniform.kn));
     q.intact = q.breaking = q.slipping = gn_m_none();
-    q.normal = q.elastic = q.kn * q.stretch;
+    q.normal = q.elastic = q.kn * stretch;
     if (w.shear) {
         q.kt = gn_load(COLUMN(list, kt) + gn_column_at(c, a->uniform.kt));
         q.before = g->before;
         q.t = q.trial = g->trial;
     }
-    if (w.bonds) break_bonds(a, c, end, &q, sums, w);
-    gn_v path = gn_set(a->dt) * gn_pick(growth_known(w), g->growth, g->speed), total = q.normal;
-    if (w.bonds && __builtin_expect(gn_bits(gn_not(q.intact)) == 0, 1)) {
+    return q;
+}
+
+/* What acts, once it is known which bonds hold: dashpot, contacts that open or close, friction, and
+ * what is lost and stored. */
+GN_INLINE contact_force act_of(const gn_contact_args *a, size_t c, const stage *g, contact_state *q,
+                               lane_sums *e, variant w) {
+    const gn_contacts *list = a->contacts;
+    const pair_geometry *p = &g->geometry;
+    gn_v path = gn_set(a->dt) * gn_pick(growth_known(w), g->growth, g->speed), total = q->normal;
+    if (w.bonds && __builtin_expect(gn_bits(gn_not(q->intact)) == 0, 1)) {
         /* Bonds that hold have nothing to limit. */
-        if (w.damping) total = damped(a, c, g->growth, path, &q, e, w);
+        if (w.damping) total = damped(a, c, g->growth, path, q, e, w);
     } else {
-        q.beyond = gn_fma(gn_set(GN_OVERLAP_ROUNDING), p->distance, q.stretch);
-        q.touching = gn_less(q.beyond, zero);
-        path = find_normal_force(a, c, g, &q, w);
-        total = q.normal;
+        q->beyond = gn_fma(gn_set(GN_OVERLAP_ROUNDING), p->distance, q->stretch);
+        q->touching = gn_less(q->beyond, gn_set(0.0));
+        path = find_normal_force(a, c, g, q, w);
+        total = q->normal;
         if (w.damping) {
-            gn_v speed = gn_pick(w.bonds, gn_where(q.intact, g->growth, g->speed), g->speed);
-            total = damped(a, c, speed, path, &q, e, w);
+            gn_v speed = gn_pick(w.bonds, gn_where(q->intact, g->growth, g->speed), g->speed);
+            total = damped(a, c, speed, path, q, e, w);
         }
-        if (w.shear) limit_shear(a, c, total, &q, w);
-        if (w.energy && gn_bits(gn_or(q.slipping, q.breaking))) book_release(g, path, &q, e, w);
+        if (w.shear) limit_shear(a, c, total, q, w);
+        if (w.energy && gn_bits(gn_or(q->slipping, q->breaking))) book_release(g, path, q, e, w);
     }
-    if (w.shear) gn_store3(COLUMN(list, shear) + c, list->soa.capacity, q.t, w.space);
-    if (w.energy && a->measure) book_elastic(&q, e, w);
-    return (contact_force){total, q.t};
+    if (w.shear) gn_store3(COLUMN(list, shear) + c, list->soa.capacity, q->t, w.space);
+    if (w.energy && a->measure) book_elastic(q, e, w);
+    return (contact_force){total, q->t};
+}
+
+GN_INLINE contact_force linear_force(const gn_contact_args *a, size_t c, size_t end, const stage *g,
+                                     lane_sums *e, gn_contact_sums *sums, variant w) {
+    contact_state q = state_of(a, c, g, w);
+    if (w.bonds) break_bonds(a, c, end, &q, sums, w);
+    return act_of(a, c, g, &q, e, w);
 }
 
 #endif

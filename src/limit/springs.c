@@ -3,6 +3,7 @@
 
 #include "base/memory.h"
 #include "base/vec3.h"
+#include "kernels/law.h"
 
 #include <math.h>
 #include <string.h>
@@ -19,17 +20,23 @@ static void nearest_image(const gn_assembly *a, double d[3]) {
     for (int k = 0; a->periodic && k < a->dimension; k++) d[k] = gn_nearest(d[k], a->period[k]);
 }
 
+static void take(gn_spring *s, gn_law_spring law) {
+    s->kn = law.kn;
+    s->kt = law.kt;
+    s->cn = law.cn;
+}
+
 static bool contact_spring(const gn_spectrum *spectrum, const gn_contacts *list, size_t c,
                            gn_spring *s) {
     const gn_assembly *a = spectrum->assembly;
     const gn_particles *p = a->particles;
-    *s = (gn_spring){.i = list->i[c], .j = list->j[c], .kn = list->kn[c]};
+    *s = (gn_spring){.i = list->i[c], .j = list->j[c]};
     if (removed(p, s->i) || removed(p, s->j)) return false;
     const double *x = p->pos + 4 * (size_t)s->i, *y = p->pos + 4 * (size_t)s->j;
     double d[3] = {y[0] - x[0], y[1] - x[1], a->dimension == 3 ? y[2] - x[2] : 0.0};
     nearest_image(a, d);
     double distance = sqrt(d[0] * d[0] + d[1] * d[1] + d[2] * d[2]);
-    bool intact = list->rn && list->rn[c] > 0.0;
+    bool intact = gn_contact_bonded(list, c);
     double rest = list->length0 ? list->length0[c] : x[3] + y[3];
     /* Not (distance >= rest), so that a NaN is an active spring and gets noticed. */
     if (!intact && distance >= rest + spectrum->reach) return false;
@@ -39,9 +46,7 @@ static bool contact_spring(const gn_spectrum *spectrum, const gn_contacts *list,
     s->arm_j = y[3] + half;
     /* Coincident centres have no direction and, as in the kernel, no normal force. */
     for (int k = 0; k < 3; k++) s->n[k] = distance == 0.0 ? 0.0 : d[k] / distance;
-    bool holds = intact || (list->mu && list->mu[c] > 0.0);
-    s->kt = holds && list->kt ? list->kt[c] : 0.0;
-    s->cn = list->cn ? list->cn[c] : 0.0;
+    take(s, gn_law_of(list->soa.effects)->spring(list, c, rest - at + spectrum->reach));
     return true;
 }
 
@@ -51,7 +56,7 @@ static bool wall_spring(const gn_spectrum *spectrum, const gn_wall_contacts *lis
     const gn_particles *p = a->particles;
     size_t wall = (size_t)list->wall[c];
     if (list->touch && wall >= a->wall_count) return false; /* a facet: see `extra` */
-    *s = (gn_spring){.i = list->i[c], .j = -1, .kn = spectrum->wall_stiffness[2 * wall]};
+    *s = (gn_spring){.i = list->i[c], .j = -1};
     if (removed(p, s->i)) return false;
     const double *x = p->pos + 4 * (size_t)s->i;
     const double *normal = a->wall_normals + 4 * wall, *point = spectrum->wall_point + 4 * wall;
@@ -64,9 +69,11 @@ static bool wall_spring(const gn_spectrum *spectrum, const gn_wall_contacts *lis
     if (gap > list->gap0[c] + spectrum->reach) return false;
     /* The wall is rigid: its contact point is on the plane, or at r as between particles. */
     s->arm_i = x[3] + 2.0 * spectrum->arm_factor * fmin(gap, list->gap0[c]);
-    s->kt = list->shear ? spectrum->wall_stiffness[2 * wall + 1] : 0.0;
-    double alpha = spectrum->wall_damping ? spectrum->wall_damping[wall] : 0.0;
-    s->cn = 2.0 * alpha * sqrt(s->kn / p->vel[4 * (size_t)s->i + 3]);
+    take(s, gn_law_of(list->soa.effects)
+                ->touch_spring(&spectrum->wall_side[wall], p->vel[4 * (size_t)s->i + 3],
+                               spectrum->wall_damping ? spectrum->wall_damping[wall] : 0.0,
+                               fmax(list->gap0[c] - gap, 0.0) + spectrum->reach));
+    if (!list->shear) s->kt = 0.0;
     return true;
 }
 

@@ -217,7 +217,7 @@ void gn_step_marks(const gn_spectrum *spectrum, int32_t *marks) {
     memset(marks, 0, a->particles->soa.count * sizeof *marks);
     for (size_t k = 0; k < contacts; k++) {
         gn_spring s;
-        if (k < bonds && a->bonds->rn && a->bonds->rn[k] > 0.0) continue;
+        if (k < bonds && gn_contact_bonded(a->bonds, k)) continue;
         if (!gn_spring_make(spectrum, k, &s)) continue;
         size_t wall = k - gn_spring_pairs(spectrum);
         uint64_t bits;

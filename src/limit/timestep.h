@@ -3,6 +3,7 @@
 #define GN_LIMIT_TIMESTEP_H
 
 #include "base/error.h"
+#include "kernels/law.h"
 #include "measure/measure.h"
 
 /* An active contact with something that is not a particle and not a plane wall. */
@@ -11,17 +12,17 @@ typedef struct gn_extra_spring {
     double n[3], arm, kn, kt, cn; /* normal into the surface; m, N/m, N/m, N s/m */
 } gn_extra_spring;
 
-/* The linearised system about the present state. Active springs: intact bonds (rn > 0) with k_n and
- * k_t; other contacts and wall contacts while they touch (gap < 0, with length0 instead of r_i +
- * r_j for broken bonds). Contacts with surfaces come as `extra`. Fixed
- * degrees of freedom (prescribed components) count as immovable. */
+/* The linearised system about the present state. Active springs: bonds that hold; other contacts
+ * and wall contacts while they touch (gap < 0, with length0 instead of r_i + r_j for broken bonds).
+ * Contacts with surfaces come as `extra`. Fixed degrees of freedom (prescribed components) count as
+ * immovable. */
 typedef struct gn_spectrum {
     const gn_assembly *assembly;
-    double arm_factor;            /* 0.5: arms r + u_n/2, 0: arms r */
-    const double *wall_point;     /* [walls][4] */
-    const double *wall_stiffness; /* [walls][2]: k_n, k_t */
-    const double *wall_damping; /* [walls]: alpha, so that c_n = 2 alpha sqrt(m k_n); NULL: none */
-    const gn_extra_spring *extra; /* [extra_count], by particle */
+    double arm_factor;              /* 0.5: arms r + u_n/2, 0: arms r */
+    const double *wall_point;       /* [walls][4] */
+    const gn_touch_side *wall_side; /* [walls] */
+    const double *wall_damping;     /* [walls]: damping fraction; NULL: none */
+    const gn_extra_spring *extra;   /* [extra_count], by particle */
     size_t extra_count;
     double reach;         /* m: contacts with a gap of up to this count as touching as well */
     const uint8_t *fixed; /* [particles] bit k: component k (v xyz, w xyz) prescribed; NULL: none */

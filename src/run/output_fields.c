@@ -115,9 +115,8 @@ static double shear_of(const gn_output_view *v, size_t c) {
 static double criterion_of(const gn_output_view *v, size_t c) {
     const gn_contacts *b = &v->world->dem.bonds;
     if (b->cause[c]) return gn_broken(b->cause[c]) ? 1.0 : 0.0;
-    double ratio = normal_of(v, c) / b->rn[c];
-    if (b->rt) ratio = fmax(ratio, shear_of(v, c) / b->rt[c]);
-    return fmax(0.0, ratio);
+    const gn_law *law = gn_law_of(b->soa.effects);
+    return fmax(0.0, law->criterion(b, c, normal_of(v, c), shear_of(v, c)));
 }
 
 static double end_of(const gn_world *w, size_t c, int end) {
@@ -172,8 +171,7 @@ const gn_output_table gn_particle_outputs = {"particles", of_particles, COUNT(of
 
 static void count_contacts(const gn_contacts *list, double *coordination) {
     for (size_t c = 0; c < list->soa.count; c++) {
-        bool intact = list->rn && list->rn[c] > 0.0;
-        if (!intact && !gn_contact_carries(list, c)) continue;
+        if (!gn_contact_bonded(list, c) && !gn_contact_carries(list, c)) continue;
         coordination[list->i[c]] += 1.0;
         coordination[list->j[c]] += 1.0;
     }

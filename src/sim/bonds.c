@@ -67,20 +67,14 @@ static void keep_bondable(const gn_world *w, gn_pair_list *pairs) {
 
 static void set_bond(gn_world *w, size_t c, int32_t i, int32_t j) {
     gn_contacts *b = &w->dem.bonds;
-    gn_contact_parameters p = gn_contact_law(w, i, j);
     const double *pos = w->dem.particles.pos;
     double distance;
     bondable(w, i, j, &distance);
     b->i[c] = i;
     b->j[c] = j;
-    b->kn[c] = p.kn;
-    b->rn[c] = p.rn;
     b->length0[c] =
         w->scene.passive_gaps ? distance : pos[4 * (int64_t)i + 3] + pos[4 * (int64_t)j + 3];
-    if (b->kt) b->kt[c] = p.kt;
-    if (b->rt) b->rt[c] = p.rt;
-    if (b->mu) b->mu[c] = p.mu;
-    if (b->cn) b->cn[c] = p.cn;
+    gn_contact_set(w, b, c);
     w->dem.particles.bonds0[i]++;
     w->dem.particles.bonds0[j]++;
 }

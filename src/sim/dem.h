@@ -3,6 +3,7 @@
 #define GN_SIM_DEM_H
 
 #include "kernels/dispatch.h"
+#include "kernels/law.h"
 #include "limit/timestep.h"
 #include "neigh/pairs.h"
 #include "sched/deal.h"
@@ -16,12 +17,6 @@ typedef struct gn_verlet {
     int64_t rebuilds;
     int64_t last_step; /* step of the last rebuild */
 } gn_verlet;
-
-/* Uniform contact parameters derived from the packing (models 3a, 3b, 3c); 0 when not used. */
-typedef struct gn_derived {
-    double radius;  /* m: stiffness is 2 E_c radius */
-    double radius2; /* m2: strengths are 4 sigma_c radius2, 4 tau_c radius2 */
-} gn_derived;
 
 /* The shortest collision that a step has to resolve, by ids of particles; `second` < 0: wall -1 -
  * second, behind the walls surfaces. */

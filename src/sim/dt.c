@@ -2,6 +2,7 @@
 #include "base/memory.h"
 #include "base/timer.h"
 #include "sim/parts.h"
+#include "sim/touch.h"
 
 #include <float.h>
 #include <math.h>
@@ -9,7 +10,8 @@
 
 /* Arrays that the spectrum borrows. */
 typedef struct spectrum_data {
-    double *point, *stiffness, *damping;
+    double *point, *damping;
+    gn_touch_side *side;
     uint8_t *fixed;
     gn_extra_spring *surface;
     size_t surface_count;
@@ -17,7 +19,7 @@ typedef struct spectrum_data {
 
 static void free_data(spectrum_data *d) {
     gn_free(d->point);
-    gn_free(d->stiffness);
+    gn_free(d->side);
     gn_free(d->damping);
     gn_free(d->fixed);
     gn_free(d->surface);
@@ -27,19 +29,16 @@ static gneiss_status make_data(const gn_world *w, double reach, spectrum_data *d
                                gneiss_error *error) {
     size_t walls = w->scene.wall_count, n = w->dem.particles.soa.count;
     d->point = gn_alloc_array(walls + 1, 4 * sizeof(double));
-    d->stiffness = gn_alloc_array(walls + 1, 2 * sizeof(double));
+    d->side = gn_alloc_array(walls + 1, sizeof *d->side);
     d->damping = gn_alloc_array(walls + 1, sizeof(double));
     d->fixed = w->dem.prescribed.count ? gn_alloc(n + 1) : NULL;
-    if (!d->point || !d->stiffness || !d->damping || (w->dem.prescribed.count && !d->fixed)) {
+    if (!d->point || !d->side || !d->damping || (w->dem.prescribed.count && !d->fixed)) {
         free_data(d);
         return gn_fail(error, GNEISS_ERROR_MEMORY, "no memory for the stability estimate");
     }
     for (size_t k = 0; k < walls; k++) {
-        const gn_wall_def *def = &w->scene.walls[k];
         memcpy(d->point + 4 * k, w->boundary.walls[k].point, 3 * sizeof(double));
-        d->stiffness[2 * k] = def->stiffness;
-        bool shear = w->effects & GN_FX_WALL_SHEAR && def->friction > 0.0 && def->kratio > 0.0;
-        d->stiffness[2 * k + 1] = shear ? def->stiffness / def->kratio : 0.0;
+        d->side[k] = gn_wall_side(&w->scene.walls[k]);
         d->damping[k] = w->dem.damping_fraction;
     }
     for (size_t p = 0; d->fixed && p < n; p++)
@@ -56,7 +55,7 @@ static gn_spectrum spectrum_of(const gn_world *w, double reach, const gn_assembl
     s.assembly = assembly;
     s.arm_factor = w->scene.contact_arm == GN_ARM_MIDPOINT ? 0.5 : 0.0;
     s.wall_point = d->point;
-    s.wall_stiffness = d->stiffness;
+    s.wall_side = d->side;
     s.wall_damping = d->damping;
     s.extra = d->surface;
     s.extra_count = d->surface_count;

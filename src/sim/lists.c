@@ -51,14 +51,6 @@ static void drop_bonded(const gn_world *w, gn_pair_list *pairs) {
     pairs->count = kept;
 }
 
-static void new_pair(const gn_world *w, gn_contacts *now, size_t c) {
-    gn_contact_parameters p = gn_contact_law(w, now->i[c], now->j[c]);
-    now->kn[c] = p.kn;
-    if (now->kt) now->kt[c] = p.kt;
-    if (now->mu) now->mu[c] = p.mu;
-    if (now->cn) now->cn[c] = p.cn;
-}
-
 enum { PART = 512 };
 
 /* Up to PART pairs found. Parameters depend on the two particles alone: a pair that was there keeps
@@ -71,7 +63,7 @@ static void fill_part(const gn_world *w, const gn_pair_list *found, gn_contacts 
         int32_t i = first[c] = found->pair[c][0], j = second[c] = found->pair[c][1];
         bool known = walk_to(&w->dem.pairs, &place, i, j);
         from[c - begin] = known ? (int32_t)place : -1;
-        if (!known) new_pair(w, now, c);
+        if (!known) gn_contact_set(w, now, c);
     }
     *at = place;
     gn_soa_keep(&gn_contact_record, now, begin, end - begin, &w->dem.pairs, from);
@@ -323,20 +315,15 @@ static size_t uniform(const double *column, size_t count) {
 
 static gn_uniform find_uniform(const gn_contacts *k) {
     size_t n = k->soa.count;
-    return (gn_uniform){uniform(k->kn, n), uniform(k->kt, n), uniform(k->mu, n), uniform(k->cn, n)};
-}
-
-static void refresh_dashpots(const gn_world *w, gn_contacts *q) {
-    for (size_t c = 0; q->cn && c < q->soa.count; c++) {
-        q->cn[c] = gn_contact_law(w, q->i[c], q->j[c]).cn;
-        if (q->cn_f) q->cn_f[c] = (float)q->cn[c];
-    }
+#define X(name) .name = uniform(k->name, n),
+    return (gn_uniform){GN_UNIFORM_COLUMNS(X)};
+#undef X
 }
 
 void gn_world_refresh_dashpots(gn_world *w) {
     if (!(w->effects & GN_FX_CONTACT_DAMPING)) return;
-    refresh_dashpots(w, &w->dem.bonds);
-    refresh_dashpots(w, &w->dem.pairs);
+    gn_contacts_set_dashpots(w, &w->dem.bonds);
+    gn_contacts_set_dashpots(w, &w->dem.pairs);
     w->dem.bond_uniform = find_uniform(&w->dem.bonds);
     w->dem.pair_uniform = find_uniform(&w->dem.pairs);
 }

@@ -30,12 +30,14 @@ void gn_extent_add(gn_extent *extent, const double point[3], double radius);
  * nor for a file that cannot be read: packing it will tell why. */
 void gn_specimen_extent(const gn_scene *scene, gn_extent *extent);
 
-/* Parameters of one contact between particles (law.c; Rojek et al. 2012, sec. 2). */
-typedef struct gn_contact_parameters {
-    double kn, kt, mu, cn;
-    double rn, rt; /* bonds */
-} gn_contact_parameters;
-gn_contact_parameters gn_contact_law(const gn_world *world, int32_t i, int32_t j);
+/* The contact law, asked of the world (law.c). Writes the parameters of a new contact, whose ends
+ * are known; of all contacts of a list those that follow the step. */
+void gn_contact_set(const gn_world *world, gn_contacts *list, size_t c);
+void gn_contacts_set_dashpots(const gn_world *world, gn_contacts *list);
+/* The largest stiffness that two particles can show which meet, and that a contact can show, before
+ * the lists are made again. */
+gn_law_spring gn_pair_spring(const gn_world *world, int32_t i, int32_t j);
+gn_law_spring gn_contact_spring(const gn_world *world, const gn_contacts *list, size_t c);
 
 /* From x to the nearest image of y, m; returns the square of its length. */
 static inline double gn_branch(const gn_world *world, const double *x, const double *y,
@@ -59,8 +61,7 @@ static inline double gn_free_share(uint8_t mask, const double n[3]) {
 /* 1/kg with which a particle gives way along a unit vector: prescribed components do not. */
 double gn_inverse_mass_along(const gn_world *world, size_t particle, const double n[3]);
 
-/* Uniform parameters from the packing (models 3a, 3b, 3c); `pairs` are the contacts to average
- * over. */
+/* What parameters need of the packing as a whole; `pairs` are the contacts to average over. */
 gneiss_status gn_law_derive(gn_world *world, const gn_pair_list *pairs, gneiss_error *error);
 
 /* Damping fraction alpha of the contacts, 0 for none. */

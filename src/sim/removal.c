@@ -3,6 +3,7 @@
 #include "base/point.h"
 #include "sim/origin.h"
 #include "sim/parts.h"
+#include "sim/touch.h"
 
 #include <math.h>
 #include <string.h>
@@ -59,11 +60,6 @@ static void book_contact(gn_world *w, double stored, double power, double viscou
     w->energy.contact_damping += 0.5 * w->dt_past * viscous;
 }
 
-/* Of a column that is in single precision in mixed precision; 0 where there is none. */
-static double value_of(const double *column, const float *single, size_t at) {
-    return column ? column[at] : single ? (double)single[at] : 0.0;
-}
-
 /* Power of the moments, whose arms are those of the last instant. */
 static double turning_power(const gn_world *w, size_t i, size_t j, double length, const double n[3],
                             const double t[3]) {
@@ -80,7 +76,7 @@ static double turning_power(const gn_world *w, size_t i, size_t j, double length
 static void book_pair(gn_world *w, const gn_contacts *k, size_t c) {
     const gn_particles *q = &w->dem.particles;
     size_t i = (size_t)k->i[c], j = (size_t)k->j[c];
-    double n[3], v[3], t[3], force[3];
+    double n[3], v[3], force[3];
     gn_branch(w, q->pos + 4 * i, q->pos + 4 * j, n);
     for (size_t a = 0; a < 3; a++) {
         v[a] = q->vel[4 * j + a] - q->vel[4 * i + a];
@@ -89,46 +85,36 @@ static void book_pair(gn_world *w, const gn_contacts *k, size_t c) {
     double length = sqrt(gn_dot3(n, n));
     if (!(length > 0.0)) return;
     double free = k->length0 ? k->length0[c] : q->pos[4 * i + 3] + q->pos[4 * j + 3];
-    double stretch = length - free, kt = k->kt ? k->kt[c] : 0.0;
-    bool acts = stretch < -GN_OVERLAP_ROUNDING * length || (k->rn && k->rn[c] > 0.0);
-    double normal = acts ? k->kn[c] * stretch : 0.0;
-    double viscous = value_of(k->fd, k->fd_f, c);
+    gn_law_held h = gn_law_of(k->soa.effects)->held(k, c, length, length - free);
     for (size_t a = 0; a < 3; a++) {
         n[a] /= length;
-        t[a] = value_of(k->shear, k->shear_f, c + a * k->soa.capacity);
-        force[a] = (normal + viscous) * n[a] + t[a];
+        force[a] = (h.normal + h.viscous) * n[a] + h.shear[a];
     }
-    double stored = 0.5 * normal * stretch + (kt > 0.0 ? 0.5 * gn_dot3(t, t) / kt : 0.0);
-    book_contact(w, stored, gn_dot3(force, v) - turning_power(w, i, j, length, n, t),
-                 viscous * gn_dot3(n, v));
+    book_contact(w, h.stored, gn_dot3(force, v) - turning_power(w, i, j, length, n, h.shear),
+                 h.viscous * gn_dot3(n, v));
 }
 
 /* What a row needs to know of the wall or surface that it is a contact with. */
 typedef struct wall_side {
     double n[3], v[3]; /* from the particle into it, 0: did not touch; its velocity, m/s */
-    double kn, kt;     /* N/m; across, contacts that share have all of the stiffness each */
+    gn_touch_side law;
 } wall_side;
 
 static wall_side side_of(const gn_world *w, size_t c) {
     const gn_wall_contacts *k = &w->boundary.contacts;
     size_t wall = (size_t)k->wall[c];
     wall_side s;
-    double part = 1.0, stiffness, kratio;
     if (wall < w->scene.wall_count) {
         for (int a = 0; a < 3; a++) s.n[a] = -w->boundary.walls[wall].normal[a];
         memcpy(s.v, w->boundary.walls[wall].velocity, sizeof s.v);
-        stiffness = w->scene.walls[wall].stiffness;
-        kratio = w->scene.walls[wall].kratio;
+        s.law = gn_wall_side(&w->scene.walls[wall]);
     } else {
         for (size_t a = 0; a < 3; a++) s.n[a] = k->normal[c + a * k->soa.capacity];
-        part = sqrt(gn_dot3(s.n, s.n));
+        double part = sqrt(gn_dot3(s.n, s.n));
         for (int a = 0; part > 0.0 && a < 3; a++) s.n[a] /= part;
         gn_surface_velocity(w, c, s.v);
-        stiffness = gn_surface_of_row(w, c)->stiffness;
-        kratio = gn_surface_of_row(w, c)->kratio;
+        s.law = gn_surface_side(gn_surface_of_row(w, c), part);
     }
-    s.kn = part * stiffness;
-    s.kt = kratio > 0.0 ? stiffness / kratio : 0.0;
     return s;
 }
 
@@ -146,8 +132,7 @@ static void book_wall_contact(gn_world *w, size_t c) {
         t2 += t * t;
     }
     double pressed = fmin(0.0, gn_dot3(force, s.n) - viscous), power = gn_dot3(force, v);
-    double stored = s.kn > 0.0 ? 0.5 * pressed * pressed / s.kn : 0.0;
-    if (s.kt > 0.0) stored += 0.5 * t2 / s.kt;
+    double stored = gn_law_of(w->effects)->touch_stored(&s.law, pressed, t2);
     if (q->spin) power -= gn_dot3(moment, q->spin + 4 * p);
     book_contact(w, stored, power, viscous * gn_dot3(s.n, v));
 }
@@ -181,25 +166,16 @@ static void take_out(gn_world *w, size_t p) {
     w->dem.lost++;
 }
 
-/* Bonds stay in the list, without stiffness: to kernels they are as if broken. */
+/* Bonds stay in the list. What their dashpots did was booked. */
 static void release_bonds(gn_world *w, const bool *gone) {
     gn_contacts *b = &w->dem.bonds;
     for (size_t c = 0; c < b->soa.count; c++) {
         if (!gone[b->i[c]] && !gone[b->j[c]]) continue;
-        if (b->rn[c] > 0.0) {
-            b->rn[c] = -b->rn[c];
+        if (gn_contact_bonded(b, c)) {
             b->cause[c] = GN_BOND_LEFT;
             b->broken_time[c] = w->time;
         }
-        b->kn[c] = 0.0;
-        if (b->kt) b->kt[c] = 0.0;
-        for (size_t a = 0; a < 3; a++) {
-            if (b->shear) b->shear[c + a * b->soa.capacity] = 0.0;
-            if (b->shear_f) b->shear_f[c + a * b->soa.capacity] = 0.0F;
-        }
-        if (b->cn) b->cn[c] = 0.0;
-        if (b->fd) b->fd[c] = 0.0; /* its work was booked */
-        if (b->fd_f) b->fd_f[c] = 0.0F;
+        gn_law_of(b->soa.effects)->release(b, c);
     }
 }
 

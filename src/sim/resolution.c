@@ -4,7 +4,7 @@
  * steps where it meets a wall that is stiffer than its bonds, all of them once it has come apart.
  */
 #include "base/memory.h"
-#include "sim/dashpot.h"
+#include "kernels/dashpot.h"
 #include "sim/parts.h"
 #include "sim/touch.h"
 
@@ -89,7 +89,7 @@ static bool come_apart(const gn_world *w, const double *stiffest, uint8_t *tied)
     const gn_contacts *b = &w->dem.bonds;
     size_t had = 0, have = 0;
     for (size_t c = 0; c < b->soa.count; c++)
-        if (b->rn[c] >= 0.0) tied[b->i[c]] = tied[b->j[c]] = 1;
+        if (gn_contact_bonded(b, c)) tied[b->i[c]] = tied[b->j[c]] = 1;
     for (size_t p = 0; p < w->dem.particles.soa.count; p++) {
         had += stiffest[p] > 0.0;
         have += tied[p];
@@ -106,8 +106,9 @@ static gneiss_status find_ties(const gn_world *w, ties *t, gneiss_error *error) 
     t->stiffest = gn_alloc_array(n, sizeof *t->stiffest);
     bool held = tied && t->stiffest;
     for (size_t c = 0; held && c < b->soa.count; c++) {
-        t->stiffest[b->i[c]] = fmax(t->stiffest[b->i[c]], b->kn[c]);
-        t->stiffest[b->j[c]] = fmax(t->stiffest[b->j[c]], b->kn[c]);
+        double kn = gn_contact_spring(w, b, c).kn;
+        t->stiffest[b->i[c]] = fmax(t->stiffest[b->i[c]], kn);
+        t->stiffest[b->j[c]] = fmax(t->stiffest[b->j[c]], kn);
     }
     if (held) t->apart = come_apart(w, t->stiffest, tied);
     gn_free(tied);
@@ -173,7 +174,8 @@ static gneiss_status find_crowds(const gn_world *w, double **sum, gneiss_error *
     if (!*sum) return gn_fail(error, GNEISS_ERROR_MEMORY, "no memory for crowds");
     for (size_t c = 0; c < k->soa.count; c++) {
         size_t i = (size_t)k->i[c], j = (size_t)k->j[c];
-        double mine = k->kn[c] * inverse_mass(w, i), other = k->kn[c] * inverse_mass(w, j);
+        double kn = gn_contact_spring(w, k, c).kn;
+        double mine = kn * inverse_mass(w, i), other = kn * inverse_mass(w, j);
         if (!rattles(w, i, j, mine + other)) continue;
         (*sum)[i] += mine;
         (*sum)[j] += other;
@@ -195,8 +197,8 @@ static void meet_pairs(const gn_world *w, const ties *t, const gn_contacts *k, c
                        fastest *f) {
     for (size_t c = 0; c < k->soa.count; c++) {
         size_t i = (size_t)k->i[c], j = (size_t)k->j[c];
-        if ((k->rn && k->rn[c] >= 0.0) || (!at_large(w, t, i) && !at_large(w, t, j))) continue;
-        double square = k->kn[c] * (inverse_mass(w, i) + inverse_mass(w, j));
+        if (gn_contact_bonded(k, c) || (!at_large(w, t, i) && !at_large(w, t, j))) continue;
+        double square = gn_contact_spring(w, k, c).kn * (inverse_mass(w, i) + inverse_mass(w, j));
         meet(f, square, share_in(w, crowd, i, j, square), w, i, w->dem.particles.id[j]);
     }
 }
@@ -237,20 +239,31 @@ static int64_t surface_number(const gn_world *w, const gn_surface *s) {
     return -1 - (int64_t)w->scene.wall_count - (s - w->boundary.surfaces);
 }
 
+/* Stiffness of a contact with a wall or a surface before the lists are made again. */
+static gn_law_spring wall_spring(const gn_world *w, size_t p, const gn_wall_def *def) {
+    gn_touch_side side = gn_wall_side(def);
+    return gn_touch_spring(w, &side, inverse_mass(w, p), w->dem.verlet.skin);
+}
+static gn_law_spring surface_spring(const gn_world *w, size_t p, const gn_surface *s) {
+    gn_touch_side side = gn_surface_side(s, 1.0);
+    return gn_touch_spring(w, &side, inverse_mass(w, p), w->dem.verlet.skin);
+}
+
 /* The facets of one surface and one particle from row c; returns the row behind what was done. */
 static size_t meet_surface(const gn_world *w, const ties *t, size_t c, fastest *f) {
     size_t p = (size_t)w->boundary.contacts.i[c], many = 0;
     const gn_surface *s = gn_surface_of_row(w, c);
-    double inverse = inverse_mass(w, p), share = share_with(w, t, p, s->stiffness, false);
+    double inverse = inverse_mass(w, p), kn = surface_spring(w, p, s).kn;
+    double share = share_with(w, t, p, kn, false);
     if (share == 0.0) return c + 1;
     if (!gn_surface_yields(w, s)) {
-        meet(f, s->stiffness * inverse, share, w, p, surface_number(w, s));
+        meet(f, kn * inverse, share, w, p, surface_number(w, s));
         return c + 1;
     }
     gn_surface_contact found[GN_SURFACE_CONTACTS];
     c = gn_surface_contacts_at(w, c, w->dem.verlet.skin, found, &many);
     for (size_t m = 0; m < many; m++) {
-        double square = s->stiffness * (inverse + give(w, &found[m]));
+        double square = kn * (inverse + give(w, &found[m]));
         meet(f, square, share, w, p, surface_number(w, s));
     }
     return c;
@@ -265,8 +278,8 @@ static void meet_walls(const gn_world *w, const ties *t, fastest *f) {
         }
         const gn_wall_def *def = &w->scene.walls[k->wall[c]];
         size_t p = (size_t)k->i[c];
-        double share = share_with(w, t, p, def->stiffness, def->passive);
-        meet(f, def->stiffness * inverse_mass(w, p), share, w, p, -1 - (int64_t)k->wall[c]);
+        double kn = wall_spring(w, p, def).kn, share = share_with(w, t, p, kn, def->passive);
+        meet(f, kn * inverse_mass(w, p), share, w, p, -1 - (int64_t)k->wall[c]);
         c++;
     }
 }
@@ -292,11 +305,9 @@ gneiss_status gn_resolution_listed(const gn_world *w, gn_resolution *resolution,
 /* --- what the scene holds --- */
 
 /* The smallest and the largest two of particles that are alike: material, loose, held. For a given
- * partner w^2 = k (1/m_i + 1/m_j) has its maximum at the least or the greatest radius in every law
- * for k and any dimension: with x = r_i/r_j it is (1 + x)(A/x^3 + B) (arithmetic), x/(1 + x) (A/x^3
- * + B) (harmonic) or A/x^d + B, each of which falls and then rises, or only falls. So the extremes
- * of two classes have the extreme pair among them, and two of each make it one of distinct
- * particles. */
+ * partner w^2 = k (1/m_i + 1/m_j) has its maximum at the least or the greatest radius, as every law
+ * has to see to (gn_law.meeting). So the extremes of two classes have the extreme pair among them,
+ * and two of each make it one of distinct particles. */
 typedef struct extremes {
     size_t count, place[4]; /* two smallest, two largest */
 } extremes;
@@ -334,10 +345,10 @@ static double inverse_across(const gn_world *w, size_t p) {
 }
 
 static void fly_pair(const gn_world *w, size_t i, size_t j, flight *f) {
-    gn_contact_parameters c = gn_contact_law(w, (int32_t)i, (int32_t)j);
+    gn_law_spring c = gn_pair_spring(w, (int32_t)i, (int32_t)j);
     double square = c.kn * (inverse_mass(w, i) + inverse_mass(w, j));
     f->normal = fmax(f->normal, square);
-    if (w->effects & GN_FX_SHEAR && c.mu > 0.0)
+    if (w->effects & GN_FX_SHEAR)
         f->shear = fmax(f->shear, c.kt * (inverse_across(w, i) + inverse_across(w, j)));
     if (loose(w, i) || loose(w, j)) meet(&f->resolved, square, 1.0, w, i, w->dem.particles.id[j]);
 }
@@ -353,18 +364,17 @@ static void fly_pairs(const gn_world *w, const extremes *classes, size_t count, 
 static void fly_walls(const gn_world *w, size_t p, flight *f) {
     double inverse = inverse_mass(w, p);
     for (size_t k = 0; k < w->scene.wall_count; k++) {
-        const gn_wall_def *d = &w->scene.walls[k];
-        bool shear = w->effects & GN_FX_WALL_SHEAR && d->friction > 0.0 && d->kratio > 0.0;
-        f->normal = fmax(f->normal, d->stiffness * inverse);
-        if (shear) f->shear = fmax(f->shear, d->stiffness / d->kratio * inverse_across(w, p));
-        if (loose(w, p)) meet(&f->resolved, d->stiffness * inverse, 1.0, w, p, -1 - (int64_t)k);
+        gn_law_spring c = wall_spring(w, p, &w->scene.walls[k]);
+        f->normal = fmax(f->normal, c.kn * inverse);
+        f->shear = fmax(f->shear, c.kt * inverse_across(w, p));
+        if (loose(w, p)) meet(&f->resolved, c.kn * inverse, 1.0, w, p, -1 - (int64_t)k);
     }
     for (size_t k = 0; k < w->boundary.surface_count; k++) {
         const gn_surface *s = &w->boundary.surfaces[k];
-        double square = s->stiffness * (inverse + gn_surface_give(w, s));
-        bool shear = w->effects & GN_FX_WALL_SHEAR && s->friction > 0.0 && s->kratio > 0.0;
+        gn_law_spring c = surface_spring(w, p, s);
+        double square = c.kn * (inverse + gn_surface_give(w, s));
         f->normal = fmax(f->normal, square);
-        if (shear) f->shear = fmax(f->shear, s->stiffness / s->kratio * inverse_across(w, p));
+        f->shear = fmax(f->shear, c.kt * inverse_across(w, p));
         if (loose(w, p)) meet(&f->resolved, square, 1.0, w, p, surface_number(w, s));
     }
 }
@@ -382,7 +392,7 @@ static gneiss_status fly(const gn_world *w, flight *f, gneiss_error *error) {
     fly_pairs(w, classes, count, f);
     /* All by itself: as if it met its like, so that there is a step. */
     for (size_t p = 0; f->normal == 0.0 && p < w->dem.particles.soa.count; p++)
-        f->normal = 2.0 * gn_contact_law(w, (int32_t)p, (int32_t)p).kn * inverse_mass(w, p);
+        f->normal = 2.0 * gn_pair_spring(w, (int32_t)p, (int32_t)p).kn * inverse_mass(w, p);
     gn_free(classes);
     return GNEISS_OK;
 }

@@ -77,9 +77,9 @@ static void merge_before(gn_world *w, const gn_motion_sums *m, bool measure) {
         add_contact_sums(&pairs, w->dem.pair_sums, w->dem.pair_partials.blocks);
     add_contact_sums(&walls, w->boundary.sums, w->effects & GN_FX_WALLS ? w->dem.motion_blocks : 0);
     gn_energy *e = &w->energy;
-    e->friction += bonds.friction + pairs.friction + walls.friction;
-    e->contact_damping += bonds.contact_damping + pairs.contact_damping + walls.contact_damping;
-    e->bond_breaking += bonds.bond_breaking;
+#define X(name, text) e->name += bonds.name + pairs.name + walls.name;
+    GN_CONTACT_LOSSES(X)
+#undef X
     w->dem.broken_tension += bonds.broken_tension;
     w->dem.broken_shear += bonds.broken_shear;
     e->background_damping += m->damping[0];

@@ -7,22 +7,22 @@
 #include <math.h>
 #include <string.h>
 
-static double shear_stiffness(const gn_world *w, const gn_surface *s) {
-    bool shear = w->effects & GN_FX_WALL_SHEAR && s->friction > 0.0 && s->kratio > 0.0;
-    return shear ? s->stiffness / s->kratio : 0.0;
+/* The largest stiffness of one contact before the lists are made again. */
+static gn_law_spring law_spring(const gn_world *w, const gn_surface_contact *c) {
+    gn_touch_side side = gn_surface_side(c->surface, 1.0);
+    return gn_touch_spring(w, &side, w->dem.particles.vel[4 * c->particle + 3],
+                           fmax(-c->contact.overlap, 0.0) + w->dem.verlet.skin);
 }
 
 static gn_extra_spring spring_of(const gn_world *w, const gn_surface_contact *c, bool joined) {
     const gn_facet_contact *k = &c->contact;
-    double inverse = w->dem.particles.vel[4 * c->particle + 3];
-    gn_extra_spring e = {.particle = (int32_t)c->particle, .kn = c->surface->stiffness};
+    gn_law_spring s = law_spring(w, c);
+    /* Of a surface that yields the dashpot is weaker. */
+    gn_extra_spring e = {.particle = (int32_t)c->particle, .kn = s.kn, .kt = s.kt, .cn = s.cn};
     memcpy(e.n, k->n, sizeof e.n);
     e.arm = w->scene.contact_arm == GN_ARM_MIDPOINT ? sqrt(gn_dot3(k->arm, k->arm))
                                                     : w->dem.particles.pos[4 * c->particle + 3];
-    e.kt = shear_stiffness(w, c->surface);
     if (joined) e.kt += e.kn;
-    /* Of a surface that yields the dashpot is weaker. */
-    e.cn = 2.0 * w->dem.damping_fraction * sqrt(e.kn / inverse);
     /* Contacts that share resist in every direction in which one of them does: with the normals M
      * by M f^-1 M^T, of which the largest eigenvalue never exceeded the sum of min(1, 2/crowd) over
      * 60 000 random sets of normals of all spreads. */
@@ -107,7 +107,8 @@ static void scaled_row(const gn_rigid *b, const double at[3], const double direc
 static void add_contact(const gn_world *w, const gn_surface_contact *c, body_block *block) {
     const gn_rigid *b = &w->boundary.bodies[c->surface->body];
     const double *x = w->dem.particles.pos + 4 * c->particle;
-    double k = fmax(c->surface->stiffness, shear_stiffness(w, c->surface)), at[3], row[6];
+    gn_law_spring s = law_spring(w, c);
+    double k = fmax(s.kn, s.kt), at[3], row[6];
     double mass = 1.0 / w->dem.particles.vel[4 * c->particle + 3]; /* the dashpot's is less */
     for (int a = 0; a < 3; a++) at[a] = x[a] + c->contact.arm[a] - b->position[a];
     for (int a = 0; a < 3; a++) {
@@ -116,7 +117,7 @@ static void add_contact(const gn_world *w, const gn_surface_contact *c, body_blo
         add_row(block->stiff, row, k);
     }
     scaled_row(b, at, c->contact.n, row);
-    add_row(block->damp, row, 2.0 * w->dem.damping_fraction * sqrt(c->surface->stiffness * mass));
+    add_row(block->damp, row, 2.0 * w->dem.damping_fraction * sqrt(s.kn * mass));
 }
 
 static double largest(const double block[36]) {
@@ -146,9 +147,8 @@ static void add(const gn_world *w, const gn_surface_contact *c, rate_sums *sums)
         add_contact(w, c, &sums->body);
         return;
     }
-    double k = fmax(c->surface->stiffness, shear_stiffness(w, c->surface));
-    double damp = 2.0 * w->dem.damping_fraction *
-                  sqrt(c->surface->stiffness / w->dem.particles.vel[4 * c->particle + 3]);
+    gn_law_spring s = law_spring(w, c);
+    double k = fmax(s.kn, s.kt), damp = s.cn;
     for (int v = 0; v < c->parts; v++) {
         sums->stiff[c->vertex[v]] += k * c->weight[v];
         sums->damp[c->vertex[v]] += damp * c->weight[v];

@@ -356,11 +356,6 @@ static gn_touch touch_of(const group *g, const gn_facet_near *minima, const gn_f
     return s;
 }
 
-static gn_touch_law law_of(const gn_surface *s) {
-    return (gn_touch_law){s->stiffness, s->friction,
-                          s->kratio > 0.0 ? s->stiffness / s->kratio : 0.0};
-}
-
 /* One contact: force and history into its row. */
 static void contact(const group *g, const gn_facet_near *minima, const gn_facet_contact *k,
                     const memory *before, gn_contact_sums *sums) {
@@ -377,10 +372,9 @@ static void contact(const group *g, const gn_facet_near *minima, const gn_facet_
         follow_normal(before->n, k->n, old);
     }
     gn_touch s = touch_of(g, minima, k, arm);
-    gn_touch_law law = law_of(g->s);
     /* Contacts that share have parts of the stiffness and of the mass behind it, so that their
      * dashpots add up as well. Across, friction bounds what each carries. */
-    law.stiffness *= k->part;
+    gn_touch_side law = gn_surface_side(g->s, k->part);
     s.inverse_mass /= k->part;
     double total =
         gn_touch_force(g->w, &law, &s, q->fd ? &fd : NULL, q->shear ? old : NULL, 1, t, sums);
@@ -435,8 +429,7 @@ static void open_contact(const group *g, memory *m, gn_contact_sums *sums) {
     if (!behind) memcpy(k.n, m->n, sizeof k.n);
     gn_touch s = touch_of(g, &near, &k, k.arm);
     if (!behind || s.gap <= 0.0) s.gap = INFINITY;
-    gn_touch_law law = law_of(g->s);
-    law.stiffness *= m->part;
+    gn_touch_side law = gn_surface_side(g->s, m->part);
     s.inverse_mass /= m->part;
     double total = gn_touch_force(g->w, &law, &s, q->fd ? &m->fd : NULL, q->shear ? m->shear : NULL,
                                   1, t, sums);

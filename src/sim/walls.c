@@ -1,5 +1,6 @@
 /* Plane walls: contacts with particles (few, so plain scalar code), motion, servo, work. */
 #include "base/memory.h"
+#include "kernels/dashpot.h"
 #include "sim/origin.h"
 #include "sim/parts.h"
 #include "sim/touch.h"
@@ -169,8 +170,7 @@ static bool idle(const gn_wall_contacts *q, size_t c, const gn_touch *s, double 
 static void wall_contact(const gn_world *w, size_t c, gn_contact_sums *sums) {
     const gn_wall_contacts *q = &w->boundary.contacts;
     const gn_wall_def *def = &w->scene.walls[q->wall[c]];
-    gn_touch_law law = {def->stiffness, def->friction,
-                        def->kratio > 0.0 ? def->stiffness / def->kratio : 0.0};
+    gn_touch_side law = gn_wall_side(def);
     double arm, v[3], t[3], *row = q->row + 8 * c, moment[3];
     gn_touch s = touch_of(w, c, v, &arm);
     if (idle(q, c, &s, s.speed * w->dt_past)) {
@@ -198,11 +198,21 @@ void gn_wall_contacts_work(const gn_world *w, size_t begin, size_t end, gn_conta
     }
 }
 
+/* Of the spring of a wall contact as far as it is pressed. */
+static double spring_stiffness(const gn_world *w, size_t c) {
+    const gn_wall_contacts *q = &w->boundary.contacts;
+    size_t p = (size_t)q->i[c], k = (size_t)q->wall[c];
+    gn_touch_side side = gn_wall_side(&w->scene.walls[k]);
+    return gn_touch_spring(w, &side, w->dem.particles.vel[4 * p + 3],
+                           fmax(q->gap0[c] - wall_gap(w, p, k), 0.0))
+        .kn;
+}
+
 /* Force that a wall contact gives for a path of the wall made in one step, over that path: the
  * spring, and the dashpot that sees the path as a velocity. (Without it a servo overshoots at small
  * steps.) */
 static double step_stiffness(const gn_world *w, size_t c) {
-    double k = w->scene.walls[w->boundary.contacts.wall[c]].stiffness;
+    double k = spring_stiffness(w, c);
     double inverse_mass = w->dem.particles.vel[4 * (int64_t)w->boundary.contacts.i[c] + 3];
     if (!(inverse_mass > 0.0)) return k;
     return k + gn_dashpot(k, inverse_mass, w->dem.damping_fraction, w->dt) / w->dt;
@@ -234,7 +244,7 @@ static double springs_of(const gn_world *w, size_t k) {
     for (size_t c = 0; c < w->boundary.contacts.soa.count; c++) {
         const double *row = w->boundary.contacts.row + 8 * c;
         if ((size_t)w->boundary.contacts.wall[c] == k && gn_dot3(row, row) > 0.0)
-            sum += w->scene.walls[k].stiffness;
+            sum += spring_stiffness(w, c);
     }
     return sum;
 }

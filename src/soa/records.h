@@ -232,6 +232,11 @@ static inline int gn_contacts_row_width(const gn_contacts *contacts) {
                         contacts->soa.effects & GN_FX_ROTATION);
 }
 
+/* Whether contact c is a bond that holds. */
+static inline bool gn_contact_bonded(const gn_contacts *contacts, size_t c) {
+    return contacts->cause && contacts->cause[c] == GN_INTACT;
+}
+
 /* Whether contact c carries force. In 2D the third slot of a row is no force. */
 static inline bool gn_contact_carries(const gn_contacts *contacts, size_t c) {
     const double *row = gn_contacts_row(contacts) + (size_t)gn_contacts_row_width(contacts) * c;

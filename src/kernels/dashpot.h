@@ -1,6 +1,6 @@
 /* The dashpot of a contact that rebounds with a restitution coefficient. */
-#ifndef GN_SIM_DASHPOT_H
-#define GN_SIM_DASHPOT_H
+#ifndef GN_KERNELS_DASHPOT_H
+#define GN_KERNELS_DASHPOT_H
 
 #include <math.h>
 

@@ -1,0 +1,141 @@
+/* A contact law as all but the kernels see it: what its parameters are, what spring a contact is at
+ * most, what it holds, how near it is to its strength; and its force at walls and surfaces, one
+ * contact at a time. A law is law_<name>.h (forces, for the kernels) and law_<name>.c (this table);
+ * nothing else knows what its columns mean. */
+#ifndef GN_KERNELS_LAW_H
+#define GN_KERNELS_LAW_H
+
+#include "kernels/contact.h"
+#include "scene/scene.h"
+
+/* Averages over the packing that parameters may follow from; 0 when not used. */
+typedef struct gn_derived {
+    double radius;  /* m: stiffness is 2 E_c radius */
+    double radius2; /* m2: strengths are 4 sigma_c radius2, 4 tau_c radius2 */
+} gn_derived;
+
+/* What holds for all contacts. */
+typedef struct gn_law_model {
+    const gn_scene *scene;
+    gn_derived derived;
+    double damping_fraction; /* of critical, of contacts that are pressed */
+    double dt;               /* s, the step to come; 0: none yet */
+} gn_law_model;
+
+/* What a law is told of two particles. */
+typedef struct gn_law_pair {
+    const gn_material *a, *b;
+    double ri, rj;       /* m */
+    double inverse_mass; /* 1/kg, with which both give way along the line of their centres; with a
+                            damping fraction only */
+} gn_law_pair;
+
+/* A contact in the linearised system. */
+typedef struct gn_law_spring {
+    double kn, kt, cn; /* N/m, N/m, N s/m */
+} gn_law_spring;
+
+/* What a contact held at the end of a step, on its first particle. */
+typedef struct gn_law_held {
+    double normal;   /* N, tension positive, without the dashpot */
+    double viscous;  /* N, of the dashpot, along the normal */
+    double shear[3]; /* N */
+    double stored;   /* J */
+} gn_law_held;
+
+/* What a wall or a surface says of its contacts, and the part that one contact is of several that
+ * share. */
+typedef struct gn_touch_side {
+    double stiffness, kratio, friction, part;
+} gn_touch_side;
+
+/* A contact with a wall or a surface at one instant. Normal from the particle into it, as for a
+ * second particle. */
+typedef struct gn_touch {
+    double n[3];
+    double gap;          /* m, negative while it presses */
+    double rounding;     /* m, of the gap: an overlap within it is none */
+    double speed;        /* m/s, of the wall against the particle along n */
+    double relative[3];  /* m/s, the same across n, at the point of contact */
+    double twist;        /* rad/s, sum of both spins about n */
+    double inverse_mass; /* 1/kg, sum over both sides */
+} gn_touch;
+
+/* Of the step that led to it. */
+typedef struct gn_touch_step {
+    double dt;               /* s */
+    double damping_fraction; /* of critical */
+    bool damping, space, spins;
+} gn_touch_step;
+
+/* Whether it closed or opened within the step, when its gap grew by `path`. */
+static inline bool gn_touch_crosses(const gn_touch *t, double path) {
+    return (t->gap < -t->rounding) != (t->gap - path < -t->rounding);
+}
+
+/* `overlap`, m: how far a contact that is not bonded can be pressed while the answer is to hold. */
+typedef struct gn_law {
+    /* Averages of the packing, over its particles or over the contacts at the start, in their
+     * order; false: there is none to average over. */
+    bool (*derive)(const gn_scene *scene, const gn_particles *particles, const int32_t (*pair)[2],
+                   size_t count, gn_derived *derived);
+    /* Writes the parameters of contact c, of bonds their strengths as well; the second function
+     * those that follow the step, after it has changed, in single precision as well. */
+    void (*set)(const gn_law_model *model, const gn_law_pair *pair, gn_contacts *list, size_t c);
+    void (*set_dashpot)(const gn_law_model *model, const gn_law_pair *pair, gn_contacts *list,
+                        size_t c);
+    /* The largest stiffness that two particles can show which meet unbonded. For a given partner
+     * k_n (1/m_i + 1/m_j) must have its maximum at the least or the greatest radius of a material
+     * (src/sim/resolution.c looks at no others). */
+    gn_law_spring (*meeting)(const gn_law_model *model, const gn_law_pair *pair, double overlap);
+    /* The largest stiffness that contact c can show. */
+    gn_law_spring (*spring)(const gn_contacts *list, size_t c, double overlap);
+    /* What contact c held when its ends were `length` apart, `stretch` beyond the distance at which
+     * there is no normal force. */
+    gn_law_held (*held)(const gn_contacts *list, size_t c, double length, double stretch);
+    /* Contact c acts no more and holds nothing: one of its particles has left. Who calls notes the
+     * cause. */
+    void (*release)(gn_contacts *list, size_t c);
+    /* The largest of force over strength of a bond that holds. */
+    double (*criterion)(const gn_contacts *list, size_t c, double normal, double shear);
+
+    /* The largest stiffness of a contact with a wall, with a particle that gives way by
+     * `inverse_mass`. */
+    gn_law_spring (*touch_spring)(const gn_touch_side *side, double inverse_mass,
+                                  double damping_fraction, double overlap);
+    /* J, stored by the normal force and a tangential one of square `shear2`, N and N2. */
+    double (*touch_stored)(const gn_touch_side *side, double normal, double shear2);
+    /* Force on the particle: the returned value along n, and t across it. `fd` (may be NULL):
+     * viscous force of the last step, then of this one; `shear` (may be NULL) [3] columns of
+     * `stride`: the tangential force of the last step, across the normal of this one, then the new
+     * one. Turns of the normal are the caller's. Energies go to *sums. */
+    double (*touch)(const gn_touch_step *step, const gn_touch_side *side, const gn_touch *touch,
+                    double *fd, double *shear, size_t stride, double t[3], gn_contact_sums *sums);
+} gn_law;
+
+#define X(name, ...) extern const gn_law gn_law_##name;
+GN_LAWS(X)
+#undef X
+
+/* The functions of the linear law, which may stand in the tables of others (law_linear.c). */
+bool gn_linear_derive(const gn_scene *scene, const gn_particles *particles,
+                      const int32_t (*pair)[2], size_t count, gn_derived *derived);
+void gn_linear_set(const gn_law_model *model, const gn_law_pair *pair, gn_contacts *list, size_t c);
+void gn_linear_set_dashpot(const gn_law_model *model, const gn_law_pair *pair, gn_contacts *list,
+                           size_t c);
+gn_law_spring gn_linear_meeting(const gn_law_model *model, const gn_law_pair *pair, double overlap);
+gn_law_spring gn_linear_spring(const gn_contacts *list, size_t c, double overlap);
+gn_law_held gn_linear_held(const gn_contacts *list, size_t c, double length, double stretch);
+void gn_linear_release(gn_contacts *list, size_t c);
+double gn_linear_criterion(const gn_contacts *list, size_t c, double normal, double shear);
+gn_law_spring gn_linear_touch_spring(const gn_touch_side *side, double inverse_mass,
+                                     double damping_fraction, double overlap);
+double gn_linear_touch_stored(const gn_touch_side *side, double normal, double shear2);
+double gn_linear_touch(const gn_touch_step *step, const gn_touch_side *side, const gn_touch *touch,
+                       double *fd, double *shear, size_t stride, double t[3],
+                       gn_contact_sums *sums);
+
+/* The law of a list, by its effects; by those of a scene that of its bonds. */
+const gn_law *gn_law_of(gn_effects effects);
+
+#endif

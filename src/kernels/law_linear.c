@@ -1,0 +1,267 @@
+/* The linear brittle law (law_linear.h) for all but the kernels. Parameters from materials and
+ * radii: Rojek et al. 2012, sec. 2, models 1, 2, 3, 3a, 3b, 3c.
+ *
+ * A contact is seen as a bar between the centres. In 3D its section is (2r)^2 and its length 2r, so
+ * that k_n = 2 E_c r and R = 4 sigma_c r^2; in 2D (unit thickness) the section is 2r x 1 m, so that
+ * k_n = E_c x 1 m whatever r, and R = 2 sigma_c r x 1 m. */
+#include "kernels/dashpot.h"
+#include "kernels/law.h"
+#include "kernels/law_scalar.h"
+
+#include <math.h>
+
+/* --- parameters --- */
+
+typedef struct parameters {
+    double kn, kt, mu, cn;
+    double rn, rt; /* bonds */
+} parameters;
+
+/* Springs in series for two materials; the same material gives its own value back exactly. */
+static double series(double a, double b) {
+    return a == b ? a : 2.0 * a * b / (a + b);
+}
+
+static double smaller(double a, double b) {
+    return a < b ? a : b;
+}
+
+typedef struct effective_radius {
+    double stiffness; /* k_n = 2 E_c times this */
+    double strength2; /* R = 4 sigma_c times this (3D) */
+    double strength1; /* R = 2 sigma_c times this (2D) */
+} effective_radius;
+
+static effective_radius radius_of(const gn_law_model *m, double ri, double rj) {
+    double mean = 0.5 * (ri + rj), harmonic = 2.0 * ri * rj / (ri + rj), least = smaller(ri, rj);
+    switch (m->scene->stiffness) {
+    case GN_STIFFNESS_ARITHMETIC:
+        return (effective_radius){mean, mean * mean, mean};
+    case GN_STIFFNESS_HARMONIC:
+        return (effective_radius){harmonic, least * least, least};
+    case GN_STIFFNESS_MEAN_RADIUS:
+    case GN_STIFFNESS_MEAN_ARITHMETIC:
+    case GN_STIFFNESS_MEAN_HARMONIC:
+        return (effective_radius){m->derived.radius, m->derived.radius2, sqrt(m->derived.radius2)};
+    case GN_STIFFNESS_UNIFORM:
+        break;
+    }
+    return (effective_radius){0, 0, 0};
+}
+
+static void set_kn_and_strength(const gn_law_model *m, const gn_law_pair *q, parameters *p) {
+    const gn_material *a = q->a, *b = q->b;
+    if (m->scene->stiffness == GN_STIFFNESS_UNIFORM) {
+        p->kn = series(a->normal_stiffness, b->normal_stiffness);
+        p->rn = smaller(a->bond_tension_limit, b->bond_tension_limit);
+        p->rt = smaller(a->bond_shear_limit, b->bond_shear_limit);
+        return;
+    }
+    effective_radius r = radius_of(m, q->ri, q->rj);
+    double modulus = series(a->contact_modulus, b->contact_modulus);
+    bool space = m->scene->dimension == 3;
+    double section = space ? 4.0 * r.strength2 : 2.0 * r.strength1;
+    p->kn = space ? 2.0 * modulus * r.stiffness : modulus;
+    p->rn = smaller(a->tensile_strength, b->tensile_strength) * section;
+    p->rt = smaller(a->shear_strength, b->shear_strength) * section;
+}
+
+static parameters parameters_of(const gn_law_model *m, const gn_law_pair *q) {
+    const gn_material *a = q->a, *b = q->b;
+    parameters p = {0};
+    set_kn_and_strength(m, q, &p);
+    /* Each material's k_t/k_n; two different ones act in series as the normal springs do. */
+    double ta = a->kratio > 0.0 ? 1.0 / a->kratio : 0.0,
+           tb = b->kratio > 0.0 ? 1.0 / b->kratio : 0.0;
+    p.kt = ta + tb > 0.0 ? p.kn * series(ta, tb) : 0.0;
+    p.mu = smaller(a->friction, b->friction);
+    if (m->damping_fraction > 0.0)
+        p.cn = gn_dashpot(p.kn, q->inverse_mass, m->damping_fraction, m->dt);
+    return p;
+}
+
+void gn_linear_set(const gn_law_model *m, const gn_law_pair *q, gn_contacts *list, size_t c) {
+    parameters p = parameters_of(m, q);
+    list->kn[c] = p.kn;
+    if (list->kt) list->kt[c] = p.kt;
+    if (list->mu) list->mu[c] = p.mu;
+    if (list->cn) list->cn[c] = p.cn;
+    if (list->rn) list->rn[c] = p.rn;
+    if (list->rt) list->rt[c] = p.rt;
+}
+
+void gn_linear_set_dashpot(const gn_law_model *m, const gn_law_pair *q, gn_contacts *list,
+                           size_t c) {
+    if (!list->cn) return;
+    list->cn[c] = parameters_of(m, q).cn;
+    if (list->cn_f) list->cn_f[c] = (float)list->cn[c];
+}
+
+/* Averages over particles (3a) or over contacts (3b, 3c). */
+bool gn_linear_derive(const gn_scene *scene, const gn_particles *particles,
+                      const int32_t (*pair)[2], size_t count, gn_derived *derived) {
+    gn_stiffness_model model = scene->stiffness;
+    const double *pos = particles->pos;
+    double sum = 0.0, sum2 = 0.0;
+    if (model == GN_STIFFNESS_MEAN_RADIUS) {
+        count = particles->soa.count;
+        for (size_t p = 0; p < count; p++) {
+            sum += pos[4 * p + 3];
+            sum2 += pos[4 * p + 3] * pos[4 * p + 3];
+        }
+    } else if (model == GN_STIFFNESS_MEAN_ARITHMETIC || model == GN_STIFFNESS_MEAN_HARMONIC) {
+        for (size_t c = 0; c < count; c++) {
+            double ri = pos[4 * (int64_t)pair[c][0] + 3], rj = pos[4 * (int64_t)pair[c][1] + 3];
+            double mean = 0.5 * (ri + rj), least = smaller(ri, rj);
+            bool arithmetic = model == GN_STIFFNESS_MEAN_ARITHMETIC;
+            sum += arithmetic ? mean : 2.0 * ri * rj / (ri + rj);
+            sum2 += arithmetic ? mean * mean : least * least;
+        }
+    } else {
+        return true;
+    }
+    if (count > 0) *derived = (gn_derived){sum / (double)count, sum2 / (double)count};
+    return count > 0;
+}
+
+/* --- springs --- */
+
+/* k_n (1/m_i + 1/m_j) over x = r_i/r_j is (1 + x)(A/x^3 + B) (arithmetic), x/(1 + x) (A/x^3 + B)
+ * (harmonic) or A/x^d + B, each of which falls and then rises, or only falls. */
+gn_law_spring gn_linear_meeting(const gn_law_model *m, const gn_law_pair *q, double overlap) {
+    (void)overlap;
+    parameters p = parameters_of(m, q);
+    return (gn_law_spring){p.kn, p.mu > 0.0 ? p.kt : 0.0, p.cn};
+}
+
+gn_law_spring gn_linear_spring(const gn_contacts *list, size_t c, double overlap) {
+    (void)overlap;
+    bool holds = gn_contact_bonded(list, c) || (list->mu && list->mu[c] > 0.0);
+    return (gn_law_spring){list->kn[c], holds && list->kt ? list->kt[c] : 0.0,
+                           list->cn ? list->cn[c] : 0.0};
+}
+
+/* --- what a contact holds --- */
+
+/* Of a column that is in single precision in mixed precision; 0 where there is none. */
+static double value_of(const double *column, const float *single, size_t at) {
+    return column ? column[at] : single ? (double)single[at] : 0.0;
+}
+
+gn_law_held gn_linear_held(const gn_contacts *k, size_t c, double length, double stretch) {
+    double kt = k->kt ? k->kt[c] : 0.0, shear2 = 0.0;
+    bool acts = stretch < -GN_OVERLAP_ROUNDING * length || gn_contact_bonded(k, c);
+    gn_law_held h = {.normal = acts ? k->kn[c] * stretch : 0.0,
+                     .viscous = value_of(k->fd, k->fd_f, c)};
+    for (size_t a = 0; a < 3; a++) {
+        h.shear[a] = value_of(k->shear, k->shear_f, c + a * k->soa.capacity);
+        shear2 += h.shear[a] * h.shear[a];
+    }
+    h.stored = 0.5 * h.normal * stretch + (kt > 0.0 ? 0.5 * shear2 / kt : 0.0);
+    return h;
+}
+
+/* To kernels it is as if broken, and has no stiffness. */
+void gn_linear_release(gn_contacts *b, size_t c) {
+    if (b->rn) b->rn[c] = -fabs(b->rn[c]);
+    b->kn[c] = 0.0;
+    if (b->kt) b->kt[c] = 0.0;
+    for (size_t a = 0; a < 3; a++) {
+        if (b->shear) b->shear[c + a * b->soa.capacity] = 0.0;
+        if (b->shear_f) b->shear_f[c + a * b->soa.capacity] = 0.0F;
+    }
+    if (b->cn) b->cn[c] = 0.0;
+    if (b->fd) b->fd[c] = 0.0;
+    if (b->fd_f) b->fd_f[c] = 0.0F;
+}
+
+double gn_linear_criterion(const gn_contacts *b, size_t c, double normal, double shear) {
+    double ratio = normal / b->rn[c];
+    return b->rt ? fmax(ratio, shear / b->rt[c]) : ratio;
+}
+
+/* --- walls and surfaces --- */
+
+static double touch_kt(const gn_touch_side *side) {
+    return side->kratio > 0.0 ? side->stiffness / side->kratio : 0.0;
+}
+
+gn_law_spring gn_linear_touch_spring(const gn_touch_side *side, double inverse_mass,
+                                     double damping_fraction, double overlap) {
+    (void)overlap;
+    double kn = side->part * side->stiffness;
+    return (gn_law_spring){kn, side->friction > 0.0 ? touch_kt(side) : 0.0,
+                           2.0 * damping_fraction * sqrt(kn / inverse_mass)};
+}
+
+/* Across, contacts that share have all of the stiffness each. */
+double gn_linear_touch_stored(const gn_touch_side *side, double normal, double shear2) {
+    double kn = side->part * side->stiffness, kt = touch_kt(side);
+    double stored = kn > 0.0 ? 0.5 * normal * normal / kn : 0.0;
+    return kt > 0.0 ? stored + 0.5 * shear2 / kt : stored;
+}
+
+/* Coulomb friction with radial return; returns the dissipated energy. */
+static double touch_friction(const gn_touch_step *step, const gn_touch *s, double kt, double limit,
+                             double *shear, size_t stride, double t[3], double *elastic) {
+    bool space = step->space, twists = space && (step->spins || s->twist != 0.0);
+    double angle = 0.5 * step->dt * s->twist, lost = 0.0;
+    gn_v3 old = {shear[0], shear[stride], shear[2 * stride]}, n = gn_v3_of(s->n);
+    gn_v3 trial =
+        gn_linear_shear(old, gn_v3_of(s->relative), kt, step->dt, n, angle, twists, space);
+    gn_v3 now = trial;
+    double size2 = gn_dot(trial, trial, 1);
+    if (limit * limit < size2) {
+        now = gn_linear_slip(trial, size2, limit, true, 1);
+        lost = gn_released3(twists ? gn_turn_about_normal(old, n, angle) : old, now, trial, kt, 1);
+    }
+    t[0] = shear[0] = now.x;
+    t[1] = shear[stride] = now.y;
+    t[2] = shear[2 * stride] = now.z;
+    *elastic += 0.5 * gn_dot(now, now, 1) / kt;
+    return lost;
+}
+
+/* What acts along the normal but for the dashpot, whose share of the step is given back too. A
+ * plane's or facet's normal does not turn within a step: the path is all along it. */
+static gn_linear_crossing touch_normal(double kn, const gn_touch *t, double path, double dt) {
+    bool touching = t->gap < -t->rounding;
+    if (!gn_touch_crosses(t, path))
+        return touching ? (gn_linear_crossing){kn * t->gap, 1.0, t->gap}
+                        : (gn_linear_crossing){0.0, 0.0, 0.0};
+    double quarter_y2 = 0.25 * dt * dt * kn * t->inverse_mass;
+    return gn_linear_cross(kn, t->gap, path, quarter_y2, touching, !touching, touching);
+}
+
+double gn_linear_touch(const gn_touch_step *step, const gn_touch_side *side, const gn_touch *s,
+                       double *fd, double *shear, size_t stride, double t[3],
+                       gn_contact_sums *sums) {
+    bool touching = s->gap < -s->rounding;
+    double path = s->speed * step->dt, elastic = 0.0, kn = side->part * side->stiffness;
+    gn_linear_crossing normal = touch_normal(kn, s, path, step->dt);
+    double total = normal.normal;
+    if (step->damping) {
+        double viscous = 0.0;
+        if (normal.share != 0.0)
+            viscous = normal.share * s->speed *
+                      gn_dashpot(kn, s->inverse_mass, step->damping_fraction, step->dt);
+        if (fd) {
+            sums->contact_damping += 0.5 * (*fd + viscous) * path;
+            *fd = viscous;
+        }
+        total += viscous;
+    }
+    t[0] = t[1] = t[2] = 0.0;
+    double kt = touch_kt(side);
+    if (shear && kt > 0.0)
+        sums->friction +=
+            touch_friction(step, s, kt, touching ? side->friction * fmax(-total, 0.0) : 0.0, shear,
+                           stride, t, &elastic);
+    sums->elastic_normal += 0.5 * normal.normal * normal.way + elastic;
+    return total;
+}
+
+const gn_law gn_law_linear = {gn_linear_derive,       gn_linear_set,       gn_linear_set_dashpot,
+                              gn_linear_meeting,      gn_linear_spring,    gn_linear_held,
+                              gn_linear_release,      gn_linear_criterion, gn_linear_touch_spring,
+                              gn_linear_touch_stored, gn_linear_touch};
