@@ -33,8 +33,12 @@ typedef struct gn_contact_args {
     double speed_most;           /* m/s, at which the fastest particle moved in it; 0: not known */
     double arm_factor;           /* 0.5: contact point at r + gap/2; 0: at r */
     double period[3], inverse_period[3]; /* m, 1/m, with GN_FX_PERIODIC */
-    double time;                         /* s, of this instant */
-    bool measure;                        /* also sum what is read off: see gn_contact_sums */
+    const int32_t *slot; /* [particles] of those with prescribed components, -1: none; NULL: no
+                            particle has any */
+    const uint8_t *held; /* [slots] which: see gn_prescription.mask */
+    double gravity[3];   /* m/s2 */
+    double time;         /* s, of this instant */
+    bool measure;        /* also sum what is read off: see gn_contact_sums */
 } gn_contact_args;
 
 /* What a block of contacts loses in a step: X(name, text), J. Lanes sum it up under its name, and

@@ -59,6 +59,7 @@ typedef struct gn_touch {
     double relative[3];  /* m/s, the same across n, at the point of contact */
     double twist;        /* rad/s, sum of both spins about n */
     double inverse_mass; /* 1/kg, sum over both sides */
+    double other;        /* m/s2, of the gap, by all but this contact; where it may cross only */
 } gn_touch;
 
 /* Of the step that led to it. */

@@ -222,6 +222,32 @@ static double touch_friction(const gn_touch_step *step, const gn_touch *s, doubl
     return lost;
 }
 
+/* The smaller root in size of b x^2 - a x + c = 0, b >= 0, within +-most; where there is none, what
+ * leaves the least over. */
+static double smaller_root(double a, double b, double c, double most) {
+    double square = a * a - 4.0 * b * c;
+    double root = square > 0.0 ? 2.0 * c / (a + copysign(sqrt(square), a)) : 0.5 * a / b;
+    return fmax(-most, fmin(most, root));
+}
+
+/* Closed by the path p > 0 to the overlap u: the force f with which the trapezoidal works of this
+ * step and of the next, of path q, are the energy of the spring after both, u + q pressed: f (p +
+ * q) = k u (u + q), where q = p - other dt^2 - f dt^2/m. (gn_linear_cross is that to first order,
+ * with nothing else acting.) Where the contact opens again in the next step the same holds, with a
+ * force that may pull a little, for the sum with what is taken back then. */
+static double closing_force(double kn, const gn_touch *t, double p, double dt) {
+    double u = -t->gap, free = p - t->other * dt * dt, give = dt * dt * t->inverse_mass;
+    double full = kn * u;
+    return smaller_root(p + free + full * give, give, full * (u + free), full);
+}
+
+/* Opened by the path p > 0 to the gap s p, with u = (1 - s) p pressed before: f (p + q) = k u (p -
+ * u) takes back what the full force of the last instant did beyond the opening. */
+static double opening_force(double kn, const gn_touch *t, double p, double dt) {
+    double u = p - t->gap, free = p + t->other * dt * dt, give = dt * dt * t->inverse_mass;
+    return smaller_root(p + free, give, kn * u * t->gap, kn * u);
+}
+
 /* What acts along the normal but for the dashpot, whose share of the step is given back too. A
  * plane's or facet's normal does not turn within a step: the path is all along it. */
 static gn_linear_crossing touch_normal(double kn, const gn_touch *t, double path, double dt) {
@@ -229,8 +255,9 @@ static gn_linear_crossing touch_normal(double kn, const gn_touch *t, double path
     if (!gn_touch_crosses(t, path))
         return touching ? (gn_linear_crossing){kn * t->gap, 1.0, t->gap}
                         : (gn_linear_crossing){0.0, 0.0, 0.0};
-    double quarter_y2 = 0.25 * dt * dt * kn * t->inverse_mass;
-    return gn_linear_cross(kn, t->gap, path, quarter_y2, touching, !touching, touching);
+    double s = t->gap / path;
+    if (touching) return (gn_linear_crossing){-closing_force(kn, t, -path, dt), 0.5 + s, path};
+    return (gn_linear_crossing){opening_force(kn, t, path, dt), 0.5 - s, -path};
 }
 
 double gn_linear_touch(const gn_touch_step *step, const gn_touch_side *side, const gn_touch *s,

@@ -117,6 +117,38 @@ typedef struct crossing {
     gn_v elastic;
 } crossing;
 
+/* How two ends give way to each other along the normal where some components of some particles are
+ * prescribed, and by what else their gap opens. */
+typedef struct end_sums {
+    gn_v inverse_mass, acceleration;
+} end_sums;
+
+static end_sums ends_of(const gn_contact_args *a, size_t c, gn_v3 normal, gn_v mi, gn_v mj) {
+    gn_real n[3][GN_W], mass[2][GN_W], inverse[GN_W], acceleration[GN_W];
+    if (!a->slot) return (end_sums){mi + mj, gn_set(0.0)};
+    gn_store(n[0], normal.x);
+    gn_store(n[1], normal.y);
+    gn_store(n[2], normal.z);
+    gn_store(mass[0], mi);
+    gn_store(mass[1], mj);
+    for (size_t lane = 0; lane < GN_W; lane++) {
+        inverse[lane] = acceleration[lane] = 0;
+        for (int end = 0; end < 2; end++) {
+            const int32_t slot = a->slot[(end ? a->contacts->j : a->contacts->i)[c + lane]];
+            const unsigned held = slot < 0 ? 0u : a->held[slot];
+            gn_real share = 0, weight = 0;
+            for (int k = 0; k < 3; k++) {
+                if (held >> k & 1) continue;
+                share += n[k][lane] * n[k][lane];
+                weight += (gn_real)a->gravity[k] * n[k][lane];
+            }
+            inverse[lane] += (held & 7) ? share * mass[end][lane] : mass[end][lane];
+            acceleration[lane] += end ? weight : -weight;
+        }
+    }
+    return (end_sums){gn_load(inverse), gn_load(acceleration)};
+}
+
 /* A contact that closed or opened within the step, or did not after all. */
 static __attribute__((noinline)) crossing cross(const gn_contact_args *a, size_t c, const stage *g,
                                                 const crossing_state *q) {
@@ -125,7 +157,8 @@ static __attribute__((noinline)) crossing cross(const gn_contact_args *a, size_t
     gn_rows4(COLUMN(a, vel), a->contacts->j + c, vj);
     gn_v3 v = {vj[0] - vi[0], vj[1] - vi[1], vj[2] - vi[2]};
     gn_v side2 = gn_set(a->dt * a->dt) * across2_of(v, g->speed, 1);
-    gn_v quarter_y2 = gn_set(0.25 * a->dt * a->dt) * q->kn * (vi[3] + vj[3]);
+    end_sums ends = ends_of(a, c, g->geometry.n, vi[3], vj[3]);
+    gn_v quarter_y2 = gn_set(0.25 * a->dt * a->dt) * q->kn * ends.inverse_mass;
     /* Up to rounding the stretch that was found a step ago. */
     gn_v along = gn_set(a->dt) * g->speed, left = g->geometry.distance - along;
     gn_v past = gn_max(left + gn_sqrt(gn_fma(left, left, side2)), gn_set(GN_TINY));
@@ -139,7 +172,8 @@ static __attribute__((noinline)) crossing cross(const gn_contact_args *a, size_t
     closing = gn_and(closing, gn_or(gn_not(q->breaking), never));
     gn_m acting = gn_not(gn_and(q->loose, gn_not(q->touching)));
     crossing r;
-    r.of = gn_linear_cross(q->kn, q->stretch, path, quarter_y2, closing, opening, acting);
+    gn_v bias = gn_set(a->dt * a->dt) * ends.acceleration / path;
+    r.of = gn_linear_cross(q->kn, q->stretch, path, quarter_y2, bias, closing, opening, acting);
     /* Nothing is left to release. */
     r.elastic = gn_where(opening, r.of.normal, q->elastic);
     return r;

@@ -61,6 +61,12 @@ static inline double gn_free_share(uint8_t mask, const double n[3]) {
 /* 1/kg with which a particle gives way along a unit vector: prescribed components do not. */
 double gn_inverse_mass_along(const gn_world *world, size_t particle, const double n[3]);
 
+/* m/s2 by which what acts on a particle besides walls and surfaces opens a gap along n, a unit
+ * vector from it into a wall or the surface of `body` (NULL: none). Of the forces of the instant,
+ * so when those of all its contacts are found. Background damping is left out. */
+double gn_other_acceleration(const gn_world *world, size_t particle, const gn_rigid *body,
+                             const double n[3]);
+
 /* What parameters need of the packing as a whole; `pairs` are the contacts to average over. */
 gneiss_status gn_law_derive(gn_world *world, const gn_pair_list *pairs, gneiss_error *error);
 

@@ -376,8 +376,8 @@ static void contact(const group *g, const gn_facet_near *minima, const gn_facet_
      * dashpots add up as well. Across, friction bounds what each carries. */
     gn_touch_side law = gn_surface_side(g->s, k->part);
     s.inverse_mass /= k->part;
-    double total =
-        gn_touch_force(g->w, &law, &s, q->fd ? &fd : NULL, q->shear ? old : NULL, 1, t, sums);
+    double total = gn_touch_force(g->w, &law, g->particle, g->body, &s, q->fd ? &fd : NULL,
+                                  q->shear ? old : NULL, 1, t, sums);
     for (size_t a = 0; a < 3; a++) {
         force[a] = total * s.n[a] + t[a];
         q->row[8 * own + a] = force[a];
@@ -431,8 +431,8 @@ static void open_contact(const group *g, memory *m, gn_contact_sums *sums) {
     if (!behind || s.gap <= 0.0) s.gap = INFINITY;
     gn_touch_side law = gn_surface_side(g->s, m->part);
     s.inverse_mass /= m->part;
-    double total = gn_touch_force(g->w, &law, &s, q->fd ? &m->fd : NULL, q->shear ? m->shear : NULL,
-                                  1, t, sums);
+    double total = gn_touch_force(g->w, &law, g->particle, g->body, &s, q->fd ? &m->fd : NULL,
+                                  q->shear ? m->shear : NULL, 1, t, sums);
     if (total == 0.0) return;
     double *row = q->row + 8 * near.row;
     size_t stride = q->soa.capacity;

@@ -5,7 +5,7 @@
 
 #include "base/vec3.h"
 #include "kernels/law.h"
-#include "sim/world.h"
+#include "sim/parts.h"
 
 static inline gn_touch_side gn_wall_side(const gn_wall_def *def) {
     return (gn_touch_side){def->stiffness, def->kratio, def->friction, 1.0};
@@ -16,10 +16,13 @@ static inline gn_touch_side gn_surface_side(const gn_surface *surface, double pa
     return (gn_touch_side){surface->stiffness, surface->kratio, surface->friction, part};
 }
 
-/* See gn_law.touch. */
-static inline double gn_touch_force(const gn_world *w, const gn_touch_side *side,
-                                    const gn_touch *touch, double *fd, double *shear, size_t stride,
-                                    double t[3], gn_contact_sums *sums) {
+/* See gn_law.touch. `body`: that the surface belongs to, NULL: none. */
+static inline double gn_touch_force(const gn_world *w, const gn_touch_side *side, size_t particle,
+                                    const gn_rigid *body, gn_touch *touch, double *fd,
+                                    double *shear, size_t stride, double t[3],
+                                    gn_contact_sums *sums) {
+    if (gn_touch_crosses(touch, touch->speed * w->dt_past))
+        touch->other = gn_other_acceleration(w, particle, body, touch->n);
     gn_touch_step step = {w->dt_past, w->dem.damping_fraction, w->effects & GN_FX_CONTACT_DAMPING,
                           w->effects & GN_FX_SPACE, w->dem.particles.spin != NULL};
     return gn_law_of(w->effects)->touch(&step, side, touch, fd, shear, stride, t, sums);

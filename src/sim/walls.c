@@ -178,7 +178,7 @@ static void wall_contact(const gn_world *w, size_t c, gn_contact_sums *sums) {
         return;
     }
     if (q->shear) touch_across(w, (size_t)q->i[c], v, arm, &s);
-    double total = gn_touch_force(w, &law, &s, q->fd ? q->fd + c : NULL,
+    double total = gn_touch_force(w, &law, (size_t)q->i[c], NULL, &s, q->fd ? q->fd + c : NULL,
                                   q->shear ? q->shear + c : NULL, q->soa.capacity, t, sums);
     gn_cross3(s.n, t, moment);
     for (int a = 0; a < 3; a++) {
