@@ -25,14 +25,14 @@ usage: ./do COMMAND [...]
 
   run SCENE [gneiss options]   build, run the scene, make its report
   test [meson options]         build and run every test
-  check [steps]                format layers gcc clang cppcheck tidy sanitizers python (all of them); on request
+  check [steps]                format layers links gcc clang cppcheck tidy sanitizers python (all of them); on request
                                also tsan: data races, by ThreadSanitizer with LLVM's OpenMP
                                and aarch64: kernels and bits on another processor, under qemu-user
   bench [--peers] [--large] [--sweep]
                                build and run the benchmarks; --peers: beside LAMMPS, LIGGGHTS, YADE,
                                ESyS-Particle and CalculiX; --large: big specimens; --sweep: 1 372 to 1 000 188 grains
   validate [--quick] [--time] [--only SECTION] [--fresh] [--large]
-                               beside YADE, closed forms and published tables; writes docs/validation.md
+                               beside YADE, closed forms and published tables; writes docs/evidence/validation.md
   install WHAT                 the packages of build, check, aarch64, bench, validate or peers
   keys [text]                  the keys that a scene file may hold, or those that hold a text
   clean                        remove the build folders
@@ -238,6 +238,10 @@ check_layers() { # includes against the table of docs/design.md
     "$python" "$root/tools/layers.py"
 }
 
+check_links() { # pages against what they lead to
+    "$python" "$root/tools/links.py"
+}
+
 configure_gcc() {
     CC=gcc CXX=g++ configure build-check-gcc --buildtype=release -Dwerror=true
 }
@@ -354,7 +358,7 @@ command_check() {
     need "${packages_build[@]}" "${packages_check[@]}"
     git -C "$root" rev-parse --is-inside-work-tree >/dev/null 2>&1 ||
         die "check: $root is not a git work tree; the list of files comes from git"
-    local steps=(format layers gcc clang cppcheck tidy sanitizers python) failed=() step start summary=()
+    local steps=(format layers links gcc clang cppcheck tidy sanitizers python) failed=() step start summary=()
     (($#)) && steps=("$@")
     for step in "${steps[@]}"; do
         declare -F "check_$step" >/dev/null || die "check: no such step: $step"

@@ -18,7 +18,8 @@ static gneiss_status make(bench_fem *f, int dimension, bench_fem_kind kind, int 
     const gn_fem_material rock = {NULL, 20e9, 0.2, 2650.0};
     const gn_fem_spec spec = {.name = "block",
                               .dimension = dimension,
-                              .form = kind == BENCH_FEM_MIXED ? GN_FEM_MIXED : GN_FEM_DISPLACEMENT,
+                              .form = kind == BENCH_FEM_PRESSURE ? GN_FEM_PRESSURE
+                                                                 : GN_FEM_DISPLACEMENT,
                               .single = kind == BENCH_FEM_SINGLE,
                               .materials = &rock,
                               .material_count = 1,

@@ -10,8 +10,12 @@ extern "C" {
 
 typedef struct bench_fem bench_fem;
 
-/* The displacement form in double and with forces in single precision, the mixed form. */
-typedef enum bench_fem_kind { BENCH_FEM_DOUBLE, BENCH_FEM_SINGLE, BENCH_FEM_MIXED } bench_fem_kind;
+/* The displacement form in double and with forces in single precision, the pressure form. */
+typedef enum bench_fem_kind {
+    BENCH_FEM_DOUBLE,
+    BENCH_FEM_SINGLE,
+    BENCH_FEM_PRESSURE
+} bench_fem_kind;
 
 /* A square (dimension 2) or cube of side 1 m with `cells` per side, 2 triangles or 5 tetrahedra a
  * cell, under gravity; `isa` as bench_world_use. NULL with a message on failure. */

@@ -334,11 +334,11 @@ struct Block {
 
 Block mixed(Block block) {
     block.name += "-mixed";
-    block.kind = BENCH_FEM_MIXED;
+    block.kind = BENCH_FEM_PRESSURE;
     return block;
 }
 
-// Forces in single precision; not the mixed form.
+// Forces in single precision; not the pressure form.
 Block single(Block block) {
     block.name += "-single";
     block.kind = BENCH_FEM_SINGLE;

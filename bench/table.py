@@ -101,7 +101,7 @@ def effect_table(entries):
     return lines
 
 
-# Additions and multiplications per contact, counted in docs/performance.md; mixed has 12 more for the stretch.
+# Additions and multiplications per contact, counted in docs/evidence/performance.md; mixed has 12 more for the stretch.
 OPERATIONS = {"rock-a": 135, "rock-a-mixed": 147, "fcc-32k": 144, "fcc-32k-mixed": 147}
 
 

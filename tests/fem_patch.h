@@ -43,15 +43,15 @@ static inline void small_deformation(int d, double f[3][3]) {
 }
 
 /* Cauchy stress of a homogeneous deformation, and the density of its energy: F S F^T/det F, in the
- * mixed form of the deviator alone and K (det F - 1) beside it. */
+ * pressure form of the deviator alone and K (det F - 1) beside it. */
 static inline double law(gn_fem_form form, double f[3][3], double sigma[3][3]) {
     const double mu = lame_mu(&rock), bulk = lame_lambda(&rock) + 2.0 / 3.0 * mu;
     const double growth = determinant(f) - 1.0;
-    double s[3][3], lambda = form == GN_FEM_MIXED ? -2.0 / 3.0 * mu : lame_lambda(&rock);
+    double s[3][3], lambda = form == GN_FEM_PRESSURE ? -2.0 / 3.0 * mu : lame_lambda(&rock);
     cauchy(f, lambda, mu, sigma);
-    for (int k = 0; form == GN_FEM_MIXED && k < 3; k++) sigma[k][k] += bulk * growth;
+    for (int k = 0; form == GN_FEM_PRESSURE && k < 3; k++) sigma[k][k] += bulk * growth;
     return kirchhoff(f, lambda, mu, s) +
-           (form == GN_FEM_MIXED ? 0.5 * bulk * growth * growth : 0.0);
+           (form == GN_FEM_PRESSURE ? 0.5 * bulk * growth * growth : 0.0);
 }
 
 /* Stresses of all elements against F S F^T/det F; allowed in parts of Young's modulus. */

@@ -8,7 +8,7 @@ int main(int count, char **argument) {
         fprintf(stderr, "usage: fem_study displacement|mixed chess|rising|falling CELLS\n");
         return 2;
     }
-    const cook c = {.form = strcmp(argument[1], "mixed") ? GN_FEM_DISPLACEMENT : GN_FEM_MIXED,
+    const cook c = {.form = strcmp(argument[1], "mixed") ? GN_FEM_DISPLACEMENT : GN_FEM_PRESSURE,
                     .cut = *argument[2] == 'c'   ? COOK_CHESS
                            : *argument[2] == 'r' ? COOK_RISING
                                                  : COOK_FALLING,

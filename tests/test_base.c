@@ -57,7 +57,7 @@ static void threads_that_help_are_used(void **state) {
     gn_pace pace = gn_pace_start(4, 4, 32, 1024);
     assert_int_equal(rounds_alone(&pace, 10000, 3.0, 1.0, 0.1), 0);
     pace = gn_pace_start(4, 4, 32, 1024); /* how much they wait is not known: trials, ever rarer */
-    assert_in_range(rounds_alone(&pace, 10000, 3.0, 1.0, 1.0), 20, 80);
+    assert_in_range(rounds_alone(&pace, 10000, 3.0, 1.0, -1.0), 20, 80);
 }
 
 static void threads_that_hinder_are_left_alone(void **state) {
@@ -67,6 +67,26 @@ static void threads_that_hinder_are_left_alone(void **state) {
     /* the machine is quiet again */
     rounds_alone(&pace, 2000, 3.0, 1.0, 0.1);
     assert_int_equal(rounds_alone(&pace, 1000, 3.0, 1.0, 0.1), 0);
+}
+
+/* A trial of one that meets with bad luck keeps all threads no longer than a few such trials. */
+static void an_unlucky_trial_is_repeated_soon(void **state) {
+    (void)state;
+    gn_pace pace = gn_pace_start(4, 4, 32, 1 << 20);
+    for (int unlucky = 0; unlucky < 6; unlucky++) { /* nothing tells the two ways apart */
+        while (gn_pace_threads(&pace) == 4) gn_pace_note(&pace, 1.0, 1.0, 0.8);
+        while (gn_pace_threads(&pace) == 1) gn_pace_note(&pace, 2.0, 1.0, 0.0);
+    }
+    assert_in_range(10000 - rounds_alone(&pace, 10000, 0.01, 1.0, 0.8), 32, 300);
+}
+
+/* One round of all threads may take as long as a hundred of one. */
+static void a_trial_of_all_threads_ends_when_it_is_lost(void **state) {
+    (void)state;
+    gn_pace pace = gn_pace_start(4, 32, 128, 32768);
+    rounds_alone(&pace, 128 + 32, 1.0, 100.0, 0.9);
+    assert_int_equal(gn_pace_threads(&pace), 1);
+    assert_in_range(10000 - rounds_alone(&pace, 10000, 1.0, 100.0, 0.9), 5, 10);
 }
 
 static void one_thread_stays_one(void **state) {
@@ -86,6 +106,8 @@ int main(void) {
         cmocka_unit_test(every_effect_has_a_name),
         cmocka_unit_test(threads_that_help_are_used),
         cmocka_unit_test(threads_that_hinder_are_left_alone),
+        cmocka_unit_test(an_unlucky_trial_is_repeated_soon),
+        cmocka_unit_test(a_trial_of_all_threads_ends_when_it_is_lost),
         cmocka_unit_test(one_thread_stays_one),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

@@ -5,6 +5,7 @@ from program import *  # noqa: F403
 
 ROOT = os.path.dirname(os.path.dirname(os.path.abspath(__file__)))
 COUNT = os.path.join(ROOT, "tools", "count_tests.py")
+LINKS = os.path.join(ROOT, "tools", "links.py")
 
 # As meson's, but for what is compiled: nothing.
 NINJA = """
@@ -87,6 +88,29 @@ def what_meson_calls_a_failure_is_counted_as_one(folder):
     done = subprocess.run([sys.executable, COUNT, log], capture_output=True, text=True)
     told = "failed: bad (FAIL)\n    # why\n    not ok 2 # SKIP b\n2 passed, 1 failed, 1 skipped\n"
     assert (done.returncode, done.stdout) == (1, told), done.stdout
+
+
+@fact
+def links_and_pictures_that_are_not_there_are_named(folder):
+    docs = "docs"  # not a name of a page here, or the links of this file would be looked at
+    os.makedirs(os.path.join(folder, docs, "pictures"))
+    page = "# A page: what, how\n[a](#a-page-what-how) [b](#no) [c](../README.md) [d](gone.md)\n"
+    write_scene(folder, page + "![e](pictures/e.png) ![f](pictures/f.png)\n", f"{docs}/page.md")
+    first = f"See [the page]({docs}/page.md#a-page-what-how), `{docs}/gone.md` and [the net](https://example.org).\n"
+    write_scene(folder, first, "README.md")
+    for name in ("e.png", "g.png"):
+        write_scene(folder, "", f"{docs}/pictures/{name}")
+    done = subprocess.run([sys.executable, LINKS, folder], capture_output=True, text=True)
+    told = (f"README.md:1: {docs}/gone.md is not there\n{docs}/page.md:2: #no: there is no such heading\n"
+            f"{docs}/page.md:2: gone.md is not there\n{docs}/page.md:3: pictures/f.png is not there\n"
+            f"{docs}/pictures/g.png: no page shows it\n")
+    assert (done.returncode, done.stdout) == (1, told), done.stdout + done.stderr
+
+
+@fact
+def every_page_leads_to_what_is_there(folder):
+    done = subprocess.run([sys.executable, LINKS], capture_output=True, text=True)
+    assert (done.returncode, done.stdout) == (0, ""), done.stdout + done.stderr
 
 
 if __name__ == "__main__":

@@ -14,7 +14,7 @@ typedef struct bench {
     gn_element_args args;
     int dimension;
     double reference[NODES][3];
-    double *slope_row, *growth_row; /* of the mixed form */
+    double *slope_row, *growth_row; /* of the pressure form */
     double allowed;                 /* N: round-off of a node's force */
 } bench;
 
@@ -112,7 +112,7 @@ static gn_element_sums run(bench *b, gn_element_kernel *kernel) {
 
 typedef struct expected {
     double force[NODES][3], elastic, stress[9], volume, least;
-    double gradient[NODES][3], growth[NODES][2]; /* mixed form */
+    double gradient[NODES][3], growth[NODES][2]; /* pressure form */
     int64_t element;
 } expected;
 

@@ -242,7 +242,7 @@ static void incompressible_material_is_refused(void **state) {
         m.poisson = NAN;
         assert_refused(spec_of(d, &m), plain_mesh(d), "found nan");
         gn_fem_spec mixed = spec_of(d, &m);
-        mixed.form = GN_FEM_MIXED;
+        mixed.form = GN_FEM_PRESSURE;
         m.poisson = 0.5;
         assert_refused(mixed, plain_mesh(d),
                        "expected Poisson's ratio > -1 and < 0.5, because the explicit mixed form "
@@ -355,7 +355,7 @@ static void an_inverted_element_stops_the_run_with_its_number(void **state) {
     (void)state;
     for (int v = 0; v < 4; v++) {
         const int d = v & 1 ? 3 : 2;
-        gn_fem_body *body = distorted_body(d, v & 2 ? GN_FEM_MIXED : GN_FEM_DISPLACEMENT);
+        gn_fem_body *body = distorted_body(d, v & 2 ? GN_FEM_PRESSURE : GN_FEM_DISPLACEMENT);
         const size_t e = 37;
         size_t node = (size_t)gn_elements_node(&body->elements, 1)[e];
         char number[64];

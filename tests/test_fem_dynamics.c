@@ -11,7 +11,7 @@ static int dimension_of(int way) {
     return way & 1 ? 3 : 2;
 }
 static gn_fem_form form_of(int way) {
-    return way & 2 ? GN_FEM_MIXED : GN_FEM_DISPLACEMENT;
+    return way & 2 ? GN_FEM_PRESSURE : GN_FEM_DISPLACEMENT;
 }
 static const char *name_of(int way) {
     static const char *name[WAYS] = {"2D", "3D", "2D mixed", "3D mixed"};
@@ -88,7 +88,7 @@ static void bound_is_below_the_sharp_limit_and_not_far(void **state) {
                 assert_true(limit.bound <= limit.sharp_low);
                 assert_true(limit.sharp_low <= limit.sharp);
                 assert_true(limit.sharp_low > 0.9999 * limit.sharp);
-                /* The mixed form's is that of the displacement form, which nodes' mean pressures
+                /* The pressure form's is that of the displacement form, which nodes' mean pressures
                  * undercut. */
                 assert_true(limit.bound > (form_of(way) ? 0.5 : 0.6) * limit.sharp);
                 body_end(body);
@@ -350,8 +350,8 @@ static void a_confined_wave_runs_at_its_speed_and_its_error_falls_as_h2(void **s
                       name_of(way), off[0], off[1], error[0], error[1], log2(error[0] / error[1]));
         assert_true(off[1] < 0.01);
         assert_true(off[1] < 0.35 * off[0]); /* a quarter by theory; measured 0.25, mixed 0.22 */
-        /* A node's mean pressure reaches over two cells, so that the mixed form's dispersion lies
-         * between those of cells and of cells twice as large (measured 0.037 between 0.015 and
+        /* A node's mean pressure reaches over two cells, so that the pressure form's dispersion
+         * lies between those of cells and of cells twice as large (measured 0.037 between 0.015 and
          * 0.055). */
         if (!way) twice_as_large = error[0];
         assert_true(error[1] < (way ? twice_as_large : 0.02));

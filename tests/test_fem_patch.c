@@ -5,7 +5,7 @@ static void linear_displacements_leave_no_force_inside_and_exact_stress(void **s
     (void)state;
     for (int v = 0; v < 4; v++) {
         const int d = v & 1 ? 3 : 2;
-        const gn_fem_form form = v & 2 ? GN_FEM_MIXED : GN_FEM_DISPLACEMENT;
+        const gn_fem_form form = v & 2 ? GN_FEM_PRESSURE : GN_FEM_DISPLACEMENT;
         double f[3][3];
         gn_fem_body *body = deformed_body(d, form, f);
         fem_evaluate(body);
@@ -27,7 +27,7 @@ static void a_body_whose_boundary_moves_linearly_relaxes_to_linear_displacements
     (void)state;
     for (int v = 0; v < 4; v++) {
         const int d = v & 1 ? 3 : 2;
-        const gn_fem_form form = v & 2 ? GN_FEM_MIXED : GN_FEM_DISPLACEMENT;
+        const gn_fem_form form = v & 2 ? GN_FEM_PRESSURE : GN_FEM_DISPLACEMENT;
         gn_fem_spec spec = spec_of(d, &rock);
         spec.form = form;
         spec.damping = GN_FX_VISCOUS;
@@ -51,7 +51,7 @@ static void large_homogeneous_deformation_gives_the_closed_form_of_the_material(
     (void)state;
     for (int v = 0; v < 4; v++) {
         const int d = v & 1 ? 3 : 2;
-        const gn_fem_form form = v & 2 ? GN_FEM_MIXED : GN_FEM_DISPLACEMENT;
+        const gn_fem_form form = v & 2 ? GN_FEM_PRESSURE : GN_FEM_DISPLACEMENT;
         gn_fem_body *body = distorted_body(d, form);
         double f[3][3] = {{1.3, 0.4, 0.0}, {-0.2, 0.8, 0.0}, {0.0, 0.0, 1.0}}, s[3][3];
         if (d == 3) f[0][2] = 0.3;
@@ -71,7 +71,7 @@ static void a_full_turn_leaves_no_stress_at_any_angle(void **state) {
     (void)state;
     for (int v = 0; v < 4; v++) {
         const int d = v & 1 ? 3 : 2;
-        const gn_fem_form form = v & 2 ? GN_FEM_MIXED : GN_FEM_DISPLACEMENT;
+        const gn_fem_form form = v & 2 ? GN_FEM_PRESSURE : GN_FEM_DISPLACEMENT;
         gn_fem_body *body = distorted_body(d, form);
         const double axis[3] = {d == 3 ? 0.4 : 0.0, d == 3 ? -0.7 : 0.0, 1.0};
         double still[3][3] = {{1.0, 0.0, 0.0}, {0.0, 1.0, 0.0}, {0.0, 0.0, 1.0}}, r[3][3];
@@ -91,7 +91,7 @@ static void nodal_stress_of_a_homogeneous_state_is_that_state(void **state) {
     (void)state;
     for (int v = 0; v < 4; v++) {
         const int d = v & 1 ? 3 : 2;
-        const gn_fem_form form = v & 2 ? GN_FEM_MIXED : GN_FEM_DISPLACEMENT;
+        const gn_fem_form form = v & 2 ? GN_FEM_PRESSURE : GN_FEM_DISPLACEMENT;
         double f[3][3];
         gn_fem_body *body = deformed_body(d, form, f);
         double(*element)[6] = calloc(body->elements.soa.count, sizeof *element);

@@ -36,7 +36,7 @@ static double error_of(const fem_case_spec *spec, const char *reading) {
     fem_case_free(&c);
     const double off = found / reference(spec->name, spec->material, reading) - 1.0;
     print_message("# %s, %s, %s form, %d cells%s: %s %.6g, %+.2f %%\n", spec->name, spec->material,
-                  spec->form == GN_FEM_MIXED ? "mixed" : "plain", spec->cells,
+                  spec->form == GN_FEM_PRESSURE ? "mixed" : "plain", spec->cells,
                   spec->slanted ? ", parallel diagonals" : "", reading, found, 100.0 * off);
     return off;
 }
@@ -78,7 +78,7 @@ static void plain_triangles_lock_when_nearly_incompressible(void **state) {
 static void mixed_triangles_converge_when_nearly_incompressible(void **state) {
     (void)state;
     for (int slanted = 0; slanted < 2; slanted++) {
-        fem_case_spec spec = {"cook", "incompressible", GN_FEM_MIXED, 8, slanted == 1, 1};
+        fem_case_spec spec = {"cook", "incompressible", GN_FEM_PRESSURE, 8, slanted == 1, 1};
         double coarse = fabs(error_of(&spec, "mean right"));
         spec.cells = 16;
         double fine = fabs(error_of(&spec, "mean right"));
@@ -88,7 +88,7 @@ static void mixed_triangles_converge_when_nearly_incompressible(void **state) {
 
 static void mixed_tetrahedra_reach_the_reference_where_plain_ones_lock(void **state) {
     (void)state;
-    fem_case_spec spec = {"block", "incompressible", GN_FEM_MIXED, 12, false, 1};
+    fem_case_spec spec = {"block", "incompressible", GN_FEM_PRESSURE, 12, false, 1};
     assert_true(fabs(error_of(&spec, "mean")) < 0.02);
     assert_true(fabs(error_of(&spec, "centre")) < 0.02);
     spec.form = GN_FEM_DISPLACEMENT;

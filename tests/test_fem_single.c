@@ -282,7 +282,7 @@ static void the_mixed_form_is_refused(void **state) {
     gn_fem_body body;
     gneiss_error error = {0};
     spec.single = true;
-    spec.form = GN_FEM_MIXED;
+    spec.form = GN_FEM_PRESSURE;
     assert_int_equal(gn_fem_body_create(&spec, &mesh, &body, &error), GNEISS_ERROR_INPUT);
     assert_non_null(strstr(error.message, "only the displacement form"));
 }

@@ -458,7 +458,7 @@ static void partial_sums_hold_force_and_moment_of_both_ends(void **state) {
 
 /* --- mixed precision --- */
 
-static bench make_mixed(unsigned v) {
+static bench make_pressure(unsigned v) {
     gn_effects effects = gn_contact_variant_effects(v) | GN_FX_MIXED;
     bench b = make_bench(effects, 1000 * v);
     make_single(&b, 7 + v);
@@ -477,7 +477,7 @@ static void every_mixed_kernel_has_the_bits_of_the_scalar_one(void **state) {
             bool periodic = gn_contact_variant_effects(v) & GN_FX_PERIODIC;
             assert_true(!set->mixed[v] == (periodic || !gn_contact_table_scalar[v]));
             if (!set->mixed[v]) continue;
-            bench a = make_mixed(v), b = make_mixed(v);
+            bench a = make_pressure(v), b = make_pressure(v);
             gn_contact_sums want = run(&a, gn_contact_table_scalar_mixed[v]);
             gn_contact_sums got = run(&b, set->mixed[v]);
             assert_same_contacts(&a.k, &b.k, name);
@@ -505,7 +505,7 @@ static void mixed_forces_follow_the_double_ones(void **state) {
     for (unsigned v = 0; v < GN_CONTACT_VARIANTS; v++) {
         gn_effects fx = gn_contact_variant_effects(v);
         if (!gn_contact_table_scalar[v]) continue;
-        bench a = make_bench(fx, 1000 * v), b = make_mixed(v);
+        bench a = make_bench(fx, 1000 * v), b = make_pressure(v);
         run(&a, gn_contact_table_scalar[v]);
         run(&b, gn_contact_table_scalar_mixed[v & ~16U]); /* images are in the branch */
         for (size_t c = 0; c < CONTACTS; c++) {

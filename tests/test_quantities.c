@@ -2,9 +2,9 @@
  * `test_quantities FILE` writes the page. */
 #include "world_helpers.h"
 
-#include "run/output_fields.h"
+#include "run/history_rows.h"
+#include "run/output_table.h"
 #include "run/quantities.h"
-#include "run/record.h"
 
 static void history_row(FILE *file, const gn_quantity_group *group, const gn_quantity *q) {
     gn_shape_component part[GN_SHAPE_MOST];
@@ -34,7 +34,8 @@ static char *page(void) {
         file,
         "# Quantities\n\nWritten by `build/tests/test_quantities docs/quantities.md` from the "
         "tables that also drive what is measured and\nwritten (src/run/quantities.c, "
-        "src/run/output_fields.c, src/measure/energy.h, src/measure/measure.h). Where they "
+        "src/run/output_fields.c, output_elements.c, output_bodies.c, src/measure/energy.h, "
+        "src/measure/measure.h). Where they "
         "stand:\n[results.md](results.md).\n\n## History\n\nA row is of the instant at which a "
         "step starts. `_x ..` stands for the components that the dimension has: `_x _y _z`,\nof "
         "moments in 2D `_z`; `_xx ..` for `_xx _yy _zz _xy _yz _xz`.\n\n| column | unit | is | "
@@ -54,10 +55,20 @@ static char *page(void) {
 #define X(name, unit, text) fprintf(file, "| `%s` | %s | %s |\n", #name, unit, text);
     GN_READINGS(X)
 #undef X
-    fprintf(file, "\n## Particles\n");
-    field_rows(file, &gn_particle_outputs);
-    fprintf(file, "\n## Bonds\n");
-    field_rows(file, &gn_bond_outputs);
+    static const struct {
+        const char *title;
+        const gn_output_table *table;
+    } tables[] = {{"Particles", &gn_particle_outputs},
+                  {"Bonds", &gn_bond_outputs},
+                  {"Nodes", &gn_node_outputs},
+                  {"Elements", &gn_element_outputs},
+                  {"Bodies", &gn_body_outputs},
+                  {"Vertices of bodies", &gn_vertex_outputs},
+                  {"Facets of bodies", &gn_facet_outputs}};
+    for (size_t k = 0; k < sizeof tables / sizeof *tables; k++) {
+        fprintf(file, "\n## %s\n", tables[k].title);
+        field_rows(file, tables[k].table);
+    }
     assert_int_equal(fclose(file), 0);
     return made;
 }
@@ -94,7 +105,7 @@ static void columns_follow_the_table(void **state) {
                              : world_of(scene, 3, "cubic", ", 4", 0, 1);
         gn_history h;
         gneiss_error error = {0};
-        assert_int_equal(gn_record_create(w, &h, &error), GNEISS_OK);
+        assert_int_equal(gn_history_begin(w, &h, &error), GNEISS_OK);
         const char *there[] = {"step",
                                "strain_xy",
                                "wall_low_force_y",
@@ -106,7 +117,7 @@ static void columns_follow_the_table(void **state) {
                                "unbalanced"};
         const char *absent[] = {"strain", "set_free_reaction_x", "elements_strain_xx"};
         for (size_t k = 0; k < sizeof there / sizeof *there; k++) {
-            assert_int_equal(gn_record_step(w, &h, &error), GNEISS_OK);
+            assert_int_equal(gn_history_step(w, &h, &error), GNEISS_OK);
             if (!gn_history_column(&h, there[k])) fail_msg("no %s", there[k]);
         }
         for (size_t k = 0; k < sizeof absent / sizeof *absent; k++)

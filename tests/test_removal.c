@@ -2,7 +2,7 @@
  * and their bonds are not broken. */
 #include "world_helpers.h"
 
-#include "run/record.h"
+#include "run/history_rows.h"
 
 /* Runs until `count` particles have left, and on for 10 steps; returns the ledger then. */
 static gn_energy run_until_lost(gn_world *w, int64_t count) {
@@ -87,8 +87,8 @@ static void a_bond_that_left_is_neither_broken_nor_damage(void **state) {
     gn_history h;
     double damage[3];
     run_until_lost(w, 1);
-    assert_int_equal(gn_record_create(w, &h, &error), GNEISS_OK);
-    assert_int_equal(gn_record_step(w, &h, &error), GNEISS_OK);
+    assert_int_equal(gn_history_begin(w, &h, &error), GNEISS_OK);
+    assert_int_equal(gn_history_step(w, &h, &error), GNEISS_OK);
     assert_true(column(&h, "bonds_intact") == 1.0 && column(&h, "damage") == 0.0);
     assert_true(column(&h, "broken_tension") == 0.0 && column(&h, "broken_shear") == 0.0);
     assert_int_equal(w->dem.bonds.cause[0], GN_INTACT);

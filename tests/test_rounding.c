@@ -2,16 +2,16 @@
  * and do not hide what a slow scene gets wrong. */
 #include "world_helpers.h"
 
-#include "run/record.h"
+#include "run/history_rows.h"
 
 /* Takes `count` steps, all recorded; returns the largest residual of any row. */
 static double largest_residual(gn_world *w, int64_t count) {
     gneiss_error error = {0};
     gn_history h;
     double largest = 0.0;
-    if (gn_record_create(w, &h, &error) != GNEISS_OK) fail_msg("%s", error.message);
+    if (gn_history_begin(w, &h, &error) != GNEISS_OK) fail_msg("%s", error.message);
     for (int64_t k = 0; k < count; k++) {
-        if (gn_record_step(w, &h, &error) != GNEISS_OK) fail_msg("%s", error.message);
+        if (gn_history_step(w, &h, &error) != GNEISS_OK) fail_msg("%s", error.message);
         largest = fmax(largest, fabs(gn_energy_residual(&w->reading)));
     }
     gn_history_free(&h);

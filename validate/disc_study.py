@@ -1,5 +1,5 @@
 """Uniaxial compression of discs in plane strain with the parameters of Labra et al. 2012. Fills the table of
-docs/models.md; a few minutes of one core.
+docs/evidence/models.md; a few minutes of one core.
 
     /usr/bin/python3 validate/disc_study.py [--fresh]
 """

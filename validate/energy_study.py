@@ -1,5 +1,5 @@
 """Energy that the ledger of uniaxial compression does not explain, where it comes from, and what the speed of
-the platens does to the strength. Fills tables of docs/models.md; about fifteen minutes of one core.
+the platens does to the strength. Fills tables of docs/evidence/models.md; about fifteen minutes of one core.
 
     /usr/bin/python3 validate/energy_study.py [--fresh]
 """

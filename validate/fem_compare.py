@@ -2,8 +2,8 @@
 
     /usr/bin/python3 validate/fem_compare.py [--form displacement|mixed ...] [--fresh]
 
-Needs build/validate/fem_static. Fills the tables of docs/fem.md (section References) and draws
-docs/pictures/fem-reference.png; about twenty minutes of one core.
+Needs build/validate/fem_static. Fills the tables of docs/evidence/fem.md (section References) and draws
+docs/evidence/pictures/fem-reference.png; about twenty minutes of one core.
 """
 import argparse
 import json
@@ -123,7 +123,7 @@ def picture(forms):
         ax.set_ylabel("y (m)")
     figure.colorbar(drawn, ax=axes, label="pressure (Pa), compression positive", extend="both", shrink=0.7)
     figure.suptitle("Cook's membrane, nu = 0.4999, 32 x 32 cells", fontsize=12)
-    path = study.ROOT / "docs" / "pictures" / "fem-reference.png"
+    path = study.ROOT / "docs" / "evidence" / "pictures" / "fem-reference.png"
     figure.savefig(path, dpi=90)
 
 

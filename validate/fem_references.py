@@ -2,7 +2,7 @@
 
     /usr/bin/python3 validate/fem_references.py [--case NAME ...] [--threads N]
 
-Writes validate/references/fem.json and the table of docs/fem.md (section References): about half an hour of two
+Writes validate/references/fem.json and the table of docs/evidence/fem.md (section References): about half an hour of two
 cores and 8 GB. A reference is the value of the finest mesh after Richardson's extrapolation; its uncertainty is the
 spread of what the families of meshes extrapolate to, and at least what the extrapolation added.
 

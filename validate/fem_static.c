@@ -65,7 +65,7 @@ int main(int count, char **argument) {
     const fem_case_spec spec = {.name = argument[1],
                                 .material = argument[2],
                                 .form = strcmp(argument[3], "mixed") ? GN_FEM_DISPLACEMENT
-                                                                     : GN_FEM_MIXED,
+                                                                     : GN_FEM_PRESSURE,
                                 .cells = atoi(argument[4]),
                                 .slanted = strchr(argument[4], 's') != NULL,
                                 .threads = count > 5 ? atoi(argument[5]) : 1};

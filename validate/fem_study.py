@@ -1,5 +1,5 @@
 """Cook's membrane, nearly incompressible (nu = 0.4999), by both forms of the finite elements: what the meshes' cuts and
-refinement do to the deflection, and the pressures. Prints the table of docs/fem.md and draws its pictures; some
+refinement do to the deflection, and the pressures. Prints the table of docs/evidence/fem.md and draws its pictures; some
 minutes of one core.
 
     /usr/bin/python3 validate/fem_study.py [--build BUILD_FOLDER]
@@ -76,7 +76,7 @@ def main():
     parser.add_argument("--build", default=os.path.join(ROOT, "build"))
     program = os.path.join(parser.parse_args().build, "tests", "fem_study")
     results = {(form, cut, n): run(program, form, cut, n) for form in FORMS for cut in CUTS for n in CELLS}
-    pictures = os.path.join(ROOT, "docs", "pictures")
+    pictures = os.path.join(ROOT, "docs", "evidence", "pictures")
     draw_pressure(results, os.path.join(pictures, "fem-pressure.png"))
     draw_deflection(results, os.path.join(pictures, "fem-cook.png"))
     print(table(results))

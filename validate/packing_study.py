@@ -2,8 +2,8 @@
 
     /usr/bin/python3 validate/packing_study.py --gneiss build/gneiss [--yade] [--quick] --out FOLDER
 
-Leaves packing.md, one CSV file per table and the pictures in FOLDER. Runs are kept in FOLDER/runs and reused while
-program and settings stay the same. --quick: smaller and fewer; --parts picks some of cases, time, seeds, peers.
+Leaves packing.md, one CSV file per table and the pictures in FOLDER; docs/evidence/packing.md is made from them by hand.
+Runs are kept in FOLDER/runs and reused while program and settings stay the same. --quick: smaller and fewer; --parts picks some of cases, time, seeds, peers.
 About twenty minutes of two cores, --yade ten more. GNEISS_CACHE is off: every packing is made and timed.
 """
 import argparse

@@ -1,5 +1,5 @@
 """Uniaxial compression with the five parameter models of Rojek et al. 2012, sec. 2, and experiments on why
-the numbers differ from the published ones. Fills the tables of docs/models.md; about half an hour of one
+the numbers differ from the published ones. Fills the tables of docs/evidence/models.md; about half an hour of one
 core when nothing is there yet.
 
     /usr/bin/python3 validate/parameter_models.py [--fresh]

@@ -1,4 +1,4 @@
-"""Cross-validation against YADE, closed forms and published tables; writes docs/validation.md.
+"""Cross-validation against YADE, closed forms and published tables; writes docs/evidence/validation.md.
 
     ./do validate                 everything; what is kept in runs/validate and has not changed is not run again
     ./do validate --quick         step by step, and compression of rock-b: a few minutes; writes runs/validate/quick.md
@@ -53,7 +53,7 @@ def on_the_page(path, name):
 
 
 def write_page(names):
-    path = study.ROOT / "docs" / "validation.md"
+    path = study.ROOT / "docs" / "evidence" / "validation.md"
     parts = []
     for name in names:
         text = page.kept(name) or on_the_page(path, name) or f"## {name}\n\nNot measured yet: `./do validate --only {name}`."

@@ -124,11 +124,11 @@ def table(head, rows):
 
 
 def put(document, name, text):
-    """Replaces what stands between <!-- name --> and <!-- /name --> in a document of docs/."""
-    path = ROOT / "docs" / document
+    """Replaces what stands between <!-- name --> and <!-- /name --> in a page of docs/evidence."""
+    path = ROOT / "docs" / "evidence" / document
     whole = path.read_text() if path.exists() else ""
     pattern = re.compile(rf"(<!-- {name} -->\n).*?(<!-- /{name} -->)", re.S)
     if not pattern.search(whole):
-        print(f"docs/{document} has no place for {name}:\n{text}\n")
+        print(f"docs/evidence/{document} has no place for {name}:\n{text}\n")
         return
     path.write_text(pattern.sub(lambda m: m.group(1) + text.rstrip() + "\n" + m.group(2), whole))

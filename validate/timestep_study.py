@@ -1,5 +1,5 @@
-"""How far the step limits are from each other and from the truth. Fills the tables of docs/timestep.md and
-draws docs/pictures/timestep-damping.png; about ten minutes of one core.
+"""How far the step limits are from each other and from the truth. Fills the tables of docs/evidence/timestep.md and
+draws docs/evidence/pictures/timestep-damping.png; about ten minutes of one core.
 
     /usr/bin/python3 validate/timestep_study.py [--fresh]
 """
@@ -160,7 +160,7 @@ def picture(curves):
     for axes in (upper, lower):
         axes.grid(alpha=0.3)
     figure.tight_layout()
-    figure.savefig(study.ROOT / "docs" / "pictures" / "timestep-damping.png")
+    figure.savefig(study.ROOT / "docs" / "evidence" / "pictures" / "timestep-damping.png")
 
 
 def main():

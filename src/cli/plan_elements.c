@@ -13,7 +13,7 @@ void gn_print_element_kernels(const gn_world *w) {
     bool refused = w->effects & GN_FX_MIXED && !b->single;
     printf("  element %s, %s form, %s\n",
            b->dimension == 3 ? "tetrahedron" : "triangle, plane strain",
-           b->form == GN_FEM_MIXED ? "mixed" : "displacement",
+           b->form == GN_FEM_PRESSURE ? "mixed" : "displacement",
            b->single ? "forces in single precision"
            : refused ? "double precision (run.precision: mixed is for the displacement form)"
                      : "double precision");

@@ -39,7 +39,7 @@ static gneiss_status check_material(const gn_fem_body *body, const gn_fem_materi
     return gn_fail(error, GNEISS_ERROR_INPUT,
                    "%s: material of %s: expected Poisson's ratio > -1 and < 0.5, because the "
                    "explicit %s form has no stable step for an incompressible material, found %g",
-                   body->name, group, body->form == GN_FEM_MIXED ? "mixed" : "displacement",
+                   body->name, group, body->form == GN_FEM_PRESSURE ? "mixed" : "displacement",
                    m->poisson);
 }
 
@@ -335,15 +335,15 @@ static gneiss_status prepare(gn_fem_body *body, const gn_fem_spec *spec, gneiss_
     body->damping_coefficient = spec->damping_coefficient;
     body->effects = GN_FX_APPLIED | GN_FX_PRESCRIBED | GN_FX_ENERGY | spec->damping;
     if (space) body->effects |= GN_FX_SPACE;
-    const bool mixed = body->form == GN_FEM_MIXED;
-    if (mixed) body->effects |= GN_FX_PRESSURE;
+    const bool pressure = body->form == GN_FEM_PRESSURE;
+    if (pressure) body->effects |= GN_FX_PRESSURE;
     if (body->single) body->effects |= GN_FX_MIXED;
     for (int k = 0; k < 3; k++)
         if (body->gravity[k] != 0.0) body->effects |= GN_FX_GRAVITY;
     GN_TRY(gn_kernel_set_choose(spec->isa, &body->kernels, error));
     for (int measure = 0; measure < 2; measure++)
         body->element_kernel[measure] =
-            body->kernels->element[gn_element_variant(space, measure, mixed)];
+            body->kernels->element[gn_element_variant(space, measure, pressure)];
     if (body->single) body->element_kernel[0] = body->kernels->single[space];
     return gn_motion_kernel_choose(body->kernels, body->effects, &body->motion_kernel, error);
 }
@@ -368,12 +368,12 @@ static gneiss_status build(builder *b, gneiss_error *error) {
     if (b->spec->dimension != 2 && b->spec->dimension != 3)
         return gn_fail(error, GNEISS_ERROR_INPUT,
                        "finite elements: expected dimension 2 or 3, found %d", b->spec->dimension);
-    if (b->spec->form != GN_FEM_DISPLACEMENT && b->spec->form != GN_FEM_MIXED)
+    if (b->spec->form != GN_FEM_DISPLACEMENT && b->spec->form != GN_FEM_PRESSURE)
         return gn_fail(error, GNEISS_ERROR_INPUT,
                        "finite elements: expected the displacement or the mixed form, found form "
                        "%d",
                        (int)b->spec->form);
-    if (b->spec->single && b->spec->form == GN_FEM_MIXED)
+    if (b->spec->single && b->spec->form == GN_FEM_PRESSURE)
         return gn_fail(error, GNEISS_ERROR_INPUT,
                        "finite elements: expected double precision with the mixed form, found "
                        "single, which only the displacement form has");
@@ -395,7 +395,7 @@ static gneiss_status build(builder *b, gneiss_error *error) {
     GN_TRY(make_elements(b, error));
     GN_TRY(make_sums(b, error));
     gn_fem_to_single(body);
-    return body->form == GN_FEM_MIXED ? gn_fem_mixed_prepare(body, error) : GNEISS_OK;
+    return body->form == GN_FEM_PRESSURE ? gn_fem_pressure_prepare(body, error) : GNEISS_OK;
 }
 
 gneiss_status gn_fem_body_create(const gn_fem_spec *spec, gn_mesh *mesh, gn_fem_body *body,

@@ -17,8 +17,9 @@ typedef struct gn_fem_material {
     double young, poisson, density; /* Pa, -, kg/m3 */
 } gn_fem_material;
 
-/* What the pressure comes from: each element's own volume, or nodes (see docs/fem.md). */
-typedef enum gn_fem_form { GN_FEM_DISPLACEMENT, GN_FEM_MIXED } gn_fem_form;
+/* What the pressure comes from: each element's own volume, or nodes: the pressure form, which the
+ * literature and scenes call mixed (see docs/fem.md). In the code `mixed` is a precision. */
+typedef enum gn_fem_form { GN_FEM_DISPLACEMENT, GN_FEM_PRESSURE } gn_fem_form;
 
 typedef struct gn_fem_spec {
     const char *name; /* of the mesh, for messages */
@@ -35,7 +36,7 @@ typedef struct gn_fem_spec {
     const char *isa; /* instruction set, NULL: automatic */
 } gn_fem_spec;
 
-/* J. Works are trapezoidal; kinetic is 1/2 m v(-) v(+), see docs/design.md. In the mixed form
+/* J. Works are trapezoidal; kinetic is 1/2 m v(-) v(+), see docs/design.md. In the pressure form
  * `elastic` has the energy of the stabilising pressure, its inertia included. */
 typedef struct gn_fem_energy {
     double kinetic, elastic;                            /* of the last measured instant */
@@ -78,7 +79,7 @@ typedef struct gn_fem_body {
     int32_t (*channel)[3]; /* [prescribed.count] motion that drives a component, -1: free */
     int32_t motion_count;
 
-    /* Mixed form (mixed.c); NULL and zero in the other. */
+    /* Pressure form (pressure.c); NULL and zero in the other. */
     gn_dilation_kernel *dilation_kernel;
     double *growth_row, *slope_row; /* further rows of the partial sums, [2] each */
     double *pressure;               /* [nodes] scratch of readings */
@@ -220,7 +221,7 @@ gneiss_status gn_fem_step(gn_fem_body *body, double dt, bool measure, gneiss_err
 void gn_fem_forces(gn_fem_body *body, double dt, bool measure);
 gneiss_status gn_fem_move(gn_fem_body *body, double dt, gneiss_error *error);
 
-/* To be called after positions were changed other than by steps: the mixed form and single
+/* To be called after positions were changed other than by steps: the pressure form and single
  * precision keep copies. */
 void gn_fem_moved(gn_fem_body *body);
 /* Makes all that single precision keeps anew, if the body has it: after records were read. */
@@ -240,8 +241,8 @@ void gn_fem_element_stress(const gn_fem_body *body, double (*stress)[6]);
 /* Stress at nodes: mean over the elements at the node, weighted by their volumes. */
 gneiss_status gn_fem_nodal_stress(const gn_fem_body *body, const double (*element)[6],
                                   double (*nodal)[6], gneiss_error *error);
-/* Pa, tension positive, per node, by place: the mixed form's own; in the displacement form that of
- * the nodal stress. */
+/* Pa, tension positive, per node, by place: the pressure form's own; in the displacement form that
+ * of the nodal stress. */
 gneiss_status gn_fem_nodal_pressure(const gn_fem_body *body, double *pressure, gneiss_error *error);
 
 /* det F of an element at the present positions (measures.c). */

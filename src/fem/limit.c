@@ -133,9 +133,9 @@ typedef struct worst {
     int64_t element;
 } worst;
 
-/* Mixed form: what the stabilising pressure alone would do, see linear_mixed.c. */
+/* Pressure form: what the stabilising pressure alone would do, see linear_pressure.c. */
 static double stabiliser_eigenvalue(const linear_system *y, size_t e) {
-    if (y->body->form != GN_FEM_MIXED) return 0.0;
+    if (y->body->form != GN_FEM_PRESSURE) return 0.0;
     return y->body->rate2 * (1.0 + gn_fem_stabiliser_eigenvalue(&y->body->elements, e));
 }
 
@@ -262,8 +262,8 @@ static void find_culprits(const linear_system *y, const double *mode, gn_fem_lim
 
 static gneiss_status find_sharp(const linear_system *y, double tolerance, gn_fem_limit *limit,
                                 gneiss_error *error) {
-    const bool mixed = y->body->form == GN_FEM_MIXED;
-    size_t n = y->body->nodes.soa.count * (size_t)(y->dimension + mixed);
+    const bool pressure = y->body->form == GN_FEM_PRESSURE;
+    size_t n = y->body->nodes.soa.count * (size_t)(y->dimension + pressure);
     double *mode = gn_alloc_array(n + 1, sizeof *mode);
     if (!mode) return gn_fail(error, GNEISS_ERROR_MEMORY, "no memory for the fastest mode");
     /* What cannot move stays out of it. */
@@ -271,8 +271,8 @@ static gneiss_status find_sharp(const linear_system *y, double tolerance, gn_fem
     for (size_t k = 0; k < y->body->nodes.soa.count * (size_t)y->dimension; k++)
         if (!(y->scale[k] > 0.0)) mode[k] = 0.0;
     gn_eigen_top top;
-    gneiss_status status = gn_eigen_largest_in(n, mixed ? gn_fem_linear_mixed : apply,
-                                               mixed ? gn_fem_linear_metric : NULL, y, tolerance,
+    gneiss_status status = gn_eigen_largest_in(n, pressure ? gn_fem_linear_pressure : apply,
+                                               pressure ? gn_fem_linear_metric : NULL, y, tolerance,
                                                y->body->threads, mode, &top, error);
     if (status == GNEISS_OK) {
         limit->iterations = top.vectors;
@@ -298,9 +298,9 @@ static void set_scale(linear_system *y) {
         }
 }
 
-static bool make_mixed(linear_system *y) {
+static bool make_pressure(linear_system *y) {
     size_t nodes = y->body->nodes.soa.count;
-    if (y->body->form != GN_FEM_MIXED) return true;
+    if (y->body->form != GN_FEM_PRESSURE) return true;
     y->gradient = gn_alloc_array(nodes + 1, 4 * sizeof *y->gradient);
     y->pressure = gn_alloc_array(nodes + 1, sizeof *y->pressure);
     return y->gradient && y->pressure;
@@ -312,7 +312,7 @@ static gneiss_status find_limits(linear_system *y, bool sharp, double tolerance,
     y->scale = gn_alloc_array(nodes + 1, d * sizeof *y->scale);
     y->moved = gn_alloc_array(nodes + 1, d * sizeof *y->moved);
     y->stiffness = gn_alloc_array(nodes + 1, sizeof *y->stiffness);
-    if (!y->scale || !y->moved || !y->stiffness || !make_mixed(y))
+    if (!y->scale || !y->moved || !y->stiffness || !make_pressure(y))
         return gn_fail(error, GNEISS_ERROR_MEMORY, "no memory for the time step of %zu nodes",
                        nodes);
     set_scale(y);

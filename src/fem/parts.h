@@ -37,14 +37,14 @@ void gn_fem_sweep(gn_fem_body *body, double dt, bool measure);
 /* Moves the nodes that gn_fem_sweep left. */
 void gn_fem_sweep_held(gn_fem_body *body, double dt, bool measure);
 
-/* --- mixed form (mixed.c) --- */
+/* --- pressure form (pressure.c) --- */
 
 /* Bulk modulus, Pa. */
 double gn_fem_bulk(const gn_elements *q, size_t e);
 /* Largest eigenvalue of the stabilising term over the lumped pressure mass of an element alone. */
 double gn_fem_stabiliser_eigenvalue(const gn_elements *q, size_t e);
 /* Weights, rows and the rate of the stabilising pressure; nothing may be prescribed yet. */
-gneiss_status gn_fem_mixed_prepare(gn_fem_body *body, gneiss_error *error);
+gneiss_status gn_fem_pressure_prepare(gn_fem_body *body, gneiss_error *error);
 
 gn_dilation_args gn_fem_dilation_args(const gn_fem_body *body);
 gn_pressure_args gn_fem_pressure_args(gn_fem_body *body, double dt, bool measure);
@@ -59,15 +59,15 @@ typedef struct gn_fem_linear {
     double *scale;     /* [nodes][dimension] M^-1/2, 0 for prescribed components */
     double *moved;     /* [nodes][dimension] scratch of the operator */
     double *stiffness; /* [nodes] sum over its elements of the traces of their blocks at it */
-    double *gradient;  /* mixed form: [nodes][4] projected gradient of q, q */
-    double *pressure;  /* mixed form: [nodes] scratch */
+    double *gradient;  /* pressure form: [nodes][4] projected gradient of q, q */
+    double *pressure;  /* pressure form: [nodes] scratch */
 } gn_fem_linear;
 
 void gn_fem_gradients(const gn_elements *q, size_t e, double gradient[4][3]);
 
-/* Of the mixed form (linear_mixed.c): operator and metric over M^1/2 u and q, [nodes][dimension]
- * and [nodes]. */
-void gn_fem_linear_mixed(const void *system, const double *x, double *out);
+/* Of the pressure form (linear_pressure.c): operator and metric over M^1/2 u and q,
+ * [nodes][dimension] and [nodes]. */
+void gn_fem_linear_pressure(const void *system, const double *x, double *out);
 void gn_fem_linear_metric(const void *system, const double *x, double *out);
 
 static inline gn_mesh_elements *gn_fem_elements_of(gn_mesh *mesh, int dimension) {

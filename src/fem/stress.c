@@ -20,7 +20,7 @@ double gn_fem_deformation(const gn_fem_body *body, size_t e, double f[3][3]) {
            f[0][2] * (f[1][0] * f[2][1] - f[1][1] * f[2][0]);
 }
 
-static void second_piola(const gn_elements *q, size_t e, bool mixed, double f[3][3],
+static void second_piola(const gn_elements *q, size_t e, bool pressure, double f[3][3],
                          double s[3][3]) {
     double trace = 0.0;
     for (int k = 0; k < 3; k++)
@@ -29,14 +29,14 @@ static void second_piola(const gn_elements *q, size_t e, bool mixed, double f[3]
             s[k][l] = q->mu[e] * c;
             if (k == l) trace += 0.5 * c;
         }
-    const double lambda = mixed ? -2.0 / 3.0 * q->mu[e] : q->lambda[e];
+    const double lambda = pressure ? -2.0 / 3.0 * q->mu[e] : q->lambda[e];
     for (int k = 0; k < 3; k++) s[k][k] += lambda * trace;
 }
 
 /* Mean over the nodes; zero in the displacement form, whose pressure is part of S. */
 static double mean_pressure(const gn_fem_body *body, size_t e) {
     double sum = 0.0;
-    if (body->form != GN_FEM_MIXED) return 0.0;
+    if (body->form != GN_FEM_PRESSURE) return 0.0;
     for (int a = 0; a <= body->dimension; a++)
         sum += body->pressure[gn_elements_node(&body->elements, a)[e]];
     return sum / (body->dimension + 1);
@@ -44,11 +44,11 @@ static double mean_pressure(const gn_fem_body *body, size_t e) {
 
 void gn_fem_element_stress(const gn_fem_body *body, double (*stress)[6]) {
     static const int row[6] = {0, 1, 2, 0, 1, 2}, column[6] = {0, 1, 2, 1, 2, 0};
-    if (body->form == GN_FEM_MIXED) gn_fem_find_pressures(body);
+    if (body->form == GN_FEM_PRESSURE) gn_fem_find_pressures(body);
 #pragma omp parallel for num_threads(body->threads) schedule(static)
     for (size_t e = 0; e < body->elements.soa.count; e++) {
         double f[3][3], s[3][3], det = gn_fem_deformation(body, e, f);
-        second_piola(&body->elements, e, body->form == GN_FEM_MIXED, f, s);
+        second_piola(&body->elements, e, body->form == GN_FEM_PRESSURE, f, s);
         const double pressure = mean_pressure(body, e);
         for (int c = 0; c < 6; c++) {
             double sum = 0.0;
@@ -81,7 +81,7 @@ gneiss_status gn_fem_nodal_stress(const gn_fem_body *body, const double (*elemen
 gneiss_status gn_fem_nodal_pressure(const gn_fem_body *body, double *pressure,
                                     gneiss_error *error) {
     const size_t nodes = body->nodes.soa.count, elements = body->elements.soa.count;
-    if (body->form == GN_FEM_MIXED) {
+    if (body->form == GN_FEM_PRESSURE) {
         gn_fem_find_pressures(body);
         memcpy(pressure, body->pressure, nodes * sizeof *pressure);
         return GNEISS_OK;

@@ -66,7 +66,7 @@ static void move(void *context, size_t block) {
     body->motion_kernel(&k->motion, r.begin, r.end, &body->motion_sums[block]);
     bool waits = k->motion.hold && k->motion.hold->slot[block] >= 0;
     if (waits && k->motion.pass == GN_PASS_GATHER) return;
-    if (body->form == GN_FEM_MIXED)
+    if (body->form == GN_FEM_PRESSURE)
         body->pressure_kernel[1](&k->pressure, r.begin, r.end, &body->pressure_sums[block]);
 }
 
@@ -75,7 +75,7 @@ static void move(void *context, size_t block) {
 static work prepare(gn_fem_body *body, double dt, bool measure) {
     work k = {.body = body, .measure = measure};
     const double *place = body->nodes.pos;
-    if (body->form == GN_FEM_MIXED) {
+    if (body->form == GN_FEM_PRESSURE) {
         k.dilation = gn_fem_dilation_args(body);
         k.pressure = gn_fem_pressure_args(body, dt, measure);
         place = body->nodes.placed_p;
@@ -106,7 +106,7 @@ void gn_fem_sweep(gn_fem_body *body, double dt, bool measure) {
     static const gn_deal_work growth = {find_growth, find_pressures}, forces = {find_forces, move};
     work k = prepare(body, dt, measure);
     const double begin = gn_now();
-    const int sweeps = body->form == GN_FEM_MIXED ? 2 : 1;
+    const int sweeps = body->form == GN_FEM_PRESSURE ? 2 : 1;
     gn_deal_begin(&body->deal);
 #pragma omp parallel num_threads(body->deal.team)
     {

@@ -14,18 +14,19 @@ typedef struct gn_element_uniform {
 } gn_element_uniform;
 
 typedef struct gn_element_args {
-    const double *pos; /* node rows [n][4]; mixed form: x y z and the pressure there */
+    const double *pos; /* node rows [n][4]; pressure form: x y z and the pressure there */
     const gn_elements *elements;
     gn_element_uniform uniform;
     const gn_partials *partials; /* of `elements`: where forces are summed; rows are written. In
-                                    the mixed form the slope, the integral of tau N_a times the
+                                    the pressure form the slope, the integral of tau N_a times the
                                     pressure's gradient, has the numbers that forces leave free:
                                     force xy, slope xy or force xyz, slope x */
-    double *slope_row; /* mixed form in space: rows [2] as those of `partials`, written: slope yz */
+    double
+        *slope_row; /* pressure form in space: rows [2] as those of `partials`, written: slope yz */
     const float *travel; /* kernels in single precision: node rows [n][4], displacement */
 } gn_element_args;
 
-/* First pass of the mixed form. */
+/* First pass of the pressure form. */
 typedef struct gn_dilation_args {
     const double *place;  /* node rows [n][4]: x y z and the stabilising pressure q */
     const double *smooth; /* node rows [n][4]: projected gradient of q xyz */
@@ -53,10 +54,10 @@ typedef void gn_element_kernel(const gn_element_args *args, size_t begin, size_t
 
 enum { GN_ELEMENT_VARIANTS = 8 };
 
-/* Bit 0: tetrahedra in space instead of triangles in plane strain; bit 1: measures; bit 2: mixed
+/* Bit 0: tetrahedra in space instead of triangles in plane strain; bit 1: measures; bit 2: pressure
  * form, whose energy is that of the deviator. */
-static inline unsigned gn_element_variant(bool space, bool measure, bool mixed) {
-    return (space ? 1u : 0u) | (measure ? 2u : 0u) | (mixed ? 4u : 0u);
+static inline unsigned gn_element_variant(bool space, bool measure, bool pressure) {
+    return (space ? 1u : 0u) | (measure ? 2u : 0u) | (pressure ? 4u : 0u);
 }
 
 /* As gn_element_kernel; triangles, tetrahedra. */

@@ -7,8 +7,8 @@
  * zero under any rotation, and S derives from an energy, V0 (lambda/2 tr(E)^2 + mu E:E). For small
  * strains it is linear elasticity.
  *
- * Mixed form: S = 2 mu dev(E) + p J C^-1 with p the mean of the nodes' pressures, that is lambda =
- * -2 mu/3 and V0 p cof(F) added to V0 F S: the work of p on the growth in volume. What makes the
+ * Pressure form: S = 2 mu dev(E) + p J C^-1 with p the mean of the nodes' pressures, that is lambda
+ * = -2 mu/3 and V0 p cof(F) added to V0 F S: the work of p on the growth in volume. What makes the
  * pressures is the first pass, below (docs/fem.md has the equations). */
 #include "kernels/element_parts.h"
 #include "kernels/expand.h"
@@ -16,7 +16,7 @@
 #include <math.h>
 
 typedef struct variant {
-    int space, measure, mixed;
+    int space, measure, pressure;
 } variant;
 
 /* GN_W elements. Columns of F are the deformed base vectors; the strain is c = F^T F - I = 2 E in
@@ -25,21 +25,21 @@ typedef struct state {
     gn_v3 f[3], gradient[3]; /* gradient: of nodes 1 2 3 */
     gn_v c[6], s[6];
     gn_v volume;
-    gn_v pressure[4]; /* mixed form: of node 0, and what nodes 1 2 3 have more */
-    gn_v3 slope;      /* mixed form: every node's share of tau times the pressure's gradient */
+    gn_v pressure[4]; /* pressure form: of node 0, and what nodes 1 2 3 have more */
+    gn_v3 slope;      /* pressure form: every node's share of tau times the pressure's gradient */
 } state;
 
 GN_INLINE void load_nodes(const gn_element_args *a, size_t e, gn_v3 edge[3], state *t, variant w) {
     gn_v first[4], x[4];
     gn_gather4(a->pos, gn_node_column(a->elements, 0) + e, first);
-    if (w.mixed) {
+    if (w.pressure) {
         gn_columns4(first, x);
         t->pressure[0] = x[3];
     }
     for (int n = 0; n < 2 + w.space; n++) {
         gn_rows4_beyond(a->pos, gn_node_column(a->elements, n + 1) + e, first, x);
         edge[n] = (gn_v3){x[0], x[1], gn_pick(w.space, x[2], gn_set(0.0))};
-        if (w.mixed) t->pressure[n + 1] = x[3];
+        if (w.pressure) t->pressure[n + 1] = x[3];
     }
 }
 
@@ -78,7 +78,7 @@ GN_INLINE void find_stress(const gn_element_args *a, size_t e, state *t, variant
     gn_v minus = gn_set(0.0) - t->volume;
     gn_v mu = minus * gn_load(q->mu + gn_column_at(e, a->uniform.mu));
     gn_v lambda = gn_set(-2.0 / 3.0) * mu;
-    if (!w.mixed) lambda = minus * gn_load(q->lambda + gn_column_at(e, a->uniform.lambda));
+    if (!w.pressure) lambda = minus * gn_load(q->lambda + gn_column_at(e, a->uniform.lambda));
     gn_v trace = t->c[0] + t->c[1];
     if (w.space) trace = trace + t->c[2];
     gn_v mean = gn_set(0.5) * lambda * trace;
@@ -122,12 +122,12 @@ GN_INLINE void find_slope(const gn_element_args *a, size_t e, state *t, variant 
     t->slope = gn_scale(share, gradient_of(t->gradient, t->pressure + 1, w.space), w.space);
 }
 
-/* In the mixed form the numbers of a row that a force leaves free are those of the slope. */
+/* In the pressure form the numbers of a row that a force leaves free are those of the slope. */
 GN_INLINE void write_row(gn_real *row, gn_v3 force, const state *t, variant w) {
     const gn_v zero = gn_set(0.0);
     gn_v columns[4] = {force.x, force.y, force.z, zero};
-    if (w.mixed && w.space) columns[3] = t->slope.x;
-    if (w.mixed && !w.space) {
+    if (w.pressure && w.space) columns[3] = t->slope.x;
+    if (w.pressure && !w.space) {
         columns[2] = t->slope.x;
         columns[3] = t->slope.y;
     }
@@ -139,7 +139,7 @@ GN_INLINE void find_forces(const state *t, gn_v3 piola[3], gn_element_rows *out,
     gn_v3 first = {zero, zero, zero};
     for (int k = 0; k < 2 + w.space; k++) {
         piola[k] = gn_first_piola(t->f, t->s, k, w.space);
-        if (w.mixed) piola[k] = add_pressure(t, k, piola[k], w);
+        if (w.pressure) piola[k] = add_pressure(t, k, piola[k], w);
     }
     for (int n = 0; n < 2 + w.space; n++) {
         gn_v3 force = gn_scale(t->gradient[n].x, piola[0], w.space);
@@ -233,14 +233,14 @@ GN_INLINE void deform(const gn_element_args *a, size_t e, state *t, variant w) {
     find_strain(edge, t, w);
 }
 
-/* From the strain to rows of forces. `slopes`: of the block, mixed form in space. */
+/* From the strain to rows of forces. `slopes`: of the block, pressure form in space. */
 GN_INLINE void resist(const gn_element_args *a, size_t e, size_t end, state *t,
                       gn_element_rows *rows, double *slopes, lane_sums *s, variant w) {
     gn_v3 piola[3];
     find_stress(a, e, t, w);
-    if (w.mixed) find_slope(a, e, t, w);
+    if (w.pressure) find_slope(a, e, t, w);
     find_forces(t, piola, rows, w);
-    if (w.mixed && w.space) add_slopes(a, e, end, t, slopes);
+    if (w.pressure && w.space) add_slopes(a, e, end, t, slopes);
     if (w.measure) measure(t, piola, e, end, s, w);
 }
 
@@ -251,14 +251,14 @@ GN_INLINE void element_core(const gn_element_args *a, size_t begin, size_t end,
                             gn_element_sums *sums, variant w) {
     double *partial = gn_clear_block_rows(a->partials, begin, 4 * sizeof(double), a->partials->row),
            *slopes = NULL;
-    if (w.mixed && w.space)
+    if (w.pressure && w.space)
         slopes = gn_clear_block_rows(a->partials, begin, 2 * sizeof(double), a->slope_row);
     gn_block_particles ahead = gn_block_particles_of(a->partials, begin);
     lane_sums s = no_sums();
     state ring[2];
     gn_element_rows rows[2];
     const size_t vectors = (end - begin + GN_W - 1) / GN_W;
-    const bool staged = w.space && !w.mixed;
+    const bool staged = w.space && !w.pressure;
     for (size_t v = 0; !staged && v < vectors; v++) {
         const size_t e = begin + v * GN_W;
         gn_fetch_ahead(&ahead, &a->pos, 1, gn_nodes_ahead(w.space));
@@ -278,7 +278,7 @@ GN_INLINE void element_core(const gn_element_args *a, size_t begin, size_t end,
     if (w.measure) fold_sums(&s, sums);
 }
 
-/* --- first pass of the mixed form --- */
+/* --- first pass of the pressure form --- */
 
 /* Per element: growth in volume V - V0, from the edges, and g = grad q - mean of the nodes'
  * projected gradients; node a takes (V - V0)/nodes and tau V0 grad N_a . g. */

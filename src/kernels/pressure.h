@@ -1,4 +1,4 @@
-/* Pressures at the nodes of finite elements in the mixed form: the two passes over nodes that
+/* Pressures at the nodes of finite elements in the pressure form: the two passes over nodes that
  * follow those over elements. */
 #ifndef GN_KERNELS_PRESSURE_H
 #define GN_KERNELS_PRESSURE_H

@@ -44,7 +44,7 @@ static int compare_faces(const void *a, const void *b) {
 /* In a bonded body a particle with few bonds hangs in it loosely (on two bonds it swings like a
  * pendulum): how it moves is no strain of the body, but on the surface it would count like its
  * neighbours. Without those on three bonds as well, Poisson's ratio of like specimens scatters by
- * 1 % in place of 10 % (docs/packing.md). */
+ * 1 % in place of 10 % (docs/evidence/packing.md). */
 static bool is_held(const gn_particles *particles, size_t p, int dimension) {
     return !particles->bonds0 || particles->bonds0[p] > dimension;
 }

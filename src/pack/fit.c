@@ -134,7 +134,7 @@ static bool iterate(gn_fit *f, const gn_fit_law *law, const gn_fit_goal *goal) {
     } else {
         f->damping = fmin(f->damping * 5.0, damping_most);
     }
-    gn_pace_note(&f->pace, gn_now() - begin, products + products_worth, 1.0);
+    gn_pace_note(&f->pace, gn_now() - begin, products + products_worth, -1.0);
     f->state = better ? then : now;
     f->state.iteration++;
     return better;

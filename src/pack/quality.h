@@ -1,4 +1,4 @@
-/* How good a packing is (Labra 2012, ch. 3; spec of the measures: docs/packing.md). */
+/* How good a packing is (Labra 2012, ch. 3; spec of the measures: docs/evidence/packing.md). */
 #ifndef GN_PACK_QUALITY_H
 #define GN_PACK_QUALITY_H
 

@@ -225,7 +225,7 @@ static gneiss_status get_arrays(gn_run *run, const gn_h5 *file, gneiss_error *er
 }
 
 static gneiss_status get_history(gn_run *run, const gn_h5 *file, gneiss_error *error) {
-    GN_TRY(gn_record_create(&run->world, &run->history, error));
+    GN_TRY(gn_history_begin(&run->world, &run->history, error));
     gn_history *h = &run->history;
     size_t rows = 0;
     GN_TRY(gn_h5_rows(file, "history/step", &rows, error));

@@ -2,7 +2,7 @@
  * several parts (two supports under a beam); their forces add up, their travel is the mean over the
  * parts.
  */
-#include "run/record_parts.h"
+#include "run/ends.h"
 
 /* From where it stood at the start, along the axis. */
 static double part_travel(const gn_world *w, const char *name, int axis) {
@@ -53,12 +53,12 @@ static double test_sign(const gn_world *w) {
     return w->scene.test.kind == GN_TEST_COMPRESSION ? -1.0 : 1.0;
 }
 
-double gn_record_deflection(const gn_world *w) {
+double gn_ends_deflection(const gn_world *w) {
     return test_sign(w) *
            (end_travel(w, &w->scene.test.upper) - end_travel(w, &w->scene.test.lower));
 }
 
-void gn_record_end_forces(const gn_world *w, double *lower, double *upper) {
+void gn_ends_forces(const gn_world *w, double *lower, double *upper) {
     double sign = test_sign(w);
     *lower = -sign * end_force(w, &w->scene.test.lower);
     *upper = sign * end_force(w, &w->scene.test.upper);

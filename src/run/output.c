@@ -11,55 +11,29 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* --- fields of particles and bonds, in the order of the specimen file --- */
-
-/* [count][components], malloc'ed. `row`: where an item stands; NULL: in its place. */
-static gneiss_status read_field(const gn_output_view *v, const gn_output_field *field, size_t count,
-                                const int32_t *row, double **data, gneiss_error *error) {
-    *data = calloc(count + 1, field->components * sizeof **data);
-    if (!*data)
-        return gn_fail(error, GNEISS_ERROR_MEMORY, "no memory for the output of %s", field->name);
-    for (size_t k = 0; k < count; k++)
-        field->read(v, k, *data + field->components * (row ? (size_t)row[k] : k));
-    return GNEISS_OK;
-}
-
 /* --- snapshots --- */
 
-typedef struct arrays {
-    size_t count;
-    gn_snapshot_array of[GN_OUTPUT_FIELDS_MOST];
-    double *data[GN_OUTPUT_FIELDS_MOST];
-} arrays;
-
-static void free_arrays(arrays *a) {
-    for (size_t k = 0; k < a->count; k++) free(a->data[k]);
+static gn_output_source particles_of(const gn_output_view *v) {
+    const gn_world *w = v->world;
+    return (gn_output_source){&gn_particle_outputs, v, w->effects, w->dem.particles.soa.count,
+                              w->dem.particles.id};
 }
 
-static gneiss_status read_arrays(const gn_output_view *v, const gn_output_table *table,
-                                 size_t count, const int32_t *row, arrays *a, gneiss_error *error) {
-    *a = (arrays){0};
-    for (size_t k = 0; k < table->count; k++) {
-        const gn_output_field *f = &table->fields[k];
-        if (!(f->where & GN_IN_SNAPSHOT) || !gn_output_has(v->world, f)) continue;
-        double **data = &a->data[a->count];
-        gneiss_status status = read_field(v, f, count, row, data, error);
-        if (status != GNEISS_OK) free_arrays(a);
-        GN_TRY(status);
-        a->of[a->count++] = (gn_snapshot_array){f->name, f->unit, f->components, *data};
-    }
-    return GNEISS_OK;
+static gn_output_source bonds_of(const gn_output_view *v) {
+    const gn_world *w = v->world;
+    return (gn_output_source){&gn_bond_outputs, v, w->effects, w->dem.bonds.soa.count, NULL};
 }
 
 static gneiss_status write_bonds(const gn_run *run, const gn_output_view *v, const char *name,
                                  const gn_snapshot *points, gneiss_error *error) {
     const gn_world *w = &run->world;
     const size_t count = w->dem.bonds.soa.count;
-    arrays lines;
+    const gn_output_source bonds = bonds_of(v);
+    gn_output_arrays lines;
     int32_t *ends = calloc(count + 1, 2 * sizeof *ends);
     if (!ends) return gn_fail(error, GNEISS_ERROR_MEMORY, "no memory for the output of bonds");
     for (size_t c = 0; c < count; c++) gn_output_bond_ends(w, c, ends + 2 * c);
-    gneiss_status status = read_arrays(v, &gn_bond_outputs, count, NULL, &lines, error);
+    gneiss_status status = gn_output_arrays_read(&bonds, &lines, error);
     if (status == GNEISS_OK) {
         gn_snapshot s = *points;
         s.point_array_count = 0;
@@ -68,7 +42,7 @@ static gneiss_status write_bonds(const gn_run *run, const gn_output_view *v, con
         s.line_arrays = lines.of;
         s.line_array_count = lines.count;
         status = gn_snapshot_write(run->directory, name, &s, error);
-        free_arrays(&lines);
+        gn_output_arrays_free(&lines);
     }
     free(ends);
     return status;
@@ -79,14 +53,14 @@ static gneiss_status write_snapshot(const gn_run *run, const gn_output_view *v,
                                     gneiss_error *error) {
     const gn_world *w = &run->world;
     const size_t count = w->dem.particles.soa.count;
-    arrays points;
+    const gn_output_source particles = particles_of(v);
+    gn_output_arrays points;
     double *place = calloc(count + 1, 3 * sizeof *place);
     if (!place) return gn_fail(error, GNEISS_ERROR_MEMORY, "no memory for the output of particles");
     for (size_t p = 0; p < count; p++)
         gn_world_point_out(w, w->dem.particles.pos + 4 * p,
                            place + 3 * (size_t)w->dem.particles.id[p]);
-    gneiss_status status =
-        read_arrays(v, &gn_particle_outputs, count, w->dem.particles.id, &points, error);
+    gneiss_status status = gn_output_arrays_read(&particles, &points, error);
     if (status == GNEISS_OK) {
         gn_snapshot s = {
             .bad = w->bad, .time = w->time, .step = w->step, .point_count = count, .points = place};
@@ -95,7 +69,7 @@ static gneiss_status write_snapshot(const gn_run *run, const gn_output_view *v,
         status = gn_snapshot_write(run->directory, particles_name, &s, error);
         if (status == GNEISS_OK && w->effects & GN_FX_BONDS)
             status = write_bonds(run, v, bonds_name, &s, error);
-        free_arrays(&points);
+        gn_output_arrays_free(&points);
     }
     free(place);
     return status;
@@ -201,7 +175,7 @@ static gneiss_status put_reading(gn_h5 *file, const char *name, double value, co
 }
 
 static gneiss_status put_readings(const gn_run *run, gn_h5 *file, gneiss_error *error) {
-    gn_readings r = gn_record_readings(&run->world, &run->history);
+    gn_readings r = gn_history_readings(&run->world, &run->history);
     bool demanded = gn_h5_demand_finite(file, false);
 #define X(name, unit, text)                                                                        \
     GN_TRY(put_reading(file, #name, r.name, unit, text, r.reason[GN_READING_##name], error));
@@ -234,38 +208,6 @@ static gneiss_status put_tables(const gn_run *run, gn_h5 *file, gneiss_error *er
     return GNEISS_OK;
 }
 
-/* Numbers of another type than double, in the place of the doubles. */
-static void narrow(void *data, gn_type type, size_t count) {
-    const double *from = data;
-    for (size_t k = 0; k < count; k++) {
-        double value = from[k];
-        if (type == GN_I32) memcpy((int32_t *)data + k, &(int32_t){(int32_t)value}, 4);
-        if (type == GN_U8) memcpy((uint8_t *)data + k, &(uint8_t){(uint8_t)value}, 1);
-    }
-}
-
-static gneiss_status put_fields(const gn_output_view *v, const char *group,
-                                const gn_output_table *table, size_t count, const int32_t *row,
-                                gn_h5 *file, gneiss_error *error) {
-    for (size_t k = 0; k < table->count; k++) {
-        const gn_output_field *f = &table->fields[k];
-        char path[160];
-        double *data;
-        if (!(f->where & GN_IN_RESULTS) || !gn_output_has(v->world, f)) continue;
-        GN_TRY(read_field(v, f, count, row, &data, error));
-        narrow(data, f->type, count * f->components);
-        snprintf(path, sizeof path, "%s/%s", group, f->name);
-        bool demanded = gn_h5_demand_finite(file, false);
-        gn_h5_demand_finite(file, demanded && !f->may_be_nan);
-        gneiss_status status =
-            gn_h5_put(file, path, f->type, count, f->components, 0, data, f->unit, f->text, error);
-        gn_h5_demand_finite(file, demanded);
-        free(data);
-        GN_TRY(status);
-    }
-    return GNEISS_OK;
-}
-
 static gneiss_status put_state(const gn_world *w, gn_h5 *file, gneiss_error *error) {
     gn_observed seen;
     gn_output_view view;
@@ -273,12 +215,10 @@ static gneiss_status put_state(const gn_world *w, gn_h5 *file, gneiss_error *err
     GN_TRY(gn_world_observe(w, &seen, error));
     gneiss_status status = gn_output_view_make(w, &seen, &view, error);
     if (status == GNEISS_OK) {
-        if (w->dem.particles.soa.count)
-            status = put_fields(&view, "particles", &gn_particle_outputs,
-                                w->dem.particles.soa.count, w->dem.particles.id, file, error);
+        const gn_output_source particles = particles_of(&view), bonds = bonds_of(&view);
+        if (w->dem.particles.soa.count) status = gn_output_put(&particles, file, error);
         if (status == GNEISS_OK && w->effects & GN_FX_BONDS)
-            status = put_fields(&view, "bonds", &gn_bond_outputs, w->dem.bonds.soa.count, NULL,
-                                file, error);
+            status = gn_output_put(&bonds, file, error);
         gn_output_view_free(&view);
     }
     gn_observed_free(&seen);
@@ -323,7 +263,7 @@ static void summary_warnings(const gn_run *run, gn_json *j) {
 
 /* Numbers, null where one is absent, and why it is. */
 static void summary_readings(const gn_run *run, gn_json *j) {
-    gn_readings r = gn_record_readings(&run->world, &run->history);
+    gn_readings r = gn_history_readings(&run->world, &run->history);
     gn_json_object(j, "readings");
 #define X(name, unit, text) gn_json_number(j, #name, r.name);
     GN_READINGS(X)

@@ -2,62 +2,30 @@
 #include "base/eigen.h"
 #include "base/memory.h"
 #include "base/point.h"
-#include "io/snapshot.h"
+#include "run/output_table.h"
 #include "sim/world.h"
 
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
-/* Fields in the order of the mesh. */
-typedef struct node_fields {
-    size_t count;
-    int32_t *row; /* [nodes by place] row of the files */
-    double *position, *displacement, *velocity, *stress, *pressure, *id;
-} node_fields;
+#define COUNT(table) (sizeof(table) / sizeof *(table))
 
-typedef struct element_fields {
-    size_t count;
-    int32_t *node; /* [count][corners] rows of node_fields */
-    double *stress, *pressure, *mises, *principal, *material, *ratio;
-} element_fields;
+/* What fields are read from; rows of the files follow the mesh. */
+typedef struct view {
+    const gn_fem_body *body;
+    int32_t *node_row;    /* [nodes] */
+    double (*element)[6]; /* [elements] Pa, stresses */
+    double (*nodal)[6];   /* [nodes] Pa */
+    double *pressure;     /* [nodes] Pa, tension positive */
+} view;
 
-typedef struct fields {
-    node_fields nodes;
-    element_fields elements;
-} fields;
-
-static void free_fields(fields *f) {
-    void *all[] = {f->nodes.row,         f->nodes.position, f->nodes.displacement,
-                   f->nodes.velocity,    f->nodes.stress,   f->nodes.pressure,
-                   f->nodes.id,          f->elements.node,  f->elements.stress,
-                   f->elements.pressure, f->elements.mises, f->elements.principal,
-                   f->elements.material, f->elements.ratio};
-    for (size_t k = 0; k < sizeof all / sizeof *all; k++) gn_free(all[k]);
+static void free_view(view *v) {
+    gn_free(v->node_row);
+    gn_free(v->element);
+    gn_free(v->nodal);
+    gn_free(v->pressure);
 }
-
-static bool allocate(const gn_fem_body *b, fields *f) {
-    size_t n = b->nodes.soa.count + 1, e = b->elements.soa.count + 1;
-    *f = (fields){.nodes.count = n - 1, .elements.count = e - 1};
-    f->nodes.row = gn_alloc_array(n, sizeof *f->nodes.row);
-    f->elements.node = gn_alloc_array(e, ((size_t)b->dimension + 1) * sizeof *f->elements.node);
-    struct {
-        double **place;
-        size_t rows, components;
-    } all[] = {
-        {&f->nodes.position, n, 3},     {&f->nodes.displacement, n, 3}, {&f->nodes.velocity, n, 3},
-        {&f->nodes.stress, n, 6},       {&f->nodes.pressure, n, 1},     {&f->nodes.id, n, 1},
-        {&f->elements.stress, e, 6},    {&f->elements.pressure, e, 1},  {&f->elements.mises, e, 1},
-        {&f->elements.principal, e, 3}, {&f->elements.material, e, 1},  {&f->elements.ratio, e, 1}};
-    bool held = f->nodes.row && f->elements.node;
-    for (size_t k = 0; k < sizeof all / sizeof *all; k++) {
-        *all[k].place = gn_alloc_array(all[k].rows, all[k].components * sizeof(double));
-        held = held && *all[k].place;
-    }
-    return held;
-}
-
-/* --- nodes --- */
 
 typedef struct numbered {
     int32_t id, place;
@@ -79,28 +47,83 @@ static gneiss_status number_rows(const gn_fem_body *b, int32_t *row, gneiss_erro
     return GNEISS_OK;
 }
 
+static gneiss_status find_stresses(view *v, gneiss_error *error) {
+    const gn_fem_body *b = v->body;
+    gn_fem_element_stress(b, v->element);
+    GN_TRY(gn_fem_nodal_stress(b, (const double(*)[6])v->element, v->nodal, error));
+    GN_TRY(gn_fem_nodal_pressure(b, v->pressure, error));
+    return number_rows(b, v->node_row, error);
+}
+
+static gneiss_status make_view(const gn_fem_body *b, view *v, gneiss_error *error) {
+    size_t nodes = b->nodes.soa.count + 1, elements = b->elements.soa.count + 1;
+    *v = (view){.body = b};
+    v->node_row = gn_alloc_array(nodes, sizeof *v->node_row);
+    v->element = gn_alloc_array(elements, sizeof *v->element);
+    v->nodal = gn_alloc_array(nodes, sizeof *v->nodal);
+    v->pressure = gn_alloc_array(nodes, sizeof *v->pressure);
+    gneiss_status status = GNEISS_OK;
+    if (!v->node_row || !v->element || !v->nodal || !v->pressure)
+        status = gn_fail(error, GNEISS_ERROR_MEMORY, "no memory for the output of %zu elements",
+                         b->elements.soa.count);
+    if (status == GNEISS_OK) status = find_stresses(v, error);
+    if (status != GNEISS_OK) free_view(v);
+    return status;
+}
+
+/* A scalar of item k; v is the view, b its body. */
+#define READ(name, expression)                                                                     \
+    static void read_##name(const void *of, size_t k, double *value) {                             \
+        const view *v = of;                                                                        \
+        const gn_fem_body *b = v->body;                                                            \
+        (void)b;                                                                                   \
+        *value = (expression);                                                                     \
+    }
+
+enum { BOTH = GN_IN_RESULTS | GN_IN_SNAPSHOT };
+
+/* --- nodes --- */
+
+READ(id, b->nodes.id[k])
+READ(nodal_pressure, -v->pressure[k])
+
+static const gn_particles *nodes_of(const void *of) {
+    return &((const view *)of)->body->nodes;
+}
+static void read_position(const void *of, size_t k, double *value) {
+    const gn_fem_body *b = ((const view *)of)->body;
+    for (size_t a = 0; a < 3; a++) value[a] = gn_point_out(b->origin[a], b->nodes.pos[4 * k + a]);
+}
+static void read_displacement(const void *of, size_t k, double *value) {
+    const gn_particles *q = nodes_of(of);
+    for (size_t a = 0; a < 3; a++) value[a] = q->pos[4 * k + a] - q->start[4 * k + a];
+}
+static void read_velocity(const void *of, size_t k, double *value) {
+    memcpy(value, nodes_of(of)->vel + 4 * k, 3 * sizeof *value);
+}
+static void read_nodal_stress(const void *of, size_t k, double *value) {
+    memcpy(value, ((const view *)of)->nodal[k], 6 * sizeof *value);
+}
+
+static const gn_output_field of_nodes[] = {
+    {"id", "1", "place in the mesh, base 0", BOTH, GN_F64, false, 1, read_id, 0},
+    {"position", "m", "place", GN_IN_RESULTS, GN_F64, false, 3, read_position, 0},
+    {"displacement", "m", "from the start", BOTH, GN_F64, false, 3, read_displacement, 0},
+    {"velocity", "m/s", "velocity", BOTH, GN_F64, false, 3, read_velocity, 0},
+    {"stress", "Pa",
+     "xx yy zz xy yz xz, tension positive; mean over the elements at the node by volume", BOTH,
+     GN_F64, false, 6, read_nodal_stress, 0},
+    {"pressure", "Pa",
+     "compression positive; that of the nodes' stress, in the mixed form the node's own", BOTH,
+     GN_F64, false, 1, read_nodal_pressure, 0},
+};
+
+/* --- elements --- */
+
 /* Compression positive. */
 static double pressure_of(const double s[6]) {
     return -(s[0] + s[1] + s[2]) / 3.0;
 }
-
-static void fill_nodes(const gn_fem_body *b, const double (*stress)[6], const double *pressure,
-                       node_fields *f) {
-    const gn_particles *q = &b->nodes;
-    for (size_t n = 0; n < f->count; n++) {
-        size_t r = (size_t)f->row[n];
-        f->id[r] = q->id[n];
-        memcpy(f->stress + 6 * r, stress[n], sizeof *stress);
-        f->pressure[r] = -pressure[n];
-        for (size_t a = 0; a < 3; a++) {
-            f->position[3 * r + a] = gn_point_out(b->origin[a], q->pos[4 * n + a]);
-            f->displacement[3 * r + a] = q->pos[4 * n + a] - q->start[4 * n + a];
-            f->velocity[3 * r + a] = q->vel[4 * n + a];
-        }
-    }
-}
-
-/* --- elements --- */
 
 /* von Mises (1913). */
 static double mises_of(const double s[6]) {
@@ -108,141 +131,128 @@ static double mises_of(const double s[6]) {
     return sqrt(0.5 * (a * a + b * b + c * c) + 3.0 * (s[3] * s[3] + s[4] * s[4] + s[5] * s[5]));
 }
 
-static void principal_of(const double s[6], double values[3]) {
+READ(von_mises, mises_of(v->element[k]))
+READ(pressure, pressure_of(v->element[k]))
+READ(material, b->elements.material[k])
+READ(volume_ratio, gn_fem_volume_ratio(b, k))
+
+static void read_stress(const void *of, size_t k, double *value) {
+    memcpy(value, ((const view *)of)->element[k], 6 * sizeof *value);
+}
+static void read_principal(const void *of, size_t k, double *value) {
+    const double *s = ((const view *)of)->element[k];
     double a[9] = {s[0], s[3], s[5], s[3], s[1], s[4], s[5], s[4], s[2]}, vectors[9];
-    gn_eigen_symmetric(3, a, values, vectors);
+    gn_eigen_symmetric(3, a, value, vectors);
 }
 
-static void fill_elements(const gn_fem_body *b, const double (*stress)[6], const int32_t *row,
-                          element_fields *f) {
-    const gn_elements *q = &b->elements;
-    const size_t corners = (size_t)b->dimension + 1;
-    for (size_t e = 0; e < f->count; e++) {
-        size_t r = (size_t)q->id[e];
-        for (size_t a = 0; a < corners; a++)
-            f->node[corners * r + a] = row[gn_elements_node(q, (int)a)[e]];
-        memcpy(f->stress + 6 * r, stress[e], sizeof *stress);
-        f->pressure[r] = pressure_of(stress[e]);
-        f->mises[r] = mises_of(stress[e]);
-        principal_of(stress[e], f->principal + 3 * r);
-        f->material[r] = q->material[e];
-        f->ratio[r] = gn_fem_volume_ratio(b, e);
-    }
+static const gn_output_field of_elements[] = {
+    {"stress", "Pa", "xx yy zz xy yz xz, tension positive", BOTH, GN_F64, false, 6, read_stress, 0},
+    {"von_mises", "Pa", "von Mises' equivalent stress", BOTH, GN_F64, false, 1, read_von_mises, 0},
+    {"principal_stress", "Pa", "principal stresses, the largest first", BOTH, GN_F64, false, 3,
+     read_principal, 0},
+    {"pressure", "Pa", "compression positive", BOTH, GN_F64, false, 1, read_pressure, 0},
+    {"material", "1", "place in elements.materials, base 0", BOTH, GN_I32, false, 1, read_material,
+     0},
+    {"volume_ratio", "1", "volume over that at the start", BOTH, GN_F64, false, 1,
+     read_volume_ratio, 0},
+};
+
+_Static_assert(COUNT(of_nodes) <= GN_OUTPUT_FIELDS_MOST &&
+                   COUNT(of_elements) <= GN_OUTPUT_FIELDS_MOST,
+               "room for the arrays of a snapshot");
+const gn_output_table gn_node_outputs = {"nodes", of_nodes, COUNT(of_nodes)},
+                      gn_element_outputs = {"elements", of_elements, COUNT(of_elements)};
+
+static gn_output_source nodes_source(const view *v) {
+    return (gn_output_source){&gn_node_outputs, v, 0, v->body->nodes.soa.count, v->node_row};
 }
 
-static gneiss_status make_fields(const gn_fem_body *b, fields *f, gneiss_error *error) {
-    double(*element)[6] = gn_alloc_array(b->elements.soa.count + 1, sizeof *element);
-    double(*nodal)[6] = gn_alloc_array(b->nodes.soa.count + 1, sizeof *nodal);
-    double *pressure = gn_alloc_array(b->nodes.soa.count + 1, sizeof *pressure);
-    gneiss_status status = GNEISS_OK;
-    if (!allocate(b, f) || !element || !nodal || !pressure)
-        status = gn_fail(error, GNEISS_ERROR_MEMORY, "no memory for the output of %zu elements",
-                         b->elements.soa.count);
-    if (status == GNEISS_OK) {
-        gn_fem_element_stress(b, element);
-        status = gn_fem_nodal_stress(b, (const double(*)[6])element, nodal, error);
-    }
-    if (status == GNEISS_OK) status = gn_fem_nodal_pressure(b, pressure, error);
-    if (status == GNEISS_OK) status = number_rows(b, f->nodes.row, error);
-    if (status == GNEISS_OK) {
-        fill_nodes(b, (const double(*)[6])nodal, pressure, &f->nodes);
-        fill_elements(b, (const double(*)[6])element, f->nodes.row, &f->elements);
-    }
-    gn_free(element);
-    gn_free(nodal);
-    gn_free(pressure);
-    if (status != GNEISS_OK) free_fields(f);
-    return status;
+static gn_output_source elements_source(const view *v) {
+    return (gn_output_source){&gn_element_outputs, v, 0, v->body->elements.soa.count,
+                              v->body->elements.id};
 }
 
 /* --- files --- */
 
-gneiss_status gn_elements_snapshot(const gn_world *w, const char *directory, const char *name,
-                                   gneiss_error *error) {
-    if (!w->elements) return GNEISS_OK;
-    const gn_fem_body *b = &w->elements->body;
-    fields f;
-    GN_TRY(make_fields(b, &f, error));
-    const gn_snapshot_array points[] = {
-        {"id", "1", 1, f.nodes.id},
-        {"displacement", "m", 3, f.nodes.displacement},
-        {"velocity", "m/s", 3, f.nodes.velocity},
-        {"stress", "Pa", 6, f.nodes.stress},
-        {"pressure", "Pa", 1, f.nodes.pressure},
-    };
-    const gn_snapshot_array cells[] = {
-        {"stress", "Pa", 6, f.elements.stress},
-        {"von_mises", "Pa", 1, f.elements.mises},
-        {"principal_stress", "Pa", 3, f.elements.principal},
-        {"pressure", "Pa", 1, f.elements.pressure},
-        {"material", "1", 1, f.elements.material},
-        {"volume_ratio", "1", 1, f.elements.ratio},
-    };
+/* Rows of the nodes, [elements][dimension + 1]; NULL: no memory. */
+static int32_t *corners_of(const view *v) {
+    const gn_elements *q = &v->body->elements;
+    const size_t corners = (size_t)v->body->dimension + 1;
+    int32_t *node = gn_alloc_array(q->soa.count + 1, corners * sizeof *node);
+    for (size_t e = 0; node && e < q->soa.count; e++)
+        for (size_t a = 0; a < corners; a++)
+            node[corners * (size_t)q->id[e] + a] = v->node_row[gn_elements_node(q, (int)a)[e]];
+    return node;
+}
+
+/* Positions in the order of the files; NULL: no memory. */
+static double *places_of(const view *v) {
+    double *place = gn_alloc_array(v->body->nodes.soa.count + 1, 3 * sizeof *place);
+    for (size_t n = 0; place && n < v->body->nodes.soa.count; n++)
+        read_position(v, n, place + 3 * (size_t)v->node_row[n]);
+    return place;
+}
+
+static gneiss_status write_snapshot(const gn_world *w, const view *v, const char *directory,
+                                    const char *name, gneiss_error *error) {
+    const gn_output_source nodes = nodes_source(v), elements = elements_source(v);
+    gn_output_arrays points = {0}, cells = {0};
+    int32_t *corners = corners_of(v);
+    double *places = places_of(v);
+    gneiss_status status = GNEISS_OK;
+    if (!corners || !places)
+        status = gn_fail(error, GNEISS_ERROR_MEMORY, "no memory for the output of elements");
+    if (status == GNEISS_OK) status = gn_output_arrays_read(&nodes, &points, error);
+    if (status == GNEISS_OK) status = gn_output_arrays_read(&elements, &cells, error);
     const gn_snapshot s = {.bad = w->bad,
                            .time = w->time,
                            .step = w->step,
-                           .point_count = f.nodes.count,
-                           .points = f.nodes.position,
-                           .line_count = f.elements.count,
-                           .lines = f.elements.node,
-                           .line_points = (size_t)b->dimension + 1,
-                           .point_array_count = sizeof points / sizeof *points,
-                           .line_array_count = sizeof cells / sizeof *cells,
-                           .point_arrays = points,
-                           .line_arrays = cells};
-    gneiss_status status = gn_snapshot_write(directory, name, &s, error);
-    free_fields(&f);
+                           .point_count = nodes.count,
+                           .points = places,
+                           .line_count = elements.count,
+                           .lines = corners,
+                           .line_points = (size_t)v->body->dimension + 1,
+                           .point_array_count = points.count,
+                           .line_array_count = cells.count,
+                           .point_arrays = points.of,
+                           .line_arrays = cells.of};
+    if (status == GNEISS_OK) status = gn_snapshot_write(directory, name, &s, error);
+    gn_output_arrays_free(&points);
+    gn_output_arrays_free(&cells);
+    gn_free(corners);
+    gn_free(places);
     return status;
 }
 
-typedef struct data_set {
-    const char *name, *unit, *text;
-    size_t rows, components;
-    const double *data;
-} data_set;
+gneiss_status gn_elements_snapshot(const gn_world *w, const char *directory, const char *name,
+                                   gneiss_error *error) {
+    if (!w->elements) return GNEISS_OK;
+    view v;
+    GN_TRY(make_view(&w->elements->body, &v, error));
+    gneiss_status status = write_snapshot(w, &v, directory, name, error);
+    free_view(&v);
+    return status;
+}
 
-static gneiss_status put_fields(const gn_fem_body *b, const fields *f, gn_h5 *file,
-                                gneiss_error *error) {
-    const node_fields *n = &f->nodes;
-    const element_fields *e = &f->elements;
-    const data_set all[] = {
-        {"nodes/id", "1", "place in the mesh, base 0", n->count, 1, n->id},
-        {"nodes/position", "m", "place", n->count, 3, n->position},
-        {"nodes/displacement", "m", "from the start", n->count, 3, n->displacement},
-        {"nodes/velocity", "m/s", "velocity", n->count, 3, n->velocity},
-        {"nodes/stress", "Pa",
-         "xx yy zz xy yz xz, tension positive; mean over the elements at the node by volume",
-         n->count, 6, n->stress},
-        {"nodes/pressure", "Pa",
-         "compression positive; that of the nodes' stress, in the mixed form the node's own",
-         n->count, 1, n->pressure},
-        {"elements/stress", "Pa", "xx yy zz xy yz xz, tension positive", e->count, 6, e->stress},
-        {"elements/von_mises", "Pa", "von Mises' equivalent stress", e->count, 1, e->mises},
-        {"elements/principal_stress", "Pa", "principal stresses, the largest first", e->count, 3,
-         e->principal},
-        {"elements/pressure", "Pa", "compression positive", e->count, 1, e->pressure},
-        {"elements/volume_ratio", "1", "volume over that at the start", e->count, 1, e->ratio},
-    };
-    for (size_t k = 0; k < sizeof all / sizeof *all; k++)
-        GN_TRY(gn_h5_put(file, all[k].name, GN_F64, all[k].rows, all[k].components, 0, all[k].data,
-                         all[k].unit, all[k].text, error));
-    int32_t *material = gn_alloc_array(e->count + 1, sizeof *material);
-    if (!material) return gn_fail(error, GNEISS_ERROR_MEMORY, "no memory for the output");
-    for (size_t k = 0; k < e->count; k++) material[k] = (int32_t)e->material[k];
-    gneiss_status status = gn_h5_put(file, "elements/material", GN_I32, e->count, 1, 0, material,
-                                     "1", "place in elements.materials, base 0", error);
-    gn_free(material);
-    GN_TRY(status);
-    return gn_h5_put(file, "elements/node", GN_I32, e->count, (size_t)b->dimension + 1, 0, e->node,
-                     "1", "rows of /nodes, base 0", error);
+static gneiss_status put_view(const view *v, gn_h5 *file, gneiss_error *error) {
+    const gn_output_source nodes = nodes_source(v), elements = elements_source(v);
+    GN_TRY(gn_output_put(&nodes, file, error));
+    GN_TRY(gn_output_put(&elements, file, error));
+    int32_t *corners = corners_of(v);
+    if (!corners) return gn_fail(error, GNEISS_ERROR_MEMORY, "no memory for the output");
+    gneiss_status status =
+        gn_h5_put(file, "elements/node", GN_I32, elements.count, (size_t)v->body->dimension + 1, 0,
+                  corners, "1", "rows of /nodes, base 0", error);
+    gn_free(corners);
+    return status;
 }
 
 gneiss_status gn_elements_results(const gn_world *w, gn_h5 *file, gneiss_error *error) {
     if (!w->elements) return GNEISS_OK;
-    fields f;
-    GN_TRY(make_fields(&w->elements->body, &f, error));
-    gneiss_status status = put_fields(&w->elements->body, &f, file, error);
-    free_fields(&f);
+    view v;
+    GN_TRY(make_view(&w->elements->body, &v, error));
+    gneiss_status status = put_view(&v, file, error);
+    free_view(&v);
     for (size_t k = 0; status == GNEISS_OK && k < w->scene.elements.motion_count; k++) {
         double value[3];
         char path[160];

@@ -10,7 +10,8 @@
 
 /* A scalar of item k of the view v; the world is w. */
 #define READ(name, expression)                                                                     \
-    static void read_##name(const gn_output_view *v, size_t k, double *value) {                    \
+    static void read_##name(const void *view, size_t k, double *value) {                           \
+        const gn_output_view *v = view;                                                            \
         const gn_world *w = v->world;                                                              \
         (void)w;                                                                                   \
         *value = (expression);                                                                     \
@@ -25,27 +26,32 @@ READ(coordination, v->coordination[k])
 READ(bonds_at_start, w->dem.particles.bonds0 ? w->dem.particles.bonds0[k] : 0)
 READ(removed, w->dem.particles.vel[4 * k + 3] == 0.0)
 
-static void read_position(const gn_output_view *v, size_t k, double *value) {
-    gn_world_point_out(v->world, v->world->dem.particles.pos + 4 * k, value);
+static const gn_world *world_of(const void *view) {
+    return ((const gn_output_view *)view)->world;
 }
-static void read_displacement(const gn_output_view *v, size_t k, double *value) {
-    const gn_particles *q = &v->world->dem.particles;
+
+static void read_position(const void *view, size_t k, double *value) {
+    const gn_world *w = world_of(view);
+    gn_world_point_out(w, w->dem.particles.pos + 4 * k, value);
+}
+static void read_displacement(const void *view, size_t k, double *value) {
+    const gn_particles *q = &world_of(view)->dem.particles;
     for (size_t a = 0; a < 3; a++) value[a] = q->pos[4 * k + a] - q->start[4 * k + a];
 }
-static void read_velocity(const gn_output_view *v, size_t k, double *value) {
-    memcpy(value, v->world->dem.particles.vel + 4 * k, 3 * sizeof *value);
+static void read_velocity(const void *view, size_t k, double *value) {
+    memcpy(value, world_of(view)->dem.particles.vel + 4 * k, 3 * sizeof *value);
 }
-static void read_spin(const gn_output_view *v, size_t k, double *value) {
-    const double *spin = v->world->dem.particles.spin;
+static void read_spin(const void *view, size_t k, double *value) {
+    const double *spin = world_of(view)->dem.particles.spin;
     for (size_t a = 0; a < 3; a++) value[a] = spin ? spin[4 * k + a] : 0.0;
 }
 /* Of a quaternion and its opposite, which are the same turn, the shorter way round. */
-static void read_orientation(const gn_output_view *v, size_t k, double *value) {
-    const double *turn = v->world->dem.particles.orientation + 4 * k;
+static void read_orientation(const void *view, size_t k, double *value) {
+    const double *turn = world_of(view)->dem.particles.orientation + 4 * k;
     for (int a = 0; a < 4; a++) value[a] = turn[0] < 0.0 ? -turn[a] : turn[a];
 }
-static void read_stress(const gn_output_view *v, size_t k, double *value) {
-    memcpy(value, v->stress + 6 * k, 6 * sizeof *value);
+static void read_stress(const void *view, size_t k, double *value) {
+    memcpy(value, ((const gn_output_view *)view)->stress + 6 * k, 6 * sizeof *value);
 }
 
 enum { BOTH = GN_IN_RESULTS | GN_IN_SNAPSHOT };
@@ -128,12 +134,12 @@ READ(shear_force, shear_of(v, k))
 READ(criterion, criterion_of(v, k))
 
 /* On the end with the smaller id, which comes first. */
-static void read_force(const gn_output_view *v, size_t c, double *value) {
-    const gn_world *w = v->world;
+static void read_force(const void *view, size_t c, double *value) {
+    const gn_world *w = world_of(view);
     double turn = w->dem.particles.id[w->dem.bonds.i[c]] < w->dem.particles.id[w->dem.bonds.j[c]]
                       ? 1.0
                       : -1.0;
-    force_on_first(v, c, value);
+    force_on_first(view, c, value);
     for (int a = 0; a < 3; a++) value[a] *= turn;
 }
 
@@ -158,8 +164,8 @@ static const gn_output_field of_bonds[] = {
 _Static_assert(COUNT(of_particles) <= GN_OUTPUT_FIELDS_MOST &&
                    COUNT(of_bonds) <= GN_OUTPUT_FIELDS_MOST,
                "room for the arrays of a snapshot");
-const gn_output_table gn_particle_outputs = {of_particles, COUNT(of_particles)},
-                      gn_bond_outputs = {of_bonds, COUNT(of_bonds)};
+const gn_output_table gn_particle_outputs = {"particles", of_particles, COUNT(of_particles)},
+                      gn_bond_outputs = {"bonds", of_bonds, COUNT(of_bonds)};
 
 /* --- what takes more than one particle --- */
 

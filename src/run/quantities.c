@@ -1,6 +1,6 @@
 #include "run/quantities.h"
 
-#include "run/record_parts.h"
+#include "run/ends.h"
 
 #include <string.h>
 
@@ -61,11 +61,11 @@ static const gn_condition always = {"always", NULL}, tests = {"with a test", has
 READ(step, (double)w->step)
 READ(time, w->time)
 
-READ(deflection, gn_record_deflection(w))
-READ(test_strain, gn_record_deflection(w) / w->test_length)
+READ(deflection, gn_ends_deflection(w))
+READ(test_strain, gn_ends_deflection(w) / w->test_length)
 static double end_stress(const gn_world *w, bool upper_end) {
     double lower, upper;
-    gn_record_end_forces(w, &lower, &upper);
+    gn_ends_forces(w, &lower, &upper);
     return (upper_end ? upper : lower) / w->test_area;
 }
 READ(test_lower, end_stress(w, false))
@@ -74,7 +74,7 @@ READ(test_stress, 0.5 * (end_stress(w, false) + end_stress(w, true)))
 static void read_test_force(const gn_world *w, size_t k, double *value) {
     double lower, upper;
     (void)k;
-    gn_record_end_forces(w, &lower, &upper);
+    gn_ends_forces(w, &lower, &upper);
     *value = 0.5 * (lower + upper);
 }
 

@@ -50,7 +50,7 @@ gneiss_status gn_run_create(gn_scene *scene, gn_run *run, gneiss_error *error) {
     run->bad_since = -1;
     double start = gn_now();
     GN_TRY(gn_world_create(scene, &run->world, error));
-    gneiss_status status = gn_record_create(&run->world, &run->history, error);
+    gneiss_status status = gn_history_begin(&run->world, &run->history, error);
     if (status != GNEISS_OK) {
         gn_run_free(run);
         return status;
@@ -292,7 +292,7 @@ static gneiss_status one_step(gn_run *run, gneiss_error *error) {
         GN_TRY(gn_run_rescue(run, true, status, error));
     }
     if (w->step % run->history_interval == 0) {
-        GN_TRY(gn_record_step(w, &run->history, error));
+        GN_TRY(gn_history_step(w, &run->history, error));
         GN_TRY(gn_run_check_ledger(run, error));
         check_stop_conditions(run);
     } else {

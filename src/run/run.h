@@ -4,7 +4,7 @@
 
 #include "base/version.h"
 #include "io/snapshot.h"
-#include "run/record.h"
+#include "run/history_rows.h"
 
 #include <signal.h>
 

@@ -63,7 +63,7 @@ static void warn_of_residual(const gn_run *run, gn_warnings *list) {
 static const double imbalance_limit = 0.1;
 
 static void warn_of_balance(const gn_run *run, gn_warnings *list) {
-    gn_readings r = gn_record_readings(&run->world, &run->history);
+    gn_readings r = gn_history_readings(&run->world, &run->history);
     if (!(r.end_imbalance > imbalance_limit)) return;
     gn_warning *to = &list->warning[list->count++];
     to->name = "end_imbalance";

@@ -2,7 +2,7 @@
 #include "scene/manifest_keys.h"
 
 static const gn_choice formulations[] = {
-    {"displacement", GN_FORMULATION_DISPLACEMENT}, {"mixed", GN_FORMULATION_MIXED}, {NULL, 0}};
+    {"displacement", GN_FORMULATION_DISPLACEMENT}, {"mixed", GN_FORMULATION_PRESSURE}, {NULL, 0}};
 
 /* ---- meshes ---- */
 

@@ -323,7 +323,7 @@ typedef struct gn_beam_def {
     double origin[3];                 /* m, lower corner */
 } gn_beam_def;
 
-typedef enum gn_formulation { GN_FORMULATION_DISPLACEMENT, GN_FORMULATION_MIXED } gn_formulation;
+typedef enum gn_formulation { GN_FORMULATION_DISPLACEMENT, GN_FORMULATION_PRESSURE } gn_formulation;
 
 /* How particles meet the surface of finite elements. */
 typedef struct gn_element_contact_def {

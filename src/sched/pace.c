@@ -13,6 +13,19 @@ static void lengthen(gn_pace *p) {
 /* A thread waits a little in the best of worlds: shares are never quite equal. */
 static const double waiting_enough = 0.3;
 
+/* A trial of all threads that has already cost twice what all its rounds would by one: on a busy
+ * machine a single round may take as long as a hundred. */
+static bool is_lost(const gn_pace *p) {
+    return p->one && p->seconds > 2.0 * p->cost * p->work / p->rounds * p->trial;
+}
+
+/* While threads wait much, one alone is tried again once sixteen such trials would have fitted in:
+ * the last may have met with bad luck, and all threads can be a hundred times as slow. */
+static bool is_long(const gn_pace *p) {
+    return !p->one && p->alone > 0.0 && p->rounds >= p->shortest &&
+           p->waiting > waiting_enough * p->rounds && p->seconds > 16.0 * p->alone;
+}
+
 void gn_pace_note(gn_pace *p, double seconds, double work, double waiting) {
     if (p->all < 2) return;
     p->seconds += seconds;
@@ -20,14 +33,15 @@ void gn_pace_note(gn_pace *p, double seconds, double work, double waiting) {
     p->waiting += waiting;
     p->rounds++;
     if (!p->trying) {
-        if (p->rounds < p->interval) return;
-        bool idle = p->waiting > waiting_enough * p->rounds;
+        if (p->rounds < p->interval && !is_long(p)) return;
+        bool known = p->waiting >= 0.0, idle = !known || p->waiting > waiting_enough * p->rounds;
         p->cost = p->seconds / p->work;
         if (!p->one && !idle) lengthen(p);
         begin_period(p, p->one || idle);
         return;
     }
-    if (p->rounds < p->trial) return;
+    if (p->rounds < p->trial && !is_lost(p)) return;
+    if (!p->one) p->alone = p->seconds;
     if (p->seconds / p->work < p->cost) {
         p->one = !p->one;
         p->interval = p->shortest;

@@ -16,6 +16,7 @@ typedef struct gn_pace {
     int rounds, interval;          /* of the present period: done, and its length */
     double seconds, work, waiting; /* sums over its rounds */
     double cost;                   /* s per work of the last period that was no trial */
+    double alone;                  /* s, of the last trial of one thread; 0: none yet */
 } gn_pace;
 
 static inline gn_pace gn_pace_start(int all, int trial, int shortest, int longest) {
@@ -29,7 +30,7 @@ static inline int gn_pace_threads(const gn_pace *pace) {
 }
 
 /* After a round: its wall time, how much work it was (any unit), and which part of the threads'
- * time was spent waiting (1 when not known). Trials of one thread are left out while all wait
+ * time was spent waiting (< 0: not known). Trials of one thread are left out while all wait
  * little. */
 void gn_pace_note(gn_pace *pace, double seconds, double work, double waiting);
 

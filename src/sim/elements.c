@@ -111,8 +111,8 @@ static gneiss_status make_body(gn_world *w, gn_mesh *mesh, gneiss_error *error) 
     gn_fem_spec spec = {
         .name = mesh_name(e),
         .dimension = (int)w->scene.dimension,
-        .form = e->formulation == GN_FORMULATION_MIXED ? GN_FEM_MIXED : GN_FEM_DISPLACEMENT,
-        .single = w->effects & GN_FX_MIXED && e->formulation != GN_FORMULATION_MIXED,
+        .form = e->formulation == GN_FORMULATION_PRESSURE ? GN_FEM_PRESSURE : GN_FEM_DISPLACEMENT,
+        .single = w->effects & GN_FX_MIXED && e->formulation != GN_FORMULATION_PRESSURE,
         .materials = materials,
         .material_count = e->material_count,
         .damping =

@@ -1,5 +1,5 @@
 /* The world owns everything of a running model. Flow: gn_world_create (scene -> particles, bonds,
- * lists, step), gn_world_step (one step), readers (record.h, output.h), gn_world_free. */
+ * lists, step), gn_world_step (one step), gn_world_free. Readers are in src/run. */
 #ifndef GN_SIM_WORLD_H
 #define GN_SIM_WORLD_H
 

@@ -1,4 +1,4 @@
-"""What the sections of docs/validation.md share: tables, pictures, versions, and sections kept between runs."""
+"""What the sections of docs/evidence/validation.md share: tables, pictures, versions, and sections kept between runs."""
 import datetime
 import os
 import platform
@@ -11,7 +11,7 @@ import jobs
 import own
 import study
 
-PICTURES = study.ROOT / "docs" / "pictures"
+PICTURES = study.ROOT / "docs" / "evidence" / "pictures"
 SECTIONS = jobs.RUNS / "sections"
 
 

@@ -15,7 +15,7 @@ ROJEK = """## Five parameter models (Rojek et al. 2012)
 
 `scenes/ucs-rock.yaml` with each model on rock-a (as many spheres as the published specimen, but fewer bonds per particle, n_c; published
 11.89) and rock-c (wide sizes). Published numbers are of another packing: what can be compared is the order and the ratios. Levels of E and nu
-follow n_c: the rows with bonds over wider gaps bring rock-a to the published number of bonds; `docs/models.md` has more experiments.
+follow n_c: the rows with bonds over wider gaps bring rock-a to the published number of bonds; [models.md](models.md) has more experiments.
 """
 WIDE = {"bonds.interaction_range": 0.295}  # until rock-a has the published number of bonds
 

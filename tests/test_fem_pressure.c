@@ -1,5 +1,5 @@
-/* The mixed form of finite elements where the displacement form locks: nearly incompressible bodies
- * at rest, and what the form does by itself. */
+/* The pressure form of finite elements where the displacement form locks: nearly incompressible
+ * bodies at rest, and what the form does by itself. */
 #include "cook.h"
 
 static double deflection(gn_fem_form form, cook_cut cut, int cells) {
@@ -18,15 +18,15 @@ static double limit_of(const double d[3]) {
 
 /* The corner where the clamped side meets the upper one is singular, so that convergence is of
  * about first order, and extrapolation takes most of that out. The reference is that of quadratic
- * elements (docs/fem.md). With 24 cells the three are 2.4, 4.6 and 1.8 % below it, their limits
- * within 0.06, 1.2 and 0.15 %; the second, whose meshes are the stiffest, is the slowest to settle:
- * within 0.2 % from 8, 16 and 32 cells. */
+ * elements (docs/evidence/fem.md). With 24 cells the three are 2.4, 4.6 and 1.8 % below it, their
+ * limits within 0.06, 1.2 and 0.15 %; the second, whose meshes are the stiffest, is the slowest to
+ * settle: within 0.2 % from 8, 16 and 32 cells. */
 static void mixed_form_converges_to_the_reference_on_any_cut_of_the_cells(void **state) {
     (void)state;
     const double reference = 8.07605, near[3] = {0.005, 0.02, 0.005};
     for (int cut = 0; cut < 3; cut++) {
         double d[3], limit;
-        for (int k = 0; k < 3; k++) d[k] = deflection(GN_FEM_MIXED, (cook_cut)cut, 6 << k);
+        for (int k = 0; k < 3; k++) d[k] = deflection(GN_FEM_PRESSURE, (cook_cut)cut, 6 << k);
         limit = limit_of(d);
         print_message("# cut %d: %.4f %.4f %.4f, limit %.3f\n", cut, d[0], d[1], d[2], limit);
         assert_true(d[0] < d[1] && d[1] < d[2] && d[2] < reference);
@@ -40,8 +40,8 @@ static void displacement_form_locks(void **state) {
     (void)state;
     double coarse = deflection(GN_FEM_DISPLACEMENT, COOK_RISING, 8),
            fine = deflection(GN_FEM_DISPLACEMENT, COOK_RISING, 16),
-           mixed = deflection(GN_FEM_MIXED, COOK_RISING, 16);
-    print_message("# displacement form %.3f, %.3f; mixed form %.3f\n", coarse, fine, mixed);
+           mixed = deflection(GN_FEM_PRESSURE, COOK_RISING, 16);
+    print_message("# displacement form %.3f, %.3f; pressure form %.3f\n", coarse, fine, mixed);
     assert_true(fine < 0.35 * mixed);          /* far off ... */
     assert_true(fine - coarse < 0.01 * mixed); /* ... and refinement does not help */
 }
@@ -58,7 +58,8 @@ static void pressures_have_no_checkerboard(void **state) {
             free(p);
             body_end(body);
         }
-        print_message("# cut %d: displacement form %.2g, mixed form %.2g\n", cut, part[0], part[1]);
+        print_message("# cut %d: displacement form %.2g, pressure form %.2g\n", cut, part[0],
+                      part[1]);
         assert_true(part[1] < 0.01);
         assert_true(part[1] < 0.2 * part[0]);
     }
@@ -69,7 +70,7 @@ static void pressures_have_no_checkerboard(void **state) {
 static void a_sudden_load_makes_no_checkerboard_either(void **state) {
     (void)state;
     for (int cut = 0; cut < 3; cut++) {
-        const cook c = {GN_FEM_MIXED, (cook_cut)cut, 0.4999, 16};
+        const cook c = {GN_FEM_PRESSURE, (cook_cut)cut, 0.4999, 16};
         gn_fem_body *body = cook_body(&c);
         const double dt = 0.95 * fem_limits(body).sharp;
         double worst = 0.0;
@@ -99,7 +100,7 @@ static void the_sharp_limit_holds_when_nearly_incompressible(void **state) {
         gn_fem_material m = rock;
         m.poisson = 0.4999;
         gn_fem_spec spec = spec_of(d, &m);
-        spec.form = GN_FEM_MIXED;
+        spec.form = GN_FEM_PRESSURE;
         gn_fem_body *body = body_of(&spec, mesh_of(size, cells, 0.15));
         double dt = (above ? 1.02 : 0.99) * fem_limits(body).sharp, most = 0.0;
         uint64_t at = 3;
@@ -119,7 +120,7 @@ static void the_sharp_limit_holds_when_nearly_incompressible(void **state) {
  * half is lost: a check of the ledger with the damping of the stabilising pressure in it. */
 static void ledger_closes_on_the_way_to_rest(void **state) {
     (void)state;
-    const cook c = {GN_FEM_MIXED, COOK_CHESS, 0.4999, 8};
+    const cook c = {GN_FEM_PRESSURE, COOK_CHESS, 0.4999, 8};
     gn_fem_body *body = cook_at_rest(&c);
     fem_step(body, body->dt_past, true);
     const gn_fem_energy *e = &body->reading;
@@ -195,14 +196,14 @@ static double sinking(gn_fem_form form, int cells) {
 static void a_pressed_block_converges_in_the_mixed_form(void **state) {
     (void)state;
     double mixed[3], plain = sinking(GN_FEM_DISPLACEMENT, 8);
-    for (int k = 0; k < 3; k++) mixed[k] = sinking(GN_FEM_MIXED, 4 << k);
-    print_message("# displacement form 8 cells %.4f; mixed form %.4f %.4f %.4f\n", plain, mixed[0],
-                  mixed[1], mixed[2]);
+    for (int k = 0; k < 3; k++) mixed[k] = sinking(GN_FEM_PRESSURE, 4 << k);
+    print_message("# displacement form 8 cells %.4f; pressure form %.4f %.4f %.4f\n", plain,
+                  mixed[0], mixed[1], mixed[2]);
     double error = fabs(mixed[2] - mixed[1]);
     assert_true(error < 0.5 * fabs(mixed[1] - mixed[0]));
     assert_true(error < 0.02 * mixed[2]);
     /* Five tetrahedra in a cube lock less than most meshes, but they do: on the same mesh. The
-     * mixed form's own error there is about `error` (measured 1.3 %, the difference 7.4 %). */
+     * pressure form's own error there is about `error` (measured 1.3 %, the difference 7.4 %). */
     assert_true(mixed[1] - plain > 4.0 * error);
 }
 

@@ -1,17 +1,17 @@
 /* What is read off the world while it runs: history rows and final readings. */
-#ifndef GN_RUN_RECORD_H
-#define GN_RUN_RECORD_H
+#ifndef GN_RUN_HISTORY_ROWS_H
+#define GN_RUN_HISTORY_ROWS_H
 
 #include "sim/world.h"
 
 /* Creates the columns that the scene has (docs/results.md). */
-gneiss_status gn_record_create(const gn_world *world, gn_history *history, gneiss_error *error);
+gneiss_status gn_history_begin(const gn_world *world, gn_history *history, gneiss_error *error);
 
 /* Takes one step and appends the row of the instant at which it starts: positions are read before
  * the step, forces and energies after it. */
-gneiss_status gn_record_step(gn_world *world, gn_history *history, gneiss_error *error);
+gneiss_status gn_history_step(gn_world *world, gn_history *history, gneiss_error *error);
 
 /* Readings of the whole history. */
-gn_readings gn_record_readings(const gn_world *world, const gn_history *history);
+gn_readings gn_history_readings(const gn_world *world, const gn_history *history);
 
 #endif

@@ -1,4 +1,4 @@
-#include "run/record.h"
+#include "run/history_rows.h"
 
 #include "base/timer.h"
 #include "run/quantities.h"
@@ -28,7 +28,7 @@ static gneiss_status add_columns(const gn_world *w, const gn_quantity_place *at,
     return GNEISS_OK;
 }
 
-gneiss_status gn_record_create(const gn_world *w, gn_history *h, gneiss_error *error) {
+gneiss_status gn_history_begin(const gn_world *w, gn_history *h, gneiss_error *error) {
     gn_quantity_place at = {0};
     *h = (gn_history){0};
     while (gn_quantity_next(w, &at)) GN_TRY(add_columns(w, &at, h, error));
@@ -101,7 +101,7 @@ static gneiss_status check_row(const gn_history *h, const double *row, gneiss_er
     return GNEISS_OK;
 }
 
-gneiss_status gn_record_step(gn_world *w, gn_history *h, gneiss_error *error) {
+gneiss_status gn_history_step(gn_world *w, gn_history *h, gneiss_error *error) {
     double start = gn_now();
     double *row = calloc(h->column_count + 1, sizeof *row);
     if (!row) return gn_fail(error, GNEISS_ERROR_MEMORY, "no memory for a history row");
@@ -120,7 +120,7 @@ gneiss_status gn_record_step(gn_world *w, gn_history *h, gneiss_error *error) {
     return status;
 }
 
-gn_readings gn_record_readings(const gn_world *w, const gn_history *h) {
+gn_readings gn_history_readings(const gn_world *w, const gn_history *h) {
     const gn_test *t = &w->scene.test;
     gn_readings r;
     gn_tested tested = {.dimension = (int)w->scene.dimension,

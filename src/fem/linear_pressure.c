@@ -1,4 +1,4 @@
-/* The mixed form linearised at the start: of the displacements u and the stabilising pressure q,
+/* The pressure form linearised at the start: of the displacements u and the stabilising pressure q,
  *   u'' = -M^-1 (K_dev u + C p),   q'' = w^2 (p - q),   p = M_p^-1 (C^T u - S q),
  * which is -B^-1 A (u, q) with the energy A, u.K_dev u + p.M_p p + q.S q, and the inertia
  * B = diag(M, S/w^2): symmetric in the metric of B.
@@ -156,7 +156,7 @@ static void set_fields(const linear_system *y, const double *x) {
     for (size_t n = 0; n < nodes; n++) y->gradient[4 * n + 3] = x[nodes * d + n];
 }
 
-void gn_fem_linear_mixed(const void *system, const double *x, double *out) {
+void gn_fem_linear_pressure(const void *system, const double *x, double *out) {
     const linear_system *y = system;
     gn_fem_body *body = y->body;
     set_fields(y, x);

@@ -1,4 +1,4 @@
-/* The mixed form: pressures at nodes, stabilised by orthogonal sub-scales.
+/* The pressure form: pressures at nodes, stabilised by orthogonal sub-scales.
  *
  * The potential energy of a body whose nodes have grown by e = sum_e (V - V0)/(nodes of an element)
  * and whose stabilising pressure is q is that of the deviator plus
@@ -86,7 +86,7 @@ static gneiss_status choose_rate(gn_fem_body *body, gneiss_error *error) {
     return GNEISS_OK;
 }
 
-gneiss_status gn_fem_mixed_prepare(gn_fem_body *body, gneiss_error *error) {
+gneiss_status gn_fem_pressure_prepare(gn_fem_body *body, gneiss_error *error) {
     size_t rows = (size_t)body->partials.first[body->partials.blocks] + 1;
     body->dilation_kernel = body->kernels->dilation[body->dimension == 3];
     body->pressure_kernel = body->kernels->pressure;
@@ -113,7 +113,7 @@ static void copy_places(const gn_fem_body *body) {
 }
 
 void gn_fem_moved(gn_fem_body *body) {
-    if (body->form == GN_FEM_MIXED) copy_places(body);
+    if (body->form == GN_FEM_PRESSURE) copy_places(body);
     gn_particles_to_single(&body->nodes, body->nodes.start, body->threads);
 }
 

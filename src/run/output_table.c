@@ -1,0 +1,71 @@
+#include "run/output_table.h"
+
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+static bool there(const gn_output_source *s, const gn_output_field *f, int where) {
+    return f->where & where && (s->effects & f->needs) == f->needs;
+}
+
+/* [count][components], malloc'ed. */
+static gneiss_status read_field(const gn_output_source *s, const gn_output_field *f, double **data,
+                                gneiss_error *error) {
+    *data = calloc(s->count + 1, f->components * sizeof **data);
+    if (!*data)
+        return gn_fail(error, GNEISS_ERROR_MEMORY, "no memory for the output of %s/%s",
+                       s->table->group, f->name);
+    for (size_t k = 0; k < s->count; k++)
+        f->read(s->view, k, *data + f->components * (s->row ? (size_t)s->row[k] : k));
+    return GNEISS_OK;
+}
+
+/* Numbers of another type than double, in the place of the doubles. */
+static void narrow(void *data, gn_type type, size_t count) {
+    const double *from = data;
+    for (size_t k = 0; k < count; k++) {
+        double value = from[k];
+        if (type == GN_I32) memcpy((int32_t *)data + k, &(int32_t){(int32_t)value}, 4);
+        if (type == GN_U8) memcpy((uint8_t *)data + k, &(uint8_t){(uint8_t)value}, 1);
+    }
+}
+
+gneiss_status gn_output_put(const gn_output_source *s, gn_h5 *file, gneiss_error *error) {
+    for (size_t k = 0; k < s->table->count; k++) {
+        const gn_output_field *f = &s->table->fields[k];
+        char path[160];
+        double *data;
+        if (!there(s, f, GN_IN_RESULTS)) continue;
+        GN_TRY(read_field(s, f, &data, error));
+        narrow(data, f->type, s->count * f->components);
+        snprintf(path, sizeof path, "%s/%s", s->table->group, f->name);
+        bool demanded = gn_h5_demand_finite(file, false);
+        gn_h5_demand_finite(file, demanded && !f->may_be_nan);
+        gneiss_status status = gn_h5_put(file, path, f->type, s->count, f->components, 0, data,
+                                         f->unit, f->text, error);
+        gn_h5_demand_finite(file, demanded);
+        free(data);
+        GN_TRY(status);
+    }
+    return GNEISS_OK;
+}
+
+gneiss_status gn_output_arrays_read(const gn_output_source *s, gn_output_arrays *a,
+                                    gneiss_error *error) {
+    *a = (gn_output_arrays){0};
+    for (size_t k = 0; k < s->table->count; k++) {
+        const gn_output_field *f = &s->table->fields[k];
+        if (!there(s, f, GN_IN_SNAPSHOT)) continue;
+        double **data = &a->data[a->count];
+        gneiss_status status = read_field(s, f, data, error);
+        if (status != GNEISS_OK) gn_output_arrays_free(a);
+        GN_TRY(status);
+        a->of[a->count++] = (gn_snapshot_array){f->name, f->unit, f->components, *data};
+    }
+    return GNEISS_OK;
+}
+
+void gn_output_arrays_free(gn_output_arrays *a) {
+    for (size_t k = 0; k < a->count; k++) free(a->data[k]);
+    *a = (gn_output_arrays){0};
+}

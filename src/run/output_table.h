@@ -1,0 +1,56 @@
+/* What files show of every particle, bond, node, ...: a table of fields each, from which snapshots,
+ * results.h5 and docs/quantities.md follow. */
+#ifndef GN_RUN_OUTPUT_TABLE_H
+#define GN_RUN_OUTPUT_TABLE_H
+
+#include "base/effects.h"
+#include "io/h5.h"
+#include "io/snapshot.h"
+
+enum { GN_IN_RESULTS = 1, GN_IN_SNAPSHOT = 2 };
+
+typedef struct gn_output_field {
+    const char *name, *unit, *text;
+    int where;       /* GN_IN_RESULTS, GN_IN_SNAPSHOT */
+    gn_type type;    /* in results.h5; snapshots have doubles */
+    bool may_be_nan; /* says that there is none */
+    size_t components;
+    void (*read)(const void *view, size_t item, double *value);
+    gn_effects needs; /* there only with these effects; 0: always */
+} gn_output_field;
+
+typedef struct gn_output_table {
+    const char *group; /* in results.h5 */
+    const gn_output_field *fields;
+    size_t count;
+} gn_output_table;
+enum { GN_OUTPUT_FIELDS_MOST = 16 };
+
+extern const gn_output_table gn_particle_outputs, gn_bond_outputs; /* output_fields.c */
+extern const gn_output_table gn_node_outputs, gn_element_outputs;  /* output_elements.c */
+extern const gn_output_table gn_body_outputs, gn_vertex_outputs,
+    gn_facet_outputs; /* output_bodies.c */
+
+/* What the fields of a table are read from. */
+typedef struct gn_output_source {
+    const gn_output_table *table;
+    const void *view; /* that the table's functions know */
+    gn_effects effects;
+    size_t count;
+    const int32_t *row; /* [count] where an item stands; NULL: in its place */
+} gn_output_source;
+
+/* GROUP/<field> of results.h5. */
+gneiss_status gn_output_put(const gn_output_source *source, gn_h5 *file, gneiss_error *error);
+
+/* Fields as a snapshot has them. */
+typedef struct gn_output_arrays {
+    size_t count;
+    gn_snapshot_array of[GN_OUTPUT_FIELDS_MOST];
+    double *data[GN_OUTPUT_FIELDS_MOST];
+} gn_output_arrays;
+gneiss_status gn_output_arrays_read(const gn_output_source *source, gn_output_arrays *arrays,
+                                    gneiss_error *error);
+void gn_output_arrays_free(gn_output_arrays *arrays);
+
+#endif

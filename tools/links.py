@@ -1,0 +1,78 @@
+"""Holds the pages against what they lead to: `./do check links`.
+
+links.py [ROOT]: every relative link and picture of README.md, CONTRIBUTING.md and docs/ is there, with the heading that it
+names; every page and picture under docs/ that a source, a script or a page names is there, and every source that a page
+names; every picture is shown on a page. Prints file:line of whatever is not so.
+"""
+import re
+import sys
+from pathlib import Path
+
+LINK = re.compile(r"\]\(([^)\s]+)\)")
+NAMED = re.compile(r"(?<![\w./-])docs/[\w./-]+\.(?:md|png)\b")
+SOURCE = re.compile(r"(?<![\w./-])(?:src|include|tests|bench|validate|tools|scenes|examples)/[\w./-]+\.(?:c|h|cpp|py|yaml|txt|sh|json|build)\b")
+FOLDERS = ("docs", "scenes", "include", "src", "tests", "bench", "validate", "tools", "examples")
+TEXTS = {".md", ".c", ".h", ".cc", ".cpp", ".py", ".sh", ".yaml", ".build", ""}
+
+
+def texts(root):
+    """Files of the project that may name a page."""
+    yield from (path for path in sorted(root.iterdir()) if path.is_file() and path.suffix in TEXTS)
+    for folder in FOLDERS:
+        yield from (path for path in sorted((root / folder).rglob("*")) if path.is_file() and path.suffix in TEXTS)
+
+
+def lines_outside_code(text):
+    fenced = False
+    for number, line in enumerate(text.splitlines(), 1):
+        if line.startswith("```"):
+            fenced = not fenced
+        elif not fenced and not line.startswith("    "):
+            yield number, line
+
+
+def headings(page):
+    """Names by which links reach the headings of a page: lower case, without punctuation, blanks as hyphens."""
+    titles = [line.lstrip("#").strip() for _, line in lines_outside_code(page.read_text()) if re.match(r"#+ ", line)]
+    return {re.sub(r"[^\w\- ]", "", title.lower()).replace(" ", "-") for title in titles}
+
+
+def check_links(page, root, shown):
+    for number, line in lines_outside_code(page.read_text()):
+        for link in LINK.findall(line):
+            if re.match(r"[a-z]+:", link):
+                continue
+            name, _, heading = link.partition("#")
+            target = (page.parent / name).resolve() if name else page
+            shown.add(target)
+            if not target.exists() or not target.is_relative_to(root):
+                yield f"{page.relative_to(root)}:{number}: {link} is not there"
+            elif heading and heading not in headings(target):
+                yield f"{page.relative_to(root)}:{number}: {link}: there is no such heading"
+
+
+def check_names(path, root):
+    is_page = path.suffix == ".md"
+    for number, line in enumerate(path.read_text(errors="replace").splitlines(), 1):
+        if is_page:
+            line = re.sub(r"\[[^]]*\]\([^)]*\)", "", line)
+        for name in NAMED.findall(line) + (SOURCE.findall(line) if is_page else []):
+            if not (root / name).exists():
+                yield f"{path.relative_to(root)}:{number}: {name} is not there"
+
+
+def main(root):
+    problems, shown = [], set()
+    for path in texts(root):
+        if path.suffix == ".md":
+            problems += check_links(path, root, shown)
+        problems += check_names(path, root)
+    for picture in sorted((root / "docs").rglob("*.png")):
+        if picture not in shown:
+            problems.append(f"{picture.relative_to(root)}: no page shows it")
+    print(*problems, sep="\n", end="\n" if problems else "")
+    return bool(problems)
+
+
+if __name__ == "__main__":
+    sys.exit(main(Path(sys.argv[1] if len(sys.argv) > 1 else Path(__file__).parent.parent).resolve()))
