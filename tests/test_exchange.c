@@ -93,7 +93,7 @@ static void tie_make(tie *t, gn_world *w) {
             t->id[t->count] = (int32_t)k;
             t->node[t->count++] = (int32_t)n;
         }
-    if (gn_exchange_add(w, (gn_exchange){t, tie_mark, tie_act}, &error) != GNEISS_OK)
+    if (gn_exchange_add(w, (gn_exchange){t, tie_mark, tie_act, NULL}, &error) != GNEISS_OK)
         fail_msg("%s", error.message);
 }
 
@@ -201,7 +201,8 @@ static void an_exchange_may_stop_the_run(void **state) {
     (void)state;
     gn_world *w = bodies(2, 4e-7, 1);
     gneiss_error error = {0};
-    assert_int_equal(gn_exchange_add(w, (gn_exchange){NULL, nothing, refuse}, &error), GNEISS_OK);
+    assert_int_equal(gn_exchange_add(w, (gn_exchange){NULL, nothing, refuse, NULL}, &error),
+                     GNEISS_OK);
     assert_int_equal(gn_world_step(w, false, &error), GNEISS_ERROR_UNSTABLE);
     assert_string_equal(error.message, "step 0: refused");
     world_end(w);

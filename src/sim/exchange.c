@@ -11,7 +11,15 @@ gneiss_status gn_exchange_add(gn_world *w, gn_exchange exchange, gneiss_error *e
     all[w->exchange_count++] = exchange;
     gn_free(w->exchange);
     w->exchange = all;
-    return gn_exchanges_mark(w, error);
+    gneiss_status status = w->dem.motion_sums ? gn_exchanges_mark(w, error) : GNEISS_OK;
+    if (status != GNEISS_OK) w->exchange_count--;
+    return status;
+}
+
+void gn_exchanges_free(gn_world *w) {
+    for (size_t k = 0; k < w->exchange_count; k++)
+        if (w->exchange[k].end) w->exchange[k].end(w->exchange[k].context);
+    gn_free(w->exchange);
 }
 
 gneiss_status gn_exchanges_mark(gn_world *w, gneiss_error *error) {

@@ -1,7 +1,8 @@
 /* The seam between force and motion. Blocks of particles and nodes that an exchange needs wait
  * until all forces of the instant are known; it adds to their loads (gn_hold_load), and they move.
  * All other blocks move as soon as their forces are done. Exchanges act in the order in which they
- * were added; they are not saved with the world. */
+ * were added; they are not saved with the world: what a scene asks for is added in
+ * gn_world_prepare, which resume calls as well. */
 #ifndef GN_SIM_EXCHANGE_H
 #define GN_SIM_EXCHANGE_H
 
@@ -17,9 +18,13 @@ typedef struct gn_exchange {
      * exchanges; gravity, applied forces and background damping join them in the motion. Velocities
      * are those of the last half step. */
     gneiss_status (*act)(void *context, gn_world *world, gneiss_error *error);
+    void (*end)(void *context); /* when the world is freed; NULL: nothing to do */
 } gn_exchange;
 
+/* On failure the context is still the caller's. Before there are lists nothing is marked yet. */
 gneiss_status gn_exchange_add(gn_world *world, gn_exchange exchange, gneiss_error *error);
+
+void gn_exchanges_free(gn_world *world);
 
 gneiss_status gn_exchanges_mark(gn_world *world, gneiss_error *error);
 gneiss_status gn_exchanges_act(gn_world *world, gneiss_error *error);

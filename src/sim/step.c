@@ -72,6 +72,15 @@ static double unbalanced_ratio(const gn_world *w, double resultant, double force
     return resultant / (double)particles / (force / contacts);
 }
 
+/* Bonds that are made beyond their strength break in the first evaluation: what contacts lose there
+ * was stored. */
+static void begin_ledger(gn_energy *e) {
+    e->stored_at_start = gn_energy_stored(e);
+#define X(name, text) e->stored_at_start += e->name;
+    GN_CONTACT_LOSSES(X)
+#undef X
+}
+
 /* First halves of the works close the interval that led here; the reading lies between the halves.
  */
 static void merge_before(gn_world *w, const gn_motion_sums *m, bool measure) {
@@ -99,9 +108,7 @@ static void merge_before(gn_world *w, const gn_motion_sums *m, bool measure) {
     e->elastic_normal = bonds.elastic_normal + pairs.elastic_normal;
     e->elastic_shear = bonds.elastic_shear + pairs.elastic_shear;
     e->elastic_wall = walls.elastic_normal;
-    /* Bonds that are made beyond their strength break in the first evaluation: what they release
-     * was stored. */
-    if (w->step == 0) e->stored_at_start = gn_energy_stored(e) + e->bond_breaking;
+    if (w->step == 0) begin_ledger(e);
     w->unbalanced = unbalanced_ratio(w, m->resultant, bonds.force + pairs.force,
                                      bonds.carrying + pairs.carrying);
     for (int k = 0; k < 9; k++)

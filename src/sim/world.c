@@ -5,6 +5,7 @@
 #include "base/point.h"
 #include "base/random.h"
 #include "base/timer.h"
+#include "sim/exchange.h"
 #include "sim/origin.h"
 #include "sim/parts.h"
 
@@ -375,7 +376,7 @@ void gn_world_free(gn_world *w) {
     for (size_t k = 0; k < sizeof blocks / sizeof *blocks; k++) gn_free(blocks[k]);
     gn_deal_free(&w->dem.deal);
     gn_hold_free(&w->dem.hold);
-    gn_free(w->exchange);
+    gn_exchanges_free(w);
     gn_scene_free(&w->scene);
     gn_scene_free(&w->given);
     memset(w, 0, sizeof *w);
