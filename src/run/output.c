@@ -120,8 +120,11 @@ gneiss_status gn_output_series(gn_run *run, gneiss_error *error) {
     gn_snapshot_times *times = &run->snapshot_times;
     if (run->world.scene.body_count)
         GN_TRY(gn_snapshot_series(run->directory, "bodies", run->world.step, times, error));
-    if (run->world.elements)
-        GN_TRY(gn_snapshot_series(run->directory, "elements", run->world.step, times, error));
+    for (size_t k = 0; k < run->world.element_count; k++) {
+        char name[GN_ELEMENT_PATH];
+        GN_TRY(gn_snapshot_series(run->directory, gn_elements_file(k, "elements", name),
+                                  run->world.step, times, error));
+    }
     if (!run->world.dem.particles.soa.count) return GNEISS_OK;
     GN_TRY(gn_snapshot_series(run->directory, "particles", run->world.step, times, error));
     if (!(run->world.effects & GN_FX_BONDS)) return GNEISS_OK;
@@ -349,9 +352,10 @@ static void summary_counts(const gn_world *w, size_t contacts, gn_json *j) {
         gn_json_integer(j, "bodies", (int64_t)w->scene.body_count);
         gn_json_integer(j, "facets", (int64_t)w->boundary.body_corner_count / w->scene.dimension);
     }
-    if (w->elements) {
-        gn_json_integer(j, "nodes", (int64_t)w->elements->body.nodes.soa.count);
-        gn_json_integer(j, "elements", (int64_t)w->elements->body.elements.soa.count);
+    if (w->element_count) {
+        gn_element_totals t = gn_elements_totals(w);
+        gn_json_integer(j, "nodes", (int64_t)t.nodes);
+        gn_json_integer(j, "elements", (int64_t)t.elements);
     }
     gn_json_end(j);
 }
@@ -379,7 +383,7 @@ static void summary_cost(const gn_run *run, gn_json *j) {
     gn_json_number(j, "particle_steps_per_second",
                    (double)w->dem.particles.soa.count * (double)w->step / p.seconds);
     gn_json_number(j, "contact_steps_per_second", (double)w->dem.contact_steps / p.seconds);
-    if (w->elements) gn_json_number(j, "element_steps_per_second", p.element_steps_per_second);
+    if (w->element_count) gn_json_number(j, "element_steps_per_second", p.element_steps_per_second);
     gn_json_integer(j, "threads", w->threads);
     gn_json_text(j, "isa", w->kernels->name);
     gn_json_text(j, "precision", w->effects & GN_FX_MIXED ? "mixed" : "double");

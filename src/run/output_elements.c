@@ -157,10 +157,22 @@ static gneiss_status make_fields(const gn_fem_body *b, fields *f, gneiss_error *
 
 /* --- files --- */
 
-gneiss_status gn_elements_snapshot(const gn_world *w, const char *directory, const char *name,
-                                   gneiss_error *error) {
-    if (!w->elements) return GNEISS_OK;
-    const gn_fem_body *b = &w->elements->body;
+const char *gn_elements_path(size_t body, const char *name, char path[GN_ELEMENT_PATH]) {
+    if (body)
+        snprintf(path, GN_ELEMENT_PATH, "elements_%zu/%s", body + 1, name);
+    else
+        snprintf(path, GN_ELEMENT_PATH, "%s", name);
+    return path;
+}
+
+const char *gn_elements_file(size_t body, const char *name, char file[GN_ELEMENT_PATH]) {
+    int length = snprintf(file, GN_ELEMENT_PATH, "%s", name);
+    if (body) snprintf(file + length, (size_t)(GN_ELEMENT_PATH - length), "_%zu", body + 1);
+    return file;
+}
+
+static gneiss_status write_snapshot(const gn_world *w, const gn_fem_body *b, const char *directory,
+                                    const char *name, gneiss_error *error) {
     fields f;
     GN_TRY(make_fields(b, &f, error));
     const gn_snapshot_array points[] = {
@@ -195,14 +207,24 @@ gneiss_status gn_elements_snapshot(const gn_world *w, const char *directory, con
     return status;
 }
 
+gneiss_status gn_elements_snapshot(const gn_world *w, const char *directory, const char *name,
+                                   gneiss_error *error) {
+    for (size_t k = 0; k < w->element_count; k++) {
+        char file[GN_ELEMENT_PATH];
+        GN_TRY(write_snapshot(w, &w->elements[k]->body, directory, gn_elements_file(k, name, file),
+                              error));
+    }
+    return GNEISS_OK;
+}
+
 typedef struct data_set {
     const char *name, *unit, *text;
     size_t rows, components;
     const double *data;
 } data_set;
 
-static gneiss_status put_fields(const gn_fem_body *b, const fields *f, gn_h5 *file,
-                                gneiss_error *error) {
+static gneiss_status put_fields(size_t body, const fields *f, gn_h5 *file, gneiss_error *error) {
+    char path[GN_ELEMENT_PATH];
     const node_fields *n = &f->nodes;
     const element_fields *e = &f->elements;
     const data_set all[] = {
@@ -224,38 +246,55 @@ static gneiss_status put_fields(const gn_fem_body *b, const fields *f, gn_h5 *fi
         {"elements/volume_ratio", "1", "volume over that at the start", e->count, 1, e->ratio},
     };
     for (size_t k = 0; k < sizeof all / sizeof *all; k++)
-        GN_TRY(gn_h5_put(file, all[k].name, GN_F64, all[k].rows, all[k].components, 0, all[k].data,
-                         all[k].unit, all[k].text, error));
+        GN_TRY(gn_h5_put(file, gn_elements_path(body, all[k].name, path), GN_F64, all[k].rows,
+                         all[k].components, 0, all[k].data, all[k].unit, all[k].text, error));
+    return GNEISS_OK;
+}
+
+/* What is numbers of things: materials and nodes. */
+static gneiss_status put_numbers(size_t body, const fields *f, const gn_fem_body *b, gn_h5 *file,
+                                 gneiss_error *error) {
+    const element_fields *e = &f->elements;
+    char path[GN_ELEMENT_PATH];
     int32_t *material = gn_alloc_array(e->count + 1, sizeof *material);
     if (!material) return gn_fail(error, GNEISS_ERROR_MEMORY, "no memory for the output");
     for (size_t k = 0; k < e->count; k++) material[k] = (int32_t)e->material[k];
-    gneiss_status status = gn_h5_put(file, "elements/material", GN_I32, e->count, 1, 0, material,
-                                     "1", "place in elements.materials, base 0", error);
+    gneiss_status status =
+        gn_h5_put(file, gn_elements_path(body, "elements/material", path), GN_I32, e->count, 1, 0,
+                  material, "1", "place in elements.materials, base 0", error);
     gn_free(material);
     GN_TRY(status);
-    return gn_h5_put(file, "elements/node", GN_I32, e->count, (size_t)b->dimension + 1, 0, e->node,
-                     "1", "rows of /nodes, base 0", error);
+    return gn_h5_put(file, gn_elements_path(body, "elements/node", path), GN_I32, e->count,
+                     (size_t)b->dimension + 1, 0, e->node, "1", "rows of /nodes, base 0", error);
+}
+
+static gneiss_status put_body(size_t body, const gn_fem_body *b, gn_h5 *file, gneiss_error *error) {
+    fields f;
+    GN_TRY(make_fields(b, &f, error));
+    gneiss_status status = put_fields(body, &f, file, error);
+    if (status == GNEISS_OK) status = put_numbers(body, &f, b, file, error);
+    free_fields(&f);
+    return status;
+}
+
+static gneiss_status put_motion(const gn_world *w, size_t k, gn_h5 *file, gneiss_error *error) {
+    double value[3];
+    char path[160];
+    const char *name = gn_elements_motion_name(w, k);
+    gn_elements_travel(w, k, value);
+    snprintf(path, sizeof path, "motions/%s/displacement", name);
+    GN_TRY(gn_h5_put(file, path, GN_F64, 3, 1, 0, value, "m", "mean displacement of the nodes",
+                     error));
+    if (!gn_elements_motion_drives(w, k)) return GNEISS_OK;
+    gn_elements_reaction(w, k, value);
+    snprintf(path, sizeof path, "motions/%s/reaction", name);
+    return gn_h5_put(file, path, GN_F64, 3, 1, 0, value, "N",
+                     "force that the prescribed motion supplied in the last step", error);
 }
 
 gneiss_status gn_elements_results(const gn_world *w, gn_h5 *file, gneiss_error *error) {
-    if (!w->elements) return GNEISS_OK;
-    fields f;
-    GN_TRY(make_fields(&w->elements->body, &f, error));
-    gneiss_status status = put_fields(&w->elements->body, &f, file, error);
-    free_fields(&f);
-    for (size_t k = 0; status == GNEISS_OK && k < w->scene.elements.motion_count; k++) {
-        double value[3];
-        char path[160];
-        const char *name = w->scene.elements.motions[k].name;
-        gn_elements_travel(w, k, value);
-        snprintf(path, sizeof path, "motions/%s/displacement", name);
-        status = gn_h5_put(file, path, GN_F64, 3, 1, 0, value, "m",
-                           "mean displacement of the nodes", error);
-        if (status != GNEISS_OK || w->elements->motion[k] < 0) continue;
-        gn_elements_reaction(w, k, value);
-        snprintf(path, sizeof path, "motions/%s/reaction", name);
-        status = gn_h5_put(file, path, GN_F64, 3, 1, 0, value, "N",
-                           "force that the prescribed motion supplied in the last step", error);
-    }
-    return status;
+    for (size_t k = 0; k < w->element_count; k++)
+        GN_TRY(put_body(k, &w->elements[k]->body, file, error));
+    for (size_t k = 0; k < gn_elements_motions(w); k++) GN_TRY(put_motion(w, k, file, error));
+    return GNEISS_OK;
 }

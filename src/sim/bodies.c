@@ -238,7 +238,8 @@ gneiss_status gn_bodies_create(gn_world *w, gneiss_error *error) {
 gneiss_status gn_bodies_surfaces(gn_world *w, gneiss_error *error) {
     size_t corners = (size_t)w->scene.dimension, vertex = 0, corner = 0;
     if (!(w->effects & GN_FX_FACETS)) return GNEISS_OK;
-    w->boundary.surfaces = gn_alloc_array(w->scene.body_count + 1, sizeof *w->boundary.surfaces);
+    w->boundary.surfaces =
+        gn_alloc_array(w->scene.body_count + w->element_count + 1, sizeof *w->boundary.surfaces);
     if (!w->boundary.surfaces) return gn_fail(error, GNEISS_ERROR_MEMORY, "no memory for surfaces");
     for (size_t k = 0; k < w->scene.body_count; k++) {
         const gn_body_def *def = &w->scene.bodies[k];
@@ -247,7 +248,6 @@ gneiss_status gn_bodies_surfaces(gn_world *w, gneiss_error *error) {
             (gn_facet_set){(int)corners, (size_t)w->boundary.body_shape[k][1],
                            w->boundary.body_corner + corner, w->boundary.body_vertex + 4 * vertex};
         s->body = (int32_t)k;
-        s->travel = &w->boundary.bodies[k].travel;
         s->first = (int32_t)(corner / corners);
         s->vertices = (size_t)w->boundary.body_shape[k][0];
         s->stiffness = def->stiffness;

@@ -95,14 +95,14 @@ static double limit_of(double rate) {
 static double partner_limit(const gn_world *w) {
     double bodies = limit_of(w->boundary.surface_rate);
     if (!(w->boundary.vertex_rate > 0.0)) return bodies;
-    double elements = gn_world_nonviscous_share(w) * w->elements->stable;
+    double elements = gn_world_nonviscous_share(w) * gn_elements_stable(w);
     return fmin(bodies, together(w, elements, limit_of(w->boundary.vertex_rate)));
 }
 
 /* Of all, from the limit of the particles alone; bodies and elements only meet particles. */
 static double all_together(const gn_world *w, double particles) {
     double share = gn_world_nonviscous_share(w);
-    double elements = w->elements ? share * w->elements->stable : (double)INFINITY;
+    double elements = share * gn_elements_stable(w);
     return fmin(together(w, share * particles, partner_limit(w)), elements);
 }
 
@@ -229,7 +229,8 @@ static gneiss_status usable_limit(const gn_world *w, double *limit, gneiss_error
 
 /* What sets the limit. */
 static const char *culprit(const gn_world *w, char *text, size_t size) {
-    if (gn_elements_lead(w)) return gn_elements_culprit(w, text, size);
+    const gn_element_model *lead = gn_elements_lead(w);
+    if (lead) return gn_elements_culprit(w, lead, text, size);
     int32_t id = w->scene.estimate == GN_STEP_BOUND ? w->dem.limit.bound_id : w->dem.limit.sharp_id;
     if (id >= 0)
         snprintf(text, size, "particle %d", id);
@@ -430,8 +431,7 @@ gneiss_status gn_world_check_step(gn_world *w, bool full, gneiss_error *error) {
     gneiss_status status = GNEISS_OK;
     if (w->scene.has_specimen) GN_TRY(gn_loose_find(w, error));
     if (w->scene.has_specimen) status = particle_limit(w, full, &due, error);
-    if (status == GNEISS_OK && w->elements)
-        status = gn_elements_limit(w, full, &elements_due, error);
+    if (status == GNEISS_OK) status = gn_elements_limit(w, full, &elements_due, error);
     if (status == GNEISS_OK && (due || elements_due)) {
         if (!w->scene.has_specimen) w->dem.stable = INFINITY;
         w->stable = all_together(w, w->dem.stable);
@@ -444,6 +444,18 @@ gneiss_status gn_world_check_step(gn_world *w, bool full, gneiss_error *error) {
     if (status == GNEISS_OK && full) status = check_anew(w, error);
     w->seconds[GN_PHASE_step_limit] += gn_now() - start;
     return status;
+}
+
+double gn_world_sharp_limit(const gn_world *w) {
+    double limit = w->scene.has_specimen ? w->dem.limit.sharp : INFINITY;
+    for (size_t k = 0; k < w->element_count; k++) limit = fmin(limit, w->elements[k]->limit.sharp);
+    return limit;
+}
+
+double gn_world_bound(const gn_world *w) {
+    double limit = w->scene.has_specimen ? w->dem.limit.bound : INFINITY;
+    for (size_t k = 0; k < w->element_count; k++) limit = fmin(limit, w->elements[k]->limit.bound);
+    return limit;
 }
 
 const char *gn_world_step_warning(const gn_world *w, char *text, size_t size) {

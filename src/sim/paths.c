@@ -73,13 +73,12 @@ gneiss_status gn_paths_check_spins(const gn_world *w, gneiss_error *error) {
 }
 
 gneiss_status gn_paths_check_nodes(const gn_world *w, gneiss_error *error) {
-    const gn_fem_body *b = &w->elements->body;
-    double speed2 = 0.0;
-    if (!w->elements->contact.force) return GNEISS_OK;
-    for (size_t k = 0; k < b->motion_blocks; k++) speed2 = fmax(speed2, b->motion_sums[k].speed2);
-    if (w->dt * sqrt(speed2) <= 0.5 * w->dem.radius_min) return GNEISS_OK;
+    double most = 0.0;
+    for (size_t k = 0; k < w->element_count; k++)
+        most = fmax(most, gn_element_contact_speed(w->elements[k]));
+    if (!(most > 0.0) || w->dt * most <= 0.5 * w->dem.radius_min) return GNEISS_OK;
     return gn_fail(error, GNEISS_ERROR_UNSTABLE,
                    "step %lld, t = %g s: elements: a node moved farther in one step than half the "
                    "smallest radius: %g m/s, smallest radius %g m; the step is %.3g s; %s",
-                   (long long)w->step, w->time, sqrt(speed2), w->dem.radius_min, w->dt, advice);
+                   (long long)w->step, w->time, most, w->dem.radius_min, w->dt, advice);
 }

@@ -186,16 +186,15 @@ static void find_forces(gn_world *w, const gn_motion_args *motion, bool measure)
     if (w->dem.particles.soa.count) gn_sweep(w, &bonds, &pairs, motion);
     gn_walls_sum(w);
     gn_surfaces_sum(w);
-    if (w->elements) gn_elements_forces(w, measure);
+    gn_elements_forces(w, measure);
 }
 
 /* Elements beside particles are no part of the specimen; alone they are it. */
 static void measure_elements(gn_world *w) {
-    const gn_element_model *q = w->elements;
     bool alone = !w->scene.has_specimen;
-    if (alone) memcpy(w->stress, q->stress, sizeof w->stress);
-    w->unbalanced = alone ? q->unbalanced : fmax(w->unbalanced, q->unbalanced);
-    gn_elements_book(w);
+    if (alone) gn_elements_stress(w, w->stress);
+    w->unbalanced = fmax(alone ? 0.0 : w->unbalanced, gn_elements_unbalanced(w));
+    gn_elements_book(w, &w->reading);
 }
 
 /* What waited, and what moves as a whole. */
@@ -215,7 +214,6 @@ static gneiss_status move(gn_world *w, const gn_motion_args *motion, bool measur
     GN_TRY(check_motion(w, &moved, error));
     GN_TRY(gn_paths_check(w, error));
     if (measure) GN_TRY(gn_paths_check_spins(w, error));
-    if (!w->elements) return GNEISS_OK;
     GN_TRY(gn_elements_move(w, measure, error));
     if (measure) measure_elements(w);
     return gn_paths_check_nodes(w, error);

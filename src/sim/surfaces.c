@@ -68,14 +68,14 @@ size_t gn_surfaces_near(const gn_world *w, size_t p, int32_t *found) {
 void gn_surfaces_refer(gn_world *w) {
     for (size_t k = 0; k < w->boundary.surface_count; k++) {
         gn_surface *s = &w->boundary.surfaces[k];
-        *s->travel = 0.0;
         if (s->body >= 0) {
             gn_rigid *b = &w->boundary.bodies[s->body];
+            b->travel = 0.0;
             memcpy(b->ref_position, b->position, sizeof b->position);
             memcpy(b->ref_axes, b->axes, sizeof b->axes);
         } else {
             gn_facet_tree_refit(&s->facets, &s->tree);
-            memcpy(s->ref, s->facets.pos, s->vertices * 4 * sizeof *s->ref);
+            gn_element_contact_refer(s->elements);
         }
     }
 }
@@ -90,24 +90,13 @@ static double body_travel(const gn_rigid *b) {
     return sqrt(d2) + sqrt(0.5 * f2) * b->reach;
 }
 
-static double vertex_travel(const gn_surface *s) {
-    double most = 0.0;
-    for (size_t v = 0; v < s->vertices; v++) {
-        double d2 = 0.0;
-        for (size_t a = 4 * v; a < 4 * v + 3; a++)
-            d2 += (s->facets.pos[a] - s->ref[a]) * (s->facets.pos[a] - s->ref[a]);
-        most = fmax(most, d2);
-    }
-    return sqrt(most);
-}
-
 double gn_surfaces_travel(gn_world *w, bool exact) {
     double most = 0.0;
     for (size_t k = 0; k < w->boundary.surface_count; k++) {
         gn_surface *s = &w->boundary.surfaces[k];
         gn_rigid *b = s->body >= 0 ? &w->boundary.bodies[s->body] : NULL;
-        if (exact) *s->travel = b ? body_travel(b) : vertex_travel(s);
-        most = fmax(most, *s->travel);
+        if (b && exact) b->travel = body_travel(b);
+        most = fmax(most, b ? b->travel : gn_element_contact_travel(s->elements, exact));
     }
     return most;
 }

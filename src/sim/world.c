@@ -142,7 +142,7 @@ double gn_world_porosity(const gn_world *w) {
 }
 
 double gn_world_mass(const gn_world *w) {
-    return w->dem.mass + (w->elements ? w->elements->body.mass : 0.0);
+    return w->dem.mass + gn_elements_totals(w).mass;
 }
 
 static double bulk_factor(const gn_world *w) {
@@ -295,17 +295,14 @@ static gneiss_status build_empty(gn_world *w, gneiss_error *error) {
     return gn_world_restore(w, error);
 }
 
-static void measure_body(gn_world *w) {
-    const gn_particles *nodes = &w->elements->body.nodes;
+/* Without particles the elements are the specimen. */
+static void measure_elements(gn_world *w) {
     for (size_t a = 0; a < 3; a++) {
         w->lower[a] = INFINITY;
         w->upper[a] = -INFINITY;
-        for (size_t n = 0; n < nodes->soa.count; n++) {
-            w->lower[a] = fmin(w->lower[a], nodes->start[4 * n + a]);
-            w->upper[a] = fmax(w->upper[a], nodes->start[4 * n + a]);
-        }
     }
-    w->volume = w->elements->body.volume;
+    gn_elements_extent(w, w->lower, w->upper);
+    w->volume = gn_elements_totals(w).volume;
     measure_test(w);
 }
 
@@ -329,12 +326,12 @@ static gneiss_status build(gn_world *w, gneiss_error *error) {
     gn_mesh mesh = {0};
     gneiss_status status = gn_origin_enter(w, &mesh, error);
     if (status == GNEISS_OK) status = gn_world_prepare(w, error);
-    if (status == GNEISS_OK && w->scene.has_elements)
+    if (status == GNEISS_OK)
         status = gn_elements_create(w, w->scene.elements.mesh[0] ? &mesh : NULL, error);
     gn_mesh_free(&mesh);
     GN_TRY(status);
     GN_TRY(particles ? build_particles(w, error) : build_empty(w, error));
-    if (!particles) measure_body(w);
+    if (!particles) measure_elements(w);
     GN_TRY(gn_world_check_step(w, true, error));
     /* Of the step that is left when collisions have to be resolved, too. */
     GN_TRY(gn_world_check_duration(w, error));
@@ -364,7 +361,7 @@ void gn_world_free(gn_world *w) {
     gn_partials_free(&w->dem.pair_partials);
     gn_strain_gauge_free(&w->gauge);
     for (size_t k = 0; k < w->boundary.surface_count; k++)
-        gn_facet_tree_free(&w->boundary.surfaces[k].tree);
+        gn_free(w->boundary.surfaces[k].force), gn_facet_tree_free(&w->boundary.surfaces[k].tree);
     void *blocks[] = {w->boundary.bodies,      w->boundary.surfaces,    w->boundary.body_shape,
                       w->boundary.body_vertex, w->boundary.body_corner, w->boundary.first,
                       w->dem.index_of_id,      w->boundary.walls,       w->boundary.wall_normals,
@@ -408,10 +405,7 @@ uint64_t gn_world_hash(const gn_world *w) {
         h = gn_hash_bytes(w->boundary.walls[k].point, sizeof w->boundary.walls[k].point, h);
     for (size_t k = 0; k < w->scene.body_count; k++)
         h = gn_hash_bytes(&w->boundary.bodies[k], offsetof(gn_rigid, mass), h);
-    if (w->elements) {
-        uint64_t body = gn_fem_hash(&w->elements->body);
-        h = gn_hash_bytes(&body, sizeof body, h);
-    }
+    h = gn_elements_hash(w, h);
     h = gn_hash_bytes(&w->time, sizeof w->time, h);
     return gn_hash_bytes(&w->step, sizeof w->step, h);
 }
@@ -428,6 +422,6 @@ size_t gn_world_bytes(const gn_world *w) {
              list_bytes(&w->dem.pairs, &w->dem.pair_partials);
     bytes +=
         w->boundary.contacts.soa.capacity * gn_record_bytes(&gn_wall_contact_record, w->effects);
-    if (w->elements) bytes += gn_fem_bytes(&w->elements->body);
+    bytes += gn_elements_bytes(w);
     return bytes + n * 2 * sizeof(int32_t);
 }

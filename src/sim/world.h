@@ -41,9 +41,10 @@ struct gn_world {
     const gn_kernel_set *kernels;
     int threads;
 
-    gn_dem dem;                   /* particles and their contacts */
-    gn_boundary boundary;         /* walls, bodies and facets that they touch */
-    gn_element_model *elements;   /* NULL: none */
+    gn_dem dem;                  /* particles and their contacts */
+    gn_boundary boundary;        /* walls, bodies and facets that they touch */
+    gn_element_model **elements; /* [element_count] bodies of finite elements */
+    size_t element_count;
     struct gn_exchange *exchange; /* [exchange_count] sim/exchange.h */
     size_t exchange_count;
 
@@ -101,6 +102,11 @@ gneiss_status gn_world_refresh_lists(gn_world *world, gneiss_error *error);
 
 /* Refuses a run that no machine would bring to its end: more than 1e15 steps. */
 gneiss_status gn_world_check_duration(const gn_world *world, gneiss_error *error);
+
+/* s: the limits of the particles and all bodies of elements, each by itself: the least, undamped.
+ */
+double gn_world_sharp_limit(const gn_world *world);
+double gn_world_bound(const gn_world *world);
 
 /* Checks the stability limit and lowers an automatic step (dt.c). `full`: Lanczos even if the
  * rigorous bound is above the step. */
