@@ -264,7 +264,7 @@ gneiss_status gn_bodies_surfaces(gn_world *w, gneiss_error *error) {
 /* --- motion --- */
 
 /* Works of what is prescribed and of gravity over half an interval. */
-static void book(gn_world *w, const gn_rigid *b, double dt) {
+static void book(const gn_world *w, const gn_rigid *b, double dt, gn_energy *ledger) {
     double prescribed = 0.0, weight = 0.0;
     for (int a = 0; a < 3; a++) {
         if (b->inverse_mass[a] > 0.0)
@@ -273,8 +273,12 @@ static void book(gn_world *w, const gn_rigid *b, double dt) {
             prescribed -= b->force[a] * b->velocity[a];
     }
     if (!turns_freely(b)) prescribed -= gn_dot3(b->moment, b->spin);
-    w->energy.work_walls += 0.5 * dt * prescribed;
-    w->energy.work_gravity += 0.5 * dt * weight;
+    ledger->work_walls += 0.5 * dt * prescribed;
+    ledger->work_gravity += 0.5 * dt * weight;
+}
+
+void gn_bodies_book(const gn_world *w, double dt, gn_energy *ledger) {
+    for (size_t k = 0; k < w->scene.body_count; k++) book(w, &w->boundary.bodies[k], dt, ledger);
 }
 
 void gn_bodies_kick(gn_world *w) {
@@ -282,7 +286,6 @@ void gn_bodies_kick(gn_world *w) {
     for (size_t k = 0; k < w->scene.body_count; k++) {
         gn_rigid *b = &w->boundary.bodies[k];
         const gn_motion *motion = &w->scene.bodies[k].motion;
-        book(w, b, w->dt_past);
         memcpy(b->velocity_past, b->velocity, sizeof b->velocity);
         memcpy(b->spin_past, b->spin, sizeof b->spin);
         memcpy(b->momentum_past, b->momentum, sizeof b->momentum);
@@ -325,7 +328,6 @@ void gn_bodies_drift(gn_world *w) {
     for (size_t k = 0; k < w->scene.body_count; k++) {
         gn_rigid *b = &w->boundary.bodies[k];
         double speed = sqrt(gn_dot3(b->velocity, b->velocity)), turn[3];
-        book(w, b, w->dt);
         for (int a = 0; a < 3; a++) {
             b->position[a] += w->dt * b->velocity[a];
             turn[a] = w->dt * b->spin[a];

@@ -52,6 +52,8 @@ void gn_elements_free(gn_world *world);
 void gn_elements_forces(gn_world *world, bool measure);
 /* then that of the others; with `measure` also stress and unbalanced. */
 gneiss_status gn_elements_move(gn_world *world, bool measure, gneiss_error *error);
+/* That no node that particles touch moved too far in the step (paths.c). */
+gneiss_status gn_elements_check(const gn_world *world, gneiss_error *error);
 /* Adds their ledgers of the last measured step. */
 void gn_elements_book(const gn_world *world, gn_energy *ledger);
 
