@@ -243,20 +243,17 @@ gneiss_status gn_bodies_surfaces(gn_world *w, gneiss_error *error) {
     if (!w->boundary.surfaces) return gn_fail(error, GNEISS_ERROR_MEMORY, "no memory for surfaces");
     for (size_t k = 0; k < w->scene.body_count; k++) {
         const gn_body_def *def = &w->scene.bodies[k];
-        gn_surface *s = &w->boundary.surfaces[k];
-        s->facets =
-            (gn_facet_set){(int)corners, (size_t)w->boundary.body_shape[k][1],
-                           w->boundary.body_corner + corner, w->boundary.body_vertex + 4 * vertex};
-        s->body = (int32_t)k;
-        s->first = (int32_t)(corner / corners);
-        s->vertices = (size_t)w->boundary.body_shape[k][0];
-        s->stiffness = def->stiffness;
-        s->kratio = def->kratio;
-        s->friction = def->friction;
-        GN_TRY(gn_facet_tree_build(&s->facets, &s->tree, error));
-        w->boundary.surface_count++;
-        vertex += s->vertices;
-        corner += corners * s->facets.count;
+        const int64_t *shape = w->boundary.body_shape[k];
+        gn_surface s = {.body = (int32_t)k,
+                        .vertices = (size_t)shape[0],
+                        .stiffness = def->stiffness,
+                        .kratio = def->kratio,
+                        .friction = def->friction};
+        s.facets = (gn_facet_set){(int)corners, (size_t)shape[1], w->boundary.body_corner + corner,
+                                  w->boundary.body_vertex + 4 * vertex};
+        GN_TRY(gn_boundary_add_surface(w, &s, error));
+        vertex += s.vertices;
+        corner += corners * s.facets.count;
     }
     return GNEISS_OK;
 }

@@ -14,6 +14,20 @@ gneiss_status gn_boundary_create(gn_world *w, gneiss_error *error) {
     return gn_bodies_create(w, error);
 }
 
+gneiss_status gn_boundary_add_surface(gn_world *w, const gn_surface *surface, gneiss_error *error) {
+    gn_boundary *b = &w->boundary;
+    gn_surface *s = &b->surfaces[b->surface_count], *last = b->surface_count ? s - 1 : NULL;
+    *s = *surface;
+    s->first = last ? last->first + (int32_t)last->facets.count : 0;
+    b->surface_count++;
+    if (s->body < 0) {
+        s->force = gn_alloc_array(s->vertices + 1, 4 * sizeof *s->force);
+        if (!s->force)
+            return gn_fail(error, GNEISS_ERROR_MEMORY, "no memory for %zu vertices", s->vertices);
+    }
+    return gn_facet_tree_build(&s->facets, &s->tree, error);
+}
+
 void gn_boundary_free(gn_boundary *b) {
     gn_soa_destroy(&gn_wall_contact_record, &b->contacts);
     for (size_t k = 0; k < b->surface_count; k++) {
@@ -72,6 +86,14 @@ double gn_boundary_travel(gn_world *w, bool exact) {
 }
 
 /* --- step --- */
+
+bool gn_boundary_work(gn_world *w, size_t block, size_t first, size_t last) {
+    gn_boundary *b = &w->boundary;
+    size_t begin = (size_t)b->first[first], end = (size_t)b->first[last];
+    b->sums[block] = (gn_contact_sums){0};
+    gn_wall_contacts_work(w, begin, end, &b->sums[block]);
+    return begin < end;
+}
 
 void gn_boundary_forces(gn_world *w) {
     gn_walls_sum(w);

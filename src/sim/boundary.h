@@ -42,6 +42,9 @@ typedef struct gn_world gn_world;
 
 /* Walls, bodies and their surfaces; those of finite elements join them (element_contact.c). */
 gneiss_status gn_boundary_create(gn_world *world, gneiss_error *error);
+/* A surface, of which `first`, `tree` and `force` are made. */
+gneiss_status gn_boundary_add_surface(gn_world *world, const gn_surface *surface,
+                                      gneiss_error *error);
 void gn_boundary_free(gn_boundary *boundary);
 
 /* Finds what is near each particle, in the order that the particles have; `first`: at the start,
@@ -54,7 +57,9 @@ gneiss_status gn_boundary_renumber(gn_world *world, const int32_t *place, gneiss
 /* m: bound on the path of anything since the lists were made. `exact`: looks where surfaces are. */
 double gn_boundary_travel(gn_world *world, bool exact);
 
-/* Sums up what particles do to walls, bodies and vertices: contacts were worked on in the sweep. */
+/* Contacts of a block of particles, in the sweep; whether there are any. */
+bool gn_boundary_work(gn_world *world, size_t block, size_t first, size_t last);
+/* Sums up what particles do to walls, bodies and vertices, after it. */
 void gn_boundary_forces(gn_world *world);
 /* New velocities of bodies; new velocities of walls, and new places of both. */
 void gn_boundary_kick(gn_world *world);

@@ -25,44 +25,31 @@ static gneiss_status make_rows(gn_element_model *q, const gn_facet_set *f, gneis
     return GNEISS_OK;
 }
 
-/* What the surface reads of the body, and what both say to each other. */
-static gneiss_status join(gn_element_model *q, gn_surface *s, gneiss_error *error) {
-    const gn_element_contact_def *def = &q->def->contact;
-    s->elements = q;
-    s->velocity = q->body.nodes.vel;
-    s->slot = q->body.nodes.slot;
-    s->prescribed = &q->body.prescribed;
-    s->vertices = q->body.nodes.soa.count;
-    s->body = -1;
-    s->stiffness = def->stiffness;
-    s->kratio = def->kratio;
-    s->friction = def->friction;
-    s->force = gn_alloc_array(s->vertices + 1, 4 * sizeof *s->force);
-    if (!s->force)
-        return gn_fail(error, GNEISS_ERROR_MEMORY, "no memory for %zu nodes", s->vertices);
-    q->contact.force = s->force;
-    return GNEISS_OK;
-}
-
 static gneiss_status make_surface(gn_world *w, gn_element_model *q, gneiss_error *error) {
-    const char *group = q->def->contact.group;
-    gn_boundary *b = &w->boundary;
-    gn_surface *s = &b->surfaces[b->surface_count], *last = b->surface_count ? s - 1 : NULL;
+    const gn_element_contact_def *def = &q->def->contact;
+    gn_surface s = {.body = -1,
+                    .elements = q,
+                    .velocity = q->body.nodes.vel,
+                    .slot = q->body.nodes.slot,
+                    .prescribed = &q->body.prescribed,
+                    .vertices = q->body.nodes.soa.count,
+                    .stiffness = def->stiffness,
+                    .kratio = def->kratio,
+                    .friction = def->friction};
     size_t count = 0;
-    gneiss_status status =
-        gn_fem_surface(&q->body, group[0] ? group : NULL, &q->contact.corner, &count, error);
+    gneiss_status status = gn_fem_surface(&q->body, def->group[0] ? def->group : NULL,
+                                          &q->contact.corner, &count, error);
     if (status == GNEISS_ERROR_INPUT) {
         gn_fail_context(error, "%s:%d:%d: elements.contact: ", w->scene.source, q->def->where.line,
                         q->def->where.column);
         return status;
     }
     GN_TRY(status);
-    s->facets = (gn_facet_set){q->body.dimension, count, q->contact.corner, q->body.nodes.pos};
-    s->first = last ? last->first + (int32_t)last->facets.count : 0;
-    b->surface_count++;
-    GN_TRY(make_rows(q, &s->facets, error));
-    GN_TRY(join(q, s, error));
-    return gn_facet_tree_build(&s->facets, &s->tree, error);
+    s.facets = (gn_facet_set){q->body.dimension, count, q->contact.corner, q->body.nodes.pos};
+    GN_TRY(make_rows(q, &s.facets, error));
+    GN_TRY(gn_boundary_add_surface(w, &s, error));
+    q->contact.force = w->boundary.surfaces[w->boundary.surface_count - 1].force;
+    return GNEISS_OK;
 }
 
 gneiss_status gn_element_contact_create(gn_world *w, gneiss_error *error) {

@@ -88,7 +88,7 @@ gneiss_status gn_walls_create(gn_world *world, gneiss_error *error);
 gneiss_status gn_wall_contacts_find(gn_world *world, bool first, gneiss_error *error);
 /* Forces of wall contacts [begin, end), into their rows; adds to *sums. Reads of particles only
  * those that touch. */
-void gn_wall_contacts_work(const gn_world *world, size_t begin, size_t end, gn_contact_sums *sums);
+void gn_wall_contacts_work(gn_world *world, size_t begin, size_t end, gn_contact_sums *sums);
 
 /* Surfaces (surfaces.c): facets within reach of a particle, as gn_wall_contacts.wall counts them,
  * ascending into `found` (NULL: only counted). */
@@ -102,8 +102,7 @@ void gn_surfaces_refer(gn_world *world);
 double gn_surfaces_travel(gn_world *world, bool exact);
 /* As gn_wall_contacts_work, of the facets of one surface that the particle of row `begin` has;
  * returns the first row behind them. */
-size_t gn_surface_contacts_work(const gn_world *world, size_t begin, size_t end,
-                                gn_contact_sums *sums);
+size_t gn_surface_contacts_work(gn_world *world, size_t begin, size_t end, gn_contact_sums *sums);
 /* Sums the forces on bodies and vertices. */
 void gn_surfaces_sum(gn_world *world);
 /* Contacts of the facets of one surface that the particle of row `begin` has, at the present

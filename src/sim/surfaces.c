@@ -101,11 +101,15 @@ double gn_surfaces_travel(gn_world *w, bool exact) {
     return most;
 }
 
-const gn_surface *gn_surface_of_row(const gn_world *w, size_t row) {
-    int32_t facet = w->boundary.contacts.wall[row] - (int32_t)w->scene.wall_count;
+static size_t surface_of_facet(const gn_world *w, int32_t facet) {
     size_t k = 0;
     while (k + 1 < w->boundary.surface_count && facet >= w->boundary.surfaces[k + 1].first) k++;
-    return &w->boundary.surfaces[k];
+    return k;
+}
+
+const gn_surface *gn_surface_of_row(const gn_world *w, size_t row) {
+    int32_t facet = w->boundary.contacts.wall[row] - (int32_t)w->scene.wall_count;
+    return &w->boundary.surfaces[surface_of_facet(w, facet)];
 }
 
 /* --- history --- */
@@ -128,7 +132,7 @@ static void split_normal(memory *m) {
 }
 
 /* Takes the histories out of the rows and empties them. */
-static size_t recall(const gn_wall_contacts *q, size_t begin, size_t end, memory *old) {
+static size_t recall(gn_wall_contacts *q, size_t begin, size_t end, memory *old) {
     size_t count = 0, stride = q->soa.capacity;
     for (size_t c = begin; c < end; c++) {
         memset(q->row + 8 * c, 0, 8 * sizeof *q->row);
@@ -351,9 +355,8 @@ static gn_touch_law law_of(const gn_surface *s) {
 }
 
 /* One contact: force and history into its row. */
-static void contact(const group *g, const gn_facet_near *minima, const gn_facet_contact *k,
-                    const memory *before, gn_contact_sums *sums) {
-    const gn_wall_contacts *q = &g->w->boundary.contacts;
+static void contact(const group *g, gn_wall_contacts *q, const gn_facet_near *minima,
+                    const gn_facet_contact *k, const memory *before, gn_contact_sums *sums) {
     size_t stride = q->soa.capacity, own = minima[k->member].row;
     const double *x = g->w->dem.particles.pos + 4 * g->particle;
     double arm[3], t[3], force[3], fd = before ? before->fd : 0.0;
@@ -407,8 +410,7 @@ static bool left_behind(const group *g, const memory *m, gn_facet_near *near) {
 /* A contact that opened in this step: its spring across and its dashpot let go, and what the last
  * force did beyond the opening is taken back, as at a wall. One that was joined to another is not
  * open. */
-static void open_contact(const group *g, memory *m, gn_contact_sums *sums) {
-    const gn_wall_contacts *q = &g->w->boundary.contacts;
+static void open_contact(const group *g, gn_wall_contacts *q, memory *m, gn_contact_sums *sums) {
     double t[3];
     const double *x = g->w->dem.particles.pos + 4 * g->particle;
     gn_facet_near near;
@@ -478,13 +480,13 @@ size_t gn_surface_contacts_at(const gn_world *w, size_t begin, double skin,
     return g.end;
 }
 
-size_t gn_surface_contacts_work(const gn_world *w, size_t begin, size_t end,
-                                gn_contact_sums *sums) {
+size_t gn_surface_contacts_work(gn_world *w, size_t begin, size_t end, gn_contact_sums *sums) {
+    gn_wall_contacts *rows = &w->boundary.contacts;
     group g = group_at(w, begin, end);
     double r = w->dem.particles.pos[4 * g.particle + 3];
     memory old[GN_FACET_TOUCHES];
     gn_facet_near minima[GN_FACET_TOUCHES];
-    size_t remembered = recall(&w->boundary.contacts, begin, g.end, old);
+    size_t remembered = recall(rows, begin, g.end, old);
     size_t count = minima_within(&g, r, minima);
     if (!remembered && !count) return g.end;
     gn_facet_contact now[GN_FACET_TOUCHES];
@@ -492,9 +494,9 @@ size_t gn_surface_contacts_work(const gn_world *w, size_t begin, size_t end,
     size_t contacts = gn_facet_contacts(minima, count, r, now);
     match(now, contacts, old, remembered, from);
     for (size_t k = 0; k < contacts; k++)
-        contact(&g, minima, &now[k], from[k] >= 0 ? &old[from[k]] : NULL, sums);
+        contact(&g, rows, minima, &now[k], from[k] >= 0 ? &old[from[k]] : NULL, sums);
     for (size_t m = 0; m < remembered; m++)
-        if (!old[m].taken) open_contact(&g, &old[m], sums);
+        if (!old[m].taken) open_contact(&g, rows, &old[m], sums);
     return g.end;
 }
 
@@ -510,7 +512,7 @@ static void load_body(gn_rigid *b, const double touch[3], const double force[3])
     }
 }
 
-static void load_vertices(const gn_surface *s, int32_t facet, const double touch[3],
+static void load_vertices(gn_surface *s, int32_t facet, const double touch[3],
                           const double force[3]) {
     const int32_t *corner = s->facets.corner + s->facets.corners * (int64_t)facet;
     const double *x[3] = {0};
@@ -562,7 +564,7 @@ void gn_surfaces_sum(gn_world *w) {
         const double *force = q->row + 8 * c;
         int32_t facet = q->wall[c] - (int32_t)w->scene.wall_count;
         if (facet < 0 || !(force[0] != 0.0 || force[1] != 0.0 || force[2] != 0.0)) continue;
-        const gn_surface *s = gn_surface_of_row(w, c);
+        gn_surface *s = &w->boundary.surfaces[surface_of_facet(w, facet)];
         double touch[3];
         for (size_t a = 0; a < 3; a++) touch[a] = q->touch[c + a * q->soa.capacity];
         if (s->body >= 0)

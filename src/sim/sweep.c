@@ -40,12 +40,8 @@ static void move(void *context, size_t block) {
     gn_world *w = k->w;
     size_t first = block * GN_PARTICLE_BLOCK, last = first + GN_PARTICLE_BLOCK;
     if (last > w->dem.particles.soa.count) last = w->dem.particles.soa.count;
-    if (w->effects & GN_FX_WALLS) {
-        size_t begin = (size_t)w->boundary.first[first], end = (size_t)w->boundary.first[last];
-        w->boundary.sums[block] = (gn_contact_sums){0};
-        gn_wall_contacts_work(w, begin, end, &w->boundary.sums[block]);
-        if (begin < end) book(k, GN_PHASE_walls);
-    }
+    if (w->effects & GN_FX_WALLS && gn_boundary_work(w, block, first, last))
+        book(k, GN_PHASE_walls);
     w->dem.motion_sums[block] = (gn_motion_sums){.bad = -1};
     w->dem.motion_kernel(k->motion, first, last, &w->dem.motion_sums[block]);
     book(k, GN_PHASE_motion);

@@ -165,8 +165,8 @@ static bool idle(const gn_wall_contacts *q, size_t c, const gn_touch *s, double 
            (q->shear[c] == 0.0 && q->shear[c + stride] == 0.0 && q->shear[c + 2 * stride] == 0.0);
 }
 
-static void wall_contact(const gn_world *w, size_t c, gn_contact_sums *sums) {
-    const gn_wall_contacts *q = &w->boundary.contacts;
+static void wall_contact(gn_world *w, size_t c, gn_contact_sums *sums) {
+    gn_wall_contacts *q = &w->boundary.contacts;
     const gn_wall_def *def = &w->scene.walls[q->wall[c]];
     gn_touch_law law = {def->stiffness, def->friction,
                         def->kratio > 0.0 ? def->stiffness / def->kratio : 0.0};
@@ -188,7 +188,7 @@ static void wall_contact(const gn_world *w, size_t c, gn_contact_sums *sums) {
         for (int b = 0; b < 3; b++) sums->stress[3 * a + b] += row[a] * arm * s.n[b];
 }
 
-void gn_wall_contacts_work(const gn_world *w, size_t begin, size_t end, gn_contact_sums *sums) {
+void gn_wall_contacts_work(gn_world *w, size_t begin, size_t end, gn_contact_sums *sums) {
     for (size_t c = begin; c < end;) {
         if ((size_t)w->boundary.contacts.wall[c] < w->scene.wall_count)
             wall_contact(w, c++, sums);
