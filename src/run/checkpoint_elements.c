@@ -9,9 +9,9 @@
 #include <stddef.h>
 #include <string.h>
 
-#define DOUBLES(member) GN_PIECE_DOUBLES(gn_element_model, member)
-#define LIMIT(member)   GN_PIECE_ANY(gn_element_model, member)
-#define INTEGER(member) GN_PIECE_INTEGER(gn_element_model, member)
+#define DOUBLES(member) GN_PIECE_DOUBLES("", gn_element_model, member)
+#define LIMIT(member)   GN_PIECE_ANY("", gn_element_model, member)
+#define INTEGER(member) GN_PIECE_INTEGER("", gn_element_model, member)
 
 static const gn_piece pieces[] = {
     INTEGER(body.step),     DOUBLES(body.time),         DOUBLES(body.dt_past),

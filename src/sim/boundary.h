@@ -80,7 +80,7 @@ uint64_t gn_boundary_hash(const gn_world *world, uint64_t h);
 size_t gn_boundary_bytes(const gn_world *world);
 /* Their part of a checkpoint (checkpoint_boundary.c), after the particles; `path` stands in
  * messages. Surfaces are made when all that has them is there. */
-gneiss_status gn_boundary_save(gn_world *world, gn_h5 *file, gneiss_error *error);
+gneiss_status gn_boundary_save(const gn_world *world, gn_h5 *file, gneiss_error *error);
 gneiss_status gn_boundary_load(gn_world *world, const gn_h5 *file, const char *path,
                                gneiss_error *error);
 gneiss_status gn_boundary_load_surfaces(gn_world *world, const char *path, gneiss_error *error);

@@ -135,7 +135,7 @@ void gn_dem_step_changed(gn_world *world);
 uint64_t gn_dem_hash(const gn_world *world, uint64_t h);
 size_t gn_dem_bytes(const gn_world *world);
 /* Their part of a checkpoint (checkpoint_dem.c); `path` stands in messages. */
-gneiss_status gn_dem_save(gn_world *world, gn_h5 *file, gneiss_error *error);
+gneiss_status gn_dem_save(const gn_world *world, gn_h5 *file, gneiss_error *error);
 gneiss_status gn_dem_load(gn_world *world, const gn_h5 *file, const char *path,
                           gneiss_error *error);
 
