@@ -35,10 +35,6 @@ typedef struct gn_resolution {
     int64_t first, second;
 } gn_resolution;
 
-/* X(name, text): numbers of the last measured step that no sum over the state gives afterwards;
- * checkpoints have them. */
-#define GN_MEASURED(X) X(unbalanced, "mean resultant over mean contact force")
-
 /* What a step summed up to, over all blocks. */
 typedef struct gn_dem_sums {
     gn_contact_sums bonds, pairs, walls; /* the last: contacts with walls and facets */

@@ -57,8 +57,8 @@ gneiss_status gn_elements_check(const gn_world *world, gneiss_error *error);
 /* Adds their ledgers of the last measured step. */
 void gn_elements_book(const gn_world *world, gn_energy *ledger);
 
-/* Looks at the stability limits (dt.c): `full` from the start on, otherwise only at what strain has
- * done since. *due: one has changed. */
+/* Looks at the stability limits (step_limit.c): `full` from the start on, otherwise only at what
+ * strain has done since. *due: one has changed. */
 gneiss_status gn_elements_limit(gn_world *world, bool full, bool *due, gneiss_error *error);
 double gn_elements_stable(const gn_world *world); /* s, the least; INFINITY: no bodies */
 /* The body that sets the step, NULL: none does; and which of its elements: "element 12 at (x, y, z)
