@@ -3,6 +3,8 @@
 
 #include "sim/exchange.h"
 
+#include <unistd.h>
+
 /* Points of two parts of the world at the same places move as one: both get the force that makes
  * their next velocities equal. */
 typedef struct tie {
@@ -280,6 +282,44 @@ static void a_world_sums_over_its_bodies_of_elements(void **state) {
     stack_end(s);
 }
 
+static size_t rows_of(const gn_h5 *file, const char *name) {
+    gneiss_error error = {0};
+    size_t rows = 0;
+    if (gn_h5_rows(file, name, &rows, &error) != GNEISS_OK) fail_msg("%s", error.message);
+    return rows;
+}
+
+typedef gneiss_status writer(const gn_world *w, gn_h5 *file, gneiss_error *error);
+
+/* What a writer leaves in a file: rows of three data sets, the first body's, the second one's, and
+ * one that no third body has. */
+static void assert_bodies_in_file(const gn_world *w, writer *write, const char *name) {
+    char path[] = "/tmp/gneiss-two-bodies-XXXXXX", second[64], third[64];
+    gneiss_error error = {0};
+    gn_h5 *file = NULL;
+    snprintf(second, sizeof second, "elements_2/%s", name);
+    snprintf(third, sizeof third, "elements_3/%s", name);
+    close(mkstemp(path));
+    assert_int_equal(gn_h5_create(path, &file, &error), GNEISS_OK);
+    assert_int_equal(write(w, file, &error), GNEISS_OK);
+    assert_int_equal(gn_h5_commit(file, GN_DURABLE, &error), GNEISS_OK);
+    assert_int_equal(gn_h5_open_whole(path, &file, &error), GNEISS_OK);
+    assert_int_equal(rows_of(file, name), w->elements[0]->body.nodes.soa.count);
+    assert_int_equal(rows_of(file, second), w->elements[1]->body.nodes.soa.count);
+    assert_false(gn_h5_has(file, third));
+    gn_h5_close(file);
+    unlink(path);
+}
+
+/* The first body has the names that it has alone. */
+static void files_tell_bodies_of_elements_apart(void **state) {
+    (void)state;
+    two_blocks *s = stack(2, 4e-7, 1);
+    assert_bodies_in_file(s->w, gn_elements_results, "nodes/id");
+    assert_bodies_in_file(s->w, gn_elements_save, "mesh_nodes/pos");
+    stack_end(s);
+}
+
 static uint64_t hash_after(int threads, bool tied, int steps) {
     gn_world *w = bodies(3, 4e-7, threads);
     tie t;
@@ -338,6 +378,7 @@ int main(void) {
         cmocka_unit_test(two_bodies_of_elements_keep_momentum_and_energy),
         cmocka_unit_test(two_bodies_of_elements_give_the_same_bits_on_any_number_of_threads),
         cmocka_unit_test(a_world_sums_over_its_bodies_of_elements),
+        cmocka_unit_test(files_tell_bodies_of_elements_apart),
         cmocka_unit_test(an_exchange_gives_the_same_bits_on_any_number_of_threads),
         cmocka_unit_test(waiting_changes_no_bit),
         cmocka_unit_test(an_exchange_may_stop_the_run),
