@@ -18,7 +18,8 @@ typedef struct tie {
 typedef struct end {
     const gn_particles *points;
     gn_hold *hold;
-    size_t place, width;
+    size_t place;
+    int width;
 } end;
 
 static end end_of(gn_world *w, const tie *t, size_t k, int side) {

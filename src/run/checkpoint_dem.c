@@ -53,8 +53,8 @@ static size_t list_arrays(gn_world *w, gn_checkpoint_array out[MOST_ARRAYS]) {
     return n;
 }
 
-gneiss_status gn_dem_save(const gn_world *const_w, gn_h5 *file, gneiss_error *error) {
-    gn_world *w = (gn_world *)(uintptr_t)const_w; /* list_arrays hands out places to fill */
+gneiss_status gn_dem_save(const gn_world *world, gn_h5 *file, gneiss_error *error) {
+    gn_world *w = (gn_world *)(uintptr_t)world; /* list_arrays hands out places to fill */
     gn_checkpoint_array arrays[MOST_ARRAYS];
     size_t count = list_arrays(w, arrays);
     GN_TRY(gn_h5_put_record(file, "particles", &gn_particle_record, &w->dem.particles, error));

@@ -102,22 +102,22 @@ static void book_contacts(const gn_dem_sums *s, gn_energy *e) {
     e->bond_breaking += s->bonds.bond_breaking;
 }
 
-void gn_dem_book(const gn_world *w, gn_half half, gn_energy *e) {
+void gn_dem_book(const gn_world *w, gn_half half, gn_energy *ledger) {
     const gn_motion_sums *m = &w->dem.done.motion;
-    if (half == GN_HALF_BEFORE) book_contacts(&w->dem.done, e);
-    e->background_damping += m->damping[half];
-    e->work_gravity += m->gravity[half];
-    e->work_applied += m->applied[half];
-    e->work_prescribed += m->prescribed[half];
+    if (half == GN_HALF_BEFORE) book_contacts(&w->dem.done, ledger);
+    ledger->background_damping += m->damping[half];
+    ledger->work_gravity += m->gravity[half];
+    ledger->work_applied += m->applied[half];
+    ledger->work_prescribed += m->prescribed[half];
 }
 
-void gn_dem_measure(const gn_world *w, gn_energy *e, double stress[9]) {
+void gn_dem_measure(const gn_world *w, gn_energy *ledger, double stress[9]) {
     const gn_dem_sums *s = &w->dem.done;
-    e->kinetic = s->motion.kinetic;
-    e->rotational = s->motion.rotational;
-    e->elastic_normal = s->bonds.elastic_normal + s->pairs.elastic_normal;
-    e->elastic_shear = s->bonds.elastic_shear + s->pairs.elastic_shear;
-    e->elastic_wall = s->walls.elastic_normal;
+    ledger->kinetic = s->motion.kinetic;
+    ledger->rotational = s->motion.rotational;
+    ledger->elastic_normal = s->bonds.elastic_normal + s->pairs.elastic_normal;
+    ledger->elastic_shear = s->bonds.elastic_shear + s->pairs.elastic_shear;
+    ledger->elastic_wall = s->walls.elastic_normal;
     for (int k = 0; k < 9; k++)
         stress[k] = (s->bonds.stress[k] + s->pairs.stress[k] + s->walls.stress[k]) / w->volume;
 }

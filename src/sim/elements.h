@@ -64,7 +64,7 @@ double gn_elements_stable(const gn_world *world); /* s, the least; INFINITY: no 
 /* The body that sets the step, NULL: none does; and which of its elements: "element 12 at (x, y, z)
  * m". */
 const gn_element_model *gn_elements_lead(const gn_world *world);
-const char *gn_elements_culprit(const gn_world *world, const gn_element_model *body, char *text,
+const char *gn_elements_culprit(const gn_world *world, const gn_element_model *q, char *text,
                                 size_t size);
 
 uint64_t gn_elements_hash(const gn_world *world, uint64_t h);
@@ -97,14 +97,14 @@ void gn_elements_reaction(const gn_world *world, size_t motion, double force[3])
 /* Makes the surfaces that particles touch, where the scene wants them: after bodies. */
 gneiss_status gn_element_contact_create(gn_world *world, gneiss_error *error);
 /* Hands the forces of particles over to the nodes; notes how far nodes came in a step. */
-void gn_element_contact_load(gn_element_model *body);
-void gn_element_contact_moved(gn_element_model *body, double dt);
+void gn_element_contact_load(gn_element_model *q);
+void gn_element_contact_moved(gn_element_model *q, double dt);
 /* m/s, of the fastest node in the last step; 0 where nothing touches them. */
-double gn_element_contact_speed(const gn_element_model *body);
+double gn_element_contact_speed(const gn_element_model *q);
 /* Notes where the nodes are when the lists are made; bound on the path of any since then. `exact`:
  * looks where they are. */
-void gn_element_contact_refer(gn_element_model *body);
-double gn_element_contact_travel(gn_element_model *body, bool exact);
+void gn_element_contact_refer(gn_element_model *q);
+double gn_element_contact_travel(gn_element_model *q, bool exact);
 void gn_element_contact_free(gn_element_contact *k);
 
 /* --- files (output_elements.c, checkpoint_elements.c) --- */
