@@ -149,7 +149,7 @@ static const gn_contacts *longer_list(const gn_world *w) {
 
 size_t bench_world_contact_kernel(bench_world *b, size_t blocks) {
     gn_world *w = &b->world;
-    gn_contact_args a = gn_world_contact_args(w, longer_list(w), false);
+    gn_contact_args a = gn_dem_contact_args(w, longer_list(w), false);
     a.dt = 0.0; /* the state stands still */
     gn_contact_kernel *kernel = bonds_are_more(w) ? w->dem.bond_kernel : w->dem.pair_kernel;
     size_t length = a.partials->length, last = blocks * length;
@@ -164,7 +164,7 @@ size_t bench_world_contact_kernel(bench_world *b, size_t blocks) {
 
 size_t bench_world_motion_kernel(bench_world *b, size_t blocks) {
     gn_world *w = &b->world;
-    gn_motion_args a = gn_world_motion_args(w, false);
+    gn_motion_args a = gn_dem_motion_args(w, false);
     a.dt = a.dt_past = 0.0;
     size_t last = blocks * GN_PARTICLE_BLOCK;
     if (last > w->dem.particles.soa.count) last = w->dem.particles.soa.count;

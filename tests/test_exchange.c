@@ -3,44 +3,75 @@
 
 #include "sim/exchange.h"
 
-/* A particle and a node at the same place move as one: both get the force that makes their next
- * velocities equal. */
+#include <unistd.h>
+
+/* Points of two parts of the world at the same places move as one: both get the force that makes
+ * their next velocities equal. */
 typedef struct tie {
+    int part[2]; /* -1: particles; else a body of elements */
     size_t count;
-    int32_t id[64];      /* of particles */
-    int32_t node[64];    /* by place */
-    double force[64][3]; /* N, on the particles, of the last step */
+    int32_t point[64][2]; /* particles by id, nodes by place */
+    double force[64][3];  /* N, on the first of two, of the last step */
 } tie;
+
+/* One end of a tie. */
+typedef struct end {
+    const gn_particles *points;
+    gn_hold *hold;
+    size_t place;
+    int width;
+} end;
+
+static end end_of(gn_world *w, const tie *t, size_t k, int side) {
+    const bool space = w->scene.dimension == 3;
+    int part = t->part[side];
+    int32_t point = t->point[k][side];
+    if (part < 0)
+        return (end){&w->dem.particles, &w->dem.hold, (size_t)w->dem.index_of_id[point],
+                     gn_row_width(space, true)};
+    gn_fem_body *b = &w->elements[part]->body;
+    return (end){&b->nodes, &b->hold, (size_t)point, gn_row_width(space, false)};
+}
 
 static gneiss_status tie_mark(void *context, gn_world *w, gneiss_error *error) {
     const tie *t = context;
-    for (size_t k = 0; k < t->count; k++) {
-        GN_TRY(gn_hold_particle(&w->dem.hold, (size_t)w->dem.index_of_id[t->id[k]], error));
-        GN_TRY(gn_hold_particle(&w->elements->body.hold, (size_t)t->node[k], error));
-    }
+    for (size_t k = 0; k < t->count; k++)
+        for (int side = 0; side < 2; side++) {
+            end e = end_of(w, t, k, side);
+            GN_TRY(gn_hold_particle(e.hold, e.place, error));
+        }
     return GNEISS_OK;
 }
 
 static gneiss_status tie_act(void *context, gn_world *w, gneiss_error *error) {
     tie *t = context;
     (void)error;
-    const bool space = w->scene.dimension == 3;
-    const gn_particles *nodes = &w->elements->body.nodes;
     double interval = 0.5 * (w->dt_past + w->dt);
     for (size_t k = 0; k < t->count; k++) {
-        size_t p = (size_t)w->dem.index_of_id[t->id[k]], n = (size_t)t->node[k];
-        const double *v = w->dem.particles.vel + 4 * p, *u = nodes->vel + 4 * n;
-        double *f = gn_hold_load(&w->dem.hold, gn_row_width(space, true), p);
-        double *g = gn_hold_load(&w->elements->body.hold, gn_row_width(space, false), n);
-        for (int a = 0; a < (space ? 3 : 2); a++) {
-            double gap = (u[a] + interval * u[3] * g[a]) - (v[a] + interval * v[3] * f[a]);
+        end a = end_of(w, t, k, 0), b = end_of(w, t, k, 1);
+        const double *v = a.points->vel + 4 * a.place, *u = b.points->vel + 4 * b.place;
+        double *f = gn_hold_load(a.hold, a.width, a.place);
+        double *g = gn_hold_load(b.hold, b.width, b.place);
+        for (int c = 0; c < (int)w->scene.dimension; c++) {
+            double gap = (u[c] + interval * u[3] * g[c]) - (v[c] + interval * v[3] * f[c]);
             double force = gap / (interval * (v[3] + u[3]));
-            f[a] += force;
-            g[a] -= force;
-            t->force[k][a] = force;
+            f[c] += force;
+            g[c] -= force;
+            t->force[k][c] = force;
         }
     }
     return GNEISS_OK;
+}
+
+/* Waves along two axes. */
+static void stir(const gn_world *w, const gn_particles *q) {
+    const int64_t up = w->scene.dimension - 1;
+    for (size_t p = 0; p < q->soa.count; p++) {
+        const double *x = q->pos + 4 * p;
+        double *v = q->vel + 4 * p;
+        v[0] = 0.02 * sin(900.0 * x[up]);
+        v[up] = 0.03 * cos(700.0 * x[0]);
+    }
 }
 
 /* Waves in a bonded lattice beside a block of elements, whose top nodes are the centres of the
@@ -69,96 +100,231 @@ static gn_world *bodies(int dimension, double step, int threads) {
                                 : "rectangle: {size: [5e-3, 3e-3], cells: [5, 3]}",
                  step, threads);
     free(t);
-    gn_particles *all[2] = {&w->dem.particles, &w->elements->body.nodes};
-    for (int b = 0; b < 2; b++)
-        for (size_t p = 0; p < all[b]->soa.count; p++) {
-            const double *x = all[b]->pos + 4 * p;
-            double *v = all[b]->vel + 4 * p;
-            v[0] = 0.02 * sin(900.0 * x[dimension - 1]);
-            v[dimension - 1] = 0.03 * cos(700.0 * x[0]);
-        }
+    stir(w, &w->dem.particles);
+    stir(w, &w->elements[0]->body.nodes);
     return w;
 }
 
-static void tie_make(tie *t, gn_world *w) {
+/* The same with a second, softer block of elements below the first one. */
+typedef struct two_blocks {
+    gn_world *w;
+    gn_element_def def;
+    gn_element_material material;
+    tie upper, lower;
+} two_blocks;
+
+static void tie_make(tie *t, gn_world *w, int first, int second) {
     gneiss_error error = {0};
-    const gn_particles *nodes = &w->elements->body.nodes;
-    *t = (tie){0};
-    for (size_t k = 0; k < w->dem.particles.soa.count; k++)
-        for (size_t n = 0; n < nodes->soa.count; n++) {
-            const double *x = pos_of(w, (int)k), *y = nodes->pos + 4 * n;
+    *t = (tie){.part = {first, second}};
+    size_t n[2];
+    const gn_particles *q[2];
+    for (int side = 0; side < 2; side++)
+        q[side] = t->part[side] < 0 ? &w->dem.particles : &w->elements[t->part[side]]->body.nodes;
+    for (n[0] = 0; n[0] < q[0]->soa.count; n[0]++)
+        for (n[1] = 0; n[1] < q[1]->soa.count; n[1]++) {
+            const double *x = q[0]->pos + 4 * n[0], *y = q[1]->pos + 4 * n[1];
             double d2 = 0.0;
             for (int a = 0; a < (int)w->scene.dimension; a++) d2 += (x[a] - y[a]) * (x[a] - y[a]);
             if (d2 > 1e-20) continue;
-            t->id[t->count] = (int32_t)k;
-            t->node[t->count++] = (int32_t)n;
+            for (int side = 0; side < 2; side++)
+                t->point[t->count][side] =
+                    t->part[side] < 0 ? q[side]->id[n[side]] : (int32_t)n[side];
+            t->count++;
         }
+    assert_int_equal(t->count, w->scene.dimension == 3 ? 36 : 6);
     if (gn_exchange_add(w, (gn_exchange){t, tie_mark, tie_act, NULL}, &error) != GNEISS_OK)
         fail_msg("%s", error.message);
 }
 
-static void momentum_of(const gn_world *w, double sum[6], double *size) {
-    const gn_particles *all[2] = {&w->dem.particles, &w->elements->body.nodes};
-    memset(sum, 0, 6 * sizeof *sum);
-    *size = 0.0;
-    for (int b = 0; b < 2; b++)
-        for (size_t p = 0; p < all[b]->soa.count; p++) {
-            const double *x = all[b]->pos + 4 * p, *v = all[b]->vel + 4 * p, m = 1.0 / v[3];
-            const double *o = all[b]->spin ? all[b]->spin + 4 * p : NULL;
-            for (int a = 0; a < 3; a++) {
-                int c = (a + 1) % 3, d = (a + 2) % 3;
-                sum[a] += m * v[a];
-                sum[3 + a] += m * (x[c] * v[d] - x[d] * v[c]) + (o ? o[a] / o[3] : 0.0);
-                *size += m * fabs(v[a]);
-            }
-        }
+static two_blocks *stack(int dimension, double step, int threads) {
+    two_blocks *s = calloc(1, sizeof *s);
+    gneiss_error error = {0};
+    s->w = bodies(dimension, step, threads);
+    s->def = s->w->scene.elements;
+    s->material = s->def.materials[0];
+    s->material.young *= 0.5;
+    s->def.materials = &s->material;
+    s->def.origin[dimension - 1] -= 3e-3;
+    if (gn_elements_add(s->w, &s->def, NULL, &error) != GNEISS_OK ||
+        gn_world_check_step(s->w, true, &error) != GNEISS_OK)
+        fail_msg("%s", error.message);
+    stir(s->w, &s->w->elements[1]->body.nodes);
+    tie_make(&s->upper, s->w, -1, 0);
+    tie_make(&s->lower, s->w, 0, 1);
+    return s;
 }
 
-static double run_tied(int dimension, double step, int steps, double *largest_force) {
-    gn_world *w = bodies(dimension, step, 2);
-    tie t;
-    tie_make(&t, w);
-    assert_int_equal(t.count, dimension == 3 ? 36 : 6);
+static void stack_end(two_blocks *s) {
+    world_end(s->w);
+    free(s);
+}
+
+static void add_momentum(const gn_particles *q, double sum[6], double *size) {
+    for (size_t p = 0; p < q->soa.count; p++) {
+        const double *x = q->pos + 4 * p, *v = q->vel + 4 * p, m = 1.0 / v[3];
+        const double *o = q->spin ? q->spin + 4 * p : NULL;
+        for (int a = 0; a < 3; a++) {
+            int c = (a + 1) % 3, d = (a + 2) % 3;
+            sum[a] += m * v[a];
+            sum[3 + a] += m * (x[c] * v[d] - x[d] * v[c]) + (o ? o[a] / o[3] : 0.0);
+            *size += m * fabs(v[a]);
+        }
+    }
+}
+
+static void momentum_of(const gn_world *w, double sum[6], double *size) {
+    memset(sum, 0, 6 * sizeof *sum);
+    *size = 0.0;
+    add_momentum(&w->dem.particles, sum, size);
+    for (size_t k = 0; k < w->element_count; k++)
+        add_momentum(&w->elements[k]->body.nodes, sum, size);
+}
+
+static void assert_together(gn_world *w, const tie *t) {
+    for (size_t k = 0; k < t->count; k++) {
+        end a = end_of(w, t, k, 0), b = end_of(w, t, k, 1);
+        for (size_t c = 0; c < (size_t)w->scene.dimension; c++) {
+            assert_near(a.points->vel[4 * a.place + c], b.points->vel[4 * b.place + c], 1e-14);
+            assert_near(a.points->pos[4 * a.place + c], b.points->pos[4 * b.place + c], 1e-15);
+        }
+    }
+}
+
+static double largest_of(const tie *t, double most) {
+    for (size_t k = 0; k < t->count; k++) most = fmax(most, fabs(t->force[k][0]));
+    return most;
+}
+
+/* The largest error of the ledger, over what the parts held at the start. */
+static double run_steps_tied(gn_world *w, int steps) {
     gn_energy e = measured_step(w);
     double before[6], after[6], size, scale = gn_energy_stored(&e), worst = 0.0;
     momentum_of(w, before, &size);
-    *largest_force = 0.0;
     for (int n = 0; n < steps; n++) {
         e = measured_step(w);
         worst = fmax(worst, fabs(gn_energy_residual(&e)) * gn_energy_scale(&e));
-        for (size_t k = 0; k < t.count; k++)
-            *largest_force = fmax(*largest_force, fabs(t.force[k][0]));
     }
     momentum_of(w, after, &size);
     for (int a = 0; a < 6; a++) /* roundings of so many steps, arms of 6 mm */
         assert_near(after[a], before[a], 2.2e-16 * steps * 10.0 * size * (a < 3 ? 1.0 : 6e-3));
-    for (size_t k = 0; k < t.count; k++)
-        for (int a = 0; a < dimension; a++) {
-            size_t n = 4 * (size_t)t.node[k] + (size_t)a;
-            const gn_particles *nodes = &w->elements->body.nodes;
-            assert_near(vel_of(w, t.id[k])[a], nodes->vel[n], 1e-14);
-            assert_near(pos_of(w, t.id[k])[a], nodes->pos[n], 1e-15);
-        }
-    world_end(w);
     return worst / scale;
+}
+
+static double run_tied(int dimension, double step, int steps) {
+    gn_world *w = bodies(dimension, step, 2);
+    tie t;
+    tie_make(&t, w, -1, 0);
+    double lost = run_steps_tied(w, steps);
+    assert_true(largest_of(&t, 0.0) > 0.0);
+    assert_together(w, &t);
+    world_end(w);
+    return lost;
+}
+
+static double run_stack(int dimension, double step, int steps) {
+    two_blocks *s = stack(dimension, step, 2);
+    double lost = run_steps_tied(s->w, steps);
+    assert_true(largest_of(&s->upper, 0.0) > 0.0 && largest_of(&s->lower, 0.0) > 0.0);
+    assert_together(s->w, &s->upper);
+    assert_together(s->w, &s->lower);
+    stack_end(s);
+    return lost;
 }
 
 static void tied_bodies_keep_momentum_and_energy(void **state) {
     (void)state;
     for (int dimension = 2; dimension <= 3; dimension++) {
-        double force, coarse = run_tied(dimension, 4e-7, 2000, &force);
-        assert_true(force > 0.0);
-        double fine = run_tied(dimension, 2e-7, 4000, &force);
+        double coarse = run_tied(dimension, 4e-7, 2000), fine = run_tied(dimension, 2e-7, 4000);
         /* The elements' law is not linear: what the ledger leaves is of second order. */
         assert_true(coarse < 1e-4);
         assert_true(fine < 0.35 * coarse);
     }
 }
 
+static void two_bodies_of_elements_keep_momentum_and_energy(void **state) {
+    (void)state;
+    for (int dimension = 2; dimension <= 3; dimension++) {
+        double coarse = run_stack(dimension, 4e-7, 2000), fine = run_stack(dimension, 2e-7, 4000);
+        assert_true(coarse < 1e-4);
+        assert_true(fine < 0.35 * coarse);
+    }
+}
+
+static uint64_t stack_after(int threads, int steps) {
+    two_blocks *s = stack(3, 4e-7, threads);
+    run_steps(s->w, steps);
+    uint64_t hash = gn_world_hash(s->w);
+    stack_end(s);
+    return hash;
+}
+
+static void two_bodies_of_elements_give_the_same_bits_on_any_number_of_threads(void **state) {
+    (void)state;
+    uint64_t one = stack_after(1, 300);
+    for (int threads = 2; threads <= 4; threads++) assert_true(stack_after(threads, 300) == one);
+}
+
+/* What is said of the elements is said of all bodies. */
+static void a_world_sums_over_its_bodies_of_elements(void **state) {
+    (void)state;
+    two_blocks *s = stack(3, 4e-7, 1);
+    gn_world *w = s->w;
+    gn_fem_body *a = &w->elements[0]->body, *b = &w->elements[1]->body;
+    gn_element_totals t = gn_elements_totals(w);
+    assert_int_equal(t.nodes, a->nodes.soa.count + b->nodes.soa.count);
+    assert_int_equal(t.elements, a->elements.soa.count + b->elements.soa.count);
+    assert_near(t.mass, a->mass + b->mass, 1e-15 * t.mass);
+    assert_near(gn_world_mass(w), w->dem.mass + t.mass, 1e-15 * gn_world_mass(w));
+    assert_true(w->elements[1]->stable > w->elements[0]->stable); /* half as stiff */
+    assert_true(gn_elements_stable(w) == w->elements[0]->stable);
+    uint64_t hash = gn_world_hash(w);
+    b->nodes.pos[0] += 1e-9;
+    assert_true(gn_world_hash(w) != hash);
+    stack_end(s);
+}
+
+static size_t rows_of(const gn_h5 *file, const char *name) {
+    gneiss_error error = {0};
+    size_t rows = 0;
+    if (gn_h5_rows(file, name, &rows, &error) != GNEISS_OK) fail_msg("%s", error.message);
+    return rows;
+}
+
+typedef gneiss_status writer(const gn_world *w, gn_h5 *file, gneiss_error *error);
+
+/* What a writer leaves in a file: rows of three data sets, the first body's, the second one's, and
+ * one that no third body has. */
+static void assert_bodies_in_file(const gn_world *w, writer *write, const char *name) {
+    char path[] = "/tmp/gneiss-two-bodies-XXXXXX", second[64], third[64];
+    gneiss_error error = {0};
+    gn_h5 *file = NULL;
+    snprintf(second, sizeof second, "elements_2/%s", name);
+    snprintf(third, sizeof third, "elements_3/%s", name);
+    close(mkstemp(path));
+    assert_int_equal(gn_h5_create(path, &file, &error), GNEISS_OK);
+    assert_int_equal(write(w, file, &error), GNEISS_OK);
+    assert_int_equal(gn_h5_commit(file, GN_DURABLE, &error), GNEISS_OK);
+    assert_int_equal(gn_h5_open_whole(path, &file, &error), GNEISS_OK);
+    assert_int_equal(rows_of(file, name), w->elements[0]->body.nodes.soa.count);
+    assert_int_equal(rows_of(file, second), w->elements[1]->body.nodes.soa.count);
+    assert_false(gn_h5_has(file, third));
+    gn_h5_close(file);
+    unlink(path);
+}
+
+/* The first body has the names that it has alone. */
+static void files_tell_bodies_of_elements_apart(void **state) {
+    (void)state;
+    two_blocks *s = stack(2, 4e-7, 1);
+    assert_bodies_in_file(s->w, gn_elements_results, "nodes/id");
+    assert_bodies_in_file(s->w, gn_elements_save, "mesh_nodes/pos");
+    stack_end(s);
+}
+
 static uint64_t hash_after(int threads, bool tied, int steps) {
     gn_world *w = bodies(3, 4e-7, threads);
     tie t;
-    if (tied) tie_make(&t, w);
+    if (tied) tie_make(&t, w, -1, 0);
     run_steps(w, steps);
     uint64_t hash = gn_world_hash(w);
     world_end(w);
@@ -184,10 +350,10 @@ static void waiting_changes_no_bit(void **state) {
     (void)state;
     gn_world *w = bodies(3, 4e-7, 2);
     tie t;
-    tie_make(&t, w);
+    tie_make(&t, w, -1, 0);
     w->exchange[0].act = nothing;
     run_steps(w, 300);
-    assert_true(w->dem.hold.count > 0 && w->elements->body.hold.count > 0);
+    assert_true(w->dem.hold.count > 0 && w->elements[0]->body.hold.count > 0);
     assert_true(gn_world_hash(w) == hash_after(1, false, 300));
     world_end(w);
 }
@@ -211,6 +377,10 @@ static void an_exchange_may_stop_the_run(void **state) {
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(tied_bodies_keep_momentum_and_energy),
+        cmocka_unit_test(two_bodies_of_elements_keep_momentum_and_energy),
+        cmocka_unit_test(two_bodies_of_elements_give_the_same_bits_on_any_number_of_threads),
+        cmocka_unit_test(a_world_sums_over_its_bodies_of_elements),
+        cmocka_unit_test(files_tell_bodies_of_elements_apart),
         cmocka_unit_test(an_exchange_gives_the_same_bits_on_any_number_of_threads),
         cmocka_unit_test(waiting_changes_no_bit),
         cmocka_unit_test(an_exchange_may_stop_the_run),

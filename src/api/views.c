@@ -35,7 +35,7 @@ const char *gneiss_record_name(gneiss_record record) {
 static place find_record(const gneiss_world *world, gneiss_record record) {
     static const gn_fem_body none;
     const gn_world *w = &world->run.world;
-    const gn_fem_body *body = w->elements ? &w->elements->body : &none;
+    const gn_fem_body *body = w->element_count ? &w->elements[0]->body : &none;
     switch (record) {
     case GNEISS_PARTICLES:
         return (place){&gn_particle_record, &w->dem.particles.soa};

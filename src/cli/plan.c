@@ -75,7 +75,7 @@ static void print_kernels(const gn_world *w) {
 /* Why the step's limit lies below that of the springs that touch now. */
 static void print_lowered(const gn_world *w) {
     double share = gn_world_nonviscous_share(w), particles = w->dem.stable;
-    if (w->elements) return;
+    if (w->element_count) return;
     if (share < 1.0)
         printf("                   less %.3f for non-viscous damping, which stiffens the fastest "
                "mode\n",
@@ -87,7 +87,7 @@ static void print_lowered(const gn_world *w) {
 
 static void print_particle_limits(const gn_world *w) {
     double sharp = w->dem.limit.sharp;
-    if (w->elements) printf("  particles\n");
+    if (w->element_count) printf("  particles\n");
     if (w->dem.limit.bound == INFINITY && w->dem.stable == INFINITY) {
         printf("  contacts         none that could limit the step: no particle can move\n");
         return;
@@ -153,7 +153,7 @@ static void print_step(const gn_world *w) {
     if (w->scene.has_specimen) print_particle_limits(w);
     gn_print_element_limits(w);
     print_servos(w);
-    if (w->elements && gn_world_nonviscous_share(w) < 1.0)
+    if (w->element_count && gn_world_nonviscous_share(w) < 1.0)
         printf("  less             %.3f for non-viscous damping, which stiffens the fastest mode\n",
                gn_world_nonviscous_share(w));
 }
@@ -181,8 +181,8 @@ gneiss_status gn_print_plan(gn_world *w, gneiss_error *error) {
     print_effects(w);
     printf("storage\n");
     if (w->scene.has_specimen) print_particle_storage(w);
-    if (w->elements) {
-        const gn_fem_body *b = &w->elements->body;
+    for (size_t k = 0; k < w->element_count; k++) {
+        const gn_fem_body *b = &w->elements[k]->body;
         print_record(&gn_particle_record, "nodes", b->effects, b->nodes.soa.count);
         print_record(&gn_element_record, "elements", b->effects, b->elements.soa.count);
     }
@@ -199,10 +199,10 @@ gneiss_status gn_print_plan(gn_world *w, gneiss_error *error) {
     printf("  per step         %.1f us with %d threads:", per_step * 1e6, w->threads);
     if (w->scene.has_specimen)
         printf(" %s contact-steps/s", gn_format_count(contacts / per_step, text, sizeof text));
-    if (w->elements)
-        printf("%s %s element-steps/s", w->scene.has_specimen ? "," : "",
-               gn_format_count((double)w->elements->body.elements.soa.count / per_step, text,
-                               sizeof text));
+    if (w->element_count)
+        printf(
+            "%s %s element-steps/s", w->scene.has_specimen ? "," : "",
+            gn_format_count((double)gn_elements_totals(w).elements / per_step, text, sizeof text));
     printf("\n");
     printf("  time             %s\n", gn_format_seconds(per_step * steps, text, sizeof text));
     return GNEISS_OK;

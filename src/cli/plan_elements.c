@@ -6,10 +6,8 @@
 #include <stdio.h>
 #include <stdlib.h>
 
-void gn_print_element_kernels(const gn_world *w) {
+static void print_kernels(const gn_world *w, const gn_fem_body *b) {
     char name[200];
-    if (!w->elements) return;
-    const gn_fem_body *b = &w->elements->body;
     bool refused = w->effects & GN_FX_MIXED && !b->single;
     printf("  element %s, %s form, %s\n",
            b->dimension == 3 ? "tetrahedron" : "triangle, plane strain",
@@ -21,11 +19,14 @@ void gn_print_element_kernels(const gn_world *w) {
     printf("  nodes   %s\n", name);
 }
 
-void gn_print_element_limits(const gn_world *w) {
+void gn_print_element_kernels(const gn_world *w) {
+    for (size_t k = 0; k < w->element_count; k++) print_kernels(w, &w->elements[k]->body);
+}
+
+static void print_limits(const gn_world *w, const gn_element_model *q) {
     char text[160];
-    if (!w->elements) return;
-    const gn_fem_limit *limit = &w->elements->limit;
-    printf("  elements%s\n", gn_elements_lead(w) ? ", which set the step" : "");
+    const gn_fem_limit *limit = &q->limit;
+    printf("  elements%s\n", gn_elements_lead(w) == q ? ", which set the step" : "");
     if (limit->iterations == 0)
         printf("  sharp limit      not computed: the rigorous bound settles it and stands for it "
                "below\n");
@@ -34,7 +35,11 @@ void gn_print_element_limits(const gn_world *w) {
                limit->iterations);
     printf("  rigorous bound   %.6g s  = %.3f of the sharp limit (element %d)\n", limit->bound,
            limit->bound / limit->sharp, limit->bound_element);
-    printf("  set by           %s\n", gn_elements_culprit(w, text, sizeof text));
+    printf("  set by           %s\n", gn_elements_culprit(w, q, text, sizeof text));
+}
+
+void gn_print_element_limits(const gn_world *w) {
+    for (size_t k = 0; k < w->element_count; k++) print_limits(w, w->elements[k]);
 }
 
 /* --- check --- */
@@ -54,9 +59,7 @@ static void print_groups(const gn_mesh *mesh) {
     }
 }
 
-void gn_print_element_notes(const gn_world *w, const char *indent) {
-    if (!w->elements) return;
-    const gn_fem_body *b = &w->elements->body;
+static void print_notes(const gn_fem_body *b, const char *indent) {
     if (b->unused_nodes)
         printf("%snote: left out %zu node%s of the mesh that belong%s to no element\n", indent,
                b->unused_nodes, b->unused_nodes == 1 ? "" : "s", b->unused_nodes == 1 ? "s" : "");
@@ -65,14 +68,18 @@ void gn_print_element_notes(const gn_world *w, const char *indent) {
                indent, b->turned_elements, b->turned_elements == 1 ? "" : "s");
 }
 
+void gn_print_element_notes(const gn_world *w, const char *indent) {
+    for (size_t k = 0; k < w->element_count; k++) print_notes(&w->elements[k]->body, indent);
+}
+
 static int by_size(const void *a, const void *b) {
     const double *x = a, *y = b;
     return (*x > *y) - (*x < *y);
 }
 
 /* A few slivers make the whole run slow. */
-static void print_slivers(const gn_world *w, int *warnings) {
-    const gn_fem_body *b = &w->elements->body;
+static void print_slivers(const gn_world *w, const gn_element_model *q, int *warnings) {
+    const gn_fem_body *b = &q->body;
     size_t count = b->elements.soa.count;
     char text[160];
     double *scale = calloc(count + 1, sizeof *scale);
@@ -83,14 +90,13 @@ static void print_slivers(const gn_world *w, int *warnings) {
     free(scale);
     if (ratio > 0.3) return;
     printf("  warning: the step is that of a sliver, %.2g of what half of the elements allow: %s\n",
-           ratio, gn_elements_culprit(w, text, sizeof text));
+           ratio, gn_elements_culprit(w, q, text, sizeof text));
     (*warnings)++;
 }
 
-void gn_print_element_check(const gn_world *w, int *warnings) {
-    if (!w->elements) return;
-    const gn_fem_body *b = &w->elements->body;
-    const gn_element_def *e = &w->scene.elements;
+static void print_check(const gn_world *w, const gn_element_model *q, int *warnings) {
+    const gn_fem_body *b = &q->body;
+    const gn_element_def *e = q->def;
     double lower[3], upper[3];
     printf("elements\n  mesh             %s: %zu nodes, %zu %s\n", b->name, b->nodes.soa.count,
            b->elements.soa.count, b->dimension == 3 ? "tetrahedra" : "triangles");
@@ -107,11 +113,15 @@ void gn_print_element_check(const gn_world *w, int *warnings) {
            b->dimension == 2 ? " (1 m thick)" : "");
     print_groups(&b->mesh);
     for (size_t k = 0; k < e->motion_count; k++)
-        printf("  motion %-13s %zu nodes%s\n", e->motions[k].name, w->elements->motion_set[k].count,
-               w->elements->motion[k] < 0 ? ", watched only" : "");
+        printf("  motion %-13s %zu nodes%s\n", e->motions[k].name, q->motion_set[k].count,
+               q->motion[k] < 0 ? ", watched only" : "");
     for (size_t k = 0; k < e->load_count; k++)
         printf("  load %-15s %zu nodes\n", e->loads[k].name[0] ? e->loads[k].name : "-",
-               w->elements->load[k].count);
-    gn_print_element_notes(w, "  ");
-    print_slivers(w, warnings);
+               q->load[k].count);
+    print_notes(b, "  ");
+    print_slivers(w, q, warnings);
+}
+
+void gn_print_element_check(const gn_world *w, int *warnings) {
+    for (size_t k = 0; k < w->element_count; k++) print_check(w, w->elements[k], warnings);
 }

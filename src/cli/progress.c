@@ -115,9 +115,8 @@ void gn_print_start(const gn_options *o, const gn_run *run) {
     if (w->scene.has_specimen)
         printf("%zu particles, %zu bonds, %zu other pairs in the lists; ",
                w->dem.particles.soa.count, w->dem.bonds.soa.count, w->dem.pairs.soa.count);
-    if (w->elements)
-        printf("%zu nodes, %zu elements; ", w->elements->body.nodes.soa.count,
-               w->elements->body.elements.soa.count);
+    gn_element_totals elements = gn_elements_totals(w);
+    if (elements.elements) printf("%zu nodes, %zu elements; ", elements.nodes, elements.elements);
     printf("%d thread%s, %s\n", w->threads, w->threads == 1 ? "" : "s", w->kernels->name);
     gn_print_element_notes(w, "");
     print_limits(w);
@@ -168,7 +167,7 @@ static void print_profile(const gn_run *run) {
                    100.0 * run->world.seconds[k] / total);
     printf("  %-36s %9.3f s\n", "total", total);
     gn_progress p = gn_run_progress(run);
-    if (run->world.elements)
+    if (run->world.element_count)
         printf("  %s element-steps/s\n",
                gn_format_count(p.element_steps_per_second, text, sizeof text));
     if (!run->world.scene.has_specimen) return;
@@ -212,6 +211,6 @@ void gn_print_summary(const gn_options *o, const gn_run *run) {
     printf("\nwritten to %s: results.h5, summary.json%s%s%s%s\n", run->directory,
            w->scene.has_specimen ? ", particles.hdf.series" : "",
            w->effects & GN_FX_BONDS ? ", bonds.hdf.series" : "",
-           w->elements ? ", elements.hdf.series" : "",
+           w->element_count ? ", elements.hdf.series" : "",
            w->scene.body_count ? ", bodies.hdf.series" : "");
 }

@@ -15,13 +15,14 @@ typedef struct gn_piece {
 } gn_piece;
 
 /* A member, or array or struct of doubles alone, of TYPE; one of limits,
- * which are infinite where nothing sets them; and one of 64-bit integers. */
-#define GN_PIECE_DOUBLES(TYPE, member)                                                             \
-    { #member, GN_F64, offsetof(TYPE, member), sizeof(((TYPE *)0)->member) / 8, false }
-#define GN_PIECE_ANY(TYPE, member)                                                                 \
-    { #member, GN_F64, offsetof(TYPE, member), sizeof(((TYPE *)0)->member) / 8, true }
-#define GN_PIECE_INTEGER(TYPE, member)                                                             \
-    { #member, GN_I64, offsetof(TYPE, member), 1, false }
+ * which are infinite where nothing sets them; and one of 64-bit integers. The path of the member
+ * follows PREFIX in the file. */
+#define GN_PIECE_DOUBLES(PREFIX, TYPE, member)                                                     \
+    { PREFIX #member, GN_F64, offsetof(TYPE, member), sizeof(((TYPE *)0)->member) / 8, false }
+#define GN_PIECE_ANY(PREFIX, TYPE, member)                                                         \
+    { PREFIX #member, GN_F64, offsetof(TYPE, member), sizeof(((TYPE *)0)->member) / 8, true }
+#define GN_PIECE_INTEGER(PREFIX, TYPE, member)                                                     \
+    { PREFIX #member, GN_I64, offsetof(TYPE, member), 1, false }
 
 /* The `count` pieces of the struct at `base`, into and out of `group`. */
 gneiss_status gn_h5_put_pieces(gn_h5 *file, const char *group, const gn_piece *pieces, size_t count,

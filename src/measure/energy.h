@@ -30,6 +30,11 @@ typedef struct gn_energy {
                                least what rounding makes by itself */
 } gn_energy;
 
+/* Works are trapezoidal: of what happens between two instants half is booked with the forces of the
+ * one and half with those of the other. At an instant the half of the interval before it comes
+ * first, then that of the interval after it; a reading lies between them. */
+typedef enum gn_half { GN_HALF_BEFORE, GN_HALF_AFTER } gn_half;
+
 /* A ledger as it is shown: its terms, then what was stored at the start and the residual. */
 #define GN_ENERGY_RESIDUAL_TEXT                                                                    \
     "what the ledger does not explain, over the energy that has gone through"

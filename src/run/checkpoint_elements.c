@@ -9,9 +9,9 @@
 #include <stddef.h>
 #include <string.h>
 
-#define DOUBLES(member) GN_PIECE_DOUBLES(gn_element_model, member)
-#define LIMIT(member)   GN_PIECE_ANY(gn_element_model, member)
-#define INTEGER(member) GN_PIECE_INTEGER(gn_element_model, member)
+#define DOUBLES(member) GN_PIECE_DOUBLES("", gn_element_model, member)
+#define LIMIT(member)   GN_PIECE_ANY("", gn_element_model, member)
+#define INTEGER(member) GN_PIECE_INTEGER("", gn_element_model, member)
 
 static const gn_piece pieces[] = {
     INTEGER(body.step),     DOUBLES(body.time),         DOUBLES(body.dt_past),
@@ -24,18 +24,27 @@ enum { PIECES = sizeof pieces / sizeof *pieces };
 
 _Static_assert(sizeof(gn_fem_energy) % 8 == 0 && sizeof(size_t) == 8, "pieces of eight bytes");
 
-gneiss_status gn_elements_save(const gn_world *w, gn_h5 *file, gneiss_error *error) {
-    if (!w->elements) return GNEISS_OK;
-    const gn_element_model *q = w->elements;
+static gneiss_status save_body(size_t body, const gn_element_model *q, gn_h5 *file,
+                               gneiss_error *error) {
     const gn_fem_body *b = &q->body;
-    GN_TRY(gn_h5_put_mesh(file, "mesh", &b->mesh, error));
-    GN_TRY(gn_h5_put_record(file, "mesh_nodes", &gn_particle_record, &b->nodes, error));
-    GN_TRY(gn_h5_put_record(file, "mesh_elements", &gn_element_record, &b->elements, error));
-    GN_TRY(gn_h5_put_pieces(file, "elements", pieces, PIECES, q, error));
+    char path[GN_ELEMENT_PATH];
+    GN_TRY(gn_h5_put_mesh(file, gn_elements_path(body, "mesh", path), &b->mesh, error));
+    GN_TRY(gn_h5_put_record(file, gn_elements_path(body, "mesh_nodes", path), &gn_particle_record,
+                            &b->nodes, error));
+    GN_TRY(gn_h5_put_record(file, gn_elements_path(body, "mesh_elements", path), &gn_element_record,
+                            &b->elements, error));
+    GN_TRY(
+        gn_h5_put_pieces(file, gn_elements_path(body, "elements", path), pieces, PIECES, q, error));
     int64_t culprits[3] = {q->limit.bound_element, q->limit.sharp_element, q->limit.iterations};
-    GN_TRY(gn_h5_put(file, "elements/culprits", GN_I64, 3, 1, 0, culprits, NULL, NULL, error));
-    return gn_h5_put(file, "elements/load", GN_F64, b->prescribed.count, 6, 0, b->prescribed.load,
-                     NULL, NULL, error);
+    GN_TRY(gn_h5_put(file, gn_elements_path(body, "elements/culprits", path), GN_I64, 3, 1, 0,
+                     culprits, NULL, NULL, error));
+    return gn_h5_put(file, gn_elements_path(body, "elements/load", path), GN_F64,
+                     b->prescribed.count, 6, 0, b->prescribed.load, NULL, NULL, error);
+}
+
+gneiss_status gn_elements_save(const gn_world *w, gn_h5 *file, gneiss_error *error) {
+    for (size_t k = 0; k < w->element_count; k++) GN_TRY(save_body(k, w->elements[k], file, error));
+    return GNEISS_OK;
 }
 
 /* --- reading --- */
@@ -58,13 +67,15 @@ static bool indices_are_good(const gn_fem_body *b) {
 }
 
 /* Puts the saved records in the place of those made from the mesh; same counts, same order. */
-static gneiss_status take_records(gn_fem_body *b, const gn_h5 *file, const char *path,
+static gneiss_status take_records(size_t body, gn_fem_body *b, const gn_h5 *file, const char *path,
                                   gneiss_error *error) {
     gn_particles nodes = {0};
     gn_elements elements = {0};
-    GN_TRY(gn_h5_get_record(file, "mesh_nodes", &gn_particle_record, &nodes, b->effects, error));
-    gneiss_status status =
-        gn_h5_get_record(file, "mesh_elements", &gn_element_record, &elements, b->effects, error);
+    char at[GN_ELEMENT_PATH];
+    GN_TRY(gn_h5_get_record(file, gn_elements_path(body, "mesh_nodes", at), &gn_particle_record,
+                            &nodes, b->effects, error));
+    gneiss_status status = gn_h5_get_record(file, gn_elements_path(body, "mesh_elements", at),
+                                            &gn_element_record, &elements, b->effects, error);
     bool same = status == GNEISS_OK && nodes.soa.count == b->nodes.soa.count &&
                 elements.soa.count == b->elements.soa.count;
     if (!same) {
@@ -88,22 +99,31 @@ static gneiss_status take_records(gn_fem_body *b, const gn_h5 *file, const char 
                    b->nodes.soa.count, b->elements.soa.count);
 }
 
-gneiss_status gn_elements_load(gn_world *w, const gn_h5 *file, const char *path,
-                               gneiss_error *error) {
-    gn_mesh mesh;
-    if (!w->scene.has_elements) return GNEISS_OK;
-    GN_TRY(gn_h5_get_mesh(file, "mesh", &mesh, error));
-    GN_TRY(gn_elements_create(w, &mesh, error));
-    gn_element_model *q = w->elements;
-    GN_TRY(take_records(&q->body, file, path, error));
-    GN_TRY(gn_h5_get_pieces(file, "elements", pieces, PIECES, q, error));
+static gneiss_status load_body(size_t body, gn_element_model *q, const gn_h5 *file,
+                               const char *path, gneiss_error *error) {
+    char at[GN_ELEMENT_PATH];
     int64_t culprits[3];
-    GN_TRY(gn_h5_get(file, "elements/culprits", GN_I64, 3, 1, 0, culprits, error));
+    GN_TRY(take_records(body, &q->body, file, path, error));
+    GN_TRY(
+        gn_h5_get_pieces(file, gn_elements_path(body, "elements", at), pieces, PIECES, q, error));
+    GN_TRY(gn_h5_get(file, gn_elements_path(body, "elements/culprits", at), GN_I64, 3, 1, 0,
+                     culprits, error));
     q->limit.bound_element = (int32_t)culprits[0];
     q->limit.sharp_element = (int32_t)culprits[1];
     q->limit.iterations = (int)culprits[2];
     if (!(isfinite(q->body.time) && isfinite(q->body.dt_past) && q->body.step >= 0))
         return gn_fail(error, GNEISS_ERROR_INPUT, "%s: expected finite times, found others", path);
-    return gn_h5_get(file, "elements/load", GN_F64, q->body.prescribed.count, 6, 0,
-                     q->body.prescribed.load, error);
+    return gn_h5_get(file, gn_elements_path(body, "elements/load", at), GN_F64,
+                     q->body.prescribed.count, 6, 0, q->body.prescribed.load, error);
+}
+
+/* The bodies are those of the scene: one at most. */
+gneiss_status gn_elements_load(gn_world *w, const gn_h5 *file, const char *path,
+                               gneiss_error *error) {
+    gn_mesh mesh = {0};
+    if (w->scene.has_elements) GN_TRY(gn_h5_get_mesh(file, "mesh", &mesh, error));
+    GN_TRY(gn_elements_create(w, &mesh, error));
+    for (size_t k = 0; k < w->element_count; k++)
+        GN_TRY(load_body(k, w->elements[k], file, path, error));
+    return GNEISS_OK;
 }

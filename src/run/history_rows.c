@@ -62,10 +62,9 @@ static double largest(const double x[3]) {
  * when the model lies beside the origin. */
 static double largest_coordinate(const gn_world *w) {
     double most = fmax(largest(w->lower), largest(w->upper));
-    const gn_particles *nodes = w->elements ? &w->elements->body.nodes : NULL;
-    for (size_t n = 0; nodes && n < nodes->soa.count; n++)
-        most = fmax(most, largest(nodes->start + 4 * n));
-    return most;
+    double lower[3] = {0, 0, 0}, upper[3] = {0, 0, 0};
+    gn_elements_extent(w, lower, upper);
+    return fmax(most, fmax(largest(lower), largest(upper)));
 }
 
 /* Energy that the rounding of coordinates makes by itself, generously. In a scene at rest there is

@@ -15,13 +15,13 @@
 
 static gn_output_source particles_of(const gn_output_view *v) {
     const gn_world *w = v->world;
-    return (gn_output_source){&gn_particle_outputs, v, w->effects, w->dem.particles.soa.count,
-                              w->dem.particles.id};
+    return (gn_output_source){&gn_particle_outputs, v,   w->effects, w->dem.particles.soa.count,
+                              w->dem.particles.id,  NULL};
 }
 
 static gn_output_source bonds_of(const gn_output_view *v) {
     const gn_world *w = v->world;
-    return (gn_output_source){&gn_bond_outputs, v, w->effects, w->dem.bonds.soa.count, NULL};
+    return (gn_output_source){&gn_bond_outputs, v, w->effects, w->dem.bonds.soa.count, NULL, NULL};
 }
 
 static gneiss_status write_bonds(const gn_run *run, const gn_output_view *v, const char *name,
@@ -94,8 +94,11 @@ gneiss_status gn_output_series(gn_run *run, gneiss_error *error) {
     gn_snapshot_times *times = &run->snapshot_times;
     if (run->world.scene.body_count)
         GN_TRY(gn_snapshot_series(run->directory, "bodies", run->world.step, times, error));
-    if (run->world.elements)
-        GN_TRY(gn_snapshot_series(run->directory, "elements", run->world.step, times, error));
+    for (size_t k = 0; k < run->world.element_count; k++) {
+        char name[GN_ELEMENT_PATH];
+        GN_TRY(gn_snapshot_series(run->directory, gn_elements_file(k, "elements", name),
+                                  run->world.step, times, error));
+    }
     if (!run->world.dem.particles.soa.count) return GNEISS_OK;
     GN_TRY(gn_snapshot_series(run->directory, "particles", run->world.step, times, error));
     if (!(run->world.effects & GN_FX_BONDS)) return GNEISS_OK;
@@ -289,9 +292,10 @@ static void summary_counts(const gn_world *w, size_t contacts, gn_json *j) {
         gn_json_integer(j, "bodies", (int64_t)w->scene.body_count);
         gn_json_integer(j, "facets", (int64_t)w->boundary.body_corner_count / w->scene.dimension);
     }
-    if (w->elements) {
-        gn_json_integer(j, "nodes", (int64_t)w->elements->body.nodes.soa.count);
-        gn_json_integer(j, "elements", (int64_t)w->elements->body.elements.soa.count);
+    if (w->element_count) {
+        gn_element_totals t = gn_elements_totals(w);
+        gn_json_integer(j, "nodes", (int64_t)t.nodes);
+        gn_json_integer(j, "elements", (int64_t)t.elements);
     }
     gn_json_end(j);
 }
@@ -319,7 +323,7 @@ static void summary_cost(const gn_run *run, gn_json *j) {
     gn_json_number(j, "particle_steps_per_second",
                    (double)w->dem.particles.soa.count * (double)w->step / p.seconds);
     gn_json_number(j, "contact_steps_per_second", (double)w->dem.contact_steps / p.seconds);
-    if (w->elements) gn_json_number(j, "element_steps_per_second", p.element_steps_per_second);
+    if (w->element_count) gn_json_number(j, "element_steps_per_second", p.element_steps_per_second);
     gn_json_integer(j, "threads", w->threads);
     gn_json_text(j, "isa", w->kernels->name);
     gn_json_text(j, "precision", w->effects & GN_FX_MIXED ? "mixed" : "double");

@@ -11,13 +11,29 @@
 
 #define COUNT(table) (sizeof(table) / sizeof *(table))
 
+const char *gn_elements_path(size_t body, const char *name, char path[GN_ELEMENT_PATH]) {
+    if (body)
+        snprintf(path, GN_ELEMENT_PATH, "elements_%zu/%s", body + 1, name);
+    else
+        snprintf(path, GN_ELEMENT_PATH, "%s", name);
+    return path;
+}
+
+const char *gn_elements_file(size_t body, const char *name, char file[GN_ELEMENT_PATH]) {
+    int length = snprintf(file, GN_ELEMENT_PATH, "%s", name);
+    if (body) snprintf(file + length, (size_t)(GN_ELEMENT_PATH - length), "_%zu", body + 1);
+    return file;
+}
+
 /* What fields are read from; rows of the files follow the mesh. */
 typedef struct view {
     const gn_fem_body *body;
-    int32_t *node_row;    /* [nodes] */
-    double (*element)[6]; /* [elements] Pa, stresses */
-    double (*nodal)[6];   /* [nodes] Pa */
-    double *pressure;     /* [nodes] Pa, tension positive */
+    size_t number;                /* of the body */
+    char prefix[GN_ELEMENT_PATH]; /* of its groups; "" for the first */
+    int32_t *node_row;            /* [nodes] */
+    double (*element)[6];         /* [elements] Pa, stresses */
+    double (*nodal)[6];           /* [nodes] Pa */
+    double *pressure;             /* [nodes] Pa, tension positive */
 } view;
 
 static void free_view(view *v) {
@@ -55,9 +71,10 @@ static gneiss_status find_stresses(view *v, gneiss_error *error) {
     return number_rows(b, v->node_row, error);
 }
 
-static gneiss_status make_view(const gn_fem_body *b, view *v, gneiss_error *error) {
+static gneiss_status make_view(const gn_fem_body *b, size_t number, view *v, gneiss_error *error) {
     size_t nodes = b->nodes.soa.count + 1, elements = b->elements.soa.count + 1;
-    *v = (view){.body = b};
+    *v = (view){.body = b, .number = number};
+    gn_elements_path(number, "", v->prefix);
     v->node_row = gn_alloc_array(nodes, sizeof *v->node_row);
     v->element = gn_alloc_array(elements, sizeof *v->element);
     v->nodal = gn_alloc_array(nodes, sizeof *v->nodal);
@@ -164,12 +181,13 @@ const gn_output_table gn_node_outputs = {"nodes", of_nodes, COUNT(of_nodes)},
                       gn_element_outputs = {"elements", of_elements, COUNT(of_elements)};
 
 static gn_output_source nodes_source(const view *v) {
-    return (gn_output_source){&gn_node_outputs, v, 0, v->body->nodes.soa.count, v->node_row};
+    return (gn_output_source){&gn_node_outputs,         v,           0,
+                              v->body->nodes.soa.count, v->node_row, v->prefix};
 }
 
 static gn_output_source elements_source(const view *v) {
-    return (gn_output_source){&gn_element_outputs, v, 0, v->body->elements.soa.count,
-                              v->body->elements.id};
+    return (gn_output_source){&gn_element_outputs,  v,        0, v->body->elements.soa.count,
+                              v->body->elements.id, v->prefix};
 }
 
 /* --- files --- */
@@ -226,46 +244,59 @@ static gneiss_status write_snapshot(const gn_world *w, const view *v, const char
 
 gneiss_status gn_elements_snapshot(const gn_world *w, const char *directory, const char *name,
                                    gneiss_error *error) {
-    if (!w->elements) return GNEISS_OK;
-    view v;
-    GN_TRY(make_view(&w->elements->body, &v, error));
-    gneiss_status status = write_snapshot(w, &v, directory, name, error);
-    free_view(&v);
-    return status;
+    for (size_t k = 0; k < w->element_count; k++) {
+        char file[GN_ELEMENT_PATH];
+        view v;
+        GN_TRY(make_view(&w->elements[k]->body, k, &v, error));
+        gneiss_status status =
+            write_snapshot(w, &v, directory, gn_elements_file(k, name, file), error);
+        free_view(&v);
+        GN_TRY(status);
+    }
+    return GNEISS_OK;
 }
 
 static gneiss_status put_view(const view *v, gn_h5 *file, gneiss_error *error) {
     const gn_output_source nodes = nodes_source(v), elements = elements_source(v);
+    char path[GN_ELEMENT_PATH];
     GN_TRY(gn_output_put(&nodes, file, error));
     GN_TRY(gn_output_put(&elements, file, error));
     int32_t *corners = corners_of(v);
     if (!corners) return gn_fail(error, GNEISS_ERROR_MEMORY, "no memory for the output");
     gneiss_status status =
-        gn_h5_put(file, "elements/node", GN_I32, elements.count, (size_t)v->body->dimension + 1, 0,
-                  corners, "1", "rows of /nodes, base 0", error);
+        gn_h5_put(file, gn_elements_path(v->number, "elements/node", path), GN_I32, elements.count,
+                  (size_t)v->body->dimension + 1, 0, corners, "1", "rows of /nodes, base 0", error);
     gn_free(corners);
     return status;
 }
 
-gneiss_status gn_elements_results(const gn_world *w, gn_h5 *file, gneiss_error *error) {
-    if (!w->elements) return GNEISS_OK;
+static gneiss_status put_body(size_t number, const gn_fem_body *b, gn_h5 *file,
+                              gneiss_error *error) {
     view v;
-    GN_TRY(make_view(&w->elements->body, &v, error));
+    GN_TRY(make_view(b, number, &v, error));
     gneiss_status status = put_view(&v, file, error);
     free_view(&v);
-    for (size_t k = 0; status == GNEISS_OK && k < w->scene.elements.motion_count; k++) {
-        double value[3];
-        char path[160];
-        const char *name = w->scene.elements.motions[k].name;
-        gn_elements_travel(w, k, value);
-        snprintf(path, sizeof path, "motions/%s/displacement", name);
-        status = gn_h5_put(file, path, GN_F64, 3, 1, 0, value, "m",
-                           "mean displacement of the nodes", error);
-        if (status != GNEISS_OK || w->elements->motion[k] < 0) continue;
-        gn_elements_reaction(w, k, value);
-        snprintf(path, sizeof path, "motions/%s/reaction", name);
-        status = gn_h5_put(file, path, GN_F64, 3, 1, 0, value, "N",
-                           "force that the prescribed motion supplied in the last step", error);
-    }
     return status;
+}
+
+static gneiss_status put_motion(const gn_world *w, size_t k, gn_h5 *file, gneiss_error *error) {
+    double value[3];
+    char path[160];
+    const char *name = gn_elements_motion_name(w, k);
+    gn_elements_travel(w, k, value);
+    snprintf(path, sizeof path, "motions/%s/displacement", name);
+    GN_TRY(gn_h5_put(file, path, GN_F64, 3, 1, 0, value, "m", "mean displacement of the nodes",
+                     error));
+    if (!gn_elements_motion_drives(w, k)) return GNEISS_OK;
+    gn_elements_reaction(w, k, value);
+    snprintf(path, sizeof path, "motions/%s/reaction", name);
+    return gn_h5_put(file, path, GN_F64, 3, 1, 0, value, "N",
+                     "force that the prescribed motion supplied in the last step", error);
+}
+
+gneiss_status gn_elements_results(const gn_world *w, gn_h5 *file, gneiss_error *error) {
+    for (size_t k = 0; k < w->element_count; k++)
+        GN_TRY(put_body(k, &w->elements[k]->body, file, error));
+    for (size_t k = 0; k < gn_elements_motions(w); k++) GN_TRY(put_motion(w, k, file, error));
+    return GNEISS_OK;
 }

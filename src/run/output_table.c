@@ -38,7 +38,8 @@ gneiss_status gn_output_put(const gn_output_source *s, gn_h5 *file, gneiss_error
         if (!there(s, f, GN_IN_RESULTS)) continue;
         GN_TRY(read_field(s, f, &data, error));
         narrow(data, f->type, s->count * f->components);
-        snprintf(path, sizeof path, "%s/%s", s->table->group, f->name);
+        snprintf(path, sizeof path, "%s%s/%s", s->prefix ? s->prefix : "", s->table->group,
+                 f->name);
         bool demanded = gn_h5_demand_finite(file, false);
         gn_h5_demand_finite(file, demanded && !f->may_be_nan);
         gneiss_status status = gn_h5_put(file, path, f->type, s->count, f->components, 0, data,

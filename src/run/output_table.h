@@ -38,6 +38,7 @@ typedef struct gn_output_source {
     gn_effects effects;
     size_t count;
     const int32_t *row; /* [count] where an item stands; NULL: in its place */
+    const char *prefix; /* before the group; NULL: none */
 } gn_output_source;
 
 /* GROUP/<field> of results.h5. */

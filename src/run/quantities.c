@@ -30,7 +30,7 @@ static bool has_ledger(const gn_world *w, size_t k) {
 }
 static bool has_elements_beside_particles(const gn_world *w, size_t k) {
     (void)k;
-    return w->elements && w->scene.has_specimen;
+    return w->element_count && w->scene.has_specimen;
 }
 static bool set_moves(const gn_world *w, size_t k) {
     const gn_set_def *s = &w->scene.sets[k];
@@ -39,7 +39,7 @@ static bool set_moves(const gn_world *w, size_t k) {
     return points > 0;
 }
 static bool motion_drives(const gn_world *w, size_t k) {
-    return w->elements->motion[k] >= 0;
+    return gn_elements_motion_drives(w, k);
 }
 
 static const gn_condition always = {"always", NULL}, tests = {"with a test", has_test},
@@ -80,15 +80,15 @@ static void read_test_force(const gn_world *w, size_t k, double *value) {
 
 static void read_elements_strain(const gn_world *w, size_t k, double *value) {
     (void)k;
-    gn_fem_mean_gradient(&w->elements->body, (const double(*)[3])w->elements->weight, value);
+    gn_elements_strain(w, value);
 }
 static void read_elements_stress(const gn_world *w, size_t k, double *value) {
     (void)k;
-    memcpy(value, w->elements->stress, sizeof w->elements->stress);
+    gn_elements_stress(w, value);
 }
 /* Elements without particles are the specimen. */
 static void read_strain(const gn_world *w, size_t k, double *value) {
-    if (w->elements && !w->scene.has_specimen)
+    if (!w->scene.has_specimen)
         read_elements_strain(w, k, value);
     else
         gn_strain_gauge_read(&w->gauge, &w->dem.particles, w->dem.index_of_id, value);
@@ -237,13 +237,6 @@ static const gn_quantity of_elements[] = {
     {"elements_stress", "Pa", "average stress of the finite elements, tension positive", GN_TENSOR,
      GN_AFTER_STEP, &beside, read_elements_stress, NULL}};
 
-static size_t motion_count(const gn_world *w) {
-    return w->elements ? w->scene.elements.motion_count : 0;
-}
-static const char *motion_name(const gn_world *w, size_t k) {
-    return w->scene.elements.motions[k].name;
-}
-
 static const gn_quantity of_motions[] = {
     {"displacement", "m", "mean displacement of the nodes", GN_VECTOR, GN_BEFORE_STEP, &always,
      gn_elements_travel, NULL},
@@ -258,7 +251,7 @@ const gn_quantity_group gn_quantity_groups[GN_QUANTITY_GROUPS] = {
     {"body", body_count, body_name, of_bodies, COUNT(of_bodies)},
     {"set", set_count, set_name, of_sets, COUNT(of_sets)},
     {NULL, one, NULL, of_elements, COUNT(of_elements)},
-    {"motion", motion_count, motion_name, of_motions, COUNT(of_motions)}};
+    {"motion", gn_elements_motions, gn_elements_motion_name, of_motions, COUNT(of_motions)}};
 
 bool gn_quantity_next(const gn_world *w, gn_quantity_place *p) {
     while (p->next_group < GN_QUANTITY_GROUPS) {

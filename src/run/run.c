@@ -298,7 +298,7 @@ static gneiss_status one_step(gn_run *run, gneiss_error *error) {
     } else {
         GN_TRY(gn_world_step(w, false, error));
     }
-    if (w->step % (w->elements ? WATCH_ELEMENTS : WATCH_INTERVAL) == 0)
+    if (w->step % (w->element_count ? WATCH_ELEMENTS : WATCH_INTERVAL) == 0)
         GN_TRY(gn_world_check_step(w, false, error));
     if (!run->finished && w->time >= w->scene.end - 0.5 * w->dt)
         stop(run, "t = %g s reached", w->scene.end);
@@ -360,8 +360,7 @@ gn_progress gn_run_progress(const gn_run *run) {
     p.seconds = run->wall_before + gn_now() - run->wall_start;
     double rate = p.seconds > 0.0 ? (double)w->step / p.seconds : 0.0;
     p.particle_steps_per_second = rate * (double)w->dem.particles.soa.count;
-    if (w->elements)
-        p.element_steps_per_second = rate * (double)w->elements->body.elements.soa.count;
+    p.element_steps_per_second = rate * (double)gn_elements_totals(w).elements;
     p.contact_steps_per_second = p.seconds > 0.0 ? (double)w->dem.contact_steps / p.seconds : 0.0;
     p.eta = rate > 0.0 ? fmax(0.0, (w->scene.end - w->time) / w->dt / rate) : NAN;
     p.unbalanced = w->unbalanced;

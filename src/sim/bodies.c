@@ -238,25 +238,22 @@ gneiss_status gn_bodies_create(gn_world *w, gneiss_error *error) {
 gneiss_status gn_bodies_surfaces(gn_world *w, gneiss_error *error) {
     size_t corners = (size_t)w->scene.dimension, vertex = 0, corner = 0;
     if (!(w->effects & GN_FX_FACETS)) return GNEISS_OK;
-    w->boundary.surfaces = gn_alloc_array(w->scene.body_count + 1, sizeof *w->boundary.surfaces);
+    w->boundary.surfaces =
+        gn_alloc_array(w->scene.body_count + w->element_count + 1, sizeof *w->boundary.surfaces);
     if (!w->boundary.surfaces) return gn_fail(error, GNEISS_ERROR_MEMORY, "no memory for surfaces");
     for (size_t k = 0; k < w->scene.body_count; k++) {
         const gn_body_def *def = &w->scene.bodies[k];
-        gn_surface *s = &w->boundary.surfaces[k];
-        s->facets =
-            (gn_facet_set){(int)corners, (size_t)w->boundary.body_shape[k][1],
-                           w->boundary.body_corner + corner, w->boundary.body_vertex + 4 * vertex};
-        s->body = (int32_t)k;
-        s->travel = &w->boundary.bodies[k].travel;
-        s->first = (int32_t)(corner / corners);
-        s->vertices = (size_t)w->boundary.body_shape[k][0];
-        s->stiffness = def->stiffness;
-        s->kratio = def->kratio;
-        s->friction = def->friction;
-        GN_TRY(gn_facet_tree_build(&s->facets, &s->tree, error));
-        w->boundary.surface_count++;
-        vertex += s->vertices;
-        corner += corners * s->facets.count;
+        const int64_t *shape = w->boundary.body_shape[k];
+        gn_surface s = {.body = (int32_t)k,
+                        .vertices = (size_t)shape[0],
+                        .stiffness = def->stiffness,
+                        .kratio = def->kratio,
+                        .friction = def->friction};
+        s.facets = (gn_facet_set){(int)corners, (size_t)shape[1], w->boundary.body_corner + corner,
+                                  w->boundary.body_vertex + 4 * vertex};
+        GN_TRY(gn_boundary_add_surface(w, &s, error));
+        vertex += s.vertices;
+        corner += corners * s.facets.count;
     }
     return GNEISS_OK;
 }
@@ -264,7 +261,7 @@ gneiss_status gn_bodies_surfaces(gn_world *w, gneiss_error *error) {
 /* --- motion --- */
 
 /* Works of what is prescribed and of gravity over half an interval. */
-static void book(gn_world *w, const gn_rigid *b, double dt) {
+static void book(const gn_world *w, const gn_rigid *b, double dt, gn_energy *ledger) {
     double prescribed = 0.0, weight = 0.0;
     for (int a = 0; a < 3; a++) {
         if (b->inverse_mass[a] > 0.0)
@@ -273,8 +270,12 @@ static void book(gn_world *w, const gn_rigid *b, double dt) {
             prescribed -= b->force[a] * b->velocity[a];
     }
     if (!turns_freely(b)) prescribed -= gn_dot3(b->moment, b->spin);
-    w->energy.work_walls += 0.5 * dt * prescribed;
-    w->energy.work_gravity += 0.5 * dt * weight;
+    ledger->work_walls += 0.5 * dt * prescribed;
+    ledger->work_gravity += 0.5 * dt * weight;
+}
+
+void gn_bodies_book(const gn_world *w, double dt, gn_energy *ledger) {
+    for (size_t k = 0; k < w->scene.body_count; k++) book(w, &w->boundary.bodies[k], dt, ledger);
 }
 
 void gn_bodies_kick(gn_world *w) {
@@ -282,7 +283,6 @@ void gn_bodies_kick(gn_world *w) {
     for (size_t k = 0; k < w->scene.body_count; k++) {
         gn_rigid *b = &w->boundary.bodies[k];
         const gn_motion *motion = &w->scene.bodies[k].motion;
-        book(w, b, w->dt_past);
         memcpy(b->velocity_past, b->velocity, sizeof b->velocity);
         memcpy(b->spin_past, b->spin, sizeof b->spin);
         memcpy(b->momentum_past, b->momentum, sizeof b->momentum);
@@ -325,7 +325,6 @@ void gn_bodies_drift(gn_world *w) {
     for (size_t k = 0; k < w->scene.body_count; k++) {
         gn_rigid *b = &w->boundary.bodies[k];
         double speed = sqrt(gn_dot3(b->velocity, b->velocity)), turn[3];
-        book(w, b, w->dt);
         for (int a = 0; a < 3; a++) {
             b->position[a] += w->dt * b->velocity[a];
             turn[a] = w->dt * b->spin[a];

@@ -1,9 +1,11 @@
-/* What particles touch besides each other: plane walls, rigid bodies and the surfaces of finite
- * elements, and the contacts with them. */
+/* The part of a world that particles touch besides each other: plane walls, rigid bodies and the
+ * surfaces of finite elements, and the contacts with them. */
 #ifndef GN_SIM_BOUNDARY_H
 #define GN_SIM_BOUNDARY_H
 
+#include "io/h5.h"
 #include "kernels/contact.h"
+#include "measure/energy.h"
 #include "sim/surface.h"
 #include "soa/records.h"
 
@@ -32,8 +34,55 @@ typedef struct gn_boundary {
     double *body_vertex;      /* [body_vertex_count][4], m, in the frames */
     int32_t *body_corner;     /* [body_corner_count], within a body */
 
-    double surface_rate; /* 1/s: 1/dt of free bodies, see gn_surfaces_rate */
+    double surface_rate; /* 1/s: 1/dt of free bodies, see gn_boundary_limit */
     double vertex_rate;  /* 1/s: the same of what contacts do to nodes of finite elements */
 } gn_boundary;
+
+typedef struct gn_world gn_world;
+
+/* Walls, bodies and their surfaces; those of finite elements join them (element_contact.c). */
+gneiss_status gn_boundary_create(gn_world *world, gneiss_error *error);
+/* A surface, of which `first`, `tree` and `force` are made. */
+gneiss_status gn_boundary_add_surface(gn_world *world, const gn_surface *surface,
+                                      gneiss_error *error);
+void gn_boundary_free(gn_boundary *boundary);
+
+/* Finds what is near each particle, in the order that the particles have; `first`: at the start,
+ * where a passive wall takes contacts as they are. */
+gneiss_status gn_boundary_refresh(gn_world *world, bool first, gneiss_error *error);
+/* All that follows from contacts, which were read. */
+gneiss_status gn_boundary_restore(gn_world *world, gneiss_error *error);
+/* Particles have other numbers: place[old] is the new one. */
+gneiss_status gn_boundary_renumber(gn_world *world, const int32_t *place, gneiss_error *error);
+/* m: bound on the path of anything since the lists were made. `exact`: looks where surfaces are. */
+double gn_boundary_travel(gn_world *world, bool exact);
+
+/* Contacts of a block of particles, in the sweep; whether there are any. */
+bool gn_boundary_work(gn_world *world, size_t block, size_t first, size_t last);
+/* Sums up what particles do to walls, bodies and vertices, after it. */
+void gn_boundary_forces(gn_world *world);
+/* New velocities of bodies; new velocities of walls, and new places of both. */
+void gn_boundary_kick(gn_world *world);
+void gn_boundary_move(gn_world *world);
+/* Works: of the half before, before the kick; of the half after, after the motion. Between kick and
+ * motion, adds the kinetic energy of free bodies. */
+void gn_boundary_book(const gn_world *world, gn_half half, gn_energy *ledger);
+void gn_boundary_measure(const gn_world *world, gn_energy *ledger);
+/* That nothing moved too far in the step (paths.c). */
+gneiss_status gn_boundary_check(const gn_world *world, gneiss_error *error);
+
+/* What bodies and vertices of elements that give way ask of the step (surface_limit.c): whether
+ * that is more than was known, by over a fiftieth; takes it over then, or if `anew`. */
+gneiss_status gn_boundary_yields_more(const gn_world *world, bool *more, gneiss_error *error);
+gneiss_status gn_boundary_limit(gn_world *world, bool anew, bool *due, gneiss_error *error);
+
+uint64_t gn_boundary_hash(const gn_world *world, uint64_t h);
+size_t gn_boundary_bytes(const gn_world *world);
+/* Their part of a checkpoint (checkpoint_boundary.c), after the particles; `path` stands in
+ * messages. Surfaces are made when all that has them is there. */
+gneiss_status gn_boundary_save(const gn_world *world, gn_h5 *file, gneiss_error *error);
+gneiss_status gn_boundary_load(gn_world *world, const gn_h5 *file, const char *path,
+                               gneiss_error *error);
+gneiss_status gn_boundary_load_surfaces(gn_world *world, const char *path, gneiss_error *error);
 
 #endif

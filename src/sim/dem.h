@@ -1,10 +1,14 @@
-/* Particles: their records, contacts and lists, what drives them, and the step that they allow. */
+/* The part of a world that is particles: their records, contacts and lists, what drives them, and
+ * the step that they allow. */
 #ifndef GN_SIM_DEM_H
 #define GN_SIM_DEM_H
 
+#include "io/h5.h"
+#include "io/packing.h"
 #include "kernels/dispatch.h"
 #include "kernels/law.h"
 #include "limit/timestep.h"
+#include "measure/energy.h"
 #include "neigh/pairs.h"
 #include "sched/deal.h"
 #include "sched/hold.h"
@@ -26,9 +30,11 @@ typedef struct gn_resolution {
     int64_t first, second;
 } gn_resolution;
 
-/* X(name, text): numbers of the last measured step that no sum over the state gives afterwards;
- * checkpoints have them. */
-#define GN_MEASURED(X) X(unbalanced, "mean resultant over mean contact force")
+/* What a step summed up to, over all blocks. */
+typedef struct gn_dem_sums {
+    gn_contact_sums bonds, pairs, walls; /* the last: contacts with walls and facets */
+    gn_motion_sums motion;
+} gn_dem_sums;
 
 typedef struct gn_dem {
     gn_particles particles;
@@ -52,6 +58,7 @@ typedef struct gn_dem {
     gn_contact_sums *bond_sums, *pair_sums; /* per block of contacts */
     gn_motion_sums *motion_sums;
     size_t motion_blocks;
+    gn_dem_sums done;  /* in the last step */
     double speed_most; /* m/s, of the fastest in the last step; 0: not known (start, resume) */
 
     gn_step_limit limit; /* last full estimate */
@@ -66,5 +73,61 @@ typedef struct gn_dem {
     int64_t lost;          /* removed particles */
     int64_t contact_steps; /* contacts worked on, summed over steps */
 } gn_dem;
+
+typedef struct gn_world gn_world;
+
+/* Kernels and threads, from the effects of the world: also of one that is resumed. */
+gneiss_status gn_dem_prepare(gn_world *world, gneiss_error *error);
+gneiss_status gn_dem_use_threads(gn_world *world, gneiss_error *error);
+/* The particles of a packing, in its order, without mass. */
+gneiss_status gn_dem_create(gn_world *world, const gn_packing *packing, gneiss_error *error);
+/* Masses, sets and skin, once the specimen is measured. */
+gneiss_status gn_dem_complete(gn_world *world, gneiss_error *error);
+/* Without particles: empty records, so that nothing else needs to know. */
+gneiss_status gn_dem_create_empty(gn_world *world, gneiss_error *error);
+void gn_dem_free(gn_dem *dem);
+
+/* Makes the lists anew; at the start, forms bonds as well. */
+gneiss_status gn_dem_refresh(gn_world *world, gneiss_error *error);
+/* All that follows from records and lists, which were read. */
+gneiss_status gn_dem_restore(gn_world *world, gneiss_error *error);
+/* m: looks how far the particles came since the lists were made, for verlet.drift. */
+void gn_dem_look_at_travel(gn_world *world);
+
+/* Forces of the instant, and the motion of what does not wait for an exchange, in one sweep; */
+void gn_dem_forces(gn_world *world, bool measure);
+/* then the motion of what waited, and what the step sums up to. */
+void gn_dem_move(gn_world *world, bool measure);
+/* Works, and what contacts dissipated; what is stored at the instant between the halves, with the
+ * stress, Pa; the mean resultant over the mean contact force. */
+void gn_dem_book(const gn_world *world, gn_half half, gn_energy *ledger);
+void gn_dem_measure(const gn_world *world, gn_energy *ledger, double stress[9]);
+double gn_dem_unbalanced(const gn_world *world);
+/* That no particle went bad or too far in the step (paths.c). */
+gneiss_status gn_dem_check(const gn_world *world, bool measure, gneiss_error *error);
+
+/* The limit of the particles alone (dem_limit.c): of what has come to act since the last look, or,
+ * `full`, of all. *due: it has changed, or that of what they touch. */
+gneiss_status gn_dem_limit(gn_world *world, bool full, bool *due, gneiss_error *error);
+/* The same of what has turned since. */
+gneiss_status gn_dem_limit_turned(gn_world *world, bool *due, gneiss_error *error);
+/* Whether the step of the world holds with all that is listed in touch; else dem.listed says what
+ * would. `full`: looks at all of it. */
+gneiss_status gn_dem_limit_listed(gn_world *world, bool full, bool *fine, gneiss_error *error);
+/* The shortest collision among what is listed; among all of the scene, when nothing is listed that
+ * collides. *shorter: than known before. */
+gneiss_status gn_dem_resolve_listed(gn_world *world, bool *shorter, gneiss_error *error);
+gneiss_status gn_dem_resolve_flight(gn_world *world, bool *shorter, gneiss_error *error);
+/* Forgets what was found of lists and collisions. */
+void gn_dem_limit_anew(gn_world *world);
+/* After the step has changed (lists.c): the coefficients of dashpots that depend on it. */
+void gn_dem_step_changed(gn_world *world);
+
+uint64_t gn_dem_hash(const gn_world *world, uint64_t h);
+size_t gn_dem_bytes(const gn_world *world);
+/* Their part of a checkpoint (checkpoint_dem.c); `path` stands in messages. */
+gneiss_status gn_dem_save(const gn_world *world, gn_h5 *file, gneiss_error *error);
+gneiss_status gn_dem_load(gn_world *world, const gn_h5 *file, const char *path,
+                          gneiss_error *error);
 
 #endif

@@ -12,8 +12,7 @@ static gneiss_status make_rows(gn_element_model *q, const gn_facet_set *f, gneis
     size_t n = q->body.nodes.soa.count, count = 0;
     gn_element_contact *k = &q->contact;
     k->first = gn_alloc_array(n + 2, sizeof *k->first);
-    k->force = gn_alloc_array(n + 1, 4 * sizeof *k->force);
-    if (!k->first || !k->force)
+    if (!k->first)
         return gn_fail(error, GNEISS_ERROR_MEMORY, "no memory for contacts of %zu nodes", n);
     for (size_t c = 0; c < (size_t)f->corners * f->count; c++) k->first[f->corner[c] + 1] = 1;
     for (size_t v = 0; v < n; v++) k->first[v + 1] += k->first[v];
@@ -26,59 +25,80 @@ static gneiss_status make_rows(gn_element_model *q, const gn_facet_set *f, gneis
     return GNEISS_OK;
 }
 
-gneiss_status gn_element_contact_create(gn_world *w, gneiss_error *error) {
-    gn_element_model *q = w->elements;
-    if (!q || !w->scene.elements.has_contact || !w->scene.has_specimen) return GNEISS_OK;
-    const gn_element_contact_def *def = &w->scene.elements.contact;
-    gn_surface *s = &w->boundary.surfaces[w->boundary.surface_count];
-    size_t corners = (size_t)w->scene.dimension, count = 0;
+static gneiss_status make_surface(gn_world *w, gn_element_model *q, gneiss_error *error) {
+    const gn_element_contact_def *def = &q->def->contact;
+    gn_surface s = {.body = -1,
+                    .elements = q,
+                    .velocity = q->body.nodes.vel,
+                    .slot = q->body.nodes.slot,
+                    .prescribed = &q->body.prescribed,
+                    .vertices = q->body.nodes.soa.count,
+                    .stiffness = def->stiffness,
+                    .kratio = def->kratio,
+                    .friction = def->friction};
+    size_t count = 0;
     gneiss_status status = gn_fem_surface(&q->body, def->group[0] ? def->group : NULL,
                                           &q->contact.corner, &count, error);
     if (status == GNEISS_ERROR_INPUT) {
-        gn_fail_context(error, "%s:%d:%d: elements.contact: ", w->scene.source,
-                        w->scene.elements.where.line, w->scene.elements.where.column);
+        gn_fail_context(error, "%s:%d:%d: elements.contact: ", w->scene.source, q->def->where.line,
+                        q->def->where.column);
         return status;
     }
     GN_TRY(status);
-    s->facets = (gn_facet_set){(int)corners, count, q->contact.corner, q->body.nodes.pos};
-    s->velocity = q->body.nodes.vel;
-    s->slot = q->body.nodes.slot;
-    s->prescribed = &q->body.prescribed;
-    s->vertices = q->body.nodes.soa.count;
-    s->body = -1;
-    s->first = (int32_t)(w->boundary.body_corner_count / corners);
-    s->stiffness = def->stiffness;
-    s->kratio = def->kratio;
-    s->friction = def->friction;
-    s->travel = &q->contact.travel;
-    s->ref = q->body.nodes.ref;
-    GN_TRY(make_rows(q, &s->facets, error));
-    s->force = q->contact.force;
-    GN_TRY(gn_facet_tree_build(&s->facets, &s->tree, error));
-    w->boundary.surface_count++;
+    s.facets = (gn_facet_set){q->body.dimension, count, q->contact.corner, q->body.nodes.pos};
+    GN_TRY(make_rows(q, &s.facets, error));
+    GN_TRY(gn_boundary_add_surface(w, &s, error));
+    q->contact.force = w->boundary.surfaces[w->boundary.surface_count - 1].force;
     return GNEISS_OK;
 }
 
-void gn_element_contact_load(gn_world *w) {
-    gn_element_contact *k = &w->elements->contact;
+gneiss_status gn_element_contact_create(gn_world *w, gneiss_error *error) {
+    for (size_t k = 0; w->scene.has_specimen && k < w->element_count; k++)
+        if (w->elements[k]->def->has_contact) GN_TRY(make_surface(w, w->elements[k], error));
+    return GNEISS_OK;
+}
+
+void gn_element_contact_load(gn_element_model *q) {
+    gn_element_contact *k = &q->contact;
     if (!k->force) return;
     for (size_t c = 0; c < k->rows.soa.count; c++)
         memcpy(k->rows.row + 8 * c, k->force + 4 * (int64_t)k->rows.i[c], 3 * sizeof(double));
 }
 
-void gn_element_contact_moved(gn_world *w) {
-    gn_element_contact *k = &w->elements->contact;
-    const gn_fem_body *b = &w->elements->body;
+double gn_element_contact_speed(const gn_element_model *q) {
+    const gn_fem_body *b = &q->body;
     double speed2 = 0.0;
-    if (!k->force) return;
-    for (size_t p = 0; p < b->motion_blocks; p++) speed2 = fmax(speed2, b->motion_sums[p].speed2);
-    k->travel += w->dt * sqrt(speed2);
+    for (size_t k = 0; q->contact.force && k < b->motion_blocks; k++)
+        speed2 = fmax(speed2, b->motion_sums[k].speed2);
+    return sqrt(speed2);
+}
+
+void gn_element_contact_moved(gn_element_model *q, double dt) {
+    q->contact.travel += dt * gn_element_contact_speed(q);
+}
+
+void gn_element_contact_refer(gn_element_model *q) {
+    gn_particles *nodes = &q->body.nodes;
+    q->contact.travel = 0.0;
+    memcpy(nodes->ref, nodes->pos, nodes->soa.count * 4 * sizeof *nodes->ref);
+}
+
+double gn_element_contact_travel(gn_element_model *q, bool exact) {
+    const gn_particles *nodes = &q->body.nodes;
+    double most = 0.0;
+    if (!exact) return q->contact.travel;
+    for (size_t v = 0; v < nodes->soa.count; v++) {
+        double d2 = 0.0;
+        for (size_t a = 4 * v; a < 4 * v + 3; a++)
+            d2 += (nodes->pos[a] - nodes->ref[a]) * (nodes->pos[a] - nodes->ref[a]);
+        most = fmax(most, d2);
+    }
+    return q->contact.travel = sqrt(most);
 }
 
 void gn_element_contact_free(gn_element_contact *k) {
     gn_soa_destroy(&gn_wall_contact_record, &k->rows);
     gn_free(k->first);
-    gn_free(k->force);
     gn_free(k->corner);
     *k = (gn_element_contact){0};
 }

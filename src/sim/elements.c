@@ -29,8 +29,8 @@ static gneiss_status no_memory(gneiss_error *error) {
 
 /* --- mesh --- */
 
-static gneiss_status make_block(const gn_world *w, gn_mesh *mesh, gneiss_error *error) {
-    const gn_element_def *e = &w->scene.elements;
+static gneiss_status make_block(const gn_world *w, const gn_element_def *e, gn_mesh *mesh,
+                                gneiss_error *error) {
     gn_structured s = {.distortion = e->distortion, .seed = w->scene.seed};
     for (int k = 0; k < 3; k++) {
         s.lower[k] = e->origin[k];
@@ -40,8 +40,7 @@ static gneiss_status make_block(const gn_world *w, gn_mesh *mesh, gneiss_error *
     return e->has_box ? gn_mesh_box(&s, mesh, error) : gn_mesh_rectangle(&s, mesh, error);
 }
 
-static gneiss_status make_beam(const gn_world *w, gn_mesh *mesh, gneiss_error *error) {
-    const gn_beam_def *b = &w->scene.elements.beam;
+static gneiss_status make_beam(const gn_beam_def *b, gn_mesh *mesh, gneiss_error *error) {
     gn_structured_beam s = {.lower = {b->origin[0], b->origin[1], b->origin[2]},
                             .length = b->length,
                             .height = b->height,
@@ -55,14 +54,16 @@ static gneiss_status make_beam(const gn_world *w, gn_mesh *mesh, gneiss_error *e
     return gn_mesh_beam(&s, mesh, error);
 }
 
-static gneiss_status make_mesh(const gn_world *w, gn_mesh *mesh, gneiss_error *error) {
-    const gn_element_def *e = &w->scene.elements;
-    gneiss_status status = e->has_beam ? make_beam(w, mesh, error) : make_block(w, mesh, error);
+static gneiss_status make_mesh(const gn_world *w, const gn_element_def *e, gn_mesh *mesh,
+                               gneiss_error *error) {
+    gneiss_status status =
+        e->has_beam ? make_beam(&e->beam, mesh, error) : make_block(w, e, mesh, error);
     return at(w, e->where, NULL, 0, status, error);
 }
 
 /* Files, origins and scales can each be sensible and give together what no key may say. */
-static gneiss_status check_places(const gn_world *w, const gn_mesh *mesh, gneiss_error *error) {
+static gneiss_status check_places(const gn_world *w, const gn_element_def *e, const gn_mesh *mesh,
+                                  gneiss_error *error) {
     for (size_t n = 0; n < mesh->node_count; n++) {
         const double *x = mesh->node + 3 * n;
         if (fmax(fabs(x[0]), fmax(fabs(x[1]), fabs(x[2]))) <= GN_PLACE_MOST) continue;
@@ -70,7 +71,7 @@ static gneiss_status check_places(const gn_world *w, const gn_mesh *mesh, gneiss
             gn_fail(error, GNEISS_ERROR_INPUT,
                     "expected coordinates up to %g m, found a node at (%g, %g, %g) m",
                     GN_PLACE_MOST, x[0], x[1], x[2]);
-        return at(w, w->scene.elements.where, NULL, 0, status, error);
+        return at(w, e->where, NULL, 0, status, error);
     }
     return GNEISS_OK;
 }
@@ -83,8 +84,8 @@ static const char *mesh_name(const gn_element_def *e) {
     return e->mesh[0] ? e->mesh : e->has_beam ? "beam" : e->has_box ? "box" : "rectangle";
 }
 
-static gneiss_status check_groups(const gn_world *w, const gn_mesh *mesh, gneiss_error *error) {
-    const gn_element_def *e = &w->scene.elements;
+static gneiss_status check_groups(const gn_world *w, const gn_element_def *e, const gn_mesh *mesh,
+                                  gneiss_error *error) {
     for (size_t k = 0; k < e->material_count; k++) {
         const gn_element_material *m = &e->materials[k];
         if (!m->group[0]) continue;
@@ -96,8 +97,9 @@ static gneiss_status check_groups(const gn_world *w, const gn_mesh *mesh, gneiss
 }
 
 /* Takes over the mesh. */
-static gneiss_status make_body(gn_world *w, gn_mesh *mesh, gneiss_error *error) {
-    const gn_element_def *e = &w->scene.elements;
+static gneiss_status make_body(const gn_world *w, gn_element_model *q, gn_mesh *mesh,
+                               gneiss_error *error) {
+    const gn_element_def *e = q->def;
     gn_fem_material *materials = gn_alloc_array(e->material_count + 1, sizeof *materials);
     if (!materials) {
         gn_mesh_free(mesh);
@@ -122,7 +124,7 @@ static gneiss_status make_body(gn_world *w, gn_mesh *mesh, gneiss_error *error) 
         .isa = w->kernels->name};
     memcpy(spec.gravity, w->scene.gravity, sizeof spec.gravity);
     memcpy(spec.origin, w->scene.origin, sizeof spec.origin);
-    gneiss_status status = gn_fem_body_create(&spec, mesh, &w->elements->body, error);
+    gneiss_status status = gn_fem_body_create(&spec, mesh, &q->body, error);
     gn_free(materials);
     return at(w, e->where, NULL, 0, status, error);
 }
@@ -139,9 +141,9 @@ static void velocity_at(const gn_element_motion *m, double time, double velocity
     for (int a = 0; a < 3; a++) velocity[a] = gn_table_at(&m->motion.velocity[a], time);
 }
 
-static gneiss_status make_motion(gn_world *w, size_t k, gneiss_error *error) {
-    const gn_element_motion *m = &w->scene.elements.motions[k];
-    gn_element_model *q = w->elements;
+static gneiss_status make_motion(const gn_world *w, gn_element_model *q, size_t k,
+                                 gneiss_error *error) {
+    const gn_element_motion *m = &q->def->motions[k];
     unsigned mask = 0;
     double velocity[3];
     for (int a = 0; a < 3; a++) mask |= m->motion.velocity[a].count ? 1u << a : 0;
@@ -154,11 +156,10 @@ static gneiss_status make_motion(gn_world *w, size_t k, gneiss_error *error) {
 }
 
 /* A force on a group of facets is shared out by area, on other nodes by mass. */
-static gneiss_status make_load(gn_world *w, size_t k, gneiss_error *error) {
-    const gn_element_load *l = &w->scene.elements.loads[k];
+static gneiss_status make_load(gn_element_model *q, size_t k, gneiss_error *error) {
+    const gn_element_load *l = &q->def->loads[k];
     const gn_region *r = &l->region;
-    gn_element_model *q = w->elements;
-    int facets = (int)w->scene.dimension - 1;
+    int facets = q->body.dimension - 1;
     bool by_area =
         l->has_traction || (!r->has_box && gn_fem_has_group(&q->body.mesh, r->group, facets));
     if (by_area) {
@@ -174,9 +175,8 @@ static gneiss_status make_load(gn_world *w, size_t k, gneiss_error *error) {
     return status;
 }
 
-static void set_loads(gn_world *w, double time) {
-    const gn_element_def *e = &w->scene.elements;
-    gn_element_model *q = w->elements;
+static void set_loads(gn_element_model *q, double time) {
+    const gn_element_def *e = q->def;
     for (size_t k = 0; k < e->load_count; k++) {
         const gn_table *value = e->loads[k].has_force ? e->loads[k].force : e->loads[k].traction;
         for (int a = 0; a < 3; a++) q->load_value[k][a] = gn_table_at(&value[a], time);
@@ -188,77 +188,123 @@ static bool varies(const gn_table tables[3]) {
     return tables[0].count > 1 || tables[1].count > 1 || tables[2].count > 1;
 }
 
-static gneiss_status make_drives(gn_world *w, gneiss_error *error) {
-    const gn_element_def *e = &w->scene.elements;
-    gn_element_model *q = w->elements;
+static gneiss_status make_drives(const gn_world *w, gn_element_model *q, gneiss_error *error) {
+    const gn_element_def *e = q->def;
     q->motion_set = gn_alloc_array(e->motion_count + 1, sizeof *q->motion_set);
     q->motion = gn_alloc_array(e->motion_count + 1, sizeof *q->motion);
     q->load = gn_alloc_array(e->load_count + 1, sizeof *q->load);
     q->load_value = gn_alloc_array(e->load_count + 1, sizeof *q->load_value);
     if (!q->motion_set || !q->motion || !q->load || !q->load_value) return no_memory(error);
-    for (size_t k = 0; k < e->motion_count; k++) GN_TRY(make_motion(w, k, error));
+    for (size_t k = 0; k < e->motion_count; k++) GN_TRY(make_motion(w, q, k, error));
     for (size_t k = 0; k < e->load_count; k++) {
         const gn_element_load *l = &e->loads[k];
-        gneiss_status status = make_load(w, k, error);
+        gneiss_status status = make_load(q, k, error);
         GN_TRY(at(w, l->where, "loads", k, status, error));
         q->loads_vary = q->loads_vary || varies(l->has_force ? l->force : l->traction);
     }
-    set_loads(w, 0.0);
+    set_loads(q, 0.0);
     return GNEISS_OK;
 }
 
-/* --- all of it --- */
+/* --- create, free --- */
 
-gneiss_status gn_elements_create(gn_world *w, gn_mesh *mesh, gneiss_error *error) {
+/* A further body, empty as yet, among those of the world. */
+static gn_element_model *append(gn_world *w) {
+    gn_element_model **all = gn_alloc_array(w->element_count + 1, sizeof *all);
+    gn_element_model *q = gn_alloc_array(1, sizeof *q);
+    if (!all || !q) {
+        gn_free(all);
+        gn_free(q);
+        return NULL;
+    }
+    for (size_t k = 0; k < w->element_count; k++) all[k] = w->elements[k];
+    gn_free(w->elements);
+    w->elements = all;
+    return w->elements[w->element_count++] = q;
+}
+
+gneiss_status gn_elements_add(gn_world *w, const gn_element_def *def, gn_mesh *mesh,
+                              gneiss_error *error) {
     gn_mesh own = {0};
+    gn_element_model *q = NULL;
     if (mesh) {
         own = *mesh;
         *mesh = (gn_mesh){0};
     }
-    gneiss_status status = mesh ? GNEISS_OK : make_mesh(w, &own, error);
-    if (status == GNEISS_OK) status = check_places(w, &own, error);
-    if (status == GNEISS_OK) status = check_groups(w, &own, error);
-    if (status == GNEISS_OK) {
-        w->elements = gn_alloc_array(1, sizeof *w->elements);
-        if (!w->elements) status = no_memory(error);
-    }
+    gneiss_status status = mesh ? GNEISS_OK : make_mesh(w, def, &own, error);
+    if (status == GNEISS_OK) status = check_places(w, def, &own, error);
+    if (status == GNEISS_OK) status = check_groups(w, def, &own, error);
+    if (status == GNEISS_OK && !(q = append(w))) status = no_memory(error);
     if (status != GNEISS_OK) {
         gn_mesh_free(&own);
         return status;
     }
-    gn_element_model *q = w->elements;
+    q->def = def;
     q->stiffening = 1.0;
-    GN_TRY(make_body(w, &own, error));
+    GN_TRY(make_body(w, q, &own, error));
     q->weight = gn_alloc_array(q->body.nodes.soa.count + 1, sizeof *q->weight);
     if (!q->weight) return no_memory(error);
     gn_fem_strain_weights(&q->body, q->weight);
-    return make_drives(w, error);
+    return make_drives(w, q, error);
 }
 
-void gn_elements_free(gn_world *w) {
-    gn_element_model *q = w->elements;
-    if (!q) return;
-    for (size_t k = 0; q->motion_set && k < w->scene.elements.motion_count; k++)
+gneiss_status gn_elements_create(gn_world *w, gn_mesh *mesh, gneiss_error *error) {
+    return w->scene.has_elements ? gn_elements_add(w, &w->scene.elements, mesh, error) : GNEISS_OK;
+}
+
+static void free_model(gn_element_model *q) {
+    for (size_t k = 0; q->motion_set && k < q->def->motion_count; k++)
         gn_fem_set_free(&q->motion_set[k]);
-    for (size_t k = 0; q->load && k < w->scene.elements.load_count; k++)
-        gn_fem_load_free(&q->load[k]);
+    for (size_t k = 0; q->load && k < q->def->load_count; k++) gn_fem_load_free(&q->load[k]);
     void *blocks[] = {q->motion_set, q->motion, q->load, q->load_value, q->weight};
     for (size_t k = 0; k < sizeof blocks / sizeof *blocks; k++) gn_free(blocks[k]);
     gn_element_contact_free(&q->contact);
     gn_fem_body_free(&q->body);
     gn_free(q);
+}
+
+void gn_elements_free(gn_world *w) {
+    for (size_t k = 0; k < w->element_count; k++) free_model(w->elements[k]);
+    gn_free(w->elements);
     w->elements = NULL;
+    w->element_count = 0;
+}
+
+uint64_t gn_elements_hash(const gn_world *w, uint64_t h) {
+    for (size_t k = 0; k < w->element_count; k++) {
+        uint64_t body = gn_fem_hash(&w->elements[k]->body);
+        h = gn_hash_bytes(&body, sizeof body, h);
+    }
+    return h;
+}
+
+size_t gn_elements_bytes(const gn_world *w) {
+    size_t bytes = 0;
+    for (size_t k = 0; k < w->element_count; k++) bytes += gn_fem_bytes(&w->elements[k]->body);
+    return bytes;
+}
+
+gn_element_totals gn_elements_totals(const gn_world *w) {
+    gn_element_totals t = {0};
+    for (size_t k = 0; k < w->element_count; k++) {
+        const gn_fem_body *b = &w->elements[k]->body;
+        t.nodes += b->nodes.soa.count;
+        t.elements += b->elements.soa.count;
+        t.mass += b->mass;
+        t.volume += b->volume;
+    }
+    return t;
 }
 
 /* --- step --- */
 
-static void set_velocities(gn_world *w, double time) {
-    const gn_element_def *e = &w->scene.elements;
+static void set_velocities(gn_element_model *q, double time) {
+    const gn_element_def *e = q->def;
     for (size_t k = 0; k < e->motion_count; k++) {
         double velocity[3];
-        if (w->elements->motion[k] < 0 || !varies(e->motions[k].motion.velocity)) continue;
+        if (q->motion[k] < 0 || !varies(e->motions[k].motion.velocity)) continue;
         velocity_at(&e->motions[k], time, velocity);
-        gn_fem_set_velocity(&w->elements->body, w->elements->motion[k], velocity);
+        gn_fem_set_velocity(&q->body, q->motion[k], velocity);
     }
 }
 
@@ -277,45 +323,118 @@ static gneiss_status measure_forces(gn_element_model *q, gneiss_error *error) {
 }
 
 void gn_elements_forces(gn_world *w, bool measure) {
-    gn_element_model *q = w->elements;
-    double start = gn_now();
-    set_velocities(w, w->time + 0.5 * w->dt);
-    if (q->loads_vary) set_loads(w, w->time);
-    gn_element_contact_load(w);
-    gn_fem_forces(&q->body, w->dt, measure);
-    w->seconds[GN_PHASE_elements] += gn_now() - start;
+    for (size_t k = 0; k < w->element_count; k++) {
+        gn_element_model *q = w->elements[k];
+        double start = gn_now();
+        set_velocities(q, w->time + 0.5 * w->dt);
+        if (q->loads_vary) set_loads(q, w->time);
+        gn_element_contact_load(q);
+        gn_fem_forces(&q->body, w->dt, measure);
+        w->seconds[GN_PHASE_elements] += gn_now() - start;
+    }
+}
+
+static gneiss_status move_body(gn_element_model *q, double dt, bool measure, gneiss_error *error) {
+    gneiss_status status = gn_fem_move(&q->body, dt, error);
+    gn_element_contact_moved(q, dt);
+    if (status != GNEISS_OK || !measure) return status;
+    for (int k = 0; k < 9; k++) q->stress[k] = q->body.elastic.stress[k] / q->body.elastic.volume;
+    return measure_forces(q, error);
 }
 
 gneiss_status gn_elements_move(gn_world *w, bool measure, gneiss_error *error) {
-    gn_element_model *q = w->elements;
-    double start = gn_now();
-    gneiss_status status = gn_fem_move(&q->body, w->dt, error);
-    gn_element_contact_moved(w);
-    if (status == GNEISS_OK && measure) {
-        for (int k = 0; k < 9; k++)
-            q->stress[k] = q->body.elastic.stress[k] / q->body.elastic.volume;
-        status = measure_forces(q, error);
+    gneiss_status status = GNEISS_OK;
+    for (size_t k = 0; status == GNEISS_OK && k < w->element_count; k++) {
+        double start = gn_now();
+        status = move_body(w->elements[k], w->dt, measure, error);
+        w->seconds[GN_PHASE_elements] += gn_now() - start;
     }
-    w->seconds[GN_PHASE_elements] += gn_now() - start;
     return status;
 }
 
-void gn_elements_book(gn_world *w) {
-    const gn_fem_energy *e = &w->elements->body.reading;
-    w->reading.kinetic += e->kinetic;
-    w->reading.elastic_elements += e->elastic;
-    w->reading.work_prescribed += e->work_prescribed;
-    w->reading.work_applied += e->work_applied;
-    w->reading.work_gravity += e->work_gravity;
-    w->reading.background_damping += e->damping;
-    w->reading.stored_at_start += e->stored_at_start;
+void gn_elements_book(const gn_world *w, gn_energy *ledger) {
+    for (size_t k = 0; k < w->element_count; k++) {
+        const gn_fem_energy *e = &w->elements[k]->body.reading;
+        ledger->kinetic += e->kinetic;
+        ledger->elastic_elements += e->elastic;
+        ledger->work_prescribed += e->work_prescribed;
+        ledger->work_applied += e->work_applied;
+        ledger->work_gravity += e->work_gravity;
+        ledger->background_damping += e->damping;
+        ledger->stored_at_start += e->stored_at_start;
+    }
 }
 
 /* --- readings --- */
 
+/* Means over the bodies, by volume. */
+static double share_of(const gn_world *w, size_t k) {
+    return w->elements[k]->body.volume / gn_elements_totals(w).volume;
+}
+
+void gn_elements_stress(const gn_world *w, double stress[9]) {
+    memset(stress, 0, 9 * sizeof *stress);
+    for (size_t k = 0; k < w->element_count; k++)
+        for (int c = 0; c < 9; c++) stress[c] += share_of(w, k) * w->elements[k]->stress[c];
+}
+
+void gn_elements_strain(const gn_world *w, double gradient[9]) {
+    memset(gradient, 0, 9 * sizeof *gradient);
+    for (size_t k = 0; k < w->element_count; k++) {
+        const gn_element_model *q = w->elements[k];
+        double own[9];
+        gn_fem_mean_gradient(&q->body, (const double(*)[3])q->weight, own);
+        for (int c = 0; c < 9; c++) gradient[c] += share_of(w, k) * own[c];
+    }
+}
+
+double gn_elements_unbalanced(const gn_world *w) {
+    double most = 0.0;
+    for (size_t k = 0; k < w->element_count; k++) most = fmax(most, w->elements[k]->unbalanced);
+    return most;
+}
+
+void gn_elements_extent(const gn_world *w, double lower[3], double upper[3]) {
+    for (size_t k = 0; k < w->element_count; k++) {
+        const gn_particles *nodes = &w->elements[k]->body.nodes;
+        for (size_t n = 0; n < 4 * nodes->soa.count; n += 4)
+            for (size_t a = 0; a < 3; a++) {
+                lower[a] = fmin(lower[a], nodes->start[n + a]);
+                upper[a] = fmax(upper[a], nodes->start[n + a]);
+            }
+    }
+}
+
+/* --- motions --- */
+
+size_t gn_elements_motions(const gn_world *w) {
+    size_t count = 0;
+    for (size_t k = 0; k < w->element_count; k++) count += w->elements[k]->def->motion_count;
+    return count;
+}
+
+/* Whose motion it is; *motion is then its place among those of the body. */
+static const gn_element_model *owner_of(const gn_world *w, size_t *motion) {
+    size_t k = 0;
+    for (; *motion >= w->elements[k]->def->motion_count; k++)
+        *motion -= w->elements[k]->def->motion_count;
+    return w->elements[k];
+}
+
+const char *gn_elements_motion_name(const gn_world *w, size_t motion) {
+    const gn_element_model *q = owner_of(w, &motion);
+    return q->def->motions[motion].name;
+}
+
+bool gn_elements_motion_drives(const gn_world *w, size_t motion) {
+    const gn_element_model *q = owner_of(w, &motion);
+    return q->motion[motion] >= 0;
+}
+
 void gn_elements_travel(const gn_world *w, size_t motion, double travel[3]) {
-    const gn_fem_set *set = &w->elements->motion_set[motion];
-    const gn_particles *q = &w->elements->body.nodes;
+    const gn_element_model *owner = owner_of(w, &motion);
+    const gn_fem_set *set = &owner->motion_set[motion];
+    const gn_particles *q = &owner->body.nodes;
     memset(travel, 0, 3 * sizeof *travel);
     for (size_t k = 0; k < set->count; k++)
         for (size_t a = 0; a < 3; a++) {
@@ -325,15 +444,14 @@ void gn_elements_travel(const gn_world *w, size_t motion, double travel[3]) {
 }
 
 void gn_elements_reaction(const gn_world *w, size_t motion, double force[3]) {
+    const gn_element_model *q = owner_of(w, &motion);
     memset(force, 0, 3 * sizeof *force);
-    int32_t number = w->elements->motion[motion];
-    if (number >= 0) gn_fem_reaction(&w->elements->body, number, force);
+    if (q->motion[motion] >= 0) gn_fem_reaction(&q->body, q->motion[motion], force);
 }
 
 /* --- stability --- */
 
-static gneiss_status full_limit(gn_world *w, gneiss_error *error) {
-    gn_element_model *q = w->elements;
+static gneiss_status full_limit(const gn_world *w, gn_element_model *q, gneiss_error *error) {
     GN_TRY(gn_fem_bound(&q->body, &q->limit, error));
     bool settled = w->scene.estimate == GN_STEP_BOUND ||
                    (w->scene.step > 0.0 && w->scene.step <= 0.5 * q->limit.bound);
@@ -343,35 +461,43 @@ static gneiss_status full_limit(gn_world *w, gneiss_error *error) {
     return GNEISS_OK;
 }
 
-gneiss_status gn_elements_limit(gn_world *w, bool full, bool *due, gneiss_error *error) {
-    gn_element_model *q = w->elements;
+static gneiss_status body_limit(const gn_world *w, gn_element_model *q, bool full, bool *due,
+                                gneiss_error *error) {
     double factor = 1.0;
     if (w->step > 0) GN_TRY(gn_fem_stiffening(&q->body, &factor, error));
-    *due = full || factor > 1.02 * q->stiffening;
-    if (full) GN_TRY(full_limit(w, error));
-    if (!*due) return GNEISS_OK;
+    bool changed = full || factor > 1.02 * q->stiffening;
+    if (full) GN_TRY(full_limit(w, q, error));
+    if (!changed) return GNEISS_OK;
+    *due = true;
     q->stiffening = factor;
     q->stable = (w->scene.estimate == GN_STEP_BOUND ? q->limit.bound : q->limit.sharp) / factor;
     return GNEISS_OK;
 }
 
-double gn_world_sharp_limit(const gn_world *w) {
-    double limit = w->scene.has_specimen ? w->dem.limit.sharp : INFINITY;
-    return w->elements ? fmin(limit, w->elements->limit.sharp) : limit;
+gneiss_status gn_elements_limit(gn_world *w, bool full, bool *due, gneiss_error *error) {
+    *due = false;
+    for (size_t k = 0; k < w->element_count; k++)
+        GN_TRY(body_limit(w, w->elements[k], full, due, error));
+    return GNEISS_OK;
 }
 
-double gn_world_bound(const gn_world *w) {
-    double limit = w->scene.has_specimen ? w->dem.limit.bound : INFINITY;
-    return w->elements ? fmin(limit, w->elements->limit.bound) : limit;
+double gn_elements_stable(const gn_world *w) {
+    double limit = INFINITY;
+    for (size_t k = 0; k < w->element_count; k++) limit = fmin(limit, w->elements[k]->stable);
+    return limit;
 }
 
-bool gn_elements_lead(const gn_world *w) {
-    return w->elements && (!w->scene.has_specimen || w->dem.stable >= w->elements->stable);
+const gn_element_model *gn_elements_lead(const gn_world *w) {
+    const gn_element_model *lead = NULL;
+    for (size_t k = 0; k < w->element_count; k++)
+        if (!lead || w->elements[k]->stable < lead->stable) lead = w->elements[k];
+    bool after = lead && w->scene.has_specimen && w->dem.stable < lead->stable;
+    return after ? NULL : lead;
 }
 
 /* By its id: the place at the start tells more than a number. */
-const char *gn_elements_culprit(const gn_world *w, char *text, size_t size) {
-    const gn_element_model *q = w->elements;
+const char *gn_elements_culprit(const gn_world *w, const gn_element_model *q, char *text,
+                                size_t size) {
     const gn_fem_body *b = &q->body;
     int32_t id =
         w->scene.estimate == GN_STEP_BOUND ? q->limit.bound_element : q->limit.sharp_element;

@@ -1,28 +1,32 @@
-/* The finite elements of a world: the body, what drives it, what is read off it. */
+/* The part of a world that is finite elements: its bodies, what drives them, what is read off them.
+ * What is asked of the part is asked of all bodies, in their order. */
 #ifndef GN_SIM_ELEMENTS_H
 #define GN_SIM_ELEMENTS_H
 
 #include "fem/body.h"
 #include "io/h5.h"
-#include "measure/history.h"
+#include "measure/energy.h"
+#include "scene/scene.h"
 
 typedef struct gn_world gn_world;
 
 /* What particles do to the surface (element_contact.c). */
 typedef struct gn_element_contact {
     int32_t *corner;       /* of facets, by places of nodes */
-    double *force;         /* [nodes][4], N */
+    const double *force;   /* [nodes][4], N; of the surface; NULL: nothing touches it */
     gn_wall_contacts rows; /* the same, of the nodes of facets, as the motion kernel takes it */
     int32_t *first;        /* [nodes + 1] */
     double travel;         /* m, as gn_rigid.travel */
 } gn_element_contact;
 
+/* A body. */
 typedef struct gn_element_model {
+    const gn_element_def *def; /* what the scene says of it; borrowed */
     gn_fem_body body;
     gn_element_contact contact;
-    gn_fem_set *motion_set;  /* [motions of the scene] nodes */
-    int32_t *motion;         /* [motions] number in the body, -1: only watched */
-    gn_fem_load *load;       /* [loads of the scene] */
+    gn_fem_set *motion_set;  /* [def->motion_count] nodes */
+    int32_t *motion;         /* [motions] number in `body`, -1: only watched */
+    gn_fem_load *load;       /* [def->load_count] */
     double (*load_value)[3]; /* [loads] Pa or N, at present */
     bool loads_vary;
     double (*weight)[3]; /* [nodes] of the mean strain */
@@ -35,9 +39,12 @@ typedef struct gn_element_model {
     double unbalanced; /* mean resultant on a free node over the mean force of an element on one */
 } gn_element_model;
 
-/* Makes world->elements with its mesh, motions and loads; `mesh` NULL: a built-in one, else
+/* Makes what the scene has of it, with mesh, motions and loads; `mesh` NULL: a built-in one, else
  * taken over (also on failure), relative to the origin. Errors say where in the scene. */
 gneiss_status gn_elements_create(gn_world *world, gn_mesh *mesh, gneiss_error *error);
+/* A further body; `def` has to stay as long as the world. */
+gneiss_status gn_elements_add(gn_world *world, const gn_element_def *def, gn_mesh *mesh,
+                              gneiss_error *error);
 void gn_elements_free(gn_world *world);
 
 /* A step of world->dt in two parts. Velocities, loads, forces, and the motion of nodes that do not
@@ -45,40 +52,76 @@ void gn_elements_free(gn_world *world);
 void gn_elements_forces(gn_world *world, bool measure);
 /* then that of the others; with `measure` also stress and unbalanced. */
 gneiss_status gn_elements_move(gn_world *world, bool measure, gneiss_error *error);
+/* That no node that particles touch moved too far in the step (paths.c). */
+gneiss_status gn_elements_check(const gn_world *world, gneiss_error *error);
+/* Adds their ledgers of the last measured step. */
+void gn_elements_book(const gn_world *world, gn_energy *ledger);
 
-/* Makes the surface that particles touch, if the scene wants it: after bodies. */
-gneiss_status gn_element_contact_create(gn_world *world, gneiss_error *error);
-/* Hands the forces of particles over to the nodes; notes how far nodes came. */
-void gn_element_contact_load(gn_world *world);
-void gn_element_contact_moved(gn_world *world);
-void gn_element_contact_free(gn_element_contact *k);
-
-/* Adds the body's ledger to world->reading. */
-void gn_elements_book(gn_world *world);
-
-/* Looks at the body's stability limit (dt.c): `full` from its start on, otherwise only at what
- * strain has done since. *due: `stable` has changed. */
+/* Looks at the stability limits (step_limit.c): `full` from the start on, otherwise only at what
+ * strain has done since. *due: one has changed. */
 gneiss_status gn_elements_limit(gn_world *world, bool full, bool *due, gneiss_error *error);
+double gn_elements_stable(const gn_world *world); /* s, the least; INFINITY: no bodies */
+/* The body that sets the step, NULL: none does; and which of its elements: "element 12 at (x, y, z)
+ * m". */
+const gn_element_model *gn_elements_lead(const gn_world *world);
+const char *gn_elements_culprit(const gn_world *world, const gn_element_model *q, char *text,
+                                size_t size);
 
-/* Of the whole world: the lesser of particles and elements, s. */
-double gn_world_sharp_limit(const gn_world *world);
-double gn_world_bound(const gn_world *world);
-/* Whether the elements set the step, and which: "element 12 at (x, y, z) m". */
-bool gn_elements_lead(const gn_world *world);
-const char *gn_elements_culprit(const gn_world *world, char *text, size_t size);
+uint64_t gn_elements_hash(const gn_world *world, uint64_t h);
+size_t gn_elements_bytes(const gn_world *world);
 
-/* Mean displacement of the nodes of a motion, m, and the force that it supplies, N. */
+typedef struct gn_element_totals {
+    size_t nodes, elements;
+    double mass, volume; /* kg, m3 at the start */
+} gn_element_totals;
+gn_element_totals gn_elements_totals(const gn_world *world);
+
+/* Means over all bodies by volume: of the displacement gradient, of the stress at the last measured
+ * step; the largest of the bodies' `unbalanced`. */
+void gn_elements_strain(const gn_world *world, double gradient[9]);
+void gn_elements_stress(const gn_world *world, double stress[9]);
+double gn_elements_unbalanced(const gn_world *world);
+/* Widens a box to all nodes at the start, m. */
+void gn_elements_extent(const gn_world *world, double lower[3], double upper[3]);
+
+/* Motions, counted over all bodies: mean displacement of the nodes, m, and the force that it
+ * supplies, N, unless it is only watched. */
+size_t gn_elements_motions(const gn_world *world);
+const char *gn_elements_motion_name(const gn_world *world, size_t motion);
+bool gn_elements_motion_drives(const gn_world *world, size_t motion);
 void gn_elements_travel(const gn_world *world, size_t motion, double travel[3]);
 void gn_elements_reaction(const gn_world *world, size_t motion, double force[3]);
 
+/* --- contact with particles (element_contact.c) --- */
+
+/* Makes the surfaces that particles touch, where the scene wants them: after bodies. */
+gneiss_status gn_element_contact_create(gn_world *world, gneiss_error *error);
+/* Hands the forces of particles over to the nodes; notes how far nodes came in a step. */
+void gn_element_contact_load(gn_element_model *q);
+void gn_element_contact_moved(gn_element_model *q, double dt);
+/* m/s, of the fastest node in the last step; 0 where nothing touches them. */
+double gn_element_contact_speed(const gn_element_model *q);
+/* Notes where the nodes are when the lists are made; bound on the path of any since then. `exact`:
+ * looks where they are. */
+void gn_element_contact_refer(gn_element_model *q);
+double gn_element_contact_travel(gn_element_model *q, bool exact);
+void gn_element_contact_free(gn_element_contact *k);
+
 /* --- files (output_elements.c, checkpoint_elements.c) --- */
 
+/* The path of a group or data set of a body in a file: of the first the name itself, then
+ * elements_2/name ... */
+enum { GN_ELEMENT_PATH = 160 };
+const char *gn_elements_path(size_t body, const char *name, char path[GN_ELEMENT_PATH]);
+
+/* A file for each body: `name`, name_2 ... */
+const char *gn_elements_file(size_t body, const char *name, char file[GN_ELEMENT_PATH]);
 gneiss_status gn_elements_snapshot(const gn_world *world, const char *directory, const char *name,
                                    gneiss_error *error);
 /* /nodes, /elements, /motions of results.h5. */
 gneiss_status gn_elements_results(const gn_world *world, gn_h5 *file, gneiss_error *error);
 gneiss_status gn_elements_save(const gn_world *world, gn_h5 *file, gneiss_error *error);
-/* Makes world->elements from a checkpoint; `path` stands in messages. */
+/* Makes the part from a checkpoint; `path` stands in messages. */
 gneiss_status gn_elements_load(gn_world *world, const gn_h5 *file, const char *path,
                                gneiss_error *error);
 

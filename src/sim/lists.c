@@ -1,8 +1,5 @@
-/* Neighbour lists: when they are made anew, and how contacts keep their history. */
+/* Neighbour lists of the particles, and how contacts keep their history. */
 #include "base/memory.h"
-#include "base/timer.h"
-#include "sim/exchange.h"
-#include "sim/invariants.h"
 #include "sim/parts.h"
 #include "soa/single.h"
 
@@ -110,20 +107,14 @@ static gneiss_status make_pairs(gn_world *w, gneiss_error *error) {
 
 /* --- order --- */
 
-typedef struct renamed {
-    int32_t i, j, place;
-    bool swapped;
-} renamed;
-
 static int by_pair(const void *a, const void *b) {
-    const renamed *x = a, *y = b;
+    const gn_renamed *x = a, *y = b;
     if (x->i != y->i) return x->i < y->i ? -1 : 1;
     return (x->j > y->j) - (x->j < y->j);
 }
 
-/* Sorts the keys and puts the items of *list in their order, into *now; *list is freed. */
-static gneiss_status sort_items(const gn_record *record, void *list, void *now, renamed *keys,
-                                gneiss_error *error) {
+gneiss_status gn_sort_renamed(const gn_record *record, void *list, void *now, gn_renamed *keys,
+                              gneiss_error *error) {
     const gn_soa head = *(const gn_soa *)list;
     int32_t *order = gn_alloc_array(head.count + 1, sizeof *order);
     if (!order)
@@ -141,7 +132,7 @@ static gneiss_status sort_items(const gn_record *record, void *list, void *now, 
 
 /* Contacts sorted by their new keys take these, and those whose ends changed places are mirrored;
  * `swapped` [count] is scratch. */
-static void take_keys(gn_contacts *list, const renamed *keys, int32_t *swapped) {
+static void take_keys(gn_contacts *list, const gn_renamed *keys, int32_t *swapped) {
     size_t turned = 0;
     for (size_t c = 0; c < list->soa.count; c++) {
         list->i[c] = keys[c].i;
@@ -155,39 +146,23 @@ static void take_keys(gn_contacts *list, const renamed *keys, int32_t *swapped) 
 /* Renumbers the ends of contacts and sorts them again; place[old] is the new number. */
 static gneiss_status rename_contacts(gn_contacts *list, const int32_t *place, gneiss_error *error) {
     size_t count = list->soa.count;
-    renamed *keys = gn_alloc_array(count + 1, sizeof *keys);
+    gn_renamed *keys = gn_alloc_array(count + 1, sizeof *keys);
     int32_t *swapped = gn_alloc_array(count + 1, sizeof *swapped);
     gneiss_status status = GNEISS_OK;
     if (!keys || !swapped)
         status = gn_fail(error, GNEISS_ERROR_MEMORY, "no memory to sort %zu contacts", count);
     for (size_t c = 0; status == GNEISS_OK && c < count; c++) {
         int32_t i = place[list->i[c]], j = place[list->j[c]];
-        keys[c] = (renamed){i < j ? i : j, i < j ? j : i, (int32_t)c, i > j};
+        keys[c] = (gn_renamed){i < j ? i : j, i < j ? j : i, (int32_t)c, i > j};
     }
     gn_contacts now = {0};
-    if (status == GNEISS_OK) status = sort_items(&gn_contact_record, list, &now, keys, error);
+    if (status == GNEISS_OK) status = gn_sort_renamed(&gn_contact_record, list, &now, keys, error);
     if (status == GNEISS_OK) {
         take_keys(&now, keys, swapped);
         *list = now;
     }
     gn_free(keys);
     gn_free(swapped);
-    return status;
-}
-
-static gneiss_status rename_wall_contacts(gn_wall_contacts *list, const int32_t *place,
-                                          gneiss_error *error) {
-    size_t count = list->soa.count;
-    if (!count) return GNEISS_OK;
-    renamed *keys = gn_alloc_array(count + 1, sizeof *keys);
-    if (!keys) return gn_fail(error, GNEISS_ERROR_MEMORY, "no memory to sort %zu contacts", count);
-    for (size_t c = 0; c < count; c++)
-        keys[c] = (renamed){place[list->i[c]], list->wall[c], (int32_t)c, false};
-    gn_wall_contacts now = {0};
-    gneiss_status status = sort_items(&gn_wall_contact_record, list, &now, keys, error);
-    for (size_t c = 0; status == GNEISS_OK && c < count; c++) now.i[c] = keys[c].i;
-    if (status == GNEISS_OK) *list = now;
-    gn_free(keys);
     return status;
 }
 
@@ -228,7 +203,7 @@ static gneiss_status reorder(gn_world *w, gneiss_error *error) {
     }
     if (status == GNEISS_OK && w->dem.pairs.soa.capacity)
         status = rename_contacts(&w->dem.pairs, place, error);
-    if (status == GNEISS_OK) status = rename_wall_contacts(&w->boundary.contacts, place, error);
+    if (status == GNEISS_OK) status = gn_boundary_renumber(w, place, error);
     gn_free(order);
     gn_free(place);
     return status;
@@ -258,17 +233,15 @@ static gneiss_status ready_blocks(gn_world *w, gneiss_error *error) {
     if (!w->dem.motion_sums) {
         w->dem.motion_blocks = gn_blocks(w->dem.particles.soa.count, GN_PARTICLE_BLOCK);
         w->dem.motion_sums = gn_alloc_array(w->dem.motion_blocks + 1, sizeof *w->dem.motion_sums);
-        w->boundary.sums = gn_alloc_array(w->dem.motion_blocks + 1, sizeof *w->boundary.sums);
         GN_TRY(gn_hold_create(&w->dem.hold, w->dem.motion_blocks, error));
     }
-    if (!w->dem.pair_sums || !w->boundary.sums || !w->dem.bond_sums || !w->dem.motion_sums)
+    if (!w->dem.pair_sums || !w->dem.bond_sums || !w->dem.motion_sums)
         return gn_fail(error, GNEISS_ERROR_MEMORY, "no memory for block sums");
     w->dem.mass = 0.0;
     for (size_t p = 0; p < w->dem.particles.soa.count; p++) /* 0: removed */
         if (w->dem.particles.vel[4 * p + 3] > 0.0)
             w->dem.mass += 1.0 / w->dem.particles.vel[4 * p + 3];
-    GN_TRY(gn_world_deal_lists(w, error));
-    return gn_exchanges_mark(w, error);
+    return gn_dem_deal(w, error);
 }
 
 /* Particles that flow are sorted again now and then; a bonded specimen keeps its order. The
@@ -320,7 +293,7 @@ static gn_uniform find_uniform(const gn_contacts *k) {
 #undef X
 }
 
-void gn_world_refresh_dashpots(gn_world *w) {
+void gn_dem_step_changed(gn_world *w) {
     if (!(w->effects & GN_FX_CONTACT_DAMPING)) return;
     gn_contacts_set_dashpots(w, &w->dem.bonds);
     gn_contacts_set_dashpots(w, &w->dem.pairs);
@@ -339,15 +312,13 @@ static void ready_kernels(gn_world *w) {
     gn_contacts_to_single(&w->dem.pairs, &w->dem.particles, period, w->threads);
 }
 
-gneiss_status gn_world_rebuild(gn_world *w, gneiss_error *error) {
-    double start = gn_now();
+gneiss_status gn_dem_refresh(gn_world *w, gneiss_error *error) {
     tune_skin(w);
-    GN_TRY(gn_world_check_domain(w, error));
+    GN_TRY(gn_dem_check_domain(w, error));
     if (w->effects & GN_FX_PERIODIC) wrap(w);
     if (order_is_old(w)) GN_TRY(reorder(w, error));
     if (!w->dem.bond_partials.first) GN_TRY(gn_bonds_form(w, error));
     GN_TRY(make_pairs(w, error));
-    GN_TRY(gn_wall_contacts_find(w, error));
     GN_TRY(ready_blocks(w, error));
     memcpy(w->dem.particles.ref, w->dem.particles.pos,
            w->dem.particles.soa.count * 4 * sizeof(double));
@@ -355,31 +326,25 @@ gneiss_status gn_world_rebuild(gn_world *w, gneiss_error *error) {
     w->dem.verlet.drift = 0.0;
     w->dem.verlet.rebuilds++;
     w->dem.verlet.last_step = w->step;
-    gn_world_assert_lists(w);
-    w->seconds[GN_PHASE_lists] += gn_now() - start;
     return GNEISS_OK;
 }
 
-gneiss_status gn_world_restore(gn_world *w, gneiss_error *error) {
+gneiss_status gn_dem_restore(gn_world *w, gneiss_error *error) {
     size_t n = w->dem.particles.soa.count;
     set_null_particles(w);
     w->dem.index_of_id = gn_alloc_array(n + 1, sizeof *w->dem.index_of_id);
-    w->boundary.first = gn_alloc_array(n + 2, sizeof *w->boundary.first);
-    if (!w->dem.index_of_id || !w->boundary.first)
+    if (!w->dem.index_of_id)
         return gn_fail(error, GNEISS_ERROR_MEMORY, "no memory for particle numbers");
     number_ids(w);
     gn_contacts_pad(&w->dem.bonds, &w->dem.particles);
     gn_contacts_pad(&w->dem.pairs, &w->dem.particles);
-    for (size_t c = 0; c < w->boundary.contacts.soa.count; c++)
-        w->boundary.first[w->boundary.contacts.i[c] + 1]++;
-    for (size_t p = 1; p <= n; p++) w->boundary.first[p] += w->boundary.first[p - 1];
     GN_TRY(gn_partials_build(&w->dem.bonds, n, w->threads, &w->dem.bond_partials, error));
     GN_TRY(gn_partials_build(&w->dem.pairs, n, w->threads, &w->dem.pair_partials, error));
     ready_kernels(w);
     return ready_blocks(w, error);
 }
 
-static double largest_travel(const gn_world *w) {
+void gn_dem_look_at_travel(gn_world *w) {
     const gn_particles *q = &w->dem.particles;
     double most = 0.0;
     for (size_t p = 0; p < q->soa.count; p++) {
@@ -390,33 +355,5 @@ static double largest_travel(const gn_world *w) {
         }
         most = fmax(most, d2);
     }
-    return sqrt(most);
-}
-
-/* Two particles close in by at most twice the largest path; a particle and a wall or a surface by
- * the sum of theirs. The cheap bound on the path adds up the largest speed; when it runs out, the
- * true largest displacement takes its place. */
-gneiss_status gn_world_refresh_lists(gn_world *w, gneiss_error *error) {
-    double wall = 0.0;
-    for (size_t k = 0; k < w->scene.wall_count; k++) wall = fmax(wall, w->boundary.walls[k].travel);
-    double surface = fmax(wall, gn_surfaces_travel(w, false));
-    if (2.0 * w->dem.verlet.drift <= w->dem.verlet.skin &&
-        w->dem.verlet.drift + surface <= w->dem.verlet.skin)
-        return GNEISS_OK;
-    double start = gn_now();
-    w->dem.verlet.drift = largest_travel(w);
-    wall = fmax(wall, gn_surfaces_travel(w, true));
-    w->seconds[GN_PHASE_lists] += gn_now() - start;
-    /* A tenth of the skin in hand, or the next step would run out again. */
-    if (2.2 * w->dem.verlet.drift <= w->dem.verlet.skin &&
-        w->dem.verlet.drift + wall <= 0.9 * w->dem.verlet.skin)
-        return GNEISS_OK;
-    GN_TRY(gn_world_rebuild(w, error));
-    /* A surface that gives way may have come near many particles since the last look. */
-    double bodies = 0.0, vertices = 0.0;
-    GN_TRY(gn_surfaces_rate(w, &bodies, &vertices, error));
-    bool more =
-        bodies > 1.02 * w->boundary.surface_rate || vertices > 1.02 * w->boundary.vertex_rate;
-    if (more) GN_TRY(gn_world_check_step(w, false, error));
-    return gn_world_check_lists(w, error);
+    w->dem.verlet.drift = sqrt(most);
 }

@@ -226,9 +226,10 @@ static gneiss_status check_bodies(const gn_world *w, gneiss_error *error) {
     return GNEISS_OK;
 }
 
-static gneiss_status check_elements(const gn_world *w, gneiss_error *error) {
-    const gn_element_def *e = &w->scene.elements;
-    const gn_fem_body *b = &w->elements->body;
+static gneiss_status check_elements(const gn_world *w, const gn_element_model *q,
+                                    gneiss_error *error) {
+    const gn_element_def *e = q->def;
+    const gn_fem_body *b = &q->body;
     char what[GN_NAME_SIZE + 32];
     double reach[3], velocity[3];
     reach_of(&b->nodes, reach);
@@ -244,7 +245,7 @@ static gneiss_status check_elements(const gn_world *w, gneiss_error *error) {
 
 gneiss_status gn_origin_check(const gn_world *w, gneiss_error *error) {
     GN_TRY(check_sets(w, error));
-    if (w->elements) GN_TRY(check_elements(w, error));
+    for (size_t k = 0; k < w->element_count; k++) GN_TRY(check_elements(w, w->elements[k], error));
     GN_TRY(check_walls(w, error));
     return check_bodies(w, error);
 }

@@ -73,17 +73,13 @@ gneiss_status gn_law_derive(gn_world *world, const gn_pair_list *pairs, gneiss_e
 /* Damping fraction alpha of the contacts, 0 for none. */
 double gn_contact_damping_fraction(const gn_scene *scene);
 
-/* The coefficients of unbonded pairs, which depend on the step, after that has changed (lists.c).
- */
-void gn_world_refresh_dashpots(gn_world *world);
-
 /* Bonds between the pairs at the start that lie in the interaction range (bonds.c). */
 gneiss_status gn_bonds_form(gn_world *world, gneiss_error *error);
 
 /* Particles outside the domain (removal.c) fail the run or leave the model: without mass and
  * contacts, and what they and their contacts held is booked as carried away. Call with the lists as
  * the last step left them. */
-gneiss_status gn_world_check_domain(gn_world *world, gneiss_error *error);
+gneiss_status gn_dem_check_domain(gn_world *world, gneiss_error *error);
 
 /* Sets (sets.c): first materials and groups, then, when masses are known, motions and forces. */
 gneiss_status gn_sets_assign(gn_world *world, gneiss_error *error);
@@ -96,10 +92,10 @@ double gn_set_travel(const gn_world *world, size_t set, int axis);
 
 /* Walls (walls.c). */
 gneiss_status gn_walls_create(gn_world *world, gneiss_error *error);
-gneiss_status gn_wall_contacts_find(gn_world *world, gneiss_error *error);
+gneiss_status gn_wall_contacts_find(gn_world *world, bool first, gneiss_error *error);
 /* Forces of wall contacts [begin, end), into their rows; adds to *sums. Reads of particles only
  * those that touch. */
-void gn_wall_contacts_work(const gn_world *world, size_t begin, size_t end, gn_contact_sums *sums);
+void gn_wall_contacts_work(gn_world *world, size_t begin, size_t end, gn_contact_sums *sums);
 
 /* Surfaces (surfaces.c): facets within reach of a particle, as gn_wall_contacts.wall counts them,
  * ascending into `found` (NULL: only counted). */
@@ -113,8 +109,7 @@ void gn_surfaces_refer(gn_world *world);
 double gn_surfaces_travel(gn_world *world, bool exact);
 /* As gn_wall_contacts_work, of the facets of one surface that the particle of row `begin` has;
  * returns the first row behind them. */
-size_t gn_surface_contacts_work(const gn_world *world, size_t begin, size_t end,
-                                gn_contact_sums *sums);
+size_t gn_surface_contacts_work(gn_world *world, size_t begin, size_t end, gn_contact_sums *sums);
 /* Sums the forces on bodies and vertices. */
 void gn_surfaces_sum(gn_world *world);
 /* Contacts of the facets of one surface that the particle of row `begin` has, at the present
@@ -141,10 +136,6 @@ gneiss_status gn_surface_springs(const gn_world *world, double reach, gn_extra_s
 /* Whether it gives way to particles; the most by which it may, as 1/kg. */
 bool gn_surface_yields(const gn_world *world, const gn_surface *surface);
 double gn_surface_give(const gn_world *world, const gn_surface *surface);
-/* 1/s: 1/dt at which free bodies, and vertices, with all particles that are near held fast, would
- * be at their limit, from above; the elasticity of what vertices belong to is left out. */
-gneiss_status gn_surfaces_rate(const gn_world *world, double *bodies, double *vertices,
-                               gneiss_error *error);
 /* The surface that a row belongs to. */
 const gn_surface *gn_surface_of_row(const gn_world *world, size_t row);
 /* Its velocity over the last step where the row's force acted. */
@@ -171,12 +162,14 @@ gneiss_status gn_flight_limits(const gn_world *world, double *stable, gn_resolut
 gneiss_status gn_bodies_create(gn_world *world, gneiss_error *error);
 /* Surfaces of bodies from the arrays that a checkpoint stores as well. */
 gneiss_status gn_bodies_surfaces(gn_world *world, gneiss_error *error);
-/* New velocities from the forces; books the works of the interval that led here. */
+/* New velocities from the forces. */
 void gn_bodies_kick(gn_world *world);
 /* Kinetic energy of free motions at the instant of the kick. */
 void gn_bodies_kinetic(const gn_world *world, double *translation, double *rotation);
-/* New positions; books the works of the coming interval. */
+/* New positions. */
 void gn_bodies_drift(gn_world *world);
+/* Works over half an interval, with the velocities of that. */
+void gn_bodies_book(const gn_world *world, double dt, gn_energy *ledger);
 
 /* Bodies as files (output_bodies.c): one grid of all facets, and their group in results.h5. */
 gneiss_status gn_bodies_snapshot(const gn_world *world, const char *directory, const char *name,
@@ -186,29 +179,45 @@ gneiss_status gn_bodies_results(const gn_world *world, gn_h5 *file, gneiss_error
 void gn_rigid_orientation(const gn_rigid *body, double turn[4]);
 
 /* sweep.c: walls, contacts and motion of one step, in parallel; the lists that are shared out. */
-gneiss_status gn_world_deal_lists(gn_world *world, gneiss_error *error);
+gneiss_status gn_dem_deal(gn_world *world, gneiss_error *error);
 void gn_sweep(gn_world *world, const gn_contact_args *bonds, const gn_contact_args *pairs,
               const gn_motion_args *motion);
 /* Moves the particles that an exchange had wait. */
 void gn_sweep_held(gn_world *world, const gn_motion_args *motion);
-/* Sums the forces on the walls, books their work, moves them over the coming step. */
+/* Sums the forces on the walls, moves them over the coming step; works as those of bodies. */
 void gn_walls_sum(gn_world *world);
 void gn_walls_move(gn_world *world);
+void gn_walls_book(const gn_world *world, double dt, gn_energy *ledger);
 
-/* That bodies and walls, and nodes that particles touch, did not move too far in the step
- * (paths.c).
- */
-gneiss_status gn_paths_check(const gn_world *world, gneiss_error *error);
-/* That the surface of no particle turned farther than half its radius; of measured steps. */
-gneiss_status gn_paths_check_spins(const gn_world *world, gneiss_error *error);
-gneiss_status gn_paths_check_nodes(const gn_world *world, gneiss_error *error);
+/* Seconds are booked under phases in one step of so many, which counts for the others: looking at
+ * the clock after every block takes a percent of a step. Prime, so that it keeps no time with
+ * readings. */
+enum { GN_BOOKED = 7 };
+
+/* The limits of the parts together (step_limit.c), s: of all, from that of the particles alone; of
+ * particles and the surfaces that give way to them; and the other way round, the limit of the
+ * particles at which `step` is that of all, INFINITY: none would do. */
+double gn_limit_of_all(const gn_world *world, double particles);
+double gn_limit_beside_surfaces(const gn_world *world, double particles);
+double gn_limit_needed(const gn_world *world, double step);
+/* What has turned may leave so much of the step that it had until the next lists. */
+#define GN_TURNED_SHARE 0.95
+
+/* Contacts whose particles have other numbers: i, j and where the contact was. Sorts the keys and
+ * puts the items of *list in their order, into *now; *list is freed (lists.c). */
+typedef struct gn_renamed {
+    int32_t i, j, place;
+    bool swapped;
+} gn_renamed;
+gneiss_status gn_sort_renamed(const gn_record *record, void *list, void *now, gn_renamed *keys,
+                              gneiss_error *error);
 
 /* The first contact of a sorted list that does not come before (i, j) (lists.c). */
 size_t gn_contacts_from(const gn_contacts *list, int32_t i, int32_t j);
 
-/* What the kernels get in the coming step (step.c). */
-gn_contact_args gn_world_contact_args(const gn_world *world, const gn_contacts *list, bool measure);
-gn_motion_args gn_world_motion_args(gn_world *world, bool measure);
+/* What the kernels get in the coming step (dem_step.c). */
+gn_contact_args gn_dem_contact_args(const gn_world *world, const gn_contacts *list, bool measure);
+gn_motion_args gn_dem_motion_args(gn_world *world, bool measure);
 
 size_t gn_blocks(size_t count, size_t block);
 

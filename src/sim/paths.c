@@ -1,6 +1,7 @@
 /* How far things move in one step. Particles and what they touch may each move half the smallest
  * radius: then the two have come closer by at most a radius, and neither is behind the other before
  * it was seen to press. */
+#include "base/point.h"
 #include "sim/parts.h"
 #include "sim/touch.h"
 
@@ -11,6 +12,72 @@ static const char advice[] = "a smaller time.step or a slower motion can be foll
 static double speed(const double v[3]) {
     return sqrt(gn_dot3(v, v));
 }
+
+/* --- particles --- */
+
+static gneiss_status fail_particle(const gn_world *w, size_t p, const char *what,
+                                   gneiss_error *error) {
+    const gn_particles *q = &w->dem.particles;
+    const double *x = q->pos + 4 * p, *v = q->vel + 4 * p;
+    char at[GN_POINT_SIZE];
+    return gn_fail(
+        error, GNEISS_ERROR_UNSTABLE,
+        "step %lld, t = %g s: particle %d %s: position %s m, velocity (%g, %g, %g) m/s, radius %g "
+        "m; the step is %.3g s, its stability limit was estimated as %.3g s",
+        (long long)w->step, w->time, q->id[p], what, gn_point_text(w->scene.origin, x, at), v[0],
+        v[1], v[2], x[3], w->dt, w->stable);
+}
+
+static gneiss_status check_motion(const gn_world *w, gneiss_error *error) {
+    const gn_motion_sums *m = &w->dem.done.motion;
+    if (m->bad >= 0)
+        return fail_particle(w, (size_t)m->bad, "has a velocity that is not finite", error);
+    double path = w->dt * sqrt(m->speed2);
+    if (path <= 0.5 * w->dem.radius_min) return GNEISS_OK;
+    size_t worst = 0;
+    double most = -1.0;
+    for (size_t p = 0; p < w->dem.particles.soa.count; p++) {
+        const double *v = w->dem.particles.vel + 4 * p;
+        double v2 = v[0] * v[0] + v[1] * v[1] + v[2] * v[2];
+        if (v2 > most) {
+            most = v2;
+            worst = p;
+        }
+    }
+    return fail_particle(w, worst, "moved farther in one step than half the smallest radius",
+                         error);
+}
+
+/* That the surface of no particle turned farther than half its radius. */
+static gneiss_status check_spins(const gn_world *w, gneiss_error *error) {
+    const gn_particles *q = &w->dem.particles;
+    double most = 0.0;
+    int team = w->dem.deal.team; /* as many as the sweep has now; 0: no particles */
+    if (team < 1 || !q->spin) return GNEISS_OK;
+#pragma omp parallel for schedule(static) num_threads(team) reduction(max : most)
+    for (size_t p = 0; p < q->soa.count; p++) { /* not fmax, which is a call */
+        double size2 = gn_dot3(q->spin + 4 * p, q->spin + 4 * p);
+        most = size2 > most ? size2 : most;
+    }
+    if (w->dt * sqrt(most) <= 0.5) return GNEISS_OK;
+    size_t worst = 0;
+    while (gn_dot3(q->spin + 4 * worst, q->spin + 4 * worst) < most) worst++;
+    const double *o = q->spin + 4 * worst, *x = q->pos + 4 * worst;
+    return gn_fail(
+        error, GNEISS_ERROR_UNSTABLE,
+        "step %lld, t = %g s: particle %d turned in one step by more than half a radian: "
+        "position (%g, %g, %g) m, spin (%g, %g, %g) rad/s; the step is %.3g s, its "
+        "stability limit was estimated as %.3g s; %s",
+        (long long)w->step, w->time, q->id[worst], x[0], x[1], x[2], o[0], o[1], o[2], w->dt,
+        w->stable, advice);
+}
+
+gneiss_status gn_dem_check(const gn_world *w, bool measure, gneiss_error *error) {
+    GN_TRY(check_motion(w, error));
+    return measure ? check_spins(w, error) : GNEISS_OK;
+}
+
+/* --- what they touch --- */
 
 /* Of the farthest vertex. Written so that a path that is not a number is none that may pass. */
 static gneiss_status check_body(const gn_world *w, size_t k, gneiss_error *error) {
@@ -43,43 +110,19 @@ static gneiss_status check_wall(const gn_world *w, size_t k, gneiss_error *error
         w->scene.walls[k].servo.active ? "servo.max_velocity bounds it" : advice);
 }
 
-gneiss_status gn_paths_check(const gn_world *w, gneiss_error *error) {
+gneiss_status gn_boundary_check(const gn_world *w, gneiss_error *error) {
     for (size_t k = 0; k < w->scene.body_count; k++) GN_TRY(check_body(w, k, error));
     for (size_t k = 0; k < w->scene.wall_count; k++) GN_TRY(check_wall(w, k, error));
     return GNEISS_OK;
 }
 
-gneiss_status gn_paths_check_spins(const gn_world *w, gneiss_error *error) {
-    const gn_particles *q = &w->dem.particles;
+gneiss_status gn_elements_check(const gn_world *w, gneiss_error *error) {
     double most = 0.0;
-    int team = w->dem.deal.team; /* as many as the sweep has now; 0: no particles */
-    if (team < 1 || !q->spin) return GNEISS_OK;
-#pragma omp parallel for schedule(static) num_threads(team) reduction(max : most)
-    for (size_t p = 0; p < q->soa.count; p++) { /* not fmax, which is a call */
-        double size2 = gn_dot3(q->spin + 4 * p, q->spin + 4 * p);
-        most = size2 > most ? size2 : most;
-    }
-    if (w->dt * sqrt(most) <= 0.5) return GNEISS_OK;
-    size_t worst = 0;
-    while (gn_dot3(q->spin + 4 * worst, q->spin + 4 * worst) < most) worst++;
-    const double *o = q->spin + 4 * worst, *x = q->pos + 4 * worst;
-    return gn_fail(
-        error, GNEISS_ERROR_UNSTABLE,
-        "step %lld, t = %g s: particle %d turned in one step by more than half a radian: "
-        "position (%g, %g, %g) m, spin (%g, %g, %g) rad/s; the step is %.3g s, its "
-        "stability limit was estimated as %.3g s; %s",
-        (long long)w->step, w->time, q->id[worst], x[0], x[1], x[2], o[0], o[1], o[2], w->dt,
-        w->stable, advice);
-}
-
-gneiss_status gn_paths_check_nodes(const gn_world *w, gneiss_error *error) {
-    const gn_fem_body *b = &w->elements->body;
-    double speed2 = 0.0;
-    if (!w->elements->contact.force) return GNEISS_OK;
-    for (size_t k = 0; k < b->motion_blocks; k++) speed2 = fmax(speed2, b->motion_sums[k].speed2);
-    if (w->dt * sqrt(speed2) <= 0.5 * w->dem.radius_min) return GNEISS_OK;
+    for (size_t k = 0; k < w->element_count; k++)
+        most = fmax(most, gn_element_contact_speed(w->elements[k]));
+    if (!(most > 0.0) || w->dt * most <= 0.5 * w->dem.radius_min) return GNEISS_OK;
     return gn_fail(error, GNEISS_ERROR_UNSTABLE,
                    "step %lld, t = %g s: elements: a node moved farther in one step than half the "
                    "smallest radius: %g m/s, smallest radius %g m; the step is %.3g s; %s",
-                   (long long)w->step, w->time, sqrt(speed2), w->dem.radius_min, w->dt, advice);
+                   (long long)w->step, w->time, most, w->dem.radius_min, w->dt, advice);
 }

@@ -186,7 +186,7 @@ static void remove_gone(gn_world *w, const bool *gone) {
     release_bonds(w, gone);
 }
 
-gneiss_status gn_world_check_domain(gn_world *w, gneiss_error *error) {
+gneiss_status gn_dem_check_domain(gn_world *w, gneiss_error *error) {
     size_t n = w->dem.particles.soa.count;
     if (!w->scene.has_domain || !mark_gone(w, NULL)) return GNEISS_OK;
     bool *gone = gn_alloc_array(n, sizeof *gone);

@@ -33,14 +33,13 @@ typedef struct gn_surface {
     const double *velocity;            /* [vertices][4], m/s, 1/kg; NULL: rigid */
     const int32_t *slot;               /* [vertices] in `prescribed`, -1: free; NULL: rigid */
     const gn_prescription *prescribed; /* of vertices; borrowed; NULL: rigid */
-    double *force; /* [vertices][4], N, of the particles on vertices; borrowed; NULL: rigid */
-    int32_t body;  /* that it belongs to; -1: vertices move by themselves */
+    double *force; /* [vertices][4], N, of the particles on vertices; NULL: rigid */
+    int32_t body;  /* that it belongs to; -1: vertices are nodes of `elements` */
+    struct gn_element_model *elements;
     int32_t first; /* place of its first facet among all facets */
     double stiffness, kratio, friction;
     gn_facet_tree tree;
-    double *travel; /* m, bound on the path of any vertex since the lists were made; borrowed */
     size_t vertices;
-    double *ref; /* [vertices][4], m, when the lists were made; borrowed; NULL: rigid */
 } gn_surface;
 
 #endif

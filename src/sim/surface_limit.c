@@ -194,13 +194,36 @@ static gneiss_status surface_rate(const gn_world *w, const gn_surface *s, double
                 : gn_fail(error, GNEISS_ERROR_MEMORY, "no memory for %zu vertices", s->vertices);
 }
 
-gneiss_status gn_surfaces_rate(const gn_world *w, double *bodies, double *vertices,
-                               gneiss_error *error) {
+/* 1/s: 1/dt at which free bodies, and vertices, with all particles that are near held fast, would
+ * be at their limit, from above; the elasticity of what vertices belong to is left out. */
+static gneiss_status find_rates(const gn_world *w, double *bodies, double *vertices,
+                                gneiss_error *error) {
     *bodies = *vertices = 0.0;
     for (size_t k = 0; k < w->boundary.surface_count; k++) {
         const gn_surface *s = &w->boundary.surfaces[k];
         if (!gn_surface_yields(w, s)) continue;
         GN_TRY(surface_rate(w, s, s->body >= 0 ? bodies : vertices, error));
     }
+    return GNEISS_OK;
+}
+
+static bool are_more(const gn_boundary *b, double bodies, double vertices) {
+    return bodies > 1.02 * b->surface_rate || vertices > 1.02 * b->vertex_rate;
+}
+
+gneiss_status gn_boundary_yields_more(const gn_world *w, bool *more, gneiss_error *error) {
+    double bodies, vertices;
+    GN_TRY(find_rates(w, &bodies, &vertices, error));
+    *more = are_more(&w->boundary, bodies, vertices);
+    return GNEISS_OK;
+}
+
+gneiss_status gn_boundary_limit(gn_world *w, bool anew, bool *due, gneiss_error *error) {
+    double bodies, vertices;
+    GN_TRY(find_rates(w, &bodies, &vertices, error));
+    *due = anew || are_more(&w->boundary, bodies, vertices);
+    if (!*due) return GNEISS_OK;
+    w->boundary.surface_rate = bodies;
+    w->boundary.vertex_rate = vertices;
     return GNEISS_OK;
 }

@@ -68,14 +68,14 @@ size_t gn_surfaces_near(const gn_world *w, size_t p, int32_t *found) {
 void gn_surfaces_refer(gn_world *w) {
     for (size_t k = 0; k < w->boundary.surface_count; k++) {
         gn_surface *s = &w->boundary.surfaces[k];
-        *s->travel = 0.0;
         if (s->body >= 0) {
             gn_rigid *b = &w->boundary.bodies[s->body];
+            b->travel = 0.0;
             memcpy(b->ref_position, b->position, sizeof b->position);
             memcpy(b->ref_axes, b->axes, sizeof b->axes);
         } else {
             gn_facet_tree_refit(&s->facets, &s->tree);
-            memcpy(s->ref, s->facets.pos, s->vertices * 4 * sizeof *s->ref);
+            gn_element_contact_refer(s->elements);
         }
     }
 }
@@ -90,33 +90,26 @@ static double body_travel(const gn_rigid *b) {
     return sqrt(d2) + sqrt(0.5 * f2) * b->reach;
 }
 
-static double vertex_travel(const gn_surface *s) {
-    double most = 0.0;
-    for (size_t v = 0; v < s->vertices; v++) {
-        double d2 = 0.0;
-        for (size_t a = 4 * v; a < 4 * v + 3; a++)
-            d2 += (s->facets.pos[a] - s->ref[a]) * (s->facets.pos[a] - s->ref[a]);
-        most = fmax(most, d2);
-    }
-    return sqrt(most);
-}
-
 double gn_surfaces_travel(gn_world *w, bool exact) {
     double most = 0.0;
     for (size_t k = 0; k < w->boundary.surface_count; k++) {
         gn_surface *s = &w->boundary.surfaces[k];
         gn_rigid *b = s->body >= 0 ? &w->boundary.bodies[s->body] : NULL;
-        if (exact) *s->travel = b ? body_travel(b) : vertex_travel(s);
-        most = fmax(most, *s->travel);
+        if (b && exact) b->travel = body_travel(b);
+        most = fmax(most, b ? b->travel : gn_element_contact_travel(s->elements, exact));
     }
     return most;
 }
 
-const gn_surface *gn_surface_of_row(const gn_world *w, size_t row) {
-    int32_t facet = w->boundary.contacts.wall[row] - (int32_t)w->scene.wall_count;
+static size_t surface_of_facet(const gn_world *w, int32_t facet) {
     size_t k = 0;
     while (k + 1 < w->boundary.surface_count && facet >= w->boundary.surfaces[k + 1].first) k++;
-    return &w->boundary.surfaces[k];
+    return k;
+}
+
+const gn_surface *gn_surface_of_row(const gn_world *w, size_t row) {
+    int32_t facet = w->boundary.contacts.wall[row] - (int32_t)w->scene.wall_count;
+    return &w->boundary.surfaces[surface_of_facet(w, facet)];
 }
 
 /* --- history --- */
@@ -139,7 +132,7 @@ static void split_normal(memory *m) {
 }
 
 /* Takes the histories out of the rows and empties them. */
-static size_t recall(const gn_wall_contacts *q, size_t begin, size_t end, memory *old) {
+static size_t recall(gn_wall_contacts *q, size_t begin, size_t end, memory *old) {
     size_t count = 0, stride = q->soa.capacity;
     for (size_t c = begin; c < end; c++) {
         memset(q->row + 8 * c, 0, 8 * sizeof *q->row);
@@ -357,9 +350,8 @@ static gn_touch touch_of(const group *g, const gn_facet_near *minima, const gn_f
 }
 
 /* One contact: force and history into its row. */
-static void contact(const group *g, const gn_facet_near *minima, const gn_facet_contact *k,
-                    const memory *before, gn_contact_sums *sums) {
-    const gn_wall_contacts *q = &g->w->boundary.contacts;
+static void contact(const group *g, gn_wall_contacts *q, const gn_facet_near *minima,
+                    const gn_facet_contact *k, const memory *before, gn_contact_sums *sums) {
     size_t stride = q->soa.capacity, own = minima[k->member].row;
     const double *x = g->w->dem.particles.pos + 4 * g->particle;
     double arm[3], t[3], force[3], fd = before ? before->fd : 0.0;
@@ -412,8 +404,7 @@ static bool left_behind(const group *g, const memory *m, gn_facet_near *near) {
 /* A contact that opened in this step: its spring across and its dashpot let go, and what the last
  * force did beyond the opening is taken back, as at a wall. One that was joined to another is not
  * open. */
-static void open_contact(const group *g, memory *m, gn_contact_sums *sums) {
-    const gn_wall_contacts *q = &g->w->boundary.contacts;
+static void open_contact(const group *g, gn_wall_contacts *q, memory *m, gn_contact_sums *sums) {
     double t[3];
     const double *x = g->w->dem.particles.pos + 4 * g->particle;
     gn_facet_near near;
@@ -482,13 +473,13 @@ size_t gn_surface_contacts_at(const gn_world *w, size_t begin, double skin,
     return g.end;
 }
 
-size_t gn_surface_contacts_work(const gn_world *w, size_t begin, size_t end,
-                                gn_contact_sums *sums) {
+size_t gn_surface_contacts_work(gn_world *w, size_t begin, size_t end, gn_contact_sums *sums) {
+    gn_wall_contacts *rows = &w->boundary.contacts;
     group g = group_at(w, begin, end);
     double r = w->dem.particles.pos[4 * g.particle + 3];
     memory old[GN_FACET_TOUCHES];
     gn_facet_near minima[GN_FACET_TOUCHES];
-    size_t remembered = recall(&w->boundary.contacts, begin, g.end, old);
+    size_t remembered = recall(rows, begin, g.end, old);
     size_t count = minima_within(&g, r, minima);
     if (!remembered && !count) return g.end;
     gn_facet_contact now[GN_FACET_TOUCHES];
@@ -496,9 +487,9 @@ size_t gn_surface_contacts_work(const gn_world *w, size_t begin, size_t end,
     size_t contacts = gn_facet_contacts(minima, count, r, now);
     match(now, contacts, old, remembered, from);
     for (size_t k = 0; k < contacts; k++)
-        contact(&g, minima, &now[k], from[k] >= 0 ? &old[from[k]] : NULL, sums);
+        contact(&g, rows, minima, &now[k], from[k] >= 0 ? &old[from[k]] : NULL, sums);
     for (size_t m = 0; m < remembered; m++)
-        if (!old[m].taken) open_contact(&g, &old[m], sums);
+        if (!old[m].taken) open_contact(&g, rows, &old[m], sums);
     return g.end;
 }
 
@@ -514,7 +505,7 @@ static void load_body(gn_rigid *b, const double touch[3], const double force[3])
     }
 }
 
-static void load_vertices(const gn_surface *s, int32_t facet, const double touch[3],
+static void load_vertices(gn_surface *s, int32_t facet, const double touch[3],
                           const double force[3]) {
     const int32_t *corner = s->facets.corner + s->facets.corners * (int64_t)facet;
     const double *x[3] = {0};
@@ -566,7 +557,7 @@ void gn_surfaces_sum(gn_world *w) {
         const double *force = q->row + 8 * c;
         int32_t facet = q->wall[c] - (int32_t)w->scene.wall_count;
         if (facet < 0 || !(force[0] != 0.0 || force[1] != 0.0 || force[2] != 0.0)) continue;
-        const gn_surface *s = gn_surface_of_row(w, c);
+        gn_surface *s = &w->boundary.surfaces[surface_of_facet(w, facet)];
         double touch[3];
         for (size_t a = 0; a < 3; a++) touch[a] = q->touch[c + a * q->soa.capacity];
         if (s->body >= 0)

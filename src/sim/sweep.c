@@ -4,11 +4,7 @@
 
 #include <omp.h>
 
-/* The first thread books time under the phases: in some steps, which count for the others, because
- * looking at the clock after every block takes a percent of a step. */
-enum { BOOKED = 7 }; /* one step in so many; prime, so that it keeps no time with readings */
-
-/* What a thread takes with it. */
+/* What a thread takes with it. The first one books time under the phases. */
 typedef struct work {
     gn_world *w;
     const gn_contact_args *bonds, *pairs;
@@ -20,7 +16,7 @@ typedef struct work {
 static void book(work *k, gn_phase phase) {
     if (!k->books) return;
     double now = gn_now();
-    k->w->seconds[phase] += BOOKED * (now - k->mark);
+    k->w->seconds[phase] += GN_BOOKED * (now - k->mark);
     k->mark = now;
 }
 
@@ -44,18 +40,14 @@ static void move(void *context, size_t block) {
     gn_world *w = k->w;
     size_t first = block * GN_PARTICLE_BLOCK, last = first + GN_PARTICLE_BLOCK;
     if (last > w->dem.particles.soa.count) last = w->dem.particles.soa.count;
-    if (w->effects & GN_FX_WALLS) {
-        size_t begin = (size_t)w->boundary.first[first], end = (size_t)w->boundary.first[last];
-        w->boundary.sums[block] = (gn_contact_sums){0};
-        gn_wall_contacts_work(w, begin, end, &w->boundary.sums[block]);
-        if (begin < end) book(k, GN_PHASE_walls);
-    }
+    if (w->effects & GN_FX_WALLS && gn_boundary_work(w, block, first, last))
+        book(k, GN_PHASE_walls);
     w->dem.motion_sums[block] = (gn_motion_sums){.bad = -1};
     w->dem.motion_kernel(k->motion, first, last, &w->dem.motion_sums[block]);
     book(k, GN_PHASE_motion);
 }
 
-gneiss_status gn_world_deal_lists(gn_world *w, gneiss_error *error) {
+gneiss_status gn_dem_deal(gn_world *w, gneiss_error *error) {
     return gn_deal_lists(&w->dem.deal, (gn_deal_list){&w->dem.bond_partials, w->dem.bonds.i},
                          (gn_deal_list){&w->dem.pair_partials, w->dem.pairs.i},
                          w->dem.motion_blocks, error);
@@ -65,7 +57,7 @@ void gn_sweep(gn_world *w, const gn_contact_args *bonds, const gn_contact_args *
               const gn_motion_args *motion) {
     static const gn_deal_work blocks = {contacts, move};
     const double begin = gn_now();
-    const bool booked = w->step % BOOKED == 0;
+    const bool booked = w->step % GN_BOOKED == 0;
     gn_deal_begin(&w->dem.deal);
 #pragma omp parallel num_threads(w->dem.deal.team)
     {

@@ -99,7 +99,7 @@ static gneiss_status count_rows(gn_world *w, size_t *count, gneiss_error *error)
     return GNEISS_OK;
 }
 
-gneiss_status gn_wall_contacts_find(gn_world *w, gneiss_error *error) {
+gneiss_status gn_wall_contacts_find(gn_world *w, bool first, gneiss_error *error) {
     size_t n = w->dem.particles.soa.count, count = 0;
     if (!(w->effects & GN_FX_WALLS)) return GNEISS_OK;
     if (!w->boundary.first) w->boundary.first = gn_alloc_array(n + 2, sizeof *w->boundary.first);
@@ -109,7 +109,6 @@ gneiss_status gn_wall_contacts_find(gn_world *w, gneiss_error *error) {
     GN_TRY(count_rows(w, &count, error));
     gn_wall_contacts old = w->boundary.contacts, now = {0};
     GN_TRY(gn_soa_create(&gn_wall_contact_record, &now, count, w->effects, error));
-    bool first = w->dem.verlet.rebuilds == 0;
 #pragma omp parallel for schedule(dynamic, 256) num_threads(w->threads)
     for (size_t p = 0; p < n; p++) {
         size_t begin = (size_t)w->boundary.first[p], end = (size_t)w->boundary.first[p + 1];
@@ -167,8 +166,8 @@ static bool idle(const gn_wall_contacts *q, size_t c, const gn_touch *s, double 
            (q->shear[c] == 0.0 && q->shear[c + stride] == 0.0 && q->shear[c + 2 * stride] == 0.0);
 }
 
-static void wall_contact(const gn_world *w, size_t c, gn_contact_sums *sums) {
-    const gn_wall_contacts *q = &w->boundary.contacts;
+static void wall_contact(gn_world *w, size_t c, gn_contact_sums *sums) {
+    gn_wall_contacts *q = &w->boundary.contacts;
     const gn_wall_def *def = &w->scene.walls[q->wall[c]];
     gn_touch_side law = gn_wall_side(def);
     double arm, v[3], t[3], *row = q->row + 8 * c, moment[3];
@@ -189,7 +188,7 @@ static void wall_contact(const gn_world *w, size_t c, gn_contact_sums *sums) {
         for (int b = 0; b < 3; b++) sums->stress[3 * a + b] += row[a] * arm * s.n[b];
 }
 
-void gn_wall_contacts_work(const gn_world *w, size_t begin, size_t end, gn_contact_sums *sums) {
+void gn_wall_contacts_work(gn_world *w, size_t begin, size_t end, gn_contact_sums *sums) {
     for (size_t c = begin; c < end;) {
         if ((size_t)w->boundary.contacts.wall[c] < w->scene.wall_count)
             wall_contact(w, c++, sums);
@@ -232,10 +231,13 @@ void gn_walls_sum(gn_world *w) {
         bool servo = w->scene.walls[w->boundary.contacts.wall[c]].servo.active;
         if (servo && gn_dot3(row, row) > 0.0) wall->stiffness += step_stiffness(w, c);
     }
-    /* The path that led here closes with the force it led to (trapezoidal work of the walls). */
+}
+
+/* The path that led here closes with the force it led to, the coming one begins with it. */
+void gn_walls_book(const gn_world *w, double dt, gn_energy *ledger) {
     for (size_t k = 0; k < w->scene.wall_count; k++)
-        w->energy.work_walls -=
-            0.5 * w->dt_past * gn_dot3(w->boundary.walls[k].force, w->boundary.walls[k].velocity);
+        ledger->work_walls -=
+            0.5 * dt * gn_dot3(w->boundary.walls[k].force, w->boundary.walls[k].velocity);
 }
 
 /* Sum of the springs alone that press the wall. */
@@ -331,6 +333,5 @@ void gn_walls_move(gn_world *w) {
                 wall->velocity[a] = gn_table_at(&motion->velocity[a], w->time + 0.5 * w->dt);
         for (int a = 0; a < 3; a++) wall->point[a] += w->dt * wall->velocity[a];
         wall->travel += w->dt * fabs(gn_dot3(wall->velocity, wall->normal));
-        w->energy.work_walls -= 0.5 * w->dt * gn_dot3(wall->force, wall->velocity);
     }
 }

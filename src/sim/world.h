@@ -33,7 +33,13 @@ typedef enum gn_phase {
 const char *gn_phase_name(gn_phase phase);
 const char *gn_phase_text(gn_phase phase);
 
-/* The scene, the clock and the ledger, and the parts, which own their state. */
+/* X(name, text): numbers of the last measured step that no sum over the state gives afterwards;
+ * checkpoints have them. */
+#define GN_MEASURED(X) X(unbalanced, "mean resultant over mean contact force")
+
+/* The scene, the clock and the ledger, and the parts, which own their state and show the same face:
+ * create, refresh, forces, move, book, measure, limit, check, hash, bytes, save, load, free, as far
+ * as they apply (docs/design.md). The world calls them in turn. */
 struct gn_world {
     gn_scene scene; /* its points relative to scene.origin, as all points of the world */
     gn_scene given; /* the same as the user sees it, for files */
@@ -41,9 +47,10 @@ struct gn_world {
     const gn_kernel_set *kernels;
     int threads;
 
-    gn_dem dem;                   /* particles and their contacts */
-    gn_boundary boundary;         /* walls, bodies and facets that they touch */
-    gn_element_model *elements;   /* NULL: none */
+    gn_dem dem;                  /* particles and their contacts */
+    gn_boundary boundary;        /* walls, bodies and facets that they touch */
+    gn_element_model **elements; /* [element_count] bodies of finite elements */
+    size_t element_count;
     struct gn_exchange *exchange; /* [exchange_count] sim/exchange.h */
     size_t exchange_count;
 
@@ -90,7 +97,7 @@ gneiss_status gn_world_use_threads(gn_world *world, int threads, gneiss_error *e
  * are those at its end. GNEISS_ERROR_UNSTABLE: the state is the last computed one. */
 gneiss_status gn_world_step(gn_world *world, bool measure, gneiss_error *error);
 
-/* Makes the lists anew (lists.c). `first`: at the start, when bonds are formed as well. */
+/* Makes the lists of all parts anew (refresh.c); at the start, forms bonds as well. */
 gneiss_status gn_world_rebuild(gn_world *world, gneiss_error *error);
 
 /* After the records of a checkpoint were read: null particles, padding, partial and block sums. */
@@ -102,8 +109,13 @@ gneiss_status gn_world_refresh_lists(gn_world *world, gneiss_error *error);
 /* Refuses a run that no machine would bring to its end: more than 1e15 steps. */
 gneiss_status gn_world_check_duration(const gn_world *world, gneiss_error *error);
 
-/* Checks the stability limit and lowers an automatic step (dt.c). `full`: Lanczos even if the
- * rigorous bound is above the step. */
+/* s: the limits of the particles and all bodies of elements, each by itself: the least, undamped.
+ */
+double gn_world_sharp_limit(const gn_world *world);
+double gn_world_bound(const gn_world *world);
+
+/* Checks the stability limit and lowers an automatic step (step_limit.c). `full`: Lanczos even if
+ * the rigorous bound is above the step. */
 gneiss_status gn_world_check_step(gn_world *world, bool full, gneiss_error *error);
 
 /* The same for what the lists, just made, let happen before they are made again. */

@@ -1,0 +1,113 @@
+/* The part of a checkpoint that walls, bodies and the contacts with them have. */
+#include "base/memory.h"
+#include "run/checkpoint_parts.h"
+#include "sim/parts.h"
+
+#include <stdint.h>
+#include <string.h>
+
+#define DOUBLES(member) GN_PIECE_DOUBLES("world.boundary.", gn_boundary, member)
+
+static const gn_piece pieces[] = {DOUBLES(surface_rate), DOUBLES(vertex_rate)};
+enum { PIECES = sizeof pieces / sizeof *pieces, MOST_ARRAYS = 5 };
+
+_Static_assert(sizeof(gn_wall) % 8 == 0 && sizeof(gn_rigid) % 8 == 0, "made of doubles only");
+
+static size_t list_arrays(gn_world *w, gn_checkpoint_array out[MOST_ARRAYS]) {
+    gn_boundary *b = &w->boundary;
+    size_t n = 0, bodies = w->scene.body_count;
+    out[n++] = (gn_checkpoint_array){"walls", GN_F64, w->scene.wall_count, sizeof(gn_wall) / 8,
+                                     (void **)&b->walls};
+    if (!bodies) return n;
+    out[n++] =
+        (gn_checkpoint_array){"bodies", GN_F64, bodies, sizeof(gn_rigid) / 8, (void **)&b->bodies};
+    out[n++] = (gn_checkpoint_array){"body_shape", GN_I64, bodies, 3, (void **)&b->body_shape};
+    out[n++] = (gn_checkpoint_array){"body_vertex", GN_F64, b->body_vertex_count, 4,
+                                     (void **)&b->body_vertex};
+    out[n++] = (gn_checkpoint_array){"body_corner", GN_I32, b->body_corner_count, 1,
+                                     (void **)&b->body_corner};
+    return n;
+}
+
+gneiss_status gn_boundary_save(const gn_world *world, gn_h5 *file, gneiss_error *error) {
+    gn_world *w = (gn_world *)(uintptr_t)world; /* list_arrays hands out places to fill */
+    gn_checkpoint_array arrays[MOST_ARRAYS];
+    size_t count = list_arrays(w, arrays);
+    GN_TRY(gn_h5_put_pieces(file, "run", pieces, PIECES, &w->boundary, error));
+    GN_TRY(gn_checkpoint_put_arrays(file, arrays, count, error));
+    if (!(w->effects & GN_FX_WALLS)) return GNEISS_OK;
+    return gn_h5_put_record(file, "wall_contacts", &gn_wall_contact_record, &w->boundary.contacts,
+                            error);
+}
+
+/* --- reading --- */
+
+/* Facets of each body lie within its vertices, and all of them in what is there. */
+static bool good_bodies(const gn_world *w) {
+    size_t corners = (size_t)w->scene.dimension, vertices = 0, facets = 0;
+    for (size_t k = 0; k < w->scene.body_count; k++) {
+        const int64_t *shape = w->boundary.body_shape[k];
+        if (shape[0] < 0 || shape[0] > INT32_MAX || shape[1] < 1 || shape[1] > INT32_MAX)
+            return false;
+        size_t begin = corners * facets, end = begin + corners * (size_t)shape[1];
+        vertices += (size_t)shape[0];
+        facets += (size_t)shape[1];
+        if (end > w->boundary.body_corner_count) return false;
+        for (size_t c = begin; c < end; c++)
+            if (w->boundary.body_corner[c] < 0 || w->boundary.body_corner[c] >= shape[0])
+                return false;
+    }
+    return vertices == w->boundary.body_vertex_count &&
+           corners * facets == w->boundary.body_corner_count;
+}
+
+static bool good_contacts(const gn_world *w) {
+    const gn_wall_contacts *q = &w->boundary.contacts;
+    bool good = true;
+    for (size_t c = 0; c < q->soa.count; c++)
+        good = good && q->i[c] >= 0 && (size_t)q->i[c] < w->dem.particles.soa.count &&
+               q->wall[c] >= 0; /* and below: check_facets */
+    return good;
+}
+
+gneiss_status gn_boundary_load(gn_world *w, const gn_h5 *file, const char *path,
+                               gneiss_error *error) {
+    gn_boundary *b = &w->boundary;
+    gn_checkpoint_array arrays[MOST_ARRAYS];
+    GN_TRY(gn_h5_get_pieces(file, "run", pieces, PIECES, b, error));
+    if (w->scene.body_count) {
+        GN_TRY(gn_h5_rows(file, "arrays/body_vertex", &b->body_vertex_count, error));
+        GN_TRY(gn_h5_rows(file, "arrays/body_corner", &b->body_corner_count, error));
+    }
+    size_t count = list_arrays(w, arrays);
+    GN_TRY(gn_checkpoint_get_arrays(file, arrays, count, error));
+    b->wall_normals = gn_alloc_array(w->scene.wall_count + 1, 4 * sizeof(double));
+    if (!b->wall_normals) return gn_fail(error, GNEISS_ERROR_MEMORY, "no memory for walls");
+    for (size_t k = 0; k < w->scene.wall_count; k++)
+        memcpy(b->wall_normals + 4 * k, b->walls[k].normal, 3 * sizeof(double));
+    if (w->effects & GN_FX_WALLS)
+        GN_TRY(gn_h5_get_record(file, "wall_contacts", &gn_wall_contact_record, &b->contacts,
+                                w->effects, error));
+    if (good_bodies(w) && good_contacts(w)) return GNEISS_OK;
+    return gn_fail(error, GNEISS_ERROR_INPUT,
+                   "%s: expected particle numbers below %zu, found others", path,
+                   w->dem.particles.soa.count);
+}
+
+static gneiss_status check_facets(const gn_world *w, const char *path, gneiss_error *error) {
+    size_t all = w->scene.wall_count;
+    bool good = true;
+    for (size_t k = 0; k < w->boundary.surface_count; k++)
+        all += w->boundary.surfaces[k].facets.count;
+    for (size_t c = 0; c < w->boundary.contacts.soa.count; c++)
+        good = good && (size_t)w->boundary.contacts.wall[c] < all;
+    return good ? GNEISS_OK
+                : gn_fail(error, GNEISS_ERROR_INPUT,
+                          "%s: expected walls and facets below %zu, found others", path, all);
+}
+
+gneiss_status gn_boundary_load_surfaces(gn_world *w, const char *path, gneiss_error *error) {
+    GN_TRY(gn_bodies_surfaces(w, error));
+    GN_TRY(gn_element_contact_create(w, error));
+    return check_facets(w, path, error);
+}

@@ -1,0 +1,131 @@
+/* The part of a checkpoint that particles have. */
+#include "run/checkpoint_parts.h"
+#include "sim/parts.h"
+
+#include <math.h>
+#include <stdint.h>
+
+#define DOUBLES(member) GN_PIECE_DOUBLES("world.dem.", gn_dem, member)
+#define LIMIT(member)   GN_PIECE_ANY("world.dem.", gn_dem, member)
+#define INTEGER(member) GN_PIECE_INTEGER("world.dem.", gn_dem, member)
+
+static const gn_piece pieces[] = {
+    LIMIT(listed),
+    LIMIT(listed_holds),
+    LIMIT(resolution.step),
+    LIMIT(resolution.contact),
+    INTEGER(resolution.first),
+    INTEGER(resolution.second),
+    LIMIT(stable),
+    LIMIT(limit.bound),
+    LIMIT(limit.sharp),
+    LIMIT(limit.sharp_low),
+    LIMIT(limit.frequency),
+    LIMIT(limit.literature),
+    INTEGER(broken_tension),
+    INTEGER(broken_shear),
+    INTEGER(bonds_at_start),
+    INTEGER(lost),
+    INTEGER(contact_steps),
+    DOUBLES(verlet.skin),
+    DOUBLES(verlet.skin_start),
+    DOUBLES(verlet.drift),
+    INTEGER(verlet.rebuilds),
+    INTEGER(verlet.last_step),
+    DOUBLES(derived),
+    LIMIT(radius_min),
+};
+enum { PIECES = sizeof pieces / sizeof *pieces, MOST_ARRAYS = 6 };
+
+static size_t list_arrays(gn_world *w, gn_checkpoint_array out[MOST_ARRAYS]) {
+    size_t n = 0;
+    gn_prescription *f = &w->dem.prescribed;
+    if (!(w->effects & GN_FX_PRESCRIBED)) return n;
+    out[n++] = (gn_checkpoint_array){"prescribed_set", GN_I32, f->count, 1, (void **)&f->set};
+    out[n++] = (gn_checkpoint_array){"prescribed_mask", GN_U8, f->count, 1, (void **)&f->mask};
+    out[n++] =
+        (gn_checkpoint_array){"prescribed_velocity", GN_F64, f->count, 6, (void **)&f->velocity};
+    out[n++] = (gn_checkpoint_array){"prescribed_load", GN_F64, f->count, 6, (void **)&f->load};
+    out[n++] =
+        (gn_checkpoint_array){"channel_set", GN_I32, f->count, 6, (void **)&w->dem.channel_set};
+    out[n++] = (gn_checkpoint_array){"set_reaction", GN_F64, w->scene.set_count, 6,
+                                     (void **)&w->dem.set_reaction};
+    return n;
+}
+
+gneiss_status gn_dem_save(const gn_world *world, gn_h5 *file, gneiss_error *error) {
+    gn_world *w = (gn_world *)(uintptr_t)world; /* list_arrays hands out places to fill */
+    gn_checkpoint_array arrays[MOST_ARRAYS];
+    size_t count = list_arrays(w, arrays);
+    GN_TRY(gn_h5_put_record(file, "particles", &gn_particle_record, &w->dem.particles, error));
+    GN_TRY(gn_h5_put_record(file, "bonds", &gn_contact_record, &w->dem.bonds, error));
+    GN_TRY(gn_h5_put_record(file, "pairs", &gn_contact_record, &w->dem.pairs, error));
+    GN_TRY(gn_h5_put_pieces(file, "run", pieces, PIECES, &w->dem, error));
+    return gn_checkpoint_put_arrays(file, arrays, count, error);
+}
+
+/* --- reading --- */
+
+/* Indices that kernels follow without looking must lie in range even if the file was tampered with.
+ */
+static bool good_contacts(const gn_contacts *list, size_t n) {
+    bool good = true;
+    for (size_t c = 0; c < list->soa.count; c++) {
+        int32_t i = list->i[c], j = list->j[c];
+        good = good && i >= 0 && i < j && (size_t)j < n;
+    }
+    return good;
+}
+
+static bool good_particles(const gn_world *w) {
+    const gn_particles *q = &w->dem.particles;
+    bool good = true;
+    for (size_t p = 0; p < q->soa.count; p++) {
+        good = good && q->id[p] >= 0 && (size_t)q->id[p] < q->soa.count && q->material[p] >= 0 &&
+               (size_t)q->material[p] < w->scene.material_count;
+        if (q->slot) good = good && q->slot[p] < (int32_t)w->dem.prescribed.count;
+    }
+    return good;
+}
+
+static bool good_prescription(const gn_world *w) {
+    const gn_prescription *f = &w->dem.prescribed;
+    bool good = true;
+    for (size_t s = 0; s < f->count; s++) {
+        good = good && f->set[s] >= 0 && (size_t)f->set[s] < w->scene.set_count;
+        for (size_t c = 6 * s; c < 6 * s + 6; c++)
+            good = good && w->dem.channel_set[c] >= -1 &&
+                   w->dem.channel_set[c] < (int64_t)w->scene.set_count;
+    }
+    return good;
+}
+
+static gneiss_status check(const gn_world *w, const char *path, gneiss_error *error) {
+    const gn_dem *d = &w->dem;
+    size_t n = d->particles.soa.count;
+    if (!(d->verlet.skin > 0.0 && isfinite(d->verlet.skin) && isfinite(d->verlet.drift)))
+        return gn_fail(error, GNEISS_ERROR_INPUT,
+                       "%s: expected positive steps and intervals, found others", path);
+    if (good_contacts(&d->bonds, n) && good_contacts(&d->pairs, n) && good_particles(w) &&
+        good_prescription(w))
+        return GNEISS_OK;
+    return gn_fail(error, GNEISS_ERROR_INPUT,
+                   "%s: expected particle numbers below %zu, found others", path, n);
+}
+
+gneiss_status gn_dem_load(gn_world *w, const gn_h5 *file, const char *path, gneiss_error *error) {
+    gn_effects bonded = gn_contact_list_effects(w->effects, true);
+    gn_effects unbonded = gn_contact_list_effects(w->effects, false);
+    gn_dem *d = &w->dem;
+    gn_checkpoint_array arrays[MOST_ARRAYS];
+    GN_TRY(gn_h5_get_pieces(file, "run", pieces, PIECES, d, error));
+    if (w->effects & GN_FX_PRESCRIBED)
+        GN_TRY(gn_h5_rows(file, "arrays/prescribed_set", &d->prescribed.count, error));
+    size_t count = list_arrays(w, arrays);
+    GN_TRY(gn_checkpoint_get_arrays(file, arrays, count, error));
+    GN_TRY(
+        gn_h5_get_record(file, "particles", &gn_particle_record, &d->particles, w->effects, error));
+    GN_TRY(gn_h5_get_record(file, "bonds", &gn_contact_record, &d->bonds, bonded, error));
+    GN_TRY(gn_h5_get_record(file, "pairs", &gn_contact_record, &d->pairs, unbonded, error));
+    return check(w, path, error);
+}

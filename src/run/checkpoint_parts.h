@@ -1,0 +1,21 @@
+/* What the parts of a checkpoint share: arrays of a size that the scene or the file says. */
+#ifndef GN_RUN_CHECKPOINT_PARTS_H
+#define GN_RUN_CHECKPOINT_PARTS_H
+
+#include "io/h5_pieces.h"
+
+/* A data set in the group `arrays`, and the place of the array. */
+typedef struct gn_checkpoint_array {
+    const char *name;
+    gn_type type;
+    size_t rows, components;
+    void **data;
+} gn_checkpoint_array;
+
+gneiss_status gn_checkpoint_put_arrays(gn_h5 *file, const gn_checkpoint_array *arrays, size_t count,
+                                       gneiss_error *error);
+/* Allocates them. */
+gneiss_status gn_checkpoint_get_arrays(const gn_h5 *file, const gn_checkpoint_array *arrays,
+                                       size_t count, gneiss_error *error);
+
+#endif

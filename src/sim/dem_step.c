@@ -1,0 +1,136 @@
+/* The particles' part of a step: forces, motion, and what both sum up to. */
+#include "sim/parts.h"
+
+#include <math.h>
+#include <string.h>
+
+/* --- what kernels get --- */
+
+gn_contact_args gn_dem_contact_args(const gn_world *w, const gn_contacts *list, bool measure) {
+    gn_contact_args a = {0};
+    a.pos = w->dem.particles.pos;
+    a.vel = w->dem.particles.vel;
+    a.spin = w->dem.particles.spin;
+    a.pos_f = w->dem.particles.travel_f;
+    a.vel_f = w->dem.particles.vel_f;
+    a.spin_f = w->dem.particles.spin_f;
+    a.contacts = list;
+    a.uniform = list == &w->dem.bonds ? w->dem.bond_uniform : w->dem.pair_uniform;
+    a.partials = list == &w->dem.bonds ? &w->dem.bond_partials : &w->dem.pair_partials;
+    a.dt = w->dt_past;
+    a.speed_most = w->dem.speed_most;
+    a.arm_factor = w->scene.contact_arm == GN_ARM_MIDPOINT ? 0.5 : 0.0;
+    memcpy(a.period, w->period, sizeof a.period);
+    for (int k = 0; k < 3; k++) a.inverse_period[k] = w->period[k] > 0.0 ? 1.0 / w->period[k] : 0.0;
+    if (w->dem.prescribed.count) {
+        a.slot = w->dem.particles.slot;
+        a.held = w->dem.prescribed.mask;
+        memcpy(a.gravity, w->scene.gravity, sizeof a.gravity);
+    }
+    a.time = w->time;
+    a.measure = measure;
+    return a;
+}
+
+gn_motion_args gn_dem_motion_args(gn_world *w, bool measure) {
+    gn_motion_args a = {0};
+    a.particles = &w->dem.particles;
+    a.bonds = &w->dem.bond_partials;
+    a.pairs = &w->dem.pair_partials;
+    a.wall_contacts = w->effects & GN_FX_WALLS ? &w->boundary.contacts : NULL;
+    a.wall_first = w->boundary.first;
+    a.prescribed = w->effects & GN_FX_PRESCRIBED ? &w->dem.prescribed : NULL;
+    a.dt_past = w->dt_past;
+    a.dt = w->dt;
+    memcpy(a.gravity, w->scene.gravity, sizeof a.gravity);
+    a.damping = w->scene.background_coefficient;
+    a.hold = w->dem.hold.count ? &w->dem.hold : NULL;
+    a.damping_lead = w->scene.background_velocity == GN_VELOCITY_INSTANT ? 0.5 : 0.0;
+    a.measure = measure;
+    return a;
+}
+
+/* --- forces and motion --- */
+
+void gn_dem_forces(gn_world *w, bool measure) {
+    if (w->effects & GN_FX_PRESCRIBED) gn_prescription_update(w, w->time + 0.5 * w->dt);
+    if (!w->dem.particles.soa.count) return;
+    gn_contact_args bonds = gn_dem_contact_args(w, &w->dem.bonds, measure);
+    gn_contact_args pairs = gn_dem_contact_args(w, &w->dem.pairs, measure);
+    gn_motion_args motion = gn_dem_motion_args(w, measure);
+    gn_sweep(w, &bonds, &pairs, &motion);
+}
+
+/* In block order, whoever worked on them. */
+static gn_contact_sums add_contact_sums(const gn_contact_sums *blocks, size_t count) {
+    gn_contact_sums total = {0};
+    for (size_t b = 0; b < count; b++) gn_contact_sums_add(&total, &blocks[b]);
+    return total;
+}
+
+static gn_motion_sums add_motion_sums(const gn_motion_sums *blocks, size_t count) {
+    gn_motion_sums total = {.bad = -1};
+    for (size_t b = 0; b < count; b++) gn_motion_sums_add(&total, &blocks[b]);
+    return total;
+}
+
+static void add_up(const gn_world *w, gn_dem_sums *s) {
+    const gn_dem *d = &w->dem;
+    s->bonds = add_contact_sums(d->bond_sums, d->bonds.soa.count ? d->bond_partials.blocks : 0);
+    s->pairs = add_contact_sums(d->pair_sums, d->pairs.soa.count ? d->pair_partials.blocks : 0);
+    s->walls = add_contact_sums(w->boundary.sums, w->effects & GN_FX_WALLS ? d->motion_blocks : 0);
+    s->motion = add_motion_sums(d->motion_sums, d->motion_blocks);
+}
+
+void gn_dem_move(gn_world *w, bool measure) {
+    gn_dem *d = &w->dem;
+    if (d->hold.count) {
+        gn_motion_args motion = gn_dem_motion_args(w, measure);
+        gn_sweep_held(w, &motion);
+    }
+    add_up(w, &d->done);
+    if (w->effects & GN_FX_PRESCRIBED) gn_reactions_sum(w);
+    double speed = sqrt(d->done.motion.speed2);
+    d->speed_most = speed * (1.0 + 1e-6);
+    d->verlet.drift += w->dt * speed;
+    d->broken_tension += d->done.bonds.broken_tension;
+    d->broken_shear += d->done.bonds.broken_shear;
+    d->contact_steps += (int64_t)(d->bonds.soa.count + d->pairs.soa.count);
+}
+
+/* --- what came of it --- */
+
+static void book_contacts(const gn_dem_sums *s, gn_energy *e) {
+#define X(name, text) e->name += s->bonds.name + s->pairs.name + s->walls.name;
+    GN_CONTACT_LOSSES(X)
+#undef X
+}
+
+void gn_dem_book(const gn_world *w, gn_half half, gn_energy *ledger) {
+    const gn_motion_sums *m = &w->dem.done.motion;
+    if (half == GN_HALF_BEFORE) book_contacts(&w->dem.done, ledger);
+    ledger->background_damping += m->damping[half];
+    ledger->work_gravity += m->gravity[half];
+    ledger->work_applied += m->applied[half];
+    ledger->work_prescribed += m->prescribed[half];
+}
+
+void gn_dem_measure(const gn_world *w, gn_energy *ledger, double stress[9]) {
+    const gn_dem_sums *s = &w->dem.done;
+    ledger->kinetic = s->motion.kinetic;
+    ledger->rotational = s->motion.rotational;
+    ledger->elastic_normal = s->bonds.elastic_normal + s->pairs.elastic_normal;
+    ledger->elastic_shear = s->bonds.elastic_shear + s->pairs.elastic_shear;
+    ledger->elastic_wall = s->walls.elastic_normal;
+    for (int k = 0; k < 9; k++)
+        stress[k] = (s->bonds.stress[k] + s->pairs.stress[k] + s->walls.stress[k]) / w->volume;
+}
+
+double gn_dem_unbalanced(const gn_world *w) {
+    const gn_dem_sums *s = &w->dem.done;
+    double force = s->bonds.force + s->pairs.force,
+           contacts = s->bonds.carrying + s->pairs.carrying;
+    size_t particles = w->dem.particles.soa.count - w->dem.prescribed.count;
+    if (force <= 0.0 || !particles) return 0.0;
+    return s->motion.resultant / (double)particles / (force / contacts);
+}

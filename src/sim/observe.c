@@ -1,0 +1,38 @@
+/* The contacts as they are at the present positions, for output. */
+#include "sim/parts.h"
+#include "soa/single.h"
+
+/* A step of no length on a copy, in double: whatever limits it would reach stays in the copy. */
+static gneiss_status observe(const gn_world *w, const gn_contacts *list, gn_contacts *copy,
+                             gneiss_error *error) {
+    gn_effects effects = (list->soa.effects & ~(gn_effects)GN_FX_MIXED) | GN_FX_CONTACT_FORCES;
+    gn_contact_kernel *kernel;
+    GN_TRY(gn_contact_kernel_choose(w->kernels, effects, &kernel, error));
+    GN_TRY(gn_soa_copy(&gn_contact_record, copy, list, effects, error));
+    gn_contacts_from_single(copy, list);
+    gn_contacts_pad(copy, &w->dem.particles);
+    gn_contact_args args = gn_dem_contact_args(w, copy, false);
+    args.partials = NULL;
+    args.uniform = (gn_uniform){0};
+    args.dt = 0.0;
+    size_t count = copy->soa.count; /* without partial sums, any cut into blocks will do */
+#pragma omp parallel for schedule(static) num_threads(w->threads)
+    for (size_t c = 0; c < count; c += GN_CONTACT_BLOCK) {
+        gn_contact_sums sums = {0};
+        kernel(&args, c, c + GN_CONTACT_BLOCK < count ? c + GN_CONTACT_BLOCK : count, &sums);
+    }
+    return GNEISS_OK;
+}
+
+gneiss_status gn_world_observe(const gn_world *w, gn_observed *observed, gneiss_error *error) {
+    *observed = (gn_observed){0};
+    gneiss_status status = observe(w, &w->dem.bonds, &observed->bonds, error);
+    if (status == GNEISS_OK) status = observe(w, &w->dem.pairs, &observed->pairs, error);
+    if (status != GNEISS_OK) gn_observed_free(observed);
+    return status;
+}
+
+void gn_observed_free(gn_observed *observed) {
+    gn_soa_destroy(&gn_contact_record, &observed->bonds);
+    gn_soa_destroy(&gn_contact_record, &observed->pairs);
+}

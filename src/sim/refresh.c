@@ -1,0 +1,45 @@
+/* When the lists of the world are made anew, and in which order. */
+#include "base/timer.h"
+#include "sim/exchange.h"
+#include "sim/invariants.h"
+#include "sim/parts.h"
+
+#include <math.h>
+
+gneiss_status gn_world_rebuild(gn_world *w, gneiss_error *error) {
+    const double start = gn_now();
+    const bool first = w->dem.verlet.rebuilds == 0;
+    GN_TRY(gn_dem_refresh(w, error));
+    GN_TRY(gn_boundary_refresh(w, first, error));
+    GN_TRY(gn_exchanges_mark(w, error));
+    gn_world_assert_lists(w);
+    w->seconds[GN_PHASE_lists] += gn_now() - start;
+    return GNEISS_OK;
+}
+
+gneiss_status gn_world_restore(gn_world *w, gneiss_error *error) {
+    GN_TRY(gn_dem_restore(w, error));
+    GN_TRY(gn_boundary_restore(w, error));
+    return gn_exchanges_mark(w, error);
+}
+
+/* Two particles close in by at most twice the largest path; a particle and a wall or a surface by
+ * the sum of theirs. The cheap bound on the path adds up the largest speed; when it runs out, the
+ * true largest displacement takes its place. */
+gneiss_status gn_world_refresh_lists(gn_world *w, gneiss_error *error) {
+    const gn_verlet *v = &w->dem.verlet;
+    double other = gn_boundary_travel(w, false);
+    bool more = false;
+    if (2.0 * v->drift <= v->skin && v->drift + other <= v->skin) return GNEISS_OK;
+    double start = gn_now();
+    gn_dem_look_at_travel(w);
+    other = gn_boundary_travel(w, true);
+    w->seconds[GN_PHASE_lists] += gn_now() - start;
+    /* A tenth of the skin in hand, or the next step would run out again. */
+    if (2.2 * v->drift <= v->skin && v->drift + other <= 0.9 * v->skin) return GNEISS_OK;
+    GN_TRY(gn_world_rebuild(w, error));
+    /* A surface that gives way may have come near many particles since the last look. */
+    GN_TRY(gn_boundary_yields_more(w, &more, error));
+    if (more) GN_TRY(gn_world_check_step(w, false, error));
+    return gn_world_check_lists(w, error);
+}

@@ -1,0 +1,215 @@
+/* Choosing the step and watching it: what the parts allow, together. */
+#include "base/timer.h"
+#include "sim/parts.h"
+
+#include <math.h>
+
+/* --- together --- */
+
+/* Non-viscous damping of coefficient a multiplies the resultant by 1 + a while it slows a particle
+ * down and by 1 - a while it speeds it up. In the fastest mode, whose displacement changes sign
+ * from step to step, the resultant always slows down: its stiffness is 1 + a times the undamped
+ * one, and the limit falls by sqrt(1 + a). (Seen in practice: at 0.9 of the undamped limit and a =
+ * 0.7 the kinetic energy 1/2 m v(-) v(+) turns negative and bonds break before any load.) */
+double gn_world_nonviscous_share(const gn_world *w) {
+    bool active = w->effects & (GN_FX_NONVISCOUS_VECTOR | GN_FX_NONVISCOUS_COMPONENT);
+    return active ? 1.0 / sqrt(1.0 + w->scene.background_coefficient) : 1.0;
+}
+
+/* Of two parts with limits p and s (s), of which each is found with the other held fast, and
+ * contacts between them. The energy of a contact |D^1/2 (x + y)|^2 <= (1 + e) |D^1/2 x|^2 + (1 +
+ * 1/e) |D^1/2 y|^2 for any e > 0; with e = w_s^2/w_p^2 the square of the largest frequency of all
+ * is at most w_p^2 + w_s^2. With dashpots, whose part of 4/dt^2 grows with 2/dt, the rates 1/dt add
+ * up.
+ */
+static double together(const gn_world *w, double p, double s) {
+    if (!isfinite(s)) return p;
+    return w->dem.damping_fraction > 0.0 ? 1.0 / (1.0 / p + 1.0 / s)
+                                         : 1.0 / sqrt(1.0 / (p * p) + 1.0 / (s * s));
+}
+
+static double limit_of(double rate) {
+    return rate > 0.0 ? 1.0 / rate : (double)INFINITY;
+}
+
+/* What particles are coupled to: free bodies, and finite elements that they touch. */
+static double partner_limit(const gn_world *w) {
+    double bodies = limit_of(w->boundary.surface_rate);
+    if (!(w->boundary.vertex_rate > 0.0)) return bodies;
+    double elements = gn_world_nonviscous_share(w) * gn_elements_stable(w);
+    return fmin(bodies, together(w, elements, limit_of(w->boundary.vertex_rate)));
+}
+
+/* Bodies and elements only meet particles. */
+double gn_limit_of_all(const gn_world *w, double particles) {
+    double share = gn_world_nonviscous_share(w);
+    double elements = share * gn_elements_stable(w);
+    return fmin(together(w, share * particles, partner_limit(w)), elements);
+}
+
+double gn_limit_beside_surfaces(const gn_world *w, double particles) {
+    double rate = fmax(w->boundary.surface_rate, w->boundary.vertex_rate);
+    return together(w, gn_world_nonviscous_share(w) * particles, limit_of(rate));
+}
+
+double gn_limit_needed(const gn_world *w, double step) {
+    double other = partner_limit(w), left = 1.0 / step;
+    if (w->dem.damping_fraction > 0.0)
+        left -= 1.0 / other;
+    else
+        left = sqrt(fmax(0.0, left * left - 1.0 / (other * other)));
+    return left > 0.0 ? 1.0 / (left * gn_world_nonviscous_share(w)) : (double)INFINITY;
+}
+
+/* --- what is done about it --- */
+
+/* What sets the limit. */
+static const char *culprit(const gn_world *w, char *text, size_t size) {
+    const gn_element_model *lead = gn_elements_lead(w);
+    if (lead) return gn_elements_culprit(w, lead, text, size);
+    int32_t id = w->scene.estimate == GN_STEP_BOUND ? w->dem.limit.bound_id : w->dem.limit.sharp_id;
+    if (id >= 0)
+        snprintf(text, size, "particle %d", id);
+    else
+        snprintf(text, size, "a contact that may form");
+    return text;
+}
+
+static void set_step(gn_world *w, double dt) {
+    if (w->dt == dt) return;
+    w->dt = dt;
+    gn_dem_step_changed(w);
+}
+
+static gneiss_status react(gn_world *w, double limit, gneiss_error *error) {
+    char text[160];
+    if (w->scene.step == 0.0) {
+        if (!isfinite(limit))
+            return gn_fail(
+                error, GNEISS_ERROR_INPUT,
+                "%s:%d:%d: time.step: required, because nothing can move that would limit it",
+                w->scene.source, w->scene.time_where.line, w->scene.time_where.column);
+        double wanted = w->scene.safety * limit;
+        /* Small changes of the stiffest mode are what the safety factor is for. */
+        if (w->step > 0 && wanted > 0.97 * w->dt) return GNEISS_OK;
+        if (w->step > 0) w->dt_lowered++;
+        set_step(w, wanted);
+        return GNEISS_OK;
+    }
+    set_step(w, w->scene.step);
+    if (w->dt <= limit || w->scene.on_unstable == GN_POLICY_WARN) return GNEISS_OK;
+    return gn_fail(error, w->step > 0 ? GNEISS_ERROR_UNSTABLE : GNEISS_ERROR_INPUT,
+                   "%s:%d:%d: time.step: expected at most %.6g s (stability limit at step %lld, "
+                   "set by %s; the "
+                   "rigorous bound without damping is %.6g s), found %.6g s = %.3f of the limit "
+                   "(time.on_unstable: warn runs it all the same)",
+                   w->scene.source, w->scene.time_where.line, w->scene.time_where.column, limit,
+                   (long long)w->step, culprit(w, text, sizeof text), gn_world_bound(w), w->dt,
+                   w->dt / limit);
+}
+
+/* --- what may happen before the lists are made again --- */
+
+static void lower(gn_world *w, double dt) {
+    if (w->scene.step > 0.0 || w->dt <= dt) return;
+    if (w->step > 0) w->dt_lowered++;
+    set_step(w, dt);
+}
+
+static gneiss_status resolve_listed(gn_world *w, gneiss_error *error) {
+    bool shorter;
+    GN_TRY(gn_dem_resolve_listed(w, &shorter, error));
+    if (shorter) lower(w, w->dem.resolution.step);
+    return GNEISS_OK;
+}
+
+static gneiss_status look_at_turned(gn_world *w, gneiss_error *error) {
+    bool due;
+    GN_TRY(gn_dem_limit_turned(w, &due, error));
+    if (!due) return GNEISS_OK;
+    w->stable = gn_limit_of_all(w, w->dem.stable);
+    if (w->dt <= GN_TURNED_SHARE * w->stable) return GNEISS_OK;
+    return react(w, w->stable, error);
+}
+
+static gneiss_status check_lists(gn_world *w, bool full, bool *fine, gneiss_error *error) {
+    *fine = true;
+    if (!w->scene.has_specimen) return GNEISS_OK;
+    GN_TRY(resolve_listed(w, error));
+    GN_TRY(look_at_turned(w, error));
+    GN_TRY(gn_dem_limit_listed(w, full, fine, error));
+    /* To two hundredths less, so that the next lists need not lower it again. */
+    if (!*fine) lower(w, 0.98 * w->dem.listed);
+    return GNEISS_OK;
+}
+
+gneiss_status gn_world_check_lists(gn_world *w, gneiss_error *error) {
+    double start = gn_now();
+    bool fine = true;
+    gneiss_status status = check_lists(w, false, &fine, error);
+    w->seconds[GN_PHASE_step_limit] += gn_now() - start;
+    /* A given step is not held against what may form, but then against what has. */
+    if (status != GNEISS_OK || fine || w->scene.step == 0.0) return status;
+    return gn_world_check_step(w, false, error);
+}
+
+/* As at the start: from what is near, or from what the scene holds when there is nothing near. */
+static gneiss_status check_anew(gn_world *w, gneiss_error *error) {
+    bool fine, shorter;
+    gn_dem_limit_anew(w);
+    GN_TRY(check_lists(w, true, &fine, error));
+    if (!w->scene.has_specimen) return GNEISS_OK;
+    GN_TRY(gn_dem_resolve_flight(w, &shorter, error));
+    if (shorter) lower(w, w->dem.resolution.step);
+    return GNEISS_OK;
+}
+
+gneiss_status gn_world_check_step(gn_world *w, bool full, gneiss_error *error) {
+    double start = gn_now();
+    bool due = false, elements_due = false;
+    gneiss_status status = GNEISS_OK;
+    if (w->scene.has_specimen) status = gn_dem_limit(w, full, &due, error);
+    if (status == GNEISS_OK) status = gn_elements_limit(w, full, &elements_due, error);
+    if (status == GNEISS_OK && (due || elements_due)) {
+        w->stable = gn_limit_of_all(w, w->scene.has_specimen ? w->dem.stable : INFINITY);
+        status = react(w, w->stable, error);
+    }
+    /* What rattles or has come apart in lists that stand for long. */
+    if (status == GNEISS_OK && !full && w->scene.has_specimen) status = resolve_listed(w, error);
+    /* A step of next to nothing is no step to look at lists with. */
+    if (status == GNEISS_OK && full) status = gn_world_check_duration(w, error);
+    if (status == GNEISS_OK && full) status = check_anew(w, error);
+    w->seconds[GN_PHASE_step_limit] += gn_now() - start;
+    return status;
+}
+
+double gn_world_sharp_limit(const gn_world *w) {
+    double limit = w->scene.has_specimen ? w->dem.limit.sharp : INFINITY;
+    for (size_t k = 0; k < w->element_count; k++) limit = fmin(limit, w->elements[k]->limit.sharp);
+    return limit;
+}
+
+double gn_world_bound(const gn_world *w) {
+    double limit = w->scene.has_specimen ? w->dem.limit.bound : INFINITY;
+    for (size_t k = 0; k < w->element_count; k++) limit = fmin(limit, w->elements[k]->limit.bound);
+    return limit;
+}
+
+const char *gn_world_step_warning(const gn_world *w, char *text, size_t size) {
+    char who[160];
+    *text = '\0';
+    if (w->scene.step == 0.0) return text;
+    if (w->dt > w->dem.resolution.step)
+        snprintf(text, size,
+                 "time.step: %.6g s does not resolve collisions: that of %s lasts %.6g s = %.1f "
+                 "steps, expected at least %.1f (time.contact_steps)",
+                 w->dt, gn_resolution_text(w, who, sizeof who), w->dem.resolution.contact,
+                 w->dem.resolution.contact / w->dt,
+                 w->dem.resolution.contact / w->dem.resolution.step);
+    else if (w->dt > w->dem.listed)
+        snprintf(text, size,
+                 "time.step: %.6g s is above %.6g s, the stability limit with all contacts in "
+                 "touch that are near",
+                 w->dt, w->dem.listed);
+    return text;
+}
