@@ -171,7 +171,7 @@ size_t bench_world_motion_kernel(bench_world *b, size_t blocks) {
     for (size_t first = 0; first < last; first += GN_PARTICLE_BLOCK) {
         gn_motion_sums sums = {.bad = -1};
         size_t end = first + GN_PARTICLE_BLOCK < last ? first + GN_PARTICLE_BLOCK : last;
-        w->motion_kernel(&a, first, end, &sums);
+        w->dem.motion_kernel(&a, first, end, &sums);
     }
     return last;
 }
