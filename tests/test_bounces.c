@@ -151,11 +151,51 @@ static void a_bonded_column_between_walls_keeps_its_energy(void **state) {
     assert_in_range(exact, 8, 12);
 }
 
+/* Sum over rows xyz, 1/m of F^2/m, from their change in a step with the kick m/F. */
+static double load_square(const double *before, const double *after, size_t rows, double kick) {
+    double sum = 0.0;
+    for (size_t k = 0; k < 4 * rows; k++) {
+        if (k % 4 == 3) continue;
+        double change = (after[k] - before[k]) / kick;
+        sum += change * change / after[k - k % 4 + 3];
+    }
+    return sum;
+}
+
+/* Closed form: what leap-frog conserves in a linear system has the term -F^2 dt^2/(8 m), so that
+ * each change of the step adds F^2 (dt-^2 - dt+^2)/(8 m). */
+static void a_change_of_the_step_is_in_the_ledger(void **state) {
+    (void)state;
+    gn_world *w = world_of(
+        "%sspecimen: {particles: [[0, 0, 0, 1e-3], [2.01e-3, 0, 0, 1e-3], [0, 2e-3, 0, 1e-3]]}\n"
+        "bonds: {interaction_range: 0.01}\nsets: [{name: a, select: {ids: [0]}, "
+        "initial_velocity: [1e-4, 0, 5e-5]}]\ntime: {step: 8e-6, end: 1}\n",
+        head);
+    const double *vel = w->dem.particles.vel, *spin = w->dem.particles.spin;
+    double expected = 0.0, v[12], s[12];
+    for (int k = 0; k < 60; k++) {
+        gn_energy e = measured_step(w);
+        assert_near(gn_energy_residual(&e), 0.0, 1e-6); /* linear to strains of 1e-5 */
+        if (k % 7 == 3) w->dt *= k % 2 ? 0.8 : 1.2;
+        double past = w->dt_past, now = w->dt;
+        memcpy(v, vel, sizeof v);
+        memcpy(s, spin, sizeof s);
+        measured_step(w);
+        double kick = 0.5 * (past + now), forces = load_square(v, vel, 3, kick),
+               moments = load_square(s, spin, 3, kick);
+        expected += (forces + moments) * (past * past - now * now) / 8.0;
+        assert_near(w->energy.step_change, expected, 1e-10 * w->energy.stored_at_start);
+    }
+    assert_true(fabs(expected) > 1e-3 * w->energy.stored_at_start);
+    world_end(w);
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(a_ball_that_bounces_on_a_floor_keeps_its_energy),
         cmocka_unit_test(a_ball_that_bounces_on_a_held_one_keeps_its_energy_nearly),
         cmocka_unit_test(what_a_held_particle_weighs_does_not_matter),
+        cmocka_unit_test(a_change_of_the_step_is_in_the_ledger),
         cmocka_unit_test(a_bonded_column_between_walls_keeps_its_energy),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

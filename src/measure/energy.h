@@ -15,6 +15,7 @@
     X(work_prescribed, INPUT, "work of prescribed motions")                                        \
     X(work_applied, INPUT, "work of applied forces")                                               \
     X(work_gravity, INPUT, "work of gravity")                                                      \
+    X(step_change, INPUT, "of particles, by changes of the length of the step")                    \
     X(friction, LOST, "dissipated by sliding friction")                                            \
     X(contact_damping, LOST, "dissipated by contact damping")                                      \
     X(background_damping, LOST, "dissipated by background damping")                                \

@@ -58,6 +58,22 @@ static void warn_of_residual(const gn_run *run, gn_warnings *list) {
         gn_energy_residual(&w->reading), gn_energy_scale(&w->reading), w->scene.residual_warning);
 }
 
+/* Where the step was lowered while something vibrated near the limit. */
+static void warn_of_change(const gn_run *run, gn_warnings *list) {
+    const gn_world *w = &run->world;
+    const gn_energy *e = &w->reading;
+    double limit = w->scene.residual_warning;
+    if (!(w->effects & GN_FX_ENERGY && limit > 0.0)) return;
+    if (!(fabs(e->step_change) > limit * gn_energy_scale(e))) return;
+    gn_warning *to = &list->warning[list->count++];
+    to->name = "energy_step_change";
+    snprintf(to->text, sizeof to->text,
+             "%.3g of the %.4g J that have gone through came from lowering the step while the "
+             "model vibrated (run.residual_warning: %g); a smaller time.safety from the start on "
+             "avoids it",
+             e->step_change / gn_energy_scale(e), gn_energy_scale(e), limit);
+}
+
 /* Waves, gravity and viscous damping leave a little between the ends of a dynamic test; a support
  * that is not counted leaves half of the load. */
 static const double imbalance_limit = 0.1;
@@ -86,6 +102,7 @@ gn_warnings gn_run_warnings(const gn_run *run) {
     gn_warnings list = {0};
     warn_of_step(run, &list);
     warn_of_residual(run, &list);
+    warn_of_change(run, &list);
     warn_of_balance(run, &list);
     return list;
 }

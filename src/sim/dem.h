@@ -34,6 +34,7 @@ typedef struct gn_resolution {
 typedef struct gn_dem_sums {
     gn_contact_sums bonds, pairs, walls; /* the last: contacts with walls and facets */
     gn_motion_sums motion;
+    double step_change[2]; /* J, halves */
 } gn_dem_sums;
 
 typedef struct gn_dem {
@@ -58,7 +59,10 @@ typedef struct gn_dem {
     gn_contact_sums *bond_sums, *pair_sums; /* per block of contacts */
     gn_motion_sums *motion_sums;
     size_t motion_blocks;
-    gn_dem_sums done;  /* in the last step */
+    gn_dem_sums done; /* in the last step */
+    /* [particles][4] velocities and spins before the step, where it has another length than the
+     * last one; else NULL */
+    double *vel_past, *spin_past;
     double speed_most; /* m/s, of the fastest in the last step; 0: not known (start, resume) */
 
     gn_step_limit limit; /* last full estimate */

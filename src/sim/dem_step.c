@@ -1,4 +1,5 @@
 /* The particles' part of a step: forces, motion, and what both sum up to. */
+#include "base/memory.h"
 #include "sim/parts.h"
 
 #include <math.h>
@@ -52,9 +53,23 @@ gn_motion_args gn_dem_motion_args(gn_world *w, bool measure) {
 
 /* --- forces and motion --- */
 
+/* Rows as they are before a step of another length than the last. Without memory for them what the
+ * change adds to the energy shows in the residual. */
+static double *kept(const gn_world *w, const double *rows) {
+    const size_t count = w->dem.particles.soa.count;
+    double *copy = rows ? gn_alloc_array(count, 4 * sizeof *copy) : NULL;
+    if (copy) memcpy(copy, rows, count * 4 * sizeof *copy);
+    return copy;
+}
+
 void gn_dem_forces(gn_world *w, bool measure) {
+    gn_dem *d = &w->dem;
     if (w->effects & GN_FX_PRESCRIBED) gn_prescription_update(w, w->time + 0.5 * w->dt);
-    if (!w->dem.particles.soa.count) return;
+    if (!d->particles.soa.count) return;
+    if (w->dt_past > 0.0 && w->dt != w->dt_past && w->effects & GN_FX_ENERGY) {
+        d->vel_past = kept(w, d->particles.vel);
+        d->spin_past = kept(w, d->particles.spin);
+    }
     gn_contact_args bonds = gn_dem_contact_args(w, &w->dem.bonds, measure);
     gn_contact_args pairs = gn_dem_contact_args(w, &w->dem.pairs, measure);
     gn_motion_args motion = gn_dem_motion_args(w, measure);
@@ -82,6 +97,37 @@ static void add_up(const gn_world *w, gn_dem_sums *s) {
     s->motion = add_motion_sums(d->motion_sums, d->motion_blocks);
 }
 
+/* What leap-frog conserves, 1/2 m v(-) v(+) and what springs hold, depends on its step: with it the
+ * kick is (dt- + dt+)/2 F/m, but works are 1/2 F dt v on either side. The halves of the difference
+ * are -+ (dt- - dt+)/(2 (dt- + dt+)) m v(-+).(v(+) - v(-)), which add up to F^2 (dt-^2 - dt+^2)/(8
+ * m): what oscillates goes on with more energy when the step becomes shorter. */
+static void add_change(const double *past, const double *now, size_t count, double factor,
+                       double halves[2]) {
+    for (size_t p = 0; past && p < count; p++) {
+        const double *a = past + 4 * p, *b = now + 4 * p;
+        if (!(b[3] > 0.0)) continue;
+        for (int k = 0; k < 3; k++) {
+            double change = factor / b[3] * (b[k] - a[k]);
+            halves[GN_HALF_BEFORE] -= change * a[k];
+            halves[GN_HALF_AFTER] += change * b[k];
+        }
+    }
+}
+
+static void follow_change(gn_world *w) {
+    gn_dem *d = &w->dem;
+    const size_t count = d->particles.soa.count;
+    double *halves = d->done.step_change;
+    halves[0] = halves[1] = 0.0;
+    if (!d->vel_past) return;
+    double factor = 0.5 * (w->dt_past - w->dt) / (w->dt_past + w->dt);
+    add_change(d->vel_past, d->particles.vel, count, factor, halves);
+    add_change(d->spin_past, d->particles.spin, count, factor, halves);
+    gn_free(d->vel_past);
+    gn_free(d->spin_past);
+    d->vel_past = d->spin_past = NULL;
+}
+
 void gn_dem_move(gn_world *w, bool measure) {
     gn_dem *d = &w->dem;
     if (d->hold.count) {
@@ -89,6 +135,7 @@ void gn_dem_move(gn_world *w, bool measure) {
         gn_sweep_held(w, &motion);
     }
     add_up(w, &d->done);
+    follow_change(w);
     if (w->effects & GN_FX_PRESCRIBED) gn_reactions_sum(w);
     double speed = sqrt(d->done.motion.speed2);
     d->speed_most = speed * (1.0 + 1e-6);
@@ -113,6 +160,7 @@ void gn_dem_book(const gn_world *w, gn_half half, gn_energy *ledger) {
     ledger->work_gravity += m->gravity[half];
     ledger->work_applied += m->applied[half];
     ledger->work_prescribed += m->prescribed[half];
+    ledger->step_change += w->dem.done.step_change[half];
 }
 
 void gn_dem_measure(const gn_world *w, gn_energy *ledger, double stress[9]) {
