@@ -12,7 +12,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-enum { FORMAT = 4 };
+enum { FORMAT = 5 };
 
 #define DOUBLES(member)      GN_PIECE_DOUBLES(gn_run, member)
 #define LIMIT(member)        GN_PIECE_ANY(gn_run, member)
@@ -51,6 +51,7 @@ static const gn_piece pieces[] = {
     DOUBLES(world.seconds),
     DOUBLES(world.dem.verlet.skin),
     DOUBLES(world.dem.verlet.skin_start),
+    DOUBLES(world.dem.verlet.widened),
     DOUBLES(world.dem.verlet.drift),
     INTEGER(world.dem.verlet.rebuilds),
     INTEGER(world.dem.verlet.last_step),

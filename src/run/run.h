@@ -96,7 +96,7 @@ typedef struct gn_warning {
     const char *name;
     char text[320];
 } gn_warning;
-enum { GN_WARNINGS_MAX = 4 };
+enum { GN_WARNINGS_MAX = 6 };
 typedef struct gn_warnings {
     size_t count;
     gn_warning warning[GN_WARNINGS_MAX];
