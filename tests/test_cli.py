@@ -247,6 +247,25 @@ def check_says_how_particles_lie_on_bodies(folder):
 
 
 @fact
+def a_run_warns_of_particles_behind_a_wall_and_says_who_flew_off_from_there(folder):
+    scene = write_scene(folder, """
+dimension: 3
+specimen: {particles: [[0, 0, 0, 1e-3], [0.01, 0, 0, 1e-3], [0.03, 0, 0, 1e-3]]}
+materials: [{name: m, density: 2500, normal_stiffness: 1e6, kratio: 2}]
+law: {stiffness: uniform}
+walls: [{name: end, point: [0.02, 0, 0], normal: [-1, 0, 0], stiffness: 1e6}]
+time: {end: 1e-3}
+run: {threads: 1}
+""")
+    done = expect(gneiss("run", scene, "--out", os.path.join(folder, "out"), "--quiet"), 5,
+                  r"warning: 1 particle has its centre behind wall 'end' at the start",
+                  r"particle 2 moved farther in one step .* its centre is behind wall 'end'")
+    assert done.stderr.count("warning") == 1, done.stderr
+    passive = ["--set", "walls.0.passive=true"]
+    assert "behind" not in gneiss("run", scene, "--out", os.path.join(folder, "out"), "--quiet", *passive).stderr
+
+
+@fact
 def plan_and_check_write_nothing(folder):
     shutil.copy(LATTICE, folder)
     for name in ("plan", "check"):
