@@ -247,11 +247,74 @@ def check_says_how_particles_lie_on_bodies(folder):
 
 
 @fact
+def a_run_warns_of_particles_behind_a_wall_and_says_who_flew_off_from_there(folder):
+    scene = write_scene(folder, """
+dimension: 3
+specimen: {particles: [[0, 0, 0, 1e-3], [0.01, 0, 0, 1e-3], [0.03, 0, 0, 1e-3]]}
+materials: [{name: m, density: 2500, normal_stiffness: 1e6, kratio: 2}]
+law: {stiffness: uniform}
+walls: [{name: end, point: [0.02, 0, 0], normal: [-1, 0, 0], stiffness: 1e6}]
+time: {end: 1e-3}
+run: {threads: 1}
+""")
+    done = expect(gneiss("run", scene, "--out", os.path.join(folder, "out"), "--quiet"), 5,
+                  r"warning: 1 particle has its centre behind wall 'end' at the start",
+                  r"particle 2 moved farther in one step .* its centre is behind wall 'end'")
+    assert done.stderr.count("warning") == 1, done.stderr
+    passive = ["--set", "walls.end.passive=true"]
+    again = expect(gneiss("run", scene, "--out", os.path.join(folder, "out"), "--quiet", *passive), 0)
+    assert "behind" not in again.stderr, again.stderr
+
+
+@fact
 def plan_and_check_write_nothing(folder):
     shutil.copy(LATTICE, folder)
     for name in ("plan", "check"):
         expect(gneiss(name, "lattice-small.yaml", cwd=folder), 0)
     assert os.listdir(folder) == ["lattice-small.yaml"], os.listdir(folder)
+
+
+@fact
+def a_set_that_moves_as_prescribed_has_no_other_velocity_at_the_start(folder):
+    text = """
+dimension: 3
+specimen: {particles: [[0, 0, 0, 0.01]], group: 0}
+materials: [{name: m, density: 2500, normal_stiffness: 1 MN/m, kratio: 2}]
+law: {stiffness: uniform}
+sets: [{name: a, select: {all: true}, initial_velocity: [START, 3, 0], motion: {vx: 2}}]
+time: {end: 0.01, step: 1e-4}
+"""
+    scene = write_scene(folder, text.replace("START", "5"))
+    expect(gneiss("check", scene), 2, r":6:\d+: sets\[0\]\.initial_velocity: .*motion\.vx gives, found 5")
+    for start in ("0", "2"):
+        expect(gneiss("check", write_scene(folder, text.replace("START", start))), 0)
+
+
+@fact
+def a_finished_run_says_on_resume_that_no_step_was_taken(folder):
+    run(LATTICE, folder, "--set", "time.end=0.05 ms")
+    for more in ([], ["--seed", "4"], ["--set", "run.seed=4"]):
+        expect(gneiss("resume", folder, "--quiet", *more), 0, r"finished before \(t = 5e-05 s reached\): no step was taken")
+    done = expect(gneiss("resume", folder, "--quiet", "--set", "time.end=0.1 ms"), 0)
+    assert "no step" not in done.stderr, done.stderr
+
+
+@fact
+def an_output_folder_that_is_a_link_to_nothing_is_named_as_such(folder):
+    link = os.path.join(folder, "link")
+    os.symlink("nowhere", link)
+    expect(gneiss("run", LATTICE, "--out", link), 2, r"link: expected an output folder, found a symbolic link to 'nowhere'")
+
+
+@fact
+def the_report_is_found_in_tools_beside_the_program(folder):
+    shutil.copy(PROGRAM, os.path.join(folder, "gneiss"))
+    os.mkdir(os.path.join(folder, "tools"))
+    with open(os.path.join(folder, "tools", "report.py"), "w") as file:
+        file.write("print('moved along')\n")
+    done = subprocess.run([os.path.join(folder, "gneiss"), "report", folder], capture_output=True, text=True,
+                          env={k: v for k, v in ENVIRONMENT.items() if k != "GNEISS_REPORT"})
+    assert done.stdout == "moved along\n", done
 
 
 # --- options ----------------------------------------------------------------------------------------------

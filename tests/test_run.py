@@ -243,6 +243,24 @@ def a_later_end_on_resume_equals_a_straight_run(folder):
 
 
 @fact
+def a_skin_below_the_path_of_a_step_is_widened_alike_after_resume_and_named(folder):
+    scene = os.path.join(folder, "gas.yaml")
+    with open(scene, "w") as file:
+        file.write("dimension: 2\n"
+                   "specimen: {lattice: {kind: hexagonal, radius: 1e-3, cells: [6, 5], spacing: 1.1}, group: 0}\n"
+                   "materials: [{name: m, density: 2500, normal_stiffness: 1e6, kratio: 2, friction: 0.3}]\n"
+                   "law: {stiffness: uniform}\ninitial: {random_velocity: 2}\ndomain: {min: [-1, -1], max: [1, 1]}\n"
+                   "neighbours: {skin: 1e-9}\ntime: {end: 0.5 ms}\nrun: {threads: 1}\n")
+    straight, parts = os.path.join(folder, "straight"), os.path.join(folder, "parts")
+    run(scene, straight, "--set", "output.history_rows=50")
+    run(scene, parts, "--set", "time.end=0.2 ms", "--set", "output.history_rows=50")
+    resume(parts, "--set", "time.end=0.5 ms")
+    assert state_hash(straight) == state_hash(parts)
+    for where in (straight, parts):
+        assert [w["name"] for w in summary(where)["warnings"]] == ["neighbours_skin"], summary(where)["warnings"]
+
+
+@fact
 def intervals_follow_the_overrides_of_resume(folder):
     run(LATTICE, folder, "--set", "time.end=0.2 ms", "--set", "output.history_rows=2")
     resume(folder, "--set", "time.end=0.4 ms", "--set", "output.history_rows=100")

@@ -61,7 +61,7 @@ static gneiss_status fail(gn_run *run, gneiss_error *error) {
 static gneiss_status advance(const gn_options *o, gn_run *run, bool *shown, gneiss_error *error) {
     const volatile sig_atomic_t *interrupted = gn_signals_set_flag();
     if (run->note[0]) fprintf(stderr, "gneiss: warning: %s\n", run->note);
-    gn_print_start(o, run);
+    GN_TRY(gn_print_start(o, run, error));
     while (!run->finished) {
         double pause = isatty(STDERR_FILENO) || o->json ? 0.5 : 5.0;
         gneiss_status status = gn_run_advance(run, pause, interrupted, error);
@@ -146,7 +146,13 @@ static gneiss_status command_resume(const gn_options *o, gneiss_error *error) {
     gn_signals_end_at_once(nothing_lost, NULL);
     gneiss_status status = gn_run_resume(o->target, o->overrides, o->override_count, run, error);
     if (status == GNEISS_OK) {
+        const int64_t before = run->world.step;
         status = go(o, run, error);
+        if (status == GNEISS_OK && run->world.step == before)
+            fprintf(stderr, "gneiss: %s: finished before (%s): no step was taken%s\n", o->target,
+                    run->stop_reason,
+                    o->override_count ? "; a later time.end or a stop condition lifted goes on"
+                                      : "");
         gn_run_free(run);
     }
     free(run);
@@ -178,7 +184,8 @@ static gneiss_status command_look(const gn_options *o, bool plan, gneiss_error *
     return status;
 }
 
-/* The report is a Python script: next to the program's source tree, or where it was installed. */
+/* The report is a Python script: in the program's source tree, where it was installed, or moved
+ * along with the program. */
 static gneiss_status command_report(const gn_options *o, gneiss_error *error) {
     const char *script = getenv("GNEISS_REPORT");
     char self[GN_PATH_SIZE] = "", path[2 * GN_PATH_SIZE];
@@ -187,16 +194,18 @@ static gneiss_status command_report(const gn_options *o, gneiss_error *error) {
         if (n > 0) self[n] = 0;
         char *slash = strrchr(self, '/');
         if (slash) *slash = 0;
-        const char *places[] = {"../tools/report.py", "../share/gneiss/report.py"};
-        for (size_t k = 0; k < 2 && !script; k++) {
+        const char *places[] = {"../tools/report.py", "../share/gneiss/report.py",
+                                "tools/report.py"};
+        for (size_t k = 0; k < 3 && !script; k++) {
             snprintf(path, sizeof path, "%s/%s", self, places[k]);
             if (access(path, R_OK) == 0) script = path;
         }
     }
     if (!script)
-        return gn_fail(error, GNEISS_ERROR_IO,
-                       "report.py is neither in ../tools nor in ../share/gneiss of "
-                       "the program (GNEISS_REPORT names another place)");
+        return gn_fail(
+            error, GNEISS_ERROR_IO,
+            "report.py is neither in ../tools nor in ../share/gneiss nor in tools beside "
+            "the program (GNEISS_REPORT names another place)");
     execl("/usr/bin/python3", "python3", script, o->target, (char *)NULL);
     return gn_fail(error, GNEISS_ERROR_IO, "/usr/bin/python3 could not be started");
 }

@@ -248,23 +248,13 @@ static void print_touching(size_t count, double deepest) {
 
 static void print_walls(const gn_world *w, int *warnings) {
     for (size_t k = 0; k < w->scene.wall_count; k++) {
-        size_t touching = 0, behind = 0;
-        double deepest = 0.0;
-        const gn_wall *wall = &w->boundary.walls[k];
-        for (size_t p = 0; p < w->dem.particles.soa.count; p++) {
-            const double *x = w->dem.particles.pos + 4 * p;
-            double gap = -x[3];
-            for (int a = 0; a < 3; a++) gap += (x[a] - wall->point[a]) * wall->normal[a];
-            touching += gap <= 0.0;
-            behind += gap < -x[3];
-            deepest = fmin(deepest, gap);
-        }
+        gn_overlap overlap = gn_wall_overlap(w, k);
         printf("  wall %-12s ", w->scene.walls[k].name);
-        print_touching(touching, 0.0 - deepest); /* never -0 */
+        print_touching(overlap.touching, overlap.deepest);
         printf("\n");
-        if (behind) {
-            printf("  warning: %zu particle%s centre behind wall '%s'\n", behind,
-                   behind == 1 ? " has its" : "s have their", w->scene.walls[k].name);
+        if (overlap.inside) {
+            printf("  warning: %zu particle%s centre behind wall '%s'\n", overlap.inside,
+                   overlap.inside == 1 ? " has its" : "s have their", w->scene.walls[k].name);
             (*warnings)++;
         }
     }

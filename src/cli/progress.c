@@ -1,8 +1,10 @@
 #include "cli/progress.h"
 
+#include "base/memory.h"
 #include "cli/line.h"
 #include "cli/plan_elements.h"
 #include "io/files.h"
+#include "sim/overlap.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -108,9 +110,38 @@ static void print_limits(const gn_world *w) {
     printf(")\n");
 }
 
-void gn_print_start(const gn_options *o, const gn_run *run) {
+/* What begins on the wrong side of a wall or inside a body is thrown out within a few steps. */
+static void warn_of_inside(const char *where, const char *name, size_t count) {
+    if (count)
+        fprintf(stderr,
+                "gneiss: warning: %zu particle%s centre %s '%s' at the start: gneiss check shows "
+                "what touches what\n",
+                count, count == 1 ? " has its" : "s have their", where, name);
+}
+
+static gneiss_status warn_of_start(const gn_world *w, gneiss_error *error) {
+    if (w->step > 0) return GNEISS_OK;
+    for (size_t k = 0; k < w->scene.wall_count; k++) /* a passive one pushes nothing out */
+        if (!w->scene.walls[k].passive)
+            warn_of_inside("behind wall", w->scene.walls[k].name, gn_wall_overlap(w, k).inside);
+    gn_overlap *overlaps = gn_alloc_array(w->boundary.surface_count + 1, sizeof *overlaps);
+    if (!overlaps)
+        return gn_fail(error, GNEISS_ERROR_MEMORY, "no memory for %zu surfaces",
+                       w->boundary.surface_count);
+    gneiss_status status = gn_world_overlaps(w, overlaps, error);
+    for (size_t k = 0; status == GNEISS_OK && k < w->boundary.surface_count; k++)
+        if (k < w->scene.body_count)
+            warn_of_inside("inside body", w->scene.bodies[k].name, overlaps[k].inside);
+        else
+            warn_of_inside("inside", "elements", overlaps[k].inside);
+    gn_free(overlaps);
+    return status;
+}
+
+gneiss_status gn_print_start(const gn_options *o, const gn_run *run, gneiss_error *error) {
     const gn_world *w = &run->world;
-    if (o->quiet || o->json) return;
+    GN_TRY(warn_of_start(w, error));
+    if (o->quiet || o->json) return GNEISS_OK;
     printf("%s\n", w->scene.title[0] ? w->scene.title : w->scene.source);
     if (w->scene.has_specimen)
         printf("%zu particles, %zu bonds, %zu other pairs in the lists; ",
@@ -122,6 +153,7 @@ void gn_print_start(const gn_options *o, const gn_run *run) {
     print_limits(w);
     printf("output: %s\n", run->directory);
     fflush(stdout);
+    return GNEISS_OK;
 }
 
 /* A line with the number, or with why there is none. */

@@ -11,8 +11,9 @@ void gn_print_progress(const gn_options *options, const gn_run *run);
 /* What follows on a terminal stands below the line. */
 void gn_leave_progress(const gn_options *options);
 
-/* The step and its limits, at the start. */
-void gn_print_start(const gn_options *options, const gn_run *run);
+/* The step and its limits, at the start; whatever the options, particles on the wrong side of walls
+ * and bodies. */
+gneiss_status gn_print_start(const gn_options *options, const gn_run *run, gneiss_error *error);
 
 /* Readings and counts, also when quiet, and the profile. */
 void gn_print_summary(const gn_options *options, const gn_run *run);

@@ -149,6 +149,20 @@ static end_sums ends_of(const gn_contact_args *a, size_t c, gn_v3 normal, gn_v m
     return (end_sums){gn_load(inverse), gn_load(acceleration)};
 }
 
+/* In single precision the travel of the two particles and their velocities are rounded one by one,
+ * whatever they have in common, and the path of a step is off by that: a contact that began at 0
+ * would count as begun, or as open again, by chance. `speeds`: sum of both. In double it is within
+ * GN_OVERLAP_ROUNDING. */
+GN_INLINE gn_v with_path_rounding(const gn_contact_args *a, gn_v of, gn_v speeds) {
+    return gn_pick(GN_MIXED, gn_fma(gn_set(0x1p-20 * a->dt), speeds, of), of);
+}
+
+/* More than that of any contact. */
+GN_INLINE gn_v with_most_path_rounding(const gn_contact_args *a, gn_v of) {
+    double speeds = a->speed_most > 0.0 ? 4.0 * a->speed_most : (double)INFINITY;
+    return gn_pick(GN_MIXED, gn_set(0x1p-20 * a->dt * speeds) + of, of);
+}
+
 /* A contact that closed or opened within the step, or did not after all. */
 static __attribute__((noinline)) crossing cross(const gn_contact_args *a, size_t c, const stage *g,
                                                 const crossing_state *q) {
@@ -163,7 +177,9 @@ static __attribute__((noinline)) crossing cross(const gn_contact_args *a, size_t
     gn_v along = gn_set(a->dt) * g->speed, left = g->geometry.distance - along;
     gn_v past = gn_max(left + gn_sqrt(gn_fma(left, left, side2)), gn_set(GN_TINY));
     gn_v path = along - side2 / past, before = q->stretch - path;
-    gn_m touched = gn_less(q->beyond, path);
+    gn_v3 of_i = {vi[0], vi[1], vi[2]}, of_j = {vj[0], vj[1], vj[2]};
+    gn_v speeds = gn_sqrt(gn_dot(of_i, of_i, 1)) + gn_sqrt(gn_dot(of_j, of_j, 1));
+    gn_m touched = gn_less(with_path_rounding(a, q->beyond, speeds), path);
     gn_m opening = gn_and(gn_and(q->loose, touched), gn_not(q->touching));
     gn_m closing = gn_and(gn_and(q->loose, q->touching), gn_not(touched));
     /* A bond that breaks in this step was a spring both ways until now, unless by no more than that
@@ -194,6 +210,7 @@ GN_INLINE gn_m may_cross(const gn_contact_args *a, const stage *g, const contact
     gn_v along = gn_set(a->dt) * g->speed, before = q->beyond - along;
     gn_v rounding = gn_fma(gn_set(0x1p-20), gn_max(along, gn_set(0.0) - along),
                            gn_set(0x1p-47) * g->geometry.distance);
+    rounding = with_most_path_rounding(a, rounding);
     double fastest = a->speed_most > 0.0 ? 2.0 * a->speed_most : (double)INFINITY;
     gn_v across = gn_fma(gn_set(2.02 * a->dt * fastest * fastest), g->rate, rounding);
     gn_m surely = gn_less(before, gn_set(0.0) - across), apart = gn_at_least(before, rounding);
@@ -202,36 +219,38 @@ GN_INLINE gn_m may_cross(const gn_contact_args *a, const stage *g, const contact
 
 /* What acts along the normal but for the dashpot, of a contact whose path is known to much less
  * than the way across the normal takes from it, `slack`: what is nearer to a change is looked at.
- */
+ * Every lane by itself: what shares a vector with it must not count. */
 GN_INLINE void cross_if_near(const gn_contact_args *a, size_t c, const stage *g, gn_v path,
                              gn_m loose, contact_state *q) {
-    gn_v slack = gn_set(a->dt) * g->speed - path, before = q->beyond - path;
+    gn_v before = q->beyond - path;
+    gn_v slack = with_most_path_rounding(a, gn_set(a->dt) * g->speed - path);
     gn_m surely = gn_less(before, gn_set(0.0) - slack), perhaps = gn_less(before, slack);
     gn_m crosses = gn_or(gn_and(q->touching, gn_not(surely)), gn_and(perhaps, gn_not(q->touching)));
-    if (__builtin_expect(gn_bits(gn_and(loose, crosses)) == 0, 1)) return;
+    crosses = gn_and(loose, crosses);
+    if (__builtin_expect(gn_bits(crosses) == 0, 1)) return;
     crossing_state state = {q->kn,       q->stretch, q->beyond,  q->elastic,
                             q->touching, loose,      q->breaking};
     crossing r = cross(a, c, g, &state);
-    q->normal = r.of.normal;
-    q->share = r.of.share;
-    q->way = r.of.way;
-    q->elastic = r.elastic;
+    q->normal = gn_where(crosses, r.of.normal, q->normal);
+    q->share = gn_where(crosses, r.of.share, q->share);
+    q->way = gn_where(crosses, r.of.way, q->way);
+    q->elastic = gn_where(crosses, r.elastic, q->elastic);
 }
 
 /* What acts along the normal but for the dashpot, where not all are intact bonds; the path of the
  * step, as far as anything asks for it. */
 GN_INLINE gn_v find_normal_force(const gn_contact_args *a, size_t c, const stage *g,
                                  contact_state *q, variant w) {
-    gn_m loose = gn_not(q->intact), acting = gn_or(q->touching, q->intact);
+    gn_m loose = gn_not(q->intact), acting = gn_or(q->touching, q->intact), asked = loose;
     q->normal = gn_keep(acting, q->elastic);
     q->share = gn_keep(acting, gn_set(1.0));
     gn_v path = gn_set(a->dt) * gn_pick(growth_known(w), g->growth, g->speed);
     if (!growth_known(w)) {
-        gn_m asked = gn_or(gn_and(loose, may_cross(a, g, q)), q->breaking);
+        asked = gn_or(gn_and(loose, may_cross(a, g, q)), q->breaking);
         if (__builtin_expect(gn_bits(asked) == 0, 1)) return path;
+        path = gn_where(asked, loose_path(a, c, g, q->intact), path);
     }
-    if (!growth_known(w)) path = loose_path(a, c, g, q->intact);
-    cross_if_near(a, c, g, path, loose, q);
+    cross_if_near(a, c, g, path, asked, q);
     return path;
 }
 

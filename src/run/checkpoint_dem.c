@@ -29,6 +29,7 @@ static const gn_piece pieces[] = {
     INTEGER(contact_steps),
     DOUBLES(verlet.skin),
     DOUBLES(verlet.skin_start),
+    DOUBLES(verlet.widened),
     DOUBLES(verlet.drift),
     INTEGER(verlet.rebuilds),
     INTEGER(verlet.last_step),

@@ -23,10 +23,25 @@ static gneiss_status check_length(int length, const char *path, gneiss_error *er
                    path, most, length);
 }
 
+/* A link to nothing can neither be made a folder nor be written to. */
+static gneiss_status check_link(const char *path, gneiss_error *error) {
+    char target[256];
+    struct stat there;
+    ssize_t length = readlink(path, target, sizeof target);
+    if (length < 0 || stat(path, &there) == 0 || errno != ENOENT) return GNEISS_OK;
+    return gn_fail(error, GNEISS_ERROR_INPUT,
+                   "%s: expected an output folder, found a symbolic link to '%.*s', which is not "
+                   "there",
+                   path, (int)length, target);
+}
+
 gneiss_status gn_folder_choose(const gn_scene *scene, const char *wanted, char out[GN_PATH_SIZE],
                                gneiss_error *error) {
     if (!wanted || !*wanted) wanted = scene->output_directory;
-    if (*wanted) return check_length(snprintf(out, GN_PATH_SIZE, "%s", wanted), wanted, error);
+    if (*wanted) {
+        GN_TRY(check_length(snprintf(out, GN_PATH_SIZE, "%s", wanted), wanted, error));
+        return check_link(out, error);
+    }
     const char *slash = strrchr(scene->source, '/'), *name = slash ? slash + 1 : scene->source;
     const char *dot = strrchr(name, '.');
     int length = dot && dot > name ? (int)(dot - name) : (int)strlen(name);

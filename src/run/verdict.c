@@ -98,11 +98,23 @@ static void warn_of_step(const gn_run *run, gn_warnings *list) {
     snprintf(to->text, sizeof to->text, "%.*s", (int)sizeof to->text - 1, text);
 }
 
+static void warn_of_skin(const gn_run *run, gn_warnings *list) {
+    double widened = run->world.dem.verlet.widened;
+    if (!(widened > 0.0)) return;
+    gn_warning *to = &list->warning[list->count++];
+    to->name = "neighbours_skin";
+    snprintf(to->text, sizeof to->text,
+             "neighbours.skin of %g m is less than what touches may come apart by in one step: "
+             "lists were made with up to %.3g m",
+             run->world.scene.skin, widened);
+}
+
 gn_warnings gn_run_warnings(const gn_run *run) {
     gn_warnings list = {0};
     warn_of_step(run, &list);
     warn_of_residual(run, &list);
     warn_of_change(run, &list);
     warn_of_balance(run, &list);
+    warn_of_skin(run, &list);
     return list;
 }

@@ -333,6 +333,20 @@ static gneiss_status check_spin(const check *c, const gn_scene *s, const gn_set_
     return GNEISS_OK;
 }
 
+/* What is prescribed from the start has no other velocity there. */
+static gneiss_status check_start(const check *c, const gn_table given[3], const double start[3],
+                                 const char *key, const char *axis) {
+    for (int a = 0; a < 3; a++) {
+        double first = given[a].count ? gn_table_at(&given[a], 0.0) : start[a];
+        if (start[a] != 0.0 && start[a] != first)
+            return gn_check_fail(c, key,
+                                 "expected 0 or the prescribed %g in the component that "
+                                 "motion.%s%c gives, found %g",
+                                 first, axis, "xyz"[a], start[a]);
+    }
+    return GNEISS_OK;
+}
+
 static gneiss_status check_set(const check *c, const gn_scene *s, size_t index) {
     const gn_set_def *set = &s->sets[index];
     if (gn_scene_find_set(s, set->name) != (int)index || gn_scene_find_wall(s, set->name) >= 0)
@@ -345,6 +359,8 @@ static gneiss_status check_set(const check *c, const gn_scene *s, size_t index) 
         return gn_check_fail(c, "select.end.axis", "expected x or y in a 2D scene, found z");
     if (*set->material) GN_TRY(check_material_name(c, s, "material", set->material));
     if (gn_check_sound(c, "law.rotation")) GN_TRY(check_spin(c, s, set));
+    GN_TRY(check_start(c, set->motion.velocity, set->initial_velocity, "initial_velocity", "v"));
+    GN_TRY(check_start(c, set->motion.spin, set->initial_spin, "initial_spin", "w"));
     return gn_check_plane_motion(c, s, &set->motion);
 }
 

@@ -506,7 +506,9 @@ TABLE_OF(output);
 
 static const gn_key neighbours_keys[] = {
     KEY("skin", REAL, gn_scene, skin, .unit = "m", .range = "[1e-12, 1e9]", .word = "auto",
-        .fallback = "auto", .text = "extra distance of the neighbour list, to rebuild it seldom"),
+        .fallback = "auto",
+        .text = "extra distance of the neighbour list, to rebuild it seldom; raised to what may "
+                "come apart in a step"),
 };
 TABLE_OF(neighbours);
 

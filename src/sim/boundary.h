@@ -3,6 +3,7 @@
 #ifndef GN_SIM_BOUNDARY_H
 #define GN_SIM_BOUNDARY_H
 
+#include "base/vec3.h"
 #include "io/h5.h"
 #include "kernels/contact.h"
 #include "measure/energy.h"
@@ -17,6 +18,13 @@ typedef struct gn_wall {
     double stiffness;          /* N/m, sum of the touching contacts; only with a servo */
     double travel;             /* m, path since the lists were made */
 } gn_wall;
+
+/* m, of a centre from the plane; negative: behind it. */
+static inline double gn_wall_distance(const gn_wall *wall, const double x[3]) {
+    double d[3];
+    for (int a = 0; a < 3; a++) d[a] = x[a] - wall->point[a];
+    return gn_dot3(d, wall->normal);
+}
 
 typedef struct gn_boundary {
     gn_wall_contacts contacts; /* of particles with walls and facets */

@@ -17,6 +17,7 @@
 typedef struct gn_verlet {
     double skin;       /* m, as it is now */
     double skin_start; /* m, as it was at the start */
+    double widened;    /* m, the widest that it had to be beyond the scene's; 0: never */
     double drift;      /* m, bound on any particle's path since `ref` was set */
     int64_t rebuilds;
     int64_t last_step; /* step of the last rebuild */

@@ -1,5 +1,6 @@
 /* Neighbour lists of the particles, and how contacts keep their history. */
 #include "base/memory.h"
+#include "base/vec3.h"
 #include "sim/parts.h"
 #include "soa/single.h"
 
@@ -278,6 +279,41 @@ static void tune_skin(gn_world *w) {
         w->dem.verlet.skin = fmax(0.8 * w->dem.verlet.skin, w->dem.verlet.skin_start);
 }
 
+static double largest_speed(const double *rows, size_t count) {
+    double most = 0.0;
+    for (size_t p = 0; p < count; p++) most = fmax(most, gn_dot3(rows + 4 * p, rows + 4 * p));
+    return sqrt(most);
+}
+
+static double surface_speed(const gn_world *w, const gn_surface *s) {
+    if (s->body < 0) return largest_speed(s->velocity, s->vertices);
+    const gn_rigid *b = &w->boundary.bodies[s->body];
+    return sqrt(gn_dot3(b->velocity, b->velocity)) + b->reach * sqrt(gn_dot3(b->spin, b->spin));
+}
+
+/* By how much two things that may touch moved apart in the last step, at most. */
+static double widest_gap(const gn_world *w) {
+    double own = largest_speed(w->dem.particles.vel, w->dem.particles.soa.count), other = own;
+    for (size_t k = 0; k < w->scene.wall_count; k++) {
+        const gn_wall *wall = &w->boundary.walls[k];
+        other = fmax(other, fabs(gn_dot3(wall->velocity, wall->normal)));
+    }
+    for (size_t k = 0; k < w->boundary.surface_count; k++)
+        other = fmax(other, surface_speed(w, &w->boundary.surfaces[k]));
+    return w->dt_past * (own + other) * (1.0 + 1e-6);
+}
+
+/* Whatever was in touch a step ago has to be listed: its contact acted for a part of the step. */
+static void widen_skin(gn_world *w) {
+    gn_verlet *q = &w->dem.verlet;
+    bool given = w->scene.skin > 0.0;
+    if (given) q->skin = w->scene.skin;
+    double needed = fmin(widest_gap(w), widest_skin(w));
+    if (!(needed > q->skin)) return;
+    q->skin = needed;
+    if (given) q->widened = fmax(q->widened, needed);
+}
+
 /* All ones if all contacts share the first one's value. */
 static size_t uniform(const double *column, size_t count) {
     if (!column) return 0;
@@ -314,6 +350,7 @@ static void ready_kernels(gn_world *w) {
 
 gneiss_status gn_dem_refresh(gn_world *w, gneiss_error *error) {
     tune_skin(w);
+    widen_skin(w);
     GN_TRY(gn_dem_check_domain(w, error));
     if (w->effects & GN_FX_PERIODIC) wrap(w);
     if (order_is_old(w)) GN_TRY(reorder(w, error));

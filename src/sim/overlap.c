@@ -151,3 +151,15 @@ gneiss_status gn_world_overlaps(const gn_world *w, gn_overlap *overlap, gneiss_e
     }
     return GNEISS_OK;
 }
+
+gn_overlap gn_wall_overlap(const gn_world *w, size_t wall) {
+    const gn_particles *q = &w->dem.particles;
+    gn_overlap o = {0};
+    for (size_t p = 0; p < q->soa.count; p++) {
+        double centre = gn_wall_distance(&w->boundary.walls[wall], q->pos + 4 * p);
+        o.touching += centre <= q->pos[4 * p + 3];
+        o.inside += centre < 0.0;
+        o.deepest = fmax(o.deepest, q->pos[4 * p + 3] - centre);
+    }
+    return o;
+}

@@ -1,4 +1,5 @@
-/* How particles lie on the surfaces of the world: what `gneiss check` says of bodies. */
+/* How particles lie on the walls and surfaces of the world: what `gneiss check` says of them, and a
+ * run of those that begin on the wrong side. */
 #ifndef GN_SIM_OVERLAP_H
 #define GN_SIM_OVERLAP_H
 
@@ -7,10 +8,12 @@
 typedef struct gn_overlap {
     size_t touching; /* particles */
     double deepest;  /* m */
-    size_t inside;   /* particles with their centre inside; 0 of a surface that is open */
+    size_t inside;   /* particles with their centre inside (behind a wall); 0 of an open surface */
 } gn_overlap;
 
 /* Of every surface, at the present positions, into overlap[world->boundary.surface_count]. */
 gneiss_status gn_world_overlaps(const gn_world *world, gn_overlap *overlap, gneiss_error *error);
+/* Of a wall. */
+gn_overlap gn_wall_overlap(const gn_world *world, size_t wall);
 
 #endif

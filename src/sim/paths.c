@@ -19,13 +19,19 @@ static gneiss_status fail_particle(const gn_world *w, size_t p, const char *what
                                    gneiss_error *error) {
     const gn_particles *q = &w->dem.particles;
     const double *x = q->pos + 4 * p, *v = q->vel + 4 * p;
-    char at[GN_POINT_SIZE];
+    char at[GN_POINT_SIZE], behind[GN_NAME_SIZE + 128] = "";
+    for (size_t k = 0; k < w->scene.wall_count && !*behind; k++)
+        if (!w->scene.walls[k].passive && gn_wall_distance(&w->boundary.walls[k], x) < 0.0)
+            snprintf(behind, sizeof behind,
+                     "; its centre is behind wall '%s', which pushes it out (gneiss check says how "
+                     "many are)",
+                     w->scene.walls[k].name);
     return gn_fail(
         error, GNEISS_ERROR_UNSTABLE,
         "step %lld, t = %g s: particle %d %s: position %s m, velocity (%g, %g, %g) m/s, radius %g "
-        "m; the step is %.3g s, its stability limit was estimated as %.3g s",
+        "m; the step is %.3g s, its stability limit was estimated as %.3g s%s",
         (long long)w->step, w->time, q->id[p], what, gn_point_text(w->scene.origin, x, at), v[0],
-        v[1], v[2], x[3], w->dt, w->stable);
+        v[1], v[2], x[3], w->dt, w->stable, behind);
 }
 
 static gneiss_status check_motion(const gn_world *w, gneiss_error *error) {

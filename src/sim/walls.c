@@ -39,9 +39,7 @@ gneiss_status gn_walls_create(gn_world *w, gneiss_error *error) {
 
 static double wall_gap(const gn_world *w, size_t particle, size_t wall) {
     const double *x = w->dem.particles.pos + 4 * particle;
-    double d[3];
-    for (int a = 0; a < 3; a++) d[a] = x[a] - w->boundary.walls[wall].point[a];
-    return gn_dot3(d, w->boundary.walls[wall].normal) - x[3];
+    return gn_wall_distance(&w->boundary.walls[wall], x) - x[3];
 }
 
 static bool near_wall(const gn_world *w, size_t p, size_t k) {
