@@ -87,8 +87,9 @@ static inline void gn_contact_sums_add(gn_contact_sums *total, const gn_contact_
 typedef void gn_contact_kernel(const gn_contact_args *args, size_t begin, size_t end,
                                gn_contact_sums *sums);
 
-/* The contact laws. X(name, the effect that calls for it, lists that have it). The first is that of
- * lists that no effect calls another one for. A law is law_<name>.h and law_<name>.c, see law.h. */
+/* The contact laws. X(name, the effect that calls for it, lists that have it). The linear one is
+ * that of lists that no effect calls another one for. A law is law_<name>.h and law_<name>.c, see
+ * law.h. */
 #define GN_LAWS(X) X(linear, GN_FX_ALWAYS, GN_LAW_OF_ALL)
 enum { GN_LAW_OF_ALL, GN_LAW_OF_BONDS };
 

@@ -137,6 +137,12 @@ double gn_linear_touch(const gn_touch_step *step, const gn_touch_side *side, con
                        gn_contact_sums *sums);
 
 /* The law of a list, by its effects; by those of a scene that of its bonds. */
-const gn_law *gn_law_of(gn_effects effects);
+static inline const gn_law *gn_law_of(gn_effects effects) {
+#define X(name, effect, lists)                                                                     \
+    if (effects & (effect)) return &gn_law_##name;
+    GN_LAWS(X)
+#undef X
+    return &gn_law_linear;
+}
 
 #endif
