@@ -291,6 +291,16 @@ time: {end: 0.01, step: 1e-4}
 
 
 @fact
+def an_empty_material_is_not_one_left_out(folder):
+    with open(os.path.join(SCENES, "plane.yaml")) as file:
+        scene = file.read()
+    for after, path in (("specimen:\n", "specimen"), ("- name: left\n  ", r"sets\[0\]")):
+        text = scene.replace(after, after + "  material: ''\n" + "  " * (path != "specimen"), 1)
+        done = gneiss("check", write_scene(folder, text))
+        expect(done, 2, path + r"\.material: expected a name, or the key left out, found ''")
+
+
+@fact
 def a_finished_run_says_on_resume_that_no_step_was_taken(folder):
     run(LATTICE, folder, "--set", "time.end=0.05 ms")
     for more in ([], ["--seed", "4"], ["--set", "run.seed=4"]):

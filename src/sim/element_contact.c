@@ -35,8 +35,10 @@ gneiss_status gn_element_contact_create(gn_world *w, gneiss_error *error) {
     gneiss_status status = gn_fem_surface(&q->body, def->group[0] ? def->group : NULL,
                                           &q->contact.corner, &count, error);
     if (status == GNEISS_ERROR_INPUT) {
-        gn_fail_context(error, "%s:%d:%d: elements.contact: ", w->scene.source,
-                        w->scene.elements.where.line, w->scene.elements.where.column);
+        bool named = def->group_where.line > 0;
+        gn_scene_place where = named ? def->group_where : w->scene.elements.where;
+        gn_fail_context(error, "%s:%d:%d: elements.contact%s: ", w->scene.source, where.line,
+                        where.column, def->group[0] ? ".group" : "");
         return status;
     }
     GN_TRY(status);

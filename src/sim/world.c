@@ -194,7 +194,14 @@ static double automatic_skin(const gn_world *w) {
 }
 
 static gneiss_status choose_kernels(gn_world *w, gneiss_error *error) {
-    GN_TRY(gn_kernel_set_choose(gn_isa_name(w->scene.isa), &w->kernels, error));
+    gneiss_status status = gn_kernel_set_choose(gn_isa_name(w->scene.isa), &w->kernels, error);
+    gn_scene_place where = w->scene.isa_where;
+    if (status != GNEISS_OK && w->scene.isa != GN_ISA_AUTO) {
+        gn_fail_context(error, "run."); /* else the environment's is at fault */
+        if (where.line)
+            gn_fail_context(error, "%s:%d:%d: ", w->scene.source, where.line, where.column);
+    }
+    GN_TRY(status);
     GN_TRY(gn_contact_kernel_choose(w->kernels, gn_contact_list_effects(w->effects, true),
                                     &w->dem.bond_kernel, error));
     GN_TRY(gn_contact_kernel_choose(w->kernels, gn_contact_list_effects(w->effects, false),
