@@ -167,7 +167,7 @@ def what_the_set_up_refuses_is_named_by_file_line_and_column(folder):
         (loose + BOX.replace("SIZE", "9e-3") + "neighbours: {skin: 4e-3}\n", "8:1: periodic: expected a length of at least 0.012 m "
          "along z (twice the reach of the largest particles, with neighbours.skin), found 0.009 m"),
         ("dimension: 2\ntime: {end: 1e-4}\nelements:\n  mesh: empty.msh\n  materials: [{density: 1, young: 1, poisson: 0}]\n",
-         f"3:1: elements.mesh: {folder}/empty.msh: expected a mesh, found an empty file"),
+         f"4:9: elements.mesh: {folder}/empty.msh: expected a mesh, found an empty file"),
     )
     for text, words in cases:
         result = gneiss("check", write_scene(folder, text))
