@@ -167,7 +167,7 @@ def what_the_set_up_refuses_is_named_by_file_line_and_column(folder):
         (loose + BOX.replace("SIZE", "9e-3") + "neighbours: {skin: 4e-3}\n", "8:1: periodic: expected a length of at least 0.012 m "
          "along z (twice the reach of the largest particles, with neighbours.skin), found 0.009 m"),
         ("dimension: 2\ntime: {end: 1e-4}\nelements:\n  mesh: empty.msh\n  materials: [{density: 1, young: 1, poisson: 0}]\n",
-         f"3:1: elements.mesh: {folder}/empty.msh: expected a mesh, found an empty file"),
+         f"4:9: elements.mesh: {folder}/empty.msh: expected a mesh, found an empty file"),
     )
     for text, words in cases:
         result = gneiss("check", write_scene(folder, text))
@@ -288,6 +288,16 @@ time: {end: 0.01, step: 1e-4}
     expect(gneiss("check", scene), 2, r":6:\d+: sets\[0\]\.initial_velocity: .*motion\.vx gives, found 5")
     for start in ("0", "2"):
         expect(gneiss("check", write_scene(folder, text.replace("START", start))), 0)
+
+
+@fact
+def an_empty_material_is_not_one_left_out(folder):
+    with open(os.path.join(SCENES, "plane.yaml")) as file:
+        scene = file.read()
+    for after, path in (("specimen:\n", "specimen"), ("- name: left\n  ", r"sets\[0\]")):
+        text = scene.replace(after, after + "  material: ''\n" + "  " * (path != "specimen"), 1)
+        done = gneiss("check", write_scene(folder, text))
+        expect(done, 2, path + r"\.material: expected a name, or the key left out, found ''")
 
 
 @fact

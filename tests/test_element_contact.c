@@ -218,6 +218,53 @@ static void errors_say_where_and_what(void **state) {
     }
 }
 
+/* What only the mesh or the machine can tell is placed at the key as well. */
+static void what_is_found_out_later_is_placed_at_its_key(void **state) {
+    (void)state;
+    const char *const scenes[][3] = {
+        {"contact: {stiffness: 1, group: nowhere}", "", "s.yaml:2:34: elements.contact.group: "},
+        {"contact: {stiffness: 1,\n     group: nowhere}", "",
+         "s.yaml:3:13: elements.contact.group: "},
+        {"motions: [{name: a, group: no}]", "", "s.yaml:2:30: elements.motions[0].group: "},
+        {"loads: [{force: {fx: 1}, group: no}]", "", "s.yaml:2:35: elements.loads[0].group: "},
+        {"loads: [{force: {fx: 1}, box: {min: [5, 5, 5], max: [6, 6, 6]}}]", "",
+         "s.yaml:2:11: elements.loads[0]: "},
+        {"materials: [{young: 1e9, poisson: 0.2, density: 2000}, {young: 1e9, poisson: 0.2, "
+         "density: 2000, group: no}]",
+         "", "s.yaml:2:107: elements.materials[1].group: "},
+        {"scale: 1", "run: {isa: ISA}", "run.isa: expected an instruction set that this machine"},
+    };
+    const char *away = NULL; /* a set that this machine has not */
+    for (int s = 1; s < GN_ISA_COUNT && !away; s++) {
+        bool here = false;
+        for (int k = 0; k < GN_KERNEL_SETS; k++)
+            here = here || (strcmp(gn_kernel_set_at(k)->name, gn_isa_name((gn_isa)s)) == 0 &&
+                            gn_kernel_set_supported(gn_kernel_set_at(k)));
+        if (!here) away = gn_isa_name((gn_isa)s);
+    }
+    for (size_t k = 0; k < sizeof scenes / sizeof *scenes; k++) {
+        char scene_text[1024], run[64] = "", want[128];
+        gn_world w;
+        gneiss_error error = {0};
+        bool isa = *scenes[k][1];
+        if (isa && !away) continue;
+        if (isa) snprintf(run, sizeof run, "run: {isa: %s}", away);
+        snprintf(scene_text, sizeof scene_text,
+                 "elements:\n  %s\n  box: {size: [1, 1, 1], cells: [1, 1, 1]}\n%stime: {end: 1}\n"
+                 "specimen: {particles: [[50, 0, 0, 1e-3]]}\nmaterials: [{name: m, "
+                 "density: 2500, normal_stiffness: 1, kratio: 2}]\nlaw: {stiffness: uniform}\n%s\n",
+                 isa ? "" : scenes[k][0],
+                 strstr(scenes[k][0], "materials")
+                     ? ""
+                     : "  materials: [{young: 1e9, poisson: 0.2, density: 2000}]\n",
+                 run);
+        snprintf(want, sizeof want, "%s%s", isa ? "s.yaml:9:12: " : "", scenes[k][2]);
+        if (world_try(&w, scene_text, NULL, &error) == GNEISS_OK) fail_msg("%s", scenes[k][0]);
+        if (strncmp(error.message, want, strlen(want)) != 0)
+            fail_msg("expected %s, found %s", want, error.message);
+    }
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(particles_and_nodes_keep_momentum),
@@ -225,6 +272,7 @@ int main(void) {
         cmocka_unit_test(the_limit_knows_of_contacts_with_nodes),
         cmocka_unit_test(threads_and_resume_give_the_same_bits),
         cmocka_unit_test(errors_say_where_and_what),
+        cmocka_unit_test(what_is_found_out_later_is_placed_at_its_key),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -99,6 +99,10 @@ static void slips_are_told_with_their_place(void **state) {
         {"group: x_lower, ", "",
          "s.yaml:7:7: elements.motions[0].group: expected group or box, "
          "found none"},
+        {"group: x_lower,", "group: '', box: {min: [0, 0], max: [1, 1]},",
+         "elements.motions[0].group: expected a name, or the key left out, found ''"},
+        {"poisson: 0.2", "poisson: 0.2, group: ''",
+         "elements.materials[0].group: expected a name, or the key left out, found ''"},
         {"group: x_lower,", "group: x_lower, box: {min: [0, 0], max: [1, 1]},",
          "s.yaml:7:27: elements.motions[0].group: expected group or box, found both"},
         {"group: x_lower,", "box: {min: [0, 2], max: [1, 1]},",

@@ -63,6 +63,8 @@ typedef struct gn_key {
     const char *word;  /* instead of a number, such as "auto" */
     double word_value; /* what the word stands for in the struct */
     const gn_choice *choices; /* of GN_KEY_CHOICE */
+    size_t place_at; /* offset of the gn_scene_place of a value that the file gives, for what is
+                        found out later; 0: none */
     gn_presence presence;
     size_t present_at;   /* offset of what `presence` looks at */
     gn_shape_kind shape; /* that the key gives; GN_SHAPE_NONE: it gives none */

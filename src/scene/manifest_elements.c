@@ -49,6 +49,7 @@ TABLE_OF(beam);
 
 static const gn_key material_keys[] = {
     KEY("group", TEXT, gn_element_material, group, .fallback = "",
+        PRESENT(TEXT, gn_element_material, group), PLACED(gn_element_material, group_where),
         .text = "of elements in the mesh, by name or number; left out: all elements"),
     KEY("young", REAL, gn_element_material, young, .unit = "Pa", .range = GN_MODULI,
         .required = true, .text = "Young's modulus"),
@@ -88,6 +89,7 @@ static const gn_key motion_keys[] = {
         .text = "what the rest of the scene and the columns of the history call it"),
     KEY("group", TEXT, gn_element_motion, region.group, .fallback = "",
         PRESENT(TEXT, gn_element_motion, region.group),
+        PLACED(gn_element_motion, region.group_where),
         .text = "nodes of a group of the mesh, by name or number"),
     SECTION("box", motion_box_section, PRESENT(BOOL, gn_element_motion, region.has_box),
             .text = "nodes that start in a box, boundary included; instead of group"),
@@ -117,7 +119,7 @@ static const gn_key load_keys[] = {
     KEY("name", TEXT, gn_element_load, name, .fallback = "",
         .text = "by which --set finds it; may be left out"),
     KEY("group", TEXT, gn_element_load, region.group, .fallback = "",
-        PRESENT(TEXT, gn_element_load, region.group),
+        PRESENT(TEXT, gn_element_load, region.group), PLACED(gn_element_load, region.group_where),
         .text = "nodes or facets of a group of the mesh, by name or number"),
     SECTION("box", load_box_section, PRESENT(BOOL, gn_element_load, region.has_box),
             .text = "nodes that start in a box, or the mesh's facets that lie in it whole; instead "
@@ -133,6 +135,8 @@ ELEMENTS_OF(load, gn_element_load);
 
 static const gn_key contact_keys[] = {
     KEY("group", TEXT, gn_scene, elements.contact.group, .fallback = "",
+        PRESENT(TEXT, gn_scene, elements.contact.group),
+        PLACED(gn_scene, elements.contact.group_where),
         .text = "facets of a group of the mesh, by name or number; left out: the whole boundary"),
     KEY("stiffness", REAL, gn_scene, elements.contact.stiffness, .unit = "N/m", .range = GN_SPRINGS,
         .required = true, .text = "penalty stiffness k_n"),
@@ -147,7 +151,7 @@ TABLE_OF(contact);
 
 static const gn_key elements_keys[] = {
     KEY("mesh", FILE, gn_scene, elements.mesh, .second = offsetof(gn_scene, elements.mesh_path),
-        PRESENT(TEXT, gn_scene, elements.mesh),
+        PRESENT(TEXT, gn_scene, elements.mesh), PLACED(gn_scene, elements.mesh_where),
         .text = "gmsh .msh file, format 2.2 or 4.1, linear triangles (3D: tetrahedra)"),
     KEY("scale", REAL, gn_scene, elements.scale, .unit = "1", .range = GN_SCALES, .fallback = "1",
         .text = "lengths in the file times this give metres"),

@@ -38,6 +38,7 @@
     { .name = NAME, .type = GN_KEY_SECTION, .section = &TABLE, __VA_ARGS__ }
 #define PRESENT(KIND, STRUCT, FIELD)                                                               \
     .presence = GN_PRESENT_##KIND, .present_at = offsetof(STRUCT, FIELD)
+#define PLACED(STRUCT, FIELD) .place_at = offsetof(STRUCT, FIELD)
 /* One of the bodies that can be packed. */
 #define SHAPE(KIND, DIMENSION)                                                                     \
     .shape = GN_SHAPE_##KIND, .shape_dimension = (DIMENSION),                                      \

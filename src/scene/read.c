@@ -145,6 +145,9 @@ static gneiss_status read_text(const gn_reader *reader, const gn_key *key, const
         snprintf(expected, sizeof expected, "at most %zu bytes of text", key->size - 1);
         return unexpected(reader, node, expected, "");
     }
+    /* What counts as left out when it is empty is left out, or it is a slip. */
+    if (!length && key->type == GN_KEY_TEXT && key->presence == GN_PRESENT_TEXT && node->key)
+        return unexpected(reader, node, "a name, or the key left out", "");
     memcpy(text, node->text, length + 1);
     return GNEISS_OK;
 }
@@ -570,6 +573,8 @@ static gneiss_status read_member(gn_reader *reader, const gn_key *key, const gn_
     }
     /* The override that made it could not be read. */
     if (node && node->set && gn_problem_at(reader->problems, reader->path)) return GNEISS_OK;
+    if (node && key->place_at && !node->set)
+        *(gn_scene_place *)(base + key->place_at) = node->where;
     GN_TRY(node ? read_key(reader, key, node, base) : read_fallback(reader, key, base));
     if (node && key->presence == GN_PRESENT_BOOL) *(bool *)(base + key->present_at) = true;
     return GNEISS_OK;

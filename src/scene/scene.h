@@ -283,6 +283,7 @@ typedef struct gn_test {
 /* Linear finite elements: what they are made of. */
 typedef struct gn_element_material {
     char group[GN_NAME_SIZE];       /* of elements, by name or tag; "": all elements */
+    gn_scene_place group_where;     /* line 0: not in the file */
     double young, poisson, density; /* Pa, -, kg/m3 */
     gn_scene_place where;
 } gn_element_material;
@@ -291,6 +292,7 @@ typedef struct gn_element_material {
  * one of the two. */
 typedef struct gn_region {
     char group[GN_NAME_SIZE]; /* name or tag; "": box */
+    gn_scene_place group_where;
     bool has_box;
     double box_min[3], box_max[3]; /* m, boundary included */
 } gn_region;
@@ -328,8 +330,9 @@ typedef enum gn_formulation { GN_FORMULATION_DISPLACEMENT, GN_FORMULATION_PRESSU
 /* How particles meet the surface of finite elements. */
 typedef struct gn_element_contact_def {
     char group[GN_NAME_SIZE]; /* of facets; "": the whole boundary */
-    double stiffness;         /* penalty k_n, N/m */
-    double kratio;            /* k_n/k_t; used when friction > 0 */
+    gn_scene_place group_where;
+    double stiffness; /* penalty k_n, N/m */
+    double kratio;    /* k_n/k_t; used when friction > 0 */
     double friction;
 } gn_element_contact_def;
 
@@ -337,6 +340,7 @@ typedef struct gn_element_contact_def {
 typedef struct gn_element_def {
     char mesh[GN_PATH_SIZE]; /* as written; "" when another source is used */
     char mesh_path[GN_PATH_SIZE];
+    gn_scene_place mesh_where;
     double scale; /* lengths in the file times this give metres */
     bool has_rectangle, has_box, has_beam;
     double size[3], origin[3]; /* m, of a rectangle or box */
@@ -430,6 +434,7 @@ typedef struct gn_scene {
     int64_t threads; /* 0: all cores */
     gn_precision precision;
     gn_isa isa;
+    gn_scene_place isa_where;
     double residual_warning; /* of the energy ledger, from which a run warns; 0: off */
     double residual_limit;   /* from which it has gone bad; 0: off */
 } gn_scene;

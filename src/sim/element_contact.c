@@ -40,8 +40,10 @@ static gneiss_status make_surface(gn_world *w, gn_element_model *q, gneiss_error
     gneiss_status status = gn_fem_surface(&q->body, def->group[0] ? def->group : NULL,
                                           &q->contact.corner, &count, error);
     if (status == GNEISS_ERROR_INPUT) {
-        gn_fail_context(error, "%s:%d:%d: elements.contact: ", w->scene.source, q->def->where.line,
-                        q->def->where.column);
+        bool named = def->group_where.line > 0;
+        gn_scene_place where = named ? def->group_where : q->def->where;
+        gn_fail_context(error, "%s:%d:%d: elements.contact%s: ", w->scene.source, where.line,
+                        where.column, def->group[0] ? ".group" : "");
         return status;
     }
     GN_TRY(status);

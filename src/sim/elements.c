@@ -12,13 +12,15 @@
 
 /* --- messages --- */
 
-/* Puts the place in the scene before a message about the mesh. */
-static gneiss_status at(const gn_world *w, gn_scene_place where, const char *list, size_t index,
-                        gneiss_status status, gneiss_error *error) {
+/* Puts the place in the scene before a message about the mesh; `group`: where that is given that
+ * the message is about, NULL: it is about all of the section. */
+static gneiss_status at(const gn_world *w, gn_scene_place where, const gn_scene_place *group,
+                        const char *list, size_t index, gneiss_status status, gneiss_error *error) {
     char text[GNEISS_MESSAGE_SIZE], item[64] = "elements";
     if (status != GNEISS_ERROR_INPUT || !error) return status;
     memcpy(text, error->message, sizeof text);
-    if (list) snprintf(item, sizeof item, "elements.%s[%zu]", list, index);
+    if (list) snprintf(item, sizeof item, "elements.%s[%zu]%s", list, index, group ? ".group" : "");
+    if (group && group->line) where = *group;
     return gn_fail(error, status, "%.400s:%d:%d: %s: %.1400s", w->scene.source, where.line,
                    where.column, item, text);
 }
@@ -58,7 +60,7 @@ static gneiss_status make_mesh(const gn_world *w, const gn_element_def *e, gn_me
                                gneiss_error *error) {
     gneiss_status status =
         e->has_beam ? make_beam(&e->beam, mesh, error) : make_block(w, e, mesh, error);
-    return at(w, e->where, NULL, 0, status, error);
+    return at(w, e->where, NULL, NULL, 0, status, error);
 }
 
 /* Files, origins and scales can each be sensible and give together what no key may say. */
@@ -71,7 +73,7 @@ static gneiss_status check_places(const gn_world *w, const gn_element_def *e, co
             gn_fail(error, GNEISS_ERROR_INPUT,
                     "expected coordinates up to %g m, found a node at (%g, %g, %g) m",
                     GN_PLACE_MOST, x[0], x[1], x[2]);
-        return at(w, e->where, NULL, 0, status, error);
+        return at(w, e->where, NULL, NULL, 0, status, error);
     }
     return GNEISS_OK;
 }
@@ -91,7 +93,7 @@ static gneiss_status check_groups(const gn_world *w, const gn_element_def *e, co
         if (!m->group[0]) continue;
         gneiss_status status =
             gn_fem_check_group(mesh_name(e), mesh, m->group, (int)w->scene.dimension, error);
-        GN_TRY(at(w, m->where, "materials", k, status, error));
+        GN_TRY(at(w, m->where, &m->group_where, "materials", k, status, error));
     }
     return GNEISS_OK;
 }
@@ -126,7 +128,7 @@ static gneiss_status make_body(const gn_world *w, gn_element_model *q, gn_mesh *
     memcpy(spec.origin, w->scene.origin, sizeof spec.origin);
     gneiss_status status = gn_fem_body_create(&spec, mesh, &q->body, error);
     gn_free(materials);
-    return at(w, e->where, NULL, 0, status, error);
+    return at(w, e->where, NULL, NULL, 0, status, error);
 }
 
 /* --- what drives it --- */
@@ -135,6 +137,10 @@ static gneiss_status nodes_of(const gn_fem_body *body, const gn_region *r, gn_fe
                               gneiss_error *error) {
     return r->has_box ? gn_fem_nodes_in_box(body, r->box_min, r->box_max, set, error)
                       : gn_fem_nodes_of_group(body, r->group, set, error);
+}
+
+static const gn_scene_place *group_of(const gn_region *r) {
+    return r->has_box ? NULL : &r->group_where;
 }
 
 static void velocity_at(const gn_element_motion *m, double time, double velocity[3]) {
@@ -149,7 +155,7 @@ static gneiss_status make_motion(const gn_world *w, gn_element_model *q, size_t 
     for (int a = 0; a < 3; a++) mask |= m->motion.velocity[a].count ? 1u << a : 0;
     q->motion[k] = -1;
     gneiss_status status = nodes_of(&q->body, &m->region, &q->motion_set[k], error);
-    GN_TRY(at(w, m->where, "motions", k, status, error));
+    GN_TRY(at(w, m->where, group_of(&m->region), "motions", k, status, error));
     if (!mask) return GNEISS_OK;
     velocity_at(m, 0.0, velocity);
     return gn_fem_prescribe(&q->body, &q->motion_set[k], mask, velocity, &q->motion[k], error);
@@ -199,7 +205,7 @@ static gneiss_status make_drives(const gn_world *w, gn_element_model *q, gneiss_
     for (size_t k = 0; k < e->load_count; k++) {
         const gn_element_load *l = &e->loads[k];
         gneiss_status status = make_load(q, k, error);
-        GN_TRY(at(w, l->where, "loads", k, status, error));
+        GN_TRY(at(w, l->where, group_of(&l->region), "loads", k, status, error));
         q->loads_vary = q->loads_vary || varies(l->has_force ? l->force : l->traction);
     }
     set_loads(q, 0.0);

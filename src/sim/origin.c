@@ -50,8 +50,8 @@ static gneiss_status read_elements(const gn_scene *s, gn_mesh *mesh, gneiss_erro
     const gn_element_def *e = &s->elements;
     gneiss_status status = gn_mesh_read_msh(e->mesh_path, e->scale, mesh, error);
     if (status == GNEISS_OK) return status;
-    return gn_fail_context(error, "%s:%d:%d: elements.mesh: ", s->source, e->where.line,
-                           e->where.column);
+    gn_scene_place where = e->mesh_where.line ? e->mesh_where : e->where;
+    return gn_fail_context(error, "%s:%d:%d: elements.mesh: ", s->source, where.line, where.column);
 }
 
 gneiss_status gn_origin_choose(gn_scene *s, const gn_mesh *mesh, gneiss_error *error) {

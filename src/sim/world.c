@@ -136,6 +136,17 @@ static void set_domain(gn_world *w) {
     s->has_domain = given->has_domain = true;
 }
 
+static gneiss_status choose_kernels(gn_world *w, gneiss_error *error) {
+    gneiss_status status = gn_kernel_set_choose(gn_isa_name(w->scene.isa), &w->kernels, error);
+    gn_scene_place where = w->scene.isa_where;
+    if (status != GNEISS_OK && w->scene.isa != GN_ISA_AUTO) {
+        gn_fail_context(error, "run."); /* else the environment's is at fault */
+        if (where.line)
+            gn_fail_context(error, "%s:%d:%d: ", w->scene.source, where.line, where.column);
+    }
+    return status;
+}
+
 gneiss_status gn_world_use_threads(gn_world *w, int threads, gneiss_error *error) {
     w->threads = threads < GN_THREADS_MAX ? threads : GN_THREADS_MAX;
     return gn_dem_use_threads(w, error);
@@ -148,7 +159,7 @@ gneiss_status gn_world_prepare(gn_world *w, gneiss_error *error) {
     int threads = w->scene.threads > 0 ? (int)w->scene.threads : omp_get_num_procs();
     w->threads = threads < GN_THREADS_MAX ? threads : GN_THREADS_MAX;
     for (int a = 0; a < 3; a++) w->period[a] = w->scene.periodic_max[a] - w->scene.periodic_min[a];
-    GN_TRY(gn_kernel_set_choose(gn_isa_name(w->scene.isa), &w->kernels, error));
+    GN_TRY(choose_kernels(w, error));
     return gn_dem_prepare(w, error);
 }
 
