@@ -144,7 +144,7 @@ static gneiss_status estimate(const gn_sweep *s, size_t run, double *seconds, gn
  * say so when it is run. */
 static void estimate_some(const gn_sweep *s, const gn_summary *m, const gn_sweep_way *way,
                           double *seconds) {
-    enum { BUDGET = 5 };
+    enum { BUDGET = 2 }; /* s */
     double start = gn_now();
     for (size_t k = 0; k < s->run_count; k++) {
         gneiss_error unused = {0};

@@ -138,6 +138,11 @@ static const char *scaled(const char *unit, double size, double *factor, char *t
     return text;
 }
 
+/* Two, and whole numbers as they are. */
+static int digits(double value) {
+    return fabs(value) >= 1000.0 ? 4 : fabs(value) >= 100.0 ? 3 : 2;
+}
+
 static void print_reading(const gn_summary_reading *r, const gn_statistics *t) {
     char unit[GN_NAME_SIZE + 2];
     double factor;
@@ -148,8 +153,9 @@ static void print_reading(const gn_summary_reading *r, const gn_statistics *t) {
     scaled(r->unit, t->mean, &factor, unit, sizeof unit);
     printf("  %-26s %10.4g", r->name, t->mean / factor);
     if (t->count > 1)
-        printf(" +- %.2g%s%s   (95 %%, %zu runs; deviation %.2g)", t->interval / factor,
-               *unit ? " " : "", unit, t->count, t->deviation / factor);
+        printf(" +- %.*g%s%s   (95 %%, %zu runs; deviation %.*g)", digits(t->interval / factor),
+               t->interval / factor, *unit ? " " : "", unit, t->count, digits(t->deviation / factor),
+               t->deviation / factor);
     else
         printf("%s%s", *unit ? " " : "", unit);
     printf("\n");

@@ -36,8 +36,6 @@ static void describe(char *text, size_t size, const gn_key *key) {
         describe_numbers(text, size, "number", key);
         return;
     case GN_KEY_INTEGER:
-        describe_numbers(text, size, "whole number", key);
-        return;
     case GN_KEY_SEED:
         describe_numbers(text, size, "whole number", key);
         return;

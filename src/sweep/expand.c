@@ -178,29 +178,51 @@ static bool varies(const gn_sweep *s, const char *key) {
     return false;
 }
 
+/* Files count by their contents, wherever they are. */
+static void forget_paths(const gn_section *section, char *base) {
+    for (size_t k = 0; k < section->key_count; k++) {
+        const gn_key *key = &section->keys[k];
+        if (key->type == GN_KEY_SECTION) forget_paths(key->section, base + key->offset);
+        if (key->type == GN_KEY_FILE) base[key->second] = '\0';
+        if (key->type != GN_KEY_LIST) continue;
+        char *array;
+        memcpy(&array, base + key->offset, sizeof array);
+        size_t count = *(const size_t *)(base + key->second);
+        for (size_t item = 0; item < count; item++)
+            forget_paths(key->section, array + item * key->section->size);
+    }
+}
+
 /* The scene without what does not change its results: its name, where they go, how many threads
  * there are (unless that is what the sweep is about). */
-static char *plain_text(const gn_sweep *s, const gn_scene *scene) {
+static gneiss_status plain_text(const gn_sweep *s, const gn_scene *scene, char **text,
+                                gneiss_error *error) {
     gn_scene *plain = gn_alloc(sizeof *plain);
-    if (!plain) return NULL;
-    *plain = *scene; /* shares its arrays, which are not freed */
-    plain->title[0] = plain->output_directory[0] = '\0';
-    plain->checkpoint_wall = 0.0;
-    if (!varies(s, "run.threads")) plain->threads = 0;
-    char *text = gn_scene_write(plain);
+    *text = NULL;
+    if (!plain) return gn_fail(error, GNEISS_ERROR_MEMORY, "%s: out of memory", s->source);
+    gneiss_status status = gn_scene_copy(scene, plain, error);
+    if (status == GNEISS_OK) {
+        plain->title[0] = plain->output_directory[0] = '\0';
+        plain->checkpoint_wall = 0.0;
+        if (!varies(s, "run.threads")) plain->threads = 0;
+        forget_paths(&gn_scene_section, (char *)plain);
+        *text = gn_scene_write(plain);
+        gn_scene_free(plain);
+        if (!*text) status = gn_fail(error, GNEISS_ERROR_MEMORY, "%s: out of memory", s->source);
+    }
     gn_free(plain);
-    return text;
+    return status;
 }
 
 static gneiss_status hash_scene(const gn_sweep *s, const gn_scene *scene, file_hashes *known,
                                 gn_sweep_run *run, gneiss_error *error) {
     char version[64];
     int length = snprintf(version, sizeof version, "%s %d", gn_version(), FOLDER_FORMAT);
-    char *text = plain_text(s, scene), *specimen = gn_scene_write_specimen(scene);
-    gneiss_status status = GNEISS_OK;
-    if (!text || !specimen) {
+    char *text = NULL, *specimen = gn_scene_write_specimen(scene);
+    gneiss_status status = plain_text(s, scene, &text, error);
+    if (status == GNEISS_OK && !specimen)
         status = gn_fail(error, GNEISS_ERROR_MEMORY, "%s: out of memory", s->source);
-    } else {
+    if (status == GNEISS_OK) {
         run->hash = gn_hash_bytes(version, (size_t)length, GN_HASH_SEED);
         run->hash = gn_hash_bytes(text, strlen(text), run->hash);
         status = hash_files(known, &gn_scene_section, (const char *)scene, &run->hash, error);
