@@ -140,17 +140,33 @@ static gneiss_status estimate(const gn_sweep *s, size_t run, double *seconds, gn
     return status;
 }
 
-/* Of as many runs as a few seconds allow; others take the mean. A scene that cannot be made will
- * say so when it is run. */
+/* A step through so many items that meets all of them, and neighbours late. */
+static size_t stride_through(size_t count) {
+    size_t stride = (size_t)(0.618 * (double)count) + 1;
+    for (;; stride++) {
+        size_t a = stride, b = count;
+        while (b) {
+            size_t rest = a % b;
+            a = b;
+            b = rest;
+        }
+        if (a == 1) return stride;
+    }
+}
+
+/* Of as many runs as a second allows, from here and there; others take the mean. A scene that cannot
+ * be made will say so when it is run. */
 static void estimate_some(const gn_sweep *s, const gn_summary *m, const gn_sweep_way *way,
                           double *seconds) {
-    enum { BUDGET = 2 }; /* s */
+    const double budget = 1.0; /* s */
     double start = gn_now();
-    for (size_t k = 0; k < s->run_count; k++) {
+    size_t stride = stride_through(s->run_count);
+    for (size_t n = 0; n < s->run_count; n++) {
         gneiss_error unused = {0};
+        size_t k = n * stride % s->run_count;
         seconds[k] = m->runs[k].seconds;
         bool wanted = gn_sweep_mine(s, way, k) && !gn_outcome_stands(&m->runs[k].outcome);
-        if (!wanted || gn_now() - start > BUDGET) continue;
+        if (!wanted || gn_now() - start > budget) continue;
         if (estimate(s, k, &seconds[k], &unused) != GNEISS_OK) seconds[k] = NAN;
     }
 }

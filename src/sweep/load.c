@@ -101,7 +101,8 @@ static bool read_seed_text(const char *text, size_t *count, uint64_t **seeds) {
 static gneiss_status read_seeds(gn_reader *reader, const gn_node *node, gn_sweep *sweep) {
     char text[1 << 12] = "";
     if (!node) return GNEISS_OK;
-    for (const gn_node *item = node->first; item && strlen(text) + 32 < sizeof text;
+    for (const gn_node *item = node->kind == GN_NODE_LIST ? node->first : NULL;
+         item && strlen(text) + 32 < sizeof text;
          item = item->next) {
         bool plain = item->kind == GN_NODE_SCALAR && strlen(item->text) < 24;
         size_t used = strlen(text);

@@ -122,8 +122,10 @@ static gneiss_status read_values(const gn_reader *reader, const gn_node *list,
 
 /* ---- ranges ---- */
 
+/* What is empty stands nowhere: its key does. */
 static gneiss_status wrong(const gn_reader *reader, const gn_node *node, const char *text) {
-    return gn_read_fail(reader, node, node->where, reader->path, "%s", text);
+    return gn_read_fail(reader, node, node->kind == GN_NODE_NULL ? node->key_where : node->where,
+                        reader->path, "%s", text);
 }
 
 /* Value number k of a range, its ends as they were given. */
