@@ -90,7 +90,7 @@ def plan(folder, keys, *arguments):
     """The labels of the runs that --dry-run lists."""
     done = expect(gneiss("sweep", sweep_file(folder, **keys), "--out", os.path.join(folder, "none"), "--dry-run", *QUICK, *arguments), 0)
     assert not os.path.exists(os.path.join(folder, "none")), "--dry-run wrote something"
-    return [dict(item.split(" = ") if " = " in item else item.split(" ") for item in line.split("  ")[-1].strip().split(", "))
+    return [dict(item.split(" ")[0:3:2] if " = " in item else item.split(" ") for item in line.split("  ")[-1].strip().split(", "))
             for line in done.stdout.splitlines() if re.match(r" *\d+  [0-9a-f]{16} ", line)]
 
 

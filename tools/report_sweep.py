@@ -146,7 +146,7 @@ def plot_panel(sweep, name, parameter, axes):
             axes.errorbar(x[sweep.first[places]], mean[places], np.nan_to_num(interval[places]), marker="o", markersize=4,
                           capsize=3, elinewidth=1, color=colour, label=text or None)
         if any(text for text, _ in lines):
-            axes.legend(fontsize=7)
+            axes.legend(fontsize=7, loc="lower left", bbox_to_anchor=(0, 1), ncol=1 if len(lines) < 3 else 2, borderaxespad=0.2)
     dress(parameter, axes, "x")
     axes.set_ylabel(label)
 

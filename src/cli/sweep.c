@@ -154,8 +154,8 @@ static size_t stride_through(size_t count) {
     }
 }
 
-/* Of as many runs as a second allows, from here and there; others take the mean. A scene that cannot
- * be made will say so when it is run. */
+/* Of as many runs as a second allows, from here and there; others take the mean. A scene that
+ * cannot be made will say so when it is run. */
 static void estimate_some(const gn_sweep *s, const gn_summary *m, const gn_sweep_way *way,
                           double *seconds) {
     const double budget = 1.0; /* s */

@@ -31,7 +31,7 @@ static void json_progress(const gn_sweep_display *d, const gn_sweep_progress *p)
         snprintf(folder, sizeof folder, "%016" PRIx64, d->sweep->runs[p->last].hash);
         gn_json_integer(j, "run", (int64_t)p->last + 1);
         gn_json_text(j, "folder", folder);
-        gn_json_text(j, "label", gn_sweep_label(d->sweep, p->last, label, sizeof label));
+        gn_json_text(j, "label", gn_sweep_label(d->sweep, p->last, true, label, sizeof label));
     }
     if (p->outcome) {
         gn_json_integer(j, "code", p->outcome->code);
@@ -57,7 +57,7 @@ static void text_progress(gn_sweep_display *d, const gn_sweep_progress *p) {
         gn_line_add(&line, 1, "ETA %s", gn_format_seconds(p->eta, eta, sizeof eta));
     if (!isatty(STDERR_FILENO) && p->what)
         gn_line_add(&line, 3, "%s: %.80s", p->what,
-                    gn_sweep_label(d->sweep, p->last, label, sizeof label));
+                    gn_sweep_label(d->sweep, p->last, true, label, sizeof label));
     gn_line_show(&line, over);
     d->shown = !over && isatty(STDERR_FILENO);
 }
@@ -69,7 +69,7 @@ static void watch(void *context, const gn_sweep_progress *p) {
     bool ended = p->what && p->outcome, terminal = isatty(STDERR_FILENO);
     if (ended && strcmp(p->what, "done") != 0) {
         fprintf(stderr, "%sgneiss: warning: run %zu (%s) %s: %s\n", d->shown ? "\r\033[K" : "",
-                p->last + 1, gn_sweep_label(d->sweep, p->last, label, sizeof label), p->what,
+                p->last + 1, gn_sweep_label(d->sweep, p->last, true, label, sizeof label), p->what,
                 p->outcome->message);
         d->shown = false;
     }
@@ -154,8 +154,8 @@ static void print_reading(const gn_summary_reading *r, const gn_statistics *t) {
     printf("  %-26s %10.4g", r->name, t->mean / factor);
     if (t->count > 1)
         printf(" +- %.*g%s%s   (95 %%, %zu runs; deviation %.*g)", digits(t->interval / factor),
-               t->interval / factor, *unit ? " " : "", unit, t->count, digits(t->deviation / factor),
-               t->deviation / factor);
+               t->interval / factor, *unit ? " " : "", unit, t->count,
+               digits(t->deviation / factor), t->deviation / factor);
     else
         printf("%s%s", *unit ? " " : "", unit);
     printf("\n");
@@ -164,13 +164,12 @@ static void print_reading(const gn_summary_reading *r, const gn_statistics *t) {
 /* "friction = 0.3", without the seed. */
 static void print_combination(const gn_summary *m, size_t c) {
     const gn_sweep *s = m->sweep;
+    char label[LABEL];
     size_t each = s->run_count / s->combination_count, done = 0;
     for (size_t k = c * each; k < (c + 1) * each; k++)
         done += m->runs[k].outcome.state == GN_RUN_DONE;
-    for (size_t p = 0; p < s->parameter_count; p++)
-        printf("%s%s = %s", p ? ", " : "", s->parameters[p].key,
-               gn_sweep_value_of(s, c * each, p)->text);
-    printf("%s%zu of %zu run%s done\n", s->parameter_count ? ": " : "", done, each,
+    gn_sweep_label(s, c * each, false, label, sizeof label);
+    printf("%s%s%zu of %zu run%s done\n", label, *label ? ": " : "", done, each,
            each == 1 ? "" : "s");
     if (!done) return;
     for (size_t r = 0; r < m->reading_count; r++)
@@ -207,7 +206,8 @@ static void print_failed(const gn_summary *m) {
     for (size_t k = 0; k < m->sweep->run_count; k++)
         if (m->runs[k].outcome.state == GN_RUN_FAILED)
             printf("failed: run %zu (%s): %s\n", k + 1,
-                   gn_sweep_label(m->sweep, k, label, sizeof label), m->runs[k].outcome.message);
+                   gn_sweep_label(m->sweep, k, true, label, sizeof label),
+                   m->runs[k].outcome.message);
 }
 
 void gn_sweep_print_summary(const gn_options *o, const gn_summary *m) {
@@ -243,7 +243,7 @@ void gn_sweep_print_plan(const gn_sweep *s, const gn_summary *m, const gn_sweep_
         if (!gn_sweep_mine(s, way, k)) continue;
         printf("%6zu  %016" PRIx64 "  %-11s  %-12s  %s\n", k + 1, s->runs[k].hash,
                gn_run_state_name(outcome->state), gn_format_seconds(seconds[k], text, sizeof text),
-               gn_sweep_label(s, k, label, sizeof label));
+               gn_sweep_label(s, k, true, label, sizeof label));
         bool wanted = way->force || !gn_outcome_stands(outcome);
         left += wanted;
         if (!isfinite(seconds[k])) continue;

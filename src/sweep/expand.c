@@ -44,13 +44,24 @@ gneiss_status gn_sweep_scene(const gn_sweep *s, size_t run, gn_scene *scene, gne
     return read_scene(s, run, true, true, scene, error);
 }
 
-const char *gn_sweep_label(const gn_sweep *s, size_t run, char *text, size_t size) {
-    size_t used = 0;
+/* Numbers of ranges are in SI without a unit; what was written keeps its own. */
+static const char *unit_behind(const gn_sweep_parameter *p, const char *text) {
+    bool bare = p->numeric && text[strspn(text, "+-.0123456789eE")] == '\0';
+    return bare ? p->unit : "";
+}
+
+const char *gn_sweep_label(const gn_sweep *s, size_t run, bool seed, char *text, size_t size) {
+    size_t used = 0, varied = s->seed_count > 1;
     text[0] = '\0';
-    for (size_t p = 0; p < s->parameter_count && used < size; p++)
-        used += (size_t)snprintf(text + used, size - used, "%s%s = %s", used ? ", " : "",
-                                 s->parameters[p].key, gn_sweep_value_of(s, run, p)->text);
-    if (s->seed_count && used < size)
+    for (size_t p = 0; p < s->parameter_count; p++) varied += s->parameters[p].count > 1;
+    for (size_t p = 0; p < s->parameter_count && used < size; p++) {
+        const char *value = gn_sweep_value_of(s, run, p)->text;
+        const char *unit = unit_behind(&s->parameters[p], value);
+        if (varied && s->parameters[p].count == 1) continue;
+        used += (size_t)snprintf(text + used, size - used, "%s%s = %s%s%s", used ? ", " : "",
+                                 s->parameters[p].key, value, *unit ? " " : "", unit);
+    }
+    if (seed && s->seed_count && used < size)
         snprintf(text + used, size - used, "%sseed %" PRIu64, used ? ", " : "", s->runs[run].seed);
     return text;
 }
@@ -88,7 +99,7 @@ static gneiss_status explain(const gn_sweep *s, size_t run, gneiss_error *error)
         else if (s->parameter_count)
             more = snprintf(text + used, sizeof text - used, "%s%s:%d:%d: with %s: %s", gap,
                             s->source, s->parameters[0].where.line, s->parameters[0].where.column,
-                            gn_sweep_label(s, run, label, sizeof label), line);
+                            gn_sweep_label(s, run, true, label, sizeof label), line);
         else
             more = snprintf(text + used, sizeof text - used, "%s%s", gap, line);
         if (more > 0) used += (size_t)more;

@@ -102,8 +102,7 @@ static gneiss_status read_seeds(gn_reader *reader, const gn_node *node, gn_sweep
     char text[1 << 12] = "";
     if (!node) return GNEISS_OK;
     for (const gn_node *item = node->kind == GN_NODE_LIST ? node->first : NULL;
-         item && strlen(text) + 32 < sizeof text;
-         item = item->next) {
+         item && strlen(text) + 32 < sizeof text; item = item->next) {
         bool plain = item->kind == GN_NODE_SCALAR && strlen(item->text) < 24;
         size_t used = strlen(text);
         snprintf(text + used, sizeof text - used, "%s%s", used ? ", " : "[",

@@ -99,8 +99,8 @@ gneiss_status gn_sweep_scene(const gn_sweep *sweep, size_t run, gn_scene *scene,
 /* The value of a parameter in a run. */
 const gn_sweep_value *gn_sweep_value_of(const gn_sweep *sweep, size_t run, size_t parameter);
 
-/* "friction = 0.3, seed 2"; "" when nothing is varied. */
-const char *gn_sweep_label(const gn_sweep *sweep, size_t run, char *text, size_t size);
+/* "friction = 0.3, seed 2": what is varied, with the seed or without. */
+const char *gn_sweep_label(const gn_sweep *sweep, size_t run, bool seed, char *text, size_t size);
 
 /* Whether a name is one of the readings that can be asked for: those of a test, energy.<term>,
  * history.<column>; if not, `advice` says what may have been meant. */
