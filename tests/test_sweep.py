@@ -528,6 +528,13 @@ def readings_are_those_of_the_results_of_each_run(folder):
 
 
 @fact
+def what_a_run_warns_of_stands_in_its_row(folder):
+    table = sweep(folder, {"parameters": {"run.residual_warning": ["1e-30", "off"]}})
+    assert [row["status"] for row in table] == ["done", "done"]
+    assert "energy_residual: " in table[0]["message"] and "energy_residual" not in table[1]["message"], table
+
+
+@fact
 def sweep_h5_holds_the_same_numbers(folder):
     table = sweep(folder, {"seeds": 2, "parameters": {"run.precision": ["double", "mixed"], "walls.top.stiffness": ["1 MN/m", "2 MN/m"]}})
     with h5py.File(os.path.join(folder, "out", "sweep.h5"), "r") as file:

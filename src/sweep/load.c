@@ -264,6 +264,9 @@ static gneiss_status parse(gn_reader *reader, const gn_tree *tree, gn_sweep *swe
     gn_free(reader->problems);
     gn_free(reader->scene);
     gn_free(file);
+    reader->error = error;
+    reader->problems = NULL;
+    reader->scene = NULL;
     return status;
 }
 

@@ -59,6 +59,8 @@ gneiss_status gn_outcome_read(const char *folder, gn_outcome *o, gneiss_error *e
     return GNEISS_OK;
 }
 
+/* Not synced: where a power cut takes it, the run is taken up from its last checkpoint, at its end.
+ */
 gneiss_status gn_outcome_write(const char *folder, const gn_outcome *o, gneiss_error *error) {
     char path[GN_PATH_SIZE + 32];
     gn_json *j = gn_json_begin();
@@ -68,7 +70,7 @@ gneiss_status gn_outcome_write(const char *folder, const gn_outcome *o, gneiss_e
     char *text = gn_json_finish(j, true);
     if (!text) return gn_fail(error, GNEISS_ERROR_MEMORY, "no memory for outcome.json");
     outcome_path(folder, path, sizeof path);
-    gneiss_status status = gn_write_text_file(path, text, GN_SYNCED, error);
+    gneiss_status status = gn_write_text_file(path, text, GN_RENAMED, error);
     free(text);
     return status;
 }

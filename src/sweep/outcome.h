@@ -18,7 +18,8 @@ enum { GN_OUTCOME_MESSAGE = 600 };
 typedef struct gn_outcome {
     gn_run_state state;
     int code;                         /* exit code of the run; 128 + n: ended by signal n */
-    char message[GN_OUTCOME_MESSAGE]; /* of a failed one */
+    char message[GN_OUTCOME_MESSAGE]; /* why it failed; in a summary also warnings of one that is
+                                         done */
 } gn_outcome;
 
 /* DIRECTORY/<hash, 16 hex digits>; false: it is too long. */

@@ -101,6 +101,14 @@ static double read_reading(const gn_h5 *file, gn_summary_reading *r) {
     return read_last(file, set);
 }
 
+/* What a run that was done has to say against its numbers, in one line. */
+static void read_warnings(const gn_h5 *file, char *text, size_t size) {
+    text[0] = '\0';
+    read_label(file, "/", "warnings", text, size);
+    for (char *c = text; *c; c++)
+        if (*c == '\n') *c = ';';
+}
+
 static gneiss_status read_run(gn_summary *m, size_t k, const char *folder, gneiss_error *error) {
     char path[GN_PATH_SIZE + 32];
     gn_summary_run *run = &m->runs[k];
@@ -119,6 +127,7 @@ static gneiss_status read_run(gn_summary *m, size_t k, const char *folder, gneis
     if (status == GNEISS_OK) {
         snprintf(run->state_hash, sizeof run->state_hash, "%s", hash);
         snprintf(run->build, sizeof run->build, "%s", build);
+        read_warnings(file, run->outcome.message, sizeof run->outcome.message);
         for (size_t r = 0; r < m->reading_count; r++)
             m->value[k * m->reading_count + r] = read_reading(file, &m->readings[r]);
     }
