@@ -112,18 +112,9 @@ static gneiss_status no_command(const char *name, gneiss_error *error) {
                    name, advice);
 }
 
-static gneiss_status check_target(const gn_options *o, int argc, char **argv, int first,
-                                  gneiss_error *error) {
-    const command *c = find_command(o->command);
-    if (!c) return no_command(o->command, error);
-    if (c->needs_target && !o->target)
-        return gn_fail(error, GNEISS_ERROR_INPUT, "gneiss %s: expected %s", c->name, c->arguments);
-    if (!*c->arguments && o->target)
-        return gn_fail(error, GNEISS_ERROR_INPUT, "gneiss %s: expected no argument, found '%s'",
-                       c->name, o->target);
-    if (o->out && strcmp(c->name, "resume") == 0)
-        return gn_fail(error, GNEISS_ERROR_INPUT,
-                       "gneiss resume: --out: a resumed run stays in its folder");
+/* Options that only sweeps have. */
+static gneiss_status check_sweep_options(const gn_options *o, const command *c,
+                                         gneiss_error *error) {
     bool sweep = strcmp(c->name, "sweep") == 0, run = strcmp(c->name, "run") == 0;
     bool several = sweep || (run && o->seeds);
     const char *only_sweep = o->array     ? "--array"
@@ -145,6 +136,22 @@ static gneiss_status check_target(const gn_options *o, int argc, char **argv, in
     if (o->array && o->collect)
         return gn_fail(error, GNEISS_ERROR_INPUT,
                        "gneiss sweep: expected --array or --collect, found both");
+    return GNEISS_OK;
+}
+
+static gneiss_status check_target(const gn_options *o, int argc, char **argv, int first,
+                                  gneiss_error *error) {
+    const command *c = find_command(o->command);
+    if (!c) return no_command(o->command, error);
+    if (c->needs_target && !o->target)
+        return gn_fail(error, GNEISS_ERROR_INPUT, "gneiss %s: expected %s", c->name, c->arguments);
+    if (!*c->arguments && o->target)
+        return gn_fail(error, GNEISS_ERROR_INPUT, "gneiss %s: expected no argument, found '%s'",
+                       c->name, o->target);
+    if (o->out && strcmp(c->name, "resume") == 0)
+        return gn_fail(error, GNEISS_ERROR_INPUT,
+                       "gneiss resume: --out: a resumed run stays in its folder");
+    GN_TRY(check_sweep_options(o, c, error));
     if (first + 1 < argc)
         return gn_fail(error, GNEISS_ERROR_INPUT,
                        "gneiss %s: expected one argument, found also '%s'", c->name,
@@ -193,6 +200,29 @@ static const struct option long_options[] = {
     {0, 0, 0, 0},
 };
 
+static gneiss_status apply_to_sweep(gn_options *o, int option, const char *value,
+                                    gneiss_error *error) {
+    switch (option) {
+    case OPT_SEEDS:
+        o->seeds = value;
+        return GNEISS_OK;
+    case OPT_JOBS:
+        o->jobs = value;
+        return GNEISS_OK;
+    case OPT_DRY_RUN:
+        o->dry_run = true;
+        return GNEISS_OK;
+    case OPT_ARRAY:
+        o->array = value ? value : "";
+        return GNEISS_OK;
+    case OPT_COLLECT:
+        o->collect = true;
+        return GNEISS_OK;
+    default:
+        return gn_fail(error, GNEISS_ERROR_INPUT, "unknown option (gneiss --help lists them)");
+    }
+}
+
 static gneiss_status apply(gn_options *o, int option, const char *value, gneiss_error *error) {
     switch (option) {
     case OPT_OUT:
@@ -219,21 +249,6 @@ static gneiss_status apply(gn_options *o, int option, const char *value, gneiss_
     case OPT_MARKDOWN:
         o->markdown = true;
         return GNEISS_OK;
-    case OPT_SEEDS:
-        o->seeds = value;
-        return GNEISS_OK;
-    case OPT_JOBS:
-        o->jobs = value;
-        return GNEISS_OK;
-    case OPT_DRY_RUN:
-        o->dry_run = true;
-        return GNEISS_OK;
-    case OPT_ARRAY:
-        o->array = value ? value : "";
-        return GNEISS_OK;
-    case OPT_COLLECT:
-        o->collect = true;
-        return GNEISS_OK;
     case OPT_LOG:
         if (strcmp(value, "json") != 0 && strcmp(value, "text") != 0)
             return gn_fail(error, GNEISS_ERROR_INPUT, "--log: expected json or text, found '%s'",
@@ -241,7 +256,7 @@ static gneiss_status apply(gn_options *o, int option, const char *value, gneiss_
         o->json = strcmp(value, "json") == 0;
         return GNEISS_OK;
     default:
-        return gn_fail(error, GNEISS_ERROR_INPUT, "unknown option (gneiss --help lists them)");
+        return apply_to_sweep(o, option, value, error);
     }
 }
 
