@@ -383,7 +383,7 @@ static void files_that_are_no_scenes_are_refused(void **state) {
     assert_int_equal(load_text(" \n\n", 3, &error), GNEISS_ERROR_INPUT);
     assert_non_null(strstr(error.message, "found an empty file"));
     assert_int_equal(load_text("# x\n", 4, &error), GNEISS_ERROR_INPUT);
-    assert_non_null(strstr(error.message, "found an empty scene"));
+    assert_non_null(strstr(error.message, "found an empty file"));
     assert_int_equal(load_text("a: 1\0b\n", 7, &error), GNEISS_ERROR_INPUT);
     assert_non_null(strstr(error.message, ":1:5: expected UTF-8 text, found the byte 0x00"));
 }

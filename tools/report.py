@@ -1,6 +1,7 @@
 #!/usr/bin/python3
 """report.py OUTDIR: reads OUTDIR/results.h5, writes OUTDIR/report.html and OUTDIR/report/*.png. Where there is no
-run but a packing, OUTDIR/packing.h5, the report is on that, and OUTDIR/packing.png shows it at a glance.
+run but a packing, OUTDIR/packing.h5, the report is on that, and OUTDIR/packing.png shows it at a glance; of a sweep,
+OUTDIR/sweep.h5, the page holds its pictures.
 
 Exit codes: 0 done, 2 there is no results file that can be read, 3 the report cannot be written.
 """
@@ -15,6 +16,7 @@ from report_packing import write_packing_report
 from report_page import STYLE, draw, escape, figure, table, write_page
 from report_pictures import Specimen, plot_slice, plot_surface
 from report_results import Results, Unreadable, quantity
+from report_sweep import write_sweep_report
 
 CARDS = (("young_modulus", "Young's modulus"), ("poisson_ratio", "Poisson's ratio"),
          ("peak_stress", "peak stress"), ("peak_strain", "strain at the peak"))
@@ -191,13 +193,15 @@ def write_report(folder):
     path, packing = (os.path.join(folder, name) for name in ("results.h5", "packing.h5"))
     if os.path.exists(packing) and not os.path.exists(path):
         return write_packing_report(folder)
+    if os.path.exists(os.path.join(folder, "sweep.h5")) and not os.path.exists(path):
+        return write_sweep_report(folder)
     results = Results(path)
     return write_page(folder, page(results, draw_figures(results, folder)))
 
 
 def main(arguments):
     if len(arguments) != 1 or arguments[0].startswith("-"):
-        print("usage: report.py OUTDIR (the output folder of a run or a packing)", file=sys.stderr)
+        print("usage: report.py OUTDIR (the output folder of a run, a packing or a sweep)", file=sys.stderr)
         return 2
     try:
         print(write_report(arguments[0]))

@@ -4,6 +4,7 @@
 #include "cli/plan.h"
 #include "cli/progress.h"
 #include "cli/signals.h"
+#include "cli/sweep.h"
 #include "io/files.h"
 #include "run/folder.h"
 
@@ -233,7 +234,9 @@ static void command_info(void) {
 }
 
 static gneiss_status dispatch(const gn_options *o, gneiss_error *error) {
-    if (strcmp(o->command, "run") == 0) return command_run(o, error);
+    if (strcmp(o->command, "run") == 0)
+        return o->seeds ? gn_command_seeds(o, error) : command_run(o, error);
+    if (strcmp(o->command, "sweep") == 0) return gn_command_sweep(o, error);
     if (strcmp(o->command, "pack") == 0) return gn_command_pack(o, error);
     if (strcmp(o->command, "resume") == 0) return command_resume(o, error);
     if (strcmp(o->command, "check") == 0) return command_look(o, false, error);

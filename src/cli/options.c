@@ -19,8 +19,9 @@ static const command commands[] = {
     {"plan", "SCENE", "print what a run would compute, store and cost", true},
     {"pack", "FILE", "fill the shape of a specimen with particles, print and store its quality",
      true},
+    {"sweep", "FILE", "run a scene with several values of its keys, side by side", true},
     {"resume", "DIR", "go on from the newest checkpoint in an output folder", true},
-    {"report", "DIR", "make report.html from the results in an output folder", true},
+    {"report", "DIR", "make report.html from the results of a run, a packing or a sweep", true},
     {"keys", "[TEXT]",
      "print the keys of a scene file, or those that hold a text (--markdown for docs)", false},
     {"info", "", "print version, instruction sets, threads", false},
@@ -51,6 +52,14 @@ void gn_print_usage(FILE *out) {
         "and "
         "files that\n"
         "                     are not gneiss's\n"
+        "  --seeds N          run, sweep: with so many seeds (or these: 3,7,11); mean and 95 % "
+        "interval of\n"
+        "                     every reading; run writes to runs/<scene name>-seeds\n"
+        "  --jobs N           sweep, run --seeds: runs at a time (default: as many as threads)\n"
+        "  --dry-run          sweep, run --seeds: list the runs and what they may cost, run "
+        "nothing\n"
+        "  --array [I/N]      sweep: only shard I of N, or the one that Slurm's job array says\n"
+        "  --collect          sweep: only the summary of what is there\n"
         "  --quiet            only what came out: no progress, no profile; readings and warnings "
         "stay\n"
         "  --log json         progress and summary as JSON lines on standard output\n"
@@ -103,6 +112,33 @@ static gneiss_status no_command(const char *name, gneiss_error *error) {
                    name, advice);
 }
 
+/* Options that only sweeps have. */
+static gneiss_status check_sweep_options(const gn_options *o, const command *c,
+                                         gneiss_error *error) {
+    bool sweep = strcmp(c->name, "sweep") == 0, run = strcmp(c->name, "run") == 0;
+    bool several = sweep || (run && o->seeds);
+    const char *only_sweep = o->array     ? "--array"
+                             : o->collect ? "--collect"
+                                          : NULL,
+               *only_several = o->jobs      ? "--jobs"
+                               : o->dry_run ? "--dry-run"
+                                            : NULL;
+    if (only_sweep && !sweep)
+        return gn_fail(error, GNEISS_ERROR_INPUT, "gneiss %s: %s is for gneiss sweep", c->name,
+                       only_sweep);
+    if (only_several && !several)
+        return gn_fail(error, GNEISS_ERROR_INPUT,
+                       "gneiss %s: %s is for gneiss sweep and gneiss run --seeds", c->name,
+                       only_several);
+    if (o->seeds && !several)
+        return gn_fail(error, GNEISS_ERROR_INPUT,
+                       "gneiss %s: --seeds is for gneiss sweep and gneiss run", c->name);
+    if (o->array && o->collect)
+        return gn_fail(error, GNEISS_ERROR_INPUT,
+                       "gneiss sweep: expected --array or --collect, found both");
+    return GNEISS_OK;
+}
+
 static gneiss_status check_target(const gn_options *o, int argc, char **argv, int first,
                                   gneiss_error *error) {
     const command *c = find_command(o->command);
@@ -115,6 +151,7 @@ static gneiss_status check_target(const gn_options *o, int argc, char **argv, in
     if (o->out && strcmp(c->name, "resume") == 0)
         return gn_fail(error, GNEISS_ERROR_INPUT,
                        "gneiss resume: --out: a resumed run stays in its folder");
+    GN_TRY(check_sweep_options(o, c, error));
     if (first + 1 < argc)
         return gn_fail(error, GNEISS_ERROR_INPUT,
                        "gneiss %s: expected one argument, found also '%s'", c->name,
@@ -133,6 +170,11 @@ enum {
     OPT_QUIET,
     OPT_LOG,
     OPT_MARKDOWN,
+    OPT_SEEDS,
+    OPT_JOBS,
+    OPT_DRY_RUN,
+    OPT_ARRAY,
+    OPT_COLLECT,
     OPT_HELP,
     OPT_VERSION
 };
@@ -148,10 +190,38 @@ static const struct option long_options[] = {
     {"quiet", no_argument, 0, OPT_QUIET},
     {"log", required_argument, 0, OPT_LOG},
     {"markdown", no_argument, 0, OPT_MARKDOWN},
+    {"seeds", required_argument, 0, OPT_SEEDS},
+    {"jobs", required_argument, 0, OPT_JOBS},
+    {"dry-run", no_argument, 0, OPT_DRY_RUN},
+    {"array", optional_argument, 0, OPT_ARRAY},
+    {"collect", no_argument, 0, OPT_COLLECT},
     {"help", no_argument, 0, OPT_HELP},
     {"version", no_argument, 0, OPT_VERSION},
     {0, 0, 0, 0},
 };
+
+static gneiss_status apply_to_sweep(gn_options *o, int option, const char *value,
+                                    gneiss_error *error) {
+    switch (option) {
+    case OPT_SEEDS:
+        o->seeds = value;
+        return GNEISS_OK;
+    case OPT_JOBS:
+        o->jobs = value;
+        return GNEISS_OK;
+    case OPT_DRY_RUN:
+        o->dry_run = true;
+        return GNEISS_OK;
+    case OPT_ARRAY:
+        o->array = value ? value : "";
+        return GNEISS_OK;
+    case OPT_COLLECT:
+        o->collect = true;
+        return GNEISS_OK;
+    default:
+        return gn_fail(error, GNEISS_ERROR_INPUT, "unknown option (gneiss --help lists them)");
+    }
+}
 
 static gneiss_status apply(gn_options *o, int option, const char *value, gneiss_error *error) {
     switch (option) {
@@ -186,7 +256,7 @@ static gneiss_status apply(gn_options *o, int option, const char *value, gneiss_
         o->json = strcmp(value, "json") == 0;
         return GNEISS_OK;
     default:
-        return gn_fail(error, GNEISS_ERROR_INPUT, "unknown option (gneiss --help lists them)");
+        return apply_to_sweep(o, option, value, error);
     }
 }
 
@@ -228,7 +298,10 @@ gneiss_status gn_options_parse(int argc, char **argv, gn_options *o, bool *done,
             return gn_fail(error, GNEISS_ERROR_INPUT, "%s: expected a value (gneiss --help)",
                            argv[optind - 1]);
         if (option == '?') return no_option(argv, error);
-        GN_TRY(apply(o, option, optarg, error));
+        /* A value that may be left out counts as one only behind "=" to getopt. */
+        bool shard = option == OPT_ARRAY && !optarg && optind < argc && argv[optind][0] &&
+                     strspn(argv[optind], "0123456789/") == strlen(argv[optind]);
+        GN_TRY(apply(o, option, shard ? argv[optind++] : optarg, error));
     }
     if (optind == argc)
         return gn_fail(error, GNEISS_ERROR_INPUT, "expected a command (gneiss --help lists them)");

@@ -13,6 +13,9 @@ typedef struct gn_options {
     bool quiet, json;   /* --quiet, --log json */
     bool force;         /* run: replace a finished long run */
     bool markdown;      /* keys --markdown */
+    /* sweep; the first also run: --seeds, --jobs, --array ("": as Slurm says); NULL: not given */
+    const char *seeds, *jobs, *array;
+    bool dry_run, collect; /* sweep */
     gn_override overrides[GN_MAX_OVERRIDES];
     size_t override_count;
     char *held[GN_MAX_OVERRIDES]; /* copies of the keys of --set key=value */

@@ -176,6 +176,13 @@ static gneiss_status time_steps(gn_world *w, double *seconds, gneiss_error *erro
     return GNEISS_OK;
 }
 
+gneiss_status gn_plan_seconds(gn_world *w, double *seconds, gneiss_error *error) {
+    double steps = ceil(w->scene.end / w->dt), per_step = 0.0;
+    GN_TRY(time_steps(w, &per_step, error));
+    *seconds = steps * per_step;
+    return GNEISS_OK;
+}
+
 gneiss_status gn_print_plan(gn_world *w, gneiss_error *error) {
     char text[32];
     print_effects(w);

@@ -48,7 +48,7 @@ gneiss_status gn_folder_choose(const gn_scene *scene, const char *wanted, char o
     return check_length(snprintf(out, GN_PATH_SIZE, "runs/%.*s", length, name), name, error);
 }
 
-gneiss_status gn_folder_lock(const char *directory, int *lock, gneiss_error *error) {
+static gneiss_status lock_as(const char *directory, int kind, int *lock, gneiss_error *error) {
     *lock = 0;
     int descriptor = open(directory, O_RDONLY | O_DIRECTORY | O_CLOEXEC);
     /* A folder that is not there is a slip of the one who named it, as a scene is. */
@@ -56,7 +56,7 @@ gneiss_status gn_folder_lock(const char *directory, int *lock, gneiss_error *err
     if (descriptor < 0)
         return gn_fail(error, absent ? GNEISS_ERROR_INPUT : GNEISS_ERROR_IO,
                        "%s: cannot be opened: %s", directory, strerror(errno));
-    if (flock(descriptor, LOCK_EX | LOCK_NB) == 0) {
+    if (flock(descriptor, kind | LOCK_NB) == 0) {
         *lock = descriptor;
         return GNEISS_OK;
     }
@@ -66,6 +66,14 @@ gneiss_status gn_folder_lock(const char *directory, int *lock, gneiss_error *err
     return gn_fail(error, GNEISS_ERROR_INPUT,
                    "%s: expected a folder of its own, found another run or packing at work in it",
                    directory);
+}
+
+gneiss_status gn_folder_lock(const char *directory, int *lock, gneiss_error *error) {
+    return lock_as(directory, LOCK_EX, lock, error);
+}
+
+gneiss_status gn_folder_share(const char *directory, int *lock, gneiss_error *error) {
+    return lock_as(directory, LOCK_SH, lock, error);
 }
 
 /* The same file under whatever path; a file that is gone is known by its name only. */

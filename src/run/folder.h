@@ -14,6 +14,10 @@ gneiss_status gn_folder_choose(const gn_scene *scene, const char *wanted, char o
  * lock. GNEISS_ERROR_INPUT when another holds it. */
 gneiss_status gn_folder_lock(const char *directory, int *lock, gneiss_error *error);
 
+/* The same for those that do not get in each other's way (shards of a sweep): they keep out whoever
+ * asks for the folder alone. */
+gneiss_status gn_folder_share(const char *directory, int *lock, gneiss_error *error);
+
 /* Wall time of the finished run whose results are there, s; 0: there are none, or they are of a run
  * that did not come to its end. */
 gneiss_status gn_folder_finished(const char *directory, double *seconds, gneiss_error *error);

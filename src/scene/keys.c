@@ -36,8 +36,6 @@ static void describe(char *text, size_t size, const gn_key *key) {
         describe_numbers(text, size, "number", key);
         return;
     case GN_KEY_INTEGER:
-        describe_numbers(text, size, "whole number", key);
-        return;
     case GN_KEY_SEED:
         describe_numbers(text, size, "whole number", key);
         return;
@@ -80,6 +78,9 @@ static void describe(char *text, size_t size, const gn_key *key) {
         return;
     case GN_KEY_NAMES:
         snprintf(text, size, "name or list of names");
+        return;
+    case GN_KEY_TREE:
+        snprintf(text, size, "%s", key->unit);
         return;
     case GN_KEY_SECTION:
         snprintf(text, size, "section");
@@ -166,6 +167,40 @@ size_t gn_scene_print_keys(FILE *out, bool markdown, const char *sought) {
               out);
     for (p.rank = 0; p.rank < RANKS; p.rank++) print_section(&p, &gn_scene_section, "");
     return p.count;
+}
+
+void gn_section_print_keys(FILE *out, const gn_section *section) {
+    printer p = {.out = out, .markdown = true};
+    print_section(&p, section, "");
+}
+
+/* ---- one key ---- */
+
+static const gn_key *key_named(const gn_section *section, const char *name, size_t length) {
+    for (size_t k = 0; section && k < section->key_count; k++)
+        if (strncmp(section->keys[k].name, name, length) == 0 && !section->keys[k].name[length])
+            return &section->keys[k];
+    return NULL;
+}
+
+/* A path goes down a section by the name of a key, a list by an element (whichever) and a value of
+ * several numbers by a component; "materials.rock.friction" and "materials[0].friction" alike. */
+const gn_key *gn_scene_key_at(const char *path) {
+    const gn_section *section = &gn_scene_section;
+    const gn_key *key = NULL;
+    while (*path) {
+        bool inside = key && !section; /* of a list or a value */
+        size_t length = strcspn(path, ".[]");
+        if (!inside) {
+            key = key_named(section, path, length);
+            if (!key) return NULL;
+        }
+        section = inside || key->type == GN_KEY_SECTION ? key->section : NULL;
+        path += length;
+        path += *path == ']';
+        path += *path == '.' || *path == '[';
+    }
+    return key;
 }
 
 /* ---- slips ---- */

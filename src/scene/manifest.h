@@ -22,6 +22,8 @@ typedef enum gn_key_type {
                          a whole number in `range` instead, which goes to the int64_t at `number` */
     GN_KEY_POINTS,    /* double *, their number at `second`; rows [x, y], at least 3 or `number` */
     GN_KEY_NAMES,     /* char (*)[GN_NAME_SIZE], their number at `second`; one name, or a list */
+    GN_KEY_TREE,      /* const gn_node *, whatever stands there: its owner reads it; `unit`
+                         says in words what it is */
     GN_KEY_SECTION,   /* the keys of `section`, in the struct at `offset` */
     GN_KEY_LIST       /* a pointer to structs, their number at `second`; each by `section` */
 } gn_key_type;
@@ -99,6 +101,13 @@ typedef struct gn_range {
 } gn_range;
 gn_range gn_range_read(const char *text);
 bool gn_range_holds(const char *text, double value);
+
+/* The key of a scene at a path as in an override (walls.top.motion.vz, gravity[2]: the vector);
+ * NULL: there is none. Elements of lists need not be there. */
+const gn_key *gn_scene_key_at(const char *path);
+
+/* The keys of another table than a scene's, as rows of a Markdown table. */
+void gn_section_print_keys(FILE *out, const gn_section *section);
 
 /* Whether the key is present in the struct `base` of its section. */
 bool gn_key_present(const gn_key *key, const void *base);

@@ -497,6 +497,9 @@ static gneiss_status read_key(gn_reader *reader, const gn_key *key, const gn_nod
         return read_points(reader, key, node, base);
     case GN_KEY_LIST:
         return read_list(reader, key, node, base);
+    case GN_KEY_TREE:
+        memcpy(at, &node, sizeof node);
+        return GNEISS_OK;
     case GN_KEY_SECTION:
         return read_section(reader, key->section, node, at);
     }
@@ -600,6 +603,11 @@ static gneiss_status read_section(gn_reader *reader, const gn_section *section, 
         if (gn_problem_at(reader->problems, "dimension")) return GNEISS_OK;
     }
     return GNEISS_OK;
+}
+
+gneiss_status gn_read_keys(gn_reader *reader, const gn_section *section, const gn_node *map,
+                           void *base) {
+    return read_section(reader, section, map, base);
 }
 
 gneiss_status gn_read_scene(gn_reader *reader, const gn_node *root) {

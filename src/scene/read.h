@@ -25,6 +25,12 @@ typedef struct gn_reader {
  * Goes on behind what is wrong, as gn_check_scene does: it is in reader->problems. */
 gneiss_status gn_read_scene(gn_reader *reader, const gn_node *root);
 
+/* The same of another table of keys, into its struct: of the whole tree, or of a section of it
+ * whose path is the reader's. `reader->scene` says the dimension; a wrong key is kept, not
+ * returned. */
+gneiss_status gn_read_keys(gn_reader *reader, const gn_section *section, const gn_node *map,
+                           void *base);
+
 /* Checks what concerns several keys and completes what follows from others. Leaves out what could
  * only repeat a problem that was found before. */
 gneiss_status gn_check_scene(gn_reader *reader, const gn_node *root);

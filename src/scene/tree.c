@@ -284,9 +284,9 @@ gneiss_status gn_tree_read(const char *text, size_t length, const char *name, gn
         gn_scene_place at = fresh->root ? fresh->root->where : (gn_scene_place){1, 1};
         status =
             gn_fail(error, GNEISS_ERROR_INPUT,
-                    "%s:%d:%d: expected sections such as 'specimen:' and 'materials:', found %s",
+                    "%s:%d:%d: expected keys and their values such as 'title: a name', found %s",
                     name, at.line, at.column,
-                    !fresh->root || fresh->root->kind == GN_NODE_NULL ? "an empty scene"
+                    !fresh->root || fresh->root->kind == GN_NODE_NULL ? "an empty file"
                     : fresh->root->kind == GN_NODE_LIST               ? "a list"
                                                                       : "plain text");
     }

@@ -128,6 +128,7 @@ static void write_value(FILE *out, const gn_key *key, const char *base, bool pla
     case GN_KEY_POINTS:
         write_points(out, array, *(const size_t *)(base + key->second));
         break;
+    case GN_KEY_TREE: /* of no scene */
     case GN_KEY_SECTION:
     case GN_KEY_LIST:
         break;

@@ -1,0 +1,273 @@
+#include "cli/sweep.h"
+
+#include "base/memory.h"
+#include "base/timer.h"
+#include "cli/plan.h"
+#include "cli/signals.h"
+#include "cli/sweep_show.h"
+#include "io/files.h"
+#include "run/folder.h"
+
+#include <errno.h>
+#include <inttypes.h>
+#include <math.h>
+#include <omp.h>
+#include <stdlib.h>
+#include <string.h>
+#include <unistd.h>
+
+static const char nothing_begun[] = "gneiss: interrupted: no run had begun\n";
+
+/* ---- options ---- */
+
+/* --threads and --set run.threads= are of the whole sweep; what is left goes to the scene. */
+static gneiss_status take_threads(const gn_options *o, gn_override *kept, size_t *count,
+                                  int *threads, gneiss_error *error) {
+    *count = 0;
+    *threads = 0;
+    for (size_t k = 0; k < o->override_count; k++) {
+        const gn_override *given = &o->overrides[k];
+        if (strcmp(given->key, "run.threads") != 0) {
+            kept[(*count)++] = *given;
+            continue;
+        }
+        char *rest;
+        long value = strtol(given->value, &rest, 10);
+        bool word = strcmp(given->value, "auto") == 0;
+        if (!word && (!*given->value || *rest || value < 0 || value > 1024))
+            return gn_fail(error, GNEISS_ERROR_INPUT,
+                           "--threads: expected a whole number in [0, 1024], found '%s'",
+                           given->value);
+        *threads = word ? 0 : (int)value;
+    }
+    return GNEISS_OK;
+}
+
+static bool read_number(const char *text, long least, long *value) {
+    char *rest;
+    errno = 0;
+    *value = text && *text ? strtol(text, &rest, 10) : -1;
+    return text && *text && !*rest && !errno && *value >= least;
+}
+
+/* From what Slurm says of a job array, or of one that is numbered in steps. */
+static gneiss_status shard_of_slurm(gn_sweep_way *way, gneiss_error *error) {
+    long id, first = 0, step = 1, count;
+    const char *lowest = getenv("SLURM_ARRAY_TASK_MIN"), *every = getenv("SLURM_ARRAY_TASK_STEP");
+    bool known = read_number(getenv("SLURM_ARRAY_TASK_ID"), 0, &id) &&
+                 read_number(getenv("SLURM_ARRAY_TASK_COUNT"), 1, &count) &&
+                 (!lowest || read_number(lowest, 0, &first)) &&
+                 (!every || read_number(every, 1, &step));
+    long place = known ? (id - first) / step : -1;
+    if (!known || place < 0 || place >= count)
+        return gn_fail(
+            error, GNEISS_ERROR_INPUT,
+            "--array: expected I/N, or SLURM_ARRAY_TASK_ID and SLURM_ARRAY_TASK_COUNT in "
+            "the environment");
+    way->shard = (size_t)place;
+    way->shards = (size_t)count;
+    return GNEISS_OK;
+}
+
+/* "2/8": the second of eight. */
+static gneiss_status read_shard(const gn_options *o, gn_sweep_way *way, gneiss_error *error) {
+    if (!o->array) return GNEISS_OK;
+    if (!*o->array) return shard_of_slurm(way, error);
+    char first[16] = "";
+    long place, count;
+    size_t length = strcspn(o->array, "/");
+    if (length < sizeof first) memcpy(first, o->array, length);
+    if (!o->array[length] || !read_number(first, 1, &place) ||
+        !read_number(o->array + length + 1, 1, &count) || place > count)
+        return gn_fail(error, GNEISS_ERROR_INPUT,
+                       "--array: expected I/N such as 2/8, with I from 1 to N, found '%s'",
+                       o->array);
+    way->shard = (size_t)(place - 1);
+    way->shards = (size_t)count;
+    return GNEISS_OK;
+}
+
+static gneiss_status read_way(const gn_options *o, gn_sweep_way *way, gneiss_error *error) {
+    long jobs = 0;
+    if (o->jobs && !(read_number(o->jobs, 1, &jobs) && jobs <= 1024))
+        return gn_fail(error, GNEISS_ERROR_INPUT,
+                       "--jobs: expected a whole number in [1, 1024], found '%s'", o->jobs);
+    way->jobs = (int)jobs;
+    way->program = "/proc/self/exe";
+    way->force = o->force;
+    return read_shard(o, way, error);
+}
+
+static gneiss_status choose_folder(const gn_options *o, const gn_sweep *s, bool seeds_alone,
+                                   char folder[GN_PATH_SIZE], gneiss_error *error) {
+    const char *slash = strrchr(s->source, '/'), *name = slash ? slash + 1 : s->source,
+               *dot = strrchr(name, '.'), *wanted = o->out ? o->out : s->directory;
+    int length = dot && dot > name ? (int)(dot - name) : (int)strlen(name);
+    int used = *wanted ? snprintf(folder, GN_PATH_SIZE, "%s", wanted)
+                       : snprintf(folder, GN_PATH_SIZE, "runs/%.*s%s", length, name,
+                                  seeds_alone ? "-seeds" : "");
+    if (used >= 0 && used < GN_PATH_SIZE - 128) return GNEISS_OK;
+    return gn_fail(error, GNEISS_ERROR_INPUT,
+                   "%.200s...: expected an output folder of less than %d characters", folder,
+                   GN_PATH_SIZE - 128);
+}
+
+/* ---- --dry-run ---- */
+
+/* Wall time of a run on one thread by a few of its steps; NaN where the specimen would have to be
+ * packed first. */
+static gneiss_status estimate(const gn_sweep *s, size_t run, double *seconds, gneiss_error *error) {
+    gn_scene *scene = calloc(1, sizeof *scene);
+    gn_world *world = calloc(1, sizeof *world);
+    *seconds = NAN;
+    gneiss_status status = scene && world ? gn_sweep_scene(s, run, scene, error)
+                                          : gn_fail(error, GNEISS_ERROR_MEMORY, "no memory");
+    if (status == GNEISS_OK && scene->specimen.pack.shape != GN_SHAPE_NONE) {
+        gn_scene_free(scene);
+    } else if (status == GNEISS_OK) {
+        double start = gn_now();
+        scene->threads = 1;
+        status = gn_world_create(scene, world, error);
+        double made = gn_now() - start;
+        if (status == GNEISS_OK) {
+            status = gn_plan_seconds(world, seconds, error);
+            *seconds += made;
+            gn_world_free(world);
+        }
+    }
+    free(scene);
+    free(world);
+    return status;
+}
+
+/* A step through so many items that meets all of them, and neighbours late. */
+static size_t stride_through(size_t count) {
+    size_t stride = (size_t)(0.618 * (double)count) + 1;
+    for (;; stride++) {
+        size_t a = stride, b = count;
+        while (b) {
+            size_t rest = a % b;
+            a = b;
+            b = rest;
+        }
+        if (a == 1) return stride;
+    }
+}
+
+/* Of as many runs as a second allows, from here and there; others take the mean. A scene that
+ * cannot be made will say so when it is run. */
+static void estimate_some(const gn_sweep *s, const gn_summary *m, const gn_sweep_way *way,
+                          double *seconds) {
+    const double budget = 1.0; /* s */
+    double start = gn_now();
+    size_t stride = stride_through(s->run_count);
+    for (size_t n = 0; n < s->run_count; n++) {
+        gneiss_error unused = {0};
+        size_t k = n * stride % s->run_count;
+        seconds[k] = m->runs[k].seconds;
+        bool wanted = gn_sweep_mine(s, way, k) && !gn_outcome_stands(&m->runs[k].outcome);
+        if (!wanted || gn_now() - start > budget) continue;
+        if (estimate(s, k, &seconds[k], &unused) != GNEISS_OK) seconds[k] = NAN;
+    }
+}
+
+static gneiss_status dry_run(const gn_sweep *s, const gn_sweep_way *way, gneiss_error *error) {
+    gn_summary m;
+    GN_TRY(gn_summary_make(s, way->directory, &m, error));
+    double *seconds = gn_alloc_array(s->run_count, sizeof *seconds);
+    gneiss_status status =
+        seconds ? GNEISS_OK : gn_fail(error, GNEISS_ERROR_MEMORY, "no memory for the estimates");
+    if (status == GNEISS_OK) {
+        estimate_some(s, &m, way, seconds);
+        gn_sweep_print_plan(s, &m, way, seconds);
+    }
+    gn_free(seconds);
+    gn_summary_free(&m);
+    return status;
+}
+
+/* ---- the command ---- */
+
+static gneiss_status summarise(const gn_options *o, const gn_sweep *s, const gn_sweep_way *way,
+                               gneiss_error *error) {
+    gn_summary m;
+    GN_TRY(gn_summary_make(s, way->directory, &m, error));
+    gneiss_status status = gn_summary_write(&m, error);
+    if (status == GNEISS_OK) {
+        gn_sweep_print_summary(o, &m);
+        if (m.done == 0 && m.failed > 0)
+            status = gn_fail(error, GNEISS_ERROR_UNSTABLE, "none of %zu runs came to its end",
+                             s->run_count);
+    }
+    gn_summary_free(&m);
+    return status;
+}
+
+/* The folder is locked by now. Of an interrupted sweep there is a summary all the same; a shard
+ * leaves that to the call that collects. */
+static gneiss_status carry_out(const gn_options *o, const gn_sweep *s, gn_sweep_way *way,
+                               gneiss_error *error) {
+    gn_sweep_display display;
+    gneiss_status status = GNEISS_OK;
+    if (!o->force) GN_TRY(gn_summary_check_folder(way->directory, error));
+    if (!o->collect) {
+        way->interrupted = gn_signals_set_flag();
+        gn_sweep_display_begin(&display, o, s, way);
+        status = gn_sweep_work(s, way, error);
+        gn_sweep_display_end(&display);
+    }
+    if (status != GNEISS_OK && status != GNEISS_INTERRUPTED) return status;
+    gneiss_error second = {0};
+    gneiss_status summary = way->shards ? GNEISS_OK : summarise(o, s, way, &second);
+    if (status == GNEISS_OK && summary != GNEISS_OK)
+        return gn_fail(error, summary, "%s", second.message);
+    return status;
+}
+
+static gneiss_status sweep_into(const gn_options *o, const gn_sweep *s, gn_sweep_way *way,
+                                bool seeds_alone, gneiss_error *error) {
+    char folder[GN_PATH_SIZE];
+    int lock = 0;
+    GN_TRY(choose_folder(o, s, seeds_alone, folder, error));
+    way->directory = folder;
+    if (o->dry_run) return dry_run(s, way, error);
+    if (s->seed_count > 1 && !s->draws)
+        fprintf(stderr, "gneiss: warning: seeds: no random number is drawn in this scene, so that "
+                        "all seeds give the same\n");
+    bool there = access(folder, F_OK) == 0;
+    if (!o->collect) GN_TRY(gn_make_directory(folder, error));
+    GN_TRY(way->shards ? gn_folder_share(folder, &lock, error)
+                       : gn_folder_lock(folder, &lock, error));
+    gneiss_status status = carry_out(o, s, way, error);
+    if (status != GNEISS_OK && !there) (void)rmdir(folder); /* if nothing came into it */
+    if (lock > 0) close(lock);
+    return status;
+}
+
+static gneiss_status command(const gn_options *o, bool seeds_alone, gneiss_error *error) {
+    gn_override overrides[GN_MAX_OVERRIDES];
+    size_t count;
+    gn_sweep_way way = {0};
+    GN_TRY(take_threads(o, overrides, &count, &way.threads, error));
+    GN_TRY(read_way(o, &way, error));
+    gn_sweep *s = calloc(1, sizeof *s);
+    if (!s) return gn_fail(error, GNEISS_ERROR_MEMORY, "no memory");
+    gn_signals_end_at_once(nothing_begun, NULL);
+    gneiss_status status = seeds_alone
+                               ? gn_sweep_of_seeds(o->target, overrides, count, o->seeds, s, error)
+                               : gn_sweep_load(o->target, overrides, count, o->seeds, s, error);
+    if (status == GNEISS_OK) {
+        status = sweep_into(o, s, &way, seeds_alone, error);
+        gn_sweep_free(s);
+    }
+    free(s);
+    return status;
+}
+
+gneiss_status gn_command_sweep(const gn_options *o, gneiss_error *error) {
+    return command(o, false, error);
+}
+
+gneiss_status gn_command_seeds(const gn_options *o, gneiss_error *error) {
+    return command(o, true, error);
+}

@@ -1,0 +1,368 @@
+/* Every combination of values a run, its scene read and hashed before anything is computed. */
+#include "sweep/expand.h"
+
+#include "base/memory.h"
+#include "base/version.h"
+#include "io/files.h"
+#include "soa/field.h"
+
+#include <inttypes.h>
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+/* Raised whenever what stands in the folder of a run means something else. */
+enum { FOLDER_FORMAT = 1 };
+
+/* ---- the scene of a run ---- */
+
+enum { OVERRIDES_MAX = 64 + GN_SWEEP_PARAMETERS_MAX + 1 };
+
+const gn_sweep_value *gn_sweep_value_of(const gn_sweep *s, size_t run, size_t parameter) {
+    return &s->parameters[parameter].values[s->chosen[s->runs[run].first_value + parameter]];
+}
+
+/* `seeded`: the seeds have their numbers. */
+static gneiss_status read_scene(const gn_sweep *s, size_t run, bool seeded, bool varied,
+                                gn_scene *scene, gneiss_error *error) {
+    gn_override all[OVERRIDES_MAX];
+    char seed[24], folder[GN_PATH_SIZE];
+    size_t count = 0;
+    for (size_t k = 0; k < s->override_count && k < 64; k++) all[count++] = s->overrides[k];
+    for (size_t p = 0; varied && p < s->parameter_count; p++)
+        all[count++] = (gn_override){s->parameters[p].key, gn_sweep_value_of(s, run, p)->text};
+    snprintf(seed, sizeof seed, "%" PRIu64, s->runs[run].seed);
+    if (seeded && s->seed_count) all[count++] = (gn_override){"run.seed", seed};
+    const char *slash = strrchr(s->scene, '/');
+    int keep = !slash || slash == s->scene ? 1 : (int)(slash - s->scene);
+    snprintf(folder, sizeof folder, "%.*s", keep, slash ? s->scene : ".");
+    return gn_scene_parse_with(s->units, s->scene_text, strlen(s->scene_text), s->scene, folder,
+                               all, count, scene, error);
+}
+
+gneiss_status gn_sweep_scene(const gn_sweep *s, size_t run, gn_scene *scene, gneiss_error *error) {
+    return read_scene(s, run, true, true, scene, error);
+}
+
+/* Numbers of ranges are in SI without a unit; what was written keeps its own. */
+static const char *unit_behind(const gn_sweep_parameter *p, const char *text) {
+    bool bare = p->numeric && text[strspn(text, "+-.0123456789eE")] == '\0';
+    return bare ? p->unit : "";
+}
+
+const char *gn_sweep_label(const gn_sweep *s, size_t run, bool seed, char *text, size_t size) {
+    size_t used = 0, varied = s->seed_count > 1;
+    text[0] = '\0';
+    for (size_t p = 0; p < s->parameter_count; p++) varied += s->parameters[p].count > 1;
+    for (size_t p = 0; p < s->parameter_count && used < size; p++) {
+        const char *value = gn_sweep_value_of(s, run, p)->text;
+        const char *unit = unit_behind(&s->parameters[p], value);
+        if (varied && s->parameters[p].count == 1) continue;
+        used += (size_t)snprintf(text + used, size - used, "%s%s = %s%s%s", used ? ", " : "",
+                                 s->parameters[p].key, value, *unit ? " " : "", unit);
+    }
+    if (seed && s->seed_count && used < size)
+        snprintf(text + used, size - used, "%sseed %" PRIu64, used ? ", " : "", s->runs[run].seed);
+    return text;
+}
+
+/* ---- messages ---- */
+
+/* The parameter that a line "--set KEY: ..." is about; NULL: none. */
+static const gn_sweep_value *blamed(const gn_sweep *s, size_t run, const char *line,
+                                    const gn_sweep_parameter **parameter) {
+    if (strncmp(line, "--set ", 6) != 0) return NULL;
+    for (size_t p = 0; p < s->parameter_count; p++) {
+        size_t length = strlen(s->parameters[p].key);
+        if (strncmp(line + 6, s->parameters[p].key, length) != 0 || line[6 + length] != ':')
+            continue;
+        *parameter = &s->parameters[p];
+        return gn_sweep_value_of(s, run, p);
+    }
+    return NULL;
+}
+
+/* What the reader of scenes said of overrides, said of the places that they come from. */
+static gneiss_status explain(const gn_sweep *s, size_t run, gneiss_error *error) {
+    char said[GNEISS_MESSAGE_SIZE], text[GNEISS_MESSAGE_SIZE] = "", label[512];
+    size_t used = 0;
+    memcpy(said, error->message, sizeof said);
+    for (char *rest = said, *line; (line = strsep(&rest, "\n")) && used + 1 < sizeof text;) {
+        const gn_sweep_parameter *p = NULL;
+        const gn_sweep_value *value = blamed(s, run, line, &p);
+        const char *gap = used ? "\n" : "";
+        int more;
+        if (value)
+            more = snprintf(text + used, sizeof text - used, "%s%s:%d:%d: parameters.%s%s", gap,
+                            s->source, value->where.line, value->where.column, p->key,
+                            line + 6 + strlen(p->key));
+        else if (s->parameter_count)
+            more = snprintf(text + used, sizeof text - used, "%s%s:%d:%d: with %s: %s", gap,
+                            s->source, s->parameters[0].where.line, s->parameters[0].where.column,
+                            gn_sweep_label(s, run, true, label, sizeof label), line);
+        else
+            more = snprintf(text + used, sizeof text - used, "%s%s", gap, line);
+        if (more > 0) used += (size_t)more;
+    }
+    return gn_fail(error, error->status, "%s", text);
+}
+
+/* A scene that is wrong by itself says so by itself. */
+static gneiss_status checked_scene(const gn_sweep *s, size_t run, bool seeded, gn_scene *scene,
+                                   gneiss_error *error) {
+    gneiss_error own = {0}, alone = {0};
+    gneiss_status status = read_scene(s, run, seeded, true, scene, &own);
+    if (status == GNEISS_OK) return GNEISS_OK;
+    bool same = false;
+    if (status == GNEISS_ERROR_INPUT) {
+        if (read_scene(s, run, seeded, false, scene, &alone) == GNEISS_OK)
+            gn_scene_free(scene);
+        else
+            same = strcmp(alone.message, own.message) == 0;
+        if (!same) explain(s, run, &own);
+    }
+    return gn_fail(error, status, "%s", own.message);
+}
+
+/* ---- hashes ---- */
+
+/* Contents of files, each read once. */
+enum { FILES_KEPT = 64 };
+typedef struct file_hashes {
+    size_t count;
+    struct {
+        char *path;
+        uint64_t hash;
+    } file[FILES_KEPT];
+} file_hashes;
+
+static void free_hashes(file_hashes *known) {
+    for (size_t k = 0; k < known->count; k++) free(known->file[k].path);
+}
+
+static gneiss_status hash_file(file_hashes *known, const char *path, uint64_t *hash,
+                               gneiss_error *error) {
+    void *bytes = NULL;
+    size_t size = 0;
+    for (size_t k = 0; k < known->count; k++)
+        if (strcmp(known->file[k].path, path) == 0) {
+            *hash = known->file[k].hash;
+            return GNEISS_OK;
+        }
+    GN_TRY(gn_read_bytes(path, &bytes, &size, error));
+    *hash = gn_hash_bytes(bytes, size, GN_HASH_SEED);
+    free(bytes);
+    char *own = known->count < FILES_KEPT ? strdup(path) : NULL;
+    if (own) {
+        known->file[known->count].path = own;
+        known->file[known->count++].hash = *hash;
+    }
+    return GNEISS_OK;
+}
+
+/* Adds the contents of every file that a section of the scene names. */
+static gneiss_status hash_files(file_hashes *known, const gn_section *section, const char *base,
+                                uint64_t *hash, gneiss_error *error) {
+    for (size_t k = 0; k < section->key_count; k++) {
+        const gn_key *key = &section->keys[k];
+        if (!gn_key_present(key, base)) continue;
+        if (key->type == GN_KEY_SECTION)
+            GN_TRY(hash_files(known, key->section, base + key->offset, hash, error));
+        if (key->type == GN_KEY_FILE && base[key->second]) {
+            uint64_t contents = 0;
+            GN_TRY(hash_file(known, base + key->second, &contents, error));
+            *hash = gn_hash_bytes(&contents, sizeof contents, *hash);
+        }
+        if (key->type != GN_KEY_LIST) continue;
+        const char *array;
+        memcpy(&array, base + key->offset, sizeof array);
+        size_t count = *(const size_t *)(base + key->second);
+        for (size_t item = 0; item < count; item++)
+            GN_TRY(hash_files(known, key->section, array + item * key->section->size, hash, error));
+    }
+    return GNEISS_OK;
+}
+
+static bool varies(const gn_sweep *s, const char *key) {
+    for (size_t p = 0; p < s->parameter_count; p++)
+        if (strcmp(s->parameters[p].key, key) == 0) return true;
+    return false;
+}
+
+/* Files count by their contents, wherever they are. */
+static void forget_paths(const gn_section *section, char *base) {
+    for (size_t k = 0; k < section->key_count; k++) {
+        const gn_key *key = &section->keys[k];
+        if (key->type == GN_KEY_SECTION) forget_paths(key->section, base + key->offset);
+        if (key->type == GN_KEY_FILE) base[key->second] = '\0';
+        if (key->type != GN_KEY_LIST) continue;
+        char *array;
+        memcpy(&array, base + key->offset, sizeof array);
+        size_t count = *(const size_t *)(base + key->second);
+        for (size_t item = 0; item < count; item++)
+            forget_paths(key->section, array + item * key->section->size);
+    }
+}
+
+/* The scene without what does not change its results: its name, where they go, how many threads
+ * there are (unless that is what the sweep is about). */
+static gneiss_status plain_text(const gn_sweep *s, const gn_scene *scene, char **text,
+                                gneiss_error *error) {
+    gn_scene *plain = gn_alloc(sizeof *plain);
+    *text = NULL;
+    if (!plain) return gn_fail(error, GNEISS_ERROR_MEMORY, "%s: out of memory", s->source);
+    gneiss_status status = gn_scene_copy(scene, plain, error);
+    if (status == GNEISS_OK) {
+        plain->title[0] = plain->output_directory[0] = '\0';
+        plain->checkpoint_wall = 0.0;
+        if (!varies(s, "run.threads")) plain->threads = 0;
+        forget_paths(&gn_scene_section, (char *)plain);
+        *text = gn_scene_write(plain);
+        gn_scene_free(plain);
+        if (!*text) status = gn_fail(error, GNEISS_ERROR_MEMORY, "%s: out of memory", s->source);
+    }
+    gn_free(plain);
+    return status;
+}
+
+static gneiss_status hash_scene(const gn_sweep *s, const gn_scene *scene, file_hashes *known,
+                                gn_sweep_run *run, gneiss_error *error) {
+    char version[64];
+    int length = snprintf(version, sizeof version, "%s %d", gn_version(), FOLDER_FORMAT);
+    char *text = NULL, *specimen = gn_scene_write_specimen(scene);
+    gneiss_status status = plain_text(s, scene, &text, error);
+    if (status == GNEISS_OK && !specimen)
+        status = gn_fail(error, GNEISS_ERROR_MEMORY, "%s: out of memory", s->source);
+    if (status == GNEISS_OK) {
+        run->hash = gn_hash_bytes(version, (size_t)length, GN_HASH_SEED);
+        run->hash = gn_hash_bytes(text, strlen(text), run->hash);
+        status = hash_files(known, &gn_scene_section, (const char *)scene, &run->hash, error);
+        if (scene->specimen.pack.shape != GN_SHAPE_NONE)
+            run->packing = gn_hash_bytes(specimen, strlen(specimen), GN_HASH_SEED) | 1U;
+    }
+    free(text);
+    free(specimen);
+    return status;
+}
+
+/* ---- runs ---- */
+
+static bool has_random_numbers(const gn_scene *scene) {
+    return scene->specimen.pack.shape != GN_SHAPE_NONE || scene->specimen.lattice.jitter > 0.0 ||
+           scene->random_velocity > 0.0 ||
+           (scene->has_elements && scene->elements.distortion > 0.0);
+}
+
+/* Where the seeds begin that are only counted: at that of the scene. */
+static gneiss_status number_seeds(gn_sweep *s, gn_scene *scene, gneiss_error *error) {
+    if (!s->seed_count || s->seeds) return GNEISS_OK;
+    GN_TRY(checked_scene(s, 0, false, scene, error));
+    uint64_t first = scene->seed;
+    gn_scene_free(scene);
+    s->seeds = gn_alloc_array(s->seed_count, sizeof *s->seeds);
+    if (!s->seeds) return gn_fail(error, GNEISS_ERROR_MEMORY, "%s: out of memory", s->source);
+    for (size_t k = 0; k < s->seed_count; k++) s->seeds[k] = first + k;
+    return GNEISS_OK;
+}
+
+/* How many combinations of lists there are, and how many points of distributions. */
+static gneiss_status count_runs(gn_sweep *s, gn_combine combine, size_t *lists, size_t *points,
+                                gneiss_error *error) {
+    *lists = *points = 1;
+    size_t seeds = s->seed_count ? s->seed_count : 1;
+    for (size_t p = 0; p < s->parameter_count; p++) {
+        size_t count = s->parameters[p].count;
+        if (s->parameters[p].sampled)
+            *points = count;
+        else if (combine == GN_COMBINE_CROSSED)
+            *lists *= count;
+        else
+            *lists = count > *lists ? count : *lists;
+        if (*lists > GN_SWEEP_RUNS_MAX || *lists * *points * seeds > GN_SWEEP_RUNS_MAX)
+            return gn_fail(error, GNEISS_ERROR_INPUT,
+                           "%s:%d:%d: parameters.%s: expected at most %d runs, found more",
+                           s->source, s->parameters[p].where.line, s->parameters[p].where.column,
+                           s->parameters[p].key, GN_SWEEP_RUNS_MAX);
+    }
+    s->combination_count = *lists * *points;
+    s->run_count = s->combination_count * seeds;
+    return GNEISS_OK;
+}
+
+/* The last list goes fastest; zipped ones go together. */
+static void choose_values(gn_sweep *s, gn_combine combine, size_t points) {
+    for (size_t run = 0; run < s->run_count; run++) {
+        gn_sweep_run *r = &s->runs[run];
+        r->combination = s->seed_count ? run / s->seed_count : run;
+        r->first_value = run * s->parameter_count;
+        size_t list = r->combination / points, rest = list;
+        for (size_t p = s->parameter_count; p-- > 0;) {
+            size_t count = s->parameters[p].count, place;
+            if (s->parameters[p].sampled) {
+                place = r->combination % points;
+            } else if (combine == GN_COMBINE_ZIPPED) {
+                place = count > 1 ? list : 0;
+            } else {
+                place = rest % count;
+                rest /= count;
+            }
+            s->chosen[r->first_value + p] = (uint32_t)place;
+        }
+    }
+}
+
+static int by_hash(const void *a, const void *b) {
+    const gn_sweep_run *x = *(gn_sweep_run *const *)a, *y = *(gn_sweep_run *const *)b;
+    if (x->hash != y->hash) return x->hash < y->hash ? -1 : 1;
+    return (x > y) - (x < y);
+}
+
+static gneiss_status find_originals(gn_sweep *s, gneiss_error *error) {
+    gn_sweep_run **order = gn_alloc_array(s->run_count, sizeof *order);
+    if (!order) return gn_fail(error, GNEISS_ERROR_MEMORY, "%s: out of memory", s->source);
+    for (size_t k = 0; k < s->run_count; k++) order[k] = &s->runs[k];
+    qsort(order, s->run_count, sizeof *order, by_hash);
+    for (size_t k = 0; k < s->run_count; k++)
+        order[k]->original = k && order[k - 1]->hash == order[k]->hash
+                                 ? order[k - 1]->original
+                                 : (size_t)(order[k] - s->runs);
+    gn_free(order);
+    return GNEISS_OK;
+}
+
+static gneiss_status read_runs(gn_sweep *s, gn_scene *scene, gneiss_error *error) {
+    file_hashes known = {0};
+    gneiss_status status = number_seeds(s, scene, error);
+    for (size_t k = 0; status == GNEISS_OK && k < s->run_count; k++) {
+        gn_sweep_run *r = &s->runs[k];
+        if (s->seed_count) r->seed = s->seeds[k % s->seed_count];
+        status = checked_scene(s, k, true, scene, error);
+        if (status != GNEISS_OK) break;
+        status = hash_scene(s, scene, &known, r, error);
+        r->threads = scene->threads;
+        r->seed = scene->seed;
+        s->draws |= has_random_numbers(scene);
+        if (!s->title[0]) snprintf(s->title, sizeof s->title, "%.200s", scene->title);
+        gn_scene_free(scene);
+    }
+    free_hashes(&known);
+    return status;
+}
+
+gneiss_status gn_sweep_expand(gn_sweep *s, gn_combine combine, gneiss_error *error) {
+    size_t lists, points;
+    GN_TRY(count_runs(s, combine, &lists, &points, error));
+    s->runs = gn_alloc_array(s->run_count, sizeof *s->runs);
+    s->chosen = gn_alloc_array(s->run_count * s->parameter_count + 1, sizeof *s->chosen);
+    gn_scene *scene = gn_alloc(sizeof *scene); /* too large for a small stack */
+    gneiss_status status = s->runs && s->chosen && scene ? GNEISS_OK
+                                                         : gn_fail(error, GNEISS_ERROR_MEMORY,
+                                                                   "%s: out of memory", s->source);
+    if (status == GNEISS_OK) {
+        choose_values(s, combine, points);
+        status = read_runs(s, scene, error);
+    }
+    if (status == GNEISS_OK) status = find_originals(s, error);
+    gn_free(scene);
+    return status;
+}

@@ -1,0 +1,11 @@
+/* From parameters to runs: private to the room. */
+#ifndef GN_SWEEP_EXPAND_H
+#define GN_SWEEP_EXPAND_H
+
+#include "sweep/sweep.h"
+
+/* Fills the runs from parameters and seeds, reading the scene of each. Seeds that are only counted
+ * get their numbers. */
+gneiss_status gn_sweep_expand(gn_sweep *sweep, gn_combine combine, gneiss_error *error);
+
+#endif

@@ -1,0 +1,306 @@
+#include "sweep/range.h"
+
+#include "base/memory.h"
+#include "sweep/sample.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+/* ---- what a key takes ---- */
+
+static bool is_whole(const gn_key *key) {
+    return key->type == GN_KEY_INTEGER || key->type == GN_KEY_SEED || key->type == GN_KEY_CELLS ||
+           key->type == GN_KEY_PARTICLES || key->type == GN_KEY_IDS;
+}
+
+/* A single number; of a vector a path with its component stands for one. */
+static bool is_number(const gn_key *key) {
+    return is_whole(key) || key->type == GN_KEY_REAL || key->type == GN_KEY_TABLE ||
+           key->type == GN_KEY_VECTOR || key->type == GN_KEY_SPIN;
+}
+
+static const char *unit_of(const gn_key *key) {
+    return is_whole(key) || !key->unit ? "1" : key->unit;
+}
+
+/* ---- texts ---- */
+
+void gn_number_text(double value, char *text, size_t size) {
+    for (int digits = 6; digits <= 17; digits++) {
+        snprintf(text, size, "%.*g", digits, value);
+        if (strtod(text, NULL) == value) return;
+    }
+}
+
+/* A node as YAML in one line; scalars inside of lists quoted, so that they stay what they are. */
+static void write_flow(FILE *out, const gn_node *node, bool inside) {
+    if (node->kind == GN_NODE_NULL) return;
+    if (node->kind == GN_NODE_SCALAR) {
+        if (inside) fputc('"', out);
+        for (const char *c = node->text; *c; c++) {
+            bool control = (unsigned char)*c < 0x20 || *c == 0x7f;
+            if (inside && (*c == '"' || *c == '\\')) fputc('\\', out);
+            if (inside && control)
+                fprintf(out, "\\x%02x", (unsigned)(unsigned char)*c);
+            else
+                fputc(*c, out);
+        }
+        if (inside) fputc('"', out);
+        return;
+    }
+    fputc(node->kind == GN_NODE_LIST ? '[' : '{', out);
+    for (const gn_node *child = node->first; child; child = child->next) {
+        if (child->key) fprintf(out, "\"%s\": ", child->key);
+        write_flow(out, child, true);
+        if (child->next) fputs(", ", out);
+    }
+    fputc(node->kind == GN_NODE_LIST ? ']' : '}', out);
+}
+
+static char *own_text(const char *text) {
+    size_t length = strlen(text);
+    char *copy = gn_alloc(length + 1);
+    if (copy) memcpy(copy, text, length + 1);
+    return copy;
+}
+
+static char *text_of(const gn_node *node) {
+    char *text = NULL, *own = NULL;
+    size_t size = 0;
+    FILE *out = open_memstream(&text, &size);
+    if (!out) return NULL;
+    write_flow(out, node, false);
+    if (fclose(out) == 0) own = own_text(text);
+    free(text);
+    return own;
+}
+
+/* ---- values ---- */
+
+static gneiss_status no_memory(const gn_reader *reader) {
+    return gn_fail(reader->error, GNEISS_ERROR_MEMORY, "%s: out of memory while reading %s",
+                   reader->name, reader->path);
+}
+
+static gneiss_status make_values(const gn_reader *reader, size_t count, gn_sweep_parameter *p) {
+    p->values = gn_alloc_array(count, sizeof *p->values);
+    p->count = p->values ? count : 0;
+    return p->values ? GNEISS_OK : no_memory(reader);
+}
+
+/* What is wrong with a value is told when a scene is read with it. */
+static gneiss_status put_node(const gn_reader *reader, const gn_node *node,
+                              const gn_sweep_parameter *p, gn_sweep_value *value) {
+    char reason[96];
+    value->where = node->where;
+    value->number = NAN;
+    if (node->kind == GN_NODE_SCALAR && is_number(p->meant) &&
+        !gn_read_quantity(reader, node->text, unit_of(p->meant), &value->number, reason,
+                          sizeof reason))
+        value->number = NAN;
+    value->text = text_of(node);
+    return value->text ? GNEISS_OK : no_memory(reader);
+}
+
+static gneiss_status put_number(const gn_reader *reader, double number, gn_scene_place where,
+                                gn_sweep_value *value) {
+    char text[40];
+    gn_number_text(number, text, sizeof text);
+    *value = (gn_sweep_value){own_text(text), number, where};
+    return value->text ? GNEISS_OK : no_memory(reader);
+}
+
+static gneiss_status read_values(const gn_reader *reader, const gn_node *list,
+                                 gn_sweep_parameter *p) {
+    GN_TRY(make_values(reader, list->count, p));
+    gn_sweep_value *value = p->values;
+    for (const gn_node *item = list->first; item; item = item->next)
+        GN_TRY(put_node(reader, item, p, value++));
+    return GNEISS_OK;
+}
+
+/* ---- ranges ---- */
+
+/* What is empty stands nowhere: its key does. */
+static gneiss_status wrong(const gn_reader *reader, const gn_node *node, const char *text) {
+    return gn_read_fail(reader, node, node->kind == GN_NODE_NULL ? node->key_where : node->where,
+                        reader->path, "%s", text);
+}
+
+/* Value number k of a range, its ends as they were given. */
+static double range_value(const gn_range_def *r, int64_t k) {
+    if (k == 0) return r->from;
+    if (k == r->count - 1) return r->to;
+    double share = (double)k / (double)(r->count - 1);
+    if (r->spacing == GN_SPACING_LOG) return r->from * pow(r->to / r->from, share);
+    return r->from + (r->to - r->from) * share;
+}
+
+static gneiss_status make_range(const gn_reader *reader, const gn_node *node, const gn_range_def *r,
+                                gn_sweep_parameter *p) {
+    if (r->count < 2) return wrong(reader, node, "expected a count of at least 2, found 1");
+    if (r->from == r->to)
+        return wrong(reader, node, "expected another number at the end than at the start");
+    GN_TRY(make_values(reader, (size_t)r->count, p));
+    for (int64_t k = 0; k < r->count; k++) {
+        double value = range_value(r, k);
+        if (is_whole(p->meant)) value = round(value);
+        if (k > 0 && value == p->values[k - 1].number)
+            return gn_read_fail(
+                reader, node, node->where, reader->path,
+                "expected a range with %lld different whole numbers, found %g twice",
+                (long long)r->count, value);
+        GN_TRY(put_number(reader, value, node->where, &p->values[k]));
+    }
+    return GNEISS_OK;
+}
+
+/* ---- distributions ---- */
+
+static double below(double z) {
+    return 0.5 * erfc(-z * 0.7071067811865476);
+}
+
+/* The quantile u of the distribution. Whole numbers are all as likely: each has the part of the
+ * line from itself to the next one. */
+static double draw(const gn_range_def *r, bool normal, bool whole, double u) {
+    if (normal) {
+        double low = below((r->from - r->mean) / r->deviation),
+               high = below((r->to - r->mean) / r->deviation);
+        double value = r->mean + r->deviation * gn_normal_quantile(low + (high - low) * u);
+        value = fmin(fmax(value, r->from), r->to);
+        return whole ? round(value) : value;
+    }
+    if (r->spacing == GN_SPACING_LOG) {
+        double value = r->from * pow(r->to / r->from, u);
+        return whole ? round(value) : value;
+    }
+    return whole ? fmin(r->from + floor((r->to - r->from + 1.0) * u), r->to)
+                 : r->from + (r->to - r->from) * u;
+}
+
+/* The coordinates of all points. */
+static gneiss_status draw_points(const gn_reader *reader, const gn_node *node,
+                                 const gn_drawing *drawing, double **points) {
+    if (drawing->method == GN_SAMPLING_NONE)
+        return wrong(reader, node,
+                     "expected a count (for a range) or the section sampling (for a distribution), "
+                     "found neither");
+    if (drawing->method == GN_SAMPLING_SOBOL && drawing->dimension >= GN_SOBOL_DIMENSIONS)
+        return gn_read_fail(reader, node, node->where, reader->path,
+                            "expected at most %d distributions with sampling.method sobol",
+                            GN_SOBOL_DIMENSIONS);
+    *points = gn_alloc_array(drawing->count, sizeof **points);
+    if (!*points) return no_memory(reader);
+    if (drawing->method == GN_SAMPLING_SOBOL)
+        gn_sample_sobol(drawing->seed, drawing->dimension, drawing->count, *points);
+    else
+        gn_sample_latin(drawing->seed, drawing->dimension, drawing->count, *points);
+    return GNEISS_OK;
+}
+
+static gneiss_status make_draws(const gn_reader *reader, const gn_node *node, const gn_range_def *r,
+                                bool normal, const gn_drawing *drawing, gn_sweep_parameter *p) {
+    double *points = NULL;
+    if (!normal && !(r->from < r->to))
+        return wrong(reader, node, "expected a distribution from the smaller to the larger value");
+    GN_TRY(draw_points(reader, node, drawing, &points));
+    gneiss_status status = make_values(reader, drawing->count, p);
+    for (size_t k = 0; status == GNEISS_OK && k < drawing->count; k++)
+        status = put_number(reader, draw(r, normal, is_whole(p->meant), points[k]), node->where,
+                            &p->values[k]);
+    gn_free(points);
+    p->sampled = true;
+    return status;
+}
+
+/* One of a list, all as likely. */
+static gneiss_status make_choices(const gn_reader *reader, const gn_node *list,
+                                  const gn_drawing *drawing, gn_sweep_parameter *p) {
+    double *points = NULL;
+    if (list->kind != GN_NODE_LIST || list->count == 0)
+        return wrong(reader, list, "expected a list of values behind `of`");
+    GN_TRY(draw_points(reader, list, drawing, &points));
+    gneiss_status status = make_values(reader, drawing->count, p);
+    for (size_t k = 0; status == GNEISS_OK && k < drawing->count; k++) {
+        size_t place = (size_t)(points[k] * (double)list->count);
+        status = put_node(reader, gn_node_item(list, place), p, &p->values[k]);
+    }
+    gn_free(points);
+    p->sampled = true;
+    return status;
+}
+
+/* ---- a parameter ---- */
+
+/* The table of a range with the unit and the interval of the key that it is of. */
+static gneiss_status read_range(gn_reader *reader, const gn_node *node, const gn_key *meant,
+                                gn_range_def *r) {
+    gn_key keys[GN_SECTION_KEYS_MAX];
+    gn_section own = gn_range_section;
+    memcpy(keys, own.keys, own.key_count * sizeof *keys);
+    for (size_t k = 0; k < own.key_count; k++) {
+        if (keys[k].type != GN_KEY_REAL) continue;
+        keys[k].unit = unit_of(meant);
+        if (keys[k].offset != offsetof(gn_range_def, deviation)) keys[k].range = meant->range;
+    }
+    own.keys = keys;
+    return gn_read_keys(reader, &own, node, r);
+}
+
+static gneiss_status check_range(const gn_reader *reader, const gn_node *node,
+                                 const gn_range_def *r, const gn_sweep_parameter *p) {
+    bool from = gn_node_child(node, "from"), to = gn_node_child(node, "to"),
+         normal = gn_node_child(node, "mean") || gn_node_child(node, "deviation");
+    if (normal && (!gn_node_child(node, "mean") || !(r->deviation > 0.0)))
+        return wrong(reader, node, "expected a mean and a deviation above 0");
+    if (normal && (gn_node_child(node, "count") || gn_node_child(node, "spacing")))
+        return wrong(reader, node, "expected no count and no spacing with a normal distribution");
+    if (normal && !(r->from < r->to))
+        return wrong(reader, node, "expected a distribution from the smaller to the larger value");
+    if (!normal && (!from || !to))
+        return wrong(reader, node,
+                     "expected a range {from, to, count}, or a distribution {from, to}, {mean, "
+                     "deviation} or {of}");
+    if (r->spacing == GN_SPACING_LOG && !(r->from * r->to > 0.0))
+        return wrong(reader, node, "expected numbers of one sign, not 0, for logarithmic spacing");
+    if (is_whole(p->meant) && !normal && (r->from != round(r->from) || r->to != round(r->to)))
+        return wrong(reader, node, "expected whole numbers at both ends");
+    return GNEISS_OK;
+}
+
+static gneiss_status read_map(gn_reader *reader, const gn_node *node, const gn_drawing *drawing,
+                              gn_sweep_parameter *p) {
+    gn_range_def r = {.from = -INFINITY, .to = INFINITY};
+    const gn_node *of = gn_node_child(node, "of");
+    if (of && node->count > 1) return wrong(reader, node, "expected nothing beside `of`");
+    if (of) return make_choices(reader, of, drawing, p);
+    if (!is_number(p->meant))
+        return wrong(reader, node, "expected a list of values: the key takes no number");
+    GN_TRY(read_range(reader, node, p->meant, &r));
+    if (gn_problem_near(reader->problems, reader->path)) return GNEISS_OK;
+    GN_TRY(check_range(reader, node, &r, p));
+    if (gn_node_child(node, "count")) return make_range(reader, node, &r, p);
+    return make_draws(reader, node, &r, gn_node_child(node, "mean") != NULL, drawing, p);
+}
+
+gneiss_status gn_parameter_read(gn_reader *reader, const gn_node *node, const gn_drawing *drawing,
+                                gn_sweep_parameter *p) {
+    if (node->kind == GN_NODE_MAP) {
+        GN_TRY(read_map(reader, node, drawing, p));
+    } else if (node->kind == GN_NODE_LIST && node->count) {
+        GN_TRY(read_values(reader, node, p));
+    } else if (node->kind == GN_NODE_SCALAR) {
+        GN_TRY(make_values(reader, 1, p));
+        GN_TRY(put_node(reader, node, p, p->values));
+    } else {
+        return wrong(reader, node,
+                     "expected a list of values, a range or a distribution, found nothing");
+    }
+    p->numeric = p->count > 0;
+    for (size_t k = 0; k < p->count; k++) p->numeric &= !isnan(p->values[k].number);
+    p->unit = p->numeric && strcmp(unit_of(p->meant), "1") != 0 ? unit_of(p->meant) : "";
+    if (strchr(p->unit, '|')) p->unit = ""; /* one of two: the scene says which */
+    return GNEISS_OK;
+}

@@ -1,0 +1,259 @@
+#include "sweep/summary.h"
+
+#include "base/memory.h"
+#include "io/checkpoint_files.h"
+#include "io/h5.h"
+#include "measure/energy.h"
+#include "measure/measure.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+#include <unistd.h>
+
+/* ---- which readings ---- */
+
+static void describe(gn_summary_reading *r, const char *name, const char *unit, const char *text) {
+    snprintf(r->name, sizeof r->name, "%s", name);
+    snprintf(r->unit, sizeof r->unit, "%s", unit);
+    snprintf(r->text, sizeof r->text, "%s", text);
+}
+
+/* Those of history columns are in the files of the runs. */
+static void describe_known(gn_summary_reading *r) {
+#define X(name_, unit_, text_)                                                                     \
+    if (strcmp(r->name, #name_) == 0) describe(r, #name_, unit_, text_);
+    GN_READINGS(X)
+#undef X
+#define X(name_, kind_, text_)                                                                     \
+    if (strcmp(r->name, "energy." #name_) == 0) describe(r, "energy." #name_, "J", text_);
+    GN_ENERGY_TERMS(X)
+#undef X
+    if (strcmp(r->name, "energy.stored_at_start") == 0)
+        describe(r, "energy.stored_at_start", "J", "energy stored at the start");
+    if (strcmp(r->name, "energy.residual") == 0)
+        describe(r, "energy.residual", "1", GN_ENERGY_RESIDUAL_TEXT);
+}
+
+static const char *const usual[] = {
+#define X(name, unit, text) #name,
+    GN_READINGS(X)
+#undef X
+        "energy.residual",
+    "history.broken_tension", "history.broken_shear"};
+enum { USUAL = sizeof usual / sizeof *usual };
+
+static gneiss_status choose_readings(gn_summary *m, gneiss_error *error) {
+    const gn_sweep *s = m->sweep;
+    m->reading_count = s->reading_count ? s->reading_count : USUAL;
+    m->readings = gn_alloc_array(m->reading_count, sizeof *m->readings);
+    m->value = gn_alloc_array(s->run_count * m->reading_count, sizeof *m->value);
+    m->runs = gn_alloc_array(s->run_count, sizeof *m->runs);
+    m->statistics = gn_alloc_array(s->combination_count * m->reading_count, sizeof *m->statistics);
+    if (!m->readings || !m->value || !m->runs || !m->statistics)
+        return gn_fail(error, GNEISS_ERROR_MEMORY, "no memory for the summary of %zu runs",
+                       s->run_count);
+    for (size_t k = 0; k < m->reading_count; k++) {
+        gn_summary_reading *r = &m->readings[k];
+        snprintf(r->name, sizeof r->name, "%s", s->reading_count ? s->readings[k] : usual[k]);
+        describe_known(r);
+    }
+    return GNEISS_OK;
+}
+
+/* ---- one run ---- */
+
+static void read_label(const gn_h5 *file, const char *set, const char *name, char *text,
+                       size_t size) {
+    char *found = NULL;
+    if (text[0] || gn_h5_get_attribute_text(file, set, name, &found, NULL) != GNEISS_OK) return;
+    snprintf(text, size, "%s", found);
+    free(found);
+}
+
+/* The last number of a column. */
+static double read_last(const gn_h5 *file, const char *set) {
+    size_t rows = 0;
+    double last = NAN, *column;
+    if (gn_h5_rows(file, set, &rows, NULL) != GNEISS_OK || rows == 0) return NAN;
+    column = gn_alloc_array(rows, sizeof *column);
+    if (column && gn_h5_get(file, set, GN_F64, rows, 1, 0, column, NULL) == GNEISS_OK)
+        last = column[rows - 1];
+    gn_free(column);
+    return last;
+}
+
+/* NaN: the file has none. */
+static double read_reading(const gn_h5 *file, gn_summary_reading *r) {
+    char set[GN_NAME_SIZE + 32];
+    bool of_energy = strncmp(r->name, "energy.", 7) == 0,
+         of_history = strncmp(r->name, "history.", 8) == 0;
+    snprintf(set, sizeof set, "%s/%s",
+             of_energy    ? "energy"
+             : of_history ? "history"
+                          : "readings",
+             r->name + (of_energy    ? 7
+                        : of_history ? 8
+                                     : 0));
+    if (!gn_h5_has(file, set)) return NAN;
+    read_label(file, set, "unit", r->unit, sizeof r->unit);
+    read_label(file, set, "description", r->text, sizeof r->text);
+    return read_last(file, set);
+}
+
+/* What a run that was done has to say against its numbers, in one line. */
+static void read_warnings(const gn_h5 *file, char *text, size_t size) {
+    text[0] = '\0';
+    read_label(file, "/", "warnings", text, size);
+    for (char *c = text; *c; c++)
+        if (*c == '\n') *c = ';';
+}
+
+static gneiss_status read_run(gn_summary *m, size_t k, const char *folder, gneiss_error *error) {
+    char path[GN_PATH_SIZE + 32];
+    gn_summary_run *run = &m->runs[k];
+    gn_h5 *file = NULL;
+    char *hash = NULL, *build = NULL;
+    snprintf(path, sizeof path, "%s/results.h5", folder);
+    gneiss_status status = gn_h5_open(path, &file, error);
+    if (status == GNEISS_OK)
+        status = gn_h5_get_attribute_f64(file, "/", "seconds", &run->seconds, 1, error);
+    if (status == GNEISS_OK) status = gn_h5_get_attribute_f64(file, "/", "dt", &run->dt, 1, error);
+    if (status == GNEISS_OK)
+        status = gn_h5_get_attribute_i64(file, "/", "steps", &run->steps, 1, error);
+    if (status == GNEISS_OK)
+        status = gn_h5_get_attribute_text(file, "/", "state_hash", &hash, error);
+    if (status == GNEISS_OK) status = gn_h5_get_attribute_text(file, "/", "build", &build, error);
+    if (status == GNEISS_OK) {
+        snprintf(run->state_hash, sizeof run->state_hash, "%s", hash);
+        snprintf(run->build, sizeof run->build, "%s", build);
+        read_warnings(file, run->outcome.message, sizeof run->outcome.message);
+        for (size_t r = 0; r < m->reading_count; r++)
+            m->value[k * m->reading_count + r] = read_reading(file, &m->readings[r]);
+    }
+    free(hash);
+    free(build);
+    gn_h5_close(file);
+    return status;
+}
+
+/* A run whose results are not to be had any more counts as one that was not done, and says why. */
+static gneiss_status take_run(gn_summary *m, size_t k, gneiss_error *error) {
+    const gn_sweep *s = m->sweep;
+    gn_summary_run *run = &m->runs[k];
+    size_t original = s->runs[k].original, width = m->reading_count;
+    char folder[GN_PATH_SIZE];
+    gneiss_error trouble = {0};
+    if (original != k) {
+        *run = m->runs[original];
+        memcpy(m->value + k * width, m->value + original * width, width * sizeof *m->value);
+        return GNEISS_OK;
+    }
+    run->seconds = run->dt = NAN;
+    for (size_t r = 0; r < width; r++) m->value[k * width + r] = NAN;
+    if (!gn_run_folder(m->directory, s->runs[k].hash, folder))
+        return gn_fail(error, GNEISS_ERROR_INPUT, "%.200s...: the path is too long", m->directory);
+    GN_TRY(gn_outcome_read(folder, &run->outcome, error));
+    if (run->outcome.state != GN_RUN_DONE) return GNEISS_OK;
+    gneiss_status status = read_run(m, k, folder, &trouble);
+    if (status == GNEISS_OK) return GNEISS_OK;
+    run->outcome = (gn_outcome){.state = GN_RUN_FAILED, .code = (int)status};
+    snprintf(run->outcome.message, sizeof run->outcome.message,
+             "its results cannot be read: %.500s", trouble.message);
+    return GNEISS_OK;
+}
+
+/* ---- all ---- */
+
+/* What no run has is left out, unless it was asked for. */
+static void leave_out_absent(gn_summary *m) {
+    size_t width = m->reading_count, kept = 0;
+    bool keep[USUAL];
+    if (m->sweep->reading_count || m->done == 0) return;
+    for (size_t r = 0; r < width; r++) {
+        keep[r] = false;
+        for (size_t k = 0; k < m->sweep->run_count; k++) keep[r] |= !isnan(m->value[k * width + r]);
+        if (keep[r]) m->readings[kept++] = m->readings[r];
+    }
+    for (size_t k = 0; k < m->sweep->run_count; k++)
+        for (size_t r = 0, to = 0; r < width; r++)
+            if (keep[r]) m->value[k * kept + to++] = m->value[k * width + r];
+    m->reading_count = kept;
+}
+
+static void compute_statistics(gn_summary *m) {
+    size_t width = m->reading_count, each = m->sweep->run_count / m->sweep->combination_count;
+    for (size_t c = 0; c < m->sweep->combination_count; c++)
+        for (size_t r = 0; r < width; r++)
+            m->statistics[c * width + r] =
+                gn_statistics_of(m->value + c * each * width + r, each, width);
+}
+
+gneiss_status gn_summary_make(const gn_sweep *sweep, const char *directory, gn_summary *m,
+                              gneiss_error *error) {
+    const char *build = NULL;
+    *m = (gn_summary){.sweep = sweep, .directory = directory};
+    gneiss_status status = choose_readings(m, error);
+    for (size_t k = 0; status == GNEISS_OK && k < sweep->run_count; k++) {
+        status = take_run(m, k, error);
+        bool done = m->runs[k].outcome.state == GN_RUN_DONE;
+        m->done += done;
+        m->failed += m->runs[k].outcome.state == GN_RUN_FAILED;
+        if (done && build) m->several_builds |= strcmp(build, m->runs[k].build) != 0;
+        if (done) build = m->runs[k].build;
+    }
+    if (status != GNEISS_OK) {
+        gn_summary_free(m);
+        return status;
+    }
+    leave_out_absent(m);
+    compute_statistics(m);
+    return GNEISS_OK;
+}
+
+void gn_summary_free(gn_summary *m) {
+    gn_free(m->readings);
+    gn_free(m->value);
+    gn_free(m->runs);
+    gn_free(m->statistics);
+    *m = (gn_summary){0};
+}
+
+/* ---- whose folder it is ---- */
+
+gneiss_status gn_summary_check_folder(const char *directory, gneiss_error *error) {
+    char path[GN_PATH_SIZE + 32], *kind = NULL;
+    static const char *const own[] = {"sweep.csv", "sweep-means.csv"};
+    size_t checkpoints = 0;
+    int64_t step;
+    if (access(directory, F_OK) != 0) return GNEISS_OK;
+    snprintf(path, sizeof path, "%s/results.h5", directory);
+    if (access(path, F_OK) != 0)
+        GN_TRY(gn_checkpoint_list(directory, &step, 1, &checkpoints, error));
+    if (checkpoints || access(path, F_OK) == 0)
+        return gn_fail(error, GNEISS_ERROR_INPUT,
+                       "%.300s: expected a folder for a sweep, found a run in it: choose another "
+                       "with --out",
+                       directory);
+    snprintf(path, sizeof path, "%s/sweep.h5", directory);
+    if (access(path, F_OK) == 0) {
+        gneiss_status status = gn_h5_peek_text(path, "/", "kind", &kind, NULL);
+        bool ours = status == GNEISS_OK && strcmp(kind, "sweep") == 0;
+        free(kind);
+        if (ours) return GNEISS_OK;
+        return gn_fail(error, GNEISS_ERROR_INPUT,
+                       "%.300s: expected no file or that of a sweep: choose another folder with "
+                       "--out, or --force replaces it",
+                       path);
+    }
+    for (size_t k = 0; k < 2; k++) {
+        snprintf(path, sizeof path, "%s/%s", directory, own[k]);
+        if (access(path, F_OK) != 0) continue;
+        return gn_fail(
+            error, GNEISS_ERROR_INPUT,
+            "%.300s: a file of somebody else, with no sweep.h5 beside it: choose another "
+            "folder with --out, or --force replaces it",
+            path);
+    }
+    return GNEISS_OK;
+}

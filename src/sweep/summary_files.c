@@ -1,0 +1,305 @@
+/* The summary as files. */
+#include "base/memory.h"
+#include "base/version.h"
+#include "io/files.h"
+#include "io/h5.h"
+#include "sweep/range.h"
+#include "sweep/summary.h"
+
+#include <inttypes.h>
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+/* ---- CSV ---- */
+
+/* RFC 4180. */
+static void put_cell(FILE *out, const char *text) {
+    if (!strpbrk(text, ",\"\r\n")) {
+        fputs(text, out);
+        return;
+    }
+    fputc('"', out);
+    for (; *text; text++) {
+        if (*text == '"') fputc('"', out);
+        fputc(*text, out);
+    }
+    fputc('"', out);
+}
+
+/* An empty cell: there is none. */
+static void put_number(FILE *out, double value) {
+    char text[40];
+    if (isnan(value)) return;
+    gn_number_text(value, text, sizeof text);
+    fputs(text, out);
+}
+
+/* "peak_stress [Pa]", "peak_stress mean [Pa]" */
+static void put_head(FILE *out, const char *name, const char *what, const char *unit) {
+    char text[512];
+    bool shown = unit[0] && strcmp(unit, "1") != 0;
+    snprintf(text, sizeof text, "%s%s%s%s%s%s", name, *what ? " " : "", what, shown ? " [" : "",
+             shown ? unit : "", shown ? "]" : "");
+    put_cell(out, text);
+}
+
+static void put_parameter_heads(FILE *out, const gn_sweep *s) {
+    for (size_t p = 0; p < s->parameter_count; p++) {
+        put_head(out, s->parameters[p].key, "", s->parameters[p].unit);
+        fputc(',', out);
+    }
+}
+
+static void put_parameters(FILE *out, const gn_sweep *s, size_t run) {
+    for (size_t p = 0; p < s->parameter_count; p++) {
+        const gn_sweep_value *value = gn_sweep_value_of(s, run, p);
+        if (s->parameters[p].numeric)
+            put_number(out, value->number);
+        else
+            put_cell(out, value->text);
+        fputc(',', out);
+    }
+}
+
+static void put_row(FILE *out, const gn_summary *m, size_t k) {
+    const gn_sweep *s = m->sweep;
+    const gn_summary_run *run = &m->runs[k];
+    fprintf(out, "%zu,%zu,", k + 1, s->runs[k].combination + 1);
+    put_parameters(out, s, k);
+    fprintf(out, "%" PRIu64 ",", s->runs[k].seed);
+    for (size_t r = 0; r < m->reading_count; r++) {
+        put_number(out, m->value[k * m->reading_count + r]);
+        fputc(',', out);
+    }
+    fprintf(out, "%s,", gn_run_state_name(run->outcome.state));
+    put_number(out, run->seconds);
+    fputc(',', out);
+    if (run->outcome.state == GN_RUN_DONE) fprintf(out, "%" PRId64, run->steps);
+    fputc(',', out);
+    put_number(out, run->dt);
+    fprintf(out, ",%s,%016" PRIx64 ",", run->state_hash, s->runs[k].hash);
+    put_cell(out, run->outcome.message);
+    fputs("\r\n", out);
+}
+
+static void write_runs(FILE *out, const gn_summary *m) {
+    fputs("run,combination,", out);
+    put_parameter_heads(out, m->sweep);
+    fputs("seed,", out);
+    for (size_t r = 0; r < m->reading_count; r++) {
+        put_head(out, m->readings[r].name, "", m->readings[r].unit);
+        fputc(',', out);
+    }
+    fputs("status,seconds [s],steps,dt [s],state_hash,folder,message\r\n", out);
+    for (size_t k = 0; k < m->sweep->run_count; k++) put_row(out, m, k);
+}
+
+static void write_means(FILE *out, const gn_summary *m) {
+    const gn_sweep *s = m->sweep;
+    size_t width = m->reading_count, each = s->run_count / s->combination_count;
+    fputs("combination,", out);
+    put_parameter_heads(out, s);
+    fputs("runs", out);
+    for (size_t r = 0; r < width; r++) {
+        static const char *const what[] = {"mean", "deviation", "interval"};
+        for (size_t k = 0; k < 3; k++) {
+            fputc(',', out);
+            put_head(out, m->readings[r].name, what[k], m->readings[r].unit);
+        }
+    }
+    fputs("\r\n", out);
+    for (size_t c = 0; c < s->combination_count; c++) {
+        size_t done = 0;
+        for (size_t k = c * each; k < (c + 1) * each; k++)
+            done += m->runs[k].outcome.state == GN_RUN_DONE;
+        fprintf(out, "%zu,", c + 1);
+        put_parameters(out, s, c * each);
+        fprintf(out, "%zu", done);
+        for (size_t r = 0; r < width; r++) {
+            const gn_statistics *t = &m->statistics[c * width + r];
+            const double shown[] = {t->mean, t->deviation, t->interval};
+            for (size_t k = 0; k < 3; k++) {
+                fputc(',', out);
+                put_number(out, shown[k]);
+            }
+        }
+        fputs("\r\n", out);
+    }
+}
+
+static gneiss_status write_table(const gn_summary *m, const char *name,
+                                 void (*write)(FILE *out, const gn_summary *m),
+                                 gneiss_error *error) {
+    char path[GN_PATH_SIZE + 32], *text = NULL;
+    size_t size = 0;
+    FILE *out = open_memstream(&text, &size);
+    bool failed = !out;
+    if (out) {
+        write(out, m);
+        failed = ferror(out) != 0;
+        failed = fclose(out) != 0 || failed;
+    }
+    snprintf(path, sizeof path, "%s/%s", m->directory, name);
+    gneiss_status status = failed ? gn_fail(error, GNEISS_ERROR_MEMORY, "no memory for %s", name)
+                                  : gn_write_text_file(path, text, GN_RENAMED, error);
+    free(text);
+    return status;
+}
+
+/* ---- HDF5 ---- */
+
+/* Texts, a line each. */
+static gneiss_status put_lines(gn_h5 *file, const char *name, const gn_summary *m,
+                               void (*line)(FILE *out, const gn_summary *m, size_t k), size_t count,
+                               gneiss_error *error) {
+    char *text = NULL;
+    size_t size = 0;
+    FILE *out = open_memstream(&text, &size);
+    if (!out) return gn_fail(error, GNEISS_ERROR_MEMORY, "no memory for %s", name);
+    for (size_t k = 0; k < count; k++) {
+        if (k) fputc('\n', out);
+        line(out, m, k);
+    }
+    gneiss_status status = fclose(out) == 0
+                               ? gn_h5_put_text(file, name, text, error)
+                               : gn_fail(error, GNEISS_ERROR_MEMORY, "no memory for %s", name);
+    free(text);
+    return status;
+}
+
+static void hash_line(FILE *out, const gn_summary *m, size_t k) {
+    fputs(m->runs[k].state_hash, out);
+}
+
+static void folder_line(FILE *out, const gn_summary *m, size_t k) {
+    fprintf(out, "%016" PRIx64, m->sweep->runs[k].hash);
+}
+
+static void message_line(FILE *out, const gn_summary *m, size_t k) {
+    for (const char *c = m->runs[k].outcome.message; *c; c++) fputc(*c == '\n' ? ' ' : *c, out);
+}
+
+static gneiss_status put_header(gn_h5 *file, const gn_summary *m, gneiss_error *error) {
+    const gn_sweep *s = m->sweep;
+    const char *texts[][2] = {{"kind", "sweep"},         {"title", s->title},
+                              {"sweep_file", s->source}, {"scene_file", s->scene},
+                              {"version", gn_version()}, {"build", gn_build()}};
+    for (size_t k = 0; k < sizeof texts / sizeof *texts; k++)
+        GN_TRY(gn_h5_attribute_text(file, "/", texts[k][0], texts[k][1], error));
+    const int64_t counts[] = {(int64_t)s->run_count, (int64_t)s->combination_count,
+                              (int64_t)s->seed_count, (int64_t)m->done, (int64_t)m->failed};
+    static const char *const names[] = {"runs", "combinations", "seeds", "done", "failed"};
+    for (size_t k = 0; k < 5; k++)
+        GN_TRY(gn_h5_attribute_i64(file, "/", names[k], &counts[k], 1, error));
+    GN_TRY(gn_h5_put_text(file, "sweep", s->text ? s->text : "", error));
+    return gn_h5_put_text(file, "scene", s->scene_text, error);
+}
+
+/* Numbers in SI; of what is no number its place in the texts of the attribute `values`. */
+static gneiss_status put_parameter(gn_h5 *file, const gn_summary *m, size_t p, double *column,
+                                   gneiss_error *error) {
+    const gn_sweep *s = m->sweep;
+    const gn_sweep_parameter *parameter = &s->parameters[p];
+    char name[GN_KEY_PATH_SIZE + 32], *text = NULL;
+    size_t size = 0;
+    snprintf(name, sizeof name, "parameters/%s", parameter->key);
+    for (char *c = name + strlen("parameters/"); *c; c++)
+        if (*c == '/') *c = '_';
+    for (size_t k = 0; k < s->run_count; k++)
+        column[k] = parameter->numeric ? gn_sweep_value_of(s, k, p)->number
+                                       : (double)s->chosen[s->runs[k].first_value + p];
+    GN_TRY(gn_h5_put(file, name, GN_F64, s->run_count, 1, 0, column,
+                     *parameter->unit ? parameter->unit : "1", parameter->meant->text, error));
+    int64_t sampled = parameter->sampled;
+    GN_TRY(gn_h5_attribute_i64(file, name, "sampled", &sampled, 1, error));
+    if (parameter->numeric) return GNEISS_OK;
+    FILE *out = open_memstream(&text, &size);
+    if (!out) return gn_fail(error, GNEISS_ERROR_MEMORY, "no memory for %s", name);
+    for (size_t k = 0; k < parameter->count; k++)
+        fprintf(out, "%s%s", k ? "\n" : "", parameter->values[k].text);
+    gneiss_status status = fclose(out) == 0
+                               ? gn_h5_attribute_text(file, name, "values", text, error)
+                               : gn_fail(error, GNEISS_ERROR_MEMORY, "no memory for %s", name);
+    free(text);
+    return status;
+}
+
+static gneiss_status put_reading(gn_h5 *file, const gn_summary *m, size_t r, double *column,
+                                 gneiss_error *error) {
+    static const char *const what[] = {"count", "mean", "deviation", "interval"};
+    static const char *const texts[] = {"runs that have the reading", "mean over them",
+                                        "standard deviation of one run",
+                                        "half the width of the 95 % interval of the mean"};
+    const gn_sweep *s = m->sweep;
+    const gn_summary_reading *reading = &m->readings[r];
+    size_t width = m->reading_count;
+    char name[GN_NAME_SIZE + 64];
+    snprintf(name, sizeof name, "readings/%s", reading->name);
+    for (size_t k = 0; k < s->run_count; k++) column[k] = m->value[k * width + r];
+    GN_TRY(gn_h5_put(file, name, GN_F64, s->run_count, 1, 0, column, reading->unit, reading->text,
+                     error));
+    for (size_t q = 0; q < 4; q++) {
+        for (size_t c = 0; c < s->combination_count; c++) {
+            const gn_statistics *t = &m->statistics[c * width + r];
+            const double shown[] = {(double)t->count, t->mean, t->deviation, t->interval};
+            column[c] = shown[q];
+        }
+        snprintf(name, sizeof name, "statistics/%s/%s", reading->name, what[q]);
+        GN_TRY(gn_h5_put(file, name, GN_F64, s->combination_count, 1, 0, column,
+                         q ? reading->unit : "1", texts[q], error));
+    }
+    return GNEISS_OK;
+}
+
+static gneiss_status put_runs(gn_h5 *file, const gn_summary *m, double *column,
+                              gneiss_error *error) {
+    static const struct {
+        const char *name, *unit, *text;
+    } columns[] = {{"runs/combination", "1", "base 0; its runs differ in the seed"},
+                   {"runs/seed", "1", "run.seed"},
+                   {"runs/status", "1", "0 new, 1 interrupted, 2 done, 3 failed"},
+                   {"runs/steps", "1", "steps taken"},
+                   {"runs/seconds", "s", "of computing"},
+                   {"runs/dt", "s", "time step"}};
+    for (size_t q = 0; q < sizeof columns / sizeof *columns; q++) {
+        for (size_t k = 0; k < m->sweep->run_count; k++) {
+            const gn_sweep_run *run = &m->sweep->runs[k];
+            const double shown[] = {
+                (double)run->combination, (double)run->seed,  (double)m->runs[k].outcome.state,
+                (double)m->runs[k].steps, m->runs[k].seconds, m->runs[k].dt};
+            column[k] = shown[q];
+        }
+        GN_TRY(gn_h5_put(file, columns[q].name, GN_F64, m->sweep->run_count, 1, 0, column,
+                         columns[q].unit, columns[q].text, error));
+    }
+    GN_TRY(put_lines(file, "runs/state_hash", m, hash_line, m->sweep->run_count, error));
+    GN_TRY(put_lines(file, "runs/folder", m, folder_line, m->sweep->run_count, error));
+    return put_lines(file, "runs/message", m, message_line, m->sweep->run_count, error);
+}
+
+static gneiss_status write_h5(const gn_summary *m, double *column, gneiss_error *error) {
+    char path[GN_PATH_SIZE + 32];
+    gn_h5 *file = NULL;
+    snprintf(path, sizeof path, "%s/sweep.h5", m->directory);
+    GN_TRY(gn_h5_create(path, &file, error));
+    gneiss_status status = put_header(file, m, error);
+    if (status == GNEISS_OK) status = put_runs(file, m, column, error);
+    for (size_t p = 0; status == GNEISS_OK && p < m->sweep->parameter_count; p++)
+        status = put_parameter(file, m, p, column, error);
+    for (size_t r = 0; status == GNEISS_OK && r < m->reading_count; r++)
+        status = put_reading(file, m, r, column, error);
+    if (status == GNEISS_OK) return gn_h5_commit(file, GN_SYNCED, error);
+    gn_h5_close(file);
+    return status;
+}
+
+gneiss_status gn_summary_write(const gn_summary *m, gneiss_error *error) {
+    double *column = gn_alloc_array(m->sweep->run_count, sizeof *column);
+    if (!column) return gn_fail(error, GNEISS_ERROR_MEMORY, "no memory for the summary");
+    gneiss_status status = write_h5(m, column, error);
+    gn_free(column);
+    GN_TRY(status);
+    GN_TRY(write_table(m, "sweep.csv", write_runs, error));
+    return write_table(m, "sweep-means.csv", write_means, error);
+}
