@@ -1,6 +1,6 @@
 #include "bench_fem.h"
 
-#include "fem/body.h"
+#include "fem/solid.h"
 #include "fem/structured.h"
 
 #include <stdio.h>
@@ -8,7 +8,7 @@
 #include <string.h>
 
 struct bench_fem {
-    gn_fem_body body;
+    gn_fem_solid solid;
     double dt;
 };
 
@@ -30,10 +30,10 @@ static gneiss_status make(bench_fem *f, int dimension, bench_fem_kind kind, int 
     gn_fem_limit limit;
     GN_TRY(dimension == 3 ? gn_mesh_box(&block, &mesh, error)
                           : gn_mesh_rectangle(&block, &mesh, error));
-    GN_TRY(gn_fem_body_create(&spec, &mesh, &f->body, error));
-    gneiss_status status = gn_fem_bound(&f->body, &limit, error);
+    GN_TRY(gn_fem_solid_create(&spec, &mesh, &f->solid, error));
+    gneiss_status status = gn_fem_bound(&f->solid, &limit, error);
     if (status != GNEISS_OK)
-        gn_fem_body_free(&f->body);
+        gn_fem_solid_free(&f->solid);
     else
         f->dt = 0.9 * limit.bound;
     return status;
@@ -51,14 +51,14 @@ bench_fem *bench_fem_create(int dimension, bench_fem_kind kind, int cells, int t
 
 void bench_fem_free(bench_fem *fem) {
     if (!fem) return;
-    gn_fem_body_free(&fem->body);
+    gn_fem_solid_free(&fem->solid);
     free(fem);
 }
 
 bool bench_fem_steps(bench_fem *fem, int steps, char message[BENCH_MESSAGE_SIZE]) {
     gneiss_error error = {0};
     for (int k = 0; k < steps; k++)
-        if (gn_fem_step(&fem->body, fem->dt, false, &error) != GNEISS_OK) {
+        if (gn_fem_step(&fem->solid, fem->dt, false, &error) != GNEISS_OK) {
             snprintf(message, BENCH_MESSAGE_SIZE, "%s", error.message);
             return false;
         }
@@ -66,19 +66,19 @@ bool bench_fem_steps(bench_fem *fem, int steps, char message[BENCH_MESSAGE_SIZE]
 }
 
 size_t bench_fem_elements(const bench_fem *fem) {
-    return fem->body.elements.soa.count;
+    return fem->solid.elements.soa.count;
 }
 
 size_t bench_fem_nodes(const bench_fem *fem) {
-    return fem->body.nodes.soa.count;
+    return fem->solid.nodes.soa.count;
 }
 
 const char *bench_fem_isa(const bench_fem *fem) {
-    return fem->body.kernels->name;
+    return fem->solid.kernels->name;
 }
 
 size_t bench_fem_kernel(bench_fem *fem, size_t blocks) {
-    const gn_fem_body *b = &fem->body;
+    const gn_fem_solid *b = &fem->solid;
     const gn_element_args args = {.pos = b->nodes.pos,
                                   .elements = &b->elements,
                                   .uniform = b->uniform,
@@ -98,7 +98,7 @@ size_t bench_fem_kernel(bench_fem *fem, size_t blocks) {
  * stress 16, F S 45, forces 54, sums 12; in the plane 4, 12, 11, 11, 12, 16, 6. Single precision
  * has 12 (6) more: two sums for every strain, and 1 added to the diagonal of H. */
 void bench_fem_traffic(const bench_fem *fem, double *columns, double *rows, double *operations) {
-    const gn_fem_body *b = &fem->body;
+    const gn_fem_solid *b = &fem->solid;
     const bool space = b->dimension == 3;
     const double nodes = b->dimension + 1, row = 4 * sizeof(double);
     const double real = b->single ? sizeof(float) : sizeof(double);

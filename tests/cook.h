@@ -41,7 +41,7 @@ static inline gn_mesh cook_mesh(const cook *c) {
 }
 
 /* The node at (column, row) of the grid. */
-static inline size_t cook_node(const gn_fem_body *body, int cells, int column, int row) {
+static inline size_t cook_node(const gn_fem_solid *body, int cells, int column, int row) {
     for (size_t n = 0; n < body->nodes.soa.count; n++)
         if (body->nodes.id[n] == row * (cells + 1) + column) return n;
     fail_msg("no node at column %d, row %d", column, row);
@@ -49,14 +49,14 @@ static inline size_t cook_node(const gn_fem_body *body, int cells, int column, i
 }
 
 /* The loaded panel before its first step. */
-static inline gn_fem_body *cook_body(const cook *c) {
+static inline gn_fem_solid *cook_body(const cook *c) {
     const gn_fem_material m = {.young = 240.565, .poisson = c->poisson, .density = 1.0};
     const double rest[3] = {0.0}, traction[3] = {0.0, 6.25 * cook_scale, 0.0};
     gn_fem_spec spec = spec_of(2, &m);
     spec.form = c->form;
     spec.damping = GN_FX_VISCOUS;
     spec.damping_coefficient = 0.4; /* 1/s: about critical for the first mode */
-    gn_fem_body *body = body_of(&spec, cook_mesh(c));
+    gn_fem_solid *body = body_of(&spec, cook_mesh(c));
     gn_fem_set set;
     int32_t motion;
     assert_int_equal(gn_fem_nodes_of_group(body, "x_lower", &set, NULL), GNEISS_OK);
@@ -67,15 +67,15 @@ static inline gn_fem_body *cook_body(const cook *c) {
 }
 
 /* Vertical displacement of the upper right corner under the whole load. */
-static inline double cook_deflection(const gn_fem_body *body, const cook *c) {
+static inline double cook_deflection(const gn_fem_solid *body, const cook *c) {
     const size_t tip = 4 * cook_node(body, c->cells, c->cells, c->cells) + 1;
     return (body->nodes.pos[tip] - body->nodes.start[tip]) / cook_scale;
 }
 
 /* At rest under its load: the corner moves by less than 1e-6 of its way in four times 5 s, which is
  * about a quarter of the first period each. */
-static inline gn_fem_body *cook_at_rest(const cook *c) {
-    gn_fem_body *body = cook_body(c);
+static inline gn_fem_solid *cook_at_rest(const cook *c) {
+    gn_fem_solid *body = cook_body(c);
     const double dt = 0.95 * fem_limits(body).sharp;
     double before = 0.0;
     for (int quiet = 0; quiet < 4;) {
@@ -89,7 +89,7 @@ static inline gn_fem_body *cook_at_rest(const cook *c) {
 }
 
 /* Pressures at nodes under the whole load, in rows of the grid; to be freed. */
-static inline double *cook_pressure(const gn_fem_body *body) {
+static inline double *cook_pressure(const gn_fem_solid *body) {
     const size_t nodes = body->nodes.soa.count;
     double *place = calloc(nodes, sizeof *place), *grid = calloc(nodes, sizeof *grid);
     assert_int_equal(gn_fem_nodal_pressure(body, place, NULL), GNEISS_OK);

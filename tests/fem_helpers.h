@@ -4,7 +4,7 @@
 
 #include "world_helpers.h"
 
-#include "fem/body.h"
+#include "fem/solid.h"
 #include "fem/structured.h"
 
 static const gn_fem_material rock = {.young = 30e9, .poisson = 0.2, .density = 2600.0};
@@ -32,33 +32,33 @@ static inline gn_fem_spec spec_of(int dimension, const gn_fem_material *material
                          .threads = 1};
 }
 
-static inline gn_fem_body *body_of(const gn_fem_spec *spec, gn_mesh mesh) {
-    gn_fem_body *body = calloc(1, sizeof *body);
+static inline gn_fem_solid *body_of(const gn_fem_spec *spec, gn_mesh mesh) {
+    gn_fem_solid *solid = calloc(1, sizeof *solid);
     gneiss_error error = {0};
-    if (gn_fem_body_create(spec, &mesh, body, &error) != GNEISS_OK) fail_msg("%s", error.message);
-    return body;
+    if (gn_fem_solid_create(spec, &mesh, solid, &error) != GNEISS_OK) fail_msg("%s", error.message);
+    return solid;
 }
 
-static inline void body_end(gn_fem_body *body) {
-    gn_fem_body_free(body);
-    free(body);
+static inline void body_end(gn_fem_solid *solid) {
+    gn_fem_solid_free(solid);
+    free(solid);
 }
 
-static inline void fem_step(gn_fem_body *body, double dt, bool measure) {
+static inline void fem_step(gn_fem_solid *solid, double dt, bool measure) {
     gneiss_error error = {0};
-    if (gn_fem_step(body, dt, measure, &error) != GNEISS_OK) fail_msg("%s", error.message);
+    if (gn_fem_step(solid, dt, measure, &error) != GNEISS_OK) fail_msg("%s", error.message);
 }
 
 /* Forces and readings of the present positions; nothing moves in an interval of no length. */
-static inline void fem_evaluate(gn_fem_body *body) {
-    gn_fem_moved(body);
-    fem_step(body, 0.0, true);
+static inline void fem_evaluate(gn_fem_solid *solid) {
+    gn_fem_moved(solid);
+    fem_step(solid, 0.0, true);
 }
 
-static inline gn_fem_limit fem_limits(gn_fem_body *body) {
+static inline gn_fem_limit fem_limits(gn_fem_solid *solid) {
     gn_fem_limit limit;
     gneiss_error error = {0};
-    if (gn_fem_limits(body, 1e-6, &limit, &error) != GNEISS_OK) fail_msg("%s", error.message);
+    if (gn_fem_limits(solid, 1e-6, &limit, &error) != GNEISS_OK) fail_msg("%s", error.message);
     return limit;
 }
 
@@ -144,11 +144,11 @@ static inline double confined(const gn_fem_material *m) {
 }
 
 /* Random velocities up to `speed` in every direction. */
-static inline void stir(gn_fem_body *body, double speed) {
+static inline void stir(gn_fem_solid *solid, double speed) {
     uint64_t at = 3;
-    for (size_t n = 0; n < body->nodes.soa.count; n++)
-        for (int k = 0; k < body->dimension; k++)
-            body->nodes.vel[4 * n + (size_t)k] = speed * uniform(&at, -1.0, 1.0);
+    for (size_t n = 0; n < solid->nodes.soa.count; n++)
+        for (int k = 0; k < solid->dimension; k++)
+            solid->nodes.vel[4 * n + (size_t)k] = speed * uniform(&at, -1.0, 1.0);
 }
 
 #endif

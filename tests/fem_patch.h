@@ -1,4 +1,4 @@
-/* Homogeneous deformations of bodies of finite elements with distorted meshes. */
+/* Homogeneous deformations of solids of finite elements with distorted meshes. */
 #ifndef GN_TESTS_FEM_PATCH_H
 #define GN_TESTS_FEM_PATCH_H
 
@@ -11,24 +11,24 @@ static inline double distortion_of(int d) {
     return d == 3 ? 0.16 : 0.24;
 }
 
-static inline gn_fem_body *distorted_body(int d, gn_fem_form form) {
+static inline gn_fem_solid *distorted_body(int d, gn_fem_form form) {
     gn_fem_spec spec = spec_of(d, &rock);
     spec.form = form;
     return body_of(&spec, mesh_of(sizes[d - 2], cells[d - 2], distortion_of(d)));
 }
 
 /* x = F X for all nodes. */
-static inline void place(gn_fem_body *body, double f[3][3]) {
-    for (size_t n = 0; n < body->nodes.soa.count; n++)
-        for (int k = 0; k < body->dimension; k++)
-            body->nodes.pos[4 * n + (size_t)k] = dot3(f[k], body->nodes.start + 4 * n);
-    gn_fem_moved(body);
+static inline void place(gn_fem_solid *solid, double f[3][3]) {
+    for (size_t n = 0; n < solid->nodes.soa.count; n++)
+        for (int k = 0; k < solid->dimension; k++)
+            solid->nodes.pos[4 * n + (size_t)k] = dot3(f[k], solid->nodes.start + 4 * n);
+    gn_fem_moved(solid);
 }
 
-static inline bool on_boundary(const gn_fem_body *body, size_t n) {
-    const double *x = body->nodes.start + 4 * n, *size = sizes[body->dimension - 2];
+static inline bool on_boundary(const gn_fem_solid *solid, size_t n) {
+    const double *x = solid->nodes.start + 4 * n, *size = sizes[solid->dimension - 2];
     bool on = false;
-    for (int k = 0; k < body->dimension; k++) on = on || x[k] == 0.0 || x[k] == size[k];
+    for (int k = 0; k < solid->dimension; k++) on = on || x[k] == 0.0 || x[k] == size[k];
     return on;
 }
 
@@ -55,18 +55,18 @@ static inline double law(gn_fem_form form, double f[3][3], double sigma[3][3]) {
 }
 
 /* Stresses of all elements against F S F^T/det F; allowed in parts of Young's modulus. */
-static inline void assert_stress(const gn_fem_body *body, double f[3][3], double allowed) {
+static inline void assert_stress(const gn_fem_solid *solid, double f[3][3], double allowed) {
     static const int at[6][2] = {{0, 0}, {1, 1}, {2, 2}, {0, 1}, {1, 2}, {2, 0}};
-    double sigma[3][3], (*stress)[6] = calloc(body->elements.soa.count, sizeof *stress);
-    law(body->form, f, sigma);
-    gn_fem_element_stress(body, stress);
-    for (size_t e = 0; e < body->elements.soa.count; e++)
+    double sigma[3][3], (*stress)[6] = calloc(solid->elements.soa.count, sizeof *stress);
+    law(solid->form, f, sigma);
+    gn_fem_element_stress(solid, stress);
+    for (size_t e = 0; e < solid->elements.soa.count; e++)
         for (int c = 0; c < 6; c++)
             assert_near(stress[e][c], sigma[at[c][0]][at[c][1]], allowed * rock.young);
     free(stress);
 }
 
-/* Positions have an error of 2^-53 in the body's unit length and strains of 2^-53 over the size of
+/* Positions have an error of 2^-53 in the solid's unit length and strains of 2^-53 over the size of
  * an element; slender ones add up a few. */
 enum { ROUND_OFF = 64, DRIVE = 200 };
 static inline double strain_round_off(int d) {
@@ -74,29 +74,30 @@ static inline double strain_round_off(int d) {
 }
 
 /* A distorted mesh under the small deformation `f`. */
-static inline gn_fem_body *deformed_body(int d, gn_fem_form form, double f[3][3]) {
-    gn_fem_body *body = distorted_body(d, form);
+static inline gn_fem_solid *deformed_body(int d, gn_fem_form form, double f[3][3]) {
+    gn_fem_solid *solid = distorted_body(d, form);
     small_deformation(d, f);
-    place(body, f);
-    return body;
+    place(solid, f);
+    return solid;
 }
 
 /* Drives the boundary nodes to F X in so many steps. */
-static inline void drive_boundary(gn_fem_body *body, double f[3][3], double dt, int steps) {
-    gn_fem_set set = {.node = calloc(body->nodes.soa.count, sizeof(int32_t))};
+static inline void drive_boundary(gn_fem_solid *solid, double f[3][3], double dt, int steps) {
+    gn_fem_set set = {.node = calloc(solid->nodes.soa.count, sizeof(int32_t))};
     const double rest[3] = {0.0};
     int32_t motion;
-    for (size_t n = 0; n < body->nodes.soa.count; n++)
-        if (on_boundary(body, n)) set.node[set.count++] = (int32_t)n;
-    assert_int_equal(gn_fem_prescribe(body, &set, 7, rest, &motion, NULL), GNEISS_OK);
+    for (size_t n = 0; n < solid->nodes.soa.count; n++)
+        if (on_boundary(solid, n)) set.node[set.count++] = (int32_t)n;
+    assert_int_equal(gn_fem_prescribe(solid, &set, 7, rest, &motion, NULL), GNEISS_OK);
     for (size_t s = 0; s < set.count; s++) {
-        const size_t node = (size_t)set.node[s], slot = (size_t)body->nodes.slot[node];
-        const double *x = body->nodes.start + 4 * node;
-        for (int k = 0; k < body->dimension; k++)
-            body->prescribed.velocity[6 * slot + (size_t)k] = (dot3(f[k], x) - x[k]) / (dt * steps);
+        const size_t node = (size_t)set.node[s], slot = (size_t)solid->nodes.slot[node];
+        const double *x = solid->nodes.start + 4 * node;
+        for (int k = 0; k < solid->dimension; k++)
+            solid->prescribed.velocity[6 * slot + (size_t)k] =
+                (dot3(f[k], x) - x[k]) / (dt * steps);
     }
-    for (int s = 0; s < steps; s++) fem_step(body, dt, false);
-    gn_fem_set_velocity(body, motion, rest);
+    for (int s = 0; s < steps; s++) fem_step(solid, dt, false);
+    gn_fem_set_velocity(solid, motion, rest);
     free(set.node);
 }
 

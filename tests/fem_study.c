@@ -14,16 +14,16 @@ int main(int count, char **argument) {
                                                  : COOK_FALLING,
                     .poisson = 0.4999,
                     .cells = atoi(argument[3])};
-    gn_fem_body *body = cook_at_rest(&c);
-    double *p = cook_pressure(body);
-    printf("%.8g %.6g %lld %.6g\n", cook_deflection(body, &c), cook_checkerboard(p, c.cells),
-           (long long)body->step, body->dt_past);
+    gn_fem_solid *solid = cook_at_rest(&c);
+    double *p = cook_pressure(solid);
+    printf("%.8g %.6g %lld %.6g\n", cook_deflection(solid, &c), cook_checkerboard(p, c.cells),
+           (long long)solid->step, solid->dt_past);
     for (int row = 0; row <= c.cells; row++)
         for (int column = 0; column <= c.cells; column++) {
-            const double *x = body->nodes.start + 4 * cook_node(body, c.cells, column, row);
+            const double *x = solid->nodes.start + 4 * cook_node(solid, c.cells, column, row);
             printf("%.8g %.8g %.8g\n", x[0], x[1], p[row * (c.cells + 1) + column]);
         }
     free(p);
-    body_end(body);
+    body_end(solid);
     return 0;
 }

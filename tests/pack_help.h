@@ -4,8 +4,8 @@
 
 #include "io_helpers.h"
 
-#include "pack/body.h"
 #include "pack/quality.h"
+#include "pack/shape.h"
 
 /* A scene of that specimen; files are looked for in `folder`. */
 __attribute__((format(printf, 3, 4))) static inline gn_scene
@@ -100,8 +100,8 @@ static inline void write_mesh(const fixture *f, const char *name, int dimension,
 
 /* All particles inside the body and, brute force, no two overlapping. */
 static inline void check_whole(const gn_scene *scene, const gn_pack_result *r) {
-    gn_body body;
-    ok(gn_body_create(scene, &body, error));
+    gn_pack_shape body;
+    ok(gn_pack_shape_create(scene, &body, error));
     for (size_t i = 0; i < r->packing.count; i++) {
         const double *a = r->packing.sphere + 4 * i;
         assert_true(a[3] > 0 && isfinite(a[0] + a[1] + a[2] + a[3]));
@@ -117,15 +117,15 @@ static inline void check_whole(const gn_scene *scene, const gn_pack_result *r) {
                 fail_msg("particles %zu and %zu overlap by %g", i, j, 1 - d / (a[3] + b[3]));
         }
     }
-    gn_body_free(&body);
+    gn_pack_shape_free(&body);
 }
 
 static inline gn_pack_quality quality_of(const gn_scene *scene, const gn_pack_result *r) {
-    gn_body body;
+    gn_pack_shape body;
     gn_pack_quality q;
-    ok(gn_body_create(scene, &body, error));
+    ok(gn_pack_shape_create(scene, &body, error));
     ok(gn_pack_measure(&r->packing, (int)scene->dimension, body.domain, r->volume, 1, &q, error));
-    gn_body_free(&body);
+    gn_pack_shape_free(&body);
     return q;
 }
 

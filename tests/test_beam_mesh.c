@@ -30,7 +30,7 @@ static gn_structured_beam flat(void) {
 static void has_volume(const gn_structured_beam *spec) {
     int dimension = spec->thickness > 0.0 ? 3 : 2;
     gn_fem_spec s = spec_of(dimension, &rock);
-    gn_fem_body *body = body_of(&s, beam_of(spec));
+    gn_fem_solid *body = body_of(&s, beam_of(spec));
     double thickness = dimension == 3 ? spec->thickness : 1.0;
     double wanted =
         (spec->length * spec->height - spec->notch_width * spec->notch_depth) * thickness;
@@ -82,7 +82,7 @@ static void its_facets_close_it(void **state) {
     gn_mesh_free(&m);
 }
 
-static void expect_nodes(const gn_fem_body *body, const char *group, size_t count, double x,
+static void expect_nodes(const gn_fem_solid *body, const char *group, size_t count, double x,
                          double y) {
     gn_fem_set set;
     gneiss_error error = {0};
@@ -101,7 +101,7 @@ static void supports_load_and_mouth_are_where_they_belong(void **state) {
     gn_structured_beam plane = flat();
     for (int dimension = 2; dimension <= 3; dimension++) {
         gn_fem_spec s = spec_of(dimension, &rock);
-        gn_fem_body *body = body_of(&s, beam_of(dimension == 3 ? &concrete : &plane));
+        gn_fem_solid *body = body_of(&s, beam_of(dimension == 3 ? &concrete : &plane));
         size_t nodes = dimension == 3 ? 7 : 1;
         expect_nodes(body, "support_left", nodes, 0.03, 0.0);
         expect_nodes(body, "support_right", nodes, 0.33, 0.0);
@@ -158,14 +158,14 @@ static void impossible_beams_are_refused(void **state) {
 
 /* --- loads and averages --- */
 
-static gn_fem_body *block(void) {
+static gn_fem_solid *block(void) {
     gn_fem_spec s = spec_of(3, &rock);
     return body_of(&s, mesh_of((double[]){0.04, 0.02, 0.03}, (int[]){4, 2, 3}, 0.1));
 }
 
 static void shares_of_facets_are_their_area_and_those_of_nodes_one(void **state) {
     (void)state;
-    gn_fem_body *body = block();
+    gn_fem_solid *body = block();
     gneiss_error error = {0};
     gn_fem_load load[2];
     gn_fem_set set;
@@ -208,7 +208,7 @@ static void shares_of_facets_are_their_area_and_those_of_nodes_one(void **state)
 /* A linear field of displacements has its gradient as the mean. */
 static void the_mean_gradient_of_a_linear_field_is_its_own(void **state) {
     (void)state;
-    gn_fem_body *body = block();
+    gn_fem_solid *body = block();
     size_t nodes = body->nodes.soa.count;
     double(*weight)[3] = calloc(nodes, sizeof *weight), gradient[9];
     double g[9] = {1e-3, 2e-4, -3e-4, 4e-4, -2e-3, 5e-4, 0.0, -7e-4, 3e-3};
@@ -223,7 +223,7 @@ static void the_mean_gradient_of_a_linear_field_is_its_own(void **state) {
     body_end(body);
 }
 
-static void deform(gn_fem_body *body, double f[3][3]) {
+static void deform(gn_fem_solid *body, double f[3][3]) {
     for (size_t n = 0; n < body->nodes.soa.count; n++)
         for (int a = 0; a < 3; a++) {
             const double *x = body->nodes.start + 4 * n;
@@ -233,7 +233,7 @@ static void deform(gn_fem_body *body, double f[3][3]) {
 
 static void rotation_does_not_stiffen_and_stretch_does(void **state) {
     (void)state;
-    gn_fem_body *body = block();
+    gn_fem_solid *body = block();
     gneiss_error error = {0};
     double f[3][3], factor;
     rotation((double[]){1.0, 2.0, 3.0}, 1.1, f);
@@ -253,7 +253,7 @@ static double growth_after(double share, double stretch) {
     gn_fem_material m = rock;
     m.poisson = 0.0;
     gn_fem_spec s = spec_of(2, &m);
-    gn_fem_body *body = body_of(&s, mesh_of((double[]){0.04, 0.01, 0.0}, (int[]){16, 4, 0}, 0.0));
+    gn_fem_solid *body = body_of(&s, mesh_of((double[]){0.04, 0.01, 0.0}, (int[]){16, 4, 0}, 0.0));
     gneiss_error error = {0};
     gn_fem_set all;
     const double lower[3] = {-1, -1, -1}, upper[3] = {1, 1, 1}, ends[2][2] = {{-1, 0}, {0.04, 1}};

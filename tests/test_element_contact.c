@@ -66,7 +66,7 @@ static void add_all(momentum *m, const gn_particles *q) {
 static momentum momentum_of(const gn_world *w) {
     momentum m = {0};
     add_all(&m, &w->dem.particles);
-    add_all(&m, &w->elements[0]->body.nodes);
+    add_all(&m, &w->elements[0]->solid.nodes);
     return m;
 }
 
@@ -80,7 +80,7 @@ static void keeps_momentum(int dimension) {
     int64_t steps = 20000;
     run_steps(w, steps);
     momentum after = momentum_of(w);
-    double nodes = (double)w->elements[0]->body.nodes.soa.count;
+    double nodes = (double)w->elements[0]->solid.nodes.soa.count;
     for (int a = 0; a < 3; a++) {
         /* The elements' forces are large and cancel: roundings of each node's, every step. */
         double allowed = 2.2e-16 * (double)steps * sqrt(nodes) * 4.0;
@@ -157,8 +157,8 @@ static void the_limit_knows_of_contacts_with_nodes(void **state) {
     gneiss_error error = {0};
     double speed = 0.0;
     for (int n = 0; n < 2000 && gn_world_step(w, false, &error) == GNEISS_OK; n++)
-        for (size_t v = 0; v < w->elements[0]->body.nodes.soa.count; v++)
-            speed = fmax(speed, fabs(w->elements[0]->body.nodes.vel[4 * v + 2]));
+        for (size_t v = 0; v < w->elements[0]->solid.nodes.soa.count; v++)
+            speed = fmax(speed, fabs(w->elements[0]->solid.nodes.vel[4 * v + 2]));
     /* Free fall over the whole time would come to far less. */
     assert_true(speed > 10.0 * 1e3 * 2000 * alone);
     world_end(w);

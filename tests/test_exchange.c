@@ -8,7 +8,7 @@
 /* Points of two parts of the world at the same places move as one: both get the force that makes
  * their next velocities equal. */
 typedef struct tie {
-    int part[2]; /* -1: particles; else a body of elements */
+    int part[2]; /* -1: particles; else a solid of elements */
     size_t count;
     int32_t point[64][2]; /* particles by id, nodes by place */
     double force[64][3];  /* N, on the first of two, of the last step */
@@ -29,7 +29,7 @@ static end end_of(gn_world *w, const tie *t, size_t k, int side) {
     if (part < 0)
         return (end){&w->dem.particles, &w->dem.hold, (size_t)w->dem.index_of_id[point],
                      gn_row_width(space, true)};
-    gn_fem_body *b = &w->elements[part]->body;
+    gn_fem_solid *b = &w->elements[part]->solid;
     return (end){&b->nodes, &b->hold, (size_t)point, gn_row_width(space, false)};
 }
 
@@ -76,7 +76,7 @@ static void stir(const gn_world *w, const gn_particles *q) {
 
 /* Waves in a bonded lattice beside a block of elements, whose top nodes are the centres of the
  * lowest layer of particles. */
-static gn_world *bodies(int dimension, double step, int threads) {
+static gn_world *solids(int dimension, double step, int threads) {
     text *t = calloc(1, sizeof *t);
     int layers = dimension == 3 ? 6 : 1;
     for (int z = 0; z < 4; z++)
@@ -101,7 +101,7 @@ static gn_world *bodies(int dimension, double step, int threads) {
                  step, threads);
     free(t);
     stir(w, &w->dem.particles);
-    stir(w, &w->elements[0]->body.nodes);
+    stir(w, &w->elements[0]->solid.nodes);
     return w;
 }
 
@@ -119,7 +119,7 @@ static void tie_make(tie *t, gn_world *w, int first, int second) {
     size_t n[2];
     const gn_particles *q[2];
     for (int side = 0; side < 2; side++)
-        q[side] = t->part[side] < 0 ? &w->dem.particles : &w->elements[t->part[side]]->body.nodes;
+        q[side] = t->part[side] < 0 ? &w->dem.particles : &w->elements[t->part[side]]->solid.nodes;
     for (n[0] = 0; n[0] < q[0]->soa.count; n[0]++)
         for (n[1] = 0; n[1] < q[1]->soa.count; n[1]++) {
             const double *x = q[0]->pos + 4 * n[0], *y = q[1]->pos + 4 * n[1];
@@ -139,7 +139,7 @@ static void tie_make(tie *t, gn_world *w, int first, int second) {
 static two_blocks *stack(int dimension, double step, int threads) {
     two_blocks *s = calloc(1, sizeof *s);
     gneiss_error error = {0};
-    s->w = bodies(dimension, step, threads);
+    s->w = solids(dimension, step, threads);
     s->def = s->w->scene.elements;
     s->material = s->def.materials[0];
     s->material.young *= 0.5;
@@ -148,7 +148,7 @@ static two_blocks *stack(int dimension, double step, int threads) {
     if (gn_elements_add(s->w, &s->def, NULL, &error) != GNEISS_OK ||
         gn_world_check_step(s->w, true, &error) != GNEISS_OK)
         fail_msg("%s", error.message);
-    stir(s->w, &s->w->elements[1]->body.nodes);
+    stir(s->w, &s->w->elements[1]->solid.nodes);
     tie_make(&s->upper, s->w, -1, 0);
     tie_make(&s->lower, s->w, 0, 1);
     return s;
@@ -177,7 +177,7 @@ static void momentum_of(const gn_world *w, double sum[6], double *size) {
     *size = 0.0;
     add_momentum(&w->dem.particles, sum, size);
     for (size_t k = 0; k < w->element_count; k++)
-        add_momentum(&w->elements[k]->body.nodes, sum, size);
+        add_momentum(&w->elements[k]->solid.nodes, sum, size);
 }
 
 static void assert_together(gn_world *w, const tie *t) {
@@ -211,7 +211,7 @@ static double run_steps_tied(gn_world *w, int steps) {
 }
 
 static double run_tied(int dimension, double step, int steps) {
-    gn_world *w = bodies(dimension, step, 2);
+    gn_world *w = solids(dimension, step, 2);
     tie t;
     tie_make(&t, w, -1, 0);
     double lost = run_steps_tied(w, steps);
@@ -264,12 +264,12 @@ static void two_bodies_of_elements_give_the_same_bits_on_any_number_of_threads(v
     for (int threads = 2; threads <= 4; threads++) assert_true(stack_after(threads, 300) == one);
 }
 
-/* What is said of the elements is said of all bodies. */
+/* What is said of the elements is said of all solids. */
 static void a_world_sums_over_its_bodies_of_elements(void **state) {
     (void)state;
     two_blocks *s = stack(3, 4e-7, 1);
     gn_world *w = s->w;
-    gn_fem_body *a = &w->elements[0]->body, *b = &w->elements[1]->body;
+    gn_fem_solid *a = &w->elements[0]->solid, *b = &w->elements[1]->solid;
     gn_element_totals t = gn_elements_totals(w);
     assert_int_equal(t.nodes, a->nodes.soa.count + b->nodes.soa.count);
     assert_int_equal(t.elements, a->elements.soa.count + b->elements.soa.count);
@@ -292,8 +292,8 @@ static size_t rows_of(const gn_h5 *file, const char *name) {
 
 typedef gneiss_status writer(const gn_world *w, gn_h5 *file, gneiss_error *error);
 
-/* What a writer leaves in a file: rows of three data sets, the first body's, the second one's, and
- * one that no third body has. */
+/* What a writer leaves in a file: rows of three data sets, the first solid's, the second one's, and
+ * one that no third solid has. */
 static void assert_bodies_in_file(const gn_world *w, writer *write, const char *name) {
     char path[] = "/tmp/gneiss-two-bodies-XXXXXX", second[64], third[64];
     gneiss_error error = {0};
@@ -305,14 +305,14 @@ static void assert_bodies_in_file(const gn_world *w, writer *write, const char *
     assert_int_equal(write(w, file, &error), GNEISS_OK);
     assert_int_equal(gn_h5_commit(file, GN_DURABLE, &error), GNEISS_OK);
     assert_int_equal(gn_h5_open_whole(path, &file, &error), GNEISS_OK);
-    assert_int_equal(rows_of(file, name), w->elements[0]->body.nodes.soa.count);
-    assert_int_equal(rows_of(file, second), w->elements[1]->body.nodes.soa.count);
+    assert_int_equal(rows_of(file, name), w->elements[0]->solid.nodes.soa.count);
+    assert_int_equal(rows_of(file, second), w->elements[1]->solid.nodes.soa.count);
     assert_false(gn_h5_has(file, third));
     gn_h5_close(file);
     unlink(path);
 }
 
-/* The first body has the names that it has alone. */
+/* The first solid has the names that it has alone. */
 static void files_tell_bodies_of_elements_apart(void **state) {
     (void)state;
     two_blocks *s = stack(2, 4e-7, 1);
@@ -322,7 +322,7 @@ static void files_tell_bodies_of_elements_apart(void **state) {
 }
 
 static uint64_t hash_after(int threads, bool tied, int steps) {
-    gn_world *w = bodies(3, 4e-7, threads);
+    gn_world *w = solids(3, 4e-7, threads);
     tie t;
     if (tied) tie_make(&t, w, -1, 0);
     run_steps(w, steps);
@@ -348,12 +348,12 @@ static gneiss_status nothing(void *context, gn_world *w, gneiss_error *error) {
 
 static void waiting_changes_no_bit(void **state) {
     (void)state;
-    gn_world *w = bodies(3, 4e-7, 2);
+    gn_world *w = solids(3, 4e-7, 2);
     tie t;
     tie_make(&t, w, -1, 0);
     w->exchange[0].act = nothing;
     run_steps(w, 300);
-    assert_true(w->dem.hold.count > 0 && w->elements[0]->body.hold.count > 0);
+    assert_true(w->dem.hold.count > 0 && w->elements[0]->solid.hold.count > 0);
     assert_true(gn_world_hash(w) == hash_after(1, false, 300));
     world_end(w);
 }
@@ -365,7 +365,7 @@ static gneiss_status refuse(void *context, gn_world *w, gneiss_error *error) {
 
 static void an_exchange_may_stop_the_run(void **state) {
     (void)state;
-    gn_world *w = bodies(2, 4e-7, 1);
+    gn_world *w = solids(2, 4e-7, 1);
     gneiss_error error = {0};
     assert_int_equal(gn_exchange_add(w, (gn_exchange){NULL, nothing, refuse, NULL}, &error),
                      GNEISS_OK);

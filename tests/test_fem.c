@@ -9,16 +9,17 @@
 static void structured_meshes_fill_their_box(void **state) {
     (void)state;
     for (int d = 2; d <= 3; d++) {
-        gn_fem_body *body = distorted_body(d, GN_FEM_DISPLACEMENT);
+        gn_fem_solid *solid = distorted_body(d, GN_FEM_DISPLACEMENT);
         double volume = sizes[d - 2][0] * sizes[d - 2][1] * (d == 3 ? sizes[1][2] : 1.0);
-        assert_close(body->volume, volume, 1e-13);
-        assert_close(body->mass, volume * rock.density, 1e-13);
-        assert_int_equal(body->turned_elements, 0);
-        assert_int_equal(body->unused_nodes, 0);
+        assert_close(solid->volume, volume, 1e-13);
+        assert_close(solid->mass, volume * rock.density, 1e-13);
+        assert_int_equal(solid->turned_elements, 0);
+        assert_int_equal(solid->unused_nodes, 0);
         double mass = 0.0;
-        for (size_t n = 0; n < body->nodes.soa.count; n++) mass += 1.0 / body->nodes.vel[4 * n + 3];
-        assert_close(mass, body->mass, 1e-13);
-        body_end(body);
+        for (size_t n = 0; n < solid->nodes.soa.count; n++)
+            mass += 1.0 / solid->nodes.vel[4 * n + 3];
+        assert_close(mass, solid->mass, 1e-13);
+        body_end(solid);
     }
 }
 
@@ -42,15 +43,16 @@ static void nodes_and_elements_lie_close_together(void **state) {
     const double size[3] = {1.0, 1.0, 1.0};
     const int many[3] = {20, 20, 20};
     gn_fem_spec spec = spec_of(3, &rock);
-    gn_fem_body *body = body_of(&spec, mesh_of(size, many, 0.0));
+    gn_fem_solid *solid = body_of(&spec, mesh_of(size, many, 0.0));
     /* A block of 1024 elements has about as many nodes as a cube of 205 cells, 7^3; along the curve
      * cubes are cut in pieces. */
-    const gn_partials *q = &body->partials;
+    const gn_partials *q = &solid->partials;
     assert_true(q->length >= 512);
     assert_true((double)q->first[q->blocks] / (double)q->blocks < 0.55 * (double)q->length);
-    for (size_t n = 0; n < body->nodes.soa.count; n++)
-        assert_memory_equal(body->nodes.start + 4 * n, body->mesh.node + 3 * n, 3 * sizeof(double));
-    body_end(body);
+    for (size_t n = 0; n < solid->nodes.soa.count; n++)
+        assert_memory_equal(solid->nodes.start + 4 * n, solid->mesh.node + 3 * n,
+                            3 * sizeof(double));
+    body_end(solid);
 }
 
 /* --- loads --- */
@@ -58,29 +60,29 @@ static void nodes_and_elements_lie_close_together(void **state) {
 static void a_traction_gives_its_area_times_itself(void **state) {
     (void)state;
     for (int d = 2; d <= 3; d++) {
-        gn_fem_body *body = distorted_body(d, GN_FEM_DISPLACEMENT);
+        gn_fem_solid *solid = distorted_body(d, GN_FEM_DISPLACEMENT);
         const double traction[3] = {3e4, -2e4, d == 3 ? 1e4 : 0.0};
         double area = sizes[d - 2][1] * (d == 3 ? sizes[1][2] : 1.0), sum[3] = {0.0}, moment = 0.0;
-        assert_int_equal(gn_fem_add_traction(body, "x_upper", traction, NULL), GNEISS_OK);
-        for (size_t n = 0; n < body->nodes.soa.count; n++) {
-            const double *f = body->nodes.applied + 4 * n, *x = body->nodes.start + 4 * n;
+        assert_int_equal(gn_fem_add_traction(solid, "x_upper", traction, NULL), GNEISS_OK);
+        for (size_t n = 0; n < solid->nodes.soa.count; n++) {
+            const double *f = solid->nodes.applied + 4 * n, *x = solid->nodes.start + 4 * n;
             for (int k = 0; k < 3; k++) sum[k] += f[k];
             moment += x[1] * f[0];
             assert_true(f[0] == 0.0 || x[0] == sizes[d - 2][0]);
         }
         for (int k = 0; k < d; k++) assert_close(sum[k], traction[k] * area, 1e-13);
         assert_close(moment, 0.5 * sizes[d - 2][1] * traction[0] * area, 1e-13);
-        body_end(body);
+        body_end(solid);
     }
 }
 
-static void hold(gn_fem_body *body, const char *group, unsigned mask, int32_t *motion) {
+static void hold(gn_fem_solid *solid, const char *group, unsigned mask, int32_t *motion) {
     const double rest[3] = {0.0};
     gn_fem_set set;
     gneiss_error error = {0};
-    if (gn_fem_nodes_of_group(body, group, &set, &error) != GNEISS_OK)
+    if (gn_fem_nodes_of_group(solid, group, &set, &error) != GNEISS_OK)
         fail_msg("%s", error.message);
-    assert_int_equal(gn_fem_prescribe(body, &set, mask, rest, motion, &error), GNEISS_OK);
+    assert_int_equal(gn_fem_prescribe(solid, &set, mask, rest, motion, &error), GNEISS_OK);
     gn_fem_set_free(&set);
 }
 
@@ -95,24 +97,24 @@ static void reactions_carry_weight_and_loads(void **state) {
         spec.gravity[1] = -9.81;
         spec.damping = GN_FX_VISCOUS;
         spec.damping_coefficient = 1e4;
-        gn_fem_body *body = body_of(&spec, mesh_of(sizes[d - 2], cells[d - 2], 0.1));
-        hold(body, "y_lower", 2, &below);
-        hold(body, "x_lower", 1, &left);
-        if (d == 3) hold(body, "z_lower", 4, &back);
-        assert_int_equal(gn_fem_add_traction(body, "y_upper", traction, NULL), GNEISS_OK);
-        double dt = 0.9 * fem_limits(body).sharp;
-        for (int s = 0; s < 6000; s++) fem_step(body, dt, s == 0);
-        fem_step(body, dt, true);
-        gn_fem_reaction(body, below, force);
-        assert_close(force[1], 9.81 * body->mass + 1e4 * area, 1e-8);
+        gn_fem_solid *solid = body_of(&spec, mesh_of(sizes[d - 2], cells[d - 2], 0.1));
+        hold(solid, "y_lower", 2, &below);
+        hold(solid, "x_lower", 1, &left);
+        if (d == 3) hold(solid, "z_lower", 4, &back);
+        assert_int_equal(gn_fem_add_traction(solid, "y_upper", traction, NULL), GNEISS_OK);
+        double dt = 0.9 * fem_limits(solid).sharp;
+        for (int s = 0; s < 6000; s++) fem_step(solid, dt, s == 0);
+        fem_step(solid, dt, true);
+        gn_fem_reaction(solid, below, force);
+        assert_close(force[1], 9.81 * solid->mass + 1e4 * area, 1e-8);
         assert_true(force[0] == 0.0); /* the side's, although it has a corner of the base */
-        gn_fem_reaction(body, left, force);
+        gn_fem_reaction(solid, left, force);
         assert_near(force[0], 0.0, 1e-8 * 1e4 * area);
-        double scale = body->reading.work_gravity + body->reading.work_applied;
+        double scale = solid->reading.work_gravity + solid->reading.work_applied;
         /* The ledger is exact for a linear law; the rest of this one is of the size of strains. */
-        assert_near(gn_fem_energy_residual(&body->reading), 0.0, 1e-6 * scale);
-        assert_true(body->reading.damping > 0.1 * scale);
-        body_end(body);
+        assert_near(gn_fem_energy_residual(&solid->reading), 0.0, 1e-6 * scale);
+        assert_true(solid->reading.damping > 0.1 * scale);
+        body_end(solid);
     }
 }
 
@@ -122,26 +124,27 @@ static void prescribed_strain_gives_the_confined_stress(void **state) {
     gn_fem_spec spec = spec_of(2, &rock);
     spec.damping = GN_FX_VISCOUS;
     spec.damping_coefficient = 1e4;
-    gn_fem_body *body = body_of(&spec, mesh_of(sizes[0], cells[0], 0.1));
+    gn_fem_solid *solid = body_of(&spec, mesh_of(sizes[0], cells[0], 0.1));
     int32_t left, below, above, right;
-    hold(body, "y_lower", 2, &below);
-    hold(body, "y_upper", 2, &above);
-    hold(body, "x_lower", 1, &left);
-    hold(body, "x_upper", 1, &right);
-    double dt = 0.9 * fem_limits(body).sharp, force[3];
+    hold(solid, "y_lower", 2, &below);
+    hold(solid, "y_upper", 2, &above);
+    hold(solid, "x_lower", 1, &left);
+    hold(solid, "x_upper", 1, &right);
+    double dt = 0.9 * fem_limits(solid).sharp, force[3];
     const double pull[3] = {1e-6 / (500.0 * dt), 0.0, 0.0}, rest[3] = {0.0};
-    gn_fem_set_velocity(body, right, pull);
-    for (int s = 0; s < 500; s++) fem_step(body, dt, s == 0);
-    gn_fem_set_velocity(body, right, rest);
-    for (int s = 0; s < 6000; s++) fem_step(body, dt, false);
-    fem_step(body, dt, true);
-    gn_fem_reaction(body, right, force);
+    gn_fem_set_velocity(solid, right, pull);
+    for (int s = 0; s < 500; s++) fem_step(solid, dt, s == 0);
+    gn_fem_set_velocity(solid, right, rest);
+    for (int s = 0; s < 6000; s++) fem_step(solid, dt, false);
+    fem_step(solid, dt, true);
+    gn_fem_reaction(solid, right, force);
     assert_close(force[0], confined(&rock) * 1e-6 * sizes[0][1],
                  1e-5); /* strain 1e-6: not linear */
-    gn_fem_reaction(body, left, force);
+    gn_fem_reaction(solid, left, force);
     assert_close(force[0], -confined(&rock) * 1e-6 * sizes[0][1], 1e-5);
-    assert_near(gn_fem_energy_residual(&body->reading), 0.0, 1e-6 * body->reading.work_prescribed);
-    body_end(body);
+    assert_near(gn_fem_energy_residual(&solid->reading), 0.0,
+                1e-6 * solid->reading.work_prescribed);
+    body_end(solid);
 }
 
 static void two_materials_meet_with_the_same_stress(void **state) {
@@ -161,29 +164,29 @@ static void two_materials_meet_with_the_same_stress(void **state) {
     }
     gn_fem_spec spec = spec_of(2, both);
     spec.material_count = 2;
-    gn_fem_body *body = body_of(&spec, mesh);
-    assert_close(body->mass, 2000.0 + 2600.0, 1e-13);
-    for (size_t e = 0; e < body->elements.soa.count; e++) {
+    gn_fem_solid *solid = body_of(&spec, mesh);
+    assert_close(solid->mass, 2000.0 + 2600.0, 1e-13);
+    for (size_t e = 0; e < solid->elements.soa.count; e++) {
         double x = 0.0;
         for (int a = 0; a < 3; a++)
-            x += body->nodes.start[4 * (size_t)gn_elements_node(&body->elements, a)[e]] / 3.0;
-        assert_close(body->elements.mu[e], lame_mu(&both[x > 1.0]), 1e-14);
+            x += solid->nodes.start[4 * (size_t)gn_elements_node(&solid->elements, a)[e]] / 3.0;
+        assert_close(solid->elements.mu[e], lame_mu(&both[x > 1.0]), 1e-14);
     }
     /* Under uniaxial strain both halves carry the same stress when strains are inverse to moduli.
      */
-    for (size_t n = 0; n < body->nodes.soa.count; n++) {
-        double *x = body->nodes.pos + 4 * n;
+    for (size_t n = 0; n < solid->nodes.soa.count; n++) {
+        double *x = solid->nodes.pos + 4 * n;
         x[0] += 3e-7 * fmin(x[0], 1.0) + 1e-7 * fmax(x[0] - 1.0, 0.0);
     }
-    fem_evaluate(body);
-    for (size_t n = 0; n < body->nodes.soa.count; n++) {
-        const double *x = body->nodes.start + 4 * n;
+    fem_evaluate(solid);
+    for (size_t n = 0; n < solid->nodes.soa.count; n++) {
+        const double *x = solid->nodes.start + 4 * n;
         double force[3];
-        fem_force(&body->partials, (int32_t)n, force);
+        fem_force(&solid->partials, (int32_t)n, force);
         if (x[0] > 0.0 && x[0] < 2.0)
             assert_near(force[0], 0.0, 1e-6 * confined(&both[0]) * 3e-7 * 0.25);
     }
-    body_end(body);
+    body_end(solid);
 }
 
 /* Two triangles of a unit square, the second one turned, and a node in the air. */
@@ -207,24 +210,24 @@ static void a_gmsh_file_becomes_a_body(void **state) {
     gn_fem_material m = rock;
     m.group = "rock";
     gn_fem_spec spec = spec_of(2, &m);
-    gn_fem_body *body = body_of(&spec, mesh);
+    gn_fem_solid *solid = body_of(&spec, mesh);
     int32_t motion;
-    hold(body, "base", 3, &motion);
-    assert_int_equal(body->prescribed.count, 2);
-    assert_int_equal(body->unused_nodes, 1);
-    assert_int_equal(body->turned_elements, 1);
-    assert_close(body->mass, 4.0 * rock.density, 1e-14);
-    body_end(body);
+    hold(solid, "base", 3, &motion);
+    assert_int_equal(solid->prescribed.count, 2);
+    assert_int_equal(solid->unused_nodes, 1);
+    assert_int_equal(solid->turned_elements, 1);
+    assert_close(solid->mass, 4.0 * rock.density, 1e-14);
+    body_end(solid);
 }
 
 /* --- what is refused --- */
 
 static void assert_refused(gn_fem_spec spec, gn_mesh mesh, const char *part) {
-    gn_fem_body body;
+    gn_fem_solid solid;
     gneiss_error error = {0};
-    assert_int_equal(gn_fem_body_create(&spec, &mesh, &body, &error), GNEISS_ERROR_INPUT);
+    assert_int_equal(gn_fem_solid_create(&spec, &mesh, &solid, &error), GNEISS_ERROR_INPUT);
     if (!strstr(error.message, part)) fail_msg("'%s' is not in: %s", part, error.message);
-    assert_null(body.nodes.pos);
+    assert_null(solid.nodes.pos);
 }
 
 static gn_mesh plain_mesh(int d) {
@@ -259,18 +262,18 @@ static void a_missing_group_is_named_with_those_there_are(void **state) {
     assert_refused(spec_of(3, &m), plain_mesh(3),
                    "expected a physical group 'granite' of tetrahedron elements with elements, "
                    "found 'x_lower' (tag 2, 2D), 'x_upper' (tag 3, 2D)");
-    gn_fem_body *body = distorted_body(2, GN_FEM_DISPLACEMENT);
+    gn_fem_solid *solid = distorted_body(2, GN_FEM_DISPLACEMENT);
     gn_fem_set set;
     gneiss_error error = {0};
     const double traction[3] = {1.0, 0.0, 0.0};
-    assert_int_equal(gn_fem_nodes_of_group(body, "lid", &set, &error), GNEISS_ERROR_INPUT);
+    assert_int_equal(gn_fem_nodes_of_group(solid, "lid", &set, &error), GNEISS_ERROR_INPUT);
     assert_non_null(strstr(error.message, "expected a physical group 'lid'"));
-    assert_int_equal(gn_fem_add_traction(body, "body", traction, &error), GNEISS_ERROR_INPUT);
+    assert_int_equal(gn_fem_add_traction(solid, "body", traction, &error), GNEISS_ERROR_INPUT);
     assert_non_null(strstr(error.message, "expected a physical group 'body' of line elements"));
     const double low[3] = {2.0, 2.0, 2.0}, high[3] = {3.0, 3.0, 3.0};
-    assert_int_equal(gn_fem_nodes_in_box(body, low, high, &set, &error), GNEISS_ERROR_INPUT);
+    assert_int_equal(gn_fem_nodes_in_box(solid, low, high, &set, &error), GNEISS_ERROR_INPUT);
     assert_non_null(strstr(error.message, "expected nodes in the box from (2, 2, 2)"));
-    body_end(body);
+    body_end(solid);
 }
 
 static void elements_without_a_material_are_refused(void **state) {
@@ -315,13 +318,13 @@ static void mixed_up_order_of_nodes_is_put_right(void **state) {
             node[1] = first;
         }
         gn_fem_spec spec = spec_of(d, &rock);
-        gn_fem_body *body = body_of(&spec, mesh);
+        gn_fem_solid *solid = body_of(&spec, mesh);
         double f[3][3];
-        assert_int_equal(body->turned_elements, (body->elements.soa.count + 2) / 3);
+        assert_int_equal(solid->turned_elements, (solid->elements.soa.count + 2) / 3);
         small_deformation(d, f);
-        place(body, f);
-        assert_stress(body, f, strain_round_off(d));
-        body_end(body);
+        place(solid, f);
+        assert_stress(solid, f, strain_round_off(d));
+        body_end(solid);
     }
 }
 
@@ -334,47 +337,47 @@ static void unused_nodes_are_dropped_and_counted(void **state) {
     size_t nodes = mesh.node_count, lines = mesh.lines.count;
     gn_mesh larger = mesh_of((double[3]){1.0, 0.7, 0.0}, (int[3]){9, 7, 0}, 0.0);
     larger.triangles.count -= 18;
-    gn_fem_body *body = body_of(&spec, larger);
-    assert_int_equal(body->unused_nodes, 10);
-    assert_int_equal(body->nodes.soa.count, nodes);
-    assert_int_equal(body->mesh.node_count, nodes);
-    assert_int_equal(body->mesh.lines.count,
+    gn_fem_solid *solid = body_of(&spec, larger);
+    assert_int_equal(solid->unused_nodes, 10);
+    assert_int_equal(solid->nodes.soa.count, nodes);
+    assert_int_equal(solid->mesh.node_count, nodes);
+    assert_int_equal(solid->mesh.lines.count,
                      lines - 9); /* the upper side and two lines beside it */
     gn_fem_set set;
     gneiss_error error = {0};
-    assert_int_equal(gn_fem_nodes_of_group(body, "y_upper", &set, &error), GNEISS_ERROR_INPUT);
-    assert_int_equal(gn_fem_nodes_of_group(body, "x_lower", &set, &error), GNEISS_OK);
+    assert_int_equal(gn_fem_nodes_of_group(solid, "y_upper", &set, &error), GNEISS_ERROR_INPUT);
+    assert_int_equal(gn_fem_nodes_of_group(solid, "x_lower", &set, &error), GNEISS_OK);
     assert_int_equal(set.count, 7);
-    for (size_t k = 0; k < set.count; k++) assert_true(body->nodes.start[4 * set.node[k]] == 0.0);
+    for (size_t k = 0; k < set.count; k++) assert_true(solid->nodes.start[4 * set.node[k]] == 0.0);
     gn_fem_set_free(&set);
     gn_mesh_free(&mesh);
-    body_end(body);
+    body_end(solid);
 }
 
 static void an_inverted_element_stops_the_run_with_its_number(void **state) {
     (void)state;
     for (int v = 0; v < 4; v++) {
         const int d = v & 1 ? 3 : 2;
-        gn_fem_body *body = distorted_body(d, v & 2 ? GN_FEM_PRESSURE : GN_FEM_DISPLACEMENT);
+        gn_fem_solid *solid = distorted_body(d, v & 2 ? GN_FEM_PRESSURE : GN_FEM_DISPLACEMENT);
         const size_t e = 37;
-        size_t node = (size_t)gn_elements_node(&body->elements, 1)[e];
+        size_t node = (size_t)gn_elements_node(&solid->elements, 1)[e];
         char number[64];
         gneiss_error error = {0};
         /* Element 37 alone through the opposite face: move its node 1 so that det F = -1/2. */
         double g[3], size2 = 0.0;
         for (int k = 0; k < d; k++) {
-            g[k] = gn_elements_gradient(&body->elements, 1, k)[e];
+            g[k] = gn_elements_gradient(&solid->elements, 1, k)[e];
             size2 += g[k] * g[k];
         }
-        for (int k = 0; k < d; k++) body->nodes.pos[4 * node + (size_t)k] -= 1.5 * g[k] / size2;
-        gn_fem_moved(body);
-        assert_int_equal(gn_fem_step(body, 1e-9, true, &error), GNEISS_ERROR_UNSTABLE);
+        for (int k = 0; k < d; k++) solid->nodes.pos[4 * node + (size_t)k] -= 1.5 * g[k] / size2;
+        gn_fem_moved(solid);
+        assert_int_equal(gn_fem_step(solid, 1e-9, true, &error), GNEISS_ERROR_UNSTABLE);
         snprintf(number, sizeof number, "%s %d (base 0)", d == 3 ? "tetrahedron" : "triangle",
-                 body->elements.id[body->elastic.element]);
-        assert_true(body->elastic.least <= -0.5 + 1e-12);
+                 solid->elements.id[solid->elastic.element]);
+        assert_true(solid->elastic.least <= -0.5 + 1e-12);
         assert_non_null(strstr(error.message, number));
         assert_non_null(strstr(error.message, "turned inside out: det F = -"));
-        body_end(body);
+        body_end(solid);
     }
 }
 

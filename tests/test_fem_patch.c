@@ -1,4 +1,4 @@
-/* Patch test and rotation: bodies of finite elements under homogeneous deformations, both forms. */
+/* Patch test and rotation: solids of finite elements under homogeneous deformations, both forms. */
 #include "fem_patch.h"
 
 static void linear_displacements_leave_no_force_inside_and_exact_stress(void **state) {
@@ -7,19 +7,19 @@ static void linear_displacements_leave_no_force_inside_and_exact_stress(void **s
         const int d = v & 1 ? 3 : 2;
         const gn_fem_form form = v & 2 ? GN_FEM_PRESSURE : GN_FEM_DISPLACEMENT;
         double f[3][3];
-        gn_fem_body *body = deformed_body(d, form, f);
-        fem_evaluate(body);
-        assert_stress(body, f, strain_round_off(d));
+        gn_fem_solid *solid = deformed_body(d, form, f);
+        fem_evaluate(solid);
+        assert_stress(solid, f, strain_round_off(d));
         size_t inside = 0;
-        for (size_t n = 0; n < body->nodes.soa.count; n++) {
+        for (size_t n = 0; n < solid->nodes.soa.count; n++) {
             double force[3], area = d == 3 ? 0.2 * 0.2 : 0.12;
-            fem_force(&body->partials, (int32_t)n, force);
-            inside += !on_boundary(body, n);
-            for (int k = 0; k < d && !on_boundary(body, n); k++)
+            fem_force(&solid->partials, (int32_t)n, force);
+            inside += !on_boundary(solid, n);
+            for (int k = 0; k < d && !on_boundary(solid, n); k++)
                 assert_near(force[k], 0.0, strain_round_off(d) * rock.young * area);
         }
         assert_int_equal(inside, d == 3 ? 4 * 3 * 3 : 8 * 5);
-        body_end(body);
+        body_end(solid);
     }
 }
 
@@ -32,18 +32,18 @@ static void a_body_whose_boundary_moves_linearly_relaxes_to_linear_displacements
         spec.form = form;
         spec.damping = GN_FX_VISCOUS;
         spec.damping_coefficient = 2.0 * 4e3 * 3.14; /* 1/s, critical for waves of a metre or so */
-        gn_fem_body *body = body_of(&spec, mesh_of(sizes[d - 2], cells[d - 2], distortion_of(d)));
-        double f[3][3], dt = 0.9 * fem_limits(body).sharp;
+        gn_fem_solid *solid = body_of(&spec, mesh_of(sizes[d - 2], cells[d - 2], distortion_of(d)));
+        double f[3][3], dt = 0.9 * fem_limits(solid).sharp;
         small_deformation(d, f);
-        drive_boundary(body, f, dt, DRIVE);
-        for (int s = 0; s < 4000; s++) fem_step(body, dt, false);
+        drive_boundary(solid, f, dt, DRIVE);
+        for (int s = 0; s < 4000; s++) fem_step(solid, dt, false);
         const double off = DRIVE * 0x1p-53; /* roundings of positions on the way */
-        for (size_t n = 0; n < body->nodes.soa.count; n++)
+        for (size_t n = 0; n < solid->nodes.soa.count; n++)
             for (int k = 0; k < d; k++)
-                assert_near(body->nodes.pos[4 * n + (size_t)k],
-                            dot3(f[k], body->nodes.start + 4 * n), 2.0 * off);
-        assert_stress(body, f, 2.0 * strain_round_off(d) * DRIVE / ROUND_OFF);
-        body_end(body);
+                assert_near(solid->nodes.pos[4 * n + (size_t)k],
+                            dot3(f[k], solid->nodes.start + 4 * n), 2.0 * off);
+        assert_stress(solid, f, 2.0 * strain_round_off(d) * DRIVE / ROUND_OFF);
+        body_end(solid);
     }
 }
 
@@ -52,18 +52,18 @@ static void large_homogeneous_deformation_gives_the_closed_form_of_the_material(
     for (int v = 0; v < 4; v++) {
         const int d = v & 1 ? 3 : 2;
         const gn_fem_form form = v & 2 ? GN_FEM_PRESSURE : GN_FEM_DISPLACEMENT;
-        gn_fem_body *body = distorted_body(d, form);
+        gn_fem_solid *solid = distorted_body(d, form);
         double f[3][3] = {{1.3, 0.4, 0.0}, {-0.2, 0.8, 0.0}, {0.0, 0.0, 1.0}}, s[3][3];
         if (d == 3) f[0][2] = 0.3;
         if (d == 3) f[2][1] = -0.25;
-        place(body, f);
-        fem_evaluate(body);
-        assert_stress(body, f, 4.0 * strain_round_off(d));
+        place(solid, f);
+        fem_evaluate(solid);
+        assert_stress(solid, f, 4.0 * strain_round_off(d));
         double density = law(form, f, s);
-        assert_close(body->reading.elastic, density * body->volume, 1e-12);
-        assert_close(body->elastic.volume, determinant(f) * body->volume, 1e-12);
-        assert_close(body->elastic.least, determinant(f), 1e-12);
-        body_end(body);
+        assert_close(solid->reading.elastic, density * solid->volume, 1e-12);
+        assert_close(solid->elastic.volume, determinant(f) * solid->volume, 1e-12);
+        assert_close(solid->elastic.least, determinant(f), 1e-12);
+        body_end(solid);
     }
 }
 
@@ -72,18 +72,18 @@ static void a_full_turn_leaves_no_stress_at_any_angle(void **state) {
     for (int v = 0; v < 4; v++) {
         const int d = v & 1 ? 3 : 2;
         const gn_fem_form form = v & 2 ? GN_FEM_PRESSURE : GN_FEM_DISPLACEMENT;
-        gn_fem_body *body = distorted_body(d, form);
+        gn_fem_solid *solid = distorted_body(d, form);
         const double axis[3] = {d == 3 ? 0.4 : 0.0, d == 3 ? -0.7 : 0.0, 1.0};
         double still[3][3] = {{1.0, 0.0, 0.0}, {0.0, 1.0, 0.0}, {0.0, 0.0, 1.0}}, r[3][3];
         for (int angle = 0; angle <= 360; angle += 15) {
             rotation(axis, angle * pi / 180.0, r);
-            place(body, r);
-            fem_evaluate(body);
-            assert_stress(body, still, strain_round_off(d));
-            assert_near(body->reading.elastic, 0.0,
+            place(solid, r);
+            fem_evaluate(solid);
+            assert_stress(solid, still, strain_round_off(d));
+            assert_near(solid->reading.elastic, 0.0,
                         rock.young * strain_round_off(d) * strain_round_off(d));
         }
-        body_end(body);
+        body_end(solid);
     }
 }
 
@@ -93,18 +93,18 @@ static void nodal_stress_of_a_homogeneous_state_is_that_state(void **state) {
         const int d = v & 1 ? 3 : 2;
         const gn_fem_form form = v & 2 ? GN_FEM_PRESSURE : GN_FEM_DISPLACEMENT;
         double f[3][3];
-        gn_fem_body *body = deformed_body(d, form, f);
-        double(*element)[6] = calloc(body->elements.soa.count, sizeof *element);
-        double(*nodal)[6] = calloc(body->nodes.soa.count, sizeof *nodal);
-        gn_fem_element_stress(body, element);
-        assert_int_equal(gn_fem_nodal_stress(body, (const double(*)[6])element, nodal, NULL),
+        gn_fem_solid *solid = deformed_body(d, form, f);
+        double(*element)[6] = calloc(solid->elements.soa.count, sizeof *element);
+        double(*nodal)[6] = calloc(solid->nodes.soa.count, sizeof *nodal);
+        gn_fem_element_stress(solid, element);
+        assert_int_equal(gn_fem_nodal_stress(solid, (const double(*)[6])element, nodal, NULL),
                          GNEISS_OK);
-        for (size_t n = 0; n < body->nodes.soa.count; n++)
+        for (size_t n = 0; n < solid->nodes.soa.count; n++)
             for (int c = 0; c < 6; c++)
                 assert_near(nodal[n][c], element[0][c], 2.0 * strain_round_off(d) * rock.young);
         free(element);
         free(nodal);
-        body_end(body);
+        body_end(solid);
     }
 }
 

@@ -1,12 +1,12 @@
 /* The pressure form of finite elements where the displacement form locks: nearly incompressible
- * bodies at rest, and what the form does by itself. */
+ * solids at rest, and what the form does by itself. */
 #include "cook.h"
 
 static double deflection(gn_fem_form form, cook_cut cut, int cells) {
     const cook c = {form, cut, 0.4999, cells};
-    gn_fem_body *body = cook_at_rest(&c);
-    double result = cook_deflection(body, &c);
-    body_end(body);
+    gn_fem_solid *solid = cook_at_rest(&c);
+    double result = cook_deflection(solid, &c);
+    body_end(solid);
     return result;
 }
 
@@ -52,11 +52,11 @@ static void pressures_have_no_checkerboard(void **state) {
         double part[2];
         for (int form = 0; form < 2; form++) {
             const cook c = {(gn_fem_form)form, (cook_cut)cut, 0.4999, 16};
-            gn_fem_body *body = cook_at_rest(&c);
-            double *p = cook_pressure(body);
+            gn_fem_solid *solid = cook_at_rest(&c);
+            double *p = cook_pressure(solid);
             part[form] = cook_checkerboard(p, c.cells);
             free(p);
-            body_end(body);
+            body_end(solid);
         }
         print_message("# cut %d: displacement form %.2g, pressure form %.2g\n", cut, part[0],
                       part[1]);
@@ -71,22 +71,23 @@ static void a_sudden_load_makes_no_checkerboard_either(void **state) {
     (void)state;
     for (int cut = 0; cut < 3; cut++) {
         const cook c = {GN_FEM_PRESSURE, (cook_cut)cut, 0.4999, 16};
-        gn_fem_body *body = cook_body(&c);
-        const double dt = 0.95 * fem_limits(body).sharp;
+        gn_fem_solid *solid = cook_body(&c);
+        const double dt = 0.95 * fem_limits(solid).sharp;
         double worst = 0.0;
-        body->damping_coefficient = 0.0;
+        solid->damping_coefficient = 0.0;
         /* About a third of the first period. */
-        for (int s = 0; body->time < 6.0; s++) {
-            fem_step(body, dt, s % 50 == 0);
-            if (body->time < 1.0 || s % 50) continue;
-            double *p = cook_pressure(body);
+        for (int s = 0; solid->time < 6.0; s++) {
+            fem_step(solid, dt, s % 50 == 0);
+            if (solid->time < 1.0 || s % 50) continue;
+            double *p = cook_pressure(solid);
             worst = fmax(worst, cook_checkerboard(p, c.cells));
             free(p);
         }
         print_message("# cut %d: at most %.2g\n", cut, worst);
         assert_true(worst < 0.02);
-        assert_near(gn_fem_energy_residual(&body->reading), 0.0, 1e-8 * body->reading.work_applied);
-        body_end(body);
+        assert_near(gn_fem_energy_residual(&solid->reading), 0.0,
+                    1e-8 * solid->reading.work_applied);
+        body_end(solid);
     }
 }
 
@@ -101,18 +102,18 @@ static void the_sharp_limit_holds_when_nearly_incompressible(void **state) {
         m.poisson = 0.4999;
         gn_fem_spec spec = spec_of(d, &m);
         spec.form = GN_FEM_PRESSURE;
-        gn_fem_body *body = body_of(&spec, mesh_of(size, cells, 0.15));
-        double dt = (above ? 1.02 : 0.99) * fem_limits(body).sharp, most = 0.0;
+        gn_fem_solid *solid = body_of(&spec, mesh_of(size, cells, 0.15));
+        double dt = (above ? 1.02 : 0.99) * fem_limits(solid).sharp, most = 0.0;
         uint64_t at = 3;
-        for (size_t n = 0; n < body->nodes.soa.count; n++)
+        for (size_t n = 0; n < solid->nodes.soa.count; n++)
             for (int k = 0; k < d; k++)
-                body->nodes.vel[4 * n + (size_t)k] = 1e-6 * uniform(&at, -1.0, 1.0);
+                solid->nodes.vel[4 * n + (size_t)k] = 1e-6 * uniform(&at, -1.0, 1.0);
         /* As in test_fem_dynamics.c: growth by 1.49 a step, or at most 7 times the start. */
-        for (int s = 0; s < (above ? 40 : 20000); s++) fem_step(body, dt, false);
-        for (size_t n = 0; n < body->nodes.soa.count; n++)
-            for (size_t k = 0; k < 3; k++) most = fmax(most, fabs(body->nodes.vel[4 * n + k]));
+        for (int s = 0; s < (above ? 40 : 20000); s++) fem_step(solid, dt, false);
+        for (size_t n = 0; n < solid->nodes.soa.count; n++)
+            for (size_t k = 0; k < 3; k++) most = fmax(most, fabs(solid->nodes.vel[4 * n + k]));
         assert_true(above ? most > 1e-3 : most < 1e-5);
-        body_end(body);
+        body_end(solid);
     }
 }
 
@@ -121,23 +122,23 @@ static void the_sharp_limit_holds_when_nearly_incompressible(void **state) {
 static void ledger_closes_on_the_way_to_rest(void **state) {
     (void)state;
     const cook c = {GN_FEM_PRESSURE, COOK_CHESS, 0.4999, 8};
-    gn_fem_body *body = cook_at_rest(&c);
-    fem_step(body, body->dt_past, true);
-    const gn_fem_energy *e = &body->reading;
+    gn_fem_solid *solid = cook_at_rest(&c);
+    fem_step(solid, solid->dt_past, true);
+    const gn_fem_energy *e = &solid->reading;
     assert_near(gn_fem_energy_residual(e), 0.0, 1e-8 * e->work_applied);
     assert_close(e->elastic, 0.5 * e->work_applied, 1e-4);
     assert_close(e->damping, 0.5 * e->work_applied, 1e-4);
-    body_end(body);
+    body_end(solid);
 }
 
 /* --- a block under a pressure --- */
 
-static void hold_side(gn_fem_body *body, const char *group, unsigned mask) {
+static void hold_side(gn_fem_solid *solid, const char *group, unsigned mask) {
     const double rest[3] = {0.0};
     int32_t motion;
     gn_fem_set set;
-    assert_int_equal(gn_fem_nodes_of_group(body, group, &set, NULL), GNEISS_OK);
-    assert_int_equal(gn_fem_prescribe(body, &set, mask, rest, &motion, NULL), GNEISS_OK);
+    assert_int_equal(gn_fem_nodes_of_group(solid, group, &set, NULL), GNEISS_OK);
+    assert_int_equal(gn_fem_prescribe(solid, &set, mask, rest, &motion, NULL), GNEISS_OK);
     gn_fem_set_free(&set);
 }
 
@@ -170,26 +171,26 @@ static double sinking(gn_fem_form form, int cells) {
     spec.form = form;
     spec.damping = GN_FX_VISCOUS;
     spec.damping_coefficient = 2.0;
-    gn_fem_body *body = body_of(&spec, mesh);
+    gn_fem_solid *solid = body_of(&spec, mesh);
     const double traction[3] = {0.0, -load, 0.0};
-    assert_int_equal(gn_fem_add_traction(body, "pressed", traction, NULL), GNEISS_OK);
-    hold_side(body, "y_lower", 2);
-    hold_side(body, "y_upper", 5);
-    hold_side(body, "x_lower", 1);
-    hold_side(body, "z_lower", 4);
+    assert_int_equal(gn_fem_add_traction(solid, "pressed", traction, NULL), GNEISS_OK);
+    hold_side(solid, "y_lower", 2);
+    hold_side(solid, "y_upper", 5);
+    hold_side(solid, "x_lower", 1);
+    hold_side(solid, "z_lower", 4);
     size_t middle = 0;
-    for (size_t n = 0; n < body->nodes.soa.count; n++)
-        if (body->nodes.id[n] == cells * (cells + 1)) middle = n;
-    assert_true(body->nodes.start[4 * middle + 1] == 1.0);
-    const double dt = 0.95 * fem_limits(body).sharp;
+    for (size_t n = 0; n < solid->nodes.soa.count; n++)
+        if (solid->nodes.id[n] == cells * (cells + 1)) middle = n;
+    assert_true(solid->nodes.start[4 * middle + 1] == 1.0);
+    const double dt = 0.95 * fem_limits(solid).sharp;
     double now = 0.0, before = 1.0;
     for (int quiet = 0; quiet < 2;) {
-        for (double t = 0.0; t < 2.0; t += dt) fem_step(body, dt, false);
-        now = 1.0 - body->nodes.pos[4 * middle + 1];
+        for (double t = 0.0; t < 2.0; t += dt) fem_step(solid, dt, false);
+        now = 1.0 - solid->nodes.pos[4 * middle + 1];
         quiet = fabs(now - before) < 1e-5 * fabs(now) ? quiet + 1 : 0;
         before = now;
     }
-    body_end(body);
+    body_end(solid);
     return now / load * lame_mu(&m);
 }
 

@@ -5,7 +5,7 @@
 static const double cell = 0.1; /* m */
 
 /* Twelve by six (by six) distorted cells. */
-static gn_fem_body *block(int d, bool single, int threads, const char *isa) {
+static gn_fem_solid *block(int d, bool single, int threads, const char *isa) {
     const double size[3] = {12 * cell, 6 * cell, d == 3 ? 6 * cell : 0.0};
     const int cells[3] = {12, 6, d == 3 ? 6 : 0};
     gn_fem_spec spec = spec_of(d, &rock);
@@ -18,20 +18,20 @@ static gn_fem_body *block(int d, bool single, int threads, const char *isa) {
 /* --- forces --- */
 
 /* Nodes go where a strain of that size, random in every element, and a rigid motion take them. */
-static void displace(gn_fem_body *body, double strain, double travel, double angle) {
-    const int d = body->dimension;
+static void displace(gn_fem_solid *solid, double strain, double travel, double angle) {
+    const int d = solid->dimension;
     const double axis[3] = {d == 3 ? 0.3 : 0.0, d == 3 ? -0.5 : 0.0, 1.0},
                  along[3] = {0.6, -0.8, 0.0};
     double turn[3][3];
     uint64_t at = 5;
     rotation(axis, angle, turn);
-    for (size_t n = 0; n < body->nodes.soa.count; n++) {
-        const double *x = body->nodes.start + 4 * n;
+    for (size_t n = 0; n < solid->nodes.soa.count; n++) {
+        const double *x = solid->nodes.start + 4 * n;
         double place[3] = {0.0};
         for (int k = 0; k < d; k++)
             place[k] = x[k] + strain * (x[(k + 1) % d] + cell * uniform(&at, -1.0, 1.0));
         for (int k = 0; k < d; k++)
-            body->nodes.pos[4 * n + (size_t)k] = dot3(turn[k], place) + travel * along[k];
+            solid->nodes.pos[4 * n + (size_t)k] = dot3(turn[k], place) + travel * along[k];
     }
 }
 
@@ -41,11 +41,11 @@ static void displace(gn_fem_body *body, double strain, double travel, double ang
  * the force, of which the longest chain has 20 (a column, a difference, 3 of H, 6 of 2 E, 3 of the
  * stress, 3 of F S, 3 of the force). F S then is by (d lambda + 2 mu) |F|^2 times that, with |F|
  * <= 1 + |H|. */
-static void bounds(const gn_fem_body *body, double *bound) {
-    const gn_elements *q = &body->elements;
-    const int d = body->dimension;
+static void bounds(const gn_fem_solid *solid, double *bound) {
+    const gn_elements *q = &solid->elements;
+    const int d = solid->dimension;
     const double round = ldexp(1.0, -24), stiffness = d * lame_lambda(&rock) + 2.0 * lame_mu(&rock);
-    memset(bound, 0, body->nodes.soa.count * sizeof *bound);
+    memset(bound, 0, solid->nodes.soa.count * sizeof *bound);
     for (size_t e = 0; e < q->soa.count; e++) {
         double size[4] = {0.0}, rest[3] = {0.0}, first[3] = {0.0}, travelled = 0.0, moved = 0.0;
         for (int a = 1; a <= d + 1; a++) { /* the last turn: node 0 */
@@ -61,7 +61,7 @@ static void bounds(const gn_fem_body *body, double *bound) {
             size_t n = 4 * (size_t)gn_elements_node(q, a)[e];
             double u2 = 0.0, du2 = 0.0;
             for (int k = 0; k < d; k++) {
-                double u = body->nodes.pos[n + (size_t)k] - body->nodes.start[n + (size_t)k];
+                double u = solid->nodes.pos[n + (size_t)k] - solid->nodes.start[n + (size_t)k];
                 if (a == 0) first[k] = u;
                 u2 += u * u;
                 du2 += (u - first[k]) * (u - first[k]);
@@ -76,7 +76,7 @@ static void bounds(const gn_fem_body *body, double *bound) {
 }
 
 /* Root mean square error over root mean square force; every node within its bound. */
-static double force_error(gn_fem_body *exact, gn_fem_body *single, double strain, double travel,
+static double force_error(gn_fem_solid *exact, gn_fem_solid *single, double strain, double travel,
                           double angle) {
     const size_t nodes = exact->nodes.soa.count;
     double *bound = calloc(nodes, sizeof *bound), off = 0.0, all = 0.0;
@@ -102,7 +102,7 @@ static void forces_are_off_by_the_rounding_of_the_travel(void **state) {
     (void)state;
     const double travels[] = {0.0, 1.0, 100.0, 10000.0};
     for (int d = 2; d <= 3; d++) {
-        gn_fem_body *exact = block(d, false, 1, NULL), *single = block(d, true, 1, NULL);
+        gn_fem_solid *exact = block(d, false, 1, NULL), *single = block(d, true, 1, NULL);
         for (double strain = 1e-7; strain < 2e-2; strain *= 10.0)
             for (size_t k = 0; k < 4; k++) {
                 double travel = travels[k] * cell;
@@ -121,7 +121,7 @@ static void forces_are_off_by_the_rounding_of_the_travel(void **state) {
 static void small_strains_have_the_relative_error_of_large_ones(void **state) {
     (void)state;
     for (int d = 2; d <= 3; d++) {
-        gn_fem_body *exact = block(d, false, 1, NULL), *single = block(d, true, 1, NULL);
+        gn_fem_solid *exact = block(d, false, 1, NULL), *single = block(d, true, 1, NULL);
         double small = force_error(exact, single, 1e-7, 0.0, 0.0),
                large = force_error(exact, single, 1e-4, 0.0, 0.0);
         print_message("# %dD: strain 1e-7: off by %.2g, 1e-4: %.2g\n", d, small, large);
@@ -134,7 +134,7 @@ static void small_strains_have_the_relative_error_of_large_ones(void **state) {
 static void the_error_grows_as_the_travel(void **state) {
     (void)state;
     for (int d = 2; d <= 3; d++) {
-        gn_fem_body *exact = block(d, false, 1, NULL), *single = block(d, true, 1, NULL);
+        gn_fem_solid *exact = block(d, false, 1, NULL), *single = block(d, true, 1, NULL);
         double near = force_error(exact, single, 1e-4, 10.0 * cell, 0.0),
                far = force_error(exact, single, 1e-4, 10000.0 * cell, 0.0);
         /* Roundings go in powers of two: 1000 times as far has 512 or 1024 times the error. */
@@ -147,7 +147,7 @@ static void the_error_grows_as_the_travel(void **state) {
 static void forces_of_a_turned_body_are_within_the_bound(void **state) {
     (void)state;
     for (int d = 2; d <= 3; d++) {
-        gn_fem_body *exact = block(d, false, 1, NULL), *single = block(d, true, 1, NULL);
+        gn_fem_solid *exact = block(d, false, 1, NULL), *single = block(d, true, 1, NULL);
         for (double angle = 1e-4; angle < 4.0; angle *= 10.0)
             print_message("# %dD: strain 1e-4, turned by %.0e: force off by %.1e\n", d, angle,
                           force_error(exact, single, 1e-4, 0.0, angle));
@@ -159,13 +159,13 @@ static void forces_of_a_turned_body_are_within_the_bound(void **state) {
 /* --- bits --- */
 
 /* After some steps, every `measured`-th measured. */
-static uint64_t hash_after(gn_fem_body *body, int steps, int measured) {
+static uint64_t hash_after(gn_fem_solid *solid, int steps, int measured) {
     gn_fem_limit limit;
-    assert_int_equal(gn_fem_bound(body, &limit, NULL), GNEISS_OK);
-    stir(body, 0.1);
-    for (int s = 0; s < steps; s++) fem_step(body, 0.9 * limit.bound, s % measured == 0);
-    uint64_t hash = gn_fem_hash(body);
-    body_end(body);
+    assert_int_equal(gn_fem_bound(solid, &limit, NULL), GNEISS_OK);
+    stir(solid, 0.1);
+    for (int s = 0; s < steps; s++) fem_step(solid, 0.9 * limit.bound, s % measured == 0);
+    uint64_t hash = gn_fem_hash(solid);
+    body_end(solid);
     return hash;
 }
 
@@ -193,7 +193,7 @@ static void measuring_changes_nothing(void **state) {
 static void copies_follow_from_the_state(void **state) {
     (void)state;
     for (int d = 2; d <= 3; d++) {
-        gn_fem_body *a = block(d, true, 1, NULL);
+        gn_fem_solid *a = block(d, true, 1, NULL);
         gn_fem_limit limit;
         assert_int_equal(gn_fem_bound(a, &limit, NULL), GNEISS_OK);
         stir(a, 0.1);
@@ -209,10 +209,10 @@ static void copies_follow_from_the_state(void **state) {
     }
 }
 
-/* The list of contacts with a body's surface has a `ref` of its own. */
+/* The list of contacts with a solid's surface has a `ref` of its own. */
 static void travel_is_counted_from_the_start_whatever_ref_is(void **state) {
     (void)state;
-    gn_fem_body *a = block(3, true, 1, NULL), *b = block(3, true, 1, NULL);
+    gn_fem_solid *a = block(3, true, 1, NULL), *b = block(3, true, 1, NULL);
     for (size_t k = 0; k < 4 * b->nodes.soa.count; k++) b->nodes.ref[k] = (double)k;
     for (int s = 0; s < 50; s++) {
         if (s == 0) stir(a, 0.1);
@@ -227,24 +227,24 @@ static void travel_is_counted_from_the_start_whatever_ref_is(void **state) {
 
 /* --- energy --- */
 
-static void hold(gn_fem_body *body, const char *group) {
+static void hold(gn_fem_solid *solid, const char *group) {
     const double rest[3] = {0.0};
     gn_fem_set set;
     int32_t motion;
-    assert_int_equal(gn_fem_nodes_of_group(body, group, &set, NULL), GNEISS_OK);
-    assert_int_equal(gn_fem_prescribe(body, &set, 7, rest, &motion, NULL), GNEISS_OK);
+    assert_int_equal(gn_fem_nodes_of_group(solid, group, &set, NULL), GNEISS_OK);
+    assert_int_equal(gn_fem_prescribe(solid, &set, 7, rest, &motion, NULL), GNEISS_OK);
     gn_fem_set_free(&set);
 }
 
 /* Largest change of kinetic and elastic energy, of what there was. The energy is taken in double
  * from positions in double, so that it shows what work the rounding of forces did. */
-static double energy_change(gn_fem_body *body, double dt, int steps) {
+static double energy_change(gn_fem_solid *solid, double dt, int steps) {
     double most = 0.0;
     for (int s = 0; s < steps; s++) {
-        fem_step(body, dt, s % 100 == 0);
+        fem_step(solid, dt, s % 100 == 0);
         if (s % 100) continue;
-        double stored = body->reading.kinetic + body->reading.elastic;
-        most = fmax(most, fabs(stored / body->reading.stored_at_start - 1.0));
+        double stored = solid->reading.kinetic + solid->reading.elastic;
+        most = fmax(most, fabs(stored / solid->reading.stored_at_start - 1.0));
     }
     return most;
 }
@@ -258,16 +258,16 @@ static void energy_of_a_vibrating_bar_stays_within_1e_6_for_1e5_steps(void **sta
             const int cells[3] = {16, 2, d == 3 ? 2 : 0};
             gn_fem_spec spec = spec_of(d, &rock);
             spec.single = single;
-            gn_fem_body *body = body_of(&spec, mesh_of(size, cells, 0.0));
-            hold(body, "x_lower");
-            for (size_t n = 0; n < body->nodes.soa.count; n++) {
-                double *v = body->nodes.vel + 4 * n, x = body->nodes.start[4 * n] / size[0];
+            gn_fem_solid *solid = body_of(&spec, mesh_of(size, cells, 0.0));
+            hold(solid, "x_lower");
+            for (size_t n = 0; n < solid->nodes.soa.count; n++) {
+                double *v = solid->nodes.vel + 4 * n, x = solid->nodes.start[4 * n] / size[0];
                 if (x > 0.0) v[0] = 3.4e-3 * sin(0.5 * pi * x); /* m/s: 1e-6 c */
             }
-            double change = energy_change(body, 0.5 * fem_limits(body).sharp, 100000);
+            double change = energy_change(solid, 0.5 * fem_limits(solid).sharp, 100000);
             print_message("# %dD, %s: within %.2g\n", d, single ? "single" : "double", change);
             assert_true(change < 1e-6);
-            body_end(body);
+            body_end(solid);
         }
 }
 
@@ -279,11 +279,11 @@ static void the_mixed_form_is_refused(void **state) {
     const int cells[3] = {2, 2, 0};
     gn_fem_spec spec = spec_of(2, &rock);
     gn_mesh mesh = mesh_of(size, cells, 0.0);
-    gn_fem_body body;
+    gn_fem_solid solid;
     gneiss_error error = {0};
     spec.single = true;
     spec.form = GN_FEM_PRESSURE;
-    assert_int_equal(gn_fem_body_create(&spec, &mesh, &body, &error), GNEISS_ERROR_INPUT);
+    assert_int_equal(gn_fem_solid_create(&spec, &mesh, &solid, &error), GNEISS_ERROR_INPUT);
     assert_non_null(strstr(error.message, "only the displacement form"));
 }
 

@@ -10,15 +10,15 @@ static int setup(void **state) {
 /* Contacts at gaps of 1 % with particles and walls. */
 static double contacts_with_walls(const gn_scene *scene, const gn_pack_result *r,
                                   const gn_pack_quality *q) {
-    gn_body body;
+    gn_pack_shape body;
     size_t walls = 0;
-    ok(gn_body_create(scene, &body, error));
+    ok(gn_pack_shape_create(scene, &body, error));
     for (size_t k = 0; k < r->packing.count; k++) {
         const double *x = r->packing.sphere + 4 * k;
         gn_domain_plane plane[GN_DOMAIN_PLANES];
         walls += (size_t)gn_domain_planes(body.domain, x, 1.01 * x[3], plane);
     }
-    gn_body_free(&body);
+    gn_pack_shape_free(&body);
     return q->coordination_1 + (double)walls / (double)r->packing.count;
 }
 
@@ -232,18 +232,18 @@ static void the_mean_radius_asked_for_comes_out(void **state) {
 /* Mean of radius over the size asked for, of the particles with y (3D: z) in that range. */
 static double mean_size(const gn_scene *s, const gn_pack_result *r, double from, double to,
                         bool relative) {
-    gn_body body;
+    gn_pack_shape body;
     double sum = 0;
     int count = 0;
-    ok(gn_body_create(s, &body, error));
+    ok(gn_pack_shape_create(s, &body, error));
     for (size_t k = 0; k < r->packing.count; k++) {
         const double *x = r->packing.sphere + 4 * k;
         double place = x[s->dimension - 1];
         if (place < from || place > to) continue;
-        sum += relative ? x[3] / gn_body_size(&body, x) : x[3];
+        sum += relative ? x[3] / gn_pack_shape_size(&body, x) : x[3];
         count++;
     }
-    gn_body_free(&body);
+    gn_pack_shape_free(&body);
     assert_true(count > 20);
     return sum / count;
 }

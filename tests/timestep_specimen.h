@@ -5,7 +5,7 @@
 #include "test.h"
 
 #include "base/eigen.h"
-#include "limit/timestep.h"
+#include "limit/step_limits.h"
 #include "soa/records.h"
 
 static const double pi = 3.14159265358979323846;

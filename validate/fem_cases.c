@@ -61,7 +61,7 @@ static gneiss_status make_mesh(const definition *d, const fem_case_spec *spec, g
 
 /* --- loads and supports --- */
 
-static gneiss_status hold(gn_fem_body *body, const char *group, unsigned mask,
+static gneiss_status hold(gn_fem_solid *body, const char *group, unsigned mask,
                           gneiss_error *error) {
     const double rest[3] = {0.0};
     gn_fem_set set;
@@ -80,7 +80,7 @@ static double press(double x, double y) {
 
 /* Forces of the smooth pressure on one facet of the top: its mean against each shape function, by
  * the rule of six points that is exact to degree 4 (Dunavant 1985). */
-static void press_facet(gn_fem_body *body, const int32_t *node, double p) {
+static void press_facet(gn_fem_solid *body, const int32_t *node, double p) {
     static const double rule[2][2] = {{0.445948490915965, 0.223381589678011},
                                       {0.091576213509771, 0.109951743655322}};
     const double *x[3];
@@ -99,7 +99,7 @@ static void press_facet(gn_fem_body *body, const int32_t *node, double p) {
         }
 }
 
-static gneiss_status load_and_hold(gn_fem_body *body, const definition *d, gneiss_error *error) {
+static gneiss_status load_and_hold(gn_fem_solid *body, const definition *d, gneiss_error *error) {
     const double p = d->scale * d->load;
     if (d->dimension == 2) {
         GN_TRY(hold(body, "x_lower", 3, error));
@@ -151,7 +151,7 @@ gneiss_status fem_case_create(const fem_case_spec *spec, fem_case *c, gneiss_err
                               .threads = spec->threads};
     gn_mesh mesh;
     GN_TRY(make_mesh(d, spec, &mesh, error));
-    GN_TRY(gn_fem_body_create(&body, &mesh, &c->body, error));
+    GN_TRY(gn_fem_solid_create(&body, &mesh, &c->body, error));
     c->scale = d->scale;
     gneiss_status status = load_and_hold(&c->body, d, error);
     if (status != GNEISS_OK) fem_case_free(c);
@@ -159,14 +159,14 @@ gneiss_status fem_case_create(const fem_case_spec *spec, fem_case *c, gneiss_err
 }
 
 void fem_case_free(fem_case *c) {
-    gn_fem_body_free(&c->body);
+    gn_fem_solid_free(&c->body);
     memset(c, 0, sizeof *c);
 }
 
 /* --- relaxation --- */
 
 /* u f, u M u and v M v of the body, f being the applied forces; the sums run in node order. */
-static void products(const gn_fem_body *body, double *uf, double *umu, double *vmv) {
+static void products(const gn_fem_solid *body, double *uf, double *umu, double *vmv) {
     *uf = *umu = *vmv = 0.0;
     for (size_t n = 0; n < body->nodes.soa.count; n++) {
         const double mass = 1.0 / body->nodes.vel[4 * n + 3];

@@ -3,7 +3,7 @@
 #ifndef GN_VALIDATE_FEM_CASES_H
 #define GN_VALIDATE_FEM_CASES_H
 
-#include "fem/body.h"
+#include "fem/solid.h"
 
 typedef struct fem_case_spec {
     const char *name;     /* cook, block */
@@ -20,7 +20,7 @@ enum { FEM_CASE_READINGS = 6 };
 /* Displacements are of the full load: what was computed under a small part of it (strains of about
  * 1e-6, where the total Lagrangian law is linear) times its inverse. */
 typedef struct fem_case {
-    gn_fem_body body;
+    gn_fem_solid body;
     double scale; /* part of the full load that is applied */
     int64_t steps;
     double unrest; /* square root of (v M v)/(u f): about the relative error of u that is left of

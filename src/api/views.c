@@ -33,9 +33,9 @@ const char *gneiss_record_name(gneiss_record record) {
 }
 
 static place find_record(const gneiss_world *world, gneiss_record record) {
-    static const gn_fem_body none;
+    static const gn_fem_solid none;
     const gn_world *w = &world->run.world;
-    const gn_fem_body *body = w->element_count ? &w->elements[0]->body : &none;
+    const gn_fem_solid *body = w->element_count ? &w->elements[0]->solid : &none;
     switch (record) {
     case GNEISS_PARTICLES:
         return (place){&gn_particle_record, &w->dem.particles.soa};

@@ -8,7 +8,7 @@
 #include "cli/signals.h"
 #include "io/checkpoint_files.h"
 #include "io/files.h"
-#include "pack/body.h"
+#include "pack/shape.h"
 #include "pack/store.h"
 #include "run/folder.h"
 #include "sim/origin.h"
@@ -167,13 +167,13 @@ static void print_quality_json(const gn_pack_result *r, const gn_pack_quality *q
 /* A packing from the cache comes without its body, which is then made again. */
 static gneiss_status measure(const gn_scene *scene, const gn_pack_result *result,
                              gn_pack_quality *quality, gneiss_error *error) {
-    gn_body body = {0};
+    gn_pack_shape body = {0};
     int threads = scene->threads > 0 ? (int)scene->threads : omp_get_num_procs();
-    if (!result->domain) GN_TRY(gn_body_create(scene, &body, error));
+    if (!result->domain) GN_TRY(gn_pack_shape_create(scene, &body, error));
     gneiss_status status = gn_pack_measure(&result->packing, (int)scene->dimension,
                                            result->domain ? result->domain : body.domain,
                                            result->volume, threads, quality, error);
-    gn_body_free(&body);
+    gn_pack_shape_free(&body);
     return status;
 }
 

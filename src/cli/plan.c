@@ -189,7 +189,7 @@ gneiss_status gn_print_plan(gn_world *w, gneiss_error *error) {
     printf("storage\n");
     if (w->scene.has_specimen) print_particle_storage(w);
     for (size_t k = 0; k < w->element_count; k++) {
-        const gn_fem_body *b = &w->elements[k]->body;
+        const gn_fem_solid *b = &w->elements[k]->solid;
         print_record(&gn_particle_record, "nodes", b->effects, b->nodes.soa.count);
         print_record(&gn_element_record, "elements", b->effects, b->elements.soa.count);
     }

@@ -6,7 +6,7 @@
 #include <stdio.h>
 #include <stdlib.h>
 
-static void print_kernels(const gn_world *w, const gn_fem_body *b) {
+static void print_kernels(const gn_world *w, const gn_fem_solid *b) {
     char name[200];
     bool refused = w->effects & GN_FX_MIXED && !b->single;
     printf("  element %s, %s form, %s\n",
@@ -20,7 +20,7 @@ static void print_kernels(const gn_world *w, const gn_fem_body *b) {
 }
 
 void gn_print_element_kernels(const gn_world *w) {
-    for (size_t k = 0; k < w->element_count; k++) print_kernels(w, &w->elements[k]->body);
+    for (size_t k = 0; k < w->element_count; k++) print_kernels(w, &w->elements[k]->solid);
 }
 
 static void print_limits(const gn_world *w, const gn_element_model *q) {
@@ -59,7 +59,7 @@ static void print_groups(const gn_mesh *mesh) {
     }
 }
 
-static void print_notes(const gn_fem_body *b, const char *indent) {
+static void print_notes(const gn_fem_solid *b, const char *indent) {
     if (b->unused_nodes)
         printf("%snote: left out %zu node%s of the mesh that belong%s to no element\n", indent,
                b->unused_nodes, b->unused_nodes == 1 ? "" : "s", b->unused_nodes == 1 ? "s" : "");
@@ -69,7 +69,7 @@ static void print_notes(const gn_fem_body *b, const char *indent) {
 }
 
 void gn_print_element_notes(const gn_world *w, const char *indent) {
-    for (size_t k = 0; k < w->element_count; k++) print_notes(&w->elements[k]->body, indent);
+    for (size_t k = 0; k < w->element_count; k++) print_notes(&w->elements[k]->solid, indent);
 }
 
 static int by_size(const void *a, const void *b) {
@@ -79,7 +79,7 @@ static int by_size(const void *a, const void *b) {
 
 /* A few slivers make the whole run slow. */
 static void print_slivers(const gn_world *w, const gn_element_model *q, int *warnings) {
-    const gn_fem_body *b = &q->body;
+    const gn_fem_solid *b = &q->solid;
     size_t count = b->elements.soa.count;
     char text[160];
     double *scale = calloc(count + 1, sizeof *scale);
@@ -95,7 +95,7 @@ static void print_slivers(const gn_world *w, const gn_element_model *q, int *war
 }
 
 static void print_check(const gn_world *w, const gn_element_model *q, int *warnings) {
-    const gn_fem_body *b = &q->body;
+    const gn_fem_solid *b = &q->solid;
     const gn_element_def *e = q->def;
     double lower[3], upper[3];
     printf("elements\n  mesh             %s: %zu nodes, %zu %s\n", b->name, b->nodes.soa.count,

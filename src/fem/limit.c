@@ -1,4 +1,4 @@
-/* The largest stable step of the body linearised at its start: dt = 2/w_max, w_max^2 the largest
+/* The largest stable step of the solid linearised at its start: dt = 2/w_max, w_max^2 the largest
  * eigenvalue of M^-1 K.
  *
  * Bound: let the mass of every node be dealt out to its elements in any way, M = sum_e M_e. Then
@@ -14,7 +14,7 @@
 #include "base/eigen.h"
 #include "base/memory.h"
 #include "base/random.h"
-#include "fem/parts.h"
+#include "fem/internal.h"
 
 #include <math.h>
 #include <string.h>
@@ -41,7 +41,7 @@ static double node_stiffness(const gn_elements *q, size_t e, int d, const double
 }
 
 static void sum_stiffness(linear_system *y) {
-    const gn_elements *q = &y->body->elements;
+    const gn_elements *q = &y->solid->elements;
     double gradient[4][3];
     for (size_t e = 0; e < q->soa.count; e++) {
         gn_fem_gradients(q, e, gradient);
@@ -101,16 +101,16 @@ static bool may_exceed(int n, const double *a, double known) {
  * `known`. */
 static double element_eigenvalue(const linear_system *y, size_t e, bool by_stiffness,
                                  double known) {
-    const gn_elements *q = &y->body->elements;
-    const gn_fem_body *body = y->body;
+    const gn_elements *q = &y->solid->elements;
+    const gn_fem_solid *solid = y->solid;
     const int d = y->dimension, n = y->strains;
     double gradient[4][3], a[36] = {0.0}, values[6], vectors[36];
     gn_fem_gradients(q, e, gradient);
     for (int c = 0; c <= d; c++) {
         size_t node = (size_t)gn_elements_node(q, c)[e];
-        double inverse = (d + 1) / (body->density[q->material[e]] * q->volume[e]);
+        double inverse = (d + 1) / (solid->density[q->material[e]] * q->volume[e]);
         if (by_stiffness)
-            inverse = body->nodes.vel[4 * node + 3] * y->stiffness[node] /
+            inverse = solid->nodes.vel[4 * node + 3] * y->stiffness[node] /
                       node_stiffness(q, e, d, gradient[c]);
         for (int i = 0; i < d; i++) {
             if (y->scale[node * (size_t)d + (size_t)i] == 0.0) continue;
@@ -135,8 +135,8 @@ typedef struct worst {
 
 /* Pressure form: what the stabilising pressure alone would do, see linear_pressure.c. */
 static double stabiliser_eigenvalue(const linear_system *y, size_t e) {
-    if (y->body->form != GN_FEM_PRESSURE) return 0.0;
-    return y->body->rate2 * (1.0 + gn_fem_stabiliser_eigenvalue(&y->body->elements, e));
+    if (y->solid->form != GN_FEM_PRESSURE) return 0.0;
+    return y->solid->rate2 * (1.0 + gn_fem_stabiliser_eigenvalue(&y->solid->elements, e));
 }
 
 static worst worst_of_block(const linear_system *y, size_t begin, size_t end, bool by_stiffness) {
@@ -150,12 +150,12 @@ static worst worst_of_block(const linear_system *y, size_t begin, size_t end, bo
 }
 
 static gneiss_status find_bound(const linear_system *y, gn_fem_limit *limit, gneiss_error *error) {
-    size_t count = y->body->elements.soa.count;
+    size_t count = y->solid->elements.soa.count;
     size_t blocks = (count + ELEMENT_BLOCK - 1) / ELEMENT_BLOCK;
     worst *all = gn_alloc_array(blocks + 1, sizeof *all), best = {INFINITY, -1};
     if (!all) return gn_fail(error, GNEISS_ERROR_MEMORY, "no memory for the time step's bound");
     for (int way = 0; way < 2; way++) {
-#pragma omp parallel for num_threads(y->body->threads) schedule(static)
+#pragma omp parallel for num_threads(y->solid->threads) schedule(static)
         for (size_t b = 0; b < blocks; b++) {
             size_t end = (b + 1) * ELEMENT_BLOCK < count ? (b + 1) * ELEMENT_BLOCK : count;
             all[b] = worst_of_block(y, b * ELEMENT_BLOCK, end, way == 1);
@@ -167,7 +167,7 @@ static gneiss_status find_bound(const linear_system *y, gn_fem_limit *limit, gne
     }
     gn_free(all);
     limit->bound = best.value > 0.0 ? 2.0 / sqrt(best.value) : INFINITY;
-    limit->bound_element = best.element >= 0 ? y->body->elements.id[best.element] : -1;
+    limit->bound_element = best.element >= 0 ? y->solid->elements.id[best.element] : -1;
     return GNEISS_OK;
 }
 
@@ -176,7 +176,7 @@ static gneiss_status find_bound(const linear_system *y, gn_fem_limit *limit, gne
 /* Forces K u of one element and its energy u.K u/2. */
 static double linear_element(const linear_system *y, size_t e, const double *u,
                              double force[4][3]) {
-    const gn_elements *q = &y->body->elements;
+    const gn_elements *q = &y->solid->elements;
     const int d = y->dimension;
     double gradient[4][3], strain[3][3] = {{0.0}}, trace = 0.0, energy = 0.0;
     gn_fem_gradients(q, e, gradient);
@@ -200,12 +200,12 @@ static double linear_element(const linear_system *y, size_t e, const double *u,
 }
 
 static void linear_block(const linear_system *y, size_t block) {
-    const gn_partials *q = &y->body->partials;
+    const gn_partials *q = &y->solid->partials;
     const size_t nodes = (size_t)y->dimension + 1;
     double *row = q->row + 4 * (size_t)q->first[block], force[4][3];
     memset(row, 0, 4 * (size_t)(q->first[block + 1] - q->first[block]) * sizeof *row);
     size_t end = (block + 1) * q->length;
-    if (end > y->body->elements.soa.count) end = y->body->elements.soa.count;
+    if (end > y->solid->elements.soa.count) end = y->solid->elements.soa.count;
     for (size_t e = block * q->length; e < end; e++) {
         linear_element(y, e, y->moved, force);
         for (size_t a = 0; a < nodes; a++)
@@ -217,9 +217,9 @@ static void linear_block(const linear_system *y, size_t block) {
  * forces. */
 static void apply(const void *context, const double *x, double *out) {
     const linear_system *y = context;
-    const gn_partials *q = &y->body->partials;
-    const size_t d = (size_t)y->dimension, nodes = y->body->nodes.soa.count;
-#pragma omp parallel num_threads(y->body->threads)
+    const gn_partials *q = &y->solid->partials;
+    const size_t d = (size_t)y->dimension, nodes = y->solid->nodes.soa.count;
+#pragma omp parallel num_threads(y->solid->threads)
     {
 #pragma omp for schedule(static)
         for (size_t k = 0; k < nodes * d; k++) {
@@ -229,7 +229,7 @@ static void apply(const void *context, const double *x, double *out) {
 #pragma omp for schedule(static)
         for (size_t b = 0; b < q->blocks; b++) linear_block(y, b);
 #pragma omp for schedule(static)
-        for (size_t b = 0; b < y->body->motion_blocks; b++)
+        for (size_t b = 0; b < y->solid->motion_blocks; b++)
             for (int32_t s = q->start[b]; s < q->start[b + 1]; s++)
                 for (size_t i = 0; i < d; i++) {
                     size_t k = d * (size_t)q->share[s].particle + i;
@@ -241,7 +241,7 @@ static void apply(const void *context, const double *x, double *out) {
 static void find_culprits(const linear_system *y, const double *mode, gn_fem_limit *limit) {
     const size_t d = (size_t)y->dimension;
     double most = -1.0, force[4][3];
-    for (size_t n = 0; n < y->body->nodes.soa.count; n++) {
+    for (size_t n = 0; n < y->solid->nodes.soa.count; n++) {
         double share = 0.0;
         for (size_t i = 0; i < d; i++) {
             share += mode[d * n + i] * mode[d * n + i];
@@ -249,31 +249,31 @@ static void find_culprits(const linear_system *y, const double *mode, gn_fem_lim
         }
         if (share <= most) continue;
         most = share;
-        limit->sharp_node = y->body->nodes.id[n];
+        limit->sharp_node = y->solid->nodes.id[n];
     }
     most = -1.0;
-    for (size_t e = 0; e < y->body->elements.soa.count; e++) {
+    for (size_t e = 0; e < y->solid->elements.soa.count; e++) {
         double energy = linear_element(y, e, y->moved, force);
         if (energy <= most) continue;
         most = energy;
-        limit->sharp_element = y->body->elements.id[e];
+        limit->sharp_element = y->solid->elements.id[e];
     }
 }
 
 static gneiss_status find_sharp(const linear_system *y, double tolerance, gn_fem_limit *limit,
                                 gneiss_error *error) {
-    const bool pressure = y->body->form == GN_FEM_PRESSURE;
-    size_t n = y->body->nodes.soa.count * (size_t)(y->dimension + pressure);
+    const bool pressure = y->solid->form == GN_FEM_PRESSURE;
+    size_t n = y->solid->nodes.soa.count * (size_t)(y->dimension + pressure);
     double *mode = gn_alloc_array(n + 1, sizeof *mode);
     if (!mode) return gn_fail(error, GNEISS_ERROR_MEMORY, "no memory for the fastest mode");
     /* What cannot move stays out of it. */
     for (size_t k = 0; k < n; k++) mode[k] = gn_random_symmetric(1, k);
-    for (size_t k = 0; k < y->body->nodes.soa.count * (size_t)y->dimension; k++)
+    for (size_t k = 0; k < y->solid->nodes.soa.count * (size_t)y->dimension; k++)
         if (!(y->scale[k] > 0.0)) mode[k] = 0.0;
     gn_eigen_top top;
     gneiss_status status = gn_eigen_largest_in(n, pressure ? gn_fem_linear_pressure : apply,
                                                pressure ? gn_fem_linear_metric : NULL, y, tolerance,
-                                               y->body->threads, mode, &top, error);
+                                               y->solid->threads, mode, &top, error);
     if (status == GNEISS_OK) {
         limit->iterations = top.vectors;
         limit->frequency = sqrt(top.value);
@@ -288,19 +288,19 @@ static gneiss_status find_sharp(const linear_system *y, double tolerance, gn_fem
 /* --- both --- */
 
 static void set_scale(linear_system *y) {
-    const gn_fem_body *body = y->body;
+    const gn_fem_solid *solid = y->solid;
     const size_t d = (size_t)y->dimension;
-    for (size_t n = 0; n < body->nodes.soa.count; n++)
+    for (size_t n = 0; n < solid->nodes.soa.count; n++)
         for (size_t i = 0; i < d; i++) {
-            int32_t slot = body->nodes.slot[n];
-            bool fixed = slot >= 0 && body->prescribed.mask[slot] >> i & 1;
-            y->scale[d * n + i] = fixed ? 0.0 : sqrt(body->nodes.vel[4 * n + 3]);
+            int32_t slot = solid->nodes.slot[n];
+            bool fixed = slot >= 0 && solid->prescribed.mask[slot] >> i & 1;
+            y->scale[d * n + i] = fixed ? 0.0 : sqrt(solid->nodes.vel[4 * n + 3]);
         }
 }
 
 static bool make_pressure(linear_system *y) {
-    size_t nodes = y->body->nodes.soa.count;
-    if (y->body->form != GN_FEM_PRESSURE) return true;
+    size_t nodes = y->solid->nodes.soa.count;
+    if (y->solid->form != GN_FEM_PRESSURE) return true;
     y->gradient = gn_alloc_array(nodes + 1, 4 * sizeof *y->gradient);
     y->pressure = gn_alloc_array(nodes + 1, sizeof *y->pressure);
     return y->gradient && y->pressure;
@@ -308,7 +308,7 @@ static bool make_pressure(linear_system *y) {
 
 static gneiss_status find_limits(linear_system *y, bool sharp, double tolerance,
                                  gn_fem_limit *limit, gneiss_error *error) {
-    size_t nodes = y->body->nodes.soa.count, d = (size_t)y->dimension;
+    size_t nodes = y->solid->nodes.soa.count, d = (size_t)y->dimension;
     y->scale = gn_alloc_array(nodes + 1, d * sizeof *y->scale);
     y->moved = gn_alloc_array(nodes + 1, d * sizeof *y->moved);
     y->stiffness = gn_alloc_array(nodes + 1, sizeof *y->stiffness);
@@ -322,10 +322,10 @@ static gneiss_status find_limits(linear_system *y, bool sharp, double tolerance,
     return find_sharp(y, tolerance, limit, error);
 }
 
-static gneiss_status limits(gn_fem_body *body, bool sharp, double tolerance, gn_fem_limit *limit,
+static gneiss_status limits(gn_fem_solid *solid, bool sharp, double tolerance, gn_fem_limit *limit,
                             gneiss_error *error) {
-    linear_system y = {.body = body, .dimension = body->dimension};
-    y.strains = body->dimension == 3 ? 6 : 3;
+    linear_system y = {.solid = solid, .dimension = solid->dimension};
+    y.strains = solid->dimension == 3 ? 6 : 3;
     *limit = (gn_fem_limit){.bound = INFINITY,
                             .bound_element = -1,
                             .sharp = INFINITY,
@@ -341,11 +341,11 @@ static gneiss_status limits(gn_fem_body *body, bool sharp, double tolerance, gn_
     return status;
 }
 
-gneiss_status gn_fem_limits(gn_fem_body *body, double tolerance, gn_fem_limit *limit,
+gneiss_status gn_fem_limits(gn_fem_solid *solid, double tolerance, gn_fem_limit *limit,
                             gneiss_error *error) {
-    return limits(body, true, tolerance, limit, error);
+    return limits(solid, true, tolerance, limit, error);
 }
 
-gneiss_status gn_fem_bound(gn_fem_body *body, gn_fem_limit *limit, gneiss_error *error) {
-    return limits(body, false, 0.0, limit, error);
+gneiss_status gn_fem_bound(gn_fem_solid *solid, gn_fem_limit *limit, gneiss_error *error) {
+    return limits(solid, false, 0.0, limit, error);
 }

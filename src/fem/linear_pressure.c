@@ -11,7 +11,7 @@
  * over the corners, at least tau V |grad q - mean pi|^2, so that the rest is at most (1 + x) q.S q
  * with x the largest of nodes K tau lambda_max(sum_a grad N_a (x) grad N_a). Hence w_max^2 is at
  * most the larger of the displacement form's bound and w^2 (1 + x). */
-#include "fem/parts.h"
+#include "fem/internal.h"
 
 #include <string.h>
 
@@ -31,12 +31,12 @@ typedef struct pass {
 } pass;
 
 static void add_block(const linear_system *y, const pass *p, size_t block) {
-    const gn_partials *q = &y->body->partials;
+    const gn_partials *q = &y->solid->partials;
     const size_t nodes = (size_t)y->dimension + 1;
     double *row = p->row + p->width * (size_t)q->first[block], *sums[4];
     memset(row, 0, p->width * (size_t)(q->first[block + 1] - q->first[block]) * sizeof *row);
     size_t end = (block + 1) * q->length;
-    if (end > y->body->elements.soa.count) end = y->body->elements.soa.count;
+    if (end > y->solid->elements.soa.count) end = y->solid->elements.soa.count;
     for (size_t e = block * q->length; e < end; e++) {
         for (size_t a = 0; a < nodes; a++) sums[a] = row + q->place[nodes * e + a] * p->width / 4;
         p->add(y, e, sums);
@@ -44,7 +44,7 @@ static void add_block(const linear_system *y, const pass *p, size_t block) {
 }
 
 static void take_block(const linear_system *y, const pass *p, size_t block, double *out) {
-    const gn_partials *q = &y->body->partials;
+    const gn_partials *q = &y->solid->partials;
     const size_t begin = block * GN_PARTICLE_BLOCK;
     double sum[GN_PARTICLE_BLOCK][4];
     memset(sum, 0, sizeof sum);
@@ -52,17 +52,17 @@ static void take_block(const linear_system *y, const pass *p, size_t block, doub
         for (size_t k = 0; k < p->width; k++)
             sum[(size_t)q->share[s].particle - begin][k] +=
                 p->row[p->width * (size_t)q->share[s].row + k];
-    for (size_t n = begin; n < begin + GN_PARTICLE_BLOCK && n < y->body->nodes.soa.count; n++)
+    for (size_t n = begin; n < begin + GN_PARTICLE_BLOCK && n < y->solid->nodes.soa.count; n++)
         p->take(y, n, sum[n - begin], out);
 }
 
 static void run(const linear_system *y, pass p, double *out) {
-#pragma omp parallel num_threads(y->body->threads)
+#pragma omp parallel num_threads(y->solid->threads)
     {
 #pragma omp for schedule(static)
-        for (size_t b = 0; b < y->body->partials.blocks; b++) add_block(y, &p, b);
+        for (size_t b = 0; b < y->solid->partials.blocks; b++) add_block(y, &p, b);
 #pragma omp for schedule(static)
-        for (size_t b = 0; b < y->body->motion_blocks; b++) take_block(y, &p, b, out);
+        for (size_t b = 0; b < y->solid->motion_blocks; b++) take_block(y, &p, b, out);
     }
 }
 
@@ -70,7 +70,7 @@ static void run(const linear_system *y, pass p, double *out) {
 
 /* Integral of grad q over tau, to every node its share. */
 static void gradient_of(const linear_system *y, size_t e, double gradient[4][3], double g[3]) {
-    const gn_elements *q = &y->body->elements;
+    const gn_elements *q = &y->solid->elements;
     gn_fem_gradients(q, e, gradient);
     for (int k = 0; k < 3; k++) g[k] = 0.0;
     for (int a = 0; a <= y->dimension; a++)
@@ -79,7 +79,7 @@ static void gradient_of(const linear_system *y, size_t e, double gradient[4][3],
 }
 
 static void add_gradient(const linear_system *y, size_t e, double *sums[4]) {
-    const gn_elements *q = &y->body->elements;
+    const gn_elements *q = &y->solid->elements;
     double gradient[4][3], g[3], share = q->tau[e] * q->volume[e] / (y->dimension + 1);
     gradient_of(y, e, gradient, g);
     for (int a = 0; a <= y->dimension; a++)
@@ -89,12 +89,12 @@ static void add_gradient(const linear_system *y, size_t e, double *sums[4]) {
 static void take_gradient(const linear_system *y, size_t n, const double *sum, double *out) {
     (void)out;
     for (int k = 0; k < 3; k++)
-        y->gradient[4 * n + (size_t)k] = y->body->nodes.lumped[4 * n + 1] * sum[k];
+        y->gradient[4 * n + (size_t)k] = y->solid->nodes.lumped[4 * n + 1] * sum[k];
 }
 
 /* Growth and stabilising term. */
 static void add_growth(const linear_system *y, size_t e, double *sums[4]) {
-    const gn_elements *q = &y->body->elements;
+    const gn_elements *q = &y->solid->elements;
     const int d = y->dimension;
     double gradient[4][3], g[3], dilation = 0.0;
     gradient_of(y, e, gradient, g);
@@ -112,18 +112,18 @@ static void add_growth(const linear_system *y, size_t e, double *sums[4]) {
 }
 
 static void take_pressure(const linear_system *y, size_t n, const double *sum, double *out) {
-    const size_t at = y->body->nodes.soa.count * (size_t)y->dimension + n;
-    y->pressure[n] = y->body->nodes.lumped[4 * n] * (sum[0] - sum[1]);
-    out[at] = y->body->rate2 * (y->gradient[4 * n + 3] - y->pressure[n]);
+    const size_t at = y->solid->nodes.soa.count * (size_t)y->dimension + n;
+    y->pressure[n] = y->solid->nodes.lumped[4 * n] * (sum[0] - sum[1]);
+    out[at] = y->solid->rate2 * (y->gradient[4 * n + 3] - y->pressure[n]);
 }
 
 static void take_term(const linear_system *y, size_t n, const double *sum, double *out) {
-    const size_t at = y->body->nodes.soa.count * (size_t)y->dimension + n;
-    out[at] = sum[1] / y->body->rate2;
+    const size_t at = y->solid->nodes.soa.count * (size_t)y->dimension + n;
+    out[at] = sum[1] / y->solid->rate2;
 }
 
 static void add_force(const linear_system *y, size_t e, double *sums[4]) {
-    const gn_elements *q = &y->body->elements;
+    const gn_elements *q = &y->solid->elements;
     const int d = y->dimension;
     double gradient[4][3], slope[3][3] = {{0.0}}, pressure = 0.0, trace = 0.0;
     gn_fem_gradients(q, e, gradient);
@@ -151,25 +151,25 @@ static void take_force(const linear_system *y, size_t n, const double *sum, doub
 /* --- operators --- */
 
 static void set_fields(const linear_system *y, const double *x) {
-    const size_t d = (size_t)y->dimension, nodes = y->body->nodes.soa.count;
+    const size_t d = (size_t)y->dimension, nodes = y->solid->nodes.soa.count;
     for (size_t k = 0; k < nodes * d; k++) y->moved[k] = y->scale[k] * x[k];
     for (size_t n = 0; n < nodes; n++) y->gradient[4 * n + 3] = x[nodes * d + n];
 }
 
 void gn_fem_linear_pressure(const void *system, const double *x, double *out) {
     const linear_system *y = system;
-    gn_fem_body *body = y->body;
+    gn_fem_solid *solid = y->solid;
     set_fields(y, x);
-    run(y, (pass){add_gradient, take_gradient, 4, body->partials.row}, out);
-    run(y, (pass){add_growth, take_pressure, 2, body->growth_row}, out);
-    run(y, (pass){add_force, take_force, 4, body->partials.row}, out);
+    run(y, (pass){add_gradient, take_gradient, 4, solid->partials.row}, out);
+    run(y, (pass){add_growth, take_pressure, 2, solid->growth_row}, out);
+    run(y, (pass){add_force, take_force, 4, solid->partials.row}, out);
 }
 
 void gn_fem_linear_metric(const void *system, const double *x, double *out) {
     const linear_system *y = system;
-    gn_fem_body *body = y->body;
+    gn_fem_solid *solid = y->solid;
     set_fields(y, x);
-    run(y, (pass){add_gradient, take_gradient, 4, body->partials.row}, out);
-    run(y, (pass){add_growth, take_term, 2, body->growth_row}, out);
-    memcpy(out, x, body->nodes.soa.count * (size_t)y->dimension * sizeof *out);
+    run(y, (pass){add_gradient, take_gradient, 4, solid->partials.row}, out);
+    run(y, (pass){add_growth, take_term, 2, solid->growth_row}, out);
+    memcpy(out, x, solid->nodes.soa.count * (size_t)y->dimension * sizeof *out);
 }

@@ -1,7 +1,7 @@
 /* Sets of nodes, and what drives them. */
 #include "base/memory.h"
 #include "base/names.h"
-#include "fem/parts.h"
+#include "fem/internal.h"
 
 #include <math.h>
 #include <stdio.h>
@@ -70,11 +70,11 @@ static gneiss_status collect(const uint8_t *chosen, size_t nodes, gn_fem_set *se
     return GNEISS_OK;
 }
 
-static gneiss_status chosen_nodes(const gn_fem_body *body, const gn_mesh_group *group,
+static gneiss_status chosen_nodes(const gn_fem_solid *solid, const gn_mesh_group *group,
                                   gn_fem_set *set, gneiss_error *error) {
-    gn_mesh mesh = body->mesh;
+    gn_mesh mesh = solid->mesh;
     const gn_mesh_elements *list = gn_fem_elements_of(&mesh, group->dimension);
-    uint8_t *chosen = gn_alloc_array(body->nodes.soa.count + 1, sizeof *chosen);
+    uint8_t *chosen = gn_alloc_array(solid->nodes.soa.count + 1, sizeof *chosen);
     uint8_t *in = gn_alloc_array(list->count + 1, sizeof *in);
     gneiss_status status = GNEISS_OK;
     if (chosen && in) {
@@ -82,7 +82,7 @@ static gneiss_status chosen_nodes(const gn_fem_body *body, const gn_mesh_group *
         size_t nodes = (size_t)list->nodes;
         for (size_t k = 0; k < list->count * nodes; k++)
             if (in[k / nodes]) chosen[list->node[k]] = 1;
-        status = collect(chosen, body->nodes.soa.count, set, error);
+        status = collect(chosen, solid->nodes.soa.count, set, error);
     } else
         status = gn_fail(error, GNEISS_ERROR_MEMORY, "no memory to choose nodes");
     gn_free(chosen);
@@ -90,27 +90,27 @@ static gneiss_status chosen_nodes(const gn_fem_body *body, const gn_mesh_group *
     return status;
 }
 
-gneiss_status gn_fem_nodes_of_group(const gn_fem_body *body, const char *group, gn_fem_set *set,
+gneiss_status gn_fem_nodes_of_group(const gn_fem_solid *solid, const char *group, gn_fem_set *set,
                                     gneiss_error *error) {
     *set = (gn_fem_set){0};
-    const gn_mesh_group *found = gn_fem_find_group(&body->mesh, group, -1);
-    if (found) GN_TRY(chosen_nodes(body, found, set, error));
+    const gn_mesh_group *found = gn_fem_find_group(&solid->mesh, group, -1);
+    if (found) GN_TRY(chosen_nodes(solid, found, set, error));
     if (set->count) return GNEISS_OK;
     gn_fem_set_free(set);
-    return gn_fem_no_group(body->name, &body->mesh, group, -1, error);
+    return gn_fem_no_group(solid->name, &solid->mesh, group, -1, error);
 }
 
-gneiss_status gn_fem_nodes_in_box(const gn_fem_body *body, const double lower[3],
+gneiss_status gn_fem_nodes_in_box(const gn_fem_solid *solid, const double lower[3],
                                   const double upper[3], gn_fem_set *set, gneiss_error *error) {
     *set = (gn_fem_set){0};
-    size_t nodes = body->nodes.soa.count;
+    size_t nodes = solid->nodes.soa.count;
     uint8_t *chosen = gn_alloc_array(nodes + 1, sizeof *chosen);
     if (!chosen) return gn_fail(error, GNEISS_ERROR_MEMORY, "no memory to choose nodes");
     for (size_t n = 0; n < nodes; n++) {
-        const double *x = body->nodes.start + 4 * n;
+        const double *x = solid->nodes.start + 4 * n;
         chosen[n] = 1;
-        for (int k = 0; k < body->dimension; k++)
-            chosen[n] &= gn_fem_between(body, x, k, lower[k], upper[k]);
+        for (int k = 0; k < solid->dimension; k++)
+            chosen[n] &= gn_fem_between(solid, x, k, lower[k], upper[k]);
     }
     gneiss_status status = collect(chosen, nodes, set, error);
     gn_free(chosen);
@@ -120,7 +120,7 @@ gneiss_status gn_fem_nodes_in_box(const gn_fem_body *body, const double lower[3]
         error, GNEISS_ERROR_INPUT,
         "%s: expected nodes in the box from (%.12g, %.12g, %.12g) to (%.12g, %.12g, %.12g) m, "
         "found none",
-        body->name, lower[0], lower[1], lower[2], upper[0], upper[1], upper[2]);
+        solid->name, lower[0], lower[1], lower[2], upper[0], upper[1], upper[2]);
 }
 
 void gn_fem_set_free(gn_fem_set *set) {
@@ -140,82 +140,82 @@ static bool grow(void **array, size_t had, size_t count, size_t size) {
     return true;
 }
 
-static gneiss_status add_slots(gn_fem_body *body, const gn_fem_set *set, gneiss_error *error) {
-    gn_prescription *q = &body->prescribed;
+static gneiss_status add_slots(gn_fem_solid *solid, const gn_fem_set *set, gneiss_error *error) {
+    gn_prescription *q = &solid->prescribed;
     size_t had = q->count, count = had;
-    for (size_t k = 0; k < set->count; k++) count += body->nodes.slot[set->node[k]] < 0;
+    for (size_t k = 0; k < set->count; k++) count += solid->nodes.slot[set->node[k]] < 0;
     bool held = grow((void **)&q->set, had, count, sizeof *q->set) &&
                 grow((void **)&q->mask, had, count, sizeof *q->mask) &&
                 grow((void **)&q->velocity, had, count, 6 * sizeof *q->velocity) &&
                 grow((void **)&q->load, had, count, 6 * sizeof *q->load) &&
-                grow((void **)&body->channel, had, count, sizeof *body->channel);
+                grow((void **)&solid->channel, had, count, sizeof *solid->channel);
     if (!held)
         return gn_fail(error, GNEISS_ERROR_MEMORY, "no memory for %zu prescribed nodes", count);
     for (size_t k = 0; k < set->count; k++) {
-        int32_t *slot = &body->nodes.slot[set->node[k]];
+        int32_t *slot = &solid->nodes.slot[set->node[k]];
         if (*slot >= 0) continue;
         *slot = (int32_t)q->count++;
-        for (int a = 0; a < 3; a++) body->channel[*slot][a] = -1;
+        for (int a = 0; a < 3; a++) solid->channel[*slot][a] = -1;
     }
     return GNEISS_OK;
 }
 
-gneiss_status gn_fem_prescribe(gn_fem_body *body, const gn_fem_set *set, unsigned mask,
+gneiss_status gn_fem_prescribe(gn_fem_solid *solid, const gn_fem_set *set, unsigned mask,
                                const double velocity[3], int32_t *motion, gneiss_error *error) {
-    GN_TRY(add_slots(body, set, error));
-    *motion = body->motion_count++;
+    GN_TRY(add_slots(solid, set, error));
+    *motion = solid->motion_count++;
     for (size_t k = 0; k < set->count; k++) {
-        int32_t slot = body->nodes.slot[set->node[k]];
-        for (int a = 0; a < body->dimension; a++) {
+        int32_t slot = solid->nodes.slot[set->node[k]];
+        for (int a = 0; a < solid->dimension; a++) {
             if (!(mask >> a & 1)) continue;
-            body->prescribed.mask[slot] |= (uint8_t)(1u << a);
-            body->prescribed.set[slot] = *motion;
-            body->channel[slot][a] = *motion;
+            solid->prescribed.mask[slot] |= (uint8_t)(1u << a);
+            solid->prescribed.set[slot] = *motion;
+            solid->channel[slot][a] = *motion;
         }
     }
-    gn_fem_set_velocity(body, *motion, velocity);
+    gn_fem_set_velocity(solid, *motion, velocity);
     return GNEISS_OK;
 }
 
 /* Prescribed components start with their prescribed value, not with a jump. */
-static void start_prescribed(gn_fem_body *body) {
-    for (size_t n = 0; n < body->nodes.soa.count; n++) {
-        int32_t slot = body->nodes.slot[n];
+static void start_prescribed(gn_fem_solid *solid) {
+    for (size_t n = 0; n < solid->nodes.soa.count; n++) {
+        int32_t slot = solid->nodes.slot[n];
         for (size_t a = 0; slot >= 0 && a < 3; a++)
-            if (body->prescribed.mask[slot] >> a & 1)
-                body->nodes.vel[4 * n + a] = body->prescribed.velocity[6 * (size_t)slot + a];
+            if (solid->prescribed.mask[slot] >> a & 1)
+                solid->nodes.vel[4 * n + a] = solid->prescribed.velocity[6 * (size_t)slot + a];
     }
 }
 
-void gn_fem_set_velocity(gn_fem_body *body, int32_t motion, const double velocity[3]) {
-    for (size_t slot = 0; slot < body->prescribed.count; slot++)
+void gn_fem_set_velocity(gn_fem_solid *solid, int32_t motion, const double velocity[3]) {
+    for (size_t slot = 0; slot < solid->prescribed.count; slot++)
         for (size_t a = 0; a < 3; a++)
-            if (body->channel[slot][a] == motion)
-                body->prescribed.velocity[6 * slot + a] = velocity[a];
-    if (body->step == 0) start_prescribed(body);
+            if (solid->channel[slot][a] == motion)
+                solid->prescribed.velocity[6 * slot + a] = velocity[a];
+    if (solid->step == 0) start_prescribed(solid);
 }
 
-void gn_fem_reaction(const gn_fem_body *body, int32_t motion, double force[3]) {
+void gn_fem_reaction(const gn_fem_solid *solid, int32_t motion, double force[3]) {
     for (int a = 0; a < 3; a++) force[a] = 0.0;
-    for (size_t slot = 0; slot < body->prescribed.count; slot++)
+    for (size_t slot = 0; slot < solid->prescribed.count; slot++)
         for (size_t a = 0; a < 3; a++)
-            if (body->channel[slot][a] == motion) force[a] += body->prescribed.load[6 * slot + a];
+            if (solid->channel[slot][a] == motion) force[a] += solid->prescribed.load[6 * slot + a];
 }
 
 /* --- forces --- */
 
-void gn_fem_add_force(gn_fem_body *body, const gn_fem_set *set, const double force[3]) {
+void gn_fem_add_force(gn_fem_solid *solid, const gn_fem_set *set, const double force[3]) {
     for (size_t k = 0; k < set->count; k++)
-        for (int a = 0; a < body->dimension; a++)
-            body->nodes.applied[4 * (size_t)set->node[k] + (size_t)a] += force[a];
+        for (int a = 0; a < solid->dimension; a++)
+            solid->nodes.applied[4 * (size_t)set->node[k] + (size_t)a] += force[a];
 }
 
-double gn_fem_facet_area(const gn_fem_body *body, const int32_t *node) {
-    const double *x = body->mesh.node + 3 * (size_t)node[0];
-    const double *y = body->mesh.node + 3 * (size_t)node[1];
+double gn_fem_facet_area(const gn_fem_solid *solid, const int32_t *node) {
+    const double *x = solid->mesh.node + 3 * (size_t)node[0];
+    const double *y = solid->mesh.node + 3 * (size_t)node[1];
     double a[3] = {y[0] - x[0], y[1] - x[1], y[2] - x[2]};
-    if (body->dimension == 2) return sqrt(a[0] * a[0] + a[1] * a[1]);
-    const double *z = body->mesh.node + 3 * (size_t)node[2];
+    if (solid->dimension == 2) return sqrt(a[0] * a[0] + a[1] * a[1]);
+    const double *z = solid->mesh.node + 3 * (size_t)node[2];
     double b[3] = {z[0] - x[0], z[1] - x[1], z[2] - x[2]}, sum = 0.0;
     for (int k = 0; k < 3; k++) {
         double n = a[k] * b[(k + 1) % 3] - a[(k + 1) % 3] * b[k];
@@ -224,24 +224,24 @@ double gn_fem_facet_area(const gn_fem_body *body, const int32_t *node) {
     return 0.5 * sqrt(sum);
 }
 
-gneiss_status gn_fem_add_traction(gn_fem_body *body, const char *group, const double traction[3],
+gneiss_status gn_fem_add_traction(gn_fem_solid *solid, const char *group, const double traction[3],
                                   gneiss_error *error) {
-    const int facets = body->dimension - 1;
-    const gn_mesh_elements *list = gn_fem_elements_of(&body->mesh, facets);
-    const gn_mesh_group *found = gn_fem_find_group(&body->mesh, group, facets);
-    size_t loaded = 0, nodes = (size_t)body->dimension;
+    const int facets = solid->dimension - 1;
+    const gn_mesh_elements *list = gn_fem_elements_of(&solid->mesh, facets);
+    const gn_mesh_group *found = gn_fem_find_group(&solid->mesh, group, facets);
+    size_t loaded = 0, nodes = (size_t)solid->dimension;
     uint8_t *in = gn_alloc_array(list->count + 1, sizeof *in);
     if (!in) return gn_fail(error, GNEISS_ERROR_MEMORY, "no memory to choose facets");
     if (found) gn_fem_mark_group(list, found->tag, in);
     for (size_t f = 0; f < list->count; f++) {
         if (!in[f]) continue;
         const int32_t *node = list->node + nodes * f;
-        double part = gn_fem_facet_area(body, node) / (double)nodes;
+        double part = gn_fem_facet_area(solid, node) / (double)nodes;
         for (size_t k = 0; k < nodes * nodes; k++)
-            body->nodes.applied[4 * (size_t)node[k / nodes] + k % nodes] +=
+            solid->nodes.applied[4 * (size_t)node[k / nodes] + k % nodes] +=
                 part * traction[k % nodes];
         loaded++;
     }
     gn_free(in);
-    return loaded ? GNEISS_OK : gn_fem_no_group(body->name, &body->mesh, group, facets, error);
+    return loaded ? GNEISS_OK : gn_fem_no_group(solid->name, &solid->mesh, group, facets, error);
 }

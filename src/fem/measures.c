@@ -1,6 +1,6 @@
-/* Averages over the body, and how strain changes its stability limit: plain code. */
+/* Averages over the solid, and how strain changes its stability limit: plain code. */
 #include "base/memory.h"
-#include "fem/parts.h"
+#include "fem/internal.h"
 #include "neigh/pairs.h"
 
 #include <math.h>
@@ -8,47 +8,48 @@
 
 /* --- strain --- */
 
-void gn_fem_strain_weights(const gn_fem_body *body, double (*weight)[3]) {
-    const gn_elements *q = &body->elements;
+void gn_fem_strain_weights(const gn_fem_solid *solid, double (*weight)[3]) {
+    const gn_elements *q = &solid->elements;
     double gradient[4][3];
-    memset(weight, 0, body->nodes.soa.count * sizeof *weight);
+    memset(weight, 0, solid->nodes.soa.count * sizeof *weight);
     for (size_t e = 0; e < q->soa.count; e++) {
         gn_fem_gradients(q, e, gradient);
-        for (int a = 0; a <= body->dimension; a++)
+        for (int a = 0; a <= solid->dimension; a++)
             for (int k = 0; k < 3; k++)
                 weight[gn_elements_node(q, a)[e]][k] +=
-                    q->volume[e] / body->volume * gradient[a][k];
+                    q->volume[e] / solid->volume * gradient[a][k];
     }
 }
 
-void gn_fem_mean_gradient(const gn_fem_body *body, const double (*weight)[3], double gradient[9]) {
+void gn_fem_mean_gradient(const gn_fem_solid *solid, const double (*weight)[3],
+                          double gradient[9]) {
     memset(gradient, 0, 9 * sizeof *gradient);
-    for (size_t n = 0; n < body->nodes.soa.count; n++)
+    for (size_t n = 0; n < solid->nodes.soa.count; n++)
         for (size_t a = 0; a < 3; a++) {
-            double u = body->nodes.pos[4 * n + a] - body->nodes.start[4 * n + a];
+            double u = solid->nodes.pos[4 * n + a] - solid->nodes.start[4 * n + a];
             for (size_t b = 0; b < 3; b++) gradient[3 * a + b] += u * weight[n][b];
         }
 }
 
 /* --- per element --- */
 
-static double element_force(const gn_fem_body *body, size_t e, const double s[6]) {
+static double element_force(const gn_fem_solid *solid, size_t e, const double s[6]) {
     double gradient[4][3], sum = 0.0;
-    gn_fem_gradients(&body->elements, e, gradient);
-    for (int a = 0; a <= body->dimension; a++) {
+    gn_fem_gradients(&solid->elements, e, gradient);
+    for (int a = 0; a <= solid->dimension; a++) {
         const double *g = gradient[a];
         double f[3] = {s[0] * g[0] + s[3] * g[1] + s[5] * g[2],
                        s[3] * g[0] + s[1] * g[1] + s[4] * g[2],
                        s[5] * g[0] + s[4] * g[1] + s[2] * g[2]};
         sum += sqrt(f[0] * f[0] + f[1] * f[1] + f[2] * f[2]);
     }
-    return sum * body->elements.volume[e];
+    return sum * solid->elements.volume[e];
 }
 
-double gn_fem_mean_force(const gn_fem_body *body, const double (*stress)[6]) {
-    size_t count = body->elements.soa.count, corners = (size_t)body->dimension + 1;
+double gn_fem_mean_force(const gn_fem_solid *solid, const double (*stress)[6]) {
+    size_t count = solid->elements.soa.count, corners = (size_t)solid->dimension + 1;
     double total = 0.0;
-    for (size_t e = 0; e < count; e++) total += element_force(body, e, stress[e]);
+    for (size_t e = 0; e < count; e++) total += element_force(solid, e, stress[e]);
     return total / (double)(count * corners);
 }
 
@@ -57,10 +58,10 @@ double gn_fem_mean_force(const gn_fem_body *body, const double (*stress)[6]) {
  * H^T, has at most |sigma|/(lambda + 2 mu) times the largest eigenvalue of the element, which is
  * at least that of a pressure wave along the same gradient (Bathe 1996, sec. 6.3 for the tangent).
  * Norms are Frobenius'; to first order in the strain. */
-static double element_stiffening(const gn_fem_body *body, size_t e, const double s[6]) {
-    const gn_elements *q = &body->elements;
+static double element_stiffening(const gn_fem_solid *solid, size_t e, const double s[6]) {
+    const gn_elements *q = &solid->elements;
     double f[3][3], strain2 = 0.0;
-    gn_fem_deformation(body, e, f);
+    gn_fem_deformation(solid, e, f);
     for (int k = 0; k < 3; k++)
         for (int l = 0; l < 3; l++) {
             double c = f[0][k] * f[0][l] + f[1][k] * f[1][l] + f[2][k] * f[2][l] - (k == l);
@@ -71,43 +72,43 @@ static double element_stiffening(const gn_fem_body *body, size_t e, const double
     return 1.0 + 2.0 * sqrt(strain2) + sqrt(stress2) / (q->lambda[e] + 2.0 * q->mu[e]);
 }
 
-gneiss_status gn_fem_stiffening(const gn_fem_body *body, double *factor, gneiss_error *error) {
-    size_t count = body->elements.soa.count;
+gneiss_status gn_fem_stiffening(const gn_fem_solid *solid, double *factor, gneiss_error *error) {
+    size_t count = solid->elements.soa.count;
     double(*stress)[6] = gn_alloc_array(count + 1, sizeof *stress), most = 1.0;
     if (!stress)
         return gn_fail(error, GNEISS_ERROR_MEMORY,
                        "no memory to watch the time step of %zu "
                        "elements",
                        count);
-    gn_fem_element_stress(body, stress);
-#pragma omp parallel for reduction(max : most) num_threads(body->threads) schedule(static)
-    for (size_t e = 0; e < count; e++) most = fmax(most, element_stiffening(body, e, stress[e]));
+    gn_fem_element_stress(solid, stress);
+#pragma omp parallel for reduction(max : most) num_threads(solid->threads) schedule(static)
+    for (size_t e = 0; e < count; e++) most = fmax(most, element_stiffening(solid, e, stress[e]));
     gn_free(stress);
     *factor = sqrt(most);
     return GNEISS_OK;
 }
 
-size_t gn_fem_bytes(const gn_fem_body *body) {
-    return body->nodes.soa.capacity * gn_record_bytes(&gn_particle_record, body->effects) +
-           body->elements.soa.capacity * gn_record_bytes(&gn_element_record, body->effects) +
-           gn_partials_bytes(&body->partials, body->elements.soa.count, body->dimension + 1);
+size_t gn_fem_bytes(const gn_fem_solid *solid) {
+    return solid->nodes.soa.capacity * gn_record_bytes(&gn_particle_record, solid->effects) +
+           solid->elements.soa.capacity * gn_record_bytes(&gn_element_record, solid->effects) +
+           gn_partials_bytes(&solid->partials, solid->elements.soa.count, solid->dimension + 1);
 }
 
-double gn_fem_volume_ratio(const gn_fem_body *body, size_t element) {
+double gn_fem_volume_ratio(const gn_fem_solid *solid, size_t element) {
     double f[3][3];
-    return gn_fem_deformation(body, element, f);
+    return gn_fem_deformation(solid, element, f);
 }
 
 /* The trace of an element's stiffness at a node is V |G|^2 (lambda + (1 + d) mu). */
-void gn_fem_step_scales(const gn_fem_body *body, double *scale) {
-    const gn_elements *q = &body->elements;
-    const int d = body->dimension;
+void gn_fem_step_scales(const gn_fem_solid *solid, double *scale) {
+    const gn_elements *q = &solid->elements;
+    const int d = solid->dimension;
     for (size_t e = 0; e < q->soa.count; e++) {
         double gradient[4][3], sum = 0.0;
         gn_fem_gradients(q, e, gradient);
         for (int a = 0; a <= d; a++)
             for (int k = 0; k < d; k++) sum += gradient[a][k] * gradient[a][k];
         scale[e] = 2.0 / sqrt(sum * (q->lambda[e] + (1 + d) * q->mu[e]) * (d + 1) /
-                              body->density[q->material[e]]);
+                              solid->density[q->material[e]]);
     }
 }

@@ -1,18 +1,18 @@
 /* Stresses of the present positions, for output: plain code. */
 #include "base/memory.h"
-#include "fem/parts.h"
+#include "fem/internal.h"
 
 #include <string.h>
 
-double gn_fem_deformation(const gn_fem_body *body, size_t e, double f[3][3]) {
-    const gn_elements *q = &body->elements;
-    const double *first = body->nodes.pos + 4 * (size_t)gn_elements_node(q, 0)[e];
+double gn_fem_deformation(const gn_fem_solid *solid, size_t e, double f[3][3]) {
+    const gn_elements *q = &solid->elements;
+    const double *first = solid->nodes.pos + 4 * (size_t)gn_elements_node(q, 0)[e];
     memset(f, 0, 9 * sizeof(double));
-    f[2][2] = body->dimension == 2 ? 1.0 : 0.0;
-    for (int a = 1; a <= body->dimension; a++) {
-        const double *x = body->nodes.pos + 4 * (size_t)gn_elements_node(q, a)[e];
-        for (int i = 0; i < body->dimension; i++)
-            for (int k = 0; k < body->dimension; k++)
+    f[2][2] = solid->dimension == 2 ? 1.0 : 0.0;
+    for (int a = 1; a <= solid->dimension; a++) {
+        const double *x = solid->nodes.pos + 4 * (size_t)gn_elements_node(q, a)[e];
+        for (int i = 0; i < solid->dimension; i++)
+            for (int k = 0; k < solid->dimension; k++)
                 f[i][k] += (x[i] - first[i]) * gn_elements_gradient(q, a, k)[e];
     }
     return f[0][0] * (f[1][1] * f[2][2] - f[1][2] * f[2][1]) -
@@ -34,22 +34,22 @@ static void second_piola(const gn_elements *q, size_t e, bool pressure, double f
 }
 
 /* Mean over the nodes; zero in the displacement form, whose pressure is part of S. */
-static double mean_pressure(const gn_fem_body *body, size_t e) {
+static double mean_pressure(const gn_fem_solid *solid, size_t e) {
     double sum = 0.0;
-    if (body->form != GN_FEM_PRESSURE) return 0.0;
-    for (int a = 0; a <= body->dimension; a++)
-        sum += body->pressure[gn_elements_node(&body->elements, a)[e]];
-    return sum / (body->dimension + 1);
+    if (solid->form != GN_FEM_PRESSURE) return 0.0;
+    for (int a = 0; a <= solid->dimension; a++)
+        sum += solid->pressure[gn_elements_node(&solid->elements, a)[e]];
+    return sum / (solid->dimension + 1);
 }
 
-void gn_fem_element_stress(const gn_fem_body *body, double (*stress)[6]) {
+void gn_fem_element_stress(const gn_fem_solid *solid, double (*stress)[6]) {
     static const int row[6] = {0, 1, 2, 0, 1, 2}, column[6] = {0, 1, 2, 1, 2, 0};
-    if (body->form == GN_FEM_PRESSURE) gn_fem_find_pressures(body);
-#pragma omp parallel for num_threads(body->threads) schedule(static)
-    for (size_t e = 0; e < body->elements.soa.count; e++) {
-        double f[3][3], s[3][3], det = gn_fem_deformation(body, e, f);
-        second_piola(&body->elements, e, body->form == GN_FEM_PRESSURE, f, s);
-        const double pressure = mean_pressure(body, e);
+    if (solid->form == GN_FEM_PRESSURE) gn_fem_find_pressures(solid);
+#pragma omp parallel for num_threads(solid->threads) schedule(static)
+    for (size_t e = 0; e < solid->elements.soa.count; e++) {
+        double f[3][3], s[3][3], det = gn_fem_deformation(solid, e, f);
+        second_piola(&solid->elements, e, solid->form == GN_FEM_PRESSURE, f, s);
+        const double pressure = mean_pressure(solid, e);
         for (int c = 0; c < 6; c++) {
             double sum = 0.0;
             for (int k = 0; k < 3; k++)
@@ -59,15 +59,15 @@ void gn_fem_element_stress(const gn_fem_body *body, double (*stress)[6]) {
     }
 }
 
-gneiss_status gn_fem_nodal_stress(const gn_fem_body *body, const double (*element)[6],
+gneiss_status gn_fem_nodal_stress(const gn_fem_solid *solid, const double (*element)[6],
                                   double (*nodal)[6], gneiss_error *error) {
-    const gn_elements *q = &body->elements;
-    const size_t nodes = body->nodes.soa.count;
+    const gn_elements *q = &solid->elements;
+    const size_t nodes = solid->nodes.soa.count;
     double *volume = gn_alloc_array(nodes + 1, sizeof *volume);
     if (!volume) return gn_fail(error, GNEISS_ERROR_MEMORY, "no memory for %zu nodes", nodes);
     memset(nodal, 0, nodes * sizeof *nodal);
     for (size_t e = 0; e < q->soa.count; e++)
-        for (int a = 0; a <= body->dimension; a++) {
+        for (int a = 0; a <= solid->dimension; a++) {
             size_t n = (size_t)gn_elements_node(q, a)[e];
             volume[n] += q->volume[e];
             for (int c = 0; c < 6; c++) nodal[n][c] += q->volume[e] * element[e][c];
@@ -78,19 +78,19 @@ gneiss_status gn_fem_nodal_stress(const gn_fem_body *body, const double (*elemen
     return GNEISS_OK;
 }
 
-gneiss_status gn_fem_nodal_pressure(const gn_fem_body *body, double *pressure,
+gneiss_status gn_fem_nodal_pressure(const gn_fem_solid *solid, double *pressure,
                                     gneiss_error *error) {
-    const size_t nodes = body->nodes.soa.count, elements = body->elements.soa.count;
-    if (body->form == GN_FEM_PRESSURE) {
-        gn_fem_find_pressures(body);
-        memcpy(pressure, body->pressure, nodes * sizeof *pressure);
+    const size_t nodes = solid->nodes.soa.count, elements = solid->elements.soa.count;
+    if (solid->form == GN_FEM_PRESSURE) {
+        gn_fem_find_pressures(solid);
+        memcpy(pressure, solid->pressure, nodes * sizeof *pressure);
         return GNEISS_OK;
     }
     double(*stress)[6] = gn_alloc_array(elements + nodes + 1, sizeof *stress);
     if (!stress) return gn_fail(error, GNEISS_ERROR_MEMORY, "no memory for %zu nodes", nodes);
-    gn_fem_element_stress(body, stress);
+    gn_fem_element_stress(solid, stress);
     double(*nodal)[6] = stress + elements;
-    gneiss_status status = gn_fem_nodal_stress(body, (const double(*)[6])stress, nodal, error);
+    gneiss_status status = gn_fem_nodal_stress(solid, (const double(*)[6])stress, nodal, error);
     for (size_t n = 0; n < nodes; n++)
         pressure[n] = (nodal[n][0] + nodal[n][1] + nodal[n][2]) / 3.0;
     gn_free(stress);

@@ -1,7 +1,7 @@
 /* The built-in mesh of a beam for three-point bending. */
 #include "base/memory.h"
 #include "fem/grid.h"
-#include "fem/parts.h"
+#include "fem/internal.h"
 
 #include <math.h>
 #include <stdlib.h>

@@ -1,20 +1,20 @@
-/* Facets of a body that something can touch. */
+/* Facets of a solid that something can touch. */
 #include "base/memory.h"
-#include "fem/parts.h"
+#include "fem/internal.h"
 
 #include <string.h>
 
 static gneiss_status no_memory(gneiss_error *error) {
-    return gn_fail(error, GNEISS_ERROR_MEMORY, "no memory for the surface of a body");
+    return gn_fail(error, GNEISS_ERROR_MEMORY, "no memory for the surface of a solid");
 }
 
-static gneiss_status facets_of_group(const gn_fem_body *body, const char *group, int32_t **corner,
+static gneiss_status facets_of_group(const gn_fem_solid *solid, const char *group, int32_t **corner,
                                      size_t *count, gneiss_error *error) {
-    gn_mesh mesh = body->mesh;
-    const gn_mesh_elements *list = gn_fem_elements_of(&mesh, body->dimension - 1);
-    const gn_mesh_group *found = gn_fem_find_group(&mesh, group, body->dimension - 1);
-    size_t nodes = (size_t)body->dimension;
-    if (!found) return gn_fem_no_group(body->name, &mesh, group, body->dimension - 1, error);
+    gn_mesh mesh = solid->mesh;
+    const gn_mesh_elements *list = gn_fem_elements_of(&mesh, solid->dimension - 1);
+    const gn_mesh_group *found = gn_fem_find_group(&mesh, group, solid->dimension - 1);
+    size_t nodes = (size_t)solid->dimension;
+    if (!found) return gn_fem_no_group(solid->name, &mesh, group, solid->dimension - 1, error);
     uint8_t *in = gn_alloc_array(list->count + 1, sizeof *in);
     *corner = gn_alloc_array(nodes * list->count + 1, sizeof **corner);
     if (in && *corner) {
@@ -30,10 +30,10 @@ static gneiss_status facets_of_group(const gn_fem_body *body, const char *group,
 }
 
 /* gn_mesh_boundary puts the facets in the place of those listed: it works on a copy. */
-static gneiss_status all_facets(const gn_fem_body *body, int32_t **corner, size_t *count,
+static gneiss_status all_facets(const gn_fem_solid *solid, int32_t **corner, size_t *count,
                                 gneiss_error *error) {
-    gn_mesh from = body->mesh, mesh = {0};
-    int dimension = body->dimension;
+    gn_mesh from = solid->mesh, mesh = {0};
+    int dimension = solid->dimension;
     const gn_mesh_elements *solids = gn_fem_elements_of(&from, dimension);
     gn_mesh_elements *copy = gn_fem_elements_of(&mesh, dimension);
     size_t nodes = (size_t)dimension + 1, bytes = nodes * solids->count * sizeof *solids->node;
@@ -49,7 +49,7 @@ static gneiss_status all_facets(const gn_fem_body *body, int32_t **corner, size_
     if (status == GNEISS_OK) {
         memcpy(mesh.node, from.node, 3 * from.node_count * sizeof *mesh.node);
         memcpy(copy->node, solids->node, bytes);
-        status = gn_mesh_boundary(&mesh, dimension, body->name, error);
+        status = gn_mesh_boundary(&mesh, dimension, solid->name, error);
     }
     if (status == GNEISS_OK) {
         gn_mesh_elements *facets = gn_fem_elements_of(&mesh, dimension - 1);
@@ -61,10 +61,10 @@ static gneiss_status all_facets(const gn_fem_body *body, int32_t **corner, size_
     return status;
 }
 
-gneiss_status gn_fem_surface(const gn_fem_body *body, const char *group, int32_t **corner,
+gneiss_status gn_fem_surface(const gn_fem_solid *solid, const char *group, int32_t **corner,
                              size_t *count, gneiss_error *error) {
     *corner = NULL;
     *count = 0;
-    return group ? facets_of_group(body, group, corner, count, error)
-                 : all_facets(body, corner, count, error);
+    return group ? facets_of_group(solid, group, corner, count, error)
+                 : all_facets(solid, corner, count, error);
 }

@@ -8,7 +8,7 @@
  * itself, h the size of the element. Energies and det F are for the kernel in double.
  *
  * No stages as in element_template.c: with twice the lanes they gain nothing. */
-#include "kernels/element_parts.h"
+#include "kernels/element_internal.h"
 
 /* Columns of H and F, strain c = 2 E and stress s = -V0 S in the order 00 11 22 01 12 20. */
 typedef struct state {

@@ -10,7 +10,7 @@
  * Pressure form: S = 2 mu dev(E) + p J C^-1 with p the mean of the nodes' pressures, that is lambda
  * = -2 mu/3 and V0 p cof(F) added to V0 F S: the work of p on the growth in volume. What makes the
  * pressures is the first pass, below (docs/fem.md has the equations). */
-#include "kernels/element_parts.h"
+#include "kernels/element_internal.h"
 #include "kernels/expand.h"
 
 #include <math.h>

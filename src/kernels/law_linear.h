@@ -5,7 +5,7 @@
 #ifndef GN_KERNELS_LAW_LINEAR_H
 #define GN_KERNELS_LAW_LINEAR_H
 
-#include "kernels/contact_parts.h"
+#include "kernels/contact_internal.h"
 
 #include <math.h>
 

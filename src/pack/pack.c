@@ -243,7 +243,7 @@ static int planned_iterations(const job *j) {
     return sum;
 }
 
-static gneiss_status make(job *j, const gn_body *body, gneiss_error *error) {
+static gneiss_status make(job *j, const gn_pack_shape *body, gneiss_error *error) {
     int threads = j->scene->threads > 0 ? (int)j->scene->threads : omp_get_num_procs();
     j->plan = schedule_of(j->def, j->dimension);
     j->planned = planned_iterations(j);
@@ -263,8 +263,8 @@ static gneiss_status pack(const gn_scene *scene, gn_pack_watch *watch, void *con
              .watch = watch,
              .context = context,
              .result = result};
-    gn_body body;
-    GN_TRY(gn_body_create(scene, &body, error));
+    gn_pack_shape body;
+    GN_TRY(gn_pack_shape_create(scene, &body, error));
     result->volume = gn_domain_volume(body.domain);
     gneiss_status status = make(&j, &body, error);
     result->seconds = gn_now() - j.begin;
@@ -277,7 +277,7 @@ static gneiss_status pack(const gn_scene *scene, gn_pack_watch *watch, void *con
         result->domain = body.domain;
         body.domain = NULL;
     }
-    gn_body_free(&body);
+    gn_pack_shape_free(&body);
     if (status != GNEISS_OK) gn_pack_result_free(result);
     return status;
 }

@@ -15,7 +15,7 @@ enum { BYTES_PER_PARTICLE = 2000 };
 
 typedef struct source {
     const gn_scene *scene;
-    const gn_body *body;
+    const gn_pack_shape *body;
     int dimension;
     uint64_t drawn; /* random numbers used */
     double spread;  /* sigma of the logarithm of the radius */
@@ -110,7 +110,7 @@ static double draw_in_mesh(source *s, double x[3]) {
             x[d] += share[a] / sum * s->body->mesh.node[3 * node + d];
         size += share[a] / sum * s->body->node_size[node];
     }
-    return size * gn_body_size(s->body, x);
+    return size * gn_pack_shape_size(s->body, x);
 }
 
 /* A point of the body's box with a density that suits the sizes there; 0: thrown away. */
@@ -119,11 +119,11 @@ static double draw_in_box(source *s, double finest, double x[3]) {
         x[d] = s->lower[d] + (s->upper[d] - s->lower[d]) * draw(s);
     if (s->dimension == 2) x[2] = 0.0;
     if (s->body->refinement_count == 0) return 1.0;
-    double size = gn_body_size(s->body, x);
+    double size = gn_pack_shape_size(s->body, x);
     return draw(s) < pow(finest / size, s->dimension) ? size : 0.0;
 }
 
-static double finest_size(const gn_body *body) {
+static double finest_size(const gn_pack_shape *body) {
     double size = 1.0;
     for (size_t k = 0; k < body->refinement_count; k++)
         size = fmin(size, body->refinements[k].size);
@@ -191,7 +191,7 @@ static gneiss_status refinement_factor(const source *s, double *factor, gneiss_e
             x[d] = s->lower[d] + (s->upper[d] - s->lower[d]) * 0.5 *
                                      (1.0 + gn_random_symmetric(~s->scene->seed, 3 * k + d));
         if (gn_domain_depth(s->body->domain, x) <= 0.0) continue;
-        sum += pow(gn_body_size(s->body, x), -s->dimension);
+        sum += pow(gn_pack_shape_size(s->body, x), -s->dimension);
         found++;
     }
     if (found == 0)
@@ -286,7 +286,7 @@ static gneiss_status make(source *s, gn_seeds *seeds, gneiss_error *error) {
     return sort_rows(s, seeds, error);
 }
 
-gneiss_status gn_seeds_create(const gn_scene *scene, const gn_body *body, gn_seeds *seeds,
+gneiss_status gn_seeds_create(const gn_scene *scene, const gn_pack_shape *body, gn_seeds *seeds,
                               gneiss_error *error) {
     *seeds = (gn_seeds){0};
     source s = {.scene = scene, .body = body, .dimension = (int)scene->dimension};

@@ -2,7 +2,7 @@
 #ifndef GN_PACK_SEEDS_H
 #define GN_PACK_SEEDS_H
 
-#include "pack/body.h"
+#include "pack/shape.h"
 
 typedef struct gn_seeds {
     size_t count;
@@ -18,7 +18,7 @@ static inline double gn_packed_fraction(int dimension) {
 /* Random points, or the inner nodes of the mesh. A pure function of the scene. GNEISS_ERROR_INPUT:
  * a body too thin for such particles, no inner node; GNEISS_ERROR_MEMORY: more particles than the
  * machine has memory for. */
-gneiss_status gn_seeds_create(const gn_scene *scene, const gn_body *body, gn_seeds *seeds,
+gneiss_status gn_seeds_create(const gn_scene *scene, const gn_pack_shape *body, gn_seeds *seeds,
                               gneiss_error *error);
 void gn_seeds_free(gn_seeds *seeds);
 

@@ -4,10 +4,10 @@
 #include "base/memory.h"
 #include "io/checkpoint_files.h"
 #include "io/h5.h"
-#include "run/checkpoint_parts.h"
+#include "run/checkpoint_internal.h"
 #include "run/run.h"
+#include "sim/internal.h"
 #include "sim/origin.h"
-#include "sim/parts.h"
 
 #include <math.h>
 #include <stddef.h>

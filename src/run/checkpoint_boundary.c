@@ -1,7 +1,7 @@
 /* The part of a checkpoint that walls, bodies and the contacts with them have. */
 #include "base/memory.h"
-#include "run/checkpoint_parts.h"
-#include "sim/parts.h"
+#include "run/checkpoint_internal.h"
+#include "sim/internal.h"
 
 #include <stdint.h>
 #include <string.h>

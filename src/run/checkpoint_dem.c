@@ -1,6 +1,6 @@
 /* The part of a checkpoint that particles have. */
-#include "run/checkpoint_parts.h"
-#include "sim/parts.h"
+#include "run/checkpoint_internal.h"
+#include "sim/internal.h"
 
 #include <math.h>
 #include <stdint.h>

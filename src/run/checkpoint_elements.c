@@ -1,4 +1,4 @@
-/* The part of a checkpoint that finite elements have: the mesh, from which the body is made again,
+/* The part of a checkpoint that finite elements have: the mesh, from which the solid is made again,
  * and the state that is put into it. */
 #include "base/memory.h"
 #include "io/h5_pieces.h"
@@ -14,31 +14,31 @@
 #define INTEGER(member) GN_PIECE_INTEGER("", gn_element_model, member)
 
 static const gn_piece pieces[] = {
-    INTEGER(body.step),     DOUBLES(body.time),         DOUBLES(body.dt_past),
-    DOUBLES(body.energy),   INTEGER(body.unused_nodes), INTEGER(body.turned_elements),
-    LIMIT(limit.bound),     LIMIT(limit.sharp),         LIMIT(limit.sharp_low),
-    LIMIT(limit.frequency), DOUBLES(stiffening),        LIMIT(stable),
-    DOUBLES(stress),        DOUBLES(unbalanced),        DOUBLES(contact.travel),
+    INTEGER(solid.step),    DOUBLES(solid.time),         DOUBLES(solid.dt_past),
+    DOUBLES(solid.energy),  INTEGER(solid.unused_nodes), INTEGER(solid.turned_elements),
+    LIMIT(limit.bound),     LIMIT(limit.sharp),          LIMIT(limit.sharp_low),
+    LIMIT(limit.frequency), DOUBLES(stiffening),         LIMIT(stable),
+    DOUBLES(stress),        DOUBLES(unbalanced),         DOUBLES(contact.travel),
 };
 enum { PIECES = sizeof pieces / sizeof *pieces };
 
 _Static_assert(sizeof(gn_fem_energy) % 8 == 0 && sizeof(size_t) == 8, "pieces of eight bytes");
 
-static gneiss_status save_body(size_t body, const gn_element_model *q, gn_h5 *file,
+static gneiss_status save_body(size_t solid, const gn_element_model *q, gn_h5 *file,
                                gneiss_error *error) {
-    const gn_fem_body *b = &q->body;
+    const gn_fem_solid *b = &q->solid;
     char path[GN_ELEMENT_PATH];
-    GN_TRY(gn_h5_put_mesh(file, gn_elements_path(body, "mesh", path), &b->mesh, error));
-    GN_TRY(gn_h5_put_record(file, gn_elements_path(body, "mesh_nodes", path), &gn_particle_record,
+    GN_TRY(gn_h5_put_mesh(file, gn_elements_path(solid, "mesh", path), &b->mesh, error));
+    GN_TRY(gn_h5_put_record(file, gn_elements_path(solid, "mesh_nodes", path), &gn_particle_record,
                             &b->nodes, error));
-    GN_TRY(gn_h5_put_record(file, gn_elements_path(body, "mesh_elements", path), &gn_element_record,
-                            &b->elements, error));
-    GN_TRY(
-        gn_h5_put_pieces(file, gn_elements_path(body, "elements", path), pieces, PIECES, q, error));
+    GN_TRY(gn_h5_put_record(file, gn_elements_path(solid, "mesh_elements", path),
+                            &gn_element_record, &b->elements, error));
+    GN_TRY(gn_h5_put_pieces(file, gn_elements_path(solid, "elements", path), pieces, PIECES, q,
+                            error));
     int64_t culprits[3] = {q->limit.bound_element, q->limit.sharp_element, q->limit.iterations};
-    GN_TRY(gn_h5_put(file, gn_elements_path(body, "elements/culprits", path), GN_I64, 3, 1, 0,
+    GN_TRY(gn_h5_put(file, gn_elements_path(solid, "elements/culprits", path), GN_I64, 3, 1, 0,
                      culprits, NULL, NULL, error));
-    return gn_h5_put(file, gn_elements_path(body, "elements/load", path), GN_F64,
+    return gn_h5_put(file, gn_elements_path(solid, "elements/load", path), GN_F64,
                      b->prescribed.count, 6, 0, b->prescribed.load, NULL, NULL, error);
 }
 
@@ -51,7 +51,7 @@ gneiss_status gn_elements_save(const gn_world *w, gn_h5 *file, gneiss_error *err
 
 /* Indices that kernels follow without looking must lie in range even if the file was tampered with.
  */
-static bool indices_are_good(const gn_fem_body *b) {
+static bool indices_are_good(const gn_fem_solid *b) {
     const gn_elements *e = &b->elements;
     bool good = true;
     for (int a = 0; a <= b->dimension; a++)
@@ -67,14 +67,14 @@ static bool indices_are_good(const gn_fem_body *b) {
 }
 
 /* Puts the saved records in the place of those made from the mesh; same counts, same order. */
-static gneiss_status take_records(size_t body, gn_fem_body *b, const gn_h5 *file, const char *path,
-                                  gneiss_error *error) {
+static gneiss_status take_records(size_t solid, gn_fem_solid *b, const gn_h5 *file,
+                                  const char *path, gneiss_error *error) {
     gn_particles nodes = {0};
     gn_elements elements = {0};
     char at[GN_ELEMENT_PATH];
-    GN_TRY(gn_h5_get_record(file, gn_elements_path(body, "mesh_nodes", at), &gn_particle_record,
+    GN_TRY(gn_h5_get_record(file, gn_elements_path(solid, "mesh_nodes", at), &gn_particle_record,
                             &nodes, b->effects, error));
-    gneiss_status status = gn_h5_get_record(file, gn_elements_path(body, "mesh_elements", at),
+    gneiss_status status = gn_h5_get_record(file, gn_elements_path(solid, "mesh_elements", at),
                                             &gn_element_record, &elements, b->effects, error);
     bool same = status == GNEISS_OK && nodes.soa.count == b->nodes.soa.count &&
                 elements.soa.count == b->elements.soa.count;
@@ -99,25 +99,25 @@ static gneiss_status take_records(size_t body, gn_fem_body *b, const gn_h5 *file
                    b->nodes.soa.count, b->elements.soa.count);
 }
 
-static gneiss_status load_body(size_t body, gn_element_model *q, const gn_h5 *file,
+static gneiss_status load_body(size_t solid, gn_element_model *q, const gn_h5 *file,
                                const char *path, gneiss_error *error) {
     char at[GN_ELEMENT_PATH];
     int64_t culprits[3];
-    GN_TRY(take_records(body, &q->body, file, path, error));
+    GN_TRY(take_records(solid, &q->solid, file, path, error));
     GN_TRY(
-        gn_h5_get_pieces(file, gn_elements_path(body, "elements", at), pieces, PIECES, q, error));
-    GN_TRY(gn_h5_get(file, gn_elements_path(body, "elements/culprits", at), GN_I64, 3, 1, 0,
+        gn_h5_get_pieces(file, gn_elements_path(solid, "elements", at), pieces, PIECES, q, error));
+    GN_TRY(gn_h5_get(file, gn_elements_path(solid, "elements/culprits", at), GN_I64, 3, 1, 0,
                      culprits, error));
     q->limit.bound_element = (int32_t)culprits[0];
     q->limit.sharp_element = (int32_t)culprits[1];
     q->limit.iterations = (int)culprits[2];
-    if (!(isfinite(q->body.time) && isfinite(q->body.dt_past) && q->body.step >= 0))
+    if (!(isfinite(q->solid.time) && isfinite(q->solid.dt_past) && q->solid.step >= 0))
         return gn_fail(error, GNEISS_ERROR_INPUT, "%s: expected finite times, found others", path);
-    return gn_h5_get(file, gn_elements_path(body, "elements/load", at), GN_F64,
-                     q->body.prescribed.count, 6, 0, q->body.prescribed.load, error);
+    return gn_h5_get(file, gn_elements_path(solid, "elements/load", at), GN_F64,
+                     q->solid.prescribed.count, 6, 0, q->solid.prescribed.load, error);
 }
 
-/* The bodies are those of the scene: one at most. */
+/* The solids are those of the scene: one at most. */
 gneiss_status gn_elements_load(gn_world *w, const gn_h5 *file, const char *path,
                                gneiss_error *error) {
     gn_mesh mesh = {0};

@@ -2,7 +2,7 @@
 #ifndef GN_RUN_ENDS_H
 #define GN_RUN_ENDS_H
 
-#include "sim/parts.h"
+#include "sim/internal.h"
 
 /* Change of the distance of the ends, m, positive in the sense of the test. */
 double gn_ends_deflection(const gn_world *world);

@@ -5,7 +5,7 @@
 #include "io/snapshot.h"
 #include "run/output_fields.h"
 #include "run/run.h"
-#include "sim/parts.h"
+#include "sim/internal.h"
 
 #include <math.h>
 #include <stdlib.h>

@@ -1,7 +1,7 @@
 /* Rigid bodies as files: snapshots and their group in results.h5 (docs/results.md). */
 #include "base/memory.h"
 #include "run/output_table.h"
-#include "sim/parts.h"
+#include "sim/internal.h"
 
 #include <string.h>
 

@@ -11,24 +11,24 @@
 
 #define COUNT(table) (sizeof(table) / sizeof *(table))
 
-const char *gn_elements_path(size_t body, const char *name, char path[GN_ELEMENT_PATH]) {
-    if (body)
-        snprintf(path, GN_ELEMENT_PATH, "elements_%zu/%s", body + 1, name);
+const char *gn_elements_path(size_t solid, const char *name, char path[GN_ELEMENT_PATH]) {
+    if (solid)
+        snprintf(path, GN_ELEMENT_PATH, "elements_%zu/%s", solid + 1, name);
     else
         snprintf(path, GN_ELEMENT_PATH, "%s", name);
     return path;
 }
 
-const char *gn_elements_file(size_t body, const char *name, char file[GN_ELEMENT_PATH]) {
+const char *gn_elements_file(size_t solid, const char *name, char file[GN_ELEMENT_PATH]) {
     int length = snprintf(file, GN_ELEMENT_PATH, "%s", name);
-    if (body) snprintf(file + length, (size_t)(GN_ELEMENT_PATH - length), "_%zu", body + 1);
+    if (solid) snprintf(file + length, (size_t)(GN_ELEMENT_PATH - length), "_%zu", solid + 1);
     return file;
 }
 
 /* What fields are read from; rows of the files follow the mesh. */
 typedef struct view {
-    const gn_fem_body *body;
-    size_t number;                /* of the body */
+    const gn_fem_solid *solid;
+    size_t number;                /* of the solid */
     char prefix[GN_ELEMENT_PATH]; /* of its groups; "" for the first */
     int32_t *node_row;            /* [nodes] */
     double (*element)[6];         /* [elements] Pa, stresses */
@@ -52,7 +52,7 @@ static int by_id(const void *a, const void *b) {
     return (x->id > y->id) - (x->id < y->id);
 }
 
-static gneiss_status number_rows(const gn_fem_body *b, int32_t *row, gneiss_error *error) {
+static gneiss_status number_rows(const gn_fem_solid *b, int32_t *row, gneiss_error *error) {
     size_t count = b->nodes.soa.count;
     numbered *order = gn_alloc_array(count + 1, sizeof *order);
     if (!order) return gn_fail(error, GNEISS_ERROR_MEMORY, "no memory to number %zu nodes", count);
@@ -64,16 +64,16 @@ static gneiss_status number_rows(const gn_fem_body *b, int32_t *row, gneiss_erro
 }
 
 static gneiss_status find_stresses(view *v, gneiss_error *error) {
-    const gn_fem_body *b = v->body;
+    const gn_fem_solid *b = v->solid;
     gn_fem_element_stress(b, v->element);
     GN_TRY(gn_fem_nodal_stress(b, (const double(*)[6])v->element, v->nodal, error));
     GN_TRY(gn_fem_nodal_pressure(b, v->pressure, error));
     return number_rows(b, v->node_row, error);
 }
 
-static gneiss_status make_view(const gn_fem_body *b, size_t number, view *v, gneiss_error *error) {
+static gneiss_status make_view(const gn_fem_solid *b, size_t number, view *v, gneiss_error *error) {
     size_t nodes = b->nodes.soa.count + 1, elements = b->elements.soa.count + 1;
-    *v = (view){.body = b, .number = number};
+    *v = (view){.solid = b, .number = number};
     gn_elements_path(number, "", v->prefix);
     v->node_row = gn_alloc_array(nodes, sizeof *v->node_row);
     v->element = gn_alloc_array(elements, sizeof *v->element);
@@ -88,11 +88,11 @@ static gneiss_status make_view(const gn_fem_body *b, size_t number, view *v, gne
     return status;
 }
 
-/* A scalar of item k; v is the view, b its body. */
+/* A scalar of item k; v is the view, b its solid. */
 #define READ(name, expression)                                                                     \
     static void read_##name(const void *of, size_t k, double *value) {                             \
         const view *v = of;                                                                        \
-        const gn_fem_body *b = v->body;                                                            \
+        const gn_fem_solid *b = v->solid;                                                          \
         (void)b;                                                                                   \
         *value = (expression);                                                                     \
     }
@@ -105,10 +105,10 @@ READ(id, b->nodes.id[k])
 READ(nodal_pressure, -v->pressure[k])
 
 static const gn_particles *nodes_of(const void *of) {
-    return &((const view *)of)->body->nodes;
+    return &((const view *)of)->solid->nodes;
 }
 static void read_position(const void *of, size_t k, double *value) {
-    const gn_fem_body *b = ((const view *)of)->body;
+    const gn_fem_solid *b = ((const view *)of)->solid;
     for (size_t a = 0; a < 3; a++) value[a] = gn_point_out(b->origin[a], b->nodes.pos[4 * k + a]);
 }
 static void read_displacement(const void *of, size_t k, double *value) {
@@ -181,21 +181,21 @@ const gn_output_table gn_node_outputs = {"nodes", of_nodes, COUNT(of_nodes)},
                       gn_element_outputs = {"elements", of_elements, COUNT(of_elements)};
 
 static gn_output_source nodes_source(const view *v) {
-    return (gn_output_source){&gn_node_outputs,         v,           0,
-                              v->body->nodes.soa.count, v->node_row, v->prefix};
+    return (gn_output_source){&gn_node_outputs,          v,           0,
+                              v->solid->nodes.soa.count, v->node_row, v->prefix};
 }
 
 static gn_output_source elements_source(const view *v) {
-    return (gn_output_source){&gn_element_outputs,  v,        0, v->body->elements.soa.count,
-                              v->body->elements.id, v->prefix};
+    return (gn_output_source){&gn_element_outputs,   v,        0, v->solid->elements.soa.count,
+                              v->solid->elements.id, v->prefix};
 }
 
 /* --- files --- */
 
 /* Rows of the nodes, [elements][dimension + 1]; NULL: no memory. */
 static int32_t *corners_of(const view *v) {
-    const gn_elements *q = &v->body->elements;
-    const size_t corners = (size_t)v->body->dimension + 1;
+    const gn_elements *q = &v->solid->elements;
+    const size_t corners = (size_t)v->solid->dimension + 1;
     int32_t *node = gn_alloc_array(q->soa.count + 1, corners * sizeof *node);
     for (size_t e = 0; node && e < q->soa.count; e++)
         for (size_t a = 0; a < corners; a++)
@@ -205,8 +205,8 @@ static int32_t *corners_of(const view *v) {
 
 /* Positions in the order of the files; NULL: no memory. */
 static double *places_of(const view *v) {
-    double *place = gn_alloc_array(v->body->nodes.soa.count + 1, 3 * sizeof *place);
-    for (size_t n = 0; place && n < v->body->nodes.soa.count; n++)
+    double *place = gn_alloc_array(v->solid->nodes.soa.count + 1, 3 * sizeof *place);
+    for (size_t n = 0; place && n < v->solid->nodes.soa.count; n++)
         read_position(v, n, place + 3 * (size_t)v->node_row[n]);
     return place;
 }
@@ -229,7 +229,7 @@ static gneiss_status write_snapshot(const gn_world *w, const view *v, const char
                            .points = places,
                            .line_count = elements.count,
                            .lines = corners,
-                           .line_points = (size_t)v->body->dimension + 1,
+                           .line_points = (size_t)v->solid->dimension + 1,
                            .point_array_count = points.count,
                            .line_array_count = cells.count,
                            .point_arrays = points.of,
@@ -247,7 +247,7 @@ gneiss_status gn_elements_snapshot(const gn_world *w, const char *directory, con
     for (size_t k = 0; k < w->element_count; k++) {
         char file[GN_ELEMENT_PATH];
         view v;
-        GN_TRY(make_view(&w->elements[k]->body, k, &v, error));
+        GN_TRY(make_view(&w->elements[k]->solid, k, &v, error));
         gneiss_status status =
             write_snapshot(w, &v, directory, gn_elements_file(k, name, file), error);
         free_view(&v);
@@ -263,14 +263,14 @@ static gneiss_status put_view(const view *v, gn_h5 *file, gneiss_error *error) {
     GN_TRY(gn_output_put(&elements, file, error));
     int32_t *corners = corners_of(v);
     if (!corners) return gn_fail(error, GNEISS_ERROR_MEMORY, "no memory for the output");
-    gneiss_status status =
-        gn_h5_put(file, gn_elements_path(v->number, "elements/node", path), GN_I32, elements.count,
-                  (size_t)v->body->dimension + 1, 0, corners, "1", "rows of /nodes, base 0", error);
+    gneiss_status status = gn_h5_put(file, gn_elements_path(v->number, "elements/node", path),
+                                     GN_I32, elements.count, (size_t)v->solid->dimension + 1, 0,
+                                     corners, "1", "rows of /nodes, base 0", error);
     gn_free(corners);
     return status;
 }
 
-static gneiss_status put_body(size_t number, const gn_fem_body *b, gn_h5 *file,
+static gneiss_status put_body(size_t number, const gn_fem_solid *b, gn_h5 *file,
                               gneiss_error *error) {
     view v;
     GN_TRY(make_view(b, number, &v, error));
@@ -296,7 +296,7 @@ static gneiss_status put_motion(const gn_world *w, size_t k, gn_h5 *file, gneiss
 
 gneiss_status gn_elements_results(const gn_world *w, gn_h5 *file, gneiss_error *error) {
     for (size_t k = 0; k < w->element_count; k++)
-        GN_TRY(put_body(k, &w->elements[k]->body, file, error));
+        GN_TRY(put_body(k, &w->elements[k]->solid, file, error));
     for (size_t k = 0; k < gn_elements_motions(w); k++) GN_TRY(put_motion(w, k, file, error));
     return GNEISS_OK;
 }

@@ -1,6 +1,6 @@
 #include "run/output_fields.h"
 
-#include "sim/parts.h"
+#include "sim/internal.h"
 
 #include <math.h>
 #include <stdlib.h>

@@ -4,8 +4,8 @@
 #include "io/checkpoint_files.h"
 #include "io/files.h"
 #include "run/folder.h"
+#include "sim/internal.h"
 #include "sim/origin.h"
-#include "sim/parts.h"
 
 #include <math.h>
 #include <stdlib.h>

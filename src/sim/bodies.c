@@ -7,7 +7,7 @@
  * exactly and the energy without drift; it is symplectic, reversible and of second order. */
 #include "base/eigen.h"
 #include "base/memory.h"
-#include "sim/parts.h"
+#include "sim/internal.h"
 #include "sim/touch.h"
 #include "surfaces/body_shape.h"
 

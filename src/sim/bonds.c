@@ -1,5 +1,5 @@
 /* Bonds at the start: which pairs are glued and how strong. */
-#include "sim/parts.h"
+#include "sim/internal.h"
 
 #include <math.h>
 #include <string.h>

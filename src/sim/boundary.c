@@ -2,7 +2,7 @@
 #include "sim/boundary.h"
 
 #include "base/memory.h"
-#include "sim/parts.h"
+#include "sim/internal.h"
 
 #include <math.h>
 #include <stddef.h>

@@ -2,7 +2,7 @@
 #include "base/ball.h"
 #include "base/memory.h"
 #include "base/random.h"
-#include "sim/parts.h"
+#include "sim/internal.h"
 
 #include <math.h>
 #include <string.h>

@@ -7,7 +7,7 @@
 #include "io/packing.h"
 #include "kernels/dispatch.h"
 #include "kernels/law.h"
-#include "limit/timestep.h"
+#include "limit/step_limits.h"
 #include "measure/energy.h"
 #include "neigh/pairs.h"
 #include "sched/deal.h"

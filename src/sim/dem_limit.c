@@ -1,7 +1,7 @@
 /* The step that the particles allow: of the springs that act, of what may act before the lists are
  * made again, of collisions. */
 #include "base/memory.h"
-#include "sim/parts.h"
+#include "sim/internal.h"
 #include "sim/touch.h"
 
 #include <float.h>

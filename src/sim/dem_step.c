@@ -1,6 +1,6 @@
 /* The particles' part of a step: forces, motion, and what both sum up to. */
 #include "base/memory.h"
-#include "sim/parts.h"
+#include "sim/internal.h"
 
 #include <math.h>
 #include <string.h>

@@ -1,15 +1,15 @@
-/* Particles on the surface of a body of finite elements: its facets become a surface of the world,
+/* Particles on the surface of a solid of finite elements: its facets become a surface of the world,
  * and what particles do to the nodes joins their forces as contacts with walls join those of
  * particles. */
 #include "base/memory.h"
-#include "sim/parts.h"
+#include "sim/internal.h"
 
 #include <math.h>
 #include <string.h>
 
 /* A row of force for each node of a facet, in the order of the nodes. */
 static gneiss_status make_rows(gn_element_model *q, const gn_facet_set *f, gneiss_error *error) {
-    size_t n = q->body.nodes.soa.count, count = 0;
+    size_t n = q->solid.nodes.soa.count, count = 0;
     gn_element_contact *k = &q->contact;
     k->first = gn_alloc_array(n + 2, sizeof *k->first);
     if (!k->first)
@@ -20,8 +20,8 @@ static gneiss_status make_rows(gn_element_model *q, const gn_facet_set *f, gneis
     GN_TRY(gn_soa_create(&gn_wall_contact_record, &k->rows, count, 0, error));
     for (size_t v = 0; v < n; v++)
         if (k->first[v + 1] > k->first[v]) k->rows.i[k->first[v]] = (int32_t)v;
-    q->body.contacts = &k->rows;
-    q->body.contact_first = k->first;
+    q->solid.contacts = &k->rows;
+    q->solid.contact_first = k->first;
     return GNEISS_OK;
 }
 
@@ -29,15 +29,15 @@ static gneiss_status make_surface(gn_world *w, gn_element_model *q, gneiss_error
     const gn_element_contact_def *def = &q->def->contact;
     gn_surface s = {.body = -1,
                     .elements = q,
-                    .velocity = q->body.nodes.vel,
-                    .slot = q->body.nodes.slot,
-                    .prescribed = &q->body.prescribed,
-                    .vertices = q->body.nodes.soa.count,
+                    .velocity = q->solid.nodes.vel,
+                    .slot = q->solid.nodes.slot,
+                    .prescribed = &q->solid.prescribed,
+                    .vertices = q->solid.nodes.soa.count,
                     .stiffness = def->stiffness,
                     .kratio = def->kratio,
                     .friction = def->friction};
     size_t count = 0;
-    gneiss_status status = gn_fem_surface(&q->body, def->group[0] ? def->group : NULL,
+    gneiss_status status = gn_fem_surface(&q->solid, def->group[0] ? def->group : NULL,
                                           &q->contact.corner, &count, error);
     if (status == GNEISS_ERROR_INPUT) {
         bool named = def->group_where.line > 0;
@@ -47,7 +47,7 @@ static gneiss_status make_surface(gn_world *w, gn_element_model *q, gneiss_error
         return status;
     }
     GN_TRY(status);
-    s.facets = (gn_facet_set){q->body.dimension, count, q->contact.corner, q->body.nodes.pos};
+    s.facets = (gn_facet_set){q->solid.dimension, count, q->contact.corner, q->solid.nodes.pos};
     GN_TRY(make_rows(q, &s.facets, error));
     GN_TRY(gn_boundary_add_surface(w, &s, error));
     q->contact.force = w->boundary.surfaces[w->boundary.surface_count - 1].force;
@@ -68,7 +68,7 @@ void gn_element_contact_load(gn_element_model *q) {
 }
 
 double gn_element_contact_speed(const gn_element_model *q) {
-    const gn_fem_body *b = &q->body;
+    const gn_fem_solid *b = &q->solid;
     double speed2 = 0.0;
     for (size_t k = 0; q->contact.force && k < b->motion_blocks; k++)
         speed2 = fmax(speed2, b->motion_sums[k].speed2);
@@ -80,13 +80,13 @@ void gn_element_contact_moved(gn_element_model *q, double dt) {
 }
 
 void gn_element_contact_refer(gn_element_model *q) {
-    gn_particles *nodes = &q->body.nodes;
+    gn_particles *nodes = &q->solid.nodes;
     q->contact.travel = 0.0;
     memcpy(nodes->ref, nodes->pos, nodes->soa.count * 4 * sizeof *nodes->ref);
 }
 
 double gn_element_contact_travel(gn_element_model *q, bool exact) {
-    const gn_particles *nodes = &q->body.nodes;
+    const gn_particles *nodes = &q->solid.nodes;
     double most = 0.0;
     if (!exact) return q->contact.travel;
     for (size_t v = 0; v < nodes->soa.count; v++) {

@@ -1,4 +1,4 @@
-/* From the scene to a body of finite elements, and its part of a step. */
+/* From the scene to a solid of finite elements, and its part of a step. */
 #include "sim/elements.h"
 
 #include "base/memory.h"
@@ -78,7 +78,7 @@ static gneiss_status check_places(const gn_world *w, const gn_element_def *e, co
     return GNEISS_OK;
 }
 
-/* --- body --- */
+/* --- solid --- */
 
 static const char *mesh_name(const gn_element_def *e) {
     const char *slash = strrchr(e->mesh, '/');
@@ -126,17 +126,17 @@ static gneiss_status make_body(const gn_world *w, gn_element_model *q, gn_mesh *
         .isa = w->kernels->name};
     memcpy(spec.gravity, w->scene.gravity, sizeof spec.gravity);
     memcpy(spec.origin, w->scene.origin, sizeof spec.origin);
-    gneiss_status status = gn_fem_body_create(&spec, mesh, &q->body, error);
+    gneiss_status status = gn_fem_solid_create(&spec, mesh, &q->solid, error);
     gn_free(materials);
     return at(w, e->where, NULL, NULL, 0, status, error);
 }
 
 /* --- what drives it --- */
 
-static gneiss_status nodes_of(const gn_fem_body *body, const gn_region *r, gn_fem_set *set,
+static gneiss_status nodes_of(const gn_fem_solid *solid, const gn_region *r, gn_fem_set *set,
                               gneiss_error *error) {
-    return r->has_box ? gn_fem_nodes_in_box(body, r->box_min, r->box_max, set, error)
-                      : gn_fem_nodes_of_group(body, r->group, set, error);
+    return r->has_box ? gn_fem_nodes_in_box(solid, r->box_min, r->box_max, set, error)
+                      : gn_fem_nodes_of_group(solid, r->group, set, error);
 }
 
 static const gn_scene_place *group_of(const gn_region *r) {
@@ -154,29 +154,29 @@ static gneiss_status make_motion(const gn_world *w, gn_element_model *q, size_t 
     double velocity[3];
     for (int a = 0; a < 3; a++) mask |= m->motion.velocity[a].count ? 1u << a : 0;
     q->motion[k] = -1;
-    gneiss_status status = nodes_of(&q->body, &m->region, &q->motion_set[k], error);
+    gneiss_status status = nodes_of(&q->solid, &m->region, &q->motion_set[k], error);
     GN_TRY(at(w, m->where, group_of(&m->region), "motions", k, status, error));
     if (!mask) return GNEISS_OK;
     velocity_at(m, 0.0, velocity);
-    return gn_fem_prescribe(&q->body, &q->motion_set[k], mask, velocity, &q->motion[k], error);
+    return gn_fem_prescribe(&q->solid, &q->motion_set[k], mask, velocity, &q->motion[k], error);
 }
 
 /* A force on a group of facets is shared out by area, on other nodes by mass. */
 static gneiss_status make_load(gn_element_model *q, size_t k, gneiss_error *error) {
     const gn_element_load *l = &q->def->loads[k];
     const gn_region *r = &l->region;
-    int facets = q->body.dimension - 1;
+    int facets = q->solid.dimension - 1;
     bool by_area =
-        l->has_traction || (!r->has_box && gn_fem_has_group(&q->body.mesh, r->group, facets));
+        l->has_traction || (!r->has_box && gn_fem_has_group(&q->solid.mesh, r->group, facets));
     if (by_area) {
-        GN_TRY(gn_fem_load_on_facets(&q->body, r->has_box ? NULL : r->group, r->box_min, r->box_max,
-                                     &q->load[k], error));
+        GN_TRY(gn_fem_load_on_facets(&q->solid, r->has_box ? NULL : r->group, r->box_min,
+                                     r->box_max, &q->load[k], error));
         if (l->has_force) gn_fem_load_normalise(&q->load[k]);
         return GNEISS_OK;
     }
     gn_fem_set set;
-    GN_TRY(nodes_of(&q->body, r, &set, error));
-    gneiss_status status = gn_fem_load_on_nodes(&q->body, &set, &q->load[k], error);
+    GN_TRY(nodes_of(&q->solid, r, &set, error));
+    gneiss_status status = gn_fem_load_on_nodes(&q->solid, &set, &q->load[k], error);
     gn_fem_set_free(&set);
     return status;
 }
@@ -187,7 +187,7 @@ static void set_loads(gn_element_model *q, double time) {
         const gn_table *value = e->loads[k].has_force ? e->loads[k].force : e->loads[k].traction;
         for (int a = 0; a < 3; a++) q->load_value[k][a] = gn_table_at(&value[a], time);
     }
-    gn_fem_set_loads(&q->body, q->load, (const double(*)[3])q->load_value, e->load_count);
+    gn_fem_set_loads(&q->solid, q->load, (const double(*)[3])q->load_value, e->load_count);
 }
 
 static bool varies(const gn_table tables[3]) {
@@ -214,7 +214,7 @@ static gneiss_status make_drives(const gn_world *w, gn_element_model *q, gneiss_
 
 /* --- create, free --- */
 
-/* A further body, empty as yet, among those of the world. */
+/* A further solid, empty as yet, among those of the world. */
 static gn_element_model *append(gn_world *w) {
     gn_element_model **all = gn_alloc_array(w->element_count + 1, sizeof *all);
     gn_element_model *q = gn_alloc_array(1, sizeof *q);
@@ -248,9 +248,9 @@ gneiss_status gn_elements_add(gn_world *w, const gn_element_def *def, gn_mesh *m
     q->def = def;
     q->stiffening = 1.0;
     GN_TRY(make_body(w, q, &own, error));
-    q->weight = gn_alloc_array(q->body.nodes.soa.count + 1, sizeof *q->weight);
+    q->weight = gn_alloc_array(q->solid.nodes.soa.count + 1, sizeof *q->weight);
     if (!q->weight) return no_memory(error);
-    gn_fem_strain_weights(&q->body, q->weight);
+    gn_fem_strain_weights(&q->solid, q->weight);
     return make_drives(w, q, error);
 }
 
@@ -265,7 +265,7 @@ static void free_model(gn_element_model *q) {
     void *blocks[] = {q->motion_set, q->motion, q->load, q->load_value, q->weight};
     for (size_t k = 0; k < sizeof blocks / sizeof *blocks; k++) gn_free(blocks[k]);
     gn_element_contact_free(&q->contact);
-    gn_fem_body_free(&q->body);
+    gn_fem_solid_free(&q->solid);
     gn_free(q);
 }
 
@@ -278,22 +278,22 @@ void gn_elements_free(gn_world *w) {
 
 uint64_t gn_elements_hash(const gn_world *w, uint64_t h) {
     for (size_t k = 0; k < w->element_count; k++) {
-        uint64_t body = gn_fem_hash(&w->elements[k]->body);
-        h = gn_hash_bytes(&body, sizeof body, h);
+        uint64_t solid = gn_fem_hash(&w->elements[k]->solid);
+        h = gn_hash_bytes(&solid, sizeof solid, h);
     }
     return h;
 }
 
 size_t gn_elements_bytes(const gn_world *w) {
     size_t bytes = 0;
-    for (size_t k = 0; k < w->element_count; k++) bytes += gn_fem_bytes(&w->elements[k]->body);
+    for (size_t k = 0; k < w->element_count; k++) bytes += gn_fem_bytes(&w->elements[k]->solid);
     return bytes;
 }
 
 gn_element_totals gn_elements_totals(const gn_world *w) {
     gn_element_totals t = {0};
     for (size_t k = 0; k < w->element_count; k++) {
-        const gn_fem_body *b = &w->elements[k]->body;
+        const gn_fem_solid *b = &w->elements[k]->solid;
         t.nodes += b->nodes.soa.count;
         t.elements += b->elements.soa.count;
         t.mass += b->mass;
@@ -310,13 +310,13 @@ static void set_velocities(gn_element_model *q, double time) {
         double velocity[3];
         if (q->motion[k] < 0 || !varies(e->motions[k].motion.velocity)) continue;
         velocity_at(&e->motions[k], time, velocity);
-        gn_fem_set_velocity(&q->body, q->motion[k], velocity);
+        gn_fem_set_velocity(&q->solid, q->motion[k], velocity);
     }
 }
 
 /* After the step: stresses are those of its end. */
 static gneiss_status measure_forces(gn_element_model *q, gneiss_error *error) {
-    const gn_fem_body *b = &q->body;
+    const gn_fem_solid *b = &q->solid;
     double(*stress)[6] = gn_alloc_array(b->elements.soa.count + 1, sizeof *stress);
     if (!stress) return no_memory(error);
     gn_fem_element_stress(b, stress);
@@ -335,16 +335,16 @@ void gn_elements_forces(gn_world *w, bool measure) {
         set_velocities(q, w->time + 0.5 * w->dt);
         if (q->loads_vary) set_loads(q, w->time);
         gn_element_contact_load(q);
-        gn_fem_forces(&q->body, w->dt, measure);
+        gn_fem_forces(&q->solid, w->dt, measure);
         w->seconds[GN_PHASE_elements] += gn_now() - start;
     }
 }
 
 static gneiss_status move_body(gn_element_model *q, double dt, bool measure, gneiss_error *error) {
-    gneiss_status status = gn_fem_move(&q->body, dt, error);
+    gneiss_status status = gn_fem_move(&q->solid, dt, error);
     gn_element_contact_moved(q, dt);
     if (status != GNEISS_OK || !measure) return status;
-    for (int k = 0; k < 9; k++) q->stress[k] = q->body.elastic.stress[k] / q->body.elastic.volume;
+    for (int k = 0; k < 9; k++) q->stress[k] = q->solid.elastic.stress[k] / q->solid.elastic.volume;
     return measure_forces(q, error);
 }
 
@@ -360,7 +360,7 @@ gneiss_status gn_elements_move(gn_world *w, bool measure, gneiss_error *error) {
 
 void gn_elements_book(const gn_world *w, gn_energy *ledger) {
     for (size_t k = 0; k < w->element_count; k++) {
-        const gn_fem_energy *e = &w->elements[k]->body.reading;
+        const gn_fem_energy *e = &w->elements[k]->solid.reading;
         ledger->kinetic += e->kinetic;
         ledger->elastic_elements += e->elastic;
         ledger->work_prescribed += e->work_prescribed;
@@ -373,9 +373,9 @@ void gn_elements_book(const gn_world *w, gn_energy *ledger) {
 
 /* --- readings --- */
 
-/* Means over the bodies, by volume. */
+/* Means over the solids, by volume. */
 static double share_of(const gn_world *w, size_t k) {
-    return w->elements[k]->body.volume / gn_elements_totals(w).volume;
+    return w->elements[k]->solid.volume / gn_elements_totals(w).volume;
 }
 
 void gn_elements_stress(const gn_world *w, double stress[9]) {
@@ -389,7 +389,7 @@ void gn_elements_strain(const gn_world *w, double gradient[9]) {
     for (size_t k = 0; k < w->element_count; k++) {
         const gn_element_model *q = w->elements[k];
         double own[9];
-        gn_fem_mean_gradient(&q->body, (const double(*)[3])q->weight, own);
+        gn_fem_mean_gradient(&q->solid, (const double(*)[3])q->weight, own);
         for (int c = 0; c < 9; c++) gradient[c] += share_of(w, k) * own[c];
     }
 }
@@ -402,7 +402,7 @@ double gn_elements_unbalanced(const gn_world *w) {
 
 void gn_elements_extent(const gn_world *w, double lower[3], double upper[3]) {
     for (size_t k = 0; k < w->element_count; k++) {
-        const gn_particles *nodes = &w->elements[k]->body.nodes;
+        const gn_particles *nodes = &w->elements[k]->solid.nodes;
         for (size_t n = 0; n < 4 * nodes->soa.count; n += 4)
             for (size_t a = 0; a < 3; a++) {
                 lower[a] = fmin(lower[a], nodes->start[n + a]);
@@ -419,7 +419,7 @@ size_t gn_elements_motions(const gn_world *w) {
     return count;
 }
 
-/* Whose motion it is; *motion is then its place among those of the body. */
+/* Whose motion it is; *motion is then its place among those of the solid. */
 static const gn_element_model *owner_of(const gn_world *w, size_t *motion) {
     size_t k = 0;
     for (; *motion >= w->elements[k]->def->motion_count; k++)
@@ -440,7 +440,7 @@ bool gn_elements_motion_drives(const gn_world *w, size_t motion) {
 void gn_elements_travel(const gn_world *w, size_t motion, double travel[3]) {
     const gn_element_model *owner = owner_of(w, &motion);
     const gn_fem_set *set = &owner->motion_set[motion];
-    const gn_particles *q = &owner->body.nodes;
+    const gn_particles *q = &owner->solid.nodes;
     memset(travel, 0, 3 * sizeof *travel);
     for (size_t k = 0; k < set->count; k++)
         for (size_t a = 0; a < 3; a++) {
@@ -452,16 +452,16 @@ void gn_elements_travel(const gn_world *w, size_t motion, double travel[3]) {
 void gn_elements_reaction(const gn_world *w, size_t motion, double force[3]) {
     const gn_element_model *q = owner_of(w, &motion);
     memset(force, 0, 3 * sizeof *force);
-    if (q->motion[motion] >= 0) gn_fem_reaction(&q->body, q->motion[motion], force);
+    if (q->motion[motion] >= 0) gn_fem_reaction(&q->solid, q->motion[motion], force);
 }
 
 /* --- stability --- */
 
 static gneiss_status full_limit(const gn_world *w, gn_element_model *q, gneiss_error *error) {
-    GN_TRY(gn_fem_bound(&q->body, &q->limit, error));
+    GN_TRY(gn_fem_bound(&q->solid, &q->limit, error));
     bool settled = w->scene.estimate == GN_STEP_BOUND ||
                    (w->scene.step > 0.0 && w->scene.step <= 0.5 * q->limit.bound);
-    if (!settled) return gn_fem_limits(&q->body, 1e-3, &q->limit, error);
+    if (!settled) return gn_fem_limits(&q->solid, 1e-3, &q->limit, error);
     q->limit.sharp = q->limit.sharp_low = q->limit.bound;
     q->limit.sharp_element = q->limit.bound_element;
     return GNEISS_OK;
@@ -470,7 +470,7 @@ static gneiss_status full_limit(const gn_world *w, gn_element_model *q, gneiss_e
 static gneiss_status body_limit(const gn_world *w, gn_element_model *q, bool full, bool *due,
                                 gneiss_error *error) {
     double factor = 1.0;
-    if (w->step > 0) GN_TRY(gn_fem_stiffening(&q->body, &factor, error));
+    if (w->step > 0) GN_TRY(gn_fem_stiffening(&q->solid, &factor, error));
     bool changed = full || factor > 1.02 * q->stiffening;
     if (full) GN_TRY(full_limit(w, q, error));
     if (!changed) return GNEISS_OK;
@@ -504,7 +504,7 @@ const gn_element_model *gn_elements_lead(const gn_world *w) {
 /* By its id: the place at the start tells more than a number. */
 const char *gn_elements_culprit(const gn_world *w, const gn_element_model *q, char *text,
                                 size_t size) {
-    const gn_fem_body *b = &q->body;
+    const gn_fem_solid *b = &q->solid;
     int32_t id =
         w->scene.estimate == GN_STEP_BOUND ? q->limit.bound_element : q->limit.sharp_element;
     double centre[3] = {0.0};

@@ -1,9 +1,9 @@
-/* The part of a world that is finite elements: its bodies, what drives them, what is read off them.
- * What is asked of the part is asked of all bodies, in their order. */
+/* The part of a world that is finite elements: its solids, what drives them, what is read off them.
+ * What is asked of the part is asked of all solids, in their order. */
 #ifndef GN_SIM_ELEMENTS_H
 #define GN_SIM_ELEMENTS_H
 
-#include "fem/body.h"
+#include "fem/solid.h"
 #include "io/h5.h"
 #include "measure/energy.h"
 #include "scene/scene.h"
@@ -19,30 +19,30 @@ typedef struct gn_element_contact {
     double travel;         /* m, as gn_rigid.travel */
 } gn_element_contact;
 
-/* A body. */
+/* A solid. */
 typedef struct gn_element_model {
     const gn_element_def *def; /* what the scene says of it; borrowed */
-    gn_fem_body body;
+    gn_fem_solid solid;
     gn_element_contact contact;
     gn_fem_set *motion_set;  /* [def->motion_count] nodes */
-    int32_t *motion;         /* [motions] number in `body`, -1: only watched */
+    int32_t *motion;         /* [motions] number in `solid`, -1: only watched */
     gn_fem_load *load;       /* [def->load_count] */
     double (*load_value)[3]; /* [loads] Pa or N, at present */
     bool loads_vary;
     double (*weight)[3]; /* [nodes] of the mean strain */
 
-    gn_fem_limit limit; /* of the body at its start */
+    gn_fem_limit limit; /* of the solid at its start */
     double stiffening;  /* what has divided it since (gn_fem_stiffening), when last acted on */
     double stable;      /* s: sharp limit or bound, divided by it */
 
-    double stress[9];  /* Pa, mean over the body at the last measured step, tension positive */
+    double stress[9];  /* Pa, mean over the solid at the last measured step, tension positive */
     double unbalanced; /* mean resultant on a free node over the mean force of an element on one */
 } gn_element_model;
 
 /* Makes what the scene has of it, with mesh, motions and loads; `mesh` NULL: a built-in one, else
  * taken over (also on failure), relative to the origin. Errors say where in the scene. */
 gneiss_status gn_elements_create(gn_world *world, gn_mesh *mesh, gneiss_error *error);
-/* A further body; `def` has to stay as long as the world. */
+/* A further solid; `def` has to stay as long as the world. */
 gneiss_status gn_elements_add(gn_world *world, const gn_element_def *def, gn_mesh *mesh,
                               gneiss_error *error);
 void gn_elements_free(gn_world *world);
@@ -60,9 +60,9 @@ void gn_elements_book(const gn_world *world, gn_energy *ledger);
 /* Looks at the stability limits (step_limit.c): `full` from the start on, otherwise only at what
  * strain has done since. *due: one has changed. */
 gneiss_status gn_elements_limit(gn_world *world, bool full, bool *due, gneiss_error *error);
-double gn_elements_stable(const gn_world *world); /* s, the least; INFINITY: no bodies */
-/* The body that sets the step, NULL: none does; and which of its elements: "element 12 at (x, y, z)
- * m". */
+double gn_elements_stable(const gn_world *world); /* s, the least; INFINITY: no solids */
+/* The solid that sets the step, NULL: none does; and which of its elements: "element 12 at (x, y,
+ * z) m". */
 const gn_element_model *gn_elements_lead(const gn_world *world);
 const char *gn_elements_culprit(const gn_world *world, const gn_element_model *q, char *text,
                                 size_t size);
@@ -76,15 +76,15 @@ typedef struct gn_element_totals {
 } gn_element_totals;
 gn_element_totals gn_elements_totals(const gn_world *world);
 
-/* Means over all bodies by volume: of the displacement gradient, of the stress at the last measured
- * step; the largest of the bodies' `unbalanced`. */
+/* Means over all solids by volume: of the displacement gradient, of the stress at the last measured
+ * step; the largest of the solids' `unbalanced`. */
 void gn_elements_strain(const gn_world *world, double gradient[9]);
 void gn_elements_stress(const gn_world *world, double stress[9]);
 double gn_elements_unbalanced(const gn_world *world);
 /* Widens a box to all nodes at the start, m. */
 void gn_elements_extent(const gn_world *world, double lower[3], double upper[3]);
 
-/* Motions, counted over all bodies: mean displacement of the nodes, m, and the force that it
+/* Motions, counted over all solids: mean displacement of the nodes, m, and the force that it
  * supplies, N, unless it is only watched. */
 size_t gn_elements_motions(const gn_world *world);
 const char *gn_elements_motion_name(const gn_world *world, size_t motion);
@@ -94,7 +94,7 @@ void gn_elements_reaction(const gn_world *world, size_t motion, double force[3])
 
 /* --- contact with particles (element_contact.c) --- */
 
-/* Makes the surfaces that particles touch, where the scene wants them: after bodies. */
+/* Makes the surfaces that particles touch, where the scene wants them: after solids. */
 gneiss_status gn_element_contact_create(gn_world *world, gneiss_error *error);
 /* Hands the forces of particles over to the nodes; notes how far nodes came in a step. */
 void gn_element_contact_load(gn_element_model *q);
@@ -109,13 +109,13 @@ void gn_element_contact_free(gn_element_contact *k);
 
 /* --- files (output_elements.c, checkpoint_elements.c) --- */
 
-/* The path of a group or data set of a body in a file: of the first the name itself, then
+/* The path of a group or data set of a solid in a file: of the first the name itself, then
  * elements_2/name ... */
 enum { GN_ELEMENT_PATH = 160 };
-const char *gn_elements_path(size_t body, const char *name, char path[GN_ELEMENT_PATH]);
+const char *gn_elements_path(size_t solid, const char *name, char path[GN_ELEMENT_PATH]);
 
-/* A file for each body: `name`, name_2 ... */
-const char *gn_elements_file(size_t body, const char *name, char file[GN_ELEMENT_PATH]);
+/* A file for each solid: `name`, name_2 ... */
+const char *gn_elements_file(size_t solid, const char *name, char file[GN_ELEMENT_PATH]);
 gneiss_status gn_elements_snapshot(const gn_world *world, const char *directory, const char *name,
                                    gneiss_error *error);
 /* /nodes, /elements, /motions of results.h5. */

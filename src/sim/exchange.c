@@ -24,7 +24,7 @@ void gn_exchanges_free(gn_world *w) {
 
 gneiss_status gn_exchanges_mark(gn_world *w, gneiss_error *error) {
     gn_hold_clear(&w->dem.hold);
-    for (size_t k = 0; k < w->element_count; k++) gn_hold_clear(&w->elements[k]->body.hold);
+    for (size_t k = 0; k < w->element_count; k++) gn_hold_clear(&w->elements[k]->solid.hold);
     for (size_t k = 0; k < w->exchange_count; k++)
         GN_TRY(w->exchange[k].mark(w->exchange[k].context, w, error));
     return GNEISS_OK;

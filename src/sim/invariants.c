@@ -1,6 +1,6 @@
 #include "sim/invariants.h"
 
-#include "sim/parts.h"
+#include "sim/internal.h"
 
 #ifndef NDEBUG
 #include <assert.h>

@@ -1,5 +1,5 @@
 /* What the contact laws (kernels/law.h) are told of the world. */
-#include "sim/parts.h"
+#include "sim/internal.h"
 
 #include <math.h>
 

@@ -1,7 +1,7 @@
 /* Neighbour lists of the particles, and how contacts keep their history. */
 #include "base/memory.h"
 #include "base/vec3.h"
-#include "sim/parts.h"
+#include "sim/internal.h"
 #include "soa/single.h"
 
 #include <math.h>

@@ -1,5 +1,5 @@
 /* The contacts as they are at the present positions, for output. */
-#include "sim/parts.h"
+#include "sim/internal.h"
 #include "soa/single.h"
 
 /* A step of no length on a copy, in double: whatever limits it would reach stays in the copy. */

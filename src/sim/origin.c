@@ -1,7 +1,7 @@
 #include "sim/origin.h"
 
 #include "base/point.h"
-#include "sim/parts.h"
+#include "sim/internal.h"
 
 #include <math.h>
 #include <string.h>
@@ -229,7 +229,7 @@ static gneiss_status check_bodies(const gn_world *w, gneiss_error *error) {
 static gneiss_status check_elements(const gn_world *w, const gn_element_model *q,
                                     gneiss_error *error) {
     const gn_element_def *e = q->def;
-    const gn_fem_body *b = &q->body;
+    const gn_fem_solid *b = &q->solid;
     char what[GN_NAME_SIZE + 32];
     double reach[3], velocity[3];
     reach_of(&b->nodes, reach);

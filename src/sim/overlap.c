@@ -1,7 +1,7 @@
 #include "sim/overlap.h"
 
 #include "base/memory.h"
-#include "sim/parts.h"
+#include "sim/internal.h"
 #include "sim/touch.h"
 
 #include <math.h>

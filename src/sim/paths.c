@@ -2,7 +2,7 @@
  * radius: then the two have come closer by at most a radius, and neither is behind the other before
  * it was seen to press. */
 #include "base/point.h"
-#include "sim/parts.h"
+#include "sim/internal.h"
 #include "sim/touch.h"
 
 #include <math.h>

@@ -1,8 +1,8 @@
 /* When the lists of the world are made anew, and in which order. */
 #include "base/timer.h"
 #include "sim/exchange.h"
+#include "sim/internal.h"
 #include "sim/invariants.h"
-#include "sim/parts.h"
 
 #include <math.h>
 

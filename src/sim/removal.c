@@ -1,8 +1,8 @@
 /* Particles that leave the domain: they stop the run, or leave the model with all they hold. */
 #include "base/memory.h"
 #include "base/point.h"
+#include "sim/internal.h"
 #include "sim/origin.h"
-#include "sim/parts.h"
 #include "sim/touch.h"
 
 #include <math.h>

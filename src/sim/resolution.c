@@ -5,7 +5,7 @@
  */
 #include "base/memory.h"
 #include "kernels/dashpot.h"
-#include "sim/parts.h"
+#include "sim/internal.h"
 #include "sim/touch.h"
 
 #include <math.h>

@@ -1,7 +1,7 @@
 /* Particle sets: who belongs to them, what they change, how they move. */
 #include "base/memory.h"
 #include "base/point.h"
-#include "sim/parts.h"
+#include "sim/internal.h"
 
 #include <math.h>
 #include <string.h>

@@ -2,7 +2,7 @@
 #include "base/random.h"
 #include "mesh/gmsh.h"
 #include "pack/store.h"
-#include "sim/parts.h"
+#include "sim/internal.h"
 
 #include <math.h>
 #include <string.h>

@@ -2,7 +2,7 @@
  * ledger. What a part does in each is its own affair (dem.h, boundary.h, elements.h). */
 #include "base/timer.h"
 #include "sim/exchange.h"
-#include "sim/parts.h"
+#include "sim/internal.h"
 
 #include <math.h>
 

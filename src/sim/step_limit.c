@@ -1,6 +1,6 @@
 /* Choosing the step and watching it: what the parts allow, together. */
 #include "base/timer.h"
-#include "sim/parts.h"
+#include "sim/internal.h"
 
 #include <math.h>
 

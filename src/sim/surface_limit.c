@@ -1,7 +1,7 @@
 /* What surfaces mean for the stability limit. */
 #include "base/eigen.h"
 #include "base/memory.h"
-#include "sim/parts.h"
+#include "sim/internal.h"
 #include "sim/touch.h"
 
 #include <math.h>

@@ -1,6 +1,6 @@
 /* Contacts of particles with surfaces: found facet by facet, worked on particle by particle. */
 #include "base/memory.h"
-#include "sim/parts.h"
+#include "sim/internal.h"
 #include "sim/touch.h"
 #include "surfaces/facet.h"
 

@@ -1,6 +1,6 @@
 /* The parallel part of a step: contacts, walls, motion. Who does what: sched/deal.h. */
 #include "base/timer.h"
-#include "sim/parts.h"
+#include "sim/internal.h"
 
 #include <omp.h>
 

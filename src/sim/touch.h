@@ -5,7 +5,7 @@
 
 #include "base/vec3.h"
 #include "kernels/law.h"
-#include "sim/parts.h"
+#include "sim/internal.h"
 
 static inline gn_touch_side gn_wall_side(const gn_wall_def *def) {
     return (gn_touch_side){def->stiffness, def->kratio, def->friction, 1.0};

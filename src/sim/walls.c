@@ -1,8 +1,8 @@
 /* Plane walls: contacts with particles (few, so plain scalar code), motion, servo, work. */
 #include "base/memory.h"
 #include "kernels/dashpot.h"
+#include "sim/internal.h"
 #include "sim/origin.h"
-#include "sim/parts.h"
 #include "sim/touch.h"
 
 #include <math.h>

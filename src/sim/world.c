@@ -5,8 +5,8 @@
 #include "base/point.h"
 #include "base/timer.h"
 #include "sim/exchange.h"
+#include "sim/internal.h"
 #include "sim/origin.h"
-#include "sim/parts.h"
 
 #include <math.h>
 #include <omp.h>

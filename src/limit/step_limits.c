@@ -10,7 +10,7 @@
  * Left out: the geometric stiffness of the contact forces (force over length, small against k_n
  * while overlaps are small against radii) and background damping. Sliding contacts count as
  * sticking. */
-#include "limit/timestep.h"
+#include "limit/step_limits.h"
 
 #include "base/eigen.h"
 #include "base/memory.h"

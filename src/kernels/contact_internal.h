@@ -1,7 +1,7 @@
 /* What the contact kernel and its laws share: the switches of a variant and the stages of a vector
  * of contacts. Inside src/kernels/contact_template.c and the laws it includes only. */
-#ifndef GN_KERNELS_CONTACT_PARTS_H
-#define GN_KERNELS_CONTACT_PARTS_H
+#ifndef GN_KERNELS_CONTACT_INTERNAL_H
+#define GN_KERNELS_CONTACT_INTERNAL_H
 
 #include "kernels/contact.h"
 #include "kernels/contact_law.h"

@@ -1,6 +1,6 @@
 /* The largest stable step of the central-difference scheme: a rigorous bound and a sharp value. */
-#ifndef GN_LIMIT_TIMESTEP_H
-#define GN_LIMIT_TIMESTEP_H
+#ifndef GN_LIMIT_STEP_LIMITS_H
+#define GN_LIMIT_STEP_LIMITS_H
 
 #include "base/error.h"
 #include "kernels/law.h"

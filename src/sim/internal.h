@@ -1,6 +1,6 @@
 /* Pieces of the world that its own files share. */
-#ifndef GN_SIM_PARTS_H
-#define GN_SIM_PARTS_H
+#ifndef GN_SIM_INTERNAL_H
+#define GN_SIM_INTERNAL_H
 
 #include "base/vec3.h"
 #include "io/packing.h"

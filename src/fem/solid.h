@@ -1,11 +1,11 @@
-/* A body of explicit finite elements: linear triangles in plane strain (1 m thick) or tetrahedra,
+/* A solid of explicit finite elements: linear triangles in plane strain (1 m thick) or tetrahedra,
  * linear elastic, large rotations, plain displacement form.
  *
- * Flow: gn_fem_body_create (mesh -> nodes, elements), loads.c (sets, loads), gn_fem_limits (time
- * step), gn_fem_step, stress.c (readings), gn_fem_body_free. Nodes are a particle record, so that
+ * Flow: gn_fem_solid_create (mesh -> nodes, elements), loads.c (sets, loads), gn_fem_limits (time
+ * step), gn_fem_step, stress.c (readings), gn_fem_solid_free. Nodes are a particle record, so that
  * the motion kernels move them; the elements' kernel is kernels/element_template.c. */
-#ifndef GN_FEM_BODY_H
-#define GN_FEM_BODY_H
+#ifndef GN_FEM_SOLID_H
+#define GN_FEM_SOLID_H
 
 #include "kernels/dispatch.h"
 #include "mesh/mesh.h"
@@ -40,21 +40,21 @@ typedef struct gn_fem_spec {
  * `elastic` has the energy of the stabilising pressure, its inertia included. */
 typedef struct gn_fem_energy {
     double kinetic, elastic;                            /* of the last measured instant */
-    double work_prescribed, work_applied, work_gravity; /* done on the body so far */
+    double work_prescribed, work_applied, work_gravity; /* done on the solid so far */
     double damping;                                     /* dissipated so far */
     double stored_at_start;
 } gn_fem_energy;
 
-typedef struct gn_fem_body {
+typedef struct gn_fem_solid {
     char name[128];
     double origin[3]; /* m: what the places of nodes are relative to */
     int dimension, threads;
     gn_fem_form form;
     bool single;
     gn_effects effects;
-    gn_mesh mesh; /* its nodes and all its elements in the body's numbering of nodes; facets without
-                     solid elements behind them left out */
-    gn_particles nodes;   /* along a Morton curve; id: node of the mesh as it was given */
+    gn_mesh mesh;       /* its nodes and all its elements in the solid's numbering of nodes; facets
+                           without solid elements behind them left out */
+    gn_particles nodes; /* along a Morton curve; id: node of the mesh as it was given */
     gn_elements elements; /* sorted by nodes; id: place in the mesh's list */
     gn_element_uniform uniform;
     gn_partials partials, none;
@@ -100,21 +100,21 @@ typedef struct gn_fem_body {
     gn_fem_energy energy;    /* running */
     gn_fem_energy reading;   /* at the last measured instant */
     gn_element_sums elastic; /* of the last measured instant, all elements; `element` by place */
-} gn_fem_body;
+} gn_fem_solid;
 
 /* Takes over the contents of `mesh` (also on failure, when they are freed). Errors are
  * GNEISS_ERROR_INPUT: material out of range (the explicit displacement form needs nu < 0.5), no
  * elements, an element without volume or material, a missing group. */
-gneiss_status gn_fem_body_create(const gn_fem_spec *spec, gn_mesh *mesh, gn_fem_body *body,
-                                 gneiss_error *error);
-void gn_fem_body_free(gn_fem_body *body);
+gneiss_status gn_fem_solid_create(const gn_fem_spec *spec, gn_mesh *mesh, gn_fem_solid *solid,
+                                  gneiss_error *error);
+void gn_fem_solid_free(gn_fem_solid *solid);
 
 /* Bytes held by nodes, elements and partial sums. */
-size_t gn_fem_bytes(const gn_fem_body *body);
+size_t gn_fem_bytes(const gn_fem_solid *solid);
 
 /* --- sets and loads (loads.c) --- */
 
-/* Nodes by their places in the body. */
+/* Nodes by their places in the solid. */
 typedef struct gn_fem_set {
     size_t count;
     int32_t *node; /* [count] ascending; gn_alloc'ed */
@@ -127,27 +127,27 @@ gneiss_status gn_fem_check_group(const char *name, const gn_mesh *mesh, const ch
                                  int dimension, gneiss_error *error);
 /* The nodes of a physical group of any dimension, by name or tag. GNEISS_ERROR_INPUT names the
  * groups there are. */
-gneiss_status gn_fem_nodes_of_group(const gn_fem_body *body, const char *group, gn_fem_set *set,
+gneiss_status gn_fem_nodes_of_group(const gn_fem_solid *solid, const char *group, gn_fem_set *set,
                                     gneiss_error *error);
 /* The nodes that start in a box, boundary included; corners as the user sees them.
  * GNEISS_ERROR_INPUT when there are none. */
-gneiss_status gn_fem_nodes_in_box(const gn_fem_body *body, const double lower[3],
+gneiss_status gn_fem_nodes_in_box(const gn_fem_solid *solid, const double lower[3],
                                   const double upper[3], gn_fem_set *set, gneiss_error *error);
 void gn_fem_set_free(gn_fem_set *set);
 
 /* Prescribes components (mask, bit k: x y z) of the velocity; later calls win. *motion is the
  * number under which the velocity is changed and the reaction asked for. To be called before the
  * first step: nodes start with what is prescribed. */
-gneiss_status gn_fem_prescribe(gn_fem_body *body, const gn_fem_set *set, unsigned mask,
+gneiss_status gn_fem_prescribe(gn_fem_solid *solid, const gn_fem_set *set, unsigned mask,
                                const double velocity[3], int32_t *motion, gneiss_error *error);
-void gn_fem_set_velocity(gn_fem_body *body, int32_t motion, const double velocity[3]);
+void gn_fem_set_velocity(gn_fem_solid *solid, int32_t motion, const double velocity[3]);
 /* N: what the prescription supplied at the instant the last step started from. */
-void gn_fem_reaction(const gn_fem_body *body, int32_t motion, double force[3]);
+void gn_fem_reaction(const gn_fem_solid *solid, int32_t motion, double force[3]);
 
 /* N, to every node of a set, on top of what is there. */
-void gn_fem_add_force(gn_fem_body *body, const gn_fem_set *set, const double force[3]);
+void gn_fem_add_force(gn_fem_solid *solid, const gn_fem_set *set, const double force[3]);
 /* Pa, of fixed direction, on the facets of a group (lines in 2D), lumped to their nodes, on top. */
-gneiss_status gn_fem_add_traction(gn_fem_body *body, const char *group, const double traction[3],
+gneiss_status gn_fem_add_traction(gn_fem_solid *solid, const char *group, const double traction[3],
                                   gneiss_error *error);
 
 /* A load whose size may follow time (timed_loads.c): nodes and what each has of it. */
@@ -160,30 +160,30 @@ typedef struct gn_fem_load {
 /* Shares of the facets of a group (of dimension - 1) or, with `group` NULL, of the mesh's facets
  * whose nodes all start in a box, boundary included: m2, lumped to their nodes. GNEISS_ERROR_INPUT
  * when there are none. */
-gneiss_status gn_fem_load_on_facets(const gn_fem_body *body, const char *group,
+gneiss_status gn_fem_load_on_facets(const gn_fem_solid *solid, const char *group,
                                     const double lower[3], const double upper[3], gn_fem_load *load,
                                     gneiss_error *error);
 /* Shares by mass; they add up to 1. */
-gneiss_status gn_fem_load_on_nodes(const gn_fem_body *body, const gn_fem_set *set,
+gneiss_status gn_fem_load_on_nodes(const gn_fem_solid *solid, const gn_fem_set *set,
                                    gn_fem_load *load, gneiss_error *error);
 /* Scales the shares so that they add up to 1. */
 void gn_fem_load_normalise(gn_fem_load *load);
 void gn_fem_load_free(gn_fem_load *load);
 /* The forces on all nodes of the loads become the sum of share x value; no other force is left on
  * them. */
-void gn_fem_set_loads(gn_fem_body *body, const gn_fem_load *load, const double (*value)[3],
+void gn_fem_set_loads(gn_fem_solid *solid, const gn_fem_load *load, const double (*value)[3],
                       size_t count);
 
 /* Facets that others can touch (surface.c): those of a group, by name or tag, or, with `group`
- * NULL, the whole boundary. Nodes by their places in the body; *corner [*count][dimension],
+ * NULL, the whole boundary. Nodes by their places in the solid; *corner [*count][dimension],
  * gn_alloc'ed. GNEISS_ERROR_INPUT names the groups there are. */
-gneiss_status gn_fem_surface(const gn_fem_body *body, const char *group, int32_t **corner,
+gneiss_status gn_fem_surface(const gn_fem_solid *solid, const char *group, int32_t **corner,
                              size_t *count, gneiss_error *error);
 
 /* --- time step (limit.c) --- */
 
 typedef struct gn_fem_limit {
-    double bound;          /* s, never above the limit of the linearised body at the start */
+    double bound;          /* s, never above the limit of the linearised solid at the start */
     int32_t bound_element; /* that sets it, by its id */
     double sharp;          /* s: 2/w_max by Lanczos */
     double sharp_low;      /* s: 2/sqrt(Ritz value + residual), never below `bound` */
@@ -197,14 +197,14 @@ typedef struct gn_fem_limit {
  * takes 1/sqrt(1 + a) of the limit (see docs/design.md), viscous none; both are left out here.
  * Without anything that can move both limits are INFINITY. `tolerance`: as gn_step_limits. The same
  * for any number of threads. */
-gneiss_status gn_fem_limits(gn_fem_body *body, double tolerance, gn_fem_limit *limit,
+gneiss_status gn_fem_limits(gn_fem_solid *solid, double tolerance, gn_fem_limit *limit,
                             gneiss_error *error);
 /* Only the bound and the element that sets it. */
-gneiss_status gn_fem_bound(gn_fem_body *body, gn_fem_limit *limit, gneiss_error *error);
+gneiss_status gn_fem_bound(gn_fem_solid *solid, gn_fem_limit *limit, gneiss_error *error);
 
 /* By what strain and tension may have divided the limit since the start (measures.c): it is now at
  * least `bound`/factor, to first order in the strain. 1 without strain, whatever the rotation. */
-gneiss_status gn_fem_stiffening(const gn_fem_body *body, double *factor, gneiss_error *error);
+gneiss_status gn_fem_stiffening(const gn_fem_solid *solid, double *factor, gneiss_error *error);
 
 /* --- step (step.c) --- */
 
@@ -214,54 +214,55 @@ gneiss_status gn_fem_stiffening(const gn_fem_body *body, double *factor, gneiss_
  * GN_FEM_CHECK_EVERY steps and where nodes are fast enough for one between two looks), or a
  * velocity that is not finite; the state is the last computed. */
 enum { GN_FEM_CHECK_EVERY = 64 };
-gneiss_status gn_fem_step(gn_fem_body *body, double dt, bool measure, gneiss_error *error);
+gneiss_status gn_fem_step(gn_fem_solid *solid, double dt, bool measure, gneiss_error *error);
 
 /* The same in two parts: forces, and the motion of all nodes that are not held; then, when an
- * exchange has added to the loads of the others (body->hold), these. */
-void gn_fem_forces(gn_fem_body *body, double dt, bool measure);
-gneiss_status gn_fem_move(gn_fem_body *body, double dt, gneiss_error *error);
+ * exchange has added to the loads of the others (solid->hold), these. */
+void gn_fem_forces(gn_fem_solid *solid, double dt, bool measure);
+gneiss_status gn_fem_move(gn_fem_solid *solid, double dt, gneiss_error *error);
 
 /* To be called after positions were changed other than by steps: the pressure form and single
  * precision keep copies. */
-void gn_fem_moved(gn_fem_body *body);
-/* Makes all that single precision keeps anew, if the body has it: after records were read. */
-void gn_fem_to_single(gn_fem_body *body);
+void gn_fem_moved(gn_fem_solid *solid);
+/* Makes all that single precision keeps anew, if the solid has it: after records were read. */
+void gn_fem_to_single(gn_fem_solid *solid);
 
 /* Stored energy less what it was and what came in, plus what was lost: of `reading`, in J. */
 double gn_fem_energy_residual(const gn_fem_energy *energy);
 
 /* Hash of the state: nodes, elements, time. */
-uint64_t gn_fem_hash(const gn_fem_body *body);
+uint64_t gn_fem_hash(const gn_fem_solid *solid);
 
 /* --- readings (stress.c) --- */
 
 /* Pa, Cauchy, tension positive, of the present positions: xx yy zz xy yz zx per element, by place.
  */
-void gn_fem_element_stress(const gn_fem_body *body, double (*stress)[6]);
+void gn_fem_element_stress(const gn_fem_solid *solid, double (*stress)[6]);
 /* Stress at nodes: mean over the elements at the node, weighted by their volumes. */
-gneiss_status gn_fem_nodal_stress(const gn_fem_body *body, const double (*element)[6],
+gneiss_status gn_fem_nodal_stress(const gn_fem_solid *solid, const double (*element)[6],
                                   double (*nodal)[6], gneiss_error *error);
 /* Pa, tension positive, per node, by place: the pressure form's own; in the displacement form that
  * of the nodal stress. */
-gneiss_status gn_fem_nodal_pressure(const gn_fem_body *body, double *pressure, gneiss_error *error);
+gneiss_status gn_fem_nodal_pressure(const gn_fem_solid *solid, double *pressure,
+                                    gneiss_error *error);
 
 /* det F of an element at the present positions (measures.c). */
-double gn_fem_volume_ratio(const gn_fem_body *body, size_t element);
+double gn_fem_volume_ratio(const gn_fem_solid *solid, size_t element);
 
 /* s: 2/sqrt of the trace of M_e^-1 K_e of every element alone, by place: how elements compare in
  * what step they allow (measures.c). */
-void gn_fem_step_scales(const gn_fem_body *body, double *scale);
+void gn_fem_step_scales(const gn_fem_solid *solid, double *scale);
 
 /* --- averages (measures.c) --- */
 
-/* The mean displacement gradient over the body is linear in the displacements: <du_a/dX_b> = sum_n
+/* The mean displacement gradient over the solid is linear in the displacements: <du_a/dX_b> = sum_n
  * u_a(n) w_b(n), with w(n) = sum_e V_e grad N_n / sum_e V_e. weight[nodes][3], 1/m. */
-void gn_fem_strain_weights(const gn_fem_body *body, double (*weight)[3]);
+void gn_fem_strain_weights(const gn_fem_solid *solid, double (*weight)[3]);
 /* gradient[3 a + b] = <du_a/dX_b> of the present positions. */
-void gn_fem_mean_gradient(const gn_fem_body *body, const double (*weight)[3], double gradient[9]);
+void gn_fem_mean_gradient(const gn_fem_solid *solid, const double (*weight)[3], double gradient[9]);
 
 /* N: mean size of the forces V sigma grad N_a that elements exert on their nodes, from Cauchy
  * stresses; what a mean resultant is to be compared with. */
-double gn_fem_mean_force(const gn_fem_body *body, const double (*stress)[6]);
+double gn_fem_mean_force(const gn_fem_solid *solid, const double (*stress)[6]);
 
 #endif

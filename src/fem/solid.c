@@ -1,8 +1,8 @@
 /* From a mesh to nodes and elements. */
-#include "fem/body.h"
+#include "fem/solid.h"
 
 #include "base/memory.h"
-#include "fem/parts.h"
+#include "fem/internal.h"
 #include "neigh/pairs.h"
 #include "soa/single.h"
 
@@ -11,48 +11,48 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* What building needs besides the body. */
+/* What building needs besides the solid. */
 typedef struct builder {
-    gn_fem_body *body;
+    gn_fem_solid *solid;
     const gn_fem_spec *spec;
     gn_mesh_elements *solids;
-    int32_t *place;    /* [nodes of the mesh as given] place in the body, -1: unused */
+    int32_t *place;    /* [nodes of the mesh as given] place in the solid, -1: unused */
     int32_t *material; /* [solids] */
 } builder;
 
 static gneiss_status out_of_memory(const builder *b, gneiss_error *error) {
     return gn_fail(error, GNEISS_ERROR_MEMORY, "%s: no memory for %zu nodes and %zu elements",
-                   b->body->name, b->body->mesh.node_count, b->solids->count);
+                   b->solid->name, b->solid->mesh.node_count, b->solids->count);
 }
 
 /* --- materials --- */
 
-static gneiss_status check_material(const gn_fem_body *body, const gn_fem_material *m,
+static gneiss_status check_material(const gn_fem_solid *solid, const gn_fem_material *m,
                                     gneiss_error *error) {
     const char *group = m->group ? m->group : "all elements";
     if (!(m->young > 0.0 && m->young < INFINITY && m->density > 0.0 && m->density < INFINITY))
         return gn_fail(error, GNEISS_ERROR_INPUT,
                        "%s: material of %s: expected Young's modulus and density > 0, found %g Pa "
                        "and %g kg/m3",
-                       body->name, group, m->young, m->density);
+                       solid->name, group, m->young, m->density);
     if (m->poisson > -1.0 && m->poisson < 0.5) return GNEISS_OK;
     return gn_fail(error, GNEISS_ERROR_INPUT,
                    "%s: material of %s: expected Poisson's ratio > -1 and < 0.5, because the "
                    "explicit %s form has no stable step for an incompressible material, found %g",
-                   body->name, group, body->form == GN_FEM_PRESSURE ? "mixed" : "displacement",
+                   solid->name, group, solid->form == GN_FEM_PRESSURE ? "mixed" : "displacement",
                    m->poisson);
 }
 
 /* Marks the elements of one material; how many there are. */
 static gneiss_status give_material(builder *b, int32_t index, gneiss_error *error) {
     const gn_fem_material *m = &b->spec->materials[index];
-    gn_fem_body *body = b->body;
-    GN_TRY(check_material(body, m, error));
-    body->density[index] = m->density;
+    gn_fem_solid *solid = b->solid;
+    GN_TRY(check_material(solid, m, error));
+    solid->density[index] = m->density;
     uint8_t *in = gn_alloc_array(b->solids->count + 1, sizeof *in);
     if (!in) return out_of_memory(b, error);
     const gn_mesh_group *group =
-        m->group ? gn_fem_find_group(&body->mesh, m->group, body->dimension) : NULL;
+        m->group ? gn_fem_find_group(&solid->mesh, m->group, solid->dimension) : NULL;
     if (group)
         gn_fem_mark_group(b->solids, group->tag, in);
     else
@@ -65,13 +65,13 @@ static gneiss_status give_material(builder *b, int32_t index, gneiss_error *erro
     }
     gn_free(in);
     if (marked) return GNEISS_OK;
-    return gn_fem_no_group(body->name, &body->mesh, m->group, body->dimension, error);
+    return gn_fem_no_group(solid->name, &solid->mesh, m->group, solid->dimension, error);
 }
 
 static gneiss_status give_materials(builder *b, gneiss_error *error) {
     b->material = gn_alloc_array(b->solids->count + 1, sizeof *b->material);
-    b->body->density = gn_alloc_array(b->spec->material_count + 1, sizeof *b->body->density);
-    if (!b->material || !b->body->density) return out_of_memory(b, error);
+    b->solid->density = gn_alloc_array(b->spec->material_count + 1, sizeof *b->solid->density);
+    if (!b->material || !b->solid->density) return out_of_memory(b, error);
     for (size_t e = 0; e < b->solids->count; e++) b->material[e] = -1;
     for (size_t m = 0; m < b->spec->material_count; m++)
         GN_TRY(give_material(b, (int32_t)m, error));
@@ -80,69 +80,70 @@ static gneiss_status give_materials(builder *b, gneiss_error *error) {
             return gn_fail(error, GNEISS_ERROR_INPUT,
                            "%s: expected a material for every %s, found none for number %zu (base "
                            "0) in group %d",
-                           b->body->name, gn_fem_kind(b->body->dimension), e, b->solids->group[e]);
+                           b->solid->name, gn_fem_kind(b->solid->dimension), e,
+                           b->solids->group[e]);
     return GNEISS_OK;
 }
 
 /* --- nodes --- */
 
-static gneiss_status check_plane(const gn_fem_body *body, const gn_mesh_elements *solids,
+static gneiss_status check_plane(const gn_fem_solid *solid, const gn_mesh_elements *solids,
                                  gneiss_error *error) {
-    const double *x = body->mesh.node, *first = x + 3 * (size_t)solids->node[0];
-    for (size_t k = 0; body->dimension == 2 && k < 3 * solids->count; k++) {
+    const double *x = solid->mesh.node, *first = x + 3 * (size_t)solids->node[0];
+    for (size_t k = 0; solid->dimension == 2 && k < 3 * solids->count; k++) {
         const double *p = x + 3 * (size_t)solids->node[k];
         if (p[2] != first[2])
             return gn_fail(error, GNEISS_ERROR_INPUT,
                            "%s: expected all nodes in one plane z = %g m, found node %d (base 0) "
                            "at z = %g m",
-                           body->name, first[2], solids->node[k], p[2]);
+                           solid->name, first[2], solids->node[k], p[2]);
     }
     return GNEISS_OK;
 }
 
 /* The used nodes as particles in the order of the mesh. */
 static gneiss_status take_nodes(builder *b, gn_particles *nodes, gneiss_error *error) {
-    gn_fem_body *body = b->body;
-    const gn_mesh *mesh = &body->mesh;
+    gn_fem_solid *solid = b->solid;
+    const gn_mesh *mesh = &solid->mesh;
     b->place = gn_alloc_array(mesh->node_count + 1, sizeof *b->place);
     if (!b->place) return out_of_memory(b, error);
     for (size_t k = 0; k < b->solids->count * (size_t)b->solids->nodes; k++)
         b->place[b->solids->node[k]] = 1;
     size_t used = 0;
     for (size_t n = 0; n < mesh->node_count; n++) used += b->place[n] == 1;
-    body->unused_nodes = mesh->node_count - used;
-    GN_TRY(gn_soa_create(&gn_particle_record, nodes, used, body->effects, error));
+    solid->unused_nodes = mesh->node_count - used;
+    GN_TRY(gn_soa_create(&gn_particle_record, nodes, used, solid->effects, error));
     used = 0;
     for (size_t n = 0; n < mesh->node_count; n++) {
         if (!b->place[n]) continue;
-        for (int k = 0; k < body->dimension; k++) nodes->pos[4 * used + k] = mesh->node[3 * n + k];
+        for (int k = 0; k < solid->dimension; k++) nodes->pos[4 * used + k] = mesh->node[3 * n + k];
         nodes->slot[used] = -1;
         nodes->id[used++] = (int32_t)n;
     }
     return GNEISS_OK;
 }
 
-/* The body's nodes along the Morton curve, and where each node of the mesh has gone. */
+/* The solid's nodes along the Morton curve, and where each node of the mesh has gone. */
 static gneiss_status order_nodes(builder *b, const gn_particles *given, gneiss_error *error) {
-    gn_fem_body *body = b->body;
+    gn_fem_solid *solid = b->solid;
     size_t count = given->soa.count;
     int32_t *order = gn_alloc_array(count + 1, sizeof *order);
     gneiss_status status = order ? GNEISS_OK : out_of_memory(b, error);
-    if (status == GNEISS_OK) status = gn_morton_order(given, body->dimension, order, error);
+    if (status == GNEISS_OK) status = gn_morton_order(given, solid->dimension, order, error);
     if (status == GNEISS_OK)
-        status = gn_soa_create(&gn_particle_record, &body->nodes, count, body->effects, error);
+        status = gn_soa_create(&gn_particle_record, &solid->nodes, count, solid->effects, error);
     if (status == GNEISS_OK) {
-        gn_soa_permute(&gn_particle_record, &body->nodes, given, order);
-        memcpy(body->nodes.start, body->nodes.pos, 4 * count * sizeof(double));
-        gn_particles_set_null(&body->nodes, 1.0);
-        for (size_t n = 0; n < body->mesh.node_count; n++) b->place[n] = -1;
-        for (size_t n = 0; n < count; n++) b->place[body->nodes.id[n]] = (int32_t)n;
+        gn_soa_permute(&gn_particle_record, &solid->nodes, given, order);
+        memcpy(solid->nodes.start, solid->nodes.pos, 4 * count * sizeof(double));
+        gn_particles_set_null(&solid->nodes, 1.0);
+        for (size_t n = 0; n < solid->mesh.node_count; n++) b->place[n] = -1;
+        for (size_t n = 0; n < count; n++) b->place[solid->nodes.id[n]] = (int32_t)n;
     }
     gn_free(order);
     return status;
 }
 
-/* Facets (or solids) in the body's numbers; those with an unused node are left out. */
+/* Facets (or solids) in the solid's numbers; those with an unused node are left out. */
 static void renumber_elements(const int32_t *place, gn_mesh_elements *list) {
     size_t kept = 0, also = 0, next = 0, nodes = (size_t)list->nodes;
     for (size_t e = 0; e < list->count; e++) {
@@ -162,12 +163,12 @@ static void renumber_elements(const int32_t *place, gn_mesh_elements *list) {
 }
 
 static gneiss_status renumber_mesh(builder *b, gneiss_error *error) {
-    gn_mesh *mesh = &b->body->mesh;
-    size_t count = b->body->nodes.soa.count;
+    gn_mesh *mesh = &b->solid->mesh;
+    size_t count = b->solid->nodes.soa.count;
     double *node = gn_alloc_array(count + 1, 3 * sizeof *node);
     if (!node) return out_of_memory(b, error);
     for (size_t n = 0; n < count; n++)
-        memcpy(node + 3 * n, mesh->node + 3 * (size_t)b->body->nodes.id[n], 3 * sizeof *node);
+        memcpy(node + 3 * n, mesh->node + 3 * (size_t)b->solid->nodes.id[n], 3 * sizeof *node);
     gn_free(mesh->node);
     mesh->node = node;
     mesh->node_count = count;
@@ -254,37 +255,37 @@ static double least_height(int dimension, const double gradient[3][3]) {
 static gneiss_status no_volume(const builder *b, int32_t id, const int32_t node[4], double volume,
                                gneiss_error *error) {
     char at[GN_POINT_SIZE];
-    gn_point_text(b->body->origin, b->body->nodes.start + 4 * (size_t)node[0], at);
+    gn_point_text(b->solid->origin, b->solid->nodes.start + 4 * (size_t)node[0], at);
     return gn_fail(error, GNEISS_ERROR_INPUT,
                    "%s: expected elements with a volume, found %s %d (base 0) at %s m with %g m%d",
-                   b->body->name, gn_fem_kind(b->body->dimension), id, at, volume,
-                   b->body->dimension);
+                   b->solid->name, gn_fem_kind(b->solid->dimension), id, at, volume,
+                   b->solid->dimension);
 }
 
-/* Element e of the body from element `id` of the mesh; nodes in the mesh's order, the last two
+/* Element e of the solid from element `id` of the mesh; nodes in the mesh's order, the last two
  * exchanged when it is inside out. */
 static gneiss_status make_element(builder *b, size_t e, int32_t id, gneiss_error *error) {
     enum { ROUND_OFF = 64 };
-    gn_fem_body *body = b->body;
-    const int d = body->dimension;
-    gn_elements *q = &body->elements;
+    gn_fem_solid *solid = b->solid;
+    const int d = solid->dimension;
+    gn_elements *q = &solid->elements;
     const double *x[4];
     int32_t node[4] = {0};
     memcpy(node, b->solids->node + (size_t)(d + 1) * (size_t)id, (size_t)(d + 1) * sizeof *node);
     double gradient[3][3], volume = 0.0;
     for (int turn = 0; turn < 2; turn++) {
-        for (int a = 0; a <= d; a++) x[a] = body->nodes.start + 4 * (size_t)node[a];
+        for (int a = 0; a <= d; a++) x[a] = solid->nodes.start + 4 * (size_t)node[a];
         volume = gradients(d, x, gradient);
         if (turn || !(volume < 0.0)) break;
         int32_t last = node[d];
         node[d] = node[d - 1];
         node[d - 1] = last;
-        body->turned_elements++;
+        solid->turned_elements++;
     }
     if (!(volume > ROUND_OFF * 2.2e-16 * pow(longest_edge(d, x), d)))
         return no_volume(b, id, node, volume, error);
     const gn_fem_material *m = &b->spec->materials[b->material[id]];
-    body->height = fmin(body->height, least_height(d, (const double(*)[3])gradient));
+    solid->height = fmin(solid->height, least_height(d, (const double(*)[3])gradient));
     q->id[e] = id;
     q->material[e] = b->material[id];
     q->volume[e] = volume;
@@ -293,78 +294,78 @@ static gneiss_status make_element(builder *b, size_t e, int32_t id, gneiss_error
     for (int a = 0; a <= d; a++) {
         gn_elements_node(q, a)[e] = node[a];
         for (int k = 0; a && k < d; k++) gn_elements_gradient(q, a, k)[e] = gradient[a - 1][k];
-        body->nodes.vel[4 * (size_t)node[a] + 3] += m->density * volume / (d + 1);
+        solid->nodes.vel[4 * (size_t)node[a] + 3] += m->density * volume / (d + 1);
     }
-    body->volume += volume;
-    body->mass += m->density * volume;
+    solid->volume += volume;
+    solid->mass += m->density * volume;
     return GNEISS_OK;
 }
 
 static gneiss_status make_elements(builder *b, gneiss_error *error) {
-    gn_fem_body *body = b->body;
-    GN_TRY(
-        gn_soa_create(&gn_element_record, &body->elements, b->solids->count, body->effects, error));
+    gn_fem_solid *solid = b->solid;
+    GN_TRY(gn_soa_create(&gn_element_record, &solid->elements, b->solids->count, solid->effects,
+                         error));
     sorted_element *order = sort_elements(b);
-    body->height = INFINITY;
+    solid->height = INFINITY;
     gneiss_status status = order ? GNEISS_OK : out_of_memory(b, error);
     for (size_t e = 0; e < b->solids->count && status == GNEISS_OK; e++)
         status = make_element(b, e, order[e].id, error);
     gn_free(order);
     GN_TRY(status);
     /* The sums of masses become their inverses. */
-    for (size_t n = 0; n < body->nodes.soa.count; n++)
-        body->nodes.vel[4 * n + 3] = 1.0 / body->nodes.vel[4 * n + 3];
+    for (size_t n = 0; n < solid->nodes.soa.count; n++)
+        solid->nodes.vel[4 * n + 3] = 1.0 / solid->nodes.vel[4 * n + 3];
     bool uniform = b->spec->material_count == 1;
-    body->uniform.lambda = body->uniform.mu = uniform ? ~(size_t)0 : 0;
-    gn_elements_pad(&body->elements, &body->nodes);
+    solid->uniform.lambda = solid->uniform.mu = uniform ? ~(size_t)0 : 0;
+    gn_elements_pad(&solid->elements, &solid->nodes);
     return GNEISS_OK;
 }
 
 /* --- all of it --- */
 
-static gneiss_status prepare(gn_fem_body *body, const gn_fem_spec *spec, gneiss_error *error) {
+static gneiss_status prepare(gn_fem_solid *solid, const gn_fem_spec *spec, gneiss_error *error) {
     bool space = spec->dimension == 3;
-    snprintf(body->name, sizeof body->name, "%s", spec->name ? spec->name : "mesh");
-    memcpy(body->origin, spec->origin, sizeof body->origin);
-    body->dimension = spec->dimension;
-    body->form = spec->form;
-    body->single = spec->single;
-    body->threads = spec->threads > 0 ? spec->threads : 1;
-    if (body->threads > GN_THREADS_MAX) body->threads = GN_THREADS_MAX;
-    memcpy(body->gravity, spec->gravity, (size_t)spec->dimension * sizeof *body->gravity);
-    body->damping_coefficient = spec->damping_coefficient;
-    body->effects = GN_FX_APPLIED | GN_FX_PRESCRIBED | GN_FX_ENERGY | spec->damping;
-    if (space) body->effects |= GN_FX_SPACE;
-    const bool pressure = body->form == GN_FEM_PRESSURE;
-    if (pressure) body->effects |= GN_FX_PRESSURE;
-    if (body->single) body->effects |= GN_FX_MIXED;
+    snprintf(solid->name, sizeof solid->name, "%s", spec->name ? spec->name : "mesh");
+    memcpy(solid->origin, spec->origin, sizeof solid->origin);
+    solid->dimension = spec->dimension;
+    solid->form = spec->form;
+    solid->single = spec->single;
+    solid->threads = spec->threads > 0 ? spec->threads : 1;
+    if (solid->threads > GN_THREADS_MAX) solid->threads = GN_THREADS_MAX;
+    memcpy(solid->gravity, spec->gravity, (size_t)spec->dimension * sizeof *solid->gravity);
+    solid->damping_coefficient = spec->damping_coefficient;
+    solid->effects = GN_FX_APPLIED | GN_FX_PRESCRIBED | GN_FX_ENERGY | spec->damping;
+    if (space) solid->effects |= GN_FX_SPACE;
+    const bool pressure = solid->form == GN_FEM_PRESSURE;
+    if (pressure) solid->effects |= GN_FX_PRESSURE;
+    if (solid->single) solid->effects |= GN_FX_MIXED;
     for (int k = 0; k < 3; k++)
-        if (body->gravity[k] != 0.0) body->effects |= GN_FX_GRAVITY;
-    GN_TRY(gn_kernel_set_choose(spec->isa, &body->kernels, error));
+        if (solid->gravity[k] != 0.0) solid->effects |= GN_FX_GRAVITY;
+    GN_TRY(gn_kernel_set_choose(spec->isa, &solid->kernels, error));
     for (int measure = 0; measure < 2; measure++)
-        body->element_kernel[measure] =
-            body->kernels->element[gn_element_variant(space, measure, pressure)];
-    if (body->single) body->element_kernel[0] = body->kernels->single[space];
-    return gn_motion_kernel_choose(body->kernels, body->effects, &body->motion_kernel, error);
+        solid->element_kernel[measure] =
+            solid->kernels->element[gn_element_variant(space, measure, pressure)];
+    if (solid->single) solid->element_kernel[0] = solid->kernels->single[space];
+    return gn_motion_kernel_choose(solid->kernels, solid->effects, &solid->motion_kernel, error);
 }
 
 static gneiss_status make_sums(builder *b, gneiss_error *error) {
-    gn_fem_body *body = b->body;
-    size_t nodes = body->nodes.soa.count;
-    GN_TRY(
-        gn_element_partials_build(&body->elements, nodes, body->threads, &body->partials, error));
-    body->motion_blocks = (nodes + GN_PARTICLE_BLOCK - 1) / GN_PARTICLE_BLOCK;
-    body->element_sums = gn_alloc_array(body->partials.blocks + 1, sizeof *body->element_sums);
-    body->motion_sums = gn_alloc_array(body->motion_blocks + 1, sizeof *body->motion_sums);
-    if (!body->element_sums || !body->motion_sums) return out_of_memory(b, error);
-    GN_TRY(gn_hold_create(&body->hold, body->motion_blocks, error));
-    GN_TRY(gn_deal_create(&body->deal, body->threads, error));
-    return gn_deal_lists(&body->deal, (gn_deal_list){.partials = &body->partials},
-                         (gn_deal_list){0}, body->motion_blocks, error);
+    gn_fem_solid *solid = b->solid;
+    size_t nodes = solid->nodes.soa.count;
+    GN_TRY(gn_element_partials_build(&solid->elements, nodes, solid->threads, &solid->partials,
+                                     error));
+    solid->motion_blocks = (nodes + GN_PARTICLE_BLOCK - 1) / GN_PARTICLE_BLOCK;
+    solid->element_sums = gn_alloc_array(solid->partials.blocks + 1, sizeof *solid->element_sums);
+    solid->motion_sums = gn_alloc_array(solid->motion_blocks + 1, sizeof *solid->motion_sums);
+    if (!solid->element_sums || !solid->motion_sums) return out_of_memory(b, error);
+    GN_TRY(gn_hold_create(&solid->hold, solid->motion_blocks, error));
+    GN_TRY(gn_deal_create(&solid->deal, solid->threads, error));
+    return gn_deal_lists(&solid->deal, (gn_deal_list){.partials = &solid->partials},
+                         (gn_deal_list){0}, solid->motion_blocks, error);
 }
 
 static gneiss_status build(builder *b, gneiss_error *error) {
-    gn_fem_body *body = b->body;
+    gn_fem_solid *solid = b->solid;
     if (b->spec->dimension != 2 && b->spec->dimension != 3)
         return gn_fail(error, GNEISS_ERROR_INPUT,
                        "finite elements: expected dimension 2 or 3, found %d", b->spec->dimension);
@@ -377,14 +378,14 @@ static gneiss_status build(builder *b, gneiss_error *error) {
         return gn_fail(error, GNEISS_ERROR_INPUT,
                        "finite elements: expected double precision with the mixed form, found "
                        "single, which only the displacement form has");
-    GN_TRY(prepare(body, b->spec, error));
+    GN_TRY(prepare(solid, b->spec, error));
     if (!b->solids->count)
         return gn_fail(error, GNEISS_ERROR_INPUT,
                        "%s: expected a mesh with %s elements, found none (%zu lines, %zu "
                        "triangles, %zu tetrahedra)",
-                       body->name, gn_fem_kind(body->dimension), body->mesh.lines.count,
-                       body->mesh.triangles.count, body->mesh.tetrahedra.count);
-    GN_TRY(check_plane(body, b->solids, error));
+                       solid->name, gn_fem_kind(solid->dimension), solid->mesh.lines.count,
+                       solid->mesh.triangles.count, solid->mesh.tetrahedra.count);
+    GN_TRY(check_plane(solid, b->solids, error));
     GN_TRY(give_materials(b, error));
     gn_particles given = {0};
     gneiss_status status = take_nodes(b, &given, error);
@@ -394,56 +395,56 @@ static gneiss_status build(builder *b, gneiss_error *error) {
     GN_TRY(renumber_mesh(b, error));
     GN_TRY(make_elements(b, error));
     GN_TRY(make_sums(b, error));
-    gn_fem_to_single(body);
-    return body->form == GN_FEM_PRESSURE ? gn_fem_pressure_prepare(body, error) : GNEISS_OK;
+    gn_fem_to_single(solid);
+    return solid->form == GN_FEM_PRESSURE ? gn_fem_pressure_prepare(solid, error) : GNEISS_OK;
 }
 
-gneiss_status gn_fem_body_create(const gn_fem_spec *spec, gn_mesh *mesh, gn_fem_body *body,
-                                 gneiss_error *error) {
-    memset(body, 0, sizeof *body);
-    body->mesh = *mesh;
+gneiss_status gn_fem_solid_create(const gn_fem_spec *spec, gn_mesh *mesh, gn_fem_solid *solid,
+                                  gneiss_error *error) {
+    memset(solid, 0, sizeof *solid);
+    solid->mesh = *mesh;
     memset(mesh, 0, sizeof *mesh);
-    builder b = {.body = body, .spec = spec};
-    b.solids = gn_fem_elements_of(&body->mesh, spec->dimension);
+    builder b = {.solid = solid, .spec = spec};
+    b.solids = gn_fem_elements_of(&solid->mesh, spec->dimension);
     gneiss_status status = build(&b, error);
     gn_free(b.place);
     gn_free(b.material);
-    if (status != GNEISS_OK) gn_fem_body_free(body);
+    if (status != GNEISS_OK) gn_fem_solid_free(solid);
     return status;
 }
 
-void gn_fem_to_single(gn_fem_body *body) {
-    gn_particles_to_single(&body->nodes, body->nodes.start, body->threads);
-    gn_elements_to_single(&body->elements);
+void gn_fem_to_single(gn_fem_solid *solid) {
+    gn_particles_to_single(&solid->nodes, solid->nodes.start, solid->threads);
+    gn_elements_to_single(&solid->elements);
 }
 
-void gn_fem_body_free(gn_fem_body *body) {
-    gn_prescription *q = &body->prescribed;
+void gn_fem_solid_free(gn_fem_solid *solid) {
+    gn_prescription *q = &solid->prescribed;
     void *blocks[] = {q->set,
                       q->mask,
                       q->velocity,
                       q->load,
-                      body->channel,
-                      body->element_sums,
-                      body->motion_sums,
-                      body->density,
-                      body->growth_row,
-                      body->slope_row,
-                      body->pressure,
-                      body->pressure_sums};
-    gn_mesh_free(&body->mesh);
-    gn_soa_destroy(&gn_particle_record, &body->nodes);
-    gn_soa_destroy(&gn_element_record, &body->elements);
-    gn_partials_free(&body->partials);
-    gn_deal_free(&body->deal);
-    gn_hold_free(&body->hold);
+                      solid->channel,
+                      solid->element_sums,
+                      solid->motion_sums,
+                      solid->density,
+                      solid->growth_row,
+                      solid->slope_row,
+                      solid->pressure,
+                      solid->pressure_sums};
+    gn_mesh_free(&solid->mesh);
+    gn_soa_destroy(&gn_particle_record, &solid->nodes);
+    gn_soa_destroy(&gn_element_record, &solid->elements);
+    gn_partials_free(&solid->partials);
+    gn_deal_free(&solid->deal);
+    gn_hold_free(&solid->hold);
     for (size_t k = 0; k < sizeof blocks / sizeof *blocks; k++) gn_free(blocks[k]);
-    memset(body, 0, sizeof *body);
+    memset(solid, 0, sizeof *solid);
 }
 
-uint64_t gn_fem_hash(const gn_fem_body *body) {
-    uint64_t h = gn_soa_hash(&gn_particle_record, &body->nodes, GN_HASH_SEED);
-    h = gn_soa_hash(&gn_element_record, &body->elements, h);
-    h = gn_hash_bytes(&body->time, sizeof body->time, h);
-    return gn_hash_bytes(&body->step, sizeof body->step, h);
+uint64_t gn_fem_hash(const gn_fem_solid *solid) {
+    uint64_t h = gn_soa_hash(&gn_particle_record, &solid->nodes, GN_HASH_SEED);
+    h = gn_soa_hash(&gn_element_record, &solid->elements, h);
+    h = gn_hash_bytes(&solid->time, sizeof solid->time, h);
+    return gn_hash_bytes(&solid->step, sizeof solid->step, h);
 }

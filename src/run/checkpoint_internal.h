@@ -1,6 +1,6 @@
 /* What the parts of a checkpoint share: arrays of a size that the scene or the file says. */
-#ifndef GN_RUN_CHECKPOINT_PARTS_H
-#define GN_RUN_CHECKPOINT_PARTS_H
+#ifndef GN_RUN_CHECKPOINT_INTERNAL_H
+#define GN_RUN_CHECKPOINT_INTERNAL_H
 
 #include "io/h5_pieces.h"
 

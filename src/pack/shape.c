@@ -1,4 +1,4 @@
-#include "pack/body.h"
+#include "pack/shape.h"
 
 #include "base/memory.h"
 #include "base/point.h"
@@ -14,12 +14,12 @@ static const gn_mesh_elements *elements_of(const gn_mesh *mesh, int dimension) {
 }
 
 /* Every edge counts once for each element it is in: all that is wanted is a mean. */
-static gneiss_status measure_nodes(gn_body *body, int dimension, gneiss_error *error) {
-    const gn_mesh *mesh = &body->mesh;
+static gneiss_status measure_nodes(gn_pack_shape *shape, int dimension, gneiss_error *error) {
+    const gn_mesh *mesh = &shape->mesh;
     const gn_mesh_elements *e = elements_of(mesh, dimension);
-    body->node_size = gn_alloc_array(mesh->node_count + 1, sizeof *body->node_size);
+    shape->node_size = gn_alloc_array(mesh->node_count + 1, sizeof *shape->node_size);
     double *edges = gn_alloc_array(mesh->node_count + 1, sizeof *edges);
-    if (!body->node_size || !edges) {
+    if (!shape->node_size || !edges) {
         gn_free(edges);
         return gn_fail(error, GNEISS_ERROR_MEMORY, "no memory for a mesh of %zu nodes",
                        mesh->node_count);
@@ -30,11 +30,11 @@ static gneiss_status measure_nodes(gn_body *body, int dimension, gneiss_error *e
                 if (a == b) continue;
                 int32_t from = e->node[k * e->nodes + a], to = e->node[k * e->nodes + b];
                 const double *x = mesh->node + 3 * from, *y = mesh->node + 3 * to;
-                body->node_size[from] += hypot(hypot(x[0] - y[0], x[1] - y[1]), x[2] - y[2]);
+                shape->node_size[from] += hypot(hypot(x[0] - y[0], x[1] - y[1]), x[2] - y[2]);
                 edges[from] += 1.0;
             }
     for (size_t k = 0; k < mesh->node_count; k++)
-        if (edges[k] > 0.0) body->node_size[k] /= edges[k];
+        if (edges[k] > 0.0) shape->node_size[k] /= edges[k];
     gn_free(edges);
     return GNEISS_OK;
 }
@@ -45,20 +45,21 @@ static void place(const gn_pack_def *def, gn_mesh *mesh) {
         mesh->node[k] = gn_point_out(def->origin[k % 3], mesh->node[k]);
 }
 
-static gneiss_status from_mesh(const gn_scene *scene, gn_body *body, gneiss_error *error) {
+static gneiss_status from_mesh(const gn_scene *scene, gn_pack_shape *shape, gneiss_error *error) {
     const gn_pack_def *def = &scene->specimen.pack;
     int dimension = (int)scene->dimension;
     double scale = scene->specimen.scale;
     GN_TRY(gn_is_geometry(def->mesh_path)
-               ? gn_mesh_geometry(def->mesh_path, dimension, scale, &body->mesh, error)
-               : gn_mesh_read_msh(def->mesh_path, scale, &body->mesh, error));
-    place(def, &body->mesh);
-    GN_TRY(gn_mesh_boundary(&body->mesh, dimension, def->mesh_path, error));
-    GN_TRY(gn_domain_surface(&body->mesh, dimension, def->mesh_path, &body->domain, error));
-    return measure_nodes(body, dimension, error);
+               ? gn_mesh_geometry(def->mesh_path, dimension, scale, &shape->mesh, error)
+               : gn_mesh_read_msh(def->mesh_path, scale, &shape->mesh, error));
+    place(def, &shape->mesh);
+    GN_TRY(gn_mesh_boundary(&shape->mesh, dimension, def->mesh_path, error));
+    GN_TRY(gn_domain_surface(&shape->mesh, dimension, def->mesh_path, &shape->domain, error));
+    return measure_nodes(shape, dimension, error);
 }
 
-static gneiss_status from_surface(const gn_scene *scene, gn_body *body, gneiss_error *error) {
+static gneiss_status from_surface(const gn_scene *scene, gn_pack_shape *shape,
+                                  gneiss_error *error) {
     const gn_pack_def *def = &scene->specimen.pack;
     gn_mesh surface = {0};
     double volume;
@@ -68,50 +69,51 @@ static gneiss_status from_surface(const gn_scene *scene, gn_body *body, gneiss_e
     if (status == GNEISS_OK)
         status = gn_mesh_close_surface(&surface, def->surface_path, &volume, error);
     if (status == GNEISS_OK)
-        status = gn_domain_surface(&surface, 3, def->surface_path, &body->domain, error);
+        status = gn_domain_surface(&surface, 3, def->surface_path, &shape->domain, error);
     gn_mesh_free(&surface);
     return status;
 }
 
-static gneiss_status from_shape(const gn_scene *scene, gn_body *body, gneiss_error *error) {
+static gneiss_status from_shape(const gn_scene *scene, gn_pack_shape *shape, gneiss_error *error) {
     const gn_pack_def *def = &scene->specimen.pack;
     double upper[3];
     for (int a = 0; a < 3; a++) upper[a] = def->origin[a] + def->size[a];
     switch (def->shape) {
     case GN_SHAPE_RECTANGLE:
-        return gn_domain_rectangle(def->origin, upper, &body->domain, error);
+        return gn_domain_rectangle(def->origin, upper, &shape->domain, error);
     case GN_SHAPE_DISC:
-        return gn_domain_disc(def->origin, def->diameter / 2.0, &body->domain, error);
+        return gn_domain_disc(def->origin, def->diameter / 2.0, &shape->domain, error);
     case GN_SHAPE_POLYGON:
-        return gn_domain_polygon(def->corners, def->corner_count, &body->domain, error);
+        return gn_domain_polygon(def->corners, def->corner_count, &shape->domain, error);
     case GN_SHAPE_BOX:
-        return gn_domain_box(def->origin, upper, &body->domain, error);
+        return gn_domain_box(def->origin, upper, &shape->domain, error);
     case GN_SHAPE_CYLINDER:
-        return gn_domain_cylinder(def->origin, def->diameter / 2.0, def->height, &body->domain,
+        return gn_domain_cylinder(def->origin, def->diameter / 2.0, def->height, &shape->domain,
                                   error);
     case GN_SHAPE_SURFACE:
-        return from_surface(scene, body, error);
+        return from_surface(scene, shape, error);
     case GN_SHAPE_MESH:
-        return from_mesh(scene, body, error);
+        return from_mesh(scene, shape, error);
     case GN_SHAPE_NONE:
         break;
     }
     return gn_fail(error, GNEISS_ERROR_INTERNAL, "no shape to pack");
 }
 
-gneiss_status gn_body_create(const gn_scene *scene, gn_body *body, gneiss_error *error) {
-    *body = (gn_body){.refinements = scene->specimen.pack.refinements,
-                      .refinement_count = scene->specimen.pack.refinement_count};
-    gneiss_status status = from_shape(scene, body, error);
-    if (status != GNEISS_OK) gn_body_free(body);
+gneiss_status gn_pack_shape_create(const gn_scene *scene, gn_pack_shape *shape,
+                                   gneiss_error *error) {
+    *shape = (gn_pack_shape){.refinements = scene->specimen.pack.refinements,
+                             .refinement_count = scene->specimen.pack.refinement_count};
+    gneiss_status status = from_shape(scene, shape, error);
+    if (status != GNEISS_OK) gn_pack_shape_free(shape);
     return status;
 }
 
-void gn_body_free(gn_body *body) {
-    gn_domain_free(body->domain);
-    gn_mesh_free(&body->mesh);
-    gn_free(body->node_size);
-    *body = (gn_body){0};
+void gn_pack_shape_free(gn_pack_shape *shape) {
+    gn_domain_free(shape->domain);
+    gn_mesh_free(&shape->mesh);
+    gn_free(shape->node_size);
+    *shape = (gn_pack_shape){0};
 }
 
 /* ---- size of particles ---- */
@@ -125,12 +127,12 @@ static double box_distance(const gn_refinement *r, const double x[3]) {
     return sqrt(square);
 }
 
-double gn_body_size(const gn_body *body, const double x[3]) {
+double gn_pack_shape_size(const gn_pack_shape *shape, const double x[3]) {
     double size = 1.0;
-    for (size_t k = 0; k < body->refinement_count; k++) {
-        const gn_refinement *r = &body->refinements[k];
+    for (size_t k = 0; k < shape->refinement_count; k++) {
+        const gn_refinement *r = &shape->refinements[k];
         double away =
-            r->boundary ? fmax(gn_domain_depth(body->domain, x), 0.0) : box_distance(r, x);
+            r->boundary ? fmax(gn_domain_depth(shape->domain, x), 0.0) : box_distance(r, x);
         size = fmin(size, r->size + (1.0 - r->size) * fmin(away / r->distance, 1.0));
     }
     return size;

@@ -1,10 +1,10 @@
-/* Pieces of a body that its own files share. */
-#ifndef GN_FEM_PARTS_H
-#define GN_FEM_PARTS_H
+/* Pieces of a solid that its own files share. */
+#ifndef GN_FEM_INTERNAL_H
+#define GN_FEM_INTERNAL_H
 
 #include "base/eigen.h"
 #include "base/point.h"
-#include "fem/body.h"
+#include "fem/solid.h"
 
 /* The group called `name`, or with that number; NULL when the mesh has none of `dimension` (-1: of
  * any). */
@@ -13,9 +13,9 @@ gneiss_status gn_fem_no_group(const char *mesh_name, const gn_mesh *mesh, const 
                               int dimension, gneiss_error *error);
 
 /* Whether a coordinate lies between two as the user sees them. */
-static inline bool gn_fem_between(const gn_fem_body *body, const double *x, int axis, double lower,
-                                  double upper) {
-    double seen = gn_point_out(body->origin[axis], x[axis]);
+static inline bool gn_fem_between(const gn_fem_solid *solid, const double *x, int axis,
+                                  double lower, double upper) {
+    double seen = gn_point_out(solid->origin[axis], x[axis]);
     return seen >= lower && seen <= upper;
 }
 
@@ -24,18 +24,18 @@ void gn_fem_mark_group(const gn_mesh_elements *list, int32_t tag, uint8_t *in);
 
 /* F of an element at the present positions, and its determinant; plane strain has F_zz = 1
  * (stress.c). */
-double gn_fem_deformation(const gn_fem_body *body, size_t element, double f[3][3]);
+double gn_fem_deformation(const gn_fem_solid *solid, size_t element, double f[3][3]);
 
 /* m2 of a facet at the start; of a line 1 m thick (loads.c). */
-double gn_fem_facet_area(const gn_fem_body *body, const int32_t *node);
+double gn_fem_facet_area(const gn_fem_solid *solid, const int32_t *node);
 
 /* --- the parallel part of a step (sweep.c) --- */
 
 /* Forces of the present instant, and nodes (with the stabilising pressure) over the coming
  * interval; leaves the sums of all blocks. */
-void gn_fem_sweep(gn_fem_body *body, double dt, bool measure);
+void gn_fem_sweep(gn_fem_solid *solid, double dt, bool measure);
 /* Moves the nodes that gn_fem_sweep left. */
-void gn_fem_sweep_held(gn_fem_body *body, double dt, bool measure);
+void gn_fem_sweep_held(gn_fem_solid *solid, double dt, bool measure);
 
 /* --- pressure form (pressure.c) --- */
 
@@ -44,17 +44,17 @@ double gn_fem_bulk(const gn_elements *q, size_t e);
 /* Largest eigenvalue of the stabilising term over the lumped pressure mass of an element alone. */
 double gn_fem_stabiliser_eigenvalue(const gn_elements *q, size_t e);
 /* Weights, rows and the rate of the stabilising pressure; nothing may be prescribed yet. */
-gneiss_status gn_fem_pressure_prepare(gn_fem_body *body, gneiss_error *error);
+gneiss_status gn_fem_pressure_prepare(gn_fem_solid *solid, gneiss_error *error);
 
-gn_dilation_args gn_fem_dilation_args(const gn_fem_body *body);
-gn_pressure_args gn_fem_pressure_args(gn_fem_body *body, double dt, bool measure);
-/* body->pressure of the present positions. */
-void gn_fem_find_pressures(const gn_fem_body *body);
+gn_dilation_args gn_fem_dilation_args(const gn_fem_solid *solid);
+gn_pressure_args gn_fem_pressure_args(gn_fem_solid *solid, double dt, bool measure);
+/* solid->pressure of the present positions. */
+void gn_fem_find_pressures(const gn_fem_solid *solid);
 
-/* --- the body linearised at its start (limit.c) --- */
+/* --- the solid linearised at its start (limit.c) --- */
 
 typedef struct gn_fem_linear {
-    gn_fem_body *body;
+    gn_fem_solid *solid;
     int dimension, strains;
     double *scale;     /* [nodes][dimension] M^-1/2, 0 for prescribed components */
     double *moved;     /* [nodes][dimension] scratch of the operator */

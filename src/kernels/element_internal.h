@@ -1,6 +1,6 @@
 /* What the element kernels of both precisions share. */
-#ifndef GN_KERNELS_ELEMENT_PARTS_H
-#define GN_KERNELS_ELEMENT_PARTS_H
+#ifndef GN_KERNELS_ELEMENT_INTERNAL_H
+#define GN_KERNELS_ELEMENT_INTERNAL_H
 
 #include "kernels/block_rows.h"
 #include "kernels/element.h"

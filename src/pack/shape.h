@@ -1,0 +1,24 @@
+/* From the request of a scene to the shape that is to be filled. */
+#ifndef GN_PACK_SHAPE_H
+#define GN_PACK_SHAPE_H
+
+#include "pack/domain.h"
+#include "scene/scene.h"
+
+typedef struct gn_pack_shape {
+    gn_domain *domain;
+    gn_mesh mesh;                     /* of a mesh shape, with its elements; else empty */
+    double *node_size;                /* [mesh.node_count] mean length of the edges at a node, m */
+    const gn_refinement *refinements; /* borrowed from the scene */
+    size_t refinement_count;
+} gn_pack_shape;
+
+/* Reads what files it needs. `scene` must outlive the shape. */
+gneiss_status gn_pack_shape_create(const gn_scene *scene, gn_pack_shape *shape,
+                                   gneiss_error *error);
+void gn_pack_shape_free(gn_pack_shape *shape);
+
+/* Size of particles wanted at x over that far from every refinement, (0, 1]. */
+double gn_pack_shape_size(const gn_pack_shape *shape, const double x[3]);
+
+#endif
