@@ -26,6 +26,8 @@ class Case:
     others: str = ""  # what other codes do, where that is known
     ends: int = 0     # exit code of a run
     more: str = ""    # tests that run variants of it
+    long: float = 0.0  # how many times as long its long form is; 0: it has none
+    long_check: Callable | None = None  # of that; None: the same
 
 
 def sphere_mass(radius, density=DENSITY):
@@ -119,9 +121,9 @@ class Seen:
         return re.sub(re.escape(self.out), "", self.message)
 
 
-def start(folder, scene, name, *arguments):
+def start(folder, scene, name, *arguments, **options):
     out = os.path.join(folder, name)
-    done = gneiss("run", write_scene(folder, scene, name + ".yaml"), "--out", out, "--quiet", *arguments)
+    done = gneiss("run", write_scene(folder, scene, name + ".yaml"), "--out", out, "--quiet", *arguments, **options)
     return Seen(folder, out, done)
 
 
@@ -228,4 +230,4 @@ def shortened(words):
 
 def close(found, expected, relative, what):
     assert abs(found - expected) <= relative * abs(expected), f"{what}: {found:.9g}, expected {expected:.9g}"
-    return f"{what} {found:.6g} ({expected:.6g})"
+    return f"{found:.6g} {what} ({expected:.6g})"

@@ -65,10 +65,10 @@ def over_a_vertex(folder):
 
 
 def stays_above(one):
-    x, rows = one.field("particles/position")[0], one.history
+    x = one.field("particles/position")[0]
     assert abs(x[0]) < 1e-12 and abs(x[1]) < 1e-12, x
     assert one.residual < 0.01, one.residual
-    return f"{max(abs(x[0]), abs(x[1])):.0e} m aside after {int((np.diff(np.sign(rows['body_tip_force_z'])) < 0).sum())} bounces or more"
+    return f"{max(abs(x[0]), abs(x[1])):.0e} m aside, residual {one.residual:.0e}"
 
 
 def corner_of_segments(folder):
@@ -124,7 +124,8 @@ def thin_plate(folder):
     """A plate of 1e-7 m, thinner than the overlaps, between two spheres that press from both sides."""
     return spheres([[0, 0, 1.01e-3, 1e-3], [0, 0, -1.01e-3 - 1e-7, 1e-3]], 2e-3, {"normal_stiffness": K, "kratio": 0},
                    sets=[thrown("upper", [0], [0, 0, -0.1]), thrown("lower", [1], [0, 0, 0.1])],
-                   bodies=[{"name": "plate", "box": {"size": [0.02, 0.02, 1e-7]}, "origin": [-0.01, -0.01, -1e-7], "stiffness": K}])
+                   bodies=[{"name": "plate", "box": {"size": [0.02, 0.02, 1e-7]}, "origin": [-0.01, -0.01, -1e-7],
+                            "stiffness": K}])
 
 
 def both_rebound(one):
@@ -159,32 +160,40 @@ def centre_on_a_facet(folder):
     return spheres([[3.5e-3, 3.5e-3, 0, 1e-3]], 1e-3, bodies=[body("plate", "plate.stl")])
 
 
-def pressed_to_its_centre(folder):
-    """A held sphere is moved onto a body until its centre lies on the face, at the end of a step."""
-    return spheres([[0, 0, 0.5e-3, 1e-3]], 1e-2, bodies=[{"name": "table", "box": {"size": [0.01, 0.01, 0.01]}, "stiffness": K,
-                                                           "origin": [-5e-3, -5e-3, -0.01]}],
-                   sets=[{"name": "held", "select": {"all": True}, "motion": {"vx": 0, "vy": 0, "vz": -0.1}}])
-
-
 SUPPRESSED = "a face that comes nearer suppresses the edges and corners that it shares"
 CASES = [
-    Case("a sphere over the edges of triangles", "a plate of 288 facets; nothing but its normal may press", "it slides as on a plane",
-         sliding((1.3e-3, 2.2e-3), (0.3, 0.11), flat()), slides_as_on_a_plane(math.hypot(0.3, 0.11)), SUPPRESSED, ""),
+    Case("a sphere over the edges of triangles", "a plate of 288 facets; nothing but its normal may press",
+         "it slides as on a plane", sliding((1.3e-3, 2.2e-3), (0.3, 0.11), flat()),
+         slides_as_on_a_plane(math.hypot(0.3, 0.11)), SUPPRESSED,
+         "without that and sharing: lifted at each edge, 8e-5 m/s up and down", more="test_surfaces.c"),
     Case("a sphere over the vertices of triangles", "along a diagonal of the same plate, through vertices to rounding",
-         "it slides as on a plane", sliding((1e-3, 1e-3), (0.3, 0.3), flat()), slides_as_on_a_plane(0.3 * math.sqrt(2)), SUPPRESSED, ""),
-    Case("a sphere over needles", "facets of 12 mm by 1e-12 to 1e-6 m, and some without an area", "it slides as on a plane",
-         sliding((1e-3, 5.2e-3), (0.4, 0.01), needles()), slides_as_on_a_plane(math.hypot(0.4, 0.01)),
-         "facets without an area are dropped", ""),
-    Case("a sphere on the tip of a pyramid", "four faces, four edges and a corner at one point", "it bounces straight up and down",
-         over_a_vertex, stays_above, SUPPRESSED, ""),
-    Case("a disc that slides off a table", "round a corner of 90 degrees", "the normal turns without a jump, the energy stays",
-         corner_of_segments, falls_off, SUPPRESSED, ""),
-    *[Case(f"a disc in a groove of {angle} rad", "two faces, or one that is bent", "it comes back with its speed", groove(angle),
-           comes_back(angle), "contacts of nearly the same normal share the stiffness by a potential", "") for angle in (1e-3, 0.1, 0.3)],
-    Case("a plate thinner than the overlaps", "pressed from both sides", "both rebound with their speed", thin_plate, both_rebound,
-         "equal normals act as the deepest of them; each sphere has its own", ""),
-    Case("a ball that rolls over triangles", "what its contact holds goes from facet to facet", "5/7 of its speed, 2/7 of its energy to friction",
-         rolling, rolls, "contacts take over the shear force of the contact whose normal agrees best", ""),
-    Case("a centre on a facet", "which side it is on cannot be told", "refused, the particle and the body named", centre_on_a_facet,
-         refuses("particle 0: centre on the surface of body 'plate'"), "centres are held against facets when lists are made", "", ends=2),
+         "it slides as on a plane", sliding((1e-3, 1e-3), (0.3, 0.3), flat()), slides_as_on_a_plane(0.3 * math.sqrt(2)),
+         SUPPRESSED, "without that and sharing: lifted at each vertex, 3e-4 m/s up and down"),
+    Case("a sphere over needles", "facets of 12 mm by 1e-12 to 1e-6 m, and some without an area",
+         "it slides as on a plane", sliding((1e-3, 5.2e-3), (0.4, 0.01), needles()),
+         slides_as_on_a_plane(math.hypot(0.4, 0.01)),
+         "a face that comes nearer suppresses the edges and corners that it shares",
+         "without that and sharing: lifted, 3e-4 m/s up and down. (Facets without an area may as well stay.)"),
+    Case("a sphere on the tip of a pyramid", "four faces, four edges and a corner at one point",
+         "it bounces straight up and down", over_a_vertex, stays_above,
+         "the step resolves the shortest collision of what is loose", "a stable step alone: ledger off by 0.33, stopped"),
+    Case("a disc that slides off a table", "round a corner of 90 degrees",
+         "the normal turns without a jump, the energy stays", corner_of_segments, falls_off, SUPPRESSED,
+         "without that and sharing: at a joint the force is off by 0.8 of the weight"),
+    *[Case(f"a disc in a groove of {angle} rad", "two faces, or one that is bent", "it comes back with its speed",
+           groove(angle), comes_back(angle), "contacts of nearly the same normal share the stiffness by a potential",
+           without, more="test_grooves.c") for angle, without in (
+        (1e-3, "each face by itself: 12.8 N instead of 8.9"), (0.1, "each face by itself: 12.8 N instead of 9.3"),
+        (0.3, "each face by itself: 12.7 N instead of 11.4"))],
+    Case("a plate thinner than the overlaps", "pressed from both sides", "both rebound with their speed", thin_plate,
+         both_rebound, "equal normals act as the deepest of them; each sphere has its own",
+         "every face by itself: speeds off by 2e-3"),
+    Case("a ball that rolls over triangles", "what its contact holds goes from facet to facet",
+         "5/7 of its speed, 2/7 of its energy to friction", rolling, rolls,
+         "contacts take over the shear force of the contact whose normal agrees best",
+         "shear forces forgotten: 1e-3 of the energy into friction; edges not suppressed and not shared: 1e-4"),
+    Case("a centre on a facet", "which side it is on cannot be told", "refused, the particle and the body named",
+         centre_on_a_facet, refuses("particle 0: centre on the surface of body 'plate'"),
+         "centres are held against facets when lists are made",
+         "runs into a stiffness that is not a number, and says so", ends=2),
 ]

@@ -11,13 +11,14 @@ PAGE = os.path.join(os.path.dirname(os.path.dirname(HERE)), "docs", "hard-cases.
 
 HEAD = """# Hard cases
 
-Written by `tests/hard/page.py` from the table in `tests/hard/`; do not edit. Small scenes in which engines of this kind go wrong, each
-at the settings that a scene has when it says nothing of them. `tests/test_hard.py` runs every one in every test run, and again on three
-threads, on every instruction set, and stopped half way and taken up by others: what a run leaves (or says, where it is stopped) is the same to the bit.
-Cases that are refused leave nothing behind. The long forms, of up to 1e7 steps, are in `./do validate --only hard`.
+Written by `tests/hard/page.py` from the table in `tests/hard/` and from runs; do not edit. Small scenes in which engines of this kind go
+wrong, at the settings that a scene has when it says nothing of them. `tests/test_hard.py` runs every one in every test run, and again
+on three threads, on every instruction set, and stopped half way and taken up by others: what a run leaves, or says where it is
+stopped, is the same to the bit. What is refused leaves nothing behind. Long forms, of up to 1e7 steps, are in
+[validation.md](validation.md) (`./do validate --only hard`, which writes this page as well).
 
-*Without it*: what was seen when the guard was taken out of the program, in a build of its own. Where nothing guards a case, it says so.
-Of other codes only what was tried or is documented.
+*Without it*: what was seen when the guard was taken out of the program, in a build made for that. Where no guard was found whose absence the
+case shows, it says so. *Other codes*: only what was tried here. Figures are of one machine; in brackets what a closed form says.
 """
 COLUMNS = ["case", "what is hard", "what should happen", "what happens", "what guards it", "without it", "other codes"]
 
