@@ -37,9 +37,11 @@ def through_each_other(folder):
 
 
 def comes_out_behind(one):
+    """Within a step the normal turns round, at the largest force: half of the work of that step may be missing, up to a
+    tenth of the energy; where more is missing the run would have been stopped."""
     x = one.field("particles/position")
     assert x[0, 2] > x[1, 2] + 1e-3, x
-    assert one.residual < 0.05, one.residual
+    assert one.residual < 0.1, one.residual
     return f"residual {one.residual:.1e}, {one.summary['steps']} steps"
 
 
@@ -176,7 +178,6 @@ def hits(one):
 
 
 BULLET = 150.0
-ROUNDED = "overlaps within the rounding of coordinates are none"
 RESOLVED = "the step resolves the shortest collision of what is loose"
 CASES = [
     Case("coincident centres", "no direction of contact", "refused, both particles named", coincident,
@@ -194,11 +195,11 @@ CASES = [
          bonded_nearly_coincident, refuses("particles 0 and 1 .* apart"), "bonded centres stand apart by 0.01 radii",
          "runs, as if it were a bond", ends=2),
     Case("spheres that pass through each other", "half as fast again as their springs can stop",
-         "they come out behind, the ledger closes", through_each_other, comes_out_behind,
+         "they come out behind, the ledger closes to a tenth", through_each_other, comes_out_behind,
          "the step resolves the shortest collision of what is loose",
          "a stable step alone: moved 2.6 radii in the first step, stopped"),
     Case("a lattice that touches by rounding", "overlaps of an ulp, non-viscous damping", "it rests",
-         at_rest_by_rounding, rests, ROUNDED, "it stirs, with 3e-28 J"),
+         at_rest_by_rounding, rests, "overlaps within the rounding of coordinates are none", "it stirs, with 3e-28 J"),
     *[Case(f"rest under non-viscous damping, {form} form", "the direction of a velocity of zero", "nothing moves",
            rest_under_damping(form), does_not_stir, "", "no guard to take out: zero has no sign")
       for form in ("vector", "component")],
