@@ -41,7 +41,7 @@ def released(one):
     return f"all {wanted:.2g} J released, residual {one.residual:.0e}"
 
 
-def on_a_floor(friction, speed, spin, end, kratio=2, k=1e4, stuck=False):
+def on_a_floor(friction, speed, spin, end, kratio=2, k=1e4):
     """A sphere at its weight on a floor."""
     def scene(folder):
         sink = sphere_mass(1e-3) * 10 / k
