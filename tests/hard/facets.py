@@ -189,7 +189,7 @@ CASES = [
          both_rebound, "equal normals act as the deepest of them; each sphere has its own",
          "every face by itself: speeds off by 2e-3"),
     Case("a ball that rolls over triangles", "what its contact holds goes from facet to facet",
-         "5/7 of its speed, 2/7 of its energy to friction", rolling, rolls,
+         "5/7 of the acceleration, no energy to friction", rolling, rolls,
          "contacts take over the shear force of the contact whose normal agrees best",
          "shear forces forgotten: 1e-3 of the energy into friction; edges not suppressed and not shared: 1e-4"),
     Case("a centre on a facet", "which side it is on cannot be told", "refused, the particle and the body named",
