@@ -1,0 +1,233 @@
+"""One hard case: a scene, what should happen in it, and what of the engine sees to that. And how a case is run."""
+import copy
+import dataclasses
+import math
+from collections.abc import Callable
+
+from program import *  # noqa: F403
+
+# What a scene says besides what is hard in it. The step and all else that decides about a result stays at its default.
+QUIET = {"output": {"snapshots": 0, "history_rows": 100, "checkpoint": "off"}, "run": {"threads": 1}}
+DENSITY = 2500.0
+# Relative rounding of a double, and of what a few thousand steps make of it.
+EPS = 2.0**-52
+
+
+@dataclasses.dataclass(frozen=True)
+class Case:
+    """A row of the table."""
+    name: str        # of the test as well
+    hard: str        # what is hard
+    should: str      # what should happen
+    scene: Callable  # folder -> scene; may write files into the folder
+    check: Callable  # Seen -> figures, in words; asserts
+    guard: str       # what of the engine it tests
+    without: str     # what was seen with that taken out; or why there is nothing to take out
+    others: str = ""  # what other codes do, where that is known
+    ends: int = 0     # exit code of a run
+    more: str = ""    # tests that run variants of it
+    long: float = 0.0  # how many times as long its long form is; 0: it has none
+    long_check: Callable | None = None  # of that; None: the same
+
+
+def sphere_mass(radius, density=DENSITY):
+    return 4 / 3 * math.pi * radius**3 * density
+
+
+def material(**changes):
+    return {"name": "ball", "density": DENSITY, "normal_stiffness": 1e6, "kratio": 2, "friction": 0.3, **changes}
+
+
+STRONG = {"bond_tension_limit": 1e30, "bond_shear_limit": 1e30}
+
+
+def spheres(particles, end, ball=None, **changes):
+    """Particles [x, y, z, r], in 2D [x, y, r]; `ball`: changes of their material."""
+    specimen = particles if isinstance(particles, dict) else {"particles": particles}
+    scene = {"dimension": 3, "specimen": specimen, "materials": [material(**(ball or {}))],
+             "law": {"stiffness": "uniform"}, "time": {"end": end}, **copy.deepcopy(QUIET)}
+    if isinstance(particles, list) and particles and len(particles[0]) == 3:
+        scene["dimension"] = 2
+    scene.update(changes)
+    return scene
+
+
+def add_material(scene, **changes):
+    """Another material than that of the specimen."""
+    scene["specimen"]["material"] = "ball"
+    scene["materials"].append(material(**changes))
+
+
+def lattice(kind, cells, **changes):
+    return {"lattice": {"radius": 1e-3, **changes, "kind": kind, "cells": cells}}
+
+
+def thrown(name, ids, velocity=None, spin=None):
+    """A set with a velocity or a spin at the start."""
+    one = {"name": name, "select": {"all": True} if ids is None else {"ids": ids}}
+    if velocity is not None:
+        one["initial_velocity"] = velocity
+    if spin is not None:
+        one["initial_spin"] = spin
+    return one
+
+
+def wall(name, point, normal, stiffness=1e6, **changes):
+    return {"name": name, "point": point, "normal": normal, "stiffness": stiffness, **changes}
+
+
+def stl(folder, name, triangles):
+    """A surface as text; the normals are left to the reader."""
+    lines = ["solid s"]
+    for corners in triangles:
+        lines += ["facet normal 0 0 0", "outer loop"]
+        lines += ["vertex " + " ".join(repr(float(x)) for x in point) for point in corners]
+        lines += ["endloop", "endfacet"]
+    with open(os.path.join(folder, name), "w") as file:
+        file.write("\n".join(lines + ["endsolid s"]) + "\n")
+    return name
+
+
+class Seen:
+    """What a run left: exit code, message, summary, history, fields."""
+
+    def __init__(self, folder, out, done):
+        self.folder, self.out, self.code, self.message = folder, out, done.returncode, " ".join(done.stderr.split())
+
+    @property
+    def summary(self):
+        return summary(self.out)
+
+    @property
+    def residual(self):
+        return abs(self.summary["energy_residual"])
+
+    @property
+    def history(self):
+        return history(self.out)
+
+    def field(self, name):
+        with results(self.out) as file:
+            return file[name][()]
+
+    def again(self, scene, name, *arguments):
+        """Another scene beside this one."""
+        return start(self.folder, scene, name, *arguments)
+
+    def state(self):
+        """What must not depend on threads, sets or interruptions."""
+        if self.code == 0:
+            return self.summary["state_hash"]
+        return re.sub(re.escape(self.out), "", self.message)
+
+
+def start(folder, scene, name, *arguments, **options):
+    out = os.path.join(folder, name)
+    done = gneiss("run", write_scene(folder, scene, name + ".yaml"), "--out", out, "--quiet", *arguments, **options)
+    return Seen(folder, out, done)
+
+
+def watch(case, folder):
+    """Runs a case once and holds it against what should happen; the figures."""
+    one = start(folder, case.scene(folder), "one")
+    assert one.code == case.ends, f"exit code {one.code}, expected {case.ends}: {one.message[:600]}"
+    return one, case.check(one)
+
+
+def present_sets():
+    return [name for name, there in isas().items() if there]
+
+
+def half_way(one, scene):
+    """The row of the history in the middle of a run, whether it came to its end or was stopped at a time that it names; 0: it
+    has none. (Of a run up to that row the rows are as far apart as those of the whole.)"""
+    found = re.search(r"step \d+, t = (\S+) s", one.message)
+    last = one.summary["time"] if one.code == 0 else float(found.group(1)) if found else 0.0
+    return int(0.5 * last / scene["time"]["end"] * scene["output"]["history_rows"])
+
+
+def taken_up(one, scene, row, sets):
+    """The run once more to a row, and from there on by other threads and another set."""
+    end, rows = scene["time"]["end"], scene["output"]["history_rows"]
+    part = start(one.folder, scene, "part", "--threads", 2, "--set", f"run.isa={sets[len(sets) // 2]}", "--set",
+                 f"time.end={row * end / rows!r}", "--set", f"output.history_rows={row}")
+    assert part.code == 0, part.message
+    done = gneiss("resume", part.out, "--quiet", "--threads", 3, "--set", f"run.isa={sets[-1]}", "--set", f"time.end={end}")
+    return Seen(one.folder, part.out, done)
+
+
+def same_everywhere(case, one, sets):
+    """The same state (or the same words of a run that was stopped) on other threads and sets, and of a run that was taken up
+    half way. What is refused is refused by `gneiss check` as well."""
+    scene, wanted = case.scene(one.folder), one.state()
+    if one.code == 2:
+        checked = gneiss("check", os.path.join(one.folder, "one.yaml"))
+        assert checked.returncode == 2 and " ".join(checked.stderr.split()) == one.message, checked.stderr
+        return
+    other = start(one.folder, scene, "other", "--threads", 3, "--set", f"run.isa={sets[0]}")
+    assert other.state() == wanted, f"3 threads, {sets[0]}: {other.state()}, expected {wanted}"
+    row = half_way(one, scene)
+    rest = taken_up(one, scene, row, sets) if row > 0 else one
+    assert rest.state() == wanted, f"taken up at row {row}: {rest.state()}, expected {wanted}"
+
+
+# --- checks that many cases share ------------------------------------------------------------------------------
+
+def keeps_ledger(limit):
+    """The energy that went through a run is accounted for."""
+    def check(one):
+        assert one.residual < limit, f"residual {one.residual:.2g}, expected below {limit}"
+        return f"residual {one.residual:.1e}, {one.summary['steps']} steps"
+    return check
+
+
+def kinetic(one):
+    rows = one.history
+    return rows["energy_kinetic"] + rows["energy_rotational"]
+
+
+def total(one):
+    """Kinetic and elastic energy, at every row."""
+    rows = one.history
+    return kinetic(one) + rows["energy_elastic_normal"] + rows["energy_elastic_shear"]
+
+
+def swing(values):
+    """The largest departure from the first value, over it."""
+    return float(np.abs(values / values[0] - 1).max())
+
+
+def keeps_energy(limit):
+    """Kinetic and elastic energy stay what they were at the start."""
+    def check(one):
+        off = swing(total(one))
+        assert off < limit, f"energy changes by {off:.2g} of itself, expected below {limit}"
+        return f"energy within {off:.1e} of its start, {one.summary['steps']} steps"
+    return check
+
+
+def says(*patterns):
+    """Ends with these words, without a number that is none."""
+    def check(one):
+        for pattern in patterns:
+            assert re.search(pattern, one.message), f"expected /{pattern}/ in: {one.message[:600]}"
+        assert not re.search(r"\bnan\b", one.message), one.message
+        return "exit code " + str(one.code) + ": " + shortened(re.search(patterns[0], one.message).group(0))
+    return check
+
+
+def refuses(*patterns):
+    """Nothing is written."""
+    def check(one):
+        assert not os.path.exists(one.out), f"written all the same: {os.listdir(one.out)}"
+        return says(*patterns)(one)
+    return check
+
+
+def shortened(words):
+    return words if len(words) <= 90 else words[:87] + "..."
+
+
+def close(found, expected, relative, what):
+    assert abs(found - expected) <= relative * abs(expected), f"{what}: {found:.9g}, expected {expected:.9g}"
+    return f"{found:.6g} {what} ({expected:.6g})"

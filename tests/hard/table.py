@@ -1,0 +1,16 @@
+"""The one table of hard cases: from it come the tests (tests/test_hard.py), docs/evidence/hard-cases.md and the long forms."""
+from hard import facets, far, meeting, ratios, solids, steps, strength, turning
+
+FAMILIES = {
+    "Bodies that turn": turning.CASES,
+    "Masses, sizes, stiffnesses": ratios.CASES,
+    "Contacts that begin and end": meeting.CASES,
+    "A step for what is not there yet": steps.CASES,
+    "Triangles": facets.CASES,
+    "Far, slow, fast, quiet": far.CASES,
+    "Laws and values at their ends": strength.CASES,
+    "Finite elements": solids.CASES,
+}
+CASES = [case for cases in FAMILIES.values() for case in cases]
+NAMES = [case.name for case in CASES]
+assert len(set(NAMES)) == len(NAMES), sorted(name for name in NAMES if NAMES.count(name) > 1)
