@@ -224,21 +224,21 @@ static gneiss_status carry_out(const gn_options *o, const gn_sweep *s, gn_sweep_
     return status;
 }
 
-static gneiss_status sweep_into(const gn_options *o, const gn_sweep *s, gn_sweep_way *way,
+static gneiss_status sweep_into(const gn_options *o, const gn_sweep *s, gn_sweep_way way,
                                 bool seeds_alone, gneiss_error *error) {
     char folder[GN_PATH_SIZE];
     int lock = 0;
     GN_TRY(choose_folder(o, s, seeds_alone, folder, error));
-    way->directory = folder;
-    if (o->dry_run) return dry_run(s, way, error);
+    way.directory = folder;
+    if (o->dry_run) return dry_run(s, &way, error);
     if (s->seed_count > 1 && !s->draws)
         fprintf(stderr, "gneiss: warning: seeds: no random number is drawn in this scene, so that "
                         "all seeds give the same\n");
     bool there = access(folder, F_OK) == 0;
     if (!o->collect) GN_TRY(gn_make_directory(folder, error));
-    GN_TRY(way->shards ? gn_folder_share(folder, &lock, error)
-                       : gn_folder_lock(folder, &lock, error));
-    gneiss_status status = carry_out(o, s, way, error);
+    GN_TRY(way.shards ? gn_folder_share(folder, &lock, error)
+                      : gn_folder_lock(folder, &lock, error));
+    gneiss_status status = carry_out(o, s, &way, error);
     if (status != GNEISS_OK && !there) (void)rmdir(folder); /* if nothing came into it */
     if (lock > 0) close(lock);
     return status;
@@ -257,7 +257,7 @@ static gneiss_status command(const gn_options *o, bool seeds_alone, gneiss_error
                                ? gn_sweep_of_seeds(o->target, overrides, count, o->seeds, s, error)
                                : gn_sweep_load(o->target, overrides, count, o->seeds, s, error);
     if (status == GNEISS_OK) {
-        status = sweep_into(o, s, &way, seeds_alone, error);
+        status = sweep_into(o, s, way, seeds_alone, error);
         gn_sweep_free(s);
     }
     free(s);

@@ -210,27 +210,28 @@ static void print_failed(const gn_summary *m) {
                    m->runs[k].outcome.message);
 }
 
-void gn_sweep_print_summary(const gn_options *o, const gn_summary *m) {
+void gn_sweep_print_summary(const gn_options *o, const gn_summary *summary) {
     enum { SHOWN = 10 };
-    if (m->several_builds)
+    if (summary->several_builds)
         fprintf(stderr, "gneiss: warning: some runs are of a program that was compiled otherwise: "
                         "--force computes them again\n");
     if (o->json) {
-        json_summary(m);
+        json_summary(summary);
         return;
     }
-    for (size_t c = 0; c < m->sweep->combination_count && c < SHOWN; c++) print_combination(m, c);
-    if (m->sweep->combination_count > SHOWN)
-        printf("and %zu more combinations\n", m->sweep->combination_count - SHOWN);
-    print_failed(m);
+    for (size_t c = 0; c < summary->sweep->combination_count && c < SHOWN; c++)
+        print_combination(summary, c);
+    if (summary->sweep->combination_count > SHOWN)
+        printf("and %zu more combinations\n", summary->sweep->combination_count - SHOWN);
+    print_failed(summary);
     if (o->quiet) return;
     printf("written to %s: sweep.csv, sweep-means.csv, sweep.h5 (gneiss report %s draws it)\n",
-           m->directory, m->directory);
+           summary->directory, summary->directory);
 }
 
 /* ---- --dry-run ---- */
 
-void gn_sweep_print_plan(const gn_sweep *s, const gn_summary *m, const gn_sweep_way *way,
+void gn_sweep_print_plan(const gn_sweep *s, const gn_summary *summary, const gn_sweep_way *way,
                          const double *seconds) {
     char text[32], label[LABEL];
     double known = 0.0;
@@ -239,7 +240,7 @@ void gn_sweep_print_plan(const gn_sweep *s, const gn_summary *m, const gn_sweep_
     print_heading(s, way);
     printf("%6s  %-16s  %-11s  %-12s  %s\n", "run", "folder", "state", "one thread", "parameters");
     for (size_t k = 0; k < s->run_count; k++) {
-        const gn_outcome *outcome = &m->runs[k].outcome;
+        const gn_outcome *outcome = &summary->runs[k].outcome;
         if (!gn_sweep_mine(s, way, k)) continue;
         printf("%6zu  %016" PRIx64 "  %-11s  %-12s  %s\n", k + 1, s->runs[k].hash,
                gn_run_state_name(outcome->state), gn_format_seconds(seconds[k], text, sizeof text),

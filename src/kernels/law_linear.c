@@ -80,8 +80,8 @@ static parameters parameters_of(const gn_law_model *m, const gn_law_pair *q) {
     return p;
 }
 
-void gn_linear_set(const gn_law_model *m, const gn_law_pair *q, gn_contacts *list, size_t c) {
-    parameters p = parameters_of(m, q);
+void gn_linear_set(const gn_law_model *m, const gn_law_pair *pair, gn_contacts *list, size_t c) {
+    parameters p = parameters_of(m, pair);
     list->kn[c] = p.kn;
     if (list->kt) list->kt[c] = p.kt;
     if (list->mu) list->mu[c] = p.mu;
@@ -90,10 +90,10 @@ void gn_linear_set(const gn_law_model *m, const gn_law_pair *q, gn_contacts *lis
     if (list->rt) list->rt[c] = p.rt;
 }
 
-void gn_linear_set_dashpot(const gn_law_model *m, const gn_law_pair *q, gn_contacts *list,
+void gn_linear_set_dashpot(const gn_law_model *m, const gn_law_pair *pair, gn_contacts *list,
                            size_t c) {
     if (!list->cn) return;
-    list->cn[c] = parameters_of(m, q).cn;
+    list->cn[c] = parameters_of(m, pair).cn;
     if (list->cn_f) list->cn_f[c] = (float)list->cn[c];
 }
 
@@ -128,9 +128,9 @@ bool gn_linear_derive(const gn_scene *scene, const gn_particles *particles,
 
 /* k_n (1/m_i + 1/m_j) over x = r_i/r_j is (1 + x)(A/x^3 + B) (arithmetic), x/(1 + x) (A/x^3 + B)
  * (harmonic) or A/x^d + B, each of which falls and then rises, or only falls. */
-gn_law_spring gn_linear_meeting(const gn_law_model *m, const gn_law_pair *q, double overlap) {
+gn_law_spring gn_linear_meeting(const gn_law_model *m, const gn_law_pair *pair, double overlap) {
     (void)overlap;
-    parameters p = parameters_of(m, q);
+    parameters p = parameters_of(m, pair);
     return (gn_law_spring){p.kn, p.mu > 0.0 ? p.kt : 0.0, p.cn};
 }
 
@@ -148,13 +148,13 @@ static double value_of(const double *column, const float *single, size_t at) {
     return column ? column[at] : single ? (double)single[at] : 0.0;
 }
 
-gn_law_held gn_linear_held(const gn_contacts *k, size_t c, double length, double stretch) {
-    double kt = k->kt ? k->kt[c] : 0.0, shear2 = 0.0;
-    bool acts = stretch < -GN_OVERLAP_ROUNDING * length || gn_contact_bonded(k, c);
-    gn_law_held h = {.normal = acts ? k->kn[c] * stretch : 0.0,
-                     .viscous = value_of(k->fd, k->fd_f, c)};
+gn_law_held gn_linear_held(const gn_contacts *list, size_t c, double length, double stretch) {
+    double kt = list->kt ? list->kt[c] : 0.0, shear2 = 0.0;
+    bool acts = stretch < -GN_OVERLAP_ROUNDING * length || gn_contact_bonded(list, c);
+    gn_law_held h = {.normal = acts ? list->kn[c] * stretch : 0.0,
+                     .viscous = value_of(list->fd, list->fd_f, c)};
     for (size_t a = 0; a < 3; a++) {
-        h.shear[a] = value_of(k->shear, k->shear_f, c + a * k->soa.capacity);
+        h.shear[a] = value_of(list->shear, list->shear_f, c + a * list->soa.capacity);
         shear2 += h.shear[a] * h.shear[a];
     }
     h.stored = 0.5 * h.normal * stretch + (kt > 0.0 ? 0.5 * shear2 / kt : 0.0);
@@ -162,22 +162,22 @@ gn_law_held gn_linear_held(const gn_contacts *k, size_t c, double length, double
 }
 
 /* To kernels it is as if broken, and has no stiffness. */
-void gn_linear_release(gn_contacts *b, size_t c) {
-    if (b->rn) b->rn[c] = -fabs(b->rn[c]);
-    b->kn[c] = 0.0;
-    if (b->kt) b->kt[c] = 0.0;
+void gn_linear_release(gn_contacts *list, size_t c) {
+    if (list->rn) list->rn[c] = -fabs(list->rn[c]);
+    list->kn[c] = 0.0;
+    if (list->kt) list->kt[c] = 0.0;
     for (size_t a = 0; a < 3; a++) {
-        if (b->shear) b->shear[c + a * b->soa.capacity] = 0.0;
-        if (b->shear_f) b->shear_f[c + a * b->soa.capacity] = 0.0F;
+        if (list->shear) list->shear[c + a * list->soa.capacity] = 0.0;
+        if (list->shear_f) list->shear_f[c + a * list->soa.capacity] = 0.0F;
     }
-    if (b->cn) b->cn[c] = 0.0;
-    if (b->fd) b->fd[c] = 0.0;
-    if (b->fd_f) b->fd_f[c] = 0.0F;
+    if (list->cn) list->cn[c] = 0.0;
+    if (list->fd) list->fd[c] = 0.0;
+    if (list->fd_f) list->fd_f[c] = 0.0F;
 }
 
-double gn_linear_criterion(const gn_contacts *b, size_t c, double normal, double shear) {
-    double ratio = normal / b->rn[c];
-    return b->rt ? fmax(ratio, shear / b->rt[c]) : ratio;
+double gn_linear_criterion(const gn_contacts *list, size_t c, double normal, double shear) {
+    double ratio = normal / list->rn[c];
+    return list->rt ? fmax(ratio, shear / list->rt[c]) : ratio;
 }
 
 /* --- walls and surfaces --- */
@@ -268,18 +268,18 @@ static gn_linear_crossing touch_normal(double kn, const gn_touch *t, double path
     return (gn_linear_crossing){opening_force(kn, t, path, dt), 0.5 - s, -path};
 }
 
-double gn_linear_touch(const gn_touch_step *step, const gn_touch_side *side, const gn_touch *s,
+double gn_linear_touch(const gn_touch_step *step, const gn_touch_side *side, const gn_touch *touch,
                        double *fd, double *shear, size_t stride, double t[3],
                        gn_contact_sums *sums) {
-    bool touching = s->gap < -s->rounding;
-    double path = s->speed * step->dt, elastic = 0.0, kn = side->part * side->stiffness;
-    gn_linear_crossing normal = touch_normal(kn, s, path, step->dt);
+    bool touching = touch->gap < -touch->rounding;
+    double path = touch->speed * step->dt, elastic = 0.0, kn = side->part * side->stiffness;
+    gn_linear_crossing normal = touch_normal(kn, touch, path, step->dt);
     double total = normal.normal;
     if (step->damping) {
         double viscous = 0.0;
         if (normal.share != 0.0)
-            viscous = normal.share * s->speed *
-                      gn_dashpot(kn, s->inverse_mass, step->damping_fraction, step->dt);
+            viscous = normal.share * touch->speed *
+                      gn_dashpot(kn, touch->inverse_mass, step->damping_fraction, step->dt);
         if (fd) {
             sums->contact_damping += 0.5 * (*fd + viscous) * path;
             *fd = viscous;
@@ -290,8 +290,8 @@ double gn_linear_touch(const gn_touch_step *step, const gn_touch_side *side, con
     double kt = touch_kt(side);
     if (shear && kt > 0.0)
         sums->friction +=
-            touch_friction(step, s, kt, touching ? side->friction * fmax(-total, 0.0) : 0.0, shear,
-                           stride, t, &elastic);
+            touch_friction(step, touch, kt, touching ? side->friction * fmax(-total, 0.0) : 0.0,
+                           shear, stride, t, &elastic);
     sums->elastic_normal += 0.5 * normal.normal * normal.way + elastic;
     return total;
 }

@@ -189,34 +189,34 @@ static void compute_statistics(gn_summary *m) {
                 gn_statistics_of(m->value + c * each * width + r, each, width);
 }
 
-gneiss_status gn_summary_make(const gn_sweep *sweep, const char *directory, gn_summary *m,
+gneiss_status gn_summary_make(const gn_sweep *sweep, const char *directory, gn_summary *summary,
                               gneiss_error *error) {
     const char *build = NULL;
-    *m = (gn_summary){.sweep = sweep, .directory = directory};
-    gneiss_status status = choose_readings(m, error);
+    *summary = (gn_summary){.sweep = sweep, .directory = directory};
+    gneiss_status status = choose_readings(summary, error);
     for (size_t k = 0; status == GNEISS_OK && k < sweep->run_count; k++) {
-        status = take_run(m, k, error);
-        bool done = m->runs[k].outcome.state == GN_RUN_DONE;
-        m->done += done;
-        m->failed += m->runs[k].outcome.state == GN_RUN_FAILED;
-        if (done && build) m->several_builds |= strcmp(build, m->runs[k].build) != 0;
-        if (done) build = m->runs[k].build;
+        status = take_run(summary, k, error);
+        bool done = summary->runs[k].outcome.state == GN_RUN_DONE;
+        summary->done += done;
+        summary->failed += summary->runs[k].outcome.state == GN_RUN_FAILED;
+        if (done && build) summary->several_builds |= strcmp(build, summary->runs[k].build) != 0;
+        if (done) build = summary->runs[k].build;
     }
     if (status != GNEISS_OK) {
-        gn_summary_free(m);
+        gn_summary_free(summary);
         return status;
     }
-    leave_out_absent(m);
-    compute_statistics(m);
+    leave_out_absent(summary);
+    compute_statistics(summary);
     return GNEISS_OK;
 }
 
-void gn_summary_free(gn_summary *m) {
-    gn_free(m->readings);
-    gn_free(m->value);
-    gn_free(m->runs);
-    gn_free(m->statistics);
-    *m = (gn_summary){0};
+void gn_summary_free(gn_summary *summary) {
+    gn_free(summary->readings);
+    gn_free(summary->value);
+    gn_free(summary->runs);
+    gn_free(summary->statistics);
+    *summary = (gn_summary){0};
 }
 
 /* ---- whose folder it is ---- */

@@ -294,12 +294,12 @@ static gneiss_status write_h5(const gn_summary *m, double *column, gneiss_error 
     return status;
 }
 
-gneiss_status gn_summary_write(const gn_summary *m, gneiss_error *error) {
-    double *column = gn_alloc_array(m->sweep->run_count, sizeof *column);
+gneiss_status gn_summary_write(const gn_summary *summary, gneiss_error *error) {
+    double *column = gn_alloc_array(summary->sweep->run_count, sizeof *column);
     if (!column) return gn_fail(error, GNEISS_ERROR_MEMORY, "no memory for the summary");
-    gneiss_status status = write_h5(m, column, error);
+    gneiss_status status = write_h5(summary, column, error);
     gn_free(column);
     GN_TRY(status);
-    GN_TRY(write_table(m, "sweep.csv", write_runs, error));
-    return write_table(m, "sweep-means.csv", write_means, error);
+    GN_TRY(write_table(summary, "sweep.csv", write_runs, error));
+    return write_table(summary, "sweep-means.csv", write_means, error);
 }
