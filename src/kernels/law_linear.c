@@ -248,22 +248,21 @@ static double opening_force(double kn, const gn_touch *t, double p, double dt) {
     return smaller_root(p + free, give, kn * u * t->gap, kn * u);
 }
 
-/* Up to this (w dt)^2 the works of a crossing close exactly: three steps to a contact. Contacts in
- * fewer are laid on and stay (platens far stiffer than what they press): a scheme that kept the
- * energy of their first step would keep them from ever coming to rest; the series for pairs, with
- * what it takes as (w dt)^2 at most, lets them. */
+/* Up to this (w dt)^2 the works of a crossing close exactly: three steps to a contact, which
+ * automatic steps give (src/sim/resolution.c). A longer step that is given has the full force
+ * wherever there is an overlap: shares of steps that do not resolve the contact made platens
+ * chatter. */
 static const double crossing_resolved = 1.0;
 
 /* What acts along the normal but for the dashpot, whose share of the step is given back too. A
  * plane's or facet's normal does not turn within a step: the path is all along it. */
 static gn_linear_crossing touch_normal(double kn, const gn_touch *t, double path, double dt) {
     bool touching = t->gap < -t->rounding;
-    if (!gn_touch_crosses(t, path))
+    bool resolved = dt * dt * kn * t->inverse_mass <= crossing_resolved;
+    if (!resolved || !gn_touch_crosses(t, path))
         return touching ? (gn_linear_crossing){kn * t->gap, 1.0, t->gap}
                         : (gn_linear_crossing){0.0, 0.0, 0.0};
-    double s = t->gap / path, y2 = dt * dt * kn * t->inverse_mass;
-    if (y2 > crossing_resolved)
-        return gn_linear_cross(kn, t->gap, path, 0.25 * y2, 0.0, touching, !touching, touching);
+    double s = t->gap / path;
     if (touching) return (gn_linear_crossing){-closing_force(kn, t, -path, dt), 0.5 + s, path};
     return (gn_linear_crossing){opening_force(kn, t, path, dt), 0.5 - s, -path};
 }
