@@ -651,6 +651,11 @@ BROKEN = [  # (text behind the line `scene: ...`, what the message says)
     ("parameters: {time.safety: [0.5, 0.9], time.end: [1, 2, 3]}\ncombine: zipped", r":2:39: parameters.time.end: expected 2 values, as zipped with time.safety, found 3"),
     ("parameters: {time.safety: [0.5]}\ncombine: crosed", r":3:10: combine: .*did you mean 'crossed'"),
     ("parameters: {time.safety: [0.5], time.safety: [0.6]}", r":2:34: parameters.time.safety: expected once, found again"),
+    ("parameters:\n  materials.block.friction: [0.1, 0.2]\n  materials[0].friction: [0.3]",
+     r":4:3: parameters.materials\[0\].friction: expected once, found again; first given as materials.block.friction in line 3, column 3"),
+    ("parameters: {'walls[0].motion.vz': [-1], walls.top.motion.vz: [-3]}", r":2:42: .*first given as walls\[0\].motion.vz in line 2"),
+    ("parameters: {gravity: ['[0, 0, 1]', '[0, 0, 2]'], 'gravity[2]': [3]}", r":2:\d+: parameters.gravity\[2\]: expected once"),
+    ("parameters: {'run[seed]': [1, 2]}\nseeds: 2", r":2:14: parameters.run.seed: given by seeds as well"),
     ("parameters: {title: [a, b]}", r":2:14: parameters.title: cannot be varied"),
     ("parameters: {run.seed: [1, 2]}\nseeds: 2", r":2:14: parameters.run.seed: given by seeds as well"),
     ("seeds: 0", r":2:8: seeds: expected a number of seeds"),
@@ -715,6 +720,8 @@ def options_of_sweeps_are_refused_elsewhere(folder):
     expect(gneiss("plan", LATTICE, "--seeds", 3), 2, "--seeds is for")
     expect(gneiss("sweep", sweep_file(folder, **FRICTIONS), "--jobs", 0), 2, "--jobs: expected a whole number")
     expect(gneiss("sweep", sweep_file(folder, **FRICTIONS), "--set", "materials.block.friction=1"), 2, "given on the command line as well")
+    expect(gneiss("sweep", sweep_file(folder, **FRICTIONS), "--set", "materials[0].friction=1"), 2,
+           r"parameters.materials.block.friction: given on the command line as well: --set materials\[0\].friction")
 
 
 if __name__ == "__main__":

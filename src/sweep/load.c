@@ -147,20 +147,37 @@ static const char *refused(const gn_sweep *sweep, const char *key) {
     return NULL;
 }
 
+/* Keys in brackets, run[seed], are the same as behind a dot: only numbers keep them. */
+static void spell(const char *written, char *key, size_t size) {
+    bool open = false;
+    size_t used = 0;
+    for (const char *c = written; *c && used + 1 < size; c++) {
+        bool word = *c == '[' && c > written && !strchr("0123456789]", c[1]) && strchr(c, ']');
+        if (word)
+            key[used++] = '.';
+        else if (*c != ']' || !open)
+            key[used++] = *c;
+        open = word || (open && *c != ']');
+    }
+    key[used] = '\0';
+}
+
 static gneiss_status read_parameter(gn_reader *reader, const gn_node *node, gn_drawing *drawing,
                                     gn_sweep *sweep) {
     enum { KEY_MOST = 180 };
     if (strlen(node->key) >= KEY_MOST)
         return gn_read_fail(reader, node, node->key_where, "parameters",
                             "expected a key of less than %d bytes", KEY_MOST);
-    set_path(reader, node->key);
-    const char *reason = refused(sweep, node->key);
+    char key[KEY_MOST];
+    spell(node->key, key, sizeof key);
+    set_path(reader, key);
+    const char *reason = refused(sweep, key);
     if (reason) return gn_read_fail(reader, node, node->key_where, reader->path, "%s", reason);
     if (sweep->parameter_count == GN_SWEEP_PARAMETERS_MAX)
         return gn_read_fail(reader, node, node->key_where, reader->path,
                             "expected at most %d parameters", GN_SWEEP_PARAMETERS_MAX);
     gn_sweep_parameter *p = &sweep->parameters[sweep->parameter_count++];
-    snprintf(p->key, sizeof p->key, "%s", node->key);
+    snprintf(p->key, sizeof p->key, "%s", key);
     p->where = node->key_where;
     p->meant = gn_scene_key_at(p->key);
     if (!p->meant || p->meant->type == GN_KEY_SECTION) {
