@@ -355,6 +355,31 @@ def a_sweep_of_which_no_run_comes_to_its_end_says_so(folder):
     assert [row["status"] for row in rows(os.path.join(folder, "out"))] == ["failed", "failed"]
 
 
+@fact
+def a_run_whose_results_are_gone_or_cut_off_is_computed_again(folder):
+    before = sweep(folder, FRICTIONS)
+    out = os.path.join(folder, "out")
+    for row, checkpoint in zip(before, (True, False, True)):
+        path = os.path.join(out, row["folder"], "results.h5")
+        with open(path, "rb") as file:
+            half = file.read()[:os.path.getsize(path) // 2]
+        os.remove(path)
+        if row is not before[0]:
+            with open(path, "wb") as file:
+                file.write(half)
+        if not checkpoint:
+            for name in os.listdir(os.path.dirname(path)):
+                if name.startswith("checkpoint_"):
+                    os.remove(os.path.join(out, row["folder"], name))
+    file = sweep_file(folder, **FRICTIONS)
+    dry = expect(gneiss("sweep", file, "--out", out, "--dry-run", *QUICK), 0).stdout
+    assert "3 to do" in dry, dry
+    collected = expect(gneiss("sweep", file, "--out", out, "--collect", *QUICK), 0).stdout
+    assert collected.count("its results cannot be read") == 3, collected
+    expect(gneiss("sweep", file, "--out", out, "--quiet", *QUICK), 0, r"warning: run 2 \(.*friction = 0.2\) lost: its results cannot be read")
+    assert without_seconds(rows(out)) == without_seconds(before)
+
+
 # --- kills ------------------------------------------------------------------------------------------------
 
 LONG = ("--set", "output.snapshots=2", "--set", "output.history_rows=50", "--set", "output.checkpoint=20 ms")

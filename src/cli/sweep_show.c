@@ -203,11 +203,12 @@ static void json_summary(const gn_summary *m) {
 
 static void print_failed(const gn_summary *m) {
     char label[LABEL];
-    for (size_t k = 0; k < m->sweep->run_count; k++)
-        if (m->runs[k].outcome.state == GN_RUN_FAILED)
-            printf("failed: run %zu (%s): %s\n", k + 1,
-                   gn_sweep_label(m->sweep, k, true, label, sizeof label),
-                   m->runs[k].outcome.message);
+    for (size_t k = 0; k < m->sweep->run_count; k++) {
+        const gn_outcome *o = &m->runs[k].outcome;
+        if (o->state != GN_RUN_FAILED && !o->lost) continue;
+        printf("%s: run %zu (%s): %s\n", o->lost ? "lost" : "failed", k + 1,
+               gn_sweep_label(m->sweep, k, true, label, sizeof label), o->message);
+    }
 }
 
 void gn_sweep_print_summary(const gn_options *o, const gn_summary *summary) {
