@@ -553,6 +553,24 @@ def readings_are_those_of_the_results_of_each_run(folder):
 
 
 @fact
+def every_column_of_a_history_can_be_a_reading(folder):
+    table = sweep(folder, {"parameters": {"time.safety": 0.5}})
+    with results(os.path.join(folder, "out", table[0]["folder"])) as file:
+        last = {f"history.{name}": column[-1] for name, column in file["history"].items()}
+    again = sweep(folder, {"parameters": {"time.safety": 0.5}, "readings": list(last)})[0]
+    found = {key.split(" [")[0]: float(value or "nan") for key, value in again.items() if key.startswith("history.")}
+    assert found.keys() == last.keys() and all(found[name] == last[name] or np.isnan(last[name]) for name in last)
+
+
+@fact
+def a_reading_that_no_run_has_is_warned_of(folder):
+    file = sweep_file(folder, readings=["history.wall_roof_force_z", "history.wall_top_force_z"], seeds=1)
+    done = expect(gneiss("sweep", file, "--out", os.path.join(folder, "out"), "--quiet", *QUICK), 0,
+                  "warning: readings: no run that is done has a number for history.wall_roof_force_z")
+    assert "wall_top_force_z" not in done.stderr
+
+
+@fact
 def what_a_run_warns_of_stands_in_its_row(folder):
     table = sweep(folder, {"parameters": {"run.residual_warning": ["1e-30", "off"]}})
     assert [row["status"] for row in table] == ["done", "done"]
@@ -689,6 +707,10 @@ BROKEN = [  # (text behind the line `scene: ...`, what the message says)
     ("seeds: {a: 1}", r":2:\d+: seeds: expected"),
     ("seeds: 2\nreadings: [peak_stres]", r":3:12: readings: unknown reading 'peak_stres'; did you mean 'peak_stress'"),
     ("seeds: 2\nreadings: energy.fricton", r":3:11: readings: .*did you mean 'energy.friction'"),
+    ("seeds: 2\nreadings: [peak_stress, energy.friction, peak_stress]", r":3:42: readings: expected 'peak_stress' once, found it again"),
+    ("seeds: 2\nreadings: history.strss", r":3:11: readings: unknown reading 'history.strss'; did you mean 'history.stress'"),
+    ("seeds: 2\nreadings: [history.time, history.wall_top_forc_z]", r":3:26: readings: unknown reading 'history.wall_top_forc_z'"),
+    ("seeds: 2\nreadings: [history.]", r":3:12: readings: unknown reading 'history.'"),
     ("sedes: 2", r":2:1: sedes: unknown key 'sedes'; did you mean 'seeds'"),
     ("title: nothing varied", r":1:1: expected parameters or seeds, found neither"),
     ("seeds: 2\nseeds: 3", r":3:1: seeds: expected once, found again; first given in line 2"),
