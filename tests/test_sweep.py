@@ -71,6 +71,21 @@ def every_run_is_the_one_that_set_gives(folder):
 
 
 @fact
+def a_component_is_varied_of_a_vector_that_the_scene_leaves_out(folder):
+    table = sweep(folder, {"parameters": {"gravity[2]": [0, -9.81]}})
+    assert [row["state_hash"] for row in table] == [single(folder), single(folder, "--set", "gravity=[0, 0, -9.81]")]
+
+
+@fact
+def a_component_is_varied_of_a_vector_that_is_the_same_in_every_run(folder):
+    table = sweep(folder, {"parameters": {"gravity": ["[0, 0, -9.81]"], "gravity[0]": [0, 1]}})
+    assert [row["state_hash"] for row in table] == [
+        single(folder, "--set", f"gravity=[{x}, 0, -9.81]") for x in (0, 1)]
+    assert sweep(folder, {"parameters": {"gravity[0]": [0, 1]}}, "--set", "gravity=[0, 0, -9.81]", name="set")[1]["state_hash"] == \
+        table[1]["state_hash"]
+
+
+@fact
 def crossed_lists_give_every_pair_the_last_fastest(folder):
     table = sweep(folder, {"parameters": {"materials.block.friction": [0.1, 0.2], "run.precision": ["double", "mixed"]}})
     assert [(row["materials.block.friction"], row["run.precision"]) for row in table] == [

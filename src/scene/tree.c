@@ -2,6 +2,7 @@
 
 #include "base/memory.h"
 #include "base/names.h"
+#include "scene/manifest.h"
 
 #include <libfyaml.h>
 #include <stdlib.h>
@@ -432,6 +433,27 @@ static gneiss_status override_value(gn_tree *tree, const gn_override *o, gn_node
     return gn_fail(error, GNEISS_ERROR_MEMORY, "--set %s: out of memory", o->key);
 }
 
+/* One component is put onto a list that the file leaves out: the other ones keep their default. */
+static gneiss_status default_list(gn_tree *tree, gn_node *node, const char *step,
+                                  const gn_override *o, gneiss_error *error) {
+    char path[256];
+    int length = (int)(step - o->key) - 1;
+    snprintf(path, sizeof path, "%.*s", length, o->key);
+    const gn_key *key = length < (int)sizeof path ? gn_scene_key_at(path) : NULL;
+    if (!key || !key->fallback || (key->type != GN_KEY_VECTOR && key->type != GN_KEY_SPIN))
+        return fail_override(o, error, "expected a list that is there, such as by --set %.*s=[...]",
+                             length < 200 ? length : 200, o->key);
+    node->kind = GN_NODE_LIST;
+    while (node->count < 3) {
+        gn_node *item = tree_node(tree, GN_NODE_SCALAR, (gn_scene_place){0, 0});
+        if (!item) return gn_fail(error, GNEISS_ERROR_MEMORY, "--set %s: out of memory", o->key);
+        item->text = key->fallback;
+        item->set = node->set ? node->set : tree_text(tree, o->key, strlen(o->key));
+        append(node, item);
+    }
+    return GNEISS_OK;
+}
+
 /* The step of a key that begins at `from`, which is moved behind it; false: it is no key. */
 static bool next_step(const char *key, const char **from, const char **step, size_t *length) {
     const char *at = *from;
@@ -476,6 +498,8 @@ gneiss_status gn_tree_override(gn_tree *tree, const gn_override *o, gneiss_error
                 error, GNEISS_ERROR_INPUT,
                 "--set %s: expected a key such as walls.top.motion.vz or materials[0].density",
                 o->key);
+        if (at->kind == GN_NODE_NULL && strspn(step, "0123456789") >= length)
+            GN_TRY(default_list(tree, at, step, o, error));
         GN_TRY(descend(tree, &at, step, length, o, error));
     }
     GN_TRY(override_value(tree, o, &value, error));
