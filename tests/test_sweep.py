@@ -501,6 +501,18 @@ def folders_of_runs_and_files_of_others_are_left_alone(folder):
     assert len(rows(other)) == 3
 
 
+@fact
+def a_run_does_not_go_into_the_folder_of_a_sweep(folder):
+    table = sweep(folder, FRICTIONS)
+    out = os.path.join(folder, "out")
+    for name in ("", "sweep.h5", "sweep.csv", "sweep-means.csv"):  # without a summary: shards, or a sweep that was killed
+        if name:
+            os.remove(os.path.join(out, name))
+        expect(gneiss("run", LATTICE, "--out", out, *QUICK), 2, "found a sweep in it")
+    assert sorted(os.listdir(out)) == sorted(row["folder"] for row in table)
+    assert sweep(folder, FRICTIONS) == table
+
+
 # --- shards -----------------------------------------------------------------------------------------------
 
 @fact
