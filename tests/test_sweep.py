@@ -702,7 +702,7 @@ BROKEN = [  # (text behind the line `scene: ...`, what the message says)
     ("parameters: {time.safety: {from: 0.1, to: 2, count: 3}}", r":2:43: parameters.time.safety.to: expected a value in \(0, 1\], found '2'"),
     ("parameters: {time.safety: {from: 0.1, two: 0.2, count: 3}}", r":2:39: parameters.time.safety.two: unknown key 'two'; did you mean 'to'"),
     ("parameters: {time.safety: {from: 0.1, count: 3}}", r":2:27: parameters.time.safety: expected a range \{from, to, count\}"),
-    ("parameters: {time.safety: {from: 0.1, to: 0.2, count: 1}}", r":2:27: .*expected a count of at least 2"),
+    ("parameters: {time.safety: {from: 0.1, to: 0.2, count: 1}}", r":2:55: parameters.time.safety.count: expected a whole number in \[2, 100000\], found '1'"),
     ("parameters: {time.safety: {from: 0.1, to: 0.1, count: 2}}", r":2:27: .*expected another number at the end"),
     ("parameters: {time.safety: {from: 0.1, to: 0.2, count: 2.5}}", r":2:55: parameters.time.safety.count: expected a whole number"),
     ("parameters: {time.safety: {from: 0.1, to: 0.2, count: 3, spacing: lg}}", r":2:67: .*did you mean 'log'"),
