@@ -453,6 +453,9 @@ static void overrides_that_miss_are_told_by_their_key(void **state) {
                 "there is rock");
     refuses_set("time.end.x", "1", "--set time.end.x: 'x' is below a value, not in a section");
     refuses_set("time.end", "", "--set time.end: expected a time such as '5 ms', found nothing");
+    refuses_set("bodies[0].density", "2",
+                "--set bodies[0].density: expected a list that is there, such as by --set "
+                "bodies=[...]");
     refuses_set("gravity", "[0, 0",
                 "--set gravity: not valid YAML: flow sequence without a closing bracket");
     static const char *const bad[] = {"time.",       ".time", "time..end", "materials[0",

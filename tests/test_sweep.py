@@ -71,6 +71,21 @@ def every_run_is_the_one_that_set_gives(folder):
 
 
 @fact
+def a_component_is_varied_of_a_vector_that_the_scene_leaves_out(folder):
+    table = sweep(folder, {"parameters": {"gravity[2]": [0, -9.81]}})
+    assert [row["state_hash"] for row in table] == [single(folder), single(folder, "--set", "gravity=[0, 0, -9.81]")]
+
+
+@fact
+def a_component_is_varied_of_a_vector_that_is_the_same_in_every_run(folder):
+    table = sweep(folder, {"parameters": {"gravity": ["[0, 0, -9.81]"], "gravity[0]": [0, 1]}})
+    assert [row["state_hash"] for row in table] == [
+        single(folder, "--set", f"gravity=[{x}, 0, -9.81]") for x in (0, 1)]
+    assert sweep(folder, {"parameters": {"gravity[0]": [0, 1]}}, "--set", "gravity=[0, 0, -9.81]", name="set")[1]["state_hash"] == \
+        table[1]["state_hash"]
+
+
+@fact
 def crossed_lists_give_every_pair_the_last_fastest(folder):
     table = sweep(folder, {"parameters": {"materials.block.friction": [0.1, 0.2], "run.precision": ["double", "mixed"]}})
     assert [(row["materials.block.friction"], row["run.precision"]) for row in table] == [
@@ -355,6 +370,31 @@ def a_sweep_of_which_no_run_comes_to_its_end_says_so(folder):
     assert [row["status"] for row in rows(os.path.join(folder, "out"))] == ["failed", "failed"]
 
 
+@fact
+def a_run_whose_results_are_gone_or_cut_off_is_computed_again(folder):
+    before = sweep(folder, FRICTIONS)
+    out = os.path.join(folder, "out")
+    for row, checkpoint in zip(before, (True, False, True)):
+        path = os.path.join(out, row["folder"], "results.h5")
+        with open(path, "rb") as file:
+            half = file.read()[:os.path.getsize(path) // 2]
+        os.remove(path)
+        if row is not before[0]:
+            with open(path, "wb") as file:
+                file.write(half)
+        if not checkpoint:
+            for name in os.listdir(os.path.dirname(path)):
+                if name.startswith("checkpoint_"):
+                    os.remove(os.path.join(out, row["folder"], name))
+    file = sweep_file(folder, **FRICTIONS)
+    dry = expect(gneiss("sweep", file, "--out", out, "--dry-run", *QUICK), 0).stdout
+    assert "3 to do" in dry, dry
+    collected = expect(gneiss("sweep", file, "--out", out, "--collect", *QUICK), 0).stdout
+    assert collected.count("its results cannot be read") == 3, collected
+    expect(gneiss("sweep", file, "--out", out, "--quiet", *QUICK), 0, r"warning: run 2 \(.*friction = 0.2\) lost: its results cannot be read")
+    assert without_seconds(rows(out)) == without_seconds(before)
+
+
 # --- kills ------------------------------------------------------------------------------------------------
 
 LONG = ("--set", "output.snapshots=2", "--set", "output.history_rows=50", "--set", "output.checkpoint=20 ms")
@@ -461,6 +501,18 @@ def folders_of_runs_and_files_of_others_are_left_alone(folder):
     assert len(rows(other)) == 3
 
 
+@fact
+def a_run_does_not_go_into_the_folder_of_a_sweep(folder):
+    table = sweep(folder, FRICTIONS)
+    out = os.path.join(folder, "out")
+    for name in ("", "sweep.h5", "sweep.csv", "sweep-means.csv"):  # without a summary: shards, or a sweep that was killed
+        if name:
+            os.remove(os.path.join(out, name))
+        expect(gneiss("run", LATTICE, "--out", out, *QUICK), 2, "found a sweep in it")
+    assert sorted(os.listdir(out)) == sorted(row["folder"] for row in table)
+    assert sweep(folder, FRICTIONS) == table
+
+
 # --- shards -----------------------------------------------------------------------------------------------
 
 @fact
@@ -525,6 +577,24 @@ def readings_are_those_of_the_results_of_each_run(folder):
             assert float(row["energy.friction [J]"]) == file["energy/friction"][()]
             assert float(row["history.broken_tension"]) == file["history/broken_tension"][-1]
             assert int(row["steps"]) == file.attrs["steps"] and float(row["dt [s]"]) == file.attrs["dt"]
+
+
+@fact
+def every_column_of_a_history_can_be_a_reading(folder):
+    table = sweep(folder, {"parameters": {"time.safety": 0.5}})
+    with results(os.path.join(folder, "out", table[0]["folder"])) as file:
+        last = {f"history.{name}": column[-1] for name, column in file["history"].items()}
+    again = sweep(folder, {"parameters": {"time.safety": 0.5}, "readings": list(last)})[0]
+    found = {key.split(" [")[0]: float(value or "nan") for key, value in again.items() if key.startswith("history.")}
+    assert found.keys() == last.keys() and all(found[name] == last[name] or np.isnan(last[name]) for name in last)
+
+
+@fact
+def a_reading_that_no_run_has_is_warned_of(folder):
+    file = sweep_file(folder, readings=["history.wall_roof_force_z", "history.wall_top_force_z"], seeds=1)
+    done = expect(gneiss("sweep", file, "--out", os.path.join(folder, "out"), "--quiet", *QUICK), 0,
+                  "warning: readings: no run that is done has a number for history.wall_roof_force_z")
+    assert "wall_top_force_z" not in done.stderr
 
 
 @fact
@@ -632,7 +702,7 @@ BROKEN = [  # (text behind the line `scene: ...`, what the message says)
     ("parameters: {time.safety: {from: 0.1, to: 2, count: 3}}", r":2:43: parameters.time.safety.to: expected a value in \(0, 1\], found '2'"),
     ("parameters: {time.safety: {from: 0.1, two: 0.2, count: 3}}", r":2:39: parameters.time.safety.two: unknown key 'two'; did you mean 'to'"),
     ("parameters: {time.safety: {from: 0.1, count: 3}}", r":2:27: parameters.time.safety: expected a range \{from, to, count\}"),
-    ("parameters: {time.safety: {from: 0.1, to: 0.2, count: 1}}", r":2:27: .*expected a count of at least 2"),
+    ("parameters: {time.safety: {from: 0.1, to: 0.2, count: 1}}", r":2:55: parameters.time.safety.count: expected a whole number in \[2, 100000\], found '1'"),
     ("parameters: {time.safety: {from: 0.1, to: 0.1, count: 2}}", r":2:27: .*expected another number at the end"),
     ("parameters: {time.safety: {from: 0.1, to: 0.2, count: 2.5}}", r":2:55: parameters.time.safety.count: expected a whole number"),
     ("parameters: {time.safety: {from: 0.1, to: 0.2, count: 3, spacing: lg}}", r":2:67: .*did you mean 'log'"),
@@ -651,6 +721,11 @@ BROKEN = [  # (text behind the line `scene: ...`, what the message says)
     ("parameters: {time.safety: [0.5, 0.9], time.end: [1, 2, 3]}\ncombine: zipped", r":2:39: parameters.time.end: expected 2 values, as zipped with time.safety, found 3"),
     ("parameters: {time.safety: [0.5]}\ncombine: crosed", r":3:10: combine: .*did you mean 'crossed'"),
     ("parameters: {time.safety: [0.5], time.safety: [0.6]}", r":2:34: parameters.time.safety: expected once, found again"),
+    ("parameters:\n  materials.block.friction: [0.1, 0.2]\n  materials[0].friction: [0.3]",
+     r":4:3: parameters.materials\[0\].friction: expected once, found again; first given as materials.block.friction in line 3, column 3"),
+    ("parameters: {'walls[0].motion.vz': [-1], walls.top.motion.vz: [-3]}", r":2:42: .*first given as walls\[0\].motion.vz in line 2"),
+    ("parameters: {gravity: ['[0, 0, 1]', '[0, 0, 2]'], 'gravity[2]': [3]}", r":2:\d+: parameters.gravity\[2\]: expected once"),
+    ("parameters: {'run[seed]': [1, 2]}\nseeds: 2", r":2:14: parameters.run.seed: given by seeds as well"),
     ("parameters: {title: [a, b]}", r":2:14: parameters.title: cannot be varied"),
     ("parameters: {run.seed: [1, 2]}\nseeds: 2", r":2:14: parameters.run.seed: given by seeds as well"),
     ("seeds: 0", r":2:8: seeds: expected a number of seeds"),
@@ -659,6 +734,10 @@ BROKEN = [  # (text behind the line `scene: ...`, what the message says)
     ("seeds: {a: 1}", r":2:\d+: seeds: expected"),
     ("seeds: 2\nreadings: [peak_stres]", r":3:12: readings: unknown reading 'peak_stres'; did you mean 'peak_stress'"),
     ("seeds: 2\nreadings: energy.fricton", r":3:11: readings: .*did you mean 'energy.friction'"),
+    ("seeds: 2\nreadings: [peak_stress, energy.friction, peak_stress]", r":3:42: readings: expected 'peak_stress' once, found it again"),
+    ("seeds: 2\nreadings: history.strss", r":3:11: readings: unknown reading 'history.strss'; did you mean 'history.stress'"),
+    ("seeds: 2\nreadings: [history.time, history.wall_top_forc_z]", r":3:26: readings: unknown reading 'history.wall_top_forc_z'"),
+    ("seeds: 2\nreadings: [history.]", r":3:12: readings: unknown reading 'history.'"),
     ("sedes: 2", r":2:1: sedes: unknown key 'sedes'; did you mean 'seeds'"),
     ("title: nothing varied", r":1:1: expected parameters or seeds, found neither"),
     ("seeds: 2\nseeds: 3", r":3:1: seeds: expected once, found again; first given in line 2"),
@@ -715,6 +794,8 @@ def options_of_sweeps_are_refused_elsewhere(folder):
     expect(gneiss("plan", LATTICE, "--seeds", 3), 2, "--seeds is for")
     expect(gneiss("sweep", sweep_file(folder, **FRICTIONS), "--jobs", 0), 2, "--jobs: expected a whole number")
     expect(gneiss("sweep", sweep_file(folder, **FRICTIONS), "--set", "materials.block.friction=1"), 2, "given on the command line as well")
+    expect(gneiss("sweep", sweep_file(folder, **FRICTIONS), "--set", "materials[0].friction=1"), 2,
+           r"parameters.materials.block.friction: given on the command line as well: --set materials\[0\].friction")
 
 
 if __name__ == "__main__":

@@ -203,11 +203,24 @@ static void json_summary(const gn_summary *m) {
 
 static void print_failed(const gn_summary *m) {
     char label[LABEL];
-    for (size_t k = 0; k < m->sweep->run_count; k++)
-        if (m->runs[k].outcome.state == GN_RUN_FAILED)
-            printf("failed: run %zu (%s): %s\n", k + 1,
-                   gn_sweep_label(m->sweep, k, true, label, sizeof label),
-                   m->runs[k].outcome.message);
+    for (size_t k = 0; k < m->sweep->run_count; k++) {
+        const gn_outcome *o = &m->runs[k].outcome;
+        if (o->state != GN_RUN_FAILED && !o->lost) continue;
+        printf("%s: run %zu (%s): %s\n", o->lost ? "lost" : "failed", k + 1,
+               gn_sweep_label(m->sweep, k, true, label, sizeof label), o->message);
+    }
+}
+
+/* Which walls and sets there are is known when a run has been made. */
+static void warn_of_absent(const gn_summary *m) {
+    for (size_t r = 0; m->done > 0 && m->sweep->reading_count && r < m->reading_count; r++) {
+        size_t found = 0;
+        for (size_t c = 0; c < m->sweep->combination_count; c++)
+            found += m->statistics[c * m->reading_count + r].count;
+        if (!found)
+            fprintf(stderr, "gneiss: warning: readings: no run that is done has a number for %s\n",
+                    m->readings[r].name);
+    }
 }
 
 void gn_sweep_print_summary(const gn_options *o, const gn_summary *summary) {
@@ -215,6 +228,7 @@ void gn_sweep_print_summary(const gn_options *o, const gn_summary *summary) {
     if (summary->several_builds)
         fprintf(stderr, "gneiss: warning: some runs are of a program that was compiled otherwise: "
                         "--force computes them again\n");
+    warn_of_absent(summary);
     if (o->json) {
         json_summary(summary);
         return;

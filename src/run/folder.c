@@ -5,6 +5,7 @@
 #include "io/listing.h"
 #include "io/snapshot.h"
 
+#include <dirent.h>
 #include <errno.h>
 #include <fcntl.h>
 #include <limits.h>
@@ -193,12 +194,39 @@ static gneiss_status check_series(const char *directory, const char *name, bool 
     return access(path, F_OK) == 0 ? not_ours(directory, list, error) : GNEISS_OK;
 }
 
+/* The folder of a run of a sweep is named by 16 hex digits and has its outcome or its scene in it.
+ */
+static bool holds_sweep(const char *directory) {
+    static const char *const marks[] = {"outcome.json", "scene.yaml"};
+    char path[GN_PATH_SIZE + 64], *kind = NULL;
+    snprintf(path, sizeof path, "%s/sweep.h5", directory);
+    if (access(path, F_OK) == 0) (void)gn_h5_peek_text(path, "/", "kind", &kind, NULL);
+    bool found = kind && strcmp(kind, "sweep") == 0;
+    free(kind);
+    DIR *folder = found ? NULL : opendir(directory);
+    for (struct dirent *entry; !found && folder && (entry = readdir(folder));) {
+        const char *name = entry->d_name;
+        if (strlen(name) != 16 || strspn(name, "0123456789abcdef") != 16) continue;
+        for (size_t k = 0; k < 2; k++) {
+            snprintf(path, sizeof path, "%s/%.16s/%s", directory, name, marks[k]);
+            found |= access(path, F_OK) == 0;
+        }
+    }
+    if (folder) closedir(folder);
+    return found;
+}
+
 gneiss_status gn_folder_check(const char *directory, gneiss_error *error) {
     char path[GN_PATH_SIZE + 32];
     int64_t step;
     size_t checkpoints;
     struct stat there;
     if (stat(directory, &there) != 0 || !S_ISDIR(there.st_mode)) return GNEISS_OK;
+    if (holds_sweep(directory))
+        return gn_fail(error, GNEISS_ERROR_INPUT,
+                       "%.300s: expected a folder for a run, found a sweep in it, which could not "
+                       "go on beside it: choose another with --out",
+                       directory);
     GN_TRY(gn_checkpoint_list(directory, &step, 1, &checkpoints, error));
     if (checkpoints > 0) return GNEISS_OK;
     for (size_t k = 0; k < SINGLE; k++) {

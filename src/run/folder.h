@@ -23,7 +23,8 @@ gneiss_status gn_folder_share(const char *directory, int *lock, gneiss_error *er
 gneiss_status gn_folder_finished(const char *directory, double *seconds, gneiss_error *error);
 
 /* A folder that holds files under names of this program's, but neither results nor a checkpoint nor
- * snapshots of it, is somebody else's: GNEISS_ERROR_INPUT names the first of them. */
+ * snapshots of it, is somebody else's: GNEISS_ERROR_INPUT names the first of them. That of a sweep
+ * is none for a run either. */
 gneiss_status gn_folder_check(const char *directory, gneiss_error *error);
 
 /* Makes way for a new run: removes what an earlier run of the same scene file left, whoever wrote

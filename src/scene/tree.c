@@ -2,6 +2,7 @@
 
 #include "base/memory.h"
 #include "base/names.h"
+#include "scene/manifest.h"
 
 #include <libfyaml.h>
 #include <stdlib.h>
@@ -349,7 +350,7 @@ static gneiss_status fail_override(const gn_override *o, gneiss_error *error, co
     return gn_fail(error, GNEISS_ERROR_INPUT, "--set %s: %s", o->key, text);
 }
 
-static gn_node *list_element(gn_node *list, const char *step, size_t length) {
+static gn_node *list_element(const gn_node *list, const char *step, size_t length) {
     if (strspn(step, "0123456789") >= length) {
         size_t index = 0;
         for (size_t k = 0; k < length && index <= list->count; k++)
@@ -432,25 +433,74 @@ static gneiss_status override_value(gn_tree *tree, const gn_override *o, gn_node
     return gn_fail(error, GNEISS_ERROR_MEMORY, "--set %s: out of memory", o->key);
 }
 
+/* One component is put onto a list that the file leaves out: the other ones keep their default. */
+static gneiss_status default_list(gn_tree *tree, gn_node *node, const char *step,
+                                  const gn_override *o, gneiss_error *error) {
+    char path[256];
+    int length = (int)(step - o->key) - 1;
+    snprintf(path, sizeof path, "%.*s", length, o->key);
+    const gn_key *key = length < (int)sizeof path ? gn_scene_key_at(path) : NULL;
+    if (!key || !key->fallback || (key->type != GN_KEY_VECTOR && key->type != GN_KEY_SPIN))
+        return fail_override(o, error, "expected a list that is there, such as by --set %.*s=[...]",
+                             length < 200 ? length : 200, o->key);
+    node->kind = GN_NODE_LIST;
+    while (node->count < 3) {
+        gn_node *item = tree_node(tree, GN_NODE_SCALAR, (gn_scene_place){0, 0});
+        if (!item) return gn_fail(error, GNEISS_ERROR_MEMORY, "--set %s: out of memory", o->key);
+        item->text = key->fallback;
+        item->set = node->set ? node->set : tree_text(tree, o->key, strlen(o->key));
+        append(node, item);
+    }
+    return GNEISS_OK;
+}
+
+/* The step of a key that begins at `from`, which is moved behind it; false: it is no key. */
+static bool next_step(const char *key, const char **from, const char **step, size_t *length) {
+    const char *at = *from;
+    bool bracket = *at == '[' && at > key;
+    if (bracket || (*at == '.' && at > key)) at++;
+    *step = at;
+    *length = strcspn(at, bracket ? "]" : ".[]");
+    bool closed = bracket ? at[*length] == ']' : at[*length] != ']';
+    *from = at + *length + bracket;
+    return *length > 0 && closed && (!bracket || !**from || strchr(".[", **from));
+}
+
+void gn_tree_place(const gn_tree *tree, const char *key, char *place, size_t size) {
+    const gn_node *at = tree->root;
+    const char *step;
+    size_t length, used = 0;
+    place[0] = '\0';
+    for (const char *from = key; *from && next_step(key, &from, &step, &length) && used < size;) {
+        const gn_node *list = at && at->kind == GN_NODE_LIST ? at : NULL;
+        at = list ? list_element(list, step, length) : child_span(at, step, length);
+        size_t index = 0;
+        for (const gn_node *item = at && list ? list->first : NULL; item && item != at;
+             item = item->next)
+            index++;
+        used += (size_t)(at && list
+                             ? snprintf(place + used, size - used, "%s%zu", used ? "." : "", index)
+                             : snprintf(place + used, size - used, "%s%.*s", used ? "." : "",
+                                        (int)length, step));
+    }
+}
+
 gneiss_status gn_tree_override(gn_tree *tree, const gn_override *o, gneiss_error *error) {
     if (!o->key || !o->value || !*o->key)
         return gn_fail(error, GNEISS_ERROR_INPUT, "--set: expected key=value such as time.end=2ms");
     if (check_characters(o->key, strlen(o->key), "", NULL) != GNEISS_OK)
         return gn_fail(error, GNEISS_ERROR_INPUT, "--set: expected UTF-8 text in the key");
     gn_node *at = tree->root, *value = NULL;
-    for (const char *step = o->key; *step;) {
-        bool bracket = *step == '[' && step > o->key;
-        if (bracket || (*step == '.' && step > o->key)) step++;
-        size_t length = strcspn(step, bracket ? "]" : ".[]");
-        bool closed = bracket ? step[length] == ']' : step[length] != ']';
-        if (length == 0 || !closed ||
-            (bracket && step[length + 1] && !strchr(".[", step[length + 1])))
+    for (const char *from = o->key, *step; *from;) {
+        size_t length;
+        if (!next_step(o->key, &from, &step, &length))
             return gn_fail(
                 error, GNEISS_ERROR_INPUT,
                 "--set %s: expected a key such as walls.top.motion.vz or materials[0].density",
                 o->key);
+        if (at->kind == GN_NODE_NULL && strspn(step, "0123456789") >= length)
+            GN_TRY(default_list(tree, at, step, o, error));
         GN_TRY(descend(tree, &at, step, length, o, error));
-        step += length + bracket;
     }
     GN_TRY(override_value(tree, o, &value, error));
     if (!value) return gn_fail(error, GNEISS_ERROR_INPUT, "--set %s: no value", o->key);

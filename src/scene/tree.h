@@ -30,6 +30,11 @@ const gn_node *gn_tree_root(const gn_tree *tree);
  * gravity[2]. Elements of lists go by index, base 0, or by their `name`. */
 gneiss_status gn_tree_override(gn_tree *tree, const gn_override *override, gneiss_error *error);
 
+/* The place that an override of this key writes, in one spelling for all of them:
+ * materials.0.friction of materials[0].friction and of materials.rock.friction. Steps to what is
+ * not there stand as they are written. */
+void gn_tree_place(const gn_tree *tree, const char *key, char *place, size_t size);
+
 /* NULL when there is none, or `map` is NULL or not a map. */
 const gn_node *gn_node_child(const gn_node *map, const char *key);
 

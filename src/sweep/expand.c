@@ -360,8 +360,9 @@ gneiss_status gn_sweep_expand(gn_sweep *s, gn_combine combine, gneiss_error *err
                                                                    "%s: out of memory", s->source);
     if (status == GNEISS_OK) {
         choose_values(s, combine, points);
-        status = read_runs(s, scene, error);
+        status = gn_sweep_check_places(s, error);
     }
+    if (status == GNEISS_OK) status = read_runs(s, scene, error);
     if (status == GNEISS_OK) status = find_originals(s, error);
     gn_free(scene);
     return status;

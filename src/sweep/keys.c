@@ -21,7 +21,9 @@ TABLE_OF(sampling);
 
 static const gn_key output_keys[] = {
     KEY("directory", TEXT, gn_sweep_file, directory, .fallback = "",
-        .text = "folder of the sweep; left out: runs/ and the name of this file"),
+        .text =
+            "folder of the sweep, from where gneiss is started; left out: runs/ and the name of "
+            "this file"),
 };
 TABLE_OF(output);
 
@@ -56,7 +58,7 @@ static const gn_key range_keys[] = {
         .text = "first value; of a distribution the lower end"),
     KEY("to", REAL, gn_range_def, to, .unit = "unit of the key",
         .text = "last value; of a distribution the upper end"),
-    KEY("count", INTEGER, gn_range_def, count, .range = "[1, 100000]",
+    KEY("count", INTEGER, gn_range_def, count, .range = "[2, 100000]",
         .text = "number of values, both ends among them; left out: a distribution, drawn as "
                 "`sampling` says"),
     KEY("spacing", CHOICE, gn_range_def, spacing, .choices = spacings, .fallback = "linear",

@@ -2,8 +2,6 @@
 #include "base/memory.h"
 #include "base/names.h"
 #include "io/files.h"
-#include "measure/energy.h"
-#include "measure/measure.h"
 #include "sweep/expand.h"
 #include "sweep/range.h"
 
@@ -17,36 +15,16 @@ static const size_t size_limit = (size_t)16 << 20;
 
 /* ---- readings ---- */
 
-static const char *const reading_names[] = {
-#define X(name, unit, text) #name,
-    GN_READINGS(X)
-#undef X
-};
-static const char *const energy_names[] = {
-#define X(name, kind, text) "energy." #name,
-    GN_ENERGY_TERMS(X)
-#undef X
-        "energy.stored_at_start",
-    "energy.residual"};
-
-bool gn_reading_known(const char *name, char *advice, size_t size) {
-    gn_names names = gn_names_for(name);
-    if (strncmp(name, "history.", 8) == 0 && name[8]) return true;
-    for (size_t k = 0; k < sizeof reading_names / sizeof *reading_names; k++) {
-        if (strcmp(name, reading_names[k]) == 0) return true;
-        gn_names_add(&names, reading_names[k]);
-    }
-    for (size_t k = 0; k < sizeof energy_names / sizeof *energy_names; k++) {
-        if (strcmp(name, energy_names[k]) == 0) return true;
-        gn_names_add(&names, energy_names[k]);
-    }
-    gn_names_advice(&names, advice, size);
-    return false;
-}
-
 /* The node of a name in the list, or the only one. */
 static const gn_node *name_node(const gn_node *node, size_t k) {
     return node->kind == GN_NODE_LIST ? gn_node_item(node, k) : node;
+}
+
+/* The place of the same name before number k; k: there is none. */
+static size_t named_before(const gn_sweep_file *file, size_t k) {
+    size_t first = 0;
+    while (strcmp(file->readings[first], file->readings[k]) != 0) first++;
+    return first;
 }
 
 static gneiss_status check_readings(gn_reader *reader, const gn_node *root,
@@ -55,10 +33,14 @@ static gneiss_status check_readings(gn_reader *reader, const gn_node *root,
     const gn_node *node = gn_node_child(root, "readings");
     for (size_t k = 0; node && k < file->reading_count; k++) {
         const gn_node *at = name_node(node, k);
-        if (gn_reading_known(file->readings[k], advice, sizeof advice)) continue;
-        GN_TRY(gn_read_keep(reader,
-                            gn_read_fail(reader, at, at->where, "readings",
-                                         "unknown reading '%s'%s", file->readings[k], advice)));
+        gneiss_status status = GNEISS_OK;
+        if (!gn_reading_known(file->readings[k], advice, sizeof advice))
+            status = gn_read_fail(reader, at, at->where, "readings", "unknown reading '%s'%s",
+                                  file->readings[k], advice);
+        else if (named_before(file, k) < k)
+            status = gn_read_fail(reader, at, at->where, "readings",
+                                  "expected '%s' once, found it again", file->readings[k]);
+        GN_TRY(gn_read_keep(reader, status));
     }
     return GNEISS_OK;
 }
@@ -147,20 +129,37 @@ static const char *refused(const gn_sweep *sweep, const char *key) {
     return NULL;
 }
 
+/* Keys in brackets, run[seed], are the same as behind a dot: only numbers keep them. */
+static void spell(const char *written, char *key, size_t size) {
+    bool open = false;
+    size_t used = 0;
+    for (const char *c = written; *c && used + 1 < size; c++) {
+        bool word = *c == '[' && c > written && !strchr("0123456789]", c[1]) && strchr(c, ']');
+        if (word)
+            key[used++] = '.';
+        else if (*c != ']' || !open)
+            key[used++] = *c;
+        open = word || (open && *c != ']');
+    }
+    key[used] = '\0';
+}
+
 static gneiss_status read_parameter(gn_reader *reader, const gn_node *node, gn_drawing *drawing,
                                     gn_sweep *sweep) {
     enum { KEY_MOST = 180 };
     if (strlen(node->key) >= KEY_MOST)
         return gn_read_fail(reader, node, node->key_where, "parameters",
                             "expected a key of less than %d bytes", KEY_MOST);
-    set_path(reader, node->key);
-    const char *reason = refused(sweep, node->key);
+    char key[KEY_MOST];
+    spell(node->key, key, sizeof key);
+    set_path(reader, key);
+    const char *reason = refused(sweep, key);
     if (reason) return gn_read_fail(reader, node, node->key_where, reader->path, "%s", reason);
     if (sweep->parameter_count == GN_SWEEP_PARAMETERS_MAX)
         return gn_read_fail(reader, node, node->key_where, reader->path,
                             "expected at most %d parameters", GN_SWEEP_PARAMETERS_MAX);
     gn_sweep_parameter *p = &sweep->parameters[sweep->parameter_count++];
-    snprintf(p->key, sizeof p->key, "%s", node->key);
+    snprintf(p->key, sizeof p->key, "%s", key);
     p->where = node->key_where;
     p->meant = gn_scene_key_at(p->key);
     if (!p->meant || p->meant->type == GN_KEY_SECTION) {

@@ -2,6 +2,7 @@
 
 #include "io/checkpoint_files.h"
 #include "io/files.h"
+#include "io/h5.h"
 
 #include <inttypes.h>
 #include <stdlib.h>
@@ -42,6 +43,21 @@ static bool parse(const char *text, const char *path, gn_outcome *o) {
     return known;
 }
 
+/* The disk was full, somebody took the file away, a copy was cut off. */
+static bool has_results(const char *folder, gneiss_error *trouble) {
+    char path[GN_PATH_SIZE + 32], *hash = NULL;
+    snprintf(path, sizeof path, "%s/results.h5", folder);
+    gneiss_status status = gn_h5_peek_text(path, "/", "state_hash", &hash, trouble);
+    free(hash);
+    return status == GNEISS_OK;
+}
+
+/* Its results are to be computed again: from its last checkpoint, if there is one. */
+static void lose(gn_outcome *o, const gneiss_error *trouble) {
+    *o = (gn_outcome){.lost = true};
+    snprintf(o->message, sizeof o->message, "its results cannot be read: %.500s", trouble->message);
+}
+
 gneiss_status gn_outcome_read(const char *folder, gn_outcome *o, gneiss_error *error) {
     char path[GN_PATH_SIZE + 32], *text = NULL;
     int64_t step;
@@ -51,7 +67,10 @@ gneiss_status gn_outcome_read(const char *folder, gn_outcome *o, gneiss_error *e
     if (access(path, F_OK) == 0 && gn_read_text_file(path, 1 << 16, &text, NULL) == GNEISS_OK) {
         bool known = parse(text, path, o);
         free(text);
-        if (known) return GNEISS_OK;
+        gneiss_error trouble = {0};
+        bool lost = known && o->state == GN_RUN_DONE && !has_results(folder, &trouble);
+        if (known && !lost) return GNEISS_OK;
+        if (lost) lose(o, &trouble);
     }
     if (access(folder, F_OK) != 0) return GNEISS_OK;
     GN_TRY(gn_checkpoint_list(folder, &step, 1, &checkpoints, error));
@@ -75,10 +94,12 @@ gneiss_status gn_outcome_write(const char *folder, const gn_outcome *o, gneiss_e
     return status;
 }
 
-void gn_outcome_forget(const char *folder) {
+void gn_outcome_forget(const char *folder, bool lost) {
     char path[GN_PATH_SIZE + 32];
     outcome_path(folder, path, sizeof path);
     (void)unlink(path);
+    snprintf(path, sizeof path, "%s/results.h5", folder);
+    if (lost) (void)unlink(path);
 }
 
 bool gn_outcome_stands(const gn_outcome *o) {

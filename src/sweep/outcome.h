@@ -17,6 +17,7 @@ enum { GN_OUTCOME_MESSAGE = 600 };
 
 typedef struct gn_outcome {
     gn_run_state state;
+    bool lost;                        /* it was done, but its results cannot be read any more */
     int code;                         /* exit code of the run; 128 + n: ended by signal n */
     char message[GN_OUTCOME_MESSAGE]; /* why it failed; in a summary also warnings of one that is
                                          done */
@@ -26,11 +27,12 @@ typedef struct gn_outcome {
 bool gn_run_folder(const char *directory, uint64_t hash, char folder[GN_PATH_SIZE]);
 
 /* From outcome.json, else from what the run left. An outcome.json that cannot be read counts as
- * none. */
+ * none, and so does that of a run that is done but has no results: `lost` and the message say so.
+ */
 gneiss_status gn_outcome_read(const char *folder, gn_outcome *outcome, gneiss_error *error);
 gneiss_status gn_outcome_write(const char *folder, const gn_outcome *outcome, gneiss_error *error);
-/* Takes outcome.json away. */
-void gn_outcome_forget(const char *folder);
+/* Takes outcome.json away, and results that cannot be read. */
+void gn_outcome_forget(const char *folder, bool lost);
 
 /* A run that would end the same way again: it went bad. What failed for want of memory, disk space
  * or by a signal is tried again by the next sweep. */

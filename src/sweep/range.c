@@ -139,7 +139,6 @@ static double range_value(const gn_range_def *r, int64_t k) {
 
 static gneiss_status make_range(const gn_reader *reader, const gn_node *node, const gn_range_def *r,
                                 gn_sweep_parameter *p) {
-    if (r->count < 2) return wrong(reader, node, "expected a count of at least 2, found 1");
     if (r->from == r->to)
         return wrong(reader, node, "expected another number at the end than at the start");
     GN_TRY(make_values(reader, (size_t)r->count, p));

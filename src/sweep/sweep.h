@@ -103,7 +103,8 @@ const gn_sweep_value *gn_sweep_value_of(const gn_sweep *sweep, size_t run, size_
 const char *gn_sweep_label(const gn_sweep *sweep, size_t run, bool seed, char *text, size_t size);
 
 /* Whether a name is one of the readings that can be asked for: those of a test, energy.<term>,
- * history.<column>; if not, `advice` says what may have been meant. */
+ * history.<column>, where walls and the like may have any name; if not, `advice` says what may have
+ * been meant. */
 bool gn_reading_known(const char *name, char *advice, size_t size);
 
 #endif

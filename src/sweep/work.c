@@ -220,7 +220,7 @@ static bool varies_threads(const gn_sweep *s) {
 static gneiss_status prepare(const work *w, task *t, gn_child *child, gneiss_error *error) {
     const char *folder = child->folder;
     GN_TRY(gn_make_directory(folder, error));
-    gn_outcome_forget(folder);
+    gn_outcome_forget(folder, t->outcome.lost);
     if (t->afresh) GN_TRY(gn_checkpoint_prune(folder, 0, error));
     child->resumed = !t->afresh && gn_newest_checkpoint(folder) >= 0;
     t->afresh = false;
@@ -354,6 +354,9 @@ static bool all_over(const work *w) {
 
 static gneiss_status carry_out(work *w, gneiss_error *error) {
     gneiss_status status = GNEISS_OK;
+    for (size_t k = 0; k < w->task_count; k++)
+        if (w->tasks[k].outcome.lost && !w->way->force)
+            tell(w, "lost", w->tasks[k].run, &w->tasks[k].outcome);
     while (!all_over(w)) {
         bool held = false;
         if (w->way->interrupted && *w->way->interrupted) stop(w);

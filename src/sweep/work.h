@@ -9,12 +9,13 @@
 /* How far a sweep, or its shard, is. Runs that are the same count once. */
 typedef struct gn_sweep_progress {
     size_t total, done, failed, running;
-    size_t found;     /* of those done or failed: by an earlier sweep */
-    double seconds;   /* since the start */
-    double eta;       /* s; NaN: not known */
-    size_t last;      /* run that this is about */
-    const char *what; /* "started", "resumed", "done", "failed", "killed"; NULL: time has passed */
-    const gn_outcome *outcome; /* of "done", "failed" and "killed" */
+    size_t found;              /* of those done or failed: by an earlier sweep */
+    double seconds;            /* since the start */
+    double eta;                /* s; NaN: not known */
+    size_t last;               /* run that this is about */
+    const char *what;          /* "started", "resumed", "done", "failed", "killed", "lost" (it is
+                                  computed again); NULL: time has passed */
+    const gn_outcome *outcome; /* of "done", "failed", "killed" and "lost" */
 } gn_sweep_progress;
 
 typedef void gn_sweep_watch(void *context, const gn_sweep_progress *progress);
