@@ -220,7 +220,7 @@ static void a_stiff_platen_that_touches_late_presses_gently(void **state) {
             gn_energy e = measured_step(w);
             assert_near(found / wanted, 1.0, 0.01);
             assert_near(gn_energy_residual(&e), 0.0,
-                        0.01); /* what a run warns of; 0.2 to 0.5 before */
+                        0.01); /* what a run warns of; in two steps 0.2 to 0.5 */
             world_end(w);
         }
 }
