@@ -85,6 +85,9 @@ GN_INLINE gn_linear_crossing gn_linear_cross(gn_v kn, gn_v stretch, gn_v path, g
     gn_v half = gn_set(0.5), one = gn_set(1.0), zero = gn_set(0.0);
     gn_v most = zero - gn_max(zero - quarter_y2, gn_set(-0.125));
     gn_v s = gn_where(gn_or(closing, opening), stretch / path, zero);
+    /* In single precision what has closed within the rounding of its path has just begun. */
+    gn_m within = gn_and(gn_at_least(s, zero), gn_at_least(one, s));
+    s = gn_pick(GN_MIXED, gn_where(within, s, one), s);
     gn_v bend = most * s * (one - s), full = kn * stretch;
     gn_v first = gn_max(gn_set(-0.5), zero - gn_max(gn_set(-0.5), zero - bias)) * half;
     gn_v in = half * full * (one + s) * (one - bend + first * (one - s) / (one + s));

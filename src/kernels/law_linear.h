@@ -160,7 +160,8 @@ GN_INLINE gn_v with_path_rounding(const gn_contact_args *a, gn_v of, gn_v speeds
 /* More than that of any contact. */
 GN_INLINE gn_v with_most_path_rounding(const gn_contact_args *a, gn_v of) {
     double speeds = a->speed_most > 0.0 ? 4.0 * a->speed_most : (double)INFINITY;
-    return gn_pick(GN_MIXED, gn_set(0x1p-20 * a->dt * speeds) + of, of);
+    double most = a->dt > 0.0 ? 0x1p-20 * a->dt * speeds : 0.0; /* nothing moved before the start */
+    return gn_pick(GN_MIXED, gn_set(most) + of, of);
 }
 
 /* A contact that closed or opened within the step, or did not after all. */
@@ -188,7 +189,8 @@ static __attribute__((noinline)) crossing cross(const gn_contact_args *a, size_t
     closing = gn_and(closing, gn_or(gn_not(q->breaking), never));
     gn_m acting = gn_not(gn_and(q->loose, gn_not(q->touching)));
     crossing r;
-    gn_v bias = gn_set(a->dt * a->dt) * ends.acceleration / path;
+    gn_m moves = gn_not(gn_and(gn_at_least(path, gn_set(0.0)), gn_at_least(gn_set(0.0), path)));
+    gn_v bias = gn_keep(moves, gn_set(a->dt * a->dt) * ends.acceleration / path);
     r.of = gn_linear_cross(q->kn, q->stretch, path, quarter_y2, bias, closing, opening, acting);
     /* Nothing is left to release. */
     r.elastic = gn_where(opening, r.of.normal, q->elastic);
