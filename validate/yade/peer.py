@@ -120,8 +120,6 @@ class Contacts:
         ids, place = np.unique(pairs, return_inverse=True)
         self.states, self.place = [states[k] for k in ids], place.reshape(-1, 2).T
         self.radii = spheres[pairs.T, 3]
-        mass = np.array([s.mass for s in self.states])[self.place]
-        self.inverse_mass = (1 / mass).sum(axis=0)
         self.kn, self.kt, overlap = np.array([(p.kn, p.ks, p.initD) for p in self.phys]).reshape(-1, 3).T
         self.length0 = self.radii.sum(axis=0) - overlap
         self.normal = np.array([[*i.geom.normal] for i in members]).reshape(-1, 3).T
@@ -230,8 +228,19 @@ def complete_fresh(real):
         limit_shear(i)
 
 
+def ends_along(i):
+    """1/kg with which both ends of a contact give way along its normal, and m/s2 by which their weights open it: prescribed
+    components take part in neither."""
+    n, inverse, opens = i.geom.normal, 0.0, 0.0
+    for k, sign in ((i.id1, -1), (i.id2, 1)):
+        free = [a for a, c in enumerate("xyz") if c not in states[k].blockedDOFs]
+        inverse += sum(n[a]**2 for a in free) / states[k].mass
+        opens += sign * sum(gravity[a] * n[a] for a in free)
+    return inverse, opens
+
+
 def complete_crossing(broken):
-    """Contacts without a bond that closed or opened within this step: src/kernels/contact_template.c says why so. Bonds that
+    """Contacts without a bond that closed or opened within this step: src/kernels/contact_law.h says why so. Bonds that
     broke in it were springs until now."""
     c, sprung = contacts, {(i.id1, i.id2) for i in broken}
     start = c.stretch - c.path
@@ -241,8 +250,10 @@ def complete_crossing(broken):
         if c.phys[k].isCohesive or closed and (gap < 2**-48 * c.distance[k] or (i.id1, i.id2) in sprung):
             continue
         s = u / float(c.path[k])
-        bend = min(0.25 * dt**2 * float(c.kn[k] * c.inverse_mass[k]), 0.125) * s * (1 - s)
-        pressing = -u * (1 + s) * (1 - bend) if closed else gap * s * (1 + bend)
+        inverse, opens = ends_along(i)
+        bend = min(0.25 * dt**2 * float(c.kn[k]) * inverse, 0.125) * s * (1 - s)
+        first = 0.5 * min(0.5, max(-0.5, dt**2 * opens / float(c.path[k])))
+        pressing = -u * (1 + s) * (1 - bend + first * (1 - s) / (1 + s)) if closed else gap * s * (1 + bend - first)
         change_normal(i, 0.5 * float(c.kn[k]) * pressing * i.geom.normal)
         limit_shear(i)
 
