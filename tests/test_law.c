@@ -53,7 +53,7 @@ static couple *make(int law, bool bonded) {
     if (bonded) t->k.length0[0] = 2.0 * radius;
     t->law = gn_law_of(fx);
     gn_law_model model = {.scene = &t->scene};
-    gn_law_pair pair = {&t->material, &t->material, radius, radius, 0.0};
+    gn_law_pair pair = {.a = &t->material, .b = &t->material, .ri = radius, .rj = radius};
     t->law->set(&model, &pair, &t->k, 0);
     t->args = (gn_contact_args){.pos = t->p.pos,
                                 .vel = t->p.vel,

@@ -182,15 +182,18 @@ static void every_slip_is_told_with_its_place(void **state) {
          "s.yaml:9:5: materials[0].frction: unknown key 'frction'; did you mean 'friction'?"},
         {"law:\n", "lawwwwwwwww: 1\nlaw:\n",
          "s.yaml:10:1: lawwwwwwwww: unknown key 'lawwwwwwwww'; expected one of title, dimension, "
-         "origin, specimen, materials, law, elements, bonds, damping, gravity, initial, periodic, "
+         "origin, specimen, materials, contacts, law, elements, bonds, damping, gravity, initial, "
+         "periodic, "
          "domain, sets, walls, bodies, test, time, output, neighbours, run"},
-        {"    kratio: 2\n", "", "s.yaml:5:5: materials[0].kratio: required, but not given"},
+        {"    kratio: 2\n", "",
+         "s.yaml:5:5: materials[0].kratio: required by this law.stiffness, but not given"},
         {"  end: 5 ms", "  safety: 1", "s.yaml:18:1: time.end: required, but not given"},
         {"    friction: 0.5\n", "    density: 1\n",
          "s.yaml:9:5: materials[0].density: expected once, found again; first given in line 6"},
         {"stiffness: uniform", "stiffness: unifrom",
          "s.yaml:11:14: law.stiffness: expected one of uniform, arithmetic, harmonic, mean_radius, "
-         "mean_arithmetic, mean_harmonic, found 'unifrom'; did you mean 'uniform'?"},
+         "mean_arithmetic, mean_harmonic, dempack, polyhedron, found 'unifrom'; did you mean "
+         "'uniform'?"},
         {"dimension: 3", "dimension: 4",
          "s.yaml:1:12: dimension: expected a whole number in [2, 3], found '4'"},
         {"  end: 5 ms", "  end: [5 ms]",
@@ -228,9 +231,8 @@ static void every_slip_is_told_with_its_place(void **state) {
          "s.yaml:12:3: run.stiffness: unknown key 'stiffness'; expected one of seed, threads, "
          "precision, isa, residual_warning, residual_limit"},
         {"- name: rock\n    density", "- name: rock\n  - density",
-         "s.yaml:5:5: materials[0].density: required, but not given\ns.yaml:5:5: "
-         "materials[0].kratio: required, but not given\ns.yaml:6:5: materials[1].name: required, "
-         "but not given"},
+         "s.yaml:5:5: materials[0].density: required, but not given\n"
+         "s.yaml:6:5: materials[1].name: required, but not given"},
         {"dimension: 3", "title: \"a\\0b\"",
          "s.yaml:1:8: expected text, found a NUL character in it"},
         {"rock", "r\xff",

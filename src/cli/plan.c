@@ -4,6 +4,7 @@
 #include "base/point.h"
 #include "base/timer.h"
 #include "cli/plan_elements.h"
+#include "cli/plan_law.h"
 #include "cli/progress.h"
 #include "sim/overlap.h"
 
@@ -361,6 +362,7 @@ static gneiss_status check_particles(const gn_world *w, int *warnings, gneiss_er
         (*warnings)++;
     }
     print_bond_numbers(w, warnings);
+    GN_TRY(gn_print_law(w, warnings, error));
     print_walls(w, warnings);
     return GNEISS_OK;
 }

@@ -12,6 +12,7 @@
 typedef struct gn_derived {
     double radius;  /* m: stiffness is 2 E_c radius */
     double radius2; /* m2: strengths are 4 sigma_c radius2, 4 tau_c radius2 */
+    double gamma;   /* section of a pair that was never bonded over Dempack's */
 } gn_derived;
 
 /* What holds for all contacts. */
@@ -28,6 +29,9 @@ typedef struct gn_law_pair {
     double ri, rj;       /* m */
     double inverse_mass; /* 1/kg, with which both give way along the line of their centres; with a
                             damping fraction only */
+    const gn_contact_def *own; /* what holds for this pair of materials alone; NULL: nothing */
+    double area, length;       /* m2, m: section and length of a bond; 0: none is kept */
+    uint64_t lot;              /* of what is drawn for a bond; 0: nothing is */
 } gn_law_pair;
 
 /* A contact in the linearised system. */
@@ -119,6 +123,16 @@ GN_LAWS(X)
 #undef X
 
 /* The functions of the linear law, which may stand in the tables of others (law_linear.c). */
+/* Parameters by area (law_area.c): those of a bond, and the stiffnesses that two particles show at
+ * most which meet unbonded. */
+typedef struct gn_area_parameters {
+    double kn, kt, rn, rt;
+} gn_area_parameters;
+gn_area_parameters gn_area_parameters_of(const gn_law_model *model, const gn_law_pair *pair);
+gn_area_parameters gn_area_meeting(const gn_law_model *model, const gn_law_pair *pair);
+/* m2, in 2D m x 1 m: Dempack's section of a pair, without gamma (Santasusana 2013, 4.5). */
+double gn_dempack_area(int dimension, double ri, double rj);
+
 bool gn_linear_derive(const gn_scene *scene, const gn_particles *particles,
                       const int32_t (*pair)[2], size_t count, gn_derived *derived);
 void gn_linear_set(const gn_law_model *model, const gn_law_pair *pair, gn_contacts *list, size_t c);

@@ -4,8 +4,8 @@
  * A contact is seen as a bar between the centres. In 3D its section is (2r)^2 and its length 2r, so
  * that k_n = 2 E_c r and R = 4 sigma_c r^2; in 2D (unit thickness) the section is 2r x 1 m, so that
  * k_n = E_c x 1 m whatever r, and R = 2 sigma_c r x 1 m. */
+#include "kernels/combine.h"
 #include "kernels/dashpot.h"
-#include "kernels/law.h"
 #include "kernels/law_scalar.h"
 
 #include <math.h>
@@ -17,15 +17,6 @@ typedef struct parameters {
     double rn, rt; /* bonds */
 } parameters;
 
-/* Springs in series for two materials; the same material gives its own value back exactly. */
-static double series(double a, double b) {
-    return a == b ? a : 2.0 * a * b / (a + b);
-}
-
-static double smaller(double a, double b) {
-    return a < b ? a : b;
-}
-
 typedef struct effective_radius {
     double stiffness; /* k_n = 2 E_c times this */
     double strength2; /* R = 4 sigma_c times this (3D) */
@@ -33,7 +24,7 @@ typedef struct effective_radius {
 } effective_radius;
 
 static effective_radius radius_of(const gn_law_model *m, double ri, double rj) {
-    double mean = 0.5 * (ri + rj), harmonic = 2.0 * ri * rj / (ri + rj), least = smaller(ri, rj);
+    double mean = 0.5 * (ri + rj), harmonic = 2.0 * ri * rj / (ri + rj), least = gn_smaller(ri, rj);
     switch (m->scene->stiffness) {
     case GN_STIFFNESS_ARITHMETIC:
         return (effective_radius){mean, mean * mean, mean};
@@ -44,6 +35,8 @@ static effective_radius radius_of(const gn_law_model *m, double ri, double rj) {
     case GN_STIFFNESS_MEAN_HARMONIC:
         return (effective_radius){m->derived.radius, m->derived.radius2, sqrt(m->derived.radius2)};
     case GN_STIFFNESS_UNIFORM:
+    case GN_STIFFNESS_DEMPACK:
+    case GN_STIFFNESS_POLYHEDRON:
         break;
     }
     return (effective_radius){0, 0, 0};
@@ -52,36 +45,64 @@ static effective_radius radius_of(const gn_law_model *m, double ri, double rj) {
 static void set_kn_and_strength(const gn_law_model *m, const gn_law_pair *q, parameters *p) {
     const gn_material *a = q->a, *b = q->b;
     if (m->scene->stiffness == GN_STIFFNESS_UNIFORM) {
-        p->kn = series(a->normal_stiffness, b->normal_stiffness);
-        p->rn = smaller(a->bond_tension_limit, b->bond_tension_limit);
-        p->rt = smaller(a->bond_shear_limit, b->bond_shear_limit);
+        p->kn = GN_OWN(q, normal_stiffness, gn_series(a->normal_stiffness, b->normal_stiffness));
+        p->rn =
+            GN_OWN(q, bond_tension_limit, gn_smaller(a->bond_tension_limit, b->bond_tension_limit));
+        p->rt = GN_OWN(q, bond_shear_limit, gn_smaller(a->bond_shear_limit, b->bond_shear_limit));
         return;
     }
     effective_radius r = radius_of(m, q->ri, q->rj);
-    double modulus = series(a->contact_modulus, b->contact_modulus);
+    double modulus = GN_OWN(q, contact_modulus, gn_series(a->contact_modulus, b->contact_modulus));
     bool space = m->scene->dimension == 3;
     double section = space ? 4.0 * r.strength2 : 2.0 * r.strength1;
     p->kn = space ? 2.0 * modulus * r.stiffness : modulus;
-    p->rn = smaller(a->tensile_strength, b->tensile_strength) * section;
-    p->rt = smaller(a->shear_strength, b->shear_strength) * section;
+    p->rn =
+        GN_OWN(q, tensile_strength, gn_smaller(a->tensile_strength, b->tensile_strength)) * section;
+    p->rt = GN_OWN(q, shear_strength, gn_smaller(a->shear_strength, b->shear_strength)) * section;
 }
 
-static parameters parameters_of(const gn_law_model *m, const gn_law_pair *q) {
+/* Each material's k_t/k_n; two different ones act in series as the normal springs do. */
+static double shear_of(const gn_law_pair *q, double kn) {
+    double ka = GN_OWN(q, kratio, q->a->kratio), kb = GN_OWN(q, kratio, q->b->kratio);
+    double ta = ka > 0.0 ? 1.0 / ka : 0.0, tb = kb > 0.0 ? 1.0 / kb : 0.0;
+    return ta + tb > 0.0 ? kn * gn_series(ta, tb) : 0.0;
+}
+
+/* Of two materials with scatter of their own the smaller number counts: each from the same draw. */
+static void scatter(const gn_law_model *m, const gn_law_pair *q, parameters *p) {
+    enum { STRENGTH = 1, STIFFNESS = 2 };
+    const uint64_t seed = m->scene->seed;
+    double stiffness =
+        gn_smaller(gn_scatter_factor(&q->a->stiffness_scatter, seed, q->lot, STIFFNESS),
+                   gn_scatter_factor(&q->b->stiffness_scatter, seed, q->lot, STIFFNESS));
+    double strength =
+        gn_smaller(gn_scatter_factor(&q->a->strength_scatter, seed, q->lot, STRENGTH),
+                   gn_scatter_factor(&q->b->strength_scatter, seed, q->lot, STRENGTH));
+    p->kn *= stiffness;
+    p->kt *= stiffness;
+    p->rn *= strength;
+    p->rt *= strength;
+}
+
+static parameters parameters_of(const gn_law_model *m, const gn_law_pair *q, bool meeting) {
     const gn_material *a = q->a, *b = q->b;
     parameters p = {0};
-    set_kn_and_strength(m, q, &p);
-    /* Each material's k_t/k_n; two different ones act in series as the normal springs do. */
-    double ta = a->kratio > 0.0 ? 1.0 / a->kratio : 0.0,
-           tb = b->kratio > 0.0 ? 1.0 / b->kratio : 0.0;
-    p.kt = ta + tb > 0.0 ? p.kn * series(ta, tb) : 0.0;
-    p.mu = smaller(a->friction, b->friction);
+    if (gn_scene_by_area(m->scene)) {
+        gn_area_parameters by = meeting ? gn_area_meeting(m, q) : gn_area_parameters_of(m, q);
+        p = (parameters){.kn = by.kn, .kt = by.kt, .rn = by.rn, .rt = by.rt};
+    } else {
+        set_kn_and_strength(m, q, &p);
+        p.kt = shear_of(q, p.kn);
+    }
+    p.mu = GN_OWN(q, friction, gn_smaller(a->friction, b->friction));
+    if (q->lot) scatter(m, q, &p);
     if (m->damping_fraction > 0.0)
         p.cn = gn_dashpot(p.kn, q->inverse_mass, m->damping_fraction, m->dt);
     return p;
 }
 
 void gn_linear_set(const gn_law_model *m, const gn_law_pair *pair, gn_contacts *list, size_t c) {
-    parameters p = parameters_of(m, pair);
+    parameters p = parameters_of(m, pair, false);
     list->kn[c] = p.kn;
     if (list->kt) list->kt[c] = p.kt;
     if (list->mu) list->mu[c] = p.mu;
@@ -93,7 +114,7 @@ void gn_linear_set(const gn_law_model *m, const gn_law_pair *pair, gn_contacts *
 void gn_linear_set_dashpot(const gn_law_model *m, const gn_law_pair *pair, gn_contacts *list,
                            size_t c) {
     if (!list->cn) return;
-    list->cn[c] = parameters_of(m, pair).cn;
+    list->cn[c] = parameters_of(m, pair, false).cn;
     if (list->cn_f) list->cn_f[c] = (float)list->cn[c];
 }
 
@@ -112,7 +133,7 @@ bool gn_linear_derive(const gn_scene *scene, const gn_particles *particles,
     } else if (model == GN_STIFFNESS_MEAN_ARITHMETIC || model == GN_STIFFNESS_MEAN_HARMONIC) {
         for (size_t c = 0; c < count; c++) {
             double ri = pos[4 * (int64_t)pair[c][0] + 3], rj = pos[4 * (int64_t)pair[c][1] + 3];
-            double mean = 0.5 * (ri + rj), least = smaller(ri, rj);
+            double mean = 0.5 * (ri + rj), least = gn_smaller(ri, rj);
             bool arithmetic = model == GN_STIFFNESS_MEAN_ARITHMETIC;
             sum += arithmetic ? mean : 2.0 * ri * rj / (ri + rj);
             sum2 += arithmetic ? mean * mean : least * least;
@@ -120,7 +141,7 @@ bool gn_linear_derive(const gn_scene *scene, const gn_particles *particles,
     } else {
         return true;
     }
-    if (count > 0) *derived = (gn_derived){sum / (double)count, sum2 / (double)count};
+    if (count > 0) *derived = (gn_derived){.radius = sum / (double)count, .radius2 = sum2 / (double)count};
     return count > 0;
 }
 
@@ -130,7 +151,7 @@ bool gn_linear_derive(const gn_scene *scene, const gn_particles *particles,
  * (harmonic) or A/x^d + B, each of which falls and then rises, or only falls. */
 gn_law_spring gn_linear_meeting(const gn_law_model *m, const gn_law_pair *pair, double overlap) {
     (void)overlap;
-    parameters p = parameters_of(m, pair);
+    parameters p = parameters_of(m, pair, true);
     return (gn_law_spring){p.kn, p.mu > 0.0 ? p.kt : 0.0, p.cn};
 }
 

@@ -133,6 +133,9 @@ READ(normal_force, normal_of(v, k))
 READ(shear_force, shear_of(v, k))
 READ(criterion, criterion_of(v, k))
 
+READ(area, w->dem.bonds.area[k])
+READ(contact_stress, normal_of(v, k) / w->dem.bonds.area[k])
+
 /* On the end with the smaller id, which comes first. */
 static void read_force(const void *view, size_t c, double *value) {
     const gn_world *w = world_of(view);
@@ -159,6 +162,10 @@ static const gn_output_field of_bonds[] = {
      read_shear_force, 0},
     {"criterion", "1", "largest of force over strength; 1: broken; 0: left", BOTH, GN_F64, false, 1,
      read_criterion, 0},
+    {"area", "m2", "section (2D: width times 1 m); with `law.stiffness: dempack` or `polyhedron`",
+     GN_IN_RESULTS, GN_F64, false, 1, read_area, GN_FX_AREA},
+    {"contact_stress", "Pa", "normal force over section, tension positive; with the same", BOTH,
+     GN_F64, false, 1, read_contact_stress, GN_FX_AREA},
 };
 
 _Static_assert(COUNT(of_particles) <= GN_OUTPUT_FIELDS_MOST &&

@@ -54,9 +54,8 @@ bool gn_check_element_sound(const check *c) {
     return gn_check_sound(c, path);
 }
 
-/* The name of a material. */
-static gneiss_status check_material_name(const check *c, const gn_scene *s, const char *key,
-                                         const char *name) {
+gneiss_status gn_check_material_name(const check *c, const gn_scene *s, const char *key,
+                                     const char *name) {
     char advice[GN_ADVICE_SIZE];
     gn_names names = gn_names_for(name);
     if (!gn_check_named(c, "materials") || gn_scene_find_material(s, name) >= 0) return GNEISS_OK;
@@ -218,7 +217,7 @@ static gneiss_status check_specimen(const check *c, gn_scene *s) {
     GN_TRY(gn_check_keep(c, check_particles(c, s)));
     if (!*specimen->material && s->material_count == 1)
         memcpy(specimen->material, s->materials[0].name, sizeof specimen->material);
-    return check_material_name(c, s, "specimen.material", specimen->material);
+    return gn_check_material_name(c, s, "specimen.material", specimen->material);
 }
 
 gneiss_status gn_check_shape(gn_reader *reader, const gn_node *root) {
@@ -235,25 +234,34 @@ static gneiss_status need(const check *c, double value, const char *key, const c
     return gn_check_fail(c, key, "required %s, but not given", reason);
 }
 
-static gneiss_status check_material(const check *c, const gn_scene *s, size_t index) {
-    const gn_material *m = &s->materials[index];
-    if (gn_scene_find_material(s, m->name) != (int)index)
-        return gn_check_fail(c, "name", "expected a name of its own, found '%s' a second time",
-                             m->name);
-    bool bonds = s->bonds == GN_SWITCH_ON;
+static gneiss_status check_law_values(const check *c, const gn_scene *s, const gn_material *m) {
+    bool bonds = s->bonds == GN_SWITCH_ON, area = gn_scene_by_area(s);
     if (m->kratio > 0 && m->kratio < 1e-6)
         return gn_check_fail(
             c, "kratio", "expected 0 (no tangential spring) or at least 1e-6, found %g", m->kratio);
+    if (!area) GN_TRY(need(c, m->kratio + 1.0, "kratio", "by this law.stiffness"));
     if (s->stiffness == GN_STIFFNESS_UNIFORM) {
         GN_TRY(need(c, m->normal_stiffness, "normal_stiffness", "by the uniform law"));
         if (!bonds) return GNEISS_OK;
         GN_TRY(need(c, m->bond_tension_limit, "bond_tension_limit", "by bonds of the uniform law"));
         return need(c, m->bond_shear_limit, "bond_shear_limit", "by bonds of the uniform law");
     }
-    GN_TRY(need(c, m->contact_modulus, "contact_modulus", "by this law.stiffness"));
+    if (area) GN_TRY(need(c, m->young, "young", "by laws by area"));
+    if (area) GN_TRY(need(c, m->poisson + 1.0, "poisson", "by laws by area"));
+    if (!area) GN_TRY(need(c, m->contact_modulus, "contact_modulus", "by this law.stiffness"));
     if (!bonds) return GNEISS_OK;
     GN_TRY(need(c, m->tensile_strength, "tensile_strength", "by bonds of this law.stiffness"));
     return need(c, m->shear_strength, "shear_strength", "by bonds of this law.stiffness");
+}
+
+static gneiss_status check_material(const check *c, const gn_scene *s, size_t index) {
+    const gn_material *m = &s->materials[index];
+    if (gn_scene_find_material(s, m->name) != (int)index)
+        return gn_check_fail(c, "name", "expected a name of its own, found '%s' a second time",
+                             m->name);
+    GN_TRY(gn_check_scatter(c, "strength_scatter", &m->strength_scatter));
+    GN_TRY(gn_check_scatter(c, "stiffness_scatter", &m->stiffness_scatter));
+    return check_law_values(c, s, m);
 }
 
 /* ---- damping ---- */
@@ -357,7 +365,7 @@ static gneiss_status check_set(const check *c, const gn_scene *s, size_t index) 
     if (set->has_box) GN_TRY(gn_check_box(c, s, "select.box.max", set->box_min, set->box_max));
     if (set->end_axis >= s->dimension)
         return gn_check_fail(c, "select.end.axis", "expected x or y in a 2D scene, found z");
-    if (*set->material) GN_TRY(check_material_name(c, s, "material", set->material));
+    if (*set->material) GN_TRY(gn_check_material_name(c, s, "material", set->material));
     if (gn_check_sound(c, "law.rotation")) GN_TRY(check_spin(c, s, set));
     GN_TRY(check_start(c, set->motion.velocity, set->initial_velocity, "initial_velocity", "v"));
     GN_TRY(check_start(c, set->motion.spin, set->initial_spin, "initial_spin", "w"));
@@ -482,6 +490,7 @@ static gneiss_status check_no_specimen(const check *c, const gn_scene *s) {
         bool found;
         const char *key;
     } keys[] = {{s->material_count > 0, "materials"},
+                {s->contact_count > 0, "contacts"},
                 {s->has_law, "law"},
                 {s->bonds == GN_SWITCH_ON, "bonds"},
                 {s->set_count > 0, "sets"},
@@ -531,6 +540,9 @@ gneiss_status gn_check_scene(gn_reader *reader, const gn_node *root) {
     if (s->has_elements) GN_TRY(gn_check_elements(reader, root));
     if (s->has_specimen && gn_check_sound(&c, "law.stiffness"))
         GN_TRY(check_list(&c, "materials", s->material_count, check_material));
+    if (s->has_specimen && gn_check_sound(&c, "law"))
+        GN_TRY(gn_check_keep(&c, gn_check_gamma(&c, s)));
+    GN_TRY(check_list(&c, "contacts", s->contact_count, gn_check_contact));
     if (gn_check_sound(&c, "damping")) GN_TRY(gn_check_keep(&c, check_damping(&c, s)));
     if (gn_check_sound(&c, "periodic") && gn_check_sound(&c, "domain"))
         GN_TRY(gn_check_keep(&c, check_surroundings(&c, s)));

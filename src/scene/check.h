@@ -31,6 +31,16 @@ bool gn_check_named(const check *c, const char *list);
 /* Of the element of a list that the check is about. */
 bool gn_check_element_sound(const check *c);
 
+/* The name of a material. */
+gneiss_status gn_check_material_name(const check *c, const gn_scene *s, const char *key,
+                                     const char *name);
+
+/* What is drawn for bonds, `key` of a material; an element of `contacts`; gamma of `law`
+ * (check_contacts.c). */
+gneiss_status gn_check_scatter(const check *c, const char *key, const gn_scatter *scatter);
+gneiss_status gn_check_contact(const check *c, const gn_scene *s, size_t index);
+gneiss_status gn_check_gamma(const check *c, const gn_scene *s);
+
 /* Corners in order; `key` is that of the upper one. */
 gneiss_status gn_check_box(const check *c, const gn_scene *s, const char *key, const double *low,
                            const double *high);

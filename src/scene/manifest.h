@@ -93,6 +93,8 @@ struct gn_section {
 extern const gn_section gn_scene_section, gn_specimen_section;
 /* An element of `bodies` (manifest_bodies.c). */
 extern const gn_section gn_body_section;
+/* What is drawn for bonds of a material; an element of `contacts` (manifest_contacts.c). */
+extern const gn_section gn_scatter_section, gn_contact_section;
 
 /* An interval "[low, high)" and whether a value lies in it. NULL: every finite value. */
 typedef struct gn_range {

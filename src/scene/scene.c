@@ -274,13 +274,20 @@ static bool bonds_possible(const gn_scene *s) {
 }
 
 static gn_effects contact_effects(const gn_scene *s) {
-    bool bonds = bonds_possible(s), friction = false, shear = false;
-    for (size_t k = 0; k < s->material_count; k++)
-        friction = friction || s->materials[k].friction > 0;
-    for (size_t k = 0; k < s->material_count; k++)
-        shear = shear || (s->materials[k].kratio > 0 && (friction || bonds));
+    bool bonds = bonds_possible(s), area = gn_scene_by_area(s), friction = false, shear = false;
+    for (size_t k = 0; k < s->material_count; k++) {
+        const gn_material *m = &s->materials[k];
+        friction = friction || m->friction > 0;
+        shear = shear || (area ? m->beta : m->kratio) > 0;
+    }
+    for (size_t k = 0; k < s->contact_count; k++) {
+        const gn_contact_def *d = &s->contacts[k];
+        friction = friction || d->friction > 0;
+        shear = shear || (area ? d->beta : d->kratio) > 0;
+    }
+    shear = shear && (friction || bonds);
     gn_effects mask = GN_FX_PAIRS;
-    if (bonds) mask |= GN_FX_BONDS;
+    if (bonds) mask |= GN_FX_BONDS | (area ? GN_FX_AREA : 0U);
     if (shear) mask |= GN_FX_SHEAR;
     if (shear && friction) mask |= GN_FX_FRICTION;
     if (s->restitution >= 0 || s->damping_fraction > 0) mask |= GN_FX_CONTACT_DAMPING;
@@ -373,6 +380,19 @@ int gn_scene_find_element_motion(const gn_scene *scene, const char *name) {
     for (size_t k = 0; k < scene->elements.motion_count; k++)
         if (strcmp(scene->elements.motions[k].name, name) == 0) return (int)k;
     return -1;
+}
+
+static bool names(const gn_contact_def *d, const char *a, const char *b) {
+    const char *first = d->between[0], *second = d->between[d->between_count - 1];
+    return (strcmp(first, a) == 0 && strcmp(second, b) == 0) ||
+           (strcmp(first, b) == 0 && strcmp(second, a) == 0);
+}
+
+const gn_contact_def *gn_scene_find_contact(const gn_scene *scene, const gn_material *a,
+                                            const gn_material *b) {
+    for (size_t k = 0; k < scene->contact_count; k++)
+        if (names(&scene->contacts[k], a->name, b->name)) return &scene->contacts[k];
+    return NULL;
 }
 
 bool gn_scene_end_drives(const gn_scene *scene, const gn_test_end *end) {

@@ -25,8 +25,27 @@ typedef enum gn_stiffness_model {
     GN_STIFFNESS_HARMONIC,        /* model 2: harmonic mean radius of the pair */
     GN_STIFFNESS_MEAN_RADIUS,     /* model 3a: uniform, from the mean over particles */
     GN_STIFFNESS_MEAN_ARITHMETIC, /* model 3b: uniform, mean over contacts of model 1 */
-    GN_STIFFNESS_MEAN_HARMONIC    /* model 3c: uniform, mean over contacts of model 2 */
+    GN_STIFFNESS_MEAN_HARMONIC,   /* model 3c: uniform, mean over contacts of model 2 */
+    GN_STIFFNESS_DEMPACK,         /* by area (Santasusana 2013): Dempack's section times gamma */
+    GN_STIFFNESS_POLYHEDRON       /* by area: sections of virtual polyhedra about the particles */
 } gn_stiffness_model;
+
+/* Where gamma comes from when it is not given. */
+typedef enum gn_gamma_rule {
+    GN_GAMMA_VOLUME,  /* sum of sections times lengths = dimension times volume */
+    GN_GAMMA_POROSITY /* 40 e/n_c (Santasusana 2013, 4.5) */
+} gn_gamma_rule;
+
+/* What a property of bonds is multiplied by: a number drawn for each, 1 in the mean. */
+typedef enum gn_scatter_kind {
+    GN_SCATTER_NONE,
+    GN_SCATTER_WEIBULL, /* of modulus m, scale 1/Gamma(1 + 1/m) */
+    GN_SCATTER_NORMAL   /* of mean 1, those in (0, 2) */
+} gn_scatter_kind;
+typedef struct gn_scatter {
+    gn_scatter_kind kind;
+    double modulus, deviation;
+} gn_scatter;
 
 typedef enum gn_background_damping {
     GN_BACKGROUND_NONE,
@@ -111,13 +130,26 @@ typedef struct gn_material {
     double contact_modulus;    /* E_c, Pa; size-dependent and packing-derived models */
     double normal_stiffness;   /* k_n, N/m; uniform model */
     double kratio;             /* kappa = k_n/k_t as in PFC; 0: no tangential spring */
+    double young, poisson;     /* E, Pa, nu; laws by area */
+    double alpha, beta;        /* of E in k_n and of G in k_t; laws by area */
     double friction;           /* mu */
     double tensile_strength;   /* sigma_c of the contact, Pa; size-dependent models */
     double shear_strength;     /* tau_c of the contact, Pa */
     double bond_tension_limit; /* R_n, N; uniform model */
     double bond_shear_limit;   /* R_t, N; uniform model */
+    gn_scatter strength_scatter, stiffness_scatter;
     gn_scene_place where;
 } gn_material;
+
+/* Contacts between two materials that differ from what follows from both. */
+#define GN_COMBINED (-2.0) /* no value of its own */
+typedef struct gn_contact_def {
+    size_t between_count;
+    char (*between)[GN_NAME_SIZE]; /* [between_count] one or two */
+    double friction, kratio, contact_modulus, normal_stiffness, young, poisson, alpha, beta,
+        tensile_strength, shear_strength, bond_tension_limit, bond_shear_limit;
+    gn_scene_place where;
+} gn_contact_def;
 
 typedef struct gn_lattice {
     gn_lattice_kind kind;
@@ -370,12 +402,16 @@ typedef struct gn_scene {
     gn_specimen specimen;
     size_t material_count;
     gn_material *materials;
+    size_t contact_count;
+    gn_contact_def *contacts; /* each pair of materials at most once */
     bool has_elements;
     gn_element_def elements;
 
     bool has_law;
     gn_scene_place law_where;
     gn_stiffness_model stiffness;
+    double gamma; /* 0: by gamma_rule */
+    gn_gamma_rule gamma_rule;
     gn_contact_arm contact_arm;
     gn_switch rotation; /* auto: on */
 
@@ -506,6 +542,13 @@ int gn_scene_find_wall(const gn_scene *scene, const char *name);
 int gn_scene_find_body(const gn_scene *scene, const char *name);
 int gn_scene_find_set(const gn_scene *scene, const char *name);
 int gn_scene_find_material(const gn_scene *scene, const char *name);
+/* What the scene says of contacts between two of its materials; NULL: nothing of its own. */
+const gn_contact_def *gn_scene_find_contact(const gn_scene *scene, const gn_material *a,
+                                            const gn_material *b);
+/* Whether stiffness follows from E, nu and sections. */
+static inline bool gn_scene_by_area(const gn_scene *scene) {
+    return scene->stiffness == GN_STIFFNESS_DEMPACK || scene->stiffness == GN_STIFFNESS_POLYHEDRON;
+}
 int gn_scene_find_element_motion(const gn_scene *scene, const char *name);
 
 /* Whether some part of an end loads the specimen along the axis of the test. Sets and nodes that

@@ -1,4 +1,5 @@
 /* Bonds at the start: which pairs are glued and how strong. */
+#include "sim/areas.h"
 #include "sim/internal.h"
 
 #include <math.h>
@@ -74,7 +75,6 @@ static void set_bond(gn_world *w, size_t c, int32_t i, int32_t j) {
     b->j[c] = j;
     b->length0[c] =
         w->scene.passive_gaps ? distance : pos[4 * (int64_t)i + 3] + pos[4 * (int64_t)j + 3];
-    gn_contact_set(w, b, c);
     w->dem.particles.bonds0[i]++;
     w->dem.particles.bonds0[j]++;
 }
@@ -98,8 +98,10 @@ gneiss_status gn_bonds_form(gn_world *w, gneiss_error *error) {
                                gn_contact_list_effects(w->effects, true), error);
     if (status == GNEISS_OK && bonds)
         for (size_t c = 0; c < pairs.count; c++) set_bond(w, c, pairs.pair[c][0], pairs.pair[c][1]);
+    if (status == GNEISS_OK) status = gn_areas_find(w, &pairs, error);
     gn_pair_list_free(&pairs);
     if (status != GNEISS_OK) return status;
+    for (size_t c = 0; c < w->dem.bonds.soa.count; c++) gn_contact_set(w, &w->dem.bonds, c);
     w->dem.bonds_at_start = (int64_t)w->dem.bonds.soa.count;
     gn_contacts_pad(&w->dem.bonds, &w->dem.particles);
     return gn_partials_build(&w->dem.bonds, w->dem.particles.soa.count, w->threads,

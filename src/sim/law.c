@@ -61,14 +61,35 @@ static gn_law_model model_of(const gn_world *w) {
 
 static gn_law_pair pair_of(const gn_world *w, int32_t i, int32_t j) {
     const gn_particles *q = &w->dem.particles;
-    return (gn_law_pair){&w->scene.materials[q->material[i]], &w->scene.materials[q->material[j]],
-                         q->pos[4 * (int64_t)i + 3], q->pos[4 * (int64_t)j + 3],
-                         w->dem.damping_fraction > 0.0 ? pair_inverse_mass(w, i, j) : 0.0};
+    const gn_material *a = &w->scene.materials[q->material[i]],
+                      *b = &w->scene.materials[q->material[j]];
+    return (gn_law_pair){
+        .a = a,
+        .b = b,
+        .ri = q->pos[4 * (int64_t)i + 3],
+        .rj = q->pos[4 * (int64_t)j + 3],
+        .inverse_mass = w->dem.damping_fraction > 0.0 ? pair_inverse_mass(w, i, j) : 0.0,
+        .own = w->scene.contact_count ? gn_scene_find_contact(&w->scene, a, b) : NULL};
+}
+
+/* Of a bond by who its ends are, so that neither order nor the number of threads matters. */
+static uint64_t lot_of(const gn_world *w, int32_t i, int32_t j) {
+    uint64_t a = (uint64_t)w->dem.particles.id[i], b = (uint64_t)w->dem.particles.id[j];
+    return 1 + (a < b ? a << 32 | b : b << 32 | a);
+}
+
+static gn_law_pair pair_of_contact(const gn_world *w, const gn_contacts *list, size_t c) {
+    gn_law_pair pair = pair_of(w, list->i[c], list->j[c]);
+    if (!list->rn) return pair;
+    pair.area = list->area ? list->area[c] : 0.0;
+    pair.length = list->length0[c];
+    pair.lot = lot_of(w, list->i[c], list->j[c]);
+    return pair;
 }
 
 void gn_contact_set(const gn_world *w, gn_contacts *list, size_t c) {
     gn_law_model model = model_of(w);
-    gn_law_pair pair = pair_of(w, list->i[c], list->j[c]);
+    gn_law_pair pair = pair_of_contact(w, list, c);
     gn_law_of(list->soa.effects)->set(&model, &pair, list, c);
 }
 
@@ -76,7 +97,7 @@ void gn_contacts_set_dashpots(const gn_world *w, gn_contacts *list) {
     const gn_law *law = gn_law_of(list->soa.effects);
     gn_law_model model = model_of(w);
     for (size_t c = 0; c < list->soa.count; c++) {
-        gn_law_pair pair = pair_of(w, list->i[c], list->j[c]);
+        gn_law_pair pair = pair_of_contact(w, list, c);
         law->set_dashpot(&model, &pair, list, c);
     }
 }

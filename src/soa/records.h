@@ -104,6 +104,8 @@
       "0 intact, 1 broken in tension, 2 broken in shear, 3 left with a particle")                  \
     Y(X, broken_time, double, GN_F64, 1, GN_COLUMNS, GN_STATE, GN_KEPT, NONE, GN_FX_BONDS, 0, "s", \
       "when the bond broke or left; 0 while it is intact")                                         \
+    Y(X, area, double, GN_F64, 1, GN_COLUMNS, GN_SAVED, GN_KEPT, NONE, GN_FX_BONDS | GN_FX_AREA,   \
+      0, "m2", "section of the bond: 3D, in 2D width times 1 m")                                   \
     Y(X, looked, float, GN_F32, 3, GN_COLUMNS, GN_SAVED, GN_KEPT | GN_ODD, NONE, 0, 0, "1",        \
       "normal when the step was last looked at; 0: not yet")
 

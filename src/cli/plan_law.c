@@ -1,0 +1,77 @@
+#include "cli/plan_law.h"
+
+#include "sim/areas.h"
+
+#include <math.h>
+
+/* Of a column: the least, the mean, the largest. */
+static void print_range(const char *name, const double *column, size_t count, const char *unit) {
+    double least = INFINITY, most = 0.0, sum = 0.0;
+    if (!column || !count) return;
+    for (size_t c = 0; c < count; c++) {
+        least = fmin(least, column[c]);
+        most = fmax(most, column[c]);
+        sum += column[c];
+    }
+    printf("  %-16s %.6g to %.6g, mean %.6g %s\n", name, least, most, sum / (double)count, unit);
+}
+
+static void print_area(const gn_world *w, const gn_area_check *check) {
+    bool polyhedron = w->scene.stiffness == GN_STIFFNESS_POLYHEDRON;
+    int d = (int)w->scene.dimension;
+    print_range("section A", w->dem.bonds.area, w->dem.bonds.soa.count,
+                d == 3 ? "m2" : "m2 (1 m thick)");
+    printf("  sections fill    %.4f of the body: sum(A L)/(%d V)", check->filled, d);
+    if (polyhedron)
+        printf(", %.4f with the free faces of %zu particles that have some",
+               check->filled + check->free, check->open);
+    printf("\n  gamma            %.4g%s%s", w->dem.derived.gamma,
+           w->scene.gamma > 0.0                       ? " (given)"
+           : w->scene.gamma_rule == GN_GAMMA_POROSITY ? " = 40 e/n_c"
+                                                      : " fills it with Dempack's sections",
+           polyhedron ? ", for pairs that meet later" : "");
+    if (w->scene.gamma > 0.0 || w->scene.gamma_rule == GN_GAMMA_VOLUME)
+        printf("; 40 e/n_c would be %.4g", check->dempack_gamma);
+    printf("\n");
+}
+
+/* Young's modulus and Poisson's ratio of the body for uniform strain of an isotropic packing whose
+ * sections fill it: see docs/physics.md. */
+static void print_body(const gn_world *w, const gn_area_check *check) {
+    const gn_material *m = &w->scene.materials[0];
+    double rho = m->beta / m->alpha / (2.0 * (1.0 + m->poisson)), e, nu;
+    bool space = w->scene.dimension == 3;
+    if (w->scene.material_count > 1) return;
+    if (space) {
+        e = (2.0 + 3.0 * rho) / (4.0 + rho);
+        nu = (1.0 - rho) / (4.0 + rho);
+    } else {
+        e = 2.0 * (1.0 + rho) / (3.0 + rho);
+        nu = (1.0 - rho) / (3.0 + rho);
+    }
+    printf("  uniform strain   E%s %.6g Pa, nu%s %.4f, of an isotropic packing filled so far\n",
+           space ? "" : "'", e * m->alpha * m->young * check->filled, space ? "" : "'", nu);
+}
+
+gneiss_status gn_print_law(const gn_world *w, int *warnings, gneiss_error *error) {
+    const gn_contacts *b = &w->dem.bonds;
+    size_t n = b->soa.count;
+    gn_area_check check;
+    if (!n) return GNEISS_OK;
+    if (gn_scene_by_area(&w->scene)) {
+        GN_TRY(gn_areas_check(w, &check, error));
+        print_area(w, &check);
+        print_body(w, &check);
+    }
+    print_range("k_n of bonds", b->kn, n, "N/m");
+    print_range("k_t", b->kt, n, "N/m");
+    print_range("R_n", b->rn, n, "N");
+    print_range("R_t", b->rt, n, "N");
+    if (!gn_scene_by_area(&w->scene) || fabs(check.filled + check.free - 1.0) <= 0.1)
+        return GNEISS_OK;
+    printf("  warning: sections fill %.3g of the body, 1 is wanted: stiffness and strength are off "
+           "by about that factor\n",
+           check.filled + check.free);
+    (*warnings)++;
+    return GNEISS_OK;
+}

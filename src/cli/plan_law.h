@@ -1,0 +1,9 @@
+/* What contact parameters the materials of a scene give, for `gneiss check`. */
+#ifndef GN_CLI_PLAN_LAW_H
+#define GN_CLI_PLAN_LAW_H
+
+#include "sim/world.h"
+
+gneiss_status gn_print_law(const gn_world *world, int *warnings, gneiss_error *error);
+
+#endif

@@ -1,0 +1,53 @@
+/* How a pair gets one value from two materials: its own, or what follows from both; and what is
+ * drawn for a bond. */
+#ifndef GN_KERNELS_COMBINE_H
+#define GN_KERNELS_COMBINE_H
+
+#include "base/random.h"
+#include "kernels/law.h"
+
+#include <math.h>
+
+/* Springs in series for two materials; the same material gives its own value back exactly. */
+static inline double gn_series(double a, double b) {
+    return a == b ? a : a + b > 0.0 ? 2.0 * a * b / (a + b) : 0.0;
+}
+
+static inline double gn_smaller(double a, double b) {
+    return a < b ? a : b;
+}
+
+/* A key of `contacts`, if it is given. */
+#define GN_OWN(pair, key, combined)                                                                \
+    ((pair)->own && (pair)->own->key != GN_COMBINED ? (pair)->own->key : (combined))
+
+/* Uniform in (0, 1), the same for a lot and a seed whatever is asked when. */
+static inline double gn_drawn(uint64_t seed, uint64_t lot, uint64_t draw) {
+    return 0.5 * (gn_random_symmetric(seed ^ draw * UINT64_C(0x9e3779b97f4a7c15), lot) + 1.0) +
+           0x1p-54;
+}
+
+/* Standard normal numbers of Box & Muller 1958 until one lies within `most` on either side: the
+ * mean stays 0. */
+static inline double gn_drawn_normal(uint64_t seed, uint64_t lot, uint64_t draw, double most) {
+    for (uint64_t k = 0;; k++) {
+        double u = gn_drawn(seed, lot, draw + 2 * k + 16),
+               v = gn_drawn(seed, lot, draw + 2 * k + 17);
+        double z = sqrt(-2.0 * log(u)) * cos(2.0 * M_PI * v);
+        if (fabs(z) < most) return z;
+    }
+}
+
+/* The number drawn for a bond, 1 in the mean. Weibull: P(x < t) = 1 - exp(-(t/s)^m), of mean s
+ * Gamma(1 + 1/m). */
+static inline double gn_scatter_factor(const gn_scatter *scatter, uint64_t seed, uint64_t lot,
+                                       uint64_t draw) {
+    if (!lot || scatter->kind == GN_SCATTER_NONE) return 1.0;
+    if (scatter->kind == GN_SCATTER_NORMAL)
+        return 1.0 +
+               scatter->deviation * gn_drawn_normal(seed, lot, draw, 1.0 / scatter->deviation);
+    double m = scatter->modulus;
+    return pow(-log(gn_drawn(seed, lot, draw)), 1.0 / m) / tgamma(1.0 + 1.0 / m);
+}
+
+#endif

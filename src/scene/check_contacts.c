@@ -1,0 +1,85 @@
+/* What materials say of each other, and what is drawn bond by bond. */
+#include "scene/check.h"
+
+#include <string.h>
+
+gneiss_status gn_check_scatter(const check *c, const char *key, const gn_scatter *scatter) {
+    char path[GN_KEY_PATH_SIZE];
+    bool weibull = scatter->kind == GN_SCATTER_WEIBULL;
+    const char *needed = weibull ? "modulus" : "deviation",
+               *other = weibull ? "deviation" : "modulus";
+    if (scatter->kind == GN_SCATTER_NONE) return GNEISS_OK;
+    snprintf(path, sizeof path, "%s.%s", key, needed);
+    if (!((weibull ? scatter->modulus : scatter->deviation) > 0))
+        return gn_check_fail(c, path, "required by the distribution, but not given");
+    snprintf(path, sizeof path, "%s.%s", key, other);
+    if ((weibull ? scatter->deviation : scatter->modulus) > 0)
+        return gn_check_fail(c, path,
+                             "expected to be left out with this distribution, found it "
+                             "given");
+    return GNEISS_OK;
+}
+
+/* The first key that this law.stiffness does not read; NULL: none. */
+static const char *unread(const gn_scene *s, const gn_contact_def *d) {
+    bool area = gn_scene_by_area(s), uniform = s->stiffness == GN_STIFFNESS_UNIFORM;
+    const struct {
+        bool read;
+        double value;
+        const char *key;
+    } keys[] = {{!area, d->kratio, "kratio"},
+                {!area && !uniform, d->contact_modulus, "contact_modulus"},
+                {uniform, d->normal_stiffness, "normal_stiffness"},
+                {area, d->young, "young"},
+                {area, d->poisson, "poisson"},
+                {area, d->alpha, "alpha"},
+                {area, d->beta, "beta"},
+                {!uniform, d->tensile_strength, "tensile_strength"},
+                {!uniform, d->shear_strength, "shear_strength"},
+                {uniform, d->bond_tension_limit, "bond_tension_limit"},
+                {uniform, d->bond_shear_limit, "bond_shear_limit"}};
+    for (size_t k = 0; k < sizeof keys / sizeof *keys; k++)
+        if (!keys[k].read && keys[k].value != GN_COMBINED) return keys[k].key;
+    return NULL;
+}
+
+static const gn_material *material_of(const gn_scene *s, const gn_contact_def *d, size_t which) {
+    size_t at = which < d->between_count ? which : 0;
+    return &s->materials[gn_scene_find_material(s, d->between[at])];
+}
+
+gneiss_status gn_check_contact(const check *c, const gn_scene *s, size_t index) {
+    const gn_contact_def *d = &s->contacts[index];
+    if (d->between_count > 2)
+        return gn_check_fail(c, "between", "expected one or two materials, found %zu",
+                             d->between_count);
+    if (!gn_check_named(c, "materials")) return GNEISS_OK;
+    for (size_t k = 0; k < d->between_count; k++)
+        GN_TRY(gn_check_material_name(c, s, "between", d->between[k]));
+    const gn_material *a = material_of(s, d, 0), *b = material_of(s, d, 1);
+    if (gn_scene_find_contact(s, a, b) != d)
+        return gn_check_fail(c, "between",
+                             "expected a pair of its own, found '%s' and '%s' a "
+                             "second time",
+                             a->name, b->name);
+    if (d->kratio > 0 && d->kratio < 1e-6)
+        return gn_check_fail(
+            c, "kratio", "expected 0 (no tangential spring) or at least 1e-6, found %g", d->kratio);
+    const char *key = gn_check_sound(c, "law.stiffness") ? unread(s, d) : NULL;
+    if (!key) return GNEISS_OK;
+    return gn_check_fail(c, key,
+                         "expected a value that this law.stiffness reads, found one that "
+                         "it does not");
+}
+
+gneiss_status gn_check_gamma(const check *c, const gn_scene *s) {
+    bool area = gn_scene_by_area(s);
+    if (!area && s->gamma > 0)
+        return gn_check_fail(c, "law.gamma",
+                             "expected stiffness dempack or polyhedron beside it, found another");
+    if (s->gamma_rule != GN_GAMMA_VOLUME && (!area || s->gamma > 0))
+        return gn_check_fail(c, "law.gamma_rule", "expected %s beside it, found %s",
+                             area ? "gamma auto" : "stiffness dempack or polyhedron",
+                             area ? "a number" : "another");
+    return GNEISS_OK;
+}
