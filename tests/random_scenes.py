@@ -146,6 +146,7 @@ class Maker:
         self.settings()
         if d.chance(0.15):
             self.far()
+        self.by_area(Draw(f"gneiss by area {seed}"))
 
     # Small and large ones in one scene, or all of nearly one size.
     def particles(self):
@@ -224,6 +225,24 @@ class Maker:
         self.scene["materials"].append(m)
         self.scene["specimen"]["material"] = "a"
         self.scene.setdefault("sets", []).append({"name": "other", "select": self.some(), "material": "b"})
+
+    def by_area(self, d):
+        """A law by area instead of the drawn one, drawn bonds, contacts of their own: with draws apart, so that the other
+        scenes stay what they are."""
+        materials, law = self.scene["materials"], self.scene["law"]
+        if not self.uniform and d.chance(0.3):
+            law["stiffness"] = d.choice(("dempack", "polyhedron"))
+            if not self.lattice or d.chance(0.5):
+                law["gamma"] = d.uniform(0.3, 1.5)
+            for m in materials:
+                m.update(young=m.pop("contact_modulus"), poisson=d.uniform(0, 0.45), alpha=d.uniform(0.5, 2))
+                m["beta"] = d.uniform(0, 2) if m.pop("kratio") else 0
+        if self.bonded and d.chance(0.3):
+            materials[0]["strength_scatter"] = {"distribution": "weibull", "modulus": d.log(1, 20)}
+        if self.bonded and d.chance(0.2):
+            materials[0]["stiffness_scatter"] = {"distribution": "normal", "deviation": d.uniform(0.01, 0.3)}
+        if d.chance(0.15):
+            self.scene["contacts"] = [{"between": materials[-1]["name"], "friction": d.uniform(0, 1)}]
 
     def count(self):
         if not self.lattice:

@@ -287,6 +287,18 @@ static void pairs_that_meet_later_have_dempacks_section(void **state) {
     }
 }
 
+/* What touches at the start says nothing of a body. */
+static void without_bonds_gamma_is_one(void **state) {
+    (void)state;
+    gn_world *w =
+        world_of("specimen: {particles: [[0, 0, 0, 1e-3], [2e-3, 0, 0, 1e-3], [1, 0, 0, 1e-3]]}\n%s"
+                 "law: {stiffness: dempack}\ntime: {end: 1}\nrun: {threads: 1}\n",
+                 matter);
+    assert_int_equal(w->dem.pairs.soa.count, 1);
+    assert_close(w->dem.pairs.kn[0], alpha * young * pi * 1e-6 / 2e-3, 1e-14);
+    world_end(w);
+}
+
 static void unlike_materials_are_in_series(void **state) {
     (void)state;
     gn_world *w = world_of(
@@ -500,6 +512,7 @@ int main(void) {
         cmocka_unit_test(a_bar_breaks_at_its_strain),
         cmocka_unit_test(a_pressed_bar_breaks_in_shear_all_the_same),
         cmocka_unit_test(pairs_that_meet_later_have_dempacks_section),
+        cmocka_unit_test(without_bonds_gamma_is_one),
         cmocka_unit_test(unlike_materials_are_in_series),
         cmocka_unit_test(the_hexagonal_lattice_is_that_of_tavarez_and_plesha),
         cmocka_unit_test(a_contracted_packing_has_one_stress_in_every_bond),

@@ -332,7 +332,7 @@ static void what_a_pair_cannot_say_is_refused_where_it_stands(void **state) {
     refuse(
         "harmonic", "contacts: [{between: [rock, steel]}, {between: [steel, rock]}]\n",
         "contacts[1].between: expected a pair of its own, found 'steel' and 'rock' a second time");
-    refuse("harmonic", "contacts: [{friction: 1}]\n",
+    refuse("harmonic", "contacts: [{friction: 1}, {between: rock}]\n",
            "contacts[0].between: required, but not given");
     refuse("harmonic", "contacts: [{between: rock, young: 1}]\n",
            "s.yaml:7:35: contacts[0].young: expected a value that this law.stiffness reads, found "

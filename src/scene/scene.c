@@ -383,6 +383,7 @@ int gn_scene_find_element_motion(const gn_scene *scene, const char *name) {
 }
 
 static bool names(const gn_contact_def *d, const char *a, const char *b) {
+    if (!d->between_count) return false; /* could not be read */
     const char *first = d->between[0], *second = d->between[d->between_count - 1];
     return (strcmp(first, a) == 0 && strcmp(second, b) == 0) ||
            (strcmp(first, b) == 0 && strcmp(second, a) == 0);

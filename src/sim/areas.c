@@ -17,32 +17,26 @@ static double dempack_area(const gn_world *w, int32_t i, int32_t j) {
                            pos[4 * (int64_t)j + 3]);
 }
 
-/* 0: no pairs. */
-static double porosity_gamma(const gn_world *w, size_t pairs) {
-    double neighbours = 2.0 * (double)pairs / (double)w->dem.particles.soa.count;
-    return pairs ? fmax(0.0, 40.0 * gn_world_porosity(w) / neighbours) : 0.0;
+static double porosity_gamma(const gn_world *w) {
+    const double bonds = (double)w->dem.bonds.soa.count;
+    if (bonds == 0.0) return 0.0;
+    return 20.0 * gn_world_porosity(w) * (double)w->dem.particles.soa.count / bonds;
 }
 
-static double filled_by_dempack(const gn_world *w, const gn_pair_list *first) {
+static double filled_by_dempack(const gn_world *w) {
     const gn_contacts *b = &w->dem.bonds;
-    const double *pos = w->dem.particles.pos;
     double sum = 0.0;
     for (size_t c = 0; c < b->soa.count; c++)
         sum += dempack_area(w, b->i[c], b->j[c]) * b->length0[c];
-    for (size_t c = 0; !b->soa.count && c < first->count; c++) {
-        int32_t i = first->pair[c][0], j = first->pair[c][1];
-        sum += dempack_area(w, i, j) * (pos[4 * (int64_t)i + 3] + pos[4 * (int64_t)j + 3]);
-    }
     return sum;
 }
 
-/* Without any pair there is nothing to measure it by: 1. */
-static double gamma_of(const gn_world *w, const gn_pair_list *first) {
-    size_t pairs = w->dem.bonds.soa.count ? w->dem.bonds.soa.count : first->count;
+/* Without bonds there is no body to measure it by: 1. */
+static double gamma_of(const gn_world *w) {
     if (w->scene.gamma > 0.0) return w->scene.gamma;
-    if (!pairs) return 1.0;
-    if (w->scene.gamma_rule == GN_GAMMA_POROSITY) return porosity_gamma(w, pairs);
-    return (double)w->scene.dimension * w->volume / filled_by_dempack(w, first);
+    if (!w->dem.bonds.soa.count) return 1.0;
+    if (w->scene.gamma_rule == GN_GAMMA_POROSITY) return porosity_gamma(w);
+    return (double)w->scene.dimension * w->volume / filled_by_dempack(w);
 }
 
 /* --- polyhedra --- */
@@ -137,11 +131,11 @@ static void set_polyhedra(gn_world *w, const faces *f) {
     }
 }
 
-gneiss_status gn_areas_find(gn_world *w, const gn_pair_list *first, gneiss_error *error) {
+gneiss_status gn_areas_find(gn_world *w, gneiss_error *error) {
     gn_contacts *b = &w->dem.bonds;
     faces f;
     if (!gn_scene_by_area(&w->scene)) return GNEISS_OK;
-    w->dem.derived.gamma = gamma_of(w, first);
+    w->dem.derived.gamma = gamma_of(w);
     if (!(w->dem.derived.gamma > 0.0))
         return gn_fail(error, GNEISS_ERROR_INPUT,
                        "%s:%d:%d: law.gamma_rule: expected a specimen with pores for porosity, "
@@ -166,7 +160,7 @@ gneiss_status gn_areas_check(const gn_world *w, gn_area_check *check, gneiss_err
     const gn_contacts *b = &w->dem.bonds;
     const double all = (double)w->scene.dimension * w->volume;
     faces f;
-    *check = (gn_area_check){.dempack_gamma = porosity_gamma(w, b->soa.count)};
+    *check = (gn_area_check){.dempack_gamma = porosity_gamma(w)};
     for (size_t c = 0; b->area && c < b->soa.count; c++)
         check->filled += b->area[c] * b->length0[c] / all;
     if (w->scene.stiffness != GN_STIFFNESS_POLYHEDRON) return GNEISS_OK;

@@ -2,12 +2,10 @@
 #ifndef GN_SIM_AREAS_H
 #define GN_SIM_AREAS_H
 
-#include "neigh/pairs.h"
 #include "sim/world.h"
 
-/* Of the bonds, whose ends and lengths are known; and gamma, of `first`, the pairs to average over
- * where there are no bonds. Does nothing for other laws. */
-gneiss_status gn_areas_find(gn_world *world, const gn_pair_list *first, gneiss_error *error);
+/* Of the bonds, whose ends and lengths are known; and gamma. Does nothing for other laws. */
+gneiss_status gn_areas_find(gn_world *world, gneiss_error *error);
 
 /* How the sections fill the body. */
 typedef struct gn_area_check {

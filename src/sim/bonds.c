@@ -98,7 +98,7 @@ gneiss_status gn_bonds_form(gn_world *w, gneiss_error *error) {
                                gn_contact_list_effects(w->effects, true), error);
     if (status == GNEISS_OK && bonds)
         for (size_t c = 0; c < pairs.count; c++) set_bond(w, c, pairs.pair[c][0], pairs.pair[c][1]);
-    if (status == GNEISS_OK) status = gn_areas_find(w, &pairs, error);
+    if (status == GNEISS_OK) status = gn_areas_find(w, error);
     gn_pair_list_free(&pairs);
     if (status != GNEISS_OK) return status;
     for (size_t c = 0; c < w->dem.bonds.soa.count; c++) gn_contact_set(w, &w->dem.bonds, c);
