@@ -70,6 +70,23 @@ static void weibull_numbers_have_their_distribution(void **state) {
     assert_true(most < 2.47 / sqrt(N));
 }
 
+/* The correlation of n independent pairs scatters by 1/sqrt(n). */
+static void strength_and_stiffness_are_drawn_apart(void **state) {
+    (void)state;
+    const gn_scatter kinds[] = {{GN_SCATTER_WEIBULL, 4.0, 0.0}, {GN_SCATTER_NORMAL, 0.0, 0.2}};
+    for (int k = 0; k < 4; k++) {
+        double x = 0, y = 0, xx = 0, yy = 0, xy = 0;
+        for (uint64_t lot = 1; lot <= DRAWS; lot++) {
+            double a = gn_scatter_factor(&kinds[k / 2], 2, lot, 1) - 1.0,
+                   b = gn_scatter_factor(&kinds[k % 2], 2, lot, 2) - 1.0;
+            x += a, y += b, xx += a * a, yy += b * b, xy += a * b;
+        }
+        double sx = sqrt(xx / DRAWS - x * x / DRAWS / DRAWS),
+               sy = sqrt(yy / DRAWS - y * y / DRAWS / DRAWS);
+        assert_near((xy / DRAWS - x / DRAWS * y / DRAWS) / (sx * sy), 0.0, 4.0 / sqrt(DRAWS));
+    }
+}
+
 static void nothing_is_drawn_for_what_is_no_bond(void **state) {
     (void)state;
     const gn_scatter scatter = {GN_SCATTER_WEIBULL, 4.0, 0.0}, none = {0};
@@ -375,6 +392,7 @@ int main(void) {
         cmocka_unit_test(weibull_numbers_have_mean_one_and_the_deviation_of_their_modulus),
         cmocka_unit_test(normal_numbers_have_the_deviation_asked_for),
         cmocka_unit_test(weibull_numbers_have_their_distribution),
+        cmocka_unit_test(strength_and_stiffness_are_drawn_apart),
         cmocka_unit_test(nothing_is_drawn_for_what_is_no_bond),
         cmocka_unit_test(bonds_draw_by_who_they_join),
         cmocka_unit_test(dashpots_are_those_of_the_drawn_stiffness),

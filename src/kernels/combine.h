@@ -23,25 +23,25 @@ static inline double gn_smaller(double a, double b) {
 
 /* Uniform in (0, 1), the same for a lot and a seed whatever is asked when. */
 static inline double gn_drawn(uint64_t seed, uint64_t lot, uint64_t draw) {
-    return 0.5 * (gn_random_symmetric(seed ^ draw * UINT64_C(0x9e3779b97f4a7c15), lot) + 1.0) +
-           0x1p-54;
+    double u = 0.5 * (gn_random_symmetric(seed ^ draw * UINT64_C(0x9e3779b97f4a7c15), lot) + 1.0);
+    return u > 0.0 ? u : 0x1p-54;
 }
 
 /* Standard normal numbers of Box & Muller 1958 until one lies within `most` on either side: the
  * mean stays 0. */
 static inline double gn_drawn_normal(uint64_t seed, uint64_t lot, uint64_t draw, double most) {
-    for (uint64_t k = 0;; k++) {
-        double u = gn_drawn(seed, lot, draw + 2 * k + 16),
-               v = gn_drawn(seed, lot, draw + 2 * k + 17);
+    for (;; draw += 2) {
+        double u = gn_drawn(seed, lot, draw), v = gn_drawn(seed, lot, draw + 1);
         double z = sqrt(-2.0 * log(u)) * cos(2.0 * M_PI * v);
         if (fabs(z) < most) return z;
     }
 }
 
-/* The number drawn for a bond, 1 in the mean. Weibull: P(x < t) = 1 - exp(-(t/s)^m), of mean s
- * Gamma(1 + 1/m). */
+/* The number drawn for a property of a bond, 1 in the mean. Weibull: P(x < t) = 1 - exp(-(t/s)^m),
+ * of mean s Gamma(1 + 1/m). */
 static inline double gn_scatter_factor(const gn_scatter *scatter, uint64_t seed, uint64_t lot,
-                                       uint64_t draw) {
+                                       uint64_t property) {
+    const uint64_t draw = property << 32; /* each has draws of its own */
     if (!lot || scatter->kind == GN_SCATTER_NONE) return 1.0;
     if (scatter->kind == GN_SCATTER_NORMAL)
         return 1.0 +
