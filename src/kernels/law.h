@@ -128,7 +128,7 @@ GN_LAWS(X)
 typedef struct gn_area_parameters {
     double kn, kt, rn, rt;
 } gn_area_parameters;
-gn_area_parameters gn_area_parameters_of(const gn_law_model *model, const gn_law_pair *pair);
+gn_area_parameters gn_area_parameters_of(const gn_law_model *m, const gn_law_pair *q);
 gn_area_parameters gn_area_meeting(const gn_law_model *model, const gn_law_pair *pair);
 /* m2, in 2D m x 1 m: Dempack's section of a pair, without gamma (Santasusana 2013, 4.5). */
 double gn_dempack_area(int dimension, double ri, double rj);

@@ -37,9 +37,9 @@ gn_area_parameters gn_area_parameters_of(const gn_law_model *m, const gn_law_pai
 /* With x = r_i/r_j k_n goes with x^2/(1 + x)^3 (2D: x/(1 + x)^2), and k_n (1/m_i + 1/m_j) may have
  * its maximum between the least and the greatest radius. x/(1 + x)/4 (2D: 1/4) is never less, the
  * same at x = 1, and its maximum is at an end: see gn_linear_meeting. */
-gn_area_parameters gn_area_meeting(const gn_law_model *m, const gn_law_pair *q) {
-    gn_area_parameters p = gn_area_parameters_of(m, q);
-    double x = q->ri / q->rj, over = 0.25 * (1.0 + x) * (1.0 + x) / x;
+gn_area_parameters gn_area_meeting(const gn_law_model *model, const gn_law_pair *pair) {
+    gn_area_parameters p = gn_area_parameters_of(model, pair);
+    double x = pair->ri / pair->rj, over = 0.25 * (1.0 + x) * (1.0 + x) / x;
     p.kn *= over;
     p.kt *= over;
     return p;

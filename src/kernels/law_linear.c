@@ -141,7 +141,8 @@ bool gn_linear_derive(const gn_scene *scene, const gn_particles *particles,
     } else {
         return true;
     }
-    if (count > 0) *derived = (gn_derived){.radius = sum / (double)count, .radius2 = sum2 / (double)count};
+    if (count > 0)
+        *derived = (gn_derived){.radius = sum / (double)count, .radius2 = sum2 / (double)count};
     return count > 0;
 }
 
