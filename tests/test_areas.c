@@ -197,18 +197,25 @@ static void one_and_two_neighbours_are_those_of_a_column(void **state) {
 
 static const double r1 = 1e-3, r2 = 2e-3, distance = 3.05e-3;
 
-static gn_world *couple(int dimension, const char *law, const char *motion, double step) {
+/* The second is driven as `motion` says, with the spin `spin`, rad/s. */
+static gn_world *driven(int dimension, const char *law, const char *motion, double spin,
+                        double step) {
     bool space = dimension == 3;
     char more[1024];
     snprintf(more, sizeof more,
              "sets:\n  - {name: held, select: {ids: [0]}, motion: {vx: 0, vy: 0, %swz: 0}}\n"
-             "  - {name: driven, select: {ids: [1]}, motion: {%s, %swz: 0}}\n",
-             space ? "vz: 0, wx: 0, wy: 0, " : "", motion, space ? "vz: 0, wx: 0, wy: 0, " : "");
+             "  - {name: driven, select: {ids: [1]}, motion: {%s, %swz: %g}}\n",
+             space ? "vz: 0, wx: 0, wy: 0, " : "", motion, space ? "vz: 0, wx: 0, wy: 0, " : "",
+             spin);
     return world_of("dimension: %d\nspecimen: {particles: [[0, %s1e-3], [3.05e-3, %s2e-3]]}\n%s"
                     "law: %s\nbonds: {}\n%stime: {step: %.17g, end: 1, on_unstable: warn}\n"
                     "run: {threads: 1}\n",
                     dimension, space ? "0, 0, " : "0, ", space ? "0, 0, " : "0, ", matter, law,
                     more, step);
+}
+
+static gn_world *couple(int dimension, const char *law, const char *motion, double step) {
+    return driven(dimension, law, motion, 0.0, step);
 }
 
 /* Dempack's section, and the mean of those of two square columns. */
@@ -251,6 +258,36 @@ static void a_bar_breaks_at_its_strain(void **state) {
         assert_int_equal(w->dem.bonds.cause[0], way ? GN_BROKEN_SHEAR : GN_BROKEN_TENSION);
         /* The turn of the normal tilts the path by at most half of the strain, squared. */
         assert_near(w->dem.bonds.broken_time[0], time, 2.0 * dt + strain * strain * time);
+        world_end(w);
+    }
+}
+
+/* The second sphere turns in its place: the contact, half a gap off its surface, slides by its arm
+ * times the angle. */
+static void a_bar_breaks_when_one_end_turns(void **state) {
+    (void)state;
+    const double dt = 1e-9, spin = 300.0, arm = r2 + 0.5 * (distance - r1 - r2);
+    for (int dimension = 2; dimension <= 3; dimension++) {
+        gn_world *w = driven(dimension, "{stiffness: polyhedron}", "vx: 0, vy: 0", spin, dt);
+        double time = tau / (beta * young / 2.4) * distance / (arm * spin);
+        while (w->dem.bonds.cause[0] == GN_INTACT && w->time < 2.0 * time) run_steps(w, 1);
+        assert_int_equal(w->dem.bonds.cause[0], GN_BROKEN_SHEAR);
+        assert_near(w->dem.bonds.broken_time[0], time, 2.0 * dt);
+        world_end(w);
+    }
+}
+
+/* Plates and columns of spheres: neighbours in one plane, or in one line. */
+static void plates_and_columns_have_square_sections(void **state) {
+    (void)state;
+    const char *cells[] = {"[5, 4, 1]", "[1, 5, 4]", "[1, 1, 5]", "[2, 2, 1]"};
+    for (int k = 0; k < 4; k++) {
+        char specimen[128];
+        snprintf(specimen, sizeof specimen, "{lattice: {kind: cubic, radius: 1 mm, cells: %s}}",
+                 cells[k]);
+        gn_world *w = made(3, specimen, "{stiffness: polyhedron}", "");
+        for (size_t c = 0; c < w->dem.bonds.soa.count; c++)
+            assert_close(w->dem.bonds.area[c], 4e-6, 1e-6); /* shifts of 1e-8 */
         world_end(w);
     }
 }
@@ -510,6 +547,8 @@ int main(void) {
         cmocka_unit_test(one_and_two_neighbours_are_those_of_a_column),
         cmocka_unit_test(two_spheres_are_a_bar),
         cmocka_unit_test(a_bar_breaks_at_its_strain),
+        cmocka_unit_test(a_bar_breaks_when_one_end_turns),
+        cmocka_unit_test(plates_and_columns_have_square_sections),
         cmocka_unit_test(a_pressed_bar_breaks_in_shear_all_the_same),
         cmocka_unit_test(pairs_that_meet_later_have_dempacks_section),
         cmocka_unit_test(without_bonds_gamma_is_one),

@@ -166,6 +166,37 @@ static void dashpots_are_those_of_the_drawn_stiffness(void **state) {
     world_end(w);
 }
 
+static gn_world *shaken(double step) {
+    char time[64] = "{end: 1}";
+    if (step > 0.0) snprintf(time, sizeof time, "{end: 1, step: %.17g, on_unstable: warn}", step);
+    return world_of(
+        "specimen: {lattice: {kind: fcc, radius: 1e-3, cells: [2, 2, 2], jitter: 0.03}}\n"
+        "materials: [{name: m, density: 2500, young: 8e9, poisson: 0.2, tensile_strength: 1e90, "
+        "shear_strength: 1e90, stiffness_scatter: {distribution: weibull, modulus: 1}}]\n"
+        "law: {stiffness: polyhedron}\nbonds: {interaction_range: 0.1}\n"
+        "initial: {random_velocity: 1e-6}\ntime: %s\nrun: {threads: 1}\n",
+        time);
+}
+
+/* Bonds of drawn stiffness, exponentially distributed: below the limit the energy stays, above it
+ * multiplies, at 1.05 of it by exp(2 acosh(2 1.05^2 - 1)) = 3.6 in two steps. */
+static void the_limit_is_that_of_the_drawn_stiffness(void **state) {
+    (void)state;
+    gn_world *w = shaken(0.0);
+    double limit = w->dem.limit.sharp;
+    world_end(w);
+    const double shares[] = {0.99, 1.05};
+    for (int k = 0; k < 2; k++) {
+        w = shaken(shares[k] * limit);
+        double first = measured_step(w).kinetic, most = 0.0;
+        for (int step = 0; step < 300 && most < 1e6 * first; step++)
+            most = fmax(most, fabs(measured_step(w).kinetic)); /* v(-) v(+): negative above */
+        if (k == 0) assert_true(most < 10.0 * first); /* 50 in the fastest of many modes */
+        if (k == 1) assert_true(most >= 1e6 * first);
+        world_end(w);
+    }
+}
+
 /* A chain is as strong as its weakest bond. With Weibull's numbers of modulus m and n bonds its
  * strength has the mean n^(-1/m), and the same relative scatter as one bond. */
 static void a_chain_is_weaker_by_the_modulus_root_of_its_length(void **state) {
@@ -396,6 +427,7 @@ int main(void) {
         cmocka_unit_test(nothing_is_drawn_for_what_is_no_bond),
         cmocka_unit_test(bonds_draw_by_who_they_join),
         cmocka_unit_test(dashpots_are_those_of_the_drawn_stiffness),
+        cmocka_unit_test(the_limit_is_that_of_the_drawn_stiffness),
         cmocka_unit_test(a_chain_is_weaker_by_the_modulus_root_of_its_length),
         cmocka_unit_test(a_chain_breaks_where_it_is_weakest),
         cmocka_unit_test(a_pair_has_what_is_its_own_and_combines_the_rest),
