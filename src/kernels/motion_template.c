@@ -278,7 +278,9 @@ GN_INLINE void translate(const gn_motion_args *a, size_t p, const double *sum, s
     gn_v3 weight = {gn_set(0.0), gn_set(0.0), gn_set(0.0)}, applied = weight;
     if (w.gravity) {
         gn_v3 g = {gn_set(a->gravity[0]), gn_set(a->gravity[1]), gn_set(a->gravity[2])};
-        weight = gn_scale(mass_of(&m), g, 1);
+        gn_v own = mass_of(&m);
+        if (q->own_share) own = gn_load(q->own_share + p) * own;
+        weight = gn_scale(own, g, 1);
         m.f = gn_add(m.f, weight, 1);
     }
     if (q->applied) {

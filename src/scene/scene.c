@@ -326,6 +326,7 @@ gn_effects gn_scene_effects(const gn_scene *s) {
     for (size_t k = 0; k < s->body_count; k++)
         if (s->bodies[k].friction > 0) mask |= GN_FX_WALL_SHEAR;
     if (s->has_periodic) mask |= GN_FX_PERIODIC;
+    if (s->has_mass_scaling) mask |= GN_FX_MASS_SCALING;
     if (s->orientation == GN_SWITCH_ON && (mask & GN_FX_ROTATION)) mask |= GN_FX_ORIENTATION;
     if (s->energy != GN_SWITCH_OFF) mask |= GN_FX_ENERGY;
     if (s->precision == GN_PRECISION_MIXED) mask |= GN_FX_MIXED;

@@ -237,6 +237,7 @@ static gneiss_status build(gn_world *w, gneiss_error *error) {
     GN_TRY(particles ? build_particles(w, error) : build_empty(w, error));
     if (!particles) measure_elements(w);
     GN_TRY(gn_world_check_step(w, true, error));
+    GN_TRY(gn_dem_scale_masses(w, error));
     /* Of the step that is left when collisions have to be resolved, too. */
     GN_TRY(gn_world_check_duration(w, error));
     return gn_origin_check(w, error);
