@@ -42,8 +42,22 @@ typedef enum gn_effect_index {
         GN_EFFECT_COUNT
 } gn_effect_index;
 
+/* What a build leaves out (the option `without` of meson), as bits. There an effect is 0: nothing
+ * sets it, and what a test of it guards is not compiled. Only the manifest of records and what
+ * reads scenes know all effects (GN_EVERY_EFFECT): fields that need one have no storage, a scene
+ * that calls for one is refused. */
+#ifndef GN_WITHOUT
+#define GN_WITHOUT 0
+#endif
+#ifdef GN_EVERY_EFFECT
+#define GN_BUILT_BITS -1
+#else
+#define GN_BUILT_BITS ~(GN_WITHOUT)
+#endif
+#define GN_BUILT(NAME) (GN_FX_##NAME != 0)
+
 typedef enum gn_effect {
-#define X(NAME, name, text) GN_FX_##NAME = 1 << GN_FX_INDEX_##NAME,
+#define X(NAME, name, text) GN_FX_##NAME = (1 << GN_FX_INDEX_##NAME) & GN_BUILT_BITS,
     GN_EFFECTS(X)
 #undef X
         GN_FX_ALWAYS = 0

@@ -1,3 +1,5 @@
+/* What scenes call for, whatever is built. */
+#define GN_EVERY_EFFECT
 #include "scene/scene.h"
 
 #include "base/memory.h"
@@ -331,6 +333,14 @@ gn_effects gn_scene_effects(const gn_scene *s) {
     if (s->energy != GN_SWITCH_OFF) mask |= GN_FX_ENERGY;
     if (s->precision == GN_PRECISION_MIXED) mask |= GN_FX_MIXED;
     return mask;
+}
+
+gn_effects gn_scene_not_built(const gn_scene *s) {
+    gn_effects mask = gn_scene_effects(s);
+    if (s->has_elements) mask |= GN_FX_APPLIED | GN_FX_PRESCRIBED | GN_FX_ENERGY;
+    if (s->has_elements && s->elements.formulation == GN_FORMULATION_PRESSURE)
+        mask |= GN_FX_PRESSURE;
+    return mask & (gn_effects)(GN_WITHOUT);
 }
 
 /* ---- looking up ---- */

@@ -493,8 +493,9 @@ char *gn_scene_write(const gn_scene *scene);
 /* The same of `dimension`, `specimen` and `run.seed` alone: what gn_scene_load_specimen needs. */
 char *gn_scene_write_specimen(const gn_scene *scene);
 
-/* The effects the scene calls for. */
+/* The effects the scene calls for; those of them that this build leaves out. */
 gn_effects gn_scene_effects(const gn_scene *scene);
+gn_effects gn_scene_not_built(const gn_scene *scene);
 
 /* The key reference: plain text for the terminal, or Markdown for docs/keys.md. `sought` (may be
  * NULL) restricts it to keys that hold it in any letters: first those that begin with it, then
