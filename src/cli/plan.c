@@ -3,6 +3,7 @@
 #include "base/memory.h"
 #include "base/point.h"
 #include "base/timer.h"
+#include "cli/idle.h"
 #include "cli/plan_elements.h"
 #include "cli/progress.h"
 #include "sim/overlap.h"
@@ -202,6 +203,7 @@ gneiss_status gn_plan_seconds(gn_world *w, double *seconds, gneiss_error *error)
 gneiss_status gn_print_plan(gn_world *w, gneiss_error *error) {
     char text[32];
     print_effects(w);
+    gn_print_idle(w);
     printf("storage\n");
     if (w->scene.has_specimen) print_particle_storage(w);
     for (size_t k = 0; k < w->element_count; k++) {
