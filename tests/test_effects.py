@@ -8,7 +8,7 @@ import numpy as np
 from program import expect, fact, gneiss, main, results, run, write_scene
 
 SCENE = """dimension: 3
-specimen: {lattice: {kind: fcc, radius: 1e-3, cells: [3, 3, 3], spacing: 0.999}}
+specimen: {lattice: {kind: fcc, radius: 1e-3, cells: [3, 3, 3], spacing: 0.999}, material: m}
 materials: [{name: m, density: 2500, normal_stiffness: 1e6MATERIAL}]
 law: {stiffness: uniform, rotation: ROTATION}
 initial: {random_velocity: 0.1}
@@ -18,7 +18,7 @@ run: {threads: 1}
 """
 PLAIN = {"MATERIAL": ", kratio: 2", "ROTATION": "on", "DAMPING": "", "SETS": "", "MORE": "step: 1e-6", "OUTPUT": "energy: off"}
 FRICTION = ", kratio: 2, friction: 0.5"
-UNUSED = "}, {name: u, density: 1, normal_stiffness: 1e6, kratio: 2, friction: 0.5"
+UNUSED = ", kratio: 2}, {name: u, density: 1, normal_stiffness: 1e6, kratio: 2, friction: 0.5"
 HELD = "sets: [{name: s, select: {all: true}, motion: {wx: 0, wy: 0, wz: 0}}]\n"
 # Name, what carries it, what does without.
 CASES = (("rotation", {}, {"ROTATION": "off"}),
