@@ -16,6 +16,7 @@ packages_build=(
 packages_check=(git clang libclang-rt-14-dev libomp-dev clang-format clang-tidy cppcheck)
 packages_aarch64=(gcc-aarch64-linux-gnu libc6-dev-arm64-cross qemu-user) # and the libraries of `build`, unpacked in a folder
 packages_bench=(libbenchmark-dev)
+packages_effects=(valgrind) # only for bench --effects
 packages_validate=(yade)
 packages_peers=(yade lammps liggghts esys-particle calculix-ccx) # large; only for bench --peers
 
@@ -31,9 +32,11 @@ usage: ./do COMMAND [...]
   bench [--peers] [--large] [--sweep]
                                build and run the benchmarks; --peers: beside LAMMPS, LIGGGHTS, YADE,
                                ESyS-Particle and CalculiX; --large: big specimens; --sweep: 1 372 to 1 000 188 grains
+  bench --effects              what every effect costs, and that it costs nothing where it is off: builds the
+                               program without it; writes docs/evidence/effects.md
   validate [--quick] [--time] [--only SECTION] [--fresh] [--large]
                                beside YADE, closed forms and published tables; writes docs/evidence/validation.md
-  install WHAT                 the packages of build, check, aarch64, bench, validate or peers
+  install WHAT                 the packages of build, check, aarch64, bench, validate, effects or peers
   keys [text]                  the keys that a scene file may hold, or those that hold a text
   clean                        remove the build folders
   help                         this text
@@ -181,6 +184,11 @@ command_test() {
 }
 
 command_bench() {
+    if [[ ${1:-} == --effects ]]; then
+        need "${packages_build[@]}" "${packages_effects[@]}"
+        /usr/bin/python3 "$root/bench/effects.py" "${@:2}"
+        return
+    fi
     need "${packages_build[@]}" "${packages_bench[@]}"
     if [[ " $* " == *" --peers "* ]]; then
         local peer
@@ -219,7 +227,7 @@ command_keys() {
 }
 
 command_clean() {
-    rm -rf "$root"/build "$root"/build-bench "$root"/build-check-{gcc,clang,sanitize,tsan,aarch64} \
+    rm -rf "$root"/build "$root"/build-effects-* "$root"/build-bench "$root"/build-check-{gcc,clang,sanitize,tsan,aarch64} \
         "$root"/build-aarch64-root
 }
 

@@ -137,6 +137,25 @@ def a_run_in_mixed_precision_resumes_to_the_same_bits(folder):
 
 
 @fact
+def raised_masses_resume_to_the_same_bits_and_say_what_was_added(folder):
+    raised = ("--set", "time.mass_scaling.factor=1.5", "--precision", "mixed")
+    straight, broken = os.path.join(folder, "straight"), os.path.join(folder, "broken")
+    run(UCS, straight, "--threads", 2, *raised)
+    said, rows = summary(straight)["mass_scaling"], history(straight)
+    assert abs(said["dt_wanted"] / said["dt_without"] - 1.5) < 1e-9 and summary(straight)["dt"] <= said["dt_wanted"]
+    assert 0 < said["added_share"] < 0.2 and said["largest_factor"] > 1 and 0 < said["particles"] < 2000
+    # Each particle has the same share of its energy in added mass: the total is within their range.
+    assert max(rows["added_kinetic"]) < 1 - 1 / said["largest_factor"] and min(rows["added_kinetic"]) >= 0
+    assert abs(summary(straight)["energy_residual"]) < 1e-3
+    with results(straight) as file:
+        share = file.attrs["added_mass"][()] / file.attrs["own_mass"][()]
+        assert abs(share / said["added_share"] - 1) < 1e-12
+    expect(stop_at_snapshot(broken, 3, signal.SIGINT, "--threads", 1, *raised), 6)
+    resume(broken, "--threads", 2)
+    check_same(broken, straight)
+
+
+@fact
 def ctrl_c_writes_a_checkpoint_and_resume_gives_the_same_bits(folder):
     interrupted_and_resumed(folder, signal.SIGINT)
 
@@ -292,7 +311,8 @@ def resume_needs_neither_the_scene_nor_the_specimen_file(folder):
 @fact
 def resume_takes_only_what_does_not_change_the_model(folder):
     run(LATTICE, folder)
-    for key in ("materials.block.friction=0.1", "output.directory=x", "output.energy=off", "gravity=[0,0,1]", "run.precision=mixed"):
+    for key in ("materials.block.friction=0.1", "output.directory=x", "output.energy=off", "gravity=[0,0,1]", "run.precision=mixed",
+                "time.mass_scaling.factor=2"):
         expect(gneiss("resume", folder, "--set", key), 2, re.escape(key.split("=")[0]))
     expect(gneiss("resume", folder, "--out", "elsewhere"), 2, "--out")
     expect(gneiss("resume", folder, "--set", "time.end=soon"), 2, "time.end")

@@ -33,6 +33,7 @@
     X(PRESSURE, pressure, "finite elements with pressures at their nodes (mixed form)")            \
     X(ELEMENTS, elements, "finite elements")                                                       \
     X(FACETS, facets, "surfaces of triangles or segments, with walls")                             \
+    X(MASS_SCALING, mass_scaling, "particles heavier than they are, for a longer step")            \
     X(AREA, area, "bonds with sections of their own (laws by area)")
 
 typedef enum gn_effect_index {
@@ -42,8 +43,22 @@ typedef enum gn_effect_index {
         GN_EFFECT_COUNT
 } gn_effect_index;
 
+/* What a build leaves out (the option `without` of meson), as bits. There an effect is 0: nothing
+ * sets it, and what a test of it guards is not compiled. Only the manifest of records and what
+ * reads scenes know all effects (GN_EVERY_EFFECT): fields that need one have no storage, a scene
+ * that calls for one is refused. */
+#ifndef GN_WITHOUT
+#define GN_WITHOUT 0
+#endif
+#ifdef GN_EVERY_EFFECT
+#define GN_BUILT_BITS -1
+#else
+#define GN_BUILT_BITS ~(GN_WITHOUT)
+#endif
+#define GN_BUILT(NAME) (GN_FX_##NAME != 0)
+
 typedef enum gn_effect {
-#define X(NAME, name, text) GN_FX_##NAME = 1 << GN_FX_INDEX_##NAME,
+#define X(NAME, name, text) GN_FX_##NAME = (1 << GN_FX_INDEX_##NAME) & GN_BUILT_BITS,
     GN_EFFECTS(X)
 #undef X
         GN_FX_ALWAYS = 0

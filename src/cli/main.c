@@ -224,8 +224,9 @@ static void command_info(void) {
     }
     printf("\nprecision         double mixed\n");
     size_t contact = 0, motion = 0;
-    for (int k = 0; k < GN_CONTACT_VARIANTS; k++) contact += gn_contact_table_scalar[k] != NULL;
-    for (int k = 0; k < GN_MOTION_VARIANTS; k++) motion += gn_motion_table_scalar[k] != NULL;
+    const gn_kernel_set *set = gn_kernel_set_at(0);
+    for (int k = 0; k < GN_CONTACT_VARIANTS; k++) contact += set->contact[k] != NULL;
+    for (int k = 0; k < GN_MOTION_VARIANTS; k++) motion += set->motion[k] != NULL;
     printf("kernel variants   %zu contact, %zu motion, %d element, for each instruction set\n",
            contact, motion, GN_ELEMENT_VARIANTS);
     printf("code              %.1f MB, most of it kernels\n",

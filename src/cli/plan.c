@@ -3,6 +3,7 @@
 #include "base/memory.h"
 #include "base/point.h"
 #include "base/timer.h"
+#include "cli/idle.h"
 #include "cli/plan_elements.h"
 #include "cli/plan_law.h"
 #include "cli/progress.h"
@@ -132,6 +133,21 @@ static void print_contacts_to_come(const gn_world *w) {
     if (*gn_world_step_warning(w, text, sizeof text)) printf("  warning: %s\n", text);
 }
 
+static void print_mass_scaling(const gn_world *w) {
+    const gn_mass_scaling *s = &w->dem.scaling;
+    if (!(w->effects & GN_FX_MASS_SCALING)) return;
+    if (s->step == 0.0) {
+        printf("  mass scaling     none needed: the step is %.6g s without\n", s->unscaled);
+        return;
+    }
+    printf("  mass scaling     %.6g s = %.3f of the step without (%.6g s), for %.4g kg = %.3g %% "
+           "more mass, in %lld particles of %zu, at most %.3g times their own\n",
+           w->dt, w->dt / s->unscaled, s->unscaled, s->added, 100.0 * s->added / w->dem.mass,
+           (long long)s->raised, w->dem.particles.soa.count, s->largest);
+    if (w->dt < (1.0 - 1e-9) * s->step)
+        printf("  warning: time.mass_scaling: more mass does not give %.6g s\n", s->step);
+}
+
 /* Servo walls that the step makes slower than they are asked to be. */
 static void print_servos(const gn_world *w) {
     for (size_t k = 0; k < w->scene.wall_count; k++) {
@@ -150,6 +166,7 @@ static void print_step(const gn_world *w) {
     if (w->stable < INFINITY)
         printf(" = %.3f of the stability limit %.6g s", w->dt / w->stable, w->stable);
     printf("\n");
+    print_mass_scaling(w);
     if (w->scene.has_specimen) print_contacts_to_come(w);
     if (w->scene.has_specimen) print_particle_limits(w);
     gn_print_element_limits(w);
@@ -187,6 +204,7 @@ gneiss_status gn_plan_seconds(gn_world *w, double *seconds, gneiss_error *error)
 gneiss_status gn_print_plan(gn_world *w, gneiss_error *error) {
     char text[32];
     print_effects(w);
+    gn_print_idle(w);
     printf("storage\n");
     if (w->scene.has_specimen) print_particle_storage(w);
     for (size_t k = 0; k < w->element_count; k++) {

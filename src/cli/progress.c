@@ -225,6 +225,10 @@ static void print_outcome(const gn_run *run) {
                (long long)w->dem.broken_tension, (long long)w->dem.broken_shear,
                (long long)w->dem.bonds_at_start);
     if (w->dem.lost) printf("  particles removed      %10lld\n", (long long)w->dem.lost);
+    if (w->effects & GN_FX_MASS_SCALING)
+        printf("  added mass             %10.4g %% of the particles' own, for %.4g of the step "
+               "without\n",
+               100.0 * w->dem.scaling.added / w->dem.mass, w->dt / w->dem.scaling.unscaled);
     if (w->effects & GN_FX_ENERGY)
         printf("  energy residual        %10.2e   (of %.4g J)\n", gn_energy_residual(&w->reading),
                gn_energy_scale(&w->reading));

@@ -37,6 +37,7 @@ typedef struct gn_contact_args {
                             particle has any */
     const uint8_t *held; /* [slots] which: see gn_prescription.mask */
     double gravity[3];   /* m/s2 */
+    const double *own;   /* [particles] share of gravity with which they fall; NULL: all of it */
     double time;         /* s, of this instant */
     bool measure;        /* also sum what is read off: see gn_contact_sums */
 } gn_contact_args;

@@ -382,17 +382,18 @@ GN_INLINE void dilation_core(const gn_dilation_args *a, size_t begin, size_t end
 #define WRAPPER(v)                                                                                 \
     static void element_##v(const gn_element_args *a, size_t begin, size_t end,                    \
                             gn_element_sums *sums) {                                               \
+        if (!GN_BUILT(ELEMENTS)) return;                                                           \
         element_core(a, begin, end, sums, (variant){GN_BIT(v, 0), GN_BIT(v, 1), GN_BIT(v, 2)});    \
     }
 GN_EACH_8(WRAPPER)
 
-#define ENTRY(v) element_##v,
+#define ENTRY(v) GN_BUILT(ELEMENTS) ? element_##v : 0,
 gn_element_kernel *const GN_TABLE(element)[GN_ELEMENT_VARIANTS] = {GN_EACH_8(ENTRY)};
 
 static void dilation_triangle(const gn_dilation_args *a, size_t begin, size_t end) {
-    dilation_core(a, begin, end, 0);
+    if (GN_BUILT(PRESSURE)) dilation_core(a, begin, end, 0);
 }
 static void dilation_tetrahedron(const gn_dilation_args *a, size_t begin, size_t end) {
-    dilation_core(a, begin, end, 1);
+    if (GN_BUILT(PRESSURE)) dilation_core(a, begin, end, 1);
 }
 gn_dilation_kernel *const GN_TABLE(dilation)[2] = {dilation_triangle, dilation_tetrahedron};

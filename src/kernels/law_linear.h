@@ -125,7 +125,7 @@ typedef struct end_sums {
 
 static end_sums ends_of(const gn_contact_args *a, size_t c, gn_v3 normal, gn_v mi, gn_v mj) {
     gn_real n[3][GN_W], mass[2][GN_W], inverse[GN_W], acceleration[GN_W];
-    if (!a->slot) return (end_sums){mi + mj, gn_set(0.0)};
+    if (!a->slot && !a->own) return (end_sums){mi + mj, gn_set(0.0)};
     gn_store(n[0], normal.x);
     gn_store(n[1], normal.y);
     gn_store(n[2], normal.z);
@@ -134,13 +134,15 @@ static end_sums ends_of(const gn_contact_args *a, size_t c, gn_v3 normal, gn_v m
     for (size_t lane = 0; lane < GN_W; lane++) {
         inverse[lane] = acceleration[lane] = 0;
         for (int end = 0; end < 2; end++) {
-            const int32_t slot = a->slot[(end ? a->contacts->j : a->contacts->i)[c + lane]];
+            const int32_t p = (end ? a->contacts->j : a->contacts->i)[c + lane];
+            const int32_t slot = a->slot ? a->slot[p] : -1;
             const unsigned held = slot < 0 ? 0u : a->held[slot];
+            const gn_real falls = a->own ? (gn_real)a->own[p] : 1;
             gn_real share = 0, weight = 0;
             for (int k = 0; k < 3; k++) {
                 if (held >> k & 1) continue;
                 share += n[k][lane] * n[k][lane];
-                weight += (gn_real)a->gravity[k] * n[k][lane];
+                weight += falls * (gn_real)a->gravity[k] * n[k][lane];
             }
             inverse[lane] += (held & 7) ? share * mass[end][lane] : mass[end][lane];
             acceleration[lane] += end ? weight : -weight;

@@ -53,7 +53,7 @@ GN_INLINE void add_rows(const gn_partials *from, int single, size_t begin, doubl
 
 GN_INLINE void add_shares(const gn_partials *from, size_t begin, double *load, variant w) {
     if (!from->blocks) return;
-    if (from->row_f)
+    if (GN_BUILT(MIXED) && from->row_f)
         add_rows(from, 1, begin, load, w);
     else
         add_rows(from, 0, begin, load, w);
@@ -76,7 +76,7 @@ GN_INLINE void gather_block(const gn_motion_args *a, size_t begin, size_t end, d
     memset(row, 0, GN_PARTICLE_BLOCK * (size_t)row_width(w) * sizeof *row);
     add_shares(a->bonds, begin, row, w);
     add_shares(a->pairs, begin, row, w);
-    if (a->wall_contacts) add_walls(a, begin, end, row, w);
+    if (GN_BUILT(WALLS) && a->wall_contacts) add_walls(a, begin, end, row, w);
 }
 
 /* Consecutive rows of four as four columns. */
@@ -278,10 +278,13 @@ GN_INLINE void translate(const gn_motion_args *a, size_t p, const double *sum, s
     gn_v3 weight = {gn_set(0.0), gn_set(0.0), gn_set(0.0)}, applied = weight;
     if (w.gravity) {
         gn_v3 g = {gn_set(a->gravity[0]), gn_set(a->gravity[1]), gn_set(a->gravity[2])};
-        weight = gn_scale(mass_of(&m), g, 1);
+        gn_v own = mass_of(&m);
+        if (GN_BUILT(MASS_SCALING) && q->own_share) own = gn_load(q->own_share + p) * own;
+        weight = gn_scale(own, g, 1);
         m.f = gn_add(m.f, weight, 1);
     }
-    if (q->applied) {
+    const bool pushed = GN_BUILT(APPLIED) && q->applied;
+    if (pushed) {
         gn_v r[4];
         load_rows(q->applied, p, r);
         applied = (gn_v3){r[0], r[1], r[2]};
@@ -294,7 +297,7 @@ GN_INLINE void translate(const gn_motion_args *a, size_t p, const double *sum, s
     if (w.energy) {
         book_loss(e->damping, a, &m);
         if (w.gravity) book_work(e->gravity, a, weight, &m);
-        if (q->applied) book_work(e->applied, a, applied, &m);
+        if (pushed) book_work(e->applied, a, applied, &m);
     }
     if (a->measure) {
         e->kinetic = e->kinetic + kinetic(a, &m, 1);
@@ -309,7 +312,7 @@ GN_INLINE void translate(const gn_motion_args *a, size_t p, const double *sum, s
                      gn_fma(dt, m.v_new.z, x[2]), x[3]};
     gn_store_rows4(q->vel + 4 * p, velocity);
     gn_store_rows4(q->pos + 4 * p, place);
-    if (q->travel_f) {
+    if (GN_BUILT(MIXED) && q->travel_f) {
         gn_v ref[4];
         load_rows(a->origin ? a->origin : q->ref, p, ref);
         gn_v travel[4] = {place[0] - ref[0], place[1] - ref[1], place[2] - ref[2], x[3]};
@@ -336,8 +339,8 @@ GN_INLINE void rotate(const gn_motion_args *a, size_t p, const double *sum, size
     gn_v spin[4] = {m.v_new.x, m.v_new.y, m.v_new.z, o[3]};
     gn_store_rows4(q->spin + 4 * p, spin);
     spin[3] = gn_set(0.0);
-    if (q->spin_f) gn_store_rows4_single(q->spin_f + 4 * p, spin);
-    if (!q->orientation) return;
+    if (GN_BUILT(MIXED) && q->spin_f) gn_store_rows4_single(q->spin_f + 4 * p, spin);
+    if (!GN_BUILT(ORIENTATION) || !q->orientation) return;
     for (size_t lane = 0; lane < GN_W && p + lane < q->soa.count; lane++)
         turn_orientation(q->orientation + 4 * (p + lane), q->spin + 4 * (p + lane), a->dt);
 }
@@ -350,7 +353,7 @@ GN_INLINE void motion_block(const gn_motion_args *a, size_t begin, size_t end, l
     if (slot < 0 || a->pass == GN_PASS_GATHER) gather_block(a, begin, end, sum, w);
     if (slot >= 0 && a->pass == GN_PASS_GATHER) return;
     for (size_t p = begin; p < end; p += GN_W) {
-        bool prescribed = a->prescribed && any_prescribed(a, p);
+        bool prescribed = GN_BUILT(PRESCRIBED) && a->prescribed && any_prescribed(a, p);
         translate(a, p, sum, p - begin, prescribed, e, s, w);
         if (w.rotation) rotate(a, p, sum, p - begin, prescribed, e, s, w);
     }
@@ -377,7 +380,11 @@ GN_INLINE void motion_core(const gn_motion_args *a, size_t begin, size_t end, gn
 
 /* --- the variants --- */
 
-#define SENSELESS(v) (GN_BIT(v, 2) + GN_BIT(v, 3) + GN_BIT(v, 4) > 1)
+#define X(bit, NAME) | (GN_BUILT(NAME) ? 0 : 1 << (bit))
+enum { NOT_BUILT = 0 GN_MOTION_EFFECTS(X) };
+#undef X
+
+#define SENSELESS(v) (GN_BIT(v, 2) + GN_BIT(v, 3) + GN_BIT(v, 4) > 1 || ((v)&NOT_BUILT))
 
 #define WRAPPER(v)                                                                                 \
     static void motion_##v(const gn_motion_args *a, size_t begin, size_t end,                      \

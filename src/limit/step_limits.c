@@ -111,9 +111,8 @@ double gn_block_upper(int n, const double *s, double trace) {
     return fmin(1.0, sqrt(sqrt(sqrt(sum))) * (1.0 + 1e-12)) * trace;
 }
 
-/* Largest eigenvalue of the block at tau from above (round-off of the sums and of Jacobi included),
- * and its vector. */
-static double block_top(const gn_block *m, double tau, double *vector) {
+/* Round-off of the sums and of Jacobi. */
+double gn_block_top(const gn_block *m, double tau, double *vector) {
     double s[DOFS_MAX * DOFS_MAX], values[DOFS_MAX], vectors[DOFS_MAX * DOFS_MAX];
     double trace = gn_block_at(m, tau, s);
     gn_eigen_symmetric(m->n, s, values, vectors);
@@ -139,14 +138,14 @@ static double rate_of(double a, double b) {
 static double block_rate(const gn_block *m, double least) {
     double x[DOFS_MAX], tau = least;
     for (int k = 0; k < m->n; k++) tau = fmax(tau, rate_of(m->a[k * m->n + k], m->b[k * m->n + k]));
-    if (block_top(m, tau, x) <= 4.0 * tau * tau) return tau;
+    if (gn_block_top(m, tau, x) <= 4.0 * tau * tau) return tau;
     for (int round = 0; round < 50; round++) {
         tau = fmax(tau, rate_of(quadratic_form(m->n, m->a, x), quadratic_form(m->n, m->b, x)));
-        if (!(block_top(m, tau, x) > 4.0 * tau * tau * (1.0 + 1e-12))) break;
+        if (!(gn_block_top(m, tau, x) > 4.0 * tau * tau * (1.0 + 1e-12))) break;
     }
     for (double past = 1e-13; past < 1.0; past *= 2.0) {
         double raised = tau * (1.0 + past);
-        if (block_top(m, raised, x) <= 4.0 * raised * raised) return raised;
+        if (gn_block_top(m, raised, x) <= 4.0 * raised * raised) return raised;
     }
     return NAN;
 }

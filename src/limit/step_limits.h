@@ -68,6 +68,12 @@ typedef struct gn_step_verdict {
 gneiss_status gn_step_holds(const gn_spectrum *spectrum, double step, double tolerance,
                             const uint8_t *changed, gn_step_verdict *verdict, gneiss_error *error);
 
+/* By what factor, at least 1, each particle's own mass [particles] has to be multiplied for `step`
+ * to hold, by blocks as in the rigorous bound: with such masses, and moments of inertia alike, the
+ * bound is the step, but for dashpots that grow with the masses. */
+gneiss_status gn_step_masses(const gn_spectrum *spectrum, double step, double *factor,
+                             gneiss_error *error);
+
 /* Hashes of the active springs of each particle, intact bonds left out, in any order: another one
  * means that there are others. */
 void gn_step_marks(const gn_spectrum *spectrum, int32_t *marks);

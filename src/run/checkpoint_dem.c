@@ -35,6 +35,8 @@ static const gn_piece pieces[] = {
     INTEGER(verlet.last_step),
     DOUBLES(derived),
     LIMIT(radius_min),
+    DOUBLES(scaling.unscaled),
+    DOUBLES(scaling.step),
 };
 enum { PIECES = sizeof pieces / sizeof *pieces, MOST_ARRAYS = 6 };
 

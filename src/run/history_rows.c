@@ -80,7 +80,8 @@ static double largest_coordinate(const gn_world *w) {
  * the mass moved at 5e-8 m/s, after a million steps at 4e-6 m/s: far below what any load does. */
 static double rounding_energy(const gn_world *w) {
     double speed = 100.0 * DBL_EPSILON * largest_coordinate(w) / w->dt;
-    return gn_world_mass(w) * speed * speed * (1.0 + (double)w->step / 200.0);
+    return (gn_world_mass(w) + w->dem.scaling.added) * speed * speed *
+           (1.0 + (double)w->step / 200.0);
 }
 
 /* The scale of the residual never falls. Elements are in the reading only. */

@@ -133,6 +133,15 @@ static gneiss_status put_warnings(const gn_run *run, gn_h5 *file, gneiss_error *
     return gn_h5_attribute_text(file, "/", "warnings", text, error);
 }
 
+/* What was added for a longer step. */
+static gneiss_status put_mass_scaling(const gn_world *w, gn_h5 *file, gneiss_error *error) {
+    const gn_mass_scaling *s = &w->dem.scaling;
+    if (!(w->effects & GN_FX_MASS_SCALING)) return GNEISS_OK;
+    GN_TRY(gn_h5_attribute_f64(file, "/", "added_mass", &s->added, 1, error));
+    GN_TRY(gn_h5_attribute_f64(file, "/", "own_mass", &w->dem.mass, 1, error));
+    return gn_h5_attribute_f64(file, "/", "dt_without_added_mass", &s->unscaled, 1, error);
+}
+
 static gneiss_status put_header(const gn_run *run, gn_h5 *file, gneiss_error *error) {
     const gn_world *w = &run->world;
     char effects[512], hash[24];
@@ -160,6 +169,7 @@ static gneiss_status put_header(const gn_run *run, gn_h5 *file, gneiss_error *er
     GN_TRY(gn_h5_attribute_text(file, "/", "volume_of", gn_world_volume_source(w), error));
     GN_TRY(gn_h5_attribute_f64(file, "/", "seconds", &seconds, 1, error));
     GN_TRY(gn_h5_attribute_f64(file, "/", "origin", w->scene.origin, 3, error));
+    GN_TRY(put_mass_scaling(w, file, error));
     GN_TRY(put_warnings(run, file, error));
     char *scene = gn_scene_write(&w->given);
     if (!scene) return gn_fail(error, GNEISS_ERROR_MEMORY, "no memory for the scene text");
@@ -310,6 +320,21 @@ static void summary_step(const gn_world *w, gn_json *j) {
     gn_json_number(j, "dt_resolution", w->dem.resolution.step);
 }
 
+/* What was added for a longer step. */
+static void summary_mass_scaling(const gn_world *w, gn_json *j) {
+    const gn_mass_scaling *s = &w->dem.scaling;
+    if (!(w->effects & GN_FX_MASS_SCALING)) return;
+    gn_json_object(j, "mass_scaling");
+    gn_json_number(j, "added_mass", s->added);
+    gn_json_number(j, "added_share", s->added / w->dem.mass);
+    gn_json_number(j, "added_kinetic", gn_dem_added_kinetic(w));
+    gn_json_integer(j, "particles", s->raised);
+    gn_json_number(j, "largest_factor", s->largest);
+    gn_json_number(j, "dt_wanted", s->step > 0.0 ? s->step : s->unscaled);
+    gn_json_number(j, "dt_without", s->unscaled);
+    gn_json_end(j);
+}
+
 /* What it took, and of what. */
 static void summary_cost(const gn_run *run, gn_json *j) {
     const gn_world *w = &run->world;
@@ -352,6 +377,7 @@ gneiss_status gn_output_summary(const gn_run *run, gneiss_error *error) {
     gn_json_bool(j, "finished", run->finished);
     gn_json_text(j, "stop_reason", run->stop_reason);
     summary_step(w, j);
+    summary_mass_scaling(w, j);
     summary_cost(run, j);
     char *text = gn_json_finish(j, true);
     if (!text) return gn_fail(error, GNEISS_ERROR_MEMORY, "no memory for summary.json");

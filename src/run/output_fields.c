@@ -1,3 +1,5 @@
+/* Fields say what they need, whatever is built. */
+#define GN_EVERY_EFFECT
 #include "run/output_fields.h"
 
 #include "sim/internal.h"

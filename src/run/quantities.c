@@ -28,6 +28,10 @@ static bool has_ledger(const gn_world *w, size_t k) {
     (void)k;
     return w->effects & GN_FX_ENERGY;
 }
+static bool has_added_mass(const gn_world *w, size_t k) {
+    (void)k;
+    return w->effects & GN_FX_MASS_SCALING;
+}
 static bool has_elements_beside_particles(const gn_world *w, size_t k) {
     (void)k;
     return w->element_count && w->scene.has_specimen;
@@ -45,6 +49,7 @@ static bool motion_drives(const gn_world *w, size_t k) {
 static const gn_condition always = {"always", NULL}, tests = {"with a test", has_test},
                           bonded = {"with bonds", has_bonds},
                           booked = {"with the energy ledger", has_ledger},
+                          raised = {"with mass scaling", has_added_mass},
                           beside = {"finite elements beside particles",
                                     has_elements_beside_particles},
                           moving = {"unless the set has no motion", set_moves},
@@ -102,6 +107,7 @@ static void read_stress(const gn_world *w, size_t k, double *value) {
     memcpy(value, w->stress, sizeof w->stress);
 }
 READ(unbalanced, w->unbalanced)
+READ(added_kinetic, gn_dem_added_kinetic(w))
 
 static double broken(const gn_world *w) {
     return (double)(w->dem.broken_tension + w->dem.broken_shear);
@@ -147,6 +153,8 @@ static const gn_quantity of_the_model[] = {
      &always, read_stress, NULL},
     SCALAR(always, GN_AFTER_STEP, "unbalanced", "1", read_unbalanced,
            "mean resultant on a particle over the mean contact force"),
+    SCALAR(raised, GN_AFTER_STEP, "added_kinetic", "1", read_added_kinetic,
+           "share of the particles' kinetic energy that added mass has"),
     SCALAR(bonded, GN_AFTER_STEP, "bonds_intact", "1", read_bonds_intact, "intact bonds"),
     SCALAR(bonded, GN_AFTER_STEP, "broken_tension", "1", read_broken_tension,
            "bonds broken in tension"),

@@ -38,6 +38,8 @@ static const gn_choice test_kinds[] = {
 static const gn_choice estimates[] = {
     {"sharp", GN_STEP_SHARP}, {"bound", GN_STEP_BOUND}, {NULL, 0}};
 static const gn_choice policies[] = {{"stop", GN_POLICY_STOP}, {"warn", GN_POLICY_WARN}, {NULL, 0}};
+static const gn_choice scaled_gravities[] = {
+    {"refuse", GN_GRAVITY_REFUSED}, {"own_mass", GN_GRAVITY_OWN}, {NULL, 0}};
 static const gn_choice precisions[] = {
     {"double", GN_PRECISION_DOUBLE}, {"mixed", GN_PRECISION_MIXED}, {NULL, 0}};
 #define X(name) {#name, GN_ISA_##name},
@@ -338,6 +340,20 @@ static const gn_key stop_keys[] = {
 };
 TABLE_OF(stop);
 
+static const gn_key mass_scaling_keys[] = {
+    KEY("step", REAL, gn_scene, scaled_step, .unit = "s", .range = "(0, inf)", .word = "none",
+        .fallback = "none", .text = "step that the run shall take, safety included"),
+    KEY("factor", REAL, gn_scene, scaled_factor, .unit = "1", .range = "[1, 1000]", .word = "none",
+        .fallback = "none", .text = "or the same as a multiple of the step without added mass"),
+    KEY("gravity", CHOICE, gn_scene, scaled_gravity, .choices = scaled_gravities,
+        .fallback = "refuse",
+        .text = "in a scene with gravity. own_mass: particles weigh what they did, and so fall "
+                "more slowly"),
+};
+static const gn_section mass_scaling_section = {mass_scaling_keys,
+                                                sizeof mass_scaling_keys / sizeof(gn_key), 0,
+                                                offsetof(gn_scene, scaling_where)};
+
 static const gn_key time_keys[] = {
     KEY("step", REAL, gn_scene, step, .unit = "s", .range = "(0, inf)", .word = "auto",
         .fallback = "auto", .text = "time step; auto: safety times the stability limit"),
@@ -349,6 +365,9 @@ static const gn_key time_keys[] = {
                 "auto: 10, which keeps restitution within 1 %"),
     KEY("estimate", CHOICE, gn_scene, estimate, .choices = estimates, .fallback = "sharp",
         .text = "stability limit: sharp by iteration, or the rigorous bound per particle"),
+    SECTION("mass_scaling", mass_scaling_section, PRESENT(BOOL, gn_scene, has_mass_scaling),
+            .text = "for quasi-static runs: particles that would need a smaller step get more "
+                    "mass, and as much more moment of inertia; none gets less"),
     KEY("on_unstable", CHOICE, gn_scene, on_unstable, .choices = policies, .fallback = "stop",
         .text = "what a step above its limit does"),
     KEY("end", REAL, gn_scene, end, .unit = "s", .range = "(0, inf)", .required = true,

@@ -1,3 +1,5 @@
+/* What scenes call for, whatever is built. */
+#define GN_EVERY_EFFECT
 #include "scene/scene.h"
 
 #include "base/memory.h"
@@ -333,10 +335,19 @@ gn_effects gn_scene_effects(const gn_scene *s) {
     for (size_t k = 0; k < s->body_count; k++)
         if (s->bodies[k].friction > 0) mask |= GN_FX_WALL_SHEAR;
     if (s->has_periodic) mask |= GN_FX_PERIODIC;
+    if (s->has_mass_scaling) mask |= GN_FX_MASS_SCALING;
     if (s->orientation == GN_SWITCH_ON && (mask & GN_FX_ROTATION)) mask |= GN_FX_ORIENTATION;
     if (s->energy != GN_SWITCH_OFF) mask |= GN_FX_ENERGY;
     if (s->precision == GN_PRECISION_MIXED) mask |= GN_FX_MIXED;
     return mask;
+}
+
+gn_effects gn_scene_not_built(const gn_scene *s) {
+    gn_effects mask = gn_scene_effects(s);
+    if (s->has_elements) mask |= GN_FX_APPLIED | GN_FX_PRESCRIBED | GN_FX_ENERGY;
+    if (s->has_elements && s->elements.formulation == GN_FORMULATION_PRESSURE)
+        mask |= GN_FX_PRESSURE;
+    return mask & (gn_effects)(GN_WITHOUT);
 }
 
 /* ---- looking up ---- */

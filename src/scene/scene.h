@@ -98,6 +98,8 @@ typedef enum gn_contact_arm {
 
 typedef enum gn_precision { GN_PRECISION_DOUBLE, GN_PRECISION_MIXED } gn_precision;
 typedef enum gn_step_estimate { GN_STEP_SHARP, GN_STEP_BOUND } gn_step_estimate;
+/* Whether particles with more mass than their own may have a weight: their own. */
+typedef enum gn_scaled_gravity { GN_GRAVITY_REFUSED, GN_GRAVITY_OWN } gn_scaled_gravity;
 typedef enum gn_policy { GN_POLICY_STOP, GN_POLICY_WARN } gn_policy;
 typedef enum gn_lost_policy { GN_LOST_STOP, GN_LOST_REMOVE } gn_lost_policy;
 typedef enum gn_density_basis { GN_DENSITY_PARTICLE, GN_DENSITY_BULK } gn_density_basis;
@@ -449,6 +451,11 @@ typedef struct gn_scene {
     double safety;        /* of 2/w_max */
     double contact_steps; /* that a collision lasts at least; 0: GN_STEPS_PER_CONTACT */
     gn_step_estimate estimate;
+    bool has_mass_scaling;
+    double scaled_step;   /* s, that masses are raised for; 0: scaled_factor */
+    double scaled_factor; /* of the step without */
+    gn_scaled_gravity scaled_gravity;
+    gn_scene_place scaling_where;
     gn_policy on_unstable;  /* what a step above its limit does */
     double end;             /* s */
     double stop_peak_drop;  /* stop once stress has fallen by this fraction of its peak; 0: off */
@@ -522,8 +529,9 @@ char *gn_scene_write(const gn_scene *scene);
 /* The same of `dimension`, `specimen` and `run.seed` alone: what gn_scene_load_specimen needs. */
 char *gn_scene_write_specimen(const gn_scene *scene);
 
-/* The effects the scene calls for. */
+/* The effects the scene calls for; those of them that this build leaves out. */
 gn_effects gn_scene_effects(const gn_scene *scene);
+gn_effects gn_scene_not_built(const gn_scene *scene);
 
 /* The key reference: plain text for the terminal, or Markdown for docs/keys.md. `sought` (may be
  * NULL) restricts it to keys that hold it in any letters: first those that begin with it, then

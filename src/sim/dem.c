@@ -43,6 +43,7 @@ gneiss_status gn_dem_create(gn_world *w, const gn_packing *packing, gneiss_error
         q->group[p] = (int32_t)w->scene.specimen.group;
         if (q->slot) q->slot[p] = -1;
         if (q->orientation) q->orientation[4 * p] = 1.0;
+        if (q->own_share) q->own_share[p] = 1.0;
     }
     return GNEISS_OK;
 }

@@ -38,6 +38,15 @@ typedef struct gn_dem_sums {
     double step_change[2]; /* J, halves */
 } gn_dem_sums;
 
+/* Masses raised for a longer step (mass_scaling.c). */
+typedef struct gn_mass_scaling {
+    double unscaled; /* s: the step without */
+    double step;     /* s: that masses were raised for; 0: none had to be */
+    double added;    /* kg, of those that were there when the lists were made */
+    double largest;  /* mass over own mass, the most */
+    int64_t raised;  /* particles */
+} gn_mass_scaling;
+
 typedef struct gn_dem {
     gn_particles particles;
     gn_contacts bonds, pairs;
@@ -50,7 +59,8 @@ typedef struct gn_dem {
     double *set_reaction; /* [scene.set_count][6] N, N m: what the prescription supplied */
     gn_verlet verlet;
     double radius_min;       /* m */
-    double mass;             /* kg, of those that were there when the lists were made */
+    double mass;             /* kg, own, of those that were there when the lists were made */
+    gn_mass_scaling scaling;
     double damping_fraction; /* of critical, of contacts that are pressed */
 
     gn_contact_kernel *bond_kernel, *pair_kernel;
@@ -88,6 +98,10 @@ gneiss_status gn_dem_use_threads(gn_world *world, gneiss_error *error);
 gneiss_status gn_dem_create(gn_world *world, const gn_packing *packing, gneiss_error *error);
 /* Masses, sets and skin, once the specimen is measured. */
 gneiss_status gn_dem_complete(gn_world *world, gneiss_error *error);
+/* Raises masses, if the scene says so, from the step that the world has found without. */
+gneiss_status gn_dem_scale_masses(gn_world *world, gneiss_error *error);
+/* What added mass has of the kinetic energy, with the velocities of the last half step. */
+double gn_dem_added_kinetic(const gn_world *world);
 /* Without particles: empty records, so that nothing else needs to know. */
 gneiss_status gn_dem_create_empty(gn_world *world, gneiss_error *error);
 void gn_dem_free(gn_dem *dem);

@@ -79,6 +79,7 @@ typedef struct question {
     gn_step_verdict *verdict;
     bool changed;          /* only what has others than at the last look needs to be looked at */
     const uint8_t *turned; /* [particles] only these and their neighbours; NULL: see `changed` */
+    double *masses;        /* [particles] what would hold the step; NULL: not asked for */
 } question;
 
 /* Between two lists contacts turn by some more: by the skin over a diameter, at most. */
@@ -117,6 +118,7 @@ static gneiss_status holds(const gn_spectrum *spectrum, const question *q, gneis
 }
 
 static gneiss_status answer(const gn_spectrum *spectrum, const question *q, gneiss_error *error) {
+    if (q->masses) return gn_step_masses(spectrum, q->step, q->masses, error);
     if (q->turned)
         return gn_step_holds(spectrum, q->step, q->tolerance, q->turned, q->verdict, error);
     if (q->step > 0.0) return holds(spectrum, q, error);
@@ -132,6 +134,12 @@ static gneiss_status ask(const gn_world *w, bool listed, const question *q, gnei
     gneiss_status status = answer(&spectrum, q, error);
     free_data(&data);
     return status;
+}
+
+gneiss_status gn_dem_masses(const gn_world *w, bool listed, double step, double *factor,
+                            gneiss_error *error) {
+    question q = {.step = step, .masses = factor};
+    return ask(w, listed, &q, error);
 }
 
 /* Whether the rigorous bound settles it without Lanczos: the scene asks for it, or a given step is

@@ -23,10 +23,11 @@ gn_contact_args gn_dem_contact_args(const gn_world *w, const gn_contacts *list, 
     a.arm_factor = w->scene.contact_arm == GN_ARM_MIDPOINT ? 0.5 : 0.0;
     memcpy(a.period, w->period, sizeof a.period);
     for (int k = 0; k < 3; k++) a.inverse_period[k] = w->period[k] > 0.0 ? 1.0 / w->period[k] : 0.0;
+    memcpy(a.gravity, w->scene.gravity, sizeof a.gravity);
+    if (w->effects & GN_FX_GRAVITY) a.own = w->dem.particles.own_share;
     if (w->dem.prescribed.count) {
         a.slot = w->dem.particles.slot;
         a.held = w->dem.prescribed.mask;
-        memcpy(a.gravity, w->scene.gravity, sizeof a.gravity);
     }
     a.time = w->time;
     a.measure = measure;

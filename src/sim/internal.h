@@ -153,8 +153,19 @@ gneiss_status gn_loose_find(gn_world *world, gneiss_error *error);
 /* The shortest contact that can begin before the lists are made again. */
 gneiss_status gn_resolution_listed(const gn_world *world, gn_resolution *resolution,
                                    gneiss_error *error);
-/* The same of any two distinct particles of the scene, walls and surfaces, wherever they are; and
- * the stability limit of one such contact by itself, s. */
+/* By what factor own masses [particles] have to be multiplied for `step` to resolve these contacts:
+ * the larger of that and `factor`. */
+gneiss_status gn_resolution_masses(const gn_world *world, double step, double *factor,
+                                   gneiss_error *error);
+/* The same for the springs of particles to be stable (gn_step_masses): of those that act, or of all
+ * that are listed. */
+gneiss_status gn_dem_masses(const gn_world *world, bool listed, double step, double *factor,
+                            gneiss_error *error);
+/* After masses have changed (lists.c); what they sum up to (mass_scaling.c). */
+void gn_dem_masses_changed(gn_world *world);
+void gn_dem_sum_masses(gn_world *world);
+/* The shortest contact of any two distinct particles of the scene, walls and surfaces, wherever
+ * they are; and the stability limit of one such contact by itself, s. */
 gneiss_status gn_flight_limits(const gn_world *world, double *stable, gn_resolution *resolution,
                                gneiss_error *error);
 

@@ -43,13 +43,14 @@ double gn_other_acceleration(const gn_world *w, size_t p, const gn_rigid *body, 
     const gn_particles *q = &w->dem.particles;
     const int32_t slot = w->dem.prescribed.count ? q->slot[p] : -1;
     const double inverse = q->vel[4 * p + 3], *gravity = w->scene.gravity;
+    const double own = q->own_share ? q->own_share[p] : 1.0;
     double force[3] = {0, 0, 0}, sum = 0.0;
     add_rows(&w->dem.bond_partials, p, (int)w->scene.dimension, force);
     add_rows(&w->dem.pair_partials, p, (int)w->scene.dimension, force);
     for (int a = 0; a < 3; a++) {
         bool held = slot >= 0 && w->dem.prescribed.mask[slot] >> a & 1;
         if (q->applied) force[a] += q->applied[4 * p + (size_t)a];
-        if (!held && inverse > 0.0) sum -= (inverse * force[a] + gravity[a]) * n[a];
+        if (!held && inverse > 0.0) sum -= (inverse * force[a] + own * gravity[a]) * n[a];
         if (body && body->inverse_mass[a] > 0.0) sum += gravity[a] * n[a];
     }
     return sum;

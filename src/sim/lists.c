@@ -238,10 +238,7 @@ static gneiss_status ready_blocks(gn_world *w, gneiss_error *error) {
     }
     if (!w->dem.pair_sums || !w->dem.bond_sums || !w->dem.motion_sums)
         return gn_fail(error, GNEISS_ERROR_MEMORY, "no memory for block sums");
-    w->dem.mass = 0.0;
-    for (size_t p = 0; p < w->dem.particles.soa.count; p++) /* 0: removed */
-        if (w->dem.particles.vel[4 * p + 3] > 0.0)
-            w->dem.mass += 1.0 / w->dem.particles.vel[4 * p + 3];
+    gn_dem_sum_masses(w);
     return gn_dem_deal(w, error);
 }
 
@@ -346,6 +343,12 @@ static void ready_kernels(gn_world *w) {
     gn_particles_to_single(&w->dem.particles, w->dem.particles.ref, w->threads);
     gn_contacts_to_single(&w->dem.bonds, &w->dem.particles, period, w->threads);
     gn_contacts_to_single(&w->dem.pairs, &w->dem.particles, period, w->threads);
+}
+
+void gn_dem_masses_changed(gn_world *w) {
+    gn_dem_sum_masses(w);
+    gn_dem_step_changed(w); /* dashpots */
+    gn_particles_to_single(&w->dem.particles, w->dem.particles.ref, w->threads);
 }
 
 gneiss_status gn_dem_refresh(gn_world *w, gneiss_error *error) {

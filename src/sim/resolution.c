@@ -131,12 +131,27 @@ static bool at_large(const gn_world *w, const ties *t, size_t p) {
 typedef struct fastest {
     double square, share;
     int64_t first, second;
+    double *factor; /* [particles] of the own masses that w^2 <= `most` asks for; NULL: not asked */
+    double most;    /* 1/s2, for all steps */
 } fastest;
+
+/* With both masses multiplied by x, w^2 is divided by x. */
+static void ask_mass(const fastest *f, const gn_world *w, size_t p, double square) {
+    const gn_particles *q = &w->dem.particles;
+    f->factor[p] = fmax(f->factor[p], square / (f->most * q->own_share[p]));
+}
 
 static void meet(fastest *f, double square, double share, const gn_world *w, size_t p,
                  int64_t second) {
+    if (f->factor) {
+        ask_mass(f, w, p, square * share * share);
+        if (second >= 0) ask_mass(f, w, (size_t)w->dem.index_of_id[second], square * share * share);
+    }
     if (square * share * share <= f->square * f->share * f->share) return;
-    *f = (fastest){square, share, w->dem.particles.id[p], second};
+    f->square = square;
+    f->share = share;
+    f->first = w->dem.particles.id[p];
+    f->second = second;
 }
 
 /* Steps are counted over the undamped half wave. */
@@ -286,22 +301,34 @@ static void meet_walls(const gn_world *w, const ties *t, fastest *f) {
     }
 }
 
-gneiss_status gn_resolution_listed(const gn_world *w, gn_resolution *resolution,
-                                   gneiss_error *error) {
-    fastest f = {0.0, 1.0, -1, -1};
+static gneiss_status meet_listed(const gn_world *w, fastest *f, gneiss_error *error) {
     double *crowd = NULL;
     ties t;
     GN_TRY(find_ties(w, &t, error));
     gneiss_status status = find_crowds(w, &crowd, error);
     if (status == GNEISS_OK) {
-        meet_pairs(w, &t, &w->dem.pairs, crowd, &f);
-        if (t.apart) meet_pairs(w, &t, &w->dem.bonds, crowd, &f);
-        meet_walls(w, &t, &f);
-        *resolution = resolution_of(w, &f);
+        meet_pairs(w, &t, &w->dem.pairs, crowd, f);
+        if (t.apart) meet_pairs(w, &t, &w->dem.bonds, crowd, f);
+        meet_walls(w, &t, f);
     }
     gn_free(crowd);
     gn_free(t.stiffest);
     return status;
+}
+
+gneiss_status gn_resolution_listed(const gn_world *w, gn_resolution *resolution,
+                                   gneiss_error *error) {
+    fastest f = {0.0, 1.0, -1, -1, NULL, 0.0};
+    GN_TRY(meet_listed(w, &f, error));
+    *resolution = resolution_of(w, &f);
+    return GNEISS_OK;
+}
+
+gneiss_status gn_resolution_masses(const gn_world *w, double step, double *factor,
+                                   gneiss_error *error) {
+    double wave = M_PI / (gn_world_contact_steps(w) * step);
+    fastest f = {0.0, 1.0, -1, -1, factor, wave * wave};
+    return meet_listed(w, &f, error);
 }
 
 /* --- what the scene holds --- */
@@ -401,7 +428,7 @@ static gneiss_status fly(const gn_world *w, flight *f, gneiss_error *error) {
 
 gneiss_status gn_flight_limits(const gn_world *w, double *stable, gn_resolution *resolution,
                                gneiss_error *error) {
-    flight f = {.resolved = {0.0, 1.0, -1, -1}};
+    flight f = {.resolved = {0.0, 1.0, -1, -1, NULL, 0.0}};
     GN_TRY(fly(w, &f, error));
     double alpha = w->dem.damping_fraction;
     *stable = fmin(2.0 / sqrt(f.normal) * (sqrt(1.0 + alpha * alpha) - alpha), 2.0 / sqrt(f.shear));

@@ -89,7 +89,8 @@ static gneiss_status react(gn_world *w, double limit, gneiss_error *error) {
                 error, GNEISS_ERROR_INPUT,
                 "%s:%d:%d: time.step: required, because nothing can move that would limit it",
                 w->scene.source, w->scene.time_where.line, w->scene.time_where.column);
-        double wanted = w->scene.safety * limit;
+        double wanted = w->scene.safety * limit, raised_for = w->dem.scaling.step;
+        if (raised_for > 0.0) wanted = fmin(wanted, raised_for);
         /* Small changes of the stiffest mode are what the safety factor is for. */
         if (w->step > 0 && wanted > 0.97 * w->dt) return GNEISS_OK;
         if (w->step > 0) w->dt_lowered++;

@@ -152,9 +152,26 @@ gneiss_status gn_world_use_threads(gn_world *w, int threads, gneiss_error *error
     return gn_dem_use_threads(w, error);
 }
 
+static gneiss_status check_built(const gn_scene *s, gneiss_error *error) {
+    char names[256] = "";
+    gn_effects missing = gn_scene_not_built(s);
+    for (int k = 0; k < GN_EFFECT_COUNT; k++)
+        if (missing >> k & 1) {
+            size_t used = strlen(names);
+            snprintf(names + used, sizeof names - used, "%s%s", used ? ", " : "",
+                     gn_effect_name((gn_effect_index)k));
+        }
+    if (!missing) return GNEISS_OK;
+    return gn_fail(error, GNEISS_ERROR_INPUT,
+                   "%s: expected a scene without %s, which this build leaves out (option 'without' "
+                   "of meson), found one that calls for it",
+                   s->source, names);
+}
+
 /* Scene -> effects, threads, kernels, period: everything that does not depend on particles. Resume
  * calls this too, so that a checkpoint goes on with the kernels of its scene. */
 gneiss_status gn_world_prepare(gn_world *w, gneiss_error *error) {
+    GN_TRY(check_built(&w->scene, error));
     w->effects = gn_scene_effects(&w->scene);
     int threads = w->scene.threads > 0 ? (int)w->scene.threads : omp_get_num_procs();
     w->threads = threads < GN_THREADS_MAX ? threads : GN_THREADS_MAX;
@@ -237,6 +254,7 @@ static gneiss_status build(gn_world *w, gneiss_error *error) {
     GN_TRY(particles ? build_particles(w, error) : build_empty(w, error));
     if (!particles) measure_elements(w);
     GN_TRY(gn_world_check_step(w, true, error));
+    GN_TRY(gn_dem_scale_masses(w, error));
     /* Of the step that is left when collisions have to be resolved, too. */
     GN_TRY(gn_world_check_duration(w, error));
     return gn_origin_check(w, error);

@@ -151,7 +151,7 @@ gn_assembly gn_world_assembly(const gn_world *world);
 /* What world->volume is the volume of: "the shape", "the convex hull of the particles", ... */
 const char *gn_world_volume_source(const gn_world *world);
 
-/* Of particles and elements, kg. */
+/* Of particles and elements, kg, without what was added for a longer step. */
 double gn_world_mass(const gn_world *world);
 
 /* 1 - volume of the particles (overlaps counted twice) over that of the specimen. */

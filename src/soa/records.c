@@ -1,3 +1,5 @@
+/* Fields say what they need, whatever is built. */
+#define GN_EVERY_EFFECT
 #include "soa/records.h"
 
 #define GN_DESCRIBE(struct_type, name, ctype, type, components, layout, role, care, needs, unless, \

@@ -30,6 +30,8 @@
     X(applied, double, GN_F64, 4, GN_ROWS, GN_SAVED, GN_FX_APPLIED, 0, "N", "applied force")       \
     X(start, double, GN_F64, 4, GN_ROWS, GN_SAVED, 0, 0, "m", "centre at the start")               \
     X(ref, double, GN_F64, 4, GN_ROWS, GN_SAVED, 0, 0, "m", "centre when the pair list was made")  \
+    X(own_share, double, GN_F64, 1, GN_ROWS, GN_SAVED, GN_FX_MASS_SCALING, 0, "1",                 \
+      "share of its mass that is its own; the rest was added for a longer step")                   \
     X(id, int32_t, GN_I32, 1, GN_ROWS, GN_STATE, 0, 0, "1", "place in the specimen, base 0")       \
     X(material, int32_t, GN_I32, 1, GN_ROWS, GN_SAVED, 0, 0, "1", "material, base 0")              \
     X(group, int32_t, GN_I32, 1, GN_ROWS, GN_SAVED, 0, 0, "1", "cohesive group, 0: none")          \

@@ -1,0 +1,113 @@
+#include "cli/idle.h"
+
+#include <stdio.h>
+
+/* --- what is certain --- */
+
+static bool turns(const gn_motion *motion) {
+    return motion->spin[0].count || motion->spin[1].count || motion->spin[2].count;
+}
+
+static bool sets_turn(const gn_scene *s) {
+    bool any = false;
+    for (size_t k = 0; k < s->set_count; k++)
+        any = any || s->sets[k].has_initial_spin || turns(&s->sets[k].motion);
+    return any;
+}
+
+static bool held_at_rest(const gn_table *channel) {
+    bool rests = channel->count > 0;
+    for (size_t k = 0; k < channel->count; k++) rests = rests && channel->value[k] == 0.0;
+    return rests;
+}
+
+/* The first set that a particle is in drives it: later ones do not matter. */
+static bool all_spins_held(const gn_scene *s) {
+    const gn_set_def *set = s->sets;
+    bool held = s->set_count > 0 && set->all && !set->has_initial_spin;
+    for (int a = s->dimension == 3 ? 0 : 2; a < 3; a++)
+        held = held && held_at_rest(&set->motion.spin[a]);
+    return held && s->set_count == 1;
+}
+
+/* Only tangential forces turn a sphere. Forces on facets are shared out over points beside the one
+ * below its centre. */
+static const char *idle_rotation(const gn_world *w) {
+    bool tangential = w->effects & (GN_FX_SHEAR | GN_FX_WALL_SHEAR);
+    if (all_spins_held(&w->scene)) return "all spins are held at 0: the same to rounding (law.rotation: off)";
+    if (tangential || w->effects & GN_FX_FACETS || sets_turn(&w->scene)) return NULL;
+    return "no tangential force and no set turns anything (law.rotation: off)";
+}
+
+static const char *idle_friction(const gn_world *w) {
+    const gn_particles *q = &w->dem.particles;
+    for (size_t p = 0; p < q->soa.count; p++)
+        if (w->scene.materials[q->material[p]].friction > 0.0) return NULL;
+    return "no particle has a material with friction";
+}
+
+static const char *idle_contact_damping(const gn_world *w) {
+    return w->dem.damping_fraction > 0.0 ? NULL
+                                         : "a restitution of 1 takes nothing (damping.contact)";
+}
+
+static const char *idle_background(const gn_world *w) {
+    return w->scene.background_coefficient > 0.0
+               ? NULL
+               : "its coefficient is 0 (damping.background.model: none)";
+}
+
+static const char *idle_applied(const gn_world *w) {
+    for (size_t k = 0; k < w->scene.set_count; k++)
+        for (int a = 0; w->scene.sets[k].has_force && a < 3; a++)
+            if (w->scene.sets[k].force[a] != 0.0) return NULL;
+    return "all forces of sets are 0 (sets[].force)";
+}
+
+static const char *idle_mass_scaling(const gn_world *w) {
+    return w->dem.scaling.raised ? NULL : "no mass has to be raised (time.mass_scaling)";
+}
+
+/* What is only read off. */
+static const char *idle_energy(const gn_world *w) {
+    (void)w;
+    return "for output and its warning alone, no motion depends on it (output.energy: off)";
+}
+static const char *idle_orientation(const gn_world *w) {
+    (void)w;
+    return "for output alone, no motion depends on it (output.orientation: off)";
+}
+
+/* --- words --- */
+
+static const struct {
+    gn_effect effect;
+    gn_effect_index index;
+    const char *(*idle)(const gn_world *world); /* why; NULL: it may change something */
+} idle_effects[] = {
+#define IDLE(NAME, find)                                                                           \
+    { GN_FX_##NAME, GN_FX_INDEX_##NAME, find }
+    IDLE(ROTATION, idle_rotation),
+    IDLE(FRICTION, idle_friction),
+    IDLE(CONTACT_DAMPING, idle_contact_damping),
+    IDLE(VISCOUS, idle_background),
+    IDLE(NONVISCOUS_VECTOR, idle_background),
+    IDLE(NONVISCOUS_COMPONENT, idle_background),
+    IDLE(APPLIED, idle_applied),
+    IDLE(MASS_SCALING, idle_mass_scaling),
+    IDLE(ENERGY, idle_energy),
+    IDLE(ORIENTATION, idle_orientation),
+#undef IDLE
+};
+
+void gn_print_idle(const gn_world *w) {
+    bool any = false;
+    for (size_t k = 0; k < sizeof idle_effects / sizeof *idle_effects; k++) {
+        bool active = w->effects & idle_effects[k].effect;
+        const char *why = active ? idle_effects[k].idle(w) : NULL;
+        if (!why) continue;
+        if (!any) printf("could be switched off\n");
+        printf("  %-24s %s\n", gn_effect_name(idle_effects[k].index), why);
+        any = true;
+    }
+}
