@@ -32,7 +32,8 @@
       "forces kept contact by contact, while output looks at them")                                \
     X(PRESSURE, pressure, "finite elements with pressures at their nodes (mixed form)")            \
     X(ELEMENTS, elements, "finite elements")                                                       \
-    X(FACETS, facets, "surfaces of triangles or segments, with walls")
+    X(FACETS, facets, "surfaces of triangles or segments, with walls")                             \
+    X(BOND_MOMENTS, bond_moments, "bending and twisting moments in bonds")
 
 typedef enum gn_effect_index {
 #define X(NAME, name, text) GN_FX_INDEX_##NAME,

@@ -244,6 +244,10 @@ static gneiss_status check_material(const check *c, const gn_scene *s, size_t in
     if (m->kratio > 0 && m->kratio < 1e-6)
         return gn_check_fail(
             c, "kratio", "expected 0 (no tangential spring) or at least 1e-6, found %g", m->kratio);
+    if (bonds && s->bond_radius_multiplier > 0 && !(m->kratio > 0))
+        return gn_check_fail(c, "kratio",
+                             "expected a value above 0, which bonds.radius_multiplier needs (the "
+                             "twist of a bond has the stiffness of its shear), found 0");
     if (s->stiffness == GN_STIFFNESS_UNIFORM) {
         GN_TRY(need(c, m->normal_stiffness, "normal_stiffness", "by the uniform law"));
         if (!bonds) return GNEISS_OK;
@@ -254,6 +258,14 @@ static gneiss_status check_material(const check *c, const gn_scene *s, size_t in
     if (!bonds) return GNEISS_OK;
     GN_TRY(need(c, m->tensile_strength, "tensile_strength", "by bonds of this law.stiffness"));
     return need(c, m->shear_strength, "shear_strength", "by bonds of this law.stiffness");
+}
+
+static gneiss_status check_bonds(const check *c, const gn_scene *s) {
+    if (s->bonds != GN_SWITCH_ON || !(s->bond_radius_multiplier > 0)) return GNEISS_OK;
+    if (s->rotation != GN_SWITCH_OFF) return GNEISS_OK;
+    return gn_check_fail(c, "bonds.radius_multiplier",
+                         "expected 0 where particles do not spin (law.rotation: off), found %g",
+                         s->bond_radius_multiplier);
 }
 
 /* ---- damping ---- */
@@ -531,6 +543,8 @@ gneiss_status gn_check_scene(gn_reader *reader, const gn_node *root) {
     if (s->has_elements) GN_TRY(gn_check_elements(reader, root));
     if (s->has_specimen && gn_check_sound(&c, "law.stiffness"))
         GN_TRY(check_list(&c, "materials", s->material_count, check_material));
+    if (gn_check_sound(&c, "bonds") && gn_check_sound(&c, "law"))
+        GN_TRY(gn_check_keep(&c, check_bonds(&c, s)));
     if (gn_check_sound(&c, "damping")) GN_TRY(gn_check_keep(&c, check_damping(&c, s)));
     if (gn_check_sound(&c, "periodic") && gn_check_sound(&c, "domain"))
         GN_TRY(gn_check_keep(&c, check_surroundings(&c, s)));
