@@ -1,0 +1,456 @@
+/* Bonds that carry moments: closed forms of bent and twisted chains, strength of the extreme fibre,
+ * bodies that turn and keep what they have, the stable step. */
+#include "world_helpers.h"
+
+static const double r = 1e-3, kn = 1e7, kt = 4e6, multiplier = 0.8;
+
+/* Stiffness of a bond against bending and twist: k_n I/A, k_t J/A of a circle or of a slice. */
+static double bend_stiffness(int dimension) {
+    double R = multiplier * r;
+    return kn * R * R / (dimension == 3 ? 4.0 : 3.0);
+}
+static double twist_stiffness(void) {
+    return kt * multiplier * multiplier * r * r / 2.0;
+}
+
+/* A chain of touching particles along x, `bonds` of them bonds, the first held, the last with
+ * `tip`; `more` sections. */
+static gn_world *chain(int dimension, int bonds, const char *tip, const char *more) {
+    text t = {0};
+    add(&t, "dimension: %d\nspecimen: {particles: [", dimension);
+    for (int k = 0; k <= bonds; k++)
+        add(&t, "%s[%.17g, 0, %s1e-3]", k ? ", " : "", 2.0 * r * k, dimension == 3 ? "0, " : "");
+    add(&t,
+        "]}\nmaterials: [{name: m, density: 2500, normal_stiffness: 1e7, kratio: 2.5, "
+        "bond_tension_limit: 1e9, bond_shear_limit: 1e9}]\nlaw: {stiffness: uniform}\n"
+        "bonds: {radius_multiplier: %g}\nsets:\n"
+        "  - {name: held, select: {ids: [0]}, motion: {%s}}\n"
+        "  - {name: tip, select: {ids: [%d]}, %s}\n%srun: {threads: 1}\n",
+        multiplier,
+        dimension == 3 ? "vx: 0, vy: 0, vz: 0, wx: 0, wy: 0, wz: 0" : "vx: 0, vy: 0, wz: 0", bonds,
+        tip, more);
+    return world_of("%s", t.s);
+}
+
+/* The moment of a bond on its particle with the smaller number; returns the other's number. */
+static int moment_of(const gn_world *w, size_t c, double m[3]) {
+    const gn_contacts *b = &w->dem.bonds;
+    int i = w->dem.particles.id[b->i[c]], j = w->dem.particles.id[b->j[c]];
+    for (size_t a = 0; a < 3; a++)
+        m[a] = (i < j ? 1.0 : -1.0) * (b->moment ? b->moment[c + a * b->soa.capacity]
+                                                 : b->moment_f[c + a * b->soa.capacity]);
+    return i < j ? j : i;
+}
+
+/* --- closed forms --- */
+
+/* A force P across the tip: the contact of bond k, at (k - 1/2) d, carries the shear P and the
+ * moment P d (N - k + 1/2); with the turns th_k = sum of moments/k_b the deflection is the sum of
+ * P/k_t + d/2 (th_k + th_k-1). Left out is the square of deflection over length, 1e-5 here, and
+ * positions of 1e-2 m are rounded to 1e-18, of a deflection of 1e-7. */
+static void bends_as_a_cantilever(int dimension, int axis, double force) {
+    enum { BONDS = 6 };
+    char tip[80];
+    if (dimension == 3)
+        snprintf(tip, sizeof tip, "force: [0, %.17g, %.17g]", axis == 1 ? force : 0.0,
+                 axis == 2 ? force : 0.0);
+    else
+        snprintf(tip, sizeof tip, "force: [0, %.17g]", force);
+    char more[120]; /* about critical for the slowest mode; discs are 750 times as heavy */
+    snprintf(more, sizeof more,
+             "damping: {background: {model: viscous, coefficient: %g}}\ntime: {end: 1}\n",
+             dimension == 3 ? 4e4 : 1.5e3);
+    gn_world *w = chain(dimension, BONDS, tip, more);
+    run_steps(w, 8000);
+    double kb = bend_stiffness(dimension), d = 2.0 * r, turn = 0.0, deflection = 0.0;
+    double sign = axis == 1 ? 1.0 : -1.0; /* z goes down where y turns up */
+    int turned = axis == 1 ? 2 : 1;
+    for (size_t c = 0; c < BONDS; c++) {
+        double m[3];
+        int k = moment_of(w, c, m);
+        assert_near(m[turned], sign * force * d * (BONDS - k + 0.5),
+                    1e-8 * fabs(force) * d * BONDS);
+    }
+    for (int k = 1; k <= BONDS; k++) {
+        double next = turn + force * d * (BONDS - k + 0.5) / kb;
+        deflection += force / kt + 0.5 * d * (turn + next);
+        turn = next;
+    }
+    assert_true(fabs(deflection) < 1e-4 * BONDS * d && fabs(deflection) > 1e-8);
+    assert_near(pos_of(w, BONDS)[axis], deflection, 1e-8 * fabs(deflection));
+    world_end(w);
+}
+
+static void a_chain_bends_as_a_cantilever_with_shear(void **state) {
+    (void)state;
+    bends_as_a_cantilever(3, 1, 1e-3);
+    bends_as_a_cantilever(3, 1, -1e-3);
+    bends_as_a_cantilever(3, 2, 1e-3);
+    bends_as_a_cantilever(2, 1, 1e-3);
+    bends_as_a_cantilever(2, 1, -1e-3);
+}
+
+/* The tip is turned by an angle about the axis and held: by as much of it in every bond, whatever
+ * the angle. */
+static void a_chain_twists_by_the_same_angle_in_every_bond(void **state) {
+    (void)state;
+    enum { BONDS = 5 };
+    const double dt = 4e-7;
+    gn_world *w =
+        chain(3, BONDS, "motion: {wx: [[0, 2000], [4e-4, 2000], [4.000001e-4, 0], [1, 0]]}",
+              "damping: {background: {model: viscous, coefficient: 1e5}}\n"
+              "time: {step: 4e-7, end: 1}\n");
+    double angle = 0.0, kw = twist_stiffness();
+    for (int k = 0; k < 6000; k++) {
+        run_steps(w, 1);
+        angle += dt * spin_of(w, BONDS)[0];
+    }
+    assert_near(angle, 0.8, 1e-2);
+    gn_energy e = measured_step(w);
+    for (size_t c = 0; c < BONDS; c++) {
+        double m[3];
+        moment_of(w, c, m);
+        assert_close(m[0], kw * angle / BONDS, 1e-10);
+        assert_near(m[1], 0.0, 1e-18);
+    }
+    assert_close(e.elastic_bending, 0.5 * kw * angle * angle / BONDS, 1e-10);
+    assert_true(fabs(gn_energy_residual(&e)) < 1e-12);
+    world_end(w);
+}
+
+/* --- strength --- */
+
+static const double limit_n = 20.0, limit_t = 12.0, share = 0.7;
+
+/* Two touching particles, both driven: the first turns against the second about y or z (`bend`,
+ * rad/s each, with equal arms no slip), the second is pulled and turned about x. */
+static gn_world *driven(int dimension, double bend, double pull, double twist, double slide) {
+    bool space = dimension == 3;
+    text t = {0};
+    add(&t,
+        "dimension: %d\nspecimen: {particles: [[0, 0, %s1e-3], [2e-3, 0, %s1e-3]]}\n"
+        "materials: [{name: m, density: 2500, normal_stiffness: 1e7, kratio: 2.5, friction: 0.3, "
+        "bond_tension_limit: %g, bond_shear_limit: %g}]\nlaw: {stiffness: uniform}\n"
+        "bonds: {radius_multiplier: %g, moment_share: %g}\nsets:\n",
+        dimension, space ? "0, " : "", space ? "0, " : "", limit_n, limit_t, multiplier, share);
+    add(&t, "  - {name: a, select: {ids: [0]}, motion: {vx: 0, vy: 0, %swz: %.17g}}\n",
+        space ? "vz: 0, wx: 0, wy: 0, " : "", -bend);
+    add(&t, "  - {name: b, select: {ids: [1]}, motion: {vx: %.17g, vy: %.17g, ", pull, slide);
+    if (space) add(&t, "vz: 0, wx: %.17g, wy: 0, ", twist);
+    add(&t, "wz: %.17g}}\ntime: {step: 1e-8, end: 1, on_unstable: warn}\nrun: {threads: 1}\n",
+        bend);
+    return world_of("%s", t.s);
+}
+
+/* Steps until the bond breaks; what the ledger has then, and how much was released. */
+static int64_t steps_to_break(gn_world *w, gn_energy *e) {
+    measured_step(w);
+    while (w->dem.bonds.cause[0] == GN_INTACT && w->step < 100000) run_steps(w, 1);
+    int64_t steps = w->step - 1; /* the instant at which it broke */
+    assert_close(w->dem.bonds.broken_time[0], (double)steps * 1e-8, 1e-9);
+    *e = measured_step(w);
+    assert_true(e->elastic_bending == 0.0);
+    assert_true(fabs(gn_energy_residual(e)) < 1e-9);
+    for (size_t a = 0; a < 3; a++)
+        assert_true(w->dem.bonds.moment[a * w->dem.bonds.soa.capacity] == 0.0);
+    world_end(w);
+    return steps;
+}
+
+/* The first instant at which `rate` of load in a step reaches 1. */
+static void reached(int64_t steps, double rate) {
+    double exact = 1.0 / rate;
+    assert_true(fabs(exact - round(exact)) > 1e-6); /* not on the edge of two steps */
+    assert_int_equal(steps, (int64_t)ceil(exact));
+}
+
+static void a_bond_breaks_by_bending_at_its_extreme_fibre(void **state) {
+    (void)state;
+    for (int dimension = 2; dimension <= 3; dimension++)
+        for (int sign = -1; sign <= 1; sign += 2) {
+            gn_energy e;
+            gn_world *w = driven(dimension, sign * 317.3, 0.0, 0.0, 0.0);
+            double k = bend_stiffness(dimension), z = dimension == 3 ? 4.0 : 3.0;
+            double moment = k * 2.0 * 317.3 * 1e-8, limit = limit_n * multiplier * r / (z * share);
+            int64_t steps = steps_to_break(w, &e);
+            reached(steps, moment / limit);
+            double last = moment * (double)steps;
+            assert_near(e.bond_breaking, 0.5 * last * last / k, 1.01 * last * moment / k);
+        }
+}
+
+static void a_bond_breaks_by_twist_at_its_rim(void **state) {
+    (void)state;
+    gn_energy e;
+    gn_world *w = driven(3, 0.0, 0.0, 731.9, 0.0);
+    double moment = twist_stiffness() * 731.9 * 1e-8,
+           limit = limit_t * multiplier * r / (2.0 * share);
+    int64_t steps = steps_to_break(w, &e);
+    reached(steps, moment / limit);
+}
+
+static void a_bond_breaks_by_pull_and_bending_together(void **state) {
+    (void)state;
+    for (int dimension = 2; dimension <= 3; dimension++) {
+        gn_energy e;
+        double speed = 0.0713, z = dimension == 3 ? 4.0 : 3.0;
+        gn_world *w = driven(dimension, 217.3, speed, 0.0, 0.0);
+        double pull = kn * speed * 1e-8;
+        double moment = bend_stiffness(dimension) * 2.0 * 217.3 * 1e-8;
+        int64_t steps = steps_to_break(w, &e);
+        reached(steps, (pull + z * share * moment / (multiplier * r)) / limit_n);
+    }
+}
+
+/* Pressed by as much as the fibre is bent, it holds; twice that bend breaks it. */
+static void pressure_takes_from_what_bending_opens(void **state) {
+    (void)state;
+    double bend = 317.3, moment = bend_stiffness(3) * 2.0 * bend * 1e-8;
+    double fibre = 4.0 * share * moment / (multiplier * r);
+    gn_world *w = driven(3, bend, -fibre / (kn * 1e-8), 0.0, 0.0);
+    run_steps(w, 20000);
+    assert_true(20000 * fibre > 5.0 * limit_n);
+    assert_int_equal(w->dem.bonds.cause[0], GN_INTACT);
+    world_end(w);
+    w = driven(3, 2.0 * bend, -fibre / (kn * 1e-8), 0.0, 0.0);
+    gn_energy e;
+    reached(steps_to_break(w, &e), fibre / limit_n);
+}
+
+static void twist_and_bending_add_to_their_own_stress_only(void **state) {
+    (void)state;
+    gn_energy e;
+    double bend = 317.3, twist = 211.0;
+    double moment = bend_stiffness(3) * 2.0 * bend * 1e-8,
+           limit = limit_n * multiplier * r / (4.0 * share);
+    gn_world *w = driven(3, bend, 0.0, twist, 0.0);
+    reached(steps_to_break(w, &e), moment / limit);
+    w = driven(3, bend, 0.0, 6.0 * twist, 0.0);
+    moment = twist_stiffness() * 6.0 * twist * 1e-8;
+    reached(steps_to_break(w, &e), moment * 2.0 * share / (multiplier * r * limit_t));
+}
+
+/* Slides across as well: the normal turns by 1e-4, which tilts what is added. */
+static void shear_and_twist_add_up(void **state) {
+    (void)state;
+    gn_energy e;
+    double speed = 0.0713, twist = 331.9;
+    gn_world *w = driven(3, 0.0, 0.0, twist, speed);
+    double shear = kt * speed * 1e-8;
+    double moment = twist_stiffness() * twist * 1e-8 * 2.0 * share / (multiplier * r);
+    double exact = limit_t / (shear + moment), turn = speed * exact * 1e-8 / (2.0 * r);
+    assert_near((double)steps_to_break(w, &e), ceil(exact), 1.0 + 2.0 * turn * turn * exact);
+}
+
+/* --- bodies that turn --- */
+
+static void sum_up(const gn_world *w, double momentum[3], double turning[3]) {
+    memset(momentum, 0, 3 * sizeof *momentum);
+    memset(turning, 0, 3 * sizeof *turning);
+    for (size_t p = 0; p < w->dem.particles.soa.count; p++) {
+        const double *x = w->dem.particles.pos + 4 * p, *v = w->dem.particles.vel + 4 * p,
+                     *s = w->dem.particles.spin + 4 * p;
+        double l[3], middle[3];
+        /* Where it was half a step ago, when it had that velocity. */
+        for (int a = 0; a < 3; a++) middle[a] = x[a] - 0.5 * w->dt_past * v[a];
+        cross3(middle, v, l);
+        for (int a = 0; a < 3; a++) {
+            momentum[a] += v[a] / v[3];
+            turning[a] += l[a] / v[3] + (s[3] > 0.0 ? s[a] / s[3] : 0.0);
+        }
+    }
+}
+
+/* A ring of twelve spheres (discs), with random velocities on top of a turn about an oblique axis.
+ */
+static gn_world *ring(int dimension, const char *more) {
+    text t = {0};
+    bool space = dimension == 3;
+    double radius = r / sin(pi / 12.0);
+    add(&t, "dimension: %d\nspecimen: {particles: [", dimension);
+    for (int k = 0; k < 12; k++)
+        add(&t, "%s[%.17g, %.17g, %s1e-3]", k ? ", " : "", radius * cos(pi * k / 6.0),
+            radius * sin(pi * k / 6.0), space ? "0, " : "");
+    add(&t,
+        "]}\nmaterials: [{name: m, density: 2500, normal_stiffness: 1e7, kratio: 2.5, "
+        "bond_tension_limit: 1e9, bond_shear_limit: 1e9}]\nlaw: {stiffness: uniform}\n"
+        "bonds: {radius_multiplier: %g}\nsets:\n",
+        multiplier);
+    double w[3] = {space ? 700.0 : 0.0, space ? -300.0 : 0.0, 2000.0};
+    for (int k = 0; k < 12; k++) {
+        double x[3] = {radius * cos(pi * k / 6.0), radius * sin(pi * k / 6.0), 0.0}, v[3];
+        cross3(w, x, v);
+        for (int a = 0; a < 3; a++) v[a] += 0.05 * gn_random_symmetric(5, 3 * k + a);
+        if (space)
+            add(&t,
+                "  - {name: p%d, select: {ids: [%d]}, initial_velocity: [%.17g, %.17g, %.17g], "
+                "initial_spin: [%.17g, %.17g, %.17g]}\n",
+                k, k, v[0], v[1], v[2], w[0], w[1], w[2] + 10.0 * k);
+        else
+            add(&t,
+                "  - {name: p%d, select: {ids: [%d]}, initial_velocity: [%.17g, %.17g], "
+                "initial_spin: %.17g}\n",
+                k, k, v[0], v[1], w[2] + 10.0 * k);
+    }
+    add(&t, "%srun: {threads: 1}\n", more);
+    return world_of("%s", t.s);
+}
+
+/* Sums of 1e5 additions of numbers whose rounding is random: some 1e-16 x sqrt(1e5) of the largest
+ * of them, with room. */
+static void a_bent_ring_keeps_momentum_and_energy(void **state) {
+    (void)state;
+    for (int dimension = 2; dimension <= 3; dimension++) {
+        gn_world *w = ring(dimension, "time: {end: 100}\n");
+        double p0[3], l0[3], p1[3], l1[3], most = 0.0;
+        gn_energy first = measured_step(w);
+        sum_up(w, p0, l0);
+        gn_energy e = first;
+        for (int k = 0; k < 100; k++) {
+            run_steps(w, 999);
+            e = measured_step(w);
+            most = fmax(most, e.elastic_bending / gn_energy_stored(&e));
+        }
+        sum_up(w, p1, l1);
+        double speed = 2000.0 * r / sin(pi / 12.0), mass = mass_of(w, 0);
+        for (int a = 0; a < 3; a++) {
+            assert_near(p1[a], p0[a], 1e-11 * 12.0 * mass * speed);
+            assert_near(l1[a], l0[a], 1e-11 * 12.0 * mass * speed * r / sin(pi / 12.0));
+        }
+        print_message("# ring in %dD: %.2g of the energy is bending, residual %.2g\n", dimension,
+                      most, gn_energy_residual(&e));
+        assert_true(most > 1e-5);
+        assert_true(fabs(gn_energy_residual(&e)) < 1e-6);
+        world_end(w);
+    }
+}
+
+/* A pair that was bent and twisted turns as a whole about an axis, both spins alike: nothing
+ * strains it, so its moment turns along and keeps its size, whatever the angle of a step. */
+static void a_moment_turns_with_its_bond(void **state) {
+    (void)state;
+    const double axes[3][3] = {{1, 0, 0}, {0, 0, 1}, {0.48, 0.6, 0.64}};
+    for (int k = 0; k < 3; k++) {
+        const double *axis = axes[k], dt = 1e-6, angle = 2.0 * pi / 2000.0, w = angle / dt;
+        gn_effects fx = GN_FX_SPACE | GN_FX_ROTATION | GN_FX_SHEAR | GN_FX_BONDS |
+                        GN_FX_BOND_MOMENTS | GN_FX_ENERGY;
+        gn_particles p;
+        gn_contacts c;
+        assert_int_equal(gn_soa_create(&gn_particle_record, &p, 2, fx, NULL), GNEISS_OK);
+        assert_int_equal(gn_soa_create(&gn_contact_record, &c, 1, fx, NULL), GNEISS_OK);
+        gn_particles_set_null(&p, 1.0);
+        gn_contacts_pad(&c, &p);
+        c.i[0] = 0;
+        c.j[0] = 1;
+        c.kn[0] = kn;
+        c.kt[0] = kt;
+        c.rn[0] = c.rt[0] = 1e30;
+        c.length0[0] = 2.0 * r;
+        c.beam[0] = multiplier * r;
+        const double start[3] = {2e-3, 3e-3, -1e-3};
+        for (size_t a = 0; a < 3; a++) c.moment[a * c.soa.capacity] = start[a];
+        p.pos[3] = p.pos[7] = r;
+        gn_contact_args args = {.pos = p.pos,
+                                .vel = p.vel,
+                                .spin = p.spin,
+                                .contacts = &c,
+                                .dt = dt,
+                                .arm_factor = 0.5,
+                                .measure = true};
+        double arm[3] = {r, 0, 0}, first = 0.0, stored = 0.0;
+        for (int step = 0; step < 2000; step++) {
+            double now[3], side[3], along = dot3(axis, arm) * (1.0 - cos(angle));
+            cross3(axis, arm, side);
+            for (int a = 0; a < 3; a++)
+                now[a] = arm[a] * cos(angle) + side[a] * sin(angle) + axis[a] * along;
+            for (int a = 0; a < 3; a++) {
+                p.pos[a] = -now[a];
+                p.pos[4 + a] = now[a];
+                p.vel[a] = -(now[a] - arm[a]) / dt;
+                p.vel[4 + a] = (now[a] - arm[a]) / dt;
+                p.spin[a] = p.spin[4 + a] = axis[a] * w;
+            }
+            memcpy(arm, now, sizeof arm);
+            gn_contact_sums sums = {0};
+            gn_kernel_set_at(0)->contact[gn_contact_variant(fx)](&args, 0, 1, &sums);
+            stored = sums.elastic_bending;
+            if (step == 0) first = stored;
+        }
+        /* The twist is taken to second order: directions err by angle^3/6 per step, sizes by
+         * angle^4/8; the mean of both spins is seen along the middle normal. */
+        double off = 0.0, allowed = 2.0 * pi * angle * angle / 6.0 * 1.1;
+        for (size_t a = 0; a < 3; a++) off += pow(c.moment[a * c.soa.capacity] - start[a], 2.0);
+        assert_true(sqrt(off) / length3(start) < allowed);
+        assert_close(stored, first, 2.0 * pi * pow(angle, 3.0) / 4.0 * 1.1 + 1e-11);
+        gn_soa_destroy(&gn_particle_record, &p);
+        gn_soa_destroy(&gn_contact_record, &c);
+    }
+}
+
+/* --- the step --- */
+
+/* A lattice or rock whose bonds carry moments, shaken; `dt` 0: automatic. */
+static gn_world *shaken(int dimension, double times, double dt) {
+    char step[40] = "auto";
+    if (dt > 0.0) snprintf(step, sizeof step, "%.17g", dt);
+    return world_of("dimension: %d\nspecimen: {lattice: {kind: %s, radius: 1e-3, cells: %s}}\n"
+                    "materials: [{name: m, density: 2650, contact_modulus: 1e10, kratio: 1.5, "
+                    "tensile_strength: 1e30, shear_strength: 1e30}]\nlaw: {stiffness: arithmetic}\n"
+                    "bonds: {radius_multiplier: %g}\n"
+                    "initial: {random_velocity: 1e-4}\n"
+                    "time: {step: %s, on_unstable: warn, end: 100}\nrun: {threads: 1}\n",
+                    dimension, dimension == 3 ? "fcc" : "hexagonal",
+                    dimension == 3 ? "[3, 3, 3]" : "[8, 5]", times, step);
+}
+
+static double growth(int dimension, double times, double dt, int64_t steps) {
+    gn_world *w = shaken(dimension, times, dt);
+    gneiss_error error = {0};
+    double start = 0.0, largest = 0.0;
+    for (int64_t k = 0; k < steps && largest <= 1e3; k++) {
+        bool measure = k % 20 == 0;
+        if (gn_world_step(w, measure, &error) != GNEISS_OK) {
+            largest = INFINITY;
+            break;
+        }
+        if (!measure) continue;
+        double stored = gn_energy_stored(&w->reading);
+        if (k == 0) start = stored;
+        largest = isfinite(stored) ? fmax(largest, stored / start) : INFINITY;
+    }
+    world_end(w);
+    return largest;
+}
+
+/* Multipliers at which the moments do not matter, matter and set the step. */
+static void bodies_are_stable_up_to_the_limit_with_moments(void **state) {
+    (void)state;
+    double before = INFINITY;
+    for (int dimension = 2; dimension <= 3; dimension++, before = INFINITY)
+        for (double times = 0.5; times < 5.0; times *= 2.5) {
+            gn_world *w = shaken(dimension, times, 0.0);
+            double limit = w->stable;
+            world_end(w);
+            assert_true(limit < before);
+            before = limit;
+            assert_true(growth(dimension, times, 0.99 * limit, 3000) < 1.0 + 1e-5);
+            assert_true(growth(dimension, times, 1.05 * limit, 2000) > 1e3);
+        }
+}
+
+int main(void) {
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(a_chain_bends_as_a_cantilever_with_shear),
+        cmocka_unit_test(a_chain_twists_by_the_same_angle_in_every_bond),
+        cmocka_unit_test(a_bond_breaks_by_bending_at_its_extreme_fibre),
+        cmocka_unit_test(a_bond_breaks_by_twist_at_its_rim),
+        cmocka_unit_test(a_bond_breaks_by_pull_and_bending_together),
+        cmocka_unit_test(pressure_takes_from_what_bending_opens),
+        cmocka_unit_test(twist_and_bending_add_to_their_own_stress_only),
+        cmocka_unit_test(shear_and_twist_add_up),
+        cmocka_unit_test(a_bent_ring_keeps_momentum_and_energy),
+        cmocka_unit_test(a_moment_turns_with_its_bond),
+        cmocka_unit_test(bodies_are_stable_up_to_the_limit_with_moments),
+    };
+    return cmocka_run_group_tests_name("bond_moments", tests, NULL, NULL);
+}
