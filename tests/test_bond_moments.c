@@ -263,7 +263,7 @@ static void sum_up(const gn_world *w, double momentum[3], double turning[3]) {
 
 /* A ring of twelve spheres (discs), with random velocities on top of a turn about an oblique axis.
  */
-static gn_world *ring(int dimension, const char *more) {
+static gn_world *ring(int dimension, double speed, const char *more) {
     text t = {0};
     bool space = dimension == 3;
     double radius = r / sin(pi / 12.0);
@@ -276,21 +276,21 @@ static gn_world *ring(int dimension, const char *more) {
         "bond_tension_limit: 1e9, bond_shear_limit: 1e9}]\nlaw: {stiffness: uniform}\n"
         "bonds: {radius_multiplier: %g}\nsets:\n",
         multiplier);
-    double w[3] = {space ? 700.0 : 0.0, space ? -300.0 : 0.0, 2000.0};
+    double w[3] = {space ? 700.0 : 0.0, space ? -300.0 : 0.0, speed};
     for (int k = 0; k < 12; k++) {
         double x[3] = {radius * cos(pi * k / 6.0), radius * sin(pi * k / 6.0), 0.0}, v[3];
         cross3(w, x, v);
-        for (int a = 0; a < 3; a++) v[a] += 0.05 * gn_random_symmetric(5, 3 * k + a);
+        for (int a = 0; a < 3; a++) v[a] += 2.5e-5 * speed * gn_random_symmetric(5, 3 * k + a);
         if (space)
             add(&t,
                 "  - {name: p%d, select: {ids: [%d]}, initial_velocity: [%.17g, %.17g, %.17g], "
                 "initial_spin: [%.17g, %.17g, %.17g]}\n",
-                k, k, v[0], v[1], v[2], w[0], w[1], w[2] + 10.0 * k);
+                k, k, v[0], v[1], v[2], w[0], w[1], w[2] + 5e-3 * speed * k);
         else
             add(&t,
                 "  - {name: p%d, select: {ids: [%d]}, initial_velocity: [%.17g, %.17g], "
                 "initial_spin: %.17g}\n",
-                k, k, v[0], v[1], w[2] + 10.0 * k);
+                k, k, v[0], v[1], w[2] + 5e-3 * speed * k);
     }
     add(&t, "%srun: {threads: 1}\n", more);
     return world_of("%s", t.s);
@@ -301,7 +301,8 @@ static gn_world *ring(int dimension, const char *more) {
 static void a_bent_ring_keeps_momentum_and_energy(void **state) {
     (void)state;
     for (int dimension = 2; dimension <= 3; dimension++) {
-        gn_world *w = ring(dimension, "time: {end: 100}\n");
+        const double spin = dimension == 3 ? 2000.0 : 75.0; /* discs are 750 times as heavy */
+        gn_world *w = ring(dimension, spin, "time: {end: 100}\n");
         double p0[3], l0[3], p1[3], l1[3], most = 0.0;
         gn_energy first = measured_step(w);
         sum_up(w, p0, l0);
@@ -312,15 +313,17 @@ static void a_bent_ring_keeps_momentum_and_energy(void **state) {
             most = fmax(most, e.elastic_bending / gn_energy_stored(&e));
         }
         sum_up(w, p1, l1);
-        double speed = 2000.0 * r / sin(pi / 12.0), mass = mass_of(w, 0);
+        double speed = spin * r / sin(pi / 12.0), mass = mass_of(w, 0);
         for (int a = 0; a < 3; a++) {
             assert_near(p1[a], p0[a], 1e-11 * 12.0 * mass * speed);
             assert_near(l1[a], l0[a], 1e-11 * 12.0 * mass * speed * r / sin(pi / 12.0));
         }
         print_message("# ring in %dD: %.2g of the energy is bending, residual %.2g\n", dimension,
                       most, gn_energy_residual(&e));
-        assert_true(most > 1e-5);
-        assert_true(fabs(gn_energy_residual(&e)) < 1e-6);
+        /* Without moments it is as much: the normal turns by 2e-3 rad in a step, in which the
+         * tangential force errs by the square of half of that. */
+        assert_true(most > 1e-6);
+        assert_true(fabs(gn_energy_residual(&e)) < 1e-5);
         world_end(w);
     }
 }
