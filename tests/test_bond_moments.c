@@ -1,6 +1,9 @@
 /* Bonds that carry moments: closed forms of bent and twisted chains, strength of the extreme fibre,
  * bodies that turn and keep what they have, the stable step. */
+#include "run/run.h"
 #include "world_helpers.h"
+
+#include <unistd.h>
 
 static const double r = 1e-3, kn = 1e7, kt = 4e6, multiplier = 0.8;
 
@@ -441,6 +444,236 @@ static void bodies_are_stable_up_to_the_limit_with_moments(void **state) {
         }
 }
 
+/* --- with everything else --- */
+
+/* A block thrown at a floor, with all that contacts can have, whose bonds break in every way and
+ * some of whose particles leave the domain. */
+static const char *const thrown =
+    "dimension: %d\nspecimen: {lattice: {kind: %s, radius: 1e-3, cells: %s, jitter: 0.02}}\n"
+    "materials: [{name: m, density: 2500, contact_modulus: 1e9, kratio: 2.5, friction: 0.4, "
+    "tensile_strength: %g, shear_strength: %g}]\nlaw: {stiffness: harmonic}\n"
+    "bonds: {radius_multiplier: 0.9, moment_share: 0.8}\n"
+    "damping: {background: {model: nonviscous_vector, coefficient: 0.02}, contact: {restitution: "
+    "0.7}}\ngravity: %s\nwalls: [{name: floor, point: %s, normal: %s, stiffness: 1e6, kratio: 2, "
+    "friction: 0.3}]\ninitial: {random_velocity: %g}\n"
+    "domain: {min: %s, max: %s, lost: remove}\n"
+    "time: {end: 1, safety: 0.3}\nrun: {threads: %d, precision: %s}\n";
+
+static char *thrown_text(int dimension, double strength, double speed, int threads,
+                         const char *precision) {
+    static char made[4096];
+    bool space = dimension == 3;
+    snprintf(made, sizeof made, thrown, dimension, space ? "fcc" : "hexagonal",
+             space ? "[5, 5, 5]" : "[10, 8]", strength, 0.4 * strength,
+             space ? "[0, 0, -9.81]" : "[0, -9.81]", space ? "[0, 0, -1e-3]" : "[0, -1e-3]",
+             space ? "[0, 0, 1]" : "[0, 1]", speed,
+             space ? "[-3e-3, -3e-3, -3e-3]" : "[-3e-3, -3e-3]",
+             space ? "[0.02, 0.02, 0.02]" : "[0.035, 0.035]", threads, precision);
+    return made;
+}
+
+static void bits_are_the_same_for_any_number_of_threads(void **state) {
+    (void)state;
+    for (int dimension = 2; dimension <= 3; dimension++)
+        for (int mixed = 0; mixed < 2; mixed++) {
+            uint64_t hash[2];
+            for (int threads = 1; threads <= 2; threads++) {
+                gn_world *w = world_of(
+                    "%s", thrown_text(dimension, 3e6, 4.0, threads, mixed ? "mixed" : "double"));
+                run_steps(w, 1200);
+                hash[threads - 1] = gn_world_hash(w);
+                assert_true(w->dem.broken_tension > 5 && w->dem.broken_shear > 5);
+                world_end(w);
+            }
+            assert_true(hash[0] == hash[1]);
+        }
+}
+
+/* In short steps: what is left is of normals that turn within a step and of contacts that close or
+ * break, and goes with its square; without moments it is as much. */
+static void the_ledger_closes_while_bonds_break(void **state) {
+    (void)state;
+    for (int dimension = 2; dimension <= 3; dimension++)
+        for (int mixed = 0; mixed < 2; mixed++) {
+            gn_world *w =
+                world_of("%s", thrown_text(dimension, 3e6, 4.0, 1, mixed ? "mixed" : "double"));
+            double most = 0.0;
+            measured_step(w);
+            for (int k = 0; k < 30; k++) {
+                run_steps(w, 99);
+                gn_energy e = measured_step(w);
+                most = fmax(most, fabs(gn_energy_residual(&e)));
+            }
+            print_message("# %dD %s: %lld + %lld of %lld bonds broken, residual "
+                          "%.2g\n",
+                          dimension, mixed ? "mixed" : "double", (long long)w->dem.broken_tension,
+                          (long long)w->dem.broken_shear, (long long)w->dem.bonds_at_start, most);
+            assert_true(most < 1e-4);
+            world_end(w);
+        }
+}
+
+/* Three spheres fly out of the domain one after the other, bent and twisted: what their bonds hold
+ * goes with them, and the work of the last half step. Left are normals that turn by 1e-4 in a step.
+ */
+static void what_bent_bonds_hold_leaves_with_their_particles(void **state) {
+    (void)state;
+    for (int dimension = 2; dimension <= 3; dimension++) {
+        bool space = dimension == 3;
+        text t = {0};
+        add(&t, "dimension: %d\nspecimen: {particles: [", dimension);
+        for (int k = 0; k < 5; k++)
+            add(&t, "%s[%.17g, 0, %s1e-3]", k ? ", " : "", 2.0 * r * k, space ? "0, " : "");
+        add(&t,
+            "]}\nmaterials: [{name: m, density: 2500, normal_stiffness: 1e7, kratio: 2.5, "
+            "bond_tension_limit: 1e9, bond_shear_limit: 1e9}]\nlaw: {stiffness: uniform}\n"
+            "bonds: {radius_multiplier: 1}\ndomain: {min: [-1, -1%s], max: [8.3e-3, 1%s], lost: "
+            "remove}\nsets:\n",
+            space ? ", -1" : "", space ? ", 1" : "");
+        for (int k = 0; k < 5; k++)
+            if (space)
+                add(&t,
+                    "  - {name: p%d, select: {ids: [%d]}, initial_velocity: [10, 0, 0], "
+                    "initial_spin: "
+                    "[%g, %g, %g]}\n",
+                    k, k, 900.0 * (k % 2), 700.0 * (k % 3), -800.0 * (k % 2));
+            else
+                add(&t,
+                    "  - {name: p%d, select: {ids: [%d]}, initial_velocity: [10, 0], initial_spin: "
+                    "%g}\n",
+                    k, k, 900.0 * (k % 2));
+        add(&t, "time: {end: 1, safety: 0.1}\nrun: {threads: 1}\n");
+        gn_world *w = world_of("%s", t.s);
+        double bent = 0.0;
+        gn_energy e = measured_step(w);
+        for (int k = 0; k < 100000 && w->dem.lost < 3; k++) {
+            run_steps(w, 1);
+            if (k % 20) continue;
+            e = measured_step(w);
+            bent = fmax(bent, e.elastic_bending);
+        }
+        e = measured_step(w);
+        assert_int_equal(w->dem.lost, 3);
+        assert_true(e.removed > 100.0 * bent && bent > 1e-9);
+        print_message("# %dD: %.2g J in bending, ledger open by %.2g J\n", dimension, bent,
+                      gn_energy_residual(&e) * gn_energy_scale(&e));
+        assert_true(fabs(gn_energy_residual(&e)) * gn_energy_scale(&e) < 1e-4 * bent);
+        world_end(w);
+    }
+}
+
+static void ok(gneiss_status status, const gneiss_error *error) {
+    if (status != GNEISS_OK) fail_msg("%s", error->message);
+}
+
+static void a_resumed_run_has_the_same_bits(void **state) {
+    (void)state;
+    for (int mixed = 0; mixed < 2; mixed++) {
+        gneiss_error error = {0};
+        gn_scene scene;
+        gn_run whole, run;
+        char path[] = "/tmp/bond_moments_XXXXXX";
+        int file = mkstemp(path);
+        assert_true(file >= 0);
+        close(file);
+        const char *thrown_block = thrown_text(3, 3e6, 4.0, 1, mixed ? "mixed" : "double");
+        ok(gn_scene_parse(thrown_block, "s.yaml", NULL, NULL, 0, &scene, &error), &error);
+        ok(gn_run_create(&scene, &whole, &error), &error);
+        ok(gn_run_steps(&whole, 300, &error), &error);
+        ok(gn_checkpoint_write(&whole, path, &error), &error);
+        ok(gn_run_load(path, NULL, 0, &run, &error), &error);
+        assert_true(gn_world_hash(&run.world) == gn_world_hash(&whole.world));
+        ok(gn_run_steps(&whole, 300, &error), &error);
+        ok(gn_run_steps(&run, 300, &error), &error);
+        assert_true(gn_world_hash(&run.world) == gn_world_hash(&whole.world));
+        gn_run_free(&whole);
+        gn_run_free(&run);
+        unlink(path);
+    }
+}
+
+/* Elastic, so that small differences stay small: forces in single precision are off by some 1e-6.
+ */
+static void moments_in_single_precision_follow_the_double_ones(void **state) {
+    (void)state;
+    for (int dimension = 2; dimension <= 3; dimension++) {
+        gn_world *w[2];
+        double most = 0.0, off = 0.0;
+        for (int mixed = 0; mixed < 2; mixed++) {
+            w[mixed] =
+                world_of("%s", thrown_text(dimension, 1e20, 0.1, 1, mixed ? "mixed" : "double"));
+            run_steps(w[mixed], 200);
+        }
+        for (size_t c = 0; c < w[0]->dem.bonds.soa.count; c++) {
+            double a[3], b[3];
+            moment_of(w[0], c, a);
+            moment_of(w[1], c, b);
+            for (int k = dimension == 3 ? 0 : 2; k < 3; k++) {
+                most = fmax(most, fabs(a[k]));
+                off = fmax(off, fabs(a[k] - b[k]));
+            }
+        }
+        print_message("# %dD: moments off by %.2g of the largest\n", dimension, off / most);
+        assert_true(off > 0.0 && off < 1e-4 * most);
+        world_end(w[0]);
+        world_end(w[1]);
+    }
+}
+
+/* A share of 0 leaves strength to the forces; a thin beam hardly bends: as without moments. */
+static void thin_beams_are_no_beams(void **state) {
+    (void)state;
+    gn_world *w[2];
+    for (int k = 0; k < 2; k++) {
+        w[k] = world_of(
+            "dimension: 3\nspecimen: {lattice: {kind: fcc, radius: 1e-3, cells: [3, 3, 3]}}\n"
+            "materials: [{name: m, density: 2500, contact_modulus: 1e9, kratio: 2.5, friction: "
+            "0.4, "
+            "tensile_strength: 3e6, shear_strength: 2e6}]\nlaw: {stiffness: harmonic}\n"
+            "bonds: {%s}\ninitial: {random_velocity: 3}\ntime: {step: 1e-6, end: 1}\n"
+            "run: {threads: 1}\n",
+            k ? "radius_multiplier: 1e-9, moment_share: 0" : "enabled: on");
+        run_steps(w[k], 100);
+    }
+    assert_true(w[1]->effects & GN_FX_BOND_MOMENTS && !(w[0]->effects & GN_FX_BOND_MOMENTS));
+    assert_int_equal(w[0]->dem.broken_tension, w[1]->dem.broken_tension);
+    assert_int_equal(w[0]->dem.broken_shear, w[1]->dem.broken_shear);
+    assert_true(w[0]->dem.broken_tension > 0);
+    for (int p = 0; p < 100; p++)
+        for (int a = 0; a < 3; a++) assert_near(pos_of(w[0], p)[a], pos_of(w[1], p)[a], 1e-15);
+    world_end(w[0]);
+    world_end(w[1]);
+}
+
+/* --- keys --- */
+
+static void expect_refusal(const char *law, const char *bonds, const char *kratio,
+                           const char *place, const char *words) {
+    char scene[1024];
+    gneiss_error error = {0};
+    gn_world w;
+    snprintf(scene, sizeof scene,
+             "dimension: 3\nspecimen: {particles: [[0, 0, 0, 1 mm], [2 mm, 0, 0, 1 mm]]}\n"
+             "materials: [{name: m, density: 2500, normal_stiffness: 1e5, bond_tension_limit: 70, "
+             "bond_shear_limit: 90, kratio: %s}]\n"
+             "law: {stiffness: uniform%s}\nbonds: {%s}\ntime: {end: 1}\nrun: {threads: 1}\n",
+             kratio, law, bonds);
+    assert_int_equal(world_try(&w, scene, NULL, &error), GNEISS_ERROR_INPUT);
+    if (!strstr(error.message, place) || !strstr(error.message, words))
+        fail_msg("%s: expected %s and %s", error.message, place, words);
+}
+
+static void bad_values_are_refused_where_they_stand(void **state) {
+    (void)state;
+    expect_refusal("", "radius_multiplier: -1", "2", "s.yaml:5:", "bonds.radius_multiplier");
+    expect_refusal("", "radius_multiplier: nan", "2", "s.yaml:5:", "bonds.radius_multiplier");
+    expect_refusal("", "radius_multiplier: 101", "2", "s.yaml:5:", "found");
+    expect_refusal("", "radius_multiplier: 1, moment_share: 1.5", "2",
+                   "s.yaml:5:", "bonds.moment_share");
+    expect_refusal("", "radius_multiplier: 1", "0", "s.yaml:3:", "materials[0].kratio");
+    expect_refusal(", rotation: off", "radius_multiplier: 1", "2", "s.yaml:5:", "law.rotation");
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(a_chain_bends_as_a_cantilever_with_shear),
@@ -454,6 +687,13 @@ int main(void) {
         cmocka_unit_test(a_bent_ring_keeps_momentum_and_energy),
         cmocka_unit_test(a_moment_turns_with_its_bond),
         cmocka_unit_test(bodies_are_stable_up_to_the_limit_with_moments),
+        cmocka_unit_test(bits_are_the_same_for_any_number_of_threads),
+        cmocka_unit_test(the_ledger_closes_while_bonds_break),
+        cmocka_unit_test(what_bent_bonds_hold_leaves_with_their_particles),
+        cmocka_unit_test(a_resumed_run_has_the_same_bits),
+        cmocka_unit_test(moments_in_single_precision_follow_the_double_ones),
+        cmocka_unit_test(thin_beams_are_no_beams),
+        cmocka_unit_test(bad_values_are_refused_where_they_stand),
     };
     return cmocka_run_group_tests_name("bond_moments", tests, NULL, NULL);
 }
