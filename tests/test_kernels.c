@@ -68,6 +68,20 @@ static void separation(const bench *b, size_t c, double now[3], double before[3]
     }
 }
 
+/* Bonds that carry moments: some that are bent and twisted beyond their strength, most below. */
+static void set_beam(bench *b, size_t c, double scale, uint64_t *at) {
+    gn_contacts *k = &b->k;
+    double ri = b->p.pos[4 * k->i[c] + 3], rj = b->p.pos[4 * k->j[c] + 3];
+    k->beam[c] = fmin(ri, rj) * uniform(at, 0.5, 1.5);
+    k->share[c] = uniform(at, 0.0, 1.0);
+    for (size_t a = 0; a < 3; a++) {
+        double m = scale * k->beam[c] * uniform(at, -0.2, 0.2);
+        if ((a < 2 && !b->space) || (k->rn[c] < 0.0)) m = 0.0;
+        if (k->moment) k->moment[c + a * k->soa.capacity] = m;
+        if (k->moment_f) k->moment_f[c + a * k->soa.capacity] = (float)m;
+    }
+}
+
 static void set_contact(bench *b, size_t c, uint64_t *at) {
     gn_contacts *k = &b->k;
     double ri = b->p.pos[4 * k->i[c] + 3], rj = b->p.pos[4 * k->j[c] + 3],
@@ -83,6 +97,7 @@ static void set_contact(bench *b, size_t c, uint64_t *at) {
     if (k->length0) k->length0[c] = (ri + rj) * (1.0 + uniform(at, -1e-3, 1e-3));
     if (k->rn) k->rn[c] = scale * uniform(at, 0.1, 1.5) * (c % 4 == 3 ? -1.0 : 1.0);
     if (k->rt) k->rt[c] = scale * uniform(at, 0.1, 1.5);
+    if (k->beam) set_beam(b, c, scale, at);
     if (!k->kt || c % 5 == 4) return;
     double d[3], old[3], t[3];
     separation(b, c, d, old);
@@ -184,13 +199,13 @@ static void assert_same_contacts(const gn_contacts *a, const gn_contacts *b, con
 /* --- the formulas again --- */
 
 typedef struct expected {
-    double force[3], moment[3], shear[3], fd, tolerance;
+    double force[3], moment[3], shear[3], couple[3], fd, tolerance, couple_tolerance;
     int cause;
     bool open, slipping;
 } expected;
 
 typedef struct tally {
-    double elastic_normal, elastic_shear, friction, damping, breaking, scale;
+    double elastic_normal, elastic_shear, elastic_bending, friction, damping, breaking, scale;
 } tally;
 
 /* Turns t by the angle between a and b, about a x b (Rodrigues). */
@@ -210,6 +225,56 @@ static void rotate_about(const double n[3], double angle, double t[3]) {
     double side[3];
     cross3(n, t, side);
     for (int k = 0; k < 3; k++) t[k] = t[k] * cos(angle) + side[k] * sin(angle);
+}
+
+/* Moments of a bond anew: what they are after the step, what they add to the forces that strength
+ * is held against, and their energies. */
+typedef struct bending {
+    double moment[3], normal, shear, stored, released, size;
+} bending;
+
+static double along_and_across(double m[3], const double n[3]) {
+    double along = dot3(m, n);
+    for (int a = 0; a < 3; a++) m[a] -= along * n[a];
+    return along;
+}
+
+static bending bend(const bench *b, size_t c, const double n_old[3], const double middle[3],
+                    const double n[3], double twist_rate) {
+    const gn_contacts *k = &b->k;
+    bending r = {{0}, 0, 0, 0, 0, 0};
+    if (!k->moment) return r;
+    const double *wi = b->p.spin + 4 * k->i[c], *wj = b->p.spin + 4 * k->j[c], dt = b->args.dt;
+    double r2 = k->beam[c] * k->beam[c], turn[3], old[3], twist = 0.0, twist_old = 0.0;
+    double kb = k->kn[c] * r2 * (b->space ? 0.25 : 1.0 / 3.0),
+           kw = b->space ? k->kt[c] * r2 / 2 : 0;
+    for (int a = 0; a < 3; a++) {
+        old[a] = k->moment[c + (size_t)a * k->soa.capacity];
+        turn[a] = dt * (wj[a] - wi[a]);
+    }
+    double spun = dot3(turn, turn);
+    if (b->space && dot3(n, n) > 0.0) { /* coincident centres have no normal */
+        twist_old = along_and_across(old, n_old);
+        rotate_from_to(n_old, n, old);
+        rotate_about(n, dt * twist_rate, old);
+        twist = twist_old + kw * along_and_across(turn, middle);
+        rotate_from_to(middle, n, turn);
+        rotate_about(n, 0.5 * dt * twist_rate, turn);
+    }
+    double work = 0.0, size2 = 0.0;
+    for (int a = 0; a < 3; a++) {
+        double now = old[a] + kb * turn[a];
+        work += now * old[a] / kb;
+        size2 += now * now;
+        r.moment[a] = now + twist * n[a];
+    }
+    double z = k->share[c] / k->beam[c];
+    r.normal = (b->space ? 4.0 : 3.0) * z * sqrt(size2);
+    r.shear = 2.0 * z * fabs(twist);
+    r.stored = 0.5 * size2 / kb + (kw > 0.0 ? 0.5 * twist * twist / kw : 0.0);
+    r.released = 0.5 * work + (kw > 0.0 ? 0.5 * twist * twist_old / kw : 0.0);
+    r.size = sqrt(dot3(r.moment, r.moment)) + (kb + kw) * sqrt(spun);
+    return r;
 }
 
 static expected expect(const bench *b, size_t c, tally *sum) {
@@ -259,9 +324,10 @@ static expected expect(const bench *b, size_t c, tally *sum) {
         for (int a = 0; a < 3; a++) t[a] = trial[a] = before[a] + kt * dt * vt[a];
     }
     double size = sqrt(dot3(trial, trial));
-    if (bonded && kn * u >= k->rn[c])
+    bending m = bend(b, c, n_old, middle, n, twist);
+    if (bonded && kn * u + m.normal >= k->rn[c])
         e.cause = GN_BROKEN_TENSION;
-    else if (bonded && k->rt && size >= k->rt[c])
+    else if (bonded && k->rt && size + m.shear >= k->rt[c])
         e.cause = GN_BROKEN_SHEAR;
     bool intact = bonded && !e.cause;
     double path = dt * vn - (intact && !k->cn ? 0.0 : curved);
@@ -286,6 +352,7 @@ static expected expect(const bench *b, size_t c, tally *sum) {
     for (int a = 0; a < 3; a++) e.force[a] = (fn + viscous) * n[a] + t[a];
     for (int a = 0; a < 3; a++) e.shear[a] = t[a];
     if (k->shear && fx & GN_FX_ROTATION) cross3(n, t, e.moment);
+    for (int a = 0; intact && a < 3; a++) e.couple[a] = m.moment[a];
     e.fd = viscous;
     /* The stretch is a difference of lengths: its round-off is that of the lengths. With images it
      * is that of the box. */
@@ -297,6 +364,15 @@ static expected expect(const bench *b, size_t c, tally *sum) {
     if (length > 0.05 * (ri + rj))
         e.tolerance += 0.125 * side2 / (length * length) * kt * dt * sqrt(dot3(vt, vt));
     e.tolerance += fabs(pow(dt * twist, 3.0)) / 6.0 * sqrt(dot3(before, before));
+    double half2 = length > 0.05 * (ri + rj) ? 0.25 * side2 / (length * length) : 0.0;
+    /* Increments in the plane of the turn, and of twist, are shortened by half2/2 (turn_rate), and
+     * half of an increment before and half after the turn by B about n are turned by B/2 and
+     * shortened by B^2/8. */
+    double strain = length > 0.05 * (ri + rj) ? fabs(dt * vn) / length : 0.0;
+    e.couple_tolerance = (1e-12 + half2 + 0.125 * pow(dt * twist, 2.0)) * m.size;
+    /* The middle between two branches is no bisector where one is longer: the old normal is off by
+     * half the angle times the strain of the step. */
+    e.couple_tolerance += sqrt(half2) * strain * m.size;
 
     /* Work of the step by the trapezoidal rule, less what the spring keeps. */
     double work = 0.0, kept = 0.0, lost_shear = 0.0;
@@ -308,8 +384,10 @@ static expected expect(const bench *b, size_t c, tally *sum) {
         path = grown;
     work = 0.5 * (kn * u_old + fn) * path;
     kept = 0.5 * fn * way - 0.5 * kn * u_old * u_old;
+    if (intact) sum->elastic_bending += m.stored;
+    sum->scale += m.stored;
     if (e.cause)
-        sum->breaking += lost_shear + work - kept;
+        sum->breaking += lost_shear + work - kept + m.released;
     else if (e.slipping)
         sum->friction += lost_shear;
     sum->elastic_normal += 0.5 * fn * way;
@@ -339,6 +417,12 @@ static void check_row(const bench *b, size_t c, const expected *e, const char *n
     if (!(worst <= e->tolerance))
         fail_msg("%s, contact %zu: force off by %g N of %g N (allowed %g)", name, c, worst,
                  sqrt(dot3(e->force, e->force)), e->tolerance);
+    for (int a = 0; b->k.moment && a < 3; a++)
+        if (!(fabs(b->k.moment[c + (size_t)a * b->k.soa.capacity] - e->couple[a]) <=
+              e->couple_tolerance))
+            fail_msg("%s, contact %zu: moment %d is %.17g N m, expected %.17g (allowed %g)", name,
+                     c, a, b->k.moment[c + (size_t)a * b->k.soa.capacity], e->couple[a],
+                     e->couple_tolerance);
     if (b->k.cause && b->k.cause[c] != e->cause)
         fail_msg("%s, contact %zu: cause %d, expected %d", name, c, b->k.cause[c], e->cause);
 }
@@ -373,6 +457,7 @@ static void scalar_contact_kernel_follows_the_formulas(void **state) {
                 allowed *= 50.0; /* lengths of the box, not of a pair */
             assert_near(got.elastic_normal, sum.elastic_normal, allowed);
             assert_near(got.elastic_shear, sum.elastic_shear, allowed);
+            assert_near(got.elastic_bending, sum.elastic_bending, allowed);
             assert_near(got.friction, sum.friction, allowed);
             assert_near(got.contact_damping, sum.damping, allowed);
             assert_near(got.bond_breaking, sum.breaking, allowed);
@@ -387,6 +472,7 @@ static void scalar_contact_kernel_follows_the_formulas(void **state) {
 static void check_sums(const gn_contact_sums *a, const gn_contact_sums *b) {
     assert_close(a->elastic_normal, b->elastic_normal, 1e-12);
     assert_close(a->elastic_shear, b->elastic_shear, 1e-12);
+    assert_close(a->elastic_bending, b->elastic_bending, 1e-12);
     assert_close(a->friction, b->friction, 1e-12);
     assert_close(a->bond_breaking, b->bond_breaking, 1e-12);
     /* These terms have both signs: against the sum of their sizes (0.1 N, 0.1 m/s, 1e-6 s). */
@@ -448,7 +534,10 @@ static void partial_sums_hold_force_and_moment_of_both_ends(void **state) {
                 for (int a = 0; a < 2 + b.space; a++) assert_true(f[a] == (end ? -row[a] : row[a]));
                 for (int a = 0; turns && a < 3; a++) {
                     double turn = b.space ? row[4 + a] : a == 2 ? row[2] : 0.0;
-                    assert_near(m[a], arm * turn, 1e-15 * fabs(turn));
+                    double couple = 0.0;
+                    if (b.k.moment) couple = b.k.moment[c + (size_t)a * b.k.soa.capacity];
+                    assert_near(m[a], arm * turn + (end ? -couple : couple),
+                                1e-15 * fabs(turn) + 2e-16 * fabs(couple));
                 }
             }
         }
@@ -646,6 +735,8 @@ static void exchanging_the_ends_mirrors_the_force(void **state) {
                 b.k.j[c] = i;
                 for (size_t x = 0; b.k.shear && x < 3; x++)
                     b.k.shear[c + x * b.k.soa.capacity] *= -1.0;
+                for (size_t x = 0; b.k.moment && x < 3; x++)
+                    b.k.moment[c + x * b.k.soa.capacity] *= -1.0;
             }
             run(&a, set->contact[v]);
             run(&b, set->contact[v]);
@@ -655,6 +746,9 @@ static void exchanging_the_ends_mirrors_the_force(void **state) {
                 if (!(rb[k] == (k % width < force ? -ra[k] : ra[k])))
                     fail_msg("%s variant %u, contact %d, number %d", set->name, v, k / width,
                              k % width);
+            for (size_t k = 0; a.k.moment && k < 3 * a.k.soa.capacity; k++)
+                if (!(b.k.moment[k] == -a.k.moment[k]))
+                    fail_msg("%s variant %u, number %zu of the moments", set->name, v, k);
             free_bench(&a);
             free_bench(&b);
         }

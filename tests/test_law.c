@@ -25,6 +25,11 @@ static const gn_material materials[] = {
      .friction = 0.5,
      .bond_tension_limit = 20.0,
      .bond_shear_limit = 12.0},
+    {.normal_stiffness = 1e7,
+     .kratio = 2.5,
+     .friction = 0.5,
+     .bond_tension_limit = 20.0,
+     .bond_shear_limit = 12.0},
 };
 #define X(name, effect, lists) effect,
 static const gn_effects law_effects[] = {GN_LAWS(X)};
@@ -41,7 +46,10 @@ static couple *make(int law, bool bonded) {
     couple *t = calloc(1, sizeof *t);
     gn_effects fx = GN_FX_SPACE | GN_FX_SHEAR | GN_FX_FRICTION | GN_FX_ENERGY |
                     GN_FX_CONTACT_FORCES | law_effects[law] | (bonded ? GN_FX_BONDS : 0U);
-    t->scene = (gn_scene){.stiffness = GN_STIFFNESS_UNIFORM, .dimension = 3};
+    t->scene = (gn_scene){.stiffness = GN_STIFFNESS_UNIFORM,
+                          .dimension = 3,
+                          .bond_radius_multiplier = 0.8,
+                          .bond_moment_share = 0.9};
     t->material = materials[law];
     assert_int_equal(gn_soa_create(&gn_particle_record, &t->p, 2, fx, NULL), GNEISS_OK);
     assert_int_equal(gn_soa_create(&gn_contact_record, &t->k, 1, fx, NULL), GNEISS_OK);

@@ -12,6 +12,7 @@ RED, BLUE, GREY = "#c8402f", "#2b6cb0", "#9aa5ad"
 STORED = {
     "elastic_normal": ("elastic, normal", "#2c7fb8"),
     "elastic_shear": ("elastic, shear", "#7fcdbb"),
+    "elastic_bending": ("elastic, moments in bonds", "#41b6c4"),
     "elastic_wall": ("elastic, walls", "#c7e9b4"),
     "elastic_elements": ("elastic, elements", "#1d4f91"),
     "kinetic": ("kinetic", "#6a51a3"),

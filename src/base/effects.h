@@ -34,7 +34,8 @@
     X(ELEMENTS, elements, "finite elements")                                                       \
     X(FACETS, facets, "surfaces of triangles or segments, with walls")                             \
     X(MASS_SCALING, mass_scaling, "particles heavier than they are, for a longer step")            \
-    X(AREA, area, "bonds with sections of their own (laws by area)")
+    X(AREA, area, "bonds with sections of their own (laws by area)")                               \
+    X(BOND_MOMENTS, bond_moments, "bending and twisting moments in bonds")
 
 typedef enum gn_effect_index {
 #define X(NAME, name, text) GN_FX_INDEX_##NAME,

@@ -243,6 +243,28 @@ void gn_print_range(const gn_world *w, int axis, double lower, double upper, con
 
 /* --- check --- */
 
+/* Stiffness and radius of the beams that bonds are, and what strength takes of their moments. */
+static void print_beams(const gn_world *w) {
+    const gn_contacts *b = &w->dem.bonds;
+    const double n[3] = {1.0, 0.0, 0.0};
+    double radius[2] = {INFINITY, 0.0}, bend[2] = {INFINITY, 0.0}, twist[2] = {INFINITY, 0.0};
+    if (!b->beam || !b->soa.count) return;
+    for (size_t c = 0; c < b->soa.count; c++) {
+        gn_law_moments m = gn_law_of(b->soa.effects)->moments(b, c, n);
+        const double now[3] = {b->beam[c], m.bend, m.twist};
+        double *range[3] = {radius, bend, twist};
+        for (int k = 0; k < 3; k++) {
+            range[k][0] = fmin(range[k][0], now[k]);
+            range[k][1] = fmax(range[k][1], now[k]);
+        }
+    }
+    printf(
+        "  moments          beams of radius %.4g to %.4g m, stiffness %.4g to %.4g N m in bending",
+        radius[0], radius[1], bend[0], bend[1]);
+    if (w->effects & GN_FX_SPACE) printf(", %.4g to %.4g in twist", twist[0], twist[1]);
+    printf("; share in strength %g\n", w->scene.bond_moment_share);
+}
+
 static void print_bond_numbers(const gn_world *w, int *warnings) {
     if (!w->dem.particles.bonds0) return;
     size_t none = 0, few = 0, n = w->dem.particles.soa.count;
@@ -255,6 +277,7 @@ static void print_bond_numbers(const gn_world *w, int *warnings) {
     }
     printf("  bonds            %zu, %.2f per particle (2 bonds/particles), at most %d\n",
            w->dem.bonds.soa.count, 2.0 * (double)w->dem.bonds.soa.count / (double)n, most);
+    print_beams(w);
     if (few)
         printf("  loosely held     %zu particles with fewer than %d bonds, %zu of them with none\n",
                few, w->scene.dimension == 3 ? 4 : 3, none);

@@ -65,7 +65,7 @@ _Static_assert(sizeof(brief) == 8 * sizeof(gn_v) || sizeof(gn_v) < 64, "so has a
 
 /* Lane sums, kept in registers over a block and folded in lane order at its end. */
 typedef struct lane_sums {
-    gn_v elastic_normal, elastic_shear;
+    gn_v elastic_normal, elastic_shear, elastic_bending;
     gn_v stress[9], force, carrying;
 #define X(name, text) gn_v name;
     GN_CONTACT_LOSSES(X)

@@ -3,11 +3,11 @@
  * no code.
  *
  * Per contact: geometry and motion from the rows of the two particles, forces by the law
- * (law_linear.h). Output: the block's partial sums of force and moment per particle, which
+ * (law_<name>.h). Output: the block's partial sums of force and moment per particle, which
  * motion_template.c adds up. */
 #include "kernels/block_rows.h"
 #include "kernels/expand.h"
-#include "kernels/law_linear.h"
+#include "kernels/law_beam.h"
 
 #include <string.h>
 
@@ -172,6 +172,34 @@ GN_INLINE void find_forces(const gn_contact_args *a, size_t c, size_t end, const
     write_rows(out, force, moment, w);
 }
 
+/* Whether contacts exert a couple besides: the same on both particles but for the sign. */
+GN_INLINE int exerts_couple(variant w) {
+    return w.law == LAW_beam && w.rotation;
+}
+
+/* Rows of those couples, as the law has left them: x y z 0. */
+typedef struct couple_rows {
+    _Alignas(64) gn_real row[4 * GN_W];
+} couple_rows;
+
+GN_INLINE void write_couples(const gn_contact_args *a, size_t c, couple_rows *out, variant w) {
+    gn_v3 m = load_moment(a, c, w);
+    gn_v row[4] = {m.x, m.y, m.z, gn_set(0.0)};
+    gn_store_rows4(out->row, row);
+}
+
+/* Places 0 to 2 of a row are forces in space; in the plane the third is the moment. */
+GN_INLINE void add_couples(const gn_contact_args *a, size_t c, size_t end, const couple_rows *from,
+                           gn_real *sums, variant w) {
+    size_t count = end - c < GN_W ? end - c : GN_W, moment = w.space ? 4 : 0;
+    if (!sums) return;
+    const uint16_t *place = a->partials->place + 2 * c;
+    const gn_real none = 0;
+    for (size_t k = 0; k < count; k++)
+        gn_add_row4(sums + place[2 * k] + moment, sums + place[2 * k + 1] + moment,
+                    from->row + 4 * k, &none, &none, 0);
+}
+
 /* Adds the rows of a vector, of contacts from c on. The force has opposite signs for the two
  * particles; the moment has the same sign, because arm and force both turn round. */
 GN_INLINE void add_rows(const gn_contact_args *a, size_t c, size_t end, const stage *g,
@@ -202,7 +230,11 @@ GN_INLINE void add_rows(const gn_contact_args *a, size_t c, size_t end, const st
 GN_INLINE void contact_core(const gn_contact_args *a, size_t begin, size_t end,
                             gn_contact_sums *sums, variant w) {
     const gn_v zero = gn_set(0.0);
-    lane_sums e = {.elastic_normal = zero, .elastic_shear = zero, .force = zero, .carrying = zero};
+    lane_sums e = {.elastic_normal = zero,
+                   .elastic_shear = zero,
+                   .elastic_bending = zero,
+                   .force = zero,
+                   .carrying = zero};
 #define X(name, text) e.name = zero;
     GN_CONTACT_LOSSES(X)
 #undef X
@@ -215,13 +247,17 @@ GN_INLINE void contact_core(const gn_contact_args *a, size_t begin, size_t end,
     gn_block_particles ahead = gn_block_particles_of(q, begin);
     stage ring[RING];
     brief motion[2], rows[2];
+    couple_rows couples[2];
     const size_t vectors = (end - begin + GN_W - 1) / GN_W;
     for (size_t v = 0; v < vectors + STAGES - 1; v++) {
         const size_t c = begin + v * GN_W;
         gn_fetch_ahead(&ahead, read, 2 + (w.shear && w.rotation), (GN_W + 1) / 2);
         brief *even = &rows[v % 2], *odd = &rows[(v + 1) % 2];
         if (UNDER_WAY(5)) add_rows(a, c - 5 * GN_W, end, AT(5), odd, partial, w);
+        if (exerts_couple(w) && UNDER_WAY(5))
+            add_couples(a, c - 5 * GN_W, end, &couples[(v + 1) % 2], partial, w);
         if (UNDER_WAY(4)) find_forces(a, c - 4 * GN_W, end, AT(4), even, &e, sums, w);
+        if (exerts_couple(w) && UNDER_WAY(4)) write_couples(a, c - 4 * GN_W, &couples[v % 2], w);
         if (UNDER_WAY(1)) find_normal(a, AT(1), w);
         even = &motion[v % 2];
         odd = &motion[(v + 1) % 2];
@@ -237,6 +273,7 @@ GN_INLINE void contact_core(const gn_contact_args *a, size_t begin, size_t end,
     if (!w.energy) return;
     sums->elastic_normal += gn_fold(e.elastic_normal);
     sums->elastic_shear += gn_fold(e.elastic_shear);
+    sums->elastic_bending += gn_fold(e.elastic_bending);
 #define X(name, text) sums->name += gn_fold(e.name);
     GN_CONTACT_LOSSES(X)
 #undef X

@@ -47,6 +47,14 @@ typedef struct gn_law_held {
     double stored;   /* J */
 } gn_law_held;
 
+/* What the moments of a bond come to, along n of the last instant. */
+typedef struct gn_law_moments {
+    double couple[3];     /* N m, on the first particle; the other has the opposite */
+    double stored;        /* J */
+    double normal, shear; /* N: by how much the extreme fibre is nearer to its strength */
+    double bend, twist; /* N m, stiffness against the difference of the spins across n and along */
+} gn_law_moments;
+
 /* What a wall or a surface says of its contacts, and the part that one contact is of several that
  * share. */
 typedef struct gn_touch_side {
@@ -116,6 +124,10 @@ typedef struct gn_law {
      * one. Turns of the normal are the caller's. Energies go to *sums. */
     double (*touch)(const gn_touch_step *step, const gn_touch_side *side, const gn_touch *touch,
                     double *fd, double *shear, size_t stride, double t[3], gn_contact_sums *sums);
+
+    /* The moments that contact c holds besides, with n from its first particle to its second; NULL:
+     * contacts of this law carry none. */
+    gn_law_moments (*moments)(const gn_contacts *list, size_t c, const double n[3]);
 } gn_law;
 
 #define X(name, ...) extern const gn_law gn_law_##name;

@@ -320,4 +320,4 @@ double gn_linear_touch(const gn_touch_step *step, const gn_touch_side *side, con
 const gn_law gn_law_linear = {gn_linear_derive,       gn_linear_set,       gn_linear_set_dashpot,
                               gn_linear_meeting,      gn_linear_spring,    gn_linear_held,
                               gn_linear_release,      gn_linear_criterion, gn_linear_touch_spring,
-                              gn_linear_touch_stored, gn_linear_touch};
+                              gn_linear_touch_stored, gn_linear_touch,     NULL};

@@ -46,7 +46,12 @@ static bool contact_spring(const gn_spectrum *spectrum, const gn_contacts *list,
     s->arm_j = y[3] + half;
     /* Coincident centres have no direction and, as in the kernel, no normal force. */
     for (int k = 0; k < 3; k++) s->n[k] = distance == 0.0 ? 0.0 : d[k] / distance;
-    take(s, gn_law_of(list->soa.effects)->spring(list, c, rest - at + spectrum->reach));
+    const gn_law *law = gn_law_of(list->soa.effects);
+    take(s, law->spring(list, c, rest - at + spectrum->reach));
+    if (!law->moments) return true;
+    gn_law_moments m = law->moments(list, c, s->n);
+    s->bend = m.bend;
+    s->twist = m.twist;
     return true;
 }
 
@@ -138,6 +143,8 @@ static bool take_inside(const gn_springs *y, gn_spring *s) {
     s->kn *= factor;
     s->kt *= factor;
     s->cn *= factor;
+    s->bend *= factor;
+    s->twist *= factor;
     return true;
 }
 
@@ -286,5 +293,7 @@ gneiss_status gn_springs_build(const gn_spectrum *spectrum, const uint8_t *insid
     GN_TRY(list_incidence(y, error));
     GN_TRY(scale_dofs(y, error));
     for (size_t s = 0; s < y->springs && !y->damped; s++) y->damped = y->spring[s].cn != 0.0;
+    for (size_t s = 0; s < y->springs && y->rotation && !y->bends; s++)
+        y->bends = y->spring[s].bend != 0.0 || y->spring[s].twist != 0.0;
     return GNEISS_OK;
 }

@@ -13,12 +13,13 @@ enum { GN_DOFS_MAX = 6 };
 typedef struct gn_spring {
     int32_t i, j;
     double n[3], arm_i, arm_j, kn, kt, cn;
+    double bend, twist; /* against the difference of the spins, across the normal and along it */
 } gn_spring;
 
 typedef struct gn_springs {
     const gn_spectrum *spectrum;
     int threads, dofs;
-    bool space, rotation, damped;
+    bool space, rotation, damped, bends;
     size_t particles, springs;
     int32_t *member;   /* [particles] place in the specimen; NULL: all of it, in its order */
     double *weight;    /* [particles] d > 0, see gn_block_of; NULL: all the same */

@@ -15,9 +15,10 @@ static void add_end(const gn_spectrum *spectrum, const gn_spring *s, bool second
     if (i < 0) return;
     const gn_particles *p = spectrum->assembly->particles;
     double arm = second ? s->arm_j : s->arm_i, mass = p->vel[4 * (size_t)i + 3];
-    double turn = p->spin ? arm * arm * p->spin[4 * (size_t)i + 3] : 0.0;
+    double inertia = p->spin ? p->spin[4 * (size_t)i + 3] : 0.0, turn = arm * arm * inertia;
     double factor = gn_spectrum_can_move(spectrum, other) ? 2.0 : 1.0;
-    double top = s->kn * mass, across = s->kt * (mass + turn);
+    double top = s->kn * mass, across = s->kt * (mass + turn) + s->bend * inertia;
+    if (s->twist * inertia > top) top = s->twist * inertia;
     /* Not fmax, which would hide a NaN; a normal that is none has to be noticed as well. */
     sums[2 * (size_t)i] += factor * (across > top ? across : top) + 0.0 * s->n[0];
     sums[2 * (size_t)i + 1] += factor * s->cn * mass;

@@ -25,10 +25,11 @@ enum { DOFS_MAX = GN_DOFS_MAX, PARTICLE_BLOCK = 1024 };
 /* --- the rigorous bound --- */
 
 /* Sums over the springs of a particle, of which its block is made: B^T D B for B = [side I, arm N],
- * N w = n x w, D = k_t I + (k_n - k_t) n n^T. Symmetric parts as xx yy zz xy yz zx. */
+ * N w = n x w, D = k_t I + (k_n - k_t) n n^T; where bonds carry moments, k_b (I - n n^T) + k_w n
+ * n^T on the spins as well. Symmetric parts as xx yy zz xy yz zx. */
 typedef struct block_sums {
     double kt, normal[6];        /* k_t; (k_n - k_t) n n^T */
-    double turn, turn_normal[6]; /* arm^2 k_t; the same n n^T */
+    double turn, turn_normal[6]; /* arm^2 k_t + k_b; (arm^2 k_t + k_b - k_w) n n^T */
     double cross[3];             /* side arm k_t n */
     double damp[6];              /* c_n n n^T */
 } block_sums;
@@ -37,13 +38,14 @@ static void add_spring(block_sums *b, const gn_spring *s, double side, double ar
     const double *n = s->n;
     const double nn[6] = {n[0] * n[0], n[1] * n[1], n[2] * n[2],
                           n[0] * n[1], n[1] * n[2], n[2] * n[0]};
-    double kt = factor * s->kt, along = factor * (s->kn - s->kt), turn = arm * arm * kt;
+    double kt = factor * s->kt, along = factor * (s->kn - s->kt);
+    double turn = arm * arm * kt + factor * s->bend, twist = factor * s->twist;
     double cn = factor * s->cn;
     b->kt += kt;
     b->turn += turn;
     for (int k = 0; k < 6; k++) {
         b->normal[k] += along * nn[k];
-        b->turn_normal[k] += turn * nn[k];
+        b->turn_normal[k] += (turn - twist) * nn[k];
         b->damp[k] += cn * nn[k];
     }
     for (int k = 0; k < 3; k++) b->cross[k] += side * arm * kt * n[k];
@@ -219,6 +221,23 @@ typedef struct step_operator {
     double stiffness, viscosity;
 } step_operator;
 
+/* The same of its moments. */
+static inline void bend(const gn_spring *s, bool second, double stiffness, const double *moved,
+                        bool space, double *out) {
+    const size_t dofs = space ? 6 : 3, first = space ? 3 : 2;
+    double turn[3] = {0.0}, along = 0.0, side = second ? stiffness : -stiffness;
+    for (size_t k = first; k < dofs; k++) {
+        double *of = &turn[space ? k - 3 : 2];
+        *of = -moved[(size_t)s->i * dofs + k];
+        if (s->j >= 0) *of += moved[(size_t)s->j * dofs + k];
+    }
+    for (int k = 0; k < 3; k++) along += turn[k] * s->n[k];
+    for (size_t k = first; k < dofs; k++) {
+        size_t a = space ? k - 3 : 2;
+        out[k] += side * (s->bend * turn[a] + (s->twist - s->bend) * along * s->n[a]);
+    }
+}
+
 /* Adds what one spring pulls at its first or second particle, B^T D v_r, to out [dofs]. */
 static inline void pull(const gn_spring *s, bool second, const step_operator *o,
                         const double *moved, bool space, bool rotation, double *out) {
@@ -248,8 +267,10 @@ static inline void pull(const gn_spring *s, bool second, const step_operator *o,
     if (!space && rotation) out[2] -= arm * (n[0] * v[1] - n[1] * v[0]);
 }
 
-static inline __attribute__((always_inline)) void
-apply_core(const step_operator *o, const double *x, double *out, bool space, bool rotation) {
+static inline __attribute__((always_inline)) void apply_core(const step_operator *o,
+                                                             const double *x, double *out,
+                                                             bool space, bool rotation,
+                                                             bool bends) {
     const gn_springs *y = o->system;
     const size_t dofs = (size_t)(space ? (rotation ? 6 : 3) : (rotation ? 3 : 2));
 #pragma omp parallel num_threads(y->threads) if (y->particles > PARTICLE_BLOCK)
@@ -259,9 +280,11 @@ apply_core(const step_operator *o, const double *x, double *out, bool space, boo
 #pragma omp for schedule(dynamic, PARTICLE_BLOCK)
         for (size_t p = 0; p < y->particles; p++) {
             double sum[DOFS_MAX] = {0.0};
-            for (size_t e = y->first[p]; e < y->first[p + 1]; e++)
-                pull(&y->spring[y->entry[e] / 2], y->entry[e] & 1, o, y->moved, space, rotation,
-                     sum);
+            for (size_t e = y->first[p]; e < y->first[p + 1]; e++) {
+                const gn_spring *s = &y->spring[y->entry[e] / 2];
+                pull(s, y->entry[e] & 1, o, y->moved, space, rotation, sum);
+                if (bends) bend(s, y->entry[e] & 1, o->stiffness, y->moved, space, sum);
+            }
             for (size_t d = 0; d < dofs; d++) out[p * dofs + d] = y->scale[p * dofs + d] * sum[d];
         }
     }
@@ -270,10 +293,13 @@ apply_core(const step_operator *o, const double *x, double *out, bool space, boo
 static void apply_step(const void *context, const double *x, double *out) {
     const step_operator *o = context;
     const gn_springs *y = o->system;
-    if (y->space && y->rotation) apply_core(o, x, out, true, true);
-    if (y->space && !y->rotation) apply_core(o, x, out, true, false);
-    if (!y->space && y->rotation) apply_core(o, x, out, false, true);
-    if (!y->space && !y->rotation) apply_core(o, x, out, false, false);
+    if (y->space && y->bends) apply_core(o, x, out, true, true, true);
+    if (!y->space && y->bends) apply_core(o, x, out, false, true, true);
+    if (y->bends) return;
+    if (y->space && y->rotation) apply_core(o, x, out, true, true, false);
+    if (y->space && !y->rotation) apply_core(o, x, out, true, false, false);
+    if (!y->space && y->rotation) apply_core(o, x, out, false, true, false);
+    if (!y->space && !y->rotation) apply_core(o, x, out, false, false, false);
 }
 
 /* Uniform in [-1, 1), from the place alone. */

@@ -9,6 +9,7 @@
     X(rotational, STORED, "kinetic energy of rotation")                                            \
     X(elastic_normal, STORED, "elastic energy of normal springs")                                  \
     X(elastic_shear, STORED, "elastic energy of tangential springs")                               \
+    X(elastic_bending, STORED, "elastic energy of bonds that are bent and twisted")                \
     X(elastic_wall, STORED, "elastic energy of contacts with walls and surfaces")                  \
     X(elastic_elements, STORED, "elastic energy of finite elements")                               \
     X(work_walls, INPUT, "work of moving walls and bodies")                                        \

@@ -114,11 +114,24 @@ static double shear_of(const gn_output_view *v, size_t c) {
     return sqrt(fmax(0.0, square - normal * normal));
 }
 
+/* With n of the present positions. */
+static gn_law_moments moments_of(const gn_output_view *v, size_t c) {
+    const gn_world *w = v->world;
+    const gn_contacts *b = &w->dem.bonds;
+    const gn_law *law = gn_law_of(b->soa.effects);
+    double n[3], n2 = gn_branch(w, w->dem.particles.pos + 4 * (int64_t)b->i[c],
+                                w->dem.particles.pos + 4 * (int64_t)b->j[c], n);
+    if (!law->moments || !(n2 > 0.0)) return (gn_law_moments){0};
+    for (int a = 0; a < 3; a++) n[a] /= sqrt(n2);
+    return law->moments(b, c, n);
+}
+
 static double criterion_of(const gn_output_view *v, size_t c) {
     const gn_contacts *b = &v->world->dem.bonds;
     if (b->cause[c]) return gn_broken(b->cause[c]) ? 1.0 : 0.0;
     const gn_law *law = gn_law_of(b->soa.effects);
-    return fmax(0.0, law->criterion(b, c, normal_of(v, c), shear_of(v, c)));
+    gn_law_moments m = moments_of(v, c);
+    return fmax(0.0, law->criterion(b, c, normal_of(v, c) + m.normal, shear_of(v, c) + m.shear));
 }
 
 static double end_of(const gn_world *w, size_t c, int end) {
@@ -138,14 +151,19 @@ READ(criterion, criterion_of(v, k))
 READ(area, w->dem.bonds.area[k])
 READ(contact_stress, normal_of(v, k) / w->dem.bonds.area[k])
 
-/* On the end with the smaller id, which comes first. */
+/* 1 if it is its first end that has the smaller id, which comes first, else -1. */
+static double turn_of(const gn_world *w, size_t c) {
+    return w->dem.particles.id[w->dem.bonds.i[c]] < w->dem.particles.id[w->dem.bonds.j[c]] ? 1.0
+                                                                                           : -1.0;
+}
+
 static void read_force(const void *view, size_t c, double *value) {
-    const gn_world *w = world_of(view);
-    double turn = w->dem.particles.id[w->dem.bonds.i[c]] < w->dem.particles.id[w->dem.bonds.j[c]]
-                      ? 1.0
-                      : -1.0;
     force_on_first(view, c, value);
-    for (int a = 0; a < 3; a++) value[a] *= turn;
+    for (int a = 0; a < 3; a++) value[a] *= turn_of(world_of(view), c);
+}
+static void read_moment(const void *view, size_t c, double *value) {
+    gn_law_moments m = moments_of(view, c);
+    for (int a = 0; a < 3; a++) value[a] = m.couple[a] * turn_of(world_of(view), c);
 }
 
 static const gn_output_field of_bonds[] = {
@@ -162,6 +180,10 @@ static const gn_output_field of_bonds[] = {
      read_normal_force, 0},
     {"shear_force", "N", "size of the tangential force", GN_IN_SNAPSHOT, GN_F64, false, 1,
      read_shear_force, 0},
+    {"moment", "N m",
+     "moment on i besides that of the force: bending and twist of bonds that carry them "
+     "(`bonds.radius_multiplier`)",
+     BOTH, GN_F64, false, 3, read_moment, GN_FX_BOND_MOMENTS},
     {"criterion", "1", "largest of force over strength; 1: broken; 0: left", BOTH, GN_F64, false, 1,
      read_criterion, 0},
     {"area", "m2", "section (2D: width times 1 m); with `law.stiffness: dempack` or `polyhedron`",

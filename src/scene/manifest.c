@@ -134,6 +134,15 @@ static const gn_key bonds_keys[] = {
                 "of bonded particles stand apart by 0.01 of the smaller radius)"),
     KEY("passive_gaps", CHOICE, gn_scene, passive_gaps, .choices = booleans, .fallback = "true",
         .text = "bonds are free of stress at the distance where they form"),
+    KEY("radius_multiplier", REAL, gn_scene, bond_radius_multiplier, .unit = "1",
+        .range = "[0, 100]", .fallback = "0",
+        .text =
+            "bonds carry bending and twisting moments as beams (PFC's parallel bonds, pb_rmul) of "
+            "this times the smaller radius of the two particles; 0: no moments"),
+    KEY("moment_share", REAL, gn_scene, bond_moment_share, .unit = "1", .range = "[0, 1]",
+        .fallback = "1",
+        .text =
+            "share of moments in the strength of such bonds (PFC's moment contribution, pb_mcf)"),
 };
 TABLE_OF(bonds);
 

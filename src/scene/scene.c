@@ -292,6 +292,8 @@ static gn_effects contact_effects(const gn_scene *s) {
     if (bonds) mask |= GN_FX_BONDS | (area ? GN_FX_AREA : 0U);
     if (shear) mask |= GN_FX_SHEAR;
     if (shear && friction) mask |= GN_FX_FRICTION;
+    if (bonds && shear && s->rotation != GN_SWITCH_OFF && s->bond_radius_multiplier > 0)
+        mask |= GN_FX_BOND_MOMENTS;
     if (s->restitution >= 0 || s->damping_fraction > 0) mask |= GN_FX_CONTACT_DAMPING;
     return mask;
 }

@@ -417,10 +417,13 @@ typedef struct gn_scene {
     gn_contact_arm contact_arm;
     gn_switch rotation; /* auto: on */
 
-    gn_switch bonds;          /* on when the scene has a `bonds` section */
-    double interaction_range; /* beta: bonds at gaps up to beta (r_i + r_j) */
-    double overlap_range;     /* bonds at overlaps up to this times (r_i + r_j) */
-    bool passive_gaps;        /* bonds are stress-free at the distance where they form */
+    gn_switch bonds;               /* on when the scene has a `bonds` section */
+    double interaction_range;      /* beta: bonds at gaps up to beta (r_i + r_j) */
+    double overlap_range;          /* bonds at overlaps up to this times (r_i + r_j) */
+    double bond_radius_multiplier; /* beam radius of a bond over the smaller of r_i, r_j; 0: bonds
+                                      carry no moments */
+    double bond_moment_share;      /* of moments in the strength of a bond */
+    bool passive_gaps;             /* bonds are stress-free at the distance where they form */
 
     gn_background_damping background;
     double background_coefficient;

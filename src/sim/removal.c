@@ -90,8 +90,13 @@ static void book_pair(gn_world *w, const gn_contacts *k, size_t c) {
         n[a] /= length;
         force[a] = (h.normal + h.viscous) * n[a] + h.shear[a];
     }
-    book_contact(w, h.stored, gn_dot3(force, v) - turning_power(w, i, j, length, n, h.shear),
-                 h.viscous * gn_dot3(n, v));
+    double power = gn_dot3(force, v) - turning_power(w, i, j, length, n, h.shear);
+    const gn_law *law = gn_law_of(k->soa.effects);
+    gn_law_moments m = {0};
+    if (law->moments && q->spin) m = law->moments(k, c, n);
+    for (size_t a = 0; q->spin && a < 3; a++)
+        power += m.couple[a] * (q->spin[4 * j + a] - q->spin[4 * i + a]);
+    book_contact(w, h.stored + m.stored, power, h.viscous * gn_dot3(n, v));
 }
 
 /* What a row needs to know of the wall or surface that it is a contact with. */

@@ -100,6 +100,14 @@
       0, "N", "shear strength")                                                                    \
     Y(X, shear, double, GN_F64, 3, GN_COLUMNS, GN_STATE, GN_KEPT | GN_ODD, INSTEAD, GN_FX_SHEAR,   \
       0, "N", "tangential force on the first particle")                                            \
+    Y(X, beam, double, GN_F64, 1, GN_COLUMNS, GN_SAVED, GN_KEPT, BESIDE, GN_FX_BOND_MOMENTS, 0,    \
+      "m", "radius of the section that carries moments")                                           \
+    Y(X, share, double, GN_F64, 1, GN_COLUMNS, GN_SAVED, GN_KEPT, BESIDE, GN_FX_BOND_MOMENTS, 0,   \
+      "1", "share of moments in the strength")                                                     \
+    Y(X, moment, double, GN_F64, 3, GN_COLUMNS, GN_STATE, GN_KEPT | GN_ODD, INSTEAD,               \
+      GN_FX_BOND_MOMENTS | GN_FX_ROTATION, 0, "N m",                                               \
+      "moment on the first particle besides that of the tangential force; 2D: its third "          \
+      "component")                                                                                 \
     Y(X, fd, double, GN_F64, 1, GN_COLUMNS, GN_SAVED, GN_KEPT, INSTEAD,                            \
       GN_FX_CONTACT_DAMPING | GN_FX_ENERGY, 0, "N", "viscous normal force of the last step")       \
     Y(X, cause, uint8_t, GN_U8, 1, GN_COLUMNS, GN_STATE, GN_KEPT, NONE, GN_FX_BONDS, 0, "1",       \
