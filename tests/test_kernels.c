@@ -83,6 +83,7 @@ static void set_contact(bench *b, size_t c, uint64_t *at) {
     if (k->length0) k->length0[c] = (ri + rj) * (1.0 + uniform(at, -1e-3, 1e-3));
     if (k->rn) k->rn[c] = scale * uniform(at, 0.1, 1.5) * (c % 4 == 3 ? -1.0 : 1.0);
     if (k->rt) k->rt[c] = scale * uniform(at, 0.1, 1.5);
+    if (k->mu1) k->mu1[c] = uniform(at, 0.0, 1.2);
     if (!k->kt || c % 5 == 4) return;
     double d[3], old[3], t[3];
     separation(b, c, d, old);
@@ -95,8 +96,15 @@ static void set_contact(bench *b, size_t c, uint64_t *at) {
     }
 }
 
+/* Effects that make no variants of their own, in turn. */
+static gn_effects with_options(gn_effects effects, uint64_t turn) {
+    static const gn_effects couplings[] = {0, GN_FX_COUPLED_QUADRATIC, GN_FX_COUPLED_LINEAR};
+    return effects & GN_FX_MOHR ? effects | couplings[turn % 3] : effects;
+}
+
 static bench make_bench(gn_effects effects, uint64_t seed) {
     bench b = {.space = effects & GN_FX_SPACE ? 1 : 0};
+    effects = with_options(effects, seed / 1000);
     uint64_t at = seed;
     assert_int_equal(gn_soa_create(&gn_particle_record, &b.p, 2 * CONTACTS, effects, NULL),
                      GNEISS_OK);
@@ -212,6 +220,21 @@ static void rotate_about(const double n[3], double angle, double t[3]) {
     for (int k = 0; k < 3; k++) t[k] = t[k] * cos(angle) + side[k] * sin(angle);
 }
 
+/* What breaks a bond: the spring's force and the tangential one before any limit. */
+static int cause_of(const gn_contacts *k, size_t c, double normal, double shear) {
+    gn_effects fx = k->soa.effects;
+    double rn = k->rn[c], rt = k->rt ? k->rt[c] : INFINITY;
+    if (normal >= rn) return GN_BROKEN_TENSION;
+    if (k->mu1 && (normal < 0.0 || fx & GN_FX_COUPLED_LINEAR))
+        rt = fmax(0.0, rt - k->mu1[c] * normal);
+    if (k->mu1 && fx & GN_FX_COUPLED_QUADRATIC && normal > 0.0) {
+        double a = normal / rn, b = shear / rt;
+        if (a * a + b * b < 1.0) return GN_INTACT;
+        return a >= b ? GN_BROKEN_TENSION : GN_BROKEN_SHEAR;
+    }
+    return shear >= rt ? GN_BROKEN_SHEAR : GN_INTACT;
+}
+
 static expected expect(const bench *b, size_t c, tally *sum) {
     const gn_contacts *k = &b->k;
     gn_effects fx = k->soa.effects;
@@ -259,10 +282,7 @@ static expected expect(const bench *b, size_t c, tally *sum) {
         for (int a = 0; a < 3; a++) t[a] = trial[a] = before[a] + kt * dt * vt[a];
     }
     double size = sqrt(dot3(trial, trial));
-    if (bonded && kn * u >= k->rn[c])
-        e.cause = GN_BROKEN_TENSION;
-    else if (bonded && k->rt && size >= k->rt[c])
-        e.cause = GN_BROKEN_SHEAR;
+    if (bonded) e.cause = cause_of(k, c, kn * u, size);
     bool intact = bonded && !e.cause;
     double path = dt * vn - (intact && !k->cn ? 0.0 : curved);
     double fn = intact || touching ? kn * u : 0.0, share = intact || touching, way = u;

@@ -24,6 +24,12 @@ static const gn_material materials[] = {
      .kratio = 2.5,
      .friction = 0.5,
      .bond_tension_limit = 20.0,
+     .bond_shear_limit = 12.0,
+     .bond_friction = 0.8},
+    {.normal_stiffness = 1e7,
+     .kratio = 2.5,
+     .friction = 0.5,
+     .bond_tension_limit = 20.0,
      .bond_shear_limit = 12.0},
 };
 #define X(name, effect, lists) effect,

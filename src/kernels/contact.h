@@ -10,7 +10,7 @@ _Static_assert(GN_CONTACT_BLOCK_LEAST % GN_LANES_MAX == 0, "a block holds whole 
 
 /* Columns of parameters that all contacts of a list may share. Per column: 0, or all ones when they
  * do, and the kernel then reads the start of it again and again instead of streaming it. */
-#define GN_UNIFORM_COLUMNS(X) X(kn) X(kt) X(mu) X(cn)
+#define GN_UNIFORM_COLUMNS(X) X(kn) X(kt) X(mu) X(cn) X(mu1)
 typedef struct gn_uniform {
 #define X(name) size_t name;
     GN_UNIFORM_COLUMNS(X)
@@ -90,7 +90,9 @@ typedef void gn_contact_kernel(const gn_contact_args *args, size_t begin, size_t
 /* The contact laws. X(name, the effect that calls for it, lists that have it). The linear one is
  * that of lists that no effect calls another one for. A law is law_<name>.h and law_<name>.c, see
  * law.h. */
-#define GN_LAWS(X) X(linear, GN_FX_ALWAYS, GN_LAW_OF_ALL)
+#define GN_LAWS(X)                                                                                 \
+    X(mohr, GN_FX_MOHR, GN_LAW_OF_BONDS)                                                           \
+    X(linear, GN_FX_ALWAYS, GN_LAW_OF_ALL)
 enum { GN_LAW_OF_ALL, GN_LAW_OF_BONDS };
 
 /* The kinds of lists that there are kernels for. X(number, name, law, effects that make the kind
@@ -100,7 +102,9 @@ enum { GN_LAW_OF_ALL, GN_LAW_OF_BONDS };
     X(1, frictional, linear, 1, 1, 0)                                                              \
     X(2, bond_normal, linear, 0, 0, 1)                                                             \
     X(3, bond, linear, 1, 0, 1)                                                                    \
-    X(4, bond_frictional, linear, 1, 1, 1)
+    X(4, bond_frictional, linear, 1, 1, 1)                                                         \
+    X(5, mohr, mohr, 1, 0, 1)                                                                      \
+    X(6, mohr_frictional, mohr, 1, 1, 1)
 
 /* What any kind may have besides, by the bits of a variant's number. */
 #define GN_CONTACT_OPTIONS(X)                                                                      \

@@ -8,6 +8,7 @@
 #include "kernels/block_rows.h"
 #include "kernels/expand.h"
 #include "kernels/law_linear.h"
+#include "kernels/law_mohr.h"
 
 #include <string.h>
 

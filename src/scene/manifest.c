@@ -16,6 +16,10 @@ static const gn_choice stiffness_models[] = {{"uniform", GN_STIFFNESS_UNIFORM},
                                              {NULL, 0}};
 static const gn_choice contact_arms[] = {
     {"midpoint", GN_ARM_MIDPOINT}, {"radius", GN_ARM_RADIUS}, {NULL, 0}};
+static const gn_choice couplings[] = {{"none", GN_COUPLING_NONE},
+                                      {"quadratic", GN_COUPLING_QUADRATIC},
+                                      {"linear", GN_COUPLING_LINEAR},
+                                      {NULL, 0}};
 static const gn_choice backgrounds[] = {
     {"none", GN_BACKGROUND_NONE},
     {"viscous", GN_BACKGROUND_VISCOUS},
@@ -230,6 +234,10 @@ static const gn_key material_keys[] = {
     KEY("bond_shear_limit", REAL, gn_material, bond_shear_limit, .unit = "N", .range = GN_BREAKING,
         .word = "none", .fallback = "none",
         .text = "R_t: shear force at which a bond breaks; needed with bonds by the uniform law"),
+    KEY("bond_friction", REAL, gn_material, bond_friction, .unit = "1", .range = GN_FRICTIONS,
+        .fallback = "0",
+        .text = "mu_1: a bond pressed by |f_n| holds mu_1 |f_n| more in shear; once broken it has "
+                "friction instead"),
 };
 ELEMENTS_OF(material, gn_material);
 
@@ -244,6 +252,9 @@ static const gn_key law_keys[] = {
         .text = "contact point: midpoint of the gap, or one radius from the centre"),
     KEY("rotation", CHOICE, gn_scene, rotation, .choices = switches, .fallback = "auto",
         .text = "whether particles spin; auto: on"),
+    KEY("coupling", CHOICE, gn_scene, coupling, .choices = couplings, .fallback = "none",
+        .text = "what tension takes from a bond's strength in shear; quadratic: the bond breaks "
+                "where the squares of force over strength add up to 1; linear: it takes mu_1 f_n"),
 };
 static const gn_section law_section = {law_keys, sizeof law_keys / sizeof(gn_key), 0,
                                        offsetof(gn_scene, law_where)};

@@ -273,6 +273,16 @@ static bool bonds_possible(const gn_scene *s) {
     return some;
 }
 
+/* Of bonds with tangential springs. */
+static gn_effects strength_effects(const gn_scene *s) {
+    bool frictional = false;
+    for (size_t k = 0; k < s->material_count; k++)
+        frictional = frictional || s->materials[k].bond_friction > 0;
+    if (s->coupling == GN_COUPLING_QUADRATIC) return GN_FX_MOHR | GN_FX_COUPLED_QUADRATIC;
+    if (!frictional) return 0;
+    return GN_FX_MOHR | (s->coupling == GN_COUPLING_LINEAR ? GN_FX_COUPLED_LINEAR : 0U);
+}
+
 static gn_effects contact_effects(const gn_scene *s) {
     bool bonds = bonds_possible(s), friction = false, shear = false;
     for (size_t k = 0; k < s->material_count; k++)
@@ -283,6 +293,7 @@ static gn_effects contact_effects(const gn_scene *s) {
     if (bonds) mask |= GN_FX_BONDS;
     if (shear) mask |= GN_FX_SHEAR;
     if (shear && friction) mask |= GN_FX_FRICTION;
+    if (shear && bonds) mask |= strength_effects(s);
     if (s->restitution >= 0 || s->damping_fraction > 0) mask |= GN_FX_CONTACT_DAMPING;
     return mask;
 }

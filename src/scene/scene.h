@@ -77,6 +77,13 @@ typedef enum gn_contact_arm {
     GN_ARM_RADIUS    /* contact point at r_i from i, as Rojek et al. 2012 */
 } gn_contact_arm;
 
+/* What tension does to the strength of a bond in shear. */
+typedef enum gn_coupling {
+    GN_COUPLING_NONE,
+    GN_COUPLING_QUADRATIC, /* the bond breaks when the squares of both shares add up to 1 */
+    GN_COUPLING_LINEAR     /* it loses mu_1 f_n, as it gains that under pressure */
+} gn_coupling;
+
 typedef enum gn_precision { GN_PRECISION_DOUBLE, GN_PRECISION_MIXED } gn_precision;
 typedef enum gn_step_estimate { GN_STEP_SHARP, GN_STEP_BOUND } gn_step_estimate;
 typedef enum gn_policy { GN_POLICY_STOP, GN_POLICY_WARN } gn_policy;
@@ -116,6 +123,7 @@ typedef struct gn_material {
     double shear_strength;     /* tau_c of the contact, Pa */
     double bond_tension_limit; /* R_n, N; uniform model */
     double bond_shear_limit;   /* R_t, N; uniform model */
+    double bond_friction;      /* mu_1 of intact bonds */
     gn_scene_place where;
 } gn_material;
 
@@ -377,6 +385,7 @@ typedef struct gn_scene {
     gn_scene_place law_where;
     gn_stiffness_model stiffness;
     gn_contact_arm contact_arm;
+    gn_coupling coupling;
     gn_switch rotation; /* auto: on */
 
     gn_switch bonds;          /* on when the scene has a `bonds` section */

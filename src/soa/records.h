@@ -96,6 +96,8 @@
       "tensile strength; negative once broken")                                                    \
     Y(X, rt, double, GN_F64, 1, GN_COLUMNS, GN_STATE, GN_KEPT, BESIDE, GN_FX_BONDS | GN_FX_SHEAR,  \
       0, "N", "shear strength")                                                                    \
+    Y(X, mu1, double, GN_F64, 1, GN_COLUMNS, GN_SAVED, GN_KEPT, BESIDE, GN_FX_MOHR, 0, "1",        \
+      "friction coefficient of the intact bond")                                                   \
     Y(X, shear, double, GN_F64, 3, GN_COLUMNS, GN_STATE, GN_KEPT | GN_ODD, INSTEAD, GN_FX_SHEAR,   \
       0, "N", "tangential force on the first particle")                                            \
     Y(X, fd, double, GN_F64, 1, GN_COLUMNS, GN_SAVED, GN_KEPT, INSTEAD,                            \
