@@ -9,6 +9,7 @@
 #include "kernels/expand.h"
 #include "kernels/law_linear.h"
 #include "kernels/law_mohr.h"
+#include "kernels/law_softening.h"
 
 #include <string.h>
 

@@ -244,6 +244,7 @@ static gneiss_status check_material(const check *c, const gn_scene *s, size_t in
     if (m->kratio > 0 && m->kratio < 1e-6)
         return gn_check_fail(
             c, "kratio", "expected 0 (no tangential spring) or at least 1e-6, found %g", m->kratio);
+    if (bonds) GN_TRY(gn_check_bonds_of(c, s, m));
     if (s->stiffness == GN_STIFFNESS_UNIFORM) {
         GN_TRY(need(c, m->normal_stiffness, "normal_stiffness", "by the uniform law"));
         if (!bonds) return GNEISS_OK;
@@ -531,6 +532,8 @@ gneiss_status gn_check_scene(gn_reader *reader, const gn_node *root) {
     if (s->has_elements) GN_TRY(gn_check_elements(reader, root));
     if (s->has_specimen && gn_check_sound(&c, "law.stiffness"))
         GN_TRY(check_list(&c, "materials", s->material_count, check_material));
+    if (gn_check_sound(&c, "law") && gn_check_sound(&c, "materials"))
+        GN_TRY(gn_check_keep(&c, gn_check_coupling(&c, s)));
     if (gn_check_sound(&c, "damping")) GN_TRY(gn_check_keep(&c, check_damping(&c, s)));
     if (gn_check_sound(&c, "periodic") && gn_check_sound(&c, "domain"))
         GN_TRY(gn_check_keep(&c, check_surroundings(&c, s)));

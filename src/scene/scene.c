@@ -275,9 +275,14 @@ static bool bonds_possible(const gn_scene *s) {
 
 /* Of bonds with tangential springs. */
 static gn_effects strength_effects(const gn_scene *s) {
-    bool frictional = false;
-    for (size_t k = 0; k < s->material_count; k++)
+    bool frictional = false, yields = false;
+    for (size_t k = 0; k < s->material_count; k++) {
         frictional = frictional || s->materials[k].bond_friction > 0;
+        yields = yields || s->materials[k].yield_stress[0] > 0;
+    }
+    if (s->softening != GN_SOFTENING_NONE || yields)
+        return GN_FX_MOHR | GN_FX_SOFTENING | (yields ? GN_FX_YIELD : 0U) |
+               (s->coupling == GN_COUPLING_LINEAR ? GN_FX_COUPLED_LINEAR : 0U);
     if (s->coupling == GN_COUPLING_QUADRATIC) return GN_FX_MOHR | GN_FX_COUPLED_QUADRATIC;
     if (!frictional) return 0;
     return GN_FX_MOHR | (s->coupling == GN_COUPLING_LINEAR ? GN_FX_COUPLED_LINEAR : 0U);

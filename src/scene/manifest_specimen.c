@@ -1,0 +1,169 @@
+/* Keys of the section `specimen`: where the particles come from. */
+#include "scene/manifest_keys.h"
+
+/* ---- words ---- */
+
+static const gn_choice booleans[] = {{"true", 1}, {"false", 0}, {"on", 1}, {"off", 0},
+                                     {"yes", 1},  {"no", 0},    {NULL, 0}};
+static const gn_choice lattices[] = {
+    {"square", GN_LATTICE_SQUARE}, {"hexagonal", GN_LATTICE_HEXAGONAL},
+    {"cubic", GN_LATTICE_CUBIC},   {"fcc", GN_LATTICE_FCC},
+    {"hcp", GN_LATTICE_HCP},       {NULL, 0}};
+static const gn_choice overlaps[] = {
+    {"none", GN_OVERLAP_NONE}, {"passive", GN_OVERLAP_PASSIVE}, {NULL, 0}};
+static const gn_choice pack_starts[] = {
+    {"random", GN_START_RANDOM}, {"nodes", GN_START_NODES}, {NULL, 0}};
+static const gn_choice density_bases[] = {
+    {"particle", GN_DENSITY_PARTICLE}, {"bulk", GN_DENSITY_BULK}, {NULL, 0}};
+
+/* ---- keys ---- */
+
+static const gn_key lattice_keys[] = {
+    KEY("kind", CHOICE, gn_scene, specimen.lattice.kind, .choices = lattices, .required = true,
+        .text = "square and hexagonal in 2D; cubic, fcc and hcp in 3D"),
+    KEY("radius", REAL, gn_scene, specimen.lattice.radius, .unit = "m", .range = GN_LENGTHS,
+        .required = true, .text = "radius of every particle"),
+    KEY("cells", CELLS, gn_scene, specimen.lattice.cells, .range = "[1, 100000]", .required = true,
+        .text = "unit cells along x, y and z"),
+    KEY("origin", VECTOR, gn_scene, specimen.lattice.origin, .unit = "m", .range = GN_PLACES,
+        .fallback = "0", .text = "lower corner of the first cell"),
+    KEY("spacing", REAL, gn_scene, specimen.lattice.spacing, .unit = "1", .range = "[1e-3, 1e6]",
+        .fallback = "1", .text = "distance of nearest neighbours over two radii; 1: just touching"),
+    KEY("jitter", REAL, gn_scene, specimen.lattice.jitter, .unit = "1", .range = "[0, 1)",
+        .fallback = "0",
+        .text = "random shift of each centre along each axis, up to this times the radius"),
+};
+TABLE_OF(lattice);
+
+static const gn_key rectangle_keys[] = {
+    KEY("width", REAL, gn_scene, specimen.pack.size[0], .unit = "m", .range = GN_LENGTHS,
+        .required = true, .text = "length along x"),
+    KEY("height", REAL, gn_scene, specimen.pack.size[1], .unit = "m", .range = GN_LENGTHS,
+        .required = true, .text = "length along y"),
+};
+TABLE_OF(rectangle);
+
+static const gn_key disc_keys[] = {
+    KEY("diameter", REAL, gn_scene, specimen.pack.diameter, .unit = "m", .range = GN_LENGTHS,
+        .required = true, .text = "diameter of the disc"),
+};
+TABLE_OF(disc);
+
+static const gn_key body_box_keys[] = {
+    KEY("size", VECTOR, gn_scene, specimen.pack.size, .unit = "m", .range = GN_LENGTHS,
+        .required = true, .shape_dimension = 3, .text = "lengths along x, y and z"),
+};
+TABLE_OF(body_box);
+
+static const gn_key cylinder_keys[] = {
+    KEY("diameter", REAL, gn_scene, specimen.pack.diameter, .unit = "m", .range = GN_LENGTHS,
+        .required = true, .text = "diameter of the cylinder"),
+    KEY("height", REAL, gn_scene, specimen.pack.height, .unit = "m", .range = GN_LENGTHS,
+        .required = true, .text = "length along z"),
+};
+TABLE_OF(cylinder);
+
+static const gn_key refinement_keys[] = {
+    KEY("from", VECTOR, gn_refinement, lower, .unit = "m", PRESENT(BOOL, gn_refinement, has_region),
+        .text = "lower corner of a box, which may be flat or a point"),
+    KEY("to", VECTOR, gn_refinement, upper, .unit = "m", PRESENT(BOOL, gn_refinement, has_region),
+        .text = "upper corner; given together with from"),
+    KEY("boundary", CHOICE, gn_refinement, boundary, .choices = booleans, .fallback = "false",
+        .text = "the boundary of the body instead of a box"),
+    KEY("size", REAL, gn_refinement, size, .unit = "1", .range = "[1e-3, 1]", .required = true,
+        .text = "size of the particles there over that elsewhere"),
+    KEY("distance", REAL, gn_refinement, distance, .unit = "m", .range = GN_LENGTHS,
+        .required = true, .text = "over which the size grows back"),
+};
+ELEMENTS_OF(refinement, gn_refinement);
+
+static const gn_key packing_keys[] = {
+    KEY("size_ratio", REAL, gn_scene, specimen.pack.size_ratio, .unit = "1", .range = "[1.2, 100]",
+        .fallback = "6", .text = "largest over smallest radius asked for"),
+    KEY("size_variation", REAL, gn_scene, specimen.pack.size_variation, .unit = "1",
+        .range = "[0, 1]", .word = "auto", .word_value = -1, .fallback = "auto",
+        .text = "standard deviation of the radii over their mean before the fit"),
+    KEY("overlap", CHOICE, gn_scene, specimen.pack.overlap, .choices = overlaps, .fallback = "none",
+        .text = "passive: neighbours overlap by a few per cent, free of stress when bonded with "
+                "bonds.passive_gaps"),
+    KEY("overlap_size", REAL, gn_scene, specimen.pack.overlap_size, .unit = "1",
+        .range = "[0, 0.2]", .word = "auto", .word_value = -1, .fallback = "auto",
+        .text = "wanted overlap over the sum of the radii; with overlap passive"),
+    KEY("gap", REAL, gn_scene, specimen.pack.gap, .unit = "1", .range = "[0, 0.5]", .word = "auto",
+        .word_value = -1, .fallback = "auto",
+        .text = "pairs up to this gap over the sum of the radii are closed"),
+    KEY("start", CHOICE, gn_scene, specimen.pack.start, .choices = pack_starts,
+        .fallback = "random",
+        .text = "centres at the start: well-spread random points, or the inner nodes of the mesh"),
+    KEY("jiggle", REAL, gn_scene, specimen.pack.jiggle, .unit = "1", .range = "[0, 1]",
+        .fallback = "0.3",
+        .text = "with start nodes: random shift of the nodes over their spacing"),
+    ARRAY("refine", LIST, gn_scene, specimen.pack.refinements, specimen.pack.refinement_count,
+          .section = &refinement_section, .range = "[0, 1000]",
+          .text = "where particles are smaller"),
+    KEY("iterations", INTEGER, gn_scene, specimen.pack.iterations, .range = "[1, 1e6]",
+        .word = "auto", .fallback = "auto", .text = "most iterations of the fit"),
+    KEY("residual", REAL, gn_scene, specimen.pack.residual, .unit = "1", .range = "(0, 1)",
+        .word = "auto", .fallback = "auto",
+        .text = "stop once the root mean square gap of the closed pairs, over the sum of their "
+                "radii, is below"),
+    KEY("time", REAL, gn_scene, specimen.pack.time_limit, .unit = "s", .range = "(0, inf)",
+        .word = "off", .fallback = "off",
+        .text = "wall time after which the best so far is taken; the result then depends on the "
+                "machine"),
+};
+TABLE_OF(packing);
+
+static const gn_key specimen_keys[] = {
+    KEY("file", FILE, gn_scene, specimen.file, .second = offsetof(gn_scene, specimen.path),
+        PRESENT(TEXT, gn_scene, specimen.file),
+        .text = "text file of rows x y z r (2D: x y r); relative to the folder of the scene"),
+    KEY("scale", REAL, gn_scene, specimen.scale, .unit = "1", .range = GN_SCALES, .fallback = "1",
+        .text = "lengths in the file, surface or mesh times this give metres"),
+    ARRAY("particles", PARTICLES, gn_scene, specimen.particles, specimen.particle_count,
+          .unit = "m", .number = offsetof(gn_scene, specimen.pack.count), .range = "[4, 1e8]",
+          PRESENT(ROWS, gn_scene, specimen.particle_count),
+          .text = "the particles themselves: rows [x, y, z, r], in 2D [x, y, r]; or how many to "
+                  "pack into a shape"),
+    SECTION("lattice", lattice_section, PRESENT(ENUM, gn_scene, specimen.lattice.kind),
+            .text = "a regular arrangement of equal particles"),
+    SECTION("rectangle", rectangle_section, SHAPE(RECTANGLE, 2),
+            .text = "2D shape; its lower left corner is at the origin"),
+    SECTION("disc", disc_section, SHAPE(DISC, 2), .text = "2D shape; its centre is at the origin"),
+    ARRAY("polygon", POINTS, gn_scene, specimen.pack.corners, specimen.pack.corner_count,
+          .unit = "m", .range = GN_PLACES, SHAPE(POLYGON, 2),
+          .text = "2D shape; its corners in either sense"),
+    SECTION("box", body_box_section, SHAPE(BOX, 3),
+            .text = "3D shape; its lower corner is at the origin"),
+    SECTION("cylinder", cylinder_section, SHAPE(CYLINDER, 3),
+            .text = "3D shape, axis along z; the centre of its lower end is at the origin"),
+    KEY("surface", FILE, gn_scene, specimen.pack.surface,
+        .second = offsetof(gn_scene, specimen.pack.surface_path), SHAPE(SURFACE, 3),
+        .text = "3D shape: STL file of a closed surface"),
+    KEY("mesh", FILE, gn_scene, specimen.pack.mesh,
+        .second = offsetof(gn_scene, specimen.pack.mesh_path), SHAPE(MESH, 0),
+        .text = "2D or 3D shape: gmsh .msh file, whose triangles (3D: tetrahedra) are the body; or "
+                "a .geo, "
+                ".step, .brep or .iges file, which the gmsh program meshes first"),
+    KEY("origin", VECTOR, gn_scene, specimen.pack.origin, .unit = "m", .range = GN_PLACES,
+        .fallback = "0", PRESENT(ENUM, gn_scene, specimen.pack.shape),
+        .text = "where a rectangle, disc, box or cylinder stands"),
+    KEY("mean_radius", REAL, gn_scene, specimen.pack.mean_radius, .unit = "m", .range = GN_LENGTHS,
+        .word = "none", .fallback = "none",
+        .text = "of the particles to pack into a shape, instead of how many"),
+    SECTION("packing", packing_section, PRESENT(BESIDE, gn_scene, specimen.pack.shape),
+            .text = "how a shape is packed"),
+    KEY("material", TEXT, gn_scene, specimen.material, .fallback = "",
+        PRESENT(TEXT, gn_scene, specimen.material),
+        .text = "name of the material; may be left out when there is only one"),
+    KEY("group", INTEGER, gn_scene, specimen.group, .range = "[0, 1000000]", .fallback = "1",
+        .text = "cohesive group: bonds form between particles of the same group; 0: never bonded"),
+    KEY("density_basis", CHOICE, gn_scene, specimen.density_basis, .choices = density_bases,
+        .fallback = "particle",
+        .text = "bulk: the material's density is that of the assembly, voids included"),
+    KEY("porosity", REAL, gn_scene, specimen.porosity, .unit = "1", .range = "[0, 1)",
+        .word = "measure", .word_value = -1, .fallback = "measure",
+        .text = "with density_basis bulk: particle density is density/(1 - porosity)"),
+};
+const gn_section gn_specimen_section = {specimen_keys, sizeof specimen_keys / sizeof(gn_key), 0,
+                                        offsetof(gn_scene, specimen.where)};
