@@ -197,6 +197,7 @@ static size_t parameters(const gn_contacts *k, const gn_uniform *u) {
     size_t real = mixed ? 4 : 8, bytes = 0;
     bytes += width(u->kn ? NULL : k->kn, real) + width(u->kt ? NULL : k->kt, real);
     bytes += width(u->mu ? NULL : k->mu, real) + width(u->cn ? NULL : k->cn, real);
+    bytes += width(u->mu1 ? NULL : k->mu1, real);
     bytes += width(k->length0, real) + width(k->rn, real) + width(k->rt, real);
     return bytes + width(k->branch_f, 12) + width(k->stretch_f, 4);
 }

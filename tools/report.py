@@ -61,6 +61,9 @@ def count_rows(results):
                  ("broken in tension", int((state == 1).sum())),
                  ("broken in shear", int((state == 2).sum())),
                  ("broken, of all", f"{100 * broken / len(state):.3g} %")]
+        for number, text in ((4, "bonds that soften"), (5, "bonds that yielded")):
+            if np.any(state == number):
+                rows.append((text, int((state == number).sum())))
         if left:
             rows.append(("bonds that left with removed particles", left))
     else:

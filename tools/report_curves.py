@@ -23,6 +23,8 @@ LOST = {
     "background_damping": ("background damping", "#fec44f"),
     "contact_damping": ("contact damping", "#fff1a8"),
     "bond_breaking": ("bond breaking", "#b2182b"),
+    "damage": ("softening of bonds", "#ef8a62"),
+    "plasticity": ("yielding of bonds", "#8c510a"),
     "removed": ("removed particles", "#bdbdbd"),
 }
 

@@ -15,6 +15,11 @@
     X(SHEAR, shear, "tangential springs (friction or bonds with shear stiffness)")                 \
     X(FRICTION, friction, "Coulomb friction with radial return")                                   \
     X(BONDS, bonds, "brittle bonds")                                                               \
+    X(MOHR, mohr, "bonds whose shear strength the normal force changes (Mohr-Coulomb)")            \
+    X(SOFTENING, softening, "bonds that soften before they break, or yield under pressure")        \
+    X(YIELD, yield, "bonds that yield under pressure")                                             \
+    X(COUPLED_QUADRATIC, coupled_quadratic, "bonds that tension and shear break together")         \
+    X(COUPLED_LINEAR, coupled_linear, "bonds whose shear strength tension takes mu_1 f_n from")    \
     X(CONTACT_DAMPING, contact_damping, "normal viscous damping in contacts (restitution)")        \
     X(VISCOUS, viscous, "background damping -a m v")                                               \
     X(NONVISCOUS_VECTOR, nonviscous_vector, "background damping -a |F| v/|v|")                     \

@@ -10,7 +10,7 @@ _Static_assert(GN_CONTACT_BLOCK_LEAST % GN_LANES_MAX == 0, "a block holds whole 
 
 /* Columns of parameters that all contacts of a list may share. Per column: 0, or all ones when they
  * do, and the kernel then reads the start of it again and again instead of streaming it. */
-#define GN_UNIFORM_COLUMNS(X) X(kn) X(kt) X(mu) X(cn) X(beam) X(share)
+#define GN_UNIFORM_COLUMNS(X) X(kn) X(kt) X(mu) X(cn) X(mu1) X(beam) X(share)
 typedef struct gn_uniform {
 #define X(name) size_t name;
     GN_UNIFORM_COLUMNS(X)
@@ -47,7 +47,9 @@ typedef struct gn_contact_args {
 #define GN_CONTACT_LOSSES(X)                                                                       \
     X(friction, "dissipated in this step")                                                         \
     X(contact_damping, "dissipated in this step")                                                  \
-    X(bond_breaking, "released in this step")
+    X(bond_breaking, "released in this step")                                                      \
+    X(damage, "dissipated in this step")                                                           \
+    X(plasticity, "dissipated in this step")
 
 /* What it sums up besides: X(type, name, unit, text), V(type, name, components, unit, text). */
 #define GN_CONTACT_SUMS(X, V)                                                                      \
@@ -89,12 +91,15 @@ static inline void gn_contact_sums_add(gn_contact_sums *total, const gn_contact_
 typedef void gn_contact_kernel(const gn_contact_args *args, size_t begin, size_t end,
                                gn_contact_sums *sums);
 
-/* The contact laws. X(name, the effect that calls for it, lists that have it). The linear one is
+/* The contact laws. X(name, the effects that call for it, lists that have it), those that need more
+ * effects first. The linear one is
  * that of lists that no effect calls another one for. A law is law_<name>.h and law_<name>.c, see
  * law.h. */
 #define GN_LAWS(X)                                                                                 \
-    X(linear, GN_FX_ALWAYS, GN_LAW_OF_ALL)                                                         \
-    X(beam, GN_FX_BOND_MOMENTS, GN_LAW_OF_BONDS)
+    X(softening, GN_FX_SOFTENING | GN_FX_MOHR, GN_LAW_OF_BONDS)                                    \
+    X(mohr, GN_FX_MOHR, GN_LAW_OF_BONDS)                                                           \
+    X(beam, GN_FX_BOND_MOMENTS, GN_LAW_OF_BONDS)                                                   \
+    X(linear, GN_FX_ALWAYS, GN_LAW_OF_ALL)
 enum { GN_LAW_OF_ALL, GN_LAW_OF_BONDS };
 
 /* The kinds of lists that there are kernels for. X(number, name, law, effects that make the kind
@@ -105,8 +110,12 @@ enum { GN_LAW_OF_ALL, GN_LAW_OF_BONDS };
     X(2, bond_normal, linear, 0, 0, 1)                                                             \
     X(3, bond, linear, 1, 0, 1)                                                                    \
     X(4, bond_frictional, linear, 1, 1, 1)                                                         \
-    X(5, beam, beam, 1, 0, 1)                                                                      \
-    X(6, beam_frictional, beam, 1, 1, 1)
+    X(5, mohr, mohr, 1, 0, 1)                                                                      \
+    X(6, mohr_frictional, mohr, 1, 1, 1)                                                           \
+    X(7, softening, softening, 1, 0, 1)                                                            \
+    X(8, softening_frictional, softening, 1, 1, 1)                                                 \
+    X(9, beam, beam, 1, 0, 1)                                                                      \
+    X(10, beam_frictional, beam, 1, 1, 1)
 
 /* What any kind may have besides, by the bits of a variant's number. */
 #define GN_CONTACT_OPTIONS(X)                                                                      \

@@ -8,6 +8,9 @@
 #include "kernels/block_rows.h"
 #include "kernels/expand.h"
 #include "kernels/law_beam.h"
+#include "kernels/law_linear.h"
+#include "kernels/law_mohr.h"
+#include "kernels/law_softening.h"
 
 #include <string.h>
 

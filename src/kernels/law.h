@@ -147,6 +147,9 @@ double gn_dempack_area(int dimension, double ri, double rj);
 
 bool gn_linear_derive(const gn_scene *scene, const gn_particles *particles,
                       const int32_t (*pair)[2], size_t count, gn_derived *derived);
+/* m2, in 2D m x 1 m: the section that strengths of a pair are over; of the uniform law, whose
+ * strengths are forces, that of the mean radius. What is drawn for a bond does not change it. */
+double gn_linear_section(const gn_law_model *model, const gn_law_pair *pair);
 void gn_linear_set(const gn_law_model *model, const gn_law_pair *pair, gn_contacts *list, size_t c);
 void gn_linear_set_dashpot(const gn_law_model *model, const gn_law_pair *pair, gn_contacts *list,
                            size_t c);
@@ -162,10 +165,21 @@ double gn_linear_touch(const gn_touch_step *step, const gn_touch_side *side, con
                        double *fd, double *shear, size_t stride, double t[3],
                        gn_contact_sums *sums);
 
+/* What a bond that softens or yields has gone through. */
+typedef struct gn_bond_condition {
+    double tension, shear; /* damage, 0 to 1 */
+    double permanent;      /* m, stretch at which its normal force is zero */
+} gn_bond_condition;
+gn_bond_condition gn_softening_condition(const gn_contacts *list, size_t c);
+
+/* How many bonds were to soften in tension and are too short for it: their spring holds more energy
+ * than they may dissipate, so that they break at once. */
+size_t gn_softening_too_short(const gn_contacts *list);
+
 /* The law of a list, by its effects; by those of a scene that of its bonds. */
 static inline const gn_law *gn_law_of(gn_effects effects) {
 #define X(name, effect, lists)                                                                     \
-    if (effects & (effect)) return &gn_law_##name;
+    if ((effects & (effect)) == (effect)) return &gn_law_##name;
     GN_LAWS(X)
 #undef X
     return &gn_law_linear;

@@ -42,6 +42,20 @@ static effective_radius radius_of(const gn_law_model *m, double ri, double rj) {
     return (effective_radius){0, 0, 0};
 }
 
+static double section_of(const gn_law_model *m, effective_radius r) {
+    return m->scene->dimension == 3 ? 4.0 * r.strength2 : 2.0 * r.strength1;
+}
+
+double gn_linear_section(const gn_law_model *m, const gn_law_pair *q) {
+    const double width = q->ri + q->rj;
+    if (q->area > 0.0) return q->area;
+    if (gn_scene_by_area(m->scene))
+        return m->derived.gamma * gn_dempack_area((int)m->scene->dimension, q->ri, q->rj);
+    if (m->scene->stiffness != GN_STIFFNESS_UNIFORM)
+        return section_of(m, radius_of(m, q->ri, q->rj));
+    return m->scene->dimension == 3 ? width * width : width;
+}
+
 static void set_kn_and_strength(const gn_law_model *m, const gn_law_pair *q, parameters *p) {
     const gn_material *a = q->a, *b = q->b;
     if (m->scene->stiffness == GN_STIFFNESS_UNIFORM) {
@@ -54,7 +68,7 @@ static void set_kn_and_strength(const gn_law_model *m, const gn_law_pair *q, par
     effective_radius r = radius_of(m, q->ri, q->rj);
     double modulus = GN_OWN(q, contact_modulus, gn_series(a->contact_modulus, b->contact_modulus));
     bool space = m->scene->dimension == 3;
-    double section = space ? 4.0 * r.strength2 : 2.0 * r.strength1;
+    double section = section_of(m, r);
     p->kn = space ? 2.0 * modulus * r.stiffness : modulus;
     p->rn =
         GN_OWN(q, tensile_strength, gn_smaller(a->tensile_strength, b->tensile_strength)) * section;

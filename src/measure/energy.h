@@ -21,6 +21,8 @@
     X(contact_damping, LOST, "dissipated by contact damping")                                      \
     X(background_damping, LOST, "dissipated by background damping")                                \
     X(bond_breaking, LOST, "released by breaking bonds")                                           \
+    X(damage, LOST, "dissipated by bonds that soften")                                             \
+    X(plasticity, LOST, "dissipated by bonds that yield under pressure")                           \
     X(removed, LOST, "carried away by removed particles")
 
 typedef struct gn_energy {

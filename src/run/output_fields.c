@@ -134,6 +134,15 @@ static double criterion_of(const gn_output_view *v, size_t c) {
     return fmax(0.0, law->criterion(b, c, normal_of(v, c) + m.normal, shear_of(v, c) + m.shear));
 }
 
+enum { BOND_SOFTENING = 4, BOND_YIELDED = 5 }; /* beside gn_cause: bonds that hold */
+
+static double state_of(const gn_contacts *b, size_t c) {
+    if (b->cause[c] != GN_INTACT || !(b->soa.effects & GN_FX_SOFTENING)) return b->cause[c];
+    gn_bond_condition is = gn_softening_condition(b, c);
+    if (is.tension > 0.0 || is.shear > 0.0) return BOND_SOFTENING;
+    return is.permanent != 0.0 ? BOND_YIELDED : GN_INTACT;
+}
+
 static double end_of(const gn_world *w, size_t c, int end) {
     int32_t ends[2];
     gn_output_bond_ends(w, c, ends);
@@ -142,7 +151,10 @@ static double end_of(const gn_world *w, size_t c, int end) {
 
 READ(first, end_of(w, k, 0))
 READ(second, end_of(w, k, 1))
-READ(state, w->dem.bonds.cause[k])
+READ(state, state_of(&w->dem.bonds, k))
+READ(tension_damage, gn_softening_condition(&w->dem.bonds, k).tension)
+READ(shear_damage, gn_softening_condition(&w->dem.bonds, k).shear)
+READ(permanent, gn_softening_condition(&w->dem.bonds, k).permanent)
 READ(broken_time, w->dem.bonds.cause[k] ? w->dem.bonds.broken_time[k] : NAN)
 READ(normal_force, normal_of(v, k))
 READ(shear_force, shear_of(v, k))
@@ -171,8 +183,15 @@ static const gn_output_field of_bonds[] = {
      1, read_first, 0},
     {"j", "1", "second particle", GN_IN_RESULTS, GN_I32, false, 1, read_second, 0},
     {"state", "1",
-     "0 intact, 1 broken in tension, 2 broken in shear, 3 left with a removed particle", BOTH,
-     GN_I32, false, 1, read_state, 0},
+     "0 intact, 1 broken in tension, 2 broken in shear, 3 left with a removed particle; holds: 4 "
+     "softening, 5 yielded",
+     BOTH, GN_I32, false, 1, read_state, 0},
+    {"tension_damage", "1", "d of bonds that soften, 1: broken in tension", BOTH, GN_F64, false, 1,
+     read_tension_damage, GN_FX_SOFTENING},
+    {"shear_damage", "1", "kappa of bonds that soften, 1: broken in shear", BOTH, GN_F64, false, 1,
+     read_shear_damage, GN_FX_SOFTENING},
+    {"permanent_stretch", "m", "stretch at which bonds that yield have no normal force", BOTH,
+     GN_F64, false, 1, read_permanent, GN_FX_YIELD},
     {"broken_time", "s", "when it broke or left; NaN: intact", GN_IN_RESULTS, GN_F64, true, 1,
      read_broken_time, 0},
     {"force", "N", "force on i", GN_IN_RESULTS, GN_F64, false, 3, read_force, 0},
@@ -184,8 +203,10 @@ static const gn_output_field of_bonds[] = {
      "moment on i besides that of the force: bending and twist of bonds that carry them "
      "(`bonds.radius_multiplier`)",
      BOTH, GN_F64, false, 3, read_moment, GN_FX_BOND_MOMENTS},
-    {"criterion", "1", "largest of force over strength; 1: broken; 0: left", BOTH, GN_F64, false, 1,
-     read_criterion, 0},
+    {"criterion", "1",
+     "largest of force over strength (softening in tension: stretch over the one at its end); 1: "
+     "broken; 0: left",
+     BOTH, GN_F64, false, 1, read_criterion, 0},
     {"area", "m2", "section (2D: width times 1 m); with `law.stiffness: dempack` or `polyhedron`",
      GN_IN_RESULTS, GN_F64, false, 1, read_area, GN_FX_AREA},
     {"contact_stress", "Pa", "normal force over section, tension positive; with the same", BOTH,

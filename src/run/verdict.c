@@ -109,6 +109,21 @@ static void warn_of_skin(const gn_run *run, gn_warnings *list) {
              run->world.scene.skin, widened);
 }
 
+/* Softening over a length that the bond's own spring exceeds would have to go back. */
+static void warn_of_softening(const gn_run *run, gn_warnings *list) {
+    const gn_contacts *b = &run->world.dem.bonds;
+    if (run->world.scene.softening == GN_SOFTENING_NONE) return;
+    size_t count = gn_softening_too_short(b);
+    if (!count) return;
+    gn_warning *to = &list->warning[list->count++];
+    to->name = "bonds_too_long";
+    snprintf(to->text, sizeof to->text,
+             "%zu of %zu bonds hold more elastic energy at their tensile strength than they may "
+             "dissipate (snap-back), and break at once: smaller particles, more fracture energy or "
+             "less strength would let them soften",
+             count, b->soa.count);
+}
+
 gn_warnings gn_run_warnings(const gn_run *run) {
     gn_warnings list = {0};
     warn_of_step(run, &list);
@@ -116,5 +131,6 @@ gn_warnings gn_run_warnings(const gn_run *run) {
     warn_of_change(run, &list);
     warn_of_balance(run, &list);
     warn_of_skin(run, &list);
+    warn_of_softening(run, &list);
     return list;
 }

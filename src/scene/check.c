@@ -240,10 +240,7 @@ static gneiss_status check_law_values(const check *c, const gn_scene *s, const g
         return gn_check_fail(
             c, "kratio", "expected 0 (no tangential spring) or at least 1e-6, found %g", m->kratio);
     if (!area) GN_TRY(need(c, m->kratio + 1.0, "kratio", "by this law.stiffness"));
-    if (bonds && s->bond_radius_multiplier > 0 && !((area ? m->beta : m->kratio) > 0))
-        return gn_check_fail(c, area ? "beta" : "kratio",
-                             "expected a value above 0, which bonds.radius_multiplier needs (the "
-                             "twist of a bond has the stiffness of its shear), found 0");
+    if (bonds) GN_TRY(gn_check_bonds_of(c, s, m));
     if (s->stiffness == GN_STIFFNESS_UNIFORM) {
         GN_TRY(need(c, m->normal_stiffness, "normal_stiffness", "by the uniform law"));
         if (!bonds) return GNEISS_OK;
@@ -266,14 +263,6 @@ static gneiss_status check_material(const check *c, const gn_scene *s, size_t in
     GN_TRY(gn_check_scatter(c, "strength_scatter", &m->strength_scatter));
     GN_TRY(gn_check_scatter(c, "stiffness_scatter", &m->stiffness_scatter));
     return check_law_values(c, s, m);
-}
-
-static gneiss_status check_bonds(const check *c, const gn_scene *s) {
-    if (s->bonds != GN_SWITCH_ON || !(s->bond_radius_multiplier > 0)) return GNEISS_OK;
-    if (s->rotation != GN_SWITCH_OFF) return GNEISS_OK;
-    return gn_check_fail(c, "bonds.radius_multiplier",
-                         "expected 0 where particles do not spin (law.rotation: off), found %g",
-                         s->bond_radius_multiplier);
 }
 
 /* ---- damping ---- */
@@ -585,7 +574,9 @@ gneiss_status gn_check_scene(gn_reader *reader, const gn_node *root) {
         GN_TRY(gn_check_keep(&c, gn_check_gamma(&c, s)));
     GN_TRY(check_list(&c, "contacts", s->contact_count, gn_check_contact));
     if (gn_check_sound(&c, "bonds") && gn_check_sound(&c, "law"))
-        GN_TRY(gn_check_keep(&c, check_bonds(&c, s)));
+        GN_TRY(gn_check_keep(&c, gn_check_moments(&c, s)));
+    if (gn_check_sound(&c, "law") && gn_check_sound(&c, "materials"))
+        GN_TRY(gn_check_keep(&c, gn_check_coupling(&c, s)));
     if (gn_check_sound(&c, "damping")) GN_TRY(gn_check_keep(&c, check_damping(&c, s)));
     if (gn_check_sound(&c, "periodic") && gn_check_sound(&c, "domain"))
         GN_TRY(gn_check_keep(&c, check_surroundings(&c, s)));

@@ -48,6 +48,12 @@ gneiss_status gn_check_box(const check *c, const gn_scene *s, const char *key, c
 /* Nothing prescribed out of the plane of a 2D scene. */
 gneiss_status gn_check_plane_motion(const check *c, const gn_scene *s, const gn_motion *motion);
 
+/* How bonds of a material soften and yield, with bonds; and what does not go with that. */
+gneiss_status gn_check_bonds_of(const check *c, const gn_scene *s, const gn_material *m);
+gneiss_status gn_check_coupling(const check *c, const gn_scene *s);
+/* Bonds that carry moments. */
+gneiss_status gn_check_moments(const check *c, const gn_scene *s);
+
 /* The list `bodies`, which may be empty. */
 gneiss_status gn_check_bodies(const gn_reader *reader, const gn_node *root);
 

@@ -20,6 +20,15 @@ static const gn_choice gamma_rules[] = {
     {"volume", GN_GAMMA_VOLUME}, {"porosity", GN_GAMMA_POROSITY}, {NULL, 0}};
 static const gn_choice contact_arms[] = {
     {"midpoint", GN_ARM_MIDPOINT}, {"radius", GN_ARM_RADIUS}, {NULL, 0}};
+static const gn_choice couplings[] = {{"none", GN_COUPLING_NONE},
+                                      {"quadratic", GN_COUPLING_QUADRATIC},
+                                      {"linear", GN_COUPLING_LINEAR},
+                                      {NULL, 0}};
+static const gn_choice softenings[] = {{"none", GN_SOFTENING_NONE},
+                                       {"energy", GN_SOFTENING_ENERGY},
+                                       {"strain", GN_SOFTENING_STRAIN},
+                                       {"ratio", GN_SOFTENING_RATIO},
+                                       {NULL, 0}};
 static const gn_choice backgrounds[] = {
     {"none", GN_BACKGROUND_NONE},
     {"viscous", GN_BACKGROUND_VISCOUS},
@@ -96,6 +105,46 @@ static const gn_key material_keys[] = {
         "strengths of a bond, in tension and shear, times a number drawn for it, 1 in the mean"),
     SCATTER("stiffness_scatter", stiffness_scatter,
             "both stiffnesses of a bond times a number drawn for it, 1 in the mean"),
+    KEY("bond_friction", REAL, gn_material, bond_friction, .unit = "1", .range = GN_FRICTIONS,
+        .fallback = "0",
+        .text = "mu_1: a bond pressed by |f_n| holds mu_1 |f_n| more in shear; once broken it has "
+                "friction instead"),
+    KEY("fracture_energy", REAL, gn_material, fracture_energy, .unit = "J/m2",
+        .range = GN_TOUGHNESSES, .word = "none", .fallback = "none",
+        .text = "G_f in tension, per area of a bond; needed with softening energy"),
+    KEY("shear_fracture_energy", REAL, gn_material, shear_fracture_energy, .unit = "J/m2",
+        .range = GN_TOUGHNESSES, .word = "none", .fallback = "none",
+        .text = "the same in shear without pressure; none: brittle in shear"),
+    KEY("fracture_strain", REAL, gn_material, fracture_strain, .unit = "1", .range = GN_BREAKING,
+        .word = "none", .fallback = "none",
+        .text = "eps_f: stretch of a bond over its length where its softening ends; needed with "
+                "softening strain"),
+    KEY("shear_fracture_strain", REAL, gn_material, shear_fracture_strain, .unit = "1",
+        .range = GN_BREAKING, .word = "none", .fallback = "none",
+        .text = "the same in shear, over the root of its area; none: brittle in shear"),
+    KEY("fracture_ratio", REAL, gn_material, fracture_ratio, .unit = "1", .range = GN_BREAKING,
+        .word = "none", .fallback = "none",
+        .text =
+            "softening ends at 1 + this times the elastic limit, in tension and in shear; needed "
+            "with softening ratio"),
+    KEY("yield_stress_1", REAL, gn_material, yield_stress[0], .unit = "Pa", .range = GN_STRENGTHS,
+        .word = "none", .fallback = "none",
+        .text = "compressive stress of a bond from which on it loads with k_n/yield_ratio_1; it "
+                "unloads with k_n"),
+    KEY("yield_ratio_1", REAL, gn_material, yield_ratio[0], .unit = "1", .range = "[1, 1e9]",
+        .word = "none", .fallback = "none", .text = "needed with yield_stress_1"),
+    KEY("yield_stress_2", REAL, gn_material, yield_stress[1], .unit = "Pa", .range = GN_STRENGTHS,
+        .word = "none", .fallback = "none",
+        .text = "compressive stress of a bond from which on it loads with k_n/yield_ratio_2, above "
+                "the one before"),
+    KEY("yield_ratio_2", REAL, gn_material, yield_ratio[1], .unit = "1", .range = "[1, 1e9]",
+        .word = "none", .fallback = "none", .text = "needed with yield_stress_2"),
+    KEY("yield_stress_3", REAL, gn_material, yield_stress[2], .unit = "Pa", .range = GN_STRENGTHS,
+        .word = "none", .fallback = "none",
+        .text = "compressive stress of a bond from which on it loads with k_n/yield_ratio_3, above "
+                "the one before"),
+    KEY("yield_ratio_3", REAL, gn_material, yield_ratio[2], .unit = "1", .range = "[1, 1e9]",
+        .word = "none", .fallback = "none", .text = "needed with yield_stress_3"),
 };
 ELEMENTS_OF(material, gn_material);
 
@@ -118,6 +167,12 @@ static const gn_key law_keys[] = {
         .text = "contact point: midpoint of the gap, or one radius from the centre"),
     KEY("rotation", CHOICE, gn_scene, rotation, .choices = switches, .fallback = "auto",
         .text = "whether particles spin; auto: on"),
+    KEY("coupling", CHOICE, gn_scene, coupling, .choices = couplings, .fallback = "none",
+        .text = "what tension takes from a bond's strength in shear; quadratic: the bond breaks "
+                "where the squares of force over strength add up to 1; linear: it takes mu_1 f_n"),
+    KEY("softening", CHOICE, gn_scene, softening, .choices = softenings, .fallback = "none",
+        .text = "bonds beyond their strength: none: they break at once; else they soften linearly, "
+                "down to the fracture energy, strain or ratio of the material"),
 };
 static const gn_section law_section = {law_keys, sizeof law_keys / sizeof(gn_key), 0,
                                        offsetof(gn_scene, law_where)};

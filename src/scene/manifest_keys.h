@@ -15,6 +15,7 @@
 #define GN_MODULI        "[1e-9, 1e18]"   /* Pa */
 #define GN_STRENGTHS     "[1e-12, 1e100]" /* Pa */
 #define GN_BREAKING      "[1e-30, 1e100]" /* N */
+#define GN_TOUGHNESSES   "[1e-30, 1e100]" /* J/m2 */
 #define GN_RATIOS        "[1e-6, 1e12]"   /* k_n/k_t */
 #define GN_FRICTIONS     "[0, 1e30]"
 #define GN_SPEEDS        "[-3e8, 3e8]"   /* m/s: that of light */

@@ -1,4 +1,4 @@
-/* The keys of `specimen`. */
+/* Keys of the section `specimen`: where the particles come from. */
 #include "scene/manifest_keys.h"
 
 /* ---- words ---- */

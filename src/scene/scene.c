@@ -275,6 +275,21 @@ static bool bonds_possible(const gn_scene *s) {
     return some;
 }
 
+/* Of bonds with tangential springs. */
+static gn_effects strength_effects(const gn_scene *s) {
+    bool frictional = false, yields = false;
+    for (size_t k = 0; k < s->material_count; k++) {
+        frictional = frictional || s->materials[k].bond_friction > 0;
+        yields = yields || s->materials[k].yield_stress[0] > 0;
+    }
+    if (s->softening != GN_SOFTENING_NONE || yields)
+        return GN_FX_MOHR | GN_FX_SOFTENING | (yields ? GN_FX_YIELD : 0U) |
+               (s->coupling == GN_COUPLING_LINEAR ? GN_FX_COUPLED_LINEAR : 0U);
+    if (s->coupling == GN_COUPLING_QUADRATIC) return GN_FX_MOHR | GN_FX_COUPLED_QUADRATIC;
+    if (!frictional) return 0;
+    return GN_FX_MOHR | (s->coupling == GN_COUPLING_LINEAR ? GN_FX_COUPLED_LINEAR : 0U);
+}
+
 static gn_effects contact_effects(const gn_scene *s) {
     bool bonds = bonds_possible(s), area = gn_scene_by_area(s), friction = false, shear = false;
     for (size_t k = 0; k < s->material_count; k++) {
@@ -294,6 +309,7 @@ static gn_effects contact_effects(const gn_scene *s) {
     if (shear && friction) mask |= GN_FX_FRICTION;
     if (bonds && shear && s->rotation != GN_SWITCH_OFF && s->bond_radius_multiplier > 0)
         mask |= GN_FX_BOND_MOMENTS;
+    if (shear && bonds) mask |= strength_effects(s);
     if (s->restitution >= 0 || s->damping_fraction > 0) mask |= GN_FX_CONTACT_DAMPING;
     return mask;
 }

@@ -96,6 +96,21 @@ typedef enum gn_contact_arm {
     GN_ARM_RADIUS    /* contact point at r_i from i, as Rojek et al. 2012 */
 } gn_contact_arm;
 
+/* What tension does to the strength of a bond in shear. */
+typedef enum gn_coupling {
+    GN_COUPLING_NONE,
+    GN_COUPLING_QUADRATIC, /* the bond breaks when the squares of both shares add up to 1 */
+    GN_COUPLING_LINEAR     /* it loses mu_1 f_n, as it gains that under pressure */
+} gn_coupling;
+
+/* How far apart a bond is pulled (sheared) when nothing is left of its strength. */
+typedef enum gn_softening {
+    GN_SOFTENING_NONE,   /* it breaks at once */
+    GN_SOFTENING_ENERGY, /* where it has dissipated a given energy per area */
+    GN_SOFTENING_STRAIN, /* at a given strain of its length (shear: root of its area) */
+    GN_SOFTENING_RATIO   /* at a given multiple of the elastic limit */
+} gn_softening;
+
 typedef enum gn_precision { GN_PRECISION_DOUBLE, GN_PRECISION_MIXED } gn_precision;
 typedef enum gn_step_estimate { GN_STEP_SHARP, GN_STEP_BOUND } gn_step_estimate;
 /* Whether particles with more mass than their own may have a weight: their own. */
@@ -140,6 +155,11 @@ typedef struct gn_material {
     double bond_tension_limit; /* R_n, N; uniform model */
     double bond_shear_limit;   /* R_t, N; uniform model */
     gn_scatter strength_scatter, stiffness_scatter;
+    double bond_friction;                          /* mu_1 of intact bonds */
+    double fracture_energy, shear_fracture_energy; /* J/m2, per area of a bond; 0: none */
+    double fracture_strain, shear_fracture_strain;
+    double fracture_ratio;
+    double yield_stress[3], yield_ratio[3]; /* Pa; k_n over the stiffness beyond it; 0: none */
     gn_scene_place where;
 } gn_material;
 
@@ -415,6 +435,8 @@ typedef struct gn_scene {
     double gamma; /* 0: by gamma_rule */
     gn_gamma_rule gamma_rule;
     gn_contact_arm contact_arm;
+    gn_coupling coupling;
+    gn_softening softening;
     gn_switch rotation; /* auto: on */
 
     gn_switch bonds;               /* on when the scene has a `bonds` section */

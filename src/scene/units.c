@@ -27,12 +27,19 @@ struct gn_units {
 static const struct {
     const char *unit, *text;
 } kinds[] = {
-    {"1", "a number such as '0.5' or '50 %'"},   {"m", "a length such as '23 mm'"},
-    {"m2", "an area such as '4 cm2'"},           {"s", "a time such as '5 ms'"},
-    {"kg/m3", "a density such as '2650 kg/m3'"}, {"Pa", "a stress or modulus such as '10 GPa'"},
-    {"N/m", "a stiffness such as '15 MN/m'"},    {"N", "a force such as '2 kN'"},
-    {"m/s", "a velocity such as '0.1 m/s'"},     {"m/s2", "an acceleration such as '9.81 m/s2'"},
-    {"rad/s", "a spin such as '30 deg/s'"},      {"1/s", "a rate such as '50 1/s'"},
+    {"1", "a number such as '0.5' or '50 %'"},
+    {"m", "a length such as '23 mm'"},
+    {"m2", "an area such as '4 cm2'"},
+    {"s", "a time such as '5 ms'"},
+    {"kg/m3", "a density such as '2650 kg/m3'"},
+    {"Pa", "a stress or modulus such as '10 GPa'"},
+    {"N/m", "a stiffness such as '15 MN/m'"},
+    {"J/m2", "an energy per area such as '80 J/m2'"},
+    {"N", "a force such as '2 kN'"},
+    {"m/s", "a velocity such as '0.1 m/s'"},
+    {"m/s2", "an acceleration such as '9.81 m/s2'"},
+    {"rad/s", "a spin such as '30 deg/s'"},
+    {"1/s", "a rate such as '50 1/s'"},
 };
 
 const char *gn_unit_text(const char *unit) {

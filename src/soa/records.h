@@ -98,6 +98,20 @@
       "tensile strength; negative once broken")                                                    \
     Y(X, rt, double, GN_F64, 1, GN_COLUMNS, GN_STATE, GN_KEPT, BESIDE, GN_FX_BONDS | GN_FX_SHEAR,  \
       0, "N", "shear strength")                                                                    \
+    Y(X, mu1, double, GN_F64, 1, GN_COLUMNS, GN_SAVED, GN_KEPT, BESIDE, GN_FX_MOHR, 0, "1",        \
+      "friction coefficient of the intact bond")                                                   \
+    Y(X, soft, double, GN_F64, 1, GN_COLUMNS, GN_STATE, GN_KEPT, BESIDE, GN_FX_SOFTENING, 0, "1",  \
+      "what damage has left of the bond's stiffness in tension")                                   \
+    Y(X, kappa, double, GN_F64, 1, GN_COLUMNS, GN_STATE, GN_KEPT, NONE, GN_FX_SOFTENING, 0, "1",   \
+      "damage of the bond in shear")                                                               \
+    Y(X, fade, double, GN_F64, 5, GN_COLUMNS, GN_SAVED, GN_KEPT, NONE, GN_FX_SOFTENING, 0,         \
+      "N/m, m, N, m, 1", "how it softens, see law_softening.h")                                    \
+    Y(X, plastic, double, GN_F64, 1, GN_COLUMNS, GN_STATE, GN_KEPT, INSTEAD, GN_FX_YIELD, 0, "m",  \
+      "permanent stretch, at which the normal force is zero")                                      \
+    Y(X, yields, double, GN_F64, 1, GN_COLUMNS, GN_STATE, GN_KEPT, INSTEAD, GN_FX_YIELD, 0, "N",   \
+      "pressure at which it yields (further)")                                                     \
+    Y(X, crush, double, GN_F64, 6, GN_COLUMNS, GN_SAVED, GN_KEPT, BESIDE, GN_FX_YIELD, 0, "N, 1",  \
+      "how it yields, see law_softening.h")                                                        \
     Y(X, shear, double, GN_F64, 3, GN_COLUMNS, GN_STATE, GN_KEPT | GN_ODD, INSTEAD, GN_FX_SHEAR,   \
       0, "N", "tangential force on the first particle")                                            \
     Y(X, beam, double, GN_F64, 1, GN_COLUMNS, GN_SAVED, GN_KEPT, BESIDE, GN_FX_BOND_MOMENTS, 0,    \

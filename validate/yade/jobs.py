@@ -3,6 +3,7 @@
 A job is a dictionary (JSON):
   spheres             file of rows x y z r, m
   density, contact_modulus, kratio, friction, tension, shear      kg/m3, Pa, 1, 1, Pa (sigma_c), Pa (tau_c); harmonic law
+  bond_friction, coupling   mu_1 of intact bonds, 1; law.coupling of gneiss; left out: none (YADE's own is linear)
   interaction_range   bonds over gaps up to this times r_i + r_j; passive gaps
   bonded              False: no bonds
   damping             coefficient of the component form; gravity [3] m/s2

@@ -130,6 +130,11 @@ def name_for(test, name, number=0, mark=""):
     return f"{test.lower()}-{name}" + (f"-shifted-{number}" if number else "") + mark
 
 
+# Bonds that pressure strengthens and tension weakens: YADE's frictionAngle = atan(bond_friction). Friction as before once broken.
+FRICTIONAL = {"bond_friction": 0.5, "coupling": "linear"}
+FRICTIONAL_ROCKS = ("rock-b", "rock-c", "rock-a")
+
+
 # --- runs ------------------------------------------------------------------------------------------------
 
 CHAOS = {"rock-b": (8, 3), "pack-2": (8, 3)}  # shifted copies run in gneiss and in YADE; elsewhere:
@@ -187,6 +192,23 @@ def run_variants():
         own_run = jobs.run_gneiss(name, job) if number == 0 or not changes_yade(change) else None
         rows.append((what, *(readings(job, r) if r is not None else None for r in (own_run, peer_run))))
     return rows
+
+
+def run_frictional():
+    """{name: (job, gneiss' run, YADE's run, strengths on shifted copies in gneiss)} with FRICTIONAL."""
+    found = {}
+    for name in FRICTIONAL_ROCKS:
+        job = job_for("UCS", name, **FRICTIONAL)
+        try:
+            own_run, peer_run = jobs.both(name_for("UCS", name, mark="-frictional"), job)
+        except jobs.NotKept:
+            continue
+        strengths = []
+        for number in range(1, CHAOS_ELSEWHERE[0] + 1):
+            other = job_for("UCS", name, number, dt=job["dt"], **FRICTIONAL)
+            strengths.append(readings(other, jobs.run_gneiss(name_for("UCS", name, number, "-frictional"), other))["strength"])
+        found[name] = job, own_run, peer_run, strengths
+    return found
 
 
 def run_packings():

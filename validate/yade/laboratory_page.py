@@ -88,6 +88,20 @@ def packing_text(packings):
     return page.table(["test", "reading", "packings", "mean", "scatter %", "from - to"], rows)
 
 
+def frictional_text(found):
+    rows, chaos = [], []
+    for name, (job, own, peer, strengths) in found.items():
+        g, y = lab.readings(job, own), lab.readings(job, peer)
+        rows.append(own_row(name, job, g, y))
+        values = [g["strength"], *strengths]
+        chaos.append([name, len(values), f"{np.mean(values)/1e6:.2f}", f"{page.spread(values):.2f}",
+                      f"{min(values)/1e6:.2f} to {max(values)/1e6:.2f}", f"{y['strength']/1e6:.2f}",
+                      page.percent(y["strength"], np.mean(values)), *(f"{r['tension_end']} + {r['shear_end']}" for r in (g, y))])
+    return page.table(HEADS, rows) + "\n\n" + page.table(
+        ["specimen", "gneiss runs", "UCS MPa mean", "scatter %", "from - to", "YADE", "% from that mean",
+         "broken at half the peak gneiss", "YADE"], chaos)
+
+
 def variant_text(variants):
     _, base_own, base_peer = variants[0]
     rows = []
@@ -140,7 +154,8 @@ def section(options):
         parts += [f"Not run in YADE yet: {', '.join(missing)}.\n"]
     parts += [verdict(found, None if options["quick"] else lab.run_packings()), "", CHAOS, chaos_rows(found["UCS"])]
     if not options["quick"]:
-        parts += ["", PACKINGS, packing_text(lab.run_packings()), "", VARIANTS, variant_text(lab.run_variants()), "", AFTER]
+        parts += ["", PACKINGS, packing_text(lab.run_packings()), "", VARIANTS, variant_text(lab.run_variants()), "", AFTER,
+                  "", FRICTIONAL, frictional_text(lab.run_frictional())]
     return "\n".join(parts)
 
 
@@ -160,5 +175,11 @@ VARIANTS = """### What each definition is worth on rock-b
 The first rows are the same definitions in both codes; then one difference at a time is put back.
 """
 
-AFTER = """JCFpm with `frictionAngle = atan(mu)` has another law: bonds under pressure are stronger in shear. gneiss has no such term; the difference
-disappears with `frictionAngle = 0` and friction given to broken bonds from Python, which is what the first rows do."""
+AFTER = """With `frictionAngle = atan(mu)` YADE's bonds are stronger in shear under pressure, and weaker under tension; the bonds of the first rows
+are not, with `frictionAngle = 0` and friction given to broken bonds from Python. gneiss has that strength as well (next table)."""
+
+FRICTIONAL = """### Bonds that pressure strengthens
+
+JCFpm's own strength in shear, R_t - mu_1 f_n, with `frictionAngle = atan(0.5)` in YADE, `bond_friction: 0.5` and `law.coupling: linear` in gneiss;
+broken bonds have friction 0.5 in both. Scatter: gneiss on the packing and four copies shifted by a relative 1e-12.
+"""

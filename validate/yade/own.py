@@ -98,8 +98,8 @@ def scene(job):
     lines += ["materials:", "  - name: rock", f"    density: {job['density']!r}",
               f"    contact_modulus: {job['contact_modulus']!r}", f"    kratio: {job['kratio']!r}",
               f"    friction: {job['friction']!r}", f"    tensile_strength: {job['tension']!r}",
-              f"    shear_strength: {job['shear']!r}", "law:", "  stiffness: harmonic",
-              f"  contact_arm: {choice.get('contact_arm', 'midpoint')}", "bonds:",
+              f"    shear_strength: {job['shear']!r}", f"    bond_friction: {job.get('bond_friction', 0.0)!r}", "law:", "  stiffness: harmonic",
+              f"  contact_arm: {choice.get('contact_arm', 'midpoint')}", f"  coupling: {job.get('coupling', 'none')}", "bonds:",
               f"  enabled: {'on' if job.get('bonded', True) else 'off'}",
               f"  interaction_range: {job['interaction_range']!r}"]
     if job["damping"]:

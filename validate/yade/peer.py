@@ -3,12 +3,12 @@
     JOB=job.json OUT=result.npz QT_QPA_PLATFORM=offscreen yade -n -x -j1 validate/yade/peer.py
 
 JCFpm with young = 2 E_c, poisson = k_t/k_n and tensileStrength = 4 sigma_c/pi, cohesion = 4 tau_c/pi is the harmonic law
-of gneiss. What YADE defines in another way is made equal here, each by an option of its own so that its effect can be
+of gneiss, frictionAngle = atan(bond_friction) its bonds under pressure with `coupling: linear`. What YADE defines in another way is made equal here, each by an option of its own so that its effect can be
 measured (`job["yade"]`):
   arms       "contact": shear at the contact point (avoidGranularRatcheting off); "ratcheting": YADE's default
   friction   "completed": broken bonds get their friction in the step in which they break, and it limits their shear
              force in that step already; "none": what YADE does with frictionAngle = 0; "coulomb": frictionAngle =
-             atan(mu) from the start, so that bonds are strengthened by pressure
+             atan(mu) from the start whatever bond_friction is, so that pressure strengthens bonds, and nothing set right
   start      "aligned": velocities are given after the first forces, so that no shear is counted before the start, and the
              first kick under gravity is a half one; "plain": given with the particles
   fresh      "aligned": pairs that meet later measure the overlap from zero and count the shear of their first step;
@@ -39,7 +39,8 @@ snapshot_every = job.get("snapshot_every", 0)
 rock = O.materials.append(JCFpmMat(
     type=1, young=2 * job["contact_modulus"], poisson=1 / job["kratio"], density=job["density"],
     tensileStrength=4 * job["tension"] / pi, cohesion=4 * job["shear"] / pi,
-    frictionAngle=atan(mu) if choice["friction"] == "coulomb" else 0, residualFrictionAngle=atan(mu)))
+    frictionAngle=atan(mu if choice["friction"] == "coulomb" else job.get("bond_friction", 0.0)),
+    residualFrictionAngle=atan(mu)))
 for x, y, z, r in spheres.tolist():
     O.bodies.append(utils.sphere((x, y, z), r, material=rock))
 bodies = [O.bodies[k] for k in range(len(spheres))]

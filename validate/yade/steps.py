@@ -70,6 +70,12 @@ CASES = {
                 {"rows": PAIR, "steps": 4000, "sets": [held(), held([1], [0.05, 0, 0], name="moved")]}),
     "shear break": ("pressed and sheared without spin: the bond breaks, then friction",
                     {"rows": PAIR, "steps": 2000, "sets": [held(w=STILL), held([1], [-0.03, 0.3, 0], STILL, "moved")]}),
+    "shear under pressure": ("the same with bonds that pressure strengthens (mu_1 0.5, coupling linear)",
+                             {"rows": PAIR, "steps": 2000, "bond_friction": 0.5, "coupling": "linear",
+                              "sets": [held(w=STILL), held([1], [-0.03, 0.3, 0], STILL, "moved")]}),
+    "shear under tension": ("stretched and sheared: tension takes from the strength in shear",
+                            {"rows": PAIR, "steps": 2000, "bond_friction": 0.5, "coupling": "linear",
+                             "sets": [held(w=STILL), held([1], [0.01, 0.3, 0], STILL, "moved")]}),
     "rolling along": ("pressed and moved across, both spin freely: they roll on each other, the bond holds",
                       {"rows": PAIR, "steps": 4000, "sets": [held(), held([1], [-0.03, 0.3, 0], name="moved")]}),
     "collision": ("two free particles meet obliquely, no bond",
@@ -117,8 +123,9 @@ DIFFERENCES = [
     ("friction of broken bonds", "YADE keeps the friction angle a bond was made with (0 here) and limits the breaking "
      "step by the bond's strength; here set from Python in the step of the break", "shear break",
      {"yade": {"friction": "none"}}, False),
-    ("strength under pressure", "with frictionAngle = atan(mu) YADE's bonds gain strength with pressure; gneiss has no "
-     "such law", "shear break", {"yade": {"friction": "coulomb"}}, False),
+    ("strength under pressure", "with frictionAngle = atan(mu) pressure strengthens YADE's bonds in shear and tension weakens "
+     "them; in gneiss so do bond_friction and coupling linear, here left out", "shear break",
+     {"yade": {"friction": "coulomb"}}, False),
     ("damping sign", "YADE takes the sign of v + dt F/(2 m); gneiss that of the last half step, or YADE's with "
      "damping.background.velocity: instant", "damping", {"gneiss": {"velocity": "half_step"}}, False),
     ("damping sign, the other way", "YADE made to take the sign of the last half step, from Python",

@@ -1,0 +1,130 @@
+/* Bonds that soften and yield (law_softening.h) for all but the kernels. Areas are those that
+ * strengths follow from (gn_linear_section). Of two materials the weaker strength, the smaller
+ * energy, strain and ratio, and the lower line of pressure count. */
+#include "kernels/law.h"
+#include "kernels/softening.h"
+
+#include <math.h>
+
+/* m, where nothing is left of a strength R over the stiffness k. */
+static double end_of(const gn_law_model *m, double area, double strength, double limit,
+                     double energy, double strained, double ratio) {
+    switch (m->scene->softening) {
+    case GN_SOFTENING_NONE:
+        return 0.0;
+    case GN_SOFTENING_ENERGY:
+        return 2.0 * energy * area / strength;
+    case GN_SOFTENING_STRAIN:
+        return strained;
+    case GN_SOFTENING_RATIO:
+        return (1.0 + ratio) * limit;
+    }
+    return 0.0;
+}
+
+static void set_fade(const gn_law_model *m, const gn_law_pair *q, double area, gn_contacts *list,
+                     size_t c) {
+    const gn_material *a = q->a, *b = q->b;
+    const size_t stride = list->soa.capacity;
+    double rn = list->rn[c], rt = list->rt[c], pulled = rn / list->kn[c],
+           sheared = rt / list->kt[c];
+    double ratio = fmin(a->fracture_ratio, b->fracture_ratio);
+    double end = end_of(m, area, rn, pulled, fmin(a->fracture_energy, b->fracture_energy),
+                        fmin(a->fracture_strain, b->fracture_strain) * list->length0[c], ratio);
+    double slip =
+        end_of(m, area, rt, sheared, fmin(a->shear_fracture_energy, b->shear_fracture_energy),
+               fmin(a->shear_fracture_strain, b->shear_fracture_strain) * sqrt(area), ratio);
+    bool softens = end > pulled;
+    list->fade[c + GN_FADE_SLOPE * stride] = softens ? rn / (end - pulled) : 0.0;
+    list->fade[c + GN_FADE_END * stride] = softens ? end : 0.0;
+    list->fade[c + GN_FADE_COHESION * stride] = rt;
+    list->fade[c + GN_FADE_SLIP * stride] = slip > sheared ? slip : 0.0;
+    list->fade[c + GN_FADE_FRICTION * stride] = list->mu1[c];
+}
+
+static const double never = 1e30; /* N, also in single precision */
+
+/* The line of pressure as what it lacks of an elastic one: beyond the elastic force at each kink,
+ * the part 1/Y_before - 1/Y of it. */
+static void set_crush(const gn_material *m, double area, gn_contacts *list, size_t c) {
+    const size_t stride = list->soa.capacity;
+    double elastic = 0.0, stress = 0.0, ratio = 1.0;
+    for (size_t n = 0; n < GN_KINKS; n++) {
+        bool bends = m->yield_stress[n] > 0.0;
+        elastic = bends ? elastic + (m->yield_stress[n] - stress) * ratio : 0.0;
+        list->crush[c + n * stride] = bends ? elastic * area : never;
+        list->crush[c + (n + GN_KINKS) * stride] =
+            bends ? 1.0 / ratio - 1.0 / m->yield_ratio[n] : 0.0;
+        if (!bends) continue;
+        stress = m->yield_stress[n];
+        ratio = m->yield_ratio[n];
+    }
+    double first = list->crush[c];
+    if (list->yields) list->yields[c] = first;
+    if (list->yields_f) list->yields_f[c] = (float)first;
+}
+
+/* The material that yields first; one that does not is the stronger one. */
+static const gn_material *weaker(const gn_material *a, const gn_material *b) {
+    if (!(a->yield_stress[0] > 0.0)) return b;
+    return b->yield_stress[0] > 0.0 && b->yield_stress[0] < a->yield_stress[0] ? b : a;
+}
+
+static void set(const gn_law_model *m, const gn_law_pair *q, gn_contacts *list, size_t c) {
+    gn_linear_set(m, q, list, c);
+    list->mu1[c] = fmin(q->a->bond_friction, q->b->bond_friction);
+    list->soft[c] = 1.0;
+    list->kappa[c] = 0.0;
+    double area = gn_linear_section(m, q);
+    set_fade(m, q, area, list, c);
+    if (list->crush) set_crush(weaker(q->a, q->b), area, list, c);
+}
+
+static double permanent(const gn_contacts *list, size_t c) {
+    return list->plastic ? list->plastic[c] : list->plastic_f ? (double)list->plastic_f[c] : 0.0;
+}
+
+static gn_law_held held(const gn_contacts *list, size_t c, double length, double stretch) {
+    double u = stretch - permanent(list, c);
+    gn_law_held h = gn_linear_held(list, c, length, u);
+    if (!gn_contact_bonded(list, c) || !(u > 0.0)) return h;
+    double gone = (1.0 - list->soft[c]) * h.normal;
+    h.normal -= gone;
+    h.stored -= 0.5 * gone * u;
+    return h;
+}
+
+/* Of the stretch over that at which softening ends, and of force over strength as it is. */
+static double criterion(const gn_contacts *list, size_t c, double normal, double shear) {
+    double pressed = list->soa.effects & GN_FX_COUPLED_LINEAR ? -normal : fmax(0.0, -normal);
+    double strength = fmax(0.0, list->rt[c] + list->mu1[c] * pressed);
+    double end = list->fade[c + GN_FADE_END * list->soa.capacity];
+    double tension =
+        end > 0.0 ? normal / (list->soft[c] * list->kn[c] * end) : normal / list->rn[c];
+    return fmax(tension, shear > 0.0 ? shear / strength : 0.0);
+}
+
+gn_bond_condition gn_softening_condition(const gn_contacts *list, size_t c) {
+    gn_cause cause = (gn_cause)list->cause[c];
+    return (gn_bond_condition){cause == GN_BROKEN_TENSION ? 1.0 : 1.0 - list->soft[c],
+                               cause == GN_BROKEN_SHEAR ? 1.0 : list->kappa[c], permanent(list, c)};
+}
+
+size_t gn_softening_too_short(const gn_contacts *list) {
+    size_t count = 0;
+    for (size_t c = 0; list->fade && c < list->soa.count; c++)
+        count += !(list->fade[c + GN_FADE_END * list->soa.capacity] > 0.0);
+    return count;
+}
+
+const gn_law gn_law_softening = {.derive = gn_linear_derive,
+                                 .set = set,
+                                 .set_dashpot = gn_linear_set_dashpot,
+                                 .meeting = gn_linear_meeting,
+                                 .spring = gn_linear_spring,
+                                 .held = held,
+                                 .release = gn_linear_release,
+                                 .criterion = criterion,
+                                 .touch_spring = gn_linear_touch_spring,
+                                 .touch_stored = gn_linear_touch_stored,
+                                 .touch = gn_linear_touch};

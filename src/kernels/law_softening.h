@@ -1,0 +1,245 @@
+/* Bonds that soften in tension and shear and yield under pressure (Santasusana 2013, sec. 4.7, eq.
+ * 4.36-4.45), beside the Mohr-Coulomb strength of law_mohr.h.
+ *
+ * Normal force, u the stretch beyond the permanent one u_p, k = k_n:
+ *     pulled   (1 - d) k u, at most the line R_n (u_f - u)/(u_f - u_l), u_l = R_n/k. Where it is
+ *              met, d = 1 - f/(k u) = u_f (u - u_l)/(u (u_f - u_l)): linear softening, eq. 4.43.
+ *              (Eq. 4.39, d = (u - u_l)/(u_f - u_l), is a parabola that rises above R_n.) Unloading
+ *              goes down the secant; d never falls; u_f ends the bond.
+ *     pressed  k u, at most a line of up to four pieces over the whole pressed path, of the
+ *              stiffnesses k, k/Y_1, k/Y_2, k/Y_3 with kinks at the forces F_i. What is beyond goes
+ *              into u_p; unloading and loading again are with k.
+ * Shear: trial |F_t| beyond the surface
+ *     S = (1 - D) C + ((1 - kappa) mu_1 + kappa mu_2) N, D = max(d, kappa), N = <-f_n>
+ * slips by ds and returns along its direction onto S - H ds with kappa += ds/u_s, so that it
+ * softens linearly to the friction of the broken bond without a jump; kappa = 1 ends the bond.
+ * Where the slope H of S is not below k_t it breaks at once.
+ *
+ * All in closed form from the state at the start of the step, kinks within a step included. Losses
+ * are the trapezoidal work of the step less what is stored in the end, as everywhere, so that the
+ * ledger closes; where a kink lies within a step that differs from the path's own energy by the
+ * square of the step.
+ *
+ * Columns besides those of the Mohr-Coulomb law: soft = 1 - d, kappa, plastic = u_p, yields (the
+ * pressure at which u_p grows), parameters fade and crush (below). rn, rt and mu1 are those of the
+ * bond as it is: R_n on the line, (1 - D) C, and the friction in S. Whatever changes them is rare
+ * and done in double precision, lane by lane; in mixed precision both forms are written. kappa
+ * grows by small increments and is double in either; d follows from the stretch anew each time. */
+#ifndef GN_KERNELS_LAW_SOFTENING_H
+#define GN_KERNELS_LAW_SOFTENING_H
+
+#include "kernels/law_linear.h"
+#include "kernels/softening.h"
+
+/* What the rare branch reads and gives, lane by lane. */
+typedef struct soft_lanes {
+    gn_real stretch[GN_W], normal[GN_W], shear[3][GN_W], broken[GN_W];
+    unsigned tension, sheared; /* lanes that break */
+} soft_lanes;
+
+static inline void write_softened(const gn_contacts *k, size_t c, const gn_softening_bond *b) {
+    k->soft[c] = b->soft;
+    k->rn[c] = b->rn;
+    k->rt[c] = b->rt;
+    k->mu1[c] = b->mu1;
+    k->kappa[c] = b->kappa;
+#if GN_MIXED
+    k->soft_f[c] = (float)b->soft;
+    k->rn_f[c] = (float)b->rn;
+    k->rt_f[c] = (float)b->rt;
+    k->mu1_f[c] = (float)b->mu1;
+#endif
+}
+
+/* Rare: bonds at their strength or beyond it. */
+static __attribute__((noinline)) void soften(const gn_contact_args *a, size_t c, size_t end,
+                                             unsigned lanes, soft_lanes *q) {
+    const gn_contacts *k = a->contacts;
+    q->tension = q->sheared = 0;
+    for (size_t lane = 0; lane < GN_W; lane++) {
+        q->broken[lane] = 0;
+        if (c + lane >= end || !(lanes >> lane & 1)) continue;
+        gn_softening_bond b = gn_softening_bond_of(k, c + lane);
+        double t[3] = {q->shear[0][lane], q->shear[1][lane], q->shear[2][lane]};
+        double normal = q->normal[lane];
+        gn_cause cause = gn_soften(&b, (double)q->stretch[lane], &normal, t);
+        if (cause == GN_INTACT) {
+            write_softened(k, c + lane, &b);
+            q->normal[lane] = (gn_real)normal;
+            for (int x = 0; x < 3; x++) q->shear[x][lane] = (gn_real)t[x];
+            continue;
+        }
+        q->broken[lane] = 1;
+        *(cause == GN_BROKEN_TENSION ? &q->tension : &q->sheared) |= 1u << lane;
+    }
+}
+
+/* Rare: permanent stretch of those that yield, from the whole stretch, so that nothing adds up. */
+static __attribute__((noinline)) gn_v yield_more(const gn_contact_args *a, size_t c, gn_v kn,
+                                                 gn_v stretch, gn_v now, gn_m yielding) {
+    const gn_contacts *k = a->contacts;
+    const size_t stride = k->soa.capacity;
+    gn_v path = gn_set(0.0) - kn * stretch, force = path;
+    for (size_t n = 0; n < 3; n++) {
+        gn_v kink = gn_load(COLUMN(k, crush) + c + n * stride);
+        gn_v less = gn_load(COLUMN(k, crush) + c + (n + 3) * stride);
+        force = gn_fnma(less, gn_max(path - kink, gn_set(0.0)), force);
+    }
+    gn_v plastic = gn_where(yielding, stretch + force / kn, now);
+    gn_store(COLUMN(k, plastic) + c, plastic);
+    gn_store(COLUMN(k, yields) + c, gn_where(yielding, force, gn_load(COLUMN(k, yields) + c)));
+    return plastic;
+}
+
+/* What becomes of a vector besides its contact_state. */
+typedef struct soft_state {
+    gn_v soft, shift; /* at the start of the step */
+    gn_v3 slipped;    /* tangential force of bonds that softened */
+    gn_v stored;      /* twice the normal energy, where `crossing` */
+    gn_m bonds;       /* intact at the start of the step */
+    gn_m yielding, softening, crossing;
+} soft_state;
+
+/* Permanent stretch and what yields of it in this step. */
+GN_INLINE void press(const gn_contact_args *a, size_t c, const stage *g, contact_state *q,
+                     soft_state *s) {
+    const gn_contacts *k = a->contacts;
+    s->shift = gn_set(0.0);
+    s->yielding = gn_m_none();
+    if (!(k->soa.effects & GN_FX_YIELD)) return;
+    gn_v now = s->shift = gn_load(COLUMN(k, plastic) + c);
+    q->elastic = q->kn * (g->geometry.stretch - now);
+    s->yielding = gn_less(q->elastic + gn_load(COLUMN(k, yields) + c), gn_set(0.0));
+    if (__builtin_expect(gn_bits(s->yielding) != 0, 0))
+        now = yield_more(a, c, q->kn, g->geometry.stretch, now, s->yielding);
+    q->way = q->stretch = g->geometry.stretch - now;
+    q->normal = q->elastic = q->kn * q->stretch;
+}
+
+/* Damage, and which bonds break. */
+GN_INLINE void damage(const gn_contact_args *a, size_t c, size_t end, contact_state *q,
+                      soft_state *s, gn_contact_sums *sums) {
+    const gn_contacts *k = a->contacts;
+    const gn_v zero = gn_set(0.0);
+    const gn_v least = gn_set(k->soa.effects & GN_FX_COUPLED_LINEAR ? -(double)INFINITY : 0.0);
+    gn_v rn = gn_load(COLUMN(k, rn) + c), rt = gn_load(COLUMN(k, rt) + c);
+    s->soft = gn_load(COLUMN(k, soft) + c);
+    s->bonds = q->intact = gn_less(zero, rn);
+    q->normal =
+        gn_where(gn_and(q->intact, gn_less(zero, q->elastic)), s->soft * q->elastic, q->elastic);
+    gn_v strength = gn_fma(gn_load(COLUMN(k, mu1) + c), gn_max(zero - q->normal, least), rt);
+    strength = gn_max(strength, zero);
+    gn_m beyond = gn_at_least(gn_dot(q->trial, q->trial, 1), strength * strength);
+    s->softening = gn_and(q->intact, gn_or(beyond, gn_at_least(q->normal, rn)));
+    s->slipped = q->trial;
+    if (__builtin_expect(gn_bits(s->softening) == 0, 1)) return;
+    soft_lanes l;
+    gn_store(l.stretch, q->stretch);
+    gn_store(l.normal, q->normal);
+    gn_store(l.shear[0], q->trial.x);
+    gn_store(l.shear[1], q->trial.y);
+    gn_store(l.shear[2], q->trial.z);
+    soften(a, c, end, gn_bits(s->softening), &l);
+    q->breaking = gn_and(s->softening, gn_less(zero, gn_load(l.broken)));
+    q->intact = gn_and(q->intact, gn_not(q->breaking));
+    s->softening = gn_and(s->softening, gn_not(q->breaking));
+    q->normal = gn_where(q->intact, gn_load(l.normal), q->elastic);
+    s->slipped = (gn_v3){gn_load(l.shear[0]), gn_load(l.shear[1]), gn_load(l.shear[2])};
+    if (l.tension | l.sheared) record_breaks(a, c, end, l.tension, l.sheared, sums);
+}
+
+/* Rare: a damaged bond is a spring (1 - d) k both ways and beside it one of d k that pushes only.
+ * That one closes or opens within a step as any contact does. */
+GN_INLINE void cross_softened(const gn_contact_args *a, size_t c, const stage *g, contact_state *q,
+                              soft_state *s) {
+    gn_m weak = gn_and(q->intact, gn_less(s->soft, gn_set(1.0)));
+    weak = gn_and(weak, gn_not(gn_or(s->softening, s->yielding)));
+    s->crossing = gn_m_none();
+    s->stored = gn_set(0.0);
+    if (__builtin_expect(gn_bits(weak) == 0, 1)) return;
+    q->beyond = gn_fma(gn_set(GN_OVERLAP_ROUNDING), g->geometry.distance, q->stretch);
+    q->touching = gn_less(q->beyond, gn_set(0.0));
+    stage seen = *g; /* rate and growth share a place */
+    seen.rate = gn_set(0.5 * a->dt) / gn_max(g->geometry.distance, gn_set(GN_TINY));
+    s->crossing = gn_and(weak, may_cross(a, &seen, q));
+    if (__builtin_expect(gn_bits(s->crossing) == 0, 1)) return;
+    gn_v gone = (gn_set(1.0) - s->soft) * q->kn;
+    crossing_state state = {gone,        q->stretch,  q->beyond,  gone * q->stretch,
+                            q->touching, s->crossing, gn_m_none()};
+    crossing r = cross(a, c, &seen, &state);
+    gn_v whole = s->soft * q->elastic;
+    q->normal = gn_where(s->crossing, whole + r.of.normal, q->normal);
+    s->stored = gn_fma(whole, q->stretch, r.of.normal * r.of.way);
+}
+
+/* Rare: by how much the distance grew in the step. */
+static __attribute__((noinline)) gn_v whole_path(const gn_contact_args *a, size_t c, const stage *g,
+                                                 variant w) {
+    if (growth_known(w)) return gn_set(a->dt) * g->growth;
+    return loose_path(a, c, g, gn_m_none());
+}
+
+/* Rare: what bonds that soften, yield or break lose, and contacts that slip. */
+GN_INLINE void book_softening(const gn_contact_args *a, size_t c, const stage *g,
+                              const contact_state *q, const soft_state *s, lane_sums *e,
+                              variant w) {
+    const gn_v half = gn_set(0.5), zero = gn_set(0.0);
+    gn_v path = whole_path(a, c, g, w), was = g->geometry.stretch - path - s->shift;
+    gn_v old = q->kn * was, twice = gn_where(s->crossing, s->stored, q->normal * q->way);
+    old = gn_where(gn_and(s->bonds, gn_less(zero, was)), s->soft * old, old);
+    gn_v normal = half * (gn_fma(old + q->normal, path, old * was) - twice);
+    gn_v3 before = q->before;
+    if (w.space && w.rotation) before = gn_turn_about_normal(before, g->geometry.n, g->angle);
+    gn_v shear = gn_released3(before, q->t, q->trial, gn_max(q->kt, gn_set(GN_TINY)), w.space);
+    gn_v both = normal + shear;
+    gn_m soft = s->softening, crushed = gn_and(s->yielding, gn_not(q->breaking));
+    e->bond_breaking = e->bond_breaking + gn_keep(q->breaking, both);
+    e->friction = e->friction + gn_keep(gn_and(q->slipping, gn_not(q->breaking)), shear);
+    e->damage = e->damage + gn_keep(soft, gn_where(crushed, shear, both));
+    e->plasticity = e->plasticity + gn_keep(crushed, normal);
+}
+
+GN_INLINE void softening_trial(const gn_contact_args *a, size_t c, const brief *from, stage *g,
+                               variant w) {
+    linear_trial(a, c, from, g, w);
+}
+
+GN_INLINE contact_force softening_force(const gn_contact_args *a, size_t c, size_t end,
+                                        const stage *g, lane_sums *e, gn_contact_sums *sums,
+                                        variant w) {
+    contact_state q = state_of(a, c, g, w);
+    soft_state s;
+    press(a, c, g, &q, &s);
+    damage(a, c, end, &q, &s, sums);
+    cross_softened(a, c, g, &q, &s);
+    gn_v path = gn_set(a->dt) * gn_pick(growth_known(w), g->growth, g->speed), total = q.normal;
+    if (__builtin_expect(gn_bits(gn_not(q.intact)) == 0, 1)) {
+        if (w.damping) total = damped(a, c, g->growth, path, &q, e, w);
+        q.t = s.slipped;
+    } else {
+        gn_v held = q.normal;
+        q.beyond = gn_fma(gn_set(GN_OVERLAP_ROUNDING), g->geometry.distance, q.stretch);
+        q.touching = gn_less(q.beyond, gn_set(0.0));
+        path = find_normal_force(a, c, g, &q, w);
+        total = q.normal = gn_where(q.intact, held, q.normal);
+        if (w.damping) {
+            gn_v speed = gn_where(q.intact, g->growth, g->speed);
+            total = damped(a, c, speed, path, &q, e, w);
+        }
+        limit_shear(a, c, total, &q, w);
+        q.t.x = gn_where(q.intact, s.slipped.x, q.t.x);
+        q.t.y = gn_where(q.intact, s.slipped.y, q.t.y);
+        if (w.space) q.t.z = gn_where(q.intact, s.slipped.z, q.t.z);
+    }
+    gn_m lost = gn_or(gn_or(q.slipping, q.breaking), gn_or(s.softening, s.yielding));
+    if (w.energy && __builtin_expect(gn_bits(lost) != 0, 0)) book_softening(a, c, g, &q, &s, e, w);
+    gn_store3(COLUMN(a->contacts, shear) + c, a->contacts->soa.capacity, q.t, w.space);
+    if (w.energy && a->measure) {
+        book_elastic(&q, e, w);
+        e->elastic_normal =
+            e->elastic_normal + gn_keep(s.crossing, gn_set(0.5) * (s.stored - q.normal * q.way));
+    }
+    return (contact_force){total, q.t};
+}
+
+#endif

@@ -1,0 +1,95 @@
+/* One bond that softens, in plain doubles: what law_softening.h derives. For kernels, whose rare
+ * branch it is, and for what else looks at such bonds. */
+#ifndef GN_KERNELS_SOFTENING_H
+#define GN_KERNELS_SOFTENING_H
+
+#include "soa/records.h"
+
+#include <math.h>
+
+/* Parameters that only bonds at their strength read (column fade). */
+enum {
+    GN_FADE_SLOPE,    /* N/m, R_n/(u_f - u_l); 0: brittle in tension */
+    GN_FADE_END,      /* m, u_f; 0: brittle */
+    GN_FADE_COHESION, /* N, C of the whole bond */
+    GN_FADE_SLIP,     /* m, u_s; 0: brittle in shear */
+    GN_FADE_FRICTION, /* mu_1 of the whole bond */
+    GN_FADES
+};
+/* Forces F_i at which the line of pressure bends, in N, as if the bond were elastic; then by how
+ * much of k_n its slope falls there (column crush). */
+enum { GN_KINKS = 3 };
+
+typedef struct gn_softening_bond {
+    double fade[GN_FADES];
+    double kn, kt, mu2, least; /* least: of the pressure that friction sees */
+    double soft, rn, rt, mu1, kappa;
+} gn_softening_bond;
+
+static inline gn_softening_bond gn_softening_bond_of(const gn_contacts *k, size_t c) {
+    gn_softening_bond b = {.kn = k->kn[c], .kt = k->kt[c], .mu2 = k->mu ? k->mu[c] : 0.0};
+    for (size_t n = 0; n < GN_FADES; n++) b.fade[n] = k->fade[c + n * k->soa.capacity];
+    b.least = k->soa.effects & GN_FX_COUPLED_LINEAR ? -(double)INFINITY : 0.0;
+    b.soft = k->soft[c];
+    b.rn = k->rn[c];
+    b.rt = k->rt[c];
+    b.mu1 = k->mu1[c];
+    b.kappa = k->kappa[c];
+    return b;
+}
+
+/* Pulled to the stretch u: down the line of softening; false: broken. */
+static inline bool gn_soften_pulled(gn_softening_bond *b, double u, double *normal) {
+    if (!(u > 0.0) || b->soft * b->kn * u < b->rn) return true;
+    double left = b->fade[GN_FADE_END] - u;
+    if (!(left > 0.0)) return false;
+    double force = fmin(b->fade[GN_FADE_SLOPE] * left, b->rn);
+    if (!(force > 0.0)) return false;
+    b->soft = fmin(b->soft, force / (b->kn * u));
+    b->rn = force;
+    *normal = force;
+    return true;
+}
+
+/* Slip of the trial force of size `size` under the pressure n; the size that is left, negative:
+ * broken. Until kappa has overtaken d the cohesion is that of d. */
+static inline double gn_soften_sheared(gn_softening_bond *b, double n, double size) {
+    const double cohesion = b->fade[GN_FADE_COHESION], mu1 = b->fade[GN_FADE_FRICTION];
+    const double end = b->fade[GN_FADE_SLIP], d = 1.0 - b->soft;
+    for (int piece = 0; piece < 2; piece++) {
+        double whole = 1.0 - fmax(d, b->kappa);
+        double surface = whole * cohesion + ((1.0 - b->kappa) * mu1 + b->kappa * b->mu2) * n;
+        double excess = size - fmax(surface, 0.0);
+        if (excess < 0.0) return size;
+        if (!(end > 0.0)) return -1.0;
+        double slope = ((b->kappa >= d ? cohesion : 0.0) + (mu1 - b->mu2) * n) / end;
+        if (surface <= 0.0) slope = 0.0;
+        if (!(slope < b->kt)) return -1.0;
+        double slip = excess / (b->kt - slope);
+        double room = ((b->kappa < d ? d : 1.0) - b->kappa) * end;
+        if (slip < room) {
+            b->kappa += slip / end;
+            return fmax(size - b->kt * slip, 0.0);
+        }
+        size = fmax(size - b->kt * room, 0.0);
+        if (b->kappa >= d) return -1.0;
+        b->kappa = d;
+    }
+    return size;
+}
+
+/* A step to the stretch u under the normal force *normal of the bond as it was and the tangential
+ * trial force t; both are set to what is left of them, unless it broke. */
+static inline gn_cause gn_soften(gn_softening_bond *b, double u, double *normal, double t[3]) {
+    if (!gn_soften_pulled(b, u, normal)) return GN_BROKEN_TENSION;
+    double size = sqrt(t[0] * t[0] + t[1] * t[1] + t[2] * t[2]);
+    double left = gn_soften_sheared(b, fmax(-*normal, b->least), size);
+    if (left < 0.0) return GN_BROKEN_SHEAR;
+    if (left < size)
+        for (int x = 0; x < 3; x++) t[x] *= left / size;
+    b->rt = (1.0 - fmax(1.0 - b->soft, b->kappa)) * b->fade[GN_FADE_COHESION];
+    b->mu1 = (1.0 - b->kappa) * b->fade[GN_FADE_FRICTION] + b->kappa * b->mu2;
+    return GN_INTACT;
+}
+
+#endif

@@ -1,0 +1,93 @@
+/* What materials have to say of bonds that soften or yield, and what does not go together. */
+#include "scene/check.h"
+
+#include <stdio.h>
+
+static gneiss_status need(const check *c, double value, const char *key, const char *reason) {
+    if (value > 0) return GNEISS_OK;
+    return gn_check_fail(c, key, "required %s, but not given", reason);
+}
+
+/* What the material needs to soften. */
+static gneiss_status check_softening(const check *c, const gn_scene *s, const gn_material *m) {
+    switch (s->softening) {
+    case GN_SOFTENING_NONE:
+        return GNEISS_OK;
+    case GN_SOFTENING_ENERGY:
+        return need(c, m->fracture_energy, "fracture_energy", "by softening energy");
+    case GN_SOFTENING_STRAIN:
+        return need(c, m->fracture_strain, "fracture_strain", "by softening strain");
+    case GN_SOFTENING_RATIO:
+        return need(c, m->fracture_ratio, "fracture_ratio", "by softening ratio");
+    }
+    return GNEISS_OK;
+}
+
+static gneiss_status check_yield(const check *c, const gn_material *m) {
+    for (int k = 0; k < 3; k++) {
+        char stress[32], ratio[32];
+        snprintf(stress, sizeof stress, "yield_stress_%d", k + 1);
+        snprintf(ratio, sizeof ratio, "yield_ratio_%d", k + 1);
+        double limit = m->yield_stress[k], before = k ? m->yield_stress[k - 1] : 0.0;
+        if (limit > 0) GN_TRY(need(c, m->yield_ratio[k], ratio, "beside its yield_stress"));
+        if (!(limit > 0) && m->yield_ratio[k] > 0)
+            return gn_check_fail(c, stress, "required beside its yield_ratio, but not given");
+        if (limit > 0 && k && !(before > 0 && limit > before))
+            return gn_check_fail(c, stress,
+                                 "expected more than yield_stress_%d, found %g Pa and %g Pa", k,
+                                 limit, before);
+    }
+    return GNEISS_OK;
+}
+
+static gneiss_status need_shear(const check *c, const gn_scene *s, const gn_material *m,
+                                const char *reason) {
+    bool area = gn_scene_by_area(s);
+    if ((area ? m->beta : m->kratio) > 0) return GNEISS_OK;
+    return gn_check_fail(c, area ? "beta" : "kratio", "expected a tangential spring %s, found 0",
+                         reason);
+}
+
+/* Laws of bonds that soften or yield, and of such that carry moments. */
+gneiss_status gn_check_bonds_of(const check *c, const gn_scene *s, const gn_material *m) {
+    if (s->bond_radius_multiplier > 0)
+        GN_TRY(need_shear(c, s, m,
+                          "with bonds.radius_multiplier (the twist of a bond has the stiffness of "
+                          "its shear)"));
+    GN_TRY(check_softening(c, s, m));
+    GN_TRY(check_yield(c, m));
+    if (s->softening == GN_SOFTENING_NONE && !(m->yield_stress[0] > 0)) return GNEISS_OK;
+    return need_shear(c, s, m, "beside bonds that soften or yield");
+}
+
+/* How tension and shear damage a bond together is defined for each by itself only. */
+gneiss_status gn_check_coupling(const check *c, const gn_scene *s) {
+    bool inelastic = s->softening != GN_SOFTENING_NONE;
+    for (size_t k = 0; k < s->material_count; k++)
+        inelastic = inelastic || s->materials[k].yield_stress[0] > 0;
+    if (s->coupling != GN_COUPLING_QUADRATIC || !inelastic) return GNEISS_OK;
+    return gn_check_fail(c, "law.coupling",
+                         "expected none or linear beside bonds that soften or yield, found "
+                         "quadratic");
+}
+
+static const char *beside_moments(const gn_scene *s) {
+    if (s->rotation == GN_SWITCH_OFF) return "law.rotation: off";
+    if (s->softening != GN_SOFTENING_NONE) return "law.softening";
+    if (s->coupling != GN_COUPLING_NONE) return "law.coupling";
+    for (size_t k = 0; k < s->material_count; k++) {
+        if (s->materials[k].bond_friction > 0) return "bond_friction";
+        if (s->materials[k].yield_stress[0] > 0) return "yield_stress_1";
+    }
+    return NULL;
+}
+
+/* Moments need spins, and are a law of bonds of their own. */
+gneiss_status gn_check_moments(const check *c, const gn_scene *s) {
+    if (s->bonds != GN_SWITCH_ON || !(s->bond_radius_multiplier > 0)) return GNEISS_OK;
+    const char *other = beside_moments(s);
+    if (!other) return GNEISS_OK;
+    return gn_check_fail(c, "bonds.radius_multiplier",
+                         "expected 0 beside %s, which bonds with moments do not have, found %g",
+                         other, s->bond_radius_multiplier);
+}

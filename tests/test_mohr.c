@@ -1,0 +1,308 @@
+/* Bonds whose strength in shear the normal force changes (src/kernels/law_mohr.h): closed forms of
+ * one bond, couplings, energies, threads, resumption, keys. */
+#include "world_helpers.h"
+
+#include "run/run.h"
+
+#include <unistd.h>
+
+/* Two spheres of 1 mm, the first one held, the second one moved along x and then across: in each
+ * step all of both is known. k_n = 1e7 N/m, k_t = 4e6 N/m, R_n = 20 N, R_t = 12 N. */
+static const char *const couple =
+    "dimension: 3\n"
+    "specimen: {particles: [[0, 0, 0, 1e-3], [2e-3, 0, 0, 1e-3]]}\n"
+    "materials: [{name: m, density: 2500, normal_stiffness: 1e7, kratio: 2.5, friction: %g,\n"
+    "  bond_tension_limit: 20, bond_shear_limit: 12, bond_friction: %g}]\n"
+    "law: {stiffness: uniform, rotation: off, coupling: %s}\n"
+    "bonds: {}\n"
+    "sets:\n"
+    "  - {name: held, select: {ids: [0]}, motion: {vx: 0, vy: 0, vz: 0}}\n"
+    "  - {name: moved, select: {ids: [1]}, motion: {vx: [[0, %g], [1e-4, %g], [1.0001e-4, 0]],\n"
+    "      vy: [[0, 0], [1.0001e-4, 0], [1.0002e-4, 0.1]], vz: 0}}\n"
+    "time: {step: 1e-8, end: 1}\nrun: {threads: 1, precision: %s}\n";
+
+typedef struct broke {
+    double normal, shear; /* N, of the springs in the last step of the whole bond */
+    double after;         /* N, tangential once it has broken */
+    int cause;
+} broke;
+
+static double tangential(const gn_contacts *q) {
+    double square = 0.0;
+    for (size_t a = 0; a < 3; a++) {
+        size_t at = a * q->soa.capacity;
+        double f = q->shear ? q->shear[at] : (double)q->shear_f[at];
+        square += f * f;
+    }
+    return sqrt(square);
+}
+
+/* Stretched by `normal` newtons, then sheared until it breaks. */
+static broke break_it(double mu, double mu1, const char *coupling, double normal,
+                      const char *precision) {
+    double speed = normal / 1e7 / 1.00005e-4;
+    gn_world *w = world_of(couple, mu, mu1, coupling, speed, speed, precision);
+    broke b = {0};
+    for (int k = 0; k < 60000 && !w->dem.bonds.cause[0]; k++) {
+        b.shear = tangential(&w->dem.bonds);
+        const double *at = w->dem.particles.pos;
+        b.normal = 1e7 * (hypot(at[4] - at[0], at[5] - at[1]) - 2e-3);
+        run_steps(w, 1);
+        b.cause = w->dem.bonds.cause[0];
+        b.after = tangential(&w->dem.bonds);
+    }
+    world_end(w);
+    return b;
+}
+
+/* A step adds k_t v dt = 4e-3 N. */
+static const double step_force = 4e-3;
+
+static void pressure_makes_a_bond_stronger_in_shear(void **state) {
+    (void)state;
+    const double pressed[] = {5.0, 40.0, 100.0};
+    for (int k = 0; k < 3; k++) {
+        broke b = break_it(0.3, 0.9, "none", -pressed[k], "double");
+        assert_int_equal(b.cause, GN_BROKEN_SHEAR);
+        double strength = 12.0 - 0.9 * b.normal;
+        assert_true(b.shear < strength && b.shear > strength - 1.01 * step_force);
+        /* The second friction acts in the step of the break. The line of the centres turns by the
+         * path across over the distance, 1 - cos of which the stretch grows by. */
+        assert_near(b.after, 0.3 * pressed[k], 0.03 * 0.3 * pressed[k] + 2.0 * step_force);
+    }
+}
+
+static void tension_takes_nothing_unless_coupled(void **state) {
+    (void)state;
+    broke b = break_it(0.3, 0.9, "none", 15.0, "double");
+    assert_int_equal(b.cause, GN_BROKEN_SHEAR);
+    assert_true(b.shear < 12.0 && b.shear > 12.0 - 1.01 * step_force);
+}
+
+static void quadratic_coupling_adds_the_squares_of_both_shares(void **state) {
+    (void)state;
+    const double pulled[] = {5.0, 12.0, 19.0};
+    for (int k = 0; k < 3; k++) {
+        broke b = break_it(0.3, 0.9, "quadratic", pulled[k], "double");
+        double share = b.normal / 20.0, strength = 12.0 * sqrt(1.0 - share * share);
+        assert_true(b.shear < strength && b.shear > strength - 2.0 * step_force);
+        /* Of what breaks together the larger share is the cause. */
+        assert_int_equal(b.cause, share > sqrt(0.5) ? GN_BROKEN_TENSION : GN_BROKEN_SHEAR);
+    }
+    broke b = break_it(0.3, 0.9, "quadratic", -40.0, "double");
+    assert_near(b.shear, 12.0 - 0.9 * b.normal, 1.01 * step_force);
+}
+
+static void linear_coupling_takes_the_friction_of_the_pull(void **state) {
+    (void)state;
+    broke b = break_it(0.3, 0.5, "linear", 15.0, "double");
+    assert_int_equal(b.cause, GN_BROKEN_SHEAR);
+    double strength = 12.0 - 0.5 * b.normal;
+    assert_true(b.shear < strength && b.shear > strength - 1.01 * step_force);
+    /* Never below nothing: then the bond does not bear the first shear. */
+    b = break_it(0.3, 0.9, "linear", 15.0, "double");
+    assert_true(b.shear <= 1.01 * step_force);
+}
+
+/* To the rounding of forces and of the stretch in single precision. */
+static void in_mixed_precision_a_bond_breaks_at_the_same_force(void **state) {
+    (void)state;
+    const char *const couplings[] = {"none", "quadratic", "linear"};
+    const double normal[] = {-40.0, 12.0, 12.0};
+    for (int k = 0; k < 3; k++) {
+        broke a = break_it(0.3, 0.5, couplings[k], normal[k], "double");
+        broke b = break_it(0.3, 0.5, couplings[k], normal[k], "mixed");
+        assert_int_equal(a.cause, b.cause);
+        assert_near(a.shear, b.shear, 1.01 * step_force + 1e-5 * a.shear);
+    }
+}
+
+/* --- scenes --- */
+
+static const char *const crushed =
+    "dimension: %d\n"
+    "specimen: {lattice: {kind: %s, radius: 1e-3, cells: [4, 4, %d], spacing: 0.99, jitter: "
+    "0.02}}\n"
+    "materials: [{name: m, density: 2650, contact_modulus: 1e9, kratio: 2, friction: 0.5, "
+    "tensile_strength: 1e6, shear_strength: 1e6%s}]\n"
+    "law: {stiffness: harmonic%s}\nbonds: {interaction_range: 0.05}\n"
+    "damping: {contact: {restitution: 0.8}}\n"
+    "sets:\n"
+    "  - {name: low, select: {end: {axis: x, side: lower, depth: 1.2e-3}}, motion: {vx: 2}}\n"
+    "  - {name: high, select: {end: {axis: x, side: upper, depth: 1.2e-3}}, motion: {vx: -2}}\n"
+    "time: {end: 1}\nrun: {threads: %d, precision: %s}\n";
+
+static gn_world *crush(int dimension, const char *key, const char *law, int threads,
+                       const char *precision) {
+    return world_of(crushed, dimension, dimension == 3 ? "fcc" : "hexagonal", 6, key, law, threads,
+                    precision);
+}
+
+static void without_its_keys_the_linear_kernel_runs(void **state) {
+    (void)state;
+    gn_world *w = crush(3, "", "", 1, "double");
+    assert_int_equal(w->effects & (GN_FX_MOHR | GN_FX_COUPLED_LINEAR | GN_FX_COUPLED_QUADRATIC), 0);
+    assert_null(w->dem.bonds.mu1);
+    world_end(w);
+    /* Nothing to couple with: shear strength that no normal force changes. */
+    w = crush(3, ", bond_friction: 0", ", coupling: linear", 1, "double");
+    assert_int_equal(w->effects & GN_FX_MOHR, 0);
+    world_end(w);
+}
+
+static void a_vanishing_friction_of_bonds_is_the_linear_law(void **state) {
+    (void)state;
+    for (int mixed = 0; mixed < 2; mixed++) {
+        const char *precision = mixed ? "mixed" : "double";
+        gn_world *a = crush(3, "", "", 1, precision);
+        gn_world *b = crush(3, ", bond_friction: 1e-30", "", 1, precision);
+        assert_true(b->effects & GN_FX_MOHR);
+        run_steps(a, 400);
+        run_steps(b, 400);
+        assert_true(a->dem.broken_shear > 10);
+        assert_int_equal(a->dem.broken_shear, b->dem.broken_shear);
+        assert_int_equal(gn_world_hash(a), gn_world_hash(b));
+        world_end(a);
+        world_end(b);
+    }
+}
+
+static void the_ledger_closes_while_bonds_break(void **state) {
+    (void)state;
+    for (int dimension = 2; dimension <= 3; dimension++)
+        for (int c = 0; c < 3; c++) {
+            static const char *const laws[] = {"", ", coupling: quadratic", ", coupling: linear"};
+            gn_world *w = crush(dimension, ", bond_friction: 0.9", laws[c], 1, "double");
+            run_steps(w, 600);
+            assert_true(w->dem.broken_shear + w->dem.broken_tension > 10);
+            gn_energy e = measured_step(w);
+            assert_true(fabs(gn_energy_residual(&e)) < 2e-3);
+            assert_true(e.bond_breaking > 0.0);
+            world_end(w);
+        }
+}
+
+static void threads_give_the_same_bits(void **state) {
+    (void)state;
+    for (int mixed = 0; mixed < 2; mixed++) {
+        const char *precision = mixed ? "mixed" : "double";
+        gn_world *a = crush(3, ", bond_friction: 0.9", ", coupling: quadratic", 1, precision);
+        gn_world *b = crush(3, ", bond_friction: 0.9", ", coupling: quadratic", 2, precision);
+        run_steps(a, 400);
+        run_steps(b, 400);
+        assert_true(a->dem.broken_shear > 10);
+        assert_int_equal(gn_world_hash(a), gn_world_hash(b));
+        world_end(a);
+        world_end(b);
+    }
+}
+
+/* With all that can be beside it: two materials, walls, gravity, a periodic direction, dampings,
+ * orientations. */
+static const char *const busy =
+    "dimension: 3\n"
+    "specimen: {lattice: {kind: fcc, radius: 1e-3, cells: [4, 4, 5], spacing: 0.99, jitter: 0.02},"
+    " material: a}\n"
+    "materials:\n"
+    "  - {name: a, density: 2650, contact_modulus: 1e9, kratio: 2, friction: 0.5, "
+    "tensile_strength: 1e6, shear_strength: 1e6, bond_friction: 0.9}\n"
+    "  - {name: b, density: 2650, contact_modulus: 2e9, kratio: 3, friction: 0.3, "
+    "tensile_strength: 2e6, shear_strength: 1e6, bond_friction: 0.2}\n"
+    "law: {stiffness: arithmetic, coupling: linear}\nbonds: {interaction_range: 0.05}\n"
+    "damping: {contact: {restitution: 0.8}, background: {model: viscous, coefficient: 100}}\n"
+    "gravity: [0, 0, -9.81]\n"
+    "periodic: {min: [-1, 0, -1], max: [1, 1.12e-2, 1]}\n"
+    "sets:\n"
+    "  - {name: some, select: {ids: [3, 40, 41, 42, 60]}, material: b}\n"
+    "walls:\n"
+    "  - {name: low, point: [0, 0, -1e-3], normal: [0, 0, 1], stiffness: 1e6, kratio: 2, "
+    "friction: 0.4, motion: {vz: 4}}\n"
+    "  - {name: high, point: [0, 0, 15e-3], normal: [0, 0, -1], stiffness: 1e6, motion: {vz: -4}}\n"
+    "time: {end: 1}\noutput: {orientation: on}\nrun: {threads: %d, precision: %s}\n";
+
+static gn_run *busy_run(int threads, const char *precision) {
+    char words[4096];
+    gn_run *run = calloc(1, sizeof *run);
+    gneiss_error error = {0};
+    gn_scene scene;
+    snprintf(words, sizeof words, busy, threads, precision);
+    if (gn_scene_parse(words, "s.yaml", NULL, NULL, 0, &scene, &error) != GNEISS_OK ||
+        gn_run_create(&scene, run, &error) != GNEISS_OK)
+        fail_msg("%s", error.message);
+    return run;
+}
+
+static void beside_all_else_threads_and_resumption_give_the_same_bits(void **state) {
+    (void)state;
+    char path[] = "/tmp/gneiss-mohr-XXXXXX";
+    int file = mkstemp(path);
+    assert_true(file >= 0);
+    close(file);
+    for (int mixed = 0; mixed < 2; mixed++) {
+        const char *precision = mixed ? "mixed" : "double";
+        gneiss_error error = {0};
+        gn_run *a = busy_run(1, precision), *b = busy_run(2, precision), *c = calloc(1, sizeof *c);
+        run_steps(&a->world, 400);
+        run_steps(&b->world, 400);
+        assert_true(a->world.dem.broken_shear > 10);
+        if (gn_checkpoint_write(a, path, &error) != GNEISS_OK ||
+            gn_checkpoint_load(path, NULL, 0, c, &error) != GNEISS_OK)
+            fail_msg("%s", error.message);
+        run_steps(&a->world, 200);
+        run_steps(&b->world, 200);
+        run_steps(&c->world, 200);
+        gn_energy e = measured_step(&a->world);
+        assert_true(fabs(gn_energy_residual(&e)) < 5e-3);
+        measured_step(&b->world);
+        measured_step(&c->world);
+        assert_int_equal(gn_world_hash(&a->world), gn_world_hash(&b->world));
+        assert_int_equal(gn_world_hash(&a->world), gn_world_hash(&c->world));
+        gn_run *const all[] = {a, b, c};
+        for (int k = 0; k < 3; k++) {
+            gn_run_free(all[k]);
+            free(all[k]);
+        }
+    }
+    unlink(path);
+}
+
+static void bad_values_are_refused_where_they_stand(void **state) {
+    (void)state;
+    static const struct {
+        const char *material, *law, *says;
+    } bad[] = {
+        {"bond_friction: -1", "stiffness: uniform", "s.yaml:2:89: materials[0].bond_friction"},
+        {"bond_friction: 0.5 N", "stiffness: uniform", "s.yaml:2:89: materials[0].bond_friction"},
+        {"friction: 1", "stiffness: uniform, coupling: cubic",
+         "s.yaml:3:37: law.coupling: expected one of none, quadratic, linear, found 'cubic'"},
+    };
+    for (size_t k = 0; k < sizeof bad / sizeof *bad; k++) {
+        char words[1024];
+        gn_world w;
+        gneiss_error error = {0};
+        snprintf(words, sizeof words,
+                 "specimen: {particles: [[0, 0, 0, 1e-3]]}\n"
+                 "materials: [{name: m, density: 2500, normal_stiffness: 1e7, kratio: 2.5, %s}]\n"
+                 "law: {%s}\ntime: {end: 1}\n",
+                 bad[k].material, bad[k].law);
+        assert_int_equal(world_try(&w, words, NULL, &error), GNEISS_ERROR_INPUT);
+        if (!strstr(error.message, bad[k].says)) fail_msg("%s", error.message);
+    }
+}
+
+int main(void) {
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(pressure_makes_a_bond_stronger_in_shear),
+        cmocka_unit_test(tension_takes_nothing_unless_coupled),
+        cmocka_unit_test(quadratic_coupling_adds_the_squares_of_both_shares),
+        cmocka_unit_test(linear_coupling_takes_the_friction_of_the_pull),
+        cmocka_unit_test(in_mixed_precision_a_bond_breaks_at_the_same_force),
+        cmocka_unit_test(without_its_keys_the_linear_kernel_runs),
+        cmocka_unit_test(a_vanishing_friction_of_bonds_is_the_linear_law),
+        cmocka_unit_test(the_ledger_closes_while_bonds_break),
+        cmocka_unit_test(threads_give_the_same_bits),
+        cmocka_unit_test(beside_all_else_threads_and_resumption_give_the_same_bits),
+        cmocka_unit_test(bad_values_are_refused_where_they_stand),
+    };
+    return cmocka_run_group_tests_name("mohr", tests, NULL, NULL);
+}

@@ -1,0 +1,610 @@
+/* Bonds that soften and yield (src/kernels/law_softening.h): one bond on given paths against
+ * formulas and an integrator written down anew, and scenes. */
+#include "kernels/law.h"
+#include "run/run.h"
+#include "world_helpers.h"
+
+#include <unistd.h>
+
+/* Two spheres of 1 mm along x. A step moves them along x or across, so that what is done is exact
+ * but for rounding. k_n = 1e7 N/m, k_t = 4e6 N/m, R_n = 20 N, C = 12 N, area (2 mm)^2. */
+typedef struct bond {
+    gn_scene scene;
+    gn_material material;
+    gn_particles p;
+    gn_contacts k;
+    gn_contact_args args;
+    gn_contact_kernel *kernel;
+    gn_contact_sums sums;                      /* of the last step */
+    double lost, damage, breaking, plasticity; /* J, of all */
+    double work;                               /* J, trapezoidal */
+    double force[3], u;
+    bool started;
+} bond;
+
+static const double kn = 1e7, kt = 4e6, rn = 20.0, cohesion = 12.0, area = 4e-6, dt = 1e-6;
+static const double radius = 1e-3;
+
+static const gn_material concrete = {.normal_stiffness = 1e7,
+                                     .kratio = 2.5,
+                                     .friction = 0.3,
+                                     .bond_tension_limit = 20.0,
+                                     .bond_shear_limit = 12.0,
+                                     .bond_friction = 0.8,
+                                     .fracture_energy = 15.0,        /* u_f = 6 um, u_l = 2 um */
+                                     .shear_fracture_energy = 13.5}; /* u_s = 9 um, of 3 um */
+
+static const double uf = 6e-6, us = 9e-6, mu1 = 0.8, mu2 = 0.3;
+
+static bond *make(const gn_material *material, gn_effects more) {
+    bond *t = calloc(1, sizeof *t);
+    gn_effects fx = GN_FX_SPACE | GN_FX_SHEAR | GN_FX_FRICTION | GN_FX_ENERGY | GN_FX_BONDS |
+                    GN_FX_CONTACT_FORCES | GN_FX_MOHR | GN_FX_SOFTENING | more;
+    t->scene = (gn_scene){
+        .stiffness = GN_STIFFNESS_UNIFORM, .softening = GN_SOFTENING_ENERGY, .dimension = 3};
+    t->material = *material;
+    assert_int_equal(gn_soa_create(&gn_particle_record, &t->p, 2, fx, NULL), GNEISS_OK);
+    assert_int_equal(gn_soa_create(&gn_contact_record, &t->k, 1, fx, NULL), GNEISS_OK);
+    gn_particles_set_null(&t->p, 1.0);
+    gn_contacts_pad(&t->k, &t->p);
+    t->k.j[0] = 1;
+    t->p.pos[3] = t->p.pos[7] = radius;
+    t->p.pos[4] = 2.0 * radius;
+    t->p.vel[3] = t->p.vel[7] = 1.0;
+    t->k.length0[0] = 2.0 * radius;
+    gn_law_model model = {.scene = &t->scene};
+    gn_law_pair pair = {&t->material, &t->material, radius, radius, 0.0};
+    gn_law_of(fx)->set(&model, &pair, &t->k, 0);
+    t->args = (gn_contact_args){.pos = t->p.pos,
+                                .vel = t->p.vel,
+                                .contacts = &t->k,
+                                .dt = dt,
+                                .arm_factor = 0.5,
+                                .measure = true};
+    t->kernel = gn_kernel_set_at(0)->contact[gn_contact_variant(fx)];
+    assert_non_null(t->kernel);
+    return t;
+}
+
+static void end(bond *t) {
+    gn_soa_destroy(&gn_particle_record, &t->p);
+    gn_soa_destroy(&gn_contact_record, &t->k);
+    free(t);
+}
+
+/* To the stretch `u`, or across by y and z. */
+static void move(bond *t, double u, double y, double z) {
+    double to = 2.0 * radius + u, before[3];
+    double path[3] = {to - t->p.pos[4], y, z};
+    memcpy(before, t->force, sizeof before);
+    for (int a = 0; a < 3; a++) t->p.vel[4 + a] = path[a] / dt;
+    t->p.pos[4] = to;
+    t->sums = (gn_contact_sums){0};
+    t->kernel(&t->args, 0, 1, &t->sums);
+    memcpy(t->force, gn_contacts_row(&t->k), sizeof before);
+    t->u = t->p.pos[4] - 2.0 * radius;
+    for (int a = 0; a < 3; a++) t->work += 0.5 * (before[a] + t->force[a]) * path[a];
+    t->damage += t->sums.damage;
+    t->breaking += t->sums.bond_breaking;
+    t->plasticity += t->sums.plasticity;
+    t->lost += t->sums.damage + t->sums.bond_breaking + t->sums.plasticity + t->sums.friction;
+}
+
+/* Rounding of positions (2 mm: 4e-19 m) over all that is done with the stretch. */
+static const double force_rounding = 2e-11; /* N */
+/* Of sums of some 1e-5 J (pressed: 1e-3 J). */
+static const double energy_rounding = 1e-18;
+
+/* --- tension --- */
+
+/* The force of a bond that has been pulled to `most` at most, from the line alone. */
+static double pulled(double u, double most) {
+    double limit = rn / kn;
+    if (u < 0.0) return kn * u;
+    if (most <= limit) return kn * u;
+    if (most >= uf) return 0.0;
+    double top = rn * (uf - most) / (uf - limit);
+    return u >= most ? top : top * u / most;
+}
+
+static void softening_in_tension_is_linear_and_unloads_on_the_secant(void **state) {
+    (void)state;
+    bond *t = make(&concrete, 0);
+    const double path[] = {1e-6, 2e-6, 3e-6, 1e-6, 0.0, 2e-6, 3e-6, 4e-6, 5e-6, 0.5e-6, 5.9e-6};
+    double most = 0.0;
+    for (size_t k = 0; k < sizeof path / sizeof *path; k++) {
+        move(t, path[k], 0.0, 0.0);
+        most = fmax(most, t->u);
+        assert_near(t->force[0], pulled(t->u, most), force_rounding);
+        double d = most > 2e-6 ? uf * (most - 2e-6) / (most * (uf - 2e-6)) : 0.0;
+        assert_near(1.0 - t->k.soft[0], d, 1e-12);
+    }
+    assert_int_equal(t->k.cause[0], GN_INTACT);
+    move(t, 6.1e-6, 0.0, 0.0);
+    assert_int_equal(t->k.cause[0], GN_BROKEN_TENSION);
+    assert_near(t->force[0], 0.0, 0.0);
+    end(t);
+}
+
+/* Steps end where the line bends: then trapezoids are the areas. */
+static void linear_softening_dissipates_the_fracture_energy(void **state) {
+    (void)state;
+    for (int steps = 1; steps <= 64; steps *= 8) {
+        bond *t = make(&concrete, 0);
+        for (int k = 1; k <= steps; k++) move(t, 2e-6 * k / steps, 0.0, 0.0);
+        for (int k = 1; k <= steps; k++) move(t, 2e-6 + 4e-6 * k / steps, 0.0, 0.0);
+        move(t, 6.001e-6, 0.0, 0.0);
+        assert_int_equal(t->k.cause[0], GN_BROKEN_TENSION);
+        assert_near(t->lost, 15.0 * area, 1e-12 * 15.0 * area + 1e-11 * 1e-5);
+        assert_near(t->work, t->lost, 1e-16);
+        end(t);
+    }
+}
+
+/* Closed from the damaged state: all of k_n again. */
+static void a_damaged_bond_closes_with_all_of_its_stiffness(void **state) {
+    (void)state;
+    bond *t = make(&concrete, 0);
+    move(t, 5e-6, 0.0, 0.0);
+    move(t, 0.0, 0.0, 0.0);
+    move(t, -3e-6, 0.0, 0.0);
+    move(t, -4e-6, 0.0, 0.0);
+    assert_near(t->force[0], kn * t->u, force_rounding);
+    end(t);
+}
+
+/* Random ways to and fro until past u_f, in steps of any size that end where the spring is free of
+ * force. (One from pressure to beyond the strength has a trapezoidal work that is below what the
+ * damaged spring has less, as for bonds that break at once.) */
+static void random_pulls_follow_the_line(void **state) {
+    (void)state;
+    uint64_t at = 5;
+    size_t checked = 0;
+    for (int path = 0; path < 1000; path++) {
+        bond *t = make(&concrete, 0);
+        double most = 0.0, lost = 0.0;
+        for (int k = 0; k < 60 && !t->k.cause[0]; k++) {
+            double to = uniform(&at, -3e-6, 1e-6 + 1e-7 * k);
+            move(t, to * t->u < 0.0 ? 0.0 : to, 0.0, 0.0);
+            most = fmax(most, t->u);
+            assert_true(t->lost >= lost - energy_rounding);
+            lost = t->lost;
+            if (t->k.cause[0]) break;
+            assert_near(t->force[0], pulled(t->u, most), force_rounding);
+            double stored = t->u * t->force[0] / 2.0;
+            assert_near(t->work, stored + t->lost, 1e-12 * (stored + t->lost) + 1e-17);
+            checked++;
+        }
+        assert_true((most < uf) == (t->k.cause[0] == GN_INTACT));
+        end(t);
+    }
+    assert_true(checked > 30000);
+}
+
+/* --- shear --- */
+
+/* The tangential force after the step to the trial force `size`, by halving the slip. */
+static double slipped(double size, double n, double d, double *kappa) {
+    double low = 0.0, high = us * (1.0 - *kappa), k = *kappa;
+#define SURFACE(s)                                                                                 \
+    ((1.0 - fmax(d, k + (s) / us)) * cohesion +                                                    \
+     ((1.0 - k - (s) / us) * mu1 + (k + (s) / us) * mu2) * (n))
+    if (size <= SURFACE(0.0)) return size;
+    if (size - kt * high > SURFACE(high)) {
+        *kappa = 1.0;
+        return fmin(size, mu2 * n);
+    }
+    for (int turn = 0; turn < 200; turn++) {
+        double middle = 0.5 * (low + high);
+        if (size - kt * middle > SURFACE(middle))
+            low = middle;
+        else
+            high = middle;
+    }
+    *kappa = k + high / us;
+    return size - kt * high;
+}
+
+static double across(const bond *t) {
+    return hypot(t->force[1], t->force[2]);
+}
+
+/* 1000 paths, each under a pressure or pull of its own: across in all directions, to and fro; and
+ * every so often along, which the surface follows. */
+static void random_shear_follows_the_surface(void **state) {
+    (void)state;
+    uint64_t at = 17;
+    size_t checked = 0, broken = 0, damaged = 0;
+    for (int path = 0; path < 1000; path++) {
+        bond *t = make(&concrete, 0);
+        double kappa = 0.0, most = 0.0, f[2] = {0, 0}, u = 0.0;
+        for (int k = 0; k < 60 && !t->k.cause[0]; k++) {
+            double y = 0.0, z = 0.0;
+            if (k % 5 == 0) {
+                double to = uniform(&at, -5e-6, path % 2 ? -1e-7 : 3.5e-6);
+                if (to * u < 0.0) to = 1e-9 * copysign(1.0, u); /* not past 0 in one step */
+                move(t, to, 0.0, 0.0);
+            } else {
+                y = uniform(&at, -1.5e-6, 2e-6);
+                z = uniform(&at, -1e-6, 1e-6);
+                move(t, u, y, z);
+            }
+            u = t->u;
+            most = fmax(most, u);
+            double d = most > 2e-6 ? uf * (most - 2e-6) / (most * (uf - 2e-6)) : 0.0;
+            double trial[2] = {f[0] + kt * y, f[1] + kt * z}, size = hypot(trial[0], trial[1]);
+            double n = fmax(0.0, -pulled(u, most)), left = slipped(size, n, d, &kappa);
+            bool onward = f[0] * trial[0] + f[1] * trial[1] >= 0.0;
+            for (int a = 0; a < 2; a++) f[a] = size > 0.0 ? trial[a] * left / size : 0.0;
+            damaged += d > 0.0;
+            /* The speed across goes through dt; the slope of the surface takes rounding up by
+             * k_t/(k_t - H) < 3. */
+            assert_near(t->force[1], f[0], 1e-11 * (1.0 + size));
+            assert_near(t->force[2], f[1], 1e-11 * (1.0 + size));
+            /* But where a step turns the force round. */
+            if (onward) assert_true(t->sums.damage >= -energy_rounding);
+            if (kappa < 1.0)
+                assert_near(t->k.kappa[0], kappa, 1e-11);
+            else
+                assert_int_equal(t->k.cause[0], GN_BROKEN_SHEAR);
+            checked++;
+        }
+        broken += t->k.cause[0] == GN_BROKEN_SHEAR;
+        end(t);
+    }
+    assert_true(checked > 20000 && broken > 300 && damaged > 1000);
+}
+
+/* Without pressure the slip from C down to 0 dissipates C u_s/2, whatever the steps. */
+static void softening_in_shear_dissipates_its_fracture_energy(void **state) {
+    (void)state;
+    for (int steps = 1; steps <= 64; steps *= 8) {
+        bond *t = make(&concrete, 0);
+        for (int k = 0; k < steps; k++) move(t, 0.0, 3e-6 / steps, 0.0);
+        for (int k = 0; k < steps; k++) move(t, 0.0, 0.9999999 * 6e-6 / steps, 0.0);
+        assert_int_equal(t->k.cause[0], GN_INTACT);
+        assert_near(across(t), 12.0 * 1e-7, 1e-9);
+        move(t, 0.0, 1e-11, 0.0);
+        assert_int_equal(t->k.cause[0], GN_BROKEN_SHEAR);
+        assert_near(t->lost, 13.5 * area, 1e-12 * 13.5 * area + 1e-11 * 1e-5);
+        end(t);
+    }
+}
+
+/* Under pressure it ends at the friction of the broken bond without a jump. */
+static void under_pressure_shear_softens_to_friction(void **state) {
+    (void)state;
+    bond *t = make(&concrete, 0);
+    move(t, -3e-6, 0.0, 0.0);
+    double before = 0.0, largest = 0.0, n = -t->force[0];
+    double slope = (cohesion + (mu1 - mu2) * n) / us; /* of the surface over the slip */
+    for (int k = 0; k < 4000; k++) {
+        move(t, -3e-6, 1e-8, 0.0);
+        assert_true(fabs(across(t) - before) <= kt / (kt / slope - 1.0) * 1e-8 * (1.0 + 1e-6));
+        before = across(t);
+        largest = fmax(largest, before);
+    }
+    assert_near(largest, cohesion + mu1 * n, kt * 1e-8);
+    assert_near(before, mu2 * n, 1e-9);
+    assert_int_equal(t->k.cause[0], GN_BROKEN_SHEAR);
+    end(t);
+}
+
+/* --- pressure --- */
+
+static const gn_material crushed = {.normal_stiffness = 1e7,
+                                    .kratio = 2.5,
+                                    .friction = 0.3,
+                                    .bond_tension_limit = 20.0,
+                                    .bond_shear_limit = 12.0,
+                                    .fracture_energy = 15.0,
+                                    .yield_stress = {15e6, 25e6, 30e6},
+                                    .yield_ratio = {3.0, 7.0, 15.0}};
+
+/* N, at the path c (m) from the start: k, k/3, k/7, k/15 between 60, 100 and 120 N. */
+static double line_at(double c) {
+    const double kink[] = {60.0, 100.0, 120.0, INFINITY}, ratio[] = {1.0, 3.0, 7.0, 15.0};
+    double force = 0.0, at = 0.0;
+    for (int k = 0; k < 4; k++) {
+        double width = (kink[k] - force) * ratio[k] / kn;
+        if (c <= at + width) return force + (c - at) * kn / ratio[k];
+        at += width;
+        force = kink[k];
+    }
+    return force;
+}
+
+/* Independent of the kernel's form: the state is how far it was pressed at most. */
+static void random_presses_follow_the_three_slopes(void **state) {
+    (void)state;
+    uint64_t at = 23;
+    for (int path = 0; path < 1000; path++) {
+        bond *t = make(&crushed, GN_FX_YIELD);
+        double most = 0.0;
+        for (int k = 0; k < 40; k++) {
+            move(t, -uniform(&at, 0.0, 1e-6 + 1.5e-6 * k), 0.0, 0.0);
+            most = fmax(most, -t->u);
+            double top = line_at(most), rest = most - top / kn;
+            double want = -kn * (-t->u - rest);
+            if (want < 1.0) assert_near(t->force[0], want, force_rounding);
+            assert_near(t->k.plastic[0], -rest, 1e-17);
+            assert_true(t->sums.plasticity >= -energy_rounding);
+            if (want > 0.0) break; /* the bond is pulled */
+        }
+        end(t);
+    }
+}
+
+/* Tension counts from the permanent stretch; plastic work is what lies between the line and the
+ * way back. */
+static void pressing_leaves_a_permanent_stretch(void **state) {
+    (void)state;
+    bond *t = make(&crushed, GN_FX_YIELD);
+    const double kinks[] = {6e-6, 18e-6, 32e-6, 50e-6};
+    double area_under = 0.0, last = 0.0, force = 0.0;
+    for (int k = 0; k < 4; k++) {
+        move(t, -kinks[k], 0.0, 0.0);
+        area_under += 0.5 * (force + line_at(kinks[k])) * (kinks[k] - last);
+        force = line_at(kinks[k]);
+        last = kinks[k];
+        assert_near(t->force[0], -force, force_rounding);
+    }
+    double rest = kinks[3] - force / kn;
+    move(t, -rest, 0.0, 0.0);
+    assert_near(t->force[0], 0.0, force_rounding);
+    assert_near(t->plasticity, area_under - 0.5 * force * force / kn, 1e-12 * area_under);
+    assert_near(t->lost, t->plasticity, 1e-18);
+    move(t, -rest + 1.5e-6, 0.0, 0.0);
+    assert_near(t->force[0], 15.0, force_rounding);
+    move(t, -rest + 4e-6, 0.0, 0.0);
+    assert_near(t->force[0], 10.0, force_rounding);
+    end(t);
+}
+
+/* --- what the ledger keeps --- */
+
+/* All at once, in steps of all sizes: work is stored or lost to rounding, but for the steps in
+ * which the pushing part of a damaged bond closes or opens, which leave little. */
+static void work_is_stored_or_lost(void **state) {
+    (void)state;
+    gn_material both = concrete;
+    memcpy(both.yield_stress, crushed.yield_stress, sizeof both.yield_stress);
+    memcpy(both.yield_ratio, crushed.yield_ratio, sizeof both.yield_ratio);
+    uint64_t at = 41;
+    for (int path = 0; path < 1000; path++) {
+        bond *t = make(&both, GN_FX_YIELD);
+        double u = 0.0;
+        for (int k = 0; k < 60; k++) {
+            double to = uniform(&at, -12e-6, 4e-6), stop = t->k.plastic[0];
+            if ((to - stop) * (u - stop) < 0.0) to = stop; /* not past the point of no force */
+            if (k % 2)
+                move(t, to, 0.0, 0.0);
+            else
+                move(t, u, uniform(&at, -2e-6, 2e-6), uniform(&at, -2e-6, 2e-6));
+            u = t->u;
+            if (t->k.cause[0]) break;
+            double stored = t->sums.elastic_normal + t->sums.elastic_shear;
+            assert_near(t->work, stored + t->lost, 1e-11 * (1e-6 + t->lost + stored));
+        }
+        end(t);
+    }
+}
+
+/* --- scenes --- */
+
+/* A bar of a cubic lattice, one end held, the other pulled: all bonds along it are cut at a right
+ * angle, and their areas (2 r)^2 add up to the section. */
+static double dissipated_by_bar(int across_bar, double r, const char *precision) {
+    int layers = 6;
+    gn_world *w = world_of(
+        "dimension: 3\n"
+        "specimen: {lattice: {kind: cubic, radius: %g, cells: [%d, %d, %d]}}\n"
+        "materials: [{name: m, density: 2650, contact_modulus: 1e9, kratio: 2, tensile_strength: "
+        "1e6, shear_strength: 1e6, fracture_energy: 20}]\n"
+        "law: {stiffness: arithmetic, softening: energy}\nbonds: {interaction_range: 0.05}\n"
+        "damping: {background: {model: viscous, coefficient: 3e4}}\n"
+        "sets:\n"
+        "  - {name: low, select: {end: {axis: x, side: lower, depth: %g}}, motion: {vx: 0}}\n"
+        "  - {name: high, select: {end: {axis: x, side: upper, depth: %g}}, motion: {vx: 0.02}}\n"
+        "time: {end: 1}\nrun: {threads: 1, precision: %s}\n",
+        r, layers, across_bar, across_bar, 1.1 * r, 1.1 * r, precision);
+    int64_t bonds = (int64_t)across_bar * across_bar;
+    for (int k = 0; k < 40 && w->dem.broken_tension < bonds; k++) run_steps(w, 400);
+    assert_int_equal(w->dem.broken_tension, bonds);
+    run_steps(w, 400);
+    gn_energy e = measured_step(w);
+    assert_true(fabs(gn_energy_residual(&e)) < 1e-3);
+    world_end(w);
+    double section = across_bar * 2.0 * r * across_bar * 2.0 * r;
+    return (e.damage + e.bond_breaking) / (20.0 * section);
+}
+
+static void a_bar_dissipates_its_fracture_energy_whatever_the_size_of_its_particles(void **state) {
+    (void)state;
+    for (int half = 0; half < 3; half++) {
+        double share = dissipated_by_bar(2 << half, 1e-3 / (1 << half), "double");
+        print_message("# radius 1 mm/%d: %.4f of the fracture energy of the section\n", 1 << half,
+                      share);
+        assert_near(share, 1.0, 0.03);
+    }
+    assert_near(dissipated_by_bar(2, 1e-3, "mixed"), dissipated_by_bar(2, 1e-3, "double"), 1e-3);
+}
+
+/* Damaged, it swings on through 0 undamped, harder where it pushes: 700 times, 30 steps each. The
+ * share of a step for which its pushing part acts is right to a high order of the step: half the
+ * step leaves a thirtieth of the residual. */
+static void a_damaged_bond_keeps_its_energy_while_it_swings(void **state) {
+    (void)state;
+    const double mass = sphere_mass(2650, 1e-3), speed = 5e-6 * sqrt(1e7 / mass);
+    gn_world *w =
+        world_of("dimension: 3\nspecimen: {particles: [[0, 0, 0, 1e-3], [2e-3, 0, 0, 1e-3]]}\n"
+                 "materials: [{name: m, density: 2650, normal_stiffness: 1e7, kratio: 2, "
+                 "bond_tension_limit: 20, bond_shear_limit: 12, fracture_energy: 300}]\n"
+                 "law: {stiffness: uniform, softening: energy}\nbonds: {}\n"
+                 "sets:\n  - {name: held, select: {ids: [0]}, motion: {vx: 0, vy: 0, vz: 0}}\n"
+                 "  - {name: thrown, select: {ids: [1]}, initial_velocity: [%.17g, 0, 0]}\n"
+                 "time: {end: 10, safety: 0.2}\nrun: {threads: 1}\n",
+                 speed);
+    run_steps(w, 60);
+    gn_energy first = measured_step(w);
+    run_steps(w, 20000);
+    gn_energy last = measured_step(w);
+    assert_int_equal(w->dem.bonds.cause[0], GN_INTACT);
+    assert_true(1.0 - w->dem.bonds.soft[0] > 0.3 && first.damage > 0.0);
+    assert_near(last.damage, first.damage, 1e-3 * first.damage);
+    assert_true(fabs(gn_energy_residual(&last)) < 2e-4);
+    world_end(w);
+}
+
+/* With all that can be beside it. */
+static const char *const busy =
+    "dimension: %d\n"
+    "specimen: {lattice: {kind: %s, radius: 1e-3, cells: [4, 4, 5], spacing: 0.99, jitter: 0.02},"
+    " material: a}\n"
+    "materials:\n"
+    "  - {name: a, density: 2650, contact_modulus: 1e9, kratio: 2, friction: 0.5, "
+    "tensile_strength: 1e6, shear_strength: 1e6, bond_friction: 0.9, fracture_energy: 20, "
+    "shear_fracture_energy: 30, yield_stress_1: 1 MPa, yield_ratio_1: 3, yield_stress_2: 2 MPa, "
+    "yield_ratio_2: 7}\n"
+    "  - {name: b, density: 2650, contact_modulus: 2e9, kratio: 3, friction: 0.3, "
+    "tensile_strength: 2e6, shear_strength: 1e6, bond_friction: 0.2, fracture_energy: 10}\n"
+    "law: {stiffness: harmonic, coupling: linear, softening: energy}\n"
+    "bonds: {interaction_range: 0.05}\n"
+    "damping: {contact: {restitution: 0.8}, background: {model: viscous, coefficient: 100}}\n"
+    "gravity: [0, -9.81, 0]\n"
+    "periodic: {min: [0, -1%s], max: [1.12e-2, 1%s]}\n"
+    "sets:\n"
+    "  - {name: some, select: {ids: [3, 14, 15, 16, 20]}, material: b}\n"
+    "walls:\n"
+    "  - {name: low, point: [0, -1e-3, 0], normal: [0, 1, 0], stiffness: 1e6, kratio: 2, "
+    "friction: 0.4, motion: {vy: 4}}\n"
+    "  - {name: high, point: [0, 12e-3, 0], normal: [0, -1, 0], stiffness: 1e6, motion: {vy: -4}}\n"
+    "time: {end: 1}\noutput: {orientation: on}\nrun: {threads: %d, precision: %s}\n";
+
+static gn_run *busy_run(int dimension, int threads, const char *precision) {
+    char words[4096];
+    gn_run *run = calloc(1, sizeof *run);
+    gneiss_error error = {0};
+    gn_scene scene;
+    snprintf(words, sizeof words, busy, dimension, dimension == 3 ? "fcc" : "hexagonal",
+             dimension == 3 ? ", -1" : "", dimension == 3 ? ", 1" : "", threads, precision);
+    if (gn_scene_parse(words, "s.yaml", NULL, NULL, 0, &scene, &error) != GNEISS_OK ||
+        gn_run_create(&scene, run, &error) != GNEISS_OK)
+        fail_msg("%s", error.message);
+    return run;
+}
+
+static void check_alike(gn_run *a, gn_run *b, gn_run *c) {
+    gn_energy e = measured_step(&a->world);
+    assert_true(fabs(gn_energy_residual(&e)) < 1e-2);
+    assert_true(e.damage > 0.0 && e.plasticity > 0.0);
+    measured_step(&b->world);
+    measured_step(&c->world);
+    assert_int_equal(gn_world_hash(&a->world), gn_world_hash(&b->world));
+    assert_int_equal(gn_world_hash(&a->world), gn_world_hash(&c->world));
+    gn_run *const all[] = {a, b, c};
+    for (int k = 0; k < 3; k++) {
+        gn_run_free(all[k]);
+        free(all[k]);
+    }
+}
+
+static void beside_all_else_threads_and_resumption_give_the_same_bits(void **state) {
+    (void)state;
+    char path[] = "/tmp/gneiss-softening-XXXXXX";
+    int file = mkstemp(path);
+    assert_true(file >= 0);
+    close(file);
+    for (int k = 0; k < 4; k++) {
+        const char *precision = k % 2 ? "mixed" : "double";
+        int dimension = 2 + k / 2;
+        gneiss_error error = {0};
+        gn_run *a = busy_run(dimension, 1, precision), *b = busy_run(dimension, 2, precision);
+        gn_run *c = calloc(1, sizeof *c);
+        run_steps(&a->world, 300);
+        run_steps(&b->world, 300);
+        if (gn_checkpoint_write(a, path, &error) != GNEISS_OK ||
+            gn_checkpoint_load(path, NULL, 0, c, &error) != GNEISS_OK)
+            fail_msg("%s", error.message);
+        run_steps(&a->world, 200);
+        run_steps(&b->world, 200);
+        run_steps(&c->world, 200);
+        check_alike(a, b, c);
+    }
+    unlink(path);
+}
+
+static void bonds_that_hold_more_than_they_may_dissipate_are_told(void **state) {
+    (void)state;
+    gn_world *w = world_of(
+        "dimension: 3\nspecimen: {particles: [[0, 0, 0, 1e-3], [2e-3, 0, 0, 1e-3], [0, 3e-3, 0, "
+        "2e-3]]}\n"
+        "materials: [{name: m, density: 2650, contact_modulus: 1e9, kratio: 2, tensile_strength: "
+        "1e6, shear_strength: 1e6, fracture_energy: 1.2}]\n"
+        "law: {stiffness: arithmetic, softening: energy}\nbonds: {}\ntime: {end: 1}\n");
+    /* u_l = 2 r sigma/E: 2 um and, between radii of 1 and 2 mm, 3 um; u_f = 2 G_f/sigma = 2.4 um.
+     */
+    assert_int_equal(w->dem.bonds.soa.count, 2);
+    assert_int_equal(gn_softening_too_short(&w->dem.bonds), 1);
+    world_end(w);
+}
+
+static void bad_values_are_refused_where_they_stand(void **state) {
+    (void)state;
+    static const struct {
+        const char *material, *law, *says;
+    } bad[] = {
+        {"fracture_energy: -1", "", "materials[0].fracture_energy: expected"},
+        {"fracture_energy: 5 N", "", "materials[0].fracture_energy: expected"},
+        {"friction: 1", ", softening: energy",
+         "fracture_energy: required by softening energy, but not given"},
+        {"fracture_energy: 5", ", softening: strain",
+         "fracture_strain: required by softening strain, but not given"},
+        {"fracture_energy: 5", ", softening: ratio",
+         "fracture_ratio: required by softening ratio, but not given"},
+        {"fracture_energy: 5", ", softening: energy, coupling: quadratic",
+         "law.coupling: expected none or linear beside bonds that soften or yield, found "
+         "quadratic"},
+        {"friction: 1", ", softening: soft", "law.softening: expected one of none, energy"},
+        {"yield_stress_1: 5e6", "", "yield_ratio_1: required beside its yield_stress"},
+        {"yield_ratio_1: 5", "", "yield_stress_1: required beside its yield_ratio"},
+        {"yield_stress_1: 5e6, yield_ratio_1: 0.5", "", "yield_ratio_1: expected a value in [1, "},
+        {"yield_stress_1: 5e6, yield_ratio_1: 2, yield_stress_2: 4e6, yield_ratio_2: 3", "",
+         "yield_stress_2: expected more than yield_stress_1, found 4e+06 Pa and 5e+06 Pa"},
+    };
+    for (size_t k = 0; k < sizeof bad / sizeof *bad; k++) {
+        char words[1024];
+        gn_world w;
+        gneiss_error error = {0};
+        snprintf(words, sizeof words,
+                 "specimen: {particles: [[0, 0, 0, 1e-3]]}\nbonds: {}\n"
+                 "materials: [{name: m, density: 2500, normal_stiffness: 1e7, kratio: 2.5, "
+                 "bond_tension_limit: 1, bond_shear_limit: 1, %s}]\n"
+                 "law: {stiffness: uniform%s}\ntime: {end: 1}\n",
+                 bad[k].material, bad[k].law);
+        assert_int_equal(world_try(&w, words, NULL, &error), GNEISS_ERROR_INPUT);
+        if (!strstr(error.message, bad[k].says) || strncmp(error.message, "s.yaml:", 7) != 0)
+            fail_msg("%s", error.message);
+    }
+}
+
+int main(void) {
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(softening_in_tension_is_linear_and_unloads_on_the_secant),
+        cmocka_unit_test(linear_softening_dissipates_the_fracture_energy),
+        cmocka_unit_test(a_damaged_bond_closes_with_all_of_its_stiffness),
+        cmocka_unit_test(random_pulls_follow_the_line),
+        cmocka_unit_test(random_shear_follows_the_surface),
+        cmocka_unit_test(softening_in_shear_dissipates_its_fracture_energy),
+        cmocka_unit_test(under_pressure_shear_softens_to_friction),
+        cmocka_unit_test(random_presses_follow_the_three_slopes),
+        cmocka_unit_test(pressing_leaves_a_permanent_stretch),
+        cmocka_unit_test(work_is_stored_or_lost),
+        cmocka_unit_test(a_bar_dissipates_its_fracture_energy_whatever_the_size_of_its_particles),
+        cmocka_unit_test(a_damaged_bond_keeps_its_energy_while_it_swings),
+        cmocka_unit_test(beside_all_else_threads_and_resumption_give_the_same_bits),
+        cmocka_unit_test(bonds_that_hold_more_than_they_may_dissipate_are_told),
+        cmocka_unit_test(bad_values_are_refused_where_they_stand),
+    };
+    return cmocka_run_group_tests_name("softening", tests, NULL, NULL);
+}
