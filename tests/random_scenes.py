@@ -128,6 +128,7 @@ class Maker:
 
     def __init__(self, seed):
         self.d = d = Draw(f"gneiss {seed}")
+        self.beams = Draw(f"beams {seed}")  # of its own, so that what else is drawn stays
         self.kind = KINDS[seed % len(KINDS)]
         self.dim = d.choice((2, 3, 3))
         self.r = d.log(1e-4, 1e-1)
@@ -193,6 +194,8 @@ class Maker:
         self.kratio, self.mu = d.choice((0.0, d.log(0.8, 20))), d.choice((0.0, d.uniform(0, 1)))
         self.k = self.modulus * self.r
         self.uniform = law == "uniform"
+        if self.bonded and self.kratio > 0 and self.scene["law"]["rotation"] != "off" and self.beams.chance(0.5):
+            self.scene["bonds"].update(radius_multiplier=self.beams.log(0.05, 5), moment_share=self.beams.choice((0, 0.5, 1)))
         self.scene["materials"] = [self.one_material("a", self.density)]
         self.light = self.heavy = self.density
         if d.chance(0.4):
