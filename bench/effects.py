@@ -1,10 +1,10 @@
 """What every effect costs where it is on, and that it costs nothing where it is off: docs/evidence/effects.md.
 
-    ./do bench --effects [--each]
+    ./do bench --effects [--each [EFFECT,...]]
 
 Instructions are counted by callgrind, as the difference of two runs of the same scene with more and fewer steps: set-up drops
 out, and a busy machine does not matter. Seconds are the least of several runs in turns, at a high priority where
-the user may. --each also builds every effect's absence by itself (an hour).
+the user may. --each builds every effect by itself, beside nothing else, and only makes that table.
 """
 import json
 import os
@@ -15,7 +15,7 @@ import sys
 from pathlib import Path
 
 ROOT = Path(__file__).resolve().parent.parent
-OUT = ROOT / "bench" / "out" / "effects"
+OUT = ROOT / "bench" / "out" / ("each" if "--each" in sys.argv else "effects")
 PAGE = ROOT / "docs" / "evidence" / "effects.md"
 SETS = "avx2"
 TURNS, FEW, MANY = 7, 20, 60
@@ -29,7 +29,7 @@ EFFECTS = ("rotation", "shear", "friction", "bonds", "contact_damping", "viscous
 
 BASE = {"lattice": "{kind: fcc, radius: 1e-3, cells: [9, 9, 9], spacing: 0.999}", "stiffness": "kratio: 2", "rotation": "off",
         "rest": "", "time": f"step: {STEP}", "output": "energy: off", "run": "precision: double"}
-SIDE = 9 * 0.999 * 2e-3 * 2**0.5
+SIDE = 5 * 0.999 * 2e-3 * 2**0.5
 FLOOR = "walls: [{name: f, point: [0, 0, 0], normal: [0, 0, 1], stiffness: 1e6%s}]\n"
 BONDS = {"stiffness": "kratio: 2, bond_tension_limit: 1e9, bond_shear_limit: 1e9", "rest": "bonds: {interaction_range: 0.05}\n"}
 FEM = ("elements: {box: {size: [40e-3, 40e-3, 40e-3], cells: [8, 8, 8], origin: [0.1, 0, 0]}, formulation: %s, "
@@ -41,6 +41,8 @@ def background(model):
     return {"rest": f"damping: {{background: {{model: {model}, coefficient: 0.1}}}}\n"}
 
 
+# Of 500 grains, whose set-up callgrind can bear.
+SMALL = "{kind: fcc, radius: 1e-3, cells: [5, 5, 5], spacing: 0.999}"
 # Name: what it is compared with, what it adds, the passes that it adds.
 COSTS = {
     "rotation": ({}, {"rotation": "on"}, "rows of 8 instead of 4; a second half of each motion block"),
@@ -114,8 +116,18 @@ def run(program, scene, before=()):
     return json.loads((folder / "summary.json").read_text())
 
 
+COUNTED = {}
+
+
 def instructions(program, name, changes):
     """Per step."""
+    key = (program, text(changes, MANY))
+    if key not in COUNTED:
+        COUNTED[key] = count(program, name, changes)
+    return COUNTED[key]
+
+
+def count(program, name, changes):
     counts = []
     for steps in (FEW, MANY):
         file = OUT / "callgrind"
@@ -216,11 +228,12 @@ def added(one, two, kind):
 
 def cost_row(program, effect, sizes):
     base, more, passes = COSTS[effect]
+    base, more = {"lattice": SMALL, **base}, {"lattice": SMALL, **more}
     one, two = planned(program, effect + "-off", base), planned(program, effect + "-on", more)
     contacts, items = ("bonds" if "bonds" in two else "pairs"), "particles"
     count = max(two[contacts][0], 1)
     off, on = (instructions(program, effect + tag, c) for tag, c in (("-off", base), ("-on", more)))
-    before, after = seconds([(program, effect + "-off", base), (program, effect + "-on", more)], 1500, 5)
+    before, after = seconds([(program, effect + "-off", base), (program, effect + "-on", more)], 1500, 3)
     extra = {kind: two[kind] for kind in ("wall contacts", "nodes", "elements") if kind in two}
     beside = ", ".join(f"{n} {kind} of {size}" for kind, (n, size) in extra.items())
     old = "pairs" if effect == "bonds" else contacts
@@ -255,17 +268,30 @@ def free_row(full, lean, name, label, changes, without):
             f"{times[0] / times[1]:.3f}", f"{code_size(full) / 1e6:.2f}", f"{code_size(lean) / 1e6:.2f}", "all" if refused else "NOT ALL"]
 
 
-def free_table(full, each):
+def free_table(full):
     rows = []
     for k, (label, changes, uses) in enumerate(FREE):
         without = [e for e in EFFECTS if e not in uses]
         rows.append(free_row(full, build(f"free{k}", without), f"free{k}", label, changes, without))
-    for effect in EFFECTS if each else ():
-        label, changes, _ = next(f for f in FREE if effect not in f[2])
-        rows.append(free_row(full, build(f"no-{effect}", [effect]), f"no-{effect}", label, changes, [effect]))
     head = ["scene", "left out of the other build", "state", "instructions a step", "left out", "ratio", "seconds, ratio", "code MB", "left out",
             "scenes that call for them are refused"]
     return table(head, rows)
+
+
+def each_table():
+    """One effect at a time: a build that has only it, in a scene without, beside the build without any."""
+    rows, changes = [], {"lattice": SMALL}
+    bare = build("free0", EFFECTS)
+    only = sys.argv[sys.argv.index("--each") + 1:]
+    for effect in only[0].split(",") if only else EFFECTS:
+        other = build("only", [e for e in EFFECTS if e != effect])
+        COUNTED.pop((other, text(changes, MANY)), None)
+        hashes = {run(p, scene_file("each", changes, MANY))["state_hash"] for p in (bare, other)}
+        counts = [instructions(p, "each", changes) for p in (other, bare)]
+        print(f"bench: {effect} off: {counts[0] / counts[1]:.4f}", file=sys.stderr, flush=True)
+        rows.append([effect, "the same" if len(hashes) == 1 else "OTHERS", f"{counts[0]:.0f}", f"{counts[1]:.0f}", f"{counts[0] / counts[1]:.4f}",
+                     code_size(other) - code_size(bare)])
+        put("table each", table(["effect", "state", "instructions a step, off", "left out", "ratio", "code, bytes"], rows))
 
 
 def put(name, new):
@@ -275,9 +301,12 @@ def put(name, new):
 
 def main():
     os.environ.setdefault("CC", "ccache cc" if shutil.which("ccache") else "cc")
+    if "--each" in sys.argv:
+        each_table()
+        return
     full = build("full")
     if "--costs-only" not in sys.argv:
-        put("table free", free_table(full, "--each" in sys.argv))
+        put("table free", free_table(full))
     if "--free-only" not in sys.argv:
         put("table costs", cost_table(full))
 

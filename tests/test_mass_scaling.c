@@ -162,9 +162,8 @@ static void a_raised_grain_falls_and_bounces_without_a_loss(void **state) {
 
 static void momentum_and_energy_of_a_free_pair_stay(void **state) {
     (void)state;
-    gn_world *w =
-        pair_with("mass_scaling: {factor: 2}",
-                  "sets: [{name: a, select: {ids: [0]}, initial_velocity: [1, 0, 0]}]\n");
+    gn_world *w = pair_with("mass_scaling: {factor: 2}",
+                            "sets: [{name: a, select: {ids: [0]}, initial_velocity: [1, 0, 0]}]\n");
     double p0[3], size = 0.0;
     gn_energy e = measured_step(w);
     for (int k = 0; k < 3; k++) {

@@ -34,7 +34,8 @@ static bool all_spins_held(const gn_scene *s) {
  * below its centre. */
 static const char *idle_rotation(const gn_world *w) {
     bool tangential = w->effects & (GN_FX_SHEAR | GN_FX_WALL_SHEAR);
-    if (all_spins_held(&w->scene)) return "all spins are held at 0: the same to rounding (law.rotation: off)";
+    if (all_spins_held(&w->scene))
+        return "all spins are held at 0: the same to rounding (law.rotation: off)";
     if (tangential || w->effects & GN_FX_FACETS || sets_turn(&w->scene)) return NULL;
     return "no tangential force and no set turns anything (law.rotation: off)";
 }

@@ -58,8 +58,8 @@ typedef struct gn_dem {
     int32_t *channel_set; /* [prescribed.count][6] set that drives a channel, -1: free */
     double *set_reaction; /* [scene.set_count][6] N, N m: what the prescription supplied */
     gn_verlet verlet;
-    double radius_min;       /* m */
-    double mass;             /* kg, own, of those that were there when the lists were made */
+    double radius_min; /* m */
+    double mass;       /* kg, own, of those that were there when the lists were made */
     gn_mass_scaling scaling;
     double damping_fraction; /* of critical, of contacts that are pressed */
 
