@@ -631,7 +631,7 @@ static void bonds_that_hold_more_than_they_may_dissipate_are_told(void **state) 
     /* u_l = 2 r sigma/E: 2 um and, between radii of 1 and 2 mm, 3 um; u_f = 2 G_f/sigma = 2.4 um.
      */
     assert_int_equal(w->dem.bonds.soa.count, 2);
-    assert_int_equal(gn_softening_too_short(&w->dem.bonds), 1);
+    assert_int_equal(gn_softening_too_long(&w->dem.bonds), 1);
     world_end(w);
 }
 
