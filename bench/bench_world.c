@@ -197,7 +197,9 @@ static size_t parameters(const gn_contacts *k, const gn_uniform *u) {
     size_t real = mixed ? 4 : 8, bytes = 0;
     bytes += width(u->kn ? NULL : k->kn, real) + width(u->kt ? NULL : k->kt, real);
     bytes += width(u->mu ? NULL : k->mu, real) + width(u->cn ? NULL : k->cn, real);
-    bytes += width(u->mu1 ? NULL : k->mu1, real);
+    bytes += width(u->mu1 && !k->soft ? NULL : k->mu1, real) + width(k->soft, real);
+    bytes +=
+        width(k->plastic, 8) + width(k->plastic_f, 4) + width(k->yields, 8) + width(k->yields_f, 4);
     bytes += width(k->length0, real) + width(k->rn, real) + width(k->rt, real);
     return bytes + width(k->branch_f, 12) + width(k->stretch_f, 4);
 }

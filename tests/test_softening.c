@@ -390,6 +390,92 @@ static void work_is_stored_or_lost(void **state) {
     }
 }
 
+/* --- parameters and what is told --- */
+
+static void set_again(bond *t, gn_softening softening) {
+    t->scene.softening = softening;
+    gn_law_model model = {.scene = &t->scene};
+    gn_law_pair pair = {&t->material, &t->material, radius, radius, 0.0};
+    gn_law_of(t->k.soa.effects)->set(&model, &pair, &t->k, 0);
+}
+
+/* Pulled (sheared) to just below the end and just beyond it. */
+static void check_end(const gn_material *m, gn_softening softening, bool sheared, double at_end) {
+    bond *t = make(m, 0);
+    set_again(t, softening);
+    for (int k = 1; k <= 100; k++)
+        move(t, sheared ? 0.0 : at_end * k / 100.1, sheared ? at_end / 100.1 : 0.0, 0.0);
+    assert_int_equal(t->k.cause[0], GN_INTACT);
+    move(t, sheared ? 0.0 : at_end * 1.001, sheared ? at_end * 0.002 : 0.0, 0.0);
+    assert_int_equal(t->k.cause[0], sheared ? GN_BROKEN_SHEAR : GN_BROKEN_TENSION);
+    end(t);
+}
+
+static void softening_ends_by_energy_strain_or_ratio(void **state) {
+    (void)state;
+    gn_material m = concrete;
+    m.fracture_strain = 4e-3;       /* of 2 mm: 8 um */
+    m.shear_fracture_strain = 6e-3; /* of the root of the area, 2 mm: 12 um */
+    m.fracture_ratio = 1.5;
+    check_end(&m, GN_SOFTENING_ENERGY, false, 6e-6);
+    check_end(&m, GN_SOFTENING_ENERGY, true, 9e-6);
+    check_end(&m, GN_SOFTENING_STRAIN, false, 8e-6);
+    check_end(&m, GN_SOFTENING_STRAIN, true, 12e-6);
+    check_end(&m, GN_SOFTENING_RATIO, false, 2.5 * 2e-6);
+    check_end(&m, GN_SOFTENING_RATIO, true, 2.5 * 3e-6);
+}
+
+/* Without softening the law breaks bonds at once, at R_n and C + mu_1 N. */
+static void without_softening_bonds_that_yield_are_brittle(void **state) {
+    (void)state;
+    gn_material m = crushed;
+    m.bond_friction = 0.8;
+    bond *t = make(&m, GN_FX_YIELD);
+    set_again(t, GN_SOFTENING_NONE);
+    move(t, 1.9999e-6, 0.0, 0.0);
+    assert_near(t->force[0], 19.999, 1e-9);
+    move(t, 2.0001e-6, 0.0, 0.0);
+    assert_int_equal(t->k.cause[0], GN_BROKEN_TENSION);
+    end(t);
+    t = make(&m, GN_FX_YIELD);
+    set_again(t, GN_SOFTENING_NONE);
+    move(t, -5e-6, 0.0, 0.0);
+    for (int k = 0; k < 1299; k++) move(t, -5e-6, 1e-8, 0.0);
+    assert_int_equal(t->k.cause[0], GN_INTACT); /* 51.96 N of 52 N */
+    for (int k = 0; k < 2; k++) move(t, -5e-6, 1e-8, 0.0);
+    assert_int_equal(t->k.cause[0], GN_BROKEN_SHEAR);
+    assert_near(across(t), 0.3 * 50.0, 1e-9);
+    end(t);
+}
+
+static void linear_coupling_takes_from_the_surface_in_tension(void **state) {
+    (void)state;
+    bond *t = make(&concrete, GN_FX_COUPLED_LINEAR);
+    move(t, 1e-6, 0.0, 0.0);
+    for (int k = 0; k < 100; k++) move(t, 1e-6, 1e-8, 0.0);
+    assert_near(across(t), 4.0, 1e-9); /* C - mu_1 f_n = 12 N - 0.8 x 10 N */
+    assert_near(t->k.kappa[0], 0.0, 1e-9);
+    move(t, 1e-6, 1e-7, 0.0);
+    double slope = (cohesion + (mu1 - mu2) * -10.0) / us;
+    assert_near(t->k.kappa[0], kt * 1e-7 / (kt - slope) / us, 1e-9);
+    end(t);
+}
+
+static void what_a_bond_has_gone_through_is_told(void **state) {
+    (void)state;
+    bond *t = make(&crushed, GN_FX_YIELD);
+    move(t, -18e-6, 0.0, 0.0);
+    gn_bond_condition is = gn_softening_condition(&t->k, 0);
+    assert_near(is.permanent, -8e-6, 1e-15);
+    assert_true(is.tension == 0.0 && is.shear == 0.0);
+    move(t, -8e-6, 0.0, 0.0);
+    move(t, -4e-6, 0.0, 0.0);
+    is = gn_softening_condition(&t->k, 0);
+    assert_near(is.tension, 0.75, 1e-9); /* u_f (u - u_l)/(u (u_f - u_l)) at 4 um */
+    assert_near(gn_law_softening.criterion(&t->k, 0, t->force[0], 0.0), 4.0 / 6.0, 1e-9);
+    end(t);
+}
+
 /* --- scenes --- */
 
 /* A bar of a cubic lattice, one end held, the other pulled: all bonds along it are cut at a right
@@ -545,7 +631,7 @@ static void bonds_that_hold_more_than_they_may_dissipate_are_told(void **state) 
     /* u_l = 2 r sigma/E: 2 um and, between radii of 1 and 2 mm, 3 um; u_f = 2 G_f/sigma = 2.4 um.
      */
     assert_int_equal(w->dem.bonds.soa.count, 2);
-    assert_int_equal(gn_softening_too_short(&w->dem.bonds), 1);
+    assert_int_equal(gn_softening_too_long(&w->dem.bonds), 1);
     world_end(w);
 }
 
@@ -600,6 +686,10 @@ int main(void) {
         cmocka_unit_test(random_presses_follow_the_three_slopes),
         cmocka_unit_test(pressing_leaves_a_permanent_stretch),
         cmocka_unit_test(work_is_stored_or_lost),
+        cmocka_unit_test(softening_ends_by_energy_strain_or_ratio),
+        cmocka_unit_test(without_softening_bonds_that_yield_are_brittle),
+        cmocka_unit_test(linear_coupling_takes_from_the_surface_in_tension),
+        cmocka_unit_test(what_a_bond_has_gone_through_is_told),
         cmocka_unit_test(a_bar_dissipates_its_fracture_energy_whatever_the_size_of_its_particles),
         cmocka_unit_test(a_damaged_bond_keeps_its_energy_while_it_swings),
         cmocka_unit_test(beside_all_else_threads_and_resumption_give_the_same_bits),

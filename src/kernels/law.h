@@ -172,9 +172,9 @@ typedef struct gn_bond_condition {
 } gn_bond_condition;
 gn_bond_condition gn_softening_condition(const gn_contacts *list, size_t c);
 
-/* How many bonds were to soften in tension and are too short for it: their spring holds more energy
+/* How many bonds were to soften in tension and are too long for it: their spring holds more energy
  * than they may dissipate, so that they break at once. */
-size_t gn_softening_too_short(const gn_contacts *list);
+size_t gn_softening_too_long(const gn_contacts *list);
 
 /* The law of a list, by its effects; by those of a scene that of its bonds. */
 static inline const gn_law *gn_law_of(gn_effects effects) {

@@ -110,7 +110,7 @@ gn_bond_condition gn_softening_condition(const gn_contacts *list, size_t c) {
                                cause == GN_BROKEN_SHEAR ? 1.0 : list->kappa[c], permanent(list, c)};
 }
 
-size_t gn_softening_too_short(const gn_contacts *list) {
+size_t gn_softening_too_long(const gn_contacts *list) {
     size_t count = 0;
     for (size_t c = 0; list->fade && c < list->soa.count; c++)
         count += !(list->fade[c + GN_FADE_END * list->soa.capacity] > 0.0);

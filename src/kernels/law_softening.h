@@ -167,6 +167,9 @@ GN_INLINE void cross_softened(const gn_contact_args *a, size_t c, const stage *g
     crossing_state state = {gone,        q->stretch,  q->beyond,  gone * q->stretch,
                             q->touching, s->crossing, gn_m_none()};
     crossing r = cross(a, c, &seen, &state);
+    /* Those that were only near it act as any other, whoever asked. */
+    gn_m as_ever = gn_and(gn_at_least(r.of.way, q->stretch), gn_at_least(q->stretch, r.of.way));
+    s->crossing = gn_and(s->crossing, gn_not(as_ever));
     gn_v whole = s->soft * q->elastic;
     q->normal = gn_where(s->crossing, whole + r.of.normal, q->normal);
     s->stored = gn_fma(whole, q->stretch, r.of.normal * r.of.way);

@@ -113,7 +113,7 @@ static void warn_of_skin(const gn_run *run, gn_warnings *list) {
 static void warn_of_softening(const gn_run *run, gn_warnings *list) {
     const gn_contacts *b = &run->world.dem.bonds;
     if (run->world.scene.softening == GN_SOFTENING_NONE) return;
-    size_t count = gn_softening_too_short(b);
+    size_t count = gn_softening_too_long(b);
     if (!count) return;
     gn_warning *to = &list->warning[list->count++];
     to->name = "bonds_too_long";
