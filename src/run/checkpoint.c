@@ -23,6 +23,7 @@ enum { FORMAT = 5 };
 
 static const gn_piece pieces[] = {
     INTEGER(world.step),
+    INTEGER(world.first_step),
     DOUBLES(world.time),
     DOUBLES(world.dt_past),
     DOUBLES(world.dt),

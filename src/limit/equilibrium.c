@@ -1,0 +1,316 @@
+/* Preconditioned conjugate gradients (Hestenes & Stiefel 1952) on the springs of the stability
+ * limit, with the inverse 6 x 6 blocks of single particles as preconditioner (Golub & Van Loan,
+ * Matrix Computations, 11.5).
+ *
+ * A spring between i and j with normal n resists the relative displacement of its contact point, e
+ * = u_j - u_i - (a_i w_i + a_j w_j) x n, by q = k_t e + (k_n - k_t)(e.n) n: force q on i, -q on j,
+ * and the moments a_i n x q and a_j n x q. One pass makes q of all springs, a second one gathers
+ * them particle by particle in the order of the springs, so that no sum depends on the threads.
+ *
+ * Where K is singular (a rigid motion that nothing holds, grains that touch nothing) and the load
+ * has no part in it, the iteration stays in the range of K; a load that has shows by a direction
+ * that K hardly resists. */
+#include "limit/equilibrium.h"
+
+#include "base/eigen.h"
+#include "base/memory.h"
+#include "limit/springs.h"
+
+#include <math.h>
+#include <string.h>
+
+enum { N = GN_COMPONENTS, CHUNK = 512, ITERATIONS_MOST = 20000 };
+
+/* p.Kp below this part of p.Dp, D the diagonal blocks, is no resistance: rounding leaves some
+ * 1e-16, a chain of ten thousand particles has 1e-8. */
+static const double no_resistance = 1e-13;
+/* A pivot of a block below this part of its diagonal is rounding. */
+static const double no_pivot = 1e-12;
+
+/* A cache line. */
+typedef struct link {
+    double n[3], kn, kt, arm_i, arm_j;
+    int32_t i, j;
+} link;
+
+typedef struct cg {
+    gn_springs y;
+    size_t n; /* components of all particles */
+    int threads;
+    link *link;            /* [springs] */
+    double (*pull)[3];     /* [springs] q */
+    double (*inverse)[36]; /* [particles] of their blocks; zero in what cannot move */
+    uint8_t *free;         /* [particles] bit k: component k can move */
+    double *r, *z, *p, *kp;
+} cg;
+
+static void free_cg(cg *c) {
+    gn_springs_free(&c->y);
+    gn_free(c->link);
+    gn_free(c->pull);
+    gn_free(c->inverse);
+    gn_free(c->free);
+    gn_free(c->r);
+    gn_free(c->z);
+    gn_free(c->p);
+    gn_free(c->kp);
+}
+
+static gneiss_status allocate(cg *c, gneiss_error *error) {
+    size_t particles = c->y.particles;
+    c->n = particles * N;
+    c->link = gn_alloc_array(c->y.springs + 1, sizeof *c->link);
+    c->pull = gn_alloc_array(c->y.springs + 1, sizeof *c->pull);
+    c->inverse = gn_alloc_array(particles + 1, sizeof *c->inverse);
+    c->free = gn_alloc(particles + 1);
+    c->r = gn_alloc_array(c->n + 1, sizeof *c->r);
+    c->z = gn_alloc_array(c->n + 1, sizeof *c->z);
+    c->p = gn_alloc_array(c->n + 1, sizeof *c->p);
+    c->kp = gn_alloc_array(c->n + 1, sizeof *c->kp);
+    if (c->link && c->pull && c->inverse && c->free && c->r && c->z && c->p && c->kp)
+        return GNEISS_OK;
+    return gn_fail(error, GNEISS_ERROR_MEMORY, "no memory for the equilibrium of %zu particles",
+                   particles);
+}
+
+static void take_links(cg *c) {
+    for (size_t s = 0; s < c->y.springs; s++) {
+        const gn_spring *from = &c->y.spring[s];
+        c->link[s] = (link){{from->n[0], from->n[1], from->n[2]},
+                            from->kn,
+                            from->kt,
+                            from->arm_i,
+                            from->arm_j,
+                            from->i,
+                            from->j};
+    }
+    for (size_t p = 0; p < c->y.particles; p++) {
+        c->free[p] = 0;
+        for (int d = 0; d < c->y.dofs; d++)
+            if (c->y.scale[p * (size_t)c->y.dofs + (size_t)d] > 0.0)
+                c->free[p] |= (uint8_t)(1u << gn_springs_component(&c->y, d));
+    }
+}
+
+/* --- the operator --- */
+
+static inline void pull_of(const link *l, const double *u, double q[3]) {
+    const double *n = l->n, *a = u + N * (size_t)l->i;
+    double e[3] = {-a[0], -a[1], -a[2]}, w[3] = {l->arm_i * a[3], l->arm_i * a[4], l->arm_i * a[5]};
+    if (l->j >= 0) {
+        const double *b = u + N * (size_t)l->j;
+        for (int k = 0; k < 3; k++) {
+            e[k] += b[k];
+            w[k] += l->arm_j * b[3 + k];
+        }
+    }
+    double along = (l->kn - l->kt) * (e[0] * n[0] + e[1] * n[1] + e[2] * n[2]);
+    e[0] -= w[1] * n[2] - w[2] * n[1];
+    e[1] -= w[2] * n[0] - w[0] * n[2];
+    e[2] -= w[0] * n[1] - w[1] * n[0];
+    for (int k = 0; k < 3; k++) q[k] = l->kt * e[k] + along * n[k];
+}
+
+static inline void gather(const cg *c, size_t p, double *out) {
+    double f[N] = {0.0};
+    for (size_t e = c->y.first[p]; e < c->y.first[p + 1]; e++) {
+        size_t s = c->y.entry[e] / 2;
+        bool second = c->y.entry[e] & 1;
+        const link *l = &c->link[s];
+        const double *q = c->pull[s], *n = l->n;
+        double side = second ? 1.0 : -1.0, arm = second ? l->arm_j : l->arm_i;
+        for (int k = 0; k < 3; k++) f[k] += side * q[k];
+        f[3] -= arm * (n[1] * q[2] - n[2] * q[1]);
+        f[4] -= arm * (n[2] * q[0] - n[0] * q[2]);
+        f[5] -= arm * (n[0] * q[1] - n[1] * q[0]);
+    }
+    for (int k = 0; k < N; k++) out[k] = c->free[p] >> k & 1 ? f[k] : 0.0;
+}
+
+static void apply(const cg *c, const double *u, double *out) {
+#pragma omp parallel num_threads(c->threads) if (c->y.particles > CHUNK)
+    {
+#pragma omp for schedule(static)
+        for (size_t s = 0; s < c->y.springs; s++) pull_of(&c->link[s], u, c->pull[s]);
+#pragma omp for schedule(static)
+        for (size_t p = 0; p < c->y.particles; p++) gather(c, p, out + N * p);
+    }
+}
+
+/* --- the preconditioner --- */
+
+/* The block of a particle, with all that it touches held: its columns are what single unit
+ * displacements are resisted by. */
+static void block_of(const cg *c, size_t p, double k[36]) {
+    memset(k, 0, 36 * sizeof *k);
+    for (size_t e = c->y.first[p]; e < c->y.first[p + 1]; e++) {
+        const link *l = &c->link[c->y.entry[e] / 2];
+        const double *n = l->n, arm = c->y.entry[e] & 1 ? l->arm_j : l->arm_i;
+        const double side = c->y.entry[e] & 1 ? 1.0 : -1.0;
+        /* Rows of the map from its components to e. */
+        const double row[3][N] = {{side, 0, 0, 0, -arm * n[2], arm * n[1]},
+                                  {0, side, 0, arm * n[2], 0, -arm * n[0]},
+                                  {0, 0, side, -arm * n[1], arm * n[0], 0}};
+        double normal[N] = {side * n[0], side * n[1], side * n[2], 0, 0, 0};
+        for (int a = 0; a < N; a++)
+            for (int b = 0; b < N; b++) {
+                double t = row[0][a] * row[0][b] + row[1][a] * row[1][b] + row[2][a] * row[2][b];
+                k[N * a + b] += l->kt * t + (l->kn - l->kt) * normal[a] * normal[b];
+            }
+    }
+}
+
+/* Cholesky; components that cannot move, or that nothing resists once those before them are held,
+ * are left out. */
+static void factor(double k[36], unsigned free, bool in[N]) {
+    double diagonal[N];
+    for (int a = 0; a < N; a++) diagonal[a] = k[N * a + a];
+    for (int a = 0; a < N; a++) {
+        for (int b = 0; b < a; b++) {
+            double sum = k[N * a + b];
+            for (int m = 0; m < b; m++) sum -= k[N * a + m] * k[N * b + m];
+            k[N * a + b] = in[b] ? sum / k[N * b + b] : 0.0;
+        }
+        double pivot = k[N * a + a];
+        for (int m = 0; m < a; m++) pivot -= k[N * a + m] * k[N * a + m];
+        in[a] = (free >> a & 1) && pivot > no_pivot * diagonal[a];
+        k[N * a + a] = in[a] ? sqrt(pivot) : 0.0;
+        for (int b = 0; b < a && !in[a]; b++) k[N * a + b] = 0.0;
+    }
+}
+
+static void invert(const double l[36], const bool in[N], double inverse[36]) {
+    memset(inverse, 0, 36 * sizeof *inverse);
+    for (int column = 0; column < N; column++) {
+        double x[N] = {0.0};
+        if (!in[column]) continue;
+        for (int a = 0; a < N; a++) {
+            double sum = a == column ? 1.0 : 0.0;
+            for (int m = 0; m < a; m++) sum -= l[N * a + m] * x[m];
+            x[a] = in[a] ? sum / l[N * a + a] : 0.0;
+        }
+        for (int a = N - 1; a >= 0; a--) {
+            double sum = x[a];
+            for (int m = a + 1; m < N; m++) sum -= l[N * m + a] * x[m];
+            x[a] = in[a] ? sum / l[N * a + a] : 0.0;
+        }
+        for (int a = 0; a < N; a++) inverse[N * a + column] = x[a];
+    }
+}
+
+static void make_blocks(cg *c) {
+#pragma omp parallel for num_threads(c->threads) schedule(static)
+    for (size_t p = 0; p < c->y.particles; p++) {
+        double k[36];
+        bool in[N] = {false};
+        block_of(c, p, k);
+        factor(k, c->free[p], in);
+        invert(k, in, c->inverse[p]);
+    }
+}
+
+static void precondition(const cg *c, const double *r, double *z) {
+#pragma omp parallel for num_threads(c->threads) schedule(static) if (c->y.particles > CHUNK)
+    for (size_t p = 0; p < c->y.particles; p++)
+        for (int a = 0; a < N; a++) {
+            double sum = 0.0;
+            for (int b = 0; b < N; b++) sum += c->inverse[p][N * a + b] * r[N * p + (size_t)b];
+            z[N * p + (size_t)a] = sum;
+        }
+}
+
+/* --- the iteration --- */
+
+static double dot(const cg *c, const double *x, const double *y) {
+    return gn_eigen_dot(c->n, x, y, c->threads);
+}
+
+static void add_scaled(const cg *c, double *x, double factor, const double *y) {
+#pragma omp parallel for num_threads(c->threads) schedule(static) if (c->y.particles > CHUNK)
+    for (size_t k = 0; k < c->n; k++) x[k] += factor * y[k];
+}
+
+/* p = z + factor p */
+static void turn(const cg *c, double factor) {
+#pragma omp parallel for num_threads(c->threads) schedule(static) if (c->y.particles > CHUNK)
+    for (size_t k = 0; k < c->n; k++) c->p[k] = c->z[k] + factor * c->p[k];
+}
+
+/* The particle that moves most along p. */
+static int32_t most_moved(const cg *c) {
+    size_t best = 0;
+    double most = -1.0;
+    for (size_t p = 0; p < c->y.particles; p++) {
+        const double *u = c->p + N * p;
+        double square = u[0] * u[0] + u[1] * u[1] + u[2] * u[2];
+        if (square > most) {
+            most = square;
+            best = p;
+        }
+    }
+    return c->y.spectrum->assembly->particles->id[best];
+}
+
+/* p.Dp with the diagonal of D, from the inverse blocks: 1/inverse is not above it. */
+static double resistance(const cg *c) {
+    double sum = 0.0;
+    for (size_t p = 0; p < c->y.particles; p++)
+        for (size_t a = 0; a < N; a++) {
+            double inverse = c->inverse[p][(N + 1) * a], u = c->p[N * p + a];
+            if (inverse > 0.0) sum += u * u / inverse;
+        }
+    return sum;
+}
+
+/* A particle with a load that touches nothing. */
+static int32_t untouched(const cg *c) {
+    for (size_t p = 0; p < c->y.particles; p++) {
+        bool loaded = false;
+        for (size_t a = 0; a < N; a++) loaded = loaded || c->r[N * p + a] != 0.0;
+        if (loaded && c->y.first[p] == c->y.first[p + 1])
+            return c->y.spectrum->assembly->particles->id[p];
+    }
+    return -1;
+}
+
+static void iterate(cg *c, double tolerance, double *u, gn_equilibrium *found) {
+    memset(u, 0, c->n * sizeof *u);
+    precondition(c, c->r, c->z);
+    memcpy(c->p, c->z, c->n * sizeof *c->p);
+    double rz = dot(c, c->r, c->z), first = rz;
+    for (found->iterations = 0; rz > tolerance * tolerance * first; found->iterations++) {
+        if (found->iterations == ITERATIONS_MOST) break;
+        apply(c, c->p, c->kp);
+        double curvature = dot(c, c->p, c->kp);
+        if (!(curvature > no_resistance * resistance(c))) {
+            found->loose = most_moved(c);
+            break;
+        }
+        double step = rz / curvature;
+        add_scaled(c, u, step, c->p);
+        add_scaled(c, c->r, -step, c->kp);
+        precondition(c, c->r, c->z);
+        double next = dot(c, c->r, c->z);
+        turn(c, next / rz);
+        rz = next;
+    }
+    found->residual = first > 0.0 ? sqrt(fmax(rz, 0.0) / first) : 0.0;
+}
+
+gneiss_status gn_equilibrium_solve(const gn_spectrum *spectrum, const double *load,
+                                   double tolerance, double *u, gn_equilibrium *found,
+                                   gneiss_error *error) {
+    cg c = {.threads = spectrum->threads > 0 ? spectrum->threads : 1};
+    *found = (gn_equilibrium){.loose = -1};
+    gneiss_status status = gn_springs_build(spectrum, NULL, &c.y, error);
+    if (status == GNEISS_OK) status = allocate(&c, error);
+    if (status == GNEISS_OK) {
+        take_links(&c);
+        make_blocks(&c);
+        for (size_t k = 0; k < c.n; k++) c.r[k] = c.free[k / N] >> k % N & 1 ? load[k] : 0.0;
+        found->loose = untouched(&c);
+        if (found->loose < 0) iterate(&c, tolerance, u, found);
+    }
+    free_cg(&c);
+    return status;
+}

@@ -1,0 +1,24 @@
+/* Displacements that bring the linearised system into equilibrium: the operator of the stability
+ * limit, solved by preconditioned conjugate gradients. */
+#ifndef GN_LIMIT_EQUILIBRIUM_H
+#define GN_LIMIT_EQUILIBRIUM_H
+
+#include "limit/step_limits.h"
+
+/* Components of a particle: v x y z, w x y z, whatever of them there are. */
+enum { GN_COMPONENTS = 6 };
+
+typedef struct gn_equilibrium {
+    int iterations;
+    double residual; /* what is left of the load, over it, in the norm of the preconditioner */
+    int32_t loose;   /* id of a particle that the load moves against nothing; -1: none */
+} gn_equilibrium;
+
+/* K u = f for the active springs, fixed components at rest. `load` [particles][6], N and N m; `u`
+ * the same, m and rad. Motions that no spring resists are no obstacle unless the load drives them.
+ * Deterministic for any number of threads. */
+gneiss_status gn_equilibrium_solve(const gn_spectrum *spectrum, const double *load,
+                                   double tolerance, double *u, gn_equilibrium *found,
+                                   gneiss_error *error);
+
+#endif
