@@ -14,7 +14,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-enum { FORMAT = 5 };
+enum { FORMAT = 6 };
 
 #define DOUBLES(member)      GN_PIECE_DOUBLES("", gn_run, member)
 #define LIMIT(member)        GN_PIECE_ANY("", gn_run, member)
@@ -43,6 +43,17 @@ static const gn_piece pieces[] = {
     INTEGER(snapshot_interval),
     DOUBLES(peak),
     INTEGER(bad_since),
+    LIMIT(first_break.time),
+    INTEGER(first_break.i),
+    INTEGER(first_break.j),
+    DOUBLES(first_break.place),
+    DOUBLES(first_break.start),
+    INTEGER(first_break.steps),
+    INTEGER(first_break.increments),
+    INTEGER(first_break.solutions),
+    INTEGER(first_break.iterations),
+    DOUBLES(first_break.unbalanced),
+    DOUBLES(first_break.shortfall),
 };
 enum { PIECES = sizeof pieces / sizeof *pieces };
 

@@ -503,6 +503,33 @@ static gneiss_status check_step(const check *c, const gn_scene *s) {
                          s->step, s->end);
 }
 
+/* What keeps statics from a scene; NULL: nothing that shows in it. */
+static const char *no_statics(const gn_scene *s) {
+    if (!s->has_specimen || s->bonds != GN_SWITCH_ON) return "bonded particles, found none";
+    if (s->has_elements) return "particles alone, found elements";
+    if (s->body_count) return "walls and sets, found bodies";
+    if (s->random_velocity > 0) return "a specimen at rest, found initial.random_velocity";
+    for (size_t k = 0; k < s->wall_count; k++)
+        if (s->walls[k].servo.active) return "walls that move as given, found a servo";
+    for (size_t k = 0; k < s->set_count; k++)
+        for (int a = 0; a < 3; a++) {
+            const gn_set_def *set = &s->sets[k];
+            bool moves = set->initial_velocity[a] != 0 && !set->motion.velocity[a].count;
+            bool spins = set->initial_spin[a] != 0 && !set->motion.spin[a].count;
+            if (moves || spins) return "a specimen at rest, found a set with an initial velocity";
+        }
+    return NULL;
+}
+
+static gneiss_status check_start_of_steps(const check *c, const gn_scene *s) {
+    const char *reason = s->start == GN_START_FIRST_BREAK ? no_statics(s) : NULL;
+    if (reason) return gn_check_fail(c, "time.start", "first_break: expected %s", reason);
+    if (s->start == GN_START_REST && gn_check_given(c, "time.start_fraction"))
+        return gn_check_fail(c, "time.start_fraction",
+                             "expected time.start: first_break beside it, found rest");
+    return GNEISS_OK;
+}
+
 /* Element by element. */
 typedef gneiss_status check_one(const check *c, const gn_scene *s, size_t index);
 
@@ -539,5 +566,7 @@ gneiss_status gn_check_scene(gn_reader *reader, const gn_node *root) {
     GN_TRY(gn_check_bodies(reader, root));
     if (gn_check_sound(&c, "test") && gn_check_sound(&c, "time.stop"))
         GN_TRY(gn_check_keep(&c, check_test(&c, s)));
-    return gn_check_sound(&c, "time") ? gn_check_keep(&c, check_step(&c, s)) : GNEISS_OK;
+    if (!gn_check_sound(&c, "time")) return GNEISS_OK;
+    GN_TRY(gn_check_keep(&c, check_start_of_steps(&c, s)));
+    return gn_check_keep(&c, check_step(&c, s));
 }

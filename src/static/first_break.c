@@ -31,11 +31,12 @@ enum {
     HALVINGS_MOST = 30
 };
 
-/* Mean load on a particle over the mean contact force at which a state is an equilibrium; the
- * largest may be so many times that. Tests run with 1e-3 and more. */
-static const double balanced = 1e-5, balanced_worst = 300.0;
-/* Relative residual of linear systems. */
-static const double solved = 1e-3;
+/* Mean load on a particle over the mean contact force at which a state is an equilibrium, on the
+ * way and at the start; the largest may be so many times that. Tests run with 1e-3 and more. */
+static const double balanced_on_the_way = 3e-4, balanced_start = 1e-5, balanced_worst = 300.0;
+/* A linear system is solved to this part of what its solution is to leave over, and to these parts
+ * of its load at least and at most. */
+static const double solved = 0.3, solved_least = 0.1, solved_most = 1e-4;
 /* The path of the first increment over the smallest radius. */
 static const double first_path = 1e-5;
 /* Loads at the start that move nothing by more than this part of it are rounding. */
@@ -128,25 +129,34 @@ static double time_of_break(search *s) {
 
 typedef enum outcome { BALANCED, BROKE, STUCK } outcome;
 
-static bool in_balance(const gn_trial *t) {
+static bool in_balance(const gn_trial *t, double balanced) {
     double most = balanced * t->mean_force;
     return t->mean_load <= most && t->most_load <= balanced_worst * most;
 }
 
+static gneiss_status correct(search *s, double balanced, gn_equilibrium *linear,
+                             gneiss_error *error) {
+    const gn_trial *t = &s->trial;
+    double wanted = solved * balanced * t->mean_force / t->mean_load;
+    wanted = fmin(fmax(wanted, solved_most), solved_least);
+    GN_TRY(gn_trial_correct(&s->trial, wanted, s->path, linear, error));
+    s->found->solutions++;
+    s->found->iterations += linear->iterations;
+    return GNEISS_OK;
+}
+
 /* Newton's method from the path as it stands. */
-static gneiss_status balance(search *s, double span, bool loads, outcome *what,
+static gneiss_status balance(search *s, double span, bool loads, double balanced, outcome *what,
                              gn_equilibrium *linear, gneiss_error *error) {
     gn_trial *t = &s->trial;
     *linear = (gn_equilibrium){.loose = -1};
     for (int k = 0;; k++) {
         gn_trial_go(t, s->path, span, loads);
         *what = t->broken ? BROKE : BALANCED;
-        if (t->broken || in_balance(t)) return GNEISS_OK;
+        if (t->broken || in_balance(t, balanced)) return GNEISS_OK;
         *what = STUCK;
         if (k == SOLUTIONS_MOST || linear->loose >= 0) return GNEISS_OK;
-        GN_TRY(gn_trial_correct(t, solved, s->path, linear, error));
-        s->found->solutions++;
-        s->found->iterations += linear->iterations;
+        GN_TRY(correct(s, balanced, linear, error));
     }
 }
 
@@ -195,10 +205,10 @@ static gneiss_status take_up_loads(search *s, gneiss_error *error) {
     const double slow = 1e6; /* s: for dashpots as good as at rest */
     memset(s->path, 0, N * s->trial.count * sizeof *s->path);
     gn_trial_go(&s->trial, s->path, slow, true);
-    if (s->trial.most_load == 0.0 || in_balance(&s->trial)) return GNEISS_OK;
-    GN_TRY(gn_trial_correct(&s->trial, solved, s->path, &linear, error));
+    if (s->trial.most_load == 0.0 || in_balance(&s->trial, balanced_start)) return GNEISS_OK;
+    GN_TRY(correct(s, balanced_start, &linear, error));
     if (linear.loose < 0 && !moves(s)) return GNEISS_OK;
-    GN_TRY(balance(s, slow, true, &what, &linear, error));
+    GN_TRY(balance(s, slow, true, balanced_start, &what, &linear, error));
     if (what == BROKE)
         return refuse(
             s->w, error,
@@ -208,13 +218,13 @@ static gneiss_status take_up_loads(search *s, gneiss_error *error) {
 }
 
 /* An increment of up to `span` s; shorter where bonds would break on the way. */
-static gneiss_status increment(search *s, double span, gneiss_error *error) {
+static gneiss_status increment(search *s, double span, double balanced, gneiss_error *error) {
     gn_equilibrium linear;
     outcome what = BALANCED;
     for (int k = 0; k < HALVINGS_MOST; k++, span *= 0.5) {
         for (size_t at = 0; at < N * s->trial.count; at++) s->path[at] = span * s->rate[at];
         gn_trial_prescribe(&s->trial, span, s->path);
-        GN_TRY(balance(s, span, false, &what, &linear, error));
+        GN_TRY(balance(s, span, false, balanced, &what, &linear, error));
         if (what == BALANCED) return take(s, span, false, error);
         if (what == STUCK && linear.loose >= 0) break;
     }
@@ -265,7 +275,8 @@ static gneiss_status follow(search *s, gneiss_error *error) {
             return GNEISS_OK;
         if (!(span > 0.0)) break;
         if (k > 0) GN_TRY(tell(s, error)); /* not of the last one, which the first step reads */
-        GN_TRY(increment(s, span, error));
+        bool last = breaks < INFINITY && w->time + span >= 0.99 * w->scene.start_fraction * breaks;
+        GN_TRY(increment(s, span, last ? balanced_start : balanced_on_the_way, error));
         breaks = s->found->time = time_of_break(s);
         s->found->unbalanced = s->trial.mean_load / s->trial.mean_force;
         if (w->time >= w->scene.end * (1.0 - 1e-12)) break;
@@ -281,9 +292,7 @@ static gneiss_status leave(search *s, gneiss_error *error) {
     for (size_t at = 0; at < N * t->count; at++) s->path[at] = span * s->rate[at];
     gn_trial_prescribe(t, span, s->path);
     gn_trial_go(t, s->path, span, false);
-    GN_TRY(gn_trial_correct(t, solved, s->path, &linear, error));
-    s->found->solutions++;
-    s->found->iterations += linear.iterations;
+    if (!in_balance(t, balanced_start)) GN_TRY(correct(s, balanced_start, &linear, error));
     GN_TRY(gn_trial_leave(t, s->path, span, error));
     s->w->step = s->w->first_step = s->found->steps = llround(s->w->time / s->w->dt);
     s->found->shortfall = t->shortfall;

@@ -6,11 +6,11 @@
 
 typedef struct gn_first_break {
     double time;     /* s, at which the first bond breaks, if all goes on as at the start */
-    int32_t i, j;    /* its particles, by id */
+    int64_t i, j;    /* its particles, by id */
     double place[3]; /* m, between them, as the user sees it */
     double start;    /* s: the time of the state that was found */
     int64_t steps;   /* that it would have taken, of the step that the world has now */
-    int increments, solutions, iterations; /* states on the way, linear systems, their iterations */
+    int64_t increments, solutions, iterations; /* states on the way, linear systems, their steps */
     double unbalanced; /* mean load on a particle over the mean contact force, at the start */
     double
         shortfall; /* J, by how much trapezoidal sums of the works would have missed the energy */
