@@ -295,8 +295,6 @@ static gneiss_status note_state(void *context, const gn_first_break *so_far, gne
     w->step = llround(w->time / w->dt);
     gneiss_status status = gn_history_still(w, &b->run->history, error);
     w->step = 0;
-            so_far->time, so_far->increments, so_far->solutions, so_far->iterations,
-            so_far->unbalanced, so_far->shortfall);
     if (status != GNEISS_OK || !b->watch) return status;
     return b->watch->state(b->watch->context, so_far, error);
 }
