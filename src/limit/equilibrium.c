@@ -41,6 +41,7 @@ typedef struct cg {
     double (*pull)[3];     /* [springs] q */
     double (*inverse)[36]; /* [particles] of their blocks; zero in what cannot move */
     uint8_t *free;         /* [particles] bit k: component k can move */
+    gn_viscosity viscosity;
     double *r, *z, *p, *kp;
 } cg;
 
@@ -77,7 +78,7 @@ static void take_links(cg *c) {
     for (size_t s = 0; s < c->y.springs; s++) {
         const gn_spring *from = &c->y.spring[s];
         c->link[s] = (link){{from->n[0], from->n[1], from->n[2]},
-                            from->kn,
+                            from->kn + c->viscosity.rate * from->cn,
                             from->kt,
                             from->arm_i,
                             from->arm_j,
@@ -111,7 +112,14 @@ static inline void pull_of(const link *l, const double *u, double q[3]) {
     for (int k = 0; k < 3; k++) q[k] = l->kt * e[k] + along * n[k];
 }
 
-static inline void gather(const cg *c, size_t p, double *out) {
+/* N/m, N m: with which drag holds component k of a particle. */
+static inline double drag_of(const cg *c, size_t p, int k) {
+    const gn_particles *q = c->y.spectrum->assembly->particles;
+    double inverse = k < 3 ? q->vel[4 * p + 3] : q->spin ? q->spin[4 * p + 3] : 0.0;
+    return inverse > 0.0 ? c->viscosity.rate * c->viscosity.drag / inverse : 0.0;
+}
+
+static inline void gather(const cg *c, const double *u, size_t p, double *out) {
     double f[N] = {0.0};
     for (size_t e = c->y.first[p]; e < c->y.first[p + 1]; e++) {
         size_t s = c->y.entry[e] / 2;
@@ -124,6 +132,8 @@ static inline void gather(const cg *c, size_t p, double *out) {
         f[4] -= arm * (n[2] * q[0] - n[0] * q[2]);
         f[5] -= arm * (n[0] * q[1] - n[1] * q[0]);
     }
+    if (c->viscosity.drag > 0.0)
+        for (int k = 0; k < N; k++) f[k] += drag_of(c, p, k) * u[N * p + (size_t)k];
     for (int k = 0; k < N; k++) out[k] = c->free[p] >> k & 1 ? f[k] : 0.0;
 }
 
@@ -133,7 +143,7 @@ static void apply(const cg *c, const double *u, double *out) {
 #pragma omp for schedule(static)
         for (size_t s = 0; s < c->y.springs; s++) pull_of(&c->link[s], u, c->pull[s]);
 #pragma omp for schedule(static)
-        for (size_t p = 0; p < c->y.particles; p++) gather(c, p, out + N * p);
+        for (size_t p = 0; p < c->y.particles; p++) gather(c, u, p, out + N * p);
     }
 }
 
@@ -143,6 +153,7 @@ static void apply(const cg *c, const double *u, double *out) {
  * displacements are resisted by. */
 static void block_of(const cg *c, size_t p, double k[36]) {
     memset(k, 0, 36 * sizeof *k);
+    for (int a = 0; a < N; a++) k[(N + 1) * a] = drag_of(c, p, a);
     for (size_t e = c->y.first[p]; e < c->y.first[p + 1]; e++) {
         const link *l = &c->link[c->y.entry[e] / 2];
         const double *n = l->n, arm = c->y.entry[e] & 1 ? l->arm_j : l->arm_i;
@@ -297,10 +308,10 @@ static void iterate(cg *c, double tolerance, double *u, gn_equilibrium *found) {
     found->residual = first > 0.0 ? sqrt(fmax(rz, 0.0) / first) : 0.0;
 }
 
-gneiss_status gn_equilibrium_solve(const gn_spectrum *spectrum, const double *load,
-                                   double tolerance, double *u, gn_equilibrium *found,
-                                   gneiss_error *error) {
-    cg c = {.threads = spectrum->threads > 0 ? spectrum->threads : 1};
+gneiss_status gn_equilibrium_solve(const gn_spectrum *spectrum, gn_viscosity viscosity,
+                                   const double *load, double tolerance, double *u,
+                                   gn_equilibrium *found, gneiss_error *error) {
+    cg c = {.threads = spectrum->threads > 0 ? spectrum->threads : 1, .viscosity = viscosity};
     *found = (gn_equilibrium){.loose = -1};
     gneiss_status status = gn_springs_build(spectrum, NULL, &c.y, error);
     if (status == GNEISS_OK) status = allocate(&c, error);

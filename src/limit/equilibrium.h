@@ -14,11 +14,17 @@ typedef struct gn_equilibrium {
     int32_t loose;   /* id of a particle that the load moves against nothing; -1: none */
 } gn_equilibrium;
 
+/* What resists velocities, where displacements come at `rate` (1/s, 0: at rest): dashpots as
+ * springs of c_n rate, and drag (1/s) as one of m drag rate at every particle. */
+typedef struct gn_viscosity {
+    double rate, drag;
+} gn_viscosity;
+
 /* K u = f for the active springs, fixed components at rest. `load` [particles][6], N and N m; `u`
  * the same, m and rad. Motions that no spring resists are no obstacle unless the load drives them.
  * Deterministic for any number of threads. */
-gneiss_status gn_equilibrium_solve(const gn_spectrum *spectrum, const double *load,
-                                   double tolerance, double *u, gn_equilibrium *found,
-                                   gneiss_error *error);
+gneiss_status gn_equilibrium_solve(const gn_spectrum *spectrum, gn_viscosity viscosity,
+                                   const double *load, double tolerance, double *u,
+                                   gn_equilibrium *found, gneiss_error *error);
 
 #endif

@@ -109,9 +109,10 @@ void gn_dem_move(gn_world *world, bool measure);
  * use after that. With `kick` 0 nothing moves. */
 void gn_dem_evaluate(gn_world *world, double span, double kick, bool measure);
 /* What brings the linearised system into equilibrium with `load`, see gn_equilibrium_solve.
- * `slips`: see gn_spectrum. */
-gneiss_status gn_dem_relax(const gn_world *world, const uint8_t *slips, const double *load,
-                           double tolerance, double *u, gn_equilibrium *found, gneiss_error *error);
+ * `slips`: see gn_spectrum, `rate`: gn_viscosity. */
+gneiss_status gn_dem_relax(const gn_world *world, const uint8_t *slips, double rate,
+                           const double *load, double tolerance, double *u, gn_equilibrium *found,
+                           gneiss_error *error);
 /* Works, and what contacts dissipated; what is stored at the instant between the halves, with the
  * stress, Pa; the mean resultant over the mean contact force. */
 void gn_dem_book(const gn_world *world, gn_half half, gn_energy *ledger);

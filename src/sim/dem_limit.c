@@ -134,7 +134,7 @@ static gneiss_status ask(const gn_world *w, bool listed, const question *q, gnei
     return status;
 }
 
-gneiss_status gn_dem_relax(const gn_world *w, const uint8_t *slips, const double *load,
+gneiss_status gn_dem_relax(const gn_world *w, const uint8_t *slips, double rate, const double *load,
                            double tolerance, double *u, gn_equilibrium *found,
                            gneiss_error *error) {
     gn_assembly assembly = gn_world_assembly(w);
@@ -142,7 +142,9 @@ gneiss_status gn_dem_relax(const gn_world *w, const uint8_t *slips, const double
     GN_TRY(make_data(w, 0.0, &data, error));
     gn_spectrum spectrum = spectrum_of(w, 0.0, &assembly, &data);
     spectrum.slips = slips;
-    gneiss_status status = gn_equilibrium_solve(&spectrum, load, tolerance, u, found, error);
+    double drag = w->effects & GN_FX_VISCOUS ? w->scene.background_coefficient : 0.0;
+    gneiss_status status = gn_equilibrium_solve(&spectrum, (gn_viscosity){rate, drag}, load,
+                                                tolerance, u, found, error);
     free_data(&data);
     return status;
 }

@@ -190,6 +190,7 @@ void gn_trial_go(gn_trial *t, const double *path, double span, bool loads) {
     gn_world *w = t->world;
     const double walls = loads ? 0.0 : span, rate = loads ? 0.0 : 1.0 / span;
     t->friction = t->contact_damping = 0.0;
+    t->rate = rate;
     t->broken = 0;
     restore_lists(t);
     put_particles(t, path, 1.0 / span);
@@ -260,7 +261,7 @@ gneiss_status gn_trial_correct(gn_trial *t, double tolerance, double *path, gn_e
         status = gn_fail(error, GNEISS_ERROR_MEMORY,
                          "no memory for the equilibrium of %zu particles", t->count);
     if (status == GNEISS_OK)
-        status = gn_dem_relax(t->world, slips, t->load, tolerance, u, found, error);
+        status = gn_dem_relax(t->world, slips, t->rate, t->load, tolerance, u, found, error);
     for (size_t k = 0; status == GNEISS_OK && k < N * t->count; k++) path[k] += u[k];
     gn_free(slips);
     gn_free(u);

@@ -22,6 +22,7 @@ typedef struct gn_trial {
 
     /* Of the last path. */
     double *load;                     /* [count][6] N, N m; 0 in prescribed components */
+    double rate;                      /* 1/s: of its displacements, 0: at rest */
     double friction, contact_damping; /* J */
     int64_t broken;
     /* N: per free particle (moments over the radius), the largest; per contact that carries */
