@@ -7,9 +7,10 @@
  * and the moments a_i n x q and a_j n x q. One pass makes q of all springs, a second one gathers
  * them particle by particle in the order of the springs, so that no sum depends on the threads.
  *
- * Where K is singular (a rigid motion that nothing holds, grains that touch nothing) and the load
- * has no part in it, the iteration stays in the range of K; a load that has shows by a direction
- * that K hardly resists. */
+ * Where K is singular (a rigid motion that nothing holds, a sphere that rolls about its only bond)
+ * every component is resisted by a small part of its diagonal besides: all motions that nothing
+ * else resists have that one eigenvalue, which costs an iteration or two. Without a load of theirs
+ * they stay at rest; a load moves them far, which is for the caller to see. */
 #include "limit/equilibrium.h"
 
 #include "base/eigen.h"
@@ -21,9 +22,9 @@
 
 enum { N = GN_COMPONENTS, CHUNK = 512, ITERATIONS_MOST = 20000 };
 
-/* p.Kp below this part of p.Dp, D the diagonal blocks, is no resistance: rounding leaves some
- * 1e-16, a chain of ten thousand particles has 1e-8. */
-static const double no_resistance = 1e-13;
+/* Of the diagonal. A body that is a thousand particles long has eigenvalues of some 1e-6 of it, and
+ * Newton's method makes good what this changes. */
+static const double everywhere = 1e-9;
 /* A pivot of a block below this part of its diagonal is rounding. */
 static const double no_pivot = 1e-12;
 
@@ -43,6 +44,8 @@ typedef struct cg {
     uint8_t *free;         /* [particles] bit k: component k can move */
     gn_viscosity viscosity;
     double *r, *z, *p, *kp;
+    double *ground; /* what resists everywhere, N/m and N m */
+    double *weight; /* 1/diagonal; 0 in what cannot move */
 } cg;
 
 static void free_cg(cg *c) {
@@ -55,6 +58,8 @@ static void free_cg(cg *c) {
     gn_free(c->z);
     gn_free(c->p);
     gn_free(c->kp);
+    gn_free(c->ground);
+    gn_free(c->weight);
 }
 
 static gneiss_status allocate(cg *c, gneiss_error *error) {
@@ -68,7 +73,10 @@ static gneiss_status allocate(cg *c, gneiss_error *error) {
     c->z = gn_alloc_array(c->n + 1, sizeof *c->z);
     c->p = gn_alloc_array(c->n + 1, sizeof *c->p);
     c->kp = gn_alloc_array(c->n + 1, sizeof *c->kp);
-    if (c->link && c->pull && c->inverse && c->free && c->r && c->z && c->p && c->kp)
+    c->ground = gn_alloc_array(c->n + 1, sizeof *c->ground);
+    c->weight = gn_alloc_array(c->n + 1, sizeof *c->weight);
+    if (c->ground && c->weight && c->link && c->pull && c->inverse && c->free && c->r && c->z &&
+        c->p && c->kp)
         return GNEISS_OK;
     return gn_fail(error, GNEISS_ERROR_MEMORY, "no memory for the equilibrium of %zu particles",
                    particles);
@@ -132,8 +140,7 @@ static inline void gather(const cg *c, const double *u, size_t p, double *out) {
         f[4] -= arm * (n[2] * q[0] - n[0] * q[2]);
         f[5] -= arm * (n[0] * q[1] - n[1] * q[0]);
     }
-    if (c->viscosity.drag > 0.0)
-        for (int k = 0; k < N; k++) f[k] += drag_of(c, p, k) * u[N * p + (size_t)k];
+    for (int k = 0; k < N; k++) f[k] += c->ground[N * p + (size_t)k] * u[N * p + (size_t)k];
     for (int k = 0; k < N; k++) out[k] = c->free[p] >> k & 1 ? f[k] : 0.0;
 }
 
@@ -153,7 +160,6 @@ static void apply(const cg *c, const double *u, double *out) {
  * displacements are resisted by. */
 static void block_of(const cg *c, size_t p, double k[36]) {
     memset(k, 0, 36 * sizeof *k);
-    for (int a = 0; a < N; a++) k[(N + 1) * a] = drag_of(c, p, a);
     for (size_t e = c->y.first[p]; e < c->y.first[p + 1]; e++) {
         const link *l = &c->link[c->y.entry[e] / 2];
         const double *n = l->n, arm = c->y.entry[e] & 1 ? l->arm_j : l->arm_i;
@@ -215,6 +221,13 @@ static void make_blocks(cg *c) {
         double k[36];
         bool in[N] = {false};
         block_of(c, p, k);
+        for (size_t a = 0; a < N; a++) {
+            double *diagonal = &k[(N + 1) * a];
+            c->ground[N * p + a] = everywhere * *diagonal + drag_of(c, p, (int)a);
+            *diagonal += c->ground[N * p + a];
+            bool moves = (c->free[p] >> a & 1) && *diagonal > 0.0;
+            c->weight[N * p + a] = moves ? 1.0 / *diagonal : 0.0;
+        }
         factor(k, c->free[p], in);
         invert(k, in, c->inverse[p]);
     }
@@ -247,30 +260,10 @@ static void turn(const cg *c, double factor) {
     for (size_t k = 0; k < c->n; k++) c->p[k] = c->z[k] + factor * c->p[k];
 }
 
-/* The particle that moves most along p. */
-static int32_t most_moved(const cg *c) {
-    size_t best = 0;
-    double most = -1.0;
-    for (size_t p = 0; p < c->y.particles; p++) {
-        const double *u = c->p + N * p;
-        double square = u[0] * u[0] + u[1] * u[1] + u[2] * u[2];
-        if (square > most) {
-            most = square;
-            best = p;
-        }
-    }
-    return c->y.spectrum->assembly->particles->id[best];
-}
-
-/* p.Dp with the diagonal of D, from the inverse blocks: 1/inverse is not above it. */
-static double resistance(const cg *c) {
-    double sum = 0.0;
-    for (size_t p = 0; p < c->y.particles; p++)
-        for (size_t a = 0; a < N; a++) {
-            double inverse = c->inverse[p][(N + 1) * a], u = c->p[N * p + a];
-            if (inverse > 0.0) sum += u * u / inverse;
-        }
-    return sum;
+/* |r|^2 in the metric of the diagonal: what nothing resists counts for no more than the rest. */
+static double size2(const cg *c) {
+    for (size_t k = 0; k < c->n; k++) c->kp[k] = c->weight[k] * c->r[k];
+    return dot(c, c->r, c->kp);
 }
 
 /* A particle with a load that touches nothing. */
@@ -288,15 +281,12 @@ static void iterate(cg *c, double tolerance, double *u, gn_equilibrium *found) {
     memset(u, 0, c->n * sizeof *u);
     precondition(c, c->r, c->z);
     memcpy(c->p, c->z, c->n * sizeof *c->p);
-    double rz = dot(c, c->r, c->z), first = rz;
-    for (found->iterations = 0; rz > tolerance * tolerance * first; found->iterations++) {
+    double rz = dot(c, c->r, c->z), first = size2(c), left = first;
+    for (found->iterations = 0; left > tolerance * tolerance * first; found->iterations++) {
         if (found->iterations == ITERATIONS_MOST) break;
         apply(c, c->p, c->kp);
         double curvature = dot(c, c->p, c->kp);
-        if (!(curvature > no_resistance * resistance(c))) {
-            found->loose = most_moved(c);
-            break;
-        }
+        if (!(curvature > 0.0)) break;
         double step = rz / curvature;
         add_scaled(c, u, step, c->p);
         add_scaled(c, c->r, -step, c->kp);
@@ -304,8 +294,9 @@ static void iterate(cg *c, double tolerance, double *u, gn_equilibrium *found) {
         double next = dot(c, c->r, c->z);
         turn(c, next / rz);
         rz = next;
+        left = size2(c);
     }
-    found->residual = first > 0.0 ? sqrt(fmax(rz, 0.0) / first) : 0.0;
+    found->residual = first > 0.0 ? sqrt(left / first) : 0.0;
 }
 
 gneiss_status gn_equilibrium_solve(const gn_spectrum *spectrum, gn_viscosity viscosity,

@@ -10,8 +10,8 @@ enum { GN_COMPONENTS = 6 };
 
 typedef struct gn_equilibrium {
     int iterations;
-    double residual; /* what is left of the load, over it, in the norm of the preconditioner */
-    int32_t loose;   /* id of a particle that the load moves against nothing; -1: none */
+    double residual; /* what is left of the load, over it, in the metric of the diagonal */
+    int32_t loose;   /* id of a particle with a load that touches nothing; -1: none */
 } gn_equilibrium;
 
 /* What resists velocities, where displacements come at `rate` (1/s, 0: at rest): dashpots as
@@ -21,8 +21,9 @@ typedef struct gn_viscosity {
 } gn_viscosity;
 
 /* K u = f for the active springs, fixed components at rest. `load` [particles][6], N and N m; `u`
- * the same, m and rad. Motions that no spring resists are no obstacle unless the load drives them.
- * Deterministic for any number of threads. */
+ * the same, m and rad. Motions that no spring resists are resisted by 1e-9 of the diagonal: far
+ * from an equilibrium unless the load has no part in them. Deterministic for any number of threads.
+ */
 gneiss_status gn_equilibrium_solve(const gn_spectrum *spectrum, gn_viscosity viscosity,
                                    const double *load, double tolerance, double *u,
                                    gn_equilibrium *found, gneiss_error *error);

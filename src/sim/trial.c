@@ -159,7 +159,8 @@ static void weigh_loads(gn_trial *t) {
     const gn_world *w = t->world;
     const gn_dem_sums *s = &w->dem.done;
     double sum = 0.0, most = -1.0, contacts = s->bonds.carrying + s->pairs.carrying;
-    size_t free = 0;
+    const unsigned places = w->effects & GN_FX_SPACE ? 0x7u : 0x3u;
+    size_t free = 0; /* in some direction */
     for (size_t p = 0; p < t->count; p++) {
         double square = 0.0, r = w->dem.particles.pos[4 * p + 3];
         for (size_t k = 0; k < N; k++) {
@@ -167,7 +168,7 @@ static void weigh_loads(gn_trial *t) {
             square += f * f;
         }
         sum += sqrt(square);
-        free += held_mask(w, p) == 0;
+        free += (held_mask(w, p) & places) != places;
         if (square > most) t->worst = w->dem.particles.id[p];
         most = fmax(most, square);
     }
@@ -252,6 +253,23 @@ static uint8_t *find_slips(const gn_world *w) {
     return slips;
 }
 
+/* What nothing holds goes as far as its load is, which may be anywhere: no particle goes further at
+ * a time than a part of its radius. */
+static void add_corrections(const gn_trial *t, const double *u, double *path,
+                            gn_equilibrium *found) {
+    const double part = 0.02;
+    const gn_particles *q = &t->world->dem.particles;
+    double most = 0.0;
+    for (size_t p = 0; p < t->count; p++) {
+        const double *d = u + N * p, r = q->pos[4 * p + 3];
+        double size = fmax(sqrt(gn_dot3(d, d)) / r, sqrt(gn_dot3(d + 3, d + 3)));
+        double share = size > part ? part / size : 1.0;
+        for (size_t k = 0; k < N; k++) path[N * p + k] += share * d[k];
+        if (size > part && size > most) found->loose = q->id[p];
+        most = fmax(most, size);
+    }
+}
+
 gneiss_status gn_trial_correct(gn_trial *t, double tolerance, double *path, gn_equilibrium *found,
                                gneiss_error *error) {
     uint8_t *slips = find_slips(t->world);
@@ -262,7 +280,7 @@ gneiss_status gn_trial_correct(gn_trial *t, double tolerance, double *path, gn_e
                          "no memory for the equilibrium of %zu particles", t->count);
     if (status == GNEISS_OK)
         status = gn_dem_relax(t->world, slips, t->rate, t->load, tolerance, u, found, error);
-    for (size_t k = 0; status == GNEISS_OK && k < N * t->count; k++) path[k] += u[k];
+    if (status == GNEISS_OK) add_corrections(t, u, path, found);
     gn_free(slips);
     gn_free(u);
     return status;

@@ -155,7 +155,7 @@ static gneiss_status balance(search *s, double span, bool loads, double balanced
         *what = t->broken ? BROKE : BALANCED;
         if (t->broken || in_balance(t, balanced)) return GNEISS_OK;
         *what = STUCK;
-        if (k == SOLUTIONS_MOST || linear->loose >= 0) return GNEISS_OK;
+        if (k == SOLUTIONS_MOST) return GNEISS_OK;
         GN_TRY(correct(s, balanced, linear, error));
     }
 }
