@@ -13,14 +13,13 @@
  * they stay at rest; a load moves them far, which is for the caller to see. */
 #include "limit/equilibrium.h"
 
-#include "base/eigen.h"
 #include "base/memory.h"
 #include "limit/springs.h"
 
 #include <math.h>
 #include <string.h>
 
-enum { N = GN_COMPONENTS, CHUNK = 512, ITERATIONS_MOST = 20000 };
+enum { N = GN_COMPONENTS, CHUNK = 256, ITERATIONS_MOST = 20000 };
 
 /* Of the diagonal. A body that is a thousand particles long has eigenvalues of some 1e-6 of it, and
  * Newton's method makes good what this changes. */
@@ -28,22 +27,29 @@ static const double everywhere = 1e-9;
 /* A pivot of a block below this part of its diagonal is rounding. */
 static const double no_pivot = 1e-12;
 
-/* A cache line. */
+/* In single precision, which is less to read: what that changes of K Newton's method makes good. */
 typedef struct link {
-    double n[3], kn, kt, arm_i, arm_j;
+    float n[3], kn, kt, arm_i, arm_j;
     int32_t i, j;
 } link;
+
+/* What a chunk of particles adds to: the curvature p.Kp, or r.z and |r|^2 in the metric of the
+ * diagonal, in which what nothing resists counts for no more than the rest. */
+typedef struct part {
+    double curvature, rz, left;
+} part;
 
 typedef struct cg {
     gn_springs y;
     size_t n; /* components of all particles */
     int threads;
-    link *link;            /* [springs] */
-    double (*pull)[3];     /* [springs] q */
-    double (*inverse)[36]; /* [particles] of their blocks; zero in what cannot move */
-    uint8_t *free;         /* [particles] bit k: component k can move */
+    link *link;           /* [springs] */
+    double (*pull)[3];    /* [springs] q */
+    float (*inverse)[36]; /* [particles] of their blocks; zero in what cannot move */
+    uint8_t *free;        /* [particles] bit k: component k can move */
     gn_viscosity viscosity;
     double *r, *z, *p, *kp;
+    part *parts;    /* [chunks of particles], added up in their order */
     double *ground; /* what resists everywhere, N/m and N m */
     double *weight; /* 1/diagonal; 0 in what cannot move */
 } cg;
@@ -59,6 +65,7 @@ static void free_cg(cg *c) {
     gn_free(c->p);
     gn_free(c->kp);
     gn_free(c->ground);
+    gn_free(c->parts);
     gn_free(c->weight);
 }
 
@@ -74,9 +81,10 @@ static gneiss_status allocate(cg *c, gneiss_error *error) {
     c->p = gn_alloc_array(c->n + 1, sizeof *c->p);
     c->kp = gn_alloc_array(c->n + 1, sizeof *c->kp);
     c->ground = gn_alloc_array(c->n + 1, sizeof *c->ground);
+    c->parts = gn_alloc_array(particles / CHUNK + 1, sizeof *c->parts);
     c->weight = gn_alloc_array(c->n + 1, sizeof *c->weight);
-    if (c->ground && c->weight && c->link && c->pull && c->inverse && c->free && c->r && c->z &&
-        c->p && c->kp)
+    if (c->parts && c->ground && c->weight && c->link && c->pull && c->inverse && c->free && c->r &&
+        c->z && c->p && c->kp)
         return GNEISS_OK;
     return gn_fail(error, GNEISS_ERROR_MEMORY, "no memory for the equilibrium of %zu particles",
                    particles);
@@ -85,11 +93,11 @@ static gneiss_status allocate(cg *c, gneiss_error *error) {
 static void take_links(cg *c) {
     for (size_t s = 0; s < c->y.springs; s++) {
         const gn_spring *from = &c->y.spring[s];
-        c->link[s] = (link){{from->n[0], from->n[1], from->n[2]},
-                            from->kn + c->viscosity.rate * from->cn,
-                            from->kt,
-                            from->arm_i,
-                            from->arm_j,
+        c->link[s] = (link){{(float)from->n[0], (float)from->n[1], (float)from->n[2]},
+                            (float)(from->kn + c->viscosity.rate * from->cn),
+                            (float)from->kt,
+                            (float)from->arm_i,
+                            (float)from->arm_j,
                             from->i,
                             from->j};
     }
@@ -104,20 +112,21 @@ static void take_links(cg *c) {
 /* --- the operator --- */
 
 static inline void pull_of(const link *l, const double *u, double q[3]) {
-    const double *n = l->n, *a = u + N * (size_t)l->i;
-    double e[3] = {-a[0], -a[1], -a[2]}, w[3] = {l->arm_i * a[3], l->arm_i * a[4], l->arm_i * a[5]};
+    const double n[3] = {l->n[0], l->n[1], l->n[2]}, ai = l->arm_i, aj = l->arm_j;
+    const double *a = u + N * (size_t)l->i;
+    double e[3] = {-a[0], -a[1], -a[2]}, w[3] = {ai * a[3], ai * a[4], ai * a[5]};
     if (l->j >= 0) {
         const double *b = u + N * (size_t)l->j;
         for (int k = 0; k < 3; k++) {
             e[k] += b[k];
-            w[k] += l->arm_j * b[3 + k];
+            w[k] += aj * b[3 + k];
         }
     }
-    double along = (l->kn - l->kt) * (e[0] * n[0] + e[1] * n[1] + e[2] * n[2]);
+    double kt = l->kt, along = (l->kn - kt) * (e[0] * n[0] + e[1] * n[1] + e[2] * n[2]);
     e[0] -= w[1] * n[2] - w[2] * n[1];
     e[1] -= w[2] * n[0] - w[0] * n[2];
     e[2] -= w[0] * n[1] - w[1] * n[0];
-    for (int k = 0; k < 3; k++) q[k] = l->kt * e[k] + along * n[k];
+    for (int k = 0; k < 3; k++) q[k] = kt * e[k] + along * n[k];
 }
 
 /* N/m, N m: with which drag holds component k of a particle. */
@@ -127,54 +136,63 @@ static inline double drag_of(const cg *c, size_t p, int k) {
     return inverse > 0.0 ? c->viscosity.rate * c->viscosity.drag / inverse : 0.0;
 }
 
-static inline void gather(const cg *c, const double *u, size_t p, double *out) {
-    double f[N] = {0.0};
+/* K u of a particle; returns u . K u. */
+static inline double gather(const cg *c, const double *u, size_t p, double *out) {
+    double f[N], sum = 0.0;
+    for (size_t k = 0; k < N; k++) f[k] = c->ground[N * p + k] * u[N * p + k];
     for (size_t e = c->y.first[p]; e < c->y.first[p + 1]; e++) {
         size_t s = c->y.entry[e] / 2;
         bool second = c->y.entry[e] & 1;
         const link *l = &c->link[s];
-        const double *q = c->pull[s], *n = l->n;
+        const double *q = c->pull[s], n[3] = {l->n[0], l->n[1], l->n[2]};
         double side = second ? 1.0 : -1.0, arm = second ? l->arm_j : l->arm_i;
         for (int k = 0; k < 3; k++) f[k] += side * q[k];
         f[3] -= arm * (n[1] * q[2] - n[2] * q[1]);
         f[4] -= arm * (n[2] * q[0] - n[0] * q[2]);
         f[5] -= arm * (n[0] * q[1] - n[1] * q[0]);
     }
-    for (int k = 0; k < N; k++) f[k] += c->ground[N * p + (size_t)k] * u[N * p + (size_t)k];
-    for (int k = 0; k < N; k++) out[k] = c->free[p] >> k & 1 ? f[k] : 0.0;
-}
-
-static void apply(const cg *c, const double *u, double *out) {
-#pragma omp parallel num_threads(c->threads) if (c->y.particles > CHUNK)
-    {
-#pragma omp for schedule(static)
-        for (size_t s = 0; s < c->y.springs; s++) pull_of(&c->link[s], u, c->pull[s]);
-#pragma omp for schedule(static)
-        for (size_t p = 0; p < c->y.particles; p++) gather(c, u, p, out + N * p);
+    for (size_t k = 0; k < N; k++) {
+        out[k] = c->free[p] >> k & 1 ? f[k] : 0.0;
+        sum += u[N * p + k] * out[k];
     }
+    return sum;
 }
 
 /* --- the preconditioner --- */
 
-/* The block of a particle, with all that it touches held: its columns are what single unit
- * displacements are resisted by. */
+/* Sums over the springs of a particle, of which its block is made, with all that it touches held.
+ * Symmetric parts as xx yy zz xy yz zx. */
+typedef struct block_sums {
+    double kt, normal[6];        /* k_t; (k_n - k_t) n n^T */
+    double turn, turn_normal[6]; /* arm^2 k_t; the same n n^T */
+    double cross[3];             /* side arm k_t n */
+} block_sums;
+
 static void block_of(const cg *c, size_t p, double k[36]) {
-    memset(k, 0, 36 * sizeof *k);
+    static const int place[3][3] = {{0, 3, 5}, {3, 1, 4}, {5, 4, 2}};
+    block_sums b = {0};
     for (size_t e = c->y.first[p]; e < c->y.first[p + 1]; e++) {
         const link *l = &c->link[c->y.entry[e] / 2];
-        const double *n = l->n, arm = c->y.entry[e] & 1 ? l->arm_j : l->arm_i;
-        const double side = c->y.entry[e] & 1 ? 1.0 : -1.0;
-        /* Rows of the map from its components to e. */
-        const double row[3][N] = {{side, 0, 0, 0, -arm * n[2], arm * n[1]},
-                                  {0, side, 0, arm * n[2], 0, -arm * n[0]},
-                                  {0, 0, side, -arm * n[1], arm * n[0], 0}};
-        double normal[N] = {side * n[0], side * n[1], side * n[2], 0, 0, 0};
-        for (int a = 0; a < N; a++)
-            for (int b = 0; b < N; b++) {
-                double t = row[0][a] * row[0][b] + row[1][a] * row[1][b] + row[2][a] * row[2][b];
-                k[N * a + b] += l->kt * t + (l->kn - l->kt) * normal[a] * normal[b];
-            }
+        const double n[3] = {l->n[0], l->n[1], l->n[2]};
+        const double nn[6] = {n[0] * n[0], n[1] * n[1], n[2] * n[2],
+                              n[0] * n[1], n[1] * n[2], n[2] * n[0]};
+        const double arm = c->y.entry[e] & 1 ? l->arm_j : l->arm_i;
+        const double side = c->y.entry[e] & 1 ? 1.0 : -1.0, turn = arm * arm * l->kt;
+        b.kt += l->kt;
+        b.turn += turn;
+        for (int a = 0; a < 6; a++) b.normal[a] += ((double)l->kn - l->kt) * nn[a];
+        for (int a = 0; a < 6; a++) b.turn_normal[a] += turn * nn[a];
+        for (int a = 0; a < 3; a++) b.cross[a] += side * arm * l->kt * n[a];
     }
+    const double *x = b.cross;
+    const double cross[3][3] = {{0.0, -x[2], x[1]}, {x[2], 0.0, -x[0]}, {-x[1], x[0], 0.0}};
+    for (int a = 0; a < 3; a++)
+        for (int d = 0; d < 3; d++) {
+            double one = a == d ? 1.0 : 0.0;
+            k[N * a + d] = b.kt * one + b.normal[place[a][d]];
+            k[N * (a + 3) + d + 3] = b.turn * one - b.turn_normal[place[a][d]];
+            k[N * a + d + 3] = k[N * (d + 3) + a] = cross[a][d];
+        }
 }
 
 /* Cholesky; components that cannot move, or that nothing resists once those before them are held,
@@ -196,7 +214,7 @@ static void factor(double k[36], unsigned free, bool in[N]) {
     }
 }
 
-static void invert(const double l[36], const bool in[N], double inverse[36]) {
+static void invert(const double l[36], const bool in[N], float inverse[36]) {
     memset(inverse, 0, 36 * sizeof *inverse);
     for (int column = 0; column < N; column++) {
         double x[N] = {0.0};
@@ -211,7 +229,7 @@ static void invert(const double l[36], const bool in[N], double inverse[36]) {
             for (int m = a + 1; m < N; m++) sum -= l[N * m + a] * x[m];
             x[a] = in[a] ? sum / l[N * a + a] : 0.0;
         }
-        for (int a = 0; a < N; a++) inverse[N * a + column] = x[a];
+        for (int a = 0; a < N; a++) inverse[N * a + column] = (float)x[a];
     }
 }
 
@@ -233,37 +251,75 @@ static void make_blocks(cg *c) {
     }
 }
 
-static void precondition(const cg *c, const double *r, double *z) {
-#pragma omp parallel for num_threads(c->threads) schedule(static) if (c->y.particles > CHUNK)
-    for (size_t p = 0; p < c->y.particles; p++)
-        for (int a = 0; a < N; a++) {
-            double sum = 0.0;
-            for (int b = 0; b < N; b++) sum += c->inverse[p][N * a + b] * r[N * p + (size_t)b];
-            z[N * p + (size_t)a] = sum;
-        }
+/* z of a particle. */
+static inline void precondition(const cg *c, size_t p) {
+    const double *r = c->r + N * p;
+    double *z = c->z + N * p;
+    for (int a = 0; a < N; a++) z[a] = 0.0;
+    for (int b = 0; b < N; b++)
+        for (int a = 0; a < N; a++) z[a] += (double)c->inverse[p][N * b + a] * r[b];
 }
 
 /* --- the iteration --- */
 
-static double dot(const cg *c, const double *x, const double *y) {
-    return gn_eigen_dot(c->n, x, y, c->threads);
+static size_t chunks_of(const cg *c) {
+    return (c->y.particles + CHUNK - 1) / CHUNK;
 }
 
-static void add_scaled(const cg *c, double *x, double factor, const double *y) {
+static size_t end_of(const cg *c, size_t chunk) {
+    size_t end = (chunk + 1) * CHUNK;
+    return end < c->y.particles ? end : c->y.particles;
+}
+
+static part add_up(const cg *c) {
+    part sum = {0};
+    for (size_t k = 0; k < chunks_of(c); k++) {
+        sum.curvature += c->parts[k].curvature;
+        sum.rz += c->parts[k].rz;
+        sum.left += c->parts[k].left;
+    }
+    return sum;
+}
+
+/* Kp, and p.Kp. */
+static double apply(const cg *c) {
+#pragma omp parallel num_threads(c->threads) if (c->y.particles > CHUNK)
+    {
+#pragma omp for schedule(static)
+        for (size_t s = 0; s < c->y.springs; s++) pull_of(&c->link[s], c->p, c->pull[s]);
+#pragma omp for schedule(static)
+        for (size_t k = 0; k < chunks_of(c); k++) {
+            c->parts[k] = (part){0};
+            for (size_t p = k * CHUNK; p < end_of(c, k); p++)
+                c->parts[k].curvature += gather(c, c->p, p, c->kp + N * p);
+        }
+    }
+    return add_up(c).curvature;
+}
+
+/* u += step p, r -= step Kp, and z of that. */
+static part go(const cg *c, double step, double *u) {
 #pragma omp parallel for num_threads(c->threads) schedule(static) if (c->y.particles > CHUNK)
-    for (size_t k = 0; k < c->n; k++) x[k] += factor * y[k];
+    for (size_t k = 0; k < chunks_of(c); k++) {
+        part sum = {0};
+        for (size_t p = k * CHUNK; p < end_of(c, k); p++) {
+            for (size_t a = N * p; a < N * (p + 1); a++) {
+                u[a] += step * c->p[a];
+                c->r[a] -= step * c->kp[a];
+                sum.left += c->weight[a] * c->r[a] * c->r[a];
+            }
+            precondition(c, p);
+            for (size_t a = N * p; a < N * (p + 1); a++) sum.rz += c->r[a] * c->z[a];
+        }
+        c->parts[k] = sum;
+    }
+    return add_up(c);
 }
 
 /* p = z + factor p */
 static void turn(const cg *c, double factor) {
 #pragma omp parallel for num_threads(c->threads) schedule(static) if (c->y.particles > CHUNK)
     for (size_t k = 0; k < c->n; k++) c->p[k] = c->z[k] + factor * c->p[k];
-}
-
-/* |r|^2 in the metric of the diagonal: what nothing resists counts for no more than the rest. */
-static double size2(const cg *c) {
-    for (size_t k = 0; k < c->n; k++) c->kp[k] = c->weight[k] * c->r[k];
-    return dot(c, c->r, c->kp);
 }
 
 /* A particle with a load that touches nothing. */
@@ -279,24 +335,18 @@ static int32_t untouched(const cg *c) {
 
 static void iterate(cg *c, double tolerance, double *u, gn_equilibrium *found) {
     memset(u, 0, c->n * sizeof *u);
-    precondition(c, c->r, c->z);
-    memcpy(c->p, c->z, c->n * sizeof *c->p);
-    double rz = dot(c, c->r, c->z), first = size2(c), left = first;
-    for (found->iterations = 0; left > tolerance * tolerance * first; found->iterations++) {
+    part now = go(c, 0.0, u);
+    const double first = now.left;
+    turn(c, 0.0);
+    for (found->iterations = 0; now.left > tolerance * tolerance * first; found->iterations++) {
         if (found->iterations == ITERATIONS_MOST) break;
-        apply(c, c->p, c->kp);
-        double curvature = dot(c, c->p, c->kp);
+        double curvature = apply(c);
         if (!(curvature > 0.0)) break;
-        double step = rz / curvature;
-        add_scaled(c, u, step, c->p);
-        add_scaled(c, c->r, -step, c->kp);
-        precondition(c, c->r, c->z);
-        double next = dot(c, c->r, c->z);
-        turn(c, next / rz);
-        rz = next;
-        left = size2(c);
+        part next = go(c, now.rz / curvature, u);
+        turn(c, next.rz / now.rz);
+        now = next;
     }
-    found->residual = first > 0.0 ? sqrt(left / first) : 0.0;
+    found->residual = first > 0.0 ? sqrt(now.left / first) : 0.0;
 }
 
 gneiss_status gn_equilibrium_solve(const gn_spectrum *spectrum, gn_viscosity viscosity,
