@@ -144,10 +144,24 @@ def rest_ratio(rest, done):
     return float(k[before].max() / steady)
 
 
+def fractions():
+    """How near to the first break steps may begin, on rock-b."""
+    case, rows = CASES[1], []
+    for fraction in (0.5, 0.8, 0.9, 0.95, 0.99):
+        done = run(case, 0, True, fraction)
+        rows.append([fraction, f"{1e3 * done.start['time']:.5g}", f"{1e3 * done.first[0]:.5g}", f"{done.peak / 1e6:.1f}",
+                     done.broken_at_peak, done.steps, done.start["iterations"], f"{kinetic_ratio(done):.3f}"])
+    study.put("first-break.md", "table fractions", study.table(
+        ["start_fraction", "first break foretold, ms", "found, ms", "strength MPa", "broken at the peak", "steps",
+         "iterations", "kinetic energy over that of steady loading"], rows))
+
+
 def main():
     os.makedirs(FOLDER, exist_ok=True)
     wanted = [a for a in sys.argv[1:] if not a.startswith("-")]
     agree, breaks, cost, quiet = [], [], [], []
+    if not wanted or "fractions" in wanted:
+        fractions()
     for case in CASES:
         if wanted and case[0] not in wanted:
             continue
