@@ -159,6 +159,46 @@ static void a_ramp_is_followed_by_its_path(void **state) {
     world_end(w);
 }
 
+/* A bond is as strong as the weaker of its materials: the last one holds half. */
+static void the_weaker_material_breaks_first(void **state) {
+    (void)state;
+    gn_world *w = world_of(
+        "specimen:\n  particles: [[0, 0, 0, 1 mm], [2 mm, 0, 0, 1 mm], [4 mm, 0, 0, 1 mm], [6 mm, "
+        "0, "
+        "0, 1 mm]]\n  group: 1\n  material: m\nmaterials:\n"
+        "- {name: m, density: 2000, normal_stiffness: 1e6, kratio: 2, friction: 0.3, "
+        "bond_tension_limit: 1, bond_shear_limit: 1}\n"
+        "- {name: weak, density: 9000, normal_stiffness: 1e6, kratio: 3, friction: 0.3, "
+        "bond_tension_limit: 0.5, bond_shear_limit: 1}\n"
+        "law: {stiffness: uniform}\nbonds: {interaction_range: 0.01}\nsets:\n"
+        "- {name: foot, select: {ids: [0]}, motion: {vx: 0, vy: 0, vz: 0, wx: 0, wy: 0, wz: 0}}\n"
+        "- {name: head, select: {ids: [3]}, material: weak, motion: {vx: 1 mm/s, vy: 0, vz: 0, wx: "
+        "0, wy: 0, wz: 0}}\n%srun: {threads: 1}\n",
+        plain);
+    gn_first_break found = begin(w);
+    assert_near(found.time, 3.0 * 0.5 / (kn * 1e-3), 1e-4 * found.time);
+    assert_true(found.i + found.j == 5);
+    world_end(w);
+}
+
+/* Far from the break and close to it. */
+static void the_fraction_is_taken_as_it_is(void **state) {
+    (void)state;
+    const double fraction[] = {1e-3, 0.5, 0.999};
+    for (int k = 0; k < 3; k++) {
+        char time[128];
+        snprintf(time, sizeof time, "time: {start: first_break, start_fraction: %g, end: 1}\n",
+                 fraction[k]);
+        gn_world *w = chain(11, "", time);
+        gn_first_break found = begin(w);
+        /* What it may fall short by, and the accuracy of the time of the break. */
+        assert_near(found.start, fraction[k] * found.time, 1.2e-3 * fraction[k] * found.time);
+        assert_near(found.time, 10.0 * strength / (kn * 1e-3), 1e-3 * found.time);
+        assert_int_equal(w->dem.broken_tension + w->dem.broken_shear, 0);
+        world_end(w);
+    }
+}
+
 /* --- specimens --- */
 
 /* A block of spheres between rough platens, all of the rest beside it. */
@@ -422,6 +462,8 @@ int main(void) {
         cmocka_unit_test(a_wall_acts_when_its_gap_is_closed),
         cmocka_unit_test(viscous_damping_is_a_load),
         cmocka_unit_test(a_ramp_is_followed_by_its_path),
+        cmocka_unit_test(the_weaker_material_breaks_first),
+        cmocka_unit_test(the_fraction_is_taken_as_it_is),
         cmocka_unit_test(threads_leave_the_same_bits),
         cmocka_unit_test(mixed_precision_finds_the_same_start),
         cmocka_unit_test(nothing_rings_after_the_start),

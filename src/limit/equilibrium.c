@@ -333,18 +333,42 @@ static int32_t untouched(const cg *c) {
     return -1;
 }
 
+/* Iterations without progress that are borne: what a load has to tell goes one particle further
+ * with each, so some lengths of the specimen, in diameters. Motions that only the ground resists
+ * may take for ever, as rounding has its say. */
+static int patience_of(const cg *c) {
+    const gn_particles *q = c->y.spectrum->assembly->particles;
+    double low[3] = {INFINITY, INFINITY, INFINITY}, high[3] = {-INFINITY, -INFINITY, -INFINITY};
+    double radius = 0.0, length = 0.0;
+    for (size_t p = 0; p < q->soa.count; p++) {
+        for (size_t a = 0; a < 3; a++) {
+            low[a] = fmin(low[a], q->pos[4 * p + a]);
+            high[a] = fmax(high[a], q->pos[4 * p + a]);
+        }
+        radius += q->pos[4 * p + 3] / (double)q->soa.count;
+    }
+    for (int a = 0; a < 3; a++) length = fmax(length, high[a] - low[a]);
+    return 100 + (int)fmin(2.0 * length / radius, (double)ITERATIONS_MOST);
+}
+
 static void iterate(cg *c, double tolerance, double *u, gn_equilibrium *found) {
     memset(u, 0, c->n * sizeof *u);
     part now = go(c, 0.0, u);
     const double first = now.left;
+    const int patience = patience_of(c);
+    double least = first;
+    int since = 0;
     turn(c, 0.0);
     for (found->iterations = 0; now.left > tolerance * tolerance * first; found->iterations++) {
-        if (found->iterations == ITERATIONS_MOST) break;
+        if (since++ > patience || found->iterations == ITERATIONS_MOST) break;
         double curvature = apply(c);
         if (!(curvature > 0.0)) break;
         part next = go(c, now.rz / curvature, u);
         turn(c, next.rz / now.rz);
         now = next;
+        if (now.left > 0.5 * least) continue;
+        least = now.left;
+        since = 0;
     }
     found->residual = first > 0.0 ? sqrt(now.left / first) : 0.0;
 }

@@ -38,7 +38,7 @@ static const double balanced_first = 5e-3, balanced_on_the_way = 3e-4, balanced_
 static const double balanced_worst = 300.0;
 /* A linear system is solved to this part of what its solution is to leave over, and to these parts
  * of its load at least and at most. */
-static const double solved = 0.3, solved_least = 0.1, solved_most = 1e-3;
+static const double solved = 0.3, solved_least = 0.1, solved_most = 1e-2;
 /* The path of the first increment over the smallest radius. */
 static const double first_path = 1e-5;
 /* Loads at the start that move nothing by more than this part of it are rounding. */
