@@ -21,9 +21,10 @@
 
 enum { N = GN_COMPONENTS, CHUNK = 256, ITERATIONS_MOST = 20000 };
 
-/* Of the diagonal. A body that is a thousand particles long has eigenvalues of some 1e-6 of it, and
- * Newton's method makes good what this changes. */
-static const double everywhere = 1e-9;
+/* Of the diagonal. A body that is a hundred particles long has eigenvalues of some 1e-4 of it, and
+ * Newton's method makes good what this changes. With 1e-9 rounding kept the iteration from
+ * resolving it in specimens that hold many particles loosely. */
+static const double everywhere = 1e-6;
 /* A pivot of a block below this part of its diagonal is rounding. */
 static const double no_pivot = 1e-12;
 

@@ -21,7 +21,7 @@ typedef struct gn_viscosity {
 } gn_viscosity;
 
 /* K u = f for the active springs, fixed components at rest. `load` [particles][6], N and N m; `u`
- * the same, m and rad. Motions that no spring resists are resisted by 1e-9 of the diagonal: far
+ * the same, m and rad. Motions that no spring resists are resisted by 1e-6 of the diagonal: far
  * from an equilibrium unless the load has no part in them. Deterministic for any number of threads.
  */
 gneiss_status gn_equilibrium_solve(const gn_spectrum *spectrum, gn_viscosity viscosity,
