@@ -372,7 +372,7 @@ static void the_key_reference_has_every_key(void **state) {
     char *text = key_text(false, NULL, &all), *part = key_text(false, "time.s", &some);
     assert_non_null(strstr(text, "materials[].density\n"));
     assert_non_null(strstr(text, "walls[].servo.max_velocity\n"));
-    assert_int_equal(some, 6); /* step, safety, stop and its three */
+    assert_int_equal(some, 8); /* step, safety, start and its fraction, stop and its three */
     assert_null(strstr(part, "time.end"));
     assert_true(all > 100);
     free(text);

@@ -60,9 +60,10 @@ static gneiss_status fail(gn_run *run, gneiss_error *error) {
 
 /* *shown: a progress line stands on the terminal, and the cursor behind it. */
 static gneiss_status advance(const gn_options *o, gn_run *run, bool *shown, gneiss_error *error) {
-    const volatile sig_atomic_t *interrupted = gn_signals_set_flag();
     if (run->note[0]) fprintf(stderr, "gneiss: warning: %s\n", run->note);
     GN_TRY(gn_print_start(o, run, error));
+    GN_TRY(gn_print_beginning(o, run, error));
+    const volatile sig_atomic_t *interrupted = gn_signals_set_flag();
     while (!run->finished) {
         double pause = isatty(STDERR_FILENO) || o->json ? 0.5 : 5.0;
         gneiss_status status = gn_run_advance(run, pause, interrupted, error);

@@ -195,9 +195,26 @@ static gneiss_status time_steps(gn_world *w, double *seconds, gneiss_error *erro
 }
 
 gneiss_status gn_plan_seconds(gn_world *w, double *seconds, gneiss_error *error) {
-    double steps = ceil(w->scene.end / w->dt), per_step = 0.0;
+    gn_first_break found;
+    double start = gn_now(), before = 0.0, per_step = 0.0;
+    if (w->scene.start == GN_START_FIRST_BREAK) {
+        GN_TRY(gn_first_break_start(w, NULL, &found, error));
+        before = gn_now() - start;
+    }
+    double steps = ceil((w->scene.end - w->time) / w->dt);
     GN_TRY(time_steps(w, &per_step, error));
-    *seconds = steps * per_step;
+    *seconds = before + steps * per_step;
+    return GNEISS_OK;
+}
+
+/* The states on the way are looked for in earnest: nothing less tells where they end. */
+static gneiss_status find_start(gn_world *w, gneiss_error *error) {
+    gn_first_break found;
+    if (w->scene.start != GN_START_FIRST_BREAK) return GNEISS_OK;
+    double start = gn_now();
+    GN_TRY(gn_first_break_start(w, NULL, &found, error));
+    gn_print_first_break(w, &found);
+    printf("  found in %.1f s; the step there is %.6g s\n", gn_now() - start, w->dt);
     return GNEISS_OK;
 }
 
@@ -215,7 +232,8 @@ gneiss_status gn_print_plan(gn_world *w, gneiss_error *error) {
     printf("  in all %.1f MB\n", (double)gn_world_bytes(w) / 1e6);
     print_kernels(w);
     print_step(w);
-    double steps = ceil(w->scene.end / w->dt), per_step = 0.0;
+    GN_TRY(find_start(w, error));
+    double steps = ceil((w->scene.end - w->time) / w->dt), per_step = 0.0;
     double contacts = (double)(w->dem.bonds.soa.count + w->dem.pairs.soa.count);
     GN_TRY(time_steps(w, &per_step, error));
     printf("cost\n  steps            %.0f to t = %g s%s\n", steps, w->scene.end,

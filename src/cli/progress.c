@@ -1,6 +1,7 @@
 #include "cli/progress.h"
 
 #include "base/memory.h"
+#include "base/point.h"
 #include "cli/line.h"
 #include "cli/plan_elements.h"
 #include "io/files.h"
@@ -154,6 +155,49 @@ gneiss_status gn_print_start(const gn_options *o, const gn_run *run, gneiss_erro
     printf("output: %s\n", run->directory);
     fflush(stdout);
     return GNEISS_OK;
+}
+
+/* --- what comes before the first step --- */
+
+static gneiss_status show_state(void *context, const gn_first_break *so_far, gneiss_error *error) {
+    const gn_run *run = context;
+    gn_line line = {0};
+    (void)error;
+    gn_line_add(&line, 0, "equilibrium at t = %.4g s", run->world.time);
+    if (isfinite(so_far->time)) gn_line_add(&line, 0, "first break at %.4g s", so_far->time);
+    gn_line_add(&line, 1, "%lld linear systems, %lld iterations", (long long)so_far->solutions,
+                (long long)so_far->iterations);
+    gn_line_show(&line, false);
+    return GNEISS_OK;
+}
+
+void gn_print_first_break(const gn_world *w, const gn_first_break *b) {
+    char at[GN_POINT_SIZE];
+    const double none[3] = {0, 0, 0};
+    printf(
+        "start: the first break is to come at t = %.6g s, between particles %d and %d near %s m;\n"
+        "  steps begin in the equilibrium at t = %.6g s = %.3f of that, which takes the place of "
+        "%lld steps\n"
+        "  (%lld states on the way, %lld linear systems, %lld iterations; loads that are left %.1g "
+        "of "
+        "the contact forces)\n",
+        b->time, (int)b->i, (int)b->j, gn_point_text(none, b->place, at), w->time,
+        w->time / b->time, (long long)b->steps, (long long)b->increments, (long long)b->solutions,
+        (long long)b->iterations, b->unbalanced);
+}
+
+gneiss_status gn_print_beginning(const gn_options *o, gn_run *run, gneiss_error *error) {
+    const gn_world *w = &run->world;
+    const bool speaks = !o->quiet && !o->json;
+    if (w->scene.start != GN_START_FIRST_BREAK || w->step > 0) return GNEISS_OK;
+    if (speaks) printf("time.start: first_break: looking for the first break without steps\n");
+    fflush(stdout);
+    gneiss_status status =
+        gn_run_begin(run, speaks ? &(gn_first_break_watch){show_state, run} : NULL, error);
+    if (speaks) gn_leave_progress(o);
+    if (status == GNEISS_OK && speaks) gn_print_first_break(w, &run->first_break);
+    fflush(stdout);
+    return status;
 }
 
 /* A line with the number, or with why there is none. */

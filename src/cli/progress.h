@@ -15,6 +15,10 @@ void gn_leave_progress(const gn_options *options);
  * and bodies. */
 gneiss_status gn_print_start(const gn_options *options, const gn_run *run, gneiss_error *error);
 
+/* With time.start: first_break finds where the steps begin, and says what it finds. */
+gneiss_status gn_print_beginning(const gn_options *options, gn_run *run, gneiss_error *error);
+void gn_print_first_break(const gn_world *world, const gn_first_break *found);
+
 /* Readings and counts, also when quiet, and the profile. */
 void gn_print_summary(const gn_options *options, const gn_run *run);
 

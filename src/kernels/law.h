@@ -111,6 +111,8 @@ typedef struct gn_law {
     void (*release)(gn_contacts *list, size_t c);
     /* The largest of force over strength of a bond that holds. */
     double (*criterion)(const gn_contacts *list, size_t c, double normal, double shear);
+    /* Whether contact c, no bond that holds, slides under these forces. */
+    bool (*slips)(const gn_contacts *list, size_t c, double normal, double shear);
 
     /* The largest stiffness of a contact with a wall, with a particle that gives way by
      * `inverse_mass`. */
@@ -158,6 +160,7 @@ gn_law_spring gn_linear_spring(const gn_contacts *list, size_t c, double overlap
 gn_law_held gn_linear_held(const gn_contacts *list, size_t c, double length, double stretch);
 void gn_linear_release(gn_contacts *list, size_t c);
 double gn_linear_criterion(const gn_contacts *list, size_t c, double normal, double shear);
+bool gn_linear_slips(const gn_contacts *list, size_t c, double normal, double shear);
 gn_law_spring gn_linear_touch_spring(const gn_touch_side *side, double inverse_mass,
                                      double damping_fraction, double overlap);
 double gn_linear_touch_stored(const gn_touch_side *side, double normal, double shear2);

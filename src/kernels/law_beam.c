@@ -54,9 +54,16 @@ static void beam_release(gn_contacts *list, size_t c) {
     }
 }
 
-const gn_law gn_law_beam = {gn_linear_derive,       beam_set,
-                            gn_linear_set_dashpot,  gn_linear_meeting,
-                            gn_linear_spring,       gn_linear_held,
-                            beam_release,           gn_linear_criterion,
-                            gn_linear_touch_spring, gn_linear_touch_stored,
-                            gn_linear_touch,        beam_moments};
+const gn_law gn_law_beam = {.derive = gn_linear_derive,
+                            .set = beam_set,
+                            .set_dashpot = gn_linear_set_dashpot,
+                            .meeting = gn_linear_meeting,
+                            .spring = gn_linear_spring,
+                            .held = gn_linear_held,
+                            .release = beam_release,
+                            .criterion = gn_linear_criterion,
+                            .slips = gn_linear_slips,
+                            .touch_spring = gn_linear_touch_spring,
+                            .touch_stored = gn_linear_touch_stored,
+                            .touch = gn_linear_touch,
+                            .moments = beam_moments};

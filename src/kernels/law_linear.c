@@ -216,6 +216,11 @@ double gn_linear_criterion(const gn_contacts *list, size_t c, double normal, dou
     return list->rt ? fmax(ratio, shear / list->rt[c]) : ratio;
 }
 
+/* A contact that slides is at its limit, up to rounding (of single precision, in mixed). */
+bool gn_linear_slips(const gn_contacts *list, size_t c, double normal, double shear) {
+    return list->mu && shear > 0.0 && shear >= list->mu[c] * fmax(-normal, 0.0) * (1.0 - 1e-6);
+}
+
 /* --- walls and surfaces --- */
 
 static double touch_kt(const gn_touch_side *side) {
@@ -331,7 +336,15 @@ double gn_linear_touch(const gn_touch_step *step, const gn_touch_side *side, con
     return total;
 }
 
-const gn_law gn_law_linear = {gn_linear_derive,       gn_linear_set,       gn_linear_set_dashpot,
-                              gn_linear_meeting,      gn_linear_spring,    gn_linear_held,
-                              gn_linear_release,      gn_linear_criterion, gn_linear_touch_spring,
-                              gn_linear_touch_stored, gn_linear_touch,     NULL};
+const gn_law gn_law_linear = {.derive = gn_linear_derive,
+                              .set = gn_linear_set,
+                              .set_dashpot = gn_linear_set_dashpot,
+                              .meeting = gn_linear_meeting,
+                              .spring = gn_linear_spring,
+                              .held = gn_linear_held,
+                              .release = gn_linear_release,
+                              .criterion = gn_linear_criterion,
+                              .slips = gn_linear_slips,
+                              .touch_spring = gn_linear_touch_spring,
+                              .touch_stored = gn_linear_touch_stored,
+                              .touch = gn_linear_touch};

@@ -30,6 +30,7 @@ const gn_law gn_law_mohr = {.derive = gn_linear_derive,
                             .held = gn_linear_held,
                             .release = gn_linear_release,
                             .criterion = criterion,
+                            .slips = gn_linear_slips,
                             .touch_spring = gn_linear_touch_spring,
                             .touch_stored = gn_linear_touch_stored,
                             .touch = gn_linear_touch};

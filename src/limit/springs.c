@@ -98,7 +98,7 @@ static size_t list_count(const gn_contacts *list) {
     return list ? list->soa.count : 0;
 }
 
-bool gn_spring_make(const gn_spectrum *spectrum, size_t k, gn_spring *s) {
+static bool make(const gn_spectrum *spectrum, size_t k, gn_spring *s) {
     const gn_assembly *a = spectrum->assembly;
     if (k < list_count(a->bonds)) return contact_spring(spectrum, a->bonds, k, s);
     k -= list_count(a->bonds);
@@ -106,6 +106,14 @@ bool gn_spring_make(const gn_spectrum *spectrum, size_t k, gn_spring *s) {
     k -= list_count(a->pairs);
     if (k < wall_contact_count(a)) return wall_spring(spectrum, a->wall_contacts, k, s);
     return extra_spring(spectrum, k - wall_contact_count(a), s);
+}
+
+bool gn_spring_make(const gn_spectrum *spectrum, size_t k, gn_spring *s) {
+    if (!make(spectrum, k, s)) return false;
+    if (spectrum->slips && k < gn_spring_count(spectrum) - spectrum->extra_count &&
+        spectrum->slips[k])
+        s->kt = 0.0;
+    return true;
 }
 
 size_t gn_spring_pairs(const gn_spectrum *spectrum) {

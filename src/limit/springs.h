@@ -1,5 +1,5 @@
 /* The springs of the linearised system: what gn_step_limits and gn_step_holds work on. Inside
- * src/limit/springs.c, step_limits.c and step_holds.c only. */
+ * src/limit/springs.c, step_limits.c, step_holds.c and equilibrium.c only. */
 #ifndef GN_LIMIT_SPRINGS_H
 #define GN_LIMIT_SPRINGS_H
 

@@ -25,6 +25,8 @@ typedef struct gn_spectrum {
     const gn_extra_spring *extra;   /* [extra_count], by particle */
     size_t extra_count;
     double reach;         /* m: contacts with a gap of up to this count as touching as well */
+    const uint8_t *slips; /* [bonds, pairs, wall contacts] those that slide, which nothing but the
+                           * normal spring resists; NULL: all stick */
     const uint8_t *fixed; /* [particles] bit k: component k (v xyz, w xyz) prescribed; NULL: none */
     int threads;
 } gn_spectrum;

@@ -23,6 +23,7 @@ enum { FORMAT = 6 };
 
 static const gn_piece pieces[] = {
     INTEGER(world.step),
+    INTEGER(world.first_step),
     DOUBLES(world.time),
     DOUBLES(world.dt_past),
     DOUBLES(world.dt),
@@ -42,6 +43,17 @@ static const gn_piece pieces[] = {
     INTEGER(snapshot_interval),
     DOUBLES(peak),
     INTEGER(bad_since),
+    LIMIT(first_break.time),
+    INTEGER(first_break.i),
+    INTEGER(first_break.j),
+    DOUBLES(first_break.place),
+    DOUBLES(first_break.start),
+    INTEGER(first_break.steps),
+    INTEGER(first_break.increments),
+    INTEGER(first_break.solutions),
+    INTEGER(first_break.iterations),
+    DOUBLES(first_break.unbalanced),
+    DOUBLES(first_break.shortfall),
 };
 enum { PIECES = sizeof pieces / sizeof *pieces };
 

@@ -120,6 +120,18 @@ gneiss_status gn_history_step(gn_world *w, gn_history *h, gneiss_error *error) {
     return status;
 }
 
+gneiss_status gn_history_still(gn_world *w, gn_history *h, gneiss_error *error) {
+    double *row = calloc(h->column_count + 1, sizeof *row);
+    if (!row) return gn_fail(error, GNEISS_ERROR_MEMORY, "no memory for a history row");
+    note_passed(w);
+    put_row(w, GN_BEFORE_STEP, row);
+    put_row(w, GN_AFTER_STEP, row);
+    gneiss_status status = check_row(h, row, error);
+    if (status == GNEISS_OK) status = gn_history_append(h, row, error);
+    free(row);
+    return status;
+}
+
 gn_readings gn_history_readings(const gn_world *w, const gn_history *h) {
     const gn_test *t = &w->scene.test;
     gn_readings r;

@@ -11,6 +11,9 @@ gneiss_status gn_history_begin(const gn_world *world, gn_history *history, gneis
  * the step, forces and energies after it. */
 gneiss_status gn_history_step(gn_world *world, gn_history *history, gneiss_error *error);
 
+/* Appends the row of a state that the world was put in, with the reading as it stands. */
+gneiss_status gn_history_still(gn_world *world, gn_history *history, gneiss_error *error);
+
 /* Readings of the whole history. */
 gn_readings gn_history_readings(const gn_world *world, const gn_history *history);
 

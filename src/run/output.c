@@ -336,6 +336,22 @@ static void summary_mass_scaling(const gn_world *w, gn_json *j) {
 }
 
 /* What it took, and of what. */
+static void summary_start(const gn_run *run, gn_json *j) {
+    const gn_first_break *b = &run->first_break;
+    if (!b->steps) return;
+    gn_json_object(j, "first_break");
+    gn_json_number(j, "time", b->time);
+    gn_json_integer(j, "first", b->i);
+    gn_json_integer(j, "second", b->j);
+    gn_json_number(j, "start", b->start);
+    gn_json_integer(j, "steps", b->steps);
+    gn_json_integer(j, "solutions", b->solutions);
+    gn_json_integer(j, "iterations", b->iterations);
+    gn_json_number(j, "unbalanced", b->unbalanced);
+    gn_json_number(j, "shortfall", b->shortfall);
+    gn_json_end(j);
+}
+
 static void summary_cost(const gn_run *run, gn_json *j) {
     const gn_world *w = &run->world;
     gn_progress p = gn_run_progress(run);
@@ -376,6 +392,7 @@ gneiss_status gn_output_summary(const gn_run *run, gneiss_error *error) {
     gn_json_text(j, "state_hash", hash);
     gn_json_bool(j, "finished", run->finished);
     gn_json_text(j, "stop_reason", run->stop_reason);
+    summary_start(run, j);
     summary_step(w, j);
     summary_mass_scaling(w, j);
     summary_cost(run, j);

@@ -284,15 +284,45 @@ static gneiss_status write_snapshots(gn_run *run, gneiss_error *error) {
     return gn_output_series(run, error);
 }
 
+typedef struct beginning {
+    gn_run *run;
+    const gn_first_break_watch *watch;
+} beginning;
+
+/* A row for every state on the way but the last, which the first step reads. */
+static gneiss_status note_state(void *context, const gn_first_break *so_far, gneiss_error *error) {
+    const beginning *b = context;
+    gn_world *w = &b->run->world;
+    w->step = llround(w->time / w->dt);
+    gneiss_status status = gn_history_still(w, &b->run->history, error);
+    w->step = 0;
+    if (status != GNEISS_OK || !b->watch) return status;
+    return b->watch->state(b->watch->context, so_far, error);
+}
+
+gneiss_status gn_run_begin(gn_run *run, const gn_first_break_watch *watch, gneiss_error *error) {
+    gn_world *w = &run->world;
+    if (w->scene.start != GN_START_FIRST_BREAK || w->step > 0) return GNEISS_OK;
+    beginning b = {run, watch};
+    double start = gn_now();
+    gneiss_status status =
+        gn_first_break_start(w, &(gn_first_break_watch){note_state, &b}, &run->first_break, error);
+    w->seconds[GN_PHASE_setup] += gn_now() - start;
+    return status;
+}
+
 static gneiss_status one_step(gn_run *run, gneiss_error *error) {
     gn_world *w = &run->world;
-    if (run->directory[0] && run->snapshot_interval && w->step % run->snapshot_interval == 0) {
+    GN_TRY(gn_run_begin(run, NULL, error));
+    const bool first = w->step == w->first_step;
+    if (run->directory[0] && run->snapshot_interval &&
+        (first || w->step % run->snapshot_interval == 0)) {
         double start = gn_now();
         gneiss_status status = write_snapshots(run, error);
         w->seconds[GN_PHASE_output] += gn_now() - start;
         GN_TRY(gn_run_rescue(run, true, status, error));
     }
-    if (w->step % run->history_interval == 0) {
+    if (first || w->step % run->history_interval == 0) {
         GN_TRY(gn_history_step(w, &run->history, error));
         GN_TRY(gn_run_check_ledger(run, error));
         check_stop_conditions(run);
@@ -359,7 +389,7 @@ gn_progress gn_run_progress(const gn_run *run) {
     p.time = w->time;
     p.end = w->scene.end;
     p.seconds = run->wall_before + gn_now() - run->wall_start;
-    double rate = p.seconds > 0.0 ? (double)w->step / p.seconds : 0.0;
+    double rate = p.seconds > 0.0 ? (double)(w->step - w->first_step) / p.seconds : 0.0;
     p.particle_steps_per_second = rate * (double)w->dem.particles.soa.count;
     p.element_steps_per_second = rate * (double)gn_elements_totals(w).elements;
     p.contact_steps_per_second = p.seconds > 0.0 ? (double)w->dem.contact_steps / p.seconds : 0.0;

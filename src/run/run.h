@@ -5,6 +5,7 @@
 #include "base/version.h"
 #include "io/snapshot.h"
 #include "run/history_rows.h"
+#include "static/first_break.h"
 
 #include <signal.h>
 
@@ -22,7 +23,8 @@ typedef struct gn_run {
     bool finished;
     char stop_reason[256];
     gn_snapshot_times snapshot_times; /* of the output folder */
-    int folder_lock; /* descriptor that keeps other runs out of the folder; 0: none */
+    int folder_lock;            /* descriptor that keeps other runs out of the folder; 0: none */
+    gn_first_break first_break; /* what the run began with; steps 0: it began at rest */
     char note[GNEISS_MESSAGE_SIZE]; /* of gn_run_resume: which checkpoint was damaged; "": none */
 } gn_run;
 
@@ -60,6 +62,11 @@ gneiss_status gn_run_resume(const char *directory, const gn_override *overrides,
 /* Goes on from one checkpoint file, without an output folder; overrides as in gn_run_resume. */
 gneiss_status gn_run_load(const char *path, const gn_override *overrides, size_t override_count,
                           gn_run *run, gneiss_error *error);
+
+/* With time.start: first_break takes a world at its start to where it begins; else, and of a run
+ * that has begun, nothing. What comes next would do it without telling. `watch`, may be NULL: told
+ * of the states on the way. */
+gneiss_status gn_run_begin(gn_run *run, const gn_first_break_watch *watch, gneiss_error *error);
 
 /* Takes `steps` steps, also past the end and the stop conditions. Outputs that fall due are
  * written; errors as with gn_run_advance. */

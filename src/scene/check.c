@@ -507,41 +507,6 @@ static gneiss_status check_no_specimen(const check *c, const gn_scene *s) {
     return GNEISS_OK;
 }
 
-static gneiss_status check_step(const check *c, const gn_scene *s) {
-    if (s->step <= s->end) return GNEISS_OK;
-    return gn_check_fail(c, "time.step", "expected a step below the end, found %g s and %g s",
-                         s->step, s->end);
-}
-
-static gneiss_status check_mass_scaling(const check *c, const gn_scene *s) {
-    bool falls = s->gravity[0] != 0.0 || s->gravity[1] != 0.0 || s->gravity[2] != 0.0;
-    if (!s->has_mass_scaling || !gn_check_sound(c, "gravity")) return GNEISS_OK;
-    if ((s->scaled_step > 0.0) == (s->scaled_factor > 0.0))
-        return gn_check_fail(c, "time.mass_scaling", "expected either step or factor, found %s",
-                             s->scaled_step > 0.0 ? "both" : "neither");
-    if (s->step > 0.0)
-        return gn_check_fail(c, "time.mass_scaling",
-                             "expected time.step: auto, which takes the step that masses are "
-                             "raised for, found a step of %g s",
-                             s->step);
-    if (!s->has_specimen)
-        return gn_check_fail(c, "time.mass_scaling",
-                             "expected a specimen: the masses of finite elements are not raised, "
-                             "found elements only");
-    if (s->scaled_step >= s->end)
-        return gn_check_fail(c, "time.mass_scaling.step",
-                             "expected a step below the end, found %g s and %g s", s->scaled_step,
-                             s->end);
-    if (falls && s->scaled_gravity == GN_GRAVITY_REFUSED)
-        return gn_check_fail(c, "time.mass_scaling",
-                             "expected no gravity, in which heavier particles fall more slowly, or "
-                             "gravity: own_mass, which leaves each its weight, found gravity and "
-                             "%s",
-                             gn_check_given(c, "time.mass_scaling.gravity") ? "gravity: refuse"
-                                                                            : "no such key");
-    return GNEISS_OK;
-}
-
 /* Element by element. */
 typedef gneiss_status check_one(const check *c, const gn_scene *s, size_t index);
 
@@ -586,6 +551,5 @@ gneiss_status gn_check_scene(gn_reader *reader, const gn_node *root) {
     if (gn_check_sound(&c, "test") && gn_check_sound(&c, "time.stop"))
         GN_TRY(gn_check_keep(&c, check_test(&c, s)));
     if (!gn_check_sound(&c, "time")) return GNEISS_OK;
-    GN_TRY(gn_check_keep(&c, check_step(&c, s)));
-    return gn_check_keep(&c, check_mass_scaling(&c, s));
+    return gn_check_time(&c, s);
 }

@@ -54,6 +54,9 @@ gneiss_status gn_check_coupling(const check *c, const gn_scene *s);
 /* Bonds that carry moments. */
 gneiss_status gn_check_moments(const check *c, const gn_scene *s);
 
+/* What `time` says of steps (check_time.c). */
+gneiss_status gn_check_time(const check *c, const gn_scene *s);
+
 /* The list `bodies`, which may be empty. */
 gneiss_status gn_check_bodies(const gn_reader *reader, const gn_node *root);
 

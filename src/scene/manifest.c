@@ -46,6 +46,8 @@ static const gn_choice test_kinds[] = {
     {"compression", GN_TEST_COMPRESSION}, {"tension", GN_TEST_TENSION}, {NULL, 0}};
 static const gn_choice estimates[] = {
     {"sharp", GN_STEP_SHARP}, {"bound", GN_STEP_BOUND}, {NULL, 0}};
+static const gn_choice starts[] = {
+    {"rest", GN_START_REST}, {"first_break", GN_START_FIRST_BREAK}, {NULL, 0}};
 static const gn_choice policies[] = {{"stop", GN_POLICY_STOP}, {"warn", GN_POLICY_WARN}, {NULL, 0}};
 static const gn_choice scaled_gravities[] = {
     {"refuse", GN_GRAVITY_REFUSED}, {"own_mass", GN_GRAVITY_OWN}, {NULL, 0}};
@@ -436,6 +438,13 @@ static const gn_key time_keys[] = {
         .text = "what a step above its limit does"),
     KEY("end", REAL, gn_scene, end, .unit = "s", .range = "(0, inf)", .required = true,
         .text = "time at which the run ends"),
+    KEY("start", CHOICE, gn_scene, start, .choices = starts, .fallback = "rest",
+        PLACED(gn_scene, start_where),
+        .text = "where the steps begin: at rest; or first_break, in the equilibrium shortly before "
+                "the first bond breaks, found without steps"),
+    KEY("start_fraction", REAL, gn_scene, start_fraction, .unit = "1", .range = "(0, 1)",
+        .fallback = "0.9",
+        .text = "with first_break: the start as a fraction of the time of the first break"),
     SECTION("stop", stop_section, .text = "conditions that end the run earlier"),
 };
 static const gn_section time_section = {time_keys, sizeof time_keys / sizeof(gn_key), 0,

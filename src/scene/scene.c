@@ -8,6 +8,7 @@
 #include <errno.h>
 #include <limits.h>
 #include <locale.h>
+#include <math.h>
 #include <stdlib.h>
 #include <string.h>
 #include <sys/stat.h>
@@ -385,6 +386,17 @@ double gn_table_at(const gn_table *table, double time) {
     }
     double share = (time - table->time[low]) / (table->time[high] - table->time[low]);
     return (1.0 - share) * table->value[low] + share * table->value[high];
+}
+
+double gn_table_between(const gn_table *table, double from, double to) {
+    double sum = 0.0, at = from;
+    for (size_t k = 0; k <= table->count; k++) {
+        double next = k < table->count ? fmin(to, table->time ? table->time[k] : to) : to;
+        if (!(next > at)) continue;
+        sum += 0.5 * (next - at) * (gn_table_at(table, at) + gn_table_at(table, next));
+        at = next;
+    }
+    return sum;
 }
 
 int gn_scene_find_wall(const gn_scene *scene, const char *name) {

@@ -112,6 +112,8 @@ typedef enum gn_softening {
 } gn_softening;
 
 typedef enum gn_precision { GN_PRECISION_DOUBLE, GN_PRECISION_MIXED } gn_precision;
+/* Where explicit steps begin. */
+typedef enum gn_start { GN_START_REST, GN_START_FIRST_BREAK } gn_start;
 typedef enum gn_step_estimate { GN_STEP_SHARP, GN_STEP_BOUND } gn_step_estimate;
 /* Whether particles with more mass than their own may have a weight: their own. */
 typedef enum gn_scaled_gravity { GN_GRAVITY_REFUSED, GN_GRAVITY_OWN } gn_scaled_gravity;
@@ -481,8 +483,11 @@ typedef struct gn_scene {
     double scaled_factor; /* of the step without */
     gn_scaled_gravity scaled_gravity;
     gn_scene_place scaling_where;
-    gn_policy on_unstable;  /* what a step above its limit does */
-    double end;             /* s */
+    gn_policy on_unstable; /* what a step above its limit does */
+    double end;            /* s */
+    gn_start start;        /* at rest, or where statics end */
+    gn_scene_place start_where;
+    double start_fraction;  /* of the time of the first break; with GN_START_FIRST_BREAK */
     double stop_peak_drop;  /* stop once stress has fallen by this fraction of its peak; 0: off */
     double stop_strain;     /* 0: off */
     double stop_unbalanced; /* stop once the unbalanced force ratio is below; 0: off */
@@ -569,6 +574,8 @@ bool gn_scene_nearest_key(const char *sought, char *name, size_t size);
 
 /* Value of a table at a time; 0 for an empty table. */
 double gn_table_at(const gn_table *table, double time);
+/* Its integral over time. */
+double gn_table_between(const gn_table *table, double from, double to);
 
 /* Finds by name; -1 when there is none. */
 int gn_scene_find_wall(const gn_scene *scene, const char *name);

@@ -7,7 +7,7 @@
 #include "io/packing.h"
 #include "kernels/dispatch.h"
 #include "kernels/law.h"
-#include "limit/step_limits.h"
+#include "limit/equilibrium.h"
 #include "measure/energy.h"
 #include "neigh/pairs.h"
 #include "sched/deal.h"
@@ -117,6 +117,16 @@ void gn_dem_look_at_travel(gn_world *world);
 void gn_dem_forces(gn_world *world, bool measure);
 /* then the motion of what waited, and what the step sums up to. */
 void gn_dem_move(gn_world *world, bool measure);
+/* Forces at the present places, for who looks for equilibrium: contacts see the velocities as those
+ * of a path of `span` s that led here, 0: none. Then velocities get what the loads, gravity and
+ * applied forces among them, do in half of `kick` s, without background damping; places are of no
+ * use after that. With `kick` 0 nothing moves. */
+void gn_dem_evaluate(gn_world *world, double span, double kick, bool measure);
+/* What brings the linearised system into equilibrium with `load`, see gn_equilibrium_solve.
+ * `slips`: see gn_spectrum, `rate`: gn_viscosity. */
+gneiss_status gn_dem_relax(const gn_world *world, const uint8_t *slips, double rate,
+                           const double *load, double tolerance, double *u, gn_equilibrium *found,
+                           gneiss_error *error);
 /* Works, and what contacts dissipated; what is stored at the instant between the halves, with the
  * stress, Pa; the mean resultant over the mean contact force. */
 void gn_dem_book(const gn_world *world, gn_half half, gn_energy *ledger);

@@ -142,6 +142,21 @@ gneiss_status gn_dem_masses(const gn_world *w, bool listed, double step, double 
     return ask(w, listed, &q, error);
 }
 
+gneiss_status gn_dem_relax(const gn_world *w, const uint8_t *slips, double rate, const double *load,
+                           double tolerance, double *u, gn_equilibrium *found,
+                           gneiss_error *error) {
+    gn_assembly assembly = gn_world_assembly(w);
+    spectrum_data data = {0};
+    GN_TRY(make_data(w, 0.0, &data, error));
+    gn_spectrum spectrum = spectrum_of(w, 0.0, &assembly, &data);
+    spectrum.slips = slips;
+    double drag = w->effects & GN_FX_VISCOUS ? w->scene.background_coefficient : 0.0;
+    gneiss_status status = gn_equilibrium_solve(&spectrum, (gn_viscosity){rate, drag}, load,
+                                                tolerance, u, found, error);
+    free_data(&data);
+    return status;
+}
+
 /* Whether the rigorous bound settles it without Lanczos: the scene asks for it, or a given step is
  * below. */
 static bool bound_suffices(const gn_world *w, double bound) {

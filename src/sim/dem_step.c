@@ -146,6 +146,26 @@ void gn_dem_move(gn_world *w, bool measure) {
     d->contact_steps += (int64_t)(d->bonds.soa.count + d->pairs.soa.count);
 }
 
+/* --- at another state than the last --- */
+
+void gn_dem_evaluate(gn_world *w, double span, double kick, bool measure) {
+    gn_dem *d = &w->dem;
+    const double past = w->dt_past;
+    if (w->effects & GN_FX_PRESCRIBED) gn_prescription_update(w, w->time);
+    w->dt_past = span;
+    d->speed_most = 0.0;
+    gn_contact_args bonds = gn_dem_contact_args(w, &d->bonds, measure);
+    gn_contact_args pairs = gn_dem_contact_args(w, &d->pairs, measure);
+    gn_motion_args motion = gn_dem_motion_args(w, measure);
+    motion.dt_past = 0.0;
+    motion.dt = kick;
+    if (kick > 0.0) motion.damping = 0.0;
+    gn_sweep(w, &bonds, &pairs, &motion);
+    w->dt_past = past;
+    add_up(w, &d->done);
+    if (w->effects & GN_FX_PRESCRIBED) gn_reactions_sum(w);
+}
+
 /* --- what came of it --- */
 
 static void book_contacts(const gn_dem_sums *s, gn_energy *e) {

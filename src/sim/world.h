@@ -61,6 +61,7 @@ struct gn_world {
     double test_length, test_area;
 
     int64_t step;
+    int64_t first_step; /* 0, or the step that it began with in an equilibrium (src/static) */
     double time;        /* s */
     double dt_past, dt; /* s: interval that led here, coming interval */
     double stable; /* s: what the step is held against: sharp limit or bound, less the share that

@@ -167,11 +167,8 @@ void gn_soa_mirror(const gn_record *record, void *soa, const int32_t *swapped, s
     }
 }
 
-gneiss_status gn_soa_copy(const gn_record *record, void *dst, const void *src, gn_effects effects,
-                          gneiss_error *error) {
-    const gn_soa *from = src;
-    GN_TRY(gn_soa_create(record, dst, from->count, effects, error));
-    const gn_soa *to = dst;
+void gn_soa_take(const gn_record *record, void *dst, const void *src) {
+    const gn_soa *from = src, *to = dst;
     for (size_t f = 0; f < record->field_count; f++) {
         const gn_field *field = &record->fields[f];
         char *out = gn_field_data(field, dst);
@@ -182,6 +179,12 @@ gneiss_status gn_soa_copy(const gn_record *record, void *dst, const void *src, g
             memcpy(out + o.base, in + s.base, s.stride * from->count);
         }
     }
+}
+
+gneiss_status gn_soa_copy(const gn_record *record, void *dst, const void *src, gn_effects effects,
+                          gneiss_error *error) {
+    GN_TRY(gn_soa_create(record, dst, ((const gn_soa *)src)->count, effects, error));
+    gn_soa_take(record, dst, src);
     return GNEISS_OK;
 }
 

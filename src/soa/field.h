@@ -90,6 +90,9 @@ void gn_soa_mirror(const gn_record *record, void *soa, const int32_t *swapped, s
 gneiss_status gn_soa_copy(const gn_record *record, void *dst, const void *src, gn_effects effects,
                           gneiss_error *error);
 
+/* The values of src in the arrays of dst, as far as it has the field; as many items. */
+void gn_soa_take(const gn_record *record, void *dst, const void *src);
+
 /* FNV-1a of all STATE fields of the first `count` items, chained from `seed`. */
 uint64_t gn_soa_hash(const gn_record *record, const void *soa, uint64_t seed);
 

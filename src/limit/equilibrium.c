@@ -1,0 +1,393 @@
+/* Preconditioned conjugate gradients (Hestenes & Stiefel 1952) on the springs of the stability
+ * limit, with the inverse 6 x 6 blocks of single particles as preconditioner (Golub & Van Loan,
+ * Matrix Computations, 11.5).
+ *
+ * A spring between i and j with normal n resists the relative displacement of its contact point, e
+ * = u_j - u_i - (a_i w_i + a_j w_j) x n, by q = k_t e + (k_n - k_t)(e.n) n: force q on i, -q on j,
+ * and the moments a_i n x q and a_j n x q. One pass makes q of all springs, a second one gathers
+ * them particle by particle in the order of the springs, so that no sum depends on the threads.
+ *
+ * Where K is singular (a rigid motion that nothing holds, a sphere that rolls about its only bond)
+ * every component is resisted by a small part of its diagonal besides: all motions that nothing
+ * else resists have that one eigenvalue, which costs an iteration or two. Without a load of theirs
+ * they stay at rest; a load moves them far, which is for the caller to see. */
+#include "limit/equilibrium.h"
+
+#include "base/memory.h"
+#include "limit/springs.h"
+
+#include <math.h>
+#include <string.h>
+
+enum { N = GN_COMPONENTS, CHUNK = 256, ITERATIONS_MOST = 20000 };
+
+/* Of the diagonal. A body that is a hundred particles long has eigenvalues of some 1e-4 of it, and
+ * Newton's method makes good what this changes. With 1e-9 rounding kept the iteration from
+ * resolving it in specimens that hold many particles loosely. */
+static const double everywhere = 1e-6;
+/* A pivot of a block below this part of its diagonal is rounding. */
+static const double no_pivot = 1e-12;
+
+/* In single precision, which is less to read: what that changes of K Newton's method makes good. */
+typedef struct link {
+    float n[3], kn, kt, arm_i, arm_j;
+    int32_t i, j;
+} link;
+
+/* What a chunk of particles adds to: the curvature p.Kp, or r.z and |r|^2 in the metric of the
+ * diagonal, in which what nothing resists counts for no more than the rest. */
+typedef struct part {
+    double curvature, rz, left;
+} part;
+
+typedef struct cg {
+    gn_springs y;
+    size_t n; /* components of all particles */
+    int threads;
+    link *link;           /* [springs] */
+    double (*pull)[3];    /* [springs] q */
+    float (*inverse)[36]; /* [particles] of their blocks; zero in what cannot move */
+    uint8_t *free;        /* [particles] bit k: component k can move */
+    gn_viscosity viscosity;
+    double *r, *z, *p, *kp;
+    part *parts;    /* [chunks of particles], added up in their order */
+    double *ground; /* what resists everywhere, N/m and N m */
+    double *weight; /* 1/diagonal; 0 in what cannot move */
+} cg;
+
+static void free_cg(cg *c) {
+    gn_springs_free(&c->y);
+    gn_free(c->link);
+    gn_free(c->pull);
+    gn_free(c->inverse);
+    gn_free(c->free);
+    gn_free(c->r);
+    gn_free(c->z);
+    gn_free(c->p);
+    gn_free(c->kp);
+    gn_free(c->ground);
+    gn_free(c->parts);
+    gn_free(c->weight);
+}
+
+static gneiss_status allocate(cg *c, gneiss_error *error) {
+    size_t particles = c->y.particles;
+    c->n = particles * N;
+    c->link = gn_alloc_array(c->y.springs + 1, sizeof *c->link);
+    c->pull = gn_alloc_array(c->y.springs + 1, sizeof *c->pull);
+    c->inverse = gn_alloc_array(particles + 1, sizeof *c->inverse);
+    c->free = gn_alloc(particles + 1);
+    c->r = gn_alloc_array(c->n + 1, sizeof *c->r);
+    c->z = gn_alloc_array(c->n + 1, sizeof *c->z);
+    c->p = gn_alloc_array(c->n + 1, sizeof *c->p);
+    c->kp = gn_alloc_array(c->n + 1, sizeof *c->kp);
+    c->ground = gn_alloc_array(c->n + 1, sizeof *c->ground);
+    c->parts = gn_alloc_array(particles / CHUNK + 1, sizeof *c->parts);
+    c->weight = gn_alloc_array(c->n + 1, sizeof *c->weight);
+    if (c->parts && c->ground && c->weight && c->link && c->pull && c->inverse && c->free && c->r &&
+        c->z && c->p && c->kp)
+        return GNEISS_OK;
+    return gn_fail(error, GNEISS_ERROR_MEMORY, "no memory for the equilibrium of %zu particles",
+                   particles);
+}
+
+static void take_links(cg *c) {
+    for (size_t s = 0; s < c->y.springs; s++) {
+        const gn_spring *from = &c->y.spring[s];
+        c->link[s] = (link){{(float)from->n[0], (float)from->n[1], (float)from->n[2]},
+                            (float)(from->kn + c->viscosity.rate * from->cn),
+                            (float)from->kt,
+                            (float)from->arm_i,
+                            (float)from->arm_j,
+                            from->i,
+                            from->j};
+    }
+    for (size_t p = 0; p < c->y.particles; p++) {
+        c->free[p] = 0;
+        for (int d = 0; d < c->y.dofs; d++)
+            if (c->y.scale[p * (size_t)c->y.dofs + (size_t)d] > 0.0)
+                c->free[p] |= (uint8_t)(1u << gn_springs_component(&c->y, d));
+    }
+}
+
+/* --- the operator --- */
+
+static inline void pull_of(const link *l, const double *u, double q[3]) {
+    const double n[3] = {l->n[0], l->n[1], l->n[2]}, ai = l->arm_i, aj = l->arm_j;
+    const double *a = u + N * (size_t)l->i;
+    double e[3] = {-a[0], -a[1], -a[2]}, w[3] = {ai * a[3], ai * a[4], ai * a[5]};
+    if (l->j >= 0) {
+        const double *b = u + N * (size_t)l->j;
+        for (int k = 0; k < 3; k++) {
+            e[k] += b[k];
+            w[k] += aj * b[3 + k];
+        }
+    }
+    double kt = l->kt, along = (l->kn - kt) * (e[0] * n[0] + e[1] * n[1] + e[2] * n[2]);
+    e[0] -= w[1] * n[2] - w[2] * n[1];
+    e[1] -= w[2] * n[0] - w[0] * n[2];
+    e[2] -= w[0] * n[1] - w[1] * n[0];
+    for (int k = 0; k < 3; k++) q[k] = kt * e[k] + along * n[k];
+}
+
+/* N/m, N m: with which drag holds component k of a particle. */
+static inline double drag_of(const cg *c, size_t p, int k) {
+    const gn_particles *q = c->y.spectrum->assembly->particles;
+    double inverse = k < 3 ? q->vel[4 * p + 3] : q->spin ? q->spin[4 * p + 3] : 0.0;
+    return inverse > 0.0 ? c->viscosity.rate * c->viscosity.drag / inverse : 0.0;
+}
+
+/* K u of a particle; returns u . K u. */
+static inline double gather(const cg *c, const double *u, size_t p, double *out) {
+    double f[N], sum = 0.0;
+    for (size_t k = 0; k < N; k++) f[k] = c->ground[N * p + k] * u[N * p + k];
+    for (size_t e = c->y.first[p]; e < c->y.first[p + 1]; e++) {
+        size_t s = c->y.entry[e] / 2;
+        bool second = c->y.entry[e] & 1;
+        const link *l = &c->link[s];
+        const double *q = c->pull[s], n[3] = {l->n[0], l->n[1], l->n[2]};
+        double side = second ? 1.0 : -1.0, arm = second ? l->arm_j : l->arm_i;
+        for (int k = 0; k < 3; k++) f[k] += side * q[k];
+        f[3] -= arm * (n[1] * q[2] - n[2] * q[1]);
+        f[4] -= arm * (n[2] * q[0] - n[0] * q[2]);
+        f[5] -= arm * (n[0] * q[1] - n[1] * q[0]);
+    }
+    for (size_t k = 0; k < N; k++) {
+        out[k] = c->free[p] >> k & 1 ? f[k] : 0.0;
+        sum += u[N * p + k] * out[k];
+    }
+    return sum;
+}
+
+/* --- the preconditioner --- */
+
+/* Sums over the springs of a particle, of which its block is made, with all that it touches held.
+ * Symmetric parts as xx yy zz xy yz zx. */
+typedef struct block_sums {
+    double kt, normal[6];        /* k_t; (k_n - k_t) n n^T */
+    double turn, turn_normal[6]; /* arm^2 k_t; the same n n^T */
+    double cross[3];             /* side arm k_t n */
+} block_sums;
+
+static void block_of(const cg *c, size_t p, double k[36]) {
+    static const int place[3][3] = {{0, 3, 5}, {3, 1, 4}, {5, 4, 2}};
+    block_sums b = {0};
+    for (size_t e = c->y.first[p]; e < c->y.first[p + 1]; e++) {
+        const link *l = &c->link[c->y.entry[e] / 2];
+        const double n[3] = {l->n[0], l->n[1], l->n[2]};
+        const double nn[6] = {n[0] * n[0], n[1] * n[1], n[2] * n[2],
+                              n[0] * n[1], n[1] * n[2], n[2] * n[0]};
+        const double arm = c->y.entry[e] & 1 ? l->arm_j : l->arm_i;
+        const double side = c->y.entry[e] & 1 ? 1.0 : -1.0, turn = arm * arm * l->kt;
+        b.kt += l->kt;
+        b.turn += turn;
+        for (int a = 0; a < 6; a++) b.normal[a] += ((double)l->kn - l->kt) * nn[a];
+        for (int a = 0; a < 6; a++) b.turn_normal[a] += turn * nn[a];
+        for (int a = 0; a < 3; a++) b.cross[a] += side * arm * l->kt * n[a];
+    }
+    const double *x = b.cross;
+    const double cross[3][3] = {{0.0, -x[2], x[1]}, {x[2], 0.0, -x[0]}, {-x[1], x[0], 0.0}};
+    for (int a = 0; a < 3; a++)
+        for (int d = 0; d < 3; d++) {
+            double one = a == d ? 1.0 : 0.0;
+            k[N * a + d] = b.kt * one + b.normal[place[a][d]];
+            k[N * (a + 3) + d + 3] = b.turn * one - b.turn_normal[place[a][d]];
+            k[N * a + d + 3] = k[N * (d + 3) + a] = cross[a][d];
+        }
+}
+
+/* Cholesky; components that cannot move, or that nothing resists once those before them are held,
+ * are left out. */
+static void factor(double k[36], unsigned free, bool in[N]) {
+    double diagonal[N];
+    for (int a = 0; a < N; a++) diagonal[a] = k[N * a + a];
+    for (int a = 0; a < N; a++) {
+        for (int b = 0; b < a; b++) {
+            double sum = k[N * a + b];
+            for (int m = 0; m < b; m++) sum -= k[N * a + m] * k[N * b + m];
+            k[N * a + b] = in[b] ? sum / k[N * b + b] : 0.0;
+        }
+        double pivot = k[N * a + a];
+        for (int m = 0; m < a; m++) pivot -= k[N * a + m] * k[N * a + m];
+        in[a] = (free >> a & 1) && pivot > no_pivot * diagonal[a];
+        k[N * a + a] = in[a] ? sqrt(pivot) : 0.0;
+        for (int b = 0; b < a && !in[a]; b++) k[N * a + b] = 0.0;
+    }
+}
+
+static void invert(const double l[36], const bool in[N], float inverse[36]) {
+    memset(inverse, 0, 36 * sizeof *inverse);
+    for (int column = 0; column < N; column++) {
+        double x[N] = {0.0};
+        if (!in[column]) continue;
+        for (int a = 0; a < N; a++) {
+            double sum = a == column ? 1.0 : 0.0;
+            for (int m = 0; m < a; m++) sum -= l[N * a + m] * x[m];
+            x[a] = in[a] ? sum / l[N * a + a] : 0.0;
+        }
+        for (int a = N - 1; a >= 0; a--) {
+            double sum = x[a];
+            for (int m = a + 1; m < N; m++) sum -= l[N * m + a] * x[m];
+            x[a] = in[a] ? sum / l[N * a + a] : 0.0;
+        }
+        for (int a = 0; a < N; a++) inverse[N * a + column] = (float)x[a];
+    }
+}
+
+static void make_blocks(cg *c) {
+#pragma omp parallel for num_threads(c->threads) schedule(static)
+    for (size_t p = 0; p < c->y.particles; p++) {
+        double k[36];
+        bool in[N] = {false};
+        block_of(c, p, k);
+        for (size_t a = 0; a < N; a++) {
+            double *diagonal = &k[(N + 1) * a];
+            c->ground[N * p + a] = everywhere * *diagonal + drag_of(c, p, (int)a);
+            *diagonal += c->ground[N * p + a];
+            bool moves = (c->free[p] >> a & 1) && *diagonal > 0.0;
+            c->weight[N * p + a] = moves ? 1.0 / *diagonal : 0.0;
+        }
+        factor(k, c->free[p], in);
+        invert(k, in, c->inverse[p]);
+    }
+}
+
+/* z of a particle. */
+static inline void precondition(const cg *c, size_t p) {
+    const double *r = c->r + N * p;
+    double *z = c->z + N * p;
+    for (int a = 0; a < N; a++) z[a] = 0.0;
+    for (int b = 0; b < N; b++)
+        for (int a = 0; a < N; a++) z[a] += (double)c->inverse[p][N * b + a] * r[b];
+}
+
+/* --- the iteration --- */
+
+static size_t chunks_of(const cg *c) {
+    return (c->y.particles + CHUNK - 1) / CHUNK;
+}
+
+static size_t end_of(const cg *c, size_t chunk) {
+    size_t end = (chunk + 1) * CHUNK;
+    return end < c->y.particles ? end : c->y.particles;
+}
+
+static part add_up(const cg *c) {
+    part sum = {0};
+    for (size_t k = 0; k < chunks_of(c); k++) {
+        sum.curvature += c->parts[k].curvature;
+        sum.rz += c->parts[k].rz;
+        sum.left += c->parts[k].left;
+    }
+    return sum;
+}
+
+/* Kp, and p.Kp. */
+static double apply(const cg *c) {
+#pragma omp parallel num_threads(c->threads) if (c->y.particles > CHUNK)
+    {
+#pragma omp for schedule(static)
+        for (size_t s = 0; s < c->y.springs; s++) pull_of(&c->link[s], c->p, c->pull[s]);
+#pragma omp for schedule(static)
+        for (size_t k = 0; k < chunks_of(c); k++) {
+            c->parts[k] = (part){0};
+            for (size_t p = k * CHUNK; p < end_of(c, k); p++)
+                c->parts[k].curvature += gather(c, c->p, p, c->kp + N * p);
+        }
+    }
+    return add_up(c).curvature;
+}
+
+/* u += step p, r -= step Kp, and z of that. */
+static part go(const cg *c, double step, double *u) {
+#pragma omp parallel for num_threads(c->threads) schedule(static) if (c->y.particles > CHUNK)
+    for (size_t k = 0; k < chunks_of(c); k++) {
+        part sum = {0};
+        for (size_t p = k * CHUNK; p < end_of(c, k); p++) {
+            for (size_t a = N * p; a < N * (p + 1); a++) {
+                u[a] += step * c->p[a];
+                c->r[a] -= step * c->kp[a];
+                sum.left += c->weight[a] * c->r[a] * c->r[a];
+            }
+            precondition(c, p);
+            for (size_t a = N * p; a < N * (p + 1); a++) sum.rz += c->r[a] * c->z[a];
+        }
+        c->parts[k] = sum;
+    }
+    return add_up(c);
+}
+
+/* p = z + factor p */
+static void turn(const cg *c, double factor) {
+#pragma omp parallel for num_threads(c->threads) schedule(static) if (c->y.particles > CHUNK)
+    for (size_t k = 0; k < c->n; k++) c->p[k] = c->z[k] + factor * c->p[k];
+}
+
+/* A particle with a load that touches nothing. */
+static int32_t untouched(const cg *c) {
+    for (size_t p = 0; p < c->y.particles; p++) {
+        bool loaded = false;
+        for (size_t a = 0; a < N; a++) loaded = loaded || c->r[N * p + a] != 0.0;
+        if (loaded && c->y.first[p] == c->y.first[p + 1])
+            return c->y.spectrum->assembly->particles->id[p];
+    }
+    return -1;
+}
+
+/* Iterations without progress that are borne: what a load has to tell goes one particle further
+ * with each, so some lengths of the specimen, in diameters. Motions that only the ground resists
+ * may take for ever, as rounding has its say. */
+static int patience_of(const cg *c) {
+    const gn_particles *q = c->y.spectrum->assembly->particles;
+    double low[3] = {INFINITY, INFINITY, INFINITY}, high[3] = {-INFINITY, -INFINITY, -INFINITY};
+    double radius = 0.0, length = 0.0;
+    for (size_t p = 0; p < q->soa.count; p++) {
+        for (size_t a = 0; a < 3; a++) {
+            low[a] = fmin(low[a], q->pos[4 * p + a]);
+            high[a] = fmax(high[a], q->pos[4 * p + a]);
+        }
+        radius += q->pos[4 * p + 3] / (double)q->soa.count;
+    }
+    for (int a = 0; a < 3; a++) length = fmax(length, high[a] - low[a]);
+    return 100 + (int)fmin(2.0 * length / radius, (double)ITERATIONS_MOST);
+}
+
+static void iterate(cg *c, double tolerance, double *u, gn_equilibrium *found) {
+    memset(u, 0, c->n * sizeof *u);
+    part now = go(c, 0.0, u);
+    const double first = now.left;
+    const int patience = patience_of(c);
+    double least = first;
+    int since = 0;
+    turn(c, 0.0);
+    for (found->iterations = 0; now.left > tolerance * tolerance * first; found->iterations++) {
+        if (since++ > patience || found->iterations == ITERATIONS_MOST) break;
+        double curvature = apply(c);
+        if (!(curvature > 0.0)) break;
+        part next = go(c, now.rz / curvature, u);
+        turn(c, next.rz / now.rz);
+        now = next;
+        if (now.left > 0.5 * least) continue;
+        least = now.left;
+        since = 0;
+    }
+    found->residual = first > 0.0 ? sqrt(now.left / first) : 0.0;
+}
+
+gneiss_status gn_equilibrium_solve(const gn_spectrum *spectrum, gn_viscosity viscosity,
+                                   const double *load, double tolerance, double *u,
+                                   gn_equilibrium *found, gneiss_error *error) {
+    cg c = {.threads = spectrum->threads > 0 ? spectrum->threads : 1, .viscosity = viscosity};
+    *found = (gn_equilibrium){.loose = -1};
+    gneiss_status status = gn_springs_build(spectrum, NULL, &c.y, error);
+    if (status == GNEISS_OK) status = allocate(&c, error);
+    if (status == GNEISS_OK) {
+        take_links(&c);
+        make_blocks(&c);
+        for (size_t k = 0; k < c.n; k++) c.r[k] = c.free[k / N] >> k % N & 1 ? load[k] : 0.0;
+        found->loose = untouched(&c);
+        if (found->loose < 0) iterate(&c, tolerance, u, found);
+    }
+    free_cg(&c);
+    return status;
+}

@@ -1,0 +1,77 @@
+/* Steps, what masses are raised for, and where steps begin. */
+#include "scene/check.h"
+
+static gneiss_status check_step(const check *c, const gn_scene *s) {
+    if (s->step <= s->end) return GNEISS_OK;
+    return gn_check_fail(c, "time.step", "expected a step below the end, found %g s and %g s",
+                         s->step, s->end);
+}
+
+static gneiss_status check_mass_scaling(const check *c, const gn_scene *s) {
+    bool falls = s->gravity[0] != 0.0 || s->gravity[1] != 0.0 || s->gravity[2] != 0.0;
+    if (!s->has_mass_scaling || !gn_check_sound(c, "gravity")) return GNEISS_OK;
+    if ((s->scaled_step > 0.0) == (s->scaled_factor > 0.0))
+        return gn_check_fail(c, "time.mass_scaling", "expected either step or factor, found %s",
+                             s->scaled_step > 0.0 ? "both" : "neither");
+    if (s->step > 0.0)
+        return gn_check_fail(c, "time.mass_scaling",
+                             "expected time.step: auto, which takes the step that masses are "
+                             "raised for, found a step of %g s",
+                             s->step);
+    if (!s->has_specimen)
+        return gn_check_fail(c, "time.mass_scaling",
+                             "expected a specimen: the masses of finite elements are not raised, "
+                             "found elements only");
+    if (s->scaled_step >= s->end)
+        return gn_check_fail(c, "time.mass_scaling.step",
+                             "expected a step below the end, found %g s and %g s", s->scaled_step,
+                             s->end);
+    if (falls && s->scaled_gravity == GN_GRAVITY_REFUSED)
+        return gn_check_fail(c, "time.mass_scaling",
+                             "expected no gravity, in which heavier particles fall more slowly, or "
+                             "gravity: own_mass, which leaves each its weight, found gravity and "
+                             "%s",
+                             gn_check_given(c, "time.mass_scaling.gravity") ? "gravity: refuse"
+                                                                            : "no such key");
+    return GNEISS_OK;
+}
+
+/* What keeps statics from a scene; NULL: nothing that shows in it. */
+static const char *no_statics(const gn_scene *s) {
+    if (!s->has_specimen || s->bonds != GN_SWITCH_ON) return "bonded particles, found none";
+    if (s->bond_radius_multiplier > 0)
+        return "bonds without moments, found bonds.radius_multiplier";
+    if (s->softening != GN_SOFTENING_NONE) return "bonds that break at once, found law.softening";
+    for (size_t k = 0; k < s->material_count; k++)
+        if (s->materials[k].yield_stress[0] > 0)
+            return "bonds that break at once, found a material with yield_stress_1";
+    if (s->has_elements) return "particles alone, found elements";
+    if (s->body_count) return "walls and sets, found bodies";
+    if (s->random_velocity > 0) return "a specimen at rest, found initial.random_velocity";
+    for (size_t k = 0; k < s->wall_count; k++)
+        if (s->walls[k].servo.active) return "walls that move as given, found a servo";
+    for (size_t k = 0; k < s->set_count; k++)
+        for (int a = 0; a < 3; a++) {
+            const gn_set_def *set = &s->sets[k];
+            bool moves = set->initial_velocity[a] != 0 && !set->motion.velocity[a].count;
+            bool spins = set->initial_spin[a] != 0 && !set->motion.spin[a].count;
+            if (moves || spins) return "a specimen at rest, found a set with an initial velocity";
+        }
+    return NULL;
+}
+
+static gneiss_status check_start_of_steps(const check *c, const gn_scene *s) {
+    const char *reason = s->start == GN_START_FIRST_BREAK ? no_statics(s) : NULL;
+    if (reason) return gn_check_fail(c, "time.start", "first_break: expected %s", reason);
+    /* A scene that was written out has the default of every key. */
+    if (s->start == GN_START_REST && s->start_fraction != 0.9)
+        return gn_check_fail(c, "time.start_fraction",
+                             "expected time.start: first_break beside it, found rest");
+    return GNEISS_OK;
+}
+
+gneiss_status gn_check_time(const check *c, const gn_scene *s) {
+    GN_TRY(gn_check_keep(c, check_start_of_steps(c, s)));
+    GN_TRY(gn_check_keep(c, check_step(c, s)));
+    return gn_check_keep(c, check_mass_scaling(c, s));
+}

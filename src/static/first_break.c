@@ -1,0 +1,340 @@
+/* The path of equilibria of a loaded specimen, up to shortly before its first break.
+ *
+ * An increment of time moves what is prescribed; Newton's method brings the rest into equilibrium,
+ * with the forces of the real contacts (sim/trial.h) and the tangent of the stability limit, whose
+ * contacts open, close and slide as they do at the last trial. Increments begin from the rates of
+ * the last one. When each bond reaches its strength is extrapolated from its forces at the ends of
+ * the last increment, by the law's own criterion; the path ends at the wanted fraction of the
+ * earliest.
+ *
+ * Steady loading: what moves at a constant rate has no resultant, so that non-viscous damping,
+ * which is a part of the resultant, has nothing to act on, and the state is the same with or
+ * without it. Viscous damping drags at every particle with a m v, which the contacts carry. */
+#include "static/first_break.h"
+
+#include "base/memory.h"
+#include "base/point.h"
+#include "base/vec3.h"
+#include "sim/internal.h"
+#include "sim/trial.h"
+
+#include <math.h>
+#include <stdarg.h>
+#include <stdio.h>
+#include <string.h>
+
+enum {
+    N = GN_COMPONENTS,
+    INCREMENTS = 8, /* wanted up to the start */
+    INCREMENTS_MOST = 200,
+    SOLUTIONS_MOST = 12, /* for one increment */
+    HALVINGS_MOST = 30
+};
+
+/* Mean load on a particle over the mean contact force at which a state is an equilibrium: the
+ * first, which only has to tell how far to go, those on the way, and the start; the largest may be
+ * so many times that. Tests run with 1e-3 and more. */
+static const double balanced_first = 5e-3, balanced_on_the_way = 3e-4, balanced_start = 1e-5;
+static const double balanced_worst = 300.0;
+/* A linear system is solved to this part of what its solution is to leave over, and to these parts
+ * of its load at least and at most. */
+static const double solved = 0.3, solved_least = 0.1, solved_most = 1e-2;
+/* The path of the first increment over the smallest radius. */
+static const double first_path = 1e-5;
+/* Loads at the start that move nothing by more than this part of it are rounding. */
+static const double no_path = 1e-9;
+/* The start may fall short of the fraction by this part. */
+static const double near_enough = 1e-3;
+
+typedef struct bond_force {
+    double normal, shear[3];
+    bool holds;
+} bond_force;
+
+typedef struct search {
+    gn_world *w;
+    gn_trial trial;
+    const gn_first_break_watch *watch;
+    gn_first_break *found;
+    double *path, *rate;      /* [particles][6] of the increment; its rate in the last one */
+    bond_force *before, *now; /* [bonds] at both ends of the last increment */
+    double span;              /* s, of the last increment; 0: none yet */
+} search;
+
+__attribute__((format(printf, 3, 4))) static gneiss_status
+refuse(const gn_world *w, gneiss_error *error, const char *format, ...) {
+    char text[600];
+    va_list args;
+    va_start(args, format);
+    vsnprintf(text, sizeof text, format, args);
+    va_end(args);
+    return gn_fail(error, GNEISS_ERROR_INPUT, "%s:%d:%d: time.start: %s", w->scene.source,
+                   w->scene.start_where.line, w->scene.start_where.column, text);
+}
+
+/* --- bonds --- */
+
+static void read_bonds(search *s) {
+    bond_force *old = s->before;
+    s->before = s->now;
+    s->now = old;
+    for (size_t c = 0; c < s->w->dem.bonds.soa.count; c++)
+        s->now[c].holds = gn_trial_bond(&s->trial, c, &s->now[c].normal, s->now[c].shear);
+}
+
+/* The law's criterion of a bond `share` increments after the last one. */
+static double criterion(const search *s, size_t c, double share) {
+    const gn_contacts *list = &s->w->dem.bonds;
+    const bond_force *a = &s->before[c], *b = &s->now[c];
+    double t[3];
+    for (int k = 0; k < 3; k++) t[k] = b->shear[k] + share * (b->shear[k] - a->shear[k]);
+    return gn_law_of(list->soa.effects)
+        ->criterion(list, c, b->normal + share * (b->normal - a->normal), sqrt(gn_dot3(t, t)));
+}
+
+/* Increments until the first bond breaks, INFINITY: none does within `most`. */
+static double increments_left(const search *s, double most, size_t *bond) {
+    double least = most;
+    bool any = false;
+    for (size_t c = 0; c < s->w->dem.bonds.soa.count; c++) {
+        if (!s->now[c].holds || !(criterion(s, c, least) >= 1.0)) continue;
+        double low = 0.0, high = least;
+        for (int k = 0; k < 60 && high - low > 1e-12 * high; k++) {
+            double middle = 0.5 * (low + high);
+            *(criterion(s, c, middle) >= 1.0 ? &high : &low) = middle;
+        }
+        least = high;
+        *bond = c;
+        any = true;
+    }
+    return any ? least : INFINITY;
+}
+
+/* s; INFINITY: not before the end. */
+static double time_of_break(search *s) {
+    const gn_contacts *list = &s->w->dem.bonds;
+    size_t c = 0;
+    if (!(s->span > 0.0)) return INFINITY;
+    double left = increments_left(s, (s->w->scene.end - s->w->time) / s->span, &c);
+    if (left == INFINITY) return INFINITY;
+    const double *x = s->w->dem.particles.pos + 4 * (int64_t)list->i[c];
+    double d[3], middle[3];
+    gn_branch(s->w, x, s->w->dem.particles.pos + 4 * (int64_t)list->j[c], d);
+    for (int a = 0; a < 3; a++) middle[a] = x[a] + 0.5 * d[a];
+    gn_world_point_out(s->w, middle, s->found->place);
+    s->found->i = s->w->dem.particles.id[list->i[c]];
+    s->found->j = s->w->dem.particles.id[list->j[c]];
+    return s->w->time + left * s->span;
+}
+
+/* --- one increment --- */
+
+typedef enum outcome { BALANCED, BROKE, STUCK } outcome;
+
+static bool in_balance(const gn_trial *t, double balanced) {
+    double most = balanced * t->mean_force;
+    return t->mean_load <= most && t->most_load <= balanced_worst * most;
+}
+
+static gneiss_status correct(search *s, double balanced, gn_equilibrium *linear,
+                             gneiss_error *error) {
+    const gn_trial *t = &s->trial;
+    double wanted = solved * balanced * t->mean_force / t->mean_load;
+    wanted = fmin(fmax(wanted, solved_most), solved_least);
+    GN_TRY(gn_trial_correct(&s->trial, wanted, s->path, linear, error));
+    s->found->solutions++;
+    s->found->iterations += linear->iterations;
+    return GNEISS_OK;
+}
+
+/* Newton's method from the path as it stands. */
+static gneiss_status balance(search *s, double span, bool loads, double balanced, outcome *what,
+                             gn_equilibrium *linear, gneiss_error *error) {
+    gn_trial *t = &s->trial;
+    *linear = (gn_equilibrium){.loose = -1};
+    for (int k = 0;; k++) {
+        gn_trial_go(t, s->path, span, loads);
+        *what = t->broken ? BROKE : BALANCED;
+        if (t->broken || in_balance(t, balanced)) return GNEISS_OK;
+        *what = STUCK;
+        if (k == SOLUTIONS_MOST) return GNEISS_OK;
+        GN_TRY(correct(s, balanced, linear, error));
+    }
+}
+
+static gneiss_status no_equilibrium(const search *s, const gn_equilibrium *linear, bool loads,
+                                    gneiss_error *error) {
+    const char *when = loads ? "under the loads at the start" : "under the prescribed motion";
+    if (linear->loose >= 0)
+        return refuse(
+            s->w, error,
+            "expected an equilibrium %s, found that particle %d is driven off and nothing "
+            "holds it, alone or with what it hangs on (t = %g s)",
+            when, linear->loose, s->w->time);
+    return refuse(s->w, error,
+                  "expected an equilibrium %s, found none in %d solutions: at t = %g s particle %d "
+                  "has the largest of loads that are %.2g of the contact forces",
+                  when, SOLUTIONS_MOST, s->w->time, s->trial.worst,
+                  s->trial.mean_load / s->trial.mean_force);
+}
+
+static gneiss_status tell(const search *s, gneiss_error *error) {
+    if (!s->watch || !s->watch->state) return GNEISS_OK;
+    return s->watch->state(s->watch->context, s->found, error);
+}
+
+static gneiss_status take(search *s, double span, bool loads, gneiss_error *error) {
+    GN_TRY(gn_trial_take(&s->trial, s->path, span, loads, error));
+    for (size_t k = 0; !loads && k < N * s->trial.count; k++) s->rate[k] = s->path[k] / span;
+    s->span = loads ? 0.0 : span;
+    s->found->start = s->w->time;
+    s->found->increments += !loads;
+    read_bonds(s);
+    return GNEISS_OK;
+}
+
+static bool moves(const search *s) {
+    double most = 0.0;
+    for (size_t p = 0; p < s->trial.count; p++)
+        for (size_t a = 0; a < 3; a++) most = fmax(most, fabs(s->path[N * p + a]));
+    return most > no_path * s->w->dem.radius_min;
+}
+
+/* Gravity, applied forces, contacts that are pressed from the start. */
+static gneiss_status take_up_loads(search *s, gneiss_error *error) {
+    gn_equilibrium linear;
+    outcome what;
+    const double slow = 1e6; /* s: for dashpots as good as at rest */
+    memset(s->path, 0, N * s->trial.count * sizeof *s->path);
+    gn_trial_go(&s->trial, s->path, slow, true);
+    if (s->trial.most_load == 0.0 || in_balance(&s->trial, balanced_start)) return GNEISS_OK;
+    GN_TRY(correct(s, balanced_start, &linear, error));
+    if (linear.loose < 0 && !moves(s)) return GNEISS_OK;
+    GN_TRY(balance(s, slow, true, balanced_start, &what, &linear, error));
+    if (what == BROKE)
+        return refuse(
+            s->w, error,
+            "expected an equilibrium under the loads at the start, found bonds that break");
+    if (what == STUCK) return no_equilibrium(s, &linear, true, error);
+    return take(s, slow, true, error);
+}
+
+/* An increment of up to `span` s; shorter where bonds would break on the way. */
+static gneiss_status increment(search *s, double span, double balanced, gneiss_error *error) {
+    gn_equilibrium linear;
+    outcome what = BALANCED;
+    for (int k = 0; k < HALVINGS_MOST; k++, span *= 0.5) {
+        for (size_t at = 0; at < N * s->trial.count; at++) s->path[at] = span * s->rate[at];
+        gn_trial_prescribe(&s->trial, span, s->path);
+        GN_TRY(balance(s, span, false, balanced, &what, &linear, error));
+        if (what == BALANCED) return take(s, span, false, error);
+        if (what == STUCK && linear.loose >= 0) break;
+    }
+    return no_equilibrium(s, &linear, false, error);
+}
+
+/* --- the path --- */
+
+static double largest(const gn_table *table) {
+    double most = 0.0;
+    for (size_t k = 0; k < table->count; k++) most = fmax(most, fabs(table->value[k]));
+    return most;
+}
+
+/* m/s: no component of what is prescribed is faster. */
+static double fastest(const gn_world *w) {
+    double most = 0.0;
+    for (int a = 0; a < 3; a++) {
+        for (size_t k = 0; k < w->scene.wall_count; k++)
+            most = fmax(most, largest(&w->scene.walls[k].motion.velocity[a]));
+        for (size_t k = 0; k < w->scene.set_count; k++) {
+            const gn_motion *motion = &w->scene.sets[k].motion;
+            most = fmax(most, largest(&motion->velocity[a]));
+            most = fmax(most, w->dem.radius_min * largest(&motion->spin[a]));
+        }
+    }
+    return most;
+}
+
+/* The next increment: a part of what is left up to the wanted fraction; while no bond is loaded
+ * twice the last one, to find out where that begins. */
+static double next_span(const search *s, double breaks, double first) {
+    const gn_world *w = s->w;
+    if (breaks == INFINITY) return fmin(fmax(2.0 * s->span, first), w->scene.end - w->time);
+    double target = w->scene.start_fraction * breaks, left = target - w->time;
+    return fmin(left, fmax(target / INCREMENTS, s->span));
+}
+
+static gneiss_status follow(search *s, gneiss_error *error) {
+    gn_world *w = s->w;
+    double speed = fastest(w), breaks = INFINITY;
+    if (!(speed > 0.0))
+        return refuse(w, error, "first_break: expected walls or sets that move, found none");
+    const double first = fmin(first_path * w->dem.radius_min / speed, 1e-3 * w->scene.end);
+    for (int k = 0; k < INCREMENTS_MOST; k++) {
+        double span = next_span(s, breaks, first);
+        if (breaks < INFINITY && span <= near_enough * w->scene.start_fraction * breaks)
+            return GNEISS_OK;
+        if (!(span > 0.0)) break;
+        if (k > 0) GN_TRY(tell(s, error)); /* not of the last one, which the first step reads */
+        bool last = breaks < INFINITY && w->time + span >= 0.99 * w->scene.start_fraction * breaks;
+        double wanted = breaks < INFINITY ? balanced_on_the_way : balanced_first;
+        GN_TRY(increment(s, span, last ? balanced_start : wanted, error));
+        breaks = s->found->time = time_of_break(s);
+        s->found->unbalanced = s->trial.mean_load / s->trial.mean_force;
+        if (w->time >= w->scene.end * (1.0 - 1e-12)) break;
+    }
+    return refuse(w, error, "first_break: expected a bond that breaks before time.end, found none");
+}
+
+/* The velocities of steady loading: a short increment, by the tangent alone. */
+static gneiss_status leave(search *s, gneiss_error *error) {
+    gn_trial *t = &s->trial;
+    gn_equilibrium linear;
+    const double span = 1e-3 * s->w->time;
+    for (size_t at = 0; at < N * t->count; at++) s->path[at] = span * s->rate[at];
+    gn_trial_prescribe(t, span, s->path);
+    gn_trial_go(t, s->path, span, false);
+    if (!in_balance(t, balanced_start)) GN_TRY(correct(s, balanced_start, &linear, error));
+    GN_TRY(gn_trial_leave(t, s->path, span, error));
+    s->w->step = s->w->first_step = s->found->steps = llround(s->w->time / s->w->dt);
+    s->found->shortfall = t->shortfall;
+    return GNEISS_OK;
+}
+
+static gneiss_status allocate(search *s, gneiss_error *error) {
+    size_t particles = s->w->dem.particles.soa.count, bonds = s->w->dem.bonds.soa.count;
+    s->path = gn_alloc_array(particles + 1, N * sizeof *s->path);
+    s->rate = gn_alloc_array(particles + 1, N * sizeof *s->rate);
+    s->before = gn_alloc_array(bonds + 1, sizeof *s->before);
+    s->now = gn_alloc_array(bonds + 1, sizeof *s->now);
+    if (s->path && s->rate && s->before && s->now) return GNEISS_OK;
+    return gn_fail(error, GNEISS_ERROR_MEMORY, "no memory for the equilibrium of %zu particles",
+                   particles);
+}
+
+static gneiss_status find(search *s, gneiss_error *error) {
+    GN_TRY(allocate(s, error));
+    GN_TRY(gn_trial_begin(s->w, &s->trial, error));
+    s->found->time = INFINITY;
+    read_bonds(s);
+    GN_TRY(tell(s, error));
+    GN_TRY(take_up_loads(s, error));
+    GN_TRY(follow(s, error));
+    return leave(s, error);
+}
+
+gneiss_status gn_first_break_start(gn_world *w, const gn_first_break_watch *watch,
+                                   gn_first_break *found, gneiss_error *error) {
+    *found = (gn_first_break){0};
+    if (!w->dem.bonds.soa.count)
+        return refuse(w, error, "first_break: expected bonds, found none in this specimen");
+    search s = {.w = w, .watch = watch, .found = found};
+    gneiss_status status = find(&s, error);
+    gn_trial_free(&s.trial);
+    gn_free(s.path);
+    gn_free(s.rate);
+    gn_free(s.before);
+    gn_free(s.now);
+    return status;
+}
