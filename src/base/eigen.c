@@ -152,15 +152,28 @@ static void project(const lanczos *l, int from, int count, const double *w, doub
     }
 }
 
+/* w -= c[0] v[0] + c[1] v[1] + ..., one after the other, for `count` vectors that lie `stride`
+ * apart; four at a time, as w would be read and written for each. */
+static void subtract_block(size_t size, int count, const double *c, const double *v, size_t stride,
+                           double *w) {
+    int k = 0;
+    for (; k + 4 <= count; k += 4, v += 4 * stride) {
+        const double *v1 = v + stride, *v2 = v1 + stride, *v3 = v2 + stride;
+        for (size_t i = 0; i < size; i++)
+            w[i] =
+                (((w[i] - c[k] * v[i]) - c[k + 1] * v1[i]) - c[k + 2] * v2[i]) - c[k + 3] * v3[i];
+    }
+    for (; k < count; k++, v += stride)
+        for (size_t i = 0; i < size; i++) w[i] -= c[k] * v[i];
+}
+
 /* w -= sum_k c[k] basis[k] over from <= k < count. */
 static void subtract(const lanczos *l, int from, int count, const double *c, double *w) {
     size_t blocks = block_count(l->n);
 #pragma omp parallel for num_threads(l->threads) schedule(static) if (blocks > 4)
     for (size_t b = 0; b < blocks; b++)
-        for (int k = from; k < count; k++) {
-            const double *v = l->basis + (size_t)k * l->n + b * BLOCK;
-            for (size_t i = 0; i < block_size(l->n, b); i++) w[b * BLOCK + i] -= c[k] * v[i];
-        }
+        subtract_block(block_size(l->n, b), count - from, c + from,
+                       l->basis + (size_t)from * l->n + b * BLOCK, l->n, w + b * BLOCK);
 }
 
 static void scale_vector(size_t n, double factor, double *w, int threads) {
@@ -250,7 +263,7 @@ static int iterate(lanczos *l, gn_operator *apply, const void *context, double t
 }
 
 static gneiss_status allocate(lanczos *l, gneiss_error *error) {
-    l->basis = gn_alloc_array((size_t)l->size + 1, l->n * sizeof(double));
+    l->basis = gn_alloc_array_raw((size_t)l->size + 1, l->n * sizeof(double));
     l->partial = gn_alloc_array(block_count(l->n), ((size_t)l->size + 1) * sizeof(double));
     if (l->metric) l->weighed = gn_alloc_array(l->n, sizeof(double));
     if (l->basis && l->partial && (l->weighed || !l->metric)) return GNEISS_OK;

@@ -7,23 +7,39 @@
 
 static const size_t huge_page = (size_t)2 << 20;
 
-void *gn_alloc(size_t bytes) {
+static size_t rounded(size_t bytes, size_t alignment) {
+    return bytes ? (bytes + alignment - 1) / alignment * alignment : GN_ALIGNMENT;
+}
+
+static size_t alignment_of(size_t bytes) {
     /* Transparent 2 MB pages save TLB misses on the random reads of particle rows. */
-    size_t alignment = bytes >= huge_page ? huge_page : GN_ALIGNMENT;
+    return bytes >= huge_page ? huge_page : GN_ALIGNMENT;
+}
+
+static void *alloc_raw(size_t bytes) {
+    const size_t alignment = alignment_of(bytes);
     if (bytes > SIZE_MAX - alignment) return NULL;
-    size_t rounded = (bytes + alignment - 1) / alignment * alignment;
-    if (rounded == 0) rounded = GN_ALIGNMENT;
-    void *block = aligned_alloc(alignment, rounded);
-    if (!block) return NULL;
-    if (alignment == huge_page) (void)madvise(block, rounded, MADV_HUGEPAGE);
-    memset(block, 0, rounded);
+    const size_t size = rounded(bytes, alignment);
+    void *block = aligned_alloc(alignment, size);
+    if (block && alignment == huge_page) (void)madvise(block, size, MADV_HUGEPAGE);
     return block;
+}
+
+void *gn_alloc(size_t bytes) {
+    void *block = alloc_raw(bytes);
+    return block ? memset(block, 0, rounded(bytes, alignment_of(bytes))) : NULL;
 }
 
 void *gn_alloc_array(size_t count, size_t size) {
     size_t bytes;
     if (__builtin_mul_overflow(count, size, &bytes)) return NULL;
     return gn_alloc(bytes);
+}
+
+void *gn_alloc_array_raw(size_t count, size_t size) {
+    size_t bytes;
+    if (__builtin_mul_overflow(count, size, &bytes)) return NULL;
+    return alloc_raw(bytes);
 }
 
 void gn_free(void *block) {

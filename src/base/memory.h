@@ -13,6 +13,10 @@ void *gn_alloc(size_t bytes);
 /* `count` items of `size` bytes; NULL also when the product overflows. */
 void *gn_alloc_array(size_t count, size_t size);
 
+/* The same with whatever is in it: for what is written before it is read, by the threads that will
+ * use it. */
+void *gn_alloc_array_raw(size_t count, size_t size);
+
 void gn_free(void *block);
 
 #endif

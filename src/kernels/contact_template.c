@@ -203,27 +203,32 @@ GN_INLINE void add_couples(const gn_contact_args *a, size_t c, size_t end, const
                     from->row + 4 * k, &none, &none, 0);
 }
 
-/* Adds the rows of a vector, of contacts from c on. The force has opposite signs for the two
- * particles; the moment has the same sign, because arm and force both turn round. */
+/* Contact k of a vector, whose two rows of sums begin at place[0] and place[1]. */
+GN_INLINE void add_row(const stage *g, const brief *from, size_t k, const uint16_t *place,
+                       gn_real *sums, variant w) {
+    const gn_real *arm_i = (const gn_real *)&g->geometry.arm_i + k;
+    const gn_real *arm_j = (const gn_real *)&g->geometry.arm_j + k;
+    const gn_real *row = from->row + (size_t)row_width(w) * k;
+    if (w.space && w.rotation)
+        gn_add_row8(sums + place[0], sums + place[1], row, arm_i, arm_j, w.shear);
+    else
+        gn_add_row4(sums + place[0], sums + place[1], row, arm_i, arm_j, w.shear && w.rotation);
+}
+
+/* Adds the rows of a vector, of contacts from c on, and keeps them if `rows` says where. The force
+ * has opposite signs for the two particles; the moment has the same sign, because arm and force
+ * both turn round. */
 GN_INLINE void add_rows(const gn_contact_args *a, size_t c, size_t end, const stage *g,
-                        const brief *from, gn_real *sums, variant w) {
-    size_t width = (size_t)row_width(w), count = end - c < GN_W ? end - c : GN_W;
-#if !GN_MIXED /* output looks at contacts in double */
-    double *rows = gn_contacts_row(a->contacts);
-    if (rows) memcpy(rows + width * c, from->row, width * count * sizeof *rows);
-#endif
+                        const brief *from, gn_real *sums, gn_real *rows, variant w) {
+    const size_t count = end - c < GN_W ? end - c : GN_W, width = (size_t)row_width(w);
+    if (__builtin_expect(rows != NULL, 0))
+        memcpy(rows + width * c, from->row, width * count * sizeof *rows);
     if (!sums) return;
     const uint16_t *place = a->partials->place + 2 * c;
-    const gn_real *arm_i = (const gn_real *)&g->geometry.arm_i;
-    const gn_real *arm_j = (const gn_real *)&g->geometry.arm_j;
-    for (size_t k = 0; k < count; k++) {
-        const gn_real *row = from->row + width * k;
-        gn_real *i = sums + place[2 * k], *j = sums + place[2 * k + 1];
-        if (w.space && w.rotation)
-            gn_add_row8(i, j, row, arm_i + k, arm_j + k, w.shear);
-        else
-            gn_add_row4(i, j, row, arm_i + k, arm_j + k, w.shear && w.rotation);
-    }
+    if (__builtin_expect(count == GN_W, 1)) /* nothing to ask between contacts */
+        for (size_t k = 0; k < GN_W; k++) add_row(g, from, k, place + 2 * k, sums, w);
+    else
+        for (size_t k = 0; k < count; k++) add_row(g, from, k, place + 2 * k, sums, w);
 }
 
 /* The vector that entered `lag` turns ago, and whether there is one. */
@@ -244,19 +249,22 @@ GN_INLINE void contact_core(const gn_contact_args *a, size_t begin, size_t end,
     for (int k = 0; k < 9; k++) e.stress[k] = zero;
     const gn_partials *q = a->partials;
     const size_t width = (size_t)row_width(w);
-    gn_real *partial = NULL;
+    gn_real *partial = NULL, *rows = NULL;
+#if !GN_MIXED /* output looks at contacts in double */
+    rows = gn_contacts_row(a->contacts);
+#endif
     if (q) partial = gn_clear_block_rows(q, begin, width * sizeof *partial, COLUMN(q, row));
     const gn_real *const read[3] = {COLUMN(a, pos), COLUMN(a, vel), COLUMN(a, spin)};
     gn_block_particles ahead = gn_block_particles_of(q, begin);
     stage ring[RING];
-    brief motion[2], rows[2];
+    brief motion[2], force[2];
     couple_rows couples[2];
     const size_t vectors = (end - begin + GN_W - 1) / GN_W;
     for (size_t v = 0; v < vectors + STAGES - 1; v++) {
         const size_t c = begin + v * GN_W;
         gn_fetch_ahead(&ahead, read, 2 + (w.shear && w.rotation), (GN_W + 1) / 2);
-        brief *even = &rows[v % 2], *odd = &rows[(v + 1) % 2];
-        if (UNDER_WAY(5)) add_rows(a, c - 5 * GN_W, end, AT(5), odd, partial, w);
+        brief *even = &force[v % 2], *odd = &force[(v + 1) % 2];
+        if (UNDER_WAY(5)) add_rows(a, c - 5 * GN_W, end, AT(5), odd, partial, rows, w);
         if (exerts_couple(w) && UNDER_WAY(5))
             add_couples(a, c - 5 * GN_W, end, &couples[(v + 1) % 2], partial, w);
         if (UNDER_WAY(4)) find_forces(a, c - 4 * GN_W, end, AT(4), even, &e, sums, w);

@@ -8,6 +8,7 @@
 #include "kernels/contact_internal.h"
 
 #include <math.h>
+#include <stdbool.h>
 
 /* Elastic tangential force before any limit; *turned: the old one, across the new normal. */
 GN_INLINE gn_v3 shear_trial(const gn_contact_args *a, const pair_geometry *p, const pair_motion *s,
@@ -60,6 +61,18 @@ GN_INLINE void limit_shear(const gn_contact_args *a, size_t c, gn_v total, conta
     q->slipping = gn_and(gn_not(q->intact), gn_less(limit * limit, size2));
     q->t = q->trial;
     if (gn_bits(q->slipping)) q->t = gn_linear_slip(q->trial, size2, limit, q->slipping, w.space);
+}
+
+/* Whether all of a vector are bonds that hold, which is the rule. */
+GN_INLINE bool all_hold(const gn_contact_args *a, size_t c, const contact_state *q, variant w) {
+    const gn_contacts *k = a->contacts;
+    gn_v rn = gn_load(COLUMN(k, rn) + c);
+    gn_m hold = gn_and(gn_less(gn_set(0.0), rn), gn_less(q->elastic, rn));
+    if (w.shear) {
+        gn_v rt = gn_load(COLUMN(k, rt) + c);
+        hold = gn_and(hold, gn_less(gn_dot(q->trial, q->trial, w.space), rt * rt));
+    }
+    return gn_bits(gn_not(hold)) == 0;
 }
 
 /* Which intact bonds reach their strength in this step; tension counts first. */
@@ -330,7 +343,10 @@ GN_INLINE contact_force act_of(const gn_contact_args *a, size_t c, const stage *
 GN_INLINE contact_force linear_force(const gn_contact_args *a, size_t c, size_t end, const stage *g,
                                      lane_sums *e, gn_contact_sums *sums, variant w) {
     contact_state q = state_of(a, c, g, w);
-    if (w.bonds) break_bonds(a, c, end, &q, sums, w);
+    if (w.bonds && __builtin_expect(all_hold(a, c, &q, w), 1))
+        q.intact = gn_not(gn_m_none());
+    else if (w.bonds)
+        break_bonds(a, c, end, &q, sums, w);
     return act_of(a, c, g, &q, e, w);
 }
 

@@ -81,16 +81,14 @@ GN_INLINE void gather_block(const gn_motion_args *a, size_t begin, size_t end, d
 
 /* Consecutive rows of four as four columns. */
 GN_INLINE void load_rows(const double *rows, size_t p, gn_v out[4]) {
-    static const int32_t lanes[8] = {0, 1, 2, 3, 4, 5, 6, 7};
-    gn_rows4(rows + 4 * p, lanes, out);
+    gn_rows4_every(rows + 4 * p, 1, out);
 }
 
 /* Forces or moments (`part` 0 or 1) of GN_W particles of a block, from its k-th on. */
 GN_INLINE gn_v3 load_of(const double *sum, size_t k, int part, variant w) {
-    static const int32_t wide[8] = {0, 2, 4, 6, 8, 10, 12, 14};
     gn_v r[4], zero = gn_set(0.0);
     if (w.space && w.rotation) {
-        gn_rows4(sum + 8 * k + 4 * part, wide, r);
+        gn_rows4_every(sum + 8 * k + 4 * part, 2, r);
         return (gn_v3){r[0], r[1], r[2]};
     }
     load_rows(sum, k, r);

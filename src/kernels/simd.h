@@ -39,6 +39,21 @@ GN_INLINE void gn_rows4(const gn_real *rows, const int32_t *index, gn_v out[4]) 
     gn_columns4(r, out);
 }
 
+#ifndef GN_OWN_EVERY
+GN_INLINE void gn_gather4_every(const gn_real *rows, int step, gn_v out[4]) {
+    int32_t index[GN_W];
+    for (int k = 0; k < GN_W; k++) index[k] = step * k;
+    gn_gather4(rows, index, out);
+}
+#endif
+
+/* Lane k gets row step * k, of a literal step. */
+GN_INLINE void gn_rows4_every(const gn_real *rows, int step, gn_v out[4]) {
+    gn_v r[4];
+    gn_gather4_every(rows, step, r);
+    gn_columns4(r, out);
+}
+
 /* Lane k gets row index[k] less the row that `first` (gathered) has for it. */
 GN_INLINE void gn_rows4_beyond(const gn_real *rows, const int32_t *index, const gn_v first[4],
                                gn_v out[4]) {

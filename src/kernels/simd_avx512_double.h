@@ -45,15 +45,29 @@ GN_INLINE gn_v gn_keep(gn_m m, gn_v a) {
 }
 
 /* Two 32-byte rows in one register. */
-GN_INLINE gn_v gn_pair(const double *rows, int32_t low, int32_t high) {
-    return _mm512_insertf64x4(_mm512_castpd256_pd512(_mm256_loadu_pd(rows + 4 * (int64_t)low)),
-                              _mm256_loadu_pd(rows + 4 * (int64_t)high), 1);
+GN_INLINE gn_v gn_pair(const double *low, const double *high) {
+    return _mm512_insertf64x4(_mm512_castpd256_pd512(_mm256_loadu_pd(low)), _mm256_loadu_pd(high),
+                              1);
 }
 
-/* Registers with rows (0,2), (1,3), (4,6), (5,7). */
+/* Registers with rows (0,2), (1,3), (4,6), (5,7). Indices become places of numbers together, which
+ * the unsigned type has room for; the barrier keeps them in memory, where addresses come from. */
 GN_INLINE void gn_gather4(const double *rows, const int32_t *index, gn_v out[4]) {
     static const int first[4] = {0, 1, 4, 5};
-    for (int k = 0; k < 4; k++) out[k] = gn_pair(rows, index[first[k]], index[first[k] + 2]);
+    _Alignas(32) uint32_t at[8];
+    __m256i all = _mm256_loadu_si256((const __m256i *)(const void *)index);
+    _mm256_store_si256((__m256i *)(void *)at, _mm256_slli_epi32(all, 2));
+    __asm__("" : "+m"(at));
+    for (int k = 0; k < 4; k++) out[k] = gn_pair(rows + at[first[k]], rows + at[first[k] + 2]);
+}
+
+#define GN_OWN_EVERY
+GN_INLINE void gn_gather4_every(const double *rows, int step, gn_v out[4]) {
+    static const int first[4] = {0, 1, 4, 5};
+    for (int k = 0; k < 4; k++) {
+        const double *row = rows + 4 * step * first[k];
+        out[k] = gn_pair(row, row + 8 * step);
+    }
 }
 
 GN_INLINE void gn_columns4(const gn_v in[4], gn_v out[4]) {

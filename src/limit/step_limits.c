@@ -176,7 +176,8 @@ static bound_part bound_of_block(const gn_springs *y, size_t begin, size_t end) 
         gn_block_of(y, p, &m);
         double trace = gn_block_at(&m, part.rate, s);
         double rate = part.rate;
-        bool slower = rate > 0.0 && gn_block_upper(m.n, s, trace) <= 4.0 * rate * rate;
+        double most = 4.0 * rate * rate; /* the trace alone settles many */
+        bool slower = rate > 0.0 && (trace <= most || gn_block_upper(m.n, s, trace) <= most);
         if (!slower) rate = block_rate(&m, rate);
         double inverse = y->spectrum->assembly->particles->vel[4 * gn_springs_place(y, p) + 3];
         merge_part(&part, rate, m.kn_max * inverse, p);
@@ -215,36 +216,88 @@ static gneiss_status set_bound(const gn_springs *y, gn_step_limit *limit, gneiss
 
 /* --- the sharp limit --- */
 
+/* What one of the parts works on that the particles are dealt out in: its own particles, [begin,
+ * end), and the springs that touch them, ascending. */
+typedef struct spring_part {
+    size_t begin, end, springs;
+    uint32_t *spring; /* NULL: all of them */
+} spring_part;
+
 /* S = stiffness A + viscosity B. */
 typedef struct step_operator {
     const gn_springs *system;
+    const spring_part *part;
+    int parts;
     double stiffness, viscosity;
 } step_operator;
 
-/* The same of its moments. */
-static inline void bend(const gn_spring *s, bool second, double stiffness, const double *moved,
-                        bool space, double *out) {
-    const size_t dofs = space ? 6 : 3, first = space ? 3 : 2;
-    double turn[3] = {0.0}, along = 0.0, side = second ? stiffness : -stiffness;
-    for (size_t k = first; k < dofs; k++) {
-        double *of = &turn[space ? k - 3 : 2];
-        *of = -moved[(size_t)s->i * dofs + k];
-        if (s->j >= 0) *of += moved[(size_t)s->j * dofs + k];
-    }
-    for (int k = 0; k < 3; k++) along += turn[k] * s->n[k];
-    for (size_t k = first; k < dofs; k++) {
-        size_t a = space ? k - 3 : 2;
-        out[k] += side * (s->bend * turn[a] + (s->twist - s->bend) * along * s->n[a]);
-    }
+static void free_parts(spring_part *part, int parts) {
+    for (int b = 0; part && b < parts; b++) gn_free(part[b].spring);
+    gn_free(part);
 }
 
-/* Adds what one spring pulls at its first or second particle, B^T D v_r, to out [dofs]. */
-static inline void pull(const gn_spring *s, bool second, const step_operator *o,
-                        const double *moved, bool space, bool rotation, double *out) {
+/* The parts of the two ends of a spring, each once. */
+static int parts_of(const gn_spring *s, const int32_t *home, int32_t at[2]) {
+    at[0] = home[s->i];
+    if (s->j < 0 || home[s->j] == at[0]) return 1;
+    at[1] = home[s->j];
+    return 2;
+}
+
+/* Counts the springs of each part, then lists them. */
+static bool list_springs(const gn_springs *y, const int32_t *home, spring_part *part, int parts) {
+    int32_t at[2];
+    for (size_t s = 0; s < y->springs; s++)
+        for (int k = parts_of(&y->spring[s], home, at); k-- > 0;) part[at[k]].springs++;
+    for (int b = 0; b < parts; b++) {
+        part[b].spring = gn_alloc_array(part[b].springs + 1, sizeof *part[b].spring);
+        if (!part[b].spring) return false;
+        part[b].springs = 0;
+    }
+    for (size_t s = 0; s < y->springs; s++)
+        for (int k = parts_of(&y->spring[s], home, at); k-- > 0;)
+            part[at[k]].spring[part[at[k]].springs++] = (uint32_t)s;
+    return true;
+}
+
+/* About as many springs to each part, and some parts to each thread, so that none waits for long.
+ */
+static gneiss_status make_parts(const gn_springs *y, spring_part **out, int *parts,
+                                gneiss_error *error) {
+    const size_t most = y->particles / PARTICLE_BLOCK, wanted = 4 * (size_t)y->threads;
+    *parts = y->threads == 1 || most < 2 ? 1 : (int)(most < wanted ? most : wanted);
+    spring_part *part = *out = gn_alloc_array((size_t)*parts, sizeof *part);
+    int32_t *home = *parts > 1 ? gn_alloc_array(y->particles, sizeof *home) : NULL;
+    bool made = part && (*parts == 1 || home);
+    for (int b = 0; made && b < *parts; b++) {
+        const size_t share = y->first[y->particles] / (size_t)*parts;
+        part[b].begin = part[b].end = b ? part[b - 1].end : 0;
+        while (part[b].end < y->particles &&
+               (b == *parts - 1 || y->first[part[b].end] < share * (size_t)(b + 1))) {
+            if (home) home[part[b].end] = b;
+            part[b].end++;
+        }
+    }
+    if (made && *parts == 1) part->springs = y->springs;
+    if (made && *parts > 1) made = list_springs(y, home, part, *parts);
+    gn_free(home);
+    if (made) return GNEISS_OK;
+    free_parts(part, *parts);
+    *out = NULL;
+    return gn_fail(error, GNEISS_ERROR_MEMORY, "no memory for the springs of %zu particles",
+                   y->particles);
+}
+
+/* Adds to the sums of its particles in the part, [particles][dofs], what one spring pulls at them,
+ * B^T D v_r. */
+static inline __attribute__((always_inline)) void pull(const gn_spring *s, const step_operator *o,
+                                                       const spring_part *part, double *sums,
+                                                       bool space, bool rotation) {
+    const double *moved = o->system->moved, *n = s->n;
     const int dofs = space ? (rotation ? 6 : 3) : (rotation ? 3 : 2), dim = space ? 3 : 2;
     const double *ui = moved + (size_t)s->i * (size_t)dofs;
     double kn = o->stiffness * s->kn + o->viscosity * s->cn, kt = o->stiffness * s->kt;
-    double v[3] = {0.0}, w[3] = {0.0};
+    double v[3] = {0.0}, w[3] = {0.0}, force[3] = {0.0};
     for (int k = 0; k < dim; k++) v[k] = -ui[k];
     for (int k = dim; k < dofs; k++) w[space ? k - 3 : 2] = s->arm_i * ui[k];
     if (s->j >= 0) {
@@ -252,40 +305,68 @@ static inline void pull(const gn_spring *s, bool second, const step_operator *o,
         for (int k = 0; k < dim; k++) v[k] += uj[k];
         for (int k = dim; k < dofs; k++) w[space ? k - 3 : 2] += s->arm_j * uj[k];
     }
-    const double *n = s->n;
     double vn = v[0] * n[0] + v[1] * n[1] + v[2] * n[2];
     v[0] -= w[1] * n[2] - w[2] * n[1];
     v[1] -= w[2] * n[0] - w[0] * n[2];
     v[2] -= w[0] * n[1] - w[1] * n[0];
-    double side = second ? 1.0 : -1.0, arm = (second ? s->arm_j : s->arm_i) * kt;
-    for (int k = 0; k < dim; k++) out[k] += side * (kt * v[k] + (kn - kt) * vn * n[k]);
-    if (space && rotation) {
-        out[3] -= arm * (n[1] * v[2] - n[2] * v[1]);
-        out[4] -= arm * (n[2] * v[0] - n[0] * v[2]);
-        out[5] -= arm * (n[0] * v[1] - n[1] * v[0]);
+    for (int k = 0; k < dim; k++) force[k] = kt * v[k] + (kn - kt) * vn * n[k];
+    const double turn[3] = {n[1] * v[2] - n[2] * v[1], n[2] * v[0] - n[0] * v[2],
+                            n[0] * v[1] - n[1] * v[0]};
+    for (int end = 0; end < 2; end++) {
+        const int32_t p = end ? s->j : s->i;
+        if (p < 0 || (size_t)p < part->begin || (size_t)p >= part->end) continue;
+        double *out = sums + (size_t)p * (size_t)dofs, arm = (end ? s->arm_j : s->arm_i) * kt;
+        for (int k = 0; k < dim; k++) out[k] += end ? force[k] : -force[k];
+        for (int k = dim; k < dofs; k++) out[k] -= arm * turn[space ? k - 3 : 2];
     }
-    if (!space && rotation) out[2] -= arm * (n[0] * v[1] - n[1] * v[0]);
 }
 
+/* The same of its moments. */
+static inline __attribute__((always_inline)) void bend(const gn_spring *s, const step_operator *o,
+                                                       const spring_part *part, double *sums,
+                                                       bool space) {
+    const size_t dofs = space ? 6 : 3, first = space ? 3 : 2;
+    const double *moved = o->system->moved;
+    double turn[3] = {0.0}, along = 0.0;
+    for (size_t k = first; k < dofs; k++) {
+        double *of = &turn[space ? k - 3 : 2];
+        *of = -moved[(size_t)s->i * dofs + k];
+        if (s->j >= 0) *of += moved[(size_t)s->j * dofs + k];
+    }
+    for (int k = 0; k < 3; k++) along += turn[k] * s->n[k];
+    for (int end = 0; end < 2; end++) {
+        const int32_t p = end ? s->j : s->i;
+        if (p < 0 || (size_t)p < part->begin || (size_t)p >= part->end) continue;
+        double *out = sums + (size_t)p * dofs, side = end ? o->stiffness : -o->stiffness;
+        for (size_t k = first; k < dofs; k++) {
+            size_t a = space ? k - 3 : 2;
+            out[k] += side * (s->bend * turn[a] + (s->twist - s->bend) * along * s->n[a]);
+        }
+    }
+}
+
+/* A particle's springs are added in their order, whatever the parts are. */
 static inline __attribute__((always_inline)) void apply_core(const step_operator *o,
                                                              const double *x, double *out,
                                                              bool space, bool rotation,
                                                              bool bends) {
     const gn_springs *y = o->system;
     const size_t dofs = (size_t)(space ? (rotation ? 6 : 3) : (rotation ? 3 : 2));
-#pragma omp parallel num_threads(y->threads) if (y->particles > PARTICLE_BLOCK)
+#pragma omp parallel num_threads(y->threads) if (o->parts > 1)
     {
 #pragma omp for schedule(static)
         for (size_t k = 0; k < y->particles * dofs; k++) y->moved[k] = y->scale[k] * x[k];
-#pragma omp for schedule(dynamic, PARTICLE_BLOCK)
-        for (size_t p = 0; p < y->particles; p++) {
-            double sum[DOFS_MAX] = {0.0};
-            for (size_t e = y->first[p]; e < y->first[p + 1]; e++) {
-                const gn_spring *s = &y->spring[y->entry[e] / 2];
-                pull(s, y->entry[e] & 1, o, y->moved, space, rotation, sum);
-                if (bends) bend(s, y->entry[e] & 1, o->stiffness, y->moved, space, sum);
+#pragma omp for schedule(dynamic)
+        for (int b = 0; b < o->parts; b++) {
+            const spring_part *part = &o->part[b];
+            const size_t begin = part->begin * dofs, end = part->end * dofs;
+            memset(out + begin, 0, (end - begin) * sizeof *out);
+            for (size_t k = 0; k < part->springs; k++) {
+                const gn_spring *s = &y->spring[part->spring ? part->spring[k] : k];
+                pull(s, o, part, out, space, rotation);
+                if (bends) bend(s, o, part, out, space);
             }
-            for (size_t d = 0; d < dofs; d++) out[p * dofs + d] = y->scale[p * dofs + d] * sum[d];
+            for (size_t k = begin; k < end; k++) out[k] *= y->scale[k];
         }
     }
 }
@@ -322,26 +403,28 @@ static int32_t fastest_particle(const gn_springs *y, const double *x) {
 }
 
 /* x . S x for S = stiffness A + viscosity B and unit x. */
-static double quotient(const gn_springs *y, double stiffness, double viscosity, const double *x,
+static double quotient(const step_operator *of, double stiffness, double viscosity, const double *x,
                        double *scratch) {
-    step_operator o = {y, stiffness, viscosity};
+    const gn_springs *y = of->system;
+    step_operator o = {y, of->part, of->parts, stiffness, viscosity};
     apply_step(&o, x, scratch);
     return gn_eigen_dot(y->particles * (size_t)y->dofs, x, scratch, y->threads);
 }
 
 /* One search at tau = viscosity/2 from the start in x. Keeps what is known in `limit`, returns the
  * new tau. */
-static gneiss_status search(const gn_springs *y, double tau, double tolerance, double *x,
+static gneiss_status search(const step_operator *of, double tau, double tolerance, double *x,
                             double *scratch, gn_step_limit *limit, double *rate,
                             gneiss_error *error) {
+    const gn_springs *y = of->system;
     size_t n = y->particles * (size_t)y->dofs;
-    step_operator o = {y, 1.0, 2.0 * tau};
+    step_operator o = {y, of->part, of->parts, 1.0, 2.0 * tau};
     gn_eigen_top top;
     GN_TRY(gn_eigen_largest(n, apply_step, &o, tolerance, y->threads, x, &top, error));
     double a = top.value, b = 0.0;
     if (y->damped) {
-        a = tau == 0.0 ? top.value : quotient(y, 1.0, 0.0, x, scratch);
-        b = quotient(y, 0.0, 1.0, x, scratch);
+        a = tau == 0.0 ? top.value : quotient(of, 1.0, 0.0, x, scratch);
+        b = quotient(of, 0.0, 1.0, x, scratch);
     }
     if (tau == 0.0) limit->frequency = sqrt(top.value);
     limit->iterations += top.vectors;
@@ -352,12 +435,13 @@ static gneiss_status search(const gn_springs *y, double tau, double tolerance, d
     return GNEISS_OK;
 }
 
-static gneiss_status set_sharp(const gn_springs *y, double tolerance, double *x, double *scratch,
-                               gn_step_limit *limit, gneiss_error *error) {
+static gneiss_status set_sharp(const step_operator *of, double tolerance, double *x,
+                               double *scratch, gn_step_limit *limit, gneiss_error *error) {
+    const gn_springs *y = of->system;
     size_t n = y->particles * (size_t)y->dofs;
     double tau = 0.0, rate;
     for (size_t k = 0; k < n; k++) x[k] = y->scale[k] > 0.0 ? noise(k) : 0.0;
-    GN_TRY(search(y, 0.0, tolerance, x, scratch, limit, &rate, error));
+    GN_TRY(search(of, 0.0, tolerance, x, scratch, limit, &rate, error));
     /* The rate climbs and its error is squared each time; a dozen rounds are never needed. */
     for (int round = 0; y->damped && round < 12 && fabs(rate - tau) > 0.1 * tolerance * rate;
          round++) {
@@ -366,7 +450,7 @@ static gneiss_status set_sharp(const gn_springs *y, double tolerance, double *x,
         for (size_t k = 0; k < n; k++)
             x[k] += y->scale[k] > 0.0 ? 1e-2 / sqrt((double)n) * noise(k + n * (size_t)(round + 1))
                                       : 0.0;
-        GN_TRY(search(y, tau, tolerance, x, scratch, limit, &rate, error));
+        GN_TRY(search(of, tau, tolerance, x, scratch, limit, &rate, error));
     }
     return GNEISS_OK;
 }
@@ -378,12 +462,17 @@ gneiss_status gn_springs_limits(const gn_springs *y, double tolerance, gn_step_l
     GN_TRY(set_bound(y, limit, error));
     if (limit->bound == INFINITY || tolerance == 0.0) return GNEISS_OK;
     size_t n = y->particles * (size_t)y->dofs;
+    spring_part *part;
+    int parts;
+    GN_TRY(make_parts(y, &part, &parts, error));
+    const step_operator o = {y, part, parts, 1.0, 0.0};
     double *x = gn_alloc_array(n, sizeof *x), *scratch = gn_alloc_array(n, sizeof *scratch);
-    gneiss_status status = x && scratch ? set_sharp(y, tolerance, x, scratch, limit, error)
+    gneiss_status status = x && scratch ? set_sharp(&o, tolerance, x, scratch, limit, error)
                                         : gn_fail(error, GNEISS_ERROR_MEMORY,
                                                   "no memory for a mode of %zu components", n);
     gn_free(x);
     gn_free(scratch);
+    free_parts(part, parts);
     return status;
 }
 

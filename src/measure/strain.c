@@ -15,6 +15,7 @@
 
 #include <math.h>
 #include <stdlib.h>
+#include <string.h>
 
 /* How well the simplices must fill the hull: far above round-off, far below what would show in a
  * strain. */
@@ -121,23 +122,23 @@ static face sorted_face(const int32_t *corner, int dimension, int32_t sign) {
     return f;
 }
 
-/* All faces of all simplices, sorted, with pairs of opposite sign taken out; `count` of them are
- * left. `turn` is the common orientation of the simplices. The face of a positive simplex 0..d
- * opposite to corner k has the remaining corners, in their order, turned outwards by (-1)^k. */
-static gneiss_status outer_faces(const gn_triangulation *t, int32_t turn, face **faces,
-                                 size_t *count, gneiss_error *error) {
-    size_t corners = (size_t)t->dimension + 1, all = t->count * corners;
-    face *list = gn_alloc_array(all, sizeof *list);
-    if (!list) return gn_fail(error, GNEISS_ERROR_MEMORY, "no memory for %zu faces", all);
-    for (size_t s = 0; s < t->count; s++)
-        for (size_t k = 0; k < corners; k++) {
-            int32_t rest[3] = {0}, n = 0;
-            for (size_t m = 0; m < corners; m++)
-                if (m != k) rest[n++] = t->vertex[s * corners + m];
-            int32_t outward = k % 2 ? -1 : 1;
-            list[s * corners + k] = sorted_face(rest, t->dimension, outward * turn);
-        }
-    qsort(list, all, sizeof *list, compare_faces);
+/* Where the faces with each lowest corner begin once they are sorted by it, [points + 1]. */
+static void count_faces(const face *list, size_t all, size_t points, size_t *start) {
+    memset(start, 0, (points + 1) * sizeof *start);
+    for (size_t f = 0; f < all; f++) start[list[f].corner[0] + 1]++;
+    for (size_t p = 0; p < points; p++) start[p + 1] += start[p];
+}
+
+/* Sorted into `sorted`: by the lowest corner with counters, the few of each corner one by one. */
+static void sort_faces(const face *list, size_t all, size_t points, size_t *start, face *sorted) {
+    count_faces(list, all, points, start);
+    for (size_t f = 0; f < all; f++) sorted[start[list[f].corner[0]]++] = list[f];
+    for (size_t p = 0, begin = 0; p < points; begin = start[p++]) /* where they end, by now */
+        qsort(sorted + begin, start[p] - begin, sizeof *sorted, compare_faces);
+}
+
+/* Takes out pairs of opposite sign; how many are left. */
+static size_t cancel_faces(face *list, size_t all) {
     size_t kept = 0;
     for (size_t f = 0; f < all; f++) {
         bool same = kept > 0;
@@ -147,9 +148,43 @@ static gneiss_status outer_faces(const gn_triangulation *t, int32_t turn, face *
         else
             list[kept++] = list[f];
     }
-    *faces = list;
-    *count = kept;
-    return GNEISS_OK;
+    return kept;
+}
+
+/* All faces of all simplices. `turn` is their common orientation. The face of a positive simplex
+ * 0..d opposite to corner k has the remaining corners, in their order, turned outwards by (-1)^k.
+ */
+static void list_faces(const gn_triangulation *t, int32_t turn, face *list) {
+    size_t corners = (size_t)t->dimension + 1;
+    for (size_t s = 0; s < t->count; s++)
+        for (size_t k = 0; k < corners; k++) {
+            int32_t rest[3] = {0}, n = 0;
+            for (size_t m = 0; m < corners; m++)
+                if (m != k) rest[n++] = t->vertex[s * corners + m];
+            int32_t outward = k % 2 ? -1 : 1;
+            list[s * corners + k] = sorted_face(rest, t->dimension, outward * turn);
+        }
+}
+
+/* The faces of simplices over so many points, sorted, with pairs of opposite sign taken out;
+ * `count` of them are left. */
+static gneiss_status outer_faces(const gn_triangulation *t, size_t points, int32_t turn,
+                                 face **faces, size_t *count, gneiss_error *error) {
+    size_t all = t->count * ((size_t)t->dimension + 1);
+    face *list = gn_alloc_array(all, sizeof *list), *sorted = gn_alloc_array(all, sizeof *sorted);
+    size_t *start = gn_alloc_array(points + 1, sizeof *start);
+    bool room = list && sorted && start;
+    if (room) {
+        list_faces(t, turn, list);
+        sort_faces(list, all, points, start, sorted);
+        *count = cancel_faces(sorted, all);
+        *faces = sorted;
+    }
+    gn_free(start);
+    gn_free(list);
+    if (room) return GNEISS_OK;
+    gn_free(sorted);
+    return gn_fail(error, GNEISS_ERROR_MEMORY, "no memory for %zu faces", all);
 }
 
 /* Adds the faces to the weights [points][3]; the volume they enclose by the divergence theorem. */
@@ -223,7 +258,7 @@ static gneiss_status gauge_fill(const gn_triangulation *t, const double *points,
                                 gneiss_error *error) {
     face *faces = NULL;
     size_t face_count = 0;
-    GN_TRY(outer_faces(t, common_turn(t, points), &faces, &face_count, error));
+    GN_TRY(outer_faces(t, count, common_turn(t, points), &faces, &face_count, error));
     double *weight = gn_alloc_array(3 * count, sizeof *weight);
     gneiss_status status = GNEISS_OK;
     if (!weight)

@@ -97,21 +97,26 @@ static void force_on_first(const gn_output_view *v, size_t c, double force[3]) {
     force[2] = v->world->effects & GN_FX_SPACE ? row[2] : 0.0;
 }
 
-static double normal_of(const gn_output_view *v, size_t c) {
+static double normal_of(const gn_output_view *v, size_t c, const double force[3]) {
     const gn_world *w = v->world;
     const double *x = w->dem.particles.pos + 4 * (int64_t)w->dem.bonds.i[c],
                  *y = w->dem.particles.pos + 4 * (int64_t)w->dem.bonds.j[c];
-    double d[3], d2 = gn_branch(w, x, y, d), along = 0.0, force[3];
-    force_on_first(v, c, force);
+    double d[3], d2 = gn_branch(w, x, y, d), along = 0.0;
     for (int a = 0; a < 3; a++) along += force[a] * d[a];
     return d2 > 0.0 ? along / sqrt(d2) : 0.0;
 }
 
-static double shear_of(const gn_output_view *v, size_t c) {
-    double force[3], normal = normal_of(v, c), square = 0.0;
-    force_on_first(v, c, force);
-    for (int a = 0; a < 3; a++) square += force[a] * force[a];
-    return sqrt(fmax(0.0, square - normal * normal));
+/* Three fields need them. */
+static void split_forces(gn_output_view *v) {
+    const size_t count = v->world->dem.bonds.soa.count;
+#pragma omp parallel for schedule(static) num_threads(v->world->threads)
+    for (size_t c = 0; c < count; c++) {
+        double force[3], square = 0.0;
+        force_on_first(v, c, force);
+        double normal = v->normal[c] = normal_of(v, c, force);
+        for (int a = 0; a < 3; a++) square += force[a] * force[a];
+        v->shear[c] = sqrt(fmax(0.0, square - normal * normal));
+    }
 }
 
 /* With n of the present positions. */
@@ -131,7 +136,7 @@ static double criterion_of(const gn_output_view *v, size_t c) {
     if (b->cause[c]) return gn_broken(b->cause[c]) ? 1.0 : 0.0;
     const gn_law *law = gn_law_of(b->soa.effects);
     gn_law_moments m = moments_of(v, c);
-    return fmax(0.0, law->criterion(b, c, normal_of(v, c) + m.normal, shear_of(v, c) + m.shear));
+    return fmax(0.0, law->criterion(b, c, v->normal[c] + m.normal, v->shear[c] + m.shear));
 }
 
 enum { BOND_SOFTENING = 4, BOND_YIELDED = 5 }; /* beside gn_cause: bonds that hold */
@@ -156,12 +161,12 @@ READ(tension_damage, gn_softening_condition(&w->dem.bonds, k).tension)
 READ(shear_damage, gn_softening_condition(&w->dem.bonds, k).shear)
 READ(permanent, gn_softening_condition(&w->dem.bonds, k).permanent)
 READ(broken_time, w->dem.bonds.cause[k] ? w->dem.bonds.broken_time[k] : NAN)
-READ(normal_force, normal_of(v, k))
-READ(shear_force, shear_of(v, k))
+READ(normal_force, v->normal[k])
+READ(shear_force, v->shear[k])
 READ(criterion, criterion_of(v, k))
 
 READ(area, w->dem.bonds.area[k])
-READ(contact_stress, normal_of(v, k) / w->dem.bonds.area[k])
+READ(contact_stress, v->normal[k] / w->dem.bonds.area[k])
 
 /* 1 if it is its first end that has the smaller id, which comes first, else -1. */
 static double turn_of(const gn_world *w, size_t c) {
@@ -231,10 +236,15 @@ static void count_contacts(const gn_contacts *list, double *coordination) {
 
 gneiss_status gn_output_view_make(const gn_world *w, const gn_observed *seen, gn_output_view *v,
                                   gneiss_error *error) {
-    size_t n = w->dem.particles.soa.count;
-    *v = (gn_output_view){w, seen, calloc(n + 1, sizeof(double)), calloc(n + 1, 6 * sizeof(double)),
-                          calloc(n + 1, sizeof(double))};
-    if (!v->damage || !v->stress || !v->coordination) {
+    size_t n = w->dem.particles.soa.count, bonds = seen->bonds.soa.count;
+    *v = (gn_output_view){.world = w,
+                          .seen = seen,
+                          .damage = calloc(n + 1, sizeof(double)),
+                          .stress = calloc(n + 1, 6 * sizeof(double)),
+                          .coordination = calloc(n + 1, sizeof(double)),
+                          .normal = calloc(bonds + 1, sizeof(double)),
+                          .shear = calloc(bonds + 1, sizeof(double))};
+    if (!v->damage || !v->stress || !v->coordination || !v->normal || !v->shear) {
         gn_output_view_free(v);
         return gn_fail(error, GNEISS_ERROR_MEMORY, "no memory for the output of %zu particles", n);
     }
@@ -245,6 +255,7 @@ gneiss_status gn_output_view_make(const gn_world *w, const gn_observed *seen, gn
     if (w->effects & GN_FX_BONDS) gn_damage_particles(&w->dem.particles, &w->dem.bonds, v->damage);
     count_contacts(&seen->bonds, v->coordination);
     count_contacts(&seen->pairs, v->coordination);
+    split_forces(v);
     return GNEISS_OK;
 }
 
@@ -252,5 +263,7 @@ void gn_output_view_free(gn_output_view *v) {
     free(v->damage);
     free(v->stress);
     free(v->coordination);
+    free(v->normal);
+    free(v->shear);
     *v = (gn_output_view){0};
 }

@@ -9,6 +9,7 @@ typedef struct gn_output_view {
     const gn_world *world;
     const gn_observed *seen;
     double *damage, *stress, *coordination; /* per particle; stress [particles][6] */
+    double *normal, *shear;                 /* N, per bond, of what is seen */
 } gn_output_view;
 
 gneiss_status gn_output_view_make(const gn_world *world, const gn_observed *seen,

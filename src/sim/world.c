@@ -10,6 +10,7 @@
 
 #include <math.h>
 #include <omp.h>
+#include <pthread.h>
 #include <string.h>
 
 static const char *const phase_names[] = {
@@ -205,10 +206,7 @@ static gneiss_status build_particles(gn_world *w, gneiss_error *error) {
     GN_TRY(gn_dem_complete(w, error));
     GN_TRY(gn_boundary_create(w, error));
     GN_TRY(gn_element_contact_create(w, error));
-    GN_TRY(gn_world_rebuild(w, error));
-    /* A periodic box has no surface whose displacements would tell its strain. */
-    if (w->effects & GN_FX_PERIODIC) return GNEISS_OK;
-    return gn_strain_gauge_create(&w->dem.particles, (int)w->scene.dimension, &w->gauge, error);
+    return gn_world_rebuild(w, error);
 }
 
 static gneiss_status build_empty(gn_world *w, gneiss_error *error) {
@@ -242,6 +240,39 @@ gneiss_status gn_world_check_duration(const gn_world *w, gneiss_error *error) {
         w->dt, w->scene.end);
 }
 
+typedef struct gauge_work {
+    gn_world *w;
+    gneiss_status status;
+    gneiss_error error;
+} gauge_work;
+
+static void *make_gauge(void *context) {
+    gauge_work *k = context;
+    gn_world *w = k->w;
+    k->status =
+        gn_strain_gauge_create(&w->dem.particles, (int)w->scene.dimension, &w->gauge, &k->error);
+    return NULL;
+}
+
+/* The strain gauge and the step: the two longest parts of setting up. Qhull has one thread only,
+ * so that the other threads do the step meanwhile. */
+static gneiss_status make_gauge_and_step(gn_world *w, bool particles, gneiss_error *error) {
+    gauge_work gauge = {w, GNEISS_OK, {0}};
+    pthread_t thread;
+    const int threads = w->threads;
+    /* A periodic box has no surface whose displacements would tell its strain. */
+    bool wanted = particles && !(w->effects & GN_FX_PERIODIC), beside = wanted && threads > 1;
+    if (beside) beside = pthread_create(&thread, NULL, make_gauge, &gauge) == 0;
+    if (wanted && !beside) make_gauge(&gauge);
+    w->threads = beside ? threads - 1 : threads;
+    gneiss_status status = GNEISS_OK;
+    if (beside || gauge.status == GNEISS_OK) status = gn_world_check_step(w, true, error);
+    if (beside) (void)pthread_join(thread, NULL);
+    w->threads = threads;
+    if (gauge.status == GNEISS_OK) return status;
+    return gn_fail(error, gauge.status, "%s", gauge.error.message);
+}
+
 static gneiss_status build(gn_world *w, gneiss_error *error) {
     bool particles = w->given.has_specimen;
     gn_mesh mesh = {0};
@@ -253,7 +284,7 @@ static gneiss_status build(gn_world *w, gneiss_error *error) {
     GN_TRY(status);
     GN_TRY(particles ? build_particles(w, error) : build_empty(w, error));
     if (!particles) measure_elements(w);
-    GN_TRY(gn_world_check_step(w, true, error));
+    GN_TRY(make_gauge_and_step(w, particles, error));
     GN_TRY(gn_dem_scale_masses(w, error));
     /* Of the step that is left when collisions have to be resolved, too. */
     GN_TRY(gn_world_check_duration(w, error));

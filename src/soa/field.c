@@ -43,8 +43,8 @@ size_t gn_record_bytes(const gn_record *record, gn_effects effects) {
     return bytes;
 }
 
-gneiss_status gn_soa_create(const gn_record *record, void *soa, size_t count, gn_effects effects,
-                            gneiss_error *error) {
+static gneiss_status create(const gn_record *record, void *soa, size_t count, gn_effects effects,
+                            void *(*alloc)(size_t, size_t), gneiss_error *error) {
     gn_soa *head = soa;
     head->count = count;
     head->effects = effects;
@@ -54,7 +54,7 @@ gneiss_status gn_soa_create(const gn_record *record, void *soa, size_t count, gn
         const gn_field *field = &record->fields[f];
         if (!gn_field_active(field, effects)) continue;
         size_t item = gn_type_size(field->type) * (size_t)field->components;
-        void *data = gn_alloc_array(head->capacity, item);
+        void *data = alloc(head->capacity, item);
         if (!data) {
             gn_soa_destroy(record, soa);
             return gn_fail(error, GNEISS_ERROR_MEMORY,
@@ -64,6 +64,11 @@ gneiss_status gn_soa_create(const gn_record *record, void *soa, size_t count, gn
         *field_slot(field, soa) = data;
     }
     return GNEISS_OK;
+}
+
+gneiss_status gn_soa_create(const gn_record *record, void *soa, size_t count, gn_effects effects,
+                            gneiss_error *error) {
+    return create(record, soa, count, effects, gn_alloc_array, error);
 }
 
 void gn_soa_destroy(const gn_record *record, void *soa) {
@@ -167,24 +172,32 @@ void gn_soa_mirror(const gn_record *record, void *soa, const int32_t *swapped, s
     }
 }
 
-void gn_soa_take(const gn_record *record, void *dst, const void *src) {
+/* `fresh`: what of dst is not written is not there yet, and is zeroed. */
+static void take(const gn_record *record, void *dst, const void *src, bool fresh) {
     const gn_soa *from = src, *to = dst;
     for (size_t f = 0; f < record->field_count; f++) {
         const gn_field *field = &record->fields[f];
         char *out = gn_field_data(field, dst);
         const char *in = gn_field_data(field, src);
-        if (!out || !in) continue;
+        if (!out) continue;
         for (int c = 0; c < stream_count(field); c++) {
             stream o = field_stream(field, to, c), s = field_stream(field, from, c);
-            memcpy(out + o.base, in + s.base, s.stride * from->count);
+            size_t kept = in ? s.stride * from->count : 0;
+            if (in) memcpy(out + o.base, in + s.base, kept);
+            if (fresh) memset(out + o.base + kept, 0, o.stride * to->capacity - kept);
         }
     }
 }
 
+void gn_soa_take(const gn_record *record, void *dst, const void *src) {
+    take(record, dst, src, false);
+}
+
 gneiss_status gn_soa_copy(const gn_record *record, void *dst, const void *src, gn_effects effects,
                           gneiss_error *error) {
-    GN_TRY(gn_soa_create(record, dst, ((const gn_soa *)src)->count, effects, error));
-    gn_soa_take(record, dst, src);
+    const gn_soa *from = src;
+    GN_TRY(create(record, dst, from->count, effects, gn_alloc_array_raw, error));
+    take(record, dst, src, true);
     return GNEISS_OK;
 }
 
