@@ -33,6 +33,8 @@ usage: ./do COMMAND [...]
                                ESyS-Particle and CalculiX; --large: big specimens; --sweep: 1 372 to 1 000 188 grains
   validate [--quick] [--time] [--only SECTION] [--fresh] [--large]
                                beside YADE, closed forms and published tables; writes docs/evidence/validation.md
+  accuracy [--quick] [--only CASE] [--out DIR]
+                               what accuracy costs in time; writes docs/accuracy.md
   install WHAT                 the packages of build, check, aarch64, bench, validate or peers
   keys [text]                  the keys that a scene file may hold, or those that hold a text
   clean                        remove the build folders
@@ -201,6 +203,12 @@ command_validate() {
     prepare
     build build
     "$python" "$root/validate/run.py" "$@"
+}
+
+command_accuracy() {
+    prepare
+    build build gneiss
+    "$python" "$root/validate/accuracy/run.py" "$@"
 }
 
 command_install() {
@@ -386,7 +394,7 @@ main() {
     local command=${1:-help}
     (($#)) && shift
     case $command in
-    run | test | check | bench | validate | install | keys | clean) "command_$command" "$@" ;;
+    run | test | check | bench | validate | accuracy | install | keys | clean) "command_$command" "$@" ;;
     help | -h | --help) usage ;;
     *)
         usage >&2

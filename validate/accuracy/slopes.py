@@ -1,0 +1,110 @@
+"""Measured slopes as a table, slopes.csv: what errors are made of, over dimensionless groups. The page's table of slopes is made from
+it, and a program may read it.
+
+form power:    error = coefficient * (group / reference)^exponent  (error: change of the reading over the reading)
+     linear:   error = coefficient * (group - reference)
+     constant: error = coefficient, whatever the group is
+`low`, `high`: the group's range that was measured; *_error: standard errors, that of a power's coefficient relative; `points`: how
+many points the fit had, or runs a constant. `kind`: bias (it has a sign; here positive: too large) or scatter (a standard deviation).
+"""
+import csv
+import io
+
+import numpy as np
+
+import fits
+
+COLUMNS = ("case", "reading", "effect", "kind", "group", "form", "coefficient", "coefficient_error", "exponent", "exponent_error",
+           "reference", "low", "high", "points")
+
+
+def number(value):
+    return "" if value is None or not np.isfinite(value) else f"{value:.4g}"
+
+
+class Slopes:
+    def __init__(self, case):
+        self.case, self.rows = case, []
+
+    def add(self, reading, effect, kind, group, form, coefficient, coefficient_error=None, exponent=None, exponent_error=None,
+            reference=None, low=None, high=None, points=0):
+        if not np.isfinite(coefficient):
+            return None
+        values = (coefficient, coefficient_error, exponent, exponent_error, reference, low, high)
+        row = dict(zip(COLUMNS, (self.case, reading, effect, kind, group, form, *map(number, values), str(points))))
+        self.rows.append(row)
+        return row
+
+    def power(self, reading, effect, kind, group, x, y):
+        """Power law of deviations y over x; its sign is that of most of them."""
+        x, y = fits.clean(x, y)
+        keep = y != 0
+        x, y = x[keep], y[keep]
+        if len(np.unique(x)) < 2:
+            return None
+        middle, coefficient, exponent, a, b = fits.power(x, y)
+        sign = np.sign(np.median(np.sign(y))) or 1.0
+        return self.add(reading, effect, kind, group, "power", sign * coefficient, a, exponent, b, middle, x.min(), x.max(), len(x))
+
+    def linear(self, reading, effect, kind, group, x, y, reference):
+        x, y = fits.clean(x, y)
+        if len(np.unique(x)) < 2:
+            return None
+        _, slope, _, error = fits.line(x, y)
+        return self.add(reading, effect, kind, group, "linear", slope, error, None, None, reference, x.min(), x.max(), len(x))
+
+    def constant(self, reading, effect, kind, value, count):
+        if count < 1:
+            return None
+        error = value / np.sqrt(2 * max(1, count - 1)) if kind == "scatter" else None
+        return self.add(reading, effect, kind, "", "constant", value, error, points=count)
+
+
+def read(path):
+    if not path.exists():
+        return []
+    with open(path, newline="", encoding="utf-8") as file:
+        return list(csv.DictReader(line for line in file if not line.startswith("#")))
+
+
+def write(path, measured, cases):
+    """Rows of the cases that were measured take the place of those that the file has of them."""
+    fresh = {row["case"] for row in measured}
+    rows = [row for row in read(path) if row["case"] not in fresh] + measured
+    rows.sort(key=lambda row: (list(cases).index(row["case"]) if row["case"] in cases else len(cases)))
+    text = io.StringIO()
+    text.write("# Written by ./do accuracy; what the columns are: validate/accuracy/slopes.py\n")
+    writer = csv.DictWriter(text, COLUMNS, lineterminator="\n")
+    writer.writeheader()
+    writer.writerows(rows)
+    path.write_text(text.getvalue())
+
+
+def law(row):
+    """A row as a formula."""
+    c = float(row["coefficient"])
+    if row["form"] == "power":
+        return f"{100 * c:.2g} % x (g / {float(row['reference']):.3g})^{float(row['exponent']):.2f}"
+    if row["form"] == "linear":
+        return f"{100 * c:.2g} % x (g - {row['reference']})"
+    return f"{100 * c:.2g} %"
+
+
+def at(row, group):
+    """The error that a row says for a group."""
+    c, g = float(row["coefficient"]), float(row["reference"] or 1)
+    return c * (group / g) ** float(row["exponent"]) if row["form"] == "power" else c * (group - g) if row["form"] == "linear" else c
+
+
+def standard_errors(row):
+    c, e = row["coefficient_error"], row["exponent_error"]
+    if not c:
+        return "-"
+    if row["form"] == "power":
+        return f"{100 * float(c):.0f} % of it" + (f"; {float(e):.2f}" if e else "")
+    return f"{100 * float(c):.2g} %"
+
+
+def table_rows(rows):
+    return [[row["case"], row["reading"], row["effect"], row["kind"], row["group"] or "-", law(row), standard_errors(row),
+             f"{row['low']} to {row['high']}" if row["low"] else "-", row["points"]] for row in rows]
