@@ -30,8 +30,8 @@ def stiffness(k):
     return {"materials.grain.normal_stiffness": k, **{f"walls.{name}.stiffness": k for name in ("floor", "left", "right", "front", "back")}}
 
 
-AXES = [Axis("steps per contact", [80, 40, 20, 10, 5], key("time.contact_steps"), [20, 10], seeds=8),
-        Axis("stiffness", [1e2, 1e3, 1e4, 1e5], stiffness, [1e3, 1e4], seeds=8),
+AXES = [Axis("steps per contact", [40, 20, 10, 5], key("time.contact_steps"), [20, 10], seeds=6),
+        Axis("stiffness", [1e2, 1e3, 1e4, 1e5], stiffness, [1e3, 1e4], seeds=6),
         Axis("restitution", [0.2, 0.5, 0.8], key("damping.contact.restitution"), [0.5], seeds=5),
         Axis("precision", ["double", "mixed"], key("run.precision"), ["double", "mixed"], seeds=5),
         Axis("round-off", [0.0, 1e-12, 2e-12, 3e-12, 4e-12, 5e-12], lambda x: {"specimen.lattice.origin": [(0.1 + x) * R, 0.1 * R, 3 * R]}, [0.0, 1e-12])]

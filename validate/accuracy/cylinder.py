@@ -127,6 +127,14 @@ def across(count, rows_of_file):
     return DIAMETER / (2 * rows_of_file[:, 3].mean()) * (count / len(rows_of_file)) ** (1 / 3)
 
 
+MUCH = 0.4  # damping from which strength hardly notices it
+
+
+def m_base(rows, reading):
+    """A reading at the base's damping."""
+    return next(row for row in rows if row.value == BASE["damping"])[READINGS[reading]]
+
+
 class Measured:
     """Floors, references and slopes of a case, from its rows."""
 
@@ -171,16 +179,16 @@ class Measured:
                     list(beyond.values()))
             ours = {row.value: row[READINGS[r]] for row in found["safety"]}
             s.linear(r, "safety", "bias", "safety", list(ours), np.array(list(ours.values())) / ours[min(ours)] - 1, min(ours))
-            a = {row.value: row[READINGS[r]] for row in found["damping"]}
-            s.linear(r, "damping", "bias", "coefficient of the damping", list(a), np.array(list(a.values())) / a[max(a) if 0.7 not in a else 0.7] - 1,
-                     0.7)
+            a = {row.value: row[READINGS[r]] / m_base(found["damping"], r) - 1 for row in found["damping"]}
+            high, low = [x for x in a if x >= MUCH], [x for x in a if x < MUCH and abs(a[x]) > 2 * self.floor[r]]
+            s.linear(r, "damping", "bias", f"coefficient of the damping, {MUCH} and more", high, [a[x] for x in high], BASE["damping"])
+            s.exponential(r, "little damping", "bias", f"coefficient of the damping, below {MUCH}", low, [a[x] for x in low])
             double, mixed = column(found["precision"], r)[:2]
             s.constant(r, "precision", "bias", mixed / double - 1, 1)
             s.constant(r, "round-off", "scatter", self.floor[r], len(found["round-off"]))
             bonds = column(found["gap"], "bonds") * 2 / len(self.packing)
             middle = next(row for row in found["gap"] if row.value == BASE["gap"])
-            s.power(r, "gap", "bias", "bonds per particle; the reading over that of the base goes as it to the exponent", bonds / (2 * middle["bonds"] / len(self.packing)),
-                    column(found["gap"], r) / middle[READINGS[r]])
+            s.ratio(r, "gap", "bonds per particle", bonds, column(found["gap"], r) / middle[READINGS[r]], 2 * middle["bonds"] / len(self.packing))
             s.power(r, "packing", "scatter", "number of particles", list(self.packing_scatter[r]), list(self.packing_scatter[r].values()))
         for r, ((last, a, p), error, _) in self.limits.items():
             n = list(self.n.values())
@@ -191,39 +199,61 @@ class Measured:
 
 # --- settings: what a number of particles, a speed and a number of seeds come to ----------------------------
 
-def settings(m, reading):
-    """(seconds, error, count, speed, seeds): the error of a mean over so many packings against the limit: bias and scatter."""
-    found = []
-    for name, speed in (("particles", lambda v: m.c.closing), ("more particles", lambda v: m.c.closing), ("particles and velocity", lambda v: v[1])):
+KINDS = {"calibrated": "contact strength and stiffness calibrated with that number of particles",
+         "constant": "contact strength and stiffness the same for every number"}
+
+
+def bias_of(m, reading, kind, rows, count, spread):
+    """Calibrated: of the speed alone, by the same seeds at the base's. Constant: of speed and number, against the limit. What the mean is
+    off by chance is not its bias and is taken off."""
+    values = column(rows, reading)
+    if kind == "constant":
+        off, chance = np.nanmean(values) / m.limit(reading) - 1, spread / np.sqrt(len(values))
+    else:
+        base = {row.seed: row[READINGS[reading]] for row in m.by_count[count]}
+        change = fits.clean([np.log(row[READINGS[reading]] / base.get(row.seed, float("nan"))) for row in rows])[0]
+        off = change.mean() + m.still[reading][1].get(m.c.closing, 0.0)
+        chance = change.std(ddof=1) / np.sqrt(len(change)) if len(change) > 1 else 0.0
+    return np.sqrt(max(0.0, off**2 - chance**2))
+
+
+def settings(m, reading, kind):
+    """(seconds, error, count, speed, seeds, steps): the error of a mean over so many packings: bias, and scatter over the root of their
+    number. The scatter is that of the law over all numbers of particles, where there is one: five seeds tell a deviation to a third."""
+    found, law = [], slope_of(m, reading, "packing")
+    base = m.c.closing
+    for name, speed in (("particles", lambda v: base), ("more particles", lambda v: base), ("particles and velocity", lambda v: v[1])):
         for value, rows in groups(m.found[name]).items():
+            count = value[0] if isinstance(value, tuple) else value
             values = fits.clean(column(rows, reading))[0]
             if len(values) < 2:
                 continue
-            count = value[0] if isinstance(value, tuple) else value
-            bias, spread = values.mean() / m.limit(reading) - 1, values.std(ddof=1) / m.limit(reading)
-            for seeds in (1, 2, 3, 5):
-                found.append((seeds * np.mean([row.seconds for row in rows]), float(np.hypot(bias, spread / np.sqrt(seeds))), count,
-                              speed(value), seeds, np.mean([row["steps"] for row in rows]) * seeds))
+            spread = slopes.at(law, count) if law else values.std(ddof=1) / values.mean()
+            bias = bias_of(m, reading, kind, rows, count, spread)
+            seconds, steps = np.mean([row.seconds for row in rows]), np.mean([row["steps"] for row in rows])
+            for seeds in (1, 2, 3, 5, 10):
+                found.append((seeds * seconds, float(np.hypot(bias, spread / np.sqrt(seeds))), count, speed(value), seeds, seeds * steps))
     return found
+
+
+def cheapest(m, reading, kind, wanted, yade):
+    known = sorted(settings(m, reading, kind))
+    good = [point for point in known if point[1] <= wanted]
+    if not good:
+        return f"none; the best of these has {words.percent(min(point[1] for point in known))}"
+    seconds, _, count, speed, seeds, steps = good[0]
+    theirs = count * steps * yade["longer"] / yade["particle_steps"]
+    return (f"{count} particles, {words.plain(speed)} m/s, {seeds} packing{'s' if seeds > 1 else ''}: **{words.seconds(seconds)} s** (YADE "
+            f"{words.seconds(theirs)} s)")
 
 
 def front_rows(m, yade):
     """For every error the cheapest settings, here and in YADE."""
-    rows = []
-    for reading in ("strength", "E"):
-        known = sorted(settings(m, reading))
-        for wanted in (0.10, 0.05, 0.02, 0.01):
-            good = [point for point in known if point[1] <= wanted]
-            if not good:
-                least = min(known, key=lambda point: point[1])
-                rows.append([m.case, reading, f"{100 * wanted:.0f} %", f"none of these runs; the best has {words.percent(least[1])}", "-", "-"])
-                continue
-            seconds, error, count, speed, seeds, steps = good[0]
-            theirs = count * steps * yade["longer"] / yade["particle_steps"]
-            rows.append([m.case, reading, f"{100 * wanted:.0f} %",
-                         f"{count} particles, {words.plain(speed)} m/s, {seeds} packing{'s' if seeds > 1 else ''} (found: {words.percent(error)})",
-                         words.seconds(seconds), words.seconds(theirs)])
-    return rows
+    return [[m.case, reading, kind, *(cheapest(m, reading, kind, wanted, yade) for wanted in WANTED)]
+            for reading in ("strength", "E") for kind in KINDS]
+
+
+WANTED = (0.10, 0.05, 0.02, 0.01)
 
 
 def fixed_points(m, reading):
@@ -253,15 +283,15 @@ def draw_panel(axes, m, reading):
     for name in ("velocity", "safety", "precision", "round-off"):
         points = [p for p in fixed_points(m, reading) if p[0] == name]
         axes.loglog([p[1] for p in points], [p[2] for p in points], "x", ms=5, color=words.COLOURS[name], label=f"{name} (one packing)")
-    every = settings(m, reading)
+    every = settings(m, reading, "calibrated")
     for mark, speed in zip(words.MARKS, sorted({p[3] for p in every})):
         points = [p for p in every if p[3] == speed and p[4] == 1]
-        axes.loglog([p[0] for p in points], [p[1] for p in points], mark, ms=5, color="#2ca02c", alpha=0.4 + 0.3 * (mark == "o"),
-                    label=f"particles at {words.plain(speed)} m/s")
+        axes.loglog([p[0] for p in points], [p[1] for p in points], mark, ms=5, color="#2ca02c", label=f"particles at {words.plain(speed)} m/s")
     averaged = [p for p in every if p[4] > 1]
-    axes.loglog([p[0] for p in averaged], [p[1] for p in averaged], ".", ms=4, color="#98df8a", label="means over 2, 3, 5 packings")
-    best = fits.front(every)
-    axes.step([p[0] for p in best], [p[1] for p in best], where="post", color="black", lw=1.4, label="the cheapest")
+    axes.loglog([p[0] for p in averaged], [p[1] for p in averaged], ".", ms=3, color="#98df8a", label="means over 2 to 10 packings")
+    for kind, style in (("calibrated", "-"), ("constant", "--")):
+        best = fits.front(settings(m, reading, kind))
+        axes.step([p[0] for p in best], [p[1] for p in best], style, where="post", color="black", lw=1.4, label=f"the cheapest, {kind}")
     axes.axhline(m.floor[reading], color="#7f7f7f", ls=":", lw=1)
     axes.text(0.01, m.floor[reading], "round-off", transform=axes.get_yaxis_transform(), va="bottom", color="#555555", fontsize=7)
     largest = max(m.packing_scatter[reading])
@@ -311,7 +341,8 @@ def sentence_velocity(m):
     if row is None or not row["exponent_error"]:
         worst = max((abs(d) for d in m.still["strength"][1].values()), default=float("nan"))
         return text + f"The strength changes by {words.percent(worst)} at most over the range; too few runs are beyond round-off for a slope."
-    within = [v for v, d in m.still["strength"][1].items() if abs(d) < 2 * m.floor["strength"]]
+    changes = m.still["strength"][1]
+    within = [v for v, d in changes.items() if abs(d) < 2 * m.floor["strength"] and v > min(changes)]
     slow = f" Up to {max(within):g} m/s the error is below twice the round-off." if within else ""
     return text + (f"The strength's error goes as g^{float(row['exponent']):.2f} (+- {float(row['exponent_error']):.2f}); at g = "
                    f"{row['high']} it is {words.signed(slopes.at(row, float(row['high'])))}.{slow}")
@@ -338,7 +369,7 @@ def sentence_size(m):
     return text + (f"A constant fracture toughness would want r^0.5 at a constant contact strength, and so a contact strength that goes as r^-0.5; that "
                    f"would make {'the drift larger' if slope > -0.25 else 'it smaller'}: strength would go as n^{slope + 0.5:.2f}. In a body without "
                    f"a notch, what to hold constant between two numbers of particles is the strength itself: contact strength times "
-                   f"n^{-slope:.2f}, or calibrate with the number that is used.")
+                   f"n^{slope:.2f} over these numbers, or calibrate with the number that is used.")
 
 
 def sentence_floors(m):
@@ -366,6 +397,30 @@ def sentence_step(m):
             f"{words.signed(m.found['damping'][-1]['young_modulus_average'] / m.found['damping'][0]['young_modulus_average'] - 1)}.")
 
 
+def sentence_pairs(m):
+    rows, v = {row.value: row["peak_stress"] for row in m.found["damping and velocity"]}, m.c.closing
+    if not rows:
+        return ""
+    speeds = sorted({value[1] for value in rows})
+    slow, fast = speeds[0], speeds[-1]
+    faster = [f"{words.signed(rows[a, fast] / rows[a, slow] - 1)} with {a:g}" for a in sorted({value[0] for value in rows})]
+    change = m.still["strength"][1]
+    if fast in change and slow in change:
+        faster.append(f"{words.signed((1 + change[fast]) / (1 + change[slow]) - 1)} with {BASE['damping']:g}")
+    return (f"**Damping and velocity together**: from {slow:g} to {fast:g} m/s the strength changes by " + ", ".join(faster) +
+            f" (the base is {v:g} m/s).")
+
+
+def sentence_gap(m):
+    found = {r: slope_of(m, r, "gap") for r in ("strength", "E")}
+    if not all(found.values()):
+        return ""
+    bonds = column(m.found["gap"], "bonds") * 2 / len(m.packing)
+    text = ", ".join(f"{r} goes as its power {float(row['exponent']):.2f}" + (f" (+- {float(row['exponent_error']):.2f})" if row["exponent_error"] else "")
+                     for r, row in found.items())
+    return (f"**Gap of the bonds** is a choice of model as well: from {min(bonds):.1f} to {max(bonds):.1f} bonds per particle; {text}.")
+
+
 def draw_axes(pictures, m):
     plt = pictures.plt()
     drawn, panels = plt.subplots(2, 3, figsize=(10.5, 5.6))
@@ -380,6 +435,11 @@ def draw_axes(pictures, m):
             axes.set_xscale("log")
         axes.set_xlabel(label)
         axes.set_ylabel("strength, MPa")
+        if name == "safety":  # as wide as packings scatter: less is nothing
+            middle = m.base["peak_stress"] / 1e6
+            width = 2 * middle * m.packing_scatter["strength"].get(m.c.count, 0.02)
+            axes.set_ylim(middle - width, middle + width)
+            axes.axhspan(middle * (1 - 2 * m.floor["strength"]), middle * (1 + 2 * m.floor["strength"]), color="#7f7f7f", alpha=0.3, lw=0)
     axes = panels.flat[5]
     for reading, colour in (("strength", "#d62728"), ("E", "#1f77b4"), ("nu", "#2ca02c")):
         axes.loglog(list(m.packing_scatter[reading]), [100 * x for x in m.packing_scatter[reading].values()], "o-", color=colour, label=reading)
@@ -397,7 +457,7 @@ def section(study, pictures, kind):
              f"`nonviscous_vector` damping {BASE['damping']}, safety {BASE['safety']}, bonds over gaps up to {100 * BASE['gap']:g} %, harmonic law, "
              f"contact strengths of 40 MPa. A run ends when the stress has fallen by a fifth; E is that over the average strain.",
              draw_axes(pictures, m)]
-    parts += [sentence_floors(m), sentence_velocity(m), sentence_step(m), sentence_size(m)]
+    parts += [sentence_floors(m), sentence_velocity(m), sentence_step(m), sentence_pairs(m), sentence_gap(m), sentence_size(m)]
     details = []
     labels = {"velocity": "closing, m/s", "gap": "interaction range", "round-off": "changed copy (0: as packed)", "damping and velocity": "damping, m/s",
               "particles and velocity": "particles, m/s"}
@@ -405,4 +465,4 @@ def section(study, pictures, kind):
         if rows:
             details += [f"{name.capitalize()}:", run_table(rows, labels.get(name, name), pair if isinstance(rows[0].value, tuple) else words.plain)]
     parts += ["<details><summary>All runs of this case</summary>", *details, "</details>"]
-    return "\n\n".join(parts), m
+    return "\n\n".join(part for part in parts if part), m

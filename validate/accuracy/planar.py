@@ -51,6 +51,8 @@ def size_words(m, reading, notched):
     text = (f"**Floors** of the strength: round-off {words.percent(floor)}, packing " +
             ", ".join(f"{words.percent(value)} ({n})" for n, value in spread.items()) + ".\n\n")
     text += f"**Particles.** At a constant contact strength the strength goes as n^{slope:.2f} (+- {error:.2f}), n the particles across: as r^{-slope:.2f}. "
+    if not error < 0.2:
+        return text + "These runs are too few to tell a law from that."
     if abs(slope + 0.5) <= 2 * error and abs(slope) > 2 * error:
         return text + ("It does not converge. That is the slope of fracture toughness: hold contact strength times the root of the radius constant, "
                        "and the strength does not depend on the radius.")

@@ -3,7 +3,6 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-import fits
 import words
 from slopes import Slopes, at
 
@@ -26,6 +25,7 @@ class Case:
     absolute: tuple = ()
     units: dict = field(default_factory=dict)  # label: (factor, text)
     models: tuple = ()  # axes that are choices of a model: no errors
+    others: dict = field(default_factory=dict)  # label: [(seconds, error)] of other programs, for the picture
     more: object = None  # Measured -> words
 
 
@@ -96,10 +96,11 @@ def axis_table(m, axis):
     case, same = m.case, by_value(m.case.rows[axis])
     head = [axis, "runs"] + [name + (f", {case.units[name][1]}" if name in case.units else "") for name in case.readings]
     head += [f"error: {name}" for name in case.readings if axis not in case.models and name not in case.absolute]
-    head += ["energy residual", "seconds", "steps"]
+    bonded = any(row["bonds"] > 0 and row["steps"] > 0 for rows in same.values() for row in rows)
+    head += (["broken in tension / shear"] if bonded else []) + ["energy residual", "seconds", "steps", "MB"]
     lines = []
     for value, rows in same.items():
-        line = [words.plain(value) if not isinstance(value, tuple) else ", ".join(map(words.plain, value)), len(rows)]
+        line = [words.plain(value), len(rows)]
         for name, of in case.readings.items():
             values = np.array([of(row) for row in rows], float) / case.units.get(name, (1,))[0]
             spread = f" +- {np.nanstd(values, ddof=1):.2g}" if len(values) > 1 else ""
@@ -109,8 +110,11 @@ def axis_table(m, axis):
                 point = next((p for p in m.errors[axis, name] if p[0] == value), None)
                 line.append(words.signed(point[2]) if point else "-")
         residual = np.array([row["energy_residual"] for row in rows], float)
+        if bonded:
+            line.append(f"{np.mean([row['broken_tension'] for row in rows]):.0f} / {np.mean([row['broken_shear'] for row in rows]):.0f}")
         line += [f"{np.max(np.abs(residual)):.1e}" if np.isfinite(residual).all() else "-",
-                 words.seconds(np.mean([row.seconds for row in rows])), f"{np.mean([row['steps'] for row in rows]):.0f}"]
+                 words.seconds(np.mean([row.seconds for row in rows])), f"{np.mean([row['steps'] for row in rows]):.0f}",
+                 f"{np.mean([row['peak_memory'] for row in rows]) / 1e6:.0f}"]
         lines.append(line)
     return words.table(head, lines)
 
@@ -119,17 +123,15 @@ def draw(pictures, m):
     plt, names = pictures.plt(), list(m.case.readings)
     drawn, panels = plt.subplots(1, len(names), figsize=(4.6 * len(names), 3.6), squeeze=False)
     for axes, name in zip(panels.flat, names):
-        best = []
         for k, axis in enumerate(a for a in m.case.rows if a not in m.case.models):
             points = [p for p in m.errors[axis, name] if abs(p[2]) > NOTHING]
             if not points:
                 continue
             axes.loglog([p[4] for p in points], [abs(p[2]) for p in points], words.MARKS[k % len(words.MARKS)] + "-", ms=4, lw=0.7,
                         color=words.COLOURS.get(axis, f"C{k}"), label=axis)
-            best += [(p[4], abs(p[2])) for p in points]
-        best = fits.front(best)
-        if best:
-            axes.step([p[0] for p in best], [p[1] for p in best], where="post", color="black", lw=1.3, zorder=0)
+        for (label, points), mark in zip(m.case.others.items(), "x+1"):
+            axes.loglog([p[0] for p in points], [abs(p[1]) for p in points], mark + "--", lw=0.7, color="black", label=label)
+        if axes.lines:
             axes.legend(fontsize=6)
         axes.set_title(name)
         axes.set_xlabel("processor seconds of one thread")

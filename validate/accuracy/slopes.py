@@ -3,6 +3,8 @@ it, and a program may read it.
 
 form power:    error = coefficient * (group / reference)^exponent  (error: change of the reading over the reading)
      linear:   error = coefficient * (group - reference)
+     exponential: error = coefficient * exp(-group / reference)
+     ratio:    error = (group / reference)^exponent - 1
      constant: error = coefficient, whatever the group is
 `low`, `high`: the group's range that was measured; *_error: standard errors, that of a power's coefficient relative; `points`: how
 many points the fit had, or runs a constant. `kind`: bias (it has a sign; here positive: too large) or scatter (a standard deviation).
@@ -53,6 +55,26 @@ class Slopes:
         _, slope, _, error = fits.line(x, y)
         return self.add(reading, effect, kind, group, "linear", slope, error, None, None, reference, x.min(), x.max(), len(x))
 
+    def exponential(self, reading, effect, kind, group, x, y):
+        x, y = fits.clean(x, y)
+        if len(np.unique(x)) < 3 or np.ptp(np.sign(y)) > 0:
+            return None
+        a, slope, a_error, _ = fits.line(x, np.log(np.abs(y)))
+        if slope >= 0:
+            return None
+        c = np.sign(y[0]) * np.exp(a)
+        return self.add(reading, effect, kind, group, "exponential", c, abs(c) * a_error, None, None, -1 / slope, x.min(), x.max(), len(x))
+
+    def ratio(self, reading, effect, group, x, y, reference):
+        """Of a reading over that at the reference."""
+        x, y = fits.clean(x, y)
+        u, v = np.log(x / reference), np.log(y)
+        if not np.sum(u * u) > 0:
+            return None
+        exponent = np.sum(u * v) / np.sum(u * u)
+        spread = np.sqrt(np.sum((v - exponent * u) ** 2) / (len(x) - 2) / np.sum(u * u)) if len(x) > 2 else float("nan")
+        return self.add(reading, effect, "bias", group, "ratio", 1.0, None, exponent, spread, reference, x.min(), x.max(), len(x))
+
     def constant(self, reading, effect, kind, value, count):
         if count < 1:
             return None
@@ -87,17 +109,29 @@ def law(row):
         return f"{100 * c:.2g} % x (g / {float(row['reference']):.3g})^{float(row['exponent']):.2f}"
     if row["form"] == "linear":
         return f"{100 * c:.2g} % x (g - {row['reference']})"
+    if row["form"] == "exponential":
+        return f"{100 * c:.2g} % x exp(-g / {float(row['reference']):.2g})"
+    if row["form"] == "ratio":
+        return f"(g / {float(row['reference']):.3g})^{float(row['exponent']):.2f} - 1"
     return f"{100 * c:.2g} %"
 
 
 def at(row, group):
     """The error that a row says for a group."""
-    c, g = float(row["coefficient"]), float(row["reference"] or 1)
-    return c * (group / g) ** float(row["exponent"]) if row["form"] == "power" else c * (group - g) if row["form"] == "linear" else c
+    c, reference = float(row["coefficient"]), float(row["reference"] or 1)
+    if row["form"] == "power":
+        return c * (group / reference) ** float(row["exponent"])
+    if row["form"] == "linear":
+        return c * (group - reference)
+    if row["form"] == "exponential":
+        return c * np.exp(-group / reference)
+    return (group / reference) ** float(row["exponent"]) - 1 if row["form"] == "ratio" else c
 
 
 def standard_errors(row):
     c, e = row["coefficient_error"], row["exponent_error"]
+    if row["form"] == "ratio":
+        return f"{float(e):.2f}" if e else "-"
     if not c:
         return "-"
     if row["form"] == "power":

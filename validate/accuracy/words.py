@@ -29,6 +29,8 @@ def seconds(value):
 
 
 def plain(value):
+    if isinstance(value, tuple):
+        return ", ".join(map(plain, value))
     return f"{value:g}" if isinstance(value, (int, float)) else str(value)
 
 
