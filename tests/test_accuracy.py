@@ -95,7 +95,7 @@ def every_case_has_slopes_and_the_page_shows_those_of_the_file(folder):
     assert {row["case"] for row in rows} == set(study_run.cases())
     text = part("slopes")
     for row in rows:
-        assert np.isfinite(float(row["coefficient"])) and row["form"] in ("power", "linear", "constant"), row
+        assert np.isfinite(float(row["coefficient"])) and row["form"] in slopes.FORMS, row
         assert f"| {row['case']} | {row['reading']} | {row['effect']} | {row['kind']} |" in text, row
         assert slopes.law(row) in text, row
 

@@ -18,6 +18,7 @@ import fits
 
 COLUMNS = ("case", "reading", "effect", "kind", "group", "form", "coefficient", "coefficient_error", "exponent", "exponent_error",
            "reference", "low", "high", "points")
+FORMS = ("power", "linear", "exponential", "ratio", "constant")
 
 
 def number(value):
