@@ -132,7 +132,7 @@ MUCH = 0.4  # damping from which strength hardly notices it
 
 def m_base(rows, reading):
     """A reading at the base's damping."""
-    return next(row for row in rows if row.value == BASE["damping"])[READINGS[reading]]
+    return next(row for row in rows if row.value == BASE["damping"])[READINGS.get(reading, reading)]
 
 
 class Measured:
@@ -146,6 +146,8 @@ class Measured:
         self.bulk = DENSITY * np.sum(4 / 3 * np.pi * packing[:, 3] ** 3) / volume
         self.wave = np.sqrt(self.base["young_modulus_average"] / self.bulk)
         self.floor = {r: fits.scatter(column(found["round-off"], r)) for r in READINGS}
+        # what two single runs differ by, by round-off alone, at two standard deviations
+        self.noise = {r: 2 * np.sqrt(2) * floor for r, floor in self.floor.items()}
         self.by_count = groups(found["particles"] + found["more particles"])
         self.packing_scatter = {r: {n: fits.scatter(column(rows, r)) for n, rows in groups(found["particles"]).items()} for r in READINGS}
         self.n = {n: across(n, packing) for n in self.by_count}
@@ -174,13 +176,13 @@ class Measured:
         s, found = self.slopes, self.found
         for r in READINGS:
             rest, change = self.still[r]
-            beyond = {v: d for v, d in change.items() if abs(d) > 2 * self.floor[r]}
+            beyond = {v: d for v, d in change.items() if abs(d) > self.noise[r]}
             s.power(r, "velocity", "bias", "closing speed / (wave speed x strain at the peak)", [self.group(v) for v in beyond],
                     list(beyond.values()))
             ours = {row.value: row[READINGS[r]] for row in found["safety"]}
             s.linear(r, "safety", "bias", "safety", list(ours), np.array(list(ours.values())) / ours[min(ours)] - 1, min(ours))
             a = {row.value: row[READINGS[r]] / m_base(found["damping"], r) - 1 for row in found["damping"]}
-            high, low = [x for x in a if x >= MUCH], [x for x in a if x < MUCH and abs(a[x]) > 2 * self.floor[r]]
+            high, low = [x for x in a if x >= MUCH], [x for x in a if x < MUCH and abs(a[x]) > self.noise[r]]
             s.linear(r, "damping", "bias", f"coefficient of the damping, {MUCH} and more", high, [a[x] for x in high], BASE["damping"])
             s.exponential(r, "little damping", "bias", f"coefficient of the damping, below {MUCH}", low, [a[x] for x in low])
             double, mixed = column(found["precision"], r)[:2]
@@ -266,6 +268,8 @@ def fixed_points(m, reading):
         for row in found[name]:
             if row is not reference:
                 points.append((name, row.seconds, abs(row[READINGS[reading]] / reference[READINGS[reading]] - 1)))
+    at_base = m_base(found["damping"], READINGS[reading])
+    points += [("damping", row.seconds, abs(row[READINGS[reading]] / at_base - 1)) for row in found["damping"] if row.value != BASE["damping"]]
     return [p for p in points if p[2] > 0]
 
 
@@ -275,14 +279,16 @@ def draw_front(pictures, measured):
     for line, m in zip(panels, measured):
         for axes, reading in zip(line, ("strength", "E")):
             draw_panel(axes, m, reading)
+            pictures.seconds_axis(axes)
         line[1].legend(fontsize=7, loc="center left", bbox_to_anchor=(1.01, 0.5))
     return pictures.save(drawn, "front", "Error against seconds, all runs by axis, with the front of the cheapest")
 
 
 def draw_panel(axes, m, reading):
-    for name in ("velocity", "safety", "precision", "round-off"):
+    for name in ("velocity", "safety", "precision", "damping", "round-off"):
         points = [p for p in fixed_points(m, reading) if p[0] == name]
-        axes.loglog([p[1] for p in points], [p[2] for p in points], "x", ms=5, color=words.COLOURS[name], label=f"{name} (one packing)")
+        axes.loglog([p[1] for p in points], [p[2] for p in points], "x", ms=5, color=words.COLOURS[name],
+                    label=f"{name} (one packing)" if name != "damping" else f"damping, against {BASE['damping']}")
     every = settings(m, reading, "calibrated")
     for mark, speed in zip(words.MARKS, sorted({p[3] for p in every})):
         points = [p for p in every if p[3] == speed and p[4] == 1]
@@ -300,7 +306,6 @@ def draw_panel(axes, m, reading):
         axes.axhline(level, color="#2ca02c", ls=":", lw=1)
         axes.text(0.99, level, f"packing, {count}", transform=axes.get_yaxis_transform(), ha="right", va="bottom", color="#1d6b1d", fontsize=7)
     axes.set_title(f"{m.case}: {reading}")
-    axes.set_xlabel("processor seconds of one thread")
     axes.set_ylabel("error")
 
 
@@ -342,8 +347,12 @@ def sentence_velocity(m):
         worst = max((abs(d) for d in m.still["strength"][1].values()), default=float("nan"))
         return text + f"The strength changes by {words.percent(worst)} at most over the range; too few runs are beyond round-off for a slope."
     changes = m.still["strength"][1]
-    within = [v for v, d in changes.items() if abs(d) < 2 * m.floor["strength"] and v > min(changes)]
-    slow = f" Up to {max(within):g} m/s the error is below twice the round-off." if within else ""
+    within = []
+    for v in sorted(changes)[1:]:
+        if abs(changes[v]) > m.noise["strength"]:
+            break
+        within.append(v)
+    slow = f" Up to {max(within):g} m/s the error is no more than round-off does to two runs." if within else ""
     return text + (f"The strength's error goes as g^{float(row['exponent']):.2f} (+- {float(row['exponent_error']):.2f}); at g = "
                    f"{row['high']} it is {words.signed(slopes.at(row, float(row['high'])))}.{slow}")
 
@@ -390,9 +399,9 @@ def sentence_step(m):
     mixed = float(rows["precision"]["coefficient"]) if rows["precision"] else 0.0
     a = {row.value: row["peak_stress"] for row in m.found["damping"]}
     ends = (min(a), max(a))
-    below = "within" if abs(mixed) < 2 * m.floor["strength"] else "beyond"
+    below = "no more than" if abs(mixed) < m.noise["strength"] else "more than"
     return (f"**Step and precision**: {words.trend(s, e, 'strength over safety')}, all within {words.percent(spread)}; mixed precision changes it by "
-            f"{words.signed(mixed)}, {below} what round-off alone does. **Damping** is a choice of model, not an error that goes away: from "
+            f"{words.signed(mixed)}, {below} round-off does to two runs. **Damping** is a choice of model, not an error that goes away: from "
             f"{ends[0]:g} to {ends[1]:g} the strength goes from {a[ends[0]] / 1e6:.1f} to {a[ends[1]] / 1e6:.1f} MPa, E changes by "
             f"{words.signed(m.found['damping'][-1]['young_modulus_average'] / m.found['damping'][0]['young_modulus_average'] - 1)}.")
 

@@ -4,6 +4,8 @@
     ./do accuracy --quick        the same on coarse models, into runs/accuracy-quick: a minute or two
     ./do accuracy --only CASE    some cases, then the page
   --out DIR  runs, page and slopes into this folder
+
+Runs are kept by `gneiss sweep` under the hash of their scene and the version of the program: to measure another build, remove the folder.
 """
 import datetime
 import platform

@@ -131,10 +131,13 @@ def draw(pictures, m):
                         color=words.COLOURS.get(axis, f"C{k}"), label=axis)
         for (label, points), mark in zip(m.case.others.items(), "x+1"):
             axes.loglog([p[0] for p in points], [abs(p[1]) for p in points], mark + "--", lw=0.7, color="black", label=label)
+        floor = np.std([p[2] for p in m.errors["round-off", name]], ddof=1) if len(m.errors.get(("round-off", name), [])) > 2 else 0.0
+        if floor > NOTHING:
+            axes.axhline(floor, color=words.COLOURS["round-off"], ls=":", lw=1, label="scatter by round-off")
         if axes.lines:
             axes.legend(fontsize=6)
         axes.set_title(name)
-        axes.set_xlabel("processor seconds of one thread")
+        pictures.seconds_axis(axes)
         axes.set_ylabel("error")
     return pictures.save(drawn, m.case.name, f"{m.case.title}: error over seconds, by axis")
 

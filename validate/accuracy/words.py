@@ -65,6 +65,20 @@ class Pictures:
         plt.rcParams.update({"font.size": 8, "axes.grid": True, "grid.alpha": 0.3, "lines.linewidth": 1.1})
         return plt
 
+    @staticmethod
+    def seconds_axis(axes):
+        """Seconds as plain numbers; between the decades only where there is one alone."""
+        from matplotlib.ticker import FuncFormatter, LogLocator, NullFormatter
+
+        low, high = axes.get_xlim()
+        axes.set_xlabel("CPU seconds of one thread")
+        if axes.get_xscale() != "log":
+            return
+        narrow = high < 20 * low
+        axes.xaxis.set_major_locator(LogLocator(subs=(1, 2, 5) if narrow else (1,)))
+        axes.xaxis.set_major_formatter(FuncFormatter(lambda value, _: f"{value:g}"))
+        axes.xaxis.set_minor_formatter(NullFormatter())
+
     def save(self, drawn, name, words):
         self.folder.mkdir(parents=True, exist_ok=True)
         drawn.tight_layout()
