@@ -147,6 +147,17 @@ def a_limit_that_points_do_not_tell_has_the_exponent_of_a_layer(folder):
 
 
 @fact
+def halved_speeds_are_extrapolated_with_their_order(folder):
+    limit, order = fits.halved([100 + 3 * v**2 for v in (0.5, 1, 2, 4)], 1e-4)
+    assert abs(limit - 100) < 1e-12 and abs(order - 2) < 1e-12
+
+
+@fact
+def halved_speeds_that_change_nothing_have_reached_their_limit(folder):
+    assert fits.halved([100.1, 99.9, 100, 104], 0.01) == (100.0, 0.0)
+
+
+@fact
 def the_front_holds_what_nothing_cheaper_is_better_than(folder):
     assert fits.front([(3, 0.1), (1, 0.5), (2, 0.6), (4, 0.2), (2, 0.3), (5, float("nan"))]) == [(1, 0.5), (2, 0.3), (3, 0.1)]
 

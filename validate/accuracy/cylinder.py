@@ -161,11 +161,11 @@ class Measured:
         return closing / (self.wave * self.base["peak_strain"])
 
     def at_rest(self, reading):
-        """The reading at the slowest loading, and its change from there to every speed of the axis."""
+        """The reading of ever slower loading, its change from there to every speed of the axis, and the order (0: it is reached)."""
         rows = sorted(self.found["velocity"], key=lambda row: row.value)
         values = column(rows, reading)
-        values_at_rest = values[np.isfinite(values)][0] if np.isfinite(values).any() else float("nan")
-        return values_at_rest, {row.value: value / values_at_rest - 1 for row, value in zip(rows, values)}
+        still, order = fits.halved(values, self.noise[reading])
+        return still, {row.value: value / still - 1 for row, value in zip(rows, values)}, order
 
     def limit(self, reading):
         """The reading of so many particles that more change nothing, loaded slowly."""
@@ -175,7 +175,7 @@ class Measured:
     def measure(self):
         s, found = self.slopes, self.found
         for r in READINGS:
-            rest, change = self.still[r]
+            change = self.still[r][1]
             beyond = {v: d for v, d in change.items() if abs(d) > self.noise[r]}
             s.power(r, "velocity", "bias", "closing speed / (wave speed x strain at the peak)", [self.group(v) for v in beyond],
                     list(beyond.values()))
@@ -206,17 +206,17 @@ KINDS = {"calibrated": "contact strength and stiffness calibrated with that numb
 
 
 def bias_of(m, reading, kind, rows, count, spread):
-    """Calibrated: of the speed alone, by the same seeds at the base's. Constant: of speed and number, against the limit. What the mean is
-    off by chance is not its bias and is taken off."""
-    values = column(rows, reading)
-    if kind == "constant":
-        off, chance = np.nanmean(values) / m.limit(reading) - 1, spread / np.sqrt(len(values))
-    else:
-        base = {row.seed: row[READINGS[reading]] for row in m.by_count[count]}
-        change = fits.clean([np.log(row[READINGS[reading]] / base.get(row.seed, float("nan"))) for row in rows])[0]
-        off = change.mean() + m.still[reading][1].get(m.c.closing, 0.0)
-        chance = change.std(ddof=1) / np.sqrt(len(change)) if len(change) > 1 else 0.0
-    return np.sqrt(max(0.0, off**2 - chance**2))
+    """Calibrated: of the speed alone, by the same seeds at the base's. Constant: of the number against the limit as well, and the two do
+    not make up for each other. What the mean is off by chance is not its bias and is taken off."""
+    base = {row.seed: row[READINGS[reading]] for row in m.by_count[count]}
+    change = fits.clean([np.log(row[READINGS[reading]] / base.get(row.seed, float("nan"))) for row in rows])[0]
+    chance = change.std(ddof=1) / np.sqrt(len(change)) if len(change) > 1 else 0.0
+    bias = np.sqrt(max(0.0, (change.mean() + m.still[reading][1].get(m.c.closing, 0.0)) ** 2 - chance**2))
+    if kind == "calibrated":
+        return bias
+    alone = fits.clean(list(base.values()))[0]
+    off = alone.mean() / m.limits[reading][0][0] - 1
+    return bias + np.sqrt(max(0.0, off**2 - spread**2 / len(alone)))
 
 
 def settings(m, reading, kind):
@@ -242,7 +242,7 @@ def cheapest(m, reading, kind, wanted, yade):
     known = sorted(settings(m, reading, kind))
     good = [point for point in known if point[1] <= wanted]
     if not good:
-        return f"none; the best of these has {words.percent(min(point[1] for point in known))}"
+        return f"none (best: {words.percent(min(point[1] for point in known))})"
     seconds, _, count, speed, seeds, steps = good[0]
     theirs = count * steps * yade["longer"] / yade["particle_steps"]
     return (f"{count} particles, {words.plain(speed)} m/s, {seeds} packing{'s' if seeds > 1 else ''}: **{words.seconds(seconds)} s** (YADE "
@@ -343,18 +343,14 @@ def sentence_velocity(m):
     row = slope_of(m, "strength", "velocity")
     text = (f"**Velocity** {m.c.closing:g} m/s is g = {m.group(m.c.closing):.2g} (closing speed over wave speed, {m.wave:.0f} m/s, and strain at "
             f"the peak). ")
-    if row is None or not row["exponent_error"]:
-        worst = max((abs(d) for d in m.still["strength"][1].values()), default=float("nan"))
-        return text + f"The strength changes by {words.percent(worst)} at most over the range; too few runs are beyond round-off for a slope."
-    changes = m.still["strength"][1]
-    within = []
-    for v in sorted(changes)[1:]:
-        if abs(changes[v]) > m.noise["strength"]:
-            break
-        within.append(v)
-    slow = f" Up to {max(within):g} m/s the error is no more than round-off does to two runs." if within else ""
-    return text + (f"The strength's error goes as g^{float(row['exponent']):.2f} (+- {float(row['exponent_error']):.2f}); at g = "
-                   f"{row['high']} it is {words.signed(slopes.at(row, float(row['high'])))}.{slow}")
+    still, changes, order = m.still["strength"]
+    reached = ("its value where halving the speed changes no more than round-off does" if order == 0 else
+               f"Richardson's extrapolation of the slowest, of order {order:.1f}")
+    text += f"Slow loading comes to {still / 1e6:.2f} MPa ({reached}): the errors are "
+    text += ", ".join(f"{words.signed(changes[v])} at {v:g} m/s (g = {m.group(v):.2g})" for v in sorted(changes)) + "."
+    if row and row["exponent_error"]:
+        text += f" What is beyond round-off goes as g^{float(row['exponent']):.2f} (+- {float(row['exponent_error']):.2f})."
+    return text
 
 
 def sentence_size(m):

@@ -66,6 +66,24 @@ def limit_spread(x, groups, draws=200):
     return whole, np.nanstd(again, axis=0), whole[2] == LAYER
 
 
+def halved(values, noise):
+    """Limit and order of values at steps (or speeds) that double from one to the next, the finest first, `noise` what two of them differ by
+    for no reason. The mean of those at the beginning that differ by no more (order 0: reached); else Richardson's extrapolation of the
+    first three, of order 1 where they do not tell it."""
+    values = clean(values)[0]
+    if not len(values):
+        return float("nan"), float("nan")
+    same = 1
+    while same < len(values) and abs(values[same] - values[0]) <= noise * abs(values[0]):
+        same += 1
+    if same > 1 or len(values) < 2:
+        return values[:same].mean(), 0.0
+    first, ratio = values[1] - values[0], 2.0
+    if len(values) > 2 and 2**FLATTEST < (values[2] - values[1]) / first < 2**STEEPEST:
+        ratio = (values[2] - values[1]) / first
+    return values[0] - first / (ratio - 1), np.log2(ratio)
+
+
 def scatter(values):
     """Standard deviation over the mean, of a sample."""
     values = clean(values)[0]
