@@ -82,11 +82,14 @@ class Cylinder:
     def axes_of_the_packing(self):
         v = self.closing
         counts = [250, 500, 1000, 2000, 4000, 8000]
-        pair = [(n, w) for w in (8 * v, 4 * v) for n in counts]
+        fast = [(n, w) for w in (8 * v, 4 * v) for n in counts]
+        slow = [(n, v / 4) for n in (250, 500, 1000, 2000)]
+        both = lambda p: {"specimen.particles": p[0], **self.motion(p[1])}  # noqa: E731
         return [
             Axis("particles", counts, key("specimen.particles"), [150, 300, 600], seeds=5),
             Axis("more particles", [16000], key("specimen.particles"), seeds=2),
-            Axis("particles and velocity", pair, lambda p: {"specimen.particles": p[0], **self.motion(p[1])}, seeds=5),
+            Axis("particles and velocity", fast, both, seeds=5),
+            Axis("particles and slow loading", slow, both, seeds=5),
         ]
 
     def shaken(self):
@@ -224,7 +227,8 @@ def settings(m, reading, kind):
     number. The scatter is that of the law over all numbers of particles, where there is one: five seeds tell a deviation to a third."""
     found, law = [], slope_of(m, reading, "packing")
     base = m.c.closing
-    for name, speed in (("particles", lambda v: base), ("more particles", lambda v: base), ("particles and velocity", lambda v: v[1])):
+    for name, speed in (("particles", lambda v: base), ("more particles", lambda v: base), ("particles and velocity", lambda v: v[1]),
+                        ("particles and slow loading", lambda v: v[1])):
         for value, rows in groups(m.found[name]).items():
             count = value[0] if isinstance(value, tuple) else value
             values = fits.clean(column(rows, reading))[0]
@@ -465,7 +469,7 @@ def section(study, pictures, kind):
     parts += [sentence_floors(m), sentence_velocity(m), sentence_step(m), sentence_pairs(m), sentence_gap(m), sentence_size(m)]
     details = []
     labels = {"velocity": "closing, m/s", "gap": "interaction range", "round-off": "changed copy (0: as packed)", "damping and velocity": "damping, m/s",
-              "particles and velocity": "particles, m/s"}
+              "particles and velocity": "particles, m/s", "particles and slow loading": "particles, m/s"}
     for name, rows in found.items():
         if rows:
             details += [f"{name.capitalize()}:", run_table(rows, labels.get(name, name), pair if isinstance(rows[0].value, tuple) else words.plain)]

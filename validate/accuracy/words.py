@@ -4,7 +4,7 @@ import numpy as np
 import study
 
 COLOURS = {"safety": "#1f77b4", "precision": "#17becf", "velocity": "#d62728", "damping": "#9467bd", "form of damping": "#8c564b",
-           "gap": "#bcbd22", "round-off": "#7f7f7f", "particles": "#2ca02c", "seeds": "#98df8a", "elements": "#2ca02c"}
+           "gap": "#bcbd22", "round-off": "#7f7f7f", "particles": "#2ca02c", "seeds": "#98df8a", "elements": "#ff7f0e"}
 MARKS = "os^Dv<>P*"
 
 
