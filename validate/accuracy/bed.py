@@ -54,8 +54,8 @@ def more(m):
     if not np.isfinite(means):
         return ""
     clear = "is no more than" if abs(coarse[2]) <= 2 * means else "is more than"
-    return (f"Grains choose other places after every change, so single runs scatter: {words.percent(fine[3])} in the fall over {fine[5]} seeds. Between {coarse[0]:g} "
-            f"and {fine[0]:g} steps per contact the means differ by {words.percent(abs(coarse[2]))}, which {clear} their scatter allows "
+    return (f"Grains choose other places after every change, so single runs scatter: {words.percent(fine[3])} in the fall over {fine[5]} seeds. "
+            f"Between {coarse[0]:g} and {fine[0]:g} steps per contact the means differ by {words.percent(abs(coarse[2]))}, which {clear} their scatter allows "
             f"({words.percent(2 * means)} at two standard errors).")
 
 
@@ -63,8 +63,8 @@ def section(study, pictures):
     rows = {axis.name: study.axis("bed", scene(study.quick), axis, readings=TERMS) for axis in AXES}
     case = simple.Case(
         "bed", "A bed of grains",
-        f"{SIDE} x {SIDE} grains in layers fall from {3 * R * 1e3:g} mm into a box and come to rest; friction 0.3, restitution 0.5, {STIFFNESS:g} N/m. The error is "
-        f"against the first value of each axis (of the stiffness: the last).",
+        f"{SIDE} x {SIDE} grains in layers fall from {3 * R * 1e3:g} mm into a box and come to rest; friction 0.3, restitution 0.5, "
+        f"{STIFFNESS:g} N/m. The error is against the most steps, the stiffest grains, and what is given first of other axes.",
         {"fall of the centre": drop, "dissipated": dissipated, "worst residual": lambda row: row["energy_residual"]}, rows,
         finest={"steps per contact": max(row.value for row in rows["steps per contact"]), "precision": "double", "round-off": 0.0},
         truth={"worst residual": lambda row: 0.0}, absolute=("worst residual",), models=("restitution",), units={"fall of the centre": (1, "radii")},

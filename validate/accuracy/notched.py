@@ -70,13 +70,18 @@ AXES = [Axis("cell", CELLS, key("elements.beam.cell"), CELLS[:3]),
         Axis("precision", ["double", "mixed"], key("run.precision"), ["double", "mixed"])]
 
 
+def opening(row):
+    left, right = (row[f"history.motion_mouth_{side}_displacement_x"] for side in ("left", "right"))
+    return (right - left) / row["history.deflection"]
+
+
 def elements_section(study, pictures):
     rows = {axis.name: study.axis("notched-elements", beam(), axis, readings=TERMS) for axis in AXES}
     case = simple.Case(
-        "notched-elements", "Notched beam in elements", "The same beam, elastic: force and opening of the notch's mouth over the deflection, at rest. The error is against the "
-        "finest of each axis; cells stand for the largest side, at the notch they are as fine as half its width over `notch_cells`.",
+        "notched-elements", "Notched beam in elements",
+        "The same beam, elastic: force and opening of the notch's mouth over the deflection, at rest. The error is against the finest of each axis; cells stand for the largest side, at the notch they are as fine as half its width over `notch_cells`.",
         {"stiffness": lambda row: row["history.force"] / row["history.deflection"],
-         "opening": lambda row: (row["history.motion_mouth_right_displacement_x"] - row["history.motion_mouth_left_displacement_x"]) / row["history.deflection"]},
+         "opening": opening},
         rows, units={"stiffness": (1e6, "MN/m")}, finest={"safety": min(r.value for r in rows["safety"])},
         groups={"cell": ("cell / height", lambda row: row.value / HEIGHT), "cells at the tip": ("1 / cells over half the notch", lambda row: 1 / row.value)})
     return simple.section(pictures, case)
