@@ -22,8 +22,8 @@ def section(pictures, measured):
         f"({1e6 / yade['particle_steps']:.2f} us, one thread) and its {yade['longer']:.1f} times as many steps "
         f"([both on rock-a](evidence/performance.md#beside-other-codes)); its packing is not counted.",
         cylinder.draw_front(pictures, measured),
-        f"Crosses: runs of one packing, an axis each, against the finest of that axis (damping is a choice: against that of the base). Green: {min(counts)} to {max(counts)} particles at "
-        f"several speeds, calibrated. Black: what nothing cheaper is better than. Dotted: the floors."])
+        f"Crosses: runs of one packing, an axis each, against the finest of that axis (damping is a choice: against that of the base). "
+        f"Green: {min(counts)} to {max(counts)} particles at several speeds, calibrated. Black: what nothing cheaper is better than. Dotted: the floors."])
 
 
 def distant(measured):
