@@ -1,40 +1,57 @@
 """A notched beam in three-point bending, in discs (to failure) and in elements (stiffness and the opening of the notch)."""
+import math
+
 import planar
 import simple
 from machinery import Axis, key
 
 SPAN, HEIGHT, LONG, DEPTH, WIDTH = 0.16, 0.04, 0.18, 0.012, 0.003
 CLOSING = 0.01
-LAST = 0.008  # deflection at which a run ends at the latest, over the height
+LAST = 0.01  # deflection at which a run ends at the latest, over the height
 
 SHAPE = {"polygon": [[0, 0], [LONG / 2 - WIDTH / 2, 0], [LONG / 2 - WIDTH / 2, DEPTH], [LONG / 2 + WIDTH / 2, DEPTH], [LONG / 2 + WIDTH / 2, 0],
                      [LONG, 0], [LONG, HEIGHT], [0, HEIGHT]]}
 
 
+AREA = LONG * HEIGHT - DEPTH * WIDTH
+
+
 def motion(v):
-    return {"sets.load.motion.vy": -v, "time.end": LAST * HEIGHT / v}
+    """The load starts slowly: a beam that is hit rings."""
+    end = LAST * HEIGHT / v
+    return {"sets.load.motion.vy": [[0, 0], [0.1 * end, -v]], "time.end": end}
 
 
-def box(x, y, half, deep):
-    return {"box": {"min": [x - half, y - deep], "max": [x + half, y + deep]}}
+def boxes(count):
+    """Where discs are held and pushed: two or three of so many, so that the beam may turn there."""
+    size = 1.6 * math.sqrt(0.85 * AREA / (math.pi * count))
+    places = {"left": ((LONG - SPAN) / 2, 0), "right": ((LONG + SPAN) / 2, 0), "load": (LONG / 2, HEIGHT)}
+    return {name: {"min": [x - size, y - size], "max": [x + size, y + size]} for name, (x, y) in places.items()}
 
 
-def more(v):
-    left, right, half, deep = (LONG - SPAN) / 2, (LONG + SPAN) / 2, 0.004, 0.004
+def number(count):
+    keys = {"specimen.particles": count}
+    for name, box in boxes(count).items():
+        keys.update({f"sets.{name}.select.box.min": box["min"], f"sets.{name}.select.box.max": box["max"]})
+    return keys
+
+
+def more(v, count):
+    keys, box = motion(v), boxes(count)
     return {"title": "notched beam",
-            "sets": [{"name": "left", "select": box(left, 0, half, deep), "motion": {"vy": 0, "vx": 0}},
-                     {"name": "right", "select": box(right, 0, half, deep), "motion": {"vy": 0}},
-                     {"name": "load", "select": box(LONG / 2, HEIGHT, half, deep), "motion": {"vy": -v}}],
+            "sets": [{"name": "left", "select": {"box": box["left"]}, "motion": {"vy": 0, "vx": 0}},
+                     {"name": "right", "select": {"box": box["right"]}, "motion": {"vy": 0}},
+                     {"name": "load", "select": {"box": box["load"]}, "motion": {"vy": keys["sets.load.motion.vy"]}}],
             # 3 F S / (2 (H - a)^2) in Pa per 1 m of thickness: the stress of a beam of what the notch leaves
             "test": {"kind": "compression", "axis": "y", "lower": ["left", "right"], "upper": "load", "length": HEIGHT,
                      "area": 2 * (HEIGHT - DEPTH) ** 2 / (3 * SPAN)},
-            "time": {"end": LAST * HEIGHT / v, "stop": {"peak_drop": 0.3}}}
+            "time": {"end": keys["time.end"], "stop": {"peak_drop": 0.5}}}
 
 
 def section(study, pictures):
     v, count = (4 * CLOSING, 300) if study.quick else (CLOSING, 1000)
-    rows = planar.rows_of(study, "notched", SHAPE, count, motion, more(v), [2 * v, v] if study.quick else [8 * v, 4 * v, 2 * v, v, v / 2],
-                          [200, 400] if study.quick else [250, 500, 1000, 2000])
+    rows = planar.rows_of(study, "notched", SHAPE, count, motion, more(v, count), [2 * v, v] if study.quick else [8 * v, 4 * v, 2 * v, v, v / 2],
+                          [200, 400] if study.quick else [250, 500, 1000, 2000, 4000], number)
     case = simple.Case(
         "notched", "Notched beam in particles",
         f"{1e3 * LONG:g} x {1e3 * HEIGHT:g} mm, span {1e3 * SPAN:g} mm, notch {1e3 * DEPTH:g} mm, pressed at {v:g} m/s, {count} discs. "

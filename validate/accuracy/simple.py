@@ -73,18 +73,27 @@ class Measured:
                 elif axis == "round-off" and len(points) > 2:
                     self.slopes.constant(reading, axis, "scatter", float(np.std([p[2] for p in points], ddof=1)), len(points))
                 continue
-            beyond = [p for p in points if abs(p[2]) > NOTHING]
+            beyond = [p for p in points if abs(p[2]) > max(NOTHING, self.chance(axis, reading, p))]
             self.slopes.power(reading, axis, "bias", self.case.groups[axis][0], [p[1] for p in beyond], [p[2] for p in beyond])
             scattered = [p for p in points if np.isfinite(p[3]) and p[3] > NOTHING]
             if len(scattered) > 2:
                 self.slopes.power(reading, axis, "scatter", self.case.groups[axis][0], [p[1] for p in scattered], [p[3] for p in scattered])
+
+    def chance(self, axis, reading, point):
+        """What the error of a mean over seeds may be by chance, at two standard errors of it and its reference; of single runs what
+        round-off does to two of them."""
+        if np.isfinite(point[3]):
+            return 2 * np.sqrt(2) * point[3] / np.sqrt(point[5]) if reading not in self.case.absolute else 0.0
+        shaken = [p[2] for p in self.errors.get(("round-off", reading), [])]
+        return 2 * np.sqrt(2) * float(np.std(shaken, ddof=1)) if len(shaken) > 2 else 0.0
 
     def sentences(self):
         text = []
         for row in self.slopes.rows:
             if row["form"] != "power" or row["kind"] != "bias":
                 continue
-            points = [p for p in self.errors[row["effect"], row["reading"]] if abs(p[2]) > NOTHING]
+            points = [p for p in self.errors[row["effect"], row["reading"]]
+                      if abs(p[2]) > max(NOTHING, self.chance(row["effect"], row["reading"], p))]
             least, most = min(points, key=lambda p: abs(p[2])), max(points, key=lambda p: abs(p[2]))
             error = f" (+- {float(row['exponent_error']):.2f})" if row["exponent_error"] else ""
             text.append(f"{row['reading']}, {row['effect']}: {words.percent(abs(most[2]))} at {words.plain(most[0])} ({words.seconds(most[4])} s), "
@@ -127,7 +136,7 @@ def draw(pictures, m):
             points = [p for p in m.errors[axis, name] if abs(p[2]) > NOTHING]
             if not points:
                 continue
-            axes.loglog([p[4] for p in points], [abs(p[2]) for p in points], words.MARKS[k % len(words.MARKS)] + "-", ms=4, lw=0.7,
+            axes.loglog([p[4] for p in points], [abs(p[2]) for p in points], words.MARKS[k % len(words.MARKS)] + ("" if axis == "round-off" else "-"), ms=4, lw=0.7,
                         color=words.COLOURS.get(axis, f"C{k}"), label=axis)
         for (label, points), mark in zip(m.case.others.items(), "x+1"):
             axes.loglog([p[0] for p in points], [abs(p[1]) for p in points], mark + "--", lw=0.7, color="black", label=label)
