@@ -57,7 +57,7 @@ def section(study, pictures):
         f"{1e3 * LONG:g} x {1e3 * HEIGHT:g} mm, span {1e3 * SPAN:g} mm, notch {1e3 * DEPTH:g} mm, pressed at {v:g} m/s, {count} discs. "
         f"Strength: 3FS/(2(H - a)^2) at the largest force.",
         {"strength": lambda row: row["largest_stress"]}, rows, finest={"safety": min(r.value for r in rows["safety"])},
-        units={"strength": (1e6, "MPa")}, models=("damping",), groups=planar.GROUPS,
+        units={"strength": (1e6, "MPa")}, models=("damping",), groups=planar.GROUPS, scattered=("particles",),
         more=lambda m: planar.size_words(m, "strength", True))
     return simple.section(pictures, case)
 
@@ -96,10 +96,11 @@ def elements_section(study, pictures):
     rows = {axis.name: study.axis("notched-elements", beam(), axis, readings=TERMS) for axis in AXES}
     case = simple.Case(
         "notched-elements", "Notched beam in elements",
-        "The same beam, elastic: force and opening of the notch's mouth over the deflection, at rest. The error is against the finest of each axis; "
+        "The same beam, elastic: force and opening of the notch's mouth over the deflection, at rest. The error is against the limit of small cells; "
         "cells stand for the largest side, at the notch they are as fine as half its width over `notch_cells`.",
         {"stiffness": lambda row: row["history.force"] / row["history.deflection"],
          "opening": opening},
         rows, units={"stiffness": (1e6, "MN/m")}, finest={"safety": min(r.value for r in rows["safety"])},
+        limits={"cell": lambda row: HEIGHT / row.value, "cells at the tip": lambda row: row.value},
         groups={"cell": ("cell / height", lambda row: row.value / HEIGHT), "cells at the tip": ("1 / cells over half the notch", lambda row: 1 / row.value)})
     return simple.section(pictures, case)

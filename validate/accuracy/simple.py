@@ -3,6 +3,7 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
+import fits
 import words
 from slopes import Slopes, at
 
@@ -21,6 +22,8 @@ class Case:
     rows: dict
     truth: dict = field(default_factory=dict)
     finest: dict = field(default_factory=dict)
+    limits: dict = field(default_factory=dict)  # axis: row -> x; the reference is the limit of large x, y = limit - a x^-p
+    scattered: tuple = ()  # axes over which only the scatter has a slope
     groups: dict = field(default_factory=dict)
     absolute: tuple = ()
     units: dict = field(default_factory=dict)  # label: (factor, text)
@@ -48,8 +51,14 @@ class Measured:
     def reference(self, axis, reading, of, same):
         if reading in self.case.truth:
             return None
-        first = axis in ("precision", "round-off")
-        return np.nanmean([of(row) for row in same[self.case.finest.get(axis, list(same)[0 if first else -1])]])
+        first, means = axis in ("precision", "round-off"), {value: np.nanmean([of(row) for row in rows]) for value, rows in same.items()}
+        if axis in self.case.limits:
+            return fits.limit([self.case.limits[axis](rows[0]) for rows in same.values()], list(means.values()))[0]
+        if axis == "velocity":  # those halve from one to the next
+            shaken = np.array([of(row) for row in self.case.rows.get("round-off", [])], float)
+            noise = 2 * np.sqrt(2) * fits.scatter(shaken) if np.isfinite(shaken).sum() > 2 else 0.0
+            return fits.halved([means[value] for value in sorted(means)], noise)[0]
+        return means[self.case.finest.get(axis, list(same)[0 if first else -1])]
 
     def of_axis(self, axis, reading, of, same):
         found, reference = [], self.reference(axis, reading, of, same) if same else None
@@ -74,7 +83,8 @@ class Measured:
                     self.slopes.constant(reading, axis, "scatter", float(np.std([p[2] for p in points], ddof=1)), len(points))
                 continue
             beyond = [p for p in points if abs(p[2]) > max(NOTHING, self.chance(axis, reading, p))]
-            self.slopes.power(reading, axis, "bias", self.case.groups[axis][0], [p[1] for p in beyond], [p[2] for p in beyond])
+            if axis not in self.case.scattered:
+                self.slopes.power(reading, axis, "bias", self.case.groups[axis][0], [p[1] for p in beyond], [p[2] for p in beyond])
             scattered = [p for p in points if np.isfinite(p[3]) and p[3] > NOTHING]
             if len(scattered) > 2:
                 self.slopes.power(reading, axis, "scatter", self.case.groups[axis][0], [p[1] for p in scattered], [p[3] for p in scattered])
