@@ -27,7 +27,8 @@ def section(study, pictures):
                           [100, 200] if study.quick else [500, 1000, 2000, 4000])
     case = simple.Case(
         "brazilian", "Brazilian disc",
-        f"{1e3 * DIAMETER:g} mm, between plane walls closing at {v:g} m/s, {count} discs. Strength: 2F/(pi D) at the peak{' or the end' if study.quick else ''}.",
+        f"{1e3 * DIAMETER:g} mm, between plane walls closing at {v:g} m/s, {count} discs. Strength: 2F/(pi D) at the peak"
+        f"{' or the end' if study.quick else ''}.",
         {"strength": lambda row: row["largest_stress" if study.quick else "peak_stress"]}, rows, finest={"safety": min(r.value for r in rows["safety"])},
         units={"strength": (1e6, "MPa")}, models=("damping",), groups=planar.GROUPS, scattered=("particles",),
         more=lambda m: planar.size_words(m, "strength", False))

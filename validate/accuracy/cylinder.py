@@ -375,10 +375,10 @@ def sentence_size(m):
              f"{-slope:.2f}. ")
     if abs(slope + 0.5) <= 2 * slope_error:
         return text + "That is the slope of a fracture toughness: hold contact strength times the root of the radius constant when the number is changed."
-    return text + (f"A constant fracture toughness would want r^0.5 at a constant contact strength, and so a contact strength that goes as r^-0.5; that "
-                   f"would make {'the drift larger' if slope > -0.25 else 'it smaller'}: strength would go as n^{slope + 0.5:.2f}. In a body without "
-                   f"a notch, what to hold constant between two numbers of particles is the strength itself: contact strength times "
-                   f"n^{slope:.2f} over these numbers, or calibrate with the number that is used.")
+    worse = "and make the drift larger" if abs(slope + 0.5) > abs(slope) else "and make the drift smaller"
+    return text + (f"Were it ruled by fracture toughness, contact strength times the root of the radius, it would go as n^-0.50: to hold that constant "
+                   f"would give n^{slope + 0.5:.2f} {worse}. In a body without a notch calibrate with the number of particles that is used; "
+                   f"between these numbers hold contact strength times n^{slope:.2f}.")
 
 
 def sentence_floors(m):

@@ -55,7 +55,8 @@ def section(study, pictures):
     case = simple.Case(
         "notched", "Notched beam in particles",
         f"{1e3 * LONG:g} x {1e3 * HEIGHT:g} mm, span {1e3 * SPAN:g} mm, notch {1e3 * DEPTH:g} mm, pressed at {v:g} m/s, {count} discs. "
-        f"Strength: 3FS/(2(H - a)^2) at the largest force.",
+        f"Strength: 3FS/(2(H - a)^2) at the largest force. Packings without a "
+        f"disc at a support are left out.",
         {"strength": lambda row: row["largest_stress"]}, rows, finest={"safety": min(r.value for r in rows["safety"])},
         units={"strength": (1e6, "MPa")}, models=("damping",), groups=planar.GROUPS, scattered=("particles",),
         more=lambda m: planar.size_words(m, "strength", True))

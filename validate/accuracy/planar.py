@@ -58,13 +58,13 @@ def size_words(m, reading, notched):
                        "and the strength does not depend on the radius.")
     if abs(slope) <= 2 * error:
         return text + "So within its error it does not depend on the number of particles: hold contact strength constant."
-    held = fits.scatter([np.mean([m.case.readings[reading](row) for row in same]) * n**0.25 for n, same in rows.items()])
-    plain = fits.scatter([np.mean([m.case.readings[reading](row) for row in same]) for same in rows.values()])
+    held = fits.scatter([np.nanmean([m.case.readings[reading](row) for row in same]) * n**0.25 for n, same in rows.items()])
+    plain = fits.scatter([np.nanmean([m.case.readings[reading](row) for row in same]) for same in rows.values()])
     better = "contact strength times the root of the radius (fracture toughness)" if held < plain else "contact strength"
-    return text + (f"It does not converge over these numbers. Means scatter by {words.percent(plain)} over them when contact strength is held, and would by "
-                   f"{words.percent(held)} if strength times the root of the radius were: hold {better}. "
+    return text + (f"It has not converged over these numbers. Means scatter by {words.percent(plain)} over them when contact strength is held, and would by "
+                   f"{words.percent(held)} if contact strength times the root of the radius were: hold {better}. "
                    + ("Linear fracture mechanics has r^0.5 for a notch that is long against the particles." if notched else
-                      "Linear fracture mechanics (r^0.5) is for a crack that is long against the particles, and there is none at the start."))
+                      "Linear fracture mechanics has r^0.5 for a crack that is long against the particles, and there is none at the start."))
 
 
 def rate(row):

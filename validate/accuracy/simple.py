@@ -146,8 +146,8 @@ def draw(pictures, m):
             points = [p for p in m.errors[axis, name] if abs(p[2]) > NOTHING]
             if not points:
                 continue
-            axes.loglog([p[4] for p in points], [abs(p[2]) for p in points], words.MARKS[k % len(words.MARKS)] + ("" if axis == "round-off" else "-"), ms=4, lw=0.7,
-                        color=words.COLOURS.get(axis, f"C{k}"), label=axis)
+            mark = words.MARKS[k % len(words.MARKS)] + ("" if axis == "round-off" else "-")
+            axes.loglog([p[4] for p in points], [abs(p[2]) for p in points], mark, ms=4, lw=0.7, color=words.COLOURS.get(axis, f"C{k}"), label=axis)
         for (label, points), mark in zip(m.case.others.items(), "x+1"):
             axes.loglog([p[0] for p in points], [abs(p[1]) for p in points], mark + "--", lw=0.7, color="black", label=label)
         floor = np.std([p[2] for p in m.errors["round-off", name]], ddof=1) if len(m.errors.get(("round-off", name), [])) > 2 else 0.0
