@@ -49,15 +49,16 @@ def cases():
             "notched-elements": notched.elements_section, "brazilian": brazilian.section, "packing": packing.section}
 
 
-def conditions(quick):
+def conditions(s, case):
+    rows = {row.folder: row for name, row in s.rows if name == case and row.done}.values()
     said = study.call(["info"]).stdout
     version = re.search(r"^gneiss +(\S+)", said, re.M)
     try:
         processor = re.search(r"model name\s*:\s*(.*)", Path("/proc/cpuinfo").read_text(encoding="utf-8")).group(1)
     except (OSError, AttributeError):
         processor = platform.processor() or "unknown processor"
-    return (f"Measured {datetime.date.today()}, gneiss {version.group(1) if version else 'of unknown version'}, {processor}, one thread"
-            + (", quick form." if quick else "."))
+    return (f"Measured {datetime.date.today()}, gneiss {version.group(1) if version else 'of unknown version'}, {processor}, one thread; {len(rows)} "
+            f"runs, {sum(row.seconds for row in rows):.0f} CPU seconds" + (", quick form." if s.quick else "."))
 
 
 def option(arguments, name):
@@ -97,7 +98,7 @@ def main(arguments):
     measured, found = [], {}
     for name in wanted:
         text, found[name] = known[name](s, p)
-        page.keep(name, f"{text}\n\n{conditions(quick)}")
+        page.keep(name, f"{text}\n\n{conditions(s, name)}")
         measured += found[name].slopes.rows
         slopes.write(table, measured, known)
     if {"compression", "tension"} <= set(wanted):
