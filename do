@@ -36,6 +36,8 @@ usage: ./do COMMAND [...]
                                program without it; writes docs/evidence/effects.md
   validate [--quick] [--time] [--only SECTION] [--fresh] [--large]
                                beside YADE, closed forms and published tables; writes docs/evidence/validation.md
+  accuracy [--quick] [--only CASE] [--out DIR]
+                               what accuracy costs in time; writes docs/accuracy.md
   install WHAT                 the packages of build, check, aarch64, bench, validate, effects or peers
   keys [text]                  the keys that a scene file may hold, or those that hold a text
   clean                        remove the build folders
@@ -209,6 +211,12 @@ command_validate() {
     prepare
     build build
     "$python" "$root/validate/run.py" "$@"
+}
+
+command_accuracy() {
+    prepare
+    build build gneiss
+    "$python" "$root/validate/accuracy/run.py" "$@"
 }
 
 command_install() {
@@ -394,7 +402,7 @@ main() {
     local command=${1:-help}
     (($#)) && shift
     case $command in
-    run | test | check | bench | validate | install | keys | clean) "command_$command" "$@" ;;
+    run | test | check | bench | validate | accuracy | install | keys | clean) "command_$command" "$@" ;;
     help | -h | --help) usage ;;
     *)
         usage >&2

@@ -645,8 +645,35 @@ def the_summary_has_its_keys_and_agrees_with_the_results(folder):
         assert text(file.attrs["state_hash"]) == s["state_hash"]
         stress = file["history/stress"][:]
     assert s["readings"]["peak_stress"] == stress.max() and 1e7 < stress.max() < 1e9
-    phases = sum(value for name, value in s["seconds"].items() if name != "total")
+    phases = sum(value for name, value in s["seconds"].items() if name not in ("total", "cpu"))
     assert 0.5 * s["seconds"]["total"] < phases < 1.01 * s["seconds"]["total"], s["seconds"]
+
+
+@fact
+def processor_seconds_are_those_of_the_threads(folder):
+    start = time.monotonic()
+    run(LATTICE, folder, "--threads", 1)
+    s, wall = summary(folder), time.monotonic() - start
+    # One thread cannot have a processor for longer than the process lasts; clocks of processors tick in ms at the worst.
+    assert 0 < s["seconds"]["cpu"] < wall + 0.01, (s["seconds"], wall)
+    with results(folder) as file:
+        assert 0 < file.attrs["cpu_seconds"] <= s["seconds"]["cpu"]
+
+
+@fact
+def the_most_memory_of_a_run_holds_at_least_its_particles(folder):
+    run(LATTICE, folder)
+    s = summary(folder)
+    assert s["peak_memory"] > 200 * s["counts"]["particles"], s["peak_memory"]
+
+
+@fact
+def processor_seconds_go_on_over_a_resume(folder):
+    run(LATTICE, folder, "--set", "time.end=0.2 ms")
+    with h5py.File(os.path.join(folder, checkpoints(folder)[-1]), "r+") as file:
+        file.attrs["cpu_seconds"] = 3723.0  # as if it had taken this long
+    resume(folder, "--set", "time.end=0.3 ms")
+    assert 3723 < summary(folder)["seconds"]["cpu"] < 3723 + 100, summary(folder)["seconds"]
 
 
 @fact

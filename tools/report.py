@@ -83,12 +83,14 @@ def fact_rows(results):
         dt = np.nanmax(time) / np.nanmax(step)
     phases = [np.nan_to_num(float(np.asarray(c.value).reshape(-1)[0])) for c in results.profile.values()]
     seconds = float(results.attribute("seconds") or sum(phases))
+    cpu = results.attribute("cpu_seconds")
     rows = [(label, results.attribute(name)) for label, name in (
         ("version", "version"), ("build", "build"), ("instruction set", "isa"), ("precision", "precision"),
         ("threads", "threads"))]
     rows += [("dimension", results.dimension), ("time step", quantity(float(dt), "s") if dt else ""),
              ("steps", steps), ("simulated time", quantity(float(np.nanmax(time)), "s") if time is not None else ""),
              ("wall time", f"{seconds:.3g} s" if seconds else ""),
+             ("processor time, all threads", f"{float(cpu):.3g} s" if cpu else ""),
              ("energy residual", residual_text(results)),
              ("volume", volume_text(results)),
              ("stopped because", results.attribute("stop_reason")), ("state hash", results.attribute("state_hash")),

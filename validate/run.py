@@ -7,7 +7,6 @@
     ./do validate --kept          sections from the YADE runs that are there already: YADE runs that are missing are left out
   --fresh  forgets what is kept         --large  the beam of 240 x 80 x 40 mm
 """
-import re
 import sys
 from pathlib import Path
 
@@ -16,7 +15,6 @@ sys.path[:0] = [str(HERE), str(HERE / "yade")]
 
 import jobs  # noqa: E402
 import page  # noqa: E402
-import study  # noqa: E402
 
 HEAD = """# gneiss beside YADE, closed forms and published tables
 
@@ -42,25 +40,8 @@ def sections():
             "time": timing.section}
 
 
-def mark(name):
-    return f"<!-- section {name} -->"
-
-
-def on_the_page(path, name):
-    """A section as the page has it, measured elsewhere: results are kept per machine, the page is not."""
-    text = path.read_text() if path.exists() else ""
-    found = re.search(re.escape(mark(name)) + r"\n(.*?)(?=<!-- section |\Z)", text, flags=re.DOTALL)
-    return found.group(1) if found else None
-
-
 def write_page(names):
-    path = study.ROOT / "docs" / "evidence" / "validation.md"
-    parts = []
-    for name in names:
-        text = page.kept(name) or on_the_page(path, name) or f"## {name}\n\nNot measured yet: `./do validate --only {name}`."
-        parts.append(f"{mark(name)}\n{text.strip()}")
-    path.write_text(HEAD + "\n\n".join(parts) + "\n")
-    print(f"written: {path.relative_to(study.ROOT)}")
+    page.page(HEAD).write(names)
 
 
 def main(arguments):

@@ -126,8 +126,9 @@ static gneiss_status put_all(const gn_run *run, gn_h5 *file, gneiss_error *error
     gneiss_status status = gn_h5_put_text(file, "scene", scene, error);
     free(scene);
     GN_TRY(status);
-    double seconds = gn_run_progress(run).seconds;
-    GN_TRY(gn_h5_attribute_f64(file, "/", "seconds", &seconds, 1, error));
+    gn_progress progress = gn_run_progress(run);
+    GN_TRY(gn_h5_attribute_f64(file, "/", "seconds", &progress.seconds, 1, error));
+    GN_TRY(gn_h5_attribute_f64(file, "/", "cpu_seconds", &progress.cpu_seconds, 1, error));
     gn_strain_gauge gauge = w->gauge; /* list_gauge hands out places to fill */
     gn_checkpoint_array arrays[GAUGE_ARRAYS];
     list_gauge(&gauge, arrays);
@@ -238,6 +239,9 @@ static gneiss_status load(gn_run *run, const gn_h5 *file, const char *path,
     GN_TRY(get_scene(w, file, path, overrides, count, error));
     GN_TRY(gn_world_prepare(w, error));
     GN_TRY(gn_h5_get_attribute_f64(file, "/", "seconds", &run->wall_before, 1, error));
+    gneiss_error unsaid; /* checkpoints of earlier versions do not say it: counted from here on */
+    if (gn_h5_get_attribute_f64(file, "/", "cpu_seconds", &run->cpu_before, 1, &unsaid))
+        run->cpu_before = 0.0;
     GN_TRY(gn_h5_get_pieces(file, "run", pieces, PIECES, run, error));
     GN_TRY(check_numbers(run, path, error));
     GN_TRY(get_gauge(w, file, error));

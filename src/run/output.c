@@ -10,6 +10,7 @@
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
+#include <sys/resource.h>
 
 /* --- snapshots --- */
 
@@ -163,11 +164,12 @@ static gneiss_status put_header(const gn_run *run, gn_h5 *file, gneiss_error *er
     GN_TRY(gn_h5_attribute_i64(file, "/", "finished", &finished, 1, error));
     GN_TRY(gn_h5_attribute_i64(file, "/", "dimension", &w->scene.dimension, 1, error));
     GN_TRY(gn_h5_attribute_i64(file, "/", "steps", &steps, 1, error));
-    double seconds = gn_run_progress(run).seconds;
+    gn_progress progress = gn_run_progress(run);
     GN_TRY(gn_h5_attribute_f64(file, "/", "dt", &w->dt, 1, error));
     GN_TRY(gn_h5_attribute_f64(file, "/", "volume", &w->volume, 1, error));
     GN_TRY(gn_h5_attribute_text(file, "/", "volume_of", gn_world_volume_source(w), error));
-    GN_TRY(gn_h5_attribute_f64(file, "/", "seconds", &seconds, 1, error));
+    GN_TRY(gn_h5_attribute_f64(file, "/", "seconds", &progress.seconds, 1, error));
+    GN_TRY(gn_h5_attribute_f64(file, "/", "cpu_seconds", &progress.cpu_seconds, 1, error));
     GN_TRY(gn_h5_attribute_f64(file, "/", "origin", w->scene.origin, 3, error));
     GN_TRY(put_mass_scaling(w, file, error));
     GN_TRY(put_warnings(run, file, error));
@@ -335,6 +337,12 @@ static void summary_mass_scaling(const gn_world *w, gn_json *j) {
     gn_json_end(j);
 }
 
+/* Bytes that the process has held at most, since it was started. */
+static int64_t peak_memory(void) {
+    struct rusage used;
+    return getrusage(RUSAGE_SELF, &used) ? 0 : (int64_t)used.ru_maxrss * 1024;
+}
+
 /* What it took, and of what. */
 static void summary_start(const gn_run *run, gn_json *j) {
     const gn_first_break *b = &run->first_break;
@@ -360,7 +368,9 @@ static void summary_cost(const gn_run *run, gn_json *j) {
     for (int k = 0; k < GN_PHASE_COUNT; k++)
         gn_json_number(j, gn_phase_name((gn_phase)k), w->seconds[k]);
     gn_json_number(j, "total", p.seconds);
+    gn_json_number(j, "cpu", p.cpu_seconds);
     gn_json_end(j);
+    gn_json_integer(j, "peak_memory", peak_memory());
     gn_json_number(j, "particle_steps_per_second",
                    (double)w->dem.particles.soa.count * (double)w->step / p.seconds);
     gn_json_number(j, "contact_steps_per_second", (double)w->dem.contact_steps / p.seconds);

@@ -34,6 +34,7 @@ static void set_intervals(gn_run *run, bool history, bool snapshots) {
 
 static void set_clock(gn_run *run) {
     run->wall_start = gn_now();
+    run->cpu_start = gn_process_time();
     double every = run->directory[0] ? run->world.scene.checkpoint_wall : 0.0;
     run->next_checkpoint = every > 0.0 ? run->wall_start + every : INFINITY;
 }
@@ -48,7 +49,7 @@ static gneiss_status open_folder(gn_run *run, bool force, gneiss_error *error) {
 gneiss_status gn_run_create(gn_scene *scene, gn_run *run, gneiss_error *error) {
     memset(run, 0, sizeof *run);
     run->bad_since = -1;
-    double start = gn_now();
+    double start = gn_now(), cpu_start = gn_process_time();
     GN_TRY(gn_world_create(scene, &run->world, error));
     gneiss_status status = gn_history_begin(&run->world, &run->history, error);
     if (status != GNEISS_OK) {
@@ -58,6 +59,7 @@ gneiss_status gn_run_create(gn_scene *scene, gn_run *run, gneiss_error *error) {
     set_intervals(run, true, true);
     set_clock(run);
     run->wall_start = start;
+    run->cpu_start = cpu_start;
     return GNEISS_OK;
 }
 
@@ -70,9 +72,10 @@ gneiss_status gn_run_start(gn_scene *scene, const char *directory, bool force, g
         gn_run_free(run);
         return status;
     }
-    double start = run->wall_start;
+    double start = run->wall_start, cpu_start = run->cpu_start;
     set_clock(run);
     run->wall_start = start;
+    run->cpu_start = cpu_start;
     return GNEISS_OK;
 }
 
@@ -389,6 +392,7 @@ gn_progress gn_run_progress(const gn_run *run) {
     p.time = w->time;
     p.end = w->scene.end;
     p.seconds = run->wall_before + gn_now() - run->wall_start;
+    p.cpu_seconds = run->cpu_before + gn_process_time() - run->cpu_start;
     double rate = p.seconds > 0.0 ? (double)(w->step - w->first_step) / p.seconds : 0.0;
     p.particle_steps_per_second = rate * (double)w->dem.particles.soa.count;
     p.element_steps_per_second = rate * (double)gn_elements_totals(w).elements;

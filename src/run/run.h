@@ -17,6 +17,8 @@ typedef struct gn_run {
     int64_t snapshot_interval; /* steps, 0: none */
     double wall_before;        /* s of wall time in earlier sittings */
     double wall_start;         /* gn_now() at the start of this one */
+    double cpu_before;         /* s of processors, all threads, in earlier sittings */
+    double cpu_start;          /* gn_process_time() at the start of this one */
     double next_checkpoint;    /* gn_now() */
     double peak;               /* largest stress so far, Pa */
     int64_t bad_since;         /* step since which the ledger has not closed, -1: it does */
@@ -33,6 +35,7 @@ typedef struct gn_progress {
     int64_t step;
     double time, end;                                           /* s */
     double seconds;                                             /* wall, all sittings */
+    double cpu_seconds;                                         /* of all threads, all sittings */
     double particle_steps_per_second, contact_steps_per_second; /* of all sittings */
     double element_steps_per_second;                            /* the same */
     double eta; /* s, to `end`; a stop condition may come first */

@@ -9,6 +9,7 @@ import numpy as np
 
 import jobs
 import own
+import sections
 import study
 
 PICTURES = study.ROOT / "docs" / "evidence" / "pictures"
@@ -63,14 +64,12 @@ def conditions():
             f"{yade_version()}; {processor()}, {os.cpu_count()} threads")
 
 
+def page(head=""):
+    return sections.Page(study.ROOT / "docs" / "evidence" / "validation.md", SECTIONS, head, "./do validate --only")
+
+
 def keep(name, text):
-    SECTIONS.mkdir(parents=True, exist_ok=True)
-    (SECTIONS / f"{name}.md").write_text(f"{text.rstrip()}\n\nMeasured {conditions()}.\n")
-
-
-def kept(name):
-    path = SECTIONS / f"{name}.md"
-    return path.read_text() if path.exists() else None
+    page().keep(name, f"{text.rstrip()}\n\nMeasured {conditions()}.")
 
 
 def spread(values):
