@@ -53,7 +53,7 @@ static bond *make(const gn_material *material, gn_effects more) {
     t->p.vel[3] = t->p.vel[7] = 1.0;
     t->k.length0[0] = 2.0 * radius;
     gn_law_model model = {.scene = &t->scene};
-    gn_law_pair pair = {&t->material, &t->material, radius, radius, 0.0};
+    gn_law_pair pair = {.a = &t->material, .b = &t->material, .ri = radius, .rj = radius};
     gn_law_of(fx)->set(&model, &pair, &t->k, 0);
     t->args = (gn_contact_args){.pos = t->p.pos,
                                 .vel = t->p.vel,
@@ -395,7 +395,7 @@ static void work_is_stored_or_lost(void **state) {
 static void set_again(bond *t, gn_softening softening) {
     t->scene.softening = softening;
     gn_law_model model = {.scene = &t->scene};
-    gn_law_pair pair = {&t->material, &t->material, radius, radius, 0.0};
+    gn_law_pair pair = {.a = &t->material, .b = &t->material, .ri = radius, .rj = radius};
     gn_law_of(t->k.soa.effects)->set(&model, &pair, &t->k, 0);
 }
 

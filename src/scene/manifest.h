@@ -76,7 +76,7 @@ typedef struct gn_key {
     const char *text; /* one line of explanation */
 } gn_key;
 
-enum { GN_NO_WHERE = -1, GN_SECTION_KEYS_MAX = 24 };
+enum { GN_NO_WHERE = -1, GN_SECTION_KEYS_MAX = 48 };
 
 struct gn_section {
     const gn_key *keys;
