@@ -473,40 +473,9 @@ static void missing_chunks_are_refused(void **state) {
     gn_h5_close(file);
 }
 
-/* Written with checksums of our own, read with those of HDF5: several chunks, the last one not
- * full, odd bytes, nothing but zeros, and words whose sum is a multiple of 65535. */
-static void chunks_have_the_checksums_that_hdf5_computes(void **state) {
-    fixture *f = *state;
-    enum { ODD = 700001 };
-    static uint8_t bytes[ODD], found[ODD];
-    static double table[3 * 40001], same[3 * 40001];
-    static int32_t zeros[ODD], full[ODD], back[ODD];
-    gn_h5 *file;
-    for (int k = 0; k < ODD; k++) bytes[k] = (uint8_t)(k * 2654435761u >> 24);
-    for (int k = 0; k < 3 * 40001; k++) table[k] = cos(k);
-    memset(full, 0xff, sizeof full);
-    ok(gn_h5_create(f->path, &file, error));
-    ok(gn_h5_put(file, "bytes", GN_U8, ODD, 1, 0, bytes, NULL, NULL, error));
-    ok(gn_h5_put(file, "table", GN_F64, 40001, 3, 0, table, NULL, NULL, error));
-    ok(gn_h5_put(file, "zeros", GN_I32, ODD, 1, 0, zeros, NULL, NULL, error));
-    ok(gn_h5_put(file, "full", GN_I32, ODD, 1, 0, full, NULL, NULL, error));
-    ok(gn_h5_commit(file, GN_RENAMED, error));
-    ok(gn_h5_open(f->path, &file, error));
-    ok(gn_h5_get(file, "bytes", GN_U8, ODD, 1, 0, found, error));
-    assert_memory_equal(found, bytes, sizeof bytes);
-    ok(gn_h5_get(file, "table", GN_F64, 40001, 3, 0, same, error));
-    assert_memory_equal(same, table, sizeof table);
-    ok(gn_h5_get(file, "zeros", GN_I32, ODD, 1, 0, back, error));
-    assert_memory_equal(back, zeros, sizeof zeros);
-    ok(gn_h5_get(file, "full", GN_I32, ODD, 1, 0, back, error));
-    assert_memory_equal(back, full, sizeof full);
-    gn_h5_close(file);
-}
-
 int main(void) {
 #define WITH(test) cmocka_unit_test_setup_teardown(test, setup, teardown)
     const struct CMUnitTest tests[] = {
-        WITH(chunks_have_the_checksums_that_hdf5_computes),
         WITH(what_is_written_is_read),
         WITH(rows_with_a_stride_are_packed_and_unpacked),
         WITH(long_texts_are_kept_and_checked),

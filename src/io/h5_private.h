@@ -41,13 +41,6 @@ bool gn_h5_shape_bytes(gn_type type, gn_h5_shape shape, size_t *row, size_t *all
 void gn_h5_move_rows(void *to, size_t to_stride, const void *from, size_t from_stride, size_t row,
                      size_t rows);
 
-/* The checksum that HDF5's filter Fletcher32 puts behind a chunk, on a little-endian machine. */
-uint32_t gn_h5_checksum(const void *data, size_t bytes);
-/* Writes all of a data set that has just been made with that filter alone; *done: it could be.
- * false: an error. */
-bool gn_h5_write_chunks(hid_t set, gn_type type, gn_h5_shape shape, size_t bytes, const void *data,
-                        bool *done);
-
 /* HDF5 prints its errors by default, per thread; called on entry of every function of this layer.
  */
 void gn_h5_quiet(void);

@@ -122,10 +122,8 @@ static gneiss_status put_packed(gn_h5 *file, const char *name, gn_type type, gn_
     hid_t set =
         H5Dcreate2(file->id, name, gn_h5_file_type(type), space, links, creation, H5P_DEFAULT);
     gneiss_status status = GNEISS_OK;
-    bool done = bytes == 0;
-    if (set < 0 || (!done && !gn_h5_write_chunks(set, type, shape, bytes, data, &done)) ||
-        (!done &&
-         H5Dwrite(set, gn_h5_memory_type(type), H5S_ALL, H5S_ALL, H5P_DEFAULT, data) < 0)) {
+    if (set < 0 || (bytes > 0 && H5Dwrite(set, gn_h5_memory_type(type), H5S_ALL, H5S_ALL,
+                                          H5P_DEFAULT, data) < 0)) {
         file->failed = true;
         status =
             gn_h5_fail(file, error, GNEISS_ERROR_INTERNAL, "data set %s cannot be written", name);
