@@ -191,7 +191,7 @@ static void the_limit_is_that_of_the_drawn_stiffness(void **state) {
         double first = measured_step(w).kinetic, most = 0.0;
         for (int step = 0; step < 300 && most < 1e6 * first; step++)
             most = fmax(most, fabs(measured_step(w).kinetic)); /* v(-) v(+): negative above */
-        if (k == 0) assert_true(most < 10.0 * first); /* 50 in the fastest of many modes */
+        if (k == 0) assert_true(most < 10.0 * first);          /* 50 in the fastest of many modes */
         if (k == 1) assert_true(most >= 1e6 * first);
         world_end(w);
     }
