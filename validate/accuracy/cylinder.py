@@ -62,7 +62,7 @@ class Cylinder:
         return {"cylinder": {"diameter": DIAMETER, "height": HEIGHT}, "particles": self.count,
                 "packing": {"size_ratio": 3, "overlap": "passive"}, "material": "rock"}
 
-    # --- the axes: a line each; a new one (mass scaling, a start at the first break) is a line more ---------
+    # --- the axes: a line each -------------------------------------------------------------------------------
 
     def axes_of_the_file(self):
         v = self.closing
@@ -77,6 +77,9 @@ class Cylinder:
             Axis("gap", [0.005, 0.05, 0.1, 0.2, 0.3], key("bonds.interaction_range"), [0.05, 0.2]),
             Axis("damping and velocity", [(a, w) for w in (4 * v, v / 4) for a in (0.1, 0.4)],
                  lambda p: {"damping.background.coefficient": p[0], **self.motion(p[1])}),
+            Axis("mass scaling", [1, 1.5, 2, 3, 5], key("time.mass_scaling.factor"), [1, 2]),
+            Axis("start", [(start, w) for w in (v, v / 4) for start in ("rest", "first_break")],
+                 lambda p: {"time.start": p[0], **self.motion(p[1])}, [(start, v) for start in ("rest", "first_break")]),
         ]
 
     def axes_of_the_packing(self):
@@ -262,6 +265,13 @@ def front_rows(m, yade):
 WANTED = (0.10, 0.05, 0.02, 0.01)
 
 
+def started(m, speed):
+    """Rows of a speed, from rest and from the first break."""
+    rows = {row.value: row for row in m.found["start"]}
+    both = [rows.get((start, speed)) for start in ("rest", "first_break")]
+    return [both] if all(both) else []
+
+
 def fixed_points(m, reading):
     """(axis, seconds, error) of runs of the one packing, each against the finest of its axis."""
     points, found = [], m.found
@@ -272,6 +282,10 @@ def fixed_points(m, reading):
         for row in found[name]:
             if row is not reference:
                 points.append((name, row.seconds, abs(row[READINGS[reading]] / reference[READINGS[reading]] - 1)))
+    points += [("mass scaling", row.seconds, abs(row[READINGS[reading]] / m.base[READINGS[reading]] - 1)) for row in found["mass scaling"]
+               if row.value != 1]
+    for speed in sorted({row.value[1] for row in found["start"]}):
+        points += [("start", b.seconds, abs(b[READINGS[reading]] / a[READINGS[reading]] - 1)) for a, b in started(m, speed)]
     at_base = m_base(found["damping"], READINGS[reading])
     points += [("damping", row.seconds, abs(row[READINGS[reading]] / at_base - 1)) for row in found["damping"] if row.value != BASE["damping"]]
     return [p for p in points if p[2] > 0]
@@ -289,7 +303,7 @@ def draw_front(pictures, measured):
 
 
 def draw_panel(axes, m, reading):
-    for name in ("velocity", "safety", "precision", "damping", "round-off"):
+    for name in ("velocity", "safety", "precision", "mass scaling", "start", "damping", "round-off"):
         points = [p for p in fixed_points(m, reading) if p[0] == name]
         axes.loglog([p[1] for p in points], [p[2] for p in points], "x", ms=5, color=words.COLOURS[name],
                     label=f"{name} (one packing)" if name != "damping" else f"damping, against {BASE['damping']}")
@@ -420,6 +434,27 @@ def sentence_pairs(m):
             f" (the base is {v:g} m/s).")
 
 
+def sentence_masses(m):
+    rows = {row.value: row for row in m.found["mass scaling"]}
+    if 1 not in rows or len(rows) < 2:
+        return ""
+    told = [f"{value:g}: {words.signed(row['peak_stress'] / rows[1]['peak_stress'] - 1)}, {words.signed(row['young_modulus_average'] / rows[1]['young_modulus_average'] - 1)}, "
+            f"{row['steps'] / rows[1]['steps']:.2f}" for value, row in sorted(rows.items()) if value != 1]
+    beyond = [value for value, row in rows.items() if abs(row["peak_stress"] / rows[1]["peak_stress"] - 1) > m.noise["strength"]]
+    return (f"**Mass scaling** (`time.mass_scaling.factor`: change of strength, of E, steps over those without) " + "; ".join(told) + ". " +
+            (f"Strength is changed by more than round-off does to two runs with {', '.join(f'{x:g}' for x in sorted(beyond))}." if beyond
+             else "None changes strength by more than round-off does to two runs."))
+
+
+def sentence_start(m):
+    told = []
+    for speed in sorted({row.value[1] for row in m.found["start"]}, reverse=True):
+        told += [f"at {speed:g} m/s strength by {words.signed(b['peak_stress'] / a['peak_stress'] - 1)}, E by "
+                 f"{words.signed(b['young_modulus_average'] / a['young_modulus_average'] - 1)}, seconds by "
+                 f"{words.signed(b.seconds / a.seconds - 1)}" for a, b in started(m, speed)]
+    return f"**Start at the first break** (`time.start: first_break`) changes " + "; ".join(told) + "." if told else ""
+
+
 def sentence_gap(m):
     found = {r: slope_of(m, r, "gap") for r in ("strength", "E")}
     if not all(found.values()):
@@ -466,10 +501,11 @@ def section(study, pictures, kind):
              f"`nonviscous_vector` damping {BASE['damping']}, safety {BASE['safety']}, bonds over gaps up to {100 * BASE['gap']:g} %, harmonic law, "
              f"contact strengths of 40 MPa. A run ends when the stress has fallen by a fifth; E is that over the average strain.",
              draw_axes(pictures, m)]
-    parts += [sentence_floors(m), sentence_velocity(m), sentence_step(m), sentence_pairs(m), sentence_gap(m), sentence_size(m)]
+    parts += [sentence_floors(m), sentence_velocity(m), sentence_step(m), sentence_pairs(m), sentence_masses(m), sentence_start(m),
+              sentence_gap(m), sentence_size(m)]
     details = []
     labels = {"velocity": "closing, m/s", "gap": "interaction range", "round-off": "changed copy (0: as packed)", "damping and velocity": "damping, m/s",
-              "particles and velocity": "particles, m/s", "particles and slow loading": "particles, m/s"}
+              "particles and velocity": "particles, m/s", "particles and slow loading": "particles, m/s", "start": "start, closing m/s", "mass scaling": "factor of mass scaling"}
     for name, rows in found.items():
         if rows:
             details += [f"{name.capitalize()}:", run_table(rows, labels.get(name, name), pair if isinstance(rows[0].value, tuple) else words.plain)]

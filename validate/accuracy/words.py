@@ -4,7 +4,8 @@ import numpy as np
 import study
 
 COLOURS = {"safety": "#1f77b4", "precision": "#17becf", "velocity": "#d62728", "damping": "#9467bd", "form of damping": "#8c564b",
-           "gap": "#bcbd22", "round-off": "#7f7f7f", "particles": "#2ca02c", "seeds": "#98df8a", "elements": "#ff7f0e"}
+           "gap": "#bcbd22", "round-off": "#7f7f7f", "particles": "#2ca02c", "seeds": "#98df8a", "elements": "#ff7f0e",
+           "mass scaling": "#e377c2", "start": "#000000"}
 MARKS = "os^Dv<>P*"
 
 
