@@ -420,6 +420,16 @@ static void what_statics_cannot_do_is_refused(void **state) {
             "1000, normal_stiffness: 1e5, kratio: 0}]\nlaw: {stiffness: uniform}\n"
             "time: {start: first_break, end: 1}\n",
             "time.start: first_break: expected bonded particles, found none");
+    const char *pair = "specimen: {particles: [[0, 0, 0, 1 mm], [2 mm, 0, 0, 1 mm]]}\n"
+                       "materials: [{name: m, density: 1000, contact_modulus: 1e7, kratio: 1, "
+                       "tensile_strength: 1e5, shear_strength: 1e5, fracture_energy: 100}]\n"
+                       "law: {stiffness: arithmetic%s}\nbonds: {%s}\n"
+                       "time: {start: first_break, end: 1}\n";
+    text t = {0}, u = {0};
+    add(&t, pair, ", softening: energy", "");
+    refused(t.s, "expected bonds that break at once, found law.softening");
+    add(&u, pair, "", "radius_multiplier: 1");
+    refused(u.s, "expected bonds without moments, found bonds.radius_multiplier");
 }
 
 static void bad_fractions_are_refused(void **state) {

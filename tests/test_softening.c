@@ -1,6 +1,7 @@
 /* Bonds that soften and yield (src/kernels/law_softening.h): one bond on given paths against
  * formulas and an integrator written down anew, and scenes. */
 #include "kernels/law.h"
+#include "kernels/softening.h"
 #include "run/run.h"
 #include "world_helpers.h"
 
@@ -635,6 +636,29 @@ static void bonds_that_hold_more_than_they_may_dissipate_are_told(void **state) 
     world_end(w);
 }
 
+/* R_n u_f/2 is G_f times the section of the bond: also by area, and whatever was drawn for the
+ * bond. */
+static void sections_are_those_of_the_law(void **state) {
+    (void)state;
+    const char *laws[] = {"stiffness: dempack, gamma: 0.7", "stiffness: arithmetic"};
+    const char *drawn[] = {"", ", strength_scatter: {distribution: weibull, modulus: 5}"};
+    const double harmonic = 2.0 * 1e-3 * 2e-3 / 3e-3,
+                 section[] = {0.7 * M_PI * harmonic * harmonic, 4.0 * 1.5e-3 * 1.5e-3};
+    for (int k = 0; k < 4; k++) {
+        gn_world *w = world_of(
+            "dimension: 3\nspecimen: {particles: [[0, 0, 0, 1e-3], [3e-3, 0, 0, 2e-3]]}\n"
+            "materials: [{name: m, density: 2650, contact_modulus: 1e9, kratio: 2, young: 1e9, "
+            "poisson: 0.2, tensile_strength: 1e6, shear_strength: 1e6, fracture_energy: 30%s}]\n"
+            "law: {%s, softening: energy}\nbonds: {}\ntime: {end: 1}\n",
+            drawn[k / 2], laws[k % 2]);
+        const gn_contacts *b = &w->dem.bonds;
+        double end = b->fade[GN_FADE_END * b->soa.capacity];
+        assert_float_equal(0.5 * b->rn[0] * end / (30.0 * section[k % 2]), 1.0, 1e-13);
+        assert_true((b->rn[0] == 1e6 * section[k % 2]) == (k < 2));
+        world_end(w);
+    }
+}
+
 static void bad_values_are_refused_where_they_stand(void **state) {
     (void)state;
     static const struct {
@@ -694,6 +718,7 @@ int main(void) {
         cmocka_unit_test(a_damaged_bond_keeps_its_energy_while_it_swings),
         cmocka_unit_test(beside_all_else_threads_and_resumption_give_the_same_bits),
         cmocka_unit_test(bonds_that_hold_more_than_they_may_dissipate_are_told),
+        cmocka_unit_test(sections_are_those_of_the_law),
         cmocka_unit_test(bad_values_are_refused_where_they_stand),
     };
     return cmocka_run_group_tests_name("softening", tests, NULL, NULL);

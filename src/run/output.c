@@ -343,7 +343,7 @@ static int64_t peak_memory(void) {
     return getrusage(RUSAGE_SELF, &used) ? 0 : (int64_t)used.ru_maxrss * 1024;
 }
 
-/* What it took, and of what. */
+/* What statics found before the first step. */
 static void summary_start(const gn_run *run, gn_json *j) {
     const gn_first_break *b = &run->first_break;
     if (!b->steps) return;
@@ -360,6 +360,7 @@ static void summary_start(const gn_run *run, gn_json *j) {
     gn_json_end(j);
 }
 
+/* What it took, and of what. */
 static void summary_cost(const gn_run *run, gn_json *j) {
     const gn_world *w = &run->world;
     gn_progress p = gn_run_progress(run);
