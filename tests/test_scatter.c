@@ -331,6 +331,16 @@ static void every_law_reads_values_of_a_pair(void **state) {
     gn_world_free(&w);
 }
 
+/* Where only a pair has friction in its strength the scene has such bonds. */
+static void bonds_of_a_pair_have_a_friction_of_their_own(void **state) {
+    (void)state;
+    gn_world w;
+    three("harmonic", "contacts: [{between: [rock, steel], bond_friction: 0.7}]\n", &w);
+    assert_true(w.effects & GN_FX_MOHR);
+    assert_true(w.dem.bonds.mu1[bond_of(&w, 2)] == 0.7 && w.dem.bonds.mu1[bond_of(&w, 0)] == 0.0);
+    gn_world_free(&w);
+}
+
 /* Where only a pair has friction or a tangential spring the scene has them. */
 static void friction_of_a_pair_alone_is_friction(void **state) {
     (void)state;
@@ -383,8 +393,12 @@ static void what_a_pair_cannot_say_is_refused_where_it_stands(void **state) {
     refuse("harmonic", "contacts: [{friction: 1}, {between: rock}]\n",
            "contacts[0].between: required, but not given");
     refuse("harmonic", "contacts: [{between: rock, young: 1}]\n",
-           "s.yaml:7:35: contacts[0].young: expected a value that this law.stiffness reads, found "
-           "one that it does not");
+           "s.yaml:7:35: contacts[0].young: expected a value that this law.stiffness and "
+           "law.softening read, "
+           "found one that they do not");
+    refuse("harmonic", "contacts: [{between: rock, fracture_energy: 1}]\n",
+           "contacts[0].fracture_energy: expected a value that this law.stiffness and "
+           "law.softening read");
     refuse("harmonic", "contacts: [{between: rock, friction: -1}]\n",
            "contacts[0].friction: expected a value in [0, 1e30] or 'combined', found '-1'");
     refuse("harmonic", "contacts: [{between: rock, kratio: 1e-9}]\n",
@@ -432,6 +446,7 @@ int main(void) {
         cmocka_unit_test(a_chain_breaks_where_it_is_weakest),
         cmocka_unit_test(a_pair_has_what_is_its_own_and_combines_the_rest),
         cmocka_unit_test(every_law_reads_values_of_a_pair),
+        cmocka_unit_test(bonds_of_a_pair_have_a_friction_of_their_own),
         cmocka_unit_test(friction_of_a_pair_alone_is_friction),
         cmocka_unit_test(the_first_step_knows_the_stiffness_of_pairs),
         cmocka_unit_test(what_a_pair_cannot_say_is_refused_where_it_stands),

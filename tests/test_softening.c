@@ -659,6 +659,20 @@ static void sections_are_those_of_the_law(void **state) {
     }
 }
 
+static void a_pair_of_materials_has_a_fracture_energy_of_its_own(void **state) {
+    (void)state;
+    gn_world *w = world_of(
+        "dimension: 3\nspecimen: {particles: [[0, 0, 0, 1e-3], [2e-3, 0, 0, 1e-3]]}\n"
+        "materials: [{name: m, density: 2650, contact_modulus: 1e9, kratio: 2, tensile_strength: "
+        "1e6, shear_strength: 1e6, fracture_energy: 30}]\n"
+        "contacts: [{between: m, fracture_energy: 70, shear_fracture_energy: 90}]\n"
+        "law: {stiffness: arithmetic, softening: energy}\nbonds: {}\ntime: {end: 1}\n");
+    const gn_contacts *b = &w->dem.bonds;
+    assert_float_equal(b->fade[GN_FADE_END * b->soa.capacity], 2.0 * 70.0 / 1e6, 1e-18);
+    assert_float_equal(b->fade[GN_FADE_SLIP * b->soa.capacity], 2.0 * 90.0 / 1e6, 1e-18);
+    world_end(w);
+}
+
 static void bad_values_are_refused_where_they_stand(void **state) {
     (void)state;
     static const struct {
@@ -719,6 +733,7 @@ int main(void) {
         cmocka_unit_test(beside_all_else_threads_and_resumption_give_the_same_bits),
         cmocka_unit_test(bonds_that_hold_more_than_they_may_dissipate_are_told),
         cmocka_unit_test(sections_are_those_of_the_law),
+        cmocka_unit_test(a_pair_of_materials_has_a_fracture_energy_of_its_own),
         cmocka_unit_test(bad_values_are_refused_where_they_stand),
     };
     return cmocka_run_group_tests_name("softening", tests, NULL, NULL);

@@ -1,13 +1,14 @@
 /* Bonds with Mohr-Coulomb strength (law_mohr.h) for all but the kernels. All else is the linear
  * law's. */
-#include "kernels/law.h"
+#include "kernels/combine.h"
 
 #include <math.h>
 
 /* Of two materials the weaker one, as with all strengths. */
 static void set(const gn_law_model *m, const gn_law_pair *pair, gn_contacts *list, size_t c) {
     gn_linear_set(m, pair, list, c);
-    list->mu1[c] = fmin(pair->a->bond_friction, pair->b->bond_friction);
+    list->mu1[c] =
+        GN_OWN(pair, bond_friction, fmin(pair->a->bond_friction, pair->b->bond_friction));
 }
 
 /* With tension and shear coupled by squares the root of their sum; of a bond without strength in

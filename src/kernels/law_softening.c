@@ -1,7 +1,7 @@
 /* Bonds that soften and yield (law_softening.h) for all but the kernels. Areas are those that
  * strengths follow from (gn_linear_section). Of two materials the weaker strength, the smaller
  * energy, strain and ratio, and the lower line of pressure count. */
-#include "kernels/law.h"
+#include "kernels/combine.h"
 #include "kernels/softening.h"
 
 #include <math.h>
@@ -29,11 +29,13 @@ static void set_fade(const gn_law_model *m, const gn_law_pair *q, double area, g
     double rn = list->rn[c], rt = list->rt[c], pulled = rn / list->kn[c],
            sheared = rt / list->kt[c];
     double ratio = fmin(a->fracture_ratio, b->fracture_ratio);
-    double end = end_of(m, area, rn, pulled, fmin(a->fracture_energy, b->fracture_energy),
+    double end = end_of(m, area, rn, pulled,
+                        GN_OWN(q, fracture_energy, fmin(a->fracture_energy, b->fracture_energy)),
                         fmin(a->fracture_strain, b->fracture_strain) * list->length0[c], ratio);
-    double slip =
-        end_of(m, area, rt, sheared, fmin(a->shear_fracture_energy, b->shear_fracture_energy),
-               fmin(a->shear_fracture_strain, b->shear_fracture_strain) * sqrt(area), ratio);
+    double slip = end_of(
+        m, area, rt, sheared,
+        GN_OWN(q, shear_fracture_energy, fmin(a->shear_fracture_energy, b->shear_fracture_energy)),
+        fmin(a->shear_fracture_strain, b->shear_fracture_strain) * sqrt(area), ratio);
     bool softens = end > pulled;
     list->fade[c + GN_FADE_SLOPE * stride] = softens ? rn / (end - pulled) : 0.0;
     list->fade[c + GN_FADE_END * stride] = softens ? end : 0.0;
@@ -72,7 +74,7 @@ static const gn_material *weaker(const gn_material *a, const gn_material *b) {
 
 static void set(const gn_law_model *m, const gn_law_pair *q, gn_contacts *list, size_t c) {
     gn_linear_set(m, q, list, c);
-    list->mu1[c] = fmin(q->a->bond_friction, q->b->bond_friction);
+    list->mu1[c] = GN_OWN(q, bond_friction, fmin(q->a->bond_friction, q->b->bond_friction));
     list->soft[c] = 1.0;
     list->kappa[c] = 0.0;
     double area = gn_linear_section(m, q);

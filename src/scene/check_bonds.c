@@ -79,6 +79,8 @@ static const char *beside_moments(const gn_scene *s) {
         if (s->materials[k].bond_friction > 0) return "bond_friction";
         if (s->materials[k].yield_stress[0] > 0) return "yield_stress_1";
     }
+    for (size_t k = 0; k < s->contact_count; k++)
+        if (s->contacts[k].bond_friction > 0) return "bond_friction";
     return NULL;
 }
 

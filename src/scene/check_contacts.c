@@ -23,6 +23,7 @@ gneiss_status gn_check_scatter(const check *c, const char *key, const gn_scatter
 /* The first key that this law.stiffness does not read; NULL: none. */
 static const char *unread(const gn_scene *s, const gn_contact_def *d) {
     bool area = gn_scene_by_area(s), uniform = s->stiffness == GN_STIFFNESS_UNIFORM;
+    bool energy = s->softening == GN_SOFTENING_ENERGY;
     const struct {
         bool read;
         double value;
@@ -37,7 +38,9 @@ static const char *unread(const gn_scene *s, const gn_contact_def *d) {
                 {!uniform, d->tensile_strength, "tensile_strength"},
                 {!uniform, d->shear_strength, "shear_strength"},
                 {uniform, d->bond_tension_limit, "bond_tension_limit"},
-                {uniform, d->bond_shear_limit, "bond_shear_limit"}};
+                {uniform, d->bond_shear_limit, "bond_shear_limit"},
+                {energy, d->fracture_energy, "fracture_energy"},
+                {energy, d->shear_fracture_energy, "shear_fracture_energy"}};
     for (size_t k = 0; k < sizeof keys / sizeof *keys; k++)
         if (!keys[k].read && keys[k].value != GN_COMBINED) return keys[k].key;
     return NULL;
@@ -67,9 +70,10 @@ gneiss_status gn_check_contact(const check *c, const gn_scene *s, size_t index) 
             c, "kratio", "expected 0 (no tangential spring) or at least 1e-6, found %g", d->kratio);
     const char *key = gn_check_sound(c, "law.stiffness") ? unread(s, d) : NULL;
     if (!key) return GNEISS_OK;
-    return gn_check_fail(c, key,
-                         "expected a value that this law.stiffness reads, found one that "
-                         "it does not");
+    return gn_check_fail(
+        c, key,
+        "expected a value that this law.stiffness and law.softening read, found one "
+        "that they do not");
 }
 
 gneiss_status gn_check_gamma(const check *c, const gn_scene *s) {

@@ -40,6 +40,12 @@ static const gn_key contact_keys[] = {
           "R_n of the uniform law, instead of the smaller"),
     VALUE("bond_shear_limit", bond_shear_limit, "N", GN_BREAKING,
           "R_t of the uniform law, instead of the smaller"),
+    VALUE("bond_friction", bond_friction, "1", GN_FRICTIONS,
+          "mu_1 of a bond, instead of the smaller"),
+    VALUE("fracture_energy", fracture_energy, "J/m2", GN_TOUGHNESSES,
+          "G_f of a bond in tension, with softening energy, instead of the smaller"),
+    VALUE("shear_fracture_energy", shear_fracture_energy, "J/m2", GN_TOUGHNESSES,
+          "the same in shear"),
 };
 const gn_section gn_contact_section = {contact_keys, sizeof contact_keys / sizeof(gn_key),
                                        sizeof(gn_contact_def), offsetof(gn_contact_def, where)};

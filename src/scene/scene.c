@@ -283,6 +283,8 @@ static gn_effects strength_effects(const gn_scene *s) {
         frictional = frictional || s->materials[k].bond_friction > 0;
         yields = yields || s->materials[k].yield_stress[0] > 0;
     }
+    for (size_t k = 0; k < s->contact_count; k++)
+        frictional = frictional || s->contacts[k].bond_friction > 0;
     if (s->softening != GN_SOFTENING_NONE || yields)
         return GN_FX_MOHR | GN_FX_SOFTENING | (yields ? GN_FX_YIELD : 0U) |
                (s->coupling == GN_COUPLING_LINEAR ? GN_FX_COUPLED_LINEAR : 0U);

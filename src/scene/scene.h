@@ -171,7 +171,8 @@ typedef struct gn_contact_def {
     size_t between_count;
     char (*between)[GN_NAME_SIZE]; /* [between_count] one or two */
     double friction, kratio, contact_modulus, normal_stiffness, young, poisson, alpha, beta,
-        tensile_strength, shear_strength, bond_tension_limit, bond_shear_limit;
+        tensile_strength, shear_strength, bond_tension_limit, bond_shear_limit, bond_friction,
+        fracture_energy, shear_fracture_energy;
     gn_scene_place where;
 } gn_contact_def;
 
