@@ -71,6 +71,7 @@ typedef enum gn_effect {
 } gn_effect;
 
 typedef uint32_t gn_effects; /* a set of gn_effect bits */
+_Static_assert(GN_EFFECT_COUNT <= 31, "bits of an int: more effects need wider sets");
 
 /* "friction", ...; index in [0, GN_EFFECT_COUNT). */
 const char *gn_effect_name(gn_effect_index index);
