@@ -144,21 +144,6 @@ static void viscous_damping_is_a_load(void **state) {
     world_end(w);
 }
 
-/* A motion that begins slowly: what counts is the path, v t^2/(2 t_1). */
-static void a_ramp_is_followed_by_its_path(void **state) {
-    (void)state;
-    text t = {0};
-    row(&t, 6, 'x', "", "vx: [[0, 0], [1, 1]], vy: 0, vz: 0, wx: 0, wy: 0, wz: 0");
-    gn_world *w = world_of("%s%srun: {threads: 1}\n", t.s, plain);
-    double time = sqrt(2.0 * 5.0 * strength / kn);
-    gn_first_break found = begin(w);
-    /* Forces are extrapolated in a straight line over the last tenth of a parabola. */
-    assert_near(found.time, time, 0.02 * time);
-    assert_near(pos_of(w, 5)[0], 0.01 + 0.5 * w->time * w->time, 1e-12);
-    assert_near(vel_of(w, 5)[0], w->time, 0.01 * w->time);
-    world_end(w);
-}
-
 /* A bond is as strong as the weaker of its materials: the last one holds half. */
 static void the_weaker_material_breaks_first(void **state) {
     (void)state;
@@ -408,10 +393,16 @@ static void what_has_no_first_break_is_refused(void **state) {
     refuse_row("", pulled, "time: {start: first_break, end: 1 us}\n",
                "expected a bond that breaks before time.end, found none");
     refuse_row("", "wx: 0", plain, "expected walls or sets that move, found none");
+    refuse_row("", "vx: 1e6, vy: 0, vz: 0", plain,
+               "expected a start that is at least 2 steps after time 0");
 }
 
 static void what_statics_cannot_do_is_refused(void **state) {
     (void)state;
+    refuse_row("", "vx: [[0, 0], [1, 1]], vy: 0, vz: 0", plain,
+               "expected motions at constant velocity, found a set whose velocity changes");
+    refuse_row("", pulled, "time: {start: first_break, end: 1, stop: {unbalanced: 0.5}}\n",
+               "found time.stop.unbalanced");
     refuse_row("initial: {random_velocity: 1}\n", pulled, plain, "a specimen at rest");
     refuse_row("walls: [{name: w, point: [0, 0, -5 mm], normal: [0, 0, 1], stiffness: 1e6, servo: "
                "{force: 1, max_velocity: 1}}]\n",
@@ -471,7 +462,6 @@ int main(void) {
         cmocka_unit_test(a_column_carries_its_weight),
         cmocka_unit_test(a_wall_acts_when_its_gap_is_closed),
         cmocka_unit_test(viscous_damping_is_a_load),
-        cmocka_unit_test(a_ramp_is_followed_by_its_path),
         cmocka_unit_test(the_weaker_material_breaks_first),
         cmocka_unit_test(the_fraction_is_taken_as_it_is),
         cmocka_unit_test(threads_leave_the_same_bits),

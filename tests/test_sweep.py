@@ -509,6 +509,7 @@ def a_run_does_not_go_into_the_folder_of_a_sweep(folder):
         if name:
             os.remove(os.path.join(out, name))
         expect(gneiss("run", LATTICE, "--out", out, *QUICK), 2, "found a sweep in it")
+        expect(gneiss("pack", LATTICE, "--out", out), 2, "found a sweep in it")
     assert sorted(os.listdir(out)) == sorted(row["folder"] for row in table)
     assert sweep(folder, FRICTIONS) == table
 
@@ -562,7 +563,7 @@ def means_and_intervals_are_those_of_the_rows(folder):
         assert np.isclose(float(mean["largest_stress deviation [Pa]"]), deviation, rtol=1e-9)
         # t of 3 degrees of freedom, Abramowitz & Stegun table 26.10: 3.182
         assert np.isclose(float(mean["largest_stress interval [Pa]"]), 3.182 * deviation / 2, rtol=2e-4)
-        assert mean["runs"] == "4" and mean["materials.block.friction"] in ("0.1", "0.4")
+        assert mean["runs"] == "4" == mean["largest_stress count"] and mean["materials.block.friction"] in ("0.1", "0.4")
 
 
 @fact

@@ -183,6 +183,11 @@ static gneiss_status check_folder(const char *folder, gneiss_error *error) {
     char path[GN_PATH_SIZE + 32];
     int64_t step;
     size_t checkpoints;
+    if (gn_folder_holds_sweep(folder))
+        return gn_fail(error, GNEISS_ERROR_INPUT,
+                       "%.300s: expected a folder for the packing, found a sweep in it; choose "
+                       "another with --out",
+                       folder);
     snprintf(path, sizeof path, "%s/results.h5", folder);
     GN_TRY(gn_checkpoint_list(folder, &step, 1, &checkpoints, error));
     bool results = access(path, F_OK) == 0;

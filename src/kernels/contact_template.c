@@ -191,21 +191,13 @@ GN_INLINE void write_couples(const gn_contact_args *a, size_t c, couple_rows *ou
     gn_store_rows4(out->row, row);
 }
 
-/* Places 0 to 2 of a row are forces in space; in the plane the third is the moment. */
-GN_INLINE void add_couples(const gn_contact_args *a, size_t c, size_t end, const couple_rows *from,
-                           gn_real *sums, variant w) {
-    size_t count = end - c < GN_W ? end - c : GN_W, moment = w.space ? 4 : 0;
-    if (!sums) return;
-    const uint16_t *place = a->partials->place + 2 * c;
+/* Contact k of a vector, whose two rows of sums begin at place[0] and place[1]. Its couple comes
+ * right after its force, so that what a particle gets is added in one order whatever the width of
+ * vectors. Places 0 to 2 of a row are forces in space; in the plane the third is the moment. */
+GN_INLINE void add_row(const stage *g, const brief *from, const couple_rows *couples, size_t k,
+                       const uint16_t *place, gn_real *sums, variant w) {
+    const size_t moment = w.space ? 4 : 0;
     const gn_real none = 0;
-    for (size_t k = 0; k < count; k++)
-        gn_add_row4(sums + place[2 * k] + moment, sums + place[2 * k + 1] + moment,
-                    from->row + 4 * k, &none, &none, 0);
-}
-
-/* Contact k of a vector, whose two rows of sums begin at place[0] and place[1]. */
-GN_INLINE void add_row(const stage *g, const brief *from, size_t k, const uint16_t *place,
-                       gn_real *sums, variant w) {
     const gn_real *arm_i = (const gn_real *)&g->geometry.arm_i + k;
     const gn_real *arm_j = (const gn_real *)&g->geometry.arm_j + k;
     const gn_real *row = from->row + (size_t)row_width(w) * k;
@@ -213,22 +205,26 @@ GN_INLINE void add_row(const stage *g, const brief *from, size_t k, const uint16
         gn_add_row8(sums + place[0], sums + place[1], row, arm_i, arm_j, w.shear);
     else
         gn_add_row4(sums + place[0], sums + place[1], row, arm_i, arm_j, w.shear && w.rotation);
+    if (exerts_couple(w))
+        gn_add_row4(sums + place[0] + moment, sums + place[1] + moment, couples->row + 4 * k, &none,
+                    &none, 0);
 }
 
 /* Adds the rows of a vector, of contacts from c on, and keeps them if `rows` says where. The force
  * has opposite signs for the two particles; the moment has the same sign, because arm and force
  * both turn round. */
 GN_INLINE void add_rows(const gn_contact_args *a, size_t c, size_t end, const stage *g,
-                        const brief *from, gn_real *sums, gn_real *rows, variant w) {
+                        const brief *from, const couple_rows *couples, gn_real *sums, gn_real *rows,
+                        variant w) {
     const size_t count = end - c < GN_W ? end - c : GN_W, width = (size_t)row_width(w);
     if (__builtin_expect(rows != NULL, 0))
         memcpy(rows + width * c, from->row, width * count * sizeof *rows);
     if (!sums) return;
     const uint16_t *place = a->partials->place + 2 * c;
     if (__builtin_expect(count == GN_W, 1)) /* nothing to ask between contacts */
-        for (size_t k = 0; k < GN_W; k++) add_row(g, from, k, place + 2 * k, sums, w);
+        for (size_t k = 0; k < GN_W; k++) add_row(g, from, couples, k, place + 2 * k, sums, w);
     else
-        for (size_t k = 0; k < count; k++) add_row(g, from, k, place + 2 * k, sums, w);
+        for (size_t k = 0; k < count; k++) add_row(g, from, couples, k, place + 2 * k, sums, w);
 }
 
 /* The vector that entered `lag` turns ago, and whether there is one. */
@@ -264,9 +260,8 @@ GN_INLINE void contact_core(const gn_contact_args *a, size_t begin, size_t end,
         const size_t c = begin + v * GN_W;
         gn_fetch_ahead(&ahead, read, 2 + (w.shear && w.rotation), (GN_W + 1) / 2);
         brief *even = &force[v % 2], *odd = &force[(v + 1) % 2];
-        if (UNDER_WAY(5)) add_rows(a, c - 5 * GN_W, end, AT(5), odd, partial, rows, w);
-        if (exerts_couple(w) && UNDER_WAY(5))
-            add_couples(a, c - 5 * GN_W, end, &couples[(v + 1) % 2], partial, w);
+        if (UNDER_WAY(5))
+            add_rows(a, c - 5 * GN_W, end, AT(5), odd, &couples[(v + 1) % 2], partial, rows, w);
         if (UNDER_WAY(4)) find_forces(a, c - 4 * GN_W, end, AT(4), even, &e, sums, w);
         if (exerts_couple(w) && UNDER_WAY(4)) write_couples(a, c - 4 * GN_W, &couples[v % 2], w);
         if (UNDER_WAY(1)) find_normal(a, AT(1), w);

@@ -196,7 +196,7 @@ static gneiss_status check_series(const char *directory, const char *name, bool 
 
 /* The folder of a run of a sweep is named by 16 hex digits and has its outcome or its scene in it.
  */
-static bool holds_sweep(const char *directory) {
+bool gn_folder_holds_sweep(const char *directory) {
     static const char *const marks[] = {"outcome.json", "scene.yaml"};
     char path[GN_PATH_SIZE + 64], *kind = NULL;
     snprintf(path, sizeof path, "%s/sweep.h5", directory);
@@ -222,7 +222,7 @@ gneiss_status gn_folder_check(const char *directory, gneiss_error *error) {
     size_t checkpoints;
     struct stat there;
     if (stat(directory, &there) != 0 || !S_ISDIR(there.st_mode)) return GNEISS_OK;
-    if (holds_sweep(directory))
+    if (gn_folder_holds_sweep(directory))
         return gn_fail(error, GNEISS_ERROR_INPUT,
                        "%.300s: expected a folder for a run, found a sweep in it, which could not "
                        "go on beside it: choose another with --out",

@@ -136,7 +136,10 @@ static double criterion_of(const gn_output_view *v, size_t c) {
     if (b->cause[c]) return gn_broken(b->cause[c]) ? 1.0 : 0.0;
     const gn_law *law = gn_law_of(b->soa.effects);
     gn_law_moments m = moments_of(v, c);
-    return fmax(0.0, law->criterion(b, c, v->normal[c] + m.normal, v->shear[c] + m.shear));
+    double share = law->criterion(b, c, v->normal[c] + m.normal, v->shear[c] + m.shear);
+    /* Forces are those of the present positions, which a bond that softens has not answered to yet;
+     * where nothing is left of its strength their share is infinite. Only broken bonds have 1. */
+    return fmin(fmax(0.0, share), 1.0 - 0x1p-53);
 }
 
 enum { BOND_SOFTENING = 4, BOND_YIELDED = 5 }; /* beside gn_cause: bonds that hold */

@@ -296,9 +296,7 @@ typedef struct beginning {
 static gneiss_status note_state(void *context, const gn_first_break *so_far, gneiss_error *error) {
     const beginning *b = context;
     gn_world *w = &b->run->world;
-    w->step = llround(w->time / w->dt);
-    gneiss_status status = gn_history_still(w, &b->run->history, error);
-    w->step = 0;
+    gneiss_status status = gn_history_still(w, &b->run->history, error); /* 0 steps done */
     if (status != GNEISS_OK || !b->watch) return status;
     return b->watch->state(b->watch->context, so_far, error);
 }

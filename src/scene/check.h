@@ -51,6 +51,8 @@ gneiss_status gn_check_plane_motion(const check *c, const gn_scene *s, const gn_
 /* How bonds of a material soften and yield, with bonds; and what does not go with that. */
 gneiss_status gn_check_bonds_of(const check *c, const gn_scene *s, const gn_material *m);
 gneiss_status gn_check_coupling(const check *c, const gn_scene *s);
+/* Of an element of `contacts`: a tangential spring where the law of bonds needs one. */
+gneiss_status gn_check_shear_of_pair(const check *c, const gn_scene *s, const gn_contact_def *d);
 /* Bonds that carry moments. */
 gneiss_status gn_check_moments(const check *c, const gn_scene *s);
 

@@ -40,32 +40,43 @@ static gneiss_status check_yield(const check *c, const gn_material *m) {
     return GNEISS_OK;
 }
 
-static gneiss_status need_shear(const check *c, const gn_scene *s, const gn_material *m,
+static gneiss_status need_shear(const check *c, const gn_scene *s, double kratio, double beta,
                                 const char *reason) {
     bool area = gn_scene_by_area(s);
-    if ((area ? m->beta : m->kratio) > 0) return GNEISS_OK;
+    if ((area ? beta : kratio) != 0.0) return GNEISS_OK;
     return gn_check_fail(c, area ? "beta" : "kratio", "expected a tangential spring %s, found 0",
                          reason);
 }
 
+static const char of_moments[] =
+    "with bonds.radius_multiplier (the twist of a bond has the stiffness of its shear)";
+static const char of_softening[] = "beside bonds that soften or yield";
+
+static bool inelastic(const gn_scene *s) {
+    bool found = s->softening != GN_SOFTENING_NONE;
+    for (size_t k = 0; k < s->material_count; k++)
+        found = found || s->materials[k].yield_stress[0] > 0;
+    return found;
+}
+
+gneiss_status gn_check_shear_of_pair(const check *c, const gn_scene *s, const gn_contact_def *d) {
+    if (s->bonds != GN_SWITCH_ON) return GNEISS_OK;
+    if (s->bond_radius_multiplier > 0) GN_TRY(need_shear(c, s, d->kratio, d->beta, of_moments));
+    return inelastic(s) ? need_shear(c, s, d->kratio, d->beta, of_softening) : GNEISS_OK;
+}
+
 /* Laws of bonds that soften or yield, and of such that carry moments. */
 gneiss_status gn_check_bonds_of(const check *c, const gn_scene *s, const gn_material *m) {
-    if (s->bond_radius_multiplier > 0)
-        GN_TRY(need_shear(c, s, m,
-                          "with bonds.radius_multiplier (the twist of a bond has the stiffness of "
-                          "its shear)"));
+    if (s->bond_radius_multiplier > 0) GN_TRY(need_shear(c, s, m->kratio, m->beta, of_moments));
     GN_TRY(check_softening(c, s, m));
     GN_TRY(check_yield(c, m));
     if (s->softening == GN_SOFTENING_NONE && !(m->yield_stress[0] > 0)) return GNEISS_OK;
-    return need_shear(c, s, m, "beside bonds that soften or yield");
+    return need_shear(c, s, m->kratio, m->beta, of_softening);
 }
 
 /* How tension and shear damage a bond together is defined for each by itself only. */
 gneiss_status gn_check_coupling(const check *c, const gn_scene *s) {
-    bool inelastic = s->softening != GN_SOFTENING_NONE;
-    for (size_t k = 0; k < s->material_count; k++)
-        inelastic = inelastic || s->materials[k].yield_stress[0] > 0;
-    if (s->coupling != GN_COUPLING_QUADRATIC || !inelastic) return GNEISS_OK;
+    if (s->coupling != GN_COUPLING_QUADRATIC || !inelastic(s)) return GNEISS_OK;
     return gn_check_fail(c, "law.coupling",
                          "expected none or linear beside bonds that soften or yield, found "
                          "quadratic");

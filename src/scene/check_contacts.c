@@ -68,6 +68,7 @@ gneiss_status gn_check_contact(const check *c, const gn_scene *s, size_t index) 
     if (d->kratio > 0 && d->kratio < 1e-6)
         return gn_check_fail(
             c, "kratio", "expected 0 (no tangential spring) or at least 1e-6, found %g", d->kratio);
+    GN_TRY(gn_check_shear_of_pair(c, s, d));
     const char *key = gn_check_sound(c, "law.stiffness") ? unread(s, d) : NULL;
     if (!key) return GNEISS_OK;
     return gn_check_fail(

@@ -36,6 +36,21 @@ static gneiss_status check_mass_scaling(const check *c, const gn_scene *s) {
     return GNEISS_OK;
 }
 
+/* Forces are followed in straight lines in time: a path that turns back between two states would be
+ * passed over. */
+static bool changes(const gn_table *table) {
+    for (size_t k = 1; k < table->count; k++)
+        if (table->value[k] != table->value[0]) return true;
+    return false;
+}
+
+static bool motion_changes(const gn_motion *motion) {
+    bool found = false;
+    for (int a = 0; a < 3; a++)
+        found = found || changes(&motion->velocity[a]) || changes(&motion->spin[a]);
+    return found;
+}
+
 /* What keeps statics from a scene; NULL: nothing that shows in it. */
 static const char *no_statics(const gn_scene *s) {
     if (!s->has_specimen || s->bonds != GN_SWITCH_ON) return "bonded particles, found none";
@@ -48,8 +63,16 @@ static const char *no_statics(const gn_scene *s) {
     if (s->has_elements) return "particles alone, found elements";
     if (s->body_count) return "walls and sets, found bodies";
     if (s->random_velocity > 0) return "a specimen at rest, found initial.random_velocity";
-    for (size_t k = 0; k < s->wall_count; k++)
+    for (size_t k = 0; k < s->wall_count; k++) {
         if (s->walls[k].servo.active) return "walls that move as given, found a servo";
+        if (motion_changes(&s->walls[k].motion))
+            return "motions at constant velocity, found a wall whose velocity changes";
+    }
+    for (size_t k = 0; k < s->set_count; k++)
+        if (motion_changes(&s->sets[k].motion))
+            return "motions at constant velocity, found a set whose velocity changes";
+    if (s->stop_unbalanced > 0)
+        return "conditions that count from the start of steps, found time.stop.unbalanced";
     for (size_t k = 0; k < s->set_count; k++)
         for (int a = 0; a < 3; a++) {
             const gn_set_def *set = &s->sets[k];

@@ -43,6 +43,12 @@ static const double solved = 0.3, solved_least = 0.1, solved_most = 1e-2;
 static const double first_path = 1e-5;
 /* Loads at the start that move nothing by more than this part of it are rounding. */
 static const double no_path = 1e-9;
+/* Speeds over the largest prescribed one that nothing held has: a lever of 1000. */
+static const double rates_most = 1e3;
+/* The mean contact force below which loads are compared with this part of the weakest strength. */
+static const double strength_part = 1e-2;
+/* A start that is nearer to time 0 saves nothing. */
+static const double steps_least = 2.0;
 /* The start may fall short of the fraction by this part. */
 static const double near_enough = 1e-3;
 
@@ -59,6 +65,8 @@ typedef struct search {
     double *path, *rate;      /* [particles][6] of the increment; its rate in the last one */
     bond_force *before, *now; /* [bonds] at both ends of the last increment */
     double span;              /* s, of the last increment; 0: none yet */
+    double scale;             /* N, of forces: see in_balance */
+    double speed;             /* m/s, of what is prescribed */
 } search;
 
 __attribute__((format(printf, 3, 4))) static gneiss_status
@@ -131,15 +139,18 @@ static double time_of_break(search *s) {
 
 typedef enum outcome { BALANCED, BROKE, STUCK } outcome;
 
-static bool in_balance(const gn_trial *t, double balanced) {
-    double most = balanced * t->mean_force;
+/* Where next to nothing is loaded its forces are no measure for what is left over: a part of the
+ * strength of bonds is. */
+static bool in_balance(const search *s, double balanced) {
+    const gn_trial *t = &s->trial;
+    double most = balanced * fmax(t->mean_force, s->scale);
     return t->mean_load <= most && t->most_load <= balanced_worst * most;
 }
 
 static gneiss_status correct(search *s, double balanced, gn_equilibrium *linear,
                              gneiss_error *error) {
     const gn_trial *t = &s->trial;
-    double wanted = solved * balanced * t->mean_force / t->mean_load;
+    double wanted = solved * balanced * fmax(t->mean_force, s->scale) / t->mean_load;
     wanted = fmin(fmax(wanted, solved_most), solved_least);
     GN_TRY(gn_trial_correct(&s->trial, wanted, s->path, linear, error));
     s->found->solutions++;
@@ -155,7 +166,7 @@ static gneiss_status balance(search *s, double span, bool loads, double balanced
     for (int k = 0;; k++) {
         gn_trial_go(t, s->path, span, loads);
         *what = t->broken ? BROKE : BALANCED;
-        if (t->broken || in_balance(t, balanced)) return GNEISS_OK;
+        if (t->broken || in_balance(s, balanced)) return GNEISS_OK;
         *what = STUCK;
         if (k == SOLUTIONS_MOST) return GNEISS_OK;
         GN_TRY(correct(s, balanced, linear, error));
@@ -183,7 +194,25 @@ static gneiss_status tell(const search *s, gneiss_error *error) {
     return s->watch->state(s->watch->context, s->found, error);
 }
 
+/* In a mechanism next to nothing resists, and particles go anywhere: none of a body that is held
+ * moves, or turns over at its surface, many times as fast as what is prescribed. */
+static gneiss_status check_rates(const search *s, double span, gneiss_error *error) {
+    const gn_particles *p = &s->w->dem.particles;
+    for (size_t k = 0; k < s->trial.count; k++)
+        for (size_t a = 0; a < N; a++) {
+            double arm = a < 3 ? 1.0 : p->pos[4 * k + 3];
+            double rate = arm * fabs(s->path[N * k + a]) / span;
+            if (rate <= rates_most * s->speed) continue;
+            return refuse(s->w, error,
+                          "first_break: expected a specimen that is held in every direction, found "
+                          "particle %d at %.2g times the prescribed speeds (t = %g s)",
+                          p->id[k], rate / s->speed, s->w->time);
+        }
+    return GNEISS_OK;
+}
+
 static gneiss_status take(search *s, double span, bool loads, gneiss_error *error) {
+    if (!loads) GN_TRY(check_rates(s, span, error));
     GN_TRY(gn_trial_take(&s->trial, s->path, span, loads, error));
     for (size_t k = 0; !loads && k < N * s->trial.count; k++) s->rate[k] = s->path[k] / span;
     s->span = loads ? 0.0 : span;
@@ -207,7 +236,7 @@ static gneiss_status take_up_loads(search *s, gneiss_error *error) {
     const double slow = 1e6; /* s: for dashpots as good as at rest */
     memset(s->path, 0, N * s->trial.count * sizeof *s->path);
     gn_trial_go(&s->trial, s->path, slow, true);
-    if (s->trial.most_load == 0.0 || in_balance(&s->trial, balanced_start)) return GNEISS_OK;
+    if (s->trial.most_load == 0.0 || in_balance(s, balanced_start)) return GNEISS_OK;
     GN_TRY(correct(s, balanced_start, &linear, error));
     if (linear.loose < 0 && !moves(s)) return GNEISS_OK;
     GN_TRY(balance(s, slow, true, balanced_start, &what, &linear, error));
@@ -267,7 +296,7 @@ static double next_span(const search *s, double breaks, double first) {
 
 static gneiss_status follow(search *s, gneiss_error *error) {
     gn_world *w = s->w;
-    double speed = fastest(w), breaks = INFINITY;
+    double speed = s->speed = fastest(w), breaks = INFINITY;
     if (!(speed > 0.0))
         return refuse(w, error, "first_break: expected walls or sets that move, found none");
     const double first = fmin(first_path * w->dem.radius_min / speed, 1e-3 * w->scene.end);
@@ -292,10 +321,15 @@ static gneiss_status leave(search *s, gneiss_error *error) {
     gn_trial *t = &s->trial;
     gn_equilibrium linear;
     const double span = 1e-3 * s->w->time;
+    if (!(s->w->time >= steps_least * s->w->dt))
+        return refuse(s->w, error,
+                      "first_break: expected a start that is at least %g steps after time 0, found "
+                      "the first break at %g s and a step of %g s",
+                      steps_least, s->found->time, s->w->dt);
     for (size_t at = 0; at < N * t->count; at++) s->path[at] = span * s->rate[at];
     gn_trial_prescribe(t, span, s->path);
     gn_trial_go(t, s->path, span, false);
-    if (!in_balance(t, balanced_start)) GN_TRY(correct(s, balanced_start, &linear, error));
+    if (!in_balance(s, balanced_start)) GN_TRY(correct(s, balanced_start, &linear, error));
     GN_TRY(gn_trial_leave(t, s->path, span, error));
     s->w->step = s->w->first_step = s->found->steps = llround(s->w->time / s->w->dt);
     s->found->shortfall = t->shortfall;
@@ -313,10 +347,23 @@ static gneiss_status allocate(search *s, gneiss_error *error) {
                    particles);
 }
 
+/* N. */
+static double weakest(const gn_world *w) {
+    const gn_contacts *list = &w->dem.bonds;
+    double least = INFINITY;
+    for (size_t c = 0; c < list->soa.count; c++) {
+        if (!gn_contact_bonded(list, c)) continue;
+        least = fmin(least, list->rn[c]);
+        if (list->rt) least = fmin(least, list->rt[c]);
+    }
+    return least < INFINITY ? least : 0.0;
+}
+
 static gneiss_status find(search *s, gneiss_error *error) {
     GN_TRY(allocate(s, error));
     GN_TRY(gn_trial_begin(s->w, &s->trial, error));
     s->found->time = INFINITY;
+    s->scale = strength_part * weakest(s->w);
     read_bonds(s);
     GN_TRY(tell(s, error));
     GN_TRY(take_up_loads(s, error));

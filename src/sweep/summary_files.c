@@ -107,6 +107,8 @@ static void write_means(FILE *out, const gn_summary *m) {
             fputc(',', out);
             put_head(out, m->readings[r].name, what[k], m->readings[r].unit);
         }
+        fputc(',', out);
+        put_head(out, m->readings[r].name, "count", "");
     }
     fputs("\r\n", out);
     for (size_t c = 0; c < s->combination_count; c++) {
@@ -123,6 +125,7 @@ static void write_means(FILE *out, const gn_summary *m) {
                 fputc(',', out);
                 put_number(out, shown[k]);
             }
+            fprintf(out, ",%zu", t->count);
         }
         fputs("\r\n", out);
     }
