@@ -104,6 +104,23 @@ static void nonviscous_vector_damping_lowers_the_limit_by_its_root(void **state)
     damped_holds_below_and_fails_above(&rock_end, "nonviscous_vector", 0.7);
 }
 
+/* Dashpots of bonds are in the resultant as well. Below the limit energy only falls. */
+static void the_limit_holds_with_dashpots_beside_nonviscous_damping(void **state) {
+    (void)state;
+    const char *models[] = {"nonviscous_vector", "nonviscous_component"};
+    for (int k = 0; k < 4; k++) {
+        char damping[200];
+        double residual;
+        snprintf(damping, sizeof damping,
+                 "damping: {background: {model: %s, coefficient: 0.9}, contact: {restitution: "
+                 "0}}\n",
+                 models[k % 2]);
+        const assembly *a = k / 2 ? &fcc : &hexagonal;
+        double limit = limit_of(a, damping);
+        assert_true(growth(a, damping, 0.99 * limit, a->steps, &residual) < 1.0 + 1e-5);
+    }
+}
+
 static void nonviscous_component_damping_lowers_the_limit_by_its_root(void **state) {
     (void)state;
     for (int k = 0; k < 2; k++) {
@@ -190,6 +207,7 @@ int main(void) {
         cmocka_unit_test(a_rock_is_stable_up_to_the_sharp_limit),
         cmocka_unit_test(nonviscous_vector_damping_lowers_the_limit_by_its_root),
         cmocka_unit_test(nonviscous_component_damping_lowers_the_limit_by_its_root),
+        cmocka_unit_test(the_limit_holds_with_dashpots_beside_nonviscous_damping),
         cmocka_unit_test(an_automatic_step_is_its_share_of_the_limit),
         cmocka_unit_test(a_step_above_the_limit_is_refused),
         cmocka_unit_test(bonds_that_turn_against_each_other_lower_the_step),

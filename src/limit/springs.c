@@ -113,6 +113,7 @@ bool gn_spring_make(const gn_spectrum *spectrum, size_t k, gn_spring *s) {
     if (spectrum->slips && k < gn_spring_count(spectrum) - spectrum->extra_count &&
         spectrum->slips[k])
         s->kt = 0.0;
+    if (spectrum->dashpots > 0.0) s->cn *= spectrum->dashpots;
     return true;
 }
 

@@ -28,6 +28,7 @@ typedef struct gn_spectrum {
     const uint8_t *slips; /* [bonds, pairs, wall contacts] those that slide, which nothing but the
                            * normal spring resists; NULL: all stick */
     const uint8_t *fixed; /* [particles] bit k: component k (v xyz, w xyz) prescribed; NULL: none */
+    double dashpots;      /* their coefficients count so many times; 0: once */
     int threads;
 } gn_spectrum;
 

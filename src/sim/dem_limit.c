@@ -60,6 +60,7 @@ static gn_spectrum spectrum_of(const gn_world *w, double reach, const gn_assembl
     s.extra = d->surface;
     s.extra_count = d->surface_count;
     s.fixed = d->fixed;
+    s.dashpots = 1.0 / gn_world_nonviscous_share(w);
     s.threads = w->threads;
     return s;
 }
@@ -150,6 +151,7 @@ gneiss_status gn_dem_relax(const gn_world *w, const uint8_t *slips, double rate,
     GN_TRY(make_data(w, 0.0, &data, error));
     gn_spectrum spectrum = spectrum_of(w, 0.0, &assembly, &data);
     spectrum.slips = slips;
+    spectrum.dashpots = 0.0;
     double drag = w->effects & GN_FX_VISCOUS ? w->scene.background_coefficient : 0.0;
     gneiss_status status = gn_equilibrium_solve(&spectrum, (gn_viscosity){rate, drag}, load,
                                                 tolerance, u, found, error);

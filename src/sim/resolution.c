@@ -430,7 +430,7 @@ gneiss_status gn_flight_limits(const gn_world *w, double *stable, gn_resolution 
                                gneiss_error *error) {
     flight f = {.resolved = {0.0, 1.0, -1, -1, NULL, 0.0}};
     GN_TRY(fly(w, &f, error));
-    double alpha = w->dem.damping_fraction;
+    double alpha = w->dem.damping_fraction / gn_world_nonviscous_share(w);
     *stable = fmin(2.0 / sqrt(f.normal) * (sqrt(1.0 + alpha * alpha) - alpha), 2.0 / sqrt(f.shear));
     *resolution = resolution_of(w, &f.resolved);
     return GNEISS_OK;

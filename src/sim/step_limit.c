@@ -9,7 +9,9 @@
 /* Non-viscous damping of coefficient a multiplies the resultant by 1 + a while it slows a particle
  * down and by 1 - a while it speeds it up. In the fastest mode, whose displacement changes sign
  * from step to step, the resultant always slows down: its stiffness is 1 + a times the undamped
- * one, and the limit falls by sqrt(1 + a). (Seen in practice: at 0.9 of the undamped limit and a =
+ * one, and the limit falls by sqrt(1 + a). The forces of dashpots are in the resultant as well:
+ * with K and C both 1 + a times as large the limit is that of K and sqrt(1 + a) C, over sqrt(1 +
+ * a). (Seen in practice: at 0.9 of the undamped limit and a =
  * 0.7 the kinetic energy 1/2 m v(-) v(+) turns negative and bonds break before any load.) */
 double gn_world_nonviscous_share(const gn_world *w) {
     bool active = w->effects & (GN_FX_NONVISCOUS_VECTOR | GN_FX_NONVISCOUS_COMPONENT);

@@ -117,7 +117,8 @@ static void add_contact(const gn_world *w, const gn_surface_contact *c, body_blo
         add_row(block->stiff, row, k);
     }
     scaled_row(b, at, c->contact.n, row);
-    add_row(block->damp, row, 2.0 * w->dem.damping_fraction * sqrt(s.kn * mass));
+    add_row(block->damp, row,
+            2.0 * w->dem.damping_fraction / gn_world_nonviscous_share(w) * sqrt(s.kn * mass));
 }
 
 static double largest(const double block[36]) {
