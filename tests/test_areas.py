@@ -57,6 +57,28 @@ def a_resumed_run_has_the_bits_of_one_without_a_break(folder):
 
 
 @fact
+def bonds_that_hold_beyond_their_strength_in_shear_have_a_finite_share_of_it(folder):
+    # Pulled beyond R_t/mu_1 nothing is left of the strength in shear, and the force in tension softens on.
+    place = os.path.join(folder, "out")
+    run(write_scene(folder, {
+        "dimension": 2, "specimen": {"particles": [[0, 0, 1e-3], [2e-3, 0, 1e-3], [4e-3, 2e-4, 1e-3]]},
+        "materials": [{"name": "a", "density": 1000, "friction": 0.3, "contact_modulus": 1e10, "kratio": 5, "tensile_strength": 3e7,
+                       "shear_strength": 3e7, "bond_friction": 0.7, "fracture_ratio": 10}],
+        "law": {"stiffness": "arithmetic", "softening": "ratio", "coupling": "linear"}, "bonds": {"interaction_range": 0.1},
+        "sets": [{"name": "lo", "select": {"ids": [0]}, "motion": {"vx": 0}}, {"name": "hi", "select": {"ids": [2]}, "motion": {"vx": 1}}],
+        "time": {"end": 1e-4}, "domain": {"min": [-1, -1], "max": [1, 1]}}), place)
+    with h5py.File(os.path.join(place, "results.h5")) as file:
+        share, state = file["bonds/criterion"][()], file["bonds/state"][()]
+    assert np.all(np.isfinite(share)) and np.all((share < 1) == ((state == 0) | (state > 3))), (share, state)
+
+
+@fact
+def a_seed_decides_what_is_drawn_for_bonds(folder):
+    done = gneiss("run", scene(folder), "--seeds", 2, "--out", os.path.join(folder, "seeds"), "--quiet", "--set", "time.end=1e-6")
+    assert done.returncode == 0 and "no random number" not in done.stderr, done.stderr
+
+
+@fact
 def single_precision_keeps_bits_and_readings(folder):
     mixed = {**SCENE["run"], "precision": "mixed"}
     one, two = ran(folder, "one", "--threads", 1, run=mixed), ran(folder, "two", "--threads", 2, run=mixed)

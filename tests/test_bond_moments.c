@@ -663,6 +663,29 @@ static void expect_refusal(const char *law, const char *bonds, const char *krati
         fail_msg("%s: expected %s and %s", error.message, place, words);
 }
 
+/* Forces and moments on a particle with several bonds add up in one order. */
+static void bits_are_the_same_for_any_width_of_vectors(void **state) {
+    (void)state;
+    for (int k = 0; k < 4; k++) {
+        uint64_t hash[2];
+        for (int set = 0; set < 2; set++) {
+            gn_world *w =
+                world_of("dimension: %d\nspecimen: {lattice: {kind: %s, radius: 1e-3, cells: %s}}\n"
+                         "materials: [{name: m, density: 2500, normal_stiffness: 1e7, kratio: 2, "
+                         "bond_tension_limit: 1e90, bond_shear_limit: 1e90}]\n"
+                         "law: {stiffness: uniform}\nbonds: {radius_multiplier: 1}\n"
+                         "initial: {random_velocity: 1}\ntime: {end: 1}\n"
+                         "run: {threads: 1, isa: %s, precision: %s}\n",
+                         2 + k / 2, k / 2 ? "fcc" : "hexagonal", k / 2 ? "[3, 2, 2]" : "[4, 3]",
+                         set ? "auto" : "scalar", k % 2 ? "mixed" : "double");
+            run_steps(w, 40);
+            hash[set] = gn_world_hash(w);
+            world_end(w);
+        }
+        assert_int_equal(hash[0], hash[1]);
+    }
+}
+
 static void bad_values_are_refused_where_they_stand(void **state) {
     (void)state;
     expect_refusal("", "radius_multiplier: -1", "2", "s.yaml:5:", "bonds.radius_multiplier");
@@ -695,6 +718,7 @@ int main(void) {
         cmocka_unit_test(a_resumed_run_has_the_same_bits),
         cmocka_unit_test(moments_in_single_precision_follow_the_double_ones),
         cmocka_unit_test(thin_beams_are_no_beams),
+        cmocka_unit_test(bits_are_the_same_for_any_width_of_vectors),
         cmocka_unit_test(bad_values_are_refused_where_they_stand),
     };
     return cmocka_run_group_tests_name("bond_moments", tests, NULL, NULL);

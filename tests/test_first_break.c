@@ -385,6 +385,26 @@ static void refuse_row(const char *rest, const char *motion, const char *time, c
     refused(t.s, words);
 }
 
+/* Nothing is loaded before the wall has crossed the gap: rounding has nothing to be compared with.
+ */
+static void what_is_not_loaded_yet_is_in_equilibrium(void **state) {
+    (void)state;
+    gn_world *w = world_of(
+        "specimen: {lattice: {kind: fcc, radius: 1 mm, cells: [2, 2, 2]}}\n"
+        "materials: [{name: m, density: 2650, contact_modulus: 1 GPa, kratio: 2, friction: 0.3, "
+        "tensile_strength: 1 MPa, shear_strength: 1 MPa}]\nlaw: {stiffness: harmonic}\nbonds: {}\n"
+        "walls:\n- {name: foot, point: [0, 0, 0], normal: [0, 0, 1], stiffness: 1e7}\n"
+        "- {name: head, point: [0, 0, 6.25 mm], normal: [0, 0, -1], stiffness: 1e7, motion: {vz: "
+        "-1 "
+        "mm/s}}\n%srun: {threads: 1}\n",
+        plain);
+    double top = 0.0;
+    for (int id = 0; id < 32; id++) top = fmax(top, pos_of(w, id)[2] + 1e-3);
+    gn_first_break found = begin(w);
+    assert_true(top < 6.249e-3 && found.time > (6.25e-3 - top) / 1e-3 && found.start < found.time);
+    world_end(w);
+}
+
 static void what_has_no_first_break_is_refused(void **state) {
     (void)state;
     refuse_row("", still, plain, "expected walls or sets that move, found none");
@@ -472,6 +492,7 @@ int main(void) {
         cmocka_unit_test(discs_are_solved),
         cmocka_unit_test(a_resumed_run_has_the_same_bits),
         cmocka_unit_test(the_history_has_the_part_without_steps),
+        cmocka_unit_test(what_is_not_loaded_yet_is_in_equilibrium),
         cmocka_unit_test(what_has_no_first_break_is_refused),
         cmocka_unit_test(what_statics_cannot_do_is_refused),
         cmocka_unit_test(bad_fractions_are_refused),

@@ -504,12 +504,14 @@ def folders_of_runs_and_files_of_others_are_left_alone(folder):
 @fact
 def a_run_does_not_go_into_the_folder_of_a_sweep(folder):
     table = sweep(folder, FRICTIONS)
-    out = os.path.join(folder, "out")
+    out, packing = os.path.join(folder, "out"), os.path.join(folder, "packing.yaml")
+    with open(packing, "w") as file:
+        file.write("specimen: {box: {size: [1, 1, 1]}, particles: 50}\n")
     for name in ("", "sweep.h5", "sweep.csv", "sweep-means.csv"):  # without a summary: shards, or a sweep that was killed
         if name:
             os.remove(os.path.join(out, name))
         expect(gneiss("run", LATTICE, "--out", out, *QUICK), 2, "found a sweep in it")
-        expect(gneiss("pack", LATTICE, "--out", out), 2, "found a sweep in it")
+        expect(gneiss("pack", packing, "--out", out), 2, "found a sweep in it")
     assert sorted(os.listdir(out)) == sorted(row["folder"] for row in table)
     assert sweep(folder, FRICTIONS) == table
 

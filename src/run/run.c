@@ -309,6 +309,8 @@ gneiss_status gn_run_begin(gn_run *run, const gn_first_break_watch *watch, gneis
     gneiss_status status =
         gn_first_break_start(w, &(gn_first_break_watch){note_state, &b}, &run->first_break, error);
     w->seconds[GN_PHASE_setup] += gn_now() - start;
+    if (status != GNEISS_OK && run->directory[0])
+        (void)rmdir(run->directory); /* of which nothing has been written */
     return status;
 }
 

@@ -32,7 +32,12 @@ static gneiss_status check_yield(const check *c, const gn_material *m) {
         if (limit > 0) GN_TRY(need(c, m->yield_ratio[k], ratio, "beside its yield_stress"));
         if (!(limit > 0) && m->yield_ratio[k] > 0)
             return gn_check_fail(c, stress, "required beside its yield_ratio, but not given");
-        if (limit > 0 && k && !(before > 0 && limit > before))
+        if (limit > 0 && k && !(before > 0)) {
+            char missing[32];
+            snprintf(missing, sizeof missing, "yield_stress_%d", k);
+            return gn_check_fail(c, missing, "required beside %s, but not given", stress);
+        }
+        if (limit > 0 && k && !(limit > before))
             return gn_check_fail(c, stress,
                                  "expected more than yield_stress_%d, found %g Pa and %g Pa", k,
                                  limit, before);

@@ -248,6 +248,10 @@ static gneiss_status hash_scene(const gn_sweep *s, const gn_scene *scene, file_h
 /* ---- runs ---- */
 
 static bool has_random_numbers(const gn_scene *scene) {
+    for (size_t k = 0; k < scene->material_count; k++)
+        if (scene->materials[k].strength_scatter.kind != GN_SCATTER_NONE ||
+            scene->materials[k].stiffness_scatter.kind != GN_SCATTER_NONE)
+            return true;
     return scene->specimen.pack.shape != GN_SHAPE_NONE || scene->specimen.lattice.jitter > 0.0 ||
            scene->random_velocity > 0.0 ||
            (scene->has_elements && scene->elements.distortion > 0.0);
