@@ -151,7 +151,7 @@ bool gn_linear_derive(const gn_scene *scene, const gn_particles *particles,
                       const int32_t (*pair)[2], size_t count, gn_derived *derived);
 /* m2, in 2D m x 1 m: the section that strengths of a pair are over; of the uniform law, whose
  * strengths are forces, that of the mean radius. What is drawn for a bond does not change it. */
-double gn_linear_section(const gn_law_model *model, const gn_law_pair *q);
+double gn_linear_section(const gn_law_model *model, const gn_law_pair *pair);
 void gn_linear_set(const gn_law_model *model, const gn_law_pair *pair, gn_contacts *list, size_t c);
 void gn_linear_set_dashpot(const gn_law_model *model, const gn_law_pair *pair, gn_contacts *list,
                            size_t c);

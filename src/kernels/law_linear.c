@@ -46,13 +46,13 @@ static double section_of(const gn_law_model *m, effective_radius r) {
     return m->scene->dimension == 3 ? 4.0 * r.strength2 : 2.0 * r.strength1;
 }
 
-double gn_linear_section(const gn_law_model *m, const gn_law_pair *q) {
-    const double width = q->ri + q->rj;
-    if (q->area > 0.0) return q->area;
+double gn_linear_section(const gn_law_model *m, const gn_law_pair *pair) {
+    const double width = pair->ri + pair->rj;
+    if (pair->area > 0.0) return pair->area;
     if (gn_scene_by_area(m->scene))
-        return m->derived.gamma * gn_dempack_area((int)m->scene->dimension, q->ri, q->rj);
+        return m->derived.gamma * gn_dempack_area((int)m->scene->dimension, pair->ri, pair->rj);
     if (m->scene->stiffness != GN_STIFFNESS_UNIFORM)
-        return section_of(m, radius_of(m, q->ri, q->rj));
+        return section_of(m, radius_of(m, pair->ri, pair->rj));
     return m->scene->dimension == 3 ? width * width : width;
 }
 
