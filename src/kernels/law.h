@@ -136,7 +136,6 @@ typedef struct gn_law {
 GN_LAWS(X)
 #undef X
 
-/* The functions of the linear law, which may stand in the tables of others (law_linear.c). */
 /* Parameters by area (law_area.c): those of a bond, and the stiffnesses that two particles show at
  * most which meet unbonded. */
 typedef struct gn_area_parameters {
@@ -147,6 +146,7 @@ gn_area_parameters gn_area_meeting(const gn_law_model *model, const gn_law_pair 
 /* m2, in 2D m x 1 m: Dempack's section of a pair, without gamma (Santasusana 2013, 4.5). */
 double gn_dempack_area(int dimension, double ri, double rj);
 
+/* The functions of the linear law, which may stand in the tables of others (law_linear.c). */
 bool gn_linear_derive(const gn_scene *scene, const gn_particles *particles,
                       const int32_t (*pair)[2], size_t count, gn_derived *derived);
 /* m2, in 2D m x 1 m: the section that strengths of a pair are over; of the uniform law, whose

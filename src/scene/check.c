@@ -229,7 +229,7 @@ gneiss_status gn_check_shape(gn_reader *reader, const gn_node *root) {
 
 /* ---- materials and bonds ---- */
 
-static gneiss_status need(const check *c, double value, const char *key, const char *reason) {
+gneiss_status gn_check_need(const check *c, double value, const char *key, const char *reason) {
     if (value > 0) return GNEISS_OK;
     return gn_check_fail(c, key, "required %s, but not given", reason);
 }
@@ -239,20 +239,24 @@ static gneiss_status check_law_values(const check *c, const gn_scene *s, const g
     if (m->kratio > 0 && m->kratio < 1e-6)
         return gn_check_fail(
             c, "kratio", "expected 0 (no tangential spring) or at least 1e-6, found %g", m->kratio);
-    if (!area) GN_TRY(need(c, m->kratio + 1.0, "kratio", "by this law.stiffness"));
+    if (!area) GN_TRY(gn_check_need(c, m->kratio + 1.0, "kratio", "by this law.stiffness"));
     if (bonds) GN_TRY(gn_check_bonds_of(c, s, m));
     if (s->stiffness == GN_STIFFNESS_UNIFORM) {
-        GN_TRY(need(c, m->normal_stiffness, "normal_stiffness", "by the uniform law"));
+        GN_TRY(gn_check_need(c, m->normal_stiffness, "normal_stiffness", "by the uniform law"));
         if (!bonds) return GNEISS_OK;
-        GN_TRY(need(c, m->bond_tension_limit, "bond_tension_limit", "by bonds of the uniform law"));
-        return need(c, m->bond_shear_limit, "bond_shear_limit", "by bonds of the uniform law");
+        GN_TRY(gn_check_need(c, m->bond_tension_limit, "bond_tension_limit",
+                             "by bonds of the uniform law"));
+        return gn_check_need(c, m->bond_shear_limit, "bond_shear_limit",
+                             "by bonds of the uniform law");
     }
-    if (area) GN_TRY(need(c, m->young, "young", "by laws by area"));
-    if (area) GN_TRY(need(c, m->poisson + 1.0, "poisson", "by laws by area"));
-    if (!area) GN_TRY(need(c, m->contact_modulus, "contact_modulus", "by this law.stiffness"));
+    if (area) GN_TRY(gn_check_need(c, m->young, "young", "by laws by area"));
+    if (area) GN_TRY(gn_check_need(c, m->poisson + 1.0, "poisson", "by laws by area"));
+    if (!area)
+        GN_TRY(gn_check_need(c, m->contact_modulus, "contact_modulus", "by this law.stiffness"));
     if (!bonds) return GNEISS_OK;
-    GN_TRY(need(c, m->tensile_strength, "tensile_strength", "by bonds of this law.stiffness"));
-    return need(c, m->shear_strength, "shear_strength", "by bonds of this law.stiffness");
+    GN_TRY(gn_check_need(c, m->tensile_strength, "tensile_strength",
+                         "by bonds of this law.stiffness"));
+    return gn_check_need(c, m->shear_strength, "shear_strength", "by bonds of this law.stiffness");
 }
 
 static gneiss_status check_material(const check *c, const gn_scene *s, size_t index) {
@@ -400,7 +404,7 @@ static gneiss_status check_wall(const check *c, const gn_scene *s, size_t index)
                              wall->name);
     if (!normalise(wall->normal))
         return gn_check_fail(c, "normal", "expected a direction, found [0, 0, 0]");
-    if (wall->friction > 0) GN_TRY(need(c, wall->kratio, "kratio", "by friction"));
+    if (wall->friction > 0) GN_TRY(gn_check_need(c, wall->kratio, "kratio", "by friction"));
     if (wall->servo.active && moves(&wall->motion))
         return gn_check_fail(c, "servo", "expected motion or servo, found both");
     return gn_check_plane_motion(c, s, &wall->motion);

@@ -21,6 +21,9 @@ gneiss_status gn_check_fail(const check *c, const char *key, const char *format,
 
 bool gn_check_given(const check *c, const char *key);
 
+/* Fails when a value that `reason` ("by softening energy") asks for is not above 0. */
+gneiss_status gn_check_need(const check *c, double value, const char *key, const char *reason);
+
 /* Keeps what is wrong and goes on; returns what cannot be gone on from. */
 gneiss_status gn_check_keep(const check *c, gneiss_status status);
 

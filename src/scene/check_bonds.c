@@ -3,22 +3,17 @@
 
 #include <stdio.h>
 
-static gneiss_status need(const check *c, double value, const char *key, const char *reason) {
-    if (value > 0) return GNEISS_OK;
-    return gn_check_fail(c, key, "required %s, but not given", reason);
-}
-
 /* What the material needs to soften. */
 static gneiss_status check_softening(const check *c, const gn_scene *s, const gn_material *m) {
     switch (s->softening) {
     case GN_SOFTENING_NONE:
         return GNEISS_OK;
     case GN_SOFTENING_ENERGY:
-        return need(c, m->fracture_energy, "fracture_energy", "by softening energy");
+        return gn_check_need(c, m->fracture_energy, "fracture_energy", "by softening energy");
     case GN_SOFTENING_STRAIN:
-        return need(c, m->fracture_strain, "fracture_strain", "by softening strain");
+        return gn_check_need(c, m->fracture_strain, "fracture_strain", "by softening strain");
     case GN_SOFTENING_RATIO:
-        return need(c, m->fracture_ratio, "fracture_ratio", "by softening ratio");
+        return gn_check_need(c, m->fracture_ratio, "fracture_ratio", "by softening ratio");
     }
     return GNEISS_OK;
 }
@@ -29,7 +24,8 @@ static gneiss_status check_yield(const check *c, const gn_material *m) {
         snprintf(stress, sizeof stress, "yield_stress_%d", k + 1);
         snprintf(ratio, sizeof ratio, "yield_ratio_%d", k + 1);
         double limit = m->yield_stress[k], before = k ? m->yield_stress[k - 1] : 0.0;
-        if (limit > 0) GN_TRY(need(c, m->yield_ratio[k], ratio, "beside its yield_stress"));
+        if (limit > 0)
+            GN_TRY(gn_check_need(c, m->yield_ratio[k], ratio, "beside its yield_stress"));
         if (!(limit > 0) && m->yield_ratio[k] > 0)
             return gn_check_fail(c, stress, "required beside its yield_ratio, but not given");
         if (limit > 0 && k && !(before > 0)) {
