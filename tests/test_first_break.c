@@ -81,6 +81,22 @@ static void the_ledger_goes_on_without_a_residual(void **state) {
     world_end(w);
 }
 
+/* Raised masses have the weight of their own mass, and its work. */
+static void raised_masses_weigh_what_they_did(void **state) {
+    (void)state;
+    double work[2];
+    for (int k = 0; k < 2; k++) {
+        text t = {0};
+        row(&t, 6, 'z', "gravity: [0, 0, 1000]\n", "vx: 0, vy: 0, vz: 1 mm/s, wx: 0, wy: 0, wz: 0");
+        gn_world *w = world_of("%stime: {start: first_break, end: 1%s}\nrun: {threads: 1}\n", t.s,
+                               k ? ", mass_scaling: {factor: 2, gravity: own_mass}" : "");
+        begin(w);
+        work[k] = w->energy.work_gravity;
+        world_end(w);
+    }
+    assert_near(work[1], work[0], 1e-6 * work[0]);
+}
+
 /* Under its weight a column that hangs from its foot, and is pulled further by gravity's own
  * direction: bond k (from the foot) carries k v t/n and the weight of what hangs below, less what
  * the head takes of it. With both ends held the weights w of the free spheres are carried by both
@@ -480,6 +496,7 @@ int main(void) {
         cmocka_unit_test(a_chain_breaks_when_its_springs_say),
         cmocka_unit_test(the_ledger_goes_on_without_a_residual),
         cmocka_unit_test(a_column_carries_its_weight),
+        cmocka_unit_test(raised_masses_weigh_what_they_did),
         cmocka_unit_test(a_wall_acts_when_its_gap_is_closed),
         cmocka_unit_test(viscous_damping_is_a_load),
         cmocka_unit_test(the_weaker_material_breaks_first),

@@ -50,6 +50,12 @@ static inline double gn_branch(const gn_world *world, const double *x, const dou
     return d2;
 }
 
+/* The part of a particle's mass that is its own: the rest was added for a longer step and has no
+ * weight. */
+static inline double gn_own_share(const gn_particles *particles, size_t p) {
+    return particles->own_share ? particles->own_share[p] : 1.0;
+}
+
 /* Share of a unit vector's square along components that are free: bit k of `mask` holds k. */
 static inline double gn_free_share(uint8_t mask, const double n[3]) {
     double free = 0.0;

@@ -43,7 +43,7 @@ double gn_other_acceleration(const gn_world *w, size_t p, const gn_rigid *body, 
     const gn_particles *q = &w->dem.particles;
     const int32_t slot = w->dem.prescribed.count ? q->slot[p] : -1;
     const double inverse = q->vel[4 * p + 3], *gravity = w->scene.gravity;
-    const double own = q->own_share ? q->own_share[p] : 1.0;
+    const double own = gn_own_share(q, (size_t)p);
     double force[3] = {0, 0, 0}, sum = 0.0;
     add_rows(&w->dem.bond_partials, p, (int)w->scene.dimension, force);
     add_rows(&w->dem.pair_partials, p, (int)w->scene.dimension, force);

@@ -15,7 +15,7 @@ void gn_dem_sum_masses(gn_world *w) {
     s->raised = 0;
     for (size_t p = 0; p < q->soa.count; p++) {
         if (!(q->vel[4 * p + 3] > 0.0)) continue; /* removed */
-        double own = q->own_share ? q->own_share[p] : 1.0, mass = 1.0 / q->vel[4 * p + 3];
+        double own = gn_own_share(q, p), mass = 1.0 / q->vel[4 * p + 3];
         w->dem.mass += own < 1.0 ? own * mass : mass;
         s->added += (1.0 - own) * mass;
         s->largest = fmax(s->largest, 1.0 / own);

@@ -331,7 +331,7 @@ static void book_loads(const gn_trial *t, const double *path, double span, bool 
     for (size_t p = 0; p < t->count; p++) {
         const double *u = path + N * p, inverse = q->vel[4 * p + 3];
         if (!(inverse > 0.0)) continue;
-        w->energy.work_gravity += gn_dot3(w->scene.gravity, u) / inverse;
+        w->energy.work_gravity += gn_own_share(q, p) * gn_dot3(w->scene.gravity, u) / inverse;
         if (q->applied) w->energy.work_applied += gn_dot3(q->applied + 4 * p, u);
         if (drag == 0.0) continue;
         double turn = q->spin ? gn_dot3(u + 3, u + 3) / q->spin[4 * p + 3] : 0.0;
