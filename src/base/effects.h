@@ -57,21 +57,21 @@ typedef enum gn_effect_index {
 #define GN_WITHOUT 0
 #endif
 #ifdef GN_EVERY_EFFECT
-#define GN_BUILT_BITS -1
+#define GN_BUILT_BITS -1LL
 #else
 #define GN_BUILT_BITS ~(GN_WITHOUT)
 #endif
 #define GN_BUILT(NAME) (GN_FX_##NAME != 0)
 
 typedef enum gn_effect {
-#define X(NAME, name, text) GN_FX_##NAME = (1 << GN_FX_INDEX_##NAME) & GN_BUILT_BITS,
+#define X(NAME, name, text) GN_FX_##NAME = (1LL << GN_FX_INDEX_##NAME) & GN_BUILT_BITS,
     GN_EFFECTS(X)
 #undef X
         GN_FX_ALWAYS = 0
 } gn_effect;
 
-typedef uint32_t gn_effects; /* a set of gn_effect bits */
-_Static_assert(GN_EFFECT_COUNT <= 31, "bits of an int: more effects need wider sets");
+typedef uint64_t gn_effects; /* a set of gn_effect bits */
+_Static_assert(GN_EFFECT_COUNT <= 63, "bits of a long long: more effects need another set");
 
 /* "friction", ...; index in [0, GN_EFFECT_COUNT). */
 const char *gn_effect_name(gn_effect_index index);
