@@ -1,4 +1,5 @@
 """Sweeps: what is run, what is kept, what kills and failures cost, what the summary says. Speaks TAP."""
+import contextlib
 import csv
 import random
 import signal
@@ -23,6 +24,17 @@ def sweep(folder, keys, *arguments, code=0, name="out", quick=True, **options):
 def rows(out, name="sweep.csv"):
     with open(os.path.join(out, name), newline="") as file:
         return list(csv.DictReader(file))
+
+
+def kill(pid):
+    with contextlib.suppress(ProcessLookupError):  # it may have ended since it was listed
+        os.kill(pid, signal.SIGKILL)
+
+
+def is_gneiss(pid):
+    with contextlib.suppress(FileNotFoundError, ProcessLookupError), open(f"/proc/{pid}/cmdline", "rb") as file:
+        return b"gneiss" in file.read()
+    return False
 
 
 def without_seconds(table):
@@ -412,7 +424,7 @@ def ten_kills_of_sweeps_and_runs_lose_nothing(folder):
         if process.poll() is not None:
             break
         if runs and kills % 2:
-            os.kill(pick.choice(runs), signal.SIGKILL)
+            kill(pick.choice(runs))
         else:
             process.kill()
             process.communicate()
@@ -434,7 +446,7 @@ def runs_end_when_their_sweep_is_killed(folder):
     process.kill()
     process.communicate()
     end = time.monotonic() + 20
-    while any(os.path.exists(f"/proc/{pid}") and b"gneiss" in open(f"/proc/{pid}/cmdline", "rb").read() for pid in runs):
+    while any(is_gneiss(pid) for pid in runs):
         assert time.monotonic() < end, "a run goes on without its sweep"
         time.sleep(0.01)
 
@@ -463,10 +475,7 @@ def a_run_that_is_killed_again_and_again_is_given_up(folder):
     process = start("sweep", file, "--out", out, "--quiet", "--set", "time.end=1 s", "--set", "output.checkpoint=off")
     while process.poll() is None:
         for pid in children(process.pid):
-            try:
-                os.kill(pid, signal.SIGKILL)
-            except ProcessLookupError:
-                pass
+            kill(pid)
         time.sleep(0.005)
     _, err = process.communicate()
     assert process.returncode == 5 and "ended by signal 9" in err, err
