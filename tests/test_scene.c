@@ -300,6 +300,9 @@ static void keys_that_contradict_each_other_are_refused(void **state) {
         {"periodic: {min: [0, 0, 0], max: [1, 0, 1]}",
          "s.yaml:20:33: periodic.max: expected a corner above min in every direction, found y: 0 "
          "to 0"},
+        {"output: {snapshots: }",
+         "s.yaml:20:10: output.snapshots: expected a whole number in [0, 1000000], found "
+         "nothing"},
         {"domain: {min: [0, 0, 0]}", "s.yaml:20:1: domain.max: required beside min, but not given"},
         {"sets:\n  - {name: a, select: {}}",
          "s.yaml:21:15: sets[0].select: expected all, box, ids or end, found none"},

@@ -119,7 +119,7 @@ static gneiss_status read_scalar(builder *b, struct fy_event *event, gn_node **n
     if (!text) return fail_memory(b);
     if (memchr(text, 0, length))
         return fail_at(b, where, "expected text, found a NUL character in it");
-    bool nothing = length == 0 && style == FYSS_PLAIN;
+    bool nothing = length == 0 && style == FYSS_PLAIN; /* then the library knows no place of it */
     *node = tree_node(b->tree, nothing ? GN_NODE_NULL : GN_NODE_SCALAR, where);
     if (!*node) return fail_memory(b);
     (*node)->set = b->set;
@@ -157,6 +157,7 @@ static gneiss_status read_children(builder *b, gn_node *open, enum fy_event_type
             child->key = key->text;
             child->key_where = key->where;
         }
+        if (child->kind == GN_NODE_NULL) child->where = key ? key->where : open->where;
         append(open, child);
     }
 }
