@@ -156,6 +156,18 @@ def raised_masses_resume_to_the_same_bits_and_say_what_was_added(folder):
 
 
 @fact
+def masses_are_in_the_results_and_what_they_did_not_reach_is_a_warning(folder):
+    far = {"specimen": {"particles": [[0, 0, 0, "1 mm"], ["9 mm", 0, 0, "1 mm"]]}, "law": {"stiffness": "uniform"},
+           "materials": [{"name": "a", "density": 2000, "normal_stiffness": "1 MN/m", "kratio": 2}],
+           "time": {"end": "0.1 ms", "mass_scaling": {"factor": 2}}}
+    out = os.path.join(folder, "out")
+    done = expect(gneiss("run", write_scene(folder, far), "--out", out, "--quiet"), 0)
+    assert [w["name"] for w in summary(out)["warnings"]] == ["mass_scaling"] and "asks for a step of" in done.stderr
+    with results(out) as file:
+        assert np.allclose(file["particles/mass"], 2000 * 4 / 3 * np.pi * 1e-9, rtol=1e-14)
+
+
+@fact
 def ctrl_c_writes_a_checkpoint_and_resume_gives_the_same_bits(folder):
     interrupted_and_resumed(folder, signal.SIGINT)
 

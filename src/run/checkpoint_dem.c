@@ -37,6 +37,7 @@ static const gn_piece pieces[] = {
     LIMIT(radius_min),
     DOUBLES(scaling.unscaled),
     DOUBLES(scaling.step),
+    DOUBLES(scaling.reached),
 };
 enum { PIECES = sizeof pieces / sizeof *pieces, MOST_ARRAYS = 6 };
 

@@ -26,6 +26,7 @@ READ(radius, w->dem.particles.pos[4 * k + 3])
 READ(damage, v->damage[k])
 READ(coordination, v->coordination[k])
 READ(bonds_at_start, w->dem.particles.bonds0 ? w->dem.particles.bonds0[k] : 0)
+READ(mass, w->dem.particles.vel[4 * k + 3] > 0.0 ? 1.0 / w->dem.particles.vel[4 * k + 3] : 0.0)
 READ(removed, w->dem.particles.vel[4 * k + 3] == 0.0)
 
 static const gn_world *world_of(const void *view) {
@@ -63,8 +64,12 @@ static const gn_output_field of_particles[] = {
     {"position", "m", "centre", GN_IN_RESULTS, GN_F64, false, 3, read_position, 0},
     {"radius", "m", "radius", BOTH, GN_F64, false, 1, read_radius, 0},
     {"displacement", "m", "from the start", BOTH, GN_F64, false, 3, read_displacement, 0},
-    {"velocity", "m/s", "velocity", BOTH, GN_F64, false, 3, read_velocity, 0},
-    {"spin", "rad/s", "angular velocity", GN_IN_RESULTS, GN_F64, false, 3, read_spin, 0},
+    {"velocity", "m/s", "velocity, half a step before the instant", BOTH, GN_F64, false, 3,
+     read_velocity, 0},
+    {"spin", "rad/s", "angular velocity, half a step before the instant", GN_IN_RESULTS, GN_F64,
+     false, 3, read_spin, 0},
+    {"mass", "kg", "mass as it moves, with what mass scaling added; 0: removed", GN_IN_RESULTS,
+     GN_F64, false, 1, read_mass, 0},
     {"damage", "1", "broken bonds over bonds at the start", BOTH, GN_F64, false, 1, read_damage, 0},
     {"stress", "Pa", "xx yy zz xy yz xz, tension positive", BOTH, GN_F64, false, 6, read_stress, 0},
     {"coordination", "1", "contacts that carry force and intact bonds", BOTH, GN_F64, false, 1,

@@ -124,6 +124,19 @@ static void warn_of_softening(const gn_run *run, gn_warnings *list) {
              count, b->soa.count);
 }
 
+static void warn_of_mass_scaling(const gn_run *run, gn_warnings *list) {
+    const gn_world *w = &run->world;
+    const gn_mass_scaling *s = &w->dem.scaling;
+    if (!(w->effects & GN_FX_MASS_SCALING && s->step > 0.0 && s->reached < (1.0 - 1e-9) * s->step))
+        return;
+    gn_warning *to = &list->warning[list->count++];
+    to->name = "mass_scaling";
+    snprintf(to->text, sizeof to->text,
+             "time.mass_scaling asks for a step of %.6g s; with more mass the step was %.6g s at "
+             "the start, %.6g s without: what limits it does not grow with the masses",
+             s->step, s->reached, s->unscaled);
+}
+
 gn_warnings gn_run_warnings(const gn_run *run) {
     gn_warnings list = {0};
     warn_of_step(run, &list);
@@ -132,5 +145,6 @@ gn_warnings gn_run_warnings(const gn_run *run) {
     warn_of_balance(run, &list);
     warn_of_skin(run, &list);
     warn_of_softening(run, &list);
+    warn_of_mass_scaling(run, &list);
     return list;
 }

@@ -42,6 +42,7 @@ typedef struct gn_dem_sums {
 typedef struct gn_mass_scaling {
     double unscaled; /* s: the step without */
     double step;     /* s: that masses were raised for; 0: none had to be */
+    double reached;  /* s: what came of it at the start */
     double added;    /* kg, of those that were there when the lists were made */
     double largest;  /* mass over own mass, the most */
     int64_t raised;  /* particles */

@@ -155,6 +155,7 @@ gneiss_status gn_dem_scale_masses(gn_world *w, gneiss_error *error) {
     w->dem.scaling.step = q.step;
     gneiss_status status = make_room(w, &q, error);
     if (status == GNEISS_OK) status = search(w, &q, error);
+    w->dem.scaling.reached = w->dt;
     gn_free(q.factor);
     gn_free(q.also);
     gn_free(q.own);
