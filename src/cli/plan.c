@@ -6,6 +6,7 @@
 #include "cli/idle.h"
 #include "cli/plan_elements.h"
 #include "cli/plan_law.h"
+#include "cli/plan_stages.h"
 #include "cli/progress.h"
 #include "sim/overlap.h"
 
@@ -249,6 +250,7 @@ gneiss_status gn_print_plan(gn_world *w, gneiss_error *error) {
             gn_format_count((double)gn_elements_totals(w).elements / per_step, text, sizeof text));
     printf("\n");
     printf("  time             %s\n", gn_format_seconds(per_step * steps, text, sizeof text));
+    gn_print_stages(w, per_step);
     return GNEISS_OK;
 }
 

@@ -41,7 +41,9 @@ typedef struct gn_progress {
     double eta; /* s, to `end`; a stop condition may come first */
     double unbalanced, residual;
     int64_t broken;
-    double stress, strain; /* NaN without a test */
+    double stress, strain;      /* NaN without a test */
+    size_t stages, stage_index; /* 0: none; base 0 */
+    const char *stage;          /* its name; the run's */
     bool finished;
 } gn_progress;
 

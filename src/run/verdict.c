@@ -1,5 +1,6 @@
 /* What a run has to say against its own results: warnings, and a ledger that does not close. */
 #include "run/run.h"
+#include "run/stages.h"
 
 #include <math.h>
 
@@ -124,6 +125,18 @@ static void warn_of_softening(const gn_run *run, gn_warnings *list) {
              count, b->soa.count);
 }
 
+/* A condition that was not met in time. */
+static void warn_of_stages(const gn_run *run, gn_warnings *list) {
+    const gn_world *w = &run->world;
+    if (!run->finished || !gn_run_stages_left(run)) return;
+    gn_warning *to = &list->warning[list->count++];
+    to->name = "stages_left";
+    snprintf(to->text, sizeof to->text,
+             "time.end (%g s) came while the run was in stage '%s' (%zu of %zu), whose end had not "
+             "come: a later time.end, or another condition under its end",
+             w->scene.end, w->scene.stages[w->stage].name, w->stage + 1, w->scene.stage_count);
+}
+
 gn_warnings gn_run_warnings(const gn_run *run) {
     gn_warnings list = {0};
     warn_of_step(run, &list);
@@ -132,5 +145,6 @@ gn_warnings gn_run_warnings(const gn_run *run) {
     warn_of_balance(run, &list);
     warn_of_skin(run, &list);
     warn_of_softening(run, &list);
+    warn_of_stages(run, &list);
     return list;
 }

@@ -82,6 +82,9 @@ static void describe(char *text, size_t size, const gn_key *key) {
     case GN_KEY_TREE:
         snprintf(text, size, "%s", key->unit);
         return;
+    case GN_KEY_CHANGES:
+        snprintf(text, size, "keys of the scene");
+        return;
     case GN_KEY_SECTION:
         snprintf(text, size, "section");
         return;
@@ -193,6 +196,8 @@ const gn_key *gn_scene_key_at(const char *path) {
         size_t length = strcspn(path, ".[]");
         if (!inside) {
             key = key_named(section, path, length);
+            if (!key && section == &gn_stage_section)
+                key = key_named(&gn_scene_section, path, length);
             if (!key) return NULL;
         }
         section = inside || key->type == GN_KEY_SECTION ? key->section : NULL;

@@ -116,6 +116,20 @@ gneiss_status gn_dem_complete(gn_world *w, gneiss_error *error) {
     return check_period(w, error);
 }
 
+gneiss_status gn_dem_enter(gn_world *w, gneiss_error *error) {
+    if (!w->scene.has_specimen) return GNEISS_OK;
+    w->dem.damping_fraction = gn_contact_damping_fraction(&w->scene);
+    GN_TRY(gn_motion_kernel_choose(w->kernels, w->effects, &w->dem.motion_kernel, error));
+    /* What differs between stages has no storage; files say what there is. */
+    w->dem.particles.soa.effects = w->effects;
+    w->dem.bonds.soa.effects = gn_contact_list_effects(w->effects, true);
+    w->dem.pairs.soa.effects = gn_contact_list_effects(w->effects, false);
+    GN_TRY(gn_contacts_take_materials(w, &w->dem.bonds, error));
+    GN_TRY(gn_contacts_take_materials(w, &w->dem.pairs, error));
+    gn_dem_step_changed(w); /* dashpots */
+    return gn_sets_enter(w, error);
+}
+
 gneiss_status gn_dem_create_empty(gn_world *w, gneiss_error *error) {
     GN_TRY(gn_soa_create(&gn_particle_record, &w->dem.particles, 0, w->effects, error));
     GN_TRY(gn_soa_create(&gn_contact_record, &w->dem.bonds, 0,

@@ -103,6 +103,19 @@ void gn_contacts_set_dashpots(const gn_world *w, gn_contacts *list) {
     }
 }
 
+gneiss_status gn_contacts_take_materials(const gn_world *w, gn_contacts *list,
+                                         gneiss_error *error) {
+    gn_contacts now = {0};
+    if (!list->mu) return GNEISS_OK;
+    GN_TRY(gn_soa_copy(&gn_contact_record, &now, list, list->soa.effects, error));
+    for (size_t c = 0; c < list->soa.count; c++) {
+        gn_contact_set(w, &now, c);
+        list->mu[c] = now.mu[c];
+    }
+    gn_soa_destroy(&gn_contact_record, &now);
+    return GNEISS_OK;
+}
+
 gn_law_spring gn_pair_spring(const gn_world *w, int32_t i, int32_t j) {
     gn_law_model model = model_of(w);
     gn_law_pair pair = pair_of(w, i, j);

@@ -74,8 +74,12 @@ static void take_off(const gn_scene *s, double *rows, size_t count, size_t width
 }
 
 gneiss_status gn_origin_shift(gn_world *w, gneiss_error *error) {
-    GN_TRY(gn_scene_copy(&w->given, &w->scene, error));
-    gn_scene_shift(&w->scene);
+    if (w->given.stage_count) {
+        GN_TRY(gn_stages_scene(w, &w->scene, error));
+    } else {
+        GN_TRY(gn_scene_copy(&w->given, &w->scene, error));
+        gn_scene_shift(&w->scene);
+    }
     w->scene.specimen.packed = w->given.specimen.packed;
     w->scene.specimen.packed_count = w->given.specimen.packed_count;
     w->scene.specimen.packed_volume = w->given.specimen.packed_volume;

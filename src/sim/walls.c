@@ -307,13 +307,17 @@ static double servo_stiffness(const gn_world *w, size_t k, double force, double 
     return under == over ? over : force / low;
 }
 
+double gn_wall_wanted(const gn_world *w, size_t wall, double time) {
+    return gn_table_at(&w->scene.walls[wall].servo.force, time);
+}
+
 /* Servo: the wall is moved along its normal by the share `relaxation`, if that is stable, of what
  * the springs need to take up the missing force. */
 static void servo_velocity(gn_world *w, size_t k) {
     const gn_servo *servo = &w->scene.walls[k].servo;
     gn_wall *wall = &w->boundary.walls[k];
     double relaxation = fmin(servo->relaxation, gn_world_servo_relaxation(w, k));
-    double missing = gn_table_at(&servo->force, w->time) + gn_dot3(wall->force, wall->normal);
+    double missing = gn_wall_wanted(w, k, w->time) + gn_dot3(wall->force, wall->normal);
     double stiffness = servo_stiffness(w, k, relaxation * missing, servo->max_velocity * w->dt);
     double speed = relaxation * missing / (stiffness * w->dt);
     speed = fmax(-servo->max_velocity, fmin(servo->max_velocity, speed));
