@@ -211,36 +211,172 @@ static void threads_do_not_matter(void **state) {
                 hash_of(whole("threads: 2, precision: mixed")));
 }
 
-/* A checkpoint inside every stage, and at the ends of some. */
-static void a_resumed_run_has_the_same_bits(void **state) {
+/* --- bonds --- */
+
+/* Two spheres that overlap by 10 um, both held; then one is drawn away. */
+static const char pair[] =
+    "specimen: {particles: [[0, 0, 0, 1 mm], [1.99 mm, 0, 0, 1 mm]], group: 1}\n"
+    "materials: [{name: m, density: 2000, normal_stiffness: 1e5, kratio: 2, friction: 0.3, "
+    "bond_tension_limit: 0.5, bond_shear_limit: 10}]\n"
+    "law: {stiffness: uniform}\nbonds: {enabled: off}\n"
+    "domain: {min: [-9, -9, -9], max: [9, 9, 9]}\n"
+    "sets:\n- {name: a, select: {ids: [0]}, motion: {vx: 0, vy: 0, vz: 0, wx: 0, wy: 0, wz: 0}}\n"
+    "- {name: b, select: {ids: [1]}, motion: {vx: 0, vy: 0, vz: 0, wx: 0, wy: 0, wz: 0}}\n"
+    "time: {step: 1 us, end: 1}\nrun: {threads: 1}\noutput: {history_rows: 10000000}\n";
+static const double overlap = 1e-5, spring = 1e5;
+
+/* The force on the second sphere and the ledger in the first step of a stage. */
+static double force_in(gn_run *run, size_t stage, gn_energy *ledger) {
+    while (run->world.stage < stage || run->world.step == (int64_t)run->world.stages[stage].step)
+        steps(run, 1);
+    *ledger = run->world.reading;
+    return -run->world.dem.set_reaction[6];
+}
+
+static void bonds_begin_without_force_where_they_form(void **state) {
     (void)state;
-    const char *const kinds[] = {"threads: 1", "threads: 2, precision: mixed"};
+    char *scene = joined(pair, "stages:\n- {name: touch, end: {steps: 5}}\n",
+                         "- {name: bond, bonds: {enabled: on}, end: {steps: 5}}\n"
+                         "- {name: pull, sets: {b: {motion: {vx: 0.1}}}, end: {steps: 40}}\n"
+                         "- {name: free, bonds: {enabled: off}, end: {steps: 5}}\n");
+    gn_run *run = run_of(scene);
+    gn_energy e;
+    steps(run, 1);
+    assert_near(-run->world.dem.set_reaction[6], spring * overlap, 1e-9);
+    assert_int_equal(run->world.dem.bonds.soa.count, 0);
+    assert_near(force_in(run, 1, &e), 0.0, 1e-9);
+    assert_int_equal(run->world.dem.bonds.soa.count, 1);
+    double held = 0.5 * spring * overlap * overlap;
+    assert_near(e.stage_change, -held, 1e-9 * held);
+    assert_near(gn_energy_residual(&e), 0.0, 1e-9);
+    force_in(run, 2, &e);
+    steps(run, 38);
+    assert_near(run->world.dem.set_reaction[6], spring * 3.8e-6, 1e-6 * spring * 3.8e-6);
+    double stored = run->world.reading.elastic_normal;
+    assert_near(force_in(run, 3, &e), 0.0, 1e-9); /* nothing pulls any more, and it is no contact */
+    assert_near(e.stage_change, -held - 0.5 * spring * 16e-12, 1e-2 * stored);
+    /* What pulled over the last 0.1 um does so for half of it only. */
+    assert_near(gn_energy_residual(&e), 0.0, 0.5 * spring * 4e-6 * 1e-7 / held);
+    assert_int_equal(run->world.dem.broken_tension, 0);
+    run_end(run);
+}
+
+static void bonds_may_form_under_their_force(void **state) {
+    (void)state;
+    gn_run *run = run_of(joined(pair, "stages:\n- {name: touch, end: {steps: 5}}\n",
+                                "- {name: bond, bonds: {enabled: on, passive_gaps: false}}\n"));
+    gn_energy e;
+    assert_near(force_in(run, 1, &e), spring * overlap, 1e-9);
+    assert_near(e.stage_change, 0.0, 1e-20);
+    run_end(run);
+}
+
+/* A row of four with a wider gap in its middle, which only the second look bridges. */
+static void bonds_form_beside_bonds(void **state) {
+    (void)state;
+    gn_run *run =
+        run_of("specimen: {particles: [[0, 0, 0, 1 mm], [2 mm, 0, 0, 1 mm], [4.2 mm, 0, 0, 1 mm], "
+               "[6.2 mm, 0, 0, 1 mm]], group: 1}\n"
+               "materials: [{name: m, density: 2000, normal_stiffness: 1e5, kratio: 2, "
+               "bond_tension_limit: 1, bond_shear_limit: 1}]\n"
+               "law: {stiffness: uniform}\nbonds: {interaction_range: 0.01}\n"
+               "domain: {min: [-9, -9, -9], max: [9, 9, 9]}\ntime: {end: 1 ms}\nrun: {threads: 1}\n"
+               "sets: [{name: last, select: {ids: [3]}, motion: {vx: 10 mm/s}}]\n"
+               "stages:\n- {name: a, end: {steps: 20}}\n"
+               "- {name: b, bonds: {interaction_range: 0.2}, end: {steps: 20}}\n"
+               "- {name: c, materials: {m: {bond_tension_limit: 1e-6}}, end: {steps: 50}}\n");
+    steps(run, 10);
+    assert_int_equal(run->world.dem.bonds.soa.count, 2);
+    double before = run->world.dem.bonds.length0[0];
+    steps(run, 15);
+    assert_int_equal(run->world.dem.bonds.soa.count, 3);
+    assert_near(run->world.dem.bonds.length0[0], before, 0.0);
+    assert_near(run->world.dem.bonds.length0[1], 2.2e-3, 1e-5);
+    steps(run, 30);
+    assert_true(run->world.dem.broken_tension > 0); /* of the new strength */
+    assert_near(gn_energy_residual(&run->world.reading), 0.0, 1e-3);
+    run_end(run);
+}
+
+/* Settle, bond, confine, load. */
+static char *programme(const char *run) {
+    static char s[16384];
+    snprintf(
+        s, sizeof s,
+        "specimen: {lattice: {kind: fcc, radius: 1 mm, cells: [2, 2, 2], spacing: 1.005}, group: "
+        "1}\n"
+        "materials: [{name: m, density: 2000, normal_stiffness: 1e5, kratio: 2, friction: 0.3, "
+        "bond_tension_limit: 0.05, bond_shear_limit: 0.1}]\n"
+        "law: {stiffness: uniform}\nbonds: {enabled: off}\n"
+        "domain: {min: [-9, -9, -9], max: [9, 9, 9]}\n"
+        "damping: {background: {model: nonviscous_vector, coefficient: 0.6}}\nwalls:\n"
+        "- {name: floor, point: [0, 0, -1 mm], normal: [0, 0, 1], stiffness: 1e5}\n"
+        "- {name: lid, point: [0, 0, 5.29 mm], normal: [0, 0, -1], stiffness: 1e5}\n"
+        "- {name: west, point: [-1.01 mm, 0, 0], normal: [1, 0, 0], stiffness: 1e5}\n"
+        "- {name: east, point: [5.29 mm, 0, 0], normal: [-1, 0, 0], stiffness: 1e5}\n"
+        "- {name: south, point: [0, -1.01 mm, 0], normal: [0, 1, 0], stiffness: 1e5}\n"
+        "- {name: north, point: [0, 5.29 mm, 0], normal: [0, -1, 0], stiffness: 1e5}\n"
+        "test: {kind: compression, axis: z, lower: floor, upper: lid, length: 6 mm, area: 40 mm2}\n"
+        "time: {end: 1}\noutput: {history_rows: 200}\nrun: {%s}\nstages:\n"
+        "- {name: settle, walls: {lid: {servo: {force: 0.02, max_velocity: 0.5}}}, "
+        "end: {time: 5 ms}}\n"
+        "- {name: bond, bonds: {enabled: on, interaction_range: 0.02}, end: {time: 0.3 ms}}\n"
+        "- {name: confine, walls: {east: {servo: {force: 0.02, max_velocity: 0.5}}, "
+        "north: {servo: {force: 0.02, max_velocity: 0.5}}}, end: {time: 2 ms}}\n"
+        "- {name: load, walls: {lid: {motion: {vz: -30 mm/s}}}, end: {time: 2 ms}}\n",
+        run);
+    return s;
+}
+
+static void a_specimen_is_settled_bonded_confined_and_loaded(void **state) {
+    (void)state;
+    gn_run *run = run_of(programme("threads: 1"));
+    finish(run);
+    gn_dem *d = &run->world.dem;
+
+    assert_true(d->bonds_at_start > 32);
+    assert_true(d->broken_tension + d->broken_shear > 0);
+    assert_near(gn_energy_residual(&run->world.reading), 0.0, 5e-3);
+    uint64_t hash = gn_world_hash(&run->world);
+    run_end(run);
+    assert_true(hash == hash_of(programme("threads: 2")));
+    assert_true(hash_of(programme("threads: 1, precision: mixed")) ==
+                hash_of(programme("threads: 2, precision: mixed")));
+}
+
+/* A checkpoint inside every stage, and at the ends of some. */
+static void resumes_with_the_same_bits(const char *scene, int64_t every, size_t stages) {
     char path[] = "/tmp/gneiss_stages_XXXXXX";
     gneiss_error error = {0};
     close(mkstemp(path));
-    for (int k = 0; k < 2; k++) {
-        const char *scene = whole(kinds[k]);
-        gn_run *run = run_of(scene), *next = calloc(1, sizeof *next);
-        size_t seen = 0;
-        while (!run->finished) {
-            steps(run, 37);
-            seen |= (size_t)1 << run->world.stage;
-            if (gn_checkpoint_write(run, path, &error) != GNEISS_OK) fail_msg("%s", error.message);
-            run_end(run);
-            run = calloc(1, sizeof *run);
-            if (gn_run_load(path, NULL, 0, run, &error) != GNEISS_OK) fail_msg("%s", error.message);
-        }
-        /* Steps are taken past the end, 37 at a time. */
-        next = run_of(scene);
-        steps(next, run->world.step);
-        assert_int_equal(seen, 1 + 4 + 8 + 16);
-        assert_true(gn_world_hash(&run->world) == gn_world_hash(&next->world));
-        assert_near(run->world.energy.friction, next->world.energy.friction, 0.0);
-        assert_int_equal(run->history.row_count, next->history.row_count);
+    gn_run *run = run_of(scene), *other;
+    size_t seen = 0;
+    while (!run->finished) {
+        steps(run, every);
+        seen |= (size_t)1 << run->world.stage;
+        if (gn_checkpoint_write(run, path, &error) != GNEISS_OK) fail_msg("%s", error.message);
         run_end(run);
-        run_end(next);
+        run = calloc(1, sizeof *run);
+        if (gn_run_load(path, NULL, 0, run, &error) != GNEISS_OK) fail_msg("%s", error.message);
     }
+    other = run_of(scene);
+    steps(other, run->world.step); /* past the end as well */
+    assert_int_equal(seen, stages);
+    assert_true(gn_world_hash(&run->world) == gn_world_hash(&other->world));
+    assert_near(run->world.energy.friction, other->world.energy.friction, 0.0);
+    assert_near(run->world.energy.stage_change, other->world.energy.stage_change, 0.0);
+    assert_int_equal(run->history.row_count, other->history.row_count);
+    run_end(run);
+    run_end(other);
     unlink(path);
+}
+
+static void a_resumed_run_has_the_same_bits(void **state) {
+    (void)state;
+    resumes_with_the_same_bits(whole("threads: 1"), 211, 1 + 4 + 8 + 16);
+    resumes_with_the_same_bits(whole("threads: 2, precision: mixed"), 211, 1 + 4 + 8 + 16);
+    resumes_with_the_same_bits(programme("threads: 1"), 503, 1 + 2 + 4 + 8);
+    resumes_with_the_same_bits(programme("threads: 2, precision: mixed"), 503, 1 + 2 + 4 + 8);
 }
 
 /* --- ends --- */
@@ -395,6 +531,10 @@ int main(void) {
         cmocka_unit_test(fifty_stages_are_gone_through),
         cmocka_unit_test(the_ledger_closes_over_all_changes),
         cmocka_unit_test(threads_do_not_matter),
+        cmocka_unit_test(bonds_begin_without_force_where_they_form),
+        cmocka_unit_test(bonds_may_form_under_their_force),
+        cmocka_unit_test(bonds_form_beside_bonds),
+        cmocka_unit_test(a_specimen_is_settled_bonded_confined_and_loaded),
         cmocka_unit_test(a_resumed_run_has_the_same_bits),
         cmocka_unit_test(a_settled_heap_goes_on),
         cmocka_unit_test(time_end_says_which_stage_was_not_over),

@@ -136,6 +136,27 @@ static const char fewer[] =
     "expected the channels that it has before this stage, %s '%s': which are prescribed holds for "
     "all of the run (a velocity may be 0)";
 
+/* Whether a material has what bonds that soften or yield have damage over. */
+static bool same_bonds(const gn_material *a, const gn_material *b) {
+    gn_material now = *b;
+    now.friction = a->friction;
+    now.where = a->where;
+    return memcmp(a, &now, sizeof now) == 0;
+}
+
+static gneiss_status check_damage(const check *c, const gn_scene *before, const gn_scene *now) {
+    for (size_t k = 0; k < now->material_count; k++) {
+        bool damaged = now->softening != GN_SOFTENING_NONE || now->materials[k].yield_stress[0] > 0;
+        if (damaged && !same_bonds(&before->materials[k], &now->materials[k]))
+            return gn_check_fail(
+                c, "materials",
+                "expected no other stiffness and strength of '%s', whose bonds "
+                "soften or yield: what they have gone through is relative to these",
+                now->materials[k].name);
+    }
+    return GNEISS_OK;
+}
+
 /* What the parts decide once, when they are made. */
 static gneiss_status check_kept(const check *c, const gn_scene *before, const gn_scene *now) {
     for (size_t k = 0; k < now->body_count; k++) {
@@ -155,5 +176,7 @@ gneiss_status gn_check_stage(const gn_reader *reader, const gn_node *root, const
                              const gn_scene *now, size_t stage) {
     check c = gn_check_element(reader, root, "stages", stage);
     GN_TRY(gn_check_keep(&c, check_can_end(&c, now, stage)));
-    return before ? gn_check_keep(&c, check_kept(&c, before, now)) : GNEISS_OK;
+    if (!before) return GNEISS_OK;
+    GN_TRY(gn_check_keep(&c, check_damage(&c, before, now)));
+    return gn_check_keep(&c, check_kept(&c, before, now));
 }

@@ -18,6 +18,22 @@ static const char *const may_change[] = {
     "gravity",
     "damping",
     "materials.*.friction",
+    "materials.*.contact_modulus",
+    "materials.*.normal_stiffness",
+    "materials.*.kratio",
+    "materials.*.young",
+    "materials.*.poisson",
+    "materials.*.alpha",
+    "materials.*.beta",
+    "materials.*.tensile_strength",
+    "materials.*.shear_strength",
+    "materials.*.bond_tension_limit",
+    "materials.*.bond_shear_limit",
+    "materials.*.bond_friction",
+    "bonds.enabled",
+    "bonds.interaction_range",
+    "bonds.overlap_range",
+    "bonds.passive_gaps",
     "contacts.*.friction",
     "sets.*.motion",
     "sets.*.force",
@@ -51,8 +67,9 @@ static const struct {
     {"walls", "of a wall, motion, servo and friction may change"},
     {"bodies", "of a body, motion and friction may change"},
     {"sets", "of a set, motion and force may change"},
-    {"materials", "of a material, friction may change"},
+    {"materials", "of a material, friction, stiffness and strength may change"},
     {"contacts", "of a pair of materials, friction may change"},
+    {"bonds", "the law of bonds is one for the whole run"},
     {"test", "the readings of all stages are those of one test"},
     {"output", "it holds for all of the run; history_rows and snapshots may change"},
     {"", "it holds for all of the run"},
@@ -257,6 +274,16 @@ static void point_at_stage(gn_scene *s, gn_scene_place where) {
     for (size_t k = 0; k < s->elements.motion_count; k++) s->elements.motions[k].where = where;
 }
 
+/* The last stage that a value under the node is from. */
+static size_t last_stage_in(const gn_node *node) {
+    size_t stage = node ? node->stage : 0;
+    for (const gn_node *child = node ? node->first : NULL; child; child = child->next) {
+        size_t inside = last_stage_in(child);
+        stage = inside > stage ? inside : stage;
+    }
+    return stage;
+}
+
 static gneiss_status read_stage(const gn_reader *reader, gn_tree *tree, gn_scene *before,
                                 size_t stage, gn_scene *now) {
     gn_node *root = (gn_node *)gn_tree_root(tree);
@@ -268,6 +295,7 @@ static gneiss_status read_stage(const gn_reader *reader, gn_tree *tree, gn_scene
     memset(now, 0, sizeof *now);
     if (own.problems->count) return GNEISS_OK;
     GN_TRY(read_whole(reader, root, now));
+    now->bonds_stage = last_stage_in(gn_node_child(root, "bonds"));
     if (own.problems->count) return GNEISS_OK;
     return gn_check_stage(reader, root, before, now, stage);
 }

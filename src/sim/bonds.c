@@ -113,11 +113,19 @@ gneiss_status gn_bonds_form(gn_world *w, gneiss_error *error) {
 
 /* --- in a later stage --- */
 
-/* J, what contacts of a list hold at the present places. */
+static bool is_bond(const gn_world *w, int32_t i, int32_t j) {
+    const gn_contacts *b = &w->dem.bonds;
+    size_t at = gn_contacts_from(b, i, j);
+    return at < b->soa.count && b->i[at] == i && b->j[at] == j;
+}
+
+/* J, what contacts of a list hold at the present places. A pair that has become a bond stays listed
+ * until the lists are made. */
 static double stored_in(const gn_world *w, const gn_contacts *list) {
     const gn_law *law = gn_law_of(list->soa.effects);
     double sum = 0.0;
     for (size_t c = 0; c < list->soa.count; c++) {
+        if (list == &w->dem.pairs && is_bond(w, list->i[c], list->j[c])) continue;
         const double *a = w->dem.particles.pos + 4 * (int64_t)list->i[c],
                      *b = w->dem.particles.pos + 4 * (int64_t)list->j[c];
         double d[3], length = sqrt(gn_branch(w, a, b, d));
@@ -146,12 +154,9 @@ void gn_bonds_dissolve(gn_world *w) {
 
 /* Those that are not bonds already, in the same order. */
 static void drop_known(const gn_world *w, gn_pair_list *pairs) {
-    const gn_contacts *b = &w->dem.bonds;
     size_t kept = 0;
     for (size_t c = 0; c < pairs->count; c++) {
-        int32_t i = pairs->pair[c][0], j = pairs->pair[c][1];
-        size_t at = gn_contacts_from(b, i, j);
-        if (at < b->soa.count && b->i[at] == i && b->j[at] == j) continue;
+        if (is_bond(w, pairs->pair[c][0], pairs->pair[c][1])) continue;
         memmove(pairs->pair[kept++], pairs->pair[c], sizeof *pairs->pair);
     }
     pairs->count = kept;

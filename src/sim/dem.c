@@ -116,8 +116,19 @@ gneiss_status gn_dem_complete(gn_world *w, gneiss_error *error) {
     return check_period(w, error);
 }
 
+/* Bonds that the stage forms or dissolves. The lists are those of the last step, in which all
+ * contacts are that hold anything. */
+static gneiss_status enter_bonds(gn_world *w, gneiss_error *error) {
+    bool said = w->scene.bonds_stage == w->stage + 1, on = w->scene.bonds == GN_SWITCH_ON;
+    if (!(w->effects & GN_FX_BONDS)) return GNEISS_OK;
+    if (on && said) return gn_bonds_add(w, error);
+    if (!on) gn_bonds_dissolve(w);
+    return GNEISS_OK;
+}
+
 gneiss_status gn_dem_enter(gn_world *w, gneiss_error *error) {
     if (!w->scene.has_specimen) return GNEISS_OK;
+    double stored = gn_contacts_stored(w);
     w->dem.damping_fraction = gn_contact_damping_fraction(&w->scene);
     GN_TRY(gn_motion_kernel_choose(w->kernels, w->effects, &w->dem.motion_kernel, error));
     /* What differs between stages has no storage; files say what there is. */
@@ -126,6 +137,8 @@ gneiss_status gn_dem_enter(gn_world *w, gneiss_error *error) {
     w->dem.pairs.soa.effects = gn_contact_list_effects(w->effects, false);
     GN_TRY(gn_contacts_take_materials(w, &w->dem.bonds, error));
     GN_TRY(gn_contacts_take_materials(w, &w->dem.pairs, error));
+    GN_TRY(enter_bonds(w, error));
+    w->energy.stage_change += gn_contacts_stored(w) - stored;
     gn_dem_step_changed(w); /* dashpots */
     return gn_sets_enter(w, error);
 }
