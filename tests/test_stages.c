@@ -4,6 +4,7 @@
 
 #include "run/run.h"
 #include "run/stages.h"
+#include "scene/manifest.h"
 
 #include <unistd.h>
 
@@ -476,6 +477,70 @@ static void bodies_and_elements_take_their_part(void **state) {
     assert_true(hash == hash_of(beside("threads: 2")));
 }
 
+static void the_scene_of_stages_goes_through_all_of_them(void **state) {
+    (void)state;
+    gn_scene scene;
+    char path[4096];
+    gneiss_error error = {0};
+    gn_run *run = calloc(1, sizeof *run);
+    const gn_override one = {"run.threads", "1"};
+    snprintf(path, sizeof path, "%s/scenes/stages.yaml", test_source());
+    assert_int_equal(gn_scene_load(path, &one, 1, &scene, &error), GNEISS_OK);
+    assert_int_equal(gn_run_create(&scene, run, &error), GNEISS_OK);
+    finish(run);
+    const gn_stage_cause causes[] = {GN_STAGE_UNBALANCED, GN_STAGE_HELD, GN_STAGE_HELD,
+                                     GN_STAGE_PEAK_DROP};
+    for (size_t k = 0; k < 4; k++) assert_int_equal(cause_of(run, k), causes[k]);
+    assert_true(run->world.dem.bonds_at_start > 1000);
+    assert_near(gn_energy_residual(&run->world.reading), 0.0, 1e-3);
+    assert_true(gn_run_readings(run).peak_stress > 1e4);
+    run_end(run);
+}
+
+/* The scene that checkpoints have: its stages come back as they were. */
+static void a_written_scene_has_the_same_stages(void **state) {
+    (void)state;
+    gneiss_error error = {0};
+    gn_scene scene, again, one, other;
+    assert_int_equal(gn_scene_parse(whole("threads: 1"), "s", NULL, NULL, 0, &scene, &error), 0);
+    char *written = gn_scene_write(&scene);
+    if (gn_scene_parse_saved(written, "t", NULL, 0, &again, &error)) fail_msg("%s", error.message);
+    for (size_t k = 0; k < scene.stage_count; k++) {
+        assert_int_equal(gn_scene_stage(&scene, k, &one, &error), GNEISS_OK);
+        assert_int_equal(gn_scene_stage(&again, k, &other, &error), GNEISS_OK);
+        char *first = gn_scene_write(&one), *second = gn_scene_write(&other);
+        assert_string_equal(first, second);
+        free(first);
+        free(second);
+        gn_scene_free(&one);
+        gn_scene_free(&other);
+    }
+    free(written);
+    gn_scene_free(&scene);
+    gn_scene_free(&again);
+}
+
+/* Values inside stages are reached as those of a scene. */
+static void overrides_reach_into_stages(void **state) {
+    (void)state;
+    gneiss_error error = {0};
+    gn_scene scene, one;
+    const gn_override overrides[] = {{"stages.load.walls.lid.motion.vz", "-1 mm/s"},
+                                     {"stages[1].end.steps", "7"}};
+    assert_int_equal(gn_scene_parse(whole("threads: 1"), "s", NULL, overrides, 2, &scene, &error),
+                     0);
+    assert_int_equal(scene.stages[1].steps, 7);
+    assert_int_equal(gn_scene_stage(&scene, 4, &one, &error), GNEISS_OK);
+    assert_near(one.walls[1].motion.velocity[2].value[0], -1e-3, 0.0);
+    gn_scene_free(&one);
+    gn_scene_free(&scene);
+    const gn_override wrong = {"stages.load.walls.lid.stiffness", "3"};
+    assert_int_equal(gn_scene_parse(whole("threads: 1"), "s", NULL, &wrong, 1, &scene, &error),
+                     GNEISS_ERROR_INPUT);
+    assert_non_null(strstr(error.message, "--set stages.load.walls.lid.stiffness"));
+    assert_non_null(gn_scene_key_at("stages.load.walls.lid.motion.vz"));
+}
+
 /* --- what is refused --- */
 
 static void refused(const char *stages, const char *expected) {
@@ -539,6 +604,9 @@ int main(void) {
         cmocka_unit_test(a_settled_heap_goes_on),
         cmocka_unit_test(time_end_says_which_stage_was_not_over),
         cmocka_unit_test(bodies_and_elements_take_their_part),
+        cmocka_unit_test(the_scene_of_stages_goes_through_all_of_them),
+        cmocka_unit_test(a_written_scene_has_the_same_stages),
+        cmocka_unit_test(overrides_reach_into_stages),
         cmocka_unit_test(what_cannot_be_is_refused_with_its_place),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

@@ -214,7 +214,7 @@ static void print_reading(const char *label, double value, const char *unit, con
 }
 
 static void print_readings(const gn_run *run) {
-    gn_readings r = gn_history_readings(&run->world, &run->history);
+    gn_readings r = gn_run_readings(run);
     if (run->world.scene.test.kind == GN_TEST_NONE) return;
 #define PRINT(label, name, factor, unit, note)                                                     \
     print_reading(label, r.name *(factor), unit, note, r.reason[GN_READING_##name])

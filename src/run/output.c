@@ -207,7 +207,7 @@ static gneiss_status put_reading(gn_h5 *file, const char *name, double value, co
 }
 
 static gneiss_status put_readings(const gn_run *run, gn_h5 *file, gneiss_error *error) {
-    gn_readings r = gn_history_readings(&run->world, &run->history);
+    gn_readings r = gn_run_readings(run);
     bool demanded = gn_h5_demand_finite(file, false);
 #define X(name, unit, text)                                                                        \
     GN_TRY(put_reading(file, #name, r.name, unit, text, r.reason[GN_READING_##name], error));
@@ -295,7 +295,7 @@ static void summary_warnings(const gn_run *run, gn_json *j) {
 
 /* Numbers, null where one is absent, and why it is. */
 static void summary_readings(const gn_run *run, gn_json *j) {
-    gn_readings r = gn_history_readings(&run->world, &run->history);
+    gn_readings r = gn_run_readings(run);
     gn_json_object(j, "readings");
 #define X(name, unit, text) gn_json_number(j, #name, r.name);
     GN_READINGS(X)

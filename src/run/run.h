@@ -88,6 +88,10 @@ gn_progress gn_run_progress(const gn_run *run);
 /* Writes the last snapshot, a checkpoint, results.h5 and summary.json. */
 gneiss_status gn_run_finish(gn_run *run, gneiss_error *error);
 
+/* Of the history; with stages of the rows of the last one that has any, strain counted from its
+ * start (stages.c). */
+gn_readings gn_run_readings(const gn_run *run);
+
 /* After GNEISS_ERROR_UNSTABLE: snapshots of the bad state (failed_*.hdf) and results.h5 with the
  * message. The checkpoints on disk are left as they are. */
 gneiss_status gn_run_write_failure(gn_run *run, const char *message, gneiss_error *error);

@@ -181,14 +181,20 @@ gneiss_status gn_run_stages_go(gn_run *run, bool *entered, gneiss_error *error) 
 
 /* --- readings --- */
 
+static size_t rows_of(const gn_run *run, size_t stage, size_t *begin) {
+    *begin = (size_t)run->world.stages[stage].row;
+    size_t end = run->history.row_count;
+    if (stage < run->world.stage) end = (size_t)run->world.stages[stage + 1].row;
+    return end - *begin;
+}
+
 gneiss_status gn_run_stage_readings(const gn_run *run, size_t stage, gn_readings *readings,
                                     gneiss_error *error) {
     const gn_history *all = &run->history;
     const gn_stage_state *s = &run->world.stages[stage];
-    size_t begin = (size_t)s->row, end = all->row_count;
-    if (stage < run->world.stage) end = (size_t)run->world.stages[stage + 1].row;
+    size_t begin;
     gn_history part = *all;
-    part.row_count = end - begin;
+    part.row_count = rows_of(run, stage, &begin);
     part.columns = calloc(all->column_count + 1, sizeof *part.columns);
     double *strain = calloc(part.row_count + 1, sizeof *strain);
     if (!part.columns || !strain) {
@@ -208,4 +214,15 @@ gneiss_status gn_run_stage_readings(const gn_run *run, size_t stage, gn_readings
     free(part.columns);
     free(strain);
     return GNEISS_OK;
+}
+
+gn_readings gn_run_readings(const gn_run *run) {
+    size_t stage = run->world.stage, begin;
+    gneiss_error unsaid;
+    gn_readings r;
+    if (!gn_run_staged(run)) return gn_history_readings(&run->world, &run->history);
+    while (stage > 0 && !rows_of(run, stage, &begin)) stage--;
+    /* Without memory for the copy of a column those of all rows. */
+    if (gn_run_stage_readings(run, stage, &r, &unsaid) == GNEISS_OK) return r;
+    return gn_history_readings(&run->world, &run->history);
 }

@@ -80,7 +80,7 @@ static void warn_of_change(const gn_run *run, gn_warnings *list) {
 static const double imbalance_limit = 0.1;
 
 static void warn_of_balance(const gn_run *run, gn_warnings *list) {
-    gn_readings r = gn_history_readings(&run->world, &run->history);
+    gn_readings r = gn_run_readings(run);
     if (!(r.end_imbalance > imbalance_limit)) return;
     gn_warning *to = &list->warning[list->count++];
     to->name = "end_imbalance";

@@ -80,17 +80,14 @@ static void describe(char *text, size_t size, const gn_key *key) {
         snprintf(text, size, "name or list of names");
         return;
     case GN_KEY_TREE:
-        snprintf(text, size, "%s", key->unit);
-        return;
     case GN_KEY_CHANGES:
-        snprintf(text, size, "keys of the scene");
+        snprintf(text, size, "%s", key->unit);
         return;
     case GN_KEY_SECTION:
         snprintf(text, size, "section");
         return;
     case GN_KEY_LIST:
         describe_numbers(text, size, "list of sections", key);
-        return;
     }
 }
 

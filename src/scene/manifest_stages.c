@@ -29,6 +29,7 @@ static const gn_key stage_keys[] = {
             .text = "when the stage ends: whatever comes first; the last one may leave it to "
                     "time.end"),
     ARRAY("*", CHANGES, gn_stage, changes, change_size, PRESENT(COUNT, gn_stage, change_size),
+          .unit = "keys of the scene",
           .text = "keys of the scene that change when the stage begins and stay so: gravity, "
                   "damping, friction, motions, forces, servos, loads, steps, rows and snapshots; "
                   "elements of lists by name, as walls: {top: {motion: {vz: 0.1}}}"),
