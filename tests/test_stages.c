@@ -541,6 +541,85 @@ static void overrides_reach_into_stages(void **state) {
     assert_non_null(gn_scene_key_at("stages.load.walls.lid.motion.vz"));
 }
 
+/* --- from another run --- */
+
+static void finish_in(const char *scene_text, const char *folder) {
+    gn_scene scene;
+    gneiss_error error = {0};
+    gn_run *run = calloc(1, sizeof *run);
+    if (gn_scene_parse(scene_text, "a.yaml", NULL, NULL, 0, &scene, &error) ||
+        gn_run_start(&scene, folder, true, run, &error))
+        fail_msg("%s", error.message);
+    finish(run);
+    if (gn_run_finish(run, &error)) fail_msg("%s", error.message);
+    run_end(run);
+}
+
+/* Two bonds between three spheres, the last of which is drawn away, by 40 um in all, turning; and a
+ * fourth that leaves. */
+static const char drawn[] =
+    "specimen: {particles: [[0, 0, 0, 1 mm], [0, 9 mm, 0, 1 mm], [2 mm, 0, 0, 1 mm], [4 mm, 0, 0, "
+    "1 mm]], group: 1}\nbonds: {interaction_range: 0.01}\n"
+    "domain: {min: [-9, -9, -9], max: [9, 10 mm, 9], lost: remove}\n"
+    "sets:\n- {name: foot, select: {ids: [0]}, motion: {vx: 0}}\n"
+    "- {name: head, select: {ids: [3]}, motion: {vx: 0.1}}\n"
+    "- {name: off, select: {ids: [1]}, initial_velocity: [0, 40, 0], initial_spin: [0, 0, 1]}\n";
+static const char rock[] =
+    "materials: [{name: m, density: 2000, normal_stiffness: 1e5, kratio: 2, "
+    "bond_tension_limit: 10, bond_shear_limit: 10}]\n"
+    "law: {stiffness: uniform}\ndamping: {background: {model: viscous, coefficient: 1e4}}\n"
+    "time: {end: 0.4 ms}\nrun: {threads: 1}\n";
+
+static char *again(const char *folder, const char *more, const char *bonds) {
+    static char s[8192];
+    snprintf(s, sizeof s, "specimen: {from: %s, group: 1%s}\n%s%s", folder, more, rock, bonds);
+    return s;
+}
+
+static void a_run_begins_where_another_ended(void **state) {
+    (void)state;
+    char folder[] = "/tmp/gneiss_from_XXXXXX", file[64];
+    assert_non_null(mkdtemp(folder));
+    finish_in(joined(drawn, rock, ""), folder);
+    gn_run *other = run_of(joined(drawn, rock, ""));
+    finish(other);
+    assert_int_equal(other->world.dem.lost, 1);
+    const int ids[] = {0, 2, 3};
+
+    gn_run *run = run_of(again(folder, ", from_bonds: keep", "bonds: {}\n"));
+    assert_int_equal(run->world.dem.particles.soa.count, 3);
+    for (int k = 0; k < 3; k++) {
+        assert_memory_equal(pos_of(&run->world, k), pos_of(&other->world, ids[k]), 32);
+        assert_memory_equal(vel_of(&run->world, k), vel_of(&other->world, ids[k]), 24);
+    }
+    assert_int_equal(run->world.dem.bonds.soa.count, 2);
+    steps(run, 1);
+    /* Both bonds go on with what they carried: 20 um each. */
+    assert_near(run->world.reading.elastic_normal, 2 * 0.5 * 1e5 * 400e-12, 0.02 * 4e-5);
+    run_end(run);
+
+    snprintf(file, sizeof file, "%s/results.h5", folder);
+    run = run_of(again(file, ", from_velocities: rest", "bonds: {interaction_range: 0.1}\n"));
+    assert_int_equal(run->world.dem.bonds.soa.count, 2);
+    for (int k = 0; k < 3; k++) assert_near(length3(vel_of(&run->world, k)), 0.0, 0.0);
+    steps(run, 1);
+    assert_near(run->world.reading.elastic_normal, 0.0, 0.0); /* formed anew, free of stress */
+    run_end(run);
+    run_end(other);
+
+    gneiss_error error = {0};
+    gn_run wrong;
+    char *flat = strcat(again(folder, "", ""), "dimension: 2\n");
+    assert_int_equal(try_run(&wrong, flat, &error), GNEISS_ERROR_INPUT);
+    assert_non_null(
+        strstr(error.message, "s.yaml:1:1: specimen.from: expected a run of a 2D scene"));
+    assert_int_equal(try_run(&wrong, again(folder, ", from_bonds: keep", ""), &error),
+                     GNEISS_ERROR_INPUT);
+    assert_non_null(strstr(error.message, "specimen.from_bonds: expected the section bonds"));
+    assert_int_equal(try_run(&wrong, again("/nowhere", "", ""), &error), GNEISS_ERROR_INPUT);
+    assert_non_null(strstr(error.message, "specimen.from: cannot open '/nowhere'"));
+}
+
 /* --- what is refused --- */
 
 static void refused(const char *stages, const char *expected) {
@@ -604,6 +683,7 @@ int main(void) {
         cmocka_unit_test(a_settled_heap_goes_on),
         cmocka_unit_test(time_end_says_which_stage_was_not_over),
         cmocka_unit_test(bodies_and_elements_take_their_part),
+        cmocka_unit_test(a_run_begins_where_another_ended),
         cmocka_unit_test(the_scene_of_stages_goes_through_all_of_them),
         cmocka_unit_test(a_written_scene_has_the_same_stages),
         cmocka_unit_test(overrides_reach_into_stages),

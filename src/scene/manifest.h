@@ -75,7 +75,8 @@ typedef struct gn_key {
     int shape_dimension; /* of scenes that can have the key; 0: any */
     bool packing;        /* a section of the scene that gn_scene_load_specimen reads */
     const gn_section *section;
-    const char *text; /* one line of explanation */
+    const char *in_folder; /* of GN_KEY_FILE: the file in it that a folder stands for; NULL: none */
+    const char *text;      /* one line of explanation */
 } gn_key;
 
 enum { GN_NO_WHERE = -1, GN_SECTION_KEYS_MAX = 48 };

@@ -208,6 +208,9 @@ static gneiss_status read_file(const gn_reader *reader, const gn_key *key, const
     else
         snprintf(joined, sizeof joined, "%s/%s", reader->folder, file);
     struct stat status;
+    size_t used = strlen(joined);
+    if (key->in_folder && used && stat(joined, &status) == 0 && S_ISDIR(status.st_mode))
+        snprintf(joined + used, sizeof joined - used, "/%s", key->in_folder);
     const char *why = NULL;
     if (!*file)
         why = "no name";

@@ -209,7 +209,9 @@ typedef struct gn_pack_def {
 typedef struct gn_specimen {
     char file[GN_PATH_SIZE]; /* as written; "" when another source is used */
     char path[GN_PATH_SIZE]; /* resolved: relative to the scene file's folder */
-    double scale;            /* lengths in a file, surface or mesh times this give metres */
+    char from[GN_PATH_SIZE], from_path[GN_PATH_SIZE]; /* the same of another run's results */
+    bool from_velocities, from_bonds;                 /* what else is taken over of it */
+    double scale; /* lengths in a file, surface or mesh times this give metres */
     gn_lattice lattice;
     size_t particle_count; /* inline particles */
     double *particles;     /* [particle_count][4]: x y z r, m (2D: x y 0 r) */
@@ -249,7 +251,9 @@ typedef struct gn_set_def {
 
 typedef struct gn_servo {
     bool active;
-    gn_table force;      /* wanted normal force, compressive positive, N */
+    gn_table force;      /* wanted normal force, compressive positive, N; or */
+    gn_table stress;     /* Pa, times the area */
+    double area;         /* m2 (2D: m x 1 m); 0: between the walls that face each other */
     double max_velocity; /* m/s */
     double relaxation;   /* fraction of the force error corrected per step, (0, 1] */
 } gn_servo;

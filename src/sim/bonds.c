@@ -1,9 +1,11 @@
 /* Bonds at the start: which pairs are glued and how strong. */
 #include "base/memory.h"
 #include "sim/areas.h"
+#include "sim/from_run.h"
 #include "sim/internal.h"
 
 #include <math.h>
+#include <stdlib.h>
 #include <string.h>
 
 static bool bondable(const gn_world *w, int32_t i, int32_t j, double *distance) {
@@ -81,6 +83,46 @@ static void set_bond(gn_world *w, size_t c, int32_t i, int32_t j) {
     w->dem.particles.bonds0[j]++;
 }
 
+typedef struct kept_bond {
+    int32_t i, j;
+    double rest;
+} kept_bond;
+
+static int by_ends(const void *a, const void *b) {
+    const kept_bond *x = a, *y = b;
+    if (x->i != y->i) return x->i < y->i ? -1 : 1;
+    return (x->j > y->j) - (x->j < y->j);
+}
+
+/* The bonds of another run in the order of this one: pairs, and in from->rest_length what belongs
+ * to each. */
+static gneiss_status take_bonds(const gn_world *w, gn_from_run *from, gn_pair_list *pairs,
+                                gneiss_error *error) {
+    GN_TRY(gn_from_run_read(&w->scene, from, error));
+    kept_bond *kept = gn_alloc_array(from->bonds + 1, sizeof *kept);
+    void *room = gn_alloc_array(from->bonds + 1, sizeof *pairs->pair);
+    if (!kept || !room) {
+        gn_free(kept);
+        gn_free(room);
+        return gn_fail(error, GNEISS_ERROR_MEMORY, "no memory for %zu bonds", from->bonds);
+    }
+    gn_free(pairs->pair);
+    pairs->pair = room;
+    pairs->count = from->bonds;
+    for (size_t c = 0; c < from->bonds; c++) {
+        int32_t a = w->dem.index_of_id[from->bond[c][0]], b = w->dem.index_of_id[from->bond[c][1]];
+        kept[c] = (kept_bond){a < b ? a : b, a < b ? b : a, from->rest_length[c]};
+    }
+    qsort(kept, from->bonds, sizeof *kept, by_ends);
+    for (size_t c = 0; c < from->bonds; c++) {
+        pairs->pair[c][0] = kept[c].i;
+        pairs->pair[c][1] = kept[c].j;
+        from->rest_length[c] = kept[c].rest;
+    }
+    gn_free(kept);
+    return GNEISS_OK;
+}
+
 gneiss_status gn_bonds_form(gn_world *w, gneiss_error *error) {
     gn_pair_query query = {&w->dem.particles,
                            (int)w->scene.dimension,
@@ -90,17 +132,23 @@ gneiss_status gn_bonds_form(gn_world *w, gneiss_error *error) {
                            {w->period[0], w->period[1], w->period[2]},
                            w->threads};
     gn_pair_list pairs = {0};
+    gn_from_run from = {0};
+    const bool from_run = w->scene.specimen.from[0] && w->scene.specimen.from_bonds;
     gneiss_status status = gn_pairs_find(&query, &pairs, error);
     /* Of several stages a later one may be the first with bonds. */
     bool bonds = w->effects & GN_FX_BONDS && w->scene.bonds == GN_SWITCH_ON;
     if (status == GNEISS_OK) status = check_distinct(w, &pairs, error);
-    if (status == GNEISS_OK && bonds) keep_bondable(w, &pairs);
+    if (status == GNEISS_OK && bonds && !from_run) keep_bondable(w, &pairs);
+    if (status == GNEISS_OK && bonds && from_run) status = take_bonds(w, &from, &pairs, error);
     if (status == GNEISS_OK) status = gn_law_derive(w, &pairs, error);
     if (status == GNEISS_OK)
         status = gn_soa_create(&gn_contact_record, &w->dem.bonds, bonds ? pairs.count : 0,
                                gn_contact_list_effects(w->effects, true), error);
     if (status == GNEISS_OK && bonds)
         for (size_t c = 0; c < pairs.count; c++) set_bond(w, c, pairs.pair[c][0], pairs.pair[c][1]);
+    for (size_t c = 0; status == GNEISS_OK && from_run && c < w->dem.bonds.soa.count; c++)
+        w->dem.bonds.length0[c] = from.rest_length[c];
+    gn_from_run_free(&from);
     if (status == GNEISS_OK) status = gn_areas_find(w, error);
     gn_pair_list_free(&pairs);
     if (status != GNEISS_OK) return status;

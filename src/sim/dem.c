@@ -2,6 +2,7 @@
 #include "base/ball.h"
 #include "base/memory.h"
 #include "base/random.h"
+#include "sim/from_run.h"
 #include "sim/internal.h"
 
 #include <math.h>
@@ -73,6 +74,21 @@ static void set_masses(gn_world *w) {
     }
 }
 
+/* Of particles from another run, as they were there. */
+static gneiss_status take_velocities(gn_world *w, gneiss_error *error) {
+    gn_particles *q = &w->dem.particles;
+    gn_from_run from;
+    if (!w->scene.specimen.from[0] || !w->scene.specimen.from_velocities) return GNEISS_OK;
+    GN_TRY(gn_from_run_read(&w->scene, &from, error));
+    for (size_t p = 0; from.count == q->soa.count && p < from.count; p++)
+        for (size_t a = 0; a < 3; a++) {
+            q->vel[4 * p + a] += from.motion[6 * p + a];
+            if (q->spin) q->spin[4 * p + a] = from.motion[6 * p + 3 + a];
+        }
+    gn_from_run_free(&from);
+    return GNEISS_OK;
+}
+
 /* Wide enough that a quasi-static specimen never rebuilds, narrow enough that few idle pairs are
  * visited. */
 static double automatic_skin(const gn_world *w) {
@@ -107,6 +123,7 @@ gneiss_status gn_dem_complete(gn_world *w, gneiss_error *error) {
     gn_dem *d = &w->dem;
     GN_TRY(gn_sets_assign(w, error));
     set_masses(w);
+    GN_TRY(take_velocities(w, error));
     GN_TRY(gn_sets_apply(w, error));
     d->index_of_id = gn_alloc_array(d->particles.soa.count + 1, sizeof *d->index_of_id);
     if (!d->index_of_id)

@@ -120,6 +120,8 @@ gneiss_status gn_wall_contacts_find(gn_world *world, bool first, gneiss_error *e
  * those that touch. */
 void gn_wall_contacts_work(gn_world *world, size_t begin, size_t end, gn_contact_sums *sums);
 
+/* m2 (2D: m x 1 m) that the stress of a servo wall acts on. */
+double gn_wall_area(const gn_world *world, size_t wall);
 /* N, with which a servo wall shall be pressed. */
 double gn_wall_wanted(const gn_world *world, size_t wall, double time);
 
