@@ -101,17 +101,18 @@ static void a_crowd_that_is_met_at_once_is_not_hit(void **state) {
 /* A box of spheres between six walls of which three hold a stress: in the end all walls do, by the
  * sections that they stand in then, and so does the mean stress. */
 static gn_world *box_of(const char *servos) {
-    return world_of("dimension: 3\nspecimen: {lattice: {kind: cubic, radius: 1 mm, cells: [4, 3, 3], "
-                    "spacing: 0.999, origin: [0, 0, 0]}}\n"
-                    "materials: [{name: m, density: 2500, normal_stiffness: 1e5, kratio: 0}]\n"
-                    "law: {stiffness: uniform}\n"
-                    "damping: {background: {model: nonviscous_vector, coefficient: 0.7}}\n"
-                    "domain: {min: [-1, -1, -1], max: [1, 1, 1]}\nwalls:\n"
-                    "- {name: x0, point: [0, 0, 0], normal: [1, 0, 0], stiffness: 1e5}\n"
-                    "- {name: y0, point: [0, 0, 0], normal: [0, 1, 0], stiffness: 1e5}\n"
-                    "- {name: z0, point: [0, 0, 0], normal: [0, 0, 1], stiffness: 1e5}\n%s"
-                    "time: {end: 1}\nrun: {threads: 1}\n",
-                    servos);
+    return world_of(
+        "dimension: 3\nspecimen: {lattice: {kind: cubic, radius: 1 mm, cells: [4, 3, 3], "
+        "spacing: 0.999, origin: [0, 0, 0]}}\n"
+        "materials: [{name: m, density: 2500, normal_stiffness: 1e5, kratio: 0}]\n"
+        "law: {stiffness: uniform}\n"
+        "damping: {background: {model: nonviscous_vector, coefficient: 0.7}}\n"
+        "domain: {min: [-1, -1, -1], max: [1, 1, 1]}\nwalls:\n"
+        "- {name: x0, point: [0, 0, 0], normal: [1, 0, 0], stiffness: 1e5}\n"
+        "- {name: y0, point: [0, 0, 0], normal: [0, 1, 0], stiffness: 1e5}\n"
+        "- {name: z0, point: [0, 0, 0], normal: [0, 0, 1], stiffness: 1e5}\n%s"
+        "time: {end: 1}\nrun: {threads: 1}\n",
+        servos);
 }
 
 static void a_stress_is_held_over_the_section_of_the_box(void **state) {
@@ -158,7 +159,7 @@ static void refused(const char *servo, const char *expected) {
 
 static void servos_that_cannot_be_are_refused(void **state) {
     (void)state;
-    refused("max_velocity: 1", "s.yaml:6:73: walls[0].servo: expected force or stress, found none");
+    refused("max_velocity: 1", "s.yaml:6:72: walls[0].servo: expected force or stress, found none");
     refused("max_velocity: 1, force: 1, stress: 1", "expected force or stress, found both");
     refused("max_velocity: 1, force: 1, area: 1", "servo.area: expected stress beside it");
     refused("max_velocity: 1, stress: 1 kPa",

@@ -633,6 +633,31 @@ static void refused(const char *stages, const char *expected) {
         fail_msg("expected '%s', found '%s'", expected, error.message);
 }
 
+/* A servo that held a force holds a stress, and a force again. */
+static void what_is_said_last_takes_the_place_of_the_other(void **state) {
+    (void)state;
+    gneiss_error error = {0};
+    gn_scene scene, one;
+    const char *stages =
+        "stages:\n"
+        "- {name: a, walls: {lid: {servo: {force: 1, max_velocity: 1}}}, end: {steps: 1}}\n"
+        "- {name: b, walls: {lid: {servo: {stress: 5}}}, end: {steps: 1}}\n"
+        "- {name: c, walls: {lid: {motion: {vz: 1}}}, end: {steps: 1}}\n"
+        "- {name: d, walls: {lid: {servo: {force: 2, max_velocity: 1}}}}\n";
+    char *all = joined(heap, "time: {end: 1}\n", stages);
+    assert_int_equal(gn_scene_parse(all, "s", NULL, NULL, 0, &scene, &error), GNEISS_OK);
+    for (size_t k = 0; k < 4; k++) {
+        assert_int_equal(gn_scene_stage(&scene, k, &one, &error), GNEISS_OK);
+        const gn_wall_def *lid = &one.walls[1];
+        assert_int_equal(lid->servo.active, k != 2);
+        assert_int_equal(lid->servo.force.count, k == 0 || k == 3);
+        assert_int_equal(lid->servo.stress.count, k == 1);
+        assert_int_equal(lid->motion.velocity[2].count, k == 2);
+        gn_scene_free(&one);
+    }
+    gn_scene_free(&scene);
+}
+
 static void what_cannot_be_is_refused_with_its_place(void **state) {
     (void)state;
     refused("stages: []\n", "s.yaml:17:9: stages: expected a number of elements in [1, 1000]");
@@ -687,6 +712,7 @@ int main(void) {
         cmocka_unit_test(the_scene_of_stages_goes_through_all_of_them),
         cmocka_unit_test(a_written_scene_has_the_same_stages),
         cmocka_unit_test(overrides_reach_into_stages),
+        cmocka_unit_test(what_is_said_last_takes_the_place_of_the_other),
         cmocka_unit_test(what_cannot_be_is_refused_with_its_place),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

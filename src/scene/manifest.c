@@ -345,8 +345,9 @@ static const gn_key servo_keys[] = {
         .word = "none", .fallback = "none", .text = "the same over the area of the wall"),
     KEY("area", REAL, gn_wall_def, servo.area, .unit = "m2", .range = GN_AREAS, .word = "auto",
         .fallback = "auto",
-        .text = "with stress; auto: between the walls that face each other across this one, as they "
-                "stand at the time"),
+        .text =
+            "with stress; auto: between the walls that face each other across this one, as they "
+            "stand at the time"),
     KEY("max_velocity", REAL, gn_wall_def, servo.max_velocity, .unit = "m/s", .range = "(0, inf)",
         .required = true, .text = "limit of the wall's velocity"),
     KEY("relaxation", REAL, gn_wall_def, servo.relaxation, .unit = "1", .range = "(0, 1]",

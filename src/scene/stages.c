@@ -195,11 +195,19 @@ static gneiss_status lay_section(layer *l, gn_node *base, const gn_node *over) {
     return old ? lay_map(l, old, over) : no_memory(l->reader);
 }
 
-/* A wall has one of both: what is said last takes the place of the other. */
+/* A wall has one of both, and so has a servo: what is said last takes the place of the other. */
 static void make_way(gn_node *base, const gn_node *over) {
     const gn_node *motion = gn_node_child(over, "motion"), *servo = gn_node_child(over, "servo");
     if (motion && !servo) drop(base, "servo");
     if (servo && !motion && servo->kind == GN_NODE_MAP) drop(base, "motion");
+}
+
+static void make_way_in_servo(gn_node *base, const gn_node *over) {
+    const gn_node *force = gn_node_child(over, "force"), *stress = gn_node_child(over, "stress");
+    if (stress && !force) drop(base, "force");
+    if (stress || !force) return;
+    drop(base, "stress");
+    drop(base, "area");
 }
 
 static gneiss_status lay_child(layer *l, gn_node *base, const gn_node *child) {
@@ -213,6 +221,7 @@ static gneiss_status lay_child(layer *l, gn_node *base, const gn_node *child) {
 
 static gneiss_status lay_map(layer *l, gn_node *base, const gn_node *over) {
     if (begins_with(l->path, "walls.*")) make_way(base, over);
+    if (begins_with(l->path, "walls.*.servo")) make_way_in_servo(base, over);
     for (const gn_node *child = over->first; child; child = child->next) {
         if (strcmp(child->key, "name") == 0) continue;
         size_t mark = push(l, child->key);
