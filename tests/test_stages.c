@@ -677,6 +677,11 @@ static void what_cannot_be_is_refused_with_its_place(void **state) {
     refused("stages:\n- {name: a, walls: {lid: {stiffness: 1}}}\n",
             "s.yaml:18:27: stages[0].walls.lid.stiffness: expected a key that a stage may change, "
             "found 'walls.lid.stiffness': of a wall, motion, servo and friction may change");
+    refused("stages:\n- {name: a, walls: [{name: [1]}]}\n",
+            "an element that the scene has, found ''");
+    refused("stages:\n- {name: a, walls: {lid: 3}}\n", "expected what changes of 'lid', a section");
+    refused("stages:\n- {name: a, gravity: [0, 0, 1], gravity: [0, 0, 2]}\n",
+            "s.yaml:18:33: stages[0].gravity: expected once, found 'gravity' again");
     refused("stages:\n- {name: a, time: {end: 2}}\n", "it bounds the whole run");
     refused("stages:\n- {name: a, dimension: 2}\n", "it holds for all of the run");
     refused("stages:\n- {name: a, walls: {lid: {motion: {vz: 1 kg}}}}\n",

@@ -33,6 +33,12 @@ static double steps_of(const gn_world *w, const gn_stage *e) {
     return e->steps >= 0 ? fmin(steps, (double)e->steps) : steps;
 }
 
+double gn_plan_steps(const gn_world *w) {
+    double all = ceil((w->scene.end - w->time) / w->dt), sum = 0.0;
+    for (size_t k = 0; k < w->scene.stage_count; k++) sum += steps_of(w, &w->scene.stages[k]);
+    return w->scene.stage_count ? fmin(all, sum) : all;
+}
+
 void gn_print_stages(const gn_world *w, double per_step) {
     char text[192], time[32];
     if (!w->scene.stage_count) return;

@@ -6,6 +6,8 @@
 
 /* What stands before the first step; `per_step`, s of computing. Nothing without stages. */
 void gn_print_stages(const gn_world *world, double per_step);
+/* Steps up to the end of the run, at most, at their present length. */
+double gn_plan_steps(const gn_world *world);
 /* How each one went. */
 void gn_print_stages_done(const gn_run *run);
 

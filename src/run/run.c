@@ -129,6 +129,10 @@ static bool sets(const gn_override *overrides, size_t count, const char *prefix)
     return false;
 }
 
+static bool ends_stage(const gn_override *override) {
+    return strncmp(override->key, "stages", 6) == 0 && strstr(override->key, ".end");
+}
+
 static gneiss_status check_overrides(const gn_override *overrides, size_t count,
                                      gneiss_error *error) {
     static const char *const allowed[] = {"time.", "output.", "run."};
@@ -136,9 +140,11 @@ static gneiss_status check_overrides(const gn_override *overrides, size_t count,
         bool known = false;
         for (size_t a = 0; a < 3; a++)
             known = known || strncmp(overrides[k].key, allowed[a], strlen(allowed[a])) == 0;
+        known = known || ends_stage(&overrides[k]);
         if (!known)
             return gn_fail(error, GNEISS_ERROR_INPUT,
-                           "--set %s: a resumed run takes time.*, output.* and run.* only",
+                           "--set %s: a resumed run takes time.*, output.*, run.* and "
+                           "stages.<name>.end.* only",
                            overrides[k].key);
         if (strcmp(overrides[k].key, "output.directory") == 0)
             return gn_fail(error, GNEISS_ERROR_INPUT,
@@ -223,6 +229,8 @@ static gneiss_status apply_overrides(gn_run *run, const gn_override *overrides, 
                                                                    : GNEISS_ERROR_INPUT;
     }
     GN_TRY(gn_world_check_duration(w, error));
+    for (size_t k = 0; k < count; k++) /* which is looked at again */
+        if (ends_stage(&overrides[k])) w->stages[w->stage].ended = 0.0;
     set_intervals(run, sets(overrides, count, "output.history_rows"),
                   sets(overrides, count, "output.snapshots"));
     return GNEISS_OK;
@@ -417,7 +425,7 @@ gn_progress gn_run_progress(const gn_run *run) {
     p.particle_steps_per_second = rate * (double)w->dem.particles.soa.count;
     p.element_steps_per_second = rate * (double)gn_elements_totals(w).elements;
     p.contact_steps_per_second = p.seconds > 0.0 ? (double)w->dem.contact_steps / p.seconds : 0.0;
-    p.eta = rate > 0.0 ? fmax(0.0, (w->scene.end - w->time) / w->dt / rate) : NAN;
+    p.eta = rate > 0.0 ? fmax(0.0, gn_run_time_left(run) / w->dt / rate) : NAN;
     p.unbalanced = w->unbalanced;
     p.residual = w->effects & GN_FX_ENERGY ? gn_energy_residual(&w->reading) : NAN;
     p.broken = w->dem.broken_tension + w->dem.broken_shear;

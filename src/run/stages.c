@@ -152,6 +152,18 @@ double gn_run_stage_duration(const gn_run *run) {
     return e->steps >= 0 ? fmin(left, (double)e->steps * w->dt) : left;
 }
 
+double gn_run_time_left(const gn_run *run) {
+    const gn_world *w = &run->world;
+    double end = w->scene.end - w->time, left = 0.0;
+    for (size_t k = w->stage; gn_run_staged(run) && k < w->scene.stage_count; k++) {
+        const gn_stage *e = &w->scene.stages[k];
+        double most = e->time >= 0.0 ? e->time : (double)INFINITY;
+        if (e->steps >= 0) most = fmin(most, (double)e->steps * w->dt);
+        left += k == w->stage ? fmax(0.0, w->stages[k].time + most - w->time) : most;
+    }
+    return gn_run_staged(run) ? fmin(end, left) : end;
+}
+
 void gn_run_out_of_time(gn_run *run) {
     char name[GN_NAME_SIZE + 64] = "";
     if (gn_run_staged(run)) name_stage(run, name, sizeof name);

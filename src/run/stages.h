@@ -30,6 +30,8 @@ gneiss_status gn_run_stages_go(gn_run *run, bool *entered, gneiss_error *error);
 
 /* s: the most that the stage may last. */
 double gn_run_stage_duration(const gn_run *run);
+/* s to the end of the run, at most. */
+double gn_run_time_left(const gn_run *run);
 /* time.end ends the run, in whichever stage. */
 void gn_run_out_of_time(gn_run *run);
 

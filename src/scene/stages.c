@@ -148,8 +148,9 @@ static gneiss_status lay_map(layer *l, gn_node *base, const gn_node *over);
 static gneiss_status lay_list(layer *l, gn_node *base, const gn_node *over) {
     for (const gn_node *item = over->first; item; item = item->next) {
         const gn_node *said = over->kind == GN_NODE_LIST ? gn_node_child(item, "name") : NULL;
-        const char *name = over->kind == GN_NODE_MAP ? item->key : said ? said->text : "";
-        gn_node *element = base ? (gn_node *)gn_node_element(base, name) : NULL;
+        bool named = said && said->kind == GN_NODE_SCALAR;
+        const char *name = over->kind == GN_NODE_MAP ? item->key : named ? said->text : "";
+        gn_node *element = base && *name ? (gn_node *)gn_node_element(base, name) : NULL;
         if (!element || item->kind != GN_NODE_MAP) {
             GN_TRY(wrong(l, item,
                          element ? "expected what changes of '%s', a section%s"
@@ -210,6 +211,13 @@ static void make_way_in_servo(gn_node *base, const gn_node *over) {
     drop(base, "area");
 }
 
+/* The first of several keys of one name counts, and the others are told. */
+static bool seen(const gn_node *map, const gn_node *child) {
+    for (const gn_node *other = map->first; other != child; other = other->next)
+        if (strcmp(other->key, child->key) == 0) return true;
+    return false;
+}
+
 static gneiss_status lay_child(layer *l, gn_node *base, const gn_node *child) {
     const gn_key *key = gn_scene_key_at(l->path);
     bool map = child->kind == GN_NODE_MAP, list = child->kind == GN_NODE_LIST;
@@ -225,7 +233,10 @@ static gneiss_status lay_map(layer *l, gn_node *base, const gn_node *over) {
     for (const gn_node *child = over->first; child; child = child->next) {
         if (strcmp(child->key, "name") == 0) continue;
         size_t mark = push(l, child->key);
-        GN_TRY(lay_child(l, base, child));
+        if (seen(over, child))
+            GN_TRY(wrong(l, child, "expected once, found '%s' again%s", child->key, ""));
+        else
+            GN_TRY(lay_child(l, base, child));
         l->path[mark] = '\0';
     }
     return GNEISS_OK;
@@ -236,7 +247,10 @@ static gneiss_status lay_stage(layer *l, gn_node *root, const gn_node *stage) {
     for (const gn_node *child = stage->first; child; child = child->next) {
         if (strcmp(child->key, "name") == 0 || strcmp(child->key, "end") == 0) continue;
         snprintf(l->path, sizeof l->path, "%s", child->key);
-        GN_TRY(lay_child(l, root, child));
+        if (seen(stage, child))
+            GN_TRY(wrong(l, child, "expected once, found '%s' again%s", child->key, ""));
+        else
+            GN_TRY(lay_child(l, root, child));
     }
     return GNEISS_OK;
 }
