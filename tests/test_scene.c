@@ -152,7 +152,7 @@ static void a_2d_scene_has_short_vectors(void **state) {
 static void a_table_is_linear_between_and_constant_outside(void **state) {
     (void)state;
     double time[] = {1, 2, 4}, value[] = {10, 20, 0};
-    gn_table table = {3, time, value}, none = {0};
+    gn_table table = {.count = 3, .time = time, .value = value}, none = {0};
     assert_true(gn_table_at(&table, 0) == 10 && gn_table_at(&table, 1) == 10);
     assert_true(gn_table_at(&table, 1.5) == 15 && gn_table_at(&table, 2) == 20);
     assert_true(gn_table_at(&table, 3) == 10 && gn_table_at(&table, 5) == 0);
@@ -184,7 +184,7 @@ static void every_slip_is_told_with_its_place(void **state) {
          "s.yaml:10:1: lawwwwwwwww: unknown key 'lawwwwwwwww'; expected one of title, dimension, "
          "origin, specimen, materials, contacts, law, elements, bonds, damping, gravity, initial, "
          "periodic, "
-         "domain, sets, walls, bodies, test, time, output, neighbours, run"},
+         "domain, sets, walls, bodies, test, time, stages, output, neighbours, run"},
         {"    kratio: 2\n", "",
          "s.yaml:5:5: materials[0].kratio: required by this law.stiffness, but not given"},
         {"  end: 5 ms", "  safety: 1", "s.yaml:18:1: time.end: required, but not given"},

@@ -98,12 +98,83 @@ static void a_crowd_that_is_met_at_once_is_not_hit(void **state) {
         }
 }
 
+/* A box of spheres between six walls of which three hold a stress: in the end all walls do, by the
+ * sections that they stand in then, and so does the mean stress. */
+static gn_world *box_of(const char *servos) {
+    return world_of(
+        "dimension: 3\nspecimen: {lattice: {kind: cubic, radius: 1 mm, cells: [4, 3, 3], "
+        "spacing: 0.999, origin: [0, 0, 0]}}\n"
+        "materials: [{name: m, density: 2500, normal_stiffness: 1e5, kratio: 0}]\n"
+        "law: {stiffness: uniform}\n"
+        "damping: {background: {model: nonviscous_vector, coefficient: 0.7}}\n"
+        "domain: {min: [-1, -1, -1], max: [1, 1, 1]}\nwalls:\n"
+        "- {name: x0, point: [0, 0, 0], normal: [1, 0, 0], stiffness: 1e5}\n"
+        "- {name: y0, point: [0, 0, 0], normal: [0, 1, 0], stiffness: 1e5}\n"
+        "- {name: z0, point: [0, 0, 0], normal: [0, 0, 1], stiffness: 1e5}\n%s"
+        "time: {end: 1}\nrun: {threads: 1}\n",
+        servos);
+}
+
+static void a_stress_is_held_over_the_section_of_the_box(void **state) {
+    (void)state;
+    gn_world *w = box_of("- {name: x1, point: [8 mm, 0, 0], normal: [-1, 0, 0], stiffness: 1e5, "
+                         "servo: {stress: 10 kPa, max_velocity: 1}}\n"
+                         "- {name: y1, point: [0, 6 mm, 0], normal: [0, -1, 0], stiffness: 1e5, "
+                         "servo: {stress: 20 kPa, max_velocity: 1}}\n"
+                         "- {name: z1, point: [0, 0, 6 mm], normal: [0, 0, -1], stiffness: 1e5, "
+                         "servo: {stress: 30 kPa, max_velocity: 1}}\n");
+    run_steps(w, 20000);
+    measured_step(w);
+    double side[3], volume = 1.0;
+    for (int a = 0; a < 3; a++) {
+        side[a] = w->boundary.walls[3 + a].point[a] - w->boundary.walls[a].point[a];
+        volume *= side[a];
+    }
+    for (int a = 0; a < 3; a++) {
+        double area = volume / side[a], wanted = 1e4 * (a + 1) * area;
+        assert_near(w->boundary.walls[3 + a].force[a], wanted, 1e-4 * wanted);
+        assert_near(w->boundary.walls[a].force[a], -wanted, 1e-4 * wanted);
+        /* Of the volume that the centres and half the gaps to the walls span. */
+        assert_near(w->stress[4 * a] * w->volume / volume, -1e4 * (a + 1), 1e-2 * 1e4 * (a + 1));
+    }
+    assert_near(gn_energy_residual(&w->reading), 0.0, 1e-3);
+    world_end(w);
+}
+
+static void refused(const char *servo, const char *expected) {
+    text t = {0};
+    gneiss_error error = {0};
+    gn_world w;
+    add(&t,
+        "specimen: {particles: [[0, 0, 0, 1 mm]]}\n"
+        "materials: [{name: m, density: 2500, normal_stiffness: 1e5, kratio: 0}]\n"
+        "law: {stiffness: uniform}\ntime: {end: 1}\nwalls:\n"
+        "- {name: lid, point: [0, 0, 1 mm], normal: [0, 0, -1], stiffness: 1e5, servo: {%s}}\n"
+        "- {name: x0, point: [-1 mm, 0, 0], normal: [1, 0, 0], stiffness: 1e5}\n"
+        "- {name: x1, point: [1 mm, 0, 0], normal: [-1, 0, 0], stiffness: 1e5}\n",
+        servo);
+    assert_int_equal(world_try(&w, t.s, NULL, &error), GNEISS_ERROR_INPUT);
+    if (!strstr(error.message, expected)) fail_msg("'%s' is not in '%s'", expected, error.message);
+}
+
+static void servos_that_cannot_be_are_refused(void **state) {
+    (void)state;
+    refused("max_velocity: 1", "s.yaml:6:72: walls[0].servo: expected force or stress, found none");
+    refused("max_velocity: 1, force: 1, stress: 1", "expected force or stress, found both");
+    refused("max_velocity: 1, force: 1, area: 1", "servo.area: expected stress beside it");
+    refused("max_velocity: 1, stress: 1 kPa",
+            "walls[0].servo.area: required beside stress without two pairs of walls");
+    refused("max_velocity: 1, stress: 1 N", "walls[0].servo.stress: expected a stress");
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(one_sphere_settles_at_any_relaxation),
         cmocka_unit_test(a_lattice_settles_at_any_relaxation),
         cmocka_unit_test(the_default_is_not_touched),
         cmocka_unit_test(a_crowd_that_is_met_at_once_is_not_hit),
+        cmocka_unit_test(a_stress_is_held_over_the_section_of_the_box),
+        cmocka_unit_test(servos_that_cannot_be_are_refused),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

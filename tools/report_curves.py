@@ -38,9 +38,9 @@ plt.rcParams.update({
 
 
 def abscissa(results):
-    """(values, label): strain in per cent with a test, else time."""
+    """(values, label): strain in per cent with a test, else time; with stages time, which always goes on."""
     strain = results.column("strain")
-    if strain is not None:
+    if strain is not None and not results.stages:
         return 100 * strain, "axial strain [%]"
     time = results.column("time")
     if time is None:
@@ -55,6 +55,15 @@ def new_axes(title, x_label, y_label, height=3.9):
     axes.set_xlabel(x_label)
     axes.set_ylabel(y_label)
     return figure, axes
+
+
+def mark_stages(results, axes, x):
+    """Where a stage begins, by its name, if x goes on."""
+    for name, first, count in results.stages:
+        axes.axvline(x[first], color=GREY, lw=0.8, dashes=(2, 2), zorder=0)
+        if count:
+            axes.annotate(name, (x[first], 1.0), xycoords=("data", "axes fraction"), xytext=(3, -2),
+                          textcoords="offset points", rotation=90, va="top", fontsize=8, color="#5c6b76")
 
 
 def style_for(values):
@@ -91,10 +100,14 @@ def plot_stress(results, path):
     if strain is None or stress is None:
         return None
     factor, unit = scale_of(stress, "Pa")
-    figure, axes = new_axes("Stress and strain", "axial strain [%]", f"axial stress [{unit}]")
+    stage, rows = results.last_stage
+    strain, stress = strain[rows] - (strain[rows][0] if stage else 0.0), stress[rows]
+    figure, axes = new_axes(f"Stress and strain{stage and ', stage ' + stage}", "axial strain [%]",
+                            f"axial stress [{unit}]")
     for name, style in (("stress_lower", "--"), ("stress_upper", ":")):
         end = results.column(name)
         if end is not None:
+            end = end[rows]
             axes.plot(100 * strain, end / factor, style, color=GREY, lw=1,
                       label=name.replace("stress_", "at the ") + " end")
     axes.plot(100 * strain, stress / factor, color=INK, label="mean of both ends", **style_for(stress))
@@ -113,7 +126,8 @@ def plot_stress(results, path):
     axes.margins(x=0.02)
     axes.legend(loc="best")
     save(figure, path)
-    return "Axial stress over platen strain, both positive in the sense of the test."
+    return ("Axial stress over platen strain, both positive in the sense of the test."
+            + (" Strain counts from the start of the stage." if stage else ""))
 
 
 def plot_broken(results, path):
@@ -137,6 +151,7 @@ def plot_broken(results, path):
         other.set_ylim(bottom=min(0.0, float(np.nanmin(stress)) / factor))
     axes.margins(x=0.02)
     axes.legend(loc="upper left")
+    mark_stages(results, axes, x)
     save(figure, path)
     return "Broken bonds so far by cause, with the stress (thin line) for orientation."
 
@@ -152,12 +167,13 @@ def plot_energy(results, path):
     terms = energy_columns(results)
     if x is None or not terms:
         return None
-    inputs = sum((v for n, v in terms.items() if n.startswith("work_")), np.zeros(results.rows))
+    put_in = [n for n in terms if n.startswith("work_") or n.endswith("_change")]
+    inputs = sum((terms[n] for n in put_in), np.zeros(results.rows))
     at_start = results.scalar(results.energy, "stored_at_start")
     inputs = inputs + (at_start if np.isfinite(at_start) else 0.0)
     known = {n: look for n, look in {**STORED, **LOST}.items() if n in terms}
     known.update({n: (n.replace("_", " "), GREY) for n in terms
-                  if n not in known and not n.startswith(("work_", "stored_"))})
+                  if n not in known and n not in put_in and not n.startswith("stored_")})
     stack = list(known)
     largest = max([np.abs(terms[n]).max() for n in stack] + [np.abs(inputs).max()])
     shown = [n for n in stack if np.abs(terms[n]).max() > 2e-3 * largest]
@@ -184,6 +200,7 @@ def plot_energy(results, path):
     below.set_ylabel("residual [1]")
     below.set_xlabel(label)
     axes.margins(x=0.02)
+    mark_stages(results, axes, x)
     save(figure, path)
     return ("Where the energy is and where it went, stacked; the dashed line is what was put in and should be the "
             "upper edge of the stack. Below: what is missing, over the energy that has gone through. Terms under 0.2 % are left out.")
@@ -201,6 +218,7 @@ def plot_unbalanced(results, path):
     if np.isfinite(ratio).any() and np.nanmin(ratio) > 0:
         axes.set_yscale("log")
     axes.margins(x=0.02)
+    mark_stages(results, axes, x)
     save(figure, path)
     return "Mean resultant over mean contact or element force: small means quasi-static, jumps are fracture."
 
@@ -217,6 +235,7 @@ def plot_strains(results, path):
     axes.axhline(0, color=INK, lw=0.6)
     axes.margins(x=0.02)
     axes.legend(loc="best")
+    mark_stages(results, axes, x)
     save(figure, path)
     return "Volume averages over the specimen's triangulation (Bagi 1996)."
 
@@ -240,7 +259,7 @@ def plot_forces(results, path):
     time = results.column("time")
     names = [n for n in results.history if "_force_" in n or "_reaction_" in n]
     names = [n for n in names if results.column(n) is not None]
-    if time is None or not names or results.column("stress") is not None:
+    if time is None or not names or (results.column("stress") is not None and not results.stages):
         return None
     peaks = {n: np.nanmax(np.abs(results.column(n))) for n in names}
     largest = max(peaks.values())
@@ -253,6 +272,7 @@ def plot_forces(results, path):
         axes.plot(time / t_factor, values, lw=1.2, label=name.replace("_", " "), **style_for(values))
     if shown:
         axes.legend(loc="best")
+    mark_stages(results, axes, time / t_factor)
     save(figure, path)
     return "The largest components; smaller than 1 % of the largest are left out."
 

@@ -76,6 +76,22 @@ class Results:
             return 3
 
     @property
+    def stages(self):
+        """(name, first row, rows) of those that have begun; empty without stages."""
+        numbers, names = self.column("stage"), self.attribute("stages").split("\n")
+        if numbers is None:
+            return []
+        begins = [int(np.searchsorted(numbers, k)) for k in range(len(names) + 1)]
+        return [(name, begins[k], begins[k + 1] - begins[k]) for k, name in enumerate(names)
+                if begins[k] < len(numbers)]
+
+    @property
+    def last_stage(self):
+        """(name, slice of its rows) of the last one that has rows; ("", all rows) without stages."""
+        name, first, count = ([s for s in self.stages if s[2]] or [("", 0, self.rows)])[-1]
+        return name, slice(first, first + count)
+
+    @property
     def finished(self):
         return self.attribute("finished", "0") == "1"
 

@@ -243,7 +243,7 @@ static gneiss_status pick(const gneiss_quantity *all, size_t count, const char *
 enum { READINGS = GN_READING_COUNT, ENERGIES = GN_ENERGY_FIGURES };
 
 static void list_readings(const gneiss_world *world, gneiss_quantity out[READINGS]) {
-    gn_readings r = gn_history_readings(&world->run.world, &world->run.history);
+    gn_readings r = gn_run_readings(&world->run);
 #define X(name, unit, text) *out++ = (gneiss_quantity){#name, unit, text, r.name};
     GN_READINGS(X)
 #undef X

@@ -6,6 +6,7 @@
 #include "cli/idle.h"
 #include "cli/plan_elements.h"
 #include "cli/plan_law.h"
+#include "cli/plan_stages.h"
 #include "cli/progress.h"
 #include "sim/overlap.h"
 
@@ -201,7 +202,7 @@ gneiss_status gn_plan_seconds(gn_world *w, double *seconds, gneiss_error *error)
         GN_TRY(gn_first_break_start(w, NULL, &found, error));
         before = gn_now() - start;
     }
-    double steps = ceil((w->scene.end - w->time) / w->dt);
+    double steps = gn_plan_steps(w);
     GN_TRY(time_steps(w, &per_step, error));
     *seconds = before + steps * per_step;
     return GNEISS_OK;
@@ -233,11 +234,12 @@ gneiss_status gn_print_plan(gn_world *w, gneiss_error *error) {
     print_kernels(w);
     print_step(w);
     GN_TRY(find_start(w, error));
-    double steps = ceil((w->scene.end - w->time) / w->dt), per_step = 0.0;
+    double steps = gn_plan_steps(w), per_step = 0.0;
     double contacts = (double)(w->dem.bonds.soa.count + w->dem.pairs.soa.count);
     GN_TRY(time_steps(w, &per_step, error));
-    printf("cost\n  steps            %.0f to t = %g s%s\n", steps, w->scene.end,
-           w->scene.stop_peak_drop > 0.0 || w->scene.stop_strain > 0.0
+    printf("cost\n  steps            %.0f to t = %g s%s\n", steps,
+           w->scene.stage_count ? fmin(w->scene.end, steps * w->dt) : w->scene.end,
+           w->scene.stage_count || w->scene.stop_peak_drop > 0.0 || w->scene.stop_strain > 0.0
                ? " (a stop condition may come first)"
                : "");
     printf("  per step         %.1f us with %d threads:", per_step * 1e6, w->threads);
@@ -249,6 +251,7 @@ gneiss_status gn_print_plan(gn_world *w, gneiss_error *error) {
             gn_format_count((double)gn_elements_totals(w).elements / per_step, text, sizeof text));
     printf("\n");
     printf("  time             %s\n", gn_format_seconds(per_step * steps, text, sizeof text));
+    gn_print_stages(w, per_step);
     return GNEISS_OK;
 }
 

@@ -4,6 +4,7 @@
 #include "base/point.h"
 #include "cli/line.h"
 #include "cli/plan_elements.h"
+#include "cli/plan_stages.h"
 #include "io/files.h"
 #include "sim/overlap.h"
 
@@ -43,6 +44,7 @@ static void progress_json(const gn_progress *p) {
     gn_json_integer(j, "step", p->step);
     gn_json_number(j, "time", p->time);
     gn_json_number(j, "end", p->end);
+    if (p->stages) gn_json_text(j, "stage", p->stage);
     gn_json_number(j, "seconds", p->seconds);
     gn_json_number(j, "particle_steps_per_second", p->particle_steps_per_second);
     gn_json_number(j, "contact_steps_per_second", p->contact_steps_per_second);
@@ -71,6 +73,7 @@ void gn_print_progress(const gn_options *o, const gn_run *run) {
     char rate[32], eta[32];
     bool particles = run->world.scene.has_specimen;
     gn_line line = {0};
+    if (p.stages) gn_line_add(&line, 0, "%s %zu/%zu", p.stage, p.stage_index + 1, p.stages);
     gn_line_add(&line, 0, "step %lld", (long long)p.step);
     gn_line_brief(gn_line_add(&line, 0, "t %.4g/%.4g s", p.time, p.end), "%.3g %%",
                   100.0 * p.time / p.end);
@@ -211,7 +214,7 @@ static void print_reading(const char *label, double value, const char *unit, con
 }
 
 static void print_readings(const gn_run *run) {
-    gn_readings r = gn_history_readings(&run->world, &run->history);
+    gn_readings r = gn_run_readings(run);
     if (run->world.scene.test.kind == GN_TEST_NONE) return;
 #define PRINT(label, name, factor, unit, note)                                                     \
     print_reading(label, r.name *(factor), unit, note, r.reason[GN_READING_##name])
@@ -263,6 +266,7 @@ void gn_print_warnings(const gn_run *run) {
 /* What the run came to. */
 static void print_outcome(const gn_run *run) {
     const gn_world *w = &run->world;
+    gn_print_stages_done(run);
     print_readings(run);
     if (w->effects & GN_FX_BONDS)
         printf("  bonds broken           %10lld in tension, %lld in shear, of %lld\n",

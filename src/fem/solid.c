@@ -323,6 +323,21 @@ static gneiss_status make_elements(builder *b, gneiss_error *error) {
 
 /* --- all of it --- */
 
+gneiss_status gn_fem_surround(gn_fem_solid *solid, const double gravity[3], gn_effects damping,
+                              double coefficient, gneiss_error *error) {
+    const gn_effects own =
+        GN_FX_GRAVITY | GN_FX_VISCOUS | GN_FX_NONVISCOUS_VECTOR | GN_FX_NONVISCOUS_COMPONENT;
+    solid->effects = (solid->effects & ~own) | damping;
+    solid->damping_coefficient = coefficient;
+    for (int k = 0; k < solid->dimension; k++) {
+        solid->gravity[k] = gravity[k];
+        if (gravity[k] != 0.0) solid->effects |= GN_FX_GRAVITY;
+    }
+    if (solid->nodes.soa.capacity) solid->nodes.soa.effects = solid->effects;
+    if (solid->elements.soa.capacity) solid->elements.soa.effects = solid->effects;
+    return gn_motion_kernel_choose(solid->kernels, solid->effects, &solid->motion_kernel, error);
+}
+
 static gneiss_status prepare(gn_fem_solid *solid, const gn_fem_spec *spec, gneiss_error *error) {
     bool space = spec->dimension == 3;
     snprintf(solid->name, sizeof solid->name, "%s", spec->name ? spec->name : "mesh");
@@ -332,21 +347,17 @@ static gneiss_status prepare(gn_fem_solid *solid, const gn_fem_spec *spec, gneis
     solid->single = spec->single;
     solid->threads = spec->threads > 0 ? spec->threads : 1;
     if (solid->threads > GN_THREADS_MAX) solid->threads = GN_THREADS_MAX;
-    memcpy(solid->gravity, spec->gravity, (size_t)spec->dimension * sizeof *solid->gravity);
-    solid->damping_coefficient = spec->damping_coefficient;
-    solid->effects = GN_FX_APPLIED | GN_FX_PRESCRIBED | GN_FX_ENERGY | spec->damping;
+    solid->effects = GN_FX_APPLIED | GN_FX_PRESCRIBED | GN_FX_ENERGY;
     if (space) solid->effects |= GN_FX_SPACE;
     const bool pressure = solid->form == GN_FEM_PRESSURE;
     if (pressure) solid->effects |= GN_FX_PRESSURE;
     if (solid->single) solid->effects |= GN_FX_MIXED;
-    for (int k = 0; k < 3; k++)
-        if (solid->gravity[k] != 0.0) solid->effects |= GN_FX_GRAVITY;
     GN_TRY(gn_kernel_set_choose(spec->isa, &solid->kernels, error));
     for (int measure = 0; measure < 2; measure++)
         solid->element_kernel[measure] =
             solid->kernels->element[gn_element_variant(space, measure, pressure)];
     if (solid->single) solid->element_kernel[0] = solid->kernels->single[space];
-    return gn_motion_kernel_choose(solid->kernels, solid->effects, &solid->motion_kernel, error);
+    return gn_fem_surround(solid, spec->gravity, spec->damping, spec->damping_coefficient, error);
 }
 
 static gneiss_status make_sums(builder *b, gneiss_error *error) {

@@ -107,6 +107,9 @@ typedef struct gn_fem_solid {
  * elements, an element without volume or material, a missing group. */
 gneiss_status gn_fem_solid_create(const gn_fem_spec *spec, gn_mesh *mesh, gn_fem_solid *solid,
                                   gneiss_error *error);
+/* Other gravity and background damping from now on, as gn_fem_spec has them. */
+gneiss_status gn_fem_surround(gn_fem_solid *solid, const double gravity[3], gn_effects damping,
+                              double coefficient, gneiss_error *error);
 void gn_fem_solid_free(gn_fem_solid *solid);
 
 /* Bytes held by nodes, elements and partial sums. */

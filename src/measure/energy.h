@@ -17,6 +17,7 @@
     X(work_applied, INPUT, "work of applied forces")                                               \
     X(work_gravity, INPUT, "work of gravity")                                                      \
     X(step_change, INPUT, "of particles, by changes of the length of the step")                    \
+    X(stage_change, INPUT, "stored in contacts by going from one stage to the next")               \
     X(friction, LOST, "dissipated by sliding friction")                                            \
     X(contact_damping, LOST, "dissipated by contact damping")                                      \
     X(background_damping, LOST, "dissipated by background damping")                                \

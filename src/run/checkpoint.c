@@ -110,6 +110,18 @@ static gneiss_status put_history(const gn_run *run, gn_h5 *file, gneiss_error *e
     return GNEISS_OK;
 }
 
+enum { STAGE_NUMBERS = sizeof(gn_stage_state) / sizeof(double) };
+
+static gneiss_status put_stages(const gn_world *w, gn_h5 *file, gneiss_error *error) {
+    int64_t stage = (int64_t)w->stage;
+    gn_stage_state *stages = w->stages;
+    gn_checkpoint_array array = {"stages", GN_F64, w->given.stage_count, STAGE_NUMBERS,
+                                 (void **)&stages};
+    if (!w->given.stage_count) return GNEISS_OK;
+    GN_TRY(gn_h5_attribute_i64(file, "/", "stage", &stage, 1, error));
+    return gn_checkpoint_put_arrays(file, &array, 1, error);
+}
+
 static gneiss_status put_all(const gn_run *run, gn_h5 *file, gneiss_error *error) {
     const gn_world *w = &run->world;
     int64_t format = FORMAT, bonds = (int64_t)w->dem.bonds.soa.effects,
@@ -129,6 +141,7 @@ static gneiss_status put_all(const gn_run *run, gn_h5 *file, gneiss_error *error
     gn_progress progress = gn_run_progress(run);
     GN_TRY(gn_h5_attribute_f64(file, "/", "seconds", &progress.seconds, 1, error));
     GN_TRY(gn_h5_attribute_f64(file, "/", "cpu_seconds", &progress.cpu_seconds, 1, error));
+    GN_TRY(put_stages(w, file, error));
     gn_strain_gauge gauge = w->gauge; /* list_gauge hands out places to fill */
     gn_checkpoint_array arrays[GAUGE_ARRAYS];
     list_gauge(&gauge, arrays);
@@ -218,6 +231,20 @@ static gneiss_status check_numbers(const gn_run *run, const char *path, gneiss_e
                           "%s: expected positive steps and intervals, found others", path);
 }
 
+static gneiss_status get_stages(gn_world *w, const gn_h5 *file, const char *path,
+                                gneiss_error *error) {
+    int64_t stage = 0;
+    gn_checkpoint_array array = {"stages", GN_F64, w->given.stage_count, STAGE_NUMBERS,
+                                 (void **)&w->stages};
+    if (!w->given.stage_count) return GNEISS_OK;
+    GN_TRY(gn_h5_get_attribute_i64(file, "/", "stage", &stage, 1, error));
+    if (stage < 0 || (size_t)stage >= w->given.stage_count)
+        return gn_fail(error, GNEISS_ERROR_INPUT, "%s: expected a stage below %zu, found %lld",
+                       path, w->given.stage_count, (long long)stage);
+    w->stage = (size_t)stage;
+    return gn_checkpoint_get_arrays(file, &array, 1, error);
+}
+
 /* Messages about the text name the checkpoint: its lines are not those of the scene file. */
 static gneiss_status get_scene(gn_world *w, const gn_h5 *file, const char *path,
                                const gn_override *overrides, size_t count, gneiss_error *error) {
@@ -229,6 +256,7 @@ static gneiss_status get_scene(gn_world *w, const gn_h5 *file, const char *path,
     if (status == GNEISS_OK) snprintf(w->given.source, sizeof w->given.source, "%s", source);
     free(text);
     free(source);
+    if (status == GNEISS_OK) status = get_stages(w, file, path, error);
     return status == GNEISS_OK ? gn_origin_shift(w, error) : status;
 }
 

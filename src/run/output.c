@@ -5,6 +5,7 @@
 #include "io/snapshot.h"
 #include "run/output_fields.h"
 #include "run/run.h"
+#include "run/stages.h"
 #include "sim/internal.h"
 
 #include <math.h>
@@ -134,6 +135,21 @@ static gneiss_status put_warnings(const gn_run *run, gn_h5 *file, gneiss_error *
     return gn_h5_attribute_text(file, "/", "warnings", text, error);
 }
 
+/* Names, a line each; which of them a row is of stands in the history. */
+static gneiss_status put_stages(const gn_run *run, gn_h5 *file, gneiss_error *error) {
+    const gn_scene *s = &run->world.scene;
+    size_t used = 0, size = s->stage_count * (GN_NAME_SIZE + 1) + 1;
+    if (!s->stage_count) return GNEISS_OK;
+    char *text = calloc(size, 1);
+    if (!text) return gn_fail(error, GNEISS_ERROR_MEMORY, "no memory for names of stages");
+    for (size_t k = 0; k < s->stage_count; k++)
+        used +=
+            (size_t)snprintf(text + used, size - used, "%s%s", k ? "\n" : "", s->stages[k].name);
+    gneiss_status status = gn_h5_attribute_text(file, "/", "stages", text, error);
+    free(text);
+    return status;
+}
+
 /* What was added for a longer step. */
 static gneiss_status put_mass_scaling(const gn_world *w, gn_h5 *file, gneiss_error *error) {
     const gn_mass_scaling *s = &w->dem.scaling;
@@ -172,6 +188,7 @@ static gneiss_status put_header(const gn_run *run, gn_h5 *file, gneiss_error *er
     GN_TRY(gn_h5_attribute_f64(file, "/", "cpu_seconds", &progress.cpu_seconds, 1, error));
     GN_TRY(gn_h5_attribute_f64(file, "/", "origin", w->scene.origin, 3, error));
     GN_TRY(put_mass_scaling(w, file, error));
+    GN_TRY(put_stages(run, file, error));
     GN_TRY(put_warnings(run, file, error));
     char *scene = gn_scene_write(&w->given);
     if (!scene) return gn_fail(error, GNEISS_ERROR_MEMORY, "no memory for the scene text");
@@ -190,7 +207,7 @@ static gneiss_status put_reading(gn_h5 *file, const char *name, double value, co
 }
 
 static gneiss_status put_readings(const gn_run *run, gn_h5 *file, gneiss_error *error) {
-    gn_readings r = gn_history_readings(&run->world, &run->history);
+    gn_readings r = gn_run_readings(run);
     bool demanded = gn_h5_demand_finite(file, false);
 #define X(name, unit, text)                                                                        \
     GN_TRY(put_reading(file, #name, r.name, unit, text, r.reason[GN_READING_##name], error));
@@ -278,7 +295,7 @@ static void summary_warnings(const gn_run *run, gn_json *j) {
 
 /* Numbers, null where one is absent, and why it is. */
 static void summary_readings(const gn_run *run, gn_json *j) {
-    gn_readings r = gn_history_readings(&run->world, &run->history);
+    gn_readings r = gn_run_readings(run);
     gn_json_object(j, "readings");
 #define X(name, unit, text) gn_json_number(j, #name, r.name);
     GN_READINGS(X)
@@ -335,6 +352,35 @@ static void summary_mass_scaling(const gn_world *w, gn_json *j) {
     gn_json_number(j, "dt_wanted", s->step > 0.0 ? s->step : s->unscaled);
     gn_json_number(j, "dt_without", s->unscaled);
     gn_json_end(j);
+}
+
+/* The stages that have begun: when, how they ended, and their readings. */
+static gneiss_status summary_stages(const gn_run *run, gn_json *j, gneiss_error *error) {
+    const gn_world *w = &run->world;
+    if (!gn_run_staged(run)) return GNEISS_OK;
+    gn_json_array(j, "stages");
+    for (size_t k = 0; k <= w->stage; k++) {
+        const gn_stage_state *s = &w->stages[k];
+        char reason[96];
+        gn_readings r;
+        GN_TRY(gn_run_stage_readings(run, k, &r, error));
+        gn_json_object(j, NULL);
+        gn_json_text(j, "name", w->scene.stages[k].name);
+        gn_json_integer(j, "step", (int64_t)s->step);
+        gn_json_number(j, "time", s->time);
+        gn_json_integer(j, "row", (int64_t)s->row);
+        gn_json_text(
+            j, "ended",
+            gn_stage_reason(&w->scene.stages[k], (gn_stage_cause)s->ended, reason, sizeof reason));
+        gn_json_object(j, "readings");
+#define X(name, unit, text) gn_json_number(j, #name, r.name);
+        GN_READINGS(X)
+#undef X
+        gn_json_end(j);
+        gn_json_end(j);
+    }
+    gn_json_end(j);
+    return GNEISS_OK;
 }
 
 /* Bytes that the process has held at most, since it was started. */
@@ -394,6 +440,7 @@ gneiss_status gn_output_summary(const gn_run *run, gneiss_error *error) {
     gn_json *j = gn_json_begin();
     gn_json_text(j, "title", w->scene.title);
     summary_readings(run, j);
+    gneiss_status status = summary_stages(run, j, error);
     summary_counts(w, contacts, j);
     gn_json_number(j, "volume", w->volume);
     gn_json_text(j, "volume_of", gn_world_volume_source(w));
@@ -408,9 +455,11 @@ gneiss_status gn_output_summary(const gn_run *run, gneiss_error *error) {
     summary_mass_scaling(w, j);
     summary_cost(run, j);
     char *text = gn_json_finish(j, true);
+    if (status != GNEISS_OK) free(text);
+    GN_TRY(status);
     if (!text) return gn_fail(error, GNEISS_ERROR_MEMORY, "no memory for summary.json");
     snprintf(path, sizeof path, "%s/summary.json", run->directory);
-    gneiss_status status = gn_write_text_file(path, text, GN_DURABLE, error);
+    status = gn_write_text_file(path, text, GN_DURABLE, error);
     free(text);
     return status;
 }

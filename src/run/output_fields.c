@@ -173,6 +173,7 @@ READ(normal_force, v->normal[k])
 READ(shear_force, v->shear[k])
 READ(criterion, criterion_of(v, k))
 
+READ(rest_length, w->dem.bonds.length0[k])
 READ(area, w->dem.bonds.area[k])
 READ(contact_stress, v->normal[k] / w->dem.bonds.area[k])
 
@@ -199,6 +200,8 @@ static const gn_output_field of_bonds[] = {
      "0 intact, 1 broken in tension, 2 broken in shear, 3 left with a removed particle; holds: 4 "
      "softening, 5 yielded",
      BOTH, GN_I32, false, 1, read_state, 0},
+    {"rest_length", "m", "distance of the centres at which there is no normal force", GN_IN_RESULTS,
+     GN_F64, false, 1, read_rest_length, 0},
     {"tension_damage", "1", "d of bonds that soften, 1: broken in tension", BOTH, GN_F64, false, 1,
      read_tension_damage, GN_FX_SOFTENING},
     {"shear_damage", "1", "kappa of bonds that soften, 1: broken in shear", BOTH, GN_F64, false, 1,

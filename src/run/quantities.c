@@ -16,6 +16,10 @@ static void difference3(double *to, const double *a, const double *b) {
 
 /* --- conditions --- */
 
+static bool has_stages(const gn_world *w, size_t k) {
+    (void)k;
+    return w->scene.stage_count > 0;
+}
 static bool has_test(const gn_world *w, size_t k) {
     (void)k;
     return w->scene.test.kind != GN_TEST_NONE;
@@ -40,14 +44,14 @@ static bool set_moves(const gn_world *w, size_t k) {
     const gn_set_def *s = &w->scene.sets[k];
     size_t points = 0;
     for (int a = 0; a < 3; a++) points += s->motion.velocity[a].count + s->motion.spin[a].count;
-    return points > 0;
+    return points > 0 || (w->scene.stage_count && w->effects & GN_FX_PRESCRIBED);
 }
 static bool motion_drives(const gn_world *w, size_t k) {
     return gn_elements_motion_drives(w, k);
 }
 
 static const gn_condition always = {"always", NULL}, tests = {"with a test", has_test},
-                          bonded = {"with bonds", has_bonds},
+                          staged = {"with stages", has_stages}, bonded = {"with bonds", has_bonds},
                           booked = {"with the energy ledger", has_ledger},
                           raised = {"with mass scaling", has_added_mass},
                           beside = {"finite elements beside particles",
@@ -65,6 +69,7 @@ static const gn_condition always = {"always", NULL}, tests = {"with a test", has
 
 READ(step, (double)w->step)
 READ(time, w->time)
+READ(stage, (double)w->stage)
 
 READ(deflection, gn_ends_deflection(w))
 READ(test_strain, gn_ends_deflection(w) / w->test_length)
@@ -112,11 +117,11 @@ READ(added_kinetic, gn_dem_added_kinetic(w))
 static double broken(const gn_world *w) {
     return (double)(w->dem.broken_tension + w->dem.broken_shear);
 }
-/* Those that left with removed particles are neither. */
+/* Those that left with removed particles or were dissolved are neither. */
 static double bonds_left(const gn_world *w) {
     size_t left = 0;
-    for (size_t c = 0; w->dem.lost && c < w->dem.bonds.soa.count; c++)
-        left += w->dem.bonds.cause[c] == GN_BOND_LEFT;
+    for (size_t c = 0; (w->dem.lost || w->scene.stage_count) && c < w->dem.bonds.soa.count; c++)
+        left += w->dem.bonds.cause[c] >= GN_BOND_LEFT;
     return (double)left;
 }
 READ(bonds_intact, (double)w->dem.bonds_at_start - broken(w) - bonds_left(w))
@@ -135,6 +140,7 @@ READ(energy_residual, gn_energy_residual(&w->reading))
 static const gn_quantity of_the_model[] = {
     SCALAR(always, GN_BEFORE_STEP, "step", "1", read_step, "steps done"),
     SCALAR(always, GN_BEFORE_STEP, "time", "s", read_time, "time"),
+    SCALAR(staged, GN_BEFORE_STEP, "stage", "1", read_stage, "stage of the scene, base 0"),
     SCALAR(tests, GN_BEFORE_STEP, "strain", "1", read_test_strain,
            "change of the distance of the ends over the length, positive in the test's sense"),
     SCALAR(tests, GN_AFTER_STEP, "stress", "Pa", read_test_stress,

@@ -4,6 +4,7 @@
 #include "io/checkpoint_files.h"
 #include "io/files.h"
 #include "run/folder.h"
+#include "run/stages.h"
 #include "sim/internal.h"
 #include "sim/origin.h"
 
@@ -18,18 +19,20 @@ enum { WATCH_INTERVAL = 2000, WATCH_ELEMENTS = 500, CLOCK_INTERVAL = 16 };
 
 /* --- setting up --- */
 
-/* Rows or snapshots wanted up to the end -> steps from one to the next; the first is always taken.
+/* Rows or snapshots wanted up to the end, or that of the stage -> steps from one to the next; the
+ * first is always taken.
  */
-static int64_t interval(const gn_world *w, int64_t wanted) {
-    double steps = wanted > 0 ? w->scene.end / w->dt / (double)wanted : INFINITY;
+static int64_t interval(const gn_run *run, int64_t wanted) {
+    const gn_world *w = &run->world;
+    double duration = gn_run_staged(run) ? gn_run_stage_duration(run) : w->scene.end;
+    double steps = wanted > 0 ? duration / w->dt / (double)wanted : INFINITY;
     return steps < 1.0 ? 1 : steps < 1e18 ? (int64_t)steps : INT64_MAX;
 }
 
 static void set_intervals(gn_run *run, bool history, bool snapshots) {
     const gn_scene *s = &run->world.scene;
-    if (history) run->history_interval = interval(&run->world, s->history_rows);
-    if (snapshots)
-        run->snapshot_interval = s->snapshots > 0 ? interval(&run->world, s->snapshots) : 0;
+    if (history) run->history_interval = interval(run, s->history_rows);
+    if (snapshots) run->snapshot_interval = s->snapshots > 0 ? interval(run, s->snapshots) : 0;
 }
 
 static void set_clock(gn_run *run) {
@@ -97,6 +100,10 @@ enum { ROWS_BEFORE_PEAK = 20 };
 
 static void check_stop_conditions(gn_run *run) {
     const gn_scene *s = &run->world.scene;
+    if (gn_run_staged(run)) {
+        gn_run_stage_row(run);
+        return;
+    }
     if (s->test.kind != GN_TEST_NONE) {
         double stress = last(run, "stress"), strain = last(run, "strain");
         bool counts = run->world.effects & GN_FX_BONDS
@@ -122,6 +129,10 @@ static bool sets(const gn_override *overrides, size_t count, const char *prefix)
     return false;
 }
 
+static bool ends_stage(const gn_override *override) {
+    return strncmp(override->key, "stages", 6) == 0 && strstr(override->key, ".end");
+}
+
 static gneiss_status check_overrides(const gn_override *overrides, size_t count,
                                      gneiss_error *error) {
     static const char *const allowed[] = {"time.", "output.", "run."};
@@ -129,9 +140,11 @@ static gneiss_status check_overrides(const gn_override *overrides, size_t count,
         bool known = false;
         for (size_t a = 0; a < 3; a++)
             known = known || strncmp(overrides[k].key, allowed[a], strlen(allowed[a])) == 0;
+        known = known || ends_stage(&overrides[k]);
         if (!known)
             return gn_fail(error, GNEISS_ERROR_INPUT,
-                           "--set %s: a resumed run takes time.*, output.* and run.* only",
+                           "--set %s: a resumed run takes time.*, output.*, run.* and "
+                           "stages.<name>.end.* only",
                            overrides[k].key);
         if (strcmp(overrides[k].key, "output.directory") == 0)
             return gn_fail(error, GNEISS_ERROR_INPUT,
@@ -211,15 +224,13 @@ static gneiss_status apply_overrides(gn_run *run, const gn_override *overrides, 
     gn_world *w = &run->world;
     if (sets(overrides, count, "time.step") || sets(overrides, count, "time.safety") ||
         sets(overrides, count, "time.contact_steps") || sets(overrides, count, "time.estimate")) {
-        int64_t lowered = w->dt_lowered;
-        w->dt = INFINITY; /* any step is less: a new one is chosen as at the start */
-        if (gn_world_check_step(w, true, error) != GNEISS_OK)
+        if (gn_world_choose_step(w, error) != GNEISS_OK)
             return error && error->status != GNEISS_ERROR_UNSTABLE ? error->status
                                                                    : GNEISS_ERROR_INPUT;
-        w->dt_lowered = lowered;
-        GN_TRY(gn_origin_check(w, error));
     }
     GN_TRY(gn_world_check_duration(w, error));
+    for (size_t k = 0; k < count; k++) /* which is looked at again */
+        if (ends_stage(&overrides[k])) w->stages[w->stage].ended = 0.0;
     set_intervals(run, sets(overrides, count, "output.history_rows"),
                   sets(overrides, count, "output.snapshots"));
     return GNEISS_OK;
@@ -229,6 +240,7 @@ static gneiss_status apply_overrides(gn_run *run, const gn_override *overrides, 
 static void take_up(gn_run *run) {
     set_clock(run);
     if (last(run, "step") == (double)(run->world.step - 1)) check_stop_conditions(run);
+    if (gn_run_staged(run)) gn_run_stage_time(run);
 }
 
 gneiss_status gn_run_resume(const char *directory, const gn_override *overrides,
@@ -314,10 +326,23 @@ gneiss_status gn_run_begin(gn_run *run, const gn_first_break_watch *watch, gneis
     return status;
 }
 
+/* *first: a row and snapshots are due. */
+static gneiss_status go_to_stage(gn_run *run, bool *first, gneiss_error *error) {
+    bool entered;
+    GN_TRY(gn_run_stages_go(run, &entered, error));
+    if (!entered) return GNEISS_OK;
+    set_intervals(run, true, true);
+    *first = true;
+    return GNEISS_OK;
+}
+
 static gneiss_status one_step(gn_run *run, gneiss_error *error) {
     gn_world *w = &run->world;
     GN_TRY(gn_run_begin(run, NULL, error));
-    const bool first = w->step == w->first_step;
+    bool first = w->step == w->first_step;
+    const bool before = run->finished;
+    if (gn_run_staged(run)) GN_TRY(go_to_stage(run, &first, error));
+    if (run->finished && !before) return GNEISS_OK; /* the last stage has no steps */
     if (run->directory[0] && run->snapshot_interval &&
         (first || w->step % run->snapshot_interval == 0)) {
         double start = gn_now();
@@ -334,8 +359,8 @@ static gneiss_status one_step(gn_run *run, gneiss_error *error) {
     }
     if (w->step % (w->element_count ? WATCH_ELEMENTS : WATCH_INTERVAL) == 0)
         GN_TRY(gn_world_check_step(w, false, error));
-    if (!run->finished && w->time >= w->scene.end - 0.5 * w->dt)
-        stop(run, "t = %g s reached", w->scene.end);
+    if (gn_run_staged(run)) gn_run_stage_time(run);
+    if (!run->finished && w->time >= w->scene.end - 0.5 * w->dt) gn_run_out_of_time(run);
     return GNEISS_OK;
 }
 
@@ -364,7 +389,7 @@ gneiss_status gn_run_advance(gn_run *run, double seconds, const volatile sig_ato
                              gneiss_error *error) {
     double until = gn_now() + seconds;
     if (!run->finished && run->world.time >= run->world.scene.end - 0.5 * run->world.dt)
-        stop(run, "t = %g s reached", run->world.scene.end);
+        gn_run_out_of_time(run);
     for (int64_t k = 1; !run->finished; k++) {
         GN_TRY(one_step(run, error));
         if (interrupt && *interrupt) return GNEISS_OK;
@@ -391,13 +416,16 @@ gn_progress gn_run_progress(const gn_run *run) {
     p.step = w->step;
     p.time = w->time;
     p.end = w->scene.end;
+    p.stages = w->scene.stage_count;
+    p.stage_index = w->stage;
+    p.stage = p.stages ? w->scene.stages[w->stage].name : NULL;
     p.seconds = run->wall_before + gn_now() - run->wall_start;
     p.cpu_seconds = run->cpu_before + gn_process_time() - run->cpu_start;
     double rate = p.seconds > 0.0 ? (double)(w->step - w->first_step) / p.seconds : 0.0;
     p.particle_steps_per_second = rate * (double)w->dem.particles.soa.count;
     p.element_steps_per_second = rate * (double)gn_elements_totals(w).elements;
     p.contact_steps_per_second = p.seconds > 0.0 ? (double)w->dem.contact_steps / p.seconds : 0.0;
-    p.eta = rate > 0.0 ? fmax(0.0, (w->scene.end - w->time) / w->dt / rate) : NAN;
+    p.eta = rate > 0.0 ? fmax(0.0, gn_run_time_left(run) / w->dt / rate) : NAN;
     p.unbalanced = w->unbalanced;
     p.residual = w->effects & GN_FX_ENERGY ? gn_energy_residual(&w->reading) : NAN;
     p.broken = w->dem.broken_tension + w->dem.broken_shear;

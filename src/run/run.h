@@ -41,7 +41,9 @@ typedef struct gn_progress {
     double eta; /* s, to `end`; a stop condition may come first */
     double unbalanced, residual;
     int64_t broken;
-    double stress, strain; /* NaN without a test */
+    double stress, strain;      /* NaN without a test */
+    size_t stages, stage_index; /* 0: none; base 0 */
+    const char *stage;          /* its name; the run's */
     bool finished;
 } gn_progress;
 
@@ -85,6 +87,10 @@ gn_progress gn_run_progress(const gn_run *run);
 
 /* Writes the last snapshot, a checkpoint, results.h5 and summary.json. */
 gneiss_status gn_run_finish(gn_run *run, gneiss_error *error);
+
+/* Of the history; with stages of the rows of the last one that has any, strain counted from its
+ * start (stages.c). */
+gn_readings gn_run_readings(const gn_run *run);
 
 /* After GNEISS_ERROR_UNSTABLE: snapshots of the bad state (failed_*.hdf) and results.h5 with the
  * message. The checkpoints on disk are left as they are. */

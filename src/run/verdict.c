@@ -1,5 +1,6 @@
 /* What a run has to say against its own results: warnings, and a ledger that does not close. */
 #include "run/run.h"
+#include "run/stages.h"
 
 #include <math.h>
 
@@ -79,7 +80,7 @@ static void warn_of_change(const gn_run *run, gn_warnings *list) {
 static const double imbalance_limit = 0.1;
 
 static void warn_of_balance(const gn_run *run, gn_warnings *list) {
-    gn_readings r = gn_history_readings(&run->world, &run->history);
+    gn_readings r = gn_run_readings(run);
     if (!(r.end_imbalance > imbalance_limit)) return;
     gn_warning *to = &list->warning[list->count++];
     to->name = "end_imbalance";
@@ -137,6 +138,18 @@ static void warn_of_mass_scaling(const gn_run *run, gn_warnings *list) {
              s->step, s->reached, s->unscaled);
 }
 
+/* A condition that was not met in time. */
+static void warn_of_stages(const gn_run *run, gn_warnings *list) {
+    const gn_world *w = &run->world;
+    if (!run->finished || !gn_run_stages_left(run)) return;
+    gn_warning *to = &list->warning[list->count++];
+    to->name = "stages_left";
+    snprintf(to->text, sizeof to->text,
+             "time.end (%g s) came while the run was in stage '%s' (%zu of %zu), whose end had not "
+             "come: a later time.end, or another condition under its end",
+             w->scene.end, w->scene.stages[w->stage].name, w->stage + 1, w->scene.stage_count);
+}
+
 gn_warnings gn_run_warnings(const gn_run *run) {
     gn_warnings list = {0};
     warn_of_step(run, &list);
@@ -146,5 +159,6 @@ gn_warnings gn_run_warnings(const gn_run *run) {
     warn_of_skin(run, &list);
     warn_of_softening(run, &list);
     warn_of_mass_scaling(run, &list);
+    warn_of_stages(run, &list);
     return list;
 }

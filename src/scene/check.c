@@ -1,6 +1,7 @@
 #include "scene/check.h"
 
 #include "base/names.h"
+#include "scene/facing.h"
 
 #include <float.h>
 #include <math.h>
@@ -79,6 +80,7 @@ static gneiss_status check_source(const check *c, gn_specimen *specimen, int64_t
     char path[GN_KEY_PATH_SIZE], shapes[GN_SHAPE_NAMES_SIZE];
     source[0] = '\0';
     if (*specimen->file) add_source(source, "file");
+    if (*specimen->from) add_source(source, "from");
     if (specimen->particle_count) add_source(source, "a list of particles");
     if (specimen->lattice.kind != GN_LATTICE_NONE) add_source(source, "lattice");
     for (size_t k = 0; k < gn_specimen_section.key_count; k++) {
@@ -410,6 +412,23 @@ static gneiss_status check_wall(const check *c, const gn_scene *s, size_t index)
     return gn_check_plane_motion(c, s, &wall->motion);
 }
 
+static gneiss_status check_servo(const check *c, const gn_scene *s, size_t index) {
+    const gn_servo *servo = &s->walls[index].servo;
+    gn_facing facing;
+    if (!servo->active) return GNEISS_OK;
+    if (!servo->force.count == !servo->stress.count)
+        return gn_check_fail(c, "servo", "expected force or stress, found %s",
+                             servo->force.count ? "both" : "none");
+    if (servo->area > 0 && servo->force.count)
+        return gn_check_fail(c, "servo.area", "expected stress beside it, found force");
+    if (servo->force.count || servo->area > 0 || gn_facing_find(s, index, &facing))
+        return GNEISS_OK;
+    return gn_check_fail(c, "servo.area",
+                         "required beside stress without %s that face each other across this one, "
+                         "but not given",
+                         s->dimension == 2 ? "two walls" : "two pairs of walls");
+}
+
 /* ---- test and time ---- */
 
 static bool in_end(const gn_test_end *end, size_t before, const char *name) {
@@ -463,7 +482,7 @@ static gneiss_status check_ends(const check *c, const gn_scene *s) {
                                  t->upper.name[k]);
     for (int k = 0; k < 4; k++)
         if (!gn_check_sound(c, lists[k])) return GNEISS_OK;
-    if (!gn_check_sound(c, "test")) return GNEISS_OK;
+    if (!gn_check_sound(c, "test") || s->stage_count) return GNEISS_OK;
     if (gn_scene_end_drives(s, &t->lower) || gn_scene_end_drives(s, &t->upper)) return GNEISS_OK;
     return gn_check_fail(c, "test.upper",
                          "expected at least one end with a prescribed velocity along %c, which "
@@ -529,6 +548,18 @@ static gneiss_status check_matter(const check *c, gn_scene *s) {
     return gn_check_keep(c, check_no_specimen(c, s));
 }
 
+static gneiss_status check_from(const check *c, const gn_scene *s) {
+    if (!s->specimen.from_bonds) return GNEISS_OK;
+    if (!s->specimen.from[0])
+        return gn_check_fail(c, "specimen.from_bonds",
+                             "expected none without another run that it comes from, found keep");
+    if (s->bonds == GN_SWITCH_ON) return GNEISS_OK;
+    return gn_check_fail(
+        c, "specimen.from_bonds",
+        "expected the section bonds beside keep, which says how they behave, found "
+        "none");
+}
+
 gneiss_status gn_check_scene(gn_reader *reader, const gn_node *root) {
     gn_scene *s = reader->scene;
     check c = {.reader = reader, .map = root};
@@ -536,6 +567,7 @@ gneiss_status gn_check_scene(gn_reader *reader, const gn_node *root) {
     if (s->bonds == GN_SWITCH_AUTO)
         s->bonds = gn_check_given(&c, "bonds") ? GN_SWITCH_ON : GN_SWITCH_OFF;
     GN_TRY(check_matter(&c, s));
+    GN_TRY(gn_check_keep(&c, check_from(&c, s)));
     if (s->has_elements) GN_TRY(gn_check_elements(reader, root));
     if (s->has_specimen && gn_check_sound(&c, "law.stiffness"))
         GN_TRY(check_list(&c, "materials", s->material_count, check_material));
@@ -551,6 +583,7 @@ gneiss_status gn_check_scene(gn_reader *reader, const gn_node *root) {
         GN_TRY(gn_check_keep(&c, check_surroundings(&c, s)));
     GN_TRY(check_list(&c, "sets", s->set_count, check_set));
     GN_TRY(check_list(&c, "walls", s->wall_count, check_wall));
+    if (gn_check_sound(&c, "walls")) GN_TRY(check_list(&c, "walls", s->wall_count, check_servo));
     GN_TRY(gn_check_bodies(reader, root));
     if (gn_check_sound(&c, "test") && gn_check_sound(&c, "time.stop"))
         GN_TRY(gn_check_keep(&c, check_test(&c, s)));

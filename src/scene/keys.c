@@ -80,6 +80,7 @@ static void describe(char *text, size_t size, const gn_key *key) {
         snprintf(text, size, "name or list of names");
         return;
     case GN_KEY_TREE:
+    case GN_KEY_CHANGES:
         snprintf(text, size, "%s", key->unit);
         return;
     case GN_KEY_SECTION:
@@ -87,7 +88,6 @@ static void describe(char *text, size_t size, const gn_key *key) {
         return;
     case GN_KEY_LIST:
         describe_numbers(text, size, "list of sections", key);
-        return;
     }
 }
 
@@ -193,6 +193,8 @@ const gn_key *gn_scene_key_at(const char *path) {
         size_t length = strcspn(path, ".[]");
         if (!inside) {
             key = key_named(section, path, length);
+            if (!key && section == &gn_stage_section)
+                key = key_named(&gn_scene_section, path, length);
             if (!key) return NULL;
         }
         section = inside || key->type == GN_KEY_SECTION ? key->section : NULL;

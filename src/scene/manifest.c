@@ -338,8 +338,16 @@ static const gn_key set_keys[] = {
 ELEMENTS_OF(set, gn_set_def);
 
 static const gn_key servo_keys[] = {
-    KEY("force", TABLE, gn_wall_def, servo.force, .unit = "N", .range = GN_FORCES, .required = true,
-        .text = "wanted normal force, compression positive; constant or a table"),
+    KEY("force", TABLE, gn_wall_def, servo.force, .unit = "N", .range = GN_FORCES, .word = "none",
+        .fallback = "none",
+        .text = "wanted normal force, compression positive; constant or a table; force or stress"),
+    KEY("stress", TABLE, gn_wall_def, servo.stress, .unit = "Pa", .range = GN_TRACTIONS,
+        .word = "none", .fallback = "none", .text = "the same over the area of the wall"),
+    KEY("area", REAL, gn_wall_def, servo.area, .unit = "m2", .range = GN_AREAS, .word = "auto",
+        .fallback = "auto",
+        .text =
+            "with stress; auto: between the walls that face each other across this one, as they "
+            "stand at the time"),
     KEY("max_velocity", REAL, gn_wall_def, servo.max_velocity, .unit = "m/s", .range = "(0, inf)",
         .required = true, .text = "limit of the wall's velocity"),
     KEY("relaxation", REAL, gn_wall_def, servo.relaxation, .unit = "1", .range = "(0, 1]",
@@ -539,6 +547,9 @@ static const gn_key scene_keys[] = {
     SECTION("test", test_section, PRESENT(ENUM, gn_scene, test.kind),
             .text = "a laboratory test: where stress and strain are read"),
     SECTION("time", time_section, .required = true, .text = "step and duration"),
+    ARRAY("stages", LIST, gn_scene, stages, stage_count, .section = &gn_stage_section,
+          .range = "[1, 1000]", PRESENT(COUNT, gn_scene, stage_count),
+          .text = "what the run goes through one after the other; left out: one stage"),
     SECTION("output", output_section, .packing = true, .text = "what is written"),
     SECTION("neighbours", neighbours_section, .text = "the neighbour list"),
     SECTION("run", run_section, .packing = true, .text = "how the run is carried out; no physics"),

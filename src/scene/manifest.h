@@ -24,6 +24,8 @@ typedef enum gn_key_type {
     GN_KEY_NAMES,     /* char (*)[GN_NAME_SIZE], their number at `second`; one name, or a list */
     GN_KEY_TREE,      /* const gn_node *, whatever stands there: its owner reads it; `unit`
                          says in words what it is */
+    GN_KEY_CHANGES,   /* char *, bytes at `second`: keys of the scene, which stages.c takes out; no
+                         key of a file has its name */
     GN_KEY_SECTION,   /* the keys of `section`, in the struct at `offset` */
     GN_KEY_LIST       /* a pointer to structs, their number at `second`; each by `section` */
 } gn_key_type;
@@ -73,7 +75,8 @@ typedef struct gn_key {
     int shape_dimension; /* of scenes that can have the key; 0: any */
     bool packing;        /* a section of the scene that gn_scene_load_specimen reads */
     const gn_section *section;
-    const char *text; /* one line of explanation */
+    const char *in_folder; /* of GN_KEY_FILE: the file in it that a folder stands for; NULL: none */
+    const char *text;      /* one line of explanation */
 } gn_key;
 
 enum { GN_NO_WHERE = -1, GN_SECTION_KEYS_MAX = 48 };
@@ -95,6 +98,8 @@ extern const gn_section gn_scene_section, gn_specimen_section;
 extern const gn_section gn_body_section;
 /* What is drawn for bonds of a material; an element of `contacts` (manifest_contacts.c). */
 extern const gn_section gn_scatter_section, gn_contact_section;
+/* An element of `stages` (manifest_stages.c). */
+extern const gn_section gn_stage_section;
 
 /* An interval "[low, high)" and whether a value lies in it. NULL: every finite value. */
 typedef struct gn_range {

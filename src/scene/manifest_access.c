@@ -60,6 +60,8 @@ size_t gn_key_element_size(const gn_key *key) {
         return sizeof(int64_t);
     case GN_KEY_NAMES:
         return GN_NAME_SIZE;
+    case GN_KEY_CHANGES:
+        return 1;
     default:
         return 0;
     }

@@ -16,6 +16,9 @@ static const gn_choice pack_starts[] = {
 static const gn_choice density_bases[] = {
     {"particle", GN_DENSITY_PARTICLE}, {"bulk", GN_DENSITY_BULK}, {NULL, 0}};
 
+static const gn_choice from_velocities[] = {{"rest", 0}, {"keep", 1}, {NULL, 0}};
+static const gn_choice from_bonds[] = {{"none", 0}, {"keep", 1}, {NULL, 0}};
+
 /* ---- keys ---- */
 
 static const gn_key lattice_keys[] = {
@@ -118,6 +121,18 @@ static const gn_key specimen_keys[] = {
     KEY("file", FILE, gn_scene, specimen.file, .second = offsetof(gn_scene, specimen.path),
         PRESENT(TEXT, gn_scene, specimen.file),
         .text = "text file of rows x y z r (2D: x y r); relative to the folder of the scene"),
+    KEY("from", FILE, gn_scene, specimen.from, .second = offsetof(gn_scene, specimen.from_path),
+        PRESENT(TEXT, gn_scene, specimen.from), .in_folder = "results.h5",
+        .text =
+            "folder of another run: its particles as they were at its end, without those that it "
+            "had removed; relative to the folder of the scene"),
+    KEY("from_velocities", CHOICE, gn_scene, specimen.from_velocities, .choices = from_velocities,
+        .fallback = "keep", .text = "of particles from another run: as they were, or at rest"),
+    KEY("from_bonds", CHOICE, gn_scene, specimen.from_bonds, .choices = from_bonds,
+        .fallback = "none",
+        .text =
+            "keep: what was bonded in the other run and held is bonded, with its distance of no "
+            "normal force; none: bonds form as the section bonds says"),
     KEY("scale", REAL, gn_scene, specimen.scale, .unit = "1", .range = GN_SCALES, .fallback = "1",
         .text = "lengths in the file, surface or mesh times this give metres"),
     ARRAY("particles", PARTICLES, gn_scene, specimen.particles, specimen.particle_count,

@@ -208,6 +208,9 @@ static gneiss_status read_file(const gn_reader *reader, const gn_key *key, const
     else
         snprintf(joined, sizeof joined, "%s/%s", reader->folder, file);
     struct stat status;
+    size_t used = strlen(joined);
+    if (key->in_folder && used && stat(joined, &status) == 0 && S_ISDIR(status.st_mode))
+        snprintf(joined + used, sizeof joined - used, "/%s", key->in_folder);
     const char *why = NULL;
     if (!*file)
         why = "no name";
@@ -287,6 +290,7 @@ static gneiss_status read_table(gn_reader *reader, const gn_key *key, const gn_n
         return unexpected(reader, node, expected, "");
     }
     table->count = constant ? 1 : node->count;
+    table->stage = node->stage;
     table->time = gn_alloc_array(table->count, sizeof(double));
     table->value = gn_alloc_array(table->count, sizeof(double));
     if (!table->time || !table->value) return no_memory(reader);
@@ -497,6 +501,8 @@ static gneiss_status read_key(gn_reader *reader, const gn_key *key, const gn_nod
         return read_points(reader, key, node, base);
     case GN_KEY_LIST:
         return read_list(reader, key, node, base);
+    case GN_KEY_CHANGES:
+        return GNEISS_OK;
     case GN_KEY_TREE:
         memcpy(at, &node, sizeof node);
         return GNEISS_OK;
@@ -526,6 +532,8 @@ static gneiss_status unknown_key(gn_reader *reader, const gn_section *section,
     gn_names names = gn_names_for(node->key);
     gneiss_status status;
     for (size_t k = 0; k < section->key_count; k++) gn_names_add(&names, section->keys[k].name);
+    for (size_t k = 0; section == &gn_stage_section && k < gn_scene_section.key_count; k++)
+        gn_names_add(&names, gn_scene_section.keys[k].name);
     size_t mark = path_push_name(reader, node->key);
     if (names.nearest)
         status = gn_read_fail(reader, node, node->key_where, reader->path,
@@ -556,6 +564,8 @@ static gneiss_status match_keys(gn_reader *reader, const gn_section *section, co
     for (const gn_node *child = map ? map->first : NULL; child; child = child->next) {
         size_t k = 0;
         while (k < section->key_count && strcmp(section->keys[k].name, child->key) != 0) k++;
+        if (k == section->key_count && section == &gn_stage_section && gn_scene_key_at(child->key))
+            continue; /* stages.c */
         if (k == section->key_count)
             GN_TRY(unknown_key(reader, section, child));
         else if (nodes[k])

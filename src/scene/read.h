@@ -12,7 +12,9 @@ typedef struct gn_reader {
     const char *name; /* of the scene, in messages */
     /* relative paths start here; NULL: paths are absolute, files need not be there */
     const char *folder;
-    bool specimen_only; /* see gn_scene_load_specimen */
+    bool staged;         /* one of several stages is read: a test may be driven in another */
+    size_t wanted_stage; /* base 1, see gn_read_stages; 0: the base */
+    bool specimen_only;  /* see gn_scene_load_specimen */
     gn_units *units;
     gn_scene *scene;
     gneiss_error *error;

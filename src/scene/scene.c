@@ -4,6 +4,7 @@
 
 #include "base/memory.h"
 #include "scene/read.h"
+#include "scene/stages_check.h"
 
 #include <errno.h>
 #include <limits.h>
@@ -27,6 +28,8 @@ static gneiss_status parse_tree(gn_reader *reader, gn_tree *tree, const gn_overr
     const gn_node *root = gn_tree_root(tree);
     GN_TRY(gn_read_scene(reader, root));
     GN_TRY(reader->specimen_only ? gn_check_shape(reader, root) : gn_check_scene(reader, root));
+    bool sound = !reader->problems->count && !reader->specimen_only;
+    if (sound && reader->scene->stage_count) GN_TRY(gn_read_stages(reader, tree));
     return gn_problems_status(reader->problems, reader->error);
 }
 
@@ -113,6 +116,12 @@ gneiss_status gn_scene_parse_saved(const char *text, const char *name, const gn_
                                    size_t override_count, gn_scene *scene, gneiss_error *error) {
     gn_reader reader = {.name = name, .scene = scene, .error = error};
     return parse_alone(&reader, text, strlen(text), overrides, override_count);
+}
+
+gneiss_status gn_scene_parse_stage(const char *text, const char *name, size_t stage,
+                                   gn_scene *scene, gneiss_error *error) {
+    gn_reader reader = {.name = name, .wanted_stage = stage + 1, .scene = scene, .error = error};
+    return parse_alone(&reader, text, strlen(text), NULL, 0);
 }
 
 /* The whole file with a NUL behind it; stops one byte above the limit. */
@@ -338,7 +347,7 @@ static bool is_prescribed(const gn_motion *motion) {
 }
 
 gn_effects gn_scene_effects(const gn_scene *s) {
-    gn_effects mask = background_effect(s) | (s->has_specimen ? contact_effects(s) : GN_FX_PAIRS);
+    gn_effects mask = s->has_specimen ? contact_effects(s) : GN_FX_PAIRS;
     if (s->dimension == 3) mask |= GN_FX_SPACE;
     if (s->has_specimen && s->rotation != GN_SWITCH_OFF) mask |= GN_FX_ROTATION;
     if (s->has_elements) mask |= GN_FX_ELEMENTS;
@@ -360,7 +369,10 @@ gn_effects gn_scene_effects(const gn_scene *s) {
     if (s->orientation == GN_SWITCH_ON && (mask & GN_FX_ROTATION)) mask |= GN_FX_ORIENTATION;
     if (s->energy != GN_SWITCH_OFF) mask |= GN_FX_ENERGY;
     if (s->precision == GN_PRECISION_MIXED) mask |= GN_FX_MIXED;
-    return mask;
+    /* Of stages one world holds all that any of them needs; background damping needs nothing. */
+    const gn_effects background =
+        GN_FX_VISCOUS | GN_FX_NONVISCOUS_VECTOR | GN_FX_NONVISCOUS_COMPONENT;
+    return mask | (s->united & ~background) | background_effect(s);
 }
 
 gn_effects gn_scene_not_built(const gn_scene *s) {

@@ -6,6 +6,7 @@
 #include "base/effects.h"
 #include "base/error.h"
 #include "base/instruction_sets.h"
+#include "scene/table.h"
 
 #include <stdbool.h>
 #include <stddef.h>
@@ -123,26 +124,6 @@ typedef enum gn_density_basis { GN_DENSITY_PARTICLE, GN_DENSITY_BULK } gn_densit
 typedef enum gn_test_kind { GN_TEST_NONE, GN_TEST_COMPRESSION, GN_TEST_TENSION } gn_test_kind;
 typedef enum gn_switch { GN_SWITCH_AUTO, GN_SWITCH_ON, GN_SWITCH_OFF } gn_switch;
 
-/* Where a value stands in the scene file, for messages raised after parsing. Line 0: not in a file.
- */
-typedef struct gn_scene_place {
-    int line, column; /* base 1 */
-} gn_scene_place;
-
-/* Piecewise linear in time; held constant before the first and after the last point. `count` 1 is a
- * constant, 0 means the channel is free (not prescribed). */
-typedef struct gn_table {
-    size_t count;
-    double *time;  /* [count], s, strictly increasing */
-    double *value; /* [count] */
-} gn_table;
-
-/* Motion of a set, a wall or a body. Walls use the first three channels only. */
-typedef struct gn_motion {
-    gn_table velocity[3]; /* m/s */
-    gn_table spin[3];     /* rad/s */
-} gn_motion;
-
 typedef struct gn_material {
     char name[GN_NAME_SIZE];
     double density;            /* kg/m3 */
@@ -228,7 +209,9 @@ typedef struct gn_pack_def {
 typedef struct gn_specimen {
     char file[GN_PATH_SIZE]; /* as written; "" when another source is used */
     char path[GN_PATH_SIZE]; /* resolved: relative to the scene file's folder */
-    double scale;            /* lengths in a file, surface or mesh times this give metres */
+    char from[GN_PATH_SIZE], from_path[GN_PATH_SIZE]; /* the same of another run's results */
+    bool from_velocities, from_bonds;                 /* what else is taken over of it */
+    double scale; /* lengths in a file, surface or mesh times this give metres */
     gn_lattice lattice;
     size_t particle_count; /* inline particles */
     double *particles;     /* [particle_count][4]: x y z r, m (2D: x y 0 r) */
@@ -268,7 +251,9 @@ typedef struct gn_set_def {
 
 typedef struct gn_servo {
     bool active;
-    gn_table force;      /* wanted normal force, compressive positive, N */
+    gn_table force;      /* wanted normal force, compressive positive, N; or */
+    gn_table stress;     /* Pa, times the area */
+    double area;         /* m2 (2D: m x 1 m); 0: between the walls that face each other */
     double max_velocity; /* m/s */
     double relaxation;   /* fraction of the force error corrected per step, (0, 1] */
 } gn_servo;
@@ -511,6 +496,11 @@ typedef struct gn_scene {
     gn_scene_place isa_where;
     double residual_warning; /* of the energy ledger, from which a run warns; 0: off */
     double residual_limit;   /* from which it has gone bad; 0: off */
+
+    size_t stage_count; /* 0: the run is one stage */
+    struct gn_stage *stages;
+    size_t bonds_stage; /* base 1: the last that says anything of bonds; 0: none */
+    gn_effects united;  /* what any of the stages calls for */
 } gn_scene;
 
 /* One override from the command line: `--set time.end=2ms` is {"time.end", "2ms"}. */
@@ -572,11 +562,6 @@ size_t gn_scene_print_keys(FILE *out, bool markdown, const char *sought);
 /* The key, by its name alone or with all above it, that `sought` is probably a slip for; false, and
  * "": none is near enough. */
 bool gn_scene_nearest_key(const char *sought, char *name, size_t size);
-
-/* Value of a table at a time; 0 for an empty table. */
-double gn_table_at(const gn_table *table, double time);
-/* Its integral over time. */
-double gn_table_between(const gn_table *table, double from, double to);
 
 /* Finds by name; -1 when there is none. */
 int gn_scene_find_wall(const gn_scene *scene, const char *name);

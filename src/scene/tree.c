@@ -62,6 +62,24 @@ static void append(gn_node *parent, gn_node *child) {
     parent->count++;
 }
 
+gn_node *gn_tree_add(gn_tree *tree, gn_node *map, const gn_node *value) {
+    gn_node *node = tree_alloc(tree, sizeof *node);
+    if (!node) return NULL;
+    *node = *value;
+    node->next = NULL;
+    append(map, node);
+    return node;
+}
+
+gn_node *gn_tree_add_map(gn_tree *tree, gn_node *map, const gn_node *like) {
+    gn_node *node = gn_tree_add(tree, map, like);
+    if (!node) return NULL;
+    node->kind = GN_NODE_MAP;
+    node->first = node->last = NULL;
+    node->count = 0;
+    return node;
+}
+
 /* ---- reading ---- */
 
 typedef struct builder {
@@ -365,6 +383,10 @@ static gn_node *list_element(const gn_node *list, const char *step, size_t lengt
             return child;
     }
     return NULL;
+}
+
+gn_node *gn_node_element(const gn_node *list, const char *name) {
+    return list_element(list, name, strlen(name));
 }
 
 /* By what `name` its elements could be reached. */

@@ -14,6 +14,7 @@ typedef struct gn_node {
     const char *set;  /* the key of the override it comes from; NULL: from the file */
     /* key_where: of the key in a map, otherwise the same as where */
     gn_scene_place where, key_where;
+    size_t stage; /* that it stands in, base 1; 0: none */
     size_t count; /* children */
     struct gn_node *first, *last, *next;
 } gn_node;
@@ -25,6 +26,11 @@ gneiss_status gn_tree_read(const char *text, size_t length, const char *name, gn
                            gneiss_error *error);
 void gn_tree_free(gn_tree *tree);
 const gn_node *gn_tree_root(const gn_tree *tree);
+
+/* A map without children at the end of another one, or a value with the children of `value`; NULL:
+ * out of memory. */
+gn_node *gn_tree_add(gn_tree *tree, gn_node *map, const gn_node *value);
+gn_node *gn_tree_add_map(gn_tree *tree, gn_node *map, const gn_node *like);
 
 /* Replaces or adds the value at a key such as walls.top.motion.vz, materials[0].friction or
  * gravity[2]. Elements of lists go by index, base 0, or by their `name`. */
@@ -40,6 +46,14 @@ const gn_node *gn_node_child(const gn_node *map, const char *key);
 
 /* The node at a path of map keys such as "damping.contact.fraction"; NULL when there is none. */
 const gn_node *gn_node_find(const gn_node *map, const char *path);
+
+/* The element of a list by its index, base 0, or its `name`; NULL when there is none. */
+gn_node *gn_node_element(const gn_node *list, const char *name);
+
+/* The children of a map but those that `without` has, a line of YAML each; to be freed with free().
+ * NULL: out of memory. */
+struct gn_section;
+char *gn_node_write(const gn_node *map, const struct gn_section *without);
 
 /* The element of a list; NULL when there is none. */
 const gn_node *gn_node_item(const gn_node *list, size_t index);

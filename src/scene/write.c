@@ -1,4 +1,5 @@
 #include "scene/manifest.h"
+#include "scene/tree.h"
 
 #include <inttypes.h>
 #include <locale.h>
@@ -76,6 +77,48 @@ static void write_particles(FILE *out, const gn_key *key, const char *base, bool
     }
 }
 
+/* In one line. A scalar that is quoted is read as the same text. */
+static void write_node(FILE *out, const gn_node *node) {
+    bool map = node->kind == GN_NODE_MAP;
+    if (node->kind == GN_NODE_NULL) return;
+    if (node->kind == GN_NODE_SCALAR) {
+        write_text(out, node->text);
+        return;
+    }
+    fputc(map ? '{' : '[', out);
+    for (const gn_node *child = node->first; child; child = child->next) {
+        if (child != node->first) fputs(", ", out);
+        if (map) {
+            write_text(out, child->key);
+            fputs(": ", out);
+        }
+        write_node(out, child);
+    }
+    fputc(map ? '}' : ']', out);
+}
+
+char *gn_node_write(const gn_node *map, const gn_section *without) {
+    char *text = NULL;
+    size_t size = 0;
+    FILE *out = open_memstream(&text, &size);
+    if (!out) return NULL;
+    for (const gn_node *child = map->first; child; child = child->next) {
+        bool own = false;
+        for (size_t k = 0; k < without->key_count; k++)
+            own = own || strcmp(without->keys[k].name, child->key) == 0;
+        if (own) continue;
+        write_text(out, child->key);
+        fputs(": ", out);
+        write_node(out, child);
+        fputc('\n', out);
+    }
+    bool failed = ferror(out) != 0;
+    failed = fclose(out) != 0 || failed;
+    if (!failed) return text;
+    free(text);
+    return NULL;
+}
+
 static void write_value(FILE *out, const gn_key *key, const char *base, bool plane, int indent) {
     const char *at = base + key->offset;
     const void *array = NULL;
@@ -129,6 +172,7 @@ static void write_value(FILE *out, const gn_key *key, const char *base, bool pla
         write_points(out, array, *(const size_t *)(base + key->second));
         break;
     case GN_KEY_TREE: /* of no scene */
+    case GN_KEY_CHANGES:
     case GN_KEY_SECTION:
     case GN_KEY_LIST:
         break;
@@ -147,12 +191,24 @@ static void write_list(FILE *out, const gn_key *key, const char *base, bool plan
         write_section(out, key->section, array + k * key->section->size, plane, indent + 4, true);
 }
 
+/* Lines of their own, which stand under the element as its other keys do. */
+static void write_changes(FILE *out, const gn_key *key, const char *base, int indent) {
+    const char *line;
+    memcpy(&line, base + key->offset, sizeof line);
+    for (; line && *line; line += strcspn(line, "\n") + 1)
+        fprintf(out, "%*s%.*s\n", indent, "", (int)strcspn(line, "\n"), line);
+}
+
 /* `element`: the first key stands behind the dash of a list. */
 static void write_section(FILE *out, const gn_section *section, const char *base, bool plane,
                           int indent, bool element) {
     for (size_t k = 0; k < section->key_count; k++) {
         const gn_key *key = &section->keys[k];
         if (!gn_key_present(key, base)) continue;
+        if (key->type == GN_KEY_CHANGES) {
+            write_changes(out, key, base, indent);
+            continue;
+        }
         if (element)
             fprintf(out, "%*s- %s:", indent - 2, "", key->name);
         else

@@ -1,8 +1,11 @@
 /* Bonds at the start: which pairs are glued and how strong. */
+#include "base/memory.h"
 #include "sim/areas.h"
+#include "sim/from_run.h"
 #include "sim/internal.h"
 
 #include <math.h>
+#include <stdlib.h>
 #include <string.h>
 
 static bool bondable(const gn_world *w, int32_t i, int32_t j, double *distance) {
@@ -42,7 +45,8 @@ static gneiss_status check_distinct(const gn_world *w, const gn_pair_list *pairs
     for (size_t c = 0; c < pairs->count; c++) {
         int32_t i = pairs->pair[c][0], j = pairs->pair[c][1];
         double distance;
-        bool bonded = bondable(w, i, j, &distance) && w->effects & GN_FX_BONDS;
+        bool bonded = bondable(w, i, j, &distance) && w->effects & GN_FX_BONDS &&
+                      w->scene.bonds == GN_SWITCH_ON;
         if (distance > 0.0 && bonded) GN_TRY(check_bonded(w, i, j, distance, error));
         if (distance > 0.0) continue;
         int32_t a = w->dem.particles.id[i], b = w->dem.particles.id[j];
@@ -79,6 +83,46 @@ static void set_bond(gn_world *w, size_t c, int32_t i, int32_t j) {
     w->dem.particles.bonds0[j]++;
 }
 
+typedef struct kept_bond {
+    int32_t i, j;
+    double rest;
+} kept_bond;
+
+static int by_ends(const void *a, const void *b) {
+    const kept_bond *x = a, *y = b;
+    if (x->i != y->i) return x->i < y->i ? -1 : 1;
+    return (x->j > y->j) - (x->j < y->j);
+}
+
+/* The bonds of another run in the order of this one: pairs, and in from->rest_length what belongs
+ * to each. */
+static gneiss_status take_bonds(const gn_world *w, gn_from_run *from, gn_pair_list *pairs,
+                                gneiss_error *error) {
+    GN_TRY(gn_from_run_read(&w->scene, from, error));
+    kept_bond *kept = gn_alloc_array(from->bonds + 1, sizeof *kept);
+    void *room = gn_alloc_array(from->bonds + 1, sizeof *pairs->pair);
+    if (!kept || !room) {
+        gn_free(kept);
+        gn_free(room);
+        return gn_fail(error, GNEISS_ERROR_MEMORY, "no memory for %zu bonds", from->bonds);
+    }
+    gn_free(pairs->pair);
+    pairs->pair = room;
+    pairs->count = from->bonds;
+    for (size_t c = 0; c < from->bonds; c++) {
+        int32_t a = w->dem.index_of_id[from->bond[c][0]], b = w->dem.index_of_id[from->bond[c][1]];
+        kept[c] = (kept_bond){a < b ? a : b, a < b ? b : a, from->rest_length[c]};
+    }
+    qsort(kept, from->bonds, sizeof *kept, by_ends);
+    for (size_t c = 0; c < from->bonds; c++) {
+        pairs->pair[c][0] = kept[c].i;
+        pairs->pair[c][1] = kept[c].j;
+        from->rest_length[c] = kept[c].rest;
+    }
+    gn_free(kept);
+    return GNEISS_OK;
+}
+
 gneiss_status gn_bonds_form(gn_world *w, gneiss_error *error) {
     gn_pair_query query = {&w->dem.particles,
                            (int)w->scene.dimension,
@@ -88,16 +132,23 @@ gneiss_status gn_bonds_form(gn_world *w, gneiss_error *error) {
                            {w->period[0], w->period[1], w->period[2]},
                            w->threads};
     gn_pair_list pairs = {0};
+    gn_from_run from = {0};
+    const bool from_run = w->scene.specimen.from[0] && w->scene.specimen.from_bonds;
     gneiss_status status = gn_pairs_find(&query, &pairs, error);
-    bool bonds = w->effects & GN_FX_BONDS;
+    /* Of several stages a later one may be the first with bonds. */
+    bool bonds = w->effects & GN_FX_BONDS && w->scene.bonds == GN_SWITCH_ON;
     if (status == GNEISS_OK) status = check_distinct(w, &pairs, error);
-    if (status == GNEISS_OK && bonds) keep_bondable(w, &pairs);
+    if (status == GNEISS_OK && bonds && !from_run) keep_bondable(w, &pairs);
+    if (status == GNEISS_OK && bonds && from_run) status = take_bonds(w, &from, &pairs, error);
     if (status == GNEISS_OK) status = gn_law_derive(w, &pairs, error);
     if (status == GNEISS_OK)
         status = gn_soa_create(&gn_contact_record, &w->dem.bonds, bonds ? pairs.count : 0,
                                gn_contact_list_effects(w->effects, true), error);
     if (status == GNEISS_OK && bonds)
         for (size_t c = 0; c < pairs.count; c++) set_bond(w, c, pairs.pair[c][0], pairs.pair[c][1]);
+    for (size_t c = 0; status == GNEISS_OK && from_run && c < w->dem.bonds.soa.count; c++)
+        w->dem.bonds.length0[c] = from.rest_length[c];
+    gn_from_run_free(&from);
     if (status == GNEISS_OK) status = gn_areas_find(w, error);
     gn_pair_list_free(&pairs);
     if (status != GNEISS_OK) return status;
@@ -106,4 +157,155 @@ gneiss_status gn_bonds_form(gn_world *w, gneiss_error *error) {
     gn_contacts_pad(&w->dem.bonds, &w->dem.particles);
     return gn_partials_build(&w->dem.bonds, w->dem.particles.soa.count, w->threads,
                              &w->dem.bond_partials, error);
+}
+
+/* --- in a later stage --- */
+
+static bool is_bond(const gn_world *w, int32_t i, int32_t j) {
+    const gn_contacts *b = &w->dem.bonds;
+    size_t at = gn_contacts_from(b, i, j);
+    return at < b->soa.count && b->i[at] == i && b->j[at] == j;
+}
+
+/* J, what contacts of a list hold at the present places. A pair that has become a bond stays listed
+ * until the lists are made. */
+static double stored_in(const gn_world *w, const gn_contacts *list) {
+    const gn_law *law = gn_law_of(list->soa.effects);
+    double sum = 0.0;
+    for (size_t c = 0; c < list->soa.count; c++) {
+        if (list == &w->dem.pairs && is_bond(w, list->i[c], list->j[c])) continue;
+        const double *a = w->dem.particles.pos + 4 * (int64_t)list->i[c],
+                     *b = w->dem.particles.pos + 4 * (int64_t)list->j[c];
+        double d[3], length = sqrt(gn_branch(w, a, b, d));
+        double rest = list->length0 ? list->length0[c] : a[3] + b[3];
+        sum += law->held(list, c, length, length - rest).stored;
+        if (!law->moments || !gn_contact_bonded(list, c)) continue;
+        for (int k = 0; k < 3; k++) d[k] /= length;
+        sum += law->moments(list, c, d).stored;
+    }
+    return sum;
+}
+
+double gn_contacts_stored(const gn_world *w) {
+    return stored_in(w, &w->dem.bonds) + stored_in(w, &w->dem.pairs);
+}
+
+void gn_bonds_dissolve(gn_world *w) {
+    gn_contacts *b = &w->dem.bonds;
+    for (size_t c = 0; c < b->soa.count; c++) {
+        if (!gn_contact_bonded(b, c)) continue;
+        b->rn[c] = -fabs(b->rn[c]);
+        b->cause[c] = GN_BOND_DISSOLVED;
+        b->broken_time[c] = w->time;
+    }
+}
+
+/* Those that are not bonds already, in the same order. */
+static void drop_known(const gn_world *w, gn_pair_list *pairs) {
+    size_t kept = 0;
+    for (size_t c = 0; c < pairs->count; c++) {
+        if (is_bond(w, pairs->pair[c][0], pairs->pair[c][1])) continue;
+        memmove(pairs->pair[kept++], pairs->pair[c], sizeof *pairs->pair);
+    }
+    pairs->count = kept;
+}
+
+/* A bond at the distance where a contact has no force begins without any; else it goes on with the
+ * tangential force of the contact that it was. */
+static void take_shear(const gn_world *w, gn_contacts *bonds, size_t c) {
+    const gn_contacts *pairs = &w->dem.pairs;
+    size_t at = gn_contacts_from(pairs, bonds->i[c], bonds->j[c]);
+    bool found =
+        at < pairs->soa.count && pairs->i[at] == bonds->i[c] && pairs->j[at] == bonds->j[c];
+    if (w->scene.passive_gaps || !found) return;
+    for (size_t a = 0; a < 3; a++) {
+        if (bonds->shear && pairs->shear)
+            bonds->shear[c + a * bonds->soa.capacity] = pairs->shear[at + a * pairs->soa.capacity];
+        if (bonds->shear_f && pairs->shear_f)
+            bonds->shear_f[c + a * bonds->soa.capacity] =
+                pairs->shear_f[at + a * pairs->soa.capacity];
+    }
+}
+
+/* Both lists are sorted; `fresh` [in all]: whether a bond is a new one. */
+static gneiss_status merge(gn_world *w, const gn_pair_list *pairs, uint8_t *fresh,
+                           gneiss_error *error) {
+    gn_contacts *old = &w->dem.bonds, now = {0};
+    size_t count = old->soa.count + pairs->count, at = 0, next = 0;
+    GN_TRY(gn_soa_create(&gn_contact_record, &now, count, old->soa.effects, error));
+    for (size_t c = 0; c < count; c++) {
+        bool more = next < pairs->count;
+        int32_t i = more ? pairs->pair[next][0] : 0, j = more ? pairs->pair[next][1] : 0;
+        bool first =
+            at < old->soa.count && (!more || old->i[at] < i || (old->i[at] == i && old->j[at] < j));
+        int32_t from = first ? (int32_t)at : -1;
+        now.i[c] = first ? old->i[at] : i;
+        now.j[c] = first ? old->j[at] : j;
+        gn_soa_keep(&gn_contact_record, &now, c, 1, old, &from);
+        fresh[c] = !first;
+        *(first ? &at : &next) += 1;
+    }
+    gn_soa_destroy(&gn_contact_record, old);
+    w->dem.bonds = now;
+    return GNEISS_OK;
+}
+
+/* Sections are those of all bonds together; what was there before keeps its own. */
+static gneiss_status find_new_areas(gn_world *w, const uint8_t *fresh, gneiss_error *error) {
+    gn_contacts *b = &w->dem.bonds;
+    double *before = b->area ? gn_alloc_array(b->soa.count + 1, sizeof *before) : NULL;
+    if (b->area && !before) return gn_fail(error, GNEISS_ERROR_MEMORY, "no memory for sections");
+    if (before) memcpy(before, b->area, b->soa.count * sizeof *before);
+    gneiss_status status = gn_areas_find(w, error);
+    for (size_t c = 0; before && c < b->soa.count; c++)
+        if (!fresh[c]) b->area[c] = before[c];
+    gn_free(before);
+    return status;
+}
+
+static gneiss_status add_bonds(gn_world *w, const gn_pair_list *pairs, gneiss_error *error) {
+    gn_dem *d = &w->dem;
+    uint8_t *fresh = gn_alloc(d->bonds.soa.count + pairs->count + 1);
+    if (!fresh) return gn_fail(error, GNEISS_ERROR_MEMORY, "no memory for bonds");
+    gneiss_status status = merge(w, pairs, fresh, error);
+    for (size_t c = 0; status == GNEISS_OK && c < d->bonds.soa.count; c++)
+        if (fresh[c]) set_bond(w, c, d->bonds.i[c], d->bonds.j[c]);
+    if (status == GNEISS_OK) status = find_new_areas(w, fresh, error);
+    for (size_t c = 0; status == GNEISS_OK && c < d->bonds.soa.count; c++) {
+        if (!fresh[c]) continue;
+        gn_contact_set(w, &d->bonds, c);
+        take_shear(w, &d->bonds, c);
+    }
+    gn_free(fresh);
+    GN_TRY(status);
+    d->bonds_at_start += (int64_t)pairs->count;
+    gn_contacts_pad(&d->bonds, &d->particles);
+    gn_free(d->bond_sums); /* lists make room for it, and look at what is loose */
+    gn_free(d->loose);
+    d->bond_sums = NULL;
+    d->loose = NULL;
+    return gn_partials_build(&d->bonds, d->particles.soa.count, w->threads, &d->bond_partials,
+                             error);
+}
+
+gneiss_status gn_bonds_add(gn_world *w, gneiss_error *error) {
+    gn_pair_query query = {&w->dem.particles,
+                           (int)w->scene.dimension,
+                           0.0,
+                           w->scene.interaction_range,
+                           w->effects & GN_FX_PERIODIC,
+                           {w->period[0], w->period[1], w->period[2]},
+                           w->threads};
+    gn_pair_list pairs = {0};
+    gneiss_status status = gn_pairs_find(&query, &pairs, error);
+    if (status == GNEISS_OK) keep_bondable(w, &pairs);
+    if (status == GNEISS_OK) drop_known(w, &pairs);
+    for (size_t c = 0; status == GNEISS_OK && c < pairs.count; c++) {
+        double distance;
+        bondable(w, pairs.pair[c][0], pairs.pair[c][1], &distance);
+        status = check_bonded(w, pairs.pair[c][0], pairs.pair[c][1], distance, error);
+    }
+    if (status == GNEISS_OK) status = add_bonds(w, &pairs, error);
+    gn_pair_list_free(&pairs);
+    return status;
 }

@@ -14,6 +14,14 @@ gneiss_status gn_boundary_create(gn_world *w, gneiss_error *error) {
     return gn_bodies_create(w, error);
 }
 
+void gn_boundary_enter(gn_world *w) {
+    for (size_t k = 0; k < w->boundary.surface_count; k++) {
+        gn_surface *s = &w->boundary.surfaces[k];
+        if (s->body >= 0) s->friction = w->scene.bodies[s->body].friction;
+        if (s->body >= 0) s->kratio = w->scene.bodies[s->body].kratio;
+    }
+}
+
 gneiss_status gn_boundary_add_surface(gn_world *w, const gn_surface *surface, gneiss_error *error) {
     gn_boundary *b = &w->boundary;
     gn_surface *s = &b->surfaces[b->surface_count], *last = b->surface_count ? s - 1 : NULL;

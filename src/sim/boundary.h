@@ -50,6 +50,8 @@ typedef struct gn_world gn_world;
 
 /* Walls, bodies and their surfaces; those of finite elements join them (element_contact.c). */
 gneiss_status gn_boundary_create(gn_world *world, gneiss_error *error);
+/* Takes what the scene of another stage says of surfaces; walls and bodies ask in every step. */
+void gn_boundary_enter(gn_world *world);
 /* A surface, of which `first`, `tree` and `force` are made. */
 gneiss_status gn_boundary_add_surface(gn_world *world, const gn_surface *surface,
                                       gneiss_error *error);

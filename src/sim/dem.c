@@ -2,6 +2,7 @@
 #include "base/ball.h"
 #include "base/memory.h"
 #include "base/random.h"
+#include "sim/from_run.h"
 #include "sim/internal.h"
 
 #include <math.h>
@@ -73,6 +74,21 @@ static void set_masses(gn_world *w) {
     }
 }
 
+/* Of particles from another run, as they were there. */
+static gneiss_status take_velocities(gn_world *w, gneiss_error *error) {
+    gn_particles *q = &w->dem.particles;
+    gn_from_run from;
+    if (!w->scene.specimen.from[0] || !w->scene.specimen.from_velocities) return GNEISS_OK;
+    GN_TRY(gn_from_run_read(&w->scene, &from, error));
+    for (size_t p = 0; from.count == q->soa.count && p < from.count; p++)
+        for (size_t a = 0; a < 3; a++) {
+            q->vel[4 * p + a] += from.motion[6 * p + a];
+            if (q->spin) q->spin[4 * p + a] = from.motion[6 * p + 3 + a];
+        }
+    gn_from_run_free(&from);
+    return GNEISS_OK;
+}
+
 /* Wide enough that a quasi-static specimen never rebuilds, narrow enough that few idle pairs are
  * visited. */
 static double automatic_skin(const gn_world *w) {
@@ -107,6 +123,7 @@ gneiss_status gn_dem_complete(gn_world *w, gneiss_error *error) {
     gn_dem *d = &w->dem;
     GN_TRY(gn_sets_assign(w, error));
     set_masses(w);
+    GN_TRY(take_velocities(w, error));
     GN_TRY(gn_sets_apply(w, error));
     d->index_of_id = gn_alloc_array(d->particles.soa.count + 1, sizeof *d->index_of_id);
     if (!d->index_of_id)
@@ -114,6 +131,33 @@ gneiss_status gn_dem_complete(gn_world *w, gneiss_error *error) {
     d->verlet.skin = w->scene.skin > 0.0 ? w->scene.skin : automatic_skin(w);
     d->verlet.skin_start = d->verlet.skin;
     return check_period(w, error);
+}
+
+/* Bonds that the stage forms or dissolves. The lists are those of the last step, in which all
+ * contacts are that hold anything. */
+static gneiss_status enter_bonds(gn_world *w, gneiss_error *error) {
+    bool said = w->scene.bonds_stage == w->stage + 1, on = w->scene.bonds == GN_SWITCH_ON;
+    if (!(w->effects & GN_FX_BONDS)) return GNEISS_OK;
+    if (on && said) return gn_bonds_add(w, error);
+    if (!on) gn_bonds_dissolve(w);
+    return GNEISS_OK;
+}
+
+gneiss_status gn_dem_enter(gn_world *w, gneiss_error *error) {
+    if (!w->scene.has_specimen) return GNEISS_OK;
+    double stored = gn_contacts_stored(w);
+    w->dem.damping_fraction = gn_contact_damping_fraction(&w->scene);
+    GN_TRY(gn_motion_kernel_choose(w->kernels, w->effects, &w->dem.motion_kernel, error));
+    /* What differs between stages has no storage; files say what there is. */
+    w->dem.particles.soa.effects = w->effects;
+    w->dem.bonds.soa.effects = gn_contact_list_effects(w->effects, true);
+    w->dem.pairs.soa.effects = gn_contact_list_effects(w->effects, false);
+    GN_TRY(gn_contacts_take_materials(w, &w->dem.bonds, error));
+    GN_TRY(gn_contacts_take_materials(w, &w->dem.pairs, error));
+    GN_TRY(enter_bonds(w, error));
+    w->energy.stage_change += gn_contacts_stored(w) - stored;
+    gn_dem_step_changed(w); /* dashpots */
+    return gn_sets_enter(w, error);
 }
 
 gneiss_status gn_dem_create_empty(gn_world *w, gneiss_error *error) {

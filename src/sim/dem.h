@@ -48,6 +48,9 @@ typedef struct gn_mass_scaling {
     int64_t raised;  /* particles */
 } gn_mass_scaling;
 
+/* A cause beside those of gn_cause (4 and 5 are bonds that hold, in files): by a stage. */
+enum { GN_BOND_DISSOLVED = 6 };
+
 typedef struct gn_dem {
     gn_particles particles;
     gn_contacts bonds, pairs;
@@ -99,6 +102,8 @@ gneiss_status gn_dem_use_threads(gn_world *world, gneiss_error *error);
 gneiss_status gn_dem_create(gn_world *world, const gn_packing *packing, gneiss_error *error);
 /* Masses, sets and skin, once the specimen is measured. */
 gneiss_status gn_dem_complete(gn_world *world, gneiss_error *error);
+/* Takes what the scene of another stage says, before the lists are made anew. */
+gneiss_status gn_dem_enter(gn_world *world, gneiss_error *error);
 /* Raises masses, if the scene says so, from the step that the world has found without. */
 gneiss_status gn_dem_scale_masses(gn_world *world, gneiss_error *error);
 /* What added mass has of the kinetic energy, with the velocities of the last half step. */

@@ -194,6 +194,25 @@ static bool varies(const gn_table tables[3]) {
     return tables[0].count > 1 || tables[1].count > 1 || tables[2].count > 1;
 }
 
+/* Of constant ones with `all`, once. */
+static void set_velocities(gn_element_model *q, double time, bool all) {
+    const gn_element_def *e = q->def;
+    for (size_t k = 0; k < e->motion_count; k++) {
+        double velocity[3];
+        if (q->motion[k] < 0 || !(all || varies(e->motions[k].motion.velocity))) continue;
+        velocity_at(&e->motions[k], time, velocity);
+        gn_fem_set_velocity(&q->solid, q->motion[k], velocity);
+    }
+}
+
+static void look_at_loads(gn_element_model *q) {
+    q->loads_vary = false;
+    for (size_t k = 0; k < q->def->load_count; k++) {
+        const gn_element_load *l = &q->def->loads[k];
+        q->loads_vary = q->loads_vary || varies(l->has_force ? l->force : l->traction);
+    }
+}
+
 static gneiss_status make_drives(const gn_world *w, gn_element_model *q, gneiss_error *error) {
     const gn_element_def *e = q->def;
     q->motion_set = gn_alloc_array(e->motion_count + 1, sizeof *q->motion_set);
@@ -206,8 +225,8 @@ static gneiss_status make_drives(const gn_world *w, gn_element_model *q, gneiss_
         const gn_element_load *l = &e->loads[k];
         gneiss_status status = make_load(q, k, error);
         GN_TRY(at(w, l->where, group_of(&l->region), "loads", k, status, error));
-        q->loads_vary = q->loads_vary || varies(l->has_force ? l->force : l->traction);
     }
+    look_at_loads(q);
     set_loads(q, 0.0);
     return GNEISS_OK;
 }
@@ -258,6 +277,20 @@ gneiss_status gn_elements_create(gn_world *w, gn_mesh *mesh, gneiss_error *error
     return w->scene.has_elements ? gn_elements_add(w, &w->scene.elements, mesh, error) : GNEISS_OK;
 }
 
+gneiss_status gn_elements_enter(gn_world *w, gneiss_error *error) {
+    const gn_effects damping =
+        w->effects & (GN_FX_VISCOUS | GN_FX_NONVISCOUS_VECTOR | GN_FX_NONVISCOUS_COMPONENT);
+    for (size_t k = 0; k < w->element_count; k++) {
+        gn_element_model *q = w->elements[k];
+        GN_TRY(gn_fem_surround(&q->solid, w->scene.gravity, damping,
+                               w->scene.background_coefficient, error));
+        look_at_loads(q);
+        set_loads(q, w->time);
+        set_velocities(q, w->time, true);
+    }
+    return GNEISS_OK;
+}
+
 static void free_model(gn_element_model *q) {
     for (size_t k = 0; q->motion_set && k < q->def->motion_count; k++)
         gn_fem_set_free(&q->motion_set[k]);
@@ -304,16 +337,6 @@ gn_element_totals gn_elements_totals(const gn_world *w) {
 
 /* --- step --- */
 
-static void set_velocities(gn_element_model *q, double time) {
-    const gn_element_def *e = q->def;
-    for (size_t k = 0; k < e->motion_count; k++) {
-        double velocity[3];
-        if (q->motion[k] < 0 || !varies(e->motions[k].motion.velocity)) continue;
-        velocity_at(&e->motions[k], time, velocity);
-        gn_fem_set_velocity(&q->solid, q->motion[k], velocity);
-    }
-}
-
 /* After the step: stresses are those of its end. */
 static gneiss_status measure_forces(gn_element_model *q, gneiss_error *error) {
     const gn_fem_solid *b = &q->solid;
@@ -332,7 +355,7 @@ void gn_elements_forces(gn_world *w, bool measure) {
     for (size_t k = 0; k < w->element_count; k++) {
         gn_element_model *q = w->elements[k];
         double start = gn_now();
-        set_velocities(q, w->time + 0.5 * w->dt);
+        set_velocities(q, w->time + 0.5 * w->dt, false);
         if (q->loads_vary) set_loads(q, w->time);
         gn_element_contact_load(q);
         gn_fem_forces(&q->solid, w->dt, measure);

@@ -45,6 +45,8 @@ gneiss_status gn_elements_create(gn_world *world, gn_mesh *mesh, gneiss_error *e
 /* A further solid; `def` has to stay as long as the world. */
 gneiss_status gn_elements_add(gn_world *world, const gn_element_def *def, gn_mesh *mesh,
                               gneiss_error *error);
+/* Takes motions, loads, gravity and damping from the scene of another stage. */
+gneiss_status gn_elements_enter(gn_world *world, gneiss_error *error);
 void gn_elements_free(gn_world *world);
 
 /* A step of world->dt in two parts. Velocities, loads, forces, and the motion of nodes that do not

@@ -79,8 +79,25 @@ gneiss_status gn_law_derive(gn_world *world, const gn_pair_list *pairs, gneiss_e
 /* Damping fraction alpha of the contacts, 0 for none. */
 double gn_contact_damping_fraction(const gn_scene *scene);
 
+/* The scene of world->stage, relative to the origin, from world->given; room for what the stages
+ * come to (stages.c). */
+gneiss_status gn_stages_scene(gn_world *world, gn_scene *scene, gneiss_error *error);
+gneiss_status gn_stages_create(gn_world *world, gneiss_error *error);
+/* Parameters of all contacts of a list from the materials as they are now, but not what they have
+ * gone through. */
+gneiss_status gn_contacts_take_materials(const gn_world *world, gn_contacts *list,
+                                         gneiss_error *error);
+/* Motions and forces of sets as the scene has them now. */
+gneiss_status gn_sets_enter(gn_world *world, gneiss_error *error);
+
 /* Bonds between the pairs at the start that lie in the interaction range (bonds.c). */
 gneiss_status gn_bonds_form(gn_world *world, gneiss_error *error);
+/* The same of pairs as they stand now, beside the bonds that are there; all that hold, undone. The
+ * lists have to be made anew. */
+gneiss_status gn_bonds_add(gn_world *world, gneiss_error *error);
+void gn_bonds_dissolve(gn_world *world);
+/* J, what the springs of all contacts between particles hold. */
+double gn_contacts_stored(const gn_world *world);
 
 /* Particles outside the domain (removal.c) fail the run or leave the model: without mass and
  * contacts, and what they and their contacts held is booked as carried away. Call with the lists as
@@ -102,6 +119,11 @@ gneiss_status gn_wall_contacts_find(gn_world *world, bool first, gneiss_error *e
 /* Forces of wall contacts [begin, end), into their rows; adds to *sums. Reads of particles only
  * those that touch. */
 void gn_wall_contacts_work(gn_world *world, size_t begin, size_t end, gn_contact_sums *sums);
+
+/* m2 (2D: m x 1 m) that the stress of a servo wall acts on. */
+double gn_wall_area(const gn_world *world, size_t wall);
+/* N, with which a servo wall shall be pressed. */
+double gn_wall_wanted(const gn_world *world, size_t wall, double time);
 
 /* Surfaces (surfaces.c): facets within reach of a particle, as gn_wall_contacts.wall counts them,
  * ascending into `found` (NULL: only counted). */

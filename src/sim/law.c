@@ -103,6 +103,29 @@ void gn_contacts_set_dashpots(const gn_world *w, gn_contacts *list) {
     }
 }
 
+/* What a bond has gone through stands in its strengths as well: a broken one has a negative one. */
+static void take(gn_contacts *list, const gn_contacts *now, size_t c) {
+    if (list->mu) list->mu[c] = now->mu[c];
+    if (list->cause && list->cause[c] == GN_BOND_LEFT) return; /* it has no stiffness */
+    list->kn[c] = now->kn[c];
+    if (list->kt) list->kt[c] = now->kt[c];
+    if (list->mu1) list->mu1[c] = now->mu1[c];
+    if (list->rt) list->rt[c] = now->rt[c];
+    if (list->rn) list->rn[c] = copysign(now->rn[c], list->rn[c]);
+}
+
+gneiss_status gn_contacts_take_materials(const gn_world *w, gn_contacts *list,
+                                         gneiss_error *error) {
+    gn_contacts now = {0};
+    GN_TRY(gn_soa_copy(&gn_contact_record, &now, list, list->soa.effects, error));
+    for (size_t c = 0; c < list->soa.count; c++) {
+        gn_contact_set(w, &now, c);
+        take(list, &now, c);
+    }
+    gn_soa_destroy(&gn_contact_record, &now);
+    return GNEISS_OK;
+}
+
 gn_law_spring gn_pair_spring(const gn_world *w, int32_t i, int32_t j) {
     gn_law_model model = model_of(w);
     gn_law_pair pair = pair_of(w, i, j);

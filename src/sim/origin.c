@@ -1,6 +1,7 @@
 #include "sim/origin.h"
 
 #include "base/point.h"
+#include "sim/from_run.h"
 #include "sim/internal.h"
 
 #include <math.h>
@@ -74,8 +75,12 @@ static void take_off(const gn_scene *s, double *rows, size_t count, size_t width
 }
 
 gneiss_status gn_origin_shift(gn_world *w, gneiss_error *error) {
-    GN_TRY(gn_scene_copy(&w->given, &w->scene, error));
-    gn_scene_shift(&w->scene);
+    if (w->given.stage_count) {
+        GN_TRY(gn_stages_scene(w, &w->scene, error));
+    } else {
+        GN_TRY(gn_scene_copy(&w->given, &w->scene, error));
+        gn_scene_shift(&w->scene);
+    }
     w->scene.specimen.packed = w->given.specimen.packed;
     w->scene.specimen.packed_count = w->given.specimen.packed_count;
     w->scene.specimen.packed_volume = w->given.specimen.packed_volume;
@@ -84,9 +89,22 @@ gneiss_status gn_origin_shift(gn_world *w, gneiss_error *error) {
     return GNEISS_OK;
 }
 
+/* What moves and is bonded is read when it is needed. */
+static gneiss_status read_run(gn_scene *s, gneiss_error *error) {
+    gn_from_run from;
+    GN_TRY(gn_from_run_read(s, &from, error));
+    s->specimen.packed = from.sphere;
+    s->specimen.packed_count = from.count;
+    from.sphere = NULL;
+    gn_from_run_free(&from);
+    return GNEISS_OK;
+}
+
 static gneiss_status read_specimen(gn_scene *s, gneiss_error *error) {
     gn_packing packing;
-    if (!s->has_specimen || !s->specimen.file[0]) return GNEISS_OK;
+    if (!s->has_specimen) return GNEISS_OK;
+    if (s->specimen.from[0]) return read_run(s, error);
+    if (!s->specimen.file[0]) return GNEISS_OK;
     GN_TRY(
         gn_packing_read(s->specimen.path, (int)s->dimension, s->specimen.scale, &packing, error));
     s->specimen.packed = packing.sphere;
@@ -100,7 +118,8 @@ gneiss_status gn_origin_enter(gn_world *w, gn_mesh *mesh, gneiss_error *error) {
     GN_TRY(read_specimen(s, error));
     if (s->has_elements && s->elements.mesh[0]) GN_TRY(read_elements(s, mesh, error));
     GN_TRY(gn_origin_choose(s, mesh, error));
-    if (s->specimen.file[0]) take_off(s, s->specimen.packed, s->specimen.packed_count, 4);
+    if (s->specimen.file[0] || s->specimen.from[0])
+        take_off(s, s->specimen.packed, s->specimen.packed_count, 4);
     take_off(s, mesh->node, mesh->node_count, 3);
     return gn_origin_shift(w, error);
 }

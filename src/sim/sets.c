@@ -33,6 +33,17 @@ static bool selected(const gn_world *w, const gn_set_def *s, size_t p) {
     return selected_at(w, s, w->dem.particles.pos + 4 * p, w->dem.particles.id[p]);
 }
 
+/* By where it was at the start. */
+static bool starts_in(const gn_world *w, const gn_set_def *s, size_t p) {
+    const gn_particles *q = &w->dem.particles;
+    double x[4];
+    memcpy(x, q->start + 4 * p, sizeof x);
+    if (!(q->vel[4 * p + 3] > 0.0)) return false; /* it has left */
+    for (int a = 0; w->step > 0 && w->effects & GN_FX_PERIODIC && a < (int)w->scene.dimension; a++)
+        x[a] -= w->period[a] * floor((x[a] - w->scene.periodic_min[a]) / w->period[a]);
+    return selected_at(w, s, x, q->id[p]);
+}
+
 static const gn_table *channel(const gn_motion *motion, int k) {
     return k < 3 ? &motion->velocity[k] : &motion->spin[k - 3];
 }
@@ -98,6 +109,33 @@ static void apply_set(gn_world *w, const gn_set_def *s) {
     }
 }
 
+/* Of their own mass, those that have left have none. */
+static double own_mass(const gn_particles *q, size_t p) {
+    double inverse = q->vel[4 * p + 3];
+    return inverse > 0.0 ? gn_own_share(q, p) / inverse : 0.0;
+}
+
+static void share_force(gn_world *w, const gn_set_def *s) {
+    gn_particles *q = &w->dem.particles;
+    double mass = 0.0;
+    for (size_t p = 0; p < q->soa.count; p++)
+        if (starts_in(w, s, p)) mass += own_mass(q, p);
+    for (size_t p = 0; p < q->soa.count && mass > 0.0; p++) {
+        if (!starts_in(w, s, p)) continue;
+        for (size_t k = 0; k < 3; k++) q->applied[4 * p + k] += s->force[k] * own_mass(q, p) / mass;
+    }
+}
+
+static void free_slots(gn_world *w) {
+    gn_prescription *f = &w->dem.prescribed;
+    void *blocks[] = {
+        f->set, f->mask, f->velocity, f->load, w->dem.channel_set, w->dem.set_reaction};
+    for (size_t k = 0; k < sizeof blocks / sizeof *blocks; k++) gn_free(blocks[k]);
+    *f = (gn_prescription){0};
+    w->dem.channel_set = NULL;
+    w->dem.set_reaction = NULL;
+}
+
 static gneiss_status allocate_slots(gn_world *w, size_t count, gneiss_error *error) {
     gn_prescription *f = &w->dem.prescribed;
     f->count = count;
@@ -120,7 +158,7 @@ static gneiss_status make_slots(gn_world *w, gneiss_error *error) {
     for (size_t p = 0; p < q->soa.count; p++) {
         q->slot[p] = -1;
         for (size_t s = 0; s < w->scene.set_count && q->slot[p] < 0; s++)
-            if (motion_mask(&w->scene.sets[s].motion) && selected(w, &w->scene.sets[s], p))
+            if (motion_mask(&w->scene.sets[s].motion) && starts_in(w, &w->scene.sets[s], p))
                 q->slot[p] = (int32_t)count++;
     }
     GN_TRY(allocate_slots(w, count, error));
@@ -129,7 +167,7 @@ static gneiss_status make_slots(gn_world *w, gneiss_error *error) {
         int32_t slot = q->slot[p];
         for (size_t s = 0; slot >= 0 && s < w->scene.set_count; s++) {
             uint8_t mask = motion_mask(&w->scene.sets[s].motion);
-            if (!mask || !selected(w, &w->scene.sets[s], p)) continue;
+            if (!mask || !starts_in(w, &w->scene.sets[s], p)) continue;
             w->dem.prescribed.set[slot] = (int32_t)s;
             w->dem.prescribed.mask[slot] |= mask;
             for (int k = 0; k < 6; k++)
@@ -202,5 +240,18 @@ gneiss_status gn_sets_apply(gn_world *w, gneiss_error *error) {
     if (!(w->effects & GN_FX_PRESCRIBED)) return GNEISS_OK;
     GN_TRY(make_slots(w, error));
     start_prescribed(w);
+    return GNEISS_OK;
+}
+
+gneiss_status gn_sets_enter(gn_world *w, gneiss_error *error) {
+    gn_particles *q = &w->dem.particles;
+    if (q->applied) memset(q->applied, 0, q->soa.count * 4 * sizeof *q->applied);
+    for (size_t k = 0; q->applied && k < w->scene.set_count; k++)
+        if (w->scene.sets[k].has_force) share_force(w, &w->scene.sets[k]);
+    if (!(w->effects & GN_FX_PRESCRIBED)) return GNEISS_OK;
+    free_slots(w);
+    /* A velocity that jumps takes an impulse, which the kernel books as work. */
+    GN_TRY(make_slots(w, error));
+    gn_prescription_update(w, w->time);
     return GNEISS_OK;
 }

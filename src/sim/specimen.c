@@ -168,8 +168,9 @@ static void add_shape(const gn_scene *scene, gn_extent *extent) {
 
 void gn_specimen_extent(const gn_scene *scene, gn_extent *extent) {
     const gn_specimen *s = &scene->specimen;
-    const double *rows = s->file[0] ? s->packed : s->particles;
-    size_t count = s->file[0] ? s->packed_count : s->particle_count;
+    const bool read = s->file[0] || s->from[0];
+    const double *rows = read ? s->packed : s->particles;
+    size_t count = read ? s->packed_count : s->particle_count;
     for (size_t k = 0; rows && k < count; k++) gn_extent_add(extent, rows + 4 * k, rows[4 * k + 3]);
     if (s->lattice.kind != GN_LATTICE_NONE) add_lattice(&s->lattice, extent);
     if (s->pack.shape != GN_SHAPE_NONE) add_shape(scene, extent);

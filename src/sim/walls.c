@@ -1,6 +1,7 @@
 /* Plane walls: contacts with particles (few, so plain scalar code), motion, servo, work. */
 #include "base/memory.h"
 #include "kernels/dashpot.h"
+#include "scene/facing.h"
 #include "sim/internal.h"
 #include "sim/origin.h"
 #include "sim/touch.h"
@@ -307,13 +308,31 @@ static double servo_stiffness(const gn_world *w, size_t k, double force, double 
     return under == over ? over : force / low;
 }
 
+double gn_wall_area(const gn_world *w, size_t wall) {
+    gn_facing f;
+    double area = w->scene.walls[wall].servo.area;
+    if (area > 0.0 || !gn_facing_find(&w->scene, wall, &f)) return area;
+    area = 1.0;
+    for (size_t k = 0; k < f.count; k++) {
+        const gn_wall *to = &w->boundary.walls[f.pair[k][1]];
+        area *= fabs(gn_wall_distance(&w->boundary.walls[f.pair[k][0]], to->point));
+    }
+    return area;
+}
+
+double gn_wall_wanted(const gn_world *w, size_t wall, double time) {
+    const gn_servo *servo = &w->scene.walls[wall].servo;
+    if (servo->force.count) return gn_table_at(&servo->force, time);
+    return gn_table_at(&servo->stress, time) * gn_wall_area(w, wall);
+}
+
 /* Servo: the wall is moved along its normal by the share `relaxation`, if that is stable, of what
  * the springs need to take up the missing force. */
 static void servo_velocity(gn_world *w, size_t k) {
     const gn_servo *servo = &w->scene.walls[k].servo;
     gn_wall *wall = &w->boundary.walls[k];
     double relaxation = fmin(servo->relaxation, gn_world_servo_relaxation(w, k));
-    double missing = gn_table_at(&servo->force, w->time) + gn_dot3(wall->force, wall->normal);
+    double missing = gn_wall_wanted(w, k, w->time) + gn_dot3(wall->force, wall->normal);
     double stiffness = servo_stiffness(w, k, relaxation * missing, servo->max_velocity * w->dt);
     double speed = relaxation * missing / (stiffness * w->dt);
     speed = fmax(-servo->max_velocity, fmin(servo->max_velocity, speed));

@@ -310,6 +310,7 @@ void gn_world_free(gn_world *w) {
     gn_dem_free(&w->dem);
     gn_strain_gauge_free(&w->gauge);
     gn_exchanges_free(w);
+    gn_free(w->stages);
     gn_scene_free(&w->scene);
     gn_scene_free(&w->given);
     memset(w, 0, sizeof *w);

@@ -37,11 +37,21 @@ const char *gn_phase_text(gn_phase phase);
  * checkpoints have them. */
 #define GN_MEASURED(X) X(unbalanced, "mean resultant over mean contact force")
 
+/* How a stage of the scene went; doubles, as checkpoints have it. */
+typedef struct gn_stage_state {
+    double time, step; /* s, steps: when it began */
+    double row;        /* rows of the history before it */
+    double ended;      /* gn_stage_cause; 0: not yet */
+    double strain;     /* of the test in its first row */
+    double peak;       /* Pa, largest stress of the test in it */
+} gn_stage_state;
+
 /* The scene, the clock and the ledger, and the parts, which own their state and show the same face:
  * create, refresh, forces, move, book, measure, limit, check, hash, bytes, save, load, free, as far
  * as they apply (docs/design.md). The world calls them in turn. */
 struct gn_world {
-    gn_scene scene; /* its points relative to scene.origin, as all points of the world */
+    gn_scene scene; /* that of the stage; its points relative to scene.origin, as all points of the
+                       world */
     gn_scene given; /* the same as the user sees it, for files */
     gn_effects effects;
     const gn_kernel_set *kernels;
@@ -59,6 +69,9 @@ struct gn_world {
     double volume;             /* m3 (2D: m2 x 1 m): of the specimen at the start */
     double lower[3], upper[3]; /* m: extent of the specimen at the start, radii included */
     double test_length, test_area;
+
+    size_t stage;           /* of the scene, base 0 */
+    gn_stage_state *stages; /* [given.stage_count] */
 
     int64_t step;
     int64_t first_step; /* 0, or the step that it began with in an equilibrium (src/static) */
@@ -89,6 +102,11 @@ void gn_world_free(gn_world *world);
 
 /* Effects, threads and kernels from world->scene; gn_world_create and resume call it. */
 gneiss_status gn_world_prepare(gn_world *world, gneiss_error *error);
+
+/* Goes over to a stage of the scene, between two steps; the step is chosen anew (stages.c). */
+gneiss_status gn_world_enter(gn_world *world, size_t stage, gneiss_error *error);
+/* Chooses the step as at the start. */
+gneiss_status gn_world_choose_step(gn_world *world, gneiss_error *error);
 
 /* Another number of threads from now on; results stay the same. */
 gneiss_status gn_world_use_threads(gn_world *world, int threads, gneiss_error *error);

@@ -1,0 +1,69 @@
+#include "cli/plan_stages.h"
+
+#include "cli/progress.h"
+#include "run/stages.h"
+
+#include <math.h>
+#include <string.h>
+
+static void add(char *text, size_t size, const char *format, double value) {
+    size_t used = strlen(text);
+    if (used >= size) return;
+    used += (size_t)snprintf(text + used, size - used, "%s", used ? " or " : "");
+    if (used < size) snprintf(text + used, size - used, format, value);
+}
+
+/* "5e-05 s or unbalanced < 0.01" */
+static void conditions(const gn_stage *e, char *text, size_t size) {
+    *text = '\0';
+    if (e->time >= 0.0) add(text, size, "%g s", e->time);
+    if (e->steps >= 0) add(text, size, "%.0f steps", (double)e->steps);
+    if (e->strain > 0.0) add(text, size, "strain + %g", e->strain);
+    if (e->stress > 0.0) add(text, size, "stress %g Pa", e->stress);
+    if (e->peak_drop > 0.0) add(text, size, "stress %g below its peak", e->peak_drop);
+    if (e->unbalanced > 0.0) add(text, size, "unbalanced < %g", e->unbalanced);
+    if (e->held > 0.0) add(text, size, "servos within %g", e->held);
+    if (!*text) snprintf(text, size, "time.end");
+}
+
+/* Steps at the present length, the most that a stage may take. */
+static double steps_of(const gn_world *w, const gn_stage *e) {
+    double time = e->time >= 0.0 ? fmin(e->time, w->scene.end) : w->scene.end;
+    double steps = ceil(time / w->dt);
+    return e->steps >= 0 ? fmin(steps, (double)e->steps) : steps;
+}
+
+double gn_plan_steps(const gn_world *w) {
+    double all = ceil((w->scene.end - w->time) / w->dt), sum = 0.0;
+    for (size_t k = 0; k < w->scene.stage_count; k++) sum += steps_of(w, &w->scene.stages[k]);
+    return w->scene.stage_count ? fmin(all, sum) : all;
+}
+
+void gn_print_stages(const gn_world *w, double per_step) {
+    char text[192], time[32];
+    if (!w->scene.stage_count) return;
+    printf("stages (the most that each may take, with the step of the first)\n");
+    for (size_t k = 0; k < w->scene.stage_count; k++) {
+        const gn_stage *e = &w->scene.stages[k];
+        double steps = steps_of(w, e);
+        conditions(e, text, sizeof text);
+        printf("  %-16s %12.0f steps, %s; until %s\n", e->name, steps,
+               gn_format_seconds(per_step * steps, time, sizeof time), text);
+    }
+}
+
+void gn_print_stages_done(const gn_run *run) {
+    const gn_world *w = &run->world;
+    char reason[96];
+    for (size_t k = 0; gn_run_staged(run) && k < w->scene.stage_count; k++) {
+        const gn_stage *e = &w->scene.stages[k];
+        if (k > w->stage) {
+            printf("  stage %-16s       not reached\n", e->name);
+            continue;
+        }
+        const gn_stage_state *s = &w->stages[k], *next = k < w->stage ? s + 1 : NULL;
+        double steps = (next ? next->step : (double)w->step) - s->step;
+        printf("  stage %-16s %10.0f steps from t = %.4g s: %s\n", e->name, steps, s->time,
+               gn_stage_reason(e, (gn_stage_cause)s->ended, reason, sizeof reason));
+    }
+}

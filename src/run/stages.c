@@ -1,0 +1,240 @@
+/* Stages of a run: when one ends, and the next begins. What they are is in scene/stages.h, what
+ * changes in the world in sim/stages.c. */
+#include "run/stages.h"
+
+#include "base/vec3.h"
+#include "sim/internal.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+/* Unbalanced forces, and stress after a peak, count once so many rows of the stage are there: the
+ * first ones swing through zero. Servos have to hold for as many as that. */
+enum { ROWS_BEFORE = 20, ROWS_HELD = 10 };
+
+static gn_stage_state *state_of(const gn_run *run) {
+    return &run->world.stages[run->world.stage];
+}
+
+static const gn_stage *stage_of(const gn_run *run) {
+    return &run->world.scene.stages[run->world.stage];
+}
+
+static bool is_last(const gn_run *run) {
+    return run->world.stage + 1 == run->world.scene.stage_count;
+}
+
+bool gn_run_staged(const gn_run *run) {
+    return run->world.scene.stage_count > 0;
+}
+
+bool gn_run_stages_left(const gn_run *run) {
+    return gn_run_staged(run) &&
+           !(is_last(run) && (state_of(run)->ended || !gn_stage_has_end(stage_of(run))));
+}
+
+/* --- conditions --- */
+
+static double in_row(const gn_run *run, const char *column, size_t row) {
+    const double *values = gn_history_column(&run->history, column);
+    return values ? values[row] : NAN;
+}
+
+/* Whether a wall pressed as it shall in the instant of a row. */
+static bool wall_holds(const gn_run *run, size_t wall, size_t row) {
+    const gn_world *w = &run->world;
+    const gn_wall_def *def = &w->scene.walls[wall];
+    static const char *const axes[] = {"x", "y", "z"};
+    double pressed = 0.0, wanted = gn_wall_wanted(w, wall, in_row(run, "time", row));
+    for (int a = 0; a < (int)w->scene.dimension; a++) {
+        char name[GN_COLUMN_NAME_SIZE];
+        snprintf(name, sizeof name, "wall_%s_force_%s", def->name, axes[a]);
+        pressed -= in_row(run, name, row) * def->normal[a];
+    }
+    return fabs(pressed - wanted) <= stage_of(run)->held * fabs(wanted);
+}
+
+static bool servos_hold(const gn_run *run, size_t rows) {
+    const gn_world *w = &run->world;
+    if (rows < ROWS_HELD) return false;
+    for (size_t k = 0; k < w->scene.wall_count; k++)
+        for (size_t r = 1; w->scene.walls[k].servo.active && r <= ROWS_HELD; r++)
+            if (!wall_holds(run, k, run->history.row_count - r)) return false;
+    return true;
+}
+
+static bool fell(const gn_run *run, size_t rows, double stress) {
+    const gn_dem *d = &run->world.dem;
+    bool counts = run->world.effects & GN_FX_BONDS ? d->broken_tension + d->broken_shear > 0
+                                                   : rows > ROWS_BEFORE;
+    double peak = state_of(run)->peak;
+    return counts && peak > 0.0 && stress < (1.0 - stage_of(run)->peak_drop) * peak;
+}
+
+static gn_stage_cause cause_in_row(gn_run *run) {
+    const gn_world *w = &run->world;
+    const gn_stage *e = stage_of(run);
+    gn_stage_state *s = state_of(run);
+    size_t row = run->history.row_count - 1, rows = run->history.row_count - (size_t)s->row;
+    if (w->scene.test.kind != GN_TEST_NONE) {
+        double strain = in_row(run, "strain", row), stress = in_row(run, "stress", row);
+        if (rows == 1) s->strain = strain;
+        s->peak = fmax(s->peak, stress);
+        if (e->strain > 0.0 && strain - s->strain >= e->strain) return GN_STAGE_STRAIN;
+        if (e->stress > 0.0 && stress >= e->stress) return GN_STAGE_STRESS;
+        if (e->peak_drop > 0.0 && fell(run, rows, stress)) return GN_STAGE_PEAK_DROP;
+    }
+    /* Where nothing carries the ratio is 0: what falls freely has not settled. */
+    bool carries = w->unbalanced > 0.0;
+    if (e->unbalanced > 0.0 && rows > ROWS_BEFORE && carries && w->unbalanced < e->unbalanced)
+        return GN_STAGE_UNBALANCED;
+    if (e->held > 0.0 && servos_hold(run, rows)) return GN_STAGE_HELD;
+    return GN_STAGE_RUNS;
+}
+
+/* "unbalanced force ratio fell below 0.01" */
+const char *gn_stage_reason(const gn_stage *e, gn_stage_cause cause, char *text, size_t size) {
+    const struct {
+        const char *format;
+        double value;
+    } texts[] = {{"not over", 0.0},
+                 {"%g s passed", e->time},
+                 {"%.0f steps done", (double)e->steps},
+                 {"strain grew by %g", e->strain},
+                 {"stress reached %g Pa", e->stress},
+                 {"stress fell by %g of its peak", e->peak_drop},
+                 {"unbalanced force ratio fell below %g", e->unbalanced},
+                 {"servos held their forces to %g", e->held}};
+    snprintf(text, size, texts[cause].format, texts[cause].value);
+    return text;
+}
+
+static void name_stage(const gn_run *run, char *text, size_t size) {
+    snprintf(text, size, "stage '%s' (%zu of %zu)", stage_of(run)->name, run->world.stage + 1,
+             run->world.scene.stage_count);
+}
+
+static void end(gn_run *run, gn_stage_cause cause) {
+    char reason[96], name[GN_NAME_SIZE + 64];
+    gn_stage_state *s = state_of(run);
+    if (cause == GN_STAGE_RUNS) return;
+    s->ended = (double)cause;
+    if (!is_last(run)) return;
+    name_stage(run, name, sizeof name);
+    run->finished = true;
+    snprintf(run->stop_reason, sizeof run->stop_reason, "%s, %s",
+             gn_stage_reason(stage_of(run), cause, reason, sizeof reason), name);
+}
+
+void gn_run_stage_row(gn_run *run) {
+    if (!state_of(run)->ended) end(run, cause_in_row(run));
+}
+
+void gn_run_stage_time(gn_run *run) {
+    const gn_world *w = &run->world;
+    const gn_stage *e = stage_of(run);
+    const gn_stage_state *s = state_of(run);
+    if (s->ended) {
+        end(run, (gn_stage_cause)s->ended);
+        return;
+    }
+    if (e->steps >= 0 && (double)w->step - s->step >= (double)e->steps) end(run, GN_STAGE_STEPS);
+    bool over = w->time - s->time >= e->time - 0.5 * w->dt;
+    if (!s->ended && e->time >= 0.0 && over) end(run, GN_STAGE_TIME);
+}
+
+double gn_run_stage_duration(const gn_run *run) {
+    const gn_world *w = &run->world;
+    const gn_stage *e = stage_of(run);
+    double left = w->scene.end - state_of(run)->time;
+    if (e->time >= 0.0) left = fmin(left, e->time);
+    return e->steps >= 0 ? fmin(left, (double)e->steps * w->dt) : left;
+}
+
+double gn_run_time_left(const gn_run *run) {
+    const gn_world *w = &run->world;
+    double end = w->scene.end - w->time, left = 0.0;
+    for (size_t k = w->stage; gn_run_staged(run) && k < w->scene.stage_count; k++) {
+        const gn_stage *e = &w->scene.stages[k];
+        double most = e->time >= 0.0 ? e->time : (double)INFINITY;
+        if (e->steps >= 0) most = fmin(most, (double)e->steps * w->dt);
+        left += k == w->stage ? fmax(0.0, w->stages[k].time + most - w->time) : most;
+    }
+    return gn_run_staged(run) ? fmin(end, left) : end;
+}
+
+void gn_run_out_of_time(gn_run *run) {
+    char name[GN_NAME_SIZE + 64] = "";
+    if (gn_run_staged(run)) name_stage(run, name, sizeof name);
+    run->finished = true;
+    snprintf(run->stop_reason, sizeof run->stop_reason, "t = %g s reached%s%s%s",
+             run->world.scene.end, *name ? " in " : "", name,
+             !*name                                     ? ""
+             : gn_run_stages_left(run) && !is_last(run) ? ": later stages were not reached"
+             : gn_run_stages_left(run)                  ? ", which was not over"
+                                                        : "");
+}
+
+/* --- from one to the next --- */
+
+gneiss_status gn_run_stages_go(gn_run *run, bool *entered, gneiss_error *error) {
+    gn_world *w = &run->world;
+    *entered = false;
+    gn_run_stage_time(run);
+    while (!run->finished && state_of(run)->ended) {
+        GN_TRY(gn_world_enter(w, w->stage + 1, error));
+        state_of(run)->row = (double)run->history.row_count;
+        *entered = true;
+        gn_run_stage_time(run);
+    }
+    return GNEISS_OK;
+}
+
+/* --- readings --- */
+
+static size_t rows_of(const gn_run *run, size_t stage, size_t *begin) {
+    *begin = (size_t)run->world.stages[stage].row;
+    size_t end = run->history.row_count;
+    if (stage < run->world.stage) end = (size_t)run->world.stages[stage + 1].row;
+    return end - *begin;
+}
+
+gneiss_status gn_run_stage_readings(const gn_run *run, size_t stage, gn_readings *readings,
+                                    gneiss_error *error) {
+    const gn_history *all = &run->history;
+    const gn_stage_state *s = &run->world.stages[stage];
+    size_t begin;
+    gn_history part = *all;
+    part.row_count = rows_of(run, stage, &begin);
+    part.columns = calloc(all->column_count + 1, sizeof *part.columns);
+    double *strain = calloc(part.row_count + 1, sizeof *strain);
+    if (!part.columns || !strain) {
+        free(part.columns);
+        free(strain);
+        return gn_fail(error, GNEISS_ERROR_MEMORY, "no memory for readings of a stage");
+    }
+    for (size_t c = 0; c < all->column_count; c++) {
+        part.columns[c] = all->columns[c];
+        part.columns[c].value += part.row_count ? begin : 0;
+        if (strcmp(all->columns[c].name, "strain") != 0) continue;
+        for (size_t r = 0; r < part.row_count; r++)
+            strain[r] = part.columns[c].value[r] - s->strain;
+        part.columns[c].value = strain;
+    }
+    *readings = gn_history_readings(&run->world, &part);
+    free(part.columns);
+    free(strain);
+    return GNEISS_OK;
+}
+
+gn_readings gn_run_readings(const gn_run *run) {
+    size_t stage = run->world.stage, begin;
+    gneiss_error unsaid;
+    gn_readings r;
+    if (!gn_run_staged(run)) return gn_history_readings(&run->world, &run->history);
+    while (stage > 0 && !rows_of(run, stage, &begin)) stage--;
+    /* Without memory for the copy of a column those of all rows. */
+    if (gn_run_stage_readings(run, stage, &r, &unsaid) == GNEISS_OK) return r;
+    return gn_history_readings(&run->world, &run->history);
+}

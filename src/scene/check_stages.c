@@ -1,0 +1,182 @@
+/* Whether stages can begin and end. */
+#include "scene/check.h"
+#include "scene/stages.h"
+#include "scene/stages_check.h"
+
+#include <math.h>
+#include <string.h>
+
+static bool by_time_alone(const gn_stage *e) {
+    gn_stage other = *e;
+    other.time = -1;
+    return e->time >= 0 && !gn_stage_has_end(&other);
+}
+
+static gneiss_status check_name(const check *c, const gn_scene *s, size_t stage) {
+    for (size_t k = 0; k < stage; k++)
+        if (strcmp(s->stages[k].name, s->stages[stage].name) == 0)
+            return gn_check_fail(c, "name", "expected a name of its own, found '%s' a second time",
+                                 s->stages[stage].name);
+    return GNEISS_OK;
+}
+
+/* s, by which stages that end by time alone are over. */
+static double least_start(const gn_scene *s, size_t stage) {
+    double sum = 0.0;
+    for (size_t k = 0; k < stage; k++)
+        if (by_time_alone(&s->stages[k])) sum += s->stages[k].time;
+    return sum;
+}
+
+static gneiss_status check_end(const check *c, const gn_scene *s, size_t stage) {
+    const gn_stage *e = &s->stages[stage];
+    bool last = stage + 1 == s->stage_count;
+    if (!gn_stage_has_end(e) && !last)
+        return gn_check_fail(c, gn_check_given(c, "end") ? "end" : "name",
+                             "expected a condition under end (time, steps, strain, stress, "
+                             "peak_drop, unbalanced, held), found none: the stage would never end");
+    const bool tested = s->test.kind != GN_TEST_NONE;
+    const char *reads = e->strain > 0      ? "end.strain"
+                        : e->stress > 0    ? "end.stress"
+                        : e->peak_drop > 0 ? "end.peak_drop"
+                                           : NULL;
+    if (reads && !tested)
+        return gn_check_fail(c, reads,
+                             "expected a test section that reads it, found none: the "
+                             "stage would never end");
+    double least = least_start(s, stage) + fmax(e->time, 0.0);
+    if (by_time_alone(e) && least > s->end * (1.0 + 1e-9))
+        return gn_check_fail(c, "end.time",
+                             "expected an end before time.end, %g s, which ends the run, found at "
+                             "least %g s: the stage would never end",
+                             s->end, least);
+    return GNEISS_OK;
+}
+
+static gneiss_status check_base(const check *c, const gn_scene *s) {
+    if (s->start == GN_START_FIRST_BREAK)
+        return gn_check_fail(c, "time.start",
+                             "expected rest beside stages, found first_break: statics follow the "
+                             "loads of one stage");
+    const char *stop = s->stop_peak_drop > 0    ? "time.stop.peak_drop"
+                       : s->stop_strain > 0     ? "time.stop.strain"
+                       : s->stop_unbalanced > 0 ? "time.stop.unbalanced"
+                                                : NULL;
+    if (!stop) return GNEISS_OK;
+    return gn_check_fail(c, stop, "expected under end of a stage, found beside stages");
+}
+
+gneiss_status gn_check_stages(const gn_reader *reader, const gn_node *root) {
+    const gn_scene *s = reader->scene;
+    check c = {.reader = reader, .map = root};
+    GN_TRY(gn_check_keep(&c, check_base(&c, s)));
+    for (size_t k = 0; k < s->stage_count; k++) {
+        check element = gn_check_element(reader, root, "stages", k);
+        if (!gn_check_element_sound(&element)) continue;
+        GN_TRY(gn_check_keep(&c, check_name(&element, s, k)));
+        GN_TRY(gn_check_keep(&c, check_end(&element, s, k)));
+    }
+    return GNEISS_OK;
+}
+
+/* ---- a stage as a whole ---- */
+
+static bool given(const gn_table table[3]) {
+    return table[0].count || table[1].count || table[2].count;
+}
+
+static bool moves(const gn_motion *motion) {
+    return given(motion->velocity) || given(motion->spin);
+}
+
+/* Whether anything could change a specimen that is at rest. */
+static bool anything_acts(const gn_scene *s) {
+    bool acts = s->gravity[0] != 0 || s->gravity[1] != 0 || s->gravity[2] != 0;
+    for (size_t k = 0; k < s->wall_count; k++)
+        acts = acts || s->walls[k].servo.active || moves(&s->walls[k].motion);
+    for (size_t k = 0; k < s->set_count; k++)
+        acts = acts || s->sets[k].has_force || moves(&s->sets[k].motion);
+    for (size_t k = 0; k < s->body_count; k++)
+        acts = acts || s->bodies[k].free || moves(&s->bodies[k].motion);
+    for (size_t k = 0; k < s->elements.motion_count; k++)
+        acts = acts || moves(&s->elements.motions[k].motion);
+    return acts || s->elements.load_count > 0;
+}
+
+static bool servo(const gn_scene *s) {
+    for (size_t k = 0; k < s->wall_count; k++)
+        if (s->walls[k].servo.active) return true;
+    return false;
+}
+
+static gneiss_status check_can_end(const check *c, const gn_scene *s, size_t stage) {
+    const gn_stage *e = &s->stages[stage];
+    if (e->held > 0 && !servo(s))
+        return gn_check_fail(c, "end.held",
+                             "expected a wall with a servo in this stage, found none: the stage "
+                             "would never end");
+    if (e->time >= 0 || e->steps >= 0 || e->unbalanced > 0 || e->held > 0) return GNEISS_OK;
+    const char *key = e->strain > 0 ? "end.strain" : e->stress > 0 ? "end.stress" : "end.peak_drop";
+    if (!gn_stage_has_end(e) || anything_acts(s)) return GNEISS_OK;
+    return gn_check_fail(c, key,
+                         "expected something that moves or acts in this stage, found nothing: it "
+                         "would never end");
+}
+
+static unsigned channels(const gn_motion *motion) {
+    unsigned mask = 0;
+    for (int a = 0; a < 3; a++) {
+        mask |= motion->velocity[a].count ? 1u << a : 0;
+        mask |= motion->spin[a].count ? 8u << a : 0;
+    }
+    return mask;
+}
+
+static const char fewer[] =
+    "expected the channels that it has before this stage, %s '%s': which are prescribed holds for "
+    "all of the run (a velocity may be 0)";
+
+/* Whether a material has what bonds that soften or yield have damage over. */
+static bool same_bonds(const gn_material *a, const gn_material *b) {
+    gn_material now = *b;
+    now.friction = a->friction;
+    now.where = a->where;
+    return memcmp(a, &now, sizeof now) == 0;
+}
+
+static gneiss_status check_damage(const check *c, const gn_scene *before, const gn_scene *now) {
+    for (size_t k = 0; k < now->material_count; k++) {
+        bool damaged = now->softening != GN_SOFTENING_NONE || now->materials[k].yield_stress[0] > 0;
+        if (damaged && !same_bonds(&before->materials[k], &now->materials[k]))
+            return gn_check_fail(
+                c, "materials",
+                "expected no other stiffness and strength of '%s', whose bonds "
+                "soften or yield: what they have gone through is relative to these",
+                now->materials[k].name);
+    }
+    return GNEISS_OK;
+}
+
+/* What the parts decide once, when they are made. */
+static gneiss_status check_kept(const check *c, const gn_scene *before, const gn_scene *now) {
+    for (size_t k = 0; k < now->body_count; k++) {
+        const gn_body_def *b = &now->bodies[k];
+        if (b->free && channels(&b->motion) != channels(&before->bodies[k].motion))
+            return gn_check_fail(c, "bodies", fewer, "free body", b->name);
+    }
+    for (size_t k = 0; k < now->elements.motion_count; k++) {
+        const gn_element_motion *m = &now->elements.motions[k];
+        if (channels(&m->motion) != channels(&before->elements.motions[k].motion))
+            return gn_check_fail(c, "elements", fewer, "motion of elements", m->name);
+    }
+    return GNEISS_OK;
+}
+
+gneiss_status gn_check_stage(const gn_reader *reader, const gn_node *root, const gn_scene *before,
+                             const gn_scene *now, size_t stage) {
+    check c = gn_check_element(reader, root, "stages", stage);
+    GN_TRY(gn_check_keep(&c, check_can_end(&c, now, stage)));
+    if (!before) return GNEISS_OK;
+    GN_TRY(gn_check_keep(&c, check_damage(&c, before, now)));
+    return gn_check_keep(&c, check_kept(&c, before, now));
+}

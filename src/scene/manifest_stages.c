@@ -1,0 +1,38 @@
+/* The keys of `stages`. */
+#include "scene/manifest_keys.h"
+#include "scene/stages.h"
+
+#define NONE(TEXT) .word = "none", .fallback = "none", .text = TEXT
+
+static const gn_key end_keys[] = {
+    KEY("time", REAL, gn_stage, time, .unit = "s", .range = "[0, inf)", .word_value = -1,
+        NONE("after this time since the stage began")),
+    KEY("steps", INTEGER, gn_stage, steps, .range = "[0, 1e15]", .word_value = -1,
+        NONE("after as many steps; 0: what the stage changes holds, and the next one begins")),
+    KEY("strain", REAL, gn_stage, strain, .unit = "1", .range = "(0, inf)",
+        NONE("once the strain of the test has grown by this since the stage began")),
+    KEY("stress", REAL, gn_stage, stress, .unit = "Pa", .range = GN_STRENGTHS,
+        NONE("once the stress of the test is at least this")),
+    KEY("peak_drop", REAL, gn_stage, peak_drop, .unit = "1", .range = "(0, 1)",
+        NONE("once stress has fallen by this fraction of its peak in the stage")),
+    KEY("unbalanced", REAL, gn_stage, unbalanced, .unit = "1", .range = "(0, inf)",
+        NONE("once the unbalanced force ratio is below")),
+    KEY("held", REAL, gn_stage, held, .unit = "1", .range = "(0, 1)",
+        NONE("once every servo wall has been within this fraction of its force for ten rows of the "
+             "history")),
+};
+TABLE_OF(end);
+
+static const gn_key stage_keys[] = {
+    KEY("name", NAME, gn_stage, name, .required = true, .text = "of the stage"),
+    SECTION("end", end_section,
+            .text = "when the stage ends: whatever comes first; the last one may leave it to "
+                    "time.end"),
+    ARRAY("*", CHANGES, gn_stage, changes, change_size, PRESENT(COUNT, gn_stage, change_size),
+          .unit = "keys of the scene",
+          .text = "keys of the scene that change when the stage begins and stay so: gravity, "
+                  "damping, friction, motions, forces, servos, loads, steps, rows and snapshots; "
+                  "elements of lists by name, as walls: {top: {motion: {vz: 0.1}}}"),
+};
+const gn_section gn_stage_section = {stage_keys, sizeof stage_keys / sizeof(gn_key),
+                                     sizeof(gn_stage), offsetof(gn_stage, where)};

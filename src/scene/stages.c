@@ -1,0 +1,396 @@
+/* Stages: what one changes is laid over the tree of the scene as it stands before, and the whole is
+ * read again. So every key that may change has its one meaning, its checks and its place in the
+ * file. */
+#include "scene/stages.h"
+
+#include "base/memory.h"
+#include "base/names.h"
+#include "scene/read.h"
+#include "scene/stages_check.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+/* ---- what may change ---- */
+
+/* A path that begins with these steps; a star stands for any step. */
+static const char *const may_change[] = {
+    "gravity",
+    "damping",
+    "materials.*.friction",
+    "materials.*.contact_modulus",
+    "materials.*.normal_stiffness",
+    "materials.*.kratio",
+    "materials.*.young",
+    "materials.*.poisson",
+    "materials.*.alpha",
+    "materials.*.beta",
+    "materials.*.tensile_strength",
+    "materials.*.shear_strength",
+    "materials.*.bond_tension_limit",
+    "materials.*.bond_shear_limit",
+    "materials.*.bond_friction",
+    "bonds.enabled",
+    "bonds.interaction_range",
+    "bonds.overlap_range",
+    "bonds.passive_gaps",
+    "contacts.*.friction",
+    "sets.*.motion",
+    "sets.*.force",
+    "walls.*.motion",
+    "walls.*.servo",
+    "walls.*.friction",
+    "bodies.*.motion",
+    "bodies.*.friction",
+    "elements.motions.*.motion",
+    "elements.loads.*.force",
+    "elements.loads.*.traction",
+    "time.step",
+    "time.safety",
+    "time.contact_steps",
+    "time.estimate",
+    "time.on_unstable",
+    "output.history_rows",
+    "output.snapshots",
+};
+
+static const struct {
+    const char *path, *reason;
+} fixed[] = {
+    {"specimen", "particles are made once, when the run begins"},
+    {"elements", "elements are made once, when the run begins; motions and loads may change"},
+    {"time.end", "it bounds the whole run; a stage ends by what stands under its end"},
+    {"time.stop", "a stage ends by what stands under its end"},
+    {"time.mass_scaling", "masses are raised once, when the run begins"},
+    {"time", "it says how the run begins"},
+    {"initial", "it is the state at the start of the run"},
+    {"walls", "of a wall, motion, servo and friction may change"},
+    {"bodies", "of a body, motion and friction may change"},
+    {"sets", "of a set, motion and force may change"},
+    {"materials", "of a material, friction, stiffness and strength may change"},
+    {"contacts", "of a pair of materials, friction may change"},
+    {"bonds", "the law of bonds is one for the whole run"},
+    {"test", "the readings of all stages are those of one test"},
+    {"output", "it holds for all of the run; history_rows and snapshots may change"},
+    {"", "it holds for all of the run"},
+};
+
+static bool begins_with(const char *path, const char *pattern) {
+    while (*pattern) {
+        size_t step = strcspn(path, "."), wanted = strcspn(pattern, ".");
+        bool any = wanted == 1 && *pattern == '*';
+        if (!*path || (!any && (step != wanted || strncmp(path, pattern, step) != 0))) return false;
+        path += step + (path[step] == '.');
+        pattern += wanted + (pattern[wanted] == '.');
+    }
+    return true;
+}
+
+static bool allowed(const char *path) {
+    for (size_t k = 0; k < sizeof may_change / sizeof *may_change; k++)
+        if (begins_with(path, may_change[k])) return true;
+    return false;
+}
+
+static const char *reason_of(const char *path) {
+    size_t k = 0;
+    while (!begins_with(path, fixed[k].path)) k++;
+    return fixed[k].reason;
+}
+
+/* ---- laying a stage over the scene ---- */
+
+typedef struct layer {
+    gn_reader *reader;
+    gn_tree *tree;
+    size_t stage; /* base 0 */
+    char path[GN_KEY_PATH_SIZE];
+} layer;
+
+static gneiss_status no_memory(const gn_reader *reader) {
+    return gn_fail(reader->error, GNEISS_ERROR_MEMORY, "%s: out of memory while reading stages",
+                   reader->name);
+}
+
+/* Messages say the stage besides the place. */
+static gneiss_status wrong(const layer *l, const gn_node *node, const char *format,
+                           const char *what, const char *more) {
+    char path[GN_KEY_PATH_SIZE + 32], text[512];
+    snprintf(path, sizeof path, "stages[%zu].%s", l->stage, l->path);
+    snprintf(text, sizeof text, format, what, more);
+    return gn_read_keep(l->reader,
+                        gn_read_fail(l->reader, node, node->key_where, path, "%s", text));
+}
+
+static size_t push(layer *l, const char *name) {
+    size_t before = strlen(l->path);
+    snprintf(l->path + before, sizeof l->path - before, "%s%s", before ? "." : "", name);
+    return before;
+}
+
+static void drop(gn_node *map, const char *key) {
+    gn_node **at = &map->first, *last = NULL;
+    while (*at) {
+        if (strcmp((*at)->key, key) == 0) {
+            *at = (*at)->next;
+            map->count--;
+        } else {
+            last = *at;
+            at = &last->next;
+        }
+    }
+    map->last = last;
+}
+
+static gneiss_status lay_map(layer *l, gn_node *base, const gn_node *over);
+
+/* Elements by name: of a map its keys, of a list what `name` says. */
+static gneiss_status lay_list(layer *l, gn_node *base, const gn_node *over) {
+    for (const gn_node *item = over->first; item; item = item->next) {
+        const gn_node *said = over->kind == GN_NODE_LIST ? gn_node_child(item, "name") : NULL;
+        bool named = said && said->kind == GN_NODE_SCALAR;
+        const char *name = over->kind == GN_NODE_MAP ? item->key : named ? said->text : "";
+        gn_node *element = base && *name ? (gn_node *)gn_node_element(base, name) : NULL;
+        if (!element || item->kind != GN_NODE_MAP) {
+            GN_TRY(wrong(l, item,
+                         element ? "expected what changes of '%s', a section%s"
+                                 : "expected the name of an element that the scene has, found "
+                                   "'%s'%s",
+                         name, ""));
+            continue;
+        }
+        size_t mark = push(l, name);
+        GN_TRY(lay_map(l, element, item));
+        l->path[mark] = '\0';
+    }
+    return GNEISS_OK;
+}
+
+static gneiss_status lay_value(layer *l, gn_node *base, const gn_node *over, const gn_key *key) {
+    gn_node *old = (gn_node *)gn_node_child(base, over->key);
+    if (key && !allowed(l->path))
+        return wrong(l, over, "expected a key that a stage may change, found '%s': %s", l->path,
+                     reason_of(l->path));
+    bool off = over->kind == GN_NODE_SCALAR && strcmp(over->text, "off") == 0;
+    if (off && key && key->type == GN_KEY_SECTION) {
+        drop(base, over->key);
+        return GNEISS_OK;
+    }
+    if (!old) {
+        old = gn_tree_add(l->tree, base, over);
+        if (!old) return no_memory(l->reader);
+    } else {
+        gn_node *next = old->next;
+        *old = *over;
+        old->next = next;
+    }
+    return GNEISS_OK;
+}
+
+static gneiss_status lay_section(layer *l, gn_node *base, const gn_node *over) {
+    gn_node *old = (gn_node *)gn_node_child(base, over->key);
+    if (!old || old->kind != GN_NODE_MAP) {
+        drop(base, over->key);
+        old = gn_tree_add_map(l->tree, base, over);
+    }
+    return old ? lay_map(l, old, over) : no_memory(l->reader);
+}
+
+/* A wall has one of both, and so has a servo: what is said last takes the place of the other. */
+static void make_way(gn_node *base, const gn_node *over) {
+    const gn_node *motion = gn_node_child(over, "motion"), *servo = gn_node_child(over, "servo");
+    if (motion && !servo) drop(base, "servo");
+    if (servo && !motion && servo->kind == GN_NODE_MAP) drop(base, "motion");
+}
+
+static void make_way_in_servo(gn_node *base, const gn_node *over) {
+    const gn_node *force = gn_node_child(over, "force"), *stress = gn_node_child(over, "stress");
+    if (stress && !force) drop(base, "force");
+    if (stress || !force) return;
+    drop(base, "stress");
+    drop(base, "area");
+}
+
+/* The first of several keys of one name counts, and the others are told. */
+static bool seen(const gn_node *map, const gn_node *child) {
+    for (const gn_node *other = map->first; other != child; other = other->next)
+        if (strcmp(other->key, child->key) == 0) return true;
+    return false;
+}
+
+static gneiss_status lay_child(layer *l, gn_node *base, const gn_node *child) {
+    const gn_key *key = gn_scene_key_at(l->path);
+    bool map = child->kind == GN_NODE_MAP, list = child->kind == GN_NODE_LIST;
+    if (key && key->type == GN_KEY_LIST && (map || list))
+        return lay_list(l, (gn_node *)gn_node_child(base, child->key), child);
+    if (key && key->type == GN_KEY_SECTION && map) return lay_section(l, base, child);
+    return lay_value(l, base, child, key);
+}
+
+static gneiss_status lay_map(layer *l, gn_node *base, const gn_node *over) {
+    if (begins_with(l->path, "walls.*")) make_way(base, over);
+    if (begins_with(l->path, "walls.*.servo")) make_way_in_servo(base, over);
+    for (const gn_node *child = over->first; child; child = child->next) {
+        if (strcmp(child->key, "name") == 0) continue;
+        size_t mark = push(l, child->key);
+        if (seen(over, child))
+            GN_TRY(wrong(l, child, "expected once, found '%s' again%s", child->key, ""));
+        else
+            GN_TRY(lay_child(l, base, child));
+        l->path[mark] = '\0';
+    }
+    return GNEISS_OK;
+}
+
+/* Own keys of a stage are no changes. */
+static gneiss_status lay_stage(layer *l, gn_node *root, const gn_node *stage) {
+    for (const gn_node *child = stage->first; child; child = child->next) {
+        if (strcmp(child->key, "name") == 0 || strcmp(child->key, "end") == 0) continue;
+        snprintf(l->path, sizeof l->path, "%s", child->key);
+        if (seen(stage, child))
+            GN_TRY(wrong(l, child, "expected once, found '%s' again%s", child->key, ""));
+        else
+            GN_TRY(lay_child(l, root, child));
+    }
+    return GNEISS_OK;
+}
+
+static void mark_stage(gn_node *node, size_t stage) {
+    node->stage = stage;
+    for (gn_node *child = node->first; child; child = child->next) mark_stage(child, stage);
+}
+
+/* ---- reading ---- */
+
+static gneiss_status keep_changes(gn_reader *reader, const gn_node *node, gn_stage *stage) {
+    char *text = gn_node_write(node, &gn_stage_section);
+    if (!text) return no_memory(reader);
+    size_t size = strlen(text) + 1;
+    if (size > 1) {
+        stage->changes = gn_alloc(size);
+        if (stage->changes) memcpy(stage->changes, text, size);
+        stage->change_size = size;
+    }
+    free(text);
+    return size == 1 || stage->changes ? GNEISS_OK : no_memory(reader);
+}
+
+/* The tree as it is now, as a scene by itself. Its messages are about keys that the stage changed,
+ * or about what does not go with them. */
+static gneiss_status read_whole(const gn_reader *reader, const gn_node *root, gn_scene *scene) {
+    gn_reader own = *reader;
+    memset(scene, 0, sizeof *scene);
+    snprintf(scene->source, sizeof scene->source, "%s", reader->name);
+    own.scene = scene;
+    own.path_length = 0;
+    own.path[0] = '\0';
+    GN_TRY(gn_read_scene(&own, root));
+    return gn_check_scene(&own, root);
+}
+
+/* Messages while running point at the stage. */
+static void point_at_stage(gn_scene *s, gn_scene_place where) {
+    s->time_where = where;
+    for (size_t k = 0; k < s->wall_count; k++) s->walls[k].where = where;
+    for (size_t k = 0; k < s->body_count; k++) s->bodies[k].where = where;
+    for (size_t k = 0; k < s->set_count; k++) s->sets[k].where = where;
+    for (size_t k = 0; k < s->elements.motion_count; k++) s->elements.motions[k].where = where;
+}
+
+/* The last stage that a value under the node is from. */
+static size_t last_stage_in(const gn_node *node) {
+    size_t stage = node ? node->stage : 0;
+    for (const gn_node *child = node ? node->first : NULL; child; child = child->next) {
+        size_t inside = last_stage_in(child);
+        stage = inside > stage ? inside : stage;
+    }
+    return stage;
+}
+
+static gneiss_status read_stage(const gn_reader *reader, gn_tree *tree, gn_scene *before,
+                                size_t stage, gn_scene *now) {
+    gn_node *root = (gn_node *)gn_tree_root(tree);
+    gn_node *node = (gn_node *)gn_node_item(gn_node_child(root, "stages"), stage);
+    gn_reader own = *reader;
+    layer l = {.reader = &own, .tree = tree, .stage = stage};
+    mark_stage(node, stage + 1);
+    GN_TRY(lay_stage(&l, root, node));
+    memset(now, 0, sizeof *now);
+    if (own.problems->count) return GNEISS_OK;
+    GN_TRY(read_whole(reader, root, now));
+    now->bonds_stage = last_stage_in(gn_node_child(root, "bonds"));
+    if (own.problems->count) return GNEISS_OK;
+    return gn_check_stage(reader, root, before, now, stage);
+}
+
+/* The base is checked by itself before. What a later stage inherits is not told again: the first
+ * that is wrong ends it. */
+gneiss_status gn_read_stages(gn_reader *reader, gn_tree *tree) {
+    gn_scene *base = reader->scene, before = {0}, now = {0};
+    const gn_node *list = gn_node_child(gn_tree_root(tree), "stages");
+    gneiss_status status = GNEISS_OK;
+    gn_effects united = 0;
+    bool wanted = reader->wanted_stage > 0;
+    for (size_t k = 0; status == GNEISS_OK && k < base->stage_count; k++)
+        status = keep_changes(reader, gn_node_item(list, k), &base->stages[k]);
+    if (status == GNEISS_OK) status = gn_check_stages(reader, gn_tree_root(tree));
+    size_t count = base->stage_count;
+    for (size_t k = 0; status == GNEISS_OK && !reader->problems->count && k < count; k++) {
+        status = read_stage(reader, tree, k ? &before : NULL, k, &now);
+        united |= gn_scene_effects(&now);
+        gn_scene_free(&before);
+        before = now;
+        memset(&now, 0, sizeof now);
+        if (!wanted || k + 1 != reader->wanted_stage) continue;
+        if (status == GNEISS_OK) status = gn_scene_copy(&before, &now, reader->error);
+        if (status != GNEISS_OK) break;
+        gn_effects known = base->united;
+        gn_scene_free(base);
+        *base = now;
+        base->united = known;
+        memset(&now, 0, sizeof now);
+    }
+    gn_scene_free(&before);
+    base->united = united;
+    return status;
+}
+
+/* ---- a stage by itself ---- */
+
+typedef struct visit {
+    void (*visit)(void *context, gn_table *table);
+    void *context;
+} visit;
+
+static void visit_section(const gn_section *section, char *base, const visit *v) {
+    for (size_t k = 0; k < section->key_count; k++) {
+        const gn_key *key = &section->keys[k];
+        char *at = base + key->offset;
+        if (key->type == GN_KEY_SECTION) visit_section(key->section, at, v);
+        if (key->type == GN_KEY_TABLE) v->visit(v->context, (gn_table *)at);
+        if (key->type != GN_KEY_LIST) continue;
+        char *array;
+        memcpy(&array, at, sizeof array);
+        size_t count = array ? *(size_t *)(base + key->second) : 0;
+        for (size_t item = 0; item < count; item++)
+            visit_section(key->section, array + item * key->section->size, v);
+    }
+}
+
+void gn_scene_tables(gn_scene *scene, void (*visit_one)(void *context, gn_table *table),
+                     void *context) {
+    const visit v = {visit_one, context};
+    visit_section(&gn_scene_section, (char *)scene, &v);
+}
+
+gneiss_status gn_scene_stage(const gn_scene *scene, size_t stage, gn_scene *out,
+                             gneiss_error *error) {
+    char *text = gn_scene_write(scene);
+    memset(out, 0, sizeof *out);
+    if (!text) return gn_fail(error, GNEISS_ERROR_MEMORY, "no memory for the scene of a stage");
+    gneiss_status status = gn_scene_parse_stage(text, scene->source, stage, out, error);
+    free(text);
+    if (status != GNEISS_OK) return status;
+    point_at_stage(out, scene->stages[stage].where);
+    return GNEISS_OK;
+}

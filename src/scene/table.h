@@ -1,0 +1,33 @@
+/* Values over time, and where a value stands in a file. */
+#ifndef GN_SCENE_TABLE_H
+#define GN_SCENE_TABLE_H
+
+#include <stddef.h>
+
+/* Where a value stands in the scene file, for messages raised after parsing. Line 0: not in a file.
+ */
+typedef struct gn_scene_place {
+    int line, column; /* base 1 */
+} gn_scene_place;
+
+/* Piecewise linear in time; held constant before the first and after the last point. `count` 1 is a
+ * constant, 0 means the channel is free (not prescribed). */
+typedef struct gn_table {
+    size_t count;
+    double *time;  /* [count], s, strictly increasing */
+    double *value; /* [count] */
+    size_t stage;  /* whose start times count from, base 1; 0: the run's */
+} gn_table;
+
+/* Motion of a set, a wall or a body. Walls use the first three channels only. */
+typedef struct gn_motion {
+    gn_table velocity[3]; /* m/s */
+    gn_table spin[3];     /* rad/s */
+} gn_motion;
+
+/* Value of a table at a time; 0 for an empty table. */
+double gn_table_at(const gn_table *table, double time);
+/* Its integral over time. */
+double gn_table_between(const gn_table *table, double from, double to);
+
+#endif

@@ -1,0 +1,123 @@
+#include "sim/from_run.h"
+
+#include "base/memory.h"
+#include "io/h5.h"
+
+#include <string.h>
+
+/* What the file has of all particles; those that were removed are left out of *from. */
+typedef struct source {
+    gn_h5 *file;
+    size_t all, bonds;
+    uint8_t *removed;
+    int32_t *place; /* [all] among those that are left, -1: removed */
+    double *vector; /* [all][3] what was read last */
+} source;
+
+static gneiss_status no_memory(gneiss_error *error) {
+    return gn_fail(error, GNEISS_ERROR_MEMORY, "no memory for the particles of another run");
+}
+
+/* Rows of a data set into columns [first, first + components) of `out` [count][width]. */
+static gneiss_status take(source *s, const char *name, size_t components, double *out, size_t width,
+                          size_t first, gneiss_error *error) {
+    GN_TRY(gn_h5_get(s->file, name, GN_F64, s->all, components, 0, s->vector, error));
+    for (size_t p = 0; p < s->all; p++)
+        for (size_t a = 0; s->place[p] >= 0 && a < components; a++)
+            out[width * (size_t)s->place[p] + first + a] = s->vector[components * p + a];
+    return GNEISS_OK;
+}
+
+static gneiss_status number(source *s, gn_from_run *from, gneiss_error *error) {
+    GN_TRY(gn_h5_rows(s->file, "particles/position", &s->all, error));
+    s->removed = gn_alloc(s->all + 1);
+    s->place = gn_alloc_array(s->all + 1, sizeof *s->place);
+    s->vector = gn_alloc_array(s->all + 1, 3 * sizeof *s->vector);
+    if (!s->removed || !s->place || !s->vector) return no_memory(error);
+    GN_TRY(gn_h5_get(s->file, "particles/removed", GN_U8, s->all, 1, 0, s->removed, error));
+    for (size_t p = 0; p < s->all; p++) s->place[p] = s->removed[p] ? -1 : (int32_t)from->count++;
+    return GNEISS_OK;
+}
+
+static gneiss_status take_motion(source *s, gn_from_run *from, gneiss_error *error) {
+    from->motion = gn_alloc_array(from->count + 1, 6 * sizeof *from->motion);
+    if (!from->motion) return no_memory(error);
+    GN_TRY(take(s, "particles/velocity", 3, from->motion, 6, 0, error));
+    if (!gn_h5_has(s->file, "particles/spin")) return GNEISS_OK;
+    return take(s, "particles/spin", 3, from->motion, 6, 3, error);
+}
+
+/* Bonds that hold, those that have softened or yielded included. */
+static bool holds(int32_t state) {
+    return state == 0 || state == 4 || state == 5;
+}
+
+static gneiss_status take_bonds(source *s, gn_from_run *from, gneiss_error *error) {
+    if (!gn_h5_has(s->file, "bonds/i")) return GNEISS_OK;
+    GN_TRY(gn_h5_rows(s->file, "bonds/i", &s->bonds, error));
+    int32_t *ends[3];
+    for (int k = 0; k < 3; k++) ends[k] = gn_alloc_array(s->bonds + 1, sizeof *ends[k]);
+    double *rest = gn_alloc_array(s->bonds + 1, sizeof *rest);
+    from->bond = gn_alloc_array(s->bonds + 1, sizeof *from->bond);
+    from->rest_length = gn_alloc_array(s->bonds + 1, sizeof *from->rest_length);
+    bool held = ends[0] && ends[1] && ends[2] && rest && from->bond && from->rest_length;
+    gneiss_status status = held ? GNEISS_OK : no_memory(error);
+    const char *const names[] = {"bonds/i", "bonds/j", "bonds/state"};
+    for (int k = 0; status == GNEISS_OK && k < 3; k++)
+        status = gn_h5_get(s->file, names[k], GN_I32, s->bonds, 1, 0, ends[k], error);
+    if (status == GNEISS_OK)
+        status = gn_h5_get(s->file, "bonds/rest_length", GN_F64, s->bonds, 1, 0, rest, error);
+    for (size_t b = 0; status == GNEISS_OK && b < s->bonds; b++) {
+        bool known = ends[0][b] >= 0 && (size_t)ends[0][b] < s->all && ends[1][b] >= 0 &&
+                     (size_t)ends[1][b] < s->all;
+        if (!known || !holds(ends[2][b])) continue;
+        int32_t i = s->place[ends[0][b]], j = s->place[ends[1][b]];
+        if (i < 0 || j < 0 || i == j) continue;
+        from->bond[from->bonds][0] = i;
+        from->bond[from->bonds][1] = j;
+        from->rest_length[from->bonds++] = rest[b];
+    }
+    for (int k = 0; k < 3; k++) gn_free(ends[k]);
+    gn_free(rest);
+    return status;
+}
+
+static gneiss_status read_all(const gn_scene *scene, source *s, gn_from_run *from,
+                              gneiss_error *error) {
+    int64_t dimension = 0;
+    GN_TRY(gn_h5_get_attribute_i64(s->file, "/", "dimension", &dimension, 1, error));
+    if (dimension != scene->dimension)
+        return gn_fail(error, GNEISS_ERROR_INPUT,
+                       "%s:%d:%d: specimen.from: expected a run of a %dD scene, found one of a %dD "
+                       "scene",
+                       scene->source, scene->specimen.where.line, scene->specimen.where.column,
+                       (int)scene->dimension, (int)dimension);
+    GN_TRY(number(s, from, error));
+    from->sphere = gn_alloc_array(from->count + 1, 4 * sizeof *from->sphere);
+    if (!from->sphere) return no_memory(error);
+    GN_TRY(take(s, "particles/position", 3, from->sphere, 4, 0, error));
+    GN_TRY(take(s, "particles/radius", 1, from->sphere, 4, 3, error));
+    if (scene->specimen.from_velocities) GN_TRY(take_motion(s, from, error));
+    return scene->specimen.from_bonds ? take_bonds(s, from, error) : GNEISS_OK;
+}
+
+gneiss_status gn_from_run_read(const gn_scene *scene, gn_from_run *from, gneiss_error *error) {
+    source s = {0};
+    *from = (gn_from_run){0};
+    GN_TRY(gn_h5_open_whole(scene->specimen.from_path, &s.file, error));
+    gneiss_status status = read_all(scene, &s, from, error);
+    gn_h5_close(s.file);
+    gn_free(s.removed);
+    gn_free(s.place);
+    gn_free(s.vector);
+    if (status != GNEISS_OK) gn_from_run_free(from);
+    return status;
+}
+
+void gn_from_run_free(gn_from_run *from) {
+    gn_free(from->sphere);
+    gn_free(from->motion);
+    gn_free(from->bond);
+    gn_free(from->rest_length);
+    *from = (gn_from_run){0};
+}

@@ -1,0 +1,21 @@
+/* The particles of another run at its end, from its results.h5, as the specimen of this one. */
+#ifndef GN_SIM_FROM_RUN_H
+#define GN_SIM_FROM_RUN_H
+
+#include "io/packing.h"
+#include "scene/scene.h"
+
+typedef struct gn_from_run {
+    size_t count;        /* particles, without those that had been removed */
+    double *sphere;      /* [count][4] x y z r, m, as the user sees them */
+    double *motion;      /* [count][6] m/s, rad/s; NULL unless asked for */
+    size_t bonds;        /* that held; 0 unless asked for */
+    int32_t (*bond)[2];  /* [bonds] by place in `sphere` */
+    double *rest_length; /* [bonds] m, at which there is no normal force */
+} gn_from_run;
+
+/* What specimen.from names, with what the scene asks for. */
+gneiss_status gn_from_run_read(const gn_scene *scene, gn_from_run *from, gneiss_error *error);
+void gn_from_run_free(gn_from_run *from);
+
+#endif

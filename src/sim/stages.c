@@ -1,0 +1,58 @@
+/* Going from one stage of the scene to the next: the scene of the stage takes the place of the one
+ * before, and each part of the world takes what it holds of it anew. */
+#include "scene/stages.h"
+
+#include "base/memory.h"
+#include "sim/internal.h"
+#include "sim/origin.h"
+
+#include <math.h>
+
+/* Times in a table that a stage gives count from its start. */
+static void start_table(void *context, gn_table *table) {
+    const gn_world *w = context;
+    double start = table->stage ? w->stages[table->stage - 1].time : 0.0;
+    for (size_t k = 0; k < table->count; k++) table->time[k] += start;
+}
+
+gneiss_status gn_stages_create(gn_world *w, gneiss_error *error) {
+    size_t count = w->given.stage_count;
+    if (!count || w->stages) return GNEISS_OK;
+    w->stages = gn_alloc_array(count, sizeof *w->stages);
+    return w->stages ? GNEISS_OK
+                     : gn_fail(error, GNEISS_ERROR_MEMORY, "no memory for %zu stages", count);
+}
+
+gneiss_status gn_stages_scene(gn_world *w, gn_scene *scene, gneiss_error *error) {
+    GN_TRY(gn_stages_create(w, error));
+    GN_TRY(gn_scene_stage(&w->given, w->stage, scene, error));
+    gn_scene_shift(scene);
+    gn_scene_tables(scene, start_table, w);
+    return GNEISS_OK;
+}
+
+/* As at the start of a run: the step may become longer as well. */
+gneiss_status gn_world_choose_step(gn_world *w, gneiss_error *error) {
+    int64_t lowered = w->dt_lowered;
+    w->dt = INFINITY;
+    gneiss_status status = gn_world_check_step(w, true, error);
+    w->dt_lowered = lowered;
+    GN_TRY(status);
+    return gn_origin_check(w, error);
+}
+
+gneiss_status gn_world_enter(gn_world *w, size_t stage, gneiss_error *error) {
+    gn_scene next;
+    w->stage = stage;
+    w->stages[stage].time = w->time;
+    w->stages[stage].step = (double)w->step;
+    GN_TRY(gn_stages_scene(w, &next, error));
+    gn_scene_free(&w->scene);
+    w->scene = next; /* parts that point into it point to its place */
+    w->effects = gn_scene_effects(&w->scene);
+    GN_TRY(gn_dem_enter(w, error));
+    gn_boundary_enter(w);
+    GN_TRY(gn_elements_enter(w, error));
+    if (w->scene.has_specimen) GN_TRY(gn_world_rebuild(w, error));
+    return gn_world_choose_step(w, error);
+}
