@@ -6,13 +6,10 @@
 #include "base/effects.h"
 #include "base/error.h"
 #include "base/instruction_sets.h"
+#include "scene/laboratory.h"
+#include "scene/values.h"
 
-#include <stdbool.h>
-#include <stddef.h>
-#include <stdint.h>
 #include <stdio.h>
-
-enum { GN_NAME_SIZE = 64, GN_PATH_SIZE = 4096 };
 
 /* Coordinates and sizes that a scene, or a file that it names, may hold (manifest_keys.h). */
 static const double GN_PLACE_MOST = 1e9;    /* m, either side of the origin */
@@ -120,28 +117,7 @@ typedef enum gn_scaled_gravity { GN_GRAVITY_REFUSED, GN_GRAVITY_OWN } gn_scaled_
 typedef enum gn_policy { GN_POLICY_STOP, GN_POLICY_WARN } gn_policy;
 typedef enum gn_lost_policy { GN_LOST_STOP, GN_LOST_REMOVE } gn_lost_policy;
 typedef enum gn_density_basis { GN_DENSITY_PARTICLE, GN_DENSITY_BULK } gn_density_basis;
-typedef enum gn_test_kind { GN_TEST_NONE, GN_TEST_COMPRESSION, GN_TEST_TENSION } gn_test_kind;
 typedef enum gn_switch { GN_SWITCH_AUTO, GN_SWITCH_ON, GN_SWITCH_OFF } gn_switch;
-
-/* Where a value stands in the scene file, for messages raised after parsing. Line 0: not in a file.
- */
-typedef struct gn_scene_place {
-    int line, column; /* base 1 */
-} gn_scene_place;
-
-/* Piecewise linear in time; held constant before the first and after the last point. `count` 1 is a
- * constant, 0 means the channel is free (not prescribed). */
-typedef struct gn_table {
-    size_t count;
-    double *time;  /* [count], s, strictly increasing */
-    double *value; /* [count] */
-} gn_table;
-
-/* Motion of a set, a wall or a body. Walls use the first three channels only. */
-typedef struct gn_motion {
-    gn_table velocity[3]; /* m/s */
-    gn_table spin[3];     /* rad/s */
-} gn_motion;
 
 typedef struct gn_material {
     char name[GN_NAME_SIZE];
@@ -320,23 +296,6 @@ typedef struct gn_body_def {
     gn_scene_place where;
 } gn_body_def;
 
-/* Walls, bodies, sets, motions of elements that load the specimen together. */
-typedef struct gn_test_end {
-    size_t count;
-    char (*name)[GN_NAME_SIZE]; /* [count] */
-} gn_test_end;
-
-/* A laboratory test: which two ends load the specimen and how stress and strain are formed. */
-typedef struct gn_test {
-    gn_test_kind kind;
-    int64_t axis; /* 0 1 2 */
-    gn_test_end lower, upper;
-    double length;   /* m; 0: extent of the specimen along the axis */
-    double area;     /* m2; 0: from diameter, else from the specimen (see docs/scene.md) */
-    double diameter; /* m; 0: not given */
-    gn_scene_place where;
-} gn_test;
-
 /* Linear finite elements: what they are made of. */
 typedef struct gn_element_material {
     char group[GN_NAME_SIZE];       /* of elements, by name or tag; "": all elements */
@@ -452,6 +411,7 @@ typedef struct gn_scene {
 
     gn_background_damping background;
     double background_coefficient;
+    double background_spin; /* the same of spins; -1: as of velocities */
     gn_damped_velocity background_velocity;
     double restitution;      /* c_r in [0, 1]; negative: contact damping by fraction */
     double damping_fraction; /* alpha of critical; 0 and restitution < 0: no contact damping */
@@ -472,6 +432,8 @@ typedef struct gn_scene {
     gn_wall_def *walls;
     size_t body_count;
     gn_body_def *bodies;
+    bool has_membrane;
+    gn_membrane_def membrane;
     gn_test test;
 
     gn_scene_place time_where;
@@ -586,6 +548,13 @@ int gn_scene_find_material(const gn_scene *scene, const char *name);
 /* What the scene says of contacts between two of its materials; NULL: nothing of its own. */
 const gn_contact_def *gn_scene_find_contact(const gn_scene *scene, const gn_material *a,
                                             const gn_material *b);
+static inline int gn_scene_membrane_axis(const gn_scene *scene) {
+    return (int)(scene->membrane.axis >= 0 ? scene->membrane.axis : scene->test.axis);
+}
+/* The coefficient of the background damping of spins. */
+static inline double gn_scene_spin_damping(const gn_scene *scene) {
+    return scene->background_spin >= 0 ? scene->background_spin : scene->background_coefficient;
+}
 /* Whether stiffness follows from E, nu and sections. */
 static inline bool gn_scene_by_area(const gn_scene *scene) {
     return scene->stiffness == GN_STIFFNESS_DEMPACK || scene->stiffness == GN_STIFFNESS_POLYHEDRON;

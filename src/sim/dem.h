@@ -47,6 +47,13 @@ typedef struct gn_mass_scaling {
     int64_t raised;  /* particles */
 } gn_mass_scaling;
 
+/* A membrane, and the surface that it covers at the start (membrane.h). */
+typedef struct gn_membrane {
+    double pressure; /* Pa, in the last step */
+    double area;     /* m2 */
+    double arms[9];  /* m3, sum of areas times the ways to them from the centres that bear them */
+} gn_membrane;
+
 typedef struct gn_dem {
     gn_particles particles;
     gn_contacts bonds, pairs;
@@ -55,8 +62,9 @@ typedef struct gn_dem {
     int32_t *index_of_id; /* [particles] */
     gn_derived derived;
     gn_prescription prescribed;
-    int32_t *channel_set; /* [prescribed.count][6] set that drives a channel, -1: free */
-    double *set_reaction; /* [scene.set_count][6] N, N m: what the prescription supplied */
+    int32_t *channel_set;  /* [prescribed.count][6] set that drives a channel, -1: free */
+    double *set_reaction;  /* [scene.set_count][6] N, N m: what the prescription supplied */
+    gn_membrane *membrane; /* NULL: none */
     gn_verlet verlet;
     double radius_min; /* m */
     double mass;       /* kg, own, of those that were there when the lists were made */
