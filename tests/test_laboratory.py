@@ -340,7 +340,7 @@ def membranes_without_a_surface_or_an_axis_are_refused(folder):
                             ({"membrane": {"pressure": 1, "faces": "sides"}, "test": {"kind": "hydrostatic", "axis": "z"}},
                              "test.axis: expected none: a hydrostatic test has no ends"),
                             ({"test": {"kind": "compression", "axis": "z"}}, "test.lower: required, but not given"),
-                            ({"time": {"end": 1e-3, "start": "first_break"}}, "first_break: expected walls and sets, found a membrane")):
+                            ({"time": {"end": 1e-3, "start": "first_break"}}, "time.start: first_break: expected walls and sets, found a membrane")):
         refused(folder, {**given, **change}, pattern)
     lonely = triaxial(1e6)
     del lonely["membrane"]
@@ -356,7 +356,7 @@ def what_a_kind_has_no_use_for_is_refused(folder):
     for test, pattern in (({"area": 1.0}, "test.area: expected in tests of the kind compression, tension, triaxial, biaxial, oedometer and shear, found brazilian"),
                           ({"span": 0.1}, "test.span: expected in tests of the kind bending, found brazilian"),
                           ({"thickness": 0.1}, "test.thickness: expected 1 m in a 2D scene, found 0.1 m"),
-                          ({"centre": 0}, r"test.centre: expected a number in \(0, 1\]")):
+                          ({"centre": 0}, r"test.centre: expected a value in \(0, 1\], found .0.")):
         refused(folder, disc(2, 100, test=test), pattern)
     for test, pattern in (({"load_span": 0.2}, "test.load_span: expected less than the span of 0.16 m, found 0.2 m"),
                           ({"notch": 0.05}, "test.notch: expected less than the height of 0.04 m, found 0.05 m"),

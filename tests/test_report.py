@@ -64,9 +64,9 @@ def expected_pictures(kind):
     dimension, rows, test, with_bonds, _, _ = KINDS[kind]
     expected = {"profile"}
     if rows:
-        expected |= {"broken_bonds", "energy", "unbalanced", "strains", *seen} | ({"stress_strain"} if test else {"forces"})
+        expected |= {"broken_bonds", "energy", "unbalanced", "strains"} | ({"events"} if rows > 2 else set()) | ({"stress_strain"} if test else {"forces"})
     if kind != "no_particles":
-        expected |= {"slice"} | ({"surface"} if dimension == 3 else set())
+        expected |= {"slice"} | ({"surface"} if dimension == 3 else set()) | ({"rose", "fragments"} if with_bonds else set())
     return {name + ".png" for name in expected}
 
 

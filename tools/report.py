@@ -18,7 +18,7 @@ from report_pictures import Specimen, plot_slice, plot_surface
 from report_results import Results, Unreadable, quantity
 from report_sweep import write_sweep_report
 from report_tests import CURVES as TEST_CURVES
-from report_tests import cards_of, parameters, plot_moments, write_csv
+from report_tests import STATES, cards_of, parameters, plot_moments, write_csv
 
 LARGEST = {"largest_stress": "largest stress (no peak)", "largest_strain": "strain at it"}
 
@@ -119,7 +119,8 @@ def draw_figures(results, folder):
     there = specimen is not None and specimen.count > 0
     jobs = {name: (lambda path, plot=plot: plot(results, path) if results.rows or plot is CURVES["profile"] else None)
             for name, plot in CURVES.items()}
-    jobs.update({name: (lambda path, plot=plot: plot(results, path) if results.rows else None) for name, plot in TEST_CURVES.items()})
+    jobs.update({name: (lambda path, plot=plot, at_end=name in STATES: plot(results, path) if results.rows or at_end else None)
+                 for name, plot in TEST_CURVES.items()})
     jobs["moments"] = lambda path: plot_moments(results, folder, path) if there else None
     jobs["surface"] = lambda path: plot_surface(specimen, path) if there else None
     jobs["elements"] = lambda path: plot_elements(results, path)
@@ -161,11 +162,11 @@ def bodies_text(results):
 
 def page(results, captions):
     title = results.attribute("title") or "gneiss run"
-    curves = "".join(figure(n, captions) for n in (*TEST_CURVES, *CURVES) if n != "profile" and n not in ("rose", "fragments"))
+    curves = "".join(figure(n, captions) for n in (*TEST_CURVES, *CURVES) if n != "profile" and n not in STATES)
     if not curves:
         curves = "<p>The history has no rows: there is no curve to draw.</p>"
     pictures = figure("moments", captions, "wide") + figure("surface", captions, "wide") + figure("slice", captions, "wide")
-    broken = "".join(figure(n, captions) for n in ("rose", "fragments"))
+    broken = "".join(figure(n, captions) for n in STATES)
     pictures += f'<div class="grid">{broken}</div>' if broken else ""
     pictures += figure("elements", captions, "wide")
     scene = ""

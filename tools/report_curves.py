@@ -41,7 +41,7 @@ def abscissa(results):
     """(values, label): strain in per cent with a test, else time."""
     strain = results.column("strain")
     if strain is not None:
-        return 100 * strain, "axial strain [%]"
+        return 100 * strain, f"{results.words[0]} [%]"
     time = results.column("time")
     if time is None:
         return None, ""
@@ -91,7 +91,8 @@ def plot_stress(results, path):
     if strain is None or stress is None:
         return None
     factor, unit = scale_of(stress, "Pa")
-    figure, axes = new_axes("Stress and strain", "axial strain [%]", f"axial stress [{unit}]")
+    words = results.words
+    figure, axes = new_axes("Stress and strain", f"{words[0]} [%]", f"{words[1]} [{unit}]")
     for name, style in (("stress_lower", "--"), ("stress_upper", ":")):
         end = results.column(name)
         if end is not None:
@@ -113,7 +114,7 @@ def plot_stress(results, path):
     axes.margins(x=0.02)
     axes.legend(loc="best")
     save(figure, path)
-    return "Axial stress over platen strain, both positive in the sense of the test."
+    return f"{words[1][0].upper() + words[1][1:]} over {words[0]}, both positive in the sense of the test."
 
 
 def plot_broken(results, path):
@@ -133,7 +134,7 @@ def plot_broken(results, path):
         other.grid(False)
         other.spines["right"].set_visible(True)
         other.plot(x, stress / factor, color=INK, lw=1, alpha=0.7)
-        other.set_ylabel(f"axial stress [{unit}] (thin line)")
+        other.set_ylabel(f"{results.words[1]} [{unit}] (thin line)")
         other.set_ylim(bottom=min(0.0, float(np.nanmin(stress)) / factor))
     axes.margins(x=0.02)
     axes.legend(loc="upper left")

@@ -33,15 +33,8 @@ CARDS = {
 CARDS["biaxial"] = CARDS["triaxial"]
 
 
-def kind_of(results):
-    """The kind of the test as the scene says; "" without one."""
-    block = re.search(r"^test:.*?(?=^\S|\Z)", results.scene, re.MULTILINE | re.DOTALL)
-    kind = block and re.search(r"\bkind:\s*[\"']?(\w+)", block[0])
-    return kind[1] if kind else ""
-
-
 def cards_of(results):
-    return CARDS.get(kind_of(results), MODULUS + PEAK)
+    return CARDS.get(results.test_kind, MODULUS + PEAK)
 
 
 # --- curves --------------------------------------------------------------------------------------------
@@ -49,7 +42,7 @@ def cards_of(results):
 def plot_confined(results, path):
     """Deviator and loss of volume over the axial strain."""
     strain, stress, volume = (results.column(n) for n in ("strain", "stress", "volumetric_strain"))
-    if strain is None or stress is None or volume is None or kind_of(results) == "hydrostatic":
+    if strain is None or stress is None or volume is None or results.test_kind == "hydrostatic":
         return None
     factor, unit = scale_of(stress, "Pa")
     figure, (above, below) = plt.subplots(2, 1, figsize=(6.4, 5.2), sharex=True, constrained_layout=True,
@@ -125,10 +118,15 @@ def plot_events(results, path):
     rate = np.maximum(0, np.diff(tension)), np.maximum(0, np.diff(shear))
     if not np.nansum(rate[0] + rate[1]) > 0:
         return None
-    bins = min(120, results.rows - 1)
-    group = (np.arange(results.rows - 1) * bins) // (results.rows - 1)
-    centre = np.array([np.nanmean(x[1:][group == k]) for k in range(bins)])
-    width = np.ptp(x[np.isfinite(x)]) / bins if np.isfinite(x).any() else 1.0
+    there = np.isfinite(x[1:])
+    count = int(there.sum())
+    if count < 2:
+        return None
+    bins = min(120, count)
+    group = (np.arange(count) * bins) // count
+    at, rate = x[1:][there], [values[there] for values in rate]
+    centre = np.array([at[group == k].mean() for k in range(bins)])
+    width = (np.ptp(at) or 1.0) / bins
     figure, axes = new_axes("Breaking bonds", label, "bonds that break per interval", 3.2)
     bottom = np.zeros(bins)
     for values, color, name in ((rate[0], RED, "in tension"), (rate[1], BLUE, "in shear")):
@@ -221,6 +219,7 @@ CURVES = {
     "rose": plot_rose,
     "fragments": plot_fragments,
 }
+STATES = ("rose", "fragments")  # of the end, whatever the history holds
 
 
 # --- before, at and after the peak ----------------------------------------------------------------------
@@ -280,7 +279,7 @@ def plot_moments(results, folder, path):
     colorings = [s.colorings()[0] for _, s in chosen]
     _, _, colors, norm, label = last.colorings()[0]
     size = (last.upper - last.lower)[:2]
-    figure, axes = panels(3, size[0] / size[1], 4.6)
+    figure, axes = panels(3, size[0] / size[1], min(4.6, 1.2 + 7.0 * size[1] / size[0]))
     factors = [s.displacement_scale()[0] for _, s in chosen]
     for a, (title, specimen), (name, values, *_), factor in zip(axes, chosen, colorings, factors):
         if name == "Displacement":
@@ -332,4 +331,4 @@ def write_csv(results, folder):
     return path
 
 
-__all__ = ["CURVES", "cards_of", "kind_of", "parameters", "plot_moments", "write_csv"]
+__all__ = ["CURVES", "STATES", "cards_of", "parameters", "plot_moments", "write_csv"]
