@@ -42,6 +42,7 @@ typedef enum gn_membrane_faces { GN_FACES_ALL, GN_FACES_SIDES } gn_membrane_face
 /* Pressure on the surface of a specimen that was packed into a shape. */
 typedef struct gn_membrane_def {
     gn_table pressure; /* Pa */
+    double ramp;       /* s in which it comes, from 0; 0: at once */
     gn_membrane_faces faces;
     int64_t axis; /* that sides face across: 0 1 2; -1: that of the test */
     bool follow;  /* the deformation */

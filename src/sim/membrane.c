@@ -115,7 +115,8 @@ void gn_membrane_press(gn_world *w) {
     gn_particles *q = &w->dem.particles;
     const gn_membrane_def *m = &w->scene.membrane;
     if (!(w->effects & GN_FX_MEMBRANE)) return;
-    const double pressure = gn_table_at(&m->pressure, w->time);
+    const double share = w->time < m->ramp ? w->time / m->ramp : 1.0;
+    const double pressure = share * gn_table_at(&m->pressure, w->time);
     w->dem.membrane->pressure = pressure;
     double gradient[9] = {1, 0, 0, 0, 1, 0, 0, 0, 1}, turn[9];
     if (w->step % LOOK_INTERVAL == 0) drop(w);
