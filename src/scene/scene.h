@@ -83,6 +83,14 @@ typedef enum gn_overlap_kind {
     GN_OVERLAP_PASSIVE /* neighbours overlap, to be bonded free of stress */
 } gn_overlap_kind;
 
+/* How the radii of a packing are to be distributed. */
+typedef enum gn_pack_sizes {
+    GN_SIZES_FITTED,  /* whatever fits best: log-normal at the start */
+    GN_SIZES_UNIFORM, /* by number, between the smallest and the largest */
+    GN_SIZES_NORMAL,  /* by number, cut there */
+    GN_SIZES_SIEVE    /* by a curve of shares of the mass that pass */
+} gn_pack_sizes;
+
 typedef enum gn_pack_start {
     GN_START_RANDOM, /* well-spread random points */
     GN_START_NODES   /* the inner nodes of the mesh */
@@ -189,6 +197,9 @@ typedef struct gn_pack_def {
     double mean_radius; /* m; 0: not given */
     double size_ratio;  /* largest over smallest radius */
     double size_variation; /* standard deviation of the radii over their mean; -1: automatic */
+    gn_pack_sizes sizes;
+    size_t sieve_count;
+    double *sieve; /* [sieve_count][2]: size over the largest, share of the mass that passes */
     gn_overlap_kind overlap;
     double overlap_size; /* over r_i + r_j; -1: automatic */
     double gap;          /* pairs up to this gap over r_i + r_j are closed; -1: automatic */
