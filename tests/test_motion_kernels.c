@@ -88,9 +88,10 @@ static herd make_herd(gn_effects effects, double dt_past, uint64_t seed) {
                               .dt = 1e-6,
                               .gravity = {0.3, -9.81, 0.0},
                               .damping = 0.6,
+                              .damping_spin = 0.4,
                               .measure = true};
     if (effects & GN_FX_SPACE) h.args.gravity[2] = 1.7;
-    if (effects & GN_FX_VISCOUS) h.args.damping = 5000.0;
+    if (effects & GN_FX_VISCOUS) h.args.damping = 5000.0, h.args.damping_spin = 3000.0;
     return h;
 }
 
@@ -170,7 +171,8 @@ typedef struct ledger {
 /* One particle, translation (first 0) or rotation (first 3); v in, v out. */
 static void expect_kick(const herd *h, gn_effects fx, size_t p, int first, const double *f,
                         double *v, ledger *sum) {
-    double inverse = first ? h->p.spin[4 * p + 3] : h->p.vel[4 * p + 3], a = h->args.damping;
+    double inverse = first ? h->p.spin[4 * p + 3] : h->p.vel[4 * p + 3],
+           a = first ? h->args.damping_spin : h->args.damping;
     double mass = inverse > 0.0 ? 1.0 / inverse : 0.0, total[3], d[3] = {0}, v_new[3], before = 0.0;
     double span = 0.5 * (h->args.dt_past + h->args.dt), resultant = 0.0;
     for (int k = 0; k < 3; k++) {

@@ -25,6 +25,22 @@ static void field_rows(FILE *file, const gn_output_table *table) {
     }
 }
 
+/* The kinds of tests that have a reading. */
+static const char *tests_of(gn_reading which, char *of, size_t size) {
+    static const char *const names[GN_TEST_KINDS] = {
+        "none",     "compression", "tension",     "brazilian", "bending",
+        "triaxial", "biaxial",     "hydrostatic", "oedometer", "shear"};
+    size_t used = 0, count = 0;
+    of[0] = 0;
+    for (int k = 1; k < GN_TEST_KINDS; k++)
+        if (gn_reading_belongs(which, (gn_test_kind)k)) {
+            used += (size_t)snprintf(of + used, size - used, "%s%s", count ? ", " : "", names[k]);
+            count++;
+        }
+    if (count == GN_TEST_KINDS - 1) snprintf(of, size, "all tests");
+    return of;
+}
+
 static char *page(void) {
     char *made = NULL;
     size_t size = 0;
@@ -50,9 +66,12 @@ static char *page(void) {
     for (int k = 0; k < GN_ENERGY_FIGURES; k++)
         fprintf(file, "| `%s` | %s | %s |\n", figure[k].name, figure[k].unit, figure[k].text);
     fprintf(file, "\n## Readings\n\nWhen they are there: "
-                  "[results.md](results.md#readings).\n\n| reading | unit | is |\n| --- | --- | "
-                  "--- |\n");
-#define X(name, unit, text) fprintf(file, "| `%s` | %s | %s |\n", #name, unit, text);
+                  "[results.md](results.md#readings).\n\n| reading | unit | is | of |\n| --- | "
+                  "--- | --- | --- |\n");
+    char of[256];
+#define X(name, unit, text)                                                                        \
+    fprintf(file, "| `%s` | %s | %s | %s |\n", #name, unit, text,                                  \
+            tests_of(GN_READING_##name, of, sizeof of));
     GN_READINGS(X)
 #undef X
     static const struct {

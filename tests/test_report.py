@@ -19,6 +19,7 @@ from make_results import KINDS, PACKINGS, figures_of_quality, make, make_packing
 TOOLS = os.path.join(os.path.dirname(os.path.abspath(__file__)), "..", "tools")
 sys.path.insert(0, TOOLS)
 import report  # noqa: E402  (it stands in another folder)
+import report_envelope  # noqa: E402
 import report_packing  # noqa: E402
 
 
@@ -52,7 +53,7 @@ def check_png(path):
 
 def check_pictures(folder, page):
     """Every picture of the page is there, whole and of a sensible size; none is left over."""
-    named = set(re.findall(r'src="report/([^"]+)"', page))
+    named = set(re.findall(r'data-file="report/([^"]+)"', page))
     there = set(os.listdir(os.path.join(folder, "report")))
     assert named == there, f"page names {sorted(named)}, folder holds {sorted(there)}"
     for name in named:
@@ -64,9 +65,9 @@ def expected_pictures(kind):
     dimension, rows, test, with_bonds, _, _ = KINDS[kind]
     expected = {"profile"}
     if rows:
-        expected |= {"broken_bonds", "energy", "unbalanced", "strains"} | ({"stress_strain"} if test else {"forces"})
+        expected |= {"broken_bonds", "energy", "unbalanced", "strains"} | ({"events"} if rows > 2 else set()) | ({"stress_strain"} if test else {"forces"})
     if kind != "no_particles":
-        expected |= {"slice"} | ({"surface"} if dimension == 3 else set())
+        expected |= {"slice"} | ({"surface"} if dimension == 3 else set()) | ({"rose", "fragments"} if with_bonds else set())
     return {name + ".png" for name in expected}
 
 
@@ -92,6 +93,24 @@ def every_kind(kind, folder):
     if kind == "cylinder":
         for text in ("18.1 GPa", "240 MPa", "0.17", "1.44 %", "100 ns", "40000"):
             assert text in page, f"{text} is missing"
+
+
+def an_envelope_gives_back_the_laws_it_was_made_from(folder):
+    """Coulomb at 35 degrees and 12 MPa, Hoek-Brown with m_i 15 and 100 MPa: lines, so to rounding."""
+    s3 = np.array([0.0, 5e6, 10e6, 20e6, np.nan])
+    k = (1 + np.sin(np.radians(35))) / (1 - np.sin(np.radians(35)))
+    found, _, _ = report_envelope.envelope(s3, 2 * 12e6 * np.sqrt(k) + k * s3)
+    assert abs(found["friction_angle"][0] - 35) < 1e-9 and abs(found["cohesion"][0] / 12e6 - 1) < 1e-9, found
+    found, _, hoek = report_envelope.envelope(s3, s3 + 100e6 * np.sqrt(15 * s3 / 100e6 + 1))
+    assert abs(found["hoek_brown_mi"][0] / 15 - 1) < 1e-9 and abs(found["hoek_brown_strength"][0] / 100e6 - 1) < 1e-9, found
+    assert abs(hoek(0) / 100e6 - 1) < 1e-9
+
+
+def an_envelope_of_two_confinements_or_of_falling_strengths_is_absent(folder):
+    found, coulomb, _ = report_envelope.envelope([0, 1e6, 1e6], [1e7, 2e7, 2.1e7])
+    assert coulomb is None and all(value is None and "3 are needed" in why for value, why in found.values()), found
+    found, _, _ = report_envelope.envelope([0, 1e6, 2e6], [3e7, 2e7, 1e7])
+    assert all(value is None for value, _ in found.values()), found
 
 
 def refused(folder, wanted):
@@ -286,7 +305,8 @@ def main():
     tests = [(f"report of {kind}", lambda folder, kind=kind: every_kind(kind, folder)) for kind in KINDS]
     tests += [(f.__name__, f) for f in (
         a_missing_file_is_refused, a_truncated_file_is_refused, a_text_file_is_refused, a_foreign_hdf5_file_is_refused,
-        a_damaged_chunk_is_refused, old_pictures_are_removed,
+        a_damaged_chunk_is_refused, an_envelope_gives_back_the_laws_it_was_made_from,
+        an_envelope_of_two_confinements_or_of_falling_strengths_is_absent, old_pictures_are_removed,
         the_command_tells_by_its_exit_code)]
     tests += [(f"report of {kind}", lambda folder, kind=kind: every_packing(kind, folder)) for kind in PACKINGS]
     tests += [(f.__name__, f) for f in (

@@ -184,7 +184,7 @@ static void every_slip_is_told_with_its_place(void **state) {
          "s.yaml:10:1: lawwwwwwwww: unknown key 'lawwwwwwwww'; expected one of title, dimension, "
          "origin, specimen, materials, contacts, law, elements, bonds, damping, gravity, initial, "
          "periodic, "
-         "domain, sets, walls, bodies, test, time, stages, output, neighbours, run"},
+         "domain, sets, walls, bodies, membrane, test, time, stages, output, neighbours, run"},
         {"    kratio: 2\n", "",
          "s.yaml:5:5: materials[0].kratio: required by this law.stiffness, but not given"},
         {"  end: 5 ms", "  safety: 1", "s.yaml:18:1: time.end: required, but not given"},
@@ -319,7 +319,8 @@ static void keys_that_contradict_each_other_are_refused(void **state) {
         {"test: {kind: tension, axis: z, lower: floor, upper: floor}",
          "s.yaml:20:53: test.upper: expected another end than lower, found 'floor'"},
         {"test: {kind: none, axis: z, lower: floor, upper: floor}",
-         "s.yaml:20:14: test.kind: expected one of compression, tension, found 'none'"},
+         "s.yaml:20:14: test.kind: expected one of compression, tension, brazilian, bending, "
+         "triaxial, biaxial, hydrostatic, oedometer, shear, found 'none'"},
     };
     for (size_t k = 0; k < sizeof additions / sizeof *additions; k++)
         refuses(with(additions[k][0]), additions[k][1]);

@@ -17,16 +17,16 @@ from report_page import STYLE, draw, escape, figure, table, write_page
 from report_pictures import Specimen, plot_slice, plot_surface
 from report_results import Results, Unreadable, quantity
 from report_sweep import write_sweep_report
-
-CARDS = (("young_modulus", "Young's modulus"), ("poisson_ratio", "Poisson's ratio"),
-         ("peak_stress", "peak stress"), ("peak_strain", "strain at the peak"))
+from report_tests import CURVES as TEST_CURVES
+from report_tests import STATES, cards_of, parameters, plot_moments, write_csv
 
 LARGEST = {"largest_stress": "largest stress (no peak)", "largest_strain": "strain at it"}
 
 
 def reading_text(name, column):
     value = float(np.asarray(column.value, float).reshape(-1)[0])
-    if column.unit in ("", "1") and ("strain" in name or name == "end_imbalance") and np.isfinite(value):
+    shares = ("end_imbalance", "brittleness", "largest_fragment")
+    if column.unit in ("", "1") and ("strain" in name or name in shares) and np.isfinite(value):
         return f"{100 * value:.3g} %"
     return quantity(value, column.unit)
 
@@ -119,6 +119,9 @@ def draw_figures(results, folder):
     there = specimen is not None and specimen.count > 0
     jobs = {name: (lambda path, plot=plot: plot(results, path) if results.rows or plot is CURVES["profile"] else None)
             for name, plot in CURVES.items()}
+    jobs.update({name: (lambda path, plot=plot, at_end=name in STATES: plot(results, path) if results.rows or at_end else None)
+                 for name, plot in TEST_CURVES.items()})
+    jobs["moments"] = lambda path: plot_moments(results, folder, path) if there else None
     jobs["surface"] = lambda path: plot_surface(specimen, path) if there else None
     jobs["elements"] = lambda path: plot_elements(results, path)
     jobs["slice"] = lambda path: plot_slice(specimen, results, path) if there else None
@@ -140,7 +143,7 @@ def banner(results):
 def cards(results):
     """The main readings; what is absent says why, and a stress that is no peak stands under its own name."""
     shown = []
-    for name, title in CARDS:
+    for name, title in cards_of(results):
         other = name.replace("peak", "largest")
         if name != other and other in results.readings and not np.isfinite(results.scalar(results.readings, name)):
             name, title = other, LARGEST[other]
@@ -159,10 +162,12 @@ def bodies_text(results):
 
 def page(results, captions):
     title = results.attribute("title") or "gneiss run"
-    curves = "".join(figure(n, captions) for n in CURVES if n != "profile")
+    curves = "".join(figure(n, captions) for n in (*TEST_CURVES, *CURVES) if n != "profile" and n not in STATES)
     if not curves:
         curves = "<p>The history has no rows: there is no curve to draw.</p>"
-    pictures = figure("surface", captions, "wide") + figure("slice", captions, "wide")
+    pictures = figure("moments", captions, "wide") + figure("surface", captions, "wide") + figure("slice", captions, "wide")
+    broken = "".join(figure(n, captions) for n in STATES)
+    pictures += f'<div class="grid">{broken}</div>' if broken else ""
     pictures += figure("elements", captions, "wide")
     scene = ""
     if results.scene:
@@ -184,12 +189,14 @@ def page(results, captions):
 {pictures or "<p>There are no particles to draw.</p>"}
 <h2>Readings</h2>
 {readings_table(results)}
+<h2>Parameters</h2>
+{table(parameters(results)) if results.scene else "<p>The file holds no scene.</p>"}
 <h2>Run</h2>
 <div class="tables"><div>{table(fact_rows(results))}</div><div>{table(count_rows(results))}</div>
 {figure("profile", captions)}</div>
 <h2>Scene</h2>
 {scene or "<p>The file holds no scene.</p>"}
-<p class="soft">Numbers and arrays: <code>results.h5</code>, next to this page.</p>
+<p class="soft">Numbers and arrays: <code>results.h5</code>, next to this page; the history also as <code>report.csv</code>.</p>
 </body></html>
 """
 
@@ -201,6 +208,7 @@ def write_report(folder):
     if os.path.exists(os.path.join(folder, "sweep.h5")) and not os.path.exists(path):
         return write_sweep_report(folder)
     results = Results(path)
+    write_csv(results, folder)
     return write_page(folder, page(results, draw_figures(results, folder)))
 
 

@@ -41,7 +41,7 @@ def abscissa(results):
     """(values, label): strain in per cent with a test, else time; with stages time, which always goes on."""
     strain = results.column("strain")
     if strain is not None and not results.stages:
-        return 100 * strain, "axial strain [%]"
+        return 100 * strain, f"{results.words[0]} [%]"
     time = results.column("time")
     if time is None:
         return None, ""
@@ -100,10 +100,10 @@ def plot_stress(results, path):
     if strain is None or stress is None:
         return None
     factor, unit = scale_of(stress, "Pa")
+    words = results.words
     stage, rows = results.last_stage
     strain, stress = strain[rows] - (strain[rows][0] if stage else 0.0), stress[rows]
-    figure, axes = new_axes(f"Stress and strain{stage and ', stage ' + stage}", "axial strain [%]",
-                            f"axial stress [{unit}]")
+    figure, axes = new_axes(f"Stress and strain{stage and ', stage ' + stage}", f"{words[0]} [%]", f"{words[1]} [{unit}]")
     for name, style in (("stress_lower", "--"), ("stress_upper", ":")):
         end = results.column(name)
         if end is not None:
@@ -126,7 +126,7 @@ def plot_stress(results, path):
     axes.margins(x=0.02)
     axes.legend(loc="best")
     save(figure, path)
-    return ("Axial stress over platen strain, both positive in the sense of the test."
+    return (f"{words[1][0].upper() + words[1][1:]} over {words[0]}, both positive in the sense of the test."
             + (" Strain counts from the start of the stage." if stage else ""))
 
 
@@ -147,7 +147,7 @@ def plot_broken(results, path):
         other.grid(False)
         other.spines["right"].set_visible(True)
         other.plot(x, stress / factor, color=INK, lw=1, alpha=0.7)
-        other.set_ylabel(f"axial stress [{unit}] (thin line)")
+        other.set_ylabel(f"{results.words[1]} [{unit}] (thin line)")
         other.set_ylim(bottom=min(0.0, float(np.nanmin(stress)) / factor))
     axes.margins(x=0.02)
     axes.legend(loc="upper left")

@@ -25,7 +25,7 @@ CARDS = (("porosity", "porosity"), ("coordination_1", "contacts per particle at 
 # Some texts speak of the figure before; the file has them by name.
 ORDER = ("porosity", "porosity_net", "void_ratio", "coordination_01", "coordination_1", "coordination_5", "floating",
          "radius_mean", "radius_volume", "radius_min", "radius_max", "radius_ratio", "radius_ratio_98",
-         "radius_variation", "fabric_max", "fabric_min", "anisotropy", "distance_mean", "overlap_median",
+         "radius_variation", "radius_median", "radius_deviation", "radius_skewness", "radius_kurtosis", "fabric_max", "fabric_min", "anisotropy", "distance_mean", "overlap_median",
          "overlap_mean", "overlap_max", "overlaps", "wall_contacts", "wall_gap_rms", "wall_protrusion")
 PERCENT = ("porosity", "porosity_net", "floating", "radius_variation", "anisotropy", "overlap_median", "overlap_mean",
            "overlap_max", "wall_contacts", "wall_gap_rms", "wall_protrusion")

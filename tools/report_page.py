@@ -1,6 +1,8 @@
 """What the pages of `report.py` have in common: style, tables, figures, writing."""
+import base64
 import html
 import os
+import re
 
 STYLE = """
 :root { --ink: #22303c; --soft: #5c6b76; --line: #dde3e7; --accent: #c8402f; }
@@ -58,7 +60,17 @@ def draw(jobs, folder):
     return {name: caption for name, caption in captions.items() if caption}
 
 
+def embed(folder, text):
+    """Pictures go into the page, so that it can be sent alone; `data-file` says which file each is."""
+    def data(match):
+        with open(os.path.join(folder, match[1]), "rb") as file:
+            coded = base64.b64encode(file.read()).decode("ascii")
+        return f'data-file="{match[1]}" src="data:image/png;base64,{coded}"'
+    return re.sub(r'src="(report/[^"]+\.png)"', data, text)
+
+
 def write_page(folder, text):
+    text = embed(folder, text)
     target = os.path.join(folder, "report.html")
     with open(target + ".tmp", "w", encoding="utf-8") as file:
         file.write(text)

@@ -32,6 +32,15 @@ def _group(file, name):
     return {key: Column(item) for key, item in group.items() if isinstance(item, h5py.Dataset)}
 
 
+WORDS = {
+    "brazilian": ("closing over the diameter", "2P/(πDt)"),
+    "bending": ("strain of the fibre by beam theory", "stress in the fibre by beam theory"),
+    "triaxial": ("axial strain", "deviator"), "biaxial": ("axial strain", "deviator"),
+    "hydrostatic": ("loss of volume", "mean pressure"),
+    "shear": ("shear strain", "shear stress"),
+}
+
+
 class Results:
     """history, readings, energy, particles, bonds, nodes, elements, profile: dictionaries of Column; empty if
     absent."""
@@ -124,6 +133,18 @@ class Results:
     def bond_state(self):
         column = self.bonds.get("state")
         return np.zeros(0, int) if column is None else column.value.astype(int)
+
+    @property
+    def test_kind(self):
+        """The kind of the test as the scene says; "" without one."""
+        block = re.search(r"^test:.*?(?=^\S|\Z)", self.scene, re.MULTILINE | re.DOTALL)
+        kind = block and re.search(r"\bkind:\s*[\"']?(\w+)", block[0])
+        return kind[1] if kind else ""
+
+    @property
+    def words(self):
+        """What the strain and the stress of the test are called."""
+        return WORDS.get(self.test_kind, ("axial strain", "axial stress"))
 
     def test_axis(self):
         """0, 1, 2: the axis of the test as the scene says, else that of gravity, else the longest side of the specimen."""

@@ -10,11 +10,12 @@ import matplotlib.pyplot as plt
 import numpy as np
 from matplotlib.ticker import FuncFormatter, LogLocator, NullFormatter
 
+import report_envelope
 from report_curves import BLUE, GREY, INK, RED, save
 from report_page import STYLE, draw, escape, table, write_page
 from report_results import Column, Unreadable, _text, quantity, scale_of
 
-FIRST = ("peak_stress", "young_modulus", "poisson_ratio", "peak_strain", "largest_stress", "energy.residual")
+FIRST = ("axial_strength", "indirect_tensile_strength", "flexural_strength", "shear_strength", "peak_stress", "young_modulus", "poisson_ratio", "peak_strain", "largest_stress", "energy.residual")
 MOST_READINGS, MOST_PANELS, MOST_MAPS, MOST_LINES = 8, 4, 3, 7
 COLOURS = (BLUE, RED, "#2f8f5b", "#8a5fb0", "#c78a1c", "#3d9fb0", "#7a5c45")
 STATES = ("new", "interrupted", "done", "failed")
@@ -238,6 +239,26 @@ def draw_pictures(sweep, folder):
     return draw(jobs, folder)
 
 
+def strengths(sweep):
+    """(confinements, axial strengths) of the runs; None where it was no triaxial test, or the confinement was not varied."""
+    if not {"confinement", "axial_strength"} <= set(sweep.readings):
+        return None
+    both = [np.asarray(sweep.readings[name].value, float).reshape(-1) for name in ("confinement", "axial_strength")]
+    pressures = both[0][np.isfinite(both[0])]
+    return both if len(np.unique(pressures)) > 1 else None
+
+
+def envelope_part(sweep, folder):
+    """Friction angle, cohesion, m_i, with their picture; "" without."""
+    both = strengths(sweep)
+    if both is None:
+        return ""
+    found, coulomb, hoek = report_envelope.envelope(*both)
+    captions = draw({"sweep_envelope": lambda path: report_envelope.plot(*both, coulomb, hoek, path)}, folder)
+    rows = table(report_envelope.rows_of(found), ("of the envelope", "value", "absent because"))
+    return f"<h2>Strength envelope</h2>{embedded(folder, 'sweep_envelope', captions['sweep_envelope'])}{rows}"
+
+
 # --- the page ------------------------------------------------------------------------------------------
 
 def embedded(folder, name, caption):
@@ -308,6 +329,7 @@ def page(sweep, folder, captions):
 {banner(sweep)}
 <h2>Readings</h2>
 {pictures or "<p>No run is done: there is nothing to draw.</p>"}
+{envelope_part(sweep, folder)}
 <h2>Means and 95 % intervals</h2>
 <div class="scroll">{means_table(sweep)}</div>
 <h2>Runs</h2>

@@ -53,12 +53,13 @@ static const char *idle_contact_damping(const gn_world *w) {
 }
 
 static const char *idle_background(const gn_world *w) {
-    return w->scene.background_coefficient > 0.0
+    return w->scene.background_coefficient > 0.0 || w->scene.background_spin > 0.0
                ? NULL
                : "its coefficient is 0 (damping.background.model: none)";
 }
 
 static const char *idle_applied(const gn_world *w) {
+    if (w->effects & GN_FX_MEMBRANE) return NULL;
     for (size_t k = 0; k < w->scene.set_count; k++)
         for (int a = 0; w->scene.sets[k].has_force && a < 3; a++)
             if (w->scene.sets[k].force[a] != 0.0) return NULL;

@@ -8,6 +8,7 @@
 #include "cli/plan_law.h"
 #include "cli/plan_stages.h"
 #include "cli/progress.h"
+#include "sim/membrane.h"
 #include "sim/overlap.h"
 
 #include <math.h>
@@ -388,6 +389,15 @@ static void print_volume(const gn_world *w) {
                : ", that volume over the length");
 }
 
+static void print_membrane(const gn_world *w) {
+    size_t skin = 0;
+    if (!(w->effects & GN_FX_MEMBRANE)) return;
+    for (size_t p = 0; p < w->dem.particles.soa.count; p++)
+        skin += w->dem.particles.skin[4 * p + 3] > 0.0;
+    printf("  membrane         %.6g m2 of the surface on %zu particles\n", gn_membrane_area(w),
+           skin);
+}
+
 static gneiss_status check_particles(const gn_world *w, int *warnings, gneiss_error *error) {
     gn_pair_query query = {&w->dem.particles,
                            (int)w->scene.dimension,
@@ -408,6 +418,7 @@ static gneiss_status check_particles(const gn_world *w, int *warnings, gneiss_er
     for (int a = 0; a < (int)w->scene.dimension; a++)
         gn_print_range(w, a, w->lower[a], w->upper[a], " (surfaces)");
     print_volume(w);
+    print_membrane(w);
     printf("  porosity         %.2f %% (overlapping volume counted twice)\n", 100.0 * at5.porosity);
     printf("  coordination     %.2f at gaps up to 1 %%, %.2f up to 5 %% of r_i + r_j\n",
            at1.coordination, at5.coordination);

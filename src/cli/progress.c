@@ -10,6 +10,7 @@
 
 #include <math.h>
 #include <stdlib.h>
+#include <string.h>
 #include <unistd.h>
 
 const char *gn_format_seconds(double s, char *text, size_t size) {
@@ -203,6 +204,14 @@ gneiss_status gn_print_beginning(const gn_options *o, gn_run *run, gneiss_error 
     return status;
 }
 
+/* A name as words. */
+static const char *words_of(const char *name, char *text, size_t size) {
+    snprintf(text, size, "%s", name);
+    for (char *c = text; *c; c++)
+        if (*c == '_') *c = ' ';
+    return text;
+}
+
 /* A line with the number, or with why there is none. */
 static void print_reading(const char *label, double value, const char *unit, const char *note,
                           const char *reason) {
@@ -213,10 +222,26 @@ static void print_reading(const char *label, double value, const char *unit, con
                note);
 }
 
+/* Readings that only some kinds of tests have, in the unit that they are kept in. */
+static void print_own_readings(const gn_readings *r, gn_test_kind kind) {
+    const bool own[GN_READING_COUNT] = {
+#define GN_READING_OWN(X, name, tests, unit, text) ((tests)&GN_TESTS(NONE)) == 0,
+        GN_READING_LIST(GN_READING_OWN, )};
+    char label[64];
+#define X(name, unit, text)                                                                        \
+    if (own[GN_READING_##name] && gn_reading_belongs(GN_READING_##name, kind))                     \
+        print_reading(words_of(#name, label, sizeof label), r->name,                               \
+                      strcmp(unit, "1") ? unit : "", "", r->reason[GN_READING_##name]);
+    GN_READINGS(X)
+#undef X
+}
+
 static void print_readings(const gn_run *run) {
     gn_readings r = gn_run_readings(run);
-    if (run->world.scene.test.kind == GN_TEST_NONE) return;
+    const gn_test_kind kind = run->world.scene.test.kind;
+    if (kind == GN_TEST_NONE) return;
 #define PRINT(label, name, factor, unit, note)                                                     \
+    if (gn_reading_belongs(GN_READING_##name, kind))                                               \
     print_reading(label, r.name *(factor), unit, note, r.reason[GN_READING_##name])
     PRINT("Young's modulus", young_modulus, 1e-9, "GPa",
           "(1-50 % of the largest stress, platen strain)");
@@ -234,6 +259,7 @@ static void print_readings(const gn_run *run) {
     }
     PRINT("ends out of balance by", end_imbalance, 100, "%", "");
 #undef PRINT
+    print_own_readings(&r, kind);
 }
 
 static void print_profile(const gn_run *run) {

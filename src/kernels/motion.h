@@ -39,7 +39,8 @@ typedef struct gn_motion_args {
     gn_prescription *prescribed;           /* NULL when absent */
     double dt_past, dt; /* s: the interval that led here (0 at the start) and the coming one */
     double gravity[3];
-    double damping; /* coefficient of the background damping */
+    double damping;      /* coefficient of the background damping */
+    double damping_spin; /* the same of spins */
     /* Non-viscous, per component: the sign is that of v + damping_lead interval F/m. 0: of the last
      * half step; 0.5: of the instant, if nothing were damped. */
     double damping_lead;

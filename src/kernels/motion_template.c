@@ -114,34 +114,34 @@ GN_INLINE gn_v absolute(gn_v a) {
     return gn_max(a, gn_set(0.0) - a);
 }
 
-GN_INLINE gn_v opposing(const gn_motion_args *a, gn_v f, gn_v v) {
-    gn_v zero = gn_set(0.0), size = gn_set(a->damping) * absolute(f);
+GN_INLINE gn_v opposing(double damping, gn_v f, gn_v v) {
+    gn_v zero = gn_set(0.0), size = gn_set(damping) * absolute(f);
     return gn_where(gn_less(zero, v), zero - size, gn_keep(gn_less(v, zero), size));
 }
 
 /* Background damping and new velocity. Viscous damping is taken at the middle of the kick,
  * -a m (v + v_new)/2, which is stable for any coefficient. At rest the non-viscous kinds have
  * nothing to oppose. */
-GN_INLINE void kick(const gn_motion_args *a, motion *q, double interval, int space, variant w) {
+GN_INLINE void kick(const gn_motion_args *a, double damping, motion *q, double interval, int space,
+                    variant w) {
     gn_v zero = gn_set(0.0), rate = gn_set(interval) * q->inverse;
     q->d = (gn_v3){zero, zero, zero};
     if (w.viscous) {
-        double half = 0.5 * a->damping * interval;
+        double half = 0.5 * damping * interval;
         gn_v3 kept = gn_scale(gn_set(1.0 - half), q->v, space);
         q->v_new = gn_scale(gn_set(1.0 / (1.0 + half)), gn_axpy(kept, rate, q->f, space), space);
-        q->d =
-            gn_scale(gn_set(-0.5 * a->damping) * mass_of(q), gn_add(q->v, q->v_new, space), space);
+        q->d = gn_scale(gn_set(-0.5 * damping) * mass_of(q), gn_add(q->v, q->v_new, space), space);
         return;
     }
     if (w.vector) {
         gn_v speed = gn_sqrt(gn_dot(q->v, q->v, space)), size = gn_sqrt(gn_dot(q->f, q->f, space));
-        gn_v factor = gn_keep(gn_less(zero, speed), gn_set(-a->damping) * size / speed);
+        gn_v factor = gn_keep(gn_less(zero, speed), gn_set(-damping) * size / speed);
         q->d = gn_scale(factor, q->v, space);
     } else if (w.component) {
         gn_v3 v = gn_axpy(q->v, gn_set(a->damping_lead) * rate, q->f, space);
-        q->d.x = opposing(a, q->f.x, v.x);
-        q->d.y = opposing(a, q->f.y, v.y);
-        if (space) q->d.z = opposing(a, q->f.z, v.z);
+        q->d.x = opposing(damping, q->f.x, v.x);
+        q->d.y = opposing(damping, q->f.y, v.y);
+        if (space) q->d.z = opposing(damping, q->f.z, v.z);
     }
     q->v_new = gn_axpy(q->v, rate, gn_add(q->f, q->d, space), space);
 }
@@ -289,7 +289,7 @@ GN_INLINE void translate(const gn_motion_args *a, size_t p, const double *sum, s
         m.f = gn_add(m.f, applied, 1);
     }
     m.v_new = m.v;
-    kick(a, &m, interval, 1, w);
+    kick(a, a->damping, &m, interval, 1, w);
     if (prescribed) m = prescribe(a, p, 0, interval, m, s);
 
     if (w.energy) {
@@ -330,7 +330,7 @@ GN_INLINE void rotate(const gn_motion_args *a, size_t p, const double *sum, size
     m.v = (gn_v3){o[0], o[1], o[2]};
     m.f = load_of(sum, k, 1, w);
     m.v_new = m.v;
-    kick(a, &m, interval, 1, w);
+    kick(a, a->damping_spin, &m, interval, 1, w);
     if (prescribed) m = prescribe(a, p, 3, interval, m, s);
     if (w.energy) book_loss(e->damping, a, &m);
     if (a->measure) e->rotational = e->rotational + kinetic(a, &m, 1);

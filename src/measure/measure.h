@@ -4,6 +4,7 @@
 #ifndef GN_MEASURE_MEASURE_H
 #define GN_MEASURE_MEASURE_H
 
+#include "base/test_kind.h"
 #include "measure/history.h"
 #include "soa/records.h"
 
@@ -95,21 +96,101 @@ void gn_damage_particles(const gn_particles *particles, const gn_contacts *bonds
 
 /* --- laboratory readings --- */
 
-/* Final readings, SI. */
-#define GN_READINGS(X)                                                                             \
-    X(young_modulus, "Pa",                                                                         \
+/* Tests that a reading belongs to. Without a test the readings of prisms are absent for that. */
+#define GN_OF_ANY (~0u)
+#define GN_OF_PRISMS                                                                               \
+    (GN_TESTS(NONE) | GN_TESTS(COMPRESSION) | GN_TESTS(TENSION) | GN_TESTS_CONFINED)
+#define GN_OF_AXIAL   (GN_TESTS(COMPRESSION) | GN_TESTS(TENSION) | GN_TESTS_CONFINED)
+#define GN_OF_PRESSED (GN_TESTS(COMPRESSION) | GN_TESTS_CONFINED)
+
+/* Final readings, SI: Y(X, name, tests, unit, text). */
+#define GN_READING_LIST(Y, X)                                                                      \
+    Y(X, young_modulus, GN_OF_PRISMS, "Pa",                                                        \
       "slope of stress over platen strain, least squares, 1 to 50 % of the largest stress")        \
-    X(young_modulus_average, "Pa", "the same over the average (Bagi) axial strain")                \
-    X(poisson_ratio, "1", "lateral over axial average strain, slopes over the same range")         \
-    X(peak_stress, "Pa",                                                                           \
+    Y(X, young_modulus_average, GN_OF_PRISMS, "Pa",                                                \
+      "the same over the average (Bagi) axial strain")                                             \
+    Y(X, poisson_ratio, GN_OF_PRISMS, "1",                                                         \
+      "lateral over axial average strain, slopes over the same range")                             \
+    Y(X, peak_stress, GN_OF_ANY, "Pa",                                                             \
       "strength: largest axial stress, after which it fell; positive in the sense of the test")    \
-    X(peak_strain, "1", "platen strain at the peak, positive in the sense of the test")            \
-    X(largest_stress, "Pa", "largest axial stress so far, whether it was a peak or not")           \
-    X(largest_strain, "1", "platen strain at the largest stress")                                  \
-    X(plane_young_modulus, "Pa", "2D: E = E'(1 - nu^2), the plane-strain correction")              \
-    X(plane_poisson_ratio, "1", "2D: nu = nu'/(1 + nu'), the plane-strain correction")             \
-    X(end_imbalance, "1",                                                                          \
-      "difference of the forces of both ends over their mean, summed up to the largest stress")
+    Y(X, peak_strain, GN_OF_ANY, "1",                                                              \
+      "platen strain at the peak, positive in the sense of the test")                              \
+    Y(X, largest_stress, GN_OF_ANY, "Pa",                                                          \
+      "largest axial stress so far, whether it was a peak or not")                                 \
+    Y(X, largest_strain, GN_OF_ANY, "1", "platen strain at the largest stress")                    \
+    Y(X, plane_young_modulus, GN_OF_PRISMS, "Pa",                                                  \
+      "2D: E = E'(1 - nu^2), the plane-strain correction")                                         \
+    Y(X, plane_poisson_ratio, GN_OF_PRISMS, "1",                                                   \
+      "2D: nu = nu'/(1 + nu'), the plane-strain correction")                                       \
+    Y(X, end_imbalance, GN_OF_ANY, "1",                                                            \
+      "difference of the forces of both ends over their mean, summed up to the largest stress")    \
+    Y(X, indirect_tensile_strength, GN_TESTS(BRAZILIAN), "Pa",                                     \
+      "2 P/(pi D t) at the peak of the load P (ISRM 1978)")                                        \
+    Y(X, centre_tension, GN_TESTS(BRAZILIAN), "Pa",                                                \
+      "mean stress across the load about the middle of the disc at the peak, tension positive")    \
+    Y(X, centre_ratio, GN_TESTS(BRAZILIAN), "1",                                                   \
+      "the same over 2 P/(pi D t): slope from 1 to 50 % of the largest load; 1 between line "      \
+      "loads")                                                                                     \
+    Y(X, centre_compression_ratio, GN_TESTS(BRAZILIAN), "1",                                       \
+      "stress along the load there, compression positive, over 2 P/(pi D t): 3 between line "      \
+      "loads (Hondros 1959)")                                                                      \
+    Y(X, flexural_strength, GN_TESTS(BENDING), "Pa",                                               \
+      "stress in the fibre below mid-span at the peak by beam theory, 3 F a/(b h^2): h above the " \
+      "notch, a from a support to the load next to it")                                            \
+    Y(X, flexural_modulus, GN_TESTS(BENDING), "Pa",                                                \
+      "slope of that stress over the strain of that fibre by beam theory, 1 to 50 % of the "       \
+      "largest stress; shear and what gives way at supports are in it")                            \
+    Y(X, opening_at_peak, GN_TESTS(BENDING), "m", "opening of the gauge at the peak")              \
+    Y(X, fracture_energy, GN_TESTS(BENDING) | GN_TESTS(TENSION), "J/m2",                           \
+      "area under force over deflection, over the section that broke (Hillerborg 1985, RILEM TC "  \
+      "50-FMC); damping is in it")                                                                 \
+    Y(X, confinement, GN_TESTS_CONFINED, "Pa", "pressure of the membrane at the peak")             \
+    Y(X, axial_strength, GN_TESTS_CONFINED, "Pa",                                                  \
+      "largest axial stress: the deviator at the peak and the confinement")                        \
+    Y(X, volumetric_strain_at_peak, GN_TESTS_CONFINED, "1",                                        \
+      "change of volume of the average strain at the peak, compression positive")                  \
+    Y(X, lateral_strain_at_peak, GN_TESTS_CONFINED, "1",                                           \
+      "average lateral strain at the peak, compression positive")                                  \
+    Y(X, bulk_modulus, GN_TESTS(HYDROSTATIC), "Pa",                                                \
+      "slope of the mean pressure over the loss of volume, 1 to 50 % of the largest; 2D: of area") \
+    Y(X, oedometric_modulus, GN_TESTS(OEDOMETER), "Pa",                                            \
+      "slope of stress over platen strain between sides that stand, 1 to 50 % of the largest")     \
+    Y(X, lateral_stress_ratio, GN_TESTS(OEDOMETER), "1",                                           \
+      "mean lateral over axial stress of the specimen, slopes over the same range (K_0)")          \
+    Y(X, shear_strength, GN_TESTS(SHEAR), "Pa", "largest shear stress, after which it fell")       \
+    Y(X, normal_stress_at_peak, GN_TESTS(SHEAR), "Pa",                                             \
+      "stress across the sheared plane at the peak, compression positive")                         \
+    Y(X, shear_modulus, GN_TESTS(SHEAR), "Pa",                                                     \
+      "slope of shear stress over the way of the ends over the length, 1 to 50 % of the largest")  \
+    Y(X, dilation_at_peak, GN_TESTS(SHEAR), "m", "way across the sheared plane at the peak")       \
+    Y(X, tangent_modulus, GN_OF_AXIAL, "Pa",                                                       \
+      "slope of stress over platen strain, 40 to 60 % of the largest stress (ISRM 1979: at half "  \
+      "the strength)")                                                                             \
+    Y(X, secant_modulus, GN_OF_AXIAL, "Pa",                                                        \
+      "from the first row with 1 % of the largest stress to the one with 50 % of it (ISRM 1979)")  \
+    Y(X, average_modulus, GN_OF_AXIAL, "Pa",                                                       \
+      "slope of stress over platen strain, 20 to 80 % of the largest stress, where it is about "   \
+      "straight (ISRM 1979)")                                                                      \
+    Y(X, crack_initiation_stress, GN_OF_AXIAL, "Pa",                                               \
+      "stress at which 1 % of the bonds that are broken at the peak have broken (Potyondy & "      \
+      "Cundall 2004)")                                                                             \
+    Y(X, crack_damage_stress, GN_OF_PRESSED, "Pa",                                                 \
+      "stress at which the specimen ceases to lose volume before the peak (Martin & Chandler "     \
+      "1994)")                                                                                     \
+    Y(X, brittleness, GN_OF_AXIAL | GN_TESTS(BRAZILIAN) | GN_TESTS(BENDING) | GN_TESTS(SHEAR),     \
+      "1", "share of the peak that the stress lost by the end of the run (Bishop 1967)")           \
+    Y(X, events, ~GN_TESTS(NONE), "1",                                                             \
+      "bursts: rows in a row of the history in which bonds broke")                                 \
+    Y(X, b_value, ~GN_TESTS(NONE), "1",                                                            \
+      "slope of log N over log10 of the bonds that a burst breaks, N as many or more: maximum "    \
+      "likelihood of a discrete power law (Aki 1965, Clauset et al. 2009)")                        \
+    Y(X, fragments, ~GN_TESTS(NONE), "1",                                                          \
+      "pieces of two or more particles that bonds hold together at the end")                       \
+    Y(X, largest_fragment, ~GN_TESTS(NONE), "1",                                                   \
+      "share of the particles' volume that the largest of them has")
+
+#define GN_READING_PLAIN(X, name, tests, unit, text) X(name, unit, text)
+#define GN_READINGS(X)                               GN_READING_LIST(GN_READING_PLAIN, X)
 
 #define X(name, unit, text) GN_READING_##name,
 typedef enum gn_reading { GN_READINGS(X) GN_READING_COUNT } gn_reading;
@@ -124,18 +205,27 @@ typedef struct gn_readings {
     char reason[GN_READING_COUNT][GN_REASON_SIZE]; /* why one is absent (NaN); "": it is there */
 } gn_readings;
 
+/* Whether a reading belongs to tests of a kind: results and summaries hold only those that do. */
+bool gn_reading_belongs(gn_reading which, gn_test_kind kind);
+
 /* What the readings are of. */
 typedef struct gn_tested {
-    int dimension, axis; /* axis 0 1 2 */
-    int sign;            /* -1 compression, +1 tension */
-    bool elastic;        /* nothing in it can fail */
-    bool watched;        /* one end has the force of the other by definition */
+    gn_test_kind kind;
+    int dimension, axis;                /* axis 0 1 2 */
+    int sign;                           /* -1 compression, +1 tension */
+    bool elastic;                       /* nothing in it can fail */
+    bool watched;                       /* one end has the force of the other by definition */
+    bool notched;                       /* a beam */
+    bool falls;                         /* under gravity */
+    double section;                     /* m2, of what breaks */
+    double fragments, largest_fragment; /* counted elsewhere; NaN: no bonds */
 } gn_tested;
 
 /* From history columns `strain`, `stress`, `stress_lower`, `stress_upper` (positive in the sense of
  * the test), `strain_xx` .. and `stress_xx` .. (averages, tension positive), `broken_tension`,
- * `broken_shear`; what is not there is not looked at. In 2D the lateral strain is that of the one
- * other in-plane axis. A reading that the curves cannot give is NaN and has a reason. */
+ * `broken_shear`, and what tests of the kind have besides; what is not there is not looked at. In
+ * 2D the lateral strain is that of the one other in-plane axis. A reading that the curves cannot
+ * give is NaN and has a reason. */
 void gn_readings_compute(const gn_history *history, const gn_tested *tested, gn_readings *readings);
 
 #endif

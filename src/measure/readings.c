@@ -1,5 +1,5 @@
 /* What a laboratory would read off the curves of a test, and why some of it cannot be read. */
-#include "measure/measure.h"
+#include "measure/readings.h"
 
 #include <math.h>
 #include <stdarg.h>
@@ -7,30 +7,9 @@
 #include <stdio.h>
 #include <string.h>
 
-/* Rows [first, last) of the history. */
-typedef struct span {
-    size_t first, last;
-} span;
-
-/* y over x: least squares, and the standard error of the slope. */
-typedef struct fit {
-    double slope, error;
-} fit;
-
-typedef struct curves {
-    const gn_tested *tested;
-    const gn_history *history;
-    const double *strain, *stress;
-    const double *average[3]; /* strain, by axis */
-    size_t largest;           /* row of the largest stress */
-    span loading;
-} curves;
-
 /* A stress is a peak once it has fallen by this share: more than what vibrations and single bonds
  * take off a rising curve. */
 static const double fall = 0.05;
-/* Slopes are readings while their standard error is below this share of them. */
-static const double scatter = 0.1;
 /* Other stresses that grow by the share k of the axial one leave (nu - k (1 - nu))/(1 - 2 nu k) to
  * be read as nu and E/(1 - 2 nu k) as E. Rough ends do that: k is 0.03 in a cylinder twice as high
  * as wide between glued ends, 0.075 in a cube (nu 0.2: 0.14 is read, and 1.03 E). */
@@ -43,20 +22,19 @@ static double unsigned_zero(double x) {
     return x == 0 ? 0 : x;
 }
 
-static char *reason_of(gn_readings *r, gn_reading which) {
+char *gn_reason_of(gn_readings *r, gn_reading which) {
     return r->reason[which];
 }
 
-__attribute__((format(printf, 3, 4))) static void absent(gn_readings *r, gn_reading which,
-                                                         const char *format, ...) {
+void gn_reading_absent(gn_readings *r, gn_reading which, const char *format, ...) {
     va_list args;
     va_start(args, format);
-    if (!reason_of(r, which)[0]) vsnprintf(reason_of(r, which), GN_REASON_SIZE, format, args);
+    if (!gn_reason_of(r, which)[0]) vsnprintf(gn_reason_of(r, which), GN_REASON_SIZE, format, args);
     va_end(args);
 }
 
 static void all_absent(gn_readings *r, const char *reason) {
-    for (int k = 0; k < GN_READING_COUNT; k++) absent(r, (gn_reading)k, "%s", reason);
+    for (int k = 0; k < GN_READING_COUNT; k++) gn_reading_absent(r, (gn_reading)k, "%s", reason);
 }
 
 _Static_assert(offsetof(gn_readings, reason) == GN_READING_COUNT * sizeof(double),
@@ -66,11 +44,28 @@ static double *values_of(gn_readings *r) {
     return &r->young_modulus; /* the first of them */
 }
 
+static const unsigned tests_of[] = {
+#define GN_READING_TESTS(X, name, tests, unit, text) tests,
+    GN_READING_LIST(GN_READING_TESTS, )};
+
+bool gn_reading_belongs(gn_reading which, gn_test_kind kind) {
+    return tests_of[which] >> kind & 1;
+}
+
+static void leave_others(gn_test_kind kind, gn_readings *r) {
+    for (int k = 0; k < GN_READING_COUNT; k++) {
+        if (gn_reading_belongs((gn_reading)k, kind)) continue;
+        r->reason[k][0] = '\0';
+        gn_reading_absent(r, (gn_reading)k, "a reading of other tests");
+    }
+}
+
 /* What has a reason is no number; what is none has a reason. */
 static void settle(gn_readings *r) {
     for (int k = 0; k < GN_READING_COUNT; k++) {
         if (r->reason[k][0]) values_of(r)[k] = NAN;
-        if (isnan(values_of(r)[k])) absent(r, (gn_reading)k, "there is nothing to read it from");
+        if (isnan(values_of(r)[k]))
+            gn_reading_absent(r, (gn_reading)k, "there is nothing to read it from");
     }
 }
 
@@ -85,17 +80,16 @@ static size_t largest_row(const double *stress, size_t rows) {
 
 /* From the first crossing of 1 % of the largest stress up to the first crossing of 50 %, both
  * before it. */
-static span loading_span(const double *stress, size_t largest) {
-    span s = {0};
+static gn_row_span loading_span(const double *stress, size_t largest) {
+    gn_row_span s = {0};
     while (s.first < largest && !(stress[s.first] >= 0.01 * stress[largest])) s.first++;
     s.last = s.first;
     while (s.last < largest && !(stress[s.last] > 0.5 * stress[largest])) s.last++;
     return s;
 }
 
-/* NaN for fewer than 3 points, or all at the same x. */
-static fit line(const double *x, const double *y, span s) {
-    if (!x || !y || s.last - s.first < 3) return (fit){NAN, NAN};
+gn_line_fit gn_line(const double *x, const double *y, gn_row_span s) {
+    if (!x || !y || s.last - s.first < 3) return (gn_line_fit){NAN, NAN};
     double n = (double)(s.last - s.first), mean_x = 0, mean_y = 0, xx = 0, xy = 0, yy = 0;
     for (size_t k = s.first; k < s.last; k++) mean_x += x[k] / n, mean_y += y[k] / n;
     for (size_t k = s.first; k < s.last; k++) {
@@ -103,100 +97,105 @@ static fit line(const double *x, const double *y, span s) {
         xy += (x[k] - mean_x) * (y[k] - mean_y);
         yy += (y[k] - mean_y) * (y[k] - mean_y);
     }
-    if (!(xx > 0)) return (fit){NAN, NAN};
+    if (!(xx > 0)) return (gn_line_fit){NAN, NAN};
     double slope = xy / xx;
-    return (fit){slope, sqrt(fmax(0, yy - slope * xy) / (n - 2) / xx)};
+    return (gn_line_fit){slope, sqrt(fmax(0, yy - slope * xy) / (n - 2) / xx)};
 }
 
 /* --- what the scene lets be read --- */
 
 /* Slope of a mean stress of the specimen over that of the test. */
-static double follows(const curves *c, int a, int b) {
+static double follows(const gn_curves *c, int a, int b) {
     char name[16];
     snprintf(name, sizeof name, "stress_%c%c", "xyz"[a < b ? a : b], "xyz"[a < b ? b : a]);
-    return line(c->stress, gn_history_column(c->history, name), c->loading).slope;
+    return gn_line(c->stress, gn_history_column(c->history, name), c->loading).slope;
 }
 
 /* A modulus is stress over strain along one axis, all other stresses staying what they are: none,
  * or those of a cell. Scenes that load or hold the sides, or shear, do something else. */
-static void need_one_axis(const curves *c, gn_reading which, double limit, gn_readings *r) {
+static void need_one_axis(const gn_curves *c, gn_reading which, double limit, gn_readings *r) {
     int axis = c->tested->axis;
     double along = c->tested->sign * follows(c, axis, axis);
     if (isnan(along)) return; /* no mean stress to look at */
     if (!(along > 0.5 && along < 2))
-        absent(r, which,
-               "the mean stress of the specimen along %c changes by %.3g of that of the ends (area "
-               "and volume of one specimen?)",
-               "xyz"[axis], unsigned_zero(along));
+        gn_reading_absent(
+            r, which,
+            "the mean stress of the specimen along %c changes by %.3g of that of the ends (area "
+            "and volume of one specimen?)",
+            "xyz"[axis], unsigned_zero(along));
     for (int a = 0; a < c->tested->dimension; a++)
         for (int b = a; b < c->tested->dimension; b++) {
             double other = follows(c, a, b) / along;
             if ((a == axis && b == axis) || !(fabs(other) > limit)) continue;
-            absent(r, which,
-                   "the specimen is not loaded along %c alone: stress_%c%c changes by %.2g of the "
-                   "axial stress (sides held, loaded or sheared)",
-                   "xyz"[axis], "xyz"[a], "xyz"[b], fabs(other));
+            gn_reading_absent(
+                r, which,
+                "the specimen is not loaded along %c alone: stress_%c%c changes by %.2g of the "
+                "axial stress (sides held, loaded or sheared)",
+                "xyz"[axis], "xyz"[a], "xyz"[b], fabs(other));
         }
 }
 
 /* How the ends' way compares with the mean strain: where far more of it goes into bending, or into
  * the ends themselves, the mean strains are not those of a specimen loaded along its axis. */
-static void need_ways(const curves *c, gn_reading which, gn_readings *r) {
-    double ways = c->tested->sign * line(c->stress, c->average[c->tested->axis], c->loading).slope *
-                  line(c->strain, c->stress, c->loading).slope;
+static void need_ways(const gn_curves *c, gn_reading which, gn_readings *r) {
+    double ways = c->tested->sign *
+                  gn_line(c->stress, c->average[c->tested->axis], c->loading).slope *
+                  gn_line(c->strain, c->stress, c->loading).slope;
     if (ways < 0.5 || ways > 2)
-        absent(r, which,
-               "the mean strain of the specimen is %.2g of the platen strain (bending, or soft "
-               "ends)",
-               unsigned_zero(ways));
+        gn_reading_absent(
+            r, which,
+            "the mean strain of the specimen is %.2g of the platen strain (bending, or soft "
+            "ends)",
+            unsigned_zero(ways));
 }
 
 /* The mean strains are those of a specimen loaded along its axis whatever the ends did, if the mean
  * stress is what the ends exert: then all of the load goes through all of it, and only the ends are
  * soft. */
-static void need_ways_or_stress(const curves *c, gn_reading which, gn_readings *r) {
+static void need_ways_or_stress(const gn_curves *c, gn_reading which, gn_readings *r) {
     int axis = c->tested->axis;
     double along = c->tested->sign * follows(c, axis, axis);
     if (!(fabs(along - 1) <= beside_modulus)) need_ways(c, which, r);
 }
 
-static void need_rows(const curves *c, gn_reading which, gn_readings *r) {
+void gn_need_rows(const gn_curves *c, gn_reading which, gn_readings *r) {
     size_t rows = c->loading.last - c->loading.first;
     if (rows < 3)
-        absent(r, which,
-               "%zu history row%s between 1 and 50 %% of the largest stress, 3 are needed "
-               "(output.history_rows)",
-               rows, rows == 1 ? "" : "s");
+        gn_reading_absent(
+            r, which,
+            "%zu history row%s between 1 and 50 %% of the largest stress, 3 are needed "
+            "(output.history_rows)",
+            rows, rows == 1 ? "" : "s");
 }
 
-static void need_modulus(fit f, gn_reading which, gn_readings *r) {
-    if (f.slope <= 0) absent(r, which, "the stress falls while the strain grows");
-    if (f.error > scatter * f.slope)
-        absent(r, which, "the rows scatter: standard error of the slope %.0f %%",
-               100 * f.error / f.slope);
+void gn_need_modulus(gn_line_fit f, gn_reading which, gn_readings *r) {
+    if (f.slope <= 0) gn_reading_absent(r, which, "the stress falls while the strain grows");
+    if (f.error > gn_scatter_allowed * f.slope)
+        gn_reading_absent(r, which, "the rows scatter: standard error of the slope %.0f %%",
+                          100 * f.error / f.slope);
 }
 
 /* --- readings --- */
 
-static void read_modulus(const curves *c, gn_readings *r) {
+static void read_modulus(const gn_curves *c, gn_readings *r) {
     const gn_reading which = GN_READING_young_modulus;
-    fit f = line(c->strain, c->stress, c->loading);
+    gn_line_fit f = gn_line(c->strain, c->stress, c->loading);
     r->young_modulus = f.slope;
-    need_rows(c, which, r);
+    gn_need_rows(c, which, r);
     need_one_axis(c, which, beside_modulus, r);
-    need_modulus(f, which, r);
+    gn_need_modulus(f, which, r);
     need_ways(c, which, r);
 }
 
-static void read_average_modulus(const curves *c, gn_readings *r) {
+static void read_average_modulus(const gn_curves *c, gn_readings *r) {
     const gn_reading which = GN_READING_young_modulus_average;
-    fit f = line(c->average[c->tested->axis], c->stress, c->loading);
+    gn_line_fit f = gn_line(c->average[c->tested->axis], c->stress, c->loading);
     f.slope *= c->tested->sign;
     r->young_modulus_average = f.slope;
-    need_rows(c, which, r);
-    if (isnan(f.slope)) absent(r, which, "the scene has no average strain");
+    gn_need_rows(c, which, r);
+    if (isnan(f.slope)) gn_reading_absent(r, which, "the scene has no average strain");
     need_one_axis(c, which, beside_modulus, r);
-    need_modulus(f, which, r);
+    gn_need_modulus(f, which, r);
     need_ways_or_stress(c, which, r);
 }
 
@@ -204,56 +203,60 @@ static void read_average_modulus(const curves *c, gn_readings *r) {
 static void need_possible_ratio(int dimension, gn_readings *r) {
     const gn_reading which = GN_READING_poisson_ratio;
     double nu = r->poisson_ratio, most = dimension == 2 ? 1 : 0.5;
-    if (!(fabs(nu) <= 1)) absent(r, which, "the sides move more than the ends (%.3g)", nu);
+    if (!(fabs(nu) <= 1))
+        gn_reading_absent(r, which, "the sides move more than the ends (%.3g)", nu);
     if (nu > most)
-        absent(r, which,
-               "the volume grows under pressure (%.3g, an elastic solid has at most %.1g)", nu,
-               most);
+        gn_reading_absent(
+            r, which, "the volume grows under pressure (%.3g, an elastic solid has at most %.1g)",
+            nu, most);
 }
 
 /* Both strains are fitted over the stress and the slopes divided. Fitting lateral over axial strain
  * instead would be biased towards zero by the vibrations in the axial average; over the stress such
  * scatter averages out of both slopes. */
-static void read_poisson(const curves *c, gn_readings *r) {
+static void read_poisson(const gn_curves *c, gn_readings *r) {
     const gn_reading which = GN_READING_poisson_ratio;
     int axis = c->tested->axis, dimension = c->tested->dimension;
     double lateral = 0, variance = 0;
     for (int a = 0; a < dimension; a++) {
         if (a == axis) continue;
-        fit f = line(c->stress, c->average[a], c->loading);
+        gn_line_fit f = gn_line(c->stress, c->average[a], c->loading);
         lateral += f.slope / (dimension - 1);
         variance += f.error * f.error / ((dimension - 1) * (dimension - 1));
     }
-    fit axial = line(c->stress, c->average[axis], c->loading);
+    gn_line_fit axial = gn_line(c->stress, c->average[axis], c->loading);
     r->poisson_ratio = -lateral / axial.slope;
     double error = hypot(sqrt(variance), r->poisson_ratio * axial.error) / fabs(axial.slope);
-    need_rows(c, which, r);
-    if (isnan(r->poisson_ratio)) absent(r, which, "the scene has no average strain");
+    gn_need_rows(c, which, r);
+    if (isnan(r->poisson_ratio)) gn_reading_absent(r, which, "the scene has no average strain");
     need_one_axis(c, which, beside_ratio, r);
-    if (error > scatter) absent(r, which, "the rows scatter: standard error %.2g", error);
+    if (error > gn_scatter_allowed)
+        gn_reading_absent(r, which, "the rows scatter: standard error %.2g", error);
     need_ways_or_stress(c, which, r);
     need_possible_ratio(dimension, r);
 }
 
 /* Plane strain: E' = E/(1 - nu^2), nu' = nu/(1 - nu), solved for E and nu. */
-static void read_plane(const curves *c, gn_readings *r) {
+static void read_plane(const gn_curves *c, gn_readings *r) {
     const gn_reading modulus = GN_READING_plane_young_modulus,
                      ratio = GN_READING_plane_poisson_ratio;
     if (c->tested->dimension != 2) {
-        absent(r, modulus, "a reading of 2D scenes");
-        absent(r, ratio, "a reading of 2D scenes");
+        gn_reading_absent(r, modulus, "a reading of 2D scenes");
+        gn_reading_absent(r, ratio, "a reading of 2D scenes");
         return;
     }
     double nu = r->poisson_ratio / (1 + r->poisson_ratio);
     r->plane_poisson_ratio = nu;
     r->plane_young_modulus = r->young_modulus * (1 - nu * nu);
-    const char *no_ratio = reason_of(r, GN_READING_poisson_ratio),
-               *no_modulus = reason_of(r, GN_READING_young_modulus);
-    if (*no_modulus) absent(r, modulus, "%s", no_modulus);
-    if (*no_ratio) absent(r, modulus, "%s", no_ratio);
-    if (*no_ratio) absent(r, ratio, "%s", no_ratio);
-    if (nu < -1) absent(r, modulus, "no plane strain shows a ratio of %.3g", r->poisson_ratio);
-    if (nu < -1) absent(r, ratio, "no plane strain shows a ratio of %.3g", r->poisson_ratio);
+    const char *no_ratio = gn_reason_of(r, GN_READING_poisson_ratio),
+               *no_modulus = gn_reason_of(r, GN_READING_young_modulus);
+    if (*no_modulus) gn_reading_absent(r, modulus, "%s", no_modulus);
+    if (*no_ratio) gn_reading_absent(r, modulus, "%s", no_ratio);
+    if (*no_ratio) gn_reading_absent(r, ratio, "%s", no_ratio);
+    if (nu < -1)
+        gn_reading_absent(r, modulus, "no plane strain shows a ratio of %.3g", r->poisson_ratio);
+    if (nu < -1)
+        gn_reading_absent(r, ratio, "no plane strain shows a ratio of %.3g", r->poisson_ratio);
 }
 
 static double last_of(const gn_history *history, const char *name) {
@@ -261,8 +264,7 @@ static double last_of(const gn_history *history, const char *name) {
     return column ? column[history->row_count - 1] : NAN;
 }
 
-/* Why the largest stress is no strength; NULL: it is one. */
-static const char *no_peak(const curves *c) {
+const char *gn_no_peak(const gn_curves *c) {
     double least = c->stress[c->largest];
     for (size_t k = c->largest; k < c->history->row_count; k++) least = fmin(least, c->stress[k]);
     if (c->tested->elastic) return "finite elements do not fail";
@@ -273,25 +275,26 @@ static const char *no_peak(const curves *c) {
     return NULL;
 }
 
-static void read_peak(const curves *c, gn_readings *r) {
+static void read_peak(const gn_curves *c, gn_readings *r) {
     r->largest_stress = r->peak_stress = c->stress[c->largest];
     r->largest_strain = r->peak_strain = c->strain ? c->strain[c->largest] : NAN;
-    const char *reason = no_peak(c);
-    if (reason) absent(r, GN_READING_peak_stress, "%s", reason);
-    if (reason) absent(r, GN_READING_peak_strain, "%s", reason);
+    const char *reason = gn_no_peak(c);
+    if (reason) gn_reading_absent(r, GN_READING_peak_stress, "%s", reason);
+    if (reason) gn_reading_absent(r, GN_READING_peak_strain, "%s", reason);
 }
 
 /* Signed sums: waves that run to and fro between the ends cancel, a part that is missing stays. */
-static void read_balance(const curves *c, gn_readings *r) {
+static void read_balance(const gn_curves *c, gn_readings *r) {
     const double *lower = gn_history_column(c->history, "stress_lower"),
                  *upper = gn_history_column(c->history, "stress_upper");
     if (c->tested->watched)
-        absent(r, GN_READING_end_imbalance, "one end is only watched and has the other's force");
+        gn_reading_absent(r, GN_READING_end_imbalance,
+                          "one end is only watched and has the other's force");
     if (!lower || !upper) return;
     size_t rows = c->largest + 1 - c->loading.first;
     if (rows < 3)
-        absent(r, GN_READING_end_imbalance, "%zu history row%s up to the largest stress", rows,
-               rows == 1 ? "" : "s");
+        gn_reading_absent(r, GN_READING_end_imbalance, "%zu history row%s up to the largest stress",
+                          rows, rows == 1 ? "" : "s");
     double difference = 0, sum = 0;
     for (size_t k = c->loading.first; k <= c->largest; k++) {
         difference += upper[k] - lower[k];
@@ -303,7 +306,7 @@ static void read_balance(const curves *c, gn_readings *r) {
 void gn_readings_compute(const gn_history *history, const gn_tested *tested, gn_readings *r) {
     memset(r, 0, sizeof *r);
     for (int k = 0; k < GN_READING_COUNT; k++) values_of(r)[k] = NAN;
-    curves c = {.tested = tested, .history = history};
+    gn_curves c = {.tested = tested, .history = history};
     c.strain = gn_history_column(history, "strain");
     c.stress = gn_history_column(history, "stress");
     c.average[0] = gn_history_column(history, "strain_xx");
@@ -314,7 +317,7 @@ void gn_readings_compute(const gn_history *history, const gn_tested *tested, gn_
     if (c.stress) c.largest = largest_row(c.stress, history->row_count);
     if (c.stress && c.largest == history->row_count)
         all_absent(r, "the stress never had the sense of the test");
-    if (!reason_of(r, GN_READING_largest_stress)[0]) {
+    if (!gn_reason_of(r, GN_READING_largest_stress)[0]) {
         c.loading = loading_span(c.stress, c.largest);
         read_peak(&c, r);
         read_modulus(&c, r);
@@ -322,6 +325,8 @@ void gn_readings_compute(const gn_history *history, const gn_tested *tested, gn_
         read_poisson(&c, r);
         read_plane(&c, r);
         read_balance(&c, r);
+        gn_readings_by_kind(&c, r);
     }
+    leave_others(tested->kind, r);
     settle(r);
 }

@@ -175,11 +175,15 @@ static gneiss_status run_stages(job *j, gneiss_error *error) {
 
 /* ---- before and after ---- */
 
+/* By how much of itself a radius may change that is part of a distribution that is asked for. */
+static const double kept = 0.1;
+
 static gneiss_status prepare(job *j, const gn_domain *domain, int threads, gneiss_error *error) {
     size_t n = j->seeds.count;
     double packed = gn_packed_fraction(j->dimension);
     double loose = pow(j->plan.loose / packed, 1.0 / j->dimension);
     double wanted = pow(j->plan.wanted / packed, 1.0 / j->dimension);
+    const bool asked = j->def->sizes != GN_SIZES_FITTED;
     j->wanted = gn_alloc_array(n, sizeof(double));
     j->least = gn_alloc_array(n, sizeof(double));
     j->most = gn_alloc_array(n, sizeof(double));
@@ -188,8 +192,8 @@ static gneiss_status prepare(job *j, const gn_domain *domain, int threads, gneis
     for (size_t k = 0; k < n; k++) {
         double nominal = j->seeds.row[4 * k + 3];
         j->wanted[k] = wanted * nominal;
-        j->least[k] = 0.2 * nominal;
-        j->most[k] = 5.0 * nominal;
+        j->least[k] = asked ? (1.0 - kept) * nominal : 0.2 * nominal;
+        j->most[k] = asked ? (1.0 + kept) * nominal : 5.0 * nominal;
         j->seeds.row[4 * k + 3] = loose * nominal;
     }
     return gn_fit_create(domain, n, j->seeds.row, j->wanted, j->least, j->most, threads, &j->fit,

@@ -41,11 +41,33 @@ static void count_radii(const double *sorted, size_t count, gn_pack_quality *q) 
     }
 }
 
+static double median(const double *sorted, size_t n) {
+    return 0.5 * (sorted[(n - 1) / 2] + sorted[n / 2]);
+}
+
+/* Of particles alike there is no shape to tell: 0. */
+static void measure_shape(const double *sorted, size_t count, gn_pack_quality *q) {
+    double squares = 0.0, cubes = 0.0, fourths = 0.0, n = (double)count;
+    for (size_t k = 0; k < count; k++) {
+        double d = sorted[k] - q->radius_mean, d2 = d * d;
+        squares += d2;
+        cubes += d2 * d;
+        fourths += d2 * d2;
+    }
+    double variance = squares / n;
+    bool varies = variance > 1e-24 * q->radius_mean * q->radius_mean;
+    q->radius_deviation = sqrt(variance);
+    q->radius_variation = q->radius_deviation / q->radius_mean;
+    q->radius_median = median(sorted, count);
+    q->radius_skewness = varies ? cubes / n / (variance * q->radius_deviation) : 0.0;
+    q->radius_kurtosis = varies ? fourths / n / (variance * variance) : 0.0;
+}
+
 static gneiss_status measure_radii(const gn_packing *p, int dimension, double volume,
                                    gn_pack_quality *q, gneiss_error *error) {
     double *sorted = gn_alloc_array(p->count + 1, sizeof *sorted);
     if (!sorted) return gn_fail(error, GNEISS_ERROR_MEMORY, "no memory for %zu radii", p->count);
-    double sum = 0.0, squares = 0.0, volumes = 0.0, n = (double)p->count;
+    double sum = 0.0, volumes = 0.0, n = (double)p->count;
     for (size_t k = 0; k < p->count; k++) {
         sorted[k] = p->sphere[4 * k + 3];
         sum += sorted[k];
@@ -53,9 +75,7 @@ static gneiss_status measure_radii(const gn_packing *p, int dimension, double vo
     }
     qsort(sorted, p->count, sizeof *sorted, ascending);
     q->radius_mean = sum / n;
-    for (size_t k = 0; k < p->count; k++)
-        squares += (sorted[k] - q->radius_mean) * (sorted[k] - q->radius_mean);
-    q->radius_variation = sqrt(squares / n) / q->radius_mean;
+    measure_shape(sorted, p->count, q);
     q->radius_volume = pow(volumes / n / gn_ball_volume(dimension, 1.0), 1.0 / dimension);
     q->radius_min = sorted[0];
     q->radius_max = sorted[p->count - 1];

@@ -23,6 +23,10 @@
     X(radius_ratio, "1", "largest over smallest radius")                                           \
     X(radius_ratio_98, "1", "99 % over 1 % quantile of the radii")                                 \
     X(radius_variation, "1", "standard deviation of the radii over their mean")                    \
+    X(radius_median, "m", "median radius")                                                         \
+    X(radius_deviation, "m", "standard deviation of the radii")                                    \
+    X(radius_skewness, "1", "third central moment of the radii over their deviation cubed")        \
+    X(radius_kurtosis, "1", "fourth over the fourth power of it; normal: 3, uniform: 1.8")         \
     X(fabric_max, "1", "largest eigenvalue of (1/N_c) sum n n over contacts at 1 %")               \
     X(fabric_min, "1", "smallest eigenvalue of it; isotropic: 1/dimension")                        \
     X(anisotropy, "1", "largest deviation of an eigenvalue from 1/dimension, times dimension")     \

@@ -30,8 +30,39 @@ static double draw(source *s) {
     return 0.5 * (1.0 + gn_random_symmetric(s->scene->seed, s->drawn++));
 }
 
+/* Share of the mass that passes -> size over the largest. */
+static double sieve_size(const gn_pack_def *def, double share) {
+    size_t k = 1;
+    while (k + 1 < def->sieve_count && def->sieve[2 * k + 1] < share) k++;
+    const double *low = def->sieve + 2 * k - 2, *high = def->sieve + 2 * k;
+    double rise = high[1] - low[1];
+    return rise > 0.0 ? low[0] + (high[0] - low[0]) * fmin(1.0, (share - low[1]) / rise) : high[0];
+}
+
+/* A size of the distribution that is asked for, in any unit: uniform and normal from 1 to the
+ * ratio. Of a sieve curve, in which mass counts, a size is taken as often as r^-d, so that number
+ * counts. */
+static double draw_asked(source *s) {
+    const gn_pack_def *def = &s->scene->specimen.pack;
+    const double ratio = def->size_ratio, mean = 0.5 * (1.0 + ratio);
+    const double deviation =
+        def->size_variation >= 0.0 ? def->size_variation * mean : (ratio - 1.0) / 6.0;
+    if (def->sizes == GN_SIZES_UNIFORM) return 1.0 + (ratio - 1.0) * draw(s);
+    for (;;) {
+        double u = 1.0 - draw(s), v = draw(s);
+        if (def->sizes == GN_SIZES_NORMAL) {
+            double size = mean + deviation * sqrt(-2.0 * log(u)) * cos(2.0 * M_PI * v);
+            if (size >= 1.0 && size <= ratio) return size;
+        } else {
+            double size = sieve_size(def, u);
+            if (v < pow(def->sieve[0] / size, s->dimension)) return size;
+        }
+    }
+}
+
 /* Radius over the median, log-normal within its bounds. */
 static double draw_size(source *s) {
+    if (s->scene->specimen.pack.sizes != GN_SIZES_FITTED) return draw_asked(s);
     if (s->spread <= 0.0) return 1.0;
     for (;;) {
         double u = 1.0 - draw(s), v = draw(s);
@@ -201,9 +232,21 @@ static gneiss_status refinement_factor(const source *s, double *factor, gneiss_e
     return GNEISS_OK;
 }
 
-/* Means of r and r^d over radii in units of the median, by the quantiles of the distribution. */
+/* Means of r and r^d over radii in units of the median, by the quantiles of the distribution; of
+ * one that is asked for over radii that are drawn. */
 static void size_moments(const source *s, double *first, double *last) {
-    enum { POINTS = 2001 };
+    enum { POINTS = 2001, DRAWN = 100000 };
+    if (s->scene->specimen.pack.sizes != GN_SIZES_FITTED) {
+        source own = *s;
+        own.drawn = UINT64_C(1) << 62; /* apart from those of the packing */
+        *first = *last = 0.0;
+        for (int k = 0; k < DRAWN; k++) {
+            double size = draw_asked(&own);
+            *first += size / DRAWN;
+            *last += pow(size, s->dimension) / DRAWN;
+        }
+        return;
+    }
     double weight = 0.0, sum1 = 0.0, sum_d = 0.0;
     for (int k = 0; k < POINTS; k++) {
         double g = s->spread > 0.0 ? s->widest * (2.0 * k / (POINTS - 1.0) - 1.0) : 0.0;

@@ -45,31 +45,51 @@ static void place(const gn_pack_def *def, gn_mesh *mesh) {
         mesh->node[k] = gn_point_out(def->origin[k % 3], mesh->node[k]);
 }
 
-static gneiss_status from_mesh(const gn_scene *scene, gn_pack_shape *shape, gneiss_error *error) {
+/* The elements of a file and their boundary. */
+static gneiss_status read_mesh(const gn_scene *scene, gn_mesh *mesh, gneiss_error *error) {
     const gn_pack_def *def = &scene->specimen.pack;
     int dimension = (int)scene->dimension;
     double scale = scene->specimen.scale;
     GN_TRY(gn_is_geometry(def->mesh_path)
-               ? gn_mesh_geometry(def->mesh_path, dimension, scale, &shape->mesh, error)
-               : gn_mesh_read_msh(def->mesh_path, scale, &shape->mesh, error));
-    place(def, &shape->mesh);
-    GN_TRY(gn_mesh_boundary(&shape->mesh, dimension, def->mesh_path, error));
-    GN_TRY(gn_domain_surface(&shape->mesh, dimension, def->mesh_path, &shape->domain, error));
+               ? gn_mesh_geometry(def->mesh_path, dimension, scale, mesh, error)
+               : gn_mesh_read_msh(def->mesh_path, scale, mesh, error));
+    place(def, mesh);
+    return gn_mesh_boundary(mesh, dimension, def->mesh_path, error);
+}
+
+/* A closed surface, turned outward. */
+static gneiss_status read_surface(const gn_scene *scene, gn_mesh *surface, gneiss_error *error) {
+    const gn_pack_def *def = &scene->specimen.pack;
+    double volume;
+    GN_TRY(gn_mesh_read_stl(def->surface_path, scene->specimen.scale, surface, error));
+    place(def, surface);
+    return gn_mesh_close_surface(surface, def->surface_path, &volume, error);
+}
+
+gneiss_status gn_pack_shape_facets(const gn_scene *scene, gn_mesh *mesh, gneiss_error *error) {
+    *mesh = (gn_mesh){0};
+    gneiss_status status = scene->specimen.pack.shape == GN_SHAPE_MESH
+                               ? read_mesh(scene, mesh, error)
+                               : read_surface(scene, mesh, error);
+    if (status != GNEISS_OK) gn_mesh_free(mesh);
+    return status;
+}
+
+static gneiss_status from_mesh(const gn_scene *scene, gn_pack_shape *shape, gneiss_error *error) {
+    int dimension = (int)scene->dimension;
+    GN_TRY(read_mesh(scene, &shape->mesh, error));
+    GN_TRY(gn_domain_surface(&shape->mesh, dimension, scene->specimen.pack.mesh_path,
+                             &shape->domain, error));
     return measure_nodes(shape, dimension, error);
 }
 
 static gneiss_status from_surface(const gn_scene *scene, gn_pack_shape *shape,
                                   gneiss_error *error) {
-    const gn_pack_def *def = &scene->specimen.pack;
     gn_mesh surface = {0};
-    double volume;
-    gneiss_status status =
-        gn_mesh_read_stl(def->surface_path, scene->specimen.scale, &surface, error);
-    place(def, &surface);
+    gneiss_status status = read_surface(scene, &surface, error);
     if (status == GNEISS_OK)
-        status = gn_mesh_close_surface(&surface, def->surface_path, &volume, error);
-    if (status == GNEISS_OK)
-        status = gn_domain_surface(&surface, 3, def->surface_path, &shape->domain, error);
+        status = gn_domain_surface(&surface, 3, scene->specimen.pack.surface_path, &shape->domain,
+                                   error);
     gn_mesh_free(&surface);
     return status;
 }

@@ -18,6 +18,10 @@ gneiss_status gn_pack_shape_create(const gn_scene *scene, gn_pack_shape *shape,
                                    gneiss_error *error);
 void gn_pack_shape_free(gn_pack_shape *shape);
 
+/* The facets of a surface or mesh shape, turned outward: triangles, in 2D lines with the body on
+ * their left. The caller frees them. */
+gneiss_status gn_pack_shape_facets(const gn_scene *scene, gn_mesh *mesh, gneiss_error *error);
+
 /* Size of particles wanted at x over that far from every refinement, (0, 1]. */
 double gn_pack_shape_size(const gn_pack_shape *shape, const double x[3]);
 

@@ -39,11 +39,14 @@ static const gn_piece pieces[] = {
     DOUBLES(scaling.step),
     DOUBLES(scaling.reached),
 };
-enum { PIECES = sizeof pieces / sizeof *pieces, MOST_ARRAYS = 6 };
+enum { PIECES = sizeof pieces / sizeof *pieces, MOST_ARRAYS = 7 };
 
 static size_t list_arrays(gn_world *w, gn_checkpoint_array out[MOST_ARRAYS]) {
     size_t n = 0;
     gn_prescription *f = &w->dem.prescribed;
+    if (w->effects & GN_FX_MEMBRANE)
+        out[n++] = (gn_checkpoint_array){"membrane", GN_F64, 1, sizeof(gn_membrane) / 8,
+                                         (void **)&w->dem.membrane};
     if (!(w->effects & GN_FX_PRESCRIBED)) return n;
     out[n++] = (gn_checkpoint_array){"prescribed_set", GN_I32, f->count, 1, (void **)&f->set};
     out[n++] = (gn_checkpoint_array){"prescribed_mask", GN_U8, f->count, 1, (void **)&f->mask};

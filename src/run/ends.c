@@ -18,10 +18,9 @@ static double part_travel(const gn_world *w, const char *name, int axis) {
     return travel[axis];
 }
 
-static double end_travel(const gn_world *w, const gn_test_end *end) {
+static double end_travel(const gn_world *w, const gn_test_end *end, int axis) {
     double sum = 0.0;
-    for (size_t k = 0; k < end->count; k++)
-        sum += part_travel(w, end->name[k], (int)w->scene.test.axis);
+    for (size_t k = 0; k < end->count; k++) sum += part_travel(w, end->name[k], axis);
     return sum / (double)end->count;
 }
 
@@ -50,12 +49,19 @@ static double end_force(const gn_world *w, const gn_test_end *end) {
 }
 
 static double test_sign(const gn_world *w) {
-    return w->scene.test.kind == GN_TEST_COMPRESSION ? -1.0 : 1.0;
+    return gn_test_sign(w->scene.test.kind);
 }
 
 double gn_ends_deflection(const gn_world *w) {
-    return test_sign(w) *
-           (end_travel(w, &w->scene.test.upper) - end_travel(w, &w->scene.test.lower));
+    const gn_test *t = &w->scene.test;
+    int axis = (int)t->axis;
+    return test_sign(w) * (end_travel(w, &t->upper, axis) - end_travel(w, &t->lower, axis));
+}
+
+double gn_ends_opening(const gn_world *w) {
+    const gn_opening *o = &w->scene.test.opening;
+    int axis = (int)o->axis;
+    return end_travel(w, &o->upper, axis) - end_travel(w, &o->lower, axis);
 }
 
 void gn_ends_forces(const gn_world *w, double *lower, double *upper) {
@@ -64,4 +70,18 @@ void gn_ends_forces(const gn_world *w, double *lower, double *upper) {
     *upper = sign * end_force(w, &w->scene.test.upper);
     if (!gn_scene_end_drives(&w->scene, &w->scene.test.lower)) *lower = *upper;
     if (!gn_scene_end_drives(&w->scene, &w->scene.test.upper)) *upper = *lower;
+}
+
+double gn_ends_normal(const gn_world *w) {
+    const gn_test *t = &w->scene.test;
+    double sum = 0.0;
+    for (size_t k = 0; k < t->upper.count; k++)
+        sum -= part_force(w, t->upper.name[k], (int)t->normal);
+    return sum;
+}
+
+double gn_ends_dilation(const gn_world *w) {
+    const gn_test *t = &w->scene.test;
+    int normal = (int)t->normal;
+    return end_travel(w, &t->upper, normal) - end_travel(w, &t->lower, normal);
 }

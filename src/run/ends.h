@@ -6,6 +6,12 @@
 
 /* Change of the distance of the ends, m, positive in the sense of the test. */
 double gn_ends_deflection(const gn_world *world);
+/* Of the gauge of the test, m. */
+double gn_ends_opening(const gn_world *world);
+/* Of a shear test: force of the upper end across the plane, pressing positive, N; how far the ends
+ * come apart, m. */
+double gn_ends_normal(const gn_world *world);
+double gn_ends_dilation(const gn_world *world);
 /* Forces of the ends along the axis, N, positive in the sense of the test. An end that is only
  * watched (what loads it is a traction) has the force of the other one. */
 void gn_ends_forces(const gn_world *world, double *lower, double *upper);

@@ -156,7 +156,7 @@ static const char *const series[] = {"particles",       "bonds",        "element
 enum { SERIES = sizeof series / sizeof *series, LISTED = 4 };
 
 /* What only a run's end writes. */
-static const char *const single[] = {"results.h5", "summary.json", "report.html"};
+static const char *const single[] = {"results.h5", "summary.json", "report.html", "report.csv"};
 enum { SINGLE = sizeof single / sizeof *single };
 
 /* --- files of somebody else --- */

@@ -2,6 +2,8 @@
 
 #include "base/timer.h"
 #include "run/quantities.h"
+#include "sim/fragments.h"
+#include "sim/laboratory.h"
 
 #include <float.h>
 #include <math.h>
@@ -135,9 +137,17 @@ gneiss_status gn_history_still(gn_world *w, gn_history *h, gneiss_error *error) 
 gn_readings gn_history_readings(const gn_world *w, const gn_history *h) {
     const gn_test *t = &w->scene.test;
     gn_readings r;
-    gn_tested tested = {.dimension = (int)w->scene.dimension,
+    const double *g = w->scene.gravity;
+    const gn_fragments pieces = gn_world_fragments(w);
+    gn_tested tested = {.kind = t->kind,
+                        .dimension = (int)w->scene.dimension,
                         .axis = (int)t->axis,
-                        .sign = t->kind == GN_TEST_COMPRESSION ? -1 : 1,
+                        .sign = gn_test_sign(t->kind),
+                        .notched = t->notch > 0.0,
+                        .falls = g[0] != 0.0 || g[1] != 0.0 || g[2] != 0.0,
+                        .fragments = pieces.count,
+                        .largest_fragment = pieces.largest,
+                        .section = t->kind == GN_TEST_NONE ? NAN : gn_test_shape(w).section,
                         .elastic = !w->scene.has_specimen,
                         .watched = !gn_scene_end_drives(&w->scene, &t->lower) ||
                                    !gn_scene_end_drives(&w->scene, &t->upper)};

@@ -209,8 +209,10 @@ static gneiss_status put_reading(gn_h5 *file, const char *name, double value, co
 static gneiss_status put_readings(const gn_run *run, gn_h5 *file, gneiss_error *error) {
     gn_readings r = gn_run_readings(run);
     bool demanded = gn_h5_demand_finite(file, false);
+    gn_test_kind kind = run->world.scene.test.kind;
 #define X(name, unit, text)                                                                        \
-    GN_TRY(put_reading(file, #name, r.name, unit, text, r.reason[GN_READING_##name], error));
+    if (gn_reading_belongs(GN_READING_##name, kind))                                               \
+        GN_TRY(put_reading(file, #name, r.name, unit, text, r.reason[GN_READING_##name], error));
     GN_READINGS(X)
 #undef X
     gn_h5_demand_finite(file, demanded);
@@ -297,13 +299,16 @@ static void summary_warnings(const gn_run *run, gn_json *j) {
 static void summary_readings(const gn_run *run, gn_json *j) {
     gn_readings r = gn_run_readings(run);
     gn_json_object(j, "readings");
-#define X(name, unit, text) gn_json_number(j, #name, r.name);
+    gn_test_kind kind = run->world.scene.test.kind;
+#define X(name, unit, text)                                                                        \
+    if (gn_reading_belongs(GN_READING_##name, kind)) gn_json_number(j, #name, r.name);
     GN_READINGS(X)
 #undef X
     gn_json_end(j);
     gn_json_object(j, "absent");
 #define X(name, unit, text)                                                                        \
-    if (r.reason[GN_READING_##name][0]) gn_json_text(j, #name, r.reason[GN_READING_##name]);
+    if (gn_reading_belongs(GN_READING_##name, kind) && r.reason[GN_READING_##name][0])             \
+        gn_json_text(j, #name, r.reason[GN_READING_##name]);
     GN_READINGS(X)
 #undef X
     gn_json_end(j);

@@ -1,6 +1,8 @@
 #include "run/quantities.h"
 
 #include "run/ends.h"
+#include "sim/laboratory.h"
+#include "sim/membrane.h"
 
 #include <string.h>
 
@@ -23,6 +25,31 @@ static bool has_stages(const gn_world *w, size_t k) {
 static bool has_test(const gn_world *w, size_t k) {
     (void)k;
     return w->scene.test.kind != GN_TEST_NONE;
+}
+static bool has_ends(const gn_world *w, size_t k) {
+    return has_test(w, k) && w->scene.test.kind != GN_TEST_HYDROSTATIC;
+}
+static bool has_confinement(const gn_world *w, size_t k) {
+    (void)k;
+    return gn_test_in(w->scene.test.kind, GN_TESTS_CONFINED);
+}
+static bool has_volume(const gn_world *w, size_t k) {
+    return has_confinement(w, k) || w->scene.test.kind == GN_TEST_HYDROSTATIC;
+}
+static bool has_shear(const gn_world *w, size_t k) {
+    (void)k;
+    return w->scene.test.kind == GN_TEST_SHEAR;
+}
+static bool has_membrane(const gn_world *w, size_t k) {
+    (void)k;
+    return w->effects & GN_FX_MEMBRANE;
+}
+static bool has_opening(const gn_world *w, size_t k) {
+    return has_test(w, k) && w->scene.test.has_opening;
+}
+static bool has_centre(const gn_world *w, size_t k) {
+    (void)k;
+    return w->scene.test.kind == GN_TEST_BRAZILIAN && w->scene.has_specimen;
 }
 static bool has_bonds(const gn_world *w, size_t k) {
     (void)k;
@@ -51,6 +78,13 @@ static bool motion_drives(const gn_world *w, size_t k) {
 }
 
 static const gn_condition always = {"always", NULL}, tests = {"with a test", has_test},
+                          ended = {"with a test that has ends", has_ends},
+                          confined = {"in triaxial and biaxial tests", has_confinement},
+                          voluminous = {"in triaxial, biaxial and hydrostatic tests", has_volume},
+                          sheared = {"in shear tests", has_shear},
+                          pressed = {"with a membrane", has_membrane},
+                          gauged = {"with `test.opening`", has_opening},
+                          central = {"in brazilian tests of particles", has_centre},
                           staged = {"with stages", has_stages}, bonded = {"with bonds", has_bonds},
                           booked = {"with the energy ledger", has_ledger},
                           raised = {"with mass scaling", has_added_mass},
@@ -72,20 +106,63 @@ READ(time, w->time)
 READ(stage, (double)w->stage)
 
 READ(deflection, gn_ends_deflection(w))
-READ(test_strain, gn_ends_deflection(w) / w->test_length)
+
+/* Minus the trace of the average strain: what the volume lost of itself. */
+static double lost_volume(const gn_world *w) {
+    double g[9];
+    gn_strain_gauge_read(&w->gauge, &w->dem.particles, w->dem.index_of_id, g);
+    return -(g[0] + g[4] + g[8]);
+}
+READ(volumetric_strain, lost_volume(w))
+
+/* Mean over the directions across the axis, compression positive. */
+static double lateral_strain(const gn_world *w) {
+    double g[9], sum = 0.0;
+    int dimension = (int)w->scene.dimension;
+    gn_strain_gauge_read(&w->gauge, &w->dem.particles, w->dem.index_of_id, g);
+    for (int a = 0; a < dimension; a++)
+        if (a != (int)w->scene.test.axis) sum -= g[4 * a];
+    return sum / (dimension - 1);
+}
+READ(lateral_strain, lateral_strain(w))
+
+READ(test_strain, w->scene.test.kind == GN_TEST_HYDROSTATIC
+                      ? lost_volume(w)
+                      : gn_ends_deflection(w) / w->test_length)
+
+static double mean_pressure(const gn_world *w) {
+    const double *s = w->stress;
+    return -(s[0] + s[4] + s[8]) / (double)w->scene.dimension;
+}
+
+/* Of confined specimens the deviator: what ends bear of the pressure where the membrane does not
+ * cover them comes off. */
 static double end_stress(const gn_world *w, bool upper_end) {
     double lower, upper;
     gn_ends_forces(w, &lower, &upper);
-    return (upper_end ? upper : lower) / w->test_area;
+    bool bare = has_confinement(w, 0) && w->scene.membrane.faces == GN_FACES_SIDES;
+    return (upper_end ? upper : lower) / w->test_area - (bare ? gn_membrane_pressure(w) : 0.0);
 }
 READ(test_lower, end_stress(w, false))
 READ(test_upper, end_stress(w, true))
-READ(test_stress, 0.5 * (end_stress(w, false) + end_stress(w, true)))
+READ(test_stress, w->scene.test.kind == GN_TEST_HYDROSTATIC
+                      ? mean_pressure(w)
+                      : 0.5 * (end_stress(w, false) + end_stress(w, true)))
+READ(membrane_pressure, gn_membrane_pressure(w))
+READ(membrane_area, gn_membrane_area(w))
+READ(normal_stress, gn_ends_normal(w) / w->test_area)
+READ(dilation, gn_ends_dilation(w))
 static void read_test_force(const gn_world *w, size_t k, double *value) {
     double lower, upper;
     (void)k;
     gn_ends_forces(w, &lower, &upper);
     *value = 0.5 * (lower + upper);
+}
+
+READ(opening, gn_ends_opening(w))
+static void read_centre_stress(const gn_world *w, size_t k, double *value) {
+    (void)k;
+    gn_test_centre_stress(w, value);
 }
 
 static void read_elements_strain(const gn_world *w, size_t k, double *value) {
@@ -142,17 +219,35 @@ static const gn_quantity of_the_model[] = {
     SCALAR(always, GN_BEFORE_STEP, "time", "s", read_time, "time"),
     SCALAR(staged, GN_BEFORE_STEP, "stage", "1", read_stage, "stage of the scene, base 0"),
     SCALAR(tests, GN_BEFORE_STEP, "strain", "1", read_test_strain,
-           "change of the distance of the ends over the length, positive in the test's sense"),
+           "change of the distance of the ends over the length, positive in the test's sense; "
+           "hydrostatic: loss of volume over volume"),
     SCALAR(tests, GN_AFTER_STEP, "stress", "Pa", read_test_stress,
-           "mean of both ends' force over the area, positive in the test's sense"),
-    SCALAR(tests, GN_AFTER_STEP, "stress_lower", "Pa", read_test_lower,
+           "mean of both ends' force over the area, positive in the test's sense; triaxial and "
+           "biaxial: the deviator; hydrostatic: mean pressure in the specimen"),
+    SCALAR(ended, GN_AFTER_STEP, "stress_lower", "Pa", read_test_lower,
            "force on the lower end over the area"),
-    SCALAR(tests, GN_AFTER_STEP, "stress_upper", "Pa", read_test_upper,
+    SCALAR(ended, GN_AFTER_STEP, "stress_upper", "Pa", read_test_upper,
            "force on the upper end over the area"),
-    SCALAR(tests, GN_AFTER_STEP, "force", "N", read_test_force,
+    SCALAR(ended, GN_AFTER_STEP, "force", "N", read_test_force,
            "mean of both ends' force, positive in the test's sense"),
-    SCALAR(tests, GN_BEFORE_STEP, "deflection", "m", read_deflection,
+    SCALAR(ended, GN_BEFORE_STEP, "deflection", "m", read_deflection,
            "change of the distance of the ends, positive in the test's sense"),
+    SCALAR(voluminous, GN_BEFORE_STEP, "volumetric_strain", "1", read_volumetric_strain,
+           "change of volume over volume, of the average strain, compression positive"),
+    SCALAR(confined, GN_BEFORE_STEP, "lateral_strain", "1", read_lateral_strain,
+           "average strain across the axis, mean of the directions, compression positive"),
+    SCALAR(pressed, GN_AFTER_STEP, "membrane_pressure", "Pa", read_membrane_pressure,
+           "pressure of the membrane"),
+    SCALAR(pressed, GN_AFTER_STEP, "membrane_area", "m2", read_membrane_area,
+           "what it covers of the surface: particles that broke off have lost theirs"),
+    SCALAR(sheared, GN_AFTER_STEP, "normal_stress", "Pa", read_normal_stress,
+           "force across the sheared plane over the area, compression positive"),
+    SCALAR(sheared, GN_BEFORE_STEP, "dilation", "m", read_dilation,
+           "how far the ends came apart across the sheared plane"),
+    SCALAR(gauged, GN_BEFORE_STEP, "opening", "m", read_opening,
+           "how far the two sides of the gauge of the test came apart"),
+    {"centre_stress", "Pa", "mean stress about the middle of the disc, tension positive", GN_TENSOR,
+     GN_AFTER_STEP, &central, read_centre_stress, NULL},
     {"strain", "1", "average strain of the specimen, tension positive", GN_TENSOR, GN_BEFORE_STEP,
      &always, read_strain, no_strain},
     {"stress", "Pa", "average stress of the specimen, tension positive", GN_TENSOR, GN_AFTER_STEP,

@@ -165,6 +165,29 @@ static gneiss_status check_amount(const check *c, const gn_pack_def *pack, const
     return GNEISS_OK;
 }
 
+/* Sizes and shares grow, from a share of 0 to [1, 1]. */
+static gneiss_status check_sieve(const check *c, const gn_pack_def *pack) {
+    const char *key = "specimen.packing.sieve";
+    const double *row = pack->sieve;
+    const size_t n = pack->sieve_count;
+    if ((pack->sizes == GN_SIZES_SIEVE) != (n > 0))
+        return gn_check_fail(c, n ? key : "specimen.packing.sizes",
+                             n ? "expected sizes: sieve beside it, found others"
+                               : "sieve: expected packing.sieve beside it, found none");
+    for (size_t k = 1; k < n; k++)
+        if (!(row[2 * k] > row[2 * k - 2]) || row[2 * k + 1] < row[2 * k - 1])
+            return gn_check_fail(c, key,
+                                 "expected sizes that grow and shares that do not fall, found [%g, "
+                                 "%g] behind [%g, %g]",
+                                 row[2 * k], row[2 * k + 1], row[2 * k - 2], row[2 * k - 1]);
+    if (n && (!(row[0] > 0) || row[1] != 0 || row[2 * n - 2] != 1 || row[2 * n - 1] != 1))
+        return gn_check_fail(c, key,
+                             "expected a first row [size, 0], size above 0, and a last row [1, 1], "
+                             "found [%g, %g] and [%g, %g]",
+                             row[0], row[1], row[2 * n - 2], row[2 * n - 1]);
+    return GNEISS_OK;
+}
+
 static gneiss_status check_pack(const check *c, const gn_pack_def *pack, const char *shape) {
     bool fixed = pack->shape == GN_SHAPE_POLYGON || pack->shape == GN_SHAPE_SURFACE ||
                  pack->shape == GN_SHAPE_MESH;
@@ -173,6 +196,7 @@ static gneiss_status check_pack(const check *c, const gn_pack_def *pack, const c
                              "expected rectangle, disc, box or cylinder beside it, found %s",
                              shape);
     GN_TRY(check_amount(c, pack, shape));
+    GN_TRY(check_sieve(c, pack));
     if (pack->overlap == GN_OVERLAP_NONE && pack->overlap_size >= 0)
         return gn_check_fail(c, "specimen.packing.overlap_size",
                              "expected overlap passive beside it, found none");
@@ -273,15 +297,12 @@ static gneiss_status check_material(const check *c, const gn_scene *s, size_t in
 
 /* ---- damping ---- */
 
-static gneiss_status check_damping(const check *c, const gn_scene *s) {
-    const char *key = "damping.background.coefficient";
-    double a = s->background_coefficient, value;
-    if (s->background == GN_BACKGROUND_NONE && a > 0)
-        return gn_check_fail(c, key, "expected a model beside it, found none");
-    if (s->background != GN_BACKGROUND_NONE && !gn_check_given(c, key))
-        return gn_check_fail(c, key, "required by the model, but not given");
+/* A rate or a fraction, as the model has it. */
+static gneiss_status check_background(const check *c, const gn_scene *s, const char *key,
+                                      double a) {
+    double value;
     const gn_node *node = gn_node_find(c->map, key);
-    if (node && s->background != GN_BACKGROUND_NONE) {
+    if (node && s->background != GN_BACKGROUND_NONE && a >= 0) {
         const char *unit = s->background == GN_BACKGROUND_VISCOUS ? "1/s" : "1";
         char reason[96];
         if (!gn_units_read(c->reader->units, node->text, unit, &value, reason, sizeof reason))
@@ -290,6 +311,21 @@ static gneiss_status check_damping(const check *c, const gn_scene *s) {
     }
     if (s->background > GN_BACKGROUND_VISCOUS && a >= 1)
         return gn_check_fail(c, key, "expected a fraction in [0, 1), found %g", a);
+    return GNEISS_OK;
+}
+
+static gneiss_status check_damping(const check *c, const gn_scene *s) {
+    const char *key = "damping.background.coefficient", *spin = "damping.background.rotation";
+    if (s->background == GN_BACKGROUND_NONE && s->background_coefficient > 0)
+        return gn_check_fail(c, key, "expected a model beside it, found none");
+    if (s->background == GN_BACKGROUND_NONE && s->background_spin > 0)
+        return gn_check_fail(c, spin, "expected a model beside it, found none");
+    if (s->background != GN_BACKGROUND_NONE && !gn_check_given(c, key))
+        return gn_check_fail(c, key, "required by the model, but not given");
+    GN_TRY(check_background(c, s, key, s->background_coefficient));
+    GN_TRY(check_background(c, s, spin, s->background_spin));
+    if (s->background_spin >= 0 && s->rotation == GN_SWITCH_OFF)
+        return gn_check_fail(c, spin, "expected law.rotation on beside it, found off");
     if (s->background != GN_BACKGROUND_NONVISCOUS_COMPONENT &&
         s->background_velocity == GN_VELOCITY_INSTANT)
         return gn_check_fail(c, "damping.background.velocity",
@@ -429,85 +465,6 @@ static gneiss_status check_servo(const check *c, const gn_scene *s, size_t index
                          s->dimension == 2 ? "two walls" : "two pairs of walls");
 }
 
-/* ---- test and time ---- */
-
-static bool in_end(const gn_test_end *end, size_t before, const char *name) {
-    for (size_t k = 0; k < before; k++)
-        if (strcmp(end->name[k], name) == 0) return true;
-    return false;
-}
-
-/* All that can be an end. */
-static gn_names names_of_ends(const gn_scene *s, const char *wanted) {
-    gn_names names = gn_names_for(wanted);
-    for (size_t k = 0; k < s->wall_count; k++) gn_names_add(&names, s->walls[k].name);
-    for (size_t k = 0; k < s->body_count; k++) gn_names_add(&names, s->bodies[k].name);
-    for (size_t k = 0; k < s->set_count; k++) gn_names_add(&names, s->sets[k].name);
-    for (size_t k = 0; k < s->elements.motion_count; k++)
-        gn_names_add(&names, s->elements.motions[k].name);
-    return names;
-}
-
-static gneiss_status no_end(const check *c, const gn_scene *s, const char *key, const char *name) {
-    char advice[GN_ADVICE_SIZE];
-    gn_names names = names_of_ends(s, name);
-    return gn_check_fail(c, key, "expected the name of a wall, a body or a set%s, found '%s'%s",
-                         s->has_elements ? " or a motion of elements" : "", name,
-                         gn_names_advice(&names, advice, sizeof advice));
-}
-
-static gneiss_status check_end(const check *c, const gn_scene *s, const char *key,
-                               const gn_test_end *end) {
-    for (size_t k = 0; k < end->count; k++) {
-        const char *name = end->name[k];
-        if (gn_scene_find_wall(s, name) < 0 && gn_scene_find_set(s, name) < 0 &&
-            gn_scene_find_body(s, name) < 0 && gn_scene_find_element_motion(s, name) < 0)
-            return no_end(c, s, key, name);
-        if (in_end(end, k, name))
-            return gn_check_fail(c, key, "expected every name once, found '%s' again", name);
-    }
-    return GNEISS_OK;
-}
-
-static gneiss_status check_ends(const check *c, const gn_scene *s) {
-    const gn_test *t = &s->test;
-    const char *const lists[] = {"walls", "sets", "bodies", "elements.motions"};
-    for (int k = 0; k < 4; k++)
-        if (!gn_check_named(c, lists[k])) return GNEISS_OK;
-    GN_TRY(gn_check_keep(c, check_end(c, s, "test.lower", &t->lower)));
-    GN_TRY(gn_check_keep(c, check_end(c, s, "test.upper", &t->upper)));
-    for (size_t k = 0; k < t->upper.count; k++)
-        if (in_end(&t->lower, t->lower.count, t->upper.name[k]))
-            return gn_check_fail(c, "test.upper", "expected another end than lower, found '%s'",
-                                 t->upper.name[k]);
-    for (int k = 0; k < 4; k++)
-        if (!gn_check_sound(c, lists[k])) return GNEISS_OK;
-    if (!gn_check_sound(c, "test") || s->stage_count) return GNEISS_OK;
-    if (gn_scene_end_drives(s, &t->lower) || gn_scene_end_drives(s, &t->upper)) return GNEISS_OK;
-    return gn_check_fail(c, "test.upper",
-                         "expected at least one end with a prescribed velocity along %c, which "
-                         "has a reaction, found none",
-                         "xyz"[t->axis]);
-}
-
-static gneiss_status check_test(const check *c, const gn_scene *s) {
-    if (s->test.kind == GN_TEST_NONE) {
-        if (s->stop_peak_drop > 0)
-            return gn_check_fail(c, "time.stop.peak_drop",
-                                 "expected a test section that reads stress, found none");
-        if (s->stop_strain > 0)
-            return gn_check_fail(c, "time.stop.strain",
-                                 "expected a test section that reads strain, found none");
-        return GNEISS_OK;
-    }
-    if (s->test.axis >= s->dimension)
-        return gn_check_fail(c, "test.axis", "expected x or y in a 2D scene, found z");
-    GN_TRY(check_ends(c, s));
-    if (s->test.area > 0 && s->test.diameter > 0)
-        return gn_check_fail(c, "test.diameter", "expected area or diameter, found both");
-    return GNEISS_OK;
-}
-
 /* What only particles have a use for. */
 static gneiss_status check_no_specimen(const check *c, const gn_scene *s) {
     const struct {
@@ -585,8 +542,11 @@ gneiss_status gn_check_scene(gn_reader *reader, const gn_node *root) {
     GN_TRY(check_list(&c, "walls", s->wall_count, check_wall));
     if (gn_check_sound(&c, "walls")) GN_TRY(check_list(&c, "walls", s->wall_count, check_servo));
     GN_TRY(gn_check_bodies(reader, root));
+    if (gn_check_sound(&c, "membrane") && gn_check_sound(&c, "test") &&
+        gn_check_sound(&c, "specimen"))
+        GN_TRY(gn_check_keep(&c, gn_check_membrane(&c, s)));
     if (gn_check_sound(&c, "test") && gn_check_sound(&c, "time.stop"))
-        GN_TRY(gn_check_keep(&c, check_test(&c, s)));
+        GN_TRY(gn_check_keep(&c, gn_check_test(&c, s)));
     if (!gn_check_sound(&c, "time")) return GNEISS_OK;
     return gn_check_time(&c, s);
 }

@@ -59,6 +59,11 @@ gneiss_status gn_check_shear_of_pair(const check *c, const gn_scene *s, const gn
 /* Bonds that carry moments. */
 gneiss_status gn_check_moments(const check *c, const gn_scene *s);
 
+/* The section `test` and the conditions that end one (check_test.c). */
+gneiss_status gn_check_test(const check *c, const gn_scene *s);
+/* The section `membrane`. */
+gneiss_status gn_check_membrane(const check *c, const gn_scene *s);
+
 /* What `time` says of steps (check_time.c). */
 gneiss_status gn_check_time(const check *c, const gn_scene *s);
 

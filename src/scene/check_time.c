@@ -62,6 +62,10 @@ static const char *no_statics(const gn_scene *s) {
             return "bonds that break at once, found a material with yield_stress_1";
     if (s->has_elements) return "particles alone, found elements";
     if (s->body_count) return "walls and sets, found bodies";
+    if (s->has_membrane) return "walls and sets, found a membrane";
+    if (s->background == GN_BACKGROUND_VISCOUS &&
+        gn_scene_spin_damping(s) != s->background_coefficient && s->rotation != GN_SWITCH_OFF)
+        return "spins that are damped as velocities are, found damping.background.rotation";
     if (s->random_velocity > 0) return "a specimen at rest, found initial.random_velocity";
     for (size_t k = 0; k < s->wall_count; k++) {
         if (s->walls[k].servo.active) return "walls that move as given, found a servo";

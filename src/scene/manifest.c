@@ -42,8 +42,6 @@ static const gn_choice lost_policies[] = {
 static const gn_choice axes[] = {{"x", 0}, {"y", 1}, {"z", 2}, {NULL, 0}};
 static const gn_choice sides[] = {{"lower", 0}, {"upper", 1}, {NULL, 0}};
 static const gn_choice measures[] = {{"centre", 0}, {"surface", 1}, {NULL, 0}};
-static const gn_choice test_kinds[] = {
-    {"compression", GN_TEST_COMPRESSION}, {"tension", GN_TEST_TENSION}, {NULL, 0}};
 static const gn_choice estimates[] = {
     {"sharp", GN_STEP_SHARP}, {"bound", GN_STEP_BOUND}, {NULL, 0}};
 static const gn_choice starts[] = {
@@ -210,6 +208,10 @@ static const gn_key background_keys[] = {
     KEY("coefficient", REAL, gn_scene, background_coefficient, .unit = "1/s|1",
         .range = "[0, 1e15]", .fallback = "0",
         .text = "a: in 1/s with viscous, otherwise a fraction in [0, 1)"),
+    KEY("rotation", REAL, gn_scene, background_spin, .unit = "1/s|1", .range = "[0, 1e15]",
+        .word = "same", .word_value = -1, .fallback = "same",
+        .text = "a of spins: -a I w and so on with moments; same: the coefficient (Labra 2012, eq. "
+                "2.38-2.41, has one of its own)"),
     KEY("velocity", CHOICE, gn_scene, background_velocity, .choices = damped_velocities,
         .fallback = "half_step",
         .text = "with nonviscous_component, whose sign counts: that of the last half step, or of "
@@ -380,29 +382,7 @@ static const gn_key wall_keys[] = {
 };
 ELEMENTS_OF(wall, gn_wall_def);
 
-/* ---- test, time, output, run ---- */
-
-static const gn_key test_keys[] = {
-    KEY("kind", CHOICE, gn_scene, test.kind, .choices = test_kinds, .required = true,
-        .text = "which sign of stress is counted positive"),
-    KEY("axis", CHOICE, gn_scene, test.axis, .choices = axes, .required = true,
-        .text = "direction of loading"),
-    ARRAY("lower", NAMES, gn_scene, test.lower.name, test.lower.count, .required = true,
-          .text = "wall, body, set or motion of elements at the lower end; of several the forces "
-                  "add up"),
-    ARRAY("upper", NAMES, gn_scene, test.upper.name, test.upper.count, .required = true,
-          .text = "the same at the upper end"),
-    KEY("length", REAL, gn_scene, test.length, .unit = "m", .range = GN_LENGTHS, .word = "auto",
-        .fallback = "auto", .text = "length of the specimen; auto: its extent along the axis"),
-    KEY("area", REAL, gn_scene, test.area, .unit = "m2", .range = GN_AREAS, .word = "auto",
-        .fallback = "auto",
-        .text = "area of its section; auto: from the diameter, else the specimen's volume over the "
-                "length"),
-    KEY("diameter", REAL, gn_scene, test.diameter, .unit = "m", .range = GN_LENGTHS, .word = "none",
-        .fallback = "none", .text = "diameter of a cylinder"),
-};
-static const gn_section test_section = {test_keys, sizeof test_keys / sizeof(gn_key), 0,
-                                        offsetof(gn_scene, test.where)};
+/* ---- time, output, run ---- */
 
 static const gn_key stop_keys[] = {
     KEY("peak_drop", REAL, gn_scene, stop_peak_drop, .unit = "1", .range = "(0, 1)", .word = "off",
@@ -544,7 +524,9 @@ static const gn_key scene_keys[] = {
           .range = "[0, 10000]", .text = "plane walls"),
     ARRAY("bodies", LIST, gn_scene, bodies, body_count, .section = &gn_body_section,
           .range = "[0, 1000]", .text = "rigid bodies with a surface of triangles (2D: segments)"),
-    SECTION("test", test_section, PRESENT(ENUM, gn_scene, test.kind),
+    SECTION("membrane", gn_membrane_section, PRESENT(BOOL, gn_scene, has_membrane),
+            .text = "pressure on the surface of a specimen that is packed into a shape"),
+    SECTION("test", gn_test_section, PRESENT(ENUM, gn_scene, test.kind),
             .text = "a laboratory test: where stress and strain are read"),
     SECTION("time", time_section, .required = true, .text = "step and duration"),
     ARRAY("stages", LIST, gn_scene, stages, stage_count, .section = &gn_stage_section,

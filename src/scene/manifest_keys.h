@@ -24,6 +24,7 @@
 #define GN_ACCELERATIONS "[-1e12, 1e12]" /* m/s2 */
 #define GN_FORCES        "[-1e18, 1e18]" /* N */
 #define GN_TRACTIONS     "[-1e18, 1e18]" /* Pa */
+#define GN_PRESSURES     "[0, 1e18]"     /* Pa */
 
 /* A key TYPE called NAME for FIELD of STRUCT. */
 #define KEY(NAME, TYPE, STRUCT, FIELD, ...)                                                        \
@@ -53,5 +54,7 @@
 
 /* The section `elements` (manifest_elements.c); its fields lie in gn_scene. */
 extern const gn_section gn_elements_section;
+/* The sections `test` and `membrane` (manifest_test.c); as above. */
+extern const gn_section gn_test_section, gn_membrane_section;
 
 #endif

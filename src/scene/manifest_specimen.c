@@ -19,6 +19,12 @@ static const gn_choice density_bases[] = {
 static const gn_choice from_velocities[] = {{"rest", 0}, {"keep", 1}, {NULL, 0}};
 static const gn_choice from_bonds[] = {{"none", 0}, {"keep", 1}, {NULL, 0}};
 
+static const gn_choice pack_sizes[] = {{"fitted", GN_SIZES_FITTED},
+                                       {"uniform", GN_SIZES_UNIFORM},
+                                       {"normal", GN_SIZES_NORMAL},
+                                       {"sieve", GN_SIZES_SIEVE},
+                                       {NULL, 0}};
+
 /* ---- keys ---- */
 
 static const gn_key lattice_keys[] = {
@@ -86,6 +92,15 @@ static const gn_key packing_keys[] = {
     KEY("size_variation", REAL, gn_scene, specimen.pack.size_variation, .unit = "1",
         .range = "[0, 1]", .word = "auto", .word_value = -1, .fallback = "auto",
         .text = "standard deviation of the radii over their mean before the fit"),
+    KEY("sizes", CHOICE, gn_scene, specimen.pack.sizes, .choices = pack_sizes, .fallback = "fitted",
+        PRESENT(ENUM, gn_scene, specimen.pack.sizes),
+        .text = "how radii are distributed; fitted: as it packs best. uniform and normal: by "
+                "number, from the smallest to size_ratio times that; sieve: by the curve. The fit "
+                "then changes each radius by a tenth at most, and packs less densely"),
+    ARRAY("sieve", POINTS, gn_scene, specimen.pack.sieve, specimen.pack.sieve_count, .unit = "1",
+          .range = "[0, 1]", .number = 2, PRESENT(COUNT, gn_scene, specimen.pack.sieve_count),
+          .text = "with sizes sieve: rows [size over the largest, share of the mass that passes], "
+                  "the last [1, 1]"),
     KEY("overlap", CHOICE, gn_scene, specimen.pack.overlap, .choices = overlaps, .fallback = "none",
         .text = "passive: neighbours overlap by a few per cent, free of stress when bonded with "
                 "bonds.passive_gaps"),

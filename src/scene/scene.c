@@ -356,6 +356,7 @@ gn_effects gn_scene_effects(const gn_scene *s) {
         if (s->sets[k].has_force) mask |= GN_FX_APPLIED;
         if (is_prescribed(&s->sets[k].motion)) mask |= GN_FX_PRESCRIBED;
     }
+    if (s->has_membrane) mask |= GN_FX_APPLIED | GN_FX_MEMBRANE;
     if (s->wall_count) mask |= GN_FX_WALLS;
     for (size_t k = 0; k < s->wall_count; k++)
         if (s->walls[k].friction > 0) mask |= GN_FX_WALL_SHEAR;

@@ -7,13 +7,10 @@
 #include "base/error.h"
 #include "base/instruction_sets.h"
 #include "scene/table.h"
+#include "scene/laboratory.h"
+#include "scene/values.h"
 
-#include <stdbool.h>
-#include <stddef.h>
-#include <stdint.h>
 #include <stdio.h>
-
-enum { GN_NAME_SIZE = 64, GN_PATH_SIZE = 4096 };
 
 /* Coordinates and sizes that a scene, or a file that it names, may hold (manifest_keys.h). */
 static const double GN_PLACE_MOST = 1e9;    /* m, either side of the origin */
@@ -87,6 +84,14 @@ typedef enum gn_overlap_kind {
     GN_OVERLAP_PASSIVE /* neighbours overlap, to be bonded free of stress */
 } gn_overlap_kind;
 
+/* How the radii of a packing are to be distributed. */
+typedef enum gn_pack_sizes {
+    GN_SIZES_FITTED,  /* whatever fits best: log-normal at the start */
+    GN_SIZES_UNIFORM, /* by number, between the smallest and the largest */
+    GN_SIZES_NORMAL,  /* by number, cut there */
+    GN_SIZES_SIEVE    /* by a curve of shares of the mass that pass */
+} gn_pack_sizes;
+
 typedef enum gn_pack_start {
     GN_START_RANDOM, /* well-spread random points */
     GN_START_NODES   /* the inner nodes of the mesh */
@@ -121,7 +126,6 @@ typedef enum gn_scaled_gravity { GN_GRAVITY_REFUSED, GN_GRAVITY_OWN } gn_scaled_
 typedef enum gn_policy { GN_POLICY_STOP, GN_POLICY_WARN } gn_policy;
 typedef enum gn_lost_policy { GN_LOST_STOP, GN_LOST_REMOVE } gn_lost_policy;
 typedef enum gn_density_basis { GN_DENSITY_PARTICLE, GN_DENSITY_BULK } gn_density_basis;
-typedef enum gn_test_kind { GN_TEST_NONE, GN_TEST_COMPRESSION, GN_TEST_TENSION } gn_test_kind;
 typedef enum gn_switch { GN_SWITCH_AUTO, GN_SWITCH_ON, GN_SWITCH_OFF } gn_switch;
 
 typedef struct gn_material {
@@ -194,6 +198,9 @@ typedef struct gn_pack_def {
     double mean_radius; /* m; 0: not given */
     double size_ratio;  /* largest over smallest radius */
     double size_variation; /* standard deviation of the radii over their mean; -1: automatic */
+    gn_pack_sizes sizes;
+    size_t sieve_count;
+    double *sieve; /* [sieve_count][2]: size over the largest, share of the mass that passes */
     gn_overlap_kind overlap;
     double overlap_size; /* over r_i + r_j; -1: automatic */
     double gap;          /* pairs up to this gap over r_i + r_j are closed; -1: automatic */
@@ -304,23 +311,6 @@ typedef struct gn_body_def {
     gn_motion motion;
     gn_scene_place where;
 } gn_body_def;
-
-/* Walls, bodies, sets, motions of elements that load the specimen together. */
-typedef struct gn_test_end {
-    size_t count;
-    char (*name)[GN_NAME_SIZE]; /* [count] */
-} gn_test_end;
-
-/* A laboratory test: which two ends load the specimen and how stress and strain are formed. */
-typedef struct gn_test {
-    gn_test_kind kind;
-    int64_t axis; /* 0 1 2 */
-    gn_test_end lower, upper;
-    double length;   /* m; 0: extent of the specimen along the axis */
-    double area;     /* m2; 0: from diameter, else from the specimen (see docs/scene.md) */
-    double diameter; /* m; 0: not given */
-    gn_scene_place where;
-} gn_test;
 
 /* Linear finite elements: what they are made of. */
 typedef struct gn_element_material {
@@ -437,6 +427,7 @@ typedef struct gn_scene {
 
     gn_background_damping background;
     double background_coefficient;
+    double background_spin; /* the same of spins; -1: as of velocities */
     gn_damped_velocity background_velocity;
     double restitution;      /* c_r in [0, 1]; negative: contact damping by fraction */
     double damping_fraction; /* alpha of critical; 0 and restitution < 0: no contact damping */
@@ -457,6 +448,8 @@ typedef struct gn_scene {
     gn_wall_def *walls;
     size_t body_count;
     gn_body_def *bodies;
+    bool has_membrane;
+    gn_membrane_def membrane;
     gn_test test;
 
     gn_scene_place time_where;
@@ -571,6 +564,13 @@ int gn_scene_find_material(const gn_scene *scene, const char *name);
 /* What the scene says of contacts between two of its materials; NULL: nothing of its own. */
 const gn_contact_def *gn_scene_find_contact(const gn_scene *scene, const gn_material *a,
                                             const gn_material *b);
+static inline int gn_scene_membrane_axis(const gn_scene *scene) {
+    return (int)(scene->membrane.axis >= 0 ? scene->membrane.axis : scene->test.axis);
+}
+/* The coefficient of the background damping of spins. */
+static inline double gn_scene_spin_damping(const gn_scene *scene) {
+    return scene->background_spin >= 0 ? scene->background_spin : scene->background_coefficient;
+}
 /* Whether stiffness follows from E, nu and sections. */
 static inline bool gn_scene_by_area(const gn_scene *scene) {
     return scene->stiffness == GN_STIFFNESS_DEMPACK || scene->stiffness == GN_STIFFNESS_POLYHEDRON;

@@ -51,6 +51,13 @@ typedef struct gn_mass_scaling {
 /* A cause beside those of gn_cause (4 and 5 are bonds that hold, in files): by a stage. */
 enum { GN_BOND_DISSOLVED = 6 };
 
+/* A membrane, and the surface that it covers at the start (membrane.h). */
+typedef struct gn_membrane {
+    double pressure; /* Pa, in the last step */
+    double area;     /* m2 */
+    double arms[9];  /* m3, sum of areas times the ways to them from the centres that bear them */
+} gn_membrane;
+
 typedef struct gn_dem {
     gn_particles particles;
     gn_contacts bonds, pairs;
@@ -59,8 +66,9 @@ typedef struct gn_dem {
     int32_t *index_of_id; /* [particles] */
     gn_derived derived;
     gn_prescription prescribed;
-    int32_t *channel_set; /* [prescribed.count][6] set that drives a channel, -1: free */
-    double *set_reaction; /* [scene.set_count][6] N, N m: what the prescription supplied */
+    int32_t *channel_set;  /* [prescribed.count][6] set that drives a channel, -1: free */
+    double *set_reaction;  /* [scene.set_count][6] N, N m: what the prescription supplied */
+    gn_membrane *membrane; /* NULL: none */
     gn_verlet verlet;
     double radius_min; /* m */
     double mass;       /* kg, own, of those that were there when the lists were made */

@@ -1,6 +1,7 @@
 /* The particles' part of a step: forces, motion, and what both sum up to. */
 #include "base/memory.h"
 #include "sim/internal.h"
+#include "sim/membrane.h"
 
 #include <math.h>
 #include <string.h>
@@ -46,6 +47,7 @@ gn_motion_args gn_dem_motion_args(gn_world *w, bool measure) {
     a.dt = w->dt;
     memcpy(a.gravity, w->scene.gravity, sizeof a.gravity);
     a.damping = w->scene.background_coefficient;
+    a.damping_spin = gn_scene_spin_damping(&w->scene);
     a.hold = w->dem.hold.count ? &w->dem.hold : NULL;
     a.damping_lead = w->scene.background_velocity == GN_VELOCITY_INSTANT ? 0.5 : 0.0;
     a.measure = measure;
@@ -159,7 +161,7 @@ void gn_dem_evaluate(gn_world *w, double span, double kick, bool measure) {
     gn_motion_args motion = gn_dem_motion_args(w, measure);
     motion.dt_past = 0.0;
     motion.dt = kick;
-    if (kick > 0.0) motion.damping = 0.0;
+    if (kick > 0.0) motion.damping = motion.damping_spin = 0.0;
     gn_sweep(w, &bonds, &pairs, &motion);
     w->dt_past = past;
     add_up(w, &d->done);
@@ -194,6 +196,7 @@ void gn_dem_measure(const gn_world *w, gn_energy *ledger, double stress[9]) {
     ledger->elastic_wall = s->walls.elastic_normal;
     for (int k = 0; k < 9; k++)
         stress[k] = (s->bonds.stress[k] + s->pairs.stress[k] + s->walls.stress[k]) / w->volume;
+    gn_membrane_stress(w, stress);
 }
 
 double gn_dem_unbalanced(const gn_world *w) {

@@ -113,6 +113,12 @@ void gn_reactions_sum(gn_world *world);
 /* Mean displacement of a set from the start along an axis, m. */
 double gn_set_travel(const gn_world *world, size_t set, int axis);
 
+/* Some contacts of a list (observe.c), with the forces of the present places in their rows; the
+ * caller's, also on failure. */
+gneiss_status gn_contacts_observe(const gn_world *world, const gn_contacts *list,
+                                  const int32_t *chosen, size_t count, gn_contacts *seen,
+                                  gneiss_error *error);
+
 /* Walls (walls.c). */
 gneiss_status gn_walls_create(gn_world *world, gneiss_error *error);
 gneiss_status gn_wall_contacts_find(gn_world *world, bool first, gneiss_error *error);

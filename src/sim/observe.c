@@ -3,8 +3,8 @@
 #include "soa/single.h"
 
 /* A step of no length on a copy, in double: whatever limits it would reach stays in the copy. */
-static gneiss_status observe(const gn_world *w, const gn_contacts *list, gn_contacts *copy,
-                             gneiss_error *error) {
+static gneiss_status evaluate(const gn_world *w, const gn_contacts *list, gn_contacts *copy,
+                              gneiss_error *error) {
     gn_effects effects = (list->soa.effects & ~(gn_effects)GN_FX_MIXED) | GN_FX_CONTACT_FORCES;
     gn_contact_kernel *kernel;
     GN_TRY(gn_contact_kernel_choose(w->kernels, effects, &kernel, error));
@@ -24,10 +24,21 @@ static gneiss_status observe(const gn_world *w, const gn_contacts *list, gn_cont
     return GNEISS_OK;
 }
 
+gneiss_status gn_contacts_observe(const gn_world *w, const gn_contacts *list, const int32_t *chosen,
+                                  size_t count, gn_contacts *seen, gneiss_error *error) {
+    gn_contacts part;
+    *seen = (gn_contacts){0};
+    GN_TRY(gn_soa_create(&gn_contact_record, &part, count, list->soa.effects, error));
+    gn_soa_permute(&gn_contact_record, &part, list, chosen);
+    gneiss_status status = evaluate(w, &part, seen, error);
+    gn_soa_destroy(&gn_contact_record, &part);
+    return status;
+}
+
 gneiss_status gn_world_observe(const gn_world *w, gn_observed *observed, gneiss_error *error) {
     *observed = (gn_observed){0};
-    gneiss_status status = observe(w, &w->dem.bonds, &observed->bonds, error);
-    if (status == GNEISS_OK) status = observe(w, &w->dem.pairs, &observed->pairs, error);
+    gneiss_status status = evaluate(w, &w->dem.bonds, &observed->bonds, error);
+    if (status == GNEISS_OK) status = evaluate(w, &w->dem.pairs, &observed->pairs, error);
     if (status != GNEISS_OK) gn_observed_free(observed);
     return status;
 }

@@ -3,6 +3,7 @@
 #include "base/timer.h"
 #include "sim/exchange.h"
 #include "sim/internal.h"
+#include "sim/membrane.h"
 
 #include <math.h>
 
@@ -82,6 +83,7 @@ gneiss_status gn_world_step(gn_world *w, bool measure, gneiss_error *error) {
     watch time = {w, w->step % GN_BOOKED == 0, 0.0};
     GN_TRY(gn_world_refresh_lists(w, error));
 
+    gn_membrane_press(w);
     gn_dem_forces(w, measure); /* what does not wait for an exchange moves with its forces */
     start(&time);
     gn_boundary_forces(w);

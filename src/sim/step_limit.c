@@ -15,7 +15,8 @@
  * 0.7 the kinetic energy 1/2 m v(-) v(+) turns negative and bonds break before any load.) */
 double gn_world_nonviscous_share(const gn_world *w) {
     bool active = w->effects & (GN_FX_NONVISCOUS_VECTOR | GN_FX_NONVISCOUS_COMPONENT);
-    return active ? 1.0 / sqrt(1.0 + w->scene.background_coefficient) : 1.0;
+    double spin = w->effects & GN_FX_ROTATION ? gn_scene_spin_damping(&w->scene) : 0.0;
+    return active ? 1.0 / sqrt(1.0 + fmax(w->scene.background_coefficient, spin)) : 1.0;
 }
 
 /* Of two parts with limits p and s (s), of which each is found with the other held fast, and

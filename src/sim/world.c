@@ -6,6 +6,8 @@
 #include "base/timer.h"
 #include "sim/exchange.h"
 #include "sim/internal.h"
+#include "sim/laboratory.h"
+#include "sim/membrane.h"
 #include "sim/origin.h"
 
 #include <math.h>
@@ -56,19 +58,11 @@ static void measure_extent(gn_world *w) {
     }
 }
 
-/* Length and area of the specimen in a test, from the scene or its extent and volume. */
 static void measure_test(gn_world *w) {
-    const gn_test *t = &w->scene.test;
-    int axis = (int)t->axis;
-    if (t->kind == GN_TEST_NONE) return;
-    w->test_length = t->length > 0.0 ? t->length : w->upper[axis] - w->lower[axis];
-    if (t->area > 0.0)
-        w->test_area = t->area;
-    else if (t->diameter > 0.0)
-        w->test_area =
-            w->effects & GN_FX_SPACE ? 0.25 * M_PI * t->diameter * t->diameter : t->diameter;
-    else
-        w->test_area = w->volume / w->test_length;
+    if (w->scene.test.kind == GN_TEST_NONE) return;
+    gn_tested_shape shape = gn_test_shape(w);
+    w->test_length = shape.length;
+    w->test_area = shape.area;
 }
 
 typedef enum volume_source {
@@ -80,11 +74,10 @@ typedef enum volume_source {
 } volume_source;
 
 static volume_source source_of_volume(const gn_world *w) {
-    const gn_test *t = &w->scene.test;
     if (!w->scene.has_specimen) return FROM_ELEMENTS;
     if (w->effects & GN_FX_PERIODIC) return FROM_BOX;
     if (w->scene.specimen.pack.shape != GN_SHAPE_NONE) return FROM_SHAPE;
-    bool given = t->kind != GN_TEST_NONE && (t->area > 0.0 || t->diameter > 0.0);
+    bool given = w->scene.test.kind != GN_TEST_NONE && gn_test_shape(w).volume > 0.0;
     return given ? FROM_TEST : FROM_HULL;
 }
 
@@ -92,7 +85,10 @@ const char *gn_world_volume_source(const gn_world *w) {
     static const char *const names[] = {"the elements", "the periodic box", "the shape",
                                         "length times area of the test",
                                         "the convex hull of the particles"};
-    return names[source_of_volume(w)];
+    volume_source source = source_of_volume(w);
+    if (source == FROM_TEST && w->scene.test.kind == GN_TEST_BRAZILIAN)
+        return "the disc of the test";
+    return names[source];
 }
 
 /* Extent with radii and the volume that density, porosity and average stress refer to. That of a
@@ -107,7 +103,7 @@ static gneiss_status measure_specimen(gn_world *w, gneiss_error *error) {
     if (source == FROM_BOX)
         w->volume = w->period[0] * w->period[1] * (w->effects & GN_FX_SPACE ? w->period[2] : 1.0);
     measure_test(w);
-    if (source == FROM_TEST) w->volume = w->test_length * w->test_area;
+    if (source == FROM_TEST) w->volume = gn_test_shape(w).volume;
     return GNEISS_OK;
 }
 
@@ -204,6 +200,7 @@ static gneiss_status build_particles(gn_world *w, gneiss_error *error) {
     set_domain(w);
     GN_TRY(check_specimen(w, error));
     GN_TRY(gn_dem_complete(w, error));
+    GN_TRY(gn_membrane_create(w, error));
     GN_TRY(gn_boundary_create(w, error));
     GN_TRY(gn_element_contact_create(w, error));
     return gn_world_rebuild(w, error);

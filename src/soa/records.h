@@ -28,6 +28,10 @@
     X(orientation, double, GN_F64, 4, GN_ROWS, GN_STATE, GN_FX_ORIENTATION, 0, "1",                \
       "quaternion w x y z from the start")                                                         \
     X(applied, double, GN_F64, 4, GN_ROWS, GN_SAVED, GN_FX_APPLIED, 0, "N", "applied force")       \
+    X(load, double, GN_F64, 4, GN_ROWS, GN_SAVED, GN_FX_MEMBRANE, 0, "N",                          \
+      "applied force besides that of the membrane")                                                \
+    X(skin, double, GN_F64, 4, GN_ROWS, GN_SAVED, GN_FX_MEMBRANE, 0, "m2, m2",                     \
+      "area of the membrane on it at the start, outward x y z, its size; negative: broken off")    \
     X(start, double, GN_F64, 4, GN_ROWS, GN_SAVED, 0, 0, "m", "centre at the start")               \
     X(ref, double, GN_F64, 4, GN_ROWS, GN_SAVED, 0, 0, "m", "centre when the pair list was made")  \
     X(own_share, double, GN_F64, 1, GN_ROWS, GN_SAVED, GN_FX_MASS_SCALING, 0, "1",                 \

@@ -1,0 +1,50 @@
+/* What the files of the readings share. */
+#ifndef GN_MEASURE_READINGS_H
+#define GN_MEASURE_READINGS_H
+
+#include "measure/measure.h"
+
+/* Rows [first, last) of the history. */
+typedef struct gn_row_span {
+    size_t first, last;
+} gn_row_span;
+
+/* y over x: least squares, and the standard error of the slope. */
+typedef struct gn_line_fit {
+    double slope, error;
+} gn_line_fit;
+
+typedef struct gn_curves {
+    const gn_tested *tested;
+    const gn_history *history;
+    const double *strain, *stress;
+    const double *average[3]; /* strain, by axis */
+    size_t largest;           /* row of the largest stress */
+    gn_row_span loading;      /* from 1 to 50 % of it */
+} gn_curves;
+
+/* Slopes are readings while their standard error is below this share of them. */
+static const double gn_scatter_allowed = 0.1;
+
+/* Why a reading is absent: the first reason counts. */
+void gn_reading_absent(gn_readings *readings, gn_reading which, const char *format, ...)
+    __attribute__((format(printf, 3, 4)));
+char *gn_reason_of(gn_readings *readings, gn_reading which);
+
+/* NaN for fewer than 3 points, or all at the same x. */
+gn_line_fit gn_line(const double *x, const double *y, gn_row_span span);
+
+/* What a slope needs to be a reading. */
+void gn_need_rows(const gn_curves *curves, gn_reading which, gn_readings *readings);
+void gn_need_modulus(gn_line_fit fit, gn_reading which, gn_readings *readings);
+
+/* Why the largest stress is no strength; NULL: it is one. */
+const char *gn_no_peak(const gn_curves *curves);
+
+/* What one kind of test has besides (readings_by_kind.c). */
+void gn_readings_by_kind(const gn_curves *curves, gn_readings *readings);
+
+/* Bursts of breaking bonds (readings_bursts.c). */
+void gn_readings_of_bursts(const gn_curves *curves, gn_readings *readings);
+
+#endif

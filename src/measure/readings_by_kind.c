@@ -1,0 +1,265 @@
+/* Readings of the tests that have their own. */
+#include "measure/readings.h"
+
+#include <math.h>
+#include <stdio.h>
+
+/* At the peak, if there is one. */
+static void at_peak(const gn_curves *c, gn_reading which, const double *column, double factor,
+                    double *value, gn_readings *r) {
+    const char *reason = gn_no_peak(c);
+    if (reason) gn_reading_absent(r, which, "%s", reason);
+    if (column) *value = factor * column[c->largest];
+}
+
+static const double *tensor(const gn_curves *c, const char *name, int axis) {
+    char full[32];
+    snprintf(full, sizeof full, "%s_%c%c", name, "xyz"[axis], "xyz"[axis]);
+    return gn_history_column(c->history, full);
+}
+
+/* --- brazilian --- */
+
+static void ratio_in_the_middle(const gn_curves *c, gn_reading which, const double *column,
+                                double sign, double *value, gn_readings *r) {
+    gn_line_fit f = gn_line(c->stress, column, c->loading);
+    *value = sign * f.slope;
+    gn_need_rows(c, which, r);
+    if (f.error > gn_scatter_allowed * fmax(1.0, fabs(f.slope)))
+        gn_reading_absent(r, which, "the rows scatter: standard error of the slope %.2g", f.error);
+}
+
+static void read_brazilian(const gn_curves *c, gn_readings *r) {
+    static const char none[] = "the scene has no particles in the middle of the disc";
+    int axis = c->tested->axis;
+    const double *across = tensor(c, "centre_stress", 1 - axis),
+                 *along = tensor(c, "centre_stress", axis);
+    at_peak(c, GN_READING_indirect_tensile_strength, c->stress, 1.0, &r->indirect_tensile_strength,
+            r);
+    if (!across || !along) {
+        gn_reading_absent(r, GN_READING_centre_tension, "%s", none);
+        gn_reading_absent(r, GN_READING_centre_ratio, "%s", none);
+        gn_reading_absent(r, GN_READING_centre_compression_ratio, "%s", none);
+        return;
+    }
+    at_peak(c, GN_READING_centre_tension, across, 1.0, &r->centre_tension, r);
+    ratio_in_the_middle(c, GN_READING_centre_ratio, across, 1.0, &r->centre_ratio, r);
+    ratio_in_the_middle(c, GN_READING_centre_compression_ratio, along, -1.0,
+                        &r->centre_compression_ratio, r);
+}
+
+/* --- bending --- */
+
+static void read_bending(const gn_curves *c, gn_readings *r) {
+    const gn_reading modulus = GN_READING_flexural_modulus, opening = GN_READING_opening_at_peak;
+    gn_line_fit f = gn_line(c->strain, c->stress, c->loading);
+    const double *gauge = gn_history_column(c->history, "opening");
+    at_peak(c, GN_READING_flexural_strength, c->stress, 1.0, &r->flexural_strength, r);
+    r->flexural_modulus = f.slope;
+    gn_need_rows(c, modulus, r);
+    gn_need_modulus(f, modulus, r);
+    if (c->tested->notched)
+        gn_reading_absent(r, modulus, "a notch: the strain of the fibre above it is not known");
+    if (!gauge) gn_reading_absent(r, opening, "the test has no gauge (test.opening)");
+    at_peak(c, opening, gauge, 1.0, &r->opening_at_peak, r);
+}
+
+/* --- fracture energy --- */
+
+/* What is left of the load when a section counts as broken through. */
+static const double broken_through = 0.1;
+
+/* Trapezoidal, from the first row to the last. */
+static void read_fracture_energy(const gn_curves *c, gn_readings *r) {
+    const gn_reading which = GN_READING_fracture_energy;
+    const double *force = gn_history_column(c->history, "force"),
+                 *way = gn_history_column(c->history, "deflection");
+    const char *reason = gn_no_peak(c);
+    size_t rows = c->history->row_count;
+    if (reason) gn_reading_absent(r, which, "%s", reason);
+    if (c->tested->falls)
+        gn_reading_absent(r, which, "gravity does work on the specimen beside the ends");
+    if (!force || !way) return;
+    double left = force[rows - 1] / force[c->largest], work = 0;
+    if (left > broken_through)
+        gn_reading_absent(r, which,
+                          "the run ended with %.0f %% of the largest load, at most %.0f %% are "
+                          "needed (time.stop.peak_drop, time.end)",
+                          100 * left, 100 * broken_through);
+    for (size_t k = 1; k < rows; k++)
+        work += 0.5 * (force[k] + force[k - 1]) * (way[k] - way[k - 1]);
+    r->fracture_energy = work / c->tested->section;
+}
+
+/* --- confined, hydrostatic, oedometer, shear --- */
+
+static void read_confined(const gn_curves *c, gn_readings *r) {
+    const double *pressure = gn_history_column(c->history, "membrane_pressure");
+    at_peak(c, GN_READING_confinement, pressure, 1.0, &r->confinement, r);
+    at_peak(c, GN_READING_axial_strength, c->stress, 1.0, &r->axial_strength, r);
+    if (pressure) r->axial_strength += pressure[c->largest];
+    at_peak(c, GN_READING_volumetric_strain_at_peak,
+            gn_history_column(c->history, "volumetric_strain"), 1.0, &r->volumetric_strain_at_peak,
+            r);
+    at_peak(c, GN_READING_lateral_strain_at_peak, gn_history_column(c->history, "lateral_strain"),
+            1.0, &r->lateral_strain_at_peak, r);
+}
+
+static void slope_of_loading(const gn_curves *c, gn_reading which, double *value, gn_readings *r) {
+    gn_line_fit f = gn_line(c->strain, c->stress, c->loading);
+    *value = f.slope;
+    gn_need_rows(c, which, r);
+    gn_need_modulus(f, which, r);
+}
+
+static void read_oedometer(const gn_curves *c, gn_readings *r) {
+    const gn_reading which = GN_READING_lateral_stress_ratio;
+    int axis = c->tested->axis, dimension = c->tested->dimension;
+    double lateral = 0;
+    slope_of_loading(c, GN_READING_oedometric_modulus, &r->oedometric_modulus, r);
+    for (int a = 0; a < dimension; a++)
+        if (a != axis)
+            lateral +=
+                gn_line(c->stress, tensor(c, "stress", a), c->loading).slope / (dimension - 1);
+    r->lateral_stress_ratio =
+        lateral / gn_line(c->stress, tensor(c, "stress", axis), c->loading).slope;
+    gn_need_rows(c, which, r);
+}
+
+static void read_shear(const gn_curves *c, gn_readings *r) {
+    at_peak(c, GN_READING_shear_strength, c->stress, 1.0, &r->shear_strength, r);
+    at_peak(c, GN_READING_normal_stress_at_peak, gn_history_column(c->history, "normal_stress"),
+            1.0, &r->normal_stress_at_peak, r);
+    at_peak(c, GN_READING_dilation_at_peak, gn_history_column(c->history, "dilation"), 1.0,
+            &r->dilation_at_peak, r);
+    slope_of_loading(c, GN_READING_shear_modulus, &r->shear_modulus, r);
+}
+
+/* --- of any loading along an axis --- */
+
+/* Rows from the first with a share of the largest stress to the first with another. */
+static gn_row_span between(const gn_curves *c, double low, double high) {
+    gn_row_span s = {0};
+    const double most = c->stress[c->largest];
+    while (s.first < c->largest && !(c->stress[s.first] >= low * most)) s.first++;
+    s.last = s.first;
+    while (s.last < c->largest && !(c->stress[s.last] > high * most)) s.last++;
+    return s;
+}
+
+static void slope_between(const gn_curves *c, gn_reading which, double low, double high,
+                          double *value, gn_readings *r) {
+    gn_row_span s = between(c, low, high);
+    gn_line_fit f = gn_line(c->strain, c->stress, s);
+    *value = f.slope;
+    if (s.last - s.first < 3)
+        gn_reading_absent(r, which,
+                          "%zu history rows between %.0f and %.0f %% of the largest stress, 3 are "
+                          "needed (output.history_rows)",
+                          s.last - s.first, 100 * low, 100 * high);
+    gn_need_modulus(f, which, r);
+    if (r->reason[GN_READING_young_modulus][0])
+        gn_reading_absent(r, which, "%s", r->reason[GN_READING_young_modulus]);
+}
+
+static void read_secant(const gn_curves *c, gn_readings *r) {
+    const gn_reading which = GN_READING_secant_modulus;
+    gn_row_span s = between(c, 0.01, 0.5);
+    double way = c->strain ? c->strain[s.last] - c->strain[s.first] : NAN;
+    r->secant_modulus = (c->stress[s.last] - c->stress[s.first]) / way;
+    if (!(way > 0)) gn_reading_absent(r, which, "the strain does not grow up to half the stress");
+    if (r->reason[GN_READING_young_modulus][0])
+        gn_reading_absent(r, which, "%s", r->reason[GN_READING_young_modulus]);
+}
+
+static double broken(const gn_curves *c, size_t row) {
+    const double *tension = gn_history_column(c->history, "broken_tension"),
+                 *shear = gn_history_column(c->history, "broken_shear");
+    return tension && shear ? tension[row] + shear[row] : 0;
+}
+
+static void read_initiation(const gn_curves *c, gn_readings *r) {
+    const gn_reading which = GN_READING_crack_initiation_stress;
+    const char *reason = gn_no_peak(c);
+    double all = broken(c, c->largest);
+    size_t row = 0;
+    while (row < c->largest && !(broken(c, row) >= 0.01 * all)) row++;
+    r->crack_initiation_stress = c->stress[row];
+    if (reason) gn_reading_absent(r, which, "%s", reason);
+    if (all < 100)
+        gn_reading_absent(r, which, "%.0f bonds are broken at the peak, of 100 the first is 1 %%",
+                          all);
+}
+
+/* The row of the least volume, if there are rows behind it before the peak. */
+static void read_damage(const gn_curves *c, gn_readings *r) {
+    const gn_reading which = GN_READING_crack_damage_stress;
+    const char *reason = gn_no_peak(c);
+    size_t row = 0;
+    double least = INFINITY;
+    for (size_t k = 0; k <= c->largest; k++) {
+        double volume = 0;
+        for (int a = 0; a < c->tested->dimension; a++)
+            volume += c->average[a] ? c->average[a][k] : NAN;
+        if (volume < least) least = volume, row = k;
+    }
+    r->crack_damage_stress = least < INFINITY ? c->stress[row] : NAN;
+    if (reason) gn_reading_absent(r, which, "%s", reason);
+    if (row == c->largest) gn_reading_absent(r, which, "the specimen loses volume up to the peak");
+}
+
+static void read_brittleness(const gn_curves *c, gn_readings *r) {
+    const char *reason = gn_no_peak(c);
+    double last = c->stress[c->history->row_count - 1];
+    r->brittleness = 1 - fmax(last, 0) / c->stress[c->largest];
+    if (reason) gn_reading_absent(r, GN_READING_brittleness, "%s", reason);
+}
+
+static void read_any(const gn_curves *c, gn_readings *r) {
+    slope_between(c, GN_READING_tangent_modulus, 0.4, 0.6, &r->tangent_modulus, r);
+    slope_between(c, GN_READING_average_modulus, 0.2, 0.8, &r->average_modulus, r);
+    read_secant(c, r);
+    read_initiation(c, r);
+    read_damage(c, r);
+    read_brittleness(c, r);
+    gn_readings_of_bursts(c, r);
+    r->fragments = c->tested->fragments;
+    r->largest_fragment = c->tested->largest_fragment;
+    if (isnan(r->fragments)) {
+        gn_reading_absent(r, GN_READING_fragments, "the scene has no bonds");
+        gn_reading_absent(r, GN_READING_largest_fragment, "the scene has no bonds");
+    }
+}
+
+void gn_readings_by_kind(const gn_curves *c, gn_readings *r) {
+    read_any(c, r);
+    switch (c->tested->kind) {
+    case GN_TEST_BRAZILIAN:
+        read_brazilian(c, r);
+        break;
+    case GN_TEST_BENDING:
+        read_bending(c, r);
+        read_fracture_energy(c, r);
+        break;
+    case GN_TEST_TENSION:
+        read_fracture_energy(c, r);
+        break;
+    case GN_TEST_TRIAXIAL:
+    case GN_TEST_BIAXIAL:
+        read_confined(c, r);
+        break;
+    case GN_TEST_HYDROSTATIC:
+        slope_of_loading(c, GN_READING_bulk_modulus, &r->bulk_modulus, r);
+        break;
+    case GN_TEST_OEDOMETER:
+        read_oedometer(c, r);
+        break;
+    case GN_TEST_SHEAR:
+        read_shear(c, r);
+        break;
+    case GN_TEST_NONE:
+    case GN_TEST_COMPRESSION:
+    case GN_TEST_KINDS:
+        break;
+    }
+}

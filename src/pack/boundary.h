@@ -1,0 +1,23 @@
+/* The boundary of a shape, cut into small pieces. */
+#ifndef GN_PACK_BOUNDARY_H
+#define GN_PACK_BOUNDARY_H
+
+#include "scene/scene.h"
+
+typedef struct gn_piece_of_boundary {
+    double point[3];
+    double area[3]; /* m2, along the outward normal; 2D: 1 m thick */
+} gn_piece_of_boundary;
+
+typedef struct gn_boundary_pieces {
+    size_t count, capacity;
+    gn_piece_of_boundary *piece; /* gn_alloc'ed */
+} gn_boundary_pieces;
+
+/* Pieces of about `size` m of the boundary of scene->specimen.pack, whose areas add up to that of
+ * the boundary: exactly where it is flat or a circle, of a file as its facets are. */
+gneiss_status gn_boundary_pieces_make(const gn_scene *scene, double size,
+                                      gn_boundary_pieces *pieces, gneiss_error *error);
+void gn_boundary_pieces_free(gn_boundary_pieces *pieces);
+
+#endif

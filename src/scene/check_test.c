@@ -1,0 +1,259 @@
+/* Laboratory tests: their ends, and what each kind takes. */
+#include "scene/check.h"
+
+#include "base/names.h"
+
+#include <string.h>
+
+/* ---- ends ---- */
+
+static bool in_end(const gn_test_end *end, size_t before, const char *name) {
+    for (size_t k = 0; k < before; k++)
+        if (strcmp(end->name[k], name) == 0) return true;
+    return false;
+}
+
+/* All that can be an end. */
+static gn_names names_of_ends(const gn_scene *s, const char *wanted) {
+    gn_names names = gn_names_for(wanted);
+    for (size_t k = 0; k < s->wall_count; k++) gn_names_add(&names, s->walls[k].name);
+    for (size_t k = 0; k < s->body_count; k++) gn_names_add(&names, s->bodies[k].name);
+    for (size_t k = 0; k < s->set_count; k++) gn_names_add(&names, s->sets[k].name);
+    for (size_t k = 0; k < s->elements.motion_count; k++)
+        gn_names_add(&names, s->elements.motions[k].name);
+    return names;
+}
+
+static gneiss_status no_end(const check *c, const gn_scene *s, const char *key, const char *name) {
+    char advice[GN_ADVICE_SIZE];
+    gn_names names = names_of_ends(s, name);
+    return gn_check_fail(c, key, "expected the name of a wall, a body or a set%s, found '%s'%s",
+                         s->has_elements ? " or a motion of elements" : "", name,
+                         gn_names_advice(&names, advice, sizeof advice));
+}
+
+static gneiss_status check_end(const check *c, const gn_scene *s, const char *key,
+                               const gn_test_end *end) {
+    for (size_t k = 0; k < end->count; k++) {
+        const char *name = end->name[k];
+        if (gn_scene_find_wall(s, name) < 0 && gn_scene_find_set(s, name) < 0 &&
+            gn_scene_find_body(s, name) < 0 && gn_scene_find_element_motion(s, name) < 0)
+            return no_end(c, s, key, name);
+        if (in_end(end, k, name))
+            return gn_check_fail(c, key, "expected every name once, found '%s' again", name);
+    }
+    return GNEISS_OK;
+}
+
+/* Both sides of a test or a gauge. */
+static gneiss_status check_sides(const check *c, const gn_scene *s, const char *lower_key,
+                                 const gn_test_end *lower, const char *upper_key,
+                                 const gn_test_end *upper) {
+    GN_TRY(gn_check_keep(c, check_end(c, s, lower_key, lower)));
+    GN_TRY(gn_check_keep(c, check_end(c, s, upper_key, upper)));
+    for (size_t k = 0; k < upper->count; k++)
+        if (in_end(lower, lower->count, upper->name[k]))
+            return gn_check_fail(c, upper_key, "expected another end than lower, found '%s'",
+                                 upper->name[k]);
+    return GNEISS_OK;
+}
+
+static gneiss_status check_ends(const check *c, const gn_scene *s) {
+    const gn_test *t = &s->test;
+    const char *const lists[] = {"walls", "sets", "bodies", "elements.motions"};
+    for (int k = 0; k < 4; k++)
+        if (!gn_check_named(c, lists[k])) return GNEISS_OK;
+    GN_TRY(check_sides(c, s, "test.lower", &t->lower, "test.upper", &t->upper));
+    if (t->has_opening)
+        GN_TRY(check_sides(c, s, "test.opening.lower", &t->opening.lower, "test.opening.upper",
+                           &t->opening.upper));
+    for (int k = 0; k < 4; k++)
+        if (!gn_check_sound(c, lists[k])) return GNEISS_OK;
+    if (!gn_check_sound(c, "test") || s->stage_count) return GNEISS_OK;
+    if (gn_scene_end_drives(s, &t->lower) || gn_scene_end_drives(s, &t->upper)) return GNEISS_OK;
+    return gn_check_fail(c, "test.upper",
+                         "expected at least one end with a prescribed velocity along %c, which "
+                         "has a reaction, found none",
+                         "xyz"[t->axis]);
+}
+
+/* ---- what a kind takes ---- */
+
+typedef struct test_key {
+    const char *key;
+    double value; /* above 0: given */
+    unsigned kinds;
+} test_key;
+
+static const char *name_of(gn_test_kind kind) {
+    const gn_key *key = gn_scene_key_at("test.kind");
+    return gn_choice_name(key->choices, kind);
+}
+
+/* "brazilian and bending". */
+static const char *names_of(unsigned kinds, char *text, size_t size) {
+    size_t used = 0;
+    unsigned left = kinds;
+    text[0] = '\0';
+    for (unsigned k = 0; k < GN_TEST_KINDS && used < size; k++) {
+        if (!(kinds >> k & 1)) continue;
+        left &= ~(1u << k);
+        int more = snprintf(text + used, size - used, "%s%s", used ? (left ? ", " : " and ") : "",
+                            name_of((gn_test_kind)k));
+        used += more > 0 ? (size_t)more : 0;
+    }
+    return text;
+}
+
+static gneiss_status check_keys(const check *c, const gn_test *t) {
+    const unsigned prisms = GN_TESTS_PRISMS, plates = prisms | GN_TESTS(SHEAR);
+    const test_key keys[] = {
+        {"test.length", t->length, plates},
+        {"test.area", t->area, plates},
+        {"test.diameter", t->diameter, plates | GN_TESTS(BRAZILIAN)},
+        {"test.thickness", t->thickness, GN_TESTS(BRAZILIAN) | GN_TESTS(BENDING)},
+        {"test.span", t->span, GN_TESTS(BENDING)},
+        {"test.load_span", t->load_span, GN_TESTS(BENDING)},
+        {"test.height", t->height, GN_TESTS(BENDING)},
+        {"test.notch", t->notch, GN_TESTS(BENDING)},
+        {"test.normal", (double)t->normal + 1.0, GN_TESTS(SHEAR)},
+    };
+    char text[256];
+    for (size_t k = 0; k < sizeof keys / sizeof *keys; k++)
+        if (keys[k].value > 0 && !(keys[k].kinds >> t->kind & 1))
+            return gn_check_fail(c, keys[k].key, "expected in tests of the kind %s, found %s",
+                                 names_of(keys[k].kinds, text, sizeof text), name_of(t->kind));
+    return GNEISS_OK;
+}
+
+static gneiss_status check_plane_thickness(const check *c, const gn_scene *s) {
+    if (s->dimension != 2 || !(s->test.thickness > 0) || s->test.thickness == 1) return GNEISS_OK;
+    return gn_check_fail(c, "test.thickness", "expected 1 m in a 2D scene, found %g m",
+                         s->test.thickness);
+}
+
+static gneiss_status check_brazilian(const check *c, const gn_scene *s) {
+    if (s->test.axis == 2)
+        return gn_check_fail(c, "test.axis",
+                             "expected x or y: the disc of a brazilian test stands across z, found "
+                             "z");
+    return check_plane_thickness(c, s);
+}
+
+static gneiss_status check_bending(const check *c, const gn_scene *s) {
+    const gn_test *t = &s->test;
+    GN_TRY(gn_check_need(c, t->span, "test.span", "by a bending test"));
+    if (t->load_span >= t->span)
+        return gn_check_fail(c, "test.load_span", "expected less than the span of %g m, found %g m",
+                             t->span, t->load_span);
+    if (t->height > 0 && t->notch >= t->height)
+        return gn_check_fail(c, "test.notch", "expected less than the height of %g m, found %g m",
+                             t->height, t->notch);
+    return check_plane_thickness(c, s);
+}
+
+/* What presses on the sides is a membrane, of which the deviator is told. */
+static gneiss_status check_confined(const check *c, const gn_scene *s) {
+    const gn_test *t = &s->test;
+    if ((t->kind == GN_TEST_BIAXIAL) != (s->dimension == 2))
+        return gn_check_fail(c, "test.kind", "expected %s in a %dD scene, found %s",
+                             s->dimension == 2 ? "biaxial" : "triaxial", (int)s->dimension,
+                             name_of(t->kind));
+    if (!s->has_membrane)
+        return gn_check_fail(c, "test.kind",
+                             "expected a membrane, whose pressure confines the specimen, found "
+                             "none");
+    if (gn_scene_membrane_axis(s) != t->axis)
+        return gn_check_fail(c, "membrane.axis", "expected that of the test, %c, found %c",
+                             "xyz"[t->axis], "xyz"[gn_scene_membrane_axis(s)]);
+    return GNEISS_OK;
+}
+
+static gneiss_status check_shear(const check *c, const gn_scene *s) {
+    const gn_test *t = &s->test;
+    if (t->normal < 0)
+        return gn_check_fail(c, "test.normal", "required by a shear test, but not given");
+    if (t->normal >= s->dimension)
+        return gn_check_fail(c, "test.normal", "expected x or y in a 2D scene, found z");
+    if (t->normal == t->axis)
+        return gn_check_fail(c, "test.normal", "expected another direction than axis, found %c",
+                             "xyz"[t->normal]);
+    return GNEISS_OK;
+}
+
+static gneiss_status check_kind(const check *c, const gn_scene *s) {
+    const gn_test *t = &s->test;
+    GN_TRY(check_keys(c, t));
+    if (t->area > 0 && t->diameter > 0)
+        return gn_check_fail(c, "test.diameter", "expected area or diameter, found both");
+    if (t->kind == GN_TEST_BRAZILIAN) return check_brazilian(c, s);
+    if (t->kind == GN_TEST_BENDING) return check_bending(c, s);
+    if (t->kind == GN_TEST_SHEAR) return check_shear(c, s);
+    if (gn_test_in(t->kind, GN_TESTS_CONFINED)) return check_confined(c, s);
+    return GNEISS_OK;
+}
+
+gneiss_status gn_check_membrane(const check *c, const gn_scene *s) {
+    const gn_membrane_def *m = &s->membrane;
+    if (!s->has_membrane) return GNEISS_OK;
+    if (!s->has_specimen || s->specimen.pack.shape == GN_SHAPE_NONE)
+        return gn_check_fail(c, "membrane",
+                             "expected a specimen that is packed into a shape, whose surface it "
+                             "covers, found %s",
+                             s->has_specimen ? "another one" : "none");
+    if (s->has_periodic)
+        return gn_check_fail(c, "membrane", "expected a specimen with a surface, found periodic");
+    if (m->faces == GN_FACES_SIDES && m->axis < 0 && s->test.kind == GN_TEST_NONE)
+        return gn_check_fail(c, "membrane.axis",
+                             "expected the axis that sides face across, or a test that has one, "
+                             "found neither");
+    if (m->axis >= s->dimension)
+        return gn_check_fail(c, "membrane.axis", "expected x or y in a 2D scene, found z");
+    return GNEISS_OK;
+}
+
+static gneiss_status check_no_test(const check *c, const gn_scene *s) {
+    if (s->stop_peak_drop > 0)
+        return gn_check_fail(c, "time.stop.peak_drop",
+                             "expected a test section that reads stress, found none");
+    if (s->stop_strain > 0)
+        return gn_check_fail(c, "time.stop.strain",
+                             "expected a test section that reads strain, found none");
+    return GNEISS_OK;
+}
+
+/* A hydrostatic test has none of them: it is the mean pressure over the change of volume. */
+static gneiss_status check_hydrostatic(const check *c, const gn_scene *s) {
+    const gn_test *t = &s->test;
+    const char *key = t->axis >= 0     ? "test.axis"
+                      : t->lower.count ? "test.lower"
+                      : t->upper.count ? "test.upper"
+                      : t->has_opening ? "test.opening"
+                                       : NULL;
+    if (key) return gn_check_fail(c, key, "expected none: a hydrostatic test has no ends");
+    if (!s->has_specimen || s->has_periodic)
+        return gn_check_fail(c, "test.kind",
+                             "expected particles with a surface, whose mean strain is read, found "
+                             "%s",
+                             s->has_specimen ? "a periodic box" : "none");
+    return check_keys(c, t);
+}
+
+gneiss_status gn_check_test(const check *c, const gn_scene *s) {
+    const gn_test *t = &s->test;
+    if (t->kind == GN_TEST_NONE) return check_no_test(c, s);
+    if (t->kind == GN_TEST_HYDROSTATIC) return check_hydrostatic(c, s);
+    const char *missing = t->axis < 0       ? "test.axis"
+                          : !t->lower.count ? "test.lower"
+                          : !t->upper.count ? "test.upper"
+                                            : NULL;
+    if (missing && gn_check_sound(c, missing))
+        return gn_check_fail(c, missing, "required, but not given");
+    if (missing) return GNEISS_OK;
+    if (t->axis >= s->dimension)
+        return gn_check_fail(c, "test.axis", "expected x or y in a 2D scene, found z");
+    if (t->has_opening && t->opening.axis >= s->dimension)
+        return gn_check_fail(c, "test.opening.axis", "expected x or y in a 2D scene, found z");
+    GN_TRY(check_ends(c, s));
+    return check_kind(c, s);
+}

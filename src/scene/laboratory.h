@@ -1,0 +1,52 @@
+/* Laboratory tests, and pressure on a specimen, as a scene says them. */
+#ifndef GN_SCENE_LABORATORY_H
+#define GN_SCENE_LABORATORY_H
+
+#include "base/test_kind.h"
+#include "scene/values.h"
+
+/* Walls, bodies, sets, motions of elements that load the specimen together. */
+typedef struct gn_test_end {
+    size_t count;
+    char (*name)[GN_NAME_SIZE]; /* [count] */
+} gn_test_end;
+
+/* How far two parts of the specimen come apart, such as the sides of a notch's mouth. */
+typedef struct gn_opening {
+    int64_t axis; /* 0 1 2 */
+    gn_test_end lower, upper;
+} gn_opening;
+
+/* A laboratory test: which two ends load the specimen and how stress and strain are formed. */
+typedef struct gn_test {
+    gn_test_kind kind;
+    int64_t axis; /* 0 1 2 */
+    gn_test_end lower, upper;
+    double length;    /* m; 0: extent of the specimen along the axis */
+    double area;      /* m2; 0: from diameter, else from the specimen (see docs/scene.md) */
+    double diameter;  /* m; 0: not given, of a disc: its extent along the axis */
+    double thickness; /* m, of a disc or a beam; 0: extent of the specimen, 1 m in 2D */
+    double span;      /* m between the supports of a beam; 0: not given */
+    double load_span; /* m between its two loads; 0: one load at mid-span */
+    double height;    /* m, of a beam; 0: its extent along the axis */
+    double notch;     /* m, depth of its notch */
+    double centre;    /* radius over that of the disc within which its centre stress is read */
+    int64_t normal;   /* of the plane that a shear test shears: 0 1 2, -1: not given */
+    bool has_opening;
+    gn_opening opening;
+    gn_scene_place where;
+} gn_test;
+
+typedef enum gn_membrane_faces { GN_FACES_ALL, GN_FACES_SIDES } gn_membrane_faces;
+
+/* Pressure on the surface of a specimen that was packed into a shape. */
+typedef struct gn_membrane_def {
+    gn_table pressure; /* Pa */
+    double ramp;       /* s in which it comes, from 0; 0: at once */
+    gn_membrane_faces faces;
+    int64_t axis; /* that sides face across: 0 1 2; -1: that of the test */
+    bool follow;  /* the deformation */
+    gn_scene_place where;
+} gn_membrane_def;
+
+#endif

@@ -1,0 +1,97 @@
+/* Keys of the sections `test`, laboratory tests by name, and `membrane`. */
+#include "scene/manifest_keys.h"
+
+static const gn_choice axes[] = {{"x", 0}, {"y", 1}, {"z", 2}, {NULL, 0}};
+static const gn_choice axes_or_none[] = {{"none", -1}, {"x", 0}, {"y", 1}, {"z", 2}, {NULL, 0}};
+static const gn_choice test_kinds[] = {{"compression", GN_TEST_COMPRESSION},
+                                       {"tension", GN_TEST_TENSION},
+                                       {"brazilian", GN_TEST_BRAZILIAN},
+                                       {"bending", GN_TEST_BENDING},
+                                       {"triaxial", GN_TEST_TRIAXIAL},
+                                       {"biaxial", GN_TEST_BIAXIAL},
+                                       {"hydrostatic", GN_TEST_HYDROSTATIC},
+                                       {"oedometer", GN_TEST_OEDOMETER},
+                                       {"shear", GN_TEST_SHEAR},
+                                       {NULL, 0}};
+
+static const gn_key opening_keys[] = {
+    KEY("axis", CHOICE, gn_opening, axis, .choices = axes, .required = true,
+        .text = "direction in which it is read"),
+    ARRAY("lower", NAMES, gn_opening, lower.name, lower.count, .required = true,
+          .text = "wall, body, set or motion of elements on the lower side"),
+    ARRAY("upper", NAMES, gn_opening, upper.name, upper.count, .required = true,
+          .text = "the same on the upper side"),
+};
+TABLE_OF(opening);
+
+static const gn_key test_keys[] = {
+    KEY("kind", CHOICE, gn_scene, test.kind, .choices = test_kinds, .required = true,
+        .text = "which test it is: how stress and strain are formed and what is read; brazilian: "
+                "a disc across its diameter, bending: a beam on two supports, triaxial (in 2D "
+                "biaxial): under a membrane, oedometer: between sides that stand, shear: one half "
+                "along the other, hydrostatic: from all sides alike, which has no ends"),
+    KEY("axis", CHOICE, gn_scene, test.axis, .choices = axes_or_none, .fallback = "none",
+        .text = "direction of loading; needed by all but hydrostatic"),
+    ARRAY("lower", NAMES, gn_scene, test.lower.name, test.lower.count,
+          PRESENT(COUNT, gn_scene, test.lower.count),
+          .text = "wall, body, set or motion of elements at the lower end; of several the forces "
+                  "add up; needed as axis is"),
+    ARRAY("upper", NAMES, gn_scene, test.upper.name, test.upper.count,
+          PRESENT(COUNT, gn_scene, test.upper.count), .text = "the same at the upper end"),
+    KEY("normal", CHOICE, gn_scene, test.normal, .choices = axes_or_none, .fallback = "none",
+        .text = "shear: across the plane that is sheared"),
+    KEY("length", REAL, gn_scene, test.length, .unit = "m", .range = GN_LENGTHS, .word = "auto",
+        .fallback = "auto", .text = "length of the specimen; auto: its extent along the axis"),
+    KEY("area", REAL, gn_scene, test.area, .unit = "m2", .range = GN_AREAS, .word = "auto",
+        .fallback = "auto",
+        .text = "area of its section; auto: from the diameter, else the specimen's volume over the "
+                "length"),
+    KEY("diameter", REAL, gn_scene, test.diameter, .unit = "m", .range = GN_LENGTHS, .word = "none",
+        .fallback = "none",
+        .text = "diameter of a cylinder; brazilian: of the disc, none: its extent along the axis"),
+    KEY("thickness", REAL, gn_scene, test.thickness, .unit = "m", .range = GN_LENGTHS,
+        .word = "auto", .fallback = "auto",
+        .text = "of the disc of a brazilian, of the beam of a bending test; auto: its extent, in "
+                "2D 1 m"),
+    KEY("span", REAL, gn_scene, test.span, .unit = "m", .range = GN_LENGTHS, .word = "none",
+        .fallback = "none", .text = "bending: distance of the supports"),
+    KEY("load_span", REAL, gn_scene, test.load_span, .unit = "m", .range = GN_LENGTHS,
+        .word = "none", .fallback = "none",
+        .text = "bending: distance of two loads (four points); none: one load at mid-span"),
+    KEY("height", REAL, gn_scene, test.height, .unit = "m", .range = GN_LENGTHS, .word = "auto",
+        .fallback = "auto", .text = "bending: height of the beam; auto: its extent along the axis"),
+    KEY("notch", REAL, gn_scene, test.notch, .unit = "m", .range = GN_LENGTHS, .word = "none",
+        .fallback = "none", .text = "bending: depth of the notch at mid-span"),
+    KEY("centre", REAL, gn_scene, test.centre, .unit = "1", .range = "(0, 1]", .fallback = "0.2",
+        .text = "brazilian: radius, over that of the disc, of the region about its centre whose "
+                "mean stress is read"),
+    SECTION("opening", opening_section, .offset = offsetof(gn_scene, test.opening),
+            PRESENT(BOOL, gn_scene, test.has_opening),
+            .text = "a gauge: how far two parts come apart, such as the mouth of a notch"),
+};
+const gn_section gn_test_section = {test_keys, sizeof test_keys / sizeof(gn_key), 0,
+                                    offsetof(gn_scene, test.where)};
+
+/* ---- membrane ---- */
+
+static const gn_choice booleans[] = {{"true", 1}, {"false", 0}, {"on", 1}, {"off", 0},
+                                     {"yes", 1},  {"no", 0},    {NULL, 0}};
+static const gn_choice faces[] = {{"all", GN_FACES_ALL}, {"sides", GN_FACES_SIDES}, {NULL, 0}};
+static const gn_choice axes_or_test[] = {{"test", -1}, {"x", 0}, {"y", 1}, {"z", 2}, {NULL, 0}};
+
+static const gn_key membrane_keys[] = {
+    KEY("pressure", TABLE, gn_scene, membrane.pressure, .unit = "Pa", .range = GN_PRESSURES,
+        .required = true, .text = "pressure along the inward normal; constant or a table in time"),
+    KEY("ramp", REAL, gn_scene, membrane.ramp, .unit = "s", .range = "[0, inf)", .fallback = "0",
+        .text =
+            "time in which the pressure comes, from 0 to what it says: t/ramp of it until then"),
+    KEY("faces", CHOICE, gn_scene, membrane.faces, .choices = faces, .fallback = "all",
+        .text = "all of the surface, as in a cell; or the sides: what faces across the axis"),
+    KEY("axis", CHOICE, gn_scene, membrane.axis, .choices = axes_or_test, .fallback = "test",
+        .text = "that sides face across; test: the one of the test"),
+    KEY("follow", CHOICE, gn_scene, membrane.follow, .choices = booleans, .fallback = "true",
+        .text = "areas and normals turn and stretch with the mean deformation of the skin; false: "
+                "they stay as at the start, and a specimen that nothing holds turns over"),
+};
+const gn_section gn_membrane_section = {membrane_keys, sizeof membrane_keys / sizeof(gn_key), 0,
+                                        offsetof(gn_scene, membrane.where)};

@@ -1,0 +1,230 @@
+/* Readings of tests by name and of the course of a test, from curves whose answers are known. */
+#include "test.h"
+
+#include "base/test_kind.h"
+#include "measure/measure.h"
+
+/* Columns by name, filled row by row. */
+enum { MOST = 12 };
+typedef struct table {
+    gn_history h;
+    size_t columns;
+    double row[MOST];
+} table;
+
+static table table_of(const char *const names[], size_t count) {
+    table t = {.columns = count};
+    for (size_t c = 0; c < count; c++)
+        assert_int_equal(gn_history_add_column(&t.h, names[c], "1", "", NULL), GNEISS_OK);
+    return t;
+}
+
+static void put(table *t) {
+    assert_int_equal(gn_history_append(&t->h, t->row, NULL), GNEISS_OK);
+}
+
+static gn_readings read_as(table *t, gn_tested tested) {
+    gn_readings r;
+    if (!tested.dimension) tested.dimension = 3;
+    if (!tested.sign) tested.sign = gn_test_sign(tested.kind);
+    tested.axis = tested.dimension - 1;
+    gn_readings_compute(&t->h, &tested, &r);
+    gn_history_free(&t->h);
+    return r;
+}
+
+static void absent_for(const gn_readings *r, gn_reading which, const char *reason) {
+    if (!strstr(r->reason[which], reason)) fail_msg("'%s'", r->reason[which]);
+}
+
+/* Up to 100 Pa in 1 of strain by three straight lines (slopes 80, 120 and 100 with corners at 35
+ * and 65 Pa), then down to 20. Bonds break one a row from half the rise on; the volume is least at
+ * 0.75.
+ */
+static double stress_at(double e) {
+    return e < 0.4375 ? 80 * e : e < 0.6875 ? 35 + 120 * (e - 0.4375) : 65 + 100 * (e - 0.6875);
+}
+
+static table course(void) {
+    static const char *const names[] = {"strain",    "stress",         "strain_xx",   "strain_yy",
+                                        "strain_zz", "broken_tension", "broken_shear"};
+    enum { ROWS = 4000 };
+    const double top = 0.6875 + 0.35;
+    table t = table_of(names, 7);
+    double broken = 0;
+    for (int k = 0; k <= ROWS + 200; k++) {
+        double e = top * k / ROWS, s = k > ROWS ? 100 - 0.4 * (k - ROWS) : stress_at(e);
+        double lateral = e < 0.75 ? 0.2 * e : 0.15 + 0.8 * (e - 0.75);
+        if (k >= ROWS / 2 && k <= ROWS) broken++;
+        double row[] = {e, s, lateral, lateral, -e, broken, 0};
+        memcpy(t.row, row, sizeof row);
+        put(&t);
+    }
+    return t;
+}
+
+static void moduli_are_slopes_over_the_ranges_that_are_said(void **state) {
+    (void)state;
+    table t = course();
+    gn_readings r = read_as(&t, (gn_tested){.kind = GN_TEST_COMPRESSION});
+    assert_close(r.tangent_modulus, 120, 1e-9); /* 40 to 60 Pa */
+    /* From 1 to 50 Pa: the corner lies at 35 Pa; rows are 1/4000 of the rise apart. */
+    assert_close(r.secant_modulus, 49 / (0.4375 + 15.0 / 120 - 1.0 / 80), 1e-3);
+    assert_true(r.average_modulus > 80 && r.average_modulus < 120);
+}
+
+static void cracks_begin_where_one_in_a_hundred_of_them_has_come(void **state) {
+    (void)state;
+    table t = course();
+    gn_readings r = read_as(&t, (gn_tested){.kind = GN_TEST_COMPRESSION});
+    /* 2001 bonds in rows 2000 to 4000: the 21st in row 2020. */
+    assert_close(r.crack_initiation_stress, stress_at((0.6875 + 0.35) * 2020 / 4000.0), 1e-12);
+}
+
+static void damage_begins_where_the_volume_is_least(void **state) {
+    (void)state;
+    table t = course();
+    gn_readings r = read_as(&t, (gn_tested){.kind = GN_TEST_COMPRESSION});
+    assert_close(r.crack_damage_stress, stress_at(0.75), 1e-3); /* a row */
+}
+
+static void brittleness_is_what_the_stress_lost_of_its_peak(void **state) {
+    (void)state;
+    table t = course();
+    gn_readings r = read_as(&t, (gn_tested){.kind = GN_TEST_COMPRESSION});
+    assert_close(r.brittleness, 0.8, 1e-9);
+}
+
+static void too_few_broken_bonds_have_no_first_hundredth(void **state) {
+    (void)state;
+    static const char *const names[] = {"strain", "stress", "broken_tension", "broken_shear"};
+    table t = table_of(names, 4);
+    for (int k = 0; k <= 60; k++) {
+        double row[] = {k, k < 50 ? k : 20, k, 0};
+        memcpy(t.row, row, sizeof row);
+        put(&t);
+    }
+    gn_readings r = read_as(&t, (gn_tested){.kind = GN_TEST_COMPRESSION});
+    absent_for(&r, GN_READING_crack_initiation_stress, "of 100 the first is 1 %");
+    absent_for(&r, GN_READING_b_value, "1 bursts, 50 are needed");
+    assert_true(r.events == 1);
+}
+
+/* Force up to 10 N at 2 m and down to 0.5 N at 6 m, over a section of 4 m2. */
+static table bent(double last) {
+    static const char *const names[] = {"strain",  "stress",         "force",       "deflection",
+                                        "opening", "broken_tension", "broken_shear"};
+    table t = table_of(names, 7);
+    for (int k = 0; k <= 600; k++) {
+        double way = 0.01 * k, force = way < 2 ? 5 * way : 10 - (10 - last) * (way - 2) / 4;
+        double row[] = {way, force, force, way, 0.5 * way, way > 1, 0};
+        memcpy(t.row, row, sizeof row);
+        put(&t);
+    }
+    return t;
+}
+
+static void fracture_energy_is_the_area_under_the_curve_over_the_section(void **state) {
+    (void)state;
+    table t = bent(0.5);
+    gn_readings r = read_as(&t, (gn_tested){.kind = GN_TEST_BENDING, .section = 4});
+    assert_close(r.fracture_energy, (10 + 0.5 * 4 * 10.5) / 4, 1e-12);
+    assert_close(r.opening_at_peak, 1, 1e-12);
+    assert_close(r.flexural_modulus, 5, 1e-12);
+    t = bent(2);
+    r = read_as(&t, (gn_tested){.kind = GN_TEST_BENDING, .section = 4, .notched = true});
+    absent_for(&r, GN_READING_fracture_energy, "20 % of the largest load");
+    absent_for(&r, GN_READING_flexural_modulus, "notch");
+    t = bent(0.5);
+    r = read_as(&t, (gn_tested){.kind = GN_TEST_BENDING, .section = 4, .falls = true});
+    absent_for(&r, GN_READING_fracture_energy, "gravity");
+}
+
+static void readings_of_other_tests_are_absent_for_that(void **state) {
+    (void)state;
+    table t = bent(0.5);
+    gn_readings r = read_as(&t, (gn_tested){.kind = GN_TEST_BENDING, .section = 4});
+    absent_for(&r, GN_READING_young_modulus, "a reading of other tests");
+    absent_for(&r, GN_READING_centre_ratio, "a reading of other tests");
+    assert_true(!gn_reading_belongs(GN_READING_centre_ratio, GN_TEST_BENDING));
+    assert_true(gn_reading_belongs(GN_READING_peak_stress, GN_TEST_BENDING));
+}
+
+/* A size by its share of the sum of k^-a up to 100 000. */
+static int drawn_size(double a) {
+    static double sum;
+    if (sum == 0)
+        for (int k = 1; k <= 100000; k++) sum += pow(k, -a);
+    double left = sum * (rand() / (RAND_MAX + 1.0));
+    int size = 1;
+    while (size < 100000 && (left -= pow(size, -a)) > 0) size++;
+    return size;
+}
+
+static void the_slope_of_bursts_is_that_of_the_law_they_are_drawn_from(void **state) {
+    (void)state;
+    static const char *const names[] = {"strain", "stress", "broken_tension", "broken_shear"};
+    enum { BURSTS = 2000 };
+    const double b = 1.2; /* N(>= n) ~ n^-b: sizes n^-(b + 1) */
+    table t = table_of(names, 4);
+    double broken = 0;
+    srand(3);
+    for (int k = 0; k < 2 * BURSTS; k++) {
+        if (k % 2) broken += drawn_size(b + 1);
+        double row[] = {k, k, broken, 0};
+        memcpy(t.row, row, sizeof row);
+        put(&t);
+    }
+    gn_readings r = read_as(&t, (gn_tested){.kind = GN_TEST_COMPRESSION});
+    assert_true(r.events == BURSTS);
+    /* Three standard errors, b/sqrt(n) (Aki 1965). */
+    assert_true(fabs(r.b_value - b) < 3 * b / sqrt(BURSTS));
+}
+
+static void an_oedometer_reads_its_modulus_and_lateral_ratio(void **state) {
+    (void)state;
+    static const char *const names[] = {"strain", "stress", "stress_xx", "stress_yy", "stress_zz"};
+    table t = table_of(names, 5);
+    for (int k = 0; k <= 100; k++) {
+        double row[] = {0.01 * k, 5.0 * k, -1.0 * k, -2.0 * k, -5.0 * k};
+        memcpy(t.row, row, sizeof row);
+        put(&t);
+    }
+    gn_readings r = read_as(&t, (gn_tested){.kind = GN_TEST_OEDOMETER});
+    assert_close(r.oedometric_modulus, 500, 1e-12);
+    assert_close(r.lateral_stress_ratio, 0.3, 1e-12);
+}
+
+static void a_confined_strength_adds_the_pressure_at_the_peak(void **state) {
+    (void)state;
+    static const char *const names[] = {
+        "strain",         "stress",         "membrane_pressure", "volumetric_strain",
+        "lateral_strain", "broken_tension", "broken_shear"};
+    table t = table_of(names, 7);
+    for (int k = 0; k <= 100; k++) {
+        double row[] = {k, k < 80 ? k : 40, 7, 0.1 * k, -0.2 * k, k > 50, 0};
+        memcpy(t.row, row, sizeof row);
+        put(&t);
+    }
+    gn_readings r = read_as(&t, (gn_tested){.kind = GN_TEST_TRIAXIAL});
+    assert_close(r.axial_strength, 86, 1e-12);
+    assert_close(r.confinement, 7, 1e-12);
+    assert_close(r.volumetric_strain_at_peak, 7.9, 1e-12);
+    assert_close(r.lateral_strain_at_peak, -15.8, 1e-12);
+}
+
+int main(void) {
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(moduli_are_slopes_over_the_ranges_that_are_said),
+        cmocka_unit_test(cracks_begin_where_one_in_a_hundred_of_them_has_come),
+        cmocka_unit_test(damage_begins_where_the_volume_is_least),
+        cmocka_unit_test(brittleness_is_what_the_stress_lost_of_its_peak),
+        cmocka_unit_test(too_few_broken_bonds_have_no_first_hundredth),
+        cmocka_unit_test(fracture_energy_is_the_area_under_the_curve_over_the_section),
+        cmocka_unit_test(readings_of_other_tests_are_absent_for_that),
+        cmocka_unit_test(the_slope_of_bursts_is_that_of_the_law_they_are_drawn_from),
+        cmocka_unit_test(an_oedometer_reads_its_modulus_and_lateral_ratio),
+        cmocka_unit_test(a_confined_strength_adds_the_pressure_at_the_peak),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}

@@ -1,0 +1,334 @@
+"""What a laboratory test by name shows in its report: the readings that belong to it as tiles, its curves, when and where
+bonds broke, the specimen before, at and after the peak."""
+import json
+import os
+import re
+
+import h5py
+import matplotlib
+
+matplotlib.use("Agg")
+import matplotlib.pyplot as plt
+import numpy as np
+
+from report_curves import BLUE, GREY, INK, RED, abscissa, new_axes, save, style_for
+from report_pictures import Specimen, Surface, cut, color_bar, draw_circles, panels, scale_bar
+from report_results import scale_of
+
+MODULUS = (("young_modulus", "Young's modulus"), ("poisson_ratio", "Poisson's ratio"))
+PEAK = (("peak_stress", "peak stress"), ("peak_strain", "strain at the peak"))
+CARDS = {
+    "brazilian": (("indirect_tensile_strength", "indirect tensile strength"), ("centre_tension", "tension in the middle at the peak"),
+                  ("centre_ratio", "tension in the middle over 2P/πDt"), ("centre_compression_ratio", "pressure in the middle over 2P/πDt")),
+    "bending": (("flexural_strength", "flexural strength"), ("flexural_modulus", "flexural modulus"),
+                ("fracture_energy", "fracture energy"), ("opening_at_peak", "opening at the peak")),
+    "triaxial": (("axial_strength", "axial strength"), ("peak_stress", "deviator at the peak"), ("confinement", "confinement"),
+                 *MODULUS),
+    "hydrostatic": (("bulk_modulus", "bulk modulus"), ("largest_stress", "largest mean pressure")),
+    "oedometer": (("oedometric_modulus", "oedometric modulus"), ("lateral_stress_ratio", "lateral over axial stress"),
+                  ("largest_stress", "largest stress")),
+    "shear": (("shear_strength", "shear strength"), ("normal_stress_at_peak", "normal stress at the peak"),
+              ("shear_modulus", "shear modulus"), ("dilation_at_peak", "dilation at the peak")),
+}
+CARDS["biaxial"] = CARDS["triaxial"]
+
+
+def cards_of(results):
+    return CARDS.get(results.test_kind, MODULUS + PEAK)
+
+
+# --- curves --------------------------------------------------------------------------------------------
+
+def plot_confined(results, path):
+    """Deviator and loss of volume over the axial strain."""
+    strain, stress, volume = (results.column(n) for n in ("strain", "stress", "volumetric_strain"))
+    if strain is None or stress is None or volume is None or results.test_kind == "hydrostatic":
+        return None
+    factor, unit = scale_of(stress, "Pa")
+    figure, (above, below) = plt.subplots(2, 1, figsize=(6.4, 5.2), sharex=True, constrained_layout=True,
+                                          gridspec_kw={"height_ratios": [2, 1]})
+    above.set_title("Deviator and volume")
+    above.plot(100 * strain, stress / factor, color=INK, **style_for(stress))
+    above.set_ylabel(f"deviator [{unit}]")
+    below.plot(100 * strain, 100 * volume, color=BLUE, label="volumetric", **style_for(volume))
+    lateral = results.column("lateral_strain")
+    if lateral is not None:
+        below.plot(100 * strain, 100 * lateral, color=RED, label="lateral", **style_for(lateral))
+    below.set_xlabel("axial strain [%]")
+    below.set_ylabel("strain [%]")
+    below.legend(loc="best")
+    save(figure, path)
+    return "Deviator, loss of volume and lateral strain (averages of the specimen, compression positive) over the platen strain."
+
+
+def plot_opening(results, path):
+    force, opening = results.column("force"), results.column("opening")
+    if force is None or opening is None:
+        return None
+    f_factor, f_unit = scale_of(force, "N")
+    o_factor, o_unit = scale_of(opening, "m")
+    figure, axes = new_axes("Force and opening", f"opening [{o_unit}]", f"force [{f_unit}]", 3.2)
+    axes.plot(opening / o_factor, force / f_factor, color=INK, **style_for(force))
+    save(figure, path)
+    return "Mean force of both ends over the opening of the gauge."
+
+
+def plot_centre(results, path):
+    """The stress about the middle of a disc, over the one that theory has there."""
+    stress = results.column("stress")
+    parts = [(n, results.column("centre_stress_" + n)) for n in ("xx", "yy")]
+    if stress is None or any(v is None for _, v in parts):
+        return None
+    factor, unit = scale_of(np.concatenate([stress] + [v for _, v in parts]), "Pa")
+    figure, axes = new_axes("The middle of the disc", f"2P/(πDt) [{unit}]", f"mean stress, tension positive [{unit}]")
+    top = np.nanmax(stress) / factor
+    for slope, label in ((1, "across, between line loads"), (-3, "along, between line loads")):
+        axes.plot([0, top], [0, slope * top], color=GREY, lw=1, dashes=(6, 2), label=label)
+    rows = np.arange(len(stress)) <= np.nanargmax(stress)
+    for (name, values), color in zip(parts, (RED, BLUE)):
+        axes.plot(stress[rows] / factor, values[rows] / factor, color=color, label=f"σ$_{{{name}}}$", **style_for(values))
+    axes.legend(loc="best")
+    save(figure, path)
+    return "Mean stress about the middle of the disc up to the peak, beside Hondros' for two line loads (dashed)."
+
+
+def plot_shear(results, path):
+    strain, normal, dilation = (results.column(n) for n in ("strain", "normal_stress", "dilation"))
+    if strain is None or normal is None or dilation is None:
+        return None
+    n_factor, n_unit = scale_of(normal, "Pa")
+    d_factor, d_unit = scale_of(dilation, "m")
+    figure, (above, below) = plt.subplots(2, 1, figsize=(6.4, 4.4), sharex=True, constrained_layout=True)
+    above.set_title("Normal stress and dilation")
+    above.plot(100 * strain, normal / n_factor, color=INK, **style_for(normal))
+    above.set_ylabel(f"normal stress [{n_unit}]")
+    below.plot(100 * strain, dilation / d_factor, color=BLUE, **style_for(dilation))
+    below.set_ylabel(f"dilation [{d_unit}]")
+    below.set_xlabel("shear strain [%]")
+    save(figure, path)
+    return "Across the sheared plane: stress, and how far the ends came apart."
+
+
+def plot_events(results, path):
+    """Bonds that break per row, as the rate of acoustic events is shown."""
+    x, label = abscissa(results)
+    tension, shear = results.column("broken_tension"), results.column("broken_shear")
+    if x is None or tension is None or shear is None or results.rows < 3:
+        return None
+    rate = np.maximum(0, np.diff(tension)), np.maximum(0, np.diff(shear))
+    if not np.nansum(rate[0] + rate[1]) > 0:
+        return None
+    there = np.isfinite(x[1:])
+    count = int(there.sum())
+    if count < 2:
+        return None
+    bins = min(120, count)
+    group = (np.arange(count) * bins) // count
+    at, rate = x[1:][there], [values[there] for values in rate]
+    centre = np.array([at[group == k].mean() for k in range(bins)])
+    width = (np.ptp(at) or 1.0) / bins
+    figure, axes = new_axes("Breaking bonds", label, "bonds that break per interval", 3.2)
+    bottom = np.zeros(bins)
+    for values, color, name in ((rate[0], RED, "in tension"), (rate[1], BLUE, "in shear")):
+        height = np.array([np.nansum(values[group == k]) for k in range(bins)])
+        axes.bar(centre, height, width=width, bottom=bottom, color=color, label=name)
+        bottom += height
+    axes.legend(loc="upper left")
+    save(figure, path)
+    return f"Bonds that broke in each of {bins} equal intervals of the history, by cause."
+
+
+def broken_normals(results):
+    """Directions of the bonds that broke, as they are at the end; None where there are none."""
+    state, position = results.bond_state, results.particle("position")
+    if position is None or "i" not in results.bonds or not np.isin(state, (1, 2)).any():
+        return None
+    i, j = (np.asarray(results.bonds[k].value, int).reshape(-1) for k in ("i", "j"))
+    displacement = results.particle("displacement")
+    start = np.asarray(position, float) - (0 if displacement is None else np.asarray(displacement, float))
+    branch = np.pad(start.reshape(len(start), -1), ((0, 0), (0, 2)))[:, :3]
+    branch = (branch[j] - branch[i])[np.isin(state, (1, 2))]
+    length = np.linalg.norm(branch, axis=1)
+    good = np.isfinite(length) & (length > 0)
+    return branch[good] / length[good, None] if good.any() else None
+
+
+def plot_rose(results, path):
+    """Cracks by their angle with the axis of the test: a bond that broke is a crack across it."""
+    normals = broken_normals(results)
+    if normals is None:
+        return None
+    axis = 1 if results.dimension == 2 else results.test_axis()
+    along = np.abs(normals[:, axis])
+    angle = np.degrees(np.arcsin(np.clip(along, 0, 1)))  # of the crack's plane with the axis
+    edges = np.linspace(0, 90, 19)
+    counts, _ = np.histogram(angle, edges)
+    sines = np.sin(np.radians(edges))
+    share = np.diff(edges) / 90 if results.dimension == 2 else np.diff(sines)  # of directions alike
+    figure = plt.figure(figsize=(4.6, 4.0), constrained_layout=True)
+    axes = figure.add_subplot(projection="polar")
+    axes.set_theta_zero_location("N")
+    axes.set_theta_direction(-1)
+    axes.set_thetamin(0)
+    axes.set_thetamax(90)
+    density = counts / share / counts.sum()
+    axes.bar(np.radians(0.5 * (edges[1:] + edges[:-1])), density, width=np.radians(5), color=RED, alpha=0.8)
+    axes.plot(np.radians(np.linspace(0, 90, 50)), np.ones(50), color=GREY, lw=1)
+    axes.set_title("Directions of cracks")
+    save(figure, path)
+    return (f"{counts.sum()} broken bonds by the angle of their crack with the axis {'xyz'[axis]}, at the places of the start; 1 "
+            "(grey): as many as if all directions were alike.")
+
+
+def fragment_sizes(results):
+    """Particles in the pieces that bonds still hold, the largest first; None without bonds."""
+    state, count = results.bond_state, results.particle_count
+    if not len(state) or "i" not in results.bonds:
+        return None
+    holds = np.isin(state, (0, 4, 5))
+    i, j = (np.asarray(results.bonds[k].value, int).reshape(-1)[holds] for k in ("i", "j"))
+    label = np.arange(count)
+    while True:
+        least = np.minimum(label[i], label[j])
+        new = label.copy()
+        np.minimum.at(new, i, least)
+        np.minimum.at(new, j, least)
+        new = new[new]
+        if np.array_equal(new, label):
+            break
+        label = new
+    return np.sort(np.bincount(label)[np.unique(label)])[::-1]
+
+
+def plot_fragments(results, path):
+    sizes = fragment_sizes(results)
+    if sizes is None or len(sizes) < 2:
+        return None
+    figure, axes = new_axes("Fragments", "particles in a fragment", "fragments with as many or more", 3.2)
+    axes.loglog(sizes, np.arange(1, len(sizes) + 1), "o", color=INK, ms=3)
+    save(figure, path)
+    return f"{len(sizes)} pieces that bonds hold at the end, single particles among them; the largest has {sizes[0]} particles."
+
+
+CURVES = {
+    "confined": plot_confined,
+    "force_opening": plot_opening,
+    "centre": plot_centre,
+    "shear": plot_shear,
+    "events": plot_events,
+    "rose": plot_rose,
+    "fragments": plot_fragments,
+}
+STATES = ("rose", "fragments")  # of the end, whatever the history holds
+
+
+# --- before, at and after the peak ----------------------------------------------------------------------
+
+def snapshots(folder):
+    """[(time, path)] of particles; empty where there are none."""
+    try:
+        with open(os.path.join(folder, "particles.hdf.series"), encoding="utf-8") as file:
+            entries = json.load(file)["files"]
+    except (OSError, ValueError, KeyError):
+        return []
+    return [(e["time"], os.path.join(folder, e["name"])) for e in entries if os.path.exists(os.path.join(folder, e["name"]))]
+
+
+class At:
+    """Results with the particles of a snapshot."""
+
+    def __init__(self, results, path):
+        self._results = results
+        with h5py.File(path, "r") as file:
+            grid = file["VTKHDF"]
+            self._found = {"position": grid["Points"][()]}
+            for name in ("radius", "displacement", "damage", "removed"):
+                if "PointData/" + name in grid:
+                    self._found[name] = grid["PointData/" + name][()]
+
+    def particle(self, name):
+        return self._found.get(name)
+
+    def __getattr__(self, name):
+        return getattr(self._results, name)
+
+
+def moments(results, folder):
+    """[(title, results)]: the first snapshot, the nearest to the peak, the last."""
+    time, stress = results.column("time"), results.column("stress")
+    taken = snapshots(folder)
+    if time is None or stress is None or len(taken) < 3 or not results.particle_count:
+        return []
+    peak = time[int(np.nanargmax(stress))]
+    nearest = min(taken, key=lambda entry: abs(entry[0] - peak))
+    chosen = []
+    for title, (at, path) in (("before", taken[0]), ("near the peak", nearest), ("at the end", taken[-1])):
+        factor, unit = scale_of([max(taken[-1][0], 1e-30)], "s")
+        try:
+            chosen.append((f"{title}, {at / factor:.3g} {unit}", At(results, path)))
+        except (OSError, KeyError):
+            return []
+    return chosen
+
+
+def plot_moments(results, folder, path):
+    chosen = [(title, Specimen(at)) for title, at in moments(results, folder)]
+    if not chosen or any(s.count == 0 for _, s in chosen):
+        return None
+    last = chosen[-1][1]
+    colorings = [s.colorings()[0] for _, s in chosen]
+    _, _, colors, norm, label = last.colorings()[0]
+    size = (last.upper - last.lower)[:2]
+    figure, axes = panels(3, size[0] / size[1], min(4.6, 1.2 + 7.0 * size[1] / size[0]))
+    factors = [s.displacement_scale()[0] for _, s in chosen]
+    for a, (title, specimen), (name, values, *_), factor in zip(axes, chosen, colorings, factors):
+        if name == "Displacement":
+            values = values * factor / factors[-1]
+        left, right, bottom, top = specimen.window()
+        if specimen.flat:
+            index, centres, radii = cut(specimen)
+            draw_circles(a, centres, radii, colors(norm(values[index])), "#00000055")
+            a.set_xlim(left, right)
+            a.set_ylim(bottom, top)
+            scale_bar(a, np.array([left, bottom]), np.array([right, top]))
+        else:
+            surface = Surface(specimen)
+            a.imshow(surface.colored(colors(norm(values))), origin="lower", interpolation="antialiased",
+                     extent=(surface.low[0], surface.high[0], surface.low[1], surface.high[1]))
+            a.axis("off")
+            scale_bar(a, surface.low, surface.high)
+        a.set_title(title)
+    color_bar(figure, axes[-1], norm, colors, label, "neither")
+    save(figure, path)
+    return "The specimen at the first snapshot, at the one nearest to the peak and at the last."
+
+
+# --- parameters and tables -------------------------------------------------------------------------------
+
+def parameters(results):
+    """(what, value) that a reader wants to know first: of the scene's test, materials, bonds, damping, membrane."""
+    rows = []
+    for section in ("test", "membrane", "materials", "law", "bonds", "damping"):
+        block = re.search(rf"^{section}:\n(.*?)(?=^\S|\Z)", results.scene, re.MULTILINE | re.DOTALL)
+        for line in block[1].splitlines() if block else []:
+            key, _, value = line.strip().lstrip("- ").partition(": ")
+            value = value.strip().strip('"')
+            if value and value not in ("none", "auto", "off", "same", "free", "test", "false"):
+                rows.append((f"{section} · {key.replace('_', ' ')}", value))
+    return rows
+
+
+def write_csv(results, folder):
+    """The history beside the page: a column each, with its unit in the head."""
+    if not results.rows:
+        return None
+    names = list(results.history)
+    table = np.stack([results.history[n].value for n in names], axis=1)
+    path = os.path.join(folder, "report.csv")
+    head = ",".join(f"{n} [{results.history[n].unit}]" for n in names)
+    np.savetxt(path + ".tmp", table, delimiter=",", header=head, comments="", fmt="%.10g")
+    os.replace(path + ".tmp", path)
+    return path
+
+
+__all__ = ["CURVES", "STATES", "cards_of", "parameters", "plot_moments", "write_csv"]
