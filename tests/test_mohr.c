@@ -144,10 +144,6 @@ static void without_its_keys_the_linear_kernel_runs(void **state) {
     assert_int_equal(w->effects & (GN_FX_MOHR | GN_FX_COUPLED_LINEAR | GN_FX_COUPLED_QUADRATIC), 0);
     assert_null(w->dem.bonds.mu1);
     world_end(w);
-    /* Nothing to couple with: shear strength that no normal force changes. */
-    w = crush(3, ", bond_friction: 0", ", coupling: linear", 1, "double");
-    assert_int_equal(w->effects & GN_FX_MOHR, 0);
-    world_end(w);
 }
 
 static void a_vanishing_friction_of_bonds_is_the_linear_law(void **state) {
@@ -275,6 +271,12 @@ static void bad_values_are_refused_where_they_stand(void **state) {
         {"bond_friction: 0.5 N", "stiffness: uniform", "s.yaml:2:89: materials[0].bond_friction"},
         {"friction: 1", "stiffness: uniform, coupling: cubic",
          "s.yaml:3:37: law.coupling: expected one of none, quadratic, linear, found 'cubic'"},
+        {"bond_friction: 0", "stiffness: uniform, coupling: linear",
+         "s.yaml:3:37: law.coupling: expected a bond_friction above 0"},
+        {"bond_friction: 0", "stiffness: uniform, confinement: mean",
+         "s.yaml:3:40: law.confinement: expected a bond_friction above 0"},
+        {"bond_friction: 1", "stiffness: uniform, confinement: all",
+         "s.yaml:3:40: law.confinement: expected one of own, mean, found 'all'"},
     };
     for (size_t k = 0; k < sizeof bad / sizeof *bad; k++) {
         char words[1024];
@@ -282,8 +284,9 @@ static void bad_values_are_refused_where_they_stand(void **state) {
         gneiss_error error = {0};
         snprintf(words, sizeof words,
                  "specimen: {particles: [[0, 0, 0, 1e-3]]}\n"
-                 "materials: [{name: m, density: 2500, normal_stiffness: 1e7, kratio: 2.5, %s}]\n"
-                 "law: {%s}\ntime: {end: 1}\n",
+                 "materials: [{name: m, density: 2500, normal_stiffness: 1e7, kratio: 2.5, %s, "
+                 "bond_tension_limit: 1, bond_shear_limit: 1}]\n"
+                 "law: {%s}\nbonds: {}\ntime: {end: 1}\n",
                  bad[k].material, bad[k].law);
         assert_int_equal(world_try(&w, words, NULL, &error), GNEISS_ERROR_INPUT);
         if (!strstr(error.message, bad[k].says)) fail_msg("%s", error.message);
