@@ -116,6 +116,23 @@ def put_state(writer, position, radius, dimension, with_bonds):
         writer.put("bonds/broken_time", np.where(broken, 3.4e-3, np.nan), "s")
 
 
+WITH_EVENTS = ("cylinder", "disc")
+
+
+def put_events(writer):
+    """Breaks late in the run; of those that soften too, whose bonds are in the state that the report draws."""
+    time = np.asarray(writer.file["history/time"])
+    state = np.asarray(writer.file["bonds/state"])
+    state[:40][state[:40] == 0] = 4
+    state[40:60][state[40:60] == 0] = 5
+    writer.file["bonds/state"][...] = state
+    some = np.flatnonzero(state)
+    writer.put("events/time", np.sort(time[-1] * np.random.default_rng(7).random(len(some)) ** 0.3), "s")
+    writer.put("events/cause", state[some])
+    for name in "ij":
+        writer.put(f"events/{name}", np.asarray(writer.file[f"bonds/{name}"])[some])
+
+
 def put_readings(writer, missing):
     nan = float("nan")
     for name, value, unit in (("young_modulus", 18.1e9, "Pa"), ("poisson_ratio", 0.17, "1"),
@@ -166,6 +183,8 @@ def make(kind, path, packing=None):
         position, radius = lattice(dimension)
     if kind != "no_particles":
         put_state(writer, position, radius, dimension, with_bonds)
+    if kind in WITH_EVENTS:
+        put_events(writer)
     put_readings(writer, missing)
     for name, seconds in (("contacts", 12.1), ("gather", 3.2), ("motion", 2.1), ("neighbours", 0.8), ("measure", 0.4),
                           ("output", 0.2)):

@@ -26,7 +26,8 @@ ENVIRONMENT = {**os.environ, "OMP_WAIT_POLICY": "passive",
 KINDS = ("lattice", "gas", "periodic", "sizes", "bodies", "elements", "bonds")
 AXES = "xyz"
 # Seeds that go bad, and why {seed: reason}: left open.
-OPEN = {}
+OPEN = {seed: "crowds without dampers whose friction slides while they vibrate near the step's limit: safety 0.6 closes the ledger"
+        for seed in (560, 1673)}
 
 
 class Draw(random.Random):
@@ -148,6 +149,7 @@ class Maker:
         if d.chance(0.15):
             self.far()
         self.by_area(Draw(f"gneiss by area {seed}"))
+        self.bond_laws(Draw(f"gneiss laws of bonds {seed}"))
 
     # Small and large ones in one scene, or all of nearly one size.
     def particles(self):
@@ -246,6 +248,55 @@ class Maker:
             materials[0]["stiffness_scatter"] = {"distribution": "normal", "deviation": d.uniform(0.01, 0.3)}
         if d.chance(0.15):
             self.scene["contacts"] = [{"between": materials[-1]["name"], "friction": d.uniform(0, 1)}]
+
+    def bond_laws(self, d):
+        """Friction of bonds, couplings, softening and yield, with draws apart; where bonds have moments what goes with those."""
+        materials, law, beams = self.scene["materials"], self.scene["law"], "radius_multiplier" in self.scene.get("bonds", {})
+        if not self.bonded or not d.chance(0.6) or not all(m.get("kratio") or m.get("beta") for m in materials):
+            return
+        if d.chance(0.7):
+            for m in materials:
+                m["bond_friction"] = d.log(0.05, 2)
+            law["coupling"] = d.choice(("none", "linear") if beams else ("none", "quadratic", "linear"))
+            law["confinement"] = d.choice(("own", "own", "mean"))
+        elif not beams:
+            law["coupling"] = d.choice(("none", "quadratic"))
+        if d.chance(0.2):
+            self.scene["output"]["events"] = "off"
+        if beams:
+            return
+        law["softening"] = d.choice(("none", "energy", "strain", "ratio"))
+        for m in materials:
+            self.softening_of(m, law["softening"], d)
+        if d.chance(0.4):
+            self.yield_of(d.choice(materials), d)
+
+    def softening_of(self, m, softening, d):
+        """Over 0.01 to 50 times the elastic stretch, of a bond of the largest particles; some too short to soften at all."""
+        width, wide = 2 * self.r, 1 + d.log(0.01, 50)
+        if self.uniform:
+            strength, strain = m["bond_tension_limit"] / width ** (self.dim - 1), m["bond_tension_limit"] / self.k / width
+        else:
+            strength = m["tensile_strength"]
+            strain = strength / (m.get("contact_modulus") or m["young"] * m["alpha"])
+        across = wide * d.log(0.3, 10)
+        if softening == "ratio":
+            m["fracture_ratio"] = wide - 1
+        elif softening == "strain":
+            m["fracture_strain"] = strain * wide
+            if d.chance(0.7):
+                m["shear_fracture_strain"] = strain * across
+        elif softening == "energy":
+            m["fracture_energy"] = 0.5 * strength * strain * width * wide
+            if d.chance(0.7):
+                m["shear_fracture_energy"] = 0.5 * strength * strain * width * across
+
+    def yield_of(self, m, d):
+        stress = m["bond_tension_limit"] / (2 * self.r) ** (self.dim - 1) if self.uniform else m["tensile_strength"]
+        ratio = 1.0
+        for k in range(d.randint(1, 3)):
+            stress, ratio = stress * d.log(1.05 if k else 0.1, 10), ratio * d.log(1, 5)
+            m.update({f"yield_stress_{k + 1}": stress, f"yield_ratio_{k + 1}": ratio})
 
     def count(self):
         if not self.lattice:

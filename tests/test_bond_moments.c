@@ -695,8 +695,11 @@ static void bad_values_are_refused_where_they_stand(void **state) {
                    "s.yaml:5:", "bonds.moment_share");
     expect_refusal("", "radius_multiplier: 1", "0", "s.yaml:3:", "materials[0].kratio");
     expect_refusal(", rotation: off", "radius_multiplier: 1", "2", "s.yaml:5:", "law.rotation");
-    expect_refusal(", coupling: linear", "radius_multiplier: 1", "2",
-                   "s.yaml:5:", "expected 0 beside law.coupling");
+    expect_refusal(", coupling: quadratic", "radius_multiplier: 1", "2",
+                   "s.yaml:5:", "expected 0 beside law.coupling: quadratic");
+    expect_refusal("", "moment_share: 0.5", "2", "s.yaml:5:", "expected a radius_multiplier");
+    expect_refusal(", rotation: off", "radius_multiplier: 1", "2",
+                   "s.yaml:5:", "expected 0 where particles do not spin");
 }
 
 int main(void) {

@@ -146,8 +146,9 @@ static void set_contact(bench *b, size_t c, uint64_t *at) {
 /* Effects that make no variants of their own, in turn. */
 static gn_effects with_options(gn_effects effects, uint64_t turn) {
     static const gn_effects couplings[] = {0, GN_FX_COUPLED_QUADRATIC, GN_FX_COUPLED_LINEAR};
-    static const gn_effects inelastic[] = {0, GN_FX_YIELD, GN_FX_COUPLED_LINEAR | GN_FX_YIELD};
-    if (effects & GN_FX_SOFTENING) return effects | inelastic[turn % 3];
+    static const gn_effects inelastic[] = {0, GN_FX_YIELD, GN_FX_COUPLED_LINEAR | GN_FX_YIELD,
+                                           GN_FX_COUPLED_QUADRATIC};
+    if (effects & GN_FX_SOFTENING) return effects | inelastic[turn % 4];
     return effects & GN_FX_MOHR ? effects | couplings[turn % 3] : effects;
 }
 

@@ -117,6 +117,136 @@ static void in_mixed_precision_a_bond_breaks_at_the_same_force(void **state) {
     }
 }
 
+/* --- with moments --- */
+
+/* As break_it, of a bond that carries moments: neither particle turns, so that it has none. */
+static broke break_beam(const char *coupling, double normal, const char *precision) {
+    char words[2048];
+    const char *still = "wx: 0, wy: 0, wz: 0";
+    double speed = normal / 1e7 / 1.00005e-4;
+    snprintf(
+        words, sizeof words,
+        "specimen: {particles: [[0, 0, 0, 1e-3], [2e-3, 0, 0, 1e-3]]}\n"
+        "materials: [{name: m, density: 2500, normal_stiffness: 1e7, kratio: 2.5, friction: 0.3,\n"
+        "  bond_tension_limit: 20, bond_shear_limit: 12, bond_friction: 0.5}]\n"
+        "law: {stiffness: uniform, coupling: %s}\nbonds: {radius_multiplier: 1}\n"
+        "sets:\n  - {name: held, select: {ids: [0]}, motion: {vx: 0, vy: 0, vz: 0, %s}}\n"
+        "  - {name: moved, select: {ids: [1]}, motion: {vx: [[0, %g], [1e-4, %g], [1.0001e-4, "
+        "0]], vy: [[0, 0], [1.0001e-4, 0], [1.0002e-4, 0.1]], vz: 0, %s}}\n"
+        "time: {step: 1e-8, end: 1}\nrun: {threads: 1, precision: %s}\n",
+        coupling, still, speed, speed, still, precision);
+    gn_world *w = world_of("%s", words);
+    assert_int_equal(w->effects & (GN_FX_MOHR | GN_FX_BOND_MOMENTS),
+                     GN_FX_MOHR | GN_FX_BOND_MOMENTS);
+    broke b = {0};
+    for (int k = 0; k < 60000 && !w->dem.bonds.cause[0]; k++) {
+        b.shear = tangential(&w->dem.bonds);
+        const double *at = w->dem.particles.pos;
+        b.normal = 1e7 * (hypot(at[4] - at[0], at[5] - at[1]) - 2e-3);
+        run_steps(w, 1);
+        b.cause = w->dem.bonds.cause[0];
+    }
+    world_end(w);
+    return b;
+}
+
+static void friction_strengthens_bonds_with_moments_alike(void **state) {
+    (void)state;
+    const char *const precisions[] = {"double", "mixed"};
+    for (int k = 0; k < 2; k++) {
+        broke pressed = break_beam("none", -40.0, precisions[k]);
+        broke pulled = break_beam("none", 15.0, precisions[k]);
+        broke coupled = break_beam("linear", 15.0, precisions[k]);
+        const broke *all[] = {&pressed, &pulled, &coupled};
+        const double strength[] = {12.0 - 0.5 * pressed.normal, 12.0, 12.0 - 0.5 * coupled.normal};
+        for (int c = 0; c < 3; c++) {
+            assert_int_equal(all[c]->cause, GN_BROKEN_SHEAR);
+            assert_near(all[c]->shear, strength[c] - 0.5 * step_force, 0.6 * step_force + 1e-4);
+        }
+    }
+}
+
+/* --- mean stress --- */
+
+/* Two rows of three discs; the outer ones move inwards by 1e-6 m, then the upper row goes sideways.
+ * The bonds between the rows carry nothing along; the middle one lies between particles with two
+ * pressed bonds of three, the outer ones with one of two. */
+static const char *const rows =
+    "dimension: 2\n"
+    "specimen: {particles: [[0, 0, 1e-3], [2e-3, 0, 1e-3], [4e-3, 0, 1e-3],\n"
+    "  [0, 2e-3, 1e-3], [2e-3, 2e-3, 1e-3], [4e-3, 2e-3, 1e-3]]}\n"
+    "materials: [{name: m, density: 2500, normal_stiffness: 1e7, kratio: 2.5, friction: 0.3,\n"
+    "  bond_tension_limit: 20, bond_shear_limit: 12, bond_friction: 0.9%s}]\n"
+    "law: {stiffness: uniform, rotation: off, confinement: %s%s}\nbonds: {}\n"
+    "sets:\n"
+    "  - {name: low, select: {ids: [0]}, motion: {vx: [[0, 0.01], [1e-4, 0.01], [1.0001e-4, 0]], "
+    "vy: "
+    "0}}\n"
+    "  - {name: mid, select: {ids: [1]}, motion: {vx: 0, vy: 0}}\n"
+    "  - {name: high, select: {ids: [2]}, motion: {vx: [[0, -0.01], [1e-4, -0.01], [1.0001e-4, "
+    "0]], "
+    "vy: 0}}\n"
+    "  - {name: low2, select: {ids: [3]}, motion: {vx: [[0, 0.01], [1e-4, 0.01], [1.0001e-4, "
+    "0.1]], "
+    "vy: 0}}\n"
+    "  - {name: mid2, select: {ids: [4]}, motion: {vx: [[0, 0], [1e-4, 0], [1.0001e-4, 0.1]], vy: "
+    "0}}\n"
+    "  - {name: high2, select: {ids: [5]}, motion: {vx: [[0, -0.01], [1e-4, -0.01], [1.0001e-4, "
+    "0.1]], vy: 0}}\n"
+    "time: {step: 1e-8, end: 1}\nrun: {threads: %d, precision: %s}\n";
+
+/* Times at which the bonds 0-3 and 1-4 broke in shear, as tangential forces; they grow by k_t v t.
+ */
+static void shear_at_breaks(const char *confinement, const char *precision, double force[2]) {
+    gn_world *w = world_of(rows, "", confinement, "", 1, precision);
+    run_steps(w, 25000);
+    const gn_contacts *b = &w->dem.bonds;
+    force[0] = force[1] = -1.0;
+    for (size_t c = 0; c < b->soa.count; c++) {
+        int32_t i = w->dem.particles.id[b->i[c]], j = w->dem.particles.id[b->j[c]];
+        int32_t low = i < j ? i : j, high = i < j ? j : i;
+        if (high != low + 3 || low > 1) continue;
+        assert_int_equal(b->cause[c], GN_BROKEN_SHEAR);
+        force[low] = 4e6 * 0.1 * (b->broken_time[c] - 1.00005e-4);
+    }
+    world_end(w);
+}
+
+/* A row's bonds carry 10 N each. The line between the rows turns by 1e-2 at most, which changes its
+ * length, and with it the pressure, by 5e-5 of itself: 1 N in 20; a quarter of a newton allowed. */
+static void friction_may_see_the_mean_stress_around_a_bond(void **state) {
+    (void)state;
+    for (int k = 0; k < 2; k++) {
+        double own[2], mean[2];
+        const char *precision = k ? "mixed" : "double";
+        shear_at_breaks("own", precision, own);
+        shear_at_breaks("mean", precision, mean);
+        for (int c = 0; c < 2; c++) assert_near(own[c], 12.0, 0.25);
+        assert_near(mean[0], 12.0 + 0.9 * 10.0 / 2.0, 0.25);
+        assert_near(mean[1], 12.0 + 0.9 * 2.0 * 10.0 / 3.0, 0.25);
+    }
+}
+
+static void the_mean_stress_is_the_same_for_any_threads_and_absent_else(void **state) {
+    (void)state;
+    gn_world *one = world_of(rows, "", "mean", "", 1, "double");
+    gn_world *two = world_of(rows, "", "mean", "", 2, "double");
+    gn_world *own = world_of(rows, "", "own", "", 1, "double");
+    run_steps(one, 12000);
+    run_steps(two, 12000);
+    assert_int_equal(gn_world_hash(one), gn_world_hash(two));
+    for (size_t c = 0; c < one->dem.bonds.soa.count; c++) {
+        assert_true(one->dem.bonds.confined[c] > 0.0);
+        assert_near(one->dem.bonds.confined[c], two->dem.bonds.confined[c], 0.0);
+    }
+    assert_null(own->dem.bonds.confined);
+    assert_null(own->dem.bonds.section);
+    assert_null(own->dem.around);
+    world_end(one);
+    world_end(two);
+    world_end(own);
+}
+
 /* --- scenes --- */
 
 static const char *const crushed =
@@ -143,10 +273,6 @@ static void without_its_keys_the_linear_kernel_runs(void **state) {
     gn_world *w = crush(3, "", "", 1, "double");
     assert_int_equal(w->effects & (GN_FX_MOHR | GN_FX_COUPLED_LINEAR | GN_FX_COUPLED_QUADRATIC), 0);
     assert_null(w->dem.bonds.mu1);
-    world_end(w);
-    /* Nothing to couple with: shear strength that no normal force changes. */
-    w = crush(3, ", bond_friction: 0", ", coupling: linear", 1, "double");
-    assert_int_equal(w->effects & GN_FX_MOHR, 0);
     world_end(w);
 }
 
@@ -275,6 +401,12 @@ static void bad_values_are_refused_where_they_stand(void **state) {
         {"bond_friction: 0.5 N", "stiffness: uniform", "s.yaml:2:89: materials[0].bond_friction"},
         {"friction: 1", "stiffness: uniform, coupling: cubic",
          "s.yaml:3:37: law.coupling: expected one of none, quadratic, linear, found 'cubic'"},
+        {"bond_friction: 0", "stiffness: uniform, coupling: linear",
+         "s.yaml:3:37: law.coupling: expected a bond_friction above 0"},
+        {"bond_friction: 0", "stiffness: uniform, confinement: mean",
+         "s.yaml:3:40: law.confinement: expected a bond_friction above 0"},
+        {"bond_friction: 1", "stiffness: uniform, confinement: all",
+         "s.yaml:3:40: law.confinement: expected one of own, mean, found 'all'"},
     };
     for (size_t k = 0; k < sizeof bad / sizeof *bad; k++) {
         char words[1024];
@@ -282,8 +414,9 @@ static void bad_values_are_refused_where_they_stand(void **state) {
         gneiss_error error = {0};
         snprintf(words, sizeof words,
                  "specimen: {particles: [[0, 0, 0, 1e-3]]}\n"
-                 "materials: [{name: m, density: 2500, normal_stiffness: 1e7, kratio: 2.5, %s}]\n"
-                 "law: {%s}\ntime: {end: 1}\n",
+                 "materials: [{name: m, density: 2500, normal_stiffness: 1e7, kratio: 2.5, %s, "
+                 "bond_tension_limit: 1, bond_shear_limit: 1}]\n"
+                 "law: {%s}\nbonds: {}\ntime: {end: 1}\n",
                  bad[k].material, bad[k].law);
         assert_int_equal(world_try(&w, words, NULL, &error), GNEISS_ERROR_INPUT);
         if (!strstr(error.message, bad[k].says)) fail_msg("%s", error.message);
@@ -297,6 +430,9 @@ int main(void) {
         cmocka_unit_test(quadratic_coupling_adds_the_squares_of_both_shares),
         cmocka_unit_test(linear_coupling_takes_the_friction_of_the_pull),
         cmocka_unit_test(in_mixed_precision_a_bond_breaks_at_the_same_force),
+        cmocka_unit_test(friction_strengthens_bonds_with_moments_alike),
+        cmocka_unit_test(friction_may_see_the_mean_stress_around_a_bond),
+        cmocka_unit_test(the_mean_stress_is_the_same_for_any_threads_and_absent_else),
         cmocka_unit_test(without_its_keys_the_linear_kernel_runs),
         cmocka_unit_test(a_vanishing_friction_of_bonds_is_the_linear_law),
         cmocka_unit_test(the_ledger_closes_while_bonds_break),

@@ -14,7 +14,7 @@ from types import SimpleNamespace
 import h5py
 import numpy as np
 
-from make_results import KINDS, PACKINGS, figures_of_quality, make, make_packing
+from make_results import KINDS, PACKINGS, WITH_EVENTS, figures_of_quality, make, make_packing
 
 TOOLS = os.path.join(os.path.dirname(os.path.abspath(__file__)), "..", "tools")
 sys.path.insert(0, TOOLS)
@@ -65,7 +65,8 @@ def expected_pictures(kind):
     dimension, rows, test, with_bonds, _, _ = KINDS[kind]
     expected = {"profile"}
     if rows:
-        expected |= {"broken_bonds", "energy", "unbalanced", "strains"} | ({"events"} if rows > 2 else set()) | ({"stress_strain"} if test else {"forces"})
+        expected |= {"broken_bonds", "energy", "unbalanced", "strains"} | ({"stress_strain"} if test else {"forces"})
+        expected |= {"events"} if kind in WITH_EVENTS else {"breaking"} if rows > 2 else set()
     if kind != "no_particles":
         expected |= {"slice"} | ({"surface"} if dimension == 3 else set()) | ({"rose", "fragments"} if with_bonds else set())
     return {name + ".png" for name in expected}

@@ -195,12 +195,14 @@ static void effects_are_what_the_scene_calls_for(void **state) {
     (void)state;
     assert_int_equal(effects_of(loaded("scenes/ucs-rock.yaml")),
                      GN_FX_SPACE | GN_FX_ROTATION | GN_FX_PAIRS | GN_FX_SHEAR | GN_FX_FRICTION |
-                         GN_FX_BONDS | GN_FX_NONVISCOUS_VECTOR | GN_FX_WALLS | GN_FX_ENERGY);
+                         GN_FX_BONDS | GN_FX_EVENTS | GN_FX_NONVISCOUS_VECTOR | GN_FX_WALLS |
+                         GN_FX_ENERGY);
     assert_int_equal(effects_of(loaded("tests/scenes/everything.yaml")),
                      GN_FX_SPACE | GN_FX_ROTATION | GN_FX_PAIRS | GN_FX_SHEAR | GN_FX_FRICTION |
-                         GN_FX_BONDS | GN_FX_CONTACT_DAMPING | GN_FX_VISCOUS | GN_FX_GRAVITY |
-                         GN_FX_APPLIED | GN_FX_PRESCRIBED | GN_FX_WALLS | GN_FX_WALL_SHEAR |
-                         GN_FX_PERIODIC | GN_FX_ORIENTATION | GN_FX_MIXED | GN_FX_ELEMENTS);
+                         GN_FX_BONDS | GN_FX_EVENTS | GN_FX_CONTACT_DAMPING | GN_FX_VISCOUS |
+                         GN_FX_GRAVITY | GN_FX_APPLIED | GN_FX_PRESCRIBED | GN_FX_WALLS |
+                         GN_FX_WALL_SHEAR | GN_FX_PERIODIC | GN_FX_ORIENTATION | GN_FX_MIXED |
+                         GN_FX_ELEMENTS);
     assert_int_equal(effects_of(loaded("tests/scenes/plane.yaml")),
                      GN_FX_ROTATION | GN_FX_PAIRS | GN_FX_NONVISCOUS_COMPONENT | GN_FX_GRAVITY |
                          GN_FX_APPLIED | GN_FX_PRESCRIBED | GN_FX_WALLS | GN_FX_ENERGY);

@@ -555,7 +555,7 @@ static const char *const busy =
     "yield_ratio_2: 7}\n"
     "  - {name: b, density: 2650, contact_modulus: 2e9, kratio: 3, friction: 0.3, "
     "tensile_strength: 2e6, shear_strength: 1e6, bond_friction: 0.2, fracture_energy: 10}\n"
-    "law: {stiffness: harmonic, coupling: linear, softening: energy}\n"
+    "law: {stiffness: harmonic, coupling: %s, confinement: %s, softening: energy}\n"
     "bonds: {interaction_range: 0.05}\n"
     "damping: {contact: {restitution: 0.8}, background: {model: viscous, coefficient: 100}}\n"
     "gravity: [0, -9.81, 0]\n"
@@ -568,12 +568,13 @@ static const char *const busy =
     "  - {name: high, point: [0, 12e-3, 0], normal: [0, -1, 0], stiffness: 1e6, motion: {vy: -4}}\n"
     "time: {end: 1}\noutput: {orientation: on}\nrun: {threads: %d, precision: %s}\n";
 
-static gn_run *busy_run(int dimension, int threads, const char *precision) {
+static gn_run *busy_run(int dimension, int threads, const char *precision, bool together) {
     char words[4096];
     gn_run *run = calloc(1, sizeof *run);
     gneiss_error error = {0};
     gn_scene scene;
     snprintf(words, sizeof words, busy, dimension, dimension == 3 ? "fcc" : "hexagonal",
+             together ? "quadratic" : "linear", together && dimension == 3 ? "mean" : "own",
              dimension == 3 ? ", -1" : "", dimension == 3 ? ", 1" : "", threads, precision);
     if (gn_scene_parse(words, "s.yaml", NULL, NULL, 0, &scene, &error) != GNEISS_OK ||
         gn_run_create(&scene, run, &error) != GNEISS_OK)
@@ -602,14 +603,15 @@ static void beside_all_else_threads_and_resumption_give_the_same_bits(void **sta
     int file = mkstemp(path);
     assert_true(file >= 0);
     close(file);
-    for (int k = 0; k < 4; k++) {
+    for (int k = 0; k < 8; k++) {
         const char *precision = k % 2 ? "mixed" : "double";
-        int dimension = 2 + k / 2;
+        int dimension = 2 + k / 2 % 2;
         gneiss_error error = {0};
-        gn_run *a = busy_run(dimension, 1, precision), *b = busy_run(dimension, 2, precision);
+        gn_run *a = busy_run(dimension, 1, precision, k / 4);
+        gn_run *b = busy_run(dimension, 2, precision, k / 4);
         gn_run *c = calloc(1, sizeof *c);
-        run_steps(&a->world, 300);
-        run_steps(&b->world, 300);
+        run_steps(&a->world, k < 4 ? 300 : 600);
+        run_steps(&b->world, k < 4 ? 300 : 600);
         if (gn_checkpoint_write(a, path, &error) != GNEISS_OK ||
             gn_checkpoint_load(path, NULL, 0, c, &error) != GNEISS_OK)
             fail_msg("%s", error.message);
@@ -673,6 +675,114 @@ static void a_pair_of_materials_has_a_fracture_energy_of_its_own(void **state) {
     world_end(w);
 }
 
+/* --- coupled by squares --- */
+
+/* Alone, either is the softening of bonds that are not coupled. */
+static void coupled_by_squares_either_alone_softens_as_uncoupled(void **state) {
+    (void)state;
+    for (int sheared = 0; sheared < 2; sheared++) {
+        bond *one = make(&concrete, 0), *both = make(&concrete, GN_FX_COUPLED_QUADRATIC);
+        uint64_t at = 3;
+        for (int k = 0; k < 80; k++) {
+            double to = uniform(&at, 0.0, 1e-6 + 1e-7 * k), side = uniform(&at, -1e-6, 2e-6);
+            move(one, sheared ? 0.0 : to, sheared ? side : 0.0, 0.0);
+            move(both, sheared ? 0.0 : to, sheared ? side : 0.0, 0.0);
+            assert_int_equal(one->k.cause[0], both->k.cause[0]);
+            if (one->k.cause[0]) break;
+            for (int a = 0; a < 2; a++) assert_near(both->force[a], one->force[a], 1e-10);
+            assert_near(both->lost, one->lost, 1e-12 * one->lost + 1e-17);
+        }
+        assert_int_equal(both->k.cause[0], sheared ? GN_BROKEN_SHEAR : GN_BROKEN_TENSION);
+        end(one);
+        end(both);
+    }
+}
+
+/* One bond by the function alone: a kernel turns the normal with what moves across. */
+typedef struct pure {
+    gn_softening_bond b;
+    gn_cause cause;
+    double u, f, t, work; /* normal and tangential force, trapezoidal work */
+} pure;
+
+static pure begin_pure(void) {
+    bond *t = make(&concrete, GN_FX_COUPLED_QUADRATIC);
+    pure p = {.b = gn_softening_bond_of(&t->k, 0)};
+    end(t);
+    return p;
+}
+
+static void go(pure *p, double u, double slip) {
+    double t[3] = {p->t + kt * slip, 0.0, 0.0}, f = kn * u, was = p->f, before = p->t;
+    if (u > 0.0) f *= p->b.soft;
+    p->cause = gn_soften(&p->b, u, &f, t);
+    p->f = p->cause ? 0.0 : f;
+    p->t = p->cause ? 0.0 : t[0];
+    p->work += 0.5 * (was + p->f) * (u - p->u) + 0.5 * (before + p->t) * slip;
+    p->u = u;
+}
+
+/* Opened and slipped along a straight line from the ellipse to (a u_f, b u_s): the forces keep
+ * their ratio and fall linearly with the way, so that a^2 G_n + b^2 G_t goes, whatever the steps.
+ */
+static void a_fixed_mix_of_both_dissipates_its_share_of_both_energies(void **state) {
+    (void)state;
+    for (int k = 1; k < 12; k++) {
+        double a = sin(0.125 * k), b = cos(0.125 * k),
+               made = 0.5 * (rn * a * a * uf + cohesion * b * b * us);
+        double from[2] = {a * rn / kn, b * cohesion / kt}, to[2] = {a * uf, b * us};
+        for (int steps = 1; steps <= 1000; steps *= 10) {
+            pure p = begin_pure();
+            const double nearly = 1.0 - 1e-6;
+            go(&p, from[0], from[1]);
+            for (int n = 1; n <= steps; n++) {
+                double share = nearly * n / steps;
+                go(&p, from[0] + share * (to[0] - from[0]), nearly / steps * (to[1] - from[1]));
+                assert_near(p.f, a * rn * (1.0 - share), 1e-11);
+                assert_near(p.t, b * cohesion * (1.0 - share), 1e-11);
+                assert_near(p.b.kappa, share, 1e-12);
+            }
+            const double beyond = 1.0 + 1e-9;
+            go(&p, from[0] + beyond * (to[0] - from[0]), (beyond - nearly) * (to[1] - from[1]));
+            assert_int_equal(p.cause, a > b ? GN_BROKEN_TENSION : GN_BROKEN_SHEAR);
+            assert_near(p.work, made, 1e-10 * made);
+        }
+    }
+}
+
+/* Whatever is done, pressed or pulled: never outside what is left of the ellipse, and what is lost
+ * never comes back but where a step leads from pressure past the strength or turns a force round.
+ * Damage in shear is damage in tension. */
+static void coupled_by_squares_forces_stay_within_what_is_left(void **state) {
+    (void)state;
+    uint64_t at = 29;
+    size_t softened = 0, steps = 0;
+    for (int path = 0; path < 1000; path++) {
+        pure p = begin_pure();
+        double lost = 0.0;
+        for (int k = 0; k < 60; k++) {
+            double to = uniform(&at, -2e-6, 3e-6), slip = uniform(&at, -1e-6, 1.5e-6);
+            bool onward = p.t * (p.t + kt * slip) >= 0.0;
+            if (to * p.u < 0.0) to = 0.0; /* not past the point of no force */
+            go(&p, to, slip);
+            if (p.cause) break;
+            double left = 1.0 - p.b.kappa, friction = left * mu1 + p.b.kappa * mu2;
+            double pull = fmax(0.0, p.f) / (left * rn);
+            double push = fabs(p.t) / (left * cohesion + friction * fmax(0.0, -p.f));
+            assert_true(hypot(pull, push) <= 1.0 + 1e-12);
+            assert_near(p.b.rn, left * rn, 1e-12 * rn);
+            assert_near(p.b.rt, left * cohesion, 1e-12 * cohesion);
+            assert_near(p.b.soft, left / (1.0 + 2.0 * p.b.kappa), 1e-12);
+            double now = p.work - 0.5 * p.f * p.u - 0.5 * p.t * p.t / kt;
+            if (onward) assert_true(now >= lost - energy_rounding);
+            lost = now;
+            softened += left < 1.0;
+            steps++;
+        }
+    }
+    assert_true(steps > 5000 && softened > 2000);
+}
+
 static void bad_values_are_refused_where_they_stand(void **state) {
     (void)state;
     static const struct {
@@ -686,9 +796,6 @@ static void bad_values_are_refused_where_they_stand(void **state) {
          "fracture_strain: required by softening strain, but not given"},
         {"fracture_energy: 5", ", softening: ratio",
          "fracture_ratio: required by softening ratio, but not given"},
-        {"fracture_energy: 5", ", softening: energy, coupling: quadratic",
-         "law.coupling: expected none or linear beside bonds that soften or yield, found "
-         "quadratic"},
         {"friction: 1", ", softening: soft", "law.softening: expected one of none, energy"},
         {"yield_stress_1: 5e6", "", "yield_ratio_1: required beside its yield_stress"},
         {"yield_ratio_1: 5", "", "yield_stress_1: required beside its yield_ratio"},
@@ -734,6 +841,9 @@ int main(void) {
         cmocka_unit_test(bonds_that_hold_more_than_they_may_dissipate_are_told),
         cmocka_unit_test(sections_are_those_of_the_law),
         cmocka_unit_test(a_pair_of_materials_has_a_fracture_energy_of_its_own),
+        cmocka_unit_test(coupled_by_squares_either_alone_softens_as_uncoupled),
+        cmocka_unit_test(a_fixed_mix_of_both_dissipates_its_share_of_both_energies),
+        cmocka_unit_test(coupled_by_squares_forces_stay_within_what_is_left),
         cmocka_unit_test(bad_values_are_refused_where_they_stand),
     };
     return cmocka_run_group_tests_name("softening", tests, NULL, NULL);

@@ -156,6 +156,31 @@ def plot_broken(results, path):
     return "Broken bonds so far by cause, with the stress (thin line) for orientation."
 
 
+EVENTS = ((4, "began to soften", "#e8c07d"), (5, "began to yield", "#8c510a"), (1, "broke in tension", RED), (2, "broke in shear", BLUE))
+
+
+def plot_events(results, path):
+    """Events of bonds per span of the run, by cause."""
+    x, label = abscissa(results)
+    time = results.column("time")
+    if x is None or time is None or "time" not in results.events or not len(results.events["time"].value):
+        return None
+    known = np.isfinite(x) & np.isfinite(time)
+    if np.count_nonzero(known) < 2 or np.ptp(x[known]) == 0:
+        return None
+    cause = np.asarray(results.events["cause"].value, int)
+    at = np.interp(np.asarray(results.events["time"].value, float), time[known], x[known])
+    edges = np.linspace(x[known].min(), x[known].max(), 81)
+    shown = [event for event in EVENTS if np.any(cause == event[0])]
+    figure, axes = new_axes("Events", label, "bonds per 1/80 of the run")
+    axes.hist([at[cause == number] for number, _, _ in shown], edges, stacked=True, color=[color for _, _, color in shown],
+              label=[f"{text} ({np.count_nonzero(cause == number)})" for number, text, _ in shown])
+    axes.margins(x=0.02)
+    axes.legend(loc="best")
+    save(figure, path)
+    return "How many bonds broke, and began to soften or to yield, as the test went on."
+
+
 def energy_columns(results):
     columns = {name[len("energy_"):]: c.value for name, c in results.history.items()
                if name.startswith("energy_") and name != "energy_residual"}
@@ -299,6 +324,7 @@ def plot_profile(results, path):
 CURVES = {
     "stress_strain": plot_stress,
     "broken_bonds": plot_broken,
+    "events": plot_events,
     "force_deflection": plot_deflection,
     "forces": plot_forces,
     "energy": plot_energy,

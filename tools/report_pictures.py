@@ -269,16 +269,22 @@ def draw_circles(axes, centres, radii, faces, edge):
                                           linewidths=0.25))
 
 
+# Bonds by state; those that still hold are thinner, under the others, and shown where there are some.
+CRACKS = ((5, "#8c510a", 0.7, "yielded"), (4, "#d99a2b", 0.9, "softening"), (1, RED, 1.3, "broken in tension"),
+          (2, BLUE, 1.3, "broken in shear"))
+
+
 def draw_cracks(axes, specimen, results):
-    """Draws the broken bonds by cause."""
+    """Draws the bonds that broke, soften or yielded."""
     if "i" not in results.bonds or "j" not in results.bonds:
         return
-    for state, color, label in ((1, RED, "tension"), (2, BLUE, "shear")):
+    for state, color, width, label in CRACKS:
         segments = cracks(specimen, results, state)
-        axes.add_collection(LineCollection(segments, colors=color, linewidths=1.3, capstyle="round"))
+        if state > 2 and not len(segments):
+            continue
+        axes.add_collection(LineCollection(segments, colors=color, linewidths=width, capstyle="round"))
         axes.plot([], [], color=color, lw=2, label=f"{label} ({len(segments)})")
-    axes.legend(loc="center left", bbox_to_anchor=(1.0, 0.5), title="bonds broken in", title_fontsize=9,
-                alignment="left")
+    axes.legend(loc="center left", bbox_to_anchor=(1.0, 0.5), title="bonds", title_fontsize=9, alignment="left")
 
 
 def plot_slice(specimen, results, path):
@@ -301,6 +307,6 @@ def plot_slice(specimen, results, path):
         scale_bar(a, np.array([left, bottom]), np.array([right, top]))
     save(figure, path)
     if specimen.flat:
-        return "The specimen at the end of the run." + (" Cracks: broken bonds, drawn across the bond." if with_cracks else "")
+        return "The specimen at the end of the run." + (" Cracks: bonds that broke, soften or yielded, drawn across the bond." if with_cracks else "")
     text = f"Slice through the middle, plane {specimen.names[0]}–{specimen.names[1]}: the circles are the cut spheres."
-    return text + (" Cracks: where the broken bonds' discs cross the slice." if with_cracks else "")
+    return text + (" Cracks: where the discs of bonds that broke, soften or yielded cross the slice." if with_cracks else "")

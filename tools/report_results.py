@@ -66,6 +66,7 @@ class Results:
         self.energy = _group(file, "energy")
         self.particles = _group(file, "particles")
         self.bonds = _group(file, "bonds")
+        self.events = _group(file, "events")
         self.nodes = _group(file, "nodes")
         self.elements = _group(file, "elements")
         self.profile = _group(file, "profile")

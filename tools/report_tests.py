@@ -109,11 +109,11 @@ def plot_shear(results, path):
     return "Across the sheared plane: stress, and how far the ends came apart."
 
 
-def plot_events(results, path):
-    """Bonds that break per row, as the rate of acoustic events is shown."""
+def plot_breaking(results, path):
+    """Bonds that break per row, as the rate of acoustic events is shown, where no list of events was kept."""
     x, label = abscissa(results)
     tension, shear = results.column("broken_tension"), results.column("broken_shear")
-    if x is None or tension is None or shear is None or results.rows < 3:
+    if x is None or tension is None or shear is None or results.rows < 3 or "time" in results.events:
         return None
     rate = np.maximum(0, np.diff(tension)), np.maximum(0, np.diff(shear))
     if not np.nansum(rate[0] + rate[1]) > 0:
@@ -215,7 +215,7 @@ CURVES = {
     "force_opening": plot_opening,
     "centre": plot_centre,
     "shear": plot_shear,
-    "events": plot_events,
+    "breaking": plot_breaking,
     "rose": plot_rose,
     "fragments": plot_fragments,
 }

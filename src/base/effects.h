@@ -41,7 +41,9 @@
     X(MASS_SCALING, mass_scaling, "particles heavier than they are, for a longer step")            \
     X(AREA, area, "bonds with sections of their own (laws by area)")                               \
     X(BOND_MOMENTS, bond_moments, "bending and twisting moments in bonds")                         \
-    X(MEMBRANE, membrane, "pressure on the surface of the specimen")
+    X(MEMBRANE, membrane, "pressure on the surface of the specimen")                               \
+    X(EVENTS, events, "a list of when and where bonds broke, began to soften or to yield")         \
+    X(CONFINED, confined, "bonds whose shear strength follows the mean stress around them")
 
 typedef enum gn_effect_index {
 #define X(NAME, name, text) GN_FX_INDEX_##NAME,

@@ -21,6 +21,11 @@ static inline double gn_smaller(double a, double b) {
 #define GN_OWN(pair, key, combined)                                                                \
     ((pair)->own && (pair)->own->key != GN_COMBINED ? (pair)->own->key : (combined))
 
+/* mu_1 of a bond: of two materials the weaker one, as with all strengths. */
+static inline double gn_bond_friction(const gn_law_pair *pair) {
+    return GN_OWN(pair, bond_friction, gn_smaller(pair->a->bond_friction, pair->b->bond_friction));
+}
+
 /* Uniform in (0, 1), the same for a lot and a seed whatever is asked when. */
 static inline double gn_drawn(uint64_t seed, uint64_t lot, uint64_t draw) {
     double u = 0.5 * (gn_random_symmetric(seed ^ draw * UINT64_C(0x9e3779b97f4a7c15), lot) + 1.0);

@@ -60,7 +60,8 @@ typedef struct gn_contact_args {
     X(double, force, "N", "sum of |f|; with `measure`")                                            \
     X(double, carrying, "1", "contacts that carry force; with `measure`")                          \
     X(int64_t, broken_tension, "1", "bonds broken in this step")                                   \
-    X(int64_t, broken_shear, "1", "bonds broken in this step")
+    X(int64_t, broken_shear, "1", "bonds broken in this step")                                     \
+    X(int64_t, began, "1", "bonds that began to soften or to yield in this step; with events")
 
 typedef struct gn_contact_sums {
 #define X(type, name, unit, text)             type name;
@@ -97,8 +98,8 @@ typedef void gn_contact_kernel(const gn_contact_args *args, size_t begin, size_t
  * law.h. */
 #define GN_LAWS(X)                                                                                 \
     X(softening, GN_FX_SOFTENING | GN_FX_MOHR, GN_LAW_OF_BONDS)                                    \
-    X(mohr, GN_FX_MOHR, GN_LAW_OF_BONDS)                                                           \
     X(beam, GN_FX_BOND_MOMENTS, GN_LAW_OF_BONDS)                                                   \
+    X(mohr, GN_FX_MOHR, GN_LAW_OF_BONDS)                                                           \
     X(linear, GN_FX_ALWAYS, GN_LAW_OF_ALL)
 enum { GN_LAW_OF_ALL, GN_LAW_OF_BONDS };
 

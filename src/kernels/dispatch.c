@@ -124,7 +124,9 @@ enum { OPTIONS = 32 };
 _Static_assert(COUNT(kinds) * OPTIONS == GN_CONTACT_VARIANTS, "all kinds with all options");
 _Static_assert(1 << COUNT(option_bits) == OPTIONS, "as many options as bits");
 
+/* Bonds with moments have the friction of others in them, where there is a column for it. */
 unsigned gn_contact_variant(gn_effects effects) {
+    if (effects & GN_FX_BOND_MOMENTS) effects &= ~(gn_effects)GN_FX_MOHR;
     for (unsigned k = 0; k < COUNT(kinds); k++)
         if (kinds[k].effects == (effects & makers))
             return OPTIONS * k + variant_of(option_bits, COUNT(option_bits), effects);

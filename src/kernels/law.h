@@ -160,6 +160,9 @@ gn_law_spring gn_linear_spring(const gn_contacts *list, size_t c, double overlap
 gn_law_held gn_linear_held(const gn_contacts *list, size_t c, double length, double stretch);
 void gn_linear_release(gn_contacts *list, size_t c);
 double gn_linear_criterion(const gn_contacts *list, size_t c, double normal, double shear);
+/* N, the shear strength of a bond under its normal force, with what pressure adds (law_mohr.c). */
+double gn_mohr_strength(const gn_contacts *list, size_t c, double normal);
+double gn_mohr_criterion(const gn_contacts *list, size_t c, double normal, double shear);
 bool gn_linear_slips(const gn_contacts *list, size_t c, double normal, double shear);
 gn_law_spring gn_linear_touch_spring(const gn_touch_side *side, double inverse_mass,
                                      double damping_fraction, double overlap);
@@ -167,6 +170,13 @@ double gn_linear_touch_stored(const gn_touch_side *side, double normal, double s
 double gn_linear_touch(const gn_touch_step *step, const gn_touch_side *side, const gn_touch *touch,
                        double *fd, double *shear, size_t stride, double t[3],
                        gn_contact_sums *sums);
+
+/* What the tables of laws share that are linear but for the strength of their bonds. */
+#define GN_LINEAR_FUNCTIONS                                                                        \
+    .derive = gn_linear_derive, .set_dashpot = gn_linear_set_dashpot,                              \
+    .meeting = gn_linear_meeting, .spring = gn_linear_spring, .slips = gn_linear_slips,            \
+    .touch_spring = gn_linear_touch_spring, .touch_stored = gn_linear_touch_stored,                \
+    .touch = gn_linear_touch
 
 /* What a bond that softens or yields has gone through. */
 typedef struct gn_bond_condition {

@@ -3,12 +3,13 @@
  * `bonds.radius_multiplier` times the smaller radius of the two particles (Potyondy and Cundall
  * 2004, eq. 9). */
 #include "base/vec3.h"
-#include "kernels/law.h"
+#include "kernels/combine.h"
 
 #include <math.h>
 
 static void beam_set(const gn_law_model *m, const gn_law_pair *pair, gn_contacts *list, size_t c) {
     gn_linear_set(m, pair, list, c);
+    if (list->mu1) list->mu1[c] = gn_bond_friction(pair);
     if (!list->beam) return;
     list->beam[c] = m->scene->bond_radius_multiplier * fmin(pair->ri, pair->rj);
     list->share[c] = m->scene->bond_moment_share;
@@ -46,6 +47,11 @@ static gn_law_moments beam_moments(const gn_contacts *list, size_t c, const doub
     return m;
 }
 
+static double criterion(const gn_contacts *list, size_t c, double normal, double shear) {
+    return list->mu1 ? gn_mohr_criterion(list, c, normal, shear)
+                     : gn_linear_criterion(list, c, normal, shear);
+}
+
 static void beam_release(gn_contacts *list, size_t c) {
     gn_linear_release(list, c);
     for (size_t a = 0; a < 3; a++) {
@@ -54,16 +60,6 @@ static void beam_release(gn_contacts *list, size_t c) {
     }
 }
 
-const gn_law gn_law_beam = {.derive = gn_linear_derive,
-                            .set = beam_set,
-                            .set_dashpot = gn_linear_set_dashpot,
-                            .meeting = gn_linear_meeting,
-                            .spring = gn_linear_spring,
-                            .held = gn_linear_held,
-                            .release = beam_release,
-                            .criterion = gn_linear_criterion,
-                            .slips = gn_linear_slips,
-                            .touch_spring = gn_linear_touch_spring,
-                            .touch_stored = gn_linear_touch_stored,
-                            .touch = gn_linear_touch,
-                            .moments = beam_moments};
+const gn_law gn_law_beam = {GN_LINEAR_FUNCTIONS,    .set = beam_set,
+                            .held = gn_linear_held, .release = beam_release,
+                            .criterion = criterion, .moments = beam_moments};

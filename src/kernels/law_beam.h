@@ -6,7 +6,8 @@
  * 2R x 1 m, k_n R^2/3 and no twist. Moments are incremental: k (w_j - w_i) dt, bending across the
  * normal and twist along it. The extreme fibre has the normal stress f_n/A + s |M_b| R/I and the
  * shear stress |F_t|/A + s |M_t| R/J, with s the share of moments in the strength, and the bond
- * breaks when they reach R_n/A or R_t/A.
+ * breaks when they reach R_n/A or R_t/A; with the friction of law_mohr.h, uncoupled or linear, R_t
+ * is R_t + mu_1 <-f_n>.
  *
  * Columns: those of the linear law and beam (R), share (s); state: moment, that on the first
  * particle, bending and twist together. In 2D only its third component is looked at. */
@@ -127,7 +128,12 @@ GN_INLINE void break_beams(const gn_contact_args *a, size_t c, size_t end, const
     gn_v bend2 = gn_pick(w.space, gn_dot(m->bend, m->bend, 1), m->bend.z * m->bend.z);
     q->intact = gn_less(zero, rn);
     gn_m in_tension = gn_or(gn_at_least(zero, left), gn_at_least(bent * bent * bend2, left * left));
-    left = radius * gn_load(COLUMN(k, rt) + c);
+    gn_v strength = gn_load(COLUMN(k, rt) + c);
+    if (COLUMN(k, mu1)) {
+        gn_v mu1 = gn_load(COLUMN(k, mu1) + gn_column_at(c, a->uniform.mu1));
+        strength = gn_max(gn_fma(mu1, pressed_of(a, c, q->elastic), strength), zero);
+    }
+    left = radius * strength;
     if (w.space) left = gn_fnma(gn_set(2.0) * share, gn_max(m->twist, zero - m->twist), left);
     gn_v pull2 = radius * radius * gn_dot(q->trial, q->trial, w.space);
     gn_m in_shear = gn_or(gn_at_least(zero, left), gn_at_least(pull2, left * left));
@@ -189,9 +195,11 @@ GN_INLINE contact_force beam_force(const gn_contact_args *a, size_t c, size_t en
     break_beams(a, c, end, &m, &q, sums, w);
     contact_force f = act_of(a, c, g, &q, e, w);
     if (__builtin_expect(gn_bits(gn_not(q.intact)) != 0, 0)) {
-        if (w.energy && gn_bits(q.breaking))
-            e->bond_breaking =
-                e->bond_breaking + gn_keep(q.breaking, released_moments(a, c, g, &m, w));
+        if (w.energy && gn_bits(q.breaking)) {
+            gn_v released = released_moments(a, c, g, &m, w);
+            e->bond_breaking = e->bond_breaking + gn_keep(q.breaking, released);
+            note_released(a, c, gn_bits(q.breaking), released);
+        }
         gn_v3 kept = {gn_keep(q.intact, moment.x), gn_keep(q.intact, moment.y),
                       gn_keep(q.intact, moment.z)};
         store_moment(a, c, kept, w);

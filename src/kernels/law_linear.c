@@ -123,6 +123,7 @@ void gn_linear_set(const gn_law_model *m, const gn_law_pair *pair, gn_contacts *
     if (list->cn) list->cn[c] = p.cn;
     if (list->rn) list->rn[c] = p.rn;
     if (list->rt) list->rt[c] = p.rt;
+    if (list->section) list->section[c] = gn_linear_section(m, pair);
 }
 
 void gn_linear_set_dashpot(const gn_law_model *m, const gn_law_pair *pair, gn_contacts *list,
@@ -336,15 +337,5 @@ double gn_linear_touch(const gn_touch_step *step, const gn_touch_side *side, con
     return total;
 }
 
-const gn_law gn_law_linear = {.derive = gn_linear_derive,
-                              .set = gn_linear_set,
-                              .set_dashpot = gn_linear_set_dashpot,
-                              .meeting = gn_linear_meeting,
-                              .spring = gn_linear_spring,
-                              .held = gn_linear_held,
-                              .release = gn_linear_release,
-                              .criterion = gn_linear_criterion,
-                              .slips = gn_linear_slips,
-                              .touch_spring = gn_linear_touch_spring,
-                              .touch_stored = gn_linear_touch_stored,
-                              .touch = gn_linear_touch};
+const gn_law gn_law_linear = {GN_LINEAR_FUNCTIONS, .set = gn_linear_set, .held = gn_linear_held,
+                              .release = gn_linear_release, .criterion = gn_linear_criterion};

@@ -18,6 +18,16 @@ GN_INLINE gn_v3 shear_trial(const gn_contact_args *a, const pair_geometry *p, co
     return gn_linear_shear(t, s->relative, kt, a->dt, p->n, angle, w.space && w.rotation, w.space);
 }
 
+/* Pressure that the friction of a bond sees: its own normal force, or that of the mean stress
+ * around it. Tension counts only where it takes from the strength. */
+GN_INLINE gn_v pressed_of(const gn_contact_args *a, size_t c, gn_v normal) {
+    const gn_contacts *k = a->contacts;
+    gn_v least = gn_set(k->soa.effects & GN_FX_COUPLED_LINEAR ? -(double)INFINITY : 0.0);
+    gn_v pressed = gn_set(0.0) - normal;
+    if (k->soa.effects & GN_FX_CONFINED) pressed = gn_load(COLUMN(k, confined) + c);
+    return gn_max(pressed, least);
+}
+
 /* Rare: writes down which bonds broke and why. */
 static __attribute__((noinline)) void record_breaks(const gn_contact_args *a, size_t c, size_t end,
                                                     unsigned tension, unsigned shear,
@@ -32,9 +42,22 @@ static __attribute__((noinline)) void record_breaks(const gn_contact_args *a, si
 #endif
         k->broken_time[c + lane] = a->time;
         k->cause[c + lane] = tension & bit ? GN_BROKEN_TENSION : GN_BROKEN_SHEAR;
+        if (k->happened) k->happened[c + lane] |= GN_HAPPENED_BREAK;
+        if (k->released) k->released[c + lane] = 0.0;
         sums->broken_tension += tension & bit ? 1 : 0;
         sums->broken_shear += tension & bit ? 0 : 1;
     }
+}
+
+/* Rare: what each of the lanes that break releases, for the list of events; parts add up. */
+static __attribute__((noinline)) void note_released(const gn_contact_args *a, size_t c,
+                                                    unsigned lanes, gn_v energy) {
+    double *released = a->contacts->released;
+    gn_real part[GN_W];
+    if (!released) return;
+    gn_store(part, energy);
+    for (size_t lane = 0; lane < GN_W; lane++)
+        if (lanes >> lane & 1) released[c + lane] += part[lane];
 }
 
 /* Forces of a contact before and after its limits. */
@@ -94,8 +117,8 @@ GN_INLINE void break_bonds(const gn_contact_args *a, size_t c, size_t end, conta
 }
 
 /* Rare: energy that slipping and breaking contacts release. */
-GN_INLINE void book_release(const stage *g, gn_v path, const contact_state *q, lane_sums *e,
-                            variant w) {
+GN_INLINE void book_release(const gn_contact_args *a, size_t c, const stage *g, gn_v path,
+                            const contact_state *q, lane_sums *e, variant w) {
     gn_v shear_part = gn_set(0.0), normal_part = gn_set(0.0);
     if (w.shear) {
         gn_v3 before = q->before;
@@ -106,7 +129,9 @@ GN_INLINE void book_release(const stage *g, gn_v path, const contact_state *q, l
         gn_v old = q->kn * (q->stretch - path);
         normal_part = gn_released(old, q->normal, q->elastic, q->kn);
     }
-    e->bond_breaking = e->bond_breaking + gn_keep(q->breaking, shear_part + normal_part);
+    gn_v both = shear_part + normal_part;
+    e->bond_breaking = e->bond_breaking + gn_keep(q->breaking, both);
+    if (w.bonds && gn_bits(q->breaking)) note_released(a, c, gn_bits(q->breaking), both);
     e->friction = e->friction + gn_keep(gn_and(q->slipping, gn_not(q->breaking)), shear_part);
 }
 
@@ -333,7 +358,8 @@ GN_INLINE contact_force act_of(const gn_contact_args *a, size_t c, const stage *
             total = damped(a, c, speed, path, q, e, w);
         }
         if (w.shear) limit_shear(a, c, total, q, w);
-        if (w.energy && gn_bits(gn_or(q->slipping, q->breaking))) book_release(g, path, q, e, w);
+        if (w.energy && gn_bits(gn_or(q->slipping, q->breaking)))
+            book_release(a, c, g, path, q, e, w);
     }
     if (w.shear) gn_store3(COLUMN(list, shear) + c, list->soa.capacity, q->t, w.space);
     if (w.energy && a->measure) book_elastic(q, e, w);

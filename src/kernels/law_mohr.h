@@ -4,8 +4,9 @@
  * so that pressure makes a bond stronger. Tension takes nothing, unless they are coupled:
  *     quadratic  (f_n/R_n)^2 + (|F_t|/S)^2 >= 1 breaks,
  *     linear     S = R_t - mu_1 f_n (as YADE's JCFpm), never below 0.
- * f_n is that of the spring. What a bond is once it has broken is the linear law's: friction mu,
- * here the second one. Columns besides those of the linear law: mu1. */
+ * f_n is that of the spring, or with `confinement: mean` -A p, p the pressure around the bond
+ * (column confined, src/sim/confinement.c). What a bond is once it has broken is the linear law's:
+ * friction mu, here the second one. Columns besides those of the linear law: mu1. */
 #ifndef GN_KERNELS_LAW_MOHR_H
 #define GN_KERNELS_LAW_MOHR_H
 
@@ -26,13 +27,12 @@ GN_INLINE void break_mohr(const gn_contact_args *a, size_t c, size_t end, contac
                           gn_contact_sums *sums) {
     const gn_contacts *k = a->contacts;
     const gn_effects fx = k->soa.effects;
-    const gn_v least = gn_set(fx & GN_FX_COUPLED_LINEAR ? -(double)INFINITY : 0.0);
     gn_v rn = gn_load(COLUMN(k, rn) + c), rt = gn_load(COLUMN(k, rt) + c);
     gn_v mu1 = gn_load(COLUMN(k, mu1) + gn_column_at(c, a->uniform.mu1));
     gn_v size2 = gn_dot(q->trial, q->trial, 1);
     q->intact = gn_less(gn_set(0.0), rn);
     gn_m in_tension = gn_and(q->intact, gn_at_least(q->elastic, rn));
-    gn_v strength = gn_fma(mu1, gn_max(gn_set(0.0) - q->elastic, least), rt);
+    gn_v strength = gn_fma(mu1, pressed_of(a, c, q->elastic), rt);
     strength = gn_max(strength, gn_set(0.0));
     gn_v strength2 = strength * strength;
     if (fx & GN_FX_COUPLED_QUADRATIC)

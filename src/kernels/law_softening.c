@@ -74,7 +74,7 @@ static const gn_material *weaker(const gn_material *a, const gn_material *b) {
 
 static void set(const gn_law_model *m, const gn_law_pair *q, gn_contacts *list, size_t c) {
     gn_linear_set(m, q, list, c);
-    list->mu1[c] = GN_OWN(q, bond_friction, fmin(q->a->bond_friction, q->b->bond_friction));
+    list->mu1[c] = gn_bond_friction(q);
     list->soft[c] = 1.0;
     list->kappa[c] = 0.0;
     double area = gn_linear_section(m, q);
@@ -98,12 +98,14 @@ static gn_law_held held(const gn_contacts *list, size_t c, double length, double
 
 /* Of the stretch over that at which softening ends, and of force over strength as it is. */
 static double criterion(const gn_contacts *list, size_t c, double normal, double shear) {
-    double pressed = list->soa.effects & GN_FX_COUPLED_LINEAR ? -normal : fmax(0.0, -normal);
-    double strength = fmax(0.0, list->rt[c] + list->mu1[c] * pressed);
+    double strength = gn_mohr_strength(list, c, normal);
     double end = list->fade[c + GN_FADE_END * list->soa.capacity];
     double tension =
         end > 0.0 ? normal / (list->soft[c] * list->kn[c] * end) : normal / list->rn[c];
-    return fmax(tension, shear > 0.0 ? shear / strength : 0.0);
+    double sheared = shear > 0.0 ? shear / strength : 0.0;
+    if (list->soa.effects & GN_FX_COUPLED_QUADRATIC && tension > 0.0)
+        return hypot(tension, sheared);
+    return fmax(tension, sheared);
 }
 
 gn_bond_condition gn_softening_condition(const gn_contacts *list, size_t c) {
@@ -119,15 +121,5 @@ size_t gn_softening_too_long(const gn_contacts *list) {
     return count;
 }
 
-const gn_law gn_law_softening = {.derive = gn_linear_derive,
-                                 .set = set,
-                                 .set_dashpot = gn_linear_set_dashpot,
-                                 .meeting = gn_linear_meeting,
-                                 .spring = gn_linear_spring,
-                                 .held = held,
-                                 .release = gn_linear_release,
-                                 .criterion = criterion,
-                                 .slips = gn_linear_slips,
-                                 .touch_spring = gn_linear_touch_spring,
-                                 .touch_stored = gn_linear_touch_stored,
-                                 .touch = gn_linear_touch};
+const gn_law gn_law_softening = {GN_LINEAR_FUNCTIONS, .set = set, .held = held,
+                                 .release = gn_linear_release, .criterion = criterion};

@@ -15,6 +15,13 @@
  * softens linearly to the friction of the broken bond without a jump; kappa = 1 ends the bond.
  * Where the slope H of S is not below k_t it breaks at once.
  *
+ * Coupled by squares one damage kappa takes both strengths: R_n and C by 1 - kappa, and the pulled
+ * stiffness by 1 - d = (1 - kappa)/(1 + (n - 1) kappa), n = u_f/u_l, which pulled alone is the line
+ * above. Where (f_n/R_n)^2 + (|F_t|/C)^2 >= 1 under tension, kappa grows by what takes the forces
+ * back onto that ellipse, with openings u_f and slips u_s per kappa along its normal: shares
+ * a = f_n/R_n and b = |F_t|/C of the strength that is left, du_i = a u_f dkappa, ds = b u_s dkappa.
+ * With a fixed ratio of the two that dissipates a^2 G_n + b^2 G_t.
+ *
  * All in closed form from the state at the start of the step, kinks within a step included. Losses
  * are the trapezoidal work of the step less what is stored in the end, as everywhere, so that the
  * ledger closes; where a kink lies within a step that differs from the path's own energy by the
@@ -51,9 +58,17 @@ static inline void write_softened(const gn_contacts *k, size_t c, const gn_softe
 #endif
 }
 
+/* For the list of events. */
+static inline void note_beginning(const gn_contacts *k, size_t c, gn_happening what,
+                                  gn_contact_sums *sums) {
+    if (!k->happened || k->cause[c] != GN_INTACT) return;
+    k->happened[c] |= (uint8_t)what;
+    sums->began++;
+}
+
 /* Rare: bonds at their strength or beyond it. */
 static __attribute__((noinline)) void soften(const gn_contact_args *a, size_t c, size_t end,
-                                             unsigned lanes, soft_lanes *q) {
+                                             unsigned lanes, soft_lanes *q, gn_contact_sums *sums) {
     const gn_contacts *k = a->contacts;
     q->tension = q->sheared = 0;
     for (size_t lane = 0; lane < GN_W; lane++) {
@@ -62,8 +77,11 @@ static __attribute__((noinline)) void soften(const gn_contact_args *a, size_t c,
         gn_softening_bond b = gn_softening_bond_of(k, c + lane);
         double t[3] = {q->shear[0][lane], q->shear[1][lane], q->shear[2][lane]};
         double normal = q->normal[lane];
+        bool whole = gn_softening_whole(&b);
         gn_cause cause = gn_soften(&b, (double)q->stretch[lane], &normal, t);
         if (cause == GN_INTACT) {
+            if (whole && !gn_softening_whole(&b))
+                note_beginning(k, c + lane, GN_HAPPENED_SOFTENING, sums);
             write_softened(k, c + lane, &b);
             q->normal[lane] = (gn_real)normal;
             for (int x = 0; x < 3; x++) q->shear[x][lane] = (gn_real)t[x];
@@ -76,7 +94,8 @@ static __attribute__((noinline)) void soften(const gn_contact_args *a, size_t c,
 
 /* Rare: permanent stretch of those that yield, from the whole stretch, so that nothing adds up. */
 static __attribute__((noinline)) gn_v yield_more(const gn_contact_args *a, size_t c, gn_v kn,
-                                                 gn_v stretch, gn_v now, gn_m yielding) {
+                                                 gn_v stretch, gn_v now, gn_m yielding,
+                                                 gn_contact_sums *sums) {
     const gn_contacts *k = a->contacts;
     const size_t stride = k->soa.capacity;
     gn_v path = gn_set(0.0) - kn * stretch, force = path;
@@ -86,6 +105,9 @@ static __attribute__((noinline)) gn_v yield_more(const gn_contact_args *a, size_
         force = gn_fnma(less, gn_max(path - kink, gn_set(0.0)), force);
     }
     gn_v plastic = gn_where(yielding, stretch + force / kn, now);
+    for (size_t lane = 0; k->happened && lane < GN_W; lane++)
+        if (gn_bits(yielding) >> lane & 1 && COLUMN(k, plastic)[c + lane] == 0)
+            note_beginning(k, c + lane, GN_HAPPENED_YIELD, sums);
     gn_store(COLUMN(k, plastic) + c, plastic);
     gn_store(COLUMN(k, yields) + c, gn_where(yielding, force, gn_load(COLUMN(k, yields) + c)));
     return plastic;
@@ -102,7 +124,7 @@ typedef struct soft_state {
 
 /* Permanent stretch and what yields of it in this step. */
 GN_INLINE void press(const gn_contact_args *a, size_t c, const stage *g, contact_state *q,
-                     soft_state *s) {
+                     soft_state *s, gn_contact_sums *sums) {
     const gn_contacts *k = a->contacts;
     s->shift = gn_set(0.0);
     s->yielding = gn_m_none();
@@ -111,7 +133,7 @@ GN_INLINE void press(const gn_contact_args *a, size_t c, const stage *g, contact
     q->elastic = q->kn * (g->geometry.stretch - now);
     s->yielding = gn_less(q->elastic + gn_load(COLUMN(k, yields) + c), gn_set(0.0));
     if (__builtin_expect(gn_bits(s->yielding) != 0, 0))
-        now = yield_more(a, c, q->kn, g->geometry.stretch, now, s->yielding);
+        now = yield_more(a, c, q->kn, g->geometry.stretch, now, s->yielding, sums);
     q->way = q->stretch = g->geometry.stretch - now;
     q->normal = q->elastic = q->kn * q->stretch;
 }
@@ -121,15 +143,19 @@ GN_INLINE void damage(const gn_contact_args *a, size_t c, size_t end, contact_st
                       soft_state *s, gn_contact_sums *sums) {
     const gn_contacts *k = a->contacts;
     const gn_v zero = gn_set(0.0);
-    const gn_v least = gn_set(k->soa.effects & GN_FX_COUPLED_LINEAR ? -(double)INFINITY : 0.0);
     gn_v rn = gn_load(COLUMN(k, rn) + c), rt = gn_load(COLUMN(k, rt) + c);
     s->soft = gn_load(COLUMN(k, soft) + c);
     s->bonds = q->intact = gn_less(zero, rn);
     q->normal =
         gn_where(gn_and(q->intact, gn_less(zero, q->elastic)), s->soft * q->elastic, q->elastic);
-    gn_v strength = gn_fma(gn_load(COLUMN(k, mu1) + c), gn_max(zero - q->normal, least), rt);
+    gn_v strength = gn_fma(gn_load(COLUMN(k, mu1) + c), pressed_of(a, c, q->normal), rt);
     strength = gn_max(strength, zero);
-    gn_m beyond = gn_at_least(gn_dot(q->trial, q->trial, 1), strength * strength);
+    gn_v strength2 = strength * strength;
+    if (k->soa.effects & GN_FX_COUPLED_QUADRATIC) {
+        gn_v share = gn_max(q->normal, zero) / rn;
+        strength2 = gn_fnma(strength2, share * share, strength2);
+    }
+    gn_m beyond = gn_at_least(gn_dot(q->trial, q->trial, 1), strength2);
     s->softening = gn_and(q->intact, gn_or(beyond, gn_at_least(q->normal, rn)));
     s->slipped = q->trial;
     if (__builtin_expect(gn_bits(s->softening) == 0, 1)) return;
@@ -139,7 +165,7 @@ GN_INLINE void damage(const gn_contact_args *a, size_t c, size_t end, contact_st
     gn_store(l.shear[0], q->trial.x);
     gn_store(l.shear[1], q->trial.y);
     gn_store(l.shear[2], q->trial.z);
-    soften(a, c, end, gn_bits(s->softening), &l);
+    soften(a, c, end, gn_bits(s->softening), &l, sums);
     q->breaking = gn_and(s->softening, gn_less(zero, gn_load(l.broken)));
     q->intact = gn_and(q->intact, gn_not(q->breaking));
     s->softening = gn_and(s->softening, gn_not(q->breaking));
@@ -197,6 +223,7 @@ GN_INLINE void book_softening(const gn_contact_args *a, size_t c, const stage *g
     gn_v both = normal + shear;
     gn_m soft = s->softening, crushed = gn_and(s->yielding, gn_not(q->breaking));
     e->bond_breaking = e->bond_breaking + gn_keep(q->breaking, both);
+    if (gn_bits(q->breaking)) note_released(a, c, gn_bits(q->breaking), both);
     e->friction = e->friction + gn_keep(gn_and(q->slipping, gn_not(q->breaking)), shear);
     e->damage = e->damage + gn_keep(soft, gn_where(crushed, shear, both));
     e->plasticity = e->plasticity + gn_keep(crushed, normal);
@@ -212,7 +239,7 @@ GN_INLINE contact_force softening_force(const gn_contact_args *a, size_t c, size
                                         variant w) {
     contact_state q = state_of(a, c, g, w);
     soft_state s;
-    press(a, c, g, &q, &s);
+    press(a, c, g, &q, &s, sums);
     damage(a, c, end, &q, &s, sums);
     cross_softened(a, c, g, &q, &s);
     gn_v path = gn_set(a->dt) * gn_pick(growth_known(w), g->growth, g->speed), total = q.normal;

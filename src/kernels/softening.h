@@ -22,7 +22,10 @@ enum { GN_KINKS = 3 };
 
 typedef struct gn_softening_bond {
     double fade[GN_FADES];
-    double kn, kt, mu2, least; /* least: of the pressure that friction sees */
+    double kn, kt, mu2;
+    double least;    /* N, of the pressure that friction sees */
+    double confined; /* N, that pressure; NaN: of the bond's own normal force */
+    bool together;   /* coupled by squares: kappa is the damage of both */
     double soft, rn, rt, mu1, kappa;
 } gn_softening_bond;
 
@@ -30,12 +33,18 @@ static inline gn_softening_bond gn_softening_bond_of(const gn_contacts *k, size_
     gn_softening_bond b = {.kn = k->kn[c], .kt = k->kt[c], .mu2 = k->mu ? k->mu[c] : 0.0};
     for (size_t n = 0; n < GN_FADES; n++) b.fade[n] = k->fade[c + n * k->soa.capacity];
     b.least = k->soa.effects & GN_FX_COUPLED_LINEAR ? -(double)INFINITY : 0.0;
+    b.confined = k->confined ? k->confined[c] : k->confined_f ? (double)k->confined_f[c] : NAN;
+    b.together = k->soa.effects & GN_FX_COUPLED_QUADRATIC;
     b.soft = k->soft[c];
     b.rn = k->rn[c];
     b.rt = k->rt[c];
     b.mu1 = k->mu1[c];
     b.kappa = k->kappa[c];
     return b;
+}
+
+static inline bool gn_softening_whole(const gn_softening_bond *b) {
+    return b->soft == 1.0 && b->kappa == 0.0;
 }
 
 /* Pulled to the stretch u: down the line of softening; false: broken. */
@@ -55,7 +64,7 @@ static inline bool gn_soften_pulled(gn_softening_bond *b, double u, double *norm
  * broken. Until kappa has overtaken d the cohesion is that of d. */
 static inline double gn_soften_sheared(gn_softening_bond *b, double n, double size) {
     const double cohesion = b->fade[GN_FADE_COHESION], mu1 = b->fade[GN_FADE_FRICTION];
-    const double end = b->fade[GN_FADE_SLIP], d = 1.0 - b->soft;
+    const double end = b->fade[GN_FADE_SLIP], d = b->together ? 0.0 : 1.0 - b->soft;
     for (int piece = 0; piece < 2; piece++) {
         double whole = 1.0 - fmax(d, b->kappa);
         double surface = whole * cohesion + ((1.0 - b->kappa) * mu1 + b->kappa * b->mu2) * n;
@@ -78,16 +87,78 @@ static inline double gn_soften_sheared(gn_softening_bond *b, double n, double si
     return size;
 }
 
-/* A step to the stretch u under the normal force *normal of the bond as it was and the tangential
- * trial force t; both are set to what is left of them, unless it broke. */
-static inline gn_cause gn_soften(gn_softening_bond *b, double u, double *normal, double t[3]) {
-    if (!gn_soften_pulled(b, u, normal)) return GN_BROKEN_TENSION;
+/* Of both strengths, kappa has become `kappa`; b->rn and b->soft follow it. */
+static inline void gn_soften_both(gn_softening_bond *b, double kappa) {
+    const double slope = b->fade[GN_FADE_SLOPE], more = slope > 0.0 ? b->kn / slope : 0.0;
+    if (!(kappa > b->kappa)) return;
+    b->rn *= (1.0 - kappa) / (1.0 - b->kappa);
+    b->kappa = kappa;
+    b->soft = (1.0 - kappa) / (1.0 + more * kappa);
+}
+
+/* The g >= 0 at which (A/(1 + P g))^2 + (B/(1 + Q g))^2 = 1, of a sum that is 1 at least at g = 0;
+ * 1: it lies there or beyond. By Newton's method on 1/root of the sum, which is concave in g and
+ * linear where one of A and B is 0, so that it comes from below and nearly at once. */
+static inline double gn_soften_growth(double A, double B, double P, double Q) {
+    double g = 0.0;
+    for (int k = 0; k < 64; k++) {
+        double a = A / (1.0 + P * g), b = B / (1.0 + Q * g), square = a * a + b * b;
+        double rate = a * a * P / (1.0 + P * g) + b * b * Q / (1.0 + Q * g);
+        double more = (sqrt(square) - 1.0) * square / rate;
+        if (!(g + more < 1.0)) return 1.0; /* also with no rate: nothing softens */
+        if (!(more > 0x1p-52)) break;
+        g += more;
+    }
+    return g;
+}
+
+/* Pulled and sheared, coupled by squares. A share (1 - g) of the strength is left after growth by
+ * g: the trial force along the secant becomes (1 - g)/(1 + P g) of itself, the tangential one (1 -
+ * g)/(1 + Q g). */
+static inline gn_cause gn_soften_together(gn_softening_bond *b, double u, double *normal,
+                                          double t[3]) {
+    const double slope = b->fade[GN_FADE_SLOPE], more = slope > 0.0 ? b->kn / slope : 0.0;
+    const double left = 1.0 - b->kappa, cohesion = b->fade[GN_FADE_COHESION];
     double size = sqrt(t[0] * t[0] + t[1] * t[1] + t[2] * t[2]);
-    double left = gn_soften_sheared(b, fmax(-*normal, b->least), size);
+    double A = b->soft * b->kn * u / b->rn, B = size > 0.0 ? size / b->rt : 0.0;
+    double P = more * left / (1.0 + more * b->kappa);
+    double Q = cohesion > 0.0 ? fmax(b->kt * b->fade[GN_FADE_SLIP] / cohesion - 1.0, 0.0) : 0.0;
+    *normal = b->soft * b->kn * u;
+    if (A * A + B * B < 1.0) return GN_INTACT;
+    double g = gn_soften_growth(A, B, P, Q);
+    double kappa = b->kappa + g * left;
+    if (!(kappa < 1.0)) return A / (1.0 + P) >= B / (1.0 + Q) ? GN_BROKEN_TENSION : GN_BROKEN_SHEAR;
+    gn_soften_both(b, kappa);
+    *normal = b->soft * b->kn * u;
+    for (int x = 0; x < 3; x++) t[x] *= (1.0 - g) / (1.0 + Q * g);
+    return GN_INTACT;
+}
+
+/* Along the normal first, then across it. */
+static inline gn_cause gn_soften_apart(gn_softening_bond *b, double u, double *normal,
+                                       double t[3]) {
+    if (!b->together && !gn_soften_pulled(b, u, normal)) return GN_BROKEN_TENSION;
+    double size = sqrt(t[0] * t[0] + t[1] * t[1] + t[2] * t[2]), kappa = b->kappa;
+    double pressed = isnan(b->confined) ? -*normal : b->confined;
+    double left = gn_soften_sheared(b, fmax(pressed, b->least), size);
     if (left < 0.0) return GN_BROKEN_SHEAR;
     if (left < size)
         for (int x = 0; x < 3; x++) t[x] *= left / size;
-    b->rt = (1.0 - fmax(1.0 - b->soft, b->kappa)) * b->fade[GN_FADE_COHESION];
+    if (!b->together) return GN_INTACT;
+    double grown = b->kappa;
+    b->kappa = kappa;
+    gn_soften_both(b, grown);
+    return GN_INTACT;
+}
+
+/* A step to the stretch u under the normal force *normal of the bond as it was and the tangential
+ * trial force t; both are set to what is left of them, unless it broke. */
+static inline gn_cause gn_soften(gn_softening_bond *b, double u, double *normal, double t[3]) {
+    gn_cause cause = b->together && u > 0.0 ? gn_soften_together(b, u, normal, t)
+                                            : gn_soften_apart(b, u, normal, t);
+    if (cause != GN_INTACT) return cause;
+    double gone = b->together ? b->kappa : fmax(1.0 - b->soft, b->kappa);
+    b->rt = (1.0 - gone) * b->fade[GN_FADE_COHESION];
     b->mu1 = (1.0 - b->kappa) * b->fade[GN_FADE_FRICTION] + b->kappa * b->mu2;
     return GN_INTACT;
 }

@@ -68,6 +68,7 @@ gneiss_status gn_dem_save(const gn_world *world, gn_h5 *file, gneiss_error *erro
     GN_TRY(gn_h5_put_record(file, "bonds", &gn_contact_record, &w->dem.bonds, error));
     GN_TRY(gn_h5_put_record(file, "pairs", &gn_contact_record, &w->dem.pairs, error));
     GN_TRY(gn_h5_put_pieces(file, "run", pieces, PIECES, &w->dem, error));
+    GN_TRY(gn_checkpoint_put_events(w, file, error));
     return gn_checkpoint_put_arrays(file, arrays, count, error);
 }
 
@@ -134,5 +135,6 @@ gneiss_status gn_dem_load(gn_world *w, const gn_h5 *file, const char *path, gnei
         gn_h5_get_record(file, "particles", &gn_particle_record, &d->particles, w->effects, error));
     GN_TRY(gn_h5_get_record(file, "bonds", &gn_contact_record, &d->bonds, bonded, error));
     GN_TRY(gn_h5_get_record(file, "pairs", &gn_contact_record, &d->pairs, unbonded, error));
+    GN_TRY(gn_checkpoint_get_events(w, file, error));
     return check(w, path, error);
 }

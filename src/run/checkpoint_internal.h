@@ -3,6 +3,7 @@
 #define GN_RUN_CHECKPOINT_INTERNAL_H
 
 #include "io/h5_pieces.h"
+#include "sim/world.h"
 
 /* A data set in the group `arrays`, and the place of the array. */
 typedef struct gn_checkpoint_array {
@@ -17,5 +18,9 @@ gneiss_status gn_checkpoint_put_arrays(gn_h5 *file, const gn_checkpoint_array *a
 /* Allocates them. */
 gneiss_status gn_checkpoint_get_arrays(const gn_h5 *file, const gn_checkpoint_array *arrays,
                                        size_t count, gneiss_error *error);
+
+/* events.c */
+gneiss_status gn_checkpoint_put_events(const gn_world *w, gn_h5 *file, gneiss_error *error);
+gneiss_status gn_checkpoint_get_events(gn_world *w, const gn_h5 *file, gneiss_error *error);
 
 #endif

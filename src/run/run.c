@@ -159,6 +159,7 @@ static gneiss_status check_overrides(const gn_override *overrides, size_t count,
                            "--set output.directory: a resumed run stays in its folder");
         if (strcmp(overrides[k].key, "output.energy") == 0 ||
             strcmp(overrides[k].key, "output.orientation") == 0 ||
+            strcmp(overrides[k].key, "output.events") == 0 ||
             strcmp(overrides[k].key, "run.precision") == 0 ||
             sets(&overrides[k], 1, "time.mass_scaling"))
             return gn_fail(error, GNEISS_ERROR_INPUT,

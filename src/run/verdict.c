@@ -75,6 +75,40 @@ static void warn_of_change(const gn_run *run, gn_warnings *list) {
              e->step_change / gn_energy_scale(e), gn_energy_scale(e), limit);
 }
 
+/* A loss below 0 is a gain: where something swings through a large part of its motion in a step,
+ * what breaks in it keeps the velocity of half a step before, when it still had some
+ * (docs/physics.md). Whether at the end or in a row before: the ledger closes all the same, so that
+ * nothing else tells.
+ */
+static void warn_of_gain(const gn_run *run, gn_warnings *list) {
+    const gn_world *w = &run->world;
+    double limit = w->scene.residual_warning, least = 0.0;
+    const char *name = NULL;
+    if (!(w->effects & GN_FX_ENERGY && limit > 0.0)) return;
+#define X(term, text) {#term, "energy_" #term, w->reading.term},
+    const struct {
+        const char *name, *column;
+        double now;
+    } losses[] = {GN_CONTACT_LOSSES(X)};
+#undef X
+    for (size_t k = 0; k < sizeof losses / sizeof *losses; k++) {
+        const double *rows = gn_history_column(&run->history, losses[k].column);
+        double lowest = losses[k].now;
+        for (size_t r = 0; rows && r < run->history.row_count; r++) lowest = fmin(lowest, rows[r]);
+        if (!(lowest < least)) continue;
+        least = lowest;
+        name = losses[k].name;
+    }
+    if (!(-least > limit * gn_energy_scale(&w->reading))) return;
+    gn_warning *to = &list->warning[list->count++];
+    to->name = "energy_gain";
+    snprintf(to->text, sizeof to->text,
+             "%s was at %.3g of the %.4g J that have gone through, less than nothing: the step is "
+             "too long for what vibrated when it happened, and made energy (run.residual_warning: "
+             "%g); a smaller time.safety, 0.5 or less, avoids it",
+             name, least / gn_energy_scale(&w->reading), gn_energy_scale(&w->reading), limit);
+}
+
 /* Waves, gravity and viscous damping leave a little between the ends of a dynamic test; a support
  * that is not counted leaves half of the load. */
 static const double imbalance_limit = 0.1;
@@ -155,6 +189,7 @@ gn_warnings gn_run_warnings(const gn_run *run) {
     warn_of_step(run, &list);
     warn_of_residual(run, &list);
     warn_of_change(run, &list);
+    warn_of_gain(run, &list);
     warn_of_balance(run, &list);
     warn_of_skin(run, &list);
     warn_of_softening(run, &list);

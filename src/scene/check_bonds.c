@@ -75,30 +75,51 @@ gneiss_status gn_check_bonds_of(const check *c, const gn_scene *s, const gn_mate
     return need_shear(c, s, m->kratio, m->beta, of_softening);
 }
 
-/* How tension and shear damage a bond together is defined for each by itself only. */
+static bool frictional(const gn_scene *s) {
+    bool found = false;
+    for (size_t k = 0; k < s->material_count; k++)
+        found = found || s->materials[k].bond_friction > 0;
+    for (size_t k = 0; k < s->contact_count; k++) found = found || s->contacts[k].bond_friction > 0;
+    return found;
+}
+
+/* What acts on mu_1 needs one. */
 gneiss_status gn_check_coupling(const check *c, const gn_scene *s) {
-    if (s->coupling != GN_COUPLING_QUADRATIC || !inelastic(s)) return GNEISS_OK;
-    return gn_check_fail(c, "law.coupling",
-                         "expected none or linear beside bonds that soften or yield, found "
-                         "quadratic");
+    if (s->bonds != GN_SWITCH_ON || frictional(s)) return GNEISS_OK;
+    if (s->coupling == GN_COUPLING_LINEAR)
+        return gn_check_fail(c, "law.coupling",
+                             "expected a bond_friction above 0 beside linear (tension takes mu_1 "
+                             "f_n from the strength in shear), found none");
+    if (s->confinement == GN_CONFINEMENT_MEAN)
+        return gn_check_fail(c, "law.confinement",
+                             "expected a bond_friction above 0 beside mean, found none");
+    return GNEISS_OK;
 }
 
 static const char *beside_moments(const gn_scene *s) {
-    if (s->rotation == GN_SWITCH_OFF) return "law.rotation: off";
     if (s->softening != GN_SOFTENING_NONE) return "law.softening";
-    if (s->coupling != GN_COUPLING_NONE) return "law.coupling";
-    for (size_t k = 0; k < s->material_count; k++) {
-        if (s->materials[k].bond_friction > 0) return "bond_friction";
+    if (s->coupling == GN_COUPLING_QUADRATIC) return "law.coupling: quadratic";
+    for (size_t k = 0; k < s->material_count; k++)
         if (s->materials[k].yield_stress[0] > 0) return "yield_stress_1";
-    }
-    for (size_t k = 0; k < s->contact_count; k++)
-        if (s->contacts[k].bond_friction > 0) return "bond_friction";
     return NULL;
 }
 
 /* Moments need spins, and are a law of bonds of their own. */
 gneiss_status gn_check_moments(const check *c, const gn_scene *s) {
-    if (s->bonds != GN_SWITCH_ON || !(s->bond_radius_multiplier > 0)) return GNEISS_OK;
+    if (s->bonds != GN_SWITCH_ON) return GNEISS_OK;
+    if (!(s->bond_radius_multiplier > 0)) {
+        if (!gn_check_given(c, "bonds.moment_share") ||
+            gn_check_given(c, "bonds.radius_multiplier"))
+            return GNEISS_OK;
+        return gn_check_fail(c, "bonds.moment_share",
+                             "expected a radius_multiplier above 0 beside it (without one bonds "
+                             "carry no moments), found none");
+    }
+    if (s->rotation == GN_SWITCH_OFF)
+        return gn_check_fail(c, "bonds.radius_multiplier",
+                             "expected 0 where particles do not spin (law.rotation: off), found "
+                             "%g: what does not turn cannot bend or twist a bond",
+                             s->bond_radius_multiplier);
     const char *other = beside_moments(s);
     if (!other) return GNEISS_OK;
     return gn_check_fail(c, "bonds.radius_multiplier",

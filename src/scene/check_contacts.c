@@ -82,6 +82,10 @@ gneiss_status gn_check_gamma(const check *c, const gn_scene *s) {
     if (!area && s->gamma > 0)
         return gn_check_fail(c, "law.gamma",
                              "expected stiffness dempack or polyhedron beside it, found another");
+    if (s->gamma_rule != GN_GAMMA_VOLUME && s->stiffness == GN_STIFFNESS_POLYHEDRON)
+        return gn_check_fail(c, "law.gamma_rule",
+                             "expected volume beside stiffness polyhedron (whose bonds have "
+                             "sections of their own, without gamma), found porosity");
     if (s->gamma_rule != GN_GAMMA_VOLUME && (!area || s->gamma > 0))
         return gn_check_fail(c, "law.gamma_rule", "expected %s beside it, found %s",
                              area ? "gamma auto" : "stiffness dempack or polyhedron",

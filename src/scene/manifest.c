@@ -24,6 +24,8 @@ static const gn_choice couplings[] = {{"none", GN_COUPLING_NONE},
                                       {"quadratic", GN_COUPLING_QUADRATIC},
                                       {"linear", GN_COUPLING_LINEAR},
                                       {NULL, 0}};
+static const gn_choice confinements[] = {
+    {"own", GN_CONFINEMENT_OWN}, {"mean", GN_CONFINEMENT_MEAN}, {NULL, 0}};
 static const gn_choice softenings[] = {{"none", GN_SOFTENING_NONE},
                                        {"energy", GN_SOFTENING_ENERGY},
                                        {"strain", GN_SOFTENING_STRAIN},
@@ -170,6 +172,9 @@ static const gn_key law_keys[] = {
     KEY("coupling", CHOICE, gn_scene, coupling, .choices = couplings, .fallback = "none",
         .text = "what tension takes from a bond's strength in shear; quadratic: the bond breaks "
                 "where the squares of force over strength add up to 1; linear: it takes mu_1 f_n"),
+    KEY("confinement", CHOICE, gn_scene, confinement, .choices = confinements, .fallback = "own",
+        .text = "what the friction of bonds (bond_friction) sees: own: the normal force of the "
+                "bond; mean: the mean stress around its two particles"),
     KEY("softening", CHOICE, gn_scene, softening, .choices = softenings, .fallback = "none",
         .text = "bonds beyond their strength: none: they break at once; else they soften linearly, "
                 "down to the fracture energy, strain or ratio of the material"),
@@ -454,6 +459,9 @@ static const gn_key output_keys[] = {
         .text =
             "turns of particles from the start, in snapshots and results.h5, where they rotate; "
             "auto: off"),
+    KEY("events", CHOICE, gn_scene, events, .choices = switches, .fallback = "auto",
+        .text = "list of when and where bonds broke, began to soften or to yield, in results.h5; "
+                "auto: on"),
 };
 TABLE_OF(output);
 

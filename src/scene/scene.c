@@ -294,12 +294,14 @@ static gn_effects strength_effects(const gn_scene *s) {
     }
     for (size_t k = 0; k < s->contact_count; k++)
         frictional = frictional || s->contacts[k].bond_friction > 0;
-    if (s->softening != GN_SOFTENING_NONE || yields)
-        return GN_FX_MOHR | GN_FX_SOFTENING | (yields ? GN_FX_YIELD : 0U) |
-               (s->coupling == GN_COUPLING_LINEAR ? GN_FX_COUPLED_LINEAR : 0U);
-    if (s->coupling == GN_COUPLING_QUADRATIC) return GN_FX_MOHR | GN_FX_COUPLED_QUADRATIC;
-    if (!frictional) return 0;
-    return GN_FX_MOHR | (s->coupling == GN_COUPLING_LINEAR ? GN_FX_COUPLED_LINEAR : 0U);
+    bool softens = s->softening != GN_SOFTENING_NONE || yields;
+    if (!softens && !frictional && s->coupling != GN_COUPLING_QUADRATIC) return 0;
+    gn_effects mask = GN_FX_MOHR;
+    if (softens) mask |= GN_FX_SOFTENING | (yields ? GN_FX_YIELD : 0U);
+    if (s->coupling == GN_COUPLING_QUADRATIC) mask |= GN_FX_COUPLED_QUADRATIC;
+    if (s->coupling == GN_COUPLING_LINEAR) mask |= GN_FX_COUPLED_LINEAR;
+    if (frictional && s->confinement == GN_CONFINEMENT_MEAN) mask |= GN_FX_CONFINED;
+    return mask;
 }
 
 static gn_effects contact_effects(const gn_scene *s) {
@@ -322,6 +324,7 @@ static gn_effects contact_effects(const gn_scene *s) {
     if (bonds && shear && s->rotation != GN_SWITCH_OFF && s->bond_radius_multiplier > 0)
         mask |= GN_FX_BOND_MOMENTS;
     if (shear && bonds) mask |= strength_effects(s);
+    if (bonds && s->events != GN_SWITCH_OFF) mask |= GN_FX_EVENTS;
     if (s->restitution >= 0 || s->damping_fraction > 0) mask |= GN_FX_CONTACT_DAMPING;
     return mask;
 }

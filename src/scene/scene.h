@@ -6,7 +6,6 @@
 #include "base/effects.h"
 #include "base/error.h"
 #include "base/instruction_sets.h"
-#include "scene/table.h"
 #include "scene/laboratory.h"
 #include "scene/values.h"
 
@@ -108,7 +107,7 @@ typedef enum gn_coupling {
     GN_COUPLING_QUADRATIC, /* the bond breaks when the squares of both shares add up to 1 */
     GN_COUPLING_LINEAR     /* it loses mu_1 f_n, as it gains that under pressure */
 } gn_coupling;
-
+typedef enum gn_confinement { GN_CONFINEMENT_OWN, GN_CONFINEMENT_MEAN } gn_confinement;
 /* How far apart a bond is pulled (sheared) when nothing is left of its strength. */
 typedef enum gn_softening {
     GN_SOFTENING_NONE,   /* it breaks at once */
@@ -414,14 +413,14 @@ typedef struct gn_scene {
     gn_gamma_rule gamma_rule;
     gn_contact_arm contact_arm;
     gn_coupling coupling;
+    gn_confinement confinement; /* what mu_1 of a bond acts on */
     gn_softening softening;
     gn_switch rotation; /* auto: on */
 
     gn_switch bonds;               /* on when the scene has a `bonds` section */
     double interaction_range;      /* beta: bonds at gaps up to beta (r_i + r_j) */
     double overlap_range;          /* bonds at overlaps up to this times (r_i + r_j) */
-    double bond_radius_multiplier; /* beam radius of a bond over the smaller of r_i, r_j; 0: bonds
-                                      carry no moments */
+    double bond_radius_multiplier; /* beam radius over the smaller radius; 0: no moments */
     double bond_moment_share;      /* of moments in the strength of a bond */
     bool passive_gaps;             /* bonds are stress-free at the distance where they form */
 
@@ -471,8 +470,7 @@ typedef struct gn_scene {
     double stop_strain;     /* 0: off */
     double stop_unbalanced; /* stop once the unbalanced force ratio is below; 0: off */
 
-    gn_switch energy;
-    gn_switch orientation;
+    gn_switch energy, orientation, events;
 
     double skin; /* m; 0: automatic */
 

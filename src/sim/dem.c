@@ -179,11 +179,12 @@ void gn_dem_free(gn_dem *d) {
     gn_partials_free(&d->pair_partials);
     gn_deal_free(&d->deal);
     gn_hold_free(&d->hold);
+    gn_events_free(&d->events);
     void *blocks[] = {d->membrane,        d->index_of_id,     d->channel_set,
                       d->set_reaction,    d->loose,           d->prescribed.set,
                       d->prescribed.mask, d->prescribed.load, d->prescribed.velocity,
                       d->bond_sums,       d->pair_sums,       d->motion_sums,
-                      d->vel_past,        d->spin_past};
+                      d->vel_past,        d->spin_past,       d->around};
     for (size_t k = 0; k < sizeof blocks / sizeof *blocks; k++) gn_free(blocks[k]);
     *d = (gn_dem){0};
 }

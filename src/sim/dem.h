@@ -12,6 +12,7 @@
 #include "neigh/pairs.h"
 #include "sched/deal.h"
 #include "sched/hold.h"
+#include "sim/events.h"
 
 /* State of the Verlet lists. */
 typedef struct gn_verlet {
@@ -86,6 +87,7 @@ typedef struct gn_dem {
     /* [particles][4] velocities and spins before the step, where it has another length than the
      * last one; else NULL */
     double *vel_past, *spin_past;
+    double *around; /* [particles][2] N, m2: of their bonds, with law.confinement mean; else NULL */
     double speed_most; /* m/s, of the fastest in the last step; 0: not known (start, resume) */
 
     gn_step_limit limit; /* last full estimate */
@@ -97,6 +99,7 @@ typedef struct gn_dem {
     uint8_t *loose;           /* [particles] by id: not bonded at the start, see resolution.c */
 
     int64_t broken_tension, broken_shear, bonds_at_start;
+    gn_events events;
     int64_t lost;          /* removed particles */
     int64_t contact_steps; /* contacts worked on, summed over steps */
 } gn_dem;

@@ -264,6 +264,9 @@ size_t gn_contacts_from(const gn_contacts *list, int32_t i, int32_t j);
 gn_contact_args gn_dem_contact_args(const gn_world *world, const gn_contacts *list, bool measure);
 gn_motion_args gn_dem_motion_args(gn_world *world, bool measure);
 
+/* The pressure around bonds whose friction sees it, before their forces (confinement.c). */
+void gn_dem_confine(gn_world *world);
+
 size_t gn_blocks(size_t count, size_t block);
 
 #endif

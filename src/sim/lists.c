@@ -236,7 +236,11 @@ static gneiss_status ready_blocks(gn_world *w, gneiss_error *error) {
         w->dem.motion_sums = gn_alloc_array(w->dem.motion_blocks + 1, sizeof *w->dem.motion_sums);
         GN_TRY(gn_hold_create(&w->dem.hold, w->dem.motion_blocks, error));
     }
-    if (!w->dem.pair_sums || !w->dem.bond_sums || !w->dem.motion_sums)
+    bool confined = w->effects & GN_FX_CONFINED;
+    if (confined && !w->dem.around)
+        w->dem.around = gn_alloc_array(w->dem.particles.soa.count + 1, 2 * sizeof(double));
+    if (!w->dem.pair_sums || !w->dem.bond_sums || !w->dem.motion_sums ||
+        (confined && !w->dem.around))
         return gn_fail(error, GNEISS_ERROR_MEMORY, "no memory for block sums");
     gn_dem_sum_masses(w);
     return gn_dem_deal(w, error);

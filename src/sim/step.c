@@ -71,6 +71,7 @@ static void move(gn_world *w, bool measure, watch *time) {
 
 static gneiss_status finish(gn_world *w, bool measure, watch *time, gneiss_error *error) {
     move(w, measure, time);
+    GN_TRY(gn_events_note(w, error));
     GN_TRY(gn_dem_check(w, measure, error));
     GN_TRY(gn_boundary_check(w, error));
     lap(time, GN_PHASE_motion);

@@ -104,6 +104,10 @@
       0, "N", "shear strength")                                                                    \
     Y(X, mu1, double, GN_F64, 1, GN_COLUMNS, GN_SAVED, GN_KEPT, BESIDE, GN_FX_MOHR, 0, "1",        \
       "friction coefficient of the intact bond")                                                   \
+    Y(X, section, double, GN_F64, 1, GN_COLUMNS, GN_SAVED, GN_KEPT, NONE,                          \
+      GN_FX_BONDS | GN_FX_CONFINED, 0, "m2", "section that strengths of the bond are over")        \
+    Y(X, confined, double, GN_F64, 1, GN_COLUMNS, GN_SCRATCH, 0, INSTEAD,                          \
+      GN_FX_BONDS | GN_FX_CONFINED, 0, "N", "pressure around the bond, over its section")          \
     Y(X, soft, double, GN_F64, 1, GN_COLUMNS, GN_STATE, GN_KEPT, BESIDE, GN_FX_SOFTENING, 0, "1",  \
       "what damage has left of the bond's stiffness in tension")                                   \
     Y(X, kappa, double, GN_F64, 1, GN_COLUMNS, GN_STATE, GN_KEPT, NONE, GN_FX_SOFTENING, 0, "1",   \
@@ -143,6 +147,10 @@
       "from i to j when the lists were made")                                                      \
     Y(X, stretch_f, float, GN_F32, 1, GN_COLUMNS, GN_SCRATCH, 0, NONE, GN_FX_MIXED, 0, "m",        \
       "distance less that of zero force when the lists were made")                                 \
+    Y(X, happened, uint8_t, GN_U8, 1, GN_COLUMNS, GN_SCRATCH, 0, NONE, GN_FX_BONDS | GN_FX_EVENTS, \
+      0, "1", "what happened to the bond in this step, see gn_happening")                          \
+    Y(X, released, double, GN_F64, 1, GN_COLUMNS, GN_SCRATCH, 0, NONE,                             \
+      GN_FX_BONDS | GN_FX_EVENTS | GN_FX_ENERGY, 0, "J", "energy that its break released")         \
     Y(X, row4, double, GN_F64, 4, GN_ROWS, GN_SCRATCH, 0, NONE, GN_FX_CONTACT_FORCES,              \
       GN_FX_SPACE | GN_FX_ROTATION, "N, N",                                                        \
       "force on the first particle x y z 0; 2D: x y, moment z, 0")                                 \
@@ -238,6 +246,12 @@ typedef enum gn_cause {
     GN_BROKEN_SHEAR = 2,
     GN_BOND_LEFT = 3
 } gn_cause;
+/* Bits of what happens to a bond for the first time. */
+typedef enum gn_happening {
+    GN_HAPPENED_BREAK = 1,
+    GN_HAPPENED_SOFTENING = 2,
+    GN_HAPPENED_YIELD = 4
+} gn_happening;
 static inline bool gn_broken(uint8_t cause) {
     return cause == GN_BROKEN_TENSION || cause == GN_BROKEN_SHEAR;
 }

@@ -1,0 +1,85 @@
+/* The list of events (sim/events.h) in results.h5 and in checkpoints. */
+#define GN_EVERY_EFFECT /* fields say what they need, whatever is built */
+#include "run/checkpoint_internal.h"
+#include "run/output_table.h"
+#include "sim/internal.h"
+
+#include "base/memory.h"
+
+#define COUNT(table) (sizeof(table) / sizeof *(table))
+
+/* --- results.h5 --- */
+
+#define READ(name, expression)                                                                     \
+    static void read_##name(const void *view, size_t k, double *value) {                           \
+        const gn_event *e = &((const gn_events *)view)->rows[k];                                   \
+        *value = (expression);                                                                     \
+    }
+READ(step, (double)e->step)
+READ(time, e->time)
+READ(first, e->i)
+READ(second, e->j)
+READ(x, e->place[0])
+READ(y, e->place[1])
+READ(z, e->place[2])
+READ(cause, e->cause)
+READ(energy, e->energy)
+
+static const gn_output_field of_events[] = {
+    {"step", "1", "steps done before the one whose forces did it", GN_IN_RESULTS, GN_F64, false, 1,
+     read_step, 0},
+    {"time", "s", "instant of those forces", GN_IN_RESULTS, GN_F64, false, 1, read_time, 0},
+    {"i", "1", "first particle of the bond, base 0, order of the specimen file", GN_IN_RESULTS,
+     GN_I32, false, 1, read_first, 0},
+    {"j", "1", "second particle", GN_IN_RESULTS, GN_I32, false, 1, read_second, 0},
+    {"x", "m", "place of the contact", GN_IN_RESULTS, GN_F64, false, 1, read_x, 0},
+    {"y", "m", "the same", GN_IN_RESULTS, GN_F64, false, 1, read_y, 0},
+    {"z", "m", "the same", GN_IN_RESULTS, GN_F64, false, 1, read_z, 0},
+    {"cause", "1",
+     "1 broke in tension, 2 broke in shear; for the first time: 4 softened, 5 yielded",
+     GN_IN_RESULTS, GN_U8, false, 1, read_cause, 0},
+    {"energy", "J",
+     "released by the break, with the ledger; those of all breaks add up to `bond_breaking`",
+     GN_IN_RESULTS, GN_F64, false, 1, read_energy, GN_FX_ENERGY},
+};
+const gn_output_table gn_event_outputs = {"events", of_events, COUNT(of_events)};
+
+/* --- checkpoints --- */
+
+static const struct {
+    const char *name;
+    gn_type type;
+    size_t offset, components;
+} columns[] = {
+    {"events/step", GN_I64, offsetof(gn_event, step), 1},
+    {"events/time", GN_F64, offsetof(gn_event, time), 1},
+    {"events/place", GN_F64, offsetof(gn_event, place), 3},
+    {"events/energy", GN_F64, offsetof(gn_event, energy), 1},
+    {"events/i", GN_I32, offsetof(gn_event, i), 1},
+    {"events/j", GN_I32, offsetof(gn_event, j), 1},
+    {"events/cause", GN_I32, offsetof(gn_event, cause), 1},
+};
+
+gneiss_status gn_checkpoint_put_events(const gn_world *w, gn_h5 *file, gneiss_error *error) {
+    const gn_events *list = &w->dem.events;
+    const gn_event none = {0};
+    const char *rows = list->count ? (const char *)list->rows : (const char *)&none;
+    for (size_t k = 0; w->effects & GN_FX_EVENTS && k < COUNT(columns); k++)
+        GN_TRY(gn_h5_put(file, columns[k].name, columns[k].type, list->count, columns[k].components,
+                         sizeof none, rows + columns[k].offset, NULL, NULL, error));
+    return GNEISS_OK;
+}
+
+gneiss_status gn_checkpoint_get_events(gn_world *w, const gn_h5 *file, gneiss_error *error) {
+    gn_events *list = &w->dem.events;
+    if (!(w->effects & GN_FX_EVENTS)) return GNEISS_OK;
+    size_t count = 0;
+    GN_TRY(gn_h5_rows(file, columns[0].name, &count, error));
+    list->rows = gn_alloc_array(count + 1, sizeof *list->rows);
+    if (!list->rows) return gn_fail(error, GNEISS_ERROR_MEMORY, "no memory for %zu events", count);
+    list->count = list->capacity = count;
+    for (size_t k = 0; k < COUNT(columns); k++)
+        GN_TRY(gn_h5_get(file, columns[k].name, columns[k].type, count, columns[k].components,
+                         sizeof *list->rows, (char *)list->rows + columns[k].offset, error));
+    return GNEISS_OK;
+}

@@ -1,0 +1,185 @@
+"""What laws of bonds can reach on the same packing: strength in tension and compression and friction angle, five packings of 1 000
+spheres. And by what a body dissipates more than its contacts' fracture energy says. Fills the tables of docs/evidence/law-table.md;
+a quarter of an hour of one core.
+
+    /usr/bin/python3 validate/law_table_study.py [--fresh] [laws] [energy]
+"""
+import json
+import sys
+
+import numpy as np
+
+import study
+
+FOLDER = study.RUNS / "law-table"
+SEEDS = (1, 2, 3, 4, 5)
+PRESSURES = (0.0, 10e6, 20e6)  # Pa
+SIDE, HEIGHT, MODULUS, STRENGTH = 0.025, 0.05, 10e9, 20e6  # m, m, Pa, Pa
+RAMP, CLOSING, PULLING = 4e-4, 0.25, 0.1  # s, m/s, m/s
+
+# Name, keys of the material, of the law, of the bonds.
+LAWS = (
+    ("linear, brittle", {}, {}, {}),
+    ("linear, gaps to 0.2", {}, {}, {"interaction_range": 0.2}),
+    ("friction of bonds, mu_1 1", {"bond_friction": 1.0}, {}, {}),
+    ("the same, mean stress", {"bond_friction": 1.0}, {"confinement": "mean"}, {}),
+    ("softening, u_f 5 u_l", {"fracture_ratio": 4.0}, {"softening": "ratio"}, {}),
+    ("moments", {}, {}, {"radius_multiplier": 1.0}),
+    ("moments, mu_1 1, linear", {"bond_friction": 1.0}, {"coupling": "linear"}, {"radius_multiplier": 1.0}),
+)
+
+
+def specimen(seed, law):
+    _, material, rule, bonds = law
+    return {
+        "dimension": 3, "specimen": {"box": {"size": [SIDE, SIDE, HEIGHT]}, "particles": 1000, "packing": {"overlap": "passive"}},
+        "materials": [{"name": "rock", "density": 2650, "contact_modulus": MODULUS, "kratio": 3.0, "friction": 0.5,
+                       "tensile_strength": STRENGTH, "shear_strength": 2 * STRENGTH, **material}],
+        "law": {"stiffness": "harmonic", **rule}, "bonds": {"interaction_range": 0.05, **bonds},
+        "damping": {"background": {"model": "nonviscous_vector", "coefficient": 0.7}},
+        "output": {"history_rows": 1000, "snapshots": 0, "checkpoint": "off"}, "run": {"seed": seed, "threads": 1}}
+
+
+def platen(name, axis, end, pressure):
+    """One of six frictionless platens; with a pressure the lateral ones carry it from the start, the axial ones stand meanwhile."""
+    size = (SIDE, SIDE, HEIGHT)
+    point, normal = [0.0] * 3, [0] * 3
+    point[axis], normal[axis] = size[axis] * end, 1 - 2 * end
+    wall = {"name": name, "point": point, "normal": normal, "stiffness": 1.5e7, "passive": True}
+    speed = 0.5 * CLOSING * (1 - 2 * end)
+    if axis < 2:
+        force = pressure * SIDE * HEIGHT
+        wall["servo"] = {"force": [[0, 0], [0.7 * RAMP, force]], "max_velocity": 0.2}
+    elif pressure:
+        wall["motion"] = {"vz": [[0, 0], [RAMP, 0], [1.2 * RAMP, speed]]}
+    else:
+        wall["motion"] = {"vz": [[0, 0], [0.2 * RAMP, speed]]}
+    return wall
+
+
+def compression(seed, law, pressure):
+    scene = specimen(seed, law)
+    walls = [("bottom", 2, 0), ("top", 2, 1)] + ([("x0", 0, 0), ("x1", 0, 1), ("y0", 1, 0), ("y1", 1, 1)] if pressure else [])
+    scene["walls"] = [platen(name, axis, end, pressure) for name, axis, end in walls]
+    scene["test"] = {"kind": "compression", "axis": "z", "lower": "bottom", "upper": "top", "length": HEIGHT, "area": SIDE**2}
+    scene["time"] = {"end": 0.035 * HEIGHT / CLOSING + RAMP, "stop": {"peak_drop": 0.1}}
+    return scene
+
+
+def pull(scene, height, speed):
+    ends = [("low", "lower", -1), ("high", "upper", 1)]
+    scene["sets"] = [{"name": name, "select": {"end": {"axis": "z", "side": side, "depth": 0.04 * height}},
+                      "motion": {"vz": [[0, 0], [1e-4, sign * 0.5 * speed]]}} for name, side, sign in ends]
+    return scene
+
+
+def tension(seed, law):
+    scene = pull(specimen(seed, law), HEIGHT, PULLING)
+    scene["test"] = {"kind": "tension", "axis": "z", "lower": "low", "upper": "high", "length": HEIGHT, "area": SIDE**2}
+    scene["time"] = {"end": 0.02 * HEIGHT / PULLING, "stop": {"peak_drop": 0.5}}
+    return scene
+
+
+def made(name, scene):
+    FOLDER.mkdir(parents=True, exist_ok=True)
+    path = FOLDER / f"{name}.yaml"
+    path.write_text(json.dumps(scene, indent=1))
+    return study.run(f"law-table/{name}", path, {"run.threads": 1}, must_finish=False)
+
+
+def mean_text(values, digits=3):
+    values = np.asarray(values, float)
+    spread = 2.776 * values.std(ddof=1) / np.sqrt(len(values)) if len(values) > 1 else float("nan")  # 95 % of five
+    return f"{values.mean():.{digits}g} ± {spread:.1g}"
+
+
+def friction_angle(peaks):
+    """Degrees, from the slope of the axial stress at failure over the pressure, (1 + sin phi)/(1 - sin phi)."""
+    slope = np.polyfit(PRESSURES, peaks, 1)[0]
+    return np.degrees(np.arcsin((slope - 1) / (slope + 1)))
+
+
+def law_row(number, law):
+    found = {key: [] for key in ("E", "tension", "peaks", "strain", "angle", "ratio", "residual")}
+    for seed in SEEDS:
+        pulled = made(f"{number}-tension-{seed}", tension(seed, law))
+        pressed = [made(f"{number}-{round(p / 1e6)}-{seed}", compression(seed, law, p)) for p in PRESSURES]
+        peaks = [run.largest_stress for run in pressed]
+        found["E"].append(pressed[0].young_modulus / 1e9)
+        found["tension"].append(pulled.largest_stress / 1e6)
+        found["peaks"].append([p / 1e6 for p in peaks])
+        found["ratio"].append(peaks[0] / pulled.largest_stress)
+        found["angle"].append(friction_angle(peaks))
+        found["residual"].append(max(abs(run.residual) for run in (pulled, *pressed)))
+    peaks = np.array(found["peaks"])
+    print(law[0], found, file=sys.stderr, flush=True)
+    return [law[0], mean_text(found["E"]), mean_text(found["tension"]), *(mean_text(peaks[:, k]) for k in range(3)),
+            mean_text(found["ratio"]), mean_text(found["angle"]), f"{max(found['residual']):.0e}"]
+
+
+def laws_table():
+    rows = [law_row(number, law) for number, law in enumerate(LAWS)]
+    heads = ["law", "E GPa", "tension MPa", *(f"axial stress at failure, {p / 1e6:g} MPa around" for p in PRESSURES),
+             "UCS over tension", "friction angle", "largest residual"]
+    study.put("law-table.md", "table laws", study.table(heads, rows))
+
+
+# --- fracture energy of bodies --------------------------------------------------------------------------------
+
+YOUNG, TENSILE, FRACTURE = 20e9, 3e6, 45.0  # Pa, Pa, J/m2: E G/sigma^2 is 0.1 m, three times the length of the strips
+
+
+def strip(dimension, count, seed, coupling):
+    width, length = 0.02, 0.03
+    shape = {"rectangle": {"width": width, "height": length}} if dimension == 2 else {"box": {"size": [width, width, length]}}
+    axis = "xyz"[dimension - 1]
+    scene = {
+        "dimension": dimension, "specimen": {**shape, "particles": count, "packing": {"overlap": "passive"}},
+        "materials": [{"name": "m", "density": 2500, "young": YOUNG, "poisson": 0.2, "tensile_strength": TENSILE,
+                       "shear_strength": TENSILE, "fracture_energy": FRACTURE, "shear_fracture_energy": FRACTURE}],
+        "law": {"stiffness": "dempack", "softening": "energy", "coupling": coupling}, "bonds": {"interaction_range": 0.05},
+        "damping": {"background": {"model": "nonviscous_vector", "coefficient": 0.5}},
+        "sets": [{"name": name, "select": {"end": {"axis": axis, "side": side, "depth": 1.5e-3}},
+                  "motion": {"v" + axis: [[0, 0], [2e-4, sign * 0.03]]}} for name, side, sign in (("low", "lower", -1), ("high", "upper", 1))],
+        "test": {"kind": "tension", "axis": axis, "lower": "low", "upper": "high", "length": length, "area": width ** (dimension - 1)},
+        "time": {"end": 5e-3, "stop": {"peak_drop": 0.995}},
+        "output": {"history_rows": 400, "snapshots": 0, "checkpoint": "off"}, "run": {"seed": seed, "threads": 1}}
+    return scene, width ** (dimension - 1)
+
+
+def cut_by_plane(run, axis, volume):
+    """Bond area that planes across the axis cut, over their section, in the mean."""
+    x, d = run.results("particles/position"), run.results("particles/displacement")
+    i, j, area = (run.results(f"bonds/{name}") for name in ("i", "j", "area"))
+    branch = (x - d)[j] - (x - d)[i]
+    return np.sum(area * np.abs(branch[:, axis])) / volume
+
+
+def energy_row(dimension, count, coupling):
+    factors, cuts, radii = [], [], []
+    for seed in SEEDS:
+        scene, section = strip(dimension, count, seed, coupling)
+        run = made(f"energy-{dimension}-{count}-{coupling}-{seed}", scene)
+        lost = sum(run.results(f"energy/{term}")[0] for term in ("damage", "bond_breaking"))
+        factors.append(lost / (FRACTURE * section))
+        cuts.append(cut_by_plane(run, dimension - 1, section * 0.03))
+        radii.append(np.mean(run.results("particles/radius")) * 1e3)
+    print(dimension, count, coupling, factors, cuts, file=sys.stderr, flush=True)
+    return [f"{dimension}D", coupling, count, f"{np.mean(radii):.3f}", mean_text(factors), mean_text(cuts),
+            f"{np.mean(factors) / np.mean(cuts):.3f}"]
+
+
+def energy_table():
+    rows = [energy_row(2, count, coupling) for coupling in ("quadratic", "none") for count in (400, 900, 2000)]
+    rows += [energy_row(3, count, "quadratic") for count in (500, 1000, 2000)]
+    heads = ["", "coupling", "particles", "mean radius mm", "dissipated over G_f times section", "bond area cut by a plane over its section",
+             "dissipated over G_f times that"]
+    study.put("law-table.md", "table energy", study.table(heads, rows))
+
+
+if __name__ == "__main__":
+    asked = [a for a in sys.argv[1:] if not a.startswith("-")]
+    if not asked or "laws" in asked:
+        laws_table()
+    if not asked or "energy" in asked:
+        energy_table()
