@@ -113,6 +113,19 @@ static void set_softening(gn_contacts *k, size_t c, double scale, uint64_t *at) 
     if (k->yields_f) k->yields_f[c] = (float)yields;
 }
 
+/* Hertz's contacts, as stiff as the others at an overlap of 1e-3; some that were pressed as far in
+ * the last step, some more, some less, and some further than the step was looked at for. */
+static void set_hertz(gn_contacts *k, size_t c, double kn, double sum, uint64_t *at) {
+    double root = sqrt(1e-3 * sum), closeness = c % 5 == 4 ? 0.0 : uniform(at, 0.7, 1.5) / root;
+    k->kn[c] = kn / root;
+    if (k->kt) k->kt[c] = kn / root / uniform(at, 1.0, 1.5);
+    if (k->cn) k->cn[c] /= sqrt(kn);
+    if (k->lag) k->lag[c] = uniform(at, 0.0, 0.2) / sqrt(kn);
+    if (k->closeness) k->closeness[c] = closeness;
+    if (k->closeness_f) k->closeness_f[c] = (float)closeness;
+    k->most[c] = uniform(at, 0.5e-3, 4e-3) * sum;
+}
+
 static void set_contact(bench *b, size_t c, uint64_t *at) {
     gn_contacts *k = &b->k;
     double ri = b->p.pos[4 * k->i[c] + 3], rj = b->p.pos[4 * k->j[c] + 3],
@@ -131,6 +144,7 @@ static void set_contact(bench *b, size_t c, uint64_t *at) {
     if (k->beam) set_beam(b, c, scale, at);
     if (k->mu1) k->mu1[c] = uniform(at, 0.0, 1.2);
     if (k->soft) set_softening(k, c, scale, at);
+    if (k->most) set_hertz(k, c, kn, ri + rj, at);
     if (!k->kt || c % 5 == 4) return;
     double d[3], old[3], t[3];
     separation(b, c, d, old);
@@ -146,6 +160,7 @@ static void set_contact(bench *b, size_t c, uint64_t *at) {
 /* Effects that make no variants of their own, in turn. */
 static gn_effects with_options(gn_effects effects, uint64_t turn) {
     static const gn_effects couplings[] = {0, GN_FX_COUPLED_QUADRATIC, GN_FX_COUPLED_LINEAR};
+    if (effects & GN_FX_HERTZ) return effects | (turn % 2 ? GN_FX_NO_PULL : 0);
     static const gn_effects inelastic[] = {0, GN_FX_YIELD, GN_FX_COUPLED_LINEAR | GN_FX_YIELD};
     if (effects & GN_FX_SOFTENING) return effects | inelastic[turn % 3];
     return effects & GN_FX_MOHR ? effects | couplings[turn % 3] : effects;
@@ -334,6 +349,69 @@ static int cause_of(const gn_contacts *k, size_t c, double normal, double shear)
     return shear >= rt ? GN_BROKEN_SHEAR : GN_INTACT;
 }
 
+/* How a contact moved in the step: n now, the velocity along it, and across the normal of the
+ * middle turned to n; path: by which the distance grew. */
+typedef struct motion {
+    double n[3], stretch, vn, vt[3], path, before[3];
+} motion;
+
+static double pot(const gn_contacts *k, size_t c, double overlap) {
+    double root = sqrt(k->kn[c] * sqrt(overlap));
+    return k->cn[c] * root / (1.0 + k->lag[c] * root);
+}
+
+/* The dashpot of Hertz's law: where the contact began or ended in the step, with the share that
+ * makes sums of u^(1/4) integrals. */
+static double hertz_viscous(const gn_contacts *k, size_t c, const motion *m, double normal) {
+    double u = fmax(0.0, -m->stretch), past = m->path - m->stretch, way = fabs(m->path);
+    bool pulls = !(k->soa.effects & GN_FX_NO_PULL);
+    double coefficient = pot(k, c, u), s = u / way, a = past / way;
+    if (u > 0.0 && past <= 0.0)
+        coefficient = pot(k, c, way) * (0.32045 + s - 0.122 * s * (1.0 - s));
+    if (u == 0.0 && past > 0.0)
+        coefficient =
+            pulls ? pot(k, c, way) * (0.32045 + a - 0.122 * a * (1.0 - a) - pow(a, 0.25)) : 0.0;
+    return pulls ? coefficient * m->vn : fmin(coefficient * m->vn, -normal);
+}
+
+/* Hertz-Mindlin contacts anew; `of`: m, rounding of the overlap. */
+static expected expect_hertz(const bench *b, size_t c, const motion *m, double of, tally *sum) {
+    const gn_contacts *k = &b->k;
+    expected e = {0};
+    double u = fmax(0.0, -m->stretch), root = sqrt(u), dt = b->args.dt;
+    double fn = -2.0 / 3.0 * k->kn[c] * pow(u, 1.5), kt = k->kt ? k->kt[c] : 0.0;
+    double viscous = k->cn ? hertz_viscous(k, c, m, fn) : 0.0, t[3] = {0}, size = 0.0, limit = 0.0;
+    double past = k->closeness ? k->closeness[c] : 0.0, shrunk = fmin(1.0, root * past);
+    double held = 0.0, now = 0.0, work = 0.0;
+    for (int a = 0; k->shear && a < 3; a++)
+        t[a] = shrunk * m->before[a] + kt * root * dt * m->vt[a];
+    size = sqrt(dot3(t, t));
+    if (k->mu) limit = u > 0.0 ? k->mu[c] * fmax(0.0, -(fn + viscous)) : 0.0;
+    e.slipping = size > limit;
+    for (int a = 0; a < 3; a++) {
+        if (e.slipping) t[a] *= limit / size;
+        e.force[a] = (fn + viscous) * m->n[a] + t[a];
+        e.shear[a] = t[a];
+        work += 0.5 * (m->before[a] + t[a]) * dt * m->vt[a];
+    }
+    if (kt > 0.0) held = 0.5 * dot3(m->before, m->before) * past / kt;
+    if (kt > 0.0 && u > 0.0) now = 0.5 * dot3(t, t) / (kt * root);
+    e.open = !(u > 0.0);
+    e.fd = viscous;
+    if (k->shear && k->soa.effects & GN_FX_ROTATION) cross3(m->n, t, e.moment);
+    e.tolerance = 1e-12 * sqrt(dot3(e.force, e.force)) + k->kn[c] * sqrt(u + of) * of;
+    if (k->cn)
+        e.tolerance += fabs(m->vn) * (pot(k, c, u + of) - pot(k, c, u)) +
+                       3.0 * fabs(viscous) * of / fmax(fabs(m->path), of);
+    sum->friction += held + work - now;
+    sum->elastic_normal += -0.4 * fn * u;
+    sum->elastic_shear += now;
+    if (k->fd) sum->damping += 0.5 * (k->fd[c] + viscous) * m->path;
+    sum->scale += fabs(fn) * u + held + now + fabs(work) +
+                  (fabs(viscous) + (k->fd ? fabs(k->fd[c]) : 0.0)) * fabs(m->vn) * dt;
+    return e;
+}
+
 static expected expect(const bench *b, size_t c, tally *sum) {
     const gn_contacts *k = &b->k;
     gn_effects fx = k->soa.effects;
@@ -379,6 +457,19 @@ static expected expect(const bench *b, size_t c, tally *sum) {
         rotate_from_to(middle, n, vt);
         rotate_about(n, 0.5 * dt * twist, vt);
         for (int a = 0; a < 3; a++) t[a] = trial[a] = before[a] + kt * dt * vt[a];
+    }
+    if (k->most) {
+        motion q = {.stretch = u, .vn = vn, .path = dt * vn - curved};
+        memcpy(q.n, n, sizeof n);
+        memcpy(q.vt, vt, sizeof vt);
+        memcpy(q.before, before, sizeof before);
+        double most = fmax(b->args.period[0], fmax(b->args.period[1], b->args.period[2]));
+        e = expect_hertz(b, c, &q, 8.0 * DBL_EPSILON * fmax(0.05, most), sum);
+        double stiffness = kt * sqrt(fmax(0.0, -u));
+        if (length > 0.05 * (ri + rj))
+            e.tolerance += 0.125 * side2 / (length * length) * stiffness * dt * sqrt(dot3(vt, vt));
+        e.tolerance += fabs(pow(dt * twist, 3.0)) / 6.0 * sqrt(dot3(before, before));
+        return e;
     }
     double size = sqrt(dot3(trial, trial));
     bending m = bend(b, c, n_old, middle, n, twist);
@@ -722,6 +813,7 @@ static void mixed_forces_follow_the_double_ones(void **state) {
             }
             double ri = a.p.pos[4 * a.k.i[c] + 3], rj = a.p.pos[4 * a.k.j[c] + 3];
             double scale = a.k.kn[c] * 1e-3 * (ri + rj);
+            if (a.k.most) scale *= sqrt(2e-3 * (ri + rj)); /* as stiff as the deepest is */
             for (int end = 0; end < 2; end++) {
                 double f[3], g[3], m[3], n[3];
                 sums_at(&a, c, end, f, m);

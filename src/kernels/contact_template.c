@@ -8,6 +8,7 @@
 #include "kernels/block_rows.h"
 #include "kernels/expand.h"
 #include "kernels/law_beam.h"
+#include "kernels/law_hertz.h"
 #include "kernels/law_linear.h"
 #include "kernels/law_mohr.h"
 #include "kernels/law_softening.h"
@@ -291,16 +292,16 @@ GN_INLINE void contact_core(const gn_contact_args *a, size_t begin, size_t end,
 enum { NOT_BUILT = 0 GN_CONTACT_OPTIONS(X) };
 #undef X
 
-/* In mixed precision the branch at the start knows the period. */
-#define ABSENT(options, shear, friction, bonds)                                                    \
-    (((options)&NOT_BUILT) || (GN_MIXED && (!GN_BUILT(MIXED) || GN_BIT(options, 4))) ||            \
-     (shear && !GN_BUILT(SHEAR)) || (friction && !GN_BUILT(FRICTION)) ||                           \
-     (bonds && !GN_BUILT(BONDS)))
+/* In mixed precision the branch at the start knows the period. Hertz's law is one of spheres. */
+#define ABSENT(options, law, shear, friction, bonds)                                               \
+    (((options)&NOT_BUILT) || (LAW_##law == LAW_hertz && !GN_BIT(options, 0)) ||                   \
+     (GN_MIXED && (!GN_BUILT(MIXED) || GN_BIT(options, 4))) || (shear && !GN_BUILT(SHEAR)) ||      \
+     (friction && !GN_BUILT(FRICTION)) || (bonds && !GN_BUILT(BONDS)))
 
 #define WRAPPER(options, name, law, shear, friction, bonds)                                        \
     static void contact_##name##_##options(const gn_contact_args *a, size_t begin, size_t end,     \
                                            gn_contact_sums *sums) {                                \
-        if (ABSENT(options, shear, friction, bonds)) return;                                       \
+        if (ABSENT(options, law, shear, friction, bonds)) return;                                  \
         contact_core(a, begin, end, sums,                                                          \
                      (variant){LAW_##law, GN_BIT(options, 0), GN_BIT(options, 1), shear, friction, \
                                bonds, GN_BIT(options, 2), GN_BIT(options, 3),                      \
@@ -311,7 +312,7 @@ GN_CONTACT_KINDS(X)
 #undef X
 
 #define ENTRY(options, name, law, shear, friction, bonds)                                          \
-    ABSENT(options, shear, friction, bonds) ? 0 : contact_##name##_##options,
+    ABSENT(options, law, shear, friction, bonds) ? 0 : contact_##name##_##options,
 #define X(number, ...) GN_EACH_32(ENTRY, __VA_ARGS__)
 gn_contact_kernel *const GN_TABLE(contact)[GN_CONTACT_VARIANTS] = {GN_CONTACT_KINDS(X)};
 #undef X

@@ -293,7 +293,23 @@ static gn_effects strength_effects(const gn_scene *s) {
     return GN_FX_MOHR | (s->coupling == GN_COUPLING_LINEAR ? GN_FX_COUPLED_LINEAR : 0U);
 }
 
+/* Friction and damping of any pair. */
+static gn_effects hertz_effects(const gn_scene *s) {
+    bool friction = false, damping = s->restitution >= 0 || s->damping_fraction > 0;
+    for (size_t k = 0; k < s->material_count; k++) {
+        friction = friction || s->materials[k].friction > 0;
+        damping = damping || s->materials[k].restitution >= 0;
+    }
+    for (size_t k = 0; k < s->contact_count; k++) {
+        friction = friction || s->contacts[k].friction > 0;
+        damping = damping || s->contacts[k].restitution >= 0;
+    }
+    return GN_FX_PAIRS | GN_FX_HERTZ | (s->pull ? 0U : GN_FX_NO_PULL) |
+           (friction ? GN_FX_SHEAR | GN_FX_FRICTION : 0U) | (damping ? GN_FX_CONTACT_DAMPING : 0U);
+}
+
 static gn_effects contact_effects(const gn_scene *s) {
+    if (gn_scene_hertz(s)) return hertz_effects(s);
     bool bonds = bonds_possible(s), area = gn_scene_by_area(s), friction = false, shear = false;
     for (size_t k = 0; k < s->material_count; k++) {
         const gn_material *m = &s->materials[k];
@@ -355,6 +371,8 @@ gn_effects gn_scene_effects(const gn_scene *s) {
     if (touched && s->elements.contact.friction > 0) mask |= GN_FX_WALL_SHEAR;
     for (size_t k = 0; k < s->body_count; k++)
         if (s->bodies[k].friction > 0) mask |= GN_FX_WALL_SHEAR;
+    for (size_t k = 0; k < gn_scene_sides(s); k++)
+        if (mask & GN_FX_FRICTION && *gn_scene_side(s, k, &(double){0})) mask |= GN_FX_WALL_SHEAR;
     if (s->has_periodic) mask |= GN_FX_PERIODIC;
     if (s->has_mass_scaling) mask |= GN_FX_MASS_SCALING;
     if (s->orientation == GN_SWITCH_ON && (mask & GN_FX_ROTATION)) mask |= GN_FX_ORIENTATION;
@@ -451,6 +469,16 @@ bool gn_scene_end_drives(const gn_scene *scene, const gn_test_end *end) {
             return true;
     }
     return false;
+}
+
+const char *gn_scene_side(const gn_scene *scene, size_t place, double *friction) {
+    const size_t walls = scene->wall_count, bodies = walls + scene->body_count;
+    *friction = place < walls    ? scene->walls[place].friction
+                : place < bodies ? scene->bodies[place - walls].friction
+                                 : scene->elements.contact.friction;
+    return place < walls    ? scene->walls[place].material
+           : place < bodies ? scene->bodies[place - walls].material
+                            : scene->elements.contact.material;
 }
 
 int gn_scene_find_material(const gn_scene *scene, const char *name) {

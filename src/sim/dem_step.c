@@ -143,6 +143,7 @@ void gn_dem_move(gn_world *w, bool measure) {
     d->verlet.drift += w->dt * speed;
     d->broken_tension += d->done.bonds.broken_tension;
     d->broken_shear += d->done.bonds.broken_shear;
+    d->pressed = d->done.pairs.pressed + d->done.walls.pressed > 0;
     d->contact_steps += (int64_t)(d->bonds.soa.count + d->pairs.soa.count);
 }
 

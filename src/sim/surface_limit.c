@@ -9,9 +9,9 @@
 
 /* The largest stiffness of one contact before the lists are made again. */
 static gn_law_spring law_spring(const gn_world *w, const gn_surface_contact *c) {
-    gn_touch_side side = gn_surface_side(c->surface, 1.0);
+    gn_touch_side side = gn_surface_side(w, c->surface, c->particle, 1.0);
     return gn_touch_spring(w, &side, w->dem.particles.vel[4 * c->particle + 3],
-                           fmax(-c->contact.overlap, 0.0) + w->dem.verlet.skin);
+                           gn_touch_reach(w, c->particle, fmax(-c->contact.overlap, 0.0)));
 }
 
 static gn_extra_spring spring_of(const gn_world *w, const gn_surface_contact *c, bool joined) {

@@ -117,7 +117,7 @@ const gn_surface *gn_surface_of_row(const gn_world *w, size_t row) {
 /* A contact of the last step. */
 typedef struct memory {
     size_t row;
-    double n[3], shear[3], fd;
+    double n[3], shear[3], fd, closeness;
     double part; /* of the stiffness that it had */
     bool taken;
 } memory;
@@ -151,6 +151,10 @@ static size_t recall(gn_wall_contacts *q, size_t begin, size_t end, memory *old)
             q->shear[c + a * stride] = 0.0;
         }
         if (q->fd) q->fd[c] = 0.0;
+        if (q->closeness) {
+            m.closeness = q->closeness[c];
+            q->closeness[c] = 0.0;
+        }
         if (count < GN_FACET_TOUCHES) old[count++] = m;
     }
     return count;
@@ -366,7 +370,11 @@ static void contact(const group *g, gn_wall_contacts *q, const gn_facet_near *mi
     gn_touch s = touch_of(g, minima, k, arm);
     /* Contacts that share have parts of the stiffness and of the mass behind it, so that their
      * dashpots add up as well. Across, friction bounds what each carries. */
-    gn_touch_side law = gn_surface_side(g->s, k->part);
+    gn_touch_side law = gn_surface_side(g->w, g->s, g->particle, k->part);
+    if (q->closeness) {
+        q->closeness[own] = before ? before->closeness : 0.0;
+        s.closeness = q->closeness + own;
+    }
     s.inverse_mass /= k->part;
     double total = gn_touch_force(g->w, &law, g->particle, g->body, &s, q->fd ? &fd : NULL,
                                   q->shear ? old : NULL, 1, t, sums);
@@ -420,7 +428,8 @@ static void open_contact(const group *g, gn_wall_contacts *q, memory *m, gn_cont
     if (!behind) memcpy(k.n, m->n, sizeof k.n);
     gn_touch s = touch_of(g, &near, &k, k.arm);
     if (!behind || s.gap <= 0.0) s.gap = INFINITY;
-    gn_touch_side law = gn_surface_side(g->s, m->part);
+    gn_touch_side law = gn_surface_side(g->w, g->s, g->particle, m->part);
+    s.closeness = &m->closeness;
     s.inverse_mass /= m->part;
     double total = gn_touch_force(g->w, &law, g->particle, g->body, &s, q->fd ? &m->fd : NULL,
                                   q->shear ? m->shear : NULL, 1, t, sums);

@@ -166,8 +166,7 @@ static bool idle(const gn_wall_contacts *q, size_t c, const gn_touch *s, double 
 
 static void wall_contact(gn_world *w, size_t c, gn_contact_sums *sums) {
     gn_wall_contacts *q = &w->boundary.contacts;
-    const gn_wall_def *def = &w->scene.walls[q->wall[c]];
-    gn_touch_side law = gn_wall_side(def);
+    gn_touch_side law = gn_wall_side(w, (size_t)q->wall[c], (size_t)q->i[c]);
     double arm, v[3], t[3], *row = q->row + 8 * c, moment[3];
     gn_touch s = touch_of(w, c, v, &arm);
     if (idle(q, c, &s, s.speed * w->dt_past)) {
@@ -175,6 +174,7 @@ static void wall_contact(gn_world *w, size_t c, gn_contact_sums *sums) {
         return;
     }
     if (q->shear) touch_across(w, (size_t)q->i[c], v, arm, &s);
+    if (q->closeness) s.closeness = q->closeness + c;
     double total = gn_touch_force(w, &law, (size_t)q->i[c], NULL, &s, q->fd ? q->fd + c : NULL,
                                   q->shear ? q->shear + c : NULL, q->soa.capacity, t, sums);
     gn_cross3(s.n, t, moment);
@@ -195,11 +195,19 @@ void gn_wall_contacts_work(gn_world *w, size_t begin, size_t end, gn_contact_sum
     }
 }
 
+/* By Hertz's law of one that is pressed as far as is expected: a servo moves a wall the less, the
+ * stiffer it finds the contacts. */
+static double expected_stiffness(const gn_world *w, size_t k, size_t p) {
+    gn_touch_side side = gn_wall_side(w, k, p);
+    return gn_touch_spring(w, &side, w->dem.particles.vel[4 * p + 3], gn_pressed_touch(w, p)).kn;
+}
+
 /* Of the spring of a wall contact as far as it is pressed. */
 static double spring_stiffness(const gn_world *w, size_t c) {
     const gn_wall_contacts *q = &w->boundary.contacts;
     size_t p = (size_t)q->i[c], k = (size_t)q->wall[c];
-    gn_touch_side side = gn_wall_side(&w->scene.walls[k]);
+    if (w->effects & GN_FX_HERTZ) return expected_stiffness(w, k, p);
+    gn_touch_side side = gn_wall_side(w, k, p);
     return gn_touch_spring(w, &side, w->dem.particles.vel[4 * p + 3],
                            fmax(q->gap0[c] - wall_gap(w, p, k), 0.0))
         .kn;
@@ -292,7 +300,9 @@ static double stiffness_within(const gn_world *w, size_t k, double path) {
  * would be too long by the number of particles, at any step. */
 static double servo_stiffness(const gn_world *w, size_t k, double force, double most) {
     double pressed = w->boundary.walls[k].stiffness;
-    double least = pressed > 0.0 ? pressed : w->scene.walls[k].stiffness;
+    double alone =
+        w->effects & GN_FX_HERTZ ? expected_stiffness(w, k, 0) : w->scene.walls[k].stiffness;
+    double least = pressed > 0.0 ? pressed : alone;
     double high = fmin(force / least, most);
     if (!(high > 0.0)) return least;
     double over = pressed + stiffness_within(w, k, high);
