@@ -298,6 +298,185 @@ static void a_stack_rests_on_the_overlaps_of_its_weight(void **state) {
     world_end(w);
 }
 
+/* --- rolling --- */
+
+/* A sphere that rolls over the plane at v0, and spins about its normal. */
+static gn_world *roller(bool hertz, double v0, double rolling, double twisting, double spin,
+                        const double g[3], double end) {
+    text t = {0};
+    const char *rest =
+        hertz ? "young: 1e8, poisson: 0.3, restitution: 0.3" : "normal_stiffness: 1e6, kratio: 2";
+    add(&t,
+        "dimension: 3\nspecimen: {particles: [[0, 0, 0.00999, 0.01]], group: 0}\n"
+        "materials: [{name: m, density: 2500, %s, friction: 0.5, rolling_friction: %.17g, "
+        "twisting_friction: %.17g}]\nlaw: {stiffness: %s}\n%s"
+        "gravity: [%.17g, %.17g, %.17g]\n"
+        "walls: [{name: w, point: [0, 0, 0], normal: [0, 0, 1], ",
+        rest, rolling, twisting, hertz ? "hertz" : "uniform",
+        hertz ? "" : "damping: {contact: {restitution: 0.3}}\n", g[0], g[1], g[2]);
+    if (hertz)
+        add(&t, "material: m}]\n");
+    else
+        add(&t,
+            "stiffness: 1e6, kratio: 2, friction: 0.5, rolling_friction: %.17g, "
+            "twisting_friction: %.17g}]\n",
+            rolling, twisting);
+    add(&t,
+        "sets: [{name: a, select: {all: true}, initial_velocity: [%.17g, 0, 0], initial_spin: [0, "
+        "%.17g, %.17g]}]\ntime: {end: %.17g}\nrun: {threads: 1}\n",
+        v0, v0 / 0.01, spin, end);
+    return world_of("%s", t.s);
+}
+
+static void run_until(gn_world *w, double time) {
+    while (w->time < time) run_steps(w, 1);
+}
+
+static const double down[3] = {0, 0, -9.81};
+
+/* dv/dt = -(5/7) mu_r g: it stops after 7 v0^2/(10 mu_r g). The sphere settles into the plane
+ * first, which changes the pressing force for some milliseconds; the spring of the moment then
+ * swings by less than a thousandth of the way. */
+static void a_rolling_sphere_stops_where_resistance_says(void **state) {
+    (void)state;
+    for (int hertz = 0; hertz < 2; hertz++) {
+        const double mu = 0.05, v0 = 0.2, way = 7.0 * v0 * v0 / (10.0 * mu * 9.81);
+        gn_world *w = roller(hertz, v0, mu, 0.0, 0.0, down, 10.0);
+        run_until(w, 0.3);
+        double v = v0 - 5.0 / 7.0 * mu * 9.81 * 0.3;
+        assert_near(vel_of(w, 0)[0], v, 0.01 * v0);
+        run_until(w, 1.2 * 2.0 * way / v0);
+        assert_near(pos_of(w, 0)[0], way, 0.01 * way);
+        gn_energy e = measured_step(w);
+        double energy = 0.7 * mass_of(w, 0) * v0 * v0;
+        assert_near(e.rolling, energy, 0.02 * energy);
+        assert_true(fabs(gn_energy_residual(&e)) < 1e-3);
+        world_end(w);
+    }
+}
+
+/* On an incline it rests if tan phi <= mu_r, else it rolls with (5/7) g (sin phi - mu_r cos phi).
+ */
+static void resistance_holds_a_sphere_on_an_incline(void **state) {
+    (void)state;
+    for (int hertz = 0; hertz < 2; hertz++)
+        for (int rolls = 0; rolls < 2; rolls++) {
+            const double mu = 0.1, phi = atan(rolls ? 0.2 : 0.09);
+            const double g[3] = {9.81 * sin(phi), 0, -9.81 * cos(phi)};
+            gn_world *w = roller(hertz, 0.0, mu, 0.0, 0.0, g, 10.0);
+            run_until(w, 0.2);
+            double v = rolls ? 5.0 / 7.0 * (g[0] + mu * g[2]) * 0.2 : 0.0;
+            /* The spring first gives way by mu_r f/(k_t r), some micrometres, and swings. */
+            assert_near(vel_of(w, 0)[0], v, 0.01 * 9.81 * 0.2);
+            world_end(w);
+        }
+}
+
+/* A sphere that spins about the normal: I dw/dt = -mu_t r m g. */
+static void twisting_resistance_stops_a_top(void **state) {
+    (void)state;
+    for (int hertz = 0; hertz < 2; hertz++) {
+        const double mu = 0.05, w0 = 60.0, slow = 2.5 * mu * 9.81 / 0.01;
+        gn_world *w = roller(hertz, 0.0, 0.0, mu, w0, down, 10.0);
+        run_until(w, 0.3);
+        assert_near(spin_of(w, 0)[2], w0 - slow * 0.3, 0.01 * w0);
+        run_until(w, 0.8);
+        assert_near(spin_of(w, 0)[2], 0.0, 0.01 * w0);
+        gn_energy e = measured_step(w);
+        double energy = 0.2 * mass_of(w, 0) * 1e-4 * w0 * w0;
+        assert_near(e.rolling, energy, 0.01 * energy);
+        world_end(w);
+    }
+}
+
+/* --- all together --- */
+
+/* Grains of two materials and sizes in a box, beside a body that stands and one that falls. */
+static gn_world *crowd(const char *law, const char *run) {
+    return world_of(
+        "dimension: 3\nspecimen: {lattice: {kind: cubic, radius: 2e-3, cells: [4, 4, 4], spacing: "
+        "1.1, jitter: 0.09, origin: [3e-3, 3e-3, 12e-3]}, group: 0, material: g}\n"
+        "materials:\n"
+        "  - {name: g, density: 2500, young: 1e9, poisson: 0.2, friction: 0.4, restitution: 0.5, "
+        "rolling_friction: 0.1}\n"
+        "  - {name: s, density: 7200, young: 2e10, poisson: 0.3, friction: 0.2, restitution: 0.8, "
+        "rolling_friction: 0.2, twisting_friction: 0.1}\n"
+        "contacts: [{between: [g, s], restitution: 0.6, friction: 0.3, twisting_friction: 0.05}]\n"
+        "law: {stiffness: hertz%s}\ngravity: [0, 0, -9.81]\ninitial: {random_velocity: 1}\n"
+        "sets: [{name: heavy, select: {ids: [3, 40]}, material: s}]\nwalls:\n"
+        "  - {name: floor, point: [0, 0, 0], normal: [0, 0, 1], material: s}\n"
+        "  - {name: a, point: [0, 0, 0], normal: [1, 0, 0], friction: 0.3}\n"
+        "  - {name: b, point: [0, 0, 0], normal: [0, 1, 0], material: g}\n"
+        "  - {name: c, point: [26e-3, 0, 0], normal: [-1, 0, 0], material: g}\n"
+        "  - {name: d, point: [0, 26e-3, 0], normal: [0, -1, 0], material: g}\n"
+        "bodies:\n"
+        "  - {name: ramp, box: {size: [10e-3, 10e-3, 3e-3]}, origin: [10e-3, 12e-3, 4e-3], "
+        "rotation: [0.4, 0.3, 0], material: s}\n"
+        "  - {name: brick, box: {size: [6e-3, 6e-3, 6e-3]}, origin: [13e-3, 13e-3, 40e-3], "
+        "material: s, free: true, density: 3000}\n"
+        "time: {end: 1}\noutput: {orientation: on}\nrun: {%s}\n",
+        law, run);
+}
+
+static void the_bits_do_not_depend_on_threads_or_instruction_sets(void **state) {
+    (void)state;
+    const char *const precision[] = {"double", "mixed"};
+    for (int p = 0; p < (GN_BUILT(MIXED) ? 2 : 1); p++) {
+        char one[80], two[80], plain[80];
+        snprintf(one, sizeof one, "threads: 1, precision: %s", precision[p]);
+        snprintf(two, sizeof two, "threads: 2, precision: %s", precision[p]);
+        snprintf(plain, sizeof plain, "threads: 1, isa: scalar, precision: %s", precision[p]);
+        gn_world *a = crowd("", one), *b = crowd("", two), *c = crowd("", plain);
+        gn_world *const all[] = {a, b, c};
+        for (int k = 0; k < 3; k++) run_steps(all[k], 3000);
+        assert_true(a->dem.pairs.soa.count > 0 && a->energy.friction > 0.0);
+        assert_true(a->energy.rolling > 0.0 && a->energy.contact_damping > 0.0);
+        for (int k = 1; k < 3; k++) {
+            assert_true(gn_world_hash(all[k]) == gn_world_hash(a));
+            assert_true(all[k]->dt == a->dt);
+            world_end(all[k]);
+        }
+        world_end(a);
+    }
+}
+
+static void the_ledger_of_a_crowd_closes(void **state) {
+    (void)state;
+    const char *const laws[] = {"", ", pull: false"};
+    for (int k = 0; k < 2; k++) {
+        gn_world *w = crowd(laws[k], "threads: 1");
+        for (int step = 0; step < 40; step++) {
+            run_steps(w, 250);
+            gn_energy e = measured_step(w);
+            assert_true(fabs(gn_energy_residual(&e)) < 0.005); /* half of what a run warns of */
+        }
+        world_end(w);
+    }
+}
+
+/* A step that grows stale: a sphere laid on the ground, on which a plate then presses ever more.
+ * The step follows the overlap, and never exceeds what the contact as it is allows. */
+static void the_step_follows_the_overlap(void **state) {
+    (void)state;
+    gn_world *w = world_of(
+        "dimension: 3\nspecimen: {particles: [[0, 0, 0.01, 0.01]], group: 0}\n"
+        "materials: [{name: m, density: 2500, young: 1e8, poisson: 0.3, restitution: 0.3}]\n"
+        "law: {stiffness: hertz}\nwalls:\n"
+        "  - {name: low, point: [0, 0, 0], normal: [0, 0, 1]}\n"
+        "  - {name: top, point: [0, 0, 0.02], normal: [0, 0, -1], motion: {vz: -1e-3}}\n"
+        "time: {end: 1}\nrun: {threads: 1}\n");
+    double first = w->dt, modulus = 1e8 / (1.0 - 0.09);
+    while (w->time < 0.5) {
+        run_steps(w, 1);
+        double u = fmax(0.01 - pos_of(w, 0)[2], pos_of(w, 0)[2] + 0.01 - 0.02 + 1e-3 * w->time);
+        double w2 = 4.0 * modulus * sqrt(0.01 * fmax(u, 0.0)) / mass_of(w, 0); /* two contacts */
+        assert_true(w->dt * sqrt(w2) < 1.0);
+    }
+    assert_true(w->dt < 0.3 * first); /* from 1e-6 to 2.5e-2 of the radius: 1/12 */
+    assert_in_range(w->dt_lowered, 1, 60);
+    world_end(w);
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(impacts_reach_the_overlap_and_the_force_of_hertz),
@@ -310,6 +489,12 @@ int main(void) {
         cmocka_unit_test(a_loop_of_load_and_shear_gains_no_energy),
         cmocka_unit_test(the_ledger_of_a_loop_closes),
         cmocka_unit_test(a_stack_rests_on_the_overlaps_of_its_weight),
+        cmocka_unit_test(a_rolling_sphere_stops_where_resistance_says),
+        cmocka_unit_test(resistance_holds_a_sphere_on_an_incline),
+        cmocka_unit_test(twisting_resistance_stops_a_top),
+        cmocka_unit_test(the_bits_do_not_depend_on_threads_or_instruction_sets),
+        cmocka_unit_test(the_ledger_of_a_crowd_closes),
+        cmocka_unit_test(the_step_follows_the_overlap),
     };
     return cmocka_run_group_tests_name("hertz", tests, NULL, NULL);
 }

@@ -41,7 +41,18 @@ static const gn_material materials[] = {
      .friction = 0.5,
      .bond_tension_limit = 20.0,
      .bond_shear_limit = 12.0},
+    {.young = 5e9,
+     .poisson = 0.3,
+     .friction = 0.5,
+     .restitution = 0.7,
+     .rolling_friction = 0.1,
+     .twisting_friction = 0.05},
     {.young = 5e9, .poisson = 0.3, .friction = 0.5, .restitution = 0.7},
+    {.normal_stiffness = 1e7,
+     .kratio = 2.5,
+     .friction = 0.5,
+     .rolling_friction = 0.1,
+     .twisting_friction = 0.05},
     {.normal_stiffness = 1e7,
      .kratio = 2.5,
      .friction = 0.5,
@@ -69,6 +80,7 @@ static couple *make(int law, bool bonded) {
                           .bond_radius_multiplier = 0.8,
                           .bond_moment_share = 0.9};
     if (law_effects[law] & GN_FX_SOFTENING) fx |= GN_FX_YIELD;
+    if (law_effects[law] & GN_FX_ROLLING) fx |= GN_FX_ROTATION;
     t->material = materials[law];
     assert_int_equal(gn_soa_create(&gn_particle_record, &t->p, 2, fx, NULL), GNEISS_OK);
     assert_int_equal(gn_soa_create(&gn_contact_record, &t->k, 1, fx, NULL), GNEISS_OK);
@@ -84,6 +96,7 @@ static couple *make(int law, bool bonded) {
     t->law->set(&model, &pair, &t->k, 0);
     t->args = (gn_contact_args){.pos = t->p.pos,
                                 .vel = t->p.vel,
+                                .spin = t->p.spin,
                                 .contacts = &t->k,
                                 .dt = dt,
                                 .arm_factor = 0.5,

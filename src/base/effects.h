@@ -42,7 +42,8 @@
     X(AREA, area, "bonds with sections of their own (laws by area)")                               \
     X(BOND_MOMENTS, bond_moments, "bending and twisting moments in bonds")                         \
     X(HERTZ, hertz, "Hertz-Mindlin contacts of particles that are not bonded")                     \
-    X(NO_PULL, no_pull, "contacts whose dashpot never pulls")
+    X(NO_PULL, no_pull, "contacts whose dashpot never pulls")                                      \
+    X(ROLLING, rolling, "contacts that resist rolling and twisting")
 
 typedef enum gn_effect_index {
 #define X(NAME, name, text) GN_FX_INDEX_##NAME,

@@ -59,15 +59,16 @@ typedef struct gn_law_moments {
 typedef struct gn_hertz_pair {
     double modulus, shear_modulus; /* Pa: E*, G* */
     double damping;                /* c_n/sqrt(m S_n) */
-    double friction;
+    double friction, rolling, twisting;
 } gn_hertz_pair;
 
 /* What a wall or a surface says of its contacts, and the part that one contact is of several that
  * share. */
 typedef struct gn_touch_side {
     double stiffness, kratio, friction, part;
-    double radius;       /* m, of the particle; this and what follows with GN_FX_HERTZ only */
-    gn_hertz_pair hertz; /* with the particle's material; friction is here */
+    double radius;            /* m, of the particle; this and what follows with GN_FX_HERTZ only */
+    gn_hertz_pair hertz;      /* with the particle's material; friction is here */
+    double rolling, twisting; /* coefficients, with GN_FX_ROLLING */
 } gn_touch_side;
 
 /* A contact with a wall or a surface at one instant. Normal from the particle into it, as for a
@@ -83,6 +84,11 @@ typedef struct gn_touch {
     double other;        /* m/s2, of the gap, by all but this contact; where it may cross only */
     double most;         /* m, overlap up to which the step was looked at; with GN_FX_HERTZ */
     double *closeness;   /* m^-1/2, of the last step, then of this one; with it and a shear force */
+    double spin[3];      /* rad/s, of the wall against the particle; with GN_FX_ROLLING */
+    double *roll; /* [3] columns of roll_stride, N m: moment on the particle of the last step,
+                     turned with the normal, then of this one, as in *couple; NULL: none */
+    size_t roll_stride;
+    double *couple; /* [3] */
 } gn_touch;
 
 /* Of the step that led to it. */

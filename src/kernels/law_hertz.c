@@ -47,9 +47,15 @@ gn_hertz_pair gn_hertz_pair_of(const gn_scene *s, const gn_material *a, const gn
     }
     p.modulus = 1.0 / give;
     p.shear_modulus = 1.0 / give_across;
+    p.rolling = a->rolling_friction;
+    p.twisting = a->twisting_friction;
     if (b) p.friction = gn_smaller(a->friction, b->friction);
+    if (b) p.rolling = gn_smaller(a->rolling_friction, b->rolling_friction);
+    if (b) p.twisting = gn_smaller(a->twisting_friction, b->twisting_friction);
     if (b) p.damping = fmax(p.damping, damping_by(s, b));
     if (own && own->friction != GN_COMBINED) p.friction = own->friction;
+    if (own && own->rolling_friction != GN_COMBINED) p.rolling = own->rolling_friction;
+    if (own && own->twisting_friction != GN_COMBINED) p.twisting = own->twisting_friction;
     if (own && own->restitution != GN_COMBINED) p.damping = damping_of(own->restitution, s->pull);
     return p;
 }

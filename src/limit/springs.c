@@ -81,6 +81,9 @@ static bool wall_spring(const gn_spectrum *spectrum, const gn_wall_contacts *lis
     take(s, gn_law_of(list->soa.effects)
                 ->touch_spring(&side, p->vel[4 * (size_t)s->i + 3],
                                spectrum->wall_damping ? spectrum->wall_damping[wall] : 0.0, reach));
+    double turns = (s->kt > 0.0 ? s->kt : s->kn) * x[3] * x[3];
+    if (list->roll && side.rolling > 0.0) s->bend = turns;
+    if (list->roll && side.twisting > 0.0) s->twist = turns;
     if (!list->shear) s->kt = 0.0;
     return true;
 }

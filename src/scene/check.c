@@ -409,8 +409,10 @@ static gneiss_status check_wall(const check *c, const gn_scene *s, size_t index)
                              wall->name);
     if (!normalise(wall->normal))
         return gn_check_fail(c, "normal", "expected a direction, found [0, 0, 0]");
-    GN_TRY(gn_check_side(
-        c, s, "", (gn_side_keys){wall->stiffness, wall->kratio, wall->friction, wall->material}));
+    GN_TRY(gn_check_side(c, s, "",
+                         (gn_side_keys){wall->stiffness, wall->kratio, wall->friction,
+                                        wall->rolling_friction, wall->twisting_friction,
+                                        wall->material}));
     if (wall->servo.active && moves(&wall->motion))
         return gn_check_fail(c, "servo", "expected motion or servo, found both");
     return gn_check_plane_motion(c, s, &wall->motion);

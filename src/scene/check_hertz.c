@@ -1,6 +1,7 @@
 /* What goes with Hertz's law, and what walls and surfaces say of their contacts by any. */
 #include "scene/check.h"
 
+#include <math.h>
 #include <stdio.h>
 
 gneiss_status gn_check_hertz_material(const check *c, const gn_material *m) {
@@ -8,7 +9,20 @@ gneiss_status gn_check_hertz_material(const check *c, const gn_material *m) {
     return gn_check_need(c, m->poisson + 1.0, "poisson", "by law.stiffness hertz");
 }
 
+static gneiss_status check_rolling(const check *c, const gn_scene *s) {
+    if (!gn_scene_rolls(s)) return GNEISS_OK;
+    if (s->rotation == GN_SWITCH_OFF)
+        return gn_check_fail(c, "law.rotation",
+                             "expected spins beside rolling_friction or twisting_friction, found "
+                             "off");
+    if (s->bonds != GN_SWITCH_ON) return GNEISS_OK;
+    return gn_check_fail(c, "bonds",
+                         "expected no bonds beside rolling_friction or twisting_friction, which "
+                         "pairs that have broken would not have, found some");
+}
+
 gneiss_status gn_check_hertz(const check *c, const gn_scene *s) {
+    GN_TRY(check_rolling(c, s));
     if (!gn_scene_hertz(s)) {
         if (s->pull) return GNEISS_OK;
         return gn_check_fail(c, "law.pull",
@@ -32,6 +46,7 @@ static gneiss_status not_read(const check *c, const char *key, double value, con
 gneiss_status gn_check_side(const check *c, const gn_scene *s, const char *prefix,
                             gn_side_keys side) {
     char stiffness[64], kratio[64], friction[64], material[64];
+    const bool rolls = side.rolling > 0 || side.twisting > 0;
     snprintf(stiffness, sizeof stiffness, "%sstiffness", prefix);
     snprintf(kratio, sizeof kratio, "%skratio", prefix);
     snprintf(friction, sizeof friction, "%sfriction", prefix);
@@ -40,6 +55,7 @@ gneiss_status gn_check_side(const check *c, const gn_scene *s, const char *prefi
     if (!gn_scene_hertz(s)) {
         GN_TRY(gn_check_need(c, side.stiffness, stiffness, "by this law.stiffness"));
         if (side.friction > 0) GN_TRY(gn_check_need(c, side.kratio, kratio, "by friction"));
+        if (rolls) GN_TRY(gn_check_need(c, side.kratio, kratio, "by rolling_friction"));
         if (!*side.material) return GNEISS_OK;
         return gn_check_fail(c, material, "expected law.stiffness hertz beside it, found another");
     }
@@ -48,5 +64,8 @@ gneiss_status gn_check_side(const check *c, const gn_scene *s, const char *prefi
     GN_TRY(not_read(c, kratio, side.kratio, why));
     if (!*side.material) return GNEISS_OK;
     GN_TRY(gn_check_material_name(c, s, material, side.material));
-    return not_read(c, friction, side.friction, "beside a material, which has its own");
+    GN_TRY(not_read(c, friction, side.friction, "beside a material, which has its own"));
+    const char *own = side.rolling > 0 ? "rolling_friction" : "twisting_friction";
+    return not_read(c, own, fmax(side.rolling, side.twisting),
+                    "beside a material, which has its own");
 }

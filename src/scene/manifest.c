@@ -93,6 +93,13 @@ static const gn_key material_keys[] = {
         .text = "factor of G in k_t; 0: no tangential spring; laws by area"),
     KEY("friction", REAL, gn_material, friction, .unit = "1", .range = GN_FRICTIONS,
         .fallback = "0", .text = "Coulomb friction coefficient"),
+    KEY("rolling_friction", REAL, gn_material, rolling_friction, .unit = "1", .range = GN_FRICTIONS,
+        .fallback = "0",
+        .text =
+            "mu_r: contacts resist rolling up to the moment mu_r R |f_n|, R the reduced radius; "
+            "0: they roll freely"),
+    KEY("twisting_friction", REAL, gn_material, twisting_friction, .unit = "1",
+        .range = GN_FRICTIONS, .fallback = "0", .text = "the same against twisting"),
     KEY("restitution", REAL, gn_material, restitution, .unit = "1", .range = "[0, 1]",
         .word = "none", .word_value = -1, .fallback = "none",
         .text =
@@ -380,6 +387,10 @@ static const gn_key wall_keys[] = {
         .fallback = "none", .text = "k_n/k_t of the wall; needed with friction"),
     KEY("friction", REAL, gn_wall_def, friction, .unit = "1", .range = GN_FRICTIONS,
         .fallback = "0", .text = "Coulomb friction coefficient"),
+    KEY("rolling_friction", REAL, gn_wall_def, rolling_friction, .unit = "1", .range = GN_FRICTIONS,
+        .fallback = "0", .text = "mu_r, as of materials"),
+    KEY("twisting_friction", REAL, gn_wall_def, twisting_friction, .unit = "1",
+        .range = GN_FRICTIONS, .fallback = "0", .text = "the same against twisting"),
     KEY("passive", CHOICE, gn_wall_def, passive, .choices = booleans, .fallback = "false",
         .text = "particles that overlap the wall at the start are stress-free there, as bonds with "
                 "passive_gaps: a platen laid on a cut face"),

@@ -72,6 +72,10 @@ static const gn_key body_keys[] = {
         .fallback = "none", .text = "k_n/k_t of the surface; needed with friction"),
     KEY("friction", REAL, gn_body_def, friction, .unit = "1", .range = GN_FRICTIONS,
         .fallback = "0", .text = "Coulomb friction coefficient"),
+    KEY("rolling_friction", REAL, gn_body_def, rolling_friction, .unit = "1", .range = GN_FRICTIONS,
+        .fallback = "0", .text = "mu_r, as of materials"),
+    KEY("twisting_friction", REAL, gn_body_def, twisting_friction, .unit = "1",
+        .range = GN_FRICTIONS, .fallback = "0", .text = "the same against twisting"),
     KEY("reference", VECTOR, gn_body_def, reference, .unit = "m", .range = GN_PLACES,
         PRESENT(BOOL, gn_body_def, has_reference),
         .text = "point about which spin turns the body and moments are taken; without it the "

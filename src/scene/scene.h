@@ -146,14 +146,15 @@ typedef struct gn_motion {
 
 typedef struct gn_material {
     char name[GN_NAME_SIZE];
-    double density;            /* kg/m3 */
-    double contact_modulus;    /* E_c, Pa; size-dependent and packing-derived models */
-    double normal_stiffness;   /* k_n, N/m; uniform model */
-    double kratio;             /* kappa = k_n/k_t as in PFC; 0: no tangential spring */
-    double young, poisson;     /* E, Pa, nu; laws by area, Hertz */
-    double alpha, beta;        /* of E in k_n and of G in k_t; laws by area */
-    double friction;           /* mu */
-    double restitution;        /* Hertz; negative: that of the scene */
+    double density;          /* kg/m3 */
+    double contact_modulus;  /* E_c, Pa; size-dependent and packing-derived models */
+    double normal_stiffness; /* k_n, N/m; uniform model */
+    double kratio;           /* kappa = k_n/k_t as in PFC; 0: no tangential spring */
+    double young, poisson;   /* E, Pa, nu; laws by area, Hertz */
+    double alpha, beta;      /* of E in k_n and of G in k_t; laws by area */
+    double friction;         /* mu */
+    double restitution;      /* Hertz; negative: that of the scene */
+    double rolling_friction, twisting_friction; /* mu_r, mu_t */
     double tensile_strength;   /* sigma_c of the contact, Pa; size-dependent models */
     double shear_strength;     /* tau_c of the contact, Pa */
     double bond_tension_limit; /* R_n, N; uniform model */
@@ -174,7 +175,7 @@ typedef struct gn_contact_def {
     char (*between)[GN_NAME_SIZE]; /* [between_count] one or two */
     double friction, kratio, contact_modulus, normal_stiffness, young, poisson, alpha, beta,
         tensile_strength, shear_strength, bond_tension_limit, bond_shear_limit, bond_friction,
-        fracture_energy, shear_fracture_energy, restitution;
+        fracture_energy, shear_fracture_energy, restitution, rolling_friction, twisting_friction;
     gn_scene_place where;
 } gn_contact_def;
 
@@ -283,6 +284,7 @@ typedef struct gn_wall_def {
     double stiffness; /* penalty k_n, N/m */
     double kratio;    /* k_n/k_t; used when friction > 0 */
     double friction;
+    double rolling_friction, twisting_friction; /* mu_r, mu_t */
     bool passive; /* particles that overlap the wall at the start are stress-free there */
     gn_motion motion;
     gn_servo servo;
@@ -314,6 +316,7 @@ typedef struct gn_body_def {
     double stiffness;   /* penalty k_n, N/m */
     double kratio;      /* k_n/k_t; used when friction > 0 */
     double friction;
+    double rolling_friction, twisting_friction; /* mu_r, mu_t */
     bool has_reference;
     double reference[3]; /* m: point about which a prescribed spin turns the body */
     bool free;           /* channels without prescribed motion follow the forces */
@@ -596,12 +599,17 @@ const gn_contact_def *gn_scene_find_contact(const gn_scene *scene, const gn_mate
 static inline bool gn_scene_hertz(const gn_scene *scene) {
     return scene->stiffness == GN_STIFFNESS_HERTZ;
 }
-/* What particles touch besides each other, counted through: walls, bodies, finite elements. Its
- * material, "": none, and friction coefficient. */
-const char *gn_scene_side(const gn_scene *scene, size_t place, double *friction);
+/* What particles touch besides each other, counted through: walls, bodies, finite elements. */
+typedef struct gn_scene_surface {
+    const char *material; /* "": none */
+    double friction, rolling, twisting;
+} gn_scene_surface;
+gn_scene_surface gn_scene_side(const gn_scene *scene, size_t place);
 static inline size_t gn_scene_sides(const gn_scene *scene) {
     return scene->wall_count + scene->body_count + 1;
 }
+/* Whether any contact resists rolling or twisting. */
+bool gn_scene_rolls(const gn_scene *scene);
 /* Whether stiffness follows from E, nu and sections. */
 static inline bool gn_scene_by_area(const gn_scene *scene) {
     return scene->stiffness == GN_STIFFNESS_DEMPACK || scene->stiffness == GN_STIFFNESS_POLYHEDRON;

@@ -191,7 +191,7 @@ void gn_dem_measure(const gn_world *w, gn_energy *ledger, double stress[9]) {
     ledger->rotational = s->motion.rotational;
     ledger->elastic_normal = s->bonds.elastic_normal + s->pairs.elastic_normal;
     ledger->elastic_shear = s->bonds.elastic_shear + s->pairs.elastic_shear;
-    ledger->elastic_bending = s->bonds.elastic_bending;
+    ledger->elastic_bending = s->bonds.elastic_bending + s->pairs.elastic_bending;
     ledger->elastic_wall = s->walls.elastic_normal;
     for (int k = 0; k < 9; k++)
         stress[k] = (s->bonds.stress[k] + s->pairs.stress[k] + s->walls.stress[k]) / w->volume;

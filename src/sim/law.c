@@ -24,13 +24,13 @@ gneiss_status gn_hertz_prepare(gn_world *w, gneiss_error *error) {
     double most = 0.0, least = INFINITY;
     for (size_t a = 0; a < count; a++)
         for (size_t b = 0; b < count + sides; b++) {
-            double friction = 0.0;
+            gn_scene_surface side = {.material = ""};
+            if (b >= count) side = gn_scene_side(s, b - count);
             const gn_material *m = &s->materials[a], *other = b < count ? &s->materials[b] : NULL;
-            const char *name = b < count ? NULL : gn_scene_side(s, b - count, &friction);
-            if (name && *name) other = &s->materials[gn_scene_find_material(s, name)];
+            if (*side.material) other = &s->materials[gn_scene_find_material(s, side.material)];
             gn_hertz_pair pair =
                 gn_hertz_pair_of(s, m, other, other ? gn_scene_find_contact(s, m, other) : NULL);
-            if (!other) pair.friction = friction;
+            if (!other) pair.friction = side.friction;
             if (b >= count) w->dem.hertz[a * sides + b - count] = pair;
             most = fmax(most, pair.damping);
             least = fmin(least, pair.damping);

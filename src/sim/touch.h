@@ -11,8 +11,13 @@
  * each other. */
 static inline void gn_add_hertz(const gn_world *w, size_t place, int32_t material,
                                 gn_touch_side *side) {
-    if (!(w->effects & GN_FX_HERTZ)) return;
-    side->hertz = w->dem.hertz[(size_t)material * gn_scene_sides(&w->scene) + place];
+    if (w->effects & GN_FX_HERTZ)
+        side->hertz = w->dem.hertz[(size_t)material * gn_scene_sides(&w->scene) + place];
+    if (!(w->effects & GN_FX_ROLLING)) return;
+    gn_scene_surface s = gn_scene_side(&w->scene, place);
+    bool pair = w->effects & GN_FX_HERTZ && *s.material && place + 1 < gn_scene_sides(&w->scene);
+    side->rolling = pair ? side->hertz.rolling : s.rolling;
+    side->twisting = pair ? side->hertz.twisting : s.twisting;
 }
 
 static inline gn_touch_side gn_wall_side_of(const gn_world *w, size_t wall, int32_t material) {

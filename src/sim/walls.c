@@ -160,14 +160,17 @@ static void touch_across(const gn_world *w, size_t p, const double v[3], double 
 static bool idle(const gn_wall_contacts *q, size_t c, const gn_touch *s, double path) {
     if (s->gap < 0.0 || s->gap < path || (q->fd && q->fd[c] != 0.0)) return false;
     size_t stride = q->soa.capacity;
-    return !q->shear ||
-           (q->shear[c] == 0.0 && q->shear[c + stride] == 0.0 && q->shear[c + 2 * stride] == 0.0);
+    for (size_t a = 0; a < 3; a++)
+        if ((q->shear && q->shear[c + a * stride] != 0.0) ||
+            (q->roll && q->roll[c + a * stride] != 0.0))
+            return false;
+    return true;
 }
 
 static void wall_contact(gn_world *w, size_t c, gn_contact_sums *sums) {
     gn_wall_contacts *q = &w->boundary.contacts;
     gn_touch_side law = gn_wall_side(w, (size_t)q->wall[c], (size_t)q->i[c]);
-    double arm, v[3], t[3], *row = q->row + 8 * c, moment[3];
+    double arm, v[3], t[3], *row = q->row + 8 * c, moment[3], couple[3] = {0, 0, 0};
     gn_touch s = touch_of(w, c, v, &arm);
     if (idle(q, c, &s, s.speed * w->dt_past)) {
         memset(row, 0, 8 * sizeof *row);
@@ -175,12 +178,19 @@ static void wall_contact(gn_world *w, size_t c, gn_contact_sums *sums) {
     }
     if (q->shear) touch_across(w, (size_t)q->i[c], v, arm, &s);
     if (q->closeness) s.closeness = q->closeness + c;
+    if (q->roll) {
+        s.roll = q->roll + c;
+        s.roll_stride = q->soa.capacity;
+        s.couple = couple;
+        const double *spin = w->dem.particles.spin + 4 * (int64_t)q->i[c];
+        for (int a = 0; a < 3; a++) s.spin[a] = -spin[a];
+    }
     double total = gn_touch_force(w, &law, (size_t)q->i[c], NULL, &s, q->fd ? q->fd + c : NULL,
                                   q->shear ? q->shear + c : NULL, q->soa.capacity, t, sums);
     gn_cross3(s.n, t, moment);
     for (int a = 0; a < 3; a++) {
         row[a] = total * s.n[a] + t[a];
-        row[4 + a] = arm * moment[a];
+        row[4 + a] = arm * moment[a] + couple[a];
     }
     for (int a = 0; a < 3; a++)
         for (int b = 0; b < 3; b++) sums->stress[3 * a + b] += row[a] * arm * s.n[b];

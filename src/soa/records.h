@@ -131,6 +131,14 @@
       "how much too early the velocity of a step is for the dashpot, see law_hertz.h")             \
     Y(X, closeness, double, GN_F64, 1, GN_COLUMNS, GN_STATE, GN_KEPT, INSTEAD,                     \
       GN_FX_HERTZ | GN_FX_SHEAR, 0, "m^-1/2", "1/root of the overlap in the last step; 0: open")   \
+    Y(X, reduced, double, GN_F64, 1, GN_COLUMNS, GN_SAVED, GN_KEPT, BESIDE, GN_FX_ROLLING, 0, "m", \
+      "reduced radius")                                                                            \
+    Y(X, rolling, double, GN_F64, 1, GN_COLUMNS, GN_SAVED, GN_KEPT, BESIDE, GN_FX_ROLLING, 0, "m", \
+      "largest moment against rolling over the pressing force")                                    \
+    Y(X, twisting, double, GN_F64, 1, GN_COLUMNS, GN_SAVED, GN_KEPT, BESIDE, GN_FX_ROLLING, 0,     \
+      "m", "largest moment against twisting over the pressing force")                              \
+    Y(X, roll, double, GN_F64, 3, GN_COLUMNS, GN_STATE, GN_KEPT | GN_ODD, INSTEAD, GN_FX_ROLLING,  \
+      0, "N m", "moment on the first particle against rolling and twisting")                       \
     Y(X, most, double, GN_F64, 1, GN_COLUMNS, GN_SAVED, GN_KEPT, BESIDE, GN_FX_HERTZ, 0, "m",      \
       "overlap up to which the step was looked at; 0: not yet")                                    \
     Y(X, cause, uint8_t, GN_U8, 1, GN_COLUMNS, GN_STATE, GN_KEPT, NONE, GN_FX_BONDS, 0, "1",       \
@@ -170,6 +178,8 @@
     Y(X, closeness, double, GN_F64, 1, GN_COLUMNS, GN_STATE, GN_KEPT, NONE,                        \
       GN_FX_HERTZ | GN_FX_WALL_SHEAR, 0, "m^-1/2",                                                 \
       "1/root of the overlap in the last step; 0: open")                                           \
+    Y(X, roll, double, GN_F64, 3, GN_COLUMNS, GN_STATE, GN_KEPT, NONE, GN_FX_ROLLING, 0, "N m",    \
+      "moment on the particle against rolling and twisting")                                       \
     Y(X, normal, double, GN_F64, 3, GN_COLUMNS, GN_STATE, GN_KEPT, NONE, GN_FX_FACETS, 0, "1",     \
       "of a contact with facets in the last step, times its part of the stiffness; 0: none")       \
     Y(X, touch, double, GN_F64, 3, GN_COLUMNS, GN_SAVED, 0, NONE, GN_FX_FACETS, 0, "m",            \
