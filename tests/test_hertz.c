@@ -565,6 +565,91 @@ static void the_step_follows_the_overlap(void **state) {
     world_end(w);
 }
 
+/* The example: grains in a tube that is lifted. As long as they settle in it. */
+static void the_example_runs(void **state) {
+    (void)state;
+    char path[4096];
+    gn_scene scene;
+    gn_world *w = calloc(1, sizeof *w);
+    gneiss_error error = {0};
+    const gn_override fewer[] = {{"run.threads", "1"}, {"specimen.lattice.cells", "[8, 5, 2]"}};
+    snprintf(path, sizeof path, "%s/../scenes/repose.yaml", test_source());
+    ok(gn_scene_load(path, fewer, 2, &scene, &error), &error);
+    ok(gn_world_create(&scene, w, &error), &error);
+    run_until(w, 0.05);
+    gn_energy e = measured_step(w);
+    assert_int_equal(w->dem.lost, 0);
+    assert_true(e.friction > 0.0 && e.rolling > 0.0);
+    assert_true(fabs(gn_energy_residual(&e)) < 0.005);
+    world_end(w);
+}
+
+/* --- slips --- */
+
+static void refuses(const char *from, const char *to, const char *message) {
+    static const char scene[] =
+        "dimension: 3\n"
+        "specimen: {particles: [[0, 0, 0, 1 mm]], group: 0, material: m}\n"
+        "materials:\n"
+        "  - {name: m, density: 1, young: 1 GPa, poisson: 0.3, rolling_friction: 0.1}\n"
+        "  - {name: s, density: 1, young: 1 GPa, poisson: 0.3}\n"
+        "law: {stiffness: hertz}\n"
+        "walls: [{name: w, point: [0, 0, -1], normal: [0, 0, 1], material: s}]\n"
+        "time: {end: 1}\n";
+    char changed[sizeof scene + 256];
+    const char *at = strstr(scene, from);
+    assert_non_null(at);
+    snprintf(changed, sizeof changed, "%.*s%s%s", (int)(at - scene), scene, to, at + strlen(from));
+    gn_scene read;
+    gneiss_error error = {0};
+    gneiss_status status = gn_scene_parse(changed, "s.yaml", NULL, NULL, 0, &read, &error);
+    if (status == GNEISS_OK) gn_scene_free(&read);
+    if (!message) {
+        if (status != GNEISS_OK) fail_msg("%s", error.message);
+        return;
+    }
+    assert_int_equal(status, GNEISS_ERROR_INPUT);
+    if (!strstr(error.message, message)) fail_msg("%s\nexpected %s", error.message, message);
+}
+
+static void what_does_not_go_with_hertz_is_refused(void **state) {
+    (void)state;
+    refuses("walls", "walls", NULL);
+    refuses("young: 1 GPa, ", "",
+            "s.yaml:4:5: materials[0].young: required by law.stiffness hertz, but not given");
+    refuses("poisson: 0.3, ", "",
+            "s.yaml:4:5: materials[0].poisson: required by law.stiffness hertz, but not given");
+    refuses("rolling_friction: 0.1", "restitution: 1.1",
+            "s.yaml:4:68: materials[0].restitution: expected a value in [0, 1]");
+    refuses("rolling_friction: 0.1", "rolling_friction: -1",
+            "s.yaml:4:73: materials[0].rolling_friction: expected a value in [0, 1e30]");
+    refuses("dimension: 3\nspecimen: {particles: [[0, 0, 0,",
+            "dimension: 2\nspecimen: "
+            "{particles: [[0, 0,",
+            "law.stiffness: expected a 3D scene beside hertz");
+    refuses("law: {stiffness: hertz}", "law: {stiffness: hertz}\nbonds: {}",
+            "bonds: expected no bonds beside rolling_friction or twisting_friction");
+    refuses("rolling_friction: 0.1}\n  - {name: s, density: 1, young: 1 GPa, poisson: 0.3}\n"
+            "law: {stiffness: hertz}",
+            "}\n  - {name: s, density: 1, young: 1 GPa, poisson: 0.3}\n"
+            "law: {stiffness: hertz}\nbonds: {}",
+            "s.yaml:6:18: law.stiffness: expected a law with tension beside bonds, found hertz");
+    refuses("law: {stiffness: hertz}", "law: {stiffness: hertz, rotation: off}",
+            "s.yaml:6:35: law.rotation: expected spins beside rolling_friction");
+    refuses("material: s}]", "material: t}]",
+            "s.yaml:7:67: walls[0].material: expected the name of a material, found 't'");
+    refuses("material: s}]", "material: s, stiffness: 1}]",
+            "s.yaml:7:81: walls[0].stiffness: expected none beside law.stiffness hertz");
+    refuses("material: s}]", "material: s, friction: 0.2}]",
+            "s.yaml:7:80: walls[0].friction: expected none beside a material");
+    refuses("material: s}]", "material: s, rolling_friction: 0.2}]",
+            "s.yaml:7:88: walls[0].rolling_friction: expected none beside a material");
+    refuses("law:", "contacts: [{between: [m, s], kratio: 2}]\nlaw:",
+            "s.yaml:6:38: contacts[0].kratio: expected a value that this law.stiffness");
+    refuses("stiffness: hertz}", "stiffness: uniform, pull: false}", "law.pull: expected");
+    refuses("stiffness: hertz}", "stiffness: uniform}", "materials[0].kratio: required");
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(impacts_reach_the_overlap_and_the_force_of_hertz),
@@ -586,6 +671,8 @@ int main(void) {
         cmocka_unit_test(elements_are_hit_by_hertz),
         cmocka_unit_test(the_ledger_of_a_crowd_closes),
         cmocka_unit_test(the_step_follows_the_overlap),
+        cmocka_unit_test(the_example_runs),
+        cmocka_unit_test(what_does_not_go_with_hertz_is_refused),
     };
     return cmocka_run_group_tests_name("hertz", tests, NULL, NULL);
 }

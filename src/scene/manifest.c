@@ -457,7 +457,7 @@ static const gn_key time_keys[] = {
     KEY("contact_steps", REAL, gn_scene, contact_steps, .unit = "1", .range = "(0, inf)",
         .word = "auto", .fallback = "auto",
         .text = "steps that the shortest collision of loose particles lasts in an automatic step; "
-                "auto: 10, which keeps restitution within 1 %"),
+                "auto: 10, with hertz 12, which keeps restitution within 1 %"),
     KEY("estimate", CHOICE, gn_scene, estimate, .choices = estimates, .fallback = "sharp",
         .text = "stability limit: sharp by iteration, or the rigorous bound per particle"),
     SECTION("mass_scaling", mass_scaling_section, PRESENT(BOOL, gn_scene, has_mass_scaling),
