@@ -573,7 +573,7 @@ static void the_example_runs(void **state) {
     gn_world *w = calloc(1, sizeof *w);
     gneiss_error error = {0};
     const gn_override fewer[] = {{"run.threads", "1"}, {"specimen.lattice.cells", "[8, 5, 2]"}};
-    snprintf(path, sizeof path, "%s/../scenes/repose.yaml", test_source());
+    snprintf(path, sizeof path, "%s/scenes/repose.yaml", test_source());
     ok(gn_scene_load(path, fewer, 2, &scene, &error), &error);
     ok(gn_world_create(&scene, w, &error), &error);
     run_until(w, 0.05);
