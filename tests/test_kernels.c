@@ -113,6 +113,33 @@ static void set_softening(gn_contacts *k, size_t c, double scale, uint64_t *at) 
     if (k->yields_f) k->yields_f[c] = (float)yields;
 }
 
+/* Hertz's contacts, as stiff as the others at an overlap of 1e-3; some that were pressed as far in
+ * the last step, some more, some less, and some further than the step was looked at for. */
+static void set_hertz(gn_contacts *k, size_t c, double kn, double sum, uint64_t *at) {
+    double root = sqrt(1e-3 * sum), closeness = c % 5 == 4 ? 0.0 : uniform(at, 0.7, 1.5) / root;
+    k->kn[c] = kn / root;
+    if (k->kt) k->kt[c] = kn / root / uniform(at, 1.0, 1.5);
+    if (k->cn) k->cn[c] /= sqrt(kn);
+    if (k->lag) k->lag[c] = uniform(at, 0.0, 0.2) / sqrt(kn);
+    if (k->closeness) k->closeness[c] = closeness;
+    if (k->closeness_f) k->closeness_f[c] = (float)closeness;
+    k->most[c] = uniform(at, 0.5e-3, 4e-3) * sum;
+}
+
+/* Contacts that resist rolling, some at their limit. */
+static void set_roll(bench *b, size_t c, double scale, uint64_t *at) {
+    gn_contacts *k = &b->k;
+    double ri = b->p.pos[4 * k->i[c] + 3], rj = b->p.pos[4 * k->j[c] + 3];
+    k->reduced[c] = ri * rj / (ri + rj);
+    k->rolling[c] = k->reduced[c] * uniform(at, 0.0, 0.5);
+    k->twisting[c] = k->reduced[c] * uniform(at, 0.0, 0.5);
+    for (size_t a = 0; a < 3; a++) {
+        double m = a == 2 || b->space ? scale * k->reduced[c] * uniform(at, -0.2, 0.2) : 0.0;
+        if (k->roll) k->roll[c + a * k->soa.capacity] = m;
+        if (k->roll_f) k->roll_f[c + a * k->soa.capacity] = (float)m;
+    }
+}
+
 static void set_contact(bench *b, size_t c, uint64_t *at) {
     gn_contacts *k = &b->k;
     double ri = b->p.pos[4 * k->i[c] + 3], rj = b->p.pos[4 * k->j[c] + 3],
@@ -131,6 +158,8 @@ static void set_contact(bench *b, size_t c, uint64_t *at) {
     if (k->beam) set_beam(b, c, scale, at);
     if (k->mu1) k->mu1[c] = uniform(at, 0.0, 1.2);
     if (k->soft) set_softening(k, c, scale, at);
+    if (k->most) set_hertz(k, c, kn, ri + rj, at);
+    if (k->reduced) set_roll(b, c, scale, at);
     if (!k->kt || c % 5 == 4) return;
     double d[3], old[3], t[3];
     separation(b, c, d, old);
@@ -146,6 +175,7 @@ static void set_contact(bench *b, size_t c, uint64_t *at) {
 /* Effects that make no variants of their own, in turn. */
 static gn_effects with_options(gn_effects effects, uint64_t turn) {
     static const gn_effects couplings[] = {0, GN_FX_COUPLED_QUADRATIC, GN_FX_COUPLED_LINEAR};
+    if (effects & GN_FX_HERTZ) return effects | (turn % 2 ? GN_FX_NO_PULL : 0);
     static const gn_effects inelastic[] = {0, GN_FX_YIELD, GN_FX_COUPLED_LINEAR | GN_FX_YIELD,
                                            GN_FX_COUPLED_QUADRATIC};
     if (effects & GN_FX_SOFTENING) return effects | inelastic[turn % 4];
@@ -242,13 +272,14 @@ static void assert_same_contacts(const gn_contacts *a, const gn_contacts *b, con
 /* --- the formulas again --- */
 
 typedef struct expected {
-    double force[3], moment[3], shear[3], couple[3], fd, tolerance, couple_tolerance;
+    double force[3], moment[3], shear[3], couple[3], fd, tolerance, couple_tolerance, pressed;
     int cause;
     bool open, slipping;
 } expected;
 
 typedef struct tally {
-    double elastic_normal, elastic_shear, elastic_bending, friction, damping, breaking, scale;
+    double elastic_normal, elastic_shear, elastic_bending, friction, damping, breaking, rolling,
+        scale;
 } tally;
 
 /* Turns t by the angle between a and b, about a x b (Rodrigues). */
@@ -320,6 +351,48 @@ static bending bend(const bench *b, size_t c, const double n_old[3], const doubl
     return r;
 }
 
+/* Moments against rolling anew, under the pressing force, with the tangential spring at `root` of
+ * its stiffness (1 by the linear law). */
+static void expect_roll(const bench *b, size_t c, const double n_old[3], const double middle[3],
+                        const double n[3], double twist_rate, double pressed, double root,
+                        expected *e, tally *sum) {
+    const gn_contacts *k = &b->k;
+    const double *wi = b->p.spin + 4 * k->i[c], *wj = b->p.spin + 4 * k->j[c], dt = b->args.dt;
+    double kr = k->kt[c] * k->reduced[c] * k->reduced[c], old[3], turn[3];
+    double past = k->closeness ? k->closeness[c] : 1.0, now = root > 0.0 ? 1.0 / root : 0.0;
+    double shrunk = fmin(1.0, root * past), twist_old = 0.0, turned = 0.0, size2 = 0.0;
+    for (int a = 0; a < 3; a++) {
+        old[a] = k->roll[c + (size_t)a * k->soa.capacity];
+        turn[a] = a == 2 || b->space ? dt * (wj[a] - wi[a]) : 0.0;
+    }
+    double spun = sqrt(dot3(turn, turn)), held = sqrt(dot3(old, old));
+    if (b->space && dot3(n, n) > 0.0) {
+        twist_old = along_and_across(old, n_old);
+        rotate_from_to(n_old, n, old);
+        rotate_about(n, dt * twist_rate, old);
+        turned = along_and_across(turn, middle);
+        rotate_from_to(middle, n, turn);
+        rotate_about(n, 0.5 * dt * twist_rate, turn);
+    }
+    double limit = k->twisting[c] * pressed, m[3], work = 0.0;
+    double twist = fmax(-limit, fmin(limit, shrunk * twist_old + kr * root * turned));
+    for (int a = 0; a < 3; a++) m[a] = shrunk * old[a] + kr * root * turn[a];
+    double size = sqrt(dot3(m, m)), most = k->rolling[c] * pressed;
+    for (int a = 0; a < 3; a++) {
+        if (size > most) m[a] *= most / size;
+        work += 0.5 * (old[a] + m[a]) * turn[a];
+        size2 += m[a] * m[a];
+        e->couple[a] = m[a] + twist * n[a];
+    }
+    double before = 0.5 * (dot3(old, old) + twist_old * twist_old) * past / kr;
+    double after = 0.5 * (size2 + twist * twist) * now / kr;
+    work += 0.5 * (twist_old + twist) * turned;
+    sum->rolling += before + work - after;
+    sum->elastic_bending += after;
+    sum->scale += before + after + fabs(work);
+    e->couple_tolerance = 1e-12 * (held + kr * root * spun);
+}
+
 /* What breaks a bond: the spring's force and the tangential one before any limit. */
 static int cause_of(const gn_contacts *k, size_t c, double normal, double shear) {
     gn_effects fx = k->soa.effects;
@@ -333,6 +406,82 @@ static int cause_of(const gn_contacts *k, size_t c, double normal, double shear)
         return a >= b ? GN_BROKEN_TENSION : GN_BROKEN_SHEAR;
     }
     return shear >= rt ? GN_BROKEN_SHEAR : GN_INTACT;
+}
+
+/* How a contact moved in the step: n now, the velocity along it, and across the normal of the
+ * middle turned to n; path: by which the distance grew. */
+typedef struct motion {
+    double n[3], stretch, vn, vt[3], path, before[3];
+} motion;
+
+/* N m, by which moments against rolling are off where those of bonds are (see expect), and by the
+ * rounding of the pressing force. */
+static double roll_slack(const bench *b, size_t c, double side2, double length, double twist,
+                         double vn, const expected *e) {
+    const gn_contacts *k = &b->k;
+    if (!k->roll || !(length > 0.0)) return 0.0;
+    double dt = b->args.dt, half2 = length < 1e-4 ? 0.0 : 0.25 * side2 / (length * length);
+    double moment = 1e12 * e->couple_tolerance;
+    return (half2 + 0.125 * pow(dt * twist, 2.0) + sqrt(half2) * fabs(dt * vn) / length) * moment +
+           (k->rolling[c] + k->twisting[c]) * e->tolerance;
+}
+
+static double pot(const gn_contacts *k, size_t c, double overlap) {
+    double root = sqrt(k->kn[c] * sqrt(overlap));
+    return k->cn[c] * root / (1.0 + k->lag[c] * root);
+}
+
+/* The dashpot of Hertz's law: where the contact began or ended in the step, with the share that
+ * makes sums of u^(1/4) integrals. */
+static double hertz_viscous(const gn_contacts *k, size_t c, const motion *m, double normal) {
+    double u = fmax(0.0, -m->stretch), past = m->path - m->stretch, way = fabs(m->path);
+    bool pulls = !(k->soa.effects & GN_FX_NO_PULL);
+    double coefficient = pot(k, c, u), s = u / way, a = past / way;
+    if (u > 0.0 && past <= 0.0)
+        coefficient = pot(k, c, way) * (0.32045 + s - 0.122 * s * (1.0 - s));
+    if (u == 0.0 && past > 0.0)
+        coefficient =
+            pulls ? pot(k, c, way) * (0.32045 + a - 0.122 * a * (1.0 - a) - pow(a, 0.25)) : 0.0;
+    return pulls ? coefficient * m->vn : fmin(coefficient * m->vn, -normal);
+}
+
+/* Hertz-Mindlin contacts anew; `of`: m, rounding of the overlap. */
+static expected expect_hertz(const bench *b, size_t c, const motion *m, double of, tally *sum) {
+    const gn_contacts *k = &b->k;
+    expected e = {0};
+    double u = fmax(0.0, -m->stretch), root = sqrt(u), dt = b->args.dt;
+    double fn = -2.0 / 3.0 * k->kn[c] * pow(u, 1.5), kt = k->kt ? k->kt[c] : 0.0;
+    double viscous = k->cn ? hertz_viscous(k, c, m, fn) : 0.0, t[3] = {0}, size = 0.0, limit = 0.0;
+    double past = k->closeness ? k->closeness[c] : 0.0, shrunk = fmin(1.0, root * past);
+    double held = 0.0, now = 0.0, work = 0.0;
+    for (int a = 0; k->shear && a < 3; a++)
+        t[a] = shrunk * m->before[a] + kt * root * dt * m->vt[a];
+    size = sqrt(dot3(t, t));
+    if (k->mu) limit = u > 0.0 ? k->mu[c] * fmax(0.0, -(fn + viscous)) : 0.0;
+    e.slipping = size > limit;
+    for (int a = 0; a < 3; a++) {
+        if (e.slipping) t[a] *= limit / size;
+        e.force[a] = (fn + viscous) * m->n[a] + t[a];
+        e.shear[a] = t[a];
+        work += 0.5 * (m->before[a] + t[a]) * dt * m->vt[a];
+    }
+    if (kt > 0.0) held = 0.5 * dot3(m->before, m->before) * past / kt;
+    if (kt > 0.0 && u > 0.0) now = 0.5 * dot3(t, t) / (kt * root);
+    e.open = !(u > 0.0);
+    e.fd = viscous;
+    e.pressed = u > 0.0 ? fmax(0.0, -(fn + viscous)) : 0.0;
+    if (k->shear && k->soa.effects & GN_FX_ROTATION) cross3(m->n, t, e.moment);
+    e.tolerance = 1e-12 * sqrt(dot3(e.force, e.force)) + k->kn[c] * sqrt(u + of) * of;
+    if (k->cn)
+        e.tolerance += fabs(m->vn) * (pot(k, c, u + of) - pot(k, c, u)) +
+                       3.0 * fabs(viscous) * of / fmax(fabs(m->path), of);
+    sum->friction += held + work - now;
+    sum->elastic_normal += -0.4 * fn * u;
+    sum->elastic_shear += now;
+    if (k->fd) sum->damping += 0.5 * (k->fd[c] + viscous) * m->path;
+    sum->scale += fabs(fn) * u + held + now + fabs(work) +
+                  (fabs(viscous) + (k->fd ? fabs(k->fd[c]) : 0.0)) * fabs(m->vn) * dt;
+    return e;
 }
 
 static expected expect(const bench *b, size_t c, tally *sum) {
@@ -381,6 +530,22 @@ static expected expect(const bench *b, size_t c, tally *sum) {
         rotate_about(n, 0.5 * dt * twist, vt);
         for (int a = 0; a < 3; a++) t[a] = trial[a] = before[a] + kt * dt * vt[a];
     }
+    if (k->most) {
+        motion q = {.stretch = u, .vn = vn, .path = dt * vn - curved};
+        memcpy(q.n, n, sizeof n);
+        memcpy(q.vt, vt, sizeof vt);
+        memcpy(q.before, before, sizeof before);
+        double most = fmax(b->args.period[0], fmax(b->args.period[1], b->args.period[2]));
+        e = expect_hertz(b, c, &q, 8.0 * DBL_EPSILON * fmax(0.05, most), sum);
+        double stiffness = kt * sqrt(fmax(0.0, -u));
+        if (length > 0.05 * (ri + rj))
+            e.tolerance += 0.125 * side2 / (length * length) * stiffness * dt * sqrt(dot3(vt, vt));
+        e.tolerance += fabs(pow(dt * twist, 3.0)) / 6.0 * sqrt(dot3(before, before));
+        if (k->roll)
+            expect_roll(b, c, n_old, middle, n, twist, e.pressed, sqrt(fmax(0.0, -u)), &e, sum);
+        e.couple_tolerance += roll_slack(b, c, side2, length, twist, vn, &e);
+        return e;
+    }
     double size = sqrt(dot3(trial, trial));
     bending m = bend(b, c, n_old, middle, n, twist);
     if (bonded) e.cause = cause_of(k, c, kn * u + m.normal, size + m.shear);
@@ -428,6 +593,11 @@ static expected expect(const bench *b, size_t c, tally *sum) {
     /* The middle between two branches is no bisector where one is longer: the old normal is off by
      * half the angle times the strain of the step. */
     e.couple_tolerance += sqrt(half2) * strain * m.size;
+    if (k->roll) {
+        double pressed = touching ? fmax(0.0, -(fn + viscous)) : 0.0;
+        expect_roll(b, c, n_old, middle, n, twist, pressed, 1.0, &e, sum);
+        e.couple_tolerance += roll_slack(b, c, side2, length, twist, vn, &e);
+    }
 
     /* Work of the step by the trapezoidal rule, less what the spring keeps. */
     double work = 0.0, kept = 0.0, lost_shear = 0.0;
@@ -472,11 +642,12 @@ static void check_row(const bench *b, size_t c, const expected *e, const char *n
     if (!(worst <= e->tolerance))
         fail_msg("%s, contact %zu: force off by %g N of %g N (allowed %g)", name, c, worst,
                  sqrt(dot3(e->force, e->force)), e->tolerance);
-    for (int a = 0; b->k.moment && a < 3; a++)
-        if (!(fabs(b->k.moment[c + (size_t)a * b->k.soa.capacity] - e->couple[a]) <=
+    const double *couple = b->k.roll ? b->k.roll : b->k.moment;
+    for (int a = 0; couple && a < 3; a++)
+        if (!(fabs(couple[c + (size_t)a * b->k.soa.capacity] - e->couple[a]) <=
               e->couple_tolerance))
             fail_msg("%s, contact %zu: moment %d is %.17g N m, expected %.17g (allowed %g)", name,
-                     c, a, b->k.moment[c + (size_t)a * b->k.soa.capacity], e->couple[a],
+                     c, a, couple[c + (size_t)a * b->k.soa.capacity], e->couple[a],
                      e->couple_tolerance);
     if (b->k.cause && b->k.cause[c] != e->cause)
         fail_msg("%s, contact %zu: cause %d, expected %d", name, c, b->k.cause[c], e->cause);
@@ -517,6 +688,7 @@ static void scalar_contact_kernel_follows_the_formulas(void **state) {
             assert_near(got.friction, sum.friction, allowed);
             assert_near(got.contact_damping, sum.damping, allowed);
             assert_near(got.bond_breaking, sum.breaking, allowed);
+            assert_near(got.rolling, sum.rolling, allowed);
         }
         free(e);
         free_bench(&b);
@@ -590,8 +762,8 @@ static void partial_sums_hold_force_and_moment_of_both_ends(void **state) {
                 for (int a = 0; a < 2 + b.space; a++) assert_true(f[a] == (end ? -row[a] : row[a]));
                 for (int a = 0; turns && a < 3; a++) {
                     double turn = b.space ? row[4 + a] : a == 2 ? row[2] : 0.0;
-                    double couple = 0.0;
-                    if (b.k.moment) couple = b.k.moment[c + (size_t)a * b.k.soa.capacity];
+                    const double *own = b.k.roll ? b.k.roll : b.k.moment;
+                    double couple = own ? own[c + (size_t)a * b.k.soa.capacity] : 0.0;
                     assert_near(m[a], arm * turn + (end ? -couple : couple),
                                 1e-15 * fabs(turn) + 2e-16 * fabs(couple));
                 }
@@ -723,6 +895,7 @@ static void mixed_forces_follow_the_double_ones(void **state) {
             }
             double ri = a.p.pos[4 * a.k.i[c] + 3], rj = a.p.pos[4 * a.k.j[c] + 3];
             double scale = a.k.kn[c] * 1e-3 * (ri + rj);
+            if (a.k.most) scale *= sqrt(2e-3 * (ri + rj)); /* as stiff as the deepest is */
             for (int end = 0; end < 2; end++) {
                 double f[3], g[3], m[3], n[3];
                 sums_at(&a, c, end, f, m);
@@ -795,6 +968,8 @@ static void exchanging_the_ends_mirrors_the_force(void **state) {
                     b.k.shear[c + x * b.k.soa.capacity] *= -1.0;
                 for (size_t x = 0; b.k.moment && x < 3; x++)
                     b.k.moment[c + x * b.k.soa.capacity] *= -1.0;
+                for (size_t x = 0; b.k.roll && x < 3; x++)
+                    b.k.roll[c + x * b.k.soa.capacity] *= -1.0;
             }
             run(&a, set->contact[v]);
             run(&b, set->contact[v]);

@@ -192,7 +192,8 @@ static void every_slip_is_told_with_its_place(void **state) {
          "s.yaml:9:5: materials[0].density: expected once, found again; first given in line 6"},
         {"stiffness: uniform", "stiffness: unifrom",
          "s.yaml:11:14: law.stiffness: expected one of uniform, arithmetic, harmonic, mean_radius, "
-         "mean_arithmetic, mean_harmonic, dempack, polyhedron, found 'unifrom'; did you mean "
+         "mean_arithmetic, mean_harmonic, dempack, polyhedron, hertz, found 'unifrom'; did you "
+         "mean "
          "'uniform'?"},
         {"dimension: 3", "dimension: 4",
          "s.yaml:1:12: dimension: expected a whole number in [2, 3], found '4'"},

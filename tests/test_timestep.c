@@ -23,7 +23,7 @@ static specimen *on_wall(double overlap, const gn_touch_side *side, const double
 
 static void a_particle_on_a_wall_is_one_oscillator(void **state) {
     (void)state;
-    const gn_touch_side k = {3e6, 0.0, 0.0, 1.0};
+    const gn_touch_side k = {.stiffness = 3e6, .part = 1.0};
     specimen *s = on_wall(1e-6, &k, NULL);
     gn_step_limit limit = limits_of(s, 1e-10);
     double step = 2.0 / sqrt(3e6 * inverse_mass(s, 0));
@@ -37,7 +37,8 @@ static void a_particle_on_a_wall_is_one_oscillator(void **state) {
 
 static void a_tangential_wall_spring_couples_with_rotation(void **state) {
     (void)state;
-    const gn_touch_side k = {3e6, 1.5, 0.3, 1.0}; /* k_t = 2e6 */
+    const gn_touch_side k = {
+        .stiffness = 3e6, .kratio = 1.5, .friction = 0.3, .part = 1.0}; /* k_t = 2e6 */
     specimen *s = on_wall(1e-5, &k, NULL);
     double arm = 1e-3 - 1e-5;
     double w2 = 2e6 * (inverse_mass(s, 0) + arm * arm * s->p.spin[3]);
@@ -52,7 +53,7 @@ static void a_tangential_wall_spring_couples_with_rotation(void **state) {
 
 static void a_damped_wall_contact_has_the_known_limit(void **state) {
     (void)state;
-    const gn_touch_side k = {3e6, 0.0, 0.0, 1.0};
+    const gn_touch_side k = {.stiffness = 3e6, .part = 1.0};
     const double alpha = 0.6;
     specimen *s = on_wall(1e-6, &k, &alpha);
     double step = 2.0 / sqrt(3e6 * inverse_mass(s, 0)) * (sqrt(1.0 + alpha * alpha) - alpha);
@@ -64,7 +65,8 @@ static void a_damped_wall_contact_has_the_known_limit(void **state) {
 
 static void a_wall_that_is_not_touched_does_not_count(void **state) {
     (void)state;
-    const gn_touch_side k = {3e6, 1.5, 0.3, 1.0}; /* k_t = 2e6 */
+    const gn_touch_side k = {
+        .stiffness = 3e6, .kratio = 1.5, .friction = 0.3, .part = 1.0}; /* k_t = 2e6 */
     specimen *s = on_wall(-1e-6, &k, NULL);
     gn_step_limit limit = limits_of(s, 1e-8);
     assert_int_equal(limit.springs, 0);

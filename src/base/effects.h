@@ -43,7 +43,10 @@
     X(BOND_MOMENTS, bond_moments, "bending and twisting moments in bonds")                         \
     X(MEMBRANE, membrane, "pressure on the surface of the specimen")                               \
     X(EVENTS, events, "a list of when and where bonds broke, began to soften or to yield")         \
-    X(CONFINED, confined, "bonds whose shear strength follows the mean stress around them")
+    X(CONFINED, confined, "bonds whose shear strength follows the mean stress around them")        \
+    X(HERTZ, hertz, "Hertz-Mindlin contacts of particles that are not bonded")                     \
+    X(NO_PULL, no_pull, "contacts whose dashpot never pulls")                                      \
+    X(ROLLING, rolling, "contacts that resist rolling and twisting")
 
 typedef enum gn_effect_index {
 #define X(NAME, name, text) GN_FX_INDEX_##NAME,

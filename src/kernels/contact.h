@@ -10,7 +10,8 @@ _Static_assert(GN_CONTACT_BLOCK_LEAST % GN_LANES_MAX == 0, "a block holds whole 
 
 /* Columns of parameters that all contacts of a list may share. Per column: 0, or all ones when they
  * do, and the kernel then reads the start of it again and again instead of streaming it. */
-#define GN_UNIFORM_COLUMNS(X) X(kn) X(kt) X(mu) X(cn) X(mu1) X(beam) X(share)
+#define GN_UNIFORM_COLUMNS(X)                                                                      \
+    X(kn) X(kt) X(mu) X(cn) X(mu1) X(beam) X(share) X(lag) X(rolling) X(twisting) X(reduced)
 typedef struct gn_uniform {
 #define X(name) size_t name;
     GN_UNIFORM_COLUMNS(X)
@@ -49,7 +50,8 @@ typedef struct gn_contact_args {
     X(contact_damping, "dissipated in this step")                                                  \
     X(bond_breaking, "released in this step")                                                      \
     X(damage, "dissipated in this step")                                                           \
-    X(plasticity, "dissipated in this step")
+    X(plasticity, "dissipated in this step")                                                       \
+    X(rolling, "dissipated in this step")
 
 /* What it sums up besides: X(type, name, unit, text), V(type, name, components, unit, text). */
 #define GN_CONTACT_SUMS(X, V)                                                                      \
@@ -61,7 +63,8 @@ typedef struct gn_contact_args {
     X(double, carrying, "1", "contacts that carry force; with `measure`")                          \
     X(int64_t, broken_tension, "1", "bonds broken in this step")                                   \
     X(int64_t, broken_shear, "1", "bonds broken in this step")                                     \
-    X(int64_t, began, "1", "bonds that began to soften or to yield in this step; with events")
+    X(int64_t, began, "1", "bonds that began to soften or to yield in this step; with events")     \
+    X(int64_t, pressed, "1", "contacts pressed further than the step was looked at for")
 
 typedef struct gn_contact_sums {
 #define X(type, name, unit, text)             type name;
@@ -100,8 +103,11 @@ typedef void gn_contact_kernel(const gn_contact_args *args, size_t begin, size_t
     X(softening, GN_FX_SOFTENING | GN_FX_MOHR, GN_LAW_OF_BONDS)                                    \
     X(beam, GN_FX_BOND_MOMENTS, GN_LAW_OF_BONDS)                                                   \
     X(mohr, GN_FX_MOHR, GN_LAW_OF_BONDS)                                                           \
+    X(hertz_rolling, GN_FX_HERTZ | GN_FX_ROLLING, GN_LAW_OF_PAIRS)                                 \
+    X(hertz, GN_FX_HERTZ, GN_LAW_OF_PAIRS)                                                         \
+    X(rolling, GN_FX_ROLLING, GN_LAW_OF_PAIRS)                                                     \
     X(linear, GN_FX_ALWAYS, GN_LAW_OF_ALL)
-enum { GN_LAW_OF_ALL, GN_LAW_OF_BONDS };
+enum { GN_LAW_OF_ALL, GN_LAW_OF_BONDS, GN_LAW_OF_PAIRS };
 
 /* The kinds of lists that there are kernels for. X(number, name, law, effects that make the kind
  * besides that of the law, as literals 0 or 1: SHEAR, FRICTION, BONDS). */
@@ -116,7 +122,11 @@ enum { GN_LAW_OF_ALL, GN_LAW_OF_BONDS };
     X(7, softening, softening, 1, 0, 1)                                                            \
     X(8, softening_frictional, softening, 1, 1, 1)                                                 \
     X(9, beam, beam, 1, 0, 1)                                                                      \
-    X(10, beam_frictional, beam, 1, 1, 1)
+    X(10, beam_frictional, beam, 1, 1, 1)                                                          \
+    X(11, hertz, hertz, 0, 0, 0)                                                                   \
+    X(12, hertz_frictional, hertz, 1, 1, 0)                                                        \
+    X(13, rolling, rolling, 1, 1, 0)                                                               \
+    X(14, hertz_rolling, hertz_rolling, 1, 1, 0)
 
 /* What any kind may have besides, by the bits of a variant's number. */
 #define GN_CONTACT_OPTIONS(X)                                                                      \

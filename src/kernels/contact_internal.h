@@ -89,10 +89,10 @@ GN_INLINE gn_v growth_of(gn_v3 v, gn_v speed, gn_v rate, int space) {
     return gn_fnma(across2_of(v, speed, space), rate, speed);
 }
 
-/* The dashpots of bonds follow it, and the ledger has the work of all dashpots by it: it is found
- * where the velocities are at hand. */
+/* The dashpots of bonds follow it, the ledger has the work of all dashpots by it, and those of
+ * Hertz's law have to know when they began: it is found where the velocities are at hand. */
 GN_INLINE int growth_known(variant w) {
-    return w.damping && (w.bonds || w.energy);
+    return w.damping && (w.bonds || w.energy || w.law == LAW_hertz || w.law == LAW_hertz_rolling);
 }
 
 GN_INLINE gn_v3 opening_velocity(const gn_contact_args *a, size_t c, variant w) {

@@ -8,8 +8,10 @@
 #include "kernels/block_rows.h"
 #include "kernels/expand.h"
 #include "kernels/law_beam.h"
+#include "kernels/law_hertz.h"
 #include "kernels/law_linear.h"
 #include "kernels/law_mohr.h"
+#include "kernels/law_rolling.h"
 #include "kernels/law_softening.h"
 
 #include <string.h>
@@ -175,9 +177,13 @@ GN_INLINE void find_forces(const gn_contact_args *a, size_t c, size_t end, const
     write_rows(out, force, moment, w);
 }
 
+GN_INLINE int rolls(contact_law law) {
+    return law == LAW_rolling || law == LAW_hertz_rolling;
+}
+
 /* Whether contacts exert a couple besides: the same on both particles but for the sign. */
 GN_INLINE int exerts_couple(variant w) {
-    return w.law == LAW_beam && w.rotation;
+    return (w.law == LAW_beam || rolls(w.law)) && w.rotation;
 }
 
 /* Rows of those couples, as the law has left them: x y z 0. */
@@ -186,7 +192,7 @@ typedef struct couple_rows {
 } couple_rows;
 
 GN_INLINE void write_couples(const gn_contact_args *a, size_t c, couple_rows *out, variant w) {
-    gn_v3 m = load_moment(a, c, w);
+    gn_v3 m = rolls(w.law) ? load_roll(a, c, w) : load_moment(a, c, w);
     gn_v row[4] = {m.x, m.y, m.z, gn_set(0.0)};
     gn_store_rows4(out->row, row);
 }
@@ -291,16 +297,20 @@ GN_INLINE void contact_core(const gn_contact_args *a, size_t begin, size_t end,
 enum { NOT_BUILT = 0 GN_CONTACT_OPTIONS(X) };
 #undef X
 
-/* In mixed precision the branch at the start knows the period. */
-#define ABSENT(options, shear, friction, bonds)                                                    \
-    (((options)&NOT_BUILT) || (GN_MIXED && (!GN_BUILT(MIXED) || GN_BIT(options, 4))) ||            \
-     (shear && !GN_BUILT(SHEAR)) || (friction && !GN_BUILT(FRICTION)) ||                           \
-     (bonds && !GN_BUILT(BONDS)))
+/* In mixed precision the branch at the start knows the period. Hertz's law is one of spheres; what
+ * rolls turns. */
+#define IS_HERTZ(law)  (LAW_##law == LAW_hertz || LAW_##law == LAW_hertz_rolling)
+#define IS_ROLLED(law) (LAW_##law == LAW_rolling || LAW_##law == LAW_hertz_rolling)
+#define ABSENT(options, law, shear, friction, bonds)                                               \
+    (((options)&NOT_BUILT) || (IS_HERTZ(law) && !GN_BIT(options, 0)) ||                            \
+     (IS_ROLLED(law) && !GN_BIT(options, 1)) ||                                                    \
+     (GN_MIXED && (!GN_BUILT(MIXED) || GN_BIT(options, 4))) || (shear && !GN_BUILT(SHEAR)) ||      \
+     (friction && !GN_BUILT(FRICTION)) || (bonds && !GN_BUILT(BONDS)))
 
 #define WRAPPER(options, name, law, shear, friction, bonds)                                        \
     static void contact_##name##_##options(const gn_contact_args *a, size_t begin, size_t end,     \
                                            gn_contact_sums *sums) {                                \
-        if (ABSENT(options, shear, friction, bonds)) return;                                       \
+        if (ABSENT(options, law, shear, friction, bonds)) return;                                  \
         contact_core(a, begin, end, sums,                                                          \
                      (variant){LAW_##law, GN_BIT(options, 0), GN_BIT(options, 1), shear, friction, \
                                bonds, GN_BIT(options, 2), GN_BIT(options, 3),                      \
@@ -311,7 +321,7 @@ GN_CONTACT_KINDS(X)
 #undef X
 
 #define ENTRY(options, name, law, shear, friction, bonds)                                          \
-    ABSENT(options, shear, friction, bonds) ? 0 : contact_##name##_##options,
+    ABSENT(options, law, shear, friction, bonds) ? 0 : contact_##name##_##options,
 #define X(number, ...) GN_EACH_32(ENTRY, __VA_ARGS__)
 gn_contact_kernel *const GN_TABLE(contact)[GN_CONTACT_VARIANTS] = {GN_CONTACT_KINDS(X)};
 #undef X

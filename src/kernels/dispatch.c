@@ -158,6 +158,11 @@ gn_effects gn_contact_list_effects(gn_effects effects, bool bonds) {
         GN_LAWS(X)
 #undef X
         if (!(effects & GN_FX_FRICTION)) effects &= ~(gn_effects)GN_FX_SHEAR;
+    } else {
+#define X(name, effect, lists)                                                                     \
+    if ((lists) == GN_LAW_OF_PAIRS) effects &= ~(gn_effects)(effect);
+        GN_LAWS(X)
+#undef X
     }
     return effects;
 }

@@ -55,10 +55,20 @@ typedef struct gn_law_moments {
     double bend, twist; /* N m, stiffness against the difference of the spins across n and along */
 } gn_law_moments;
 
+/* What two materials are to each other by Hertz's law (law_hertz.c). */
+typedef struct gn_hertz_pair {
+    double modulus, shear_modulus; /* Pa: E*, G* */
+    double damping;                /* c_n/sqrt(m S_n) */
+    double friction, rolling, twisting;
+} gn_hertz_pair;
+
 /* What a wall or a surface says of its contacts, and the part that one contact is of several that
  * share. */
 typedef struct gn_touch_side {
     double stiffness, kratio, friction, part;
+    double radius;            /* m, of the particle; this and what follows with GN_FX_HERTZ only */
+    gn_hertz_pair hertz;      /* with the particle's material; friction is here */
+    double rolling, twisting; /* coefficients, with GN_FX_ROLLING */
 } gn_touch_side;
 
 /* A contact with a wall or a surface at one instant. Normal from the particle into it, as for a
@@ -72,6 +82,13 @@ typedef struct gn_touch {
     double twist;        /* rad/s, sum of both spins about n */
     double inverse_mass; /* 1/kg, sum over both sides */
     double other;        /* m/s2, of the gap, by all but this contact; where it may cross only */
+    double most;         /* m, overlap up to which the step was looked at; with GN_FX_HERTZ */
+    double *closeness;   /* m^-1/2, of the last step, then of this one; with it and a shear force */
+    double spin[3];      /* rad/s, of the wall against the particle; with GN_FX_ROLLING */
+    double *roll; /* [3] columns of roll_stride, N m: moment on the particle of the last step,
+                     turned with the normal, then of this one, as in *couple; NULL: none */
+    size_t roll_stride;
+    double *couple; /* [3] */
 } gn_touch;
 
 /* Of the step that led to it. */
@@ -79,6 +96,7 @@ typedef struct gn_touch_step {
     double dt;               /* s */
     double damping_fraction; /* of critical */
     bool damping, space, spins;
+    bool pulls; /* Hertz: the dashpot may */
 } gn_touch_step;
 
 /* Whether it closed or opened within the step, when its gap grew by `path`. */
@@ -177,6 +195,10 @@ double gn_linear_touch(const gn_touch_step *step, const gn_touch_side *side, con
     .meeting = gn_linear_meeting, .spring = gn_linear_spring, .slips = gn_linear_slips,            \
     .touch_spring = gn_linear_touch_spring, .touch_stored = gn_linear_touch_stored,                \
     .touch = gn_linear_touch
+
+/* Of two materials (`b` NULL: a rigid wall) and what holds for them alone (NULL: nothing). */
+gn_hertz_pair gn_hertz_pair_of(const gn_scene *scene, const gn_material *a, const gn_material *b,
+                               const gn_contact_def *own);
 
 /* What a bond that softens or yields has gone through. */
 typedef struct gn_bond_condition {

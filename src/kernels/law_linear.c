@@ -37,6 +37,7 @@ static effective_radius radius_of(const gn_law_model *m, double ri, double rj) {
     case GN_STIFFNESS_UNIFORM:
     case GN_STIFFNESS_DEMPACK:
     case GN_STIFFNESS_POLYHEDRON:
+    case GN_STIFFNESS_HERTZ:
         break;
     }
     return (effective_radius){0, 0, 0};

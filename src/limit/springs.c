@@ -74,10 +74,16 @@ static bool wall_spring(const gn_spectrum *spectrum, const gn_wall_contacts *lis
     if (gap > list->gap0[c] + spectrum->reach) return false;
     /* The wall is rigid: its contact point is on the plane, or at r as between particles. */
     s->arm_i = x[3] + 2.0 * spectrum->arm_factor * fmin(gap, list->gap0[c]);
+    gn_touch_side side = spectrum->wall_side[(size_t)p->material[s->i] * a->wall_count + wall];
+    double reach = fmax(list->gap0[c] - gap, 0.0) + spectrum->reach;
+    side.radius = x[3];
+    if (p->pressed) reach = p->pressed[s->i] * x[3];
     take(s, gn_law_of(list->soa.effects)
-                ->touch_spring(&spectrum->wall_side[wall], p->vel[4 * (size_t)s->i + 3],
-                               spectrum->wall_damping ? spectrum->wall_damping[wall] : 0.0,
-                               fmax(list->gap0[c] - gap, 0.0) + spectrum->reach));
+                ->touch_spring(&side, p->vel[4 * (size_t)s->i + 3],
+                               spectrum->wall_damping ? spectrum->wall_damping[wall] : 0.0, reach));
+    double turns = (s->kt > 0.0 ? s->kt : s->kn) * x[3] * x[3];
+    if (list->roll && side.rolling > 0.0) s->bend = turns;
+    if (list->roll && side.twisting > 0.0) s->twist = turns;
     if (!list->shear) s->kt = 0.0;
     return true;
 }

@@ -231,6 +231,7 @@ void gn_step_marks(const gn_spectrum *spectrum, int32_t *marks) {
             z = gn_scramble(z) + bits +
                 (uint64_t)(lround(4.0 * s.n[0]) + 16 * lround(4.0 * s.n[1]) +
                            256 * lround(4.0 * s.n[2]) + 4096);
+        if (a->particles->pressed) z = gn_scramble(z) + bits; /* stiffer than at the last look */
         uint32_t mark = (uint32_t)(gn_scramble(z) >> 32);
         marks[s.i] = (int32_t)((uint32_t)marks[s.i] + mark);
         if (s.j >= 0) marks[s.j] = (int32_t)((uint32_t)marks[s.j] + mark);

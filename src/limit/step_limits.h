@@ -20,7 +20,7 @@ typedef struct gn_spectrum {
     const gn_assembly *assembly;
     double arm_factor;              /* 0.5: arms r + u_n/2, 0: arms r */
     const double *wall_point;       /* [walls][4] */
-    const gn_touch_side *wall_side; /* [walls] */
+    const gn_touch_side *wall_side; /* [materials][walls] */
     const double *wall_damping;     /* [walls]: damping fraction; NULL: none */
     const gn_extra_spring *extra;   /* [extra_count], by particle */
     size_t extra_count;

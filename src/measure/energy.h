@@ -24,6 +24,7 @@
     X(bond_breaking, LOST, "released by breaking bonds")                                           \
     X(damage, LOST, "dissipated by bonds that soften")                                             \
     X(plasticity, LOST, "dissipated by bonds that yield under pressure")                           \
+    X(rolling, LOST, "dissipated by resistance to rolling and twisting")                           \
     X(removed, LOST, "carried away by removed particles")
 
 typedef struct gn_energy {

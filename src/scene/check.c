@@ -265,6 +265,11 @@ static gneiss_status check_law_values(const check *c, const gn_scene *s, const g
     if (m->kratio > 0 && m->kratio < 1e-6)
         return gn_check_fail(
             c, "kratio", "expected 0 (no tangential spring) or at least 1e-6, found %g", m->kratio);
+    if (gn_scene_hertz(s)) return gn_check_hertz_material(c, m);
+    if (m->restitution >= 0)
+        return gn_check_fail(c, "restitution",
+                             "expected law.stiffness hertz beside it, found another (all others "
+                             "have damping.contact.restitution)");
     if (!area) GN_TRY(gn_check_need(c, m->kratio + 1.0, "kratio", "by this law.stiffness"));
     if (bonds) GN_TRY(gn_check_bonds_of(c, s, m));
     if (s->stiffness == GN_STIFFNESS_UNIFORM) {
@@ -442,7 +447,10 @@ static gneiss_status check_wall(const check *c, const gn_scene *s, size_t index)
                              wall->name);
     if (!normalise(wall->normal))
         return gn_check_fail(c, "normal", "expected a direction, found [0, 0, 0]");
-    if (wall->friction > 0) GN_TRY(gn_check_need(c, wall->kratio, "kratio", "by friction"));
+    GN_TRY(gn_check_side(c, s, "",
+                         (gn_side_keys){wall->stiffness, wall->kratio, wall->friction,
+                                        wall->rolling_friction, wall->twisting_friction,
+                                        wall->material}));
     if (wall->servo.active && moves(&wall->motion))
         return gn_check_fail(c, "servo", "expected motion or servo, found both");
     return gn_check_plane_motion(c, s, &wall->motion);
@@ -531,6 +539,8 @@ gneiss_status gn_check_scene(gn_reader *reader, const gn_node *root) {
     if (s->has_specimen && gn_check_sound(&c, "law"))
         GN_TRY(gn_check_keep(&c, gn_check_gamma(&c, s)));
     GN_TRY(check_list(&c, "contacts", s->contact_count, gn_check_contact));
+    if (gn_check_sound(&c, "bonds") && gn_check_sound(&c, "law"))
+        GN_TRY(gn_check_keep(&c, gn_check_hertz(&c, s)));
     if (gn_check_sound(&c, "bonds") && gn_check_sound(&c, "law"))
         GN_TRY(gn_check_keep(&c, gn_check_moments(&c, s)));
     if (gn_check_sound(&c, "law") && gn_check_sound(&c, "materials"))

@@ -56,6 +56,16 @@ gneiss_status gn_check_bonds_of(const check *c, const gn_scene *s, const gn_mate
 gneiss_status gn_check_coupling(const check *c, const gn_scene *s);
 /* Of an element of `contacts`: a tangential spring where the law of bonds needs one. */
 gneiss_status gn_check_shear_of_pair(const check *c, const gn_scene *s, const gn_contact_def *d);
+/* Hertz's law, and resistance to rolling: what goes beside them; of a material. */
+gneiss_status gn_check_hertz(const check *c, const gn_scene *s);
+gneiss_status gn_check_hertz_material(const check *c, const gn_material *m);
+/* What a wall, a body or the surface of elements says of its contacts; `prefix` of its keys. */
+typedef struct gn_side_keys {
+    double stiffness, kratio, friction, rolling, twisting;
+    const char *material;
+} gn_side_keys;
+gneiss_status gn_check_side(const check *c, const gn_scene *s, const char *prefix,
+                            gn_side_keys side);
 /* Bonds that carry moments. */
 gneiss_status gn_check_moments(const check *c, const gn_scene *s);
 

@@ -55,8 +55,9 @@ static gneiss_status check_body(const check *c, const gn_scene *s, size_t index)
     if (s->has_periodic)
         return gn_check_fail(c, "name", "expected no periodic box beside a body, found one");
     GN_TRY(check_body_shape(c, s, b));
-    if (b->friction > 0 && !(b->kratio > 0))
-        return gn_check_fail(c, "kratio", "required by friction, but not given");
+    GN_TRY(gn_check_side(c, s, "",
+                         (gn_side_keys){b->stiffness, b->kratio, b->friction, b->rolling_friction,
+                                        b->twisting_friction, b->material}));
     GN_TRY(check_free(c, b));
     return gn_check_plane_motion(c, s, &b->motion);
 }

@@ -23,20 +23,22 @@ gneiss_status gn_check_scatter(const check *c, const char *key, const gn_scatter
 /* The first key that this law.stiffness does not read; NULL: none. */
 static const char *unread(const gn_scene *s, const gn_contact_def *d) {
     bool area = gn_scene_by_area(s), uniform = s->stiffness == GN_STIFFNESS_UNIFORM;
+    bool hertz = gn_scene_hertz(s), strength = !uniform && !hertz;
     bool energy = s->softening == GN_SOFTENING_ENERGY;
     const struct {
         bool read;
         double value;
         const char *key;
-    } keys[] = {{!area, d->kratio, "kratio"},
-                {!area && !uniform, d->contact_modulus, "contact_modulus"},
+    } keys[] = {{!area && !hertz, d->kratio, "kratio"},
+                {!area && strength, d->contact_modulus, "contact_modulus"},
                 {uniform, d->normal_stiffness, "normal_stiffness"},
-                {area, d->young, "young"},
-                {area, d->poisson, "poisson"},
+                {area || hertz, d->young, "young"},
+                {area || hertz, d->poisson, "poisson"},
+                {hertz, d->restitution, "restitution"},
                 {area, d->alpha, "alpha"},
                 {area, d->beta, "beta"},
-                {!uniform, d->tensile_strength, "tensile_strength"},
-                {!uniform, d->shear_strength, "shear_strength"},
+                {strength, d->tensile_strength, "tensile_strength"},
+                {strength, d->shear_strength, "shear_strength"},
                 {uniform, d->bond_tension_limit, "bond_tension_limit"},
                 {uniform, d->bond_shear_limit, "bond_shear_limit"},
                 {energy, d->fracture_energy, "fracture_energy"},

@@ -125,8 +125,10 @@ static gneiss_status check_load(const check *c, const gn_scene *s, const gn_elem
 static gneiss_status check_whole(const check *c, const gn_scene *s) {
     const gn_element_def *e = &s->elements;
     GN_TRY(check_mesh(c, s));
-    if (e->contact.friction > 0 && !(e->contact.kratio > 0))
-        return gn_check_fail(c, "elements.contact.kratio", "required by friction, but not given");
+    if (e->has_contact)
+        GN_TRY(gn_check_side(c, s, "elements.contact.",
+                             (gn_side_keys){e->contact.stiffness, e->contact.kratio,
+                                            e->contact.friction, 0.0, 0.0, e->contact.material}));
     if (e->has_contact && s->has_periodic)
         return gn_check_fail(c, "elements.contact",
                              "expected no periodic box beside it, found one");

@@ -15,6 +15,7 @@ static const gn_choice stiffness_models[] = {{"uniform", GN_STIFFNESS_UNIFORM},
                                              {"mean_harmonic", GN_STIFFNESS_MEAN_HARMONIC},
                                              {"dempack", GN_STIFFNESS_DEMPACK},
                                              {"polyhedron", GN_STIFFNESS_POLYHEDRON},
+                                             {"hertz", GN_STIFFNESS_HERTZ},
                                              {NULL, 0}};
 static const gn_choice gamma_rules[] = {
     {"volume", GN_GAMMA_VOLUME}, {"porosity", GN_GAMMA_POROSITY}, {NULL, 0}};
@@ -71,25 +72,39 @@ static const gn_key material_keys[] = {
         .text = "mass density, of particles or of the bulk (specimen.density_basis)"),
     KEY("contact_modulus", REAL, gn_material, contact_modulus, .unit = "Pa", .range = GN_MODULI,
         .word = "none", .fallback = "none",
-        .text =
-            "E_c: normal stiffness over radius; needed by every law but uniform and those by area"),
+        .text = "E_c: normal stiffness over radius; needed by every law but uniform, hertz and "
+                "those by "
+                "area"),
     KEY("normal_stiffness", REAL, gn_material, normal_stiffness, .unit = "N/m", .range = GN_SPRINGS,
         .word = "none", .fallback = "none",
         .text = "k_n of every contact; needed by the uniform law"),
     KEY("kratio", REAL, gn_material, kratio, .unit = "1", .range = "[0, 1e12]", .word = "none",
         .word_value = -1, .fallback = "none",
-        .text = "k_n/k_t; 0: no tangential spring; needed by every law but those by area"),
+        .text =
+            "k_n/k_t; 0: no tangential spring; needed by every law but those by area and hertz"),
     KEY("young", REAL, gn_material, young, .unit = "Pa", .range = GN_MODULI, .word = "none",
-        .fallback = "none", .text = "E: k_n = alpha E A/L; needed by laws by area"),
+        .fallback = "none", .text = "E: k_n = alpha E A/L; needed by laws by area and hertz"),
     KEY("poisson", REAL, gn_material, poisson, .unit = "1", .range = "(-1, 0.5]", .word = "none",
         .word_value = -2, .fallback = "none",
-        .text = "nu: k_t = beta G A/L with G = E/(2 (1 + nu)); needed by laws by area"),
+        .text = "nu: k_t = beta G A/L with G = E/(2 (1 + nu)); needed by laws by area and hertz"),
     KEY("alpha", REAL, gn_material, alpha, .unit = "1", .range = "[1e-6, 1e6]", .fallback = "1",
         .text = "factor of E in k_n; laws by area"),
     KEY("beta", REAL, gn_material, beta, .unit = "1", .range = "[0, 1e6]", .fallback = "1",
         .text = "factor of G in k_t; 0: no tangential spring; laws by area"),
     KEY("friction", REAL, gn_material, friction, .unit = "1", .range = GN_FRICTIONS,
         .fallback = "0", .text = "Coulomb friction coefficient"),
+    KEY("rolling_friction", REAL, gn_material, rolling_friction, .unit = "1", .range = GN_FRICTIONS,
+        .fallback = "0",
+        .text =
+            "mu_r: contacts resist rolling up to the moment mu_r R |f_n|, R the reduced radius; "
+            "0: they roll freely"),
+    KEY("twisting_friction", REAL, gn_material, twisting_friction, .unit = "1",
+        .range = GN_FRICTIONS, .fallback = "0", .text = "the same against twisting"),
+    KEY("restitution", REAL, gn_material, restitution, .unit = "1", .range = "[0, 1]",
+        .word = "none", .word_value = -1, .fallback = "none",
+        .text =
+            "with hertz: restitution coefficient of its contacts, of two the smaller; none: that "
+            "of damping.contact"),
     KEY("tensile_strength", REAL, gn_material, tensile_strength, .unit = "Pa",
         .range = GN_STRENGTHS, .word = "none", .fallback = "none",
         .text = "sigma_c of a bond; needed with bonds by every law but uniform"),
@@ -156,7 +171,7 @@ static const gn_key law_keys[] = {
     KEY("stiffness", CHOICE, gn_scene, stiffness, .choices = stiffness_models, .required = true,
         .text = "how stiffness and bond strength follow from the radii (Rojek et al. 2012, sec. "
                 "2), or from E, nu and sections of the bonds (dempack, polyhedron: Santasusana "
-                "2013)"),
+                "2013); hertz: spheres that are not bonded, by Hertz and Mindlin from E and nu"),
     KEY("gamma", REAL, gn_scene, gamma, .unit = "1", .range = "[1e-6, 1e6]", .word = "auto",
         .fallback = "auto",
         .text = "section of a bond over Dempack's pi (2 r_i r_j/(r_i + r_j))^2 (2D: 4 r_i r_j/(r_i "
@@ -167,6 +182,10 @@ static const gn_key law_keys[] = {
     KEY("contact_arm", CHOICE, gn_scene, contact_arm, .choices = contact_arms,
         .fallback = "midpoint",
         .text = "contact point: midpoint of the gap, or one radius from the centre"),
+    KEY("pull", CHOICE, gn_scene, pull, .choices = booleans, .fallback = "true",
+        .text =
+            "with hertz, whether the dashpot may pull at the end of a collision; false: the sum "
+            "of both forces is cut at zero, and the dashpot is as strong as that asks for"),
     KEY("rotation", CHOICE, gn_scene, rotation, .choices = switches, .fallback = "auto",
         .text = "whether particles spin; auto: on"),
     KEY("coupling", CHOICE, gn_scene, coupling, .choices = couplings, .fallback = "none",
@@ -372,11 +391,21 @@ static const gn_key wall_keys[] = {
     KEY("normal", VECTOR, gn_wall_def, normal, .unit = "1", .required = true,
         .text = "into the side where the particles are; of any length"),
     KEY("stiffness", REAL, gn_wall_def, stiffness, .unit = "N/m", .range = GN_SPRINGS,
-        .required = true, .text = "penalty stiffness k_n"),
+        .word = "none", .fallback = "none",
+        .text = "penalty stiffness k_n; needed by every law but hertz"),
+    KEY("material", TEXT, gn_wall_def, material, .fallback = "",
+        PRESENT(TEXT, gn_wall_def, material),
+        .text =
+            "with hertz: what it is made of; left out: rigid, with a friction of its own and the "
+            "restitution of the particles"),
     KEY("kratio", REAL, gn_wall_def, kratio, .unit = "1", .range = GN_RATIOS, .word = "none",
         .fallback = "none", .text = "k_n/k_t of the wall; needed with friction"),
     KEY("friction", REAL, gn_wall_def, friction, .unit = "1", .range = GN_FRICTIONS,
         .fallback = "0", .text = "Coulomb friction coefficient"),
+    KEY("rolling_friction", REAL, gn_wall_def, rolling_friction, .unit = "1", .range = GN_FRICTIONS,
+        .fallback = "0", .text = "mu_r, as of materials"),
+    KEY("twisting_friction", REAL, gn_wall_def, twisting_friction, .unit = "1",
+        .range = GN_FRICTIONS, .fallback = "0", .text = "the same against twisting"),
     KEY("passive", CHOICE, gn_wall_def, passive, .choices = booleans, .fallback = "false",
         .text = "particles that overlap the wall at the start are stress-free there, as bonds with "
                 "passive_gaps: a platen laid on a cut face"),
@@ -421,7 +450,7 @@ static const gn_key time_keys[] = {
     KEY("contact_steps", REAL, gn_scene, contact_steps, .unit = "1", .range = "(0, inf)",
         .word = "auto", .fallback = "auto",
         .text = "steps that the shortest collision of loose particles lasts in an automatic step; "
-                "auto: 10, which keeps restitution within 1 %"),
+                "auto: 10, with hertz 12, which keeps restitution within 1 %"),
     KEY("estimate", CHOICE, gn_scene, estimate, .choices = estimates, .fallback = "sharp",
         .text = "stability limit: sharp by iteration, or the rigorous bound per particle"),
     SECTION("mass_scaling", mass_scaling_section, PRESENT(BOOL, gn_scene, has_mass_scaling),

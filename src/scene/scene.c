@@ -304,7 +304,38 @@ static gn_effects strength_effects(const gn_scene *s) {
     return mask;
 }
 
+bool gn_scene_rolls(const gn_scene *s) {
+    bool rolls = false;
+    for (size_t k = 0; k < s->material_count; k++)
+        rolls =
+            rolls || s->materials[k].rolling_friction > 0 || s->materials[k].twisting_friction > 0;
+    for (size_t k = 0; k < s->contact_count; k++)
+        rolls =
+            rolls || s->contacts[k].rolling_friction > 0 || s->contacts[k].twisting_friction > 0;
+    for (size_t k = 0; k < gn_scene_sides(s); k++) {
+        gn_scene_surface side = gn_scene_side(s, k);
+        rolls = rolls || side.rolling > 0 || side.twisting > 0;
+    }
+    return rolls;
+}
+
+/* Friction and damping of any pair. */
+static gn_effects hertz_effects(const gn_scene *s) {
+    bool friction = false, damping = s->restitution >= 0 || s->damping_fraction > 0;
+    for (size_t k = 0; k < s->material_count; k++) {
+        friction = friction || s->materials[k].friction > 0;
+        damping = damping || s->materials[k].restitution >= 0;
+    }
+    for (size_t k = 0; k < s->contact_count; k++) {
+        friction = friction || s->contacts[k].friction > 0;
+        damping = damping || s->contacts[k].restitution >= 0;
+    }
+    return GN_FX_PAIRS | GN_FX_HERTZ | (s->pull ? 0U : GN_FX_NO_PULL) |
+           (friction ? GN_FX_SHEAR | GN_FX_FRICTION : 0U) | (damping ? GN_FX_CONTACT_DAMPING : 0U);
+}
+
 static gn_effects contact_effects(const gn_scene *s) {
+    if (gn_scene_hertz(s)) return hertz_effects(s);
     bool bonds = bonds_possible(s), area = gn_scene_by_area(s), friction = false, shear = false;
     for (size_t k = 0; k < s->material_count; k++) {
         const gn_material *m = &s->materials[k];
@@ -368,6 +399,12 @@ gn_effects gn_scene_effects(const gn_scene *s) {
     if (touched && s->elements.contact.friction > 0) mask |= GN_FX_WALL_SHEAR;
     for (size_t k = 0; k < s->body_count; k++)
         if (s->bodies[k].friction > 0) mask |= GN_FX_WALL_SHEAR;
+    for (size_t k = 0; k < gn_scene_sides(s); k++)
+        if (mask & GN_FX_FRICTION && *gn_scene_side(s, k).material) mask |= GN_FX_WALL_SHEAR;
+    /* Its moments stand beside tangential forces, which may be none. */
+    if (s->has_specimen && gn_scene_rolls(s))
+        mask |= GN_FX_ROLLING | GN_FX_SHEAR | GN_FX_FRICTION |
+                (mask & GN_FX_WALLS ? GN_FX_WALL_SHEAR : 0U);
     if (s->has_periodic) mask |= GN_FX_PERIODIC;
     if (s->has_mass_scaling) mask |= GN_FX_MASS_SCALING;
     if (s->orientation == GN_SWITCH_ON && (mask & GN_FX_ROTATION)) mask |= GN_FX_ORIENTATION;
@@ -467,6 +504,20 @@ bool gn_scene_end_drives(const gn_scene *scene, const gn_test_end *end) {
             return true;
     }
     return false;
+}
+
+/* Nodes take no moments: on finite elements nothing resists rolling. */
+gn_scene_surface gn_scene_side(const gn_scene *s, size_t place) {
+    const size_t walls = s->wall_count, bodies = walls + s->body_count;
+    const gn_wall_def *w = place < walls ? &s->walls[place] : NULL;
+    const gn_body_def *b = !w && place < bodies ? &s->bodies[place - walls] : NULL;
+    if (w)
+        return (gn_scene_surface){w->material, w->friction, w->rolling_friction,
+                                  w->twisting_friction};
+    if (b)
+        return (gn_scene_surface){b->material, b->friction, b->rolling_friction,
+                                  b->twisting_friction};
+    return (gn_scene_surface){s->elements.contact.material, s->elements.contact.friction, 0.0, 0.0};
 }
 
 int gn_scene_find_material(const gn_scene *scene, const char *name) {

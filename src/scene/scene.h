@@ -24,7 +24,8 @@ typedef enum gn_stiffness_model {
     GN_STIFFNESS_MEAN_ARITHMETIC, /* model 3b: uniform, mean over contacts of model 1 */
     GN_STIFFNESS_MEAN_HARMONIC,   /* model 3c: uniform, mean over contacts of model 2 */
     GN_STIFFNESS_DEMPACK,         /* by area (Santasusana 2013): Dempack's section times gamma */
-    GN_STIFFNESS_POLYHEDRON       /* by area: sections of virtual polyhedra about the particles */
+    GN_STIFFNESS_POLYHEDRON,      /* by area: sections of virtual polyhedra about the particles */
+    GN_STIFFNESS_HERTZ            /* no bonds: from the overlap of spheres, E and nu */
 } gn_stiffness_model;
 
 /* Where gamma comes from when it is not given. */
@@ -129,13 +130,15 @@ typedef enum gn_switch { GN_SWITCH_AUTO, GN_SWITCH_ON, GN_SWITCH_OFF } gn_switch
 
 typedef struct gn_material {
     char name[GN_NAME_SIZE];
-    double density;            /* kg/m3 */
-    double contact_modulus;    /* E_c, Pa; size-dependent and packing-derived models */
-    double normal_stiffness;   /* k_n, N/m; uniform model */
-    double kratio;             /* kappa = k_n/k_t as in PFC; 0: no tangential spring */
-    double young, poisson;     /* E, Pa, nu; laws by area */
-    double alpha, beta;        /* of E in k_n and of G in k_t; laws by area */
-    double friction;           /* mu */
+    double density;          /* kg/m3 */
+    double contact_modulus;  /* E_c, Pa; size-dependent and packing-derived models */
+    double normal_stiffness; /* k_n, N/m; uniform model */
+    double kratio;           /* kappa = k_n/k_t as in PFC; 0: no tangential spring */
+    double young, poisson;   /* E, Pa, nu; laws by area, Hertz */
+    double alpha, beta;      /* of E in k_n and of G in k_t; laws by area */
+    double friction;         /* mu */
+    double restitution;      /* Hertz; negative: that of the scene */
+    double rolling_friction, twisting_friction; /* mu_r, mu_t */
     double tensile_strength;   /* sigma_c of the contact, Pa; size-dependent models */
     double shear_strength;     /* tau_c of the contact, Pa */
     double bond_tension_limit; /* R_n, N; uniform model */
@@ -156,7 +159,7 @@ typedef struct gn_contact_def {
     char (*between)[GN_NAME_SIZE]; /* [between_count] one or two */
     double friction, kratio, contact_modulus, normal_stiffness, young, poisson, alpha, beta,
         tensile_strength, shear_strength, bond_tension_limit, bond_shear_limit, bond_friction,
-        fracture_energy, shear_fracture_energy;
+        fracture_energy, shear_fracture_energy, restitution, rolling_friction, twisting_friction;
     gn_scene_place where;
 } gn_contact_def;
 
@@ -266,11 +269,13 @@ typedef struct gn_servo {
 
 typedef struct gn_wall_def {
     char name[GN_NAME_SIZE];
-    double point[3];  /* m */
+    char material[GN_NAME_SIZE]; /* Hertz; "": rigid */
+    double point[3];             /* m */
     double normal[3]; /* into the side where particles are; any length in the file, unit here */
     double stiffness; /* penalty k_n, N/m */
     double kratio;    /* k_n/k_t; used when friction > 0 */
     double friction;
+    double rolling_friction, twisting_friction; /* mu_r, mu_t */
     bool passive; /* particles that overlap the wall at the start are stress-free there */
     gn_motion motion;
     gn_servo servo;
@@ -287,7 +292,8 @@ typedef struct gn_body_cylinder {
 /* A rigid body: a surface that particles touch, and how it moves. */
 typedef struct gn_body_def {
     char name[GN_NAME_SIZE];
-    char surface[GN_PATH_SIZE]; /* as written; "" when the shape is another */
+    char material[GN_NAME_SIZE]; /* Hertz; "": rigid */
+    char surface[GN_PATH_SIZE];  /* as written; "" when the shape is another */
     char surface_path[GN_PATH_SIZE];
     bool has_box, has_cylinder;
     double box_size[3]; /* m */
@@ -301,6 +307,7 @@ typedef struct gn_body_def {
     double stiffness;   /* penalty k_n, N/m */
     double kratio;      /* k_n/k_t; used when friction > 0 */
     double friction;
+    double rolling_friction, twisting_friction; /* mu_r, mu_t */
     bool has_reference;
     double reference[3]; /* m: point about which a prescribed spin turns the body */
     bool free;           /* channels without prescribed motion follow the forces */
@@ -362,8 +369,9 @@ typedef enum gn_formulation { GN_FORMULATION_DISPLACEMENT, GN_FORMULATION_PRESSU
 typedef struct gn_element_contact_def {
     char group[GN_NAME_SIZE]; /* of facets; "": the whole boundary */
     gn_scene_place group_where;
-    double stiffness; /* penalty k_n, N/m */
-    double kratio;    /* k_n/k_t; used when friction > 0 */
+    char material[GN_NAME_SIZE]; /* Hertz; "": rigid */
+    double stiffness;            /* penalty k_n, N/m */
+    double kratio;               /* k_n/k_t; used when friction > 0 */
     double friction;
 } gn_element_contact_def;
 
@@ -415,6 +423,7 @@ typedef struct gn_scene {
     gn_coupling coupling;
     gn_confinement confinement; /* what mu_1 of a bond acts on */
     gn_softening softening;
+    bool pull;          /* Hertz: the dashpot may pull */
     gn_switch rotation; /* auto: on */
 
     gn_switch bonds;               /* on when the scene has a `bonds` section */
@@ -569,6 +578,21 @@ static inline int gn_scene_membrane_axis(const gn_scene *scene) {
 static inline double gn_scene_spin_damping(const gn_scene *scene) {
     return scene->background_spin >= 0 ? scene->background_spin : scene->background_coefficient;
 }
+/* Whether stiffness follows from the overlap (Hertz-Mindlin). */
+static inline bool gn_scene_hertz(const gn_scene *scene) {
+    return scene->stiffness == GN_STIFFNESS_HERTZ;
+}
+/* What particles touch besides each other, counted through: walls, bodies, finite elements. */
+typedef struct gn_scene_surface {
+    const char *material; /* "": none */
+    double friction, rolling, twisting;
+} gn_scene_surface;
+gn_scene_surface gn_scene_side(const gn_scene *scene, size_t place);
+static inline size_t gn_scene_sides(const gn_scene *scene) {
+    return scene->wall_count + scene->body_count + 1;
+}
+/* Whether any contact resists rolling or twisting. */
+bool gn_scene_rolls(const gn_scene *scene);
 /* Whether stiffness follows from E, nu and sections. */
 static inline bool gn_scene_by_area(const gn_scene *scene) {
     return scene->stiffness == GN_STIFFNESS_DEMPACK || scene->stiffness == GN_STIFFNESS_POLYHEDRON;

@@ -16,6 +16,7 @@ gneiss_status gn_dem_use_threads(gn_world *w, gneiss_error *error) {
 
 gneiss_status gn_dem_prepare(gn_world *w, gneiss_error *error) {
     w->dem.damping_fraction = gn_contact_damping_fraction(&w->scene);
+    GN_TRY(gn_hertz_prepare(w, error));
     GN_TRY(gn_dem_use_threads(w, error));
     GN_TRY(gn_contact_kernel_choose(w->kernels, gn_contact_list_effects(w->effects, true),
                                     &w->dem.bond_kernel, error));
@@ -180,11 +181,22 @@ void gn_dem_free(gn_dem *d) {
     gn_deal_free(&d->deal);
     gn_hold_free(&d->hold);
     gn_events_free(&d->events);
-    void *blocks[] = {d->membrane,        d->index_of_id,     d->channel_set,
-                      d->set_reaction,    d->loose,           d->prescribed.set,
-                      d->prescribed.mask, d->prescribed.load, d->prescribed.velocity,
-                      d->bond_sums,       d->pair_sums,       d->motion_sums,
-                      d->vel_past,        d->spin_past,       d->around};
+    void *blocks[] = {d->membrane,
+                      d->index_of_id,
+                      d->channel_set,
+                      d->set_reaction,
+                      d->loose,
+                      d->prescribed.set,
+                      d->prescribed.mask,
+                      d->prescribed.load,
+                      d->prescribed.velocity,
+                      d->bond_sums,
+                      d->pair_sums,
+                      d->motion_sums,
+                      d->vel_past,
+                      d->spin_past,
+                      d->around,
+                      d->hertz};
     for (size_t k = 0; k < sizeof blocks / sizeof *blocks; k++) gn_free(blocks[k]);
     *d = (gn_dem){0};
 }

@@ -74,7 +74,12 @@ typedef struct gn_dem {
     double radius_min; /* m */
     double mass;       /* kg, own, of those that were there when the lists were made */
     gn_mass_scaling scaling;
-    double damping_fraction; /* of critical, of contacts that are pressed */
+    double
+        damping_fraction; /* of critical, of contacts that are pressed; by Hertz's law the most */
+    double damping_least; /* the same of the contacts that are damped least */
+    /* [materials][gn_scene_sides] with what particles touch; NULL without GN_FX_HERTZ */
+    gn_hertz_pair *hertz;
+    bool pressed; /* a contact was pressed further in the last step than expected (pressed.c) */
 
     gn_contact_kernel *bond_kernel, *pair_kernel;
     gn_motion_kernel *motion_kernel;

@@ -28,8 +28,9 @@ static void free_data(spectrum_data *d) {
 static gneiss_status make_data(const gn_world *w, double reach, spectrum_data *d,
                                gneiss_error *error) {
     size_t walls = w->scene.wall_count, n = w->dem.particles.soa.count;
+    size_t materials = w->scene.material_count;
     d->point = gn_alloc_array(walls + 1, 4 * sizeof(double));
-    d->side = gn_alloc_array(walls + 1, sizeof *d->side);
+    d->side = gn_alloc_array(materials * walls + 1, sizeof *d->side);
     d->damping = gn_alloc_array(walls + 1, sizeof(double));
     d->fixed = w->dem.prescribed.count ? gn_alloc(n + 1) : NULL;
     if (!d->point || !d->side || !d->damping || (w->dem.prescribed.count && !d->fixed)) {
@@ -38,7 +39,8 @@ static gneiss_status make_data(const gn_world *w, double reach, spectrum_data *d
     }
     for (size_t k = 0; k < walls; k++) {
         memcpy(d->point + 4 * k, w->boundary.walls[k].point, 3 * sizeof(double));
-        d->side[k] = gn_wall_side(&w->scene.walls[k]);
+        for (size_t m = 0; m < materials; m++)
+            d->side[m * walls + k] = gn_wall_side_of(w, k, (int32_t)m);
         d->damping[k] = w->dem.damping_fraction;
     }
     for (size_t p = 0; d->fixed && p < n; p++)

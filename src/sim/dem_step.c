@@ -146,6 +146,7 @@ void gn_dem_move(gn_world *w, bool measure) {
     d->verlet.drift += w->dt * speed;
     d->broken_tension += d->done.bonds.broken_tension;
     d->broken_shear += d->done.bonds.broken_shear;
+    d->pressed = d->done.pairs.pressed + d->done.walls.pressed > 0;
     d->contact_steps += (int64_t)(d->bonds.soa.count + d->pairs.soa.count);
 }
 
@@ -194,7 +195,7 @@ void gn_dem_measure(const gn_world *w, gn_energy *ledger, double stress[9]) {
     ledger->rotational = s->motion.rotational;
     ledger->elastic_normal = s->bonds.elastic_normal + s->pairs.elastic_normal;
     ledger->elastic_shear = s->bonds.elastic_shear + s->pairs.elastic_shear;
-    ledger->elastic_bending = s->bonds.elastic_bending;
+    ledger->elastic_bending = s->bonds.elastic_bending + s->pairs.elastic_bending;
     ledger->elastic_wall = s->walls.elastic_normal;
     for (int k = 0; k < 9; k++)
         stress[k] = (s->bonds.stress[k] + s->pairs.stress[k] + s->walls.stress[k]) / w->volume;

@@ -76,6 +76,9 @@ double gn_other_acceleration(const gn_world *world, size_t particle, const gn_ri
 /* What parameters need of the packing as a whole; `pairs` are the contacts to average over. */
 gneiss_status gn_law_derive(gn_world *world, const gn_pair_list *pairs, gneiss_error *error);
 
+/* What particles are by Hertz's law to each other and to what they touch (law.c). */
+gneiss_status gn_hertz_prepare(gn_world *world, gneiss_error *error);
+
 /* Damping fraction alpha of the contacts, 0 for none. */
 double gn_contact_damping_fraction(const gn_scene *scene);
 
@@ -180,6 +183,14 @@ void gn_rigid_direct(const gn_rigid *body, const double local[3], double directi
 void gn_rigid_local(const gn_rigid *body, const double direction[3], double local[3]);
 /* v . I^-1 v about the centre. */
 double gn_rigid_compliance(const gn_rigid *body, const double v[3]);
+
+/* How far contacts of Hertz's law are expected to be pressed (pressed.c), m: of two particles whose
+ * stiffness is kn sqrt(overlap), and of one with walls and surfaces. */
+double gn_pressed_meeting(const gn_world *world, size_t i, size_t j, double kn);
+double gn_pressed_touch(const gn_world *world, size_t particle);
+/* Looks at what there is; and again, with the step, when a kernel has found more. */
+void gn_pressed_look(gn_world *world);
+gneiss_status gn_pressed_check(gn_world *world, gneiss_error *error);
 
 /* Collisions in steps (resolution.c): particles that were not bonded at the start, into
  * world->dem.loose. */

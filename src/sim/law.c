@@ -1,4 +1,5 @@
 /* What the contact laws (kernels/law.h) are told of the world. */
+#include "base/memory.h"
 #include "sim/internal.h"
 
 #include <math.h>
@@ -9,6 +10,34 @@ double gn_contact_damping_fraction(const gn_scene *scene) {
     if (scene->restitution == 0.0) return 1.0; /* critical: it closes and does not come back */
     double l = log(scene->restitution);
     return -l / sqrt(M_PI * M_PI + l * l);
+}
+
+/* All pairs of materials that may meet. */
+gneiss_status gn_hertz_prepare(gn_world *w, gneiss_error *error) {
+    const gn_scene *s = &w->scene;
+    size_t sides = gn_scene_sides(s), count = s->material_count;
+    w->dem.damping_least = w->dem.damping_fraction;
+    if (!(w->effects & GN_FX_HERTZ)) return GNEISS_OK;
+    gn_free(w->dem.hertz);
+    w->dem.hertz = gn_alloc_array(count * sides, sizeof *w->dem.hertz);
+    if (!w->dem.hertz) return gn_fail(error, GNEISS_ERROR_MEMORY, "no memory for %zu walls", sides);
+    double most = 0.0, least = INFINITY;
+    for (size_t a = 0; a < count; a++)
+        for (size_t b = 0; b < count + sides; b++) {
+            gn_scene_surface side = {.material = ""};
+            if (b >= count) side = gn_scene_side(s, b - count);
+            const gn_material *m = &s->materials[a], *other = b < count ? &s->materials[b] : NULL;
+            if (*side.material) other = &s->materials[gn_scene_find_material(s, side.material)];
+            gn_hertz_pair pair =
+                gn_hertz_pair_of(s, m, other, other ? gn_scene_find_contact(s, m, other) : NULL);
+            if (!other) pair.friction = side.friction;
+            if (b >= count) w->dem.hertz[a * sides + b - count] = pair;
+            most = fmax(most, pair.damping);
+            least = fmin(least, pair.damping);
+        }
+    w->dem.damping_fraction = 0.5 * most;
+    w->dem.damping_least = 0.5 * least;
+    return GNEISS_OK;
 }
 
 double gn_inverse_mass_along(const gn_world *w, size_t p, const double n[3]) {
@@ -129,8 +158,11 @@ gneiss_status gn_contacts_take_materials(const gn_world *w, gn_contacts *list,
 gn_law_spring gn_pair_spring(const gn_world *w, int32_t i, int32_t j) {
     gn_law_model model = model_of(w);
     gn_law_pair pair = pair_of(w, i, j);
-    return gn_law_of(gn_contact_list_effects(w->effects, false))
-        ->meeting(&model, &pair, w->dem.verlet.skin);
+    const gn_law *law = gn_law_of(gn_contact_list_effects(w->effects, false));
+    double reach = w->dem.verlet.skin;
+    if (w->effects & GN_FX_HERTZ)
+        reach = gn_pressed_meeting(w, (size_t)i, (size_t)j, law->meeting(&model, &pair, 1.0).kn);
+    return law->meeting(&model, &pair, reach);
 }
 
 gn_law_spring gn_contact_spring(const gn_world *w, const gn_contacts *list, size_t c) {

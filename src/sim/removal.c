@@ -112,13 +112,13 @@ static wall_side side_of(const gn_world *w, size_t c) {
     if (wall < w->scene.wall_count) {
         for (int a = 0; a < 3; a++) s.n[a] = -w->boundary.walls[wall].normal[a];
         memcpy(s.v, w->boundary.walls[wall].velocity, sizeof s.v);
-        s.law = gn_wall_side(&w->scene.walls[wall]);
+        s.law = gn_wall_side(w, wall, (size_t)k->i[c]);
     } else {
         for (size_t a = 0; a < 3; a++) s.n[a] = k->normal[c + a * k->soa.capacity];
         double part = sqrt(gn_dot3(s.n, s.n));
         for (int a = 0; part > 0.0 && a < 3; a++) s.n[a] /= part;
         gn_surface_velocity(w, c, s.v);
-        s.law = gn_surface_side(gn_surface_of_row(w, c), part);
+        s.law = gn_surface_side(w, gn_surface_of_row(w, c), (size_t)k->i[c], part);
     }
     return s;
 }

@@ -12,7 +12,8 @@
 #include <string.h>
 
 double gn_world_contact_steps(const gn_world *w) {
-    return w->scene.contact_steps > 0.0 ? w->scene.contact_steps : GN_STEPS_PER_CONTACT;
+    if (w->scene.contact_steps > 0.0) return w->scene.contact_steps;
+    return w->effects & GN_FX_HERTZ ? GN_STEPS_PER_HERTZ : GN_STEPS_PER_CONTACT;
 }
 
 /* --- what is loose --- */
@@ -166,7 +167,7 @@ static gn_resolution resolution_of(const gn_world *w, const fastest *f) {
  * large on the way in and 1 - a on the way out: c^2 = (1 - a)/(1 + a). */
 static bool rings(const gn_world *w) {
     bool active = w->effects & (GN_FX_NONVISCOUS_VECTOR | GN_FX_NONVISCOUS_COMPONENT);
-    return w->dem.damping_fraction < 0.0163 && !(active && w->scene.background_coefficient > 0.051);
+    return w->dem.damping_least < 0.0163 && !(active && w->scene.background_coefficient > 0.051);
 }
 
 /* Whether a contact may open or close while others of its particles press: its gap or overlap is no
@@ -257,13 +258,13 @@ static int64_t surface_number(const gn_world *w, const gn_surface *s) {
 }
 
 /* Stiffness of a contact with a wall or a surface before the lists are made again. */
-static gn_law_spring wall_spring(const gn_world *w, size_t p, const gn_wall_def *def) {
-    gn_touch_side side = gn_wall_side(def);
-    return gn_touch_spring(w, &side, inverse_mass(w, p), w->dem.verlet.skin);
+static gn_law_spring wall_spring(const gn_world *w, size_t p, size_t wall) {
+    gn_touch_side side = gn_wall_side(w, wall, p);
+    return gn_touch_spring(w, &side, inverse_mass(w, p), gn_touch_reach(w, p, 0.0));
 }
 static gn_law_spring surface_spring(const gn_world *w, size_t p, const gn_surface *s) {
-    gn_touch_side side = gn_surface_side(s, 1.0);
-    return gn_touch_spring(w, &side, inverse_mass(w, p), w->dem.verlet.skin);
+    gn_touch_side side = gn_surface_side(w, s, p, 1.0);
+    return gn_touch_spring(w, &side, inverse_mass(w, p), gn_touch_reach(w, p, 0.0));
 }
 
 /* The facets of one surface and one particle from row c; returns the row behind what was done. */
@@ -295,7 +296,8 @@ static void meet_walls(const gn_world *w, const ties *t, fastest *f) {
         }
         const gn_wall_def *def = &w->scene.walls[k->wall[c]];
         size_t p = (size_t)k->i[c];
-        double kn = wall_spring(w, p, def).kn, share = share_with(w, t, p, kn, def->passive);
+        double kn = wall_spring(w, p, (size_t)k->wall[c]).kn,
+               share = share_with(w, t, p, kn, def->passive);
         meet(f, kn * inverse_mass(w, p), share, w, p, -1 - (int64_t)k->wall[c]);
         c++;
     }
@@ -393,7 +395,7 @@ static void fly_pairs(const gn_world *w, const extremes *classes, size_t count, 
 static void fly_walls(const gn_world *w, size_t p, flight *f) {
     double inverse = inverse_mass(w, p);
     for (size_t k = 0; k < w->scene.wall_count; k++) {
-        gn_law_spring c = wall_spring(w, p, &w->scene.walls[k]);
+        gn_law_spring c = wall_spring(w, p, k);
         f->normal = fmax(f->normal, c.kn * inverse);
         f->shear = fmax(f->shear, c.kt * inverse_across(w, p));
         if (loose(w, p)) meet(&f->resolved, c.kn * inverse, 1.0, w, p, -1 - (int64_t)k);

@@ -83,6 +83,7 @@ static gneiss_status finish(gn_world *w, bool measure, watch *time, gneiss_error
 gneiss_status gn_world_step(gn_world *w, bool measure, gneiss_error *error) {
     watch time = {w, w->step % GN_BOOKED == 0, 0.0};
     GN_TRY(gn_world_refresh_lists(w, error));
+    GN_TRY(gn_pressed_check(w, error));
 
     gn_membrane_press(w);
     gn_dem_forces(w, measure); /* what does not wait for an exchange moves with its forces */

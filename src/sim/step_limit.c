@@ -139,6 +139,7 @@ static gneiss_status look_at_turned(gn_world *w, gneiss_error *error) {
 static gneiss_status check_lists(gn_world *w, bool full, bool *fine, gneiss_error *error) {
     *fine = true;
     if (!w->scene.has_specimen) return GNEISS_OK;
+    gn_pressed_look(w);
     GN_TRY(resolve_listed(w, error));
     GN_TRY(look_at_turned(w, error));
     GN_TRY(gn_dem_limit_listed(w, full, fine, error));
@@ -172,6 +173,7 @@ gneiss_status gn_world_check_step(gn_world *w, bool full, gneiss_error *error) {
     double start = gn_now();
     bool due = false, elements_due = false;
     gneiss_status status = GNEISS_OK;
+    if (w->scene.has_specimen) gn_pressed_look(w);
     if (w->scene.has_specimen) status = gn_dem_limit(w, full, &due, error);
     if (status == GNEISS_OK) status = gn_elements_limit(w, full, &elements_due, error);
     if (status == GNEISS_OK && (due || elements_due)) {

@@ -117,7 +117,7 @@ const gn_surface *gn_surface_of_row(const gn_world *w, size_t row) {
 /* A contact of the last step. */
 typedef struct memory {
     size_t row;
-    double n[3], shear[3], fd;
+    double n[3], shear[3], roll[3], fd, closeness;
     double part; /* of the stiffness that it had */
     bool taken;
 } memory;
@@ -146,11 +146,17 @@ static size_t recall(gn_wall_contacts *q, size_t begin, size_t end, memory *old)
         split_normal(&m);
         for (size_t a = 0; a < 3; a++) {
             q->normal[c + a * stride] = 0.0;
+            if (q->roll) m.roll[a] = q->roll[c + a * stride];
+            if (q->roll) q->roll[c + a * stride] = 0.0;
             if (!q->shear) continue;
             m.shear[a] = q->shear[c + a * stride];
             q->shear[c + a * stride] = 0.0;
         }
         if (q->fd) q->fd[c] = 0.0;
+        if (q->closeness) {
+            m.closeness = q->closeness[c];
+            q->closeness[c] = 0.0;
+        }
         if (count < GN_FACET_TOUCHES) old[count++] = m;
     }
     return count;
@@ -349,6 +355,15 @@ static gn_touch touch_of(const group *g, const gn_facet_near *minima, const gn_f
     return s;
 }
 
+/* What turns against each other at a contact, and the moment of the last step: `roll` [3]. */
+static void take_roll(const group *g, double *roll, double *couple, gn_touch *s) {
+    const double *spin = g->w->dem.particles.spin + 4 * g->particle;
+    for (int a = 0; a < 3; a++) s->spin[a] = (g->body ? g->body->spin[a] : 0.0) - spin[a];
+    s->roll = roll;
+    s->roll_stride = 1;
+    s->couple = couple;
+}
+
 /* One contact: force and history into its row. */
 static void contact(const group *g, gn_wall_contacts *q, const gn_facet_near *minima,
                     const gn_facet_contact *k, const memory *before, gn_contact_sums *sums) {
@@ -358,16 +373,23 @@ static void contact(const group *g, gn_wall_contacts *q, const gn_facet_near *mi
     double scale =
         g->w->scene.contact_arm == GN_ARM_MIDPOINT ? 1.0 : x[3] / sqrt(gn_dot3(k->arm, k->arm));
     for (int a = 0; a < 3; a++) arm[a] = scale * k->arm[a];
-    double old[3] = {0, 0, 0};
+    double old[3] = {0, 0, 0}, roll[3] = {0, 0, 0}, couple[3] = {0, 0, 0};
     if (before) {
         memcpy(old, before->shear, sizeof old);
         follow_normal(before->n, k->n, old);
+        memcpy(roll, before->roll, sizeof roll);
+        follow_normal(before->n, k->n, roll);
     }
     gn_touch s = touch_of(g, minima, k, arm);
     /* Contacts that share have parts of the stiffness and of the mass behind it, so that their
      * dashpots add up as well. Across, friction bounds what each carries. */
-    gn_touch_side law = gn_surface_side(g->s, k->part);
+    gn_touch_side law = gn_surface_side(g->w, g->s, g->particle, k->part);
+    if (q->closeness) {
+        q->closeness[own] = before ? before->closeness : 0.0;
+        s.closeness = q->closeness + own;
+    }
     s.inverse_mass /= k->part;
+    if (q->roll) take_roll(g, roll, couple, &s);
     double total = gn_touch_force(g->w, &law, g->particle, g->body, &s, q->fd ? &fd : NULL,
                                   q->shear ? old : NULL, 1, t, sums);
     for (size_t a = 0; a < 3; a++) {
@@ -377,9 +399,11 @@ static void contact(const group *g, gn_wall_contacts *q, const gn_facet_near *mi
     }
     /* Along one facet's normal the spring has no lever. */
     gn_cross3(arm, k->part < 1.0 ? force : t, q->row + 8 * own + 4);
+    for (int a = 0; a < 3; a++) q->row[8 * own + 4 + (size_t)a] += couple[a];
     for (size_t a = 0; a < 3; a++) {
         q->normal[own + a * stride] = k->part * s.n[a];
         if (q->shear) q->shear[own + a * stride] = old[a];
+        if (q->roll) q->roll[own + a * stride] = roll[a];
     }
     if (q->fd) q->fd[own] = fd;
     for (int a = 0; a < 3; a++)
@@ -420,7 +444,10 @@ static void open_contact(const group *g, gn_wall_contacts *q, memory *m, gn_cont
     if (!behind) memcpy(k.n, m->n, sizeof k.n);
     gn_touch s = touch_of(g, &near, &k, k.arm);
     if (!behind || s.gap <= 0.0) s.gap = INFINITY;
-    gn_touch_side law = gn_surface_side(g->s, m->part);
+    gn_touch_side law = gn_surface_side(g->w, g->s, g->particle, m->part);
+    s.closeness = &m->closeness;
+    double couple[3];
+    if (q->roll) take_roll(g, m->roll, couple, &s); /* lets go */
     s.inverse_mass /= m->part;
     double total = gn_touch_force(g->w, &law, g->particle, g->body, &s, q->fd ? &m->fd : NULL,
                                   q->shear ? m->shear : NULL, 1, t, sums);
@@ -560,9 +587,12 @@ void gn_surfaces_sum(gn_world *w) {
         gn_surface *s = &w->boundary.surfaces[surface_of_facet(w, facet)];
         double touch[3];
         for (size_t a = 0; a < 3; a++) touch[a] = q->touch[c + a * q->soa.capacity];
-        if (s->body >= 0)
-            load_body(&w->boundary.bodies[s->body], touch, force);
-        else
+        if (s->body < 0) {
             load_vertices(s, facet - s->first, touch, force);
+            continue;
+        }
+        gn_rigid *b = &w->boundary.bodies[s->body];
+        load_body(b, touch, force);
+        for (size_t a = 0; q->roll && a < 3; a++) b->moment[a] -= q->roll[c + a * q->soa.capacity];
     }
 }

@@ -7,13 +7,52 @@
 #include "kernels/law.h"
 #include "sim/internal.h"
 
-static inline gn_touch_side gn_wall_side(const gn_wall_def *def) {
-    return (gn_touch_side){def->stiffness, def->kratio, def->friction, 1.0};
+/* What the particle's material and that of a wall, body or finite elements, counted through, are to
+ * each other. */
+static inline void gn_add_hertz(const gn_world *w, size_t place, int32_t material,
+                                gn_touch_side *side) {
+    if (w->effects & GN_FX_HERTZ)
+        side->hertz = w->dem.hertz[(size_t)material * gn_scene_sides(&w->scene) + place];
+    if (!(w->effects & GN_FX_ROLLING)) return;
+    gn_scene_surface s = gn_scene_side(&w->scene, place);
+    bool pair = w->effects & GN_FX_HERTZ && *s.material && place + 1 < gn_scene_sides(&w->scene);
+    side->rolling = pair ? side->hertz.rolling : s.rolling;
+    side->twisting = pair ? side->hertz.twisting : s.twisting;
+}
+
+static inline gn_touch_side gn_wall_side_of(const gn_world *w, size_t wall, int32_t material) {
+    const gn_wall_def *def = &w->scene.walls[wall];
+    gn_touch_side side = {
+        .stiffness = def->stiffness, .kratio = def->kratio, .friction = def->friction, .part = 1.0};
+    gn_add_hertz(w, wall, material, &side);
+    return side;
+}
+
+static inline gn_touch_side gn_wall_side(const gn_world *w, size_t wall, size_t particle) {
+    gn_touch_side side = gn_wall_side_of(w, wall, w->dem.particles.material[particle]);
+    side.radius = w->dem.particles.pos[4 * particle + 3];
+    return side;
 }
 
 /* `part`: see gn_touch_side. */
-static inline gn_touch_side gn_surface_side(const gn_surface *surface, double part) {
-    return (gn_touch_side){surface->stiffness, surface->kratio, surface->friction, part};
+static inline gn_touch_side gn_surface_side(const gn_world *w, const gn_surface *surface,
+                                            size_t particle, double part) {
+    size_t bodies = w->scene.body_count;
+    size_t place = w->scene.wall_count + (surface->body >= 0 ? (size_t)surface->body : bodies);
+    gn_touch_side side = {.stiffness = surface->stiffness,
+                          .kratio = surface->kratio,
+                          .friction = surface->friction,
+                          .part = part,
+                          .radius = w->dem.particles.pos[4 * particle + 3]};
+    gn_add_hertz(w, place, w->dem.particles.material[particle], &side);
+    return side;
+}
+
+/* m: how far a particle may be pressed into a wall or surface before the lists are made again, from
+ * the present overlap; by Hertz's law until the step is looked at again. */
+static inline double gn_touch_reach(const gn_world *w, size_t particle, double overlap) {
+    if (w->effects & GN_FX_HERTZ) return gn_pressed_touch(w, particle);
+    return overlap + w->dem.verlet.skin;
 }
 
 /* See gn_law.touch. `body`: that the surface belongs to, NULL: none. */
@@ -23,8 +62,13 @@ static inline double gn_touch_force(const gn_world *w, const gn_touch_side *side
                                     gn_contact_sums *sums) {
     if (gn_touch_crosses(touch, touch->speed * w->dt_past))
         touch->other = gn_other_acceleration(w, particle, body, touch->n);
-    gn_touch_step step = {w->dt_past, w->dem.damping_fraction, w->effects & GN_FX_CONTACT_DAMPING,
-                          w->effects & GN_FX_SPACE, w->dem.particles.spin != NULL};
+    gn_touch_step step = {.dt = w->dt_past,
+                          .damping_fraction = w->dem.damping_fraction,
+                          .damping = w->effects & GN_FX_CONTACT_DAMPING,
+                          .space = w->effects & GN_FX_SPACE,
+                          .spins = w->dem.particles.spin != NULL,
+                          .pulls = !(w->effects & GN_FX_NO_PULL)};
+    if (w->effects & GN_FX_HERTZ) touch->most = gn_pressed_touch(w, particle);
     return gn_law_of(w->effects)->touch(&step, side, touch, fd, shear, stride, t, sums);
 }
 

@@ -161,27 +161,37 @@ static void touch_across(const gn_world *w, size_t p, const double v[3], double 
 static bool idle(const gn_wall_contacts *q, size_t c, const gn_touch *s, double path) {
     if (s->gap < 0.0 || s->gap < path || (q->fd && q->fd[c] != 0.0)) return false;
     size_t stride = q->soa.capacity;
-    return !q->shear ||
-           (q->shear[c] == 0.0 && q->shear[c + stride] == 0.0 && q->shear[c + 2 * stride] == 0.0);
+    for (size_t a = 0; a < 3; a++)
+        if ((q->shear && q->shear[c + a * stride] != 0.0) ||
+            (q->roll && q->roll[c + a * stride] != 0.0))
+            return false;
+    return true;
 }
 
 static void wall_contact(gn_world *w, size_t c, gn_contact_sums *sums) {
     gn_wall_contacts *q = &w->boundary.contacts;
-    const gn_wall_def *def = &w->scene.walls[q->wall[c]];
-    gn_touch_side law = gn_wall_side(def);
-    double arm, v[3], t[3], *row = q->row + 8 * c, moment[3];
+    gn_touch_side law = gn_wall_side(w, (size_t)q->wall[c], (size_t)q->i[c]);
+    double arm, v[3], t[3], *row = q->row + 8 * c, moment[3], couple[3] = {0, 0, 0};
     gn_touch s = touch_of(w, c, v, &arm);
     if (idle(q, c, &s, s.speed * w->dt_past)) {
         memset(row, 0, 8 * sizeof *row);
         return;
     }
     if (q->shear) touch_across(w, (size_t)q->i[c], v, arm, &s);
+    if (q->closeness) s.closeness = q->closeness + c;
+    if (q->roll) {
+        s.roll = q->roll + c;
+        s.roll_stride = q->soa.capacity;
+        s.couple = couple;
+        const double *spin = w->dem.particles.spin + 4 * (int64_t)q->i[c];
+        for (int a = 0; a < 3; a++) s.spin[a] = -spin[a];
+    }
     double total = gn_touch_force(w, &law, (size_t)q->i[c], NULL, &s, q->fd ? q->fd + c : NULL,
                                   q->shear ? q->shear + c : NULL, q->soa.capacity, t, sums);
     gn_cross3(s.n, t, moment);
     for (int a = 0; a < 3; a++) {
         row[a] = total * s.n[a] + t[a];
-        row[4 + a] = arm * moment[a];
+        row[4 + a] = arm * moment[a] + couple[a];
     }
     for (int a = 0; a < 3; a++)
         for (int b = 0; b < 3; b++) sums->stress[3 * a + b] += row[a] * arm * s.n[b];
@@ -196,11 +206,19 @@ void gn_wall_contacts_work(gn_world *w, size_t begin, size_t end, gn_contact_sum
     }
 }
 
+/* By Hertz's law of one that is pressed as far as is expected: a servo moves a wall the less, the
+ * stiffer it finds the contacts. */
+static double expected_stiffness(const gn_world *w, size_t k, size_t p) {
+    gn_touch_side side = gn_wall_side(w, k, p);
+    return gn_touch_spring(w, &side, w->dem.particles.vel[4 * p + 3], gn_pressed_touch(w, p)).kn;
+}
+
 /* Of the spring of a wall contact as far as it is pressed. */
 static double spring_stiffness(const gn_world *w, size_t c) {
     const gn_wall_contacts *q = &w->boundary.contacts;
     size_t p = (size_t)q->i[c], k = (size_t)q->wall[c];
-    gn_touch_side side = gn_wall_side(&w->scene.walls[k]);
+    if (w->effects & GN_FX_HERTZ) return expected_stiffness(w, k, p);
+    gn_touch_side side = gn_wall_side(w, k, p);
     return gn_touch_spring(w, &side, w->dem.particles.vel[4 * p + 3],
                            fmax(q->gap0[c] - wall_gap(w, p, k), 0.0))
         .kn;
@@ -293,7 +311,9 @@ static double stiffness_within(const gn_world *w, size_t k, double path) {
  * would be too long by the number of particles, at any step. */
 static double servo_stiffness(const gn_world *w, size_t k, double force, double most) {
     double pressed = w->boundary.walls[k].stiffness;
-    double least = pressed > 0.0 ? pressed : w->scene.walls[k].stiffness;
+    double alone =
+        w->effects & GN_FX_HERTZ ? expected_stiffness(w, k, 0) : w->scene.walls[k].stiffness;
+    double least = pressed > 0.0 ? pressed : alone;
     double high = fmin(force / least, most);
     if (!(high > 0.0)) return least;
     double over = pressed + stiffness_within(w, k, high);

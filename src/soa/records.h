@@ -44,6 +44,8 @@
       "place in the list of prescribed particles, -1: none")                                       \
     X(marks, int32_t, GN_I32, 2, GN_ROWS, GN_SAVED, 0, 0, "1",                                     \
       "hashes of its contacts that act, and of those near, when the step was last looked at")      \
+    X(pressed, double, GN_F64, 1, GN_ROWS, GN_SAVED, GN_FX_HERTZ, 0, "1",                          \
+      "largest overlap that was expected of its contacts, over the radius of the contact")         \
     X(travel_f, float, GN_F32, 4, GN_ROWS, GN_SCRATCH, GN_FX_MIXED, 0, "m",                        \
       "centre less ref (nodes: start) x y z, radius")                                              \
     X(vel_f, float, GN_F32, 4, GN_ROWS, GN_SCRATCH, GN_FX_MIXED, 0, "m/s, 1/kg",                   \
@@ -132,6 +134,21 @@
       "component")                                                                                 \
     Y(X, fd, double, GN_F64, 1, GN_COLUMNS, GN_SAVED, GN_KEPT, INSTEAD,                            \
       GN_FX_CONTACT_DAMPING | GN_FX_ENERGY, 0, "N", "viscous normal force of the last step")       \
+    Y(X, lag, double, GN_F64, 1, GN_COLUMNS, GN_SAVED, GN_KEPT, BESIDE,                            \
+      GN_FX_HERTZ | GN_FX_CONTACT_DAMPING, 0, "(m/N)^1/2",                                         \
+      "how much too early the velocity of a step is for the dashpot, see law_hertz.h")             \
+    Y(X, closeness, double, GN_F64, 1, GN_COLUMNS, GN_STATE, GN_KEPT, INSTEAD,                     \
+      GN_FX_HERTZ | GN_FX_SHEAR, 0, "m^-1/2", "1/root of the overlap in the last step; 0: open")   \
+    Y(X, reduced, double, GN_F64, 1, GN_COLUMNS, GN_SAVED, GN_KEPT, BESIDE, GN_FX_ROLLING, 0, "m", \
+      "reduced radius")                                                                            \
+    Y(X, rolling, double, GN_F64, 1, GN_COLUMNS, GN_SAVED, GN_KEPT, BESIDE, GN_FX_ROLLING, 0, "m", \
+      "largest moment against rolling over the pressing force")                                    \
+    Y(X, twisting, double, GN_F64, 1, GN_COLUMNS, GN_SAVED, GN_KEPT, BESIDE, GN_FX_ROLLING, 0,     \
+      "m", "largest moment against twisting over the pressing force")                              \
+    Y(X, roll, double, GN_F64, 3, GN_COLUMNS, GN_STATE, GN_KEPT | GN_ODD, INSTEAD, GN_FX_ROLLING,  \
+      0, "N m", "moment on the first particle against rolling and twisting")                       \
+    Y(X, most, double, GN_F64, 1, GN_COLUMNS, GN_SAVED, GN_KEPT, BESIDE, GN_FX_HERTZ, 0, "m",      \
+      "overlap up to which the step was looked at; 0: not yet")                                    \
     Y(X, cause, uint8_t, GN_U8, 1, GN_COLUMNS, GN_STATE, GN_KEPT, NONE, GN_FX_BONDS, 0, "1",       \
       "0 intact, 1 broken in tension, 2 broken in shear, 3 left with a particle")                  \
     Y(X, broken_time, double, GN_F64, 1, GN_COLUMNS, GN_STATE, GN_KEPT, NONE, GN_FX_BONDS, 0, "s", \
@@ -170,6 +187,11 @@
       "tangential force on the particle")                                                          \
     Y(X, fd, double, GN_F64, 1, GN_COLUMNS, GN_SAVED, GN_KEPT, NONE,                               \
       GN_FX_CONTACT_DAMPING | GN_FX_ENERGY, 0, "N", "viscous normal force of the last step")       \
+    Y(X, closeness, double, GN_F64, 1, GN_COLUMNS, GN_STATE, GN_KEPT, NONE,                        \
+      GN_FX_HERTZ | GN_FX_WALL_SHEAR, 0, "m^-1/2",                                                 \
+      "1/root of the overlap in the last step; 0: open")                                           \
+    Y(X, roll, double, GN_F64, 3, GN_COLUMNS, GN_STATE, GN_KEPT, NONE, GN_FX_ROLLING, 0, "N m",    \
+      "moment on the particle against rolling and twisting")                                       \
     Y(X, normal, double, GN_F64, 3, GN_COLUMNS, GN_STATE, GN_KEPT, NONE, GN_FX_FACETS, 0, "1",     \
       "of a contact with facets in the last step, times its part of the stiffness; 0: none")       \
     Y(X, touch, double, GN_F64, 3, GN_COLUMNS, GN_SAVED, 0, NONE, GN_FX_FACETS, 0, "m",            \

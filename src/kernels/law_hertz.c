@@ -1,0 +1,239 @@
+/* Hertz-Mindlin contacts (law_hertz.h) for all but the kernels. Of two materials E* and G* are
+ * those of both in series, friction and restitution the smaller. */
+#include "kernels/combine.h"
+#include "kernels/law_scalar.h"
+
+#include "kernels/hertz.h"
+
+/* --- parameters --- */
+
+/* Restitution below which none is told apart where the dashpot never pulls: the fit has no end
+ * there. */
+static const double least_fitted = 0.05;
+
+/* c/sqrt(m S_n) for a restitution: 2 sqrt(5/6) beta with beta = -ln e/sqrt(pi^2 + ln^2 e) of the
+ * linear oscillator (Antypov and Elliott 2011), 1 at e = 0; where the sum of both forces is cut at
+ * zero, by the polynomial of Thornton, Cummins and Cleary 2013 (eq. 20). */
+static double damping_of(double e, bool pulls) {
+    static const double h[] = {-6.918798, -16.41105, 146.8049,  -796.4559, 2928.711,
+                               -7206.864, 11494.29,  -11342.18, 6276.757,  -1489.915};
+    double p = 0.0, log_e = log(e);
+    if (e >= 1.0) return 0.0;
+    if (pulls)
+        return 2.0 * sqrt(5.0 / 6.0) * (e > 0.0 ? -log_e / sqrt(M_PI * M_PI + log_e * log_e) : 1.0);
+    e = fmax(e, least_fitted);
+    for (int k = 9; k >= 0; k--) p = e * (h[k] + p);
+    return 2.0 * sqrt(fmax(1.0 / (1.0 - (1.0 + e) * (1.0 + e) * exp(p)) - 1.0, 0.0));
+}
+
+/* What a material, or the scene, says of it. */
+static double damping_by(const gn_scene *s, const gn_material *m) {
+    double e = m->restitution >= 0.0 ? m->restitution : s->restitution;
+    if (e >= 0.0) return damping_of(e, s->pull);
+    return 2.0 * sqrt(5.0 / 6.0) * s->damping_fraction;
+}
+
+gn_hertz_pair gn_hertz_pair_of(const gn_scene *s, const gn_material *a, const gn_material *b,
+                               const gn_contact_def *own) {
+    const gn_material *side[] = {a, b};
+    gn_hertz_pair p = {.friction = a->friction, .damping = damping_by(s, a)};
+    double give = 0.0, give_across = 0.0;
+    for (int k = 0; k < 2 && side[k]; k++) {
+        double young = side[k]->young, poisson = side[k]->poisson;
+        if (own && own->young != GN_COMBINED) young = own->young;
+        if (own && own->poisson != GN_COMBINED) poisson = own->poisson;
+        give += (1.0 - poisson * poisson) / young;
+        give_across += (2.0 - poisson) * 2.0 * (1.0 + poisson) / young;
+    }
+    p.modulus = 1.0 / give;
+    p.shear_modulus = 1.0 / give_across;
+    p.rolling = a->rolling_friction;
+    p.twisting = a->twisting_friction;
+    if (b) p.friction = gn_smaller(a->friction, b->friction);
+    if (b) p.rolling = gn_smaller(a->rolling_friction, b->rolling_friction);
+    if (b) p.twisting = gn_smaller(a->twisting_friction, b->twisting_friction);
+    if (b) p.damping = fmax(p.damping, damping_by(s, b));
+    if (own && own->friction != GN_COMBINED) p.friction = own->friction;
+    if (own && own->rolling_friction != GN_COMBINED) p.rolling = own->rolling_friction;
+    if (own && own->twisting_friction != GN_COMBINED) p.twisting = own->twisting_friction;
+    if (own && own->restitution != GN_COMBINED) p.damping = damping_of(own->restitution, s->pull);
+    return p;
+}
+
+typedef struct parameters {
+    double kn, kt, mu, cn, lag;
+} parameters;
+
+static parameters parameters_of(const gn_law_model *m, const gn_law_pair *q) {
+    gn_hertz_pair pair = gn_hertz_pair_of(m->scene, q->a, q->b, q->own);
+    double root = sqrt(q->ri * q->rj / (q->ri + q->rj));
+    parameters p = {.kn = 2.0 * pair.modulus * root,
+                    .kt = 8.0 * pair.shear_modulus * root,
+                    .mu = pair.friction};
+    if (!(q->inverse_mass > 0.0)) return p;
+    p.cn = pair.damping / sqrt(q->inverse_mass);
+    p.lag = 0.25 * p.cn * m->dt * q->inverse_mass;
+    return p;
+}
+
+static bool derive(const gn_scene *scene, const gn_particles *particles, const int32_t (*pair)[2],
+                   size_t count, gn_derived *derived) {
+    (void)scene, (void)particles, (void)pair, (void)count, (void)derived;
+    return true;
+}
+
+static void set(const gn_law_model *m, const gn_law_pair *pair, gn_contacts *list, size_t c) {
+    parameters p = parameters_of(m, pair);
+    list->kn[c] = p.kn;
+    if (list->kt) list->kt[c] = p.kt;
+    if (list->mu) list->mu[c] = p.mu;
+    if (list->cn) list->cn[c] = p.cn;
+    if (list->lag) list->lag[c] = p.lag;
+}
+
+static void set_dashpot(const gn_law_model *m, const gn_law_pair *pair, gn_contacts *list,
+                        size_t c) {
+    if (!list->cn) return;
+    parameters p = parameters_of(m, pair);
+    list->cn[c] = p.cn;
+    list->lag[c] = p.lag;
+    if (list->cn_f) list->cn_f[c] = (float)p.cn;
+    if (list->lag_f) list->lag_f[c] = (float)p.lag;
+}
+
+/* --- springs --- */
+
+/* S_n (1/m_i + 1/m_j) at a given overlap over x = r_i/r_j goes with sqrt(x/(1 + x)) (A/x^3 + B),
+ * which falls and then rises. */
+static gn_law_spring meeting(const gn_law_model *m, const gn_law_pair *pair, double overlap) {
+    parameters p = parameters_of(m, pair);
+    double root = sqrt(overlap);
+    return (gn_law_spring){p.kn * root, p.mu > 0.0 ? p.kt * root : 0.0, p.cn * sqrt(p.kn * root)};
+}
+
+static gn_law_spring spring(const gn_contacts *list, size_t c, double overlap) {
+    double most = list->most[c], root = sqrt(most > 0.0 ? most : overlap);
+    double kn = list->kn[c] * root;
+    return (gn_law_spring){kn, list->mu && list->mu[c] > 0.0 ? list->kt[c] * root : 0.0,
+                           list->cn ? list->cn[c] * sqrt(kn) : 0.0};
+}
+
+/* --- what a contact holds --- */
+
+/* Of a column that is in single precision in mixed precision; 0 where there is none. */
+static double value_of(const double *column, const float *single, size_t at) {
+    return column ? column[at] : single ? (double)single[at] : 0.0;
+}
+
+static gn_law_held held(const gn_contacts *list, size_t c, double length, double stretch) {
+    double shear2 = 0.0, overlap = stretch < -GN_OVERLAP_ROUNDING * length ? -stretch : 0.0;
+    gn_hertz_press p = gn_hertz_normal(list->kn[c], overlap);
+    gn_law_held h = {.normal = p.normal, .viscous = value_of(list->fd, list->fd_f, c)};
+    for (size_t a = 0; a < 3; a++) {
+        h.shear[a] = value_of(list->shear, list->shear_f, c + a * list->soa.capacity);
+        shear2 += h.shear[a] * h.shear[a];
+    }
+    h.stored = gn_hertz_stored(p.normal, overlap);
+    if (shear2 > 0.0) h.stored += 0.5 * shear2 / (list->kt[c] * p.root);
+    return h;
+}
+
+/* --- walls and surfaces --- */
+
+static double kn_of(const gn_touch_side *s) {
+    return 2.0 * s->part * s->hertz.modulus * sqrt(s->radius);
+}
+static double kt_of(const gn_touch_side *s) {
+    return 8.0 * s->hertz.shear_modulus * sqrt(s->radius);
+}
+
+static gn_law_spring touch_spring(const gn_touch_side *side, double inverse_mass,
+                                  double damping_fraction, double overlap) {
+    (void)damping_fraction; /* every pair has its own */
+    double root = sqrt(overlap), kn = kn_of(side) * root;
+    double kt = side->hertz.friction > 0.0 ? kt_of(side) * root : 0.0;
+    return (gn_law_spring){kn, kt, side->hertz.damping * sqrt(kn / inverse_mass)};
+}
+
+static double touch_stored(const gn_touch_side *side, double normal, double shear2) {
+    double kn = kn_of(side), overlap = cbrt(pow(1.5 * fabs(normal) / kn, 2.0));
+    double kt = kt_of(side) * sqrt(overlap);
+    return 0.4 * fabs(normal) * overlap + (shear2 > 0.0 && kt > 0.0 ? 0.5 * shear2 / kt : 0.0);
+}
+
+static double touch_viscous(const gn_touch_step *step, const gn_touch_side *side, const gn_touch *t,
+                            const gn_hertz_press *p) {
+    if (!(t->inverse_mass > 0.0)) return 0.0;
+    double c = side->hertz.damping / sqrt(t->inverse_mass);
+    double lag = 0.25 * c * step->dt * t->inverse_mass, path = t->speed * step->dt;
+    double coefficient = gn_hertz_dashpot(c, lag, p->stiffness);
+    if (gn_touch_crosses(t, path)) {
+        double most = gn_hertz_dashpot(c, lag, kn_of(side) * sqrt(fabs(path)));
+        double over = t->gap / fabs(path);
+        if (path < 0.0)
+            coefficient = most * gn_hertz_closing(fmin(fmax(-over, 0.0), 1.0));
+        else
+            coefficient =
+                step->pulls ? most * gn_hertz_opening(fmin(fmax(1.0 - over, 0.0), 1.0)) : 0.0;
+    }
+    double viscous = coefficient * t->speed;
+    return step->pulls ? viscous : fmin(viscous, -p->normal);
+}
+
+/* The tangential force of the last step and that of this one, in *shear; what it stores is added to
+ * *elastic. */
+static double touch_shear(const gn_touch_step *step, const gn_touch_side *side, const gn_touch *s,
+                          const gn_hertz_press *p, double limit, double *shear, size_t stride,
+                          double t[3], double *elastic) {
+    bool twists = step->spins || s->twist != 0.0;
+    double angle = 0.5 * step->dt * s->twist, kt = kt_of(side), past = *s->closeness;
+    gn_v3 n = gn_v3_of(s->n), none = {0.0, 0.0, 0.0};
+    gn_v3 before = {shear[0], shear[stride], shear[2 * stride]};
+    if (twists) before = gn_turn_about_normal(before, n, angle);
+    gn_v3 way = gn_linear_shear(none, gn_v3_of(s->relative), 1.0, step->dt, n, angle, twists, 1);
+    gn_v3 now = gn_axpy(gn_hertz_rescaled(before, past, p->root, 1), kt * p->root, way, 1);
+    double size2 = gn_dot(now, now, 1);
+    if (limit * limit < size2) now = gn_linear_slip(now, size2, limit, true, 1);
+    double closeness = p->root > 0.0 ? 1.0 / p->root : 0.0;
+    t[0] = shear[0] = now.x;
+    t[1] = shear[stride] = now.y;
+    t[2] = shear[2 * stride] = now.z;
+    *s->closeness = closeness;
+    *elastic += 0.5 * gn_dot(now, now, 1) * closeness / kt;
+    return gn_hertz_lost(before, now, way, past, closeness, kt, 1);
+}
+
+static double touch(const gn_touch_step *step, const gn_touch_side *side, const gn_touch *s,
+                    double *fd, double *shear, size_t stride, double t[3], gn_contact_sums *sums) {
+    double overlap = s->gap < -s->rounding ? -s->gap : 0.0;
+    gn_hertz_press p = gn_hertz_normal(kn_of(side), overlap);
+    double total = p.normal, elastic = gn_hertz_stored(p.normal, overlap);
+    if (step->damping) {
+        double viscous = touch_viscous(step, side, s, &p);
+        if (fd) {
+            sums->contact_damping += 0.5 * (*fd + viscous) * s->speed * step->dt;
+            *fd = viscous;
+        }
+        total += viscous;
+    }
+    t[0] = t[1] = t[2] = 0.0;
+    if (shear)
+        sums->friction += touch_shear(step, side, s, &p, side->hertz.friction * fmax(-total, 0.0),
+                                      shear, stride, t, &elastic);
+    sums->elastic_normal += elastic;
+    sums->pressed += overlap > s->most;
+    return total;
+}
+
+const gn_law gn_law_hertz = {.derive = derive,
+                             .set = set,
+                             .set_dashpot = set_dashpot,
+                             .meeting = meeting,
+                             .spring = spring,
+                             .held = held,
+                             .release = gn_linear_release,
+                             .criterion = gn_linear_criterion,
+                             .slips = gn_linear_slips,
+                             .touch_spring = touch_spring,
+                             .touch_stored = touch_stored,
+                             .touch = touch};

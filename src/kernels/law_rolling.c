@@ -1,0 +1,181 @@
+/* Rolling and twisting resistance (law_rolling.h) beside the linear law and that of Hertz, for all
+ * but the kernels. Of two materials the smaller coefficient, as with friction. */
+#include "base/vec3.h"
+#include "kernels/combine.h"
+#include "kernels/law_scalar.h"
+
+#include "kernels/hertz.h"
+
+/* --- parameters --- */
+
+static void add_roll(const gn_law_pair *q, gn_contacts *list, size_t c) {
+    double radius = q->ri * q->rj / (q->ri + q->rj);
+    double rolling =
+        GN_OWN(q, rolling_friction, gn_smaller(q->a->rolling_friction, q->b->rolling_friction));
+    double twisting =
+        GN_OWN(q, twisting_friction, gn_smaller(q->a->twisting_friction, q->b->twisting_friction));
+    list->reduced[c] = radius;
+    list->rolling[c] = rolling * radius;
+    list->twisting[c] = twisting * radius;
+}
+
+static void set_linear(const gn_law_model *m, const gn_law_pair *pair, gn_contacts *list,
+                       size_t c) {
+    gn_linear_set(m, pair, list, c);
+    add_roll(pair, list, c);
+}
+
+static void set_hertz(const gn_law_model *m, const gn_law_pair *pair, gn_contacts *list, size_t c) {
+    gn_law_hertz.set(m, pair, list, c);
+    add_roll(pair, list, c);
+}
+
+/* --- what a contact holds --- */
+
+/* Of moments with the stiffness kr, that of a contact pressed most for the limit of the step. */
+static gn_law_moments moments_of(const gn_contacts *list, size_t c, double kr, double most) {
+    gn_law_moments m = {.bend = most, .twist = most};
+    double size2 = 0.0;
+    for (size_t a = 0; a < 3; a++) {
+        size_t at = c + a * list->soa.capacity;
+        m.couple[a] = list->roll ? list->roll[at] : (double)list->roll_f[at];
+        size2 += m.couple[a] * m.couple[a];
+    }
+    if (size2 > 0.0) m.stored = 0.5 * size2 / kr;
+    if (!(list->rolling[c] > 0.0)) m.bend = 0.0;
+    if (!(list->twisting[c] > 0.0)) m.twist = 0.0;
+    return m;
+}
+
+static gn_law_moments linear_moments(const gn_contacts *list, size_t c, const double n[3]) {
+    (void)n;
+    double kr = list->kt[c] * list->reduced[c] * list->reduced[c];
+    return moments_of(list, c, kr, kr);
+}
+
+static gn_law_moments hertz_moments(const gn_contacts *list, size_t c, const double n[3]) {
+    (void)n;
+    double kr = list->kt[c] * list->reduced[c] * list->reduced[c];
+    double closeness = list->closeness ? list->closeness[c] : (double)list->closeness_f[c];
+    return moments_of(list, c, closeness > 0.0 ? kr / closeness : kr, kr * sqrt(list->most[c]));
+}
+
+/* --- walls and surfaces --- */
+
+/* See roll_grip. */
+typedef struct grip {
+    double kt, root, past, now;
+} grip;
+
+/* What is left of a moment of which `way` more was turned, at most `limit`. */
+static gn_v3 turn_on(gn_v3 before, gn_v3 way, double kr, double limit, const grip *g,
+                     gn_contact_sums *sums) {
+    gn_v3 m = gn_axpy(gn_hertz_rescaled(before, g->past, g->root, 1), kr * g->root, way, 1);
+    double size2 = gn_dot(m, m, 1);
+    if (limit * limit < size2) m = gn_linear_slip(m, size2, limit, true, 1);
+    sums->rolling += gn_hertz_lost(before, m, way, g->past, g->now, kr, 1);
+    if (kr > 0.0) sums->elastic_normal += 0.5 * gn_dot(m, m, 1) * g->now / kr;
+    return m;
+}
+
+static void touch_roll(const gn_touch_step *step, const gn_touch_side *side, const gn_touch *s,
+                       double pressed, const grip *g, gn_contact_sums *sums) {
+    double kr = g->kt * side->radius * side->radius, *roll = s->roll;
+    size_t stride = s->roll_stride;
+    gn_v3 n = gn_v3_of(s->n), old = {roll[0], roll[stride], roll[2 * stride]};
+    gn_v3 spin = gn_v3_of(s->spin), bend = spin, twist = {0.0, 0.0, 0.0};
+    gn_v3 bent = old, twisted = twist;
+    if (step->space) {
+        twist = gn_scale(gn_dot(spin, n, 1), n, 1);
+        bend = gn_sub(spin, twist, 1);
+        twisted = gn_scale(gn_dot(old, n, 1), n, 1);
+        bent = gn_turn_about_normal(gn_sub(old, twisted, 1), n, 0.5 * step->dt * s->twist);
+    }
+    bent = turn_on(bent, gn_scale(step->dt, bend, 1), kr, side->rolling * side->radius * pressed, g,
+                   sums);
+    if (step->space)
+        twisted = turn_on(twisted, gn_scale(step->dt, twist, 1), kr,
+                          side->twisting * side->radius * pressed, g, sums);
+    gn_v3 m = gn_add(bent, twisted, 1);
+    s->couple[0] = roll[0] = m.x;
+    s->couple[1] = roll[stride] = m.y;
+    s->couple[2] = roll[2 * stride] = m.z;
+}
+
+static double pressing(const gn_touch *s, double total) {
+    return s->gap < -s->rounding ? fmax(-total, 0.0) : 0.0;
+}
+
+static double touch_linear(const gn_touch_step *step, const gn_touch_side *side,
+                           const gn_touch *touch, double *fd, double *shear, size_t stride,
+                           double t[3], gn_contact_sums *sums) {
+    double total = gn_linear_touch(step, side, touch, fd, shear, stride, t, sums);
+    grip g = {side->kratio > 0.0 ? side->stiffness / side->kratio : 0.0, 1.0, 1.0, 1.0};
+    if (touch->roll && step->spins) touch_roll(step, side, touch, pressing(touch, total), &g, sums);
+    return total;
+}
+
+static double touch_hertz(const gn_touch_step *step, const gn_touch_side *side,
+                          const gn_touch *touch, double *fd, double *shear, size_t stride,
+                          double t[3], gn_contact_sums *sums) {
+    double past = touch->closeness ? *touch->closeness : 0.0;
+    double total = gn_law_hertz.touch(step, side, touch, fd, shear, stride, t, sums);
+    double root = touch->gap < -touch->rounding ? sqrt(-touch->gap) : 0.0;
+    grip g = {8.0 * side->hertz.shear_modulus * sqrt(side->radius), root, past,
+              root > 0.0 ? 1.0 / root : 0.0};
+    if (touch->closeness) *touch->closeness = g.now; /* also without friction */
+    if (touch->roll && step->spins) touch_roll(step, side, touch, pressing(touch, total), &g, sums);
+    return total;
+}
+
+static gn_law_spring hertz_meeting(const gn_law_model *m, const gn_law_pair *p, double overlap) {
+    return gn_law_hertz.meeting(m, p, overlap);
+}
+static gn_law_spring hertz_spring(const gn_contacts *list, size_t c, double overlap) {
+    return gn_law_hertz.spring(list, c, overlap);
+}
+static gn_law_held hertz_held(const gn_contacts *list, size_t c, double length, double stretch) {
+    return gn_law_hertz.held(list, c, length, stretch);
+}
+static bool hertz_derive(const gn_scene *s, const gn_particles *q, const int32_t (*pair)[2],
+                         size_t count, gn_derived *derived) {
+    return gn_law_hertz.derive(s, q, pair, count, derived);
+}
+static void hertz_dashpot(const gn_law_model *m, const gn_law_pair *pair, gn_contacts *list,
+                          size_t c) {
+    gn_law_hertz.set_dashpot(m, pair, list, c);
+}
+static gn_law_spring hertz_touch_spring(const gn_touch_side *side, double inverse_mass,
+                                        double damping_fraction, double overlap) {
+    return gn_law_hertz.touch_spring(side, inverse_mass, damping_fraction, overlap);
+}
+static double hertz_touch_stored(const gn_touch_side *side, double normal, double shear2) {
+    return gn_law_hertz.touch_stored(side, normal, shear2);
+}
+
+const gn_law gn_law_rolling = {.derive = gn_linear_derive,
+                               .set = set_linear,
+                               .set_dashpot = gn_linear_set_dashpot,
+                               .meeting = gn_linear_meeting,
+                               .spring = gn_linear_spring,
+                               .held = gn_linear_held,
+                               .release = gn_linear_release,
+                               .criterion = gn_linear_criterion,
+                               .slips = gn_linear_slips,
+                               .touch_spring = gn_linear_touch_spring,
+                               .touch_stored = gn_linear_touch_stored,
+                               .touch = touch_linear,
+                               .moments = linear_moments};
+const gn_law gn_law_hertz_rolling = {.derive = hertz_derive,
+                                     .set = set_hertz,
+                                     .set_dashpot = hertz_dashpot,
+                                     .meeting = hertz_meeting,
+                                     .spring = hertz_spring,
+                                     .held = hertz_held,
+                                     .release = gn_linear_release,
+                                     .criterion = gn_linear_criterion,
+                                     .slips = gn_linear_slips,
+                                     .touch_spring = hertz_touch_spring,
+                                     .touch_stored = hertz_touch_stored,
+                                     .touch = touch_hertz,
+                                     .moments = hertz_moments};

@@ -1,0 +1,142 @@
+/* Rolling and twisting resistance of contacts that are not bonded, beside the linear law or that of
+ * Hertz: elastic-plastic (type C of Ai, Chen, Rotter and Ooi 2011, Powder Technology 206, 269-282,
+ * without its dashpot). The two particles turn against each other by w = w_j - w_i; across the
+ * normal that is rolling, along it twisting. Each has a moment that grows by k_r w dt and stays
+ * below a limit:
+ *     |M_r| <= mu_r R f, |M_t| <= mu_t R f, k_r = k_t R^2,
+ * f the pressing force, R the reduced radius (at a plane that of the particle), k_t the tangential
+ * stiffness. Both are the same on the two particles but for the sign, and vanish when the pair
+ * turns as a whole. By Hertz's law k_t follows the overlap: moments shrink with the contact as
+ * tangential forces do (hertz.h).
+ *
+ * Columns besides those of the law: rolling (mu_r R), twisting (mu_t R), reduced (R); state: roll,
+ * the moment on the first particle, both parts together; in 2D only its third component counts. */
+#ifndef GN_KERNELS_LAW_ROLLING_H
+#define GN_KERNELS_LAW_ROLLING_H
+
+#include "kernels/law_beam.h"
+#include "kernels/law_hertz.h"
+
+GN_INLINE gn_v3 load_roll(const gn_contact_args *a, size_t c, variant w) {
+    const gn_real *at = COLUMN(a->contacts, roll) + c;
+    uint64_t stride = a->contacts->soa.capacity;
+    gn_v3 m = {gn_set(0.0), gn_set(0.0), gn_load(at + 2 * stride)};
+    if (w.space) m = gn_load3(at, stride, 1);
+    return m;
+}
+
+GN_INLINE void store_roll(const gn_contact_args *a, size_t c, gn_v3 m, variant w) {
+    gn_real *at = COLUMN(a->contacts, roll) + c;
+    uint64_t stride = a->contacts->soa.capacity;
+    if (w.space)
+        gn_store3(at, stride, m, 1);
+    else
+        gn_store(at + 2 * stride, m.z);
+}
+
+/* How far the tangential spring is pressed: k_t times `root`, `past` and `now` its inverse in the
+ * last step and in this one; of the linear law all 1. */
+typedef struct roll_grip {
+    gn_v root, past, now;
+} roll_grip;
+
+/* The moments of the last step, turned, and the angles by which the ends turned against each other.
+ */
+typedef struct roll_step {
+    beam_parts before, way;
+} roll_step;
+
+GN_INLINE roll_step roll_step_of(const gn_contact_args *a, size_t c, const stage *g, variant w) {
+    const gn_v zero = gn_set(0.0), dt = gn_set(a->dt);
+    const gn_v3 n = g->geometry.n, none = {zero, zero, zero};
+    const gn_v3 old = load_roll(a, c, w), spin = relative_spin(a, c);
+    roll_step s = {{old, zero}, {none, zero}};
+    if (!w.space) {
+        s.way.bend.z = dt * spin.z;
+        return s;
+    }
+    const gn_v3 middle = middle_again(a, c, g, w);
+    const gn_v q = mirror_factor(middle);
+    s.before = parts_turned(old, n, middle, q);
+    s.before.bend = gn_turn_about_normal(s.before.bend, n, g->angle);
+    beam_parts rate = turn_rate(spin, n, middle, q);
+    s.way.bend = gn_linear_shear(none, rate.bend, gn_set(1.0), a->dt, n, g->angle, 1, 1);
+    s.way.twist = dt * rate.twist;
+    return s;
+}
+
+/* The moment on the first particle under the pressing force `pressed` >= 0, into its column. */
+GN_INLINE void roll(const gn_contact_args *a, size_t c, const stage *g, gn_v pressed,
+                    roll_grip grip, lane_sums *e, variant w) {
+    const gn_contacts *k = a->contacts;
+    const gn_v zero = gn_set(0.0);
+    gn_v reduced = gn_load(COLUMN(k, reduced) + gn_column_at(c, a->uniform.reduced));
+    gn_v kt = gn_load(COLUMN(k, kt) + gn_column_at(c, a->uniform.kt));
+    gn_v kr = kt * reduced * reduced, stiff = kr * grip.root;
+    const roll_step s = roll_step_of(a, c, g, w);
+    gn_v limit = pressed * gn_load(COLUMN(k, rolling) + gn_column_at(c, a->uniform.rolling));
+    gn_v3 bend = gn_hertz_rescaled(s.before.bend, grip.past, grip.root, 1);
+    bend = gn_axpy(bend, stiff, s.way.bend, 1);
+    gn_v size2 = gn_dot(bend, bend, 1);
+    gn_m over = gn_less(limit * limit, size2);
+    if (gn_bits(over)) bend = gn_linear_slip(bend, size2, limit, over, 1);
+    gn_v3 left = {zero, zero, s.before.twist}, now = {zero, zero, zero}, way = now;
+    gn_v twist = zero;
+    if (w.space) {
+        limit = pressed * gn_load(COLUMN(k, twisting) + gn_column_at(c, a->uniform.twisting));
+        left = gn_hertz_rescaled(left, grip.past, grip.root, 1);
+        twist = gn_fma(stiff, s.way.twist, left.z);
+        twist = zero - gn_max(zero - gn_max(twist, zero - limit), zero - limit);
+    }
+    if (w.energy) {
+        left.z = s.before.twist;
+        now.z = twist;
+        way.z = s.way.twist;
+        e->rolling = e->rolling +
+                     gn_hertz_lost(s.before.bend, bend, s.way.bend, grip.past, grip.now, kr, 1) +
+                     gn_hertz_lost(left, now, way, grip.past, grip.now, kr, 1);
+        gn_v both = gn_dot(bend, bend, 1) + twist * twist;
+        if (a->measure)
+            e->elastic_bending =
+                e->elastic_bending + gn_set(0.5) * both * grip.now / gn_max(kr, gn_set(GN_TINY));
+    }
+    store_roll(a, c, w.space ? gn_axpy(bend, twist, g->geometry.n, 1) : bend, w);
+}
+
+/* Of a dashpot that pulls nothing is left to press. */
+GN_INLINE gn_v pressing(const stage *g, gn_v normal) {
+    gn_v beyond = gn_fma(gn_set(GN_OVERLAP_ROUNDING), g->geometry.distance, g->geometry.stretch);
+    return gn_keep(gn_less(beyond, gn_set(0.0)), gn_max(gn_set(0.0) - normal, gn_set(0.0)));
+}
+
+GN_INLINE void rolling_trial(const gn_contact_args *a, size_t c, const brief *from, stage *g,
+                             variant w) {
+    linear_trial(a, c, from, g, w);
+}
+
+GN_INLINE contact_force rolling_force(const gn_contact_args *a, size_t c, size_t end,
+                                      const stage *g, lane_sums *e, gn_contact_sums *sums,
+                                      variant w) {
+    const gn_v one = gn_set(1.0);
+    contact_force f = linear_force(a, c, end, g, e, sums, w);
+    roll(a, c, g, pressing(g, f.normal), (roll_grip){one, one, one}, e, w);
+    return f;
+}
+
+GN_INLINE void hertz_rolling_trial(const gn_contact_args *a, size_t c, const brief *from, stage *g,
+                                   variant w) {
+    hertz_trial(a, c, from, g, w);
+}
+
+GN_INLINE contact_force hertz_rolling_force(const gn_contact_args *a, size_t c, size_t end,
+                                            const stage *g, lane_sums *e, gn_contact_sums *sums,
+                                            variant w) {
+    const gn_v past = gn_load(COLUMN(a->contacts, closeness) + c);
+    contact_force f = hertz_force(a, c, end, g, e, sums, w);
+    const gn_v now = gn_load(COLUMN(a->contacts, closeness) + c), one = gn_set(1.0);
+    gn_v root = gn_keep(gn_less(gn_set(0.0), now), one / gn_max(now, gn_set(GN_TINY)));
+    roll(a, c, g, pressing(g, f.normal), (roll_grip){root, past, now}, e, w);
+    return f;
+}
+
+#endif

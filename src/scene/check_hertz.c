@@ -1,0 +1,71 @@
+/* What goes with Hertz's law, and what walls and surfaces say of their contacts by any. */
+#include "scene/check.h"
+
+#include <math.h>
+#include <stdio.h>
+
+gneiss_status gn_check_hertz_material(const check *c, const gn_material *m) {
+    GN_TRY(gn_check_need(c, m->young, "young", "by law.stiffness hertz"));
+    return gn_check_need(c, m->poisson + 1.0, "poisson", "by law.stiffness hertz");
+}
+
+static gneiss_status check_rolling(const check *c, const gn_scene *s) {
+    if (!gn_scene_rolls(s)) return GNEISS_OK;
+    if (s->rotation == GN_SWITCH_OFF)
+        return gn_check_fail(c, "law.rotation",
+                             "expected spins beside rolling_friction or twisting_friction, found "
+                             "off");
+    if (s->bonds != GN_SWITCH_ON) return GNEISS_OK;
+    return gn_check_fail(c, "bonds",
+                         "expected no bonds beside rolling_friction or twisting_friction, which "
+                         "pairs that have broken would not have, found some");
+}
+
+gneiss_status gn_check_hertz(const check *c, const gn_scene *s) {
+    GN_TRY(check_rolling(c, s));
+    if (!gn_scene_hertz(s)) {
+        if (s->pull) return GNEISS_OK;
+        return gn_check_fail(c, "law.pull",
+                             "expected law.stiffness hertz beside it, found another");
+    }
+    if (s->dimension != 3)
+        return gn_check_fail(c, "law.stiffness",
+                             "expected a 3D scene beside hertz, the law of spheres (the force of "
+                             "discs does not follow from their overlap alone), found a 2D one");
+    if (s->bonds != GN_SWITCH_ON) return GNEISS_OK;
+    return gn_check_fail(c, "law.stiffness",
+                         "expected a law with tension beside bonds, found hertz");
+}
+
+static gneiss_status not_read(const check *c, const char *key, double value, const char *why) {
+    if (!(value > 0)) return GNEISS_OK;
+    return gn_check_fail(c, key, "expected none %s, found %g", why, value);
+}
+
+/* With Hertz's law of a material or rigid, else of a stiffness. */
+gneiss_status gn_check_side(const check *c, const gn_scene *s, const char *prefix,
+                            gn_side_keys side) {
+    char stiffness[64], kratio[64], friction[64], material[64];
+    const bool rolls = side.rolling > 0 || side.twisting > 0;
+    snprintf(stiffness, sizeof stiffness, "%sstiffness", prefix);
+    snprintf(kratio, sizeof kratio, "%skratio", prefix);
+    snprintf(friction, sizeof friction, "%sfriction", prefix);
+    snprintf(material, sizeof material, "%smaterial", prefix);
+    if (!gn_check_sound(c, "law.stiffness")) return GNEISS_OK;
+    if (!gn_scene_hertz(s)) {
+        GN_TRY(gn_check_need(c, side.stiffness, stiffness, "by this law.stiffness"));
+        if (side.friction > 0) GN_TRY(gn_check_need(c, side.kratio, kratio, "by friction"));
+        if (rolls) GN_TRY(gn_check_need(c, side.kratio, kratio, "by rolling_friction"));
+        if (!*side.material) return GNEISS_OK;
+        return gn_check_fail(c, material, "expected law.stiffness hertz beside it, found another");
+    }
+    const char *why = "beside law.stiffness hertz, which has E and nu of the material";
+    GN_TRY(not_read(c, stiffness, side.stiffness, why));
+    GN_TRY(not_read(c, kratio, side.kratio, why));
+    if (!*side.material) return GNEISS_OK;
+    GN_TRY(gn_check_material_name(c, s, material, side.material));
+    GN_TRY(not_read(c, friction, side.friction, "beside a material, which has its own"));
+    const char *own = side.rolling > 0 ? "rolling_friction" : "twisting_friction";
+    return not_read(c, own, fmax(side.rolling, side.twisting),
+                    "beside a material, which has its own");
+}
