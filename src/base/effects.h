@@ -40,7 +40,8 @@
     X(FACETS, facets, "surfaces of triangles or segments, with walls")                             \
     X(MASS_SCALING, mass_scaling, "particles heavier than they are, for a longer step")            \
     X(AREA, area, "bonds with sections of their own (laws by area)")                               \
-    X(BOND_MOMENTS, bond_moments, "bending and twisting moments in bonds")
+    X(BOND_MOMENTS, bond_moments, "bending and twisting moments in bonds")                         \
+    X(OVERLAP, overlap, "particles and finite elements that share zones as one body")
 
 typedef enum gn_effect_index {
 #define X(NAME, name, text) GN_FX_INDEX_##NAME,

@@ -57,6 +57,7 @@ static void beam_release(gn_contacts *list, size_t c) {
 const gn_law gn_law_beam = {.derive = gn_linear_derive,
                             .set = beam_set,
                             .set_dashpot = gn_linear_set_dashpot,
+                            .weigh = gn_linear_weigh,
                             .meeting = gn_linear_meeting,
                             .spring = gn_linear_spring,
                             .held = gn_linear_held,

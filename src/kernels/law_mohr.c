@@ -26,6 +26,7 @@ static double criterion(const gn_contacts *list, size_t c, double normal, double
 const gn_law gn_law_mohr = {.derive = gn_linear_derive,
                             .set = set,
                             .set_dashpot = gn_linear_set_dashpot,
+                            .weigh = gn_linear_weigh,
                             .meeting = gn_linear_meeting,
                             .spring = gn_linear_spring,
                             .held = gn_linear_held,

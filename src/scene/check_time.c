@@ -63,6 +63,7 @@ static const char *no_statics(const gn_scene *s) {
     if (s->has_elements) return "particles alone, found elements";
     if (s->body_count) return "walls and sets, found bodies";
     if (s->random_velocity > 0) return "a specimen at rest, found initial.random_velocity";
+    if (s->has_pulse) return "a specimen at rest, found initial.pulse";
     for (size_t k = 0; k < s->wall_count; k++) {
         if (s->walls[k].servo.active) return "walls that move as given, found a servo";
         if (motion_changes(&s->walls[k].motion))

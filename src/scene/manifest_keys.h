@@ -53,5 +53,7 @@
 
 /* The section `elements` (manifest_elements.c); its fields lie in gn_scene. */
 extern const gn_section gn_elements_section;
+/* The section `couple` (manifest_couple.c), likewise. */
+extern const gn_section gn_couple_section;
 
 #endif

@@ -355,6 +355,7 @@ gn_effects gn_scene_effects(const gn_scene *s) {
     if (touched && s->elements.contact.friction > 0) mask |= GN_FX_WALL_SHEAR;
     for (size_t k = 0; k < s->body_count; k++)
         if (s->bodies[k].friction > 0) mask |= GN_FX_WALL_SHEAR;
+    if (s->has_couple) mask |= GN_FX_OVERLAP;
     if (s->has_periodic) mask |= GN_FX_PERIODIC;
     if (s->has_mass_scaling) mask |= GN_FX_MASS_SCALING;
     if (s->orientation == GN_SWITCH_ON && (mask & GN_FX_ROTATION)) mask |= GN_FX_ORIENTATION;

@@ -1,0 +1,26 @@
+/* Particles and elements as one body: particles of zones (couple/zone.h) move with the nodes and
+ * hand them their forces. */
+#ifndef GN_SIM_COUPLING_H
+#define GN_SIM_COUPLING_H
+
+#include "couple/ties.h"
+#include "sim/world.h"
+
+typedef struct gn_coupled {
+    gn_ties ties;      /* of the first solid */
+    int32_t *place;    /* [ties] of the particle in its record, -1: removed */
+    double (*load)[3]; /* [ties] N, of the contacts of a particle in the last step */
+} gn_coupled;
+
+/* Where the scene wants it: weights, masses, and the exchange between both. After particles have
+ * masses and before they have bonds. */
+gneiss_status gn_coupled_create(gn_world *world, gneiss_error *error);
+/* The same for a world whose records were read. */
+gneiss_status gn_coupled_resume(gn_world *world, gneiss_error *error);
+
+/* J: energy of plane waves in the elements outside of zones that run away from the particles of
+ * zone `k`: along n, from where its elements end into the particles, a wave that runs along n has v
+ * = -c e, one that runs back v = c e, so that the sum over elements is of rho V ((v + c e)/2)^2. */
+double gn_coupled_returned(const gn_world *world, size_t k);
+
+#endif
