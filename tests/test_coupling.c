@@ -1,8 +1,10 @@
 /* Particles and finite elements as one body, in zones that both share. */
-#include "world_helpers.h"
-
+#include "run/run.h"
 #include "sim/coupling.h"
 #include "sim/exchange.h"
+#include "world_helpers.h"
+
+#include <unistd.h>
 
 /* A strip along x: elements of side h up to the middle of its length and half a zone farther,
  * particles of a square lattice (spacing 1 mm) from half a zone before it to the other end. Columns
@@ -12,37 +14,68 @@ typedef struct strip {
     double length, zone, side; /* m */
     int rows;                  /* of particles; a multiple of the side in mm */
     bool mirrored;             /* particles before elements */
+    bool space;                /* as deep as it is high */
     const char *more;          /* keys of couple */
+    const char *time;          /* keys of time */
     const char *rest;          /* further sections */
 } strip;
 
 static const double modulus = 24e9, density = 7800.0, spacing = 1e-3;
 
-static gn_world *strip_of(const strip *s) {
+static void add_particles(text *t, const strip *s, double lower, int columns) {
+    const double solid = s->space ? pi / 6.0 : pi / 4.0;
+    add(t, "dimension: %d\n", s->space ? 3 : 2);
+    if (s->space)
+        add(t,
+            "specimen: {group: 1, lattice: {kind: cubic, radius: 0.5 mm, cells: [%d, %d, %d], "
+            "origin: [%.17g, 0, 0]}}\n",
+            columns, s->rows, s->rows, lower - 0.5e-3);
+    else
+        add(t,
+            "specimen: {group: 1, lattice: {kind: square, radius: 0.5 mm, cells: [%d, %d], origin: "
+            "[%.17g, 0]}}\n",
+            columns, s->rows, lower - 0.5e-3);
+    add(t,
+        "materials: [{name: m, density: %.17g, normal_stiffness: %g, kratio: 4, friction: 0.2, "
+        "bond_tension_limit: 1e15, bond_shear_limit: 1e15}]\n"
+        "law: {stiffness: uniform}\nbonds: {interaction_range: 0.01}\n",
+        density / solid, s->space ? modulus * spacing : modulus);
+}
+
+static void add_elements(text *t, const strip *s, double lower, double size) {
+    const int along = (int)lround(size / s->side),
+              across = (int)lround(s->rows * spacing / s->side);
+    if (s->space)
+        add(t,
+            "elements: {box: {origin: [%.17g, 0, 0], size: [%.17g, %.17g, %.17g], cells: [%d, %d, "
+            "%d]}, ",
+            lower, size, s->rows * spacing, s->rows * spacing, along, across, across);
+    else
+        add(t,
+            "elements: {rectangle: {origin: [%.17g, 0], size: [%.17g, %.17g], cells: [%d, %d], "
+            "diagonals: parallel}, ",
+            lower, size, s->rows * spacing, along, across);
+    add(t, "materials: [{young: %g, poisson: 0, density: %g}]}\n", modulus, density);
+}
+
+static text *text_of(const strip *s) {
     text *t = calloc(1, sizeof *t);
     const double middle = 0.5 * s->length, half = 0.5 * s->zone;
     const double from = s->mirrored ? middle - half : middle + half;
     const double to = s->mirrored ? middle + half : middle - half;
-    const double lower = s->mirrored ? 0.0 : to;
-    const int columns = 1 + (int)lround((s->mirrored ? to : s->length - to) / spacing);
-    const double size = s->mirrored ? s->length - from : from;
-    add(t,
-        "dimension: 2\n"
-        "specimen: {group: 1, lattice: {kind: square, radius: 0.5 mm, cells: [%d, %d], origin: "
-        "[%.17g, 0]}}\n"
-        "materials: [{name: m, density: %.17g, normal_stiffness: %g, kratio: 4, friction: 0, "
-        "bond_tension_limit: 1e15, bond_shear_limit: 1e15}]\n"
-        "law: {stiffness: uniform}\nbonds: {interaction_range: 0.01}\n",
-        columns, s->rows, lower - 0.5e-3, density * 4.0 / pi, modulus);
-    add(t,
-        "elements: {rectangle: {origin: [%.17g, 0], size: [%.17g, %.17g], cells: [%d, %d], "
-        "diagonals: parallel}, "
-        "materials: [{young: %g, poisson: 0, density: %g}]}\n",
-        s->mirrored ? from : 0.0, size, s->rows * spacing, (int)lround(size / s->side),
-        (int)lround(s->rows * spacing / s->side), modulus, density);
-    add(t, "couple: {zones: [{edges: [{from: [%.17g, 0], to: [%.17g, 0]}]}]%s%s}\n", from, to,
-        s->more ? ", " : "", s->more ? s->more : "");
-    add(t, "time: {end: 1}\n%s", s->rest ? s->rest : "run: {threads: 2}\n");
+    const char *flat = s->space ? ", 0, 0" : ", 0";
+    add_particles(t, s, s->mirrored ? 0.0 : to,
+                  1 + (int)lround((s->mirrored ? to : s->length - to) / spacing));
+    add_elements(t, s, s->mirrored ? from : 0.0, s->mirrored ? s->length - from : from);
+    add(t, "couple: {zones: [{edges: [{from: [%.17g%s], to: [%.17g%s]}]}]%s%s}\n", from, flat, to,
+        flat, s->more ? ", " : "", s->more ? s->more : "");
+    add(t, "time: {end: 1%s%s}\n%s", s->time ? ", " : "", s->time ? s->time : "",
+        s->rest ? s->rest : "run: {threads: 1}\n");
+    return t;
+}
+
+static gn_world *strip_of(const strip *s) {
+    text *t = text_of(s);
     gn_world *w = world_of("%s", t->s);
     free(t);
     return w;
@@ -50,10 +83,7 @@ static gn_world *strip_of(const strip *s) {
 
 /* Whether a particle is one of a zone. */
 static bool tied_by_zone(const gn_world *w, size_t p) {
-    const gn_coupled *c = w->exchange[0].context;
-    for (size_t k = 0; k < c->ties.count; k++)
-        if (c->place[k] == (int32_t)p) return true;
-    return false;
+    return gn_coupled_has(w->exchange[0].context, w->dem.particles.id[p]);
 }
 
 typedef void field(const double *x, const void *of, double u[3], double v[3]);
@@ -209,59 +239,86 @@ static void a_wave_passes_from_particles_to_elements(void **state) {
 
 /* --- what is kept --- */
 
-static void add_momentum(const gn_particles *q, const double *blend, double sum[3], double *size) {
+static void add_momentum(const gn_world *w, bool nodes, double sum[6], double *size) {
+    const gn_particles *q = nodes ? &w->elements[0]->solid.nodes : &w->dem.particles;
     for (size_t p = 0; p < q->soa.count; p++) {
         const double *x = q->pos + 4 * p, *v = q->vel + 4 * p;
-        const double m = blend && blend[p] != 0.0 ? 0.0 : 1.0 / v[3];
-        sum[0] += m * v[0];
-        sum[1] += m * v[1];
-        sum[2] += m * (x[0] * v[1] - x[1] * v[0]);
-        if (q->spin) sum[2] += q->spin[4 * p + 2] / q->spin[4 * p + 3];
-        *size += m * (fabs(v[0]) + fabs(v[1]));
+        const double m = !nodes && tied_by_zone(w, p) ? 0.0 : 1.0 / v[3]; /* nodes carry it */
+        for (int a = 0; a < 3; a++) {
+            int c = (a + 1) % 3, d = (a + 2) % 3;
+            sum[a] += m * v[a];
+            sum[3 + a] += m * (x[c] * v[d] - x[d] * v[c]);
+            if (q->spin) sum[3 + a] += q->spin[4 * p + a] / q->spin[4 * p + 3];
+            *size += m * fabs(v[a]);
+        }
     }
 }
 
-/* Particles of zones are carried by nodes. */
-static void momentum_of(const gn_world *w, double sum[3], double *size) {
-    const gn_particles *q = &w->dem.particles;
-    double *tied = calloc(q->soa.count + 1, sizeof *tied);
-    for (size_t p = 0; p < q->soa.count; p++) tied[p] = tied_by_zone(w, p);
-    sum[0] = sum[1] = sum[2] = *size = 0.0;
-    add_momentum(q, tied, sum, size);
-    add_momentum(&w->elements[0]->solid.nodes, NULL, sum, size);
-    free(tied);
+static void momentum_of(const gn_world *w, double sum[6], double *size) {
+    memset(sum, 0, 6 * sizeof *sum);
+    *size = 0.0;
+    add_momentum(w, false, sum, size);
+    add_momentum(w, true, sum, size);
 }
 
 static void stir(const double *x, const void *of, double u[3], double v[3]) {
+    const double *space = of;
     (void)u;
-    (void)of;
     v[0] = 2e-3 * sin(900.0 * x[1] + 300.0 * x[0]);
     v[1] = 3e-3 * cos(700.0 * x[0]);
+    v[2] = *space * 2e-3 * sin(500.0 * x[0] + 800.0 * x[1]);
+}
+
+/* Waves in all directions, as far as the mesh and the lattice have them. */
+static gn_world *stirred(const strip *s) {
+    const double space = s->space ? 1.0 : 0.0;
+    gn_world *w = strip_of(s);
+    set_fields(w, stir, &space);
+    run_steps(w, 1); /* particles of the zone take the velocity of the nodes */
+    return w;
+}
+
+/* Over what has gone through. */
+static double worst_residual(gn_world *w, int steps) {
+    double worst = 0.0;
+    for (int k = 0; k < steps; k++) {
+        gn_energy e = measured_step(w);
+        worst = fmax(worst, fabs(gn_energy_residual(&e)));
+    }
+    return worst;
+}
+
+static strip small_strip(bool space) {
+    return (strip){.length = space ? 16e-3 : 20e-3,
+                   .zone = space ? 4e-3 : 6e-3,
+                   .side = space ? 1e-3 : 2e-3,
+                   .rows = space ? 3 : 6,
+                   .space = space};
+}
+
+static void keeps_momentum_and_energy(const char *more, bool space, int steps) {
+    strip s = small_strip(space);
+    s.more = more;
+    gn_world *w = stirred(&s);
+    double before[6], after[6], size;
+    momentum_of(w, before, &size);
+    assert_true(worst_residual(w, steps) < 1e-5);
+    momentum_of(w, after, &size);
+    for (int a = 0; a < 6; a++)
+        assert_near(after[a], before[a], 1e-12 * size * (a < 3 ? 1.0 : s.length));
+    world_end(w);
 }
 
 static void a_coupled_body_keeps_momentum_and_energy(void **state) {
     (void)state;
-    strip s = {.length = 20e-3, .zone = 6e-3, .side = 2e-3, .rows = 6};
-    gn_world *w = strip_of(&s);
-    double before[3], after[3], size, worst = 0.0;
-    set_fields(w, stir, NULL);
-    run_steps(w, 1); /* particles of the zone take the velocity of the nodes */
-    momentum_of(w, before, &size);
-    for (int k = 0; k < 3000; k++) {
-        gn_energy e = measured_step(w);
-        worst = fmax(worst, fabs(gn_energy_residual(&e)));
-    }
-    momentum_of(w, after, &size);
-    for (int a = 0; a < 3; a++)
-        assert_near(after[a], before[a], 1e-12 * size * (a < 2 ? 1.0 : 20e-3));
-    assert_true(worst < 1e-5);
-    world_end(w);
+    keeps_momentum_and_energy(NULL, false, 3000);
+    keeps_momentum_and_energy(NULL, true, 1000);
 }
 
-static uint64_t hash_after(const char *rest, int steps) {
-    strip s = {.length = 20e-3, .zone = 6e-3, .side = 2e-3, .rows = 6, .rest = rest};
-    gn_world *w = strip_of(&s);
-    set_fields(w, stir, NULL);
+static uint64_t hash_after(bool space, const char *rest, int steps) {
+    strip s = small_strip(space);
+    s.rest = rest;
+    gn_world *w = stirred(&s);
     run_steps(w, steps);
     uint64_t hash = gn_world_hash(w);
     world_end(w);
@@ -270,15 +327,134 @@ static uint64_t hash_after(const char *rest, int steps) {
 
 static void a_coupled_body_gives_the_same_bits_on_any_number_of_threads(void **state) {
     (void)state;
-    uint64_t one = hash_after("run: {threads: 1}\n", 300);
-    assert_true(hash_after("run: {threads: 2}\n", 300) == one);
-    assert_true(hash_after("run: {threads: 3}\n", 300) == one);
+    for (int space = 0; space < 2; space++) {
+        uint64_t one = hash_after(space, "run: {threads: 1}\n", 200);
+        assert_true(hash_after(space, "run: {threads: 2}\n", 200) == one);
+        assert_true(hash_after(space, "run: {threads: 3}\n", 200) == one);
+    }
 }
 
 static void a_coupled_body_gives_the_same_bits_on_every_instruction_set(void **state) {
     (void)state;
-    uint64_t one = hash_after("run: {threads: 1, isa: scalar}\n", 300);
-    assert_true(hash_after("run: {threads: 1}\n", 300) == one);
+    for (int space = 0; space < 2; space++)
+        assert_true(hash_after(space, "run: {threads: 1, isa: scalar}\n", 200) ==
+                    hash_after(space, "run: {threads: 1}\n", 200));
+}
+
+/* What else can be on beside a zone: dashpots, background damping, gravity, walls, single
+ * precision; then on another number of threads, and resumed. */
+static gn_run *busy_run(bool space, int threads, const char *precision) {
+    char rest[512];
+    strip s = small_strip(space);
+    gn_run *run = calloc(1, sizeof *run);
+    gneiss_error error = {0};
+    gn_scene scene;
+    snprintf(rest, sizeof rest,
+             "damping: {contact: {restitution: 0.8}, background: {model: nonviscous_component, "
+             "coefficient: 0.1}}\n"
+             "gravity: [0, -9.81%s]\n"
+             "walls: [{name: end, point: [%g, 0%s], normal: [-1, 0%s], stiffness: 1e6}]\n"
+             "run: {threads: %d, precision: %s}\n",
+             space ? ", 0" : "", s.length + 0.5e-3, space ? ", 0" : "", space ? ", 0" : "", threads,
+             precision);
+    s.rest = rest;
+    text *t = text_of(&s);
+    if (gn_scene_parse(t->s, "s.yaml", NULL, NULL, 0, &scene, &error) != GNEISS_OK ||
+        gn_run_create(&scene, run, &error) != GNEISS_OK)
+        fail_msg("%s", error.message);
+    free(t);
+    const double depth = space ? 1.0 : 0.0;
+    set_fields(&run->world, stir, &depth);
+    return run;
+}
+
+static void beside_all_else_threads_and_resumption_give_the_same_bits(void **state) {
+    (void)state;
+    char path[] = "/tmp/gneiss-coupling-XXXXXX";
+    gneiss_error error = {0};
+    close(mkstemp(path));
+    for (int k = 0; k < 4; k++) {
+        const char *precision = k % 2 ? "mixed" : "double";
+        gn_run *a = busy_run(k / 2, 1, precision), *b = busy_run(k / 2, 2, precision);
+        gn_run *c = calloc(1, sizeof *c);
+        run_steps(&a->world, 150);
+        run_steps(&b->world, 150);
+        if (gn_checkpoint_write(a, path, &error) != GNEISS_OK ||
+            gn_checkpoint_load(path, NULL, 0, c, &error) != GNEISS_OK)
+            fail_msg("%s", error.message);
+        gn_run *const all[] = {a, b, c};
+        for (int r = 0; r < 3; r++) {
+            gn_world *w = &all[r]->world;
+            run_steps(w, 100);
+            gn_energy e = measured_step(w);
+            /* Background damping by components is not smooth. */
+            assert_true(fabs(gn_energy_residual(&e)) < 1e-3);
+            assert_true(gn_world_hash(w) == gn_world_hash(&a->world));
+        }
+        for (int r = 0; r < 3; r++) {
+            gn_run_free(all[r]);
+            free(all[r]);
+        }
+    }
+    unlink(path);
+}
+
+/* --- step --- */
+
+/* The energy after so many steps of a part of the sharp limit, over that at the start; INFINITY
+ * when the run has gone bad. */
+static double energy_at(double part, int steps) {
+    char time[96];
+    gneiss_error error = {0};
+    strip s = small_strip(false);
+    gn_world *w = strip_of(&s);
+    double limit = gn_world_sharp_limit(w), grown = 0.0;
+    world_end(w);
+    snprintf(time, sizeof time, "step: %.17g, on_unstable: warn", part * limit);
+    s.time = time;
+    w = stirred(&s);
+    gn_energy e = measured_step(w);
+    const double start = gn_energy_stored(&e);
+    for (int k = 0; k < steps && isfinite(grown); k++)
+        if (gn_world_step(w, true, &error) != GNEISS_OK) grown = INFINITY;
+    if (isfinite(grown)) grown = fabs(gn_energy_stored(&w->reading)) / start;
+    world_end(w);
+    return grown;
+}
+
+/* The sharp limit of either side by itself; the particles' is the smaller one. */
+static void a_zone_is_stable_up_to_the_limits_of_both_sides(void **state) {
+    (void)state;
+    assert_true(energy_at(0.99, 5000) < 2.0);
+    assert_true(energy_at(1.05, 2000) > 1e3);
+}
+
+/* --- what is refused --- */
+
+static void assert_refused(const strip *s, const char *from, const char *to, const char *words) {
+    gn_world w;
+    gneiss_error error = {0};
+    text *t = text_of(s), *changed = calloc(1, sizeof *changed);
+    char *at = strstr(t->s, from);
+    assert_non_null(at);
+    add(changed, "%.*s%s%s", (int)(at - t->s), t->s, to, at + strlen(from));
+    if (world_try(&w, changed->s, NULL, &error) == GNEISS_OK) fail_msg("accepted: %s", to);
+    if (!strstr(error.message, words)) fail_msg("%s", error.message);
+    free(t);
+    free(changed);
+}
+
+static void what_is_no_zone_is_refused(void **state) {
+    (void)state;
+    strip s = small_strip(false);
+    assert_refused(&s, "from: [0.013", "from: [0.011", "expected elements that end on the plane");
+    assert_refused(&s, "from: [0.0130", "from: [0.0145", "found particle");
+    assert_refused(&s, "from: [0.013000000000000001", "from: [0.0070000000000000001", "s.yaml:6:");
+    assert_refused(&s, "couple: {", "couple: {spin: free, ", "unknown key");
+    assert_refused(&s, "materials: [{young", "contact: {stiffness: 1e9}, materials: [{young",
+                   "expected no elements.contact beside it, found one");
+    s.rest = "sets: [{name: a, select: {all: true}, force: [1, 0]}]\n";
+    assert_refused(&s, "time:", "time:", "that no set pushes or moves");
 }
 
 int main(void) {
@@ -290,6 +466,9 @@ int main(void) {
         cmocka_unit_test(a_coupled_body_keeps_momentum_and_energy),
         cmocka_unit_test(a_coupled_body_gives_the_same_bits_on_any_number_of_threads),
         cmocka_unit_test(a_coupled_body_gives_the_same_bits_on_every_instruction_set),
+        cmocka_unit_test(beside_all_else_threads_and_resumption_give_the_same_bits),
+        cmocka_unit_test(a_zone_is_stable_up_to_the_limits_of_both_sides),
+        cmocka_unit_test(what_is_no_zone_is_refused),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

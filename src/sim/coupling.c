@@ -314,6 +314,18 @@ gneiss_status gn_coupled_resume(gn_world *w, gneiss_error *error) {
 
 /* --- readings --- */
 
+bool gn_coupled_has(const gn_coupled *q, int32_t id) {
+    size_t low = 0, high = q->ties.count;
+    while (low < high) {
+        size_t middle = low + (high - low) / 2;
+        if (q->ties.tie[middle].id < id)
+            low = middle + 1;
+        else
+            high = middle;
+    }
+    return low < q->ties.count && q->ties.tie[low].id == id;
+}
+
 /* Of an element, J. Displacements are taken half a step back, at the instant of velocities; these
  * where the strain along n is taken: nodes count by their part in it. */
 static double returned(const gn_fem_solid *b, size_t e, const double n[3], double back) {

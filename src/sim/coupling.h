@@ -18,9 +18,24 @@ gneiss_status gn_coupled_create(gn_world *world, gneiss_error *error);
 /* The same for a world whose records were read. */
 gneiss_status gn_coupled_resume(gn_world *world, gneiss_error *error);
 
+/* Whether a particle, by its id, is one of a zone. */
+bool gn_coupled_has(const gn_coupled *coupled, int32_t id);
+
 /* J: energy of plane waves in the elements outside of zones that run away from the particles of
  * zone `k`: along n, from where its elements end into the particles, a wave that runs along n has v
  * = -c e, one that runs back v = c e, so that the sum over elements is of rho V ((v + c e)/2)^2. */
 double gn_coupled_returned(const gn_world *world, size_t k);
+
+/* What a zone is, as it was at the start (coupling_check.c). */
+typedef struct gn_zone_figures {
+    double width, element, diameter; /* m; means over its elements and particles */
+    double least;                    /* weight of an element's node that has the least: 0 */
+    size_t particles;                /* of all zones, here and below */
+    size_t beyond;                   /* where particles have no weight, beyond its edge */
+    /* Of particles that follow elements, along n: Pa, of an affine strain, and kg/m3; the same of
+     * the elements; what of the energy of a wave their difference returns. */
+    double modulus[2], density[2], returned;
+} gn_zone_figures;
+void gn_zone_measure(const gn_world *world, size_t k, gn_zone_figures *figures);
 
 #endif
