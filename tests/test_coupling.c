@@ -449,7 +449,8 @@ static void what_is_no_zone_is_refused(void **state) {
     strip s = small_strip(false);
     assert_refused(&s, "from: [0.013", "from: [0.011", "expected elements that end on the plane");
     assert_refused(&s, "from: [0.0130", "from: [0.0145", "found particle");
-    assert_refused(&s, "from: [0.013000000000000001", "from: [0.0070000000000000001", "s.yaml:6:");
+    assert_refused(&s, "from: [0.013000000000000001", "from: [0.0070000000000000001",
+                   "edges[0].to: expected a point");
     assert_refused(&s, "couple: {", "couple: {spin: free, ", "unknown key");
     assert_refused(&s, "materials: [{young", "contact: {stiffness: 1e9}, materials: [{young",
                    "expected no elements.contact beside it, found one");
