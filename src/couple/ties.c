@@ -181,6 +181,9 @@ static gneiss_status list_nodes(const gn_fem_solid *solid, gn_ties *t, gneiss_er
     for (size_t k = 0; k < t->count; k++)
         for (int a = 0; a < t->corners; a++)
             t->share[count[t->tie[k].node[a]]++] = (gn_tie_share){(int32_t)k, a};
+    for (size_t n = 0; n < t->nodes; n++)
+        for (int32_t s = t->first[n]; s < t->first[n + 1]; s++)
+            t->tie[t->share[s].tie].own[t->share[s].corner] = (int32_t)n;
     gn_free(count);
     return GNEISS_OK;
 }

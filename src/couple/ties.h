@@ -10,6 +10,7 @@ typedef struct gn_tie {
     int32_t id;      /* of the particle */
     int32_t element; /* place in the solid */
     int32_t node[4]; /* places in the solid */
+    int32_t own[4];  /* the same among the nodes of ties */
     double shape[4];
 } gn_tie;
 

@@ -14,6 +14,8 @@
 static void coupled_free(void *context) {
     gn_coupled *q = context;
     gn_ties_free(&q->ties);
+    gn_consistent_free(&q->consistent);
+    gn_free(q->before);
     gn_free(q->place);
     gn_free(q->load);
     gn_free(q);
@@ -125,6 +127,13 @@ static gneiss_status find(gn_world *w, gn_coupled **out, gneiss_error *error) {
         return gn_fail(error, GNEISS_ERROR_MEMORY, "no memory for %zu particles of zones",
                        q->ties.count);
     for (size_t k = 0; k < q->ties.count; k++) q->place[k] = q->ties.tie[k].id;
+    if (w->scene.couple.constraint == GN_COUPLE_CONSISTENT) {
+        q->before = gn_alloc_array(q->ties.nodes + 1, 3 * sizeof *q->before);
+        if (!q->before)
+            return gn_fail(error, GNEISS_ERROR_MEMORY, "no memory for %zu nodes of zones",
+                           q->ties.nodes);
+        GN_TRY(gn_consistent_create(&q->ties, (int)w->scene.dimension, &q->consistent, error));
+    }
     return q->ties.count ? GNEISS_OK
                          : refuse(w, w->scene.couple.where, "",
                                   "expected particles in elements, found none", error);
@@ -202,12 +211,87 @@ static void take(gn_world *w, int width, size_t p, double load[3]) {
     }
 }
 
+/* --- consistent masses --- */
+
+static void remember(const gn_world *w, gn_coupled *q) {
+    const gn_particles *nodes = &solid_of(w)->nodes;
+    for (size_t n = 0; n < q->ties.nodes; n++)
+        memcpy(q->before + 3 * n, nodes->vel + 4 * (size_t)q->ties.node[n], 3 * sizeof(double));
+}
+
+/* Loads, without gravity and background damping, which join them by the lump: that is right of the
+ * first, and what the second is proportional to. */
+static void set_system(const gn_world *w, gn_coupled *q) {
+    const gn_fem_solid *b = solid_of(w);
+    const double interval = 0.5 * (w->dt_past + w->dt);
+    gn_consistent *y = &q->consistent;
+    y->threads = w->threads;
+    for (size_t k = 0; k < q->ties.count; k++) {
+        double inverse = q->place[k] >= 0 ? w->dem.particles.vel[4 * (size_t)q->place[k] + 3] : 0.0;
+        y->mass[k] = inverse > 0.0 ? 1.0 / inverse : 0.0;
+    }
+    for (size_t n = 0; n < q->ties.nodes; n++) {
+        const size_t node = (size_t)q->ties.node[n];
+        const int32_t slot = b->prescribed.count ? b->nodes.slot[node] : -1;
+        const double *row = gn_hold_load(&b->hold, 4, node), *v = b->nodes.vel + 4 * node;
+        y->whole[n] = 1.0 / v[3];
+        y->own[n] = y->whole[n] - b->carried[node];
+        for (size_t a = 0; a < 3; a++) {
+            const bool there = a < (size_t)w->scene.dimension;
+            y->fixed[3 * n + a] = !there || (slot >= 0 && b->prescribed.mask[slot] >> a & 1);
+            y->load[3 * n + a] = there ? row[a] + b->nodes.applied[4 * node + a] : 0.0;
+            y->rate[3 * n + a] =
+                there && y->fixed[3 * n + a] && w->dt_past > 0.0
+                    ? (b->prescribed.velocity[6 * (size_t)slot + a] - v[a]) / interval
+                    : 0.0;
+        }
+    }
+}
+
+static void correct(gn_world *w, gn_coupled *q) {
+    gn_fem_solid *b = solid_of(w);
+    gn_consistent *y = &q->consistent;
+    set_system(w, q);
+    gn_consistent_solve(y);
+    gn_consistent_difference(y, y->rate, y->work[0]);
+    for (size_t n = 0; n < q->ties.nodes; n++) {
+        double *row = gn_hold_load(&b->hold, 4, (size_t)q->ties.node[n]);
+        for (int a = 0; a < (int)w->scene.dimension; a++) row[a] += y->work[0][3 * n + a];
+    }
+}
+
+/* 1/2 v(-) (N^T M N - lump) v(+), as the motion has it of the lump. */
+static void find_kinetic(gn_world *w, gn_coupled *q) {
+    const gn_particles *nodes = &solid_of(w)->nodes;
+    gn_consistent *y = &q->consistent;
+    double *now = y->work[1];
+    q->kinetic = 0.0;
+    for (size_t n = 0; n < q->ties.nodes; n++)
+        for (size_t a = 0; a < 3; a++) {
+            now[3 * n + a] = nodes->vel[4 * (size_t)q->ties.node[n] + a];
+            if (!(w->dt_past > 0.0))
+                q->before[3 * n + a] = 2.0 * q->before[3 * n + a] - now[3 * n + a];
+        }
+    gn_consistent_difference(y, now, y->work[0]);
+    for (size_t k = 0; k < 3 * q->ties.nodes; k++) q->kinetic -= 0.5 * q->before[k] * y->work[0][k];
+    if (w->step > 0) return;
+    solid_of(w)->energy.stored_at_start += q->kinetic;
+    solid_of(w)->reading.stored_at_start += q->kinetic;
+}
+
+static void book(void *context, const gn_world *w, gn_energy *reading) {
+    const gn_coupled *q = context;
+    (void)w;
+    reading->kinetic += q->kinetic;
+}
+
 static gneiss_status act(void *context, gn_world *w, gneiss_error *error) {
     gn_coupled *q = context;
     gn_fem_solid *b = solid_of(w);
     const bool space = w->scene.dimension == 3;
     const int width = gn_row_width(space, w->effects & GN_FX_ROTATION);
     (void)error;
+    if (q->before) remember(w, q);
 #pragma omp parallel num_threads(w->threads)
     {
 #pragma omp for schedule(static)
@@ -227,6 +311,7 @@ static gneiss_status act(void *context, gn_world *w, gneiss_error *error) {
             }
         }
     }
+    if (q->before) correct(w, q);
     return GNEISS_OK;
 }
 
@@ -260,7 +345,9 @@ static double place_all(gn_world *w, const gn_coupled *q) {
 /* What is kept of the particles' largest speed is that of all. */
 static gneiss_status follow(void *context, gn_world *w, gneiss_error *error) {
     gn_dem *d = &w->dem;
-    double speed = place_all(w, context), before = sqrt(d->done.motion.speed2);
+    gn_coupled *q = context;
+    if (q->before) find_kinetic(w, q);
+    double speed = place_all(w, q), before = sqrt(d->done.motion.speed2);
     if (!(speed > before)) return GNEISS_OK;
     d->verlet.drift += w->dt * (speed - before);
     d->speed_most = speed * (1.0 + 1e-6);
@@ -276,8 +363,8 @@ static gneiss_status follow(void *context, gn_world *w, gneiss_error *error) {
 /* --- both ways to it --- */
 
 static gneiss_status hand_over(gn_world *w, gn_coupled *q, gneiss_error *error) {
-    return gn_exchange_add(w, (gn_exchange){q, mark, act, .end = coupled_free, .follow = follow},
-                           error);
+    return gn_exchange_add(
+        w, (gn_exchange){q, mark, act, .end = coupled_free, .follow = follow, .book = book}, error);
 }
 
 static gneiss_status prepare(gn_world *w, gn_coupled **q, gneiss_error *error) {

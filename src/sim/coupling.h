@@ -3,13 +3,17 @@
 #ifndef GN_SIM_COUPLING_H
 #define GN_SIM_COUPLING_H
 
+#include "couple/consistent.h"
 #include "couple/ties.h"
 #include "sim/world.h"
 
 typedef struct gn_coupled {
-    gn_ties ties;      /* of the first solid */
-    int32_t *place;    /* [ties] of the particle in its record, -1: removed */
-    double (*load)[3]; /* [ties] N, of the contacts of a particle in the last step */
+    gn_ties ties;             /* of the first solid */
+    int32_t *place;           /* [ties] of the particle in its record, -1: removed */
+    double (*load)[3];        /* [ties] N, of the contacts of a particle in the last step */
+    gn_consistent consistent; /* without ties: masses are lumped */
+    double *before;           /* [nodes of ties][3] m/s, consistent: of the half step before */
+    double kinetic;           /* J, consistent: what it has beyond the lump's */
 } gn_coupled;
 
 /* Where the scene wants it: weights, masses, and the exchange between both. After particles have
