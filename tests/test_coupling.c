@@ -308,7 +308,9 @@ static void keeps_momentum_and_energy(const char *more, bool space, int steps) {
     momentum_of(w, before, &size);
     assert_true(worst_residual(w, steps) < 1e-5);
     momentum_of(w, after, &size);
-    for (int a = 0; a < 6; a++)
+    /* Of springs that pull along the gap. Dashpots pull across it as well. */
+    const int kept = more && strstr(more, "damping") ? 3 : 6;
+    for (int a = 0; a < kept; a++)
         assert_near(after[a], before[a], 1e-12 * size * (a < 3 ? 1.0 : s.length));
     world_end(w);
 }
@@ -319,6 +321,8 @@ static void a_coupled_body_keeps_momentum_and_energy(void **state) {
     keeps_momentum_and_energy(NULL, true, 1000);
     keeps_momentum_and_energy("constraint: consistent", false, 1000);
     keeps_momentum_and_energy("constraint: consistent", true, 300);
+    keeps_momentum_and_energy("constraint: penalty", false, 1000);
+    keeps_momentum_and_energy("constraint: penalty, penalty_damping: 0.2", true, 300);
 }
 
 static uint64_t hash_after(bool space, const char *rest, int steps) {

@@ -15,7 +15,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-enum { FORMAT = 6 };
+enum { FORMAT = 7 };
 
 #define DOUBLES(member)      GN_PIECE_DOUBLES("", gn_run, member)
 #define LIMIT(member)        GN_PIECE_ANY("", gn_run, member)
@@ -34,6 +34,7 @@ static const gn_piece pieces[] = {
     DOUBLES(world.reading),
     GN_MEASURED(MEASURED) DOUBLES(world.stress),
     DOUBLES(world.seconds),
+    DOUBLES(world.couple),
     DOUBLES(world.volume),
     DOUBLES(world.lower),
     DOUBLES(world.upper),

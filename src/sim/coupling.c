@@ -1,10 +1,7 @@
-#include "sim/coupling.h"
-
 #include "base/memory.h"
 #include "base/point.h"
 #include "couple/zone.h"
-#include "sim/exchange.h"
-#include "sim/internal.h"
+#include "sim/coupling_internal.h"
 
 #include <math.h>
 #include <string.h>
@@ -15,14 +12,11 @@ static void coupled_free(void *context) {
     gn_coupled *q = context;
     gn_ties_free(&q->ties);
     gn_consistent_free(&q->consistent);
-    gn_free(q->before);
+    void *blocks[] = {q->before, q->stiffness, q->viscosity, q->stored, q->lost, q->drag, q->sum};
+    for (size_t k = 0; k < sizeof blocks / sizeof *blocks; k++) gn_free(blocks[k]);
     gn_free(q->place);
     gn_free(q->load);
     gn_free(q);
-}
-
-static gn_fem_solid *solid_of(const gn_world *w) {
-    return &w->elements[0]->solid;
 }
 
 static gneiss_status refuse(const gn_world *w, gn_scene_place where, const char *key,
@@ -33,7 +27,7 @@ static gneiss_status refuse(const gn_world *w, gn_scene_place where, const char 
 
 /* Elements end at the edge that says so: none leads on into the particles. */
 static gneiss_status check_end(const gn_world *w, size_t zone, gneiss_error *error) {
-    const gn_fem_solid *b = solid_of(w);
+    const gn_fem_solid *b = gn_coupled_solid(w);
     const gn_couple_zone *z = &w->scene.couple.zones[zone];
     char at[GN_POINT_SIZE], message[256];
     for (size_t e = 0; e < b->elements.soa.count; e++) {
@@ -117,10 +111,22 @@ static gneiss_status check_law(const gn_world *w, gneiss_error *error) {
     return GNEISS_OK;
 }
 
+static gneiss_status make_springs(gn_coupled *q, gneiss_error *error) {
+    const size_t n = q->ties.count + 1;
+    q->stiffness = gn_alloc_array(n, sizeof *q->stiffness);
+    q->viscosity = gn_alloc_array(n, sizeof *q->viscosity);
+    q->stored = gn_alloc_array(n, sizeof *q->stored);
+    q->lost = gn_alloc_array(n, sizeof *q->lost);
+    q->drag = gn_alloc_array(n, sizeof *q->drag);
+    q->sum = gn_alloc_array(q->ties.nodes + 1, sizeof *q->sum);
+    if (q->stiffness && q->viscosity && q->stored && q->lost && q->drag && q->sum) return GNEISS_OK;
+    return gn_fail(error, GNEISS_ERROR_MEMORY, "no memory for %zu springs of zones", n - 1);
+}
+
 static gneiss_status find(gn_world *w, gn_coupled **out, gneiss_error *error) {
     gn_coupled *q = *out = gn_alloc_array(1, sizeof *q);
     if (!q) return gn_fail(error, GNEISS_ERROR_MEMORY, "no memory for zones");
-    GN_TRY(gn_ties_find(solid_of(w), &w->dem.particles, &q->ties, error));
+    GN_TRY(gn_ties_find(gn_coupled_solid(w), &w->dem.particles, &q->ties, error));
     q->place = gn_alloc_array(q->ties.count + 1, sizeof *q->place);
     q->load = gn_alloc_array(q->ties.count + 1, sizeof *q->load);
     if (!q->place || !q->load)
@@ -134,6 +140,7 @@ static gneiss_status find(gn_world *w, gn_coupled **out, gneiss_error *error) {
                            q->ties.nodes);
         GN_TRY(gn_consistent_create(&q->ties, (int)w->scene.dimension, &q->consistent, error));
     }
+    if (w->scene.couple.constraint == GN_COUPLE_PENALTY) GN_TRY(make_springs(q, error));
     return q->ties.count ? GNEISS_OK
                          : refuse(w, w->scene.couple.where, "",
                                   "expected particles in elements, found none", error);
@@ -142,7 +149,7 @@ static gneiss_status find(gn_world *w, gn_coupled **out, gneiss_error *error) {
 /* Forces have the part that elements do not have; masses at least what half a distance of
  * neighbours is of the zone, so that none is without. */
 static void weigh(const gn_world *w, const gn_ties *ties) {
-    const gn_particles *q = &w->dem.particles, *nodes = &solid_of(w)->nodes;
+    const gn_particles *q = &w->dem.particles, *nodes = &gn_coupled_solid(w)->nodes;
     const double width = gn_zones_width(&w->scene);
     for (size_t p = 0; p < q->soa.count; p++) q->blend[2 * p] = q->blend[2 * p + 1] = 1.0;
     for (size_t k = 0; k < ties->count; k++) {
@@ -161,7 +168,7 @@ static void weigh(const gn_world *w, const gn_ties *ties) {
 
 /* kg: what nodes carry, lumped: sum of m_i N_a(X_i), which keeps the mass and its centre. */
 static gneiss_status lump(gn_world *w, const gn_coupled *q, gneiss_error *error) {
-    gn_fem_solid *b = solid_of(w);
+    gn_fem_solid *b = gn_coupled_solid(w);
     b->carried = gn_alloc_array(b->nodes.soa.count + 1, sizeof *b->carried);
     if (!b->carried) return gn_fail(error, GNEISS_ERROR_MEMORY, "no memory for masses of nodes");
     for (size_t n = 0; n < q->ties.nodes; n++)
@@ -186,12 +193,15 @@ static void load_nodes(gn_fem_solid *b) {
 
 static gneiss_status mark(void *context, gn_world *w, gneiss_error *error) {
     gn_coupled *q = context;
-    gn_fem_solid *b = solid_of(w);
+    gn_fem_solid *b = gn_coupled_solid(w);
     for (size_t k = 0; k < q->ties.count; k++) {
         q->place[k] = w->dem.index_of_id[q->ties.tie[k].id];
         if (q->place[k] >= 0) GN_TRY(gn_hold_particle(&w->dem.hold, (size_t)q->place[k], error));
     }
-    if (!b->carried) GN_TRY(lump(w, q, error)); /* resumed: nodes have it already */
+    if (q->stiffness)
+        gn_penalty_set(w, q); /* particles may have left */
+    else if (!b->carried)
+        GN_TRY(lump(w, q, error)); /* resumed: nodes have it already */
     for (size_t n = 0; n < q->ties.nodes; n++)
         GN_TRY(gn_hold_particle(&b->hold, (size_t)q->ties.node[n], error));
     return GNEISS_OK;
@@ -214,7 +224,7 @@ static void take(gn_world *w, int width, size_t p, double load[3]) {
 /* --- consistent masses --- */
 
 static void remember(const gn_world *w, gn_coupled *q) {
-    const gn_particles *nodes = &solid_of(w)->nodes;
+    const gn_particles *nodes = &gn_coupled_solid(w)->nodes;
     for (size_t n = 0; n < q->ties.nodes; n++)
         memcpy(q->before + 3 * n, nodes->vel + 4 * (size_t)q->ties.node[n], 3 * sizeof(double));
 }
@@ -222,7 +232,7 @@ static void remember(const gn_world *w, gn_coupled *q) {
 /* Loads, without gravity and background damping, which join them by the lump: that is right of the
  * first, and what the second is proportional to. */
 static void set_system(const gn_world *w, gn_coupled *q) {
-    const gn_fem_solid *b = solid_of(w);
+    const gn_fem_solid *b = gn_coupled_solid(w);
     const double interval = 0.5 * (w->dt_past + w->dt);
     gn_consistent *y = &q->consistent;
     y->threads = w->threads;
@@ -249,7 +259,7 @@ static void set_system(const gn_world *w, gn_coupled *q) {
 }
 
 static void correct(gn_world *w, gn_coupled *q) {
-    gn_fem_solid *b = solid_of(w);
+    gn_fem_solid *b = gn_coupled_solid(w);
     gn_consistent *y = &q->consistent;
     set_system(w, q);
     gn_consistent_solve(y);
@@ -262,7 +272,7 @@ static void correct(gn_world *w, gn_coupled *q) {
 
 /* 1/2 v(-) (N^T M N - lump) v(+), as the motion has it of the lump. */
 static void find_kinetic(gn_world *w, gn_coupled *q) {
-    const gn_particles *nodes = &solid_of(w)->nodes;
+    const gn_particles *nodes = &gn_coupled_solid(w)->nodes;
     gn_consistent *y = &q->consistent;
     double *now = y->work[1];
     q->kinetic = 0.0;
@@ -275,8 +285,8 @@ static void find_kinetic(gn_world *w, gn_coupled *q) {
     gn_consistent_difference(y, now, y->work[0]);
     for (size_t k = 0; k < 3 * q->ties.nodes; k++) q->kinetic -= 0.5 * q->before[k] * y->work[0][k];
     if (w->step > 0) return;
-    solid_of(w)->energy.stored_at_start += q->kinetic;
-    solid_of(w)->reading.stored_at_start += q->kinetic;
+    gn_coupled_solid(w)->energy.stored_at_start += q->kinetic;
+    gn_coupled_solid(w)->reading.stored_at_start += q->kinetic;
 }
 
 static void book(void *context, const gn_world *w, gn_energy *reading) {
@@ -285,39 +295,38 @@ static void book(void *context, const gn_world *w, gn_energy *reading) {
     reading->kinetic += q->kinetic;
 }
 
-static gneiss_status act(void *context, gn_world *w, gneiss_error *error) {
-    gn_coupled *q = context;
-    gn_fem_solid *b = solid_of(w);
-    const bool space = w->scene.dimension == 3;
-    const int width = gn_row_width(space, w->effects & GN_FX_ROTATION);
-    (void)error;
-    if (q->before) remember(w, q);
-#pragma omp parallel num_threads(w->threads)
-    {
-#pragma omp for schedule(static)
-        for (size_t k = 0; k < q->ties.count; k++) {
-            q->load[k][0] = q->load[k][1] = q->load[k][2] = 0.0;
-            if (q->place[k] >= 0) take(w, width, (size_t)q->place[k], q->load[k]);
-        }
-#pragma omp for schedule(static)
-        for (size_t n = 0; n < q->ties.nodes; n++) {
-            double *row =
-                gn_hold_load(&b->hold, gn_row_width(space, false), (size_t)q->ties.node[n]);
-            for (int32_t s = q->ties.first[n]; s < q->ties.first[n + 1]; s++) {
-                const gn_tie_share *share = &q->ties.share[s];
-                const double shape = q->ties.tie[share->tie].shape[share->corner];
-                for (int a = 0; a < (int)w->scene.dimension; a++)
-                    row[a] += shape * q->load[share->tie][a];
-            }
+void gn_coupled_hand_to_nodes(gn_world *w, gn_coupled *q) {
+    gn_fem_solid *b = gn_coupled_solid(w);
+#pragma omp parallel for schedule(static) num_threads(w->threads)
+    for (size_t n = 0; n < q->ties.nodes; n++) {
+        double *row = gn_hold_load(&b->hold, 4, (size_t)q->ties.node[n]);
+        for (int32_t s = q->ties.first[n]; s < q->ties.first[n + 1]; s++) {
+            const gn_tie_share *share = &q->ties.share[s];
+            const double shape = q->ties.tie[share->tie].shape[share->corner];
+            for (int a = 0; a < (int)w->scene.dimension; a++)
+                row[a] += shape * q->load[share->tie][a];
         }
     }
+}
+
+static gneiss_status act(void *context, gn_world *w, gneiss_error *error) {
+    gn_coupled *q = context;
+    const int width = gn_row_width(w->scene.dimension == 3, w->effects & GN_FX_ROTATION);
+    (void)error;
+    if (q->before) remember(w, q);
+#pragma omp parallel for schedule(static) num_threads(w->threads)
+    for (size_t k = 0; k < q->ties.count; k++) {
+        q->load[k][0] = q->load[k][1] = q->load[k][2] = 0.0;
+        if (q->place[k] >= 0) take(w, width, (size_t)q->place[k], q->load[k]);
+    }
+    gn_coupled_hand_to_nodes(w, q);
     if (q->before) correct(w, q);
     return GNEISS_OK;
 }
 
 /* Puts a particle where the nodes take it; returns the square of its speed. */
 static double place(gn_world *w, const gn_coupled *q, size_t k) {
-    const gn_particles *nodes = &solid_of(w)->nodes, *a = &w->dem.particles;
+    const gn_particles *nodes = &gn_coupled_solid(w)->nodes, *a = &w->dem.particles;
     const size_t p = (size_t)q->place[k];
     double v[3], u[3];
     gn_tie_mean(&q->ties, k, nodes->vel, v);
@@ -363,8 +372,13 @@ static gneiss_status follow(void *context, gn_world *w, gneiss_error *error) {
 /* --- both ways to it --- */
 
 static gneiss_status hand_over(gn_world *w, gn_coupled *q, gneiss_error *error) {
-    return gn_exchange_add(
-        w, (gn_exchange){q, mark, act, .end = coupled_free, .follow = follow, .book = book}, error);
+    gn_exchange exchange = {q, mark, act, coupled_free, follow, book};
+    if (q->stiffness) {
+        exchange.act = gn_penalty_act;
+        exchange.follow = gn_penalty_follow;
+        exchange.book = gn_penalty_book;
+    }
+    return gn_exchange_add(w, exchange, error);
 }
 
 static gneiss_status prepare(gn_world *w, gn_coupled **q, gneiss_error *error) {
@@ -376,9 +390,11 @@ static gneiss_status prepare(gn_world *w, gn_coupled **q, gneiss_error *error) {
     weigh(w, &(*q)->ties);
     /* Particles are numbered when they are sorted for the first time. */
     for (size_t p = 0; p < w->dem.particles.soa.count; p++) w->dem.index_of_id[p] = (int32_t)p;
-    GN_TRY(lump(w, *q, error));
-    load_nodes(solid_of(w));
-    place_all(w, *q);
+    if (!(*q)->stiffness) {
+        GN_TRY(lump(w, *q, error));
+        load_nodes(gn_coupled_solid(w));
+        place_all(w, *q);
+    }
     return hand_over(w, *q, error);
 }
 
@@ -436,7 +452,7 @@ static double returned(const gn_fem_solid *b, size_t e, const double n[3], doubl
 }
 
 double gn_coupled_returned(const gn_world *w, size_t k) {
-    const gn_fem_solid *b = solid_of(w);
+    const gn_fem_solid *b = gn_coupled_solid(w);
     double n[3], sum = 0.0;
     gn_zone_direction(&w->scene.couple.zones[k], b->dimension, n);
     for (size_t e = 0; e < b->elements.soa.count; e++) {

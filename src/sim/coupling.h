@@ -14,6 +14,9 @@ typedef struct gn_coupled {
     gn_consistent consistent; /* without ties: masses are lumped */
     double *before;           /* [nodes of ties][3] m/s, consistent: of the half step before */
     double kinetic;           /* J, consistent: what it has beyond the lump's */
+    /* Of springs instead: [ties] N/m, N s/m, J stored, J lost in half a step, N of the dashpot;
+     * [nodes of ties] scratch. */
+    double *stiffness, *viscosity, *stored, *lost, (*drag)[3], *sum;
 } gn_coupled;
 
 /* Where the scene wants it: weights, masses, and the exchange between both. After particles have
@@ -21,6 +24,10 @@ typedef struct gn_coupled {
 gneiss_status gn_coupled_create(gn_world *world, gneiss_error *error);
 /* The same for a world whose records were read. */
 gneiss_status gn_coupled_resume(gn_world *world, gneiss_error *error);
+
+/* At the start, once the particles' limit is known: stiffnesses of springs, and what they take of
+ * the step (coupling_penalty.c). Without springs nothing is done. */
+void gn_coupled_stiffen(gn_world *world);
 
 /* Whether a particle, by its id, is one of a zone. */
 bool gn_coupled_has(const gn_coupled *coupled, int32_t id);

@@ -1,15 +1,13 @@
 /* Figures of zones for who checks a scene. */
 #include "base/ball.h"
 #include "couple/zone.h"
-#include "sim/coupling.h"
-#include "sim/exchange.h"
-#include "sim/internal.h"
+#include "sim/coupling_internal.h"
 
 #include <math.h>
 
 /* The mean side of the boxes about a zone's elements; the least weight of a node. */
 static void measure_elements(const gn_world *w, size_t zone, gn_zone_figures *f) {
-    const gn_fem_solid *b = &w->elements[0]->solid;
+    const gn_fem_solid *b = gn_coupled_solid(w);
     const gn_couple_zone *z = &w->scene.couple.zones[zone];
     double sum = 0.0;
     size_t count = 0;
