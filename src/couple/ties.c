@@ -1,6 +1,7 @@
 #include "couple/ties.h"
 
 #include "base/memory.h"
+#include "base/vec3.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -204,6 +205,23 @@ gneiss_status gn_ties_find(const gn_fem_solid *solid, const gn_particles *q, gn_
     gneiss_status status = list_nodes(solid, t, error);
     if (status != GNEISS_OK) gn_ties_free(t);
     return status;
+}
+
+/* That of node a is normal to the edges of the others: rows of the inverse of the edges' matrix. */
+void gn_tie_gradients(const gn_ties *t, size_t k, const gn_particles *nodes, double g[4][3]) {
+    double edge[3][3] = {{0.0}, {0.0}, {0.0, 0.0, 1.0}}, det = 0.0;
+    const double *first = nodes->pos + 4 * (size_t)t->tie[k].node[0];
+    for (int a = 1; a < t->corners; a++)
+        for (int c = 0; c < t->corners - 1; c++)
+            edge[a - 1][c] = nodes->pos[4 * (size_t)t->tie[k].node[a] + (size_t)c] - first[c];
+    memset(g, 0, 12 * sizeof(double));
+    for (int a = 0; a < 3; a++) gn_cross3(edge[(a + 1) % 3], edge[(a + 2) % 3], g[a + 1]);
+    for (int c = 0; c < 3; c++) det += edge[0][c] * g[1][c];
+    for (int a = 1; a <= 3; a++)
+        for (int c = 0; c < 3; c++) {
+            g[a][c] = a < t->corners ? g[a][c] / det : 0.0;
+            g[0][c] -= g[a][c];
+        }
 }
 
 void gn_ties_free(gn_ties *t) {

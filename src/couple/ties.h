@@ -34,6 +34,10 @@ gneiss_status gn_ties_find(const gn_fem_solid *solid, const gn_particles *partic
                            gneiss_error *error);
 void gn_ties_free(gn_ties *ties);
 
+/* Gradients of the shape functions of a tie's element at the present places of its nodes, 1/m. */
+void gn_tie_gradients(const gn_ties *ties, size_t k, const gn_particles *nodes,
+                      double gradient[4][3]);
+
 /* The mean of rows [nodes][4] at a tie, the first three components. */
 static inline void gn_tie_mean(const gn_ties *ties, size_t k, const double *rows, double out[3]) {
     const gn_tie *t = &ties->tie[k];

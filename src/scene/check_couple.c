@@ -49,6 +49,19 @@ static gneiss_status check_pulse(const check *c, const gn_scene *s) {
     return GNEISS_OK;
 }
 
+/* Springs tie places, not spins; background damping acts on each mass by itself, which consistent
+ * ones are not. */
+static gneiss_status check_constraint(const check *c, const gn_scene *s) {
+    if (s->couple.constraint == GN_COUPLE_CONSISTENT && s->background != GN_BACKGROUND_NONE &&
+        gn_check_sound(c, "damping"))
+        return gn_check_fail(c, "couple.constraint",
+                             "expected lumped or penalty beside background damping, found "
+                             "consistent");
+    if (s->couple.constraint != GN_COUPLE_PENALTY || s->couple.spins == GN_COUPLE_FREE)
+        return GNEISS_OK;
+    return gn_check_fail(c, "couple.spins", "expected free beside penalty, found slaved");
+}
+
 gneiss_status gn_check_couple(const gn_reader *reader, const gn_node *root) {
     const gn_scene *s = reader->scene;
     check c = {.reader = reader, .map = root};
@@ -56,6 +69,7 @@ gneiss_status gn_check_couple(const gn_reader *reader, const gn_node *root) {
         GN_TRY(gn_check_keep(&c, check_pulse(&c, s)));
     if (!s->has_couple) return GNEISS_OK;
     GN_TRY(gn_check_keep(&c, check_beside(&c, s)));
+    if (gn_check_sound(&c, "couple")) GN_TRY(gn_check_keep(&c, check_constraint(&c, s)));
     for (size_t k = 0; k < s->couple.zone_count; k++) {
         check element = gn_check_element(reader, root, "couple.zones", k);
         if (gn_check_element_sound(&element)) GN_TRY(gn_check_keep(&c, check_zone(&element, s, k)));

@@ -12,7 +12,8 @@ static void coupled_free(void *context) {
     gn_coupled *q = context;
     gn_ties_free(&q->ties);
     gn_consistent_free(&q->consistent);
-    void *blocks[] = {q->before, q->stiffness, q->viscosity, q->stored, q->lost, q->drag, q->sum};
+    void *blocks[] = {q->turn,   q->before, q->stiffness, q->viscosity,
+                      q->stored, q->lost,   q->drag,      q->sum};
     for (size_t k = 0; k < sizeof blocks / sizeof *blocks; k++) gn_free(blocks[k]);
     gn_free(q->place);
     gn_free(q->load);
@@ -139,6 +140,12 @@ static gneiss_status find(gn_world *w, gn_coupled **out, gneiss_error *error) {
             return gn_fail(error, GNEISS_ERROR_MEMORY, "no memory for %zu nodes of zones",
                            q->ties.nodes);
         GN_TRY(gn_consistent_create(&q->ties, (int)w->scene.dimension, &q->consistent, error));
+    }
+    if (w->scene.couple.spins == GN_COUPLE_SLAVED && w->effects & GN_FX_ROTATION) {
+        q->turn = gn_alloc_array(q->ties.count + 1, sizeof *q->turn);
+        if (!q->turn)
+            return gn_fail(error, GNEISS_ERROR_MEMORY, "no memory for %zu particles of zones",
+                           q->ties.count);
     }
     if (w->scene.couple.constraint == GN_COUPLE_PENALTY) GN_TRY(make_springs(q, error));
     return q->ties.count ? GNEISS_OK
@@ -295,6 +302,42 @@ static void book(void *context, const gn_world *w, gn_energy *reading) {
     reading->kinetic += q->kinetic;
 }
 
+/* --- slaved spins --- */
+
+/* With the spin half the curl of the elements' velocity, w = 1/2 sum_a grad N_a x v_a, the power
+ * T.w of a moment is that of forces 1/2 T x grad N_a on the nodes, which have no resultant and,
+ * with gradients at the present places, the moment T. Such particles have no inertia against
+ * turning. */
+static void take_moment(gn_world *w, gn_coupled *q, int width, size_t k) {
+    const size_t p = (size_t)q->place[k], at = width == 8 ? 4 : 0;
+    const bool space = width == 8;
+    double *row = gn_hold_load(&w->dem.hold, width, p), *spin = w->dem.particles.spin + 4 * p;
+    double moment[3] = {0.0}, g[4][3];
+    for (size_t a = space ? 0 : 2; a < 3; a++) {
+        moment[a] = 0.5 * row[at + a];
+        row[at + a] = spin[a] = 0.0;
+        if (w->dem.spin_past) w->dem.spin_past[4 * p + a] = 0.0;
+    }
+    gn_tie_gradients(&q->ties, k, &gn_coupled_solid(w)->nodes, g);
+    for (int a = 0; a < q->ties.corners; a++) gn_cross3(moment, g[a], q->turn[k][a]);
+}
+
+static void turn(gn_world *w, const gn_coupled *q, size_t k) {
+    const gn_particles *nodes = &gn_coupled_solid(w)->nodes, *a = &w->dem.particles;
+    const size_t p = 4 * (size_t)q->place[k];
+    double g[4][3], sum[3] = {0.0};
+    gn_tie_gradients(&q->ties, k, nodes, g);
+    for (int c = 0; c < q->ties.corners; c++) {
+        double of[3];
+        gn_cross3(g[c], nodes->vel + 4 * (size_t)q->ties.tie[k].node[c], of);
+        for (int d = 0; d < 3; d++) sum[d] += 0.5 * of[d];
+    }
+    for (size_t d = w->scene.dimension == 3 ? 0 : 2; d < 3; d++) {
+        a->spin[p + d] = sum[d];
+        if (a->spin_f) a->spin_f[p + d] = (float)sum[d];
+    }
+}
+
 void gn_coupled_hand_to_nodes(gn_world *w, gn_coupled *q) {
     gn_fem_solid *b = gn_coupled_solid(w);
 #pragma omp parallel for schedule(static) num_threads(w->threads)
@@ -305,6 +348,8 @@ void gn_coupled_hand_to_nodes(gn_world *w, gn_coupled *q) {
             const double shape = q->ties.tie[share->tie].shape[share->corner];
             for (int a = 0; a < (int)w->scene.dimension; a++)
                 row[a] += shape * q->load[share->tie][a];
+            for (int a = 0; q->turn && a < (int)w->scene.dimension; a++)
+                row[a] += q->turn[share->tie][share->corner][a];
         }
     }
 }
@@ -318,6 +363,8 @@ static gneiss_status act(void *context, gn_world *w, gneiss_error *error) {
     for (size_t k = 0; k < q->ties.count; k++) {
         q->load[k][0] = q->load[k][1] = q->load[k][2] = 0.0;
         if (q->place[k] >= 0) take(w, width, (size_t)q->place[k], q->load[k]);
+        if (q->turn) memset(q->turn[k], 0, sizeof q->turn[k]);
+        if (q->turn && q->place[k] >= 0) take_moment(w, q, width, k);
     }
     gn_coupled_hand_to_nodes(w, q);
     if (q->before) correct(w, q);
@@ -338,6 +385,7 @@ static double place(gn_world *w, const gn_coupled *q, size_t k) {
         a->vel_f[4 * p + c] = (float)v[c];
         a->travel_f[4 * p + c] = (float)(a->pos[4 * p + c] - a->ref[4 * p + c]);
     }
+    if (q->turn) turn(w, q, k);
     return gn_dot3(v, v);
 }
 

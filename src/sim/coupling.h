@@ -13,6 +13,7 @@ typedef struct gn_coupled {
     double (*load)[3];        /* [ties] N, of the contacts of a particle in the last step */
     gn_consistent consistent; /* without ties: masses are lumped */
     double *before;           /* [nodes of ties][3] m/s, consistent: of the half step before */
+    double (*turn)[4][3];     /* [ties] N, of slaved spins: what a moment is to the corners */
     double kinetic;           /* J, consistent: what it has beyond the lump's */
     /* Of springs instead: [ties] N/m, N s/m, J stored, J lost in half a step, N of the dashpot;
      * [nodes of ties] scratch. */
