@@ -132,7 +132,7 @@ static void tie_make(tie *t, gn_world *w, int first, int second) {
             t->count++;
         }
     assert_int_equal(t->count, w->scene.dimension == 3 ? 36 : 6);
-    if (gn_exchange_add(w, (gn_exchange){t, tie_mark, tie_act, NULL}, &error) != GNEISS_OK)
+    if (gn_exchange_add(w, (gn_exchange){t, tie_mark, .act = tie_act}, &error) != GNEISS_OK)
         fail_msg("%s", error.message);
 }
 
@@ -367,7 +367,7 @@ static void an_exchange_may_stop_the_run(void **state) {
     (void)state;
     gn_world *w = solids(2, 4e-7, 1);
     gneiss_error error = {0};
-    assert_int_equal(gn_exchange_add(w, (gn_exchange){NULL, nothing, refuse, NULL}, &error),
+    assert_int_equal(gn_exchange_add(w, (gn_exchange){.mark = nothing, .act = refuse}, &error),
                      GNEISS_OK);
     assert_int_equal(gn_world_step(w, false, &error), GNEISS_ERROR_UNSTABLE);
     assert_string_equal(error.message, "step 0: refused");

@@ -297,6 +297,8 @@ static const gn_override *shape_of(const char *path) {
                                          {"elements.box", "{size: [1, 1, 1], cells: [1, 1, 1]}"},
                                          {"elements.contact", "{stiffness: 1}"},
                                          {"stages", "[{name: a}]"},
+                                         {"couple", "{zones: [{edges: [{from: [0, 0, 0], to: [1, "
+                                                    "0, 0]}]}]}"},
                                          {"bodies", "[{name: b, box: {size: [1, 1, 1]}, cylinder: "
                                                     "{diameter: 1, height: 1}, stiffness: 1}]"}};
     static const gn_override line = {"bodies", "[{name: b, stiffness: 1}]"};
@@ -318,8 +320,8 @@ static void refuses_outside_values(const gn_key *key, const char *path, void *co
     const gn_override *shape = shape_of(path);
     bool plane = strncmp(path, "specimen.lattice", 16) == 0 || key->type == GN_KEY_POINTS ||
                  (shape && !strstr(shape->key, ".box") && !strstr(shape->key, ".beam") &&
-                  !strstr(shape->key, ".contact") && strcmp(shape->key, "stages") != 0 &&
-                  strcmp(shape->key, "bodies") != 0);
+                  !strstr(shape->key, ".contact") && !strstr(shape->key, "couple") &&
+                  strcmp(shape->key, "stages") != 0 && strcmp(shape->key, "bodies") != 0);
     snprintf(file, sizeof file, "%s/tests/scenes/%s.yaml", test_source(),
              plane ? "plane" : "everything");
     int count = outside(key->range, whole, values);

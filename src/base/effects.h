@@ -46,7 +46,8 @@
     X(CONFINED, confined, "bonds whose shear strength follows the mean stress around them")        \
     X(HERTZ, hertz, "Hertz-Mindlin contacts of particles that are not bonded")                     \
     X(NO_PULL, no_pull, "contacts whose dashpot never pulls")                                      \
-    X(ROLLING, rolling, "contacts that resist rolling and twisting")
+    X(ROLLING, rolling, "contacts that resist rolling and twisting")                               \
+    X(OVERLAP, overlap, "particles and finite elements that share zones as one body")
 
 typedef enum gn_effect_index {
 #define X(NAME, name, text) GN_FX_INDEX_##NAME,

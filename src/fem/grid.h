@@ -15,6 +15,7 @@ typedef struct gn_grid {
     int dimension;
     size_t nodes[3];                     /* per direction; 1 along z in 2D */
     size_t hole_lower[3], hole_upper[3]; /* cells [lower, upper) are left out */
+    bool parallel;                       /* 2D: diagonals run one way */
 } gn_grid;
 
 /* Room for the nodes, elements, sides and groups of the grid. On failure *mesh is empty. */

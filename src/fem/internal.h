@@ -29,6 +29,12 @@ double gn_fem_deformation(const gn_fem_solid *solid, size_t element, double f[3]
 /* m2 of a facet at the start; of a line 1 m thick (loads.c). */
 double gn_fem_facet_area(const gn_fem_solid *solid, const int32_t *node);
 
+/* 1/kg of a node without what it carries. */
+static inline double gn_fem_own_inverse(const gn_fem_solid *solid, size_t node) {
+    double inverse = solid->nodes.vel[4 * node + 3];
+    return solid->carried ? 1.0 / (1.0 / inverse - solid->carried[node]) : inverse;
+}
+
 /* --- the parallel part of a step (sweep.c) --- */
 
 /* Forces of the present instant, and nodes (with the stabilising pressure) over the coming

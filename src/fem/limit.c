@@ -110,7 +110,7 @@ static double element_eigenvalue(const linear_system *y, size_t e, bool by_stiff
         size_t node = (size_t)gn_elements_node(q, c)[e];
         double inverse = (d + 1) / (solid->density[q->material[e]] * q->volume[e]);
         if (by_stiffness)
-            inverse = solid->nodes.vel[4 * node + 3] * y->stiffness[node] /
+            inverse = gn_fem_own_inverse(solid, node) * y->stiffness[node] /
                       node_stiffness(q, e, d, gradient[c]);
         for (int i = 0; i < d; i++) {
             if (y->scale[node * (size_t)d + (size_t)i] == 0.0) continue;
@@ -294,7 +294,7 @@ static void set_scale(linear_system *y) {
         for (size_t i = 0; i < d; i++) {
             int32_t slot = solid->nodes.slot[n];
             bool fixed = slot >= 0 && solid->prescribed.mask[slot] >> i & 1;
-            y->scale[d * n + i] = fixed ? 0.0 : sqrt(solid->nodes.vel[4 * n + 3]);
+            y->scale[d * n + i] = fixed ? 0.0 : sqrt(gn_fem_own_inverse(solid, n));
         }
 }
 

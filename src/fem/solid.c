@@ -262,6 +262,17 @@ static gneiss_status no_volume(const builder *b, int32_t id, const int32_t node[
                    b->solid->dimension);
 }
 
+/* An element between nodes that have no part in the body keeps next to nothing, for its nodes to
+ * have a mass. */
+static const double share_least = 1e-6;
+
+static double share_of(const gn_fem_spec *spec, int dimension, const double *const x[4]) {
+    double sum = 0.0;
+    if (!spec->share) return 1.0;
+    for (int a = 0; a <= dimension; a++) sum += spec->share(spec->share_of, x[a]);
+    return fmax(sum / (dimension + 1), share_least);
+}
+
 /* Element e of the solid from element `id` of the mesh; nodes in the mesh's order, the last two
  * exchanged when it is inside out. */
 static gneiss_status make_element(builder *b, size_t e, int32_t id, gneiss_error *error) {
@@ -286,6 +297,7 @@ static gneiss_status make_element(builder *b, size_t e, int32_t id, gneiss_error
         return no_volume(b, id, node, volume, error);
     const gn_fem_material *m = &b->spec->materials[b->material[id]];
     solid->height = fmin(solid->height, least_height(d, (const double(*)[3])gradient));
+    volume *= share_of(b->spec, d, x);
     q->id[e] = id;
     q->material[e] = b->material[id];
     q->volume[e] = volume;
@@ -439,6 +451,7 @@ void gn_fem_solid_free(gn_fem_solid *solid) {
                       solid->element_sums,
                       solid->motion_sums,
                       solid->density,
+                      solid->carried,
                       solid->growth_row,
                       solid->slope_row,
                       solid->pressure,

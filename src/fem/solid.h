@@ -34,6 +34,11 @@ typedef struct gn_fem_spec {
     double damping_coefficient;
     int threads;     /* 0: one */
     const char *isa; /* instruction set, NULL: automatic */
+    /* The part of the body at a place [3] that elements are, 0 to 1, where something else is there
+     * as well; NULL: all of it. Elements have the mean over their nodes of their volume, and with
+     * it of stiffness and mass; stresses know nothing of it. */
+    double (*share)(const void *of, const double *place);
+    const void *share_of;
 } gn_fem_spec;
 
 /* J. Works are trapezoidal; kinetic is 1/2 m v(-) v(+), see docs/design.md. In the pressure form
@@ -60,7 +65,8 @@ typedef struct gn_fem_solid {
     gn_partials partials, none;
     size_t unused_nodes;    /* nodes of the mesh that no element uses: dropped */
     size_t turned_elements; /* elements that were turned inside out in the mesh: turned back */
-    double volume, mass;    /* m3, kg, at the start */
+    double volume, mass;    /* m3, kg, at the start, of which `carried` is no part */
+    double *carried;        /* [nodes] kg that move with a node beside its own mass; NULL: none */
     double height;          /* m, least of any element at the start */
     double path;            /* m, that no node can have exceeded since elements were looked at */
     double *density;        /* [materials] kg/m3 */
@@ -196,7 +202,8 @@ typedef struct gn_fem_limit {
     double frequency;      /* w_max, rad/s */
 } gn_fem_limit;
 
-/* About the reference state, prescribed components immovable. Non-viscous background damping a
+/* About the reference state, prescribed components immovable, of the elements by themselves: nodes
+ * without what they carry. Non-viscous background damping a
  * takes 1/sqrt(1 + a) of the limit (see docs/design.md), viscous none; both are left out here.
  * Without anything that can move both limits are INFINITY. `tolerance`: as gn_step_limits. The same
  * for any number of threads. */

@@ -47,12 +47,17 @@ static void place_nodes(const gn_grid *g, const gn_structured *s, gn_mesh *mesh)
             }
 }
 
+/* Every second cell, unless all are alike. */
+static bool is_odd(const gn_grid *g, const size_t cell[3]) {
+    return !g->parallel && (cell[0] + cell[1] + cell[2]) % 2;
+}
+
 /* Corner c of a cell: bit k is the step along direction k. In odd cells the numbers of the corners
  * are mirrored along x. */
 static int32_t corner(const gn_grid *g, const size_t cell[3], int c) {
-    size_t odd = (cell[0] + cell[1] + cell[2]) % 2, at[3];
+    size_t at[3];
     for (size_t k = 0; k < 3; k++) at[k] = cell[k] + ((size_t)c >> k & 1);
-    if (odd) at[0] = cell[0] + 1 - ((size_t)c & 1);
+    if (is_odd(g, cell)) at[0] = cell[0] + 1 - ((size_t)c & 1);
     return (int32_t)node_at(g, at);
 }
 
@@ -114,7 +119,7 @@ void gn_grid_fill(const gn_grid *g, gn_mesh *mesh) {
         for (cell[1] = 0; cell[1] + 1 < g->nodes[1]; cell[1]++)
             for (cell[0] = 0; cell[0] + 1 < g->nodes[0]; cell[0]++) {
                 if (in_hole(g, cell)) continue;
-                bool odd = (cell[0] + cell[1] + cell[2]) % 2;
+                bool odd = is_odd(g, cell);
                 for (int e = 0; g->dimension == 3 && e < 5; e++)
                     add(&mesh->tetrahedra, g, cell, tetrahedron[e], odd, GN_GRID_BODY);
                 for (int e = 0; g->dimension == 2 && e < 2; e++)
@@ -163,7 +168,7 @@ gneiss_status gn_grid_allocate(const gn_grid *g, gn_mesh *mesh, gneiss_error *er
 
 static gneiss_status make(const gn_structured *spec, int dimension, gn_mesh *mesh,
                           gneiss_error *error) {
-    gn_grid g = {.dimension = dimension, .nodes = {1, 1, 1}};
+    gn_grid g = {.dimension = dimension, .nodes = {1, 1, 1}, .parallel = spec->parallel};
     memset(mesh, 0, sizeof *mesh);
     GN_TRY(check(spec, dimension, error));
     for (int k = 0; k < dimension; k++) g.nodes[k] = (size_t)spec->cells[k] + 1;

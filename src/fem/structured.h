@@ -4,6 +4,7 @@
 
 #include "mesh/mesh.h"
 
+#include <stdbool.h>
 #include <stdint.h>
 
 typedef struct gn_structured {
@@ -13,6 +14,8 @@ typedef struct gn_structured {
                        the boundary along it; < 1/4 in 2D, < 1/6 in 3D, so that nothing inverts */
     double distortion;
     uint64_t seed; /* of the distortion */
+    bool parallel; /* 2D: the diagonals of all cells run one way, so that all inner nodes have the
+                    * same mass */
 } gn_structured;
 
 /* Cells are split in two triangles (five tetrahedra), mirrored from cell to cell like the colours

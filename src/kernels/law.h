@@ -115,6 +115,9 @@ typedef struct gn_law {
     void (*set)(const gn_law_model *model, const gn_law_pair *pair, gn_contacts *list, size_t c);
     void (*set_dashpot)(const gn_law_model *model, const gn_law_pair *pair, gn_contacts *list,
                         size_t c);
+    /* Takes a part of contact c, whose parameters have just been set: forces and energies of it are
+     * `part` of what they were, whatever its motion. NULL: the law has no parts. */
+    void (*weigh)(gn_contacts *list, size_t c, double part);
     /* The largest stiffness that two particles can show which meet unbonded. For a given partner
      * k_n (1/m_i + 1/m_j) must have its maximum at the least or the greatest radius of a material
      * (src/sim/resolution.c looks at no others). */
@@ -173,6 +176,7 @@ double gn_linear_section(const gn_law_model *model, const gn_law_pair *pair);
 void gn_linear_set(const gn_law_model *model, const gn_law_pair *pair, gn_contacts *list, size_t c);
 void gn_linear_set_dashpot(const gn_law_model *model, const gn_law_pair *pair, gn_contacts *list,
                            size_t c);
+void gn_linear_weigh(gn_contacts *list, size_t c, double part);
 gn_law_spring gn_linear_meeting(const gn_law_model *model, const gn_law_pair *pair, double overlap);
 gn_law_spring gn_linear_spring(const gn_contacts *list, size_t c, double overlap);
 gn_law_held gn_linear_held(const gn_contacts *list, size_t c, double length, double stretch);

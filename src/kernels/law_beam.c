@@ -60,6 +60,7 @@ static void beam_release(gn_contacts *list, size_t c) {
     }
 }
 
-const gn_law gn_law_beam = {GN_LINEAR_FUNCTIONS,    .set = beam_set,
-                            .held = gn_linear_held, .release = beam_release,
-                            .criterion = criterion, .moments = beam_moments};
+const gn_law gn_law_beam = {GN_LINEAR_FUNCTIONS,     .set = beam_set,
+                            .held = gn_linear_held,  .weigh = gn_linear_weigh,
+                            .release = beam_release, .criterion = criterion,
+                            .moments = beam_moments};

@@ -134,6 +134,13 @@ void gn_linear_set_dashpot(const gn_law_model *m, const gn_law_pair *pair, gn_co
     if (list->cn_f) list->cn_f[c] = (float)list->cn[c];
 }
 
+/* Every force is linear in these, and every limit of one. */
+void gn_linear_weigh(gn_contacts *list, size_t c, double part) {
+    double *columns[] = {list->kn, list->kt, list->cn, list->rn, list->rt};
+    for (size_t k = 0; k < sizeof columns / sizeof *columns; k++)
+        if (columns[k]) columns[k][c] *= part;
+}
+
 /* Averages over particles (3a) or over contacts (3b, 3c). */
 bool gn_linear_derive(const gn_scene *scene, const gn_particles *particles,
                       const int32_t (*pair)[2], size_t count, gn_derived *derived) {
@@ -338,5 +345,6 @@ double gn_linear_touch(const gn_touch_step *step, const gn_touch_side *side, con
     return total;
 }
 
-const gn_law gn_law_linear = {GN_LINEAR_FUNCTIONS, .set = gn_linear_set, .held = gn_linear_held,
+const gn_law gn_law_linear = {GN_LINEAR_FUNCTIONS,          .set = gn_linear_set,
+                              .held = gn_linear_held,       .weigh = gn_linear_weigh,
                               .release = gn_linear_release, .criterion = gn_linear_criterion};

@@ -28,5 +28,6 @@ double gn_mohr_criterion(const gn_contacts *list, size_t c, double normal, doubl
     return fmax(tension, sheared);
 }
 
-const gn_law gn_law_mohr = {GN_LINEAR_FUNCTIONS, .set = set, .held = gn_linear_held,
+const gn_law gn_law_mohr = {GN_LINEAR_FUNCTIONS,          .set = set,
+                            .held = gn_linear_held,       .weigh = gn_linear_weigh,
                             .release = gn_linear_release, .criterion = gn_mohr_criterion};

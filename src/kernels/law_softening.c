@@ -82,6 +82,17 @@ static void set(const gn_law_model *m, const gn_law_pair *q, gn_contacts *list, 
     if (list->crush) set_crush(weaker(q->a, q->b), area, list, c);
 }
 
+/* Stretches stay what they are, forces of kinks and limits are parts. */
+static void weigh(gn_contacts *list, size_t c, double part) {
+    const size_t stride = list->soa.capacity;
+    gn_linear_weigh(list, c, part);
+    list->fade[c + GN_FADE_SLOPE * stride] *= part;
+    list->fade[c + GN_FADE_COHESION * stride] *= part;
+    for (size_t n = 0; list->crush && n < GN_KINKS; n++) list->crush[c + n * stride] *= part;
+    if (list->yields) list->yields[c] *= part;
+    if (list->yields_f) list->yields_f[c] *= (float)part;
+}
+
 static double permanent(const gn_contacts *list, size_t c) {
     return list->plastic ? list->plastic[c] : list->plastic_f ? (double)list->plastic_f[c] : 0.0;
 }
@@ -121,5 +132,6 @@ size_t gn_softening_too_long(const gn_contacts *list) {
     return count;
 }
 
-const gn_law gn_law_softening = {GN_LINEAR_FUNCTIONS, .set = set, .held = held,
-                                 .release = gn_linear_release, .criterion = criterion};
+const gn_law gn_law_softening = {
+    GN_LINEAR_FUNCTIONS,   .set = set, .held = held, .weigh = weigh, .release = gn_linear_release,
+    .criterion = criterion};

@@ -6,6 +6,7 @@
 #include "io/h5.h"
 #include "run/checkpoint_internal.h"
 #include "run/run.h"
+#include "sim/coupling.h"
 #include "sim/internal.h"
 #include "sim/origin.h"
 
@@ -33,6 +34,7 @@ static const gn_piece pieces[] = {
     DOUBLES(world.reading),
     GN_MEASURED(MEASURED) DOUBLES(world.stress),
     DOUBLES(world.seconds),
+    DOUBLES(world.couple),
     DOUBLES(world.volume),
     DOUBLES(world.lower),
     DOUBLES(world.upper),
@@ -279,6 +281,7 @@ static gneiss_status load(gn_run *run, const gn_h5 *file, const char *path,
     GN_TRY(check_gauge(w, path, error));
     GN_TRY(get_history(run, file, error));
     GN_TRY(gn_boundary_load_surfaces(w, path, error));
+    GN_TRY(gn_coupled_resume(w, error));
     GN_TRY(gn_world_restore(w, error));
     uint64_t hash = 0;
     GN_TRY(gn_h5_get_attribute_i64(file, "/", "state_hash", (int64_t *)&hash, 1, error));

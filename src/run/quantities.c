@@ -1,6 +1,7 @@
 #include "run/quantities.h"
 
 #include "run/ends.h"
+#include "sim/coupling.h"
 #include "sim/laboratory.h"
 #include "sim/membrane.h"
 
@@ -77,6 +78,11 @@ static bool motion_drives(const gn_world *w, size_t k) {
     return gn_elements_motion_drives(w, k);
 }
 
+static bool is_coupled(const gn_world *w, size_t k) {
+    (void)k;
+    return w->scene.has_couple;
+}
+
 static const gn_condition always = {"always", NULL}, tests = {"with a test", has_test},
                           ended = {"with a test that has ends", has_ends},
                           confined = {"in triaxial and biaxial tests", has_confinement},
@@ -90,6 +96,7 @@ static const gn_condition always = {"always", NULL}, tests = {"with a test", has
                           raised = {"with mass scaling", has_added_mass},
                           beside = {"finite elements beside particles",
                                     has_elements_beside_particles},
+                          coupled = {"with couple", is_coupled},
                           moving = {"unless the set has no motion", set_moves},
                           driven = {"unless it is only watched", motion_drives};
 
@@ -210,6 +217,14 @@ READ(damage, w->dem.bonds_at_start > 0 ? broken(w) / (double)w->dem.bonds_at_sta
 GN_ENERGY_TERMS(X)
 #undef X
 READ(energy_residual, gn_energy_residual(&w->reading))
+
+/* Over the energy that was there at the start or has come in. */
+static void read_returned_energy(const gn_world *w, size_t k, double *value) {
+    const gn_energy *e = &w->reading;
+    double there = e->stored_at_start + fabs(e->work_prescribed) + fabs(e->work_applied) +
+                   fabs(e->work_gravity) + fabs(e->work_walls);
+    *value = there > 0.0 ? gn_coupled_returned(w, k) / there : 0.0;
+}
 
 #define SCALAR(when, instant, name, unit, read, text)                                              \
     { name, unit, text, GN_SCALAR, instant, &when, read, NULL }
@@ -344,7 +359,10 @@ static const gn_quantity of_elements[] = {
     {"elements_strain", "1", "average strain of the finite elements, tension positive", GN_TENSOR,
      GN_BEFORE_STEP, &beside, read_elements_strain, NULL},
     {"elements_stress", "Pa", "average stress of the finite elements, tension positive", GN_TENSOR,
-     GN_AFTER_STEP, &beside, read_elements_stress, NULL}};
+     GN_AFTER_STEP, &beside, read_elements_stress, NULL},
+    SCALAR(coupled, GN_AFTER_STEP, "returned_energy", "1", read_returned_energy,
+           "energy of plane waves in elements outside of zones that run away from the particles of "
+           "the first zone, over the energy that was there or has come in")};
 
 static const gn_quantity of_motions[] = {
     {"displacement", "m", "mean displacement of the nodes", GN_VECTOR, GN_BEFORE_STEP, &always,

@@ -534,6 +534,7 @@ gneiss_status gn_check_scene(gn_reader *reader, const gn_node *root) {
     GN_TRY(check_matter(&c, s));
     GN_TRY(gn_check_keep(&c, check_from(&c, s)));
     if (s->has_elements) GN_TRY(gn_check_elements(reader, root));
+    GN_TRY(gn_check_couple(reader, root));
     if (s->has_specimen && gn_check_sound(&c, "law.stiffness"))
         GN_TRY(check_list(&c, "materials", s->material_count, check_material));
     if (s->has_specimen && gn_check_sound(&c, "law"))

@@ -80,6 +80,9 @@ gneiss_status gn_check_time(const check *c, const gn_scene *s);
 /* The list `bodies`, which may be empty. */
 gneiss_status gn_check_bodies(const gn_reader *reader, const gn_node *root);
 
+/* The section `couple` and the wave at the start, if they are given (check_couple.c). */
+gneiss_status gn_check_couple(const gn_reader *reader, const gn_node *root);
+
 /* The section `elements`, which is given. */
 gneiss_status gn_check_elements(const gn_reader *reader, const gn_node *root);
 

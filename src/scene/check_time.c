@@ -67,6 +67,7 @@ static const char *no_statics(const gn_scene *s) {
         gn_scene_spin_damping(s) != s->background_coefficient && s->rotation != GN_SWITCH_OFF)
         return "spins that are damped as velocities are, found damping.background.rotation";
     if (s->random_velocity > 0) return "a specimen at rest, found initial.random_velocity";
+    if (s->has_pulse) return "a specimen at rest, found initial.pulse";
     for (size_t k = 0; k < s->wall_count; k++) {
         if (s->walls[k].servo.active) return "walls that move as given, found a servo";
         if (motion_changes(&s->walls[k].motion))

@@ -261,9 +261,27 @@ TABLE_OF(damping);
 
 /* ---- surroundings ---- */
 
+static const gn_key pulse_keys[] = {
+    KEY("direction", VECTOR, gn_scene, pulse.direction, .unit = "1", .required = true,
+        .text = "in which it runs and in which it moves the body; of any length"),
+    KEY("centre", VECTOR, gn_scene, pulse.centre, .unit = "m", .range = GN_PLACES, .required = true,
+        .text = "a point of the plane of its crest"),
+    KEY("length", REAL, gn_scene, pulse.length, .unit = "m", .range = GN_LENGTHS, .required = true,
+        .text = "from its front to its end"),
+    KEY("size", REAL, gn_scene, pulse.size, .unit = "m", .range = "[-1e9, 1e9]", .required = true,
+        .text = "displacement at the crest"),
+    KEY("speed", REAL, gn_scene, pulse.speed, .unit = "m/s", .range = GN_SPEEDS, .required = true,
+        .text = "of the wave, sqrt(M/rho)"),
+};
+TABLE_OF(pulse);
+
 static const gn_key initial_keys[] = {
     KEY("random_velocity", REAL, gn_scene, random_velocity, .unit = "m/s", .range = "[0, 3e8]",
         .fallback = "0", .text = "velocity components drawn uniformly from +- this at the start"),
+    SECTION("pulse", pulse_section, PRESENT(BOOL, gn_scene, has_pulse),
+            .text =
+                "a plane wave of the shape 1 + cos that is under way at the start, in particles "
+                "and elements"),
 };
 TABLE_OF(initial);
 
@@ -546,6 +564,8 @@ static const gn_key scene_keys[] = {
             .text = "the contact law; needed with a specimen"),
     SECTION("elements", gn_elements_section, PRESENT(BOOL, gn_scene, has_elements),
             .text = "finite elements: linear triangles in plane strain or tetrahedra"),
+    SECTION("couple", gn_couple_section, PRESENT(BOOL, gn_scene, has_couple),
+            .text = "particles and elements as one body: zones that both share"),
     SECTION("bonds", bonds_section, .text = "brittle bonds between particles of one group"),
     SECTION("damping", damping_section, .text = "dissipation besides friction and breakage"),
     KEY("gravity", VECTOR, gn_scene, gravity, .unit = "m/s2", .range = GN_ACCELERATIONS,

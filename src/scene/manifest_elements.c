@@ -4,6 +4,9 @@
 static const gn_choice formulations[] = {
     {"displacement", GN_FORMULATION_DISPLACEMENT}, {"mixed", GN_FORMULATION_PRESSURE}, {NULL, 0}};
 
+static const gn_choice diagonals[] = {
+    {"alternating", GN_DIAGONALS_ALTERNATING}, {"parallel", GN_DIAGONALS_PARALLEL}, {NULL, 0}};
+
 /* ---- meshes ---- */
 
 static const gn_key block_keys[] = {
@@ -16,6 +19,10 @@ static const gn_key block_keys[] = {
     KEY("distortion", REAL, gn_scene, elements.distortion, .unit = "1", .range = "[0, 0.25)",
         .fallback = "0",
         .text = "random shift of the nodes over the sides of a cell; in 3D below 1/6"),
+    KEY("diagonals", CHOICE, gn_scene, elements.diagonals, .choices = diagonals,
+        .fallback = "alternating",
+        .text = "of the triangles of a rectangle: alternating prefers no direction; parallel gives "
+                "all inner nodes one mass, for waves of some elements"),
 };
 TABLE_OF(block);
 

@@ -405,6 +405,7 @@ gn_effects gn_scene_effects(const gn_scene *s) {
     if (s->has_specimen && gn_scene_rolls(s))
         mask |= GN_FX_ROLLING | GN_FX_SHEAR | GN_FX_FRICTION |
                 (mask & GN_FX_WALLS ? GN_FX_WALL_SHEAR : 0U);
+    if (s->has_couple) mask |= GN_FX_OVERLAP;
     if (s->has_periodic) mask |= GN_FX_PERIODIC;
     if (s->has_mass_scaling) mask |= GN_FX_MASS_SCALING;
     if (s->orientation == GN_SWITCH_ON && (mask & GN_FX_ROTATION)) mask |= GN_FX_ORIENTATION;

@@ -365,6 +365,8 @@ typedef struct gn_beam_def {
 
 typedef enum gn_formulation { GN_FORMULATION_DISPLACEMENT, GN_FORMULATION_PRESSURE } gn_formulation;
 
+typedef enum gn_diagonals { GN_DIAGONALS_ALTERNATING, GN_DIAGONALS_PARALLEL } gn_diagonals;
+
 /* How particles meet the surface of finite elements. */
 typedef struct gn_element_contact_def {
     char group[GN_NAME_SIZE]; /* of facets; "": the whole boundary */
@@ -384,7 +386,8 @@ typedef struct gn_element_def {
     bool has_rectangle, has_box, has_beam;
     double size[3], origin[3]; /* m, of a rectangle or box */
     int64_t cells[3];
-    double distortion; /* random shift of inner nodes over the sides of a cell */
+    double distortion;      /* random shift of inner nodes over the sides of a cell */
+    gn_diagonals diagonals; /* of a rectangle */
     gn_beam_def beam;
     gn_formulation formulation;
     size_t material_count;
@@ -397,6 +400,46 @@ typedef struct gn_element_def {
     gn_element_contact_def contact;
     gn_scene_place where;
 } gn_element_def;
+
+/* A plane wave at the start: u = size/2 (1 + cos(2 pi s/length)) along its direction where |s| <
+ * length/2, s being the distance from its crest, and v = -speed du/ds. */
+typedef struct gn_pulse {
+    double direction[3];        /* of any length */
+    double centre[3];           /* m, a point of the crest */
+    double length, size, speed; /* m, m, m/s */
+} gn_pulse;
+
+/* Where elements end among particles and particles among elements: two parallel planes (2D: lines).
+ */
+typedef struct gn_couple_edge {
+    double from[3], to[3]; /* m: a point of the plane where elements end, and the one across from it
+                            * on the plane where particles end */
+    gn_scene_place where;
+} gn_couple_edge;
+
+/* A part of the body that both share. Particles fill what lies before all of its edges. */
+typedef struct gn_couple_zone {
+    size_t edge_count;
+    gn_couple_edge *edges;
+    gn_scene_place where;
+} gn_couple_zone;
+
+typedef enum gn_couple_constraint {
+    GN_COUPLE_LUMPED,
+    GN_COUPLE_CONSISTENT,
+    GN_COUPLE_PENALTY
+} gn_couple_constraint;
+typedef enum gn_couple_spins { GN_COUPLE_FREE, GN_COUPLE_SLAVED } gn_couple_spins;
+
+/* Particles and elements as one body. */
+typedef struct gn_couple_def {
+    size_t zone_count;
+    gn_couple_zone *zones;
+    gn_couple_constraint constraint;
+    gn_couple_spins spins;
+    double penalty, penalty_damping; /* over what masses and the step make of it; of critical */
+    gn_scene_place where;
+} gn_couple_def;
 
 typedef struct gn_scene {
     char source[GN_PATH_SIZE]; /* the scene file, for messages */
@@ -413,6 +456,8 @@ typedef struct gn_scene {
     gn_contact_def *contacts; /* each pair of materials at most once */
     bool has_elements;
     gn_element_def elements;
+    bool has_couple;
+    gn_couple_def couple;
 
     bool has_law;
     gn_scene_place law_where;
@@ -442,6 +487,8 @@ typedef struct gn_scene {
 
     double gravity[3];      /* m/s2 */
     double random_velocity; /* m/s, components uniform in +- this at the start */
+    bool has_pulse;
+    gn_pulse pulse;
 
     bool has_periodic;
     double periodic_min[3], periodic_max[3]; /* m */

@@ -39,6 +39,12 @@ void gn_scene_shift(gn_scene *s) {
         shift(s, s->elements.origin);
         shift(s, s->elements.beam.origin);
     }
+    for (size_t z = 0; z < s->couple.zone_count; z++)
+        for (size_t e = 0; e < s->couple.zones[z].edge_count; e++) {
+            shift(s, s->couple.zones[z].edges[e].from);
+            shift(s, s->couple.zones[z].edges[e].to);
+        }
+    if (s->has_pulse) shift(s, s->pulse.centre);
     if (s->has_periodic) {
         shift(s, s->periodic_min);
         shift(s, s->periodic_max);

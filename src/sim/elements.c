@@ -4,6 +4,7 @@
 #include "base/memory.h"
 #include "base/point.h"
 #include "base/timer.h"
+#include "couple/zone.h"
 #include "fem/structured.h"
 #include "sim/world.h"
 
@@ -33,7 +34,9 @@ static gneiss_status no_memory(gneiss_error *error) {
 
 static gneiss_status make_block(const gn_world *w, const gn_element_def *e, gn_mesh *mesh,
                                 gneiss_error *error) {
-    gn_structured s = {.distortion = e->distortion, .seed = w->scene.seed};
+    gn_structured s = {.distortion = e->distortion,
+                       .seed = w->scene.seed,
+                       .parallel = e->diagonals == GN_DIAGONALS_PARALLEL};
     for (int k = 0; k < 3; k++) {
         s.lower[k] = e->origin[k];
         s.size[k] = e->size[k];
@@ -124,6 +127,10 @@ static gneiss_status make_body(const gn_world *w, gn_element_model *q, gn_mesh *
         .damping_coefficient = w->scene.background_coefficient,
         .threads = w->threads,
         .isa = w->kernels->name};
+    if (w->scene.has_couple) {
+        spec.share = gn_zones_share;
+        spec.share_of = &w->scene;
+    }
     memcpy(spec.gravity, w->scene.gravity, sizeof spec.gravity);
     memcpy(spec.origin, w->scene.origin, sizeof spec.origin);
     gneiss_status status = gn_fem_solid_create(&spec, mesh, &q->solid, error);

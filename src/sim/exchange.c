@@ -30,6 +30,17 @@ gneiss_status gn_exchanges_mark(gn_world *w, gneiss_error *error) {
     return GNEISS_OK;
 }
 
+gneiss_status gn_exchanges_follow(gn_world *w, gneiss_error *error) {
+    for (size_t k = 0; k < w->exchange_count; k++)
+        if (w->exchange[k].follow) GN_TRY(w->exchange[k].follow(w->exchange[k].context, w, error));
+    return GNEISS_OK;
+}
+
+void gn_exchanges_book(gn_world *w, gn_energy *reading) {
+    for (size_t k = 0; k < w->exchange_count; k++)
+        if (w->exchange[k].book) w->exchange[k].book(w->exchange[k].context, w, reading);
+}
+
 gneiss_status gn_exchanges_act(gn_world *w, gneiss_error *error) {
     for (size_t k = 0; k < w->exchange_count; k++)
         GN_TRY(w->exchange[k].act(w->exchange[k].context, w, error));

@@ -19,6 +19,10 @@ typedef struct gn_exchange {
      * are those of the last half step. */
     gneiss_status (*act)(void *context, gn_world *world, gneiss_error *error);
     void (*end)(void *context); /* when the world is freed; NULL: nothing to do */
+    /* Once particles and nodes have moved; NULL: nothing to do. */
+    gneiss_status (*follow)(void *context, gn_world *world, gneiss_error *error);
+    /* Adds to a reading what the parts know nothing of; NULL: nothing to do. */
+    void (*book)(void *context, const gn_world *world, gn_energy *reading);
 } gn_exchange;
 
 /* On failure the context is still the caller's. Before there are lists nothing is marked yet. */
@@ -28,5 +32,7 @@ void gn_exchanges_free(gn_world *world);
 
 gneiss_status gn_exchanges_mark(gn_world *world, gneiss_error *error);
 gneiss_status gn_exchanges_act(gn_world *world, gneiss_error *error);
+gneiss_status gn_exchanges_follow(gn_world *world, gneiss_error *error);
+void gn_exchanges_book(gn_world *world, gn_energy *reading);
 
 #endif

@@ -214,6 +214,9 @@ void gn_dem_sum_masses(gn_world *world);
 gneiss_status gn_flight_limits(const gn_world *world, double *stable, gn_resolution *resolution,
                                gneiss_error *error);
 
+/* The wave that the scene begins with, when lists have been made (pulse.c). */
+gneiss_status gn_pulse_start(gn_world *world, gneiss_error *error);
+
 /* Rigid bodies (bodies.c). */
 gneiss_status gn_bodies_create(gn_world *world, gneiss_error *error);
 /* Surfaces of bodies from the arrays that a checkpoint stores as well. */

@@ -46,13 +46,20 @@ double gn_inverse_mass_along(const gn_world *w, size_t p, const double n[3]) {
     return slot < 0 ? inverse : gn_free_share(w->dem.prescribed.mask[slot], n) * inverse;
 }
 
+/* Of a particle that shares its place with elements as if it were alone: its contacts are weighted
+ * as a whole. */
+static double own_inverse_along(const gn_world *w, size_t p, const double n[3]) {
+    const double *blend = w->dem.particles.blend;
+    return gn_inverse_mass_along(w, p, n) * (blend ? blend[2 * p + 1] : 1.0);
+}
+
 /* Of the pair along the line between its centres, where it is now. */
 static double pair_inverse_mass(const gn_world *w, int32_t i, int32_t j) {
     const double *pos = w->dem.particles.pos;
     double n[3], length2 = gn_branch(w, pos + 4 * (int64_t)i, pos + 4 * (int64_t)j, n);
     double scale = length2 > 0.0 ? 1.0 / sqrt(length2) : 0.0;
     for (int a = 0; a < 3; a++) n[a] *= scale;
-    return gn_inverse_mass_along(w, (size_t)i, n) + gn_inverse_mass_along(w, (size_t)j, n);
+    return own_inverse_along(w, (size_t)i, n) + own_inverse_along(w, (size_t)j, n);
 }
 
 /* Adds what the blocks of a list exert on a particle. */
@@ -117,10 +124,21 @@ static gn_law_pair pair_of_contact(const gn_world *w, const gn_contacts *list, s
     return pair;
 }
 
+/* The part that contacts have where elements are at their place as well: the mean of both ends. A
+ * bond between two particles that have none keeps next to nothing, so that it still is a bond. */
+static double part_of(const gn_world *w, const gn_contacts *list, size_t c) {
+    const double *blend = w->dem.particles.blend;
+    if (!blend) return 1.0;
+    return fmax(0.5 * (blend[2 * (size_t)list->i[c]] + blend[2 * (size_t)list->j[c]]), 1e-9);
+}
+
 void gn_contact_set(const gn_world *w, gn_contacts *list, size_t c) {
     gn_law_model model = model_of(w);
     gn_law_pair pair = pair_of_contact(w, list, c);
-    gn_law_of(list->soa.effects)->set(&model, &pair, list, c);
+    const gn_law *law = gn_law_of(list->soa.effects);
+    const double part = part_of(w, list, c);
+    law->set(&model, &pair, list, c);
+    if (part != 1.0) law->weigh(list, c, part);
 }
 
 void gn_contacts_set_dashpots(const gn_world *w, gn_contacts *list) {
@@ -129,6 +147,8 @@ void gn_contacts_set_dashpots(const gn_world *w, gn_contacts *list) {
     for (size_t c = 0; c < list->soa.count; c++) {
         gn_law_pair pair = pair_of_contact(w, list, c);
         law->set_dashpot(&model, &pair, list, c);
+        if (w->dem.particles.blend && list->cn) list->cn[c] *= part_of(w, list, c);
+        if (w->dem.particles.blend && list->cn_f) list->cn_f[c] = (float)list->cn[c];
     }
 }
 

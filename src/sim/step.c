@@ -51,6 +51,7 @@ static void read_elements(gn_world *w) {
     if (!w->scene.has_specimen) gn_elements_stress(w, w->stress);
     w->unbalanced = fmax(w->unbalanced, gn_elements_unbalanced(w));
     gn_elements_book(w, &w->reading);
+    gn_exchanges_book(w, &w->reading);
 }
 
 /* What waited moves, and what moves as a whole. Works are trapezoidal: one half closes the interval
@@ -76,6 +77,7 @@ static gneiss_status finish(gn_world *w, bool measure, watch *time, gneiss_error
     GN_TRY(gn_boundary_check(w, error));
     lap(time, GN_PHASE_motion);
     GN_TRY(gn_elements_move(w, measure, error));
+    GN_TRY(gn_exchanges_follow(w, error));
     if (measure) read_elements(w);
     return gn_elements_check(w, error);
 }

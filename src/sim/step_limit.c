@@ -1,5 +1,6 @@
 /* Choosing the step and watching it: what the parts allow, together. */
 #include "base/timer.h"
+#include "sim/coupling.h"
 #include "sim/internal.h"
 
 #include <math.h>
@@ -35,9 +36,9 @@ static double limit_of(double rate) {
     return rate > 0.0 ? 1.0 / rate : (double)INFINITY;
 }
 
-/* What particles are coupled to: free bodies, and finite elements that they touch. */
+/* What particles are coupled to: free bodies, finite elements that they touch, springs of zones. */
 static double partner_limit(const gn_world *w) {
-    double bodies = limit_of(w->boundary.surface_rate);
+    double bodies = together(w, limit_of(w->boundary.surface_rate), limit_of(w->couple.rate[0]));
     if (!(w->boundary.vertex_rate > 0.0)) return bodies;
     double elements = gn_world_nonviscous_share(w) * gn_elements_stable(w);
     return fmin(bodies, together(w, elements, limit_of(w->boundary.vertex_rate)));
@@ -46,7 +47,7 @@ static double partner_limit(const gn_world *w) {
 /* Bodies and elements only meet particles. */
 double gn_limit_of_all(const gn_world *w, double particles) {
     double share = gn_world_nonviscous_share(w);
-    double elements = share * gn_elements_stable(w);
+    double elements = together(w, share * gn_elements_stable(w), limit_of(w->couple.rate[1]));
     return fmin(together(w, share * particles, partner_limit(w)), elements);
 }
 
@@ -176,6 +177,7 @@ gneiss_status gn_world_check_step(gn_world *w, bool full, gneiss_error *error) {
     if (w->scene.has_specimen) gn_pressed_look(w);
     if (w->scene.has_specimen) status = gn_dem_limit(w, full, &due, error);
     if (status == GNEISS_OK) status = gn_elements_limit(w, full, &elements_due, error);
+    if (status == GNEISS_OK && full && w->step == 0) gn_coupled_stiffen(w);
     if (status == GNEISS_OK && (due || elements_due)) {
         w->stable = gn_limit_of_all(w, w->scene.has_specimen ? w->dem.stable : INFINITY);
         status = react(w, w->stable, error);

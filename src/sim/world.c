@@ -4,6 +4,7 @@
 #include "base/memory.h"
 #include "base/point.h"
 #include "base/timer.h"
+#include "sim/coupling.h"
 #include "sim/exchange.h"
 #include "sim/internal.h"
 #include "sim/laboratory.h"
@@ -201,6 +202,7 @@ static gneiss_status build_particles(gn_world *w, gneiss_error *error) {
     GN_TRY(check_specimen(w, error));
     GN_TRY(gn_dem_complete(w, error));
     GN_TRY(gn_membrane_create(w, error));
+    GN_TRY(gn_coupled_create(w, error));
     GN_TRY(gn_boundary_create(w, error));
     GN_TRY(gn_element_contact_create(w, error));
     return gn_world_rebuild(w, error);
@@ -281,6 +283,7 @@ static gneiss_status build(gn_world *w, gneiss_error *error) {
     GN_TRY(status);
     GN_TRY(particles ? build_particles(w, error) : build_empty(w, error));
     if (!particles) measure_elements(w);
+    GN_TRY(gn_pulse_start(w, error));
     GN_TRY(make_gauge_and_step(w, particles, error));
     GN_TRY(gn_dem_scale_masses(w, error));
     /* Of the step that is left when collisions have to be resolved, too. */

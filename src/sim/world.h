@@ -64,6 +64,11 @@ struct gn_world {
     struct gn_exchange *exchange; /* [exchange_count] sim/exchange.h */
     size_t exchange_count;
 
+    struct {
+        double frequency; /* rad/s, of the particles, by which springs of zones are chosen */
+        double rate[2];   /* 1/s: what these take of the steps of particles and elements */
+    } couple;
+
     gn_strain_gauge gauge;
     double period[3];
     double volume;             /* m3 (2D: m2 x 1 m): of the specimen at the start */

@@ -61,7 +61,9 @@
     X(lumped, double, GN_F64, 4, GN_ROWS, GN_SAVED, GN_FX_PRESSURE, 0, "Pa/m3, Pa/m5, m3, m3/s",   \
       "inverse lumped masses of pressure and projection, stabilising term, its past rate")         \
     X(mean_rate, double, GN_F64, 1, GN_ROWS, GN_SAVED, GN_FX_PRESSURE, 0, "Pa/s",                  \
-      "mean rate of the stabilising pressure at the last instant")
+      "mean rate of the stabilising pressure at the last instant")                                 \
+    X(blend, double, GN_F64, 2, GN_ROWS, GN_SAVED, GN_FX_OVERLAP, 0, "1, 1",                       \
+      "weight of its forces where elements share the body with it; that of its mass")
 
 /* What Y makes of a line: the column, and what it is in single precision. Both end in
  * X(name, ctype, type, components, layout, role, care, needs, unless, unit, text, single_of), with

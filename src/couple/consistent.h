@@ -1,0 +1,33 @@
+/* Accelerations of nodes that carry the particles of zones with the mass N^T M N that the
+ * constraint v_i = sum_a N_a v_a gives them, instead of its lump. Conjugate gradients with the lump
+ * as preconditioner, of whose quotients with a simplex all lie in [1/(d + 2), 1] (the matrix of
+ * linear shape functions over its row sums): some ten rounds give ten digits. Sums have a fixed
+ * order. */
+#ifndef GN_COUPLE_CONSISTENT_H
+#define GN_COUPLE_CONSISTENT_H
+
+#include "couple/ties.h"
+
+typedef struct gn_consistent {
+    const gn_ties *ties;
+    int dimension, threads;
+    double *mass;        /* [ties] kg, of the particle; 0: removed */
+    double *own, *whole; /* [nodes of ties] kg, of the node, and with the lump */
+    double *load;        /* [nodes of ties][3] N: on the node and the particles it carries */
+    double *rate;        /* [nodes of ties][3] m/s2: what is looked for; given where `fixed` */
+    uint8_t *fixed;      /* [nodes of ties][3] */
+    double *work[4];     /* [nodes of ties][3] */
+    double *moved;       /* [ties][3] */
+} gn_consistent;
+
+gneiss_status gn_consistent_create(const gn_ties *ties, int dimension, gn_consistent *system,
+                                   gneiss_error *error);
+void gn_consistent_free(gn_consistent *system);
+
+/* rate from load. Returns the number of rounds. */
+int gn_consistent_solve(gn_consistent *system);
+/* out = (lump - N^T M N) rate, N, [nodes of ties][3]: with this on top of the loads the lumped
+ * masses accelerate as the consistent ones do. Adds up to zero whatever the rates are. */
+void gn_consistent_difference(gn_consistent *system, const double *rate, double *out);
+
+#endif

@@ -1,0 +1,233 @@
+#include "couple/ties.h"
+
+#include "base/memory.h"
+#include "base/vec3.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+static gneiss_status no_memory(size_t count, gneiss_error *error) {
+    return gn_fail(error, GNEISS_ERROR_MEMORY, "no memory to find %zu particles in elements",
+                   count);
+}
+
+/* --- elements by cells of a grid --- */
+
+typedef struct grid {
+    int dimension;
+    double lower[3], cell; /* m */
+    int64_t cells[3];
+    int32_t *first, *element; /* [cells + 1]; elements whose boxes touch a cell, ascending */
+} grid;
+
+typedef struct extent {
+    double lower[3], upper[3];
+} extent;
+
+static extent extent_of(const gn_fem_solid *solid, size_t e) {
+    extent x = {{INFINITY, INFINITY, INFINITY}, {-INFINITY, -INFINITY, -INFINITY}};
+    for (int a = 0; a <= solid->dimension; a++) {
+        const double *p = solid->nodes.start + 4 * (size_t)gn_elements_node(&solid->elements, a)[e];
+        for (int k = 0; k < solid->dimension; k++) {
+            x.lower[k] = fmin(x.lower[k], p[k]);
+            x.upper[k] = fmax(x.upper[k], p[k]);
+        }
+    }
+    return x;
+}
+
+static int64_t cell_of(const grid *g, int axis, double x) {
+    double at = floor((x - g->lower[axis]) / g->cell);
+    if (!(at > 0.0)) return 0;
+    return at < (double)g->cells[axis] ? (int64_t)at : g->cells[axis] - 1;
+}
+
+static size_t index_of(const grid *g, int64_t x, int64_t y, int64_t z) {
+    return (size_t)((z * g->cells[1] + y) * g->cells[0] + x);
+}
+
+/* Of the mean size of an element, so that few are in each and each is in few; wider where there
+ * would be many more cells than elements. */
+static void lay_out(const gn_fem_solid *solid, grid *g) {
+    const size_t count = solid->elements.soa.count;
+    double upper[3] = {0.0}, sum = 0.0;
+    for (int k = 0; k < 3; k++) g->lower[k] = INFINITY;
+    for (size_t e = 0; e < count; e++) {
+        extent x = extent_of(solid, e);
+        for (int k = 0; k < g->dimension; k++) {
+            g->lower[k] = fmin(g->lower[k], x.lower[k]);
+            upper[k] = e ? fmax(upper[k], x.upper[k]) : x.upper[k];
+            sum += (x.upper[k] - x.lower[k]) / (double)(count * (size_t)g->dimension);
+        }
+    }
+    double volume = 1.0;
+    for (int k = 0; k < g->dimension; k++) volume *= upper[k] - g->lower[k] + sum;
+    g->cell = fmax(sum, pow(volume / (4.0 * (double)count), 1.0 / g->dimension));
+    for (int k = 0; k < 3; k++)
+        g->cells[k] = k < g->dimension ? 1 + (int64_t)floor((upper[k] - g->lower[k]) / g->cell) : 1;
+}
+
+/* Counts the elements of each cell, or puts them down. */
+static void visit(const gn_fem_solid *solid, grid *g, bool fill) {
+    for (size_t e = 0; e < solid->elements.soa.count; e++) {
+        extent x = extent_of(solid, e);
+        int64_t from[3] = {0}, to[3] = {0};
+        for (int k = 0; k < g->dimension; k++) {
+            from[k] = cell_of(g, k, x.lower[k] - 1e-6 * g->cell);
+            to[k] = cell_of(g, k, x.upper[k] + 1e-6 * g->cell);
+        }
+        for (int64_t i = from[2]; i <= to[2]; i++)
+            for (int64_t j = from[1]; j <= to[1]; j++)
+                for (int64_t k = from[0]; k <= to[0]; k++) {
+                    size_t at = index_of(g, k, j, i);
+                    if (fill)
+                        g->element[g->first[at + 1]++] = (int32_t)e;
+                    else
+                        g->first[at + 2]++;
+                }
+    }
+}
+
+static void free_grid(grid *g) {
+    gn_free(g->first);
+    gn_free(g->element);
+}
+
+static gneiss_status make_grid(const gn_fem_solid *solid, grid *g, gneiss_error *error) {
+    *g = (grid){.dimension = solid->dimension};
+    lay_out(solid, g);
+    size_t cells = (size_t)(g->cells[0] * g->cells[1] * g->cells[2]);
+    g->first = gn_alloc_array(cells + 3, sizeof *g->first);
+    if (!g->first) return no_memory(cells, error);
+    visit(solid, g, false);
+    for (size_t k = 2; k < cells + 2; k++) g->first[k] += g->first[k - 1];
+    g->element = gn_alloc_array((size_t)g->first[cells + 1] + 1, sizeof *g->element);
+    if (!g->element) {
+        free_grid(g);
+        return no_memory(cells, error);
+    }
+    visit(solid, g, true); /* shifted by two, so that the cursors end as the starts */
+    return GNEISS_OK;
+}
+
+/* --- a particle in an element --- */
+
+/* Shape functions of an element at a place; the least of them, negative outside. */
+static double shapes_at(const gn_fem_solid *solid, size_t e, const double *x, double shape[4]) {
+    const gn_elements *q = &solid->elements;
+    const double *origin = solid->nodes.start + 4 * (size_t)gn_elements_node(q, 0)[e];
+    double least;
+    shape[0] = 1.0;
+    shape[3] = 0.0;
+    for (int a = 1; a <= solid->dimension; a++) {
+        shape[a] = 0.0;
+        for (int k = 0; k < solid->dimension; k++)
+            shape[a] += gn_elements_gradient(q, a, k)[e] * (x[k] - origin[k]);
+        shape[0] -= shape[a];
+    }
+    least = shape[0];
+    for (int a = 1; a <= solid->dimension; a++) least = fmin(least, shape[a]);
+    return least;
+}
+
+/* What is on a boundary up to rounding is in. */
+static const double inside_rounding = -1e-9;
+
+/* The element that a place is in deepest; false: in none. */
+static bool find(const gn_fem_solid *solid, const grid *g, const double *x, gn_tie *tie) {
+    int64_t at[3] = {0};
+    double deepest = -INFINITY;
+    for (int k = 0; k < g->dimension; k++) at[k] = cell_of(g, k, x[k]);
+    size_t cell = index_of(g, at[0], at[1], at[2]);
+    for (int32_t c = g->first[cell]; c < g->first[cell + 1]; c++) {
+        double shape[4];
+        double depth = shapes_at(solid, (size_t)g->element[c], x, shape);
+        if (depth < inside_rounding || depth <= deepest) continue;
+        deepest = depth;
+        tie->element = g->element[c];
+        memcpy(tie->shape, shape, sizeof shape);
+    }
+    if (!(deepest >= inside_rounding)) return false;
+    for (int a = 0; a <= solid->dimension; a++)
+        tie->node[a] = gn_elements_node(&solid->elements, a)[tie->element];
+    return true;
+}
+
+/* --- all of them --- */
+
+static int by_id(const void *a, const void *b) {
+    const gn_tie *x = a, *y = b;
+    return (x->id > y->id) - (x->id < y->id);
+}
+
+static gneiss_status list_nodes(const gn_fem_solid *solid, gn_ties *t, gneiss_error *error) {
+    const size_t all = solid->nodes.soa.count;
+    int32_t *count = gn_alloc_array(all + 2, sizeof *count);
+    t->node = gn_alloc_array(all + 1, sizeof *t->node);
+    t->first = gn_alloc_array(all + 2, sizeof *t->first);
+    t->share = gn_alloc_array(t->count * (size_t)t->corners + 1, sizeof *t->share);
+    if (!count || !t->node || !t->first || !t->share) {
+        gn_free(count);
+        return no_memory(t->count, error);
+    }
+    for (size_t k = 0; k < t->count; k++)
+        for (int a = 0; a < t->corners; a++) count[t->tie[k].node[a]]++;
+    for (size_t n = 0; n < all; n++) {
+        if (!count[n]) continue;
+        t->first[t->nodes + 1] = t->first[t->nodes] + count[n];
+        count[n] = t->first[t->nodes];
+        t->node[t->nodes++] = (int32_t)n;
+    }
+    for (size_t k = 0; k < t->count; k++)
+        for (int a = 0; a < t->corners; a++)
+            t->share[count[t->tie[k].node[a]]++] = (gn_tie_share){(int32_t)k, a};
+    for (size_t n = 0; n < t->nodes; n++)
+        for (int32_t s = t->first[n]; s < t->first[n + 1]; s++)
+            t->tie[t->share[s].tie].own[t->share[s].corner] = (int32_t)n;
+    gn_free(count);
+    return GNEISS_OK;
+}
+
+gneiss_status gn_ties_find(const gn_fem_solid *solid, const gn_particles *q, gn_ties *t,
+                           gneiss_error *error) {
+    grid g;
+    *t = (gn_ties){.corners = solid->dimension + 1};
+    GN_TRY(make_grid(solid, &g, error));
+    t->tie = gn_alloc_array(q->soa.count + 1, sizeof *t->tie);
+    for (size_t p = 0; t->tie && p < q->soa.count; p++) {
+        gn_tie tie = {.id = q->id[p]};
+        if (find(solid, &g, q->start + 4 * p, &tie)) t->tie[t->count++] = tie;
+    }
+    free_grid(&g);
+    if (!t->tie) return no_memory(q->soa.count, error);
+    qsort(t->tie, t->count, sizeof *t->tie, by_id);
+    gneiss_status status = list_nodes(solid, t, error);
+    if (status != GNEISS_OK) gn_ties_free(t);
+    return status;
+}
+
+/* That of node a is normal to the edges of the others: rows of the inverse of the edges' matrix. */
+void gn_tie_gradients(const gn_ties *t, size_t k, const gn_particles *nodes, double g[4][3]) {
+    double edge[3][3] = {{0.0}, {0.0}, {0.0, 0.0, 1.0}}, det = 0.0;
+    const double *first = nodes->pos + 4 * (size_t)t->tie[k].node[0];
+    for (int a = 1; a < t->corners; a++)
+        for (int c = 0; c < t->corners - 1; c++)
+            edge[a - 1][c] = nodes->pos[4 * (size_t)t->tie[k].node[a] + (size_t)c] - first[c];
+    memset(g, 0, 12 * sizeof(double));
+    for (int a = 0; a < 3; a++) gn_cross3(edge[(a + 1) % 3], edge[(a + 2) % 3], g[a + 1]);
+    for (int c = 0; c < 3; c++) det += edge[0][c] * g[1][c];
+    for (int a = 1; a <= 3; a++)
+        for (int c = 0; c < 3; c++) {
+            g[a][c] = a < t->corners ? g[a][c] / det : 0.0;
+            g[0][c] -= g[a][c];
+        }
+}
+
+void gn_ties_free(gn_ties *t) {
+    gn_free(t->tie);
+    gn_free(t->node);
+    gn_free(t->first);
+    gn_free(t->share);
+    *t = (gn_ties){0};
+}

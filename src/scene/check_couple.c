@@ -1,0 +1,78 @@
+/* What `couple` must hold together. */
+#include "scene/check.h"
+
+#include <math.h>
+
+static gneiss_status check_zone(const check *c, const gn_scene *s, size_t index) {
+    const gn_couple_zone *z = &s->couple.zones[index];
+    for (size_t e = 0; e < z->edge_count; e++) {
+        double width2 = 0.0;
+        char key[32];
+        for (int a = 0; a < (int)s->dimension; a++) {
+            double d = z->edges[e].to[a] - z->edges[e].from[a];
+            width2 += d * d;
+        }
+        snprintf(key, sizeof key, "edges[%zu].to", e);
+        if (!gn_range_holds(GN_LENGTHS, sqrt(width2)))
+            return gn_check_fail(c, key, "expected a point %s m from `from`, found %g m",
+                                 GN_LENGTHS, sqrt(width2));
+    }
+    return GNEISS_OK;
+}
+
+/* What a zone does not go with. */
+static gneiss_status check_beside(const check *c, const gn_scene *s) {
+    if (!s->has_specimen || !s->has_elements)
+        return gn_check_fail(c, "couple", "expected a specimen and elements beside it, found %s",
+                             s->has_elements ? "elements only" : "a specimen only");
+    const struct {
+        bool found;
+        const char *what;
+    } others[] = {{s->elements.has_contact, "elements.contact"},
+                  {s->has_periodic, "a periodic box"},
+                  {s->has_mass_scaling, "time.mass_scaling"}};
+    for (size_t k = 0; k < sizeof others / sizeof *others; k++)
+        if (others[k].found)
+            return gn_check_fail(c, "couple", "expected no %s beside it, found one",
+                                 others[k].what);
+    return GNEISS_OK;
+}
+
+/* ---- a wave at the start ---- */
+
+static gneiss_status check_pulse(const check *c, const gn_scene *s) {
+    double size2 = 0.0;
+    for (int a = 0; a < (int)s->dimension; a++)
+        size2 += s->pulse.direction[a] * s->pulse.direction[a];
+    if (!(size2 > 0.0))
+        return gn_check_fail(c, "initial.pulse.direction", "expected a direction, found none");
+    return GNEISS_OK;
+}
+
+/* Springs tie places, not spins; background damping acts on each mass by itself, which consistent
+ * ones are not. */
+static gneiss_status check_constraint(const check *c, const gn_scene *s) {
+    if (s->couple.constraint == GN_COUPLE_CONSISTENT && s->background != GN_BACKGROUND_NONE &&
+        gn_check_sound(c, "damping"))
+        return gn_check_fail(c, "couple.constraint",
+                             "expected lumped or penalty beside background damping, found "
+                             "consistent");
+    if (s->couple.constraint != GN_COUPLE_PENALTY || s->couple.spins == GN_COUPLE_FREE)
+        return GNEISS_OK;
+    return gn_check_fail(c, "couple.spins", "expected free beside penalty, found slaved");
+}
+
+gneiss_status gn_check_couple(const gn_reader *reader, const gn_node *root) {
+    const gn_scene *s = reader->scene;
+    check c = {.reader = reader, .map = root};
+    if (s->has_pulse && gn_check_sound(&c, "initial.pulse"))
+        GN_TRY(gn_check_keep(&c, check_pulse(&c, s)));
+    if (!s->has_couple) return GNEISS_OK;
+    GN_TRY(gn_check_keep(&c, check_beside(&c, s)));
+    if (gn_check_sound(&c, "couple")) GN_TRY(gn_check_keep(&c, check_constraint(&c, s)));
+    for (size_t k = 0; k < s->couple.zone_count; k++) {
+        check element = gn_check_element(reader, root, "couple.zones", k);
+        if (gn_check_element_sound(&element)) GN_TRY(gn_check_keep(&c, check_zone(&element, s, k)));
+    }
+    return GNEISS_OK;
+}

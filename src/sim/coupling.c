@@ -1,0 +1,515 @@
+#include "base/memory.h"
+#include "base/point.h"
+#include "couple/zone.h"
+#include "sim/coupling_internal.h"
+
+#include <math.h>
+#include <string.h>
+
+/* --- making it --- */
+
+static void coupled_free(void *context) {
+    gn_coupled *q = context;
+    gn_ties_free(&q->ties);
+    gn_consistent_free(&q->consistent);
+    void *blocks[] = {q->turn,   q->before, q->stiffness, q->viscosity,
+                      q->stored, q->lost,   q->drag,      q->sum};
+    for (size_t k = 0; k < sizeof blocks / sizeof *blocks; k++) gn_free(blocks[k]);
+    gn_free(q->place);
+    gn_free(q->load);
+    gn_free(q);
+}
+
+static gneiss_status refuse(const gn_world *w, gn_scene_place where, const char *key,
+                            const char *message, gneiss_error *error) {
+    return gn_fail(error, GNEISS_ERROR_INPUT, "%.400s:%d:%d: couple%s: %s", w->scene.source,
+                   where.line, where.column, key, message);
+}
+
+/* Elements end at the edge that says so: none leads on into the particles. */
+static gneiss_status check_end(const gn_world *w, size_t zone, gneiss_error *error) {
+    const gn_fem_solid *b = gn_coupled_solid(w);
+    const gn_couple_zone *z = &w->scene.couple.zones[zone];
+    char at[GN_POINT_SIZE], message[256];
+    for (size_t e = 0; e < b->elements.soa.count; e++) {
+        const double *beyond = NULL;
+        bool inside = false;
+        for (int a = 0; a <= b->dimension; a++) {
+            const double *x = b->nodes.start + 4 * (size_t)gn_elements_node(&b->elements, a)[e];
+            double place = gn_zone_place(z, b->dimension, x);
+            if (place < -GN_ZONE_ROUNDING) beyond = x;
+            inside = inside || (place >= -GN_ZONE_ROUNDING && place < 1.0);
+        }
+        if (!beyond || !inside) continue;
+        snprintf(message, sizeof message,
+                 "expected elements that end on the plane through `from`, found one that leads on "
+                 "to %s m",
+                 gn_point_text(w->scene.origin, beyond, at));
+        return refuse(w, z->where, ".zones", message, error);
+    }
+    return GNEISS_OK;
+}
+
+/* Whoever stands where elements have a part and is in none. */
+static gneiss_status check_inside(const gn_world *w, const gn_ties *ties, gneiss_error *error) {
+    const gn_particles *q = &w->dem.particles;
+    char at[GN_POINT_SIZE], message[256];
+    size_t next = 0;
+    for (size_t p = 0; p < q->soa.count; p++) { /* in the order of their ids as yet */
+        if (next < ties->count && ties->tie[next].id == q->id[p]) {
+            next++;
+            continue;
+        }
+        for (size_t k = 0; k < w->scene.couple.zone_count; k++) {
+            const gn_couple_zone *z = &w->scene.couple.zones[k];
+            double place = gn_zone_place(z, (int)w->scene.dimension, q->start + 4 * p);
+            if (place < 1e-6 || place > 1.0 - 1e-6) continue;
+            snprintf(message, sizeof message,
+                     "expected every particle of the zone in an element, found particle %d at %s m "
+                     "in none",
+                     q->id[p], gn_point_text(w->scene.origin, q->start + 4 * p, at));
+            return refuse(w, z->where, ".zones", message, error);
+        }
+    }
+    return GNEISS_OK;
+}
+
+static bool all_zero(const gn_table *table) {
+    for (size_t k = 0; k < table->count; k++)
+        if (table->value[k] != 0.0) return false;
+    return true;
+}
+
+/* What is done to particles of zones is done to nodes; they may be held where nodes are held. */
+static gneiss_status check_free(const gn_world *w, const gn_tie *tie, gneiss_error *error) {
+    const size_t p = (size_t)tie->id;
+    const gn_particles *q = &w->dem.particles;
+    bool driven = false;
+    char message[256];
+    for (size_t a = 0; q->applied && a < 3; a++) driven = driven || q->applied[4 * p + a] != 0.0;
+    for (int k = 0; k < 6 && q->slot && q->slot[p] >= 0; k++) {
+        int32_t set = w->dem.channel_set[6 * q->slot[p] + k];
+        if (set < 0) continue;
+        const gn_motion *m = &w->scene.sets[set].motion;
+        driven = driven || !all_zero(k < 3 ? &m->velocity[k] : &m->spin[k - 3]);
+    }
+    if (!driven) return GNEISS_OK;
+    snprintf(
+        message, sizeof message,
+        "expected particles of zones that no set pushes or moves (the nodes there lead), found "
+        "particle %d",
+        tie->id);
+    return refuse(w, w->scene.couple.where, "", message, error);
+}
+
+static gneiss_status check_law(const gn_world *w, gneiss_error *error) {
+    for (int bonds = 0; bonds < 2; bonds++)
+        if (!gn_law_of(gn_contact_list_effects(w->effects, bonds))->weigh)
+            return refuse(w, w->scene.couple.where, "",
+                          "expected a contact law that can have a part of a contact, found one "
+                          "that cannot",
+                          error);
+    return GNEISS_OK;
+}
+
+static gneiss_status make_springs(gn_coupled *q, gneiss_error *error) {
+    const size_t n = q->ties.count + 1;
+    q->stiffness = gn_alloc_array(n, sizeof *q->stiffness);
+    q->viscosity = gn_alloc_array(n, sizeof *q->viscosity);
+    q->stored = gn_alloc_array(n, sizeof *q->stored);
+    q->lost = gn_alloc_array(n, sizeof *q->lost);
+    q->drag = gn_alloc_array(n, sizeof *q->drag);
+    q->sum = gn_alloc_array(q->ties.nodes + 1, sizeof *q->sum);
+    if (q->stiffness && q->viscosity && q->stored && q->lost && q->drag && q->sum) return GNEISS_OK;
+    return gn_fail(error, GNEISS_ERROR_MEMORY, "no memory for %zu springs of zones", n - 1);
+}
+
+static gneiss_status find(gn_world *w, gn_coupled **out, gneiss_error *error) {
+    gn_coupled *q = *out = gn_alloc_array(1, sizeof *q);
+    if (!q) return gn_fail(error, GNEISS_ERROR_MEMORY, "no memory for zones");
+    GN_TRY(gn_ties_find(gn_coupled_solid(w), &w->dem.particles, &q->ties, error));
+    q->place = gn_alloc_array(q->ties.count + 1, sizeof *q->place);
+    q->load = gn_alloc_array(q->ties.count + 1, sizeof *q->load);
+    if (!q->place || !q->load)
+        return gn_fail(error, GNEISS_ERROR_MEMORY, "no memory for %zu particles of zones",
+                       q->ties.count);
+    for (size_t k = 0; k < q->ties.count; k++) q->place[k] = q->ties.tie[k].id;
+    if (w->scene.couple.constraint == GN_COUPLE_CONSISTENT) {
+        q->before = gn_alloc_array(q->ties.nodes + 1, 3 * sizeof *q->before);
+        if (!q->before)
+            return gn_fail(error, GNEISS_ERROR_MEMORY, "no memory for %zu nodes of zones",
+                           q->ties.nodes);
+        GN_TRY(gn_consistent_create(&q->ties, (int)w->scene.dimension, &q->consistent, error));
+    }
+    if (w->scene.couple.spins == GN_COUPLE_SLAVED && w->effects & GN_FX_ROTATION) {
+        q->turn = gn_alloc_array(q->ties.count + 1, sizeof *q->turn);
+        if (!q->turn)
+            return gn_fail(error, GNEISS_ERROR_MEMORY, "no memory for %zu particles of zones",
+                           q->ties.count);
+    }
+    if (w->scene.couple.constraint == GN_COUPLE_PENALTY) GN_TRY(make_springs(q, error));
+    return q->ties.count ? GNEISS_OK
+                         : refuse(w, w->scene.couple.where, "",
+                                  "expected particles in elements, found none", error);
+}
+
+/* Forces have the part that elements do not have; masses at least what half a distance of
+ * neighbours is of the zone, so that none is without. */
+static void weigh(const gn_world *w, const gn_ties *ties) {
+    const gn_particles *q = &w->dem.particles, *nodes = &gn_coupled_solid(w)->nodes;
+    const double width = gn_zones_width(&w->scene);
+    for (size_t p = 0; p < q->soa.count; p++) q->blend[2 * p] = q->blend[2 * p + 1] = 1.0;
+    for (size_t k = 0; k < ties->count; k++) {
+        const gn_tie *t = &ties->tie[k];
+        const size_t p = (size_t)t->id;
+        double elements = 0.0;
+        for (int a = 0; a < ties->corners; a++)
+            elements +=
+                t->shape[a] * gn_zones_share(&w->scene, nodes->start + 4 * (size_t)t->node[a]);
+        q->blend[2 * p] = fmin(fmax(1.0 - elements, 0.0), 1.0);
+        q->blend[2 * p + 1] = fmin(fmax(q->blend[2 * p], q->pos[4 * p + 3] / width), 1.0);
+        q->vel[4 * p + 3] /= q->blend[2 * p + 1];
+        if (q->spin) q->spin[4 * p + 3] /= q->blend[2 * p + 1];
+    }
+}
+
+/* kg: what nodes carry, lumped: sum of m_i N_a(X_i), which keeps the mass and its centre. */
+static gneiss_status lump(gn_world *w, const gn_coupled *q, gneiss_error *error) {
+    gn_fem_solid *b = gn_coupled_solid(w);
+    b->carried = gn_alloc_array(b->nodes.soa.count + 1, sizeof *b->carried);
+    if (!b->carried) return gn_fail(error, GNEISS_ERROR_MEMORY, "no memory for masses of nodes");
+    for (size_t n = 0; n < q->ties.nodes; n++)
+        for (int32_t s = q->ties.first[n]; s < q->ties.first[n + 1]; s++) {
+            const gn_tie_share *share = &q->ties.share[s];
+            const int32_t place = w->dem.index_of_id[q->ties.tie[share->tie].id];
+            if (place < 0) continue;
+            double mass = 1.0 / w->dem.particles.vel[4 * (size_t)place + 3];
+            b->carried[q->ties.node[n]] += mass * q->ties.tie[share->tie].shape[share->corner];
+        }
+    return GNEISS_OK;
+}
+
+static void load_nodes(gn_fem_solid *b) {
+    for (size_t n = 0; n < b->nodes.soa.count; n++) {
+        double *inverse = b->nodes.vel + 4 * n + 3;
+        if (b->carried[n] > 0.0) *inverse = 1.0 / (1.0 / *inverse + b->carried[n]);
+    }
+}
+
+/* --- its part of a step --- */
+
+static gneiss_status mark(void *context, gn_world *w, gneiss_error *error) {
+    gn_coupled *q = context;
+    gn_fem_solid *b = gn_coupled_solid(w);
+    for (size_t k = 0; k < q->ties.count; k++) {
+        q->place[k] = w->dem.index_of_id[q->ties.tie[k].id];
+        if (q->place[k] >= 0) GN_TRY(gn_hold_particle(&w->dem.hold, (size_t)q->place[k], error));
+    }
+    if (q->stiffness)
+        gn_penalty_set(w, q); /* particles may have left */
+    else if (!b->carried)
+        GN_TRY(lump(w, q, error)); /* resumed: nodes have it already */
+    for (size_t n = 0; n < q->ties.nodes; n++)
+        GN_TRY(gn_hold_particle(&b->hold, (size_t)q->ties.node[n], error));
+    return GNEISS_OK;
+}
+
+/* Takes the force of a particle away, so that what it moves by itself and what that costs are zero:
+ * its mass is at the nodes, and so is its weight. */
+static void take(gn_world *w, int width, size_t p, double load[3]) {
+    const gn_particles *q = &w->dem.particles;
+    double *row = gn_hold_load(&w->dem.hold, width, p), *v = q->vel + 4 * p;
+    const double mass = v[3] > 0.0 ? 1.0 / v[3] : 0.0;
+    for (size_t a = 0; a < (size_t)w->scene.dimension; a++) {
+        load[a] = row[a];
+        row[a] = w->effects & GN_FX_GRAVITY ? -(mass * w->scene.gravity[a]) : 0.0;
+        v[a] = 0.0;
+        if (w->dem.vel_past) w->dem.vel_past[4 * p + a] = 0.0;
+    }
+}
+
+/* --- consistent masses --- */
+
+static void remember(const gn_world *w, gn_coupled *q) {
+    const gn_particles *nodes = &gn_coupled_solid(w)->nodes;
+    for (size_t n = 0; n < q->ties.nodes; n++)
+        memcpy(q->before + 3 * n, nodes->vel + 4 * (size_t)q->ties.node[n], 3 * sizeof(double));
+}
+
+/* Loads, without gravity and background damping, which join them by the lump: that is right of the
+ * first, and what the second is proportional to. */
+static void set_system(const gn_world *w, gn_coupled *q) {
+    const gn_fem_solid *b = gn_coupled_solid(w);
+    const double interval = 0.5 * (w->dt_past + w->dt);
+    gn_consistent *y = &q->consistent;
+    y->threads = w->threads;
+    for (size_t k = 0; k < q->ties.count; k++) {
+        double inverse = q->place[k] >= 0 ? w->dem.particles.vel[4 * (size_t)q->place[k] + 3] : 0.0;
+        y->mass[k] = inverse > 0.0 ? 1.0 / inverse : 0.0;
+    }
+    for (size_t n = 0; n < q->ties.nodes; n++) {
+        const size_t node = (size_t)q->ties.node[n];
+        const int32_t slot = b->prescribed.count ? b->nodes.slot[node] : -1;
+        const double *row = gn_hold_load(&b->hold, 4, node), *v = b->nodes.vel + 4 * node;
+        y->whole[n] = 1.0 / v[3];
+        y->own[n] = y->whole[n] - b->carried[node];
+        for (size_t a = 0; a < 3; a++) {
+            const bool there = a < (size_t)w->scene.dimension;
+            y->fixed[3 * n + a] = !there || (slot >= 0 && b->prescribed.mask[slot] >> a & 1);
+            y->load[3 * n + a] = there ? row[a] + b->nodes.applied[4 * node + a] : 0.0;
+            y->rate[3 * n + a] =
+                there && y->fixed[3 * n + a] && w->dt_past > 0.0
+                    ? (b->prescribed.velocity[6 * (size_t)slot + a] - v[a]) / interval
+                    : 0.0;
+        }
+    }
+}
+
+static void correct(gn_world *w, gn_coupled *q) {
+    gn_fem_solid *b = gn_coupled_solid(w);
+    gn_consistent *y = &q->consistent;
+    set_system(w, q);
+    gn_consistent_solve(y);
+    gn_consistent_difference(y, y->rate, y->work[0]);
+    for (size_t n = 0; n < q->ties.nodes; n++) {
+        double *row = gn_hold_load(&b->hold, 4, (size_t)q->ties.node[n]);
+        for (int a = 0; a < (int)w->scene.dimension; a++) row[a] += y->work[0][3 * n + a];
+    }
+}
+
+/* 1/2 v(-) (N^T M N - lump) v(+), as the motion has it of the lump. */
+static void find_kinetic(gn_world *w, gn_coupled *q) {
+    const gn_particles *nodes = &gn_coupled_solid(w)->nodes;
+    gn_consistent *y = &q->consistent;
+    double *now = y->work[1];
+    q->kinetic = 0.0;
+    for (size_t n = 0; n < q->ties.nodes; n++)
+        for (size_t a = 0; a < 3; a++) {
+            now[3 * n + a] = nodes->vel[4 * (size_t)q->ties.node[n] + a];
+            if (!(w->dt_past > 0.0))
+                q->before[3 * n + a] = 2.0 * q->before[3 * n + a] - now[3 * n + a];
+        }
+    gn_consistent_difference(y, now, y->work[0]);
+    for (size_t k = 0; k < 3 * q->ties.nodes; k++) q->kinetic -= 0.5 * q->before[k] * y->work[0][k];
+    if (w->step > 0) return;
+    gn_coupled_solid(w)->energy.stored_at_start += q->kinetic;
+    gn_coupled_solid(w)->reading.stored_at_start += q->kinetic;
+}
+
+static void book(void *context, const gn_world *w, gn_energy *reading) {
+    const gn_coupled *q = context;
+    (void)w;
+    reading->kinetic += q->kinetic;
+}
+
+/* --- slaved spins --- */
+
+/* With the spin half the curl of the elements' velocity, w = 1/2 sum_a grad N_a x v_a, the power
+ * T.w of a moment is that of forces 1/2 T x grad N_a on the nodes, which have no resultant and,
+ * with gradients at the present places, the moment T. Such particles have no inertia against
+ * turning. */
+static void take_moment(gn_world *w, gn_coupled *q, int width, size_t k) {
+    const size_t p = (size_t)q->place[k], at = width == 8 ? 4 : 0;
+    const bool space = width == 8;
+    double *row = gn_hold_load(&w->dem.hold, width, p), *spin = w->dem.particles.spin + 4 * p;
+    double moment[3] = {0.0}, g[4][3];
+    for (size_t a = space ? 0 : 2; a < 3; a++) {
+        moment[a] = 0.5 * row[at + a];
+        row[at + a] = spin[a] = 0.0;
+        if (w->dem.spin_past) w->dem.spin_past[4 * p + a] = 0.0;
+    }
+    gn_tie_gradients(&q->ties, k, &gn_coupled_solid(w)->nodes, g);
+    for (int a = 0; a < q->ties.corners; a++) gn_cross3(moment, g[a], q->turn[k][a]);
+}
+
+static void turn(gn_world *w, const gn_coupled *q, size_t k) {
+    const gn_particles *nodes = &gn_coupled_solid(w)->nodes, *a = &w->dem.particles;
+    const size_t p = 4 * (size_t)q->place[k];
+    double g[4][3], sum[3] = {0.0};
+    gn_tie_gradients(&q->ties, k, nodes, g);
+    for (int c = 0; c < q->ties.corners; c++) {
+        double of[3];
+        gn_cross3(g[c], nodes->vel + 4 * (size_t)q->ties.tie[k].node[c], of);
+        for (int d = 0; d < 3; d++) sum[d] += 0.5 * of[d];
+    }
+    for (size_t d = w->scene.dimension == 3 ? 0 : 2; d < 3; d++) {
+        a->spin[p + d] = sum[d];
+        if (a->spin_f) a->spin_f[p + d] = (float)sum[d];
+    }
+}
+
+void gn_coupled_hand_to_nodes(gn_world *w, gn_coupled *q) {
+    gn_fem_solid *b = gn_coupled_solid(w);
+#pragma omp parallel for schedule(static) num_threads(w->threads)
+    for (size_t n = 0; n < q->ties.nodes; n++) {
+        double *row = gn_hold_load(&b->hold, 4, (size_t)q->ties.node[n]);
+        for (int32_t s = q->ties.first[n]; s < q->ties.first[n + 1]; s++) {
+            const gn_tie_share *share = &q->ties.share[s];
+            const double shape = q->ties.tie[share->tie].shape[share->corner];
+            for (int a = 0; a < (int)w->scene.dimension; a++)
+                row[a] += shape * q->load[share->tie][a];
+            for (int a = 0; q->turn && a < (int)w->scene.dimension; a++)
+                row[a] += q->turn[share->tie][share->corner][a];
+        }
+    }
+}
+
+static gneiss_status act(void *context, gn_world *w, gneiss_error *error) {
+    gn_coupled *q = context;
+    const int width = gn_row_width(w->scene.dimension == 3, w->effects & GN_FX_ROTATION);
+    (void)error;
+    if (q->before) remember(w, q);
+#pragma omp parallel for schedule(static) num_threads(w->threads)
+    for (size_t k = 0; k < q->ties.count; k++) {
+        q->load[k][0] = q->load[k][1] = q->load[k][2] = 0.0;
+        if (q->place[k] >= 0) take(w, width, (size_t)q->place[k], q->load[k]);
+        if (q->turn) memset(q->turn[k], 0, sizeof q->turn[k]);
+        if (q->turn && q->place[k] >= 0) take_moment(w, q, width, k);
+    }
+    gn_coupled_hand_to_nodes(w, q);
+    if (q->before) correct(w, q);
+    return GNEISS_OK;
+}
+
+/* Puts a particle where the nodes take it; returns the square of its speed. */
+static double place(gn_world *w, const gn_coupled *q, size_t k) {
+    const gn_particles *nodes = &gn_coupled_solid(w)->nodes, *a = &w->dem.particles;
+    const size_t p = (size_t)q->place[k];
+    double v[3], u[3];
+    gn_tie_mean(&q->ties, k, nodes->vel, v);
+    gn_tie_travel(&q->ties, k, nodes, u);
+    for (size_t c = 0; c < (size_t)w->scene.dimension; c++) {
+        a->vel[4 * p + c] = v[c];
+        a->pos[4 * p + c] = a->start[4 * p + c] + u[c];
+        if (!a->travel_f) continue;
+        a->vel_f[4 * p + c] = (float)v[c];
+        a->travel_f[4 * p + c] = (float)(a->pos[4 * p + c] - a->ref[4 * p + c]);
+    }
+    if (q->turn) turn(w, q, k);
+    return gn_dot3(v, v);
+}
+
+static double place_all(gn_world *w, const gn_coupled *q) {
+    double most = 0.0;
+#pragma omp parallel for schedule(static) num_threads(w->threads) reduction(max : most)
+    for (size_t k = 0; k < q->ties.count; k++) {
+        double speed2 = q->place[k] >= 0 ? place(w, q, k) : 0.0;
+        most = speed2 > most ? speed2 : most;
+    }
+    return sqrt(most);
+}
+
+/* What is kept of the particles' largest speed is that of all. */
+static gneiss_status follow(void *context, gn_world *w, gneiss_error *error) {
+    gn_dem *d = &w->dem;
+    gn_coupled *q = context;
+    if (q->before) find_kinetic(w, q);
+    double speed = place_all(w, q), before = sqrt(d->done.motion.speed2);
+    if (!(speed > before)) return GNEISS_OK;
+    d->verlet.drift += w->dt * (speed - before);
+    d->speed_most = speed * (1.0 + 1e-6);
+    if (w->dt * speed <= 0.5 * d->radius_min) return GNEISS_OK;
+    return gn_fail(
+        error, GNEISS_ERROR_UNSTABLE,
+        "step %lld, t = %g s: couple: elements moved a particle of a zone farther in one "
+        "step than half the smallest radius: %g m/s, smallest radius %g m; the step is "
+        "%.3g s, its stability limit was estimated as %.3g s",
+        (long long)w->step, w->time, speed, d->radius_min, w->dt, w->stable);
+}
+
+/* --- both ways to it --- */
+
+static gneiss_status hand_over(gn_world *w, gn_coupled *q, gneiss_error *error) {
+    gn_exchange exchange = {q, mark, act, coupled_free, follow, book};
+    if (q->stiffness) {
+        exchange.act = gn_penalty_act;
+        exchange.follow = gn_penalty_follow;
+        exchange.book = gn_penalty_book;
+    }
+    return gn_exchange_add(w, exchange, error);
+}
+
+static gneiss_status prepare(gn_world *w, gn_coupled **q, gneiss_error *error) {
+    GN_TRY(check_law(w, error));
+    for (size_t k = 0; k < w->scene.couple.zone_count; k++) GN_TRY(check_end(w, k, error));
+    GN_TRY(find(w, q, error));
+    GN_TRY(check_inside(w, &(*q)->ties, error));
+    for (size_t k = 0; k < (*q)->ties.count; k++) GN_TRY(check_free(w, &(*q)->ties.tie[k], error));
+    weigh(w, &(*q)->ties);
+    /* Particles are numbered when they are sorted for the first time. */
+    for (size_t p = 0; p < w->dem.particles.soa.count; p++) w->dem.index_of_id[p] = (int32_t)p;
+    if (!(*q)->stiffness) {
+        GN_TRY(lump(w, *q, error));
+        load_nodes(gn_coupled_solid(w));
+        place_all(w, *q);
+    }
+    return hand_over(w, *q, error);
+}
+
+gneiss_status gn_coupled_create(gn_world *w, gneiss_error *error) {
+    gn_coupled *q = NULL;
+    if (!w->scene.has_couple) return GNEISS_OK;
+    gneiss_status status = prepare(w, &q, error);
+    if (status != GNEISS_OK && q) coupled_free(q);
+    return status;
+}
+
+gneiss_status gn_coupled_resume(gn_world *w, gneiss_error *error) {
+    gn_coupled *q = NULL;
+    if (!w->scene.has_couple) return GNEISS_OK;
+    gneiss_status status = find(w, &q, error);
+    if (status == GNEISS_OK) status = hand_over(w, q, error);
+    if (status != GNEISS_OK && q) coupled_free(q);
+    return status;
+}
+
+/* --- readings --- */
+
+bool gn_coupled_has(const gn_coupled *q, int32_t id) {
+    size_t low = 0, high = q->ties.count;
+    while (low < high) {
+        size_t middle = low + (high - low) / 2;
+        if (q->ties.tie[middle].id < id)
+            low = middle + 1;
+        else
+            high = middle;
+    }
+    return low < q->ties.count && q->ties.tie[low].id == id;
+}
+
+/* Of an element, J. Displacements are taken half a step back, at the instant of velocities; these
+ * where the strain along n is taken: nodes count by their part in it. */
+static double returned(const gn_fem_solid *b, size_t e, const double n[3], double back) {
+    const gn_elements *q = &b->elements;
+    double speed = 0.0, strain = 0.0, slope[4] = {0.0}, size = 0.0;
+    for (int a = 1; a <= b->dimension; a++)
+        for (int k = 0; k < b->dimension; k++) slope[a] += gn_elements_gradient(q, a, k)[e] * n[k];
+    for (int a = 1; a <= b->dimension; a++) slope[0] -= slope[a];
+    for (int a = 0; a <= b->dimension; a++) size += fabs(slope[a]);
+    for (int a = 0; a <= b->dimension; a++) {
+        const size_t at = 4 * (size_t)gn_elements_node(q, a)[e];
+        for (size_t k = 0; k < (size_t)b->dimension; k++) {
+            double v = b->nodes.vel[at + k];
+            speed += fabs(slope[a]) / size * v * n[k];
+            strain += slope[a] * (b->nodes.pos[at + k] - b->nodes.start[at + k] - back * v) * n[k];
+        }
+    }
+    double density = b->density[q->material[e]];
+    double c = sqrt((q->lambda[e] + 2.0 * q->mu[e]) / density), wave = 0.5 * (speed + c * strain);
+    return density * q->volume[e] * wave * wave;
+}
+
+double gn_coupled_returned(const gn_world *w, size_t k) {
+    const gn_fem_solid *b = gn_coupled_solid(w);
+    double n[3], sum = 0.0;
+    gn_zone_direction(&w->scene.couple.zones[k], b->dimension, n);
+    for (size_t e = 0; e < b->elements.soa.count; e++) {
+        bool whole = true;
+        for (int a = 0; a <= b->dimension; a++) {
+            const double *x = b->nodes.start + 4 * (size_t)gn_elements_node(&b->elements, a)[e];
+            whole = whole && gn_zones_share(&w->scene, x) >= 1.0 - GN_ZONE_ROUNDING;
+        }
+        if (whole) sum += returned(b, e, n, 0.5 * w->dt_past);
+    }
+    return sum;
+}

@@ -1,0 +1,23 @@
+/* What the files of zones share. */
+#ifndef GN_SIM_COUPLING_INTERNAL_H
+#define GN_SIM_COUPLING_INTERNAL_H
+
+#include "sim/coupling.h"
+#include "sim/exchange.h"
+#include "sim/internal.h"
+
+static inline gn_fem_solid *gn_coupled_solid(const gn_world *w) {
+    return &w->elements[0]->solid;
+}
+
+/* Adds coupled->load to the nodes' loads, by the shape functions. */
+void gn_coupled_hand_to_nodes(gn_world *world, gn_coupled *coupled);
+
+/* Springs instead of a constraint (coupling_penalty.c): from world->couple.frequency; their part of
+ * a step. */
+void gn_penalty_set(const gn_world *world, gn_coupled *coupled);
+gneiss_status gn_penalty_act(void *context, gn_world *world, gneiss_error *error);
+gneiss_status gn_penalty_follow(void *context, gn_world *world, gneiss_error *error);
+void gn_penalty_book(void *context, const gn_world *world, gn_energy *reading);
+
+#endif

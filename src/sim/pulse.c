@@ -1,0 +1,34 @@
+/* A plane wave that is under way at the start (initial.pulse). */
+#include "sim/internal.h"
+
+#include <math.h>
+
+static void start(const gn_scene *s, gn_particles *q) {
+    const gn_pulse *p = &s->pulse;
+    double n[3] = {0.0}, size2 = 0.0;
+    for (int a = 0; a < (int)s->dimension; a++) size2 += p->direction[a] * p->direction[a];
+    for (int a = 0; a < (int)s->dimension; a++) n[a] = p->direction[a] / sqrt(size2);
+    for (size_t k = 0; k < q->soa.count; k++) {
+        double at = 0.0, u, v;
+        for (size_t a = 0; a < 3; a++) at += n[a] * (q->start[4 * k + a] - p->centre[a]);
+        if (!(fabs(at) < 0.5 * p->length)) continue;
+        u = 0.5 * p->size * (1.0 + cos(2.0 * M_PI * at / p->length));
+        v = p->speed * p->size * M_PI / p->length * sin(2.0 * M_PI * at / p->length);
+        for (size_t a = 0; a < 3; a++) {
+            q->pos[4 * k + a] += u * n[a];
+            q->vel[4 * k + a] += v * n[a];
+        }
+    }
+}
+
+/* Bonds were made at the places without it. */
+gneiss_status gn_pulse_start(gn_world *w, gneiss_error *error) {
+    if (!w->scene.has_pulse) return GNEISS_OK;
+    if (w->dem.particles.soa.count) start(&w->scene, &w->dem.particles);
+    for (size_t k = 0; k < w->element_count; k++) {
+        start(&w->scene, &w->elements[k]->solid.nodes);
+        gn_fem_moved(&w->elements[k]->solid);
+        gn_fem_to_single(&w->elements[k]->solid);
+    }
+    return w->dem.particles.soa.count ? gn_world_rebuild(w, error) : GNEISS_OK;
+}

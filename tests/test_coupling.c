@@ -1,0 +1,494 @@
+/* Particles and finite elements as one body, in zones that both share. */
+#include "run/run.h"
+#include "sim/coupling.h"
+#include "sim/exchange.h"
+#include "world_helpers.h"
+
+#include <unistd.h>
+
+/* A strip along x: elements of side h up to the middle of its length and half a zone farther,
+ * particles of a square lattice (spacing 1 mm) from half a zone before it to the other end. Columns
+ * of centres are on both edges of the zone, rows between rows of nodes or symmetric about them. The
+ * lattice has the moduli M = k_n and nu = 0 along its axes. */
+typedef struct strip {
+    double length, zone, side; /* m */
+    int rows;                  /* of particles; a multiple of the side in mm */
+    bool mirrored;             /* particles before elements */
+    bool space;                /* as deep as it is high */
+    const char *more;          /* keys of couple */
+    const char *time;          /* keys of time */
+    const char *rest;          /* further sections */
+} strip;
+
+static const double modulus = 24e9, density = 7800.0, spacing = 1e-3;
+
+static void add_particles(text *t, const strip *s, double lower, int columns) {
+    const double solid = s->space ? pi / 6.0 : pi / 4.0;
+    add(t, "dimension: %d\n", s->space ? 3 : 2);
+    if (s->space)
+        add(t,
+            "specimen: {group: 1, lattice: {kind: cubic, radius: 0.5 mm, cells: [%d, %d, %d], "
+            "origin: [%.17g, 0, 0]}}\n",
+            columns, s->rows, s->rows, lower - 0.5e-3);
+    else
+        add(t,
+            "specimen: {group: 1, lattice: {kind: square, radius: 0.5 mm, cells: [%d, %d], origin: "
+            "[%.17g, 0]}}\n",
+            columns, s->rows, lower - 0.5e-3);
+    add(t,
+        "materials: [{name: m, density: %.17g, normal_stiffness: %g, kratio: 4, friction: 0.2, "
+        "bond_tension_limit: 1e15, bond_shear_limit: 1e15}]\n"
+        "law: {stiffness: uniform}\nbonds: {interaction_range: 0.01}\n",
+        density / solid, s->space ? modulus * spacing : modulus);
+}
+
+static void add_elements(text *t, const strip *s, double lower, double size) {
+    const int along = (int)lround(size / s->side),
+              across = (int)lround(s->rows * spacing / s->side);
+    if (s->space)
+        add(t,
+            "elements: {box: {origin: [%.17g, 0, 0], size: [%.17g, %.17g, %.17g], cells: [%d, %d, "
+            "%d]}, ",
+            lower, size, s->rows * spacing, s->rows * spacing, along, across, across);
+    else
+        add(t,
+            "elements: {rectangle: {origin: [%.17g, 0], size: [%.17g, %.17g], cells: [%d, %d], "
+            "diagonals: parallel}, ",
+            lower, size, s->rows * spacing, along, across);
+    add(t, "materials: [{young: %g, poisson: 0, density: %g}]}\n", modulus, density);
+}
+
+static text *text_of(const strip *s) {
+    text *t = calloc(1, sizeof *t);
+    const double middle = 0.5 * s->length, half = 0.5 * s->zone;
+    const double from = s->mirrored ? middle - half : middle + half;
+    const double to = s->mirrored ? middle + half : middle - half;
+    const char *flat = s->space ? ", 0, 0" : ", 0";
+    add_particles(t, s, s->mirrored ? 0.0 : to,
+                  1 + (int)lround((s->mirrored ? to : s->length - to) / spacing));
+    add_elements(t, s, s->mirrored ? from : 0.0, s->mirrored ? s->length - from : from);
+    add(t, "couple: {zones: [{edges: [{from: [%.17g%s], to: [%.17g%s]}]}]%s%s}\n", from, flat, to,
+        flat, s->more ? ", " : "", s->more ? s->more : "");
+    add(t, "time: {end: 1%s%s}\n%s", s->time ? ", " : "", s->time ? s->time : "",
+        s->rest ? s->rest : "run: {threads: 1}\n");
+    return t;
+}
+
+static gn_world *strip_of(const strip *s) {
+    text *t = text_of(s);
+    gn_world *w = world_of("%s", t->s);
+    free(t);
+    return w;
+}
+
+/* Whether a particle is one of a zone. */
+static bool tied_by_zone(const gn_world *w, size_t p) {
+    return gn_coupled_has(w->exchange[0].context, w->dem.particles.id[p]);
+}
+
+typedef void field(const double *x, const void *of, double u[3], double v[3]);
+
+static void set_field(gn_particles *q, field *at, const void *of) {
+    for (size_t p = 0; p < q->soa.count; p++) {
+        double u[3] = {0}, v[3] = {0};
+        at(q->start + 4 * p, of, u, v);
+        for (size_t k = 0; k < 3; k++) {
+            q->pos[4 * p + k] = q->start[4 * p + k] + u[k];
+            q->vel[4 * p + k] = v[k];
+        }
+    }
+}
+
+/* Of all points of a world. */
+static void set_fields(gn_world *w, field *at, const void *of) {
+    set_field(&w->dem.particles, at, of);
+    set_field(&w->elements[0]->solid.nodes, at, of);
+    gn_fem_moved(&w->elements[0]->solid);
+}
+
+/* --- patches --- */
+
+static void pull(const double *x, const void *of, double u[3], double v[3]) {
+    (void)v;
+    u[0] = *(const double *)of * x[0];
+}
+
+/* The largest force on any point of which the particles of zones are none, N; they and the nodes
+ * are one. `columns`: of all points at the same x together. */
+static double largest_force(gn_world *w, double low, double high, bool columns) {
+    const gn_particles *all[2] = {&w->dem.particles, &w->elements[0]->solid.nodes};
+    double most = 0.0, *sum = calloc(4096, sizeof *sum);
+    run_steps(w, 1);
+    for (int k = 0; k < 2; k++)
+        for (size_t p = 0; p < all[k]->soa.count; p++) {
+            const double *v = all[k]->vel + 4 * p, *x = all[k]->start + 4 * p;
+            const bool tied = k == 0 && tied_by_zone(w, p);
+            if (tied || x[0] < low || x[0] > high) continue;
+            for (size_t a = 0; a < 2; a++) {
+                double force = v[a] / (0.5 * w->dt * v[3]);
+                most = columns ? most : fmax(most, fabs(force));
+                sum[2 * lround((x[0] - low) / (0.5 * spacing)) + a] += force;
+            }
+        }
+    for (int k = 0; columns && k < 4096; k++) most = fmax(most, fabs(sum[k]));
+    free(sum);
+    return most;
+}
+
+/* Nodes get the load of the particles around them, not the integral of it over their elements, so
+ * that triangles which lean one way leave forces between the nodes of a column; together they are
+ * in equilibrium. What is left are the square of the strain, which elements have and bonds have
+ * not, and the rounding of places over the displacement of a spacing. */
+static void a_patch_of_a_lattice_is_in_equilibrium_to_rounding(void **state) {
+    (void)state;
+    const double strain = 1e-7;
+    for (int mirrored = 0; mirrored < 2; mirrored++) {
+        strip s = {.length = 20e-3, .zone = 4e-3, .side = 1e-3, .rows = 4, .mirrored = mirrored};
+        gn_world *w = strip_of(&s);
+        set_fields(w, pull, &strain);
+        double force = largest_force(w, 0.6e-3, 19.4e-3, true);
+        double whole = s.rows * modulus * strain * spacing;
+        assert_near(force / whole, 0.0, 4.0 * strain + 8.0 * 2.2e-16 * 20e-3 / (strain * spacing));
+        world_end(w);
+    }
+}
+
+static void move_rigidly(const double *x, const void *of, double u[3], double v[3]) {
+    const double *how = of, c = cos(how[2]) - 1.0, s = sin(how[2]); /* shift x y, angle, spin */
+    u[0] = how[0] + c * x[0] - s * x[1];
+    u[1] = how[1] + s * x[0] + c * x[1];
+    v[0] = -how[3] * (x[1] + u[1]);
+    v[1] = how[3] * (x[0] + u[0]);
+}
+
+/* The velocities' part is the centripetal force of the spin, which is left out. */
+static void moving_and_turning_as_a_whole_costs_no_force(void **state) {
+    (void)state;
+    const double how[4] = {2e-4, -1e-4, 0.3, 0.0};
+    strip s = {.length = 20e-3, .zone = 4e-3, .side = 1e-3, .rows = 4};
+    gn_world *w = strip_of(&s);
+    set_fields(w, move_rigidly, how);
+    /* Rounding of places of 2 cm. */
+    assert_true(largest_force(w, -1e-3, 21e-3, false) < modulus * 32.0 * 2.2e-16 * 20e-3);
+    world_end(w);
+}
+
+/* --- waves --- */
+
+typedef struct pulse {
+    double size, centre, length, speed; /* m, m, m, m/s along x */
+} pulse;
+
+static void pulse_at(const double *x, const void *of, double u[3], double v[3]) {
+    const pulse *q = of;
+    double at = (x[0] - q->centre) / q->length;
+    if (fabs(at) >= 0.5) return;
+    u[0] = 0.5 * q->size * (1.0 + cos(2.0 * pi * at));
+    v[0] = q->speed * pi * q->size / q->length * sin(2.0 * pi * at);
+}
+
+/* As gn_coupled_returned, of the particles of the lattice before the zone, J. */
+static double returned_in_lattice(const gn_world *w, double end) {
+    const gn_particles *q = &w->dem.particles;
+    const double c = sqrt(modulus / density), back = 0.5 * w->dt_past;
+    double sum = 0.0;
+    for (size_t b = 0; b < w->dem.bonds.soa.count; b++) {
+        size_t i = 4 * (size_t)w->dem.bonds.i[b], j = 4 * (size_t)w->dem.bonds.j[b];
+        double length = q->start[j] - q->start[i];
+        if (fabs(length) < 0.5 * spacing || fmax(q->start[i], q->start[j]) > end) continue;
+        double grown = (q->pos[j] - q->start[j] - back * q->vel[j]) -
+                       (q->pos[i] - q->start[i] - back * q->vel[i]);
+        double wave = 0.5 * (0.5 * (q->vel[i] + q->vel[j]) + c * grown / length);
+        sum += wave * wave / q->vel[i + 3];
+    }
+    return sum;
+}
+
+/* What runs back, over the energy of the pulse, once it has passed the zone. */
+static double returned_of(double zone, double length, bool mirrored) {
+    strip s = {.length = 0.6, .zone = zone, .side = 5e-3, .rows = 5, .mirrored = mirrored};
+    pulse p = {1e-6, 0.12, length, sqrt(modulus / density)};
+    gn_world *w = strip_of(&s);
+    set_fields(w, pulse_at, &p);
+    gn_energy e = measured_step(w);
+    const double whole = gn_energy_stored(&e);
+    while (w->time < 205e-6) run_steps(w, 1);
+    double back = mirrored ? returned_in_lattice(w, 0.3 - 0.5 * zone) : gn_coupled_returned(w, 0);
+    e = measured_step(w);
+    print_message("# zone %g, wave %g: %.4f %% returned, residual %g\n", zone, length,
+                  100.0 * back / whole, gn_energy_residual(&e));
+    world_end(w);
+    return back / whole;
+}
+
+/* Waves of twelve elements, zones of four and eight. */
+static void a_wave_passes_from_elements_to_particles(void **state) {
+    (void)state;
+    double thin = returned_of(20e-3, 60e-3, false), wide = returned_of(40e-3, 60e-3, false);
+    assert_true(thin <= 1e-3);
+    assert_true(wide < thin);
+}
+
+/* A pulse in the lattice has waves that no element can follow (1 + cos has a kink in its curvature
+ * at both ends), which run back: 3e-4 of the energy of one of 60 mm is in waves shorter than two
+ * elements. In one twice as long it is an eighth of that. */
+static void a_wave_passes_from_particles_to_elements(void **state) {
+    (void)state;
+    assert_true(returned_of(20e-3, 120e-3, true) <= 1e-3);
+}
+
+/* --- what is kept --- */
+
+static void add_momentum(const gn_world *w, bool nodes, double sum[6], double *size) {
+    const bool lumped = w->scene.couple.constraint == GN_COUPLE_LUMPED,
+               slaved = w->scene.couple.spins == GN_COUPLE_SLAVED;
+    const gn_particles *q = nodes ? &w->elements[0]->solid.nodes : &w->dem.particles;
+    for (size_t p = 0; p < q->soa.count; p++) {
+        const double *x = q->pos + 4 * p, *v = q->vel + 4 * p;
+        const double *carried = w->elements[0]->solid.carried;
+        double m = 1.0 / v[3];
+        if (lumped && !nodes && tied_by_zone(w, p)) m = 0.0; /* nodes carry it */
+        if (!lumped && nodes && carried) m -= carried[p];
+        for (int a = 0; a < 3; a++) {
+            int c = (a + 1) % 3, d = (a + 2) % 3;
+            sum[a] += m * v[a];
+            sum[3 + a] += m * (x[c] * v[d] - x[d] * v[c]);
+            const bool counts = q->spin && !(slaved && tied_by_zone(w, p));
+            if (counts) sum[3 + a] += q->spin[4 * p + a] / q->spin[4 * p + 3];
+            *size += m * fabs(v[a]);
+        }
+    }
+}
+
+static void momentum_of(const gn_world *w, double sum[6], double *size) {
+    memset(sum, 0, 6 * sizeof *sum);
+    *size = 0.0;
+    add_momentum(w, false, sum, size);
+    add_momentum(w, true, sum, size);
+}
+
+static void stir(const double *x, const void *of, double u[3], double v[3]) {
+    const double *space = of;
+    (void)u;
+    v[0] = 2e-3 * sin(900.0 * x[1] + 300.0 * x[0]);
+    v[1] = 3e-3 * cos(700.0 * x[0]);
+    v[2] = *space * 2e-3 * sin(500.0 * x[0] + 800.0 * x[1]);
+}
+
+/* Waves in all directions, as far as the mesh and the lattice have them. */
+static gn_world *stirred(const strip *s) {
+    const double space = s->space ? 1.0 : 0.0;
+    gn_world *w = strip_of(s);
+    set_fields(w, stir, &space);
+    run_steps(w, 1); /* particles of the zone take the velocity of the nodes */
+    return w;
+}
+
+/* Over what has gone through. */
+static double worst_residual(gn_world *w, int steps) {
+    double worst = 0.0;
+    for (int k = 0; k < steps; k++) {
+        gn_energy e = measured_step(w);
+        worst = fmax(worst, fabs(gn_energy_residual(&e)));
+    }
+    return worst;
+}
+
+static strip small_strip(bool space) {
+    return (strip){.length = space ? 16e-3 : 20e-3,
+                   .zone = space ? 4e-3 : 6e-3,
+                   .side = space ? 1e-3 : 2e-3,
+                   .rows = space ? 3 : 6,
+                   .space = space};
+}
+
+static void keeps_momentum_and_energy(const char *more, bool space, int steps) {
+    strip s = small_strip(space);
+    s.more = more;
+    gn_world *w = stirred(&s);
+    double before[6], after[6], size;
+    momentum_of(w, before, &size);
+    assert_true(worst_residual(w, steps) < 1e-5);
+    momentum_of(w, after, &size);
+    /* Of springs that pull along the gap. Dashpots pull across it as well. */
+    const int kept = more && strstr(more, "damping") ? 3 : 6;
+    for (int a = 0; a < kept; a++)
+        assert_near(after[a], before[a], 1e-12 * size * (a < 3 ? 1.0 : s.length));
+    world_end(w);
+}
+
+static void a_coupled_body_keeps_momentum_and_energy(void **state) {
+    (void)state;
+    keeps_momentum_and_energy(NULL, false, 3000);
+    keeps_momentum_and_energy(NULL, true, 1000);
+    keeps_momentum_and_energy("constraint: consistent", false, 1000);
+    keeps_momentum_and_energy("constraint: consistent", true, 300);
+    keeps_momentum_and_energy("spins: slaved", false, 1000);
+    keeps_momentum_and_energy("spins: slaved, constraint: consistent", true, 300);
+    keeps_momentum_and_energy("constraint: penalty", false, 1000);
+    keeps_momentum_and_energy("constraint: penalty, penalty_damping: 0.2", true, 300);
+}
+
+static uint64_t hash_after(bool space, const char *rest, int steps) {
+    strip s = small_strip(space);
+    s.rest = rest;
+    gn_world *w = stirred(&s);
+    run_steps(w, steps);
+    uint64_t hash = gn_world_hash(w);
+    world_end(w);
+    return hash;
+}
+
+static void a_coupled_body_gives_the_same_bits_on_any_number_of_threads(void **state) {
+    (void)state;
+    for (int space = 0; space < 2; space++) {
+        uint64_t one = hash_after(space, "run: {threads: 1}\n", 200);
+        assert_true(hash_after(space, "run: {threads: 2}\n", 200) == one);
+        assert_true(hash_after(space, "run: {threads: 3}\n", 200) == one);
+    }
+}
+
+static void a_coupled_body_gives_the_same_bits_on_every_instruction_set(void **state) {
+    (void)state;
+    for (int space = 0; space < 2; space++)
+        assert_true(hash_after(space, "run: {threads: 1, isa: scalar}\n", 200) ==
+                    hash_after(space, "run: {threads: 1}\n", 200));
+}
+
+/* What else can be on beside a zone: dashpots, background damping, gravity, walls, single
+ * precision; then on another number of threads, and resumed. */
+static gn_run *busy_run(bool space, int threads, const char *precision, const char *more) {
+    char rest[512];
+    strip s = small_strip(space);
+    gn_run *run = calloc(1, sizeof *run);
+    gneiss_error error = {0};
+    gn_scene scene;
+    snprintf(rest, sizeof rest,
+             "damping: {contact: {restitution: 0.8}, background: {model: %s}}\n"
+             "gravity: [0, -9.81%s]\n"
+             "walls: [{name: end, point: [%g, 0%s], normal: [-1, 0%s], stiffness: 1e6}]\n"
+             "run: {threads: %d, precision: %s}\n",
+             strstr(more, "consistent") ? "none" : "nonviscous_component, coefficient: 0.1",
+             space ? ", 0" : "", s.length + 0.5e-3, space ? ", 0" : "", space ? ", 0" : "", threads,
+             precision);
+    s.rest = rest;
+    s.more = more;
+    text *t = text_of(&s);
+    if (gn_scene_parse(t->s, "s.yaml", NULL, NULL, 0, &scene, &error) != GNEISS_OK ||
+        gn_run_create(&scene, run, &error) != GNEISS_OK)
+        fail_msg("%s", error.message);
+    free(t);
+    const double depth = space ? 1.0 : 0.0;
+    set_fields(&run->world, stir, &depth);
+    return run;
+}
+
+static void beside_all_else_threads_and_resumption_give_the_same_bits(void **state) {
+    (void)state;
+    char path[] = "/tmp/gneiss-coupling-XXXXXX";
+    gneiss_error error = {0};
+    close(mkstemp(path));
+    const char *more[] = {"constraint: lumped", "constraint: consistent, spins: slaved",
+                          "constraint: penalty, penalty_damping: 0.1", "spins: slaved"};
+    for (int k = 0; k < 8; k++) {
+        const char *precision = k % 2 ? "mixed" : "double", *how = more[(k + k / 4) % 4];
+        gn_run *a = busy_run(k / 4, 1, precision, how), *b = busy_run(k / 4, 2, precision, how);
+        gn_run *c = calloc(1, sizeof *c);
+        run_steps(&a->world, 150);
+        run_steps(&b->world, 150);
+        if (gn_checkpoint_write(a, path, &error) != GNEISS_OK ||
+            gn_checkpoint_load(path, NULL, 0, c, &error) != GNEISS_OK)
+            fail_msg("%s", error.message);
+        gn_run *const all[] = {a, b, c};
+        for (int r = 0; r < 3; r++) {
+            gn_world *w = &all[r]->world;
+            run_steps(w, 100);
+            gn_energy e = measured_step(w);
+            assert_true(fabs(gn_energy_residual(&e)) < 1e-5);
+            assert_true(gn_world_hash(w) == gn_world_hash(&a->world));
+        }
+        for (int r = 0; r < 3; r++) {
+            gn_run_free(all[r]);
+            free(all[r]);
+        }
+    }
+    unlink(path);
+}
+
+/* --- step --- */
+
+/* The energy after so many steps of a part of the sharp limit, over that at the start; INFINITY
+ * when the run has gone bad. */
+static double energy_at(double part, int steps) {
+    char time[96];
+    gneiss_error error = {0};
+    strip s = small_strip(false);
+    gn_world *w = strip_of(&s);
+    double limit = gn_world_sharp_limit(w), grown = 0.0;
+    world_end(w);
+    snprintf(time, sizeof time, "step: %.17g, on_unstable: warn", part * limit);
+    s.time = time;
+    w = stirred(&s);
+    gn_energy e = measured_step(w);
+    const double start = gn_energy_stored(&e);
+    for (int k = 0; k < steps && isfinite(grown); k++)
+        if (gn_world_step(w, true, &error) != GNEISS_OK) grown = INFINITY;
+    if (isfinite(grown)) grown = fabs(gn_energy_stored(&w->reading)) / start;
+    world_end(w);
+    return grown;
+}
+
+/* The sharp limit of either side by itself; the particles' is the smaller one. */
+static void a_zone_is_stable_up_to_the_limits_of_both_sides(void **state) {
+    (void)state;
+    assert_true(energy_at(0.99, 5000) < 2.0);
+    assert_true(energy_at(1.05, 2000) > 1e3);
+}
+
+/* --- what is refused --- */
+
+static void assert_refused(const strip *s, const char *from, const char *to, const char *words) {
+    gn_world w;
+    gneiss_error error = {0};
+    text *t = text_of(s), *changed = calloc(1, sizeof *changed);
+    char *at = strstr(t->s, from);
+    assert_non_null(at);
+    add(changed, "%.*s%s%s", (int)(at - t->s), t->s, to, at + strlen(from));
+    if (world_try(&w, changed->s, NULL, &error) == GNEISS_OK) fail_msg("accepted: %s", to);
+    if (!strstr(error.message, words)) fail_msg("%s", error.message);
+    free(t);
+    free(changed);
+}
+
+static void what_is_no_zone_is_refused(void **state) {
+    (void)state;
+    strip s = small_strip(false);
+    assert_refused(&s, "from: [0.013", "from: [0.011", "expected elements that end on the plane");
+    assert_refused(&s, "from: [0.0130", "from: [0.0145", "found particle");
+    assert_refused(&s, "from: [0.013000000000000001", "from: [0.0070000000000000001",
+                   "edges[0].to: expected a point");
+    assert_refused(&s, "couple: {", "couple: {spin: free, ", "unknown key");
+    assert_refused(&s, "materials: [{young", "contact: {stiffness: 1e9}, materials: [{young",
+                   "expected no elements.contact beside it, found one");
+    s.rest = "damping: {background: {model: viscous, coefficient: 1}}\n";
+    assert_refused(&s, "couple: {", "couple: {constraint: consistent, ",
+                   "expected lumped or penalty beside background damping");
+    s.rest = "sets: [{name: a, select: {all: true}, force: [1, 0]}]\n";
+    assert_refused(&s, "time:", "time:", "that no set pushes or moves");
+}
+
+int main(void) {
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(a_patch_of_a_lattice_is_in_equilibrium_to_rounding),
+        cmocka_unit_test(moving_and_turning_as_a_whole_costs_no_force),
+        cmocka_unit_test(a_wave_passes_from_elements_to_particles),
+        cmocka_unit_test(a_wave_passes_from_particles_to_elements),
+        cmocka_unit_test(a_coupled_body_keeps_momentum_and_energy),
+        cmocka_unit_test(a_coupled_body_gives_the_same_bits_on_any_number_of_threads),
+        cmocka_unit_test(a_coupled_body_gives_the_same_bits_on_every_instruction_set),
+        cmocka_unit_test(beside_all_else_threads_and_resumption_give_the_same_bits),
+        cmocka_unit_test(a_zone_is_stable_up_to_the_limits_of_both_sides),
+        cmocka_unit_test(what_is_no_zone_is_refused),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}

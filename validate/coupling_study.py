@@ -1,0 +1,151 @@
+"""Waves through zones that particles and elements share, and a patch of a disordered packing: docs/evidence/coupling.md. A few minutes.
+
+    /usr/bin/python3 validate/coupling_study.py [--fresh]
+"""
+import h5py
+import numpy as np
+
+import study
+
+SCENE = "scenes/wave-zone.yaml"
+LENGTH, MODULUS, DENSITY, SPACING = 0.6, 24e9, 7800.0, 1e-3
+SPEED = np.sqrt(MODULUS / DENSITY)
+WIDTHS = (10, 20, 40, 80, 120)  # mm
+CONSTRAINTS = ("lumped", "consistent", "penalty")
+
+
+def wave_settings(width, wave, side, constraint, mirrored):
+    """Of the strip of the scene, in m: elements first, or particles."""
+    middle, half = LENGTH / 2, width / 2
+    start, end = (middle - half, middle + half) if mirrored else (middle + half, middle - half)
+    columns = 1 + round((end if mirrored else LENGTH - end) / SPACING)
+    size = LENGTH - start if mirrored else start
+    return {"specimen.lattice.cells": f"[{columns}, 10]",
+            "specimen.lattice.origin": f"[{(0 if mirrored else end) - SPACING / 2}, 0]",
+            "elements.rectangle.origin": f"[{start if mirrored else 0}, 0]", "elements.rectangle.size": f"[{size}, 0.01]",
+            "elements.rectangle.cells": f"[{round(size / side)}, {round(0.01 / side)}]",
+            "couple.zones[0].edges[0].from": f"[{start}, 0]", "couple.zones[0].edges[0].to": f"[{end}, 0]",
+            "couple.constraint": constraint, "initial.pulse.length": wave, "initial.pulse.size": 1e-6}
+
+
+def columns_of(result, kind, step):
+    """Mean over the columns of points at the same place at the start: places, displacements half a step back, velocities."""
+    u, v = result.results(f"{kind}/displacement")[:, 0], result.results(f"{kind}/velocity")[:, 0]
+    x = np.round((result.results(f"{kind}/position")[:, 0] - u) / 1e-5).astype(int)
+    places, which = np.unique(x, return_inverse=True)
+    count = np.bincount(which)
+    return places * 1e-5, np.bincount(which, u - 0.5 * step * v) / count, np.bincount(which, v) / count
+
+
+def step_of(result):
+    with h5py.File(result.folder / "results.h5", "r") as file:
+        return float(np.ravel(file.attrs["dt"])[0])
+
+
+def returned(result, mirrored, end):
+    """Energy of what runs back before the zone over that of the pulse, in %."""
+    if not mirrored:
+        return 100 * result.results("history/returned_energy")[-1]
+    x, u, v = columns_of(result, "particles", step_of(result))
+    before = x[1:] <= end
+    wave = 0.5 * (0.5 * (v[1:] + v[:-1]) + SPEED * np.diff(u) / np.diff(x))[before]
+    whole = sum(result.results(f"history/energy_{name}")[0] for name in ("kinetic", "elastic_normal", "elastic_elements"))
+    return 100 * np.sum(DENSITY * 0.01 * SPACING * wave**2) / whole
+
+
+def wave(width, length, side, constraint, mirrored=False):
+    name = f"coupling/{constraint}-{width}-{length}-{side}-{'back' if mirrored else 'forth'}"
+    settings = wave_settings(width * 1e-3, length * 1e-3, side * 1e-3, constraint, mirrored)
+    result = study.run(name, SCENE, {**settings, "output.history_rows": 40})
+    return returned(result, mirrored, LENGTH / 2 - width * 0.5e-3)
+
+
+def wave_table(mirrored):
+    rows = []
+    for constraint in CONSTRAINTS:
+        for length, side in ((30, 5), (60, 5), (120, 5), (60, 2.5)):
+            if mirrored and side != 5:
+                continue
+            rows.append([constraint, length, side, *(f"{wave(w, length, side, constraint, mirrored):.3f}" for w in WIDTHS)])
+    return study.table(["constraint", "wave, mm", "h, mm", *(f"L {w}" for w in WIDTHS)], rows)
+
+
+# --- a patch of a disordered packing --------------------------------------------------------------------------
+
+PATCH = """dimension: 2
+specimen: {{group: 1, rectangle: {{width: {length}, height: 0.02}}, origin: [0.04, 0], mean_radius: {radius}, density_basis: bulk,
+  packing: {{overlap: passive, size_variation: 0.1}}}}
+materials: [{{name: m, density: 7800, contact_modulus: 24e9, kratio: 3, friction: 0, tensile_strength: 1e15, shear_strength: 1e15}}]
+law: {{stiffness: harmonic}}
+bonds: {{interaction_range: 0.1, passive_gaps: true}}
+elements:
+  rectangle: {{size: [{end}, 0.02], cells: [{cells}, {rows}]}}
+  materials: [{{young: {young}, poisson: {poisson}, density: 7800}}]
+  motions:
+    - {{name: held, group: x_lower, motion: {{vx: 0}}}}
+    - {{name: foot, box: {{min: [0, 0], max: [0, 0]}}, motion: {{vy: 0}}}}
+sets: [{{name: pulled, select: {{end: {{axis: x, side: upper, depth: 2 mm, by: centre}}}}, motion: {{vx: [[0, 0], [0.1 ms, 1e-3], [0.4 ms, 1e-3], [0.5 ms, 0]]}}}}]
+couple: {{zones: [{{edges: [{{from: [{end}, 0], to: [{start}, 0]}}]}}]}}
+damping: {{background: {{model: viscous, coefficient: 3e4}}}}
+time: {{end: 2 ms}}
+run: {{residual_limit: off}}
+"""
+
+
+def patch_run(radius, width, side, young, poisson, number):
+    start = 0.04 + radius
+    cells = round((start + width) / side)
+    values = {"length": 0.08, "radius": radius, "end": start + width, "start": start, "cells": cells, "rows": round(0.02 / side),
+              "young": young, "poisson": poisson}
+    path = study.RUNS / "coupling" / f"patch-{radius}-{width}-{side}-{number}.yaml"
+    path.parent.mkdir(parents=True, exist_ok=True)
+    path.write_text(PATCH.format(**values))
+    return start, start + width, study.run(f"coupling/patch-{radius}-{width}-{side}-{number}", path, {})
+
+
+def places(result, kind):
+    u = result.results(f"{kind}/displacement")[:, :2]
+    return result.results(f"{kind}/position")[:, :2] - u, u
+
+
+def slope(x, u, low, high):
+    inside = (x > low) & (x < high)
+    return np.polyfit(x[inside], u[inside], 1)[0]
+
+
+def patch_error(radius, width, side):
+    """Elements get the E and nu that the strains of the free particles beside them show; then the largest deviation of the zone's nodes and particles
+    from a linear field, over strain times width, and that of the two strains, in %."""
+    young, poisson = 2e10, 0.2
+    for number in range(4):
+        start, end, result = patch_run(radius, width, side, young, poisson, number)
+        (x, u), (y, v) = places(result, "nodes"), places(result, "particles")
+        elements = slope(x[:, 0], u[:, 0], 0.005, start - 0.005), slope(x[:, 1], u[:, 1], -1, 1)
+        particles = slope(y[:, 0], v[:, 0], end + 0.005, 0.112), slope(y[y[:, 0] > end, 1], v[y[:, 0] > end, 1], -1, 1)
+        error = 100 * (particles[0] / elements[0] - 1)
+        if number < 3:
+            young, poisson = young * elements[0] / particles[0], float(np.clip(-particles[1] / particles[0] / (1 - particles[1] / particles[0]), 0.0, 0.4))
+    near = (x[:, 0] >= start - 1e-9)
+    fit = np.polyfit(x[near, 0], u[near, 0], 1)
+    deviation = np.max(np.abs(u[near, 0] - np.polyval(fit, x[near, 0])))
+    mean = np.mean(np.abs(u[near, 0] - np.polyval(fit, x[near, 0])))
+    return 100 * deviation / (abs(fit[0]) * width), 100 * mean / (abs(fit[0]) * width), error, young, poisson
+
+
+def patch_table():
+    rows = []
+    for radius, width, side in ((1e-3, 0.012, 4e-3), (0.5e-3, 0.012, 4e-3), (0.5e-3, 0.024, 4e-3), (0.25e-3, 0.012, 4e-3),
+                                (0.25e-3, 0.024, 4e-3)):
+        largest, mean, error, young, poisson = patch_error(radius, width, side)
+        rows.append([1e3 * radius, 1e3 * width, 1e3 * side, f"{side / radius:.0f}", f"{young / 1e9:.2f}, {poisson:.2f}", f"{error:+.1f}", f"{largest:.2f}", f"{mean:.2f}"])
+    return study.table(["r, mm", "L, mm", "h, mm", "h/r", "E, GPa, and nu of the elements", "strains differ, %", "largest, %", "mean, %"], rows)
+
+
+def main():
+    study.put("coupling.md", "table forth", wave_table(False))
+    study.put("coupling.md", "table back", wave_table(True))
+    study.put("coupling.md", "table patch", patch_table())
+
+
+if __name__ == "__main__":
+    main()
