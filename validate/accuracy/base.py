@@ -1,0 +1,124 @@
+"""What the study's own tests found over what `gneiss plan --error` foretells from their specimens: validate/accuracy/base.csv, which the
+program brings the estimates of other scenes to what is found by.
+
+    /usr/bin/python3 validate/accuracy/base.py      measures and writes it: a minute of one core; ./do accuracy does so as well
+"""
+import csv
+import io
+import json
+import sys
+from pathlib import Path
+
+import numpy as np
+
+HERE = Path(__file__).resolve().parent
+sys.path[:0] = [str(HERE), str(HERE.parent)]
+
+import cylinder  # noqa: E402
+import machinery  # noqa: E402
+import study as shared  # noqa: E402
+from machinery import Axis  # noqa: E402
+
+HEAD = "# Written by ./do accuracy (validate/accuracy/base.py): what the study's own tests found over what is foretold from their specimens.\n"
+FIXED = 0.03  # s: what a run takes besides its steps and the making of its world, as in src/plan/propose.c
+FRACTION = 0.9  # of the first break at which statics end
+COLUMNS = ("case", "quantity", "value")
+AGAIN = 5  # times that costs are measured
+
+
+def plan(study, scene_file):
+    """As `gneiss plan` tells it; of costs the medians."""
+    said = [json.loads(study.call(["plan", scene_file, "--error", "5%", "--reading", "stiffness", "--log", "json", "--threads", 1]).stdout.splitlines()[-1])
+            for _ in range(AGAIN)]
+    told = said[0]
+    told["cost"] = {name: float(np.median([one["cost"][name] for one in said])) for name in told["cost"]}
+    return told
+
+
+def particle_step(told):
+    return told["cost"]["particle"] + told["cost"]["contact"] * told["contacts"] / told["particles"]
+
+
+def lattice_seconds(told, steps, rows):
+    return told["particles"] * (steps * particle_step(told) + rows * told["cost"]["row"])
+
+
+def first_break(row):
+    """Strain between the ends when the first bond has broken."""
+    broken = row.results("history/broken_tension") + row.results("history/broken_shear")
+    return row.results("history/strain")[np.argmax(broken > 0)]
+
+
+def of_case(study, kind):
+    """Rows of base.csv from the base of a case, of which several runs are made, and from its start at the first break."""
+    c = cylinder.Cylinder(kind, study.quick)
+    shape = {"specimen": c.shape(), "run": {"seed": 1}}
+    name = f"cylinder-{c.count}"
+    scene = c.scene({"file": str(study.packed(name, shape)), "material": "rock"})
+    shaken = Axis("base", [0, 1, 2], lambda k: {"specimen.file": str(study.packed(name, shape, k))}, [0, 1, 2])
+    rows = study.axis(kind, scene, shaken)
+    started = study.axis(kind, scene, Axis("base at the first break", ["first_break"], lambda s: {"time.start": s}, ["first_break"]))
+    told = plan(study, study.file(f"{kind}/base-plan.yaml", json.dumps(scene, indent=1)))
+    mean = {r: np.mean([row[r] for row in rows]) for r in ("peak_stress", "peak_strain", "young_modulus", "young_modulus_average", "time", "steps")}
+    estimate, seconds = told["estimate"], np.median([row.seconds for row in rows])
+    # More particles come to press on the walls than at the start: of both moduli the ends' own share.
+    ends = 1 / mean["young_modulus"] - 1 / mean["young_modulus_average"] if estimate["compliance"] > 0 else 0.0
+    body = mean["peak_strain"] - mean["peak_stress"] * ends
+    strains = told["breaking_strains"]
+    run = seconds - FIXED - told["cost"]["setup"]
+    history = np.mean([len(row.results("history/strain")) for row in rows])
+    found = {"particles": told["particles"],
+             "modulus over uniform strain": mean["young_modulus_average"] / estimate["uniform_modulus"],
+             "share of bonds at the peak": np.interp(body, strains, np.arange(len(strains)) / len(strains)),
+             "strength over modulus and strain": mean["peak_stress"] / mean["young_modulus_average"] / body,
+             "end over peak": mean["time"] * c.closing / cylinder.HEIGHT / mean["peak_strain"],
+             "first break over peak": np.mean([first_break(row) for row in rows]) / mean["peak_strain"],
+             "steps over those of the first": mean["steps"] * told["dt"] / mean["time"],
+             "run over lattice": run / lattice_seconds(told, mean["steps"], history)}
+    if estimate["compliance"] > 0:
+        found["strain of the ends over that foretold"] = ends / estimate["compliance"]
+    heavier = {row.value: row for row in study.axis(kind, scene, Axis("base with added mass", [1, 2], machinery.key("time.mass_scaling.factor"), [1, 2]))}
+    found["power of added mass"] = np.log2(heavier[1]["steps"] / heavier[2]["steps"])
+    if started:
+        s = started[0]
+        stood_for = s.summary["first_break"]["steps"]
+        per_step = run / mean["steps"]
+        found["statics in steps"] = (s.seconds - FIXED - told["cost"]["setup"]) / per_step - (s["steps"] - stood_for)
+    return {name: float(value) for name, value in found.items()}, particle_step(told)
+
+
+def of_packing(study, step):
+    """The making of a packing in steps of its particles."""
+    name, count = "base-packing", 2000 if not study.quick else 200
+    c = cylinder.Cylinder("compression", study.quick)
+    seconds = []
+    scene = {**c.scene({**c.shape(), "particles": count}), "time": {"end": 1e-9}}
+    for seed in range(1, 4):
+        rows = study.axis("packing", {**scene, "run": {"threads": 1, "seed": seed}}, Axis(f"{name}-{seed}", [1e-9], machinery.key("time.end"), [1e-9]))
+        seconds.append(rows[0].seconds - FIXED)
+    told = plan(study, study.file("packing/base-plan.yaml", json.dumps({**c.scene({**c.shape(), "particles": count}), "run": {"threads": 1}})))
+    return {"particle steps": (np.median(seconds) - told["cost"]["setup"]) / count / step}
+
+
+def write(path, found):
+    text = io.StringIO()
+    text.write(HEAD)
+    writer = csv.writer(text, lineterminator="\n")
+    writer.writerow(COLUMNS)
+    for case, quantities in found.items():
+        writer.writerows([case, name, f"{value:.4g}"] for name, value in quantities.items())
+    path.write_text(text.getvalue())
+
+
+def measure(study, path):
+    found, steps = {}, []
+    for kind in ("compression", "tension"):
+        found[kind], step = of_case(study, kind)
+        steps.append(step)
+    found["packing"] = of_packing(study, float(np.median(steps)))
+    write(path, found)
+    return found
+
+
+if __name__ == "__main__":
+    print(measure(machinery.Study(shared.ROOT / "runs" / "accuracy", "--quick" in sys.argv), HERE / "base.csv"))
