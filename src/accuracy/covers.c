@@ -36,6 +36,24 @@ double gn_test_closing(const gn_scene *s, double time) {
     return apart(s, time, false);
 }
 
+/* Tables are straight from one point to the next, so that the fastest is at one of them. */
+static double fastest_at_points(const gn_scene *s, const gn_test_end *end, double fastest) {
+    for (size_t k = 0; k < end->count; k++) {
+        const gn_motion *motion = motion_of(s, end->name[k]);
+        const gn_table *table = motion ? &motion->velocity[s->test.axis] : NULL;
+        for (size_t p = 0; table && p < table->count; p++)
+            if (table->time[p] <= s->end)
+                fastest = fmax(fastest, gn_test_closing(s, table->time[p]));
+    }
+    return fastest;
+}
+
+double gn_test_fastest(const gn_scene *s) {
+    double fastest = gn_test_closing(s, s->end);
+    fastest = fastest_at_points(s, &s->test.lower, fastest);
+    return fastest_at_points(s, &s->test.upper, fastest);
+}
+
 double gn_test_path(const gn_scene *s, double time) {
     return apart(s, time, true);
 }

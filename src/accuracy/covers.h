@@ -9,9 +9,10 @@
  * not cover it; NULL: it does. */
 const char *gn_study_covers(const gn_world *world, gn_test_groups *groups);
 
-/* Motions of the two ends of the test along its axis: m/s, together, in the sense of the test, at a
- * time; and m, up to it. */
+/* Motions of the two ends of the test along its axis, together and in the sense of the test: m/s at
+ * a time, the fastest up to time.end, and m up to a time. */
 double gn_test_closing(const gn_scene *scene, double time);
+double gn_test_fastest(const gn_scene *scene);
 double gn_test_path(const gn_scene *scene, double time);
 
 /* kg/m3 of the specimen as a whole. */

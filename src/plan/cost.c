@@ -93,9 +93,9 @@ static void put_grid(const gn_world *w, gn_scene *s) {
     e->has_contact = false;
     e->material_count = 1; /* the first is for all elements, or for some that the grid has not */
     for (int a = 0; a < 3; a++) {
-        e->size[a] = 1.0;
+        e->size[a] = a < s->dimension ? 1.0 : 0.0;
         e->origin[a] = 0.0;
-        e->cells[a] = cells;
+        e->cells[a] = a < s->dimension ? cells : 0;
     }
 }
 

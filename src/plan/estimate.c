@@ -2,7 +2,6 @@
 
 #include "accuracy/covers.h"
 #include "base/memory.h"
-#include "sim/overlap.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -40,23 +39,22 @@ static void uniform_strain(const gn_world *w, gn_estimate *e) {
     e->uniform = (A - B * e->poisson) / w->volume;
 }
 
-/* The strain at which bond c has its strength: normal strain sign (n^2 - nu (1 - n^2)), and what is
- * across it of the displacement of its end. */
-static double breaking_strain(const gn_world *w, size_t c, double poisson) {
+/* The strains at which bond c has its strength in tension and in shear, INFINITY: at none. Normal
+ * strain sign (n^2 - nu (1 - n^2)), and what is across it of the displacement of its end. */
+static void breaking_strains(const gn_world *w, size_t c, double poisson, double *tension,
+                             double *slip) {
     const gn_contacts *b = &w->dem.bonds;
     double sign = w->scene.test.kind == GN_TEST_COMPRESSION ? -1.0 : 1.0;
     double length, n = along(w, c, &length), square = n * n, rest = 1.0 - square;
     double normal = sign * (square - poisson * rest);
     double shear = sqrt(fmax(0.0, square + poisson * poisson * rest - normal * normal));
-    double tension = normal > 0.0 ? b->rn[c] / (b->kn[c] * length * normal) : INFINITY,
-           slip = INFINITY;
-    if (b->kt && b->rt && b->kt[c] > 0.0) {
-        /* Strength in shear that grows with the pressure: mu_1 of the intact bond. */
-        double gain = b->mu1 ? b->mu1[c] * b->kn[c] * length * normal : 0.0;
-        double need = b->kt[c] * length * shear + gain;
-        slip = need > 0.0 ? b->rt[c] / need : INFINITY;
-    }
-    return fmin(tension, slip);
+    *tension = normal > 0.0 ? b->rn[c] / (b->kn[c] * length * normal) : INFINITY;
+    *slip = INFINITY;
+    if (!b->kt || !b->rt || !(b->kt[c] > 0.0)) return;
+    /* Strength in shear that grows with the pressure: mu_1 of the intact bond. */
+    double gain = b->mu1 ? b->mu1[c] * b->kn[c] * length * normal : 0.0;
+    double need = b->kt[c] * length * shear + gain;
+    if (need > 0.0) *slip = b->rt[c] / need;
 }
 
 static int by_size(const void *a, const void *b) {
@@ -64,37 +62,51 @@ static int by_size(const void *a, const void *b) {
     return (*x > *y) - (*x < *y);
 }
 
-/* All of them, in their order; at least one. */
-static gneiss_status sorted_strains(const gn_world *w, double poisson, double **strain,
-                                    gneiss_error *error) {
-    size_t count = w->dem.bonds.soa.count;
-    *strain = gn_alloc_array(count + 1, sizeof **strain);
-    if (!*strain) return gn_fail(error, GNEISS_ERROR_MEMORY, "no memory for %zu bonds", count);
-    for (size_t c = 0; c < count; c++) (*strain)[c] = breaking_strain(w, c, poisson);
-    if (!count) **strain = INFINITY;
-    qsort(*strain, count, sizeof **strain, by_size);
-    return GNEISS_OK;
+/* A test in tension fails by bonds that are pulled; one in compression by those that are pulled
+ * across it and those that are sheared, and neither alone: at the geometric mean of both, where one
+ * can be at most so many times the other. */
+static double breaking_of(const gn_scene *s, double tension, double slip) {
+    const double most = 4.0;
+    if (s->test.kind == GN_TEST_TENSION) return fmin(tension, slip);
+    return sqrt(fmin(tension, most * slip) * fmin(slip, most * tension));
 }
 
-gneiss_status gn_estimate_breaking(const gn_world *w, double poisson, size_t count, double *strain,
-                                   gneiss_error *error) {
-    double *all;
-    size_t bonds = w->dem.bonds.soa.count;
-    GN_TRY(sorted_strains(w, poisson, &all, error));
-    for (size_t k = 0; k < count; k++) strain[k] = all[bonds * k / count];
-    gn_free(all);
-    return GNEISS_OK;
-}
-
-/* Between two bonds in a straight line. */
-static double strain_of_share(const double *all, size_t count, double share) {
-    double at = share * (double)count;
-    size_t k = at > 0.0 ? (size_t)at : 0;
-    if (k + 1 >= count) return all[count ? count - 1 : 0];
-    return all[k] + (at - (double)k) * (all[k + 1] - all[k]);
+/* The strain at which a twentieth of the bonds has its strength, by either. */
+static gneiss_status find_breaking(const gn_world *w, gn_estimate *e, gneiss_error *error) {
+    const double share = 0.05;
+    size_t count = w->dem.bonds.soa.count, place = (size_t)(share * (double)count);
+    double *tension = gn_alloc_array(count + 1, sizeof *tension),
+           *slip = gn_alloc_array(count + 1, sizeof *slip);
+    gneiss_status status =
+        tension && slip ? GNEISS_OK
+                        : gn_fail(error, GNEISS_ERROR_MEMORY, "no memory for %zu bonds", count);
+    if (status == GNEISS_OK) {
+        for (size_t c = 0; c < count; c++)
+            breaking_strains(w, c, e->poisson, &tension[c], &slip[c]);
+        qsort(tension, count, sizeof *tension, by_size);
+        qsort(slip, count, sizeof *slip, by_size);
+        e->breaking = breaking_of(&w->scene, tension[place], slip[place]);
+    }
+    gn_free(tension);
+    gn_free(slip);
+    return status;
 }
 
 /* --- ends --- */
+
+/* Particles that press on a wall soon: within a twentieth of their radius. */
+static double near_wall(const gn_world *w, const gn_wall_def *wall) {
+    const double soon = 0.05;
+    const gn_particles *q = &w->dem.particles;
+    double count = 0.0;
+    for (size_t p = 0; p < q->soa.count; p++) {
+        double gap = -q->pos[4 * p + 3];
+        for (int a = 0; a < w->scene.dimension; a++)
+            gap += (q->pos[4 * p + (size_t)a] - wall->point[a]) * wall->normal[a];
+        count += gap <= soon * q->pos[4 * p + 3];
+    }
+    return count;
+}
 
 /* Strain between the ends that walls take for themselves under a stress of 1 Pa: their particles
  * press on springs. */
@@ -106,9 +118,7 @@ static double wall_compliance(const gn_world *w) {
         double springs = 0.0;
         for (size_t p = 0; p < ends[k]->count; p++) {
             int wall = gn_scene_find_wall(s, ends[k]->name[p]);
-            if (wall >= 0)
-                springs +=
-                    s->walls[wall].stiffness * (double)gn_wall_overlap(w, (size_t)wall).touching;
+            if (wall >= 0) springs += s->walls[wall].stiffness * near_wall(w, &s->walls[wall]);
         }
         if (springs > 0.0) sum += w->test_area / springs / w->test_length;
     }
@@ -134,17 +144,16 @@ static double end_of(const gn_world *w, const gn_estimate *e) {
     return end;
 }
 
-static gneiss_status foretell_peak(const gn_world *w, gn_estimate *e, gneiss_error *error) {
-    double share = gn_slope_base_of(e->study, "share of bonds at the peak"),
-           secant = gn_slope_base_of(e->study, "strength over modulus and strain");
-    double *all;
-    GN_TRY(sorted_strains(w, e->poisson, &all, error));
-    e->body_strain = isnan(share) ? NAN : strain_of_share(all, w->dem.bonds.soa.count, share);
-    gn_free(all);
+/* With more particles a test fails at less of it. */
+static void foretell_peak(const gn_world *w, gn_estimate *e) {
+    double finer = (double)w->dem.particles.soa.count / gn_slope_base_of(e->study, "particles");
+    double secant = gn_slope_base_of(e->study, "strength over modulus and strain");
+    e->body_strain = e->breaking *
+                     gn_slope_base_of(e->study, "strain at the peak over breaking strain") *
+                     pow(finer, gn_slope_base_of(e->study, "power of strain over particles"));
     e->strength = secant * e->modulus * e->body_strain;
     e->strain = e->body_strain + e->strength * e->ends;
     e->first_break = e->strain * gn_slope_base_of(e->study, "first break over peak");
-    return GNEISS_OK;
 }
 
 /* What bends is loaded over a strain that is none of its material's. */
@@ -162,7 +171,7 @@ gneiss_status gn_estimate_make(const gn_world *w, gn_estimate *e, gneiss_error *
     e->absent = gn_study_covers(w, &groups);
     if (e->absent) return GNEISS_OK;
     e->study = groups.study;
-    e->closing = gn_test_closing(s, s->end);
+    e->closing = gn_test_fastest(s);
     e->path = gn_test_path(s, s->end) / w->test_length;
     if (!(e->closing > 0.0) || !(e->path > 0.0))
         e->absent = "the ends of the test are not moved in its sense (servos and loads are not "
@@ -182,7 +191,8 @@ gneiss_status gn_estimate_make(const gn_world *w, gn_estimate *e, gneiss_error *
     uniform_strain(w, e);
     e->modulus = e->uniform * gn_slope_base_of(e->study, "modulus over uniform strain");
     e->wave = sqrt(e->modulus / e->bulk);
-    GN_TRY(foretell_peak(w, e, error));
+    GN_TRY(find_breaking(w, e, error));
+    foretell_peak(w, e);
     e->end = end_of(w, e);
     e->speed = e->closing / (e->wave * fmin(e->strain, e->end));
     return GNEISS_OK;

@@ -12,14 +12,14 @@ typedef struct gn_estimate {
     double modulus, poisson, bulk; /* Pa, -, kg/m3; foretold E, the ratio of uniform strain */
     double uniform;                /* Pa: E of uniform strain */
     double wave;                   /* m/s: root of E over bulk density */
-    double body_strain;            /* at the peak, without the ends; INFINITY: nothing can break */
-    double strength;               /* Pa */
-    double strain;                 /* between the ends at the peak, or INFINITY */
-    double
-        compliance; /* 1/Pa: strain that walls take by the particles that touch them at the start */
-    double ends;    /* 1/Pa: what they will take */
+    double breaking;    /* strain that brings a twentieth of the bonds to their strength, uniform */
+    double body_strain; /* at the peak, without the ends; INFINITY: nothing can break */
+    double strength;    /* Pa */
+    double strain;      /* between the ends at the peak, or INFINITY */
+    double compliance;  /* 1/Pa: strain that walls take by the particles near them at the start */
+    double ends;        /* 1/Pa: what they will take */
     double first_break; /* strain */
-    double closing;     /* m/s: both ends together, when they have got their speed */
+    double closing;     /* m/s: both ends together, the fastest */
     double path;        /* strain up to time.end */
     double end;         /* strain at which the run is foretold to end */
     double speed;       /* the group of the velocity's law */
@@ -29,10 +29,5 @@ typedef struct gn_estimate {
 
 /* Only `absent` and what it needs when the scene is no test that the study stands for. */
 gneiss_status gn_estimate_make(const gn_world *world, gn_estimate *estimate, gneiss_error *error);
-
-/* Strains along the axis at which shares of the bonds, 0, 1/count, 2/count ..., have reached their
- * strength when all of them follow one uniform strain; `strain` [count]. */
-gneiss_status gn_estimate_breaking(const gn_world *world, double poisson, size_t count,
-                                   double *strain, gneiss_error *error);
 
 #endif

@@ -118,14 +118,25 @@ void gn_budget_make(const gn_world *w, const gn_history *h, const gn_readings *r
 
 /* --- as it is shown --- */
 
+static int by_error(const void *a, const void *b) {
+    const gn_error_cause *x = a, *y = b;
+    return (x->error < y->error) - (x->error > y->error);
+}
+
 const char *gn_budget_text(const gn_error_causes *c, double value, char *text, size_t size) {
+    const double worth_saying = 0.02 * gn_causes_total(c);
+    gn_error_causes sorted = *c;
     size_t used = 0;
     text[0] = 0;
-    for (size_t k = 0; k < c->count && used < size; k++)
+    qsort(sorted.cause, sorted.count, sizeof *sorted.cause, by_error);
+    for (size_t k = 0; k < sorted.count && used < size; k++) {
+        const gn_error_cause *cause = &sorted.cause[k];
+        if (cause->error < worth_saying) break;
         used += (size_t)snprintf(text + used, size - used, "%s%s %.2g %s", k ? ", " : "(",
-                                 c->cause[k].name, fabs(value) * c->cause[k].error,
-                                 c->cause[k].measured ? "measured" : "estimated");
-    if (c->count && used < size) snprintf(text + used, size - used, ")");
+                                 cause->name, fabs(value) * cause->error,
+                                 cause->measured ? "measured" : "estimated");
+    }
+    if (used && used < size) snprintf(text + used, size - used, ")");
     return text;
 }
 
