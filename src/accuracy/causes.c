@@ -48,13 +48,22 @@ static bool add_bias(gn_error_causes *c, const gn_test_groups *t, const char *re
     return true;
 }
 
-/* Two standard deviations of the mean over so many packings. */
+/* Two standard deviations of the mean over so many packings, `more` times what the law says. */
 static void add_scatter(gn_error_causes *c, const gn_test_groups *t, const char *reading,
-                        const char *effect, const char *name, double group) {
+                        const char *effect, const char *name, double group, double more) {
     const gn_slope *law = gn_slope_find(t->floors, reading, effect, true);
     if (!law) law = gn_slope_find(t->study, reading, effect, true);
     if (!law) return;
-    gn_causes_add(c, name, 2.0 * gn_slope_at(law, group) / sqrt(fmax(1.0, t->packings)), false);
+    double deviation = more * gn_slope_at(law, group);
+    gn_causes_add(c, name, 2.0 * deviation / sqrt(fmax(1.0, t->packings)), false);
+}
+
+/* Many packings of one number, over what the law over five of each number says of it. */
+static double of_many(const gn_test_groups *t, const char *reading) {
+    char quantity[96];
+    snprintf(quantity, sizeof quantity, "scatter over its law: %s", reading);
+    double ratio = gn_slope_base_of(t->floors, quantity);
+    return isfinite(ratio) ? fmax(1.0, ratio) : 1.0;
 }
 
 /* The planar cases have their scatter over 1/particles. */
@@ -106,8 +115,8 @@ static void predict_particles(const gn_test_groups *t, const char *reading, gn_e
     if (!add_bias(c, t, reading, "velocity", "velocity", t->speed))
         gn_causes_note(c, "velocity: not known for this test");
     add_bias(c, t, reading, "safety", "step", t->safety);
-    add_scatter(c, t, reading, effect, "packing", group);
-    add_scatter(c, t, reading, "round-off", "round-off", 0.0);
+    add_scatter(c, t, reading, effect, "packing", group, of_many(t, reading));
+    add_scatter(c, t, reading, "round-off", "round-off", 0.0, 1.0);
     if (t->mixed) add_bias(c, t, reading, "precision", "precision", 0.0);
     if (t->masses > 1.0 && !add_bias(c, t, reading, "mass scaling", "mass scaling", t->masses))
         gn_causes_note(c, "mass scaling: the study has no law of it");
