@@ -91,6 +91,8 @@ def every_kind(kind, folder):
     for said in ("absent: made-up &lt;reason&gt;", "<small>made-up &lt;reason&gt;"):
         assert (said in page) == missing, said
     assert ("largest stress (no peak)" in page) == missing
+    said = "<small>± 6.2 MPa (packing 3 % estimated, velocity 0.5 % measured)</small>"
+    assert (said in page) == (not missing), "the error budget, its largest cause first"
     if kind == "cylinder":
         for text in ("18.1 GPa", "240 MPa", "0.17", "1.44 %", "100 ns", "40000"):
             assert text in page, f"{text} is missing"

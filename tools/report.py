@@ -23,6 +23,15 @@ from report_tests import STATES, cards_of, parameters, plot_moments, write_csv
 LARGEST = {"largest_stress": "largest stress (no peak)", "largest_strain": "strain at it"}
 
 
+def error_text(name, column):
+    """"± 3.1 MPa" of the error budget; nothing where there is none."""
+    if not np.isfinite(column.error):
+        return ""
+    if column.unit in ("", "1"):
+        return f"± {100 * column.error:.2g} %" if "strain" in name else f"± {column.error:.2g}"
+    return f"± {quantity(float(f'{column.error:.2g}'), column.unit)}"
+
+
 def reading_text(name, column):
     value = float(np.asarray(column.value, float).reshape(-1)[0])
     shares = ("end_imbalance", "brittleness", "largest_fragment")
@@ -39,8 +48,8 @@ def readings_table(results):
         value = float(np.asarray(column.value, float).reshape(-1)[0])
         si = f"{value:.6g} {column.unit}" if np.isfinite(value) else ""
         meaning = f"absent: {column.absent}. ({column.text})" if column.absent else column.text
-        rows.append((name.replace("_", " "), (reading_text(name, column), "number"), (si, "si"), meaning))
-    return table(rows, ("reading", "value", "SI", "meaning")) if rows else "<p>The run has no readings.</p>"
+        rows.append((name.replace("_", " "), (reading_text(name, column), "number"), (error_text(name, column), "number"), (si, "si"), meaning))
+    return table(rows, ("reading", "value", "error (95 of 100)", "SI", "meaning")) if rows else "<p>The run has no readings.</p>"
 
 
 def count_rows(results):
@@ -140,6 +149,15 @@ def banner(results):
             "what follows is its state when the file was written.</p>")
 
 
+def in_unit_of(column):
+    """The causes of an error, "(packing 2.4e+06 estimated, ...)", as shares of it: what matters is which is the largest."""
+    parts = [part.split() for part in column.error_causes.strip("()").split(", ") if part]
+    value = abs(float(np.asarray(column.value, float).reshape(-1)[0]))
+    named = [(" ".join(words[:-2]), float(words[-2]) / value, words[-1]) for words in parts if len(words) > 2]
+    largest = sorted(named, key=lambda cause: -cause[1])
+    return "(" + ", ".join(f"{name} {100 * share:.1g} % {how}" for name, share, how in largest) + ")" if largest else ""
+
+
 def cards(results):
     """The main readings; what is absent says why, and a stress that is no peak stands under its own name."""
     shown = []
@@ -149,7 +167,8 @@ def cards(results):
             name, title = other, LARGEST[other]
         if name in results.readings:
             column = results.readings[name]
-            shown.append((title, reading_text(name, column), column.absent))
+            budget = f"{error_text(name, column)} {in_unit_of(column)}".strip()
+            shown.append((title, reading_text(name, column), column.absent or budget))
     return "".join(f'<div class="card"><span>{escape(title)}</span><b>{escape(value)}</b>'
                    + (f'<small>{escape(absent)}</small>' if absent else "") + "</div>"
                    for title, value, absent in shown)

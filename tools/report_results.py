@@ -23,6 +23,9 @@ class Column:
         self.unit = _text(dataset.attrs.get("unit", ""))
         self.text = _text(dataset.attrs.get("description", dataset.attrs.get("text", "")))
         self.absent = _text(dataset.attrs.get("absent", ""))  # why there is no number
+        error = np.asarray(dataset.attrs.get("error", np.nan), float).reshape(-1)  # of a reading: its error budget
+        self.error = float(error[0]) if error.size else float("nan")
+        self.error_causes = _text(dataset.attrs.get("error_causes", ""))
 
 
 def _group(file, name):

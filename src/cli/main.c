@@ -1,7 +1,9 @@
 /* The `gneiss` program. */
+#include "base/timer.h"
 #include "cli/options.h"
 #include "cli/pack.h"
 #include "cli/plan.h"
+#include "cli/plan_accuracy.h"
 #include "cli/progress.h"
 #include "cli/signals.h"
 #include "cli/sweep.h"
@@ -177,9 +179,14 @@ static gneiss_status command_look(const gn_options *o, bool plan, gneiss_error *
         status = gn_pack_ahead(o, scene, error);
         if (status != GNEISS_OK) gn_scene_free(scene);
     }
+    double before = gn_process_time();
     if (status == GNEISS_OK) status = gn_world_create(scene, world, error);
+    double setup = gn_process_time() - before;
     free(scene);
-    if (status == GNEISS_OK) {
+    if (status == GNEISS_OK && o->error) {
+        status = gn_plan_accuracy(o, world, setup, error);
+        gn_world_free(world);
+    } else if (status == GNEISS_OK) {
         if (!plan) status = gn_print_check(world, &warnings, error);
         if (status == GNEISS_OK) status = gn_print_plan(world, error);
         gn_world_free(world);

@@ -60,6 +60,13 @@ void gn_print_usage(FILE *out) {
         "nothing\n"
         "  --array [I/N]      sweep: only shard I of N, or the one that Slurm's job array says\n"
         "  --collect          sweep: only the summary of what is there\n"
+        "  --error E          plan: the cheapest settings for an error of 5%, what causes it, and "
+        "seconds\n"
+        "  --reading R        plan --error: of the strength (default) or the stiffness\n"
+        "  --particles any    plan --error: their number may be changed, too, and contacts "
+        "calibrated anew\n"
+        "  --write FILE       plan --error: the scene with what is proposed (--force replaces "
+        "FILE)\n"
         "  --quiet            only what came out: no progress, no profile; readings and warnings "
         "stay\n"
         "  --log json         progress and summary as JSON lines on standard output\n"
@@ -139,6 +146,23 @@ static gneiss_status check_sweep_options(const gn_options *o, const command *c,
     return GNEISS_OK;
 }
 
+/* Options of `plan --error`. */
+static gneiss_status check_plan_options(const gn_options *o, const command *c,
+                                        gneiss_error *error) {
+    const char *given = o->error           ? "--error"
+                        : o->reading       ? "--reading"
+                        : o->write         ? "--write"
+                        : o->any_particles ? "--particles"
+                                           : NULL;
+    if (given && strcmp(c->name, "plan") != 0)
+        return gn_fail(error, GNEISS_ERROR_INPUT, "gneiss %s: %s is for gneiss plan", c->name,
+                       given);
+    if (given && !o->error)
+        return gn_fail(error, GNEISS_ERROR_INPUT, "gneiss plan: %s: expected --error beside it",
+                       given);
+    return GNEISS_OK;
+}
+
 static gneiss_status check_target(const gn_options *o, int argc, char **argv, int first,
                                   gneiss_error *error) {
     const command *c = find_command(o->command);
@@ -152,6 +176,7 @@ static gneiss_status check_target(const gn_options *o, int argc, char **argv, in
         return gn_fail(error, GNEISS_ERROR_INPUT,
                        "gneiss resume: --out: a resumed run stays in its folder");
     GN_TRY(check_sweep_options(o, c, error));
+    GN_TRY(check_plan_options(o, c, error));
     if (first + 1 < argc)
         return gn_fail(error, GNEISS_ERROR_INPUT,
                        "gneiss %s: expected one argument, found also '%s'", c->name,
@@ -175,6 +200,10 @@ enum {
     OPT_DRY_RUN,
     OPT_ARRAY,
     OPT_COLLECT,
+    OPT_ERROR,
+    OPT_READING,
+    OPT_PARTICLES,
+    OPT_WRITE,
     OPT_HELP,
     OPT_VERSION
 };
@@ -195,10 +224,44 @@ static const struct option long_options[] = {
     {"dry-run", no_argument, 0, OPT_DRY_RUN},
     {"array", optional_argument, 0, OPT_ARRAY},
     {"collect", no_argument, 0, OPT_COLLECT},
+    {"error", required_argument, 0, OPT_ERROR},
+    {"reading", required_argument, 0, OPT_READING},
+    {"particles", required_argument, 0, OPT_PARTICLES},
+    {"write", required_argument, 0, OPT_WRITE},
     {"help", no_argument, 0, OPT_HELP},
     {"version", no_argument, 0, OPT_VERSION},
     {0, 0, 0, 0},
 };
+
+static gneiss_status apply_to_plan(gn_options *o, int option, const char *value,
+                                   gneiss_error *error) {
+    switch (option) {
+    case OPT_ERROR:
+        o->error = value;
+        return GNEISS_OK;
+    case OPT_READING:
+        if (strcmp(value, "strength") != 0 && strcmp(value, "stiffness") != 0)
+            return gn_fail(error, GNEISS_ERROR_INPUT,
+                           "--reading: expected strength or stiffness, found '%s'", value);
+        o->reading = value;
+        return GNEISS_OK;
+    case OPT_PARTICLES:
+        if (strcmp(value, "any") != 0)
+            return gn_fail(error, GNEISS_ERROR_INPUT,
+                           "--particles: expected any (a number is given with --set "
+                           "specimen.particles=), found '%s'",
+                           value);
+        o->any_particles = true;
+        return GNEISS_OK;
+    case OPT_WRITE:
+        if (!*value)
+            return gn_fail(error, GNEISS_ERROR_INPUT, "--write: expected a file, found ''");
+        o->write = value;
+        return GNEISS_OK;
+    default:
+        return gn_fail(error, GNEISS_ERROR_INPUT, "unknown option (gneiss --help lists them)");
+    }
+}
 
 static gneiss_status apply_to_sweep(gn_options *o, int option, const char *value,
                                     gneiss_error *error) {
@@ -219,7 +282,7 @@ static gneiss_status apply_to_sweep(gn_options *o, int option, const char *value
         o->collect = true;
         return GNEISS_OK;
     default:
-        return gn_fail(error, GNEISS_ERROR_INPUT, "unknown option (gneiss --help lists them)");
+        return apply_to_plan(o, option, value, error);
     }
 }
 

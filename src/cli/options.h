@@ -16,6 +16,9 @@ typedef struct gn_options {
     /* sweep; the first also run: --seeds, --jobs, --array ("": as Slurm says); NULL: not given */
     const char *seeds, *jobs, *array;
     bool dry_run, collect; /* sweep */
+    /* plan: --error, --reading, --write; NULL: not given */
+    const char *error, *reading, *write;
+    bool any_particles; /* plan: --particles any */
     gn_override overrides[GN_MAX_OVERRIDES];
     size_t override_count;
     char *held[GN_MAX_OVERRIDES]; /* copies of the keys of --set key=value */

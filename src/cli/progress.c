@@ -2,6 +2,7 @@
 
 #include "base/memory.h"
 #include "base/point.h"
+#include "cli/budget_show.h"
 #include "cli/line.h"
 #include "cli/plan_elements.h"
 #include "cli/plan_stages.h"
@@ -294,6 +295,7 @@ static void print_outcome(const gn_run *run) {
     const gn_world *w = &run->world;
     gn_print_stages_done(run);
     print_readings(run);
+    gn_print_budget(run);
     if (w->effects & GN_FX_BONDS)
         printf("  bonds broken           %10lld in tension, %lld in shear, of %lld\n",
                (long long)w->dem.broken_tension, (long long)w->dem.broken_shear,

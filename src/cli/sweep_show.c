@@ -158,6 +158,12 @@ static void print_reading(const gn_summary_reading *r, const gn_statistics *t) {
                digits(t->deviation / factor), t->deviation / factor);
     else
         printf("%s%s", *unit ? " " : "", unit);
+    /* Scatter over packings and by rounding is measured by the seeds; what all of them share is
+     * not.
+     */
+    if (t->count > 1 && !isnan(r->besides))
+        printf("; packing and round-off measured by it, the rest of the error estimated %.*g",
+               digits(r->besides / factor), r->besides / factor);
     printf("\n");
 }
 

@@ -3,6 +3,7 @@
 #include "io/files.h"
 #include "io/h5.h"
 #include "io/snapshot.h"
+#include "run/budget.h"
 #include "run/output_fields.h"
 #include "run/run.h"
 #include "run/stages.h"
@@ -216,7 +217,9 @@ static gneiss_status put_readings(const gn_run *run, gn_h5 *file, gneiss_error *
     GN_READINGS(X)
 #undef X
     gn_h5_demand_finite(file, demanded);
-    return GNEISS_OK;
+    gn_budget budget;
+    gn_budget_make(&run->world, &run->history, &r, &budget);
+    return gn_budget_results(&budget, &r, file, error);
 }
 
 static gneiss_status put_tables(const gn_run *run, gn_h5 *file, gneiss_error *error) {
@@ -319,6 +322,9 @@ static void summary_readings(const gn_run *run, gn_json *j) {
     GN_READINGS(X)
 #undef X
     gn_json_end(j);
+    gn_budget budget;
+    gn_budget_make(&run->world, &run->history, &r, &budget);
+    gn_budget_summary(&budget, &r, j);
 }
 
 static void summary_counts(const gn_world *w, size_t contacts, gn_json *j) {

@@ -51,8 +51,7 @@ static bool motion_changes(const gn_motion *motion) {
     return found;
 }
 
-/* What keeps statics from a scene; NULL: nothing that shows in it. */
-static const char *no_statics(const gn_scene *s) {
+const char *gn_scene_no_statics(const gn_scene *s) {
     if (!s->has_specimen || s->bonds != GN_SWITCH_ON) return "bonded particles, found none";
     if (s->bond_radius_multiplier > 0)
         return "bonds without moments, found bonds.radius_multiplier";
@@ -89,7 +88,7 @@ static const char *no_statics(const gn_scene *s) {
 }
 
 static gneiss_status check_start_of_steps(const check *c, const gn_scene *s) {
-    const char *reason = s->start == GN_START_FIRST_BREAK ? no_statics(s) : NULL;
+    const char *reason = s->start == GN_START_FIRST_BREAK ? gn_scene_no_statics(s) : NULL;
     if (reason) return gn_check_fail(c, "time.start", "first_break: expected %s", reason);
     /* A scene that was written out has the default of every key. */
     if (s->start == GN_START_REST && s->start_fraction != 0.9)

@@ -646,6 +646,9 @@ static inline bool gn_scene_by_area(const gn_scene *scene) {
 }
 int gn_scene_find_element_motion(const gn_scene *scene, const char *name);
 
+/* What keeps time.start: first_break from a scene; NULL: nothing that shows in it. */
+const char *gn_scene_no_statics(const gn_scene *scene);
+
 /* Whether some part of an end loads the specimen along the axis of the test. Sets and nodes that
  * nothing is prescribed for and no force acts on are only watched. */
 bool gn_scene_end_drives(const gn_scene *scene, const gn_test_end *end);

@@ -57,6 +57,7 @@ static gneiss_status choose_readings(gn_summary *m, gneiss_error *error) {
         gn_summary_reading *r = &m->readings[k];
         snprintf(r->name, sizeof r->name, "%s", s->reading_count ? s->readings[k] : usual[k]);
         describe_known(r);
+        r->besides = NAN;
     }
     return GNEISS_OK;
 }
@@ -98,6 +99,10 @@ static double read_reading(const gn_h5 *file, gn_summary_reading *r) {
     if (!gn_h5_has(file, set)) return NAN;
     read_label(file, set, "unit", r->unit, sizeof r->unit);
     read_label(file, set, "description", r->text, sizeof r->text);
+    double besides;
+    if (!of_energy && !of_history &&
+        gn_h5_get_attribute_f64(file, set, "error_besides_scatter", &besides, 1, NULL) == GNEISS_OK)
+        r->besides = fmax(r->besides, besides); /* NaN is less than any number */
     return read_last(file, set);
 }
 

@@ -7,6 +7,8 @@
 
 typedef struct gn_summary_reading {
     char name[GN_NAME_SIZE], unit[GN_NAME_SIZE], text[256];
+    double
+        besides; /* largest error of a run that no number of seeds takes off (run/budget.h); NaN */
 } gn_summary_reading;
 
 typedef struct gn_summary_run {

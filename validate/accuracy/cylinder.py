@@ -198,11 +198,23 @@ class Measured:
             middle = next(row for row in found["gap"] if row.value == BASE["gap"])
             s.ratio(r, "gap", "bonds per particle", bonds, column(found["gap"], r) / middle[READINGS[r]], 2 * middle["bonds"] / len(self.packing))
             s.power(r, "packing", "scatter", "number of particles", list(self.packing_scatter[r]), list(self.packing_scatter[r].values()))
+            self.measure_ways(r)
         for r, ((last, a, p), error, _) in self.limits.items():
             n = list(self.n.values())
             middle = np.exp(np.mean(np.log(n)))
             s.add(r, "size", "bias", "particles across the diameter", "power", -a * middle**-p / last, error[0] / (abs(a) * middle**-p), -p, error[2],
                   middle, min(n), max(n), len(n))
+
+    def measure_ways(self, r):
+        """Ways to the same answer in fewer steps, against the same run without: change of a reading over the factor of the step, and the mean
+        over both speeds by starting at the first break."""
+        rows = {row.value: row[READINGS[r]] for row in self.found["mass scaling"]}
+        if 1 in rows:
+            self.slopes.linear(r, "mass scaling", "bias", "step over that without added mass", list(rows), [y / rows[1] - 1 for y in rows.values()], 1)
+        pairs = [both for speed in {row.value[1] for row in self.found["start"]} for both in started(self, speed)]
+        change = np.array([b[READINGS[r]] / a[READINGS[r]] - 1 for a, b in pairs])
+        if len(change):
+            self.slopes.add(r, "start", "bias", "", "constant", change.mean(), np.sqrt(np.mean(change**2)), points=len(change))
 
 
 # --- settings: what a number of particles, a speed and a number of seeds come to ----------------------------

@@ -1,4 +1,5 @@
-"""What accuracy costs in time; writes docs/accuracy.md, its pictures and validate/accuracy/slopes.csv.
+"""What accuracy costs in time; writes docs/accuracy.md, its pictures, and validate/accuracy/slopes.csv and base.csv,
+which `gneiss plan --error` and the error budget of runs are compiled from.
 
     ./do accuracy                everything; what is kept in runs/accuracy is not run again: about an hour of two cores
     ./do accuracy --quick        the same on coarse models, into runs/accuracy-quick: a minute or two
@@ -16,6 +17,7 @@ from pathlib import Path
 HERE = Path(__file__).resolve().parent
 sys.path[:0] = [str(HERE), str(HERE.parent)]
 
+import base  # noqa: E402
 import machinery  # noqa: E402
 import overview  # noqa: E402
 import slopes  # noqa: E402
@@ -101,6 +103,8 @@ def main(arguments):
         page.keep(name, f"{text}\n\n{conditions(s, name)}")
         measured += found[name].slopes.rows
         slopes.write(table, measured, known)
+    if {"compression", "tension"} <= set(wanted) and not quick:
+        base.measure(s, table.with_name("base.csv"))
     if {"compression", "tension"} <= set(wanted):
         page.keep("overview", overview.section(p, [found["compression"], found["tension"]]))
     page.keep("slopes", overview.slopes_section(slopes.read(table)))

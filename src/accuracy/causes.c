@@ -1,0 +1,147 @@
+#include "accuracy/causes.h"
+
+#include <math.h>
+#include <stdarg.h>
+#include <stdio.h>
+#include <string.h>
+
+void gn_causes_add(gn_error_causes *c, const char *name, double error, bool measured) {
+    if (c->count < GN_CAUSES_MAX) c->cause[c->count++] = (gn_error_cause){name, error, measured};
+}
+
+void gn_causes_note(gn_error_causes *c, const char *format, ...) {
+    va_list args;
+    if (c->note_count == GN_CAUSE_NOTES_MAX) return;
+    va_start(args, format);
+    vsnprintf(c->note[c->note_count++], GN_CAUSE_NOTE_SIZE, format, args);
+    va_end(args);
+}
+
+gn_error_cause *gn_causes_find(gn_error_causes *c, const char *name) {
+    for (size_t k = 0; k < c->count; k++)
+        if (strcmp(c->cause[k].name, name) == 0) return &c->cause[k];
+    return NULL;
+}
+
+double gn_causes_total(const gn_error_causes *c) {
+    double squares = 0.0;
+    for (size_t k = 0; k < c->count; k++) squares += c->cause[k].error * c->cause[k].error;
+    return sqrt(squares);
+}
+
+/* --- laws --- */
+
+/* Two standard errors beside the bias. */
+static double width(const gn_slope *law, double group) {
+    return hypot(gn_slope_at(law, group), 2.0 * gn_slope_error_at(law, group));
+}
+
+/* What a law says; beyond the groups that were measured it says so. */
+static bool add_bias(gn_error_causes *c, const gn_test_groups *t, const char *reading,
+                     const char *effect, const char *name, double group) {
+    const gn_slope *law = gn_slope_find(t->study, reading, effect, false);
+    if (!law || isnan(group)) return false;
+    gn_causes_add(c, name, width(law, group), false);
+    if (group > 1.001 * law->high)
+        gn_causes_note(c, "%s: %s of %.2g is beyond what the study measured (up to %.2g)", name,
+                       law->group, group, law->high);
+    return true;
+}
+
+/* Two standard deviations of the mean over so many packings, `more` times what the law says. */
+static void add_scatter(gn_error_causes *c, const gn_test_groups *t, const char *reading,
+                        const char *effect, const char *name, double group, double more) {
+    const gn_slope *law = gn_slope_find(t->floors, reading, effect, true);
+    if (!law) law = gn_slope_find(t->study, reading, effect, true);
+    if (!law) return;
+    double deviation = more * gn_slope_at(law, group);
+    gn_causes_add(c, name, 2.0 * deviation / sqrt(fmax(1.0, t->packings)), false);
+}
+
+/* Many packings of one number, over what the law over five of each number says of it. */
+static double of_many(const gn_test_groups *t, const char *reading) {
+    char quantity[96];
+    snprintf(quantity, sizeof quantity, "scatter over its law: %s", reading);
+    double ratio = gn_slope_base_of(t->floors, quantity);
+    return isfinite(ratio) ? fmax(1.0, ratio) : 1.0;
+}
+
+/* The planar cases have their scatter over 1/particles. */
+static double packing_group(const gn_test_groups *t, const char *reading, const char **effect) {
+    *effect = "particles";
+    if (gn_slope_find(t->floors, reading, "particles", true)) return 1.0 / t->particles;
+    *effect = "packing";
+    return t->particles;
+}
+
+/* --- what is a choice and no error --- */
+
+/* A reading that goes on changing with the number of particles has no error of it, only a drift; so
+ * has one that comes to rest, as contacts are calibrated with a number of particles. */
+static void note_size(gn_error_causes *c, const gn_test_groups *t, const char *reading) {
+    const double converged = 0.05;
+    const gn_slope *law = gn_slope_find(t->study, reading, "size", false);
+    if (!law || isnan(t->across)) return;
+    double off = gn_slope_at(law, t->across), last = gn_slope_at(law, law->high),
+           drift = law->exponent * off / (1.0 + off);
+    if (fabs(last) > converged)
+        gn_causes_note(c,
+                       "size: not in the sum, because it does not converge: with constant contacts "
+                       "it still goes as n^%.2f (n: %.3g particles across); calibrate with this "
+                       "number",
+                       drift, t->across);
+    else
+        gn_causes_note(c,
+                       "size: not in the sum: with constant contacts %+.1f %% against many "
+                       "particles; calibrate with this number",
+                       100.0 * off);
+}
+
+static void note_damping(gn_error_causes *c, const gn_test_groups *t, const char *reading) {
+    const double from = 0.4; /* from which on strength hardly notices it */
+    const gn_slope *little = gn_slope_find(t->study, reading, "little damping", false);
+    if (t->damping < 0.0)
+        gn_causes_note(c, "damping: a choice of model; the study has the non-viscous ones alone");
+    else if (t->damping < from && little)
+        gn_causes_note(c, "damping: a choice of model: %+.1f %% with %g against 0.7",
+                       100.0 * gn_slope_at(little, t->damping), t->damping);
+}
+
+/* --- a test --- */
+
+static void predict_particles(const gn_test_groups *t, const char *reading, gn_error_causes *c) {
+    const char *effect;
+    double group = packing_group(t, reading, &effect);
+    if (!add_bias(c, t, reading, "velocity", "velocity", t->speed))
+        gn_causes_note(c, "velocity: not known for this test");
+    add_bias(c, t, reading, "safety", "step", t->safety);
+    add_scatter(c, t, reading, effect, "packing", group, of_many(t, reading));
+    add_scatter(c, t, reading, "round-off", "round-off", 0.0, 1.0);
+    if (t->mixed) add_bias(c, t, reading, "precision", "precision", 0.0);
+    if (t->masses > 1.0 && !add_bias(c, t, reading, "mass scaling", "mass scaling", t->masses))
+        gn_causes_note(c, "mass scaling: the study has no law of it");
+    if (t->first_break && !add_bias(c, t, reading, "start", "start", 0.0))
+        gn_causes_note(c, "start: the study has no law of it");
+    note_size(c, t, reading);
+    note_damping(c, t, reading);
+}
+
+static void predict_elements(const gn_test_groups *t, const char *reading, gn_error_causes *c) {
+    if (!add_bias(c, t, reading, t->mesh, "mesh", t->cell))
+        gn_causes_note(c, "mesh: the study has no law of it");
+    if (t->mixed) add_bias(c, t, reading, "precision", "precision", 0.0);
+}
+
+bool gn_causes_predict(const gn_test_groups *t, const char *reading, gn_error_causes *c) {
+    bool known = false;
+    *c = (gn_error_causes){0};
+    for (size_t k = 0; k < gn_slope_count; k++)
+        known |=
+            strcmp(gn_slopes[k].study, t->study) == 0 && strcmp(gn_slopes[k].reading, reading) == 0;
+    if (!known) return false;
+    if (t->mesh)
+        predict_elements(t, reading, c);
+    else
+        predict_particles(t, reading, c);
+    return true;
+}

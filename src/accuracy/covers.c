@@ -1,0 +1,142 @@
+#include "accuracy/covers.h"
+
+#include <math.h>
+#include <string.h>
+
+/* --- ends --- */
+
+static const gn_motion *motion_of(const gn_scene *s, const char *name) {
+    int wall = gn_scene_find_wall(s, name), body = gn_scene_find_body(s, name),
+        set = gn_scene_find_set(s, name), nodes = gn_scene_find_element_motion(s, name);
+    return wall >= 0    ? &s->walls[wall].motion
+           : body >= 0  ? &s->bodies[body].motion
+           : set >= 0   ? &s->sets[set].motion
+           : nodes >= 0 ? &s->elements.motions[nodes].motion
+                        : NULL;
+}
+
+/* Mean over the parts of an end. */
+static double end_of(const gn_scene *s, const gn_test_end *end, double time, bool path) {
+    double sum = 0.0;
+    for (size_t k = 0; k < end->count; k++) {
+        const gn_motion *motion = motion_of(s, end->name[k]);
+        if (!motion) continue;
+        const gn_table *table = &motion->velocity[s->test.axis];
+        sum += path ? gn_table_between(table, 0.0, time) : gn_table_at(table, time);
+    }
+    return end->count ? sum / (double)end->count : 0.0;
+}
+
+static double apart(const gn_scene *s, double time, bool path) {
+    double sign = s->test.kind == GN_TEST_COMPRESSION ? -1.0 : 1.0;
+    return sign * (end_of(s, &s->test.upper, time, path) - end_of(s, &s->test.lower, time, path));
+}
+
+double gn_test_closing(const gn_scene *s, double time) {
+    return apart(s, time, false);
+}
+
+/* Tables are straight from one point to the next, so that the fastest is at one of them. */
+static double fastest_at_points(const gn_scene *s, const gn_test_end *end, double fastest) {
+    for (size_t k = 0; k < end->count; k++) {
+        const gn_motion *motion = motion_of(s, end->name[k]);
+        const gn_table *table = motion ? &motion->velocity[s->test.axis] : NULL;
+        for (size_t p = 0; table && p < table->count; p++)
+            if (table->time[p] <= s->end)
+                fastest = fmax(fastest, gn_test_closing(s, table->time[p]));
+    }
+    return fastest;
+}
+
+double gn_test_fastest(const gn_scene *s) {
+    double fastest = gn_test_closing(s, s->end);
+    fastest = fastest_at_points(s, &s->test.lower, fastest);
+    return fastest_at_points(s, &s->test.upper, fastest);
+}
+
+double gn_test_path(const gn_scene *s, double time) {
+    return apart(s, time, true);
+}
+
+double gn_test_bulk(const gn_world *w) {
+    return gn_world_mass(w) / w->volume;
+}
+
+/* --- particles --- */
+
+/* Over the shortest side across the axis of the test. */
+static double particles_across(const gn_world *w) {
+    const gn_particles *q = &w->dem.particles;
+    double shortest = INFINITY, radii = 0.0;
+    for (int a = 0; a < w->scene.dimension; a++)
+        if (a != w->scene.test.axis) shortest = fmin(shortest, w->upper[a] - w->lower[a]);
+    for (size_t p = 0; p < q->soa.count; p++) radii += q->pos[4 * p + 3];
+    return shortest * (double)q->soa.count / (2.0 * radii);
+}
+
+static double damping_of(const gn_scene *s) {
+    switch (s->background) {
+    case GN_BACKGROUND_NONE:
+        return 0.0;
+    case GN_BACKGROUND_NONVISCOUS_VECTOR:
+    case GN_BACKGROUND_NONVISCOUS_COMPONENT:
+        return s->background_coefficient;
+    case GN_BACKGROUND_VISCOUS:
+        break;
+    }
+    return -1.0;
+}
+
+static const char *cover_particles(const gn_world *w, gn_test_groups *g) {
+    const gn_scene *s = &w->scene;
+    bool plane = s->dimension == 2;
+    if (s->bonds != GN_SWITCH_ON || !w->dem.bonds_at_start)
+        return "the study has no test of grains without bonds";
+    if (w->effects & (GN_FX_SOFTENING | GN_FX_YIELD | GN_FX_BOND_MOMENTS))
+        return "the study has no bonds that soften, yield or carry moments";
+    if (s->has_elements) return "the study has no test of particles and elements together";
+    if (s->body_count) return "the study has no test with bodies";
+    if (s->has_periodic) return "the study has no periodic test";
+    if (plane && s->specimen.pack.shape == GN_SHAPE_DISC && s->test.kind == GN_TEST_COMPRESSION)
+        return "the study foretells no peak of a disc that is pressed across";
+    g->study = s->test.kind == GN_TEST_COMPRESSION ? "compression" : "tension";
+    /* Discs scatter more than spheres, and all of their cases have it alike. */
+    g->floors = plane ? "brazilian" : g->study;
+    g->particles = (double)w->dem.particles.soa.count;
+    g->across = particles_across(w);
+    g->masses = w->dem.scaling.step > 0.0 ? w->dt / w->dem.scaling.unscaled : 1.0;
+    g->first_break = s->start == GN_START_FIRST_BREAK;
+    g->damping = damping_of(s);
+    return NULL;
+}
+
+/* --- elements --- */
+
+static const char *cover_elements(const gn_scene *s, gn_test_groups *g) {
+    const gn_element_def *e = &s->elements;
+    bool mixed_form = e->formulation == GN_FORMULATION_PRESSURE;
+    if (e->has_beam && e->beam.notch_depth > 0.0) {
+        *g = (gn_test_groups){.study = "notched-elements", .mesh = "cell"};
+        g->cell = e->beam.cell / e->beam.height;
+    } else if (e->has_rectangle && e->size[1 - s->test.axis] >= 4.0 * e->size[s->test.axis]) {
+        *g = (gn_test_groups){.study = "cantilever",
+                              .mesh = mixed_form ? "elements, mixed form" : "elements"};
+        g->cell = 1.0 / (double)e->cells[s->test.axis];
+    } else {
+        return "the study has notched beams and rectangles that are bent, of elements";
+    }
+    g->floors = g->study;
+    g->packings = 1.0;
+    return NULL;
+}
+
+const char *gn_study_covers(const gn_world *w, gn_test_groups *g) {
+    const gn_scene *s = &w->scene;
+    *g = (gn_test_groups){.packings = 1.0, .masses = 1.0, .speed = NAN, .across = NAN};
+    if (s->test.kind == GN_TEST_NONE) return "the scene has no test";
+    const char *reason = s->has_specimen ? cover_particles(w, g) : cover_elements(s, g);
+    g->speed = NAN;
+    g->safety = w->dt / w->stable;
+    g->mixed = w->effects & GN_FX_MIXED;
+    return reason;
+}

@@ -1,0 +1,55 @@
+#include "cli/budget_show.h"
+
+#include "run/budget.h"
+
+#include <math.h>
+#include <string.h>
+
+/* A prefix that keeps numbers near 1. */
+static double scale_of(const char *unit, double value, const char **prefix) {
+    bool pressure = strcmp(unit, "Pa") == 0;
+    double factor = !pressure            ? 1.0
+                    : fabs(value) >= 1e9 ? 1e9
+                    : fabs(value) >= 1e6 ? 1e6
+                    : fabs(value) >= 1e3 ? 1e3
+                                         : 1.0;
+    *prefix = factor == 1e9   ? " GPa"
+              : factor == 1e6 ? " MPa"
+              : factor == 1e3 ? " kPa"
+              : pressure      ? " Pa"
+                              : "";
+    return factor;
+}
+
+static void print_one(const char *name, const char *unit, double value, const gn_error_causes *c) {
+    char text[512];
+    const char *prefix;
+    double factor = scale_of(unit, value, &prefix);
+    printf("    %-22s %.4g%s +- %.2g %s\n", name, value / factor, prefix,
+           fabs(value) / factor * gn_causes_total(c),
+           gn_budget_text(c, value / factor, text, sizeof text));
+}
+
+/* What is in no sum is the same for most readings, and told once. */
+static void print_notes(const gn_budget *b) {
+    const gn_error_causes *c = &b->of[GN_READING_peak_stress];
+    if (!c->count) c = &b->of[GN_READING_young_modulus_average];
+    for (size_t k = 0; k < c->note_count; k++) printf("    note: %s\n", c->note[k]);
+}
+
+void gn_print_budget(const gn_run *run) {
+    if (run->world.scene.test.kind == GN_TEST_NONE) return;
+    gn_readings r = gn_history_readings(&run->world, &run->history);
+    gn_budget b;
+    gn_budget_make(&run->world, &run->history, &r, &b);
+    if (b.absent[0]) {
+        printf("  error budget           %10s   %s\n", "-", b.absent);
+        return;
+    }
+    printf("  error budget, 95 of 100\n");
+#define X(name, unit, text)                                                                        \
+    if (b.of[GN_READING_##name].count) print_one(#name, unit, r.name, &b.of[GN_READING_##name]);
+    GN_READINGS(X)
+#undef X
+    print_notes(&b);
+}

@@ -1,0 +1,292 @@
+#include "plan/rewrite.h"
+
+#include "base/memory.h"
+#include "io/files.h"
+#include "scene/manifest.h"
+#include "scene/tree.h"
+
+#include <limits.h>
+#include <stdlib.h>
+#include <string.h>
+#include <unistd.h>
+
+static const size_t size_limit = (size_t)16 << 20;
+
+/* A text that is changed at one place after the other; it is read anew before each change, so that
+ * places are always those of the present text. */
+typedef struct draft {
+    char *text;
+    const char *name;
+} draft;
+
+/* --- places --- */
+
+static char *place_in(const draft *d, gn_scene_place where) {
+    char *at = d->text;
+    for (int line = 1; line < where.line && at; line++) {
+        at = strchr(at, '\n');
+        if (at) at++;
+    }
+    for (int column = 1; at && column < where.column && *at; column++) {
+        at++;
+        while ((*at & 0xc0) == 0x80) at++; /* columns count characters */
+    }
+    return at;
+}
+
+static char *line_start(const draft *d, char *at) {
+    while (at > d->text && at[-1] != '\n') at--;
+    return at;
+}
+
+/* Behind a quoted text that begins here. */
+static char *behind_quotes(char *at) {
+    char quote = *at++;
+    while (*at && *at != quote) at += *at == '\\' && quote == '"' && at[1] ? 2 : 1;
+    return *at ? at + 1 : at;
+}
+
+/* Behind the bracket that closes the one here. */
+static char *behind_brackets(char *at) {
+    int depth = 0;
+    while (*at) {
+        if (*at == '"' || *at == '\'') {
+            at = behind_quotes(at);
+            continue;
+        }
+        if (*at == '#' && (at[-1] == ' ' || at[-1] == '\n')) {
+            at += strcspn(at, "\n");
+            continue;
+        }
+        depth += (*at == '[' || *at == '{') - (*at == ']' || *at == '}');
+        at++;
+        if (depth == 0) break;
+    }
+    return at;
+}
+
+/* Where the value of a node ends; NULL: it is written over several lines without brackets. */
+static char *value_end(const gn_node *node, char *at) {
+    if (*at == '"' || *at == '\'') return behind_quotes(at);
+    if (*at == '[' || *at == '{') return behind_brackets(at);
+    size_t length = node->kind == GN_NODE_SCALAR ? strlen(node->text) : 0;
+    return length && strncmp(at, node->text, length) == 0 ? at + length : NULL;
+}
+
+/* --- changes --- */
+
+/* Puts `fresh` in the place of [from, to). */
+static gneiss_status splice(draft *d, const char *from, const char *to, const char *fresh,
+                            gneiss_error *error) {
+    size_t before = (size_t)(from - d->text), length = strlen(fresh), rest = strlen(to);
+    char *text = malloc(before + length + rest + 1);
+    if (!text) return gn_fail(error, GNEISS_ERROR_MEMORY, "%s: no memory", d->name);
+    memcpy(text, d->text, before);
+    memcpy(text + before, fresh, length);
+    memcpy(text + before + length, to, rest + 1);
+    free(d->text);
+    d->text = text;
+    return GNEISS_OK;
+}
+
+static gneiss_status replace(draft *d, const gn_node *node, const char *value, bool *done,
+                             gneiss_error *error) {
+    char *at = place_in(d, node->where);
+    if (at && at > d->text && (at[-1] == '"' || at[-1] == '\'')) at--;
+    char *end = at ? value_end(node, at) : NULL;
+    *done = end != NULL;
+    return end ? splice(d, at, end, value, error) : GNEISS_OK;
+}
+
+/* "a.b.c" and a value as "a: {b: {c: value}}". */
+static void nested(const char *rest, const char *value, char *text, size_t size) {
+    size_t used = 0;
+    int depth = 0;
+    for (const char *step = rest; step && used < size;) {
+        size_t length = strcspn(step, ".");
+        bool more = step[length] == '.';
+        used += (size_t)snprintf(text + used, size - used, "%.*s: %s", (int)length, step,
+                                 more ? "{" : value);
+        depth += more;
+        step = more ? step + length + 1 : NULL;
+    }
+    while (depth-- > 0 && used < size) used += (size_t)snprintf(text + used, size - used, "}");
+}
+
+/* A key that the map has not: behind its brace, or as a line before its first key. */
+static gneiss_status insert(draft *d, const gn_node *map, const char *rest, const char *value,
+                            bool *done, gneiss_error *error) {
+    char fresh[4096], line[4200];
+    char *at = place_in(d, map->where);
+    nested(rest, value, fresh, sizeof fresh);
+    *done = false;
+    if (at && *at == '{') {
+        snprintf(line, sizeof line, "%s%s", fresh, map->count ? ", " : "");
+        *done = true;
+        return splice(d, at + 1, at + 1, line, error);
+    }
+    char *first = map->first ? place_in(d, map->first->key_where) : NULL;
+    if (!first) return GNEISS_OK;
+    char *start = line_start(d, first);
+    for (const char *c = start; c < first; c++)
+        if (*c != ' ') return GNEISS_OK; /* behind the dash of a list */
+    snprintf(line, sizeof line, "%*s%s\n", (int)(first - start), "", fresh);
+    *done = true;
+    return splice(d, start, start, line, error);
+}
+
+/* The node at a place as gn_tree_place spells it, or the last map on the way and what is left. */
+static const gn_node *walk(const gn_node *root, const char *place, const char **rest) {
+    const gn_node *at = root;
+    *rest = place;
+    while (**rest) {
+        size_t length = strcspn(*rest, ".");
+        char step[256];
+        snprintf(step, sizeof step, "%.*s", (int)length, *rest);
+        const gn_node *next = at->kind == GN_NODE_LIST ? gn_node_item(at, strtoul(step, NULL, 10))
+                                                       : gn_node_child(at, step);
+        if (!next) return at;
+        at = next;
+        *rest += length + ((*rest)[length] == '.');
+    }
+    return at;
+}
+
+static gneiss_status change(draft *d, const gn_override *o, bool *done, gneiss_error *error) {
+    gn_tree *tree = NULL;
+    char place[512];
+    const char *rest;
+    GN_TRY(gn_tree_read(d->text, strlen(d->text), d->name, &tree, error));
+    gn_tree_place(tree, o->key, place, sizeof place);
+    const gn_node *node = walk(gn_tree_root(tree), place, &rest);
+    gneiss_status status = GNEISS_OK;
+    *done = false;
+    if (!*rest)
+        status = replace(d, node, o->value, done, error);
+    else if (node->kind == GN_NODE_MAP)
+        status = insert(d, node, rest, o->value, done, error);
+    gn_tree_free(tree);
+    return status;
+}
+
+/* --- files that the scene names --- */
+
+/* What its author wrote relative to the old folder. */
+static gneiss_status resolve_files(draft *d, const gn_section *section, const char *base,
+                                   const char *path, gneiss_error *error);
+
+static gneiss_status resolve_file(draft *d, const char *key, const char *written,
+                                  const char *resolved, gneiss_error *error) {
+    char absolute[PATH_MAX], quoted[PATH_MAX + 2];
+    bool done;
+    if (!*written || *written == '/' || !realpath(resolved, absolute)) return GNEISS_OK;
+    snprintf(quoted, sizeof quoted, "\"%s\"", absolute);
+    return change(d, &(gn_override){key, quoted}, &done, error);
+}
+
+static gneiss_status resolve_list(draft *d, const gn_key *key, const char *base, const char *path,
+                                  gneiss_error *error) {
+    const char *array;
+    char element[640];
+    memcpy(&array, base + key->offset, sizeof array);
+    size_t count = *(const size_t *)(base + key->second);
+    for (size_t k = 0; k < count; k++) {
+        snprintf(element, sizeof element, "%s.%zu", path, k);
+        GN_TRY(resolve_files(d, key->section, array + k * key->section->size, element, error));
+    }
+    return GNEISS_OK;
+}
+
+static gneiss_status resolve_files(draft *d, const gn_section *section, const char *base,
+                                   const char *path, gneiss_error *error) {
+    char name[512];
+    for (size_t k = 0; k < section->key_count; k++) {
+        const gn_key *key = &section->keys[k];
+        snprintf(name, sizeof name, "%s%s%s", path, *path ? "." : "", key->name);
+        if (!gn_key_present(key, base)) continue;
+        if (key->type == GN_KEY_FILE)
+            GN_TRY(resolve_file(d, name, base + key->offset, base + key->second, error));
+        else if (key->type == GN_KEY_SECTION)
+            GN_TRY(resolve_files(d, key->section, base + key->offset, name, error));
+        else if (key->type == GN_KEY_LIST)
+            GN_TRY(resolve_list(d, key, base, name, error));
+    }
+    return GNEISS_OK;
+}
+
+/* --- the whole --- */
+
+static void folder_of(const char *path, char folder[GN_PATH_SIZE]) {
+    const char *slash = strrchr(path, '/');
+    int keep = !slash ? 1 : slash == path ? 1 : (int)(slash - path);
+    snprintf(folder, GN_PATH_SIZE, "%.*s", keep, slash ? path : ".");
+}
+
+static bool same_folder(const char *a, const char *b) {
+    char one[PATH_MAX], two[PATH_MAX], first[GN_PATH_SIZE], second[GN_PATH_SIZE];
+    folder_of(a, first);
+    folder_of(b, second);
+    return realpath(first, one) && realpath(second, two) && strcmp(one, two) == 0;
+}
+
+/* Whether a text says in its own folder what the scene says with its overrides. */
+static bool says_the_same(const draft *d, const char *target, const char *wanted) {
+    char folder[GN_PATH_SIZE], *found = NULL;
+    gn_scene *scene = gn_alloc(sizeof *scene);
+    folder_of(target, folder);
+    if (scene && gn_scene_parse(d->text, d->name, folder, NULL, 0, scene, NULL) == GNEISS_OK) {
+        found = gn_scene_write(scene);
+        gn_scene_free(scene);
+    }
+    bool same = found && strcmp(found, wanted) == 0;
+    free(found);
+    gn_free(scene);
+    return same;
+}
+
+static gneiss_status draw_up(draft *d, const gn_scene *scene, const gn_override *overrides,
+                             size_t count, const char *target, bool *done, gneiss_error *error) {
+    *done = true;
+    for (size_t k = 0; k < count && *done; k++) {
+        bool root = !strchr(overrides[k].key, '.');
+        GN_TRY(change(d, &overrides[k], done, error));
+        *done |= root;
+    }
+    if (*done && !same_folder(d->name, target))
+        GN_TRY(resolve_files(d, &gn_scene_section, (const char *)scene, "", error));
+    return GNEISS_OK;
+}
+
+static gneiss_status rewrite(const char *path, const gn_scene *scene, const char *wanted,
+                             const gn_override *overrides, size_t count, const char *target,
+                             bool *plain, gneiss_error *error) {
+    draft d = {.name = path};
+    bool done;
+    GN_TRY(gn_read_text_file(path, size_limit, &d.text, error));
+    gneiss_status status = draw_up(&d, scene, overrides, count, target, &done, error);
+    *plain = status == GNEISS_OK && !(done && says_the_same(&d, target, wanted));
+    if (status == GNEISS_OK)
+        status = gn_write_text_file(target, *plain ? wanted : d.text, GN_DURABLE, error);
+    free(d.text);
+    return status;
+}
+
+gneiss_status gn_scene_rewrite(const char *path, const gn_override *overrides, size_t count,
+                               const char *target, bool force, bool *plain, gneiss_error *error) {
+    if (!force && access(target, F_OK) == 0)
+        return gn_fail(error, GNEISS_ERROR_INPUT,
+                       "%.300s: expected no file, found one: --force replaces it", target);
+    gn_scene *scene = gn_alloc(sizeof *scene);
+    if (!scene) return gn_fail(error, GNEISS_ERROR_MEMORY, "no memory");
+    gneiss_status status = gn_scene_load(path, overrides, count, scene, error);
+    char *wanted = NULL;
+    if (status == GNEISS_OK) {
+        wanted = gn_scene_write(scene);
+        status = wanted ? rewrite(path, scene, wanted, overrides, count, target, plain, error)
+                        : gn_fail(error, GNEISS_ERROR_MEMORY, "no memory for the scene text");
+        gn_scene_free(scene);
+    }
+    free(wanted);
+    gn_free(scene);
+    return status;
+}

@@ -1,0 +1,204 @@
+#include "run/budget.h"
+
+#include "accuracy/covers.h"
+
+#include <math.h>
+#include <stddef.h>
+#include <stdlib.h>
+#include <string.h>
+
+/* What the study calls a reading; NULL: it has no laws of it. Nothing breaks in elements, and the
+ * stress at the way that they are moved is off as their stiffness is. */
+static const char *name_of(gn_reading which, const gn_test_groups *g) {
+    switch (which) {
+    case GN_READING_young_modulus:
+    case GN_READING_young_modulus_average:
+        return g->mesh ? NULL : "E";
+    case GN_READING_poisson_ratio:
+        return g->mesh ? NULL : "nu";
+    case GN_READING_peak_stress:
+        return g->mesh ? NULL : "strength";
+    case GN_READING_peak_strain:
+        return g->mesh ? NULL : "strain at the peak";
+    case GN_READING_largest_stress:
+        return !g->mesh ? NULL : strcmp(g->study, "cantilever") == 0 ? "deflection" : "stiffness";
+    default:
+        return NULL;
+    }
+}
+
+static double value_of(const gn_readings *r, gn_reading which) {
+    return (&r->young_modulus)[which];
+}
+
+/* --- what the run tells --- */
+
+static size_t row_of_largest(const gn_history *h, const double *stress) {
+    size_t largest = 0;
+    for (size_t k = 1; k < h->row_count; k++)
+        if (stress[k] > stress[largest]) largest = k;
+    return largest;
+}
+
+static int by_size(const void *a, const void *b) {
+    const double *x = a, *y = b;
+    return (*x > *y) - (*x < *y);
+}
+
+/* Median over the second half of the way up to the largest stress: at its start waves are all that
+ * there is. */
+static double kinetic_share(const gn_history *h) {
+    static const char *const elastic[] = {"energy_elastic_normal", "energy_elastic_shear",
+                                          "energy_elastic_bending", "energy_elastic_wall",
+                                          "energy_elastic_elements"};
+    const double *stress = gn_history_column(h, "stress"),
+                 *kinetic = gn_history_column(h, "energy_kinetic");
+    if (!stress || !kinetic || !h->row_count) return NAN;
+    size_t last = row_of_largest(h, stress), first = last / 2, count = last + 1 - first;
+    double *share = calloc(count, sizeof *share);
+    if (!share) return NAN;
+    for (size_t k = 0; k < count; k++) {
+        double stored = 0.0;
+        for (size_t e = 0; e < sizeof elastic / sizeof *elastic; e++) {
+            const double *column = gn_history_column(h, elastic[e]);
+            stored += column ? column[first + k] : 0.0;
+        }
+        share[k] = stored > 0.0 ? kinetic[first + k] / stored : 0.0;
+    }
+    qsort(share, count, sizeof *share, by_size);
+    double median = share[count / 2];
+    free(share);
+    return median;
+}
+
+/* Closing speed over wave speed and strain, all as this run had them. */
+static double speed_of(const gn_world *w, const gn_history *h, const gn_readings *r) {
+    const double *stress = gn_history_column(h, "stress"), *time = gn_history_column(h, "time");
+    double modulus = isnan(r->young_modulus_average) ? r->young_modulus : r->young_modulus_average;
+    if (!stress || !time || !h->row_count) return NAN;
+    double closing = gn_test_closing(&w->scene, time[row_of_largest(h, stress)]);
+    return closing / (sqrt(modulus / gn_test_bulk(w)) * r->largest_strain);
+}
+
+/* A cause is as large as the run shows, where that is more than the law says. */
+static void raise(gn_error_causes *c, const char *name, double found) {
+    gn_error_cause *cause = gn_causes_find(c, name);
+    if (!isfinite(found)) return;
+    if (!cause)
+        gn_causes_add(c, name, found, true);
+    else if (found > cause->error)
+        *cause = (gn_error_cause){name, found, true};
+}
+
+/* The stress is the mean of both ends, which is off by half of their difference at most; energy
+ * that moves is energy that a static test would have stored or never taken in. */
+static void measure(const gn_world *w, const gn_budget *b, gn_error_causes *c) {
+    raise(c, "velocity",
+          fmax(isnan(b->imbalance) ? 0.0 : 0.5 * b->imbalance,
+               isnan(b->kinetic) ? 0.0 : 0.5 * b->kinetic));
+    if (w->effects & GN_FX_ENERGY) raise(c, "step", fabs(gn_energy_residual(&w->reading)));
+}
+
+void gn_budget_make(const gn_world *w, const gn_history *h, const gn_readings *r, gn_budget *b) {
+    gn_test_groups g;
+    *b = (gn_budget){.speed = NAN, .imbalance = r->end_imbalance, .kinetic = NAN};
+    const char *reason = gn_study_covers(w, &g);
+    if (reason) {
+        snprintf(b->absent, sizeof b->absent, "%s", reason);
+        return;
+    }
+    b->kinetic = kinetic_share(h);
+    b->speed = g.speed = g.mesh ? NAN : speed_of(w, h, r);
+    for (int k = 0; k < GN_READING_COUNT; k++) {
+        const char *name = name_of((gn_reading)k, &g);
+        if (!name || isnan(value_of(r, (gn_reading)k))) continue;
+        if (gn_causes_predict(&g, name, &b->of[k])) measure(w, b, &b->of[k]);
+    }
+}
+
+/* --- as it is shown --- */
+
+static int by_error(const void *a, const void *b) {
+    const gn_error_cause *x = a, *y = b;
+    return (x->error < y->error) - (x->error > y->error);
+}
+
+const char *gn_budget_text(const gn_error_causes *c, double value, char *text, size_t size) {
+    const double worth_saying = 0.02 * gn_causes_total(c);
+    gn_error_causes sorted = *c;
+    size_t used = 0;
+    text[0] = 0;
+    qsort(sorted.cause, sorted.count, sizeof *sorted.cause, by_error);
+    for (size_t k = 0; k < sorted.count && used < size; k++) {
+        const gn_error_cause *cause = &sorted.cause[k];
+        if (cause->error < worth_saying) break;
+        used += (size_t)snprintf(text + used, size - used, "%s%s %.2g %s", k ? ", " : "(",
+                                 cause->name, fabs(value) * cause->error,
+                                 cause->measured ? "measured" : "estimated");
+    }
+    if (used && used < size) snprintf(text + used, size - used, ")");
+    return text;
+}
+
+/* What the mean over several packings leaves: causes that all of them share. */
+static double besides_scatter(const gn_error_causes *c) {
+    double squares = 0.0;
+    for (size_t k = 0; k < c->count; k++)
+        if (strcmp(c->cause[k].name, "packing") != 0 && strcmp(c->cause[k].name, "round-off") != 0)
+            squares += c->cause[k].error * c->cause[k].error;
+    return sqrt(squares);
+}
+
+static const char *const names[] = {
+#define X(name, unit, text) #name,
+    GN_READINGS(X)
+#undef X
+};
+
+static void summary_of(const gn_error_causes *c, const char *name, double value, gn_json *j) {
+    gn_json_object(j, name);
+    gn_json_number(j, "error", fabs(value) * gn_causes_total(c));
+    gn_json_array(j, "causes");
+    for (size_t k = 0; k < c->count; k++) {
+        gn_json_object(j, NULL);
+        gn_json_text(j, "name", c->cause[k].name);
+        gn_json_number(j, "error", fabs(value) * c->cause[k].error);
+        gn_json_text(j, "is", c->cause[k].measured ? "measured" : "estimated");
+        gn_json_end(j);
+    }
+    gn_json_end(j);
+    gn_json_array(j, "notes");
+    for (size_t k = 0; k < c->note_count; k++) gn_json_text(j, NULL, c->note[k]);
+    gn_json_end(j);
+    gn_json_end(j);
+}
+
+void gn_budget_summary(const gn_budget *b, const gn_readings *r, gn_json *j) {
+    gn_json_object(j, "error_budget");
+    if (b->absent[0]) gn_json_text(j, "absent", b->absent);
+    if (!b->absent[0]) {
+        gn_json_number(j, "speed", b->speed);
+        gn_json_number(j, "end_imbalance", b->imbalance);
+        gn_json_number(j, "kinetic_over_elastic", b->kinetic);
+    }
+    for (int k = 0; k < GN_READING_COUNT; k++)
+        if (b->of[k].count) summary_of(&b->of[k], names[k], value_of(r, (gn_reading)k), j);
+    gn_json_end(j);
+}
+
+gneiss_status gn_budget_results(const gn_budget *b, const gn_readings *r, gn_h5 *file,
+                                gneiss_error *error) {
+    char set[96], text[512];
+    for (int k = 0; k < GN_READING_COUNT; k++) {
+        const gn_error_causes *c = &b->of[k];
+        double value = value_of(r, (gn_reading)k), of_all = fabs(value) * gn_causes_total(c),
+               besides = fabs(value) * besides_scatter(c);
+        if (!c->count) continue;
+        snprintf(set, sizeof set, "readings/%s", names[k]);
+        GN_TRY(gn_h5_attribute_f64(file, set, "error", &of_all, 1, error));
+        GN_TRY(gn_h5_attribute_f64(file, set, "error_besides_scatter", &besides, 1, error));
+        GN_TRY(gn_h5_attribute_text(file, set, "error_causes",
+                                    gn_budget_text(c, value, text, sizeof text), error));
+    }
+    return GNEISS_OK;
+}

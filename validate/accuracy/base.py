@@ -1,0 +1,171 @@
+"""What the study's own tests found over what `gneiss plan --error` foretells from their specimens: validate/accuracy/base.csv, which the
+program brings the estimates of other scenes to what is found by.
+
+    /usr/bin/python3 validate/accuracy/base.py      measures and writes it: a minute of one core; ./do accuracy does so as well
+"""
+import csv
+import io
+import json
+import sys
+from pathlib import Path
+
+import numpy as np
+
+HERE = Path(__file__).resolve().parent
+sys.path[:0] = [str(HERE), str(HERE.parent)]
+
+import cylinder  # noqa: E402
+import fits  # noqa: E402
+import machinery  # noqa: E402
+import slopes  # noqa: E402
+import study as shared  # noqa: E402
+from machinery import Axis  # noqa: E402
+
+HEAD = "# Written by ./do accuracy (validate/accuracy/base.py): what the study's own tests found over what is foretold from their specimens.\n"
+FIXED = 0.03  # s: what a run takes besides its steps and the making of its world, as in src/plan/propose.c
+FRACTION = 0.9  # of the first break at which statics end
+COLUMNS = ("case", "quantity", "value")
+AGAIN = 5  # times that costs are measured
+
+
+def plan(study, scene_file, again=AGAIN):
+    """As `gneiss plan` tells it; of costs the least, as others on the machine make them larger."""
+    said = [json.loads(study.call(["plan", scene_file, "--error", "5%", "--reading", "stiffness", "--log", "json", "--threads", 1]).stdout.splitlines()[-1])
+            for _ in range(again)]
+    told = said[0]
+    told["cost"] = {name: min(one["cost"][name] for one in said) for name in told["cost"]}
+    return told
+
+
+def particle_step(told):
+    return told["cost"]["particle"] + told["cost"]["contact"] * told["contacts"] / told["particles"]
+
+
+def lattice_seconds(told, steps, rows):
+    return told["particles"] * (steps * particle_step(told) + rows * told["cost"]["row"])
+
+
+def first_break(row):
+    """Strain between the ends when the first bond has broken."""
+    broken = row.results("history/broken_tension") + row.results("history/broken_shear")
+    return row.results("history/strain")[np.argmax(broken > 0)]
+
+
+def power_of_strain(study, kind, c):
+    """How the strain at the peak goes with the number of particles, beside what uniform strain says of the same packings: the means are
+    of three packings, loaded at four times the speed."""
+    counts = [100, 200] if study.quick else [500, 1000, 2000, 4000]
+    fast = c.motion(4 * c.closing)
+    axis = Axis("base over particles", counts, lambda n: {"specimen.particles": n, **fast}, counts, seeds=3)
+    found, said = {}, {}
+    for row in study.axis(kind, c.scene(c.shape()), axis):
+        found.setdefault(row.value, []).append(row["peak_strain"])
+    for n in counts:
+        scene = c.scene({**c.shape(), "particles": n})
+        said[n] = plan(study, study.file(f"{kind}/base-plan-{n}.yaml", json.dumps(scene)), 1)["estimate"]["breaking_strain"]
+    return fits.line(np.log(counts), [np.log(np.mean(found[n]) / said[n]) for n in counts])[1]
+
+
+def scatter_over_law(study, kind, c):
+    """The scatter over many packings over that of the study's law, which five of every number made; loaded at four times the speed."""
+    count, seeds = (100, 2) if study.quick else (500, 24)
+    scene = c.scene({**c.shape(), "particles": count})
+    rows = study.axis(kind, {**scene, **timed(scene)}, Axis("base, many packings", [0.9], machinery.key("time.safety"), [0.9], seeds=seeds))
+    laws = {row["reading"]: row for row in slopes.read(HERE / "slopes.csv") if row["case"] == kind and row["effect"] == "packing"}
+    return {f"scatter over its law: {reading}": fits.scatter([row[key] for row in rows]) / slopes.at(laws[reading], count)
+            for reading, key in cylinder.READINGS.items() if reading in laws}
+
+
+def run_over_lattice(study, kind, scene_file):
+    """Of a run over what a lattice foretells of it, in turns, as the machine is used by others."""
+    ratios = []
+    for _ in range(AGAIN):
+        told, out = plan(study, scene_file, 1), study.path(kind, "base-timed")
+        study.call(["run", scene_file, "--out", out, "--force", "--quiet", "--threads", 1])
+        summary = json.loads((out / "summary.json").read_text())
+        rows = summary["steps"] // max(1, int(told["estimate"]["path"] * cylinder.HEIGHT / told["estimate"]["closing"] / told["dt"] / 2000))
+        ratios.append((summary["seconds"]["cpu"] - FIXED - told["cost"]["setup"]) / lattice_seconds(told, summary["steps"], rows))
+    return np.median(ratios)
+
+
+def timed(scene):
+    """The parts of a scene that are loaded, four times as fast."""
+    fast = json.loads(json.dumps({key: scene[key] for key in ("walls", "sets", "time") if key in scene}))
+    for part in fast.get("walls", []) + fast.get("sets", []):
+        part["motion"] = {channel: 4 * value for channel, value in part["motion"].items()}
+    fast["time"]["end"] /= 4
+    return fast
+
+
+def of_case(study, kind):
+    """Rows of base.csv from the base of a case, of which several runs are made, and from its start at the first break."""
+    c = cylinder.Cylinder(kind, study.quick)
+    shape = {"specimen": c.shape(), "run": {"seed": 1}}
+    name = f"cylinder-{c.count}"
+    scene = c.scene({"file": str(study.packed(name, shape)), "material": "rock"})
+    shaken = Axis("base", [0, 1, 2], lambda k: {"specimen.file": str(study.packed(name, shape, k))}, [0, 1, 2])
+    rows = study.axis(kind, scene, shaken)
+    started = study.axis(kind, scene, Axis("base at the first break", ["first_break"], lambda s: {"time.start": s}, ["first_break"]))
+    told = plan(study, study.file(f"{kind}/base-plan.yaml", json.dumps(scene, indent=1)))
+    mean = {r: np.mean([row[r] for row in rows]) for r in ("peak_stress", "peak_strain", "young_modulus", "young_modulus_average", "time", "steps")}
+    estimate, seconds = told["estimate"], min(row.seconds for row in rows)
+    # More particles come to press on the walls than at the start: of both moduli the ends' own share.
+    ends = 1 / mean["young_modulus"] - 1 / mean["young_modulus_average"] if estimate["compliance"] > 0 else 0.0
+    body = mean["peak_strain"] - mean["peak_stress"] * ends
+    run = seconds - FIXED - told["cost"]["setup"]
+    found = {"particles": told["particles"],
+             "modulus over uniform strain": mean["young_modulus_average"] / estimate["uniform_modulus"],
+             "strain at the peak over breaking strain": body / estimate["breaking_strain"],
+             "power of strain over particles": power_of_strain(study, kind, c),
+             "strength over modulus and strain": mean["peak_stress"] / mean["young_modulus_average"] / body,
+             "end over peak": mean["time"] * c.closing / cylinder.HEIGHT / mean["peak_strain"],
+             "first break over peak": np.mean([first_break(row) for row in rows]) / mean["peak_strain"],
+             "steps over those of the first": mean["steps"] * told["dt"] / mean["time"],
+             "run over lattice": run_over_lattice(study, kind, study.path(kind, "base-plan.yaml"))}
+    found.update(scatter_over_law(study, kind, c))
+    if estimate["compliance"] > 0:
+        found["strain of the ends over that foretold"] = ends / estimate["compliance"]
+    heavier = {row.value: row for row in study.axis(kind, scene, Axis("base with added mass", [1, 2], machinery.key("time.mass_scaling.factor"), [1, 2]))}
+    found["power of added mass"] = np.log2(heavier[1]["steps"] / heavier[2]["steps"])
+    if started:
+        s = started[0]
+        stood_for = s.summary["first_break"]["steps"]
+        per_step = run / mean["steps"]
+        found["statics in steps"] = (s.seconds - FIXED - told["cost"]["setup"]) / per_step - (s["steps"] - stood_for)
+    return {name: float(value) for name, value in found.items()}
+
+
+def of_packing(study):
+    """The making of a packing in steps of its particles, in turns with what a step is foretold to cost."""
+    count, found = (200 if study.quick else 2000), []
+    c = cylinder.Cylinder("compression", study.quick)
+    scene = {**c.scene({**c.shape(), "particles": count}), "time": {"end": 1e-9}}
+    request = study.file("packing/base-plan.yaml", json.dumps({**scene, "time": c.scene({})["time"]}))
+    for seed in range(1, 1 + AGAIN):
+        told, out = plan(study, request, 1), study.path("packing", "base-timed")
+        once = study.file("packing/base-run.yaml", json.dumps({**scene, "run": {"threads": 1, "seed": seed}}))
+        study.call(["run", once, "--out", out, "--force", "--quiet"])
+        seconds = json.loads((out / "summary.json").read_text())["seconds"]["cpu"]
+        found.append((seconds - FIXED - told["cost"]["setup"]) / count / particle_step(told))
+    return {"particle steps": np.median(found)}
+
+
+def write(path, found):
+    text = io.StringIO()
+    text.write(HEAD)
+    writer = csv.writer(text, lineterminator="\n")
+    writer.writerow(COLUMNS)
+    for case, quantities in found.items():
+        writer.writerows([case, name, f"{value:.4g}"] for name, value in quantities.items())
+    path.write_text(text.getvalue())
+
+
+def measure(study, path):
+    found = {kind: of_case(study, kind) for kind in ("compression", "tension")}
+    found["packing"] = of_packing(study)
+    write(path, found)
+    return found
+
+
+if __name__ == "__main__":
+    print(measure(machinery.Study(shared.ROOT / "runs" / "accuracy", "--quick" in sys.argv), HERE / "base.csv"))
