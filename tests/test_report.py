@@ -65,6 +65,7 @@ def expected_pictures(kind):
     expected = {"profile"}
     if rows:
         expected |= {"broken_bonds", "energy", "unbalanced", "strains"} | ({"stress_strain"} if test else {"forces"})
+        expected |= {"forces"} if kind == "stages" else set()
     if kind != "no_particles":
         expected |= {"slice"} | ({"surface"} if dimension == 3 else set())
     return {name + ".png" for name in expected}
@@ -92,6 +93,20 @@ def every_kind(kind, folder):
     if kind == "cylinder":
         for text in ("18.1 GPa", "240 MPa", "0.17", "1.44 %", "100 ns", "40000"):
             assert text in page, f"{text} is missing"
+
+
+def stages_are_those_of_the_history(folder):
+    path = os.path.join(folder, "results.h5")
+    make("stages", path)
+    results = report.Results(path)
+    assert results.stages == [("settle", 0, 50), ("bond", 50, 0), ("load", 50, 150)], results.stages
+    assert results.last_stage == ("load", slice(50, 200)), results.last_stage
+    assert run_report(folder).returncode == 0
+    with open(os.path.join(folder, "report.html"), encoding="utf-8") as file:
+        assert "Strain counts from the start of the stage." in file.read()
+    make("disc", path)
+    results = report.Results(path)
+    assert results.stages == [] and results.last_stage == ("", slice(0, 400)), results.last_stage
 
 
 def refused(folder, wanted):
@@ -286,7 +301,7 @@ def main():
     tests = [(f"report of {kind}", lambda folder, kind=kind: every_kind(kind, folder)) for kind in KINDS]
     tests += [(f.__name__, f) for f in (
         a_missing_file_is_refused, a_truncated_file_is_refused, a_text_file_is_refused, a_foreign_hdf5_file_is_refused,
-        a_damaged_chunk_is_refused, old_pictures_are_removed,
+        a_damaged_chunk_is_refused, old_pictures_are_removed, stages_are_those_of_the_history,
         the_command_tells_by_its_exit_code)]
     tests += [(f"report of {kind}", lambda folder, kind=kind: every_packing(kind, folder)) for kind in PACKINGS]
     tests += [(f.__name__, f) for f in (
