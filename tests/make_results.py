@@ -159,6 +159,7 @@ KINDS = {
     "two_rows": (3, 2, True, True, True, True),
     "unfinished": (3, 120, True, True, False, True),
     "not_a_number": (3, 200, True, True, True, True),
+    "stages": (2, 200, True, True, True, True),
     "no_particles": (3, 50, False, False, True, True),
 }
 
@@ -179,6 +180,9 @@ def make(kind, path, packing=None):
     scene = f"title: made-up <&>\ndimension: {dimension}\n"
     writer.file["scene"] = scene + (f"test:\n  kind: compression\n  axis: {axis}\nseed: 1\n" if test else "")
     put_history(writer, rows, test, dimension)
+    if kind == "stages":  # the second has no rows, the fourth has not begun
+        writer.file.attrs["stages"] = "settle\nbond\nload\nunload"
+        writer.put("history/stage", np.where(np.arange(rows) < rows // 4, 0.0, 2.0))
     if packing:
         data = np.loadtxt(packing)
         position, radius = data[:, :3], data[:, 3]

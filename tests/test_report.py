@@ -67,6 +67,7 @@ def expected_pictures(kind):
     if rows:
         expected |= {"broken_bonds", "energy", "unbalanced", "strains"} | ({"stress_strain"} if test else {"forces"})
         expected |= {"events"} if kind in WITH_EVENTS else {"breaking"} if rows > 2 else set()
+        expected |= {"forces"} if kind == "stages" else set()
     if kind != "no_particles":
         expected |= {"slice"} | ({"surface"} if dimension == 3 else set()) | ({"rose", "fragments"} if with_bonds else set())
     return {name + ".png" for name in expected}
@@ -114,6 +115,20 @@ def an_envelope_of_two_confinements_or_of_falling_strengths_is_absent(folder):
     assert coulomb is None and all(value is None and "3 are needed" in why for value, why in found.values()), found
     found, _, _ = report_envelope.envelope([0, 1e6, 2e6], [3e7, 2e7, 1e7])
     assert all(value is None for value, _ in found.values()), found
+
+
+def stages_are_those_of_the_history(folder):
+    path = os.path.join(folder, "results.h5")
+    make("stages", path)
+    results = report.Results(path)
+    assert results.stages == [("settle", 0, 50), ("bond", 50, 0), ("load", 50, 150)], results.stages
+    assert results.last_stage == ("load", slice(50, 200)), results.last_stage
+    assert run_report(folder).returncode == 0
+    with open(os.path.join(folder, "report.html"), encoding="utf-8") as file:
+        assert "Strain counts from the start of the stage." in file.read()
+    make("disc", path)
+    results = report.Results(path)
+    assert results.stages == [] and results.last_stage == ("", slice(0, 400)), results.last_stage
 
 
 def refused(folder, wanted):
@@ -308,7 +323,7 @@ def main():
     tests = [(f"report of {kind}", lambda folder, kind=kind: every_kind(kind, folder)) for kind in KINDS]
     tests += [(f.__name__, f) for f in (
         a_missing_file_is_refused, a_truncated_file_is_refused, a_text_file_is_refused, a_foreign_hdf5_file_is_refused,
-        a_damaged_chunk_is_refused, an_envelope_gives_back_the_laws_it_was_made_from,
+        a_damaged_chunk_is_refused, an_envelope_gives_back_the_laws_it_was_made_from, stages_are_those_of_the_history,
         an_envelope_of_two_confinements_or_of_falling_strengths_is_absent, old_pictures_are_removed,
         the_command_tells_by_its_exit_code)]
     tests += [(f"report of {kind}", lambda folder, kind=kind: every_packing(kind, folder)) for kind in PACKINGS]

@@ -607,8 +607,18 @@ static void a_run_begins_where_another_ended(void **state) {
     run_end(run);
     run_end(other);
 
+    const char *later = "bonds: {enabled: on}\nstages:\n- {name: a, end: {steps: 3}}\n"
+                        "- {name: b, bonds: {enabled: off}}\n";
+    run = run_of(again(folder, ", from_bonds: keep", later));
+    assert_int_equal(run->world.dem.bonds.soa.count, 2);
+    run_end(run);
+
     gneiss_error error = {0};
     gn_run wrong;
+    later = "stages:\n- {name: a, bonds: {enabled: off}}\n";
+    assert_int_equal(try_run(&wrong, again(folder, ", from_bonds: keep", later), &error),
+                     GNEISS_ERROR_INPUT);
+    assert_non_null(strstr(error.message, "stages[0].name: expected bonds in the first stage"));
     char *flat = strcat(again(folder, "", ""), "dimension: 2\n");
     assert_int_equal(try_run(&wrong, flat, &error), GNEISS_ERROR_INPUT);
     assert_non_null(

@@ -224,7 +224,7 @@ static gneiss_status find_start(gn_world *w, gneiss_error *error) {
 gneiss_status gn_print_plan(gn_world *w, gneiss_error *error) {
     char text[32];
     print_effects(w);
-    gn_print_idle(w);
+    if (!w->scene.stage_count) gn_print_idle(w); /* another stage may need it */
     printf("storage\n");
     if (w->scene.has_specimen) print_particle_storage(w);
     for (size_t k = 0; k < w->element_count; k++) {
@@ -289,7 +289,8 @@ static void print_beams(const gn_world *w) {
 }
 
 static void print_bond_numbers(const gn_world *w, int *warnings) {
-    if (!w->dem.particles.bonds0) return;
+    /* Of several stages a later one may form them. */
+    if (!w->dem.particles.bonds0 || w->scene.bonds != GN_SWITCH_ON) return;
     size_t none = 0, few = 0, n = w->dem.particles.soa.count;
     int most = 0;
     for (size_t p = 0; p < n; p++) {

@@ -31,7 +31,7 @@ bool gn_run_staged(const gn_run *run) {
 
 bool gn_run_stages_left(const gn_run *run) {
     return gn_run_staged(run) &&
-           !(is_last(run) && (state_of(run)->ended || !gn_stage_has_end(stage_of(run))));
+           !(is_last(run) && (state_of(run)->ended != 0.0 || !gn_stage_has_end(stage_of(run))));
 }
 
 /* --- conditions --- */
@@ -128,20 +128,20 @@ static void end(gn_run *run, gn_stage_cause cause) {
 }
 
 void gn_run_stage_row(gn_run *run) {
-    if (!state_of(run)->ended) end(run, cause_in_row(run));
+    if (state_of(run)->ended == 0.0) end(run, cause_in_row(run));
 }
 
 void gn_run_stage_time(gn_run *run) {
     const gn_world *w = &run->world;
     const gn_stage *e = stage_of(run);
     const gn_stage_state *s = state_of(run);
-    if (s->ended) {
+    if (s->ended != 0.0) {
         end(run, (gn_stage_cause)s->ended);
         return;
     }
     if (e->steps >= 0 && (double)w->step - s->step >= (double)e->steps) end(run, GN_STAGE_STEPS);
     bool over = w->time - s->time >= e->time - 0.5 * w->dt;
-    if (!s->ended && e->time >= 0.0 && over) end(run, GN_STAGE_TIME);
+    if (s->ended == 0.0 && e->time >= 0.0 && over) end(run, GN_STAGE_TIME);
 }
 
 double gn_run_stage_duration(const gn_run *run) {
@@ -182,7 +182,7 @@ gneiss_status gn_run_stages_go(gn_run *run, bool *entered, gneiss_error *error) 
     gn_world *w = &run->world;
     *entered = false;
     gn_run_stage_time(run);
-    while (!run->finished && state_of(run)->ended) {
+    while (!run->finished && state_of(run)->ended != 0.0) {
         GN_TRY(gn_world_enter(w, w->stage + 1, error));
         state_of(run)->row = (double)run->history.row_count;
         *entered = true;

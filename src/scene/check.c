@@ -518,7 +518,7 @@ static gneiss_status check_from(const check *c, const gn_scene *s) {
     if (!s->specimen.from[0])
         return gn_check_fail(c, "specimen.from_bonds",
                              "expected none without another run that it comes from, found keep");
-    if (s->bonds == GN_SWITCH_ON) return GNEISS_OK;
+    if (s->bonds == GN_SWITCH_ON || s->stage_count) return GNEISS_OK; /* check_stages.c */
     return gn_check_fail(
         c, "specimen.from_bonds",
         "expected the section bonds beside keep, which says how they behave, found "

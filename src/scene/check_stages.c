@@ -176,6 +176,11 @@ gneiss_status gn_check_stage(const gn_reader *reader, const gn_node *root, const
                              const gn_scene *now, size_t stage) {
     check c = gn_check_element(reader, root, "stages", stage);
     GN_TRY(gn_check_keep(&c, check_can_end(&c, now, stage)));
+    if (!before && now->specimen.from_bonds && now->bonds != GN_SWITCH_ON)
+        return gn_check_keep(
+            &c, gn_check_fail(&c, "name",
+                              "expected bonds in the first stage beside specimen.from_bonds: keep, "
+                              "found none"));
     if (!before) return GNEISS_OK;
     GN_TRY(gn_check_keep(&c, check_damage(&c, before, now)));
     return gn_check_keep(&c, check_kept(&c, before, now));
