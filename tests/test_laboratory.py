@@ -263,6 +263,45 @@ def the_pressure_of_a_membrane_reaches_the_middle(folder):
     assert inside.sum() > 120 and abs(inner / -PRESSURE - 1) < 0.04, (inner, inside.sum())
 
 
+def listed(folder, shape, count, dimension=3):
+    """A packing as a file of particles, which has no shape."""
+    body = {"dimension": dimension, "specimen": {**shape, "particles": count, "packing": {"size_ratio": 2}}, "run": {"threads": 1}}
+    expect(gneiss("pack", write_scene(folder, body, "body.yaml"), "--out", os.path.join(folder, "packed"), "--quiet"), 0)
+    shutil.copy(os.path.join(folder, "packed", "packing.txt"), os.path.join(folder, "listed.txt"))
+    given = cell(shape, count, dimension)
+    del given["specimen"]
+    return {**given, "specimen": {"file": "listed.txt"}}
+
+
+@fact
+def a_membrane_finds_the_skin_of_particles_without_a_shape(folder):
+    """What is pressed is what a ball of the mean radius touches: nothing inside, and the mean stress is the pressure."""
+    for name, shape, count, dimension in (("cylinder", CELL, 500, 3), ("disc", {"disc": {"diameter": 0.02}}, 200, 2)):
+        place = os.path.join(folder, name)
+        os.mkdir(place)
+        given = listed(place, shape, count, dimension)
+        rows = history(run_scene(place, given))
+        for part in ("xx", "yy", "zz")[:dimension]:
+            assert abs(rows["stress_" + part][-1] / -PRESSURE - 1) < 0.01, (name, part, rows["stress_" + part][-1])
+        assert abs(rows["energy_residual"][-1]) < 1e-3
+        said = expect(gneiss("check", os.path.join(place, "scene.yaml")), 0).stdout
+        skin, size = int(re.search(r"on (\d+) particles", said)[1]), 0.02
+        x = np.loadtxt(os.path.join(place, "listed.txt"))
+        gap = size / 2 - np.hypot(x[:, 0], x[:, 1]) - x[:, -1]
+        if dimension == 3:
+            gap = np.minimum(gap, np.minimum(x[:, 2], 0.03 - x[:, 2]) - x[:, -1])
+        # Particles that touch the surface of the shape, and those that show between them.
+        touching = int((gap < 0.1 * x[:, -1]).sum())
+        assert 0.9 * touching < skin < 1.5 * touching, (name, skin, touching)
+
+
+@fact
+def a_specimen_without_a_shape_has_no_sides(folder):
+    given = listed(folder, CELL, 60)
+    given["membrane"].update(faces="sides", axis="z")
+    refused(folder, given, "membrane.faces: expected all of the surface, or a specimen that is packed into a shape")
+
+
 @fact
 def a_pressure_comes_in_its_ramp(folder):
     rows = history(run_scene(folder, cell(CELL, 60, membrane={"pressure": PRESSURE, "ramp": 2e-4})))
@@ -350,8 +389,8 @@ def sides_alone_leave_the_deviator_to_what_platens_bear_beyond_the_pressure(fold
 @fact
 def membranes_without_a_surface_or_an_axis_are_refused(folder):
     given = cell(CELL, 100)
-    particles = {"particles": [[0, 0, 0, 1e-3], [2e-3, 0, 0, 1e-3], [0, 2e-3, 0, 1e-3], [0, 0, 2e-3, 1e-3]]}
-    for change, pattern in (({"specimen": particles}, "membrane: expected a specimen that is packed into a shape"),
+    for change, pattern in (({"periodic": {"min": [-1, -1, -1], "max": [1, 1, 1]}, "test": {"kind": "compression", "axis": "z"}},
+                             "membrane: expected a specimen with a surface, found periodic"),
                             ({"membrane": {"pressure": -1}}, r"membrane.pressure: expected .*\[0, 1e18\]"),
                             ({"membrane": {"pressure": "1 m"}}, "membrane.pressure: expected a stress or modulus"),
                             ({"membrane": {"pressure": 1, "faces": "sides"}, "test": {"kind": "hydrostatic", "axis": "z"}},
