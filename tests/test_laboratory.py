@@ -90,6 +90,19 @@ def the_middle_of_a_disc_is_pulled_and_pressed_as_hondros_says(folder):
 
 
 @fact
+def a_region_may_be_empty_or_the_whole_disc(folder):
+    """In the whole of it the contacts between discs have the mean stress along the load but for what the walls add between rim and centres:
+    a radius at either end, of 3 mm at most, of 50 mm."""
+    given = disc(2, 150, time={"end": 2e-4}, test={"diameter": DIAMETER})
+    given["test"]["centre"] = 1e-6
+    assert not history(run_scene(folder, given, name="empty"))["centre_stress_xx"].any()
+    given["test"]["centre"] = 1
+    rows = history(run_scene(folder, given, name="whole"))
+    share = np.pi / 4 * DIAMETER**2 / float(results(os.path.join(folder, "whole")).attrs["volume"])
+    assert 0.88 < rows["centre_stress_yy"][-1] * share / rows["stress_yy"][-1] < 1, (rows["centre_stress_yy"][-1], rows["stress_yy"][-1])
+
+
+@fact
 def the_peak_of_a_disc_is_its_indirect_tensile_strength(folder):
     out = run_scene(folder, disc(2, 300, materials=[{**ROCK, "tensile_strength": "2 MPa", "shear_strength": "8 MPa"}]))
     read = readings(out)
@@ -166,6 +179,27 @@ def an_opening_is_the_difference_of_the_mean_travels_of_both_sides(folder):
     opening = u[low[1], 0].mean() - u[low[0], 0].mean()
     # The last row is of a step before the end.
     assert abs(history(out)["opening"][-1] / opening - 1) < 0.02, (history(out)["opening"][-1], opening)
+
+
+@fact
+def four_points_share_the_load(folder):
+    """3 F a/(b h^2) and 3 H d/(a (3 S - 4 a)) with a from a support to the load next to it."""
+    given = beam(time={"end": 1e-3}, test={"load_span": 0.04, "upper": ["load", "other"]})
+    given["sets"][2]["select"]["box"] = {"min": [0.066, 0.036], "max": [0.074, 0.044]}
+    given["sets"].append({**given["sets"][2], "name": "other", "select": {"box": {"min": [0.106, 0.036], "max": [0.114, 0.044]}}})
+    rows = history(run_scene(folder, given))
+    arm = (SPAN - 0.04) / 2
+    assert np.allclose(rows["stress"], 3 * rows["force"] * arm / (HEIGHT - NOTCH) ** 2, rtol=1e-12)
+    assert np.allclose(rows["strain"], 3 * HEIGHT * rows["deflection"] / (arm * (3 * SPAN - 4 * arm)), rtol=1e-12)
+
+
+@fact
+def a_disc_may_begin_shortly_before_its_first_break(folder):
+    given = disc(2, 200, materials=[{**ROCK, "tensile_strength": "1 MPa", "shear_strength": "4 MPa"}], time={"start": "first_break"})
+    for wall, sign in zip(given["walls"], (1, -1)):
+        wall["motion"] = {"vy": sign * 0.05}
+    out = run_scene(folder, given)
+    assert abs(readings(out)["centre_ratio"] - 0.96) < 0.2, (readings(out), absent(out))
 
 
 @fact
@@ -339,6 +373,40 @@ def a_run_with_a_membrane_has_the_same_bits_on_two_threads_and_after_a_stop(fold
     assert state_hash(part) == state_hash(whole)
     mixed = history(run_scene(folder, given, "--set", "run.precision=mixed", name="mixed"))
     assert abs(mixed["stress_zz"][-1] / history(whole)["stress_zz"][-1] - 1) < 1e-3
+
+
+@fact
+def a_membrane_without_pressure_is_none(folder):
+    """Bit for bit: nothing added to a force leaves it as it is."""
+    given = triaxial(0)
+    del given["test"]["diameter"], given["test"]["length"]
+    plain = {**given, "test": {**given["test"], "kind": "compression"}}
+    del plain["membrane"]
+    one, two = (run_scene(folder, g, "--set", "time.end=0.3 ms", name=name) for g, name in ((given, "with"), (plain, "without")))
+    assert state_hash(one) == state_hash(two)
+
+
+@fact
+def a_membrane_goes_with_everything_else(folder):
+    """Prescribed, pushed and unbonded particles, gravity, added mass, dashpots, spins damped apart, friction on walls, turns, a domain that
+    is left, bonds that soften, single precision: the same bits on two threads and after a stop, and the ledger closes."""
+    given = triaxial(5e6, materials=[{**ROCK, "tensile_strength": "8 MPa", "shear_strength": "10 MPa", "fracture_energy": 2}],
+                     law={"stiffness": "harmonic", "softening": "energy"}, gravity=[0, 0, -9.81],
+                     damping={"background": {"model": "nonviscous_component", "coefficient": 0.4, "rotation": 0.6}, "contact": {"restitution": 0.5}},
+                     domain={"min": [-0.02, -0.02, -0.01], "max": [0.02, 0.02, 0.04], "lost": "remove"})
+    given["sets"] = [{"name": "loose", "select": {"ids": [7, 8]}, "group": 0}, {"name": "pushed", "select": {"ids": [3]}, "force": [1, 0, 0]},
+                     {"name": "held", "select": {"ids": [40]}, "motion": {"wx": 0, "wy": 0, "wz": 0}}]
+    given["walls"] = [{**wall, "friction": 0.3, "kratio": 2} for wall in given["walls"]]
+    given["time"] = {"end": 6e-4, "mass_scaling": {"factor": 1.3, "gravity": "own_mass"}}
+    given["output"] = {**given["output"], "orientation": "on"}
+    given["run"] = {"threads": 1, "precision": "mixed"}
+    whole = run_scene(folder, given, name="whole")
+    check_same(run_scene(folder, given, "--set", "run.threads=2", name="two"), whole)
+    part = run_scene(folder, given, "--set", "time.end=0.3 ms", "--set", "output.history_rows=100", name="part")
+    resume(part, "--set", "time.end=0.6 ms")
+    assert state_hash(part) == state_hash(whole)
+    assert abs(history(whole)["energy_residual"]).max() < 5e-3, history(whole)["energy_residual"]
+    assert summary(whole)["counts"]["broken_tension"] + summary(whole)["counts"]["broken_shear"] > 0
 
 
 @fact
