@@ -555,6 +555,14 @@ def the_scene_of_the_triaxial_test_gives_a_strength(folder):
 
 
 @fact
+def the_scenes_of_the_other_tests_give_their_readings(folder):
+    for name, reading, least in (("hydrostatic", "bulk_modulus", 1e9), ("biaxial", "axial_strength", 1e7), ("tension", "fracture_energy", 1)):
+        out = small(folder, name, "--set", "specimen.particles=400", "--set", "output.history_rows=500")
+        value = readings(out)[reading]
+        assert value is not None and value > least, (name, readings(out), absent(out))
+
+
+@fact
 def the_scene_of_the_oedometer_gives_a_modulus_and_a_lateral_ratio(folder):
     out = small(folder, "oedometer", "--set", "specimen.particles=500")
     read = readings(out)
