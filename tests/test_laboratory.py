@@ -90,6 +90,19 @@ def the_middle_of_a_disc_is_pulled_and_pressed_as_hondros_says(folder):
 
 
 @fact
+def a_region_may_be_empty_or_the_whole_disc(folder):
+    """In the whole of it the contacts between discs have the mean stress along the load but for what the walls add between rim and centres:
+    a radius at either end, of 3 mm at most, of 50 mm."""
+    given = disc(2, 150, time={"end": 2e-4}, test={"diameter": DIAMETER})
+    given["test"]["centre"] = 1e-6
+    assert not history(run_scene(folder, given, name="empty"))["centre_stress_xx"].any()
+    given["test"]["centre"] = 1
+    rows = history(run_scene(folder, given, name="whole"))
+    share = np.pi / 4 * DIAMETER**2 / float(results(os.path.join(folder, "whole")).attrs["volume"])
+    assert 0.88 < rows["centre_stress_yy"][-1] * share / rows["stress_yy"][-1] < 1, (rows["centre_stress_yy"][-1], rows["stress_yy"][-1])
+
+
+@fact
 def the_peak_of_a_disc_is_its_indirect_tensile_strength(folder):
     out = run_scene(folder, disc(2, 300, materials=[{**ROCK, "tensile_strength": "2 MPa", "shear_strength": "8 MPa"}]))
     read = readings(out)
@@ -166,6 +179,27 @@ def an_opening_is_the_difference_of_the_mean_travels_of_both_sides(folder):
     opening = u[low[1], 0].mean() - u[low[0], 0].mean()
     # The last row is of a step before the end.
     assert abs(history(out)["opening"][-1] / opening - 1) < 0.02, (history(out)["opening"][-1], opening)
+
+
+@fact
+def four_points_share_the_load(folder):
+    """3 F a/(b h^2) and 3 H d/(a (3 S - 4 a)) with a from a support to the load next to it."""
+    given = beam(time={"end": 1e-3}, test={"load_span": 0.04, "upper": ["load", "other"]})
+    given["sets"][2]["select"]["box"] = {"min": [0.066, 0.036], "max": [0.074, 0.044]}
+    given["sets"].append({**given["sets"][2], "name": "other", "select": {"box": {"min": [0.106, 0.036], "max": [0.114, 0.044]}}})
+    rows = history(run_scene(folder, given))
+    arm = (SPAN - 0.04) / 2
+    assert np.allclose(rows["stress"], 3 * rows["force"] * arm / (HEIGHT - NOTCH) ** 2, rtol=1e-12)
+    assert np.allclose(rows["strain"], 3 * HEIGHT * rows["deflection"] / (arm * (3 * SPAN - 4 * arm)), rtol=1e-12)
+
+
+@fact
+def a_disc_may_begin_shortly_before_its_first_break(folder):
+    given = disc(2, 200, materials=[{**ROCK, "tensile_strength": "1 MPa", "shear_strength": "4 MPa"}], time={"start": "first_break"})
+    for wall, sign in zip(given["walls"], (1, -1)):
+        wall["motion"] = {"vy": sign * 0.05}
+    out = run_scene(folder, given)
+    assert abs(readings(out)["centre_ratio"] - 0.96) < 0.2, (readings(out), absent(out))
 
 
 @fact
@@ -263,6 +297,45 @@ def the_pressure_of_a_membrane_reaches_the_middle(folder):
     assert inside.sum() > 120 and abs(inner / -PRESSURE - 1) < 0.04, (inner, inside.sum())
 
 
+def listed(folder, shape, count, dimension=3):
+    """A packing as a file of particles, which has no shape."""
+    body = {"dimension": dimension, "specimen": {**shape, "particles": count, "packing": {"size_ratio": 2}}, "run": {"threads": 1}}
+    expect(gneiss("pack", write_scene(folder, body, "body.yaml"), "--out", os.path.join(folder, "packed"), "--quiet"), 0)
+    shutil.copy(os.path.join(folder, "packed", "packing.txt"), os.path.join(folder, "listed.txt"))
+    given = cell(shape, count, dimension)
+    del given["specimen"]
+    return {**given, "specimen": {"file": "listed.txt"}}
+
+
+@fact
+def a_membrane_finds_the_skin_of_particles_without_a_shape(folder):
+    """What is pressed is what a ball of the mean radius touches: nothing inside, and the mean stress is the pressure."""
+    for name, shape, count, dimension in (("cylinder", CELL, 500, 3), ("disc", {"disc": {"diameter": 0.02}}, 200, 2)):
+        place = os.path.join(folder, name)
+        os.mkdir(place)
+        given = listed(place, shape, count, dimension)
+        rows = history(run_scene(place, given))
+        for part in ("xx", "yy", "zz")[:dimension]:
+            assert abs(rows["stress_" + part][-1] / -PRESSURE - 1) < 0.01, (name, part, rows["stress_" + part][-1])
+        assert abs(rows["energy_residual"][-1]) < 1e-3
+        said = expect(gneiss("check", os.path.join(place, "scene.yaml")), 0).stdout
+        skin, size = int(re.search(r"on (\d+) particles", said)[1]), 0.02
+        x = np.loadtxt(os.path.join(place, "listed.txt"))
+        gap = size / 2 - np.hypot(x[:, 0], x[:, 1]) - x[:, -1]
+        if dimension == 3:
+            gap = np.minimum(gap, np.minimum(x[:, 2], 0.03 - x[:, 2]) - x[:, -1])
+        # Particles that touch the surface of the shape, and those that show between them.
+        touching = int((gap < 0.1 * x[:, -1]).sum())
+        assert 0.9 * touching < skin < 1.5 * touching, (name, skin, touching)
+
+
+@fact
+def a_specimen_without_a_shape_has_no_sides(folder):
+    given = listed(folder, CELL, 60)
+    given["membrane"].update(faces="sides", axis="z")
+    refused(folder, given, "membrane.faces: expected all of the surface, or a specimen that is packed into a shape")
+
+
 @fact
 def a_pressure_comes_in_its_ramp(folder):
     rows = history(run_scene(folder, cell(CELL, 60, membrane={"pressure": PRESSURE, "ramp": 2e-4})))
@@ -300,6 +373,40 @@ def a_run_with_a_membrane_has_the_same_bits_on_two_threads_and_after_a_stop(fold
     assert state_hash(part) == state_hash(whole)
     mixed = history(run_scene(folder, given, "--set", "run.precision=mixed", name="mixed"))
     assert abs(mixed["stress_zz"][-1] / history(whole)["stress_zz"][-1] - 1) < 1e-3
+
+
+@fact
+def a_membrane_without_pressure_is_none(folder):
+    """Bit for bit: nothing added to a force leaves it as it is."""
+    given = triaxial(0)
+    del given["test"]["diameter"], given["test"]["length"]
+    plain = {**given, "test": {**given["test"], "kind": "compression"}}
+    del plain["membrane"]
+    one, two = (run_scene(folder, g, "--set", "time.end=0.3 ms", name=name) for g, name in ((given, "with"), (plain, "without")))
+    assert state_hash(one) == state_hash(two)
+
+
+@fact
+def a_membrane_goes_with_everything_else(folder):
+    """Prescribed, pushed and unbonded particles, gravity, added mass, dashpots, spins damped apart, friction on walls, turns, a domain that
+    is left, bonds that soften, single precision: the same bits on two threads and after a stop, and the ledger closes."""
+    given = triaxial(5e6, materials=[{**ROCK, "tensile_strength": "8 MPa", "shear_strength": "10 MPa", "fracture_energy": 2}],
+                     law={"stiffness": "harmonic", "softening": "energy"}, gravity=[0, 0, -9.81],
+                     damping={"background": {"model": "nonviscous_component", "coefficient": 0.4, "rotation": 0.6}, "contact": {"restitution": 0.5}},
+                     domain={"min": [-0.02, -0.02, -0.01], "max": [0.02, 0.02, 0.04], "lost": "remove"})
+    given["sets"] = [{"name": "loose", "select": {"ids": [7, 8]}, "group": 0}, {"name": "pushed", "select": {"ids": [3]}, "force": [1, 0, 0]},
+                     {"name": "held", "select": {"ids": [40]}, "motion": {"wx": 0, "wy": 0, "wz": 0}}]
+    given["walls"] = [{**wall, "friction": 0.3, "kratio": 2} for wall in given["walls"]]
+    given["time"] = {"end": 6e-4, "mass_scaling": {"factor": 1.3, "gravity": "own_mass"}}
+    given["output"] = {**given["output"], "orientation": "on"}
+    given["run"] = {"threads": 1, "precision": "mixed"}
+    whole = run_scene(folder, given, name="whole")
+    check_same(run_scene(folder, given, "--set", "run.threads=2", name="two"), whole)
+    part = run_scene(folder, given, "--set", "time.end=0.3 ms", "--set", "output.history_rows=100", name="part")
+    resume(part, "--set", "time.end=0.6 ms")
+    assert state_hash(part) == state_hash(whole)
+    assert abs(history(whole)["energy_residual"]).max() < 5e-3, history(whole)["energy_residual"]
+    assert summary(whole)["counts"]["broken_tension"] + summary(whole)["counts"]["broken_shear"] > 0
 
 
 @fact
@@ -350,8 +457,8 @@ def sides_alone_leave_the_deviator_to_what_platens_bear_beyond_the_pressure(fold
 @fact
 def membranes_without_a_surface_or_an_axis_are_refused(folder):
     given = cell(CELL, 100)
-    particles = {"particles": [[0, 0, 0, 1e-3], [2e-3, 0, 0, 1e-3], [0, 2e-3, 0, 1e-3], [0, 0, 2e-3, 1e-3]]}
-    for change, pattern in (({"specimen": particles}, "membrane: expected a specimen that is packed into a shape"),
+    for change, pattern in (({"periodic": {"min": [-1, -1, -1], "max": [1, 1, 1]}, "test": {"kind": "compression", "axis": "z"}},
+                             "membrane: expected a specimen with a surface, found periodic"),
                             ({"membrane": {"pressure": -1}}, r"membrane.pressure: expected .*\[0, 1e18\]"),
                             ({"membrane": {"pressure": "1 m"}}, "membrane.pressure: expected a stress or modulus"),
                             ({"membrane": {"pressure": 1, "faces": "sides"}, "test": {"kind": "hydrostatic", "axis": "z"}},
@@ -445,6 +552,14 @@ def the_scene_of_the_bending_test_gives_a_fracture_energy(folder):
 def the_scene_of_the_triaxial_test_gives_a_strength(folder):
     out = small(folder, "triaxial", "--set", "specimen.particles=400", "--set", "output.history_rows=500")
     assert readings(out)["axial_strength"] > 1e7, absent(out)
+
+
+@fact
+def the_scenes_of_the_other_tests_give_their_readings(folder):
+    for name, reading, least in (("hydrostatic", "bulk_modulus", 1e9), ("biaxial", "axial_strength", 1e7), ("tension", "fracture_energy", 1)):
+        out = small(folder, name, "--set", "specimen.particles=400", "--set", "output.history_rows=500")
+        value = readings(out)[reading]
+        assert value is not None and value > least, (name, readings(out), absent(out))
 
 
 @fact

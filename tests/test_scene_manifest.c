@@ -90,7 +90,9 @@ static void a_written_scene_comes_back_bit_for_bit(void **state) {
     static const char *const files[] = {"scenes/ucs-rock.yaml",     "tests/scenes/everything.yaml",
                                         "tests/scenes/plane.yaml",  "tests/scenes/polygon.yaml",
                                         "scenes/block-on-bed.yaml", "scenes/pour-into-hopper.yaml",
-                                        "scenes/stages.yaml"};
+                                        "scenes/stages.yaml",       "scenes/bending.yaml",
+                                        "scenes/triaxial.yaml",     "scenes/hydrostatic.yaml",
+                                        "scenes/shear.yaml"};
     for (size_t k = 0; k < sizeof files / sizeof *files; k++) {
         gn_scene scene = loaded(files[k]);
         comes_back(&scene);
@@ -107,6 +109,9 @@ static void every_shape_comes_back_bit_for_bit(void **state) {
     } cases[] = {
         {2, "rectangle: {width: 0.1, height: 0.3}\n  origin: [-0.0, 1e-9]\n  particles: 4"},
         {2, "disc: {diameter: 0.7}\n  mean_radius: 0.011"},
+        {2,
+         "disc: {diameter: 0.7}\n  particles: 9\n  packing: {sizes: sieve, sieve: [[0.1, 0], [0.3, "
+         "0.7], [1, 1]]}"},
         {3, "box: {size: [0.1, 0.2, 0.3]}\n  particles: 100000000"},
         {3, "surface: ../meson.build\n  scale: 1e-3\n  particles: 50"},
         {3, "mesh: test.h\n  packing: {start: nodes}"},

@@ -122,7 +122,7 @@ void gn_damage_particles(const gn_particles *particles, const gn_contacts *bonds
       "2D: E = E'(1 - nu^2), the plane-strain correction")                                         \
     Y(X, plane_poisson_ratio, GN_OF_PRISMS, "1",                                                   \
       "2D: nu = nu'/(1 + nu'), the plane-strain correction")                                       \
-    Y(X, end_imbalance, GN_OF_ANY, "1",                                                            \
+    Y(X, end_imbalance, ~GN_TESTS(HYDROSTATIC), "1",                                               \
       "difference of the forces of both ends over their mean, summed up to the largest stress")    \
     Y(X, indirect_tensile_strength, GN_TESTS(BRAZILIAN), "Pa",                                     \
       "2 P/(pi D t) at the peak of the load P (ISRM 1978)")                                        \

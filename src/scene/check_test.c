@@ -196,11 +196,12 @@ static gneiss_status check_kind(const check *c, const gn_scene *s) {
 gneiss_status gn_check_membrane(const check *c, const gn_scene *s) {
     const gn_membrane_def *m = &s->membrane;
     if (!s->has_membrane) return GNEISS_OK;
-    if (!s->has_specimen || s->specimen.pack.shape == GN_SHAPE_NONE)
-        return gn_check_fail(c, "membrane",
-                             "expected a specimen that is packed into a shape, whose surface it "
-                             "covers, found %s",
-                             s->has_specimen ? "another one" : "none");
+    if (!s->has_specimen)
+        return gn_check_fail(c, "membrane", "expected a specimen that it covers, found none");
+    if (m->faces == GN_FACES_SIDES && s->specimen.pack.shape == GN_SHAPE_NONE)
+        return gn_check_fail(c, "membrane.faces",
+                             "expected all of the surface, or a specimen that is packed into a "
+                             "shape, which has sides, found sides of another one");
     if (s->has_periodic)
         return gn_check_fail(c, "membrane", "expected a specimen with a surface, found periodic");
     if (m->faces == GN_FACES_SIDES && m->axis < 0 && s->test.kind == GN_TEST_NONE)

@@ -39,7 +39,7 @@ typedef struct gn_test {
 
 typedef enum gn_membrane_faces { GN_FACES_ALL, GN_FACES_SIDES } gn_membrane_faces;
 
-/* Pressure on the surface of a specimen that was packed into a shape. */
+/* Pressure on the surface of the specimen. */
 typedef struct gn_membrane_def {
     gn_table pressure; /* Pa */
     double ramp;       /* s in which it comes, from 0; 0: at once */

@@ -582,7 +582,7 @@ static const gn_key scene_keys[] = {
     ARRAY("bodies", LIST, gn_scene, bodies, body_count, .section = &gn_body_section,
           .range = "[0, 1000]", .text = "rigid bodies with a surface of triangles (2D: segments)"),
     SECTION("membrane", gn_membrane_section, PRESENT(BOOL, gn_scene, has_membrane),
-            .text = "pressure on the surface of a specimen that is packed into a shape"),
+            .text = "pressure on the surface of the specimen"),
     SECTION("test", gn_test_section, PRESENT(ENUM, gn_scene, test.kind),
             .text = "a laboratory test: where stress and strain are read"),
     SECTION("time", time_section, .required = true, .text = "step and duration"),

@@ -9,6 +9,10 @@
  * masses and sets applied. Does nothing without a membrane. */
 gneiss_status gn_membrane_create(gn_world *world, gneiss_error *error);
 
+/* The same of particles without a shape, by what a ball of the radius `probe` touches from outside
+ * (membrane_free.c). */
+gneiss_status gn_membrane_free_skin(gn_world *world, double probe, gneiss_error *error);
+
 /* Applied forces of the instant; before the forces of a step. */
 void gn_membrane_press(gn_world *world);
 

@@ -176,26 +176,32 @@ static double mean_radius(const gn_particles *q) {
     return sum / (double)q->soa.count;
 }
 
-gneiss_status gn_membrane_create(gn_world *w, gneiss_error *error) {
-    gn_particles *q = &w->dem.particles;
-    if (!(w->effects & GN_FX_MEMBRANE)) return GNEISS_OK;
-    const gn_scene *s = &w->scene;
-    const double radius = mean_radius(q);
+/* Shares of the surface of the shape. */
+static gneiss_status skin_of_shape(gn_world *w, double radius, gneiss_error *error) {
     double moment[3] = {0};
     gn_boundary_pieces pieces;
     grid g;
-    w->dem.membrane = gn_alloc_array(1, sizeof *w->dem.membrane);
-    if (!w->dem.membrane) return gn_fail(error, GNEISS_ERROR_MEMORY, "no memory for a membrane");
-    GN_TRY(gn_boundary_pieces_make(s, piece_size * radius, &pieces, error));
+    GN_TRY(gn_boundary_pieces_make(&w->scene, piece_size * radius, &pieces, error));
     gneiss_status status = make_grid(w, 3.0 * radius, &g, error);
     if (status == GNEISS_OK) {
-        memcpy(q->load, q->applied, 4 * q->soa.count * sizeof *q->load);
         share_out(w, &pieces, &g, moment);
         free_grid(&g);
     }
     gn_boundary_pieces_free(&pieces);
-    GN_TRY(status);
-    if (w->dem.membrane->area > 0.0) balance(w, moment);
+    if (status == GNEISS_OK && w->dem.membrane->area > 0.0) balance(w, moment);
+    return status;
+}
+
+gneiss_status gn_membrane_create(gn_world *w, gneiss_error *error) {
+    gn_particles *q = &w->dem.particles;
+    const gn_scene *s = &w->scene;
+    if (!(w->effects & GN_FX_MEMBRANE)) return GNEISS_OK;
+    const double radius = mean_radius(q);
+    w->dem.membrane = gn_alloc_array(1, sizeof *w->dem.membrane);
+    if (!w->dem.membrane) return gn_fail(error, GNEISS_ERROR_MEMORY, "no memory for a membrane");
+    memcpy(q->load, q->applied, 4 * q->soa.count * sizeof *q->load);
+    GN_TRY(s->specimen.pack.shape != GN_SHAPE_NONE ? skin_of_shape(w, radius, error)
+                                                   : gn_membrane_free_skin(w, radius, error));
     if (w->dem.membrane->area > 0.0) return GNEISS_OK;
     return gn_fail(error, GNEISS_ERROR_INPUT,
                    "%s:%d:%d: membrane: expected a surface that faces across %c, found none",
