@@ -90,7 +90,7 @@ def made(name, scene):
 def mean_text(values, digits=3):
     values = np.asarray(values, float)
     spread = 2.776 * values.std(ddof=1) / np.sqrt(len(values)) if len(values) > 1 else float("nan")  # 95 % of five
-    return f"{values.mean():.{digits}g} ± {spread:.1g}"
+    return f"{values.mean():.{digits}g} ± {spread:.2g}"
 
 
 def friction_angle(peaks):
