@@ -3,6 +3,7 @@
 #include "kernels/law.h"
 #include "kernels/softening.h"
 #include "run/run.h"
+#include "sim/areas.h"
 #include "world_helpers.h"
 
 #include <unistd.h>
@@ -661,6 +662,31 @@ static void sections_are_those_of_the_law(void **state) {
     }
 }
 
+/* A periodic lattice whose sections fill it: a plane of any direction cuts 3/2 of its own area in
+ * bonds in the mean, 4/pi in 2D; 2 mm of disc or (2 mm)^2 of a cube's face each. */
+static void a_fracture_energy_of_the_body_is_shared_out_by_the_area_that_planes_cut(void **state) {
+    (void)state;
+    for (int space = 0; space < 2; space++)
+        for (int body = 0; body < 2; body++) {
+            gn_world *w = world_of(
+                "dimension: %d\nspecimen: {lattice: {kind: %s, radius: 1e-3, cells: %s}}\n"
+                "materials: [{name: m, density: 2650, young: 1e9, poisson: 0.2, tensile_strength: "
+                "1e6, shear_strength: 1e6, fracture_energy: 30, shear_fracture_energy: 60}]\n"
+                "law: {stiffness: polyhedron, softening: energy, fracture_energy_of: %s}\nbonds: "
+                "{}\n"
+                "periodic: {min: [0, 0%s], max: [10e-3, 10e-3%s]}\ntime: {end: 1}\n",
+                2 + space, space ? "cubic" : "square", space ? "[5, 5, 5]" : "[5, 5]",
+                body ? "body" : "contact", space ? ", 0" : "", space ? ", 10e-3" : "");
+            const gn_contacts *b = &w->dem.bonds;
+            const size_t stride = b->soa.capacity;
+            double cut = space ? 1.5 : 4.0 / pi, share = body ? 1.0 / cut : 1.0;
+            assert_float_equal(gn_law_cut(w), cut, 1e-12);
+            assert_float_equal(b->fade[GN_FADE_END * stride], 2.0 * 30.0 / 1e6 * share, 1e-16);
+            assert_float_equal(b->fade[GN_FADE_SLIP * stride], 2.0 * 60.0 / 1e6 * share, 1e-16);
+            world_end(w);
+        }
+}
+
 static void a_pair_of_materials_has_a_fracture_energy_of_its_own(void **state) {
     (void)state;
     gn_world *w = world_of(
@@ -796,6 +822,8 @@ static void bad_values_are_refused_where_they_stand(void **state) {
          "fracture_strain: required by softening strain, but not given"},
         {"fracture_energy: 5", ", softening: ratio",
          "fracture_ratio: required by softening ratio, but not given"},
+        {"fracture_ratio: 5", ", softening: ratio, fracture_energy_of: body",
+         "law.fracture_energy_of: expected softening energy beside body"},
         {"friction: 1", ", softening: soft", "law.softening: expected one of none, energy"},
         {"yield_stress_1: 5e6", "", "yield_ratio_1: required beside its yield_stress"},
         {"yield_ratio_1: 5", "", "yield_stress_1: required beside its yield_ratio"},
@@ -841,6 +869,7 @@ int main(void) {
         cmocka_unit_test(bonds_that_hold_more_than_they_may_dissipate_are_told),
         cmocka_unit_test(sections_are_those_of_the_law),
         cmocka_unit_test(a_pair_of_materials_has_a_fracture_energy_of_its_own),
+        cmocka_unit_test(a_fracture_energy_of_the_body_is_shared_out_by_the_area_that_planes_cut),
         cmocka_unit_test(coupled_by_squares_either_alone_softens_as_uncoupled),
         cmocka_unit_test(a_fixed_mix_of_both_dissipates_its_share_of_both_energies),
         cmocka_unit_test(coupled_by_squares_forces_stay_within_what_is_left),

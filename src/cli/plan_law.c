@@ -70,6 +70,13 @@ gneiss_status gn_print_law(const gn_world *w, int *warnings, gneiss_error *error
     print_range("k_t", b->kt, n, "N/m");
     print_range("R_n", b->rn, n, "N");
     print_range("R_t", b->rt, n, "N");
+    if (w->scene.softening == GN_SOFTENING_ENERGY)
+        printf(
+            "  plane cuts       %.4f of its section in bonds: fracture energies are those of %s\n",
+            gn_law_cut(w),
+            w->scene.fracture_energy_of == GN_FRACTURE_BODY
+                ? "the body, and contacts have so much less"
+                : "contacts, and the body has so much more");
     if (!gn_scene_by_area(&w->scene)) return GNEISS_OK;
     if (w->scene.gamma == 0.0 && w->dem.derived.gamma > gamma_most) {
         printf(

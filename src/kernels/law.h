@@ -13,6 +13,8 @@ typedef struct gn_derived {
     double radius;  /* m: stiffness is 2 E_c radius */
     double radius2; /* m2: strengths are 4 sigma_c radius2, 4 tau_c radius2 */
     double gamma;   /* section of a pair that was never bonded over Dempack's */
+    double cut; /* bond area that a plane cuts over its own, where fracture energies are those of
+                   planes; else 0 */
 } gn_derived;
 
 /* What holds for all contacts. */

@@ -13,7 +13,7 @@ static double end_of(const gn_law_model *m, double area, double strength, double
     case GN_SOFTENING_NONE:
         return 0.0;
     case GN_SOFTENING_ENERGY:
-        return 2.0 * energy * area / strength;
+        return 2.0 * energy / (m->derived.cut > 0.0 ? m->derived.cut : 1.0) * area / strength;
     case GN_SOFTENING_STRAIN:
         return strained;
     case GN_SOFTENING_RATIO:

@@ -32,6 +32,8 @@ static const gn_choice softenings[] = {{"none", GN_SOFTENING_NONE},
                                        {"strain", GN_SOFTENING_STRAIN},
                                        {"ratio", GN_SOFTENING_RATIO},
                                        {NULL, 0}};
+static const gn_choice fractures[] = {
+    {"contact", GN_FRACTURE_CONTACT}, {"body", GN_FRACTURE_BODY}, {NULL, 0}};
 static const gn_choice backgrounds[] = {
     {"none", GN_BACKGROUND_NONE},
     {"viscous", GN_BACKGROUND_VISCOUS},
@@ -197,6 +199,10 @@ static const gn_key law_keys[] = {
     KEY("softening", CHOICE, gn_scene, softening, .choices = softenings, .fallback = "none",
         .text = "bonds beyond their strength: none: they break at once; else they soften linearly, "
                 "down to the fracture energy, strain or ratio of the material"),
+    KEY("fracture_energy_of", CHOICE, gn_scene, fracture_energy_of, .choices = fractures,
+        .fallback = "contact",
+        .text = "what the fracture energies of materials are per area of: contact: of a bond; "
+                "body: of a plane through the specimen, which cuts more bond area than its own"),
 };
 static const gn_section law_section = {law_keys, sizeof law_keys / sizeof(gn_key), 0,
                                        offsetof(gn_scene, law_where)};

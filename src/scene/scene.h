@@ -116,7 +116,7 @@ typedef enum gn_softening {
     GN_SOFTENING_STRAIN, /* at a given strain of its length (shear: root of its area) */
     GN_SOFTENING_RATIO   /* at a given multiple of the elastic limit */
 } gn_softening;
-
+typedef enum gn_fracture { GN_FRACTURE_CONTACT, GN_FRACTURE_BODY } gn_fracture;
 typedef enum gn_precision { GN_PRECISION_DOUBLE, GN_PRECISION_MIXED } gn_precision;
 /* Where explicit steps begin. */
 typedef enum gn_start { GN_START_REST, GN_START_FIRST_BREAK } gn_start;
@@ -468,8 +468,9 @@ typedef struct gn_scene {
     gn_coupling coupling;
     gn_confinement confinement; /* what mu_1 of a bond acts on */
     gn_softening softening;
-    bool pull;          /* Hertz: the dashpot may pull */
-    gn_switch rotation; /* auto: on */
+    gn_fracture fracture_energy_of; /* what fracture energies are per area of */
+    bool pull;                      /* Hertz: the dashpot may pull */
+    gn_switch rotation;             /* auto: on */
 
     gn_switch bonds;               /* on when the scene has a `bonds` section */
     double interaction_range;      /* beta: bonds at gaps up to beta (r_i + r_j) */

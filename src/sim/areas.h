@@ -16,4 +16,8 @@ typedef struct gn_area_check {
 } gn_area_check;
 gneiss_status gn_areas_check(const gn_world *world, gn_area_check *check, gneiss_error *error);
 
+/* Bond area that a plane through the specimen cuts over its own, in the mean over directions, of
+ * any law (law.c). */
+double gn_law_cut(const gn_world *world);
+
 #endif

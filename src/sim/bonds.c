@@ -152,6 +152,7 @@ gneiss_status gn_bonds_form(gn_world *w, gneiss_error *error) {
     if (status == GNEISS_OK) status = gn_areas_find(w, error);
     gn_pair_list_free(&pairs);
     if (status != GNEISS_OK) return status;
+    if (w->scene.fracture_energy_of == GN_FRACTURE_BODY) w->dem.derived.cut = gn_law_cut(w);
     for (size_t c = 0; c < w->dem.bonds.soa.count; c++) gn_contact_set(w, &w->dem.bonds, c);
     w->dem.bonds_at_start = (int64_t)w->dem.bonds.soa.count;
     gn_contacts_pad(&w->dem.bonds, &w->dem.particles);

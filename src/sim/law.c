@@ -1,5 +1,6 @@
 /* What the contact laws (kernels/law.h) are told of the world. */
 #include "base/memory.h"
+#include "sim/areas.h"
 #include "sim/internal.h"
 
 #include <math.h>
@@ -139,6 +140,19 @@ void gn_contact_set(const gn_world *w, gn_contacts *list, size_t c) {
     const double part = part_of(w, list, c);
     law->set(&model, &pair, list, c);
     if (part != 1.0) law->weigh(list, c, part);
+}
+
+/* Planes across e cut the bond area sum A L |n.e|/V of each of their own; the mean of |n.e| over
+ * all e is 1/2, in 2D 2/pi. */
+double gn_law_cut(const gn_world *w) {
+    const gn_contacts *b = &w->dem.bonds;
+    gn_law_model model = model_of(w);
+    double sum = 0.0;
+    for (size_t c = 0; c < b->soa.count; c++) {
+        gn_law_pair pair = pair_of_contact(w, b, c);
+        sum += gn_linear_section(&model, &pair) * b->length0[c];
+    }
+    return sum / w->volume * (w->effects & GN_FX_SPACE ? 0.5 : 2.0 / M_PI);
 }
 
 void gn_contacts_set_dashpots(const gn_world *w, gn_contacts *list) {
