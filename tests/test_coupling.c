@@ -445,6 +445,37 @@ static void a_zone_is_stable_up_to_the_limits_of_both_sides(void **state) {
     assert_true(energy_at(1.05, 2000) > 1e3);
 }
 
+/* --- figures --- */
+
+static void a_zone_is_measured(void **state) {
+    (void)state;
+    strip s = small_strip(false);
+    gn_world *w = strip_of(&s);
+    gn_zone_figures f;
+    gn_zone_measure(w, 0, &f);
+    assert_near(f.width, 6e-3, 1e-15);
+    assert_near(f.element, 0.5 * (13e-3 / 7.0 + 2e-3), 1e-12); /* along x, along y */
+    assert_near(f.diameter, 1e-3, 1e-15);
+    assert_int_equal(f.particles, 7 * 6);
+    assert_int_equal(f.beyond, 0);
+    assert_near(f.least, 0.0, 1e-9);
+    assert_near(f.modulus[1], modulus, 1e-6 * modulus);
+    assert_near(f.density[1], density, 1e-9 * density);
+    /* The hull of a strip of 14 by 6 discs lacks its corners. */
+    assert_near(f.modulus[0], modulus, 0.01 * modulus);
+    assert_near(f.density[0], density, 0.01 * density);
+    assert_true(f.returned < 1e-4);
+    assert_int_equal(gn_coupled_broken(w), 0);
+    for (size_t c = 0; c < w->dem.bonds.soa.count; c++)
+        if (tied_by_zone(w, (size_t)w->dem.bonds.i[c]) &&
+            tied_by_zone(w, (size_t)w->dem.bonds.j[c])) {
+            w->dem.bonds.cause[c] = GN_BROKEN_TENSION;
+            break;
+        }
+    assert_int_equal(gn_coupled_broken(w), 1);
+    world_end(w);
+}
+
 /* --- what is refused --- */
 
 static void assert_refused(const strip *s, const char *from, const char *to, const char *words) {
@@ -488,6 +519,7 @@ int main(void) {
         cmocka_unit_test(a_coupled_body_gives_the_same_bits_on_every_instruction_set),
         cmocka_unit_test(beside_all_else_threads_and_resumption_give_the_same_bits),
         cmocka_unit_test(a_zone_is_stable_up_to_the_limits_of_both_sides),
+        cmocka_unit_test(a_zone_is_measured),
         cmocka_unit_test(what_is_no_zone_is_refused),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

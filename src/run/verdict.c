@@ -1,5 +1,6 @@
 /* What a run has to say against its own results: warnings, and a ledger that does not close. */
 #include "run/run.h"
+#include "sim/coupling.h"
 
 #include <math.h>
 
@@ -124,6 +125,17 @@ static void warn_of_softening(const gn_run *run, gn_warnings *list) {
              count, b->soa.count);
 }
 
+static void warn_of_zones(const gn_run *run, gn_warnings *list) {
+    size_t count = gn_coupled_broken(&run->world);
+    if (!count) return;
+    gn_warning *to = &list->warning[list->count++];
+    to->name = "zones_broken";
+    snprintf(to->text, sizeof to->text,
+             "%zu bonds broke in zones that particles and elements share, where elements hold on: "
+             "the zone has to be farther away from where it cracks",
+             count);
+}
+
 gn_warnings gn_run_warnings(const gn_run *run) {
     gn_warnings list = {0};
     warn_of_step(run, &list);
@@ -132,5 +144,6 @@ gn_warnings gn_run_warnings(const gn_run *run) {
     warn_of_balance(run, &list);
     warn_of_skin(run, &list);
     warn_of_softening(run, &list);
+    warn_of_zones(run, &list);
     return list;
 }
