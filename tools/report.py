@@ -11,6 +11,7 @@ import sys
 import numpy as np
 
 from report_curves import CURVES
+from report_coupling import plot_together
 from report_elements import plot_elements
 from report_packing import write_packing_report
 from report_page import STYLE, draw, escape, figure, table, write_page
@@ -121,6 +122,7 @@ def draw_figures(results, folder):
             for name, plot in CURVES.items()}
     jobs["surface"] = lambda path: plot_surface(specimen, path) if there else None
     jobs["elements"] = lambda path: plot_elements(results, path)
+    jobs["together"] = lambda path: plot_together(results, path)
     jobs["slice"] = lambda path: plot_slice(specimen, results, path) if there else None
     return draw(jobs, folder)
 
@@ -163,7 +165,7 @@ def page(results, captions):
     if not curves:
         curves = "<p>The history has no rows: there is no curve to draw.</p>"
     pictures = figure("surface", captions, "wide") + figure("slice", captions, "wide")
-    pictures += figure("elements", captions, "wide")
+    pictures += figure("together", captions, "wide") + figure("elements", captions, "wide")
     scene = ""
     if results.scene:
         scene = ("<details><summary>The resolved scene: every key, SI units</summary>"
