@@ -445,8 +445,7 @@ static void a_zone_is_stable_up_to_the_limits_of_both_sides(void **state) {
     assert_true(energy_at(1.05, 2000) > 1e3);
 }
 
-/* --- what is refused --- */
-
+/* The first `from` in the text turned into `to`. */
 static void assert_refused(const strip *s, const char *from, const char *to, const char *words) {
     gn_world w;
     gneiss_error error = {0};
@@ -459,6 +458,82 @@ static void assert_refused(const strip *s, const char *from, const char *to, con
     free(t);
     free(changed);
 }
+
+/* --- what a scene of waves needs besides --- */
+
+static void a_pulse_is_under_way_at_the_start(void **state) {
+    (void)state;
+    strip s = small_strip(false);
+    pulse p = {1e-6, 8e-3, 12e-3, 1700.0};
+    s.rest = "initial: {pulse: {direction: [2, 0], centre: [8 mm, 1], length: 12 mm, size: 1 um, "
+             "speed: 1700}}\n";
+    gn_world *w = strip_of(&s);
+    const gn_particles *all[2] = {&w->dem.particles, &w->elements[0]->solid.nodes};
+    for (int k = 0; k < 2; k++)
+        for (size_t n = 0; n < all[k]->soa.count; n++) {
+            double u[3] = {0}, v[3] = {0};
+            pulse_at(all[k]->start + 4 * n, &p, u, v);
+            for (size_t a = 0; a < 3; a++) {
+                assert_near(all[k]->pos[4 * n + a], all[k]->start[4 * n + a] + u[a], 1e-17);
+                assert_near(all[k]->vel[4 * n + a], v[a], 1e-14 * p.speed);
+            }
+        }
+    world_end(w);
+    assert_refused(&s, "direction: [2, 0]", "direction: [0, 0]",
+                   "expected a direction, found none");
+}
+
+/* Of three or six triangles each, a third of each. */
+static void parallel_diagonals_give_inner_nodes_one_mass(void **state) {
+    (void)state;
+    gn_world *w = world_of("dimension: 2\nelements: {rectangle: {size: [4, 3], cells: [4, 3], "
+                           "diagonals: parallel}, materials: [{young: 1e9, poisson: 0.2, density: "
+                           "1000}]}\ntime: {end: 1}\n");
+    const gn_particles *q = &w->elements[0]->solid.nodes;
+    for (size_t n = 0; n < q->soa.count; n++) {
+        const double *x = q->start + 4 * n;
+        bool side = x[0] == 0.0 || x[0] == 4.0, end = x[1] == 0.0 || x[1] == 3.0;
+        if (!side && !end) assert_near(1.0 / q->vel[4 * n + 3], 1000.0, 1e-9);
+        if (side != end) assert_near(1.0 / q->vel[4 * n + 3], 500.0, 1e-9);
+    }
+    world_end(w);
+    strip s = small_strip(true);
+    assert_refused(&s, "elements: {box: {", "elements: {box: {diagonals: parallel, ",
+                   "expected alternating in 3D, found parallel");
+}
+
+/* --- figures --- */
+
+static void a_zone_is_measured(void **state) {
+    (void)state;
+    strip s = small_strip(false);
+    gn_world *w = strip_of(&s);
+    gn_zone_figures f;
+    gn_zone_measure(w, 0, &f);
+    assert_near(f.width, 6e-3, 1e-15);
+    assert_near(f.element, 0.5 * (13e-3 / 7.0 + 2e-3), 1e-12); /* along x, along y */
+    assert_near(f.diameter, 1e-3, 1e-15);
+    assert_int_equal(f.particles, 7 * 6);
+    assert_int_equal(f.beyond, 0);
+    assert_near(f.least, 0.0, 1e-9);
+    assert_near(f.modulus[1], modulus, 1e-6 * modulus);
+    assert_near(f.density[1], density, 1e-9 * density);
+    /* The hull of a strip of 14 by 6 discs lacks its corners. */
+    assert_near(f.modulus[0], modulus, 0.01 * modulus);
+    assert_near(f.density[0], density, 0.01 * density);
+    assert_true(f.returned < 1e-4);
+    assert_int_equal(gn_coupled_broken(w), 0);
+    for (size_t c = 0; c < w->dem.bonds.soa.count; c++)
+        if (tied_by_zone(w, (size_t)w->dem.bonds.i[c]) &&
+            tied_by_zone(w, (size_t)w->dem.bonds.j[c])) {
+            w->dem.bonds.cause[c] = GN_BROKEN_TENSION;
+            break;
+        }
+    assert_int_equal(gn_coupled_broken(w), 1);
+    world_end(w);
+}
+
+/* --- what is refused --- */
 
 static void what_is_no_zone_is_refused(void **state) {
     (void)state;
@@ -488,6 +563,9 @@ int main(void) {
         cmocka_unit_test(a_coupled_body_gives_the_same_bits_on_every_instruction_set),
         cmocka_unit_test(beside_all_else_threads_and_resumption_give_the_same_bits),
         cmocka_unit_test(a_zone_is_stable_up_to_the_limits_of_both_sides),
+        cmocka_unit_test(a_pulse_is_under_way_at_the_start),
+        cmocka_unit_test(parallel_diagonals_give_inner_nodes_one_mass),
+        cmocka_unit_test(a_zone_is_measured),
         cmocka_unit_test(what_is_no_zone_is_refused),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

@@ -182,7 +182,8 @@ static void every_slip_is_told_with_its_place(void **state) {
          "s.yaml:9:5: materials[0].frction: unknown key 'frction'; did you mean 'friction'?"},
         {"law:\n", "lawwwwwwwww: 1\nlaw:\n",
          "s.yaml:10:1: lawwwwwwwww: unknown key 'lawwwwwwwww'; expected one of title, dimension, "
-         "origin, specimen, materials, contacts, law, elements, bonds, damping, gravity, initial, "
+         "origin, specimen, materials, contacts, law, elements, couple, bonds, damping, gravity, "
+         "initial, "
          "periodic, "
          "domain, sets, walls, bodies, membrane, test, time, stages, output, neighbours, run"},
         {"    kratio: 2\n", "",

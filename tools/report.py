@@ -11,6 +11,7 @@ import sys
 import numpy as np
 
 from report_curves import CURVES
+from report_coupling import plot_together
 from report_elements import plot_elements
 from report_packing import write_packing_report
 from report_page import STYLE, draw, escape, figure, table, write_page
@@ -133,6 +134,7 @@ def draw_figures(results, folder):
     jobs["moments"] = lambda path: plot_moments(results, folder, path) if there else None
     jobs["surface"] = lambda path: plot_surface(specimen, path) if there else None
     jobs["elements"] = lambda path: plot_elements(results, path)
+    jobs["together"] = lambda path: plot_together(results, path)
     jobs["slice"] = lambda path: plot_slice(specimen, results, path) if there else None
     return draw(jobs, folder)
 
@@ -187,7 +189,7 @@ def page(results, captions):
     pictures = figure("moments", captions, "wide") + figure("surface", captions, "wide") + figure("slice", captions, "wide")
     broken = "".join(figure(n, captions) for n in STATES)
     pictures += f'<div class="grid">{broken}</div>' if broken else ""
-    pictures += figure("elements", captions, "wide")
+    pictures += figure("together", captions, "wide") + figure("elements", captions, "wide")
     scene = ""
     if results.scene:
         scene = ("<details><summary>The resolved scene: every key, SI units</summary>"

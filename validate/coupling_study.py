@@ -141,7 +141,72 @@ def patch_table():
     return study.table(["r, mm", "L, mm", "h, mm", "h/r", "E, GPa, and nu of the elements", "strains differ, %", "largest, %", "mean, %"], rows)
 
 
+# --- a notched beam of one packing, with and without elements at its sides --------------------------------------
+
+BEAM = "scenes/bending-coupled.yaml"
+FEET = """sets:
+  - {name: left, select: {box: {min: [17 mm, 0 mm], max: [20.5 mm, 2 mm]}}, motion: {vx: 0, vy: 0}}
+  - {name: right, select: {box: {min: [419.5 mm, 0 mm], max: [423 mm, 2 mm]}}, motion: {vy: 0}}
+"""
+
+
+def sections(text):
+    """{name: lines} of a scene."""
+    found = {}
+    for line in text.splitlines(keepends=True):
+        if line[0] not in " #\n":
+            name = line.split(":")[0]
+        if line[0] not in "#\n":
+            found[name] = found.get(name, "") + line
+    return found
+
+
+def beams():
+    """The beam of particles alone, and with its own middle between elements."""
+    folder, parts = study.RUNS / "coupling", sections((study.ROOT / BEAM).read_text())
+    whole = dict(parts, sets=parts["sets"].replace("sets:\n", FEET))
+    del whole["elements"], whole["couple"]
+    for old, new in (("[150 mm, ", "[0 mm, "), ("[290 mm, ", "[440 mm, ")):
+        whole["specimen"] = whole["specimen"].replace(old, new)
+    path = folder / "beam-particles.yaml"
+    path.write_text("".join(whole.values()))
+    alone = study.run("coupling/beam-particles", path, {})
+    position, radius = alone.results("particles/position") - alone.results("particles/displacement"), alone.results("particles/radius")
+    keep = (position[:, 0] >= 0.15) & (position[:, 0] <= 0.29)
+    np.savetxt(folder / "middle.txt", np.c_[position[keep, :2], radius[keep]], fmt="%.17g")
+    porosity = 1 - np.sum(np.pi * radius**2) / (0.44 * 0.1 - 0.002 * 0.03)
+    parts["specimen"] = f"specimen: {{file: middle.txt, group: 1, material: concrete, density_basis: bulk, porosity: {porosity:.6f}}}\n"
+    parts["elements"] = parts["elements"].replace("specimens/", str(study.ROOT / "scenes/specimens") + "/")
+    parts["couple"] = parts["couple"].replace("150.8 mm", "150.2 mm").replace("289.2 mm", "289.8 mm")
+    path = folder / "beam-coupled.yaml"
+    path.write_text("".join(parts.values()))
+    return alone, study.run("coupling/beam-coupled", path, {})
+
+
+def crack(result):
+    """Where bonds broke, at the start."""
+    x = result.results("particles/position") - result.results("particles/displacement")
+    broken = result.results("bonds/state") > 0
+    return 0.5 * (x[result.results("bonds/i")[broken]] + x[result.results("bonds/j")[broken]])[:, :2]
+
+
+def beam_table():
+    rows, cracks = [], []
+    for name, result in zip(("particles alone", "with elements at both sides"), beams()):
+        force, bend = result.results("history/force"), result.results("history/deflection")
+        top = int(np.argmax(force))
+        part = np.arange(len(force)) < top
+        part &= (force > 0.3 * force[top]) & (force < 0.8 * force[top])
+        cracks.append(crack(result))
+        rows.append([name, len(result.results("particles/radius")), f"{np.polyfit(bend[part], force[part], 1)[0] / 1e6:.0f}", f"{force[top] / 1e3:.2f}",
+                     f"{1e6 * bend[top]:.1f}", len(cracks[-1]), f"{result.summary['seconds']['total']:.0f}"])
+    apart = [np.min(np.linalg.norm(cracks[0] - at, axis=1)) for at in cracks[1]]
+    text = study.table(["", "particles", "stiffness, MN/m", "peak, kN", "deflection there, um", "bonds broken", "s"], rows)
+    return text + f"\n\nMean distance of a bond that broke beside elements from the nearest that broke without: {1e3 * np.mean(apart):.1f} mm, particles have 2 mm."
+
+
 def main():
+    study.put("coupling.md", "table beam", beam_table())
     study.put("coupling.md", "table forth", wave_table(False))
     study.put("coupling.md", "table back", wave_table(True))
     study.put("coupling.md", "table patch", patch_table())

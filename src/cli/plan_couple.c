@@ -43,7 +43,7 @@ static void print_zone(const gn_world *w, size_t k, int *warnings) {
         warn(warnings, text);
     }
     if (f.beyond)
-        warn(warnings, "particles reach beyond the plane through `to`, where only elements carry");
+        warn(warnings, "particles reach beyond the plane through `to`, where elements carry all");
 }
 
 void gn_print_zones(const gn_world *w, int *warnings) {

@@ -1,6 +1,7 @@
 /* What a run has to say against its own results: warnings, and a ledger that does not close. */
 #include "run/run.h"
 #include "run/stages.h"
+#include "sim/coupling.h"
 
 #include <math.h>
 
@@ -184,6 +185,17 @@ static void warn_of_stages(const gn_run *run, gn_warnings *list) {
              w->scene.end, w->scene.stages[w->stage].name, w->stage + 1, w->scene.stage_count);
 }
 
+static void warn_of_zones(const gn_run *run, gn_warnings *list) {
+    size_t count = gn_coupled_broken(&run->world);
+    if (!count) return;
+    gn_warning *to = &list->warning[list->count++];
+    to->name = "zones_broken";
+    snprintf(to->text, sizeof to->text,
+             "%zu bonds broke in zones that particles and elements share, where elements hold on: "
+             "the zone has to be farther away from where it cracks",
+             count);
+}
+
 gn_warnings gn_run_warnings(const gn_run *run) {
     gn_warnings list = {0};
     warn_of_step(run, &list);
@@ -195,5 +207,6 @@ gn_warnings gn_run_warnings(const gn_run *run) {
     warn_of_softening(run, &list);
     warn_of_mass_scaling(run, &list);
     warn_of_stages(run, &list);
+    warn_of_zones(run, &list);
     return list;
 }

@@ -6,7 +6,9 @@
 #include "base/effects.h"
 #include "base/error.h"
 #include "base/instruction_sets.h"
+#include "scene/couple_def.h"
 #include "scene/laboratory.h"
+#include "scene/mesh_def.h"
 #include "scene/values.h"
 
 #include <stdio.h>
@@ -352,20 +354,7 @@ typedef struct gn_element_load {
     gn_scene_place where;
 } gn_element_load;
 
-/* A beam with supports below, a load above mid-span and a notch there. */
-typedef struct gn_beam_def {
-    double length, height, thickness; /* m; thickness 0 in 2D */
-    double span;                      /* m between the supports; 0: the length */
-    double notch_width, notch_depth;  /* m; depth 0: no notch */
-    double cell;                      /* m, largest side of a cell */
-    int64_t notch_cells;              /* across half the width of the notch */
-    double growth;                    /* of neighbouring cells away from the notch */
-    double origin[3];                 /* m, lower corner */
-} gn_beam_def;
-
 typedef enum gn_formulation { GN_FORMULATION_DISPLACEMENT, GN_FORMULATION_PRESSURE } gn_formulation;
-
-typedef enum gn_diagonals { GN_DIAGONALS_ALTERNATING, GN_DIAGONALS_PARALLEL } gn_diagonals;
 
 /* How particles meet the surface of finite elements. */
 typedef struct gn_element_contact_def {
@@ -400,46 +389,6 @@ typedef struct gn_element_def {
     gn_element_contact_def contact;
     gn_scene_place where;
 } gn_element_def;
-
-/* A plane wave at the start: u = size/2 (1 + cos(2 pi s/length)) along its direction where |s| <
- * length/2, s being the distance from its crest, and v = -speed du/ds. */
-typedef struct gn_pulse {
-    double direction[3];        /* of any length */
-    double centre[3];           /* m, a point of the crest */
-    double length, size, speed; /* m, m, m/s */
-} gn_pulse;
-
-/* Where elements end among particles and particles among elements: two parallel planes (2D: lines).
- */
-typedef struct gn_couple_edge {
-    double from[3], to[3]; /* m: a point of the plane where elements end, and the one across from it
-                            * on the plane where particles end */
-    gn_scene_place where;
-} gn_couple_edge;
-
-/* A part of the body that both share. Particles fill what lies before all of its edges. */
-typedef struct gn_couple_zone {
-    size_t edge_count;
-    gn_couple_edge *edges;
-    gn_scene_place where;
-} gn_couple_zone;
-
-typedef enum gn_couple_constraint {
-    GN_COUPLE_LUMPED,
-    GN_COUPLE_CONSISTENT,
-    GN_COUPLE_PENALTY
-} gn_couple_constraint;
-typedef enum gn_couple_spins { GN_COUPLE_FREE, GN_COUPLE_SLAVED } gn_couple_spins;
-
-/* Particles and elements as one body. */
-typedef struct gn_couple_def {
-    size_t zone_count;
-    gn_couple_zone *zones;
-    gn_couple_constraint constraint;
-    gn_couple_spins spins;
-    double penalty, penalty_damping; /* over what masses and the step make of it; of critical */
-    gn_scene_place where;
-} gn_couple_def;
 
 typedef struct gn_scene {
     char source[GN_PATH_SIZE]; /* the scene file, for messages */

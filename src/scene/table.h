@@ -1,14 +1,10 @@
-/* Values over time, and where a value stands in a file. */
+/* Values over time. */
 #ifndef GN_SCENE_TABLE_H
 #define GN_SCENE_TABLE_H
 
-#include <stddef.h>
+#include "scene/place.h"
 
-/* Where a value stands in the scene file, for messages raised after parsing. Line 0: not in a file.
- */
-typedef struct gn_scene_place {
-    int line, column; /* base 1 */
-} gn_scene_place;
+#include <stddef.h>
 
 /* Piecewise linear in time; held constant before the first and after the last point. `count` 1 is a
  * constant, 0 means the channel is free (not prescribed). */

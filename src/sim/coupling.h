@@ -38,6 +38,9 @@ bool gn_coupled_has(const gn_coupled *coupled, int32_t id);
  * = -c e, one that runs back v = c e, so that the sum over elements is of rho V ((v + c e)/2)^2. */
 double gn_coupled_returned(const gn_world *world, size_t k);
 
+/* Bonds that broke between particles of zones, which elements hold together all the same. */
+size_t gn_coupled_broken(const gn_world *world);
+
 /* What a zone is, as it was at the start (coupling_check.c). */
 typedef struct gn_zone_figures {
     double width, element, diameter; /* m; means over its elements and particles */

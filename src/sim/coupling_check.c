@@ -49,8 +49,9 @@ static void measure_particles(const gn_world *w, size_t zone, gn_zone_figures *f
         volume += blend[0] * gn_ball_volume((int)w->scene.dimension, r) / solid;
         mass += blend[0] / (q->vel[4 * p + 3] * blend[1]);
         radius += r / (double)c->ties.count;
-        f->beyond += gn_zone_place(&w->scene.couple.zones[zone], (int)w->scene.dimension,
-                                   q->start + 4 * p) > 1.0 + 1e-6;
+        double place =
+            gn_zone_place(&w->scene.couple.zones[zone], (int)w->scene.dimension, q->start + 4 * p);
+        f->beyond += (place - 1.0) * f->width > 0.5 * r; /* outermost centres scatter */
     }
     for (size_t s = 0; s < bonds->soa.count; s++) {
         double d[3], length2, along, ends = 0.0;
@@ -66,6 +67,16 @@ static void measure_particles(const gn_world *w, size_t zone, gn_zone_figures *f
     f->particles = c->ties.count;
     f->modulus[0] = stiffness / volume;
     f->density[0] = mass / volume;
+}
+
+size_t gn_coupled_broken(const gn_world *w) {
+    const gn_contacts *bonds = &w->dem.bonds;
+    const double *blend = w->dem.particles.blend;
+    size_t count = 0;
+    for (size_t c = 0; blend && bonds->cause && c < bonds->soa.count; c++)
+        count += gn_broken(bonds->cause[c]) && blend[2 * (size_t)bonds->i[c]] < 1.0 &&
+                 blend[2 * (size_t)bonds->j[c]] < 1.0;
+    return count;
 }
 
 void gn_zone_measure(const gn_world *w, size_t k, gn_zone_figures *f) {

@@ -1,0 +1,49 @@
+/* What a scene says of zones that particles and elements share, and of a wave at its start. */
+#ifndef GN_SCENE_COUPLE_DEF_H
+#define GN_SCENE_COUPLE_DEF_H
+
+#include "scene/place.h"
+
+#include <stddef.h>
+
+/* A plane wave at the start: u = size/2 (1 + cos(2 pi s/length)) along its direction where |s| <
+ * length/2, s being the distance from its crest, and v = -speed du/ds. */
+typedef struct gn_pulse {
+    double direction[3];        /* of any length */
+    double centre[3];           /* m, a point of the crest */
+    double length, size, speed; /* m, m, m/s */
+} gn_pulse;
+
+/* Where elements end among particles and particles among elements: two parallel planes (2D: lines).
+ */
+typedef struct gn_couple_edge {
+    double from[3], to[3]; /* m: a point of the plane where elements end, and the one across from it
+                            * on the plane where particles end */
+    gn_scene_place where;
+} gn_couple_edge;
+
+/* A part of the body that both share. Particles fill what lies before all of its edges. */
+typedef struct gn_couple_zone {
+    size_t edge_count;
+    gn_couple_edge *edges;
+    gn_scene_place where;
+} gn_couple_zone;
+
+typedef enum gn_couple_constraint {
+    GN_COUPLE_LUMPED,
+    GN_COUPLE_CONSISTENT,
+    GN_COUPLE_PENALTY
+} gn_couple_constraint;
+typedef enum gn_couple_spins { GN_COUPLE_FREE, GN_COUPLE_SLAVED } gn_couple_spins;
+
+/* Particles and elements as one body. */
+typedef struct gn_couple_def {
+    size_t zone_count;
+    gn_couple_zone *zones;
+    gn_couple_constraint constraint;
+    gn_couple_spins spins;
+    double penalty, penalty_damping; /* over what masses and the step make of it; of critical */
+    gn_scene_place where;
+} gn_couple_def;
+
+#endif
