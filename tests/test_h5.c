@@ -385,7 +385,7 @@ static void check_record(const char *path, const gn_record *record, void *a, voi
 
 static void records_are_restored_bit_for_bit(void **state) {
     fixture *f = *state;
-    const gn_effects all = (1u << GN_EFFECT_COUNT) - 1;
+    const gn_effects all = (UINT64_C(1) << GN_EFFECT_COUNT) - 1;
     const gn_effects masks[] = {0, all, GN_FX_BONDS | GN_FX_SHEAR, GN_FX_ROTATION | GN_FX_SPACE};
     const size_t counts[] = {0, 1, 2, 17, 40000};
     for (size_t m = 0; m < 4; m++)

@@ -42,6 +42,7 @@ static const char *idle_rotation(const gn_world *w) {
 
 static const char *idle_friction(const gn_world *w) {
     const gn_particles *q = &w->dem.particles;
+    if (w->effects & GN_FX_ROLLING) return NULL; /* moments stand beside tangential forces */
     for (size_t p = 0; p < q->soa.count; p++)
         if (w->scene.materials[q->material[p]].friction > 0.0) return NULL;
     return "no particle has a material with friction";

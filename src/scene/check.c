@@ -1,4 +1,5 @@
 #include "scene/check.h"
+#include "scene/sides.h"
 
 #include "base/names.h"
 #include "scene/facing.h"

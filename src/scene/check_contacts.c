@@ -1,5 +1,6 @@
 /* What materials say of each other, and what is drawn bond by bond. */
 #include "scene/check.h"
+#include "scene/sides.h"
 
 #include <string.h>
 

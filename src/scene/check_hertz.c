@@ -1,5 +1,6 @@
 /* What goes with Hertz's law, and what walls and surfaces say of their contacts by any. */
 #include "scene/check.h"
+#include "scene/sides.h"
 
 #include <math.h>
 #include <stdio.h>

@@ -1,6 +1,7 @@
 /* What scenes call for, whatever is built. */
 #define GN_EVERY_EFFECT
 #include "scene/scene.h"
+#include "scene/sides.h"
 
 #include "base/memory.h"
 #include "scene/read.h"

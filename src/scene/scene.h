@@ -138,9 +138,8 @@ typedef struct gn_material {
     double kratio;           /* kappa = k_n/k_t as in PFC; 0: no tangential spring */
     double young, poisson;   /* E, Pa, nu; laws by area, Hertz */
     double alpha, beta;      /* of E in k_n and of G in k_t; laws by area */
-    double friction;         /* mu */
-    double restitution;      /* Hertz; negative: that of the scene */
-    double rolling_friction, twisting_friction; /* mu_r, mu_t */
+    double friction, rolling_friction, twisting_friction; /* mu, mu_r, mu_t */
+    double restitution;                                   /* Hertz; negative: that of the scene */
     double tensile_strength;   /* sigma_c of the contact, Pa; size-dependent models */
     double shear_strength;     /* tau_c of the contact, Pa */
     double bond_tension_limit; /* R_n, N; uniform model */
@@ -270,14 +269,12 @@ typedef struct gn_servo {
 } gn_servo;
 
 typedef struct gn_wall_def {
-    char name[GN_NAME_SIZE];
-    char material[GN_NAME_SIZE]; /* Hertz; "": rigid */
-    double point[3];             /* m */
+    char name[GN_NAME_SIZE], material[GN_NAME_SIZE]; /* material: Hertz; "": rigid */
+    double point[3];                                 /* m */
     double normal[3]; /* into the side where particles are; any length in the file, unit here */
     double stiffness; /* penalty k_n, N/m */
     double kratio;    /* k_n/k_t; used when friction > 0 */
-    double friction;
-    double rolling_friction, twisting_friction; /* mu_r, mu_t */
+    double friction, rolling_friction, twisting_friction;
     bool passive; /* particles that overlap the wall at the start are stress-free there */
     gn_motion motion;
     gn_servo servo;
@@ -293,9 +290,8 @@ typedef struct gn_body_cylinder {
 
 /* A rigid body: a surface that particles touch, and how it moves. */
 typedef struct gn_body_def {
-    char name[GN_NAME_SIZE];
-    char material[GN_NAME_SIZE]; /* Hertz; "": rigid */
-    char surface[GN_PATH_SIZE];  /* as written; "" when the shape is another */
+    char name[GN_NAME_SIZE], material[GN_NAME_SIZE]; /* material: Hertz; "": rigid */
+    char surface[GN_PATH_SIZE];                      /* as written; "" when the shape is another */
     char surface_path[GN_PATH_SIZE];
     bool has_box, has_cylinder;
     double box_size[3]; /* m */
@@ -308,8 +304,7 @@ typedef struct gn_body_def {
     double rotation[3]; /* rad, vector about the shape's origin, before it is put in its place */
     double stiffness;   /* penalty k_n, N/m */
     double kratio;      /* k_n/k_t; used when friction > 0 */
-    double friction;
-    double rolling_friction, twisting_friction; /* mu_r, mu_t */
+    double friction, rolling_friction, twisting_friction;
     bool has_reference;
     double reference[3]; /* m: point about which a prescribed spin turns the body */
     bool free;           /* channels without prescribed motion follow the forces */
@@ -360,7 +355,7 @@ typedef enum gn_formulation { GN_FORMULATION_DISPLACEMENT, GN_FORMULATION_PRESSU
 typedef struct gn_element_contact_def {
     char group[GN_NAME_SIZE]; /* of facets; "": the whole boundary */
     gn_scene_place group_where;
-    char material[GN_NAME_SIZE]; /* Hertz; "": rigid */
+    char material[GN_NAME_SIZE]; /* as of walls */
     double stiffness;            /* penalty k_n, N/m */
     double kratio;               /* k_n/k_t; used when friction > 0 */
     double friction;
@@ -483,9 +478,7 @@ typedef struct gn_scene {
     char output_directory[GN_PATH_SIZE]; /* "" : runs/<scene name> */
     int64_t history_rows;                /* wanted rows up to `end` */
     int64_t snapshots;      /* wanted snapshots up to `end`; 0: none but the last state */
-    double checkpoint_wall; /* s of wall time between checkpoints; 0: only on a signal and at the
-                               end */
-
+    double checkpoint_wall; /* s of wall time between checkpoints; 0: on a signal and at the end */
     uint64_t seed;
     int64_t threads; /* 0: all cores */
     gn_precision precision;
@@ -506,8 +499,8 @@ typedef struct gn_override {
 } gn_override;
 
 /* Reads, overrides, checks. On failure nothing is held and `error` says file:line:column, key,
- * expected, found. GNEISS_ERROR_IO when a file that is there
- * cannot be read, GNEISS_ERROR_INPUT otherwise. */
+ * expected, found. GNEISS_ERROR_IO: a file that is there cannot be read; else GNEISS_ERROR_INPUT.
+ */
 gneiss_status gn_scene_load(const char *path, const gn_override *overrides, size_t override_count,
                             gn_scene *scene, gneiss_error *error);
 
@@ -560,7 +553,7 @@ size_t gn_scene_print_keys(FILE *out, bool markdown, const char *sought);
  * "": none is near enough. */
 bool gn_scene_nearest_key(const char *sought, char *name, size_t size);
 
-/* Finds by name; -1 when there is none. */
+/* By name; -1: none. */
 int gn_scene_find_wall(const gn_scene *scene, const char *name);
 int gn_scene_find_body(const gn_scene *scene, const char *name);
 int gn_scene_find_set(const gn_scene *scene, const char *name);
@@ -575,21 +568,6 @@ static inline int gn_scene_membrane_axis(const gn_scene *scene) {
 static inline double gn_scene_spin_damping(const gn_scene *scene) {
     return scene->background_spin >= 0 ? scene->background_spin : scene->background_coefficient;
 }
-/* Whether stiffness follows from the overlap (Hertz-Mindlin). */
-static inline bool gn_scene_hertz(const gn_scene *scene) {
-    return scene->stiffness == GN_STIFFNESS_HERTZ;
-}
-/* What particles touch besides each other, counted through: walls, bodies, finite elements. */
-typedef struct gn_scene_surface {
-    const char *material; /* "": none */
-    double friction, rolling, twisting;
-} gn_scene_surface;
-gn_scene_surface gn_scene_side(const gn_scene *scene, size_t place);
-static inline size_t gn_scene_sides(const gn_scene *scene) {
-    return scene->wall_count + scene->body_count + 1;
-}
-/* Whether any contact resists rolling or twisting. */
-bool gn_scene_rolls(const gn_scene *scene);
 /* Whether stiffness follows from E, nu and sections. */
 static inline bool gn_scene_by_area(const gn_scene *scene) {
     return scene->stiffness == GN_STIFFNESS_DEMPACK || scene->stiffness == GN_STIFFNESS_POLYHEDRON;

@@ -1,5 +1,6 @@
 /* What the contact laws (kernels/law.h) are told of the world. */
 #include "base/memory.h"
+#include "scene/sides.h"
 #include "sim/areas.h"
 #include "sim/internal.h"
 

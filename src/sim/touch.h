@@ -5,6 +5,7 @@
 
 #include "base/vec3.h"
 #include "kernels/law.h"
+#include "scene/sides.h"
 #include "sim/internal.h"
 
 /* What the particle's material and that of a wall, body or finite elements, counted through, are to
