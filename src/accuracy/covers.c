@@ -104,7 +104,7 @@ static const char *cover_particles(const gn_world *w, gn_test_groups *g) {
     g->floors = plane ? "brazilian" : g->study;
     g->particles = (double)w->dem.particles.soa.count;
     g->across = particles_across(w);
-    g->masses = w->dem.scaling.step > 0.0 ? w->dt / w->dem.scaling.unscaled : 1.0;
+    g->masses = w->dem.scaling.step > 0.0 ? w->dem.scaling.step / w->dem.scaling.unscaled : 1.0;
     g->first_break = s->start == GN_START_FIRST_BREAK;
     g->damping = damping_of(s);
     return NULL;
@@ -136,7 +136,8 @@ const char *gn_study_covers(const gn_world *w, gn_test_groups *g) {
     if (s->test.kind == GN_TEST_NONE) return "the scene has no test";
     const char *reason = s->has_specimen ? cover_particles(w, g) : cover_elements(s, g);
     g->speed = NAN;
-    g->safety = w->dt / w->stable;
+    /* What an automatic step was lowered to later on says nothing of its safety. */
+    g->safety = w->step > 0 && s->step == 0.0 ? s->safety : w->dt / w->stable;
     g->mixed = w->effects & GN_FX_MIXED;
     return reason;
 }
