@@ -134,6 +134,15 @@ def a_file_that_is_there_is_not_written_over_without_force(folder):
 
 
 @fact
+def a_table_over_several_lines_is_written_as_the_resolved_scene_and_that_is_said(folder):
+    text = TEXT.replace("motion: {vz: 0.05 m/s}", "motion:\n      vz:\n        - [0, 0]\n        - [0.1 ms, 0.05 m/s]")
+    out = os.path.join(folder, "fast.yaml")
+    said = plan(rock(folder, text), "--error", "9%", "--write", out).stdout
+    assert "resolved, without comments" in said, said
+    expect(gneiss("check", out), 0)
+
+
+@fact
 def a_scene_in_json_is_written_in_json(folder):
     rock(folder)
     out = os.path.join(folder, "fast.json")
