@@ -162,6 +162,25 @@ def a_scene_in_json_is_written_in_json(folder):
     expect(gneiss("check", out), 0)
 
 
+def beam(**keys):
+    parts = [{"name": "supports", "group": "supports", "motion": {"vy": 0}}, {"name": "pin", "group": "support_left", "motion": {"vx": 0}},
+             {"name": "load", "group": "load", "motion": {"vy": -0.01}}]
+    return {"dimension": 2, "elements": {"beam": {"length": 0.44, "height": 0.1, "span": 0.4, "notch_depth": 0.03, "notch_width": 0.004, "cell": 0.02},
+                                         "materials": [{"young": "30 GPa", "poisson": 0.2, "density": 2400}], "motions": parts, **keys},
+            "damping": {"background": {"model": "viscous", "coefficient": 3000}},
+            "test": {"kind": "compression", "axis": "y", "lower": "supports", "upper": "load"}, "time": {"end": "3 ms"}}
+
+
+@fact
+def a_beam_of_elements_gets_finer_cells_for_a_smaller_error(folder):
+    for form in ("displacement", "mixed"):
+        scene = write_scene(folder, beam(formulation=form))
+        rough, fine = proposed(scene, "--error", "20%"), proposed(scene, "--error", "4%")
+        assert fine["cell"] < rough["cell"] and fine["error"] <= 0.04 and "mesh" in fine["causes"], (rough, fine)
+        assert fine["seconds"] > 0 and fine["steps"] > 0
+    expect(gneiss("plan", scene, "--error", "5%", "--reading", "strength"), 2, "finite elements have no strength")
+
+
 @fact
 def options_of_the_plan_are_refused_elsewhere_and_without_an_error(folder):
     scene = rock(folder)

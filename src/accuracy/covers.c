@@ -118,6 +118,7 @@ static const char *cover_elements(const gn_scene *s, gn_test_groups *g) {
     if (e->has_beam && e->beam.notch_depth > 0.0) {
         *g = (gn_test_groups){.study = "notched-elements", .mesh = "cell"};
         g->cell = e->beam.cell / e->beam.height;
+        g->tip = 1.0 / (double)e->beam.notch_cells;
     } else if (e->has_rectangle && e->size[1 - s->test.axis] >= 4.0 * e->size[s->test.axis]) {
         *g = (gn_test_groups){.study = "cantilever",
                               .mesh = mixed_form ? "elements, mixed form" : "elements"};
