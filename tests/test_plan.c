@@ -223,6 +223,23 @@ static void an_error_below_the_floor_is_not_reached(void **state) {
     free(w);
 }
 
+/* One that hangs on a single bond rolls about its neighbour. */
+static void a_start_at_the_first_break_needs_bonds_that_hold_every_particle(void **state) {
+    (void)state;
+    gneiss_error error = {0};
+    gn_plan plan;
+    gn_world *w = lattice("");
+    gn_wanted wanted = {.error = 0.9, .reading = "strength"};
+    assert_int_equal(gn_plan_make(w, &wanted, 0.0, &plan, &error), GNEISS_OK);
+    assert_null(plan.no_statics);
+    w->dem.particles.bonds0[3] = 1;
+    assert_int_equal(gn_plan_make(w, &wanted, 0.0, &plan, &error), GNEISS_OK);
+    assert_non_null(plan.no_statics);
+    assert_false(plan.best.first_break);
+    gn_world_free(w);
+    free(w);
+}
+
 static void a_step_costs_something_in_both_precisions(void **state) {
     (void)state;
     gneiss_error error = {0};
@@ -285,6 +302,7 @@ int main(void) {
         cmocka_unit_test(
             what_is_proposed_is_right_and_no_dearer_than_the_scene_where_that_is_right),
         cmocka_unit_test(an_error_below_the_floor_is_not_reached),
+        cmocka_unit_test(a_start_at_the_first_break_needs_bonds_that_hold_every_particle),
         cmocka_unit_test(a_step_costs_something_in_both_precisions),
         cmocka_unit_test(a_run_that_is_not_covered_has_a_reason_instead_of_a_budget),
         cmocka_unit_test(ends_out_of_balance_count_with_half_of_their_difference),

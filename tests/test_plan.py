@@ -55,15 +55,15 @@ def proposed(scene, *arguments):
 @fact
 def a_larger_error_is_loaded_faster(folder):
     scene = rock(folder)
-    exact, rough = proposed(scene, "--error", "6.2%"), proposed(scene, "--error", "20%")
+    exact, rough = proposed(scene, "--error", "8%"), proposed(scene, "--error", "20%")
     assert rough["closing"] > exact["closing"], (rough["closing"], exact["closing"])
-    assert exact["error"] <= 0.062 and rough["error"] <= 0.2
+    assert exact["error"] <= 0.08 and rough["error"] <= 0.2
 
 
 @fact
 def an_error_is_a_share_or_per_cent(folder):
     scene = rock(folder)
-    assert told(scene, "--error", "0.07")["wanted"] == told(scene, "--error", "7 %")["wanted"] == 0.07
+    assert told(scene, "--error", "0.09")["wanted"] == told(scene, "--error", "9 %")["wanted"] == 0.09
     for wrong in ("0", "five", "200%", "-1%", "5%%"):
         expect(gneiss("plan", scene, "--error", wrong), 2, "--error: expected a share")
 
@@ -77,14 +77,14 @@ def one_packing_cannot_be_better_than_packings_scatter_and_the_plan_says_so(fold
 
 @fact
 def strength_over_the_number_of_particles_is_said_not_to_converge(folder):
-    assert "does not converge" in plan(rock(folder), "--error", "7%").stdout
+    assert "does not converge" in plan(rock(folder), "--error", "9%").stdout
 
 
 @fact
 def what_is_proposed_is_one_scene_for_the_terminal_and_for_scripts(folder):
     scene = rock(folder)
-    p = proposed(scene, "--error", "7%")
-    text = plan(scene, "--error", "7%").stdout.partition("proposed")[2]
+    p = proposed(scene, "--error", "9%")
+    text = plan(scene, "--error", "9%").stdout.partition("proposed")[2]
     assert re.search(rf"loading +{p['closing']:.4g} m/s", text), text
     assert re.search(rf"safety +{p['safety']:.3g}\n", text), text
 
@@ -92,20 +92,20 @@ def what_is_proposed_is_one_scene_for_the_terminal_and_for_scripts(folder):
 @fact
 def the_written_scene_keeps_comments_and_says_what_was_proposed(folder):
     scene, out = rock(folder), os.path.join(folder, "fast.yaml")
-    p = proposed(scene, "--error", "7%", "--write", out)
+    p = proposed(scene, "--error", "9%", "--write", out)
     with open(out) as file:
         text = file.read()
     for comment in ("# a rock", "# one packing", "# closing slowly", "# until it has failed"):
         assert comment in text, text
-    assert abs(told(out, "--error", "7%")["as_is"]["closing"] / p["closing"] - 1) < 1e-5
-    assert told(out, "--error", "7%")["as_is"]["precision"] == p["precision"]
+    assert abs(told(out, "--error", "9%")["as_is"]["closing"] / p["closing"] - 1) < 1e-5
+    assert told(out, "--error", "9%")["as_is"]["precision"] == p["precision"]
 
 
 @fact
 def the_written_scene_finds_its_files_from_another_folder(folder):
     scene, other = rock(folder), os.path.join(folder, "elsewhere")
     os.mkdir(other)
-    plan(scene, "--error", "7%", "--write", os.path.join(other, "fast.yaml"))
+    plan(scene, "--error", "9%", "--write", os.path.join(other, "fast.yaml"))
     expect(gneiss("check", os.path.join(other, "fast.yaml"), cwd="/"), 0)
     with open(os.path.join(other, "fast.yaml")) as file:
         assert "# one packing" in file.read()
@@ -114,7 +114,7 @@ def the_written_scene_finds_its_files_from_another_folder(folder):
 @fact
 def what_the_command_line_overrides_is_written_as_well(folder):
     scene, out = rock(folder), os.path.join(folder, "fast.yaml")
-    plan(scene, "--error", "8%", "--set", "materials.rock.friction=0.25", "--set", "run.seed=7", "--write", out)
+    plan(scene, "--error", "9%", "--set", "materials.rock.friction=0.25", "--set", "run.seed=7", "--write", out)
     with open(out) as file:
         text = file.read()
     assert "friction: 0.25" in text and re.search(r"seed: 7\b", text), text
@@ -125,12 +125,21 @@ def a_file_that_is_there_is_not_written_over_without_force(folder):
     scene, out = rock(folder), os.path.join(folder, "kept.yaml")
     with open(out, "w") as file:
         file.write("mine")
-    expect(gneiss("plan", scene, "--error", "7%", "--write", out), 2, "expected no file, found one: --force")
+    expect(gneiss("plan", scene, "--error", "9%", "--write", out), 2, "expected no file, found one: --force")
     with open(out) as file:
         assert file.read() == "mine"
-    plan(scene, "--error", "7%", "--write", out, "--force")
+    plan(scene, "--error", "9%", "--write", out, "--force")
     with open(out) as file:
         assert file.read() != "mine"
+
+
+@fact
+def a_table_over_several_lines_is_written_as_the_resolved_scene_and_that_is_said(folder):
+    text = TEXT.replace("motion: {vz: 0.05 m/s}", "motion:\n      vz:\n        - [0, 0]\n        - [0.1 ms, 0.05 m/s]")
+    out = os.path.join(folder, "fast.yaml")
+    said = plan(rock(folder, text), "--error", "9%", "--write", out).stdout
+    assert "resolved, without comments" in said, said
+    expect(gneiss("check", out), 0)
 
 
 @fact
@@ -147,10 +156,29 @@ def a_scene_in_json_is_written_in_json(folder):
                        {"name": "top", "point": [0, 0, 0.046], "normal": [0, 0, -1], "motion": {"vz": -0.05}, **plate}],
              "test": {"kind": "compression", "axis": "z", "lower": "bottom", "upper": "top", "length": 0.046, "diameter": 0.023},
              "time": {"end": "12 ms", "stop": {"peak_drop": 0.2}}}
-    plan(write_scene(folder, scene, "scene.json"), "--error", "7%", "--write", out)
+    plan(write_scene(folder, scene, "scene.json"), "--error", "9%", "--write", out)
     with open(out) as file:
         assert file.read(1) == "{"
     expect(gneiss("check", out), 0)
+
+
+def beam(**keys):
+    parts = [{"name": "supports", "group": "supports", "motion": {"vy": 0}}, {"name": "pin", "group": "support_left", "motion": {"vx": 0}},
+             {"name": "load", "group": "load", "motion": {"vy": -0.01}}]
+    return {"dimension": 2, "elements": {"beam": {"length": 0.44, "height": 0.1, "span": 0.4, "notch_depth": 0.03, "notch_width": 0.004, "cell": 0.02},
+                                         "materials": [{"young": "30 GPa", "poisson": 0.2, "density": 2400}], "motions": parts, **keys},
+            "damping": {"background": {"model": "viscous", "coefficient": 3000}},
+            "test": {"kind": "compression", "axis": "y", "lower": "supports", "upper": "load"}, "time": {"end": "3 ms"}}
+
+
+@fact
+def a_beam_of_elements_gets_finer_cells_for_a_smaller_error(folder):
+    for form in ("displacement", "mixed"):
+        scene = write_scene(folder, beam(formulation=form))
+        rough, fine = proposed(scene, "--error", "20%"), proposed(scene, "--error", "4%")
+        assert fine["cell"] < rough["cell"] and fine["error"] <= 0.04 and "mesh" in fine["causes"], (rough, fine)
+        assert fine["seconds"] > 0 and fine["steps"] > 0
+    expect(gneiss("plan", scene, "--error", "5%", "--reading", "strength"), 2, "finite elements have no strength")
 
 
 @fact
@@ -222,6 +250,37 @@ def a_resumed_run_has_the_budget_of_one_that_was_not_interrupted(folder):
     assert parts["young_modulus_average"].keys() == whole["young_modulus_average"].keys()
     # Rows of the history are further apart in the second part of one and not of the other.
     assert abs(parts["young_modulus_average"]["error"] / whole["young_modulus_average"]["error"] - 1) < 0.05
+
+
+@fact
+def the_budget_is_the_same_for_any_number_of_threads(folder):
+    _, one = budget(folder)
+    out = os.path.join(folder, "two")
+    run(os.path.join(folder, "scene.yaml"), out, *FAST, "--threads", 2)
+    assert summary(out)["error_budget"] == one
+
+
+@fact
+def everything_else_beside_it_has_its_own_causes(folder):
+    _, b = budget(folder, "--precision", "mixed", "--set", "time.mass_scaling.factor=1.3", "--set", "time.start=first_break")
+    names = {cause["name"] for cause in b["peak_stress"]["causes"]}
+    assert names == {"velocity", "step", "packing", "round-off", "precision", "mass scaling", "start"}, names
+
+
+@fact
+def seeds_measure_the_scatter_and_say_what_is_left_of_the_error(folder):
+    scene = {"specimen": {"cylinder": {"diameter": 0.023, "height": 0.046}, "particles": 150, "material": "rock"},
+             "materials": [{"name": "rock", "density": 2650, "contact_modulus": "10 GPa", "kratio": 3.7, "friction": 0.5,
+                            "tensile_strength": "40 MPa", "shear_strength": "40 MPa"}],
+             "law": {"stiffness": "harmonic"}, "bonds": {"interaction_range": 0.05},
+             "damping": {"background": {"model": "nonviscous_vector", "coefficient": 0.7}},
+             "sets": [{"name": side, "select": {"end": {"axis": "z", "side": side, "depth": "2 mm", "by": "surface"}}, "motion": {"vz": speed}}
+                      for side, speed in (("lower", -0.2), ("upper", 0.2))],
+             "test": {"kind": "tension", "axis": "z", "lower": "lower", "upper": "upper", "length": 0.046, "diameter": 0.023},
+             "time": {"end": "1.5 ms", "stop": {"peak_drop": 0.2}}, "output": {"snapshots": 0, "checkpoint": "off"}}
+    done = expect(gneiss("run", write_scene(folder, scene), "--seeds", 3, "--out", os.path.join(folder, "out"), "--threads", 1), 0)
+    line = next(line for line in done.stdout.splitlines() if line.lstrip().startswith("peak_stress"))
+    assert re.search(r"95 %, 3 runs; .*measured by it, the rest of the error estimated", line), line
 
 
 @fact

@@ -229,6 +229,15 @@ def table(rows):
                f"{100 * row['signed']:+.1f}{miss} | {p['seconds']:.2f} | {row['seconds']:.2f}{late} | {p['steps']:.0f} | {row['steps']:.0f} |")
 
 
+def mean_of(summaries, key):
+    values = [s["readings"][key] for s in summaries if s["readings"][key] is not None]
+    return np.mean(values) if values else float("nan")
+
+
+def shown(value):
+    return f"{value:.3g}" if np.isfinite(value) else "-"
+
+
 def guesses(rows):
     yield "| scene | E foretold, GPa | found | strength foretold, MPa | found | scatter of strength by the law % | of the finer runs % |"
     yield "| --- | --- | --- | --- | --- | --- | --- |"
@@ -237,8 +246,8 @@ def guesses(rows):
         if e["modulus"] is None or "packing" not in p["causes"]:
             continue
         law = p["causes"]["packing"] * np.sqrt(p["packings"]) / 2
-        found = [np.nanmean([summary["readings"][key] or np.nan for summary in row["fine"]]) for key in READINGS.values()]
-        yield (f"| {row['name']} | {e['modulus'] / 1e9:.3g} | {found[1] / 1e9:.3g} | {e['strength'] / 1e6:.3g} | {found[0] / 1e6:.3g} | {100 * law:.1f} | "
+        found = [mean_of(row["fine"], key) for key in READINGS.values()]
+        yield (f"| {row['name']} | {e['modulus'] / 1e9:.3g} | {shown(found[1] / 1e9)} | {e['strength'] / 1e6:.3g} | {shown(found[0] / 1e6)} | {100 * law:.1f} | "
                f"{100 * row['scatter']:.1f} |")
 
 

@@ -129,6 +129,7 @@ static void predict_particles(const gn_test_groups *t, const char *reading, gn_e
 static void predict_elements(const gn_test_groups *t, const char *reading, gn_error_causes *c) {
     if (!add_bias(c, t, reading, t->mesh, "mesh", t->cell))
         gn_causes_note(c, "mesh: the study has no law of it");
+    if (t->tip > 0.0) add_bias(c, t, reading, "cells at the tip", "notch", t->tip);
     if (t->mixed) add_bias(c, t, reading, "precision", "precision", 0.0);
 }
 

@@ -16,6 +16,7 @@ typedef struct gn_test_groups {
     double particles, packings; /* of one packing; how many the reading is the mean of */
     double across;              /* particles across the specimen */
     double cell;                /* elements: the group of the law of the mesh; 0: none of these */
+    double tip;                 /* 1 over the cells over half a notch; 0: there is none */
     const char *mesh;           /* elements: the effect of that law */
     double masses;              /* the step over that without added mass; 1: none was added */
     bool first_break;           /* steps begin at the first break */

@@ -104,7 +104,7 @@ static const char *cover_particles(const gn_world *w, gn_test_groups *g) {
     g->floors = plane ? "brazilian" : g->study;
     g->particles = (double)w->dem.particles.soa.count;
     g->across = particles_across(w);
-    g->masses = w->dem.scaling.step > 0.0 ? w->dt / w->dem.scaling.unscaled : 1.0;
+    g->masses = w->dem.scaling.step > 0.0 ? w->dem.scaling.step / w->dem.scaling.unscaled : 1.0;
     g->first_break = s->start == GN_START_FIRST_BREAK;
     g->damping = damping_of(s);
     return NULL;
@@ -118,6 +118,7 @@ static const char *cover_elements(const gn_scene *s, gn_test_groups *g) {
     if (e->has_beam && e->beam.notch_depth > 0.0) {
         *g = (gn_test_groups){.study = "notched-elements", .mesh = "cell"};
         g->cell = e->beam.cell / e->beam.height;
+        g->tip = 1.0 / (double)e->beam.notch_cells;
     } else if (e->has_rectangle && e->size[1 - s->test.axis] >= 4.0 * e->size[s->test.axis]) {
         *g = (gn_test_groups){.study = "cantilever",
                               .mesh = mixed_form ? "elements, mixed form" : "elements"};
@@ -136,7 +137,8 @@ const char *gn_study_covers(const gn_world *w, gn_test_groups *g) {
     if (s->test.kind == GN_TEST_NONE) return "the scene has no test";
     const char *reason = s->has_specimen ? cover_particles(w, g) : cover_elements(s, g);
     g->speed = NAN;
-    g->safety = w->dt / w->stable;
+    /* What an automatic step was lowered to later on says nothing of its safety. */
+    g->safety = w->step > 0 && s->step == 0.0 ? s->safety : w->dt / w->stable;
     g->mixed = w->effects & GN_FX_MIXED;
     return reason;
 }

@@ -95,7 +95,7 @@ static void put_grid(const gn_world *w, gn_scene *s) {
     for (int a = 0; a < 3; a++) {
         e->size[a] = a < s->dimension ? 1.0 : 0.0;
         e->origin[a] = 0.0;
-        e->cells[a] = a < s->dimension ? cells : 0;
+        e->cells[a] = a < s->dimension ? cells : 1;
     }
 }
 

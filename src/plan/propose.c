@@ -251,11 +251,20 @@ static gneiss_status measure_costs(const gn_world *w, gn_plan *plan, gneiss_erro
     return gn_fail(error, status, "%s", refused.message);
 }
 
+/* Spheres that roll about two others (discs about one) have no equilibrium to be found. */
+static const char *cannot_start(const gn_world *w) {
+    const gn_particles *q = &w->dem.particles;
+    const char *reason = gn_scene_no_statics(&w->scene);
+    for (size_t p = 0; !reason && q->bonds0 && p < q->soa.count; p++)
+        if (q->bonds0[p] < w->scene.dimension)
+            reason = "particles that bonds hold in place, found some with fewer than it takes";
+    return reason;
+}
+
 gneiss_status gn_plan_make(const gn_world *w, const gn_wanted *wanted, double setup, gn_plan *plan,
                            gneiss_error *error) {
     search q;
-    *plan =
-        (gn_plan){.wanted = *wanted, .setup = setup, .no_statics = gn_scene_no_statics(&w->scene)};
+    *plan = (gn_plan){.wanted = *wanted, .setup = setup, .no_statics = cannot_start(w)};
     gn_study_covers(w, &plan->groups);
     GN_TRY(gn_estimate_make(w, &plan->estimate, error));
     plan->absent = cannot(plan);
