@@ -184,7 +184,8 @@ def main():
     text += "\n".join(spinning())
     text += ("\n\nThe dashpot presses before the tangential spring is stretched: 0.6 % of the impulse. In YADE friction follows the spring's part\n"
              "of the normal force alone, here the whole of it: a difference of definition.\n")
-    PAGE.write_text(text)
+    kept = PAGE.read_text().partition("\n## Cost\n") if PAGE.exists() else ("", "", "")
+    PAGE.write_text(text + kept[1] + kept[2])  # what was measured by hand stays
 
 
 if __name__ == "__main__":
