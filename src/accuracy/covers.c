@@ -94,6 +94,9 @@ static const char *cover_particles(const gn_world *w, gn_test_groups *g) {
         return "the study has no test of grains without bonds";
     if (w->effects & (GN_FX_SOFTENING | GN_FX_YIELD | GN_FX_BOND_MOMENTS))
         return "the study has no bonds that soften, yield or carry moments";
+    if (s->test.kind != GN_TEST_COMPRESSION && s->test.kind != GN_TEST_TENSION)
+        return "of tests of particles the study has compression and tension";
+    if (s->has_membrane) return "the study has no test under a membrane";
     if (s->has_elements) return "the study has no test of particles and elements together";
     if (s->body_count) return "the study has no test with bodies";
     if (s->has_periodic) return "the study has no periodic test";
@@ -135,6 +138,7 @@ const char *gn_study_covers(const gn_world *w, gn_test_groups *g) {
     const gn_scene *s = &w->scene;
     *g = (gn_test_groups){.packings = 1.0, .masses = 1.0, .speed = NAN, .across = NAN};
     if (s->test.kind == GN_TEST_NONE) return "the scene has no test";
+    if (s->stage_count) return "the study has no test in stages";
     const char *reason = s->has_specimen ? cover_particles(w, g) : cover_elements(s, g);
     g->speed = NAN;
     /* What an automatic step was lowered to later on says nothing of its safety. */

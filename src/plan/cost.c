@@ -33,13 +33,19 @@ static void put_ends(gn_scene *s, gn_wall_def wall[2], char names[2][GN_NAME_SIZ
     }
     s->walls = wall;
     s->wall_count = 2;
-    s->test = (gn_test){
-        .kind = GN_TEST_COMPRESSION, .axis = axis, .lower = {1, names}, .upper = {1, names + 1}};
+    s->test = (gn_test){.kind = GN_TEST_COMPRESSION,
+                        .axis = axis,
+                        .lower = {1, names},
+                        .upper = {1, names + 1},
+                        .centre = s->test.centre,
+                        .normal = -1};
 }
 
 /* Nothing but what a step costs is left of the scene; `s` borrows from it. */
 static void strip(gn_scene *s, bool mixed) {
     s->has_origin = s->has_periodic = s->has_domain = s->has_mass_scaling = false;
+    s->has_membrane = s->has_couple = s->has_pulse = false;
+    s->stage_count = 0;
     memset(s->gravity, 0, sizeof s->gravity);
     s->random_velocity = 0.0;
     s->set_count = s->wall_count = s->body_count = 0;
@@ -63,6 +69,7 @@ static void put_lattice(const gn_world *w, bool close, gn_scene *s, double upper
     double edge = 2.0 * radius * (space && close ? sqrt(2.0) : 1.0);
     int64_t cells = (int64_t)ceil(space ? cbrt(count / each) : sqrt(count / each));
     s->specimen.file[0] = s->specimen.path[0] = 0;
+    s->specimen.from[0] = s->specimen.from_path[0] = 0;
     s->specimen.particle_count = s->specimen.packed_count = 0;
     s->specimen.pack = (gn_pack_def){.shape = GN_SHAPE_NONE};
     s->specimen.scale = 1.0;
