@@ -257,31 +257,35 @@ static void a_step_costs_something_in_both_precisions(void **state) {
 
 static void a_run_that_is_not_covered_has_a_reason_instead_of_a_budget(void **state) {
     (void)state;
-    gn_budget b;
+    gn_budget *b;
+    gneiss_error error = {0};
     gn_history h = {0};
     gn_readings r = {0};
     gn_world *w = lattice("gravity: [0, 0]\n");
     w->scene.test.kind = GN_TEST_NONE;
-    gn_budget_make(w, &h, &r, &b);
-    assert_string_equal(b.absent, "the scene has no test");
+    assert_int_equal(gn_budget_create(w, &h, &r, &b, &error), GNEISS_OK);
+    assert_string_equal(b->absent, "the scene has no test");
+    free(b);
     gn_world_free(w);
     free(w);
 }
 
 static void ends_out_of_balance_count_with_half_of_their_difference(void **state) {
     (void)state;
-    gn_budget b;
+    gn_budget *b;
+    gneiss_error error = {0};
     gn_history h = {0};
     gn_readings r = {.peak_stress = 1e7,
                      .young_modulus_average = 1e10,
                      .largest_strain = 0.005,
                      .end_imbalance = 0.6};
     gn_world *w = lattice("");
-    gn_budget_make(w, &h, &r, &b);
-    gn_error_cause *velocity = gn_causes_find(&b.of[GN_READING_peak_stress], "velocity");
+    assert_int_equal(gn_budget_create(w, &h, &r, &b, &error), GNEISS_OK);
+    gn_error_cause *velocity = gn_causes_find(&b->of[GN_READING_peak_stress], "velocity");
     assert_non_null(velocity);
     assert_near(velocity->error, 0.3, 1e-15);
     assert_true(velocity->measured);
+    free(b);
     gn_world_free(w);
     free(w);
 }

@@ -3,6 +3,7 @@
 #include "run/budget.h"
 
 #include <math.h>
+#include <stdlib.h>
 #include <string.h>
 
 /* A prefix that keeps numbers near 1. */
@@ -40,16 +41,19 @@ static void print_notes(const gn_budget *b) {
 void gn_print_budget(const gn_run *run) {
     if (run->world.scene.test.kind == GN_TEST_NONE) return;
     gn_readings r = gn_history_readings(&run->world, &run->history);
-    gn_budget b;
-    gn_budget_make(&run->world, &run->history, &r, &b);
-    if (b.absent[0]) {
-        printf("  error budget           %10s   %s\n", "-", b.absent);
+    gn_budget *b;
+    gneiss_error error;
+    if (gn_budget_create(&run->world, &run->history, &r, &b, &error) != GNEISS_OK) return;
+    if (b->absent[0]) {
+        printf("  error budget           %10s   %s\n", "-", b->absent);
+        free(b);
         return;
     }
     printf("  error budget, 95 of 100\n");
 #define X(name, unit, text)                                                                        \
-    if (b.of[GN_READING_##name].count) print_one(#name, unit, r.name, &b.of[GN_READING_##name]);
+    if (b->of[GN_READING_##name].count) print_one(#name, unit, r.name, &b->of[GN_READING_##name]);
     GN_READINGS(X)
 #undef X
-    print_notes(&b);
+    print_notes(b);
+    free(b);
 }

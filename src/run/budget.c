@@ -47,16 +47,17 @@ static int by_size(const void *a, const void *b) {
 
 /* Median over the second half of the way up to the largest stress: at its start waves are all that
  * there is. */
-static double kinetic_share(const gn_history *h) {
+static gneiss_status kinetic_share(const gn_history *h, double *found, gneiss_error *error) {
     static const char *const elastic[] = {"energy_elastic_normal", "energy_elastic_shear",
                                           "energy_elastic_bending", "energy_elastic_wall",
                                           "energy_elastic_elements"};
     const double *stress = gn_history_column(h, "stress"),
                  *kinetic = gn_history_column(h, "energy_kinetic");
-    if (!stress || !kinetic || !h->row_count) return NAN;
+    *found = NAN;
+    if (!stress || !kinetic || !h->row_count) return GNEISS_OK;
     size_t last = row_of_largest(h, stress), first = last / 2, count = last + 1 - first;
     double *share = calloc(count, sizeof *share);
-    if (!share) return NAN;
+    if (!share) return gn_fail(error, GNEISS_ERROR_MEMORY, "no memory for the error budget");
     for (size_t k = 0; k < count; k++) {
         double stored = 0.0;
         for (size_t e = 0; e < sizeof elastic / sizeof *elastic; e++) {
@@ -66,9 +67,9 @@ static double kinetic_share(const gn_history *h) {
         share[k] = stored > 0.0 ? kinetic[first + k] / stored : 0.0;
     }
     qsort(share, count, sizeof *share, by_size);
-    double median = share[count / 2];
+    *found = share[count / 2];
     free(share);
-    return median;
+    return GNEISS_OK;
 }
 
 /* Closing speed over wave speed and strain, all as this run had them. */
@@ -99,21 +100,35 @@ static void measure(const gn_world *w, const gn_budget *b, gn_error_causes *c) {
     if (w->effects & GN_FX_ENERGY) raise(c, "step", fabs(gn_energy_residual(&w->reading)));
 }
 
-void gn_budget_make(const gn_world *w, const gn_history *h, const gn_readings *r, gn_budget *b) {
+static gneiss_status make(const gn_world *w, const gn_history *h, const gn_readings *r,
+                          gn_budget *b, gneiss_error *error) {
     gn_test_groups g;
     *b = (gn_budget){.speed = NAN, .imbalance = r->end_imbalance, .kinetic = NAN};
     const char *reason = gn_study_covers(w, &g);
     if (reason) {
         snprintf(b->absent, sizeof b->absent, "%s", reason);
-        return;
+        return GNEISS_OK;
     }
-    b->kinetic = kinetic_share(h);
+    GN_TRY(kinetic_share(h, &b->kinetic, error));
     b->speed = g.speed = g.mesh ? NAN : speed_of(w, h, r);
     for (int k = 0; k < GN_READING_COUNT; k++) {
         const char *name = name_of((gn_reading)k, &g);
         if (!name || isnan(value_of(r, (gn_reading)k))) continue;
         if (gn_causes_predict(&g, name, &b->of[k])) measure(w, b, &b->of[k]);
     }
+    return GNEISS_OK;
+}
+
+gneiss_status gn_budget_create(const gn_world *w, const gn_history *h, const gn_readings *r,
+                               gn_budget **budget, gneiss_error *error) {
+    gn_budget *b = calloc(1, sizeof *b);
+    if (!b) return gn_fail(error, GNEISS_ERROR_MEMORY, "no memory for the error budget");
+    gneiss_status status = make(w, h, r, b, error);
+    if (status == GNEISS_OK)
+        *budget = b;
+    else
+        free(b);
+    return status;
 }
 
 /* --- as it is shown --- */

@@ -16,9 +16,11 @@ typedef struct gn_budget {
     gn_error_causes of[GN_READING_COUNT]; /* count 0: none for this reading */
 } gn_budget;
 
-/* `readings`: of the world and its history. */
-void gn_budget_make(const gn_world *world, const gn_history *history, const gn_readings *readings,
-                    gn_budget *budget);
+/* `readings`: of the world and its history. To be freed with free(): it is too large for a stack.
+ */
+gneiss_status gn_budget_create(const gn_world *world, const gn_history *history,
+                               const gn_readings *readings, gn_budget **budget,
+                               gneiss_error *error);
 
 /* "(packing 2.4 estimated, step 0.1 measured)" in the unit of `value`, the reading. */
 const char *gn_budget_text(const gn_error_causes *causes, double value, char *text, size_t size);

@@ -217,9 +217,11 @@ static gneiss_status put_readings(const gn_run *run, gn_h5 *file, gneiss_error *
     GN_READINGS(X)
 #undef X
     gn_h5_demand_finite(file, demanded);
-    gn_budget budget;
-    gn_budget_make(&run->world, &run->history, &r, &budget);
-    return gn_budget_results(&budget, &r, file, error);
+    gn_budget *budget;
+    GN_TRY(gn_budget_create(&run->world, &run->history, &r, &budget, error));
+    gneiss_status status = gn_budget_results(budget, &r, file, error);
+    free(budget);
+    return status;
 }
 
 static gneiss_status put_tables(const gn_run *run, gn_h5 *file, gneiss_error *error) {
@@ -306,7 +308,7 @@ static void summary_warnings(const gn_run *run, gn_json *j) {
 }
 
 /* Numbers, null where one is absent, and why it is. */
-static void summary_readings(const gn_run *run, gn_json *j) {
+static gneiss_status summary_readings(const gn_run *run, gn_json *j, gneiss_error *error) {
     gn_readings r = gn_run_readings(run);
     gn_json_object(j, "readings");
     gn_test_kind kind = run->world.scene.test.kind;
@@ -322,9 +324,11 @@ static void summary_readings(const gn_run *run, gn_json *j) {
     GN_READINGS(X)
 #undef X
     gn_json_end(j);
-    gn_budget budget;
-    gn_budget_make(&run->world, &run->history, &r, &budget);
-    gn_budget_summary(&budget, &r, j);
+    gn_budget *budget;
+    GN_TRY(gn_budget_create(&run->world, &run->history, &r, &budget, error));
+    gn_budget_summary(budget, &r, j);
+    free(budget);
+    return GNEISS_OK;
 }
 
 static void summary_counts(const gn_world *w, size_t contacts, gn_json *j) {
@@ -457,8 +461,8 @@ gneiss_status gn_output_summary(const gn_run *run, gneiss_error *error) {
     snprintf(hash, sizeof hash, "%016llx", (unsigned long long)gn_world_hash(w));
     gn_json *j = gn_json_begin();
     gn_json_text(j, "title", w->scene.title);
-    summary_readings(run, j);
-    gneiss_status status = summary_stages(run, j, error);
+    gneiss_status status = summary_readings(run, j, error);
+    if (status == GNEISS_OK) status = summary_stages(run, j, error);
     summary_counts(w, contacts, j);
     gn_json_number(j, "volume", w->volume);
     gn_json_text(j, "volume_of", gn_world_volume_source(w));

@@ -325,33 +325,40 @@ static gneiss_status read_stage(const gn_reader *reader, gn_tree *tree, gn_scene
 
 /* The base is checked by itself before. What a later stage inherits is not told again: the first
  * that is wrong ends it. */
-gneiss_status gn_read_stages(gn_reader *reader, gn_tree *tree) {
-    gn_scene *base = reader->scene, before = {0}, now = {0};
+static gneiss_status read_all(gn_reader *reader, gn_tree *tree, gn_scene *before, gn_scene *now) {
+    gn_scene *base = reader->scene;
     const gn_node *list = gn_node_child(gn_tree_root(tree), "stages");
     gneiss_status status = GNEISS_OK;
     gn_effects united = 0;
-    bool wanted = reader->wanted_stage > 0;
-    for (size_t k = 0; status == GNEISS_OK && k < base->stage_count; k++)
+    size_t count = base->stage_count;
+    for (size_t k = 0; status == GNEISS_OK && k < count; k++)
         status = keep_changes(reader, gn_node_item(list, k), &base->stages[k]);
     if (status == GNEISS_OK) status = gn_check_stages(reader, gn_tree_root(tree));
-    size_t count = base->stage_count;
     for (size_t k = 0; status == GNEISS_OK && !reader->problems->count && k < count; k++) {
-        status = read_stage(reader, tree, k ? &before : NULL, k, &now);
-        united |= gn_scene_effects(&now);
-        gn_scene_free(&before);
-        before = now;
-        memset(&now, 0, sizeof now);
-        if (!wanted || k + 1 != reader->wanted_stage) continue;
-        if (status == GNEISS_OK) status = gn_scene_copy(&before, &now, reader->error);
+        status = read_stage(reader, tree, k ? before : NULL, k, now);
+        united |= gn_scene_effects(now);
+        gn_scene_free(before);
+        *before = *now;
+        memset(now, 0, sizeof *now);
+        if (!reader->wanted_stage || k + 1 != reader->wanted_stage) continue;
+        if (status == GNEISS_OK) status = gn_scene_copy(before, now, reader->error);
         if (status != GNEISS_OK) break;
         gn_effects known = base->united;
         gn_scene_free(base);
-        *base = now;
+        *base = *now;
         base->united = known;
-        memset(&now, 0, sizeof now);
+        memset(now, 0, sizeof *now);
     }
-    gn_scene_free(&before);
+    gn_scene_free(before);
     base->united = united;
+    return status;
+}
+
+gneiss_status gn_read_stages(gn_reader *reader, gn_tree *tree) {
+    gn_scene *both = calloc(2, sizeof *both); /* too large for a stack */
+    if (!both) return no_memory(reader);
+    gneiss_status status = read_all(reader, tree, &both[0], &both[1]);
+    free(both);
     return status;
 }
 

@@ -2,6 +2,7 @@
 #include "base/ball.h"
 #include "base/memory.h"
 #include "base/random.h"
+#include "sim/fragments.h"
 #include "sim/from_run.h"
 #include "sim/internal.h"
 
@@ -129,6 +130,7 @@ gneiss_status gn_dem_complete(gn_world *w, gneiss_error *error) {
     d->index_of_id = gn_alloc_array(d->particles.soa.count + 1, sizeof *d->index_of_id);
     if (!d->index_of_id)
         return gn_fail(error, GNEISS_ERROR_MEMORY, "no memory for particle numbers");
+    GN_TRY(gn_pieces_create(w, error));
     d->verlet.skin = w->scene.skin > 0.0 ? w->scene.skin : automatic_skin(w);
     d->verlet.skin_start = d->verlet.skin;
     return check_period(w, error);
@@ -196,6 +198,9 @@ void gn_dem_free(gn_dem *d) {
                       d->vel_past,
                       d->spin_past,
                       d->around,
+                      d->pieces.parent,
+                      d->pieces.members,
+                      d->pieces.volume,
                       d->hertz};
     for (size_t k = 0; k < sizeof blocks / sizeof *blocks; k++) gn_free(blocks[k]);
     *d = (gn_dem){0};

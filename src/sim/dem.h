@@ -59,6 +59,12 @@ typedef struct gn_membrane {
     double arms[9];  /* m3, sum of areas times the ways to them from the centres that bear them */
 } gn_membrane;
 
+/* Room for counting fragments (fragments.c), with bonds. */
+typedef struct gn_pieces {
+    int32_t *parent, *members; /* [particles] */
+    double *volume;            /* [particles] m3, in 2D m2 */
+} gn_pieces;
+
 typedef struct gn_dem {
     gn_particles particles;
     gn_contacts bonds, pairs;
@@ -92,6 +98,7 @@ typedef struct gn_dem {
     /* [particles][4] velocities and spins before the step, where it has another length than the
      * last one; else NULL */
     double *vel_past, *spin_past;
+    gn_pieces pieces;
     double *around; /* [particles][2] N, m2: of their bonds, with law.confinement mean; else NULL */
     double speed_most; /* m/s, of the fastest in the last step; 0: not known (start, resume) */
 

@@ -40,20 +40,26 @@ static gn_fragments measure(const gn_world *w, int32_t *parent, double *volume, 
     return found;
 }
 
+gneiss_status gn_pieces_create(gn_world *w, gneiss_error *error) {
+    const size_t n = w->dem.particles.soa.count + 1;
+    gn_pieces *q = &w->dem.pieces;
+    if (!(w->effects & GN_FX_BONDS)) return GNEISS_OK;
+    q->parent = gn_alloc_array(n, sizeof *q->parent);
+    q->members = gn_alloc_array(n, sizeof *q->members);
+    q->volume = gn_alloc_array(n, sizeof *q->volume);
+    if (q->parent && q->members && q->volume) return GNEISS_OK;
+    return gn_fail(error, GNEISS_ERROR_MEMORY, "no memory for the fragments of %zu particles", n);
+}
+
 gn_fragments gn_world_fragments(const gn_world *w) {
     const size_t n = w->dem.particles.soa.count;
-    gn_fragments found = {NAN, NAN};
-    if (!(w->effects & GN_FX_BONDS) || !n) return found;
-    int32_t *parent = gn_alloc_array(n, sizeof *parent),
-            *members = gn_alloc_array(n, sizeof *members);
-    double *volume = gn_alloc_array(n, sizeof *volume);
-    for (size_t p = 0; parent && p < n; p++) parent[p] = (int32_t)p;
-    if (parent && members && volume) {
-        join(&w->dem.bonds, parent);
-        found = measure(w, parent, volume, members);
+    const gn_pieces *q = &w->dem.pieces;
+    if (!(w->effects & GN_FX_BONDS) || !n) return (gn_fragments){NAN, NAN};
+    for (size_t p = 0; p < n; p++) {
+        q->parent[p] = (int32_t)p;
+        q->members[p] = 0;
+        q->volume[p] = 0.0;
     }
-    gn_free(parent);
-    gn_free(members);
-    gn_free(volume);
-    return found;
+    join(&w->dem.bonds, q->parent);
+    return measure(w, q->parent, q->volume, q->members);
 }

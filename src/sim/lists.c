@@ -1,6 +1,7 @@
 /* Neighbour lists of the particles, and how contacts keep their history. */
 #include "base/memory.h"
 #include "base/vec3.h"
+#include "sim/fragments.h"
 #include "sim/internal.h"
 #include "soa/single.h"
 
@@ -379,6 +380,7 @@ gneiss_status gn_dem_restore(gn_world *w, gneiss_error *error) {
     w->dem.index_of_id = gn_alloc_array(n + 1, sizeof *w->dem.index_of_id);
     if (!w->dem.index_of_id)
         return gn_fail(error, GNEISS_ERROR_MEMORY, "no memory for particle numbers");
+    GN_TRY(gn_pieces_create(w, error));
     number_ids(w);
     gn_contacts_pad(&w->dem.bonds, &w->dem.particles);
     gn_contacts_pad(&w->dem.pairs, &w->dem.particles);

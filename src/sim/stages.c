@@ -7,6 +7,7 @@
 #include "sim/origin.h"
 
 #include <math.h>
+#include <stdlib.h>
 
 /* Times in a table that a stage gives count from its start. */
 static void start_table(void *context, gn_table *table) {
@@ -42,13 +43,18 @@ gneiss_status gn_world_choose_step(gn_world *w, gneiss_error *error) {
 }
 
 gneiss_status gn_world_enter(gn_world *w, size_t stage, gneiss_error *error) {
-    gn_scene next;
+    gn_scene *next = calloc(1, sizeof *next); /* too large for a stack */
+    if (!next) return gn_fail(error, GNEISS_ERROR_MEMORY, "no memory for a stage");
     w->stage = stage;
     w->stages[stage].time = w->time;
     w->stages[stage].step = (double)w->step;
-    GN_TRY(gn_stages_scene(w, &next, error));
-    gn_scene_free(&w->scene);
-    w->scene = next; /* parts that point into it point to its place */
+    gneiss_status status = gn_stages_scene(w, next, error);
+    if (status == GNEISS_OK) {
+        gn_scene_free(&w->scene);
+        w->scene = *next; /* parts that point into it point to its place */
+    }
+    free(next);
+    if (status != GNEISS_OK) return status;
     w->effects = gn_scene_effects(&w->scene);
     GN_TRY(gn_dem_enter(w, error));
     gn_boundary_enter(w);
