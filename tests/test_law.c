@@ -220,7 +220,7 @@ static void no_contact_with_a_wall_is_stiffer_than_its_law_says(void **state) {
                                 .friction = 0.5,
                                 .part = 0.75,
                                 .radius = radius,
-                                .hertz = {2.7e9, 0.6e9, 0.3, 0.5}};
+                                .hertz = {2.7e9, 0.6e9, 0.3, 0.5, 0.0, 0.0}};
     const gn_touch_step step = {.dt = dt, .space = true, .pulls = true};
     for (int law = 0; law < LAWS; law++) {
         const gn_law *l = gn_law_of(law_effects[law]);

@@ -47,13 +47,6 @@ static const gn_choice lost_policies[] = {
 static const gn_choice axes[] = {{"x", 0}, {"y", 1}, {"z", 2}, {NULL, 0}};
 static const gn_choice sides[] = {{"lower", 0}, {"upper", 1}, {NULL, 0}};
 static const gn_choice measures[] = {{"centre", 0}, {"surface", 1}, {NULL, 0}};
-static const gn_choice estimates[] = {
-    {"sharp", GN_STEP_SHARP}, {"bound", GN_STEP_BOUND}, {NULL, 0}};
-static const gn_choice starts[] = {
-    {"rest", GN_START_REST}, {"first_break", GN_START_FIRST_BREAK}, {NULL, 0}};
-static const gn_choice policies[] = {{"stop", GN_POLICY_STOP}, {"warn", GN_POLICY_WARN}, {NULL, 0}};
-static const gn_choice scaled_gravities[] = {
-    {"refuse", GN_GRAVITY_REFUSED}, {"own_mass", GN_GRAVITY_OWN}, {NULL, 0}};
 static const gn_choice precisions[] = {
     {"double", GN_PRECISION_DOUBLE}, {"mixed", GN_PRECISION_MIXED}, {NULL, 0}};
 #define X(name) {#name, GN_ISA_##name},
@@ -440,61 +433,7 @@ static const gn_key wall_keys[] = {
 };
 ELEMENTS_OF(wall, gn_wall_def);
 
-/* ---- time, output, run ---- */
-
-static const gn_key stop_keys[] = {
-    KEY("peak_drop", REAL, gn_scene, stop_peak_drop, .unit = "1", .range = "(0, 1)", .word = "off",
-        .fallback = "off", .text = "stop once stress has fallen by this fraction of its peak"),
-    KEY("strain", REAL, gn_scene, stop_strain, .unit = "1", .range = "(0, inf)", .word = "off",
-        .fallback = "off", .text = "stop at this strain"),
-    KEY("unbalanced", REAL, gn_scene, stop_unbalanced, .unit = "1", .range = "(0, inf)",
-        .word = "off", .fallback = "off", .text = "stop once the unbalanced force ratio is below"),
-};
-TABLE_OF(stop);
-
-static const gn_key mass_scaling_keys[] = {
-    KEY("step", REAL, gn_scene, scaled_step, .unit = "s", .range = "(0, inf)", .word = "none",
-        .fallback = "none", .text = "step that the run shall take, safety included"),
-    KEY("factor", REAL, gn_scene, scaled_factor, .unit = "1", .range = "[1, 1000]", .word = "none",
-        .fallback = "none", .text = "or the same as a multiple of the step without added mass"),
-    KEY("gravity", CHOICE, gn_scene, scaled_gravity, .choices = scaled_gravities,
-        .fallback = "refuse",
-        .text = "in a scene with gravity. own_mass: particles weigh what they did, and so fall "
-                "more slowly"),
-};
-static const gn_section mass_scaling_section = {mass_scaling_keys,
-                                                sizeof mass_scaling_keys / sizeof(gn_key), 0,
-                                                offsetof(gn_scene, scaling_where)};
-
-static const gn_key time_keys[] = {
-    KEY("step", REAL, gn_scene, step, .unit = "s", .range = "(0, inf)", .word = "auto",
-        .fallback = "auto", .text = "time step; auto: safety times the stability limit"),
-    KEY("safety", REAL, gn_scene, safety, .unit = "1", .range = "(0, 1]", .fallback = "0.9",
-        .text = "fraction of the stability limit 2/w_max that an automatic step takes"),
-    KEY("contact_steps", REAL, gn_scene, contact_steps, .unit = "1", .range = "(0, inf)",
-        .word = "auto", .fallback = "auto",
-        .text = "steps that the shortest collision of loose particles lasts in an automatic step; "
-                "auto: 10, with hertz 12, which keeps restitution within 1 %"),
-    KEY("estimate", CHOICE, gn_scene, estimate, .choices = estimates, .fallback = "sharp",
-        .text = "stability limit: sharp by iteration, or the rigorous bound per particle"),
-    SECTION("mass_scaling", mass_scaling_section, PRESENT(BOOL, gn_scene, has_mass_scaling),
-            .text = "for quasi-static runs: particles that would need a smaller step get more "
-                    "mass, and as much more moment of inertia; none gets less"),
-    KEY("on_unstable", CHOICE, gn_scene, on_unstable, .choices = policies, .fallback = "stop",
-        .text = "what a step above its limit does"),
-    KEY("end", REAL, gn_scene, end, .unit = "s", .range = "(0, inf)", .required = true,
-        .text = "time at which the run ends"),
-    KEY("start", CHOICE, gn_scene, start, .choices = starts, .fallback = "rest",
-        PLACED(gn_scene, start_where),
-        .text = "where the steps begin: at rest; or first_break, in the equilibrium shortly before "
-                "the first bond breaks, found without steps"),
-    KEY("start_fraction", REAL, gn_scene, start_fraction, .unit = "1", .range = "(0, 1)",
-        .fallback = "0.9",
-        .text = "with first_break: the start as a fraction of the time of the first break"),
-    SECTION("stop", stop_section, .text = "conditions that end the run earlier"),
-};
-static const gn_section time_section = {time_keys, sizeof time_keys / sizeof(gn_key), 0,
-                                        offsetof(gn_scene, time_where)};
+/* ---- output, run ---- */
 
 static const gn_key output_keys[] = {
     KEY("directory", TEXT, gn_scene, output_directory, .fallback = "",
@@ -591,7 +530,7 @@ static const gn_key scene_keys[] = {
             .text = "pressure on the surface of the specimen"),
     SECTION("test", gn_test_section, PRESENT(ENUM, gn_scene, test.kind),
             .text = "a laboratory test: where stress and strain are read"),
-    SECTION("time", time_section, .required = true, .text = "step and duration"),
+    SECTION("time", gn_time_section, .required = true, .text = "step and duration"),
     ARRAY("stages", LIST, gn_scene, stages, stage_count, .section = &gn_stage_section,
           .range = "[1, 1000]", PRESENT(COUNT, gn_scene, stage_count),
           .text = "what the run goes through one after the other; left out: one stage"),

@@ -56,6 +56,8 @@
 extern const gn_section gn_elements_section;
 /* The sections `test` and `membrane` (manifest_test.c); as above. */
 extern const gn_section gn_test_section, gn_membrane_section;
+/* The section `time` (manifest_time.c); as above. */
+extern const gn_section gn_time_section;
 /* The section `couple` (manifest_couple.c), likewise. */
 extern const gn_section gn_couple_section;
 

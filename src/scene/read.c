@@ -4,12 +4,9 @@
 #include "base/names.h"
 
 #include <errno.h>
-#include <limits.h>
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
-#include <sys/stat.h>
-#include <unistd.h>
 
 /* ---- messages ---- */
 
@@ -198,35 +195,10 @@ static gneiss_status read_choice(const gn_reader *reader, const gn_key *key, con
 static gneiss_status read_file(const gn_reader *reader, const gn_key *key, const gn_node *node,
                                char *file, char *path) {
     GN_TRY(read_text(reader, key, node, file));
-    if (!reader->folder && *file) {
-        memcpy(path, file, strlen(file) + 1);
-        return GNEISS_OK;
-    }
-    char joined[2 * GN_PATH_SIZE], resolved[PATH_MAX];
-    if (*file == '/' || !*file)
-        snprintf(joined, sizeof joined, "%s", file);
-    else
-        snprintf(joined, sizeof joined, "%s/%s", reader->folder, file);
-    struct stat status;
-    size_t used = strlen(joined);
-    if (key->in_folder && used && stat(joined, &status) == 0 && S_ISDIR(status.st_mode))
-        snprintf(joined + used, sizeof joined - used, "/%s", key->in_folder);
-    const char *why = NULL;
-    if (!*file)
-        why = "no name";
-    else if (!realpath(joined, resolved) || stat(resolved, &status))
-        why = strerror(errno);
-    else if (S_ISDIR(status.st_mode))
-        why = "it is a folder";
-    else if (access(resolved, R_OK))
-        why = strerror(errno);
-    else if (strlen(resolved) >= GN_PATH_SIZE)
-        why = "the path is too long";
-    if (why)
-        return gn_read_fail(reader, node, node->where, reader->path, "cannot open '%.300s': %s",
-                            file, why);
-    memcpy(path, resolved, strlen(resolved) + 1);
-    return GNEISS_OK;
+    const char *why = gn_find_file(reader->folder, file, key->in_folder, path);
+    if (!why) return GNEISS_OK;
+    return gn_read_fail(reader, node, node->where, reader->path, "cannot open '%.300s': %s", file,
+                        why);
 }
 
 /* ---- vectors and tables ---- */
