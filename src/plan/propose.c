@@ -154,8 +154,9 @@ static void try_ways(search *q, gn_proposal p) {
                   q->world->scene.gravity[2] == 0.0;
     bool start = !plan->no_statics && isfinite(plan->estimate.strain) &&
                  gn_slope_find(plan->groups.study, plan->reading, "start", false);
-    for (int mixed = 0; mixed <= plan->mixed_known; mixed++)
-        for (int first = 0; first <= start; first++)
+    const int precisions = plan->mixed_known ? 2 : 1, starts = start ? 2 : 1;
+    for (int mixed = 0; mixed < precisions; mixed++)
+        for (int first = 0; first < starts; first++)
             for (size_t m = 0; m < (masses ? COUNT(factors) : 1); m++) {
                 p.mixed = mixed;
                 p.first_break = first;

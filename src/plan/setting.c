@@ -22,7 +22,9 @@ gneiss_status gn_settings_add(gn_settings *q, const char *key, const char *value
                               gneiss_error *error) {
     char *own_key = strdup(key), *own_value = strdup(value);
     if (own_key && own_value && q->count < GN_SETTINGS_MAX) {
-        q->setting[q->count++] = (gn_override){own_key, own_value};
+        gn_override *to = &q->setting[q->count++];
+        to->key = own_key;
+        to->value = own_value;
         return GNEISS_OK;
     }
     free(own_key);
