@@ -478,6 +478,50 @@ run: {threads: 1}
     run(packed, os.path.join(folder, "packed"))
 
 
+@fact
+def a_grain_that_falls_far_bounces_by_hertz_at_default_settings(folder):
+    """Its automatic step is that of a contact that nobody has seen yet, and it is fast when it gets there."""
+    grain = {"specimen": {"particles": [[0, 0, 0.5, 0.001]], "material": "a"}, "law": {"stiffness": "hertz"},
+             "materials": [{"name": "a", "density": 2500, "young": 1e7, "poisson": 0.25, "friction": 0.5, "restitution": 0.5}],
+             "gravity": [0, 0, -9.81], "walls": [{"name": "f", "point": [0, 0, 0], "normal": [0, 0, 1], "material": "a"}],
+             "domain": {"min": [-1, -1, -1], "max": [1, 1, 1]}, "time": {"end": 0.5}}
+    out = os.path.join(folder, "out")
+    run(write_scene(folder, grain), out)
+    assert abs(summary(out)["energy_residual"]) < 0.01
+    with results(out) as file:  # 0.319 s to the floor, then up at half the speed of 3.129 m/s
+        assert abs(file["particles/position"][0, 2] - (0.001 + 1.5645 * 0.181 - 0.5 * 9.81 * 0.181**2)) < 0.01
+
+
+@fact
+def resuming_a_finished_run_leaves_its_results_with_mean_confinement(folder):
+    out, again = os.path.join(folder, "out"), os.path.join(folder, "again")
+    run(UCS, out, "--set", "law.confinement=mean", "--set", "materials.0.bond_friction=0.8")
+    shutil.copytree(out, again)
+    resume(again)
+    with results(out) as one, results(again) as other:
+        for name in ("bonds/criterion", "bonds/force", "particles/stress"):
+            assert np.array_equal(one[name][:], other[name][:], equal_nan=True), name
+
+
+@fact
+def a_specimen_is_not_taken_from_a_run_that_did_not_end(folder):
+    out = os.path.join(folder, "out")
+    expect(stop_at_snapshot(out, 2, signal.SIGINT), 6)
+    with open(UCS) as file:
+        text = file.read()
+    start, end = text.index("specimen:"), text.index("\nmaterials:")
+    path = write_scene(folder, text[:start] + f"specimen: {{from: {out}, material: rock}}" + text[end:])
+    expect(gneiss("check", path), 2, r"expected a run that came to its end|cannot open")
+
+
+@fact
+def a_pulse_does_not_start_in_a_zone_and_a_zone_has_edges(folder):
+    wave = os.path.join(SCENES, "..", "..", "scenes", "wave-zone.yaml")
+    inside = ("--set", "initial.pulse.centre=[300 mm, 0 mm]", "--set", "initial.pulse.length=20 mm")
+    expect(gneiss("check", wave, *inside), 2, r"\d+:\d+: initial.pulse: expected one that starts outside of zones")
+    expect(gneiss("check", wave, "--set", "couple.zones=[{edges: }]"), 2, r"expected one at least, found none")
+
+
 if __name__ == "__main__":
     code = main()
     shutil.rmtree(REFERENCE, ignore_errors=True)

@@ -20,14 +20,14 @@ typedef struct gn_consistent {
     double *moved;       /* [ties][3] */
 } gn_consistent;
 
-gneiss_status gn_consistent_create(const gn_ties *ties, int dimension, gn_consistent *system,
+gneiss_status gn_consistent_create(const gn_ties *t, int dimension, gn_consistent *y,
                                    gneiss_error *error);
-void gn_consistent_free(gn_consistent *system);
+void gn_consistent_free(gn_consistent *y);
 
 /* rate from load. Returns the number of rounds. */
-int gn_consistent_solve(gn_consistent *system);
+int gn_consistent_solve(gn_consistent *y);
 /* out = (lump - N^T M N) rate, N, [nodes of ties][3]: with this on top of the loads the lumped
  * masses accelerate as the consistent ones do. Adds up to zero whatever the rates are. */
-void gn_consistent_difference(gn_consistent *system, const double *rate, double *out);
+void gn_consistent_difference(gn_consistent *y, const double *rate, double *out);
 
 #endif

@@ -30,7 +30,7 @@ typedef struct gn_ties {
 } gn_ties;
 
 /* Of the particles whose places at the start are in an element, boundaries included. */
-gneiss_status gn_ties_find(const gn_fem_solid *solid, const gn_particles *particles, gn_ties *ties,
+gneiss_status gn_ties_find(const gn_fem_solid *solid, const gn_particles *q, gn_ties *t,
                            gneiss_error *error);
 void gn_ties_free(gn_ties *ties);
 

@@ -177,10 +177,11 @@ static void try_numbers(search *q, gn_proposal p) {
 }
 
 static void try_all(search *q, gn_proposal p) {
+    enum { MIDDLE = PACES / 2 };
     for (size_t s = 0; s < COUNT(safeties); s++)
         for (int k = 0; k < PACES; k++) {
             p.safety = safeties[s];
-            p.pace = pow(2.0, 0.5 * (k - PACES / 2));
+            p.pace = pow(2.0, 0.5 * (double)(k - MIDDLE));
             bool free = p.pace == 1.0 || !gn_plan_no_pace(&q->world->scene);
             if (free && slower_than_known(q->plan, p.pace)) try_numbers(q, p);
         }

@@ -81,9 +81,7 @@ static gneiss_status splice(draft *d, const char *from, const char *to, const ch
     size_t before = (size_t)(from - d->text), length = strlen(fresh), rest = strlen(to);
     char *text = malloc(before + length + rest + 1);
     if (!text) return gn_fail(error, GNEISS_ERROR_MEMORY, "%s: no memory", d->name);
-    memcpy(text, d->text, before);
-    memcpy(text + before, fresh, length);
-    memcpy(text + before + length, to, rest + 1);
+    snprintf(text, before + length + rest + 1, "%.*s%s%s", (int)before, d->text, fresh, to);
     free(d->text);
     d->text = text;
     return GNEISS_OK;

@@ -12,12 +12,11 @@ typedef struct gn_settings {
 } gn_settings;
 
 /* What differs from the scene of the world. */
-gneiss_status gn_settings_make(const gn_world *world, const gn_plan *plan,
-                               const gn_proposal *proposal, gn_settings *settings,
-                               gneiss_error *error);
-gneiss_status gn_settings_add(gn_settings *settings, const char *key, const char *value,
+gneiss_status gn_settings_make(const gn_world *w, const gn_plan *plan, const gn_proposal *p,
+                               gn_settings *q, gneiss_error *error);
+gneiss_status gn_settings_add(gn_settings *q, const char *key, const char *value,
                               gneiss_error *error);
-void gn_settings_free(gn_settings *settings);
+void gn_settings_free(gn_settings *q);
 
 /* Why the speed of the loading is not to be changed: something in the scene has a course of its own
  * in time. NULL: it may be. */

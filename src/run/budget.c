@@ -100,6 +100,17 @@ static void measure(const gn_world *w, const gn_budget *b, gn_error_causes *c) {
     if (w->effects & GN_FX_ENERGY) raise(c, "step", fabs(gn_energy_residual(&w->reading)));
 }
 
+/* A peak lies between two rows: with as many up to it as this it is off by less than a percent. */
+enum { ROWS_LEAST = 20 };
+
+static const char *untold(const gn_budget *b, const gn_history *h) {
+    const double *stress = gn_history_column(h, "stress");
+    if (!stress || row_of_largest(h, stress) < ROWS_LEAST)
+        return "the history has fewer than 20 rows up to the largest stress";
+    if (!isfinite(b->speed)) return "no modulus was read, by which the speed of loading is judged";
+    return NULL;
+}
+
 static gneiss_status make(const gn_world *w, const gn_history *h, const gn_readings *r,
                           gn_budget *b, gneiss_error *error) {
     gn_test_groups g;
@@ -111,6 +122,11 @@ static gneiss_status make(const gn_world *w, const gn_history *h, const gn_readi
     }
     GN_TRY(kinetic_share(h, &b->kinetic, error));
     b->speed = g.speed = g.mesh ? NAN : speed_of(w, h, r);
+    reason = g.mesh ? NULL : untold(b, h);
+    if (reason) {
+        snprintf(b->absent, sizeof b->absent, "%s", reason);
+        return GNEISS_OK;
+    }
     for (int k = 0; k < GN_READING_COUNT; k++) {
         const char *name = name_of((gn_reading)k, &g);
         if (!name || isnan(value_of(r, (gn_reading)k))) continue;

@@ -141,7 +141,10 @@ static double criterion_of(const gn_output_view *v, size_t c) {
     if (b->cause[c]) return gn_broken(b->cause[c]) ? 1.0 : 0.0;
     const gn_law *law = gn_law_of(b->soa.effects);
     gn_law_moments m = moments_of(v, c);
-    double share = law->criterion(b, c, v->normal[c] + m.normal, v->shear[c] + m.shear);
+    gn_contacts now = *b; /* with the pressure around bonds that belongs to these forces */
+    now.confined = v->seen->bonds.confined;
+    now.confined_f = NULL;
+    double share = law->criterion(&now, c, v->normal[c] + m.normal, v->shear[c] + m.shear);
     /* Forces are those of the present positions, which a bond that softens has not answered to yet;
      * where nothing is left of its strength their share is infinite. Only broken bonds have 1. */
     return fmin(fmax(0.0, share), 1.0 - 0x1p-53);
@@ -198,7 +201,7 @@ static const gn_output_field of_bonds[] = {
     {"j", "1", "second particle", GN_IN_RESULTS, GN_I32, false, 1, read_second, 0},
     {"state", "1",
      "0 intact, 1 broken in tension, 2 broken in shear, 3 left with a removed particle; holds: 4 "
-     "softening, 5 yielded",
+     "softening, 5 yielded; 6 dissolved by a stage",
      BOTH, GN_I32, false, 1, read_state, 0},
     {"rest_length", "m", "distance of the centres at which there is no normal force", GN_IN_RESULTS,
      GN_F64, false, 1, read_rest_length, 0},

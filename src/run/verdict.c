@@ -196,6 +196,18 @@ static void warn_of_zones(const gn_run *run, gn_warnings *list) {
              count);
 }
 
+/* Inertia of added mass is small where little is added, whatever the reading. */
+static void warn_of_added_mass(const gn_run *run, gn_warnings *list) {
+    const gn_dem *d = &run->world.dem;
+    if (!(run->world.effects & GN_FX_MASS_SCALING && d->scaling.added > d->mass)) return;
+    gn_warning *to = &list->warning[list->count++];
+    to->name = "added_mass";
+    snprintf(to->text, sizeof to->text,
+             "time.mass_scaling added %.3g times the particles' own mass: nothing like it was "
+             "measured, and readings may be those of waves",
+             d->scaling.added / d->mass);
+}
+
 gn_warnings gn_run_warnings(const gn_run *run) {
     gn_warnings list = {0};
     warn_of_step(run, &list);
@@ -206,6 +218,7 @@ gn_warnings gn_run_warnings(const gn_run *run) {
     warn_of_skin(run, &list);
     warn_of_softening(run, &list);
     warn_of_mass_scaling(run, &list);
+    warn_of_added_mass(run, &list);
     warn_of_stages(run, &list);
     warn_of_zones(run, &list);
     return list;

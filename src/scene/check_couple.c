@@ -5,6 +5,7 @@
 
 static gneiss_status check_zone(const check *c, const gn_scene *s, size_t index) {
     const gn_couple_zone *z = &s->couple.zones[index];
+    if (!z->edge_count) return gn_check_fail(c, "edges", "expected one at least, found none");
     for (size_t e = 0; e < z->edge_count; e++) {
         double width2 = 0.0;
         char key[32];
@@ -70,6 +71,8 @@ gneiss_status gn_check_couple(const gn_reader *reader, const gn_node *root) {
     if (!s->has_couple) return GNEISS_OK;
     GN_TRY(gn_check_keep(&c, check_beside(&c, s)));
     if (gn_check_sound(&c, "couple")) GN_TRY(gn_check_keep(&c, check_constraint(&c, s)));
+    if (!s->couple.zone_count)
+        return gn_check_fail(&c, "couple.zones", "expected one at least, found none");
     for (size_t k = 0; k < s->couple.zone_count; k++) {
         check element = gn_check_element(reader, root, "couple.zones", k);
         if (gn_check_element_sound(&element)) GN_TRY(gn_check_keep(&c, check_zone(&element, s, k)));

@@ -141,11 +141,17 @@ static bool same_bonds(const gn_material *a, const gn_material *b) {
     gn_material now = *b;
     now.friction = a->friction;
     now.where = a->where;
-    return memcmp(a, &now, sizeof now) == 0;
+    /* Both were zeroed before they were read. */
+    return memcmp(a, &now, sizeof now) == 0; // NOLINT(bugprone-suspicious-memory-comparison)
 }
 
 static gneiss_status check_damage(const check *c, const gn_scene *before, const gn_scene *now) {
     for (size_t k = 0; k < now->material_count; k++) {
+        if (now->materials[k].kratio == 0.0 && before->materials[k].kratio > 0.0)
+            return gn_check_fail(c, "materials",
+                                 "expected a tangential spring of '%s' in this stage too, for what "
+                                 "its contacts hold, found kratio 0",
+                                 now->materials[k].name);
         bool damaged = now->softening != GN_SOFTENING_NONE || now->materials[k].yield_stress[0] > 0;
         if (damaged && !same_bonds(&before->materials[k], &now->materials[k]))
             return gn_check_fail(

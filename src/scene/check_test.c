@@ -204,7 +204,8 @@ gneiss_status gn_check_membrane(const check *c, const gn_scene *s) {
                              "shape, which has sides, found sides of another one");
     if (s->has_periodic)
         return gn_check_fail(c, "membrane", "expected a specimen with a surface, found periodic");
-    if (m->faces == GN_FACES_SIDES && m->axis < 0 && s->test.kind == GN_TEST_NONE)
+    if (m->faces == GN_FACES_SIDES && m->axis < 0 &&
+        (s->test.kind == GN_TEST_NONE || s->test.axis < 0))
         return gn_check_fail(c, "membrane.axis",
                              "expected the axis that sides face across, or a test that has one, "
                              "found neither");

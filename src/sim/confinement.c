@@ -11,8 +11,7 @@ static double pressure_of(const double around[2]) {
     return around[1] > 0.0 ? -around[0] / around[1] : 0.0;
 }
 
-static double normal_of(const gn_world *w, const gn_law *law, size_t c) {
-    const gn_contacts *b = &w->dem.bonds;
+static double normal_of(const gn_world *w, const gn_law *law, const gn_contacts *b, size_t c) {
     const double *pos = w->dem.particles.pos;
     double d[3];
     double length = sqrt(gn_branch(w, pos + 4 * (int64_t)b->i[c], pos + 4 * (int64_t)b->j[c], d));
@@ -29,8 +28,7 @@ static double get(const gn_contacts *b, size_t c) {
 }
 
 /* Sums go by the order of the list, on one thread, so that they are the same for any number. */
-static void add_up(const gn_world *w, double *around) {
-    const gn_contacts *b = &w->dem.bonds;
+static void add_up(const gn_world *w, const gn_contacts *b, double *around) {
     for (size_t p = 0; p < 2 * w->dem.particles.soa.count; p++) around[p] = 0.0;
     for (size_t c = 0; c < b->soa.count; c++) {
         double force = get(b, c), section = b->section[c];
@@ -42,15 +40,14 @@ static void add_up(const gn_world *w, double *around) {
     }
 }
 
-void gn_dem_confine(gn_world *w) {
-    const gn_contacts *b = &w->dem.bonds;
+void gn_dem_confine(const gn_world *w, gn_contacts *b) {
     double *around = w->dem.around;
     const size_t count = b->soa.count;
     if (!(b->soa.effects & GN_FX_CONFINED) || !count) return;
     const gn_law *law = gn_law_of(b->soa.effects);
 #pragma omp parallel for schedule(static) num_threads(w->threads)
-    for (size_t c = 0; c < count; c++) put(b, c, normal_of(w, law, c));
-    add_up(w, around);
+    for (size_t c = 0; c < count; c++) put(b, c, normal_of(w, law, b, c));
+    add_up(w, b, around);
 #pragma omp parallel for schedule(static) num_threads(w->threads)
     for (size_t c = 0; c < count; c++) {
         double pi = pressure_of(around + 2 * (int64_t)b->i[c]);

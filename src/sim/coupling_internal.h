@@ -11,11 +11,11 @@ static inline gn_fem_solid *gn_coupled_solid(const gn_world *w) {
 }
 
 /* Adds coupled->load to the nodes' loads, by the shape functions. */
-void gn_coupled_hand_to_nodes(gn_world *world, gn_coupled *coupled);
+void gn_coupled_hand_to_nodes(gn_world *w, gn_coupled *q);
 
 /* Springs instead of a constraint (coupling_penalty.c): from world->couple.frequency; their part of
  * a step. */
-void gn_penalty_set(const gn_world *world, gn_coupled *coupled);
+void gn_penalty_set(const gn_world *w, gn_coupled *q);
 gneiss_status gn_penalty_act(void *context, gn_world *world, gneiss_error *error);
 gneiss_status gn_penalty_follow(void *context, gn_world *world, gneiss_error *error);
 void gn_penalty_book(void *context, const gn_world *world, gn_energy *reading);

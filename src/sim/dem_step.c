@@ -69,7 +69,7 @@ void gn_dem_forces(gn_world *w, bool measure) {
     gn_dem *d = &w->dem;
     if (w->effects & GN_FX_PRESCRIBED) gn_prescription_update(w, w->time + 0.5 * w->dt);
     if (!d->particles.soa.count) return;
-    gn_dem_confine(w);
+    gn_dem_confine(w, &w->dem.bonds);
     if (w->dt_past > 0.0 && w->dt != w->dt_past && w->effects & GN_FX_ENERGY) {
         d->vel_past = kept(w, d->particles.vel);
         d->spin_past = kept(w, d->particles.spin);
@@ -158,7 +158,7 @@ void gn_dem_evaluate(gn_world *w, double span, double kick, bool measure) {
     if (w->effects & GN_FX_PRESCRIBED) gn_prescription_update(w, w->time);
     w->dt_past = span;
     d->speed_most = 0.0;
-    gn_dem_confine(w);
+    gn_dem_confine(w, &w->dem.bonds);
     gn_contact_args bonds = gn_dem_contact_args(w, &d->bonds, measure);
     gn_contact_args pairs = gn_dem_contact_args(w, &d->pairs, measure);
     gn_motion_args motion = gn_dem_motion_args(w, measure);

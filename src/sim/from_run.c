@@ -84,8 +84,14 @@ static gneiss_status take_bonds(source *s, gn_from_run *from, gneiss_error *erro
 
 static gneiss_status read_all(const gn_scene *scene, source *s, gn_from_run *from,
                               gneiss_error *error) {
-    int64_t dimension = 0;
+    int64_t dimension = 0, finished = 0;
     GN_TRY(gn_h5_get_attribute_i64(s->file, "/", "dimension", &dimension, 1, error));
+    GN_TRY(gn_h5_get_attribute_i64(s->file, "/", "finished", &finished, 1, error));
+    if (!finished)
+        return gn_fail(error, GNEISS_ERROR_INPUT,
+                       "%s:%d:%d: specimen.from: expected a run that came to its end, found one "
+                       "that did not (gneiss resume goes on with it)",
+                       scene->source, scene->specimen.where.line, scene->specimen.where.column);
     if (dimension != scene->dimension)
         return gn_fail(error, GNEISS_ERROR_INPUT,
                        "%s:%d:%d: specimen.from: expected a run of a %dD scene, found one of a %dD "

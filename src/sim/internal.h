@@ -279,7 +279,7 @@ gn_contact_args gn_dem_contact_args(const gn_world *world, const gn_contacts *li
 gn_motion_args gn_dem_motion_args(gn_world *world, bool measure);
 
 /* The pressure around bonds whose friction sees it, before their forces (confinement.c). */
-void gn_dem_confine(gn_world *world);
+void gn_dem_confine(const gn_world *world, gn_contacts *bonds);
 
 size_t gn_blocks(size_t count, size_t block);
 

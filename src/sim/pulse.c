@@ -21,10 +21,27 @@ static void start(const gn_scene *s, gn_particles *q) {
     }
 }
 
+/* Particles of a zone follow nodes, between which a pulse is straight. */
+static gneiss_status check_zones(const gn_world *w, gneiss_error *error) {
+    const gn_particles *q = &w->dem.particles;
+    for (size_t p = 0; q->blend && p < q->soa.count; p++) {
+        double moved[3];
+        for (int a = 0; a < 3; a++) moved[a] = q->pos[4 * p + a] - q->start[4 * p + a];
+        if (q->blend[2 * p] < 1.0 && gn_dot3(moved, moved) > 0.0)
+            return gn_fail(error, GNEISS_ERROR_INPUT,
+                           "%s:%d:%d: initial.pulse: expected one that starts outside of zones, "
+                           "found particle %d of a zone in it",
+                           w->scene.source, w->scene.couple.where.line,
+                           w->scene.couple.where.column, q->id[p]);
+    }
+    return GNEISS_OK;
+}
+
 /* Bonds were made at the places without it. */
 gneiss_status gn_pulse_start(gn_world *w, gneiss_error *error) {
     if (!w->scene.has_pulse) return GNEISS_OK;
     if (w->dem.particles.soa.count) start(&w->scene, &w->dem.particles);
+    GN_TRY(check_zones(w, error));
     for (size_t k = 0; k < w->element_count; k++) {
         start(&w->scene, &w->elements[k]->solid.nodes);
         gn_fem_moved(&w->elements[k]->solid);

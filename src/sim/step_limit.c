@@ -137,10 +137,18 @@ static gneiss_status look_at_turned(gn_world *w, gneiss_error *error) {
     return react(w, w->stable, error);
 }
 
+/* By Hertz's law an automatic step says nothing before something touches, and speeds may have grown
+ * since: a particle goes a tenth of the smallest radius in a step at most. */
+static void follow_flight(gn_world *w) {
+    const double most = 0.1 * w->dem.radius_min, speed = sqrt(w->dem.done.motion.speed2);
+    if (w->effects & GN_FX_HERTZ && w->dt * speed > most) lower(w, 0.5 * most / speed);
+}
+
 static gneiss_status check_lists(gn_world *w, bool full, bool *fine, gneiss_error *error) {
     *fine = true;
     if (!w->scene.has_specimen) return GNEISS_OK;
     gn_pressed_look(w);
+    follow_flight(w);
     GN_TRY(resolve_listed(w, error));
     GN_TRY(look_at_turned(w, error));
     GN_TRY(gn_dem_limit_listed(w, full, fine, error));
