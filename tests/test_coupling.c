@@ -461,26 +461,33 @@ static void assert_refused(const strip *s, const char *from, const char *to, con
 
 /* --- what a scene of waves needs besides --- */
 
+/* In elements (0 to 7 mm), or in particles (13 to 20 mm), beside a zone. */
 static void a_pulse_is_under_way_at_the_start(void **state) {
     (void)state;
     strip s = small_strip(false);
-    pulse p = {1e-6, 8e-3, 12e-3, 1700.0};
-    s.rest = "initial: {pulse: {direction: [2, 0], centre: [8 mm, 1], length: 12 mm, size: 1 um, "
-             "speed: 1700}}\n";
-    gn_world *w = strip_of(&s);
-    const gn_particles *all[2] = {&w->dem.particles, &w->elements[0]->solid.nodes};
-    for (int k = 0; k < 2; k++)
-        for (size_t n = 0; n < all[k]->soa.count; n++) {
-            double u[3] = {0}, v[3] = {0};
-            pulse_at(all[k]->start + 4 * n, &p, u, v);
-            for (size_t a = 0; a < 3; a++) {
-                assert_near(all[k]->pos[4 * n + a], all[k]->start[4 * n + a] + u[a], 1e-17);
-                assert_near(all[k]->vel[4 * n + a], v[a], 1e-14 * p.speed);
+    for (int side = 0; side < 2; side++) {
+        pulse p = {1e-6, side ? 17e-3 : 3e-3, 6e-3, 1700.0};
+        s.rest = side ? "initial: {pulse: {direction: [2, 0], centre: [17 mm, 1], length: 6 mm, "
+                        "size: 1 um, speed: 1700}}\n"
+                      : "initial: {pulse: {direction: [2, 0], centre: [3 mm, 1], length: 6 mm, "
+                        "size: 1 um, speed: 1700}}\n";
+        gn_world *w = strip_of(&s);
+        const gn_particles *all[2] = {&w->dem.particles, &w->elements[0]->solid.nodes};
+        for (int k = 0; k < 2; k++)
+            for (size_t n = 0; n < all[k]->soa.count; n++) {
+                double u[3] = {0}, v[3] = {0};
+                pulse_at(all[k]->start + 4 * n, &p, u, v);
+                for (size_t a = 0; a < 3; a++) {
+                    assert_near(all[k]->pos[4 * n + a], all[k]->start[4 * n + a] + u[a], 1e-17);
+                    assert_near(all[k]->vel[4 * n + a], v[a], 1e-14 * p.speed);
+                }
             }
-        }
-    world_end(w);
+        world_end(w);
+    }
     assert_refused(&s, "direction: [2, 0]", "direction: [0, 0]",
                    "expected a direction, found none");
+    assert_refused(&s, "centre: [17 mm, 1]", "centre: [14 mm, 1]",
+                   "expected one that starts outside of zones");
 }
 
 /* Of three or six triangles each, a third of each. */

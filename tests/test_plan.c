@@ -275,6 +275,10 @@ static void ends_out_of_balance_count_with_half_of_their_difference(void **state
     gn_budget *b;
     gneiss_error error = {0};
     gn_history h = {0};
+    assert_int_equal(gn_history_add_column(&h, "time", "s", "", &error), GNEISS_OK);
+    assert_int_equal(gn_history_add_column(&h, "stress", "Pa", "", &error), GNEISS_OK);
+    for (int k = 0; k < 30; k++)
+        assert_int_equal(gn_history_append(&h, (double[]){1e-6 * k, 1e5 * k}, &error), GNEISS_OK);
     gn_readings r = {.peak_stress = 1e7,
                      .young_modulus_average = 1e10,
                      .largest_strain = 0.005,
@@ -286,6 +290,7 @@ static void ends_out_of_balance_count_with_half_of_their_difference(void **state
     assert_near(velocity->error, 0.3, 1e-15);
     assert_true(velocity->measured);
     free(b);
+    gn_history_free(&h);
     gn_world_free(w);
     free(w);
 }

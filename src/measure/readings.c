@@ -107,6 +107,7 @@ gn_line_fit gn_line(const double *x, const double *y, gn_row_span s) {
 /* Slope of a mean stress of the specimen over that of the test. */
 static double follows(const gn_curves *c, int a, int b) {
     char name[16];
+    if (a < 0 || b < 0) return NAN; /* a test without an axis */
     snprintf(name, sizeof name, "stress_%c%c", "xyz"[a < b ? a : b], "xyz"[a < b ? b : a]);
     return gn_line(c->stress, gn_history_column(c->history, name), c->loading).slope;
 }
