@@ -302,7 +302,7 @@ PYTHON
 
 sanitized_tests() {
     ASAN_OPTIONS=detect_leaks=1 UBSAN_OPTIONS=halt_on_error=1:print_stacktrace=1 \
-        run_tests build-check-sanitize --no-suite long --timeout-multiplier 5
+        run_tests build-check-sanitize --no-suite long --no-suite plain --timeout-multiplier 5
 }
 
 check_sanitizers() {
