@@ -107,7 +107,6 @@ gn_line_fit gn_line(const double *x, const double *y, gn_row_span s) {
 /* Slope of a mean stress of the specimen over that of the test. */
 static double follows(const gn_curves *c, int a, int b) {
     char name[16];
-    if (a < 0 || b < 0) return NAN; /* a test without an axis */
     snprintf(name, sizeof name, "stress_%c%c", "xyz"[a < b ? a : b], "xyz"[a < b ? b : a]);
     return gn_line(c->stress, gn_history_column(c->history, name), c->loading).slope;
 }
@@ -321,10 +320,12 @@ void gn_readings_compute(const gn_history *history, const gn_tested *tested, gn_
     if (!gn_reason_of(r, GN_READING_largest_stress)[0]) {
         c.loading = loading_span(c.stress, c.largest);
         read_peak(&c, r);
-        read_modulus(&c, r);
-        read_average_modulus(&c, r);
-        read_poisson(&c, r);
-        read_plane(&c, r);
+        if (tested->axis >= 0) {
+            read_modulus(&c, r);
+            read_average_modulus(&c, r);
+            read_poisson(&c, r);
+            read_plane(&c, r);
+        }
         read_balance(&c, r);
         gn_readings_by_kind(&c, r);
     }
