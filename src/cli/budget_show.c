@@ -40,7 +40,7 @@ static void print_notes(const gn_budget *b) {
 
 void gn_print_budget(const gn_run *run) {
     if (run->world.scene.test.kind == GN_TEST_NONE) return;
-    gn_readings r = gn_history_readings(&run->world, &run->history);
+    gn_readings r = gn_run_readings(run);
     gn_budget *b;
     gneiss_error error;
     if (gn_budget_create(&run->world, &run->history, &r, &b, &error) != GNEISS_OK) return;

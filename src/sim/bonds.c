@@ -123,14 +123,19 @@ static gneiss_status take_bonds(const gn_world *w, gn_from_run *from, gn_pair_li
     return GNEISS_OK;
 }
 
-gneiss_status gn_bonds_form(gn_world *w, gneiss_error *error) {
-    gn_pair_query query = {&w->dem.particles,
+/* Pairs that are near enough for a bond. */
+static gn_pair_query bond_query(const gn_world *w) {
+    return (gn_pair_query){&w->dem.particles,
                            (int)w->scene.dimension,
                            0.0,
                            w->scene.interaction_range,
                            w->effects & GN_FX_PERIODIC,
                            {w->period[0], w->period[1], w->period[2]},
                            w->threads};
+}
+
+gneiss_status gn_bonds_form(gn_world *w, gneiss_error *error) {
+    const gn_pair_query query = bond_query(w);
     gn_pair_list pairs = {0};
     gn_from_run from = {0};
     const bool from_run = w->scene.specimen.from[0] && w->scene.specimen.from_bonds;
@@ -290,13 +295,7 @@ static gneiss_status add_bonds(gn_world *w, const gn_pair_list *pairs, gneiss_er
 }
 
 gneiss_status gn_bonds_add(gn_world *w, gneiss_error *error) {
-    gn_pair_query query = {&w->dem.particles,
-                           (int)w->scene.dimension,
-                           0.0,
-                           w->scene.interaction_range,
-                           w->effects & GN_FX_PERIODIC,
-                           {w->period[0], w->period[1], w->period[2]},
-                           w->threads};
+    const gn_pair_query query = bond_query(w);
     gn_pair_list pairs = {0};
     gneiss_status status = gn_pairs_find(&query, &pairs, error);
     if (status == GNEISS_OK) keep_bondable(w, &pairs);

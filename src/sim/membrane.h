@@ -9,10 +9,11 @@
  * masses and sets applied. Does nothing without a membrane. */
 gneiss_status gn_membrane_create(gn_world *world, gneiss_error *error);
 
-/* The same of particles without a shape, by what a ball of the radius `probe` touches from outside
- * (membrane_free.c). */
 /* The least change of the areas after which their moment is `moment`, m3 (0: none). */
 void gn_membrane_balance(gn_world *world, const double moment[3]);
+
+/* The skin of particles without a shape, by what a ball of the radius `probe` touches from outside
+ * (membrane_free.c). */
 gneiss_status gn_membrane_free_skin(gn_world *world, double probe, gneiss_error *error);
 
 /* Applied forces of the instant; before the forces of a step. */
