@@ -65,6 +65,18 @@ static void a_chain_breaks_when_its_springs_say(void **state) {
     world_end(w);
 }
 
+/* Seen particle by particle a load goes one bond further with every iteration, so that a chain
+ * would need as many as it has particles for every solution; its groups hand it on at once. */
+static void a_long_chain_needs_fewer_iterations_than_it_has_particles(void **state) {
+    (void)state;
+    enum { COUNT = 481 };
+    gn_world *w = chain(COUNT, "", plain);
+    gn_first_break found = begin(w);
+    assert_true(found.unbalanced <= 1e-5);
+    assert_in_range(found.iterations, 1, COUNT / 2 * found.solutions);
+    world_end(w);
+}
+
 /* What the walls put in is what the springs store, and the kinetic energy of the motion. */
 static void the_ledger_goes_on_without_a_residual(void **state) {
     (void)state;
@@ -494,6 +506,7 @@ static void what_nothing_holds_is_refused(void **state) {
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(a_chain_breaks_when_its_springs_say),
+        cmocka_unit_test(a_long_chain_needs_fewer_iterations_than_it_has_particles),
         cmocka_unit_test(the_ledger_goes_on_without_a_residual),
         cmocka_unit_test(a_column_carries_its_weight),
         cmocka_unit_test(raised_masses_weigh_what_they_did),

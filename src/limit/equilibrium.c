@@ -1,6 +1,6 @@
 /* Preconditioned conjugate gradients (Hestenes & Stiefel 1952) on the springs of the stability
- * limit, with the inverse 6 x 6 blocks of single particles as preconditioner (Golub & Van Loan,
- * Matrix Computations, 11.5).
+ * limit. The preconditioner adds what single particles see (the inverse 6 x 6 blocks; Golub & Van
+ * Loan, Matrix Computations, 11.5) and what groups of them do (limit/coarse.h).
  *
  * A spring between i and j with normal n resists the relative displacement of its contact point, e
  * = u_j - u_i - (a_i w_i + a_j w_j) x n, by q = k_t e + (k_n - k_t)(e.n) n: force q on i, -q on j,
@@ -14,6 +14,8 @@
 #include "limit/equilibrium.h"
 
 #include "base/memory.h"
+#include "base/vec3.h"
+#include "limit/coarse.h"
 #include "limit/springs.h"
 
 #include <math.h>
@@ -49,6 +51,7 @@ typedef struct cg {
     float (*inverse)[36]; /* [particles] of their blocks; zero in what cannot move */
     uint8_t *free;        /* [particles] bit k: component k can move */
     gn_viscosity viscosity;
+    gn_coarse coarse;
     double *r, *z, *p, *kp;
     part *parts;    /* [chunks of particles], added up in their order */
     double *ground; /* what resists everywhere, N/m and N m */
@@ -57,6 +60,7 @@ typedef struct cg {
 
 static void free_cg(cg *c) {
     gn_springs_free(&c->y);
+    gn_coarse_free(&c->coarse);
     gn_free(c->link);
     gn_free(c->pull);
     gn_free(c->inverse);
@@ -252,13 +256,45 @@ static void make_blocks(cg *c) {
     }
 }
 
-/* z of a particle. */
-static inline void precondition(const cg *c, size_t p) {
+/* What each component of one end does to the relative displacement of the contact point. */
+static void end_moves(unsigned free, double side, double arm, const float n[3], double by[6][3]) {
+    memset(by, 0, 18 * sizeof by[0][0]);
+    for (int k = 0; k < 3; k++) {
+        const double normal[3] = {n[0], n[1], n[2]};
+        double axis[3] = {0.0};
+        axis[k] = -arm;
+        if (free >> k & 1) by[k][k] = side;
+        if (free >> (3 + k) & 1) gn_cross3(axis, normal, by[3 + k]);
+    }
+}
+
+static void make_coarse(cg *c) {
+    if (!c->coarse.groups) return;
+    for (size_t k = 0; k < c->y.springs; k++) {
+        const link *l = &c->link[k];
+        gn_coarse_spring s = {l->i, l->j, {l->n[0], l->n[1], l->n[2]}, l->kn, l->kt, {{0}}, {{0}}};
+        end_moves(c->free[l->i], -1.0, l->arm_i, l->n, s.by_p);
+        if (l->j >= 0) end_moves(c->free[l->j], 1.0, l->arm_j, l->n, s.by_q);
+        gn_coarse_add(&c->coarse, &s);
+    }
+    for (size_t p = 0; p < c->y.particles; p++) {
+        double ground[N];
+        for (size_t a = 0; a < N; a++) ground[a] = c->free[p] >> a & 1 ? c->ground[N * p + a] : 0.0;
+        gn_coarse_ground(&c->coarse, p, ground);
+    }
+    gn_coarse_factor(&c->coarse);
+}
+
+/* z of a particle; returns its part of r.z. */
+static inline double precondition(const cg *c, size_t p) {
     const double *r = c->r + N * p;
-    double *z = c->z + N * p;
+    double *z = c->z + N * p, sum = 0.0;
     for (int a = 0; a < N; a++) z[a] = 0.0;
     for (int b = 0; b < N; b++)
         for (int a = 0; a < N; a++) z[a] += (double)c->inverse[p][N * b + a] * r[b];
+    if (c->coarse.groups) gn_coarse_spread(&c->coarse, p, c->free[p], z);
+    for (int a = 0; a < N; a++) sum += r[a] * z[a];
+    return sum;
 }
 
 /* --- the iteration --- */
@@ -300,19 +336,25 @@ static double apply(const cg *c) {
 
 /* u += step p, r -= step Kp, and z of that. */
 static part go(const cg *c, double step, double *u) {
-#pragma omp parallel for num_threads(c->threads) schedule(static) if (c->y.particles > CHUNK)
-    for (size_t k = 0; k < chunks_of(c); k++) {
-        part sum = {0};
-        for (size_t p = k * CHUNK; p < end_of(c, k); p++) {
-            for (size_t a = N * p; a < N * (p + 1); a++) {
+#pragma omp parallel num_threads(c->threads) if (c->y.particles > CHUNK)
+    {
+#pragma omp for schedule(static)
+        for (size_t k = 0; k < chunks_of(c); k++) {
+            c->parts[k] = (part){0};
+            for (size_t a = N * k * CHUNK; a < N * end_of(c, k); a++) {
                 u[a] += step * c->p[a];
                 c->r[a] -= step * c->kp[a];
-                sum.left += c->weight[a] * c->r[a] * c->r[a];
+                c->parts[k].left += c->weight[a] * c->r[a] * c->r[a];
             }
-            precondition(c, p);
-            for (size_t a = N * p; a < N * (p + 1); a++) sum.rz += c->r[a] * c->z[a];
         }
-        c->parts[k] = sum;
+#pragma omp for schedule(static)
+        for (size_t g = 0; g < c->coarse.groups; g++)
+            gn_coarse_gather(&c->coarse, g, c->r, c->free);
+#pragma omp single
+        gn_coarse_solve(&c->coarse);
+#pragma omp for schedule(static)
+        for (size_t k = 0; k < chunks_of(c); k++)
+            for (size_t p = k * CHUNK; p < end_of(c, k); p++) c->parts[k].rz += precondition(c, p);
     }
     return add_up(c);
 }
@@ -381,9 +423,13 @@ gneiss_status gn_equilibrium_solve(const gn_spectrum *spectrum, gn_viscosity vis
     *found = (gn_equilibrium){.loose = -1};
     gneiss_status status = gn_springs_build(spectrum, NULL, &c.y, error);
     if (status == GNEISS_OK) status = allocate(&c, error);
+    if (status == GNEISS_OK)
+        status =
+            gn_coarse_create(&c.coarse, c.y.particles, spectrum->assembly->particles->pos, error);
     if (status == GNEISS_OK) {
         take_links(&c);
         make_blocks(&c);
+        make_coarse(&c);
         for (size_t k = 0; k < c.n; k++) c.r[k] = c.free[k / N] >> k % N & 1 ? load[k] : 0.0;
         found->loose = untouched(&c);
         if (found->loose < 0) iterate(&c, tolerance, u, found);
