@@ -307,9 +307,15 @@ enum { NOT_BUILT = 0 GN_CONTACT_OPTIONS(X) };
      (GN_MIXED && (!GN_BUILT(MIXED) || GN_BIT(options, 4))) || (shear && !GN_BUILT(SHEAR)) ||      \
      (friction && !GN_BUILT(FRICTION)) || (bonds && !GN_BUILT(BONDS)))
 
+#define DECLARE(options, name, law, shear, friction, bonds)                                        \
+    gn_contact_kernel GN_KERNEL(name##_##options);
+#define X(number, ...) GN_EACH_32(DECLARE, __VA_ARGS__)
+GN_CONTACT_KINDS(X)
+#undef X
+
 #define WRAPPER(options, name, law, shear, friction, bonds)                                        \
-    static void contact_##name##_##options(const gn_contact_args *a, size_t begin, size_t end,     \
-                                           gn_contact_sums *sums) {                                \
+    void GN_KERNEL(name##_##options)(const gn_contact_args *a, size_t begin, size_t end,           \
+                                     gn_contact_sums *sums) {                                      \
         if (ABSENT(options, law, shear, friction, bonds)) return;                                  \
         contact_core(a, begin, end, sums,                                                          \
                      (variant){LAW_##law, GN_BIT(options, 0), GN_BIT(options, 1), shear, friction, \
@@ -317,11 +323,19 @@ enum { NOT_BUILT = 0 GN_CONTACT_OPTIONS(X) };
                                GN_BIT(options, 4)});                                               \
     }
 #define X(number, ...) GN_EACH_32(WRAPPER, __VA_ARGS__)
-GN_CONTACT_KINDS(X)
+#if GN_PART == 0
+GN_CONTACT_KINDS_0(X)
+#elif GN_PART == 1
+GN_CONTACT_KINDS_1(X)
+#else
+GN_CONTACT_KINDS_2(X)
+#endif
 #undef X
 
+#if GN_PART == 0
 #define ENTRY(options, name, law, shear, friction, bonds)                                          \
-    ABSENT(options, law, shear, friction, bonds) ? 0 : contact_##name##_##options,
+    ABSENT(options, law, shear, friction, bonds) ? 0 : GN_KERNEL(name##_##options),
 #define X(number, ...) GN_EACH_32(ENTRY, __VA_ARGS__)
 gn_contact_kernel *const GN_TABLE(contact)[GN_CONTACT_VARIANTS] = {GN_CONTACT_KINDS(X)};
 #undef X
+#endif
