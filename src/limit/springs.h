@@ -76,6 +76,8 @@ double gn_block_at(const gn_block *m, double tau, double *out);
 /* |S^4|_F^(1/4) or the trace, whichever is smaller: not below the largest eigenvalue of S >= 0, and
  * cheap. */
 double gn_block_upper(int n, const double *s, double trace);
+/* Whether all eigenvalues of S are below `most`: most I - S has a Cholesky factor. */
+bool gn_block_below(int n, const double *s, double most);
 /* The largest eigenvalue of A + 2 tau B from above, round-off included, and its vector. */
 double gn_block_top(const gn_block *m, double tau, double *vector);
 

@@ -52,26 +52,13 @@ static size_t leave_by_sums(const gn_spectrum *spectrum, double tau, double *sum
     return found;
 }
 
-/* Whether all eigenvalues of S are below `most`: most I - S has a Cholesky factor. */
-static bool all_below(int n, const double *s, double most) {
-    double l[DOFS_MAX * DOFS_MAX] = {0.0};
-    for (int p = 0; p < n; p++)
-        for (int q = 0; q <= p; q++) {
-            double sum = (p == q ? most : 0.0) - s[p * n + q];
-            for (int k = 0; k < q; k++) sum -= l[p * n + k] * l[q * n + k];
-            if (p == q && !(sum > 1e-12 * most)) return false;
-            l[p * n + q] = p == q ? sqrt(sum) : sum / l[q * n + q];
-        }
-    return true;
-}
-
 /* By how much a particle's block is above the step, from above; 1: it is not. */
 static double block_over(const gn_springs *y, size_t p, double tau) {
     double s[DOFS_MAX * DOFS_MAX], most = 4.0 * tau * tau;
     gn_block m;
     gn_block_of(y, p, &m);
     double trace = gn_block_at(&m, tau, s);
-    if (trace <= most || all_below(m.n, s, most)) return 1.0;
+    if (trace <= most || gn_block_below(m.n, s, most)) return 1.0;
     return fmax(gn_block_upper(m.n, s, trace) / most, 1.0 + 1e-9);
 }
 

@@ -113,13 +113,29 @@ double gn_block_upper(int n, const double *s, double trace) {
     return fmin(1.0, sqrt(sqrt(sqrt(sum))) * (1.0 + 1e-12)) * trace;
 }
 
-/* Round-off of the sums and of Jacobi. */
+bool gn_block_below(int n, const double *s, double most) {
+    double l[DOFS_MAX * DOFS_MAX] = {0.0};
+    for (int p = 0; p < n; p++)
+        for (int q = 0; q <= p; q++) {
+            double sum = (p == q ? most : 0.0) - s[p * n + q];
+            for (int k = 0; k < q; k++) sum -= l[p * n + k] * l[q * n + k];
+            if (p == q && !(sum > 1e-12 * most)) return false;
+            l[p * n + q] = p == q ? sqrt(sum) : sum / l[q * n + q];
+        }
+    return true;
+}
+
+/* Of the sums and of Jacobi. */
+static double round_off(const gn_block *m, double trace) {
+    return 4.0 * (m->contacts + 32) * DBL_EPSILON * trace;
+}
+
 double gn_block_top(const gn_block *m, double tau, double *vector) {
     double s[DOFS_MAX * DOFS_MAX], values[DOFS_MAX], vectors[DOFS_MAX * DOFS_MAX];
     double trace = gn_block_at(m, tau, s);
     gn_eigen_symmetric(m->n, s, values, vectors);
     memcpy(vector, vectors, (size_t)m->n * sizeof *vector);
-    return values[0] + 4.0 * (m->contacts + 32) * DBL_EPSILON * trace;
+    return values[0] + round_off(m, trace);
 }
 
 static double quadratic_form(int n, const double *s, const double *x) {
@@ -177,7 +193,8 @@ static bound_part bound_of_block(const gn_springs *y, size_t begin, size_t end) 
         double trace = gn_block_at(&m, part.rate, s);
         double rate = part.rate;
         double most = 4.0 * rate * rate; /* the trace alone settles many */
-        bool slower = rate > 0.0 && (trace <= most || gn_block_upper(m.n, s, trace) <= most);
+        bool slower = rate > 0.0 && (trace <= most || gn_block_upper(m.n, s, trace) <= most ||
+                                     gn_block_below(m.n, s, most - 2.0 * round_off(&m, trace)));
         if (!slower) rate = block_rate(&m, rate);
         double inverse = y->spectrum->assembly->particles->vel[4 * gn_springs_place(y, p) + 3];
         merge_part(&part, rate, m.kn_max * inverse, p);
