@@ -7,7 +7,7 @@
 #include <math.h>
 #include <string.h>
 
-enum { N = 6, GROUP_LEAST = 96, GROUPS_MOST = 96 };
+enum { N = 6, GROUP_LEAST = 96, GROUPS_MOST = 64 };
 
 /* A pivot below this part of its diagonal is rounding. */
 static const double no_pivot = 1e-10;
