@@ -1,4 +1,7 @@
 """`gneiss plan --error`: what is proposed, what is refused, what is written; the error budget of runs. Speaks TAP."""
+import csv
+import glob
+
 from program import *  # noqa: F403
 
 ROOT = os.path.dirname(os.path.dirname(os.path.abspath(__file__)))
@@ -58,6 +61,14 @@ def a_larger_error_is_loaded_faster(folder):
     exact, rough = proposed(scene, "--error", "8%"), proposed(scene, "--error", "20%")
     assert rough["closing"] > exact["closing"], (rough["closing"], exact["closing"])
     assert exact["error"] <= 0.08 and rough["error"] <= 0.2
+
+
+@fact
+def a_scene_far_too_fast_is_slowed_down_to_what_is_known(folder):
+    scene = rock(folder, TEXT.replace("0.05 m/s", "1e4 m/s"))
+    found = told(scene, "--error", "8%")
+    assert found["as_is"]["error"] > 1.0 and found["proposed"]["error"] <= 0.08, found
+    assert "above 100 %" in plan(scene, "--error", "8%").stdout
 
 
 @fact
@@ -281,6 +292,13 @@ def seeds_measure_the_scatter_and_say_what_is_left_of_the_error(folder):
     done = expect(gneiss("run", write_scene(folder, scene), "--seeds", 3, "--out", os.path.join(folder, "out"), "--threads", 1), 0)
     line = next(line for line in done.stdout.splitlines() if line.lstrip().startswith("peak_stress"))
     assert re.search(r"95 %, 3 runs; .*measured by it, the rest of the error estimated", line), line
+    with open(os.path.join(folder, "out", "sweep-means.csv"), newline="") as file:
+        mean = next(csv.DictReader(file))
+    runs = [h5py.File(path) for path in glob.glob(os.path.join(folder, "out", "*", "results.h5"))]
+    rest = max(run["readings/peak_stress"].attrs["error_besides_scatter"] for run in runs)
+    assert len(runs) == 3 and float(mean["peak_stress rest [Pa]"]) == rest, (mean, rest)
+    with h5py.File(os.path.join(folder, "out", "sweep.h5")) as file:
+        assert file["statistics/peak_stress/rest"][0] == rest
 
 
 @fact

@@ -67,11 +67,21 @@ static void print_settings(const gn_plan *plan, const gn_proposal *p) {
     }
 }
 
+/* A law that is followed to where nothing is left of the reading has no number to give. */
+static const char *percent(double error, char *text, size_t size) {
+    if (error > 1.0)
+        snprintf(text, size, "above 100");
+    else
+        snprintf(text, size, "%.2g", 100.0 * error);
+    return text;
+}
+
 static void print_causes(const gn_proposal *p) {
-    printf("  error            %.2g %%", 100.0 * p->error);
+    char text[32];
+    printf("  error            %s %%", percent(p->error, text, sizeof text));
     for (size_t k = 0; k < p->causes.count; k++)
-        printf("%s%s %.2g", k ? ", " : ": ", p->causes.cause[k].name,
-               100.0 * p->causes.cause[k].error);
+        printf("%s%s %s", k ? ", " : ": ", p->causes.cause[k].name,
+               percent(p->causes.cause[k].error, text, sizeof text));
     printf("\n");
     for (size_t k = 0; k < p->causes.note_count; k++) printf("  note: %s\n", p->causes.note[k]);
 }
@@ -95,8 +105,10 @@ static void print_floor(const gn_plan *plan, const gn_world *w) {
     const gn_error_cause *most = plan->best.causes.cause;
     for (size_t k = 0; k < plan->best.causes.count; k++)
         if (plan->best.causes.cause[k].error > most->error) most = &plan->best.causes.cause[k];
-    printf("%.3g %% cannot be reached: the least is about %.2g %%, most of it by %s\n",
-           100.0 * plan->wanted.error, 100.0 * plan->best.error / 1.1, most->name);
+    char text[32];
+    printf("%.3g %% cannot be reached: the least is about %s %%, most of it by %s\n",
+           100.0 * plan->wanted.error, percent(plan->best.error / 1.1, text, sizeof text),
+           most->name);
     bool shape = w->given.specimen.pack.shape != GN_SHAPE_NONE;
     if (strcmp(most->name, "packing") != 0 || shape) return;
     double packings = ceil(pow(most->error / plan->wanted.error, 2.0) * 1.2);
@@ -113,7 +125,7 @@ static void print_plan(const gn_plan *plan, const gn_world *w) {
     char title[96];
     snprintf(title, sizeof title, "proposed for the %s within %.3g %%, 95 times of 100",
              plan->wanted.reading, 100.0 * (plan->reached ? plan->wanted.error : plan->best.error));
-    print_proposal(title, plan, &plan->best);
+    if (plan->best.error <= 1.0) print_proposal(title, plan, &plan->best);
     if (plan->no_statics && !plan->groups.mesh)
         printf("  note: start: first_break expects %s\n", plan->no_statics);
 }

@@ -143,7 +143,7 @@ static int digits(double value) {
     return fabs(value) >= 1000.0 ? 4 : fabs(value) >= 100.0 ? 3 : 2;
 }
 
-static void print_reading(const gn_summary_reading *r, const gn_statistics *t) {
+static void print_reading(const gn_summary_reading *r, const gn_statistics *t, double rest) {
     char unit[GN_NAME_SIZE + 2];
     double factor;
     if (!t->count) {
@@ -159,11 +159,10 @@ static void print_reading(const gn_summary_reading *r, const gn_statistics *t) {
     else
         printf("%s%s", *unit ? " " : "", unit);
     /* Scatter over packings and by rounding is measured by the seeds; what all of them share is
-     * not.
-     */
-    if (t->count > 1 && !isnan(r->besides))
+     * not. */
+    if (t->count > 1 && !isnan(rest))
         printf("; packing and round-off measured by it, the rest of the error estimated %.*g",
-               digits(r->besides / factor), r->besides / factor);
+               digits(rest / factor), rest / factor);
     printf("\n");
 }
 
@@ -179,7 +178,8 @@ static void print_combination(const gn_summary *m, size_t c) {
            each == 1 ? "" : "s");
     if (!done) return;
     for (size_t r = 0; r < m->reading_count; r++)
-        print_reading(&m->readings[r], &m->statistics[c * m->reading_count + r]);
+        print_reading(&m->readings[r], &m->statistics[c * m->reading_count + r],
+                      gn_summary_rest(m, c, r));
 }
 
 static void json_summary(const gn_summary *m) {
@@ -198,6 +198,7 @@ static void json_summary(const gn_summary *m) {
             gn_json_integer(j, "count", (int64_t)t->count);
             gn_json_number(j, "mean", t->mean);
             gn_json_number(j, "deviation", t->deviation);
+            gn_json_number(j, "rest", gn_summary_rest(m, c, r));
             gn_json_number(j, "interval", t->interval);
             gn_json_end(j);
         }

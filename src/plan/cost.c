@@ -54,7 +54,6 @@ static void strip(gn_scene *s, bool mixed) {
     s->step = s->scaled_step = s->scaled_factor = 0.0;
     s->estimate = GN_STEP_BOUND;
     s->threads = 1; /* waiting for each other is no work */
-    s->end = 1e6;
     s->stop_peak_drop = s->stop_strain = s->stop_unbalanced = 0.0;
     s->precision = mixed ? GN_PRECISION_MIXED : GN_PRECISION_DOUBLE;
 }
@@ -186,6 +185,7 @@ static gneiss_status time_lattice(const gn_world *w, bool mixed, bool close, tim
     if (!s) return gn_fail(error, GNEISS_ERROR_MEMORY, "no memory");
     *s = w->given;
     strip(s, mixed);
+    s->end = 1e13 * w->dt; /* never */
     s->has_elements = false;
     put_lattice(w, close, s, upper);
     put_ends(s, wall, names, upper);
@@ -200,6 +200,7 @@ static gneiss_status time_grid(const gn_world *w, bool mixed, timed *found, gnei
     if (!s) return gn_fail(error, GNEISS_ERROR_MEMORY, "no memory");
     *s = w->given;
     strip(s, mixed);
+    s->end = 1e13 * w->dt; /* never */
     s->has_specimen = false;
     s->test = (gn_test){.kind = GN_TEST_NONE};
     put_grid(w, s);

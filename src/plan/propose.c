@@ -176,12 +176,21 @@ static void try_numbers(search *q, gn_proposal p) {
         }
 }
 
+/* About the scene's own pace; about the fastest that is known where that one is beyond it. */
+static double middle_pace(const gn_plan *plan, const gn_world *w) {
+    const gn_slope *law = gn_slope_find(plan->groups.study, plan->reading, "velocity", false);
+    double speed = plan->estimate.speed;
+    bool beyond = law && speed > law->high && !gn_plan_no_pace(&w->scene);
+    return beyond ? law->high / speed * (1.0 - 1e-9) : 1.0;
+}
+
 static void try_all(search *q, gn_proposal p) {
     enum { MIDDLE = PACES / 2 };
+    const double middle = middle_pace(q->plan, q->world);
     for (size_t s = 0; s < COUNT(safeties); s++)
         for (int k = 0; k < PACES; k++) {
             p.safety = safeties[s];
-            p.pace = pow(2.0, 0.5 * (double)(k - MIDDLE));
+            p.pace = middle * pow(2.0, 0.5 * (double)(k - MIDDLE));
             bool free = p.pace == 1.0 || !gn_plan_no_pace(&q->world->scene);
             if (free && slower_than_known(q->plan, p.pace)) try_numbers(q, p);
         }

@@ -48,16 +48,16 @@ static gneiss_status choose_readings(gn_summary *m, gneiss_error *error) {
     m->reading_count = s->reading_count ? s->reading_count : USUAL;
     m->readings = gn_alloc_array(m->reading_count, sizeof *m->readings);
     m->value = gn_alloc_array(s->run_count * m->reading_count, sizeof *m->value);
+    m->rest = gn_alloc_array(s->run_count * m->reading_count, sizeof *m->rest);
     m->runs = gn_alloc_array(s->run_count, sizeof *m->runs);
     m->statistics = gn_alloc_array(s->combination_count * m->reading_count, sizeof *m->statistics);
-    if (!m->readings || !m->value || !m->runs || !m->statistics)
+    if (!m->readings || !m->value || !m->rest || !m->runs || !m->statistics)
         return gn_fail(error, GNEISS_ERROR_MEMORY, "no memory for the summary of %zu runs",
                        s->run_count);
     for (size_t k = 0; k < m->reading_count; k++) {
         gn_summary_reading *r = &m->readings[k];
         snprintf(r->name, sizeof r->name, "%s", s->reading_count ? s->readings[k] : usual[k]);
         describe_known(r);
-        r->besides = NAN;
     }
     return GNEISS_OK;
 }
@@ -84,8 +84,8 @@ static double read_last(const gn_h5 *file, const char *set) {
     return last;
 }
 
-/* NaN: the file has none. */
-static double read_reading(const gn_h5 *file, gn_summary_reading *r) {
+/* NaN: the file has none; the same of `rest`. */
+static double read_reading(const gn_h5 *file, gn_summary_reading *r, double *rest) {
     char set[GN_NAME_SIZE + 32];
     bool of_energy = strncmp(r->name, "energy.", 7) == 0,
          of_history = strncmp(r->name, "history.", 8) == 0;
@@ -102,7 +102,7 @@ static double read_reading(const gn_h5 *file, gn_summary_reading *r) {
     double besides;
     if (!of_energy && !of_history &&
         gn_h5_get_attribute_f64(file, set, "error_besides_scatter", &besides, 1, NULL) == GNEISS_OK)
-        r->besides = fmax(r->besides, besides); /* NaN is less than any number */
+        *rest = besides;
     return read_last(file, set);
 }
 
@@ -134,7 +134,8 @@ static gneiss_status read_run(gn_summary *m, size_t k, const char *folder, gneis
         snprintf(run->build, sizeof run->build, "%s", build);
         read_warnings(file, run->outcome.message, sizeof run->outcome.message);
         for (size_t r = 0; r < m->reading_count; r++)
-            m->value[k * m->reading_count + r] = read_reading(file, &m->readings[r]);
+            m->value[k * m->reading_count + r] =
+                read_reading(file, &m->readings[r], &m->rest[k * m->reading_count + r]);
     }
     free(hash);
     free(build);
@@ -152,10 +153,11 @@ static gneiss_status take_run(gn_summary *m, size_t k, gneiss_error *error) {
     if (original != k) {
         *run = m->runs[original];
         memcpy(m->value + k * width, m->value + original * width, width * sizeof *m->value);
+        memcpy(m->rest + k * width, m->rest + original * width, width * sizeof *m->rest);
         return GNEISS_OK;
     }
     run->seconds = run->dt = NAN;
-    for (size_t r = 0; r < width; r++) m->value[k * width + r] = NAN;
+    for (size_t r = 0; r < width; r++) m->value[k * width + r] = m->rest[k * width + r] = NAN;
     if (!gn_run_folder(m->directory, s->runs[k].hash, folder))
         return gn_fail(error, GNEISS_ERROR_INPUT, "%.200s...: the path is too long", m->directory);
     GN_TRY(gn_outcome_read(folder, &run->outcome, error));
@@ -181,9 +183,21 @@ static void leave_out_absent(gn_summary *m) {
         if (keep[r]) m->readings[kept++] = m->readings[r];
     }
     for (size_t k = 0; k < m->sweep->run_count; k++)
-        for (size_t r = 0, to = 0; r < width; r++)
-            if (keep[r]) m->value[k * kept + to++] = m->value[k * width + r];
+        for (size_t r = 0, to = 0; r < width; r++) {
+            if (!keep[r]) continue;
+            m->value[k * kept + to] = m->value[k * width + r];
+            m->rest[k * kept + to++] = m->rest[k * width + r];
+        }
     m->reading_count = kept;
+}
+
+double gn_summary_rest(const gn_summary *m, size_t combination, size_t reading) {
+    size_t each = m->sweep->run_count / m->sweep->combination_count;
+    double most = NAN;
+    for (size_t k = combination * each; k < (combination + 1) * each; k++)
+        most =
+            fmax(most, m->rest[k * m->reading_count + reading]); /* NaN is less than any number */
+    return most;
 }
 
 static void compute_statistics(gn_summary *m) {
@@ -219,6 +233,7 @@ gneiss_status gn_summary_make(const gn_sweep *sweep, const char *directory, gn_s
 void gn_summary_free(gn_summary *summary) {
     gn_free(summary->readings);
     gn_free(summary->value);
+    gn_free(summary->rest);
     gn_free(summary->runs);
     gn_free(summary->statistics);
     *summary = (gn_summary){0};

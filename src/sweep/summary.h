@@ -7,8 +7,6 @@
 
 typedef struct gn_summary_reading {
     char name[GN_NAME_SIZE], unit[GN_NAME_SIZE], text[256];
-    double
-        besides; /* largest error of a run that no number of seeds takes off (run/budget.h); NaN */
 } gn_summary_reading;
 
 typedef struct gn_summary_run {
@@ -23,8 +21,9 @@ typedef struct gn_summary {
     const char *directory; /* borrowed */
     size_t reading_count;
     gn_summary_reading *readings;
-    double *value;             /* [run_count][reading_count]; NaN: absent, or the run is not done */
-    gn_summary_run *runs;      /* [run_count] */
+    double *value;        /* [run_count][reading_count]; NaN: absent, or the run is not done */
+    double *rest;         /* the same: errors that no number of seeds takes off (run/budget.h) */
+    gn_summary_run *runs; /* [run_count] */
     gn_statistics *statistics; /* [combination_count][reading_count] */
     size_t done, failed;       /* of all rows */
     bool several_builds;       /* runs of programs that were compiled in different ways */
@@ -33,6 +32,8 @@ typedef struct gn_summary {
 /* Reads the folders of all runs. */
 gneiss_status gn_summary_make(const gn_sweep *sweep, const char *directory, gn_summary *summary,
                               gneiss_error *error);
+/* The largest such error of the runs of a combination; NaN: they have none. */
+double gn_summary_rest(const gn_summary *summary, size_t combination, size_t reading);
 void gn_summary_free(gn_summary *summary);
 
 /* sweep.csv (a row for every run), sweep-means.csv (for every combination), sweep.h5. */

@@ -102,8 +102,8 @@ static void write_means(FILE *out, const gn_summary *m) {
     put_parameter_heads(out, s);
     fputs("runs", out);
     for (size_t r = 0; r < width; r++) {
-        static const char *const what[] = {"mean", "deviation", "interval"};
-        for (size_t k = 0; k < 3; k++) {
+        static const char *const what[] = {"mean", "deviation", "interval", "rest"};
+        for (size_t k = 0; k < 4; k++) {
             fputc(',', out);
             put_head(out, m->readings[r].name, what[k], m->readings[r].unit);
         }
@@ -120,8 +120,8 @@ static void write_means(FILE *out, const gn_summary *m) {
         fprintf(out, "%zu", done);
         for (size_t r = 0; r < width; r++) {
             const gn_statistics *t = &m->statistics[c * width + r];
-            const double shown[] = {t->mean, t->deviation, t->interval};
-            for (size_t k = 0; k < 3; k++) {
+            const double shown[] = {t->mean, t->deviation, t->interval, gn_summary_rest(m, c, r)};
+            for (size_t k = 0; k < 4; k++) {
                 fputc(',', out);
                 put_number(out, shown[k]);
             }
@@ -230,10 +230,11 @@ static gneiss_status put_parameter(gn_h5 *file, const gn_summary *m, size_t p, d
 
 static gneiss_status put_reading(gn_h5 *file, const gn_summary *m, size_t r, double *column,
                                  gneiss_error *error) {
-    static const char *const what[] = {"count", "mean", "deviation", "interval"};
+    static const char *const what[] = {"count", "mean", "deviation", "interval", "rest"};
     static const char *const texts[] = {"runs that have the reading", "mean over them",
                                         "standard deviation of one run",
-                                        "half the width of the 95 % interval of the mean"};
+                                        "half the width of the 95 % interval of the mean",
+                                        "largest error of a run that more runs do not take off"};
     const gn_sweep *s = m->sweep;
     const gn_summary_reading *reading = &m->readings[r];
     size_t width = m->reading_count;
@@ -242,10 +243,11 @@ static gneiss_status put_reading(gn_h5 *file, const gn_summary *m, size_t r, dou
     for (size_t k = 0; k < s->run_count; k++) column[k] = m->value[k * width + r];
     GN_TRY(gn_h5_put(file, name, GN_F64, s->run_count, 1, 0, column, reading->unit, reading->text,
                      error));
-    for (size_t q = 0; q < 4; q++) {
+    for (size_t q = 0; q < 5; q++) {
         for (size_t c = 0; c < s->combination_count; c++) {
             const gn_statistics *t = &m->statistics[c * width + r];
-            const double shown[] = {(double)t->count, t->mean, t->deviation, t->interval};
+            const double shown[] = {(double)t->count, t->mean, t->deviation, t->interval,
+                                    gn_summary_rest(m, c, r)};
             column[c] = shown[q];
         }
         snprintf(name, sizeof name, "statistics/%s/%s", reading->name, what[q]);
