@@ -17,8 +17,8 @@ SPEED = 0.01  # m/s of the punch
 
 
 def sizes(options):
-    """Thickness (m) and mean radius (m): a beam of half the example's size with its radius, or the example's own."""
-    return (0.040, 0.0015) if options.get("large") else (0.020, 0.0015)
+    """Thickness (m) and mean radius (m): a beam of half the example's size with its radius, or the example's own; small: coarser."""
+    return (0.040, 0.0015) if options.get("large") else (0.020, 0.0024 if options.get("small") else 0.0015)
 
 
 def packing(options):
@@ -26,7 +26,7 @@ def packing(options):
     length, width, height = PROPORTIONS * thickness
     text = (f"specimen:\n  box: {{size: [{length}, {width}, {height}]}}\n  origin: [{-length / 2}, 0, 0]\n"
             f"  mean_radius: {radius}\n  packing: {{size_ratio: 3, overlap: passive}}\nrun: {{seed: 1}}\n")
-    folder = jobs.RUNS / "specimens" / ("beam-large" if options.get("large") else "beam")
+    folder = jobs.RUNS / "specimens" / ("beam" + "".join(f"-{name}" for name in ("large", "small") if options.get(name)))
     stamp, note = jobs.digest(text, Path(study.PROGRAM).read_bytes()), folder / "made-from"
     if not (note.exists() and note.read_text() == stamp):
         folder.mkdir(parents=True, exist_ok=True)

@@ -10,7 +10,10 @@ A job is a dictionary (JSON):
   dt, steps           s; both codes take exactly these steps
   every               rows of reactions and broken bonds every so many steps; snapshot_every: positions
   velocities          True: velocities and spins in the snapshots too
-  sets                [{name, ids, v: [3], w: [3]}] prescribed components, None: free
+  sets                [{name, ids, v: [3], w: [3]}] prescribed components, None: free; a table [[time, value], ...]: linear
+                      between its points
+  pressure            {value, ramp}: of a membrane, Pa, that comes from 0 in `ramp` s and keeps its directions; gneiss finds the
+                      skin. yade["skin"]: the same areas as rows [3] of all particles, m2 (own.skin)
   initial             [{ids, v, w}] velocities at the start
   ends, axis, peak_drop    of a laboratory test: names of two sets, 0 to 2, stop once the load fell by this part
   yade, gneiss        choices of one code alone (peer.py, own.py)

@@ -118,6 +118,8 @@ def scene(job):
             continue
         motion = [f"{c}: {v!r}" for c, v in zip(("vx", "vy", "vz", "wx", "wy", "wz"), s["v"] + s["w"]) if v is not None]
         lines += [f"    motion: {{{', '.join(motion)}}}"]
+    if "pressure" in job:
+        lines += [f"membrane: {{pressure: {job['pressure']['value']!r}, ramp: {job['pressure']['ramp']!r}, follow: false}}"]
     rows_wanted = max(job["steps"] // job["every"], 1)
     lines += ["time:", f"  step: {job['dt']!r}" if job["dt"] else "  step: auto",
               f"  end: {job['dt'] * job['steps']!r}" if job["dt"] else "  end: 1", "output:",
@@ -129,6 +131,12 @@ def stable_step(job):
     """The step that gneiss would choose for the job: 0.9 of its sharp limit."""
     with World(scene({**job, "dt": 0, "steps": 1, "every": 1})) as world:
         return world.limits().dt
+
+
+def skin(job):
+    """Areas (m2, outward) by which the membrane of the job presses on its particles, [particles, 3]."""
+    with World(scene({**job, "dt": 0, "steps": 1, "every": 1})) as world:
+        return world.particles("skin")
 
 
 def fallen(job, reaction, broken, peak):

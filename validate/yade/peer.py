@@ -51,6 +51,22 @@ for s in job["sets"]:
         states[k].blockedDOFs = "".join(sorted(set(states[k].blockedDOFs) | set(blocked)))
 
 
+tables = [(s, any(isinstance(v, list) for v in s["v"])) for s in job["sets"]]
+
+
+def at(value, instant):
+    """A prescribed velocity or a table of it."""
+    return np.interp(instant, *np.transpose(value)) if isinstance(value, list) else value
+
+
+def follow_tables(n):
+    """Velocities of the coming step, which are those of its middle."""
+    for s, changes in tables:
+        now = [at(v, (n + 0.5) * dt) for v in s["v"]] if changes else []
+        for k in s["ids"] if changes else []:
+            states[k].vel = Vector3(*(old if v is None else v for old, v in zip(states[k].vel, now)))
+
+
 def give_velocities():
     for s in job.get("initial", []):
         for k in s["ids"]:
@@ -59,7 +75,7 @@ def give_velocities():
         for k in s["ids"]:
             for target, values in (("vel", s["v"]), ("angVel", s["w"])):
                 now = list(getattr(states[k], target))
-                now = [old if v is None else v for old, v in zip(now, values)]
+                now = [old if v is None else at(v, 0.5 * dt) for old, v in zip(now, values)]
                 setattr(states[k], target, Vector3(*now))
     if choice["start"] == "aligned" and gravity.norm() > 0:
         for state in states:  # the first kick is a whole one in YADE: half of it is taken back beforehand
@@ -285,6 +301,24 @@ def damp_past():
                                    for a, c in enumerate("XYZ"))))
 
 
+def press(n):
+    """The membrane: outward areas that keep their directions; a particle whose last bond broke has come off."""
+    if not skin:
+        return
+    share = min(n * dt / job["pressure"]["ramp"], 1.0)
+    if n % 100 == 0:
+        for k in [k for k in skin if holds[k] == 0 and bonds_of[k] > 0]:
+            del skin[k]
+    for k, area in skin.items():
+        O.forces.addF(k, -share * job["pressure"]["value"] * area)
+
+
+def count_broken(gone):
+    for i in gone:
+        holds[i.id1] -= 1
+        holds[i.id2] -= 1
+
+
 def tick():
     """Between forces and motion: n steps have been taken, the forces are those at the present positions."""
     n = O.iter - first_iteration
@@ -294,6 +328,9 @@ def tick():
     complete_pairs()
     if choice["crossing"] == "part":
         complete_crossing(broken)
+    press(n)  # by the bonds that held before this step, as in gneiss
+    count_broken(broken)
+    follow_tables(n)
     if n == 0 and choice["start"] == "aligned":
         give_velocities()
     if snapshot_every and n % snapshot_every == 0:
@@ -328,6 +365,9 @@ detection.interactionDetectionFactor = 1
 bonded = {(i.id1, i.id2) for i in O.interactions if i.isReal and i.phys.isCohesive}
 known = O.interactions.countReal()
 intact = [(i, i.phys) for i in O.interactions if i.isReal and i.phys.isCohesive]
+bonds_of = np.bincount(np.array(sorted(bonded), dtype=int).ravel(), minlength=len(spheres))
+holds = bonds_of.copy()
+skin = {k: Vector3(*area) for k, area in enumerate(job["yade"].get("skin", [])) if any(area)} if "pressure" in job else {}
 if choice["start"] == "plain":
     give_velocities()
 first_iteration = O.iter

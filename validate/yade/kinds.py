@@ -1,0 +1,220 @@
+"""Level 3: tests by name beside YADE on small specimens: triaxial under two confinements, Brazilian, and a notched beam. Ends are the same
+lists of particles, moved along one axis, in both codes; the confinement is the same forces on the same particles: gneiss finds the
+skin (own.skin), YADE gets its areas."""
+from pathlib import Path
+
+import numpy as np
+
+import beam
+import jobs
+import laboratory as lab
+import own
+import study
+
+ROCK = {**lab.ROCK, "yade": {"fresh": "aligned"}}
+SEEDS = (1, 2, 3, 4, 5)  # packings; the first is run in YADE as well
+PRESSURES = (5e6, 20e6)
+RAMP, HELD = 0.05e-3, 0.1e-3  # s: the pressure comes, ends stand
+DISC, THICK = 0.050, 0.025    # m
+SHIFTS = 4
+
+
+def packing(name, shape, count, seed):
+    """File of a packing of so many particles, made by `gneiss pack`."""
+    text = (f"specimen:\n  cylinder: {shape}\n  particles: {count}\n  packing: {{size_ratio: 3, overlap: passive}}\n"
+            f"run: {{seed: {seed}}}\n")
+    folder = jobs.RUNS / "specimens" / f"{name}-{seed}"
+    stamp, note = jobs.digest(text, Path(study.PROGRAM).read_bytes()), folder / "made-from"
+    if not (note.exists() and note.read_text() == stamp):
+        folder.mkdir(parents=True, exist_ok=True)
+        (folder / "pack.yaml").write_text(text)
+        done = study.call(["pack", str(folder / "pack.yaml"), "--out", str(folder)])
+        if done.returncode != 0:
+            raise RuntimeError(f"gneiss pack {name}: {done.stderr}")
+        note.write_text(stamp)
+    return folder / "packing.txt"
+
+
+def with_steps(job, travel, speed, after):
+    """`travel` m at `speed` m/s, after so many seconds of standing."""
+    job["dt"] = float(f"{0.9 * own.stable_step(job):.3g}")
+    job["steps"] = int((after + travel / speed) / job["dt"])
+    job["every"] = max(1, job["steps"] // 1500)
+    job["steps"] -= job["steps"] % job["every"]
+    job["snapshot_every"] = job["every"] * max(1, job["steps"] // job["every"] // 100)
+    return job
+
+
+def ends_of(job, lists, axis, speed, after):
+    """Two sets that close along an axis; free across and in spin."""
+    free = [None] * 3
+    for name, ids, sign in (("lower", lists[0], 1), ("upper", lists[1], -1)):
+        v = list(free)
+        v[axis] = [[after, 0.0], [1.5 * after, sign * speed / 2]] if after else sign * speed / 2
+        job["sets"].append({"name": name, "ids": ids, "v": v, "w": free})
+    return {**job, "ends": ["lower", "upper"], "axis": axis}
+
+
+def triaxial(seed, pressure):
+    path = packing("triaxial", "{diameter: 23 mm, height: 46 mm}", 1000, seed)
+    job = {"spheres": str(path), **ROCK, "sets": [], "pressure": {"value": pressure, "ramp": RAMP}, "peak_drop": 0.3}
+    job = ends_of(job, lab.end_lists(np.loadtxt(path)), 2, 0.4, HELD)
+    job["yade"] = {**job["yade"], "skin": own.skin(job).tolist()}
+    return with_steps(job, 0.035 * lab.LENGTH, 0.4, 1.5 * HELD)
+
+
+def brazilian(seed):
+    """A disc about z that is pressed along y by the particles that reach furthest to both sides."""
+    path = packing("brazilian", "{diameter: 50 mm, height: 25 mm}", 1000, seed)
+    rows = np.loadtxt(path)
+    y, r = rows[:, 1], rows[:, 3]
+    depth = 0.5 * r.mean()
+    lists = [np.flatnonzero(side * y + r > DISC / 2 - depth).tolist() for side in (-1, 1)]
+    job = ends_of({"spheres": str(path), **ROCK, "sets": [], "tension": 10e6, "peak_drop": 0.5}, lists, 1, 0.1, 0.0)
+    return with_steps(job, 0.012 * DISC, 0.1, 0.0)
+
+
+def bending(_):
+    return beam.job_of({"small": True})
+
+
+# --- readings ------------------------------------------------------------------------------------------------
+
+
+def closing(job, run):
+    """By how much the ends have come together, m: velocities of the middles of the steps, summed up."""
+    tables = [s["v"][job["axis"]] for s in job["sets"]]
+    middle = (np.arange(run["step"][-1]) + 0.5) * job["dt"]
+    total = np.zeros(len(middle))
+    for table, sign in zip(tables, (1, -1)):
+        total += sign * (np.interp(middle, *np.transpose(table)) if isinstance(table, list) else table)
+    return np.concatenate([[0.0], np.cumsum(total) * job["dt"]])[run["step"]]
+
+
+def load(job, run):
+    return 0.5 * (run["reaction"][:, 0, job["axis"]] - run["reaction"][:, 1, job["axis"]])
+
+
+def middle_strain(job, run, size):
+    """Strains of the middle (affine fit to the particles within a quarter of `size` along the axis): along the axis and across."""
+    axis, start = job["axis"], run["snapshot"][0]
+    centre = 0.5 * (start.min(axis=0) + start.max(axis=0))
+    inside = np.abs(start - centre)[:, axis] < size / 4
+    if axis == 1:
+        inside &= np.abs(start - centre)[:, 0] < size / 4
+    basis = np.column_stack([np.ones(inside.sum()), start[inside]])
+    gradient = np.array([np.linalg.lstsq(basis, (now - start)[inside], rcond=None)[0][1:] for now in run["snapshot"]])
+    across = gradient[:, 0, 0] if axis == 1 else 0.5 * (gradient[:, 0, 0] + gradient[:, 1, 1])
+    return gradient[:, axis, axis], across
+
+
+def rising(job, curve, after):
+    """Rows from 10 to 50 % of the peak, after the ends have begun to move."""
+    peak = int(np.argmax(curve))
+    rows = np.arange(len(curve))
+    return peak, (rows <= peak) & (curve > 0.1 * curve[peak]) & (curve < 0.5 * curve[peak]) & after
+
+
+def readings(job, run, area, size):
+    """Stiffness over the closing of the ends, ratio of the strains in the middle, largest load and where it is."""
+    strain, stress = closing(job, run) / size, load(job, run) / area
+    peak, part = rising(job, stress, strain > 0)
+    along, across = middle_strain(job, run, size)
+    first, last = run["step"][part][[0, -1]]
+    inside = (run["snapshot_step"] >= first) & (run["snapshot_step"] <= last)
+    return {"E": np.polyfit(strain[part], stress[part], 1)[0], "nu": -np.polyfit(along[inside], across[inside], 1)[0],
+            "strength": stress[peak], "strain": strain[peak], "tension": int(run["broken_tension"][peak]),
+            "shear": int(run["broken_shear"][peak])}
+
+
+def of_beam(job, run):
+    """The same of a beam: stiffness N/m, opening of the mouth over the deflection, peak load N, deflection there."""
+    r = beam.readings(job, run, {"small": True})
+    return {"E": r["stiffness"], "nu": r["opening"] / r["deflection"], "strength": r["load"], "strain": r["deflection"],
+            "tension": r["broken"][0], "shear": r["broken"][1]}
+
+
+TESTS = {f"triaxial, {p/1e6:g} MPa": {"job": lambda seed, p=p: triaxial(seed, p), "read": lambda job, run: readings(job, run, lab.AREA, lab.LENGTH),
+                                      "file": f"triaxial-{p/1e6:g}", "stress": lab.AREA} for p in PRESSURES}
+TESTS["Brazilian"] = {"job": brazilian, "read": lambda job, run: readings(job, run, np.pi / 2 * DISC * THICK, DISC), "file": "brazilian",
+                      "stress": np.pi / 2 * DISC * THICK}
+TESTS["bending"] = {"job": bending, "read": of_beam, "file": "bending", "stress": None}
+
+
+def run_test(name):
+    """Job, both codes' runs; strengths in gneiss on copies shifted by round-off; readings in gneiss over packings."""
+    test = TESTS[name]
+    job = test["job"](SEEDS[0])
+    own_run, peer_run = jobs.both(f"kind-{test['file']}", job)
+    copies = [test["read"](job, jobs.run_gneiss(f"kind-{test['file']}-shifted-{k}", beam.shifted(job, k)))["strength"]
+              for k in range(1, SHIFTS + 1)]
+    packings = [test["read"](job, own_run)]
+    for seed in SEEDS[1:] if test["stress"] else ():
+        other = test["job"](seed)
+        packings.append(test["read"](other, jobs.run_gneiss(f"kind-{test['file']}-packing-{seed}", other)))
+    return job, own_run, peer_run, copies, packings
+
+
+# --- the section ---------------------------------------------------------------------------------------------
+
+INTRO = """## Tests by name
+
+About 1000 spheres each, one packing (`gneiss pack`), the contact parameters of the cylinders above; the ends are the same lists of particles,
+moved along the axis alone. **Triaxial**: D 23 mm, L 46 mm, a membrane over the whole surface, whose areas gneiss finds and YADE is told, so that
+the same forces act on the same particles; they come in {ramp:g} ms, then the ends close at 0.4 m/s. Stiffness is that of the deviator. A particle whose last bond has
+broken loses its share in both. **Brazilian**: a disc of 50 x 25 mm, pressed along y at 0.1 m/s, strength of bonds in tension 10 MPa; stress 2 P/(pi D t) over
+closing/D, and beside it the strain across over that along the load in the middle of the disc. **Bending**: the notched beam of the next section
+with spheres of 2.4 mm; stiffness in N/m, the ratio is that of the mouth's opening to the deflection, strength the largest load in N.
+Slopes from 10 to 50 % of the peak. Scatter in per cent of the strength: of gneiss on {copies} copies with coordinates changed by a relative 1e-12, and over {seeds} packings.
+"""
+
+HEADS = ["test", "spheres", "bonds", "stiffness gneiss", "YADE", "%", "ratio gneiss", "YADE", "%", "strength gneiss", "YADE", "%",
+         "scatter: round-off", "packings", "broken at the peak gneiss", "YADE"]
+
+
+def row(name, job, own_run, peer_run, copies, packings):
+    import page
+
+    g, y = TESTS[name]["read"](job, own_run), TESTS[name]["read"](job, peer_run)
+    stress = TESTS[name]["stress"]
+    units = (("E", 1e9 if stress else 1e6, " GPa" if stress else " MN/m", 4), ("nu", 1, "", 4),
+             ("strength", 1e6 if stress else 1, " MPa" if stress else " N", 2))
+    cells = [name, len(np.loadtxt(job["spheres"])), int(own_run["bonds"])]
+    for key, scale, unit, digits in units:
+        cells += [f"{g[key]/scale:.{digits}f}{unit}", f"{y[key]/scale:.{digits}f}", page.percent(y[key], g[key])]
+    strengths = [p["strength"] for p in packings]
+    return cells + [f"{page.spread([g['strength'], *copies]):.2f}", f"{page.spread(strengths):.1f}" if len(strengths) > 1 else "",
+                    *(f"{r['tension']} + {r['shear']}" for r in (g, y))]
+
+
+def picture(found):
+    import page
+
+    plt = page.figures()
+    figure, axes = plt.subplots(2, 2, figsize=(8, 5.6))
+    for axis, (name, (job, own_run, peer_run, *_)) in zip(axes.flat, found.items()):
+        stress = TESTS[name]["stress"]
+        for run, label, style in ((own_run, "gneiss", "-"), (peer_run, "YADE", "--")):
+            if stress:
+                axis.plot(1e3 * closing(job, run), load(job, run) / stress / 1e6, style, label=label)
+            else:
+                deflection, force = beam.load_curve(job, run)
+                axis.plot(1e3 * deflection, force, style, label=label)
+        axis.set(title=name, xlabel="closing mm" if stress else "deflection mm", ylabel="stress MPa" if stress else "load N")
+    axes.flat[0].legend()
+    text = page.save(figure, "kinds")
+    plt.close(figure)
+    return text
+
+
+def section(options):
+    import page
+
+    found = {name: run_test(name) for name in TESTS}
+    rows = [row(name, *parts) for name, parts in found.items()]
+    pairs = [(TESTS[n]["read"](job, a), TESTS[n]["read"](job, b)) for n, (job, a, b, *_) in found.items()]
+    worst = {key: max(abs(100 * (y[key] / g[key] - 1)) for g, y in pairs) for key in ("E", "nu", "strength")}
+    after = (f"Largest differences between the codes: stiffness {worst['E']:.2g} %, ratio {worst['nu']:.2g} %, strength "
+             f"{worst['strength']:.2g} %. Asked for: elastic constants within 0.5 %, strengths within the scatter.")
+    intro = INTRO.format(ramp=1e3 * RAMP, copies=SHIFTS, seeds=len(SEEDS))
+    return "\n".join([intro, page.table(HEADS, rows), "", picture(found), "", after])
