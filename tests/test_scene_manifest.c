@@ -92,7 +92,8 @@ static void a_written_scene_comes_back_bit_for_bit(void **state) {
                                         "scenes/block-on-bed.yaml", "scenes/pour-into-hopper.yaml",
                                         "scenes/stages.yaml",       "scenes/bending.yaml",
                                         "scenes/triaxial.yaml",     "scenes/hydrostatic.yaml",
-                                        "scenes/shear.yaml"};
+                                        "scenes/shear.yaml",        "scenes/hopper.yaml",
+                                        "scenes/drum.yaml",         "tests/scenes/flow.yaml"};
     for (size_t k = 0; k < sizeof files / sizeof *files; k++) {
         gn_scene scene = loaded(files[k]);
         comes_back(&scene);
@@ -292,6 +293,12 @@ static int outside(const char *range, bool whole, char values[2][32]) {
     return count;
 }
 
+/* Keys of sources and sinks that a 2D scene alone has, or that are looked at in one. */
+static bool is_flat(const char *path) {
+    return strstr(path, ".rectangle") || strstr(path, ".disc") || strstr(path, ".polygon") ||
+           strstr(path, ".sieve");
+}
+
 /* A shape that the key at a path belongs to and that no scene file has; NULL otherwise. */
 static const gn_override *shape_of(const char *path) {
     static const gn_override shapes[] = {{"specimen.rectangle", "{width: 1, height: 1}"},
@@ -307,6 +314,17 @@ static const gn_override *shape_of(const char *path) {
                                          {"bodies", "[{name: b, box: {size: [1, 1, 1]}, cylinder: "
                                                     "{diameter: 1, height: 1}, stiffness: 1}]"}};
     static const gn_override line = {"bodies", "[{name: b, stiffness: 1}]"};
+    static const gn_override sources[] = {
+        {"sources", "[{name: s, mean_radius: 1, box: {size: [1, 1, 1]}, cylinder: {diameter: 1, "
+                    "height: 1}}]"},
+        {"sources", "[{name: s, mean_radius: 1, rectangle: {width: 1, height: 1}, disc: "
+                    "{diameter: 1}}]"}};
+    static const gn_override sinks[] = {
+        {"sinks", "[{name: s, plane: {point: [0, 0, 0], normal: [0, 0, 1]}, box: {size: [1, 1, "
+                  "1]}, cylinder: {diameter: 1, height: 1}}]"},
+        {"sinks", "[{name: s, rectangle: {width: 1, height: 1}, disc: {diameter: 1}}]"}};
+    if (strncmp(path, "sources[0]", 10) == 0) return &sources[is_flat(path)];
+    if (strncmp(path, "sinks[0]", 8) == 0) return &sinks[is_flat(path)];
     if (strncmp(path, "bodies[0].poly", 14) == 0) return &line;
     for (size_t k = 0; k < sizeof shapes / sizeof *shapes; k++)
         if (strncmp(path, shapes[k].key, strlen(shapes[k].key)) == 0) return &shapes[k];
@@ -323,8 +341,10 @@ static void refuses_outside_values(const gn_key *key, const char *path, void *co
     snprintf(at, sizeof at, servo ? "walls[1]%s" : "%s", path + (servo ? 8 : 0));
     char values[2][32], text[128], file[4096];
     const gn_override *shape = shape_of(path);
+    bool flows = strncmp(path, "sources", 7) == 0 || strncmp(path, "sinks", 5) == 0;
     bool plane = strncmp(path, "specimen.lattice", 16) == 0 || key->type == GN_KEY_POINTS ||
-                 (shape && !strstr(shape->key, ".box") && !strstr(shape->key, ".beam") &&
+                 (flows && is_flat(path)) ||
+                 (shape && !flows && !strstr(shape->key, ".box") && !strstr(shape->key, ".beam") &&
                   !strstr(shape->key, ".contact") && !strstr(shape->key, "couple") &&
                   strcmp(shape->key, "stages") != 0 && strcmp(shape->key, "bodies") != 0);
     snprintf(file, sizeof file, "%s/tests/scenes/%s.yaml", test_source(),

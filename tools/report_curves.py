@@ -1,4 +1,6 @@
 """Curves over strain (or time, when there is no test): stress, broken bonds, energies, quality."""
+import re
+
 import matplotlib
 
 matplotlib.use("Agg")
@@ -192,7 +194,7 @@ def plot_energy(results, path):
     terms = energy_columns(results)
     if x is None or not terms:
         return None
-    put_in = [n for n in terms if n.startswith("work_") or n.endswith("_change")]
+    put_in = [n for n in terms if n.startswith("work_") or n.endswith("_change") or n == "inserted"]
     inputs = sum((terms[n] for n in put_in), np.zeros(results.rows))
     at_start = results.scalar(results.energy, "stored_at_start")
     inputs = inputs + (at_start if np.isfinite(at_start) else 0.0)
@@ -230,6 +232,35 @@ def plot_energy(results, path):
     save(figure, path)
     return ("Where the energy is and where it went, stacked; the dashed line is what was put in and should be the "
             "upper edge of the stack. Below: what is missing, over the energy that has gone through. Terms under 0.2 % are left out.")
+
+
+def plot_flow(results, path):
+    """What came in and went out, and how fast."""
+    x, label = abscissa(results)
+    time = results.column("time")
+    names = [n for n in results.history if re.fullmatch(r"(source|sink)_.*_mass", n)]
+    if x is None or not names:
+        return None
+    factor, unit = scale_of([max(np.abs(results.column(n)).max() for n in names)], "kg")
+    figure, (axes, below) = plt.subplots(2, 1, figsize=(6.4, 5.2), sharex=True, constrained_layout=True)
+    axes.set_title("Sources and sinks")
+    for k, name in enumerate(names):
+        kind, owner = name[:-len("_mass")].split("_", 1)
+        mass = results.column(name)
+        dashes = {"dashes": (5, 2)} if kind == "source" else {}
+        axes.plot(x, mass / factor, color=f"C{k}", label=f"{kind} {owner}", **dashes, **style_for(mass))
+        steps = np.linspace(0, results.rows - 1, min(results.rows, 60)).astype(int)
+        if len(steps) > 1 and (np.diff(time[steps]) > 0).all():
+            rate = np.diff(mass[steps]) / np.diff(time[steps])
+            below.step(x[steps], np.append(rate, rate[-1]), where="post", color=f"C{k}", lw=1.2, **dashes)
+    axes.set_ylabel(f"mass [{unit}]")
+    below.set_ylabel("rate [kg/s]")
+    below.set_xlabel(label)
+    axes.legend(loc="upper left")
+    axes.margins(x=0.02)
+    mark_stages(results, axes, x)
+    save(figure, path)
+    return "Mass that came in by sources (dashed) and went out by sinks; below, its rate over a sixtieth of the run."
 
 
 def plot_unbalanced(results, path):
@@ -328,6 +359,7 @@ CURVES = {
     "events": plot_events,
     "force_deflection": plot_deflection,
     "forces": plot_forces,
+    "flow": plot_flow,
     "energy": plot_energy,
     "unbalanced": plot_unbalanced,
     "strains": plot_strains,

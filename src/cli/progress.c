@@ -290,6 +290,21 @@ void gn_print_warnings(const gn_run *run) {
         fprintf(stderr, "gneiss: warning: %s: %s\n", list.warning[k].name, list.warning[k].text);
 }
 
+/* What came in and went out. */
+static void print_flow(const gn_run *run) {
+    const gn_world *w = &run->world;
+    for (size_t k = 0; k < w->scene.source_count; k++)
+        printf("  source %-16.60s%9.0f particles, %.4g kg came in\n", w->scene.sources[k].name,
+               w->dem.flow.sources[k].number, w->dem.flow.sources[k].mass);
+    for (size_t k = 0; k < w->scene.sink_count; k++) {
+        double rate = gn_sink_steady_rate(&run->history, w->scene.sinks[k].name);
+        printf("  sink %-18.60s%9.0f particles, %.4g kg went out", w->scene.sinks[k].name,
+               w->dem.flow.sinks[k].number, w->dem.flow.sinks[k].mass);
+        if (isfinite(rate)) printf(", %.4g kg/s when steady", rate);
+        printf("\n");
+    }
+}
+
 /* What the run came to. */
 static void print_outcome(const gn_run *run) {
     const gn_world *w = &run->world;
@@ -300,7 +315,8 @@ static void print_outcome(const gn_run *run) {
         printf("  bonds broken           %10lld in tension, %lld in shear, of %lld\n",
                (long long)w->dem.broken_tension, (long long)w->dem.broken_shear,
                (long long)w->dem.bonds_at_start);
-    if (w->dem.lost) printf("  particles removed      %10lld\n", (long long)w->dem.lost);
+    print_flow(run);
+    if (w->dem.lost) printf("  left the domain        %10lld particles\n", (long long)w->dem.lost);
     if (w->effects & GN_FX_MASS_SCALING)
         printf("  added mass             %10.4g %% of the particles' own, for %.4g of the step "
                "without\n",

@@ -4,6 +4,7 @@
 #include "base/memory.h"
 #include "base/random.h"
 #include "neigh/pairs.h"
+#include "pack/sizes.h"
 #include "pack/spheres.h"
 
 #include <math.h>
@@ -30,34 +31,15 @@ static double draw(source *s) {
     return 0.5 * (1.0 + gn_random_symmetric(s->scene->seed, s->drawn++));
 }
 
-/* Share of the mass that passes -> size over the largest. */
-static double sieve_size(const gn_pack_def *def, double share) {
-    size_t k = 1;
-    while (k + 1 < def->sieve_count && def->sieve[2 * k + 1] < share) k++;
-    const double *low = def->sieve + 2 * k - 2, *high = def->sieve + 2 * k;
-    double rise = high[1] - low[1];
-    return rise > 0.0 ? low[0] + (high[0] - low[0]) * fmin(1.0, (share - low[1]) / rise) : high[0];
-}
-
-/* A size of the distribution that is asked for, in any unit: uniform and normal from 1 to the
- * ratio. Of a sieve curve, in which mass counts, a size is taken as often as r^-d, so that number
- * counts. */
+/* A size of the distribution that is asked for, in any unit. */
 static double draw_asked(source *s) {
     const gn_pack_def *def = &s->scene->specimen.pack;
-    const double ratio = def->size_ratio, mean = 0.5 * (1.0 + ratio);
-    const double deviation =
-        def->size_variation >= 0.0 ? def->size_variation * mean : (ratio - 1.0) / 6.0;
-    if (def->sizes == GN_SIZES_UNIFORM) return 1.0 + (ratio - 1.0) * draw(s);
-    for (;;) {
-        double u = 1.0 - draw(s), v = draw(s);
-        if (def->sizes == GN_SIZES_NORMAL) {
-            double size = mean + deviation * sqrt(-2.0 * log(u)) * cos(2.0 * M_PI * v);
-            if (size >= 1.0 && size <= ratio) return size;
-        } else {
-            double size = sieve_size(def, u);
-            if (v < pow(def->sieve[0] / size, s->dimension)) return size;
-        }
-    }
+    const gn_sizes sizes = {def->sizes,       def->size_ratio, def->size_variation,
+                            def->sieve_count, def->sieve,      s->dimension};
+    gn_drawn drawn = {s->scene->seed, s->drawn};
+    double size = gn_sizes_draw(&sizes, &drawn);
+    s->drawn = drawn.count;
+    return size;
 }
 
 /* Radius over the median, log-normal within its bounds. */

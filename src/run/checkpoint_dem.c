@@ -26,6 +26,8 @@ static const gn_piece pieces[] = {
     INTEGER(broken_shear),
     INTEGER(bonds_at_start),
     INTEGER(lost),
+    INTEGER(ids),
+    INTEGER(made),
     INTEGER(contact_steps),
     DOUBLES(verlet.skin),
     DOUBLES(verlet.skin_start),
@@ -69,6 +71,7 @@ gneiss_status gn_dem_save(const gn_world *world, gn_h5 *file, gneiss_error *erro
     GN_TRY(gn_h5_put_record(file, "pairs", &gn_contact_record, &w->dem.pairs, error));
     GN_TRY(gn_h5_put_pieces(file, "run", pieces, PIECES, &w->dem, error));
     GN_TRY(gn_checkpoint_put_events(w, file, error));
+    GN_TRY(gn_checkpoint_put_flow(w, file, error));
     return gn_checkpoint_put_arrays(file, arrays, count, error);
 }
 
@@ -89,7 +92,7 @@ static bool good_particles(const gn_world *w) {
     const gn_particles *q = &w->dem.particles;
     bool good = true;
     for (size_t p = 0; p < q->soa.count; p++) {
-        good = good && q->id[p] >= 0 && (size_t)q->id[p] < q->soa.count && q->material[p] >= 0 &&
+        good = good && q->id[p] >= 0 && q->id[p] < w->dem.ids && q->material[p] >= 0 &&
                (size_t)q->material[p] < w->scene.material_count;
         if (q->slot) good = good && q->slot[p] < (int32_t)w->dem.prescribed.count;
     }
@@ -127,6 +130,10 @@ gneiss_status gn_dem_load(gn_world *w, const gn_h5 *file, const char *path, gnei
     gn_dem *d = &w->dem;
     gn_checkpoint_array arrays[MOST_ARRAYS];
     GN_TRY(gn_h5_get_pieces(file, "run", pieces, PIECES, d, error));
+    if (!(d->ids >= 0 && d->ids <= INT32_MAX && d->made >= 0 && d->made <= d->ids))
+        return gn_fail(error, GNEISS_ERROR_INPUT, "%s: expected a number of particles, found %lld",
+                       path, (long long)d->ids);
+    GN_TRY(gn_checkpoint_get_flow(w, file, error));
     if (w->effects & GN_FX_PRESCRIBED)
         GN_TRY(gn_h5_rows(file, "arrays/prescribed_set", &d->prescribed.count, error));
     size_t count = list_arrays(w, arrays);

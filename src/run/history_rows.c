@@ -116,6 +116,7 @@ gneiss_status gn_history_step(gn_world *w, gn_history *h, gneiss_error *error) {
         put_row(w, GN_AFTER_STEP, row);
         status = check_row(h, row, error);
         if (status == GNEISS_OK) status = gn_history_append(h, row, error);
+        gn_flow_row(w);
     }
     free(row);
     w->seconds[GN_PHASE_measure] += gn_now() - start;

@@ -5,6 +5,7 @@
 #include "io/snapshot.h"
 #include "run/budget.h"
 #include "run/output_fields.h"
+#include "run/output_flow.h"
 #include "run/run.h"
 #include "run/stages.h"
 #include "sim/internal.h"
@@ -18,8 +19,8 @@
 
 static gn_output_source particles_of(const gn_output_view *v) {
     const gn_world *w = v->world;
-    return (gn_output_source){&gn_particle_outputs, v,   w->effects, w->dem.particles.soa.count,
-                              w->dem.particles.id,  NULL};
+    return (gn_output_source){&gn_particle_outputs,       v,      w->effects,
+                              w->dem.particles.soa.count, v->row, NULL};
 }
 
 static gn_output_source bonds_of(const gn_output_view *v) {
@@ -35,7 +36,7 @@ static gneiss_status write_bonds(const gn_run *run, const gn_output_view *v, con
     gn_output_arrays lines;
     int32_t *ends = calloc(count + 1, 2 * sizeof *ends);
     if (!ends) return gn_fail(error, GNEISS_ERROR_MEMORY, "no memory for the output of bonds");
-    for (size_t c = 0; c < count; c++) gn_output_bond_ends(w, c, ends + 2 * c);
+    for (size_t c = 0; c < count; c++) gn_output_bond_ends(v, c, ends + 2 * c);
     gneiss_status status = gn_output_arrays_read(&bonds, &lines, error);
     if (status == GNEISS_OK) {
         gn_snapshot s = *points;
@@ -61,8 +62,7 @@ static gneiss_status write_snapshot(const gn_run *run, const gn_output_view *v,
     double *place = calloc(count + 1, 3 * sizeof *place);
     if (!place) return gn_fail(error, GNEISS_ERROR_MEMORY, "no memory for the output of particles");
     for (size_t p = 0; p < count; p++)
-        gn_world_point_out(w, w->dem.particles.pos + 4 * p,
-                           place + 3 * (size_t)w->dem.particles.id[p]);
+        gn_world_point_out(w, w->dem.particles.pos + 4 * p, place + 3 * (size_t)v->row[p]);
     gneiss_status status = gn_output_arrays_read(&particles, &points, error);
     if (status == GNEISS_OK) {
         gn_snapshot s = {
@@ -282,6 +282,7 @@ gneiss_status gn_output_results(const gn_run *run, gneiss_error *error) {
     if (status == GNEISS_OK) status = gn_bodies_results(&run->world, file, error);
     if (status == GNEISS_OK) status = put_state(&run->world, file, error);
     if (status == GNEISS_OK) status = put_events(&run->world, file, error);
+    if (status == GNEISS_OK) status = gn_output_lost(&run->world, file, error);
     if (status == GNEISS_OK) return gn_h5_commit(file, GN_DURABLE, error);
     gn_h5_close(file);
     return status;
@@ -333,7 +334,9 @@ static gneiss_status summary_readings(const gn_run *run, gn_json *j, gneiss_erro
 
 static void summary_counts(const gn_world *w, size_t contacts, gn_json *j) {
     gn_json_object(j, "counts");
-    gn_json_integer(j, "particles", (int64_t)w->dem.particles.soa.count);
+    bool flows = gn_scene_flows(&w->scene);
+    gn_json_integer(j, "particles",
+                    (int64_t)(flows ? gn_world_present(w) : w->dem.particles.soa.count));
     gn_json_integer(j, "contacts", (int64_t)contacts);
     gn_json_integer(j, "bonds", w->dem.bonds_at_start);
     gn_json_integer(j, "broken_tension", w->dem.broken_tension);
@@ -464,6 +467,7 @@ gneiss_status gn_output_summary(const gn_run *run, gneiss_error *error) {
     gneiss_status status = summary_readings(run, j, error);
     if (status == GNEISS_OK) status = summary_stages(run, j, error);
     summary_counts(w, contacts, j);
+    gn_output_flow(run, j);
     gn_json_number(j, "volume", w->volume);
     gn_json_text(j, "volume_of", gn_world_volume_source(w));
     gn_json_number(j, "energy_residual",

@@ -60,7 +60,9 @@ static void read_stress(const void *view, size_t k, double *value) {
 enum { BOTH = GN_IN_RESULTS | GN_IN_SNAPSHOT };
 
 static const gn_output_field of_particles[] = {
-    {"id", "1", "place in the specimen file, base 0", GN_IN_SNAPSHOT, GN_F64, false, 1, read_id, 0},
+    {"id", "1",
+     "place in the specimen file, base 0; those of sources follow in the order in which they come",
+     BOTH, GN_I32, false, 1, read_id, 0},
     {"position", "m", "centre", GN_IN_RESULTS, GN_F64, false, 3, read_position, 0},
     {"radius", "m", "radius", BOTH, GN_F64, false, 1, read_radius, 0},
     {"displacement", "m", "from the start", BOTH, GN_F64, false, 3, read_displacement, 0},
@@ -76,8 +78,8 @@ static const gn_output_field of_particles[] = {
      read_coordination, 0},
     {"bonds_at_start", "1", "bonds at the start", GN_IN_RESULTS, GN_I32, false, 1,
      read_bonds_at_start, 0},
-    {"removed", "1", "1: left the domain, and stays where it was then", BOTH, GN_U8, false, 1,
-     read_removed, 0},
+    {"removed", "1", "1: left by the domain or a sink, and stays where it was then", BOTH, GN_U8,
+     false, 1, read_removed, 0},
     {"orientation", "1",
      "unit quaternion w x y z of the turn from the start, w >= 0: the shorter way round; with "
      "`output.orientation: on`",
@@ -86,9 +88,9 @@ static const gn_output_field of_particles[] = {
 
 /* --- bonds --- */
 
-void gn_output_bond_ends(const gn_world *w, size_t bond, int32_t ends[2]) {
-    int32_t i = w->dem.particles.id[w->dem.bonds.i[bond]],
-            j = w->dem.particles.id[w->dem.bonds.j[bond]];
+void gn_output_bond_ends(const gn_output_view *v, size_t bond, int32_t ends[2]) {
+    const gn_contacts *b = &v->world->dem.bonds;
+    int32_t i = v->row[b->i[bond]], j = v->row[b->j[bond]];
     ends[0] = i < j ? i : j;
     ends[1] = i < j ? j : i;
 }
@@ -159,14 +161,14 @@ static double state_of(const gn_contacts *b, size_t c) {
     return is.permanent != 0.0 ? BOND_YIELDED : GN_INTACT;
 }
 
-static double end_of(const gn_world *w, size_t c, int end) {
+static double end_of(const gn_output_view *v, size_t c, int end) {
     int32_t ends[2];
-    gn_output_bond_ends(w, c, ends);
+    gn_output_bond_ends(v, c, ends);
     return ends[end];
 }
 
-READ(first, end_of(w, k, 0))
-READ(second, end_of(w, k, 1))
+READ(first, end_of(v, k, 0))
+READ(second, end_of(v, k, 1))
 READ(state, state_of(&w->dem.bonds, k))
 READ(tension_damage, gn_softening_condition(&w->dem.bonds, k).tension)
 READ(shear_damage, gn_softening_condition(&w->dem.bonds, k).shear)
@@ -196,8 +198,8 @@ static void read_moment(const void *view, size_t c, double *value) {
 }
 
 static const gn_output_field of_bonds[] = {
-    {"i", "1", "first particle, base 0, order of the specimen file", GN_IN_RESULTS, GN_I32, false,
-     1, read_first, 0},
+    {"i", "1", "first particle, base 0: row of particles", GN_IN_RESULTS, GN_I32, false, 1,
+     read_first, 0},
     {"j", "1", "second particle", GN_IN_RESULTS, GN_I32, false, 1, read_second, 0},
     {"state", "1",
      "0 intact, 1 broken in tension, 2 broken in shear, 3 left with a removed particle; holds: 4 "
@@ -257,11 +259,15 @@ gneiss_status gn_output_view_make(const gn_world *w, const gn_observed *seen, gn
                           .stress = calloc(n + 1, 6 * sizeof(double)),
                           .coordination = calloc(n + 1, sizeof(double)),
                           .normal = calloc(bonds + 1, sizeof(double)),
-                          .shear = calloc(bonds + 1, sizeof(double))};
-    if (!v->damage || !v->stress || !v->coordination || !v->normal || !v->shear) {
+                          .shear = calloc(bonds + 1, sizeof(double)),
+                          .row = calloc(n + 1, sizeof(int32_t))};
+    if (!v->row || !v->damage || !v->stress || !v->coordination || !v->normal || !v->shear) {
         gn_output_view_free(v);
         return gn_fail(error, GNEISS_ERROR_MEMORY, "no memory for the output of %zu particles", n);
     }
+    int32_t row = 0;
+    for (int64_t id = 0; id < w->dem.ids; id++)
+        if (w->dem.index_of_id[id] >= 0) v->row[w->dem.index_of_id[id]] = row++;
     gn_assembly assembly = gn_world_assembly(w);
     assembly.bonds = &seen->bonds;
     assembly.pairs = &seen->pairs;
@@ -279,5 +285,6 @@ void gn_output_view_free(gn_output_view *v) {
     free(v->coordination);
     free(v->normal);
     free(v->shear);
+    free(v->row);
     *v = (gn_output_view){0};
 }

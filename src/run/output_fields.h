@@ -10,13 +10,14 @@ typedef struct gn_output_view {
     const gn_observed *seen;
     double *damage, *stress, *coordination; /* per particle; stress [particles][6] */
     double *normal, *shear;                 /* N, per bond, of what is seen */
+    int32_t *row;                           /* [particles] in files, where they stand by id */
 } gn_output_view;
 
 gneiss_status gn_output_view_make(const gn_world *world, const gn_observed *seen,
                                   gn_output_view *view, gneiss_error *error);
 void gn_output_view_free(gn_output_view *view);
 
-/* The ends of a bond as ids, the smaller one first. */
-void gn_output_bond_ends(const gn_world *world, size_t bond, int32_t ends[2]);
+/* The ends of a bond as rows of particles, the smaller one first. */
+void gn_output_bond_ends(const gn_output_view *view, size_t bond, int32_t ends[2]);
 
 #endif

@@ -71,6 +71,10 @@ static bool has_added_mass(const gn_world *w, size_t k) {
     (void)k;
     return w->effects & GN_FX_MASS_SCALING;
 }
+static bool has_flow(const gn_world *w, size_t k) {
+    (void)k;
+    return gn_scene_flows(&w->scene);
+}
 static bool has_elements_beside_particles(const gn_world *w, size_t k) {
     (void)k;
     return w->element_count && w->scene.has_specimen;
@@ -103,6 +107,7 @@ static const gn_condition always = {"always", NULL}, tests = {"with a test", has
                           booked = {"with the energy ledger", has_ledger},
                           raised = {"with mass scaling", has_added_mass},
                           boxed = {"in a periodic box", is_periodic},
+                          flowing = {"with sources or sinks", has_flow},
                           beside = {"finite elements beside particles",
                                     has_elements_beside_particles},
                           coupled = {"with couple", is_coupled},
@@ -224,6 +229,7 @@ static void read_box(const gn_world *w, size_t k, double *value) {
     copy3(value, w->period);
 }
 READ(unbalanced, w->unbalanced)
+READ(particles, (double)gn_world_present(w))
 READ(added_kinetic, gn_dem_added_kinetic(w))
 
 static double broken(const gn_world *w) {
@@ -232,7 +238,9 @@ static double broken(const gn_world *w) {
 /* Those that left with removed particles or were dissolved are neither. */
 static double bonds_left(const gn_world *w) {
     size_t left = 0;
-    for (size_t c = 0; (w->dem.lost || w->scene.stage_count) && c < w->dem.bonds.soa.count; c++)
+    for (size_t c = 0;
+         (w->dem.lost || w->scene.stage_count || w->scene.sink_count) && c < w->dem.bonds.soa.count;
+         c++)
         left += w->dem.bonds.cause[c] >= GN_BOND_LEFT;
     return (double)left;
 }
@@ -300,6 +308,7 @@ static const gn_quantity of_the_model[] = {
     {"box", "m", "lengths of the periodic box", GN_VECTOR, GN_BEFORE_STEP, &boxed, read_box, NULL},
     SCALAR(always, GN_AFTER_STEP, "unbalanced", "1", read_unbalanced,
            "mean resultant on a particle over the mean contact force"),
+    SCALAR(flowing, GN_AFTER_STEP, "particles", "1", read_particles, "particles that are there"),
     SCALAR(raised, GN_AFTER_STEP, "added_kinetic", "1", read_added_kinetic,
            "share of the particles' kinetic energy that added mass has"),
     SCALAR(bonded, GN_AFTER_STEP, "bonds_intact", "1", read_bonds_intact, "intact bonds"),
@@ -384,6 +393,60 @@ static const gn_quantity of_sets[] = {{"reaction", "N",
                                        "force that the prescribed motion supplies to the set",
                                        GN_VECTOR, GN_AFTER_STEP, &moving, read_set_reaction, NULL}};
 
+/* --- of sources and sinks --- */
+
+static size_t source_count(const gn_world *w) {
+    return w->scene.source_count;
+}
+static const char *source_name(const gn_world *w, size_t k) {
+    return w->scene.sources[k].name;
+}
+static size_t sink_count(const gn_world *w) {
+    return w->scene.sink_count;
+}
+static const char *sink_name(const gn_world *w, size_t k) {
+    return w->scene.sinks[k].name;
+}
+
+/* A quantity of one source (sink). */
+#define READ_ONE(what, name, expression)                                                           \
+    static void read_##what##_##name(const gn_world *w, size_t k, double *value) {                 \
+        const gn_##what##_state *s = &w->dem.flow.what##s[k];                                      \
+        (void)s;                                                                                   \
+        *value = (expression);                                                                     \
+    }
+READ_ONE(source, number, s->number)
+READ_ONE(source, mass, s->mass)
+READ_ONE(source, behind, gn_flow_behind(w, k))
+READ_ONE(sink, number, s->number)
+READ_ONE(sink, mass, s->mass)
+/* Since the last row; of the first there is none. */
+READ_ONE(sink, rate,
+         w->time > s->row_time ? (s->mass - s->row_mass) / (w->time - s->row_time) : 0.0)
+static void read_source_momentum(const gn_world *w, size_t k, double *value) {
+    copy3(value, w->dem.flow.sources[k].momentum);
+}
+static void read_sink_momentum(const gn_world *w, size_t k, double *value) {
+    copy3(value, w->dem.flow.sinks[k].momentum);
+}
+
+static const gn_quantity of_sources[] = {
+    SCALAR(always, GN_AFTER_STEP, "number", "1", read_source_number, "particles that came in"),
+    SCALAR(always, GN_AFTER_STEP, "mass", "kg", read_source_mass, "mass that came in"),
+    {"momentum", "N s", "momentum that came in", GN_VECTOR, GN_AFTER_STEP, &always,
+     read_source_momentum, NULL},
+    SCALAR(always, GN_AFTER_STEP, "behind", "s", read_source_behind,
+           "by which what came in is behind its rate, for want of room")};
+
+static const gn_quantity of_sinks[] = {
+    SCALAR(always, GN_AFTER_STEP, "number", "1", read_sink_number,
+           "particles that went out; of a plane that only counts, those that came back less"),
+    SCALAR(always, GN_AFTER_STEP, "mass", "kg", read_sink_mass, "mass that went out"),
+    SCALAR(always, GN_AFTER_STEP, "rate", "kg/s", read_sink_rate,
+           "mass that went out since the last row, over the time"),
+    {"momentum", "N s", "momentum that went out", GN_VECTOR, GN_AFTER_STEP, &always,
+     read_sink_momentum, NULL}};
+
 /* --- of finite elements --- */
 
 static const gn_quantity of_elements[] = {
@@ -408,6 +471,8 @@ const gn_quantity_group gn_quantity_groups[GN_QUANTITY_GROUPS] = {
     {"wall", wall_count, wall_name, of_walls, COUNT(of_walls)},
     {"body", body_count, body_name, of_bodies, COUNT(of_bodies)},
     {"set", set_count, set_name, of_sets, COUNT(of_sets)},
+    {"source", source_count, source_name, of_sources, COUNT(of_sources)},
+    {"sink", sink_count, sink_name, of_sinks, COUNT(of_sinks)},
     {NULL, one, NULL, of_elements, COUNT(of_elements)},
     {"motion", gn_elements_motions, gn_elements_motion_name, of_motions, COUNT(of_motions)}};
 

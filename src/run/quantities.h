@@ -38,7 +38,7 @@ typedef struct gn_quantity_group {
     size_t quantity_count;
 } gn_quantity_group;
 
-enum { GN_QUANTITY_GROUPS = 6 };
+enum { GN_QUANTITY_GROUPS = 8 };
 extern const gn_quantity_group gn_quantity_groups[GN_QUANTITY_GROUPS];
 
 /* Walks through what a world has, in the order of the columns. Starts from zeros; false at the end.

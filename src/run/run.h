@@ -107,6 +107,10 @@ gneiss_status gn_run_check_ledger(gn_run *run, gneiss_error *error);
 /* When all is written. GNEISS_ERROR_UNSTABLE: it ended beyond that limit. */
 gneiss_status gn_run_verdict(const gn_run *run, gneiss_error *error);
 
+/* output_flow.c: kg/s, of what a sink has taken, between the rows at which a quarter and three
+ * quarters of it had gone; NaN: too few rows. */
+double gn_sink_steady_rate(const gn_history *history, const char *sink);
+
 /* What is to be said beside the results, each by a name that scripts can look for. */
 typedef struct gn_warning {
     const char *name;

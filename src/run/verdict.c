@@ -208,6 +208,24 @@ static void warn_of_added_mass(const gn_run *run, gn_warnings *list) {
              d->scaling.added / d->mass);
 }
 
+/* The steps between two looks are no delay. */
+static void warn_of_sources(const gn_run *run, gn_warnings *list) {
+    const gn_world *w = &run->world;
+    for (size_t k = 0; k < w->scene.source_count; k++) {
+        const gn_source_def *d = &w->scene.sources[k];
+        const gn_source_state *s = &w->dem.flow.sources[k];
+        double behind = gn_flow_behind(w, k);
+        if (!(s->full > 0.0 && behind > 0.01 * fmax(0.0, w->time - d->start))) continue;
+        gn_warning *to = &list->warning[list->count++];
+        to->name = "source_behind";
+        snprintf(to->text, sizeof to->text,
+                 "source '%s' found no room %.0f times and is %.4g s behind its rate: %.0f "
+                 "particles, %.4g kg came in; a larger region or a faster velocity makes room",
+                 d->name, s->full, behind, s->number, s->mass);
+        return;
+    }
+}
+
 gn_warnings gn_run_warnings(const gn_run *run) {
     gn_warnings list = {0};
     warn_of_step(run, &list);
@@ -221,5 +239,6 @@ gn_warnings gn_run_warnings(const gn_run *run) {
     warn_of_added_mass(run, &list);
     warn_of_stages(run, &list);
     warn_of_zones(run, &list);
+    warn_of_sources(run, &list);
     return list;
 }

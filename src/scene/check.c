@@ -249,11 +249,12 @@ static gneiss_status check_specimen(const check *c, gn_scene *s) {
     gn_specimen *specimen = &s->specimen;
     if (!s->has_specimen)
         return gn_check_fail(c, "specimen",
-                             "required, but not given; expected a specimen, elements "
-                             "or both");
+                             "required, but not given; expected a specimen, sources, "
+                             "elements or several of them");
     if (!s->material_count && gn_check_sound(c, "materials"))
         GN_TRY(gn_check_keep(c, not_given(c, "materials")));
     if (!s->has_law && gn_check_sound(c, "law")) GN_TRY(gn_check_keep(c, not_given(c, "law")));
+    if (!s->specimen_given) return GNEISS_OK; /* sources bring all */
     GN_TRY(gn_check_keep(c, check_particles(c, s)));
     if (!*specimen->material && s->material_count == 1)
         memcpy(specimen->material, s->materials[0].name, sizeof specimen->material);
@@ -263,6 +264,7 @@ static gneiss_status check_specimen(const check *c, gn_scene *s) {
 gneiss_status gn_check_shape(gn_reader *reader, const gn_node *root) {
     check c = {.reader = reader, .map = root};
     if (!gn_check_sound(&c, "specimen")) return GNEISS_OK;
+    reader->scene->has_specimen = reader->scene->specimen_given;
     return gn_check_keep(&c, reader->scene->has_specimen ? check_particles(&c, reader->scene)
                                                          : not_given(&c, "specimen"));
 }
@@ -272,6 +274,15 @@ gneiss_status gn_check_shape(gn_reader *reader, const gn_node *root) {
 gneiss_status gn_check_need(const check *c, double value, const char *key, const char *reason) {
     if (value > 0) return GNEISS_OK;
     return gn_check_fail(c, key, "required %s, but not given", reason);
+}
+
+/* What resists rolling is as stiff as the tangential spring lets it be. */
+static gneiss_status check_rolls(const check *c, const gn_material *m, bool area) {
+    bool rolls = m->rolling_friction > 0 || m->twisting_friction > 0;
+    if (!rolls || (area ? m->beta : m->kratio) != 0) return GNEISS_OK;
+    return gn_check_fail(c, m->rolling_friction > 0 ? "rolling_friction" : "twisting_friction",
+                         "expected %s above 0 beside it, which its stiffness follows from, found 0",
+                         area ? "beta" : "kratio");
 }
 
 static gneiss_status check_law_values(const check *c, const gn_scene *s, const gn_material *m) {
@@ -285,6 +296,7 @@ static gneiss_status check_law_values(const check *c, const gn_scene *s, const g
                              "expected law.stiffness hertz beside it, found another (all others "
                              "have damping.contact.restitution)");
     if (!area) GN_TRY(gn_check_need(c, m->kratio + 1.0, "kratio", "by this law.stiffness"));
+    GN_TRY(check_rolls(c, m, area));
     if (bonds) GN_TRY(gn_check_bonds_of(c, s, m));
     if (s->stiffness == GN_STIFFNESS_UNIFORM) {
         GN_TRY(gn_check_need(c, m->normal_stiffness, "normal_stiffness", "by the uniform law"));
@@ -436,7 +448,7 @@ static gneiss_status check_set(const check *c, const gn_scene *s, size_t index) 
 }
 
 /* A unit vector stays as it is, so that a scene written out and read again keeps every bit. */
-static bool normalise(double v[3]) {
+bool gn_check_direction(double v[3]) {
     double largest = fmax(fabs(v[0]), fmax(fabs(v[1]), fabs(v[2])));
     if (!(largest > 0)) return false;
     double square = v[0] * v[0] + v[1] * v[1] + v[2] * v[2];
@@ -460,7 +472,7 @@ static gneiss_status check_wall(const check *c, const gn_scene *s, size_t index)
     if (gn_scene_find_wall(s, wall->name) != (int)index)
         return gn_check_fail(c, "name", "expected a name of its own, found '%s' a second time",
                              wall->name);
-    if (!normalise(wall->normal))
+    if (!gn_check_direction(wall->normal))
         return gn_check_fail(c, "normal", "expected a direction, found [0, 0, 0]");
     GN_TRY(gn_check_side(c, s, "",
                          (gn_side_keys){wall->stiffness, wall->kratio, wall->friction,
@@ -544,6 +556,7 @@ gneiss_status gn_check_scene(gn_reader *reader, const gn_node *root) {
     gn_scene *s = reader->scene;
     check c = {.reader = reader, .map = root};
     if (!gn_check_sound(&c, "dimension")) return GNEISS_OK;
+    s->has_specimen = s->specimen_given || s->source_count > 0;
     if (s->bonds == GN_SWITCH_AUTO)
         s->bonds = gn_check_given(&c, "bonds") ? GN_SWITCH_ON : GN_SWITCH_OFF;
     GN_TRY(check_matter(&c, s));
@@ -568,6 +581,7 @@ gneiss_status gn_check_scene(gn_reader *reader, const gn_node *root) {
     GN_TRY(check_list(&c, "walls", s->wall_count, check_wall));
     if (gn_check_sound(&c, "walls")) GN_TRY(check_list(&c, "walls", s->wall_count, check_servo));
     GN_TRY(gn_check_bodies(reader, root));
+    GN_TRY(gn_check_flow(reader, root));
     if (gn_check_sound(&c, "membrane") && gn_check_sound(&c, "test") &&
         gn_check_sound(&c, "specimen"))
         GN_TRY(gn_check_keep(&c, gn_check_membrane(&c, s)));

@@ -80,6 +80,12 @@ gneiss_status gn_check_membrane(const check *c, const gn_scene *s);
 /* What `time` says of steps (check_time.c). */
 gneiss_status gn_check_time(const check *c, const gn_scene *s);
 
+/* Makes a unit vector of it; false: it has no direction. */
+bool gn_check_direction(double v[3]);
+
+/* The lists `sources` and `sinks`, which may be empty (check_flow.c). */
+gneiss_status gn_check_flow(const gn_reader *reader, const gn_node *root);
+
 /* The list `bodies`, which may be empty. */
 gneiss_status gn_check_bodies(const gn_reader *reader, const gn_node *root);
 

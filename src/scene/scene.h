@@ -7,6 +7,7 @@
 #include "base/error.h"
 #include "base/instruction_sets.h"
 #include "scene/couple_def.h"
+#include "scene/flow_def.h"
 #include "scene/laboratory.h"
 #include "scene/mesh_def.h"
 #include "scene/values.h"
@@ -85,14 +86,6 @@ typedef enum gn_overlap_kind {
     GN_OVERLAP_NONE,
     GN_OVERLAP_PASSIVE /* neighbours overlap, to be bonded free of stress */
 } gn_overlap_kind;
-
-/* How the radii of a packing are to be distributed. */
-typedef enum gn_pack_sizes {
-    GN_SIZES_FITTED,  /* whatever fits best: log-normal at the start */
-    GN_SIZES_UNIFORM, /* by number, between the smallest and the largest */
-    GN_SIZES_NORMAL,  /* by number, cut there */
-    GN_SIZES_SIEVE    /* by a curve of shares of the mass that pass */
-} gn_pack_sizes;
 
 typedef enum gn_pack_start {
     GN_START_RANDOM, /* well-spread random points */
@@ -392,7 +385,8 @@ typedef struct gn_scene {
     bool has_origin;
     double origin[3]; /* m: what positions are computed relative to */
 
-    bool has_specimen; /* particles */
+    bool has_specimen;   /* particles, now or later */
+    bool specimen_given; /* from the start */
     gn_specimen specimen;
     size_t material_count;
     gn_material *materials;
@@ -449,6 +443,9 @@ typedef struct gn_scene {
     gn_wall_def *walls;
     size_t body_count;
     gn_body_def *bodies;
+    size_t source_count, sink_count;
+    gn_source_def *sources;
+    gn_sink_def *sinks;
     bool has_membrane;
     gn_membrane_def membrane;
     gn_test test;
@@ -579,6 +576,10 @@ static inline double gn_scene_spin_damping(const gn_scene *scene) {
 /* Whether stiffness follows from E, nu and sections. */
 static inline bool gn_scene_by_area(const gn_scene *scene) {
     return scene->stiffness == GN_STIFFNESS_DEMPACK || scene->stiffness == GN_STIFFNESS_POLYHEDRON;
+}
+/* Whether particles come and go while the run goes on. */
+static inline bool gn_scene_flows(const gn_scene *scene) {
+    return scene->has_specimen && (scene->source_count || scene->sink_count);
 }
 int gn_scene_find_element_motion(const gn_scene *scene, const char *name);
 

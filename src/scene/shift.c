@@ -33,8 +33,22 @@ static void shift_bodies(gn_scene *s) {
     }
 }
 
+static void shift_region(const gn_scene *s, gn_flow_region *r) {
+    shift_rows(s, r->corners, r->corner_count, 2);
+    if (!r->corner_count) shift(s, r->origin);
+}
+
+static void shift_flow(gn_scene *s) {
+    for (size_t k = 0; k < s->source_count; k++) shift_region(s, &s->sources[k].region);
+    for (size_t k = 0; k < s->sink_count; k++) {
+        shift_region(s, &s->sinks[k].region);
+        if (s->sinks[k].has_plane) shift(s, s->sinks[k].point);
+    }
+}
+
 void gn_scene_shift(gn_scene *s) {
     if (s->has_specimen) shift_specimen(s);
+    shift_flow(s);
     if (s->has_elements) {
         shift(s, s->elements.origin);
         shift(s, s->elements.beam.origin);

@@ -61,6 +61,8 @@ static const struct {
     const char *path, *reason;
 } fixed[] = {
     {"specimen", "particles are made once, when the run begins"},
+    {"sources", "sources are the same throughout; each has its start and end"},
+    {"sinks", "sinks are the same throughout"},
     {"elements", "elements are made once, when the run begins; motions and loads may change"},
     {"time.end", "it bounds the whole run; a stage ends by what stands under its end"},
     {"time.stop", "a stage ends by what stands under its end"},

@@ -50,6 +50,13 @@ void gn_boundary_free(gn_boundary *b) {
 
 /* --- lists --- */
 
+void gn_boundary_resized(gn_boundary *b) {
+    gn_free(b->first);
+    gn_free(b->sums);
+    b->first = NULL;
+    b->sums = NULL;
+}
+
 static gneiss_status ready_sums(gn_world *w, gneiss_error *error) {
     size_t blocks = gn_blocks(w->dem.particles.soa.count, GN_PARTICLE_BLOCK);
     gn_boundary *b = &w->boundary;

@@ -60,6 +60,8 @@ void gn_boundary_free(gn_boundary *boundary);
 /* Finds what is near each particle, in the order that the particles have; `first`: at the start,
  * where a passive wall takes contacts as they are. */
 gneiss_status gn_boundary_refresh(gn_world *world, bool first, gneiss_error *error);
+/* There is another number of particles: what goes by it is made with the next lists. */
+void gn_boundary_resized(gn_boundary *boundary);
 /* All that follows from contacts, which were read. */
 gneiss_status gn_boundary_restore(gn_world *world, gneiss_error *error);
 /* Particles have other numbers: place[old] is the new one. */

@@ -18,6 +18,7 @@ gneiss_status gn_dem_use_threads(gn_world *w, gneiss_error *error) {
 gneiss_status gn_dem_prepare(gn_world *w, gneiss_error *error) {
     w->dem.damping_fraction = gn_contact_damping_fraction(&w->scene);
     GN_TRY(gn_hertz_prepare(w, error));
+    GN_TRY(gn_flow_prepare(w, error));
     GN_TRY(gn_dem_use_threads(w, error));
     GN_TRY(gn_contact_kernel_choose(w->kernels, gn_contact_list_effects(w->effects, true),
                                     &w->dem.bond_kernel, error));
@@ -37,7 +38,8 @@ gneiss_status gn_dem_create(gn_world *w, const gn_packing *packing, gneiss_error
     GN_TRY(gn_soa_create(&gn_particle_record, q, packing->count, w->effects, error));
     memcpy(q->pos, packing->sphere, packing->count * 4 * sizeof(double));
     memcpy(q->start, packing->sphere, packing->count * 4 * sizeof(double));
-    w->dem.radius_min = INFINITY;
+    w->dem.radius_min = gn_flow_least_radius(w);
+    w->dem.ids = w->dem.made = (int64_t)packing->count;
     for (size_t p = 0; p < packing->count; p++) {
         w->dem.radius_min = fmin(w->dem.radius_min, packing->sphere[4 * p + 3]);
         q->id[p] = (int32_t)p;
@@ -95,6 +97,7 @@ static gneiss_status take_velocities(gn_world *w, gneiss_error *error) {
  * visited. */
 static double automatic_skin(const gn_world *w) {
     double sum = 0.0;
+    if (!w->dem.particles.soa.count) return 0.15 * gn_flow_mean_radius(w);
     for (size_t p = 0; p < w->dem.particles.soa.count; p++) sum += w->dem.particles.pos[4 * p + 3];
     return 0.15 * sum / (double)w->dem.particles.soa.count;
 }
@@ -103,7 +106,7 @@ static double automatic_skin(const gn_world *w) {
 static gneiss_status check_period(const gn_world *w, gneiss_error *error) {
     const gn_scene *s = &w->scene;
     if (!(w->effects & GN_FX_PERIODIC)) return GNEISS_OK;
-    double radius = 0.0;
+    double radius = gn_flow_largest_radius(w);
     for (size_t p = 0; p < w->dem.particles.soa.count; p++)
         radius = fmax(radius, w->dem.particles.pos[4 * p + 3]);
     double bonds = 2.0 * radius * (1.0 + s->interaction_range);
@@ -127,6 +130,7 @@ gneiss_status gn_dem_complete(gn_world *w, gneiss_error *error) {
     set_masses(w);
     GN_TRY(take_velocities(w, error));
     GN_TRY(gn_sets_apply(w, error));
+    GN_TRY(gn_flow_create(w, error));
     d->index_of_id = gn_alloc_array(d->particles.soa.count + 1, sizeof *d->index_of_id);
     if (!d->index_of_id)
         return gn_fail(error, GNEISS_ERROR_MEMORY, "no memory for particle numbers");
@@ -183,6 +187,7 @@ void gn_dem_free(gn_dem *d) {
     gn_deal_free(&d->deal);
     gn_hold_free(&d->hold);
     gn_events_free(&d->events);
+    gn_flow_free(&d->flow);
     void *blocks[] = {d->membrane,
                       d->index_of_id,
                       d->channel_set,
@@ -211,7 +216,8 @@ void gn_dem_free(gn_dem *d) {
 uint64_t gn_dem_hash(const gn_world *w, uint64_t h) {
     h = gn_soa_hash(&gn_particle_record, &w->dem.particles, h);
     h = gn_soa_hash(&gn_contact_record, &w->dem.bonds, h);
-    return gn_soa_hash(&gn_contact_record, &w->dem.pairs, h);
+    h = gn_soa_hash(&gn_contact_record, &w->dem.pairs, h);
+    return gn_flow_hash(w, h);
 }
 
 static size_t list_bytes(const gn_contacts *list, const gn_partials *q) {

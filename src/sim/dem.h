@@ -13,6 +13,7 @@
 #include "sched/deal.h"
 #include "sched/hold.h"
 #include "sim/events.h"
+#include "sim/flow.h"
 
 /* State of the Verlet lists. */
 typedef struct gn_verlet {
@@ -70,7 +71,8 @@ typedef struct gn_dem {
     gn_contacts bonds, pairs;
     gn_partials bond_partials, pair_partials;
     gn_uniform bond_uniform, pair_uniform;
-    int32_t *index_of_id; /* [particles] */
+    int32_t *index_of_id; /* [ids] -1: gone, its row as well */
+    int64_t ids, made;    /* given so far; of them those of the specimen come first */
     gn_derived derived;
     gn_prescription prescribed;
     int32_t *channel_set;  /* [prescribed.count][6] set that drives a channel, -1: free */
@@ -108,11 +110,12 @@ typedef struct gn_dem {
                           * within a hundredth of the step or below it; else INFINITY */
     double listed_holds; /* s: step of the particles alone at which all that is listed holds */
     gn_resolution resolution; /* the shortest so far */
-    uint8_t *loose;           /* [particles] by id: not bonded at the start, see resolution.c */
+    uint8_t *loose;           /* [ids]: not bonded at the start, see resolution.c */
 
     int64_t broken_tension, broken_shear, bonds_at_start;
     gn_events events;
-    int64_t lost;          /* removed particles */
+    gn_flow flow;
+    int64_t lost;          /* particles that left the domain */
     int64_t contact_steps; /* contacts worked on, summed over steps */
 } gn_dem;
 

@@ -102,9 +102,15 @@ void gn_bonds_dissolve(gn_world *world);
 /* J, what the springs of all contacts between particles hold. */
 double gn_contacts_stored(const gn_world *world);
 
-/* Particles outside the domain (removal.c) fail the run or leave the model: without mass and
- * contacts, and what they and their contacts held is booked as carried away. Call with the lists as
- * the last step left them. */
+/* Numbers of particles (lists.c): null particles behind the last one, index_of_id, and the ends of
+ * contacts, which are sorted again; place[old] is the new one. */
+void gn_dem_null_particles(gn_world *world);
+void gn_dem_number_ids(gn_world *world);
+gneiss_status gn_contacts_rename(gn_contacts *list, const int32_t *place, gneiss_error *error);
+
+/* Particles outside the domain (removal.c) fail the run or leave the model, those in sinks leave:
+ * without mass and contacts, and what they and their contacts held is booked as carried away. Call
+ * with the lists as the last step left them. */
 gneiss_status gn_dem_check_domain(gn_world *world, gneiss_error *error);
 
 /* Sets (sets.c): first materials and groups, then, when masses are known, motions and forces. */

@@ -14,7 +14,7 @@ static void assert_particles(const gn_world *w) {
     for (size_t p = 0; p < n; p++) {
         assert(q->pos[4 * p + 3] > 0.0);
         assert(q->vel[4 * p + 3] >= 0.0);
-        assert(q->id[p] >= 0 && (size_t)q->id[p] < n);
+        assert(q->id[p] >= 0 && q->id[p] < w->dem.ids);
         assert(w->dem.index_of_id[q->id[p]] == (int32_t)p);
         for (size_t a = 0; a < 3; a++) assert(isfinite(q->pos[4 * p + a] + q->vel[4 * p + a]));
     }

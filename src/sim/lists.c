@@ -146,7 +146,7 @@ static void take_keys(gn_contacts *list, const gn_renamed *keys, int32_t *swappe
 }
 
 /* Renumbers the ends of contacts and sorts them again; place[old] is the new number. */
-static gneiss_status rename_contacts(gn_contacts *list, const int32_t *place, gneiss_error *error) {
+gneiss_status gn_contacts_rename(gn_contacts *list, const int32_t *place, gneiss_error *error) {
     size_t count = list->soa.count;
     gn_renamed *keys = gn_alloc_array(count + 1, sizeof *keys);
     int32_t *swapped = gn_alloc_array(count + 1, sizeof *swapped);
@@ -168,12 +168,13 @@ static gneiss_status rename_contacts(gn_contacts *list, const int32_t *place, gn
     return status;
 }
 
-static void set_null_particles(gn_world *w) {
+void gn_dem_null_particles(gn_world *w) {
     double apart = w->effects & GN_FX_PERIODIC ? 0.25 * fmin(w->period[0], w->period[1]) : 1.0;
     gn_particles_set_null(&w->dem.particles, apart);
 }
 
-static void number_ids(gn_world *w) {
+void gn_dem_number_ids(gn_world *w) {
+    for (int64_t k = 0; k < w->dem.ids; k++) w->dem.index_of_id[k] = -1;
     for (size_t p = 0; p < w->dem.particles.soa.count; p++)
         w->dem.index_of_id[w->dem.particles.id[p]] = (int32_t)p;
 }
@@ -193,18 +194,18 @@ static gneiss_status reorder(gn_world *w, gneiss_error *error) {
         gn_soa_permute(&gn_particle_record, &now, &w->dem.particles, order);
         gn_soa_destroy(&gn_particle_record, &w->dem.particles);
         w->dem.particles = now;
-        set_null_particles(w);
+        gn_dem_null_particles(w);
         for (size_t p = 0; p < n; p++) place[order[p]] = (int32_t)p;
-        number_ids(w);
+        gn_dem_number_ids(w);
     }
     if (status == GNEISS_OK && w->dem.bonds.soa.capacity) {
-        status = rename_contacts(&w->dem.bonds, place, error);
+        status = gn_contacts_rename(&w->dem.bonds, place, error);
         gn_contacts_pad(&w->dem.bonds, &w->dem.particles);
         if (status == GNEISS_OK)
             status = gn_partials_build(&w->dem.bonds, n, w->threads, &w->dem.bond_partials, error);
     }
     if (status == GNEISS_OK && w->dem.pairs.soa.capacity)
-        status = rename_contacts(&w->dem.pairs, place, error);
+        status = gn_contacts_rename(&w->dem.pairs, place, error);
     if (status == GNEISS_OK) status = gn_boundary_renumber(w, place, error);
     gn_free(order);
     gn_free(place);
@@ -247,12 +248,13 @@ static gneiss_status ready_blocks(gn_world *w, gneiss_error *error) {
     return gn_dem_deal(w, error);
 }
 
-/* Particles that flow are sorted again now and then; a bonded specimen keeps its order. The
- * decision rests on counts alone, so that it falls at the same step in every run. */
+/* Particles that flow are sorted again now and then; a bonded specimen by itself keeps its order.
+ * The decision rests on counts alone, so that it falls at the same step in every run. */
 static bool order_is_old(const gn_world *w) {
     enum { REBUILDS_PER_SORT = 16 };
     return w->dem.verlet.rebuilds == 0 ||
-           (!(w->effects & GN_FX_BONDS) && w->dem.verlet.rebuilds % REBUILDS_PER_SORT == 0);
+           ((!(w->effects & GN_FX_BONDS) || gn_scene_flows(&w->scene)) &&
+            w->dem.verlet.rebuilds % REBUILDS_PER_SORT == 0);
 }
 
 /* A particle must not have two images of another within reach. */
@@ -273,7 +275,7 @@ static double widest_skin(const gn_world *w) {
  * skin at all. */
 static void tune_skin(gn_world *w) {
     enum { SHORT_LIFE = 160, LONG_LIFE = 2000 };
-    if (w->scene.skin > 0.0 || w->dem.verlet.rebuilds == 0) return;
+    if (w->scene.skin > 0.0 || w->dem.verlet.rebuilds == 0 || w->dem.flow.forced) return;
     int64_t life = w->step - w->dem.verlet.last_step;
     double most = fmin(6.0 * w->dem.verlet.skin_start, widest_skin(w));
     if (life < SHORT_LIFE) w->dem.verlet.skin = fmin(1.25 * w->dem.verlet.skin, most);
@@ -359,8 +361,10 @@ void gn_dem_masses_changed(gn_world *w) {
 gneiss_status gn_dem_refresh(gn_world *w, gneiss_error *error) {
     tune_skin(w);
     widen_skin(w);
+    GN_TRY(gn_dem_drop(w, error));
     GN_TRY(gn_dem_check_domain(w, error));
     if (w->effects & GN_FX_PERIODIC) wrap(w);
+    GN_TRY(gn_flow_arrive(w, false, error));
     if (order_is_old(w)) GN_TRY(reorder(w, error));
     if (!w->dem.bond_partials.first) GN_TRY(gn_bonds_form(w, error));
     GN_TRY(make_pairs(w, error));
@@ -377,12 +381,12 @@ gneiss_status gn_dem_refresh(gn_world *w, gneiss_error *error) {
 
 gneiss_status gn_dem_restore(gn_world *w, gneiss_error *error) {
     size_t n = w->dem.particles.soa.count;
-    set_null_particles(w);
-    w->dem.index_of_id = gn_alloc_array(n + 1, sizeof *w->dem.index_of_id);
+    gn_dem_null_particles(w);
+    w->dem.index_of_id = gn_alloc_array((size_t)w->dem.ids + 1, sizeof *w->dem.index_of_id);
     if (!w->dem.index_of_id)
         return gn_fail(error, GNEISS_ERROR_MEMORY, "no memory for particle numbers");
     GN_TRY(gn_pieces_create(w, error));
-    number_ids(w);
+    gn_dem_number_ids(w);
     gn_contacts_pad(&w->dem.bonds, &w->dem.particles);
     gn_contacts_pad(&w->dem.pairs, &w->dem.particles);
     GN_TRY(gn_partials_build(&w->dem.bonds, n, w->threads, &w->dem.bond_partials, error));

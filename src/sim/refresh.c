@@ -31,13 +31,18 @@ gneiss_status gn_world_refresh_lists(gn_world *w, gneiss_error *error) {
     double other = gn_boundary_travel(w, false);
     bool more = false;
     const double flow = w->box.path;
-    if (2.0 * v->drift + flow <= v->skin && v->drift + other <= v->skin) return GNEISS_OK;
+    w->dem.flow.forced = false;
+    const bool due = gn_flow_due(w);
+    if (!due && 2.0 * v->drift + flow <= v->skin && v->drift + other <= v->skin) return GNEISS_OK;
     double start = gn_now();
     gn_dem_look_at_travel(w);
     other = gn_boundary_travel(w, true);
     w->seconds[GN_PHASE_lists] += gn_now() - start;
     /* A tenth of the skin in hand, or the next step would run out again. */
-    if (2.2 * v->drift + 1.1 * flow <= v->skin && v->drift + other <= 0.9 * v->skin) return GNEISS_OK;
+    if (2.2 * v->drift + 1.1 * flow <= v->skin && v->drift + other <= 0.9 * v->skin) {
+        if (!due) return GNEISS_OK;
+        w->dem.flow.forced = true;
+    }
     GN_TRY(gn_world_rebuild(w, error));
     /* A surface that gives way may have come near many particles since the last look. */
     GN_TRY(gn_boundary_yields_more(w, &more, error));

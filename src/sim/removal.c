@@ -1,4 +1,5 @@
-/* Particles that leave the domain: they stop the run, or leave the model with all they hold. */
+/* Particles that leave the domain, which stop the run, or leave the model with all they hold; and
+ * those that sinks take. */
 #include "base/memory.h"
 #include "base/point.h"
 #include "sim/internal.h"
@@ -34,16 +35,27 @@ static gneiss_status left_domain(const gn_world *w, size_t p, double reach, gnei
                    gn_point_text(w->scene.origin, x, at), v[0], v[1], v[2], why);
 }
 
-/* Marks those that are outside and were not before, in `gone` (NULL: only counted). */
-static size_t mark_gone(const gn_world *w, bool *gone) {
+/* How a particle goes: 0 it stays, LEFT the domain, from 1 on by a sink, base 1. */
+enum { LEFT = -1 };
+
+static int32_t way_out(const gn_world *w, size_t p, double reach) {
     const gn_particles *q = &w->dem.particles;
+    const double *x = q->pos + 4 * p;
+    if (q->vel[4 * p + 3] == 0.0) return 0;
+    for (size_t k = 0; k < w->scene.sink_count; k++)
+        if (gn_sink_has(w, k, x)) return (int32_t)k + 1;
+    return w->scene.has_domain && !in_domain(w, x, reach) ? LEFT : 0;
+}
+
+/* Marks those that go in `gone` (NULL: only counted). */
+static size_t mark_gone(const gn_world *w, int32_t *gone) {
     double reach = gn_origin_reach(w->dem.radius_min);
     size_t count = 0;
-    for (size_t p = 0; p < q->soa.count; p++) {
-        bool left = q->vel[4 * p + 3] != 0.0 && !in_domain(w, q->pos + 4 * p, reach);
-        if (gone) gone[p] = left;
-        count += left;
-        if (left && w->scene.lost == GN_LOST_STOP) return count;
+    for (size_t p = 0; p < w->dem.particles.soa.count; p++) {
+        int32_t way = way_out(w, p, reach);
+        if (gone) gone[p] = way;
+        count += way != 0;
+        if (way == LEFT && w->scene.lost == GN_LOST_STOP) return count;
     }
     return count;
 }
@@ -142,12 +154,12 @@ static void book_wall_contact(gn_world *w, size_t c) {
     book_contact(w, stored, power, viscous * gn_dot3(s.n, v));
 }
 
-static void book_pairs(gn_world *w, const gn_contacts *k, const bool *gone) {
+static void book_pairs(gn_world *w, const gn_contacts *k, const int32_t *gone) {
     for (size_t c = 0; c < k->soa.count; c++)
         if (gone[k->i[c]] || gone[k->j[c]]) book_pair(w, k, c);
 }
 
-static void book_contacts(gn_world *w, const bool *gone) {
+static void book_contacts(gn_world *w, const int32_t *gone) {
     book_pairs(w, &w->dem.bonds, gone);
     book_pairs(w, &w->dem.pairs, gone);
     for (size_t c = 0; c < w->boundary.contacts.soa.count; c++)
@@ -156,23 +168,35 @@ static void book_contacts(gn_world *w, const bool *gone) {
 
 /* --- leaving --- */
 
+/* What a sink took. */
+static void note_taken(gn_world *w, size_t sink, size_t p, double energy) {
+    gn_sink_state *s = &w->dem.flow.sinks[sink];
+    const double *v = w->dem.particles.vel + 4 * p;
+    s->number += 1.0;
+    s->mass += 1.0 / v[3];
+    s->energy += energy;
+    for (int a = 0; a < 3; a++) s->momentum[a] += v[a] / v[3];
+}
+
 /* It stays where it was last seen, at rest, without mass. Its energy is booked as carried away. */
-static void take_out(gn_world *w, size_t p) {
+static gneiss_status take_out(gn_world *w, size_t p, int32_t way, gneiss_error *error) {
     gn_particles *q = &w->dem.particles;
-    double *v = q->vel + 4 * p;
-    w->energy.removed += 0.5 * gn_dot3(v, v) / v[3];
-    if (q->spin) {
-        double *o = q->spin + 4 * p;
-        w->energy.removed += 0.5 * gn_dot3(o, o) / o[3];
-        memset(o, 0, 4 * sizeof *o);
-    }
+    double *v = q->vel + 4 * p, *o = q->spin ? q->spin + 4 * p : NULL;
+    double energy = 0.5 * gn_dot3(v, v) / v[3] + (o ? 0.5 * gn_dot3(o, o) / o[3] : 0.0);
+    w->energy.removed += energy;
+    if (way == LEFT)
+        GN_TRY(gn_flow_note_lost(w, p, error));
+    else
+        note_taken(w, (size_t)way - 1, p, energy);
+    w->dem.lost += way == LEFT;
     memset(v, 0, 4 * sizeof *v);
+    if (o) memset(o, 0, 4 * sizeof *o);
     if (q->slot) q->slot[p] = -1;
-    w->dem.lost++;
+    return GNEISS_OK;
 }
 
 /* Bonds stay in the list. What their dashpots did was booked. */
-static void release_bonds(gn_world *w, const bool *gone) {
+static void release_bonds(gn_world *w, const int32_t *gone) {
     gn_contacts *b = &w->dem.bonds;
     for (size_t c = 0; c < b->soa.count; c++) {
         if (!gone[b->i[c]] && !gone[b->j[c]]) continue;
@@ -184,27 +208,25 @@ static void release_bonds(gn_world *w, const bool *gone) {
     }
 }
 
-static void remove_gone(gn_world *w, const bool *gone) {
+static gneiss_status remove_gone(gn_world *w, const int32_t *gone, gneiss_error *error) {
     book_contacts(w, gone);
     for (size_t p = 0; p < w->dem.particles.soa.count; p++)
-        if (gone[p]) take_out(w, p);
+        if (gone[p]) GN_TRY(take_out(w, p, gone[p], error));
     release_bonds(w, gone);
+    return GNEISS_OK;
 }
 
 gneiss_status gn_dem_check_domain(gn_world *w, gneiss_error *error) {
-    size_t n = w->dem.particles.soa.count;
-    if (!w->scene.has_domain || !mark_gone(w, NULL)) return GNEISS_OK;
-    bool *gone = gn_alloc_array(n, sizeof *gone);
+    size_t n = w->dem.particles.soa.count, p = 0;
+    gn_flow_count(w);
+    if ((!w->scene.has_domain && !w->scene.sink_count) || !mark_gone(w, NULL)) return GNEISS_OK;
+    int32_t *gone = gn_alloc_array(n + 1, sizeof *gone);
     if (!gone) return gn_fail(error, GNEISS_ERROR_MEMORY, "no memory to look at %zu particles", n);
-    gneiss_status status = GNEISS_OK;
     mark_gone(w, gone);
-    if (w->scene.lost == GN_LOST_STOP) {
-        size_t p = 0;
-        while (!gone[p]) p++;
-        status = left_domain(w, p, gn_origin_reach(w->dem.radius_min), error);
-    } else {
-        remove_gone(w, gone);
-    }
+    while (w->scene.lost == GN_LOST_STOP && p < n && gone[p] != LEFT) p++;
+    gneiss_status status = w->scene.lost == GN_LOST_STOP && p < n
+                               ? left_domain(w, p, gn_origin_reach(w->dem.radius_min), error)
+                               : remove_gone(w, gone, error);
     gn_free(gone);
     return status;
 }

@@ -47,7 +47,7 @@ gneiss_status gn_loose_find(gn_world *w, gneiss_error *error) {
     if (w->dem.loose) return GNEISS_OK;
     for (size_t p = 0; p < n; p++) groups = q->group[p] >= groups ? q->group[p] + 1 : groups;
     int64_t *lead = gn_alloc_array((size_t)groups, sizeof *lead); /* bonded less unbonded ones */
-    w->dem.loose = gn_alloc(n + 1);
+    w->dem.loose = gn_alloc((size_t)w->dem.ids + 1);
     if (!lead || !w->dem.loose) {
         gn_free(lead);
         return gn_fail(error, GNEISS_ERROR_MEMORY, "no memory for %zu particles", n);

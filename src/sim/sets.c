@@ -39,6 +39,7 @@ static bool starts_in(const gn_world *w, const gn_set_def *s, size_t p) {
     double x[4];
     memcpy(x, q->start + 4 * p, sizeof x);
     if (!(q->vel[4 * p + 3] > 0.0)) return false; /* it has left */
+    if (q->id[p] >= w->dem.made) return false;    /* a source's: sets are of the specimen */
     for (int a = 0; w->step > 0 && w->effects & GN_FX_PERIODIC && a < (int)w->scene.dimension; a++)
         x[a] -= w->period[a] * floor((x[a] - w->scene.periodic_min[a]) / w->period[a]);
     return selected_at(w, s, x, q->id[p]);
@@ -213,10 +214,11 @@ double gn_set_travel(const gn_world *w, size_t set, int axis) {
     const gn_particles *q = &w->dem.particles;
     const gn_set_def *s = &w->scene.sets[set];
     double sum = 0.0;
-    size_t count = 0, all = s->id_count ? s->id_count : q->soa.count;
+    size_t count = 0, all = s->id_count ? s->id_count : (size_t)w->dem.made;
     for (size_t k = 0; k < all; k++) {
-        size_t p = (size_t)w->dem.index_of_id[s->id_count ? (size_t)s->ids[k] : k];
-        if (!travels(w, set, axis, p)) continue;
+        int32_t place = w->dem.index_of_id[s->id_count ? (size_t)s->ids[k] : k];
+        size_t p = (size_t)place;
+        if (place < 0 || !travels(w, set, axis, p)) continue;
         sum += q->pos[4 * p + (size_t)axis] - q->start[4 * p + (size_t)axis];
         count++;
     }

@@ -37,6 +37,7 @@ const char *gn_phase_text(gn_phase phase) {
 /* A shape leaves its volume. */
 static gneiss_status load_specimen(gn_world *w, gneiss_error *error) {
     gn_packing packing = {0};
+    if (!w->scene.specimen_given) return gn_dem_create(w, &packing, error);
     GN_TRY(gn_specimen_make(&w->scene, &packing, &w->volume, error));
     gneiss_status status = gn_dem_create(w, &packing, error);
     gn_packing_free(&packing);
@@ -69,6 +70,7 @@ static void measure_test(gn_world *w) {
 typedef enum volume_source {
     FROM_ELEMENTS,
     FROM_BOX,
+    FROM_SOURCES,
     FROM_SHAPE,
     FROM_TEST,
     FROM_HULL
@@ -77,13 +79,17 @@ typedef enum volume_source {
 static volume_source source_of_volume(const gn_world *w) {
     if (!w->scene.has_specimen) return FROM_ELEMENTS;
     if (w->effects & GN_FX_PERIODIC) return FROM_BOX;
+    if (!w->scene.specimen_given) return FROM_SOURCES;
     if (w->scene.specimen.pack.shape != GN_SHAPE_NONE) return FROM_SHAPE;
     bool given = w->scene.test.kind != GN_TEST_NONE && gn_test_shape(w).volume > 0.0;
     return given ? FROM_TEST : FROM_HULL;
 }
 
 const char *gn_world_volume_source(const gn_world *w) {
-    static const char *const names[] = {"the elements", "the periodic box", "the shape",
+    static const char *const names[] = {"the elements",
+                                        "the periodic box",
+                                        "the box about the sources",
+                                        "the shape",
                                         "length times area of the test",
                                         "the convex hull of the particles"};
     volume_source source = source_of_volume(w);
@@ -96,11 +102,16 @@ const char *gn_world_volume_source(const gn_world *w) {
  * shape is there already. */
 static gneiss_status measure_specimen(gn_world *w, gneiss_error *error) {
     volume_source source = source_of_volume(w);
-    if (source == FROM_HULL)
+    if (!w->scene.specimen_given)
+        gn_flow_bounds(w, w->lower, w->upper);
+    else if (source == FROM_HULL)
         GN_TRY(gn_packing_hull(&w->dem.particles, (int)w->scene.dimension, &w->volume, w->lower,
                                w->upper, error));
     else
         measure_extent(w);
+    if (source == FROM_SOURCES)
+        w->volume = (w->upper[0] - w->lower[0]) * (w->upper[1] - w->lower[1]) *
+                    (w->effects & GN_FX_SPACE ? w->upper[2] - w->lower[2] : 1.0);
     if (source == FROM_BOX)
         w->volume = w->period[0] * w->period[1] * (w->effects & GN_FX_SPACE ? w->period[2] : 1.0);
     measure_test(w);
@@ -110,6 +121,8 @@ static gneiss_status measure_specimen(gn_world *w, gneiss_error *error) {
 
 double gn_world_porosity(const gn_world *w) {
     double solid = 0.0;
+    if (source_of_volume(w) == FROM_SOURCES)
+        return 0.0; /* a volume of their own is all they have */
     for (size_t p = 0; p < w->dem.particles.soa.count; p++)
         solid += gn_ball_volume((int)w->scene.dimension, w->dem.particles.pos[4 * p + 3]);
     return 1.0 - solid / w->volume;
@@ -123,11 +136,16 @@ double gn_world_mass(const gn_world *w) {
 static void set_domain(gn_world *w) {
     gn_scene *s = &w->scene, *given = &w->given;
     if (s->has_domain || w->effects & GN_FX_PERIODIC) return;
-    double size = 0.0;
-    for (int a = 0; a < (int)s->dimension; a++) size = fmax(size, w->upper[a] - w->lower[a]);
+    double size = 0.0, lower[3], upper[3];
+    gn_flow_bounds(w, lower, upper);
+    for (int a = 0; a < 3; a++) {
+        lower[a] = fmin(lower[a], w->lower[a]);
+        upper[a] = fmax(upper[a], w->upper[a]);
+    }
+    for (int a = 0; a < (int)s->dimension; a++) size = fmax(size, upper[a] - lower[a]);
     for (int a = 0; a < (int)s->dimension; a++) {
-        given->domain_min[a] = gn_point_out(s->origin[a], w->lower[a] - 10.0 * size);
-        given->domain_max[a] = gn_point_out(s->origin[a], w->upper[a] + 10.0 * size);
+        given->domain_min[a] = gn_point_out(s->origin[a], lower[a] - 10.0 * size);
+        given->domain_max[a] = gn_point_out(s->origin[a], upper[a] + 10.0 * size);
         s->domain_min[a] = given->domain_min[a] - s->origin[a];
         s->domain_max[a] = given->domain_max[a] - s->origin[a];
     }
@@ -207,6 +225,7 @@ static gneiss_status build_particles(gn_world *w, gneiss_error *error) {
     GN_TRY(gn_coupled_create(w, error));
     GN_TRY(gn_boundary_create(w, error));
     GN_TRY(gn_element_contact_create(w, error));
+    GN_TRY(gn_flow_arrive(w, true, error));
     return gn_world_rebuild(w, error);
 }
 
@@ -261,8 +280,10 @@ static gneiss_status make_gauge_and_step(gn_world *w, bool particles, gneiss_err
     gauge_work gauge = {w, GNEISS_OK, {0}};
     pthread_t thread;
     const int threads = w->threads;
-    /* A periodic box has no surface whose displacements would tell its strain. */
-    bool wanted = particles && !(w->effects & GN_FX_PERIODIC), beside = wanted && threads > 1;
+    /* A periodic box has no surface whose displacements would tell its strain; what comes and goes
+     * has none. */
+    bool wanted = particles && !(w->effects & GN_FX_PERIODIC) && !gn_scene_flows(&w->scene),
+         beside = wanted && threads > 1;
     if (beside) beside = pthread_create(&thread, NULL, make_gauge, &gauge) == 0;
     if (wanted && !beside) make_gauge(&gauge);
     w->threads = beside ? threads - 1 : threads;

@@ -1,0 +1,90 @@
+/* Particles that come and go: sources, sinks, and those that left the domain. The part of particles
+ * (dem.h) owns all of it. Both act when lists are made, so that nothing else has to know: what is
+ * near, what touches and what the step must hold follow as for particles that were there before. */
+#ifndef GN_SIM_FLOW_H
+#define GN_SIM_FLOW_H
+
+#include "pack/domain.h"
+#include "scene/scene.h"
+
+/* Doubles only: checkpoints store them as they are. */
+typedef struct gn_source_state {
+    double number, mass;  /* that came in; kg */
+    double momentum[3];   /* N s */
+    double energy;        /* J */
+    double sizes, places; /* random numbers used for radii, and for places */
+    double radius;        /* m, of the next one, which waits for room; 0: not drawn yet */
+    double full;          /* looks at which there was no room for it */
+} gn_source_state;
+typedef struct gn_sink_state {
+    double number, mass;       /* that went out; kg */
+    double momentum[3];        /* N s */
+    double energy;             /* J, kinetic */
+    double row_mass, row_time; /* at the last row of the history: no state */
+} gn_sink_state;
+
+/* A particle that left the domain. */
+typedef struct gn_lost {
+    double id, time, place[3], velocity[3]; /* s; m, as the user sees it; m/s */
+} gn_lost;
+
+typedef struct gn_flow {
+    gn_source_state *sources; /* [scene.source_count] */
+    gn_sink_state *sinks;     /* [scene.sink_count] */
+    gn_domain **region;       /* [sources + sinks] relative to the origin; NULL: a plane */
+    size_t regions;
+    double *unit; /* m [sources]: of the sizes that are drawn */
+    gn_lost *lost;
+    size_t lost_count, lost_room;
+    bool forced; /* the lists are made for a source alone */
+} gn_flow;
+
+/* A particle that comes in. */
+typedef struct gn_arrival {
+    double sphere[4], velocity[3]; /* m, m/s */
+    size_t source;
+} gn_arrival;
+
+typedef struct gn_world gn_world;
+
+/* Regions, from the scene: also of a world that is resumed. */
+gneiss_status gn_flow_prepare(gn_world *world, gneiss_error *error);
+/* Nothing has come nor gone. */
+gneiss_status gn_flow_create(gn_world *world, gneiss_error *error);
+void gn_flow_free(gn_flow *flow);
+
+/* m: the smallest (largest) radius that a source may bring; INFINITY (0) without sources. The mean
+ * over sources; the box about all of them, which is empty without. */
+double gn_flow_least_radius(const gn_world *world);
+double gn_flow_largest_radius(const gn_world *world);
+double gn_flow_mean_radius(const gn_world *world);
+void gn_flow_bounds(const gn_world *world, double lower[3], double upper[3]);
+
+/* Whether a source has a particle that should be there and lists have stood long enough to be made
+ * for it. */
+bool gn_flow_due(const gn_world *world);
+/* Lets in what is due and finds room. At the start (`first`) there must be particles then. */
+gneiss_status gn_flow_arrive(gn_world *world, bool first, gneiss_error *error);
+/* s by which what came in is behind what should have. */
+double gn_flow_behind(const gn_world *world, size_t source);
+
+/* Whether a particle is where a sink has it. */
+bool gn_sink_has(const gn_world *world, size_t sink, const double sphere[4]);
+/* Counts particles that cross planes which do not remove: since the lists were made. */
+void gn_flow_count(gn_world *world);
+gneiss_status gn_flow_note_lost(gn_world *world, size_t particle, gneiss_error *error);
+/* A row of the history has been written. */
+void gn_flow_row(gn_world *world);
+/* Particles that are there. */
+size_t gn_world_present(const gn_world *world);
+
+/* resize.c: room for those that come in, behind the others; the lists have to be made anew. */
+gneiss_status gn_dem_grow(gn_world *world, const gn_arrival *arrivals, size_t count,
+                          gneiss_error *error);
+/* Leaves out the rows of particles that are gone, once they are many, but for those that have
+ * bonds. Before anything is removed that the lists still hold. */
+gneiss_status gn_dem_drop(gn_world *world, gneiss_error *error);
+
+uint64_t gn_flow_hash(const gn_world *world, uint64_t h);
+
+#endif

@@ -1,0 +1,581 @@
+/* Sources, sinks, planes that count, and particles that were lost. */
+#include "world_helpers.h"
+
+#include "run/run.h"
+
+#include <unistd.h>
+
+static void ok(gneiss_status status, const gneiss_error *error) {
+    if (status != GNEISS_OK) fail_msg("%s", error->message);
+}
+
+static void run_until(gn_world *w, double time) {
+    while (w->time < time) run_steps(w, 1);
+}
+
+/* Grains of glass-like stiffness made soft; a floor far away. */
+#define GRAINS                                                                                     \
+    "materials: [{name: m, density: 2500, young: 10 MPa, poisson: 0.25, friction: 0.5, "           \
+    "rolling_friction: 0.1, restitution: 0.5}]\nlaw: {stiffness: hertz}\n"
+#define DOMAIN "domain: {min: [-1, -1, -1], max: [1, 1, 1]}\n"
+
+static void no_two_touch(const gn_world *w) {
+    const gn_particles *q = &w->dem.particles;
+    for (size_t i = 0; i < q->soa.count; i++)
+        for (size_t j = 0; j < i; j++) {
+            double d[3], gap = sqrt(gn_branch(w, q->pos + 4 * i, q->pos + 4 * j, d)) -
+                               q->pos[4 * i + 3] - q->pos[4 * j + 3];
+            bool there = q->vel[4 * i + 3] > 0.0 && q->vel[4 * j + 3] > 0.0;
+            if (there && gap < 0.0) fail_msg("%zu and %zu overlap by %g", i, j, -gap);
+        }
+}
+
+/* --- sources --- */
+
+/* The first comes at the start, one more every millisecond. All fly alike, so that none may ever
+ * touch another. */
+static void a_source_keeps_its_rate_and_nothing_overlaps(void **state) {
+    (void)state;
+    gn_world *w = world_of(
+        "dimension: 3\n" GRAINS DOMAIN
+        "sources: [{name: s, box: {size: [0.02, 0.02, 0.02]}, rate: 1000, mean_radius: 1 mm, "
+        "velocity: [0, 0, -2]}]\ntime: {end: 1}\nrun: {threads: 1}\n");
+    for (double t = 0.01; t < 0.155; t += 0.03) {
+        run_until(w, t);
+        /* Looks are 50 steps apart. */
+        double due = floor(1000 * w->time) + 1, late = 1000 * 51 * w->dt;
+        assert_true(w->dem.flow.sources[0].number <= due);
+        assert_true(w->dem.flow.sources[0].number >= due - 1 - late);
+        no_two_touch(w);
+    }
+    assert_true(w->dem.flow.sources[0].full == 0.0);
+    assert_int_equal(gn_world_present(w), (int)w->dem.flow.sources[0].number);
+    world_end(w);
+}
+
+/* Not the number but the mass is that of the rate: to the mass of the largest. */
+static void a_source_keeps_its_rate_of_mass(void **state) {
+    (void)state;
+    gn_world *w = world_of("dimension: 3\n" GRAINS DOMAIN
+                           "sources: [{name: s, box: {size: [0.05, 0.05, 0.05]}, mass_rate: 0.02, "
+                           "mean_radius: 1 mm, size_ratio: 3, velocity: [0, 0, -2]}]\n"
+                           "time: {end: 1}\nrun: {threads: 1}\n");
+    run_until(w, 0.1);
+    double late = 0.02 * 51 * w->dt;
+    assert_near(w->dem.flow.sources[0].mass, 0.02 * w->time, late + sphere_mass(2500, 1.5e-3));
+    world_end(w);
+}
+
+static void a_source_stops_at_its_end_and_total(void **state) {
+    (void)state;
+    gn_world *w = world_of(
+        "dimension: 3\n" GRAINS DOMAIN "sources:\n"
+        "  - {name: a, box: {size: [0.05, 0.05, 0.05]}, rate: 1000, mean_radius: 1 mm, end: 20 ms, "
+        "velocity: [0, 0, -2]}\n"
+        "  - {name: b, box: {size: [0.05, 0.05, 0.05]}, rate: 1000, mean_radius: 1 mm, total: 7, "
+        "start: 5 ms, velocity: [0, 0, -2]}\n"
+        "time: {end: 1}\nrun: {threads: 1}\n");
+    run_until(w, 4e-3);
+    assert_true(w->dem.flow.sources[1].number == 0.0);
+    run_until(w, 0.06);
+    assert_in_range((int)w->dem.flow.sources[0].number, 18, 21);
+    assert_true(w->dem.flow.sources[1].number == 7.0);
+    assert_true(gn_flow_behind(w, 1) == 0.0);
+    world_end(w);
+}
+
+/* Radii: within the range, their mean that asked for to five standard errors. */
+static void sizes_are_those_of_the_distribution(void **state) {
+    (void)state;
+    static const char *const sizes[] = {"size_ratio: 2", "sizes: normal, size_ratio: 2",
+                                        "sizes: sieve, sieve: [[0.5, 0], [0.7, 0.4], [1, 1]]"};
+    for (int k = 0; k < 3; k++) {
+        gn_world *w = world_of(
+            "dimension: 3\n" GRAINS DOMAIN
+            "sources: [{name: s, box: {size: [0.5, 0.5, 0.5]}, origin: [-0.25, -0.25, -0.25], "
+            "rate: 1e9, total: 2000, mean_radius: 1 mm, %s}]\ntime: {end: 1 us, step: 1e-7}\n"
+            "run: {threads: 1}\n",
+            sizes[k]);
+        run_steps(w, 10);
+        w->dem.verlet.last_step -= 1000; /* the next look comes at once */
+        run_steps(w, 151);
+        const gn_particles *q = &w->dem.particles;
+        double n = (double)q->soa.count, mean = 0.0, square = 0.0, least = 1.0, most = 0.0;
+        for (size_t p = 0; p < q->soa.count; p++) {
+            double r = q->pos[4 * p + 3];
+            mean += r / n;
+            square += r * r / n;
+            least = fmin(least, r);
+            most = fmax(most, r);
+        }
+        assert_true(n == 2000.0);
+        assert_true(most / least <= 2.0 * (1.0 + 1e-12) && most / least > 1.8);
+        assert_near(mean, 1e-3, 5.0 * sqrt((square - mean * mean) / n));
+        world_end(w);
+    }
+}
+
+/* A cube of 20 mm holds no more than 38 % of spheres that are put into it one after the other. */
+static void without_room_a_rate_falls_behind_and_says_so(void **state) {
+    (void)state;
+    gn_world *w = world_of(
+        "dimension: 3\n" GRAINS DOMAIN
+        "sources: [{name: s, box: {size: [0.02, 0.02, 0.02]}, rate: 1e6, mean_radius: 2 mm}]\n"
+        "time: {end: 1}\nrun: {threads: 1}\n");
+    run_steps(w, 400);
+    double number = w->dem.flow.sources[0].number;
+    no_two_touch(w);
+    assert_true(w->dem.flow.sources[0].full > 0.0);
+    assert_true(number > 50.0 && number * 4.0 / 3.0 * pi * 8e-9 < 0.384 * pow(0.024, 3));
+    assert_near(gn_flow_behind(w, 0), w->time - number / 1e6, 1e-12);
+    world_end(w);
+}
+
+static void a_run_tells_of_a_source_that_is_behind(void **state) {
+    (void)state;
+    gn_scene scene;
+    gn_run run;
+    gneiss_error error = {0};
+    ok(gn_scene_parse("dimension: 3\n" GRAINS DOMAIN
+                      "sources: [{name: s, box: {size: [4 mm, 4 mm, 4 mm]}, rate: 1e6, "
+                      "mean_radius: 2 mm}]\ntime: {end: 1}\nrun: {threads: 1}\n",
+                      "s.yaml", NULL, NULL, 0, &scene, &error),
+       &error);
+    ok(gn_run_create(&scene, &run, &error), &error);
+    ok(gn_run_steps(&run, 2000, &error), &error);
+    gn_warnings list = gn_run_warnings(&run);
+    assert_int_equal(list.count, 1);
+    assert_string_equal(list.warning[0].name, "source_behind");
+    gn_run_free(&run);
+}
+
+/* Beyond the plane of a wall is no room, nor where a body's surface is. */
+static void nothing_comes_in_where_walls_and_bodies_are(void **state) {
+    (void)state;
+    gn_world *w = world_of(
+        "dimension: 3\n" GRAINS DOMAIN
+        "walls: [{name: w, point: [0, 0, 0.005], normal: [0, 0, 1], material: m}]\n"
+        "bodies: [{name: b, box: {size: [0.01, 0.01, 0.01]}, origin: [0, 0, 0.01], material: m}]\n"
+        "sources: [{name: s, box: {size: [0.02, 0.02, 0.02]}, rate: 1e6, mean_radius: 1 mm}]\n"
+        "time: {end: 1}\nrun: {threads: 1}\n");
+    run_steps(w, 1600);
+    const gn_particles *q = &w->dem.particles;
+    assert_true(q->soa.count > 20);
+    for (size_t p = 0; p < q->soa.count; p++) assert_true(q->pos[4 * p + 2] >= 0.006);
+    for (size_t c = 0; c < w->boundary.contacts.soa.count; c++)
+        for (int a = 0; a < 3; a++) assert_true(w->boundary.contacts.row[8 * c + (size_t)a] == 0.0);
+    world_end(w);
+}
+
+/* A nearest image is as near as anything. */
+static void nothing_overlaps_across_a_periodic_box(void **state) {
+    (void)state;
+    gn_world *w = world_of(
+        "dimension: 3\n" GRAINS "periodic: {min: [0, 0, 0], max: [0.02, 0.02, 0.02]}\n"
+        "sources: [{name: s, box: {size: [0.02, 0.02, 0.02]}, rate: 1e6, mean_radius: 2 mm}]\n"
+        "time: {end: 1}\nrun: {threads: 1}\n");
+    run_steps(w, 1600);
+    assert_true(w->dem.particles.soa.count > 40);
+    no_two_touch(w);
+    world_end(w);
+}
+
+static void in_the_plane_discs_come_in(void **state) {
+    (void)state;
+    static const char *const regions[] = {"disc: {diameter: 40 mm}",
+                                          "rectangle: {width: 40 mm, height: 20 mm}",
+                                          "polygon: [[0, 0], [40 mm, 0], [20 mm, 30 mm]]"};
+    for (int k = 0; k < 3; k++) {
+        gn_world *w =
+            world_of("dimension: 2\nmaterials: [{name: m, density: 2500, normal_stiffness: 1e5, "
+                     "kratio: 2, friction: 0.5}]\nlaw: {stiffness: uniform}\n"
+                     "domain: {min: [-1, -1], max: [1, 1]}\n"
+                     "sources: [{name: s, %s, rate: 1e6, mean_radius: 1 mm}]\n"
+                     "time: {end: 1}\nrun: {threads: 1}\n",
+                     regions[k]);
+        run_steps(w, 1000);
+        assert_true(w->dem.particles.soa.count > 40);
+        no_two_touch(w);
+        for (size_t p = 0; p < w->dem.particles.soa.count; p++)
+            assert_true(w->dem.particles.pos[4 * p + 2] == 0.0);
+        world_end(w);
+    }
+}
+
+/* --- sinks --- */
+
+/* Without forces what a source brings is in the box or has gone through the sink. */
+static void momentum_and_energy_pass_from_source_to_sink(void **state) {
+    (void)state;
+    gn_world *w = world_of(
+        "dimension: 3\n" GRAINS DOMAIN
+        "sources: [{name: s, box: {size: [0.02, 0.02, 0.02]}, rate: 2000, mean_radius: 1 mm, "
+        "size_ratio: 2, velocity: [0.5, 0, -2]}]\n"
+        "sinks: [{name: o, plane: {point: [0, 0, -0.1], normal: [0, 0, -3]}}]\n"
+        "time: {end: 1}\nrun: {threads: 1}\n");
+    measured_step(w);
+    run_until(w, 0.2);
+    gn_energy e = measured_step(w);
+    const gn_source_state *s = &w->dem.flow.sources[0];
+    const gn_sink_state *o = &w->dem.flow.sinks[0];
+    double mass = 0.0, v2 = 4.25;
+    for (size_t p = 0; p < w->dem.particles.soa.count; p++)
+        if (w->dem.particles.vel[4 * p + 3] > 0.0) mass += 1.0 / w->dem.particles.vel[4 * p + 3];
+    assert_true(o->number > 250.0 && s->number == o->number + (double)gn_world_present(w));
+    /* Sums of some 400 terms. */
+    assert_close(s->mass, o->mass + mass, 1e-13);
+    assert_close(s->momentum[2], o->momentum[2] - 2.0 * mass, 1e-12);
+    assert_close(s->momentum[0], o->momentum[0] + 0.5 * mass, 1e-12);
+    assert_close(o->energy, 0.5 * o->mass * v2, 1e-12);
+    assert_close(e.removed, o->energy, 1e-12);
+    /* The first one was there from the start. */
+    assert_close(e.inserted + e.stored_at_start, s->energy, 1e-12);
+    assert_near(gn_energy_residual(&e), 0.0, 1e-12);
+    world_end(w);
+}
+
+/* A particle is in a region when all of it is. */
+static void a_region_takes_what_is_wholly_inside(void **state) {
+    (void)state;
+    gn_world *w =
+        world_of("dimension: 3\n" GRAINS DOMAIN
+                 "specimen: {particles: [[0.05, 0.05, 0.05, 1e-3], [0.05, 0.05, 0.0095, 1e-3], "
+                 "[0.2, 0, 0, 1e-3]], group: 0}\n"
+                 "sinks: [{name: o, box: {size: [0.1, 0.1, 0.1]}, origin: [0, 0, 0.009]}]\n"
+                 "sets: [{name: a, select: {all: true}, initial_velocity: [0, 0, 0.01]}]\n"
+                 "time: {end: 1}\nrun: {threads: 1}\n");
+    assert_true(w->dem.flow.sinks[0].number == 1.0); /* at the start */
+    assert_true(vel_of(w, 0)[3] == 0.0);
+    run_until(w, 0.04);
+    assert_true(w->dem.flow.sinks[0].number == 1.0);
+    run_until(w, 0.08); /* 0.5 mm to go at 10 mm/s; looked at when lists are made */
+    assert_true(w->dem.flow.sinks[0].number == 2.0);
+    assert_int_equal(w->dem.lost, 0);
+    world_end(w);
+}
+
+/* Thrown up and down through a plane, through which another one falls. */
+static void a_plane_that_counts_takes_nothing(void **state) {
+    (void)state;
+    gn_world *w = world_of(
+        "dimension: 3\n" GRAINS "domain: {min: [-9, -9, -9], max: [9, 9, 9]}\n"
+        "specimen: {particles: [[0, 0, 0.05, 1e-3], [0.1, 0, -0.05, 1e-3]], group: 0}\n"
+        "sinks: [{name: g, plane: {point: [0, 0, 0], normal: [0, 0, -1]}, remove: false}]\n"
+        "sets: [{name: a, select: {ids: [0]}, initial_velocity: [0, 0, -1]},\n"
+        "       {name: b, select: {ids: [1]}, initial_velocity: [0, 0, 2]}]\n"
+        "gravity: [0, 0, -10]\ntime: {end: 1}\nrun: {threads: 1}\n");
+    measured_step(w);
+    run_until(w, 0.038); /* only b is through, upward since 0.027 */
+    assert_true(w->dem.flow.sinks[0].number == -1.0 && w->dem.flow.sinks[0].mass < 0.0);
+    run_until(w, 0.45); /* all are below */
+    assert_true(w->dem.flow.sinks[0].number == 1.0);
+    assert_int_equal(gn_world_present(w), 2);
+    world_end(w);
+}
+
+/* Three in a row, bonded; the sink takes the last one with its bond. */
+static void a_sink_takes_bonded_particles(void **state) {
+    (void)state;
+    gn_world *w = world_of(
+        "dimension: 3\n"
+        "specimen: {particles: [[0, 0, 0, 1e-3], [2e-3, 0, 0, 1e-3], [4e-3, 0, 0, 1e-3]]}\n"
+        "materials: [{name: m, density: 2500, normal_stiffness: 1e6, kratio: 2, "
+        "bond_tension_limit: 1e9, bond_shear_limit: 1e9}]\n"
+        "law: {stiffness: uniform}\nbonds: {}\n"
+        "sets: [{name: a, select: {all: true}, initial_velocity: [1, 0, 0]}]\n"
+        "sinks: [{name: o, plane: {point: [6e-3, 0, 0], normal: [1, 0, 0]}}]\n" DOMAIN
+        "time: {end: 1}\nrun: {threads: 1}\n");
+    measured_step(w);
+    while (w->dem.flow.sinks[0].number < 1.0 && w->step < 100000) run_steps(w, 1);
+    run_steps(w, 10);
+    gn_energy e = measured_step(w);
+    assert_int_equal(w->dem.bonds.cause[0], GN_INTACT);
+    assert_int_equal(w->dem.bonds.cause[1], GN_BOND_LEFT);
+    assert_close(e.removed, 0.5 * sphere_mass(2500, 1e-3), 1e-9);
+    assert_near(gn_energy_residual(&e), 0.0, 1e-9);
+    world_end(w);
+}
+
+static void lost_particles_are_known_by_id_and_place(void **state) {
+    (void)state;
+    gn_world *w =
+        world_of("dimension: 3\n" GRAINS
+                 "specimen: {particles: [[0, 0, 0, 1e-3], [0.05, 0, 0, 1e-3]], group: 0}\n"
+                 "sets: [{name: a, select: {ids: [1]}, initial_velocity: [1, 0, 0]}]\n"
+                 "domain: {min: [-1, -1, -1], max: [0.06, 1, 1], lost: remove}\n"
+                 "time: {end: 1}\nrun: {threads: 1}\n");
+    run_until(w, 0.02);
+    const gn_lost *lost = w->dem.flow.lost;
+    assert_int_equal(w->dem.flow.lost_count, 1);
+    assert_true(lost->id == 1.0 && lost->velocity[0] == 1.0);
+    /* Looked at when lists are made: the skin is 0.15 mm, or wider. */
+    assert_true(lost->place[0] > 0.06 && lost->place[0] < 0.062);
+    assert_close(lost->place[0], 0.05 + lost->time, 1e-9);
+    world_end(w);
+}
+
+/* --- identity --- */
+
+/* A stream through a sink: rows of those that are gone are used again, ids are not. */
+static void ids_stay_unique_and_rows_do_not_pile_up(void **state) {
+    (void)state;
+    gn_world *w = world_of(
+        "dimension: 3\n" GRAINS DOMAIN
+        "sources: [{name: s, box: {size: [0.03, 0.03, 0.03]}, rate: 5000, mean_radius: 1 mm, "
+        "velocity: [0, 0, -3]}]\n"
+        "sinks: [{name: o, plane: {point: [0, 0, -0.02], normal: [0, 0, -1]}}]\n"
+        "time: {end: 1}\nrun: {threads: 1}\n");
+    run_until(w, 0.25);
+    const gn_particles *q = &w->dem.particles;
+    size_t present = gn_world_present(w);
+    assert_true(w->dem.flow.sinks[0].number > 1000.0);
+    assert_true(q->soa.count < 2 * present);
+    assert_true((double)w->dem.ids == w->dem.flow.sources[0].number);
+    for (size_t p = 0; p < q->soa.count; p++) assert_int_equal(w->dem.index_of_id[q->id[p]], p);
+    world_end(w);
+}
+
+/* --- everything beside it --- */
+
+/* A block on a floor, bonded or of grains that resist rolling, which do not go together; grains
+ * that fall on it, roll off and leave; sizes differ. */
+typedef enum kind { BONDED, ROLLING, KINDS } kind;
+
+static const char *busy(kind of, int threads, const char *precision) {
+    static const char *const laws[] = {
+        "materials:\n"
+        "  - {name: rock, density: 2500, normal_stiffness: 1e5, kratio: 2, friction: 0.5, "
+        "bond_tension_limit: 100, bond_shear_limit: 100}\n"
+        "  - {name: grain, density: 2500, normal_stiffness: 2e4, kratio: 2, friction: 0.5, "
+        "bond_tension_limit: 1, bond_shear_limit: 1}\n"
+        "law: {stiffness: uniform}\nbonds: {interaction_range: 0.01}\n"
+        "damping: {contact: {restitution: 0.5}}\n",
+        "materials:\n"
+        "  - {name: rock, density: 2500, young: 20 MPa, poisson: 0.2, friction: 0.5, "
+        "rolling_friction: 0.2, restitution: 0.5}\n"
+        "  - {name: grain, density: 2500, young: 10 MPa, poisson: 0.2, friction: 0.5, "
+        "rolling_friction: 0.1, restitution: 0.5}\n"
+        "law: {stiffness: hertz}\n"};
+    static const char *const sides[] = {"stiffness: 1e5, kratio: 2, friction: 0.5",
+                                        "friction: 0.5, rolling_friction: 0.1"};
+    static char scene[4096];
+    snprintf(scene, sizeof scene,
+             "dimension: 3\n"
+             "specimen: {lattice: {kind: cubic, radius: 2 mm, cells: [4, 4, 2], "
+             "origin: [-8 mm, -8 mm, 0]}, material: rock}\n"
+             "%s"
+             "gravity: [0, 0, -9.81]\n"
+             "walls: [{name: f, point: [0, 0, 0], normal: [0, 0, 1], %s}]\n"
+             "bodies: [{name: b, box: {size: [4 mm, 30 mm, 8 mm]}, origin: [9 mm, -15 mm, 0.1 mm], "
+             "%s}]\n"
+             "sources:\n"
+             "  - {name: s, cylinder: {diameter: 20 mm, height: 10 mm}, origin: [0, 0, 15 mm], "
+             "rate: 4000, mean_radius: 1 mm, size_ratio: 2, material: grain, "
+             "velocity: [-0.5, 0, -1], random_velocity: 0.1}\n"
+             "  - {name: late, box: {size: [5 mm, 5 mm, 5 mm]}, origin: [-20 mm, 0, 20 mm], "
+             "mass_rate: 0.02, mean_radius: 1.5 mm, material: grain, start: 10 ms}\n"
+             "sinks:\n"
+             "  - {name: o, plane: {point: [-12 mm, 0, 0], normal: [-1, 0, 0]}}\n"
+             "  - {name: side, box: {size: [0.2, 0.2, 0.2]}, origin: [-0.1, 12 mm, -0.1]}\n"
+             "  - {name: g, plane: {point: [0, 0, 10 mm], normal: [0, 0, -1]}, remove: false}\n"
+             "domain: {min: [-0.1, -0.1, -0.1], max: [0.1, 0.1, 0.1], lost: remove}\n"
+             "time: {end: 1}\nrun: {threads: %d, precision: %s}\n",
+             laws[of], sides[of], sides[of], threads, precision);
+    return scene;
+}
+
+static gn_world *busy_world(kind of, int threads, const char *precision) {
+    return world_of("%s", busy(of, threads, precision));
+}
+
+enum { BUSY_STEPS = 6000 };
+
+/* Bonds are those of the block still, whose particles have the first 32 ids. */
+static void bonds_are_those_of_the_block(const gn_world *w) {
+    const gn_contacts *b = &w->dem.bonds;
+    assert_int_equal(b->soa.count, 2 * 2 * 3 * 4 + 16);
+    for (size_t c = 0; c < b->soa.count; c++) {
+        assert_true(w->dem.particles.id[b->i[c]] < 32 && w->dem.particles.id[b->j[c]] < 32);
+        assert_int_equal(b->cause[c], GN_INTACT);
+    }
+}
+
+static void the_ledger_closes_beside_everything(void **state) {
+    (void)state;
+    for (int k = 0; k < 2 * KINDS; k++) {
+        gn_world *w = busy_world((kind)(k / 2), 1, k % 2 ? "mixed" : "double");
+        measured_step(w);
+        run_steps(w, BUSY_STEPS);
+        gn_energy e = measured_step(w);
+        assert_true(e.inserted > 0.0 && e.removed > 0.0 && e.friction > 0.0);
+        assert_true((e.rolling > 0.0) == (k / 2 == ROLLING));
+        assert_true(w->dem.flow.sinks[0].number > 5.0 && w->dem.flow.sources[1].number > 5.0);
+        assert_true(w->dem.flow.sinks[2].number > 5.0);
+        /* As of collisions that a step resolves (docs/physics.md). */
+        assert_near(gn_energy_residual(&e), 0.0, 0.005);
+        if (k / 2 == BONDED) bonds_are_those_of_the_block(w);
+        world_end(w);
+    }
+}
+
+static void threads_have_the_same_bits(void **state) {
+    (void)state;
+    for (int k = 0; k < KINDS; k++) {
+        gn_world *a = busy_world((kind)k, 1, "double"), *b = busy_world((kind)k, 2, "double");
+        run_steps(a, BUSY_STEPS);
+        run_steps(b, BUSY_STEPS);
+        assert_true(gn_world_hash(a) == gn_world_hash(b));
+        assert_true(memcmp(a->dem.flow.sinks, b->dem.flow.sinks, 3 * sizeof(gn_sink_state)) == 0);
+        assert_true(a->dt == b->dt);
+        world_end(a);
+        world_end(b);
+    }
+}
+
+static void resumes(kind of) {
+    gneiss_error error = {0};
+    gn_scene scene;
+    gn_run whole, resumed;
+    char path[] = "/tmp/flow_XXXXXX";
+    int file = mkstemp(path);
+    assert_true(file >= 0);
+    close(file);
+    ok(gn_scene_parse(busy(of, 1, "mixed"), "s.yaml", NULL, NULL, 0, &scene, &error), &error);
+    ok(gn_run_create(&scene, &whole, &error), &error);
+    ok(gn_run_steps(&whole, 3333, &error), &error);
+    ok(gn_checkpoint_write(&whole, path, &error), &error);
+    ok(gn_run_load(path, NULL, 0, &resumed, &error), &error);
+    ok(gn_run_steps(&whole, 3000, &error), &error);
+    ok(gn_run_steps(&resumed, 3000, &error), &error);
+    assert_true(whole.world.dem.flow.sinks[0].number > 5.0);
+    assert_true(gn_world_hash(&whole.world) == gn_world_hash(&resumed.world));
+    assert_true(whole.world.dt == resumed.world.dt);
+    assert_true(memcmp(&whole.world.energy, &resumed.world.energy, sizeof(gn_energy)) == 0);
+    assert_int_equal(whole.history.row_count, resumed.history.row_count);
+    gn_run_free(&whole);
+    gn_run_free(&resumed);
+    unlink(path);
+}
+
+static void a_resumed_run_has_the_same_bits(void **state) {
+    (void)state;
+    for (int k = 0; k < KINDS; k++) resumes((kind)k);
+}
+
+/* --- slips --- */
+
+static void refuses(const char *from, const char *to, const char *message) {
+    static const char scene[] =
+        "dimension: 3\n" GRAINS "sources:\n"
+        "  - name: s\n"
+        "    box: {size: [10 mm, 10 mm, 10 mm]}\n"
+        "    rate: 100\n"
+        "    mean_radius: 1 mm\n"
+        "sinks: [{name: o, plane: {point: [0, 0, -1], normal: [0, 0, -1]}}]\n"
+        "domain: {min: [-1, -1, -2], max: [1, 1, 1]}\n"
+        "time: {end: 1}\n";
+    char changed[sizeof scene + 512];
+    const char *at = strstr(scene, from);
+    assert_non_null(at);
+    snprintf(changed, sizeof changed, "%.*s%s%s", (int)(at - scene), scene, to, at + strlen(from));
+    gn_world *w = calloc(1, sizeof *w);
+    gneiss_error error = {0};
+    gneiss_status status = world_try(w, changed, NULL, &error);
+    if (status == GNEISS_OK) gn_world_free(w);
+    free(w);
+    if (!message) {
+        if (status != GNEISS_OK) fail_msg("%s", error.message);
+        return;
+    }
+    assert_int_equal(status, GNEISS_ERROR_INPUT);
+    if (!strstr(error.message, message)) fail_msg("%s\nexpected %s", error.message, message);
+}
+
+static void slips_are_refused_where_they_stand(void **state) {
+    (void)state;
+    refuses("rate", "rate", NULL);
+    refuses("rate: 100", "rate: 0", "s.yaml:7:11: sources[0].rate: expected a value in [1e-12, ");
+    refuses("    rate: 100\n", "",
+            "sources[0].name: expected either rate or mass_rate, found none");
+    refuses("rate: 100", "rate: 100\n    mass_rate: 1",
+            "s.yaml:8:16: sources[0].mass_rate: expected either rate or mass_rate, found both");
+    refuses("1 mm", "0", "s.yaml:8:18: sources[0].mean_radius: expected a value in [1e-9, 1e9] m");
+    refuses("10 mm]}", "0]}", "s.yaml:6:");
+    refuses("box: {size: [10 mm, 10 mm, 10 mm]}", "origin: [0, 0, 0]",
+            "expected one of box, cylinder beside it, found none");
+    refuses("rate: 100", "cylinder: {diameter: 1, height: 1}\n    rate: 1", "found box, cylinder");
+    refuses("rate: 100", "rate: 1\n    origin: [5, 0, 0]",
+            "s.yaml:5:11: sources[0].name: expected a region inside the domain, found 5 to 5.01 m "
+            "along x, outside of -1 to 1 m");
+    refuses("rate: 100", "rate: 1\n    start: 1\n    end: 0.5",
+            "s.yaml:9:10: sources[0].end: expected an end behind the start, 1 s, found 0.5 s");
+    refuses("rate: 100", "rate: 1\n    start: 1 ms",
+            "expected a specimen, or a source with start 0, found neither");
+    refuses("rate: 100", "rate: 1\n    material: x",
+            "sources[0].material: expected the name of a material, found 'x'");
+    refuses("rate: 100", "rate: 1\n    sizes: sieve", "sources[0].sizes: sieve: expected sieve");
+    refuses("rate: 100", "rate: 1\n    sizes: fitted", "expected one of uniform, normal, sieve");
+    refuses("normal: [0, 0, -1]", "normal: [0, 0, 0]",
+            "sinks[0].plane.normal: expected a direction, found [0, 0, 0]");
+    refuses("{name: o, plane", "{name: o, remove: false, box: {size: [1, 1, 1]}}, {name: p, plane",
+            "sinks[0].remove: expected plane beside false, found a region");
+    refuses("{name: o", "{name: o, box: {size: [1, 1, 1]}", "found plane, box");
+    refuses("{name: o", "{name: o, plane: {point: [0, 0, 0], normal: [1, 0, 0]}}, {name: o",
+            "sinks[1].name: expected a name of its own, found 'o' a second time");
+    refuses("time: {end: 1}", "time: {end: 1, mass_scaling: {factor: 2}}",
+            "sources: expected a scene without time.mass_scaling, found one with it");
+    refuses("time:", "walls: [{name: w, point: [0, 0, 1], normal: [0, 0, 1], material: m}]\ntime:",
+            "s.yaml:5:5: sources: expected room for a first particle, radius 0.001 m");
+}
+
+/* --- examples --- */
+
+/* The first part of it. */
+static void example(const char *name, double time) {
+    char path[4096];
+    gn_scene scene;
+    gn_world *w = calloc(1, sizeof *w);
+    gneiss_error error = {0};
+    const gn_override fewer[] = {{"run.threads", "1"}};
+    snprintf(path, sizeof path, "%s/scenes/%s", test_source(), name);
+    ok(gn_scene_load(path, fewer, 1, &scene, &error), &error);
+    ok(gn_world_create(&scene, w, &error), &error);
+    run_until(w, time);
+    gn_energy e = measured_step(w);
+    assert_int_equal(w->dem.lost, 0);
+    assert_true(w->dem.flow.sources[0].number > 200.0 && e.friction > 0.0);
+    assert_true(fabs(gn_energy_residual(&e)) < 0.005);
+    world_end(w);
+}
+
+static void the_examples_begin(void **state) {
+    (void)state;
+    example("hopper.yaml", 0.06);
+    example("drum.yaml", 0.06);
+}
+
+int main(void) {
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(a_source_keeps_its_rate_and_nothing_overlaps),
+        cmocka_unit_test(a_source_keeps_its_rate_of_mass),
+        cmocka_unit_test(a_source_stops_at_its_end_and_total),
+        cmocka_unit_test(sizes_are_those_of_the_distribution),
+        cmocka_unit_test(without_room_a_rate_falls_behind_and_says_so),
+        cmocka_unit_test(a_run_tells_of_a_source_that_is_behind),
+        cmocka_unit_test(nothing_comes_in_where_walls_and_bodies_are),
+        cmocka_unit_test(nothing_overlaps_across_a_periodic_box),
+        cmocka_unit_test(in_the_plane_discs_come_in),
+        cmocka_unit_test(momentum_and_energy_pass_from_source_to_sink),
+        cmocka_unit_test(a_region_takes_what_is_wholly_inside),
+        cmocka_unit_test(a_plane_that_counts_takes_nothing),
+        cmocka_unit_test(a_sink_takes_bonded_particles),
+        cmocka_unit_test(lost_particles_are_known_by_id_and_place),
+        cmocka_unit_test(ids_stay_unique_and_rows_do_not_pile_up),
+        cmocka_unit_test(the_ledger_closes_beside_everything),
+        cmocka_unit_test(threads_have_the_same_bits),
+        cmocka_unit_test(a_resumed_run_has_the_same_bits),
+        cmocka_unit_test(slips_are_refused_where_they_stand),
+        cmocka_unit_test(the_examples_begin),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}

@@ -1,0 +1,230 @@
+"""Grains beside published laws: discharge of a silo (Beverloo et al. 1961), load on the floor of a bin (Janssen 1895), angles of
+repose, a drum that turns. Writes docs/evidence/granular.md; one thread, some ten minutes of one core.
+
+    /usr/bin/python3 validate/granular_study.py
+"""
+import json
+import sys
+
+import numpy as np
+
+import study
+
+PAGE = study.ROOT / "docs" / "evidence" / "granular.md"
+D = 3e-3  # m, mean diameter
+GRAIN = {"name": "grain", "density": 2500, "young": 1e7, "poisson": 0.25, "friction": 0.5, "rolling_friction": 0.05,
+         "restitution": 0.5}
+G = 9.81
+SIZES = {"mean_radius": D / 2, "size_ratio": 1.2}
+
+
+def run(name, scene, snapshots=0):
+    """Runs a scene (a dictionary) by one thread; kept as all studies keep theirs."""
+    path = study.RUNS / "granular" / f"{name}.yaml"
+    path.parent.mkdir(parents=True, exist_ok=True)
+    path.write_text(json.dumps({"dimension": 3, "law": {"stiffness": "hertz"}, "gravity": [0, 0, -G], **scene}, indent=1))
+    return study.run(f"granular/{name}", path, {"run.threads": 1, "output.snapshots": snapshots})
+
+
+def grains(result):
+    """Places and radii of those that are there at the end."""
+    there = result.results("particles/removed").reshape(-1) == 0
+    return result.results("particles/position")[there], result.results("particles/radius").reshape(-1)[there]
+
+
+def tube(name, diameter, height, base=0.0, **more):
+    return {"name": name, "cylinder": {"diameter": diameter, "height": height, "sides": 48, "open": True},
+            "origin": [0, 0, base], "friction": 0.5, **more}
+
+
+# --- silo ----------------------------------------------------------------------------------------------
+
+def silo(ratio):
+    """A silo with an orifice of `ratio` diameters: filled, then opened. (bulk density, kg/s, grains that left, residual)"""
+    orifice, wide = ratio * D, (ratio + 16) * D
+    deep = 26 * D
+    count = int(0.6 * np.pi / 4 * wide**2 * deep / (np.pi / 6 * D**3))
+    bodies = [tube("silo", wide, 3 * deep), {**tube("bottom", orifice, 1e-4), "cylinder": {
+        "diameter": orifice, "upper_diameter": wide, "height": 1e-4, "sides": 48, "open": True}}]
+    slide = {"name": "slide", "box": {"size": [2 * orifice, 2 * orifice, 0.01]}, "friction": 0.5,
+             "origin": [-orifice, -orifice, -0.0101]}
+    domain = {"min": [-wide, -wide, -0.1], "max": [wide, wide, 5 * deep], "lost": "remove"}
+    source = {"name": "feed", "cylinder": {"diameter": wide - 2 * D, "height": deep}, "origin": [0, 0, 1.5 * deep],
+              "rate": 1e5, "total": count, "velocity": [0, 0, -1.5], **SIZES}
+    filled = run(f"silo-{ratio}-fill", {
+        "materials": [GRAIN], "sources": [source], "bodies": [*bodies, slide], "domain": domain, "time": {"end": 0.55},
+        "output": {"history_rows": 50}})
+    x, r = grains(filled)
+    low, high, inside = 5 * D, 15 * D, wide / 2 - 3 * D
+    # Of every sphere the part between two planes, about the axis of the silo.
+    near = np.hypot(x[:, 0], x[:, 1]) < inside
+    top, bottom = np.clip((high - x[near, 2]) / r[near], -1, 1), np.clip((low - x[near, 2]) / r[near], -1, 1)
+    part = np.pi * r[near]**3 * ((top - top**3 / 3) - (bottom - bottom**3 / 3))
+    density = GRAIN["density"] * part.sum() / (np.pi * inside**2 * (high - low))
+    rate = 0.58 * density * np.sqrt(G) * (orifice - 1.4 * D)**2.5
+    mass = GRAIN["density"] * np.pi / 6 * D**3
+    end = min(0.7 * count * mass, 4000 * mass) / rate
+    emptied = run(f"silo-{ratio}-empty", {
+        "specimen": {"from": str(study.RUNS / f"granular/silo-{ratio}-fill"), "from_velocities": "rest", "group": 0},
+        "materials": [GRAIN], "bodies": bodies, "domain": domain,
+        "sinks": [{"name": "out", "plane": {"point": [0, 0, -10 * D], "normal": [0, 0, -1]}}],
+        "time": {"end": end}, "output": {"history_rows": 400}})
+    time, out = emptied.results("history/time").reshape(-1), emptied.results("history/sink_out_mass").reshape(-1)
+    # Rows in which a twentieth to all of the way is done, and both halves of them for how steady it is.
+    first = np.searchsorted(out, 0.15 * out[-1])
+    half = (first + len(time)) // 2
+    slopes = [np.polyfit(time[a:b], out[a:b], 1)[0] for a, b in ((first, len(time)), (first, half), (half, len(time)))]
+    return {"ratio": ratio, "orifice": orifice, "density": density, "rate": slopes[0], "halves": slopes[1] / slopes[2],
+            "number": emptied.summary["sinks"][0]["number"], "count": len(r), "residual": emptied.residual,
+            "seconds": filled.seconds + emptied.seconds}
+
+
+def beverloo():
+    found = [silo(ratio) for ratio in (6, 9, 12)]
+    effective = np.array([f["orifice"] - 1.4 * D for f in found])
+    rate = np.array([f["rate"] / f["density"] for f in found])
+    exponent = np.polyfit(np.log(effective), np.log(rate), 1)[0]
+    for f, e in zip(found, effective):
+        f["constant"] = f["rate"] / (f["density"] * np.sqrt(G) * e**2.5)
+    rows = [[f["ratio"], f["count"], f"{f['density']:.0f}", f"{f['number']}", f"{f['rate']:.4g}", f"{f['halves']:.3f}",
+             f"{f['constant']:.3f}", f"{f['residual']:.1e}"] for f in found]
+    text = study.table(("D/d", "grains", "bulk density, kg/m3", "grains out", "W, kg/s", "first over second half", "C", "residual"), rows)
+    return text + (f"\n\nExponent of W/rho_b over D - 1.4 d: {exponent:.3f} (wanted 2.5 +- 0.1); C with 2.5: "
+                   f"{min(f['constant'] for f in found):.3f} to {max(f['constant'] for f in found):.3f} (wanted 0.55 to 0.65).")
+
+
+# --- bin -----------------------------------------------------------------------------------------------
+
+def bin_of(count):
+    """Floor force while the floor goes down slowly, and what is in the bin."""
+    wide, speed = 12 * D, 5e-3
+    high = 1.2 * count * np.pi / 6 * D**3 / 0.55 / (np.pi / 4 * wide**2)
+    fill = 0.12 + 0.25 * count / 1500
+    done = run(f"bin-{count}", {
+        "materials": [GRAIN], "bodies": [tube("tube", wide, 3 * high + 0.1, -0.02)],
+        "walls": [{"name": "floor", "point": [0, 0, 0], "normal": [0, 0, 1], "friction": 0.5,
+                   "motion": {"vz": [[0, 0], [fill, 0], [fill + 0.01, -speed]]}}],
+        "sources": [{"name": "feed", "cylinder": {"diameter": wide - 2 * D, "height": 20 * D}, "origin": [0, 0, high + 10 * D],
+                     "rate": 2e4, "total": count, "velocity": [0, 0, -1], **SIZES}],
+        "domain": {"min": [-0.1, -0.1, -0.05], "max": [0.1, 0.1, 4 * high + 0.3]},
+        "time": {"end": fill + 0.25}, "output": {"history_rows": 400}})
+    time = done.results("history/time").reshape(-1)
+    force = -done.results("history/wall_floor_force_z").reshape(-1)
+    mass = done.results("history/source_feed_mass").reshape(-1)[-1]
+    late = time > fill + 0.1
+    x, r = grains(done)
+    depth = np.percentile(x[:, 2], 99) + D / 2 - x[:, 2].min() + D / 2
+    return count, mass * G, force[late].mean(), force[late].std(), force[(time > fill - 0.03) & (time < fill)].mean(), depth, wide
+
+
+def janssen():
+    found = [bin_of(count) for count in (750, 1500, 3000, 6000)]
+    weight, force = np.array([f[1] for f in found]), np.array([f[2] for f in found])
+    # F = F_s (1 - exp(-W/F_s)): one number to fit.
+    tried = np.linspace(0.05, 2, 4000) * weight[-1]
+    missed = [(((s * (1 - np.exp(-weight / s))) / force - 1)**2).sum() for s in tried]
+    most = tried[int(np.argmin(missed))]
+    wide = found[0][-1]
+    density = np.mean([f[1] / G / (np.pi / 4 * wide**2 * f[5]) for f in found])
+    length = most / (density * G * np.pi / 4 * wide**2)
+    k = wide / (4 * 0.5 * length)
+    rows = [[f[0], f"{f[5] / wide:.2f}", f"{f[1]:.3f}", f"{f[4]:.3f}", f"{f[2]:.3f} +- {f[3]:.3f}",
+             f"{most * (1 - np.exp(-f[1] / most)):.3f}"] for f in found]
+    return study.table(("grains", "depth over diameter", "weight, N", "floor at rest, N", "floor going down, N", "Janssen, N"), rows) + (
+        f"\n\nFitted: saturation at {most:.3f} N, so K = {k:.2f} with the friction 0.5 of the wall (wanted 0.4 to 0.6).")
+
+
+# --- heap ----------------------------------------------------------------------------------------------
+
+def heap(friction, rolling, young=1e7):
+    """Angle of the flank of a heap left by a tube that was lifted, degrees."""
+    wide, count = 20 * D, 1500
+    grain = {**GRAIN, "friction": friction, "rolling_friction": rolling, "young": young}
+    done = run(f"heap-{friction}-{rolling}-{young:.0e}", {
+        "materials": [grain], "damping": {"background": {"model": "viscous", "coefficient": 0.5}},
+        "bodies": [{**tube("tube", wide, 0.3, 2e-4), "friction": 0.1,
+                    "motion": {"vz": [[0, 0], [0.25, 0], [0.3, 0.1], [3, 0.1]]}}],
+        "walls": [{"name": "floor", "point": [0, 0, 0], "normal": [0, 0, 1], "friction": 0.9, "rolling_friction": 0.5}],
+        "sources": [{"name": "feed", "cylinder": {"diameter": wide - 2 * D, "height": 40 * D}, "origin": [0, 0, 10 * D],
+                     "rate": 1e5, "total": count, "velocity": [0, 0, -1], **SIZES}],
+        "domain": {"min": [-0.4, -0.4, -0.05], "max": [0.4, 0.4, 0.5], "lost": "remove"},
+        "time": {"end": 1.4}, "output": {"history_rows": 50}})
+    x, r = grains(done)
+    away = np.hypot(x[:, 0], x[:, 1])
+    rings = np.arange(0, np.percentile(away, 95), 1.5 * D)
+    tops = [((a + 0.75 * D), (x[near, 2] + r[near]).max()) for a in rings
+            if (near := (away >= a) & (away < a + 1.5 * D)).sum() > 3]
+    tops = np.array(tops)
+    flank = tops[(tops[:, 1] > 0.2 * tops[:, 1].max()) & (tops[:, 0] > 1.5 * D)]
+    return float(np.degrees(np.arctan(-np.polyfit(flank[:, 0], flank[:, 1], 1)[0]))) if len(flank) > 2 else float("nan")
+
+
+def repose():
+    rollings = (0.0, 0.1, 0.3)
+    rows = [[mu, *(f"{heap(mu, roll):.1f}" for roll in rollings)] for mu in (0.1, 0.3, 0.6, 0.9)]
+    text = study.table(("mu", *(f"mu_r {roll}" for roll in rollings)), rows)
+    stiff = heap(0.6, 0.1, 4e7)
+    return text + f"\n\nWith four times the stiffness (E 40 MPa), mu 0.6 and mu_r 0.1: {stiff:.1f} degrees."
+
+
+# --- drum ----------------------------------------------------------------------------------------------
+
+def drum(froude):
+    """Angle between the vertical and the way from the axis to the centre of mass, degrees: mean and deviation."""
+    import h5py
+
+    wide, long = 27 * D, 7 * D
+    spin = np.sqrt(froude * G / (wide / 2))
+    done = run(f"drum-{froude}", {
+        "materials": [GRAIN],
+        "sources": [{"name": "filling", "box": {"size": [long - D, 0.6 * wide, 0.45 * wide]},
+                     "origin": [D / 2, -0.3 * wide, -0.1 * wide], "rate": 1e5, "total": 1200, **SIZES}],
+        "bodies": [{"name": "drum", "cylinder": {"diameter": wide, "height": long, "sides": 48}, "rotation": [0, np.pi / 2, 0],
+                    "friction": 0.6, "motion": {"wx": spin}}],
+        "domain": {"min": [-0.2, -0.2, -0.2], "max": [0.2, 0.2, 0.2]},
+        "time": {"end": 1.5 + 0.5 * 2 * np.pi / spin if froude < 0.01 else 2.0}, "output": {"history_rows": 50}}, snapshots=40)
+    angles = []
+    for path in sorted(done.folder.glob("particles_*.hdf"))[-15:]:
+        with h5py.File(path, "r") as file:
+            x = np.asarray(file["VTKHDF/Points"])
+        angles.append(np.degrees(np.arctan2(abs(x[:, 1].mean()), -x[:, 2].mean())))
+    return np.mean(angles), np.std(angles)
+
+
+def drums():
+    rows = []
+    for froude in (1e-3, 1e-2, 1e-1, 0.5, 2.0):
+        mean, deviation = drum(froude)
+        rows.append([f"{froude:g}", f"{mean:.1f} +- {deviation:.1f}"])
+    return study.table(("w^2 R/g", "angle of the centre of mass, degrees"), rows)
+
+
+SECTIONS = {
+    "Discharge of a silo": (beverloo, """Beverloo et al. 1961: W = C rho_b sqrt(g) (D - k d)^2.5, k = 1.4 held. Cylinders 16 d wider than the orifice with a flat
+bottom, filled 26 d deep by a source, d = 3 mm (sizes 1:1.2), Hertz-Mindlin, E 10 MPa, friction 0.5 throughout, rolling 0.05, restitution 0.5. The bulk density is that of the
+filled silo, 5 to 15 d above the floor and 3 d from its wall; W is the slope of the mass through a sink after the first 15 % of it."""),
+    "Load on the floor of a bin": (janssen, """Janssen 1895: F = F_s (1 - exp(-W/F_s)), W the weight, F_s = rho_b g A D/(4 mu_w K). A tube 12 d wide, the same grains; once they lie
+still the floor goes down by 5 mm/s, so that they slide along the wall."""),
+    "Angle of repose": (repose, """1500 grains in a tube, 20 d wide, that is lifted by 0.1 m/s from a rough floor: slope of a line through the tops of rings (1.5 d) of the heap, degrees.
+There is no law to hold it against but that it rises with mu and mu_r, and then no more."""),
+    "Drum": (drums, """A drum of 27 d by 7 d with 1200 grains, friction 0.6 with it; mean of 15 states. Mellmann 2001: rolling below some 1e-2, cascading up to 1e-1,
+cataracting, centrifuging from about 1 on, where the grains lie all around and the centre of mass is near the axis."""),
+}
+
+
+def main():
+    wanted = [a for a in sys.argv[1:] if not a.startswith("--")]
+    page = PAGE.read_text() if PAGE.exists() else ""
+    parts = {}
+    for title, (make, words) in SECTIONS.items():
+        old = page.partition(f"## {title}\n\n")[2].partition("\n## ")[0]
+        if wanted and not any(w in title for w in wanted):
+            parts[title] = old.rstrip()
+            continue
+        parts[title] = words + "\n\n" + make()
+    text = "\n\n".join(f"## {title}\n\n{part}" for title, part in parts.items() if part)
+    PAGE.write_text(f"# Granular flow\n\nWritten by `validate/granular_study.py`; do not edit.\n\n{text}\n")
+
+
+if __name__ == "__main__":
+    main()
