@@ -1,6 +1,7 @@
 /* Particles that leave the domain: they stop the run, or leave the model with all they hold. */
 #include "base/memory.h"
 #include "base/point.h"
+#include "sim/coupling.h"
 #include "sim/internal.h"
 #include "sim/origin.h"
 #include "sim/touch.h"
@@ -186,6 +187,7 @@ static void release_bonds(gn_world *w, const bool *gone) {
 
 static void remove_gone(gn_world *w, const bool *gone) {
     book_contacts(w, gone);
+    gn_coupled_leave(w, gone);
     for (size_t p = 0; p < w->dem.particles.soa.count; p++)
         if (gone[p]) take_out(w, p);
     release_bonds(w, gone);
