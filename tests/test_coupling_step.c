@@ -42,7 +42,7 @@ static gn_world *made(const model *m, const char *time, const char *rest) {
 }
 
 #define FLAT                                                                                       \
-    { .length = 10e-3, .zone = 4e-3, .side = 2e-3, .rows = 4 }
+    { .length = 8e-3, .zone = 4e-3, .side = 2e-3, .rows = 2 }
 #define DEEP                                                                                       \
     { .length = 6e-3, .zone = 2e-3, .side = 1e-3, .rows = 2, .space = true }
 #define NO_STRIP                                                                                   \
@@ -217,7 +217,7 @@ static void both_as_one_are_stable_up_to_their_sharp_limit(void **state) {
 static void a_million_steps_at_0_99_of_the_limit_keep_the_energy(void **state) {
     (void)state;
     const model small = {
-        "small", {.length = 6e-3, .zone = 2e-3, .side = 2e-3, .rows = 2}, false, NULL};
+        "small", {.length = 4e-3, .zone = 2e-3, .side = 1e-3, .rows = 1}, false, NULL};
     double grown = energy_at(&small, 0.99, 1000000);
     print_message("# energy %.6g times after 1e6 steps\n", grown);
     assert_true(grown < 10.0);
@@ -264,7 +264,7 @@ static void the_limit_is_the_same_on_any_number_of_threads(void **state) {
     (void)state;
     for (int k = 0; k < MODELS; k++) {
         gn_world *a = made(&models[k], NULL, "run: {threads: 1}\n"),
-                 *b = made(&models[k], NULL, "run: {threads: 3}\n");
+                 *b = made(&models[k], NULL, "run: {threads: 2}\n");
         assert_true(gn_world_sharp_limit(a) == gn_world_sharp_limit(b) && a->dt == b->dt);
         world_end(a);
         world_end(b);

@@ -213,11 +213,14 @@ static void linear_block(const linear_system *y, size_t block) {
     }
 }
 
+/* So few nodes are no work to share out. */
+enum { FEW = 1000 };
+
 void gn_fem_linear_apply(const void *system, const double *x, double *out) {
     const linear_system *y = system;
     const gn_partials *q = &y->solid->partials;
     const size_t d = (size_t)y->dimension, nodes = y->solid->nodes.soa.count;
-#pragma omp parallel num_threads(y->solid->threads)
+#pragma omp parallel num_threads(y->solid->threads) if (nodes > FEW)
     {
 #pragma omp for schedule(static)
         for (size_t k = 0; k < nodes * d; k++) {
