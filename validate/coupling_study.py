@@ -1,10 +1,11 @@
-"""Waves through zones that particles and elements share, and a patch of a disordered packing: docs/evidence/coupling.md. A few minutes.
+"""Waves through zones that particles and elements share, and a patch of a disordered packing: docs/evidence/coupling.md. Some ten minutes.
 
     /usr/bin/python3 validate/coupling_study.py [--fresh]
 """
 import h5py
 import numpy as np
 
+import coupling_packings
 import study
 
 SCENE = "scenes/wave-zone.yaml"
@@ -68,6 +69,36 @@ def wave_table(mirrored):
                 continue
             rows.append([constraint, length, side, *(f"{wave(w, length, side, constraint, mirrored):.3f}" for w in WIDTHS)])
     return study.table(["constraint", "wave, mm", "h, mm", *(f"L {w}" for w in WIDTHS)], rows)
+
+
+def wave_result(width, length, side, constraint):
+    wave(width, length, side, constraint)
+    settings = wave_settings(width * 1e-3, length * 1e-3, side * 1e-3, constraint, False)
+    return study.run(f"coupling/{constraint}-{width}-{length}-{side}-forth", SCENE, {**settings, "output.history_rows": 40})
+
+
+def energy_before(result, kind, start, end, whole):
+    """Of the columns of points before `start`, where the elements end, with the share that they have between there and `end`; J. `whole`: elements alone."""
+    x, u, v = columns_of(result, kind, step_of(result))
+    middle, size = 0.5 * (x[1:] + x[:-1]), np.diff(x)
+    elements = np.ones_like(middle) if whole else np.clip((start - middle) / (start - end), 0, 1)
+    share = elements if kind == "nodes" else 1 - elements
+    energy = 0.5 * DENSITY * 0.5 * (v[1:] ** 2 + v[:-1] ** 2) + 0.5 * MODULUS * (np.diff(u) / size) ** 2
+    return np.sum((0.01 * size * share * energy)[x[1:] <= start + 1e-9])
+
+
+def behind_table(width=80):
+    start, end = LENGTH / 2 + width * 0.5e-3, LENGTH / 2 - width * 0.5e-3
+    rows = []
+    for length, side in ((30, 5), (60, 5), (120, 5), (60, 2.5)):
+        mesh = coupling_packings.wave_run(f"strip-mesh-{length}-{side:g}", False, False, None, None, (0.0, LENGTH), MODULUS, length * 1e-3, side * 1e-3)
+        tail = 100 * energy_before(mesh, "nodes", start, end, True) / coupling_packings.stored(mesh)
+        for constraint in CONSTRAINTS:
+            result = wave_result(width, length, side, constraint)
+            left = 100 * (energy_before(result, "nodes", start, end, False) + energy_before(result, "particles", start, end, False))
+            left /= coupling_packings.stored(result)
+            rows.append([constraint, length, side, f"{left:.3f}", f"{tail:.3f}", f"{left - tail:.3f}"])
+    return study.table(["constraint", "wave, mm", "h, mm", f"left before the end of the zone (L {width}), %", "mesh alone, %", "difference, %"], rows)
 
 
 # --- a patch of a disordered packing --------------------------------------------------------------------------
@@ -206,6 +237,10 @@ def beam_table():
 
 
 def main():
+    study.put("coupling.md", "table short", coupling_packings.short_table(lambda width, length, side, how: wave(width, length, side, how, True)))
+    study.put("coupling.md", "table behind", behind_table())
+    study.put("coupling.md", "table bar", coupling_packings.bar_table())
+    study.put("coupling.md", "table packing", coupling_packings.packing_table())
     study.put("coupling.md", "table beam", beam_table())
     study.put("coupling.md", "table forth", wave_table(False))
     study.put("coupling.md", "table back", wave_table(True))

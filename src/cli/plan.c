@@ -173,6 +173,7 @@ static void print_step(const gn_world *w) {
     if (w->scene.has_specimen) print_contacts_to_come(w);
     if (w->scene.has_specimen) print_particle_limits(w);
     gn_print_element_limits(w);
+    gn_print_whole_limit(w);
     print_servos(w);
     if (w->element_count && gn_world_nonviscous_share(w) < 1.0)
         printf("  less             %.3f for non-viscous damping, which stiffens the fastest mode\n",

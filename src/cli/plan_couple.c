@@ -14,6 +14,46 @@ static const double elements_least = 3.0, diameters_least = 6.0;
 /* A modulus 12 % off. */
 static const double returned_most = 1e-3;
 
+static void print_material(const gn_zone_figures *f, size_t k, int *warnings) {
+    const gn_zone_material *m = &f->material[k];
+    if (f->materials > 1)
+        printf("  material         %d of the elements, with %zu particles\n", (int)m->material,
+               m->particles);
+    if (!(m->modulus[0] > 0.0)) return; /* no bonds: no modulus at the start */
+    printf("  modulus          %.4g Pa of particles that follow elements, %.4g Pa of these "
+           "(confined)\n",
+           m->modulus[0], m->modulus[1]);
+    printf("  density          %.4g kg/m3, %.4g kg/m3 of the elements\n", m->density[0],
+           m->density[1]);
+    printf("  returned         %.2g %% of the energy of a wave, by that difference alone\n",
+           100.0 * m->returned);
+    if (m->returned > returned_most)
+        warn(warnings, "particles and elements differ: calibrate the particles to the elements' E "
+                       "and nu, and their density");
+}
+
+static void warn_of_edges(const gn_zone_figures *f, int *warnings) {
+    char text[192];
+    if (f->least > 1e-6) {
+        snprintf(text, sizeof text,
+                 "the elements end where they still have a weight of %.2g: `from` "
+                 "is beyond their end",
+                 f->least);
+        warn(warnings, text);
+    }
+    /* Half a distance of neighbours leaves a weight of that over the width, and a plane through the
+     * middle of elements up to a quarter of theirs. */
+    if (f->edge * f->width > f->diameter + 0.25 * f->element && !f->shared) {
+        snprintf(text, sizeof text,
+                 "the particles end where they still have a weight of %.2g: `to` is beyond their "
+                 "outermost centres",
+                 f->edge);
+        warn(warnings, text);
+    }
+    if (f->beyond)
+        warn(warnings, "particles reach beyond the plane through `to`, where elements carry all");
+}
+
 static void print_zone(const gn_world *w, size_t k, int *warnings) {
     gn_zone_figures f;
     gn_zone_measure(w, k, &f);
@@ -22,31 +62,42 @@ static void print_zone(const gn_world *w, size_t k, int *warnings) {
            elements, diameters);
     printf("  particles        %zu in elements, %zu of them where they have no weight\n",
            f.particles, f.beyond);
-    printf("  modulus          %.4g Pa of particles that follow elements, %.4g Pa of these "
-           "(confined)\n",
-           f.modulus[0], f.modulus[1]);
-    printf("  density          %.4g kg/m3, %.4g kg/m3 of the elements\n", f.density[0],
-           f.density[1]);
-    printf("  returned         %.2g %% of the energy of a wave, by that difference alone\n",
-           100.0 * f.returned);
+    if (f.shared)
+        printf(
+            "  overlaps         zone %zu: %zu particles are in both, where the smaller weight of "
+            "the elements holds\n",
+            f.other, f.shared);
+    for (size_t m = 0; m < f.materials; m++) print_material(&f, m, warnings);
     if (elements < elements_least || diameters < diameters_least)
         warn(warnings, "the zone is thin: three elements and six particles across are advised");
-    if (f.returned > returned_most)
-        warn(warnings, "particles and elements differ: calibrate the particles to the elements' E "
-                       "and nu, and their density");
-    if (f.least > 1e-6) {
-        char text[128];
-        snprintf(text, sizeof text,
-                 "the elements end where they still have a weight of %.2g: `from` "
-                 "is beyond their end",
-                 f.least);
-        warn(warnings, text);
-    }
-    if (f.beyond)
-        warn(warnings, "particles reach beyond the plane through `to`, where elements carry all");
+    warn_of_edges(&f, warnings);
+}
+
+void gn_print_whole_limit(const gn_world *w) {
+    const gn_whole_limit *whole = gn_coupled_whole(w);
+    char text[96];
+    if (!whole) return;
+    printf("  both as one\n  sharp limit      %.6g s  (Lanczos, %d vectors)\n", whole->sharp,
+           whole->iterations);
+    printf("  rigorous bound   %.6g s  = %.3f of the sharp limit\n", gn_world_bound(w),
+           gn_world_bound(w) / whole->sharp);
+    printf("  set by           %s; its mode is to %.0f %% in particles, to %.0f %% in elements, to "
+           "%.0f %% in zones\n",
+           gn_whole_culprit(whole, text, sizeof text), 100.0 * whole->share[GN_SIDE_PARTICLES],
+           100.0 * whole->share[GN_SIDE_ELEMENTS], 100.0 * whole->share[GN_SIDE_ZONE]);
+}
+
+static void print_step(const gn_world *w) {
+    const gn_whole_limit *whole = gn_coupled_whole(w);
+    bool elements = whole ? whole->side == GN_SIDE_ELEMENTS : gn_elements_lead(w) != NULL;
+    printf("step of the coupled model\n  dt               %.6g s, set by the %s\n", w->dt,
+           whole      ? gn_side_text(whole->side)
+           : elements ? "elements"
+                      : "particles");
 }
 
 void gn_print_zones(const gn_world *w, int *warnings) {
     for (size_t k = 0; w->scene.has_couple && k < w->scene.couple.zone_count; k++)
         print_zone(w, k, warnings);
+    if (w->scene.has_couple) print_step(w);
 }

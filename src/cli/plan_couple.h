@@ -4,6 +4,8 @@
 
 #include "sim/world.h"
 
+/* Of `plan`: the limit of particles and elements as one. */
+void gn_print_whole_limit(const gn_world *world);
 void gn_print_zones(const gn_world *world, int *warnings);
 
 #endif

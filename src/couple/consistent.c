@@ -31,10 +31,13 @@ void gn_consistent_free(gn_consistent *y) {
     *y = (gn_consistent){0};
 }
 
+/* So few particles are no work to share out. */
+enum { FEW = 1000 };
+
 /* out = N^T M N x. */
 static void carry(gn_consistent *y, const double *x, double *out) {
     const gn_ties *t = y->ties;
-#pragma omp parallel num_threads(y->threads)
+#pragma omp parallel num_threads(y->threads) if (t->count > FEW)
     {
 #pragma omp for schedule(static)
         for (size_t k = 0; k < t->count; k++)

@@ -4,7 +4,7 @@
 
 #include "base/eigen.h"
 #include "base/point.h"
-#include "fem/solid.h"
+#include "fem/linear.h"
 
 /* The group called `name`, or with that number; NULL when the mesh has none of `dimension` (-1: of
  * any). */
@@ -57,17 +57,7 @@ gn_pressure_args gn_fem_pressure_args(gn_fem_solid *solid, double dt, bool measu
 /* solid->pressure of the present positions. */
 void gn_fem_find_pressures(const gn_fem_solid *solid);
 
-/* --- the solid linearised at its start (limit.c) --- */
-
-typedef struct gn_fem_linear {
-    gn_fem_solid *solid;
-    int dimension, strains;
-    double *scale;     /* [nodes][dimension] M^-1/2, 0 for prescribed components */
-    double *moved;     /* [nodes][dimension] scratch of the operator */
-    double *stiffness; /* [nodes] sum over its elements of the traces of their blocks at it */
-    double *gradient;  /* pressure form: [nodes][4] projected gradient of q, q */
-    double *pressure;  /* pressure form: [nodes] scratch */
-} gn_fem_linear;
+/* --- the solid linearised at its start (linear.h, limit.c) --- */
 
 void gn_fem_gradients(const gn_elements *q, size_t e, double gradient[4][3]);
 

@@ -213,13 +213,14 @@ static void linear_block(const linear_system *y, size_t block) {
     }
 }
 
-/* out = M^-1/2 K M^-1/2 x; the partial sums of the step, which are made anew every time, hold the
- * forces. */
-static void apply(const void *context, const double *x, double *out) {
-    const linear_system *y = context;
+/* So few nodes are no work to share out. */
+enum { FEW = 1000 };
+
+void gn_fem_linear_apply(const void *system, const double *x, double *out) {
+    const linear_system *y = system;
     const gn_partials *q = &y->solid->partials;
     const size_t d = (size_t)y->dimension, nodes = y->solid->nodes.soa.count;
-#pragma omp parallel num_threads(y->solid->threads)
+#pragma omp parallel num_threads(y->solid->threads) if (nodes > FEW)
     {
 #pragma omp for schedule(static)
         for (size_t k = 0; k < nodes * d; k++) {
@@ -271,9 +272,9 @@ static gneiss_status find_sharp(const linear_system *y, double tolerance, gn_fem
     for (size_t k = 0; k < y->solid->nodes.soa.count * (size_t)y->dimension; k++)
         if (!(y->scale[k] > 0.0)) mode[k] = 0.0;
     gn_eigen_top top;
-    gneiss_status status = gn_eigen_largest_in(n, pressure ? gn_fem_linear_pressure : apply,
-                                               pressure ? gn_fem_linear_metric : NULL, y, tolerance,
-                                               y->solid->threads, mode, &top, error);
+    gneiss_status status = gn_eigen_largest_in(
+        n, pressure ? gn_fem_linear_pressure : gn_fem_linear_apply,
+        pressure ? gn_fem_linear_metric : NULL, y, tolerance, y->solid->threads, mode, &top, error);
     if (status == GNEISS_OK) {
         limit->iterations = top.vectors;
         limit->frequency = sqrt(top.value);
@@ -287,14 +288,15 @@ static gneiss_status find_sharp(const linear_system *y, double tolerance, gn_fem
 
 /* --- both --- */
 
-static void set_scale(linear_system *y) {
+static void set_scale(linear_system *y, bool whole) {
     const gn_fem_solid *solid = y->solid;
     const size_t d = (size_t)y->dimension;
     for (size_t n = 0; n < solid->nodes.soa.count; n++)
         for (size_t i = 0; i < d; i++) {
             int32_t slot = solid->nodes.slot[n];
             bool fixed = slot >= 0 && solid->prescribed.mask[slot] >> i & 1;
-            y->scale[d * n + i] = fixed ? 0.0 : sqrt(gn_fem_own_inverse(solid, n));
+            double inverse = whole ? solid->nodes.vel[4 * n + 3] : gn_fem_own_inverse(solid, n);
+            y->scale[d * n + i] = fixed ? 0.0 : sqrt(inverse);
         }
 }
 
@@ -306,38 +308,44 @@ static bool make_pressure(linear_system *y) {
     return y->gradient && y->pressure;
 }
 
-static gneiss_status find_limits(linear_system *y, bool sharp, double tolerance,
-                                 gn_fem_limit *limit, gneiss_error *error) {
-    size_t nodes = y->solid->nodes.soa.count, d = (size_t)y->dimension;
+gneiss_status gn_fem_linear_make(gn_fem_solid *solid, bool whole, linear_system *y,
+                                 gneiss_error *error) {
+    const size_t nodes = solid->nodes.soa.count, d = (size_t)solid->dimension;
+    *y = (linear_system){.solid = solid, .dimension = solid->dimension};
+    y->strains = solid->dimension == 3 ? 6 : 3;
     y->scale = gn_alloc_array(nodes + 1, d * sizeof *y->scale);
     y->moved = gn_alloc_array(nodes + 1, d * sizeof *y->moved);
     y->stiffness = gn_alloc_array(nodes + 1, sizeof *y->stiffness);
-    if (!y->scale || !y->moved || !y->stiffness || !make_pressure(y))
+    if (!y->scale || !y->moved || !y->stiffness || !make_pressure(y)) {
+        gn_fem_linear_free(y);
         return gn_fail(error, GNEISS_ERROR_MEMORY, "no memory for the time step of %zu nodes",
                        nodes);
-    set_scale(y);
+    }
+    set_scale(y, whole);
     sum_stiffness(y);
-    GN_TRY(find_bound(y, limit, error));
-    if (!sharp || limit->bound == INFINITY) return GNEISS_OK;
-    return find_sharp(y, tolerance, limit, error);
+    return GNEISS_OK;
+}
+
+void gn_fem_linear_free(linear_system *y) {
+    void *blocks[] = {y->scale, y->moved, y->stiffness, y->gradient, y->pressure};
+    for (size_t k = 0; k < sizeof blocks / sizeof *blocks; k++) gn_free(blocks[k]);
+    *y = (linear_system){0};
 }
 
 static gneiss_status limits(gn_fem_solid *solid, bool sharp, double tolerance, gn_fem_limit *limit,
                             gneiss_error *error) {
-    linear_system y = {.solid = solid, .dimension = solid->dimension};
-    y.strains = solid->dimension == 3 ? 6 : 3;
+    linear_system y;
     *limit = (gn_fem_limit){.bound = INFINITY,
                             .bound_element = -1,
                             .sharp = INFINITY,
                             .sharp_low = INFINITY,
                             .sharp_element = -1,
                             .sharp_node = -1};
-    gneiss_status status = find_limits(&y, sharp, tolerance, limit, error);
-    gn_free(y.scale);
-    gn_free(y.moved);
-    gn_free(y.stiffness);
-    gn_free(y.gradient);
-    gn_free(y.pressure);
+    GN_TRY(gn_fem_linear_make(solid, false, &y, error));
+    gneiss_status status = find_bound(&y, limit, error);
+    if (status == GNEISS_OK && sharp && limit->bound < INFINITY)
+        status = find_sharp(&y, tolerance, limit, error);
+    gn_fem_linear_free(&y);
     return status;
 }
 

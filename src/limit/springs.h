@@ -1,5 +1,6 @@
 /* The springs of the linearised system: what gn_step_limits and gn_step_holds work on. Inside
- * src/limit/springs.c, step_limits.c, step_holds.c and equilibrium.c only. */
+ * src/limit/springs.c, step_limits.c, step_holds.c and equilibrium.c, and for who has the springs
+ * as a part of a larger system (src/sim/coupling_limit.c). */
 #ifndef GN_LIMIT_SPRINGS_H
 #define GN_LIMIT_SPRINGS_H
 
@@ -80,6 +81,27 @@ double gn_block_upper(int n, const double *s, double trace);
 bool gn_block_below(int n, const double *s, double most);
 /* The largest eigenvalue of A + 2 tau B from above, round-off included, and its vector. */
 double gn_block_top(const gn_block *m, double tau, double *vector);
+
+/* What one of the parts works on that the particles are dealt out in: its own particles, [begin,
+ * end), and the springs that touch them, ascending. */
+typedef struct gn_spring_part {
+    size_t begin, end, springs;
+    uint32_t *spring; /* NULL: all of them */
+} gn_spring_part;
+
+/* The operator of the springs, dealt out among threads. */
+typedef struct gn_spring_operator {
+    const gn_springs *system;
+    gn_spring_part *part;
+    int parts;
+} gn_spring_operator;
+gneiss_status gn_spring_operator_make(const gn_springs *y, gn_spring_operator *o,
+                                      gneiss_error *error);
+void gn_spring_operator_free(gn_spring_operator *o);
+/* out = scale (stiffness K + viscosity C) scale x, [particles][dofs], the same for any number of
+ * threads. */
+void gn_springs_apply(const gn_spring_operator *o, double stiffness, double viscosity,
+                      const double *x, double *out);
 
 /* Bound and, with a tolerance, Lanczos. */
 gneiss_status gn_springs_limits(const gn_springs *y, double tolerance, gn_step_limit *limit,

@@ -14,6 +14,7 @@
 
 #include "base/eigen.h"
 #include "base/memory.h"
+#include "limit/damped.h"
 #include "limit/springs.h"
 
 #include <float.h>
@@ -145,20 +146,17 @@ static double quadratic_form(int n, const double *s, const double *x) {
     return sum;
 }
 
-/* The root of 4 tau^2 = a + 2 tau b. */
-static double rate_of(double a, double b) {
-    return (b + sqrt(b * b + 4.0 * a)) / 4.0;
-}
-
 /* tau with lambda_max(A + 2 tau B) <= 4 tau^2, as small as round-off allows but not below the given
  * one. The quotients climb to it from below; the last steps go past it until the inequality holds.
  */
 static double block_rate(const gn_block *m, double least) {
     double x[DOFS_MAX], tau = least;
-    for (int k = 0; k < m->n; k++) tau = fmax(tau, rate_of(m->a[k * m->n + k], m->b[k * m->n + k]));
+    for (int k = 0; k < m->n; k++)
+        tau = fmax(tau, gn_damped_rate(m->a[k * m->n + k], m->b[k * m->n + k]));
     if (gn_block_top(m, tau, x) <= 4.0 * tau * tau) return tau;
     for (int round = 0; round < 50; round++) {
-        tau = fmax(tau, rate_of(quadratic_form(m->n, m->a, x), quadratic_form(m->n, m->b, x)));
+        tau =
+            fmax(tau, gn_damped_rate(quadratic_form(m->n, m->a, x), quadratic_form(m->n, m->b, x)));
         if (!(gn_block_top(m, tau, x) > 4.0 * tau * tau * (1.0 + 1e-12))) break;
     }
     for (double past = 1e-13; past < 1.0; past *= 2.0) {
@@ -233,22 +231,7 @@ static gneiss_status set_bound(const gn_springs *y, gn_step_limit *limit, gneiss
 
 /* --- the sharp limit --- */
 
-/* What one of the parts works on that the particles are dealt out in: its own particles, [begin,
- * end), and the springs that touch them, ascending. */
-typedef struct spring_part {
-    size_t begin, end, springs;
-    uint32_t *spring; /* NULL: all of them */
-} spring_part;
-
-/* S = stiffness A + viscosity B. */
-typedef struct step_operator {
-    const gn_springs *system;
-    const spring_part *part;
-    int parts;
-    double stiffness, viscosity;
-} step_operator;
-
-static void free_parts(spring_part *part, int parts) {
+static void free_parts(gn_spring_part *part, int parts) {
     for (int b = 0; part && b < parts; b++) gn_free(part[b].spring);
     gn_free(part);
 }
@@ -262,7 +245,8 @@ static int parts_of(const gn_spring *s, const int32_t *home, int32_t at[2]) {
 }
 
 /* Counts the springs of each part, then lists them. */
-static bool list_springs(const gn_springs *y, const int32_t *home, spring_part *part, int parts) {
+static bool list_springs(const gn_springs *y, const int32_t *home, gn_spring_part *part,
+                         int parts) {
     int32_t at[2];
     for (size_t s = 0; s < y->springs; s++)
         for (int k = parts_of(&y->spring[s], home, at); k-- > 0;) part[at[k]].springs++;
@@ -279,11 +263,11 @@ static bool list_springs(const gn_springs *y, const int32_t *home, spring_part *
 
 /* About as many springs to each part, and some parts to each thread, so that none waits for long.
  */
-static gneiss_status make_parts(const gn_springs *y, spring_part **out, int *parts,
+static gneiss_status make_parts(const gn_springs *y, gn_spring_part **out, int *parts,
                                 gneiss_error *error) {
     const size_t most = y->particles / PARTICLE_BLOCK, wanted = 4 * (size_t)y->threads;
     *parts = y->threads == 1 || most < 2 ? 1 : (int)(most < wanted ? most : wanted);
-    spring_part *part = *out = gn_alloc_array((size_t)*parts, sizeof *part);
+    gn_spring_part *part = *out = gn_alloc_array((size_t)*parts, sizeof *part);
     int32_t *home = *parts > 1 ? gn_alloc_array(y->particles, sizeof *home) : NULL;
     bool made = part && (*parts == 1 || home);
     for (int b = 0; made && b < *parts; b++) {
@@ -305,10 +289,18 @@ static gneiss_status make_parts(const gn_springs *y, spring_part **out, int *par
                    y->particles);
 }
 
+/* stiffness A + viscosity B. */
+typedef struct scaled_operator {
+    const gn_springs *system;
+    const gn_spring_part *part;
+    int parts;
+    double stiffness, viscosity;
+} scaled_operator;
+
 /* Adds to the sums of its particles in the part, [particles][dofs], what one spring pulls at them,
  * B^T D v_r. */
-static inline __attribute__((always_inline)) void pull(const gn_spring *s, const step_operator *o,
-                                                       const spring_part *part, double *sums,
+static inline __attribute__((always_inline)) void pull(const gn_spring *s, const scaled_operator *o,
+                                                       const gn_spring_part *part, double *sums,
                                                        bool space, bool rotation) {
     const double *moved = o->system->moved, *n = s->n;
     const int dofs = space ? (rotation ? 6 : 3) : (rotation ? 3 : 2), dim = space ? 3 : 2;
@@ -339,8 +331,8 @@ static inline __attribute__((always_inline)) void pull(const gn_spring *s, const
 }
 
 /* The same of its moments. */
-static inline __attribute__((always_inline)) void bend(const gn_spring *s, const step_operator *o,
-                                                       const spring_part *part, double *sums,
+static inline __attribute__((always_inline)) void bend(const gn_spring *s, const scaled_operator *o,
+                                                       const gn_spring_part *part, double *sums,
                                                        bool space) {
     const size_t dofs = space ? 6 : 3, first = space ? 3 : 2;
     const double *moved = o->system->moved;
@@ -363,7 +355,7 @@ static inline __attribute__((always_inline)) void bend(const gn_spring *s, const
 }
 
 /* A particle's springs are added in their order, whatever the parts are. */
-static inline __attribute__((always_inline)) void apply_core(const step_operator *o,
+static inline __attribute__((always_inline)) void apply_core(const scaled_operator *o,
                                                              const double *x, double *out,
                                                              bool space, bool rotation,
                                                              bool bends) {
@@ -375,7 +367,7 @@ static inline __attribute__((always_inline)) void apply_core(const step_operator
         for (size_t k = 0; k < y->particles * dofs; k++) y->moved[k] = y->scale[k] * x[k];
 #pragma omp for schedule(dynamic)
         for (int b = 0; b < o->parts; b++) {
-            const spring_part *part = &o->part[b];
+            const gn_spring_part *part = &o->part[b];
             const size_t begin = part->begin * dofs, end = part->end * dofs;
             memset(out + begin, 0, (end - begin) * sizeof *out);
             for (size_t k = 0; k < part->springs; k++) {
@@ -388,9 +380,10 @@ static inline __attribute__((always_inline)) void apply_core(const step_operator
     }
 }
 
-static void apply_step(const void *context, const double *x, double *out) {
-    const step_operator *o = context;
-    const gn_springs *y = o->system;
+void gn_springs_apply(const gn_spring_operator *of, double stiffness, double viscosity,
+                      const double *x, double *out) {
+    const gn_springs *y = of->system;
+    const scaled_operator scaled = {y, of->part, of->parts, stiffness, viscosity}, *o = &scaled;
     if (y->space && y->bends) apply_core(o, x, out, true, true, true);
     if (!y->space && y->bends) apply_core(o, x, out, false, true, true);
     if (y->bends) return;
@@ -400,9 +393,20 @@ static void apply_step(const void *context, const double *x, double *out) {
     if (!y->space && !y->rotation) apply_core(o, x, out, false, false, false);
 }
 
-/* Uniform in [-1, 1), from the place alone. */
-static double noise(size_t place) {
-    return (double)((int64_t)gn_scramble(place) >> 11) * 0x1p-52;
+gneiss_status gn_spring_operator_make(const gn_springs *y, gn_spring_operator *o,
+                                      gneiss_error *error) {
+    *o = (gn_spring_operator){.system = y};
+    return make_parts(y, &o->part, &o->parts, error);
+}
+
+void gn_spring_operator_free(gn_spring_operator *o) {
+    free_parts(o->part, o->parts);
+    *o = (gn_spring_operator){0};
+}
+
+static void apply_all(const void *context, double stiffness, double viscosity, const double *x,
+                      double *out) {
+    gn_springs_apply(context, stiffness, viscosity, x, out);
 }
 
 static int32_t fastest_particle(const gn_springs *y, const double *x) {
@@ -419,56 +423,22 @@ static int32_t fastest_particle(const gn_springs *y, const double *x) {
     return y->spectrum->assembly->particles->id[gn_springs_place(y, best)];
 }
 
-/* x . S x for S = stiffness A + viscosity B and unit x. */
-static double quotient(const step_operator *of, double stiffness, double viscosity, const double *x,
-                       double *scratch) {
-    const gn_springs *y = of->system;
-    step_operator o = {y, of->part, of->parts, stiffness, viscosity};
-    apply_step(&o, x, scratch);
-    return gn_eigen_dot(y->particles * (size_t)y->dofs, x, scratch, y->threads);
-}
-
-/* One search at tau = viscosity/2 from the start in x. Keeps what is known in `limit`, returns the
- * new tau. */
-static gneiss_status search(const step_operator *of, double tau, double tolerance, double *x,
-                            double *scratch, gn_step_limit *limit, double *rate,
-                            gneiss_error *error) {
-    const gn_springs *y = of->system;
-    size_t n = y->particles * (size_t)y->dofs;
-    step_operator o = {y, of->part, of->parts, 1.0, 2.0 * tau};
-    gn_eigen_top top;
-    GN_TRY(gn_eigen_largest(n, apply_step, &o, tolerance, y->threads, x, &top, error));
-    double a = top.value, b = 0.0;
-    if (y->damped) {
-        a = tau == 0.0 ? top.value : quotient(of, 1.0, 0.0, x, scratch);
-        b = quotient(of, 0.0, 1.0, x, scratch);
-    }
-    if (tau == 0.0) limit->frequency = sqrt(top.value);
-    limit->iterations += top.vectors;
+static gneiss_status set_sharp(const gn_spring_operator *o, double tolerance, double *x,
+                               gn_step_limit *limit, gneiss_error *error) {
+    const gn_springs *y = o->system;
+    const gn_damped system = {.count = y->particles * (size_t)y->dofs,
+                              .apply = apply_all,
+                              .context = o,
+                              .moves = y->scale,
+                              .damped = y->damped,
+                              .threads = y->threads};
+    gn_damped_top top;
+    GN_TRY(gn_damped_largest(&system, tolerance, x, &top, error));
+    limit->frequency = top.frequency;
+    limit->iterations = top.vectors;
     limit->sharp_id = fastest_particle(y, x);
-    *rate = rate_of(a, b);
-    limit->sharp = 1.0 / *rate;
-    limit->sharp_low = fmax(limit->bound, 1.0 / rate_of(a + top.residual, b));
-    return GNEISS_OK;
-}
-
-static gneiss_status set_sharp(const step_operator *of, double tolerance, double *x,
-                               double *scratch, gn_step_limit *limit, gneiss_error *error) {
-    const gn_springs *y = of->system;
-    size_t n = y->particles * (size_t)y->dofs;
-    double tau = 0.0, rate;
-    for (size_t k = 0; k < n; k++) x[k] = y->scale[k] > 0.0 ? noise(k) : 0.0;
-    GN_TRY(search(of, 0.0, tolerance, x, scratch, limit, &rate, error));
-    /* The rate climbs and its error is squared each time; a dozen rounds are never needed. */
-    for (int round = 0; y->damped && round < 12 && fabs(rate - tau) > 0.1 * tolerance * rate;
-         round++) {
-        tau = rate;
-        /* A little of everything: another mode may overtake the one found so far. */
-        for (size_t k = 0; k < n; k++)
-            x[k] += y->scale[k] > 0.0 ? 1e-2 / sqrt((double)n) * noise(k + n * (size_t)(round + 1))
-                                      : 0.0;
-        GN_TRY(search(of, tau, tolerance, x, scratch, limit, &rate, error));
-    }
+    limit->sharp = 1.0 / top.rate;
+    limit->sharp_low = fmax(limit->bound, 1.0 / top.rate_most);
     return GNEISS_OK;
 }
 
@@ -479,17 +449,14 @@ gneiss_status gn_springs_limits(const gn_springs *y, double tolerance, gn_step_l
     GN_TRY(set_bound(y, limit, error));
     if (limit->bound == INFINITY || tolerance == 0.0) return GNEISS_OK;
     size_t n = y->particles * (size_t)y->dofs;
-    spring_part *part;
-    int parts;
-    GN_TRY(make_parts(y, &part, &parts, error));
-    const step_operator o = {y, part, parts, 1.0, 0.0};
-    double *x = gn_alloc_array(n, sizeof *x), *scratch = gn_alloc_array(n, sizeof *scratch);
-    gneiss_status status = x && scratch ? set_sharp(&o, tolerance, x, scratch, limit, error)
-                                        : gn_fail(error, GNEISS_ERROR_MEMORY,
-                                                  "no memory for a mode of %zu components", n);
+    gn_spring_operator o;
+    GN_TRY(gn_spring_operator_make(y, &o, error));
+    double *x = gn_alloc_array(n, sizeof *x);
+    gneiss_status status =
+        x ? set_sharp(&o, tolerance, x, limit, error)
+          : gn_fail(error, GNEISS_ERROR_MEMORY, "no memory for a mode of %zu components", n);
     gn_free(x);
-    gn_free(scratch);
-    free_parts(part, parts);
+    gn_spring_operator_free(&o);
     return status;
 }
 

@@ -2,6 +2,7 @@
 #define GN_EVERY_EFFECT
 #include "run/output_fields.h"
 
+#include "sim/coupling.h"
 #include "sim/internal.h"
 
 #include <math.h>
@@ -272,6 +273,11 @@ gneiss_status gn_output_view_make(const gn_world *w, const gn_observed *seen, gn
     assembly.bonds = &seen->bonds;
     assembly.pairs = &seen->pairs;
     gn_stress_particles(&assembly, gn_world_porosity(w), v->stress);
+    gneiss_status status = gn_coupled_add_stress(w, v->stress, error);
+    if (status != GNEISS_OK) {
+        gn_output_view_free(v);
+        return status;
+    }
     if (w->effects & GN_FX_BONDS) gn_damage_particles(&w->dem.particles, &w->dem.bonds, v->damage);
     count_contacts(&seen->bonds, v->coordination);
     count_contacts(&seen->pairs, v->coordination);

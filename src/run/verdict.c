@@ -185,6 +185,17 @@ static void warn_of_stages(const gn_run *run, gn_warnings *list) {
              w->scene.end, w->scene.stages[w->stage].name, w->stage + 1, w->scene.stage_count);
 }
 
+static void warn_of_lost(const gn_run *run, gn_warnings *list) {
+    size_t count = gn_coupled_lost(&run->world);
+    if (!count) return;
+    gn_warning *to = &list->warning[list->count++];
+    to->name = "zones_lost";
+    snprintf(to->text, sizeof to->text,
+             "%zu particles left zones that they share with elements, which are no more than their "
+             "part of the body there",
+             count);
+}
+
 static void warn_of_zones(const gn_run *run, gn_warnings *list) {
     size_t count = gn_coupled_broken(&run->world);
     if (!count) return;
@@ -240,5 +251,6 @@ gn_warnings gn_run_warnings(const gn_run *run) {
     warn_of_stages(run, &list);
     warn_of_zones(run, &list);
     warn_of_sources(run, &list);
+    warn_of_lost(run, &list);
     return list;
 }

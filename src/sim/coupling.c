@@ -50,30 +50,6 @@ static gneiss_status check_end(const gn_world *w, size_t zone, gneiss_error *err
     return GNEISS_OK;
 }
 
-/* Whoever stands where elements have a part and is in none. */
-static gneiss_status check_inside(const gn_world *w, const gn_ties *ties, gneiss_error *error) {
-    const gn_particles *q = &w->dem.particles;
-    char at[GN_POINT_SIZE], message[256];
-    size_t next = 0;
-    for (size_t p = 0; p < q->soa.count; p++) { /* in the order of their ids as yet */
-        if (next < ties->count && ties->tie[next].id == q->id[p]) {
-            next++;
-            continue;
-        }
-        for (size_t k = 0; k < w->scene.couple.zone_count; k++) {
-            const gn_couple_zone *z = &w->scene.couple.zones[k];
-            double place = gn_zone_place(z, (int)w->scene.dimension, q->start + 4 * p);
-            if (place < 1e-6 || place > 1.0 - 1e-6) continue;
-            snprintf(message, sizeof message,
-                     "expected every particle of the zone in an element, found particle %d at %s m "
-                     "in none",
-                     q->id[p], gn_point_text(w->scene.origin, q->start + 4 * p, at));
-            return refuse(w, z->where, ".zones", message, error);
-        }
-    }
-    return GNEISS_OK;
-}
-
 static bool all_zero(const gn_table *table) {
     for (size_t k = 0; k < table->count; k++)
         if (table->value[k] != 0.0) return false;
@@ -174,18 +150,24 @@ static void weigh(const gn_world *w, const gn_ties *ties) {
 }
 
 /* kg: what nodes carry, lumped: sum of m_i N_a(X_i), which keeps the mass and its centre. */
+static void sum_carried(const gn_world *w, const gn_coupled *q) {
+    for (size_t n = 0; n < q->ties.nodes; n++) {
+        double *carried = &gn_coupled_solid(w)->carried[q->ties.node[n]];
+        *carried = 0.0;
+        for (int32_t s = q->ties.first[n]; s < q->ties.first[n + 1]; s++) {
+            const gn_tie_share *share = &q->ties.share[s];
+            if (q->place[share->tie] < 0) continue;
+            double mass = 1.0 / w->dem.particles.vel[4 * (size_t)q->place[share->tie] + 3];
+            *carried += mass * q->ties.tie[share->tie].shape[share->corner];
+        }
+    }
+}
+
 static gneiss_status lump(gn_world *w, const gn_coupled *q, gneiss_error *error) {
     gn_fem_solid *b = gn_coupled_solid(w);
     b->carried = gn_alloc_array(b->nodes.soa.count + 1, sizeof *b->carried);
     if (!b->carried) return gn_fail(error, GNEISS_ERROR_MEMORY, "no memory for masses of nodes");
-    for (size_t n = 0; n < q->ties.nodes; n++)
-        for (int32_t s = q->ties.first[n]; s < q->ties.first[n + 1]; s++) {
-            const gn_tie_share *share = &q->ties.share[s];
-            const int32_t place = w->dem.index_of_id[q->ties.tie[share->tie].id];
-            if (place < 0) continue;
-            double mass = 1.0 / w->dem.particles.vel[4 * (size_t)place + 3];
-            b->carried[q->ties.node[n]] += mass * q->ties.tie[share->tie].shape[share->corner];
-        }
+    sum_carried(w, q);
     return GNEISS_OK;
 }
 
@@ -202,7 +184,8 @@ static gneiss_status mark(void *context, gn_world *w, gneiss_error *error) {
     gn_coupled *q = context;
     gn_fem_solid *b = gn_coupled_solid(w);
     for (size_t k = 0; k < q->ties.count; k++) {
-        q->place[k] = w->dem.index_of_id[q->ties.tie[k].id];
+        const int32_t p = w->dem.index_of_id[q->ties.tie[k].id];
+        q->place[k] = p >= 0 && w->dem.particles.vel[4 * (size_t)p + 3] > 0.0 ? p : -1;
         if (q->place[k] >= 0) GN_TRY(gn_hold_particle(&w->dem.hold, (size_t)q->place[k], error));
     }
     if (q->stiffness)
@@ -433,7 +416,7 @@ static gneiss_status prepare(gn_world *w, gn_coupled **q, gneiss_error *error) {
     GN_TRY(check_law(w, error));
     for (size_t k = 0; k < w->scene.couple.zone_count; k++) GN_TRY(check_end(w, k, error));
     GN_TRY(find(w, q, error));
-    GN_TRY(check_inside(w, &(*q)->ties, error));
+    GN_TRY(gn_zones_check(w, &(*q)->ties, error));
     for (size_t k = 0; k < (*q)->ties.count; k++) GN_TRY(check_free(w, &(*q)->ties.tie[k], error));
     weigh(w, &(*q)->ties);
     /* Particles are numbered when they are sorted for the first time. */
@@ -463,9 +446,55 @@ gneiss_status gn_coupled_resume(gn_world *w, gneiss_error *error) {
     return status;
 }
 
+/* --- particles that leave --- */
+
+/* J: what the nodes of ties have by the masses that they carry. */
+static double carried_energy(const gn_world *w, const gn_coupled *q) {
+    const gn_fem_solid *b = gn_coupled_solid(w);
+    double sum = 0.0;
+    for (size_t n = 0; n < q->ties.nodes; n++) {
+        const double *v = b->nodes.vel + 4 * (size_t)q->ties.node[n];
+        sum += 0.5 * b->carried[q->ties.node[n]] * gn_dot3(v, v);
+    }
+    return sum;
+}
+
+/* J: what is booked as carried away by a particle that leaves, of what it does not have. */
+static double not_its_own(const gn_world *w, const gn_coupled *q, size_t p) {
+    const double *v = w->dem.particles.vel + 4 * p, *o = w->dem.particles.spin + 4 * p;
+    double sum = 0.0;
+    if (!q->before && !q->stiffness) sum += 0.5 * gn_dot3(v, v) / v[3];
+    if (q->turn) sum += 0.5 * gn_dot3(o, o) / o[3];
+    return sum;
+}
+
+void gn_coupled_leave(gn_world *w, const bool *gone) {
+    gn_coupled *q = w->scene.has_couple ? w->exchange[0].context : NULL;
+    if (!q) return;
+    gn_fem_solid *b = gn_coupled_solid(w);
+    w->couple.whole = -fabs(w->couple.whole); /* to be looked for anew */
+    const bool lumped = !q->before && !q->stiffness;
+    double before = lumped ? carried_energy(w, q) : 0.0;
+    for (size_t k = 0; k < q->ties.count; k++) {
+        if (q->place[k] < 0 || !gone[q->place[k]]) continue;
+        w->energy.removed -= not_its_own(w, q, (size_t)q->place[k]);
+        if (q->stiffness) w->energy.removed += q->stored[k];
+        if (q->stiffness) q->stored[k] = 0.0;
+        q->place[k] = -1;
+    }
+    if (!b->carried) return;
+    for (size_t n = 0; n < q->ties.nodes; n++) {
+        double *inverse = b->nodes.vel + 4 * (size_t)q->ties.node[n] + 3;
+        *inverse = 1.0 / (1.0 / *inverse - b->carried[q->ties.node[n]]);
+    }
+    sum_carried(w, q);
+    load_nodes(b);
+    if (lumped) w->energy.removed += before - carried_energy(w, q);
+}
+
 /* --- readings --- */
 
-bool gn_coupled_has(const gn_coupled *q, int32_t id) {
+const gn_tie *gn_coupled_tie(const gn_coupled *q, int32_t id) {
     size_t low = 0, high = q->ties.count;
     while (low < high) {
         size_t middle = low + (high - low) / 2;
@@ -474,7 +503,11 @@ bool gn_coupled_has(const gn_coupled *q, int32_t id) {
         else
             high = middle;
     }
-    return low < q->ties.count && q->ties.tie[low].id == id;
+    return low < q->ties.count && q->ties.tie[low].id == id ? &q->ties.tie[low] : NULL;
+}
+
+bool gn_coupled_has(const gn_coupled *q, int32_t id) {
+    return gn_coupled_tie(q, id) != NULL;
 }
 
 /* Of an element, J. Displacements are taken half a step back, at the instant of velocities; these

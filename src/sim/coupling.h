@@ -7,6 +7,19 @@
 #include "couple/ties.h"
 #include "sim/world.h"
 
+/* Which part of a model sets its step. */
+typedef enum gn_side { GN_SIDE_PARTICLES, GN_SIDE_ELEMENTS, GN_SIDE_ZONE, GN_SIDES } gn_side;
+
+/* Of particles and elements as one system (coupling_limit.c). */
+typedef struct gn_whole_limit {
+    double sharp, low;      /* s: 1/tau by Lanczos, contact damping included; with its residual */
+    int iterations;         /* Lanczos vectors; 0: not looked for */
+    gn_side side;           /* where the fastest mode is: zones are nodes that carry particles, and
+                             * what of these moves by itself */
+    double share[GN_SIDES]; /* of its kinetic energy */
+    int32_t particle, node; /* the one with the largest share, -1: it is one of the others */
+} gn_whole_limit;
+
 typedef struct gn_coupled {
     gn_ties ties;             /* of the first solid */
     int32_t *place;           /* [ties] of the particle in its record, -1: removed */
@@ -15,6 +28,7 @@ typedef struct gn_coupled {
     double *before;           /* [nodes of ties][3] m/s, consistent: of the half step before */
     double (*turn)[4][3];     /* [ties] N, of slaved spins: what a moment is to the corners */
     double kinetic;           /* J, consistent: what it has beyond the lump's */
+    gn_whole_limit whole;     /* as it was when last looked for */
     /* Of springs instead: [ties] N/m, N s/m, J stored, J lost in half a step, N of the dashpot;
      * [nodes of ties] scratch. */
     double *stiffness, *viscosity, *stored, *lost, (*drag)[3], *sum;
@@ -30,26 +44,58 @@ gneiss_status gn_coupled_resume(gn_world *world, gneiss_error *error);
  * the step (coupling_penalty.c). Without springs nothing is done. */
 void gn_coupled_stiffen(gn_world *world);
 
+/* The sharp limit of all, of what acts or, with `listed`, of all that the lists hold. Not for the
+ * pressure form, nor where the scene trusts bounds alone. */
+bool gn_coupled_has_limit(const gn_world *world);
+gneiss_status gn_coupled_limit(const gn_world *world, bool listed, gn_whole_limit *limit,
+                               gneiss_error *error);
+/* As last looked for; NULL: not looked for. */
+const gn_whole_limit *gn_coupled_whole(const gn_world *world);
+/* "particles", "elements", "zone", and who of it: "particle 12", "a node of the mesh, 12". */
+const char *gn_side_text(gn_side side);
+const char *gn_whole_culprit(const gn_whole_limit *limit, char *text, size_t size);
+
 /* Whether a particle, by its id, is one of a zone. */
 bool gn_coupled_has(const gn_coupled *coupled, int32_t id);
+/* Where it is in the elements; NULL: it is none. */
+const gn_tie *gn_coupled_tie(const gn_coupled *coupled, int32_t id);
+
+/* Nodes give up what they carry of particles that leave the model, with its momentum and energy;
+ * before these lose their masses. `gone` [particles]. */
+void gn_coupled_leave(gn_world *world, const bool *gone);
+/* Pa, [particles][6] as gn_stress_particles: adds what elements carry of the stress at the
+ * particles of zones (coupling_readings.c). */
+gneiss_status gn_coupled_add_stress(const gn_world *world, double *sigma, gneiss_error *error);
+/* Particles of zones that have left. */
+size_t gn_coupled_lost(const gn_world *world);
 
 /* J: energy of plane waves in the elements outside of zones that run away from the particles of
  * zone `k`: along n, from where its elements end into the particles, a wave that runs along n has v
  * = -c e, one that runs back v = c e, so that the sum over elements is of rho V ((v + c e)/2)^2. */
 double gn_coupled_returned(const gn_world *world, size_t k);
 
-/* Bonds that broke between particles of zones, which elements hold together all the same. */
+/* Bonds that broke in zones, where elements hold together what they held all the same. */
 size_t gn_coupled_broken(const gn_world *world);
+
+/* Of the particles in elements of one material, and of these elements, along the zone's n: Pa, of
+ * an affine strain, kg/m3; what of the energy of a wave their difference returns. */
+typedef struct gn_zone_material {
+    int32_t material; /* of the elements */
+    size_t particles;
+    double modulus[2], density[2], returned;
+} gn_zone_material;
+enum { GN_ZONE_MATERIALS = 8 }; /* that are told apart; the last one stands for all further ones */
 
 /* What a zone is, as it was at the start (coupling_check.c). */
 typedef struct gn_zone_figures {
     double width, element, diameter; /* m; means over its elements and particles */
     double least;                    /* weight of an element's node that has the least: 0 */
-    size_t particles;                /* of all zones, here and below */
-    size_t beyond;                   /* where particles have no weight, beyond its edge */
-    /* Of particles that follow elements, along n: Pa, of an affine strain, and kg/m3; the same of
-     * the elements; what of the energy of a wave their difference returns. */
-    double modulus[2], density[2], returned;
+    double edge;                     /* the same of its particles */
+    size_t particles;                /* in elements */
+    size_t beyond;                   /* of them where they have no weight, beyond its edge */
+    size_t shared, other;            /* that are in another zone as well, and which: the first */
+    size_t materials;
+    gn_zone_material material[GN_ZONE_MATERIALS];
 } gn_zone_figures;
 void gn_zone_measure(const gn_world *world, size_t k, gn_zone_figures *figures);
 

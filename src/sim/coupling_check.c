@@ -1,72 +1,282 @@
 /* Figures of zones for who checks a scene. */
 #include "base/ball.h"
+#include "base/memory.h"
+#include "base/point.h"
 #include "couple/zone.h"
 #include "sim/coupling_internal.h"
 
 #include <math.h>
 
+/* --- what is in a zone --- */
+
+/* The extent of an element; its place in a zone, of the node that is farthest among the particles.
+ */
+static double element_place(const gn_fem_solid *b, size_t e, const gn_couple_zone *z,
+                            double size[3]) {
+    double lower[3] = {INFINITY, INFINITY, INFINITY}, upper[3] = {-INFINITY, -INFINITY, -INFINITY};
+    double place = INFINITY;
+    for (int a = 0; a <= b->dimension; a++) {
+        const double *x = b->nodes.start + 4 * (size_t)gn_elements_node(&b->elements, a)[e];
+        place = fmin(place, gn_zone_place(z, b->dimension, x));
+        for (int k = 0; k < b->dimension; k++) {
+            lower[k] = fmin(lower[k], x[k]);
+            upper[k] = fmax(upper[k], x[k]);
+        }
+    }
+    for (int k = 0; k < b->dimension; k++) size[k] = upper[k] - lower[k];
+    return place;
+}
+
+static bool inside(double place) {
+    return place >= -GN_ZONE_ROUNDING && place < 1.0 - GN_ZONE_ROUNDING;
+}
+
+/* The zone on whose edge, or behind it, a place without weight of particles is. */
+static size_t nearest_zone(const gn_scene *s, const double *x) {
+    size_t nearest = 0;
+    double least = INFINITY;
+    for (size_t k = 0; k < s->couple.zone_count; k++) {
+        double place = gn_zone_place(&s->couple.zones[k], (int)s->dimension, x);
+        if (place < -GN_ZONE_ROUNDING || place >= least) continue;
+        least = place;
+        nearest = k;
+    }
+    return nearest;
+}
+
+/* Whether a particle in an element is one of a zone. */
+static bool belongs(const gn_scene *s, size_t zone, const double *x) {
+    return inside(gn_zone_place(&s->couple.zones[zone], (int)s->dimension, x)) ||
+           nearest_zone(s, x) == zone;
+}
+
+/* The extent of a zone's elements across its first edge, m. */
+typedef struct zone_sides {
+    double along[2][3]; /* unit vectors across n */
+    double lower[2], upper[2];
+    size_t elements;
+} zone_sides;
+
+static zone_sides sides_of(const gn_world *w, const gn_couple_zone *z) {
+    const gn_fem_solid *b = gn_coupled_solid(w);
+    zone_sides s = {.lower = {INFINITY, INFINITY}, .upper = {-INFINITY, -INFINITY}};
+    double n[3], size[3];
+    gn_zone_direction(z, b->dimension, n);
+    int least = b->dimension == 2 || fabs(n[2]) <= fmin(fabs(n[0]), fabs(n[1])) ? 2
+                : fabs(n[0]) <= fabs(n[1])                                      ? 0
+                                                                                : 1;
+    double other[3] = {0.0};
+    other[least] = 1.0;
+    gn_cross3(n, other, s.along[0]);
+    double length = sqrt(gn_dot3(s.along[0], s.along[0]));
+    for (int k = 0; k < 3; k++) s.along[0][k] /= length;
+    gn_cross3(n, s.along[0], s.along[1]);
+    for (size_t e = 0; e < b->elements.soa.count; e++) {
+        if (!inside(element_place(b, e, z, size))) continue;
+        s.elements++;
+        for (int a = 0; a <= b->dimension; a++)
+            for (int k = 0; k < 2; k++) {
+                double at = gn_dot3(
+                    s.along[k], b->nodes.start + 4 * (size_t)gn_elements_node(&b->elements, a)[e]);
+                s.lower[k] = fmin(s.lower[k], at);
+                s.upper[k] = fmax(s.upper[k], at);
+            }
+    }
+    return s;
+}
+
+static bool between_sides(const zone_sides *s, const double *x) {
+    for (int k = 0; k < 2; k++) {
+        double at = gn_dot3(s->along[k], x), some = 1e-6 * (s->upper[k] - s->lower[k]);
+        if (at < s->lower[k] - some || at > s->upper[k] + some) return false;
+    }
+    return true;
+}
+
+/* Whether a particle in no element should be in one of a zone: between the zone's planes, and not
+ * beside its elements, before those of another zone, as where two sides of a block of elements
+ * meet.
+ */
+static bool is_missing(const gn_scene *s, const zone_sides *sides, size_t zone, const double *x) {
+    const int dimension = (int)s->dimension;
+    double place = gn_zone_place(&s->couple.zones[zone], dimension, x);
+    if (place < 1e-6 || place > 1.0 - 1e-6) return false;
+    if (between_sides(&sides[zone], x)) return true;
+    for (size_t k = 0; k < s->couple.zone_count; k++)
+        if (gn_zone_place(&s->couple.zones[k], dimension, x) < 0.0 && between_sides(&sides[k], x))
+            return false;
+    return true;
+}
+
+static gneiss_status check_inside(const gn_world *w, const gn_ties *ties, const zone_sides *sides,
+                                  gneiss_error *error) {
+    const gn_particles *q = &w->dem.particles;
+    char at[GN_POINT_SIZE];
+    size_t next = 0;
+    for (size_t p = 0; p < q->soa.count; p++) { /* in the order of their ids as yet */
+        if (next < ties->count && ties->tie[next].id == q->id[p]) {
+            next++;
+            continue;
+        }
+        for (size_t k = 0; k < w->scene.couple.zone_count; k++)
+            if (is_missing(&w->scene, sides, k, q->start + 4 * p))
+                return gn_fail(error, GNEISS_ERROR_INPUT,
+                               "%.400s:%d:%d: couple.zones: expected every particle of the zone in "
+                               "an element, "
+                               "found particle %d at %s m in none",
+                               w->scene.source, w->scene.couple.zones[k].where.line,
+                               w->scene.couple.zones[k].where.column, q->id[p],
+                               gn_point_text(w->scene.origin, q->start + 4 * p, at));
+    }
+    return GNEISS_OK;
+}
+
+static gneiss_status check_occupied(const gn_world *w, const gn_ties *ties, size_t zone,
+                                    size_t elements, gneiss_error *error) {
+    const gn_couple_zone *z = &w->scene.couple.zones[zone];
+    size_t particles = 0;
+    for (size_t t = 0; t < ties->count; t++)
+        particles += inside(gn_zone_place(z, (int)w->scene.dimension,
+                                          w->dem.particles.start + 4 * (size_t)ties->tie[t].id));
+    if (elements && particles) return GNEISS_OK;
+    return gn_fail(error, GNEISS_ERROR_INPUT,
+                   "%.400s:%d:%d: couple.zones[%zu]: expected elements, and particles in them, "
+                   "between the planes through `from` and `to`, found no %s",
+                   w->scene.source, z->where.line, z->where.column, zone,
+                   elements ? "particle" : "element");
+}
+
+gneiss_status gn_zones_check(const gn_world *w, const gn_ties *ties, gneiss_error *error) {
+    const size_t count = w->scene.couple.zone_count;
+    zone_sides *sides = gn_alloc_array(count + 1, sizeof *sides);
+    if (!sides) return gn_fail(error, GNEISS_ERROR_MEMORY, "no memory for %zu zones", count);
+    gneiss_status status = GNEISS_OK;
+    for (size_t k = 0; k < count && status == GNEISS_OK; k++) {
+        sides[k] = sides_of(w, &w->scene.couple.zones[k]);
+        status = check_occupied(w, ties, k, sides[k].elements, error);
+    }
+    if (status == GNEISS_OK) status = check_inside(w, ties, sides, error);
+    gn_free(sides);
+    return status;
+}
+
+/* --- figures --- */
+
 /* The mean side of the boxes about a zone's elements; the least weight of a node. */
 static void measure_elements(const gn_world *w, size_t zone, gn_zone_figures *f) {
     const gn_fem_solid *b = gn_coupled_solid(w);
-    const gn_couple_zone *z = &w->scene.couple.zones[zone];
-    double sum = 0.0;
+    double sum = 0.0, size[3];
     size_t count = 0;
     f->least = 1.0;
     for (size_t e = 0; e < b->elements.soa.count; e++) {
-        double lower[3] = {INFINITY, INFINITY, INFINITY},
-               upper[3] = {-INFINITY, -INFINITY, -INFINITY};
-        double place = INFINITY;
-        for (int a = 0; a <= b->dimension; a++) {
-            const double *x = b->nodes.start + 4 * (size_t)gn_elements_node(&b->elements, a)[e];
-            place = fmin(place, gn_zone_place(z, b->dimension, x));
-            for (int k = 0; k < b->dimension; k++) {
-                lower[k] = fmin(lower[k], x[k]);
-                upper[k] = fmax(upper[k], x[k]);
-            }
-        }
-        if (place < -GN_ZONE_ROUNDING || place >= 1.0 - GN_ZONE_ROUNDING) continue;
+        double place = element_place(b, e, &w->scene.couple.zones[zone], size);
+        if (!inside(place)) continue;
         f->least = fmin(f->least, fmax(place, 0.0));
-        for (int k = 0; k < b->dimension; k++) sum += (upper[k] - lower[k]) / b->dimension;
+        for (int k = 0; k < b->dimension; k++) sum += size[k] / b->dimension;
         count++;
-        const gn_elements *q = &b->elements;
-        f->modulus[1] = q->lambda[e] + 2.0 * q->mu[e];
-        f->density[1] = b->density[q->material[e]];
     }
     f->element = count ? sum / (double)count : 0.0;
 }
 
-/* Weights of forces and masses cancel in these means; springs count half for each end. */
-static void measure_particles(const gn_world *w, size_t zone, gn_zone_figures *f) {
+static gn_zone_material *material_of(const gn_world *w, gn_zone_figures *f, const gn_tie *t) {
+    const gn_elements *q = &gn_coupled_solid(w)->elements;
+    const int32_t material = q->material[t->element];
+    size_t k = 0;
+    while (k < f->materials && f->material[k].material != material) k++;
+    if (k == f->materials && k < GN_ZONE_MATERIALS) f->material[f->materials++].material = material;
+    if (k == GN_ZONE_MATERIALS) k--;
+    return &f->material[k];
+}
+
+/* Sums: moduli times volume, masses, volumes of spheres; springs count half for each end. */
+typedef struct zone_sums {
+    double stiffness, mass, volume;
+} zone_sums;
+
+/* Notes whether a particle in a zone is in another one as well. */
+static void look_for_others(const gn_scene *s, size_t zone, const double *x, gn_zone_figures *f) {
+    const int dimension = (int)s->dimension;
+    if (!inside(gn_zone_place(&s->couple.zones[zone], dimension, x))) return;
+    for (size_t k = 0; k < s->couple.zone_count; k++) {
+        if (k == zone || !inside(gn_zone_place(&s->couple.zones[k], dimension, x))) continue;
+        if (!f->shared) f->other = k;
+        f->shared++;
+        return;
+    }
+}
+
+static void add_particle(const gn_world *w, size_t zone, const gn_tie *t, size_t p,
+                         gn_zone_figures *f, zone_sums *sums) {
+    const gn_particles *q = &w->dem.particles;
+    const gn_fem_solid *b = gn_coupled_solid(w);
+    const double *blend = q->blend + 2 * p, *x = q->start + 4 * p, r = q->pos[4 * p + 3];
+    gn_zone_material *m = material_of(w, f, t);
+    zone_sums *sum = &sums[m - f->material];
+    sum->volume += blend[0] * gn_ball_volume(b->dimension, r);
+    sum->mass += blend[0] / (q->vel[4 * p + 3] * blend[1]);
+    m->particles++;
+    m->modulus[1] += b->elements.lambda[t->element] + 2.0 * b->elements.mu[t->element];
+    m->density[1] += b->density[b->elements.material[t->element]];
+    f->particles++;
+    f->diameter += 2.0 * r;
+    f->edge = fmin(f->edge, blend[0]);
+    double place = gn_zone_place(&w->scene.couple.zones[zone], b->dimension, x);
+    f->beyond += (place - 1.0) * f->width > 0.5 * r; /* outermost centres scatter */
+    look_for_others(&w->scene, zone, x, f);
+}
+
+static void add_particles(const gn_world *w, size_t zone, gn_zone_figures *f, zone_sums *sums) {
+    const gn_coupled *c = w->exchange[0].context;
+    f->edge = 1.0;
+    for (size_t k = 0; k < c->ties.count; k++) {
+        const int32_t p = c->place[k];
+        if (p >= 0 && belongs(&w->scene, zone, w->dem.particles.start + 4 * (size_t)p))
+            add_particle(w, zone, &c->ties.tie[k], (size_t)p, f, sums);
+    }
+    if (f->particles) f->diameter /= (double)f->particles;
+}
+
+/* Particles that are in no element have all of their mass and lie beyond the last node. */
+static void add_bonds(const gn_world *w, size_t zone, gn_zone_figures *f, zone_sums *sums) {
     const gn_coupled *c = w->exchange[0].context;
     const gn_particles *q = &w->dem.particles;
     const gn_contacts *bonds = &w->dem.bonds;
-    const double solid = 1.0 - gn_world_porosity(w);
-    double n[3], volume = 0.0, stiffness = 0.0, mass = 0.0, radius = 0.0;
+    double n[3];
     gn_zone_direction(&w->scene.couple.zones[zone], (int)w->scene.dimension, n);
-    for (size_t k = 0; k < c->ties.count; k++) {
-        const size_t p = (size_t)w->dem.index_of_id[c->ties.tie[k].id];
-        const double *blend = q->blend + 2 * p, r = q->pos[4 * p + 3];
-        volume += blend[0] * gn_ball_volume((int)w->scene.dimension, r) / solid;
-        mass += blend[0] / (q->vel[4 * p + 3] * blend[1]);
-        radius += r / (double)c->ties.count;
-        double place =
-            gn_zone_place(&w->scene.couple.zones[zone], (int)w->scene.dimension, q->start + 4 * p);
-        f->beyond += (place - 1.0) * f->width > 0.5 * r; /* outermost centres scatter */
-    }
     for (size_t s = 0; s < bonds->soa.count; s++) {
-        double d[3], length2, along, ends = 0.0;
+        double d[3];
         const int32_t end[2] = {bonds->i[s], bonds->j[s]};
-        length2 = gn_branch(w, q->start + 4 * (size_t)end[0], q->start + 4 * (size_t)end[1], d);
-        /* Particles that are in no element have all of their mass and lie beyond the last node. */
-        for (int k = 0; k < 2; k++) ends += gn_coupled_has(c, q->id[end[k]]) ? 0.5 : 0.0;
-        along = gn_dot3(d, n) * gn_dot3(d, n) / length2;
-        stiffness += ends * length2 * along *
-                     (bonds->kn[s] * along + (bonds->kt ? bonds->kt[s] * (1.0 - along) : 0.0));
+        double length2 =
+            gn_branch(w, q->start + 4 * (size_t)end[0], q->start + 4 * (size_t)end[1], d);
+        double along = gn_dot3(d, n) * gn_dot3(d, n) / length2;
+        double stiffness =
+            length2 * along *
+            (bonds->kn[s] * along + (bonds->kt ? bonds->kt[s] * (1.0 - along) : 0.0));
+        for (int k = 0; k < 2; k++) {
+            const gn_tie *t = gn_coupled_tie(c, q->id[end[k]]);
+            if (t && belongs(&w->scene, zone, q->start + 4 * (size_t)end[k]))
+                sums[material_of(w, f, t) - f->material].stiffness += 0.5 * stiffness;
+        }
     }
-    f->diameter = 2.0 * radius;
-    f->particles = c->ties.count;
-    f->modulus[0] = stiffness / volume;
-    f->density[0] = mass / volume;
+}
+
+/* Weights of forces and masses cancel in these means. */
+static void measure_particles(const gn_world *w, size_t zone, gn_zone_figures *f) {
+    zone_sums sums[GN_ZONE_MATERIALS] = {{0}};
+    add_particles(w, zone, f, sums);
+    add_bonds(w, zone, f, sums);
+    const double solid = 1.0 - gn_world_porosity(w);
+    for (size_t k = 0; k < f->materials; k++) {
+        gn_zone_material *m = &f->material[k];
+        const double volume = sums[k].volume / solid;
+        m->modulus[0] = volume > 0.0 ? sums[k].stiffness / volume : 0.0;
+        m->density[0] = volume > 0.0 ? sums[k].mass / volume : 0.0;
+        if (!m->particles) continue;
+        m->modulus[1] /= (double)m->particles;
+        m->density[1] /= (double)m->particles;
+        double z = sqrt(m->modulus[0] * m->density[0] / (m->modulus[1] * m->density[1]));
+        m->returned = (1.0 - z) * (1.0 - z) / ((1.0 + z) * (1.0 + z));
+    }
 }
 
 size_t gn_coupled_broken(const gn_world *w) {
@@ -74,8 +284,8 @@ size_t gn_coupled_broken(const gn_world *w) {
     const double *blend = w->dem.particles.blend;
     size_t count = 0;
     for (size_t c = 0; blend && bonds->cause && c < bonds->soa.count; c++)
-        count += gn_broken(bonds->cause[c]) && blend[2 * (size_t)bonds->i[c]] < 1.0 &&
-                 blend[2 * (size_t)bonds->j[c]] < 1.0;
+        count += gn_broken(bonds->cause[c]) &&
+                 (blend[2 * (size_t)bonds->i[c]] < 1.0 || blend[2 * (size_t)bonds->j[c]] < 1.0);
     return count;
 }
 
@@ -84,6 +294,4 @@ void gn_zone_measure(const gn_world *w, size_t k, gn_zone_figures *f) {
                                gn_zone_width(&w->scene.couple.zones[k], (int)w->scene.dimension)};
     measure_elements(w, k, f);
     measure_particles(w, k, f);
-    double z = sqrt(f->modulus[0] * f->density[0] / (f->modulus[1] * f->density[1]));
-    f->returned = (1.0 - z) * (1.0 - z) / ((1.0 + z) * (1.0 + z));
 }

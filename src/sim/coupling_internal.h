@@ -10,6 +10,9 @@ static inline gn_fem_solid *gn_coupled_solid(const gn_world *w) {
     return &w->elements[0]->solid;
 }
 
+/* That each zone has elements and particles, and these are in elements (coupling_check.c). */
+gneiss_status gn_zones_check(const gn_world *w, const gn_ties *ties, gneiss_error *error);
+
 /* Adds coupled->load to the nodes' loads, by the shape functions. */
 void gn_coupled_hand_to_nodes(gn_world *w, gn_coupled *q);
 

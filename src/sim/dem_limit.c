@@ -120,7 +120,8 @@ static gneiss_status holds(const gn_spectrum *spectrum, const question *q, gneis
     return status;
 }
 
-static gneiss_status answer(const gn_spectrum *spectrum, const question *q, gneiss_error *error) {
+static gneiss_status answer(const gn_spectrum *spectrum, void *context, gneiss_error *error) {
+    const question *q = context;
     if (q->masses) return gn_step_masses(spectrum, q->step, q->masses, error);
     if (q->turned)
         return gn_step_holds(spectrum, q->step, q->tolerance, q->turned, q->verdict, error);
@@ -128,15 +129,21 @@ static gneiss_status answer(const gn_spectrum *spectrum, const question *q, gnei
     return gn_step_limits(spectrum, q->tolerance, q->limit, error);
 }
 
-static gneiss_status ask(const gn_world *w, bool listed, const question *q, gneiss_error *error) {
+gneiss_status gn_dem_with_spectrum(const gn_world *w, bool listed, gn_spectrum_user *use,
+                                   void *context, gneiss_error *error) {
     gn_assembly assembly = gn_world_assembly(w);
     spectrum_data data = {0};
     double reach = listed ? w->dem.verlet.skin : 0.0;
     GN_TRY(make_data(w, reach, &data, error));
     gn_spectrum spectrum = spectrum_of(w, reach, &assembly, &data);
-    gneiss_status status = answer(&spectrum, q, error);
+    gneiss_status status = use(&spectrum, context, error);
     free_data(&data);
     return status;
+}
+
+static gneiss_status ask(const gn_world *w, bool listed, const question *q, gneiss_error *error) {
+    question copy = *q;
+    return gn_dem_with_spectrum(w, listed, answer, &copy, error);
 }
 
 gneiss_status gn_dem_masses(const gn_world *w, bool listed, double step, double *factor,
@@ -165,6 +172,8 @@ gneiss_status gn_dem_relax(const gn_world *w, const uint8_t *slips, double rate,
  * below. */
 static bool bound_suffices(const gn_world *w, double bound) {
     if (w->scene.estimate == GN_STEP_BOUND || bound == INFINITY) return true;
+    /* Springs of zones are chosen by it, however the step is. */
+    if (w->scene.has_couple && w->scene.couple.constraint == GN_COUPLE_PENALTY) return false;
     return w->scene.step > 0.0 && w->scene.step <= gn_limit_beside_surfaces(w, bound);
 }
 
@@ -202,7 +211,8 @@ static gneiss_status usable_limit(const gn_world *w, double *limit, gneiss_error
 /* Whether springs that have come to act since the last look take the limit down. Without any at
  * that look, any will do. */
 static gneiss_status limit_fell(gn_world *w, bool *fell, gneiss_error *error) {
-    double known = trusted(w, &w->dem.limit);
+    /* With elements they may hold more than by themselves. */
+    double known = fmax(trusted(w, &w->dem.limit), w->couple.whole);
     gn_step_verdict verdict = {0};
     question q = {
         .step = known < INFINITY ? 0.95 * known : DBL_MAX, .verdict = &verdict, .changed = true};

@@ -6,6 +6,7 @@
 #include "base/timer.h"
 #include "couple/zone.h"
 #include "fem/structured.h"
+#include "sim/coupling.h"
 #include "sim/world.h"
 
 #include <math.h>
@@ -531,6 +532,8 @@ const gn_element_model *gn_elements_lead(const gn_world *w) {
     const gn_element_model *lead = NULL;
     for (size_t k = 0; k < w->element_count; k++)
         if (!lead || w->elements[k]->stable < lead->stable) lead = w->elements[k];
+    const gn_whole_limit *whole = gn_coupled_whole(w);
+    if (whole) return whole->side == GN_SIDE_ELEMENTS ? lead : NULL;
     bool after = lead && w->scene.has_specimen && w->dem.stable < lead->stable;
     return after ? NULL : lead;
 }

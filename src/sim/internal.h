@@ -210,6 +210,13 @@ gneiss_status gn_resolution_masses(const gn_world *world, double step, double *f
                                    gneiss_error *error);
 /* The same for the springs of particles to be stable (gn_step_masses): of those that act, or of all
  * that are listed. */
+/* Calls `use` with the linearised system of the particles: of the springs that act or, with
+ * `listed`, of all that the lists hold. */
+typedef gneiss_status gn_spectrum_user(const gn_spectrum *spectrum, void *context,
+                                       gneiss_error *error);
+gneiss_status gn_dem_with_spectrum(const gn_world *world, bool listed, gn_spectrum_user *use,
+                                   void *context, gneiss_error *error);
+
 gneiss_status gn_dem_masses(const gn_world *world, bool listed, double step, double *factor,
                             gneiss_error *error);
 /* After masses have changed (lists.c); what they sum up to (mass_scaling.c). */

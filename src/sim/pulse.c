@@ -21,6 +21,31 @@ static void start(const gn_scene *s, gn_particles *q) {
     }
 }
 
+/* Bonds are sheared as the pulse shears them: their tangential springs build up with what happens and
+ * know nothing of places. Without that a disordered packing would keep a part of the pulse where it
+ * began, normal springs against tangential ones. */
+static void shear_bonds(gn_world *w) {
+    const gn_particles *q = &w->dem.particles;
+    const gn_contacts *b = &w->dem.bonds;
+    for (size_t c = 0; (b->shear || b->shear_f) && b->kt && c < b->soa.count; c++) {
+        const size_t i = 4 * (size_t)b->i[c], j = 4 * (size_t)b->j[c];
+        double n[3], u[3];
+        if (!gn_contact_bonded(b, c)) continue;
+        double length = sqrt(gn_branch(w, q->pos + i, q->pos + j, n));
+        for (size_t a = 0; a < 3; a++) {
+            n[a] /= length;
+            u[a] = (q->pos[j + a] - q->start[j + a]) - (q->pos[i + a] - q->start[i + a]);
+        }
+        const double along = gn_dot3(u, n);
+        for (size_t a = 0; a < 3; a++) {
+            const double force = b->kt[c] * (u[a] - along * n[a]);
+            const size_t at = c + a * b->soa.capacity;
+            if (b->shear) b->shear[at] = force;
+            if (b->shear_f) b->shear_f[at] = (float)force;
+        }
+    }
+}
+
 /* Particles of a zone follow nodes, between which a pulse is straight. */
 static gneiss_status check_zones(const gn_world *w, gneiss_error *error) {
     const gn_particles *q = &w->dem.particles;
@@ -41,6 +66,7 @@ static gneiss_status check_zones(const gn_world *w, gneiss_error *error) {
 gneiss_status gn_pulse_start(gn_world *w, gneiss_error *error) {
     if (!w->scene.has_pulse) return GNEISS_OK;
     if (w->dem.particles.soa.count) start(&w->scene, &w->dem.particles);
+    if (w->dem.particles.soa.count) shear_bonds(w);
     GN_TRY(check_zones(w, error));
     for (size_t k = 0; k < w->element_count; k++) {
         start(&w->scene, &w->elements[k]->solid.nodes);

@@ -2,6 +2,7 @@
  * those that sinks take. */
 #include "base/memory.h"
 #include "base/point.h"
+#include "sim/coupling.h"
 #include "sim/internal.h"
 #include "sim/origin.h"
 #include "sim/touch.h"
@@ -210,6 +211,7 @@ static void release_bonds(gn_world *w, const int32_t *gone) {
 
 static gneiss_status remove_gone(gn_world *w, const int32_t *gone, gneiss_error *error) {
     book_contacts(w, gone);
+    gn_coupled_leave(w, gone);
     for (size_t p = 0; p < w->dem.particles.soa.count; p++)
         if (gone[p]) GN_TRY(take_out(w, p, gone[p], error));
     release_bonds(w, gone);

@@ -1,6 +1,7 @@
 /* Choosing the step and watching it: what the parts allow, together. */
 #include "base/timer.h"
 #include "sim/coupling.h"
+#include "sim/exchange.h"
 #include "sim/internal.h"
 
 #include <math.h>
@@ -65,11 +66,37 @@ double gn_limit_needed(const gn_world *w, double step) {
     return left > 0.0 ? 1.0 / (left * gn_world_nonviscous_share(w)) : (double)INFINITY;
 }
 
+/* Of particles and elements as one (coupling_limit.c): free bodies give way to them, and strain has
+ * stiffened elements, of which all others are a part, by a factor at most. */
+static double limit_of_whole(const gn_world *w, double whole) {
+    double stiffer = 1.0;
+    for (size_t k = 0; k < w->element_count; k++)
+        stiffer = fmax(stiffer, w->elements[k]->stiffening);
+    return together(w, gn_world_nonviscous_share(w) * whole / stiffer,
+                    limit_of(w->boundary.surface_rate));
+}
+
+/* The limit of the springs that act: what both sides by themselves allow, which is never above that
+ * of both as one, and that itself where the step may be longer. Without a spring that acts the
+ * particles' is that of contacts to come, of which the whole knows nothing. */
+static gneiss_status limit_now(gn_world *w, double *limit, gneiss_error *error) {
+    *limit = gn_limit_of_all(w, w->scene.has_specimen ? w->dem.stable : INFINITY);
+    if (!gn_coupled_has_limit(w) || !(w->dem.limit.bound < INFINITY)) return GNEISS_OK;
+    if (w->scene.step > 0.0 && w->scene.step <= *limit) return GNEISS_OK;
+    gn_whole_limit *whole = &((gn_coupled *)w->exchange[0].context)->whole;
+    GN_TRY(gn_coupled_limit(w, false, whole, error));
+    w->couple.whole = whole->sharp;
+    *limit = fmax(*limit, limit_of_whole(w, whole->sharp));
+    return GNEISS_OK;
+}
+
 /* --- what is done about it --- */
 
 /* What sets the limit. */
 static const char *culprit(const gn_world *w, char *text, size_t size) {
     const gn_element_model *lead = gn_elements_lead(w);
+    const gn_whole_limit *whole = gn_coupled_whole(w);
+    if (whole) return gn_whole_culprit(whole, text, size);
     if (lead) return gn_elements_culprit(w, lead, text, size);
     int32_t id = w->scene.estimate == GN_STEP_BOUND ? w->dem.limit.bound_id : w->dem.limit.sharp_id;
     if (id >= 0)
@@ -132,7 +159,7 @@ static gneiss_status look_at_turned(gn_world *w, gneiss_error *error) {
     bool due;
     GN_TRY(gn_dem_limit_turned(w, &due, error));
     if (!due) return GNEISS_OK;
-    w->stable = gn_limit_of_all(w, w->dem.stable);
+    GN_TRY(limit_now(w, &w->stable, error));
     if (w->dt <= GN_TURNED_SHARE * w->stable) return GNEISS_OK;
     return react(w, w->stable, error);
 }
@@ -144,14 +171,36 @@ static void follow_flight(gn_world *w) {
     if (w->effects & GN_FX_HERTZ && w->dt * speed > most) lower(w, 0.5 * most / speed);
 }
 
+/* Particles by themselves do not hold the step with all that may touch; with elements they may. */
+static gneiss_status look_at_whole(gn_world *w, bool *fine, gneiss_error *error) {
+    gn_whole_limit whole;
+    if (!gn_coupled_has_limit(w) || !(w->couple.whole > 0.0)) return GNEISS_OK;
+    GN_TRY(gn_coupled_limit(w, true, &whole, error));
+    w->dem.listed = fmax(w->dem.listed, limit_of_whole(w, whole.sharp));
+    double needed = gn_limit_needed(w, w->dt / 0.99);
+    *fine = w->dt <= 0.99 * w->dem.listed;
+    if (*fine && isfinite(needed)) w->dem.listed_holds = needed; /* look at what changes from now */
+    return GNEISS_OK;
+}
+
+/* Nodes have lost mass with particles that left. */
+static gneiss_status look_at_lighter(gn_world *w, gneiss_error *error) {
+    if (!(w->couple.whole < 0.0)) return GNEISS_OK;
+    w->couple.whole = 0.0;
+    GN_TRY(limit_now(w, &w->stable, error));
+    return react(w, w->stable, error);
+}
+
 static gneiss_status check_lists(gn_world *w, bool full, bool *fine, gneiss_error *error) {
     *fine = true;
     if (!w->scene.has_specimen) return GNEISS_OK;
+    GN_TRY(look_at_lighter(w, error));
     gn_pressed_look(w);
     follow_flight(w);
     GN_TRY(resolve_listed(w, error));
     GN_TRY(look_at_turned(w, error));
     GN_TRY(gn_dem_limit_listed(w, full, fine, error));
+    if (!*fine) GN_TRY(look_at_whole(w, fine, error));
     /* To two hundredths less, so that the next lists need not lower it again. */
     if (!*fine) lower(w, 0.98 * w->dem.listed);
     return GNEISS_OK;
@@ -187,8 +236,8 @@ gneiss_status gn_world_check_step(gn_world *w, bool full, gneiss_error *error) {
     if (status == GNEISS_OK) status = gn_elements_limit(w, full, &elements_due, error);
     if (status == GNEISS_OK && full && w->step == 0) gn_coupled_stiffen(w);
     if (status == GNEISS_OK && (due || elements_due)) {
-        w->stable = gn_limit_of_all(w, w->scene.has_specimen ? w->dem.stable : INFINITY);
-        status = react(w, w->stable, error);
+        status = limit_now(w, &w->stable, error);
+        if (status == GNEISS_OK) status = react(w, w->stable, error);
     }
     /* What rattles or has come apart in lists that stand for long. */
     if (status == GNEISS_OK && !full && w->scene.has_specimen) status = resolve_listed(w, error);
@@ -200,15 +249,18 @@ gneiss_status gn_world_check_step(gn_world *w, bool full, gneiss_error *error) {
 }
 
 double gn_world_sharp_limit(const gn_world *w) {
+    if (w->couple.whole > 0.0) return w->couple.whole;
     double limit = w->scene.has_specimen ? w->dem.limit.sharp : INFINITY;
     for (size_t k = 0; k < w->element_count; k++) limit = fmin(limit, w->elements[k]->limit.sharp);
     return limit;
 }
 
 double gn_world_bound(const gn_world *w) {
-    double limit = w->scene.has_specimen ? w->dem.limit.bound : INFINITY;
-    for (size_t k = 0; k < w->element_count; k++) limit = fmin(limit, w->elements[k]->limit.bound);
-    return limit;
+    double limit = w->scene.has_specimen ? w->dem.limit.bound : INFINITY, elements = INFINITY;
+    for (size_t k = 0; k < w->element_count; k++)
+        elements = fmin(elements, w->elements[k]->limit.bound);
+    return fmin(together(w, limit, limit_of(w->couple.rate[0])),
+                together(w, elements, limit_of(w->couple.rate[1])));
 }
 
 const char *gn_world_step_warning(const gn_world *w, char *text, size_t size) {

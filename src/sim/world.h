@@ -69,6 +69,7 @@ struct gn_world {
     struct {
         double frequency; /* rad/s, of the particles, by which springs of zones are chosen */
         double rate[2];   /* 1/s: what these take of the steps of particles and elements */
+        double whole;     /* s: sharp limit of particles and elements as one; 0: not looked for */
     } couple;
 
     gn_strain_gauge gauge;

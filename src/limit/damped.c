@@ -1,0 +1,84 @@
+#include "limit/damped.h"
+
+#include "base/memory.h"
+#include "limit/springs.h"
+
+/* Uniform in [-1, 1), from the place alone. */
+static double noise(size_t place) {
+    return (double)((int64_t)gn_scramble(place) >> 11) * 0x1p-52;
+}
+
+/* At one tau. */
+typedef struct instant {
+    const gn_damped *system;
+    double viscosity;
+} instant;
+
+static void apply_at(const void *context, const double *x, double *out) {
+    const instant *at = context;
+    at->system->apply(at->system->context, 1.0, at->viscosity, x, out);
+}
+
+static void metric_at(const void *context, const double *x, double *out) {
+    const instant *at = context;
+    at->system->metric(at->system->context, x, out);
+}
+
+/* x . S x for S = stiffness A + viscosity B and unit x. */
+static double quotient(const gn_damped *y, double stiffness, double viscosity, const double *x,
+                       double *scratch) {
+    double *weighed = scratch + y->count;
+    y->apply(y->context, stiffness, viscosity, x, scratch);
+    if (y->metric) y->metric(y->context, x, weighed);
+    return gn_eigen_dot(y->count, y->metric ? weighed : x, scratch, y->threads);
+}
+
+/* One search at tau from the start in x; top->rate becomes the new one. */
+static gneiss_status search(const gn_damped *y, double tau, double tolerance, double *x,
+                            double *scratch, gn_damped_top *top, gneiss_error *error) {
+    const instant at = {y, 2.0 * tau};
+    gn_eigen_top found;
+    GN_TRY(gn_eigen_largest_in(y->count, apply_at, y->metric ? metric_at : NULL, &at, tolerance,
+                               y->threads, x, &found, error));
+    double a = found.value, b = 0.0;
+    if (y->damped) {
+        a = tau == 0.0 ? found.value : quotient(y, 1.0, 0.0, x, scratch);
+        b = quotient(y, 0.0, 1.0, x, scratch);
+    }
+    if (tau == 0.0) top->frequency = sqrt(found.value);
+    top->vectors += found.vectors;
+    top->rate = gn_damped_rate(a, b);
+    top->rate_most = gn_damped_rate(a + found.residual, b);
+    return GNEISS_OK;
+}
+
+static gneiss_status climb(const gn_damped *y, double tolerance, double *x, double *scratch,
+                           gn_damped_top *top, gneiss_error *error) {
+    const size_t n = y->count;
+    double tau = 0.0;
+    for (size_t k = 0; k < n; k++) x[k] = y->moves[k] > 0.0 ? noise(k) : 0.0;
+    GN_TRY(search(y, 0.0, tolerance, x, scratch, top, error));
+    /* The rate climbs and its error is squared each time; a dozen rounds are never needed. */
+    for (int round = 0;
+         y->damped && round < 12 && fabs(top->rate - tau) > 0.1 * tolerance * top->rate; round++) {
+        tau = top->rate;
+        /* A little of everything: another mode may overtake the one found so far. */
+        for (size_t k = 0; k < n; k++)
+            x[k] += y->moves[k] > 0.0 ? 1e-2 / sqrt((double)n) * noise(k + n * (size_t)(round + 1))
+                                      : 0.0;
+        GN_TRY(search(y, tau, tolerance, x, scratch, top, error));
+    }
+    return GNEISS_OK;
+}
+
+gneiss_status gn_damped_largest(const gn_damped *y, double tolerance, double *mode,
+                                gn_damped_top *top, gneiss_error *error) {
+    double *scratch = gn_alloc_array(y->count + 1, 2 * sizeof *scratch);
+    *top = (gn_damped_top){0};
+    if (!scratch)
+        return gn_fail(error, GNEISS_ERROR_MEMORY, "no memory for a mode of %zu components",
+                       y->count);
+    gneiss_status status = climb(y, tolerance, mode, scratch, top, error);
+    gn_free(scratch);
+    return status;
+}

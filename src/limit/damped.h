@@ -1,0 +1,39 @@
+/* The largest rate 1/dt at which a system with stiffness A and damping B, both scaled by M^-1/2,
+ * ceases to be stable: the tau with lambda_max(A + 2 tau B) = 4 tau^2 (limit/step_limits.c). */
+#ifndef GN_LIMIT_DAMPED_H
+#define GN_LIMIT_DAMPED_H
+
+#include "base/eigen.h"
+
+#include <math.h>
+#include <stdbool.h>
+
+typedef struct gn_damped {
+    size_t count;
+    /* out = (stiffness A + viscosity B) x. */
+    void (*apply)(const void *context, double stiffness, double viscosity, const double *x,
+                  double *out);
+    gn_operator *metric; /* as gn_eigen_largest_in */
+    const void *context;
+    const double *moves; /* [count] above 0 for what can move: the rest stays out of the mode */
+    bool damped;         /* B is not 0 */
+    int threads;
+} gn_damped;
+
+typedef struct gn_damped_top {
+    double rate;      /* 1/s: tau, from Ritz values */
+    double rate_most; /* 1/s: the same with the residual on top */
+    double frequency; /* rad/s, undamped */
+    int vectors;      /* products taken */
+} gn_damped_top;
+
+/* `mode` [count]: the fastest one on return. */
+gneiss_status gn_damped_largest(const gn_damped *system, double tolerance, double *mode,
+                                gn_damped_top *top, gneiss_error *error);
+
+/* The root of 4 tau^2 = a + 2 tau b. */
+static inline double gn_damped_rate(double a, double b) {
+    return (b + sqrt(b * b + 4.0 * a)) / 4.0;
+}
+
+#endif

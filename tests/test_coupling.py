@@ -1,0 +1,105 @@
+"""What the program says of zones that particles and elements share, and how they are drawn. Speaks TAP."""
+from program import *  # noqa: F403
+
+ROOT = os.path.dirname(os.path.dirname(os.path.abspath(__file__)))
+WAVE = os.path.join(ROOT, "scenes", "wave-zone.yaml")
+
+# A bar along x of 3 x 4 spheres across, elements up to 12 mm, a zone from there to 8 mm.
+BAR = """dimension: 3
+specimen: {group: 1, lattice: {kind: cubic, radius: 0.5 mm, cells: [13, 3, 4], origin: [7.5 mm, 0, 0]}}
+materials: [{name: m, density: 14897, normal_stiffness: 2.4e7, kratio: 4, friction: 0, bond_tension_limit: 1e12, bond_shear_limit: 1e12}]
+law: {stiffness: uniform}
+bonds: {interaction_range: 0.01}
+elements: {box: {size: [12 mm, 3 mm, 4 mm], cells: [12, 3, 4]}, materials: [{young: 24e9, poisson: 0, density: 7800}]}
+couple: {zones: [{edges: [{from: [12 mm, 0, 0], to: [8 mm, 0, 0]}]}]}
+initial: {pulse: {direction: [1, 0, 0], centre: [3 mm, 0, 0], length: 6 mm, size: 1 um, speed: 1754}}
+time: {end: 6 us}
+output: {history_rows: 10}
+run: {threads: 1}
+"""
+
+
+def check(*settings):
+    return gneiss("check", WAVE, *(word for setting in settings for word in ("--set", setting)))
+
+
+@fact
+def check_and_plan_say_which_side_sets_the_step(folder):
+    for young, side in (("24 GPa", "particles"), ("2400 GPa", "elements")):
+        done = check(f"elements.materials.0.young={young}")
+        assert f"set by the {side}" in done.stdout, done.stdout + done.stderr
+        plan = gneiss("plan", WAVE, "--set", f"elements.materials.0.young={young}", "--set", "run.threads=1")
+        both = plan.stdout[plan.stdout.index("both as one"):]
+        assert re.search(rf"sharp limit +\S+ s  \(Lanczos, \d+ vectors\)\n +rigorous bound +\S+ s .*\n +set by +the {side}, ", both), both
+        assert ("elements, which set the step" in plan.stdout) == (side == "elements")
+
+
+@fact
+def check_says_what_unequal_moduli_return(folder):
+    done = check("elements.materials.0.young=12 GPa")
+    expect(done, 0, r"")
+    returned = float(re.search(r"returned +(\S+) %", done.stdout).group(1))
+    assert abs(returned - 100 * ((1 - 2**0.5) / (1 + 2**0.5)) ** 2) < 0.1, returned  # 2.94: the hull lacks corners by a few tenths of a percent
+    assert "particles and elements differ" in done.stdout
+    assert "particles and elements differ" not in check().stdout
+
+
+@fact
+def check_warns_of_a_thin_zone(folder):
+    edge = "couple.zones[0].edges[0]"
+    assert "the zone is thin" not in check().stdout
+    thin = check("specimen.lattice.cells=[270, 10]", "specimen.lattice.origin=[330.5 mm, 0]", f"{edge}.to=[331 mm, 0]")
+    assert "the zone is thin" in thin.stdout, thin.stdout + thin.stderr
+
+
+@fact
+def check_warns_of_edges_beside_the_bodies_ends(folder):
+    edge = "couple.zones[0].edges[0]"
+    for setting, words in ((f"{edge}.from=[340.4 mm, 0]", "`from` is beyond their end"), (f"{edge}.to=[255 mm, 0]", "`to` is beyond their outermost centres"),
+                           (f"{edge}.to=[265 mm, 0]", "particles reach beyond the plane through `to`")):
+        done = check(setting)
+        assert words in done.stdout, done.stdout + done.stderr
+
+
+@fact
+def a_zone_far_from_the_body_is_refused_with_its_place(folder):
+    edge = "couple.zones[0].edges[0]"
+    done = check(f"{edge}.from=[3 m, 0]", f"{edge}.to=[2.9 m, 0]")
+    expect(done, 2, r"wave-zone.yaml:\d+:\d+: couple.zones\[0\]: expected elements, and particles in them, .*found no element")
+    assert "nan" not in done.stdout
+
+
+@fact
+def particles_of_a_zone_outside_of_elements_are_refused(folder):
+    expect(check("elements.rectangle.size=[340 mm, 8 mm]", "elements.rectangle.cells=[68, 2]"), 2,
+           r"\d+:\d+: couple.zones: expected every particle of the zone in an element, found particle \d+")
+
+
+@fact
+def particles_and_elements_in_space_are_drawn_in_one_section(folder):
+    sys.path.insert(0, os.path.join(ROOT, "tools"))
+    from report_coupling import Section, plot_together, quantities
+    from report_elements import Mesh
+    from report_results import Results
+
+    out = os.path.join(folder, "out")
+    run(write_scene(folder, BAR), out)
+    read = Results(os.path.join(out, "results.h5"))
+    mesh = Mesh(read)
+    section = Section(read, mesh, 1.0)
+    assert section.where.startswith(" In the plane y = 0.001496"), section.where
+    area = 0.0
+    for face in section.faces:
+        x, y = face.T
+        area += 0.5 * abs(np.sum(x * np.roll(y, -1) - np.roll(x, -1) * y))
+    assert abs(area / (12e-3 * 4e-3) - 1) < 1e-3, area  # all of the mesh; a pulse of 1 um moves it
+    assert len(section.shown) == 13 * 4  # the middle layer of three
+    titles = [what[0] for what in quantities(read, mesh)]
+    assert titles == ["Displacement", "Largest principal stress"], titles
+    picture = os.path.join(folder, "together.svg")
+    assert "In the plane y" in plot_together(read, picture)
+    assert os.path.getsize(picture) > 1000
+
+
+if __name__ == "__main__":
+    sys.exit(main())

@@ -1,0 +1,322 @@
+/* The limit of the step of particles and elements as one system. */
+#include "coupling_helpers.h"
+
+/* A small disordered packing (x from 4 to 14 mm) beside elements (0 to 10 mm); the outermost
+ * particles of the zone have little mass and, in some directions, stiffer neighbours. */
+static text *packing_text(const char *couple, const char *time, const char *rest) {
+    text *t = calloc(1, sizeof *t);
+    add(t,
+        "dimension: 2\n"
+        "specimen: {group: 1, rectangle: {width: 10 mm, height: 6 mm}, origin: [4 mm, 0], "
+        "mean_radius: 0.7 mm, density_basis: bulk, packing: {overlap: passive, size_variation: "
+        "0.2}}\n"
+        "materials: [{name: m, density: 7800, contact_modulus: 24e9, kratio: 3, friction: 0, "
+        "tensile_strength: 1e15, shear_strength: 1e15}]\n"
+        "law: {stiffness: harmonic}\nbonds: {interaction_range: 0.1, passive_gaps: true}\n"
+        "elements: {rectangle: {size: [10 mm, 6 mm], cells: [5, 3]}, materials: [{young: 25e9, "
+        "poisson: 0.2, density: 7800}]}\n"
+        "couple: {zones: [{edges: [{from: [10 mm, 0], to: [4.5 mm, 0]}]}]%s%s}\n"
+        "time: {end: 1%s%s}\n%s",
+        couple ? ", " : "", couple ? couple : "", time ? ", " : "", time ? time : "",
+        rest ? rest : "run: {threads: 1}\n");
+    return t;
+}
+
+/* A model to be made again and again: a lattice or a packing. */
+typedef struct model {
+    const char *name;
+    strip strip;
+    bool packed;
+    const char *more;
+} model;
+
+static gn_world *made(const model *m, const char *time, const char *rest) {
+    strip s = m->strip;
+    s.more = m->more;
+    s.time = time;
+    s.rest = rest;
+    text *t = m->packed ? packing_text(m->more, time, rest) : text_of(&s);
+    gn_world *w = world_of("%s", t->s);
+    free(t);
+    return w;
+}
+
+#define FLAT                                                                                       \
+    { .length = 8e-3, .zone = 4e-3, .side = 2e-3, .rows = 2 }
+#define DEEP                                                                                       \
+    { .length = 6e-3, .zone = 2e-3, .side = 1e-3, .rows = 2, .space = true }
+#define NO_STRIP                                                                                   \
+    { .length = 0.0 }
+
+static const model models[] = {
+    {"lumped", FLAT, false, NULL},
+    {"slaved", FLAT, false, "spins: slaved"},
+    {"consistent", FLAT, false, "constraint: consistent"},
+    {"penalty", FLAT, false, "constraint: penalty"},
+    {"lumped, packing", NO_STRIP, true, NULL},
+    {"consistent, packing", NO_STRIP, true, "constraint: consistent, spins: slaved"},
+    {"penalty, packing", NO_STRIP, true, "constraint: penalty"},
+    {"lumped, in space", DEEP, false, NULL},
+};
+enum { MODELS = sizeof models / sizeof *models };
+
+/* --- the matrix of the running model --- */
+
+/* Velocities of all that moves by itself, by its number: nodes first. */
+typedef struct unknowns {
+    size_t count;
+    double *value[4096];
+} unknowns;
+
+static void add_rows(unknowns *u, double *rows, size_t p, size_t from, size_t to) {
+    for (size_t a = from; a < to; a++) {
+        assert_true(u->count < 4096);
+        u->value[u->count++] = rows + 4 * p + a;
+    }
+}
+
+static unknowns *unknowns_of(gn_world *w) {
+    unknowns *u = calloc(1, sizeof *u);
+    gn_particles *nodes = &w->elements[0]->solid.nodes, *q = &w->dem.particles;
+    const size_t dim = (size_t)w->scene.dimension;
+    const bool springs = w->scene.couple.constraint == GN_COUPLE_PENALTY,
+               slaved = w->scene.couple.spins == GN_COUPLE_SLAVED;
+    for (size_t n = 0; n < nodes->soa.count; n++) add_rows(u, nodes->vel, n, 0, dim);
+    for (size_t id = 0; id < q->soa.count; id++) {
+        const size_t p = (size_t)w->dem.index_of_id[id];
+        const bool tied = tied_by_zone(w, p);
+        if (!tied || springs) add_rows(u, q->vel, p, 0, dim);
+        if (!tied || !slaved) add_rows(u, q->spin, p, dim == 3 ? 0 : 2, 3);
+    }
+    return u;
+}
+
+/* Column j of M^-1 K: what a step takes off the velocities after one in which only j moved. Small
+ * steps and paths, of which nothing but the linear part is left: strains of 1e-6. */
+static void column_of(const model *m, const char *time, size_t j, double *column, size_t count) {
+    const double speed = 1.0; /* m/s, or rad/s of what turns */
+    gn_world *w = made(m, time, NULL);
+    unknowns *u = unknowns_of(w);
+    double *before = calloc(count, sizeof *before);
+    assert_int_equal(u->count, count);
+    *u->value[j] = speed;
+    run_steps(w, 1);
+    free(u);
+    u = unknowns_of(w);
+    for (size_t i = 0; i < count; i++) before[i] = *u->value[i];
+    run_steps(w, 1);
+    free(u);
+    u = unknowns_of(w);
+    for (size_t i = 0; i < count; i++)
+        column[i] = (before[i] - *u->value[i]) / (w->dt * w->dt * speed);
+    free(u);
+    free(before);
+    world_end(w);
+}
+
+/* Largest eigenvalue of a matrix whose eigenvalues are not negative: tr(A^m)^(1/m) lies between it
+ * and its n^(1/m)-fold, m = 2^20. */
+static double largest_eigenvalue(double *a, size_t n) {
+    double log_scale = 0.0, power = 1.0, *b = calloc(n * n, sizeof *b);
+    for (int round = 0; round < 20; round++) {
+        double trace = 0.0;
+        for (size_t k = 0; k < n; k++) trace += a[k * n + k];
+        assert_true(trace > 0.0);
+        log_scale += log(trace) / power;
+        memset(b, 0, n * n * sizeof *b);
+        for (size_t i = 0; i < n; i++)
+            for (size_t k = 0; k < n; k++) {
+                double x = a[i * n + k] / (trace * trace);
+                for (size_t j = 0; x != 0.0 && j < n; j++) b[i * n + j] += x * a[k * n + j];
+            }
+        memcpy(a, b, n * n * sizeof *b);
+        power *= 2.0;
+    }
+    free(b);
+    double trace = 0.0;
+    for (size_t k = 0; k < n; k++) trace += a[k * n + k];
+    return exp(log_scale + log(trace) / power);
+}
+
+static double dense_limit(const model *m, double limit) {
+    char time[64];
+    snprintf(time, sizeof time, "step: %.17g", 1e-3 * limit);
+    gn_world *w = made(m, time, NULL);
+    unknowns *u = unknowns_of(w);
+    const size_t n = u->count;
+    free(u);
+    world_end(w);
+    double *a = calloc(n * n, sizeof *a), *column = calloc(n, sizeof *column);
+    for (size_t j = 0; j < n; j++) {
+        column_of(m, time, j, column, n);
+        for (size_t i = 0; i < n; i++) a[i * n + j] = column[i];
+    }
+    double found = 2.0 / sqrt(largest_eigenvalue(a, n));
+    free(a);
+    free(column);
+    return found;
+}
+
+/* Lanczos stops at 1e-3 of the square of the frequency. */
+static void the_limit_of_both_as_one_is_that_of_the_whole_matrix(void **state) {
+    (void)state;
+    for (int k = 0; k < MODELS; k++) {
+        gn_world *w = made(&models[k], NULL, NULL);
+        const double sharp = gn_world_sharp_limit(w), bound = gn_world_bound(w);
+        const double sides = fmin(w->dem.limit.sharp, w->elements[0]->limit.sharp);
+        const gn_whole_limit *whole = gn_coupled_whole(w);
+        assert_non_null(whole);
+        assert_true(sharp == whole->sharp);
+        double dense = dense_limit(&models[k], sharp);
+        print_message("# %s: sharp %.6g s, dense %.6g s, bound %.3f, sides %.3f of it; %s\n",
+                      models[k].name, sharp, dense, bound / dense, sides / dense,
+                      gn_side_text(whole->side));
+        assert_near(sharp, dense, 1e-3 * dense);
+        assert_true(bound <= dense * (1.0 + 1e-6));
+        world_end(w);
+    }
+}
+
+/* --- what it is worth --- */
+
+/* The energy after so many steps of a part of the sharp limit, over that at the start; INFINITY
+ * when the run has gone bad. */
+static double energy_at(const model *m, double part, int steps) {
+    char time[96];
+    gneiss_error error = {0};
+    gn_world *w = made(m, NULL, NULL);
+    double limit = gn_world_sharp_limit(w), grown = 0.0;
+    const double space = w->scene.dimension == 3 ? 1.0 : 0.0;
+    world_end(w);
+    snprintf(time, sizeof time, "step: %.17g, on_unstable: warn", part * limit);
+    w = made(m, time, NULL);
+    set_fields(w, stir, &space);
+    run_steps(w, 1);
+    gn_energy e = measured_step(w);
+    const double start = gn_energy_stored(&e);
+    for (int k = 0; k < steps && isfinite(grown); k++)
+        if (gn_world_step(w, k == steps - 1, &error) != GNEISS_OK) grown = INFINITY;
+    if (isfinite(grown)) grown = fabs(gn_energy_stored(&w->reading)) / start;
+    world_end(w);
+    return grown;
+}
+
+/* Just below the limit velocities of the fastest modes swing by 1/sqrt(1 - 0.99^2) = 7 times what
+ * they are at the start, in energy 50 times, of the small part of it that is in them. */
+static void both_as_one_are_stable_up_to_their_sharp_limit(void **state) {
+    (void)state;
+    for (int k = 0; k < MODELS; k++) {
+        double below = energy_at(&models[k], 0.99, 5000), above = energy_at(&models[k], 1.05, 2000);
+        print_message("# %s: energy %.3g times at 0.99, %.3g at 1.05\n", models[k].name, below,
+                      above);
+        assert_true(below < 10.0);
+        assert_true(above > 1e3);
+    }
+}
+
+static void a_million_steps_at_0_99_of_the_limit_keep_the_energy(void **state) {
+    (void)state;
+    const model small = {
+        "small", {.length = 4e-3, .zone = 2e-3, .side = 1e-3, .rows = 1}, false, NULL};
+    double grown = energy_at(&small, 0.99, 1000000);
+    print_message("# energy %.6g times after 1e6 steps\n", grown);
+    assert_true(grown < 10.0);
+}
+
+static void an_automatic_step_is_that_of_both_as_one(void **state) {
+    (void)state;
+    for (int k = 0; k < MODELS; k++) {
+        gn_world *w = made(&models[k], NULL, NULL);
+        const double sharp = gn_world_sharp_limit(w);
+        assert_near(w->stable, sharp, 1e-12 * sharp);
+        assert_near(w->dt, w->scene.safety * sharp, 1e-12 * sharp);
+        world_end(w);
+    }
+}
+
+/* The outermost particles of a packing's zone would take a smaller step by themselves; springs are
+ * softer than the bound has to assume. */
+static void both_as_one_may_hold_more_than_each_by_itself(void **state) {
+    (void)state;
+    for (int k = 4; k < 7; k++) {
+        gn_world *w = made(&models[k], NULL, NULL);
+        double sides = gn_limit_of_all(w, w->dem.stable);
+        print_message("# %s: %.3f of what each holds\n", models[k].name,
+                      gn_world_sharp_limit(w) / sides);
+        assert_true(gn_world_sharp_limit(w) > 1.01 * sides);
+        world_end(w);
+    }
+}
+
+/* Of elements ten times as stiff, of particles as they are. */
+static void the_side_with_the_fastest_mode_is_named(void **state) {
+    (void)state;
+    char who[128];
+    gn_world *w = made(&models[0], NULL, NULL);
+    assert_true(gn_coupled_whole(w)->side == GN_SIDE_PARTICLES);
+    assert_non_null(
+        strstr(gn_whole_culprit(gn_coupled_whole(w), who, sizeof who), "the particles, particle "));
+    assert_null(gn_elements_lead(w));
+    world_end(w);
+}
+
+static void the_limit_is_the_same_on_any_number_of_threads(void **state) {
+    (void)state;
+    for (int k = 0; k < MODELS; k++) {
+        gn_world *a = made(&models[k], NULL, "run: {threads: 1}\n"),
+                 *b = made(&models[k], NULL, "run: {threads: 2}\n");
+        assert_true(gn_world_sharp_limit(a) == gn_world_sharp_limit(b) && a->dt == b->dt);
+        world_end(a);
+        world_end(b);
+    }
+}
+
+/* Dashpots of contacts and of springs lower the limit: at 0.99 of it energies fall, at 1.05 they
+ * grow. */
+static double damped_energy(const char *more, double part, int steps) {
+    char time[96];
+    gneiss_error error = {0};
+    strip s = FLAT;
+    s.more = more;
+    s.rest = "damping: {contact: {restitution: 0.5}}\nrun: {threads: 1}\n";
+    gn_world *w = strip_of(&s);
+    const double limit = w->stable;
+    assert_true(limit <= gn_world_sharp_limit(w) * (1.0 + 1e-12));
+    world_end(w);
+    snprintf(time, sizeof time, "step: %.17g, on_unstable: warn", part * limit);
+    s.time = time;
+    w = stirred(&s);
+    gn_energy e = measured_step(w);
+    double start = gn_energy_stored(&e), grown = 0.0;
+    for (int k = 0; k < steps && isfinite(grown); k++)
+        if (gn_world_step(w, k == steps - 1, &error) != GNEISS_OK) grown = INFINITY;
+    if (isfinite(grown)) grown = fabs(gn_energy_stored(&w->reading)) / start;
+    world_end(w);
+    return grown;
+}
+
+static void dashpots_are_in_the_limit_of_both_as_one(void **state) {
+    (void)state;
+    const char *more[] = {NULL, "constraint: penalty, penalty_damping: 0.3"};
+    for (int k = 0; k < 2; k++) {
+        double below = damped_energy(more[k], 0.99, 3000),
+               above = damped_energy(more[k], 1.05, 3000);
+        print_message("# energy %.3g times at 0.99, %.3g at 1.05\n", below, above);
+        assert_true(below < 1.0);
+        assert_true(above > 1e3);
+    }
+}
+
+int main(void) {
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(the_limit_of_both_as_one_is_that_of_the_whole_matrix),
+        cmocka_unit_test(both_as_one_are_stable_up_to_their_sharp_limit),
+        cmocka_unit_test(a_million_steps_at_0_99_of_the_limit_keep_the_energy),
+        cmocka_unit_test(an_automatic_step_is_that_of_both_as_one),
+        cmocka_unit_test(both_as_one_may_hold_more_than_each_by_itself),
+        cmocka_unit_test(the_side_with_the_fastest_mode_is_named),
+        cmocka_unit_test(the_limit_is_the_same_on_any_number_of_threads),
+        cmocka_unit_test(dashpots_are_in_the_limit_of_both_as_one),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
