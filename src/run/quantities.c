@@ -1,6 +1,7 @@
 #include "run/quantities.h"
 
 #include "run/ends.h"
+#include "sim/conversion.h"
 #include "sim/coupling.h"
 #include "sim/laboratory.h"
 #include "sim/membrane.h"
@@ -78,9 +79,13 @@ static bool motion_drives(const gn_world *w, size_t k) {
     return gn_elements_motion_drives(w, k);
 }
 
-static bool is_coupled(const gn_world *w, size_t k) {
+static bool has_zones(const gn_world *w, size_t k) {
     (void)k;
-    return w->scene.has_couple;
+    return w->scene.has_couple && w->scene.couple.zone_count;
+}
+static bool converts(const gn_world *w, size_t k) {
+    (void)k;
+    return gn_converts(w);
 }
 
 static const gn_condition always = {"always", NULL}, tests = {"with a test", has_test},
@@ -96,7 +101,8 @@ static const gn_condition always = {"always", NULL}, tests = {"with a test", has
                           raised = {"with mass scaling", has_added_mass},
                           beside = {"finite elements beside particles",
                                     has_elements_beside_particles},
-                          coupled = {"with couple", is_coupled},
+                          zoned = {"with couple.zones", has_zones},
+                          converted = {"with couple.convert", converts},
                           moving = {"unless the set has no motion", set_moves},
                           driven = {"unless it is only watched", motion_drives};
 
@@ -225,6 +231,9 @@ static void read_returned_energy(const gn_world *w, size_t k, double *value) {
                    fabs(e->work_gravity) + fabs(e->work_walls);
     *value = there > 0.0 ? gn_coupled_returned(w, k) / there : 0.0;
 }
+
+READ(particles, (double)gn_conversion_awake(w))
+READ(elements, (double)gn_conversion_elements(w))
 
 #define SCALAR(when, instant, name, unit, read, text)                                              \
     { name, unit, text, GN_SCALAR, instant, &when, read, NULL }
@@ -360,7 +369,11 @@ static const gn_quantity of_elements[] = {
      GN_BEFORE_STEP, &beside, read_elements_strain, NULL},
     {"elements_stress", "Pa", "average stress of the finite elements, tension positive", GN_TENSOR,
      GN_AFTER_STEP, &beside, read_elements_stress, NULL},
-    SCALAR(coupled, GN_AFTER_STEP, "returned_energy", "1", read_returned_energy,
+    SCALAR(converted, GN_BEFORE_STEP, "particles", "1", read_particles,
+           "particles that are awake: of converted elements and of the zone around these"),
+    SCALAR(converted, GN_BEFORE_STEP, "elements", "1", read_elements,
+           "finite elements that are left"),
+    SCALAR(zoned, GN_AFTER_STEP, "returned_energy", "1", read_returned_energy,
            "energy of plane waves in elements outside of zones that run away from the particles of "
            "the first zone, over the energy that was there or has come in")};
 
