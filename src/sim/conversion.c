@@ -129,7 +129,12 @@ gneiss_status gn_conversion_ties(const gn_world *w, gn_ties *ties, gneiss_error 
     gneiss_status status = place && element ? GNEISS_OK : no_memory(error);
     for (size_t p = 0; status == GNEISS_OK && p < q->soa.count; p++) {
         const bool awake = w->dem.prepared.soa.capacity && q->vel[4 * p + 3] > 0.0;
-        element[p] = awake && gn_home_id(w, p) < count ? place[gn_home_id(w, p)] : -1;
+        if (gn_home_id(w, p) >= count)
+            status = gn_fail(error, GNEISS_ERROR_INPUT,
+                             "expected particles in the %zu elements of the mesh, found number %zu",
+                             count, gn_home_id(w, p));
+        else
+            element[p] = awake ? place[gn_home_id(w, p)] : -1;
     }
     if (status == GNEISS_OK) status = gn_ties_take(gn_coupled_solid(w), q, element, ties, error);
     gn_free(place);
@@ -311,9 +316,8 @@ gneiss_status gn_conversion_convert(gn_world *w, uint8_t *kind, gneiss_error *er
 
 /* --- what converts --- */
 
-/* [elements] how far each that is ready is beyond the limits; 0: not at all. */
-static gneiss_status find_excess(const gn_world *w, const uint8_t *kind, double *excess,
-                                 gneiss_error *error) {
+/* [elements] how far each is beyond the limits; 0: not at all. */
+static gneiss_status find_excess(const gn_world *w, double *excess, gneiss_error *error) {
     const gn_fem_solid *b = gn_coupled_solid(w);
     const gn_convert_def *def = &w->scene.couple.convert;
     const size_t elements = b->elements.soa.count, nodes = b->nodes.soa.count;
@@ -326,8 +330,7 @@ static gneiss_status find_excess(const gn_world *w, const uint8_t *kind, double 
         status = gn_fem_nodal_stress(b, (const double(*)[6])stress, nodal, error);
     for (size_t e = 0; status == GNEISS_OK && e < elements; e++) {
         double mean[6] = {0.0};
-        if (kind[e] != GN_FRONT_READY) continue;
-        for (int a = 0; a <= b->dimension; a++)
+        for (int a = 0; a <= b->dimension && def->by == GN_CONVERT_NODES; a++)
             for (int k = 0; k < 6; k++)
                 mean[k] += nodal[gn_elements_node(&b->elements, a)[e]][k] / (b->dimension + 1);
         excess[e] = gn_front_excess(def, def->by == GN_CONVERT_NODES ? mean : stress[e]);
@@ -366,16 +369,41 @@ static void mark_stressed(const gn_convert_def *def, size_t count, const double 
     }
 }
 
-static gneiss_status look(gn_world *w, uint8_t *kind, double *excess, int32_t *place,
-                          gneiss_error *error) {
+/* Whether an element is beyond a limit, or a bond broke where elements hold on: mostly not. */
+static bool is_due(const gn_world *w, const double *excess) {
+    const gn_contacts *bonds = &w->dem.bonds;
+    const double *part = w->dem.particles.blend;
+    bool due = false;
+    for (size_t e = 0; e < gn_conversion_elements(w); e++) due = due || excess[e] >= 1.0;
+    for (size_t c = 0; c < bonds->soa.count && !due; c++)
+        due = gn_broken(bonds->cause[c]) &&
+              (part[2 * (size_t)bonds->i[c]] < 1.0 || part[2 * (size_t)bonds->j[c]] < 1.0);
+    return due;
+}
+
+static gneiss_status act(gn_world *w, const double *excess, uint8_t *kind, gneiss_error *error) {
     const size_t elements = gn_conversion_elements(w);
+    size_t count;
     bool any = false;
     GN_TRY(gn_conversion_kinds(w, kind, error));
-    GN_TRY(find_excess(w, kind, excess, error));
+    int32_t *place = gn_fem_places(gn_coupled_solid(w), &count);
+    if (!place) return no_memory(error);
     mark_stressed(&w->scene.couple.convert, elements, excess, kind);
     mark_broken(w, place, kind);
+    gn_free(place);
     for (size_t e = 0; e < elements; e++) any = any || kind[e] == GN_FRONT_LEAVING;
     return any ? gn_conversion_convert(w, kind, error) : GNEISS_OK;
+}
+
+static gneiss_status look(gn_world *w, gneiss_error *error) {
+    const size_t elements = gn_conversion_elements(w);
+    uint8_t *kind = gn_alloc(elements + 1);
+    double *excess = gn_alloc_array(elements + 1, sizeof *excess);
+    gneiss_status status = kind && excess ? find_excess(w, excess, error) : no_memory(error);
+    if (status == GNEISS_OK && is_due(w, excess)) status = act(w, excess, kind, error);
+    gn_free(kind);
+    gn_free(excess);
+    return status;
 }
 
 /* What books itself on the way. */
@@ -384,18 +412,9 @@ static double other_seconds(const gn_world *w) {
 }
 
 gneiss_status gn_conversion_look(gn_world *w, gneiss_error *error) {
-    const size_t elements = gn_conversion_elements(w);
-    size_t count;
     if (w->step == 0 || w->step % w->scene.couple.convert.every != 0) return GNEISS_OK;
     const double start = gn_now(), others = other_seconds(w);
-    uint8_t *kind = gn_alloc(elements + 1);
-    double *excess = gn_alloc_array(elements + 1, sizeof *excess);
-    int32_t *place = gn_fem_places(gn_coupled_solid(w), &count);
-    gneiss_status status =
-        kind && excess && place ? look(w, kind, excess, place, error) : no_memory(error);
-    gn_free(kind);
-    gn_free(excess);
-    gn_free(place);
+    gneiss_status status = look(w, error);
     w->seconds[GN_PHASE_conversion] += gn_now() - start - (other_seconds(w) - others);
     return status;
 }
