@@ -207,6 +207,32 @@ gneiss_status gn_ties_find(const gn_fem_solid *solid, const gn_particles *q, gn_
     return status;
 }
 
+gn_tie gn_tie_at(const gn_fem_solid *solid, int32_t element, const double *place) {
+    gn_tie tie = {.id = -1, .element = element};
+    shapes_at(solid, (size_t)element, place, tie.shape);
+    for (int a = 0; a <= solid->dimension; a++)
+        tie.node[a] = gn_elements_node(&solid->elements, a)[element];
+    return tie;
+}
+
+gneiss_status gn_ties_take(const gn_fem_solid *solid, const gn_particles *q, const int32_t *element,
+                           gn_ties *t, gneiss_error *error) {
+    *t = (gn_ties){.corners = solid->dimension + 1};
+    t->tie = gn_alloc_array(q->soa.count + 1, sizeof *t->tie);
+    if (!t->tie) return no_memory(q->soa.count, error);
+    for (size_t p = 0; p < q->soa.count; p++) {
+        gn_tie *tie = &t->tie[t->count];
+        if (element[p] < 0) continue;
+        *tie = gn_tie_at(solid, element[p], q->start + 4 * p);
+        tie->id = q->id[p];
+        t->count++;
+    }
+    qsort(t->tie, t->count, sizeof *t->tie, by_id);
+    gneiss_status status = list_nodes(solid, t, error);
+    if (status != GNEISS_OK) gn_ties_free(t);
+    return status;
+}
+
 /* That of node a is normal to the edges of the others: rows of the inverse of the edges' matrix. */
 void gn_tie_gradients(const gn_ties *t, size_t k, const gn_particles *nodes, double g[4][3]) {
     double edge[3][3] = {{0.0}, {0.0}, {0.0, 0.0, 1.0}}, det = 0.0;

@@ -32,6 +32,12 @@ typedef struct gn_ties {
 /* Of the particles whose places at the start are in an element, boundaries included. */
 gneiss_status gn_ties_find(const gn_fem_solid *solid, const gn_particles *q, gn_ties *t,
                            gneiss_error *error);
+/* A place in an element, as a tie without particle. */
+gn_tie gn_tie_at(const gn_fem_solid *solid, int32_t element, const double *place);
+
+/* Of the particles that are in the element [particles] given for them, by place; -1: of none. */
+gneiss_status gn_ties_take(const gn_fem_solid *solid, const gn_particles *q, const int32_t *element,
+                           gn_ties *t, gneiss_error *error);
 void gn_ties_free(gn_ties *ties);
 
 /* Gradients of the shape functions of a tie's element at the present places of its nodes, 1/m. */

@@ -327,6 +327,10 @@ static gneiss_status make_elements(builder *b, gneiss_error *error) {
     /* The sums of masses become their inverses. */
     for (size_t n = 0; n < solid->nodes.soa.count; n++)
         solid->nodes.vel[4 * n + 3] = 1.0 / solid->nodes.vel[4 * n + 3];
+    for (size_t n = 0; solid->nodes.blend && n < solid->nodes.soa.count; n++) {
+        solid->nodes.blend[2 * n] = 1.0;
+        solid->nodes.blend[2 * n + 1] = GN_FEM_FAR;
+    }
     bool uniform = b->spec->material_count == 1;
     solid->uniform.lambda = solid->uniform.mu = uniform ? ~(size_t)0 : 0;
     gn_elements_pad(&solid->elements, &solid->nodes);
@@ -364,6 +368,7 @@ static gneiss_status prepare(gn_fem_solid *solid, const gn_fem_spec *spec, gneis
     const bool pressure = solid->form == GN_FEM_PRESSURE;
     if (pressure) solid->effects |= GN_FX_PRESSURE;
     if (solid->single) solid->effects |= GN_FX_MIXED;
+    if (spec->shrinks) solid->effects |= GN_FX_OVERLAP;
     GN_TRY(gn_kernel_set_choose(spec->isa, &solid->kernels, error));
     for (int measure = 0; measure < 2; measure++)
         solid->element_kernel[measure] =

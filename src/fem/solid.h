@@ -39,6 +39,7 @@ typedef struct gn_fem_spec {
      * it of stiffness and mass; stresses know nothing of it. */
     double (*share)(const void *of, const double *place);
     const void *share_of;
+    bool shrinks; /* elements may be taken out (shrink.c): nodes know their part */
 } gn_fem_spec;
 
 /* J. Works are trapezoidal; kinetic is 1/2 m v(-) v(+), see docs/design.md. In the pressure form
@@ -120,6 +121,27 @@ void gn_fem_solid_free(gn_fem_solid *solid);
 
 /* Bytes held by nodes, elements and partial sums. */
 size_t gn_fem_bytes(const gn_fem_solid *solid);
+
+/* --- elements that go (shrink.c) --- */
+
+#define GN_FEM_FAR 1e100 /* m: distance where nothing was taken out */
+
+/* The element of the mesh with that number; -1: it was taken out. [*count] gn_alloc'ed, by number;
+ * NULL: no memory. */
+int32_t *gn_fem_places(const gn_fem_solid *solid, size_t *count);
+/* Leaves the elements that are marked. Nodes without any are at rest from then on, without mass. */
+gneiss_status gn_fem_keep(gn_fem_solid *solid, const uint8_t *keep, gneiss_error *error);
+/* Volumes of elements, and masses of nodes with what they carry, from the parts at the nodes
+ * (blend). */
+void gn_fem_weigh(gn_fem_solid *solid);
+/* What a step keeps by blocks of elements, after their record was replaced. */
+gneiss_status gn_fem_elements_changed(gn_fem_solid *solid, gneiss_error *error);
+/* J, of all elements where free nodes are after `ahead` s at their velocities; displacement form.
+ */
+double gn_fem_stored(const gn_fem_solid *solid, double ahead);
+/* The turn of an element, R of F = R U, at the present positions; the number of the element by
+ * place. */
+void gn_fem_turn(const gn_fem_solid *solid, size_t element, double turn[3][3]);
 
 /* --- sets and loads (loads.c) --- */
 

@@ -72,8 +72,8 @@ gneiss_status gn_fem_nodal_stress(const gn_fem_solid *solid, const double (*elem
             volume[n] += q->volume[e];
             for (int c = 0; c < 6; c++) nodal[n][c] += q->volume[e] * element[e][c];
         }
-    for (size_t n = 0; n < nodes; n++)
-        for (int c = 0; c < 6; c++) nodal[n][c] /= volume[n];
+    for (size_t n = 0; n < nodes; n++) /* without elements: none */
+        for (int c = 0; c < 6 && volume[n] > 0.0; c++) nodal[n][c] /= volume[n];
     gn_free(volume);
     return GNEISS_OK;
 }
@@ -95,4 +95,34 @@ gneiss_status gn_fem_nodal_pressure(const gn_fem_solid *solid, double *pressure,
         pressure[n] = (nodal[n][0] + nodal[n][1] + nodal[n][2]) / 3.0;
     gn_free(stress);
     return status;
+}
+
+/* St Venant-Kirchhoff: half of S : E. */
+static double element_energy(const gn_fem_solid *solid, size_t e, double f[3][3]) {
+    double s[3][3], energy = 0.0;
+    second_piola(&solid->elements, e, false, f, s);
+    for (int k = 0; k < 3; k++)
+        for (int l = 0; l < 3; l++)
+            energy += 0.25 * s[k][l] *
+                      (f[0][k] * f[0][l] + f[1][k] * f[1][l] + f[2][k] * f[2][l] - (k == l));
+    return solid->elements.volume[e] * energy;
+}
+
+double gn_fem_stored(const gn_fem_solid *solid, double ahead) {
+    const gn_elements *q = &solid->elements;
+    double sum = 0.0;
+    for (size_t e = 0; e < q->soa.count; e++) {
+        double f[3][3], g[4][3];
+        gn_fem_deformation(solid, e, f);
+        gn_fem_gradients(q, e, g);
+        for (int a = 0; a <= solid->dimension && ahead != 0.0; a++) {
+            const size_t n = (size_t)gn_elements_node(q, a)[e];
+            const bool held = solid->prescribed.count && solid->nodes.slot[n] >= 0;
+            for (int i = 0; i < solid->dimension && !held; i++)
+                for (int k = 0; k < solid->dimension; k++)
+                    f[i][k] += ahead * solid->nodes.vel[4 * n + (size_t)i] * g[a][k];
+        }
+        sum += element_energy(solid, e, f);
+    }
+    return sum;
 }

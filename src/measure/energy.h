@@ -28,7 +28,8 @@
     X(damage, LOST, "dissipated by bonds that soften")                                             \
     X(plasticity, LOST, "dissipated by bonds that yield under pressure")                           \
     X(rolling, LOST, "dissipated by resistance to rolling and twisting")                           \
-    X(removed, LOST, "carried away by removed particles")
+    X(removed, LOST, "carried away by removed particles")                                          \
+    X(conversion, LOST, "what elements held more than the particles that they turned into")
 
 typedef struct gn_energy {
 #define X(name, kind, text) double name;

@@ -144,6 +144,10 @@ void gn_damage_particles(const gn_particles *particles, const gn_contacts *bonds
     Y(X, flexural_modulus, GN_TESTS(BENDING), "Pa",                                                \
       "slope of that stress over the strain of that fibre by beam theory, 1 to 50 % of the "       \
       "largest stress; shear and what gives way at supports are in it")                            \
+    Y(X, peak_force, GN_TESTS(BENDING), "N",                                                       \
+      "largest mean of both ends' force, after which it fell")                                     \
+    Y(X, stiffness, GN_TESTS(BENDING), "N/m",                                                      \
+      "slope of that force over the deflection, 1 to 50 % of the largest stress")                  \
     Y(X, opening_at_peak, GN_TESTS(BENDING), "m", "opening of the gauge at the peak")              \
     Y(X, fracture_energy, GN_TESTS(BENDING) | GN_TESTS(TENSION), "J/m2",                           \
       "area under force over deflection, over the section that broke (Hillerborg 1985, RILEM TC "  \

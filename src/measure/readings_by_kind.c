@@ -54,7 +54,16 @@ static void read_bending(const gn_curves *c, gn_readings *r) {
     const gn_reading modulus = GN_READING_flexural_modulus, opening = GN_READING_opening_at_peak;
     gn_line_fit f = gn_line(c->strain, c->stress, c->loading);
     const double *gauge = gn_history_column(c->history, "opening");
+    const double *force = gn_history_column(c->history, "force"),
+                 *way = gn_history_column(c->history, "deflection");
     at_peak(c, GN_READING_flexural_strength, c->stress, 1.0, &r->flexural_strength, r);
+    at_peak(c, GN_READING_peak_force, force, 1.0, &r->peak_force, r);
+    gn_need_rows(c, GN_READING_stiffness, r);
+    if (force && way) {
+        gn_line_fit s = gn_line(way, force, c->loading);
+        r->stiffness = s.slope;
+        gn_need_modulus(s, GN_READING_stiffness, r);
+    }
     r->flexural_modulus = f.slope;
     gn_need_rows(c, modulus, r);
     gn_need_modulus(f, modulus, r);

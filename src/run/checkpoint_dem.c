@@ -1,5 +1,7 @@
 /* The part of a checkpoint that particles have. */
+#include "base/memory.h"
 #include "run/checkpoint_internal.h"
+#include "sim/conversion.h"
 #include "sim/internal.h"
 
 #include <math.h>
@@ -62,6 +64,14 @@ static size_t list_arrays(gn_world *w, gn_checkpoint_array out[MOST_ARRAYS]) {
     return n;
 }
 
+enum { SLEEPER = sizeof(gn_sleeper) / 8 };
+
+static gneiss_status put_sleepers(const gn_world *w, gn_h5 *file, gneiss_error *error) {
+    GN_TRY(gn_h5_put_record(file, "prepared", &gn_contact_record, &w->dem.prepared, error));
+    return gn_h5_put(file, "sleepers", GN_F64, w->dem.particles.soa.count, SLEEPER, 0,
+                     w->dem.sleeper, NULL, NULL, error);
+}
+
 gneiss_status gn_dem_save(const gn_world *world, gn_h5 *file, gneiss_error *error) {
     gn_world *w = (gn_world *)(uintptr_t)world; /* list_arrays hands out places to fill */
     gn_checkpoint_array arrays[MOST_ARRAYS];
@@ -69,6 +79,7 @@ gneiss_status gn_dem_save(const gn_world *world, gn_h5 *file, gneiss_error *erro
     GN_TRY(gn_h5_put_record(file, "particles", &gn_particle_record, &w->dem.particles, error));
     GN_TRY(gn_h5_put_record(file, "bonds", &gn_contact_record, &w->dem.bonds, error));
     GN_TRY(gn_h5_put_record(file, "pairs", &gn_contact_record, &w->dem.pairs, error));
+    if (gn_converts(w)) GN_TRY(put_sleepers(w, file, error));
     GN_TRY(gn_h5_put_pieces(file, "run", pieces, PIECES, &w->dem, error));
     GN_TRY(gn_checkpoint_put_events(w, file, error));
     GN_TRY(gn_checkpoint_put_flow(w, file, error));
@@ -117,11 +128,29 @@ static gneiss_status check(const gn_world *w, const char *path, gneiss_error *er
     if (!(d->verlet.skin > 0.0 && isfinite(d->verlet.skin) && isfinite(d->verlet.drift)))
         return gn_fail(error, GNEISS_ERROR_INPUT,
                        "%s: expected positive steps and intervals, found others", path);
-    if (good_contacts(&d->bonds, n) && good_contacts(&d->pairs, n) && good_particles(w) &&
-        good_prescription(w))
+    if (good_contacts(&d->bonds, n) && good_contacts(&d->pairs, n) &&
+        good_contacts(&d->prepared, n) && good_particles(w) && good_prescription(w))
         return GNEISS_OK;
     return gn_fail(error, GNEISS_ERROR_INPUT,
                    "%s: expected particle numbers below %zu, found others", path, n);
+}
+
+/* Elements are not known as yet: one that is not there is none that a particle is in. */
+static gneiss_status get_sleepers(gn_world *w, const gn_h5 *file, const char *path,
+                                  gneiss_error *error) {
+    gn_dem *d = &w->dem;
+    const size_t count = d->particles.soa.count;
+    GN_TRY(gn_h5_get_record(file, "prepared", &gn_contact_record, &d->prepared,
+                            gn_contact_list_effects(w->effects, true), error));
+    d->sleeper = gn_alloc_array(count + 1, sizeof *d->sleeper);
+    if (!d->sleeper)
+        return gn_fail(error, GNEISS_ERROR_MEMORY, "no memory for %zu particles", count);
+    GN_TRY(gn_h5_get(file, "sleepers", GN_F64, count, SLEEPER, 0, d->sleeper, error));
+    for (size_t p = 0; p < count; p++)
+        if (!(d->sleeper[p].home >= 0.0 && d->sleeper[p].home < INT32_MAX))
+            return gn_fail(error, GNEISS_ERROR_INPUT, "%s: expected numbers of elements, found %g",
+                           path, d->sleeper[p].home);
+    return GNEISS_OK;
 }
 
 gneiss_status gn_dem_load(gn_world *w, const gn_h5 *file, const char *path, gneiss_error *error) {
@@ -142,6 +171,7 @@ gneiss_status gn_dem_load(gn_world *w, const gn_h5 *file, const char *path, gnei
         gn_h5_get_record(file, "particles", &gn_particle_record, &d->particles, w->effects, error));
     GN_TRY(gn_h5_get_record(file, "bonds", &gn_contact_record, &d->bonds, bonded, error));
     GN_TRY(gn_h5_get_record(file, "pairs", &gn_contact_record, &d->pairs, unbonded, error));
+    if (gn_converts(w)) GN_TRY(get_sleepers(w, file, path, error));
     GN_TRY(gn_checkpoint_get_events(w, file, error));
     return check(w, path, error);
 }

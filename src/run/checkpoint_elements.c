@@ -59,8 +59,9 @@ static bool indices_are_good(const gn_fem_solid *b) {
             int32_t node = gn_elements_node(e, a)[k];
             good = good && node >= 0 && (size_t)node < b->nodes.soa.count;
         }
+    const size_t all = (b->dimension == 3 ? &b->mesh.tetrahedra : &b->mesh.triangles)->count;
     for (size_t k = 0; k < e->soa.count; k++)
-        good = good && e->material[k] >= 0 && e->id[k] >= 0 && (size_t)e->id[k] < e->soa.count;
+        good = good && e->material[k] >= 0 && e->id[k] >= 0 && (size_t)e->id[k] < all;
     for (size_t n = 0; n < b->nodes.soa.count; n++)
         good = good && b->nodes.slot[n] < (int64_t)b->prescribed.count;
     return good;
@@ -76,8 +77,9 @@ static gneiss_status take_records(size_t solid, gn_fem_solid *b, const gn_h5 *fi
                             &nodes, b->effects, error));
     gneiss_status status = gn_h5_get_record(file, gn_elements_path(solid, "mesh_elements", at),
                                             &gn_element_record, &elements, b->effects, error);
+    const bool fewer = b->nodes.blend && elements.soa.count < b->elements.soa.count;
     bool same = status == GNEISS_OK && nodes.soa.count == b->nodes.soa.count &&
-                elements.soa.count == b->elements.soa.count;
+                (fewer || elements.soa.count == b->elements.soa.count);
     if (!same) {
         gn_soa_destroy(&gn_particle_record, &nodes);
         gn_soa_destroy(&gn_element_record, &elements);
@@ -93,7 +95,7 @@ static gneiss_status take_records(size_t solid, gn_fem_solid *b, const gn_h5 *fi
     gn_particles_set_null(&b->nodes, 1.0);
     gn_elements_pad(&b->elements, &b->nodes);
     gn_fem_to_single(b);
-    if (indices_are_good(b)) return GNEISS_OK;
+    if (indices_are_good(b)) return fewer ? gn_fem_elements_changed(b, error) : GNEISS_OK;
     return gn_fail(error, GNEISS_ERROR_INPUT,
                    "%s: expected nodes below %zu and elements below %zu, found others", path,
                    b->nodes.soa.count, b->elements.soa.count);

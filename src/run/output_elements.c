@@ -31,6 +31,7 @@ typedef struct view {
     size_t number;                /* of the solid */
     char prefix[GN_ELEMENT_PATH]; /* of its groups; "" for the first */
     int32_t *node_row;            /* [nodes] */
+    int32_t *element_row;         /* [elements] in the order of the mesh, of those that are there */
     double (*element)[6];         /* [elements] Pa, stresses */
     double (*nodal)[6];           /* [nodes] Pa */
     double *pressure;             /* [nodes] Pa, tension positive */
@@ -38,6 +39,7 @@ typedef struct view {
 
 static void free_view(view *v) {
     gn_free(v->node_row);
+    gn_free(v->element_row);
     gn_free(v->element);
     gn_free(v->nodal);
     gn_free(v->pressure);
@@ -52,11 +54,14 @@ static int by_id(const void *a, const void *b) {
     return (x->id > y->id) - (x->id < y->id);
 }
 
-static gneiss_status number_rows(const gn_fem_solid *b, int32_t *row, gneiss_error *error) {
-    size_t count = b->nodes.soa.count;
+/* Ranks by id. */
+static gneiss_status number_rows(const int32_t *id, size_t count, int32_t *row,
+                                 gneiss_error *error) {
     numbered *order = gn_alloc_array(count + 1, sizeof *order);
-    if (!order) return gn_fail(error, GNEISS_ERROR_MEMORY, "no memory to number %zu nodes", count);
-    for (size_t n = 0; n < count; n++) order[n] = (numbered){b->nodes.id[n], (int32_t)n};
+    if (!order)
+        return gn_fail(error, GNEISS_ERROR_MEMORY, "no memory to number %zu nodes or elements",
+                       count);
+    for (size_t n = 0; n < count; n++) order[n] = (numbered){id[n], (int32_t)n};
     qsort(order, count, sizeof *order, by_id);
     for (size_t r = 0; r < count; r++) row[order[r].place] = (int32_t)r;
     gn_free(order);
@@ -68,7 +73,8 @@ static gneiss_status find_stresses(view *v, gneiss_error *error) {
     gn_fem_element_stress(b, v->element);
     GN_TRY(gn_fem_nodal_stress(b, (const double(*)[6])v->element, v->nodal, error));
     GN_TRY(gn_fem_nodal_pressure(b, v->pressure, error));
-    return number_rows(b, v->node_row, error);
+    GN_TRY(number_rows(b->nodes.id, b->nodes.soa.count, v->node_row, error));
+    return number_rows(b->elements.id, b->elements.soa.count, v->element_row, error);
 }
 
 static gneiss_status make_view(const gn_fem_solid *b, size_t number, view *v, gneiss_error *error) {
@@ -76,11 +82,12 @@ static gneiss_status make_view(const gn_fem_solid *b, size_t number, view *v, gn
     *v = (view){.solid = b, .number = number};
     gn_elements_path(number, "", v->prefix);
     v->node_row = gn_alloc_array(nodes, sizeof *v->node_row);
+    v->element_row = gn_alloc_array(elements, sizeof *v->element_row);
     v->element = gn_alloc_array(elements, sizeof *v->element);
     v->nodal = gn_alloc_array(nodes, sizeof *v->nodal);
     v->pressure = gn_alloc_array(nodes, sizeof *v->pressure);
     gneiss_status status = GNEISS_OK;
-    if (!v->node_row || !v->element || !v->nodal || !v->pressure)
+    if (!v->node_row || !v->element_row || !v->element || !v->nodal || !v->pressure)
         status = gn_fail(error, GNEISS_ERROR_MEMORY, "no memory for the output of %zu elements",
                          b->elements.soa.count);
     if (status == GNEISS_OK) status = find_stresses(v, error);
@@ -186,8 +193,8 @@ static gn_output_source nodes_source(const view *v) {
 }
 
 static gn_output_source elements_source(const view *v) {
-    return (gn_output_source){&gn_element_outputs,   v,        0, v->solid->elements.soa.count,
-                              v->solid->elements.id, v->prefix};
+    return (gn_output_source){&gn_element_outputs, v,        0, v->solid->elements.soa.count,
+                              v->element_row,      v->prefix};
 }
 
 /* --- files --- */
@@ -199,7 +206,8 @@ static int32_t *corners_of(const view *v) {
     int32_t *node = gn_alloc_array(q->soa.count + 1, corners * sizeof *node);
     for (size_t e = 0; node && e < q->soa.count; e++)
         for (size_t a = 0; a < corners; a++)
-            node[corners * (size_t)q->id[e] + a] = v->node_row[gn_elements_node(q, (int)a)[e]];
+            node[corners * (size_t)v->element_row[e] + a] =
+                v->node_row[gn_elements_node(q, (int)a)[e]];
     return node;
 }
 

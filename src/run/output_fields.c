@@ -3,6 +3,7 @@
 #include "run/output_fields.h"
 
 #include "sim/coupling.h"
+#include "sim/conversion.h"
 #include "sim/internal.h"
 
 #include <math.h>
@@ -28,7 +29,8 @@ READ(damage, v->damage[k])
 READ(coordination, v->coordination[k])
 READ(bonds_at_start, w->dem.particles.bonds0 ? w->dem.particles.bonds0[k] : 0)
 READ(mass, w->dem.particles.vel[4 * k + 3] > 0.0 ? 1.0 / w->dem.particles.vel[4 * k + 3] : 0.0)
-READ(removed, w->dem.particles.vel[4 * k + 3] == 0.0)
+READ(removed, w->dem.particles.vel[4 * k + 3] == 0.0 && !gn_is_asleep(w, k))
+READ(asleep, gn_is_asleep(w, k))
 
 static const gn_world *world_of(const void *view) {
     return ((const gn_output_view *)view)->world;
@@ -81,6 +83,8 @@ static const gn_output_field of_particles[] = {
      read_bonds_at_start, 0},
     {"removed", "1", "1: left by the domain or a sink, and stays where it was then", BOTH, GN_U8,
      false, 1, read_removed, 0},
+    {"asleep", "1", "1: prepared, in an element that is there; of bodies that convert", BOTH, GN_U8,
+     false, 1, read_asleep, GN_FX_OVERLAP},
     {"orientation", "1",
      "unit quaternion w x y z of the turn from the start, w >= 0: the shorter way round; with "
      "`output.orientation: on`",

@@ -1,5 +1,6 @@
 #include "run/quantities.h"
 
+#include "sim/conversion.h"
 #include "sim/coupling.h"
 #include "sim/ends.h"
 #include "sim/laboratory.h"
@@ -71,9 +72,9 @@ static bool has_added_mass(const gn_world *w, size_t k) {
     (void)k;
     return w->effects & GN_FX_MASS_SCALING;
 }
-static bool has_flow(const gn_world *w, size_t k) {
+static bool is_counted(const gn_world *w, size_t k) {
     (void)k;
-    return gn_scene_flows(&w->scene);
+    return gn_scene_flows(&w->scene) || gn_converts(w);
 }
 static bool has_elements_beside_particles(const gn_world *w, size_t k) {
     (void)k;
@@ -89,9 +90,13 @@ static bool motion_drives(const gn_world *w, size_t k) {
     return gn_elements_motion_drives(w, k);
 }
 
-static bool is_coupled(const gn_world *w, size_t k) {
+static bool has_zones(const gn_world *w, size_t k) {
     (void)k;
-    return w->scene.has_couple;
+    return w->scene.has_couple && w->scene.couple.zone_count;
+}
+static bool converts(const gn_world *w, size_t k) {
+    (void)k;
+    return gn_converts(w);
 }
 
 static const gn_condition always = {"always", NULL}, tests = {"with a test", has_test},
@@ -107,10 +112,11 @@ static const gn_condition always = {"always", NULL}, tests = {"with a test", has
                           booked = {"with the energy ledger", has_ledger},
                           raised = {"with mass scaling", has_added_mass},
                           boxed = {"in a periodic box", is_periodic},
-                          flowing = {"with sources or sinks", has_flow},
+                          counted = {"with sources, sinks or couple.convert", is_counted},
                           beside = {"finite elements beside particles",
                                     has_elements_beside_particles},
-                          coupled = {"with couple", is_coupled},
+                          zoned = {"with couple.zones", has_zones},
+                          converted = {"with couple.convert", converts},
                           moving = {"unless the set has no motion", set_moves},
                           driven = {"unless it is only watched", motion_drives};
 
@@ -262,6 +268,8 @@ static void read_returned_energy(const gn_world *w, size_t k, double *value) {
     *value = there > 0.0 ? gn_coupled_returned(w, k) / there : 0.0;
 }
 
+READ(elements, (double)gn_conversion_elements(w))
+
 #define SCALAR(when, instant, name, unit, read, text)                                              \
     { name, unit, text, GN_SCALAR, instant, &when, read, NULL }
 
@@ -308,7 +316,9 @@ static const gn_quantity of_the_model[] = {
     {"box", "m", "lengths of the periodic box", GN_VECTOR, GN_BEFORE_STEP, &boxed, read_box, NULL},
     SCALAR(always, GN_AFTER_STEP, "unbalanced", "1", read_unbalanced,
            "mean resultant on a particle over the mean contact force"),
-    SCALAR(flowing, GN_AFTER_STEP, "particles", "1", read_particles, "particles that are there"),
+    SCALAR(counted, GN_AFTER_STEP, "particles", "1", read_particles,
+           "particles that are there; with couple.convert those that are awake: of converted "
+           "elements and of the zone around these"),
     SCALAR(raised, GN_AFTER_STEP, "added_kinetic", "1", read_added_kinetic,
            "share of the particles' kinetic energy that added mass has"),
     SCALAR(bonded, GN_AFTER_STEP, "bonds_intact", "1", read_bonds_intact, "intact bonds"),
@@ -454,7 +464,9 @@ static const gn_quantity of_elements[] = {
      GN_BEFORE_STEP, &beside, read_elements_strain, NULL},
     {"elements_stress", "Pa", "average stress of the finite elements, tension positive", GN_TENSOR,
      GN_AFTER_STEP, &beside, read_elements_stress, NULL},
-    SCALAR(coupled, GN_AFTER_STEP, "returned_energy", "1", read_returned_energy,
+    SCALAR(converted, GN_BEFORE_STEP, "elements", "1", read_elements,
+           "finite elements that are left"),
+    SCALAR(zoned, GN_AFTER_STEP, "returned_energy", "1", read_returned_energy,
            "energy of plane waves in elements outside of zones that run away from the particles of "
            "the first zone, over the energy that was there or has come in")};
 

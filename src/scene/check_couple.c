@@ -63,6 +63,40 @@ static gneiss_status check_constraint(const check *c, const gn_scene *s) {
     return gn_check_fail(c, "couple.spins", "expected free beside penalty, found slaved");
 }
 
+/* ---- conversion ---- */
+
+/* What it does not go with, by the key that is said. */
+static gneiss_status check_convert_beside(const check *c, const gn_scene *s) {
+    const struct {
+        bool found;
+        const char *what;
+    } others[] = {
+        {s->couple.zone_count > 0, "couple.zones"},
+        {s->couple.constraint != GN_COUPLE_LUMPED, "couple.constraint but lumped"},
+        {s->set_count > 0, "sets (motions and loads of elements do not convert)"},
+        {s->wall_count > 0, "walls"},
+        {s->body_count > 0, "bodies"},
+        {s->has_membrane, "membrane"},
+        {s->has_pulse, "initial.pulse"},
+        {s->stage_count > 0, "stages"},
+        {s->elements.formulation == GN_FORMULATION_PRESSURE, "elements.formulation: mixed"},
+        {s->bonds == GN_SWITCH_OFF, "bonds.bonds: off"}};
+    for (size_t k = 0; k < sizeof others / sizeof *others; k++)
+        if (others[k].found)
+            return gn_check_fail(c, "couple.convert", "expected no %s beside it, found one",
+                                 others[k].what);
+    return GNEISS_OK;
+}
+
+static gneiss_status check_convert(const check *c, const gn_scene *s) {
+    const gn_convert_def *q = &s->couple.convert;
+    GN_TRY(check_convert_beside(c, s));
+    if (!(q->stress > 0.0) && !q->has_mohr)
+        return gn_check_fail(c, "couple.convert",
+                             "expected a limit, stress or mohr_coulomb, found none");
+    return gn_check_box(c, s, "couple.convert.box.max", q->box_min, q->box_max);
+}
+
 gneiss_status gn_check_couple(const gn_reader *reader, const gn_node *root) {
     const gn_scene *s = reader->scene;
     check c = {.reader = reader, .map = root};
@@ -71,7 +105,9 @@ gneiss_status gn_check_couple(const gn_reader *reader, const gn_node *root) {
     if (!s->has_couple) return GNEISS_OK;
     GN_TRY(gn_check_keep(&c, check_beside(&c, s)));
     if (gn_check_sound(&c, "couple")) GN_TRY(gn_check_keep(&c, check_constraint(&c, s)));
-    if (!s->couple.zone_count)
+    if (s->couple.has_convert && gn_check_sound(&c, "couple"))
+        GN_TRY(gn_check_keep(&c, check_convert(&c, s)));
+    if (!s->couple.zone_count && !s->couple.has_convert)
         return gn_check_fail(&c, "couple.zones", "expected one at least, found none");
     for (size_t k = 0; k < s->couple.zone_count; k++) {
         check element = gn_check_element(reader, root, "couple.zones", k);

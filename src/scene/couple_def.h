@@ -4,7 +4,9 @@
 
 #include "scene/place.h"
 
+#include <stdbool.h>
 #include <stddef.h>
+#include <stdint.h>
 
 /* A plane wave at the start: u = size/2 (1 + cos(2 pi s/length)) along its direction where |s| <
  * length/2, s being the distance from its crest, and v = -speed du/ds. */
@@ -36,6 +38,22 @@ typedef enum gn_couple_constraint {
 } gn_couple_constraint;
 typedef enum gn_couple_spins { GN_COUPLE_FREE, GN_COUPLE_SLAVED } gn_couple_spins;
 
+/* Whose stresses are held against limits. */
+typedef enum gn_convert_by { GN_CONVERT_ELEMENTS, GN_CONVERT_NODES } gn_convert_by;
+
+/* Elements that turn into particles while the run goes on. */
+typedef struct gn_convert_def {
+    double box_min[3], box_max[3]; /* m: prepared are elements of which all nodes start in it */
+    double width;                  /* m, of the zone between both */
+    double stress;                 /* Pa, largest principal; 0: no such limit */
+    bool has_mohr;
+    double cohesion, friction; /* Pa, tan(phi), with has_mohr */
+    gn_convert_by by;
+    int64_t every; /* steps between looks */
+    double most;   /* share of the prepared elements that convert by a limit at one look */
+    gn_scene_place where;
+} gn_convert_def;
+
 /* Particles and elements as one body. */
 typedef struct gn_couple_def {
     size_t zone_count;
@@ -43,6 +61,8 @@ typedef struct gn_couple_def {
     gn_couple_constraint constraint;
     gn_couple_spins spins;
     double penalty, penalty_damping; /* over what masses and the step make of it; of critical */
+    bool has_convert;
+    gn_convert_def convert;
     gn_scene_place where;
 } gn_couple_def;
 

@@ -25,10 +25,60 @@ static const gn_key zone_keys[] = {
 };
 ELEMENTS_OF(zone, gn_couple_zone);
 
+static const gn_choice by[] = {
+    {"elements", GN_CONVERT_ELEMENTS}, {"nodes", GN_CONVERT_NODES}, {NULL, 0}};
+
+static const gn_key convert_box_keys[] = {
+    KEY("min", VECTOR, gn_scene, couple.convert.box_min, .unit = "m", .required = true,
+        .text = "lower corner"),
+    KEY("max", VECTOR, gn_scene, couple.convert.box_max, .unit = "m", .required = true,
+        .text = "upper corner"),
+};
+TABLE_OF(convert_box);
+
+static const gn_key mohr_keys[] = {
+    KEY("cohesion", REAL, gn_scene, couple.convert.cohesion, .unit = "Pa", .range = GN_STRENGTHS,
+        .required = true, .text = "shear stress that a plane without pressure bears"),
+    KEY("friction", REAL, gn_scene, couple.convert.friction, .unit = "1", .range = "[0, 100]",
+        .fallback = "0", .text = "tan(phi): what pressure adds to it, over the pressure"),
+};
+TABLE_OF(mohr);
+
+static const gn_key convert_keys[] = {
+    SECTION("box", convert_box_section, .required = true,
+            .text = "where the packing is ready: elements of which all nodes start in it, boundary "
+                    "included"),
+    KEY("width", REAL, gn_scene, couple.convert.width, .unit = "m", .range = GN_LENGTHS,
+        .required = true,
+        .text = "of the zone between particles and elements: three elements and six particles at "
+                "least"),
+    KEY("stress", REAL, gn_scene, couple.convert.stress, .unit = "Pa", .range = GN_STRENGTHS,
+        .word = "none", .fallback = "none",
+        .text = "largest principal stress, tension positive, at which an element converts"),
+    SECTION("mohr_coulomb", mohr_section, PRESENT(BOOL, gn_scene, couple.convert.has_mohr),
+            .text = "converts elements under pressure: limit of (s1 - s3)/2 + (s1 + s3)/2 sin(phi) "
+                    "over cohesion cos(phi)"),
+    KEY("by", CHOICE, gn_scene, couple.convert.by, .choices = by, .fallback = "elements",
+        .text = "stresses that are held against the limits: of each element, or means of those at "
+                "its nodes"),
+    KEY("every", INTEGER, gn_scene, couple.convert.every, .range = "[1, 1000000]", .fallback = "50",
+        .text = "steps from one look at the stresses to the next"),
+    KEY("most", REAL, gn_scene, couple.convert.most, .unit = "1", .range = "(0, 1]",
+        .fallback = "10 %",
+        .text = "share of the prepared elements that a look converts, those with the highest "
+                "stresses first; thin remnants come on top"),
+};
+static const gn_section convert_section = {convert_keys, sizeof convert_keys / sizeof(gn_key), 0,
+                                           offsetof(gn_scene, couple.convert.where)};
+
 static const gn_key couple_keys[] = {
     ARRAY("zones", LIST, gn_scene, couple.zones, couple.zone_count, .section = &zone_section,
-          .range = "[1, 1000]", .required = true,
-          .text = "where particles and elements are at the same places"),
+          .range = "[0, 1000]",
+          .text = "where particles and elements are at the same places; one at least without "
+                  "convert"),
+    SECTION("convert", convert_section, PRESENT(BOOL, gn_scene, couple.has_convert),
+            .text = "elements everywhere at first, which turn into particles where stresses are "
+                    "high"),
     KEY("constraint", CHOICE, gn_scene, couple.constraint, .choices = constraints,
         .fallback = "lumped",
         .text = "particles of a zone follow the nodes, with the mass that this gives to nodes "

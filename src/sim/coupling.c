@@ -1,6 +1,7 @@
 #include "base/memory.h"
 #include "base/point.h"
 #include "couple/zone.h"
+#include "sim/conversion.h"
 #include "sim/coupling_internal.h"
 
 #include <math.h>
@@ -103,7 +104,10 @@ static gneiss_status make_springs(gn_coupled *q, gneiss_error *error) {
 static gneiss_status find(gn_world *w, gn_coupled **out, gneiss_error *error) {
     gn_coupled *q = *out = gn_alloc_array(1, sizeof *q);
     if (!q) return gn_fail(error, GNEISS_ERROR_MEMORY, "no memory for zones");
-    GN_TRY(gn_ties_find(gn_coupled_solid(w), &w->dem.particles, &q->ties, error));
+    if (w->scene.couple.has_convert)
+        GN_TRY(gn_conversion_ties(w, &q->ties, error));
+    else
+        GN_TRY(gn_ties_find(gn_coupled_solid(w), &w->dem.particles, &q->ties, error));
     q->place = gn_alloc_array(q->ties.count + 1, sizeof *q->place);
     q->load = gn_alloc_array(q->ties.count + 1, sizeof *q->load);
     if (!q->place || !q->load)
@@ -124,9 +128,10 @@ static gneiss_status find(gn_world *w, gn_coupled **out, gneiss_error *error) {
                            q->ties.count);
     }
     if (w->scene.couple.constraint == GN_COUPLE_PENALTY) GN_TRY(make_springs(q, error));
-    return q->ties.count ? GNEISS_OK
-                         : refuse(w, w->scene.couple.where, "",
-                                  "expected particles in elements, found none", error);
+    return q->ties.count || w->scene.couple.has_convert
+               ? GNEISS_OK
+               : refuse(w, w->scene.couple.where, "", "expected particles in elements, found none",
+                        error);
 }
 
 /* Forces have the part that elements do not have; masses at least what half a distance of
@@ -414,6 +419,12 @@ static gneiss_status hand_over(gn_world *w, gn_coupled *q, gneiss_error *error) 
 
 static gneiss_status prepare(gn_world *w, gn_coupled **q, gneiss_error *error) {
     GN_TRY(check_law(w, error));
+    if (w->scene.couple.has_convert) {
+        GN_TRY(gn_conversion_prepare(w, error));
+        GN_TRY(find(w, q, error));
+        GN_TRY(lump(w, *q, error));
+        return hand_over(w, *q, error);
+    }
     for (size_t k = 0; k < w->scene.couple.zone_count; k++) GN_TRY(check_end(w, k, error));
     GN_TRY(find(w, q, error));
     GN_TRY(gn_zones_check(w, &(*q)->ties, error));
@@ -490,6 +501,27 @@ void gn_coupled_leave(gn_world *w, const bool *gone) {
     sum_carried(w, q);
     load_nodes(b);
     if (lumped) w->energy.removed += before - carried_energy(w, q);
+}
+
+gneiss_status gn_coupled_again(gn_world *w, gneiss_error *error) {
+    gn_coupled *q = NULL;
+    gneiss_status status = find(w, &q, error);
+    if (status != GNEISS_OK) {
+        if (q) coupled_free(q);
+        return status;
+    }
+    coupled_free(w->exchange[0].context);
+    w->exchange[0].context = q;
+    return gn_coupled_weigh(w, error);
+}
+
+gneiss_status gn_coupled_weigh(gn_world *w, gneiss_error *error) {
+    gn_fem_solid *b = gn_coupled_solid(w);
+    gn_free(b->carried);
+    b->carried = NULL;
+    GN_TRY(lump(w, w->exchange[0].context, error));
+    gn_fem_weigh(b);
+    return GNEISS_OK;
 }
 
 /* --- readings --- */

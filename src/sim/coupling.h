@@ -40,6 +40,11 @@ gneiss_status gn_coupled_create(gn_world *world, gneiss_error *error);
 /* The same for a world whose records were read. */
 gneiss_status gn_coupled_resume(gn_world *world, gneiss_error *error);
 
+/* Elements were converted: who follows nodes now, and the masses of these (conversion.c). */
+gneiss_status gn_coupled_again(gn_world *world, gneiss_error *error);
+/* Their masses alone. */
+gneiss_status gn_coupled_weigh(gn_world *world, gneiss_error *error);
+
 /* At the start, once the particles' limit is known: stiffnesses of springs, and what they take of
  * the step (coupling_penalty.c). Without springs nothing is done. */
 void gn_coupled_stiffen(gn_world *world);

@@ -182,6 +182,7 @@ void gn_dem_free(gn_dem *d) {
     gn_soa_destroy(&gn_particle_record, &d->particles);
     gn_soa_destroy(&gn_contact_record, &d->bonds);
     gn_soa_destroy(&gn_contact_record, &d->pairs);
+    gn_soa_destroy(&gn_contact_record, &d->prepared);
     gn_partials_free(&d->bond_partials);
     gn_partials_free(&d->pair_partials);
     gn_deal_free(&d->deal);
@@ -206,6 +207,8 @@ void gn_dem_free(gn_dem *d) {
                       d->pieces.parent,
                       d->pieces.members,
                       d->pieces.volume,
+                      d->still,
+                      d->sleeper,
                       d->hertz};
     for (size_t k = 0; k < sizeof blocks / sizeof *blocks; k++) gn_free(blocks[k]);
     *d = (gn_dem){0};
@@ -229,5 +232,6 @@ size_t gn_dem_bytes(const gn_world *w) {
     const gn_dem *d = &w->dem;
     size_t each = gn_record_bytes(&gn_particle_record, w->effects) + 2 * sizeof(int32_t);
     return d->particles.soa.capacity * each + list_bytes(&d->bonds, &d->bond_partials) +
-           list_bytes(&d->pairs, &d->pair_partials);
+           list_bytes(&d->pairs, &d->pair_partials) +
+           d->prepared.soa.capacity * gn_record_bytes(&gn_contact_record, d->prepared.soa.effects);
 }

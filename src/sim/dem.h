@@ -60,6 +60,12 @@ typedef struct gn_membrane {
     double arms[9];  /* m3, sum of areas times the ways to them from the centres that bear them */
 } gn_membrane;
 
+/* A particle of a body that converts (conversion.h), in doubles, as checkpoints have it. */
+typedef struct gn_sleeper {
+    double mass, inertia; /* 1/kg, 1/(kg m2), that it will have; 0: it is awake */
+    double home;          /* element that it starts in, by its place in the mesh */
+} gn_sleeper;
+
 /* Room for counting fragments (fragments.c), with bonds. */
 typedef struct gn_pieces {
     int32_t *parent, *members; /* [particles] */
@@ -69,6 +75,9 @@ typedef struct gn_pieces {
 typedef struct gn_dem {
     gn_particles particles;
     gn_contacts bonds, pairs;
+    gn_contacts prepared; /* bonds of all particles, whole, with couple.convert */
+    gn_sleeper *sleeper;  /* [particles] by id, with couple.convert; else NULL */
+    uint8_t *still; /* [motion_blocks] no particle of it is awake, with couple.convert; else NULL */
     gn_partials bond_partials, pair_partials;
     gn_uniform bond_uniform, pair_uniform;
     int32_t *index_of_id; /* [ids] -1: gone, its row as well */

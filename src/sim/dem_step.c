@@ -61,8 +61,8 @@ gn_motion_args gn_dem_motion_args(gn_world *w, bool measure) {
 
 /* Rows as they are before a step of another length than the last. Without memory for them what the
  * change adds to the energy shows in the residual. */
-static double *kept(const gn_world *w, const double *rows) {
-    const size_t count = w->dem.particles.soa.count;
+double *gn_dem_kept(const gn_particles *of, const double *rows) {
+    const size_t count = of->soa.count;
     double *copy = rows ? gn_alloc_array(count, 4 * sizeof *copy) : NULL;
     if (copy) memcpy(copy, rows, count * 4 * sizeof *copy);
     return copy;
@@ -74,8 +74,8 @@ void gn_dem_forces(gn_world *w, bool measure) {
     if (!d->particles.soa.count) return;
     gn_dem_confine(w, &w->dem.bonds);
     if (w->dt_past > 0.0 && w->dt != w->dt_past && w->effects & GN_FX_ENERGY) {
-        d->vel_past = kept(w, d->particles.vel);
-        d->spin_past = kept(w, d->particles.spin);
+        d->vel_past = gn_dem_kept(&d->particles, d->particles.vel);
+        d->spin_past = gn_dem_kept(&d->particles, d->particles.spin);
     }
     gn_contact_args bonds = gn_dem_contact_args(w, &w->dem.bonds, measure);
     gn_contact_args pairs = gn_dem_contact_args(w, &w->dem.pairs, measure);
@@ -108,8 +108,9 @@ static void add_up(const gn_world *w, gn_dem_sums *s) {
  * kick is (dt- + dt+)/2 F/m, but works are 1/2 F dt v on either side. The halves of the difference
  * are -+ (dt- - dt+)/(2 (dt- + dt+)) m v(-+).(v(+) - v(-)), which add up to F^2 (dt-^2 - dt+^2)/(8
  * m): what oscillates goes on with more energy when the step becomes shorter. */
-static void add_change(const double *past, const double *now, size_t count, double factor,
+void gn_dem_add_change(const gn_world *w, const double *past, const double *now, size_t count,
                        double halves[2]) {
+    const double factor = 0.5 * (w->dt_past - w->dt) / (w->dt_past + w->dt);
     for (size_t p = 0; past && p < count; p++) {
         const double *a = past + 4 * p, *b = now + 4 * p;
         if (!(b[3] > 0.0)) continue;
@@ -127,9 +128,8 @@ static void follow_change(gn_world *w) {
     double *halves = d->done.step_change;
     halves[0] = halves[1] = 0.0;
     if (!d->vel_past) return;
-    double factor = 0.5 * (w->dt_past - w->dt) / (w->dt_past + w->dt);
-    add_change(d->vel_past, d->particles.vel, count, factor, halves);
-    add_change(d->spin_past, d->particles.spin, count, factor, halves);
+    gn_dem_add_change(w, d->vel_past, d->particles.vel, count, halves);
+    gn_dem_add_change(w, d->spin_past, d->particles.spin, count, halves);
     gn_free(d->vel_past);
     gn_free(d->spin_past);
     d->vel_past = d->spin_past = NULL;

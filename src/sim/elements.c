@@ -7,7 +7,7 @@
 #include "couple/zone.h"
 #include "fem/structured.h"
 #include "sim/coupling.h"
-#include "sim/world.h"
+#include "sim/internal.h"
 
 #include <math.h>
 #include <string.h>
@@ -131,6 +131,7 @@ static gneiss_status make_body(const gn_world *w, gn_element_model *q, gn_mesh *
     if (w->scene.has_couple) {
         spec.share = gn_zones_share;
         spec.share_of = &w->scene;
+        spec.shrinks = w->scene.couple.has_convert;
     }
     memcpy(spec.gravity, w->scene.gravity, sizeof spec.gravity);
     memcpy(spec.origin, w->scene.origin, sizeof spec.origin);
@@ -307,7 +308,7 @@ static void free_model(gn_element_model *q) {
     for (size_t k = 0; q->motion_set && k < q->def->motion_count; k++)
         gn_fem_set_free(&q->motion_set[k]);
     for (size_t k = 0; q->load && k < q->def->load_count; k++) gn_fem_load_free(&q->load[k]);
-    void *blocks[] = {q->motion_set, q->motion, q->load, q->load_value, q->weight};
+    void *blocks[] = {q->motion_set, q->motion, q->load, q->load_value, q->weight, q->vel_past};
     for (size_t k = 0; k < sizeof blocks / sizeof *blocks; k++) gn_free(blocks[k]);
     gn_element_contact_free(&q->contact);
     gn_fem_solid_free(&q->solid);
@@ -370,6 +371,8 @@ void gn_elements_forces(gn_world *w, bool measure) {
         set_velocities(w, q, w->time + 0.5 * w->dt, false);
         if (q->loads_vary) set_loads(q, w->time);
         gn_element_contact_load(q);
+        if (w->dt_past > 0.0 && w->dt != w->dt_past && w->effects & GN_FX_ENERGY)
+            q->vel_past = gn_dem_kept(&q->solid.nodes, q->solid.nodes.vel);
         gn_fem_forces(&q->solid, w->dt, measure);
         w->seconds[GN_PHASE_elements] += gn_now() - start;
     }
@@ -379,8 +382,21 @@ static gneiss_status move_body(gn_element_model *q, double dt, bool measure, gne
     gneiss_status status = gn_fem_move(&q->solid, dt, error);
     gn_element_contact_moved(q, dt);
     if (status != GNEISS_OK || !measure) return status;
-    for (int k = 0; k < 9; k++) q->stress[k] = q->solid.elastic.stress[k] / q->solid.elastic.volume;
+    const double volume = q->solid.elastic.volume; /* 0: all elements were converted */
+    for (int k = 0; k < 9; k++)
+        q->stress[k] = volume > 0.0 ? q->solid.elastic.stress[k] / volume : 0.0;
     return measure_forces(q, error);
+}
+
+/* As of particles (dem_step.c); the reading of these has been taken. */
+static void book_change(gn_world *w, gn_element_model *q) {
+    double halves[2] = {0.0, 0.0};
+    if (!q->vel_past) return;
+    gn_dem_add_change(w, q->vel_past, q->solid.nodes.vel, q->solid.nodes.soa.count, halves);
+    w->reading.step_change += halves[GN_HALF_BEFORE];
+    w->energy.step_change += halves[GN_HALF_BEFORE] + halves[GN_HALF_AFTER];
+    gn_free(q->vel_past);
+    q->vel_past = NULL;
 }
 
 gneiss_status gn_elements_move(gn_world *w, bool measure, gneiss_error *error) {
@@ -388,6 +404,7 @@ gneiss_status gn_elements_move(gn_world *w, bool measure, gneiss_error *error) {
     for (size_t k = 0; status == GNEISS_OK && k < w->element_count; k++) {
         double start = gn_now();
         status = move_body(w->elements[k], w->dt, measure, error);
+        book_change(w, w->elements[k]);
         w->seconds[GN_PHASE_elements] += gn_now() - start;
     }
     return status;
@@ -520,6 +537,21 @@ gneiss_status gn_elements_limit(gn_world *w, bool full, bool *due, gneiss_error 
     for (size_t k = 0; k < w->element_count; k++)
         GN_TRY(body_limit(w, w->elements[k], full, due, error));
     return GNEISS_OK;
+}
+
+gneiss_status gn_elements_converted(gn_element_model *q, gneiss_error *error) {
+    GN_TRY(gn_fem_bound(&q->solid, &q->limit, error));
+    q->limit.sharp = q->limit.sharp_low = q->limit.bound;
+    q->limit.sharp_element = q->limit.bound_element;
+    q->stiffening = 0.0; /* the next look says what is due */
+    return GNEISS_OK;
+}
+
+void gn_elements_driven(const gn_element_model *q, uint8_t *driven) {
+    for (size_t k = 0; k < q->def->motion_count; k++)
+        for (size_t n = 0; n < q->motion_set[k].count; n++) driven[q->motion_set[k].node[n]] = 1;
+    for (size_t k = 0; k < q->def->load_count; k++)
+        for (size_t n = 0; n < q->load[k].count; n++) driven[q->load[k].node[n]] = 1;
 }
 
 double gn_elements_stable(const gn_world *w) {

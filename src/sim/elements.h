@@ -35,6 +35,7 @@ typedef struct gn_element_model {
     double stiffening;  /* what has divided it since (gn_fem_stiffening), when last acted on */
     double stable;      /* s: sharp limit or bound, divided by it */
 
+    double *vel_past;  /* [nodes][4] before a step of another length than the last; else NULL */
     double stress[9];  /* Pa, mean over the solid at the last measured step, tension positive */
     double unbalanced; /* mean resultant on a free node over the mean force of an element on one */
 } gn_element_model;
@@ -62,6 +63,10 @@ void gn_elements_book(const gn_world *world, gn_energy *ledger);
 /* Looks at the stability limits (step_limit.c): `full` from the start on, otherwise only at what
  * strain has done since. *due: one has changed. */
 gneiss_status gn_elements_limit(gn_world *world, bool full, bool *due, gneiss_error *error);
+/* Elements were taken out: the bound holds for those that are left, whatever their parts. */
+gneiss_status gn_elements_converted(gn_element_model *model, gneiss_error *error);
+/* Marks the nodes [nodes] of motions, driven or only watched, and of loads. */
+void gn_elements_driven(const gn_element_model *model, uint8_t *driven);
 double gn_elements_stable(const gn_world *world); /* s, the least; INFINITY: no solids */
 /* The solid that sets the step, NULL: none does; and which of its elements: "element 12 at (x, y,
  * z) m". */

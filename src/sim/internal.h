@@ -290,6 +290,12 @@ gneiss_status gn_sort_renamed(const gn_record *record, void *list, void *now, gn
 /* The first contact of a sorted list that does not come before (i, j) (lists.c). */
 size_t gn_contacts_from(const gn_contacts *list, int32_t i, int32_t j);
 
+/* Of a step of another length than the last (dem_step.c): rows [.][4] as they are before it, NULL:
+ * no memory; what the change adds to the energy, in halves. */
+double *gn_dem_kept(const gn_particles *of, const double *rows);
+void gn_dem_add_change(const gn_world *world, const double *past, const double *now, size_t count,
+                       double halves[2]);
+
 /* What the kernels get in the coming step (dem_step.c). */
 gn_contact_args gn_dem_contact_args(const gn_world *world, const gn_contacts *list, bool measure);
 gn_motion_args gn_dem_motion_args(gn_world *world, bool measure);

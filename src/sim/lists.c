@@ -1,6 +1,7 @@
 /* Neighbour lists of the particles, and how contacts keep their history. */
 #include "base/memory.h"
 #include "base/vec3.h"
+#include "sim/conversion.h"
 #include "sim/fragments.h"
 #include "sim/internal.h"
 #include "soa/single.h"
@@ -245,6 +246,7 @@ static gneiss_status ready_blocks(gn_world *w, gneiss_error *error) {
         (confined && !w->dem.around))
         return gn_fail(error, GNEISS_ERROR_MEMORY, "no memory for block sums");
     gn_dem_sum_masses(w);
+    if (gn_converts(w)) GN_TRY(gn_conversion_find_still(w, error));
     return gn_dem_deal(w, error);
 }
 
@@ -366,7 +368,9 @@ gneiss_status gn_dem_refresh(gn_world *w, gneiss_error *error) {
     if (w->effects & GN_FX_PERIODIC) wrap(w);
     GN_TRY(gn_flow_arrive(w, false, error));
     if (order_is_old(w)) GN_TRY(reorder(w, error));
-    if (!w->dem.bond_partials.first) GN_TRY(gn_bonds_form(w, error));
+    const bool form = !w->dem.bond_partials.first;
+    if (form) GN_TRY(gn_bonds_form(w, error));
+    if (form && gn_converts(w)) GN_TRY(gn_conversion_lay_down(w, error));
     GN_TRY(make_pairs(w, error));
     GN_TRY(ready_blocks(w, error));
     memcpy(w->dem.particles.ref, w->dem.particles.pos,

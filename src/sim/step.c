@@ -1,6 +1,7 @@
 /* One step of the model: lists, forces of all parts, exchanges between them, motion, and the
  * ledger. What a part does in each is its own affair (dem.h, boundary.h, elements.h). */
 #include "base/timer.h"
+#include "sim/conversion.h"
 #include "sim/exchange.h"
 #include "sim/internal.h"
 #include "sim/membrane.h"
@@ -86,6 +87,7 @@ static gneiss_status finish(gn_world *w, bool measure, watch *time, gneiss_error
 
 gneiss_status gn_world_step(gn_world *w, bool measure, gneiss_error *error) {
     watch time = {w, w->step % GN_BOOKED == 0, 0.0};
+    if (gn_converts(w)) GN_TRY(gn_conversion_look(w, error));
     GN_TRY(gn_world_refresh_lists(w, error));
     GN_TRY(gn_pressed_check(w, error));
 

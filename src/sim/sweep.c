@@ -40,6 +40,10 @@ static void move(void *context, size_t block) {
     gn_world *w = k->w;
     size_t first = block * GN_PARTICLE_BLOCK, last = first + GN_PARTICLE_BLOCK;
     if (last > w->dem.particles.soa.count) last = w->dem.particles.soa.count;
+    if (w->dem.still && w->dem.still[block]) {
+        w->dem.motion_sums[block] = (gn_motion_sums){.bad = -1};
+        return;
+    }
     if (w->effects & GN_FX_WALLS && gn_boundary_work(w, block, first, last))
         book(k, GN_PHASE_walls);
     w->dem.motion_sums[block] = (gn_motion_sums){.bad = -1};

@@ -21,6 +21,7 @@
     X(elements, "finite elements: forces, motion, readings")                                       \
     X(lists, "neighbour search and lists")                                                         \
     X(step_limit, "stability limit")                                                               \
+    X(conversion, "elements that turn into particles")                                             \
     X(measure, "readings and history")                                                             \
     X(output, "snapshots, checkpoints, results")                                                   \
     X(setup, "specimen, bonds, first lists and limit")

@@ -1,0 +1,174 @@
+#include "couple/front.h"
+
+#include "base/eigen.h"
+#include "base/memory.h"
+#include "fem/internal.h"
+
+#include <math.h>
+#include <string.h>
+
+/* --- what an element may do --- */
+
+void gn_front_kinds(const gn_fem_solid *b, const gn_convert_def *def, const uint8_t *driven,
+                    uint8_t *kind) {
+    for (size_t e = 0; e < b->elements.soa.count; e++) {
+        bool inside = true, held = false;
+        for (int a = 0; a <= b->dimension; a++) {
+            const size_t n = (size_t)gn_elements_node(&b->elements, a)[e];
+            for (int k = 0; k < b->dimension; k++)
+                inside = inside && gn_fem_between(b, b->nodes.start + 4 * n, k, def->box_min[k],
+                                                  def->box_max[k]);
+            held = held || driven[n];
+        }
+        kind[e] = !inside ? GN_FRONT_FIXED : held ? GN_FRONT_HELD : GN_FRONT_READY;
+    }
+}
+
+/* --- the front --- */
+
+typedef struct front {
+    gn_fem_solid *solid;
+    double width;
+    uint8_t *kind, *counted; /* [elements] counted: its nodes are in the distances */
+    int32_t *fresh;          /* [nodes] of elements that were not counted yet */
+    size_t fresh_count;
+    uint8_t *reached, *crest; /* [nodes] */
+} front;
+
+static double *part_of(const front *f, size_t n) {
+    return f->solid->nodes.blend + 2 * n;
+}
+
+static size_t corner(const front *f, size_t e, int a) {
+    return (size_t)gn_elements_node(&f->solid->elements, a)[e];
+}
+
+static void find_fresh(front *f) {
+    f->fresh_count = 0;
+    for (size_t e = 0; e < f->solid->elements.soa.count; e++) {
+        if (f->kind[e] != GN_FRONT_LEAVING || f->counted[e]) continue;
+        f->counted[e] = 1;
+        for (int a = 0; a <= f->solid->dimension; a++) {
+            const size_t n = corner(f, e, a);
+            if (f->reached[n]) continue;
+            f->reached[n] = 1;
+            f->fresh[f->fresh_count++] = (int32_t)n;
+        }
+    }
+}
+
+/* Distances and parts, from the nodes that the front has come to. */
+static void spread(front *f) {
+    const gn_particles *q = &f->solid->nodes;
+#pragma omp parallel for schedule(static) num_threads(f->solid->threads)
+    for (size_t n = 0; n < q->soa.count; n++) {
+        double least = part_of(f, n)[1] * part_of(f, n)[1];
+        for (size_t k = 0; k < f->fresh_count; k++) {
+            const double *x = q->start + 4 * n, *y = q->start + 4 * (size_t)f->fresh[k];
+            double d2 = 0.0;
+            for (int a = 0; a < 3; a++) d2 += (x[a] - y[a]) * (x[a] - y[a]);
+            least = fmin(least, d2);
+        }
+        part_of(f, n)[1] = sqrt(least);
+        part_of(f, n)[0] = fmin(1.0, part_of(f, n)[1] / f->width);
+    }
+}
+
+/* Nodes of elements that stay, below 1 and without a neighbour that is higher. */
+static void find_crests(front *f) {
+    for (size_t n = 0; n < f->solid->nodes.soa.count; n++) f->crest[n] = part_of(f, n)[0] < 1.0;
+    for (size_t e = 0; e < f->solid->elements.soa.count; e++) {
+        double highest = 0.0;
+        if (f->kind[e] == GN_FRONT_LEAVING) continue;
+        for (int a = 0; a <= f->solid->dimension; a++)
+            highest = fmax(highest, part_of(f, corner(f, e, a))[0]);
+        for (int a = 0; a <= f->solid->dimension; a++)
+            if (part_of(f, corner(f, e, a))[0] < highest) f->crest[corner(f, e, a)] = 0;
+    }
+}
+
+/* Whether an element has no room for a zone: it is at a crest, or all of it is on the front. */
+static bool is_remnant(const front *f, size_t e) {
+    bool at_crest = false;
+    double highest = 0.0;
+    for (int a = 0; a <= f->solid->dimension; a++) {
+        const size_t n = corner(f, e, a);
+        at_crest = at_crest || f->crest[n];
+        highest = fmax(highest, part_of(f, n)[0]);
+    }
+    return at_crest || !(highest > 0.0);
+}
+
+static bool is_shared(const front *f, size_t e) {
+    bool shared = false;
+    for (int a = 0; a <= f->solid->dimension; a++)
+        shared = shared || part_of(f, corner(f, e, a))[0] < 1.0;
+    return shared;
+}
+
+/* Remnants go as well; false: there are none. */
+static bool mark_remnants(front *f, int64_t *stuck) {
+    bool more = false;
+    find_crests(f);
+    for (size_t e = 0; e < f->solid->elements.soa.count; e++) {
+        if (f->kind[e] == GN_FRONT_LEAVING) continue;
+        const bool goes = is_remnant(f, e);
+        const bool may = f->kind[e] == GN_FRONT_READY;
+        if (*stuck < 0 && ((goes && !may) || (f->kind[e] == GN_FRONT_FIXED && is_shared(f, e))))
+            *stuck = (int64_t)e;
+        if (!goes || !may) continue;
+        f->kind[e] = GN_FRONT_LEAVING;
+        more = true;
+    }
+    return more;
+}
+
+static void free_front(front *f) {
+    gn_free(f->counted);
+    gn_free(f->fresh);
+    gn_free(f->reached);
+    gn_free(f->crest);
+}
+
+gneiss_status gn_front_advance(gn_fem_solid *b, double width, uint8_t *kind, int64_t *stuck,
+                               gneiss_error *error) {
+    const size_t nodes = b->nodes.soa.count + 1;
+    front f = {.solid = b,
+               .width = width,
+               .kind = kind,
+               .counted = gn_alloc(b->elements.soa.count + 1),
+               .fresh = gn_alloc_array(nodes, sizeof *f.fresh),
+               .reached = gn_alloc(nodes),
+               .crest = gn_alloc(nodes)};
+    *stuck = -1;
+    const bool held = f.counted && f.fresh && f.reached && f.crest;
+    for (bool more = held; more && *stuck < 0;) {
+        find_fresh(&f);
+        spread(&f);
+        more = mark_remnants(&f, stuck);
+    }
+    free_front(&f);
+    if (held) return GNEISS_OK;
+    return gn_fail(error, GNEISS_ERROR_MEMORY, "no memory for the front of %zu elements",
+                   b->elements.soa.count);
+}
+
+/* --- limits --- */
+
+/* Coulomb's limit in principal stresses s1 >= s3: (s1 - s3)/2 + (s1 + s3)/2 sin(phi) over c
+ * cos(phi), with sin = t/sqrt(1 + t2) and cos = 1/sqrt(1 + t2) of t = tan(phi). */
+double gn_front_excess(const gn_convert_def *def, const double s[6]) {
+    double a[9] = {s[0], s[3], s[5], s[3], s[1], s[4], s[5], s[4], s[2]}, principal[3], vectors[9];
+    double excess = 0.0, t = def->friction, root = sqrt(1.0 + t * t), size2 = 0.0;
+    for (int k = 0; k < 6; k++) size2 += (k < 3 ? 1.0 : 2.0) * s[k] * s[k];
+    /* No principal stress is larger than the root of the sum of squares. */
+    const bool below =
+        !(def->stress > 0.0 && size2 >= def->stress * def->stress) &&
+        !(def->has_mohr && size2 * (root + t) * (root + t) >= def->cohesion * def->cohesion);
+    if (below) return 0.0;
+    gn_eigen_symmetric(3, a, principal, vectors);
+    if (def->stress > 0.0) excess = principal[0] / def->stress;
+    if (!def->has_mohr) return excess;
+    double half = 0.5 * (principal[0] - principal[2]), mean = 0.5 * (principal[0] + principal[2]);
+    return fmax(excess, (half * root + mean * t) / def->cohesion);
+}

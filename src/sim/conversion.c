@@ -1,0 +1,420 @@
+#include "sim/conversion.h"
+
+#include "base/memory.h"
+#include "base/point.h"
+#include "base/timer.h"
+#include "couple/front.h"
+#include "sim/conversion_internal.h"
+
+#include <math.h>
+#include <string.h>
+
+static gneiss_status no_memory(gneiss_error *error) {
+    return gn_fail(error, GNEISS_ERROR_MEMORY, "no memory to convert elements");
+}
+
+static gneiss_status refuse(const gn_world *w, const char *message, gneiss_error *error) {
+    const gn_scene_place where = w->scene.couple.convert.where;
+    return gn_fail(error, GNEISS_ERROR_INPUT, "%.400s:%d:%d: couple.convert: %s", w->scene.source,
+                   where.line, where.column, message);
+}
+
+/* --- at the start --- */
+
+/* Springs between particles that a strain of the body does not determine. */
+static gneiss_status check_law(const gn_world *w, gneiss_error *error) {
+    const gn_effects without = GN_FX_BOND_MOMENTS | GN_FX_ROLLING | GN_FX_HERTZ | GN_FX_CONFINED;
+    if (!(w->effects & GN_FX_BONDS)) return refuse(w, "expected bonds, found none", error);
+    if (!(w->effects & without)) return GNEISS_OK;
+    return refuse(w,
+                  "expected linear contacts without moments and without confined friction, found "
+                  "others",
+                  error);
+}
+
+static gneiss_status find_homes(gn_world *w, const gn_ties *ties, gneiss_error *error) {
+    gn_particles *q = &w->dem.particles;
+    const gn_elements *elements = &gn_coupled_solid(w)->elements;
+    char at[GN_POINT_SIZE], message[256];
+    for (size_t p = 0; p < q->soa.count; p++) gn_sleeper_of(w, p)->home = -1.0;
+    for (size_t k = 0; k < ties->count; k++) /* particles have the order of their ids as yet */
+        w->dem.sleeper[ties->tie[k].id].home = elements->id[ties->tie[k].element];
+    for (size_t p = 0; p < q->soa.count; p++) {
+        q->blend[2 * p] = q->blend[2 * p + 1] = 1.0;
+        if (gn_sleeper_of(w, p)->home >= 0.0) continue;
+        snprintf(message, sizeof message,
+                 "expected every particle in an element, found particle %d at %s m in none",
+                 q->id[p], gn_point_text(w->scene.origin, q->start + 4 * p, at));
+        return refuse(w, message, error);
+    }
+    return GNEISS_OK;
+}
+
+/* Elements can become particles only where these are. */
+static gneiss_status check_filled(gn_world *w, const uint8_t *kind, gneiss_error *error) {
+    const gn_fem_solid *b = gn_coupled_solid(w);
+    const gn_particles *q = &w->dem.particles;
+    double particles = 0.0, elements = 0.0;
+    char message[200];
+    size_t count;
+    int32_t *place = gn_fem_places(b, &count);
+    if (!place) return no_memory(error);
+    for (size_t e = 0; e < b->elements.soa.count; e++)
+        if (kind[e] != GN_FRONT_FIXED)
+            elements += b->density[b->elements.material[e]] * b->elements.volume[e];
+    for (size_t p = 0; p < q->soa.count; p++)
+        if (kind[place[gn_home_id(w, p)]] != GN_FRONT_FIXED) particles += 1.0 / q->vel[4 * p + 3];
+    gn_free(place);
+    if (!(elements > 0.0))
+        return refuse(w, "expected elements of which all nodes start in the box, found none",
+                      error);
+    if (fabs(particles / elements - 1.0) <= 0.1) return GNEISS_OK;
+    snprintf(message, sizeof message,
+             "expected particles that weigh what the elements in the box do (to a tenth: a packing "
+             "that fills it, density_basis bulk, one density), found %g times as much",
+             particles / elements);
+    return refuse(w, message, error);
+}
+
+gneiss_status gn_conversion_prepare(gn_world *w, gneiss_error *error) {
+    gn_ties ties;
+    GN_TRY(check_law(w, error));
+    w->dem.sleeper = gn_alloc_array(w->dem.particles.soa.count + 1, sizeof *w->dem.sleeper);
+    if (!w->dem.sleeper) return no_memory(error);
+    GN_TRY(gn_ties_find(gn_coupled_solid(w), &w->dem.particles, &ties, error));
+    gneiss_status status = find_homes(w, &ties, error);
+    gn_ties_free(&ties);
+    GN_TRY(status);
+    uint8_t *kind = gn_alloc(gn_coupled_solid(w)->elements.soa.count + 1);
+    status = kind ? gn_conversion_kinds(w, kind, error) : no_memory(error);
+    if (status == GNEISS_OK) status = check_filled(w, kind, error);
+    gn_free(kind);
+    return status;
+}
+
+gneiss_status gn_conversion_lay_down(gn_world *w, gneiss_error *error) {
+    gn_dem *d = &w->dem;
+    gn_particles *q = &d->particles;
+    d->prepared = d->bonds;
+    d->bonds = (gn_contacts){0};
+    GN_TRY(gn_soa_create(&gn_contact_record, &d->bonds, 0, d->prepared.soa.effects, error));
+    gn_contacts_pad(&d->bonds, q);
+    for (size_t p = 0; p < q->soa.count; p++) {
+        gn_sleeper_of(w, p)->mass = q->vel[4 * p + 3];
+        gn_sleeper_of(w, p)->inertia = q->spin ? q->spin[4 * p + 3] : 0.0;
+        memset(q->vel + 4 * p, 0, 4 * sizeof *q->vel);
+        if (q->spin) memset(q->spin + 4 * p, 0, 4 * sizeof *q->spin);
+        q->blend[2 * p] = q->blend[2 * p + 1] = 0.0;
+    }
+    return gn_partials_build(&d->bonds, q->soa.count, w->threads, &d->bond_partials, error);
+}
+
+gneiss_status gn_conversion_find_still(gn_world *w, gneiss_error *error) {
+    gn_dem *d = &w->dem;
+    if (!d->still) d->still = gn_alloc(d->motion_blocks + 1);
+    if (!d->still) return no_memory(error);
+    memset(d->still, 1, d->motion_blocks);
+    for (size_t p = 0; p < d->particles.soa.count; p++)
+        if (!gn_is_asleep(w, p)) d->still[p / GN_PARTICLE_BLOCK] = 0;
+    return GNEISS_OK;
+}
+
+/* --- who is where --- */
+
+gneiss_status gn_conversion_ties(const gn_world *w, gn_ties *ties, gneiss_error *error) {
+    const gn_particles *q = &w->dem.particles;
+    size_t count;
+    int32_t *place = gn_fem_places(gn_coupled_solid(w), &count);
+    int32_t *element = gn_alloc_array(q->soa.count + 1, sizeof *element);
+    gneiss_status status = place && element ? GNEISS_OK : no_memory(error);
+    for (size_t p = 0; status == GNEISS_OK && p < q->soa.count; p++) {
+        const bool awake = w->dem.prepared.soa.capacity && q->vel[4 * p + 3] > 0.0;
+        if (gn_home_id(w, p) >= count)
+            status = gn_fail(error, GNEISS_ERROR_INPUT,
+                             "expected particles in the %zu elements of the mesh, found number %zu",
+                             count, gn_home_id(w, p));
+        else
+            element[p] = awake ? place[gn_home_id(w, p)] : -1;
+    }
+    if (status == GNEISS_OK) status = gn_ties_take(gn_coupled_solid(w), q, element, ties, error);
+    gn_free(place);
+    gn_free(element);
+    return status;
+}
+
+size_t gn_conversion_awake(const gn_world *w) {
+    size_t count = 0;
+    for (size_t p = 0; p < w->dem.particles.soa.count; p++)
+        count += w->dem.particles.vel[4 * p + 3] > 0.0;
+    return count;
+}
+
+size_t gn_conversion_elements(const gn_world *w) {
+    return gn_coupled_solid(w)->elements.soa.count;
+}
+
+gneiss_status gn_conversion_kinds(const gn_world *w, uint8_t *kind, gneiss_error *error) {
+    const gn_fem_solid *b = gn_coupled_solid(w);
+    uint8_t *driven = gn_alloc(b->nodes.soa.count + 1);
+    if (!driven) return no_memory(error);
+    gn_elements_driven(w->elements[0], driven);
+    gn_front_kinds(b, &w->scene.couple.convert, driven, kind);
+    gn_free(driven);
+    return GNEISS_OK;
+}
+
+/* --- waking --- */
+
+#define GN_PART_ROUNDING 1e-12
+
+/* With the motion of the element that it is in. */
+static void wake(const gn_conversion *c, size_t p) {
+    gn_particles *q = &c->world->dem.particles;
+    const gn_fem_solid *b = gn_coupled_solid(c->world);
+    gn_tie tie = gn_tie_at(b, gn_home_of(c, p), q->start + 4 * p);
+    const gn_ties one = {.corners = b->dimension + 1, .count = 1, .tie = &tie};
+    double g[4][3], u[3], v[3], curl[3] = {0.0};
+    gn_tie_travel(&one, 0, &b->nodes, u);
+    gn_tie_mean(&one, 0, b->nodes.vel, v);
+    gn_tie_gradients(&one, 0, &b->nodes, g);
+    for (int a = 0; a < one.corners; a++) {
+        double of[3];
+        gn_cross3(g[a], b->nodes.vel + 4 * (size_t)tie.node[a], of);
+        for (int k = 0; k < 3; k++) curl[k] += 0.5 * of[k];
+    }
+    for (size_t k = 0; k < (size_t)b->dimension; k++) {
+        q->pos[4 * p + k] = q->start[4 * p + k] + u[k];
+        q->vel[4 * p + k] = v[k];
+    }
+    for (size_t k = b->dimension == 3 ? 0 : 2; q->spin && k < 3; k++) q->spin[4 * p + k] = curl[k];
+}
+
+/* What part of the body a particle is now: 1 less what the elements have at its place. */
+static double part_at(const gn_conversion *c, size_t p) {
+    const gn_fem_solid *b = gn_coupled_solid(c->world);
+    const int32_t e = gn_home_of(c, p);
+    double part = 0.0;
+    if (e < 0 || c->kind[e] == GN_FRONT_LEAVING) return 1.0;
+    const gn_tie tie = gn_tie_at(b, e, c->world->dem.particles.start + 4 * p);
+    for (int a = 0; a <= b->dimension; a++)
+        part += tie.shape[a] * b->nodes.blend[2 * (size_t)tie.node[a]];
+    /* Of what lies on a side of an element rounding may say that it has some. */
+    return part > 1.0 - GN_PART_ROUNDING ? 0.0 : fmin(fmax(1.0 - part, 0.0), 1.0);
+}
+
+/* Awake is who has a part, and who is bonded to one that has: the ends of bonds have to be where
+ * they are. Masses have a part at least, so that none vanishes (coupling.c). */
+static void find_parts(gn_conversion *c) {
+    gn_world *w = c->world;
+    gn_particles *q = &w->dem.particles;
+    const gn_contacts *all = &w->dem.prepared;
+    memcpy(c->part, q->blend, 2 * q->soa.count * sizeof *c->part);
+    for (size_t p = 0; p < q->soa.count; p++) {
+        if (gn_home_of(c, p) < 0) continue;
+        q->blend[2 * p] = part_at(c, p);
+        q->blend[2 * p + 1] = q->blend[2 * p] > 0.0 ? 1.0 : c->part[2 * p + 1];
+    }
+    for (size_t b = 0; b < all->soa.count; b++) {
+        const size_t i = (size_t)all->i[b], j = (size_t)all->j[b];
+        if (!(q->blend[2 * i] + q->blend[2 * j] > 0.0)) continue;
+        q->blend[2 * i + 1] = q->blend[2 * j + 1] = 1.0;
+    }
+    for (size_t p = 0; p < q->soa.count; p++) {
+        if (gn_home_of(c, p) < 0 || !(q->blend[2 * p + 1] > 0.0)) continue;
+        const double least = fmin(q->pos[4 * p + 3] / w->scene.couple.convert.width, 1.0);
+        q->blend[2 * p + 1] = fmax(q->blend[2 * p], least);
+    }
+}
+
+static void wake_all(gn_conversion *c) {
+    gn_particles *q = &c->world->dem.particles;
+    for (size_t p = 0; p < q->soa.count; p++) {
+        const int32_t e = gn_home_of(c, p);
+        const double part = q->blend[2 * p + 1], before = c->part[2 * p + 1];
+        c->freed[p] = e >= 0 && c->kind[e] == GN_FRONT_LEAVING;
+        if (part == before) continue;
+        /* Intact bonds leave 0: its springs are others than at the last look at the step. */
+        q->marks[2 * p] = q->marks[2 * p + 1] = 1;
+        if (before > 0.0) {
+            q->vel[4 * p + 3] *= before / part;
+            if (q->spin) q->spin[4 * p + 3] *= before / part;
+            continue;
+        }
+        wake(c, p);
+        gn_sleeper *own = gn_sleeper_of(c->world, p);
+        q->vel[4 * p + 3] = own->mass / part;
+        if (q->spin) q->spin[4 * p + 3] = own->inertia / part;
+        own->mass = own->inertia = 0.0;
+    }
+}
+
+/* --- converting --- */
+
+static gneiss_status stuck_at(const gn_conversion *c, int64_t e, gneiss_error *error) {
+    const gn_world *w = c->world;
+    const gn_fem_solid *b = gn_coupled_solid(w);
+    const gn_scene_place where = w->scene.couple.convert.where;
+    double centre[3] = {0.0};
+    char at[GN_POINT_SIZE];
+    for (int a = 0; a <= b->dimension; a++)
+        for (size_t k = 0; k < 3; k++)
+            centre[k] += b->nodes.start[4 * (size_t)gn_elements_node(&b->elements, a)[e] + k] /
+                         (b->dimension + 1);
+    return gn_fail(error, GNEISS_ERROR_UNSTABLE,
+                   "%.400s:%d:%d: couple.convert: step %lld, t = %g s: particles would have to go "
+                   "on to element %d at %s m, which %s",
+                   w->scene.source, where.line, where.column, (long long)w->step, w->time,
+                   b->elements.id[e], gn_point_text(b->origin, centre, at),
+                   c->kind[e] == GN_FRONT_FIXED
+                       ? "is not in the box: a larger box, with a packing that fills it, lets them"
+                       : "has nodes of a motion or a load");
+}
+
+/* Lists anew, which must not take the conversion for particles that move fast. */
+static gneiss_status make_lists(gn_world *w, gneiss_error *error) {
+    enum { NEITHER_SHORT_NOR_LONG = 1000 };
+    gn_free(w->dem.bond_sums);
+    w->dem.bond_sums = NULL;
+    w->dem.verlet.last_step = w->step - NEITHER_SHORT_NOR_LONG;
+    GN_TRY(gn_world_rebuild(w, error));
+    gn_dem_step_changed(w); /* dashpots */
+    GN_TRY(gn_elements_converted(w->elements[0], error));
+    GN_TRY(gn_world_check_step(w, false, error));
+    return gn_world_check_lists(w, error);
+}
+
+static gneiss_status go(gn_conversion *c, gneiss_error *error) {
+    gn_world *w = c->world;
+    gn_fem_solid *b = gn_coupled_solid(w);
+    gn_tally before = gn_conversion_tally(w);
+    int64_t stuck;
+    GN_TRY(gn_front_advance(b, w->scene.couple.convert.width, c->kind, &stuck, error));
+    if (stuck >= 0) return stuck_at(c, stuck, error);
+    find_parts(c);
+    wake_all(c);
+    GN_TRY(gn_conversion_take_bonds(c, error));
+    for (size_t e = 0; e < b->elements.soa.count; e++) c->kind[e] = c->kind[e] != GN_FRONT_LEAVING;
+    GN_TRY(gn_fem_keep(b, c->kind, error));
+    GN_TRY(gn_coupled_again(w, error));
+    GN_TRY(gn_conversion_keep(c, &before, error));
+    GN_TRY(make_lists(w, error));
+    w->energy.conversion += before.energy - gn_conversion_tally(w).energy;
+    return GNEISS_OK;
+}
+
+gneiss_status gn_conversion_convert(gn_world *w, uint8_t *kind, gneiss_error *error) {
+    const size_t n = w->dem.particles.soa.count + 1;
+    size_t count;
+    gn_conversion c = {w, kind, gn_fem_places(gn_coupled_solid(w), &count),
+                       gn_alloc_array(n, 2 * sizeof *c.part), gn_alloc(n)};
+    gneiss_status status = c.place && c.part && c.freed ? go(&c, error) : no_memory(error);
+    gn_free(c.place);
+    gn_free(c.part);
+    gn_free(c.freed);
+    return status;
+}
+
+/* --- what converts --- */
+
+/* [elements] how far each is beyond the limits; 0: not at all. */
+static gneiss_status find_excess(const gn_world *w, double *excess, gneiss_error *error) {
+    const gn_fem_solid *b = gn_coupled_solid(w);
+    const gn_convert_def *def = &w->scene.couple.convert;
+    const size_t elements = b->elements.soa.count, nodes = b->nodes.soa.count;
+    double(*stress)[6] = gn_alloc_array(elements + nodes + 1, sizeof *stress);
+    if (!stress) return no_memory(error);
+    double(*nodal)[6] = stress + elements;
+    gn_fem_element_stress(b, stress);
+    gneiss_status status = GNEISS_OK;
+    if (def->by == GN_CONVERT_NODES)
+        status = gn_fem_nodal_stress(b, (const double(*)[6])stress, nodal, error);
+    for (size_t e = 0; status == GNEISS_OK && e < elements; e++) {
+        double mean[6] = {0.0};
+        for (int a = 0; a <= b->dimension && def->by == GN_CONVERT_NODES; a++)
+            for (int k = 0; k < 6; k++)
+                mean[k] += nodal[gn_elements_node(&b->elements, a)[e]][k] / (b->dimension + 1);
+        excess[e] = gn_front_excess(def, def->by == GN_CONVERT_NODES ? mean : stress[e]);
+    }
+    gn_free(stress);
+    return status;
+}
+
+/* Bonds that break where elements hold on: these go. */
+static void mark_broken(const gn_world *w, const int32_t *place, uint8_t *kind) {
+    const gn_contacts *bonds = &w->dem.bonds;
+    for (size_t c = 0; c < bonds->soa.count; c++) {
+        if (!gn_broken(bonds->cause[c])) continue;
+        for (int end = 0; end < 2; end++) {
+            const int32_t p = end ? bonds->j[c] : bonds->i[c], e = place[gn_home_id(w, (size_t)p)];
+            if (e >= 0 && kind[e] == GN_FRONT_READY) kind[e] = GN_FRONT_LEAVING;
+        }
+    }
+}
+
+/* Those beyond the limits, the farthest first, up to the share that one look converts. Few looks
+ * find any, and then few. */
+static void mark_stressed(const gn_convert_def *def, size_t count, const double *excess,
+                          uint8_t *kind) {
+    size_t ready = 0, marked = 0;
+    for (size_t e = 0; e < count; e++) ready += kind[e] == GN_FRONT_READY;
+    const double most = fmax(1.0, def->most * (double)ready);
+    for (; (double)marked + 1.0 <= most; marked++) {
+        size_t first = count;
+        for (size_t e = 0; e < count; e++)
+            if (kind[e] == GN_FRONT_READY && excess[e] >= 1.0 &&
+                (first == count || excess[e] > excess[first]))
+                first = e;
+        if (first == count) return;
+        kind[first] = GN_FRONT_LEAVING;
+    }
+}
+
+/* Whether an element is beyond a limit, or a bond broke where elements hold on: mostly not. */
+static bool is_due(const gn_world *w, const double *excess) {
+    const gn_contacts *bonds = &w->dem.bonds;
+    const double *part = w->dem.particles.blend;
+    bool due = false;
+    for (size_t e = 0; e < gn_conversion_elements(w); e++) due = due || excess[e] >= 1.0;
+    for (size_t c = 0; c < bonds->soa.count && !due; c++)
+        due = gn_broken(bonds->cause[c]) &&
+              (part[2 * (size_t)bonds->i[c]] < 1.0 || part[2 * (size_t)bonds->j[c]] < 1.0);
+    return due;
+}
+
+static gneiss_status act(gn_world *w, const double *excess, uint8_t *kind, gneiss_error *error) {
+    const size_t elements = gn_conversion_elements(w);
+    size_t count;
+    bool any = false;
+    GN_TRY(gn_conversion_kinds(w, kind, error));
+    int32_t *place = gn_fem_places(gn_coupled_solid(w), &count);
+    if (!place) return no_memory(error);
+    mark_stressed(&w->scene.couple.convert, elements, excess, kind);
+    mark_broken(w, place, kind);
+    gn_free(place);
+    for (size_t e = 0; e < elements; e++) any = any || kind[e] == GN_FRONT_LEAVING;
+    return any ? gn_conversion_convert(w, kind, error) : GNEISS_OK;
+}
+
+static gneiss_status look(gn_world *w, gneiss_error *error) {
+    const size_t elements = gn_conversion_elements(w);
+    uint8_t *kind = gn_alloc(elements + 1);
+    double *excess = gn_alloc_array(elements + 1, sizeof *excess);
+    gneiss_status status = kind && excess ? find_excess(w, excess, error) : no_memory(error);
+    if (status == GNEISS_OK && is_due(w, excess)) status = act(w, excess, kind, error);
+    gn_free(kind);
+    gn_free(excess);
+    return status;
+}
+
+/* What books itself on the way. */
+static double other_seconds(const gn_world *w) {
+    return w->seconds[GN_PHASE_lists] + w->seconds[GN_PHASE_step_limit];
+}
+
+gneiss_status gn_conversion_look(gn_world *w, gneiss_error *error) {
+    if (w->step == 0 || w->step % w->scene.couple.convert.every != 0) return GNEISS_OK;
+    const double start = gn_now(), others = other_seconds(w);
+    gneiss_status status = look(w, error);
+    w->seconds[GN_PHASE_conversion] += gn_now() - start - (other_seconds(w) - others);
+    return status;
+}

@@ -1,0 +1,46 @@
+/* Elements that turn into particles while a run goes on. The body is packed at the start: its
+ * particles are asleep, without mass, contacts and blocks to work on, and follow nothing; the bonds
+ * of all of them are formed and put by. Where stresses are high (couple/front.h) elements go, the
+ * particles in them wake, with the displacements, velocities and half the curl of what they were
+ * in, and so do those of a new zone between both, in which particles follow nodes as in any other
+ * zone (coupling.h). */
+#ifndef GN_SIM_CONVERSION_H
+#define GN_SIM_CONVERSION_H
+
+#include "couple/ties.h"
+#include "sim/world.h"
+
+static inline bool gn_converts(const gn_world *w) {
+    return w->scene.has_couple && w->scene.couple.has_convert;
+}
+static inline gn_sleeper *gn_sleeper_of(const gn_world *w, size_t p) {
+    return &w->dem.sleeper[w->dem.particles.id[p]];
+}
+static inline bool gn_is_asleep(const gn_world *w, size_t p) {
+    return w->dem.sleeper && gn_sleeper_of(w, p)->mass > 0.0;
+}
+static inline size_t gn_home_id(const gn_world *w, size_t p) {
+    return (size_t)gn_sleeper_of(w, p)->home;
+}
+
+/* Before bonds are formed: which element each particle is in. */
+gneiss_status gn_conversion_prepare(gn_world *world, gneiss_error *error);
+/* Puts the bonds by and the particles to sleep. */
+gneiss_status gn_conversion_lay_down(gn_world *world, gneiss_error *error);
+/* Marks the blocks of particles that all sleep, when lists are made. */
+gneiss_status gn_conversion_find_still(gn_world *world, gneiss_error *error);
+/* Of the particles that are awake in elements that are there. */
+gneiss_status gn_conversion_ties(const gn_world *world, gn_ties *ties, gneiss_error *error);
+
+/* Between two steps: every so many of them looks at the stresses, and converts. */
+gneiss_status gn_conversion_look(gn_world *world, gneiss_error *error);
+/* Converts what is marked as GN_FRONT_LEAVING, and what goes with it. `kind` [elements]: as
+ * gn_conversion_kinds has it, and changed. */
+gneiss_status gn_conversion_kinds(const gn_world *world, uint8_t *kind, gneiss_error *error);
+gneiss_status gn_conversion_convert(gn_world *world, uint8_t *kind, gneiss_error *error);
+
+/* Particles that are awake; elements that are there. */
+size_t gn_conversion_awake(const gn_world *world);
+size_t gn_conversion_elements(const gn_world *world);
+
+#endif

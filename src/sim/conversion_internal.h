@@ -1,0 +1,42 @@
+/* What the files of the conversion share. */
+#ifndef GN_SIM_CONVERSION_INTERNAL_H
+#define GN_SIM_CONVERSION_INTERNAL_H
+
+#include "sim/conversion.h"
+#include "sim/coupling_internal.h"
+
+/* What is kept of the state while elements convert. */
+typedef struct gn_conversion {
+    gn_world *world;
+    uint8_t *kind;  /* [elements before] gn_front_kind */
+    int32_t *place; /* [elements of the mesh] before; -1: gone already */
+    double *part;   /* [particles][2] weights before, 0 of who slept */
+    uint8_t *freed; /* [particles] moves by itself from now on */
+} gn_conversion;
+
+/* The element, by place before, that a particle is in; -1: gone already. */
+static inline int32_t gn_home_of(const gn_conversion *c, size_t p) {
+    return c->place[gn_home_id(c->world, p)];
+}
+
+/* Contacts (conversion_bonds.c): those that there are get their new part; bonds of who has woken
+ * are added, with the forces that the strain of the elements makes. Before elements go. */
+gneiss_status gn_conversion_take_bonds(const gn_conversion *c, gneiss_error *error);
+
+/* m/s: at which the ends of a contact part where they meet, along and across n. */
+void gn_contact_rate(const gn_world *world, int32_t i, int32_t j, double length, const double n[3],
+                     double rate[3]);
+
+/* Masses (conversion_masses.c). What the model has, nodes and free particles. */
+typedef struct gn_tally {
+    double mass, moment[3], momentum[3]; /* kg, kg m, kg m/s */
+    double energy;                       /* J, kinetic and elastic */
+} gn_tally;
+gn_tally gn_conversion_tally(const gn_world *world);
+/* Scales the masses of who has another weight than before, by a linear function of the place, so
+ * that mass and centre of mass are those of `before`; then gives those that were freed a velocity
+ * so that momentum is. */
+gneiss_status gn_conversion_keep(const gn_conversion *c, const gn_tally *before,
+                                 gneiss_error *error);
+
+#endif

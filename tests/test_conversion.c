@@ -1,0 +1,636 @@
+/* Finite elements that turn into particles while the run goes on. */
+#include "couple/front.h"
+#include "run/run.h"
+#include "sim/conversion.h"
+#include "sim/coupling.h"
+#include "sim/exchange.h"
+#include "world_helpers.h"
+
+#include <unistd.h>
+
+/* A block of elements of 2 mm, and a square lattice (3D: cubic) of spacing 1 mm in all of it, with
+ * k_n = k_t: along its axes and across them it has the moduli M = k_n and G = M/2 of the elements,
+ * nu = 0. */
+typedef struct block {
+    int cells[3]; /* of elements */
+    bool space;
+    const char *convert; /* keys of it besides box and width */
+    const char *box;     /* NULL: all */
+    const char *elements, *rest;
+} block;
+
+static const double modulus = 24e9, density = 7800.0, spacing = 1e-3, width = 6e-3;
+
+static text *text_of(const block *s) {
+    text *t = calloc(1, sizeof *t);
+    const double solid = s->space ? pi / 6.0 : pi / 4.0;
+    char cells[64], count[64], size[96];
+    snprintf(cells, sizeof cells, s->space ? "%d, %d, %d" : "%d, %d", s->cells[0], s->cells[1],
+             s->cells[2]);
+    snprintf(count, sizeof count, s->space ? "%d, %d, %d" : "%d, %d", 2 * s->cells[0],
+             2 * s->cells[1], 2 * s->cells[2]);
+    snprintf(size, sizeof size, s->space ? "%d mm, %d mm, %d mm" : "%d mm, %d mm", 2 * s->cells[0],
+             2 * s->cells[1], 2 * s->cells[2]);
+    add(t, "dimension: %d\n", s->space ? 3 : 2);
+    add(t, "specimen: {group: 1, lattice: {kind: %s, radius: 0.5 mm, cells: [%s]}}\n",
+        s->space ? "cubic" : "square", count);
+    add(t,
+        "materials: [{name: m, density: %.17g, normal_stiffness: %g, kratio: 1, friction: 0.2, "
+        "bond_tension_limit: 1e15, bond_shear_limit: 1e15}]\n"
+        "law: {stiffness: uniform}\nbonds: {interaction_range: 0.01}\n",
+        density / solid, s->space ? modulus * spacing : modulus);
+    add(t,
+        "elements: {%s: {size: [%s], cells: [%s]}, materials: [{young: %g, poisson: 0, density: "
+        "%g}]%s}\n",
+        s->space ? "box" : "rectangle", size, cells, modulus, density,
+        s->elements ? s->elements : "");
+    add(t, "couple: {convert: {box: %s, width: %g, %s}}\ntime: {end: 1}\n%s",
+        s->box     ? s->box
+        : s->space ? "{min: [-1, -1, -1], max: [1, 1, 1]}"
+                   : "{min: [-1, -1], max: [1, 1]}",
+        width, s->convert ? s->convert : "stress: 1e30", s->rest ? s->rest : "run: {threads: 1}\n");
+    return t;
+}
+
+static gn_world *block_of(const block *s) {
+    text *t = text_of(s);
+    gn_world *w = world_of("%s", t->s);
+    free(t);
+    return w;
+}
+
+static const block plate = {.cells = {15, 8, 0}};
+static const block cube = {.cells = {10, 4, 4}, .space = true};
+
+/* --- fields, and conversions by hand --- */
+
+typedef void field(const double *x, const void *of, double u[3], double v[3]);
+
+static void set_field(gn_particles *q, field *at, const void *of) {
+    for (size_t p = 0; p < q->soa.count; p++) {
+        double u[3] = {0}, v[3] = {0};
+        if (!(q->vel[4 * p + 3] > 0.0)) continue;
+        at(q->start + 4 * p, of, u, v);
+        for (size_t k = 0; k < 3; k++) {
+            q->pos[4 * p + k] = q->start[4 * p + k] + u[k];
+            q->vel[4 * p + k] = v[k];
+        }
+    }
+}
+
+/* Of what is there: elements, as long as all particles sleep. */
+static void set_elements(gn_world *w, field *at, const void *of) {
+    set_field(&w->elements[0]->solid.nodes, at, of);
+    gn_fem_moved(&w->elements[0]->solid);
+    gn_fem_to_single(&w->elements[0]->solid);
+}
+
+/* Converts the elements of which all nodes start between two corners. */
+static gneiss_status convert_box(gn_world *w, const double low[3], const double high[3],
+                                 gneiss_error *error) {
+    const gn_fem_solid *b = &w->elements[0]->solid;
+    uint8_t *kind = calloc(b->elements.soa.count + 1, 1);
+    gneiss_status status = gn_conversion_kinds(w, kind, error);
+    for (size_t e = 0; e < b->elements.soa.count; e++) {
+        bool in = kind[e] == GN_FRONT_READY;
+        for (int a = 0; a <= b->dimension; a++)
+            for (int k = 0; k < b->dimension; k++) {
+                double x =
+                    b->nodes.start[4 * (size_t)gn_elements_node(&b->elements, a)[e] + (size_t)k];
+                in = in && x >= low[k] - 1e-9 && x <= high[k] + 1e-9;
+            }
+        if (in) kind[e] = GN_FRONT_LEAVING;
+    }
+    if (status == GNEISS_OK) status = gn_conversion_convert(w, kind, error);
+    free(kind);
+    return status;
+}
+
+static void convert(gn_world *w, double from, double to, double low, double high) {
+    gneiss_error error = {0};
+    const double a[3] = {from, low, 0.0}, b[3] = {to, high, 1.0};
+    if (convert_box(w, a, b, &error) != GNEISS_OK) fail_msg("%s", error.message);
+}
+
+static bool is_awake(const gn_world *w, size_t p) {
+    return w->dem.particles.vel[4 * p + 3] > 0.0;
+}
+
+static bool is_tied(const gn_world *w, size_t p) {
+    return gn_coupled_has(w->exchange[0].context, w->dem.particles.id[p]);
+}
+
+/* Mass, its first moment, momenta about the origin, moments of inertia about the axis z. */
+typedef struct whole {
+    double mass, moment[3], momentum[3], turning[3], inertia, energy;
+} whole;
+
+static void add_points(const gn_world *w, const gn_particles *q, bool particles, whole *s) {
+    for (size_t p = 0; p < q->soa.count; p++) {
+        const double *x = q->pos + 4 * p, *v = q->vel + 4 * p;
+        if (!(v[3] > 0.0)) continue;
+        const double m = particles && is_tied(w, p) ? 0.0 : 1.0 / v[3];
+        s->mass += m;
+        s->inertia += m * (x[0] * x[0] + x[1] * x[1]);
+        s->energy += 0.5 * m * gn_dot3(v, v);
+        for (int a = 0; a < 3; a++) {
+            int c = (a + 1) % 3, d = (a + 2) % 3;
+            s->moment[a] += m * x[a];
+            s->momentum[a] += m * v[a];
+            s->turning[a] += m * (x[c] * v[d] - x[d] * v[c]);
+        }
+        if (!q->spin) continue;
+        const double *o = q->spin + 4 * p;
+        s->inertia += 1.0 / o[3];
+        s->energy += 0.5 * gn_dot3(o, o) / o[3];
+        for (int a = 0; a < 3; a++) s->turning[a] += o[a] / o[3];
+    }
+}
+
+static whole whole_of(const gn_world *w) {
+    whole s = {0};
+    add_points(w, &w->dem.particles, true, &s);
+    add_points(w, &w->elements[0]->solid.nodes, false, &s);
+    return s;
+}
+
+/* --- rigid motion --- */
+
+static const double turned[4] = {2e-3, -1e-3, 0.7, 50.0}; /* shift x y, angle, spin */
+
+static void move_rigidly(const double *x, const void *of, double u[3], double v[3]) {
+    const double *how = of, c = cos(how[2]) - 1.0, s = sin(how[2]);
+    u[0] = how[0] + c * x[0] - s * x[1];
+    u[1] = how[1] + s * x[0] + c * x[1];
+    v[0] = 3.0 - how[3] * (x[1] + u[1]);
+    v[1] = -2.0 + how[3] * (x[0] + u[0]);
+}
+
+static void assert_rigid(const gn_world *w) {
+    const gn_particles *q = &w->dem.particles;
+    size_t free = 0, tied = 0;
+    for (size_t p = 0; p < q->soa.count; p++) {
+        double u[3] = {0}, v[3] = {0};
+        if (!is_awake(w, p)) continue;
+        move_rigidly(q->start + 4 * p, turned, u, v);
+        *(is_tied(w, p) ? &tied : &free) += 1;
+        for (size_t a = 0; a < 3; a++) {
+            assert_near(q->pos[4 * p + a], q->start[4 * p + a] + u[a], 1e-16);
+            assert_near(q->vel[4 * p + a], v[a], 1e-12 * 3.0);
+            if (q->spin) assert_near(q->spin[4 * p + a], a == 2 ? turned[3] : 0.0, 1e-12 * 50.0);
+        }
+    }
+    assert_true(free > 0 && tied > 0);
+}
+
+/* Rounding of places of some cm, over which stiffnesses act. */
+static void assert_no_force(const gn_world *w) {
+    const gn_contacts *lists[] = {&w->dem.bonds, &w->dem.pairs};
+    const double rounding = 64.0 * 2.2e-16 * 0.04;
+    for (int l = 0; l < 2; l++)
+        for (size_t c = 0; c < lists[l]->soa.count; c++) {
+            const gn_contacts *k = lists[l];
+            double d[3], shear[3];
+            double length = sqrt(gn_branch(w, w->dem.particles.pos + 4 * k->i[c],
+                                           w->dem.particles.pos + 4 * k->j[c], d));
+            if (k->length0) assert_near(length, k->length0[c], rounding);
+            if (k->shear) assert_near(shear_of(k, c, shear), 0.0, k->kn[c] * rounding);
+        }
+}
+
+static void convert_moving(const block *s) {
+    gn_world *w = block_of(s);
+    set_elements(w, move_rigidly, turned);
+    const whole before = whole_of(w);
+    convert(w, 8e-3, 12e-3, 0.0, 1.0);
+    const whole after = whole_of(w);
+    assert_rigid(w);
+    assert_no_force(w);
+    assert_near(after.mass, before.mass, 1e-12 * before.mass);
+    for (int a = 0; a < 3; a++) {
+        assert_near(after.moment[a], before.moment[a], 1e-12 * before.mass * 0.04);
+        assert_near(after.momentum[a], before.momentum[a], 1e-12 * before.mass * 5.0);
+    }
+    /* Of a rigid motion by v0 and w the angular momentum is x0 x v0 m + w I about the origin. */
+    assert_near(after.turning[2] - before.turning[2], turned[3] * (after.inertia - before.inertia),
+                1e-11 * before.mass * 0.04 * 5.0);
+    const double more = 0.5 * turned[3] * turned[3] * (after.inertia - before.inertia);
+    assert_near(after.energy - before.energy, more, 1e-11 * before.energy);
+    assert_near(w->energy.conversion, -more, 1e-11 * before.energy);
+    world_end(w);
+}
+
+static void a_block_that_moves_and_turns_becomes_particles_that_do(void **state) {
+    (void)state;
+    convert_moving(&plate);
+    convert_moving(&cube);
+}
+
+static void a_block_at_rest_becomes_particles_at_rest(void **state) {
+    (void)state;
+    gn_world *w = block_of(&plate);
+    convert(w, 8e-3, 12e-3, 0.0, 1.0);
+    run_steps(w, 100);
+    const gn_particles *all[] = {&w->dem.particles, &w->elements[0]->solid.nodes};
+    for (int k = 0; k < 2; k++)
+        for (size_t p = 0; p < all[k]->soa.count; p++)
+            for (size_t a = 0; a < 3; a++) {
+                assert_near(all[k]->pos[4 * p + a], all[k]->start[4 * p + a], 1e-15);
+                assert_near(all[k]->vel[4 * p + a], 0.0, 1e-9);
+            }
+    world_end(w);
+}
+
+/* --- strain --- */
+
+static void strain(const double *x, const void *of, double u[3], double v[3]) {
+    const double *gradient = of;
+    (void)v;
+    for (int a = 0; a < 3; a++)
+        for (int b = 0; b < 3; b++) u[a] += gradient[3 * a + b] * x[b];
+}
+
+/* Each bond carries the stress of the elements over the section of a lattice plane, up to the
+ * square of the strain and the rounding of places, and has its share of it. */
+static void assert_strained(const gn_world *w, const double gradient[9], double size) {
+    const gn_contacts *k = &w->dem.bonds;
+    const double section = w->scene.dimension == 3 ? spacing * spacing : spacing;
+    size_t free = 0;
+    for (size_t c = 0; c < k->soa.count; c++) {
+        const double *a = w->dem.particles.pos + 4 * k->i[c],
+                     *b = w->dem.particles.pos + 4 * k->j[c];
+        double d[3], shear[3], length = sqrt(gn_branch(w, a, b, d));
+        const double part =
+            0.5 * (w->dem.particles.blend[2 * k->i[c]] + w->dem.particles.blend[2 * k->j[c]]);
+        shear_of(k, c, shear);
+        free += part == 1.0;
+        for (int r = 0; r < 3; r++) {
+            double stress = 0.0,
+                   force = k->kn[c] * (length - k->length0[c]) * d[r] / length + shear[r];
+            for (int m = 0; m < 3; m++)
+                stress +=
+                    modulus * 0.5 * (gradient[3 * r + m] + gradient[3 * m + r]) * d[m] / length;
+            assert_near(force / (part * modulus * section), stress / modulus,
+                        4.0 * size * size + 64.0 * 2.2e-16 * 0.03 / spacing);
+        }
+    }
+    assert_true(free > 0);
+}
+
+static void a_strained_block_becomes_particles_under_its_stress(void **state) {
+    (void)state;
+    const double gradients[3][9] = {{1e-6, 0, 0, 0, -2e-6, 0, 0, 0, 0},
+                                    {0, 2e-6, 0, 0, 0, 0, 0, 0, 0}, /* shears and turns */
+                                    {1e-6, 3e-6, 0, -1e-6, 2e-6, 0, 0, 0, 0}};
+    for (int k = 0; k < 6; k++) {
+        gn_world *w = block_of(k / 3 ? &cube : &plate);
+        set_elements(w, strain, gradients[k % 3]);
+        convert(w, 8e-3, 12e-3, 0.0, 1.0);
+        assert_strained(w, gradients[k % 3], 4e-6);
+        world_end(w);
+    }
+}
+
+/* What waits in a zone is weighted anew as the front goes on: in the end it carries all. */
+static void a_zone_that_is_passed_carries_all_of_the_stress(void **state) {
+    (void)state;
+    const double gradient[9] = {1e-6, 2e-6, 0, 0, 2e-6, 0, 0, 0, 0};
+    gn_world *w = block_of(&plate);
+    set_elements(w, strain, gradient);
+    for (int k = 4; k < 8; k++) {
+        convert(w, 2e-3 * k, 2e-3 * k + 2e-3, 0.0, 1.0);
+        assert_strained(w, gradient, 4e-6);
+    }
+    world_end(w);
+}
+
+/* --- what is kept while it moves --- */
+
+static void stir(const double *x, const void *of, double u[3], double v[3]) {
+    const double *space = of;
+    (void)u;
+    v[0] = 2e-3 * sin(900.0 * x[1] + 300.0 * x[0]);
+    v[1] = 3e-3 * cos(700.0 * x[0]);
+    v[2] = *space * 2e-3 * sin(500.0 * x[0] + 800.0 * x[1]);
+}
+
+/* Linear momentum to rounding at all times; energy that conversions book, up to what a step's
+ * halves do at each. */
+static void converting_keeps_momentum_and_books_energy(void **state) {
+    (void)state;
+    for (int space = 0; space < 2; space++) {
+        const double depth = space;
+        gn_world *w = block_of(space ? &cube : &plate);
+        set_elements(w, stir, &depth);
+        measured_step(w);
+        const whole before = whole_of(w);
+        double worst = 0.0;
+        for (int k = 0; k < 4; k++) {
+            run_steps(w, 50);
+            convert(w, (6 + 2 * k) * 1e-3, (8 + 2 * k) * 1e-3, 0.0, 1.0);
+            for (int m = 0; m < 20; m++) {
+                gn_energy e = measured_step(w);
+                worst = fmax(worst, fabs(gn_energy_residual(&e)));
+            }
+        }
+        const whole after = whole_of(w);
+        assert_near(after.mass, before.mass, 1e-12 * before.mass);
+        for (int a = 0; a < 3; a++)
+            assert_near(after.momentum[a], before.momentum[a], 1e-12 * before.mass * 5e-3);
+        assert_true(worst < 1e-5);
+        world_end(w);
+    }
+}
+
+/* --- where --- */
+
+static bool any_element_between(const gn_world *w, double from, double to) {
+    const gn_fem_solid *b = &w->elements[0]->solid;
+    bool found = false;
+    for (size_t e = 0; e < b->elements.soa.count; e++) {
+        double centre = 0.0;
+        for (int a = 0; a <= b->dimension; a++)
+            centre += b->nodes.start[4 * (size_t)gn_elements_node(&b->elements, a)[e]] /
+                      (b->dimension + 1);
+        found = found || (centre > from && centre < to);
+    }
+    return found;
+}
+
+/* Twice the width of a zone is too little between two of them: what is there goes too. */
+static void two_places_that_meet_leave_nothing_between_them(void **state) {
+    (void)state;
+    gn_world *w = block_of(&plate);
+    convert(w, 4e-3, 8e-3, 0.0, 1.0);
+    assert_true(any_element_between(w, 8e-3, 30e-3));
+    convert(w, 16e-3, 20e-3, 0.0, 1.0);
+    assert_false(any_element_between(w, 4e-3, 20e-3));
+    assert_true(any_element_between(w, 20e-3, 30e-3));
+    run_steps(w, 100);
+    world_end(w);
+}
+
+/* At the end of the block what is thinner than a zone goes too. */
+static void a_remnant_thinner_than_a_zone_goes_too(void **state) {
+    (void)state;
+    gn_world *w = block_of(&plate);
+    convert(w, 4e-3, 8e-3, 0.0, 1.0);
+    assert_false(any_element_between(w, 0.0, 8e-3));
+    assert_true(any_element_between(w, 8e-3, 30e-3));
+    world_end(w);
+}
+
+/* A corner, and in the middle of an edge: elements on all other sides. */
+static void a_corner_and_an_edge_convert(void **state) {
+    (void)state;
+    for (int k = 0; k < 4; k++) {
+        const double from = k % 2 ? 14e-3 : 0.0;
+        gn_world *w = block_of(k / 2 ? &cube : &plate);
+        size_t elements = gn_conversion_elements(w);
+        if (k / 2)
+            from > 0.0 ? convert(w, 8e-3, 12e-3, 0.0, 2e-3) : convert(w, 0.0, 2e-3, 0.0, 2e-3);
+        else
+            convert(w, from, from + 2e-3, 0.0, 2e-3);
+        assert_true(gn_conversion_elements(w) < elements);
+        assert_true(gn_conversion_elements(w) > 0);
+        assert_true(gn_conversion_awake(w) > 0);
+        run_steps(w, 100);
+        gn_energy e = measured_step(w);
+        assert_near(gn_energy_stored(&e), 0.0, 1e-15);
+        world_end(w);
+    }
+}
+
+static void all_of_a_body_can_convert(void **state) {
+    (void)state;
+    const double depth = 0.0;
+    gn_world *w = block_of(&plate);
+    set_elements(w, stir, &depth);
+    measured_step(w);
+    const whole before = whole_of(w);
+    convert(w, 0.0, 30e-3, 0.0, 1.0);
+    assert_int_equal(gn_conversion_elements(w), 0);
+    assert_int_equal(gn_conversion_awake(w), 30 * 16);
+    run_steps(w, 200);
+    const whole after = whole_of(w);
+    gn_energy e = measured_step(w);
+    assert_true(fabs(gn_energy_residual(&e)) < 1e-5);
+    for (int a = 0; a < 3; a++)
+        assert_near(after.momentum[a], before.momentum[a], 1e-12 * before.mass * 5e-3);
+    world_end(w);
+}
+
+/* --- by themselves --- */
+
+static const char *const ends =
+    ", motions: [{name: left, box: {min: [-1 mm, -1], max: [0.1 mm, 1]}, motion: {vx: 0}}, "
+    "{name: right, box: {min: [29.9 mm, -1], max: [31 mm, 1]}, motion: {vx: %g}}]";
+
+static block pulled(char *elements, size_t size, double speed) {
+    block s = plate;
+    snprintf(elements, size, ends, speed);
+    s.elements = elements;
+    return s;
+}
+
+static void part_ways(const double *x, const void *of, double u[3], double v[3]) {
+    (void)u;
+    v[0] = x[0] > 0.014 ? *(const double *)of : -*(const double *)of;
+}
+
+/* Two halves that move apart at v each pull with rho c v at each other. */
+static void elements_convert_where_their_stress_is_beyond_the_limit(void **state) {
+    (void)state;
+    const double speed = 0.01, wave = sqrt(density * modulus) * speed;
+    for (int reached = 0; reached < 2; reached++) {
+        char limit[96];
+        block s = {.cells = {30, 8, 0}, .convert = limit};
+        snprintf(limit, sizeof limit, "every: 2, stress: %g", wave * (reached ? 0.8 : 3.0));
+        gn_world *w = block_of(&s);
+        set_elements(w, part_ways, &speed);
+        while (w->time < 6e-3 / sqrt(modulus / density)) run_steps(w, 1);
+        assert_int_equal(gn_conversion_elements(w) < 2 * 30 * 8, reached);
+        assert_int_equal(gn_conversion_awake(w) > 0, reached);
+        if (reached) assert_false(any_element_between(w, 14e-3, 16e-3));
+        assert_true(any_element_between(w, 30e-3, 60e-3));
+        world_end(w);
+    }
+}
+
+static void limits_are_those_of_principal_stress_and_of_coulomb(void **state) {
+    (void)state;
+    gn_convert_def def = {.stress = 2e6};
+    const double weak[6] = {1e6, 0, -1e6, 0, 0, 0}, pull[6] = {1e6, -5e6, 0, 0, 0, 0},
+                 shear[6] = {0, 0, 0, 3e6, 0, 0}, press[6] = {-1e6, -9e6, -1e6, 0, 0, 0};
+    assert_near(gn_front_excess(&def, weak), 0.0, 0.0);
+    assert_near(gn_front_excess(&def, pull), 0.5, 1e-12);
+    assert_near(gn_front_excess(&def, shear), 1.5, 1e-12);
+    assert_near(gn_front_excess(&def, press), -0.5, 1e-12);
+    /* tan(phi) = 3/4: sin = 0.6, cos = 0.8. Half the difference 4, the mean -5 MPa. */
+    def = (gn_convert_def){.has_mohr = true, .cohesion = 1e6, .friction = 0.75};
+    assert_near(gn_front_excess(&def, press), (4.0 - 5.0 * 0.6) / 0.8, 1e-12);
+    assert_near(gn_front_excess(&def, shear), 3.0 / 0.8, 1e-12);
+}
+
+static void a_bond_that_breaks_in_a_zone_converts_its_elements(void **state) {
+    (void)state;
+    block s = plate;
+    s.convert = "every: 10, stress: 1e30";
+    gn_world *w = block_of(&s);
+    convert(w, 2e-3, 4e-3, 0.0, 1.0);
+    size_t elements = gn_conversion_elements(w);
+    for (size_t c = 0; c < w->dem.bonds.soa.count; c++) {
+        const size_t i = (size_t)w->dem.bonds.i[c];
+        if (!is_tied(w, i) || w->dem.particles.blend[2 * i] < 0.3) continue;
+        w->dem.bonds.cause[c] = GN_BROKEN_TENSION;
+        w->dem.bonds.rn[c] = -w->dem.bonds.rn[c];
+        break;
+    }
+    run_steps(w, 11);
+    assert_true(gn_conversion_elements(w) < elements);
+    assert_int_equal(gn_coupled_broken(w), 0);
+    world_end(w);
+}
+
+/* --- stops --- */
+
+static void where_no_packing_is_ready_conversion_stops(void **state) {
+    (void)state;
+    block s = plate;
+    gneiss_error error = {0};
+    const double low[3] = {12e-3, 0.0, 0.0}, high[3] = {18e-3, 1.0, 0.0};
+    s.box = "{min: [7 mm, -1], max: [23 mm, 1]}";
+    gn_world *w = block_of(&s);
+    assert_int_equal(convert_box(w, low, high, &error), GNEISS_ERROR_UNSTABLE);
+    assert_non_null(strstr(error.message, "is not in the box"));
+    assert_non_null(strstr(error.message, "couple.convert: step 0"));
+    world_end(w);
+}
+
+static void what_is_driven_does_not_convert(void **state) {
+    (void)state;
+    char elements[512];
+    block s = pulled(elements, sizeof elements, 0.0);
+    gneiss_error error = {0};
+    const double low[3] = {2e-3, 0.0, 0.0}, high[3] = {6e-3, 1.0, 0.0};
+    gn_world *w = block_of(&s);
+    assert_int_equal(convert_box(w, low, high, &error), GNEISS_ERROR_UNSTABLE);
+    assert_non_null(strstr(error.message, "has nodes of a motion or a load"));
+    world_end(w);
+}
+
+/* --- the same bits --- */
+
+static gn_run *busy_run(bool space, int threads, const char *precision) {
+    char rest[512];
+    block s = {.cells = {space ? 24 : 30, space ? 2 : 4, space ? 2 : 0}, .space = space};
+    gn_run *run = calloc(1, sizeof *run);
+    gneiss_error error = {0};
+    gn_scene scene;
+    snprintf(rest, sizeof rest,
+             "damping: {contact: {restitution: 0.8}, background: {model: nonviscous_component, "
+             "coefficient: 0.1}}\ngravity: [0, -9.81%s]\nrun: {threads: %d, precision: %s}\n",
+             space ? ", 0" : "", threads, precision);
+    s.rest = rest;
+    s.convert = "every: 40, most: 0.05, stress: 3 kPa, by: nodes";
+    text *t = text_of(&s);
+    if (gn_scene_parse(t->s, "s.yaml", NULL, NULL, 0, &scene, &error) != GNEISS_OK ||
+        gn_run_create(&scene, run, &error) != GNEISS_OK)
+        fail_msg("%s", error.message);
+    free(t);
+    const double depth = space;
+    set_elements(&run->world, stir, &depth);
+    return run;
+}
+
+static void threads_and_resumption_amid_conversion_give_the_same_bits(void **state) {
+    (void)state;
+    char path[] = "/tmp/gneiss-conversion-XXXXXX";
+    gneiss_error error = {0};
+    close(mkstemp(path));
+    for (int k = 0; k < 4; k++) {
+        const char *precision = k % 2 ? "mixed" : "double";
+        gn_run *a = busy_run(k / 2, 1, precision), *b = busy_run(k / 2, 2, precision);
+        gn_run *c = calloc(1, sizeof *c);
+        const size_t elements = gn_conversion_elements(&a->world);
+        run_steps(&a->world, 85);
+        run_steps(&b->world, 85);
+        const size_t then = gn_conversion_elements(&a->world);
+        assert_true(then < elements);
+        if (gn_checkpoint_write(a, path, &error) != GNEISS_OK ||
+            gn_checkpoint_load(path, NULL, 0, c, &error) != GNEISS_OK)
+            fail_msg("%s", error.message);
+        gn_run *const all[] = {a, b, c};
+        for (int r = 0; r < 3; r++) {
+            gn_world *w = &all[r]->world;
+            run_steps(w, 100);
+            gn_energy e = measured_step(w);
+            assert_true(gn_conversion_elements(w) < then);
+            assert_true(fabs(gn_energy_residual(&e)) < 1e-5);
+            assert_true(gn_world_hash(w) == gn_world_hash(&a->world));
+        }
+        for (int r = 0; r < 3; r++) {
+            gn_run_free(all[r]);
+            free(all[r]);
+        }
+    }
+    unlink(path);
+}
+
+/* --- what is refused --- */
+
+static void assert_refused(const block *s, const char *from, const char *to, const char *words) {
+    gn_world w;
+    gneiss_error error = {0};
+    text *t = text_of(s), *changed = calloc(1, sizeof *changed);
+    char *at = strstr(t->s, from);
+    assert_non_null(at);
+    add(changed, "%.*s%s%s", (int)(at - t->s), t->s, to, at + strlen(from));
+    if (world_try(&w, changed->s, NULL, &error) == GNEISS_OK) fail_msg("accepted: %s", to);
+    if (!strstr(error.message, words)) fail_msg("%s", error.message);
+    free(t);
+    free(changed);
+}
+
+static void what_cannot_convert_is_refused(void **state) {
+    (void)state;
+    assert_refused(&plate, "stress: 1e30", "every: 10", "expected a limit, stress or mohr_coulomb");
+    assert_refused(&plate, "width: 0.006", "width: 0", "couple.convert.width");
+    assert_refused(&plate, "stress: 1e30", "stress: 1e30, most: 0", "couple.convert.most");
+    assert_refused(&plate, "stress: 1e30", "mohr_coulomb: {friction: 1}", "cohesion");
+    assert_refused(&plate, "max: [1, 1]", "max: [-2, 1]", "box.max");
+    assert_refused(&plate, "min: [-1, -1]", "min: [0.5, -1]",
+                   "expected elements of which all nodes");
+    assert_refused(&plate, "couple: {", "couple: {constraint: penalty, ",
+                   "expected no couple.constraint but lumped");
+    assert_refused(&plate, "couple: {", "couple: {zones: [{edges: [{from: [0, 0], to: [1, 0]}]}], ",
+                   "expected no couple.zones");
+    assert_refused(&plate, "time: {",
+                   "walls: [{name: a, point: [0, 0], normal: [1, 0], stiffness: 1}]\ntime: {",
+                   "expected no walls");
+    assert_refused(&plate, "lattice: {", "lattice: {origin: [1 mm, 0], ",
+                   "expected every particle in an element, found particle");
+    assert_refused(&plate, "density: 9931", "density: 4931", "weigh what the elements");
+}
+
+int main(void) {
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(a_block_that_moves_and_turns_becomes_particles_that_do),
+        cmocka_unit_test(a_block_at_rest_becomes_particles_at_rest),
+        cmocka_unit_test(a_strained_block_becomes_particles_under_its_stress),
+        cmocka_unit_test(a_zone_that_is_passed_carries_all_of_the_stress),
+        cmocka_unit_test(converting_keeps_momentum_and_books_energy),
+        cmocka_unit_test(two_places_that_meet_leave_nothing_between_them),
+        cmocka_unit_test(a_remnant_thinner_than_a_zone_goes_too),
+        cmocka_unit_test(a_corner_and_an_edge_convert),
+        cmocka_unit_test(all_of_a_body_can_convert),
+        cmocka_unit_test(elements_convert_where_their_stress_is_beyond_the_limit),
+        cmocka_unit_test(limits_are_those_of_principal_stress_and_of_coulomb),
+        cmocka_unit_test(a_bond_that_breaks_in_a_zone_converts_its_elements),
+        cmocka_unit_test(where_no_packing_is_ready_conversion_stops),
+        cmocka_unit_test(what_is_driven_does_not_convert),
+        cmocka_unit_test(threads_and_resumption_amid_conversion_give_the_same_bits),
+        cmocka_unit_test(what_cannot_convert_is_refused),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
