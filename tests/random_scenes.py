@@ -257,9 +257,9 @@ class Maker:
         if d.chance(0.7):
             for m in materials:
                 m["bond_friction"] = d.log(0.05, 2)
-            law["coupling"] = d.choice(("none", "linear") if beams else ("none", "quadratic", "linear"))
+            law["coupling"] = d.choice(("none", "quadratic", "linear"))
             law["confinement"] = d.choice(("own", "own", "mean"))
-        elif not beams:
+        else:
             law["coupling"] = d.choice(("none", "quadratic"))
         if d.chance(0.2):
             self.scene["output"]["events"] = "off"

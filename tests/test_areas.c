@@ -198,8 +198,8 @@ static void one_and_two_neighbours_are_those_of_a_column(void **state) {
 static const double r1 = 1e-3, r2 = 2e-3, distance = 3.05e-3;
 
 /* The second is driven as `motion` says, with the spin `spin`, rad/s. */
-static gn_world *driven(int dimension, const char *law, const char *motion, double spin,
-                        double step) {
+static gn_world *driven_with(const char *sections, int dimension, const char *law,
+                             const char *motion, double spin, double step) {
     bool space = dimension == 3;
     char more[1024];
     snprintf(more, sizeof more,
@@ -208,10 +208,15 @@ static gn_world *driven(int dimension, const char *law, const char *motion, doub
              space ? "vz: 0, wx: 0, wy: 0, " : "", motion, space ? "vz: 0, wx: 0, wy: 0, " : "",
              spin);
     return world_of("dimension: %d\nspecimen: {particles: [[0, %s1e-3], [3.05e-3, %s2e-3]]}\n%s"
-                    "law: %s\nbonds: {}\n%stime: {step: %.17g, end: 1, on_unstable: warn}\n"
+                    "law: %s\nbonds: {}\n%s%stime: {step: %.17g, end: 1, on_unstable: warn}\n"
                     "run: {threads: 1}\n",
                     dimension, space ? "0, 0, " : "0, ", space ? "0, 0, " : "0, ", matter, law,
-                    more, step);
+                    more, sections, step);
+}
+
+static gn_world *driven(int dimension, const char *law, const char *motion, double spin,
+                        double step) {
+    return driven_with("", dimension, law, motion, spin, step);
 }
 
 static gn_world *couple(int dimension, const char *law, const char *motion, double step) {
@@ -292,19 +297,27 @@ static void plates_and_columns_have_square_sections(void **state) {
     }
 }
 
-/* Pressed to ten times the tensile strength it holds, and breaks when it is sheared as without. */
-static void a_pressed_bar_breaks_in_shear_all_the_same(void **state) {
+/* Pressed to ten times the tensile strength it holds, and breaks when it is sheared as without;
+ * with friction of the bond at tau + mu_1 times the pressure. */
+static void a_pressed_bar_breaks_in_shear_by_its_strength_under_pressure(void **state) {
     (void)state;
-    const double dt = 1e-9, shear = young / 2.4;
-    gn_world *w = couple(3, "{stiffness: dempack, gamma: 1}",
-                         "vx: [[0, -1], [6.35e-6, -1], [6.351e-6, 0], [1, 0]], "
-                         "vy: [[0, 0], [6.35e-6, 0], [6.351e-6, 0.5], [1, 0.5]]",
-                         dt);
-    double wait = tau / (beta * shear) * distance / 0.5;
-    while (w->dem.bonds.cause[0] == GN_INTACT && w->time < 6.35e-6 + 2.0 * wait) run_steps(w, 1);
-    assert_int_equal(w->dem.bonds.cause[0], GN_BROKEN_SHEAR);
-    assert_near(w->dem.bonds.broken_time[0], 6.351e-6 + wait, 0.01 * wait);
-    world_end(w);
+    const double dt = 1e-9, shear = young / 2.4, friction[] = {0.0, 0.4};
+    for (int k = 0; k < 2; k++) {
+        char contacts[80];
+        snprintf(contacts, sizeof contacts, "contacts: [{between: m, bond_friction: %g}]\n",
+                 friction[k]);
+        gn_world *w = driven_with(contacts, 3, "{stiffness: dempack, gamma: 1}",
+                                  "vx: [[0, -1], [6.35e-6, -1], [6.351e-6, 0], [1, 0]], "
+                                  "vy: [[0, 0], [6.35e-6, 0], [6.351e-6, 0.5], [1, 0.5]]",
+                                  0.0, dt);
+        double pressure = alpha * young * 6.3505e-6 / distance;
+        double wait = (tau + friction[k] * pressure) / (beta * shear) * distance / 0.5;
+        while (w->dem.bonds.cause[0] == GN_INTACT && w->time < 6.35e-6 + 2.0 * wait)
+            run_steps(w, 1);
+        assert_int_equal(w->dem.bonds.cause[0], GN_BROKEN_SHEAR);
+        assert_near(w->dem.bonds.broken_time[0], 6.351e-6 + wait, 0.01 * wait);
+        world_end(w);
+    }
 }
 
 static void pairs_that_meet_later_have_dempacks_section(void **state) {
@@ -549,7 +562,7 @@ int main(void) {
         cmocka_unit_test(a_bar_breaks_at_its_strain),
         cmocka_unit_test(a_bar_breaks_when_one_end_turns),
         cmocka_unit_test(plates_and_columns_have_square_sections),
-        cmocka_unit_test(a_pressed_bar_breaks_in_shear_all_the_same),
+        cmocka_unit_test(a_pressed_bar_breaks_in_shear_by_its_strength_under_pressure),
         cmocka_unit_test(pairs_that_meet_later_have_dempacks_section),
         cmocka_unit_test(without_bonds_gamma_is_one),
         cmocka_unit_test(unlike_materials_are_in_series),

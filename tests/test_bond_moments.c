@@ -1,5 +1,6 @@
 /* Bonds that carry moments: closed forms of bent and twisted chains, strength of the extreme fibre,
  * bodies that turn and keep what they have, the stable step. */
+#include "kernels/law.h"
 #include "run/run.h"
 #include "world_helpers.h"
 
@@ -127,15 +128,17 @@ static const double limit_n = 20.0, limit_t = 12.0, share = 0.7;
 
 /* Two touching particles, both driven: the first turns against the second about y or z (`bend`,
  * rad/s each, with equal arms no slip), the second is pulled and turned about x. */
-static gn_world *driven(int dimension, double bend, double pull, double twist, double slide) {
+static gn_world *driven_by(const char *law, const char *more, int dimension, double bend,
+                           double pull, double twist, double slide) {
     bool space = dimension == 3;
     text t = {0};
     add(&t,
         "dimension: %d\nspecimen: {particles: [[0, 0, %s1e-3], [2e-3, 0, %s1e-3]]}\n"
         "materials: [{name: m, density: 2500, normal_stiffness: 1e7, kratio: 2.5, friction: 0.3, "
-        "bond_tension_limit: %g, bond_shear_limit: %g}]\nlaw: {stiffness: uniform}\n"
+        "bond_tension_limit: %g, bond_shear_limit: %g%s}]\nlaw: {stiffness: uniform%s}\n"
         "bonds: {radius_multiplier: %g, moment_share: %g}\nsets:\n",
-        dimension, space ? "0, " : "", space ? "0, " : "", limit_n, limit_t, multiplier, share);
+        dimension, space ? "0, " : "", space ? "0, " : "", limit_n, limit_t, more, law, multiplier,
+        share);
     add(&t, "  - {name: a, select: {ids: [0]}, motion: {vx: 0, vy: 0, %swz: %.17g}}\n",
         space ? "vz: 0, wx: 0, wy: 0, " : "", -bend);
     add(&t, "  - {name: b, select: {ids: [1]}, motion: {vx: %.17g, vy: %.17g, ", pull, slide);
@@ -143,6 +146,10 @@ static gn_world *driven(int dimension, double bend, double pull, double twist, d
     add(&t, "wz: %.17g}}\ntime: {step: 1e-8, end: 1, on_unstable: warn}\nrun: {threads: 1}\n",
         bend);
     return world_of("%s", t.s);
+}
+
+static gn_world *driven(int dimension, double bend, double pull, double twist, double slide) {
+    return driven_by("", "", dimension, bend, pull, twist, slide);
 }
 
 /* Steps until the bond breaks; what the ledger has then, and how much was released. */
@@ -243,6 +250,65 @@ static void shear_and_twist_add_up(void **state) {
     double moment = twist_stiffness() * twist * 1e-8 * 2.0 * share / (multiplier * r);
     double exact = limit_t / (shear + moment), turn = speed * exact * 1e-8 / (2.0 * r);
     assert_near((double)steps_to_break(w, &e), ceil(exact), 1.0 + 2.0 * turn * turn * exact);
+}
+
+/* Bent and twisted, in 2D bent and slid, with shares a and b a step of the strengths of the fibre:
+ * it breaks at the first n with n^2 (a^2 + b^2) >= 1, by the larger of the two. */
+static void coupled_by_squares_the_shares_of_the_fibre_add_up(void **state) {
+    (void)state;
+    const double ratio[] = {0.4, 0.9, 1.6};
+    for (int k = 0; k < 6; k++) {
+        int dimension = 2 + k % 2;
+        double z = dimension == 3 ? 4.0 : 3.0, bend = 117.3, pull = 0.0113;
+        double a = z * share * bend_stiffness(dimension) * 2.0 * bend * 1e-8 / (multiplier * r);
+        a = (a + kn * pull * 1e-8) / limit_n;
+        double b = ratio[k / 2] * a, turn = 0.0, slide = 0.0;
+        if (dimension == 3)
+            turn = b * limit_t * multiplier * r / (2.0 * share * twist_stiffness() * 1e-8);
+        else
+            slide = b * limit_t / (kt * 1e-8);
+        gn_world *w = driven_by(", coupling: quadratic", "", dimension, bend, pull, turn, slide);
+        gn_energy e;
+        double exact = 1.0 / hypot(a, b), tilt = slide * exact * 1e-8 / (2.0 * r);
+        measured_step(w);
+        run_steps(w, (int64_t)(0.9 * exact));
+        assert_int_equal(w->dem.bonds.cause[0], GN_INTACT);
+        while (w->dem.bonds.cause[0] == GN_INTACT && w->step < 100000) run_steps(w, 1);
+        assert_int_equal(w->dem.bonds.cause[0], b > a ? GN_BROKEN_SHEAR : GN_BROKEN_TENSION);
+        assert_near((double)(w->step - 1), ceil(exact), 1.0 + 2.0 * tilt * exact);
+        e = measured_step(w);
+        assert_true(fabs(gn_energy_residual(&e)) < 1e-9);
+        world_end(w);
+    }
+}
+
+/* What bending takes from the pressure at one fibre is none that friction sees: pressed, bent and
+ * slid, the bond has used up its strength when it breaks, and not before. */
+static void the_criterion_of_a_bent_bond_is_one_where_it_breaks(void **state) {
+    (void)state;
+    const char *const couplings[] = {", coupling: none", ", coupling: quadratic",
+                                     ", coupling: linear"};
+    for (int k = 0; k < 9; k++) {
+        const double pull[] = {-0.1, -0.05, 0.02}, n[] = {1.0, 0.0, 0.0};
+        gn_world *w =
+            driven_by(couplings[k % 3], ", bond_friction: 0.6", 3, 217.3, pull[k / 3], 331.9, 0.0);
+        double last = 0.0;
+        run_steps(w, 1);
+        while (w->dem.bonds.cause[0] == GN_INTACT && w->step < 100000) {
+            const gn_contacts *b = &w->dem.bonds;
+            const gn_law *law = gn_law_of(b->soa.effects);
+            const double *at = w->dem.particles.pos;
+            gn_law_moments m = law->moments(b, 0, n);
+            /* where the forces of the last step were found, a path before */
+            double u = hypot(at[4] - at[0], at[5] - at[1]) - 2.0 * r - pull[k / 3] * 1e-8;
+            last = law->criterion(b, 0, kn * u, m.normal, m.shear);
+            run_steps(w, 1);
+        }
+        int64_t steps = w->step;
+        assert_in_range(steps, 500, 99999);
+        assert_near(last, 1.0, 2.0 / (double)steps);
+        world_end(w);
+    }
 }
 
 /* --- bodies that turn --- */
@@ -695,8 +761,6 @@ static void bad_values_are_refused_where_they_stand(void **state) {
                    "s.yaml:5:", "bonds.moment_share");
     expect_refusal("", "radius_multiplier: 1", "0", "s.yaml:3:", "materials[0].kratio");
     expect_refusal(", rotation: off", "radius_multiplier: 1", "2", "s.yaml:5:", "law.rotation");
-    expect_refusal(", coupling: quadratic", "radius_multiplier: 1", "2",
-                   "s.yaml:5:", "expected 0 beside law.coupling: quadratic");
     expect_refusal("", "moment_share: 0.5", "2", "s.yaml:5:", "expected a radius_multiplier");
     expect_refusal(", rotation: off", "radius_multiplier: 1", "2",
                    "s.yaml:5:", "expected 0 where particles do not spin");
@@ -712,6 +776,8 @@ int main(void) {
         cmocka_unit_test(pressure_takes_from_what_bending_opens),
         cmocka_unit_test(twist_and_bending_add_to_their_own_stress_only),
         cmocka_unit_test(shear_and_twist_add_up),
+        cmocka_unit_test(coupled_by_squares_the_shares_of_the_fibre_add_up),
+        cmocka_unit_test(the_criterion_of_a_bent_bond_is_one_where_it_breaks),
         cmocka_unit_test(a_bent_ring_keeps_momentum_and_energy),
         cmocka_unit_test(a_moment_turns_with_its_bond),
         cmocka_unit_test(bodies_are_stable_up_to_the_limit_with_moments),

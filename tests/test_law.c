@@ -203,7 +203,8 @@ static void a_bond_breaks_when_its_criterion_reaches_one(void **state) {
             int k = 0;
             for (; k < 100000 && gn_contact_bonded(&t->k, 0); k++) {
                 if (k > 0)
-                    reached = fmax(reached, t->law->criterion(&t->k, 0, force[0], fabs(force[1])));
+                    reached =
+                        fmax(reached, t->law->criterion(&t->k, 0, force[0], 0.0, fabs(force[1])));
                 if (!sheared) x += 2e-9;
                 move(t, x, sheared ? 3e-9 : 0.0, force);
             }

@@ -392,6 +392,28 @@ static void beside_all_else_threads_and_resumption_give_the_same_bits(void **sta
     unlink(path);
 }
 
+/* Of materials, of pairs and of walls. */
+static void an_angle_of_friction_stands_for_its_tangent(void **state) {
+    (void)state;
+    gn_scene scene;
+    gneiss_error error = {0};
+    const char *const words =
+        "specimen: {particles: [[0, 0, 0, 1e-3]]}\nbonds: {}\n"
+        "materials: [{name: m, density: 2500, normal_stiffness: 1e7, kratio: 2.5, friction: 20 "
+        "deg, "
+        "bond_friction: 0.7330382858376184 rad, bond_tension_limit: 1, bond_shear_limit: 1}]\n"
+        "contacts: [{between: m, bond_friction: 45 deg}]\n"
+        "walls: [{name: w, point: [0, 0, -1e-3], normal: [0, 0, 1], stiffness: 1e6, kratio: 2, "
+        "friction: 0 deg}]\nlaw: {stiffness: uniform}\ntime: {end: 1}\n";
+    if (gn_scene_parse(words, "s.yaml", NULL, NULL, 0, &scene, &error) != GNEISS_OK)
+        fail_msg("%s", error.message);
+    assert_near(scene.materials[0].friction, 0.36397023426620234, 1e-15);
+    assert_near(scene.materials[0].bond_friction, 0.9004040442978399, 1e-15); /* 42 degrees */
+    assert_near(scene.contacts[0].bond_friction, 1.0, 1e-15);
+    assert_near(scene.walls[0].friction, 0.0, 0.0);
+    gn_scene_free(&scene);
+}
+
 static void bad_values_are_refused_where_they_stand(void **state) {
     (void)state;
     static const struct {
@@ -399,6 +421,10 @@ static void bad_values_are_refused_where_they_stand(void **state) {
     } bad[] = {
         {"bond_friction: -1", "stiffness: uniform", "s.yaml:2:89: materials[0].bond_friction"},
         {"bond_friction: 0.5 N", "stiffness: uniform", "s.yaml:2:89: materials[0].bond_friction"},
+        {"bond_friction: 90 deg", "stiffness: uniform",
+         "bond_friction: expected a coefficient such as '0.5' or an angle of friction such as '30 "
+         "deg', found '90 deg' (expected an angle in [0, 90) deg)"},
+        {"bond_friction: -1 deg", "stiffness: uniform", "(expected an angle in [0, 90) deg)"},
         {"friction: 1", "stiffness: uniform, coupling: cubic",
          "s.yaml:3:37: law.coupling: expected one of none, quadratic, linear, found 'cubic'"},
         {"bond_friction: 0", "stiffness: uniform, coupling: linear",
@@ -431,6 +457,7 @@ int main(void) {
         cmocka_unit_test(linear_coupling_takes_the_friction_of_the_pull),
         cmocka_unit_test(in_mixed_precision_a_bond_breaks_at_the_same_force),
         cmocka_unit_test(friction_strengthens_bonds_with_moments_alike),
+        cmocka_unit_test(an_angle_of_friction_stands_for_its_tangent),
         cmocka_unit_test(friction_may_see_the_mean_stress_around_a_bond),
         cmocka_unit_test(the_mean_stress_is_the_same_for_any_threads_and_absent_else),
         cmocka_unit_test(without_its_keys_the_linear_kernel_runs),

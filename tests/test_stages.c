@@ -2,6 +2,7 @@
  * state that it left. */
 #include "world_helpers.h"
 
+#include "kernels/softening.h"
 #include "run/run.h"
 #include "run/stages.h"
 #include "scene/manifest.h"
@@ -417,6 +418,139 @@ static void a_resumed_run_has_the_same_bits(void **state) {
     resumes_with_the_same_bits(programme("threads: 2, precision: mixed"), 503, 1 + 2 + 4 + 8);
 }
 
+/* --- bonds that have gone through something --- */
+
+/* A block is pulled and pressed, so that bonds soften and yield, gets more bonds across wider gaps
+ * meanwhile, loses all of them and falls apart; with all that can stand beside. */
+static char *worn(const char *coupling, const char *run) {
+    static char s[16384];
+    snprintf(
+        s, sizeof s,
+        "specimen: {lattice: {kind: fcc, radius: 1 mm, cells: [3, 3, 3], spacing: 1.005, jitter: "
+        "0.01}, group: 1}\n"
+        "materials: [{name: m, density: 2000, contact_modulus: 1e8, kratio: 2, friction: 0.3, "
+        "tensile_strength: 1e5, shear_strength: 1e5, bond_friction: 0.5, fracture_energy: 2, "
+        "shear_fracture_energy: 3, yield_stress_1: 5e4, yield_ratio_1: 3, yield_stress_2: 2e5, "
+        "yield_ratio_2: 8, strength_scatter: {distribution: weibull, modulus: 8}}]\n"
+        "law: {stiffness: harmonic, softening: energy, fracture_energy_of: body, coupling: %s, "
+        "confinement: mean}\n"
+        "bonds: {enabled: off}\ndomain: {min: [-9, -9, -9], max: [9, 9, 9]}\n"
+        "gravity: [0, 0, -9.81]\n"
+        "damping: {contact: {restitution: 0.7}, background: {model: viscous, coefficient: 300}}\n"
+        "sets:\n- {name: low, select: {end: {axis: z, side: lower, depth: 2 mm}}, "
+        "motion: {vz: 0}}\n"
+        "- {name: top, select: {end: {axis: z, side: upper, depth: 2 mm}}}\n"
+        "walls:\n- {name: floor, point: [0, 0, -1.1 mm], normal: [0, 0, 1], stiffness: 2e5, "
+        "kratio: 2, friction: 0.2}\n"
+        "time: {end: 1}\noutput: {history_rows: 100}\nrun: {%s}\nstages:\n"
+        "- {name: bond, bonds: {enabled: on, interaction_range: 0.005}, end: {steps: 50}}\n"
+        "- {name: pull, sets: {top: {motion: {vz: 0.2}}}, end: {time: 0.3 ms}}\n"
+        "- {name: press, sets: {top: {motion: {vz: -0.2}}}, end: {time: 0.6 ms}}\n"
+        "- {name: more, bonds: {interaction_range: 0.03}, end: {steps: 0}}\n"
+        "- {name: again, sets: {top: {motion: {vz: 0.3}}}, end: {time: 0.6 ms}}\n"
+        "- {name: free, bonds: {enabled: off}, gravity: [1, 0, -9.81], end: {time: 0.3 ms}}\n",
+        coupling, run);
+    return s;
+}
+
+static void worn_bonds_of_several_stages_have_the_same_bits(void **state) {
+    (void)state;
+    const char *const couplings[] = {"linear", "quadratic"};
+    for (int k = 0; k < 2; k++) {
+        const char *c = couplings[k];
+        assert_true(hash_of(worn(c, "threads: 1")) == hash_of(worn(c, "threads: 2")));
+        resumes_with_the_same_bits(worn(c, "threads: 1"), 41, 1 + 2 + 4 + 16 + 32);
+        resumes_with_the_same_bits(worn(c, "threads: 2, precision: mixed"), 41,
+                                   1 + 2 + 4 + 16 + 32);
+    }
+}
+
+/* Of the bond of two particles, by their numbers in the specimen; SIZE_MAX: none. */
+static size_t bond_between(const gn_world *w, int32_t a, int32_t b) {
+    const gn_contacts *k = &w->dem.bonds;
+    for (size_t c = 0; c < k->soa.count; c++) {
+        int32_t i = w->dem.particles.id[k->i[c]], j = w->dem.particles.id[k->j[c]];
+        if ((i == a && j == b) || (i == b && j == a)) return c;
+    }
+    return SIZE_MAX;
+}
+
+/* To the step before bonds form beside bonds that have softened and yielded. */
+static gn_run *before_more_bonds(int64_t step) {
+    gn_run *run = run_of(worn("linear", "threads: 1"));
+    steps(run, step);
+    assert_int_equal(run->world.stage, 2);
+    return run;
+}
+
+static void bonds_that_form_beside_worn_ones_leave_them_as_they_are(void **state) {
+    (void)state;
+    gneiss_error error = {0};
+    gn_run *run = run_of(worn("linear", "threads: 1"));
+    while (run->world.stage < 4) steps(run, 1);
+    gn_run *after = before_more_bonds(run->world.step - 1),
+           *before = before_more_bonds(run->world.step - 1);
+    if (gn_world_enter(&after->world, 3, &error) != GNEISS_OK) fail_msg("%s", error.message);
+    const gn_contacts *now = &after->world.dem.bonds, *old = &before->world.dem.bonds;
+    assert_true(now->soa.count > old->soa.count + 20 && old->soa.count > 20);
+    size_t fresh = 0, softened = 0, yielded = 0, broken = 0;
+    for (size_t c = 0; c < now->soa.count; c++) {
+        size_t b = bond_between(&before->world, after->world.dem.particles.id[now->i[c]],
+                                after->world.dem.particles.id[now->j[c]]);
+        double length = now->length0[c], yields = now->yields[c];
+        if (b == SIZE_MAX) {
+            assert_true(now->soft[c] == 1.0 && now->kappa[c] == 0.0 && now->plastic[c] == 0.0);
+            assert_true(now->cause[c] == GN_INTACT && now->rn[c] > 0.0);
+            fresh++;
+            continue;
+        }
+        assert_true(now->soft[c] == old->soft[b] && now->kappa[c] == old->kappa[b]);
+        assert_true(now->plastic[c] == old->plastic[b] && yields == old->yields[b]);
+        assert_true(now->rn[c] == old->rn[b] && now->rt[c] == old->rt[b]);
+        assert_true(length == old->length0[b] && now->cause[c] == old->cause[b]);
+        softened += old->soft[b] < 0.9;
+        yielded += old->plastic[b] < -1e-7;
+        broken += old->cause[b] != GN_INTACT;
+    }
+    assert_int_equal(fresh, now->soa.count - old->soa.count);
+    print_message("# %zu softened, %zu yielded, %zu broken, %zu new\n", softened, yielded, broken,
+                  fresh);
+    assert_true(softened > 5 && yielded > 5);
+    finish(run);
+    assert_near(gn_energy_residual(&run->world.reading), 0.0, 5e-3);
+    run_end(run);
+    run_end(before);
+    run_end(after);
+}
+
+/* Planes cut the bonds that there are when the new ones form, not when the run began without any.
+ */
+static void a_fracture_energy_of_the_body_holds_for_bonds_of_a_later_stage(void **state) {
+    (void)state;
+    const char *const parts[] = {"contact", "body"}, *const when[] = {"off", "on"};
+    double end[2][2];
+    for (int k = 0; k < 4; k++) {
+        char scene[2048];
+        snprintf(scene, sizeof scene,
+                 "specimen: {lattice: {kind: cubic, radius: 1e-3, cells: [5, 5, 5]}}\n"
+                 "materials: [{name: m, density: 2650, young: 1e9, poisson: 0.2, tensile_strength: "
+                 "1e6, shear_strength: 1e6, fracture_energy: 30}]\n"
+                 "law: {stiffness: polyhedron, softening: energy, fracture_energy_of: %s}\n"
+                 "bonds: {enabled: %s}\n"
+                 "periodic: {min: [0, 0, 0], max: [10e-3, 10e-3, 10e-3]}\ntime: {end: 1}\n"
+                 "run: {threads: 1}\nstages:\n- {name: a, end: {steps: 2}}\n"
+                 "- {name: b, bonds: {enabled: on}}\n",
+                 parts[k % 2], when[k / 2]);
+        gn_run *run = run_of(scene);
+        steps(run, 5);
+        const gn_contacts *b = &run->world.dem.bonds;
+        assert_int_equal(b->soa.count, 375);
+        end[k / 2][k % 2] = b->fade[GN_FADE_END * b->soa.capacity];
+        run_end(run);
+    }
+    for (int k = 0; k < 2; k++) assert_near(end[k][0] / end[k][1], 1.5, 1e-6);
+}
+
 /* --- ends --- */
 
 static void a_settled_heap_goes_on(void **state) {
@@ -773,6 +907,9 @@ int main(void) {
         cmocka_unit_test(bonds_form_beside_bonds),
         cmocka_unit_test(a_specimen_is_settled_bonded_confined_and_loaded),
         cmocka_unit_test(a_resumed_run_has_the_same_bits),
+        cmocka_unit_test(worn_bonds_of_several_stages_have_the_same_bits),
+        cmocka_unit_test(bonds_that_form_beside_worn_ones_leave_them_as_they_are),
+        cmocka_unit_test(a_fracture_energy_of_the_body_holds_for_bonds_of_a_later_stage),
         cmocka_unit_test(a_settled_heap_goes_on),
         cmocka_unit_test(time_end_says_which_stage_was_not_over),
         cmocka_unit_test(bodies_and_elements_take_their_part),

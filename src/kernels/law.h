@@ -132,8 +132,11 @@ typedef struct gn_law {
     /* Contact c acts no more and holds nothing: one of its particles has left. Who calls notes the
      * cause. */
     void (*release)(gn_contacts *list, size_t c);
-    /* The largest of force over strength of a bond that holds. */
-    double (*criterion)(const gn_contacts *list, size_t c, double normal, double shear);
+    /* The largest of force over strength of a bond that holds. `bent`: what moments add to the
+     * normal force at the extreme fibre, which is no pressure that friction sees; what they add to
+     * the shear force is in that. */
+    double (*criterion)(const gn_contacts *list, size_t c, double normal, double bent,
+                        double shear);
     /* Whether contact c, no bond that holds, slides under these forces. */
     bool (*slips)(const gn_contacts *list, size_t c, double normal, double shear);
 
@@ -183,10 +186,12 @@ gn_law_spring gn_linear_meeting(const gn_law_model *model, const gn_law_pair *pa
 gn_law_spring gn_linear_spring(const gn_contacts *list, size_t c, double overlap);
 gn_law_held gn_linear_held(const gn_contacts *list, size_t c, double length, double stretch);
 void gn_linear_release(gn_contacts *list, size_t c);
-double gn_linear_criterion(const gn_contacts *list, size_t c, double normal, double shear);
+double gn_linear_criterion(const gn_contacts *list, size_t c, double normal, double bent,
+                           double shear);
 /* N, the shear strength of a bond under its normal force, with what pressure adds (law_mohr.c). */
 double gn_mohr_strength(const gn_contacts *list, size_t c, double normal);
-double gn_mohr_criterion(const gn_contacts *list, size_t c, double normal, double shear);
+double gn_mohr_criterion(const gn_contacts *list, size_t c, double normal, double bent,
+                         double shear);
 bool gn_linear_slips(const gn_contacts *list, size_t c, double normal, double shear);
 gn_law_spring gn_linear_touch_spring(const gn_touch_side *side, double inverse_mass,
                                      double damping_fraction, double overlap);

@@ -47,9 +47,10 @@ static gn_law_moments beam_moments(const gn_contacts *list, size_t c, const doub
     return m;
 }
 
-static double criterion(const gn_contacts *list, size_t c, double normal, double shear) {
-    return list->mu1 ? gn_mohr_criterion(list, c, normal, shear)
-                     : gn_linear_criterion(list, c, normal, shear);
+static double criterion(const gn_contacts *list, size_t c, double normal, double bent,
+                        double shear) {
+    return list->mu1 ? gn_mohr_criterion(list, c, normal, bent, shear)
+                     : gn_linear_criterion(list, c, normal, bent, shear);
 }
 
 static void beam_release(gn_contacts *list, size_t c) {

@@ -6,8 +6,9 @@
  * 2R x 1 m, k_n R^2/3 and no twist. Moments are incremental: k (w_j - w_i) dt, bending across the
  * normal and twist along it. The extreme fibre has the normal stress f_n/A + s |M_b| R/I and the
  * shear stress |F_t|/A + s |M_t| R/J, with s the share of moments in the strength, and the bond
- * breaks when they reach R_n/A or R_t/A; with the friction of law_mohr.h, uncoupled or linear, R_t
- * is R_t + mu_1 <-f_n>.
+ * breaks when they reach R_n/A or R_t/A; with the friction of law_mohr.h R_t is R_t + mu_1 <-f_n>,
+ * and coupled by squares it breaks where the sum of the squares of both shares is 1, the larger one
+ * being the cause.
  *
  * Columns: those of the linear law and beam (R), share (s); state: moment, that on the first
  * particle, bending and twist together. In 2D only its third component is looked at. */
@@ -116,6 +117,17 @@ GN_INLINE void beam_trial(const gn_contact_args *a, size_t c, const brief *from,
     store_moment(a, c, m, w);
 }
 
+/* Coupled by squares: which reach their strength in this step, and of them those whose larger share
+ * is that of tension. Both strengths and forces are times R; `pull`: at the extreme fibre. */
+GN_INLINE gn_m break_beams_coupled(gn_v strength, gn_v shear_strength, gn_v pull, gn_v sheared,
+                                   gn_m *in_tension) {
+    gn_v share = gn_max(pull, gn_set(0.0)) / strength, share2 = share * share;
+    gn_v whole2 = shear_strength * shear_strength, size2 = sheared * sheared;
+    gn_m beyond = gn_at_least(size2, whole2 * (gn_set(1.0) - share2));
+    *in_tension = gn_or(*in_tension, gn_and(beyond, gn_at_least(share2 * whole2, size2)));
+    return beyond;
+}
+
 /* Which intact bonds reach their strength in this step, the extreme fibre looked at; tension counts
  * first. f_n + z s |M_b|/R >= R_n, z = A R^2/I, and alike in shear, without roots or divisions. */
 GN_INLINE void break_beams(const gn_contact_args *a, size_t c, size_t end, const beam_parts *m,
@@ -137,6 +149,12 @@ GN_INLINE void break_beams(const gn_contact_args *a, size_t c, size_t end, const
     if (w.space) left = gn_fnma(gn_set(2.0) * share, gn_max(m->twist, zero - m->twist), left);
     gn_v pull2 = radius * radius * gn_dot(q->trial, q->trial, w.space);
     gn_m in_shear = gn_or(gn_at_least(zero, left), gn_at_least(pull2, left * left));
+    if (k->soa.effects & GN_FX_COUPLED_QUADRATIC) {
+        gn_v pull = gn_fma(bent, gn_sqrt(bend2), radius * q->elastic);
+        gn_v sheared = gn_sqrt(pull2) + (radius * strength - left);
+        in_shear = gn_or(in_shear, break_beams_coupled(radius * rn, radius * strength, pull,
+                                                       sheared, &in_tension));
+    }
     in_tension = gn_and(q->intact, in_tension);
     in_shear = gn_and(gn_and(q->intact, gn_not(in_tension)), in_shear);
     q->breaking = gn_or(in_tension, in_shear);

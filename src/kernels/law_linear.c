@@ -220,8 +220,9 @@ void gn_linear_release(gn_contacts *list, size_t c) {
     if (list->fd_f) list->fd_f[c] = 0.0F;
 }
 
-double gn_linear_criterion(const gn_contacts *list, size_t c, double normal, double shear) {
-    double ratio = normal / list->rn[c];
+double gn_linear_criterion(const gn_contacts *list, size_t c, double normal, double bent,
+                           double shear) {
+    double ratio = (normal + bent) / list->rn[c];
     return list->rt ? fmax(ratio, shear / list->rt[c]) : ratio;
 }
 

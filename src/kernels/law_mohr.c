@@ -19,10 +19,11 @@ double gn_mohr_strength(const gn_contacts *list, size_t c, double normal) {
 
 /* With tension and shear coupled by squares the root of their sum; of a bond without strength in
  * shear left infinite. */
-double gn_mohr_criterion(const gn_contacts *list, size_t c, double normal, double shear) {
+double gn_mohr_criterion(const gn_contacts *list, size_t c, double normal, double bent,
+                         double shear) {
     const gn_effects fx = list->soa.effects;
     double strength = gn_mohr_strength(list, c, normal);
-    double tension = normal / list->rn[c];
+    double tension = (normal + bent) / list->rn[c];
     double sheared = shear > 0.0 ? shear / strength : 0.0;
     if (fx & GN_FX_COUPLED_QUADRATIC && tension > 0.0) return hypot(tension, sheared);
     return fmax(tension, sheared);

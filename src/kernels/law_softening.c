@@ -108,7 +108,9 @@ static gn_law_held held(const gn_contacts *list, size_t c, double length, double
 }
 
 /* Of the stretch over that at which softening ends, and of force over strength as it is. */
-static double criterion(const gn_contacts *list, size_t c, double normal, double shear) {
+static double criterion(const gn_contacts *list, size_t c, double normal, double bent,
+                        double shear) {
+    (void)bent; /* these bonds have no moments */
     double strength = gn_mohr_strength(list, c, normal);
     double end = list->fade[c + GN_FADE_END * list->soa.capacity];
     double tension =

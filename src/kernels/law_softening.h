@@ -105,9 +105,9 @@ static __attribute__((noinline)) gn_v yield_more(const gn_contact_args *a, size_
         force = gn_fnma(less, gn_max(path - kink, gn_set(0.0)), force);
     }
     gn_v plastic = gn_where(yielding, stretch + force / kn, now);
-    for (size_t lane = 0; k->happened && lane < GN_W; lane++)
-        if (gn_bits(yielding) >> lane & 1 && COLUMN(k, plastic)[c + lane] == 0)
-            note_beginning(k, c + lane, GN_HAPPENED_YIELD, sums);
+    unsigned begun = gn_bits(gn_and(yielding, gn_at_least(now, gn_set(0.0))));
+    for (size_t lane = 0; begun && lane < GN_W; lane++)
+        if (begun >> lane & 1) note_beginning(k, c + lane, GN_HAPPENED_YIELD, sums);
     gn_store(COLUMN(k, plastic) + c, plastic);
     gn_store(COLUMN(k, yields) + c, gn_where(yielding, force, gn_load(COLUMN(k, yields) + c)));
     return plastic;
@@ -116,6 +116,7 @@ static __attribute__((noinline)) gn_v yield_more(const gn_contact_args *a, size_
 /* What becomes of a vector besides its contact_state. */
 typedef struct soft_state {
     gn_v soft, shift; /* at the start of the step */
+    gn_v line;        /* pressure at which it would yield then, where it may */
     gn_v3 slipped;    /* tangential force of bonds that softened */
     gn_v stored;      /* twice the normal energy, where `crossing` */
     gn_m bonds;       /* intact at the start of the step */
@@ -126,12 +127,13 @@ typedef struct soft_state {
 GN_INLINE void press(const gn_contact_args *a, size_t c, const stage *g, contact_state *q,
                      soft_state *s, gn_contact_sums *sums) {
     const gn_contacts *k = a->contacts;
-    s->shift = gn_set(0.0);
+    s->shift = s->line = gn_set(0.0);
     s->yielding = gn_m_none();
     if (!(k->soa.effects & GN_FX_YIELD)) return;
     gn_v now = s->shift = gn_load(COLUMN(k, plastic) + c);
     q->elastic = q->kn * (g->geometry.stretch - now);
-    s->yielding = gn_less(q->elastic + gn_load(COLUMN(k, yields) + c), gn_set(0.0));
+    s->line = gn_load(COLUMN(k, yields) + c);
+    s->yielding = gn_less(q->elastic + s->line, gn_set(0.0));
     if (__builtin_expect(gn_bits(s->yielding) != 0, 0))
         now = yield_more(a, c, q->kn, g->geometry.stretch, now, s->yielding, sums);
     q->way = q->stretch = g->geometry.stretch - now;
@@ -215,18 +217,39 @@ GN_INLINE void book_softening(const gn_contact_args *a, size_t c, const stage *g
     const gn_v half = gn_set(0.5), zero = gn_set(0.0);
     gn_v path = whole_path(a, c, g, w), was = g->geometry.stretch - path - s->shift;
     gn_v old = q->kn * was, twice = gn_where(s->crossing, s->stored, q->normal * q->way);
-    old = gn_where(gn_and(s->bonds, gn_less(zero, was)), s->soft * old, old);
+    old = gn_where(gn_less(zero, was), gn_keep(s->bonds, s->soft * old), old);
     gn_v normal = half * (gn_fma(old + q->normal, path, old * was) - twice);
+    gn_m crushed = gn_and(s->yielding, gn_not(q->breaking));
+    e->plasticity = e->plasticity + gn_keep(crushed, normal);
+    if (!gn_bits(gn_or(gn_or(q->slipping, q->breaking), s->softening))) return;
     gn_v3 before = q->before;
     if (w.space && w.rotation) before = gn_turn_about_normal(before, g->geometry.n, g->angle);
     gn_v shear = gn_released3(before, q->t, q->trial, gn_max(q->kt, gn_set(GN_TINY)), w.space);
     gn_v both = normal + shear;
-    gn_m soft = s->softening, crushed = gn_and(s->yielding, gn_not(q->breaking));
     e->bond_breaking = e->bond_breaking + gn_keep(q->breaking, both);
     if (gn_bits(q->breaking)) note_released(a, c, gn_bits(q->breaking), both);
     e->friction = e->friction + gn_keep(gn_and(q->slipping, gn_not(q->breaking)), shear);
-    e->damage = e->damage + gn_keep(soft, gn_where(crushed, shear, both));
-    e->plasticity = e->plasticity + gn_keep(crushed, normal);
+    e->damage = e->damage + gn_keep(s->softening, gn_where(crushed, shear, both));
+}
+
+/* Rare: contacts, no bonds any more, that yield in the step. One that pressed before it acts as any
+ * does, also where it had moved less than it yields by. One that closed in it at the share s = u/p
+ * of its path acted from there: what gn_linear_cross gives of the elastic part is less than that
+ * by what it yields, a loss of (F_0 + F) du/2 between the pressures F_0 and F, over the path. */
+GN_INLINE void close_yielding(const stage *g, gn_v path, gn_m yielding, const soft_state *s,
+                              contact_state *q) {
+    const gn_v zero = gn_set(0.0), half = gn_set(0.5);
+    gn_v u = g->geometry.stretch - s->shift, before = u - path;
+    gn_m closed = gn_and(yielding, gn_at_least(before, zero));
+    gn_m pressed = gn_and(yielding, gn_less(before, zero));
+    q->normal = gn_where(pressed, q->elastic, q->normal);
+    q->share = gn_where(pressed, gn_set(1.0), q->share);
+    q->way = gn_where(pressed, q->stretch, q->way);
+    gn_v lost = half * (q->elastic - s->line) * (u - q->stretch);
+    gn_v normal = q->normal + lost / path;
+    q->normal = gn_where(closed, normal, q->normal);
+    q->share = gn_where(closed, half + u / path, q->share);
+    q->way = gn_where(closed, q->way - gn_set(2.0) * lost / normal, q->way);
 }
 
 GN_INLINE void softening_trial(const gn_contact_args *a, size_t c, const brief *from, stage *g,
@@ -251,6 +274,8 @@ GN_INLINE contact_force softening_force(const gn_contact_args *a, size_t c, size
         q.beyond = gn_fma(gn_set(GN_OVERLAP_ROUNDING), g->geometry.distance, q.stretch);
         q.touching = gn_less(q.beyond, gn_set(0.0));
         path = find_normal_force(a, c, g, &q, w);
+        gn_m loose = gn_and(s.yielding, gn_not(gn_or(q.intact, q.breaking)));
+        if (__builtin_expect(gn_bits(loose) != 0, 0)) close_yielding(g, path, loose, &s, &q);
         total = q.normal = gn_where(q.intact, held, q.normal);
         if (w.damping) {
             gn_v speed = gn_where(q.intact, g->growth, g->speed);

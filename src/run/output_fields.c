@@ -151,7 +151,7 @@ static double criterion_of(const gn_output_view *v, size_t c) {
     gn_contacts now = *b; /* with the pressure around bonds that belongs to these forces */
     now.confined = v->seen->bonds.confined;
     now.confined_f = NULL;
-    double share = law->criterion(&now, c, v->normal[c] + m.normal, v->shear[c] + m.shear);
+    double share = law->criterion(&now, c, v->normal[c], m.normal, v->shear[c] + m.shear);
     /* Forces are those of the present positions, which a bond that softens has not answered to yet;
      * where nothing is left of its strength their share is infinite. Only broken bonds have 1. */
     return fmin(fmax(0.0, share), 1.0 - 0x1p-53);

@@ -101,7 +101,6 @@ gneiss_status gn_check_coupling(const check *c, const gn_scene *s) {
 
 static const char *beside_moments(const gn_scene *s) {
     if (s->softening != GN_SOFTENING_NONE) return "law.softening";
-    if (s->coupling == GN_COUPLING_QUADRATIC) return "law.coupling: quadratic";
     for (size_t k = 0; k < s->material_count; k++)
         if (s->materials[k].yield_stress[0] > 0) return "yield_stress_1";
     return NULL;
@@ -126,6 +125,7 @@ gneiss_status gn_check_moments(const check *c, const gn_scene *s) {
     const char *other = beside_moments(s);
     if (!other) return GNEISS_OK;
     return gn_check_fail(c, "bonds.radius_multiplier",
-                         "expected 0 beside %s, which bonds with moments do not have, found %g",
+                         "expected 0 beside %s (damage and yield are laws of the forces of a bond "
+                         "alone; what they would do to its moments is not defined), found %g",
                          other, s->bond_radius_multiplier);
 }

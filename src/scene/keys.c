@@ -16,7 +16,10 @@ typedef struct printer {
 /* "number in (0, inf) m, or auto", "one of square, hexagonal", ... */
 static void describe_numbers(char *text, size_t size, const char *noun, const gn_key *key) {
     const char *unit = key->unit && strcmp(key->unit, "1") != 0 ? key->unit : "";
-    if (strchr(unit, '|')) unit = "1/s or 1";
+    if (strcmp(unit, GN_SLOPE) == 0)
+        unit = "or an angle";
+    else if (strchr(unit, '|'))
+        unit = "1/s or 1";
     snprintf(text, size, "%s%s%s%s%s%s%s", noun, *unit ? ", " : "", unit, key->range ? ", in " : "",
              key->range ? key->range : "", key->word ? ", or " : "", key->word ? key->word : "");
 }

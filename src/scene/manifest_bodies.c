@@ -70,7 +70,7 @@ static const gn_key body_keys[] = {
         PRESENT(TEXT, gn_body_def, material), .text = "with hertz, as of walls"),
     KEY("kratio", REAL, gn_body_def, kratio, .unit = "1", .range = GN_RATIOS, .word = "none",
         .fallback = "none", .text = "k_n/k_t of the surface; needed with friction"),
-    KEY("friction", REAL, gn_body_def, friction, .unit = "1", .range = GN_FRICTIONS,
+    KEY("friction", REAL, gn_body_def, friction, .unit = GN_SLOPE, .range = GN_FRICTIONS,
         .fallback = "0", .text = "Coulomb friction coefficient"),
     KEY("rolling_friction", REAL, gn_body_def, rolling_friction, .unit = "1", .range = GN_FRICTIONS,
         .fallback = "0", .text = "mu_r, as of materials"),

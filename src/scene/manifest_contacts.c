@@ -23,7 +23,8 @@ const gn_section gn_scatter_section = {scatter_keys, sizeof scatter_keys / sizeo
 static const gn_key contact_keys[] = {
     ARRAY("between", NAMES, gn_contact_def, between, between_count, .required = true,
           .text = "the two materials, in either order; one name: that material with itself"),
-    VALUE("friction", friction, "1", GN_FRICTIONS, "friction coefficient, instead of the smaller"),
+    VALUE("friction", friction, GN_SLOPE, GN_FRICTIONS,
+          "friction coefficient, instead of the smaller"),
     VALUE("kratio", kratio, "1", "[0, 1e12]", "k_n/k_t; 0: no tangential spring"),
     VALUE("contact_modulus", contact_modulus, "Pa", GN_MODULI, "E_c, instead of both in series"),
     VALUE("normal_stiffness", normal_stiffness, "N/m", GN_SPRINGS,
@@ -42,7 +43,7 @@ static const gn_key contact_keys[] = {
           "R_n of the uniform law, instead of the smaller"),
     VALUE("bond_shear_limit", bond_shear_limit, "N", GN_BREAKING,
           "R_t of the uniform law, instead of the smaller"),
-    VALUE("bond_friction", bond_friction, "1", GN_FRICTIONS,
+    VALUE("bond_friction", bond_friction, GN_SLOPE, GN_FRICTIONS,
           "mu_1 of a bond, instead of the smaller"),
     VALUE("rolling_friction", rolling_friction, "1", GN_FRICTIONS, "mu_r, instead of the smaller"),
     VALUE("twisting_friction", twisting_friction, "1", GN_FRICTIONS,

@@ -152,8 +152,8 @@ static const gn_key contact_keys[] = {
         PRESENT(TEXT, gn_scene, elements.contact.material), .text = "with hertz, as of walls"),
     KEY("kratio", REAL, gn_scene, elements.contact.kratio, .unit = "1", .range = GN_RATIOS,
         .word = "none", .fallback = "none", .text = "k_n/k_t of the surface; needed with friction"),
-    KEY("friction", REAL, gn_scene, elements.contact.friction, .unit = "1", .range = GN_FRICTIONS,
-        .fallback = "0", .text = "Coulomb friction coefficient"),
+    KEY("friction", REAL, gn_scene, elements.contact.friction, .unit = GN_SLOPE,
+        .range = GN_FRICTIONS, .fallback = "0", .text = "Coulomb friction coefficient"),
 };
 TABLE_OF(contact);
 

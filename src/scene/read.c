@@ -59,6 +59,8 @@ bool gn_read_quantity(const gn_reader *reader, const char *text, const char *uni
                       char *reason, size_t reason_size) {
     /* The alternatives of "1/s|1" are units by themselves. */
     const char *bar = strchr(unit, '|');
+    if (strcmp(unit, GN_SLOPE) == 0)
+        return gn_units_read_slope(reader->units, text, value, reason, reason_size);
     if (!bar) return gn_units_read(reader->units, text, unit, value, reason, reason_size);
     return gn_units_read(reader->units, text, "1/s", value, reason, reason_size) ||
            gn_units_read(reader->units, text, bar + 1, value, reason, reason_size);

@@ -53,7 +53,8 @@ const char *gn_find_file(const char *folder, const char *file, const char *in_fo
 /* Keeps what is wrong and goes on; returns what cannot be gone on from. */
 gneiss_status gn_read_keep(const gn_reader *reader, gneiss_status status);
 
-/* Reads a number with one of the units of `unit` ("1/s|1"); false with a reason otherwise. */
+/* Reads a number with one of the units of `unit` ("1/s|1"), of GN_SLOPE the tangent of an angle;
+ * false with a reason otherwise. */
 bool gn_read_quantity(const gn_reader *reader, const char *text, const char *unit, double *value,
                       char *reason, size_t reason_size);
 

@@ -40,6 +40,7 @@ static const struct {
     {"m/s2", "an acceleration such as '9.81 m/s2'"},
     {"rad/s", "a spin such as '30 deg/s'"},
     {"1/s", "a rate such as '50 1/s'"},
+    {"deg", "a coefficient such as '0.5' or an angle of friction such as '30 deg'"},
 };
 
 const char *gn_unit_text(const char *unit) {
@@ -205,4 +206,15 @@ bool gn_units_read(gn_units *units, const char *text, const char *unit, double *
         return false;
     }
     return true;
+}
+
+bool gn_units_read_slope(gn_units *units, const char *text, double *value, char *reason,
+                         size_t reason_size) {
+    double angle;
+    if (gn_units_read(units, text, "1", value, reason, reason_size)) return true;
+    if (!gn_units_read(units, text, "rad", &angle, reason, reason_size)) return false;
+    *value = tan(angle);
+    if (angle >= 0.0 && angle < 0.5 * M_PI) return true;
+    snprintf(reason, reason_size, " (expected an angle in [0, 90) deg)");
+    return false;
 }

@@ -17,6 +17,10 @@ void gn_units_free(gn_units *units);
 bool gn_units_read(gn_units *units, const char *text, const char *unit, double *value, char *reason,
                    size_t reason_size);
 
+/* A coefficient of friction: a number, or an angle such as "30 deg", whose tangent it is. */
+bool gn_units_read_slope(gn_units *units, const char *text, double *value, char *reason,
+                         size_t reason_size);
+
 /* "a length such as '23 mm'" for "m". */
 const char *gn_unit_text(const char *unit);
 

@@ -134,6 +134,11 @@ static gn_pair_query bond_query(const gn_world *w) {
                            w->threads};
 }
 
+/* Of the bonds that there are now; what earlier ones may dissipate stays what it was. */
+static void share_out_energies(gn_world *w) {
+    if (w->scene.fracture_energy_of == GN_FRACTURE_BODY) w->dem.derived.cut = gn_law_cut(w);
+}
+
 gneiss_status gn_bonds_form(gn_world *w, gneiss_error *error) {
     const gn_pair_query query = bond_query(w);
     gn_pair_list pairs = {0};
@@ -157,7 +162,7 @@ gneiss_status gn_bonds_form(gn_world *w, gneiss_error *error) {
     if (status == GNEISS_OK) status = gn_areas_find(w, error);
     gn_pair_list_free(&pairs);
     if (status != GNEISS_OK) return status;
-    if (w->scene.fracture_energy_of == GN_FRACTURE_BODY) w->dem.derived.cut = gn_law_cut(w);
+    share_out_energies(w);
     for (size_t c = 0; c < w->dem.bonds.soa.count; c++) gn_contact_set(w, &w->dem.bonds, c);
     w->dem.bonds_at_start = (int64_t)w->dem.bonds.soa.count;
     gn_contacts_pad(&w->dem.bonds, &w->dem.particles);
@@ -310,6 +315,7 @@ static gneiss_status add_bonds(gn_world *w, const gn_pair_list *pairs, gneiss_er
     for (size_t c = 0; status == GNEISS_OK && c < d->bonds.soa.count; c++)
         if (fresh[c]) set_bond(w, c, d->bonds.i[c], d->bonds.j[c]);
     if (status == GNEISS_OK) status = find_new_areas(w, fresh, error);
+    if (status == GNEISS_OK) share_out_energies(w);
     for (size_t c = 0; status == GNEISS_OK && c < d->bonds.soa.count; c++) {
         if (!fresh[c]) continue;
         gn_contact_set(w, &d->bonds, c);

@@ -150,6 +150,7 @@ double gn_law_cut(const gn_world *w) {
     gn_law_model model = model_of(w);
     double sum = 0.0;
     for (size_t c = 0; c < b->soa.count; c++) {
+        if (b->cause[c] != GN_INTACT) continue;
         gn_law_pair pair = pair_of_contact(w, b, c);
         sum += gn_linear_section(&model, &pair) * b->length0[c];
     }
@@ -173,6 +174,11 @@ static void take(gn_contacts *list, const gn_contacts *now, size_t c) {
     if (list->cause && list->cause[c] == GN_BOND_LEFT) return; /* it has no stiffness */
     list->kn[c] = now->kn[c];
     if (list->kt) list->kt[c] = now->kt[c];
+    if (list->kappa) { /* strengths are those that damage has left, of materials that stay */
+        double kappa = list->kappa[c], last = list->mu ? list->mu[c] : 0.0;
+        list->mu1[c] = (1.0 - kappa) * now->mu1[c] + kappa * last;
+        return;
+    }
     if (list->mu1) list->mu1[c] = now->mu1[c];
     if (list->rt) list->rt[c] = now->rt[c];
     if (list->rn) list->rn[c] = copysign(now->rn[c], list->rn[c]);

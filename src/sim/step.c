@@ -88,6 +88,7 @@ static gneiss_status finish(gn_world *w, bool measure, watch *time, gneiss_error
 gneiss_status gn_world_step(gn_world *w, bool measure, gneiss_error *error) {
     watch time = {w, w->step % GN_BOOKED == 0, 0.0};
     if (gn_converts(w)) GN_TRY(gn_conversion_look(w, error));
+    const int64_t broken = w->dem.broken_tension + w->dem.broken_shear;
     GN_TRY(gn_world_refresh_lists(w, error));
     GN_TRY(gn_pressed_check(w, error));
 
@@ -109,5 +110,5 @@ gneiss_status gn_world_step(gn_world *w, bool measure, gneiss_error *error) {
     w->time += w->dt;
     w->dt_past = w->dt;
     w->step++;
-    return status;
+    return status == GNEISS_OK ? gn_world_check_apart(w, broken, error) : status;
 }

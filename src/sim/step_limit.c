@@ -248,6 +248,18 @@ gneiss_status gn_world_check_step(gn_world *w, bool full, gneiss_error *error) {
     return status;
 }
 
+/* What has come apart is loose, which lists that stand for long would say late: it is looked at
+ * whenever another sixteenth of the bonds has broken, from the half of them on. */
+gneiss_status gn_world_check_apart(gn_world *w, int64_t broken_before, gneiss_error *error) {
+    const int64_t all = w->dem.bonds_at_start, now = w->dem.broken_tension + w->dem.broken_shear;
+    if (now == broken_before || 2 * now < all) return GNEISS_OK;
+    if (now < all && 16 * now / all == 16 * broken_before / all) return GNEISS_OK;
+    double start = gn_now();
+    gneiss_status status = resolve_listed(w, error);
+    w->seconds[GN_PHASE_step_limit] += gn_now() - start;
+    return status;
+}
+
 double gn_world_sharp_limit(const gn_world *w) {
     if (w->couple.whole > 0.0) return w->couple.whole;
     double limit = w->scene.has_specimen ? w->dem.limit.sharp : INFINITY;

@@ -97,7 +97,7 @@ static double criterion(const search *s, size_t c, double share) {
     double t[3];
     for (int k = 0; k < 3; k++) t[k] = b->shear[k] + share * (b->shear[k] - a->shear[k]);
     return gn_law_of(list->soa.effects)
-        ->criterion(list, c, b->normal + share * (b->normal - a->normal), sqrt(gn_dot3(t, t)));
+        ->criterion(list, c, b->normal + share * (b->normal - a->normal), 0.0, sqrt(gn_dot3(t, t)));
 }
 
 /* Increments until the first bond breaks, INFINITY: none does within `most`. */

@@ -155,7 +155,7 @@ def section(options):
     parts += [verdict(found, None if options["quick"] else lab.run_packings()), "", CHAOS, chaos_rows(found["UCS"])]
     if not options["quick"]:
         parts += ["", PACKINGS, packing_text(lab.run_packings()), "", VARIANTS, variant_text(lab.run_variants()), "", AFTER,
-                  "", FRICTIONAL, frictional_text(lab.run_frictional())]
+                  "", FRICTIONAL, frictional_text(lab.run_frictional()), "", CONCRETE]
     return "\n".join(parts)
 
 
@@ -183,3 +183,11 @@ FRICTIONAL = """### Bonds that pressure strengthens
 JCFpm's own strength in shear, R_t - mu_1 f_n, with `frictionAngle = atan(0.5)` in YADE, `bond_friction: 0.5` and `law.coupling: linear` in gneiss;
 broken bonds have friction 0.5 in both. Scatter: gneiss on the packing and four copies shifted by a relative 1e-12.
 """
+
+CONCRETE = """YADE's Cpm (`CpmMat`, for concrete) is another law, and was not compared. In the form that is published one damage follows the largest
+root of stretch strain squared plus (weighted) shear strain squared, linearly or exponentially, and takes both the pulled stiffness and
+the cohesion, which is the tensile strength; slip beyond cohesion and friction is plastic, and does no damage unless its weight is set.
+Here stretch and slip soften by energies of their own. It gives ductility as a ratio of strains (`relDuctility`), so that what a crack
+dissipates grows with the particles (`law.softening: strain` or `ratio` here; `energy` does not). Under pressure it has one slope beyond
+`epsSoft` and unloads elastically, as `yield_stress_1` does. Its section is pi r_min^2. It can have a viscosity of damage and of slip, and
+a prestress, which are not here."""
