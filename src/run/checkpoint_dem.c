@@ -1,5 +1,6 @@
 /* The part of a checkpoint that particles have. */
 #include "run/checkpoint_internal.h"
+#include "run/parts.h"
 #include "sim/internal.h"
 
 #include <math.h>

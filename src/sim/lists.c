@@ -251,8 +251,8 @@ static gneiss_status ready_blocks(gn_world *w, gneiss_error *error) {
  * decision rests on counts alone, so that it falls at the same step in every run. */
 static bool order_is_old(const gn_world *w) {
     enum { REBUILDS_PER_SORT = 16 };
-    return w->dem.verlet.rebuilds == 0 ||
-           (!(w->effects & GN_FX_BONDS) && w->dem.verlet.rebuilds % REBUILDS_PER_SORT == 0);
+    return !(w->effects & GN_FX_BONDS) && w->dem.verlet.rebuilds > 0 &&
+           w->dem.verlet.rebuilds % REBUILDS_PER_SORT == 0;
 }
 
 /* A particle must not have two images of another within reach. */
@@ -356,13 +356,19 @@ void gn_dem_masses_changed(gn_world *w) {
     gn_particles_to_single(&w->dem.particles, w->dem.particles.ref, w->threads);
 }
 
+gneiss_status gn_dem_arrange(gn_world *w, gneiss_error *error) {
+    GN_TRY(gn_dem_check_domain(w, error));
+    if (w->effects & GN_FX_PERIODIC) wrap(w);
+    GN_TRY(reorder(w, error));
+    return gn_bonds_form(w, error);
+}
+
 gneiss_status gn_dem_refresh(gn_world *w, gneiss_error *error) {
     tune_skin(w);
     widen_skin(w);
     GN_TRY(gn_dem_check_domain(w, error));
     if (w->effects & GN_FX_PERIODIC) wrap(w);
     if (order_is_old(w)) GN_TRY(reorder(w, error));
-    if (!w->dem.bond_partials.first) GN_TRY(gn_bonds_form(w, error));
     GN_TRY(make_pairs(w, error));
     GN_TRY(ready_blocks(w, error));
     memcpy(w->dem.particles.ref, w->dem.particles.pos,
