@@ -42,9 +42,9 @@ class Writer:
     def __init__(self, path):
         self.file = h5py.File(path, "w")
 
-    def put(self, name, value, unit="1", text="made up"):
+    def put(self, name, value, unit="1", text="made up", **more):
         data = self.file.create_dataset(name, data=np.asarray(value))
-        data.attrs["unit"], data.attrs["description"] = unit, text
+        data.attrs.update({"unit": unit, "description": text, **more})
 
 
 def put_history(writer, rows, test, dimension):
@@ -73,11 +73,13 @@ def put_history(writer, rows, test, dimension):
     work = np.concatenate([[0], np.cumsum(0.5 * (stress[1:] + stress[:-1]) * np.diff(strain))]) * 1.9e-5 if rows else s
     released = np.maximum(0, work - stress ** 2 / 2 / 20e9 * 1.9e-5)
     stored = work - released
-    for name, part, total in (
-            ("elastic_normal", 0.7, stored), ("elastic_shear", 0.22, stored), ("elastic_wall", 0.07, stored),
-            ("kinetic", 0.01, stored), ("rotational", 0.0, stored), ("friction", 0.35, released),
-            ("background_damping", 0.3, released), ("bond_breaking", 0.35, released), ("work_walls", 1.0, work)):
+    for name, kind, part, total in (
+            ("elastic_normal", "stored", 0.7, stored), ("elastic_shear", "stored", 0.22, stored),
+            ("elastic_wall", "stored", 0.07, stored), ("kinetic", "stored", 0.01, stored), ("rotational", "stored", 0.0, stored),
+            ("friction", "lost", 0.35, released), ("background_damping", "lost", 0.3, released),
+            ("bond_breaking", "lost", 0.35, released), ("work_walls", "input", 1.0, work)):
         writer.put(f"history/energy_{name}", part * total, "J")
+        writer.put(f"energy/{name}", float((part * total)[-1]) if rows else 0.0, "J", kind=kind)
     writer.put("history/energy_residual", 1e-4 * s * np.sin(9 * s))
     for axis in "xyz":
         writer.put(f"history/wall_top_force_{axis}", -stress * 4.15e-4 * (axis == "z"), "N")

@@ -458,6 +458,18 @@ static void a_scene_has_only_the_fields_it_calls_for(void **state) {
     gneiss_world_free(w);
 }
 
+static double *output_of(const gneiss_world *w, gneiss_record record, size_t index,
+                         gneiss_view *what) {
+    gneiss_error error = {0};
+    must(gneiss_world_output_at(w, record, index, what, &error), &error);
+    size_t count = what->count * (size_t)what->components;
+    double *values = calloc(count + 1, sizeof *values);
+    values[count] = -7.0;
+    must(gneiss_world_output(w, record, what->name, values, count, &error), &error);
+    assert_true(values[count] == -7.0);
+    return values;
+}
+
 static void nodes_and_elements_have_fields(void **state) {
     (void)state;
     static const char bar[] = "dimension: 2\n"
@@ -475,6 +487,13 @@ static void nodes_and_elements_have_fields(void **state) {
     gneiss_view pos = field(w, GNEISS_NODES, "pos"), vel = field(w, GNEISS_NODES, "vel");
     assert_int_equal(pos.count, 10);
     assert_int_equal(field(w, GNEISS_ELEMENTS, "node").count, 8);
+    gneiss_view what;
+    for (size_t k = 0; k < gneiss_world_output_count(w, GNEISS_NODES); k++)
+        free(output_of(w, GNEISS_NODES, k, &what));
+    assert_int_equal(what.count, 10);
+    for (size_t k = 0; k < gneiss_world_output_count(w, GNEISS_ELEMENTS); k++)
+        free(output_of(w, GNEISS_ELEMENTS, k, &what));
+    assert_int_equal(what.count, 8);
     for (size_t k = 0; k < pos.count; k++)
         if (gneiss_view_value(&pos, k, 0) > 0.04) assert_true(gneiss_view_value(&vel, k, 0) == 1.0);
     assert_int_equal(counts_of(w).particles, 0);
@@ -482,6 +501,59 @@ static void nodes_and_elements_have_fields(void **state) {
     w = world_of(loose, NULL, NULL);
     assert_int_equal(gneiss_world_field_count(w, GNEISS_NODES), 0);
     assert_int_equal(gneiss_world_field_count(w, GNEISS_ELEMENTS), 0);
+    gneiss_world_free(w);
+}
+
+/* What is derived from the state as well: damage is that of the bonds that have broken, and bonds
+ * that are broken have the largest criterion. */
+static void outputs_are_those_of_the_files(void **state) {
+    (void)state;
+    gneiss_world *w = world_of(block, NULL, NULL);
+    double damage = 0.0, broken = 0.0, criterion = 0.0;
+    step(w, 600);
+    assert_true(counts_of(w).broken_tension + counts_of(w).broken_shear > 0);
+    gneiss_view what, cause = field(w, GNEISS_BONDS, "cause");
+    for (size_t c = 0; c < cause.count; c++) broken += gneiss_view_value(&cause, c, 0) > 0.0;
+    for (size_t k = 0; k < gneiss_world_output_count(w, GNEISS_PARTICLES); k++) {
+        double *values = output_of(w, GNEISS_PARTICLES, k, &what);
+        for (size_t p = 0; p < what.count; p++)
+            damage += strcmp(what.name, "damage") == 0 && values[p] > 0.0;
+        assert_true(strcmp(what.name, "radius") != 0 || values[0] == 1e-3);
+        free(values);
+    }
+    for (size_t k = 0; k < gneiss_world_output_count(w, GNEISS_BONDS); k++) {
+        double *values = output_of(w, GNEISS_BONDS, k, &what);
+        for (size_t c = 0; c < what.count; c++)
+            criterion += strcmp(what.name, "criterion") == 0 && values[c] == 1.0;
+        free(values);
+    }
+    assert_true(damage > 0.0 && damage <= 2.0 * broken);
+    assert_true(criterion == broken);
+    gneiss_world_free(w);
+}
+
+static void outputs_that_are_not_there_are_refused(void **state) {
+    (void)state;
+    gneiss_error error;
+    gneiss_view what;
+    double values[8];
+    gneiss_world *w = world_of(loose, NULL, NULL);
+    must(gneiss_world_output(w, GNEISS_PARTICLES, "position", values, 6, &error), &error);
+    assert_true(values[3] == 5e-3);
+    REFUSED(gneiss_world_output(w, GNEISS_PARTICLES, "position", values, 5, &error));
+    REFUSED(gneiss_world_output(w, GNEISS_PARTICLES, "colour", values, 2, &error));
+    REFUSED(gneiss_world_output(w, GNEISS_BONDS, "criterion", values, 0, &error));
+    REFUSED(gneiss_world_output(w, GNEISS_NODES, "stress", values, 0, &error));
+    REFUSED(gneiss_world_output(w, GNEISS_PARTICLES, NULL, values, 2, &error));
+    REFUSED(gneiss_world_output(w, GNEISS_PARTICLES, "radius", NULL, 2, &error));
+    REFUSED(gneiss_world_output(NULL, GNEISS_PARTICLES, "radius", values, 2, &error));
+    size_t count = gneiss_world_output_count(w, GNEISS_PARTICLES);
+    REFUSED(gneiss_world_output_at(w, GNEISS_PARTICLES, count, &what, &error));
+    REFUSED(gneiss_world_output_at(w, GNEISS_PAIRS, 0, &what, &error));
+    REFUSED(gneiss_world_output_at(w, GNEISS_PARTICLES, 0, NULL, &error));
+    REFUSED(gneiss_world_output_at(NULL, GNEISS_PARTICLES, 0, &what, &error));
+    assert_int_equal(gneiss_world_output_count(w, (gneiss_record)-1), 0);
+    assert_int_equal(gneiss_world_output_count(NULL, GNEISS_PARTICLES), 0);
     gneiss_world_free(w);
 }
 
@@ -686,6 +758,7 @@ static void ask(const gneiss_world *w, unsigned pick) {
     (void)gneiss_view_value(&view, index, index);
     (void)gneiss_view_value(&view, 0, SIZE_MAX);
     (void)gneiss_world_field(w, record, name, &view, NULL);
+    (void)gneiss_world_output_at(w, record, index, &view, NULL);
     (void)gneiss_world_history(w, name, &view, NULL);
     (void)gneiss_view_value(&view, index, 0);
     (void)gneiss_world_history_at(w, index, &view, NULL);
@@ -990,6 +1063,8 @@ int main(void) {
         cmocka_unit_test(every_field_is_found_by_index_and_by_name),
         cmocka_unit_test(a_scene_has_only_the_fields_it_calls_for),
         cmocka_unit_test(nodes_and_elements_have_fields),
+        cmocka_unit_test(outputs_are_those_of_the_files),
+        cmocka_unit_test(outputs_that_are_not_there_are_refused),
         cmocka_unit_test(views_show_positions_from_the_origin),
         cmocka_unit_test(counts_follow_the_views),
         cmocka_unit_test(the_history_has_a_row_every_interval),

@@ -1,8 +1,7 @@
 /* Particles and finite elements as one body, in zones that both share. */
 #include "coupling_helpers.h"
-#include "run/run.h"
 
-#include <unistd.h>
+#include "run_helpers.h"
 
 /* --- patches --- */
 
@@ -233,9 +232,6 @@ static void a_coupled_body_gives_the_same_bits_on_every_instruction_set(void **s
 static gn_run *busy_run(bool space, int threads, const char *precision, const char *more) {
     char rest[512];
     strip s = small_strip(space);
-    gn_run *run = calloc(1, sizeof *run);
-    gneiss_error error = {0};
-    gn_scene scene;
     snprintf(rest, sizeof rest,
              "damping: {contact: {restitution: 0.8}, background: {model: %s}}\n"
              "gravity: [0, -9.81%s]\n"
@@ -247,9 +243,7 @@ static gn_run *busy_run(bool space, int threads, const char *precision, const ch
     s.rest = rest;
     s.more = more;
     text *t = text_of(&s);
-    if (gn_scene_parse(t->s, "s.yaml", NULL, NULL, 0, &scene, &error) != GNEISS_OK ||
-        gn_run_create(&scene, run, &error) != GNEISS_OK)
-        fail_msg("%s", error.message);
+    gn_run *run = run_of("%s", t->s);
     free(t);
     const double depth = space ? 1.0 : 0.0;
     set_fields(&run->world, stir, &depth);
@@ -258,34 +252,13 @@ static gn_run *busy_run(bool space, int threads, const char *precision, const ch
 
 static void beside_all_else_threads_and_resumption_give_the_same_bits(void **state) {
     (void)state;
-    char path[] = "/tmp/gneiss-coupling-XXXXXX";
-    gneiss_error error = {0};
-    close(mkstemp(path));
     const char *more[] = {"constraint: lumped", "constraint: consistent, spins: slaved",
                           "constraint: penalty, penalty_damping: 0.1", "spins: slaved"};
     for (int k = 0; k < 8; k++) {
         const char *precision = k % 2 ? "mixed" : "double", *how = more[(k + k / 4) % 4];
-        gn_run *a = busy_run(k / 4, 1, precision, how), *b = busy_run(k / 4, 2, precision, how);
-        gn_run *c = calloc(1, sizeof *c);
-        run_steps(&a->world, 150);
-        run_steps(&b->world, 150);
-        if (gn_checkpoint_write(a, path, &error) != GNEISS_OK ||
-            gn_checkpoint_load(path, NULL, 0, c, &error) != GNEISS_OK)
-            fail_msg("%s", error.message);
-        gn_run *const all[] = {a, b, c};
-        for (int r = 0; r < 3; r++) {
-            gn_world *w = &all[r]->world;
-            run_steps(w, 100);
-            gn_energy e = measured_step(w);
-            assert_true(fabs(gn_energy_residual(&e)) < 1e-5);
-            assert_true(gn_world_hash(w) == gn_world_hash(&a->world));
-        }
-        for (int r = 0; r < 3; r++) {
-            gn_run_free(all[r]);
-            free(all[r]);
-        }
+        end_alike(busy_run(k / 4, 1, precision, how), busy_run(k / 4, 2, precision, how), 150, 100,
+                  1e-5);
     }
-    unlink(path);
 }
 
 /* --- refusals --- */

@@ -1,6 +1,7 @@
 /* The seam between force and motion: an exchange adds to the loads of what waits for it. */
 #include "world_helpers.h"
 
+#include "run/parts.h"
 #include "sim/exchange.h"
 
 #include <unistd.h>

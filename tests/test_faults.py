@@ -143,6 +143,28 @@ def allocations_of_steps_and_outputs_may_fail(folder):
     out_of_memory(folder, SMALL, lambda count: range(300, count + 1, 9))
 
 
+STAGED = """dimension: 2
+specimen: {lattice: {kind: hexagonal, radius: 1 mm, cells: [3, 3]}}
+materials: [{name: m, density: 2000, normal_stiffness: 1e6, kratio: 2}]
+law: {stiffness: uniform}
+walls:
+- {name: floor, point: [0, -1 mm, 0], normal: [0, 1, 0], stiffness: 1e6}
+- {name: lid, point: [0, 4.5 mm, 0], normal: [0, -1, 0], stiffness: 1e6}
+test: {kind: compression, axis: y, lower: floor, upper: lid, length: 5 mm, area: 6 mm2}
+time: {end: 0.1 ms}
+stages:
+- {name: wait, end: {steps: 2}}
+- {name: load, walls: {lid: {motion: {vy: -1 mm/s}}}}
+"""
+
+
+@fact
+def allocations_of_the_readings_of_stages_may_fail(folder):
+    # The last of all: readings, results, summary.
+    scene = write_scene(folder, STAGED)
+    out_of_memory(folder, ("run", scene), lambda count: range(count - 150, count + 1))
+
+
 @fact
 def memory_may_run_out_for_good_at_any_time(folder):
     out_of_memory(folder, SMALL, lambda count: range(1, count + 1, 13), "+")

@@ -19,6 +19,7 @@ from make_results import KINDS, PACKINGS, WITH_EVENTS, figures_of_quality, make,
 TOOLS = os.path.join(os.path.dirname(os.path.abspath(__file__)), "..", "tools")
 sys.path.insert(0, TOOLS)
 import report  # noqa: E402  (it stands in another folder)
+import report_curves  # noqa: E402
 import report_envelope  # noqa: E402
 import report_packing  # noqa: E402
 
@@ -169,6 +170,23 @@ def a_damaged_chunk_is_refused(folder):
         file.seek(offset + 1000)
         file.write(b"\xff\xff\xff\xff")
     refused(folder, "damaged")
+
+
+def a_term_of_the_ledger_is_drawn_by_its_kind_whatever_its_name(folder):
+    path, shown = os.path.join(folder, "results.h5"), []
+    make("cylinder", path)
+    with h5py.File(path, "r+") as file:
+        lost = file["history/energy_friction"][()]
+        for kind in ("stored", "lost", "input"):
+            file[f"history/energy_novel_{kind}"] = lost
+            file[f"energy/novel_{kind}"] = 1.0
+            file[f"energy/novel_{kind}"].attrs.update({"unit": "J", "kind": kind})
+    save, report_curves.save = report_curves.save, lambda figure, _: shown.extend(figure.axes[0].get_legend_handles_labels()[1])
+    try:
+        report_curves.plot_energy(report.Results(path), "")
+    finally:
+        report_curves.save = save
+    assert {"novel stored", "novel lost"} <= set(shown) and "novel input" not in shown, shown
 
 
 def old_pictures_are_removed(folder):
@@ -324,6 +342,7 @@ def main():
         a_missing_file_is_refused, a_truncated_file_is_refused, a_text_file_is_refused, a_foreign_hdf5_file_is_refused,
         a_damaged_chunk_is_refused, stages_are_those_of_the_history,
         curves_of_an_envelope_are_those_of_its_readings, old_pictures_are_removed,
+        a_term_of_the_ledger_is_drawn_by_its_kind_whatever_its_name,
         the_command_tells_by_its_exit_code)]
     tests += [(f"report of {kind}", lambda folder, kind=kind: every_packing(kind, folder)) for kind in PACKINGS]
     tests += [(f.__name__, f) for f in (

@@ -2,11 +2,8 @@
  * formulas and an integrator written down anew, and scenes. */
 #include "kernels/law.h"
 #include "kernels/softening.h"
-#include "run/run.h"
+#include "run_helpers.h"
 #include "sim/areas.h"
-#include "world_helpers.h"
-
-#include <unistd.h>
 
 /* Two spheres of 1 mm along x. A step moves them along x or across, so that what is done is exact
  * but for rounding. k_n = 1e7 N/m, k_t = 4e6 N/m, R_n = 20 N, C = 12 N, area (2 mm)^2. */
@@ -603,58 +600,21 @@ static const char *const busy =
     "time: {end: 1}\noutput: {orientation: on}\nrun: {threads: %d, precision: %s}\n";
 
 static gn_run *busy_run(int dimension, int threads, const char *precision, bool together) {
-    char words[4096];
-    gn_run *run = calloc(1, sizeof *run);
-    gneiss_error error = {0};
-    gn_scene scene;
-    snprintf(words, sizeof words, busy, dimension, dimension == 3 ? "fcc" : "hexagonal",
-             together ? "quadratic" : "linear", together && dimension == 3 ? "mean" : "own",
-             dimension == 3 ? ", -1" : "", dimension == 3 ? ", 1" : "", threads, precision);
-    if (gn_scene_parse(words, "s.yaml", NULL, NULL, 0, &scene, &error) != GNEISS_OK ||
-        gn_run_create(&scene, run, &error) != GNEISS_OK)
-        fail_msg("%s", error.message);
-    return run;
-}
-
-static void check_alike(gn_run *a, gn_run *b, gn_run *c) {
-    gn_energy e = measured_step(&a->world);
-    assert_true(fabs(gn_energy_residual(&e)) < 1e-2);
-    assert_true(e.damage > 0.0 && e.plasticity > 0.0);
-    measured_step(&b->world);
-    measured_step(&c->world);
-    assert_int_equal(gn_world_hash(&a->world), gn_world_hash(&b->world));
-    assert_int_equal(gn_world_hash(&a->world), gn_world_hash(&c->world));
-    gn_run *const all[] = {a, b, c};
-    for (int k = 0; k < 3; k++) {
-        gn_run_free(all[k]);
-        free(all[k]);
-    }
+    return run_of(busy, dimension, dimension == 3 ? "fcc" : "hexagonal",
+                  together ? "quadratic" : "linear", together && dimension == 3 ? "mean" : "own",
+                  dimension == 3 ? ", -1" : "", dimension == 3 ? ", 1" : "", threads, precision);
 }
 
 static void beside_all_else_threads_and_resumption_give_the_same_bits(void **state) {
     (void)state;
-    char path[] = "/tmp/gneiss-softening-XXXXXX";
-    int file = mkstemp(path);
-    assert_true(file >= 0);
-    close(file);
     for (int k = 0; k < 8; k++) {
         const char *precision = k % 2 ? "mixed" : "double";
         int dimension = 2 + k / 2 % 2;
-        gneiss_error error = {0};
         gn_run *a = busy_run(dimension, 1, precision, k / 4);
         gn_run *b = busy_run(dimension, 2, precision, k / 4);
-        gn_run *c = calloc(1, sizeof *c);
-        run_steps(&a->world, k < 4 ? 300 : 600);
-        run_steps(&b->world, k < 4 ? 300 : 600);
-        if (gn_checkpoint_write(a, path, &error) != GNEISS_OK ||
-            gn_checkpoint_load(path, NULL, 0, c, &error) != GNEISS_OK)
-            fail_msg("%s", error.message);
-        run_steps(&a->world, 200);
-        run_steps(&b->world, 200);
-        run_steps(&c->world, 200);
-        check_alike(a, b, c);
+        gn_energy e = end_alike(a, b, k < 4 ? 300 : 600, 200, 1e-2);
+        assert_true(e.damage > 0.0 && e.plasticity > 0.0);
     }
-    unlink(path);
 }
 
 static void bonds_that_hold_more_than_they_may_dissipate_are_told(void **state) {

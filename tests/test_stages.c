@@ -578,6 +578,31 @@ static void a_settled_heap_goes_on(void **state) {
     run_end(run);
 }
 
+/* What was found stays as it is until the run has gone on: the column is not looked at again. */
+static void readings_are_found_once_for_a_state(void **state) {
+    (void)state;
+    gn_run *run = run_of(joined(heap, "time: {end: 10 ms}\nrun: {threads: 1}\nstages:\n",
+                                "- {name: wait, end: {steps: 50}}\n"
+                                "- {name: load, walls: {lid: {motion: {vz: -1}}}}\n"));
+    const gn_readings *first, *again;
+    gn_readings of_stage;
+    gneiss_error error = {0};
+    steps(run, 600);
+    assert_int_equal(gn_run_readings(run, &first, &error), GNEISS_OK);
+    const double largest = first->largest_stress;
+    assert_true(largest > 0.0);
+    double *stress = (double *)gn_history_column(&run->history, "stress");
+    for (size_t k = 0; k < run->history.row_count; k++) stress[k] *= 2.0;
+    assert_int_equal(gn_run_readings(run, &again, &error), GNEISS_OK);
+    assert_int_equal(gn_run_stage_readings(run, 1, &of_stage, &error), GNEISS_OK);
+    assert_ptr_equal(again, first);
+    assert_true(again->largest_stress == largest && of_stage.largest_stress == largest);
+    steps(run, 1);
+    assert_int_equal(gn_run_readings(run, &again, &error), GNEISS_OK);
+    assert_true(again->largest_stress >= 2.0 * largest);
+    run_end(run);
+}
+
 static void time_end_says_which_stage_was_not_over(void **state) {
     (void)state;
     gn_run *run = run_of(joined(heap, "time: {end: 1 ms}\nrun: {threads: 1}\nstages:\n",
@@ -664,7 +689,9 @@ static void the_scene_of_stages_goes_through_all_of_them(void **state) {
     for (size_t k = 0; k < 4; k++) assert_int_equal(cause_of(run, k), causes[k]);
     assert_true(run->world.dem.bonds_at_start > 1000);
     assert_near(gn_energy_residual(&run->world.reading), 0.0, 1e-3);
-    assert_true(gn_run_readings(run).peak_stress > 1e4);
+    const gn_readings *readings;
+    assert_int_equal(gn_run_readings(run, &readings, &error), GNEISS_OK);
+    assert_true(readings->peak_stress > 1e4);
     run_end(run);
 }
 
@@ -911,6 +938,7 @@ int main(void) {
         cmocka_unit_test(bonds_that_form_beside_worn_ones_leave_them_as_they_are),
         cmocka_unit_test(a_fracture_energy_of_the_body_holds_for_bonds_of_a_later_stage),
         cmocka_unit_test(a_settled_heap_goes_on),
+        cmocka_unit_test(readings_are_found_once_for_a_state),
         cmocka_unit_test(time_end_says_which_stage_was_not_over),
         cmocka_unit_test(bodies_and_elements_take_their_part),
         cmocka_unit_test(a_run_begins_where_another_ended),

@@ -11,23 +11,9 @@ from report_results import scale_of
 
 INK = "#22303c"
 RED, BLUE, GREY = "#c8402f", "#2b6cb0", "#9aa5ad"
-STORED = {
-    "elastic_normal": ("elastic, normal", "#2c7fb8"),
-    "elastic_shear": ("elastic, shear", "#7fcdbb"),
-    "elastic_bending": ("elastic, moments in bonds", "#41b6c4"),
-    "elastic_wall": ("elastic, walls", "#c7e9b4"),
-    "elastic_elements": ("elastic, elements", "#1d4f91"),
-    "kinetic": ("kinetic", "#6a51a3"),
-    "rotational": ("rotational", "#bcbddc"),
-}
-LOST = {
-    "friction": ("friction", "#d95f0e"),
-    "background_damping": ("background damping", "#fec44f"),
-    "contact_damping": ("contact damping", "#fff1a8"),
-    "bond_breaking": ("bond breaking", "#b2182b"),
-    "damage": ("softening of bonds", "#ef8a62"),
-    "plasticity": ("yielding of bonds", "#8c510a"),
-    "removed": ("removed particles", "#bdbdbd"),
+SHADES = {  # of terms of the ledger, by kind and name
+    "stored": ("#41b6c4", "#9ecae1", "#1d4f91", "#2c7fb8", "#7fcdbb", "#c7e9b4", "#6a51a3", "#bcbddc"),
+    "lost": ("#fec44f", "#b2182b", "#fff1a8", "#c7a76c", "#ef8a62", "#d95f0e", "#8c510a", "#bdbdbd", "#d6604d"),
 }
 
 plt.rcParams.update({
@@ -194,14 +180,13 @@ def plot_energy(results, path):
     terms = energy_columns(results)
     if x is None or not terms:
         return None
-    put_in = [n for n in terms if n.startswith("work_") or n.endswith("_change") or n == "inserted"]
-    inputs = sum((terms[n] for n in put_in), np.zeros(results.rows))
+    kinds = {n: c.kind for n, c in results.energy.items() if n in terms}
+    inputs = sum((terms[n] for n in terms if kinds.get(n) == "input"), np.zeros(results.rows))
     at_start = results.scalar(results.energy, "stored_at_start")
     inputs = inputs + (at_start if np.isfinite(at_start) else 0.0)
-    known = {n: look for n, look in {**STORED, **LOST}.items() if n in terms}
-    known.update({n: (n.replace("_", " "), GREY) for n in terms
-                  if n not in known and n not in put_in and not n.startswith("stored_")})
-    stack = list(known)
+    shade = {n: colors[k % len(colors)] for kind, colors in SHADES.items()
+             for k, n in enumerate(n for n in kinds if kinds[n] == kind)}
+    stack = [n for kind in SHADES for n in kinds if kinds[n] == kind]
     largest = max([np.abs(terms[n]).max() for n in stack] + [np.abs(inputs).max()])
     shown = [n for n in stack if np.abs(terms[n]).max() > 2e-3 * largest]
     factor, unit = scale_of([largest], "J")
@@ -211,11 +196,11 @@ def plot_energy(results, path):
     axes.set_title("Energy")
     if shown and results.rows > 1 and all(terms[n].min() >= -1e-6 * largest for n in shown):
         axes.stackplot(x, [terms[n] / factor for n in shown], lw=0,
-                       labels=[known[n][0] for n in shown],
-                       colors=[known[n][1] for n in shown])
+                       labels=[n.replace("_", " ") for n in shown],
+                       colors=[shade[n] for n in shown])
     else:
         for n in shown:
-            axes.plot(x, terms[n] / factor, label=known[n][0], color=known[n][1], **style_for(terms[n]))
+            axes.plot(x, terms[n] / factor, label=n.replace("_", " "), color=shade[n], **style_for(terms[n]))
     axes.plot(x, inputs / factor, color=INK, lw=1.4, dashes=(5, 2), label="put in (work, stored at the start)")
     axes.set_ylabel(f"energy [{unit}]")
     handles, names = axes.get_legend_handles_labels()
@@ -297,18 +282,23 @@ def plot_strains(results, path):
     return "Volume averages over the specimen's triangulation (Bagi 1996)."
 
 
-def plot_deflection(results, path):
-    """Force over deflection of a test: what bending shows, where stress and strain are nominal."""
-    force, deflection = results.column("force"), results.column("deflection")
-    if force is None or deflection is None:
+def plot_force_over(results, path, way, caption):
+    """The force of a test over a way of its history: what bending shows, where stress and strain are nominal."""
+    force, length = results.column("force"), results.column(way)
+    if force is None or length is None:
         return None
     f_factor, f_unit = scale_of(force, "N")
-    d_factor, d_unit = scale_of(deflection, "m")
-    figure, axes = new_axes("Force and deflection", f"deflection [{d_unit}]", f"force [{f_unit}]", 3.2)
-    axes.plot(deflection / d_factor, force / f_factor, color=INK, **style_for(force))
+    l_factor, l_unit = scale_of(length, "m")
+    figure, axes = new_axes(f"Force and {way}", f"{way} [{l_unit}]", f"force [{f_unit}]", 3.2)
+    axes.plot(length / l_factor, force / f_factor, color=INK, **style_for(force))
     axes.margins(x=0.02)
     save(figure, path)
-    return "Mean force of both ends over the change of their distance, both positive in the sense of the test."
+    return "Mean force of both ends over " + caption
+
+
+def plot_deflection(results, path):
+    return plot_force_over(results, path, "deflection",
+                           "the change of their distance, both positive in the sense of the test.")
 
 
 def plot_forces(results, path):

@@ -22,6 +22,7 @@ class Column:
         self.value = np.asarray(dataset[()])
         self.unit = _text(dataset.attrs.get("unit", ""))
         self.text = _text(dataset.attrs.get("description", dataset.attrs.get("text", "")))
+        self.kind = _text(dataset.attrs.get("kind", ""))  # of a term of the ledger: stored, input, lost
         self.absent = _text(dataset.attrs.get("absent", ""))  # why there is no number
         error = np.asarray(dataset.attrs.get("error", np.nan), float).reshape(-1)  # of a reading: its error budget
         self.error = float(error[0]) if error.size else float("nan")

@@ -11,7 +11,7 @@ matplotlib.use("Agg")
 import matplotlib.pyplot as plt
 import numpy as np
 
-from report_curves import BLUE, GREY, INK, RED, abscissa, new_axes, save, style_for
+from report_curves import BLUE, GREY, INK, RED, abscissa, new_axes, plot_force_over, save, style_for
 from report_pictures import Specimen, Surface, cut, color_bar, draw_circles, panels, scale_bar
 from report_results import scale_of
 
@@ -62,15 +62,7 @@ def plot_confined(results, path):
 
 
 def plot_opening(results, path):
-    force, opening = results.column("force"), results.column("opening")
-    if force is None or opening is None:
-        return None
-    f_factor, f_unit = scale_of(force, "N")
-    o_factor, o_unit = scale_of(opening, "m")
-    figure, axes = new_axes("Force and opening", f"opening [{o_unit}]", f"force [{f_unit}]", 3.2)
-    axes.plot(opening / o_factor, force / f_factor, color=INK, **style_for(force))
-    save(figure, path)
-    return "Mean force of both ends over the opening of the gauge."
+    return plot_force_over(results, path, "opening", "the opening of the gauge.")
 
 
 def plot_centre(results, path):

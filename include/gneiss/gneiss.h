@@ -264,6 +264,26 @@ GNEISS_API gneiss_status gneiss_world_field_at(const gneiss_world *world, gneiss
  * NULL. For a first look; loops go faster over `data`. */
 GNEISS_API double gneiss_view_value(const gneiss_view *view, size_t item, size_t component);
 
+/* --- outputs -----------------------------------------------------------------------------------
+ */
+
+/* What results.h5 has of every particle, bond, node or element (docs/quantities.md): "damage",
+ * "stress", "coordination", "criterion", ... Of pairs and wall contacts there is none. By index in
+ * [0, gneiss_world_output_count): *what says name, unit, meaning, components and items, without
+ * data. GNEISS_ERROR_INPUT: no such output. */
+GNEISS_API size_t gneiss_world_output_count(const gneiss_world *world, gneiss_record record);
+GNEISS_API gneiss_status gneiss_world_output_at(const gneiss_world *world, gneiss_record record,
+                                                size_t index, gneiss_view *what,
+                                                gneiss_error *error);
+
+/* Finds one of the state as it is and writes it into values[items][components], `count` numbers in
+ * all; particles in the order of the specimen, nodes and elements in that of the mesh. Forces and
+ * stresses are those of the present positions. GNEISS_ERROR_INPUT: no such output, or another
+ * count. */
+GNEISS_API gneiss_status gneiss_world_output(const gneiss_world *world, gneiss_record record,
+                                             const char *name, double *values, size_t count,
+                                             gneiss_error *error);
+
 /* --- history, readings, energy -----------------------------------------------------------------
  */
 

@@ -242,11 +242,14 @@ static gneiss_status pick(const gneiss_quantity *all, size_t count, const char *
 
 enum { READINGS = GN_READING_COUNT, ENERGIES = GN_ENERGY_FIGURES };
 
-static void list_readings(const gneiss_world *world, gneiss_quantity out[READINGS]) {
-    gn_readings r = gn_run_readings(&world->run);
-#define X(name, unit, text) *out++ = (gneiss_quantity){#name, unit, text, r.name};
+static gneiss_status list_readings(const gneiss_world *world, gneiss_quantity out[READINGS],
+                                   gneiss_error *error) {
+    const gn_readings *r;
+    GN_TRY(gn_run_readings(&world->run, &r, error));
+#define X(name, unit, text) *out++ = (gneiss_quantity){#name, unit, text, r->name};
     GN_READINGS(X)
 #undef X
+    return GNEISS_OK;
 }
 
 static void list_energies(const gneiss_world *world, gneiss_quantity out[ENERGIES]) {
@@ -267,7 +270,7 @@ gneiss_status gneiss_world_reading(const gneiss_world *world, const char *name,
                                    gneiss_quantity *reading, gneiss_error *error) {
     gneiss_quantity all[READINGS];
     GN_TRY(gn_api_require(world, "world", error));
-    list_readings(world, all);
+    GN_TRY(list_readings(world, all, error));
     return pick(all, READINGS, name, reading, error);
 }
 
@@ -275,7 +278,7 @@ gneiss_status gneiss_world_reading_at(const gneiss_world *world, size_t index,
                                       gneiss_quantity *reading, gneiss_error *error) {
     gneiss_quantity all[READINGS];
     GN_TRY(gn_api_require(world, "world", error));
-    list_readings(world, all);
+    GN_TRY(list_readings(world, all, error));
     return pick_at(all, READINGS, index, reading, error);
 }
 

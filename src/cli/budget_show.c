@@ -3,7 +3,6 @@
 #include "run/budget.h"
 
 #include <math.h>
-#include <stdlib.h>
 #include <string.h>
 
 /* A prefix that keeps numbers near 1. */
@@ -38,22 +37,21 @@ static void print_notes(const gn_budget *b) {
     for (size_t k = 0; k < c->note_count; k++) printf("    note: %s\n", c->note[k]);
 }
 
-void gn_print_budget(const gn_run *run) {
-    if (run->world.scene.test.kind == GN_TEST_NONE) return;
-    gn_readings r = gn_run_readings(run);
-    gn_budget *b;
-    gneiss_error error;
-    if (gn_budget_create(&run->world, &run->history, &r, &b, &error) != GNEISS_OK) return;
+gneiss_status gn_print_budget(const gn_run *run, gneiss_error *error) {
+    const gn_readings *r;
+    const gn_budget *b;
+    if (run->world.scene.test.kind == GN_TEST_NONE) return GNEISS_OK;
+    GN_TRY(gn_run_readings(run, &r, error));
+    GN_TRY(gn_run_budget(run, &b, error));
     if (b->absent[0]) {
         printf("  error budget           %10s   %s\n", "-", b->absent);
-        free(b);
-        return;
+        return GNEISS_OK;
     }
     printf("  error budget, 95 of 100\n");
 #define X(name, unit, text)                                                                        \
-    if (b->of[GN_READING_##name].count) print_one(#name, unit, r.name, &b->of[GN_READING_##name]);
+    if (b->of[GN_READING_##name].count) print_one(#name, unit, r->name, &b->of[GN_READING_##name]);
     GN_READINGS(X)
 #undef X
     print_notes(b);
-    free(b);
+    return GNEISS_OK;
 }

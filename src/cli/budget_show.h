@@ -5,6 +5,6 @@
 #include "run/run.h"
 
 /* A line for each reading that has one; why there is none, if there is a test. */
-void gn_print_budget(const gn_run *run);
+gneiss_status gn_print_budget(const gn_run *run, gneiss_error *error);
 
 #endif

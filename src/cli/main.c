@@ -35,7 +35,7 @@ static void print_one_line(const char *json) {
 static gneiss_status finish(const gn_options *o, gn_run *run, gneiss_error *error) {
     gneiss_status status = gn_run_finish(run, error);
     if (status != GNEISS_OK) return status;
-    gn_print_summary(o, run);
+    GN_TRY(gn_print_summary(o, run, error));
     gn_print_warnings(run);
     if (o->json) {
         char path[GN_PATH_SIZE + 32], *text = NULL;

@@ -237,13 +237,14 @@ static void print_own_readings(const gn_readings *r, gn_test_kind kind) {
 #undef X
 }
 
-static void print_readings(const gn_run *run) {
-    gn_readings r = gn_run_readings(run);
+static gneiss_status print_readings(const gn_run *run, gneiss_error *error) {
+    const gn_readings *r;
     const gn_test_kind kind = run->world.scene.test.kind;
-    if (kind == GN_TEST_NONE) return;
+    if (kind == GN_TEST_NONE) return GNEISS_OK;
+    GN_TRY(gn_run_readings(run, &r, error));
 #define PRINT(label, name, factor, unit, note)                                                     \
     if (gn_reading_belongs(GN_READING_##name, kind))                                               \
-    print_reading(label, r.name *(factor), unit, note, r.reason[GN_READING_##name])
+    print_reading(label, r->name *(factor), unit, note, r->reason[GN_READING_##name])
     PRINT("Young's modulus", young_modulus, 1e-9, "GPa",
           "(1-50 % of the largest stress, platen strain)");
     PRINT("", young_modulus_average, 1e-9, "GPa", "(over the average strain)");
@@ -254,13 +255,14 @@ static void print_readings(const gn_run *run) {
     }
     PRINT("peak stress", peak_stress, 1e-6, "MPa", "");
     PRINT("strain at the peak", peak_strain, 100, "%", "");
-    if (isnan(r.peak_stress)) {
+    if (isnan(r->peak_stress)) {
         PRINT("largest stress so far", largest_stress, 1e-6, "MPa", "");
         PRINT("strain there", largest_strain, 100, "%", "");
     }
     PRINT("ends out of balance by", end_imbalance, 100, "%", "");
 #undef PRINT
-    print_own_readings(&r, kind);
+    print_own_readings(r, kind);
+    return GNEISS_OK;
 }
 
 static void print_profile(const gn_run *run) {
@@ -306,11 +308,11 @@ static void print_flow(const gn_run *run) {
 }
 
 /* What the run came to. */
-static void print_outcome(const gn_run *run) {
+static gneiss_status print_outcome(const gn_run *run, gneiss_error *error) {
     const gn_world *w = &run->world;
     gn_print_stages_done(run);
-    print_readings(run);
-    gn_print_budget(run);
+    GN_TRY(print_readings(run, error));
+    GN_TRY(gn_print_budget(run, error));
     if (w->effects & GN_FX_BONDS)
         printf("  bonds broken           %10lld in tension, %lld in shear, of %lld\n",
                (long long)w->dem.broken_tension, (long long)w->dem.broken_shear,
@@ -325,20 +327,22 @@ static void print_outcome(const gn_run *run) {
         printf("  energy residual        %10.2e   (of %.4g J)\n", gn_energy_residual(&w->reading),
                gn_energy_scale(&w->reading));
     printf("  state hash       %016llx\n", (unsigned long long)gn_world_hash(w));
+    return GNEISS_OK;
 }
 
-void gn_print_summary(const gn_options *o, const gn_run *run) {
+gneiss_status gn_print_summary(const gn_options *o, const gn_run *run, gneiss_error *error) {
     const gn_world *w = &run->world;
-    if (o->json) return;
+    if (o->json) return GNEISS_OK;
     if (!o->quiet)
         printf("\n%s after %lld steps (t = %.4g s)\n\n", run->stop_reason, (long long)w->step,
                w->time);
-    print_outcome(run);
-    if (o->quiet) return;
+    GN_TRY(print_outcome(run, error));
+    if (o->quiet) return GNEISS_OK;
     print_profile(run);
     printf("\nwritten to %s: results.h5, summary.json%s%s%s%s\n", run->directory,
            w->scene.has_specimen ? ", particles.hdf.series" : "",
            w->effects & GN_FX_BONDS ? ", bonds.hdf.series" : "",
            w->element_count ? ", elements.hdf.series" : "",
            w->scene.body_count ? ", bodies.hdf.series" : "");
+    return GNEISS_OK;
 }

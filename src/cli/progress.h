@@ -20,7 +20,7 @@ gneiss_status gn_print_beginning(const gn_options *options, gn_run *run, gneiss_
 void gn_print_first_break(const gn_world *world, const gn_first_break *b);
 
 /* Readings and counts, also when quiet, and the profile. */
-void gn_print_summary(const gn_options *options, const gn_run *run);
+gneiss_status gn_print_summary(const gn_options *options, const gn_run *run, gneiss_error *error);
 
 /* On standard error, also when quiet. */
 void gn_print_warnings(const gn_run *run);

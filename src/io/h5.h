@@ -44,6 +44,16 @@ gneiss_status gn_h5_attribute_f64(gn_h5 *file, const char *object, const char *n
 gneiss_status gn_h5_attribute_i64(gn_h5 *file, const char *object, const char *name,
                                   const int64_t *values, size_t count, gneiss_error *error);
 
+/* Several at once, each with one of the three. */
+typedef struct gn_h5_attribute {
+    const char *name, *text;
+    const double *number;
+    const int64_t *whole;
+    size_t count; /* of numbers; 0: one */
+} gn_h5_attribute;
+gneiss_status gn_h5_attributes(gn_h5 *file, const char *object, const gn_h5_attribute *list,
+                               size_t count, gneiss_error *error);
+
 /* Reading. Shapes are checked against what is expected and mismatches are GNEISS_ERROR_INPUT. */
 bool gn_h5_has(const gn_h5 *file, const char *name);
 gneiss_status gn_h5_rows(const gn_h5 *file, const char *name, size_t *rows, gneiss_error *error);

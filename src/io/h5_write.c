@@ -256,3 +256,18 @@ gneiss_status gn_h5_attribute_i64(gn_h5 *file, const char *object, const char *n
     return put_named_attribute(file, object, name, H5T_STD_I64LE, H5T_NATIVE_INT64, count, values,
                                error);
 }
+
+gneiss_status gn_h5_attributes(gn_h5 *file, const char *object, const gn_h5_attribute *list,
+                               size_t count, gneiss_error *error) {
+    for (size_t k = 0; k < count; k++) {
+        const gn_h5_attribute *a = &list[k];
+        const size_t numbers = a->count ? a->count : 1;
+        if (a->text)
+            GN_TRY(gn_h5_attribute_text(file, object, a->name, a->text, error));
+        else if (a->number)
+            GN_TRY(gn_h5_attribute_f64(file, object, a->name, a->number, numbers, error));
+        else
+            GN_TRY(gn_h5_attribute_i64(file, object, a->name, a->whole, numbers, error));
+    }
+    return GNEISS_OK;
+}

@@ -192,7 +192,8 @@ typedef struct couple_rows {
 } couple_rows;
 
 GN_INLINE void write_couples(const gn_contact_args *a, size_t c, couple_rows *out, variant w) {
-    gn_v3 m = rolls(w.law) ? load_roll(a, c, w) : load_moment(a, c, w);
+    const gn_contacts *k = a->contacts;
+    gn_v3 m = load_moment(a, rolls(w.law) ? COLUMN(k, roll) : COLUMN(k, moment), c, w);
     gn_v row[4] = {m.x, m.y, m.z, gn_set(0.0)};
     gn_store_rows4(out->row, row);
 }

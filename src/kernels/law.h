@@ -200,12 +200,33 @@ double gn_linear_touch(const gn_touch_step *step, const gn_touch_side *side, con
                        double *fd, double *shear, size_t stride, double t[3],
                        gn_contact_sums *sums);
 
-/* What the tables of laws share that are linear but for the strength of their bonds. */
-#define GN_LINEAR_FUNCTIONS                                                                        \
+/* What the tables of laws share that are linear but for the strength of their bonds; the second
+ * those whose contacts with walls are linear too. */
+#define GN_LINEAR_SPRINGS                                                                          \
     .derive = gn_linear_derive, .set_dashpot = gn_linear_set_dashpot,                              \
     .meeting = gn_linear_meeting, .spring = gn_linear_spring, .slips = gn_linear_slips,            \
-    .touch_spring = gn_linear_touch_spring, .touch_stored = gn_linear_touch_stored,                \
-    .touch = gn_linear_touch
+    .touch_spring = gn_linear_touch_spring, .touch_stored = gn_linear_touch_stored
+#define GN_LINEAR_FUNCTIONS GN_LINEAR_SPRINGS, .touch = gn_linear_touch
+
+/* Those of Hertz's law (law_hertz.c), and what the tables of laws with his springs share. */
+bool gn_hertz_derive(const gn_scene *scene, const gn_particles *particles, const int32_t (*pair)[2],
+                     size_t count, gn_derived *derived);
+void gn_hertz_set(const gn_law_model *model, const gn_law_pair *pair, gn_contacts *list, size_t c);
+void gn_hertz_set_dashpot(const gn_law_model *model, const gn_law_pair *pair, gn_contacts *list,
+                          size_t c);
+gn_law_spring gn_hertz_meeting(const gn_law_model *model, const gn_law_pair *pair, double overlap);
+gn_law_spring gn_hertz_spring(const gn_contacts *list, size_t c, double overlap);
+gn_law_held gn_hertz_held(const gn_contacts *list, size_t c, double length, double stretch);
+gn_law_spring gn_hertz_touch_spring(const gn_touch_side *side, double inverse_mass,
+                                    double damping_fraction, double overlap);
+double gn_hertz_touch_stored(const gn_touch_side *side, double normal, double shear2);
+double gn_hertz_touch(const gn_touch_step *step, const gn_touch_side *side, const gn_touch *touch,
+                      double *fd, double *shear, size_t stride, double t[3], gn_contact_sums *sums);
+#define GN_HERTZ_FUNCTIONS                                                                         \
+    .derive = gn_hertz_derive, .set_dashpot = gn_hertz_set_dashpot, .meeting = gn_hertz_meeting,   \
+    .spring = gn_hertz_spring, .held = gn_hertz_held, .release = gn_linear_release,                \
+    .criterion = gn_linear_criterion, .slips = gn_linear_slips,                                    \
+    .touch_spring = gn_hertz_touch_spring, .touch_stored = gn_hertz_touch_stored
 
 /* Of two materials (`b` NULL: a rigid wall) and what holds for them alone (NULL: nothing). */
 gn_hertz_pair gn_hertz_pair_of(const gn_scene *scene, const gn_material *a, const gn_material *b,

@@ -36,16 +36,18 @@ GN_INLINE beam_stiffness stiffness_of_beam(const gn_contact_args *a, size_t c, v
     return s;
 }
 
-GN_INLINE gn_v3 load_moment(const gn_contact_args *a, size_t c, variant w) {
-    const gn_real *at = COLUMN(a->contacts, moment) + c;
+/* Moments stand in three columns, the first of them `column`; in 2D the third alone counts. */
+GN_INLINE gn_v3 load_moment(const gn_contact_args *a, const gn_real *column, size_t c, variant w) {
+    const gn_real *at = column + c;
     uint64_t stride = a->contacts->soa.capacity;
     gn_v3 m = {gn_set(0.0), gn_set(0.0), gn_load(at + 2 * stride)};
     if (w.space) m = gn_load3(at, stride, 1);
     return m;
 }
 
-GN_INLINE void store_moment(const gn_contact_args *a, size_t c, gn_v3 m, variant w) {
-    gn_real *at = COLUMN(a->contacts, moment) + c;
+GN_INLINE void store_moment(const gn_contact_args *a, gn_real *column, size_t c, gn_v3 m,
+                            variant w) {
+    gn_real *at = column + c;
     uint64_t stride = a->contacts->soa.capacity;
     if (w.space)
         gn_store3(at, stride, m, 1);
@@ -104,7 +106,7 @@ GN_INLINE void beam_trial(const gn_contact_args *a, size_t c, const brief *from,
     linear_trial(a, c, from, g, w);
     if (!w.rotation) return;
     beam_stiffness k = stiffness_of_beam(a, c, w);
-    gn_v3 spin = relative_spin(a, c), m = load_moment(a, c, w);
+    gn_v3 spin = relative_spin(a, c), m = load_moment(a, COLUMN(a->contacts, moment), c, w);
     if (w.space) {
         gn_v q = mirror_factor(middle);
         beam_parts p = parts_turned(m, n, middle, q), r = turn_rate(spin, n, middle, q);
@@ -114,7 +116,7 @@ GN_INLINE void beam_trial(const gn_contact_args *a, size_t c, const brief *from,
     } else {
         m.z = gn_fma(k.bend * gn_set(a->dt), spin.z, m.z);
     }
-    store_moment(a, c, m, w);
+    store_moment(a, COLUMN(a->contacts, moment), c, m, w);
 }
 
 /* Coupled by squares: which reach their strength in this step, and of them those whose larger share
@@ -206,7 +208,7 @@ GN_INLINE contact_force beam_force(const gn_contact_args *a, size_t c, size_t en
                                    lane_sums *e, gn_contact_sums *sums, variant w) {
     if (!w.rotation) return linear_force(a, c, end, g, e, sums, w);
     const gn_v3 n = g->geometry.n;
-    gn_v3 moment = load_moment(a, c, w);
+    gn_v3 moment = load_moment(a, COLUMN(a->contacts, moment), c, w);
     beam_parts m = {moment, gn_set(0.0)};
     if (w.space) m = parts_of(moment, n);
     contact_state q = state_of(a, c, g, w);
@@ -220,7 +222,7 @@ GN_INLINE contact_force beam_force(const gn_contact_args *a, size_t c, size_t en
         }
         gn_v3 kept = {gn_keep(q.intact, moment.x), gn_keep(q.intact, moment.y),
                       gn_keep(q.intact, moment.z)};
-        store_moment(a, c, kept, w);
+        store_moment(a, COLUMN(a->contacts, moment), c, kept, w);
     }
     if (w.energy && a->measure)
         e->elastic_bending = e->elastic_bending +

@@ -76,13 +76,13 @@ static parameters parameters_of(const gn_law_model *m, const gn_law_pair *q) {
     return p;
 }
 
-static bool derive(const gn_scene *scene, const gn_particles *particles, const int32_t (*pair)[2],
-                   size_t count, gn_derived *derived) {
+bool gn_hertz_derive(const gn_scene *scene, const gn_particles *particles, const int32_t (*pair)[2],
+                     size_t count, gn_derived *derived) {
     (void)scene, (void)particles, (void)pair, (void)count, (void)derived;
     return true;
 }
 
-static void set(const gn_law_model *m, const gn_law_pair *pair, gn_contacts *list, size_t c) {
+void gn_hertz_set(const gn_law_model *m, const gn_law_pair *pair, gn_contacts *list, size_t c) {
     parameters p = parameters_of(m, pair);
     list->kn[c] = p.kn;
     if (list->kt) list->kt[c] = p.kt;
@@ -91,8 +91,8 @@ static void set(const gn_law_model *m, const gn_law_pair *pair, gn_contacts *lis
     if (list->lag) list->lag[c] = p.lag;
 }
 
-static void set_dashpot(const gn_law_model *m, const gn_law_pair *pair, gn_contacts *list,
-                        size_t c) {
+void gn_hertz_set_dashpot(const gn_law_model *m, const gn_law_pair *pair, gn_contacts *list,
+                          size_t c) {
     if (!list->cn) return;
     parameters p = parameters_of(m, pair);
     list->cn[c] = p.cn;
@@ -105,13 +105,13 @@ static void set_dashpot(const gn_law_model *m, const gn_law_pair *pair, gn_conta
 
 /* S_n (1/m_i + 1/m_j) at a given overlap over x = r_i/r_j goes with sqrt(x/(1 + x)) (A/x^3 + B),
  * which falls and then rises. */
-static gn_law_spring meeting(const gn_law_model *m, const gn_law_pair *pair, double overlap) {
+gn_law_spring gn_hertz_meeting(const gn_law_model *m, const gn_law_pair *pair, double overlap) {
     parameters p = parameters_of(m, pair);
     double root = sqrt(overlap);
     return (gn_law_spring){p.kn * root, p.mu > 0.0 ? p.kt * root : 0.0, p.cn * sqrt(p.kn * root)};
 }
 
-static gn_law_spring spring(const gn_contacts *list, size_t c, double overlap) {
+gn_law_spring gn_hertz_spring(const gn_contacts *list, size_t c, double overlap) {
     double most = list->most[c], root = sqrt(most > 0.0 ? most : overlap);
     double kn = list->kn[c] * root;
     return (gn_law_spring){kn, list->mu && list->mu[c] > 0.0 ? list->kt[c] * root : 0.0,
@@ -125,7 +125,7 @@ static double value_of(const double *column, const float *single, size_t at) {
     return column ? column[at] : single ? (double)single[at] : 0.0;
 }
 
-static gn_law_held held(const gn_contacts *list, size_t c, double length, double stretch) {
+gn_law_held gn_hertz_held(const gn_contacts *list, size_t c, double length, double stretch) {
     double shear2 = 0.0, overlap = stretch < -GN_OVERLAP_ROUNDING * length ? -stretch : 0.0;
     gn_hertz_press p = gn_hertz_normal(list->kn[c], overlap);
     gn_law_held h = {.normal = p.normal, .viscous = value_of(list->fd, list->fd_f, c)};
@@ -147,15 +147,15 @@ static double kt_of(const gn_touch_side *s) {
     return 8.0 * s->hertz.shear_modulus * sqrt(s->radius);
 }
 
-static gn_law_spring touch_spring(const gn_touch_side *side, double inverse_mass,
-                                  double damping_fraction, double overlap) {
+gn_law_spring gn_hertz_touch_spring(const gn_touch_side *side, double inverse_mass,
+                                    double damping_fraction, double overlap) {
     (void)damping_fraction; /* every pair has its own */
     double root = sqrt(overlap), kn = kn_of(side) * root;
     double kt = side->hertz.friction > 0.0 ? kt_of(side) * root : 0.0;
     return (gn_law_spring){kn, kt, side->hertz.damping * sqrt(kn / inverse_mass)};
 }
 
-static double touch_stored(const gn_touch_side *side, double normal, double shear2) {
+double gn_hertz_touch_stored(const gn_touch_side *side, double normal, double shear2) {
     double kn = kn_of(side), overlap = cbrt(pow(1.5 * fabs(normal) / kn, 2.0));
     double kt = kt_of(side) * sqrt(overlap);
     return 0.4 * fabs(normal) * overlap + (shear2 > 0.0 && kt > 0.0 ? 0.5 * shear2 / kt : 0.0);
@@ -203,8 +203,9 @@ static double touch_shear(const gn_touch_step *step, const gn_touch_side *side, 
     return gn_hertz_lost(before, now, way, past, closeness, kt, 1);
 }
 
-static double touch(const gn_touch_step *step, const gn_touch_side *side, const gn_touch *s,
-                    double *fd, double *shear, size_t stride, double t[3], gn_contact_sums *sums) {
+double gn_hertz_touch(const gn_touch_step *step, const gn_touch_side *side, const gn_touch *s,
+                      double *fd, double *shear, size_t stride, double t[3],
+                      gn_contact_sums *sums) {
     double overlap = s->gap < -s->rounding ? -s->gap : 0.0;
     gn_hertz_press p = gn_hertz_normal(kn_of(side), overlap);
     double total = p.normal, elastic = gn_hertz_stored(p.normal, overlap);
@@ -225,15 +226,4 @@ static double touch(const gn_touch_step *step, const gn_touch_side *side, const 
     return total;
 }
 
-const gn_law gn_law_hertz = {.derive = derive,
-                             .set = set,
-                             .set_dashpot = set_dashpot,
-                             .meeting = meeting,
-                             .spring = spring,
-                             .held = held,
-                             .release = gn_linear_release,
-                             .criterion = gn_linear_criterion,
-                             .slips = gn_linear_slips,
-                             .touch_spring = touch_spring,
-                             .touch_stored = touch_stored,
-                             .touch = touch};
+const gn_law gn_law_hertz = {GN_HERTZ_FUNCTIONS, .set = gn_hertz_set, .touch = gn_hertz_touch};

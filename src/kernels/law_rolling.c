@@ -26,7 +26,7 @@ static void set_linear(const gn_law_model *m, const gn_law_pair *pair, gn_contac
 }
 
 static void set_hertz(const gn_law_model *m, const gn_law_pair *pair, gn_contacts *list, size_t c) {
-    gn_law_hertz.set(m, pair, list, c);
+    gn_hertz_set(m, pair, list, c);
     add_roll(pair, list, c);
 }
 
@@ -119,7 +119,7 @@ static double touch_hertz(const gn_touch_step *step, const gn_touch_side *side,
                           const gn_touch *touch, double *fd, double *shear, size_t stride,
                           double t[3], gn_contact_sums *sums) {
     double past = touch->closeness ? *touch->closeness : 0.0;
-    double total = gn_law_hertz.touch(step, side, touch, fd, shear, stride, t, sums);
+    double total = gn_hertz_touch(step, side, touch, fd, shear, stride, t, sums);
     double root = touch->gap < -touch->rounding ? sqrt(-touch->gap) : 0.0;
     grip g = {8.0 * side->hertz.shear_modulus * sqrt(side->radius), root, past,
               root > 0.0 ? 1.0 / root : 0.0};
@@ -128,54 +128,12 @@ static double touch_hertz(const gn_touch_step *step, const gn_touch_side *side,
     return total;
 }
 
-static gn_law_spring hertz_meeting(const gn_law_model *m, const gn_law_pair *p, double overlap) {
-    return gn_law_hertz.meeting(m, p, overlap);
-}
-static gn_law_spring hertz_spring(const gn_contacts *list, size_t c, double overlap) {
-    return gn_law_hertz.spring(list, c, overlap);
-}
-static gn_law_held hertz_held(const gn_contacts *list, size_t c, double length, double stretch) {
-    return gn_law_hertz.held(list, c, length, stretch);
-}
-static bool hertz_derive(const gn_scene *s, const gn_particles *q, const int32_t (*pair)[2],
-                         size_t count, gn_derived *derived) {
-    return gn_law_hertz.derive(s, q, pair, count, derived);
-}
-static void hertz_dashpot(const gn_law_model *m, const gn_law_pair *pair, gn_contacts *list,
-                          size_t c) {
-    gn_law_hertz.set_dashpot(m, pair, list, c);
-}
-static gn_law_spring hertz_touch_spring(const gn_touch_side *side, double inverse_mass,
-                                        double damping_fraction, double overlap) {
-    return gn_law_hertz.touch_spring(side, inverse_mass, damping_fraction, overlap);
-}
-static double hertz_touch_stored(const gn_touch_side *side, double normal, double shear2) {
-    return gn_law_hertz.touch_stored(side, normal, shear2);
-}
-
-const gn_law gn_law_rolling = {.derive = gn_linear_derive,
+const gn_law gn_law_rolling = {GN_LINEAR_SPRINGS,
                                .set = set_linear,
-                               .set_dashpot = gn_linear_set_dashpot,
-                               .meeting = gn_linear_meeting,
-                               .spring = gn_linear_spring,
                                .held = gn_linear_held,
                                .release = gn_linear_release,
                                .criterion = gn_linear_criterion,
-                               .slips = gn_linear_slips,
-                               .touch_spring = gn_linear_touch_spring,
-                               .touch_stored = gn_linear_touch_stored,
                                .touch = touch_linear,
                                .moments = linear_moments};
-const gn_law gn_law_hertz_rolling = {.derive = hertz_derive,
-                                     .set = set_hertz,
-                                     .set_dashpot = hertz_dashpot,
-                                     .meeting = hertz_meeting,
-                                     .spring = hertz_spring,
-                                     .held = hertz_held,
-                                     .release = gn_linear_release,
-                                     .criterion = gn_linear_criterion,
-                                     .slips = gn_linear_slips,
-                                     .touch_spring = hertz_touch_spring,
-                                     .touch_stored = hertz_touch_stored,
-                                     .touch = touch_hertz,
+const gn_law gn_law_hertz_rolling = {GN_HERTZ_FUNCTIONS, .set = set_hertz, .touch = touch_hertz,
                                      .moments = hertz_moments};

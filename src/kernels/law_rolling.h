@@ -17,23 +17,6 @@
 #include "kernels/law_beam.h"
 #include "kernels/law_hertz.h"
 
-GN_INLINE gn_v3 load_roll(const gn_contact_args *a, size_t c, variant w) {
-    const gn_real *at = COLUMN(a->contacts, roll) + c;
-    uint64_t stride = a->contacts->soa.capacity;
-    gn_v3 m = {gn_set(0.0), gn_set(0.0), gn_load(at + 2 * stride)};
-    if (w.space) m = gn_load3(at, stride, 1);
-    return m;
-}
-
-GN_INLINE void store_roll(const gn_contact_args *a, size_t c, gn_v3 m, variant w) {
-    gn_real *at = COLUMN(a->contacts, roll) + c;
-    uint64_t stride = a->contacts->soa.capacity;
-    if (w.space)
-        gn_store3(at, stride, m, 1);
-    else
-        gn_store(at + 2 * stride, m.z);
-}
-
 /* How far the tangential spring is pressed: k_t times `root`, `past` and `now` its inverse in the
  * last step and in this one; of the linear law all 1. */
 typedef struct roll_grip {
@@ -49,7 +32,7 @@ typedef struct roll_step {
 GN_INLINE roll_step roll_step_of(const gn_contact_args *a, size_t c, const stage *g, variant w) {
     const gn_v zero = gn_set(0.0), dt = gn_set(a->dt);
     const gn_v3 n = g->geometry.n, none = {zero, zero, zero};
-    const gn_v3 old = load_roll(a, c, w), spin = relative_spin(a, c);
+    const gn_v3 old = load_moment(a, COLUMN(a->contacts, roll), c, w), spin = relative_spin(a, c);
     roll_step s = {{old, zero}, {none, zero}};
     if (!w.space) {
         s.way.bend.z = dt * spin.z;
@@ -100,7 +83,7 @@ GN_INLINE void roll(const gn_contact_args *a, size_t c, const stage *g, gn_v pre
             e->elastic_bending =
                 e->elastic_bending + gn_set(0.5) * both * grip.now / gn_max(kr, gn_set(GN_TINY));
     }
-    store_roll(a, c, w.space ? gn_axpy(bend, twist, g->geometry.n, 1) : bend, w);
+    store_moment(a, COLUMN(k, roll), c, w.space ? gn_axpy(bend, twist, g->geometry.n, 1) : bend, w);
 }
 
 /* Of a dashpot that pulls nothing is left to press. */

@@ -17,6 +17,9 @@
  * computed from the points themselves. */
 static char delaunay_command[] = "qhull d Qt Qbb Qc Qz Q12";
 static char hull_command[] = "qhull FA";
+/* Qc keeps the points that fall on a facet, where U says how near that is. */
+static char faces_command[] = "qhull FA Qc U1e-9";
+static const double clear_of_faces = 1e-9;
 
 /* Below this height over extent the points count as lying on a plane: Qhull's own limit is
  * round-off. */
@@ -171,6 +174,63 @@ gneiss_status gn_delaunay(const double *points, size_t count, int dimension,
 void gn_triangulation_free(gn_triangulation *triangulation) {
     gn_free(triangulation->vertex);
     *triangulation = (gn_triangulation){.dimension = triangulation->dimension};
+}
+
+/* --- hulls --- */
+
+/* Whether a facet is a simplex with no other point on it, and its neighbours lie clear of its
+ * plane. */
+static bool is_clear(qhT *qh, facetT *facet, int dimension) {
+    facetT *neighbor, **neighborp;
+    vertexT *vertex, **vertexp;
+    if (!facet->simplicial || facet->coplanarset) return false;
+    if (qh_setsize(qh, facet->vertices) != dimension) return false;
+    FOREACHneighbor_(facet) FOREACHvertex_(neighbor->vertices) {
+        realT above;
+        if (qh_setin(facet->vertices, vertex)) continue;
+        qh_distplane(qh, vertex->point, facet, &above);
+        if (!(above < -clear_of_faces)) return false;
+    }
+    return true;
+}
+
+static gneiss_status take_faces(qhT *qh, int dimension, gn_triangulation *t, gneiss_error *error) {
+    facetT *facet;
+    vertexT *vertex, **vertexp;
+    size_t count = 0, clear = 0;
+    FORALLfacets {
+        count++;
+        clear += is_clear(qh, facet, dimension);
+    }
+    if (clear < count) return GNEISS_OK;
+    t->vertex = gn_alloc_array(count * (size_t)dimension, sizeof *t->vertex);
+    if (!t->vertex) return gn_fail(error, GNEISS_ERROR_MEMORY, "no memory for %zu faces", count);
+    FORALLfacets {
+        int32_t *corner = t->vertex + t->count++ * (size_t)dimension;
+        FOREACHvertex_(facet->vertices) *corner++ = qh_pointid(qh, vertex->point);
+    }
+    return GNEISS_OK;
+}
+
+gneiss_status gn_hull_faces(const double *points, size_t count, int dimension,
+                            gn_triangulation *faces, double *volume, gneiss_error *error) {
+    *faces = (gn_triangulation){.dimension = dimension};
+    double *copy = NULL, unit;
+    GN_TRY(normalised(points, count, dimension, &copy, &unit, error));
+    qhull_run s;
+    gneiss_status status = GNEISS_OK;
+    if (!is_flat(copy, count, dimension)) {
+        status = qhull_open(&s, error);
+        if (status == GNEISS_OK) {
+            status = qhull_run_command(&s, faces_command, copy, count, dimension, error);
+            if (status == GNEISS_OK) status = take_faces(s.qh, dimension, faces, error);
+            *volume = s.qh->totvol * (dimension == 3 ? unit * unit * unit : unit * unit);
+            qhull_close(&s);
+        }
+    }
+    gn_free(copy);
+    if (status != GNEISS_OK) gn_triangulation_free(faces);
+    return status;
 }
 
 gneiss_status gn_hull_volume(const double *points, size_t count, int dimension, double *volume,

@@ -23,6 +23,13 @@ gneiss_status gn_delaunay(const double *points, size_t count, int dimension,
                           gn_triangulation *triangulation, gneiss_error *error);
 void gn_triangulation_free(gn_triangulation *triangulation);
 
+/* The faces of the convex hull (2D: edges), [count][dimension] corners each, in no order, where
+ * they are the outside of the triangulation beyond doubt: none of the other points lies on one, and
+ * no two of them in a plane, to within 1e-9 of the extent. Else, as for lattices, count 0 and
+ * GNEISS_OK. Some ten times as fast as a triangulation of 1e5 points. `volume`: of the hull. */
+gneiss_status gn_hull_faces(const double *points, size_t count, int dimension,
+                            gn_triangulation *faces, double *volume, gneiss_error *error);
+
 /* Volume (area) of the convex hull; 0 where gn_delaunay gives no simplices. */
 gneiss_status gn_hull_volume(const double *points, size_t count, int dimension, double *volume,
                              gneiss_error *error);

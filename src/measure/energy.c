@@ -50,11 +50,12 @@ double gn_energy_residual(const gn_energy *energy) {
 }
 
 void gn_energy_figures(const gn_energy *e, gn_energy_figure figures[GN_ENERGY_FIGURES]) {
-#define X(name, kind, text) {#name, "J", text, e->name},
+    static const char STORED[] = "stored", INPUT[] = "input", LOST[] = "lost";
+#define X(name, kind, text) {#name, "J", text, kind, e->name},
     const gn_energy_figure all[] = {
-        GN_ENERGY_TERMS(X){"stored_at_start", "J", "stored energy at the start",
+        GN_ENERGY_TERMS(X){"stored_at_start", "J", "stored energy at the start", NULL,
                            e->stored_at_start},
-        {"residual", "1", GN_ENERGY_RESIDUAL_TEXT, gn_energy_residual(e)}};
+        {"residual", "1", GN_ENERGY_RESIDUAL_TEXT, NULL, gn_energy_residual(e)}};
 #undef X
     _Static_assert(sizeof all / sizeof *all == GN_ENERGY_FIGURES, "all of them");
     memcpy(figures, all, sizeof all);

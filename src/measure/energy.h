@@ -50,6 +50,7 @@ typedef enum gn_half { GN_HALF_BEFORE, GN_HALF_AFTER } gn_half;
     "what the ledger does not explain, over the energy that has gone through"
 typedef struct gn_energy_figure {
     const char *name, *unit, *text;
+    const char *kind; /* "stored", "input", "lost"; NULL: of the whole ledger */
     double value;
 } gn_energy_figure;
 #define GN_COUNT_ONE(...) +1

@@ -35,7 +35,6 @@ typedef struct gn_strain_gauge {
     int32_t *id;    /* [count] particle ids with a non-zero weight */
     double *weight; /* [count][3], 1/m */
     double volume;  /* of the triangulation, m3 (m2 in 2D, per unit thickness) */
-    size_t simplices;
 } gn_strain_gauge;
 
 /* Triangulates `particles->start`. Fewer than dimension + 1 particles or all on a plane (line):

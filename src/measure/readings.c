@@ -2,14 +2,10 @@
 #include "measure/readings.h"
 
 #include <math.h>
-#include <stdarg.h>
 #include <stddef.h>
 #include <stdio.h>
 #include <string.h>
 
-/* A stress is a peak once it has fallen by this share: more than what vibrations and single bonds
- * take off a rising curve. */
-static const double fall = 0.05;
 /* Other stresses that grow by the share k of the axial one leave (nu - k (1 - nu))/(1 - 2 nu k) to
  * be read as nu and E/(1 - 2 nu k) as E. Rough ends do that: k is 0.03 in a cylinder twice as high
  * as wide between glued ends, 0.075 in a cube (nu 0.2: 0.14 is read, and 1.03 E). */
@@ -20,17 +16,6 @@ static const double beside_modulus = 0.1, beside_ratio = 0.05;
 /* Reasons show 0 without a sign. */
 static double unsigned_zero(double x) {
     return x == 0 ? 0 : x;
-}
-
-char *gn_reason_of(gn_readings *r, gn_reading which) {
-    return r->reason[which];
-}
-
-void gn_reading_absent(gn_readings *r, gn_reading which, const char *format, ...) {
-    va_list args;
-    va_start(args, format);
-    if (!gn_reason_of(r, which)[0]) vsnprintf(gn_reason_of(r, which), GN_REASON_SIZE, format, args);
-    va_end(args);
 }
 
 static void all_absent(gn_readings *r, const char *reason) {
@@ -88,20 +73,6 @@ static gn_row_span loading_span(const double *stress, size_t largest) {
     return s;
 }
 
-gn_line_fit gn_line(const double *x, const double *y, gn_row_span s) {
-    if (!x || !y || s.last - s.first < 3) return (gn_line_fit){NAN, NAN};
-    double n = (double)(s.last - s.first), mean_x = 0, mean_y = 0, xx = 0, xy = 0, yy = 0;
-    for (size_t k = s.first; k < s.last; k++) mean_x += x[k] / n, mean_y += y[k] / n;
-    for (size_t k = s.first; k < s.last; k++) {
-        xx += (x[k] - mean_x) * (x[k] - mean_x);
-        xy += (x[k] - mean_x) * (y[k] - mean_y);
-        yy += (y[k] - mean_y) * (y[k] - mean_y);
-    }
-    if (!(xx > 0)) return (gn_line_fit){NAN, NAN};
-    double slope = xy / xx;
-    return (gn_line_fit){slope, sqrt(fmax(0, yy - slope * xy) / (n - 2) / xx)};
-}
-
 /* --- what the scene lets be read --- */
 
 /* Slope of a mean stress of the specimen over that of the test. */
@@ -156,23 +127,6 @@ static void need_ways_or_stress(const gn_curves *c, gn_reading which, gn_reading
     int axis = c->tested->axis;
     double along = c->tested->sign * follows(c, axis, axis);
     if (!(fabs(along - 1) <= beside_modulus)) need_ways(c, which, r);
-}
-
-void gn_need_rows(const gn_curves *c, gn_reading which, gn_readings *r) {
-    size_t rows = c->loading.last - c->loading.first;
-    if (rows < 3)
-        gn_reading_absent(
-            r, which,
-            "%zu history row%s between 1 and 50 %% of the largest stress, 3 are needed "
-            "(output.history_rows)",
-            rows, rows == 1 ? "" : "s");
-}
-
-void gn_need_modulus(gn_line_fit f, gn_reading which, gn_readings *r) {
-    if (f.slope <= 0) gn_reading_absent(r, which, "the stress falls while the strain grows");
-    if (f.error > gn_scatter_allowed * f.slope)
-        gn_reading_absent(r, which, "the rows scatter: standard error of the slope %.0f %%",
-                          100 * f.error / f.slope);
 }
 
 /* --- readings --- */
@@ -257,22 +211,6 @@ static void read_plane(const gn_curves *c, gn_readings *r) {
         gn_reading_absent(r, modulus, "no plane strain shows a ratio of %.3g", r->poisson_ratio);
     if (nu < -1)
         gn_reading_absent(r, ratio, "no plane strain shows a ratio of %.3g", r->poisson_ratio);
-}
-
-static double last_of(const gn_history *history, const char *name) {
-    const double *column = gn_history_column(history, name);
-    return column ? column[history->row_count - 1] : NAN;
-}
-
-const char *gn_no_peak(const gn_curves *c) {
-    double least = c->stress[c->largest];
-    for (size_t k = c->largest; k < c->history->row_count; k++) least = fmin(least, c->stress[k]);
-    if (c->tested->elastic) return "finite elements do not fail";
-    if (last_of(c->history, "broken_tension") + last_of(c->history, "broken_shear") == 0)
-        return "no bond has broken";
-    if (least > (1 - fall) * c->stress[c->largest])
-        return "the run ended before the peak: the stress has not fallen by 5 % from its largest";
-    return NULL;
 }
 
 static void read_peak(const gn_curves *c, gn_readings *r) {

@@ -1,4 +1,4 @@
-/* What the files of the readings share. */
+/* What the files of the readings share (readings_curves.c). */
 #ifndef GN_MEASURE_READINGS_H
 #define GN_MEASURE_READINGS_H
 

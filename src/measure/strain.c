@@ -266,11 +266,63 @@ static gneiss_status gauge_fill(const gn_triangulation *t, const double *points,
         status = gn_fail(error, GNEISS_ERROR_MEMORY, "no memory for %zu weights", 3 * count);
     else
         gauge->volume = add_faces(faces, face_count, points, t->dimension, weight);
-    gauge->simplices = t->count;
     if (status == GNEISS_OK) status = check_tiling(t, points, count, gauge->volume, error);
     if (status == GNEISS_OK) status = take_weights(weight, count, order, gauge, error);
     gn_free(weight);
     gn_free(faces);
+    return status;
+}
+
+/* --- by the hull --- */
+
+/* Seen from outside; `inside` is a point of the hull. */
+static int32_t outward(const double *points, const int32_t *corner, int dimension,
+                       const double inside[3]) {
+    double area[3], along = 0.0;
+    area_vector(points, corner, dimension, area);
+    for (int a = 0; a < dimension; a++)
+        along += area[a] * (points[(size_t)corner[0] * dimension + a] - inside[a]);
+    return along < 0.0 ? -1 : 1;
+}
+
+/* Weights of the faces of the hull, in the order in which those of a triangulation come. */
+static gneiss_status weigh_hull(const gn_triangulation *hull, const double *points, size_t count,
+                                double *weight, double *volume, gneiss_error *error) {
+    const int dimension = hull->dimension;
+    double inside[3] = {0};
+    face *faces = gn_alloc_array(hull->count, sizeof *faces);
+    if (!faces) return gn_fail(error, GNEISS_ERROR_MEMORY, "no memory for %zu faces", hull->count);
+    for (size_t k = 0; k < count * (size_t)dimension; k++)
+        inside[k % (size_t)dimension] += points[k] / (double)count;
+    for (size_t f = 0; f < hull->count; f++) {
+        const int32_t *corner = hull->vertex + f * (size_t)dimension;
+        faces[f] = sorted_face(corner, dimension, outward(points, corner, dimension, inside));
+    }
+    qsort(faces, hull->count, sizeof *faces, compare_faces);
+    *volume = add_faces(faces, hull->count, points, dimension, weight);
+    gn_free(faces);
+    return GNEISS_OK;
+}
+
+/* Where the outside of the triangulation is the hull beyond doubt, its faces give the same weights
+ * in a small part of the time. *found: whether they do; else a triangulation has to tell. */
+static gneiss_status gauge_by_hull(const double *points, size_t count, int dimension,
+                                   const numbered *order, gn_strain_gauge *gauge, bool *found,
+                                   gneiss_error *error) {
+    gn_triangulation hull;
+    gneiss_error why;
+    double volume = 0.0;
+    gneiss_status status = gn_hull_faces(points, count, dimension, &hull, &volume, &why);
+    *found = false;
+    if (status == GNEISS_ERROR_MEMORY) return gn_fail(error, status, "%s", why.message);
+    if (status != GNEISS_OK || !hull.count) return GNEISS_OK;
+    double *weight = gn_alloc_array(3 * count, sizeof *weight);
+    status = weight ? weigh_hull(&hull, points, count, weight, &gauge->volume, error)
+                    : gn_fail(error, GNEISS_ERROR_MEMORY, "no memory for %zu weights", 3 * count);
+    *found = fabs(gauge->volume - volume) <= tiling_tolerance * volume;
+    if (status == GNEISS_OK && *found) status = take_weights(weight, count, order, gauge, error);
+    gn_free(weight);
+    gn_triangulation_free(&hull);
     return status;
 }
 
@@ -283,7 +335,11 @@ gneiss_status gn_strain_gauge_create(const gn_particles *particles, int dimensio
     numbered *order = NULL;
     size_t count;
     gneiss_status status = reference_points(particles, dimension, &points, &order, &count, error);
-    if (status == GNEISS_OK) status = gn_delaunay(points, count, dimension, &triangulation, error);
+    bool found = false;
+    if (status == GNEISS_OK)
+        status = gauge_by_hull(points, count, dimension, order, gauge, &found, error);
+    if (status == GNEISS_OK && !found)
+        status = gn_delaunay(points, count, dimension, &triangulation, error);
     if (status == GNEISS_OK && triangulation.count > 0)
         status = gauge_fill(&triangulation, points, count, order, gauge, error);
     gn_triangulation_free(&triangulation);

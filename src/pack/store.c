@@ -13,17 +13,19 @@
 
 static gneiss_status put_attributes(gn_h5 *file, const gn_scene *scene, const gn_pack_result *r,
                                     gneiss_error *error) {
-    const int64_t whole[] = {scene->dimension, (int64_t)scene->seed, (int64_t)r->packing.count,
-                             r->in_time};
-    const char *const names[] = {"dimension", "seed", "particles", "in_time"};
-    GN_TRY(gn_h5_attribute_text(file, "/", "kind", "packing", error));
-    GN_TRY(gn_h5_attribute_text(file, "/", "version", gn_version(), error));
-    GN_TRY(gn_h5_attribute_text(file, "/", "build", gn_build(), error));
-    GN_TRY(gn_h5_attribute_text(file, "/", "title", scene->title, error));
-    for (size_t k = 0; k < sizeof whole / sizeof *whole; k++)
-        GN_TRY(gn_h5_attribute_i64(file, "/", names[k], &whole[k], 1, error));
-    GN_TRY(gn_h5_attribute_f64(file, "/", "volume", &r->volume, 1, error));
-    return gn_h5_attribute_f64(file, "/", "seconds", &r->seconds, 1, error);
+    const int64_t seed = (int64_t)scene->seed, count = (int64_t)r->packing.count,
+                  in_time = r->in_time;
+    const gn_h5_attribute list[] = {{"kind", .text = "packing"},
+                                    {"version", .text = gn_version()},
+                                    {"build", .text = gn_build()},
+                                    {"title", .text = scene->title},
+                                    {"dimension", .whole = &scene->dimension},
+                                    {"seed", .whole = &seed},
+                                    {"particles", .whole = &count},
+                                    {"in_time", .whole = &in_time},
+                                    {"volume", .number = &r->volume},
+                                    {"seconds", .number = &r->seconds}};
+    return gn_h5_attributes(file, "/", list, sizeof list / sizeof *list, error);
 }
 
 static gneiss_status put_particles(gn_h5 *file, const gn_packing *p, gneiss_error *error) {

@@ -48,9 +48,6 @@ static int by_size(const void *a, const void *b) {
 /* Median over the second half of the way up to the largest stress: at its start waves are all that
  * there is. */
 static gneiss_status kinetic_share(const gn_history *h, double *found, gneiss_error *error) {
-    static const char *const elastic[] = {"energy_elastic_normal", "energy_elastic_shear",
-                                          "energy_elastic_bending", "energy_elastic_wall",
-                                          "energy_elastic_elements"};
     const double *stress = gn_history_column(h, "stress"),
                  *kinetic = gn_history_column(h, "energy_kinetic");
     *found = NAN;
@@ -60,10 +57,9 @@ static gneiss_status kinetic_share(const gn_history *h, double *found, gneiss_er
     if (!share) return gn_fail(error, GNEISS_ERROR_MEMORY, "no memory for the error budget");
     for (size_t k = 0; k < count; k++) {
         double stored = 0.0;
-        for (size_t e = 0; e < sizeof elastic / sizeof *elastic; e++) {
-            const double *column = gn_history_column(h, elastic[e]);
-            stored += column ? column[first + k] : 0.0;
-        }
+        for (size_t c = 0; c < h->column_count; c++)
+            if (strncmp(h->columns[c].name, "energy_elastic_", 15) == 0)
+                stored += h->columns[c].value[first + k];
         share[k] = stored > 0.0 ? kinetic[first + k] / stored : 0.0;
     }
     qsort(share, count, sizeof *share, by_size);

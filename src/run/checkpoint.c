@@ -5,6 +5,7 @@
 #include "io/checkpoint_files.h"
 #include "io/h5.h"
 #include "run/checkpoint_internal.h"
+#include "run/parts.h"
 #include "run/run.h"
 #include "sim/coupling.h"
 #include "sim/internal.h"
@@ -129,23 +130,19 @@ static gneiss_status put_stages(const gn_world *w, gn_h5 *file, gneiss_error *er
 
 static gneiss_status put_all(const gn_run *run, gn_h5 *file, gneiss_error *error) {
     const gn_world *w = &run->world;
-    int64_t format = FORMAT, bonds = (int64_t)w->dem.bonds.soa.effects,
-            pairs = (int64_t)w->dem.pairs.soa.effects;
-    uint64_t hash = gn_world_hash(w);
-    GN_TRY(gn_h5_attribute_i64(file, "/", "format", &format, 1, error));
-    GN_TRY(gn_h5_attribute_i64(file, "/", "state_hash", (const int64_t *)&hash, 1, error));
-    GN_TRY(gn_h5_attribute_i64(file, "/", "bond_effects", &bonds, 1, error));
-    GN_TRY(gn_h5_attribute_i64(file, "/", "pair_effects", &pairs, 1, error));
-    GN_TRY(gn_h5_attribute_text(file, "/", "version", gn_version(), error));
-    GN_TRY(gn_h5_attribute_text(file, "/", "scene_file", w->scene.source, error));
-    char *scene = gn_scene_write(&w->given);
-    if (!scene) return gn_fail(error, GNEISS_ERROR_MEMORY, "no memory for the scene text");
-    gneiss_status status = gn_h5_put_text(file, "scene", scene, error);
-    free(scene);
-    GN_TRY(status);
-    gn_progress progress = gn_run_progress(run);
-    GN_TRY(gn_h5_attribute_f64(file, "/", "seconds", &progress.seconds, 1, error));
-    GN_TRY(gn_h5_attribute_f64(file, "/", "cpu_seconds", &progress.cpu_seconds, 1, error));
+    const int64_t format = FORMAT, bonds = (int64_t)w->dem.bonds.soa.effects,
+                  pairs = (int64_t)w->dem.pairs.soa.effects, hash = (int64_t)gn_world_hash(w);
+    const gn_progress progress = gn_run_progress(run);
+    const gn_h5_attribute list[] = {{"format", .whole = &format},
+                                    {"state_hash", .whole = &hash},
+                                    {"bond_effects", .whole = &bonds},
+                                    {"pair_effects", .whole = &pairs},
+                                    {"version", .text = gn_version()},
+                                    {"scene_file", .text = w->scene.source},
+                                    {"seconds", .number = &progress.seconds},
+                                    {"cpu_seconds", .number = &progress.cpu_seconds}};
+    GN_TRY(gn_h5_attributes(file, "/", list, sizeof list / sizeof *list, error));
+    GN_TRY(gn_scene_results(w, file, error));
     GN_TRY(put_stages(w, file, error));
     gn_strain_gauge gauge = w->gauge; /* list_gauge hands out places to fill */
     gn_checkpoint_array arrays[GAUGE_ARRAYS];
@@ -189,7 +186,7 @@ static gneiss_status get_gauge(gn_world *w, const gn_h5 *file, gneiss_error *err
 }
 
 static gneiss_status get_history(gn_run *run, const gn_h5 *file, gneiss_error *error) {
-    GN_TRY(gn_history_begin(&run->world, &run->history, error));
+    GN_TRY(gn_run_watch(run, error));
     gn_history *h = &run->history;
     size_t rows = 0;
     GN_TRY(gn_h5_rows(file, "history/step", &rows, error));

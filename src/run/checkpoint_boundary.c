@@ -1,6 +1,7 @@
 /* The part of a checkpoint that walls, bodies and the contacts with them have. */
 #include "base/memory.h"
 #include "run/checkpoint_internal.h"
+#include "run/parts.h"
 #include "sim/internal.h"
 
 #include <stdint.h>

@@ -1,6 +1,7 @@
 /* The part of a checkpoint that particles have. */
 #include "base/memory.h"
 #include "run/checkpoint_internal.h"
+#include "run/parts.h"
 #include "sim/conversion.h"
 #include "sim/internal.h"
 

@@ -3,7 +3,7 @@
 #include "base/memory.h"
 #include "io/h5_pieces.h"
 #include "mesh/h5_mesh.h"
-#include "sim/world.h"
+#include "run/parts.h"
 
 #include <math.h>
 #include <stddef.h>

@@ -2,8 +2,6 @@
 
 #include "base/timer.h"
 #include "run/quantities.h"
-#include "sim/fragments.h"
-#include "sim/laboratory.h"
 
 #include <float.h>
 #include <math.h>
@@ -47,11 +45,10 @@ static void put_row(const gn_world *w, gn_instant instant, double *row) {
         gn_shape_component part[GN_SHAPE_MOST];
         size_t parts = gn_shape_components(q->shape, (int)w->scene.dimension, part);
         double value[9];
-        if (q->instant == instant) q->read(w, at.owner, value);
-        for (size_t c = 0; q->instant == instant && c < parts; c++)
-            row[c] = part[c].first == part[c].second
-                         ? value[part[c].first]
-                         : 0.5 * (value[part[c].first] + value[part[c].second]);
+        if (q->instant == instant) {
+            q->read(w, at.owner, value);
+            gn_shape_take(value, part, parts, row);
+        }
         row += parts;
     }
 }
@@ -133,30 +130,4 @@ gneiss_status gn_history_still(gn_world *w, gn_history *h, gneiss_error *error) 
     if (status == GNEISS_OK) status = gn_history_append(h, row, error);
     free(row);
     return status;
-}
-
-gn_readings gn_history_readings(const gn_world *w, const gn_history *h) {
-    const gn_test *t = &w->scene.test;
-    gn_readings r;
-    const double *g = w->scene.gravity;
-    const gn_fragments pieces = gn_world_fragments(w);
-    gn_tested tested = {.kind = t->kind,
-                        .dimension = (int)w->scene.dimension,
-                        .axis = (int)t->axis,
-                        .sign = gn_test_sign(t->kind),
-                        .notched = t->notch > 0.0,
-                        .falls = g[0] != 0.0 || g[1] != 0.0 || g[2] != 0.0,
-                        .fragments = pieces.count,
-                        .largest_fragment = pieces.largest,
-                        .section = t->kind == GN_TEST_NONE ? NAN : gn_test_shape(w).section,
-                        .elastic = !w->scene.has_specimen,
-                        .watched = !gn_scene_end_drives(&w->scene, &t->lower) ||
-                                   !gn_scene_end_drives(&w->scene, &t->upper)};
-    gn_readings_compute(h, &tested, &r);
-    /* A quotient by nothing is no reading either. */
-#define X(name, unit, text)                                                                        \
-    if (!isfinite(r.name)) r.name = NAN;
-    GN_READINGS(X)
-#undef X
-    return r;
 }

@@ -1,4 +1,4 @@
-/* What is read off the world while it runs: history rows and final readings. */
+/* What is read off the world while it runs: rows of the history. */
 #ifndef GN_RUN_HISTORY_ROWS_H
 #define GN_RUN_HISTORY_ROWS_H
 
@@ -13,8 +13,5 @@ gneiss_status gn_history_step(gn_world *world, gn_history *history, gneiss_error
 
 /* Appends the row of a state that the world was put in, with the reading as it stands. */
 gneiss_status gn_history_still(gn_world *world, gn_history *history, gneiss_error *error);
-
-/* Readings of the whole history. */
-gn_readings gn_history_readings(const gn_world *world, const gn_history *history);
 
 #endif

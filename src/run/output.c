@@ -6,6 +6,7 @@
 #include "run/budget.h"
 #include "run/output_fields.h"
 #include "run/output_flow.h"
+#include "run/parts.h"
 #include "run/run.h"
 #include "run/stages.h"
 #include "sim/internal.h"
@@ -17,22 +18,11 @@
 
 /* --- snapshots --- */
 
-static gn_output_source particles_of(const gn_output_view *v) {
-    const gn_world *w = v->world;
-    return (gn_output_source){&gn_particle_outputs,       v,      w->effects,
-                              w->dem.particles.soa.count, v->row, NULL};
-}
-
-static gn_output_source bonds_of(const gn_output_view *v) {
-    const gn_world *w = v->world;
-    return (gn_output_source){&gn_bond_outputs, v, w->effects, w->dem.bonds.soa.count, NULL, NULL};
-}
-
 static gneiss_status write_bonds(const gn_run *run, const gn_output_view *v, const char *name,
                                  const gn_snapshot *points, gneiss_error *error) {
     const gn_world *w = &run->world;
     const size_t count = w->dem.bonds.soa.count;
-    const gn_output_source bonds = bonds_of(v);
+    const gn_output_source bonds = gn_output_bonds(v);
     gn_output_arrays lines;
     int32_t *ends = calloc(count + 1, 2 * sizeof *ends);
     if (!ends) return gn_fail(error, GNEISS_ERROR_MEMORY, "no memory for the output of bonds");
@@ -57,7 +47,7 @@ static gneiss_status write_snapshot(const gn_run *run, const gn_output_view *v,
                                     gneiss_error *error) {
     const gn_world *w = &run->world;
     const size_t count = w->dem.particles.soa.count;
-    const gn_output_source particles = particles_of(v);
+    const gn_output_source particles = gn_output_particles(v);
     gn_output_arrays points;
     double *place = calloc(count + 1, 3 * sizeof *place);
     if (!place) return gn_fail(error, GNEISS_ERROR_MEMORY, "no memory for the output of particles");
@@ -155,9 +145,18 @@ static gneiss_status put_stages(const gn_run *run, gn_h5 *file, gneiss_error *er
 static gneiss_status put_mass_scaling(const gn_world *w, gn_h5 *file, gneiss_error *error) {
     const gn_mass_scaling *s = &w->dem.scaling;
     if (!(w->effects & GN_FX_MASS_SCALING)) return GNEISS_OK;
-    GN_TRY(gn_h5_attribute_f64(file, "/", "added_mass", &s->added, 1, error));
-    GN_TRY(gn_h5_attribute_f64(file, "/", "own_mass", &w->dem.mass, 1, error));
-    return gn_h5_attribute_f64(file, "/", "dt_without_added_mass", &s->unscaled, 1, error);
+    const gn_h5_attribute list[] = {{"added_mass", .number = &s->added},
+                                    {"own_mass", .number = &w->dem.mass},
+                                    {"dt_without_added_mass", .number = &s->unscaled}};
+    return gn_h5_attributes(file, "/", list, sizeof list / sizeof *list, error);
+}
+
+gneiss_status gn_scene_results(const gn_world *w, gn_h5 *file, gneiss_error *error) {
+    char *scene = gn_scene_write(&w->given);
+    if (!scene) return gn_fail(error, GNEISS_ERROR_MEMORY, "no memory for the scene text");
+    gneiss_status status = gn_h5_put_text(file, "scene", scene, error);
+    free(scene);
+    return status;
 }
 
 static gneiss_status put_header(const gn_run *run, gn_h5 *file, gneiss_error *error) {
@@ -165,37 +164,34 @@ static gneiss_status put_header(const gn_run *run, gn_h5 *file, gneiss_error *er
     char effects[512], hash[24];
     effect_names(w->effects, effects, sizeof effects);
     snprintf(hash, sizeof hash, "%016llx", (unsigned long long)gn_world_hash(w));
-    const char *texts[][2] = {{"title", w->scene.title},
-                              {"scene_file", w->scene.source},
-                              {"version", gn_version()},
-                              {"build", gn_build()},
-                              {"isa", w->kernels->name},
-                              {"precision", w->effects & GN_FX_MIXED ? "mixed" : "double"},
-                              {"effects", effects},
-                              {"state_hash", hash},
-                              {"stop_reason", run->stop_reason}};
-    for (size_t k = 0; k < sizeof texts / sizeof *texts; k++)
-        GN_TRY(gn_h5_attribute_text(file, "/", texts[k][0], texts[k][1], error));
-    int64_t threads = w->threads, finished = run->finished, steps = w->step;
-    GN_TRY(gn_h5_attribute_i64(file, "/", "threads", &threads, 1, error));
-    GN_TRY(gn_h5_attribute_i64(file, "/", "finished", &finished, 1, error));
-    GN_TRY(gn_h5_attribute_i64(file, "/", "dimension", &w->scene.dimension, 1, error));
-    GN_TRY(gn_h5_attribute_i64(file, "/", "steps", &steps, 1, error));
-    gn_progress progress = gn_run_progress(run);
-    GN_TRY(gn_h5_attribute_f64(file, "/", "dt", &w->dt, 1, error));
-    GN_TRY(gn_h5_attribute_f64(file, "/", "volume", &w->volume, 1, error));
-    GN_TRY(gn_h5_attribute_text(file, "/", "volume_of", gn_world_volume_source(w), error));
-    GN_TRY(gn_h5_attribute_f64(file, "/", "seconds", &progress.seconds, 1, error));
-    GN_TRY(gn_h5_attribute_f64(file, "/", "cpu_seconds", &progress.cpu_seconds, 1, error));
-    GN_TRY(gn_h5_attribute_f64(file, "/", "origin", w->scene.origin, 3, error));
+    const int64_t threads = w->threads, finished = run->finished, steps = w->step;
+    const gn_progress progress = gn_run_progress(run);
+    const gn_h5_attribute list[] = {
+        {"title", .text = w->scene.title},
+        {"scene_file", .text = w->scene.source},
+        {"version", .text = gn_version()},
+        {"build", .text = gn_build()},
+        {"isa", .text = w->kernels->name},
+        {"precision", .text = w->effects & GN_FX_MIXED ? "mixed" : "double"},
+        {"effects", .text = effects},
+        {"state_hash", .text = hash},
+        {"stop_reason", .text = run->stop_reason},
+        {"threads", .whole = &threads},
+        {"finished", .whole = &finished},
+        {"dimension", .whole = &w->scene.dimension},
+        {"steps", .whole = &steps},
+        {"dt", .number = &w->dt},
+        {"volume", .number = &w->volume},
+        {"volume_of", .text = gn_world_volume_source(w)},
+        {"seconds", .number = &progress.seconds},
+        {"cpu_seconds", .number = &progress.cpu_seconds},
+        {"origin", .number = w->scene.origin, .count = 3},
+    };
+    GN_TRY(gn_h5_attributes(file, "/", list, sizeof list / sizeof *list, error));
     GN_TRY(put_mass_scaling(w, file, error));
     GN_TRY(put_stages(run, file, error));
     GN_TRY(put_warnings(run, file, error));
-    char *scene = gn_scene_write(&w->given);
-    if (!scene) return gn_fail(error, GNEISS_ERROR_MEMORY, "no memory for the scene text");
-    gneiss_status status = gn_h5_put_text(file, "scene", scene, error);
-    free(scene);
-    return status;
+    return gn_scene_results(w, file, error);
 }
 
 /* One that is absent is NaN and says why. */
@@ -208,20 +204,26 @@ static gneiss_status put_reading(gn_h5 *file, const char *name, double value, co
 }
 
 static gneiss_status put_readings(const gn_run *run, gn_h5 *file, gneiss_error *error) {
-    gn_readings r = gn_run_readings(run);
+    const gn_readings *r;
+    const gn_budget *budget;
+    GN_TRY(gn_run_readings(run, &r, error));
+    GN_TRY(gn_run_budget(run, &budget, error));
     bool demanded = gn_h5_demand_finite(file, false);
     gn_test_kind kind = run->world.scene.test.kind;
 #define X(name, unit, text)                                                                        \
     if (gn_reading_belongs(GN_READING_##name, kind))                                               \
-        GN_TRY(put_reading(file, #name, r.name, unit, text, r.reason[GN_READING_##name], error));
+        GN_TRY(put_reading(file, #name, r->name, unit, text, r->reason[GN_READING_##name], error));
     GN_READINGS(X)
 #undef X
     gn_h5_demand_finite(file, demanded);
-    gn_budget *budget;
-    GN_TRY(gn_budget_create(&run->world, &run->history, &r, &budget, error));
-    gneiss_status status = gn_budget_results(budget, &r, file, error);
-    free(budget);
-    return status;
+    return gn_budget_results(budget, r, file, error);
+}
+
+static gneiss_status put_energy(gn_h5 *file, const gn_energy_figure *f, gneiss_error *error) {
+    char path[160];
+    GN_TRY(put_scalar(file, "energy", f->name, f->value, f->unit, f->text, error));
+    snprintf(path, sizeof path, "energy/%s", f->name);
+    return f->kind ? gn_h5_attribute_text(file, path, "kind", f->kind, error) : GNEISS_OK;
 }
 
 static gneiss_status put_tables(const gn_run *run, gn_h5 *file, gneiss_error *error) {
@@ -239,8 +241,7 @@ static gneiss_status put_tables(const gn_run *run, gn_h5 *file, gneiss_error *er
     gn_energy_figure figure[GN_ENERGY_FIGURES];
     gn_energy_figures(&w->reading, figure);
     for (int k = 0; w->effects & GN_FX_ENERGY && k < GN_ENERGY_FIGURES; k++)
-        GN_TRY(put_scalar(file, "energy", figure[k].name, figure[k].value, figure[k].unit,
-                          figure[k].text, error));
+        GN_TRY(put_energy(file, &figure[k], error));
     for (int k = 0; k < GN_PHASE_COUNT; k++)
         GN_TRY(put_scalar(file, "profile", gn_phase_name((gn_phase)k), w->seconds[k], "s",
                           gn_phase_text((gn_phase)k), error));
@@ -254,7 +255,8 @@ static gneiss_status put_state(const gn_world *w, gn_h5 *file, gneiss_error *err
     GN_TRY(gn_world_observe(w, &seen, error));
     gneiss_status status = gn_output_view_make(w, &seen, &view, error);
     if (status == GNEISS_OK) {
-        const gn_output_source particles = particles_of(&view), bonds = bonds_of(&view);
+        const gn_output_source particles = gn_output_particles(&view),
+                               bonds = gn_output_bonds(&view);
         if (w->dem.particles.soa.count) status = gn_output_put(&particles, file, error);
         if (status == GNEISS_OK && w->effects & GN_FX_BONDS)
             status = gn_output_put(&bonds, file, error);
@@ -280,6 +282,7 @@ gneiss_status gn_output_results(const gn_run *run, gneiss_error *error) {
     if (status == GNEISS_OK) status = put_tables(run, file, error);
     if (status == GNEISS_OK) status = gn_elements_results(&run->world, file, error);
     if (status == GNEISS_OK) status = gn_bodies_results(&run->world, file, error);
+    if (status == GNEISS_OK) status = gn_owners_results(&run->world, file, error);
     if (status == GNEISS_OK) status = put_state(&run->world, file, error);
     if (status == GNEISS_OK) status = put_events(&run->world, file, error);
     if (status == GNEISS_OK) status = gn_output_lost(&run->world, file, error);
@@ -310,25 +313,25 @@ static void summary_warnings(const gn_run *run, gn_json *j) {
 
 /* Numbers, null where one is absent, and why it is. */
 static gneiss_status summary_readings(const gn_run *run, gn_json *j, gneiss_error *error) {
-    gn_readings r = gn_run_readings(run);
+    const gn_readings *r;
+    const gn_budget *budget;
+    GN_TRY(gn_run_readings(run, &r, error));
+    GN_TRY(gn_run_budget(run, &budget, error));
     gn_json_object(j, "readings");
     gn_test_kind kind = run->world.scene.test.kind;
 #define X(name, unit, text)                                                                        \
-    if (gn_reading_belongs(GN_READING_##name, kind)) gn_json_number(j, #name, r.name);
+    if (gn_reading_belongs(GN_READING_##name, kind)) gn_json_number(j, #name, r->name);
     GN_READINGS(X)
 #undef X
     gn_json_end(j);
     gn_json_object(j, "absent");
 #define X(name, unit, text)                                                                        \
-    if (gn_reading_belongs(GN_READING_##name, kind) && r.reason[GN_READING_##name][0])             \
-        gn_json_text(j, #name, r.reason[GN_READING_##name]);
+    if (gn_reading_belongs(GN_READING_##name, kind) && r->reason[GN_READING_##name][0])            \
+        gn_json_text(j, #name, r->reason[GN_READING_##name]);
     GN_READINGS(X)
 #undef X
     gn_json_end(j);
-    gn_budget *budget;
-    GN_TRY(gn_budget_create(&run->world, &run->history, &r, &budget, error));
-    gn_budget_summary(budget, &r, j);
-    free(budget);
+    gn_budget_summary(budget, r, j);
     return GNEISS_OK;
 }
 

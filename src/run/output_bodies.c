@@ -1,6 +1,7 @@
 /* Rigid bodies as files: snapshots and their group in results.h5 (docs/results.md). */
 #include "base/memory.h"
 #include "run/output_table.h"
+#include "run/parts.h"
 #include "sim/internal.h"
 
 #include <string.h>
@@ -71,10 +72,7 @@ enum { RESULTS = GN_IN_RESULTS, SNAPSHOT = GN_IN_SNAPSHOT };
 
 /* --- bodies --- */
 
-READ(velocity, 3, b->velocity)
 READ(spin, 3, b->spin)
-READ(force, 3, b->force)
-READ(moment, 3, b->moment)
 READ(mass, 1, &b->mass)
 READ(inertia, 3, b->inertia)
 
@@ -90,6 +88,7 @@ static void read_orientation(const void *of, size_t k, double *value) {
     gn_rigid_orientation(&((const view *)of)->world->boundary.bodies[k], value);
 }
 
+/* Besides what the history has of them (quantities.c). */
 static const gn_output_field of_bodies[] = {
     {"position", "m", "reference point; free: centre of mass", RESULTS, GN_F64, false, 3,
      read_position, 0},
@@ -97,12 +96,7 @@ static const gn_output_field of_bodies[] = {
     {"orientation", "1",
      "unit quaternion w x y z of the turn from the start, w >= 0: the shorter way round", RESULTS,
      GN_F64, false, 4, read_orientation, 0},
-    {"velocity", "m/s", "of the reference point, at the last half step", RESULTS, GN_F64, false, 3,
-     read_velocity, 0},
     {"spin", "rad/s", "angular velocity", RESULTS, GN_F64, false, 3, read_spin, 0},
-    {"force", "N", "of the particles on the body", RESULTS, GN_F64, false, 3, read_force, 0},
-    {"moment", "N m", "of the particles about the reference point", RESULTS, GN_F64, false, 3,
-     read_moment, 0},
     {"mass", "kg", "0: not free", RESULTS, GN_F64, false, 1, read_mass, 0},
     {"inertia", "kg m2", "about the principal axes; 2D: the third; 0: not free", RESULTS, GN_F64,
      false, 3, read_inertia, 0},

@@ -2,8 +2,7 @@
 #include "base/eigen.h"
 #include "base/memory.h"
 #include "base/point.h"
-#include "run/output_table.h"
-#include "sim/world.h"
+#include "run/parts.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -287,24 +286,18 @@ static gneiss_status put_body(size_t number, const gn_fem_solid *b, gn_h5 *file,
     return status;
 }
 
-static gneiss_status put_motion(const gn_world *w, size_t k, gn_h5 *file, gneiss_error *error) {
-    double value[3];
-    char path[160];
-    const char *name = gn_elements_motion_name(w, k);
-    gn_elements_travel(w, k, value);
-    snprintf(path, sizeof path, "motions/%s/displacement", name);
-    GN_TRY(gn_h5_put(file, path, GN_F64, 3, 1, 0, value, "m", "mean displacement of the nodes",
-                     error));
-    if (!gn_elements_motion_drives(w, k)) return GNEISS_OK;
-    gn_elements_reaction(w, k, value);
-    snprintf(path, sizeof path, "motions/%s/reaction", name);
-    return gn_h5_put(file, path, GN_F64, 3, 1, 0, value, "N",
-                     "force that the prescribed motion supplied in the last step", error);
+gneiss_status gn_elements_read(const gn_world *w, size_t solid, bool nodes,
+                               const gn_output_field *field, double *values, gneiss_error *error) {
+    view v;
+    GN_TRY(make_view(&w->elements[solid]->solid, solid, &v, error));
+    const gn_output_source source = nodes ? nodes_source(&v) : elements_source(&v);
+    gn_output_read(&source, field, values);
+    free_view(&v);
+    return GNEISS_OK;
 }
 
 gneiss_status gn_elements_results(const gn_world *w, gn_h5 *file, gneiss_error *error) {
     for (size_t k = 0; k < w->element_count; k++)
         GN_TRY(put_body(k, &w->elements[k]->solid, file, error));
-    for (size_t k = 0; k < gn_elements_motions(w); k++) GN_TRY(put_motion(w, k, file, error));
     return GNEISS_OK;
 }

@@ -2,8 +2,8 @@
 #define GN_EVERY_EFFECT
 #include "run/output_fields.h"
 
-#include "sim/coupling.h"
 #include "sim/conversion.h"
+#include "sim/coupling.h"
 #include "sim/internal.h"
 
 #include <math.h>
@@ -244,6 +244,17 @@ _Static_assert(COUNT(of_particles) <= GN_OUTPUT_FIELDS_MOST &&
                "room for the arrays of a snapshot");
 const gn_output_table gn_particle_outputs = {"particles", of_particles, COUNT(of_particles)},
                       gn_bond_outputs = {"bonds", of_bonds, COUNT(of_bonds)};
+
+gn_output_source gn_output_particles(const gn_output_view *v) {
+    const gn_world *w = v->world;
+    return (gn_output_source){&gn_particle_outputs,       v,      w->effects,
+                              w->dem.particles.soa.count, v->row, NULL};
+}
+
+gn_output_source gn_output_bonds(const gn_output_view *v) {
+    const gn_world *w = v->world;
+    return (gn_output_source){&gn_bond_outputs, v, w->effects, w->dem.bonds.soa.count, NULL, NULL};
+}
 
 /* --- what takes more than one particle --- */
 

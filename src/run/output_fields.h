@@ -17,6 +17,10 @@ gneiss_status gn_output_view_make(const gn_world *world, const gn_observed *seen
                                   gn_output_view *view, gneiss_error *error);
 void gn_output_view_free(gn_output_view *view);
 
+/* Particles in the order of the specimen file, and bonds. */
+gn_output_source gn_output_particles(const gn_output_view *view);
+gn_output_source gn_output_bonds(const gn_output_view *view);
+
 /* The ends of a bond as rows of particles, the smaller one first. */
 void gn_output_bond_ends(const gn_output_view *view, size_t bond, int32_t ends[2]);
 

@@ -4,8 +4,21 @@
 #include <stdlib.h>
 #include <string.h>
 
-static bool there(const gn_output_source *s, const gn_output_field *f, int where) {
-    return f->where & where && (s->effects & f->needs) == f->needs;
+static bool there(gn_effects effects, const gn_output_field *f, int where) {
+    return f->where & where && (effects & f->needs) == f->needs;
+}
+
+const gn_output_field *gn_output_field_at(const gn_output_table *table, gn_effects effects,
+                                          size_t index) {
+    for (size_t k = 0; k < table->count; k++)
+        if (there(effects, &table->fields[k], GN_IN_RESULTS) && index-- == 0)
+            return &table->fields[k];
+    return NULL;
+}
+
+void gn_output_read(const gn_output_source *s, const gn_output_field *f, double *values) {
+    for (size_t k = 0; k < s->count; k++)
+        f->read(s->view, k, values + f->components * (s->row ? (size_t)s->row[k] : k));
 }
 
 /* [count][components], malloc'ed. */
@@ -15,8 +28,7 @@ static gneiss_status read_field(const gn_output_source *s, const gn_output_field
     if (!*data)
         return gn_fail(error, GNEISS_ERROR_MEMORY, "no memory for the output of %s/%s",
                        s->table->group, f->name);
-    for (size_t k = 0; k < s->count; k++)
-        f->read(s->view, k, *data + f->components * (s->row ? (size_t)s->row[k] : k));
+    gn_output_read(s, f, *data);
     return GNEISS_OK;
 }
 
@@ -35,7 +47,7 @@ gneiss_status gn_output_put(const gn_output_source *s, gn_h5 *file, gneiss_error
         const gn_output_field *f = &s->table->fields[k];
         char path[160];
         double *data;
-        if (!there(s, f, GN_IN_RESULTS)) continue;
+        if (!there(s->effects, f, GN_IN_RESULTS)) continue;
         GN_TRY(read_field(s, f, &data, error));
         narrow(data, f->type, s->count * f->components);
         snprintf(path, sizeof path, "%s%s/%s", s->prefix ? s->prefix : "", s->table->group,
@@ -56,7 +68,7 @@ gneiss_status gn_output_arrays_read(const gn_output_source *s, gn_output_arrays 
     *a = (gn_output_arrays){0};
     for (size_t k = 0; k < s->table->count; k++) {
         const gn_output_field *f = &s->table->fields[k];
-        if (!there(s, f, GN_IN_SNAPSHOT)) continue;
+        if (!there(s->effects, f, GN_IN_SNAPSHOT)) continue;
         double **data = &a->data[a->count];
         gneiss_status status = read_field(s, f, data, error);
         if (status != GNEISS_OK) gn_output_arrays_free(a);

@@ -45,6 +45,12 @@ typedef struct gn_output_source {
 /* GROUP/<field> of results.h5. */
 gneiss_status gn_output_put(const gn_output_source *source, gn_h5 *file, gneiss_error *error);
 
+/* The fields that results.h5 has, of a table under effects, by place; NULL: there are no more. */
+const gn_output_field *gn_output_field_at(const gn_output_table *table, gn_effects effects,
+                                          size_t index);
+/* One of them, [count][components]. */
+void gn_output_read(const gn_output_source *source, const gn_output_field *field, double *values);
+
 /* Fields as a snapshot has them. */
 typedef struct gn_output_arrays {
     size_t count;

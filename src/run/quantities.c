@@ -479,14 +479,15 @@ static const gn_quantity of_motions[] = {
 /* --- all of them --- */
 
 const gn_quantity_group gn_quantity_groups[GN_QUANTITY_GROUPS] = {
-    {NULL, one, NULL, of_the_model, COUNT(of_the_model)},
-    {"wall", wall_count, wall_name, of_walls, COUNT(of_walls)},
-    {"body", body_count, body_name, of_bodies, COUNT(of_bodies)},
-    {"set", set_count, set_name, of_sets, COUNT(of_sets)},
-    {"source", source_count, source_name, of_sources, COUNT(of_sources)},
-    {"sink", sink_count, sink_name, of_sinks, COUNT(of_sinks)},
-    {NULL, one, NULL, of_elements, COUNT(of_elements)},
-    {"motion", gn_elements_motions, gn_elements_motion_name, of_motions, COUNT(of_motions)}};
+    {NULL, one, NULL, of_the_model, COUNT(of_the_model), NULL, false},
+    {"wall", wall_count, wall_name, of_walls, COUNT(of_walls), NULL, false},
+    {"body", body_count, body_name, of_bodies, COUNT(of_bodies), "bodies", true},
+    {"set", set_count, set_name, of_sets, COUNT(of_sets), NULL, false},
+    {"source", source_count, source_name, of_sources, COUNT(of_sources), NULL, false},
+    {"sink", sink_count, sink_name, of_sinks, COUNT(of_sinks), NULL, false},
+    {NULL, one, NULL, of_elements, COUNT(of_elements), NULL, false},
+    {"motion", gn_elements_motions, gn_elements_motion_name, of_motions, COUNT(of_motions),
+     "motions", false}};
 
 bool gn_quantity_next(const gn_world *w, gn_quantity_place *p) {
     while (p->next_group < GN_QUANTITY_GROUPS) {
@@ -526,4 +527,11 @@ size_t gn_shape_components(gn_shape shape, int dimension, gn_shape_component out
         if (dimension == 3 || (tensor[c][0] < 2 && tensor[c][1] < 2))
             out[count++] = tensor_component(tensor[c][0], tensor[c][1]);
     return count;
+}
+
+void gn_shape_take(const double *value, const gn_shape_component *part, size_t parts, double *to) {
+    for (size_t c = 0; c < parts; c++)
+        to[c] = part[c].first == part[c].second
+                    ? value[part[c].first]
+                    : 0.5 * (value[part[c].first] + value[part[c].second]);
 }

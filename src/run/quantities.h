@@ -1,6 +1,7 @@
-/* What the history records: one table of quantities, from which its columns, its rows and
- * docs/quantities.md follow. Each has a name, a unit, a text, a shape, the instant at which it is
- * read, a condition, and the function that reads it. */
+/* What the history records: one table of quantities, from which its columns, its rows, what
+ * results.h5 has of bodies and motions at the end, and docs/quantities.md follow. Each has a name,
+ * a unit, a text, a shape, the instant at which it is read, a condition, and the function that
+ * reads it. */
 #ifndef GN_RUN_QUANTITIES_H
 #define GN_RUN_QUANTITIES_H
 
@@ -36,6 +37,8 @@ typedef struct gn_quantity_group {
     const char *(*owner)(const gn_world *world, size_t k);
     const gn_quantity *quantities;
     size_t quantity_count;
+    const char *ends; /* group of results.h5 with what they are at the end; NULL: none */
+    bool in_rows;     /* there as arrays, a row for every owner; else in a group of each owner */
 } gn_quantity_group;
 
 enum { GN_QUANTITY_GROUPS = 8 };
@@ -58,5 +61,7 @@ typedef struct gn_shape_component {
     int first, second; /* mean of both */
 } gn_shape_component;
 size_t gn_shape_components(gn_shape shape, int dimension, gn_shape_component out[GN_SHAPE_MOST]);
+/* The components of what `read` gave. */
+void gn_shape_take(const double *value, const gn_shape_component *part, size_t parts, double *to);
 
 #endif

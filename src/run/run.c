@@ -4,6 +4,7 @@
 #include "io/checkpoint_files.h"
 #include "io/files.h"
 #include "run/folder.h"
+#include "run/parts.h"
 #include "run/stages.h"
 #include "sim/internal.h"
 #include "sim/origin.h"
@@ -54,7 +55,7 @@ gneiss_status gn_run_create(gn_scene *scene, gn_run *run, gneiss_error *error) {
     run->bad_since = -1;
     double start = gn_now(), cpu_start = gn_process_time();
     GN_TRY(gn_world_create(scene, &run->world, error));
-    gneiss_status status = gn_history_begin(&run->world, &run->history, error);
+    gneiss_status status = gn_run_watch(run, error);
     if (status != GNEISS_OK) {
         gn_run_free(run);
         return status;
@@ -291,7 +292,7 @@ gneiss_status gn_run_load(const char *path, const gn_override *overrides, size_t
 
 void gn_run_free(gn_run *run) {
     gn_world_free(&run->world);
-    gn_history_free(&run->history);
+    gn_run_unwatch(run);
     gn_snapshot_times_free(&run->snapshot_times);
     if (run->folder_lock > 0) close(run->folder_lock);
     memset(run, 0, sizeof *run);

@@ -12,6 +12,7 @@
 typedef struct gn_run {
     gn_world world;
     gn_history history;
+    struct gn_run_read *read; /* what was read off it last (readings.c) */
     char directory[GN_PATH_SIZE];
     int64_t history_interval;  /* steps */
     int64_t snapshot_interval; /* steps, 0: none */
@@ -88,9 +89,16 @@ gn_progress gn_run_progress(const gn_run *run);
 /* Writes the last snapshot, a checkpoint, results.h5 and summary.json. */
 gneiss_status gn_run_finish(gn_run *run, gneiss_error *error);
 
-/* Of the history; with stages of the rows of the last one that has any, strain counted from its
- * start (stages.c). */
-gn_readings gn_run_readings(const gn_run *run);
+/* readings.c. Of the history; with stages of the rows of the last one that has any, strain counted
+ * from its start. Then their error budget. Both are found once for a state, belong to the run and
+ * hold until it goes on. */
+gneiss_status gn_run_readings(const gn_run *run, const gn_readings **readings, gneiss_error *error);
+struct gn_budget;
+gneiss_status gn_run_budget(const gn_run *run, const struct gn_budget **budget,
+                            gneiss_error *error);
+/* Begins the history of a world, and makes room for what is read off it; and ends both. */
+gneiss_status gn_run_watch(gn_run *run, gneiss_error *error);
+void gn_run_unwatch(gn_run *run);
 
 /* After GNEISS_ERROR_UNSTABLE: snapshots of the bad state (failed_*.hdf) and results.h5 with the
  * message. The checkpoints on disk are left as they are. */

@@ -115,15 +115,17 @@ static void warn_of_gain(const gn_run *run, gn_warnings *list) {
 static const double imbalance_limit = 0.1;
 
 static void warn_of_balance(const gn_run *run, gn_warnings *list) {
-    gn_readings r = gn_run_readings(run);
-    if (!(r.end_imbalance > imbalance_limit)) return;
+    const gn_readings *r;
+    gneiss_error told; /* by whoever shows the readings */
+    if (gn_run_readings(run, &r, &told) != GNEISS_OK || !(r->end_imbalance > imbalance_limit))
+        return;
     gn_warning *to = &list->warning[list->count++];
     to->name = "end_imbalance";
     snprintf(to->text, sizeof to->text,
              "the forces of the two ends of the test differ by %.0f %% of their mean: inertia (the "
              "load is fast), or something else loads or holds the specimen, or an end leaves out a "
              "part (it may be a list)",
-             100.0 * r.end_imbalance);
+             100.0 * r->end_imbalance);
 }
 
 static void warn_of_step(const gn_run *run, gn_warnings *list) {

@@ -4,7 +4,6 @@
 #define GN_SIM_BOUNDARY_H
 
 #include "base/vec3.h"
-#include "io/h5.h"
 #include "kernels/contact.h"
 #include "measure/energy.h"
 #include "sim/surface.h"
@@ -90,11 +89,5 @@ gneiss_status gn_boundary_limit(gn_world *world, bool anew, bool *due, gneiss_er
 
 uint64_t gn_boundary_hash(const gn_world *world, uint64_t h);
 size_t gn_boundary_bytes(const gn_world *world);
-/* Their part of a checkpoint (checkpoint_boundary.c), after the particles; `path` stands in
- * messages. Surfaces are made when all that has them is there. */
-gneiss_status gn_boundary_save(const gn_world *world, gn_h5 *file, gneiss_error *error);
-gneiss_status gn_boundary_load(gn_world *world, const gn_h5 *file, const char *path,
-                               gneiss_error *error);
-gneiss_status gn_boundary_load_surfaces(gn_world *world, const char *path, gneiss_error *error);
 
 #endif

@@ -3,7 +3,6 @@
 #ifndef GN_SIM_DEM_H
 #define GN_SIM_DEM_H
 
-#include "io/h5.h"
 #include "io/packing.h"
 #include "kernels/dispatch.h"
 #include "kernels/law.h"
@@ -147,7 +146,9 @@ double gn_dem_added_kinetic(const gn_world *world);
 gneiss_status gn_dem_create_empty(gn_world *world, gneiss_error *error);
 void gn_dem_free(gn_dem *dem);
 
-/* Makes the lists anew; at the start, forms bonds as well. */
+/* Sorts the particles and forms their bonds, once all of the scene is there. */
+gneiss_status gn_dem_arrange(gn_world *world, gneiss_error *error);
+/* Makes the lists anew. */
 gneiss_status gn_dem_refresh(gn_world *world, gneiss_error *error);
 /* All that follows from records and lists, which were read. */
 gneiss_status gn_dem_restore(gn_world *world, gneiss_error *error);
@@ -195,9 +196,5 @@ void gn_dem_step_changed(gn_world *world);
 
 uint64_t gn_dem_hash(const gn_world *world, uint64_t h);
 size_t gn_dem_bytes(const gn_world *world);
-/* Their part of a checkpoint (checkpoint_dem.c); `path` stands in messages. */
-gneiss_status gn_dem_save(const gn_world *world, gn_h5 *file, gneiss_error *error);
-gneiss_status gn_dem_load(gn_world *world, const gn_h5 *file, const char *path,
-                          gneiss_error *error);
 
 #endif

@@ -4,7 +4,6 @@
 #define GN_SIM_ELEMENTS_H
 
 #include "fem/solid.h"
-#include "io/h5.h"
 #include "measure/energy.h"
 #include "scene/scene.h"
 
@@ -113,23 +112,5 @@ double gn_element_contact_speed(const gn_element_model *q);
 void gn_element_contact_refer(gn_element_model *q);
 double gn_element_contact_travel(gn_element_model *q, bool exact);
 void gn_element_contact_free(gn_element_contact *k);
-
-/* --- files (output_elements.c, checkpoint_elements.c) --- */
-
-/* The path of a group or data set of a solid in a file: of the first the name itself, then
- * elements_2/name ... */
-enum { GN_ELEMENT_PATH = 160 };
-const char *gn_elements_path(size_t solid, const char *name, char path[GN_ELEMENT_PATH]);
-
-/* A file for each solid: `name`, name_2 ... */
-const char *gn_elements_file(size_t solid, const char *name, char file[GN_ELEMENT_PATH]);
-gneiss_status gn_elements_snapshot(const gn_world *world, const char *directory, const char *name,
-                                   gneiss_error *error);
-/* /nodes, /elements, /motions of results.h5. */
-gneiss_status gn_elements_results(const gn_world *world, gn_h5 *file, gneiss_error *error);
-gneiss_status gn_elements_save(const gn_world *world, gn_h5 *file, gneiss_error *error);
-/* Makes the part from a checkpoint; `path` stands in messages. */
-gneiss_status gn_elements_load(gn_world *world, const gn_h5 *file, const char *path,
-                               gneiss_error *error);
 
 #endif

@@ -243,10 +243,6 @@ void gn_bodies_drift(gn_world *world);
 /* Works over half an interval, with the velocities of that. */
 void gn_bodies_book(const gn_world *world, double dt, gn_energy *ledger);
 
-/* Bodies as files (output_bodies.c): one grid of all facets, and their group in results.h5. */
-gneiss_status gn_bodies_snapshot(const gn_world *world, const char *directory, const char *name,
-                                 gneiss_error *error);
-gneiss_status gn_bodies_results(const gn_world *world, gn_h5 *file, gneiss_error *error);
 /* Orientation from the start, w x y z with w >= 0. */
 void gn_rigid_orientation(const gn_rigid *body, double turn[4]);
 

@@ -254,9 +254,8 @@ static gneiss_status ready_blocks(gn_world *w, gneiss_error *error) {
  * The decision rests on counts alone, so that it falls at the same step in every run. */
 static bool order_is_old(const gn_world *w) {
     enum { REBUILDS_PER_SORT = 16 };
-    return w->dem.verlet.rebuilds == 0 ||
-           ((!(w->effects & GN_FX_BONDS) || gn_scene_flows(&w->scene)) &&
-            w->dem.verlet.rebuilds % REBUILDS_PER_SORT == 0);
+    return (!(w->effects & GN_FX_BONDS) || gn_scene_flows(&w->scene)) &&
+           w->dem.verlet.rebuilds > 0 && w->dem.verlet.rebuilds % REBUILDS_PER_SORT == 0;
 }
 
 /* A particle must not have two images of another within reach. */
@@ -360,6 +359,14 @@ void gn_dem_masses_changed(gn_world *w) {
     gn_particles_to_single(&w->dem.particles, w->dem.particles.ref, w->threads);
 }
 
+gneiss_status gn_dem_arrange(gn_world *w, gneiss_error *error) {
+    GN_TRY(gn_dem_check_domain(w, error));
+    if (w->effects & GN_FX_PERIODIC) wrap(w);
+    GN_TRY(reorder(w, error));
+    GN_TRY(gn_bonds_form(w, error));
+    return gn_converts(w) ? gn_conversion_lay_down(w, error) : GNEISS_OK;
+}
+
 gneiss_status gn_dem_refresh(gn_world *w, gneiss_error *error) {
     tune_skin(w);
     widen_skin(w);
@@ -368,9 +375,6 @@ gneiss_status gn_dem_refresh(gn_world *w, gneiss_error *error) {
     if (w->effects & GN_FX_PERIODIC) wrap(w);
     GN_TRY(gn_flow_arrive(w, false, error));
     if (order_is_old(w)) GN_TRY(reorder(w, error));
-    const bool form = !w->dem.bond_partials.first;
-    if (form) GN_TRY(gn_bonds_form(w, error));
-    if (form && gn_converts(w)) GN_TRY(gn_conversion_lay_down(w, error));
     GN_TRY(make_pairs(w, error));
     GN_TRY(ready_blocks(w, error));
     memcpy(w->dem.particles.ref, w->dem.particles.pos,

@@ -226,6 +226,7 @@ static gneiss_status build_particles(gn_world *w, gneiss_error *error) {
     GN_TRY(gn_boundary_create(w, error));
     GN_TRY(gn_element_contact_create(w, error));
     GN_TRY(gn_flow_arrive(w, true, error));
+    GN_TRY(gn_dem_arrange(w, error));
     return gn_world_rebuild(w, error);
 }
 

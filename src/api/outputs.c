@@ -1,0 +1,103 @@
+/* The public API: what files show of every particle, bond, node and element. */
+#include "api/handles.h"
+
+#include "run/output_fields.h"
+#include "run/parts.h"
+#include "sim/elements.h"
+
+#include <string.h>
+
+/* What there is of a record: its fields, how many items. No table: none. */
+typedef struct outputs {
+    const gn_output_table *table;
+    gn_effects effects;
+    size_t count;
+} outputs;
+
+static outputs find_outputs(const gn_world *w, gneiss_record record) {
+    const gn_fem_solid *solid = w->element_count ? &w->elements[0]->solid : NULL;
+    const bool bonds = w->effects & GN_FX_BONDS;
+    switch (record) {
+    case GNEISS_PARTICLES:
+        return (outputs){&gn_particle_outputs, w->effects, w->dem.particles.soa.count};
+    case GNEISS_BONDS:
+        return (outputs){bonds ? &gn_bond_outputs : NULL, w->effects, w->dem.bonds.soa.count};
+    case GNEISS_NODES:
+        return (outputs){solid ? &gn_node_outputs : NULL, 0, solid ? solid->nodes.soa.count : 0};
+    case GNEISS_ELEMENTS:
+        return (outputs){solid ? &gn_element_outputs : NULL, 0,
+                         solid ? solid->elements.soa.count : 0};
+    default:
+        return (outputs){0};
+    }
+}
+
+size_t gneiss_world_output_count(const gneiss_world *world, gneiss_record record) {
+    if (!world) return 0;
+    const outputs o = find_outputs(&world->run.world, record);
+    size_t count = 0;
+    while (o.table && gn_output_field_at(o.table, o.effects, count)) count++;
+    return count;
+}
+
+gneiss_status gneiss_world_output_at(const gneiss_world *world, gneiss_record record, size_t index,
+                                     gneiss_view *what, gneiss_error *error) {
+    GN_TRY(gn_api_require(world, "world", error));
+    GN_TRY(gn_api_require(what, "what", error));
+    const outputs o = find_outputs(&world->run.world, record);
+    const gn_output_field *f = o.table ? gn_output_field_at(o.table, o.effects, index) : NULL;
+    if (!f)
+        return gn_fail(error, GNEISS_ERROR_INPUT,
+                       "argument index: expected less than %zu, the outputs of the record, found "
+                       "%zu",
+                       gneiss_world_output_count(world, record), index);
+    *what = (gneiss_view){.name = f->name,
+                          .unit = f->unit,
+                          .description = f->text,
+                          .type = GNEISS_F64,
+                          .components = (int32_t)f->components,
+                          .count = o.count,
+                          .item_stride = f->components * sizeof(double),
+                          .component_stride = sizeof(double)};
+    return GNEISS_OK;
+}
+
+static gneiss_status read_particles_or_bonds(const gn_world *w, bool particles,
+                                             const gn_output_field *f, double *values,
+                                             gneiss_error *error) {
+    gn_observed seen;
+    gn_output_view view;
+    GN_TRY(gn_world_observe(w, &seen, error));
+    gneiss_status status = gn_output_view_make(w, &seen, &view, error);
+    if (status == GNEISS_OK) {
+        const gn_output_source of = particles ? gn_output_particles(&view) : gn_output_bonds(&view);
+        gn_output_read(&of, f, values);
+        gn_output_view_free(&view);
+    }
+    gn_observed_free(&seen);
+    return status;
+}
+
+gneiss_status gneiss_world_output(const gneiss_world *world, gneiss_record record, const char *name,
+                                  double *values, size_t count, gneiss_error *error) {
+    GN_TRY(gn_api_require(world, "world", error));
+    GN_TRY(gn_api_require(name, "name", error));
+    GN_TRY(gn_api_require(values, "values", error));
+    const gn_world *w = &world->run.world;
+    const outputs o = find_outputs(w, record);
+    const gn_output_field *f = NULL;
+    for (size_t k = 0; o.table && (f = gn_output_field_at(o.table, o.effects, k)); k++)
+        if (strcmp(f->name, name) == 0) break;
+    if (!f)
+        return gn_fail(error, GNEISS_ERROR_INPUT,
+                       "expected an output of the record in this scene "
+                       "(gneiss_world_output_at), found '%.80s'",
+                       name);
+    if (count != o.count * f->components)
+        return gn_fail(error, GNEISS_ERROR_INPUT,
+                       "argument count: expected %zu numbers (%zu x %zu of %s), found %zu",
+                       o.count * f->components, o.count, f->components, name, count);
+    if (record == GNEISS_NODES || record == GNEISS_ELEMENTS)
+        return gn_elements_read(w, 0, record == GNEISS_NODES, f, values, error);
+    return read_particles_or_bonds(w, record == GNEISS_PARTICLES, f, values, error);
+}

@@ -1,0 +1,72 @@
+/* What the readings of all tests look at: slopes, peaks, and why there is none. */
+#include "measure/readings.h"
+
+#include <math.h>
+#include <stdarg.h>
+#include <stdio.h>
+
+/* A stress is a peak once it has fallen by this share: more than what vibrations and single bonds
+ * take off a rising curve. */
+static const double fall = 0.05;
+
+/* --- absent --- */
+
+char *gn_reason_of(gn_readings *r, gn_reading which) {
+    return r->reason[which];
+}
+
+void gn_reading_absent(gn_readings *r, gn_reading which, const char *format, ...) {
+    va_list args;
+    va_start(args, format);
+    if (!gn_reason_of(r, which)[0]) vsnprintf(gn_reason_of(r, which), GN_REASON_SIZE, format, args);
+    va_end(args);
+}
+
+void gn_need_rows(const gn_curves *c, gn_reading which, gn_readings *r) {
+    size_t rows = c->loading.last - c->loading.first;
+    if (rows < 3)
+        gn_reading_absent(
+            r, which,
+            "%zu history row%s between 1 and 50 %% of the largest stress, 3 are needed "
+            "(output.history_rows)",
+            rows, rows == 1 ? "" : "s");
+}
+
+void gn_need_modulus(gn_line_fit f, gn_reading which, gn_readings *r) {
+    if (f.slope <= 0) gn_reading_absent(r, which, "the stress falls while the strain grows");
+    if (f.error > gn_scatter_allowed * f.slope)
+        gn_reading_absent(r, which, "the rows scatter: standard error of the slope %.0f %%",
+                          100 * f.error / f.slope);
+}
+
+/* --- slopes and peaks --- */
+
+gn_line_fit gn_line(const double *x, const double *y, gn_row_span s) {
+    if (!x || !y || s.last - s.first < 3) return (gn_line_fit){NAN, NAN};
+    double n = (double)(s.last - s.first), mean_x = 0, mean_y = 0, xx = 0, xy = 0, yy = 0;
+    for (size_t k = s.first; k < s.last; k++) mean_x += x[k] / n, mean_y += y[k] / n;
+    for (size_t k = s.first; k < s.last; k++) {
+        xx += (x[k] - mean_x) * (x[k] - mean_x);
+        xy += (x[k] - mean_x) * (y[k] - mean_y);
+        yy += (y[k] - mean_y) * (y[k] - mean_y);
+    }
+    if (!(xx > 0)) return (gn_line_fit){NAN, NAN};
+    double slope = xy / xx;
+    return (gn_line_fit){slope, sqrt(fmax(0, yy - slope * xy) / (n - 2) / xx)};
+}
+
+static double last_of(const gn_history *history, const char *name) {
+    const double *column = gn_history_column(history, name);
+    return column ? column[history->row_count - 1] : NAN;
+}
+
+const char *gn_no_peak(const gn_curves *c) {
+    double least = c->stress[c->largest];
+    for (size_t k = c->largest; k < c->history->row_count; k++) least = fmin(least, c->stress[k]);
+    if (c->tested->elastic) return "finite elements do not fail";
+    if (last_of(c->history, "broken_tension") + last_of(c->history, "broken_shear") == 0)
+        return "no bond has broken";
+    if (least > (1 - fall) * c->stress[c->largest])
+        return "the run ended before the peak: the stress has not fallen by 5 % from its largest";
+    return NULL;
+}

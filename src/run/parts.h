@@ -1,0 +1,59 @@
+/* The parts of a world in files: snapshots, their groups in results.h5, their shares of a
+ * checkpoint. */
+#ifndef GN_RUN_PARTS_H
+#define GN_RUN_PARTS_H
+
+#include "io/h5.h"
+#include "run/output_table.h"
+#include "sim/world.h"
+
+/* --- solids of finite elements --- */
+
+/* The path of a group or data set of a solid in a file: of the first the name itself, then
+ * elements_2/name ... */
+enum { GN_ELEMENT_PATH = 160 };
+const char *gn_elements_path(size_t solid, const char *name, char path[GN_ELEMENT_PATH]);
+/* A file for each solid: `name`, name_2 ... */
+const char *gn_elements_file(size_t solid, const char *name, char file[GN_ELEMENT_PATH]);
+
+gneiss_status gn_elements_snapshot(const gn_world *world, const char *directory, const char *name,
+                                   gneiss_error *error);
+/* /nodes, /elements */
+gneiss_status gn_elements_results(const gn_world *world, gn_h5 *file, gneiss_error *error);
+/* One field of results.h5, of the nodes or of the elements of a solid. */
+gneiss_status gn_elements_read(const gn_world *world, size_t solid, bool nodes,
+                               const gn_output_field *field, double *values, gneiss_error *error);
+
+/* --- rigid bodies --- */
+
+/* One grid of all facets. */
+gneiss_status gn_bodies_snapshot(const gn_world *world, const char *directory, const char *name,
+                                 gneiss_error *error);
+/* /bodies, but for what the history has of them. */
+gneiss_status gn_bodies_results(const gn_world *world, gn_h5 *file, gneiss_error *error);
+
+/* --- the scene, with all of its keys (output.c) --- */
+
+gneiss_status gn_scene_results(const gn_world *world, gn_h5 *file, gneiss_error *error);
+
+/* --- what the history has of bodies and motions, at the end (output_owners.c) --- */
+
+/* /bodies, /motions */
+gneiss_status gn_owners_results(const gn_world *world, gn_h5 *file, gneiss_error *error);
+
+/* --- checkpoints (checkpoint_dem.c, _boundary.c, _elements.c) --- */
+
+/* Loading makes the part; `path` stands in messages. The boundary comes after the particles, and
+ * surfaces when all that has them is there. */
+gneiss_status gn_dem_save(const gn_world *world, gn_h5 *file, gneiss_error *error);
+gneiss_status gn_dem_load(gn_world *world, const gn_h5 *file, const char *path,
+                          gneiss_error *error);
+gneiss_status gn_boundary_save(const gn_world *world, gn_h5 *file, gneiss_error *error);
+gneiss_status gn_boundary_load(gn_world *world, const gn_h5 *file, const char *path,
+                               gneiss_error *error);
+gneiss_status gn_boundary_load_surfaces(gn_world *world, const char *path, gneiss_error *error);
+gneiss_status gn_elements_save(const gn_world *world, gn_h5 *file, gneiss_error *error);
+gneiss_status gn_elements_load(gn_world *world, const gn_h5 *file, const char *path,
+                               gneiss_error *error);
+
+#endif

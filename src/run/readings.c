@@ -1,0 +1,149 @@
+/* What is read off a run: of its whole history, or of the rows of one stage. */
+#include "run/budget.h"
+#include "run/run.h"
+#include "run/stages.h"
+#include "sim/fragments.h"
+#include "sim/laboratory.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+/* A state in which a run may be looked at; nothing else that readings follow from changes between
+ * two of the same numbers. */
+typedef struct state {
+    int64_t step, broken, lost;
+    size_t rows, stage;
+} state;
+
+struct gn_run_read {
+    bool known;
+    state of;
+    gn_readings readings;
+    gn_budget *budget; /* of these readings; NULL: nobody has asked */
+};
+
+gneiss_status gn_run_watch(gn_run *run, gneiss_error *error) {
+    run->read = calloc(1, sizeof *run->read);
+    if (!run->read) return gn_fail(error, GNEISS_ERROR_MEMORY, "no memory for readings");
+    return gn_history_begin(&run->world, &run->history, error);
+}
+
+void gn_run_unwatch(gn_run *run) {
+    if (run->read) free(run->read->budget);
+    free(run->read);
+    gn_history_free(&run->history);
+}
+
+/* --- of some rows --- */
+
+static void compute(const gn_world *w, const gn_history *rows, gn_readings *r) {
+    const gn_test *t = &w->scene.test;
+    const double *g = w->scene.gravity;
+    const gn_fragments pieces = gn_world_fragments(w);
+    gn_tested tested = {.kind = t->kind,
+                        .dimension = (int)w->scene.dimension,
+                        .axis = (int)t->axis,
+                        .sign = gn_test_sign(t->kind),
+                        .notched = t->notch > 0.0,
+                        .falls = g[0] != 0.0 || g[1] != 0.0 || g[2] != 0.0,
+                        .fragments = pieces.count,
+                        .largest_fragment = pieces.largest,
+                        .section = t->kind == GN_TEST_NONE ? NAN : gn_test_shape(w).section,
+                        .elastic = !w->scene.has_specimen,
+                        .watched = !gn_scene_end_drives(&w->scene, &t->lower) ||
+                                   !gn_scene_end_drives(&w->scene, &t->upper)};
+    gn_readings_compute(rows, &tested, r);
+    /* A quotient by nothing is no reading either. */
+#define X(name, unit, text)                                                                        \
+    if (!isfinite(r->name)) r->name = NAN;
+    GN_READINGS(X)
+#undef X
+}
+
+static size_t rows_of(const gn_run *run, size_t stage, size_t *begin) {
+    *begin = (size_t)run->world.stages[stage].row;
+    size_t end = run->history.row_count;
+    if (stage < run->world.stage) end = (size_t)run->world.stages[stage + 1].row;
+    return end - *begin;
+}
+
+static gneiss_status compute_stage(const gn_run *run, size_t stage, gn_readings *readings,
+                                   gneiss_error *error) {
+    const gn_history *all = &run->history;
+    const gn_stage_state *s = &run->world.stages[stage];
+    size_t begin;
+    gn_history part = *all;
+    part.row_count = rows_of(run, stage, &begin);
+    part.columns = calloc(all->column_count + 1, sizeof *part.columns);
+    double *strain = calloc(part.row_count + 1, sizeof *strain);
+    if (!part.columns || !strain) {
+        free(part.columns);
+        free(strain);
+        return gn_fail(error, GNEISS_ERROR_MEMORY, "no memory for readings of a stage");
+    }
+    for (size_t c = 0; c < all->column_count; c++) {
+        part.columns[c] = all->columns[c];
+        part.columns[c].value += part.row_count ? begin : 0;
+        if (strcmp(all->columns[c].name, "strain") != 0) continue;
+        for (size_t r = 0; r < part.row_count; r++)
+            strain[r] = part.columns[c].value[r] - s->strain;
+        part.columns[c].value = strain;
+    }
+    compute(&run->world, &part, readings);
+    free(part.columns);
+    free(strain);
+    return GNEISS_OK;
+}
+
+/* --- of the run --- */
+
+/* The one whose readings are those of the run. */
+static size_t stage_read(const gn_run *run) {
+    size_t stage = run->world.stage, begin;
+    while (stage > 0 && !rows_of(run, stage, &begin)) stage--;
+    return stage;
+}
+
+static bool same(const state *a, const state *b) {
+    return a->step == b->step && a->broken == b->broken && a->lost == b->lost &&
+           a->rows == b->rows && a->stage == b->stage;
+}
+
+gneiss_status gn_run_readings(const gn_run *run, const gn_readings **readings,
+                              gneiss_error *error) {
+    const gn_world *w = &run->world;
+    struct gn_run_read *read = run->read;
+    const state now = {w->step, w->dem.broken_tension + w->dem.broken_shear, w->dem.lost,
+                       run->history.row_count, w->stage};
+    *readings = &read->readings;
+    if (read->known && same(&read->of, &now)) return GNEISS_OK;
+    read->known = false;
+    free(read->budget);
+    read->budget = NULL;
+    if (gn_run_staged(run))
+        GN_TRY(compute_stage(run, stage_read(run), &read->readings, error));
+    else
+        compute(w, &run->history, &read->readings);
+    read->known = true;
+    read->of = now;
+    return GNEISS_OK;
+}
+
+gneiss_status gn_run_budget(const gn_run *run, const gn_budget **budget, gneiss_error *error) {
+    const gn_readings *r;
+    GN_TRY(gn_run_readings(run, &r, error));
+    if (!run->read->budget)
+        GN_TRY(gn_budget_create(&run->world, &run->history, r, &run->read->budget, error));
+    *budget = run->read->budget;
+    return GNEISS_OK;
+}
+
+gneiss_status gn_run_stage_readings(const gn_run *run, size_t stage, gn_readings *readings,
+                                    gneiss_error *error) {
+    const gn_readings *r;
+    if (stage != stage_read(run)) return compute_stage(run, stage, readings, error);
+    GN_TRY(gn_run_readings(run, &r, error));
+    *readings = *r;
+    return GNEISS_OK;
+}

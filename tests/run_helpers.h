@@ -1,0 +1,67 @@
+/* Runs from scene texts, and whether threads and resumption leave the same bits. */
+#ifndef GN_TESTS_RUN_HELPERS_H
+#define GN_TESTS_RUN_HELPERS_H
+
+#include "world_helpers.h"
+
+#include "run/run.h"
+
+#include <unistd.h>
+
+__attribute__((format(printf, 1, 2))) static inline gn_run *run_of(const char *format, ...) {
+    text *t = calloc(1, sizeof *t);
+    gn_run *run = calloc(1, sizeof *run);
+    gneiss_error error = {0};
+    gn_scene scene;
+    va_list args;
+    va_start(args, format);
+    int length = vsnprintf(t->s, sizeof t->s, format, args);
+    va_end(args);
+    assert_in_range(length, 1, sizeof t->s - 1);
+    if (gn_scene_parse(t->s, "s.yaml", NULL, NULL, 0, &scene, &error) != GNEISS_OK ||
+        gn_run_create(&scene, run, &error) != GNEISS_OK)
+        fail_msg("%s", error.message);
+    free(t);
+    return run;
+}
+
+static inline void run_end(gn_run *run) {
+    gn_run_free(run);
+    free(run);
+}
+
+/* What comes back from a checkpoint of a run. */
+static inline gn_run *resumed_of(const gn_run *run) {
+    char path[] = "/tmp/gneiss_XXXXXX";
+    gn_run *resumed = calloc(1, sizeof *resumed);
+    gneiss_error error = {0};
+    int file = mkstemp(path);
+    assert_true(file >= 0);
+    close(file);
+    if (gn_checkpoint_write(run, path, &error) != GNEISS_OK ||
+        gn_checkpoint_load(path, NULL, 0, resumed, &error) != GNEISS_OK)
+        fail_msg("%s", error.message);
+    unlink(path);
+    return resumed;
+}
+
+/* Takes two runs of one scene, say on one and on two threads, `before` steps on, and a third from a
+ * checkpoint of the first; then all of them `after` steps and a measured one, which must leave the
+ * same bits. Frees the runs; the ledger of that step, which is to close to `residual`. */
+static inline gn_energy end_alike(gn_run *one, gn_run *two, int64_t before, int64_t after,
+                                  double residual) {
+    gn_run *all[] = {one, two, NULL};
+    gn_energy e = {0};
+    for (int k = 0; k < 2; k++) run_steps(&all[k]->world, before);
+    all[2] = resumed_of(one);
+    for (int k = 0; k < 3; k++) {
+        run_steps(&all[k]->world, after);
+        e = measured_step(&all[k]->world);
+        assert_true(fabs(gn_energy_residual(&e)) < residual);
+        assert_int_equal(gn_world_hash(&all[k]->world), gn_world_hash(&one->world));
+    }
+    for (int k = 0; k < 3; k++) run_end(all[k]);
+    return e;
+}
+
+#endif
