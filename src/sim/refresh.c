@@ -23,9 +23,9 @@ gneiss_status gn_world_restore(gn_world *w, gneiss_error *error) {
     return gn_exchanges_mark(w, error);
 }
 
-/* Two particles close in by at most twice the largest path, and with a box that shrinks; a particle and a wall or a surface by
- * the sum of theirs. The cheap bound on the path adds up the largest speed; when it runs out, the
- * true largest displacement takes its place. */
+/* Two particles close in by at most twice the largest path, and with a box that shrinks; a particle
+ * and a wall or a surface by the sum of theirs. The cheap bound on the path adds up the largest
+ * speed; when it runs out, the true largest displacement takes its place. */
 gneiss_status gn_world_refresh_lists(gn_world *w, gneiss_error *error) {
     const gn_verlet *v = &w->dem.verlet;
     double other = gn_boundary_travel(w, false);
