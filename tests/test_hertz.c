@@ -650,6 +650,32 @@ static void what_does_not_go_with_hertz_is_refused(void **state) {
     refuses("stiffness: hertz}", "stiffness: uniform}", "materials[0].kratio: required");
 }
 
+/* It follows from the tangential one: without that it would never resist. */
+static void resistance_to_rolling_asks_for_a_tangential_spring(void **state) {
+    (void)state;
+    static const char *const key[] = {"rolling_friction", "twisting_friction"};
+    for (int k = 0; k < 4; k++) {
+        char scene[512], wanted[256];
+        gn_scene read;
+        gneiss_error error = {0};
+        bool spring = k >= 2;
+        snprintf(scene, sizeof scene,
+                 "dimension: 3\nspecimen: {particles: [[0, 0, 0, 1 mm]]}\nmaterials:\n"
+                 "  - {name: m, density: 1, normal_stiffness: 1e5, kratio: %d, %s: 0.1}\n"
+                 "law: {stiffness: uniform}\ntime: {end: 1}\n",
+                 spring ? 2 : 0, key[k % 2]);
+        gneiss_status status = gn_scene_parse(scene, "s.yaml", NULL, NULL, 0, &read, &error);
+        if (status == GNEISS_OK) gn_scene_free(&read);
+        assert_int_equal(status, spring ? GNEISS_OK : GNEISS_ERROR_INPUT);
+        snprintf(wanted, sizeof wanted,
+                 "s.yaml:4:%d: materials[0].%s: expected kratio above 0 beside it, which its "
+                 "stiffness follows from, found 0",
+                 61 + (int)strlen(key[k % 2]) + 2, key[k % 2]);
+        if (!spring && strncmp(error.message, wanted, strlen(wanted)) != 0)
+            fail_msg("%s\nexpected %s", error.message, wanted);
+    }
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(impacts_reach_the_overlap_and_the_force_of_hertz),
@@ -672,6 +698,7 @@ int main(void) {
         cmocka_unit_test(the_ledger_of_a_crowd_closes),
         cmocka_unit_test(the_step_follows_the_overlap),
         cmocka_unit_test(the_example_runs),
+        cmocka_unit_test(resistance_to_rolling_asks_for_a_tangential_spring),
         cmocka_unit_test(what_does_not_go_with_hertz_is_refused),
     };
     return cmocka_run_group_tests_name("hertz", tests, NULL, NULL);
