@@ -695,6 +695,28 @@ static void what_does_not_go_with_hertz_is_refused(void **state) {
     refuses("stiffness: hertz}", "stiffness: uniform}", "materials[0].kratio: required");
 }
 
+/* k_r = k_t r^2 of a large sphere is much for a small body: (1 + 6 r^2/l^2) times what its own arm
+ * makes of k_t, of a cube of side l. */
+static void the_limit_of_a_free_body_has_what_resists_its_rolling(void **state) {
+    (void)state;
+    gn_world *w = world_of(
+        "dimension: 3\nspecimen: {particles: [[0, 0, 0, 20 mm]], group: 0}\n"
+        "materials: [{name: m, density: 2500, normal_stiffness: 1e5, kratio: 1}]\n"
+        "law: {stiffness: uniform}\ngravity: [0, 0, -9.81]\n"
+        "sets: [{name: s, select: {all: true}, motion: {vx: 0, vy: 0, vz: 0, wx: 0, wy: 0, wz: "
+        "0}}]\n"
+        "bodies: [{name: b, box: {size: [4 mm, 4 mm, 4 mm]}, origin: [-2 mm, -1.9 mm, 20.0001 mm], "
+        "free: true, density: 2500, stiffness: 1e5, kratio: 1, friction: 0.5, "
+        "rolling_friction: 0.5, twisting_friction: 0.5}]\n"
+        "domain: {min: [-1, -1, -1], max: [1, 1, 1]}\ntime: {end: 1}\nrun: {threads: 1}\n");
+    run_steps(w, 100);
+    double side = 4e-3, mass = 2500 * side * side * side, inertia = mass * side * side / 6;
+    double square = 1e5 * 20e-3 * 20e-3 / inertia;
+    assert_true(w->stable <= 2.0 / sqrt(square));
+    assert_true(w->stable >= 1.0 / sqrt(square)); /* and is not idle */
+    world_end(w);
+}
+
 /* It follows from the tangential one: without that it would never resist. */
 static void resistance_to_rolling_asks_for_a_tangential_spring(void **state) {
     (void)state;
@@ -744,6 +766,7 @@ int main(void) {
         cmocka_unit_test(the_ledger_of_a_crowd_closes),
         cmocka_unit_test(the_step_follows_the_overlap),
         cmocka_unit_test(the_example_runs),
+        cmocka_unit_test(the_limit_of_a_free_body_has_what_resists_its_rolling),
         cmocka_unit_test(resistance_to_rolling_asks_for_a_tangential_spring),
         cmocka_unit_test(what_does_not_go_with_hertz_is_refused),
     };
