@@ -500,7 +500,8 @@ static void grains_fall_on_finite_elements(void **state) {
         "materials: [{young: 1e8, poisson: 0.2, density: 1000}], "
         "motions: [{name: foot, group: z_lower, motion: {vx: 0, vy: 0, vz: 0}}], "
         "contact: {stiffness: 1e5, kratio: 2, friction: 0.3}}\n"
-        "sources: [{name: s, box: {size: [0.02, 0.02, 0.02]}, origin: [0, 0, -0.0005], rate: 20000, "
+        "sources: [{name: s, box: {size: [0.02, 0.02, 0.02]}, origin: [0, 0, -0.0005], rate: "
+        "20000, "
         "mean_radius: 1 mm, velocity: [0, 0, -0.5]}]\ngravity: [0, 0, -9.81]\n" DOMAIN
         "time: {end: 1}\nrun: {threads: 1}\n");
     measured_step(w);
