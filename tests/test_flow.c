@@ -462,6 +462,58 @@ static void a_resumed_run_has_the_same_bits(void **state) {
     for (int k = 0; k < KINDS; k++) resumes((kind)k);
 }
 
+/* The second stage takes what stage and source have brought; sets are of the specimen still. */
+static void stages_go_on_with_what_came(void **state) {
+    (void)state;
+    gneiss_error error = {0};
+    gn_scene scene;
+    gn_run run;
+    ok(gn_scene_parse(
+           "dimension: 3\n" GRAINS DOMAIN "specimen: {particles: [[0, 0, 0.03, 1e-3]], group: 0}\n"
+           "sources: [{name: s, box: {size: [0.02, 0.02, 0.01]}, rate: 2000, mean_radius: 1 mm, "
+           "velocity: [0, 0, -1]}]\n"
+           "sets: [{name: held, select: {all: true}, motion: {vx: 0, vy: 0, vz: 0}}]\n"
+           "walls: [{name: f, point: [0, 0, -0.02], normal: [0, 0, 1], friction: 0.5}]\n"
+           "stages:\n  - {name: fall, end: {time: 30 ms}}\n"
+           "  - {name: rise, gravity: [0, 0, 5], sets: {held: {motion: {vz: 1}}}}\n"
+           "time: {end: 60 ms}\nrun: {threads: 1}\n",
+           "s.yaml", NULL, NULL, 0, &scene, &error),
+       &error);
+    ok(gn_run_create(&scene, &run, &error), &error);
+    gn_world *w = &run.world;
+    while (w->time < 0.06) ok(gn_run_steps(&run, 10, &error), &error);
+    assert_int_equal(w->stage, 1);
+    assert_true(gn_world_present(w) > 100);
+    assert_int_equal(w->dem.prescribed.count, 1);
+    assert_near(gn_set_travel(w, 0, 2), 0.03, 0.002); /* from the first step of the stage on */
+    assert_near(gn_energy_residual(&w->reading), 0.0, 0.005);
+    gn_run_free(&run);
+}
+
+/* Grains upon a plate of finite elements, with no specimen to begin with. */
+static void grains_fall_on_finite_elements(void **state) {
+    (void)state;
+    gn_world *w = world_of(
+        "dimension: 3\nmaterials: [{name: m, density: 2500, normal_stiffness: 1e5, kratio: 2, "
+        "friction: 0.5}]\nlaw: {stiffness: uniform}\ndamping: {contact: {restitution: 0.5}}\n"
+        "elements: {box: {size: [0.02, 0.02, 0.01], cells: [2, 2, 1], origin: [0, 0, -0.01]}, "
+        "materials: [{young: 1e8, poisson: 0.2, density: 1000}], "
+        "motions: [{name: foot, group: z_lower, motion: {vx: 0, vy: 0, vz: 0}}], "
+        "contact: {stiffness: 1e5, kratio: 2, friction: 0.3}}\n"
+        "sources: [{name: s, box: {size: [0.02, 0.02, 0.02]}, origin: [0, 0, -0.0005], rate: "
+        "20000, "
+        "mean_radius: 1 mm, velocity: [0, 0, -0.5]}]\ngravity: [0, 0, -9.81]\n" DOMAIN
+        "time: {end: 1}\nrun: {threads: 1}\n");
+    measured_step(w);
+    run_until(w, 0.02);
+    gn_energy e = measured_step(w);
+    assert_true(w->dem.flow.sources[0].number > 50.0 && e.elastic_elements > 0.0);
+    for (size_t p = 0; p < w->dem.particles.soa.count; p++) /* none came in below the surface */
+        assert_true(w->dem.particles.start[4 * p + 2] > 0.0);
+    assert_near(gn_energy_residual(&e), 0.0, 0.01);
+    world_end(w);
+}
+
 /* --- slips --- */
 
 static void refuses(const char *from, const char *to, const char *message) {
@@ -574,6 +626,8 @@ int main(void) {
         cmocka_unit_test(the_ledger_closes_beside_everything),
         cmocka_unit_test(threads_have_the_same_bits),
         cmocka_unit_test(a_resumed_run_has_the_same_bits),
+        cmocka_unit_test(stages_go_on_with_what_came),
+        cmocka_unit_test(grains_fall_on_finite_elements),
         cmocka_unit_test(slips_are_refused_where_they_stand),
         cmocka_unit_test(the_examples_begin),
     };

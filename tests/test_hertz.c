@@ -477,6 +477,51 @@ static void a_resumed_run_has_the_same_bits(void **state) {
     unlink(path);
 }
 
+/* Speed grows in flight, and the step with lists that are made for it: a run that goes on right
+ * before such lists knows how fast it was. */
+static void a_step_that_follows_flight_does_so_after_resume(void **state) {
+    (void)state;
+    gneiss_error error = {0};
+    gn_run run, resumed;
+    char path[] = "/tmp/flight_XXXXXX";
+    int file = mkstemp(path);
+    assert_true(file >= 0);
+    close(file);
+    int64_t step = -1, lowered = 0;
+    for (int k = 0; k < 2; k++) { /* first to find the step */
+        gn_scene scene;
+        ok(gn_scene_parse("dimension: 3\nspecimen: {particles: [[0, 0, 0, 1 mm]], group: 0}\n"
+                          "materials: [{name: m, density: 2500, young: 1e5, poisson: 0.2}]\n"
+                          "law: {stiffness: hertz}\ngravity: [0, 0, -100]\n"
+                          "walls: [{name: w, point: [0, 0, -9], normal: [0, 0, 1]}]\n"
+                          "domain: {min: [-10, -10, -10], max: [10, 10, 10]}\n"
+                          "time: {end: 1}\nrun: {threads: 1}\n",
+                          "s.yaml", NULL, NULL, 0, &scene, &error),
+           &error);
+        ok(gn_run_create(&scene, &run, &error), &error);
+        while (run.world.step != step && run.world.step < 100000) {
+            lowered = run.world.dt_lowered;
+            ok(gn_run_steps(&run, 1, &error), &error);
+            if (k == 0 && run.world.step > 1 && run.world.dt_lowered > lowered) break;
+        }
+        step = run.world.step - 1;
+        if (k == 0) gn_run_free(&run);
+        if (k == 0) continue;
+        step = run.world.step;
+        ok(gn_checkpoint_write(&run, path, &error), &error);
+        ok(gn_run_load(path, NULL, 0, &resumed, &error), &error);
+        lowered = run.world.dt_lowered;
+        ok(gn_run_steps(&run, 1, &error), &error);
+        ok(gn_run_steps(&resumed, 1, &error), &error);
+    }
+    assert_true(run.world.dt_lowered > lowered);
+    assert_true(run.world.dt == resumed.world.dt);
+    assert_true(gn_world_hash(&run.world) == gn_world_hash(&resumed.world));
+    gn_run_free(&run);
+    gn_run_free(&resumed);
+    unlink(path);
+}
+
 /* A plane wall and the face of a box of the same material are one to a sphere that bounces and
  * rolls, but for where the contact is looked for: to rounding. */
 static void a_wall_and_a_facet_are_the_same(void **state) {
@@ -650,6 +695,54 @@ static void what_does_not_go_with_hertz_is_refused(void **state) {
     refuses("stiffness: hertz}", "stiffness: uniform}", "materials[0].kratio: required");
 }
 
+/* k_r = k_t r^2 of a large sphere is much for a small body: (1 + 6 r^2/l^2) times what its own arm
+ * makes of k_t, of a cube of side l. */
+static void the_limit_of_a_free_body_has_what_resists_its_rolling(void **state) {
+    (void)state;
+    gn_world *w = world_of(
+        "dimension: 3\nspecimen: {particles: [[0, 0, 0, 20 mm]], group: 0}\n"
+        "materials: [{name: m, density: 2500, normal_stiffness: 1e5, kratio: 1}]\n"
+        "law: {stiffness: uniform}\ngravity: [0, 0, -9.81]\n"
+        "sets: [{name: s, select: {all: true}, motion: {vx: 0, vy: 0, vz: 0, wx: 0, wy: 0, wz: "
+        "0}}]\n"
+        "bodies: [{name: b, box: {size: [4 mm, 4 mm, 4 mm]}, origin: [-2 mm, -1.9 mm, 20.0001 mm], "
+        "free: true, density: 2500, stiffness: 1e5, kratio: 1, friction: 0.5, "
+        "rolling_friction: 0.5, twisting_friction: 0.5}]\n"
+        "domain: {min: [-1, -1, -1], max: [1, 1, 1]}\ntime: {end: 1}\nrun: {threads: 1}\n");
+    run_steps(w, 100);
+    double side = 4e-3, mass = 2500 * side * side * side, inertia = mass * side * side / 6;
+    double square = 1e5 * 20e-3 * 20e-3 / inertia;
+    assert_true(w->stable <= 2.0 / sqrt(square));
+    assert_true(w->stable >= 1.0 / sqrt(square)); /* and is not idle */
+    world_end(w);
+}
+
+/* It follows from the tangential one: without that it would never resist. */
+static void resistance_to_rolling_asks_for_a_tangential_spring(void **state) {
+    (void)state;
+    static const char *const key[] = {"rolling_friction", "twisting_friction"};
+    for (int k = 0; k < 4; k++) {
+        char scene[512], wanted[256];
+        gn_scene read;
+        gneiss_error error = {0};
+        bool spring = k >= 2;
+        snprintf(scene, sizeof scene,
+                 "dimension: 3\nspecimen: {particles: [[0, 0, 0, 1 mm]]}\nmaterials:\n"
+                 "  - {name: m, density: 1, normal_stiffness: 1e5, kratio: %d, %s: 0.1}\n"
+                 "law: {stiffness: uniform}\ntime: {end: 1}\n",
+                 spring ? 2 : 0, key[k % 2]);
+        gneiss_status status = gn_scene_parse(scene, "s.yaml", NULL, NULL, 0, &read, &error);
+        if (status == GNEISS_OK) gn_scene_free(&read);
+        assert_int_equal(status, spring ? GNEISS_OK : GNEISS_ERROR_INPUT);
+        snprintf(wanted, sizeof wanted,
+                 "s.yaml:4:%d: materials[0].%s: expected kratio above 0 beside it, which its "
+                 "stiffness follows from, found 0",
+                 61 + (int)strlen(key[k % 2]) + 2, key[k % 2]);
+        if (!spring && strncmp(error.message, wanted, strlen(wanted)) != 0)
+            fail_msg("%s\nexpected %s", error.message, wanted);
+    }
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(impacts_reach_the_overlap_and_the_force_of_hertz),
@@ -667,11 +760,14 @@ int main(void) {
         cmocka_unit_test(twisting_resistance_stops_a_top),
         cmocka_unit_test(the_bits_do_not_depend_on_threads_or_instruction_sets),
         cmocka_unit_test(a_resumed_run_has_the_same_bits),
+        cmocka_unit_test(a_step_that_follows_flight_does_so_after_resume),
         cmocka_unit_test(a_wall_and_a_facet_are_the_same),
         cmocka_unit_test(elements_are_hit_by_hertz),
         cmocka_unit_test(the_ledger_of_a_crowd_closes),
         cmocka_unit_test(the_step_follows_the_overlap),
         cmocka_unit_test(the_example_runs),
+        cmocka_unit_test(the_limit_of_a_free_body_has_what_resists_its_rolling),
+        cmocka_unit_test(resistance_to_rolling_asks_for_a_tangential_spring),
         cmocka_unit_test(what_does_not_go_with_hertz_is_refused),
     };
     return cmocka_run_group_tests_name("hertz", tests, NULL, NULL);

@@ -185,7 +185,8 @@ static void every_slip_is_told_with_its_place(void **state) {
          "origin, specimen, materials, contacts, law, elements, couple, bonds, damping, gravity, "
          "initial, "
          "periodic, "
-         "domain, sets, walls, bodies, sources, sinks, membrane, test, time, stages, output, neighbours, run"},
+         "domain, sets, walls, bodies, sources, sinks, membrane, test, time, stages, output, "
+         "neighbours, run"},
         {"    kratio: 2\n", "",
          "s.yaml:5:5: materials[0].kratio: required by this law.stiffness, but not given"},
         {"  end: 5 ms", "  safety: 1", "s.yaml:18:1: time.end: required, but not given"},

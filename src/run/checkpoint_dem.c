@@ -40,6 +40,7 @@ static const gn_piece pieces[] = {
     INTEGER(verlet.last_step),
     DOUBLES(derived),
     LIMIT(radius_min),
+    LIMIT(done.motion.speed2),
     DOUBLES(scaling.unscaled),
     DOUBLES(scaling.step),
     DOUBLES(scaling.reached),

@@ -8,8 +8,8 @@
 
 #include <string.h>
 
-/* Making lists costs as much as some fifteen steps, and what flows has them made every hundred or so
- * anyway. */
+/* Making lists costs as much as some fifteen steps, and what flows has them made every hundred or
+ * so anyway. */
 enum { STEPS_BETWEEN = 50 };
 /* Places that are tried for a particle before it waits. */
 enum { TRIES = 100, SAMPLES = 10000 };

@@ -106,6 +106,20 @@ static void scaled_row(const gn_rigid *b, const double at[3], const double direc
     }
 }
 
+/* A moment of k_r = k_t r^2 per turn about any axis. */
+static void add_rolling(const gn_world *w, const gn_surface_contact *c, double k,
+                        body_block *block) {
+    const gn_rigid *b = &w->boundary.bodies[c->surface->body];
+    double r = w->dem.particles.pos[4 * c->particle + 3], local[3];
+    for (int a = 0; w->effects & GN_FX_ROLLING && a < 3; a++) {
+        const double unit[3] = {a == 0, a == 1, a == 2};
+        double row[6] = {0};
+        gn_rigid_local(b, unit, local);
+        for (int d = 0; d < 3; d++) row[3 + d] = local[d] * sqrt(b->inverse_inertia[d]);
+        add_row(block->stiff, row, k * r * r);
+    }
+}
+
 static void add_contact(const gn_world *w, const gn_surface_contact *c, body_block *block) {
     const gn_rigid *b = &w->boundary.bodies[c->surface->body];
     const double *x = w->dem.particles.pos + 4 * c->particle;
@@ -118,6 +132,7 @@ static void add_contact(const gn_world *w, const gn_surface_contact *c, body_blo
         scaled_row(b, at, unit, row);
         add_row(block->stiff, row, k);
     }
+    add_rolling(w, c, k, block);
     scaled_row(b, at, c->contact.n, row);
     add_row(block->damp, row,
             2.0 * w->dem.damping_fraction / gn_world_nonviscous_share(w) * sqrt(s.kn * mass));

@@ -1,0 +1,113 @@
+"""Sources and sinks in the files of a run: rows that change in number, ids that stay, going on. Speaks TAP."""
+from program import *  # noqa: F403
+
+REFERENCE = tempfile.mkdtemp(prefix="gneiss-flow-")
+
+# Two bonded grains on a floor, grains that fall beside them and run over an edge.
+SCENE = {
+    "dimension": 3, "specimen": {"particles": [[0, 0, 1e-3, 1e-3], [2e-3, 0, 1e-3, 1e-3], [30e-3, 0, 1e-3, 1e-3]]},
+    "materials": [{"name": "m", "density": 2500, "normal_stiffness": 1e4, "kratio": 2, "friction": 0.3,
+                   "bond_tension_limit": 10, "bond_shear_limit": 10}],
+    "law": {"stiffness": "uniform"}, "bonds": {"interaction_range": 0.01},
+    "damping": {"contact": {"restitution": 0.5}}, "gravity": [2, 0, -9.81],
+    "walls": [{"name": "floor", "point": [0, 0, 0], "normal": [0, 0, 1], "stiffness": 1e4, "kratio": 2, "friction": 0.2}],
+    "sets": [{"name": "a", "select": {"ids": [2]}, "initial_velocity": [3, 0, 0]}],
+    "sources": [{"name": "rain", "box": {"size": [10e-3, 10e-3, 5e-3]}, "origin": [10e-3, -5e-3, 5e-3], "rate": 2000,
+                 "mean_radius": 0.8e-3, "size_ratio": 1.5, "velocity": [0.3, 0, -0.5]}],
+    "sinks": [{"name": "edge", "plane": {"point": [30e-3, 0, 0], "normal": [1, 0, 0]}}],
+    "domain": {"min": [-0.1, -0.01, -0.1], "max": [0.1, 0.01, 0.1], "lost": "remove"},
+    "time": {"end": 0.12}, "output": {"history_rows": 100, "snapshots": 6}, "run": {"threads": 1}}
+
+
+def reference():
+    """A run that was never stopped, made once."""
+    folder = os.path.join(REFERENCE, "run")
+    if not os.path.exists(os.path.join(folder, "summary.json")):
+        run(write_scene(REFERENCE, SCENE), folder)
+    return folder
+
+
+@fact
+def rows_are_by_id_and_no_id_comes_twice(folder):
+    with results(reference()) as file:
+        ids = file["particles/id"][:].reshape(-1)
+        assert (np.diff(ids) > 0).all() and ids[0] == 0
+        assert ids[-1] > len(ids), "rows of those that are gone are used again"
+        assert len(file["particles/position"]) == len(ids)
+
+
+@fact
+def bonds_are_between_rows(folder):
+    with results(reference()) as file:
+        i, j = file["bonds/i"][:].reshape(-1), file["bonds/j"][:].reshape(-1)
+        ids = file["particles/id"][:].reshape(-1)
+        assert list(ids[i]) == [0] and list(ids[j]) == [1]
+
+
+@fact
+def snapshots_have_as_many_points_as_there_were_rows(folder):
+    sizes = []
+    for name, _ in series(reference()):
+        with h5py.File(os.path.join(reference(), name), "r") as file:
+            points, ids = file["VTKHDF/Points"], file["VTKHDF/PointData/id"][:]
+            assert len(points) == len(ids) and (np.diff(ids) > 0).all()
+            sizes.append(len(points))
+    with results(reference()) as file:
+        assert sizes[-1] == len(file["particles/id"]) and len(set(sizes)) > 3, sizes
+
+
+@fact
+def what_came_is_there_or_has_gone_in_every_row(folder):
+    h = history(reference())
+    came, went, there = h["source_rain_number"], h["sink_edge_number"], h["particles"]
+    with results(reference()) as file:
+        lost = np.searchsorted(np.sort(file["lost/time"][:].reshape(-1)), h["time"], side="right") if "lost" in file else 0
+    assert (there == came + 3 - went - lost).all()
+    assert went[-1] > 50 and (np.diff(came) >= 0).all() and (np.diff(went) >= 0).all()
+    # A rate is that of the row: their sum over the times between rows is the mass.
+    between = np.diff(h["time"])
+    assert abs((h["sink_edge_rate"][1:] * between).sum() - h["sink_edge_mass"][-1]) < 0.02 * h["sink_edge_mass"][-1]
+
+
+@fact
+def the_summary_counts_them(folder):
+    said = summary(reference())
+    source, sink = said["sources"][0], said["sinks"][0]
+    h = history(reference())
+    assert source["name"] == "rain" and source["number"] == h["source_rain_number"][-1]
+    assert sink["name"] == "edge" and sink["steady_rate"] > 0
+    assert said["counts"]["particles"] == h["particles"][-1]
+    assert abs(said["energy_residual"]) < 0.005
+
+
+@fact
+def a_later_end_on_resume_equals_a_straight_run(folder):
+    place = os.path.join(folder, "run")
+    run(write_scene(folder, SCENE), place, "--set", "time.end=0.05", "--set", "output.history_rows=41",
+        "--set", "output.snapshots=2")
+    resume(place, "--set", "time.end=0.12")
+    assert state_hash(place) == state_hash(reference())
+    assert summary(place)["sources"] == summary(reference())["sources"]
+
+
+@fact
+def another_run_begins_with_those_that_are_left(folder):
+    scene = {key: value for key, value in SCENE.items() if key not in ("sources", "sinks", "sets")}
+    scene["domain"] = {"min": [-1, -1, -1], "max": [1, 1, 1]}  # what left a little since the last lists is there
+    scene["specimen"] = {"from": reference(), "from_bonds": "keep"}
+    run(write_scene(folder, {**scene, "time": {"end": 0.001}}), os.path.join(folder, "run"))
+    with results(os.path.join(folder, "run")) as file:
+        assert len(file["particles/id"]) == summary(reference())["counts"]["particles"]
+        assert len(file["bonds/i"]) == 1
+
+
+@fact
+def the_report_draws_what_flows(folder):
+    expect(gneiss("report", reference()), 0)
+    assert os.path.getsize(os.path.join(reference(), "report", "flow.png")) > 10000
+
+
+if __name__ == "__main__":
+    code = main()
+    shutil.rmtree(REFERENCE, ignore_errors=True)
+    sys.exit(code)
