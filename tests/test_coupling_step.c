@@ -177,6 +177,19 @@ static void the_limit_of_both_as_one_is_that_of_the_whole_matrix(void **state) {
     }
 }
 
+/* Whether a given step needs to know it or not. */
+static void springs_of_a_zone_do_not_depend_on_how_the_step_is_given(void **state) {
+    (void)state;
+    double stiffness[2];
+    for (int k = 0; k < 2; k++) {
+        gn_world *w = made(&models[6], k ? "step: 1e-9" : NULL, NULL);
+        const gn_coupled *q = w->exchange[0].context;
+        stiffness[k] = q->stiffness[q->ties.count / 2];
+        world_end(w);
+    }
+    assert_true(stiffness[0] > 0.0 && stiffness[0] == stiffness[1]);
+}
+
 /* --- what it is worth --- */
 
 /* The energy after so many steps of a part of the sharp limit, over that at the start; INFINITY
@@ -310,6 +323,7 @@ static void dashpots_are_in_the_limit_of_both_as_one(void **state) {
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(the_limit_of_both_as_one_is_that_of_the_whole_matrix),
+        cmocka_unit_test(springs_of_a_zone_do_not_depend_on_how_the_step_is_given),
         cmocka_unit_test(both_as_one_are_stable_up_to_their_sharp_limit),
         cmocka_unit_test(a_million_steps_at_0_99_of_the_limit_keep_the_energy),
         cmocka_unit_test(an_automatic_step_is_that_of_both_as_one),

@@ -10,24 +10,25 @@
 
 typedef struct gn_consistent {
     const gn_ties *ties;
-    int dimension, threads;
-    double *mass;        /* [ties] kg, of the particle; 0: removed */
-    double *own, *whole; /* [nodes of ties] kg, of the node, and with the lump */
-    double *load;        /* [nodes of ties][3] N: on the node and the particles it carries */
-    double *rate;        /* [nodes of ties][3] m/s2: what is looked for; given where `fixed` */
-    uint8_t *fixed;      /* [nodes of ties][3] */
-    double *work[4];     /* [nodes of ties][3] */
-    double *moved;       /* [ties][3] */
+    int threads;
+    int32_t *row, *column; /* [nodes of ties + 1], [..]: the nodes that have a particle with one */
+    double *weight;        /* [..] kg, of N^T M N */
+    double *whole;         /* [nodes of ties] kg, of the node with the lump */
+    double *load;          /* [nodes of ties][3] N: on the node and the particles it carries */
+    double *rate;          /* [nodes of ties][3] m/s2: what is looked for; given where `fixed` */
+    uint8_t *fixed;        /* [nodes of ties][3] */
+    double *work[5];       /* [nodes of ties][3] */
 } gn_consistent;
 
-gneiss_status gn_consistent_create(const gn_ties *t, int dimension, gn_consistent *y,
-                                   gneiss_error *error);
+gneiss_status gn_consistent_create(const gn_ties *t, gn_consistent *y, gneiss_error *error);
+/* N^T M N, of the masses of the particles of ties, kg; 0: removed. */
+void gn_consistent_weigh(gn_consistent *y, const double *mass);
 void gn_consistent_free(gn_consistent *y);
 
 /* rate from load. Returns the number of rounds. */
 int gn_consistent_solve(gn_consistent *y);
 /* out = (lump - N^T M N) rate, N, [nodes of ties][3]: with this on top of the loads the lumped
  * masses accelerate as the consistent ones do. Adds up to zero whatever the rates are. */
-void gn_consistent_difference(gn_consistent *y, const double *rate, double *out);
+void gn_consistent_difference(const gn_consistent *y, const double *rate, double *out);
 
 #endif

@@ -119,7 +119,7 @@ static gneiss_status find(gn_world *w, gn_coupled **out, gneiss_error *error) {
         if (!q->before)
             return gn_fail(error, GNEISS_ERROR_MEMORY, "no memory for %zu nodes of zones",
                            q->ties.nodes);
-        GN_TRY(gn_consistent_create(&q->ties, (int)w->scene.dimension, &q->consistent, error));
+        GN_TRY(gn_consistent_create(&q->ties, &q->consistent, error));
     }
     if (w->scene.couple.spins == GN_COUPLE_SLAVED && w->effects & GN_FX_ROTATION) {
         q->turn = gn_alloc_array(q->ties.count + 1, sizeof *q->turn);
@@ -185,6 +185,14 @@ static void load_nodes(gn_fem_solid *b) {
 
 /* --- its part of a step --- */
 
+/* Masses that tie nodes to each other, of the particles that are there; scratch: loads. */
+static void weigh_consistent(const gn_world *w, gn_coupled *q) {
+    double *mass = &q->load[0][0];
+    for (size_t k = 0; k < q->ties.count; k++)
+        mass[k] = q->place[k] >= 0 ? 1.0 / w->dem.particles.vel[4 * (size_t)q->place[k] + 3] : 0.0;
+    gn_consistent_weigh(&q->consistent, mass);
+}
+
 static gneiss_status mark(void *context, gn_world *w, gneiss_error *error) {
     gn_coupled *q = context;
     gn_fem_solid *b = gn_coupled_solid(w);
@@ -197,6 +205,7 @@ static gneiss_status mark(void *context, gn_world *w, gneiss_error *error) {
         gn_penalty_set(w, q); /* particles may have left */
     else if (!b->carried)
         GN_TRY(lump(w, q, error)); /* resumed: nodes have it already */
+    if (q->before) weigh_consistent(w, q);
     for (size_t n = 0; n < q->ties.nodes; n++)
         GN_TRY(gn_hold_particle(&b->hold, (size_t)q->ties.node[n], error));
     return GNEISS_OK;
@@ -231,16 +240,11 @@ static void set_system(const gn_world *w, gn_coupled *q) {
     const double interval = 0.5 * (w->dt_past + w->dt);
     gn_consistent *y = &q->consistent;
     y->threads = w->threads;
-    for (size_t k = 0; k < q->ties.count; k++) {
-        double inverse = q->place[k] >= 0 ? w->dem.particles.vel[4 * (size_t)q->place[k] + 3] : 0.0;
-        y->mass[k] = inverse > 0.0 ? 1.0 / inverse : 0.0;
-    }
     for (size_t n = 0; n < q->ties.nodes; n++) {
         const size_t node = (size_t)q->ties.node[n];
         const int32_t slot = b->prescribed.count ? b->nodes.slot[node] : -1;
         const double *row = gn_hold_load(&b->hold, 4, node), *v = b->nodes.vel + 4 * node;
         y->whole[n] = 1.0 / v[3];
-        y->own[n] = y->whole[n] - b->carried[node];
         for (size_t a = 0; a < 3; a++) {
             const bool there = a < (size_t)w->scene.dimension;
             y->fixed[3 * n + a] = !there || (slot >= 0 && b->prescribed.mask[slot] >> a & 1);

@@ -170,20 +170,14 @@ static void metric(const void *context, const double *x, double *out) {
 
 /* --- making it --- */
 
-/* Masses of particles and nodes; nothing is fixed but what cannot move. */
+/* Masses of nodes; nothing is fixed but what cannot move. */
 static void set_masses(const whole *y) {
     gn_consistent *c = &y->q->consistent;
     const gn_fem_solid *b = gn_coupled_solid(y->w);
     c->threads = y->w->threads;
-    for (size_t k = 0; k < y->q->ties.count; k++) {
-        const int32_t p = y->q->place[k];
-        double inverse = p >= 0 ? y->w->dem.particles.vel[4 * (size_t)p + 3] : 0.0;
-        c->mass[k] = inverse > 0.0 ? 1.0 / inverse : 0.0;
-    }
     for (size_t n = 0; n < y->q->ties.nodes; n++) {
         const size_t node = (size_t)y->q->ties.node[n];
         c->whole[n] = 1.0 / b->nodes.vel[4 * node + 3];
-        c->own[n] = c->whole[n] - b->carried[node];
         for (size_t a = 0; a < 3; a++) {
             c->fixed[3 * n + a] = a >= y->dim || !(y->linear.scale[y->dim * node + a] > 0.0);
             c->load[3 * n + a] = c->rate[3 * n + a] = 0.0;

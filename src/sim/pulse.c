@@ -21,9 +21,9 @@ static void start(const gn_scene *s, gn_particles *q) {
     }
 }
 
-/* Bonds are sheared as the pulse shears them: their tangential springs build up with what happens and
- * know nothing of places. Without that a disordered packing would keep a part of the pulse where it
- * began, normal springs against tangential ones. */
+/* Bonds are sheared as the pulse shears them: their tangential springs build up with what happens
+ * and know nothing of places. Without that a disordered packing would keep a part of the pulse
+ * where it began, normal springs against tangential ones. */
 static void shear_bonds(gn_world *w) {
     const gn_particles *q = &w->dem.particles;
     const gn_contacts *b = &w->dem.bonds;
