@@ -113,12 +113,21 @@ def draw(found):
     figure.savefig(PICTURE, dpi=110)
 
 
+def fine_table():
+    """The same with particles of half the size."""
+    half = {"specimen.mean_radius": "0.5 mm", **STOP}
+    found = [("particles alone, 0.5 mm", study.run("coupling/beam-particles-fine", "scenes/bending-particles.yaml", half))]
+    found.append(("adaptive, 1.0 MPa, 14 mm", study.run("coupling/adaptive-fine", ADAPTIVE, {"couple.convert.stress": "1 MPa", "couple.convert.width": "14 mm", **half})))
+    return table(found)
+
+
 def main():
     if "--mesh" in sys.argv:
         return mesh()
     found = runs()
     draw(found)
     study.put("coupling.md", "table adaptive", table(found))
+    study.put("coupling.md", "table fine", fine_table())
 
 
 if __name__ == "__main__":

@@ -164,6 +164,7 @@ def sections(text):
 def beams(settings=None, note=""):
     """The beam of particles alone, and with its own middle between elements; `note` in the names of runs with settings."""
     folder, parts = study.RUNS / "coupling", sections((study.ROOT / BEAM).read_text())
+    folder.mkdir(parents=True, exist_ok=True)
     whole = dict(parts, sets=parts["sets"].replace("sets:\n", FEET))
     del whole["elements"], whole["couple"]
     for old, new in (("[150 mm, ", "[0 mm, "), ("[290 mm, ", "[440 mm, ")):
