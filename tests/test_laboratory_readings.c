@@ -140,6 +140,17 @@ static void fracture_energy_is_the_area_under_the_curve_over_the_section(void **
     absent_for(&r, GN_READING_fracture_energy, "gravity");
 }
 
+/* Also of a notched one. */
+static void peak_force_and_stiffness_of_a_beam_are_those_of_the_ends(void **state) {
+    (void)state;
+    table t = bent(0.5);
+    gn_readings r =
+        read_as(&t, (gn_tested){.kind = GN_TEST_BENDING, .section = 4, .notched = true});
+    assert_close(r.peak_force, 10, 1e-12);
+    assert_close(r.stiffness, 5, 1e-12);
+    assert_true(!gn_reading_belongs(GN_READING_stiffness, GN_TEST_COMPRESSION));
+}
+
 static void readings_of_other_tests_are_absent_for_that(void **state) {
     (void)state;
     table t = bent(0.5);
@@ -221,6 +232,7 @@ int main(void) {
         cmocka_unit_test(brittleness_is_what_the_stress_lost_of_its_peak),
         cmocka_unit_test(too_few_broken_bonds_have_no_first_hundredth),
         cmocka_unit_test(fracture_energy_is_the_area_under_the_curve_over_the_section),
+        cmocka_unit_test(peak_force_and_stiffness_of_a_beam_are_those_of_the_ends),
         cmocka_unit_test(readings_of_other_tests_are_absent_for_that),
         cmocka_unit_test(the_slope_of_bursts_is_that_of_the_law_they_are_drawn_from),
         cmocka_unit_test(an_oedometer_reads_its_modulus_and_lateral_ratio),

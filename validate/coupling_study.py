@@ -192,16 +192,17 @@ def sections(text):
     return found
 
 
-def beams():
-    """The beam of particles alone, and with its own middle between elements."""
+def beams(settings=None, note=""):
+    """The beam of particles alone, and with its own middle between elements; `note` in the names of runs with settings."""
     folder, parts = study.RUNS / "coupling", sections((study.ROOT / BEAM).read_text())
+    folder.mkdir(parents=True, exist_ok=True)
     whole = dict(parts, sets=parts["sets"].replace("sets:\n", FEET))
     del whole["elements"], whole["couple"]
     for old, new in (("[150 mm, ", "[0 mm, "), ("[290 mm, ", "[440 mm, ")):
         whole["specimen"] = whole["specimen"].replace(old, new)
     path = folder / "beam-particles.yaml"
     path.write_text("".join(whole.values()))
-    alone = study.run("coupling/beam-particles", path, {})
+    alone = study.run(f"coupling/beam-particles{note}", path, settings or {})
     position, radius = alone.results("particles/position") - alone.results("particles/displacement"), alone.results("particles/radius")
     keep = (position[:, 0] >= 0.15) & (position[:, 0] <= 0.29)
     np.savetxt(folder / "middle.txt", np.c_[position[keep, :2], radius[keep]], fmt="%.17g")
@@ -211,7 +212,7 @@ def beams():
     parts["couple"] = parts["couple"].replace("150.8 mm", "150.2 mm").replace("289.2 mm", "289.8 mm")
     path = folder / "beam-coupled.yaml"
     path.write_text("".join(parts.values()))
-    return alone, study.run("coupling/beam-coupled", path, {})
+    return alone, study.run(f"coupling/beam-coupled{note}", path, settings or {})
 
 
 def crack(result):

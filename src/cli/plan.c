@@ -4,6 +4,7 @@
 #include "base/point.h"
 #include "base/timer.h"
 #include "cli/idle.h"
+#include "cli/plan_convert.h"
 #include "cli/plan_couple.h"
 #include "cli/plan_elements.h"
 #include "cli/plan_law.h"
@@ -458,5 +459,6 @@ gneiss_status gn_print_check(const gn_world *w, int *warnings, gneiss_error *err
     GN_TRY(check_surfaces(w, warnings, error));
     gn_print_element_check(w, warnings);
     gn_print_zones(w, warnings);
+    gn_print_conversion(w, warnings);
     return GNEISS_OK;
 }

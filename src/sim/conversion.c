@@ -51,28 +51,18 @@ static gneiss_status find_homes(gn_world *w, const gn_ties *ties, gneiss_error *
 }
 
 /* Elements can become particles only where these are. */
-static gneiss_status check_filled(gn_world *w, const uint8_t *kind, gneiss_error *error) {
-    const gn_fem_solid *b = gn_coupled_solid(w);
-    const gn_particles *q = &w->dem.particles;
-    double particles = 0.0, elements = 0.0;
+static gneiss_status check_filled(gn_world *w, gneiss_error *error) {
+    gn_conversion_figures f;
     char message[200];
-    size_t count;
-    int32_t *place = gn_fem_places(b, &count);
-    if (!place) return no_memory(error);
-    for (size_t e = 0; e < b->elements.soa.count; e++)
-        if (kind[e] != GN_FRONT_FIXED)
-            elements += b->density[b->elements.material[e]] * b->elements.volume[e];
-    for (size_t p = 0; p < q->soa.count; p++)
-        if (kind[place[gn_home_id(w, p)]] != GN_FRONT_FIXED) particles += 1.0 / q->vel[4 * p + 3];
-    gn_free(place);
-    if (!(elements > 0.0))
+    GN_TRY(gn_conversion_measure(w, &f, error));
+    if (!f.elements)
         return refuse(w, "expected elements of which all nodes start in the box, found none",
                       error);
-    if (fabs(particles / elements - 1.0) <= 0.1) return GNEISS_OK;
+    if (fabs(f.mass - 1.0) <= 0.1) return GNEISS_OK;
     snprintf(message, sizeof message,
              "expected particles that weigh what the elements in the box do (to a tenth: a packing "
              "that fills it, density_basis bulk, one density), found %g times as much",
-             particles / elements);
+             f.mass);
     return refuse(w, message, error);
 }
 
@@ -84,12 +74,7 @@ gneiss_status gn_conversion_prepare(gn_world *w, gneiss_error *error) {
     GN_TRY(gn_ties_find(gn_coupled_solid(w), &w->dem.particles, &ties, error));
     gneiss_status status = find_homes(w, &ties, error);
     gn_ties_free(&ties);
-    GN_TRY(status);
-    uint8_t *kind = gn_alloc(gn_coupled_solid(w)->elements.soa.count + 1);
-    status = kind ? gn_conversion_kinds(w, kind, error) : no_memory(error);
-    if (status == GNEISS_OK) status = check_filled(w, kind, error);
-    gn_free(kind);
-    return status;
+    return status == GNEISS_OK ? check_filled(w, error) : status;
 }
 
 gneiss_status gn_conversion_lay_down(gn_world *w, gneiss_error *error) {

@@ -39,6 +39,15 @@ gneiss_status gn_conversion_look(gn_world *world, gneiss_error *error);
 gneiss_status gn_conversion_kinds(const gn_world *world, uint8_t *kind, gneiss_error *error);
 gneiss_status gn_conversion_convert(gn_world *world, uint8_t *kind, gneiss_error *error);
 
+/* What is in the box, at the start (conversion_check.c). */
+typedef struct gn_conversion_figures {
+    size_t elements, held, particles; /* held: of motions and loads */
+    double element, diameter;         /* m, means */
+    double mass;                      /* of the particles over that of the elements */
+} gn_conversion_figures;
+gneiss_status gn_conversion_measure(const gn_world *world, gn_conversion_figures *figures,
+                                    gneiss_error *error);
+
 /* Particles that are awake; elements that are there. */
 size_t gn_conversion_awake(const gn_world *world);
 size_t gn_conversion_elements(const gn_world *world);

@@ -2,6 +2,7 @@
 
 #include "base/ball.h"
 #include "base/memory.h"
+#include "sim/conversion.h"
 
 #include <math.h>
 
@@ -27,6 +28,7 @@ static gn_fragments measure(const gn_world *w, int32_t *parent, double *volume, 
     gn_fragments found = {0, 0};
     double all = 0.0;
     for (size_t p = 0; p < q->soa.count; p++) {
+        if (gn_is_asleep(w, p)) continue; /* no part of the body as yet */
         size_t root = (size_t)root_of(parent, (int32_t)p);
         double own = gn_ball_volume((int)w->scene.dimension, q->pos[4 * p + 3]);
         volume[root] += own;

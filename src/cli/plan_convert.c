@@ -1,0 +1,23 @@
+#include "cli/plan_convert.h"
+
+#include "sim/conversion.h"
+
+#include <stdio.h>
+
+/* As of fixed zones (plan_couple.c). */
+static const double elements_least = 3.0, diameters_least = 6.0;
+
+void gn_print_conversion(const gn_world *w, int *warnings) {
+    gn_conversion_figures f;
+    if (!gn_converts(w) || gn_conversion_measure(w, &f, NULL) != GNEISS_OK) return;
+    const double width = w->scene.couple.convert.width;
+    printf("conversion\n  width of a zone  %.6g m = %.3g elements = %.3g particles\n", width,
+           width / f.element, width / f.diameter);
+    printf("  in the box       %zu of %zu elements, %zu of %zu particles\n", f.elements,
+           gn_conversion_elements(w), f.particles, w->dem.particles.soa.count);
+    printf("  held             %zu elements there, of motions and loads\n", f.held);
+    printf("  masses           %.4g times those of the elements\n", f.mass);
+    if (width >= elements_least * f.element && width >= diameters_least * f.diameter) return;
+    printf("  warning: the zone is thin: three elements and six particles across are advised\n");
+    (*warnings)++;
+}

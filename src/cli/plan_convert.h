@@ -1,0 +1,9 @@
+/* What `plan` and `check` say of elements that turn into particles. */
+#ifndef GN_CLI_PLAN_CONVERT_H
+#define GN_CLI_PLAN_CONVERT_H
+
+#include "sim/world.h"
+
+void gn_print_conversion(const gn_world *world, int *warnings);
+
+#endif
