@@ -358,6 +358,30 @@ static void what_has_come_apart_is_resolved_as_loose_particles_are(void **state)
     }
 }
 
+/* A block without strength in a vice bursts at once, and then rattles in lists that stand for long:
+ * the step is that of loose particles at the latest when the last bond has broken. */
+static void what_comes_apart_between_lists_is_resolved_at_once(void **state) {
+    (void)state;
+    gn_world *w = world_of(
+        "dimension: 3\nspecimen: {lattice: {kind: cubic, radius: 1e-3, cells: [3, 3, 3], spacing: "
+        "0.99}}\n"
+        "materials: [{name: m, density: 2500, normal_stiffness: 1e5, kratio: 1, friction: 0.5, "
+        "bond_tension_limit: 1e-3, bond_shear_limit: 1e-3}]\nlaw: {stiffness: uniform}\n"
+        "bonds: {}\nneighbours: {skin: 1e-3}\ninitial: {random_velocity: 0.2}\n"
+        "walls:\n- {name: a, point: [-1e-3, 0, 0], normal: [1, 0, 0], stiffness: 1e5}\n"
+        "- {name: b, point: [4.96e-3, 0, 0], normal: [-1, 0, 0], stiffness: 1e5}\n"
+        "time: {end: 1}\nrun: {threads: 1}\n");
+    const int64_t all = (int64_t)w->dem.bonds.soa.count, lists = w->dem.verlet.rebuilds;
+    double contact = pi * sqrt(mass_of(w, 0) / 2e5);
+    assert_true(w->dem.resolution.step == INFINITY && w->dt > 0.11 * contact);
+    for (int k = 0; k < 400 && w->dem.broken_tension + w->dem.broken_shear < all; k++)
+        run_steps(w, 1);
+    assert_int_equal(w->dem.broken_tension + w->dem.broken_shear, all);
+    if (w->dem.verlet.rebuilds > lists) fail_msg("lists were made: %s", "nothing is shown");
+    assert_true(w->dt <= contact / 10.0 * (1.0 + 1e-12));
+    world_end(w);
+}
+
 /* A periodic fcc lattice of spheres that rattle or stand apart. */
 static gn_world *rattling(double spacing, double restitution, double background) {
     double edge = 3.0 * 2e-3 * spacing * sqrt(2.0);
@@ -461,6 +485,7 @@ int main(void) {
         cmocka_unit_test(what_sits_in_a_pore_of_a_bonded_body_is_no_loose_particle),
         cmocka_unit_test(a_bonded_body_resolves_a_wall_that_is_stiffer_than_its_bonds),
         cmocka_unit_test(what_has_come_apart_is_resolved_as_loose_particles_are),
+        cmocka_unit_test(what_comes_apart_between_lists_is_resolved_at_once),
         cmocka_unit_test(a_crowd_that_rattles_undamped_gets_more_steps),
         cmocka_unit_test(a_lattice_that_rattles_keeps_its_ledger),
         cmocka_unit_test(contact_steps_can_be_asked_for),

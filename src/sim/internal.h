@@ -204,6 +204,8 @@ gneiss_status gn_loose_find(gn_world *world, gneiss_error *error);
 /* The shortest contact that can begin before the lists are made again. */
 gneiss_status gn_resolution_listed(const gn_world *world, gn_resolution *resolution,
                                    gneiss_error *error);
+/* Whether hardly anything damps a collision. */
+bool gn_world_rings(const gn_world *world);
 /* By what factor own masses [particles] have to be multiplied for `step` to resolve these contacts:
  * the larger of that and `factor`. */
 gneiss_status gn_resolution_masses(const gn_world *world, double step, double *factor,

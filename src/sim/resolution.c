@@ -165,7 +165,7 @@ static gn_resolution resolution_of(const gn_world *w, const fastest *f) {
 /* Whether damping takes so little in a collision, at a restitution c of 0.95 or more, that the
  * errors of thousands add up. Non-viscous damping of coefficient a makes the force 1 + a times as
  * large on the way in and 1 - a on the way out: c^2 = (1 - a)/(1 + a). */
-static bool rings(const gn_world *w) {
+bool gn_world_rings(const gn_world *w) {
     bool active = w->effects & (GN_FX_NONVISCOUS_VECTOR | GN_FX_NONVISCOUS_COMPONENT);
     return w->dem.damping_least < 0.0163 && !(active && w->scene.background_coefficient > 0.051);
 }
@@ -185,7 +185,7 @@ static bool rattles(const gn_world *w, size_t i, size_t j, double square) {
 static gneiss_status find_crowds(const gn_world *w, double **sum, gneiss_error *error) {
     const gn_contacts *k = &w->dem.pairs;
     *sum = NULL;
-    if (!rings(w) || !k->soa.count) return GNEISS_OK;
+    if (!gn_world_rings(w) || !k->soa.count) return GNEISS_OK;
     *sum = gn_alloc_array(w->dem.particles.soa.count, sizeof **sum);
     if (!*sum) return gn_fail(error, GNEISS_ERROR_MEMORY, "no memory for crowds");
     for (size_t c = 0; c < k->soa.count; c++) {
