@@ -129,6 +129,7 @@ static gn_motion_sums move(herd *h, gn_motion_kernel *kernel) {
             total.prescribed[k] += s.prescribed[k];
         }
         total.speed2 = fmax(total.speed2, s.speed2);
+        total.spin2 = fmax(total.spin2, s.spin2);
         if (total.bad < 0) total.bad = s.bad;
     }
     return total;
@@ -310,6 +311,8 @@ static void check_motion_set(const gn_kernel_set *set, unsigned v) {
     assert_close(want.rotational, got.rotational, 1e-12);
     assert_close(want.resultant, got.resultant, 1e-12);
     assert_true(want.speed2 == got.speed2);
+    assert_true(want.spin2 == got.spin2);
+    assert_true((fx & GN_FX_ROTATION) == 0 || got.spin2 > 0.0);
     assert_int_equal(want.bad, got.bad);
     for (int k = 0; k < 2; k++) {
         double size = 1e-12 * PARTICLES * 30.0 * 2.0 * 1e-6;

@@ -63,6 +63,7 @@ typedef struct gn_motion_args {
     X(HALVES, applied, "J", "work")                                                                \
     X(HALVES, prescribed, "J", "work")                                                             \
     X(MOST, speed2, "m2/s2", "largest")                                                            \
+    X(MOST, spin2, "1/s2", "largest, with `measure`")                                              \
     X(FIRST, bad, "1", "a particle whose velocity is not finite, or -1")
 
 typedef struct gn_motion_sums {

@@ -160,7 +160,7 @@ GN_INLINE gn_v kinetic(const gn_motion_args *a, const motion *q, int space) {
 
 /* Lane sums over a block. */
 typedef struct lane_sums {
-    gn_v kinetic, rotational, resultant, damping[2], gravity[2], applied[2], speed2;
+    gn_v kinetic, rotational, resultant, damping[2], gravity[2], applied[2], speed2, spin2;
 } lane_sums;
 
 /* Work of a force, and what background damping takes, in the halves before and after the instant.
@@ -333,7 +333,10 @@ GN_INLINE void rotate(const gn_motion_args *a, size_t p, const double *sum, size
     kick(a, a->damping_spin, &m, interval, 1, w);
     if (prescribed) m = prescribe(a, p, 3, interval, m, s);
     if (w.energy) book_loss(e->damping, a, &m);
-    if (a->measure) e->rotational = e->rotational + kinetic(a, &m, 1);
+    if (a->measure) {
+        e->rotational = e->rotational + kinetic(a, &m, 1);
+        e->spin2 = gn_max(gn_dot(m.v_new, m.v_new, 1), e->spin2);
+    }
     gn_v spin[4] = {m.v_new.x, m.v_new.y, m.v_new.z, o[3]};
     gn_store_rows4(q->spin + 4 * p, spin);
     spin[3] = gn_set(0.0);
@@ -360,7 +363,7 @@ GN_INLINE void motion_block(const gn_motion_args *a, size_t begin, size_t end, l
 GN_INLINE void motion_core(const gn_motion_args *a, size_t begin, size_t end, gn_motion_sums *s,
                            variant w) {
     gn_v zero = gn_set(0.0);
-    lane_sums e = {zero, zero, zero, {zero, zero}, {zero, zero}, {zero, zero}, zero};
+    lane_sums e = {zero, zero, zero, {zero, zero}, {zero, zero}, {zero, zero}, zero, zero};
     for (size_t b = begin; b < end; b += GN_PARTICLE_BLOCK)
         motion_block(a, b, b + GN_PARTICLE_BLOCK < end ? b + GN_PARTICLE_BLOCK : end, &e, s, w);
     s->kinetic += gn_fold(e.kinetic);
@@ -371,9 +374,13 @@ GN_INLINE void motion_core(const gn_motion_args *a, size_t begin, size_t end, gn
         s->gravity[h] += gn_fold(e.gravity[h]);
         s->applied[h] += gn_fold(e.applied[h]);
     }
-    double speed2[GN_W];
+    double speed2[GN_W], spin2[GN_W];
     gn_store(speed2, e.speed2);
-    for (int k = 0; k < GN_W; k++) s->speed2 = speed2[k] > s->speed2 ? speed2[k] : s->speed2;
+    gn_store(spin2, e.spin2);
+    for (int k = 0; k < GN_W; k++) {
+        s->speed2 = speed2[k] > s->speed2 ? speed2[k] : s->speed2;
+        s->spin2 = spin2[k] > s->spin2 ? spin2[k] : s->spin2;
+    }
 }
 
 /* --- the variants --- */

@@ -34,40 +34,36 @@ static gneiss_status fail_particle(const gn_world *w, size_t p, const char *what
         v[1], v[2], x[3], w->dt, w->stable, behind);
 }
 
+/* The particle with the largest of vectors in rows of four. */
+static size_t largest(const double *rows, size_t count) {
+    size_t worst = 0;
+    double most = -1.0;
+    for (size_t p = 0; p < count; p++) {
+        double size2 = gn_dot3(rows + 4 * p, rows + 4 * p);
+        if (size2 > most) {
+            most = size2;
+            worst = p;
+        }
+    }
+    return worst;
+}
+
 static gneiss_status check_motion(const gn_world *w, gneiss_error *error) {
     const gn_motion_sums *m = &w->dem.done.motion;
     if (m->bad >= 0)
         return fail_particle(w, (size_t)m->bad, "has a velocity that is not finite", error);
     double path = w->dt * sqrt(m->speed2);
     if (path <= 0.5 * w->dem.radius_min) return GNEISS_OK;
-    size_t worst = 0;
-    double most = -1.0;
-    for (size_t p = 0; p < w->dem.particles.soa.count; p++) {
-        const double *v = w->dem.particles.vel + 4 * p;
-        double v2 = v[0] * v[0] + v[1] * v[1] + v[2] * v[2];
-        if (v2 > most) {
-            most = v2;
-            worst = p;
-        }
-    }
+    size_t worst = largest(w->dem.particles.vel, w->dem.particles.soa.count);
     return fail_particle(w, worst, "moved farther in one step than half the smallest radius",
                          error);
 }
 
-/* That the surface of no particle turned farther than half its radius. */
+/* That the surface of no particle turned farther than half its radius, in measured steps. */
 static gneiss_status check_spins(const gn_world *w, gneiss_error *error) {
     const gn_particles *q = &w->dem.particles;
-    double most = 0.0;
-    int team = w->dem.deal.team; /* as many as the sweep has now; 0: no particles */
-    if (team < 1 || !q->spin) return GNEISS_OK;
-#pragma omp parallel for schedule(static) num_threads(team) reduction(max : most)
-    for (size_t p = 0; p < q->soa.count; p++) { /* not fmax, which is a call */
-        double size2 = gn_dot3(q->spin + 4 * p, q->spin + 4 * p);
-        most = size2 > most ? size2 : most;
-    }
-    if (w->dt * sqrt(most) <= 0.5) return GNEISS_OK;
-    size_t worst = 0;
-    while (gn_dot3(q->spin + 4 * worst, q->spin + 4 * worst) < most) worst++;
+    if (w->dt * sqrt(w->dem.done.motion.spin2) <= 0.5) return GNEISS_OK;
+    size_t worst = largest(q->spin, q->soa.count);
     const double *o = q->spin + 4 * worst, *x = q->pos + 4 * worst;
     return gn_fail(
         error, GNEISS_ERROR_UNSTABLE,

@@ -170,13 +170,13 @@ static bool idle(const gn_wall_contacts *q, size_t c, const gn_touch *s, double 
 
 static void wall_contact(gn_world *w, size_t c, gn_contact_sums *sums) {
     gn_wall_contacts *q = &w->boundary.contacts;
-    gn_touch_side law = gn_wall_side(w, (size_t)q->wall[c], (size_t)q->i[c]);
     double arm, v[3], t[3], *row = q->row + 8 * c, moment[3], couple[3] = {0, 0, 0};
     gn_touch s = touch_of(w, c, v, &arm);
     if (idle(q, c, &s, s.speed * w->dt_past)) {
         memset(row, 0, 8 * sizeof *row);
         return;
     }
+    const gn_touch_side law = gn_wall_side(w, (size_t)q->wall[c], (size_t)q->i[c]);
     if (q->shear) touch_across(w, (size_t)q->i[c], v, arm, &s);
     if (q->closeness) s.closeness = q->closeness + c;
     if (q->roll) {
