@@ -3,6 +3,7 @@
 #define GN_RUN_OUTPUT_FLOW_H
 
 #include "io/files.h"
+#include "io/h5.h"
 #include "run/run.h"
 
 /* lost/<field> of results.h5, when particles left the domain. */

@@ -483,7 +483,7 @@ static double not_its_own(const gn_world *w, const gn_coupled *q, size_t p) {
     return sum;
 }
 
-void gn_coupled_leave(gn_world *w, const bool *gone) {
+void gn_coupled_leave(gn_world *w, const int32_t *gone) {
     gn_coupled *q = w->scene.has_couple ? w->exchange[0].context : NULL;
     if (!q) return;
     gn_fem_solid *b = gn_coupled_solid(w);

@@ -66,8 +66,8 @@ bool gn_coupled_has(const gn_coupled *coupled, int32_t id);
 const gn_tie *gn_coupled_tie(const gn_coupled *coupled, int32_t id);
 
 /* Nodes give up what they carry of particles that leave the model, with its momentum and energy;
- * before these lose their masses. `gone` [particles]. */
-void gn_coupled_leave(gn_world *world, const bool *gone);
+ * before these lose their masses. `gone` [particles], not 0. */
+void gn_coupled_leave(gn_world *world, const int32_t *gone);
 /* Pa, [particles][6] as gn_stress_particles: adds what elements carry of the stress at the
  * particles of zones (coupling_readings.c). */
 gneiss_status gn_coupled_add_stress(const gn_world *world, double *sigma, gneiss_error *error);
