@@ -563,6 +563,8 @@ static void slips_are_refused_where_they_stand(void **state) {
             "s.yaml:9:10: sources[0].end: expected an end behind the start, 1 s, found 0.5 s");
     refuses("rate: 100", "rate: 1\n    start: 1 ms",
             "expected a specimen, or a source with start 0, found neither");
+    refuses("time:", "sets: [{name: a, select: {ids: [0]}, initial_velocity: [1, 0, 0]}]\ntime:",
+            "s.yaml:11:7: sets: expected a specimen beside it, whose particles sets select, found");
     refuses("rate: 100", "rate: 1\n    material: x",
             "sources[0].material: expected the name of a material, found 'x'");
     refuses("rate: 100", "rate: 1\n    sizes: sieve", "sources[0].sizes: sieve: expected sieve");

@@ -4,10 +4,11 @@
 #include <math.h>
 #include <string.h>
 
-/* Exactly one of the shapes, or a plane. */
+/* Exactly one of the shapes; of a sink that, or a plane. */
 static gneiss_status check_region(const check *c, const gn_scene *s, const gn_flow_region *r,
-                                  bool plane) {
+                                  const gn_sink_def *sink) {
     static const char *const names[] = {"plane", "rectangle", "disc", "polygon", "box", "cylinder"};
+    const bool plane = sink && sink->has_plane;
     const bool has[] = {plane,      r->has_rectangle, r->has_disc, r->corner_count > 0,
                         r->has_box, r->has_cylinder};
     char found[80] = "";
@@ -17,11 +18,10 @@ static gneiss_status check_region(const check *c, const gn_scene *s, const gn_fl
     }
     bool moved = r->origin[0] != 0 || r->origin[1] != 0 || r->origin[2] != 0;
     if (!*found || strchr(found, ','))
-        return gn_check_fail(
-            c, "name", "expected one of %s%s beside it, found %s",
-            gn_check_given(c, "rate") || gn_check_given(c, "mass_rate") ? "" : "plane, ",
-            s->dimension == 2 ? "rectangle, disc, polygon" : "box, cylinder",
-            *found ? found : "none");
+        return gn_check_fail(c, "name", "expected one of %s%s beside it, found %s",
+                             sink ? "plane, " : "",
+                             s->dimension == 2 ? "rectangle, disc, polygon" : "box, cylinder",
+                             *found ? found : "none");
     if (moved && (plane || r->corner_count))
         return gn_check_fail(c, "origin", "expected %s beside it, found %s",
                              s->dimension == 2 ? "rectangle or disc" : "box or cylinder", found);
@@ -92,7 +92,7 @@ static gneiss_status check_source(const check *c, const gn_scene *s, size_t inde
         if (strcmp(s->sources[k].name, d->name) == 0)
             return gn_check_fail(c, "name", "expected a name of its own, found '%s' a second time",
                                  d->name);
-    GN_TRY(check_region(c, s, &d->region, false));
+    GN_TRY(check_region(c, s, &d->region, NULL));
     if ((d->rate > 0) == (d->mass_rate > 0))
         return gn_check_fail(c, d->rate > 0 ? "mass_rate" : "name", "expected %s, found %s",
                              "either rate or mass_rate", d->rate > 0 ? "both" : "none");
@@ -112,7 +112,7 @@ static gneiss_status check_sink(const check *c, const gn_scene *s, size_t index)
         if (strcmp(s->sinks[k].name, d->name) == 0)
             return gn_check_fail(c, "name", "expected a name of its own, found '%s' a second time",
                                  d->name);
-    GN_TRY(check_region(c, s, &d->region, d->has_plane));
+    GN_TRY(check_region(c, s, &d->region, d));
     if (!d->remove && !d->has_plane)
         return gn_check_fail(c, "remove", "expected plane beside false, found a region");
     if (d->has_plane && !gn_check_direction(d->normal))
@@ -136,6 +136,10 @@ static gneiss_status check_beside(const check *c, const gn_scene *s) {
                                  others[k].what);
     if (!s->has_specimen)
         return gn_check_fail(c, list, "expected a specimen or sources beside it, found none");
+    if (s->set_count && !s->specimen_given)
+        return gn_check_fail(c, "sets",
+                             "expected a specimen beside it, whose particles sets select, found "
+                             "sources alone");
     for (size_t k = 0; k < s->source_count && !s->specimen_given; k++)
         if (s->sources[k].start == 0) return GNEISS_OK;
     if (s->specimen_given) return GNEISS_OK;
