@@ -75,17 +75,25 @@ void gn_consistent_free(gn_consistent *y) {
 /* So few nodes are no work to share out. */
 enum { FEW = 1000 };
 
+static inline __attribute__((always_inline)) void
+spread_at(const gn_consistent *y, size_t n, const double *x, double *out, size_t dimension) {
+    double sum[3] = {0.0};
+    for (int32_t k = y->row[n]; k < y->row[n + 1]; k++)
+        for (size_t c = 0; c < dimension; c++)
+            sum[c] += y->weight[k] * (x[3 * n + c] - x[3 * (size_t)y->column[k] + c]);
+    memcpy(out + 3 * n, sum, sizeof sum);
+}
+
 /* out_a = sum_b W_ab (x_a - x_b), W = N^T M N, whose rows add up to the lump. */
 static void spread(const gn_consistent *y, const double *x, double *out) {
     const size_t nodes = y->ties->nodes;
+    const bool flat = y->ties->corners == 3;
 #pragma omp parallel for num_threads(y->threads) schedule(static) if (nodes > FEW)
-    for (size_t n = 0; n < nodes; n++) {
-        double sum[3] = {0.0};
-        for (int32_t k = y->row[n]; k < y->row[n + 1]; k++)
-            for (size_t c = 0; c < 3; c++)
-                sum[c] += y->weight[k] * (x[3 * n + c] - x[3 * (size_t)y->column[k] + c]);
-        memcpy(out + 3 * n, sum, sizeof sum);
-    }
+    for (size_t n = 0; n < nodes; n++)
+        if (flat)
+            spread_at(y, n, x, out, 2);
+        else
+            spread_at(y, n, x, out, 3);
 }
 
 static void multiply(const gn_consistent *y, const double *x, double *out) {

@@ -330,19 +330,26 @@ static void turn(gn_world *w, const gn_coupled *q, size_t k) {
     }
 }
 
+static inline __attribute__((always_inline)) void hand_to_node(const gn_coupled *q, size_t n,
+                                                               double *row, int dimension) {
+    for (int32_t s = q->ties.first[n]; s < q->ties.first[n + 1]; s++) {
+        const gn_tie_share *share = &q->ties.share[s];
+        const double shape = q->ties.tie[share->tie].shape[share->corner];
+        for (int a = 0; a < dimension; a++) row[a] += shape * q->load[share->tie][a];
+        if (!q->turn) continue;
+        for (int a = 0; a < dimension; a++) row[a] += q->turn[share->tie][share->corner][a];
+    }
+}
+
 void gn_coupled_hand_to_nodes(gn_world *w, gn_coupled *q) {
     gn_fem_solid *b = gn_coupled_solid(w);
 #pragma omp parallel for schedule(static) num_threads(w->threads)
     for (size_t n = 0; n < q->ties.nodes; n++) {
         double *row = gn_hold_load(&b->hold, 4, (size_t)q->ties.node[n]);
-        for (int32_t s = q->ties.first[n]; s < q->ties.first[n + 1]; s++) {
-            const gn_tie_share *share = &q->ties.share[s];
-            const double shape = q->ties.tie[share->tie].shape[share->corner];
-            for (int a = 0; a < (int)w->scene.dimension; a++)
-                row[a] += shape * q->load[share->tie][a];
-            for (int a = 0; q->turn && a < (int)w->scene.dimension; a++)
-                row[a] += q->turn[share->tie][share->corner][a];
-        }
+        if (b->dimension == 2)
+            hand_to_node(q, n, row, 2);
+        else
+            hand_to_node(q, n, row, 3);
     }
 }
 
@@ -363,13 +370,29 @@ static gneiss_status act(void *context, gn_world *w, gneiss_error *error) {
     return GNEISS_OK;
 }
 
+/* Velocity and displacement at a tie. */
+static inline __attribute__((always_inline)) void follow_nodes(const gn_tie *t,
+                                                               const gn_particles *nodes,
+                                                               size_t dimension, double v[3],
+                                                               double u[3]) {
+    for (int c = 0; c < 3; c++) v[c] = u[c] = 0.0;
+    for (size_t a = 0; a <= dimension; a++)
+        for (size_t c = 0; c < dimension; c++) {
+            const size_t at = 4 * (size_t)t->node[a] + c;
+            v[c] += t->shape[a] * nodes->vel[at];
+            u[c] += t->shape[a] * (nodes->pos[at] - nodes->start[at]);
+        }
+}
+
 /* Puts a particle where the nodes take it; returns the square of its speed. */
 static double place(gn_world *w, const gn_coupled *q, size_t k) {
     const gn_particles *nodes = &gn_coupled_solid(w)->nodes, *a = &w->dem.particles;
     const size_t p = (size_t)q->place[k];
     double v[3], u[3];
-    gn_tie_mean(&q->ties, k, nodes->vel, v);
-    gn_tie_travel(&q->ties, k, nodes, u);
+    if (q->ties.corners == 3)
+        follow_nodes(&q->ties.tie[k], nodes, 2, v, u);
+    else
+        follow_nodes(&q->ties.tie[k], nodes, 3, v, u);
     for (size_t c = 0; c < (size_t)w->scene.dimension; c++) {
         a->vel[4 * p + c] = v[c];
         a->pos[4 * p + c] = a->start[4 * p + c] + u[c];
