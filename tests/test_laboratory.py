@@ -473,6 +473,43 @@ def membranes_without_a_surface_or_an_axis_are_refused(folder):
     refused(folder, {**plane, "test": {**triaxial(1)["test"], "axis": "y"}, "walls": []}, "test.kind: expected biaxial in a 2D scene, found triaxial")
 
 
+def several(*confinements, **more):
+    given = triaxial(0, **more)
+    return {**given, "specimen": {**given["specimen"], "particles": 80}, "membrane": {"pressure": "5 MPa", "ramp": 5e-5},
+            "test": {**given["test"], "confinement": list(confinements)}}
+
+
+@fact
+def several_confinements_in_one_scene_give_friction_angle_and_cohesion(folder):
+    out, given = os.path.join(folder, "out"), write_scene(folder, several("0.1 MPa", "5 MPa", 2e7))
+    done = expect(gneiss("run", given, "--out", out, "--quiet"), 0, "friction_angle", "cohesion", "hoek_brown_mi")
+    with h5py.File(os.path.join(out, "sweep.h5")) as file:
+        s3, s1 = file["readings/confinement"][:].ravel(), file["readings/axial_strength"][:].ravel()
+        angle, cohesion = (float(file[f"envelope/{name}"][:].ravel()[0]) for name in ("friction_angle", "cohesion"))
+        assert file["envelope/cohesion"].attrs["unit"] in (b"Pa", "Pa")
+    assert sorted(s3) == [1e5, 5e6, 2e7], s3
+    k, c = np.polyfit(s3, s1, 1)
+    assert abs(angle - np.degrees(np.arcsin((k - 1) / (k + 1)))) < 1e-9 * angle and abs(cohesion - c / (2 * np.sqrt(k))) < 1e-6 * cohesion
+    assert f"{angle:.4g}" in done.stdout, done.stdout
+    # What is done is not done again; and one of them alone is a run.
+    again = expect(gneiss("run", given, "--out", out, "--quiet"), 0)
+    assert again.stdout == done.stdout
+    one = os.path.join(folder, "one")
+    expect(gneiss("run", given, "--out", one, "--quiet", "--set", "membrane.pressure=5 MPa"), 0)
+    assert readings(one)["confinement"] == 5e6
+
+
+@fact
+def wrong_lists_of_confinements_are_told_with_their_place(folder):
+    for given, pattern in ((several("1 MPa"), r"scene.yaml:\d+:\d+: test.confinement: expected a list of at least two pressures"),
+                           (several("1 MPa", "2 m"), r"scene.yaml:\d+:\d+: test.confinement: membrane.pressure: expected a stress or modulus"),
+                           (several("1 MPa", -1), r"scene.yaml:\d+:\d+: test.confinement: membrane.pressure: expected .*\[0, 1e18\]"),
+                           ({**several("1 MPa", "2 MPa"), "test": {"kind": "hydrostatic", "confinement": [1, 2]}},
+                            r"scene.yaml:\d+:\d+: test.confinement: expected a triaxial or biaxial test")):
+        expect(gneiss("run", write_scene(folder, given), "--out", os.path.join(folder, "out"), "--quiet"), 2, pattern)
+    expect(gneiss("check", write_scene(folder, several("1 MPa", "2 MPa"))), 0)
+
+
 # --- spins --------------------------------------------------------------------------------------------
 
 @fact

@@ -132,6 +132,32 @@ static void a_reading_is_the_volume_weighted_mean_of_the_simplices(void **state)
     particles_free(&p);
 }
 
+/* F = R U: whatever R, the strain is U - 1. Small strains keep their digits under large turns, to
+ * the rounding of F. */
+static void a_rotation_is_no_strain(void **state) {
+    (void)state;
+    const double stretches[2][9] = {{1.2, 0.1, 0, 0.1, 0.9, -0.05, 0, -0.05, 1.05},
+                                    {1 + 1e-6, 2e-7, 0, 2e-7, 1 - 3e-6, 0, 0, 0, 1 + 4e-7}};
+    const double axis[3] = {2.0 / 7, 3.0 / 7, 6.0 / 7};
+    for (int s = 0; s < 2; s++)
+        for (int k = 0; k < 7; k++) {
+            double angle = 0.5 * k, turn[9], g[9], strain[9];
+            const double c = cos(angle), d = sin(angle);
+            const double cross[9] = {0,        -axis[2], axis[1], axis[2], 0,
+                                     -axis[0], -axis[1], axis[0], 0};
+            for (int a = 0; a < 9; a++)
+                turn[a] = (a % 4 == 0 ? c : 0) + d * cross[a] + (1 - c) * axis[a / 3] * axis[a % 3];
+            for (int a = 0; a < 9; a++) {
+                g[a] = a % 4 == 0 ? -1 : 0;
+                for (int b = 0; b < 3; b++)
+                    g[a] += turn[3 * (a / 3) + b] * stretches[s][3 * b + a % 3];
+            }
+            gn_strain_of(g, strain);
+            for (int a = 0; a < 9; a++)
+                assert_near(strain[a], stretches[s][a] - (a % 4 == 0), 1e-14, "strain", a);
+        }
+}
+
 static void the_gauge_does_not_depend_on_the_order_of_the_particles(void **state) {
     (void)state;
     cloud_lattice(&lattices[2], 0.1, true);
@@ -628,6 +654,7 @@ int main(void) {
         cmocka_unit_test(points_all_on_one_sphere_are_triangulated),
         cmocka_unit_test(only_outer_particles_have_a_weight),
         cmocka_unit_test(a_reading_is_the_volume_weighted_mean_of_the_simplices),
+        cmocka_unit_test(a_rotation_is_no_strain),
         cmocka_unit_test(the_gauge_does_not_depend_on_the_order_of_the_particles),
         cmocka_unit_test(loosely_bonded_particles_do_not_count_as_strain),
         cmocka_unit_test(points_on_a_plane_or_line_give_an_empty_gauge),

@@ -99,22 +99,21 @@ def every_kind(kind, folder):
             assert text in page, f"{text} is missing"
 
 
-def an_envelope_gives_back_the_laws_it_was_made_from(folder):
-    """Coulomb at 35 degrees and 12 MPa, Hoek-Brown with m_i 15 and 100 MPa: lines, so to rounding."""
-    s3 = np.array([0.0, 5e6, 10e6, 20e6, np.nan])
+def curves_of_an_envelope_are_those_of_its_readings(folder):
+    """35 degrees and 12 MPa; m_i 15 and 100 MPa; and what is absent has its reason, and no curve."""
+    path = os.path.join(folder, "sweep.h5")
+    with h5py.File(path, "w") as file:
+        for name, value, unit in (("friction_angle", 35.0, "degree"), ("cohesion", 12e6, "Pa"), ("hoek_brown_mi", 15.0, "1"),
+                                  ("hoek_brown_strength", 100e6, "Pa")):
+            file.create_dataset(f"envelope/{name}", data=[value]).attrs["unit"] = unit
+            file.create_dataset(f"none/{name}", data=[np.nan]).attrs["absent"] = "too few"
+        coulomb, hoek = report_envelope.curves(report_envelope.read(file["envelope"]))
+        none = report_envelope.read(file["none"])
     k = (1 + np.sin(np.radians(35))) / (1 - np.sin(np.radians(35)))
-    found, _, _ = report_envelope.envelope(s3, 2 * 12e6 * np.sqrt(k) + k * s3)
-    assert abs(found["friction_angle"][0] - 35) < 1e-9 and abs(found["cohesion"][0] / 12e6 - 1) < 1e-9, found
-    found, _, hoek = report_envelope.envelope(s3, s3 + 100e6 * np.sqrt(15 * s3 / 100e6 + 1))
-    assert abs(found["hoek_brown_mi"][0] / 15 - 1) < 1e-9 and abs(found["hoek_brown_strength"][0] / 100e6 - 1) < 1e-9, found
-    assert abs(hoek(0) / 100e6 - 1) < 1e-9
-
-
-def an_envelope_of_two_confinements_or_of_falling_strengths_is_absent(folder):
-    found, coulomb, _ = report_envelope.envelope([0, 1e6, 1e6], [1e7, 2e7, 2.1e7])
-    assert coulomb is None and all(value is None and "3 are needed" in why for value, why in found.values()), found
-    found, _, _ = report_envelope.envelope([0, 1e6, 2e6], [3e7, 2e7, 1e7])
-    assert all(value is None for value, _ in found.values()), found
+    assert abs(coulomb(5e6) / (2 * 12e6 * np.sqrt(k) + k * 5e6) - 1) < 1e-12
+    assert abs(hoek(5e6) / (5e6 + 100e6 * np.sqrt(15 * 0.05 + 1)) - 1) < 1e-12
+    assert report_envelope.curves(none) == (None, None)
+    assert report_envelope.rows_of(none)[0] == ("friction angle", "–", "too few")
 
 
 def stages_are_those_of_the_history(folder):
@@ -323,8 +322,8 @@ def main():
     tests = [(f"report of {kind}", lambda folder, kind=kind: every_kind(kind, folder)) for kind in KINDS]
     tests += [(f.__name__, f) for f in (
         a_missing_file_is_refused, a_truncated_file_is_refused, a_text_file_is_refused, a_foreign_hdf5_file_is_refused,
-        a_damaged_chunk_is_refused, an_envelope_gives_back_the_laws_it_was_made_from, stages_are_those_of_the_history,
-        an_envelope_of_two_confinements_or_of_falling_strengths_is_absent, old_pictures_are_removed,
+        a_damaged_chunk_is_refused, stages_are_those_of_the_history,
+        curves_of_an_envelope_are_those_of_its_readings, old_pictures_are_removed,
         the_command_tells_by_its_exit_code)]
     tests += [(f"report of {kind}", lambda folder, kind=kind: every_packing(kind, folder)) for kind in PACKINGS]
     tests += [(f.__name__, f) for f in (

@@ -253,12 +253,49 @@ static void bonds_begin_without_force_where_they_form(void **state) {
     force_in(run, 2, &e);
     steps(run, 38);
     assert_near(run->world.dem.set_reaction[6], spring * 3.8e-6, 1e-6 * spring * 3.8e-6);
-    double stored = run->world.reading.elastic_normal;
     assert_near(force_in(run, 3, &e), 0.0, 1e-9); /* nothing pulls any more, and it is no contact */
-    assert_near(e.stage_change, -held - 0.5 * spring * 16e-12, 1e-2 * stored);
-    /* What pulled over the last 0.1 um does so for half of it only. */
-    assert_near(gn_energy_residual(&e), 0.0, 0.5 * spring * 4e-6 * 1e-7 / held);
+    /* What pulled over the last 0.1 um, from 3.9 to 4.0, is booked for half of it only. */
+    assert_near(e.stage_change, -held - 0.5 * spring * 3.9e-6 * 4e-6, 1e-6 * held);
+    assert_near(gn_energy_residual(&e), 0.0, 1e-9);
     assert_int_equal(run->world.dem.broken_tension, 0);
+    run_end(run);
+}
+
+/* Ten steps of 0.1 um into a bond, then three times its stiffness: however few steps there are, all
+ * of the energy that appears is booked, so that nothing but rounding is left. */
+static void a_change_of_stiffness_books_all_that_appears(void **state) {
+    (void)state;
+    gn_run *run = run_of(
+        joined(pair, "stages:\n- {name: bond, bonds: {enabled: on}, end: {steps: 2}}\n",
+               "- {name: pull, sets: {b: {motion: {vx: 0.1}}}, end: {steps: 10}}\n"
+               "- {name: stiff, materials: {m: {normal_stiffness: 3e5}}, end: {steps: 5}}\n"
+               "- {name: soft, materials: {m: {normal_stiffness: 0.5e5}}, end: {steps: 5}}\n"));
+    gn_energy e;
+    force_in(run, 2, &e);
+    assert_near(e.stage_change, 0.5 * 2e5 * 0.9e-6 * 1e-6, 1e-6 * e.elastic_normal);
+    assert_near(gn_energy_residual(&e), 0.0, 1e-9);
+    force_in(run, 3, &e);
+    assert_near(gn_energy_residual(&e), 0.0, 1e-9);
+    run_end(run);
+}
+
+/* A bond that is stretched and sheared bears nothing once it is dissolved: that is no sliding. What
+ * the shear force does in half of the last path is left. */
+static void dissolving_a_bond_is_no_friction(void **state) {
+    (void)state;
+    gn_run *run =
+        run_of(joined(pair, "stages:\n- {name: bond, bonds: {enabled: on}, end: {steps: 2}}\n",
+                      "- {name: pull, sets: {b: {motion: {vx: 0.1}}}, end: {steps: 15}}\n"
+                      "- {name: shear, sets: {b: {motion: {vx: 0, vy: 0.1}}}, end: {steps: 40}}\n"
+                      "- {name: free, bonds: {enabled: off}, end: {steps: 5}}\n"));
+    gn_energy e;
+    double shear = 0.5 * spring * 4e-6, stored = 0.5 * shear * 4e-6;
+    force_in(run, 3, &e);
+    steps(run, 3);
+    assert_near(run->world.reading.friction, 0.0, 1e-6 * stored);
+    assert_near(run->world.reading.elastic_shear, 0.0, 1e-6 * stored);
+    assert_near(gn_energy_residual(&run->world.reading), 0.0,
+                shear * 0.5e-7 / (stored + 0.5 * spring * 1.5e-6 * 1.5e-6));
     run_end(run);
 }
 
@@ -628,6 +665,14 @@ static void a_run_begins_where_another_ended(void **state) {
     assert_non_null(strstr(error.message, "specimen.from_bonds: expected the section bonds"));
     assert_int_equal(try_run(&wrong, again("/nowhere", "", ""), &error), GNEISS_ERROR_INPUT);
     assert_non_null(strstr(error.message, "specimen.from: cannot open '/nowhere'"));
+    assert_int_equal(try_run(&wrong, again(folder, ", scale: 1e-3", ""), &error),
+                     GNEISS_ERROR_INPUT);
+    assert_non_null(strstr(error.message, "specimen.scale: expected file, surface or mesh beside "
+                                          "it, whose lengths it is of, found from"));
+    FILE *broken = fopen(file, "w");
+    assert_true(broken && fputs("no results", broken) >= 0 && fclose(broken) == 0);
+    assert_int_not_equal(try_run(&wrong, again(folder, "", ""), &error), GNEISS_OK);
+    assert_true(strncmp(error.message, "s.yaml:1:1: specimen.from: ", 27) == 0);
 }
 
 /* --- what is refused --- */
@@ -687,8 +732,13 @@ static void what_cannot_be_is_refused_with_its_place(void **state) {
     refused("stages:\n- {name: a, walls: {lid: {stiffness: 1}}}\n",
             "s.yaml:18:27: stages[0].walls.lid.stiffness: expected a key that a stage may change, "
             "found 'walls.lid.stiffness': of a wall, motion, servo and friction may change");
-    refused("stages:\n- {name: a, walls: [{name: [1]}]}\n",
-            "an element that the scene has, found ''");
+    refused(
+        "stages:\n- {name: a, walls: [{name: [1]}]}\n",
+        "stages[0].walls: expected a name (what has none goes by its number, as in contacts: {0: "
+        "{friction: 0.3}}), found none");
+    refused("contacts: [{between: m, friction: 0.2}]\n"
+            "stages:\n- {name: a, contacts: [{between: m, friction: 0.3}]}\n",
+            "stages[0].contacts: expected a name (what has none goes by its number");
     refused("stages:\n- {name: a, walls: {lid: 3}}\n", "expected what changes of 'lid', a section");
     refused("stages:\n- {name: a, gravity: [0, 0, 1], gravity: [0, 0, 2]}\n",
             "s.yaml:18:33: stages[0].gravity: expected once, found 'gravity' again");
@@ -698,7 +748,8 @@ static void what_cannot_be_is_refused_with_its_place(void **state) {
             "s.yaml:18:40: walls[1].motion.vz: expected a velocity");
     refused("stages:\n- {name: a, damping: {background: {coefficient: 2}}}\n",
             "expected a fraction in [0, 1), found 2");
-    refused("stages:\n- {name: a, end: {held: 0.1}}\n", "expected a wall with a servo");
+    refused("stages:\n- {name: a, end: {held: 0.1}}\n",
+            "expected a wall or a periodic box with a servo");
     refused("stages:\n- {name: a, end: {strain: 0.1}}\n",
             "s.yaml:18:27: stages[0].end.strain: expected something that moves or acts");
     refused("stages:\n- {name: a, end: {time: 0.7}}\n- {name: b, end: {time: 0.7}}\n",
@@ -716,6 +767,8 @@ int main(void) {
         cmocka_unit_test(the_ledger_closes_over_all_changes),
         cmocka_unit_test(threads_do_not_matter),
         cmocka_unit_test(bonds_begin_without_force_where_they_form),
+        cmocka_unit_test(a_change_of_stiffness_books_all_that_appears),
+        cmocka_unit_test(dissolving_a_bond_is_no_friction),
         cmocka_unit_test(bonds_may_form_under_their_force),
         cmocka_unit_test(bonds_form_beside_bonds),
         cmocka_unit_test(a_specimen_is_settled_bonded_confined_and_loaded),

@@ -204,7 +204,7 @@ def plot_energy(results, path):
     shown = [n for n in stack if np.abs(terms[n]).max() > 2e-3 * largest]
     factor, unit = scale_of([largest], "J")
     residual = results.column("energy_residual")
-    figure, (axes, below) = plt.subplots(2, 1, figsize=(6.4, 5.2), sharex=True, constrained_layout=True,
+    figure, (axes, below) = plt.subplots(2, 1, figsize=(8.2, 5.2), sharex=True, constrained_layout=True,
                                          gridspec_kw={"height_ratios": [3.4, 1]})
     axes.set_title("Energy")
     if shown and results.rows > 1 and all(terms[n].min() >= -1e-6 * largest for n in shown):
@@ -217,7 +217,8 @@ def plot_energy(results, path):
     axes.plot(x, inputs / factor, color=INK, lw=1.4, dashes=(5, 2), label="put in (work, stored at the start)")
     axes.set_ylabel(f"energy [{unit}]")
     handles, names = axes.get_legend_handles_labels()
-    axes.legend(handles[::-1], names[::-1], loc="upper left")
+    # Beside the curves, which fill all of the picture, and the names of stages along its upper edge.
+    axes.legend(handles[::-1], names[::-1], loc="center left", bbox_to_anchor=(1.0, 0.5), frameon=False)
     if residual is not None:
         below.plot(x, residual, color=RED, lw=1.2, **style_for(residual))
         below.ticklabel_format(axis="y", style="sci", scilimits=(-2, 2))

@@ -66,6 +66,7 @@ class Sweep:
         self.sweep, self.scene = _text(file["sweep"][()]), _text(file["scene"][()])
         self.parameters = [Parameter(key, data) for key, data in file.get("parameters", {}).items()]
         self.readings = {name: Column(data) for name, data in file.get("readings", {}).items()}
+        self.envelope = report_envelope.read(file["envelope"]) if "envelope" in file else None
         self.statistics = {name: {what: np.asarray(data[()], float) for what, data in group.items()}
                            for name, group in file.get("statistics", {}).items()}
         runs = file["runs"]
@@ -240,20 +241,16 @@ def draw_pictures(sweep, folder):
 
 
 def strengths(sweep):
-    """(confinements, axial strengths) of the runs; None where it was no triaxial test, or the confinement was not varied."""
-    if not {"confinement", "axial_strength"} <= set(sweep.readings):
-        return None
-    both = [np.asarray(sweep.readings[name].value, float).reshape(-1) for name in ("confinement", "axial_strength")]
-    pressures = both[0][np.isfinite(both[0])]
-    return both if len(np.unique(pressures)) > 1 else None
+    """(confinements, axial strengths) of the runs."""
+    return [np.asarray(sweep.readings[name].value, float).reshape(-1) for name in ("confinement", "axial_strength")]
 
 
 def envelope_part(sweep, folder):
     """Friction angle, cohesion, m_i, with their picture; "" without."""
-    both = strengths(sweep)
-    if both is None:
+    if sweep.envelope is None:
         return ""
-    found, coulomb, hoek = report_envelope.envelope(*both)
+    found, both = sweep.envelope, strengths(sweep)
+    coulomb, hoek = report_envelope.curves(found)
     captions = draw({"sweep_envelope": lambda path: report_envelope.plot(*both, coulomb, hoek, path)}, folder)
     rows = table(report_envelope.rows_of(found), ("of the envelope", "value", "absent because"))
     return f"<h2>Strength envelope</h2>{embedded(folder, 'sweep_envelope', captions['sweep_envelope'])}{rows}"

@@ -148,6 +148,16 @@ static gneiss_status command_run(const gn_options *o, gneiss_error *error) {
     return status;
 }
 
+static gneiss_status command_run_all(const gn_options *o, gneiss_error *error) {
+    bool several = false;
+    GN_TRY(gn_command_several(o, &several, error));
+    if (several) return GNEISS_OK;
+    if (o->jobs || o->dry_run)
+        return gn_fail(error, GNEISS_ERROR_INPUT, GN_ONLY_SEVERAL, "run",
+                       o->jobs ? "--jobs" : "--dry-run");
+    return command_run(o, error);
+}
+
 static gneiss_status command_resume(const gn_options *o, gneiss_error *error) {
     gn_run *run = calloc(1, sizeof *run);
     if (!run) return gn_fail(error, GNEISS_ERROR_MEMORY, "no memory");
@@ -197,8 +207,8 @@ static gneiss_status command_look(const gn_options *o, bool plan, gneiss_error *
     return status;
 }
 
-/* The report is a Python script: in the program's source tree, where it was installed, or moved
- * along with the program. */
+/* The report is a Python script: where it was installed, in the program's source tree, or moved
+ * along with the program. A folder tools beside an installed one may be anybody's. */
 static gneiss_status command_report(const gn_options *o, gneiss_error *error) {
     const char *script = getenv("GNEISS_REPORT");
     char self[GN_PATH_SIZE] = "", path[2 * GN_PATH_SIZE];
@@ -207,7 +217,7 @@ static gneiss_status command_report(const gn_options *o, gneiss_error *error) {
         if (n > 0) self[n] = 0;
         char *slash = strrchr(self, '/');
         if (slash) *slash = 0;
-        const char *places[] = {"../tools/report.py", "../share/gneiss/report.py",
+        const char *places[] = {"../share/gneiss/report.py", "../tools/report.py",
                                 "tools/report.py"};
         for (size_t k = 0; k < 3 && !script; k++) {
             snprintf(path, sizeof path, "%s/%s", self, places[k]);
@@ -217,7 +227,7 @@ static gneiss_status command_report(const gn_options *o, gneiss_error *error) {
     if (!script)
         return gn_fail(
             error, GNEISS_ERROR_IO,
-            "report.py is neither in ../tools nor in ../share/gneiss nor in tools beside "
+            "report.py is neither in ../share/gneiss nor in ../tools nor in tools beside "
             "the program (GNEISS_REPORT names another place)");
     execl("/usr/bin/python3", "python3", script, o->target, (char *)NULL);
     return gn_fail(error, GNEISS_ERROR_IO, "/usr/bin/python3 could not be started");
@@ -247,8 +257,7 @@ static void command_info(void) {
 }
 
 static gneiss_status dispatch(const gn_options *o, gneiss_error *error) {
-    if (strcmp(o->command, "run") == 0)
-        return o->seeds ? gn_command_seeds(o, error) : command_run(o, error);
+    if (strcmp(o->command, "run") == 0) return command_run_all(o, error);
     if (strcmp(o->command, "sweep") == 0) return gn_command_sweep(o, error);
     if (strcmp(o->command, "pack") == 0) return gn_command_pack(o, error);
     if (strcmp(o->command, "resume") == 0) return command_resume(o, error);

@@ -55,8 +55,11 @@ void gn_print_usage(FILE *out) {
         "  --seeds N          run, sweep: with so many seeds (or these: 3,7,11); mean and 95 % "
         "interval of\n"
         "                     every reading; run writes to runs/<scene name>-seeds\n"
-        "  --jobs N           sweep, run --seeds: runs at a time (default: as many as threads)\n"
-        "  --dry-run          sweep, run --seeds: list the runs and what they may cost, run "
+        "  --jobs N           sweep, run of several seeds or confinements: runs at a time "
+        "(default: "
+        "as many as\n"
+        "                     threads)\n"
+        "  --dry-run          sweep, run of several: list the runs and what they may cost, run "
         "nothing\n"
         "  --array [I/N]      sweep: only shard I of N, or the one that Slurm's job array says\n"
         "  --collect          sweep: only the summary of what is there\n"
@@ -123,7 +126,7 @@ static gneiss_status no_command(const char *name, gneiss_error *error) {
 static gneiss_status check_sweep_options(const gn_options *o, const command *c,
                                          gneiss_error *error) {
     bool sweep = strcmp(c->name, "sweep") == 0, run = strcmp(c->name, "run") == 0;
-    bool several = sweep || (run && o->seeds);
+    bool several = sweep || run; /* of a run the scene says: gn_command_several */
     const char *only_sweep = o->array     ? "--array"
                              : o->collect ? "--collect"
                                           : NULL,
@@ -134,9 +137,7 @@ static gneiss_status check_sweep_options(const gn_options *o, const command *c,
         return gn_fail(error, GNEISS_ERROR_INPUT, "gneiss %s: %s is for gneiss sweep", c->name,
                        only_sweep);
     if (only_several && !several)
-        return gn_fail(error, GNEISS_ERROR_INPUT,
-                       "gneiss %s: %s is for gneiss sweep and gneiss run --seeds", c->name,
-                       only_several);
+        return gn_fail(error, GNEISS_ERROR_INPUT, GN_ONLY_SEVERAL, c->name, only_several);
     if (o->seeds && !several)
         return gn_fail(error, GNEISS_ERROR_INPUT,
                        "gneiss %s: --seeds is for gneiss sweep and gneiss run", c->name);

@@ -4,6 +4,10 @@
 
 #include "scene/scene.h"
 
+/* Of what only several runs side by side have: command, option. */
+#define GN_ONLY_SEVERAL                                                                            \
+    "gneiss %s: %s is for gneiss sweep and gneiss run --seeds, or of a test.confinement"
+
 enum { GN_MAX_OVERRIDES = 64 };
 
 typedef struct gn_options {

@@ -98,14 +98,14 @@ static gneiss_status read_way(const gn_options *o, gn_sweep_way *way, gneiss_err
     return read_shard(o, way, error);
 }
 
-static gneiss_status choose_folder(const gn_options *o, const gn_sweep *s, bool seeds_alone,
+static gneiss_status choose_folder(const gn_options *o, const gn_sweep *s,
                                    char folder[GN_PATH_SIZE], gneiss_error *error) {
+    const char *suffix = s->text ? "" : s->parameter_count ? "-confinements" : "-seeds";
     const char *slash = strrchr(s->source, '/'), *name = slash ? slash + 1 : s->source,
                *dot = strrchr(name, '.'), *wanted = o->out ? o->out : s->directory;
     int length = dot && dot > name ? (int)(dot - name) : (int)strlen(name);
     int used = *wanted ? snprintf(folder, GN_PATH_SIZE, "%s", wanted)
-                       : snprintf(folder, GN_PATH_SIZE, "runs/%.*s%s", length, name,
-                                  seeds_alone ? "-seeds" : "");
+                       : snprintf(folder, GN_PATH_SIZE, "runs/%.*s%s", length, name, suffix);
     if (used >= 0 && used < GN_PATH_SIZE - 128) return GNEISS_OK;
     return gn_fail(error, GNEISS_ERROR_INPUT,
                    "%.200s...: expected an output folder of less than %d characters", folder,
@@ -225,10 +225,10 @@ static gneiss_status carry_out(const gn_options *o, const gn_sweep *s, gn_sweep_
 }
 
 static gneiss_status sweep_into(const gn_options *o, const gn_sweep *s, gn_sweep_way way,
-                                bool seeds_alone, gneiss_error *error) {
+                                gneiss_error *error) {
     char folder[GN_PATH_SIZE];
     int lock = 0;
-    GN_TRY(choose_folder(o, s, seeds_alone, folder, error));
+    GN_TRY(choose_folder(o, s, folder, error));
     way.directory = folder;
     if (o->dry_run) return dry_run(s, &way, error);
     if (s->seed_count > 1 && !s->draws)
@@ -244,20 +244,24 @@ static gneiss_status sweep_into(const gn_options *o, const gn_sweep *s, gn_sweep
     return status;
 }
 
-static gneiss_status command(const gn_options *o, bool seeds_alone, gneiss_error *error) {
+/* `alone`: of one scene; *wanted: whether that is to be run several times. */
+static gneiss_status command(const gn_options *o, bool alone, bool *wanted, gneiss_error *error) {
     gn_override overrides[GN_MAX_OVERRIDES];
     size_t count;
     gn_sweep_way way = {0};
-    GN_TRY(take_threads(o, overrides, &count, &way.threads, error));
-    GN_TRY(read_way(o, &way, error));
+    *wanted = !alone;
     gn_sweep *s = calloc(1, sizeof *s);
     if (!s) return gn_fail(error, GNEISS_ERROR_MEMORY, "no memory");
+    gneiss_status status = take_threads(o, overrides, &count, &way.threads, error);
+    if (status == GNEISS_OK) status = read_way(o, &way, error);
     gn_signals_end_at_once(nothing_begun, NULL);
-    gneiss_status status = seeds_alone
-                               ? gn_sweep_of_seeds(o->target, overrides, count, o->seeds, s, error)
-                               : gn_sweep_load(o->target, overrides, count, o->seeds, s, error);
-    if (status == GNEISS_OK) {
-        status = sweep_into(o, s, way, seeds_alone, error);
+    if (status == GNEISS_OK)
+        status = alone ? gn_sweep_of_scene(o->target, overrides, count, o->seeds, s, wanted, error)
+                       : gn_sweep_load(o->target, overrides, count, o->seeds, s, error);
+    /* What is wrong with a scene that is run once is told when it is. */
+    if (status != GNEISS_OK && alone && !o->seeds && !*wanted) status = GNEISS_OK;
+    if (status == GNEISS_OK && *wanted) {
+        status = sweep_into(o, s, way, error);
         gn_sweep_free(s);
     }
     free(s);
@@ -265,9 +269,10 @@ static gneiss_status command(const gn_options *o, bool seeds_alone, gneiss_error
 }
 
 gneiss_status gn_command_sweep(const gn_options *o, gneiss_error *error) {
-    return command(o, false, error);
+    bool wanted;
+    return command(o, false, &wanted, error);
 }
 
-gneiss_status gn_command_seeds(const gn_options *o, gneiss_error *error) {
-    return command(o, true, error);
+gneiss_status gn_command_several(const gn_options *o, bool *wanted, gneiss_error *error) {
+    return command(o, true, wanted, error);
 }

@@ -34,6 +34,10 @@ typedef struct gn_contact_args {
     double speed_most;           /* m/s, at which the fastest particle moved in it; 0: not known */
     double arm_factor;           /* 0.5: contact point at r + gap/2; 0: at r */
     double period[3], inverse_period[3]; /* m, 1/m, with GN_FX_PERIODIC */
+    double flow[3]; /* 1/s: by how much branches grew with the box in the interval that led here,
+                       over what they are; see flows */
+    bool flows;     /* the sides of the periodic box moved: velocities are what particles do
+                       besides (sim/box.h) */
     const int32_t *slot; /* [particles] of those with prescribed components, -1: none; NULL: no
                             particle has any */
     const uint8_t *held; /* [slots] which: see gn_prescription.mask */

@@ -95,10 +95,22 @@ GN_INLINE int growth_known(variant w) {
     return w.damping && (w.bonds || w.energy || w.law == LAW_hertz || w.law == LAW_hertz_rolling);
 }
 
-GN_INLINE gn_v3 opening_velocity(const gn_contact_args *a, size_t c, variant w) {
+/* `p` once its normal is of unit length. */
+GN_INLINE gn_v3 opening_velocity(const gn_contact_args *a, size_t c, const pair_geometry *p,
+                                 variant w) {
     gn_v opening[4];
     gn_rows4_less(COLUMN(a, vel), a->contacts->j + c, a->contacts->i + c, opening);
-    return (gn_v3){opening[0], opening[1], gn_pick(w.space, opening[2], gn_set(0.0))};
+    gn_v3 v = {opening[0], opening[1], gn_pick(w.space, opening[2], gn_set(0.0))};
+#if !GN_MIXED
+    if (w.periodic && a->flows) {
+        v.x = v.x + gn_set(a->flow[0]) * (p->distance * p->n.x);
+        v.y = v.y + gn_set(a->flow[1]) * (p->distance * p->n.y);
+        if (w.space) v.z = v.z + gn_set(a->flow[2]) * (p->distance * p->n.z);
+    }
+#else
+    (void)p;
+#endif
+    return v;
 }
 
 #endif

@@ -93,7 +93,7 @@ GN_INLINE void find_normal(const gn_contact_args *a, stage *g, variant w) {
 GN_INLINE void find_motion(const gn_contact_args *a, size_t c, stage *g, brief *out, variant w) {
     const int32_t *i = a->contacts->i + c, *j = a->contacts->j + c;
     const pair_geometry *p = &g->geometry;
-    gn_v3 v = opening_velocity(a, c, w);
+    gn_v3 v = opening_velocity(a, c, p, w);
     gn_v speed = gn_dot(v, p->n, w.space), rate = g->rate;
     g->speed = speed;
     if (growth_known(w)) g->growth = growth_of(v, speed, rate, w.space);

@@ -160,7 +160,7 @@ GN_INLINE gn_v3 middle_again(const gn_contact_args *a, size_t c, const stage *g,
     gn_rows4(COLUMN(a, pos), a->contacts->j + c, pj);
     gn_v rate = gn_set(0.5 * a->dt) * (gn_set(1.0) / gn_max(distance, gn_set(GN_TINY)));
     rate = gn_keep(gn_less(gn_set(0.05) * (pi[3] + pj[3]), distance), rate);
-    return gn_middle(opening_velocity(a, c, w), g->geometry.n, g->speed, rate, 1);
+    return gn_middle(opening_velocity(a, c, &g->geometry, w), g->geometry.n, g->speed, rate, 1);
 }
 
 /* Rare: what the moments of breaking bonds release, half their product with those of the last

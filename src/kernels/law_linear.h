@@ -241,8 +241,8 @@ static __attribute__((noinline)) crossing cross(const gn_contact_args *a, size_t
  * that anything asks for. In the plane the third component is 0. */
 static __attribute__((noinline)) gn_v loose_path(const gn_contact_args *a, size_t c, const stage *g,
                                                  gn_m intact) {
-    const variant space = {.space = 1};
-    gn_v3 v = opening_velocity(a, c, space);
+    const variant space = {.space = 1, .periodic = 1}; /* without a box that moves the same */
+    gn_v3 v = opening_velocity(a, c, &g->geometry, space);
     return gn_set(a->dt) * gn_where(intact, g->speed, growth_of(v, g->speed, g->rate, 1));
 }
 

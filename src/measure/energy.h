@@ -13,7 +13,7 @@
     X(elastic_wall, STORED, "elastic energy of contacts with walls and surfaces")                  \
     X(elastic_elements, STORED, "elastic energy of finite elements")                               \
     X(elastic_coupling, STORED, "elastic energy of springs that tie particles to elements")        \
-    X(work_walls, INPUT, "work of moving walls and bodies")                                        \
+    X(work_walls, INPUT, "work of moving walls, bodies and sides of a periodic box")               \
     X(work_prescribed, INPUT, "work of prescribed motions")                                        \
     X(work_applied, INPUT, "work of applied forces")                                               \
     X(work_gravity, INPUT, "work of gravity")                                                      \

@@ -50,6 +50,10 @@ void gn_strain_gauge_free(gn_strain_gauge *gauge);
 void gn_strain_gauge_read(const gn_strain_gauge *gauge, const gn_particles *particles,
                           const int32_t *index_of_id, double gradient[9]);
 
+/* The strain of a displacement gradient that a rotation does not change: U - 1 with U^2 = F^T F, F
+ * = 1 + g (Biot 1965). Of small gradients it is the symmetric part. */
+void gn_strain_of(const double gradient[9], double strain[9]);
+
 /* --- stress --- */
 
 /* sigma[3*a + b] = (1/V) sum_c f_a l_b, symmetrised by nothing: f on the first particle, l = x_j -

@@ -10,6 +10,7 @@
  * before adding anything leaves the outer faces, and only particles on the outside get a weight. */
 #include "measure/measure.h"
 
+#include "base/eigen.h"
 #include "base/memory.h"
 #include "measure/delaunay.h"
 
@@ -311,5 +312,25 @@ void gn_strain_gauge_read(const gn_strain_gauge *gauge, const gn_particles *part
             double u = particles->pos[4 * (size_t)p + a] - particles->start[4 * (size_t)p + a];
             for (int b = 0; b < 3; b++) gradient[3 * a + b] += u * gauge->weight[3 * k + b];
         }
+    }
+}
+
+/* By the eigenvalues e of F^T F - 1 = g + g^T + g^T g, so that small strains lose no digits: those
+ * of U - 1 are e/(1 + sqrt(1 + e)). */
+void gn_strain_of(const double g[9], double strain[9]) {
+    double twice[9], value[3], vector[9];
+    for (int k = 0; k < 9; k++) strain[k] = isfinite(g[k]) ? 0.0 : NAN;
+    for (int k = 0; k < 9; k++)
+        if (isnan(strain[k])) return;
+    for (int a = 0; a < 3; a++)
+        for (int b = 0; b < 3; b++) {
+            twice[3 * a + b] = g[3 * a + b] + g[3 * b + a];
+            for (int c = 0; c < 3; c++) twice[3 * a + b] += g[3 * c + a] * g[3 * c + b];
+        }
+    gn_eigen_symmetric(3, twice, value, vector);
+    for (int e = 0; e < 3; e++) {
+        double share = value[e] / (1.0 + sqrt(fmax(1.0 + value[e], 0.0)));
+        for (int k = 0; k < 9; k++)
+            strain[k] += share * vector[3 * e + k / 3] * vector[3 * e + k % 3];
     }
 }

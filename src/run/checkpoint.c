@@ -15,7 +15,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-enum { FORMAT = 7 };
+enum { FORMAT = 8 };
 
 #define DOUBLES(member)      GN_PIECE_DOUBLES("", gn_run, member)
 #define LIMIT(member)        GN_PIECE_ANY("", gn_run, member)
@@ -35,6 +35,9 @@ static const gn_piece pieces[] = {
     GN_MEASURED(MEASURED) DOUBLES(world.stress),
     DOUBLES(world.seconds),
     DOUBLES(world.couple),
+    DOUBLES(world.period),
+    DOUBLES(world.box),
+    DOUBLES(world.machine),
     DOUBLES(world.volume),
     DOUBLES(world.lower),
     DOUBLES(world.upper),

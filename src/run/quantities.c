@@ -1,7 +1,7 @@
 #include "run/quantities.h"
 
-#include "run/ends.h"
 #include "sim/coupling.h"
+#include "sim/ends.h"
 #include "sim/laboratory.h"
 #include "sim/membrane.h"
 
@@ -48,6 +48,9 @@ static bool has_membrane(const gn_world *w, size_t k) {
 static bool has_opening(const gn_world *w, size_t k) {
     return has_test(w, k) && w->scene.test.has_opening;
 }
+static bool has_control(const gn_world *w, size_t k) {
+    return has_test(w, k) && w->scene.test.has_control;
+}
 static bool has_centre(const gn_world *w, size_t k) {
     (void)k;
     return w->scene.test.kind == GN_TEST_BRAZILIAN && w->scene.has_specimen;
@@ -59,6 +62,10 @@ static bool has_bonds(const gn_world *w, size_t k) {
 static bool has_ledger(const gn_world *w, size_t k) {
     (void)k;
     return w->effects & GN_FX_ENERGY;
+}
+static bool is_periodic(const gn_world *w, size_t k) {
+    (void)k;
+    return w->effects & GN_FX_PERIODIC;
 }
 static bool has_added_mass(const gn_world *w, size_t k) {
     (void)k;
@@ -90,10 +97,12 @@ static const gn_condition always = {"always", NULL}, tests = {"with a test", has
                           sheared = {"in shear tests", has_shear},
                           pressed = {"with a membrane", has_membrane},
                           gauged = {"with `test.opening`", has_opening},
+                          controlled = {"with `test.control`", has_control},
                           central = {"in brazilian tests of particles", has_centre},
                           staged = {"with stages", has_stages}, bonded = {"with bonds", has_bonds},
                           booked = {"with the energy ledger", has_ledger},
                           raised = {"with mass scaling", has_added_mass},
+                          boxed = {"in a periodic box", is_periodic},
                           beside = {"finite elements beside particles",
                                     has_elements_beside_particles},
                           coupled = {"with couple", is_coupled},
@@ -114,10 +123,22 @@ READ(stage, (double)w->stage)
 
 READ(deflection, gn_ends_deflection(w))
 
+/* Of the particles: in a periodic box, which has no surface, that of its sides. */
+static void mean_strain(const gn_world *w, double strain[9]) {
+    double gradient[9];
+    if (!(w->effects & GN_FX_PERIODIC)) {
+        gn_strain_gauge_read(&w->gauge, &w->dem.particles, w->dem.index_of_id, gradient);
+        gn_strain_of(gradient, strain);
+        return;
+    }
+    memset(strain, 0, 9 * sizeof *strain);
+    for (int a = 0; a < (int)w->scene.dimension; a++) strain[4 * a] = gn_box_strain(w, a);
+}
+
 /* Minus the trace of the average strain: what the volume lost of itself. */
 static double lost_volume(const gn_world *w) {
     double g[9];
-    gn_strain_gauge_read(&w->gauge, &w->dem.particles, w->dem.index_of_id, g);
+    mean_strain(w, g);
     return -(g[0] + g[4] + g[8]);
 }
 READ(volumetric_strain, lost_volume(w))
@@ -126,7 +147,7 @@ READ(volumetric_strain, lost_volume(w))
 static double lateral_strain(const gn_world *w) {
     double g[9], sum = 0.0;
     int dimension = (int)w->scene.dimension;
-    gn_strain_gauge_read(&w->gauge, &w->dem.particles, w->dem.index_of_id, g);
+    mean_strain(w, g);
     for (int a = 0; a < dimension; a++)
         if (a != (int)w->scene.test.axis) sum -= g[4 * a];
     return sum / (dimension - 1);
@@ -166,6 +187,7 @@ static void read_test_force(const gn_world *w, size_t k, double *value) {
     *value = 0.5 * (lower + upper);
 }
 
+READ(machine, w->machine.factor)
 READ(opening, gn_ends_opening(w))
 static void read_centre_stress(const gn_world *w, size_t k, double *value) {
     (void)k;
@@ -174,7 +196,9 @@ static void read_centre_stress(const gn_world *w, size_t k, double *value) {
 
 static void read_elements_strain(const gn_world *w, size_t k, double *value) {
     (void)k;
-    gn_elements_strain(w, value);
+    double gradient[9];
+    gn_elements_strain(w, gradient);
+    gn_strain_of(gradient, value);
 }
 static void read_elements_stress(const gn_world *w, size_t k, double *value) {
     (void)k;
@@ -185,15 +209,19 @@ static void read_strain(const gn_world *w, size_t k, double *value) {
     if (!w->scene.has_specimen)
         read_elements_strain(w, k, value);
     else
-        gn_strain_gauge_read(&w->gauge, &w->dem.particles, w->dem.index_of_id, value);
+        mean_strain(w, value);
 }
 /* Too few particles, or all on a plane, have no average strain. */
 static bool no_strain(const gn_world *w) {
-    return w->scene.has_specimen && !w->gauge.count;
+    return w->scene.has_specimen && !w->gauge.count && !is_periodic(w, 0);
 }
 static void read_stress(const gn_world *w, size_t k, double *value) {
     (void)k;
     memcpy(value, w->stress, sizeof w->stress);
+}
+static void read_box(const gn_world *w, size_t k, double *value) {
+    (void)k;
+    copy3(value, w->period);
 }
 READ(unbalanced, w->unbalanced)
 READ(added_kinetic, gn_dem_added_kinetic(w))
@@ -261,12 +289,15 @@ static const gn_quantity of_the_model[] = {
            "how far the ends came apart across the sheared plane"),
     SCALAR(gauged, GN_BEFORE_STEP, "opening", "m", read_opening,
            "how far the two sides of the gauge of the test came apart"),
+    SCALAR(controlled, GN_BEFORE_STEP, "control", "1", read_machine,
+           "by what the prescribed motion of the ends is multiplied"),
     {"centre_stress", "Pa", "mean stress about the middle of the disc, tension positive", GN_TENSOR,
      GN_AFTER_STEP, &central, read_centre_stress, NULL},
     {"strain", "1", "average strain of the specimen, tension positive", GN_TENSOR, GN_BEFORE_STEP,
      &always, read_strain, no_strain},
     {"stress", "Pa", "average stress of the specimen, tension positive", GN_TENSOR, GN_AFTER_STEP,
      &always, read_stress, NULL},
+    {"box", "m", "lengths of the periodic box", GN_VECTOR, GN_BEFORE_STEP, &boxed, read_box, NULL},
     SCALAR(always, GN_AFTER_STEP, "unbalanced", "1", read_unbalanced,
            "mean resultant on a particle over the mean contact force"),
     SCALAR(raised, GN_AFTER_STEP, "added_kinetic", "1", read_added_kinetic,

@@ -55,9 +55,20 @@ static bool wall_holds(const gn_run *run, size_t wall, size_t row) {
     return fabs(pressed - wanted) <= stage_of(run)->held * fabs(wanted);
 }
 
+/* The same of the mean stress along an axis of a periodic box. */
+static bool side_holds(const gn_run *run, int axis, size_t row) {
+    static const char *const stresses[] = {"stress_xx", "stress_yy", "stress_zz"};
+    const gn_box_side *side = &run->world.scene.box[axis];
+    double wanted = gn_table_at(&side->stress, in_row(run, "time", row));
+    return fabs(-in_row(run, stresses[axis], row) - wanted) <= stage_of(run)->held * fabs(wanted);
+}
+
 static bool servos_hold(const gn_run *run, size_t rows) {
     const gn_world *w = &run->world;
     if (rows < ROWS_HELD) return false;
+    for (int a = 0; a < 3; a++)
+        for (size_t r = 1; w->scene.box[a].stress.count && r <= ROWS_HELD; r++)
+            if (!side_holds(run, a, run->history.row_count - r)) return false;
     for (size_t k = 0; k < w->scene.wall_count; k++)
         for (size_t r = 1; w->scene.walls[k].servo.active && r <= ROWS_HELD; r++)
             if (!wall_holds(run, k, run->history.row_count - r)) return false;

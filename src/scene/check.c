@@ -208,10 +208,23 @@ static gneiss_status check_pack(const check *c, const gn_pack_def *pack, const c
     return GNEISS_OK;
 }
 
+/* It is of lengths in files. */
+static gneiss_status check_scale(const check *c, const gn_specimen *specimen, const char *source) {
+    const gn_shape_kind shape = specimen->pack.shape;
+    if (specimen->scale == 1.0 || *specimen->file || shape == GN_SHAPE_SURFACE ||
+        shape == GN_SHAPE_MESH)
+        return GNEISS_OK;
+    return gn_check_fail(c, "specimen.scale",
+                         "expected file, surface or mesh beside it, whose lengths it is of, found "
+                         "%s",
+                         source);
+}
+
 static gneiss_status check_particles(const check *c, gn_scene *s) {
     gn_specimen *specimen = &s->specimen;
     char source[SOURCES_SIZE];
     GN_TRY(check_source(c, specimen, s->dimension, source));
+    GN_TRY(check_scale(c, specimen, source));
     if (specimen->pack.shape == GN_SHAPE_NONE)
         GN_TRY(check_no_shape(c, specimen, s->dimension, source));
     else
@@ -357,6 +370,7 @@ gneiss_status gn_check_box(const check *c, const gn_scene *s, const char *key, c
 static gneiss_status check_surroundings(const check *c, const gn_scene *s) {
     if (s->has_periodic)
         GN_TRY(gn_check_box(c, s, "periodic.max", s->periodic_min, s->periodic_max));
+    GN_TRY(gn_check_box_sides(c, s));
     if (!s->has_domain) return GNEISS_OK;
     if (!gn_check_given(c, "domain.min"))
         return gn_check_fail(c, "domain.min", "required beside max, but not given");

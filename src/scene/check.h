@@ -48,6 +48,9 @@ gneiss_status gn_check_gamma(const check *c, const gn_scene *s);
 gneiss_status gn_check_box(const check *c, const gn_scene *s, const char *key, const double *low,
                            const double *high);
 
+/* How the sides of a periodic box move (check_box.c). */
+gneiss_status gn_check_box_sides(const check *c, const gn_scene *s);
+
 /* Nothing prescribed out of the plane of a 2D scene. */
 gneiss_status gn_check_plane_motion(const check *c, const gn_scene *s, const gn_motion *motion);
 
@@ -70,7 +73,7 @@ gneiss_status gn_check_side(const check *c, const gn_scene *s, const char *prefi
 gneiss_status gn_check_moments(const check *c, const gn_scene *s);
 
 /* The section `test` and the conditions that end one (check_test.c). */
-gneiss_status gn_check_test(const check *c, const gn_scene *s);
+gneiss_status gn_check_test(const check *c, gn_scene *s);
 /* The section `membrane`. */
 gneiss_status gn_check_membrane(const check *c, const gn_scene *s);
 

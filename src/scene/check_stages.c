@@ -100,21 +100,24 @@ static bool anything_acts(const gn_scene *s) {
         acts = acts || s->bodies[k].free || moves(&s->bodies[k].motion);
     for (size_t k = 0; k < s->elements.motion_count; k++)
         acts = acts || moves(&s->elements.motions[k].motion);
-    return acts || s->elements.load_count > 0;
+    return acts || s->elements.load_count > 0 || gn_scene_box_moves(s);
 }
 
 static bool servo(const gn_scene *s) {
     for (size_t k = 0; k < s->wall_count; k++)
         if (s->walls[k].servo.active) return true;
+    for (int a = 0; a < 3; a++)
+        if (s->has_periodic && s->box[a].stress.count) return true;
     return false;
 }
 
 static gneiss_status check_can_end(const check *c, const gn_scene *s, size_t stage) {
     const gn_stage *e = &s->stages[stage];
     if (e->held > 0 && !servo(s))
-        return gn_check_fail(c, "end.held",
-                             "expected a wall with a servo in this stage, found none: the stage "
-                             "would never end");
+        return gn_check_fail(
+            c, "end.held",
+            "expected a wall or a periodic box with a servo in this stage, found none: the stage "
+            "would never end");
     if (e->time >= 0 || e->steps >= 0 || e->unbalanced > 0 || e->held > 0) return GNEISS_OK;
     const char *key = e->strain > 0 ? "end.strain" : e->stress > 0 ? "end.stress" : "end.peak_drop";
     if (!gn_stage_has_end(e) || anything_acts(s)) return GNEISS_OK;

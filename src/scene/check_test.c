@@ -181,15 +181,61 @@ static gneiss_status check_shear(const check *c, const gn_scene *s) {
     return GNEISS_OK;
 }
 
+static bool driven_by_servo(const gn_scene *s, const gn_test_end *end) {
+    for (size_t k = 0; k < end->count; k++) {
+        int wall = gn_scene_find_wall(s, end->name[k]);
+        if (wall >= 0 && s->walls[wall].servo.active) return true;
+    }
+    return false;
+}
+
+/* What controls needs something that moves, and something to read. */
+static gneiss_status check_control(const check *c, const gn_scene *s) {
+    const gn_test *t = &s->test;
+    if (!t->has_control) return GNEISS_OK;
+    if (t->control.reading == GN_CONTROL_OPENING && !t->has_opening)
+        return gn_check_fail(c, "test.control.reading",
+                             "expected test.opening beside it, a gauge that is read, found none");
+    if (t->control.reading == GN_CONTROL_LATERAL && (!s->has_specimen || s->has_periodic))
+        return gn_check_fail(c, "test.control.reading",
+                             "expected particles with a surface, whose mean strain is read, found "
+                             "%s",
+                             s->has_specimen ? "a periodic box" : "none");
+    if (driven_by_servo(s, &t->lower) || driven_by_servo(s, &t->upper))
+        return gn_check_fail(c, "test.control",
+                             "expected ends that move as given, found a wall with a servo");
+    if (s->start == GN_START_FIRST_BREAK)
+        return gn_check_fail(c, "test.control",
+                             "expected time.start: rest beside it, found first_break");
+    return GNEISS_OK;
+}
+
 static gneiss_status check_kind(const check *c, const gn_scene *s) {
     const gn_test *t = &s->test;
     GN_TRY(check_keys(c, t));
+    GN_TRY(check_control(c, s));
     if (t->area > 0 && t->diameter > 0)
         return gn_check_fail(c, "test.diameter", "expected area or diameter, found both");
     if (t->kind == GN_TEST_BRAZILIAN) return check_brazilian(c, s);
     if (t->kind == GN_TEST_BENDING) return check_bending(c, s);
     if (t->kind == GN_TEST_SHEAR) return check_shear(c, s);
     if (gn_test_in(t->kind, GN_TESTS_CONFINED)) return check_confined(c, s);
+    return GNEISS_OK;
+}
+
+/* What stands in it is read by whoever makes the runs; none of the scenes has it. */
+static gneiss_status check_confinements(const check *c, gn_scene *s) {
+    const gn_node *list = s->test.confinement;
+    s->test.has_confinement = false;
+    s->test.confinement = NULL;
+    if (!list) return GNEISS_OK;
+    if (!gn_test_in(s->test.kind, GN_TESTS_CONFINED))
+        return gn_check_fail(c, "test.confinement",
+                             "expected a triaxial or biaxial test beside it, found another");
+    if (list->kind != GN_NODE_LIST || list->count < 2)
+        return gn_check_fail(c, "test.confinement",
+                             "expected a list of at least two pressures (one alone is "
+                             "membrane.pressure)");
     return GNEISS_OK;
 }
 
@@ -231,18 +277,18 @@ static gneiss_status check_hydrostatic(const check *c, const gn_scene *s) {
                       : t->lower.count ? "test.lower"
                       : t->upper.count ? "test.upper"
                       : t->has_opening ? "test.opening"
+                      : t->has_control ? "test.control"
                                        : NULL;
     if (key) return gn_check_fail(c, key, "expected none: a hydrostatic test has no ends");
-    if (!s->has_specimen || s->has_periodic)
+    if (!s->has_specimen)
         return gn_check_fail(c, "test.kind",
-                             "expected particles with a surface, whose mean strain is read, found "
-                             "%s",
-                             s->has_specimen ? "a periodic box" : "none");
+                             "expected particles, whose mean strain is read, found none");
     return check_keys(c, t);
 }
 
-gneiss_status gn_check_test(const check *c, const gn_scene *s) {
+gneiss_status gn_check_test(const check *c, gn_scene *s) {
     const gn_test *t = &s->test;
+    GN_TRY(check_confinements(c, s));
     if (t->kind == GN_TEST_NONE) return check_no_test(c, s);
     if (t->kind == GN_TEST_HYDROSTATIC) return check_hydrostatic(c, s);
     const char *missing = t->axis < 0       ? "test.axis"

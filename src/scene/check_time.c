@@ -62,6 +62,7 @@ const char *gn_scene_no_statics(const gn_scene *s) {
     if (s->has_elements) return "particles alone, found elements";
     if (s->body_count) return "walls and sets, found bodies";
     if (s->has_membrane) return "walls and sets, found a membrane";
+    if (gn_scene_box_moves(s)) return "a periodic box that stands, found sides that move";
     if (s->background == GN_BACKGROUND_VISCOUS &&
         gn_scene_spin_damping(s) != s->background_coefficient && s->rotation != GN_SWITCH_OFF)
         return "spins that are damped as velocities are, found damping.background.rotation";

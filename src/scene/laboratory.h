@@ -17,6 +17,15 @@ typedef struct gn_opening {
     gn_test_end lower, upper;
 } gn_opening;
 
+/* A test whose ends move as fast as something else is to grow. */
+typedef enum gn_controlled { GN_CONTROL_OPENING, GN_CONTROL_LATERAL } gn_controlled;
+typedef struct gn_control {
+    gn_controlled reading;
+    double rate;     /* m/s, 1/s: at which it is to grow */
+    double response; /* s: how far it may be behind or ahead, times the rate, at full speed */
+    double reverse;  /* of the motion of the ends, the most they go back with */
+} gn_control;
+
 /* A laboratory test: which two ends load the specimen and how stress and strain are formed. */
 typedef struct gn_test {
     gn_test_kind kind;
@@ -34,6 +43,10 @@ typedef struct gn_test {
     int64_t normal;   /* of the plane that a shear test shears: 0 1 2, -1: not given */
     bool has_opening;
     gn_opening opening;
+    bool has_control;
+    gn_control control;
+    bool has_confinement; /* while it is read: one scene is one confinement, gneiss run makes */
+    const struct gn_node *confinement; /* a run of each (src/sweep/load.c) */
     gn_scene_place where;
 } gn_test;
 
@@ -48,5 +61,13 @@ typedef struct gn_membrane_def {
     bool follow;  /* the deformation */
     gn_scene_place where;
 } gn_membrane_def;
+
+/* How a pair of sides of a periodic box moves; neither table: it stands still. */
+typedef struct gn_box_side {
+    gn_table stress;   /* wanted, compression positive, Pa; or */
+    gn_table rate;     /* 1/s, of its length over its length */
+    double max_rate;   /* 1/s, with stress */
+    double relaxation; /* share of the missing stress that is made up per step, (0, 1] */
+} gn_box_side;
 
 #endif

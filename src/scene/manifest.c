@@ -284,11 +284,38 @@ static const gn_key initial_keys[] = {
 };
 TABLE_OF(initial);
 
+#define SIDE(AXIS, K)                                                                              \
+    static const gn_key side_##AXIS##_keys[] = {                                                   \
+        KEY("stress", TABLE, gn_scene, box[K].stress, .unit = "Pa", .range = GN_TRACTIONS,         \
+            .word = "none", .fallback = "none",                                                    \
+            .text = "wanted mean normal stress of the specimen along this axis, compression "      \
+                    "positive; constant or a table; stress or rate"),                              \
+        KEY("rate", TABLE, gn_scene, box[K].rate, .unit = "1/s", .range = "[-1e6, 1e6]",           \
+            .word = "none", .fallback = "none",                                                    \
+            .text = "prescribed growth of the length of the box over its length"),                 \
+        KEY("max_rate", REAL, gn_scene, box[K].max_rate, .unit = "1/s", .range = "(0, 1e6]",       \
+            .word = "none", .fallback = "none",                                                    \
+            .text = "needed with stress: most by which the box may shorten or grow"),              \
+        KEY("relaxation", REAL, gn_scene, box[K].relaxation, .unit = "1", .range = "(0, 1]",       \
+            .fallback = "0.1",                                                                     \
+            .text = "with stress: share of what is missing that is made up per step; less where "  \
+                    "that would not be stable with the time step"),                                \
+    };                                                                                             \
+    TABLE_OF(side_##AXIS)
+SIDE(x, 0);
+SIDE(y, 1);
+SIDE(z, 2);
+
 static const gn_key periodic_keys[] = {
     KEY("min", VECTOR, gn_scene, periodic_min, .unit = "m", .range = GN_PLACES, .required = true,
         .text = "lower corner of the periodic box"),
     KEY("max", VECTOR, gn_scene, periodic_max, .unit = "m", .range = GN_PLACES, .required = true,
         .text = "upper corner of the periodic box"),
+    SECTION("x", side_x_section,
+            .text = "how the length of the box along x follows a stress or a "
+                    "rate; its lower corner stands still"),
+    SECTION("y", side_y_section, .text = "the same along y"),
+    SECTION("z", side_z_section, .text = "the same along z"),
 };
 static const gn_section periodic_section = {periodic_keys, sizeof periodic_keys / sizeof(gn_key), 0,
                                             offsetof(gn_scene, periodic_where)};

@@ -24,6 +24,25 @@ static const gn_key opening_keys[] = {
 };
 TABLE_OF(opening);
 
+static const gn_choice controlled[] = {
+    {"opening", GN_CONTROL_OPENING}, {"lateral_strain", GN_CONTROL_LATERAL}, {NULL, 0}};
+
+static const gn_key control_keys[] = {
+    KEY("reading", CHOICE, gn_scene, test.control.reading, .choices = controlled, .required = true,
+        .text = "what is to grow steadily: the opening of the gauge, or the average strain across "
+                "the axis, extension positive"),
+    KEY("rate", REAL, gn_scene, test.control.rate, .unit = "m/s|1/s", .range = "(0, 1e9]",
+        .required = true, .text = "at which: of an opening in m/s, of a strain in 1/s"),
+    KEY("response", REAL, gn_scene, test.control.response, .unit = "s", .range = "(0, 1e9]",
+        .required = true,
+        .text = "time in which what is missing is made up: several crossings of the specimen by "
+                "waves"),
+    KEY("reverse", REAL, gn_scene, test.control.reverse, .unit = "1", .range = "[0, 10]",
+        .fallback = "1",
+        .text = "most by which the ends go back, over their prescribed motion; 0: they stop"),
+};
+TABLE_OF(control);
+
 static const gn_key test_keys[] = {
     KEY("kind", CHOICE, gn_scene, test.kind, .choices = test_kinds, .required = true,
         .text = "which test it is: how stress and strain are formed and what is read; brazilian: "
@@ -65,6 +84,14 @@ static const gn_key test_keys[] = {
     KEY("centre", REAL, gn_scene, test.centre, .unit = "1", .range = "(0, 1]", .fallback = "0.2",
         .text = "brazilian: radius, over that of the disc, of the region about its centre whose "
                 "mean stress is read"),
+    SECTION("control", control_section, PRESENT(BOOL, gn_scene, test.has_control),
+            .text = "the prescribed motion of the ends along the axis is scaled, also backwards, "
+                    "so that a reading grows at a rate: past a peak where the load snaps back"),
+    KEY("confinement", TREE, gn_scene, test.confinement, .unit = "list of pressures",
+        PRESENT(BOOL, gn_scene, test.has_confinement),
+        .text = "triaxial and biaxial: gneiss run makes a run with each of these as "
+                "membrane.pressure, side by side, and reads friction angle, cohesion and "
+                "Hoek-Brown's m_i off them"),
     SECTION("opening", opening_section, .offset = offsetof(gn_scene, test.opening),
             PRESENT(BOOL, gn_scene, test.has_opening),
             .text = "a gauge: how far two parts come apart, such as the mouth of a notch"),

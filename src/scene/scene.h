@@ -437,6 +437,7 @@ typedef struct gn_scene {
 
     bool has_periodic;
     double periodic_min[3], periodic_max[3]; /* m */
+    gn_box_side box[3];                      /* how its sides across x, y, z move */
     gn_scene_place periodic_where;
     bool has_domain;
     double domain_min[3], domain_max[3]; /* m; default: the specimen's box grown tenfold */
@@ -563,6 +564,13 @@ const gn_contact_def *gn_scene_find_contact(const gn_scene *scene, const gn_mate
                                             const gn_material *b);
 static inline int gn_scene_membrane_axis(const gn_scene *scene) {
     return (int)(scene->membrane.axis >= 0 ? scene->membrane.axis : scene->test.axis);
+}
+/* Whether sides of its periodic box move. */
+static inline bool gn_scene_box_moves(const gn_scene *scene) {
+    bool moves = false;
+    for (int a = 0; scene->has_periodic && a < 3; a++)
+        moves |= scene->box[a].stress.count || scene->box[a].rate.count;
+    return moves;
 }
 /* The coefficient of the background damping of spins. */
 static inline double gn_scene_spin_damping(const gn_scene *scene) {

@@ -45,6 +45,9 @@ static const char *const may_change[] = {
     "elements.motions.*.motion",
     "elements.loads.*.force",
     "elements.loads.*.traction",
+    "periodic.x",
+    "periodic.y",
+    "periodic.z",
     "time.step",
     "time.safety",
     "time.contact_steps",
@@ -69,6 +72,7 @@ static const struct {
     {"sets", "of a set, motion and force may change"},
     {"materials", "of a material, friction, stiffness and strength may change"},
     {"contacts", "of a pair of materials, friction may change"},
+    {"periodic", "of a periodic box, what its sides follow may change"},
     {"bonds", "the law of bonds is one for the whole run"},
     {"test", "the readings of all stages are those of one test"},
     {"output", "it holds for all of the run; history_rows and snapshots may change"},
@@ -152,10 +156,13 @@ static gneiss_status lay_list(layer *l, gn_node *base, const gn_node *over) {
         const char *name = over->kind == GN_NODE_MAP ? item->key : named ? said->text : "";
         gn_node *element = base && *name ? (gn_node *)gn_node_element(base, name) : NULL;
         if (!element || item->kind != GN_NODE_MAP) {
+            const char *nameless = "expected a name (what has none goes by its number, as in "
+                                   "contacts: {0: {friction: 0.3}}), found none%s%s";
             GN_TRY(wrong(l, item,
-                         element ? "expected what changes of '%s', a section%s"
-                                 : "expected the name of an element that the scene has, found "
-                                   "'%s'%s",
+                         !*name    ? nameless
+                         : element ? "expected what changes of '%s', a section%s"
+                                   : "expected the name of an element that the scene has, found "
+                                     "'%s'%s",
                          name, ""));
             continue;
         }
@@ -203,6 +210,16 @@ static void make_way(gn_node *base, const gn_node *over) {
     if (servo && !motion && servo->kind == GN_NODE_MAP) drop(base, "motion");
 }
 
+/* Sides of a periodic box follow a stress or a rate. */
+static void make_way_in_box(gn_node *base, const gn_node *over) {
+    const gn_node *stress = gn_node_child(over, "stress"), *rate = gn_node_child(over, "rate");
+    if (stress && !rate) drop(base, "rate");
+    if (stress || !rate) return;
+    drop(base, "stress");
+    drop(base, "max_rate");
+    drop(base, "relaxation");
+}
+
 static void make_way_in_servo(gn_node *base, const gn_node *over) {
     const gn_node *force = gn_node_child(over, "force"), *stress = gn_node_child(over, "stress");
     if (stress && !force) drop(base, "force");
@@ -230,6 +247,7 @@ static gneiss_status lay_child(layer *l, gn_node *base, const gn_node *child) {
 static gneiss_status lay_map(layer *l, gn_node *base, const gn_node *over) {
     if (begins_with(l->path, "walls.*")) make_way(base, over);
     if (begins_with(l->path, "walls.*.servo")) make_way_in_servo(base, over);
+    if (begins_with(l->path, "periodic.*")) make_way_in_box(base, over);
     for (const gn_node *child = over->first; child; child = child->next) {
         if (strcmp(child->key, "name") == 0) continue;
         size_t mark = push(l, child->key);

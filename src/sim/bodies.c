@@ -291,7 +291,8 @@ void gn_bodies_kick(gn_world *w) {
                 b->velocity[a] +=
                     interval * (b->force[a] * b->inverse_mass[a] + w->scene.gravity[a]);
             else
-                b->velocity[a] = gn_table_at(&motion->velocity[a], middle);
+                b->velocity[a] = gn_control_of(w, w->scene.bodies[k].name, a) *
+                                 gn_table_at(&motion->velocity[a], middle);
             if (turns_freely(b))
                 b->momentum[a] += interval * b->moment[a];
             else

@@ -173,8 +173,21 @@ static bool is_bond(const gn_world *w, int32_t i, int32_t j) {
     return at < b->soa.count && b->i[at] == i && b->j[at] == j;
 }
 
-/* J, what contacts of a list hold at the present places. A pair that has become a bond stays listed
- * until the lists are made. */
+/* m: by how much the ends came apart in the last step. */
+static double last_path(const gn_world *w, int32_t i, int32_t j, const double d[3], double length) {
+    const double *a = w->dem.particles.vel + 4 * (int64_t)i,
+                 *b = w->dem.particles.vel + 4 * (int64_t)j;
+    double before[3];
+    for (int k = 0; k < 3; k++)
+        before[k] = d[k] - w->dt_past * (b[k] - a[k] + w->box.flow[k] * d[k]);
+    return length - sqrt(gn_dot3(before, before));
+}
+
+/* J, what contacts of a list hold at the present places, less what the normal force does over half
+ * of the last path: of the work of that the other half was booked with the force that was there,
+ * this one will be with the force that is found now. What a change of the law is worth is then k
+ * u u', with the stretch before and after the path, whatever the step. A pair that has become a
+ * bond stays listed until the lists are made. */
 static double stored_in(const gn_world *w, const gn_contacts *list) {
     const gn_law *law = gn_law_of(list->soa.effects);
     double sum = 0.0;
@@ -184,7 +197,9 @@ static double stored_in(const gn_world *w, const gn_contacts *list) {
                      *b = w->dem.particles.pos + 4 * (int64_t)list->j[c];
         double d[3], length = sqrt(gn_branch(w, a, b, d));
         double rest = list->length0 ? list->length0[c] : a[3] + b[3];
-        sum += law->held(list, c, length, length - rest).stored;
+        gn_law_held held = law->held(list, c, length, length - rest);
+        double path = last_path(w, list->i[c], list->j[c], d, length);
+        sum += held.stored - 0.5 * held.normal * path;
         if (!law->moments || !gn_contact_bonded(list, c)) continue;
         for (int k = 0; k < 3; k++) d[k] /= length;
         sum += law->moments(list, c, d).stored;
@@ -196,10 +211,28 @@ double gn_contacts_stored(const gn_world *w) {
     return stored_in(w, &w->dem.bonds) + stored_in(w, &w->dem.pairs);
 }
 
+/* A contact that is no bond any more bears no more across it than friction lets it, and where it is
+ * not pressed nothing: what the bond bore beyond that goes with the bond and slides nowhere. */
+static void leave_to_friction(const gn_world *w, gn_contacts *b, size_t c) {
+    const double *x = w->dem.particles.pos + 4 * (int64_t)b->i[c],
+                 *y = w->dem.particles.pos + 4 * (int64_t)b->j[c];
+    double d[3], length = sqrt(gn_branch(w, x, y, d));
+    gn_law_held held = gn_law_of(b->soa.effects)->held(b, c, length, length - b->length0[c]);
+    double force = sqrt(gn_dot3(held.shear, held.shear));
+    double most = b->mu ? b->mu[c] * fmax(-held.normal, 0.0) : 0.0;
+    if (force <= most) return;
+    for (size_t a = 0; a < 3; a++) {
+        size_t at = c + a * b->soa.capacity;
+        if (b->shear) b->shear[at] *= most / force;
+        if (b->shear_f) b->shear_f[at] *= (float)(most / force);
+    }
+}
+
 void gn_bonds_dissolve(gn_world *w) {
     gn_contacts *b = &w->dem.bonds;
     for (size_t c = 0; c < b->soa.count; c++) {
         if (!gn_contact_bonded(b, c)) continue;
+        leave_to_friction(w, b, c);
         b->rn[c] = -fabs(b->rn[c]);
         b->cause[c] = GN_BOND_DISSOLVED;
         b->broken_time[c] = w->time;

@@ -21,6 +21,9 @@ gn_contact_args gn_dem_contact_args(const gn_world *w, const gn_contacts *list, 
     a.partials = list == &w->dem.bonds ? &w->dem.bond_partials : &w->dem.pair_partials;
     a.dt = w->dt_past;
     a.speed_most = w->dem.speed_most;
+    a.flows = gn_box_moved(w);
+    memcpy(a.flow, w->box.flow, sizeof a.flow);
+    if (a.flows && a.speed_most > 0.0) a.speed_most += 0.5 * gn_box_speed(w);
     a.arm_factor = w->scene.contact_arm == GN_ARM_MIDPOINT ? 0.5 : 0.0;
     memcpy(a.period, w->period, sizeof a.period);
     for (int k = 0; k < 3; k++) a.inverse_period[k] = w->period[k] > 0.0 ? 1.0 / w->period[k] : 0.0;

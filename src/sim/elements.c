@@ -150,8 +150,10 @@ static const gn_scene_place *group_of(const gn_region *r) {
     return r->has_box ? NULL : &r->group_where;
 }
 
-static void velocity_at(const gn_element_motion *m, double time, double velocity[3]) {
-    for (int a = 0; a < 3; a++) velocity[a] = gn_table_at(&m->motion.velocity[a], time);
+static void velocity_at(const gn_world *w, const gn_element_motion *m, double time,
+                        double velocity[3]) {
+    for (int a = 0; a < 3; a++)
+        velocity[a] = gn_control_of(w, m->name, a) * gn_table_at(&m->motion.velocity[a], time);
 }
 
 static gneiss_status make_motion(const gn_world *w, gn_element_model *q, size_t k,
@@ -164,7 +166,7 @@ static gneiss_status make_motion(const gn_world *w, gn_element_model *q, size_t 
     gneiss_status status = nodes_of(&q->solid, &m->region, &q->motion_set[k], error);
     GN_TRY(at(w, m->where, group_of(&m->region), "motions", k, status, error));
     if (!mask) return GNEISS_OK;
-    velocity_at(m, 0.0, velocity);
+    velocity_at(w, m, 0.0, velocity);
     return gn_fem_prescribe(&q->solid, &q->motion_set[k], mask, velocity, &q->motion[k], error);
 }
 
@@ -201,13 +203,15 @@ static bool varies(const gn_table tables[3]) {
     return tables[0].count > 1 || tables[1].count > 1 || tables[2].count > 1;
 }
 
-/* Of constant ones with `all`, once. */
-static void set_velocities(gn_element_model *q, double time, bool all) {
+/* Of constant ones with `all`, once, unless the test is controlled. */
+static void set_velocities(const gn_world *w, gn_element_model *q, double time, bool all) {
     const gn_element_def *e = q->def;
     for (size_t k = 0; k < e->motion_count; k++) {
         double velocity[3];
-        if (q->motion[k] < 0 || !(all || varies(e->motions[k].motion.velocity))) continue;
-        velocity_at(&e->motions[k], time, velocity);
+        if (q->motion[k] < 0 ||
+            !(all || w->scene.test.has_control || varies(e->motions[k].motion.velocity)))
+            continue;
+        velocity_at(w, &e->motions[k], time, velocity);
         gn_fem_set_velocity(&q->solid, q->motion[k], velocity);
     }
 }
@@ -293,7 +297,7 @@ gneiss_status gn_elements_enter(gn_world *w, gneiss_error *error) {
                                w->scene.background_coefficient, error));
         look_at_loads(q);
         set_loads(q, w->time);
-        set_velocities(q, w->time, true);
+        set_velocities(w, q, w->time, true);
     }
     return GNEISS_OK;
 }
@@ -362,7 +366,7 @@ void gn_elements_forces(gn_world *w, bool measure) {
     for (size_t k = 0; k < w->element_count; k++) {
         gn_element_model *q = w->elements[k];
         double start = gn_now();
-        set_velocities(q, w->time + 0.5 * w->dt, false);
+        set_velocities(w, q, w->time + 0.5 * w->dt, false);
         if (q->loads_vary) set_loads(q, w->time);
         gn_element_contact_load(q);
         gn_fem_forces(&q->solid, w->dt, measure);

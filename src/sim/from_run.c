@@ -89,14 +89,11 @@ static gneiss_status read_all(const gn_scene *scene, source *s, gn_from_run *fro
     GN_TRY(gn_h5_get_attribute_i64(s->file, "/", "finished", &finished, 1, error));
     if (!finished)
         return gn_fail(error, GNEISS_ERROR_INPUT,
-                       "%s:%d:%d: specimen.from: expected a run that came to its end, found one "
-                       "that did not (gneiss resume goes on with it)",
-                       scene->source, scene->specimen.where.line, scene->specimen.where.column);
+                       "expected a run that came to its end, found one that did not (gneiss resume "
+                       "goes on with it)");
     if (dimension != scene->dimension)
         return gn_fail(error, GNEISS_ERROR_INPUT,
-                       "%s:%d:%d: specimen.from: expected a run of a %dD scene, found one of a %dD "
-                       "scene",
-                       scene->source, scene->specimen.where.line, scene->specimen.where.column,
+                       "expected a run of a %dD scene, found one of a %dD scene",
                        (int)scene->dimension, (int)dimension);
     GN_TRY(number(s, from, error));
     from->sphere = gn_alloc_array(from->count + 1, 4 * sizeof *from->sphere);
@@ -108,10 +105,14 @@ static gneiss_status read_all(const gn_scene *scene, source *s, gn_from_run *fro
 }
 
 gneiss_status gn_from_run_read(const gn_scene *scene, gn_from_run *from, gneiss_error *error) {
+    const gn_scene_place where = scene->specimen.where;
     source s = {0};
     *from = (gn_from_run){0};
-    GN_TRY(gn_h5_open_whole(scene->specimen.from_path, &s.file, error));
-    gneiss_status status = read_all(scene, &s, from, error);
+    gneiss_status status = gn_h5_open_whole(scene->specimen.from_path, &s.file, error);
+    if (status == GNEISS_OK) status = read_all(scene, &s, from, error);
+    if (status != GNEISS_OK)
+        gn_fail_context(error, "%s:%d:%d: specimen.from: ", scene->source, where.line,
+                        where.column);
     gn_h5_close(s.file);
     gn_free(s.removed);
     gn_free(s.place);

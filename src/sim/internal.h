@@ -248,6 +248,9 @@ void gn_walls_sum(gn_world *world);
 void gn_walls_move(gn_world *world);
 void gn_walls_book(const gn_world *world, double dt, gn_energy *ledger);
 
+/* The share of what is missing that a servo may make up in a step (walls.c). */
+double gn_servo_share(const gn_world *world);
+
 /* Seconds are booked under phases in one step of so many, which counts for the others: looking at
  * the clock after every block takes a percent of a step. Prime, so that it keeps no time with
  * readings. */

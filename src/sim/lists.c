@@ -302,7 +302,7 @@ static double widest_gap(const gn_world *w) {
     }
     for (size_t k = 0; k < w->boundary.surface_count; k++)
         other = fmax(other, surface_speed(w, &w->boundary.surfaces[k]));
-    return w->dt_past * (own + other) * (1.0 + 1e-6);
+    return w->dt_past * (own + other + gn_box_speed(w)) * (1.0 + 1e-6);
 }
 
 /* Whatever was in touch a step ago has to be listed: its contact acted for a part of the step. */
@@ -371,6 +371,7 @@ gneiss_status gn_dem_refresh(gn_world *w, gneiss_error *error) {
     w->dem.verlet.drift = 0.0;
     w->dem.verlet.rebuilds++;
     w->dem.verlet.last_step = w->step;
+    gn_box_listed(w);
     return GNEISS_OK;
 }
 

@@ -182,8 +182,10 @@ void gn_prescription_update(gn_world *w, double time) {
     for (size_t slot = 0; slot < f->count; slot++)
         for (int k = 0; k < 6; k++) {
             int32_t s = w->dem.channel_set[6 * slot + k];
-            if (s >= 0)
-                f->velocity[6 * slot + k] = gn_table_at(channel(&w->scene.sets[s].motion, k), time);
+            if (s < 0) continue;
+            double factor = k < 3 ? gn_control_of(w, w->scene.sets[s].name, k) : 1.0;
+            f->velocity[6 * slot + k] =
+                factor * gn_table_at(channel(&w->scene.sets[s].motion, k), time);
         }
 }
 

@@ -63,6 +63,7 @@ static void move(gn_world *w, bool measure, watch *time) {
     gn_boundary_book(w, GN_HALF_BEFORE, &w->energy);
     gn_boundary_kick(w);
     gn_dem_book(w, GN_HALF_BEFORE, &w->energy);
+    gn_box_book(w);
     if (measure) read_particles(w);
     gn_dem_book(w, GN_HALF_AFTER, &w->energy);
     gn_boundary_move(w);
@@ -72,6 +73,7 @@ static void move(gn_world *w, bool measure, watch *time) {
 
 static gneiss_status finish(gn_world *w, bool measure, watch *time, gneiss_error *error) {
     move(w, measure, time);
+    GN_TRY(gn_box_move(w, error));
     GN_TRY(gn_events_note(w, error));
     GN_TRY(gn_dem_check(w, measure, error));
     GN_TRY(gn_boundary_check(w, error));
@@ -87,8 +89,11 @@ gneiss_status gn_world_step(gn_world *w, bool measure, gneiss_error *error) {
     GN_TRY(gn_world_refresh_lists(w, error));
     GN_TRY(gn_pressed_check(w, error));
 
+    gn_control_look(w);
     gn_membrane_press(w);
-    gn_dem_forces(w, measure); /* what does not wait for an exchange moves with its forces */
+    /* What does not wait for an exchange moves with its forces. A box asks for the stress in every
+     * step. */
+    gn_dem_forces(w, measure || gn_box_moves(w));
     start(&time);
     gn_boundary_forces(w);
     lap(&time, GN_PHASE_walls);

@@ -280,10 +280,15 @@ static double springs_of(const gn_world *w, size_t k) {
  * dashpots r <= 2 (1 - s). Whether it is one particle or many does not matter: the bound takes all
  * of the fastest mode to be at the wall. r = 1 takes up all that is missing in one step; more than
  * that is never of use. Where the step is at its limit a little has to be left to move the wall. */
-double gn_world_servo_relaxation(const gn_world *w, size_t wall) {
-    double share = fmin(1.0, w->dt / w->stable), stiffness = w->boundary.walls[wall].stiffness;
+double gn_servo_share(const gn_world *w) {
+    double share = fmin(1.0, w->dt / w->stable);
     bool dashpots = w->dem.damping_fraction > 0.0;
-    double most = fmax(0.01, fmin(1.0, 2.0 * (1.0 - (dashpots ? share : share * share))));
+    return fmax(0.01, fmin(1.0, 2.0 * (1.0 - (dashpots ? share : share * share))));
+}
+
+double gn_world_servo_relaxation(const gn_world *w, size_t wall) {
+    double stiffness = w->boundary.walls[wall].stiffness, most = gn_servo_share(w);
+    bool dashpots = w->dem.damping_fraction > 0.0;
     if (!dashpots || !(stiffness > 0.0)) return most;
     return most * stiffness / (2.0 * stiffness - springs_of(w, wall));
 }
@@ -367,7 +372,8 @@ void gn_walls_move(gn_world *w) {
             servo_velocity(w, k);
         else
             for (int a = 0; a < 3; a++)
-                wall->velocity[a] = gn_table_at(&motion->velocity[a], w->time + 0.5 * w->dt);
+                wall->velocity[a] = gn_control_of(w, w->scene.walls[k].name, a) *
+                                    gn_table_at(&motion->velocity[a], w->time + 0.5 * w->dt);
         for (int a = 0; a < 3; a++) wall->point[a] += w->dt * wall->velocity[a];
         wall->travel += w->dt * fabs(gn_dot3(wall->velocity, wall->normal));
     }

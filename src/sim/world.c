@@ -174,6 +174,8 @@ gneiss_status gn_world_prepare(gn_world *w, gneiss_error *error) {
     int threads = w->scene.threads > 0 ? (int)w->scene.threads : omp_get_num_procs();
     w->threads = threads < GN_THREADS_MAX ? threads : GN_THREADS_MAX;
     for (int a = 0; a < 3; a++) w->period[a] = w->scene.periodic_max[a] - w->scene.periodic_min[a];
+    gn_box_create(w);
+    gn_control_create(w);
     GN_TRY(choose_kernels(w, error));
     return gn_dem_prepare(w, error);
 }
@@ -338,6 +340,7 @@ uint64_t gn_world_hash(const gn_world *w) {
     uint64_t h = gn_dem_hash(w, GN_HASH_SEED);
     h = gn_boundary_hash(w, h);
     h = gn_elements_hash(w, h);
+    if (gn_box_moves(w)) h = gn_hash_bytes(w->period, sizeof w->period, h);
     h = gn_hash_bytes(&w->time, sizeof w->time, h);
     return gn_hash_bytes(&w->step, sizeof w->step, h);
 }

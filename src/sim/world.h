@@ -7,6 +7,8 @@
 #include "measure/measure.h"
 #include "scene/scene.h"
 #include "sim/boundary.h"
+#include "sim/box.h"
+#include "sim/control.h"
 #include "sim/dem.h"
 #include "sim/elements.h"
 
@@ -70,8 +72,11 @@ struct gn_world {
     } couple;
 
     gn_strain_gauge gauge;
-    double period[3];
-    double volume;             /* m3 (2D: m2 x 1 m): of the specimen at the start */
+    double period[3];          /* m: of a periodic box, as it is now */
+    gn_box box;                /* how its sides moved (box.h) */
+    gn_machine machine;        /* what controls the ends of the test (control.h) */
+    double volume;             /* m3 (2D: m2 x 1 m): of the specimen at the start; of a periodic box
+                                  now */
     double lower[3], upper[3]; /* m: extent of the specimen at the start, radii included */
     double test_length, test_area;
 

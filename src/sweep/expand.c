@@ -93,8 +93,9 @@ static gneiss_status explain(const gn_sweep *s, size_t run, gneiss_error *error)
         const char *gap = used ? "\n" : "";
         int more;
         if (value)
-            more = snprintf(text + used, sizeof text - used, "%s%s:%d:%d: parameters.%s%s", gap,
-                            s->source, value->where.line, value->where.column, p->key,
+            more = snprintf(text + used, sizeof text - used, "%s%s:%d:%d: %s%s%s", gap, s->source,
+                            value->where.line, value->where.column,
+                            s->text ? "parameters." : "test.confinement: ", p->key,
                             line + 6 + strlen(p->key));
         else if (s->parameter_count)
             more = snprintf(text + used, sizeof text - used, "%s%s:%d:%d: with %s: %s", gap,

@@ -326,15 +326,50 @@ gneiss_status gn_sweep_load(const char *path, const gn_override *overrides, size
     return status;
 }
 
-gneiss_status gn_sweep_of_seeds(const char *scene, const gn_override *overrides,
+/* The confinements that a test lists are the values of membrane.pressure, unless that is given on
+ * the command line. */
+static gneiss_status read_confinements(gn_reader *reader, const gn_node *root, gn_sweep *sweep) {
+    const gn_node *list = gn_node_find(root, "test.confinement");
+    const gn_drawing none = {0};
+    for (size_t k = 0; k < sweep->override_count; k++)
+        if (strcmp(sweep->overrides[k].key, "membrane.pressure") == 0) return GNEISS_OK;
+    if (!list || list->kind != GN_NODE_LIST || list->count < 2) return GNEISS_OK;
+    gn_sweep_parameter *p = &sweep->parameters[sweep->parameter_count++];
+    snprintf(p->key, sizeof p->key, "membrane.pressure");
+    snprintf(reader->path, sizeof reader->path, "test.confinement");
+    p->where = list->key_where;
+    p->meant = gn_scene_key_at(p->key);
+    return gn_parameter_read(reader, list, &none, p);
+}
+
+/* Of a text that is no scene there are none: reading it as one says why. */
+static gneiss_status confinements_of(const char *text, gn_sweep *sweep, gneiss_error *error) {
+    gn_tree *tree = NULL;
+    gneiss_error unsaid = {0};
+    if (gn_tree_read(text, strlen(text), sweep->source, &tree, &unsaid) != GNEISS_OK)
+        return GNEISS_OK;
+    gneiss_status status = GNEISS_OK;
+    for (size_t k = 0; status == GNEISS_OK && k < sweep->override_count; k++)
+        if (strcmp(sweep->overrides[k].key, "test.confinement") == 0)
+            status = gn_tree_override(tree, &sweep->overrides[k], error);
+    gn_reader reader = {.name = sweep->source, .units = sweep->units, .error = error};
+    if (status == GNEISS_OK) status = read_confinements(&reader, gn_tree_root(tree), sweep);
+    gn_tree_free(tree);
+    return status;
+}
+
+gneiss_status gn_sweep_of_scene(const char *scene, const gn_override *overrides,
                                 size_t override_count, const char *seeds, gn_sweep *sweep,
-                                gneiss_error *error) {
+                                bool *wanted, gneiss_error *error) {
+    *wanted = false;
     GN_TRY(begin(scene, overrides, override_count, sweep, error));
     snprintf(sweep->scene, sizeof sweep->scene, "%s", scene);
     gneiss_status status = read_text(scene, "scene", &sweep->scene_text, error);
-    if (status == GNEISS_OK) status = seeds_from_line(seeds, sweep, error);
-    if (status == GNEISS_OK) status = gn_sweep_expand(sweep, GN_COMBINE_CROSSED, error);
-    if (status != GNEISS_OK) gn_sweep_free(sweep);
+    if (status == GNEISS_OK && seeds) status = seeds_from_line(seeds, sweep, error);
+    if (status == GNEISS_OK) status = confinements_of(sweep->scene_text, sweep, error);
+    *wanted = seeds || sweep->parameter_count;
+    if (status == GNEISS_OK && *wanted) status = gn_sweep_expand(sweep, GN_COMBINE_CROSSED, error);
+    if (status != GNEISS_OK || !*wanted) gn_sweep_free(sweep);
     return status;
 }
 

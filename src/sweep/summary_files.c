@@ -3,6 +3,7 @@
 #include "base/version.h"
 #include "io/files.h"
 #include "io/h5.h"
+#include "sweep/envelope.h"
 #include "sweep/range.h"
 #include "sweep/summary.h"
 
@@ -281,6 +282,28 @@ static gneiss_status put_runs(gn_h5 *file, const gn_summary *m, double *column,
     return put_lines(file, "runs/message", m, message_line, m->sweep->run_count, error);
 }
 
+/* What is absent has no number but the reason why. */
+static gneiss_status put_envelope_reading(gn_h5 *file, const char *name, const char *unit,
+                                          const char *text, double value, const char *reason,
+                                          gneiss_error *error) {
+    char path[GN_NAME_SIZE + 16];
+    snprintf(path, sizeof path, "envelope/%s", name);
+    GN_TRY(gn_h5_put(file, path, GN_F64, 1, 1, 0, &value, unit, text, error));
+    return isnan(value) ? gn_h5_attribute_text(file, path, "absent", reason, error) : GNEISS_OK;
+}
+
+static gneiss_status put_envelope(gn_h5 *file, const gn_summary *m, gneiss_error *error) {
+    const gn_envelope e = gn_envelope_of(m);
+    const char *reason = e.no_coulomb;
+    if (!e.there) return GNEISS_OK;
+#define X(name, unit, text)                                                                        \
+    if (strncmp(#name, "hoek", 4) == 0) reason = e.no_hoek_brown;                                  \
+    GN_TRY(put_envelope_reading(file, #name, unit, text, e.name, reason, error));
+    GN_ENVELOPE_READINGS(X)
+#undef X
+    return GNEISS_OK;
+}
+
 static gneiss_status write_h5(const gn_summary *m, double *column, gneiss_error *error) {
     char path[GN_PATH_SIZE + 32];
     gn_h5 *file = NULL;
@@ -292,6 +315,7 @@ static gneiss_status write_h5(const gn_summary *m, double *column, gneiss_error 
         status = put_parameter(file, m, p, column, error);
     for (size_t r = 0; status == GNEISS_OK && r < m->reading_count; r++)
         status = put_reading(file, m, r, column, error);
+    if (status == GNEISS_OK) status = put_envelope(file, m, error);
     if (status == GNEISS_OK) return gn_h5_commit(file, GN_SYNCED, error);
     gn_h5_close(file);
     return status;

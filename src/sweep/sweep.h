@@ -62,7 +62,7 @@ typedef struct gn_sweep {
     char source[GN_PATH_SIZE];    /* the sweep file, or the scene of a sweep over seeds alone */
     char scene[GN_PATH_SIZE];     /* path of the scene, as messages show it */
     char directory[GN_PATH_SIZE]; /* that the file asks for; "": none */
-    char *text;                   /* of the sweep file; "" without one */
+    char *text;                   /* of the sweep file; NULL without one */
     char *scene_text;
     size_t override_count; /* of the command line, borrowed: they come before the parameters */
     const gn_override *overrides;
@@ -85,10 +85,11 @@ typedef struct gn_sweep {
 gneiss_status gn_sweep_load(const char *path, const gn_override *overrides, size_t override_count,
                             const char *seeds, gn_sweep *sweep, gneiss_error *error);
 
-/* A sweep over the seeds of one scene. */
-gneiss_status gn_sweep_of_seeds(const char *scene, const gn_override *overrides,
+/* A sweep over the seeds of one scene (NULL: none), and over the confinements that its test lists;
+ * *wanted: whether there is any of both, without which nothing is held. */
+gneiss_status gn_sweep_of_scene(const char *scene, const gn_override *overrides,
                                 size_t override_count, const char *seeds, gn_sweep *sweep,
-                                gneiss_error *error);
+                                bool *wanted, gneiss_error *error);
 
 void gn_sweep_free(gn_sweep *sweep);
 

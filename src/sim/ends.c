@@ -2,7 +2,7 @@
  * several parts (two supports under a beam); their forces add up, their travel is the mean over the
  * parts.
  */
-#include "run/ends.h"
+#include "sim/ends.h"
 
 /* From where it stood at the start, along the axis. */
 static double part_travel(const gn_world *w, const char *name, int axis) {

@@ -1,6 +1,6 @@
 /* The two ends of a test. */
-#ifndef GN_RUN_ENDS_H
-#define GN_RUN_ENDS_H
+#ifndef GN_SIM_ENDS_H
+#define GN_SIM_ENDS_H
 
 #include "sim/internal.h"
 

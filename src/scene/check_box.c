@@ -1,0 +1,43 @@
+/* Whether the sides of a periodic box can move as a scene says. */
+#include "scene/check.h"
+
+/* What the convention of a box that moves leaves no place for: particles ride on it, and nothing
+ * else does. */
+static gneiss_status check_company(const check *c, const gn_scene *s) {
+    bool prescribed = false;
+    for (size_t k = 0; k < s->set_count; k++)
+        for (int a = 0; a < 3; a++)
+            prescribed |= s->sets[k].motion.velocity[a].count || s->sets[k].motion.spin[a].count;
+    const struct {
+        bool found;
+        const char *what;
+    } others[] = {{s->wall_count > 0, "walls"},
+                  {s->has_elements, "finite elements"},
+                  {prescribed, "a set whose motion is prescribed"},
+                  {s->has_pulse, "initial.pulse"}};
+    for (size_t k = 0; k < sizeof others / sizeof *others; k++)
+        if (others[k].found)
+            return gn_check_fail(c, "periodic",
+                                 "expected particles alone in a box whose sides move, found %s",
+                                 others[k].what);
+    if (s->precision != GN_PRECISION_MIXED) return GNEISS_OK;
+    return gn_check_fail(c, "run.precision",
+                         "expected double beside a periodic box whose sides move, found mixed");
+}
+
+gneiss_status gn_check_box_sides(const check *c, const gn_scene *s) {
+    for (int a = 0; a < 3; a++) {
+        const gn_box_side *side = &s->box[a];
+        char key[32], more[48];
+        if (!side->stress.count && !side->rate.count) continue;
+        snprintf(key, sizeof key, "periodic.%c", "xyz"[a]);
+        snprintf(more, sizeof more, "%s.max_rate", key);
+        if (a >= s->dimension)
+            return gn_check_fail(c, key, "expected x or y in a 2D scene, found z");
+        if (side->stress.count && side->rate.count)
+            return gn_check_fail(c, key, "expected stress or rate, found both");
+        if (side->stress.count && !(side->max_rate > 0))
+            return gn_check_fail(c, more, "required beside stress, but not given");
+    }
+    return gn_scene_box_moves(s) ? check_company(c, s) : GNEISS_OK;
+}

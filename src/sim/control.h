@@ -1,0 +1,23 @@
+/* Ends of a test that move as fast as a reading is to grow: past a peak where the axial motion
+ * alone would release more than breaking takes. */
+#ifndef GN_SIM_CONTROL_H
+#define GN_SIM_CONTROL_H
+
+#include <stddef.h>
+
+struct gn_world;
+
+typedef struct gn_machine {
+    double wanted; /* of the reading: m or 1 */
+    double factor; /* of the prescribed motion of the ends along the axis */
+    double looked; /* s: when the reading was last looked at */
+} gn_machine;
+
+void gn_control_create(struct gn_world *world);
+/* Looks at the reading every so many steps; before the forces of a step. */
+void gn_control_look(struct gn_world *world);
+/* By what the prescribed velocity of a wall, set, body or motion of elements along an axis is to be
+ * multiplied: 1 for what is no end of a test that is controlled. */
+double gn_control_of(const struct gn_world *world, const char *name, int axis);
+
+#endif

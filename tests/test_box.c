@@ -1,0 +1,293 @@
+/* Sides of a periodic box that move: particles ride on it without a seam, the mean stress is held,
+ * the ledger closes, and nothing depends on threads or on a break in between. */
+#include "world_helpers.h"
+
+#include "run/run.h"
+
+#include <unistd.h>
+
+/* 108 spheres of 1 mm in a face-centred lattice that is compressed by 0.1 %: three cells of side
+ * 2 sqrt(2) 0.999 mm. */
+#define SIDE 8.476795856381728e-3
+static const char lattice[] =
+    "specimen: {lattice: {kind: fcc, radius: 1 mm, cells: [3, 3, 3], spacing: 0.999, jitter: %g, "
+    "origin: [%g, %g, 0]}}\n"
+    "materials: [{name: m, density: 2000, normal_stiffness: 1e5, kratio: 2, friction: 0.3}]\n"
+    "law: {stiffness: uniform}\nrun: {threads: 1}\n"
+    "periodic: {min: [0, 0, 0], max: [%.17g, %.17g, %.17g], %s}\ntime: {end: 1%s}\n";
+
+static gn_world *crystal(double jitter, double x, double y, const char *sides, const char *time) {
+    return world_of(lattice, jitter, x, y, SIDE, SIDE, SIDE, sides, time);
+}
+
+static double speed_most(const gn_world *w) {
+    double most = 0.0;
+    for (size_t p = 0; p < w->dem.particles.soa.count; p++) {
+        const double *v = w->dem.particles.vel + 4 * p;
+        most = fmax(most, sqrt(gn_dot3(v, v)));
+    }
+    return most;
+}
+
+/* --- the convention --- */
+
+/* By symmetry nothing moves beside a uniform strain. Of twelve neighbours at d a sphere has half:
+ * 24 contacts in a cell of 2 sqrt(2) d^3, and the mean stress is 24 k (2 r - d) d/(3 a^3). Speeds
+ * are rounding of forces over masses, 1e-16 k r/m for a millisecond. */
+static void a_lattice_follows_a_uniform_strain_as_a_whole(void **state) {
+    (void)state;
+    gn_world *w = crystal(0, 0, 0, "x: {rate: -5}, y: {rate: -5}, z: {rate: -5}", "");
+    run_steps(w, 400);
+    double edge = w->period[0] / 3.0, d = edge / sqrt(2.0);
+    gn_energy e = measured_step(w);
+    double stress = 8.0 * 1e5 * (2e-3 - d) * d / (edge * edge * edge);
+    assert_true(edge < 0.995 * SIDE / 3.0);
+    for (int a = 0; a < 3; a++) assert_near(-w->stress[4 * a], stress, 1e-9 * stress);
+    assert_near(speed_most(w), 0.0, 1e-9);
+    /* Trapezoids of a force that grows in proportion are exact but for the turn of lengths in a
+     * step, 1e-5 of itself squared. */
+    assert_near(gn_energy_residual(&e), 0.0, 1e-8);
+    world_end(w);
+}
+
+/* The same crystal with its places shaken, where the box has its seam and elsewhere. What is left
+ * is rounding, and that the corner, which stands still, is at another particle. */
+static void there_is_no_seam(void **state) {
+    (void)state;
+    const char *sides = "x: {rate: -8}, y: {rate: 3}, z: {rate: -2}";
+    gn_world *a = crystal(0.02, 0, 0, sides, ""), *b = crystal(0.02, 3e-3, -2e-3, sides, "");
+    run_steps(a, 300);
+    run_steps(b, 300);
+    measured_step(a);
+    measured_step(b);
+    for (int k = 0; k < 9; k++) assert_near(a->stress[k], b->stress[k], 1e-7 * fabs(a->stress[0]));
+    assert_near(a->energy.friction, b->energy.friction, 1e-7 * a->energy.friction);
+    world_end(a);
+    world_end(b);
+}
+
+/* c L is kept by what flies freely, whatever the box does; the work is what that takes. */
+static void a_free_particle_keeps_its_speed_in_units_of_the_box(void **state) {
+    (void)state;
+    gn_world *w = world_of(
+        "specimen: {particles: [[3 mm, 4 mm, 5 mm, 1 mm]]}\n"
+        "materials: [{name: m, density: 2000, normal_stiffness: 1e5, kratio: 0}]\n"
+        "law: {stiffness: uniform}\nrun: {threads: 1}\ntime: {step: 1 us, end: 1}\n"
+        "sets: [{name: s, select: {all: true}, initial_velocity: [3, -2, 1]}]\n"
+        "periodic: {min: [0, 0, 0], max: [10 mm, 11 mm, 12 mm], x: {rate: -20}, y: {rate: [[0, 0], "
+        "[5 ms, 60]]}}\n");
+    const double action[3] = {3 * 10e-3, -2 * 11e-3, 1 * 12e-3};
+    run_steps(w, 10000);
+    gn_energy e = measured_step(w);
+    assert_true(w->period[0] < 0.0083 && w->period[1] > 0.013);
+    for (int a = 0; a < 3; a++)
+        assert_near(vel_of(w, 0)[a] * w->period[a], action[a], 1e-11 * fabs(action[a]));
+    assert_near(gn_energy_residual(&e), 0.0, 1e-12);
+    world_end(w);
+}
+
+/* --- the servo --- */
+
+/* Grains that do not touch at the start, at the extremes of what a servo may be told. */
+static gn_world *grains(const char *relaxation, const char *more) {
+    return world_of(
+        "specimen: {lattice: {kind: fcc, radius: 1 mm, cells: [3, 3, 3], spacing: 1.05, jitter: "
+        "0.05}}\n"
+        "materials: [{name: m, density: 2000, normal_stiffness: 1e5, kratio: 2, friction: 0.3}]\n"
+        "law: {stiffness: uniform}\nrun: {threads: 1}\n"
+        "periodic: {min: [0, 0, 0], max: [8.91 mm, 8.91 mm, 8.91 mm],\n"
+        "  x: {stress: 100 kPa, max_rate: 50, relaxation: %s},\n"
+        "  y: {stress: 100 kPa, max_rate: 50, relaxation: %s},\n"
+        "  z: {stress: 200 kPa, max_rate: 50, relaxation: %s}}\n%s",
+        relaxation, relaxation, relaxation, more);
+}
+
+static void stress_is_held(const char *relaxation, const char *more) {
+    gn_world *w = grains(relaxation, more);
+    const double wanted[3] = {1e5, 1e5, 2e5};
+    run_steps(w, 6000);
+    double moving = speed_most(w);
+    for (int k = 0; k < 500; k++) {
+        gn_energy e = measured_step(w);
+        for (int a = 0; a < 3; a++) assert_near(-w->stress[4 * a], wanted[a], 0.01 * wanted[a]);
+        assert_near(gn_energy_residual(&e), 0.0, 0.01);
+    }
+    assert_true(speed_most(w) < 1.5 * moving && moving < 0.05);
+    world_end(w);
+}
+
+static void a_mean_stress_is_held_whatever_the_relaxation(void **state) {
+    (void)state;
+    static const char *const relaxations[] = {"0.01", "0.1", "1"};
+    for (int k = 0; k < 3; k++)
+        stress_is_held(relaxations[k],
+                       "damping: {background: {model: nonviscous_component, coefficient: 0.3}}\n"
+                       "time: {end: 1}\n");
+}
+
+static void a_servo_is_stable_at_the_limit_of_the_step(void **state) {
+    (void)state;
+    stress_is_held("1", "damping: {contact: {fraction: 0.5}}\ntime: {end: 1, safety: 1}\n");
+    stress_is_held("1", "damping: {background: {model: viscous, coefficient: 3000}}\n"
+                        "time: {end: 1, safety: 1}\n");
+}
+
+/* --- whole runs --- */
+
+static gn_run *run_of(const char *scene_text) {
+    gn_run *run = calloc(1, sizeof *run);
+    gn_scene scene;
+    gneiss_error error = {0};
+    gneiss_status status = gn_scene_parse(scene_text, "s.yaml", NULL, NULL, 0, &scene, &error);
+    if (status == GNEISS_OK) status = gn_run_create(&scene, run, &error);
+    if (status != GNEISS_OK) fail_msg("%s", error.message);
+    return run;
+}
+
+static void steps(gn_run *run, int64_t count) {
+    gneiss_error error = {0};
+    if (gn_run_steps(run, count, &error) != GNEISS_OK) fail_msg("%s", error.message);
+}
+
+static void run_end(gn_run *run) {
+    gn_run_free(run);
+    free(run);
+}
+
+/* Compacts, bonds, is held, and is then sheared along z with everything on that goes beside a box.
+ */
+static const char *programme(const char *run) {
+    static char s[4096];
+    snprintf(s, sizeof s,
+             "specimen: {lattice: {kind: fcc, radius: 1 mm, cells: [3, 3, 3], spacing: 1.02, "
+             "jitter: 0.05}, group: 1}\n"
+             "materials: [{name: m, density: 2000, normal_stiffness: 1e5, kratio: 2, friction: "
+             "0.3, bond_tension_limit: 0.05, bond_shear_limit: 0.1, rolling_friction: 0.1}]\n"
+             "law: {stiffness: uniform}\nbonds: {enabled: off}\ngravity: [0, 0, -1]\n"
+             "damping: {background: {model: nonviscous_vector, coefficient: 0.4}, contact: "
+             "{restitution: 0.5}}\n"
+             "periodic: {min: [0, 0, 0], max: [8.66 mm, 8.66 mm, 8.66 mm],\n"
+             "  x: {stress: 50 kPa, max_rate: 20},\n"
+             "  y: {stress: 50 kPa, max_rate: 20}, z: {stress: 50 kPa, max_rate: 20}}\n"
+             "test: {kind: hydrostatic}\n"
+             "time: {end: 1}\noutput: {history_rows: 100000, snapshots: 0}\nrun: {%s}\nstages:\n"
+             "- {name: compact, end: {held: 5 %%, time: 6 ms}}\n"
+             "- {name: bond, bonds: {enabled: on, interaction_range: 0.02}, end: {time: 0.5 ms}}\n"
+             "- {name: load, periodic: {z: {rate: -10}}, end: {time: 3 ms}}\n",
+             run);
+    return s;
+}
+
+static void a_box_is_compacted_bonded_and_loaded(void **state) {
+    (void)state;
+    gn_run *run = run_of(programme("threads: 1"));
+    while (!run->finished) steps(run, 500);
+    const gn_history *h = &run->history;
+    const double *residual = gn_history_column(h, "energy_residual"),
+                 *strain = gn_history_column(h, "strain"), *box = gn_history_column(h, "box_z"),
+                 *xx = gn_history_column(h, "stress_xx");
+    size_t last = h->row_count - 1, loaded = (size_t)run->world.stages[2].row;
+    for (size_t r = 0; r < h->row_count; r++) assert_near(residual[r], 0.0, 0.01);
+    assert_true(run->world.dem.broken_tension + run->world.dem.broken_shear > 0);
+    /* 3 ms at -10 1/s. */
+    assert_near(box[last] / box[loaded], exp(-0.03), 1e-4);
+    /* By the stress of the sides across, in means over the stage. */
+    double sum = 0.0;
+    for (size_t r = loaded; r <= last; r++) sum -= xx[r] / (double)(last + 1 - loaded);
+    assert_near(sum, 5e4, 0.02 * 5e4);
+    assert_true(strain[last] > strain[loaded]);
+    run_end(run);
+}
+
+static uint64_t hash_after(const char *scene, int64_t count) {
+    gn_run *run = run_of(scene);
+    steps(run, count);
+    uint64_t hash = gn_world_hash(&run->world);
+    run_end(run);
+    return hash;
+}
+
+static void threads_do_not_matter(void **state) {
+    (void)state;
+    uint64_t one = hash_after(programme("threads: 1"), 2500);
+    assert_true(one == hash_after(programme("threads: 2"), 2500));
+}
+
+static void a_resumed_box_has_the_same_bits(void **state) {
+    (void)state;
+    char path[] = "/tmp/gneiss_box_XXXXXX";
+    gneiss_error error = {0};
+    close(mkstemp(path));
+    gn_run *run = run_of(programme("threads: 1"));
+    for (int k = 0; k < 5; k++) {
+        steps(run, 487);
+        if (gn_checkpoint_write(run, path, &error) != GNEISS_OK) fail_msg("%s", error.message);
+        run_end(run);
+        run = calloc(1, sizeof *run);
+        if (gn_run_load(path, NULL, 0, run, &error) != GNEISS_OK) fail_msg("%s", error.message);
+    }
+    assert_true(gn_world_hash(&run->world) == hash_after(programme("threads: 1"), 5 * 487));
+    run_end(run);
+    unlink(path);
+}
+
+/* --- what is refused --- */
+
+static void expect_refused(const char *sides, const char *more, const char *message) {
+    text *t = calloc(1, sizeof *t);
+    gn_world *w = calloc(1, sizeof *w);
+    gneiss_error error = {0};
+    add(t,
+        "specimen: {particles: [[3 mm, 4 mm, 5 mm, 1 mm]]}\n"
+        "materials: [{name: m, density: 2000, normal_stiffness: 1e5, kratio: 0}]\n"
+        "law: {stiffness: uniform}\ntime: {end: 1}\n%s\n"
+        "periodic: {min: [0, 0, 0], max: [10 mm, 11 mm, 12 mm], %s}\n",
+        more, sides);
+    assert_int_equal(world_try(w, t->s, NULL, &error), GNEISS_ERROR_INPUT);
+    if (!strstr(error.message, message)) fail_msg("%s", error.message);
+    free(t);
+    free(w);
+}
+
+static void what_a_box_cannot_do_is_refused(void **state) {
+    (void)state;
+    expect_refused("x: {stress: 1 MPa}", "", "periodic.x.max_rate: required beside stress");
+    expect_refused("x: {stress: 1 MPa, max_rate: 1, rate: 3}", "",
+                   "periodic.x: expected stress or rate, found both");
+    expect_refused("x: {stress: 1 m, max_rate: 1}", "", "periodic.x.stress");
+    expect_refused("x: {stress: 1, max_rate: 0}", "", "periodic.x.max_rate");
+    expect_refused("x: {stress: 1, max_rate: 1, relaxation: 2}", "", "periodic.x.relaxation");
+    expect_refused("x: {rate: 1e9}", "", "periodic.x.rate");
+    expect_refused("z: {rate: 1}",
+                   "walls: [{name: w, point: [0, 0, 0], normal: [0, 0, 1], stiffness: 1e5}]",
+                   "s.yaml:6:11: periodic: expected particles alone in a box whose sides move, "
+                   "found walls");
+    expect_refused("z: {rate: 1}", "sets: [{name: s, select: {all: true}, motion: {vx: 1}}]",
+                   "found a set whose motion is prescribed");
+    expect_refused("z: {rate: 1}", "run: {precision: mixed}", "run.precision: expected double");
+}
+
+static void a_rate_beyond_what_a_step_resolves_stops_the_run(void **state) {
+    (void)state;
+    gneiss_error error = {0};
+    gn_world *w = crystal(0, 0, 0, "x: {rate: -1e4}", "");
+    assert_int_equal(gn_world_step(w, true, &error), GNEISS_ERROR_INPUT);
+    assert_non_null(strstr(error.message, "periodic.x.rate: expected a strain of at most 0.001"));
+    world_end(w);
+}
+
+int main(void) {
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(a_lattice_follows_a_uniform_strain_as_a_whole),
+        cmocka_unit_test(there_is_no_seam),
+        cmocka_unit_test(a_free_particle_keeps_its_speed_in_units_of_the_box),
+        cmocka_unit_test(a_mean_stress_is_held_whatever_the_relaxation),
+        cmocka_unit_test(a_servo_is_stable_at_the_limit_of_the_step),
+        cmocka_unit_test(a_box_is_compacted_bonded_and_loaded),
+        cmocka_unit_test(threads_do_not_matter),
+        cmocka_unit_test(a_resumed_box_has_the_same_bits),
+        cmocka_unit_test(what_a_box_cannot_do_is_refused),
+        cmocka_unit_test(a_rate_beyond_what_a_step_resolves_stops_the_run),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}

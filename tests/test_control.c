@@ -1,0 +1,197 @@
+/* Ends of a test that follow a reading: it grows at its rate where the ends alone would let it run,
+ * and whatever it does the motion stays within what was asked for. */
+#include "world_helpers.h"
+
+#include "run/run.h"
+
+#include <unistd.h>
+
+/* Eleven spheres in a row, drawn apart by the outer ones; the bond between the sixth and seventh is
+ * weak. k = 1e6 N/m each. Softening from R = 10 N at u_l = 10 um to nothing at 12.25 u_l has a
+ * slope of 0.8 of the stiffness of the other nine in a row, k/9: the weak bond grows by a fifth of
+ * what the ends do while it softens. A wave takes 30 us from end to end. */
+static char *chain(const char *law, const char *material, const char *control, const char *run) {
+    static char s[4096];
+    int used = snprintf(
+        s, sizeof s,
+        "specimen: {particles: [[0, 0, 0, 1 mm], [2 mm, 0, 0, 1 mm], [4 mm, 0, 0, 1 mm], [6 mm, 0, "
+        "0, 1 mm], [8 mm, 0, 0, 1 mm], [10 mm, 0, 0, 1 mm], [12 mm, 0, 0, 1 mm], [14 mm, 0, 0, 1 "
+        "mm], [16 mm, 0, 0, 1 mm], [18 mm, 0, 0, 1 mm], [20 mm, 0, 0, 1 mm]], material: a}\n"
+        "materials:\n"
+        "- {name: a, density: 2000, normal_stiffness: 1e6, kratio: 2, friction: 0.3, "
+        "bond_tension_limit: 1e3, bond_shear_limit: 1e3%s}\n"
+        "- {name: b, density: 2000, normal_stiffness: 1e6, kratio: 2, friction: 0.3, "
+        "bond_tension_limit: 1e3, bond_shear_limit: 1e3%s}\n"
+        "contacts: [{between: [a, b], bond_tension_limit: 10}]\n"
+        "law: {stiffness: uniform%s}\nbonds: {}\n"
+        "damping: {background: {model: viscous, coefficient: 3e4}}\n"
+        "domain: {min: [-9, -9, -9], max: [9, 9, 9]}\n"
+        "sets:\n- {name: half, select: {ids: [6, 7, 8, 9, 10]}, material: b}\n"
+        "- {name: left, select: {ids: [0]}, motion: {vx: -10 mm/s}}\n"
+        "- {name: right, select: {ids: [10]}, motion: {vx: 10 mm/s}}\n"
+        "- {name: here, select: {ids: [5]}}\n- {name: there, select: {ids: [6]}}\n",
+        material, material, law);
+    snprintf(s + used, sizeof s - (size_t)used,
+             "test: {kind: tension, axis: x, lower: left, upper: right, length: 20 mm, area: 4 "
+             "mm2, opening: {axis: x, lower: here, upper: there}%s}\n"
+             "time: {end: 22 ms}\noutput: {history_rows: 2000, snapshots: 0}\nrun: {%s}\n",
+             control, run);
+    return s;
+}
+
+static const char softens[] = ", softening: ratio", ratio[] = ", fracture_ratio: 11.25";
+static const char control[] =
+    ", control: {reading: opening, rate: 5 mm/s, response: 2 ms, reverse: 0.5}";
+
+static gn_run *run_of(const char *scene_text) {
+    gn_run *run = calloc(1, sizeof *run);
+    gn_scene scene;
+    gneiss_error error = {0};
+    gneiss_status status = gn_scene_parse(scene_text, "s.yaml", NULL, NULL, 0, &scene, &error);
+    if (status == GNEISS_OK) status = gn_run_create(&scene, run, &error);
+    if (status != GNEISS_OK) fail_msg("%s", error.message);
+    return run;
+}
+
+static void finish(gn_run *run) {
+    gneiss_error error = {0};
+    while (!run->finished)
+        if (gn_run_advance(run, 1e3, NULL, &error) != GNEISS_OK) fail_msg("%s", error.message);
+}
+
+static void run_end(gn_run *run) {
+    gn_run_free(run);
+    free(run);
+}
+
+/* m/s, while the weak bond goes from 30 to 90 um, well within its softening. */
+static double opening_rate(const gn_run *run) {
+    const double *u = gn_history_column(&run->history, "opening"),
+                 *t = gn_history_column(&run->history, "time");
+    size_t a = 0, b = 0;
+    while (a < run->history.row_count && u[a] < 30e-6) a++;
+    while (b < run->history.row_count && u[b] < 90e-6) b++;
+    assert_true(b < run->history.row_count && b > a);
+    return (u[b] - u[a]) / (t[b] - t[a]);
+}
+
+/* By itself the bond opens five times as fast as the ends, give or take a row; controlled at its
+ * rate, which the response time (2 ms of 12 ms) has not quite reached at the beginning. */
+static void an_opening_grows_at_its_rate(void **state) {
+    (void)state;
+    gn_run *free_one = run_of(chain(softens, ratio, "", "threads: 1"));
+    finish(free_one);
+    assert_near(opening_rate(free_one), 0.1, 0.01);
+    run_end(free_one);
+    gn_run *run = run_of(chain(softens, ratio, control, "threads: 1"));
+    finish(run);
+    assert_near(opening_rate(run), 5e-3, 0.05 * 5e-3);
+    const double *residual = gn_history_column(&run->history, "energy_residual");
+    for (size_t r = 0; r < run->history.row_count; r++) assert_near(residual[r], 0.0, 1e-3);
+    run_end(run);
+}
+
+/* A brittle bond gives back all at once what no end can take back in time: the ends go back as fast
+ * as they may and no faster. */
+static void the_motion_is_bounded_when_the_reading_runs_away(void **state) {
+    (void)state;
+    gn_run *run = run_of(chain("", "", control, "threads: 1"));
+    finish(run);
+    const double *factor = gn_history_column(&run->history, "control"),
+                 *strain = gn_history_column(&run->history, "strain");
+    double least = 1.0, most = 0.0, furthest = 0.0;
+    for (size_t r = 0; r < run->history.row_count; r++) {
+        least = fmin(least, factor[r]);
+        most = fmax(most, factor[r]);
+        furthest = fmax(furthest, strain[r]);
+    }
+    assert_int_equal(run->world.dem.broken_tension, 1);
+    assert_near(least, -0.5, 0.0);
+    assert_near(most, 1.0, 0.0);
+    assert_true(strain[run->history.row_count - 1] < 0.9 * furthest);
+    assert_near(gn_energy_residual(&run->world.reading), 0.0, 0.01);
+    run_end(run);
+}
+
+static void a_scene_without_control_is_not_touched(void **state) {
+    (void)state;
+    gn_run *run = run_of(chain(softens, ratio, "", "threads: 1"));
+    assert_null(gn_history_column(&run->history, "control"));
+    assert_near(gn_control_of(&run->world, "left", 0), 1.0, 0.0);
+    run_end(run);
+    run = run_of(chain(softens, ratio, control, "threads: 1"));
+    run->world.machine.factor = 0.25;
+    assert_near(gn_control_of(&run->world, "left", 0), 0.25, 0.0);
+    assert_near(gn_control_of(&run->world, "left", 1), 1.0, 0.0); /* across */
+    assert_near(gn_control_of(&run->world, "here", 0), 1.0, 0.0); /* no end */
+    run_end(run);
+}
+
+static uint64_t hash_after(const char *scene, int64_t count) {
+    gneiss_error error = {0};
+    gn_run *run = run_of(scene);
+    if (gn_run_steps(run, count, &error) != GNEISS_OK) fail_msg("%s", error.message);
+    uint64_t hash = gn_world_hash(&run->world);
+    run_end(run);
+    return hash;
+}
+
+static void threads_and_a_break_do_not_matter(void **state) {
+    (void)state;
+    char path[] = "/tmp/gneiss_control_XXXXXX";
+    gneiss_error error = {0};
+    close(mkstemp(path));
+    const char *precisions[] = {"double", "mixed"};
+    for (int p = 0; p < 2; p++) {
+        char one[64], two[64];
+        snprintf(one, sizeof one, "threads: 1, precision: %s", precisions[p]);
+        snprintf(two, sizeof two, "threads: 2, precision: %s", precisions[p]);
+        uint64_t hash = hash_after(chain(softens, ratio, control, one), 3000);
+        assert_true(hash == hash_after(chain(softens, ratio, control, two), 3000));
+        gn_run *run = run_of(chain(softens, ratio, control, one));
+        for (int k = 0; k < 3; k++) {
+            /* Not at a look. */
+            if (gn_run_steps(run, k < 2 ? 997 : 3000 - 2 * 997, &error) != GNEISS_OK)
+                fail_msg("%s", error.message);
+            if (gn_checkpoint_write(run, path, &error) != GNEISS_OK) fail_msg("%s", error.message);
+            run_end(run);
+            run = calloc(1, sizeof *run);
+            if (gn_run_load(path, NULL, 0, run, &error) != GNEISS_OK) fail_msg("%s", error.message);
+        }
+        assert_true(gn_world_hash(&run->world) == hash);
+        run_end(run);
+    }
+    unlink(path);
+}
+
+static void expect_refused(const char *said, const char *message) {
+    gneiss_error error = {0};
+    gn_scene scene;
+    const char *said_so = chain(softens, ratio, said, "threads: 1");
+    assert_int_equal(gn_scene_parse(said_so, "s.yaml", NULL, NULL, 0, &scene, &error),
+                     GNEISS_ERROR_INPUT);
+    if (!strstr(error.message, message)) fail_msg("%s", error.message);
+}
+
+static void what_cannot_control_is_refused(void **state) {
+    (void)state;
+    expect_refused(", control: {reading: opening, response: 1 ms}",
+                   "test.control.rate: required, but not given");
+    expect_refused(", control: {reading: opening, rate: 0, response: 1 ms}", "test.control.rate");
+    expect_refused(", control: {reading: opening, rate: 1 mm/s, response: -1}",
+                   "test.control.response");
+    expect_refused(", control: {reading: stress, rate: 1, response: 1}", "test.control.reading");
+    expect_refused(", control: {reading: opening, rate: 1 mm/s, response: 1, reverse: 11}",
+                   "test.control.reverse");
+}
+
+int main(void) {
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(an_opening_grows_at_its_rate),
+        cmocka_unit_test(the_motion_is_bounded_when_the_reading_runs_away),
+        cmocka_unit_test(a_scene_without_control_is_not_touched),
+        cmocka_unit_test(threads_and_a_break_do_not_matter),
+        cmocka_unit_test(what_cannot_control_is_refused),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
