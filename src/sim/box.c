@@ -45,12 +45,12 @@ static void add_list(gn_world *w, const gn_contacts *list) {
 }
 
 void gn_box_listed(gn_world *w) {
-    double radius = 0.0;
+    double radius = 0.0, range = w->effects & GN_FX_BONDS ? w->scene.interaction_range : 0.0;
     w->box.path = 0.0;
     if (!gn_box_moves(w)) return;
     for (size_t p = 0; p < w->dem.particles.soa.count; p++)
         radius = fmax(radius, w->dem.particles.pos[4 * p + 3]);
-    w->box.reach = 2.0 * radius + w->dem.verlet.skin;
+    w->box.reach = 2.0 * radius * (1.0 + range) + w->dem.verlet.skin;
     for (int a = 0; a < 3; a++) w->box.spring[a] = w->box.dashpot[a] = 0.0;
     add_list(w, &w->dem.bonds);
     add_list(w, &w->dem.pairs);
