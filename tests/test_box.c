@@ -8,7 +8,7 @@
 
 /* 108 spheres of 1 mm in a face-centred lattice that is compressed by 0.1 %: three cells of side
  * 2 sqrt(2) 0.999 mm. */
-#define SIDE 8.476795856381728e-3
+#define SIDE 8.476796092864333e-3
 static const char lattice[] =
     "specimen: {lattice: {kind: fcc, radius: 1 mm, cells: [3, 3, 3], spacing: 0.999, jitter: %g, "
     "origin: [%g, %g, 0]}}\n"
@@ -112,7 +112,7 @@ static void stress_is_held(const char *relaxation, const char *more) {
         for (int a = 0; a < 3; a++) assert_near(-w->stress[4 * a], wanted[a], 0.01 * wanted[a]);
         assert_near(gn_energy_residual(&e), 0.0, 0.01);
     }
-    assert_true(speed_most(w) < 1.5 * moving && moving < 0.05);
+    assert_true(moving < 1e-3 && speed_most(w) < 1e-3);
     world_end(w);
 }
 
@@ -158,30 +158,33 @@ static void run_end(gn_run *run) {
  */
 static const char *programme(const char *run) {
     static char s[4096];
-    snprintf(s, sizeof s,
-             "specimen: {lattice: {kind: fcc, radius: 1 mm, cells: [3, 3, 3], spacing: 1.02, "
-             "jitter: 0.05}, group: 1}\n"
-             "materials: [{name: m, density: 2000, normal_stiffness: 1e5, kratio: 2, friction: "
-             "0.3, bond_tension_limit: 0.05, bond_shear_limit: 0.1}]\n"
-             "law: {stiffness: uniform}\nbonds: {enabled: off}\ngravity: [0, 0, -1]\n"
-             "damping: {background: {model: nonviscous_vector, coefficient: 0.4}, contact: "
-             "{restitution: 0.5}}\n"
-             "periodic: {min: [0, 0, 0], max: [8.66 mm, 8.66 mm, 8.66 mm],\n"
-             "  x: {stress: 50 kPa, max_rate: 20},\n"
-             "  y: {stress: 50 kPa, max_rate: 20}, z: {stress: 50 kPa, max_rate: 20}}\n"
-             "test: {kind: hydrostatic}\n"
-             "time: {end: 1}\noutput: {history_rows: 100000, snapshots: 0}\nrun: {%s}\nstages:\n"
-             "- {name: compact, end: {held: 5 %%, time: 6 ms}}\n"
-             "- {name: bond, bonds: {enabled: on, interaction_range: 0.02}, end: {time: 0.5 ms}}\n"
-             "- {name: load, periodic: {z: {rate: -10}}, end: {time: 3 ms}}\n",
-             run);
+    snprintf(
+        s, sizeof s,
+        "specimen: {lattice: {kind: fcc, radius: 1 mm, cells: [3, 3, 3], spacing: 1.02, "
+        "jitter: 0.05}, group: 1}\n"
+        "materials: [{name: m, density: 2000, normal_stiffness: 1e5, kratio: 2, friction: "
+        "0.3, bond_tension_limit: 0.05, bond_shear_limit: 0.1}]\n"
+        "law: {stiffness: uniform}\nbonds: {enabled: off}\ngravity: [0, 0, -1]\n"
+        "damping: {background: {model: nonviscous_vector, coefficient: 0.4}, contact: "
+        "{restitution: 0.5}}\n"
+        "periodic: {min: [0, 0, 0], max: [8.66 mm, 8.66 mm, 8.66 mm],\n"
+        "  x: {stress: 50 kPa, max_rate: 20, relaxation: 1},\n"
+        "  y: {stress: 50 kPa, max_rate: 20, relaxation: 1}, z: {stress: 50 kPa, max_rate: 20}}\n"
+        "test: {kind: hydrostatic}\n"
+        "time: {end: 1}\noutput: {history_rows: 100000, snapshots: 0}\nrun: {%s}\nstages:\n"
+        "- {name: compact, end: {held: 5 %%, time: 6 ms}}\n"
+        "- {name: bond, bonds: {enabled: on, interaction_range: 0.02}, end: {time: 0.5 ms}}\n"
+        "- {name: load, periodic: {z: {rate: -2}}, end: {time: 10 ms}}\n",
+        run);
     return s;
 }
 
 static void a_box_is_compacted_bonded_and_loaded(void **state) {
     (void)state;
     gn_run *run = run_of(programme("threads: 1"));
-    while (!run->finished) steps(run, 500);
+    gneiss_error error = {0};
+    while (!run->finished)
+        if (gn_run_advance(run, 1e3, NULL, &error) != GNEISS_OK) fail_msg("%s", error.message);
     const gn_history *h = &run->history;
     const double *residual = gn_history_column(h, "energy_residual"),
                  *strain = gn_history_column(h, "strain"), *box = gn_history_column(h, "box_z"),
@@ -189,13 +192,18 @@ static void a_box_is_compacted_bonded_and_loaded(void **state) {
     size_t last = h->row_count - 1, loaded = (size_t)run->world.stages[2].row;
     for (size_t r = 0; r < h->row_count; r++) assert_near(residual[r], 0.0, 0.01);
     assert_true(run->world.dem.broken_tension + run->world.dem.broken_shear > 0);
-    /* 3 ms at -10 1/s. */
-    assert_near(box[last] / box[loaded], exp(-0.03), 1e-4);
-    /* By the stress of the sides across, in means over the stage. */
+    /* 10 ms at -2 1/s. */
+    assert_near(box[last] / box[loaded], exp(-0.02), 1e-4);
+    /* Of the sides across, in means over the stage: a servo lags behind what strains the box, at
+     * the most by the answer of the listed contacts to what happens in a step, 1e9 Pa times 5e-6.
+     */
     double sum = 0.0;
     for (size_t r = loaded; r <= last; r++) sum -= xx[r] / (double)(last + 1 - loaded);
-    assert_near(sum, 5e4, 0.02 * 5e4);
-    assert_true(strain[last] > strain[loaded]);
+    assert_near(sum, 5e4, 5e3);
+    double lost = 0.0;
+    for (int a = 0; a < 3; a++) lost -= run->world.period[a] / 8.66e-3 - 1.0;
+    assert_near(strain[last], lost, 1e-4);
+    assert_int_equal(run->world.stage, 2);
     run_end(run);
 }
 
@@ -203,14 +211,15 @@ static uint64_t hash_after(const char *scene, int64_t count) {
     gn_run *run = run_of(scene);
     steps(run, count);
     uint64_t hash = gn_world_hash(&run->world);
+    assert_int_equal(run->world.stage, 2); /* all of them were gone through */
     run_end(run);
     return hash;
 }
 
 static void threads_do_not_matter(void **state) {
     (void)state;
-    uint64_t one = hash_after(programme("threads: 1"), 2500);
-    assert_true(one == hash_after(programme("threads: 2"), 2500));
+    uint64_t one = hash_after(programme("threads: 1"), 6000);
+    assert_true(one == hash_after(programme("threads: 2"), 6000));
 }
 
 static void a_resumed_box_has_the_same_bits(void **state) {
@@ -220,13 +229,13 @@ static void a_resumed_box_has_the_same_bits(void **state) {
     close(mkstemp(path));
     gn_run *run = run_of(programme("threads: 1"));
     for (int k = 0; k < 5; k++) {
-        steps(run, 487);
+        steps(run, 1187);
         if (gn_checkpoint_write(run, path, &error) != GNEISS_OK) fail_msg("%s", error.message);
         run_end(run);
         run = calloc(1, sizeof *run);
         if (gn_run_load(path, NULL, 0, run, &error) != GNEISS_OK) fail_msg("%s", error.message);
     }
-    assert_true(gn_world_hash(&run->world) == hash_after(programme("threads: 1"), 5 * 487));
+    assert_true(gn_world_hash(&run->world) == hash_after(programme("threads: 1"), 5 * 1187));
     run_end(run);
     unlink(path);
 }

@@ -193,11 +193,14 @@ static bool driven_by_servo(const gn_scene *s, const gn_test_end *end) {
 static gneiss_status check_control(const check *c, const gn_scene *s) {
     const gn_test *t = &s->test;
     if (!t->has_control) return GNEISS_OK;
-    if (t->control.reading == GN_CONTROL_OPENING && !t->has_opening)
-        return gn_check_fail(c, "test.control.reading",
+    if (!(t->control.opening > 0) == !(t->control.lateral_strain > 0))
+        return gn_check_fail(c, "test.control", "expected opening or lateral_strain, found %s",
+                             t->control.opening > 0 ? "both" : "none");
+    if (t->control.opening > 0 && !t->has_opening)
+        return gn_check_fail(c, "test.control.opening",
                              "expected test.opening beside it, a gauge that is read, found none");
-    if (t->control.reading == GN_CONTROL_LATERAL && (!s->has_specimen || s->has_periodic))
-        return gn_check_fail(c, "test.control.reading",
+    if (t->control.lateral_strain > 0 && (!s->has_specimen || s->has_periodic))
+        return gn_check_fail(c, "test.control.lateral_strain",
                              "expected particles with a surface, whose mean strain is read, found "
                              "%s",
                              s->has_specimen ? "a periodic box" : "none");

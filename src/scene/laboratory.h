@@ -18,10 +18,8 @@ typedef struct gn_opening {
 } gn_opening;
 
 /* A test whose ends move as fast as something else is to grow. */
-typedef enum gn_controlled { GN_CONTROL_OPENING, GN_CONTROL_LATERAL } gn_controlled;
 typedef struct gn_control {
-    gn_controlled reading;
-    double rate;     /* m/s, 1/s: at which it is to grow */
+    double opening, lateral_strain; /* m/s, 1/s: rate at which one of both is to grow; 0: other */
     double response; /* s: how far it may be behind or ahead, times the rate, at full speed */
     double reverse;  /* of the motion of the ends, the most they go back with */
 } gn_control;

@@ -24,15 +24,13 @@ static const gn_key opening_keys[] = {
 };
 TABLE_OF(opening);
 
-static const gn_choice controlled[] = {
-    {"opening", GN_CONTROL_OPENING}, {"lateral_strain", GN_CONTROL_LATERAL}, {NULL, 0}};
-
 static const gn_key control_keys[] = {
-    KEY("reading", CHOICE, gn_scene, test.control.reading, .choices = controlled, .required = true,
-        .text = "what is to grow steadily: the opening of the gauge, or the average strain across "
-                "the axis, extension positive"),
-    KEY("rate", REAL, gn_scene, test.control.rate, .unit = "m/s|1/s", .range = "(0, 1e9]",
-        .required = true, .text = "at which: of an opening in m/s, of a strain in 1/s"),
+    KEY("opening", REAL, gn_scene, test.control.opening, .unit = "m/s", .range = "(0, 1e9]",
+        .word = "none", .fallback = "none",
+        .text = "rate at which the opening of the gauge is to grow; this or lateral_strain"),
+    KEY("lateral_strain", REAL, gn_scene, test.control.lateral_strain, .unit = "1/s",
+        .range = "(0, 1e9]", .word = "none", .fallback = "none",
+        .text = "the same of the average strain across the axis, extension positive"),
     KEY("response", REAL, gn_scene, test.control.response, .unit = "s", .range = "(0, 1e9]",
         .required = true,
         .text = "time in which what is missing is made up: several crossings of the specimen by "

@@ -20,14 +20,17 @@ static double lateral_strain(const gn_world *w) {
 }
 
 static double reading(const gn_world *w) {
-    return w->scene.test.control.reading == GN_CONTROL_OPENING ? gn_ends_opening(w)
-                                                               : lateral_strain(w);
+    return w->scene.test.control.opening > 0.0 ? gn_ends_opening(w) : lateral_strain(w);
+}
+
+static double rate(const gn_control *c) {
+    return c->opening > 0.0 ? c->opening : c->lateral_strain;
 }
 
 /* At full speed at the start: both readings begin at 0. */
 void gn_control_create(gn_world *w) {
     const gn_control *c = &w->scene.test.control;
-    w->machine = (gn_machine){.wanted = c->rate * c->response, .factor = 1.0};
+    w->machine = (gn_machine){.wanted = rate(c) * c->response, .factor = 1.0};
 }
 
 /* What is wanted grows at the rate, but is never ahead by more than the motion makes up at full
@@ -38,8 +41,8 @@ void gn_control_look(gn_world *w) {
     const gn_control *c = &w->scene.test.control;
     gn_machine *m = &w->machine;
     if (!w->scene.test.has_control || w->step % LOOK_INTERVAL != 0) return;
-    const double now = reading(w), most = c->rate * c->response;
-    m->wanted = fmin(m->wanted + c->rate * (w->time - m->looked), now + most);
+    const double now = reading(w), most = rate(c) * c->response;
+    m->wanted = fmin(m->wanted + rate(c) * (w->time - m->looked), now + most);
     m->looked = w->time;
     m->factor = fmax(-c->reverse, fmin(1.0, (m->wanted - now) / most));
 }
