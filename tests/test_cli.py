@@ -327,6 +327,18 @@ def the_report_is_found_in_tools_beside_the_program(folder):
     assert done.stdout == "moved along\n", done
 
 
+@fact
+def an_installed_report_goes_before_tools_that_stand_beside_by_chance(folder):
+    for place, said in (("share/gneiss", "installed"), ("tools", "somebody's"), ("bin/tools", "moved along")):
+        os.makedirs(os.path.join(folder, place))
+        with open(os.path.join(folder, place, "report.py"), "w") as file:
+            file.write(f"print({said!r})\n")
+    shutil.copy(PROGRAM, os.path.join(folder, "bin", "gneiss"))
+    done = subprocess.run([os.path.join(folder, "bin", "gneiss"), "report", folder], capture_output=True, text=True,
+                          env={k: v for k, v in ENVIRONMENT.items() if k != "GNEISS_REPORT"})
+    assert done.stdout == "installed\n", done
+
+
 # --- options ----------------------------------------------------------------------------------------------
 
 @fact

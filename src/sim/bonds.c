@@ -183,11 +183,29 @@ static double last_path(const gn_world *w, int32_t i, int32_t j, const double d[
     return length - sqrt(gn_dot3(before, before));
 }
 
+/* J: what a tangential force on the first particle did in the last step, n from it to the second.
+ */
+static double last_slide(const gn_world *w, int32_t i, int32_t j, const double n[3], double gap,
+                         const double force[3]) {
+    const gn_particles *q = &w->dem.particles;
+    const double *a = q->vel + 4 * (int64_t)i, *b = q->vel + 4 * (int64_t)j;
+    const double half = w->scene.contact_arm == GN_ARM_MIDPOINT ? 0.5 * gap : 0.0;
+    double turn[3] = {0}, carried[3];
+    for (int k = 0; q->spin && k < 3; k++)
+        turn[k] = (q->pos[4 * (int64_t)i + 3] + half) * q->spin[4 * (int64_t)i + k] +
+                  (q->pos[4 * (int64_t)j + 3] + half) * q->spin[4 * (int64_t)j + k];
+    gn_cross3(turn, n, carried);
+    double sum = 0.0;
+    for (int k = 0; k < 3; k++) sum += force[k] * (b[k] - a[k] - carried[k]);
+    return w->dt_past * sum;
+}
+
 /* J, what contacts of a list hold at the present places, less what the normal force does over half
  * of the last path: of the work of that the other half was booked with the force that was there,
  * this one will be with the force that is found now. What a change of the law is worth is then k
- * u u', with the stretch before and after the path, whatever the step. A pair that has become a
- * bond stays listed until the lists are made. */
+ * u u', with the stretch before and after the path, whatever the step. Tangential forces are still
+ * those of before the path, which has half of its work to come. A pair that has become a bond stays
+ * listed until the lists are made. */
 static double stored_in(const gn_world *w, const gn_contacts *list) {
     const gn_law *law = gn_law_of(list->soa.effects);
     double sum = 0.0;
@@ -199,9 +217,10 @@ static double stored_in(const gn_world *w, const gn_contacts *list) {
         double rest = list->length0 ? list->length0[c] : a[3] + b[3];
         gn_law_held held = law->held(list, c, length, length - rest);
         double path = last_path(w, list->i[c], list->j[c], d, length);
-        sum += held.stored - 0.5 * held.normal * path;
-        if (!law->moments || !gn_contact_bonded(list, c)) continue;
         for (int k = 0; k < 3; k++) d[k] /= length;
+        double slide = last_slide(w, list->i[c], list->j[c], d, length - a[3] - b[3], held.shear);
+        sum += held.stored - 0.5 * held.normal * path + 0.5 * slide;
+        if (!law->moments || !gn_contact_bonded(list, c)) continue;
         sum += law->moments(list, c, d).stored;
     }
     return sum;

@@ -45,11 +45,11 @@ def with_steps(job, travel, speed, after):
     return job
 
 
-def ends_of(job, lists, axis, speed, after):
-    """Two sets that close along an axis; free across and in spin."""
+def ends_of(job, lists, axis, speed, after, across=None):
+    """Two sets that close along an axis, free in spin; across free as well, or held with `across` 0."""
     free = [None] * 3
     for name, ids, sign in (("lower", lists[0], 1), ("upper", lists[1], -1)):
-        v = list(free)
+        v = [across] * 3
         v[axis] = [[after, 0.0], [1.5 * after, sign * speed / 2]] if after else sign * speed / 2
         job["sets"].append({"name": name, "ids": ids, "v": v, "w": free})
     return {**job, "ends": ["lower", "upper"], "axis": axis}
@@ -58,7 +58,8 @@ def ends_of(job, lists, axis, speed, after):
 def triaxial(seed, pressure):
     path = packing("triaxial", "{diameter: 23 mm, height: 46 mm}", 1000, seed)
     job = {"spheres": str(path), **ROCK, "sets": [], "pressure": {"value": pressure, "ramp": RAMP}, "peak_drop": 0.3}
-    job = ends_of(job, lab.end_lists(np.loadtxt(path)), 2, 0.4, HELD)
+    # Held across, as rough platens do: loads that keep their directions would turn a specimen over that nothing holds.
+    job = ends_of(job, lab.end_lists(np.loadtxt(path)), 2, 0.4, HELD, 0.0)
     job["yade"] = {**job["yade"], "skin": own.skin(job).tolist()}
     return with_steps(job, 0.035 * lab.LENGTH, 0.4, 1.5 * HELD)
 
@@ -160,8 +161,8 @@ def run_test(name):
 INTRO = """## Tests by name
 
 About 1000 spheres each, one packing (`gneiss pack`), the contact parameters of the cylinders above; the ends are the same lists of particles,
-moved along the axis alone. **Triaxial**: D 23 mm, L 46 mm, a membrane over the whole surface, whose areas gneiss finds and YADE is told, so that
-the same forces act on the same particles; they come in {ramp:g} ms, then the ends close at 0.4 m/s. Stiffness is that of the deviator. A particle whose last bond has
+moved along the axis. **Triaxial**: D 23 mm, L 46 mm, a membrane over the whole surface, whose areas gneiss finds and YADE is told, so that
+the same forces, of fixed directions, act on the same particles; they come in {ramp:g} ms, then the ends, which are held across, close at 0.4 m/s. Stiffness is that of the deviator. A particle whose last bond has
 broken loses its share in both. **Brazilian**: a disc of 50 x 25 mm, pressed along y at 0.1 m/s, strength of bonds in tension 10 MPa; stress 2 P/(pi D t) over
 closing/D, and beside it the strain across over that along the load in the middle of the disc. **Bending**: the notched beam of the next section
 with spheres of 2.4 mm; stiffness in N/m, the ratio is that of the mouth's opening to the deflection, strength the largest load in N.
