@@ -127,6 +127,65 @@ static void a_scene_without_control_is_not_touched(void **state) {
     run_end(run);
 }
 
+/* The machine at a quarter, backwards, between two looks: what is prescribed for an end along the
+ * axis, and nothing else, is. */
+static gn_world *machine_at(const char *scene_text, int64_t step, double factor) {
+    gn_world *w = world_of("%s", scene_text);
+    run_steps(w, step);
+    w->machine.factor = factor;
+    run_steps(w, 1);
+    return w;
+}
+
+static void walls_and_bodies_are_ends_that_follow(void **state) {
+    (void)state;
+    gn_world *w = machine_at(
+        "specimen: {lattice: {kind: cubic, radius: 1 mm, cells: [3, 3, 3]}}\n"
+        "materials: [{name: m, density: 2000, normal_stiffness: 1e6, kratio: 2, "
+        "bond_tension_limit: 1e3, bond_shear_limit: 1e3}]\n"
+        "law: {stiffness: uniform}\nbonds: {}\n"
+        "walls:\n- {name: foot, point: [0, 0, -1 mm], normal: [0, 0, 1], stiffness: 1e6, motion: "
+        "{vx: 3 mm/s, vz: 5 mm/s}}\n"
+        "- {name: side, point: [-2 mm, 0, 0], normal: [1, 0, 0], stiffness: 1e6, motion: {vz: 7 "
+        "mm/s}}\n"
+        "bodies: [{name: head, box: {size: [8 mm, 8 mm, 2 mm]}, origin: [2 mm, 2 mm, 6 mm], "
+        "stiffness: 1e6, motion: {vz: -8 mm/s, wz: 1}}]\n"
+        "test: {kind: compression, axis: z, lower: foot, upper: head, length: 6 mm, area: 36 mm2, "
+        "control: {lateral_strain: 1e-3 1/s, response: 1 ms}}\n"
+        "time: {end: 1}\nrun: {threads: 1}\n",
+        3, -0.25);
+    const gn_wall *wall = w->boundary.walls;
+    assert_near(wall[0].velocity[2], -0.25 * 5e-3, 0.0);
+    assert_near(wall[0].velocity[0], 3e-3, 0.0);
+    assert_near(wall[1].velocity[2], 7e-3, 0.0);
+    assert_near(w->boundary.bodies[0].velocity[2], 0.25 * 8e-3, 0.0);
+    assert_near(w->boundary.bodies[0].spin[2], 1.0, 0.0);
+    world_end(w);
+}
+
+static void motions_of_elements_are_ends_that_follow(void **state) {
+    (void)state;
+    gn_world *w = machine_at(
+        "dimension: 2\n"
+        "elements:\n  rectangle: {size: [0.04, 0.02], cells: [8, 4]}\n"
+        "  materials: [{young: 1e9, poisson: 0.2, density: 2000}]\n"
+        "  motions:\n  - {name: left, group: x_lower, motion: {vx: 0}}\n"
+        "  - {name: right, group: x_upper, motion: {vx: 4 mm/s, vy: 0}}\n"
+        "  - {name: low, box: {min: [0.01, 0], max: [0.01, 0.02]}}\n"
+        "  - {name: high, box: {min: [0.03, 0], max: [0.03, 0.02]}}\n"
+        "test: {kind: tension, axis: x, lower: left, upper: right, opening: {axis: x, lower: low, "
+        "upper: high}, control: {opening: 1 mm/s, response: 1 ms}}\n"
+        "time: {end: 1}\nrun: {threads: 1}\n",
+        3, -0.25);
+    double before[3], after[3];
+    gn_elements_travel(w, 1, before);
+    w->machine.factor = 0.5;
+    run_steps(w, 1);
+    gn_elements_travel(w, 1, after);
+    assert_near(after[0] - before[0], 0.5 * 4e-3 * w->dt, 1e-6 * 4e-3 * w->dt);
+    world_end(w);
+}
+
 static uint64_t hash_after(const char *scene, int64_t count) {
     gneiss_error error = {0};
     gn_run *run = run_of(scene);
@@ -195,6 +254,8 @@ int main(void) {
         cmocka_unit_test(an_opening_grows_at_its_rate),
         cmocka_unit_test(the_motion_is_bounded_when_the_reading_runs_away),
         cmocka_unit_test(a_scene_without_control_is_not_touched),
+        cmocka_unit_test(walls_and_bodies_are_ends_that_follow),
+        cmocka_unit_test(motions_of_elements_are_ends_that_follow),
         cmocka_unit_test(threads_and_a_break_do_not_matter),
         cmocka_unit_test(what_cannot_control_is_refused),
     };
