@@ -23,9 +23,9 @@ gneiss_status gn_world_restore(gn_world *w, gneiss_error *error) {
     return gn_exchanges_mark(w, error);
 }
 
-/* Two particles close in by at most twice the largest path, and with a box that shrinks; a particle and a wall or a surface by
- * the sum of theirs. The cheap bound on the path adds up the largest speed; when it runs out, the
- * true largest displacement takes its place. */
+/* Two particles close in by at most twice the largest path, and with a box that shrinks; a particle
+ * and a wall or a surface by the sum of theirs. The cheap bound on the path adds up the largest
+ * speed; when it runs out, the true largest displacement takes its place. */
 gneiss_status gn_world_refresh_lists(gn_world *w, gneiss_error *error) {
     const gn_verlet *v = &w->dem.verlet;
     double other = gn_boundary_travel(w, false);
@@ -37,7 +37,8 @@ gneiss_status gn_world_refresh_lists(gn_world *w, gneiss_error *error) {
     other = gn_boundary_travel(w, true);
     w->seconds[GN_PHASE_lists] += gn_now() - start;
     /* A tenth of the skin in hand, or the next step would run out again. */
-    if (2.2 * v->drift + 1.1 * flow <= v->skin && v->drift + other <= 0.9 * v->skin) return GNEISS_OK;
+    if (2.2 * v->drift + 1.1 * flow <= v->skin && v->drift + other <= 0.9 * v->skin)
+        return GNEISS_OK;
     GN_TRY(gn_world_rebuild(w, error));
     /* A surface that gives way may have come near many particles since the last look. */
     GN_TRY(gn_boundary_yields_more(w, &more, error));
