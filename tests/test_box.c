@@ -207,6 +207,55 @@ static void a_box_is_compacted_bonded_and_loaded(void **state) {
     run_end(run);
 }
 
+/* Runs a scene; over the last tenth of the rows the mean stress along x is what was wanted, to 2 %
+ * of what lags behind and rings. */
+static void stress_held_to_the_end(const char *scene, double wanted) {
+    gneiss_error error = {0};
+    gn_run *run = run_of(scene);
+    while (!run->finished)
+        if (gn_run_advance(run, 1e3, NULL, &error) != GNEISS_OK) fail_msg("%s", error.message);
+    const double *residual = gn_history_column(&run->history, "energy_residual"),
+                 *xx = gn_history_column(&run->history, "stress_xx");
+    const size_t rows = run->history.row_count;
+    for (size_t r = 0; r < rows; r++) assert_near(residual[r], 0.0, 0.01);
+    double mean = 0.0;
+    for (size_t r = rows - rows / 10; r < rows; r++) mean -= xx[r] / (double)(rows / 10);
+    assert_near(mean, wanted, 0.02 * wanted);
+    run_end(run);
+}
+
+/* Contacts that stiffen as they are pressed, with dashpots, that roll, under a weight. */
+static void grains_of_hertzs_law_are_held(void **state) {
+    (void)state;
+    stress_held_to_the_end(
+        "specimen: {lattice: {kind: fcc, radius: 1 mm, cells: [3, 3, 3], spacing: 1.01, jitter: "
+        "0.02}}\n"
+        "materials: [{name: m, density: 2000, young: 70 MPa, poisson: 0.25, friction: 0.3, "
+        "restitution: 0.5, rolling_friction: 0.1}]\n"
+        "law: {stiffness: hertz}\nrun: {threads: 1}\ngravity: [0, 0, -9.81]\n"
+        "periodic: {min: [0, 0, 0], max: [8.57 mm, 8.57 mm, 8.57 mm], x: {stress: 50 kPa, "
+        "max_rate: 50, relaxation: 1}, y: {stress: 50 kPa, max_rate: 50, relaxation: 1}, z: {rate: "
+        "-2}}\ntime: {end: 20 ms}\noutput: {history_rows: 400, snapshots: 0}\n",
+        5e4);
+}
+
+/* Discs with bonds that bend, torn apart along y. What breaks rings on. */
+static void bonded_discs_are_held_while_they_are_torn(void **state) {
+    (void)state;
+    stress_held_to_the_end(
+        "dimension: 2\n"
+        "specimen: {lattice: {kind: hexagonal, radius: 1 mm, cells: [8, 5], spacing: 1.01, jitter: "
+        "0.03}, group: 1}\n"
+        "materials: [{name: m, density: 2000, normal_stiffness: 1e6, kratio: 2, friction: 0.3, "
+        "bond_tension_limit: 50, bond_shear_limit: 100}]\n"
+        "law: {stiffness: uniform}\nbonds: {interaction_range: 0.05, radius_multiplier: 0.5}\n"
+        "damping: {contact: {fraction: 0.2}}\nrun: {threads: 1}\n"
+        "periodic: {min: [0, 0], max: [16.16 mm, 17.4937 mm], x: {stress: 10 kPa, max_rate: 50, "
+        "relaxation: 1}, y: {rate: 1}}\n"
+        "time: {end: 40 ms}\noutput: {history_rows: 400, snapshots: 0}\n",
+        1e4);
+}
+
 static uint64_t hash_after(const char *scene, int64_t count) {
     gn_run *run = run_of(scene);
     steps(run, count);
@@ -293,6 +342,8 @@ int main(void) {
         cmocka_unit_test(a_mean_stress_is_held_whatever_the_relaxation),
         cmocka_unit_test(a_servo_is_stable_at_the_limit_of_the_step),
         cmocka_unit_test(a_box_is_compacted_bonded_and_loaded),
+        cmocka_unit_test(grains_of_hertzs_law_are_held),
+        cmocka_unit_test(bonded_discs_are_held_while_they_are_torn),
         cmocka_unit_test(threads_do_not_matter),
         cmocka_unit_test(a_resumed_box_has_the_same_bits),
         cmocka_unit_test(what_a_box_cannot_do_is_refused),

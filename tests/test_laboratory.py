@@ -445,6 +445,20 @@ def what_breaks_off_loses_its_membrane(folder):
 
 
 @fact
+def results_have_the_skin_and_the_forces_on_it(folder):
+    out = run_scene(folder, triaxial(1e6), "--set", "time.end=0.2 ms", "--set", "output.snapshots=1")
+    rows = history(out)
+    with results(out) as file:
+        area, force = file["particles/membrane_area"][:].ravel(), file["particles/applied_force"][:]
+    assert np.isclose(area.sum(), rows["membrane_area"][-1], rtol=1e-12)
+    assert (area > 0).any() and (area == 0).any()
+    assert not force[area == 0].any()
+    size = np.linalg.norm(force[area > 0], axis=1)
+    # Areas are vectors: where pieces of one share face different ways they add up to less.
+    assert (size <= 1e6 * area[area > 0] * 1.1).all() and size.sum() > 0.8e6 * area.sum(), size.sum()
+
+
+@fact
 def sides_alone_leave_the_deviator_to_what_platens_bear_beyond_the_pressure(folder):
     given = triaxial(5e6)
     given["membrane"]["faces"] = "sides"

@@ -31,6 +31,7 @@ READ(bonds_at_start, w->dem.particles.bonds0 ? w->dem.particles.bonds0[k] : 0)
 READ(mass, w->dem.particles.vel[4 * k + 3] > 0.0 ? 1.0 / w->dem.particles.vel[4 * k + 3] : 0.0)
 READ(removed, w->dem.particles.vel[4 * k + 3] == 0.0 && !gn_is_asleep(w, k))
 READ(asleep, gn_is_asleep(w, k))
+READ(membrane_area, fmax(w->dem.particles.skin[4 * k + 3], 0.0))
 
 static const gn_world *world_of(const void *view) {
     return ((const gn_output_view *)view)->world;
@@ -55,6 +56,9 @@ static void read_spin(const void *view, size_t k, double *value) {
 static void read_orientation(const void *view, size_t k, double *value) {
     const double *turn = world_of(view)->dem.particles.orientation + 4 * k;
     for (int a = 0; a < 4; a++) value[a] = turn[0] < 0.0 ? -turn[a] : turn[a];
+}
+static void read_applied(const void *view, size_t k, double *value) {
+    memcpy(value, world_of(view)->dem.particles.applied + 4 * k, 3 * sizeof *value);
 }
 static void read_stress(const void *view, size_t k, double *value) {
     memcpy(value, ((const gn_output_view *)view)->stress + 6 * k, 6 * sizeof *value);
@@ -85,6 +89,12 @@ static const gn_output_field of_particles[] = {
      false, 1, read_removed, 0},
     {"asleep", "1", "1: prepared, in an element that is there; of bodies that convert", BOTH, GN_U8,
      false, 1, read_asleep, GN_FX_OVERLAP},
+    {"applied_force", "N",
+     "force of sets and of the membrane in the last step; with `sets.force` or `membrane`", BOTH,
+     GN_F64, false, 3, read_applied, GN_FX_APPLIED},
+    {"membrane_area", "m2",
+     "what the membrane covers of it; 0: it is not of the skin, or has broken off; with `membrane`",
+     BOTH, GN_F64, false, 1, read_membrane_area, GN_FX_MEMBRANE},
     {"orientation", "1",
      "unit quaternion w x y z of the turn from the start, w >= 0: the shorter way round; with "
      "`output.orientation: on`",
