@@ -9,15 +9,15 @@
 
 /* --- what an element may do --- */
 
-void gn_front_kinds(const gn_fem_solid *b, const gn_convert_def *def, const uint8_t *driven,
+void gn_front_kinds(const gn_fem_solid *solid, const gn_convert_def *def, const uint8_t *driven,
                     uint8_t *kind) {
-    for (size_t e = 0; e < b->elements.soa.count; e++) {
+    for (size_t e = 0; e < solid->elements.soa.count; e++) {
         bool inside = true, held = false;
-        for (int a = 0; a <= b->dimension; a++) {
-            const size_t n = (size_t)gn_elements_node(&b->elements, a)[e];
-            for (int k = 0; k < b->dimension; k++)
-                inside = inside && gn_fem_between(b, b->nodes.start + 4 * n, k, def->box_min[k],
-                                                  def->box_max[k]);
+        for (int a = 0; a <= solid->dimension; a++) {
+            const size_t n = (size_t)gn_elements_node(&solid->elements, a)[e];
+            for (int k = 0; k < solid->dimension; k++)
+                inside = inside && gn_fem_between(solid, solid->nodes.start + 4 * n, k,
+                                                  def->box_min[k], def->box_max[k]);
             held = held || driven[n];
         }
         kind[e] = !inside ? GN_FRONT_FIXED : held ? GN_FRONT_HELD : GN_FRONT_READY;
@@ -130,13 +130,13 @@ static void free_front(front *f) {
     gn_free(f->crest);
 }
 
-gneiss_status gn_front_advance(gn_fem_solid *b, double width, uint8_t *kind, int64_t *stuck,
+gneiss_status gn_front_advance(gn_fem_solid *solid, double width, uint8_t *kind, int64_t *stuck,
                                gneiss_error *error) {
-    const size_t nodes = b->nodes.soa.count + 1;
-    front f = {.solid = b,
+    const size_t nodes = solid->nodes.soa.count + 1;
+    front f = {.solid = solid,
                .width = width,
                .kind = kind,
-               .counted = gn_alloc(b->elements.soa.count + 1),
+               .counted = gn_alloc(solid->elements.soa.count + 1),
                .fresh = gn_alloc_array(nodes, sizeof *f.fresh),
                .reached = gn_alloc(nodes),
                .crest = gn_alloc(nodes)};
@@ -150,7 +150,7 @@ gneiss_status gn_front_advance(gn_fem_solid *b, double width, uint8_t *kind, int
     free_front(&f);
     if (held) return GNEISS_OK;
     return gn_fail(error, GNEISS_ERROR_MEMORY, "no memory for the front of %zu elements",
-                   b->elements.soa.count);
+                   solid->elements.soa.count);
 }
 
 /* --- limits --- */

@@ -63,9 +63,9 @@ void gn_elements_book(const gn_world *world, gn_energy *ledger);
  * strain has done since. *due: one has changed. */
 gneiss_status gn_elements_limit(gn_world *world, bool full, bool *due, gneiss_error *error);
 /* Elements were taken out: the bound holds for those that are left, whatever their parts. */
-gneiss_status gn_elements_converted(gn_element_model *model, gneiss_error *error);
+gneiss_status gn_elements_converted(gn_element_model *q, gneiss_error *error);
 /* Marks the nodes [nodes] of motions, driven or only watched, and of loads. */
-void gn_elements_driven(const gn_element_model *model, uint8_t *driven);
+void gn_elements_driven(const gn_element_model *q, uint8_t *driven);
 double gn_elements_stable(const gn_world *world); /* s, the least; INFINITY: no solids */
 /* The solid that sets the step, NULL: none does; and which of its elements: "element 12 at (x, y,
  * z) m". */
