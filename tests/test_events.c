@@ -270,7 +270,9 @@ static void swing(gn_run *run, double safety) {
 }
 
 static bool warns(const gn_run *run, const char *name) {
-    gn_warnings list = gn_run_warnings(run);
+    gn_warnings list;
+    gneiss_error error = {0};
+    assert_int_equal(gn_run_warnings(run, &list, &error), GNEISS_OK);
     for (size_t k = 0; k < list.count; k++)
         if (strcmp(list.warning[k].name, name) == 0) return true;
     return false;

@@ -611,7 +611,9 @@ static void time_end_says_which_stage_was_not_over(void **state) {
     assert_string_equal(run->stop_reason,
                         "t = 0.001 s reached in stage 'wait' (1 of 2): later stages were not "
                         "reached");
-    gn_warnings warnings = gn_run_warnings(run);
+    gn_warnings warnings;
+    gneiss_error error = {0};
+    assert_int_equal(gn_run_warnings(run, &warnings, &error), GNEISS_OK);
     assert_int_equal(warnings.count, 1);
     assert_string_equal(warnings.warning[0].name, "stages_left");
     run_end(run);

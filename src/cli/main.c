@@ -36,7 +36,7 @@ static gneiss_status finish(const gn_options *o, gn_run *run, gneiss_error *erro
     gneiss_status status = gn_run_finish(run, error);
     if (status != GNEISS_OK) return status;
     GN_TRY(gn_print_summary(o, run, error));
-    gn_print_warnings(run);
+    GN_TRY(gn_print_warnings(run, error));
     if (o->json) {
         char path[GN_PATH_SIZE + 32], *text = NULL;
         snprintf(path, sizeof path, "%s/summary.json", run->directory);

@@ -285,11 +285,13 @@ static void print_profile(const gn_run *run) {
     printf(", %lld list rebuilds\n", (long long)run->world.dem.verlet.rebuilds);
 }
 
-void gn_print_warnings(const gn_run *run) {
-    gn_warnings list = gn_run_warnings(run);
+gneiss_status gn_print_warnings(const gn_run *run, gneiss_error *error) {
+    gn_warnings list;
+    GN_TRY(gn_run_warnings(run, &list, error));
     fflush(stdout);
     for (size_t k = 0; k < list.count; k++)
         fprintf(stderr, "gneiss: warning: %s: %s\n", list.warning[k].name, list.warning[k].text);
+    return GNEISS_OK;
 }
 
 /* What came in and went out. */

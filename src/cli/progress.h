@@ -23,7 +23,7 @@ void gn_print_first_break(const gn_world *world, const gn_first_break *b);
 gneiss_status gn_print_summary(const gn_options *options, const gn_run *run, gneiss_error *error);
 
 /* On standard error, also when quiet. */
-void gn_print_warnings(const gn_run *run);
+gneiss_status gn_print_warnings(const gn_run *run, gneiss_error *error);
 
 /* "2 h 03 min", "12.4 s" into text. */
 const char *gn_format_seconds(double seconds, char *text, size_t size);

@@ -118,7 +118,8 @@ static void effect_names(gn_effects effects, char *text, size_t size) {
 
 /* One a line, "name: text"; "" when there are none. */
 static gneiss_status put_warnings(const gn_run *run, gn_h5 *file, gneiss_error *error) {
-    gn_warnings list = gn_run_warnings(run);
+    gn_warnings list;
+    GN_TRY(gn_run_warnings(run, &list, error));
     char text[sizeof list] = "";
     for (size_t k = 0, used = 0; k < list.count; k++)
         used += (size_t)snprintf(text + used, sizeof text - used, "%s%s: %s", used ? "\n" : "",
@@ -299,8 +300,9 @@ static size_t touching(const gn_contacts *list) {
     return count;
 }
 
-static void summary_warnings(const gn_run *run, gn_json *j) {
-    gn_warnings list = gn_run_warnings(run);
+static gneiss_status summary_warnings(const gn_run *run, gn_json *j, gneiss_error *error) {
+    gn_warnings list;
+    GN_TRY(gn_run_warnings(run, &list, error));
     gn_json_array(j, "warnings");
     for (size_t k = 0; k < list.count; k++) {
         gn_json_object(j, NULL);
@@ -309,6 +311,7 @@ static void summary_warnings(const gn_run *run, gn_json *j) {
         gn_json_end(j);
     }
     gn_json_end(j);
+    return GNEISS_OK;
 }
 
 /* Numbers, null where one is absent, and why it is. */
@@ -475,7 +478,7 @@ gneiss_status gn_output_summary(const gn_run *run, gneiss_error *error) {
     gn_json_text(j, "volume_of", gn_world_volume_source(w));
     gn_json_number(j, "energy_residual",
                    w->effects & GN_FX_ENERGY ? gn_energy_residual(&w->reading) : NAN);
-    summary_warnings(run, j);
+    if (status == GNEISS_OK) status = summary_warnings(run, j, error);
     gn_json_text(j, "state_hash", hash);
     gn_json_bool(j, "finished", run->finished);
     gn_json_text(j, "stop_reason", run->stop_reason);

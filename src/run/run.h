@@ -129,7 +129,7 @@ typedef struct gn_warnings {
     size_t count;
     gn_warning warning[GN_WARNINGS_MAX];
 } gn_warnings;
-gn_warnings gn_run_warnings(const gn_run *run);
+gneiss_status gn_run_warnings(const gn_run *run, gn_warnings *list, gneiss_error *error);
 
 /* rescue.c: after an output that could not be written (GNEISS_ERROR_IO or _MEMORY, between steps)
  * tries a checkpoint if `save`, into whatever space is there, and adds to the message which

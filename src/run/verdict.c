@@ -114,11 +114,10 @@ static void warn_of_gain(const gn_run *run, gn_warnings *list) {
  * that is not counted leaves half of the load. */
 static const double imbalance_limit = 0.1;
 
-static void warn_of_balance(const gn_run *run, gn_warnings *list) {
+static gneiss_status warn_of_balance(const gn_run *run, gn_warnings *list, gneiss_error *error) {
     const gn_readings *r;
-    gneiss_error told; /* by whoever shows the readings */
-    if (gn_run_readings(run, &r, &told) != GNEISS_OK || !(r->end_imbalance > imbalance_limit))
-        return;
+    GN_TRY(gn_run_readings(run, &r, error));
+    if (!(r->end_imbalance > imbalance_limit)) return GNEISS_OK;
     gn_warning *to = &list->warning[list->count++];
     to->name = "end_imbalance";
     snprintf(to->text, sizeof to->text,
@@ -126,6 +125,7 @@ static void warn_of_balance(const gn_run *run, gn_warnings *list) {
              "load is fast), or something else loads or holds the specimen, or an end leaves out a "
              "part (it may be a list)",
              100.0 * r->end_imbalance);
+    return GNEISS_OK;
 }
 
 static void warn_of_step(const gn_run *run, gn_warnings *list) {
@@ -239,20 +239,20 @@ static void warn_of_sources(const gn_run *run, gn_warnings *list) {
     }
 }
 
-gn_warnings gn_run_warnings(const gn_run *run) {
-    gn_warnings list = {0};
-    warn_of_step(run, &list);
-    warn_of_residual(run, &list);
-    warn_of_change(run, &list);
-    warn_of_gain(run, &list);
-    warn_of_balance(run, &list);
-    warn_of_skin(run, &list);
-    warn_of_softening(run, &list);
-    warn_of_mass_scaling(run, &list);
-    warn_of_added_mass(run, &list);
-    warn_of_stages(run, &list);
-    warn_of_zones(run, &list);
-    warn_of_sources(run, &list);
-    warn_of_lost(run, &list);
-    return list;
+gneiss_status gn_run_warnings(const gn_run *run, gn_warnings *list, gneiss_error *error) {
+    *list = (gn_warnings){0};
+    warn_of_step(run, list);
+    warn_of_residual(run, list);
+    warn_of_change(run, list);
+    warn_of_gain(run, list);
+    GN_TRY(warn_of_balance(run, list, error));
+    warn_of_skin(run, list);
+    warn_of_softening(run, list);
+    warn_of_mass_scaling(run, list);
+    warn_of_added_mass(run, list);
+    warn_of_stages(run, list);
+    warn_of_zones(run, list);
+    warn_of_sources(run, list);
+    warn_of_lost(run, list);
+    return GNEISS_OK;
 }
