@@ -143,7 +143,8 @@ static void a_run_tells_of_a_source_that_is_behind(void **state) {
        &error);
     ok(gn_run_create(&scene, &run, &error), &error);
     ok(gn_run_steps(&run, 2000, &error), &error);
-    gn_warnings list = gn_run_warnings(&run);
+    gn_warnings list;
+    assert_int_equal(gn_run_warnings(&run, &list, NULL), GNEISS_OK);
     assert_int_equal(list.count, 1);
     assert_string_equal(list.warning[0].name, "source_behind");
     gn_run_free(&run);

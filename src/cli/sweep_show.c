@@ -218,41 +218,6 @@ static void json_envelope(gn_json *j, const gn_summary *m) {
     gn_json_end(j);
 }
 
-static void print_envelope_reading(const char *name, const char *unit, double value,
-                                   const char *reason) {
-    char shown[GN_NAME_SIZE + 2];
-    double factor;
-    if (isnan(value)) {
-        printf("  %-26s %10s   %s\n", name, "-", reason);
-        return;
-    }
-    scaled(unit, value, &factor, shown, sizeof shown);
-    printf("  %-26s %10.4g%s%s\n", name, value / factor, *shown ? " " : "", shown);
-}
-
-/* What all confinements say together. */
-static void print_envelope(const gn_summary *m) {
-    const gn_envelope e = gn_envelope_of(m);
-    if (!e.there) return;
-    printf("strength over confinement, all runs\n");
-    const char *reason = e.no_coulomb;
-#define X(name, unit, text)                                                                        \
-    if (strncmp(#name, "hoek", 4) == 0) reason = e.no_hoek_brown;                                  \
-    print_envelope_reading(#name, unit, e.name, reason);
-    GN_ENVELOPE_READINGS(X)
-#undef X
-}
-
-static void json_envelope(gn_json *j, const gn_summary *m) {
-    const gn_envelope e = gn_envelope_of(m);
-    if (!e.there) return;
-    gn_json_object(j, "envelope");
-#define X(name, unit, text) gn_json_number(j, #name, e.name);
-    GN_ENVELOPE_READINGS(X)
-#undef X
-    gn_json_end(j);
-}
-
 static void json_summary(const gn_summary *m) {
     gn_json *j = gn_json_begin();
     gn_json_text(j, "sweep", "summary");

@@ -299,7 +299,8 @@ static gneiss_status find(const gn_spectrum *spectrum, void *context, gneiss_err
 }
 
 bool gn_coupled_has_limit(const gn_world *w) {
-    return w->scene.has_couple && w->scene.estimate == GN_STEP_SHARP &&
+    /* Where elements convert it would have to be found anew with each of them. */
+    return w->scene.has_couple && !gn_converts(w) && w->scene.estimate == GN_STEP_SHARP &&
            gn_coupled_solid(w)->form == GN_FEM_DISPLACEMENT;
 }
 
