@@ -161,8 +161,9 @@ static void sum_carried(const gn_world *w, const gn_coupled *q) {
         *carried = 0.0;
         for (int32_t s = q->ties.first[n]; s < q->ties.first[n + 1]; s++) {
             const gn_tie_share *share = &q->ties.share[s];
-            if (q->place[share->tie] < 0) continue;
-            double mass = 1.0 / w->dem.particles.vel[4 * (size_t)q->place[share->tie] + 3];
+            const int32_t p = w->dem.index_of_id[q->ties.tie[share->tie].id];
+            if (q->place[share->tie] < 0 || p < 0) continue; /* it leaves, or has left */
+            double mass = 1.0 / w->dem.particles.vel[4 * (size_t)p + 3];
             *carried += mass * q->ties.tie[share->tie].shape[share->corner];
         }
     }
