@@ -241,6 +241,37 @@ static void a_block_at_rest_becomes_particles_at_rest(void **state) {
     world_end(w);
 }
 
+/* Also in blocks in which others are awake. */
+static void who_sleeps_has_no_contact_and_stays(void **state) {
+    (void)state;
+    block s = plate;
+    s.rest = "gravity: [0, -9.81]\nrun: {threads: 1}\n";
+    gn_world *w = block_of(&s);
+    run_steps(w, 10);
+    assert_int_equal(w->dem.contact_steps, 0);
+    convert(w, 14e-3, 16e-3, 0.0, 2e-3);
+    run_steps(w, 100);
+    const gn_particles *q = &w->dem.particles;
+    const gn_contacts *lists[] = {&w->dem.bonds, &w->dem.pairs};
+    size_t asleep = 0, mixed = 0;
+    for (size_t p = 0; p < q->soa.count; p++) {
+        if (!gn_is_asleep(w, p)) continue;
+        asleep++;
+        mixed += !w->dem.still[p / GN_PARTICLE_BLOCK];
+        for (size_t a = 0; a < 3; a++) {
+            assert_true(q->pos[4 * p + a] == q->start[4 * p + a]);
+            assert_true(q->vel[4 * p + a] == 0.0);
+        }
+    }
+    assert_true(asleep > mixed && mixed > 0);
+    assert_int_equal(asleep + gn_conversion_awake(w), q->soa.count);
+    for (int l = 0; l < 2; l++)
+        for (size_t c = 0; c < lists[l]->soa.count; c++)
+            assert_false(gn_is_asleep(w, (size_t)lists[l]->i[c]) ||
+                         gn_is_asleep(w, (size_t)lists[l]->j[c]));
+    world_end(w);
+}
+
 /* --- strain --- */
 
 static void strain(const double *x, const void *of, double u[3], double v[3]) {
@@ -617,6 +648,7 @@ int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(a_block_that_moves_and_turns_becomes_particles_that_do),
         cmocka_unit_test(a_block_at_rest_becomes_particles_at_rest),
+        cmocka_unit_test(who_sleeps_has_no_contact_and_stays),
         cmocka_unit_test(a_strained_block_becomes_particles_under_its_stress),
         cmocka_unit_test(a_zone_that_is_passed_carries_all_of_the_stress),
         cmocka_unit_test(converting_keeps_momentum_and_books_energy),
