@@ -4,26 +4,30 @@
 typedef struct assembly {
     int dimension;
     const char *specimen;
-    int64_t steps; /* of the stable run */
+    int64_t steps;              /* of the stable run */
+    const char *law, *material; /* NULL: linear, by the mean radius */
 } assembly;
 
 static const assembly hexagonal = {2, "lattice: {kind: hexagonal, radius: 1e-3, cells: [8, 5]}",
-                                   20000};
-static const assembly fcc = {3, "lattice: {kind: fcc, radius: 1e-3, cells: [3, 3, 3]}", 20000};
-static const assembly rock = {3, "file: specimens/rock-b.txt", 1000};
-static const assembly rock_end = {3, "file: specimens/rock-b.txt", 300};
+                                   20000, NULL, NULL};
+static const assembly fcc = {3, "lattice: {kind: fcc, radius: 1e-3, cells: [3, 3, 3]}", 20000, NULL,
+                             NULL};
+static const assembly rock = {3, "file: specimens/rock-b.txt", 1000, NULL, NULL};
+static const assembly rock_end = {3, "file: specimens/rock-b.txt", 300, NULL, NULL};
 
 /* Unbreakable bonds, random velocities; a step of `dt`, or an automatic one. */
 static gn_world *shaken(const assembly *a, const char *damping, double dt) {
     char step[40] = "auto";
     if (dt > 0.0) snprintf(step, sizeof step, "%.17g", dt);
     return world_of("dimension: %d\nspecimen: {%s}\n"
-                    "materials: [{name: m, density: 2650, contact_modulus: 1e10, kratio: 2, "
+                    "materials: [{name: m, density: 2650, %s, "
                     "tensile_strength: 1e30, shear_strength: 1e30}]\n"
-                    "law: {stiffness: arithmetic}\nbonds: {interaction_range: 0.05}\n%s"
+                    "law: {stiffness: %s}\nbonds: {interaction_range: 0.05}\n%s"
                     "initial: {random_velocity: 1e-4}\n"
                     "time: {step: %s, on_unstable: warn, end: 100}\nrun: {threads: 1}\n",
-                    a->dimension, a->specimen, damping, step);
+                    a->dimension, a->specimen,
+                    a->material ? a->material : "contact_modulus: 1e10, kratio: 2",
+                    a->law ? a->law : "arithmetic", damping, step);
 }
 
 static double limit_of(const assembly *a, const char *damping) {
@@ -78,6 +82,28 @@ static void an_fcc_lattice_is_stable_up_to_the_sharp_limit(void **state) {
 static void a_rock_is_stable_up_to_the_sharp_limit(void **state) {
     (void)state;
     holds_below_and_fails_above(&rock);
+}
+
+/* Undamaged, which is the stiffest that bonds of these laws can be. (Bonds with moments:
+ * tests/test_bond_moments.c.) */
+static void by_every_law_of_bonds_a_body_is_stable_up_to_the_sharp_limit(void **state) {
+    (void)state;
+    const char *const laws[][2] = {
+        {"polyhedron", "young: 1e10, poisson: 0.2"},
+        {"dempack", "young: 1e10, poisson: 0.1, alpha: 1.3, beta: 0.7"},
+        {"arithmetic, coupling: linear, confinement: mean",
+         "contact_modulus: 1e10, kratio: 1.5, bond_friction: 0.8"},
+        {"arithmetic, coupling: quadratic, softening: ratio",
+         "contact_modulus: 1e10, kratio: 1.5, friction: 0.3, bond_friction: 0.8, fracture_ratio: "
+         "3, yield_stress_1: 1e29, yield_ratio_1: 2"},
+    };
+    for (int k = 0; k < 8; k++) {
+        assembly a = k % 2 ? fcc : hexagonal;
+        a.law = laws[k / 2][0];
+        a.material = laws[k / 2][1];
+        a.steps = 3000;
+        holds_below_and_fails_above(&a);
+    }
 }
 
 /* With non-viscous damping the resultant is up to 1 + a times as stiff: the limit falls by sqrt(1 +
@@ -205,6 +231,7 @@ int main(void) {
         cmocka_unit_test(a_hexagonal_lattice_is_stable_up_to_the_sharp_limit),
         cmocka_unit_test(an_fcc_lattice_is_stable_up_to_the_sharp_limit),
         cmocka_unit_test(a_rock_is_stable_up_to_the_sharp_limit),
+        cmocka_unit_test(by_every_law_of_bonds_a_body_is_stable_up_to_the_sharp_limit),
         cmocka_unit_test(nonviscous_vector_damping_lowers_the_limit_by_its_root),
         cmocka_unit_test(nonviscous_component_damping_lowers_the_limit_by_its_root),
         cmocka_unit_test(the_limit_holds_with_dashpots_beside_nonviscous_damping),

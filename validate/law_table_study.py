@@ -2,7 +2,7 @@
 spheres. And by what a body dissipates more than its contacts' fracture energy says. Fills the tables of docs/evidence/law-table.md;
 a quarter of an hour of one core.
 
-    /usr/bin/python3 validate/law_table_study.py [--fresh] [laws] [energy]
+    /usr/bin/python3 validate/law_table_study.py [--fresh] [laws] [count] [energy]
 """
 import json
 import sys
@@ -29,10 +29,10 @@ LAWS = (
 )
 
 
-def specimen(seed, law):
+def specimen(seed, law, count=1000):
     _, material, rule, bonds = law
     return {
-        "dimension": 3, "specimen": {"box": {"size": [SIDE, SIDE, HEIGHT]}, "particles": 1000, "packing": {"overlap": "passive"}},
+        "dimension": 3, "specimen": {"box": {"size": [SIDE, SIDE, HEIGHT]}, "particles": count, "packing": {"overlap": "passive"}},
         "materials": [{"name": "rock", "density": 2650, "contact_modulus": MODULUS, "kratio": 3.0, "friction": 0.5,
                        "tensile_strength": STRENGTH, "shear_strength": 2 * STRENGTH, **material}],
         "law": {"stiffness": "harmonic", **rule}, "bonds": {"interaction_range": 0.05, **bonds},
@@ -57,8 +57,8 @@ def platen(name, axis, end, pressure):
     return wall
 
 
-def compression(seed, law, pressure):
-    scene = specimen(seed, law)
+def compression(seed, law, pressure, count=1000):
+    scene = specimen(seed, law, count)
     walls = [("bottom", 2, 0), ("top", 2, 1)] + ([("x0", 0, 0), ("x1", 0, 1), ("y0", 1, 0), ("y1", 1, 1)] if pressure else [])
     scene["walls"] = [platen(name, axis, end, pressure) for name, axis, end in walls]
     scene["test"] = {"kind": "compression", "axis": "z", "lower": "bottom", "upper": "top", "length": HEIGHT, "area": SIDE**2}
@@ -68,13 +68,13 @@ def compression(seed, law, pressure):
 
 def pull(scene, height, speed):
     ends = [("low", "lower", -1), ("high", "upper", 1)]
-    scene["sets"] = [{"name": name, "select": {"end": {"axis": "z", "side": side, "depth": 0.04 * height}},
+    scene["sets"] = [{"name": name, "select": {"end": {"axis": "z", "side": side, "depth": 0.08 * height}},
                       "motion": {"vz": [[0, 0], [1e-4, sign * 0.5 * speed]]}} for name, side, sign in ends]
     return scene
 
 
-def tension(seed, law):
-    scene = pull(specimen(seed, law), HEIGHT, PULLING)
+def tension(seed, law, count=1000):
+    scene = pull(specimen(seed, law, count), HEIGHT, PULLING)
     scene["test"] = {"kind": "tension", "axis": "z", "lower": "low", "upper": "high", "length": HEIGHT, "area": SIDE**2}
     scene["time"] = {"end": 0.02 * HEIGHT / PULLING, "stop": {"peak_drop": 0.5}}
     return scene
@@ -122,6 +122,18 @@ def laws_table():
     heads = ["law", "E GPa", "tension MPa", *(f"axial stress at failure, {p / 1e6:g} MPa around" for p in PRESSURES),
              "UCS over tension", "friction angle", "largest residual"]
     study.put("law-table.md", "table laws", study.table(heads, rows))
+
+
+def finer_table():
+    """The linear law and friction of bonds with more and fewer particles; tension is the same with both, as nothing presses."""
+    rows = []
+    for count in (500, 1000):
+        pulled = np.array([made(f"count-{count}-tension-{s}", tension(s, LAWS[0], count)).largest_stress for s in SEEDS]) / 1e6
+        linear, friction = (np.array([made(f"count-{count}-{n}-{s}", compression(s, LAWS[n], 0.0, count)).largest_stress for s in SEEDS]) / 1e6
+                            for n in (0, 2))
+        rows.append([count, mean_text(pulled), mean_text(linear), mean_text(linear / pulled), mean_text(friction), mean_text(friction / linear)])
+    heads = ["particles", "tension MPa", "compression MPa", "the same over tension", "compression with mu_1 1", "that over the linear law's, same packing"]
+    study.put("law-table.md", "table count", study.table(heads, rows))
 
 
 # --- fracture energy of bodies --------------------------------------------------------------------------------
@@ -196,5 +208,7 @@ if __name__ == "__main__":
     asked = [a for a in sys.argv[1:] if not a.startswith("-")]
     if not asked or "laws" in asked:
         laws_table()
+    if not asked or "count" in asked:
+        finer_table()
     if not asked or "energy" in asked:
         energy_tables()
