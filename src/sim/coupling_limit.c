@@ -6,6 +6,7 @@
 #include "fem/linear.h"
 #include "limit/damped.h"
 #include "limit/springs.h"
+#include "sim/conversion.h"
 #include "sim/coupling_internal.h"
 
 #include <math.h>
