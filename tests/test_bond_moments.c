@@ -517,7 +517,7 @@ static void bodies_are_stable_up_to_the_limit_with_moments(void **state) {
 static const char *const thrown =
     "dimension: %d\nspecimen: {lattice: {kind: %s, radius: 1e-3, cells: %s, jitter: 0.02}}\n"
     "materials: [{name: m, density: 2500, contact_modulus: 1e9, kratio: 2.5, friction: 0.4, "
-    "tensile_strength: %g, shear_strength: %g}]\nlaw: {stiffness: harmonic}\n"
+    "tensile_strength: %g, shear_strength: %g}]\nlaw: {stiffness: harmonic, coupling: %s}\n"
     "bonds: {radius_multiplier: 0.9, moment_share: 0.8}\n"
     "damping: {background: {model: nonviscous_vector, coefficient: 0.02}, contact: {restitution: "
     "0.7}}\ngravity: %s\nwalls: [{name: floor, point: %s, normal: %s, stiffness: 1e6, kratio: 2, "
@@ -525,12 +525,14 @@ static const char *const thrown =
     "domain: {min: %s, max: %s, lost: remove}\n"
     "time: {end: 1, safety: 0.3}\nrun: {threads: %d, precision: %s}\n";
 
+static const char *coupling = "none";
+
 static char *thrown_text(int dimension, double strength, double speed, int threads,
                          const char *precision) {
     static char made[4096];
     bool space = dimension == 3;
     snprintf(made, sizeof made, thrown, dimension, space ? "fcc" : "hexagonal",
-             space ? "[5, 5, 5]" : "[10, 8]", strength, 0.4 * strength,
+             space ? "[5, 5, 5]" : "[10, 8]", strength, 0.4 * strength, coupling,
              space ? "[0, 0, -9.81]" : "[0, -9.81]", space ? "[0, 0, -1e-3]" : "[0, -1e-3]",
              space ? "[0, 0, 1]" : "[0, 1]", speed,
              space ? "[-3e-3, -3e-3, -3e-3]" : "[-3e-3, -3e-3]",
@@ -541,8 +543,10 @@ static char *thrown_text(int dimension, double strength, double speed, int threa
 static void bits_are_the_same_for_any_number_of_threads(void **state) {
     (void)state;
     for (int dimension = 2; dimension <= 3; dimension++)
-        for (int mixed = 0; mixed < 2; mixed++) {
+        for (int k = 0; k < 3; k++) {
+            const int mixed = k % 2;
             uint64_t hash[2];
+            coupling = k / 2 ? "quadratic" : "none";
             for (int threads = 1; threads <= 2; threads++) {
                 gn_world *w = world_of(
                     "%s", thrown_text(dimension, 3e6, 4.0, threads, mixed ? "mixed" : "double"));
@@ -553,6 +557,7 @@ static void bits_are_the_same_for_any_number_of_threads(void **state) {
             }
             assert_true(hash[0] == hash[1]);
         }
+    coupling = "none";
 }
 
 /* In short steps: what is left is of normals that turn within a step and of contacts that close or
@@ -560,23 +565,27 @@ static void bits_are_the_same_for_any_number_of_threads(void **state) {
 static void the_ledger_closes_while_bonds_break(void **state) {
     (void)state;
     for (int dimension = 2; dimension <= 3; dimension++)
-        for (int mixed = 0; mixed < 2; mixed++) {
+        for (int k = 0; k < 3; k++) {
+            const int mixed = k % 2;
+            coupling = k / 2 ? "quadratic" : "none";
             gn_world *w =
                 world_of("%s", thrown_text(dimension, 3e6, 4.0, 1, mixed ? "mixed" : "double"));
             double most = 0.0;
             measured_step(w);
-            for (int k = 0; k < 30; k++) {
+            for (int turn = 0; turn < 30; turn++) {
                 run_steps(w, 99);
                 gn_energy e = measured_step(w);
                 most = fmax(most, fabs(gn_energy_residual(&e)));
             }
-            print_message("# %dD %s: %lld + %lld of %lld bonds broken, residual "
+            print_message("# %dD %s, coupling %s: %lld + %lld of %lld bonds broken, residual "
                           "%.2g\n",
-                          dimension, mixed ? "mixed" : "double", (long long)w->dem.broken_tension,
-                          (long long)w->dem.broken_shear, (long long)w->dem.bonds_at_start, most);
+                          dimension, mixed ? "mixed" : "double", coupling,
+                          (long long)w->dem.broken_tension, (long long)w->dem.broken_shear,
+                          (long long)w->dem.bonds_at_start, most);
             assert_true(most < 1e-4);
             world_end(w);
         }
+    coupling = "none";
 }
 
 /* Three spheres fly out of the domain one after the other, bent and twisted: what their bonds hold
@@ -642,7 +651,9 @@ static void a_resumed_run_has_the_same_bits(void **state) {
         int file = mkstemp(path);
         assert_true(file >= 0);
         close(file);
+        coupling = mixed ? "quadratic" : "none";
         const char *thrown_block = thrown_text(3, 3e6, 4.0, 1, mixed ? "mixed" : "double");
+        coupling = "none";
         ok(gn_scene_parse(thrown_block, "s.yaml", NULL, NULL, 0, &scene, &error), &error);
         ok(gn_run_create(&scene, &whole, &error), &error);
         ok(gn_run_steps(&whole, 300, &error), &error);

@@ -442,7 +442,7 @@ static char *worn(const char *coupling, const char *run) {
         "walls:\n- {name: floor, point: [0, 0, -1.1 mm], normal: [0, 0, 1], stiffness: 2e5, "
         "kratio: 2, friction: 0.2}\n"
         "time: {end: 1}\noutput: {history_rows: 100}\nrun: {%s}\nstages:\n"
-        "- {name: bond, bonds: {enabled: on, interaction_range: 0.005}, end: {steps: 50}}\n"
+        "- {name: bond, bonds: {enabled: on, interaction_range: 0.005}, end: {steps: 200}}\n"
         "- {name: pull, sets: {top: {motion: {vz: 0.2}}}, end: {time: 0.3 ms}}\n"
         "- {name: press, sets: {top: {motion: {vz: -0.2}}}, end: {time: 0.6 ms}}\n"
         "- {name: more, bonds: {interaction_range: 0.03}, end: {steps: 0}}\n"
@@ -454,14 +454,11 @@ static char *worn(const char *coupling, const char *run) {
 
 static void worn_bonds_of_several_stages_have_the_same_bits(void **state) {
     (void)state;
-    const char *const couplings[] = {"linear", "quadratic"};
-    for (int k = 0; k < 2; k++) {
-        const char *c = couplings[k];
-        assert_true(hash_of(worn(c, "threads: 1")) == hash_of(worn(c, "threads: 2")));
-        resumes_with_the_same_bits(worn(c, "threads: 1"), 41, 1 + 2 + 4 + 16 + 32);
-        resumes_with_the_same_bits(worn(c, "threads: 2, precision: mixed"), 41,
-                                   1 + 2 + 4 + 16 + 32);
-    }
+    const size_t seen = 1 + 2 + 4 + 16 + 32; /* the fourth has no steps */
+    const char *const mixed = "threads: 2, precision: mixed";
+    assert_true(hash_of(worn("linear", "threads: 1")) == hash_of(worn("linear", "threads: 2")));
+    resumes_with_the_same_bits(worn("linear", "threads: 1"), 97, seen);
+    resumes_with_the_same_bits(worn("quadratic", mixed), 97, seen);
 }
 
 /* Of the bond of two particles, by their numbers in the specimen; SIZE_MAX: none. */
