@@ -23,13 +23,21 @@ gneiss_status gn_world_restore(gn_world *w, gneiss_error *error) {
     return gn_exchanges_mark(w, error);
 }
 
+gneiss_status gn_world_renew_lists(gn_world *w, gneiss_error *error) {
+    bool more = false;
+    GN_TRY(gn_world_rebuild(w, error));
+    /* A surface that gives way may have come near many particles since the last look. */
+    GN_TRY(gn_boundary_yields_more(w, &more, error));
+    if (more) GN_TRY(gn_world_check_step(w, false, error));
+    return gn_world_check_lists(w, error);
+}
+
 /* Two particles close in by at most twice the largest path, and with a box that shrinks; a particle
  * and a wall or a surface by the sum of theirs. The cheap bound on the path adds up the largest
  * speed; when it runs out, the true largest displacement takes its place. */
 gneiss_status gn_world_refresh_lists(gn_world *w, gneiss_error *error) {
     const gn_verlet *v = &w->dem.verlet;
     double other = gn_boundary_travel(w, false);
-    bool more = false;
     const double flow = w->box.path;
     w->dem.flow.forced = false;
     const bool due = gn_flow_due(w);
@@ -43,9 +51,5 @@ gneiss_status gn_world_refresh_lists(gn_world *w, gneiss_error *error) {
         if (!due) return GNEISS_OK;
         w->dem.flow.forced = true;
     }
-    GN_TRY(gn_world_rebuild(w, error));
-    /* A surface that gives way may have come near many particles since the last look. */
-    GN_TRY(gn_boundary_yields_more(w, &more, error));
-    if (more) GN_TRY(gn_world_check_step(w, false, error));
-    return gn_world_check_lists(w, error);
+    return gn_world_renew_lists(w, error);
 }

@@ -411,8 +411,11 @@ gneiss_status gn_trial_take(gn_trial *t, const double *path, double span, bool l
     read_state(w);
     close_ledger(t, walls, prescribed, loads);
     w->reading = w->energy;
+    /* The next increment may go as far as the lists reach. */
     gn_dem_look_at_travel(w);
-    GN_TRY(gn_world_refresh_lists(w, error));
+    double own = w->dem.verlet.drift, other = gn_boundary_travel(w, true);
+    if (fmax(2.0 * own, own + other) > 0.5 * w->dem.verlet.skin)
+        GN_TRY(gn_world_renew_lists(w, error));
     return go_out_from_here(t, error);
 }
 

@@ -136,6 +136,8 @@ gneiss_status gn_world_restore(gn_world *world, gneiss_error *error);
 
 /* Rebuilds if the displacement bound says so. */
 gneiss_status gn_world_refresh_lists(gn_world *world, gneiss_error *error);
+/* The same whether it is due or not. */
+gneiss_status gn_world_renew_lists(gn_world *world, gneiss_error *error);
 
 /* Refuses a run that no machine would bring to its end: more than 1e15 steps. */
 gneiss_status gn_world_check_duration(const gn_world *world, gneiss_error *error);

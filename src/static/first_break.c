@@ -248,7 +248,19 @@ static gneiss_status take_up_loads(search *s, gneiss_error *error) {
     return take(s, slow, true, error);
 }
 
-/* An increment of up to `span` s; shorter where bonds would break on the way. */
+/* Whether something may have come into touch on the path that the lists do not know of. */
+static bool beyond_lists(const search *s, double span) {
+    const gn_verlet *v = &s->w->dem.verlet;
+    const double other = gn_boundary_travel(s->w, true) + s->speed * span;
+    double most = 0.0;
+    for (size_t p = 0; p < s->trial.count; p++)
+        most = fmax(most, gn_dot3(s->path + N * p, s->path + N * p));
+    double own = v->drift + sqrt(most);
+    return 2.0 * own > v->skin || own + other > v->skin;
+}
+
+/* An increment of up to `span` s; shorter where bonds would break on the way, or what is near has
+ * to be looked for again. */
 static gneiss_status increment(search *s, double span, double balanced, gneiss_error *error) {
     gn_equilibrium linear;
     outcome what = BALANCED;
@@ -256,7 +268,7 @@ static gneiss_status increment(search *s, double span, double balanced, gneiss_e
         for (size_t at = 0; at < N * s->trial.count; at++) s->path[at] = span * s->rate[at];
         gn_trial_prescribe(&s->trial, span, s->path);
         GN_TRY(balance(s, span, false, balanced, &what, &linear, error));
-        if (what == BALANCED) return take(s, span, false, error);
+        if (what == BALANCED && !beyond_lists(s, span)) return take(s, span, false, error);
         if (what == STUCK && linear.loose >= 0) break;
     }
     return no_equilibrium(s, &linear, false, error);
