@@ -103,8 +103,9 @@ static const char *cover_particles(const gn_world *w, gn_test_groups *g) {
     if (plane && s->specimen.pack.shape == GN_SHAPE_DISC && s->test.kind == GN_TEST_COMPRESSION)
         return "the study foretells no peak of a disc that is pressed across";
     g->study = s->test.kind == GN_TEST_COMPRESSION ? "compression" : "tension";
-    /* Discs scatter more than spheres, and all of their cases have it alike. */
-    g->floors = plane ? "brazilian" : g->study;
+    /* Discs scatter more than spheres, above all where they are crushed. */
+    bool crushed = s->test.kind == GN_TEST_COMPRESSION;
+    g->floors = !plane ? g->study : crushed ? "compression-plane" : "brazilian";
     g->particles = (double)w->dem.particles.soa.count;
     g->across = particles_across(w);
     g->masses = w->dem.scaling.step > 0.0 ? w->dem.scaling.step / w->dem.scaling.unscaled : 1.0;

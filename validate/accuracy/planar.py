@@ -1,4 +1,4 @@
-"""What the tests of discs in the plane share: the Brazilian disc and the notched beam in particles. Strength over every axis, the floors,
+"""What the tests of discs in the plane share: the Brazilian disc, the block and the notched beam in particles. Strength over every axis, the floors,
 and how it goes with the number of particles."""
 import copy
 
@@ -19,8 +19,8 @@ def scene(specimen, more):
             "output": {"history_rows": 2000, "snapshots": 0, "checkpoint": "off"}, "run": {"threads": 1}, **more}
 
 
-def rows_of(study, case, shape, count, motion, more, speeds, counts, number=key("specimen.particles")):
-    """Rows of the axes; `speeds` down to the slowest, `counts` with five seeds each, `number` the keys of a count."""
+def rows_of(study, case, shape, count, motion, more, speeds, counts, number=key("specimen.particles"), seeds=5):
+    """Rows of the axes; `speeds` down to the slowest, `counts` with so many seeds each, `number` the keys of a count."""
     quick = study.quick
     packed = {**shape, "particles": count, "packing": {"size_ratio": 3}, "material": "rock"}
     request = {"dimension": 2, "specimen": packed, "run": {"seed": 1}}
@@ -32,7 +32,7 @@ def rows_of(study, case, shape, count, motion, more, speeds, counts, number=key(
             (Axis("safety", [0.9, 0.6, 0.3], key("time.safety"), [0.9, 0.5]), file),
             (Axis("precision", ["double", "mixed"], key("run.precision"), ["double", "mixed"]), file),
             (Axis("damping", [0.1, 0.4, 0.7], key("damping.background.coefficient"), [0.2, 0.7]), file),
-            (Axis("particles", counts, number, counts, seeds=5), packed)]
+            (Axis("particles", counts, number, counts, seeds=seeds), packed)]
     return {axis.name: study.axis(case, scene(copy.deepcopy(specimen), more), axis) for axis, specimen in axes}
 
 

@@ -36,6 +36,7 @@ and with what they were measured.
 
 def cases():
     import bed
+    import block
     import brazilian
     import cantilever
     import collision
@@ -45,7 +46,7 @@ def cases():
     import wave
 
     return {"compression": lambda s, p: cylinder.section(s, p, "compression"),
-            "tension": lambda s, p: cylinder.section(s, p, "tension"),
+            "tension": lambda s, p: cylinder.section(s, p, "tension"), "compression-plane": block.section,
             "collision": collision.section, "wave": wave.section,
             "cantilever": cantilever.section, "bed": bed.section, "notched": notched.section,
             "notched-elements": notched.elements_section, "brazilian": brazilian.section, "packing": packing.section}
