@@ -308,6 +308,9 @@ enum { NOT_BUILT = 0 GN_CONTACT_OPTIONS(X) };
      (GN_MIXED && (!GN_BUILT(MIXED) || GN_BIT(options, 4))) || (shear && !GN_BUILT(SHEAR)) ||      \
      (friction && !GN_BUILT(FRICTION)) || (bonds && !GN_BUILT(BONDS)))
 
+#ifndef GN_KERNEL /* for what reads this file by itself */
+#define GN_KERNEL(variant) gn_contact_##variant
+#endif
 #define DECLARE(options, name, law, shear, friction, bonds)                                        \
     gn_contact_kernel GN_KERNEL(name##_##options);
 #define X(number, ...) GN_EACH_32(DECLARE, __VA_ARGS__)

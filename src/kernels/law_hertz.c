@@ -203,26 +203,27 @@ static double touch_shear(const gn_touch_step *step, const gn_touch_side *side, 
     return gn_hertz_lost(before, now, way, past, closeness, kt, 1);
 }
 
-double gn_hertz_touch(const gn_touch_step *step, const gn_touch_side *side, const gn_touch *s,
+double gn_hertz_touch(const gn_touch_step *step, const gn_touch_side *side, const gn_touch *touch,
                       double *fd, double *shear, size_t stride, double t[3],
                       gn_contact_sums *sums) {
-    double overlap = s->gap < -s->rounding ? -s->gap : 0.0;
+    double overlap = touch->gap < -touch->rounding ? -touch->gap : 0.0;
     gn_hertz_press p = gn_hertz_normal(kn_of(side), overlap);
     double total = p.normal, elastic = gn_hertz_stored(p.normal, overlap);
     if (step->damping) {
-        double viscous = touch_viscous(step, side, s, &p);
+        double viscous = touch_viscous(step, side, touch, &p);
         if (fd) {
-            sums->contact_damping += 0.5 * (*fd + viscous) * s->speed * step->dt;
+            sums->contact_damping += 0.5 * (*fd + viscous) * touch->speed * step->dt;
             *fd = viscous;
         }
         total += viscous;
     }
     t[0] = t[1] = t[2] = 0.0;
     if (shear)
-        sums->friction += touch_shear(step, side, s, &p, side->hertz.friction * fmax(-total, 0.0),
-                                      shear, stride, t, &elastic);
+        sums->friction +=
+            touch_shear(step, side, touch, &p, side->hertz.friction * fmax(-total, 0.0), shear,
+                        stride, t, &elastic);
     sums->elastic_normal += elastic;
-    sums->pressed += overlap > s->most;
+    sums->pressed += overlap > touch->most;
     return total;
 }
 

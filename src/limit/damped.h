@@ -28,7 +28,7 @@ typedef struct gn_damped_top {
 } gn_damped_top;
 
 /* `mode` [count]: the fastest one on return. */
-gneiss_status gn_damped_largest(const gn_damped *system, double tolerance, double *mode,
+gneiss_status gn_damped_largest(const gn_damped *y, double tolerance, double *mode,
                                 gn_damped_top *top, gneiss_error *error);
 
 /* The root of 4 tau^2 = a + 2 tau b. */

@@ -178,20 +178,26 @@ void gn_triangulation_free(gn_triangulation *triangulation) {
 
 /* --- hulls --- */
 
-/* Whether a facet is a simplex with no other point on it, and its neighbours lie clear of its
- * plane. */
-static bool is_clear(qhT *qh, facetT *facet, int dimension) {
-    facetT *neighbor, **neighborp;
+/* Whether a neighbour of a facet lies clear of its plane. */
+static bool falls_off(qhT *qh, facetT *facet, const facetT *neighbor) {
     vertexT *vertex, **vertexp;
-    if (!facet->simplicial || facet->coplanarset) return false;
-    if (qh_setsize(qh, facet->vertices) != dimension) return false;
-    FOREACHneighbor_(facet) FOREACHvertex_(neighbor->vertices) {
-        realT above;
+    realT above = -1.0;
+    FOREACHvertex_(neighbor->vertices) {
         if (qh_setin(facet->vertices, vertex)) continue;
         qh_distplane(qh, vertex->point, facet, &above);
         if (!(above < -clear_of_faces)) return false;
     }
     return true;
+}
+
+/* Whether a facet is a simplex with no other point on it, and its neighbours fall off from it. */
+static bool is_clear(qhT *qh, facetT *facet, int dimension) {
+    facetT *neighbor = NULL, **neighborp;
+    bool clear = true;
+    if (!facet->simplicial || facet->coplanarset) return false;
+    if (qh_setsize(qh, facet->vertices) != dimension) return false;
+    FOREACHneighbor_(facet) clear = clear && falls_off(qh, facet, neighbor);
+    return clear;
 }
 
 static gneiss_status take_faces(qhT *qh, int dimension, gn_triangulation *t, gneiss_error *error) {
