@@ -63,7 +63,7 @@ const char *gn_whole_culprit(const gn_whole_limit *limit, char *text, size_t siz
 /* Whether a particle, by its id, is one of a zone. */
 bool gn_coupled_has(const gn_coupled *coupled, int32_t id);
 /* Where it is in the elements; NULL: it is none. */
-const gn_tie *gn_coupled_tie(const gn_coupled *coupled, int32_t id);
+const gn_tie *gn_coupled_tie(const gn_coupled *q, int32_t id);
 
 /* Nodes give up what they carry of particles that leave the model, with its momentum and energy;
  * before these lose their masses. `gone` [particles], not 0. */
