@@ -255,6 +255,25 @@ static void a_region_takes_what_is_wholly_inside(void **state) {
     world_end(w);
 }
 
+/* A row of what is near and does not touch has no share of the surface to be as stiff as. */
+static void a_grain_of_hertzs_law_leaves_beside_a_body_that_it_does_not_touch(void **state) {
+    (void)state;
+    gn_world *w = world_of(
+        "dimension: 3\nlaw: {stiffness: hertz}\ngravity: [0, 0, -9.81]\n"
+        "materials: [{name: g, density: 2500, friction: 0.5, young: 5 MPa, poisson: 0.25, "
+        "restitution: 0.5}]\n"
+        "specimen: {particles: [[1.55 mm, 0, 10 mm, 1.5 mm], [30 mm, 0, 150 mm, 1.5 mm]]}\n"
+        "bodies: [{name: b, box: {size: [10 mm, 200 mm, 200 mm]}, origin: [-10 mm, -100 mm, -100 "
+        "mm], friction: 0.3}]\n"
+        "sinks: [{name: k, plane: {point: [0, 0, 0], normal: [0, 0, -1]}}]\n"
+        "domain: {min: [-1, -1, -1], max: [1, 1, 1]}\ntime: {end: 0.1}\nrun: {threads: 1}\n");
+    run_until(w, 0.06);
+    assert_true(w->dem.flow.sinks[0].number == 1.0);
+    gn_energy e = measured_step(w);
+    assert_near(gn_energy_residual(&e), 0.0, 1e-9);
+    world_end(w);
+}
+
 /* Thrown up and down through a plane, through which another one falls. */
 static void a_plane_that_counts_takes_nothing(void **state) {
     (void)state;
@@ -623,6 +642,7 @@ int main(void) {
         cmocka_unit_test(momentum_and_energy_pass_from_source_to_sink),
         cmocka_unit_test(a_region_takes_what_is_wholly_inside),
         cmocka_unit_test(a_plane_that_counts_takes_nothing),
+        cmocka_unit_test(a_grain_of_hertzs_law_leaves_beside_a_body_that_it_does_not_touch),
         cmocka_unit_test(a_sink_takes_bonded_particles),
         cmocka_unit_test(lost_particles_are_known_by_id_and_place),
         cmocka_unit_test(ids_stay_unique_and_rows_do_not_pile_up),

@@ -36,7 +36,7 @@ double gn_run_time_left(const gn_run *run);
 void gn_run_out_of_time(gn_run *run);
 
 /* "unbalanced force ratio fell below 0.01" */
-const char *gn_stage_reason(const gn_stage *stage, gn_stage_cause cause, char *text, size_t size);
+const char *gn_stage_reason(const gn_stage *e, gn_stage_cause cause, char *text, size_t size);
 /* Of its rows alone, strain counted from its start. */
 gneiss_status gn_run_stage_readings(const gn_run *run, size_t stage, gn_readings *readings,
                                     gneiss_error *error);

@@ -61,7 +61,7 @@ const char *gn_side_text(gn_side side);
 const char *gn_whole_culprit(const gn_whole_limit *limit, char *text, size_t size);
 
 /* Whether a particle, by its id, is one of a zone. */
-bool gn_coupled_has(const gn_coupled *coupled, int32_t id);
+bool gn_coupled_has(const gn_coupled *q, int32_t id);
 /* Where it is in the elements; NULL: it is none. */
 const gn_tie *gn_coupled_tie(const gn_coupled *q, int32_t id);
 

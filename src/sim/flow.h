@@ -66,10 +66,10 @@ bool gn_flow_due(const gn_world *world);
 /* Lets in what is due and finds room. At the start (`first`) there must be particles then. */
 gneiss_status gn_flow_arrive(gn_world *world, bool first, gneiss_error *error);
 /* s by which what came in is behind what should have. */
-double gn_flow_behind(const gn_world *world, size_t source);
+double gn_flow_behind(const gn_world *world, size_t k);
 
 /* Whether a particle is where a sink has it. */
-bool gn_sink_has(const gn_world *world, size_t sink, const double sphere[4]);
+bool gn_sink_has(const gn_world *world, size_t sink, const double x[4]);
 /* Counts particles that cross planes which do not remove: since the lists were made. */
 void gn_flow_count(gn_world *world);
 gneiss_status gn_flow_note_lost(gn_world *world, size_t particle, gneiss_error *error);

@@ -143,6 +143,7 @@ static void book_wall_contact(gn_world *w, size_t c) {
     size_t p = (size_t)k->i[c];
     const double *force = k->row + 8 * c, *moment = force + 4;
     wall_side s = side_of(w, c);
+    if (gn_dot3(s.n, s.n) == 0.0) return;
     double v[3], t2 = 0.0, viscous = k->fd ? k->fd[c] : 0.0;
     for (size_t a = 0; a < 3; a++) {
         double t = k->shear ? k->shear[c + a * k->soa.capacity] : 0.0;

@@ -26,9 +26,9 @@ typedef struct gn_envelope {
     char no_coulomb[160], no_hoek_brown[160]; /* why they are absent; "" */
 } gn_envelope;
 
-gn_envelope gn_envelope_of(const gn_summary *summary);
+gn_envelope gn_envelope_of(const gn_summary *m);
 /* The same of numbers; those that are not finite are left out. */
-gn_envelope gn_envelope_fit(const double *confinement, const double *strength, size_t count,
+gn_envelope gn_envelope_fit(const double *confinement, const double *axial, size_t count,
                             size_t stride);
 
 #endif
