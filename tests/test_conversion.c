@@ -632,6 +632,8 @@ static void what_cannot_convert_is_refused(void **state) {
     assert_refused(&plate, "max: [1, 1]", "max: [-2, 1]", "box.max");
     assert_refused(&plate, "min: [-1, -1]", "min: [0.5, -1]",
                    "expected elements of which all nodes");
+    assert_refused(&plate, "couple: {", "initial: {random_velocity: 1}\ncouple: {",
+                   "expected no initial.random_velocity beside it");
     assert_refused(&plate, "couple: {", "couple: {constraint: penalty, ",
                    "expected no couple.constraint but lumped");
     assert_refused(&plate, "couple: {", "couple: {zones: [{edges: [{from: [0, 0], to: [1, 0]}]}], ",

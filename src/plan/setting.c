@@ -91,7 +91,16 @@ static gneiss_status put_motion(gn_settings *q, const char *list, size_t place,
     return GNEISS_OK;
 }
 
-static gneiss_status put_pace(gn_settings *q, const gn_scene *s, double pace, gneiss_error *error) {
+/* s: as far as before, but not so far that the peak falls between the rows of the history. */
+static double end_of(const gn_plan *plan, const gn_scene *s, double pace) {
+    const gn_estimate *e = &plan->estimate;
+    const double peaks = 4.0;
+    double far = isfinite(e->strain) ? e->path / (peaks * e->strain) : 1.0;
+    return s->end / pace / (pace < 1.0 ? fmax(1.0, far) : 1.0);
+}
+
+static gneiss_status put_pace(gn_settings *q, const gn_plan *plan, const gn_scene *s, double pace,
+                              gneiss_error *error) {
     for (size_t k = 0; k < s->wall_count; k++)
         GN_TRY(put_motion(q, "walls", k, &s->walls[k].motion, pace, error));
     for (size_t k = 0; k < s->set_count; k++)
@@ -100,7 +109,7 @@ static gneiss_status put_pace(gn_settings *q, const gn_scene *s, double pace, gn
         GN_TRY(put_motion(q, "bodies", k, &s->bodies[k].motion, pace, error));
     for (size_t k = 0; s->has_elements && k < s->elements.motion_count; k++)
         GN_TRY(put_motion(q, "elements.motions", k, &s->elements.motions[k].motion, pace, error));
-    return put(q, error, "time.end", "%.9g s", s->end / pace);
+    return put(q, error, "time.end", "%.9g s", end_of(plan, s, pace));
 }
 
 static gneiss_status put_cells(gn_settings *q, const gn_scene *s, double cell,
@@ -116,7 +125,7 @@ gneiss_status gn_settings_make(const gn_world *w, const gn_plan *plan, const gn_
                                gn_settings *q, gneiss_error *error) {
     const gn_scene *s = &w->given;
     const gn_test_groups *g = &plan->groups;
-    if (p->pace != 1.0) GN_TRY(put_pace(q, s, p->pace, error));
+    if (p->pace != 1.0) GN_TRY(put_pace(q, plan, s, p->pace, error));
     if (p->particles != g->particles)
         GN_TRY(put(q, error, "specimen.particles", "%.0f", p->particles));
     if (p->cell != 1.0) GN_TRY(put_cells(q, s, p->cell, error));

@@ -276,6 +276,18 @@ static void count_contacts(const gn_contacts *list, double *coordination) {
     }
 }
 
+/* Bonds of particles that sleep are put by, not broken. */
+static void damage_of_the_awake(const gn_world *w, double *damage) {
+    const gn_contacts *b = &w->dem.bonds;
+    const int32_t *bonds0 = w->dem.particles.bonds0;
+    memset(damage, 0, w->dem.particles.soa.count * sizeof *damage);
+    for (size_t c = 0; bonds0 && c < b->soa.count; c++) {
+        if (!gn_broken(b->cause[c])) continue;
+        damage[b->i[c]] += 1.0 / fmax(1.0, bonds0[b->i[c]]);
+        damage[b->j[c]] += 1.0 / fmax(1.0, bonds0[b->j[c]]);
+    }
+}
+
 gneiss_status gn_output_view_make(const gn_world *w, const gn_observed *seen, gn_output_view *v,
                                   gneiss_error *error) {
     size_t n = w->dem.particles.soa.count, bonds = seen->bonds.soa.count;
@@ -304,6 +316,7 @@ gneiss_status gn_output_view_make(const gn_world *w, const gn_observed *seen, gn
         return status;
     }
     if (w->effects & GN_FX_BONDS) gn_damage_particles(&w->dem.particles, &w->dem.bonds, v->damage);
+    if (gn_converts(w)) damage_of_the_awake(w, v->damage);
     count_contacts(&seen->bonds, v->coordination);
     count_contacts(&seen->pairs, v->coordination);
     split_forces(v);

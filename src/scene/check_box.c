@@ -29,9 +29,11 @@ gneiss_status gn_check_box_sides(const check *c, const gn_scene *s) {
     for (int a = 0; a < 3; a++) {
         const gn_box_side *side = &s->box[a];
         char key[32], more[48];
-        if (!side->stress.count && !side->rate.count) continue;
         snprintf(key, sizeof key, "periodic.%c", "xyz"[a]);
         snprintf(more, sizeof more, "%s.max_rate", key);
+        if (!side->stress.count && side->max_rate > 0)
+            return gn_check_fail(c, more, "expected a stress beside it, found none");
+        if (!side->stress.count && !side->rate.count) continue;
         if (a >= s->dimension)
             return gn_check_fail(c, key, "expected x or y in a 2D scene, found z");
         if (side->stress.count && side->rate.count)

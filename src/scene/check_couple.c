@@ -30,7 +30,7 @@ static gneiss_status check_beside(const check *c, const gn_scene *s) {
         bool found;
         const char *what;
     } others[] = {{s->elements.has_contact, "elements.contact"},
-                  {s->has_periodic, "a periodic box"},
+                  {s->has_periodic, "periodic box"},
                   {s->has_mass_scaling, "time.mass_scaling"}};
     for (size_t k = 0; k < sizeof others / sizeof *others; k++)
         if (others[k].found)
@@ -78,9 +78,10 @@ static gneiss_status check_convert_beside(const check *c, const gn_scene *s) {
         {s->body_count > 0, "bodies"},
         {s->has_membrane, "membrane"},
         {s->has_pulse, "initial.pulse"},
+        {s->random_velocity > 0.0, "initial.random_velocity"},
         {s->stage_count > 0, "stages"},
         {s->elements.formulation == GN_FORMULATION_PRESSURE, "elements.formulation: mixed"},
-        {s->bonds == GN_SWITCH_OFF, "bonds.bonds: off"}};
+        {s->bonds == GN_SWITCH_OFF, "scene without bonds"}};
     for (size_t k = 0; k < sizeof others / sizeof *others; k++)
         if (others[k].found)
             return gn_check_fail(c, "couple.convert", "expected no %s beside it, found one",

@@ -116,7 +116,7 @@ static gneiss_status check_period(const gn_world *w, gneiss_error *error) {
                                        : "";
     for (int a = 0; a < (int)s->dimension; a++)
         if (w->period[a] < least)
-            return gn_fail(error, GNEISS_ERROR_INPUT,
+            return gn_fail(error, w->step > 0 ? GNEISS_ERROR_UNSTABLE : GNEISS_ERROR_INPUT,
                            "%s:%d:%d: periodic: expected a length of at least %g m along %c (twice "
                            "the reach of the largest particles%s), found %g m",
                            s->source, s->periodic_where.line, s->periodic_where.column, least,
@@ -189,27 +189,13 @@ void gn_dem_free(gn_dem *d) {
     gn_hold_free(&d->hold);
     gn_events_free(&d->events);
     gn_flow_free(&d->flow);
-    void *blocks[] = {d->membrane,
-                      d->index_of_id,
-                      d->channel_set,
-                      d->set_reaction,
-                      d->loose,
-                      d->prescribed.set,
-                      d->prescribed.mask,
-                      d->prescribed.load,
-                      d->prescribed.velocity,
-                      d->bond_sums,
-                      d->pair_sums,
-                      d->motion_sums,
-                      d->vel_past,
-                      d->spin_past,
-                      d->around,
-                      d->pieces.parent,
-                      d->pieces.members,
-                      d->pieces.volume,
-                      d->still,
-                      d->sleeper,
-                      d->hertz};
+    void *blocks[] = {d->membrane,        d->index_of_id,     d->channel_set,
+                      d->set_reaction,    d->loose,           d->prescribed.set,
+                      d->prescribed.mask, d->prescribed.load, d->prescribed.velocity,
+                      d->bond_sums,       d->pair_sums,       d->motion_sums,
+                      d->vel_past,        d->spin_past,       d->around,
+                      d->pieces.parent,   d->pieces.members,  d->pieces.volume,
+                      d->still,           d->sleeper,         d->hertz};
     for (size_t k = 0; k < sizeof blocks / sizeof *blocks; k++) gn_free(blocks[k]);
     *d = (gn_dem){0};
 }
