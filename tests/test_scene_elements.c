@@ -166,8 +166,8 @@ static void a_beam_must_be_one(void **state) {
 
 static void a_scene_needs_particles_or_elements(void **state) {
     (void)state;
-    refuses("time: {end: 1 s}\n",
-            "specimen: required, but not given; expected a specimen, sources, elements or several of them");
+    refuses("time: {end: 1 s}\n", "specimen: required, but not given; expected a specimen, "
+                                  "sources, elements or several of them");
     refuses("specimen: {lattice: {kind: fcc, radius: 1, cells: [1, 1, 1]}}\ntime: {end: 1 s}\n",
             "s.yaml:1:1: materials: required, but not given");
     refuses("specimen: {lattice: {kind: fcc, radius: 1, cells: [1, 1, 1]}}\n"

@@ -4,7 +4,7 @@
 #ifndef GN_LIMIT_COARSE_H
 #define GN_LIMIT_COARSE_H
 
-#include "gneiss/gneiss.h"
+#include "base/error.h"
 
 #include <stddef.h>
 #include <stdint.h>
