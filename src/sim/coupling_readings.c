@@ -1,6 +1,9 @@
 /* What is read off zones as the run goes on. */
 #include "base/memory.h"
+#include "couple/zone.h"
 #include "sim/coupling_internal.h"
+
+#include <math.h>
 
 /* Contacts of a particle of a zone carry its part of the body's stress, elements the other part. In
  * the plane elements have a stress across it, which contacts have not. */
@@ -31,4 +34,41 @@ size_t gn_coupled_lost(const gn_world *w) {
     size_t count = 0;
     for (size_t k = 0; q && k < q->ties.count; k++) count += q->place[k] < 0;
     return count;
+}
+
+/* Of an element, J. Displacements are taken half a step back, at the instant of velocities; these
+ * where the strain along n is taken: nodes count by their part in it. */
+static double returned(const gn_fem_solid *b, size_t e, const double n[3], double back) {
+    const gn_elements *q = &b->elements;
+    double speed = 0.0, strain = 0.0, slope[4] = {0.0}, size = 0.0;
+    for (int a = 1; a <= b->dimension; a++)
+        for (int k = 0; k < b->dimension; k++) slope[a] += gn_elements_gradient(q, a, k)[e] * n[k];
+    for (int a = 1; a <= b->dimension; a++) slope[0] -= slope[a];
+    for (int a = 0; a <= b->dimension; a++) size += fabs(slope[a]);
+    for (int a = 0; a <= b->dimension; a++) {
+        const size_t at = 4 * (size_t)gn_elements_node(q, a)[e];
+        for (size_t k = 0; k < (size_t)b->dimension; k++) {
+            double v = b->nodes.vel[at + k];
+            speed += fabs(slope[a]) / size * v * n[k];
+            strain += slope[a] * (b->nodes.pos[at + k] - b->nodes.start[at + k] - back * v) * n[k];
+        }
+    }
+    double density = b->density[q->material[e]];
+    double c = sqrt((q->lambda[e] + 2.0 * q->mu[e]) / density), wave = 0.5 * (speed + c * strain);
+    return density * q->volume[e] * wave * wave;
+}
+
+double gn_coupled_returned(const gn_world *w, size_t k) {
+    const gn_fem_solid *b = gn_coupled_solid(w);
+    double n[3], sum = 0.0;
+    gn_zone_direction(&w->scene.couple.zones[k], b->dimension, n);
+    for (size_t e = 0; e < b->elements.soa.count; e++) {
+        bool whole = true;
+        for (int a = 0; a <= b->dimension; a++) {
+            const double *x = b->nodes.start + 4 * (size_t)gn_elements_node(&b->elements, a)[e];
+            whole = whole && gn_zones_share(&w->scene, x) >= 1.0 - GN_ZONE_ROUNDING;
+        }
+        if (whole) sum += returned(b, e, n, 0.5 * w->dt_past);
+    }
+    return sum;
 }
