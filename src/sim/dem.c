@@ -36,8 +36,10 @@ gneiss_status gn_dem_create(gn_world *w, const gn_packing *packing, gneiss_error
         return gn_fail(error, GNEISS_ERROR_INPUT,
                        "%zu particles are more than the engine can number", packing->count);
     GN_TRY(gn_soa_create(&gn_particle_record, q, packing->count, w->effects, error));
-    memcpy(q->pos, packing->sphere, packing->count * 4 * sizeof(double));
-    memcpy(q->start, packing->sphere, packing->count * 4 * sizeof(double));
+    if (packing->count) { /* sources may be all that there is */
+        memcpy(q->pos, packing->sphere, packing->count * 4 * sizeof(double));
+        memcpy(q->start, packing->sphere, packing->count * 4 * sizeof(double));
+    }
     w->dem.radius_min = gn_flow_least_radius(w);
     w->dem.ids = w->dem.made = (int64_t)packing->count;
     for (size_t p = 0; p < packing->count; p++) {
