@@ -259,7 +259,8 @@ static gneiss_status command(const gn_options *o, bool alone, bool *wanted, gnei
         status = alone ? gn_sweep_of_scene(o->target, overrides, count, o->seeds, s, wanted, error)
                        : gn_sweep_load(o->target, overrides, count, o->seeds, s, error);
     /* What is wrong with a scene that is run once is told when it is. */
-    if (status != GNEISS_OK && alone && !o->seeds && !*wanted) status = GNEISS_OK;
+    bool told = status == GNEISS_ERROR_MEMORY || !alone || o->seeds || *wanted;
+    if (status != GNEISS_OK && !told) status = GNEISS_OK;
     if (status == GNEISS_OK && *wanted) {
         status = sweep_into(o, s, way, error);
         gn_sweep_free(s);

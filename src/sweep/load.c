@@ -346,9 +346,9 @@ static gneiss_status read_confinements(gn_reader *reader, const gn_node *root, g
 static gneiss_status confinements_of(const char *text, gn_sweep *sweep, gneiss_error *error) {
     gn_tree *tree = NULL;
     gneiss_error unsaid = {0};
-    if (gn_tree_read(text, strlen(text), sweep->source, &tree, &unsaid) != GNEISS_OK)
-        return GNEISS_OK;
-    gneiss_status status = GNEISS_OK;
+    gneiss_status status = gn_tree_read(text, strlen(text), sweep->source, &tree, &unsaid);
+    if (status == GNEISS_ERROR_MEMORY) return gn_fail(error, status, "%s", unsaid.message);
+    if (status != GNEISS_OK) return GNEISS_OK;
     for (size_t k = 0; status == GNEISS_OK && k < sweep->override_count; k++)
         if (strcmp(sweep->overrides[k].key, "test.confinement") == 0)
             status = gn_tree_override(tree, &sweep->overrides[k], error);
