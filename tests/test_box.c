@@ -1,10 +1,6 @@
 /* Sides of a periodic box that move: particles ride on it without a seam, the mean stress is held,
  * the ledger closes, and nothing depends on threads or on a break in between. */
-#include "world_helpers.h"
-
-#include "run/run.h"
-
-#include <unistd.h>
+#include "run_helpers.h"
 
 /* 108 spheres of 1 mm in a face-centred lattice that is compressed by 0.1 %: three cells of side
  * 2 sqrt(2) 0.999 mm. */
@@ -134,24 +130,9 @@ static void a_servo_is_stable_at_the_limit_of_the_step(void **state) {
 
 /* --- whole runs --- */
 
-static gn_run *run_of(const char *scene_text) {
-    gn_run *run = calloc(1, sizeof *run);
-    gn_scene scene;
-    gneiss_error error = {0};
-    gneiss_status status = gn_scene_parse(scene_text, "s.yaml", NULL, NULL, 0, &scene, &error);
-    if (status == GNEISS_OK) status = gn_run_create(&scene, run, &error);
-    if (status != GNEISS_OK) fail_msg("%s", error.message);
-    return run;
-}
-
 static void steps(gn_run *run, int64_t count) {
     gneiss_error error = {0};
     if (gn_run_steps(run, count, &error) != GNEISS_OK) fail_msg("%s", error.message);
-}
-
-static void run_end(gn_run *run) {
-    gn_run_free(run);
-    free(run);
 }
 
 /* Compacts, bonds, is held, and is then sheared along z with everything on that goes beside a box.
@@ -181,7 +162,7 @@ static const char *programme(const char *run) {
 
 static void a_box_is_compacted_bonded_and_loaded(void **state) {
     (void)state;
-    gn_run *run = run_of(programme("threads: 1"));
+    gn_run *run = run_of("%s", programme("threads: 1"));
     gneiss_error error = {0};
     while (!run->finished)
         if (gn_run_advance(run, 1e3, NULL, &error) != GNEISS_OK) fail_msg("%s", error.message);
@@ -211,7 +192,7 @@ static void a_box_is_compacted_bonded_and_loaded(void **state) {
  * of what lags behind and rings. */
 static void stress_held_to_the_end(const char *scene, double wanted) {
     gneiss_error error = {0};
-    gn_run *run = run_of(scene);
+    gn_run *run = run_of("%s", scene);
     while (!run->finished)
         if (gn_run_advance(run, 1e3, NULL, &error) != GNEISS_OK) fail_msg("%s", error.message);
     const double *residual = gn_history_column(&run->history, "energy_residual"),
@@ -257,7 +238,7 @@ static void bonded_discs_are_held_while_they_are_torn(void **state) {
 }
 
 static uint64_t hash_after(const char *scene, int64_t count) {
-    gn_run *run = run_of(scene);
+    gn_run *run = run_of("%s", scene);
     steps(run, count);
     uint64_t hash = gn_world_hash(&run->world);
     assert_int_equal(run->world.stage, 2); /* all of them were gone through */
@@ -276,7 +257,7 @@ static void a_resumed_box_has_the_same_bits(void **state) {
     char path[] = "/tmp/gneiss_box_XXXXXX";
     gneiss_error error = {0};
     close(mkstemp(path));
-    gn_run *run = run_of(programme("threads: 1"));
+    gn_run *run = run_of("%s", programme("threads: 1"));
     for (int k = 0; k < 5; k++) {
         steps(run, 1187);
         if (gn_checkpoint_write(run, path, &error) != GNEISS_OK) fail_msg("%s", error.message);

@@ -1,10 +1,6 @@
 /* Ends of a test that follow a reading: it grows at its rate where the ends alone would let it run,
  * and whatever it does the motion stays within what was asked for. */
-#include "world_helpers.h"
-
-#include "run/run.h"
-
-#include <unistd.h>
+#include "run_helpers.h"
 
 /* Eleven spheres in a row, drawn apart by the outer ones; the bond between the sixth and seventh is
  * weak. k = 1e6 N/m each. Softening from R = 10 N at u_l = 10 um to nothing at 12.25 u_l has a
@@ -42,25 +38,10 @@ static char *chain(const char *law, const char *material, const char *control, c
 static const char softens[] = ", softening: ratio", ratio[] = ", fracture_ratio: 11.25";
 static const char control[] = ", control: {opening: 5 mm/s, response: 2 ms, reverse: 0.5}";
 
-static gn_run *run_of(const char *scene_text) {
-    gn_run *run = calloc(1, sizeof *run);
-    gn_scene scene;
-    gneiss_error error = {0};
-    gneiss_status status = gn_scene_parse(scene_text, "s.yaml", NULL, NULL, 0, &scene, &error);
-    if (status == GNEISS_OK) status = gn_run_create(&scene, run, &error);
-    if (status != GNEISS_OK) fail_msg("%s", error.message);
-    return run;
-}
-
 static void finish(gn_run *run) {
     gneiss_error error = {0};
     while (!run->finished)
         if (gn_run_advance(run, 1e3, NULL, &error) != GNEISS_OK) fail_msg("%s", error.message);
-}
-
-static void run_end(gn_run *run) {
-    gn_run_free(run);
-    free(run);
 }
 
 /* m/s, while the weak bond goes from 30 to 90 um, well within its softening. */
@@ -78,11 +59,11 @@ static double opening_rate(const gn_run *run) {
  * rate, which the response time (2 ms of 12 ms) has not quite reached at the beginning. */
 static void an_opening_grows_at_its_rate(void **state) {
     (void)state;
-    gn_run *free_one = run_of(chain(softens, ratio, "", "threads: 1"));
+    gn_run *free_one = run_of("%s", chain(softens, ratio, "", "threads: 1"));
     finish(free_one);
     assert_near(opening_rate(free_one), 0.1, 0.01);
     run_end(free_one);
-    gn_run *run = run_of(chain(softens, ratio, control, "threads: 1"));
+    gn_run *run = run_of("%s", chain(softens, ratio, control, "threads: 1"));
     finish(run);
     assert_near(opening_rate(run), 5e-3, 0.05 * 5e-3);
     const double *residual = gn_history_column(&run->history, "energy_residual");
@@ -94,7 +75,7 @@ static void an_opening_grows_at_its_rate(void **state) {
  * as they may and no faster. */
 static void the_motion_is_bounded_when_the_reading_runs_away(void **state) {
     (void)state;
-    gn_run *run = run_of(chain("", "", control, "threads: 1"));
+    gn_run *run = run_of("%s", chain("", "", control, "threads: 1"));
     finish(run);
     const double *factor = gn_history_column(&run->history, "control"),
                  *strain = gn_history_column(&run->history, "strain");
@@ -115,11 +96,11 @@ static void the_motion_is_bounded_when_the_reading_runs_away(void **state) {
 
 static void a_scene_without_control_is_not_touched(void **state) {
     (void)state;
-    gn_run *run = run_of(chain(softens, ratio, "", "threads: 1"));
+    gn_run *run = run_of("%s", chain(softens, ratio, "", "threads: 1"));
     assert_null(gn_history_column(&run->history, "control"));
     assert_near(gn_control_of(&run->world, "left", 0), 1.0, 0.0);
     run_end(run);
-    run = run_of(chain(softens, ratio, control, "threads: 1"));
+    run = run_of("%s", chain(softens, ratio, control, "threads: 1"));
     run->world.machine.factor = 0.25;
     assert_near(gn_control_of(&run->world, "left", 0), 0.25, 0.0);
     assert_near(gn_control_of(&run->world, "left", 1), 1.0, 0.0); /* across */
@@ -188,7 +169,7 @@ static void motions_of_elements_are_ends_that_follow(void **state) {
 
 static uint64_t hash_after(const char *scene, int64_t count) {
     gneiss_error error = {0};
-    gn_run *run = run_of(scene);
+    gn_run *run = run_of("%s", scene);
     if (gn_run_steps(run, count, &error) != GNEISS_OK) fail_msg("%s", error.message);
     uint64_t hash = gn_world_hash(&run->world);
     run_end(run);
@@ -207,7 +188,7 @@ static void threads_and_a_break_do_not_matter(void **state) {
         snprintf(two, sizeof two, "threads: 2, precision: %s", precisions[p]);
         uint64_t hash = hash_after(chain(softens, ratio, control, one), 3000);
         assert_true(hash == hash_after(chain(softens, ratio, control, two), 3000));
-        gn_run *run = run_of(chain(softens, ratio, control, one));
+        gn_run *run = run_of("%s", chain(softens, ratio, control, one));
         for (int k = 0; k < 3; k++) {
             /* Not at a look. */
             if (gn_run_steps(run, k < 2 ? 997 : 3000 - 2 * 997, &error) != GNEISS_OK)

@@ -4,6 +4,7 @@
 #include "sim/conversion.h"
 #include "sim/coupling.h"
 #include "sim/exchange.h"
+#include "sim/flow.h"
 #include "world_helpers.h"
 
 #include <unistd.h>
@@ -264,7 +265,7 @@ static void who_sleeps_has_no_contact_and_stays(void **state) {
         }
     }
     assert_true(asleep > mixed && mixed > 0);
-    assert_int_equal(asleep + gn_conversion_awake(w), q->soa.count);
+    assert_int_equal(asleep + gn_world_present(w), q->soa.count);
     for (int l = 0; l < 2; l++)
         for (size_t c = 0; c < lists[l]->soa.count; c++)
             assert_false(gn_is_asleep(w, (size_t)lists[l]->i[c]) ||
@@ -424,7 +425,7 @@ static void a_corner_and_an_edge_convert(void **state) {
             convert(w, from, from + 2e-3, 0.0, 2e-3);
         assert_true(gn_conversion_elements(w) < elements);
         assert_true(gn_conversion_elements(w) > 0);
-        assert_true(gn_conversion_awake(w) > 0);
+        assert_true(gn_world_present(w) > 0);
         run_steps(w, 100);
         gn_energy e = measured_step(w);
         assert_near(gn_energy_stored(&e), 0.0, 1e-15);
@@ -441,7 +442,7 @@ static void all_of_a_body_can_convert(void **state) {
     const whole before = whole_of(w);
     convert(w, 0.0, 30e-3, 0.0, 1.0);
     assert_int_equal(gn_conversion_elements(w), 0);
-    assert_int_equal(gn_conversion_awake(w), 30 * 16);
+    assert_int_equal(gn_world_present(w), 30 * 16);
     run_steps(w, 200);
     const whole after = whole_of(w);
     gn_energy e = measured_step(w);
@@ -481,7 +482,7 @@ static void elements_convert_where_their_stress_is_beyond_the_limit(void **state
         set_elements(w, part_ways, &speed);
         while (w->time < 6e-3 / sqrt(modulus / density)) run_steps(w, 1);
         assert_int_equal(gn_conversion_elements(w) < 2 * 30 * 8, reached);
-        assert_int_equal(gn_conversion_awake(w) > 0, reached);
+        assert_int_equal(gn_world_present(w) > 0, reached);
         if (reached) assert_false(any_element_between(w, 14e-3, 16e-3));
         assert_true(any_element_between(w, 30e-3, 60e-3));
         world_end(w);

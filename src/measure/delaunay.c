@@ -218,29 +218,9 @@ static gneiss_status take_faces(qhT *qh, int dimension, gn_triangulation *t, gne
     return GNEISS_OK;
 }
 
-gneiss_status gn_hull_faces(const double *points, size_t count, int dimension,
-                            gn_triangulation *faces, double *volume, gneiss_error *error) {
-    *faces = (gn_triangulation){.dimension = dimension};
-    double *copy = NULL, unit;
-    GN_TRY(normalised(points, count, dimension, &copy, &unit, error));
-    qhull_run s;
-    gneiss_status status = GNEISS_OK;
-    if (!is_flat(copy, count, dimension)) {
-        status = qhull_open(&s, error);
-        if (status == GNEISS_OK) {
-            status = qhull_run_command(&s, faces_command, copy, count, dimension, error);
-            if (status == GNEISS_OK) status = take_faces(s.qh, dimension, faces, error);
-            *volume = s.qh->totvol * (dimension == 3 ? unit * unit * unit : unit * unit);
-            qhull_close(&s);
-        }
-    }
-    gn_free(copy);
-    if (status != GNEISS_OK) gn_triangulation_free(faces);
-    return status;
-}
-
-gneiss_status gn_hull_volume(const double *points, size_t count, int dimension, double *volume,
-                             gneiss_error *error) {
+/* m2 or m3 of the hull, 0 of points on a line or plane; its faces too where they are wanted. */
+static gneiss_status hull_of(const double *points, size_t count, int dimension, char *command,
+                             gn_triangulation *faces, double *volume, gneiss_error *error) {
     *volume = 0;
     double *copy = NULL, unit;
     GN_TRY(normalised(points, count, dimension, &copy, &unit, error));
@@ -249,12 +229,26 @@ gneiss_status gn_hull_volume(const double *points, size_t count, int dimension, 
     if (!is_flat(copy, count, dimension)) {
         status = qhull_open(&s, error);
         if (status == GNEISS_OK) {
-            status = qhull_run_command(&s, hull_command, copy, count, dimension, error);
+            status = qhull_run_command(&s, command, copy, count, dimension, error);
             if (status == GNEISS_OK)
                 *volume = s.qh->totvol * (dimension == 3 ? unit * unit * unit : unit * unit);
+            if (status == GNEISS_OK && faces) status = take_faces(s.qh, dimension, faces, error);
             qhull_close(&s);
         }
     }
     gn_free(copy);
     return status;
+}
+
+gneiss_status gn_hull_faces(const double *points, size_t count, int dimension,
+                            gn_triangulation *faces, double *volume, gneiss_error *error) {
+    *faces = (gn_triangulation){.dimension = dimension};
+    gneiss_status status = hull_of(points, count, dimension, faces_command, faces, volume, error);
+    if (status != GNEISS_OK) gn_triangulation_free(faces);
+    return status;
+}
+
+gneiss_status gn_hull_volume(const double *points, size_t count, int dimension, double *volume,
+                             gneiss_error *error) {
+    return hull_of(points, count, dimension, hull_command, NULL, volume, error);
 }

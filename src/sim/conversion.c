@@ -127,13 +127,6 @@ gneiss_status gn_conversion_ties(const gn_world *w, gn_ties *ties, gneiss_error 
     return status;
 }
 
-size_t gn_conversion_awake(const gn_world *w) {
-    size_t count = 0;
-    for (size_t p = 0; p < w->dem.particles.soa.count; p++)
-        count += w->dem.particles.vel[4 * p + 3] > 0.0;
-    return count;
-}
-
 size_t gn_conversion_elements(const gn_world *w) {
     return gn_coupled_solid(w)->elements.soa.count;
 }

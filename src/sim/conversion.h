@@ -48,8 +48,7 @@ typedef struct gn_conversion_figures {
 gneiss_status gn_conversion_measure(const gn_world *world, gn_conversion_figures *figures,
                                     gneiss_error *error);
 
-/* Particles that are awake; elements that are there. */
-size_t gn_conversion_awake(const gn_world *world);
+/* Elements that are there. */
 size_t gn_conversion_elements(const gn_world *world);
 
 #endif
