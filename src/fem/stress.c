@@ -20,7 +20,7 @@ double gn_fem_deformation(const gn_fem_solid *solid, size_t e, double f[3][3]) {
            f[0][2] * (f[1][0] * f[2][1] - f[1][1] * f[2][0]);
 }
 
-static void second_piola(const gn_elements *q, size_t e, bool pressure, double f[3][3],
+static inline void second_piola(const gn_elements *q, size_t e, bool pressure, double f[3][3],
                          double s[3][3]) {
     double trace = 0.0;
     for (int k = 0; k < 3; k++)

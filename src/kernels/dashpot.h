@@ -23,8 +23,9 @@ static inline double gn_dashpot(double stiffness, double inverse_mass, double al
     if (!(y > 0.0) || isinf(y)) return c;
     double psi = y * (1.0 + y * (0.5 * alpha + y * (7.0 * alpha * alpha + 1.0) / 24.0));
     double h = alpha * psi, tangent = h * (15.0 + h * h) / (15.0 + 6.0 * h * h);
-    double q = fmin(2.0 * tangent / (1.0 + tangent), 1.0);
-    return fmin(c, q / (dt * inverse_mass));
+    double q = 2.0 * tangent / (1.0 + tangent);
+    double most = (q < 1.0 ? q : 1.0) / (dt * inverse_mass);
+    return most < c ? most : c;
 }
 
 /* Steps per half period pi/w of a free collision, w^2 = k/m, that an automatic step takes at least.

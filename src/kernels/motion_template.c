@@ -65,9 +65,14 @@ GN_INLINE void add_walls(const gn_motion_args *a, size_t begin, size_t end, doub
     for (int32_t c = a->wall_first[begin]; c < a->wall_first[end]; c++) {
         double *to = load + (size_t)row_width(w) * ((size_t)walls->i[c] - begin);
         const double *row = walls->row + 8 * (int64_t)c;
-        for (int k = 0; k < 2 + w.space; k++) to[k] += row[k];
-        for (int k = 4; w.space && w.rotation && k < 7; k++) to[k] += row[k];
-        if (!w.space && w.rotation) to[2] += row[6];
+        if (w.space && w.rotation) { /* what is fourth of four is nothing in both */
+            *(row8 *)to += *(const row8 *)row;
+        } else if (w.space) {
+            *(row4 *)to += *(const row4 *)row;
+        } else {
+            for (int k = 0; k < 2; k++) to[k] += row[k];
+            if (w.rotation) to[2] += row[6];
+        }
     }
 }
 

@@ -50,15 +50,12 @@ GN_INLINE gn_v gn_pair(const double *low, const double *high) {
                               1);
 }
 
-/* Registers with rows (0,2), (1,3), (4,6), (5,7). Indices become places of numbers together, which
- * the unsigned type has room for; the barrier keeps them in memory, where addresses come from. */
+/* Registers with rows (0,2), (1,3), (4,6), (5,7). */
 GN_INLINE void gn_gather4(const double *rows, const int32_t *index, gn_v out[4]) {
     static const int first[4] = {0, 1, 4, 5};
-    _Alignas(32) uint32_t at[8];
-    __m256i all = _mm256_loadu_si256((const __m256i *)(const void *)index);
-    _mm256_store_si256((__m256i *)(void *)at, _mm256_slli_epi32(all, 2));
-    __asm__("" : "+m"(at));
-    for (int k = 0; k < 4; k++) out[k] = gn_pair(rows + at[first[k]], rows + at[first[k] + 2]);
+    for (int k = 0; k < 4; k++)
+        out[k] =
+            gn_pair(rows + 4 * (int64_t)index[first[k]], rows + 4 * (int64_t)index[first[k] + 2]);
 }
 
 #define GN_OWN_EVERY

@@ -56,20 +56,16 @@ GN_INLINE void gn_transpose_parts(const gn_v in[4], gn_v out[4]) {
     out[3] = _mm512_castpd_ps(_mm512_unpackhi_pd(t1, t3));
 }
 
-/* Rows at[0], at[4], at[8], at[12] in the four parts. */
-GN_INLINE gn_v gn_quad(const float *rows, const uint32_t *at) {
-    gn_v r = _mm512_castps128_ps512(_mm_loadu_ps(rows + at[0]));
-    r = _mm512_mask_broadcast_f32x4(r, 0x00F0, _mm_loadu_ps(rows + at[4]));
-    r = _mm512_mask_broadcast_f32x4(r, 0x0F00, _mm_loadu_ps(rows + at[8]));
-    return _mm512_mask_broadcast_f32x4(r, 0xF000, _mm_loadu_ps(rows + at[12]));
+/* Rows index[0], index[4], index[8], index[12] in the four parts. */
+GN_INLINE gn_v gn_quad(const float *rows, const int32_t *index) {
+    gn_v r = _mm512_castps128_ps512(_mm_loadu_ps(rows + 4 * (int64_t)index[0]));
+    r = _mm512_mask_broadcast_f32x4(r, 0x00F0, _mm_loadu_ps(rows + 4 * (int64_t)index[4]));
+    r = _mm512_mask_broadcast_f32x4(r, 0x0F00, _mm_loadu_ps(rows + 4 * (int64_t)index[8]));
+    return _mm512_mask_broadcast_f32x4(r, 0xF000, _mm_loadu_ps(rows + 4 * (int64_t)index[12]));
 }
 
-/* Places in numbers as in double precision. */
 GN_INLINE void gn_gather4(const float *rows, const int32_t *index, gn_v out[4]) {
-    _Alignas(64) uint32_t at[16];
-    _mm512_store_si512(at, _mm512_slli_epi32(_mm512_loadu_si512(index), 2));
-    __asm__("" : "+m"(at));
-    for (int k = 0; k < 4; k++) out[k] = gn_quad(rows, at + k);
+    for (int k = 0; k < 4; k++) out[k] = gn_quad(rows, index + k);
 }
 
 GN_INLINE void gn_columns4(const gn_v in[4], gn_v out[4]) {

@@ -30,16 +30,19 @@ static bool contact_spring(const gn_spectrum *spectrum, const gn_contacts *list,
                            gn_spring *s) {
     const gn_assembly *a = spectrum->assembly;
     const gn_particles *p = a->particles;
-    *s = (gn_spring){.i = list->i[c], .j = list->j[c]};
-    if (removed(p, s->i) || removed(p, s->j)) return false;
-    const double *x = p->pos + 4 * (size_t)s->i, *y = p->pos + 4 * (size_t)s->j;
+    const int32_t i = list->i[c], j = list->j[c];
+    if (removed(p, i) || removed(p, j)) return false;
+    const double *x = p->pos + 4 * (size_t)i, *y = p->pos + 4 * (size_t)j;
     double d[3] = {y[0] - x[0], y[1] - x[1], a->dimension == 3 ? y[2] - x[2] : 0.0};
     nearest_image(a, d);
-    double distance = sqrt(d[0] * d[0] + d[1] * d[1] + d[2] * d[2]);
+    double square = d[0] * d[0] + d[1] * d[1] + d[2] * d[2];
     bool intact = gn_contact_bonded(list, c);
-    double rest = list->length0 ? list->length0[c] : x[3] + y[3];
+    double rest = list->length0 ? list->length0[c] : x[3] + y[3], most = rest + spectrum->reach;
+    if (!intact && square > 1.000001 * most * most) return false; /* most need no root */
+    double distance = sqrt(square);
     /* Not (distance >= rest), so that a NaN is an active spring and gets noticed. */
-    if (!intact && distance >= rest + spectrum->reach) return false;
+    if (!intact && distance >= most) return false;
+    *s = (gn_spring){.i = i, .j = j};
     double at = intact ? distance : fmin(distance, rest); /* where it closes */
     double half = spectrum->arm_factor * (at - x[3] - y[3]);
     s->arm_i = x[3] + half;

@@ -117,8 +117,9 @@ const gn_surface *gn_surface_of_row(const gn_world *w, size_t row) {
 /* A contact of the last step. */
 typedef struct memory {
     size_t row;
-    double n[3], shear[3], roll[3], fd, closeness;
-    double part; /* of the stiffness that it had */
+    double n[3], fd, closeness;
+    double part;              /* of the stiffness that it had */
+    double shear[3], roll[3]; /* where the contacts have them */
     bool taken;
 } memory;
 
@@ -131,33 +132,32 @@ static void split_normal(memory *m) {
     for (int a = 0; a < 3; a++) m->n[a] /= size;
 }
 
-/* Takes the histories out of the rows and empties them. */
+static void take_columns(double *column, size_t stride, double out[3]) {
+    for (size_t a = 0; a < 3; a++) {
+        out[a] = column[a * stride];
+        column[a * stride] = 0.0;
+    }
+}
+
+/* Takes the histories out of the rows and empties them. `old` has room for one more than
+ * GN_FACET_TOUCHES, where what is beyond them goes. */
 static size_t recall(gn_wall_contacts *q, size_t begin, size_t end, memory *old) {
     size_t count = 0, stride = q->soa.capacity;
     for (size_t c = begin; c < end; c++) {
         memset(q->row + 8 * c, 0, 8 * sizeof *q->row);
-        memory m = {.row = c, .fd = q->fd ? q->fd[c] : 0.0};
-        bool any = false;
-        for (size_t a = 0; a < 3; a++) {
-            m.n[a] = q->normal[c + a * stride];
-            any = any || m.n[a] != 0.0;
-        }
-        if (!any) continue;
-        split_normal(&m);
-        for (size_t a = 0; a < 3; a++) {
-            q->normal[c + a * stride] = 0.0;
-            if (q->roll) m.roll[a] = q->roll[c + a * stride];
-            if (q->roll) q->roll[c + a * stride] = 0.0;
-            if (!q->shear) continue;
-            m.shear[a] = q->shear[c + a * stride];
-            q->shear[c + a * stride] = 0.0;
-        }
+        double *n = q->normal + c;
+        if (n[0] == 0.0 && n[stride] == 0.0 && n[2 * stride] == 0.0) continue;
+        memory *m = &old[count < GN_FACET_TOUCHES ? count++ : GN_FACET_TOUCHES];
+        m->row = c;
+        m->taken = false;
+        take_columns(n, stride, m->n);
+        split_normal(m);
+        if (q->shear) take_columns(q->shear + c, stride, m->shear);
+        if (q->roll) take_columns(q->roll + c, stride, m->roll);
+        m->fd = q->fd ? q->fd[c] : 0.0;
         if (q->fd) q->fd[c] = 0.0;
-        if (q->closeness) {
-            m.closeness = q->closeness[c];
-            q->closeness[c] = 0.0;
-        }
-        if (count < GN_FACET_TOUCHES) old[count++] = m;
+        m->closeness = q->closeness ? q->closeness[c] : 0.0;
+        if (q->closeness) q->closeness[c] = 0.0;
     }
     return count;
 }
@@ -374,9 +374,11 @@ static void contact(const group *g, gn_wall_contacts *q, const gn_facet_near *mi
         g->w->scene.contact_arm == GN_ARM_MIDPOINT ? 1.0 : x[3] / sqrt(gn_dot3(k->arm, k->arm));
     for (int a = 0; a < 3; a++) arm[a] = scale * k->arm[a];
     double old[3] = {0, 0, 0}, roll[3] = {0, 0, 0}, couple[3] = {0, 0, 0};
-    if (before) {
+    if (before && q->shear) {
         memcpy(old, before->shear, sizeof old);
         follow_normal(before->n, k->n, old);
+    }
+    if (before && q->roll) {
         memcpy(roll, before->roll, sizeof roll);
         follow_normal(before->n, k->n, roll);
     }
@@ -504,7 +506,7 @@ size_t gn_surface_contacts_work(gn_world *w, size_t begin, size_t end, gn_contac
     gn_wall_contacts *rows = &w->boundary.contacts;
     group g = group_at(w, begin, end);
     double r = w->dem.particles.pos[4 * g.particle + 3];
-    memory old[GN_FACET_TOUCHES];
+    memory old[GN_FACET_TOUCHES + 1];
     gn_facet_near minima[GN_FACET_TOUCHES];
     size_t remembered = recall(rows, begin, g.end, old);
     size_t count = minima_within(&g, r, minima);
