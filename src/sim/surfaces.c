@@ -124,8 +124,7 @@ typedef struct memory {
 } memory;
 
 /* Rows hold the normal times the part; one of a contact that shared nothing is left as it is. */
-static void split_normal(memory *m) {
-    double size = sqrt(gn_dot3(m->n, m->n));
+static void split_normal(memory *m, double size) {
     m->part = 1.0;
     if (fabs(size - 1.0) < 1e-12) return;
     m->part = size;
@@ -145,13 +144,13 @@ static size_t recall(gn_wall_contacts *q, size_t begin, size_t end, memory *old)
     size_t count = 0, stride = q->soa.capacity;
     for (size_t c = begin; c < end; c++) {
         memset(q->row + 8 * c, 0, 8 * sizeof *q->row);
-        double *n = q->normal + c;
-        if (n[0] == 0.0 && n[stride] == 0.0 && n[2 * stride] == 0.0) continue;
+        double *n = q->normal + c, x = n[0], y = n[stride], z = n[2 * stride];
+        if (x == 0.0 && y == 0.0 && z == 0.0) continue;
         memory *m = &old[count < GN_FACET_TOUCHES ? count++ : GN_FACET_TOUCHES];
         m->row = c;
         m->taken = false;
         take_columns(n, stride, m->n);
-        split_normal(m);
+        split_normal(m, sqrt(x * x + y * y + z * z));
         if (q->shear) take_columns(q->shear + c, stride, m->shear);
         if (q->roll) take_columns(q->roll + c, stride, m->roll);
         m->fd = q->fd ? q->fd[c] : 0.0;

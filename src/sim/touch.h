@@ -9,24 +9,33 @@
 #include "sim/internal.h"
 
 /* What the particle's material and that of a wall, body or finite elements, counted through, are to
- * each other. */
-static inline void gn_add_hertz(const gn_world *w, size_t place, int32_t material,
-                                gn_touch_side *side) {
-    if (w->effects & GN_FX_HERTZ)
-        side->hertz = w->dem.hertz[(size_t)material * gn_scene_sides(&w->scene) + place];
-    if (!(w->effects & GN_FX_ROLLING)) return;
+ * each other. Nothing takes the address of what these return: it is made where it is used. */
+static inline gn_hertz_pair gn_touch_hertz(const gn_world *w, size_t place, int32_t material) {
+    if (!(w->effects & GN_FX_HERTZ)) return (gn_hertz_pair){0};
+    return w->dem.hertz[(size_t)material * gn_scene_sides(&w->scene) + place];
+}
+
+/* Coefficients of rolling (`twisting` false) and twisting. */
+static inline double gn_touch_rolling(const gn_world *w, size_t place, int32_t material,
+                                      bool twisting) {
+    if (!(w->effects & GN_FX_ROLLING)) return 0.0;
     gn_scene_surface s = gn_scene_side(&w->scene, place);
-    bool pair = w->effects & GN_FX_HERTZ && *s.material && place + 1 < gn_scene_sides(&w->scene);
-    side->rolling = pair ? side->hertz.rolling : s.rolling;
-    side->twisting = pair ? side->hertz.twisting : s.twisting;
+    if (w->effects & GN_FX_HERTZ && *s.material && place + 1 < gn_scene_sides(&w->scene)) {
+        gn_hertz_pair pair = gn_touch_hertz(w, place, material);
+        return twisting ? pair.twisting : pair.rolling;
+    }
+    return twisting ? s.twisting : s.rolling;
 }
 
 static inline gn_touch_side gn_wall_side_of(const gn_world *w, size_t wall, int32_t material) {
     const gn_wall_def *def = &w->scene.walls[wall];
-    gn_touch_side side = {
-        .stiffness = def->stiffness, .kratio = def->kratio, .friction = def->friction, .part = 1.0};
-    gn_add_hertz(w, wall, material, &side);
-    return side;
+    return (gn_touch_side){.stiffness = def->stiffness,
+                           .kratio = def->kratio,
+                           .friction = def->friction,
+                           .part = 1.0,
+                           .hertz = gn_touch_hertz(w, wall, material),
+                           .rolling = gn_touch_rolling(w, wall, material, false),
+                           .twisting = gn_touch_rolling(w, wall, material, true)};
 }
 
 static inline gn_touch_side gn_wall_side(const gn_world *w, size_t wall, size_t particle) {
@@ -40,13 +49,15 @@ static inline gn_touch_side gn_surface_side(const gn_world *w, const gn_surface 
                                             size_t particle, double part) {
     size_t bodies = w->scene.body_count;
     size_t place = w->scene.wall_count + (surface->body >= 0 ? (size_t)surface->body : bodies);
-    gn_touch_side side = {.stiffness = surface->stiffness,
-                          .kratio = surface->kratio,
-                          .friction = surface->friction,
-                          .part = part,
-                          .radius = w->dem.particles.pos[4 * particle + 3]};
-    gn_add_hertz(w, place, w->dem.particles.material[particle], &side);
-    return side;
+    const int32_t material = w->dem.particles.material[particle];
+    return (gn_touch_side){.stiffness = surface->stiffness,
+                           .kratio = surface->kratio,
+                           .friction = surface->friction,
+                           .part = part,
+                           .radius = w->dem.particles.pos[4 * particle + 3],
+                           .hertz = gn_touch_hertz(w, place, material),
+                           .rolling = gn_touch_rolling(w, place, material, false),
+                           .twisting = gn_touch_rolling(w, place, material, true)};
 }
 
 /* m: how far a particle may be pressed into a wall or surface before the lists are made again, from
