@@ -25,7 +25,9 @@ static void field_rows(FILE *file, const gn_output_table *table) {
     for (size_t k = 0; k < table->count; k++) {
         const gn_output_field *f = &table->fields[k];
         fprintf(file, "| `%s` | %zu | %s | %s | %s |\n", f->name, f->components, f->unit, f->text,
-                where[f->where]);
+                f->where >> GN_ASKED_SHIFT == 0 ? where[f->where]
+                : f->where & GN_IN_RESULTS      ? "results.h5; on request both"
+                                                : "on request both");
     }
 }
 

@@ -408,6 +408,7 @@ gn_effects gn_scene_effects(const gn_scene *s) {
                 (mask & GN_FX_WALLS ? GN_FX_WALL_SHEAR : 0U);
     if (s->has_couple) mask |= GN_FX_OVERLAP;
     if (s->has_periodic) mask |= GN_FX_PERIODIC;
+    if (gn_scene_box_moves(s)) mask |= GN_FX_CONTACT_FORCES;
     if (s->has_mass_scaling) mask |= GN_FX_MASS_SCALING;
     if (s->orientation == GN_SWITCH_ON && (mask & GN_FX_ROTATION)) mask |= GN_FX_ORIENTATION;
     if (s->energy != GN_SWITCH_OFF) mask |= GN_FX_ENERGY;

@@ -432,6 +432,7 @@ typedef struct gn_scene {
     bool has_periodic;
     double periodic_min[3], periodic_max[3]; /* m */
     gn_box_side box[3];                      /* how its sides across x, y, z move */
+    int64_t periodic_open;                   /* axis along which it has no sides: 0 1 2; -1: none */
     gn_scene_place periodic_where;
     bool has_domain;
     double domain_min[3], domain_max[3]; /* m; default: the specimen's box grown tenfold */
@@ -470,6 +471,9 @@ typedef struct gn_scene {
     double stop_unbalanced; /* stop once the unbalanced force ratio is below; 0: off */
 
     gn_switch energy, orientation, events;
+    size_t field_count;
+    char (*fields)[GN_NAME_SIZE]; /* asked for besides what files have anyway */
+    unsigned asked;               /* the same, GN_ASKED(name) each (base/asked.h) */
 
     double skin; /* m; 0: automatic */
 
@@ -561,6 +565,14 @@ const gn_contact_def *gn_scene_find_contact(const gn_scene *scene, const gn_mate
                                             const gn_material *b);
 static inline int gn_scene_membrane_axis(const gn_scene *scene) {
     return (int)(scene->membrane.axis >= 0 ? scene->membrane.axis : scene->test.axis);
+}
+/* Whether the sides along an axis are the same place. */
+static inline bool gn_scene_periodic_along(const gn_scene *scene, int axis) {
+    return scene->has_periodic && axis < scene->dimension && axis != scene->periodic_open;
+}
+/* Of a box that is periodic along some axes and open along another one. */
+static inline bool gn_scene_half_periodic(const gn_scene *scene) {
+    return scene->has_periodic && scene->periodic_open >= 0;
 }
 /* Whether sides of its periodic box move. */
 static inline bool gn_scene_box_moves(const gn_scene *scene) {

@@ -27,6 +27,13 @@ double gn_box_strain(const gn_world *w, int axis) {
     return start > 0.0 ? w->period[axis] / start - 1.0 : 0.0;
 }
 
+double gn_box_section(const gn_world *w) {
+    double area = 1.0;
+    for (int a = 0; a < (int)w->scene.dimension; a++)
+        if (gn_scene_periodic_along(&w->scene, a)) area *= w->period[a];
+    return area;
+}
+
 /* --- how contacts answer --- */
 
 static void add_list(gn_world *w, const gn_contacts *list) {
@@ -60,6 +67,24 @@ double gn_box_speed(const gn_world *w) {
     double most = 0.0;
     for (int a = 0; a < 3; a++) most = fmax(most, fabs(w->box.flow[a]));
     return most * w->box.reach;
+}
+
+/* --- the stress --- */
+
+void gn_box_sum_stress(const gn_world *w, const gn_contacts *list, size_t begin, size_t end,
+                       double sum[9]) {
+    const size_t width = (size_t)gn_contacts_row_width(list);
+    const int dimension = (int)w->scene.dimension;
+    for (int k = 0; k < 9; k++) sum[k] = 0.0;
+    for (size_t c = begin; c < end; c++) {
+        const double *x = w->dem.particles.pos + 4 * (size_t)list->i[c],
+                     *y = w->dem.particles.pos + 4 * (size_t)list->j[c];
+        const double *f = gn_contacts_row(list) + width * c;
+        double l[3];
+        gn_branch(w, x, y, l);
+        for (int a = 0; a < dimension; a++)
+            for (int b = 0; b < dimension; b++) sum[3 * a + b] += f[a] * l[b];
+    }
 }
 
 /* --- the strain of the coming step --- */

@@ -117,7 +117,7 @@ static gneiss_status check_period(const gn_world *w, gneiss_error *error) {
                        : s->skin > 0.0 ? ", with neighbours.skin"
                                        : "";
     for (int a = 0; a < (int)s->dimension; a++)
-        if (w->period[a] < least)
+        if (gn_scene_periodic_along(s, a) && w->period[a] < least)
             return gn_fail(error, w->step > 0 ? GNEISS_ERROR_UNSTABLE : GNEISS_ERROR_INPUT,
                            "%s:%d:%d: periodic: expected a length of at least %g m along %c (twice "
                            "the reach of the largest particles%s), found %g m",
