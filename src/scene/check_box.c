@@ -42,6 +42,19 @@ static gneiss_status check_corners(const check *c, const gn_scene *s) {
     return GNEISS_OK;
 }
 
+/* What only a servo has a use for, and sides of which nothing is said. */
+static gneiss_status check_idle(const check *c, const gn_box_side *side, const char *key) {
+    const gn_node *given = gn_node_find(c->map, key);
+    const char *idle = side->max_rate > 0 ? "max_rate" : side->relaxation > 0 ? "relaxation" : NULL;
+    char more[48];
+    if (given && given->kind == GN_NODE_MAP && !given->count)
+        return gn_check_fail(c, key, "expected stress or rate, found neither");
+    if (side->stress.count || !idle) return GNEISS_OK;
+    snprintf(more, sizeof more, "%s.%s", key, idle);
+    return gn_check_fail(c, more, "expected a stress beside it, found %s",
+                         side->rate.count ? "a rate" : "none");
+}
+
 gneiss_status gn_check_box_sides(const check *c, const gn_scene *s) {
     GN_TRY(check_corners(c, s));
     for (int a = 0; a < 3; a++) {
@@ -49,8 +62,7 @@ gneiss_status gn_check_box_sides(const check *c, const gn_scene *s) {
         char key[32], more[48];
         snprintf(key, sizeof key, "periodic.%c", "xyz"[a]);
         snprintf(more, sizeof more, "%s.max_rate", key);
-        if (!side->stress.count && side->max_rate > 0)
-            return gn_check_fail(c, more, "expected a stress beside it, found none");
+        GN_TRY(check_idle(c, side, key));
         if (!side->stress.count && !side->rate.count) continue;
         if (a >= s->dimension)
             return gn_check_fail(c, key, "expected x or y in a 2D scene, found z");

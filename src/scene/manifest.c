@@ -297,9 +297,9 @@ TABLE_OF(initial);
             .word = "none", .fallback = "none",                                                    \
             .text = "needed with stress: most by which the box may shorten or grow"),              \
         KEY("relaxation", REAL, gn_scene, box[K].relaxation, .unit = "1", .range = "(0, 1]",       \
-            .fallback = "0.1",                                                                     \
+            .word = "auto", .fallback = "auto",                                                    \
             .text = "with stress: share of what is missing that is made up per step; less where "  \
-                    "that would not be stable with the time step"),                                \
+                    "that would not be stable with the time step; auto: 0.1"),                     \
     };                                                                                             \
     TABLE_OF(side_##AXIS)
 SIDE(x, 0);

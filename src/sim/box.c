@@ -108,7 +108,8 @@ static double follow_stress(const gn_world *w, int a) {
     const double answer = w->box.spring[a] + 2.0 * w->box.dashpot[a] / w->dt;
     const double most = fmin(side->max_rate * w->dt, most_strain);
     double missing = -gn_table_at(&side->stress, w->time) * w->volume - strained_by(w, a);
-    double strain = fmin(side->relaxation, gn_servo_share(w)) * missing;
+    const double share = side->relaxation > 0.0 ? side->relaxation : 0.1;
+    double strain = fmin(share, gn_servo_share(w)) * missing;
     if (answer > 0.0) strain /= answer;
     if (!(answer > 0.0) && strain != 0.0) strain = copysign(INFINITY, strain);
     return fmax(-most, fmin(most, strain));
@@ -147,11 +148,13 @@ static double carry_along(gn_world *w, const double grown[3]) {
 }
 
 static gneiss_status too_fast(const gn_world *w, int a, double strain, gneiss_error *error) {
+    char key[] = "periodic.x.rate";
+    key[9] = "xyz"[a];
     return gn_fail(error, GNEISS_ERROR_INPUT,
-                   "%s:%d:%d: periodic.%c.rate: expected a strain of at most %g in a step of %g s, "
+                   "%s: expected a strain of at most %g in a step of %g s, "
                    "found %g",
-                   w->scene.source, w->scene.periodic_where.line, w->scene.periodic_where.column,
-                   "xyz"[a], most_strain, w -> dt, strain);
+                   gn_scene_at(&w->scene, w->scene.periodic_where, key).text, most_strain, w->dt,
+                   strain);
 }
 
 gneiss_status gn_box_move(gn_world *w, gneiss_error *error) {

@@ -71,16 +71,14 @@ static size_t count_selected(const gn_world *w, const gn_set_def *s) {
 static gneiss_status check_ids(const gn_world *w, const gn_set_def *s, gneiss_error *error) {
     for (size_t k = 0; k < s->id_count; k++)
         if (s->ids[k] < 0 || s->ids[k] >= (int64_t)w->dem.particles.soa.count)
-            return gn_fail(
-                error, GNEISS_ERROR_INPUT,
-                "%s:%d:%d: set '%s': select.ids: expected numbers from 0 to %zu, found %lld",
-                w->scene.source, s->where.line, s->where.column, s->name,
-                w->dem.particles.soa.count - 1, (long long)s->ids[k]);
+            return gn_fail(error, GNEISS_ERROR_INPUT,
+                           "%s: set '%s': select.ids: expected numbers from 0 to %zu, found %lld",
+                           gn_scene_at(&w->scene, s->where, "sets").text, s->name,
+                           w->dem.particles.soa.count - 1, (long long)s->ids[k]);
     if (count_selected(w, s) == 0)
-        return gn_fail(
-            error, GNEISS_ERROR_INPUT,
-            "%s:%d:%d: set '%s': select: expected particles, found none in this selection",
-            w->scene.source, s->where.line, s->where.column, s->name);
+        return gn_fail(error, GNEISS_ERROR_INPUT,
+                       "%s: set '%s': select: expected particles, found none in this selection",
+                       gn_scene_at(&w->scene, s->where, "sets").text, s->name);
     return GNEISS_OK;
 }
 

@@ -69,9 +69,9 @@ static gneiss_status measure_test(gn_world *w, gneiss_error *error) {
     bool sound = shape.length > 0.0 && isfinite(shape.length);
     if (s->test.kind != GN_TEST_SIMPLE_SHEAR || sound) return GNEISS_OK;
     return gn_fail(error, GNEISS_ERROR_INPUT,
-                   "%s:%d:%d: test: expected an upper end above the lower one along %c, with "
+                   "%s: expected an upper end above the lower one along %c, with "
                    "something to shear between them, found %s",
-                   s->source, s->test.where.line, s->test.where.column, "xyz"[s->test.normal],
+                   gn_scene_at(s, s->test.where, "test").text, "xyz"[s->test.normal],
                    isfinite(shape.length) ? "ends that overlap" : "an end without particles");
 }
 
@@ -218,13 +218,12 @@ static gneiss_status check_specimen(const gn_world *w, gneiss_error *error) {
         for (int a = 0; w->scene.has_domain && a < (int)w->scene.dimension; a++) {
             double x = w->dem.particles.pos[4 * p + a];
             if (x >= w->scene.domain_min[a] && x <= w->scene.domain_max[a]) continue;
-            return gn_fail(
-                error, GNEISS_ERROR_INPUT,
-                "%s:%d:%d: specimen: expected particles inside the domain, found particle %d at "
-                "%c = %.*g m",
-                w->scene.source, w->scene.specimen.where.line, w->scene.specimen.where.column,
-                w->dem.particles.id[p], "xyz"[a], w -> scene.origin[a] != 0.0 ? 12 : 6,
-                gn_point_out(w->scene.origin[a], x));
+            return gn_fail(error, GNEISS_ERROR_INPUT,
+                           "%s: expected particles inside the domain, found particle %d at "
+                           "%c = %.*g m",
+                           gn_scene_at(&w->scene, w->scene.specimen.where, "specimen").text,
+                           w->dem.particles.id[p], "xyz"[a], w -> scene.origin[a] != 0.0 ? 12 : 6,
+                           gn_point_out(w->scene.origin[a], x));
         }
     return GNEISS_OK;
 }
@@ -269,11 +268,11 @@ gneiss_status gn_world_check_duration(const gn_world *w, gneiss_error *error) {
     if (steps <= steps_most) return GNEISS_OK;
     return gn_fail(
         error, GNEISS_ERROR_INPUT,
-        "%s:%d:%d: time: expected an end within %.0g steps, found %.3g steps of %.4g s "
+        "%s: expected an end within %.0g steps, found %.3g steps of %.4g s "
         "to t = %.4g s: no run comes to its end (time.end, time.safety, time.contact_steps, "
         "time.step)",
-        w->scene.source, w->scene.time_where.line, w->scene.time_where.column, steps_most, steps,
-        w->dt, w->scene.end);
+        gn_scene_at(&w->scene, w->scene.time_where, "time").text, steps_most, steps, w->dt,
+        w->scene.end);
 }
 
 typedef struct gauge_work {
