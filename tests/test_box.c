@@ -353,6 +353,13 @@ static void what_a_box_cannot_do_is_refused(void **state) {
     expect_refused("x: {stress: 1, max_rate: 0}", "", "periodic.x.max_rate");
     expect_refused("x: {stress: 1, max_rate: 1, relaxation: 2}", "", "periodic.x.relaxation");
     expect_refused("x: {max_rate: 1}", "", "periodic.x.max_rate: expected a stress beside it");
+    expect_refused("x: {rate: 1, max_rate: 1}", "",
+                   "periodic.x.max_rate: expected a stress beside it, found a rate");
+    expect_refused("y: {relaxation: 0.1}", "",
+                   "periodic.y.relaxation: expected a stress beside it, found none");
+    expect_refused("y: {rate: 1, relaxation: 0.5}", "",
+                   "periodic.y.relaxation: expected a stress beside it, found a rate");
+    expect_refused("z: {}", "", "periodic.z: expected stress or rate, found neither");
     expect_refused("x: {rate: 1e9}", "", "periodic.x.rate");
     expect_refused("z: {rate: 1}",
                    "walls: [{name: w, point: [0, 0, 0], normal: [0, 0, 1], stiffness: 1e5}]",

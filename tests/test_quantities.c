@@ -81,9 +81,9 @@ static char *page(void) {
             history_row(file, &gn_quantity_groups[g], &gn_quantity_groups[g].quantities[k]);
     gn_energy_figure figure[GN_ENERGY_FIGURES];
     gn_energy_figures(&(gn_energy){0}, figure);
-    fprintf(file,
-            "\n## Energy\n\nThe ledger at the last measured instant.\n\n| term | kind | unit | "
-            "is |\n| --- | --- | --- | --- |\n");
+    fprintf(file, "\n## Energy\n\nThe ledger at the last measured instant: that of the last step, "
+                  "or of a row that ended the run.\n\n| term | kind | unit | "
+                  "is |\n| --- | --- | --- | --- |\n");
     for (int k = 0; k < GN_ENERGY_FIGURES; k++)
         fprintf(file, "| `%s` | %s | %s | %s |\n", figure[k].name,
                 figure[k].kind ? figure[k].kind : "", figure[k].unit, figure[k].text);
