@@ -252,6 +252,13 @@ static void threads_do_not_matter(void **state) {
     assert_true(one == hash_after(programme("threads: 2"), 6000));
 }
 
+/* Its servo follows sums, which are made contact by contact. */
+static void instruction_sets_do_not_matter(void **state) {
+    (void)state;
+    const uint64_t plain = hash_after(programme("threads: 1, isa: scalar"), 6000);
+    assert_true(plain == hash_after(programme("threads: 3"), 6000)); /* the best there is */
+}
+
 static void a_resumed_box_has_the_same_bits(void **state) {
     (void)state;
     char path[] = "/tmp/gneiss_box_XXXXXX";
@@ -268,6 +275,55 @@ static void a_resumed_box_has_the_same_bits(void **state) {
     assert_true(gn_world_hash(&run->world) == hash_after(programme("threads: 1"), 5 * 1187));
     run_end(run);
     unlink(path);
+}
+
+/* --- an axis without sides --- */
+
+/* Two discs near what would be opposite sides, both pressed through the one that is left out and,
+ * as the same two the other way round, through the one that is there. */
+static void along_an_open_axis_there_are_no_images(void **state) {
+    (void)state;
+    static const char *const open[] = {"none", "y"}, *const precision[] = {"double", "mixed"};
+    for (int k = 0; k < 4; k++) {
+        gn_world *w = world_of(
+            "dimension: 2\n"
+            "specimen: {particles: [[2 mm, 0.5 mm, 1 mm], [2 mm, 9.8 mm, 1 mm], [9.6 mm, 5 mm, 1 "
+            "mm], [0.5 mm, 5 mm, 1 mm]]}\n"
+            "materials: [{name: m, density: 2000, normal_stiffness: 1e5, kratio: 0}]\n"
+            "law: {stiffness: uniform}\nrun: {threads: 1, precision: %s}\ntime: {end: 1}\n"
+            "periodic: {min: [0, 0], max: [10 mm, 10 mm], open: %s}\n",
+            precision[k / 2], open[k % 2]);
+        run_steps(w, 10);
+        assert_true((vel_of(w, 0)[1] > 0.0) == (k % 2 == 0));
+        assert_true(vel_of(w, 2)[0] < 0.0 && vel_of(w, 3)[0] > 0.0);
+        assert_near(w->volume, k % 2 ? 10e-3 * 11.3e-3 : 1e-4, 1e-15);
+        world_end(w);
+    }
+}
+
+/* Grains that rain into a chute without sides pass through them as often as they like. */
+static void a_seam_is_none_where_the_box_is_open_across_it(void **state) {
+    (void)state;
+    gn_world *w[2];
+    for (int k = 0; k < 2; k++) {
+        w[k] = world_of(
+            "specimen: {lattice: {kind: fcc, radius: 1 mm, cells: [3, 3, 3], spacing: 1.02, "
+            "jitter: "
+            "0.02, origin: [%g, 0, 1 mm]}}\n"
+            "materials: [{name: m, density: 2000, normal_stiffness: 1e5, kratio: 2, friction: "
+            "0.3}]\n"
+            "law: {stiffness: uniform}\nrun: {threads: 1}\ngravity: [300, 0, -900]\n"
+            "walls: [{name: floor, point: [0, 0, 0], normal: [0, 0, 1], stiffness: 1e5}]\n"
+            "periodic: {min: [0, 0, 0], max: [8.66 mm, 8.66 mm, 1], open: z}\ntime: {end: 1}\n",
+            k ? 3e-3 : 0.0);
+        run_steps(w[k], 1000);
+        measured_step(w[k]);
+    }
+    assert_true(w[0]->boundary.walls[0].force[2] != 0.0);
+    for (size_t p = 0; p < w[0]->dem.particles.soa.count; p++)
+        for (int a = 0; a < 3; a++)
+            assert_near(vel_of(w[0], (int)p)[a], vel_of(w[1], (int)p)[a], 1e-9);
+    for (int k = 0; k < 2; k++) world_end(w[k]);
 }
 
 /* --- what is refused --- */
@@ -297,6 +353,13 @@ static void what_a_box_cannot_do_is_refused(void **state) {
     expect_refused("x: {stress: 1, max_rate: 0}", "", "periodic.x.max_rate");
     expect_refused("x: {stress: 1, max_rate: 1, relaxation: 2}", "", "periodic.x.relaxation");
     expect_refused("x: {max_rate: 1}", "", "periodic.x.max_rate: expected a stress beside it");
+    expect_refused("x: {rate: 1, max_rate: 1}", "",
+                   "periodic.x.max_rate: expected a stress beside it, found a rate");
+    expect_refused("y: {relaxation: 0.1}", "",
+                   "periodic.y.relaxation: expected a stress beside it, found none");
+    expect_refused("y: {rate: 1, relaxation: 0.5}", "",
+                   "periodic.y.relaxation: expected a stress beside it, found a rate");
+    expect_refused("z: {}", "", "periodic.z: expected stress or rate, found neither");
     expect_refused("x: {rate: 1e9}", "", "periodic.x.rate");
     expect_refused("z: {rate: 1}",
                    "walls: [{name: w, point: [0, 0, 0], normal: [0, 0, 1], stiffness: 1e5}]",
@@ -327,7 +390,10 @@ int main(void) {
         cmocka_unit_test(grains_of_hertzs_law_are_held),
         cmocka_unit_test(bonded_discs_are_held_while_they_are_torn),
         cmocka_unit_test(threads_do_not_matter),
+        cmocka_unit_test(instruction_sets_do_not_matter),
         cmocka_unit_test(a_resumed_box_has_the_same_bits),
+        cmocka_unit_test(along_an_open_axis_there_are_no_images),
+        cmocka_unit_test(a_seam_is_none_where_the_box_is_open_across_it),
         cmocka_unit_test(what_a_box_cannot_do_is_refused),
         cmocka_unit_test(a_rate_beyond_what_a_step_resolves_stops_the_run),
     };

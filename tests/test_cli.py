@@ -736,6 +736,57 @@ def snapshots_are_grids_with_their_time(folder):
         assert np.array_equal(file["VTKHDF/CellData/state"][:], final["bonds/state"][:])
 
 
+ASKED = {"spin": 3, "group": 1, "material": 1, "total_force": 3, "total_moment": 3, "damping_force": 3, "damping_moment": 3}
+
+
+@fact
+def fields_are_in_snapshots_and_results_where_they_are_asked_for(folder):
+    """With viscous damping of a v m at mid-step; what is not asked for is not there, and changes no bit."""
+    states = []
+    for asked in ((), ASKED):
+        out = os.path.join(folder, str(len(asked)))
+        more = ("--set", f"output.fields=[{', '.join(asked)}]") if asked else ()
+        run(LATTICE, out, "--set", "damping.background={model: viscous, coefficient: 1000}", *more)
+        states.append(state_hash(out))
+        with results(out) as file, h5py.File(os.path.join(out, series(out)[-1][0])) as grid:
+            data, particles = grid["VTKHDF/PointData"], file["particles"]
+            for name, components in ASKED.items():
+                assert (name in data) == (name in asked), name
+                assert (name in particles) == (name in asked or name == "spin"), name
+                if name in asked:
+                    assert np.array_equal(data[name][:].reshape(-1, components), particles[name][:].reshape(-1, components)), name
+                    assert text(particles[name].attrs["unit"]) in ("1", "N", "N m", "rad/s")
+    assert states[0] == states[1]
+    with results(out) as file:
+        total, damping, v = (file["particles/" + name][:] for name in ("total_force", "damping_force", "velocity"))
+        assert set(file["particles/group"][:].ravel()) == {1} and set(file["particles/material"][:].ravel()) == {0}
+    assert np.abs(total).max() > 0 and (np.einsum("ij,ij->i", damping, v) <= 0).all() and np.abs(damping).max() > 0
+
+
+@fact
+def bonds_have_sections_and_stresses_where_they_are_asked_for(folder):
+    scene = {"specimen": {"lattice": {"kind": "cubic", "radius": "1 mm", "cells": [3, 3, 3]}}, "law": {"stiffness": "dempack", "gamma": 1.0},
+             "materials": [{"name": "m", "density": 2000, "young": 1e7, "poisson": 0.2, "friction": 0.3, "tensile_strength": 1e9, "shear_strength": 1e9}],
+             "bonds": {"interaction_range": 0.05}, "time": {"end": 1e-3}, "output": {"fields": ["area", "shear_stress"]},
+             "sets": [{"name": "s", "select": {"end": {"axis": "z", "side": "upper", "depth": 1e-3}}, "motion": {"vx": 0.1}}]}
+    out = os.path.join(folder, "out")
+    run(write_scene(folder, scene), out)
+    with results(out) as file, h5py.File(os.path.join(out, series(out, "bonds")[-1][0])) as grid:
+        data, bonds = grid["VTKHDF/CellData"], file["bonds"]
+        assert np.array_equal(data["area"][:].ravel(), bonds["area"][:].ravel()) and (data["area"][:] > 0).all()
+        assert np.allclose(data["shear_stress"][:] * data["area"][:], data["shear_force"][:], rtol=1e-12)
+        assert np.array_equal(data["shear_stress"][:].ravel(), bonds["shear_stress"][:].ravel()) and data["shear_stress"][:].max() > 0
+
+
+@fact
+def fields_that_there_are_not_are_refused_with_their_place(folder):
+    for asked, pattern in (("[spim]", "output.fields: expected the name of a field, found 'spim'; did you mean 'spin'"),
+                           ("[spin, group, spin]", "output.fields: expected every name once, found 'spin' again"),
+                           ("area", r"output.fields: expected sections of bonds \(law.stiffness dempack or polyhedron\) beside 'area', found none"),
+                           ("skin", "output.fields: expected a membrane beside 'skin', found none")):
+        expect(gneiss("check", LATTICE, "--set", f"output.fields={asked}"), 2, "--set " + pattern)
+
+
 @fact
 def orientations_are_written_where_they_are_asked_for(folder):
     # Spin w about a fixed axis: the turn is cos(w t/2), axis sin(w t/2). Each step is first order in the angle and wrong

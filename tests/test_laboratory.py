@@ -557,6 +557,111 @@ def a_coefficient_of_spins_has_the_unit_and_the_range_of_its_model(folder):
         refused(folder, {**given, "damping": {"background": background}, "law": {"stiffness": "harmonic", **law}}, pattern)
 
 
+# --- simple shear ---------------------------------------------------------------------------------------
+
+def glued(lattice, size, speed, dimension, axis, normal, turn, **more):
+    """A bonded lattice between two layers that go and turn as in uniform shear, in a box without sides along the normal."""
+    side = {"axis": normal, "depth": 1.1e-3}
+    still = {"v" + a: 0 for a in "xyz"[:dimension]}
+    sets = [{"name": name, "select": {"end": {**side, "side": name}}, "motion": {**still, **turn, "v" + axis: v}}
+            for name, v in (("lower", 0), ("upper", speed))]
+    return scene(dimension, specimen={"lattice": {**lattice, "radius": "1 mm"}, "group": 1}, law={"stiffness": "uniform"},
+                 materials=[{"name": "m", "density": 2000, "normal_stiffness": 1e6, "kratio": 2, "friction": 0.3,
+                             "bond_tension_limit": 1e9, "bond_shear_limit": 1e9}], bonds={"interaction_range": 0.05},
+                 periodic={"min": [0] * dimension, "max": size, "open": normal}, sets=sets,
+                 test={"kind": "simple_shear", "axis": axis, "normal": normal, "lower": "lower", "upper": "upper"},
+                 **{"time": {"end": 0.04}, **more})
+
+
+def ramp(value):
+    return [[0, 0], [1e-3, value]]
+
+
+def sheared(folder, name, expected, length, area, given):
+    """The whole of the way: waves of the ramp are 1 % of the first tenth of the stress, and below 1e-4 of it after 20 of their crossings."""
+    out = run_scene(folder, given, name=name)
+    rows, read = history(out), readings(out)
+    last = slice(len(rows["stress"]) // 2, None)
+    assert np.allclose(rows["strain"][last], rows["deflection"][last] / length, rtol=1e-12), name
+    assert np.allclose(rows["stress"][last], rows["force"][last] / area, rtol=1e-12), name
+    modulus = np.polyfit(rows["strain"][last], rows["stress"][last], 1)[0]
+    assert abs(modulus / expected - 1) < 2e-3, (name, modulus, expected)
+    assert abs(read["shear_modulus"] / expected - 1) < 0.01, (name, read["shear_modulus"], expected)
+    return out, rows, last
+
+
+@fact
+def a_triangular_lattice_has_the_shear_modulus_of_its_springs(folder):
+    """Uniform strain: springs at 0, 60 and 120 degrees in a cell of 2 sqrt(3) r^2 give G = sqrt(3)/4 (k_n + k_t). 12 rows, the outer two led: a
+    strain of 0.1 % at most, whose square is what the turn of the lattice adds."""
+    r, rows_, speed = 1e-3, 12, 5e-4
+    length = (rows_ - 1) * np.sqrt(3) * r
+    given = glued({"kind": "hexagonal", "cells": [5, rows_ // 2]}, [10 * r, 1], ramp(speed), 2, "x", "y", {"wz": ramp(-speed / length / 2)})
+    out, rows, last = sheared(folder, "hexagonal", np.sqrt(3) / 4 * 1.5e6, length, 10 * r, given)
+    # The average strain is pure shear by half the angle; the mean stress is that of the springs along the rows, 5 in each, and of 10 between two.
+    assert np.allclose(rows["strain_xy"][last], rows["strain"][last] / 2, rtol=2e-3)
+    assert np.abs(rows["strain_xx"][last]).max() < 1e-3 * rows["strain"][last].max()
+    kn, kt, height = 1e6, 0.5e6, length + 2 * r
+    mean = r * (5 * rows_ * kt + 10 * (rows_ - 1) * (0.75 * kn + 0.25 * kt)) / (10 * height)
+    assert np.allclose(rows["stress_xy"][last], mean * rows["strain"][last], rtol=2e-3)
+    with results(out) as file:
+        assert abs(file.attrs["volume"] / (10 * r * height) - 1) < 1e-12 and file.attrs["volume_of"] in (b"the periodic box", "the periodic box")
+
+
+@fact
+def a_cubic_lattice_has_the_shear_modulus_of_its_tangential_springs(folder):
+    """Contacts along the shear and across the plane turn against each other by half the angle each: G = k_t/(4 r)."""
+    r, speed = 1e-3, 5e-4
+    length = 7 * 2 * r
+    given = glued({"kind": "cubic", "cells": [3, 4, 8]}, [6 * r, 8 * r, 1], ramp(speed), 3, "x", "z",
+                  {"wx": 0, "wy": ramp(speed / length / 2), "wz": 0})
+    _, rows, last = sheared(folder, "cubic", 0.5e6 / (4 * r), length, 48 * r * r, given)
+    assert np.allclose(rows["strain_xz"][last], rows["strain"][last] / 2, rtol=2e-3)
+
+
+@fact
+def a_plate_above_a_led_layer_holds_the_normal_stress_over_the_section_of_the_box(folder):
+    """The layer is led along the plane alone, so the normal stress is what the lower one bears; nothing else presses."""
+    given = glued({"kind": "hexagonal", "cells": [5, 4]}, [0.01, 1], ramp(0), 2, "x", "y", {"wz": 0}, time={"end": 0.02},
+                  walls=[{"name": "plate", "point": [0, 2e-3 + 7 * np.sqrt(3) * 1e-3], "normal": [0, -1], "stiffness": "1 MN/m",
+                          "servo": {"stress": 1e5, "max_velocity": 0.5}}])
+    given["sets"][1]["motion"] = {"vx": ramp(0.01), "wz": 0}
+    rows = history(run_scene(folder, given))
+    last = slice(-20, None)
+    assert np.allclose(rows["normal_stress"][last], 1e5, rtol=0.01), rows["normal_stress"][last]
+    assert (rows["dilation"][last] < 0).all() and (rows["stress"][last] > 0).all()
+
+
+@fact
+def the_scene_of_the_simple_shear_test_gives_a_modulus_a_strength_and_a_dilation(folder):
+    out = small(folder, "simple-shear", "--set", "specimen.particles=300", "--set", "output.history_rows=500")
+    read = readings(out)
+    assert abs(read["normal_stress_at_peak"] / 1e5 - 1) < 1e-9, (read, absent(out))
+    assert read["shear_modulus"] > 0 and 0.2 < read["shear_strength"] / 1e5 < 1.5 and read["dilation_at_peak"] > 0, (read, absent(out))
+    expect(gneiss("report", out), 0)
+
+
+@fact
+def simple_shear_asks_for_a_box_that_is_open_along_the_normal(folder):
+    r = 1e-3
+    given = glued({"kind": "hexagonal", "cells": [5, 4]}, [10 * r, 1], 0, 2, "x", "y", {"wz": 0})
+    def changed(**sections):
+        return {**given, **{k: {**given[k], **v} for k, v in sections.items()}}
+    no_box = {k: v for k, v in given.items() if k != "periodic"}
+    refused(folder, no_box, "test.kind: expected a periodic box that is open along the normal, y, .*found none")
+    for box, pattern in (({"open": "x", "max": [1, 0.1]}, "periodic.open: expected y, the normal of the simple_shear test, found x"),
+                         ({"open": "none", "max": [10 * r, 0.1]}, "periodic.open: expected y, the normal of the simple_shear test, found none"),
+                         ({"open": "z"}, "periodic.open: expected x or y in a 2D scene, found z")):
+        refused(folder, changed(periodic=box), pattern)
+    refused(folder, changed(periodic={"x": {"rate": 1}}), "periodic.open: expected none in a box whose sides move, found y")
+    for test, pattern in (({"area": 1}, "test.area: expected in tests of the kind .*, found simple_shear"),
+                          ({"normal": "x"}, "test.normal: expected another direction than axis, found x")):
+        refused(folder, changed(test=test), pattern)
+    refused(folder, {**given, "test": {k: v for k, v in given["test"].items() if k != "normal"}}, "test.normal: required by a simple_shear test")
+    thick = [{**s, "select": {"end": {**s["select"]["end"], "depth": 0.02}}} for s in given["sets"]]
+    refused(folder, {**given, "sets": thick}, "test: expected an upper end above the lower one along y, .*found ends that overlap")
+
+
 # --- wrong use ------------------------------------------------------------------------------------------
 
 @fact

@@ -25,7 +25,9 @@ static void field_rows(FILE *file, const gn_output_table *table) {
     for (size_t k = 0; k < table->count; k++) {
         const gn_output_field *f = &table->fields[k];
         fprintf(file, "| `%s` | %zu | %s | %s | %s |\n", f->name, f->components, f->unit, f->text,
-                where[f->where]);
+                f->where >> GN_ASKED_SHIFT == 0 ? where[f->where]
+                : f->where & GN_IN_RESULTS      ? "results.h5; on request both"
+                                                : "on request both");
     }
 }
 
@@ -79,9 +81,9 @@ static char *page(void) {
             history_row(file, &gn_quantity_groups[g], &gn_quantity_groups[g].quantities[k]);
     gn_energy_figure figure[GN_ENERGY_FIGURES];
     gn_energy_figures(&(gn_energy){0}, figure);
-    fprintf(file,
-            "\n## Energy\n\nThe ledger at the last measured instant.\n\n| term | kind | unit | "
-            "is |\n| --- | --- | --- | --- |\n");
+    fprintf(file, "\n## Energy\n\nThe ledger at the last measured instant: that of the last step, "
+                  "or of a row that ended the run.\n\n| term | kind | unit | "
+                  "is |\n| --- | --- | --- | --- |\n");
     for (int k = 0; k < GN_ENERGY_FIGURES; k++)
         fprintf(file, "| `%s` | %s | %s | %s |\n", figure[k].name,
                 figure[k].kind ? figure[k].kind : "", figure[k].unit, figure[k].text);

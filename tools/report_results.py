@@ -41,7 +41,7 @@ WORDS = {
     "bending": ("strain of the fibre by beam theory", "stress in the fibre by beam theory"),
     "triaxial": ("axial strain", "deviator"), "biaxial": ("axial strain", "deviator"),
     "hydrostatic": ("loss of volume", "mean pressure"),
-    "shear": ("shear strain", "shear stress"),
+    "shear": ("shear strain", "shear stress"), "simple_shear": ("shear strain", "shear stress"),
 }
 
 

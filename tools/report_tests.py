@@ -31,6 +31,7 @@ CARDS = {
               ("shear_modulus", "shear modulus"), ("dilation_at_peak", "dilation at the peak")),
 }
 CARDS["biaxial"] = CARDS["triaxial"]
+CARDS["simple_shear"] = CARDS["shear"]
 
 
 def cards_of(results):

@@ -11,6 +11,7 @@
 typedef struct outputs {
     const gn_output_table *table;
     gn_effects effects;
+    unsigned asked;
     size_t count;
 } outputs;
 
@@ -19,13 +20,15 @@ static outputs find_outputs(const gn_world *w, gneiss_record record) {
     const bool bonds = w->effects & GN_FX_BONDS;
     switch (record) {
     case GNEISS_PARTICLES:
-        return (outputs){&gn_particle_outputs, w->effects, w->dem.particles.soa.count};
+        return (outputs){&gn_particle_outputs, w->effects, w->scene.asked,
+                         w->dem.particles.soa.count};
     case GNEISS_BONDS:
-        return (outputs){bonds ? &gn_bond_outputs : NULL, w->effects, w->dem.bonds.soa.count};
+        return (outputs){bonds ? &gn_bond_outputs : NULL, w->effects, w->scene.asked,
+                         w->dem.bonds.soa.count};
     case GNEISS_NODES:
-        return (outputs){solid ? &gn_node_outputs : NULL, 0, solid ? solid->nodes.soa.count : 0};
+        return (outputs){solid ? &gn_node_outputs : NULL, 0, 0, solid ? solid->nodes.soa.count : 0};
     case GNEISS_ELEMENTS:
-        return (outputs){solid ? &gn_element_outputs : NULL, 0,
+        return (outputs){solid ? &gn_element_outputs : NULL, 0, 0,
                          solid ? solid->elements.soa.count : 0};
     default:
         return (outputs){0};
@@ -36,7 +39,7 @@ size_t gneiss_world_output_count(const gneiss_world *world, gneiss_record record
     if (!world) return 0;
     const outputs o = find_outputs(&world->run.world, record);
     size_t count = 0;
-    while (o.table && gn_output_field_at(o.table, o.effects, count)) count++;
+    while (o.table && gn_output_field_at(o.table, o.effects, o.asked, count)) count++;
     return count;
 }
 
@@ -45,7 +48,8 @@ gneiss_status gneiss_world_output_at(const gneiss_world *world, gneiss_record re
     GN_TRY(gn_api_require(world, "world", error));
     GN_TRY(gn_api_require(what, "what", error));
     const outputs o = find_outputs(&world->run.world, record);
-    const gn_output_field *f = o.table ? gn_output_field_at(o.table, o.effects, index) : NULL;
+    const gn_output_field *f =
+        o.table ? gn_output_field_at(o.table, o.effects, o.asked, index) : NULL;
     if (!f)
         return gn_fail(error, GNEISS_ERROR_INPUT,
                        "argument index: expected less than %zu, the outputs of the record, found "
@@ -86,7 +90,7 @@ gneiss_status gneiss_world_output(const gneiss_world *world, gneiss_record recor
     const gn_world *w = &world->run.world;
     const outputs o = find_outputs(w, record);
     const gn_output_field *f = NULL;
-    for (size_t k = 0; o.table && (f = gn_output_field_at(o.table, o.effects, k)); k++)
+    for (size_t k = 0; o.table && (f = gn_output_field_at(o.table, o.effects, o.asked, k)); k++)
         if (strcmp(f->name, name) == 0) break;
     if (!f)
         return gn_fail(error, GNEISS_ERROR_INPUT,

@@ -34,7 +34,7 @@
     X(ENERGY, energy, "energy ledger")                                                             \
     X(MIXED, mixed, "forces in single precision, sums and state in double")                        \
     X(CONTACT_FORCES, contact_forces,                                                              \
-      "forces kept contact by contact, while output looks at them")                                \
+      "forces kept contact by contact, for a periodic box that moves and while output looks")      \
     X(PRESSURE, pressure, "finite elements with pressures at their nodes (mixed form)")            \
     X(ELEMENTS, elements, "finite elements")                                                       \
     X(FACETS, facets, "surfaces of triangles or segments, with walls")                             \

@@ -9,6 +9,7 @@
 #include "cli/sweep.h"
 #include "io/files.h"
 #include "run/folder.h"
+#include "sweep/sweep.h"
 
 #include <omp.h>
 #include <stdint.h>
@@ -177,6 +178,19 @@ static gneiss_status command_resume(const gn_options *o, gneiss_error *error) {
     return status;
 }
 
+/* Of several confinements in one scene each is a scene: what is wrong with one of them is told as
+ * `run` would tell it. */
+static gneiss_status check_confinements(const gn_options *o, gneiss_error *error) {
+    bool several = false;
+    gn_sweep *sweep = calloc(1, sizeof *sweep);
+    if (!sweep) return gn_fail(error, GNEISS_ERROR_MEMORY, "no memory");
+    gneiss_status status =
+        gn_sweep_of_scene(o->target, o->overrides, o->override_count, NULL, sweep, &several, error);
+    if (status == GNEISS_OK && several) gn_sweep_free(sweep);
+    free(sweep);
+    return status;
+}
+
 /* `plan` and `check` build the world and write nothing. */
 static gneiss_status command_look(const gn_options *o, bool plan, gneiss_error *error) {
     gn_scene *scene = NULL;
@@ -186,7 +200,8 @@ static gneiss_status command_look(const gn_options *o, bool plan, gneiss_error *
     gn_signals_end_at_once(nothing_lost, NULL);
     gneiss_status status = load_scene(o, &scene, error);
     if (status == GNEISS_OK) {
-        status = gn_pack_ahead(o, scene, error);
+        status = check_confinements(o, error);
+        if (status == GNEISS_OK) status = gn_pack_ahead(o, scene, error);
         if (status != GNEISS_OK) gn_scene_free(scene);
     }
     double before = gn_process_time();

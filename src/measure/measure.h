@@ -164,12 +164,12 @@ void gn_damage_particles(const gn_particles *particles, const gn_contacts *bonds
       "slope of stress over platen strain between sides that stand, 1 to 50 % of the largest")     \
     Y(X, lateral_stress_ratio, GN_TESTS(OEDOMETER), "1",                                           \
       "mean lateral over axial stress of the specimen, slopes over the same range (K_0)")          \
-    Y(X, shear_strength, GN_TESTS(SHEAR), "Pa", "largest shear stress, after which it fell")       \
-    Y(X, normal_stress_at_peak, GN_TESTS(SHEAR), "Pa",                                             \
+    Y(X, shear_strength, GN_TESTS_SHEARED, "Pa", "largest shear stress, after which it fell")      \
+    Y(X, normal_stress_at_peak, GN_TESTS_SHEARED, "Pa",                                            \
       "stress across the sheared plane at the peak, compression positive")                         \
-    Y(X, shear_modulus, GN_TESTS(SHEAR), "Pa",                                                     \
+    Y(X, shear_modulus, GN_TESTS_SHEARED, "Pa",                                                    \
       "slope of shear stress over the way of the ends over the length, 1 to 50 % of the largest")  \
-    Y(X, dilation_at_peak, GN_TESTS(SHEAR), "m", "way across the sheared plane at the peak")       \
+    Y(X, dilation_at_peak, GN_TESTS_SHEARED, "m", "way across the sheared plane at the peak")      \
     Y(X, tangent_modulus, GN_OF_AXIAL, "Pa",                                                       \
       "slope of stress over platen strain, 40 to 60 % of the largest stress (ISRM 1979: at half "  \
       "the strength)")                                                                             \
@@ -184,7 +184,7 @@ void gn_damage_particles(const gn_particles *particles, const gn_contacts *bonds
     Y(X, crack_damage_stress, GN_OF_PRESSED, "Pa",                                                 \
       "stress at which the specimen ceases to lose volume before the peak (Martin & Chandler "     \
       "1994)")                                                                                     \
-    Y(X, brittleness, GN_OF_AXIAL | GN_TESTS(BRAZILIAN) | GN_TESTS(BENDING) | GN_TESTS(SHEAR),     \
+    Y(X, brittleness, GN_OF_AXIAL | GN_TESTS(BRAZILIAN) | GN_TESTS(BENDING) | GN_TESTS_SHEARED,    \
       "1", "share of the peak that the stress lost by the end of the run (Bishop 1967)")           \
     Y(X, events, ~GN_TESTS(NONE), "1",                                                             \
       "bursts: rows in a row of the history in which bonds broke")                                 \

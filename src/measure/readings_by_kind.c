@@ -264,6 +264,7 @@ void gn_readings_by_kind(const gn_curves *c, gn_readings *r) {
         read_oedometer(c, r);
         break;
     case GN_TEST_SHEAR:
+    case GN_TEST_SIMPLE_SHEAR:
         read_shear(c, r);
         break;
     case GN_TEST_NONE:

@@ -38,6 +38,11 @@ static bool removed(const gn_particles *p, size_t k) {
     return p->vel[4 * k + 3] == 0.0;
 }
 
+/* Opposite ones, which are the same place. */
+static bool has_sides(const gn_pair_query *q, int a) {
+    return q->periodic && a < q->dimension && q->period[a] > 0.0;
+}
+
 static int level_of(double radius_max, double radius) {
     int level = (int)floor(log2(radius_max / radius));
     return level < 0 ? 0 : level < MAX_LEVELS ? level : MAX_LEVELS - 1;
@@ -61,8 +66,7 @@ static void bounding_box(search *s) {
     }
     for (int a = 0; a < 3; a++) {
         s->extent[a] = upper[a] - s->lower[a];
-        if (s->query->periodic && (a < 2 || s->query->dimension == 3))
-            s->extent[a] = s->query->period[a];
+        if (has_sides(s->query, a)) s->extent[a] = s->query->period[a];
     }
 }
 
@@ -74,7 +78,7 @@ static gneiss_status size_grid(search *s, grid *g, double radius, gneiss_error *
         g->cells[a] = 1;
         g->cell[a] = fmax(s->extent[a], reach);
         if (a == 2 && q->dimension == 2) continue;
-        if (q->periodic && q->period[a] < 2.0 * reach)
+        if (has_sides(q, a) && q->period[a] < 2.0 * reach)
             return gn_fail(
                 error, GNEISS_ERROR_INPUT,
                 "periodic box: expected a length of at least %g m along %c (twice the reach of "
@@ -96,7 +100,7 @@ static gneiss_status size_grid(search *s, grid *g, double radius, gneiss_error *
 static int64_t cell_along(const search *s, const grid *g, const double *x, int a) {
     double c = floor((x[a] - s->lower[a]) / g->cell[a]);
     int64_t n = g->cells[a];
-    if (s->query->periodic) {
+    if (has_sides(s->query, a)) {
         int64_t k = (int64_t)c % n;
         return k < 0 ? k + n : k;
     }
@@ -110,8 +114,9 @@ static int64_t cell_index(const grid *g, const int64_t c[3]) {
 /* Position moved by whole periods so that all lie within one period of each other. */
 static void inside_box(const search *s, const double *x, double out[4]) {
     memcpy(out, x, 4 * sizeof *out);
-    for (int a = 0; s->query->periodic && a < s->query->dimension; a++)
-        out[a] -= s->query->period[a] * floor((x[a] - s->lower[a]) / s->query->period[a]);
+    for (int a = 0; a < s->query->dimension; a++)
+        if (has_sides(s->query, a))
+            out[a] -= s->query->period[a] * floor((x[a] - s->lower[a]) / s->query->period[a]);
 }
 
 static gneiss_status fill_grid(search *s, int level, gneiss_error *error) {
@@ -176,7 +181,7 @@ static void test_batch(const gn_pair_query *q, const grid *g, const double *rest
     const double *restrict cx = g->column[0] + begin, *restrict cy = g->column[1] + begin;
     const double *restrict cz = g->column[2] + begin, *restrict cr = g->column[3] + begin;
     const double stretch = 1.0 + q->range, margin = q->margin, x0 = x[0], x1 = x[1], x2 = x[2];
-    const double px = q->period[0], py = q->period[1], own = x[3];
+    const double own = x[3];
     if (!q->periodic) {
         for (int32_t e = 0; e < count; e++) {
             double dx = cx[e] - x0, dy = cy[e] - x1, dz = cz[e] - x2;
@@ -185,7 +190,9 @@ static void test_batch(const gn_pair_query *q, const grid *g, const double *rest
         }
         return;
     }
-    const double pz = q->dimension == 3 ? q->period[2] : INFINITY;
+    double period[3];
+    for (int a = 0; a < 3; a++) period[a] = has_sides(q, a) ? q->period[a] : INFINITY;
+    const double px = period[0], py = period[1], pz = period[2];
     for (int32_t e = 0; e < count; e++) {
         double dx = wrapped(cx[e] - x0, px), dy = wrapped(cy[e] - x1, py);
         double dz = wrapped(cz[e] - x2, pz), reach = (cr[e] + own) * stretch + margin;
@@ -197,7 +204,7 @@ static void test_batch(const gn_pair_query *q, const grid *g, const double *rest
 static void cell_span(const search *s, const grid *g, int64_t c, int a, int64_t *first,
                       int *count) {
     int64_t n = g->cells[a];
-    if (s->query->periodic && !(a == 2 && s->query->dimension == 2)) {
+    if (has_sides(s->query, a)) {
         *first = n >= 3 ? (c + n - 1) % n : 0;
         *count = n >= 3 ? 3 : (int)n;
         return;

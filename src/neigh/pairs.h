@@ -13,7 +13,7 @@ typedef struct gn_pair_query {
     double margin; /* m, >= 0 */
     double range;  /* >= 0 */
     bool periodic;
-    double period[3]; /* m */
+    double period[3]; /* m; 0: along this axis it has no sides */
     int threads;
 } gn_pair_query;
 

@@ -295,8 +295,8 @@ static gneiss_status name_specimen(const gn_scene *scene, gneiss_status status,
     if (o[0] != 0.0 || o[1] != 0.0 || o[2] != 0.0)
         snprintf(from, sizeof from, "(places are from the origin %s m) ",
                  gn_point_text(o, (const double[3]){0, 0, 0}, at));
-    return gn_fail_context(error, "%s:%d:%d: specimen: %s", scene->source,
-                           scene->specimen.where.line, scene->specimen.where.column, from);
+    return gn_fail_context(error, "%s: %s",
+                           gn_scene_at(scene, scene->specimen.where, "specimen").text, from);
 }
 
 gneiss_status gn_pack_make(const gn_scene *scene, gn_pack_watch *watch, void *context,

@@ -84,9 +84,14 @@ static double rounding_energy(const gn_world *w) {
 }
 
 /* The scale of the residual never falls. Elements are in the reading only. */
-static void note_passed(gn_world *w) {
+static void read_passed(gn_world *w) {
     double passed = fmax(gn_energy_passed(&w->reading), rounding_energy(w));
-    w->energy.passed = w->reading.passed = fmax(w->energy.passed, passed);
+    w->reading.passed = fmax(w->energy.passed, passed);
+}
+
+static void note_passed(gn_world *w) {
+    read_passed(w);
+    w->energy.passed = w->reading.passed;
 }
 
 /* What a row must not hold is found in the row in which it first stands. */
@@ -118,6 +123,12 @@ gneiss_status gn_history_step(gn_world *w, gn_history *h, gneiss_error *error) {
     free(row);
     w->seconds[GN_PHASE_measure] += gn_now() - start;
     return status;
+}
+
+gneiss_status gn_history_last(gn_world *w, gneiss_error *error) {
+    GN_TRY(gn_world_step(w, true, error));
+    read_passed(w);
+    return GNEISS_OK;
 }
 
 gneiss_status gn_history_still(gn_world *w, gn_history *h, gneiss_error *error) {

@@ -268,8 +268,8 @@ static gneiss_status put_state(const gn_world *w, gn_h5 *file, gneiss_error *err
 }
 
 static gneiss_status put_events(const gn_world *w, gn_h5 *file, gneiss_error *error) {
-    const gn_output_source events = {&gn_event_outputs,   &w->dem.events, w->effects,
-                                     w->dem.events.count, NULL,           NULL};
+    const gn_output_source events = {
+        &gn_event_outputs, &w->dem.events, w->effects, w->dem.events.count, NULL, NULL, 0};
     return w->effects & GN_FX_EVENTS ? gn_output_put(&events, file, error) : GNEISS_OK;
 }
 

@@ -142,11 +142,11 @@ const gn_output_table gn_body_outputs = {"bodies", of_bodies, COUNT(of_bodies)},
                       gn_facet_outputs = {"bodies", of_facets, COUNT(of_facets)};
 
 static gn_output_source vertices_of(const view *v) {
-    return (gn_output_source){&gn_vertex_outputs, v, 0, v->vertices, NULL, NULL};
+    return (gn_output_source){&gn_vertex_outputs, v, 0, v->vertices, NULL, NULL, 0};
 }
 
 static gn_output_source facets_of(const view *v) {
-    return (gn_output_source){&gn_facet_outputs, v, 0, v->facets, NULL, NULL};
+    return (gn_output_source){&gn_facet_outputs, v, 0, v->facets, NULL, NULL, 0};
 }
 
 /* --- files --- */
@@ -202,7 +202,7 @@ static gneiss_status put_names(const gn_world *w, gn_h5 *file, gneiss_error *err
 static gneiss_status put_view(const view *v, gn_h5 *file, gneiss_error *error) {
     const gn_world *w = v->world;
     const gn_output_source bodies = {&gn_body_outputs,    v,    w->effects,
-                                     w->scene.body_count, NULL, NULL},
+                                     w->scene.body_count, NULL, NULL, 0},
                            vertices = vertices_of(v), facets = facets_of(v);
     GN_TRY(put_names(w, file, error));
     GN_TRY(gn_output_put(&bodies, file, error));

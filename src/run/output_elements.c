@@ -187,13 +187,13 @@ const gn_output_table gn_node_outputs = {"nodes", of_nodes, COUNT(of_nodes)},
                       gn_element_outputs = {"elements", of_elements, COUNT(of_elements)};
 
 static gn_output_source nodes_source(const view *v) {
-    return (gn_output_source){&gn_node_outputs,          v,           0,
-                              v->solid->nodes.soa.count, v->node_row, v->prefix};
+    return (gn_output_source){&gn_node_outputs, v,         0, v->solid->nodes.soa.count,
+                              v->node_row,      v->prefix, 0};
 }
 
 static gn_output_source elements_source(const view *v) {
-    return (gn_output_source){&gn_element_outputs, v,        0, v->solid->elements.soa.count,
-                              v->element_row,      v->prefix};
+    return (gn_output_source){&gn_element_outputs, v,         0, v->solid->elements.soa.count,
+                              v->element_row,      v->prefix, 0};
 }
 
 /* --- files --- */

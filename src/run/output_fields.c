@@ -60,6 +60,21 @@ static void read_orientation(const void *view, size_t k, double *value) {
 static void read_applied(const void *view, size_t k, double *value) {
     memcpy(value, world_of(view)->dem.particles.applied + 4 * k, 3 * sizeof *value);
 }
+READ(material, w->dem.particles.material[k])
+READ(group, w->dem.particles.group[k])
+READ(skin, w->dem.particles.skin[4 * k + 3] > 0.0)
+static void read_total_force(const void *view, size_t k, double *value) {
+    memcpy(value, ((const gn_output_view *)view)->total + 6 * k, 3 * sizeof *value);
+}
+static void read_total_moment(const void *view, size_t k, double *value) {
+    memcpy(value, ((const gn_output_view *)view)->total + 6 * k + 3, 3 * sizeof *value);
+}
+static void read_damping_force(const void *view, size_t k, double *value) {
+    memcpy(value, ((const gn_output_view *)view)->damping + 6 * k, 3 * sizeof *value);
+}
+static void read_damping_moment(const void *view, size_t k, double *value) {
+    memcpy(value, ((const gn_output_view *)view)->damping + 6 * k + 3, 3 * sizeof *value);
+}
 static void read_stress(const void *view, size_t k, double *value) {
     memcpy(value, ((const gn_output_view *)view)->stress + 6 * k, 6 * sizeof *value);
 }
@@ -75,8 +90,8 @@ static const gn_output_field of_particles[] = {
     {"displacement", "m", "from the start", BOTH, GN_F64, false, 3, read_displacement, 0},
     {"velocity", "m/s", "velocity, half a step before the instant", BOTH, GN_F64, false, 3,
      read_velocity, 0},
-    {"spin", "rad/s", "angular velocity, half a step before the instant", GN_IN_RESULTS, GN_F64,
-     false, 3, read_spin, 0},
+    {"spin", "rad/s", "angular velocity, half a step before the instant",
+     GN_IN_RESULTS | GN_ON_REQUEST(spin), GN_F64, false, 3, read_spin, 0},
     {"mass", "kg", "mass as it moves, with what mass scaling added; 0: removed", GN_IN_RESULTS,
      GN_F64, false, 1, read_mass, 0},
     {"damage", "1", "broken bonds over bonds at the start", BOTH, GN_F64, false, 1, read_damage, 0},
@@ -99,6 +114,22 @@ static const gn_output_field of_particles[] = {
      "unit quaternion w x y z of the turn from the start, w >= 0: the shorter way round; with "
      "`output.orientation: on`",
      BOTH, GN_F64, false, 4, read_orientation, GN_FX_ORIENTATION},
+    {"group", "1", "cohesive group, 0: none", GN_ON_REQUEST(group), GN_I32, false, 1, read_group,
+     0},
+    {"material", "1", "place in the scene's materials, base 0", GN_ON_REQUEST(material), GN_I32,
+     false, 1, read_material, 0},
+    {"skin", "1", "1: the membrane presses on it", GN_ON_REQUEST(skin), GN_U8, false, 1, read_skin,
+     GN_FX_MEMBRANE},
+    {"total_force", "N",
+     "of contacts, walls, surfaces, weight, what is applied and background damping; of walls and "
+     "surfaces in the last step; without what zones of elements do and what leads a set",
+     GN_ON_REQUEST(total_force), GN_F64, false, 3, read_total_force, 0},
+    {"total_moment", "N m", "about the centre, of the same; nothing that is applied has one",
+     GN_ON_REQUEST(total_moment), GN_F64, false, 3, read_total_moment, GN_FX_ROTATION},
+    {"damping_force", "N", "of background damping; 0 along what is prescribed",
+     GN_ON_REQUEST(damping_force), GN_F64, false, 3, read_damping_force, 0},
+    {"damping_moment", "N m", "the same of spins", GN_ON_REQUEST(damping_moment), GN_F64, false, 3,
+     read_damping_moment, GN_FX_ROTATION},
 };
 
 /* --- bonds --- */
@@ -196,6 +227,7 @@ READ(criterion, criterion_of(v, k))
 READ(rest_length, w->dem.bonds.length0[k])
 READ(area, w->dem.bonds.area[k])
 READ(contact_stress, v->normal[k] / w->dem.bonds.area[k])
+READ(shear_stress, v->shear[k] / w->dem.bonds.area[k])
 
 /* 1 if it is its first end that has the smaller id, which comes first, else -1. */
 static double turn_of(const gn_world *w, size_t c) {
@@ -244,9 +276,11 @@ static const gn_output_field of_bonds[] = {
      "broken; 0: left",
      BOTH, GN_F64, false, 1, read_criterion, 0},
     {"area", "m2", "section (2D: width times 1 m); with `law.stiffness: dempack` or `polyhedron`",
-     GN_IN_RESULTS, GN_F64, false, 1, read_area, GN_FX_AREA},
+     GN_IN_RESULTS | GN_ON_REQUEST(area), GN_F64, false, 1, read_area, GN_FX_AREA},
     {"contact_stress", "Pa", "normal force over section, tension positive; with the same", BOTH,
      GN_F64, false, 1, read_contact_stress, GN_FX_AREA},
+    {"shear_stress", "Pa", "size of the tangential force over section; with the same",
+     GN_ON_REQUEST(shear_stress), GN_F64, false, 1, read_shear_stress, GN_FX_AREA},
 };
 
 _Static_assert(COUNT(of_particles) <= GN_OUTPUT_FIELDS_MOST &&
@@ -257,13 +291,15 @@ const gn_output_table gn_particle_outputs = {"particles", of_particles, COUNT(of
 
 gn_output_source gn_output_particles(const gn_output_view *v) {
     const gn_world *w = v->world;
-    return (gn_output_source){&gn_particle_outputs,       v,      w->effects,
-                              w->dem.particles.soa.count, v->row, NULL};
+    return (gn_output_source){
+        &gn_particle_outputs, v, w->effects, w->dem.particles.soa.count, v->row, NULL,
+        w->scene.asked};
 }
 
 gn_output_source gn_output_bonds(const gn_output_view *v) {
     const gn_world *w = v->world;
-    return (gn_output_source){&gn_bond_outputs, v, w->effects, w->dem.bonds.soa.count, NULL, NULL};
+    return (gn_output_source){&gn_bond_outputs, v, w->effects, w->dem.bonds.soa.count, NULL, NULL,
+                              w->scene.asked};
 }
 
 /* --- what takes more than one particle --- */
@@ -286,6 +322,17 @@ static void damage_of_the_awake(const gn_world *w, double *damage) {
         damage[b->i[c]] += 1.0 / fmax(1.0, bonds0[b->i[c]]);
         damage[b->j[c]] += 1.0 / fmax(1.0, bonds0[b->j[c]]);
     }
+}
+
+/* Nothing costs what nobody asks for. */
+static gneiss_status read_loads(gn_output_view *v, gneiss_error *error) {
+    const size_t n = v->world->dem.particles.soa.count;
+    if (!(v->world->scene.asked & GN_ASKED_LOADS)) return GNEISS_OK;
+    v->total = calloc(n + 1, 6 * sizeof(double));
+    v->damping = calloc(n + 1, 6 * sizeof(double));
+    if (!v->total || !v->damping)
+        return gn_fail(error, GNEISS_ERROR_MEMORY, "no memory for the forces on %zu particles", n);
+    return gn_world_loads(v->world, v->total, v->damping, error);
 }
 
 gneiss_status gn_output_view_make(const gn_world *w, const gn_observed *seen, gn_output_view *v,
@@ -311,6 +358,7 @@ gneiss_status gn_output_view_make(const gn_world *w, const gn_observed *seen, gn
     assembly.pairs = &seen->pairs;
     gn_stress_particles(&assembly, gn_world_porosity(w), v->stress);
     gneiss_status status = gn_coupled_add_stress(w, v->stress, error);
+    if (status == GNEISS_OK) status = read_loads(v, error);
     if (status != GNEISS_OK) {
         gn_output_view_free(v);
         return status;
@@ -329,6 +377,8 @@ void gn_output_view_free(gn_output_view *v) {
     free(v->coordination);
     free(v->normal);
     free(v->shear);
+    free(v->total);
+    free(v->damping);
     free(v->row);
     *v = (gn_output_view){0};
 }

@@ -10,7 +10,8 @@ typedef struct gn_output_view {
     const gn_observed *seen;
     double *damage, *stress, *coordination; /* per particle; stress [particles][6] */
     double *normal, *shear;                 /* N, per bond, of what is seen */
-    int32_t *row;                           /* [particles] in files, where they stand by id */
+    double *total, *damping; /* N and N m, [particles][6]; NULL unless they are asked for */
+    int32_t *row;            /* [particles] in files, where they stand by id */
 } gn_output_view;
 
 gneiss_status gn_output_view_make(const gn_world *world, const gn_observed *seen,

@@ -4,14 +4,14 @@
 #include <stdlib.h>
 #include <string.h>
 
-static bool there(gn_effects effects, const gn_output_field *f, int where) {
-    return f->where & where && (effects & f->needs) == f->needs;
+static bool there(gn_effects effects, unsigned asked, const gn_output_field *f, unsigned where) {
+    return f->where & (where | asked << GN_ASKED_SHIFT) && (effects & f->needs) == f->needs;
 }
 
 const gn_output_field *gn_output_field_at(const gn_output_table *table, gn_effects effects,
-                                          size_t index) {
+                                          unsigned asked, size_t index) {
     for (size_t k = 0; k < table->count; k++)
-        if (there(effects, &table->fields[k], GN_IN_RESULTS) && index-- == 0)
+        if (there(effects, asked, &table->fields[k], GN_IN_RESULTS) && index-- == 0)
             return &table->fields[k];
     return NULL;
 }
@@ -47,7 +47,7 @@ gneiss_status gn_output_put(const gn_output_source *s, gn_h5 *file, gneiss_error
         const gn_output_field *f = &s->table->fields[k];
         char path[160];
         double *data;
-        if (!there(s->effects, f, GN_IN_RESULTS)) continue;
+        if (!there(s->effects, s->asked, f, GN_IN_RESULTS)) continue;
         GN_TRY(read_field(s, f, &data, error));
         narrow(data, f->type, s->count * f->components);
         snprintf(path, sizeof path, "%s%s/%s", s->prefix ? s->prefix : "", s->table->group,
@@ -68,7 +68,7 @@ gneiss_status gn_output_arrays_read(const gn_output_source *s, gn_output_arrays 
     *a = (gn_output_arrays){0};
     for (size_t k = 0; k < s->table->count; k++) {
         const gn_output_field *f = &s->table->fields[k];
-        if (!there(s->effects, f, GN_IN_SNAPSHOT)) continue;
+        if (!there(s->effects, s->asked, f, GN_IN_SNAPSHOT)) continue;
         double **data = &a->data[a->count];
         gneiss_status status = read_field(s, f, data, error);
         if (status != GNEISS_OK) gn_output_arrays_free(a);

@@ -3,15 +3,17 @@
 #ifndef GN_RUN_OUTPUT_TABLE_H
 #define GN_RUN_OUTPUT_TABLE_H
 
-#include "base/effects.h"
+#include "base/asked.h"
 #include "io/h5.h"
 #include "io/snapshot.h"
 
-enum { GN_IN_RESULTS = 1, GN_IN_SNAPSHOT = 2 };
+enum { GN_IN_RESULTS = 1, GN_IN_SNAPSHOT = 2, GN_ASKED_SHIFT = 2 };
+/* In both files where the scene asks for it (base/asked.h), and where else it says besides. */
+#define GN_ON_REQUEST(name) (GN_ASKED(name) << GN_ASKED_SHIFT)
 
 typedef struct gn_output_field {
     const char *name, *unit, *text;
-    int where;       /* GN_IN_RESULTS, GN_IN_SNAPSHOT */
+    unsigned where;  /* GN_IN_RESULTS, GN_IN_SNAPSHOT, GN_ON_REQUEST(name) */
     gn_type type;    /* in results.h5; snapshots have doubles */
     bool may_be_nan; /* says that there is none */
     size_t components;
@@ -24,7 +26,7 @@ typedef struct gn_output_table {
     const gn_output_field *fields;
     size_t count;
 } gn_output_table;
-enum { GN_OUTPUT_FIELDS_MOST = 16 };
+enum { GN_OUTPUT_FIELDS_MOST = 24 };
 
 extern const gn_output_table gn_particle_outputs, gn_bond_outputs; /* output_fields.c */
 extern const gn_output_table gn_event_outputs;                     /* events.c */
@@ -40,14 +42,16 @@ typedef struct gn_output_source {
     size_t count;
     const int32_t *row; /* [count] where an item stands; NULL: in its place */
     const char *prefix; /* before the group; NULL: none */
+    unsigned asked;     /* of the scene */
 } gn_output_source;
 
 /* GROUP/<field> of results.h5. */
 gneiss_status gn_output_put(const gn_output_source *source, gn_h5 *file, gneiss_error *error);
 
-/* The fields that results.h5 has, of a table under effects, by place; NULL: there are no more. */
+/* The fields that results.h5 has, of a table under effects and what is asked for, by place; NULL:
+ * there are no more. */
 const gn_output_field *gn_output_field_at(const gn_output_table *table, gn_effects effects,
-                                          size_t index);
+                                          unsigned asked, size_t index);
 /* One of them, [count][components]. */
 void gn_output_read(const gn_output_source *source, const gn_output_field *field, double *values);
 

@@ -40,7 +40,7 @@ static bool has_volume(const gn_world *w, size_t k) {
 }
 static bool has_shear(const gn_world *w, size_t k) {
     (void)k;
-    return w->scene.test.kind == GN_TEST_SHEAR;
+    return gn_test_in(w->scene.test.kind, GN_TESTS_SHEARED);
 }
 static bool has_membrane(const gn_world *w, size_t k) {
     (void)k;
@@ -103,7 +103,7 @@ static const gn_condition always = {"always", NULL}, tests = {"with a test", has
                           ended = {"with a test that has ends", has_ends},
                           confined = {"in triaxial and biaxial tests", has_confinement},
                           voluminous = {"in triaxial, biaxial and hydrostatic tests", has_volume},
-                          sheared = {"in shear tests", has_shear},
+                          sheared = {"in shear and simple shear tests", has_shear},
                           pressed = {"with a membrane", has_membrane},
                           gauged = {"with `test.opening`", has_opening},
                           controlled = {"with `test.control`", has_control},
@@ -134,10 +134,10 @@ READ(stage, (double)w->stage)
 
 READ(deflection, gn_ends_deflection(w))
 
-/* Of the particles: in a periodic box, which has no surface, that of its sides. */
+/* Of the particles: in a box that is periodic all round, so has no surface, that of its sides. */
 static void mean_strain(const gn_world *w, double strain[9]) {
     double gradient[9];
-    if (!(w->effects & GN_FX_PERIODIC)) {
+    if (!(w->effects & GN_FX_PERIODIC) || gn_scene_half_periodic(&w->scene)) {
         gn_strain_gauge_read(&w->gauge, &w->dem.particles, w->dem.index_of_id, gradient);
         gn_strain_of(gradient, strain);
         return;
@@ -224,7 +224,8 @@ static void read_strain(const gn_world *w, size_t k, double *value) {
 }
 /* Too few particles, or all on a plane, have no average strain. */
 static bool no_strain(const gn_world *w) {
-    return w->scene.has_specimen && !w->gauge.count && !is_periodic(w, 0);
+    bool box = is_periodic(w, 0) && !gn_scene_half_periodic(&w->scene);
+    return w->scene.has_specimen && !w->gauge.count && !box;
 }
 static void read_stress(const gn_world *w, size_t k, double *value) {
     (void)k;
@@ -313,7 +314,8 @@ static const gn_quantity of_the_model[] = {
      &always, read_strain, no_strain},
     {"stress", "Pa", "average stress of the specimen, tension positive", GN_TENSOR, GN_AFTER_STEP,
      &always, read_stress, NULL},
-    {"box", "m", "lengths of the periodic box", GN_VECTOR, GN_BEFORE_STEP, &boxed, read_box, NULL},
+    {"box", "m", "lengths of the periodic box; 0 along an axis without sides", GN_VECTOR,
+     GN_BEFORE_STEP, &boxed, read_box, NULL},
     SCALAR(always, GN_AFTER_STEP, "unbalanced", "1", read_unbalanced,
            "mean resultant on a particle over the mean contact force"),
     SCALAR(counted, GN_AFTER_STEP, "particles", "1", read_particles,

@@ -364,6 +364,8 @@ static gneiss_status one_step(gn_run *run, gneiss_error *error) {
         GN_TRY(gn_history_step(w, &run->history, error));
         GN_TRY(gn_run_check_ledger(run, error));
         check_stop_conditions(run);
+    } else if (gn_run_time_left(run) <= 1.5 * w->dt) {
+        GN_TRY(gn_history_last(w, error));
     } else {
         GN_TRY(gn_world_step(w, false, error));
     }

@@ -11,7 +11,7 @@
 
 /* Unbalanced forces, and stress after a peak, count once so many rows of the stage are there: the
  * first ones swing through zero. Servos have to hold for as many as that. */
-enum { ROWS_BEFORE = 20, ROWS_HELD = 10 };
+enum { ROWS_BEFORE = 20, ROWS_HELD = GN_ROWS_HELD };
 
 static gn_stage_state *state_of(const gn_run *run) {
     return &run->world.stages[run->world.stage];
@@ -41,8 +41,7 @@ static double in_row(const gn_run *run, const char *column, size_t row) {
     return values ? values[row] : NAN;
 }
 
-/* Whether a wall pressed as it shall in the instant of a row. */
-static bool wall_holds(const gn_run *run, size_t wall, size_t row) {
+gn_servo_row gn_run_wall_servo(const gn_run *run, size_t wall, size_t row) {
     const gn_world *w = &run->world;
     const gn_wall_def *def = &w->scene.walls[wall];
     static const char *const axes[] = {"x", "y", "z"};
@@ -52,15 +51,18 @@ static bool wall_holds(const gn_run *run, size_t wall, size_t row) {
         snprintf(name, sizeof name, "wall_%s_force_%s", def->name, axes[a]);
         pressed -= in_row(run, name, row) * def->normal[a];
     }
-    return fabs(pressed - wanted) <= stage_of(run)->held * fabs(wanted);
+    return (gn_servo_row){pressed, wanted};
 }
 
-/* The same of the mean stress along an axis of a periodic box. */
-static bool side_holds(const gn_run *run, int axis, size_t row) {
+gn_servo_row gn_run_side_servo(const gn_run *run, int axis, size_t row) {
     static const char *const stresses[] = {"stress_xx", "stress_yy", "stress_zz"};
     const gn_box_side *side = &run->world.scene.box[axis];
     double wanted = gn_table_at(&side->stress, in_row(run, "time", row));
-    return fabs(-in_row(run, stresses[axis], row) - wanted) <= stage_of(run)->held * fabs(wanted);
+    return (gn_servo_row){-in_row(run, stresses[axis], row), wanted};
+}
+
+static bool holds(const gn_run *run, gn_servo_row servo) {
+    return fabs(servo.found - servo.wanted) <= stage_of(run)->held * fabs(servo.wanted);
 }
 
 static bool servos_hold(const gn_run *run, size_t rows) {
@@ -68,10 +70,10 @@ static bool servos_hold(const gn_run *run, size_t rows) {
     if (rows < ROWS_HELD) return false;
     for (int a = 0; a < 3; a++)
         for (size_t r = 1; w->scene.box[a].stress.count && r <= ROWS_HELD; r++)
-            if (!side_holds(run, a, run->history.row_count - r)) return false;
+            if (!holds(run, gn_run_side_servo(run, a, run->history.row_count - r))) return false;
     for (size_t k = 0; k < w->scene.wall_count; k++)
         for (size_t r = 1; w->scene.walls[k].servo.active && r <= ROWS_HELD; r++)
-            if (!wall_holds(run, k, run->history.row_count - r)) return false;
+            if (!holds(run, gn_run_wall_servo(run, k, run->history.row_count - r))) return false;
     return true;
 }
 

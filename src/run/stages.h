@@ -28,6 +28,15 @@ void gn_run_stage_time(gn_run *run);
 /* Before a step: goes on to the next stage when one is over, past those of no steps. */
 gneiss_status gn_run_stages_go(gn_run *run, bool *entered, gneiss_error *error);
 
+/* What the servo of a wall (N), or of a pair of sides of a periodic box (Pa), found in a row and
+ * what it was to hold; a stage whose end is `held` looks at so many. */
+enum { GN_ROWS_HELD = 10 };
+typedef struct gn_servo_row {
+    double found, wanted;
+} gn_servo_row;
+gn_servo_row gn_run_wall_servo(const gn_run *run, size_t wall, size_t row);
+gn_servo_row gn_run_side_servo(const gn_run *run, int axis, size_t row);
+
 /* s: the most that the stage may last. */
 double gn_run_stage_duration(const gn_run *run);
 /* s to the end of the run, at most. */

@@ -239,6 +239,74 @@ static void warn_of_sources(const gn_run *run, gn_warnings *list) {
     }
 }
 
+/* Mean over the last rows, of the stage that is on, of what a servo found and was to hold. */
+static gn_servo_row mean_of(const gn_run *run, int wall, int axis) {
+    const size_t rows = run->history.row_count,
+                 begun = gn_run_staged(run) ? (size_t)run->world.stages[run->world.stage].row : 0;
+    const size_t count = rows - begun < GN_ROWS_HELD ? rows - begun : GN_ROWS_HELD;
+    gn_servo_row mean = {0};
+    for (size_t r = rows - count; r < rows; r++) {
+        gn_servo_row row =
+            wall >= 0 ? gn_run_wall_servo(run, (size_t)wall, r) : gn_run_side_servo(run, axis, r);
+        mean.found += row.found / (double)count;
+        mean.wanted += row.wanted / (double)count;
+    }
+    return mean;
+}
+
+/* What a servo is to hold and does not, at the end, may never have been there. */
+static const double servo_limit = 0.1;
+
+static void warn_of_servos(const gn_run *run, gn_warnings *list) {
+    const gn_scene *s = &run->world.scene;
+    char text[sizeof list->warning->text] = "";
+    size_t used = 0;
+    for (int k = 0; run->finished && k < 3 + (int)s->wall_count && used < sizeof text; k++) {
+        const int wall = k - 3, axis = k < 3 ? k : -1;
+        bool active = axis >= 0 ? s->box[axis].stress.count > 0 : s->walls[wall].servo.active;
+        gn_servo_row mean = active ? mean_of(run, wall, axis) : (gn_servo_row){0};
+        if (!(fabs(mean.found - mean.wanted) > servo_limit * fabs(mean.wanted))) continue;
+        const char *name = axis >= 0 ? (const char *[]){"x", "y", "z"}[axis] : s->walls[wall].name;
+        used += (size_t)snprintf(text + used, sizeof text - used, "%s%s '%s' %.4g of %.4g %s",
+                                 used ? ", " : "", axis >= 0 ? "side" : "wall", name, mean.found,
+                                 mean.wanted, axis >= 0 ? "Pa" : "N");
+    }
+    if (!used) return;
+    gn_warning *to = &list->warning[list->count++];
+    to->name = "servo_not_held";
+    snprintf(to->text, sizeof to->text,
+             "%.*s in the mean of the last rows: the run ended before it "
+             "held, or the servo is too slow for what gives way",
+             (int)sizeof to->text - 128, text);
+}
+
+/* A factor that goes from one of its bounds to the other and back is no control; one that goes back
+ * beyond where the ends began unloads what is not there. */
+enum { SWINGS = 10 };
+
+static void warn_of_control(const gn_run *run, gn_warnings *list) {
+    const gn_control *c = &run->world.scene.test.control;
+    const double *factor = gn_history_column(&run->history, "control"),
+                 *way = gn_history_column(&run->history, "deflection");
+    size_t swings = 0, beyond_start = 0;
+    if (!run->world.scene.test.has_control || !factor || !way) return;
+    for (size_t r = 1; r < run->history.row_count; r++) {
+        bool back = factor[r] <= -0.5 * c->reverse && c->reverse > 0.0;
+        swings += back && factor[r - 1] >= 0.5;
+        beyond_start += back && way[r] < 0.0;
+    }
+    if (swings < SWINGS && !beyond_start) return;
+    gn_warning *to = &list->warning[list->count++];
+    to->name = "control";
+    snprintf(
+        to->text, sizeof to->text,
+        "%s: test.control.response of %g s is too short for the specimen (several crossings by "
+        "waves, times the prescribed speed over the rate)",
+        beyond_start ? "the ends went back beyond where they began"
+                     : "the motion of the ends swung from forwards to backwards again and again",
+        c->response);
+}
+
 gneiss_status gn_run_warnings(const gn_run *run, gn_warnings *list, gneiss_error *error) {
     *list = (gn_warnings){0};
     warn_of_step(run, list);
@@ -251,6 +319,8 @@ gneiss_status gn_run_warnings(const gn_run *run, gn_warnings *list, gneiss_error
     warn_of_mass_scaling(run, list);
     warn_of_added_mass(run, list);
     warn_of_stages(run, list);
+    warn_of_servos(run, list);
+    warn_of_control(run, list);
     warn_of_zones(run, list);
     warn_of_sources(run, list);
     warn_of_lost(run, list);

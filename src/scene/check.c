@@ -380,8 +380,6 @@ gneiss_status gn_check_box(const check *c, const gn_scene *s, const char *key, c
 }
 
 static gneiss_status check_surroundings(const check *c, const gn_scene *s) {
-    if (s->has_periodic)
-        GN_TRY(gn_check_box(c, s, "periodic.max", s->periodic_min, s->periodic_max));
     GN_TRY(gn_check_box_sides(c, s));
     if (!s->has_domain) return GNEISS_OK;
     if (!gn_check_given(c, "domain.min"))
@@ -492,7 +490,8 @@ static gneiss_status check_servo(const check *c, const gn_scene *s, size_t index
                              servo->force.count ? "both" : "none");
     if (servo->area > 0 && servo->force.count)
         return gn_check_fail(c, "servo.area", "expected stress beside it, found force");
-    if (servo->force.count || servo->area > 0 || gn_facing_find(s, index, &facing))
+    if (servo->force.count || servo->area > 0 || gn_wall_closes_box(s, index) ||
+        gn_facing_find(s, index, &facing))
         return GNEISS_OK;
     return gn_check_fail(c, "servo.area",
                          "required beside stress without %s that face each other across this one, "
@@ -587,6 +586,7 @@ gneiss_status gn_check_scene(gn_reader *reader, const gn_node *root) {
         GN_TRY(gn_check_keep(&c, gn_check_membrane(&c, s)));
     if (gn_check_sound(&c, "test") && gn_check_sound(&c, "time.stop"))
         GN_TRY(gn_check_keep(&c, gn_check_test(&c, s)));
+    if (gn_check_sound(&c, "output")) GN_TRY(gn_check_keep(&c, gn_check_output(&c, s)));
     if (!gn_check_sound(&c, "time")) return GNEISS_OK;
     return gn_check_time(&c, s);
 }

@@ -77,6 +77,8 @@ gneiss_status gn_check_test(const check *c, gn_scene *s);
 /* The section `membrane`. */
 gneiss_status gn_check_membrane(const check *c, const gn_scene *s);
 
+/* What `output.fields` asks for (check_output.c). */
+gneiss_status gn_check_output(const check *c, gn_scene *s);
 /* What `time` says of steps (check_time.c). */
 gneiss_status gn_check_time(const check *c, const gn_scene *s);
 

@@ -1,6 +1,8 @@
 /* Whether the sides of a periodic box can move as a scene says. */
 #include "scene/check.h"
 
+#include <math.h>
+
 /* What the convention of a box that moves leaves no place for: particles ride on it, and nothing
  * else does. */
 static gneiss_status check_company(const check *c, const gn_scene *s) {
@@ -25,14 +27,42 @@ static gneiss_status check_company(const check *c, const gn_scene *s) {
                          "expected double beside a periodic box whose sides move, found mixed");
 }
 
+/* Where it has no sides its corners are not looked at. */
+static gneiss_status check_corners(const check *c, const gn_scene *s) {
+    double high[3];
+    for (int a = 0; a < 3; a++) high[a] = a == s->periodic_open ? INFINITY : s->periodic_max[a];
+    if (s->has_periodic) GN_TRY(gn_check_box(c, s, "periodic.max", s->periodic_min, high));
+    if (!gn_scene_half_periodic(s)) return GNEISS_OK;
+    if (s->periodic_open >= s->dimension)
+        return gn_check_fail(c, "periodic.open", "expected x or y in a 2D scene, found z");
+    if (gn_scene_box_moves(s))
+        return gn_check_fail(c, "periodic.open",
+                             "expected none in a box whose sides move, found %c",
+                             "xyz"[s->periodic_open]);
+    return GNEISS_OK;
+}
+
+/* What only a servo has a use for, and sides of which nothing is said. */
+static gneiss_status check_idle(const check *c, const gn_box_side *side, const char *key) {
+    const gn_node *given = gn_node_find(c->map, key);
+    const char *idle = side->max_rate > 0 ? "max_rate" : side->relaxation > 0 ? "relaxation" : NULL;
+    char more[48];
+    if (given && given->kind == GN_NODE_MAP && !given->count)
+        return gn_check_fail(c, key, "expected stress or rate, found neither");
+    if (side->stress.count || !idle) return GNEISS_OK;
+    snprintf(more, sizeof more, "%s.%s", key, idle);
+    return gn_check_fail(c, more, "expected a stress beside it, found %s",
+                         side->rate.count ? "a rate" : "none");
+}
+
 gneiss_status gn_check_box_sides(const check *c, const gn_scene *s) {
+    GN_TRY(check_corners(c, s));
     for (int a = 0; a < 3; a++) {
         const gn_box_side *side = &s->box[a];
         char key[32], more[48];
         snprintf(key, sizeof key, "periodic.%c", "xyz"[a]);
         snprintf(more, sizeof more, "%s.max_rate", key);
-        if (!side->stress.count && side->max_rate > 0)
-            return gn_check_fail(c, more, "expected a stress beside it, found none");
+        GN_TRY(check_idle(c, side, key));
         if (!side->stress.count && !side->rate.count) continue;
         if (a >= s->dimension)
             return gn_check_fail(c, key, "expected x or y in a 2D scene, found z");

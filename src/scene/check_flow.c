@@ -52,7 +52,7 @@ static gneiss_status check_place(const check *c, const gn_scene *s, const gn_flo
         const char *what = s->has_domain ? "domain" : "periodic box";
         double least = s->has_domain ? s->domain_min[a] : s->periodic_min[a];
         double most = s->has_domain ? s->domain_max[a] : s->periodic_max[a];
-        if (!s->has_domain && !s->has_periodic) continue;
+        if (!s->has_domain && !gn_scene_periodic_along(s, a)) continue;
         if (lower[a] >= least && upper[a] <= most) continue;
         return gn_check_fail(c, "name",
                              "expected a region inside the %s, found %g to %g m along %c, outside "

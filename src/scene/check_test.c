@@ -106,17 +106,17 @@ static const char *names_of(unsigned kinds, char *text, size_t size) {
 }
 
 static gneiss_status check_keys(const check *c, const gn_test *t) {
-    const unsigned prisms = GN_TESTS_PRISMS, plates = prisms | GN_TESTS(SHEAR);
+    const unsigned areas = GN_TESTS_PRISMS | GN_TESTS(SHEAR);
     const test_key keys[] = {
-        {"test.length", t->length, plates},
-        {"test.area", t->area, plates},
-        {"test.diameter", t->diameter, plates | GN_TESTS(BRAZILIAN)},
+        {"test.length", t->length, areas | GN_TESTS(SIMPLE_SHEAR)},
+        {"test.area", t->area, areas},
+        {"test.diameter", t->diameter, areas | GN_TESTS(BRAZILIAN)},
         {"test.thickness", t->thickness, GN_TESTS(BRAZILIAN) | GN_TESTS(BENDING)},
         {"test.span", t->span, GN_TESTS(BENDING)},
         {"test.load_span", t->load_span, GN_TESTS(BENDING)},
         {"test.height", t->height, GN_TESTS(BENDING)},
         {"test.notch", t->notch, GN_TESTS(BENDING)},
-        {"test.normal", (double)t->normal + 1.0, GN_TESTS(SHEAR)},
+        {"test.normal", (double)t->normal + 1.0, GN_TESTS_SHEARED},
     };
     char text[256];
     for (size_t k = 0; k < sizeof keys / sizeof *keys; k++)
@@ -169,16 +169,32 @@ static gneiss_status check_confined(const check *c, const gn_scene *s) {
     return GNEISS_OK;
 }
 
+/* Without sides along the shear nothing has to keep them straight. */
+static gneiss_status check_simple_shear(const check *c, const gn_scene *s) {
+    const gn_test *t = &s->test;
+    if (!s->has_periodic)
+        return gn_check_fail(c, "test.kind",
+                             "expected a periodic box that is open along the normal, %c, whose "
+                             "sides let the specimen shear, found none",
+                             "xyz"[t->normal]);
+    if (s->periodic_open == t->normal) return GNEISS_OK;
+    return gn_check_fail(
+        c, "periodic.open", "expected %c, the normal of the simple_shear test, found %s",
+        "xyz"[t->normal],
+        gn_choice_name(gn_scene_key_at("periodic.open")->choices, (int)s->periodic_open));
+}
+
 static gneiss_status check_shear(const check *c, const gn_scene *s) {
     const gn_test *t = &s->test;
     if (t->normal < 0)
-        return gn_check_fail(c, "test.normal", "required by a shear test, but not given");
+        return gn_check_fail(c, "test.normal", "required by a %s test, but not given",
+                             name_of(t->kind));
     if (t->normal >= s->dimension)
         return gn_check_fail(c, "test.normal", "expected x or y in a 2D scene, found z");
     if (t->normal == t->axis)
         return gn_check_fail(c, "test.normal", "expected another direction than axis, found %c",
                              "xyz"[t->normal]);
-    return GNEISS_OK;
+    return t->kind == GN_TEST_SIMPLE_SHEAR ? check_simple_shear(c, s) : GNEISS_OK;
 }
 
 static bool driven_by_servo(const gn_scene *s, const gn_test_end *end) {
@@ -221,7 +237,7 @@ static gneiss_status check_kind(const check *c, const gn_scene *s) {
         return gn_check_fail(c, "test.diameter", "expected area or diameter, found both");
     if (t->kind == GN_TEST_BRAZILIAN) return check_brazilian(c, s);
     if (t->kind == GN_TEST_BENDING) return check_bending(c, s);
-    if (t->kind == GN_TEST_SHEAR) return check_shear(c, s);
+    if (gn_test_in(t->kind, GN_TESTS_SHEARED)) return check_shear(c, s);
     if (gn_test_in(t->kind, GN_TESTS_CONFINED)) return check_confined(c, s);
     return GNEISS_OK;
 }

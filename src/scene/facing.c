@@ -27,6 +27,11 @@ static bool find_pair(const gn_scene *s, const double *normal, const double *oth
     return false;
 }
 
+bool gn_wall_closes_box(const gn_scene *s, size_t wall) {
+    const double *n = s->walls[wall].normal;
+    return gn_scene_half_periodic(s) && fabs(n[s->periodic_open]) > 1.0 - slack;
+}
+
 bool gn_facing_find(const gn_scene *s, size_t wall, gn_facing *f) {
     const double *normal = s->walls[wall].normal;
     *f = (gn_facing){0};

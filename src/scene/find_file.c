@@ -19,8 +19,14 @@ const char *gn_find_file(const char *folder, const char *file, const char *in_fo
     snprintf(joined, sizeof joined, "%s%s%s", absolute ? "" : folder, absolute ? "" : "/", file);
     struct stat status;
     size_t used = strlen(joined);
-    if (in_folder && stat(joined, &status) == 0 && S_ISDIR(status.st_mode))
+    if (in_folder && stat(joined, &status) == 0 && S_ISDIR(status.st_mode)) {
+        snprintf(joined + used, sizeof joined - used, "/sweep.h5");
+        bool sweep = access(joined, F_OK) == 0;
         snprintf(joined + used, sizeof joined - used, "/%s", in_folder);
+        if (access(joined, F_OK) && errno == ENOENT)
+            return sweep ? "it is the folder of a sweep, expected that of one of its runs"
+                         : "it is a folder without results.h5, which a run writes";
+    }
     if (!realpath(joined, resolved) || stat(resolved, &status)) return strerror(errno);
     if (S_ISDIR(status.st_mode)) return "it is a folder";
     if (access(resolved, R_OK)) return strerror(errno);

@@ -297,20 +297,24 @@ TABLE_OF(initial);
             .word = "none", .fallback = "none",                                                    \
             .text = "needed with stress: most by which the box may shorten or grow"),              \
         KEY("relaxation", REAL, gn_scene, box[K].relaxation, .unit = "1", .range = "(0, 1]",       \
-            .fallback = "0.1",                                                                     \
+            .word = "auto", .fallback = "auto",                                                    \
             .text = "with stress: share of what is missing that is made up per step; less where "  \
-                    "that would not be stable with the time step"),                                \
+                    "that would not be stable with the time step; auto: 0.1"),                     \
     };                                                                                             \
     TABLE_OF(side_##AXIS)
 SIDE(x, 0);
 SIDE(y, 1);
 SIDE(z, 2);
 
+static const gn_choice open_axes[] = {{"none", -1}, {"x", 0}, {"y", 1}, {"z", 2}, {NULL, 0}};
 static const gn_key periodic_keys[] = {
     KEY("min", VECTOR, gn_scene, periodic_min, .unit = "m", .range = GN_PLACES, .required = true,
         .text = "lower corner of the periodic box"),
     KEY("max", VECTOR, gn_scene, periodic_max, .unit = "m", .range = GN_PLACES, .required = true,
         .text = "upper corner of the periodic box"),
+    KEY("open", CHOICE, gn_scene, periodic_open, .choices = open_axes, .fallback = "none",
+        .text = "axis along which the box has no sides, as between two plates; min and max have no "
+                "use along it"),
     SECTION("x", side_x_section,
             .text = "how the length of the box along x follows a stress or a "
                     "rate; its lower corner stands still"),
@@ -481,6 +485,10 @@ static const gn_key output_keys[] = {
     KEY("events", CHOICE, gn_scene, events, .choices = switches, .fallback = "auto",
         .text = "list of when and where bonds broke, began to soften or to yield, in results.h5; "
                 "auto: on"),
+    ARRAY("fields", NAMES, gn_scene, fields, field_count, PRESENT(COUNT, gn_scene, field_count),
+          .text = "what particles and bonds have in snapshots and results.h5 besides: spin, group, "
+                  "material, skin, total_force, total_moment, damping_force, damping_moment, area, "
+                  "shear_stress (docs/quantities.md)"),
 };
 TABLE_OF(output);
 

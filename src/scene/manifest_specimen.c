@@ -138,6 +138,7 @@ static const gn_key specimen_keys[] = {
         .text = "text file of rows x y z r (2D: x y r); relative to the folder of the scene"),
     KEY("from", FILE, gn_scene, specimen.from, .second = offsetof(gn_scene, specimen.from_path),
         PRESENT(TEXT, gn_scene, specimen.from), .in_folder = "results.h5",
+        PLACED(gn_scene, specimen.from_where),
         .text =
             "folder of another run: its particles as they were at its end, without those that it "
             "had removed; relative to the folder of the scene"),

@@ -12,6 +12,7 @@ static const gn_choice test_kinds[] = {{"compression", GN_TEST_COMPRESSION},
                                        {"hydrostatic", GN_TEST_HYDROSTATIC},
                                        {"oedometer", GN_TEST_OEDOMETER},
                                        {"shear", GN_TEST_SHEAR},
+                                       {"simple_shear", GN_TEST_SIMPLE_SHEAR},
                                        {NULL, 0}};
 
 static const gn_key opening_keys[] = {
@@ -46,7 +47,9 @@ static const gn_key test_keys[] = {
         .text = "which test it is: how stress and strain are formed and what is read; brazilian: "
                 "a disc across its diameter, bending: a beam on two supports, triaxial (in 2D "
                 "biaxial): under a membrane, oedometer: between sides that stand, shear: one half "
-                "along the other, hydrostatic: from all sides alike, which has no ends"),
+                "along the other, simple_shear: between periodic sides, hydrostatic: from all "
+                "sides alike, "
+                "which has no ends"),
     KEY("axis", CHOICE, gn_scene, test.axis, .choices = axes_or_none, .fallback = "none",
         .text = "direction of loading; needed by all but hydrostatic"),
     ARRAY("lower", NAMES, gn_scene, test.lower.name, test.lower.count,
@@ -56,7 +59,7 @@ static const gn_key test_keys[] = {
     ARRAY("upper", NAMES, gn_scene, test.upper.name, test.upper.count,
           PRESENT(COUNT, gn_scene, test.upper.count), .text = "the same at the upper end"),
     KEY("normal", CHOICE, gn_scene, test.normal, .choices = axes_or_none, .fallback = "none",
-        .text = "shear: across the plane that is sheared"),
+        .text = "shear and simple_shear: across the plane that is sheared"),
     KEY("length", REAL, gn_scene, test.length, .unit = "m", .range = GN_LENGTHS, .word = "auto",
         .fallback = "auto", .text = "length of the specimen; auto: its extent along the axis"),
     KEY("area", REAL, gn_scene, test.area, .unit = "m2", .range = GN_AREAS, .word = "auto",

@@ -19,12 +19,57 @@ static const size_t size_limit = (size_t)64 << 20;
 
 /* ---- reading ---- */
 
+/* Those for which there is no room are only missing from messages. */
+static void note_override(gn_scene *s, const char *key) {
+    size_t used = strlen(s->overridden), length = strlen(key);
+    if (used + length + 2 > sizeof s->overridden) return;
+    memcpy(s->overridden + used, key, length);
+    memcpy(s->overridden + used + length, "\n", 2);
+}
+
+/* Whether the path of one key is that of another or of what is below it. */
+static bool within(const char *path, size_t length, const char *top, size_t top_length) {
+    if (length < top_length || memcmp(path, top, top_length) != 0) return false;
+    return length == top_length || strchr(".[", path[top_length]);
+}
+
+/* The key on the command line that gave what stands at a path, or around it; below it where no file
+ * did; its length, 0: none. */
+static size_t overriding(const gn_scene *s, bool filed, const char *path, const char **key) {
+    const size_t length = strlen(path);
+    const bool below = !filed || strchr(path, '.');
+    for (const char *at = s->overridden; *at; at += strcspn(at, "\n") + 1) {
+        const size_t size = strcspn(at, "\n");
+        *key = at;
+        if (within(path, length, at, size) || (below && within(at, size, path, length)))
+            return size;
+    }
+    return 0;
+}
+
+gn_place_text gn_scene_at(const gn_scene *s, gn_scene_place where, const char *path) {
+    gn_place_text place;
+    const char *key = "";
+    size_t size = overriding(s, where.line > 0, path, &key);
+    if (size && strlen(path) == size && memcmp(path, key, size) == 0)
+        snprintf(place.text, sizeof place.text, "--set %s", path);
+    else if (size)
+        snprintf(place.text, sizeof place.text, "--set %.*s: %s", (int)size, key, path);
+    else if (where.line > 0)
+        snprintf(place.text, sizeof place.text, "%s:%d:%d: %s", s->source, where.line, where.column,
+                 path);
+    else
+        snprintf(place.text, sizeof place.text, "%s: %s", s->source, path);
+    return place;
+}
+
 static gneiss_status parse_tree(gn_reader *reader, gn_tree *tree, const gn_override *overrides,
                                 size_t override_count) {
     for (size_t k = 0; k < override_count; k++) {
         const char *key = overrides[k].key ? overrides[k].key : "";
         gn_problem_place(reader->problems, (gn_scene_place){INT_MAX, 0}, key);
         GN_TRY(gn_read_keep(reader, gn_tree_override(tree, &overrides[k], reader->error)));
+        note_override(reader->scene, key);
     }
     const gn_node *root = gn_tree_root(tree);
     GN_TRY(gn_read_scene(reader, root));
@@ -408,6 +453,7 @@ gn_effects gn_scene_effects(const gn_scene *s) {
                 (mask & GN_FX_WALLS ? GN_FX_WALL_SHEAR : 0U);
     if (s->has_couple) mask |= GN_FX_OVERLAP;
     if (s->has_periodic) mask |= GN_FX_PERIODIC;
+    if (gn_scene_box_moves(s)) mask |= GN_FX_CONTACT_FORCES;
     if (s->has_mass_scaling) mask |= GN_FX_MASS_SCALING;
     if (s->orientation == GN_SWITCH_ON && (mask & GN_FX_ROTATION)) mask |= GN_FX_ORIENTATION;
     if (s->energy != GN_SWITCH_OFF) mask |= GN_FX_ENERGY;

@@ -213,7 +213,8 @@ typedef struct gn_specimen {
     char file[GN_PATH_SIZE]; /* as written; "" when another source is used */
     char path[GN_PATH_SIZE]; /* resolved: relative to the scene file's folder */
     char from[GN_PATH_SIZE], from_path[GN_PATH_SIZE]; /* the same of another run's results */
-    bool from_velocities, from_bonds;                 /* what else is taken over of it */
+    gn_scene_place from_where;
+    bool from_velocities, from_bonds; /* what else is taken over of it */
     double scale; /* lengths in a file, surface or mesh times this give metres */
     gn_lattice lattice;
     size_t particle_count; /* inline particles */
@@ -380,6 +381,7 @@ typedef struct gn_element_def {
 
 typedef struct gn_scene {
     char source[GN_PATH_SIZE]; /* the scene file, for messages */
+    char overridden[2048];     /* keys that the command line gave, a line each, for messages */
     char title[256];
     int64_t dimension; /* 2 or 3 */
     bool has_origin;
@@ -432,6 +434,7 @@ typedef struct gn_scene {
     bool has_periodic;
     double periodic_min[3], periodic_max[3]; /* m */
     gn_box_side box[3];                      /* how its sides across x, y, z move */
+    int64_t periodic_open;                   /* axis along which it has no sides: 0 1 2; -1: none */
     gn_scene_place periodic_where;
     bool has_domain;
     double domain_min[3], domain_max[3]; /* m; default: the specimen's box grown tenfold */
@@ -470,6 +473,9 @@ typedef struct gn_scene {
     double stop_unbalanced; /* stop once the unbalanced force ratio is below; 0: off */
 
     gn_switch energy, orientation, events;
+    size_t field_count;
+    char (*fields)[GN_NAME_SIZE]; /* asked for besides what files have anyway */
+    unsigned asked;               /* the same, GN_ASKED(name) each (base/asked.h) */
 
     double skin; /* m; 0: automatic */
 
@@ -561,6 +567,20 @@ const gn_contact_def *gn_scene_find_contact(const gn_scene *scene, const gn_mate
                                             const gn_material *b);
 static inline int gn_scene_membrane_axis(const gn_scene *scene) {
     return (int)(scene->membrane.axis >= 0 ? scene->membrane.axis : scene->test.axis);
+}
+/* What a message begins with: "FILE:LINE:COLUMN: PATH", or "--set KEY: PATH" where the command line
+ * gave what stands at the path or around it (with a path of a key also what is below it). */
+typedef struct gn_place_text {
+    char text[GN_PATH_SIZE + 512];
+} gn_place_text;
+gn_place_text gn_scene_at(const gn_scene *scene, gn_scene_place where, const char *path);
+/* Whether the sides along an axis are the same place. */
+static inline bool gn_scene_periodic_along(const gn_scene *scene, int axis) {
+    return scene->has_periodic && axis < scene->dimension && axis != scene->periodic_open;
+}
+/* Of a box that is periodic along some axes and open along another one. */
+static inline bool gn_scene_half_periodic(const gn_scene *scene) {
+    return scene->has_periodic && scene->periodic_open >= 0;
 }
 /* Whether sides of its periodic box move. */
 static inline bool gn_scene_box_moves(const gn_scene *scene) {

@@ -138,9 +138,9 @@ gneiss_status gn_areas_find(gn_world *w, gneiss_error *error) {
     w->dem.derived.gamma = gamma_of(w);
     if (!(w->dem.derived.gamma > 0.0))
         return gn_fail(error, GNEISS_ERROR_INPUT,
-                       "%s:%d:%d: law.gamma_rule: expected a specimen with pores for porosity, "
+                       "%s: expected a specimen with pores for porosity, "
                        "found a porosity of %.4g",
-                       w->scene.source, w->scene.law_where.line, w->scene.law_where.column,
+                       gn_scene_at(&w->scene, w->scene.law_where, "law.gamma_rule").text,
                        gn_world_porosity(w));
     if (!b->area) return GNEISS_OK;
     if (w->scene.stiffness == GN_STIFFNESS_DEMPACK) {

@@ -30,13 +30,12 @@ static gneiss_status check_bonded(const gn_world *w, int32_t i, int32_t j, doubl
     double radius = fmin(pos[4 * (int64_t)i + 3], pos[4 * (int64_t)j + 3]);
     if (distance >= bond_least * radius) return GNEISS_OK;
     int32_t a = w->dem.particles.id[i], b = w->dem.particles.id[j];
-    return gn_fail(
-        error, GNEISS_ERROR_INPUT,
-        "%s:%d:%d: specimen: expected centres of bonded particles at least %g of the smaller "
-        "radius apart, found particles %d and %d (radius %g m) %g m apart; "
-        "bonds.overlap_range leaves pairs that overlap much without a bond",
-        w->scene.source, w->scene.specimen.where.line, w->scene.specimen.where.column, bond_least,
-        a < b ? a : b, a < b ? b : a, radius, distance);
+    return gn_fail(error, GNEISS_ERROR_INPUT,
+                   "%s: expected centres of bonded particles at least %g of the smaller "
+                   "radius apart, found particles %d and %d (radius %g m) %g m apart; "
+                   "bonds.overlap_range leaves pairs that overlap much without a bond",
+                   gn_scene_at(&w->scene, w->scene.specimen.where, "specimen").text, bond_least,
+                   a < b ? a : b, a < b ? b : a, radius, distance);
 }
 
 /* Particles at the same place have no direction of contact, bonded or not. */
@@ -51,10 +50,10 @@ static gneiss_status check_distinct(const gn_world *w, const gn_pair_list *pairs
         if (distance > 0.0) continue;
         int32_t a = w->dem.particles.id[i], b = w->dem.particles.id[j];
         return gn_fail(error, GNEISS_ERROR_INPUT,
-                       "%s:%d:%d: specimen: expected distinct centres, found particles %d and %d "
+                       "%s: expected distinct centres, found particles %d and %d "
                        "at the same place",
-                       w->scene.source, w->scene.specimen.where.line,
-                       w->scene.specimen.where.column, a < b ? a : b, a < b ? b : a);
+                       gn_scene_at(&w->scene, w->scene.specimen.where, "specimen").text,
+                       a < b ? a : b, a < b ? b : a);
     }
     return GNEISS_OK;
 }

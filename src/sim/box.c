@@ -27,6 +27,13 @@ double gn_box_strain(const gn_world *w, int axis) {
     return start > 0.0 ? w->period[axis] / start - 1.0 : 0.0;
 }
 
+double gn_box_section(const gn_world *w) {
+    double area = 1.0;
+    for (int a = 0; a < (int)w->scene.dimension; a++)
+        if (gn_scene_periodic_along(&w->scene, a)) area *= w->period[a];
+    return area;
+}
+
 /* --- how contacts answer --- */
 
 static void add_list(gn_world *w, const gn_contacts *list) {
@@ -62,6 +69,24 @@ double gn_box_speed(const gn_world *w) {
     return most * w->box.reach;
 }
 
+/* --- the stress --- */
+
+void gn_box_sum_stress(const gn_world *w, const gn_contacts *list, size_t begin, size_t end,
+                       double sum[9]) {
+    const size_t width = (size_t)gn_contacts_row_width(list);
+    const int dimension = (int)w->scene.dimension;
+    for (int k = 0; k < 9; k++) sum[k] = 0.0;
+    for (size_t c = begin; c < end; c++) {
+        const double *x = w->dem.particles.pos + 4 * (size_t)list->i[c],
+                     *y = w->dem.particles.pos + 4 * (size_t)list->j[c];
+        const double *f = gn_contacts_row(list) + width * c;
+        double l[3];
+        gn_branch(w, x, y, l);
+        for (int a = 0; a < dimension; a++)
+            for (int b = 0; b < dimension; b++) sum[3 * a + b] += f[a] * l[b];
+    }
+}
+
 /* --- the strain of the coming step --- */
 
 /* Sum of f_a l_a over all contacts: the mean stress times the volume, tension positive. */
@@ -83,7 +108,8 @@ static double follow_stress(const gn_world *w, int a) {
     const double answer = w->box.spring[a] + 2.0 * w->box.dashpot[a] / w->dt;
     const double most = fmin(side->max_rate * w->dt, most_strain);
     double missing = -gn_table_at(&side->stress, w->time) * w->volume - strained_by(w, a);
-    double strain = fmin(side->relaxation, gn_servo_share(w)) * missing;
+    const double share = side->relaxation > 0.0 ? side->relaxation : 0.1;
+    double strain = fmin(share, gn_servo_share(w)) * missing;
     if (answer > 0.0) strain /= answer;
     if (!(answer > 0.0) && strain != 0.0) strain = copysign(INFINITY, strain);
     return fmax(-most, fmin(most, strain));
@@ -122,11 +148,13 @@ static double carry_along(gn_world *w, const double grown[3]) {
 }
 
 static gneiss_status too_fast(const gn_world *w, int a, double strain, gneiss_error *error) {
+    char key[] = "periodic.x.rate";
+    key[9] = "xyz"[a];
     return gn_fail(error, GNEISS_ERROR_INPUT,
-                   "%s:%d:%d: periodic.%c.rate: expected a strain of at most %g in a step of %g s, "
+                   "%s: expected a strain of at most %g in a step of %g s, "
                    "found %g",
-                   w->scene.source, w->scene.periodic_where.line, w->scene.periodic_where.column,
-                   "xyz"[a], most_strain, w -> dt, strain);
+                   gn_scene_at(&w->scene, w->scene.periodic_where, key).text, most_strain, w->dt,
+                   strain);
 }
 
 gneiss_status gn_box_move(gn_world *w, gneiss_error *error) {

@@ -13,8 +13,10 @@
 #include "base/error.h"
 
 #include <stdbool.h>
+#include <stddef.h>
 
 struct gn_world;
+struct gn_contacts;
 
 typedef struct gn_box {
     double start[3];   /* m: lengths at the start */
@@ -35,10 +37,17 @@ void gn_box_create(struct gn_world *world);
 void gn_box_listed(struct gn_world *world);
 /* m/s: the most by which the ends of a listed contact came apart with it in the last step. */
 double gn_box_speed(const struct gn_world *world);
+/* Sum of f_a l_b over contacts [begin, end) of a list, whose forces stand in their rows, one by one
+ * in their order: the kernels add them up lane by lane, so that what follows from their sum would
+ * differ between instruction sets. */
+void gn_box_sum_stress(const struct gn_world *world, const struct gn_contacts *list, size_t begin,
+                       size_t end, double sum[9]);
 /* Grows the box over the coming step, and books what that takes: the half of the work of the
  * interval that led here, at the forces there are, and the half of the coming one. */
 void gn_box_book(struct gn_world *world);
 gneiss_status gn_box_move(struct gn_world *world, gneiss_error *error);
+/* m2 (2D: m x 1 m): across the axis along which the box has no sides. */
+double gn_box_section(const struct gn_world *world);
 /* Strain along an axis since the start, over the length there. */
 double gn_box_strain(const struct gn_world *world, int axis);
 

@@ -117,12 +117,12 @@ static gneiss_status check_period(const gn_world *w, gneiss_error *error) {
                        : s->skin > 0.0 ? ", with neighbours.skin"
                                        : "";
     for (int a = 0; a < (int)s->dimension; a++)
-        if (w->period[a] < least)
+        if (gn_scene_periodic_along(s, a) && w->period[a] < least)
             return gn_fail(error, w->step > 0 ? GNEISS_ERROR_UNSTABLE : GNEISS_ERROR_INPUT,
-                           "%s:%d:%d: periodic: expected a length of at least %g m along %c (twice "
+                           "%s: expected a length of at least %g m along %c (twice "
                            "the reach of the largest particles%s), found %g m",
-                           s->source, s->periodic_where.line, s->periodic_where.column, least,
-                           "xyz"[a], asks, w -> period[a]);
+                           gn_scene_at(s, s->periodic_where, "periodic").text, least, "xyz"[a],
+                           asks, w -> period[a]);
     return GNEISS_OK;
 }
 

@@ -42,8 +42,8 @@ static gneiss_status make_surface(gn_world *w, gn_element_model *q, gneiss_error
     if (status == GNEISS_ERROR_INPUT) {
         bool named = def->group_where.line > 0;
         gn_scene_place where = named ? def->group_where : q->def->where;
-        gn_fail_context(error, "%s:%d:%d: elements.contact%s: ", w->scene.source, where.line,
-                        where.column, def->group[0] ? ".group" : "");
+        const char *key = def->group[0] ? "elements.contact.group" : "elements.contact";
+        gn_fail_context(error, "%s: ", gn_scene_at(&w->scene, where, key).text);
         return status;
     }
     GN_TRY(status);

@@ -41,10 +41,9 @@ static double part_force(const gn_world *w, const char *name, int axis) {
     return s->sets[set].has_force ? s->sets[set].force[axis] : 0.0;
 }
 
-static double end_force(const gn_world *w, const gn_test_end *end) {
+static double end_force(const gn_world *w, const gn_test_end *end, int axis) {
     double sum = 0.0;
-    for (size_t k = 0; k < end->count; k++)
-        sum += part_force(w, end->name[k], (int)w->scene.test.axis);
+    for (size_t k = 0; k < end->count; k++) sum += part_force(w, end->name[k], axis);
     return sum;
 }
 
@@ -66,22 +65,53 @@ double gn_ends_opening(const gn_world *w) {
 
 void gn_ends_forces(const gn_world *w, double *lower, double *upper) {
     double sign = test_sign(w);
-    *lower = -sign * end_force(w, &w->scene.test.lower);
-    *upper = sign * end_force(w, &w->scene.test.upper);
+    const gn_test *t = &w->scene.test;
+    *lower = -sign * end_force(w, &t->lower, (int)t->axis);
+    *upper = sign * end_force(w, &t->upper, (int)t->axis);
     if (!gn_scene_end_drives(&w->scene, &w->scene.test.lower)) *lower = *upper;
     if (!gn_scene_end_drives(&w->scene, &w->scene.test.upper)) *upper = *lower;
 }
 
+/* Whether a part can bear or load along an axis. */
+static bool acts_along(const gn_scene *s, const char *name, int axis) {
+    int set = gn_scene_find_set(s, name);
+    if (gn_scene_find_wall(s, name) >= 0 || gn_scene_find_body(s, name) >= 0 || set < 0)
+        return true;
+    return s->sets[set].motion.velocity[axis].count || s->sets[set].has_force;
+}
+
 double gn_ends_normal(const gn_world *w) {
     const gn_test *t = &w->scene.test;
-    double sum = 0.0;
+    const int normal = (int)t->normal;
+    bool upper = false;
     for (size_t k = 0; k < t->upper.count; k++)
-        sum -= part_force(w, t->upper.name[k], (int)t->normal);
-    return sum;
+        upper |= acts_along(&w->scene, t->upper.name[k], normal);
+    return upper ? -end_force(w, &t->upper, normal) : end_force(w, &t->lower, normal);
 }
 
 double gn_ends_dilation(const gn_world *w) {
     const gn_test *t = &w->scene.test;
     int normal = (int)t->normal;
     return end_travel(w, &t->upper, normal) - end_travel(w, &t->lower, normal);
+}
+
+/* The place of an end that is farthest along `sense` (+1, -1) times the normal, times `sense`. */
+static double end_reach(const gn_world *w, const gn_test_end *end, double sense) {
+    const gn_particles *q = &w->dem.particles;
+    const int normal = (int)w->scene.test.normal;
+    double reach = -INFINITY;
+    for (size_t k = 0; k < end->count; k++) {
+        int wall = gn_scene_find_wall(&w->scene, end->name[k]),
+            set = gn_scene_find_set(&w->scene, end->name[k]);
+        if (wall >= 0) reach = fmax(reach, sense * w->scene.walls[wall].point[normal]);
+        for (size_t p = 0; set >= 0 && p < q->soa.count; p++)
+            if (gn_set_selected(w, (size_t)set, p))
+                reach = fmax(reach, sense * q->start[4 * p + (size_t)normal]);
+    }
+    return reach;
+}
+
+double gn_ends_gap(const gn_world *w) {
+    const gn_test *t = &w->scene.test;
+    return -end_reach(w, &t->upper, -1.0) - end_reach(w, &t->lower, 1.0);
 }

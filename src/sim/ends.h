@@ -8,10 +8,13 @@
 double gn_ends_deflection(const gn_world *world);
 /* Of the gauge of the test, m. */
 double gn_ends_opening(const gn_world *world);
-/* Of a shear test: force of the upper end across the plane, pressing positive, N; how far the ends
- * come apart, m. */
+/* Of a shear test: force of the upper end across the plane, pressing positive, N, or of the lower
+ * one where the upper one has none; how far the ends come apart, m. */
 double gn_ends_normal(const gn_world *world);
 double gn_ends_dilation(const gn_world *world);
+/* Between the innermost places of both ends along the normal of a shear test, at the start, m: of
+ * sets centres, of walls their plane. Not positive: the ends overlap or are empty. */
+double gn_ends_gap(const gn_world *world);
 /* Forces of the ends along the axis, N, positive in the sense of the test. An end that is only
  * watched (what loads it is a traction) has the force of the other one. */
 void gn_ends_forces(const gn_world *world, double *lower, double *upper);

@@ -23,8 +23,7 @@ static gneiss_status make_region(const gn_flow_region *r, gn_domain **domain, gn
 static gneiss_status at(const gn_world *w, gn_scene_place where, const char *list,
                         gneiss_status status, gneiss_error *error) {
     if (status == GNEISS_OK) return status;
-    return gn_fail_context(error, "%s:%d:%d: %s: ", w->scene.source, where.line, where.column,
-                           list);
+    return gn_fail_context(error, "%s: ", gn_scene_at(&w->scene, where, list).text);
 }
 
 static gn_sizes sizes_of(const gn_world *w, size_t source) {

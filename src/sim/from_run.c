@@ -105,14 +105,13 @@ static gneiss_status read_all(const gn_scene *scene, source *s, gn_from_run *fro
 }
 
 gneiss_status gn_from_run_read(const gn_scene *scene, gn_from_run *from, gneiss_error *error) {
-    const gn_scene_place where = scene->specimen.where;
+    const gn_scene_place where = scene->specimen.from_where;
     source s = {0};
     *from = (gn_from_run){0};
     gneiss_status status = gn_h5_open_whole(scene->specimen.from_path, &s.file, error);
     if (status == GNEISS_OK) status = read_all(scene, &s, from, error);
     if (status != GNEISS_OK)
-        gn_fail_context(error, "%s:%d:%d: specimen.from: ", scene->source, where.line,
-                        where.column);
+        gn_fail_context(error, "%s: ", gn_scene_at(scene, where, "specimen.from").text);
     gn_h5_close(s.file);
     gn_free(s.removed);
     gn_free(s.place);

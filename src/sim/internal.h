@@ -119,9 +119,17 @@ gneiss_status gn_sets_apply(gn_world *world, gneiss_error *error);
 /* Velocities of prescribed particles and sums of the reactions. */
 void gn_prescription_update(gn_world *world, double time);
 void gn_reactions_sum(gn_world *world);
+/* Whether a particle, by where it was at the start, is one of a set's. */
+bool gn_set_selected(const gn_world *world, size_t set, size_t particle);
 /* Mean displacement of a set from the start along an axis, m. */
 double gn_set_travel(const gn_world *world, size_t set, int axis);
 
+/* A step of no length on a copy of a list, in double (observe.c): whatever limits it would reach
+ * stays in the copy, which is the caller's, also on failure. `partials`: of the list, with rows of
+ * double; NULL: forces stand in the rows of the copy alone. */
+gneiss_status gn_contacts_evaluate(const gn_world *world, const gn_contacts *list,
+                                   const gn_partials *partials, gn_contacts *copy,
+                                   gneiss_error *error);
 /* Some contacts of a list (observe.c), with the forces of the present places in their rows; the
  * caller's, also on failure. */
 gneiss_status gn_contacts_observe(const gn_world *world, const gn_contacts *list,

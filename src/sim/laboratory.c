@@ -1,7 +1,7 @@
 #include "sim/laboratory.h"
 
 #include "base/memory.h"
-#include "sim/internal.h"
+#include "sim/ends.h"
 
 #include <math.h>
 #include <string.h>
@@ -83,6 +83,14 @@ static gn_tested_shape sheared(const gn_world *w) {
     return s;
 }
 
+/* The same between periodic sides: what is sheared is what ends that are moved leave between them,
+ * over all of the box. */
+static gn_tested_shape simply_sheared(const gn_world *w) {
+    const gn_test *t = &w->scene.test;
+    double length = t->length > 0.0 ? t->length : gn_ends_gap(w), area = gn_box_section(w);
+    return (gn_tested_shape){.length = length, .area = area, .section = area};
+}
+
 gn_tested_shape gn_test_shape(const gn_world *w) {
     switch (w->scene.test.kind) {
     case GN_TEST_BRAZILIAN:
@@ -91,6 +99,8 @@ gn_tested_shape gn_test_shape(const gn_world *w) {
         return beam(w);
     case GN_TEST_SHEAR:
         return sheared(w);
+    case GN_TEST_SIMPLE_SHEAR:
+        return simply_sheared(w);
     case GN_TEST_HYDROSTATIC: /* of stresses and strains, not of forces and ways */
         return (gn_tested_shape){.length = 1.0, .area = 1.0, .section = 1.0};
     case GN_TEST_NONE:

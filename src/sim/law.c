@@ -215,9 +215,8 @@ gneiss_status gn_law_derive(gn_world *w, const gn_pair_list *pairs, gneiss_error
     if (gn_law_of(w->effects)
             ->derive(&w->scene, &w->dem.particles, pair, pairs->count, &w->dem.derived))
         return GNEISS_OK;
-    return gn_fail(
-        error, GNEISS_ERROR_INPUT,
-        "%s:%d:%d: law.stiffness: expected contacts to average over, found none between the "
-        "particles of the specimen",
-        w->scene.source, w->scene.law_where.line, w->scene.law_where.column);
+    return gn_fail(error, GNEISS_ERROR_INPUT,
+                   "%s: expected contacts to average over, found none between the "
+                   "particles of the specimen",
+                   gn_scene_at(&w->scene, w->scene.law_where, "law.stiffness").text);
 }

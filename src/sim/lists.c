@@ -170,8 +170,10 @@ gneiss_status gn_contacts_rename(gn_contacts *list, const int32_t *place, gneiss
 }
 
 void gn_dem_null_particles(gn_world *w) {
-    double apart = w->effects & GN_FX_PERIODIC ? 0.25 * fmin(w->period[0], w->period[1]) : 1.0;
-    gn_particles_set_null(&w->dem.particles, apart);
+    double apart = INFINITY;
+    for (int a = 0; a < 2; a++)
+        if (gn_scene_periodic_along(&w->scene, a)) apart = fmin(apart, w->period[a]);
+    gn_particles_set_null(&w->dem.particles, isfinite(apart) ? 0.25 * apart : 1.0);
 }
 
 void gn_dem_number_ids(gn_world *w) {
@@ -219,6 +221,7 @@ static void wrap(gn_world *w) {
     gn_particles *q = &w->dem.particles;
     for (size_t p = 0; p < q->soa.count; p++)
         for (int a = 0; a < (int)w->scene.dimension; a++) {
+            if (!gn_scene_periodic_along(&w->scene, a)) continue;
             double shift = floor((q->pos[4 * p + a] - w->scene.periodic_min[a]) / w->period[a]);
             q->pos[4 * p + a] -= shift * w->period[a];
             q->start[4 * p + a] -= shift * w->period[a]; /* displacements stay continuous */

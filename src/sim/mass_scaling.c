@@ -116,14 +116,14 @@ static gneiss_status refuse(const gn_world *w, double step, gneiss_error *error)
     gn_scene_place at = w->scene.scaling_where;
     if (elements < step)
         return gn_fail(error, GNEISS_ERROR_INPUT,
-                       "%s:%d:%d: time.mass_scaling: expected a step of at most %.6g s, which the "
+                       "%s: expected a step of at most %.6g s, which the "
                        "finite elements allow (their masses are not raised), found %.6g s",
-                       w->scene.source, at.line, at.column, elements, step);
+                       gn_scene_at(&w->scene, at, "time.mass_scaling").text, elements, step);
     return gn_fail(error, GNEISS_ERROR_INPUT,
-                   "%s:%d:%d: time.mass_scaling: expected a step that the bodies and elements "
+                   "%s: expected a step that the bodies and elements "
                    "which particles touch leave room for (their masses are not raised), found "
                    "%.6g s",
-                   w->scene.source, at.line, at.column, step);
+                   gn_scene_at(&w->scene, at, "time.mass_scaling").text, step);
 }
 
 static gneiss_status make_room(const gn_world *w, wanted *q, gneiss_error *error) {

@@ -203,8 +203,7 @@ gneiss_status gn_membrane_create(gn_world *w, gneiss_error *error) {
     GN_TRY(s->specimen.pack.shape != GN_SHAPE_NONE ? skin_of_shape(w, radius, error)
                                                    : gn_membrane_free_skin(w, radius, error));
     if (w->dem.membrane->area > 0.0) return GNEISS_OK;
-    return gn_fail(error, GNEISS_ERROR_INPUT,
-                   "%s:%d:%d: membrane: expected a surface that faces across %c, found none",
-                   s->source, s->membrane.where.line, s->membrane.where.column,
-                   "xyz"[gn_scene_membrane_axis(s)]);
+    return gn_fail(
+        error, GNEISS_ERROR_INPUT, "%s: expected a surface that faces across %c, found none",
+        gn_scene_at(s, s->membrane.where, "membrane").text, "xyz"[gn_scene_membrane_axis(s)]);
 }

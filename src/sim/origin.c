@@ -52,7 +52,7 @@ static gneiss_status read_elements(const gn_scene *s, gn_mesh *mesh, gneiss_erro
     gneiss_status status = gn_mesh_read_msh(e->mesh_path, e->scale, mesh, error);
     if (status == GNEISS_OK) return status;
     gn_scene_place where = e->mesh_where.line ? e->mesh_where : e->where;
-    return gn_fail_context(error, "%s:%d:%d: elements.mesh: ", s->source, where.line, where.column);
+    return gn_fail_context(error, "%s: ", gn_scene_at(s, where, "elements.mesh").text);
 }
 
 gneiss_status gn_origin_choose(gn_scene *s, const gn_mesh *mesh, gneiss_error *error) {
@@ -154,13 +154,12 @@ static gneiss_status too_coarse(const gn_world *w, gn_scene_place where, const c
     char at[GN_POINT_SIZE];
     double far = largest(reach);
     if (!(rounding(far) > coarse * length)) return GNEISS_OK;
-    return gn_fail(
-        error, GNEISS_ERROR_INPUT,
-        "%s:%d:%d: %s: expected places that are rounded to less than %g of %s (%g m), found "
-        "%g m, as they lie up to %g m from %s m, which positions are computed relative "
-        "to (key origin): forces would be lost in it",
-        w->scene.source, where.line, where.column, what, coarse, of, length, rounding(far), far,
-        gn_point_text(w->scene.origin, (const double[3]){0, 0, 0}, at));
+    return gn_fail(error, GNEISS_ERROR_INPUT,
+                   "%s: expected places that are rounded to less than %g of %s (%g m), found "
+                   "%g m, as they lie up to %g m from %s m, which positions are computed relative "
+                   "to (key origin): forces would be lost in it",
+                   gn_scene_at(&w->scene, where, what).text, coarse, of, length, rounding(far), far,
+                   gn_point_text(w->scene.origin, (const double[3]){0, 0, 0}, at));
 }
 
 /* What something moves in a step; components far below the largest are taken for round-off. A
@@ -173,15 +172,14 @@ static gneiss_status too_slow(const gn_world *w, gn_scene_place where, const cha
         double speed = fabs(velocity[a]);
         if (!(speed > 1e-3 * largest(velocity)) || speed * w->dt >= 50.0 * rounding(reach[a]))
             continue;
-        return gn_fail(
-            error, GNEISS_ERROR_INPUT,
-            "%s:%d:%d: %s: expected a velocity that moves 50 times the rounding of places in "
-            "a step, found %g m/s along %c: %.3g m in %.3g s, and places rounded to "
-            "%.3g m, as they lie up to %g m from %s m, which positions are computed "
-            "relative to (key origin): its motion would be lost",
-            w->scene.source, where.line, where.column, what, speed, "xyz"[a], speed * w -> dt,
-            w -> dt, rounding(reach[a]), fabs(reach[a]),
-            gn_point_text(w->scene.origin, (const double[3]){0, 0, 0}, at));
+        return gn_fail(error, GNEISS_ERROR_INPUT,
+                       "%s: expected a velocity that moves 50 times the rounding of places in "
+                       "a step, found %g m/s along %c: %.3g m in %.3g s, and places rounded to "
+                       "%.3g m, as they lie up to %g m from %s m, which positions are computed "
+                       "relative to (key origin): its motion would be lost",
+                       gn_scene_at(&w->scene, where, what).text, speed, "xyz"[a], speed * w -> dt,
+                       w -> dt, rounding(reach[a]), fabs(reach[a]),
+                       gn_point_text(w->scene.origin, (const double[3]){0, 0, 0}, at));
     }
     return GNEISS_OK;
 }

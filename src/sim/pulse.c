@@ -54,10 +54,10 @@ static gneiss_status check_zones(const gn_world *w, gneiss_error *error) {
         for (int a = 0; a < 3; a++) moved[a] = q->pos[4 * p + a] - q->start[4 * p + a];
         if (q->blend[2 * p] < 1.0 && gn_dot3(moved, moved) > 0.0)
             return gn_fail(error, GNEISS_ERROR_INPUT,
-                           "%s:%d:%d: initial.pulse: expected one that starts outside of zones, "
+                           "%s: expected one that starts outside of zones, "
                            "found particle %d of a zone in it",
-                           w->scene.source, w->scene.couple.where.line,
-                           w->scene.couple.where.column, q->id[p]);
+                           gn_scene_at(&w->scene, w->scene.couple.where, "initial.pulse").text,
+                           q->id[p]);
     }
     return GNEISS_OK;
 }

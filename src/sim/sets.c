@@ -33,16 +33,22 @@ static bool selected(const gn_world *w, const gn_set_def *s, size_t p) {
     return selected_at(w, s, w->dem.particles.pos + 4 * p, w->dem.particles.id[p]);
 }
 
-/* By where it was at the start. */
-static bool starts_in(const gn_world *w, const gn_set_def *s, size_t p) {
+/* By where it was at the start; places of a periodic box have moved by whole lengths since. */
+bool gn_set_selected(const gn_world *w, size_t set, size_t p) {
     const gn_particles *q = &w->dem.particles;
     double x[4];
     memcpy(x, q->start + 4 * p, sizeof x);
+    for (int a = 0; w->step > 0 && a < (int)w->scene.dimension; a++)
+        if (gn_scene_periodic_along(&w->scene, a))
+            x[a] -= w->period[a] * floor((x[a] - w->scene.periodic_min[a]) / w->period[a]);
+    return selected_at(w, &w->scene.sets[set], x, q->id[p]);
+}
+
+static bool starts_in(const gn_world *w, size_t set, size_t p) {
+    const gn_particles *q = &w->dem.particles;
     if (!(q->vel[4 * p + 3] > 0.0)) return false; /* it has left */
     if (q->id[p] >= w->dem.made) return false;    /* a source's: sets are of the specimen */
-    for (int a = 0; w->step > 0 && w->effects & GN_FX_PERIODIC && a < (int)w->scene.dimension; a++)
-        x[a] -= w->period[a] * floor((x[a] - w->scene.periodic_min[a]) / w->period[a]);
-    return selected_at(w, s, x, q->id[p]);
+    return gn_set_selected(w, set, p);
 }
 
 static const gn_table *channel(const gn_motion *motion, int k) {
@@ -65,16 +71,14 @@ static size_t count_selected(const gn_world *w, const gn_set_def *s) {
 static gneiss_status check_ids(const gn_world *w, const gn_set_def *s, gneiss_error *error) {
     for (size_t k = 0; k < s->id_count; k++)
         if (s->ids[k] < 0 || s->ids[k] >= (int64_t)w->dem.particles.soa.count)
-            return gn_fail(
-                error, GNEISS_ERROR_INPUT,
-                "%s:%d:%d: set '%s': select.ids: expected numbers from 0 to %zu, found %lld",
-                w->scene.source, s->where.line, s->where.column, s->name,
-                w->dem.particles.soa.count - 1, (long long)s->ids[k]);
+            return gn_fail(error, GNEISS_ERROR_INPUT,
+                           "%s: set '%s': select.ids: expected numbers from 0 to %zu, found %lld",
+                           gn_scene_at(&w->scene, s->where, "sets").text, s->name,
+                           w->dem.particles.soa.count - 1, (long long)s->ids[k]);
     if (count_selected(w, s) == 0)
-        return gn_fail(
-            error, GNEISS_ERROR_INPUT,
-            "%s:%d:%d: set '%s': select: expected particles, found none in this selection",
-            w->scene.source, s->where.line, s->where.column, s->name);
+        return gn_fail(error, GNEISS_ERROR_INPUT,
+                       "%s: set '%s': select: expected particles, found none in this selection",
+                       gn_scene_at(&w->scene, s->where, "sets").text, s->name);
     return GNEISS_OK;
 }
 
@@ -116,14 +120,15 @@ static double own_mass(const gn_particles *q, size_t p) {
     return inverse > 0.0 ? gn_own_share(q, p) / inverse : 0.0;
 }
 
-static void share_force(gn_world *w, const gn_set_def *s) {
+static void share_force(gn_world *w, size_t set) {
     gn_particles *q = &w->dem.particles;
+    const double *force = w->scene.sets[set].force;
     double mass = 0.0;
     for (size_t p = 0; p < q->soa.count; p++)
-        if (starts_in(w, s, p)) mass += own_mass(q, p);
+        if (starts_in(w, set, p)) mass += own_mass(q, p);
     for (size_t p = 0; p < q->soa.count && mass > 0.0; p++) {
-        if (!starts_in(w, s, p)) continue;
-        for (size_t k = 0; k < 3; k++) q->applied[4 * p + k] += s->force[k] * own_mass(q, p) / mass;
+        if (!starts_in(w, set, p)) continue;
+        for (size_t k = 0; k < 3; k++) q->applied[4 * p + k] += force[k] * own_mass(q, p) / mass;
     }
 }
 
@@ -159,7 +164,7 @@ static gneiss_status make_slots(gn_world *w, gneiss_error *error) {
     for (size_t p = 0; p < q->soa.count; p++) {
         q->slot[p] = -1;
         for (size_t s = 0; s < w->scene.set_count && q->slot[p] < 0; s++)
-            if (motion_mask(&w->scene.sets[s].motion) && starts_in(w, &w->scene.sets[s], p))
+            if (motion_mask(&w->scene.sets[s].motion) && starts_in(w, s, p))
                 q->slot[p] = (int32_t)count++;
     }
     GN_TRY(allocate_slots(w, count, error));
@@ -168,7 +173,7 @@ static gneiss_status make_slots(gn_world *w, gneiss_error *error) {
         int32_t slot = q->slot[p];
         for (size_t s = 0; slot >= 0 && s < w->scene.set_count; s++) {
             uint8_t mask = motion_mask(&w->scene.sets[s].motion);
-            if (!mask || !starts_in(w, &w->scene.sets[s], p)) continue;
+            if (!mask || !starts_in(w, s, p)) continue;
             w->dem.prescribed.set[slot] = (int32_t)s;
             w->dem.prescribed.mask[slot] |= mask;
             for (int k = 0; k < 6; k++)
@@ -205,7 +210,7 @@ void gn_reactions_sum(gn_world *w) {
 static bool travels(const gn_world *w, size_t set, int axis, size_t p) {
     const gn_particles *q = &w->dem.particles;
     const gn_set_def *s = &w->scene.sets[set];
-    if (s->motion.velocity[axis].count == 0) return selected_at(w, s, q->start + 4 * p, q->id[p]);
+    if (s->motion.velocity[axis].count == 0) return gn_set_selected(w, set, p);
     int32_t slot = q->slot[p];
     return slot >= 0 && w->dem.channel_set[6 * slot + axis] == (int32_t)set;
 }
@@ -251,7 +256,7 @@ gneiss_status gn_sets_enter(gn_world *w, gneiss_error *error) {
     gn_particles *q = &w->dem.particles;
     if (q->applied) memset(q->applied, 0, q->soa.count * 4 * sizeof *q->applied);
     for (size_t k = 0; q->applied && k < w->scene.set_count; k++)
-        if (w->scene.sets[k].has_force) share_force(w, &w->scene.sets[k]);
+        if (w->scene.sets[k].has_force) share_force(w, k);
     if (!(w->effects & GN_FX_PRESCRIBED)) return GNEISS_OK;
     free_slots(w);
     /* A velocity that jumps takes an impulse, which the kernel books as work. */

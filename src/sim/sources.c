@@ -181,9 +181,9 @@ static gneiss_status nothing_came(const gn_world *w, gneiss_error *error) {
     while (w->scene.sources[k].start > 0.0) k++;
     const gn_source_def *d = &w->scene.sources[k];
     return gn_fail(error, GNEISS_ERROR_INPUT,
-                   "%s:%d:%d: sources: expected room for a first particle, radius %g m, in source "
+                   "%s: expected room for a first particle, radius %g m, in source "
                    "'%s', found walls or bodies wherever it was tried",
-                   w->scene.source, d->where.line, d->where.column, w->dem.flow.sources[k].radius,
+                   gn_scene_at(&w->scene, d->where, "sources").text, w->dem.flow.sources[k].radius,
                    d->name);
 }
 

@@ -38,10 +38,8 @@ static unit_cell cell_of(gn_lattice_kind kind) {
 static gneiss_status allocate(const gn_scene *scene, gn_packing *packing, double count,
                               gneiss_error *error) {
     if (count > 1e9)
-        return gn_fail(error, GNEISS_ERROR_INPUT,
-                       "%s:%d:%d: specimen: expected at most 1e9 particles, found %g",
-                       scene->source, scene->specimen.where.line, scene->specimen.where.column,
-                       count);
+        return gn_fail(error, GNEISS_ERROR_INPUT, "%s: expected at most 1e9 particles, found %g",
+                       gn_scene_at(scene, scene->specimen.where, "specimen").text, count);
     packing->count = (size_t)count;
     packing->sphere = gn_alloc_array(packing->count + 1, 4 * sizeof(double));
     if (!packing->sphere)
@@ -93,12 +91,11 @@ static gneiss_status check_sizes(const gn_scene *scene, const gn_packing *packin
         const double *s = packing->sphere + 4 * p;
         double far = fmax(fabs(s[0]), fmax(fabs(s[1]), fabs(s[2])));
         if (far <= GN_PLACE_MOST && s[3] >= GN_LENGTH_LEAST && s[3] <= GN_PLACE_MOST) continue;
-        return gn_fail(
-            error, GNEISS_ERROR_INPUT,
-            "%s:%d:%d: specimen: expected coordinates up to %g m and radii of %g to %g m, "
-            "found particle %zu (base 0) at (%g, %g, %g) m with radius %g m",
-            scene->source, scene->specimen.where.line, scene->specimen.where.column, GN_PLACE_MOST,
-            GN_LENGTH_LEAST, GN_PLACE_MOST, p, s[0], s[1], s[2], s[3]);
+        return gn_fail(error, GNEISS_ERROR_INPUT,
+                       "%s: expected coordinates up to %g m and radii of %g to %g m, "
+                       "found particle %zu (base 0) at (%g, %g, %g) m with radius %g m",
+                       gn_scene_at(scene, scene->specimen.where, "specimen").text, GN_PLACE_MOST,
+                       GN_LENGTH_LEAST, GN_PLACE_MOST, p, s[0], s[1], s[2], s[3]);
     }
     return GNEISS_OK;
 }

@@ -116,10 +116,9 @@ static gneiss_status react(gn_world *w, double limit, gneiss_error *error) {
     char text[160];
     if (w->scene.step == 0.0) {
         if (!isfinite(limit))
-            return gn_fail(
-                error, GNEISS_ERROR_INPUT,
-                "%s:%d:%d: time.step: required, because nothing can move that would limit it",
-                w->scene.source, w->scene.time_where.line, w->scene.time_where.column);
+            return gn_fail(error, GNEISS_ERROR_INPUT,
+                           "%s: required, because nothing can move that would limit it",
+                           gn_scene_at(&w->scene, w->scene.time_where, "time.step").text);
         double wanted = w->scene.safety * limit, raised_for = w->dem.scaling.step;
         if (raised_for > 0.0) wanted = fmin(wanted, raised_for);
         /* Small changes of the stiffest mode are what the safety factor is for. */
@@ -131,11 +130,11 @@ static gneiss_status react(gn_world *w, double limit, gneiss_error *error) {
     set_step(w, w->scene.step);
     if (w->dt <= limit || w->scene.on_unstable == GN_POLICY_WARN) return GNEISS_OK;
     return gn_fail(error, w->step > 0 ? GNEISS_ERROR_UNSTABLE : GNEISS_ERROR_INPUT,
-                   "%s:%d:%d: time.step: expected at most %.6g s (stability limit at step %lld, "
+                   "%s: expected at most %.6g s (stability limit at step %lld, "
                    "set by %s; the "
                    "rigorous bound without damping is %.6g s), found %.6g s = %.3f of the limit "
                    "(time.on_unstable: warn runs it all the same)",
-                   w->scene.source, w->scene.time_where.line, w->scene.time_where.column, limit,
+                   gn_scene_at(&w->scene, w->scene.time_where, "time.step").text, limit,
                    (long long)w->step, culprit(w, text, sizeof text), gn_world_bound(w), w->dt,
                    w->dt / limit);
 }

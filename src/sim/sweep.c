@@ -31,6 +31,8 @@ static void contacts(void *context, int list, size_t block) {
     size_t end = (block + 1) * length < count ? (block + 1) * length : count;
     sums[block] = (gn_contact_sums){0};
     kernel(args, block * length, end, &sums[block]);
+    if (args->measure && w->effects & GN_FX_CONTACT_FORCES)
+        gn_box_sum_stress(w, args->contacts, block * length, end, sums[block].stress);
     book(k, list ? GN_PHASE_pairs : GN_PHASE_bonds);
 }
 

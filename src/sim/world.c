@@ -60,11 +60,19 @@ static void measure_extent(gn_world *w) {
     }
 }
 
-static void measure_test(gn_world *w) {
-    if (w->scene.test.kind == GN_TEST_NONE) return;
+static gneiss_status measure_test(gn_world *w, gneiss_error *error) {
+    const gn_scene *s = &w->scene;
+    if (s->test.kind == GN_TEST_NONE) return GNEISS_OK;
     gn_tested_shape shape = gn_test_shape(w);
     w->test_length = shape.length;
     w->test_area = shape.area;
+    bool sound = shape.length > 0.0 && isfinite(shape.length);
+    if (s->test.kind != GN_TEST_SIMPLE_SHEAR || sound) return GNEISS_OK;
+    return gn_fail(error, GNEISS_ERROR_INPUT,
+                   "%s: expected an upper end above the lower one along %c, with "
+                   "something to shear between them, found %s",
+                   gn_scene_at(s, s->test.where, "test").text, "xyz"[s->test.normal],
+                   isfinite(shape.length) ? "ends that overlap" : "an end without particles");
 }
 
 typedef enum volume_source {
@@ -98,6 +106,12 @@ const char *gn_world_volume_source(const gn_world *w) {
     return names[source];
 }
 
+/* Along an axis without sides as far as the particles reach. */
+static double box_volume(const gn_world *w) {
+    int64_t open = w->scene.periodic_open;
+    return gn_box_section(w) * (open >= 0 ? w->upper[open] - w->lower[open] : 1.0);
+}
+
 /* Extent with radii and the volume that density, porosity and average stress refer to. That of a
  * shape is there already. */
 static gneiss_status measure_specimen(gn_world *w, gneiss_error *error) {
@@ -112,9 +126,8 @@ static gneiss_status measure_specimen(gn_world *w, gneiss_error *error) {
     if (source == FROM_SOURCES)
         w->volume = (w->upper[0] - w->lower[0]) * (w->upper[1] - w->lower[1]) *
                     (w->effects & GN_FX_SPACE ? w->upper[2] - w->lower[2] : 1.0);
-    if (source == FROM_BOX)
-        w->volume = w->period[0] * w->period[1] * (w->effects & GN_FX_SPACE ? w->period[2] : 1.0);
-    measure_test(w);
+    if (source == FROM_BOX) w->volume = box_volume(w);
+    GN_TRY(measure_test(w, error));
     if (source == FROM_TEST) w->volume = gn_test_shape(w).volume;
     return GNEISS_OK;
 }
@@ -135,7 +148,7 @@ double gn_world_mass(const gn_world *w) {
 /* From what files show, so that a resumed run has the same bits. */
 static void set_domain(gn_world *w) {
     gn_scene *s = &w->scene, *given = &w->given;
-    if (s->has_domain || w->effects & GN_FX_PERIODIC) return;
+    if (s->has_domain || (w->effects & GN_FX_PERIODIC && !gn_scene_half_periodic(s))) return;
     double size = 0.0, lower[3], upper[3];
     gn_flow_bounds(w, lower, upper);
     for (int a = 0; a < 3; a++) {
@@ -191,7 +204,9 @@ gneiss_status gn_world_prepare(gn_world *w, gneiss_error *error) {
     w->effects = gn_scene_effects(&w->scene);
     int threads = w->scene.threads > 0 ? (int)w->scene.threads : omp_get_num_procs();
     w->threads = threads < GN_THREADS_MAX ? threads : GN_THREADS_MAX;
-    for (int a = 0; a < 3; a++) w->period[a] = w->scene.periodic_max[a] - w->scene.periodic_min[a];
+    for (int a = 0; a < 3; a++)
+        w->period[a] =
+            a == w->scene.periodic_open ? 0.0 : w->scene.periodic_max[a] - w->scene.periodic_min[a];
     gn_box_create(w);
     gn_control_create(w);
     GN_TRY(choose_kernels(w, error));
@@ -203,13 +218,12 @@ static gneiss_status check_specimen(const gn_world *w, gneiss_error *error) {
         for (int a = 0; w->scene.has_domain && a < (int)w->scene.dimension; a++) {
             double x = w->dem.particles.pos[4 * p + a];
             if (x >= w->scene.domain_min[a] && x <= w->scene.domain_max[a]) continue;
-            return gn_fail(
-                error, GNEISS_ERROR_INPUT,
-                "%s:%d:%d: specimen: expected particles inside the domain, found particle %d at "
-                "%c = %.*g m",
-                w->scene.source, w->scene.specimen.where.line, w->scene.specimen.where.column,
-                w->dem.particles.id[p], "xyz"[a], w -> scene.origin[a] != 0.0 ? 12 : 6,
-                gn_point_out(w->scene.origin[a], x));
+            return gn_fail(error, GNEISS_ERROR_INPUT,
+                           "%s: expected particles inside the domain, found particle %d at "
+                           "%c = %.*g m",
+                           gn_scene_at(&w->scene, w->scene.specimen.where, "specimen").text,
+                           w->dem.particles.id[p], "xyz"[a], w -> scene.origin[a] != 0.0 ? 12 : 6,
+                           gn_point_out(w->scene.origin[a], x));
         }
     return GNEISS_OK;
 }
@@ -236,14 +250,14 @@ static gneiss_status build_empty(gn_world *w, gneiss_error *error) {
 }
 
 /* Without particles the elements are the specimen. */
-static void measure_elements(gn_world *w) {
+static gneiss_status measure_elements(gn_world *w, gneiss_error *error) {
     for (size_t a = 0; a < 3; a++) {
         w->lower[a] = INFINITY;
         w->upper[a] = -INFINITY;
     }
     gn_elements_extent(w, w->lower, w->upper);
     w->volume = gn_elements_totals(w).volume;
-    measure_test(w);
+    return measure_test(w, error);
 }
 
 /* The fastest scene takes a microsecond a step: these are thirty years. */
@@ -254,11 +268,11 @@ gneiss_status gn_world_check_duration(const gn_world *w, gneiss_error *error) {
     if (steps <= steps_most) return GNEISS_OK;
     return gn_fail(
         error, GNEISS_ERROR_INPUT,
-        "%s:%d:%d: time: expected an end within %.0g steps, found %.3g steps of %.4g s "
+        "%s: expected an end within %.0g steps, found %.3g steps of %.4g s "
         "to t = %.4g s: no run comes to its end (time.end, time.safety, time.contact_steps, "
         "time.step)",
-        w->scene.source, w->scene.time_where.line, w->scene.time_where.column, steps_most, steps,
-        w->dt, w->scene.end);
+        gn_scene_at(&w->scene, w->scene.time_where, "time").text, steps_most, steps, w->dt,
+        w->scene.end);
 }
 
 typedef struct gauge_work {
@@ -281,10 +295,10 @@ static gneiss_status make_gauge_and_step(gn_world *w, bool particles, gneiss_err
     gauge_work gauge = {w, GNEISS_OK, {0}};
     pthread_t thread;
     const int threads = w->threads;
-    /* A periodic box has no surface whose displacements would tell its strain; what comes and goes
-     * has none. */
-    bool wanted = particles && !(w->effects & GN_FX_PERIODIC) && !gn_scene_flows(&w->scene),
-         beside = wanted && threads > 1;
+    /* A box that is periodic all round has no surface whose displacements would tell its strain;
+     * what comes and goes has none. */
+    bool box = w->effects & GN_FX_PERIODIC && !gn_scene_half_periodic(&w->scene);
+    bool wanted = particles && !box && !gn_scene_flows(&w->scene), beside = wanted && threads > 1;
     if (beside) beside = pthread_create(&thread, NULL, make_gauge, &gauge) == 0;
     if (wanted && !beside) make_gauge(&gauge);
     w->threads = beside ? threads - 1 : threads;
@@ -306,7 +320,7 @@ static gneiss_status build(gn_world *w, gneiss_error *error) {
     gn_mesh_free(&mesh);
     GN_TRY(status);
     GN_TRY(particles ? build_particles(w, error) : build_empty(w, error));
-    if (!particles) measure_elements(w);
+    if (!particles) GN_TRY(measure_elements(w, error));
     GN_TRY(gn_pulse_start(w, error));
     GN_TRY(make_gauge_and_step(w, particles, error));
     GN_TRY(gn_dem_scale_masses(w, error));

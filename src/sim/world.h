@@ -181,6 +181,12 @@ typedef struct gn_observed {
 gneiss_status gn_world_observe(const gn_world *world, gn_observed *observed, gneiss_error *error);
 void gn_observed_free(gn_observed *observed);
 
+/* What acts on every particle at the present positions, N and N m, [particles][6] each, in their
+ * order: all of it but what zones of elements do and what prescribes a motion supplies, background
+ * damping included; background damping. Of walls and surfaces as the last step found it. */
+gneiss_status gn_world_loads(const gn_world *world, double *total, double *damping,
+                             gneiss_error *error);
+
 /* The view that measures and the time step estimate work on. */
 gn_assembly gn_world_assembly(const gn_world *world);
 

@@ -76,8 +76,8 @@ refuse(const gn_world *w, gneiss_error *error, const char *format, ...) {
     va_start(args, format);
     vsnprintf(text, sizeof text, format, args);
     va_end(args);
-    return gn_fail(error, GNEISS_ERROR_INPUT, "%s:%d:%d: time.start: %s", w->scene.source,
-                   w->scene.start_where.line, w->scene.start_where.column, text);
+    return gn_fail(error, GNEISS_ERROR_INPUT, "%s: %s",
+                   gn_scene_at(&w->scene, w->scene.start_where, "time.start").text, text);
 }
 
 /* --- bonds --- */

@@ -10,10 +10,10 @@
 
 static const double pi = 3.14159265358979323846;
 
-static const char *name_of(const gn_scene *s, size_t index, char *text, size_t size) {
-    snprintf(text, size, "%s:%d:%d: bodies[%zu]", s->source, s->bodies[index].where.line,
-             s->bodies[index].where.column, index);
-    return text;
+static gn_place_text place_of(const gn_scene *s, size_t index) {
+    char path[32];
+    snprintf(path, sizeof path, "bodies[%zu]", index);
+    return gn_scene_at(s, s->bodies[index].where, path);
 }
 
 /* --- shapes as meshes --- */
@@ -81,7 +81,6 @@ static gneiss_status make_cylinder(const gn_body_cylinder *c, gn_mesh *mesh, gne
 static gneiss_status make_mesh(const gn_scene *s, size_t index, gn_mesh *mesh,
                                gneiss_error *error) {
     const gn_body_def *def = &s->bodies[index];
-    char name[GN_PATH_SIZE + 64];
     gneiss_status status;
     if (def->has_box)
         status = make_box(def->box_size, mesh, error);
@@ -94,7 +93,7 @@ static gneiss_status make_mesh(const gn_scene *s, size_t index, gn_mesh *mesh,
         status = gn_mesh_close_surface(mesh, "surface", &volume, error);
     if (status == GNEISS_OK) return status;
     gn_mesh_free(mesh);
-    gn_fail_context(error, "%s (%s): ", name_of(s, index, name, sizeof name), def->name);
+    gn_fail_context(error, "%s (%s): ", place_of(s, index).text, def->name);
     return status;
 }
 
@@ -261,7 +260,6 @@ gneiss_status gn_body_shape_make(const gn_scene *s, size_t index, gn_body_shape 
     int corners = (int)s->dimension;
     gn_mesh mesh = {0};
     gneiss_status status;
-    char name[GN_PATH_SIZE + 64];
     *shape = (gn_body_shape){0};
     if (corners == 3) GN_TRY(make_mesh(s, index, &mesh, error));
     status = corners == 3 ? from_mesh(def, &mesh, shape, error) : from_line(def, shape, error);
@@ -270,14 +268,14 @@ gneiss_status gn_body_shape_make(const gn_scene *s, size_t index, gn_body_shape 
         status = check_places(shape, error);
         if (status == GNEISS_OK && def->free) status = weigh(shape, corners, error);
         if (status != GNEISS_OK)
-            gn_fail_context(error, "%s (%s): ", name_of(s, index, name, sizeof name), def->name);
+            gn_fail_context(error, "%s (%s): ", place_of(s, index).text, def->name);
     }
     if (status == GNEISS_OK) {
         drop_degenerate(shape, corners);
         if (!shape->facets)
             status = gn_fail(error, GNEISS_ERROR_INPUT,
                              "%s (%s): expected facets, found none but %zu without area",
-                             name_of(s, index, name, sizeof name), def->name, shape->dropped);
+                             place_of(s, index).text, def->name, shape->dropped);
     }
     if (status != GNEISS_OK) gn_body_shape_free(shape);
     return status;

@@ -290,6 +290,54 @@ static gneiss_status read_text(const char *path, const char *what, char **text,
                    what);
 }
 
+/* The confinements that a test lists are the values of membrane.pressure, unless that is given on
+ * the command line. */
+static gneiss_status read_confinements(gn_reader *reader, const gn_node *root, gn_sweep *sweep) {
+    const gn_node *list = gn_node_find(root, "test.confinement");
+    const gn_drawing none = {0};
+    for (size_t k = 0; k < sweep->override_count; k++)
+        if (strcmp(sweep->overrides[k].key, "membrane.pressure") == 0) return GNEISS_OK;
+    for (size_t k = 0; k < sweep->parameter_count; k++)
+        if (strcmp(sweep->parameters[k].key, "membrane.pressure") == 0) return GNEISS_OK;
+    if (!list || list->kind != GN_NODE_LIST || list->count < 2) return GNEISS_OK;
+    gn_sweep_parameter *p = &sweep->parameters[sweep->parameter_count++];
+    snprintf(p->key, sizeof p->key, "membrane.pressure");
+    snprintf(reader->path, sizeof reader->path, "test.confinement");
+    p->where = list->key_where;
+    p->meant = gn_scene_key_at(p->key);
+    return gn_parameter_read(reader, list, &none, p);
+}
+
+/* Of a text that is no scene there are none: reading it as one says why. */
+static gneiss_status confinements_of(const char *text, gn_sweep *sweep, gneiss_error *error) {
+    gn_tree *tree = NULL;
+    gneiss_error unsaid = {0};
+    gneiss_status status = gn_tree_read(text, strlen(text), sweep->scene, &tree, &unsaid);
+    if (status == GNEISS_ERROR_MEMORY) return gn_fail(error, status, "%s", unsaid.message);
+    if (status != GNEISS_OK) return GNEISS_OK;
+    for (size_t k = 0; status == GNEISS_OK && k < sweep->override_count; k++)
+        if (strcmp(sweep->overrides[k].key, "test.confinement") == 0)
+            status = gn_tree_override(tree, &sweep->overrides[k], error);
+    gn_reader reader = {.name = sweep->scene, .units = sweep->units, .error = error};
+    if (status == GNEISS_OK) status = read_confinements(&reader, gn_tree_root(tree), sweep);
+    gn_tree_free(tree);
+    return status;
+}
+
+/* What a sweep varies stands in its file alone. */
+static gneiss_status check_confinements(gn_sweep *sweep, gneiss_error *error) {
+    const size_t before = sweep->parameter_count;
+    if (before == GN_SWEEP_PARAMETERS_MAX) return GNEISS_OK;
+    GN_TRY(confinements_of(sweep->scene_text, sweep, error));
+    if (sweep->parameter_count == before) return GNEISS_OK;
+    const gn_scene_place where = sweep->parameters[before].where;
+    return gn_fail(
+        error, GNEISS_ERROR_INPUT,
+        "%s:%d:%d: test.confinement: expected none in a scene that a sweep varies, found "
+        "a list: its pressures belong to parameters of the sweep, as membrane.pressure",
+        sweep->scene, where.line, where.column);
+}
+
 static gneiss_status load(const char *path, const char *seeds, gn_sweep *sweep,
                           gneiss_error *error) {
     gn_tree *tree = NULL;
@@ -304,6 +352,7 @@ static gneiss_status load(const char *path, const char *seeds, gn_sweep *sweep,
     if (status == GNEISS_OK && seeds) status = seeds_from_line(seeds, sweep, error);
     GN_TRY(status);
     GN_TRY(read_text(sweep->scene, "scene", &sweep->scene_text, error));
+    GN_TRY(check_confinements(sweep, error));
     return gn_sweep_expand(sweep, combine, error);
 }
 
@@ -323,38 +372,6 @@ gneiss_status gn_sweep_load(const char *path, const gn_override *overrides, size
     GN_TRY(begin(path, overrides, override_count, sweep, error));
     gneiss_status status = load(path, seeds, sweep, error);
     if (status != GNEISS_OK) gn_sweep_free(sweep);
-    return status;
-}
-
-/* The confinements that a test lists are the values of membrane.pressure, unless that is given on
- * the command line. */
-static gneiss_status read_confinements(gn_reader *reader, const gn_node *root, gn_sweep *sweep) {
-    const gn_node *list = gn_node_find(root, "test.confinement");
-    const gn_drawing none = {0};
-    for (size_t k = 0; k < sweep->override_count; k++)
-        if (strcmp(sweep->overrides[k].key, "membrane.pressure") == 0) return GNEISS_OK;
-    if (!list || list->kind != GN_NODE_LIST || list->count < 2) return GNEISS_OK;
-    gn_sweep_parameter *p = &sweep->parameters[sweep->parameter_count++];
-    snprintf(p->key, sizeof p->key, "membrane.pressure");
-    snprintf(reader->path, sizeof reader->path, "test.confinement");
-    p->where = list->key_where;
-    p->meant = gn_scene_key_at(p->key);
-    return gn_parameter_read(reader, list, &none, p);
-}
-
-/* Of a text that is no scene there are none: reading it as one says why. */
-static gneiss_status confinements_of(const char *text, gn_sweep *sweep, gneiss_error *error) {
-    gn_tree *tree = NULL;
-    gneiss_error unsaid = {0};
-    gneiss_status status = gn_tree_read(text, strlen(text), sweep->source, &tree, &unsaid);
-    if (status == GNEISS_ERROR_MEMORY) return gn_fail(error, status, "%s", unsaid.message);
-    if (status != GNEISS_OK) return GNEISS_OK;
-    for (size_t k = 0; status == GNEISS_OK && k < sweep->override_count; k++)
-        if (strcmp(sweep->overrides[k].key, "test.confinement") == 0)
-            status = gn_tree_override(tree, &sweep->overrides[k], error);
-    gn_reader reader = {.name = sweep->source, .units = sweep->units, .error = error};
-    if (status == GNEISS_OK) status = read_confinements(&reader, gn_tree_root(tree), sweep);
-    gn_tree_free(tree);
     return status;
 }
 

@@ -1,0 +1,31 @@
+/* Fields of particles and bonds that files have on request alone (`output.fields`). */
+#ifndef GN_BASE_ASKED_H
+#define GN_BASE_ASKED_H
+
+#include "base/effects.h"
+
+/* X(name of the fields, effects that they need, what a scene without these lacks) */
+#define GN_ASKED_FIELDS(X)                                                                         \
+    X(spin, GN_FX_ROTATION, "particles that rotate (law.rotation)")                                \
+    X(group, 0, "")                                                                                \
+    X(material, 0, "")                                                                             \
+    X(skin, GN_FX_MEMBRANE, "a membrane")                                                          \
+    X(total_force, 0, "")                                                                          \
+    X(total_moment, GN_FX_ROTATION, "particles that rotate (law.rotation)")                        \
+    X(damping_force, 0, "")                                                                        \
+    X(damping_moment, GN_FX_ROTATION, "particles that rotate (law.rotation)")                      \
+    X(area, GN_FX_AREA, "sections of bonds (law.stiffness dempack or polyhedron)")                 \
+    X(shear_stress, GN_FX_AREA, "sections of bonds (law.stiffness dempack or polyhedron)")
+
+#define X(name, needs, lacks) GN_ASKED_INDEX_##name,
+enum { GN_ASKED_FIELDS(X) GN_ASKED_COUNT };
+#undef X
+#define GN_ASKED(name) (1u << GN_ASKED_INDEX_##name)
+
+/* Those that need all contact forces once more. */
+enum {
+    GN_ASKED_LOADS = GN_ASKED(total_force) | GN_ASKED(total_moment) | GN_ASKED(damping_force) |
+                     GN_ASKED(damping_moment)
+};
+
+#endif

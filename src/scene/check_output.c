@@ -1,0 +1,48 @@
+/* What files are to have besides what they have anyway. */
+#include "base/asked.h"
+#include "base/names.h"
+#include "scene/check.h"
+
+#include <string.h>
+
+#define X(name, needs, lacks) {#name, needs, lacks},
+static const struct {
+    const char *name;
+    gn_effects needs;
+    const char *lacks;
+} fields[GN_ASKED_COUNT] = {GN_ASKED_FIELDS(X)};
+#undef X
+
+static int find(const char *name) {
+    for (int k = 0; k < GN_ASKED_COUNT; k++)
+        if (strcmp(fields[k].name, name) == 0) return k;
+    return -1;
+}
+
+static gneiss_status unknown(const check *c, const char *name) {
+    char advice[GN_ADVICE_SIZE];
+    gn_names names = gn_names_for(name);
+    for (int k = 0; k < GN_ASKED_COUNT; k++) gn_names_add(&names, fields[k].name);
+    return gn_check_fail(c, "output.fields", "expected the name of a field, found '%s'%s", name,
+                         gn_names_advice(&names, advice, sizeof advice));
+}
+
+gneiss_status gn_check_output(const check *c, gn_scene *s) {
+    s->asked = 0;
+    if (s->field_count && !s->has_specimen)
+        return gn_check_fail(c, "output.fields",
+                             "expected a specimen beside it, whose particles and bonds have them, "
+                             "found elements only");
+    for (size_t k = 0; k < s->field_count; k++) {
+        int f = find(s->fields[k]);
+        if (f < 0) return unknown(c, s->fields[k]);
+        if (s->asked >> f & 1)
+            return gn_check_fail(c, "output.fields", "expected every name once, found '%s' again",
+                                 fields[f].name);
+        if ((gn_scene_effects(s) & fields[f].needs) != fields[f].needs)
+            return gn_check_fail(c, "output.fields", "expected %s beside '%s', found none",
+                                 fields[f].lacks, fields[f].name);
+        s->asked |= 1u << f;
+    }
+    return GNEISS_OK;
+}
