@@ -26,7 +26,7 @@ ENVIRONMENT = {**os.environ, "OMP_WAIT_POLICY": "passive",
 KINDS = ("lattice", "gas", "periodic", "sizes", "bodies", "elements", "bonds")
 AXES = "xyz"
 # Seeds that go bad, and why {seed: reason}: left open (docs/evidence/collisions.md).
-OPEN = {1673: "an undamped body under pressure whose broken bonds rattle, 2.7 steps a collision: safety 0.6 closes the ledger to 1 %"}
+OPEN = {}
 
 
 class Draw(random.Random):

@@ -2,7 +2,7 @@
 spheres. And by what a body dissipates more than its contacts' fracture energy says. Fills the tables of docs/evidence/law-table.md;
 a quarter of an hour of one core.
 
-    /usr/bin/python3 validate/law_table_study.py [--fresh] [laws] [count] [energy]
+    /usr/bin/python3 validate/law_table_study.py [--fresh] [laws] [count] [energy] [plane]
 """
 import json
 import sys
@@ -204,6 +204,49 @@ def energy_tables():
     study.put("law-table.md", "table finer", study.table(heads, rows))
 
 
+def parted(dimension, count, seed, scale):
+    """The strip in two parts that hold, and the bonds of the strip above where they meet, halfway: one crack, and its place is given."""
+    scene, section, length = strip(dimension, count, seed, scale)
+    weak, far = scene["materials"][0], 10.0
+    strong = {**weak, "tensile_strength": 100 * TENSILE, "shear_strength": 100 * TENSILE, "fracture_energy": 1e4 * FRACTURE,
+              "shear_fracture_energy": 1e4 * FRACTURE}
+    between = {key: weak[key] for key in ("tensile_strength", "shear_strength", "fracture_energy", "shear_fracture_energy")}
+    scene["materials"] = [strong, {**strong, "name": "n"}]
+    scene["specimen"]["material"] = "m"
+    scene["contacts"] = [{"between": ["m", "n"], **between}]
+    low = [-far] * (dimension - 1) + [0.5 * length]
+    scene["sets"].append({"name": "above", "select": {"box": {"min": low, "max": [far] * dimension}}, "material": "n"})
+    return scene, section, length
+
+
+def plane_row(dimension, count, scale):
+    """Dissipated over G_f and the section, over G_f and the bond area that was cut, and in what does not cross the plane."""
+    found, radii = [], []
+    for seed in SEEDS:
+        scene, section, length = parted(dimension, count, seed, scale)
+        run = made(f"plane-{dimension}-{count}-{scale}-{seed}", scene)
+        x = (run.results("particles/position") - run.results("particles/displacement"))[:, dimension - 1] > 0.5 * length
+        i, j, area, state = (run.results(f"bonds/{name}") for name in ("i", "j", "area", "state"))
+        crosses = x[i] != x[j]
+        cut, elsewhere = np.sum(area[crosses]) / section, np.count_nonzero(state[~crosses])
+        open_share = np.sum(area[crosses & ((state == 1) | (state == 2))]) / section / cut
+        lost = parts_of_energy(run, dimension - 1, section, length)[0]
+        found.append((lost, cut, lost / cut, open_share, elsewhere))
+        radii.append(np.mean(run.results("particles/radius")) * 1e3)
+    lost, cut, share, broken, elsewhere = np.array(found).T
+    print(dimension, count, scale, found, file=sys.stderr, flush=True)
+    return [f"{dimension}D", count, f"{np.mean(radii):.3f}", mean_text(lost), mean_text(cut), mean_text(share, 4), f"{broken.min():.3f}",
+            int(elsewhere.sum())]
+
+
+def plane_table():
+    heads = ["", "particles", "mean radius mm", "dissipated over G_f times section", "bond area cut over section", "dissipated over G_f times that",
+             "broken of it, least", "bonds damaged elsewhere"]
+    for name, strips in (("plane", [(d, n, scale) for d, n in ((2, 900), (3, 1000)) for scale in (1.0, 0.5, 0.25)]),
+                         ("plane finer", [(d, n, 0.25) for d, some in ((2, (450, 900, 1800)), (3, (500, 1000, 2000))) for n in some])):
+        study.put("law-table.md", f"table {name}", study.table(heads, [plane_row(*one) for one in strips]))
+
+
 if __name__ == "__main__":
     asked = [a for a in sys.argv[1:] if not a.startswith("-")]
     if not asked or "laws" in asked:
@@ -212,3 +255,5 @@ if __name__ == "__main__":
         finer_table()
     if not asked or "energy" in asked:
         energy_tables()
+    if not asked or "plane" in asked:
+        plane_table()

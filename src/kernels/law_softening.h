@@ -41,6 +41,8 @@
 /* What the rare branch reads and gives, lane by lane. */
 typedef struct soft_lanes {
     gn_real stretch[GN_W], normal[GN_W], shear[3][GN_W], broken[GN_W];
+    gn_real was[GN_W],
+        before[3][GN_W];       /* at the start of the step, where both are damaged as one */
     unsigned tension, sheared; /* lanes that break */
 } soft_lanes;
 
@@ -75,10 +77,14 @@ static __attribute__((noinline)) void soften(const gn_contact_args *a, size_t c,
         q->broken[lane] = 0;
         if (c + lane >= end || !(lanes >> lane & 1)) continue;
         gn_softening_bond b = gn_softening_bond_of(k, c + lane);
-        double t[3] = {q->shear[0][lane], q->shear[1][lane], q->shear[2][lane]};
-        double normal = q->normal[lane];
+        gn_softening_way way = {.u = {q->was[lane], q->stretch[lane]}};
+        for (int x = 0; x < 3; x++) {
+            way.t[0][x] = q->before[x][lane];
+            way.t[1][x] = q->shear[x][lane];
+        }
+        double normal = q->normal[lane], t[3];
         bool whole = gn_softening_whole(&b);
-        gn_cause cause = gn_soften(&b, (double)q->stretch[lane], &normal, t);
+        gn_cause cause = gn_soften(&b, &way, &normal, t);
         if (cause == GN_INTACT) {
             if (whole && !gn_softening_whole(&b))
                 note_beginning(k, c + lane, GN_HAPPENED_SOFTENING, sums);
@@ -140,9 +146,22 @@ GN_INLINE void press(const gn_contact_args *a, size_t c, const stage *g, contact
     q->normal = q->elastic = q->kn * q->stretch;
 }
 
+/* Rare: by how much the distance grew in the step. */
+static __attribute__((noinline)) gn_v whole_path(const gn_contact_args *a, size_t c, const stage *g,
+                                                 variant w) {
+    if (growth_known(w)) return gn_set(a->dt) * g->growth;
+    return loose_path(a, c, g, gn_m_none());
+}
+
+/* The tangential force at the start of the step, as it lies after the turn of both ends. */
+GN_INLINE gn_v3 sheared_before(const stage *g, const contact_state *q, variant w) {
+    bool turns = w.space && w.rotation;
+    return turns ? gn_turn_about_normal(q->before, g->geometry.n, g->angle) : q->before;
+}
+
 /* Damage, and which bonds break. */
-GN_INLINE void damage(const gn_contact_args *a, size_t c, size_t end, contact_state *q,
-                      soft_state *s, gn_contact_sums *sums) {
+GN_INLINE void damage(const gn_contact_args *a, size_t c, size_t end, const stage *g,
+                      contact_state *q, soft_state *s, gn_contact_sums *sums, variant w) {
     const gn_contacts *k = a->contacts;
     const gn_v zero = gn_set(0.0);
     gn_v rn = gn_load(COLUMN(k, rn) + c), rt = gn_load(COLUMN(k, rt) + c);
@@ -161,7 +180,14 @@ GN_INLINE void damage(const gn_contact_args *a, size_t c, size_t end, contact_st
     s->softening = gn_and(q->intact, gn_or(beyond, gn_at_least(q->normal, rn)));
     s->slipped = q->trial;
     if (__builtin_expect(gn_bits(s->softening) == 0, 1)) return;
-    soft_lanes l;
+    soft_lanes l = {0};
+    if (k->soa.effects & GN_FX_COUPLED_QUADRATIC) {
+        gn_v3 before = sheared_before(g, q, w);
+        gn_store(l.was, g->geometry.stretch - whole_path(a, c, g, w) - s->shift);
+        gn_store(l.before[0], before.x);
+        gn_store(l.before[1], before.y);
+        gn_store(l.before[2], before.z);
+    }
     gn_store(l.stretch, q->stretch);
     gn_store(l.normal, q->normal);
     gn_store(l.shear[0], q->trial.x);
@@ -176,6 +202,17 @@ GN_INLINE void damage(const gn_contact_args *a, size_t c, size_t end, contact_st
     if (l.tension | l.sheared) record_breaks(a, c, end, l.tension, l.sheared, sums);
 }
 
+/* More than may_cross by what any particle moves at most, and without a division: where every bond
+ * is damaged all of them are asked, and next to none is near. */
+GN_INLINE gn_m near_no_force(const gn_contact_args *a, const stage *g, const contact_state *q) {
+    double fastest = a->speed_most > 0.0 ? 2.0 * a->speed_most : (double)INFINITY;
+    double most = a->dt > 0.0 ? a->dt * fastest : 0.0;
+    gn_v rounding = gn_set(2.0 * GN_OVERLAP_ROUNDING + 0x1p-40), distance = g->geometry.distance;
+    gn_v size = gn_max(q->stretch, gn_set(0.0) - q->stretch) - gn_set(1.01 * most);
+    gn_v beyond = gn_fnma(rounding, distance, size) * distance;
+    return gn_not(gn_less(gn_set(1.03 * most * most), beyond));
+}
+
 /* Rare: a damaged bond is a spring (1 - d) k both ways and beside it one of d k that pushes only.
  * That one closes or opens within a step as any contact does. */
 GN_INLINE void cross_softened(const gn_contact_args *a, size_t c, const stage *g, contact_state *q,
@@ -184,6 +221,8 @@ GN_INLINE void cross_softened(const gn_contact_args *a, size_t c, const stage *g
     weak = gn_and(weak, gn_not(gn_or(s->softening, s->yielding)));
     s->crossing = gn_m_none();
     s->stored = gn_set(0.0);
+    if (__builtin_expect(gn_bits(weak) == 0, 1)) return;
+    weak = gn_and(weak, near_no_force(a, g, q));
     if (__builtin_expect(gn_bits(weak) == 0, 1)) return;
     q->beyond = gn_fma(gn_set(GN_OVERLAP_ROUNDING), g->geometry.distance, q->stretch);
     q->touching = gn_less(q->beyond, gn_set(0.0));
@@ -203,13 +242,6 @@ GN_INLINE void cross_softened(const gn_contact_args *a, size_t c, const stage *g
     s->stored = gn_fma(whole, q->stretch, r.of.normal * r.of.way);
 }
 
-/* Rare: by how much the distance grew in the step. */
-static __attribute__((noinline)) gn_v whole_path(const gn_contact_args *a, size_t c, const stage *g,
-                                                 variant w) {
-    if (growth_known(w)) return gn_set(a->dt) * g->growth;
-    return loose_path(a, c, g, gn_m_none());
-}
-
 /* Rare: what bonds that soften, yield or break lose, and contacts that slip. */
 GN_INLINE void book_softening(const gn_contact_args *a, size_t c, const stage *g,
                               const contact_state *q, const soft_state *s, lane_sums *e,
@@ -222,8 +254,7 @@ GN_INLINE void book_softening(const gn_contact_args *a, size_t c, const stage *g
     gn_m crushed = gn_and(s->yielding, gn_not(q->breaking));
     e->plasticity = e->plasticity + gn_keep(crushed, normal);
     if (!gn_bits(gn_or(gn_or(q->slipping, q->breaking), s->softening))) return;
-    gn_v3 before = q->before;
-    if (w.space && w.rotation) before = gn_turn_about_normal(before, g->geometry.n, g->angle);
+    gn_v3 before = sheared_before(g, q, w);
     gn_v shear = gn_released3(before, q->t, q->trial, gn_max(q->kt, gn_set(GN_TINY)), w.space);
     gn_v both = normal + shear;
     e->bond_breaking = e->bond_breaking + gn_keep(q->breaking, both);
@@ -263,7 +294,7 @@ GN_INLINE contact_force softening_force(const gn_contact_args *a, size_t c, size
     contact_state q = state_of(a, c, g, w);
     soft_state s;
     press(a, c, g, &q, &s, sums);
-    damage(a, c, end, &q, &s, sums);
+    damage(a, c, end, g, &q, &s, sums, w);
     cross_softened(a, c, g, &q, &s);
     gn_v path = gn_set(a->dt) * gn_pick(growth_known(w), g->growth, g->speed), total = q.normal;
     if (__builtin_expect(gn_bits(gn_not(q.intact)) == 0, 1)) {

@@ -112,26 +112,70 @@ static inline double gn_soften_growth(double A, double B, double P, double Q) {
     return g;
 }
 
-/* Pulled and sheared, coupled by squares. A share (1 - g) of the strength is left after growth by
- * g: the trial force along the secant becomes (1 - g)/(1 + P g) of itself, the tangential one (1 -
- * g)/(1 + Q g). */
-static inline gn_cause gn_soften_together(gn_softening_bond *b, double u, double *normal,
-                                          double t[3]) {
+/* How far tension and shear are each on their own from the end of a bond that both damage, at the
+ * stretch u and the tangential force of size `size`: the shares A and B of what is left of the
+ * strengths; what kappa takes from them while it goes to 1, by 1 + P and 1 + Q. */
+typedef struct gn_softening_shares {
+    double A, B, P, Q;
+} gn_softening_shares;
+
+static inline gn_softening_shares gn_softening_shares_at(const gn_softening_bond *b, double u,
+                                                         double size) {
     const double slope = b->fade[GN_FADE_SLOPE], more = slope > 0.0 ? b->kn / slope : 0.0;
     const double left = 1.0 - b->kappa, cohesion = b->fade[GN_FADE_COHESION];
-    double size = sqrt(t[0] * t[0] + t[1] * t[1] + t[2] * t[2]);
-    double A = b->soft * b->kn * u / b->rn, B = size > 0.0 ? size / b->rt : 0.0;
-    double P = more * left / (1.0 + more * b->kappa);
-    double Q = cohesion > 0.0 ? fmax(b->kt * b->fade[GN_FADE_SLIP] / cohesion - 1.0, 0.0) : 0.0;
+    gn_softening_shares s = {.A = b->soft * b->kn * u / b->rn,
+                             .B = size > 0.0 ? size / b->rt : 0.0};
+    s.P = more * left / (1.0 + more * b->kappa);
+    s.Q = cohesion > 0.0 ? fmax(b->kt * b->fade[GN_FADE_SLIP] / cohesion - 1.0, 0.0) : 0.0;
+    return s;
+}
+
+static inline double gn_softening_size(const double t[3]) {
+    return sqrt(t[0] * t[0] + t[1] * t[1] + t[2] * t[2]);
+}
+
+/* What a bond does in a step: the stretch and the tangential force, as they were at its start and
+ * as they would be at its end without any limit. */
+typedef struct gn_softening_way {
+    double u[2], t[2][3];
+} gn_softening_way;
+
+/* Which of the two took the last of a bond that broke of both, by the larger share at the place
+ * within the step where nothing was left, which lies where A/(1 + P) and B/(1 + Q) reach the
+ * ellipse. (Not at its end: what is left at the start may be as little as one likes, and whatever
+ * the step moves across is then a large share of it.) */
+static inline gn_cause gn_softening_cause(const gn_softening_bond *b, const gn_softening_way *way) {
+    double low = 0.0, high = 1.0, a = 0.0, c = 0.0;
+    for (int turn = 0; turn < 60; turn++) {
+        double at = turn ? 0.5 * (low + high) : 0.0, t[3];
+        for (int x = 0; x < 3; x++) t[x] = way->t[0][x] + at * (way->t[1][x] - way->t[0][x]);
+        double u = way->u[0] + at * (way->u[1] - way->u[0]);
+        gn_softening_shares s = gn_softening_shares_at(b, fmax(u, 0.0), gn_softening_size(t));
+        a = s.A / (1.0 + s.P);
+        c = s.B / (1.0 + s.Q);
+        if (a * a + c * c >= 1.0)
+            high = at;
+        else
+            low = at;
+        if (!(high > 0.0)) break; /* at the start, up to rounding or where pressure held it */
+    }
+    return a >= c ? GN_BROKEN_TENSION : GN_BROKEN_SHEAR;
+}
+
+/* Pulled and sheared, coupled by squares. A share (1 - g) of the strength is left after growth by
+ * g: the trial force along the secant becomes (1 - g)/(1 + P g) of itself, the tangential one (1 -
+ * g)/(1 + Q g). False: nothing is left. */
+static inline bool gn_soften_together(gn_softening_bond *b, double u, double *normal, double t[3]) {
+    const gn_softening_shares s = gn_softening_shares_at(b, u, gn_softening_size(t));
     *normal = b->soft * b->kn * u;
-    if (A * A + B * B < 1.0) return GN_INTACT;
-    double g = gn_soften_growth(A, B, P, Q);
-    double kappa = b->kappa + g * left;
-    if (!(kappa < 1.0)) return A / (1.0 + P) >= B / (1.0 + Q) ? GN_BROKEN_TENSION : GN_BROKEN_SHEAR;
+    if (s.A * s.A + s.B * s.B < 1.0) return true;
+    double g = gn_soften_growth(s.A, s.B, s.P, s.Q);
+    double kappa = b->kappa + g * (1.0 - b->kappa);
+    if (!(kappa < 1.0)) return false;
     gn_soften_both(b, kappa);
     *normal = b->soft * b->kn * u;
-    for (int x = 0; x < 3; x++) t[x] *= (1.0 - g) / (1.0 + Q * g);
-    return GN_INTACT;
+    for (int x = 0; x < 3; x++) t[x] *= (1.0 - g) / (1.0 + s.Q * g);
+    return true;
 }
 
 /* Along the normal first, then across it. */
@@ -151,11 +195,17 @@ static inline gn_cause gn_soften_apart(gn_softening_bond *b, double u, double *n
     return GN_INTACT;
 }
 
-/* A step to the stretch u under the normal force *normal of the bond as it was and the tangential
- * trial force t; both are set to what is left of them, unless it broke. */
-static inline gn_cause gn_soften(gn_softening_bond *b, double u, double *normal, double t[3]) {
-    gn_cause cause = b->together && u > 0.0 ? gn_soften_together(b, u, normal, t)
-                                            : gn_soften_apart(b, u, normal, t);
+/* A step along `way` under the normal force *normal of the bond as it was; that and the tangential
+ * force t are set to what is left of them, unless it broke. */
+static inline gn_cause gn_soften(gn_softening_bond *b, const gn_softening_way *way, double *normal,
+                                 double t[3]) {
+    const double u = way->u[1];
+    gn_cause cause = GN_INTACT;
+    for (int x = 0; x < 3; x++) t[x] = way->t[1][x];
+    if (!b->together || !(u > 0.0))
+        cause = gn_soften_apart(b, u, normal, t);
+    else if (!gn_soften_together(b, u, normal, t))
+        cause = gn_softening_cause(b, way);
     if (cause != GN_INTACT) return cause;
     double gone = b->together ? b->kappa : fmax(1.0 - b->soft, b->kappa);
     b->rt = (1.0 - gone) * b->fade[GN_FADE_COHESION];

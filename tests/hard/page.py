@@ -19,9 +19,6 @@ stopped, is the same to the bit. What is refused leaves nothing behind. Long for
 
 *Without it*: what was seen when the guard was taken out of the program, in a build made for that. Where no guard was found whose absence the
 case shows, it says so. *Other codes*: only what was tried here. Figures are of one machine; in brackets what a closed form says.
-
-*Left open*: of the random scenes of `tests/random_scenes.py` number 1673, an undamped body between closing walls whose few broken bonds rattle under pressure at 2.7 steps a
-collision. It stops after 2 332 steps with what the ledger misses and "try a smaller time.safety"; 0.6 leaves 1.2 %, 0.3 0.02 % ([more](collisions.md#crowds-and-bonded-bodies)).
 """
 COLUMNS = ["case", "what is hard", "what should happen", "what happens", "what guards it", "without it", "other codes"]
 
