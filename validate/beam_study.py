@@ -90,7 +90,7 @@ def calibrate():
     contact, rows = (MODULUS / 0.75, 0.2, TENSILE, FRACTURE / 1.38), []
     for number in range(3):
         found = np.array([elastic(strip(RADII[0], seed, contact)) for seed in SEEDS])
-        opened = 8 * 2 * contact[3] / contact[2]
+        opened = 4 * 2 * contact[3] / contact[2]
         lost = np.array([crack_energy(strip(RADII[0], seed, contact, opened), contact) for seed in SEEDS])
         modulus, contraction, strength = found.mean(axis=0)
         factor = lost[:, 1].mean()

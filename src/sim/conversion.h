@@ -49,6 +49,12 @@ typedef struct gn_conversion_figures {
 gneiss_status gn_conversion_measure(const gn_world *world, gn_conversion_figures *figures,
                                     gneiss_error *error);
 
+/* For who looks at a scene at its start, when all of the particles sleep: the body as though they
+ * were all awake and bonded; a second call puts that back. Else nothing is done. */
+void gn_conversion_turn_over(gn_world *world);
+/* The limits that all of them would have by themselves. */
+gneiss_status gn_conversion_limit(gn_world *world, gn_step_limit *limit, gneiss_error *error);
+
 /* Elements that are there. */
 size_t gn_conversion_elements(const gn_world *world);
 
