@@ -12,14 +12,17 @@ PICTURE = study.ROOT / "docs" / "evidence" / "pictures" / "beams-gregoire.png"
 FOLDER = study.RUNS / "beams"
 SEEDS = (1, 2, 3)
 RADII = (0.5e-3, 0.25e-3)
+COUNT = {RADII[0]: 3, RADII[1]: 1}  # packings; one of the smaller particles takes some minutes
 # Measured, of the concrete (37 GPa, 3.9 MPa, 143.2 N/m, 2346 kg/m3) and of the beam, m.
 MODULUS, POISSON, TENSILE, FRACTURE, DENSITY = 37e9, 0.2, 3.9e6, 143.2, 2346.0
 LENGTH, DEPTH, BREADTH, SPAN, NOTCH, SLOT, GAUGE = 0.175, 0.05, 0.05, 0.125, 0.025, 0.002, 0.020
 # Not measured, taken: strength in shear over that in tension of a contact, energy in shear over that in tension, friction of bonds, which what is pressed
 # bears by.
 SHEAR, SHEAR_ENERGY, FRICTION = 1.0, 1.0, 1.0
+INITIAL = 2.5  # fracture energy over the area under the first tangent of the softening (Bazant and Becq-Giraudon 2002)
 MIDDLE, WIDTH, SIDE = 0.5 * LENGTH, 0.008, 0.0025  # m: mid-span, zone, cells of the mesh
 FREE = 0.0125                                      # m, half of what is particles alone
+SPEED = 0.01                                       # m/s of the load
 
 
 def material(contact):
@@ -144,12 +147,11 @@ def outline(start, end):
     return [[start, 0], [left, 0], [left, NOTCH], [right, NOTCH], [right, 0], [end, 0], [end, DEPTH], [start, DEPTH]]
 
 
-def beam(radius, seed, contact, bulk, speed=5e-3):
-    """Particles in the middle, elements at both sides; the load goes down at `speed`, m/s."""
+def beam_scene(radius, seed, contact, bulk, speed):
     reach, edges = FREE + WIDTH, (MIDDLE - FREE, MIDDLE + FREE)
     young, poisson = plane(*bulk)
     box = {"left": [MIDDLE - 0.5 * GAUGE - 1e-3, 0], "right": [MIDDLE + 0.5 * GAUGE - 1e-3, 0]}
-    scene = {**body({"polygon": outline(MIDDLE - reach, MIDDLE + reach)}, radius, seed, contact),
+    return {**body({"polygon": outline(MIDDLE - reach, MIDDLE + reach)}, radius, seed, contact),
              "elements": {"mesh": mesh(), "materials": [{"young": young, "poisson": poisson, "density": DENSITY}],
                           "motions": [{"name": "left", "group": "support_left", "motion": {"vx": 0, "vy": 0}},
                                       {"name": "right", "group": "support_right", "motion": {"vy": 0}}]},
@@ -162,7 +164,25 @@ def beam(radius, seed, contact, bulk, speed=5e-3):
              "test": {"kind": "bending", "axis": "y", "lower": ["left", "right"], "upper": "load", "span": SPAN, "height": DEPTH, "notch": NOTCH,
                       "opening": {"axis": "x", "lower": "mouth_left", "upper": "mouth_right"}},
              "time": {"end": 0.16e-3 / speed, "stop": {"peak_drop": 0.9}}}
-    return made(f"beam-{1e3 * radius:g}-{seed}-{speed:g}", scene, {"output.history_rows": 2000, "run.residual_limit": "off"})
+
+
+def beam(radius, seed, contact, bulk, speed=SPEED, note=""):
+    """Particles in the middle, elements at both sides; the load goes down at `speed`, m/s."""
+    scene = beam_scene(radius, seed, contact, bulk, speed)
+    return made(f"beam-{1e3 * radius:g}-{seed}-{speed:g}{note}", scene, {"output.history_rows": 2000, "run.residual_limit": "off"})
+
+
+def adaptive(radius, seed, contact, bulk):
+    """Elements all over at first, which become particles where a third of the strength is reached; loaded at one node."""
+    young, poisson = plane(*bulk)
+    other = beam_scene(radius, seed, contact, bulk, SPEED)
+    shape = {"length": LENGTH, "height": DEPTH, "span": SPAN, "notch_depth": NOTCH, "notch_width": SLOT, "cell": SIDE}
+    motions = [*other["elements"]["motions"], {"name": "load", "group": "load", "motion": other["sets"][0]["motion"]}]
+    scene = {**other, "specimen": {**other["specimen"], "polygon": outline(0, LENGTH)}, "sets": other["sets"][1:],
+             "elements": {"beam": shape, "materials": [{"young": young, "poisson": poisson, "density": DENSITY}], "motions": motions},
+             "couple": {"convert": {"box": {"min": [MIDDLE - 0.03, -1e-3], "max": [MIDDLE + 0.03, DEPTH + 1e-3]}, "width": WIDTH, "stress": TENSILE / 3,
+                                    "every": 100}}}
+    return made(f"adaptive-{1e3 * radius:g}-{seed}", scene, {"output.history_rows": 2000, "run.residual_limit": "off"})
 
 
 def curve(run):
@@ -223,9 +243,12 @@ def draw(found):
 def main():
     contact, bulk, calibration = calibrate()
     study.put("beams.md", "table contacts", calibration)
-    found = [(f"r {1e3 * radius:g} mm, packing {seed}", beam(radius, seed, contact, bulk)) for radius in RADII for seed in SEEDS[:3 if radius == RADII[0] else 2]]
-    study.put("beams.md", "table beam", beam_table(found))
-    draw(found)
+    found = [(f"r {1e3 * radius:g} mm, packing {seed}", beam(radius, seed, contact, bulk)) for radius in RADII for seed in SEEDS[:COUNT[radius]]]
+    others = [(f"r {1e3 * RADII[0]:g} mm, packing 1, half as fast", beam(RADII[0], 1, contact, bulk, 0.5 * SPEED)),
+              ("the same with G_f/2.5, packing 1", beam(RADII[0], 1, (*contact[:3], float(f"{contact[3] / INITIAL:.4g}")), bulk, note="-first")),
+              ("elements that become particles, packing 1", adaptive(RADII[0], 1, contact, bulk))]
+    study.put("beams.md", "table beam", beam_table([*found, *others]))
+    draw([*found, *others[1:]])
 
 
 if __name__ == "__main__":
