@@ -111,5 +111,36 @@ def particles_that_sleep_are_not_damaged(folder):
         assert np.max(particles["damage"][:]) == 0.0
 
 
+PULLED = """dimension: 2
+specimen: {group: 1, lattice: {kind: square, radius: 0.5 mm, cells: [30, 8]}}
+materials: [{name: m, density: 9931, normal_stiffness: 24e9, kratio: 1, friction: 0, bond_tension_limit: 1e12, bond_shear_limit: 1e12}]
+law: {stiffness: uniform}
+bonds: {interaction_range: 0.01}
+elements:
+  rectangle: {size: [30 mm, 8 mm], cells: [15, 4]}
+  materials: [{young: 24e9, poisson: 0, density: 7800}]
+  motions:
+    - {name: left, group: x_lower, motion: {vx: 0}}
+    - {name: right, group: x_upper, motion: {vx: 0.1}}
+couple: {convert: {box: {min: [11 mm, -1], max: [19 mm, 1]}, width: 6 mm, stress: 1 MPa, every: 5}}
+time: {end: 0.1 ms}
+output: {history_rows: 20, snapshots: 0}
+"""
+
+
+@fact
+def conversion_that_would_leave_its_box_ends_the_run_with_its_results(folder):
+    out = os.path.join(folder, "out")
+    done = run(write_scene(folder, PULLED), out)
+    assert done.returncode == 0, done.stdout + done.stderr
+    with open(os.path.join(out, "summary.json"), encoding="utf-8") as file:
+        summary = json.load(file)
+    assert "is not in couple.convert.box" in summary["stop_reason"], summary["stop_reason"]
+    assert summary["time"] < 0.9e-4
+    with h5py.File(os.path.join(out, "results.h5")) as file:
+        assert file["history/elements"][-1] == 15 * 4 * 2
+        assert 1e5 < file["history/stress_xx"][-1] < 1e7  # of elements, in which all particles sleep
+
+
 if __name__ == "__main__":
     sys.exit(main())

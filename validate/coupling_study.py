@@ -222,27 +222,11 @@ def crack(result):
     return 0.5 * (x[result.results("bonds/i")[broken]] + x[result.results("bonds/j")[broken]])[:, :2]
 
 
-def beam_table():
-    rows, cracks = [], []
-    for name, result in zip(("particles alone", "with elements at both sides"), beams()):
-        force, bend = result.results("history/force"), result.results("history/deflection")
-        top = int(np.argmax(force))
-        part = np.arange(len(force)) < top
-        part &= (force > 0.3 * force[top]) & (force < 0.8 * force[top])
-        cracks.append(crack(result))
-        rows.append([name, len(result.results("particles/radius")), f"{np.polyfit(bend[part], force[part], 1)[0] / 1e6:.0f}", f"{force[top] / 1e3:.2f}",
-                     f"{1e6 * bend[top]:.1f}", len(cracks[-1]), f"{result.summary['seconds']['total']:.0f}"])
-    apart = [np.min(np.linalg.norm(cracks[0] - at, axis=1)) for at in cracks[1]]
-    text = study.table(["", "particles", "stiffness, MN/m", "peak, kN", "deflection there, um", "bonds broken", "s"], rows)
-    return text + f"\n\nMean distance of a bond that broke beside elements from the nearest that broke without: {1e3 * np.mean(apart):.1f} mm, particles have 2 mm."
-
-
 def main():
     study.put("coupling.md", "table short", coupling_packings.short_table(lambda width, length, side, how: wave(width, length, side, how, True)))
     study.put("coupling.md", "table behind", behind_table())
     study.put("coupling.md", "table bar", coupling_packings.bar_table())
     study.put("coupling.md", "table packing", coupling_packings.packing_table())
-    study.put("coupling.md", "table beam", beam_table())
     study.put("coupling.md", "table forth", wave_table(False))
     study.put("coupling.md", "table back", wave_table(True))
     study.put("coupling.md", "table patch", patch_table())

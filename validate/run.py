@@ -3,7 +3,7 @@
     ./do validate                 everything; what is kept in runs/validate and has not changed is not run again
     ./do validate --quick         step by step, and compression of rock-b: a few minutes; writes runs/validate/quick.md
     ./do validate --time          the running times alone, then the page
-    ./do validate --only NAME     one section (steps, laboratory, kinds, beam, collisions, scenes, labra, rojek, hard, time), then the page
+    ./do validate --only NAME     one section (steps, laboratory, kinds, beam, plane-beam, collisions, scenes, labra, rojek, hard, time), then the page
     ./do validate --kept          sections from the YADE runs that are there already: YADE runs that are missing are left out
   --fresh  forgets what is kept         --large  the beam of 240 x 80 x 40 mm
 """
@@ -30,12 +30,14 @@ def sections():
     import hard_page
     import kinds
     import laboratory_page
+    import plane_beam
     import published
     import scenes_page
     import steps_page
     import timing
 
     return {"steps": steps_page.section, "laboratory": laboratory_page.section, "kinds": kinds.section, "beam": beam.section,
+            "plane-beam": plane_beam.section,
             "collisions": published.collision_section, "scenes": scenes_page.section,
             "labra": published.labra_section, "rojek": published.rojek_section, "hard": hard_page.section,
             "time": timing.section}

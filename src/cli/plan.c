@@ -10,6 +10,7 @@
 #include "cli/plan_law.h"
 #include "cli/plan_stages.h"
 #include "cli/progress.h"
+#include "sim/conversion.h"
 #include "sim/membrane.h"
 #include "sim/overlap.h"
 
@@ -240,6 +241,7 @@ gneiss_status gn_print_plan(gn_world *w, gneiss_error *error) {
     printf("  in all %.1f MB\n", (double)gn_world_bytes(w) / 1e6);
     print_kernels(w);
     print_step(w);
+    GN_TRY(gn_print_sleepers(w, error));
     GN_TRY(find_start(w, error));
     double steps = gn_plan_steps(w), per_step = 0.0;
     double contacts = (double)(w->dem.bonds.soa.count + w->dem.pairs.soa.count);
@@ -257,7 +259,8 @@ gneiss_status gn_print_plan(gn_world *w, gneiss_error *error) {
             "%s %s element-steps/s", w->scene.has_specimen ? "," : "",
             gn_format_count((double)gn_elements_totals(w).elements / per_step, text, sizeof text));
     printf("\n");
-    printf("  time             %s\n", gn_format_seconds(per_step * steps, text, sizeof text));
+    printf("  time             %s%s\n", gn_format_seconds(per_step * steps, text, sizeof text),
+           gn_converts(w) ? " of elements alone; what converts comes on top" : "");
     gn_print_stages(w, per_step);
     return GNEISS_OK;
 }
@@ -455,10 +458,13 @@ static void print_origin(const gn_world *w) {
            gn_point_text(o, none, at));
 }
 
-gneiss_status gn_print_check(const gn_world *w, int *warnings, gneiss_error *error) {
+gneiss_status gn_print_check(gn_world *w, int *warnings, gneiss_error *error) {
     *warnings = 0;
     print_origin(w);
-    if (w->scene.has_specimen) GN_TRY(check_particles(w, warnings, error));
+    gn_conversion_turn_over(w); /* particles that sleep are described as they will be */
+    gneiss_status status = w->scene.has_specimen ? check_particles(w, warnings, error) : GNEISS_OK;
+    gn_conversion_turn_over(w);
+    GN_TRY(status);
     GN_TRY(check_surfaces(w, warnings, error));
     gn_print_element_check(w, warnings);
     gn_print_zones(w, warnings);

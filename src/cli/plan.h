@@ -11,8 +11,9 @@ gneiss_status gn_print_plan(gn_world *world, gneiss_error *error);
 /* Wall time of a whole run on the world's threads, by a few of its steps, s; the same holds. */
 gneiss_status gn_plan_seconds(gn_world *world, double *seconds, gneiss_error *error);
 
-/* Packing figures, bonds per particle, and what looks wrong; *warnings counts those. */
-gneiss_status gn_print_check(const gn_world *world, int *warnings, gneiss_error *error);
+/* Packing figures, bonds per particle, and what looks wrong; *warnings counts those. The world is
+ * as before. */
+gneiss_status gn_print_check(gn_world *world, int *warnings, gneiss_error *error);
 
 /* "  x  LOWER to UPPER m" as the user sees them. */
 void gn_print_range(const gn_world *world, int axis, double lower, double upper, const char *note);

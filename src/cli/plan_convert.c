@@ -2,10 +2,28 @@
 
 #include "sim/conversion.h"
 
+#include <math.h>
 #include <stdio.h>
 
 /* As of fixed zones (plan_couple.c). */
 static const double elements_least = 3.0, diameters_least = 6.0;
+
+gneiss_status gn_print_sleepers(gn_world *w, gneiss_error *error) {
+    gn_step_limit limit;
+    const double share = gn_world_nonviscous_share(w) * w->scene.safety;
+    if (!gn_converts(w)) return GNEISS_OK;
+    GN_TRY(gn_conversion_limit(w, &limit, error));
+    printf(
+        "particles that sleep\n  asleep           %zu, with %zu bonds put by; above is the step of "
+        "the elements alone\n",
+        w->dem.particles.soa.count, w->dem.prepared.soa.count);
+    if (!(limit.sharp < INFINITY)) return GNEISS_OK;
+    printf("  sharp limit      %.6g s of all of them, rigorous bound %.6g s\n", limit.sharp,
+           limit.bound);
+    printf("  dt               %.6g s or a little more, once some are awake\n",
+           fmin(w->dt, share * limit.sharp));
+    return GNEISS_OK;
+}
 
 void gn_print_conversion(const gn_world *w, int *warnings) {
     gn_conversion_figures f;

@@ -136,8 +136,7 @@ gneiss_status gn_fem_keep(gn_fem_solid *solid, const uint8_t *keep, gneiss_error
 void gn_fem_weigh(gn_fem_solid *solid);
 /* What a step keeps by blocks of elements, after their record was replaced. */
 gneiss_status gn_fem_elements_changed(gn_fem_solid *solid, gneiss_error *error);
-/* J, of all elements where free nodes are after `ahead` s at their velocities; displacement form.
- */
+/* J, of all elements where nodes are after `ahead` s at their velocities; displacement form. */
 double gn_fem_stored(const gn_fem_solid *solid, double ahead);
 /* The turn of an element, R of F = R U, at the present positions; the number of the element by
  * place. */

@@ -117,8 +117,7 @@ double gn_fem_stored(const gn_fem_solid *solid, double ahead) {
         gn_fem_gradients(q, e, g);
         for (int a = 0; a <= solid->dimension && ahead != 0.0; a++) {
             const size_t n = (size_t)gn_elements_node(q, a)[e];
-            const bool held = solid->prescribed.count && solid->nodes.slot[n] >= 0;
-            for (int i = 0; i < solid->dimension && !held; i++)
+            for (int i = 0; i < solid->dimension; i++)
                 for (int k = 0; k < solid->dimension; k++)
                     f[i][k] += ahead * solid->nodes.vel[4 * n + (size_t)i] * g[a][k];
         }

@@ -138,7 +138,7 @@ READ(deflection, gn_ends_deflection(w))
 static void mean_strain(const gn_world *w, double strain[9]) {
     double gradient[9];
     if (!(w->effects & GN_FX_PERIODIC) || gn_scene_half_periodic(&w->scene)) {
-        gn_strain_gauge_read(&w->gauge, &w->dem.particles, w->dem.index_of_id, gradient);
+        gn_conversion_gradient(w, gradient);
         gn_strain_of(gradient, strain);
         return;
     }

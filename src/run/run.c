@@ -107,6 +107,13 @@ static bool is_loaded(const gn_run *run) {
     return !confined || run->peak > 0.1 * pressure;
 }
 
+/* What the model itself ends at. */
+static void check_halt(gn_run *run) {
+    if (!run->world.halt[0] || run->finished) return;
+    run->finished = true;
+    snprintf(run->stop_reason, sizeof run->stop_reason, "%s", run->world.halt);
+}
+
 static void check_stop_conditions(gn_run *run) {
     const gn_scene *s = &run->world.scene;
     if (gn_run_staged(run)) {
@@ -371,6 +378,7 @@ static gneiss_status one_step(gn_run *run, gneiss_error *error) {
     }
     if (w->step % (w->element_count ? WATCH_ELEMENTS : WATCH_INTERVAL) == 0)
         GN_TRY(gn_world_check_step(w, false, error));
+    check_halt(run);
     if (gn_run_staged(run)) gn_run_stage_time(run);
     if (!run->finished && w->time >= w->scene.end - 0.5 * w->dt) gn_run_out_of_time(run);
     return GNEISS_OK;

@@ -1,5 +1,6 @@
 #include "sim/control.h"
 
+#include "sim/conversion.h"
 #include "sim/ends.h"
 
 #include <math.h>
@@ -12,7 +13,7 @@ enum { LOOK_INTERVAL = 10 };
 static double lateral_strain(const gn_world *w) {
     double gradient[9], g[9], sum = 0.0;
     int dimension = (int)w->scene.dimension;
-    gn_strain_gauge_read(&w->gauge, &w->dem.particles, w->dem.index_of_id, gradient);
+    gn_conversion_gradient(w, gradient);
     gn_strain_of(gradient, g);
     for (int a = 0; a < dimension; a++)
         if (a != (int)w->scene.test.axis) sum += g[4 * a];

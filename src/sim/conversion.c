@@ -228,24 +228,39 @@ static void wake_all(gn_conversion *c) {
 
 /* --- converting --- */
 
-static gneiss_status stuck_at(const gn_conversion *c, int64_t e, gneiss_error *error) {
-    const gn_world *w = c->world;
+/* The model stays as it was: it has all of its elements, and the run ends. */
+static void halt_at(const gn_conversion *c, int64_t e) {
+    gn_world *w = c->world;
     const gn_fem_solid *b = gn_coupled_solid(w);
-    const gn_scene_place where = w->scene.couple.convert.where;
     double centre[3] = {0.0};
     char at[GN_POINT_SIZE];
     for (int a = 0; a <= b->dimension; a++)
         for (size_t k = 0; k < 3; k++)
             centre[k] += b->nodes.start[4 * (size_t)gn_elements_node(&b->elements, a)[e] + k] /
                          (b->dimension + 1);
-    return gn_fail(error, GNEISS_ERROR_UNSTABLE,
-                   "%.400s:%d:%d: couple.convert: step %lld, t = %g s: particles would have to go "
-                   "on to element %d at %s m, which %s",
-                   w->scene.source, where.line, where.column, (long long)w->step, w->time,
-                   b->elements.id[e], gn_point_text(b->origin, centre, at),
-                   c->kind[e] == GN_FRONT_FIXED
-                       ? "is not in the box: a larger box, with a packing that fills it, lets them"
-                       : "has nodes of a motion or a load");
+    snprintf(w->halt, sizeof w->halt,
+             "conversion would have to go on to element %d at %.90s m, which %s", b->elements.id[e],
+             gn_point_text(b->origin, centre, at),
+             c->kind[e] == GN_FRONT_FIXED
+                 ? "is not in couple.convert.box (a larger box, with a packing that fills it)"
+                 : "has nodes of a motion or a load");
+}
+
+/* *stuck: halted, nothing has changed. */
+static gneiss_status advance_front(const gn_conversion *c, bool *stuck, gneiss_error *error) {
+    const gn_convert_def *def = &c->world->scene.couple.convert;
+    gn_fem_solid *b = gn_coupled_solid(c->world);
+    const size_t size = 2 * b->nodes.soa.count * sizeof *b->nodes.blend;
+    double *parts = gn_alloc(size + 1);
+    int64_t element;
+    if (!parts) return no_memory(error);
+    memcpy(parts, b->nodes.blend, size);
+    gneiss_status status = gn_front_advance(b, def->width, c->kind, &element, error);
+    *stuck = status == GNEISS_OK && element >= 0;
+    if (*stuck) memcpy(b->nodes.blend, parts, size);
+    if (*stuck) halt_at(c, element);
+    gn_free(parts);
+    return status;
 }
 
 /* Lists anew, which must not take the conversion for particles that move fast. */
@@ -265,9 +280,9 @@ static gneiss_status go(gn_conversion *c, gneiss_error *error) {
     gn_world *w = c->world;
     gn_fem_solid *b = gn_coupled_solid(w);
     gn_tally before = gn_conversion_tally(w);
-    int64_t stuck;
-    GN_TRY(gn_front_advance(b, w->scene.couple.convert.width, c->kind, &stuck, error));
-    if (stuck >= 0) return stuck_at(c, stuck, error);
+    bool stuck = false;
+    GN_TRY(advance_front(c, &stuck, error));
+    if (stuck) return GNEISS_OK;
     find_parts(c);
     wake_all(c);
     GN_TRY(gn_conversion_take_bonds(c, error));

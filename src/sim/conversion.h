@@ -35,7 +35,8 @@ gneiss_status gn_conversion_ties(const gn_world *world, gn_ties *ties, gneiss_er
 /* Between two steps: every so many of them looks at the stresses, and converts. */
 gneiss_status gn_conversion_look(gn_world *world, gneiss_error *error);
 /* Converts what is marked as GN_FRONT_LEAVING, and what goes with it. `kind` [elements]: as
- * gn_conversion_kinds has it, and changed. */
+ * gn_conversion_kinds has it, and changed. Where more would have to go than may, nothing goes, and
+ * world->halt says what. */
 gneiss_status gn_conversion_kinds(const gn_world *world, uint8_t *kind, gneiss_error *error);
 gneiss_status gn_conversion_convert(gn_world *world, uint8_t *kind, gneiss_error *error);
 
@@ -48,7 +49,23 @@ typedef struct gn_conversion_figures {
 gneiss_status gn_conversion_measure(const gn_world *world, gn_conversion_figures *figures,
                                     gneiss_error *error);
 
+/* For who looks at a scene at its start, when all of the particles sleep: the body as though they
+ * were all awake and bonded; a second call puts that back. Else nothing is done. */
+void gn_conversion_turn_over(gn_world *world);
+/* The limits that all of them would have by themselves. */
+gneiss_status gn_conversion_limit(gn_world *world, gn_step_limit *limit, gneiss_error *error);
+
 /* Elements that are there. */
 size_t gn_conversion_elements(const gn_world *world);
+
+/* [elements of the mesh] places of those that are there, for gn_conversion_travel (gn_fem_places);
+ * NULL where nothing converts, or without memory. The caller's. */
+int32_t *gn_conversion_places(const gn_world *world);
+/* m: how far a particle has come; one that sleeps is where the elements have the body, not a number
+ * without their places. In any world (conversion_readings.c). */
+void gn_conversion_travel(const gn_world *world, const int32_t *places, size_t p, double u[3]);
+/* The mean displacement gradient of the particles (gn_strain_gauge_read), those that sleep being
+ * where the elements have them. In any world. */
+void gn_conversion_gradient(const gn_world *world, double gradient[9]);
 
 #endif

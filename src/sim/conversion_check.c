@@ -45,6 +45,37 @@ static double measure_particles(const gn_world *w, const uint8_t *kind, const in
     return mass;
 }
 
+static void swap(double *a, double *b) {
+    const double before = *a;
+    *a = *b;
+    *b = before;
+}
+
+void gn_conversion_turn_over(gn_world *w) {
+    gn_particles *q = &w->dem.particles;
+    const gn_contacts bonds = w->dem.bonds;
+    if (!gn_converts(w)) return;
+    for (size_t p = 0; p < q->soa.count; p++) {
+        swap(q->vel + 4 * p + 3, &gn_sleeper_of(w, p)->mass);
+        if (q->spin) swap(q->spin + 4 * p + 3, &gn_sleeper_of(w, p)->inertia);
+    }
+    w->dem.bonds = w->dem.prepared;
+    w->dem.prepared = bonds;
+}
+
+gneiss_status gn_conversion_limit(gn_world *w, gn_step_limit *limit, gneiss_error *error) {
+    const gn_step_limit before = w->dem.limit;
+    const double stable = w->dem.stable;
+    bool due;
+    gn_conversion_turn_over(w);
+    gneiss_status status = gn_dem_limit(w, true, &due, error);
+    gn_conversion_turn_over(w);
+    *limit = w->dem.limit;
+    w->dem.limit = before;
+    w->dem.stable = stable;
+    return status;
+}
+
 gneiss_status gn_conversion_measure(const gn_world *w, gn_conversion_figures *f,
                                     gneiss_error *error) {
     const gn_fem_solid *b = gn_coupled_solid(w);

@@ -25,7 +25,10 @@ static void add(gn_tally *t, double mass, const double *x, const double *v) {
 /* --- energy ---
  * What leap-frog conserves is 1/2 v(-) M v(+) and what springs hold at the instant: 1/2 v(-) M v(-)
  * and half a step of the power of their forces at v(-). Tangential forces between two steps are
- * those of the instant before; the step to come adds what the last interval did. */
+ * those of the instant before; the step to come adds what the last interval did. That power at
+ * nodes that are driven is no part of what is conserved, but the work of their reactions, of which
+ * the interval that led here has the mean of its two ends, takes the one after the conversion for
+ * that end: what it misses is half a step of the power of what the reactions jump by. */
 
 /* N, of a contact across n, of the instant; the rate at which its ends part, m/s. */
 static void advance_shear(const gn_world *w, const gn_contacts *list, size_t c, double length,

@@ -71,6 +71,9 @@ void gn_coupled_leave(gn_world *world, const int32_t *gone);
 /* Pa, [particles][6] as gn_stress_particles: adds what elements carry of the stress at the
  * particles of zones (coupling_readings.c). */
 gneiss_status gn_coupled_add_stress(const gn_world *world, double *sigma, gneiss_error *error);
+/* Pa, [9]: the mean over the particles' volume of what elements carry of it, where who sleeps is
+ * included; not a number without memory for it. */
+void gn_coupled_mean_stress(const gn_world *world, double sigma[9]);
 /* Particles of zones that have left. */
 size_t gn_coupled_lost(const gn_world *world);
 

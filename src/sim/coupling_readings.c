@@ -1,6 +1,8 @@
 /* What is read off zones as the run goes on. */
+#include "base/ball.h"
 #include "base/memory.h"
 #include "couple/zone.h"
+#include "sim/conversion.h"
 #include "sim/coupling_internal.h"
 
 #include <math.h>
@@ -27,6 +29,47 @@ gneiss_status gn_coupled_add_stress(const gn_world *w, double *sigma, gneiss_err
     }
     gn_free(stress);
     return GNEISS_OK;
+}
+
+/* The place of the element that a particle is in, of the elements that are there; -1: of none. */
+static int32_t *elements_of(const gn_world *w) {
+    const gn_coupled *q = w->exchange[0].context;
+    const size_t n = w->dem.particles.soa.count;
+    int32_t *place = gn_conversion_places(w);
+    int32_t *element = gn_alloc_array(n + 1, sizeof *element);
+    if (element && (place || !gn_converts(w))) {
+        for (size_t p = 0; p < n; p++) element[p] = place ? place[gn_home_id(w, p)] : -1;
+        for (size_t k = 0; k < q->ties.count; k++)
+            if (q->place[k] >= 0) element[q->place[k]] = q->ties.tie[k].element;
+    } else {
+        gn_free(element);
+        element = NULL;
+    }
+    gn_free(place);
+    return element;
+}
+
+void gn_coupled_mean_stress(const gn_world *w, double sigma[9]) {
+    const gn_particles *q = &w->dem.particles;
+    const gn_fem_solid *b = gn_coupled_solid(w);
+    const int row[3][3] = {{0, 3, 5}, {3, 1, 4}, {5, 4, 2}};
+    int32_t *element = elements_of(w);
+    double(*stress)[6] = gn_alloc_array(b->elements.soa.count + 1, sizeof *stress);
+    double volume = 0.0;
+    const bool held = element && stress;
+    for (int k = 0; k < 9; k++) sigma[k] = 0.0;
+    if (held) gn_fem_element_stress(b, stress);
+    for (size_t p = 0; held && p < q->soa.count; p++) {
+        const double own = gn_ball_volume(b->dimension, q->pos[4 * p + 3]);
+        volume += own;
+        if (element[p] < 0) continue;
+        for (int a = 0; a < b->dimension; a++)
+            for (int c = 0; c < b->dimension; c++)
+                sigma[3 * a + c] += (1.0 - q->blend[2 * p]) * own * stress[element[p]][row[a][c]];
+    }
+    for (int k = 0; k < 9; k++) sigma[k] = held ? sigma[k] / volume : NAN;
+    gn_free(element);
+    gn_free(stress);
 }
 
 size_t gn_coupled_lost(const gn_world *w) {

@@ -1,6 +1,7 @@
 /* Particle sets: who belongs to them, what they change, how they move. */
 #include "base/memory.h"
 #include "base/point.h"
+#include "sim/conversion.h"
 #include "sim/internal.h"
 
 #include <math.h>
@@ -216,17 +217,20 @@ static bool travels(const gn_world *w, size_t set, int axis, size_t p) {
 }
 
 double gn_set_travel(const gn_world *w, size_t set, int axis) {
-    const gn_particles *q = &w->dem.particles;
     const gn_set_def *s = &w->scene.sets[set];
+    int32_t *places = gn_conversion_places(w);
     double sum = 0.0;
     size_t count = 0, all = s->id_count ? s->id_count : (size_t)w->dem.made;
     for (size_t k = 0; k < all; k++) {
         int32_t place = w->dem.index_of_id[s->id_count ? (size_t)s->ids[k] : k];
         size_t p = (size_t)place;
         if (place < 0 || !travels(w, set, axis, p)) continue;
-        sum += q->pos[4 * p + (size_t)axis] - q->start[4 * p + (size_t)axis];
+        double u[3];
+        gn_conversion_travel(w, places, p, u);
+        sum += u[axis];
         count++;
     }
+    gn_free(places);
     return count ? sum / (double)count : 0.0;
 }
 

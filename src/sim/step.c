@@ -2,6 +2,7 @@
  * ledger. What a part does in each is its own affair (dem.h, boundary.h, elements.h). */
 #include "base/timer.h"
 #include "sim/conversion.h"
+#include "sim/coupling.h"
 #include "sim/exchange.h"
 #include "sim/internal.h"
 #include "sim/membrane.h"
@@ -40,6 +41,7 @@ static void begin_ledger(gn_energy *e) {
 static void read_particles(gn_world *w) {
     gn_energy *e = &w->energy;
     gn_dem_measure(w, e, w->stress);
+    for (int k = 0; k < 9; k++) w->stress[k] += w->couple.stress[k];
     gn_boundary_measure(w, e);
     if (w->step == 0) begin_ledger(e);
     w->unbalanced = gn_dem_unbalanced(w);
@@ -92,6 +94,7 @@ gneiss_status gn_world_step(gn_world *w, bool measure, gneiss_error *error) {
     GN_TRY(gn_world_refresh_lists(w, error));
     GN_TRY(gn_pressed_check(w, error));
 
+    if (measure && w->scene.has_couple) gn_coupled_mean_stress(w, w->couple.stress);
     gn_control_look(w);
     gn_membrane_press(w);
     /* What does not wait for an exchange moves with its forces. A box asks for the stress in every

@@ -71,6 +71,8 @@ struct gn_world {
         double frequency; /* rad/s, of the particles, by which springs of zones are chosen */
         double rate[2];   /* 1/s: what these take of the steps of particles and elements */
         double whole;     /* s: sharp limit of particles and elements as one; 0: not looked for */
+        double stress[9]; /* Pa: what elements have of the mean stress of the particles' volume, at
+                           * the last measured instant */
     } couple;
 
     gn_strain_gauge gauge;
@@ -102,6 +104,8 @@ struct gn_world {
 #undef X
     double seconds[GN_PHASE_COUNT];
     bool bad; /* the run failed: its state is written as it is, for looking at */
+    char
+        halt[256]; /* why the run is to end here, with the model as good as it was; "": it is not */
 };
 
 /* A point of the world as the user sees it. */

@@ -1,0 +1,255 @@
+"""A measured beam: Gregoire et al. 2013, depth 50 mm, notched to half of it. What is known of its concrete is put in before a beam is computed, from strips of
+the same packings that are pulled apart; nothing is fitted to the beam. Fills docs/evidence/beams.md; some ten minutes of one core.
+
+    /usr/bin/python3 validate/beam_study.py [--fresh]
+"""
+import numpy as np
+
+import study
+
+BAND = study.ROOT / "validate" / "references" / "beam-gregoire-2013.csv"
+PICTURE = study.ROOT / "docs" / "evidence" / "pictures" / "beams-gregoire.png"
+FOLDER = study.RUNS / "beams"
+SEEDS = (1, 2, 3)
+RADII = (0.5e-3, 0.25e-3)
+COUNT = {RADII[0]: 3, RADII[1]: 1}  # packings; one of the smaller particles takes some minutes
+# Measured, of the concrete (37 GPa, 3.9 MPa, 143.2 N/m, 2346 kg/m3) and of the beam, m.
+MODULUS, POISSON, TENSILE, FRACTURE, DENSITY = 37e9, 0.2, 3.9e6, 143.2, 2346.0
+LENGTH, DEPTH, BREADTH, SPAN, NOTCH, SLOT, GAUGE = 0.175, 0.05, 0.05, 0.125, 0.025, 0.002, 0.020
+# Not measured, taken: strength in shear over that in tension of a contact, energy in shear over that in tension, friction of bonds, which what is pressed
+# bears by.
+SHEAR, SHEAR_ENERGY, FRICTION = 1.0, 1.0, 1.0
+INITIAL = 2.5  # fracture energy over the area under the first tangent of the softening (Bazant and Becq-Giraudon 2002)
+MIDDLE, WIDTH, SIDE = 0.5 * LENGTH, 0.008, 0.0025  # m: mid-span, zone, cells of the mesh
+FREE = 0.0125                                      # m, half of what is particles alone
+SPEED = 0.01                                       # m/s of the load
+
+
+def material(contact):
+    """`contact`: young, Pa, poisson, tensile strength, Pa, fracture energy, J/m2, of contacts."""
+    young, poisson, tensile, energy = contact
+    return {"name": "concrete", "density": DENSITY, "young": young, "poisson": poisson, "friction": 0.5, "tensile_strength": tensile,
+            "shear_strength": SHEAR * tensile, "fracture_energy": energy, "shear_fracture_energy": SHEAR_ENERGY * energy,
+            "bond_friction": FRICTION}
+
+
+def made(name, scene, settings=None):
+    """`scene`: as a dictionary, which YAML reads as JSON has it."""
+    import json
+
+    FOLDER.mkdir(parents=True, exist_ok=True)
+    path = FOLDER / f"{name}.yaml"
+    path.write_text(json.dumps(scene, indent=1))
+    return study.run(f"beams/{name}", path, settings or {}, must_finish=False)
+
+
+def body(shape, radius, seed, contact):
+    return {"dimension": 2,
+            "specimen": {**shape, "mean_radius": radius, "density_basis": "bulk", "material": "concrete", "group": 1,
+                         "packing": {"overlap": "passive", "size_variation": 0.1}},
+            "materials": [material(contact)], "law": {"stiffness": "dempack", "softening": "energy", "coupling": "quadratic"},
+            "bonds": {"interaction_range": 0.1, "passive_gaps": True}, "run": {"seed": seed, "threads": 1}}
+
+
+# --- what a packing makes of its contacts -----------------------------------------------------------------------
+
+STRIP = (0.025, 0.0375)  # m, the first as wide as the ligament
+
+
+def strip(radius, seed, contact, opened=None):
+    """Pulled apart: until its load has fallen by half, or until it has opened by `opened` m."""
+    width, length = STRIP
+    motion = {side: {"vy": [[0, 0], [5e-4, sign * 0.02]]} for side, sign in (("lower", -1), ("upper", 1))}
+    scene = {**body({"rectangle": {"width": width, "height": length}}, radius, seed, contact),
+             "damping": {"background": {"model": "nonviscous_vector", "coefficient": 0.5}},
+             "sets": [{"name": side, "select": {"end": {"axis": "y", "side": side, "depth": 4 * radius}}, "motion": motion[side]} for side in motion],
+             "test": {"kind": "tension", "axis": "y", "lower": "lower", "upper": "upper", "length": length, "area": width},
+             "time": {"end": opened / 0.04 if opened else 3e-3, **({} if opened else {"stop": {"peak_drop": 0.3}})}}
+    name = f"strip-{1e3 * radius:g}-{seed}-" + "-".join(f"{v:.4g}" for v in contact) + ("-apart" if opened else "")
+    return made(name, scene, {"output.history_rows": 600, "run.residual_limit": "off"})
+
+
+def elastic(run):
+    """Modulus (Pa) and contraction in the plane, by the mean strain, from 5 to 30 % of the peak; strength (Pa)."""
+    stress, along, across = (run.results(f"history/{name}") for name in ("stress", "strain_yy", "strain_xx"))
+    peak = int(np.argmax(stress))
+    part = (np.arange(len(stress)) < peak) & (stress > 0.05 * stress[peak]) & (stress < 0.3 * stress[peak])
+    return np.polyfit(along[part], stress[part], 1)[0], -np.polyfit(along[part], across[part], 1)[0], stress[peak]
+
+
+def crack_energy(run, contact):
+    """Over the contacts' fracture energy and the section: all that was lost; what was lost by bonds whose ends have come apart."""
+    x, d = run.results("particles/position"), run.results("particles/displacement")
+    i, j, area, state = (run.results(f"bonds/{name}") for name in ("i", "j", "area", "state"))
+    damage = np.where((state == 1) | (state == 2), 1.0, run.results("bonds/shear_damage"))
+    apart = np.linalg.norm(d[j] - d[i], axis=1) > contact[3] / contact[2]
+    lost = sum(run.results(f"energy/{term}")[0] for term in ("damage", "bond_breaking"))
+    return lost / (contact[3] * STRIP[0]), np.sum((area * damage)[apart]) / STRIP[0]
+
+
+def calibrate():
+    """Contacts with which strips have the measured modulus, strength and, across their cracks, fracture energy; elements that have the strips' modulus
+    and contraction. Strips of the larger particles alone. Found in two rounds, the second of which says how far they are met."""
+    contact, rows = (MODULUS / 0.75, 0.2, TENSILE, FRACTURE / 1.38), []
+    for number in range(3):
+        found = np.array([elastic(strip(RADII[0], seed, contact)) for seed in SEEDS])
+        opened = 4 * 2 * contact[3] / contact[2]
+        lost = np.array([crack_energy(strip(RADII[0], seed, contact, opened), contact) for seed in SEEDS])
+        modulus, contraction, strength = found.mean(axis=0)
+        factor = lost[:, 1].mean()
+        rows.append([number + 1, f"{contact[0] / 1e9:.2f}", f"{contact[2] / 1e6:.3f}", f"{contact[3]:.1f}", text(found[:, 0] / 1e9), text(found[:, 1]),
+                     text(found[:, 2] / 1e6), text(lost[:, 1]), text(lost[:, 0]), f"{factor * contact[3]:.1f}"])
+        print(rows[-1], flush=True)
+        if number < 2:
+            contact = tuple(float(f"{v:.4g}") for v in (contact[0] * MODULUS / modulus, contact[1], contact[2] * TENSILE / strength, FRACTURE / factor))
+    return contact, (modulus, contraction), study.table(
+        ["round", "E of contacts, GPa", "their strength, MPa", "their G_f, N/m", "modulus of strips, GPa", "contraction", "strength, MPa",
+         "lost across the crack, over G_f of contacts", "lost in all, over the same", "across the crack, N/m"], rows)
+
+
+def text(values):
+    return f"{np.mean(values):.3g} ± {np.std(values, ddof=1):.2g}" if len(values) > 1 else f"{values[0]:.3g}"
+
+
+def plane(modulus, contraction):
+    """E and nu of elements in plane strain with this modulus and contraction in the plane."""
+    poisson = contraction / (1 + contraction)
+    return modulus * (1 - poisson**2), poisson
+
+
+# --- the beam ---------------------------------------------------------------------------------------------------
+
+def mesh():
+    """Two blocks of triangles at both sides of the middle; supports at their lower side."""
+    path = FOLDER / "sides.msh"
+    FOLDER.mkdir(parents=True, exist_ok=True)
+    nodes, cells, feet = [], [], []
+    for start, end in ((0.0, MIDDLE - FREE), (MIDDLE + FREE, LENGTH)):
+        columns, rows, first = round((end - start) / SIDE), round(DEPTH / SIDE), len(nodes)
+        nodes += [(start + SIDE * c, SIDE * r) for r in range(rows + 1) for c in range(columns + 1)]
+        for r in range(rows):
+            for c in range(columns):
+                a = first + 1 + r * (columns + 1) + c
+                b, d, e = a + 1, a + columns + 2, a + columns + 1
+                cells += [(a, b, d), (a, d, e)] if (r + c) % 2 else [(a, b, e), (b, d, e)]
+        at = 0.5 * (LENGTH - SPAN) if start == 0.0 else 0.5 * (LENGTH + SPAN)
+        feet.append(first + 1 + round((at - start) / SIDE))
+    lines = ["$MeshFormat", "2.2 0 8", "$EndMeshFormat", "$PhysicalNames", "3", '0 1 "support_left"', '0 2 "support_right"', '2 3 "body"',
+             "$EndPhysicalNames", "$Nodes", str(len(nodes)), *(f"{k + 1} {x:.10g} {y:.10g} 0" for k, (x, y) in enumerate(nodes)), "$EndNodes",
+             "$Elements", str(len(cells) + 2), *(f"{k + 1} 15 2 {k + 1} {k + 1} {feet[k]}" for k in range(2)),
+             *(f"{k + 3} 2 2 3 3 {a} {b} {d}" for k, (a, b, d) in enumerate(cells)), "$EndElements"]
+    path.write_text("\n".join(lines) + "\n")
+    return str(path)
+
+
+def outline(start, end):
+    left, right = MIDDLE - 0.5 * SLOT, MIDDLE + 0.5 * SLOT
+    return [[start, 0], [left, 0], [left, NOTCH], [right, NOTCH], [right, 0], [end, 0], [end, DEPTH], [start, DEPTH]]
+
+
+def beam_scene(radius, seed, contact, bulk, speed):
+    reach, edges = FREE + WIDTH, (MIDDLE - FREE, MIDDLE + FREE)
+    young, poisson = plane(*bulk)
+    box = {"left": [MIDDLE - 0.5 * GAUGE - 1e-3, 0], "right": [MIDDLE + 0.5 * GAUGE - 1e-3, 0]}
+    return {**body({"polygon": outline(MIDDLE - reach, MIDDLE + reach)}, radius, seed, contact),
+             "elements": {"mesh": mesh(), "materials": [{"young": young, "poisson": poisson, "density": DENSITY}],
+                          "motions": [{"name": "left", "group": "support_left", "motion": {"vx": 0, "vy": 0}},
+                                      {"name": "right", "group": "support_right", "motion": {"vy": 0}}]},
+             "couple": {"zones": [{"edges": [{"from": [edges[0], 0], "to": [MIDDLE - reach + radius, 0]}]},
+                                  {"edges": [{"from": [edges[1], 0], "to": [MIDDLE + reach - radius, 0]}]}]},
+             "sets": [{"name": "load", "select": {"box": {"min": [MIDDLE - 2.5e-3, DEPTH - 1.5e-3], "max": [MIDDLE + 2.5e-3, DEPTH]}},
+                       "motion": {"vy": [[0, 0], [2e-3, -speed]]}},
+                      *({"name": f"mouth_{side}", "select": {"box": {"min": low, "max": [low[0] + 2e-3, 1.5e-3]}}} for side, low in box.items())],
+             "damping": {"background": {"model": "viscous", "coefficient": 1000}},
+             "test": {"kind": "bending", "axis": "y", "lower": ["left", "right"], "upper": "load", "span": SPAN, "height": DEPTH, "notch": NOTCH,
+                      "opening": {"axis": "x", "lower": "mouth_left", "upper": "mouth_right"}},
+             "time": {"end": 0.16e-3 / speed, "stop": {"peak_drop": 0.9}}}
+
+
+def beam(radius, seed, contact, bulk, speed=SPEED, note=""):
+    """Particles in the middle, elements at both sides; the load goes down at `speed`, m/s."""
+    scene = beam_scene(radius, seed, contact, bulk, speed)
+    return made(f"beam-{1e3 * radius:g}-{seed}-{speed:g}{note}", scene, {"output.history_rows": 2000, "run.residual_limit": "off"})
+
+
+def adaptive(radius, seed, contact, bulk):
+    """Elements all over at first, which become particles where a third of the strength is reached; loaded at one node."""
+    young, poisson = plane(*bulk)
+    other = beam_scene(radius, seed, contact, bulk, SPEED)
+    shape = {"length": LENGTH, "height": DEPTH, "span": SPAN, "notch_depth": NOTCH, "notch_width": SLOT, "cell": SIDE}
+    motions = [*other["elements"]["motions"], {"name": "load", "group": "load", "motion": other["sets"][0]["motion"]}]
+    scene = {**other, "specimen": {**other["specimen"], "polygon": outline(0, LENGTH)}, "sets": other["sets"][1:],
+             "elements": {"beam": shape, "materials": [{"young": young, "poisson": poisson, "density": DENSITY}], "motions": motions},
+             "couple": {"convert": {"box": {"min": [MIDDLE - 0.03, -1e-3], "max": [MIDDLE + 0.03, DEPTH + 1e-3]}, "width": WIDTH, "stress": TENSILE / 3,
+                                    "every": 100}}}
+    return made(f"adaptive-{1e3 * radius:g}-{seed}", scene, {"output.history_rows": 2000, "run.residual_limit": "off"})
+
+
+def curve(run):
+    """Opening in mm, load on the beam's breadth in N."""
+    return 1e3 * run.results("history/opening"), BREADTH * run.results("history/force")
+
+
+def band():
+    return np.loadtxt(BAND, delimiter=",", comments="#", skiprows=3)
+
+
+def load_at(run, opening):
+    """The mean load around an opening, which goes forth and back a little, N."""
+    at, load = curve(run)
+    near = np.abs(at - opening) < 0.02 * opening
+    return float(np.mean(load[near])) if near.any() else float("nan")
+
+
+def beside(value, low, high):
+    """By how many per cent a load misses the band."""
+    off = value / high - 1 if value > high else value / low - 1 if value < low else 0.0
+    return "in" if off == 0.0 else f"{100 * off:+.0f} %"
+
+
+OPENINGS = (0.005, 0.01, 0.03, 0.05, 0.075, 0.1, 0.15, 0.2)  # mm
+
+
+def beam_table(found):
+    measured = band()
+    rows = [["measured", "", f"{measured[:, 1].max():.0f} to {measured[:, 2].max():.0f}", "",
+             *(f"{np.interp(w, measured[:, 0], measured[:, 1]):.0f} to {np.interp(w, measured[:, 0], measured[:, 2]):.0f}" for w in OPENINGS)]]
+    for name, run in found:
+        at, load = curve(run)
+        peak = int(np.argmax(load))
+        cells = [f"{load_at(run, w):.0f}, {beside(load_at(run, w), *(np.interp(w, measured[:, 0], measured[:, k]) for k in (1, 2)))}" for w in OPENINGS]
+        rows.append([name, len(run.results("particles/radius")), f"{load[peak]:.0f}, {beside(load[peak], measured[:, 1].max(), measured[:, 2].max())}",
+                     f"{1e3 * at[peak]:.0f}", *cells])
+    return study.table(["", "particles", "peak, N", "opening there, um", *(f"load at {w:g} mm, N" for w in OPENINGS)], rows)
+
+
+def draw(found):
+    import matplotlib
+
+    matplotlib.use("Agg")
+    import matplotlib.pyplot as plt
+
+    measured = band()
+    figure, axes = plt.subplots(figsize=(7, 4.2), constrained_layout=True)
+    axes.fill_between(measured[:, 0], measured[:, 1], measured[:, 2], color="0.8", label="measured (Gregoire et al. 2013)")
+    for name, run in found:
+        at, load = curve(run)
+        axes.plot(at, load, linewidth=0.9, label=name)
+    axes.set(xlabel="opening of the notch's mouth over 20 mm, mm", ylabel="load, N", xlim=(0, 0.2), ylim=(0, None))
+    axes.legend()
+    figure.savefig(PICTURE, dpi=110, metadata={"Software": None})
+
+
+def main():
+    contact, bulk, calibration = calibrate()
+    study.put("beams.md", "table contacts", calibration)
+    found = [(f"r {1e3 * radius:g} mm, packing {seed}", beam(radius, seed, contact, bulk)) for radius in RADII for seed in SEEDS[:COUNT[radius]]]
+    others = [(f"r {1e3 * RADII[0]:g} mm, packing 1, half as fast", beam(RADII[0], 1, contact, bulk, 0.5 * SPEED)),
+              ("the same with G_f/2.5, packing 1", beam(RADII[0], 1, (*contact[:3], float(f"{contact[3] / INITIAL:.4g}")), bulk, note="-first")),
+              ("elements that become particles, packing 1", adaptive(RADII[0], 1, contact, bulk))]
+    study.put("beams.md", "table beam", beam_table([*found, *others]))
+    draw([*found, *others[1:]])
+
+
+if __name__ == "__main__":
+    main()
