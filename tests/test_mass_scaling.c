@@ -158,6 +158,49 @@ static void a_raised_grain_falls_and_bounces_without_a_loss(void **state) {
     world_end(w);
 }
 
+/* --- what comes later --- */
+
+/* Two bonded pairs in a line, of which one flies into the other: the two in the middle come to hang
+ * on twice as many springs. */
+static gn_world *pairs_that_meet(const char *time) {
+    return world_of("dimension: 3\nspecimen: {particles: [[0, 0, 0, 1e-3], [2e-3, 0, 0, 1e-3], "
+                    "[4.5e-3, 0, 0, 1e-3], [6.5e-3, 0, 0, 1e-3]]}\n"
+                    "materials: [{name: m, density: 2500, normal_stiffness: 1e6, kratio: 2, "
+                    "bond_tension_limit: 1e9, bond_shear_limit: 1e9}]\n"
+                    "law: {stiffness: uniform, rotation: off}\nbonds: {interaction_range: 0.1}\n"
+                    "damping: {background: {model: nonviscous_vector, coefficient: 0.7}}\n"
+                    "sets: [{name: b, select: {ids: [2, 3]}, initial_velocity: [-1, 0, 0]}]\n"
+                    "time: {end: 1, %s}\nrun: {threads: 1}\n",
+                    time);
+}
+
+/* By the bound what has come near is made heavier before it touches, and the step stays; the energy
+ * that this takes is in the ledger. By the sharp limit the step falls as it does without. */
+static void masses_follow_the_contacts_that_form(void **state) {
+    (void)state;
+    for (int sharp = 0; sharp < 2; sharp++) {
+        gn_world *w = pairs_that_meet(sharp ? "mass_scaling: {factor: 1.5}"
+                                            : "estimate: bound, mass_scaling: {factor: 1.5}");
+        const double dt = w->dt, end = mass_of(w, 0), middle = mass_of(w, 1);
+        gn_energy e = {0};
+        for (int k = 0; k < 400 && e.elastic_normal < 1e-9; k++) e = measured_step(w);
+        assert_true(e.elastic_normal > 0.0); /* they have met */
+        assert_true(sharp ? w->dt < 0.95 * dt : w->dt == dt);
+        assert_true(mass_of(w, 0) == end);
+        if (sharp) {
+            assert_true(mass_of(w, 1) == middle);
+        } else {
+            double more = mass_of(w, 1) - middle;
+            /* Twice the springs at the step over 0.989 instead of over 0.9. */
+            assert_close(mass_of(w, 1), 2.0 * middle * pow(0.9 / 0.989, 2.0), 1e-9);
+            assert_close(mass_of(w, 2), mass_of(w, 1), 1e-12);
+            assert_close(e.step_change, 0.5 * more, 1e-9); /* of the one that flies, at 1 m/s */
+            assert_near(gn_energy_residual(&e), 0.0, 1e-6);
+        }
+        world_end(w);
+    }
+}
+
 /* --- conserved --- */
 
 static void momentum_and_energy_of_a_free_pair_stay(void **state) {
@@ -264,6 +307,7 @@ int main(void) {
         cmocka_unit_test(dashpots_are_those_of_the_raised_mass),
         cmocka_unit_test(a_grain_weighs_what_it_did),
         cmocka_unit_test(a_raised_grain_falls_and_bounces_without_a_loss),
+        cmocka_unit_test(masses_follow_the_contacts_that_form),
         cmocka_unit_test(momentum_and_energy_of_a_free_pair_stay),
         cmocka_unit_test(beside_all_else_the_ledger_closes_with_the_same_bits),
         cmocka_unit_test(what_cannot_be_is_refused_where_it_stands),

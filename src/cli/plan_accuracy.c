@@ -63,7 +63,8 @@ static void print_settings(const gn_plan *plan, const gn_proposal *p) {
     if (!plan->groups.mesh) {
         printf("  start            %s\n", p->first_break ? "first_break" : "rest");
         printf("  mass scaling     %s", p->masses > 1.0 ? "" : "none\n");
-        if (p->masses > 1.0) printf("%.3g of the step without\n", p->masses);
+        if (p->masses > 1.0)
+            printf("%.3g of the step without, %.2g %% more mass\n", p->masses, 100.0 * p->added);
     }
 }
 
@@ -143,6 +144,7 @@ static void json_proposal(gn_json *j, const char *key, const gn_plan *plan, cons
     gn_json_text(j, "precision", p->mixed ? "mixed" : "double");
     gn_json_text(j, "start", p->first_break ? "first_break" : "rest");
     gn_json_number(j, "mass_scaling", p->masses);
+    gn_json_number(j, "added_mass", p->added);
     gn_json_number(j, "error", p->error);
     gn_json_object(j, "causes");
     for (size_t k = 0; k < p->causes.count; k++)

@@ -15,13 +15,12 @@
 
 #include "base/memory.h"
 #include "base/vec3.h"
-#include "limit/coarse.h"
 #include "limit/springs.h"
 
 #include <math.h>
 #include <string.h>
 
-enum { N = GN_COMPONENTS, CHUNK = 256, ITERATIONS_MOST = 20000 };
+enum { N = GN_COMPONENTS, CHUNK = 256, ITERATIONS_MOST = 20000, USES = 8 };
 
 /* Of the diagonal. A body that is a hundred particles long has eigenvalues of some 1e-4 of it, and
  * Newton's method makes good what this changes. With 1e-9 rounding kept the iteration from
@@ -46,32 +45,33 @@ typedef struct cg {
     gn_springs y;
     size_t n; /* components of all particles */
     int threads;
-    link *link;           /* [springs] */
-    double (*pull)[3];    /* [springs] q */
-    float (*inverse)[36]; /* [particles] of their blocks; zero in what cannot move */
-    uint8_t *free;        /* [particles] bit k: component k can move */
+    link *link;        /* [springs] */
+    double (*pull)[3]; /* [springs] q */
+    gn_preconditioner *made;
+    uint8_t *free; /* [particles] bit k: component k can move */
     gn_viscosity viscosity;
-    gn_coarse coarse;
     double *r, *z, *p, *kp;
-    part *parts;    /* [chunks of particles], added up in their order */
-    double *ground; /* what resists everywhere, N/m and N m */
-    double *weight; /* 1/diagonal; 0 in what cannot move */
+    part *parts; /* [chunks of particles], added up in their order */
 } cg;
 
 static void free_cg(cg *c) {
     gn_springs_free(&c->y);
-    gn_coarse_free(&c->coarse);
     gn_free(c->link);
     gn_free(c->pull);
-    gn_free(c->inverse);
     gn_free(c->free);
     gn_free(c->r);
     gn_free(c->z);
     gn_free(c->p);
     gn_free(c->kp);
-    gn_free(c->ground);
     gn_free(c->parts);
-    gn_free(c->weight);
+}
+
+void gn_preconditioner_free(gn_preconditioner *made) {
+    gn_coarse_free(&made->coarse);
+    gn_free(made->inverse);
+    gn_free(made->ground);
+    gn_free(made->weight);
+    *made = (gn_preconditioner){0};
 }
 
 static gneiss_status allocate(cg *c, gneiss_error *error) {
@@ -79,17 +79,13 @@ static gneiss_status allocate(cg *c, gneiss_error *error) {
     c->n = particles * N;
     c->link = gn_alloc_array(c->y.springs + 1, sizeof *c->link);
     c->pull = gn_alloc_array(c->y.springs + 1, sizeof *c->pull);
-    c->inverse = gn_alloc_array(particles + 1, sizeof *c->inverse);
     c->free = gn_alloc(particles + 1);
     c->r = gn_alloc_array(c->n + 1, sizeof *c->r);
     c->z = gn_alloc_array(c->n + 1, sizeof *c->z);
     c->p = gn_alloc_array(c->n + 1, sizeof *c->p);
     c->kp = gn_alloc_array(c->n + 1, sizeof *c->kp);
-    c->ground = gn_alloc_array(c->n + 1, sizeof *c->ground);
     c->parts = gn_alloc_array(particles / CHUNK + 1, sizeof *c->parts);
-    c->weight = gn_alloc_array(c->n + 1, sizeof *c->weight);
-    if (c->parts && c->ground && c->weight && c->link && c->pull && c->inverse && c->free && c->r &&
-        c->z && c->p && c->kp)
+    if (c->parts && c->link && c->pull && c->free && c->r && c->z && c->p && c->kp)
         return GNEISS_OK;
     return gn_fail(error, GNEISS_ERROR_MEMORY, "no memory for the equilibrium of %zu particles",
                    particles);
@@ -144,7 +140,7 @@ static inline double drag_of(const cg *c, size_t p, int k) {
 /* K u of a particle; returns u . K u. */
 static inline double gather(const cg *c, const double *u, size_t p, double *out) {
     double f[N], sum = 0.0;
-    for (size_t k = 0; k < N; k++) f[k] = c->ground[N * p + k] * u[N * p + k];
+    for (size_t k = 0; k < N; k++) f[k] = c->made->ground[N * p + k] * u[N * p + k];
     for (size_t e = c->y.first[p]; e < c->y.first[p + 1]; e++) {
         size_t s = c->y.entry[e] / 2;
         bool second = c->y.entry[e] & 1;
@@ -246,13 +242,13 @@ static void make_blocks(cg *c) {
         block_of(c, p, k);
         for (size_t a = 0; a < N; a++) {
             double *diagonal = &k[(N + 1) * a];
-            c->ground[N * p + a] = everywhere * *diagonal + drag_of(c, p, (int)a);
-            *diagonal += c->ground[N * p + a];
+            c->made->ground[N * p + a] = everywhere * *diagonal + drag_of(c, p, (int)a);
+            *diagonal += c->made->ground[N * p + a];
             bool moves = (c->free[p] >> a & 1) && *diagonal > 0.0;
-            c->weight[N * p + a] = moves ? 1.0 / *diagonal : 0.0;
+            c->made->weight[N * p + a] = moves ? 1.0 / *diagonal : 0.0;
         }
         factor(k, c->free[p], in);
-        invert(k, in, c->inverse[p]);
+        invert(k, in, c->made->inverse[p]);
     }
 }
 
@@ -269,20 +265,21 @@ static void end_moves(unsigned free, double side, double arm, const float n[3], 
 }
 
 static void make_coarse(cg *c) {
-    if (!c->coarse.groups) return;
+    if (!c->made->coarse.groups) return;
     for (size_t k = 0; k < c->y.springs; k++) {
         const link *l = &c->link[k];
         gn_coarse_spring s = {l->i, l->j, {l->n[0], l->n[1], l->n[2]}, l->kn, l->kt, {{0}}, {{0}}};
         end_moves(c->free[l->i], -1.0, l->arm_i, l->n, s.by_p);
         if (l->j >= 0) end_moves(c->free[l->j], 1.0, l->arm_j, l->n, s.by_q);
-        gn_coarse_add(&c->coarse, &s);
+        gn_coarse_add(&c->made->coarse, &s);
     }
     for (size_t p = 0; p < c->y.particles; p++) {
         double ground[N];
-        for (size_t a = 0; a < N; a++) ground[a] = c->free[p] >> a & 1 ? c->ground[N * p + a] : 0.0;
-        gn_coarse_ground(&c->coarse, p, ground);
+        for (size_t a = 0; a < N; a++)
+            ground[a] = c->free[p] >> a & 1 ? c->made->ground[N * p + a] : 0.0;
+        gn_coarse_ground(&c->made->coarse, p, ground);
     }
-    gn_coarse_factor(&c->coarse);
+    gn_coarse_factor(&c->made->coarse);
 }
 
 /* z of a particle; returns its part of r.z. */
@@ -291,8 +288,8 @@ static inline double precondition(const cg *c, size_t p) {
     double *z = c->z + N * p, sum = 0.0;
     for (int a = 0; a < N; a++) z[a] = 0.0;
     for (int b = 0; b < N; b++)
-        for (int a = 0; a < N; a++) z[a] += (double)c->inverse[p][N * b + a] * r[b];
-    if (c->coarse.groups) gn_coarse_spread(&c->coarse, p, c->free[p], z);
+        for (int a = 0; a < N; a++) z[a] += (double)c->made->inverse[p][N * b + a] * r[b];
+    if (c->made->coarse.groups) gn_coarse_spread(&c->made->coarse, p, c->free[p], z);
     for (int a = 0; a < N; a++) sum += r[a] * z[a];
     return sum;
 }
@@ -344,14 +341,14 @@ static part go(const cg *c, double step, double *u) {
             for (size_t a = N * k * CHUNK; a < N * end_of(c, k); a++) {
                 u[a] += step * c->p[a];
                 c->r[a] -= step * c->kp[a];
-                c->parts[k].left += c->weight[a] * c->r[a] * c->r[a];
+                c->parts[k].left += c->made->weight[a] * c->r[a] * c->r[a];
             }
         }
 #pragma omp for schedule(static)
-        for (size_t g = 0; g < c->coarse.groups; g++)
-            gn_coarse_gather(&c->coarse, g, c->r, c->free);
+        for (size_t g = 0; g < c->made->coarse.groups; g++)
+            gn_coarse_gather(&c->made->coarse, g, c->r, c->free);
 #pragma omp single
-        gn_coarse_solve(&c->coarse);
+        gn_coarse_solve(&c->made->coarse);
 #pragma omp for schedule(static)
         for (size_t k = 0; k < chunks_of(c); k++)
             for (size_t p = k * CHUNK; p < end_of(c, k); p++) c->parts[k].rz += precondition(c, p);
@@ -416,20 +413,52 @@ static void iterate(cg *c, double tolerance, double *u, gn_equilibrium *found) {
     found->residual = first > 0.0 ? sqrt(now.left / first) : 0.0;
 }
 
+/* --- what was made before --- */
+
+/* Whether a particle has come to touch something that the blocks do not know of. */
+static bool touches_more(const cg *c) {
+    const double *weight = c->made->weight;
+    for (size_t p = 0; p < c->y.particles; p++)
+        for (size_t a = 0; a < N && c->y.first[p] < c->y.first[p + 1]; a++)
+            if ((c->free[p] >> a & 1) && weight[N * p + a] == 0.0) return true;
+    return false;
+}
+
+/* Anew where it is another system, or may have become one: contacts open and slide. Drag, of which
+ * the ground has a part, comes at another rate every time. */
+static gneiss_status make_preconditioner(cg *c, gneiss_error *error) {
+    gn_preconditioner *m = c->made;
+    const size_t n = c->y.particles;
+    bool good = m->particles == n && c->viscosity.drag == 0.0 && m->uses++ < USES;
+    if (good && !touches_more(c)) return GNEISS_OK;
+    gn_preconditioner_free(m);
+    m->inverse = gn_alloc_array(n + 1, sizeof *m->inverse);
+    m->ground = gn_alloc_array(c->n + 1, sizeof *m->ground);
+    m->weight = gn_alloc_array(c->n + 1, sizeof *m->weight);
+    if (!m->inverse || !m->ground || !m->weight)
+        return gn_fail(error, GNEISS_ERROR_MEMORY, "no memory for the equilibrium of %zu particles",
+                       n);
+    GN_TRY(gn_coarse_create(&m->coarse, n, c->y.spectrum->assembly->particles->pos, error));
+    make_blocks(c);
+    make_coarse(c);
+    m->particles = n;
+    return GNEISS_OK;
+}
+
 gneiss_status gn_equilibrium_solve(const gn_spectrum *spectrum, gn_viscosity viscosity,
-                                   const double *load, double tolerance, double *u,
-                                   gn_equilibrium *found, gneiss_error *error) {
-    cg c = {.threads = spectrum->threads > 0 ? spectrum->threads : 1, .viscosity = viscosity};
+                                   const double *load, double tolerance, gn_preconditioner *made,
+                                   double *u, gn_equilibrium *found, gneiss_error *error) {
+    cg c = {.threads = spectrum->threads > 0 ? spectrum->threads : 1,
+            .viscosity = viscosity,
+            .made = made};
     *found = (gn_equilibrium){.loose = -1};
     gneiss_status status = gn_springs_build(spectrum, NULL, &c.y, error);
     if (status == GNEISS_OK) status = allocate(&c, error);
-    if (status == GNEISS_OK)
-        status =
-            gn_coarse_create(&c.coarse, c.y.particles, spectrum->assembly->particles->pos, error);
     if (status == GNEISS_OK) {
         take_links(&c);
-        make_blocks(&c);
-        make_coarse(&c);
+        status = make_preconditioner(&c, error);
+    }
+    if (status == GNEISS_OK) {
         for (size_t k = 0; k < c.n; k++) c.r[k] = c.free[k / N] >> k % N & 1 ? load[k] : 0.0;
         found->loose = untouched(&c);
         if (found->loose < 0) iterate(&c, tolerance, u, found);

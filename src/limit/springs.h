@@ -51,6 +51,10 @@ size_t gn_spring_count(const gn_spectrum *spectrum);
 size_t gn_spring_pairs(const gn_spectrum *spectrum);
 void gn_spring_ends(const gn_spectrum *spectrum, size_t k, int32_t *i, int32_t *j);
 
+/* Marks the neighbours of what is marked [particles of the specimen] as well, with one more than
+ * the highest mark so far. */
+void gn_springs_mark_neighbours(const gn_spectrum *spectrum, uint8_t highest, uint8_t *marked);
+
 /* Whether any degree of freedom of a particle of the specimen can move; false for i < 0. */
 bool gn_spectrum_can_move(const gn_spectrum *spectrum, int32_t i);
 /* The same of a member of the system. */

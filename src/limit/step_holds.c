@@ -74,8 +74,7 @@ static size_t leave_by_blocks(const gn_springs *y, double tau, uint8_t *marked) 
     return found;
 }
 
-/* Marks the neighbours of what is marked as well, with one more than the highest mark so far. */
-static void mark_neighbours(const gn_spectrum *spectrum, uint8_t highest, uint8_t *marked) {
+void gn_springs_mark_neighbours(const gn_spectrum *spectrum, uint8_t highest, uint8_t *marked) {
     size_t pairs = gn_spring_pairs(spectrum);
     uint8_t next = (uint8_t)(highest + 1);
     for (size_t k = 0; k < pairs; k++) {
@@ -171,7 +170,8 @@ static gneiss_status step_holds(const gn_spectrum *spectrum, double step, double
     if (!leave_by_sums(spectrum, 1.0 / step, sums, marked)) return GNEISS_OK;
     GN_TRY(judge_by_blocks(spectrum, step, marked, verdict, error));
     if (verdict->holds) return GNEISS_OK;
-    for (int layer = 1; layer <= LAYERS; layer++) mark_neighbours(spectrum, (uint8_t)layer, marked);
+    for (int layer = 1; layer <= LAYERS; layer++)
+        gn_springs_mark_neighbours(spectrum, (uint8_t)layer, marked);
     gneiss_status status = gn_springs_build(spectrum, marked, &y, error);
     if (status == GNEISS_OK)
         status = judge_system(&y, step, tolerance, marked, LAYERS + 1, verdict, error);
@@ -188,7 +188,7 @@ gneiss_status gn_step_holds(const gn_spectrum *spectrum, double step, double tol
     gneiss_status status = GNEISS_OK;
     if (sums && marked) {
         for (size_t p = 0; p < n; p++) marked[p] = !changed || changed[p];
-        if (changed) mark_neighbours(spectrum, 1, marked);
+        if (changed) gn_springs_mark_neighbours(spectrum, 1, marked);
         status = step_holds(spectrum, step, tolerance, sums, marked, verdict, error);
     } else {
         status = gn_fail(error, GNEISS_ERROR_MEMORY, "no memory for %zu particles", n);

@@ -73,9 +73,11 @@ gneiss_status gn_step_holds(const gn_spectrum *spectrum, double step, double tol
 
 /* By what factor, at least 1, each particle's own mass [particles] has to be multiplied for `step`
  * to hold, by blocks as in the rigorous bound: with such masses, and moments of inertia alike, the
- * bound is the step, but for dashpots that grow with the masses. */
-gneiss_status gn_step_masses(const gn_spectrum *spectrum, double step, double *factor,
-                             gneiss_error *error);
+ * bound is the step, but for dashpots that grow with the masses. `changed` [particles]: only of
+ * these and their neighbours, and 1 for all others and for who has as much already; NULL: of all.
+ */
+gneiss_status gn_step_masses(const gn_spectrum *spectrum, double step, const uint8_t *changed,
+                             double *factor, gneiss_error *error);
 
 /* Hashes of the active springs of each particle, intact bonds left out, in any order: another one
  * means that there are others. */

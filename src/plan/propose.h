@@ -17,7 +17,10 @@ typedef struct gn_proposal {
     double pace;      /* of the loading, over that of the scene */
     double particles; /* of one packing */
     int packings;     /* whose mean is taken */
-    double safety, masses;
+    double safety;
+    double masses;   /* the step over that without added mass, by whatever estimate the scene has */
+    double of_bound; /* the same over the bound's, which it is by if it is to be another */
+    double added;    /* mass over the particles' own */
     bool mixed, first_break;
     double cell; /* elements: the side of a cell over that of the scene; layers: 1/cell as many */
     gn_error_causes causes;
@@ -26,6 +29,8 @@ typedef struct gn_proposal {
     double seconds; /* of a processor, one thread, all packings, packing them included */
 } gn_proposal;
 
+enum { GN_PLAN_FACTORS = 4 };
+
 typedef struct gn_plan {
     gn_wanted wanted;
     const char *reading; /* as the study calls it */
@@ -33,6 +38,8 @@ typedef struct gn_plan {
     gn_estimate estimate;
     gn_cost cost[2]; /* in double and mixed precision */
     bool mixed_known;
+    double unscaled;                                          /* s: the step without added mass */
+    double of_bound[GN_PLAN_FACTORS], added[GN_PLAN_FACTORS]; /* see gn_proposal */
     double setup;            /* s of a processor that the world took */
     const char *no_statics;  /* why steps cannot begin at the first break; NULL: they can */
     gn_proposal as_is, best; /* what the scene asks for; what is proposed */

@@ -121,6 +121,20 @@ static gneiss_status put_cells(gn_settings *q, const gn_scene *s, double cell,
                fmax(1.0, round((double)e->cells[1] / cell)));
 }
 
+/* As a step in seconds, so that other packings take the same one. */
+static gneiss_status put_masses(gn_settings *q, const gn_plan *plan, const gn_scene *s,
+                                const gn_proposal *p, gneiss_error *error) {
+    if (fabs(p->masses / plan->groups.masses - 1.0) <= 1e-3) return GNEISS_OK;
+    if (s->scaled_step > 0.0 && p->masses == 1.0)
+        GN_TRY(put(q, error, "time.mass_scaling.step", "none"));
+    if (p->masses == 1.0) return put(q, error, "time.mass_scaling.factor", "1");
+    if (s->scaled_factor > 0.0) GN_TRY(put(q, error, "time.mass_scaling.factor", "none"));
+    if (s->estimate != GN_STEP_BOUND) GN_TRY(put(q, error, "time.estimate", "bound"));
+    double finer = pow(p->particles / plan->groups.particles, -1.0 / (double)s->dimension);
+    return put(q, error, "time.mass_scaling.step", "%.4g s",
+               plan->unscaled * p->masses * finer * p->safety / plan->groups.safety);
+}
+
 gneiss_status gn_settings_make(const gn_world *w, const gn_plan *plan, const gn_proposal *p,
                                gn_settings *q, gneiss_error *error) {
     const gn_scene *s = &w->given;
@@ -135,7 +149,5 @@ gneiss_status gn_settings_make(const gn_world *w, const gn_plan *plan, const gn_
         GN_TRY(put(q, error, "run.precision", "%s", p->mixed ? "mixed" : "double"));
     if (p->first_break != (s->start == GN_START_FIRST_BREAK))
         GN_TRY(put(q, error, "time.start", "%s", p->first_break ? "first_break" : "rest"));
-    if (fabs(p->masses / g->masses - 1.0) > 1e-3)
-        GN_TRY(put(q, error, "time.mass_scaling.factor", "%g", p->masses));
-    return GNEISS_OK;
+    return put_masses(q, plan, s, p, error);
 }

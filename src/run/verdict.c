@@ -71,8 +71,8 @@ static void warn_of_change(const gn_run *run, gn_warnings *list) {
     to->name = "energy_step_change";
     snprintf(to->text, sizeof to->text,
              "%.3g of the %.4g J that have gone through came from lowering the step while the "
-             "model vibrated (run.residual_warning: %g); a smaller time.safety from the start on "
-             "avoids it",
+             "model vibrated, or from masses raised later on (run.residual_warning: %g); a smaller "
+             "time.safety from the start on, or less added mass, avoids it",
              e->step_change / gn_energy_scale(e), gn_energy_scale(e), limit);
 }
 

@@ -140,6 +140,11 @@ gneiss_status gn_dem_complete(gn_world *world, gneiss_error *error);
 gneiss_status gn_dem_enter(gn_world *world, gneiss_error *error);
 /* Raises masses, if the scene says so, from the step that the world has found without. */
 gneiss_status gn_dem_scale_masses(gn_world *world, gneiss_error *error);
+/* What it comes to for a step (s, safety included) with time.estimate: bound: the step over that of
+ * the bound with own masses, and the added mass over the own one; INFINITY: others leave no room
+ * for such a step. */
+gneiss_status gn_dem_foretell_masses(const gn_world *world, double step, double *of_bound,
+                                     double *added, gneiss_error *error);
 /* What added mass has of the kinetic energy, with the velocities of the last half step. */
 double gn_dem_added_kinetic(const gn_world *world);
 /* Without particles: empty records, so that nothing else needs to know. */
@@ -167,8 +172,8 @@ void gn_dem_evaluate(gn_world *world, double span, double kick, bool measure);
 /* What brings the linearised system into equilibrium with `load`, see gn_equilibrium_solve.
  * `slips`: see gn_spectrum, `rate`: gn_viscosity. */
 gneiss_status gn_dem_relax(const gn_world *world, const uint8_t *slips, double rate,
-                           const double *load, double tolerance, double *u, gn_equilibrium *found,
-                           gneiss_error *error);
+                           const double *load, double tolerance, gn_preconditioner *made, double *u,
+                           gn_equilibrium *found, gneiss_error *error);
 /* Works, and what contacts dissipated; what is stored at the instant between the halves, with the
  * stress, Pa; the mean resultant over the mean contact force. */
 void gn_dem_book(const gn_world *world, gn_half half, gn_energy *ledger);

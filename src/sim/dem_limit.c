@@ -83,6 +83,8 @@ typedef struct question {
     bool changed;          /* only what has others than at the last look needs to be looked at */
     const uint8_t *turned; /* [particles] only these and their neighbours; NULL: see `changed` */
     double *masses;        /* [particles] what would hold the step; NULL: not asked for */
+    uint8_t **others; /* only this is asked: [particles], to be freed, who has others than at the
+                       * last look; NULL: not asked for */
 } question;
 
 /* Between two lists contacts turn by some more: by the skin over a diameter, at most. */
@@ -113,6 +115,10 @@ static gneiss_status holds(const gn_spectrum *spectrum, const question *q, gneis
     if (!changed) return gn_fail(error, GNEISS_ERROR_MEMORY, "no memory for %zu particles", n);
     gneiss_status status = find_changed(spectrum, spectrum->reach > 0.0, changed, &count, error);
     *q->verdict = (gn_step_verdict){.holds = true};
+    if (q->others) {
+        *q->others = changed;
+        return status;
+    }
     if (status == GNEISS_OK && (!q->changed || count > 0))
         status = gn_step_holds(spectrum, q->step, q->tolerance, q->changed ? changed : NULL,
                                q->verdict, error);
@@ -122,7 +128,7 @@ static gneiss_status holds(const gn_spectrum *spectrum, const question *q, gneis
 
 static gneiss_status answer(const gn_spectrum *spectrum, void *context, gneiss_error *error) {
     const question *q = context;
-    if (q->masses) return gn_step_masses(spectrum, q->step, q->masses, error);
+    if (q->masses) return gn_step_masses(spectrum, q->step, q->turned, q->masses, error);
     if (q->turned)
         return gn_step_holds(spectrum, q->step, q->tolerance, q->turned, q->verdict, error);
     if (q->step > 0.0) return holds(spectrum, q, error);
@@ -146,15 +152,15 @@ static gneiss_status ask(const gn_world *w, bool listed, const question *q, gnei
     return gn_dem_with_spectrum(w, listed, answer, &copy, error);
 }
 
-gneiss_status gn_dem_masses(const gn_world *w, bool listed, double step, double *factor,
-                            gneiss_error *error) {
-    question q = {.step = step, .masses = factor};
+gneiss_status gn_dem_masses(const gn_world *w, bool listed, double step, const uint8_t *changed,
+                            double *factor, gneiss_error *error) {
+    question q = {.step = step, .turned = changed, .masses = factor};
     return ask(w, listed, &q, error);
 }
 
 gneiss_status gn_dem_relax(const gn_world *w, const uint8_t *slips, double rate, const double *load,
-                           double tolerance, double *u, gn_equilibrium *found,
-                           gneiss_error *error) {
+                           double tolerance, gn_preconditioner *made, double *u,
+                           gn_equilibrium *found, gneiss_error *error) {
     gn_assembly assembly = gn_world_assembly(w);
     spectrum_data data = {0};
     GN_TRY(make_data(w, 0.0, &data, error));
@@ -163,7 +169,7 @@ gneiss_status gn_dem_relax(const gn_world *w, const uint8_t *slips, double rate,
     spectrum.dashpots = 0.0;
     double drag = w->effects & GN_FX_VISCOUS ? w->scene.background_coefficient : 0.0;
     gneiss_status status = gn_equilibrium_solve(&spectrum, (gn_viscosity){rate, drag}, load,
-                                                tolerance, u, found, error);
+                                                tolerance, made, u, found, error);
     free_data(&data);
     return status;
 }
@@ -208,6 +214,29 @@ static gneiss_status usable_limit(const gn_world *w, double *limit, gneiss_error
     return gn_flight_limits(w, limit, &unused, error);
 }
 
+/* By the bound raised masses follow the springs that ask for a smaller step before it is asked
+ * whether the step holds. By the sharp limit all masses are nearer to theirs than the bound knows
+ * of, and no look at a few of them tells. */
+static gneiss_status follow_and_ask(gn_world *w, bool listed, const uint8_t *of, const question *q,
+                                    gneiss_error *error) {
+    question about = *q;
+    about.turned = of;
+    if (w->scene.estimate == GN_STEP_BOUND) GN_TRY(gn_dem_follow_masses(w, listed, of, error));
+    return ask(w, listed, &about, error);
+}
+
+/* About what has other springs than at the last look. */
+static gneiss_status ask_of_others(gn_world *w, bool listed, const question *q,
+                                   gneiss_error *error) {
+    uint8_t *others = NULL;
+    if (!(w->effects & GN_FX_MASS_SCALING)) return ask(w, listed, q, error);
+    question who = {.step = q->step, .verdict = q->verdict, .others = &others};
+    gneiss_status status = ask(w, listed, &who, error);
+    if (status == GNEISS_OK) status = follow_and_ask(w, listed, others, q, error);
+    gn_free(others);
+    return status;
+}
+
 /* Whether springs that have come to act since the last look take the limit down. Without any at
  * that look, any will do. */
 static gneiss_status limit_fell(gn_world *w, bool *fell, gneiss_error *error) {
@@ -216,7 +245,7 @@ static gneiss_status limit_fell(gn_world *w, bool *fell, gneiss_error *error) {
     gn_step_verdict verdict = {0};
     question q = {
         .step = known < INFINITY ? 0.95 * known : DBL_MAX, .verdict = &verdict, .changed = true};
-    GN_TRY(ask(w, false, &q, error));
+    GN_TRY(ask_of_others(w, false, &q, error));
     *fell = !verdict.holds;
     return GNEISS_OK;
 }
@@ -251,7 +280,10 @@ gneiss_status gn_dem_limit_listed(gn_world *w, bool full, bool *fine, gneiss_err
     } else {
         q.limit = &limit;
     }
-    GN_TRY(ask(w, true, &q, error));
+    if (q.changed)
+        GN_TRY(ask_of_others(w, true, &q, error));
+    else
+        GN_TRY(ask(w, true, &q, error));
     *fine = finite && verdict.holds;
     if (*fine && all) w->dem.listed_holds = needed;
     if (*fine) return GNEISS_OK;
@@ -298,7 +330,7 @@ static size_t find_turned(const gn_world *w, uint8_t *turned) {
 
 /* Whether the step holds for what has turned, with a reserve for what turns until the next lists.
  */
-static gneiss_status turned_hold(const gn_world *w, const uint8_t *turned, bool *hold,
+static gneiss_status turned_hold(gn_world *w, const uint8_t *turned, bool *hold,
                                  gneiss_error *error) {
     gn_step_verdict verdict = {0};
     double needed = gn_limit_needed(w, w->dt / GN_TURNED_SHARE);
@@ -306,7 +338,7 @@ static gneiss_status turned_hold(const gn_world *w, const uint8_t *turned, bool 
                   .tolerance = tolerance_of(w),
                   .verdict = &verdict,
                   .turned = turned};
-    gneiss_status status = ask(w, false, &q, error);
+    gneiss_status status = follow_and_ask(w, false, turned, &q, error);
     *hold = verdict.holds;
     return status;
 }

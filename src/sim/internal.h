@@ -227,8 +227,16 @@ typedef gneiss_status gn_spectrum_user(const gn_spectrum *spectrum, void *contex
 gneiss_status gn_dem_with_spectrum(const gn_world *world, bool listed, gn_spectrum_user *use,
                                    void *context, gneiss_error *error);
 
-gneiss_status gn_dem_masses(const gn_world *world, bool listed, double step, double *factor,
-                            gneiss_error *error);
+gneiss_status gn_dem_masses(const gn_world *world, bool listed, double step, const uint8_t *changed,
+                            double *factor, gneiss_error *error);
+/* After springs have come that ask for a smaller step than masses were raised for, of those that
+ * act or of all that are listed: raises the masses of these particles [particles] and their
+ * neighbours as far as their own blocks ask for more, at the velocities that they have (their
+ * kinetic energy is booked as step_change). Nothing happens without time.mass_scaling and before
+ * the first step.
+ */
+gneiss_status gn_dem_follow_masses(gn_world *world, bool listed, const uint8_t *changed,
+                                   gneiss_error *error);
 /* After masses have changed (lists.c); what they sum up to (mass_scaling.c). */
 void gn_dem_masses_changed(gn_world *world);
 void gn_dem_sum_masses(gn_world *world);

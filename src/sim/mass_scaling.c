@@ -38,6 +38,9 @@ double gn_dem_added_kinetic(const gn_world *w) {
 
 /* --- raising --- */
 
+/* The step over what listed contacts allow: a little below what they are looked at with. */
+static const double listed_share = 0.989;
+
 /* What the run's step asks for: of the springs that act it is held against the limit that they
  * have, of those that are listed it only has to hold. */
 typedef struct wanted {
@@ -50,8 +53,8 @@ typedef struct wanted {
 
 static gneiss_status find_factors(const gn_world *w, const wanted *q, double part,
                                   gneiss_error *error) {
-    GN_TRY(gn_dem_masses(w, false, part * q->limit, q->factor, error));
-    GN_TRY(gn_dem_masses(w, true, part * q->listed, q->also, error));
+    GN_TRY(gn_dem_masses(w, false, part * q->limit, NULL, q->factor, error));
+    GN_TRY(gn_dem_masses(w, true, part * q->listed, NULL, q->also, error));
     for (size_t p = 0; p < w->dem.particles.soa.count; p++)
         q->factor[p] = fmax(q->factor[p], q->also[p]);
     return gn_resolution_masses(w, q->step, q->factor, error);
@@ -83,6 +86,54 @@ static gneiss_status raise(gn_world *w, const wanted *q, double part, gneiss_err
         if (w->dem.damping_fraction == 0.0) break;
     }
     return GNEISS_OK;
+}
+
+/* --- what comes later --- */
+
+/* One mass, and the moment of inertia with it, at the velocities that it has; returns what kinetic
+ * energy it takes. */
+static double make_heavier(const gn_particles *a, size_t p, double share) {
+    const double ratio = share / a->own_share[p];
+    double *v = a->vel + 4 * p, *o = a->spin ? a->spin + 4 * p : NULL;
+    double twice = gn_dot3(v, v) / v[3];
+    if (o && o[3] > 0.0) twice += gn_dot3(o, o) / o[3];
+    a->own_share[p] = share;
+    v[3] *= ratio;
+    if (o) o[3] *= ratio;
+    return 0.5 * (1.0 / ratio - 1.0) * twice;
+}
+
+static bool follow_once(gn_world *w, const double *factor) {
+    const gn_particles *a = &w->dem.particles;
+    bool any = false;
+    for (size_t p = 0; p < a->soa.count; p++) {
+        if (!(factor[p] * a->own_share[p] > 1.0)) continue;
+        w->energy.step_change += make_heavier(a, p, 1.0 / factor[p]);
+        any = true;
+    }
+    if (any) gn_dem_masses_changed(w);
+    return any;
+}
+
+gneiss_status gn_dem_follow_masses(gn_world *w, bool listed, const uint8_t *changed,
+                                   gneiss_error *error) {
+    enum { ROUNDS = 8 }; /* of dashpots */
+    const gn_mass_scaling *s = &w->dem.scaling;
+    if (!(w->effects & GN_FX_MASS_SCALING && s->reached > 0.0 && w->step > 0)) return GNEISS_OK;
+    double step = gn_limit_needed(w, s->reached / (listed ? listed_share : w->scene.safety));
+    if (!isfinite(step)) return GNEISS_OK; /* others leave no room */
+    double *factor = gn_alloc_array(w->dem.particles.soa.count + 1, sizeof *factor);
+    if (!factor)
+        return gn_fail(error, GNEISS_ERROR_MEMORY, "no memory for %zu masses",
+                       w->dem.particles.soa.count);
+    gneiss_status status = GNEISS_OK;
+    for (int round = 0; round < ROUNDS; round++) {
+        status = gn_dem_masses(w, listed, step, changed, factor, error);
+        if (status != GNEISS_OK || !follow_once(w, factor)) break;
+        if (w->dem.damping_fraction == 0.0) break;
+    }
+    gn_free(factor);
+    return status;
 }
 
 /* --- how much --- */
@@ -141,6 +192,28 @@ static gneiss_status make_room(const gn_world *w, wanted *q, gneiss_error *error
     return GNEISS_OK;
 }
 
+/* The largest factor is the square of the step over that of the bound. */
+gneiss_status gn_dem_foretell_masses(const gn_world *w, double step, double *of_bound,
+                                     double *added, gneiss_error *error) {
+    const gn_particles *q = &w->dem.particles;
+    const double limit = gn_limit_needed(w, step / w->scene.safety);
+    *of_bound = *added = INFINITY;
+    if (!isfinite(limit)) return GNEISS_OK;
+    double *factor = gn_alloc_array(q->soa.count + 1, sizeof *factor), most = 1.0, sum = 0.0;
+    if (!factor)
+        return gn_fail(error, GNEISS_ERROR_MEMORY, "no memory for %zu masses", q->soa.count);
+    gneiss_status status = gn_dem_masses(w, false, limit, NULL, factor, error);
+    for (size_t p = 0; status == GNEISS_OK && p < q->soa.count; p++) {
+        if (!(q->vel[4 * p + 3] > 0.0)) continue;
+        most = fmax(most, factor[p]);
+        sum += (factor[p] - 1.0) * gn_own_share(q, p) / q->vel[4 * p + 3];
+    }
+    *of_bound = sqrt(most);
+    *added = sum / w->dem.mass;
+    gn_free(factor);
+    return status;
+}
+
 gneiss_status gn_dem_scale_masses(gn_world *w, gneiss_error *error) {
     const gn_scene *s = &w->scene;
     if (!(w->effects & GN_FX_MASS_SCALING)) return GNEISS_OK;
@@ -150,7 +223,7 @@ gneiss_status gn_dem_scale_masses(gn_world *w, gneiss_error *error) {
     if (q.step <= w->dt) return GNEISS_OK;
     double elements = gn_world_nonviscous_share(w) * gn_elements_stable(w);
     q.limit = gn_limit_needed(w, q.step / s->safety);
-    q.listed = gn_limit_needed(w, q.step / 0.989);
+    q.listed = gn_limit_needed(w, q.step / listed_share);
     if (s->safety * elements < q.step || !isfinite(q.limit)) return refuse(w, q.step, error);
     w->dem.scaling.step = q.step;
     gneiss_status status = make_room(w, &q, error);

@@ -32,6 +32,7 @@ static void free_lists(gn_trial *t) {
 
 void gn_trial_free(gn_trial *t) {
     free_lists(t);
+    gn_preconditioner_free(&t->made);
     gn_free(t->pos);
     gn_free(t->load);
     gn_free(t->supplied);
@@ -279,7 +280,8 @@ gneiss_status gn_trial_correct(gn_trial *t, double tolerance, double *path, gn_e
         status = gn_fail(error, GNEISS_ERROR_MEMORY,
                          "no memory for the equilibrium of %zu particles", t->count);
     if (status == GNEISS_OK)
-        status = gn_dem_relax(t->world, slips, t->rate, t->load, tolerance, u, found, error);
+        status =
+            gn_dem_relax(t->world, slips, t->rate, t->load, tolerance, &t->made, u, found, error);
     if (status == GNEISS_OK) add_corrections(t, u, path, found);
     gn_free(slips);
     gn_free(u);
@@ -414,8 +416,10 @@ gneiss_status gn_trial_take(gn_trial *t, const double *path, double span, bool l
     /* The next increment may go as far as the lists reach. */
     gn_dem_look_at_travel(w);
     double own = w->dem.verlet.drift, other = gn_boundary_travel(w, true);
-    if (fmax(2.0 * own, own + other) > 0.5 * w->dem.verlet.skin)
+    if (fmax(2.0 * own, own + other) > 0.5 * w->dem.verlet.skin) {
+        gn_preconditioner_free(&t->made);
         GN_TRY(gn_world_renew_lists(w, error));
+    }
     return go_out_from_here(t, error);
 }
 

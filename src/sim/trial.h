@@ -20,6 +20,8 @@ typedef struct gn_trial {
     double *supplied;        /* [prescribed][6] N, N m: what the prescription supplies */
     double stored;           /* J, at the start of the world */
 
+    gn_preconditioner made; /* of the tangent, while the lists stand */
+
     /* Of the last path. */
     double *load;                     /* [count][6] N, N m; 0 in prescribed components */
     double rate;                      /* 1/s: of its displacements, 0: at rest */
