@@ -713,10 +713,19 @@ def the_scene_of_the_triaxial_test_gives_a_strength(folder):
 
 @fact
 def the_scenes_of_the_other_tests_give_their_readings(folder):
-    for name, reading, least in (("hydrostatic", "bulk_modulus", 1e9), ("biaxial", "axial_strength", 1e7), ("tension", "fracture_energy", 1)):
+    for name, reading, least in (("compression", "peak_stress", 1e7), ("hydrostatic", "bulk_modulus", 1e9), ("biaxial", "axial_strength", 1e7),
+                                 ("tension", "fracture_energy", 1), ("concrete", "axial_strength", 3e7)):
         out = small(folder, name, "--set", "specimen.particles=400", "--set", "output.history_rows=500")
         value = readings(out)[reading]
         assert value is not None and value > least, (name, readings(out), absent(out))
+
+
+@fact
+def every_kind_of_test_has_a_scene_that_is_named_after_it(folder):
+    listed = gneiss("keys", "test.kind").stdout
+    for kind in re.search(r"^ +(.*); required$", listed, re.M).group(1).split(", "):
+        with open(os.path.join(ROOT, "scenes", f"{kind}.yaml")) as file:
+            assert re.search(rf"\bkind: {kind}\b", file.read()), kind
 
 
 @fact

@@ -111,12 +111,48 @@ static void a_particle_without_bonds_loses_its_share_for_good(void **state) {
     world_end(w);
 }
 
+/* A cell presses on what lay beneath a particle that came off: the others go on without a force or
+ * a moment of their own. */
+static void what_is_left_is_in_balance_when_particles_break_off(void **state) {
+    (void)state;
+    for (int d = 2; d <= 3; d++) {
+        gn_world *w = specimen(d, true);
+        gn_particles *q = &w->dem.particles;
+        gn_contacts *bonds = &w->dem.bonds;
+        double sum[3] = {0}, moment[3] = {0}, turn[3];
+        int off = 0;
+        for (size_t p = 0; p < q->soa.count && off < 3; p++) {
+            if (!(q->skin[4 * p + 3] > 0 && q->bonds0[p] > 0)) continue;
+            off++;
+            for (size_t c = 0; c < bonds->soa.count; c++)
+                if (bonds->i[c] == (int32_t)p || bonds->j[c] == (int32_t)p)
+                    bonds->cause[c] = GN_BROKEN_TENSION, w->dem.broken_tension++;
+        }
+        double before = gn_membrane_area(w);
+        w->step = 100;
+        gn_membrane_press(w);
+        double size = gn_membrane_area(w);
+        assert_true(off == 3 && size < 0.99 * before);
+        for (size_t p = 0; p < q->soa.count; p++) {
+            if (!(q->skin[4 * p + 3] > 0)) continue;
+            gn_cross3(q->start + 4 * p, q->skin + 4 * p, turn);
+            for (int a = 0; a < 3; a++) sum[a] += q->skin[4 * p + a], moment[a] += turn[a];
+        }
+        for (int a = 0; a < 3; a++) {
+            assert_near(sum[a], 0, 1e-12 * size);
+            assert_near(moment[a], 0, 1e-12 * size * 0.03);
+        }
+        world_end(w);
+    }
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(areas_follow_an_affine_motion_as_nanson_says),
         cmocka_unit_test(dead_loads_stay_what_they_are),
         cmocka_unit_test(forces_and_moments_are_in_balance),
         cmocka_unit_test(a_particle_without_bonds_loses_its_share_for_good),
+        cmocka_unit_test(what_is_left_is_in_balance_when_particles_break_off),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

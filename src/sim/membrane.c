@@ -36,21 +36,53 @@ void gn_membrane_stress(const gn_world *w, double stress[9]) {
 
 /* --- what broke off --- */
 
+/* Sum of the areas as they were at the start, and their moment about 0. */
+static void exerted(const gn_particles *q, double area[3], double moment[3]) {
+    double turn[3];
+    for (int a = 0; a < 3; a++) area[a] = moment[a] = 0.0;
+    for (size_t p = 0; p < q->soa.count; p++) {
+        if (!pressed(q, p)) continue;
+        gn_cross3(q->start + 4 * p, q->skin + 4 * p, turn);
+        for (int a = 0; a < 3; a++) area[a] += q->skin[4 * p + a], moment[a] += turn[a];
+    }
+}
+
+/* What lay beneath a particle that came off is pressed as it was, and so the body stays in balance:
+ * what is missing of the force goes to all others by their areas, then the moment is restored. */
+static void hand_on(gn_world *w, const double area[3], const double moment[3]) {
+    gn_particles *q = &w->dem.particles;
+    const double sum = gn_membrane_area(w);
+    double left[3], turn[3];
+    if (!(sum > 0.0)) return;
+    exerted(q, left, turn);
+    for (size_t p = 0; p < q->soa.count; p++) {
+        double share = q->skin[4 * p + 3] / sum;
+        if (!pressed(q, p)) continue;
+        for (int a = 0; a < 3; a++) q->skin[4 * p + a] += share * (area[a] - left[a]);
+    }
+    gn_membrane_balance(w, moment);
+}
+
 /* A particle that had bonds and has none that holds has come off the body, and the membrane with
  * it. */
 static void drop(gn_world *w) {
     gn_particles *q = &w->dem.particles;
     const gn_contacts *bonds = &w->dem.bonds;
+    double area[3], moment[3];
+    bool dropped = false;
     if (!(w->effects & GN_FX_BONDS) || !(w->dem.broken_tension + w->dem.broken_shear > 0)) return;
     uint8_t *holds = gn_alloc_array(q->soa.count + 1, sizeof *holds);
     if (!holds) return; /* looked at again */
     for (size_t c = 0; c < bonds->soa.count; c++)
         if (gn_contact_bonded(bonds, c)) holds[bonds->i[c]] = holds[bonds->j[c]] = 1;
+    exerted(q, area, moment);
     for (size_t p = 0; p < q->soa.count; p++) {
         if (!pressed(q, p) || holds[p] || q->bonds0[p] == 0) continue;
         q->skin[4 * p + 3] = -q->skin[4 * p + 3];
         memcpy(q->applied + 4 * p, q->load + 4 * p, 4 * sizeof(double));
+        dropped = true;
     }
+    if (dropped) hand_on(w, area, moment);
     gn_free(holds);
 }
 

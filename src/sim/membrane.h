@@ -9,7 +9,8 @@
  * masses and sets applied. Does nothing without a membrane. */
 gneiss_status gn_membrane_create(gn_world *world, gneiss_error *error);
 
-/* The least change of the areas after which their moment is `moment`, m3 (0: none). */
+/* The least change of the areas after which their moment about 0, with particles where they were at
+ * the start, is `moment`, m3 (0: none). */
 void gn_membrane_balance(gn_world *world, const double moment[3]);
 
 /* The skin of particles without a shape, by what a ball of the radius `probe` touches from outside

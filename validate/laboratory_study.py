@@ -1,0 +1,337 @@
+"""Published specimens in the laboratory's tests: the disc of cement paste (Santasusana 2013), the cylinders, squares and discs of
+Labra 2012, specimen 2 of Rojek et al. 2012. Fills the parts on them of docs/evidence/laboratory.md and its pictures.
+
+    /usr/bin/python3 validate/laboratory_study.py [--fresh] [--quick] [disc] [labra] [published] [rojek]
+
+Eight minutes of one core; --quick: a tenth of the particles, one packing, and prints what it would have written. Runs stay in
+runs/studies/laboratory.
+"""
+import json
+import sys
+
+import matplotlib
+
+matplotlib.use("Agg")
+import matplotlib.pyplot as plt
+import numpy as np
+
+import study
+
+QUICK = "--quick" in sys.argv
+FOLDER = study.RUNS / "laboratory"
+PICTURES = study.ROOT / "docs" / "evidence" / "pictures"
+PAGE = "laboratory.md"
+SEEDS = (1,) if QUICK else (1, 2)
+FLAT = np.cos(np.radians(5))  # platens of a Brazilian disc stand so far from its centre, over its radius: flats of 10 degrees
+
+
+def few(count):
+    return max(300, count // 10) if QUICK else count
+
+
+def put(name, head, rows):
+    text = study.table(head, rows)
+    print(f"{name}\n{text}\n", flush=True)
+    if not QUICK:
+        study.put(PAGE, name, text)
+
+
+def save(figure, name):
+    figure.tight_layout()
+    folder = FOLDER if QUICK else PICTURES
+    folder.mkdir(parents=True, exist_ok=True)
+    figure.savefig(folder / f"{name}.png", dpi=100)
+    plt.close(figure)
+
+
+def made(name, scene, **settings):
+    FOLDER.mkdir(parents=True, exist_ok=True)
+    path = FOLDER / f"{name}.yaml"
+    path.write_text(json.dumps(scene, indent=1))
+    return study.run(f"laboratory/{name}", path, {"run.threads": 1, **settings})
+
+
+def pair(axis, low, high, speed, stiffness, dimension):
+    """Two frictionless platens that close with `speed` together, from rest."""
+    at, walls = "xyz".index(axis), []
+    for name, place, sign in (("lower", low, 1), ("upper", high, -1)):
+        point, normal = [0.0] * dimension, [0] * dimension
+        point[at], normal[at] = place, sign
+        walls.append({"name": name, "point": point, "normal": normal, "stiffness": stiffness, "passive": True,
+                      "motion": {f"v{axis}": [[0, 0], [1e-4, sign * 0.5 * speed]]}})
+    return walls
+
+
+def bonds_per_particle(run):
+    return 2 * run.bonds / run.summary["counts"]["particles"]
+
+
+def spread(values, digits=3):
+    values = np.asarray(values, float)
+    text = f"{np.mean(values):.{digits}g}"
+    return text if len(values) < 2 else f"{text} ({np.min(values):.{digits}g} to {np.max(values):.{digits}g})"
+
+
+# --- disc of cement paste -----------------------------------------------------------------------------------------
+
+PASTE = {"name": "paste", "density": 1700, "young": 2.85e9, "poisson": 0.1, "friction": 0.4, "bond_friction": 0.3,
+         "tensile_strength": 2.9e6, "shear_strength": 6e6, "fracture_ratio": 1.0, "yield_stress_1": 6.7e6, "yield_ratio_1": 18.0}
+
+
+def paste_disc(count, seed, law, speed):
+    diameter, thickness = 0.05, 0.025
+    return {
+        "dimension": 3, "specimen": {"cylinder": {"diameter": diameter, "height": thickness}, "particles": few(count),
+                                     "packing": {"size_ratio": 3, "overlap": "passive", "overlap_size": 0.02}},
+        "materials": [PASTE], "law": {"softening": "ratio", **law}, "bonds": {},
+        "damping": {"background": {"model": "nonviscous_vector", "coefficient": 0.2}, "contact": {"fraction": 0.9}},
+        "walls": pair("y", -FLAT * diameter / 2, FLAT * diameter / 2, speed, 5e7, 3),
+        "test": {"kind": "brazilian", "axis": "y", "lower": "lower", "upper": "upper", "diameter": diameter, "thickness": thickness},
+        "time": {"end": 0.03 * diameter / speed, "stop": {"peak_drop": 0.5}},
+        "output": {"history_rows": 2000, "snapshots": 0, "checkpoint": "off"}, "run": {"seed": seed, "threads": 1}}
+
+
+def disc_part():
+    source, volume, shape = ({"stiffness": "dempack", "gamma": 0.8}, {"stiffness": "dempack", "gamma": "auto"}, {"stiffness": "polyhedron"})
+    cases = (("Dempack, gamma 0.8", 500, source, 0.1), ("Dempack, gamma 0.8", 1500, source, 0.1), ("Dempack, gamma 0.8", 4000, source, 0.1),
+             ("Dempack, gamma 0.8", 1500, source, 0.25), ("Dempack, gamma 0.8", 1500, source, 0.05),
+             ("Dempack, sections that fill the disc", 1500, volume, 0.1), ("polyhedra", 1500, shape, 0.1))
+    rows, drawn = [], {}
+    for number, (name, count, law, speed) in enumerate(cases):
+        seeds = SEEDS if speed == 0.1 and count <= 1500 else SEEDS[:1]
+        runs = [made(f"disc-{count}-{number}-{seed}", paste_disc(count, seed, law, speed)) for seed in seeds]
+        if number in (0, 1, 2):
+            drawn[f"{few(count)} spheres"] = runs[0]
+        rows.append([name, few(count), f"{speed:g}", len(seeds), f"{np.mean([bonds_per_particle(r) for r in runs]):.2f}",
+                     spread([r.peak_stress / 1e6 for r in runs]), spread([100 * r.peak_strain for r in runs], 2),
+                     spread([r.centre_tension / 1e6 for r in runs], 2), spread([r.centre_ratio for r in runs], 2),
+                     f"{np.mean([r.broken[0] for r in runs]):.0f} + {np.mean([r.broken[1] for r in runs]):.0f}"])
+    put("table disc", ["sections", "spheres", "closing m/s", "packings", "n_c", "2 P/(pi D t) MPa", "closing over D %", "tension in the middle then MPa",
+                       "the same over 2 P/(pi D t), while it rises", "broken: tension + shear"], rows)
+    figure, axes = plt.subplots(figsize=(7, 5))
+    for (name, run), colour in zip(drawn.items(), ("#9aa5ad", "#2b6cb0", "#c8402f")):
+        axes.plot(100 * run.results("history/strain"), run.results("history/stress") / 1e6, color=colour, label=name)
+        axes.plot(100 * run.results("history/strain"), run.results("history/centre_stress_xx") / 1e6, color=colour, lw=0.8, ls=":")
+    axes.axhline(2.9, color="#22303c", ls="--", lw=1, label="published")
+    axes.set(xlabel="closing over diameter, %", ylabel="2 P/(pi D t) and, dotted, tension in the middle, MPa", title="Disc of cement paste", ylim=(0, None))
+    axes.legend()
+    save(figure, "laboratory-disc")
+
+
+# --- Labra's specimens -----------------------------------------------------------------------------------------------
+
+SIDE = 0.05  # m
+LABRA = {2: {"normal_stiffness": 10e9, "kratio": 2.5, "bond_tension_limit": 1e3, "bond_shear_limit": 1e3},
+         3: {"normal_stiffness": 35e6, "kratio": 1 / 0.3, "bond_tension_limit": 100.0, "bond_shear_limit": 100.0}}
+# Of the check: wanted E GPa, nu, UCS MPa; published result with the parameters that follow.
+TARGETS = {2: (18.630, 0.2009, 126.38), 3: (18.652, 0.2012, 126.12)}
+CHECK = {2: {"normal_stiffness": 14.392e9, "kratio": 14.392 / 2.868, "bond_tension_limit": 4962.3, "bond_shear_limit": 49623.0, "friction": 0.8},
+         3: {"normal_stiffness": 27.889e6, "kratio": 27.889 / 5.3681, "bond_tension_limit": 91.971, "bond_shear_limit": 643.80, "friction": 0.8}}
+SIZES = {2: 5.92, 3: 6}  # largest over smallest radius
+
+
+def labra_specimen(dimension, shape, seed, constants, many, overlap=None):
+    packing = {"size_ratio": SIZES[dimension], **({"overlap": "passive", "overlap_size": overlap} if overlap else {})}
+    return {
+        "dimension": dimension, "specimen": {**shape, **many, "packing": packing, "density_basis": "bulk"},
+        "materials": [{"name": "rock", "density": 2580, "friction": 0.5, **constants}],
+        "law": {"stiffness": "uniform"}, "bonds": {},
+        "damping": {"background": {"model": "nonviscous_vector", "coefficient": 0.7}},
+        "output": {"history_rows": 2000, "snapshots": 0, "checkpoint": "off"}, "run": {"seed": seed, "threads": 1}}
+
+
+def crushed(dimension, seed, speed, constants, many, overlap=None, strain=0.02):
+    shape = {"rectangle": {"width": SIDE, "height": SIDE}} if dimension == 2 else {"cylinder": {"diameter": SIDE, "height": SIDE}}
+    axis = "y" if dimension == 2 else "z"
+    scene = labra_specimen(dimension, shape, seed, constants, many, overlap)
+    return {**scene, "walls": pair(axis, 0, SIDE, speed, 10 * constants["normal_stiffness"], dimension),
+            "test": {"kind": "compression", "axis": axis, "lower": "lower", "upper": "upper", "length": SIDE, "diameter": SIDE},
+            "time": {"end": strain * SIDE / speed, "stop": {"peak_drop": 0.5}}}
+
+
+def split(dimension, seed, speed, constants, many, overlap=None):
+    shape = {"disc": {"diameter": SIDE}} if dimension == 2 else {"cylinder": {"diameter": SIDE, "height": SIDE}}
+    scene = labra_specimen(dimension, shape, seed, constants, many, overlap)
+    return {**scene, "walls": pair("y", -FLAT * SIDE / 2, FLAT * SIDE / 2, speed, 10 * constants["normal_stiffness"], dimension),
+            "test": {"kind": "brazilian", "axis": "y", "lower": "lower", "upper": "upper", "diameter": SIDE},
+            "time": {"end": 0.02 * SIDE / speed, "stop": {"peak_drop": 0.5}}}
+
+
+def strain_start(run):
+    """n_c, porosity, and rt = 4 <r^3>/<l^2> (2D: 4 <r^2>/<l^2>, times 1 m), A = 2 <r^3>/<l> (2D: 2 <r^2>/<l>) of the groups."""
+    dimension = run.summary["dimension"] if "dimension" in run.summary else (2 if np.ptp(run.results("particles/position")[:, 2]) == 0 else 3)
+    x, d = run.results("particles/position"), run.results("particles/displacement")
+    length = np.linalg.norm((x - d)[run.results("bonds/j")] - (x - d)[run.results("bonds/i")], axis=1)
+    r = run.results("particles/radius")
+    body = SIDE**2 if dimension == 2 else np.pi / 4 * SIDE**3
+    solid = np.pi * np.sum(r**2) if dimension == 2 else 4 / 3 * np.pi * np.sum(r**3)
+    power = np.mean(r**dimension)
+    return bonds_per_particle(run), 1 - solid / body, 4 * power / np.mean(length**2), 2 * power / np.mean(length), 1e3 * r.mean()
+
+
+def plane(run):
+    """Constants of the material, of discs in plane strain: E GPa and nu."""
+    if "plane_young_modulus" in run.summary["readings"]:
+        nu = run.poisson_ratio / (1 + run.poisson_ratio)
+        return run.young_modulus_average * (1 - nu**2) / 1e9, nu
+    return run.young_modulus_average / 1e9, run.poisson_ratio
+
+
+def uniform_strain(run, constants, dimension):
+    """E GPa and nu of the material if every particle followed the mean strain of an isotropic packing with these bonds."""
+    n_c, porosity, size, *_ = strain_start(run)
+    rho, normal = 1 / constants["kratio"], constants["normal_stiffness"]
+    if dimension == 2:
+        a = 2 * normal * n_c * (1 - porosity) / (np.pi * size)
+        return a * (1 + rho) * (5 - rho) / 16 / 1e9, (1 - rho) / 4
+    a = 3 * normal * n_c * (1 - porosity) / (2 * np.pi * size)
+    return a * (2 + 3 * rho) / (3 * (4 + rho)) / 1e9, (1 - rho) / (4 + rho)
+
+
+def labra_part():
+    rows, curves = [], []
+    for dimension, pressed, split_count, speeds, overlap in ((2, 11180, 8396, (0.01, 0.005), None), (3, 10395, 10395, (0.05, 0.02), 0.03)):
+        constants = LABRA[dimension]
+        crush = [made(f"labra-{dimension}-ucs-{s}", crushed(dimension, s, speeds[0], constants, {"particles": few(pressed)}, overlap)) for s in SEEDS]
+        across = [made(f"labra-{dimension}-brazilian-{s}", split(dimension, s, speeds[1], constants, {"particles": few(split_count)}, overlap))
+                  for s in SEEDS]
+        n_c, porosity, _, area, radius = strain_start(crush[0])
+        law = uniform_strain(crush[0], constants, dimension)
+        limit = constants["bond_tension_limit"]
+        ratio = np.mean([r.peak_stress for r in crush]) / np.mean([r.peak_stress for r in across])
+        rows.append([f"{dimension}D", few(pressed), f"{100 * porosity:.1f}", f"{n_c:.2f}", f"{radius:.3f}", spread([plane(r)[0] for r in crush]),
+                     f"{law[0]:.3g}", spread([plane(r)[1] for r in crush]), f"{law[1]:.3f}", spread([r.peak_stress / 1e6 for r in crush]),
+                     f"{np.mean([r.peak_stress for r in crush]) * area / (limit * n_c * (1 - porosity)):.3f}",
+                     f"{100 * np.mean([r.broken[1] / sum(r.broken) for r in crush]):.0f}", few(split_count),
+                     spread([r.peak_stress / 1e6 for r in across]), f"{100 * np.mean([r.broken[1] / sum(r.broken) for r in across]):.0f}", f"{ratio:.2f}"])
+        curves.append((dimension, crush[0], across[0]))
+    put("table labra", ["", "particles", "e %", "n_c", "mean radius mm", "E GPa", "of uniform strain", "nu", "of uniform strain", "UCS MPa",
+                        "UCS A/(R_n n_c (1 - e))", "broken in shear %", "particles, Brazilian", "2 P/(pi D t) MPa", "broken in shear %", "UCS over that"], rows)
+    figure, axes = plt.subplots(1, 2, figsize=(12, 5))
+    for ax, (dimension, crush, across) in zip(axes, curves):
+        for run, colour, label in ((crush, "#c8402f", "compression"), (across, "#2b6cb0", "Brazilian, 2 P/(pi D t)")):
+            ax.plot(100 * run.results("history/strain"), run.results("history/stress") / 1e6, color=colour, label=label)
+        ax.set(xlabel="closing over length, %", ylabel="MPa", title=f"Labra 2012, {dimension}D, base parameters", ylim=(0, None))
+        ax.legend()
+    save(figure, "laboratory-labra")
+
+
+def published_part():
+    """The check of the calibration: E, nu and strength of the published result beside those of our packings with its parameters."""
+    rows = []
+    for dimension, many, speed, overlap in ((2, {"particles": few(30480)}, 0.1, None), (3, {"mean_radius": 0.8431e-3 * (2.15 if QUICK else 1)}, 0.1, 0.017)):
+        constants = CHECK[dimension]
+        runs = [made(f"check-{dimension}-{s}", crushed(dimension, s, speed, constants, many, overlap)) for s in SEEDS[:1]]
+        n_c, porosity, _, _, radius = strain_start(runs[0])
+        law = uniform_strain(runs[0], constants, dimension)
+        target = TARGETS[dimension]
+        rows.append([f"{dimension}D", runs[0].summary["counts"]["particles"], f"{100 * porosity:.2f}", f"{n_c:.3f}", f"{radius:.4f}",
+                     spread([plane(r)[0] for r in runs], 4), f"{target[0]}", f"{law[0]:.2f}", spread([plane(r)[1] for r in runs]), f"{target[1]}",
+                     spread([r.peak_stress / 1e6 for r in runs], 4), f"{target[2]}"])
+    put("table check", ["", "particles", "e %", "n_c", "mean radius mm", "E GPa", "published", "of uniform strain", "nu", "published", "UCS MPa", "published"], rows)
+
+
+# --- Rojek's specimen 2 --------------------------------------------------------------------------------------------------
+
+MODELS = (("arithmetic", "1"), ("harmonic", "2"), ("mean_radius", "3a"), ("mean_arithmetic", "3b"), ("mean_harmonic", "3c"))
+SPECIMEN = {"cylinder": {"diameter": 0.023, "height": 0.046}, "particles": 5868, "packing": {"sizes": "uniform", "size_ratio": 10.8, "overlap": "passive"}}
+WANTED = {"specimen 1": 11.89, "specimen 2": 10.7}
+
+
+def packed(seed, overlap):
+    """Path of x y z r of specimen 2."""
+    folder = FOLDER / f"pack-{seed}-{overlap:g}"
+    if not (folder / "packing.txt").exists() or study.FRESH:
+        specimen = {**SPECIMEN, "packing": {**SPECIMEN["packing"], "overlap_size": overlap}}
+        FOLDER.mkdir(parents=True, exist_ok=True)
+        scene = FOLDER / f"pack-{seed}.yaml"
+        scene.write_text(json.dumps({"dimension": 3, "specimen": specimen, "run": {"seed": seed}}))
+        done = study.call(["pack", str(scene), "--out", str(folder), "--threads", "1", "--force"])
+        if done.returncode:
+            sys.exit(done.stderr)
+    return folder / "packing.txt"
+
+
+def neighbours(path, reach=1.0):
+    """Radii of pairs up to a gap of `reach` times the sum of the radii, and that gap, m."""
+    from scipy.spatial import cKDTree
+
+    rows = np.loadtxt(path)
+    x, r = rows[:, :3], rows[:, 3]
+    i, j = [], []
+    order = np.argsort(r)
+    for part in np.array_split(order, 12):  # of particles that are alike in size: each looks only as far as it has to
+        largest = r[part].max()
+        tree = cKDTree(x[part])
+        for k in range(len(r)):
+            for other in tree.query_ball_point(x[k], (1 + reach) * (r[k] + largest)):
+                if part[other] > k:
+                    i.append(k)
+                    j.append(part[other])
+    i, j = np.array(i), np.array(j)
+    gap = np.linalg.norm(x[i] - x[j], axis=1) - r[i] - r[j]
+    near = gap <= reach * (r[i] + r[j])
+    return r, i[near], j[near], gap[near]
+
+
+def reach_for(measure, wanted, count):
+    """The measure up to which there are `wanted` neighbours per particle."""
+    need = int(round(0.5 * wanted * count))
+    return np.sort(measure)[need - 1] if need <= len(measure) else float("nan")
+
+
+def gap_part():
+    rows = []
+    bodies = [("specimen 1", "our rock-a", study.ROOT / "scenes" / "specimens" / "rock-a.txt")]
+    bodies += [("specimen 2", f"packing {seed}, overlap {100 * size:g} %", packed(seed, size))
+               for seed, size in ((1, 0.02), (2, 0.02), (3, 0.02), (1, 0.01), (1, 0.03))]
+    for name, label, path in bodies:
+        r, i, j, gap = neighbours(path)
+        total, smaller = r[i] + r[j], np.minimum(r[i], r[j])
+        solid = 4 / 3 * np.pi * np.sum(r**3) / (np.pi / 4 * 0.023**2 * 0.046)
+        wanted, count = WANTED[name], len(r)
+        held = np.bincount(np.concatenate([i[gap <= 0.05 * total], j[gap <= 0.05 * total]]), minlength=count)
+        rows.append([name, label, count, f"{100 * (1 - solid):.1f}", f"{2 * np.sum(gap <= 0.05 * total) / count:.2f}", wanted,
+                     f"{reach_for(gap / total, wanted, count):.3f}", f"{reach_for(gap, wanted, count) * 1e3:.3f}",
+                     f"{reach_for(gap, wanted, count) / r.mean():.3f}", f"{reach_for(gap / smaller, wanted, count):.3f}",
+                     f"{np.mean(held[held >= 4]):.2f}", f"{np.mean(held[r >= np.median(r)]):.2f}"])
+    put("table gap", ["published", "packing", "spheres", "e %", "n_c within 5 % of r_i + r_j", "published n_c", "gap over r_i + r_j that gives it", "the same gap for all, mm",
+                      "that over the mean radius", "gap over the smaller radius", "n_c of particles with 4 or more", "of the larger half"], rows)
+    r, i, j, gap = neighbours(packed(1, 0.02))
+    return float(reach_for(gap / (r[i] + r[j]), WANTED["specimen 2"], len(r)))
+
+
+def rojek_part():
+    wide = gap_part()
+    if QUICK:
+        return
+    rows = []
+    for label, reach, seeds in (("gaps up to 5 %", 0.05, SEEDS[:1]), (f"gaps up to {100 * wide:.1f} %", wide, SEEDS[:1])):
+        found = {}
+        for model, _ in MODELS:
+            settings = {"specimen.material": "rock", "law.stiffness": model, "bonds.interaction_range": reach, "run.threads": 1}
+            found[model] = [study.run(f"laboratory/rojek-{model}-{reach:.4f}-{seed}", study.ROCK, {"specimen.file": packed(seed, 0.02), **settings})
+                            for seed in seeds]
+        base = found["arithmetic"]
+        for model, number in MODELS:
+            runs = found[model]
+            rows.append([label, f"{model} ({number})", len(seeds), f"{np.mean([bonds_per_particle(r) for r in runs]):.2f}",
+                         spread([r.peak_stress / 1e6 for r in runs], 4), spread([r.young_modulus_average / 1e9 for r in runs], 4),
+                         spread([r.poisson_ratio for r in runs]), spread([r.peak_stress / b.peak_stress for r, b in zip(runs, base)]),
+                         spread([r.young_modulus_average / b.young_modulus_average for r, b in zip(runs, base)]),
+                         f"{np.mean([100 * r.broken[0] / sum(r.broken) for r in runs]):.0f}"])
+    put("table rojek", ["bonds over", "model", "packings", "n_c", "UCS MPa", "E average GPa", "nu", "UCS over arithmetic", "E over arithmetic",
+                        "broken in tension %"], rows)
+
+
+def main():
+    known = {"disc": disc_part, "labra": labra_part, "published": published_part, "rojek": rojek_part}
+    asked = [a for a in sys.argv[1:] if not a.startswith("-")]
+    if set(asked) - set(known):
+        sys.exit(f"laboratory_study: expected some of {', '.join(known)}, found {' '.join(asked)}")
+    for name in asked or known:
+        known[name]()
+
+
+if __name__ == "__main__":
+    main()
