@@ -579,7 +579,7 @@ static void slips_are_refused_where_they_stand(void **state) {
             "s.yaml:7:5: sources[0].cylinder: expected one of box, cylinder in it, found box, "
             "cylinder");
     refuses("rate: 100", "rate: 1\n    origin: [5, 0, 0]",
-            "s.yaml:6:10: sources[0].box: expected a region inside the domain, found 5 to 5.01 m "
+            "s.yaml:6:5: sources[0].box: expected a region inside the domain, found 5 to 5.01 m "
             "along x, outside of -1 to 1 m");
     refuses("rate: 100", "rate: 1\n    start: 1\n    end: 0.5",
             "s.yaml:9:10: sources[0].end: expected an end behind the start, 1 s, found 0.5 s");

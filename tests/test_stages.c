@@ -925,7 +925,7 @@ static void what_cannot_be_is_refused_with_its_place(void **state) {
             "stages[0].damping.background.coefficient: expected a fraction in [0, 1), found 2");
     refused("stages:\n- {name: a}\n- {name: b, gravity: [0, 0]}\n", "stages[0].name: expected a");
     refused("stages:\n- {name: a, end: {steps: 1}}\n- {name: b, gravity: [0, 0]}\n",
-            "s.yaml:19:20: stages[1].gravity: expected a list of 3 components");
+            "s.yaml:19:22: stages[1].gravity: expected a list of 3 components");
     refused("stages:\n- {name: a, end: {held: 0.1}}\n",
             "expected a wall or a periodic box with a servo");
     refused("stages:\n- {name: a, end: {strain: 0.1}}\n",

@@ -155,6 +155,32 @@ def penetration(folder):
               f"{done.seconds:.0f} s on one thread of a machine that others used.\n\n![Way of the sphere](pictures/dem8-penetration.png)")
 
 
+def in_liggghts(folder, damped, until=0.0315, dt=1e-6):
+    """Time and way of the ball in LIGGGHTS, from the touch on: before that it falls."""
+    start = -0.047
+    speed = -np.sqrt(BALL["speed"]**2 + 2 * G * (BALL["at"][2] - start))
+    fallen = (BALL["speed"] - speed) / G
+    kept = study.RUNS / "dem8" / f"liggghts-{damped}.json"
+    if kept.exists() and not study.FRESH:
+        return np.array(json.loads(kept.read_text()))
+    rows = particles(folder / "Penetration_25KParticles.txt")
+    lines = [f"bed\n\n{len(rows) + 1} atoms\n2 atom types\n\n-0.06 0.06 xlo xhi\n-0.04 0.04 ylo yhi\n-0.1 0.15 zlo zhi\n\nAtoms\n"]
+    lines += [f"{k + 1} 1 {2 * r:.17g} 2500 {x:.17g} {y:.17g} {z:.17g}" for k, (x, y, z, r) in enumerate(rows)]
+    lines.append(f"{len(rows) + 1} 2 {2 * BALL['radius']} 7200 0 0 {start}\n\nVelocities\n")
+    lines += [f"{k + 1} 0 0 0 0 0 0" for k in range(len(rows))] + [f"{len(rows) + 1} 0 0 {speed:.17g} 0 0 0"]
+    data = study.RUNS / "dem8" / "liggghts.data"
+    data.write_text("\n".join(lines) + "\n")
+    command = ["liggghts", "-in", str(PEER.parent / "liggghts_dem8.in"), "-log", "none"]
+    for name, value in {"data": data, "damped": damped, "dt": dt, "every": 100, "steps": int((until - fallen) / dt)}.items():
+        command += ["-var", name, str(value)]
+    done = subprocess.run(command, capture_output=True, text=True, cwd=study.RUNS)
+    found = [[float(a) + fallen, float(b) - BALL["at"][2]] for a, b in re.findall(r"^RESULT (\S+) (\S+)$", done.stdout, re.M)]
+    if len(found) < 50:
+        sys.exit(f"liggghts: {done.stdout[-1500:]}{done.stderr[-1500:]}")
+    kept.write_text(json.dumps(found))
+    return np.array(found)
+
+
 # --- beside YADE ---------------------------------------------------------------------------------------
 
 def yade_seconds(job, threads, steps, warm):
