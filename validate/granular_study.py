@@ -101,6 +101,11 @@ def beverloo():
     rows = [[f["ratio"], f["friction"], f["rolling"], f["count"], f"{f['density']:.0f}", f"{f['number']}", f"{f['rate']:.4g}", f"{f['halves']:.3f}",
              f"{f['constant']:.3f}", f"{f['residual']:.1e}"] for f in [*found, other]]
     text = study.table(("D/d", "mu", "mu_r", "grains", "bulk density, kg/m3", "grains out", "W, kg/s", "first over second half", "C", "residual"), rows)
+    # W/(rho_b sqrt(g)) to the power 0.4 is a straight line over D: C^0.4 (D - k d).
+    root = (rate / np.sqrt(G))**0.4
+    slope, start = np.polyfit([f["orifice"] for f in found], root, 1)
+    text += (f"\n\nWith k left free beside the exponent 2.5: C {slope**2.5:.3f} and k {-start / slope / D:.2f}. So it is k = 1.4 that makes C low and grow with D: what the edge takes away is "
+             "wider for these grains, which resist rolling.")
     return text + (f"\n\nExponent of W/rho_b over D - 1.4 d, of the first three: {exponent:.3f} (wanted 2.5 +- 0.1). C with 2.5: "
                    f"{min(f['constant'] for f in found):.3f} to {max(f['constant'] for f in found):.3f} with friction 0.5 among grains and rolling "
                    f"0.05, {other['constant']:.3f} with 0.2 and none (wanted 0.55 to 0.65).")
@@ -143,7 +148,7 @@ def janssen():
     rows = [[f[0], f"{f[5] / wide:.2f}", f"{f[1]:.3f}", f"{f[4]:.3f}", f"{f[2]:.3f} +- {f[3]:.3f}",
              f"{most * (1 - np.exp(-f[1] / most)):.3f}"] for f in found]
     return study.table(("grains", "depth over diameter", "weight, N", "floor before, N", "floor going down, N", "Janssen, N"), rows) + (
-        f"\n\nFitted: saturation at {most:.3f} N, so K = {k:.2f} with the friction 0.5 of the wall (wanted 0.4 to 0.6).")
+        f"\n\nFitted: saturation at {most:.3f} N, so K = {k:.2f} with the friction 0.5 of the wall (wanted 0.4 to 0.6). For a wall as rough as the grains are among themselves\nthe principal stresses are turned there, and Krynine's K = (1 - sin^2 phi)/(1 + sin^2 phi) takes the place of the K of a smooth wall (Handy 1985, J. Geotech. Eng. 111, 302-318): mu_w K = sin phi cos phi/(1 + sin^2 phi) is\n0.32 to 0.354, its greatest value, for phi from 24 to 45 degrees, which over mu_w 0.5 is K = 0.64 to 0.71. The friction of this wall is that of the grains.")
 
 
 # --- heap ----------------------------------------------------------------------------------------------
