@@ -120,8 +120,8 @@ def peer(code, options, data, steps, short):
 
     def one(count):
         start = run_peers.mpirun(options.ranks) if options.ranks > 1 else []
-        cpu, said = spent([*start, program, "-in", os.path.join(run_peers.PEERS, script), "-log", "none", "-var", "bed", data, "-var", "law",
-                           options.law, "-var", "base", str(BASE), "-var", "steps", str(count)])
+        cpu, said = spent([*start, program, "-in", os.path.join(run_peers.PEERS, script), "-log", "none", "-var", "bed", data, "-var", "hertz",
+                           str(int(options.law == "hertz")), "-var", "base", str(BASE), "-var", "steps", str(count)])
         found = re.search(r"RESULT contacts ([\d.e+]+)", said)
         loop = re.search(r"Loop time of (\S+) on \d+ procs for (\d+) steps", said)
         if not found or not loop:
