@@ -568,16 +568,18 @@ static void slips_are_refused_where_they_stand(void **state) {
     refuses("rate", "rate", NULL);
     refuses("rate: 100", "rate: 0", "s.yaml:7:11: sources[0].rate: expected a value in [1e-12, ");
     refuses("    rate: 100\n", "",
-            "sources[0].name: expected either rate or mass_rate, found none");
+            "s.yaml:5:5: sources[0].rate: expected either rate or mass_rate, found none");
     refuses("rate: 100", "rate: 100\n    mass_rate: 1",
             "s.yaml:8:16: sources[0].mass_rate: expected either rate or mass_rate, found both");
     refuses("1 mm", "0", "s.yaml:8:18: sources[0].mean_radius: expected a value in [1e-9, 1e9] m");
     refuses("10 mm]}", "0]}", "s.yaml:6:");
     refuses("box: {size: [10 mm, 10 mm, 10 mm]}", "origin: [0, 0, 0]",
-            "expected one of box, cylinder beside it, found none");
-    refuses("rate: 100", "cylinder: {diameter: 1, height: 1}\n    rate: 1", "found box, cylinder");
+            "s.yaml:5:5: sources[0]: expected one of box, cylinder in it, found none");
+    refuses("rate: 100", "cylinder: {diameter: 1, height: 1}\n    rate: 1",
+            "s.yaml:7:5: sources[0].cylinder: expected one of box, cylinder in it, found box, "
+            "cylinder");
     refuses("rate: 100", "rate: 1\n    origin: [5, 0, 0]",
-            "s.yaml:5:11: sources[0].name: expected a region inside the domain, found 5 to 5.01 m "
+            "s.yaml:6:5: sources[0].box: expected a region inside the domain, found 5 to 5.01 m "
             "along x, outside of -1 to 1 m");
     refuses("rate: 100", "rate: 1\n    start: 1\n    end: 0.5",
             "s.yaml:9:10: sources[0].end: expected an end behind the start, 1 s, found 0.5 s");
@@ -588,6 +590,16 @@ static void slips_are_refused_where_they_stand(void **state) {
     refuses("rate: 100", "rate: 1\n    material: x",
             "sources[0].material: expected the name of a material, found 'x'");
     refuses("rate: 100", "rate: 1\n    sizes: sieve", "sources[0].sizes: sieve: expected sieve");
+    refuses("rate: 100",
+            "rate: 1\n    sizes: sieve\n    sieve: [[0.5, 0], [1, 1]]\n    size_ratio: 2",
+            "s.yaml:10:17: sources[0].size_ratio: expected sizes: uniform or normal beside it, "
+            "found sieve");
+    refuses("rate: 100", "rate: 1\n    total: 1e9", NULL);
+    refuses("rate: 100", "rate: 1\n    total: 2e9",
+            "s.yaml:8:12: sources[0].total: expected a whole number in [1, 1e9] or 'none', found "
+            "'2e9'");
+    refuses("rate: 100", "rate: 1\n    total: 1e-1", "expected a whole number in [1, 1e9]");
+    refuses("rate: 100", "rate: 1\n    total: 1e400", "expected a whole number in [1, 1e9]");
     refuses("rate: 100", "rate: 1\n    sizes: fitted", "expected one of uniform, normal, sieve");
     refuses("normal: [0, 0, -1]", "normal: [0, 0, 0]",
             "sinks[0].plane.normal: expected a direction, found [0, 0, 0]");
@@ -600,6 +612,26 @@ static void slips_are_refused_where_they_stand(void **state) {
             "sources: expected a scene without time.mass_scaling, found one with it");
     refuses("time:", "walls: [{name: w, point: [0, 0, 1], normal: [0, 0, 1], material: m}]\ntime:",
             "s.yaml:5:5: sources: expected room for a first particle, radius 0.001 m");
+}
+
+static void a_specimen_wholly_in_a_sink_is_told(void **state) {
+    (void)state;
+    static const char *const steps[] = {"", ", step: 1 us"};
+    for (int k = 0; k < 2; k++) {
+        char scene[1024];
+        gneiss_error error = {0};
+        gn_world *w = calloc(1, sizeof *w);
+        snprintf(scene, sizeof scene,
+                 "dimension: 3\n" GRAINS "specimen: {particles: [[0, 0, 0, 1e-3], [1, 0, 0, "
+                 "1e-3]]}\nsinks: [{name: o, plane: {point: [-1, 0, 0], normal: [1, 0, 0]}}]\n"
+                 "domain: {min: [-2, -2, -2], max: [2, 2, 2]}\ntime: {end: 1%s}\n",
+                 steps[k]);
+        assert_int_equal(world_try(w, scene, NULL, &error), GNEISS_ERROR_INPUT);
+        assert_non_null(strstr(error.message,
+                               "s.yaml:5:9: sinks: expected a specimen of which something lies "
+                               "outside of them, found all of its 2 particles inside"));
+        free(w);
+    }
 }
 
 /* --- examples --- */
@@ -652,6 +684,7 @@ int main(void) {
         cmocka_unit_test(stages_go_on_with_what_came),
         cmocka_unit_test(grains_fall_on_finite_elements),
         cmocka_unit_test(slips_are_refused_where_they_stand),
+        cmocka_unit_test(a_specimen_wholly_in_a_sink_is_told),
         cmocka_unit_test(the_examples_begin),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

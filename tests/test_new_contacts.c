@@ -470,6 +470,25 @@ static void a_given_step_that_does_not_resolve_collisions_warns(void **state) {
     }
 }
 
+/* What is prescribed in all components is held by no spring: any step goes, with friction as
+ * without. */
+static void particles_that_are_prescribed_bound_no_step(void **state) {
+    (void)state;
+    for (int k = 0; k < 2; k++) {
+        gn_world *w = world_of(
+            "dimension: 3\nspecimen: {particles: [[0, 0, 0, 1e-3], [2e-3, 0, 0, 1e-3]]}\n"
+            "materials: [{name: m, density: 2500, normal_stiffness: 1e4, kratio: 2, friction: %g, "
+            "bond_tension_limit: 10, bond_shear_limit: 10}]\nlaw: {stiffness: uniform}\n"
+            "bonds: {interaction_range: 0.01}\n"
+            "sets: [{name: a, select: {all: true}, motion: {vx: 0, vy: 0, vz: 0.1, wx: 0, wy: 0, "
+            "wz: 0}}]\ntime: {end: 1, step: 1e-3}\n",
+            0.3 * k);
+        run_steps(w, 10);
+        assert_near(w->dem.particles.pos[2], 1e-3, 1e-15);
+        world_end(w);
+    }
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(lattices_between_closing_walls_do_not_go_bad),
@@ -491,6 +510,7 @@ int main(void) {
         cmocka_unit_test(contact_steps_can_be_asked_for),
         cmocka_unit_test(a_wall_counts_as_immovable_and_a_light_body_gives_way),
         cmocka_unit_test(a_given_step_that_does_not_resolve_collisions_warns),
+        cmocka_unit_test(particles_that_are_prescribed_bound_no_step),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -123,6 +123,22 @@ static void one_stage_has_the_bits_of_none(void **state) {
                                        "stages: [{name: all, gravity: [0, 0, -9.81]}]\n")));
 }
 
+/* Of a time that is less than half a step: one, so that what the stage says is felt. */
+static void a_short_stage_takes_a_step(void **state) {
+    (void)state;
+    gn_run *run = run_of(joined(lone, "stages:\n",
+                                "- {name: push, gravity: [0, 0, 1], end: {time: 1 ns}}\n"
+                                "- {name: none, gravity: [0, 0, 9], end: {time: 0}}\n"
+                                "- {name: fly, gravity: [0, 0, 0], end: {steps: 5}}\n"));
+    finish(run);
+    assert_near(run->world.stages[1].step, 1.0, 0.0);
+    assert_near(run->world.stages[2].step, 1.0, 0.0);
+    assert_int_equal(run->world.step, 6);
+    assert_near(run->world.dem.particles.vel[2], 1e-6,
+                0.51e-6); /* the kick of a half or a whole step */
+    run_end(run);
+}
+
 /* Fall for 1 ms, flight for 1 ms, fall for 0.5 ms with half the weight: leap-frog has the
  * velocities of constant forces exactly, but for half a step of each change. */
 static void gravity_is_that_of_the_stage(void **state) {
@@ -884,7 +900,7 @@ static void what_cannot_be_is_refused_with_its_place(void **state) {
     refused("stages:\n- {name: a, gravty: [0, 0, 1]}\n",
             "s.yaml:18:13: stages[0].gravty: unknown key 'gravty'; did you mean 'gravity'?");
     refused("stages:\n- {name: a, walls: {lid: {motin: {vz: 1}}}}\n",
-            "s.yaml:18:27: walls[1].motin: unknown key 'motin'; did you mean 'motion'?");
+            "s.yaml:18:27: stages[0].walls[1].motin: unknown key 'motin'; did you mean 'motion'?");
     refused("stages:\n- {name: a, walls: {lit: {motion: {vz: 1}}}}\n",
             "s.yaml:18:21: stages[0].walls: expected the name of an element that the scene has, "
             "found 'lit'");
@@ -904,9 +920,12 @@ static void what_cannot_be_is_refused_with_its_place(void **state) {
     refused("stages:\n- {name: a, time: {end: 2}}\n", "it bounds the whole run");
     refused("stages:\n- {name: a, dimension: 2}\n", "it holds for all of the run");
     refused("stages:\n- {name: a, walls: {lid: {motion: {vz: 1 kg}}}}\n",
-            "s.yaml:18:40: walls[1].motion.vz: expected a velocity");
+            "s.yaml:18:40: stages[0].walls[1].motion.vz: expected a velocity");
     refused("stages:\n- {name: a, damping: {background: {coefficient: 2}}}\n",
-            "expected a fraction in [0, 1), found 2");
+            "stages[0].damping.background.coefficient: expected a fraction in [0, 1), found 2");
+    refused("stages:\n- {name: a}\n- {name: b, gravity: [0, 0]}\n", "stages[0].name: expected a");
+    refused("stages:\n- {name: a, end: {steps: 1}}\n- {name: b, gravity: [0, 0]}\n",
+            "s.yaml:19:22: stages[1].gravity: expected a list of 3 components");
     refused("stages:\n- {name: a, end: {held: 0.1}}\n",
             "expected a wall or a periodic box with a servo");
     refused("stages:\n- {name: a, end: {strain: 0.1}}\n",
@@ -920,6 +939,7 @@ int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(one_stage_has_the_bits_of_none),
         cmocka_unit_test(gravity_is_that_of_the_stage),
+        cmocka_unit_test(a_short_stage_takes_a_step),
         cmocka_unit_test(tables_count_from_the_stage_that_gives_them),
         cmocka_unit_test(a_stage_of_no_steps_changes_what_comes_after_it),
         cmocka_unit_test(fifty_stages_are_gone_through),

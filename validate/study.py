@@ -132,3 +132,12 @@ def put(document, name, text):
         print(f"docs/evidence/{document} has no place for {name}:\n{text}\n")
         return
     path.write_text(pattern.sub(lambda m: m.group(1) + text.rstrip() + "\n" + m.group(2), whole))
+
+
+def section(document, title, text):
+    """Replaces what stands under `## title` in a page of docs/evidence, or puts it at its end."""
+    path = ROOT / "docs" / "evidence" / document
+    whole = path.read_text()
+    head, found, rest = whole.partition(f"## {title}\n\n")
+    rest = rest[rest.index("\n## ") + 1:] if "\n## " in rest else ""
+    path.write_text(head.rstrip() + f"\n\n## {title}\n\n{text.rstrip()}\n" + ("\n" + rest if rest else ""))

@@ -153,7 +153,9 @@ void gn_run_stage_time(gn_run *run) {
         return;
     }
     if (e->steps >= 0 && (double)w->step - s->step >= (double)e->steps) end(run, GN_STAGE_STEPS);
-    bool over = w->time - s->time >= e->time - 0.5 * w->dt;
+    /* A time above 0, however short, takes a step. */
+    bool begun = e->time == 0.0 || (double)w->step > s->step;
+    bool over = begun && w->time - s->time >= e->time - 0.5 * w->dt;
     if (s->ended == 0.0 && e->time >= 0.0 && over) end(run, GN_STAGE_TIME);
 }
 

@@ -23,6 +23,7 @@ gneiss_status gn_check_fail(const check *c, const char *key, const char *format,
     vsnprintf(text, sizeof text, format, args);
     va_end(args);
     snprintf(path, sizeof path, "%s%s", c->prefix, key);
+    if (!*key && *path) path[strlen(path) - 1] = '\0'; /* the element itself */
     snprintf(up, sizeof up, "%s", key);
     const gn_node *node = gn_node_find(c->map, up);
     bool value = node && node->kind != GN_NODE_MAP; /* of a section the key is the place */
@@ -166,29 +167,6 @@ static gneiss_status check_amount(const check *c, const gn_pack_def *pack, const
     return GNEISS_OK;
 }
 
-/* Sizes and shares grow, from a share of 0 to [1, 1]. */
-static gneiss_status check_sieve(const check *c, const gn_pack_def *pack) {
-    const char *key = "specimen.packing.sieve";
-    const double *row = pack->sieve;
-    const size_t n = pack->sieve_count;
-    if ((pack->sizes == GN_SIZES_SIEVE) != (n > 0))
-        return gn_check_fail(c, n ? key : "specimen.packing.sizes",
-                             n ? "expected sizes: sieve beside it, found others"
-                               : "sieve: expected packing.sieve beside it, found none");
-    for (size_t k = 1; k < n; k++)
-        if (!(row[2 * k] > row[2 * k - 2]) || row[2 * k + 1] < row[2 * k - 1])
-            return gn_check_fail(c, key,
-                                 "expected sizes that grow and shares that do not fall, found [%g, "
-                                 "%g] behind [%g, %g]",
-                                 row[2 * k], row[2 * k + 1], row[2 * k - 2], row[2 * k - 1]);
-    if (n && (!(row[0] > 0) || row[1] != 0 || row[2 * n - 2] != 1 || row[2 * n - 1] != 1))
-        return gn_check_fail(c, key,
-                             "expected a first row [size, 0], size above 0, and a last row [1, 1], "
-                             "found [%g, %g] and [%g, %g]",
-                             row[0], row[1], row[2 * n - 2], row[2 * n - 1]);
-    return GNEISS_OK;
-}
-
 static gneiss_status check_pack(const check *c, const gn_pack_def *pack, const char *shape) {
     bool fixed = pack->shape == GN_SHAPE_POLYGON || pack->shape == GN_SHAPE_SURFACE ||
                  pack->shape == GN_SHAPE_MESH;
@@ -197,7 +175,8 @@ static gneiss_status check_pack(const check *c, const gn_pack_def *pack, const c
                              "expected rectangle, disc, box or cylinder beside it, found %s",
                              shape);
     GN_TRY(check_amount(c, pack, shape));
-    GN_TRY(check_sieve(c, pack));
+    GN_TRY(gn_check_sieve(c, "specimen.packing.", pack->sizes == GN_SIZES_SIEVE, pack->sieve,
+                          pack->sieve_count));
     if (pack->overlap == GN_OVERLAP_NONE && pack->overlap_size >= 0)
         return gn_check_fail(c, "specimen.packing.overlap_size",
                              "expected overlap passive beside it, found none");

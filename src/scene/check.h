@@ -15,7 +15,8 @@ typedef struct check {
 check gn_check_element(const gn_reader *reader, const gn_node *root, const char *list,
                        size_t index);
 
-/* Fails at the value of `key`, or, when it is not given, at the section around it. */
+/* Fails at the value of `key`, or, when it is not given, at the section around it; "" is the
+ * element that the check is about. */
 gneiss_status gn_check_fail(const check *c, const char *key, const char *format, ...)
     __attribute__((format(printf, 3, 4)));
 
@@ -84,6 +85,11 @@ gneiss_status gn_check_time(const check *c, const gn_scene *s);
 
 /* Makes a unit vector of it; false: it has no direction. */
 bool gn_check_direction(double v[3]);
+
+/* A sieve curve, `wanted` by `sizes`: sizes and shares grow, from a share of 0 to [1, 1]; `section`
+ * is what stands before its keys (check_flow.c). */
+gneiss_status gn_check_sieve(const check *c, const char *section, bool wanted, const double *row,
+                             size_t n);
 
 /* The lists `sources` and `sinks`, which may be empty (check_flow.c). */
 gneiss_status gn_check_flow(const gn_reader *reader, const gn_node *root);

@@ -14,7 +14,7 @@ static gneiss_status check_body_shape(const check *c, const gn_scene *s, const g
         if (has[k]) snprintf(found + used, sizeof found - used, "%s%s", used ? ", " : "", names[k]);
     }
     if (*found && !strchr(found, ',')) return GNEISS_OK;
-    return gn_check_fail(c, "name", "expected one of %s beside it, found %s",
+    return gn_check_fail(c, "", "expected one of %s in it, found %s",
                          s->dimension == 2 ? "polygon, polyline" : "surface, box, cylinder",
                          *found ? found : "none");
 }

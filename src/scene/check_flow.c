@@ -4,6 +4,15 @@
 #include <math.h>
 #include <string.h>
 
+/* The key of the last shape that is given, "" of none. */
+static const char *region_key(const gn_flow_region *r) {
+    return r->has_cylinder   ? "cylinder"
+           : r->has_box      ? "box"
+           : r->corner_count ? "polygon"
+           : r->has_disc     ? "disc"
+                             : (r->has_rectangle ? "rectangle" : "");
+}
+
 /* Exactly one of the shapes; of a sink that, or a plane. */
 static gneiss_status check_region(const check *c, const gn_scene *s, const gn_flow_region *r,
                                   const gn_sink_def *sink) {
@@ -18,7 +27,7 @@ static gneiss_status check_region(const check *c, const gn_scene *s, const gn_fl
     }
     bool moved = r->origin[0] != 0 || r->origin[1] != 0 || r->origin[2] != 0;
     if (!*found || strchr(found, ','))
-        return gn_check_fail(c, "name", "expected one of %s%s beside it, found %s",
+        return gn_check_fail(c, region_key(r), "expected one of %s%s in it, found %s",
                              sink ? "plane, " : "",
                              s->dimension == 2 ? "rectangle, disc, polygon" : "box, cylinder",
                              *found ? found : "none");
@@ -54,7 +63,7 @@ static gneiss_status check_place(const check *c, const gn_scene *s, const gn_flo
         double most = s->has_domain ? s->domain_max[a] : s->periodic_max[a];
         if (!s->has_domain && !gn_scene_periodic_along(s, a)) continue;
         if (lower[a] >= least && upper[a] <= most) continue;
-        return gn_check_fail(c, "name",
+        return gn_check_fail(c, region_key(r),
                              "expected a region inside the %s, found %g to %g m along %c, outside "
                              "of %g to %g m",
                              what, lower[a], upper[a], "xyz"[a], least, most);
@@ -62,24 +71,35 @@ static gneiss_status check_place(const check *c, const gn_scene *s, const gn_flo
     return GNEISS_OK;
 }
 
-static gneiss_status check_sizes(const check *c, const gn_source_def *d) {
-    const double *row = d->sieve;
-    const size_t n = d->sieve_count;
-    if ((d->sizes == GN_SIZES_SIEVE) != (n > 0))
-        return gn_check_fail(c, n ? "sieve" : "sizes",
+gneiss_status gn_check_sieve(const check *c, const char *section, bool wanted, const double *row,
+                             size_t n) {
+    char sieve[48], sizes[48];
+    snprintf(sieve, sizeof sieve, "%ssieve", section);
+    snprintf(sizes, sizeof sizes, "%ssizes", section);
+    if (wanted != (n > 0))
+        return gn_check_fail(c, n ? sieve : sizes,
                              n ? "expected sizes: sieve beside it, found others"
-                               : "sieve: expected sieve beside it, found none");
+                               : "sieve: expected a sieve beside it, found none");
     for (size_t k = 1; k < n; k++)
         if (!(row[2 * k] > row[2 * k - 2]) || row[2 * k + 1] < row[2 * k - 1])
-            return gn_check_fail(c, "sieve",
+            return gn_check_fail(c, sieve,
                                  "expected sizes that grow and shares that do not fall, found [%g, "
                                  "%g] behind [%g, %g]",
                                  row[2 * k], row[2 * k + 1], row[2 * k - 2], row[2 * k - 1]);
     if (n && (!(row[0] > 0) || row[1] != 0 || row[2 * n - 2] != 1 || row[2 * n - 1] != 1))
-        return gn_check_fail(c, "sieve",
+        return gn_check_fail(c, sieve,
                              "expected a first row [size, 0], size above 0, and a last row [1, 1], "
                              "found [%g, %g] and [%g, %g]",
                              row[0], row[1], row[2 * n - 2], row[2 * n - 1]);
+    return GNEISS_OK;
+}
+
+static gneiss_status check_sizes(const check *c, const gn_source_def *d) {
+    GN_TRY(gn_check_sieve(c, "", d->sizes == GN_SIZES_SIEVE, d->sieve, d->sieve_count));
+    if (d->size_ratio != 1 && d->sizes == GN_SIZES_SIEVE)
+        return gn_check_fail(c, "size_ratio",
+                             "expected sizes: uniform or normal beside it, found sieve, whose "
+                             "first row has the smallest size");
     if (d->size_variation >= 0 && d->sizes != GN_SIZES_NORMAL)
         return gn_check_fail(c, "size_variation",
                              "expected sizes: normal beside it, found another");
@@ -94,8 +114,9 @@ static gneiss_status check_source(const check *c, const gn_scene *s, size_t inde
                                  d->name);
     GN_TRY(check_region(c, s, &d->region, NULL));
     if ((d->rate > 0) == (d->mass_rate > 0))
-        return gn_check_fail(c, d->rate > 0 ? "mass_rate" : "name", "expected %s, found %s",
-                             "either rate or mass_rate", d->rate > 0 ? "both" : "none");
+        return gn_check_fail(c, d->rate > 0 ? "mass_rate" : "rate",
+                             "expected either rate or mass_rate, found %s",
+                             d->rate > 0 ? "both" : "none");
     if (d->end > 0 && !(d->end > d->start))
         return gn_check_fail(c, "end", "expected an end behind the start, %g s, found %g s",
                              d->start, d->end);

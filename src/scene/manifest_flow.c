@@ -79,7 +79,8 @@ static const gn_key source_keys[] = {
         .text = "how radii are distributed between the smallest and the largest: by number, or "
                 "sieve: by the curve"),
     KEY("size_ratio", REAL, gn_source_def, size_ratio, .unit = "1", .range = "[1, 100]",
-        .fallback = "1", .text = "largest over smallest radius, of uniform and normal"),
+        .fallback = "1",
+        .text = "largest over smallest radius, of uniform and normal; a sieve has its own"),
     KEY("size_variation", REAL, gn_source_def, size_variation, .unit = "1", .range = "[0, 1]",
         .word = "auto", .word_value = -1, .fallback = "auto",
         .text = "standard deviation of the radii over their mean, of normal; auto: a sixth of the "
@@ -87,7 +88,7 @@ static const gn_key source_keys[] = {
     ARRAY("sieve", POINTS, gn_source_def, sieve, sieve_count, .unit = "1", .range = "[0, 1]",
           .number = 2, PRESENT(COUNT, gn_source_def, sieve_count),
           .text = "with sizes sieve: rows [size over the largest, share of the mass that passes], "
-                  "the last [1, 1]"),
+                  "from [smallest, 0] to [1, 1]"),
     KEY("material", TEXT, gn_source_def, material, .fallback = "",
         PRESENT(TEXT, gn_source_def, material),
         .text = "name of the material; may be left out when there is only one"),

@@ -100,7 +100,7 @@ static const gn_key packing_keys[] = {
     ARRAY("sieve", POINTS, gn_scene, specimen.pack.sieve, specimen.pack.sieve_count, .unit = "1",
           .range = "[0, 1]", .number = 2, PRESENT(COUNT, gn_scene, specimen.pack.sieve_count),
           .text = "with sizes sieve: rows [size over the largest, share of the mass that passes], "
-                  "the last [1, 1]"),
+                  "from [smallest, 0] to [1, 1]"),
     KEY("overlap", CHOICE, gn_scene, specimen.pack.overlap, .choices = overlaps, .fallback = "none",
         .text = "passive: neighbours overlap by a few per cent, free of stress when bonded with "
                 "bonds.passive_gaps"),

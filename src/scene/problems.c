@@ -60,7 +60,7 @@ gneiss_status gn_problems_status(gn_problems *p, gneiss_error *error) {
 
 gneiss_status gn_read_fail(const gn_reader *reader, const gn_node *node, gn_scene_place where,
                            const char *path, const char *format, ...) {
-    char text[1024], place[GN_PATH_SIZE + 64];
+    char text[1024], place[GN_PATH_SIZE + 64], stage[32] = "";
     va_list args;
     va_start(args, format);
     vsnprintf(text, sizeof text, format, args);
@@ -72,8 +72,11 @@ gneiss_status gn_read_fail(const gn_reader *reader, const gn_node *node, gn_scen
         snprintf(place, sizeof place, "--set %.200s", node->set);
     else
         snprintf(place, sizeof place, "%s:%d:%d", reader->name, where.line, where.column);
-    return gn_fail(reader->error, GNEISS_ERROR_INPUT, "%s: %s%s%s", place, same ? "" : path,
-                   same || !*path ? "" : ": ", text);
+    /* A scene as a stage leaves it has the keys of a scene. */
+    if (node && node->stage && *path && strncmp(path, "stages", 6) != 0)
+        snprintf(stage, sizeof stage, "stages[%zu].", node->stage - 1);
+    return gn_fail(reader->error, GNEISS_ERROR_INPUT, "%s: %s%s%s%s", place, same ? "" : stage,
+                   same ? "" : path, same || !*path ? "" : ": ", text);
 }
 
 gneiss_status gn_read_keep(const gn_reader *reader, gneiss_status status) {

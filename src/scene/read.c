@@ -110,12 +110,10 @@ static gneiss_status read_integer(const gn_reader *reader, const gn_key *key, co
         *value = (int64_t)key->word_value;
         return GNEISS_OK;
     }
-    char *rest = NULL, expected[160];
-    errno = 0;
+    char expected[160];
     const char *text = node->kind == GN_NODE_SCALAR ? node->text : "";
-    bool digits = *text && strspn(text, "+-0123456789") == strlen(text);
-    *value = digits ? strtoll(text, &rest, 10) : 0;
-    if (digits && !*rest && !errno && (!key->range || gn_range_holds(key->range, (double)*value)))
+    if (gn_units_read_whole(text, value) &&
+        (!key->range || gn_range_holds(key->range, (double)*value)))
         return GNEISS_OK;
     snprintf(expected, sizeof expected, "a whole number%s%s%s%s%s", key->range ? " in " : "",
              key->range ? key->range : "", key->word ? " or '" : "", key->word ? key->word : "",

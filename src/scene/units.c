@@ -2,6 +2,7 @@
 
 #include "base/memory.h"
 
+#include <errno.h>
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -42,6 +43,23 @@ static const struct {
     {"1/s", "a rate such as '50 1/s'"},
     {"deg", "a coefficient such as '0.5' or an angle of friction such as '30 deg'"},
 };
+
+bool gn_units_read_whole(const char *text, int64_t *value) {
+    char *rest;
+    errno = 0;
+    *value = 0;
+    if (!*text || !strchr("+-0123456789", *text)) return false;
+    const long long number = strtoll(text, &rest, 10);
+    if (rest == text || errno) return false;
+    *value = number;
+    if (!*rest) return true;
+    if (*rest != 'e' && *rest != 'E') return false;
+    const char *power = rest + 1 + (rest[1] == '+');
+    if (!*power || strspn(power, "0123456789") != strlen(power)) return false;
+    for (long k = strtol(power, NULL, 10); k > 0 && *value != 0; k--)
+        if (__builtin_mul_overflow(*value, 10, value)) return false;
+    return true;
+}
 
 const char *gn_unit_text(const char *unit) {
     for (size_t k = 0; k < sizeof kinds / sizeof *kinds; k++)

@@ -4,6 +4,7 @@
 
 #include <stdbool.h>
 #include <stddef.h>
+#include <stdint.h>
 
 typedef struct gn_units gn_units;
 
@@ -20,6 +21,10 @@ bool gn_units_read(gn_units *units, const char *text, const char *unit, double *
 /* A coefficient of friction: a number, or an angle such as "30 deg", whose tangent it is. */
 bool gn_units_read_slope(gn_units *units, const char *text, double *value, char *reason,
                          size_t reason_size);
+
+/* A whole number: digits with a sign, if any, or with an exponent that is none below 0 (1e9).
+ * False: it is none, or has no room. */
+bool gn_units_read_whole(const char *text, int64_t *value);
 
 /* "a length such as '23 mm'" for "m". */
 const char *gn_unit_text(const char *unit);

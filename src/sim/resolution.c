@@ -384,7 +384,10 @@ typedef struct flight {
 static double inverse_across(const gn_world *w, size_t p) {
     const gn_particles *q = &w->dem.particles;
     double r = radius(w, p);
-    return q->vel[4 * p + 3] + (q->spin ? r * r * q->spin[4 * p + 3] : 0.0);
+    unsigned spins = w->effects & GN_FX_SPACE ? 0x38 : 0x20;
+    bool held = w->dem.prescribed.count && q->slot[p] >= 0 &&
+                (w->dem.prescribed.mask[q->slot[p]] & spins) == spins;
+    return inverse_mass(w, p) + (q->spin && !held ? r * r * q->spin[4 * p + 3] : 0.0);
 }
 
 static void fly_pair(const gn_world *w, size_t i, size_t j, flight *f) {

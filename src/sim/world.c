@@ -228,6 +228,19 @@ static gneiss_status check_specimen(const gn_world *w, gneiss_error *error) {
     return GNEISS_OK;
 }
 
+/* Sinks take at the start what is in them. */
+static gneiss_status check_some_left(const gn_world *w, gneiss_error *error) {
+    const gn_scene *s = &w->scene;
+    for (size_t p = 0; p < w->dem.particles.soa.count; p++)
+        if (w->dem.particles.vel[4 * p + 3] != 0.0) return GNEISS_OK;
+    if (s->source_count || !s->sink_count) return GNEISS_OK;
+    return gn_fail(error, GNEISS_ERROR_INPUT,
+                   "%s:%d:%d: sinks: expected a specimen of which something lies outside of them, "
+                   "found all of its %lld particles inside",
+                   s->source, s->sinks[0].where.line, s->sinks[0].where.column,
+                   (long long)w->dem.ids);
+}
+
 static gneiss_status build_particles(gn_world *w, gneiss_error *error) {
     GN_TRY(load_specimen(w, error));
     GN_TRY(gn_origin_check_specimen(w, error));
@@ -241,7 +254,8 @@ static gneiss_status build_particles(gn_world *w, gneiss_error *error) {
     GN_TRY(gn_element_contact_create(w, error));
     GN_TRY(gn_flow_arrive(w, true, error));
     GN_TRY(gn_dem_arrange(w, error));
-    return gn_world_rebuild(w, error);
+    GN_TRY(gn_world_rebuild(w, error));
+    return check_some_left(w, error);
 }
 
 static gneiss_status build_empty(gn_world *w, gneiss_error *error) {

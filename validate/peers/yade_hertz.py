@@ -1,33 +1,50 @@
-"""Two spheres that collide by YADE's Hertz-Mindlin law: `yade -n -x yade_hertz.py`, told by the environment variable JOB
-(json) where to write. Started by validate/hertz_study.py."""
+"""Collisions of two spheres, or of a sphere and a plane (z = 0), by YADE's Hertz-Mindlin law: `yade -n -x yade_hertz.py`, told by
+the environment variable JOB (json) where to write and which jobs to do. Started by validate/hertz_study.py."""
 import json
+import math
 import os
 
-from yade import (BoundDispatcher, FrictMat, ForceResetter, GlobalStiffnessTimeStepper, Ig2_Sphere_Sphere_ScGeom,  # noqa: F401
-                  InsertionSortCollider, InteractionLoop, Ip2_FrictMat_FrictMat_MindlinPhys, Law2_ScGeom_MindlinPhys_Mindlin, NewtonIntegrator,
-                  O, Bo1_Sphere_Aabb)
-from yade.utils import sphere
-from yade import Vector3
-import math
+from yade import (Bo1_Facet_Aabb, Bo1_Sphere_Aabb, FrictMat, ForceResetter, Ig2_Facet_Sphere_ScGeom, Ig2_Sphere_Sphere_ScGeom,
+                  InsertionSortCollider, InteractionLoop, Ip2_FrictMat_FrictMat_MindlinPhys, Law2_ScGeom_MindlinPhys_Mindlin,
+                  NewtonIntegrator, O, Vector3)
+from yade.utils import facet, sphere
 
-job = json.loads(os.environ["JOB"])
-material = O.materials.append(FrictMat(young=job["young"], poisson=job["poisson"], density=job["density"], frictionAngle=math.atan(job["friction"])))
-r, gap = job["r"], job["gap"]
-for side in (1, -1):
-    O.bodies.append(sphere((0, 0, side * (r + gap / 2)), r, material=material))
-for body, side in zip(O.bodies, (1, -1)):
-    body.state.vel = Vector3(*[side * v for v in job["v"]])
-    body.state.angVel = Vector3(*[side * w for w in job["spin"]]) if job["opposite"] else Vector3(*job["spin"])
-physics = Ip2_FrictMat_FrictMat_MindlinPhys(en=job["restitution"]) if job["restitution"] < 1 else Ip2_FrictMat_FrictMat_MindlinPhys()
-O.engines = [ForceResetter(), InsertionSortCollider([Bo1_Sphere_Aabb()]),
-             InteractionLoop([Ig2_Sphere_Sphere_ScGeom()], [physics], [Law2_ScGeom_MindlinPhys_Mindlin()]),
-             NewtonIntegrator(damping=0)]
-O.dt = job["dt"]
-rows = []
-for _ in range(job["steps"]):
-    O.step()
-    a, b = O.bodies
-    rows.append([O.time, *a.state.pos, *a.state.vel, *a.state.angVel, *b.state.pos, *b.state.vel, *b.state.angVel, *O.forces.f(0)])
-with open(job["out"], "w") as file:
-    json.dump(rows, file)
+
+def material(m):
+    return O.materials.append(FrictMat(young=m["young"], poisson=m["poisson"], density=m["density"], frictionAngle=math.atan(m["friction"])))
+
+
+def carry_out(job):
+    """Of every step: time, then place, velocity and spin of each sphere; of the last one alone where no rows are asked for."""
+    O.reset()
+    for s in job["spheres"]:
+        k = O.bodies.append(sphere(s["at"], s["r"], material=material(s)))
+        O.bodies[k].state.vel = Vector3(*s["v"])
+        O.bodies[k].state.angVel = Vector3(*s["spin"])
+    if job.get("plane"):
+        wide = 50 * job["spheres"][0]["r"]
+        O.bodies.append(facet([(-wide, -wide, 0), (wide, -wide, 0), (0, wide, 0)], material=material(job["plane"])))
+    e = job["spheres"][0]["restitution"]
+    physics = Ip2_FrictMat_FrictMat_MindlinPhys(en=e) if e < 1 else Ip2_FrictMat_FrictMat_MindlinPhys()
+    O.engines = [ForceResetter(), InsertionSortCollider([Bo1_Sphere_Aabb(), Bo1_Facet_Aabb()]),
+                 InteractionLoop([Ig2_Sphere_Sphere_ScGeom(), Ig2_Facet_Sphere_ScGeom(hertzian=True)], [physics],
+                                 [Law2_ScGeom_MindlinPhys_Mindlin(preventGranularRatcheting=False)]),
+                 NewtonIntegrator(damping=0)]
+    O.dt = job["dt"]
+    rows = []
+    for step in range(job["steps"]):
+        O.step()
+        if job.get("rows", True) or step + 1 == job["steps"]:
+            row = [O.time]
+            for k in range(len(job["spheres"])):
+                state = O.bodies[k].state
+                row += [*state.pos, *state.vel, *state.angVel]
+            rows.append(row)
+    return rows
+
+
+asked = json.loads(os.environ["JOB"])
+found = [carry_out(job) for job in asked["jobs"]]
+with open(asked["out"], "w") as file:
+    json.dump(found, file)
 os._exit(0)
