@@ -818,7 +818,7 @@ static void a_run_begins_where_another_ended(void **state) {
     char *flat = strcat(again(folder, "", ""), "dimension: 2\n");
     assert_int_equal(try_run(&wrong, flat, &error), GNEISS_ERROR_INPUT);
     assert_non_null(
-        strstr(error.message, "s.yaml:1:1: specimen.from: expected a run of a 2D scene"));
+        strstr(error.message, "s.yaml:1:18: specimen.from: expected a run of a 2D scene"));
     assert_int_equal(try_run(&wrong, again(folder, ", from_bonds: keep", ""), &error),
                      GNEISS_ERROR_INPUT);
     assert_non_null(strstr(error.message, "specimen.from_bonds: expected the section bonds"));
