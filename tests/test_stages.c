@@ -831,7 +831,7 @@ static void a_run_begins_where_another_ended(void **state) {
     FILE *broken = fopen(file, "w");
     assert_true(broken && fputs("no results", broken) >= 0 && fclose(broken) == 0);
     assert_int_not_equal(try_run(&wrong, again(folder, "", ""), &error), GNEISS_OK);
-    assert_true(strncmp(error.message, "s.yaml:1:1: specimen.from: ", 27) == 0);
+    assert_true(strncmp(error.message, "s.yaml:1:18: specimen.from: ", 28) == 0);
 }
 
 /* --- what is refused --- */
