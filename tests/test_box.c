@@ -326,6 +326,31 @@ static void a_seam_is_none_where_the_box_is_open_across_it(void **state) {
     for (int k = 0; k < 2; k++) world_end(w[k]);
 }
 
+/* Between a led layer and one that is pressed on it, friction, slip through the seam, in double and
+ * in single precision; threads, a break in between. */
+static void a_layer_that_is_sheared_has_the_same_bits(void **state) {
+    (void)state;
+    for (int mixed = 0; mixed < 2; mixed++) {
+        gn_run *run[2];
+        for (int k = 0; k < 2; k++)
+            run[k] = run_of(
+                "specimen: {lattice: {kind: fcc, radius: 1 mm, cells: [3, 3, 4], spacing: 1.01, "
+                "jitter: 0.05}}\n"
+                "materials: [{name: m, density: 2000, normal_stiffness: 1e5, kratio: 2, friction: "
+                "0.3}]\nlaw: {stiffness: uniform}\n"
+                "damping: {background: {model: nonviscous_vector, coefficient: 0.3}}\n"
+                "periodic: {min: [0, 0, 0], max: [8.57 mm, 8.57 mm, 1], open: z}\n"
+                "sets: [{name: below, select: {end: {axis: z, side: lower, depth: 1.5 mm}}, "
+                "motion: "
+                "{vx: 0, vy: 0, vz: 0}}, {name: above, select: {end: {axis: z, side: upper, depth: "
+                "1.5 mm}}, force: [0, 0, -5], motion: {vx: 5, vy: 0}}]\n"
+                "test: {kind: simple_shear, axis: x, normal: z, lower: below, upper: above}\n"
+                "time: {end: 1}\nrun: {threads: %d, precision: %s}\n",
+                1 + k, mixed ? "mixed" : "double");
+        end_alike(run[0], run[1], 1500, 500, 0.01);
+    }
+}
+
 /* --- what is refused --- */
 
 static void expect_refused(const char *sides, const char *more, const char *message) {
@@ -394,6 +419,7 @@ int main(void) {
         cmocka_unit_test(a_resumed_box_has_the_same_bits),
         cmocka_unit_test(along_an_open_axis_there_are_no_images),
         cmocka_unit_test(a_seam_is_none_where_the_box_is_open_across_it),
+        cmocka_unit_test(a_layer_that_is_sheared_has_the_same_bits),
         cmocka_unit_test(what_a_box_cannot_do_is_refused),
         cmocka_unit_test(a_rate_beyond_what_a_step_resolves_stops_the_run),
     };

@@ -714,6 +714,65 @@ def no_rows_and_no_snapshots_leave_the_first_row_and_the_last_state(folder):
 
 
 @fact
+def the_ledger_is_looked_at_at_the_end_with_or_without_rows(folder):
+    """As a row of the last step has it; the bits of the state are the same."""
+    whole, none, ledgers = os.path.join(folder, "whole"), os.path.join(folder, "none"), {}
+    for out, rows in ((whole, 10**7), (none, 0)):
+        run(LATTICE, out, "--set", f"output.history_rows={rows}", "--set", "output.snapshots=0")
+        with results(out) as file:
+            ledgers[out] = {name: data[0] for name, data in file["energy"].items() if name != "residual"}
+    assert len(history(none)["step"]) == 1 and state_hash(whole) == state_hash(none)
+    assert ledgers[whole] == ledgers[none] and ledgers[none]["work_walls"] > 0, ledgers
+    assert ledgers[none]["kinetic"] == history(whole)["energy_kinetic"][-1]
+    expect(gneiss("run", LATTICE, "--out", none, "--quiet", "--set", "output.history_rows=0", "--set", "run.residual_limit=1e-15"), 5,
+           "ledger does not close.* at the end")
+
+
+@fact
+def a_servo_that_never_holds_is_told(folder):
+    scene = {"specimen": {"particles": [[0, 0, "1 mm", "1 mm"]]}, "law": {"stiffness": "uniform"}, "time": {"end": "20 ms"},
+             "materials": [{"name": "m", "density": 2000, "normal_stiffness": 1e5, "kratio": 0}],
+             "sets": [{"name": "held", "select": {"all": True}, "motion": {"vz": 0}}], "output": {"history_rows": 50},
+             "walls": [{"name": "lid", "point": [0, 0, "2.5 mm"], "normal": [0, 0, -1], "stiffness": 1e6, "servo": {"force": 1, "max_velocity": 0.1}}]}
+    for speed, told in ((0.01, True), (1, False)):
+        scene["walls"][0]["servo"]["max_velocity"] = speed
+        done = expect(gneiss("run", write_scene(folder, scene), "--out", os.path.join(folder, str(told)), "--quiet"), 0)
+        assert ("servo_not_held: wall 'lid' 0 of 1 N in the mean of the last rows" in done.stderr) == told, done.stderr
+
+
+@fact
+def what_the_command_line_gave_is_blamed_for_what_comes_of_it(folder):
+    """Also where it shows only once the particles are there."""
+    for given, pattern in (("time.step=1", "input error: --set time.step: expected a step below the end"),
+                           ("time.step=1e-4", "input error: --set time.step: expected at most .*stability limit"),
+                           ("sets=[{name: foot, select: {ids: [999]}, motion: {vz: 0}}]", "input error: --set sets: set 'foot': select.ids: expected numbers from 0 to 149, found 999"),
+                           ("periodic={min: [0, 0, 0], max: [1 mm, 1, 1]}", "input error: --set periodic: expected a length of at least .* along x"),
+                           ("periodic={min: [0, 0, 0], max: [1, 1, 1], open: w}", "input error: --set periodic: periodic.open: expected one of none, x, y, z, found 'w'")):
+        expect(gneiss("run", LATTICE, "--out", os.path.join(folder, "out"), "--quiet", "--set", given), 2, pattern)
+    expect(gneiss("run", LATTICE, "--out", os.path.join(folder, "out"), "--quiet", "--set", "sets.foot.select.end.by=centre", "--set", "sets.foot.select.end.depth=1e-9 m"), 2,
+           r"lattice-small.yaml:\d+:\d+: sets: set 'foot': select: expected particles")
+
+
+@fact
+def where_particles_come_from_is_told_with_its_place(folder):
+    sweep, empty, other = (os.path.join(folder, name) for name in ("sweep", "empty", "other.h5"))
+    for name in (sweep, empty):
+        os.makedirs(name)
+    for path in (os.path.join(sweep, "sweep.h5"), other):
+        with h5py.File(path, "w") as file:
+            file["x"] = 1
+    scene = "title: from\nspecimen:\n  from_bonds: none\n  from: {}\n{}materials: [{{name: m, density: 2000, normal_stiffness: 1e5, kratio: 0}}]\n" \
+            "law: {{stiffness: uniform}}\ntime: {{end: 1}}\n"
+    for target, more, pattern in ((sweep, "", r":4:9: specimen.from: cannot open .*it is the folder of a sweep, expected that of one of its runs"),
+                                  (empty, "", r":4:9: specimen.from: cannot open .*it is a folder without results.h5"),
+                                  (other, "", r":4:9: specimen.from: .*other.h5: expected an HDF5 file of gneiss"),
+                                  (other, "  scale: 2\n", r":5:10: specimen.scale: expected file, surface or mesh beside it")):
+        expect(gneiss("check", write_scene(folder, scene.format(target, more))), 2, "scene.yaml" + pattern)
+    expect(gneiss("check", write_scene(folder, scene.format(empty, "")), "--set", f"specimen.from={other}"), 2,
+           "input error: --set specimen.from: .*other.h5: expected an HDF5 file of gneiss")
+
+
+@fact
 def without_the_ledger_there_is_no_energy(folder):
     done = expect(gneiss("run", LATTICE, "--out", folder, "--set", "output.energy=off"), 0)
     assert "nan" not in done.stdout + done.stderr, done.stderr

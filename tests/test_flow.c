@@ -18,6 +18,9 @@ static void run_until(gn_world *w, double time) {
     "materials: [{name: m, density: 2500, young: 10 MPa, poisson: 0.25, friction: 0.5, "           \
     "rolling_friction: 0.1, restitution: 0.5}]\nlaw: {stiffness: hertz}\n"
 #define DOMAIN "domain: {min: [-1, -1, -1], max: [1, 1, 1]}\n"
+/* Grains alone in a domain; a scene without an end of its own, on one thread. */
+#define LOOSE   "dimension: 3\n" GRAINS DOMAIN
+#define ENDLESS "time: {end: 1}\nrun: {threads: 1}\n"
 
 static void no_two_touch(const gn_world *w) {
     const gn_particles *q = &w->dem.particles;
@@ -37,9 +40,8 @@ static void no_two_touch(const gn_world *w) {
 static void a_source_keeps_its_rate_and_nothing_overlaps(void **state) {
     (void)state;
     gn_world *w = world_of(
-        "dimension: 3\n" GRAINS DOMAIN
-        "sources: [{name: s, box: {size: [0.02, 0.02, 0.02]}, rate: 1000, mean_radius: 1 mm, "
-        "velocity: [0, 0, -2]}]\ntime: {end: 1}\nrun: {threads: 1}\n");
+        LOOSE "sources: [{name: s, box: {size: [0.02, 0.02, 0.02]}, rate: 1000, mean_radius: 1 mm, "
+              "velocity: [0, 0, -2]}]\n" ENDLESS);
     for (double t = 0.01; t < 0.155; t += 0.03) {
         run_until(w, t);
         /* Looks are 50 steps apart. */
@@ -56,10 +58,9 @@ static void a_source_keeps_its_rate_and_nothing_overlaps(void **state) {
 /* Not the number but the mass is that of the rate: to the mass of the largest. */
 static void a_source_keeps_its_rate_of_mass(void **state) {
     (void)state;
-    gn_world *w = world_of("dimension: 3\n" GRAINS DOMAIN
-                           "sources: [{name: s, box: {size: [0.05, 0.05, 0.05]}, mass_rate: 0.02, "
-                           "mean_radius: 1 mm, size_ratio: 3, velocity: [0, 0, -2]}]\n"
-                           "time: {end: 1}\nrun: {threads: 1}\n");
+    gn_world *w =
+        world_of(LOOSE "sources: [{name: s, box: {size: [0.05, 0.05, 0.05]}, mass_rate: 0.02, "
+                       "mean_radius: 1 mm, size_ratio: 3, velocity: [0, 0, -2]}]\n" ENDLESS);
     run_until(w, 0.1);
     double late = 0.02 * 51 * w->dt;
     assert_near(w->dem.flow.sources[0].mass, 0.02 * w->time, late + sphere_mass(2500, 1.5e-3));
@@ -69,12 +70,12 @@ static void a_source_keeps_its_rate_of_mass(void **state) {
 static void a_source_stops_at_its_end_and_total(void **state) {
     (void)state;
     gn_world *w = world_of(
-        "dimension: 3\n" GRAINS DOMAIN "sources:\n"
+        LOOSE
+        "sources:\n"
         "  - {name: a, box: {size: [0.05, 0.05, 0.05]}, rate: 1000, mean_radius: 1 mm, end: 20 ms, "
         "velocity: [0, 0, -2]}\n"
         "  - {name: b, box: {size: [0.05, 0.05, 0.05]}, rate: 1000, mean_radius: 1 mm, total: 7, "
-        "start: 5 ms, velocity: [0, 0, -2]}\n"
-        "time: {end: 1}\nrun: {threads: 1}\n");
+        "start: 5 ms, velocity: [0, 0, -2]}\n" ENDLESS);
     run_until(w, 4e-3);
     assert_true(w->dem.flow.sources[1].number == 0.0);
     run_until(w, 0.06);
@@ -91,7 +92,7 @@ static void sizes_are_those_of_the_distribution(void **state) {
                                         "sizes: sieve, sieve: [[0.5, 0], [0.7, 0.4], [1, 1]]"};
     for (int k = 0; k < 3; k++) {
         gn_world *w = world_of(
-            "dimension: 3\n" GRAINS DOMAIN
+            LOOSE
             "sources: [{name: s, box: {size: [0.5, 0.5, 0.5]}, origin: [-0.25, -0.25, -0.25], "
             "rate: 1e9, total: 2000, mean_radius: 1 mm, %s}]\ntime: {end: 1 us, step: 1e-7}\n"
             "run: {threads: 1}\n",
@@ -118,10 +119,8 @@ static void sizes_are_those_of_the_distribution(void **state) {
 /* A cube of 20 mm holds no more than 38 % of spheres that are put into it one after the other. */
 static void without_room_a_rate_falls_behind_and_says_so(void **state) {
     (void)state;
-    gn_world *w = world_of(
-        "dimension: 3\n" GRAINS DOMAIN
-        "sources: [{name: s, box: {size: [0.02, 0.02, 0.02]}, rate: 1e6, mean_radius: 2 mm}]\n"
-        "time: {end: 1}\nrun: {threads: 1}\n");
+    gn_world *w = world_of(LOOSE "sources: [{name: s, box: {size: [0.02, 0.02, 0.02]}, rate: 1e6, "
+                                 "mean_radius: 2 mm}]\n" ENDLESS);
     run_steps(w, 400);
     double number = w->dem.flow.sources[0].number;
     no_two_touch(w);
@@ -136,9 +135,8 @@ static void a_run_tells_of_a_source_that_is_behind(void **state) {
     gn_scene scene;
     gn_run run;
     gneiss_error error = {0};
-    ok(gn_scene_parse("dimension: 3\n" GRAINS DOMAIN
-                      "sources: [{name: s, box: {size: [4 mm, 4 mm, 4 mm]}, rate: 1e6, "
-                      "mean_radius: 2 mm}]\ntime: {end: 1}\nrun: {threads: 1}\n",
+    ok(gn_scene_parse(LOOSE "sources: [{name: s, box: {size: [4 mm, 4 mm, 4 mm]}, rate: 1e6, "
+                            "mean_radius: 2 mm}]\n" ENDLESS,
                       "s.yaml", NULL, NULL, 0, &scene, &error),
        &error);
     ok(gn_run_create(&scene, &run, &error), &error);
@@ -154,11 +152,11 @@ static void a_run_tells_of_a_source_that_is_behind(void **state) {
 static void nothing_comes_in_where_walls_and_bodies_are(void **state) {
     (void)state;
     gn_world *w = world_of(
-        "dimension: 3\n" GRAINS DOMAIN
+        LOOSE
         "walls: [{name: w, point: [0, 0, 0.005], normal: [0, 0, 1], material: m}]\n"
         "bodies: [{name: b, box: {size: [0.01, 0.01, 0.01]}, origin: [0, 0, 0.01], material: m}]\n"
-        "sources: [{name: s, box: {size: [0.02, 0.02, 0.02]}, rate: 1e6, mean_radius: 1 mm}]\n"
-        "time: {end: 1}\nrun: {threads: 1}\n");
+        "sources: [{name: s, box: {size: [0.02, 0.02, 0.02]}, rate: 1e6, mean_radius: 1 "
+        "mm}]\n" ENDLESS);
     run_steps(w, 1600);
     const gn_particles *q = &w->dem.particles;
     assert_true(q->soa.count > 20);
@@ -171,10 +169,10 @@ static void nothing_comes_in_where_walls_and_bodies_are(void **state) {
 /* A nearest image is as near as anything. */
 static void nothing_overlaps_across_a_periodic_box(void **state) {
     (void)state;
-    gn_world *w = world_of(
-        "dimension: 3\n" GRAINS "periodic: {min: [0, 0, 0], max: [0.02, 0.02, 0.02]}\n"
-        "sources: [{name: s, box: {size: [0.02, 0.02, 0.02]}, rate: 1e6, mean_radius: 2 mm}]\n"
-        "time: {end: 1}\nrun: {threads: 1}\n");
+    gn_world *w =
+        world_of("dimension: 3\n" GRAINS "periodic: {min: [0, 0, 0], max: [0.02, 0.02, 0.02]}\n"
+                 "sources: [{name: s, box: {size: [0.02, 0.02, 0.02]}, rate: 1e6, mean_radius: 2 "
+                 "mm}]\n" ENDLESS);
     run_steps(w, 1600);
     assert_true(w->dem.particles.soa.count > 40);
     no_two_touch(w);
@@ -191,8 +189,7 @@ static void in_the_plane_discs_come_in(void **state) {
             world_of("dimension: 2\nmaterials: [{name: m, density: 2500, normal_stiffness: 1e5, "
                      "kratio: 2, friction: 0.5}]\nlaw: {stiffness: uniform}\n"
                      "domain: {min: [-1, -1], max: [1, 1]}\n"
-                     "sources: [{name: s, %s, rate: 1e6, mean_radius: 1 mm}]\n"
-                     "time: {end: 1}\nrun: {threads: 1}\n",
+                     "sources: [{name: s, %s, rate: 1e6, mean_radius: 1 mm}]\n" ENDLESS,
                      regions[k]);
         run_steps(w, 1000);
         assert_true(w->dem.particles.soa.count > 40);
@@ -209,11 +206,9 @@ static void in_the_plane_discs_come_in(void **state) {
 static void momentum_and_energy_pass_from_source_to_sink(void **state) {
     (void)state;
     gn_world *w = world_of(
-        "dimension: 3\n" GRAINS DOMAIN
-        "sources: [{name: s, box: {size: [0.02, 0.02, 0.02]}, rate: 2000, mean_radius: 1 mm, "
-        "size_ratio: 2, velocity: [0.5, 0, -2]}]\n"
-        "sinks: [{name: o, plane: {point: [0, 0, -0.1], normal: [0, 0, -3]}}]\n"
-        "time: {end: 1}\nrun: {threads: 1}\n");
+        LOOSE "sources: [{name: s, box: {size: [0.02, 0.02, 0.02]}, rate: 2000, mean_radius: 1 mm, "
+              "size_ratio: 2, velocity: [0.5, 0, -2]}]\n"
+              "sinks: [{name: o, plane: {point: [0, 0, -0.1], normal: [0, 0, -3]}}]\n" ENDLESS);
     measured_step(w);
     run_until(w, 0.2);
     gn_energy e = measured_step(w);
@@ -238,13 +233,11 @@ static void momentum_and_energy_pass_from_source_to_sink(void **state) {
 /* A particle is in a region when all of it is. */
 static void a_region_takes_what_is_wholly_inside(void **state) {
     (void)state;
-    gn_world *w =
-        world_of("dimension: 3\n" GRAINS DOMAIN
-                 "specimen: {particles: [[0.05, 0.05, 0.05, 1e-3], [0.05, 0.05, 0.0095, 1e-3], "
-                 "[0.2, 0, 0, 1e-3]], group: 0}\n"
-                 "sinks: [{name: o, box: {size: [0.1, 0.1, 0.1]}, origin: [0, 0, 0.009]}]\n"
-                 "sets: [{name: a, select: {all: true}, initial_velocity: [0, 0, 0.01]}]\n"
-                 "time: {end: 1}\nrun: {threads: 1}\n");
+    gn_world *w = world_of(
+        LOOSE "specimen: {particles: [[0.05, 0.05, 0.05, 1e-3], [0.05, 0.05, 0.0095, 1e-3], "
+              "[0.2, 0, 0, 1e-3]], group: 0}\n"
+              "sinks: [{name: o, box: {size: [0.1, 0.1, 0.1]}, origin: [0, 0, 0.009]}]\n"
+              "sets: [{name: a, select: {all: true}, initial_velocity: [0, 0, 0.01]}]\n" ENDLESS);
     assert_true(w->dem.flow.sinks[0].number == 1.0); /* at the start */
     assert_int_equal(gn_world_present(w), 2);
     run_until(w, 0.04);
@@ -283,7 +276,7 @@ static void a_plane_that_counts_takes_nothing(void **state) {
         "sinks: [{name: g, plane: {point: [0, 0, 0], normal: [0, 0, -1]}, remove: false}]\n"
         "sets: [{name: a, select: {ids: [0]}, initial_velocity: [0, 0, -1]},\n"
         "       {name: b, select: {ids: [1]}, initial_velocity: [0, 0, 2]}]\n"
-        "gravity: [0, 0, -10]\ntime: {end: 1}\nrun: {threads: 1}\n");
+        "gravity: [0, 0, -10]\n" ENDLESS);
     measured_step(w);
     run_until(w, 0.038); /* only b is through, upward since 0.027 */
     assert_true(w->dem.flow.sinks[0].number == -1.0 && w->dem.flow.sinks[0].mass < 0.0);
@@ -303,8 +296,7 @@ static void a_sink_takes_bonded_particles(void **state) {
         "bond_tension_limit: 1e9, bond_shear_limit: 1e9}]\n"
         "law: {stiffness: uniform}\nbonds: {}\n"
         "sets: [{name: a, select: {all: true}, initial_velocity: [1, 0, 0]}]\n"
-        "sinks: [{name: o, plane: {point: [6e-3, 0, 0], normal: [1, 0, 0]}}]\n" DOMAIN
-        "time: {end: 1}\nrun: {threads: 1}\n");
+        "sinks: [{name: o, plane: {point: [6e-3, 0, 0], normal: [1, 0, 0]}}]\n" DOMAIN ENDLESS);
     measured_step(w);
     while (w->dem.flow.sinks[0].number < 1.0 && w->step < 100000) run_steps(w, 1);
     run_steps(w, 10);
@@ -322,8 +314,7 @@ static void lost_particles_are_known_by_id_and_place(void **state) {
         world_of("dimension: 3\n" GRAINS
                  "specimen: {particles: [[0, 0, 0, 1e-3], [0.05, 0, 0, 1e-3]], group: 0}\n"
                  "sets: [{name: a, select: {ids: [1]}, initial_velocity: [1, 0, 0]}]\n"
-                 "domain: {min: [-1, -1, -1], max: [0.06, 1, 1], lost: remove}\n"
-                 "time: {end: 1}\nrun: {threads: 1}\n");
+                 "domain: {min: [-1, -1, -1], max: [0.06, 1, 1], lost: remove}\n" ENDLESS);
     run_until(w, 0.02);
     const gn_lost *lost = w->dem.flow.lost;
     assert_int_equal(w->dem.flow.lost_count, 1);
@@ -340,11 +331,9 @@ static void lost_particles_are_known_by_id_and_place(void **state) {
 static void ids_stay_unique_and_rows_do_not_pile_up(void **state) {
     (void)state;
     gn_world *w = world_of(
-        "dimension: 3\n" GRAINS DOMAIN
-        "sources: [{name: s, box: {size: [0.03, 0.03, 0.03]}, rate: 5000, mean_radius: 1 mm, "
-        "velocity: [0, 0, -3]}]\n"
-        "sinks: [{name: o, plane: {point: [0, 0, -0.02], normal: [0, 0, -1]}}]\n"
-        "time: {end: 1}\nrun: {threads: 1}\n");
+        LOOSE "sources: [{name: s, box: {size: [0.03, 0.03, 0.03]}, rate: 5000, mean_radius: 1 mm, "
+              "velocity: [0, 0, -3]}]\n"
+              "sinks: [{name: o, plane: {point: [0, 0, -0.02], normal: [0, 0, -1]}}]\n" ENDLESS);
     run_until(w, 0.25);
     const gn_particles *q = &w->dem.particles;
     size_t present = gn_world_present(w);
@@ -489,7 +478,8 @@ static void stages_go_on_with_what_came(void **state) {
     gn_scene scene;
     gn_run run;
     ok(gn_scene_parse(
-           "dimension: 3\n" GRAINS DOMAIN "specimen: {particles: [[0, 0, 0.03, 1e-3]], group: 0}\n"
+           LOOSE
+           "specimen: {particles: [[0, 0, 0.03, 1e-3]], group: 0}\n"
            "sources: [{name: s, box: {size: [0.02, 0.02, 0.01]}, rate: 2000, mean_radius: 1 mm, "
            "velocity: [0, 0, -1]}]\n"
            "sets: [{name: held, select: {all: true}, motion: {vx: 0, vy: 0, vz: 0}}]\n"
@@ -522,8 +512,7 @@ static void grains_fall_on_finite_elements(void **state) {
         "contact: {stiffness: 1e5, kratio: 2, friction: 0.3}}\n"
         "sources: [{name: s, box: {size: [0.02, 0.02, 0.02]}, origin: [0, 0, -0.0005], rate: "
         "20000, "
-        "mean_radius: 1 mm, velocity: [0, 0, -0.5]}]\ngravity: [0, 0, -9.81]\n" DOMAIN
-        "time: {end: 1}\nrun: {threads: 1}\n");
+        "mean_radius: 1 mm, velocity: [0, 0, -0.5]}]\ngravity: [0, 0, -9.81]\n" DOMAIN ENDLESS);
     measured_step(w);
     run_until(w, 0.02);
     gn_energy e = measured_step(w);

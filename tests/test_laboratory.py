@@ -515,6 +515,20 @@ def several_confinements_in_one_scene_give_friction_angle_and_cohesion(folder):
 
 
 @fact
+def confinements_are_checked_before_a_run_and_belong_to_sweeps(folder):
+    path = write_scene(folder, several("-1 MPa", "5 MPa"))
+    expect(gneiss("check", path), 2, r"scene.yaml:\d+:\d+: test.confinement: membrane.pressure: expected a value in \[0, 1e18\] Pa, found .-1 MPa")
+    expect(gneiss("check", path, "--set", "membrane.pressure=1 MPa"), 0)
+    write_scene(folder, several("1 MPa", "5 MPa"))
+    sweep = os.path.join(folder, "sweep.yaml")
+    for parameters, code, pattern in (("materials.0.friction: [0.1, 0.3]", 2, r"scene.yaml:\d+:\d+: test.confinement: expected none in a scene that a sweep varies"),
+                                      ("membrane.pressure: [1 MPa, 2 MPa]", 0, "")):
+        with open(sweep, "w") as file:
+            file.write(f"scene: scene.yaml\nparameters: {{{parameters}}}\n")
+        expect(gneiss("sweep", sweep, "--dry-run"), code, pattern)
+
+
+@fact
 def wrong_lists_of_confinements_are_told_with_their_place(folder):
     for given, pattern in ((several("1 MPa"), r"scene.yaml:\d+:\d+: test.confinement: expected a list of at least two pressures"),
                            (several("1 MPa", "2 m"), r"scene.yaml:\d+:\d+: test.confinement: membrane.pressure: expected a stress or modulus"),
@@ -703,6 +717,16 @@ def the_scene_of_the_brazilian_test_gives_a_strength(folder):
 def the_scene_of_the_bending_test_gives_a_fracture_energy(folder):
     out = small(folder, "bending")
     assert readings(out)["fracture_energy"] > 0, absent(out)
+
+
+@fact
+def a_response_that_is_too_short_for_the_specimen_is_told(folder):
+    """Waves cross the beam in some 50 us; 0.5 ms holds it, 5 us swings (docs/scene.md)."""
+    for response, told in (("0.5 ms", False), ("5 us", True)):
+        done = expect(gneiss("run", os.path.join(ROOT, "scenes", "bending.yaml"), "--out", os.path.join(folder, str(told)), "--quiet",
+                             "--set", "test.control.opening=2 mm/s", "--set", f"test.control.response={response}", "--set", "output.snapshots=0",
+                             "--set", "specimen.particles=500", "--set", "run.threads=1"), 0)
+        assert ("control: the motion of the ends" in done.stderr) == told, done.stderr
 
 
 @fact

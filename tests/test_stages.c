@@ -834,7 +834,7 @@ static void a_run_begins_where_another_ended(void **state) {
     char *flat = strcat(again(folder, "", ""), "dimension: 2\n");
     assert_int_equal(try_run(&wrong, flat, &error), GNEISS_ERROR_INPUT);
     assert_non_null(
-        strstr(error.message, "s.yaml:1:1: specimen.from: expected a run of a 2D scene"));
+        strstr(error.message, "s.yaml:1:18: specimen.from: expected a run of a 2D scene"));
     assert_int_equal(try_run(&wrong, again(folder, ", from_bonds: keep", ""), &error),
                      GNEISS_ERROR_INPUT);
     assert_non_null(strstr(error.message, "specimen.from_bonds: expected the section bonds"));
@@ -847,7 +847,7 @@ static void a_run_begins_where_another_ended(void **state) {
     FILE *broken = fopen(file, "w");
     assert_true(broken && fputs("no results", broken) >= 0 && fclose(broken) == 0);
     assert_int_not_equal(try_run(&wrong, again(folder, "", ""), &error), GNEISS_OK);
-    assert_true(strncmp(error.message, "s.yaml:1:1: specimen.from: ", 27) == 0);
+    assert_true(strncmp(error.message, "s.yaml:1:18: specimen.from: ", 28) == 0);
 }
 
 /* --- what is refused --- */

@@ -57,6 +57,21 @@ __attribute__((format(printf, 1, 2))) static inline gn_world *world_of(const cha
     return w;
 }
 
+/* Whether a scene with its first `from` turned into `to` is refused with these words. */
+static inline void assert_change_refused(const char *scene_text, const char *from, const char *to,
+                                         const char *words) {
+    gn_world *w = calloc(1, sizeof *w);
+    gneiss_error error = {0};
+    text *changed = calloc(1, sizeof *changed);
+    const char *at = strstr(scene_text, from);
+    assert_non_null(at);
+    add(changed, "%.*s%s%s", (int)(at - scene_text), scene_text, to, at + strlen(from));
+    if (world_try(w, changed->s, NULL, &error) == GNEISS_OK) fail_msg("accepted: %s", to);
+    if (!strstr(error.message, words)) fail_msg("%s", error.message);
+    free(changed);
+    free(w);
+}
+
 static inline void world_end(gn_world *w) {
     gn_world_free(w);
     free(w);

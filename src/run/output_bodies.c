@@ -201,9 +201,9 @@ static gneiss_status put_names(const gn_world *w, gn_h5 *file, gneiss_error *err
 
 static gneiss_status put_view(const view *v, gn_h5 *file, gneiss_error *error) {
     const gn_world *w = v->world;
-    const gn_output_source bodies = {&gn_body_outputs,    v,    w->effects,
-                                     w->scene.body_count, NULL, NULL, 0},
-                           vertices = vertices_of(v), facets = facets_of(v);
+    const gn_output_source
+        bodies = {&gn_body_outputs, v, w->effects, w->scene.body_count, NULL, NULL, 0},
+        vertices = vertices_of(v), facets = facets_of(v);
     GN_TRY(put_names(w, file, error));
     GN_TRY(gn_output_put(&bodies, file, error));
     GN_TRY(gn_output_put(&vertices, file, error));

@@ -51,17 +51,22 @@ double gn_sink_steady_rate(const gn_history *h, const char *sink) {
     return slope(time, mass, begin, end);
 }
 
+/* What both have; the entry stays open. */
+static void begin_entry(gn_json *j, const char *name, double number, double mass, double energy) {
+    gn_json_object(j, NULL);
+    gn_json_text(j, "name", name);
+    gn_json_integer(j, "number", (int64_t)number);
+    gn_json_number(j, "mass", mass);
+    gn_json_number(j, "energy", energy);
+}
+
 void gn_output_flow(const gn_run *run, gn_json *j) {
     const gn_world *w = &run->world;
     if (!gn_scene_flows(&w->scene)) return;
     gn_json_array(j, "sources");
     for (size_t k = 0; k < w->scene.source_count; k++) {
         const gn_source_state *s = &w->dem.flow.sources[k];
-        gn_json_object(j, NULL);
-        gn_json_text(j, "name", w->scene.sources[k].name);
-        gn_json_integer(j, "number", (int64_t)s->number);
-        gn_json_number(j, "mass", s->mass);
-        gn_json_number(j, "energy", s->energy);
+        begin_entry(j, w->scene.sources[k].name, s->number, s->mass, s->energy);
         gn_json_number(j, "behind", gn_flow_behind(w, k));
         gn_json_integer(j, "without_room", (int64_t)s->full);
         gn_json_end(j);
@@ -70,11 +75,7 @@ void gn_output_flow(const gn_run *run, gn_json *j) {
     gn_json_array(j, "sinks");
     for (size_t k = 0; k < w->scene.sink_count; k++) {
         const gn_sink_state *s = &w->dem.flow.sinks[k];
-        gn_json_object(j, NULL);
-        gn_json_text(j, "name", w->scene.sinks[k].name);
-        gn_json_integer(j, "number", (int64_t)s->number);
-        gn_json_number(j, "mass", s->mass);
-        gn_json_number(j, "energy", s->energy);
+        begin_entry(j, w->scene.sinks[k].name, s->number, s->mass, s->energy);
         gn_json_number(j, "steady_rate",
                        gn_sink_steady_rate(&run->history, w->scene.sinks[k].name));
         gn_json_end(j);

@@ -18,7 +18,8 @@ static const gn_key end_keys[] = {
     KEY("unbalanced", REAL, gn_stage, unbalanced, .unit = "1", .range = "(0, inf)",
         NONE("once the unbalanced force ratio is below")),
     KEY("held", REAL, gn_stage, held, .unit = "1", .range = "(0, 1)",
-        NONE("once every servo, of walls and of a periodic box, has been within this fraction of its "
+        NONE("once every servo, of walls and of a periodic box, has been within this fraction of "
+             "its "
              "force or stress for ten rows of the history")),
 };
 TABLE_OF(end);

@@ -574,9 +574,7 @@ static gneiss_status read_section(gn_reader *reader, const gn_section *section, 
         return unexpected(reader, map, "a section", "");
     GN_TRY(match_keys(reader, section, map, nodes));
     if (map && section->where != GN_NO_WHERE)
-        *(gn_scene_place *)(base + section->where) = map->set   ? (gn_scene_place){0, 0}
-                                                     : map->key ? map->key_where
-                                                                : map->where;
+        *(gn_scene_place *)(base + section->where) = map->key ? map->key_where : map->where;
     for (size_t k = 0; k < section->key_count; k++) {
         const gn_key *key = &section->keys[k];
         if (reader->specimen_only && section == &gn_scene_section && !key->packing) continue;

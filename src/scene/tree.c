@@ -508,6 +508,12 @@ void gn_tree_place(const gn_tree *tree, const char *key, char *place, size_t siz
     }
 }
 
+/* Those in the text of an override are none in the file. */
+static void forget_places(gn_node *node) {
+    node->where = node->key_where = (gn_scene_place){0, 0};
+    for (gn_node *child = node->first; child; child = child->next) forget_places(child);
+}
+
 gneiss_status gn_tree_override(gn_tree *tree, const gn_override *o, gneiss_error *error) {
     if (!o->key || !o->value || !*o->key)
         return gn_fail(error, GNEISS_ERROR_INPUT, "--set: expected key=value such as time.end=2ms");
@@ -527,6 +533,7 @@ gneiss_status gn_tree_override(gn_tree *tree, const gn_override *o, gneiss_error
     }
     GN_TRY(override_value(tree, o, &value, error));
     if (!value) return gn_fail(error, GNEISS_ERROR_INPUT, "--set %s: no value", o->key);
+    forget_places(value);
     /* The new value takes the place of the old one in the list of its parent. */
     at->kind = value->kind;
     at->text = value->text;
