@@ -217,7 +217,10 @@ def beam_table(found):
     for name, run in found:
         at, load = curve(run)
         peak = int(np.argmax(load))
-        cells = [f"{load_at(run, w):.0f}, {beside(load_at(run, w), *(np.interp(w, measured[:, 0], measured[:, k]) for k in (1, 2)))}" for w in OPENINGS]
+        cells = []
+        for w in OPENINGS:
+            value, low, high = load_at(run, w), *(np.interp(w, measured[:, 0], measured[:, k]) for k in (1, 2))
+            cells.append(f"{value:.0f}, {beside(value, low, high)}" if np.isfinite(value) else "-")
         rows.append([name, len(run.results("particles/radius")), f"{load[peak]:.0f}, {beside(load[peak], measured[:, 1].max(), measured[:, 2].max())}",
                      f"{1e3 * at[peak]:.0f}", *cells])
     return study.table(["", "particles", "peak, N", "opening there, um", *(f"load at {w:g} mm, N" for w in OPENINGS)], rows)
