@@ -156,6 +156,19 @@ def raised_masses_resume_to_the_same_bits_and_say_what_was_added(folder):
 
 
 @fact
+def masses_that_followed_contacts_resume_to_the_same_bits(folder):
+    raised = ("--set", "time.estimate=bound", "--set", "time.mass_scaling.factor=1.8", "--set", "time.stop.peak_drop=off")
+    straight, broken = os.path.join(folder, "straight"), os.path.join(folder, "broken")
+    run(UCS, straight, "--threads", 2, *raised)
+    said, energy = summary(straight)["mass_scaling"], history(straight)["energy_step_change"]
+    assert energy[0] == 0 and energy[-1] > 0  # they did
+    assert summary(straight)["dt"] > 0.97 * said["dt_wanted"] and abs(summary(straight)["energy_residual"]) < 1e-3
+    expect(stop_at_snapshot(broken, 3, signal.SIGINT, "--threads", 1, *raised), 6)
+    resume(broken, "--threads", 2)
+    check_same(broken, straight)
+
+
+@fact
 def masses_are_in_the_results_and_what_they_did_not_reach_is_a_warning(folder):
     far = {"specimen": {"particles": [[0, 0, 0, "1 mm"], ["9 mm", 0, 0, "1 mm"]]}, "law": {"stiffness": "uniform"},
            "materials": [{"name": "a", "density": 2000, "normal_stiffness": "1 MN/m", "kratio": 2}],

@@ -265,7 +265,24 @@ def several_table():
                         "1 % more mass gives", "5 %", "several lengths beside these 5 %"], rows)
 
 
-SECTIONS = {"masses": masses_table, "error": error_table, "waves": wave_table, "several": several_table}
+def coupled_table():
+    """Elements with a step of their own beside particles: from the sharp limits that `gneiss plan` prints of either by itself. A contact and
+    an element cost about as much (docs/performance.md)."""
+    rows = []
+    for scene in ("bending-coupled", "wave-zone"):
+        done = study.call(["plan", f"scenes/{scene}.yaml", "--threads", "1"])
+        if done.returncode:
+            sys.exit(f"{scene}: {done.stderr}")
+        particles, elements = (float(re.search(rf"^  {part}\n  sharp limit +(\S+) s", done.stdout, re.M)[1]) for part in ("particles", "elements"))
+        contacts, cells = (int(re.search(rf"^  {part} +(\d+) x", done.stdout, re.M)[1]) for part in ("bonds", "elements"))
+        longer = 2.0**np.floor(np.log2(elements / particles))
+        rows.append([scene, contacts, cells, f"{elements / particles:.2f}", f"{longer:.0f}", f"{(contacts + cells) / (contacts + cells / longer):.2f}",
+                     f"{(contacts + cells) / contacts:.2f}"])
+    return study.table(["scene", "bonds", "elements", "limit of the elements over that of the particles", "their steps x", "gain",
+                        "gain if elements cost nothing"], rows)
+
+
+SECTIONS = {"masses": masses_table, "error": error_table, "waves": wave_table, "several": several_table, "coupled": coupled_table}
 
 
 def main():

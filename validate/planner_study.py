@@ -1,7 +1,7 @@
 """Whether `gneiss plan --error` keeps what it promises: scenes that the study of accuracy did not use, the proposed settings beside a much
 finer run. Fills docs/evidence/planner.md; ten minutes of one core.
 
-    /usr/bin/python3 validate/planner_study.py [--fresh] [--only SCENE]
+    /usr/bin/python3 validate/planner_study.py [--fresh] [--only SCENE] [--seeds 12]
 
 Seconds are CPU seconds of one thread. The scenes were written before any of them was run, and are left as they were.
 """
@@ -18,7 +18,8 @@ import study
 FOLDER = study.RUNS / "planner"
 PAGE = study.ROOT / "docs" / "evidence" / "planner.md"
 PICTURE = study.ROOT / "docs" / "evidence" / "pictures" / "planner.png"
-SLOWER, SAFETY, SEEDS, FIRST = 4, 0.6, 12, 101  # of the finer runs: loading, step, packings, the first of their seeds
+SLOWER, SAFETY, FIRST = 4, 0.6, 101  # of the finer runs: loading, step, the first of their seeds
+SEEDS = int(sys.argv[sys.argv.index("--seeds") + 1]) if "--seeds" in sys.argv else 12  # and packings
 FINER = 4  # cells of the finer runs of elements
 
 SPACE = {"background": {"model": "nonviscous_vector", "coefficient": 0.7}}

@@ -29,7 +29,7 @@ typedef struct gn_proposal {
     double seconds; /* of a processor, one thread, all packings, packing them included */
 } gn_proposal;
 
-enum { GN_PLAN_FACTORS = 4 };
+enum { GN_PLAN_FACTORS = 5 };
 
 typedef struct gn_plan {
     gn_wanted wanted;

@@ -124,7 +124,7 @@ static gneiss_status put_cells(gn_settings *q, const gn_scene *s, double cell,
 /* As a step in seconds, so that other packings take the same one. */
 static gneiss_status put_masses(gn_settings *q, const gn_plan *plan, const gn_scene *s,
                                 const gn_proposal *p, gneiss_error *error) {
-    if (fabs(p->masses / plan->groups.masses - 1.0) <= 1e-3) return GNEISS_OK;
+    if (plan->groups.mesh || fabs(p->masses / plan->groups.masses - 1.0) <= 1e-3) return GNEISS_OK;
     if (s->scaled_step > 0.0 && p->masses == 1.0)
         GN_TRY(put(q, error, "time.mass_scaling.step", "none"));
     if (p->masses == 1.0) return put(q, error, "time.mass_scaling.factor", "1");

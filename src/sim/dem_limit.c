@@ -221,7 +221,12 @@ static gneiss_status follow_and_ask(gn_world *w, bool listed, const uint8_t *of,
                                     gneiss_error *error) {
     question about = *q;
     about.turned = of;
-    if (w->scene.estimate == GN_STEP_BOUND) GN_TRY(gn_dem_follow_masses(w, listed, of, error));
+    double held = 0.0;
+    if (w->scene.estimate == GN_STEP_BOUND)
+        GN_TRY(gn_dem_follow_masses(w, listed, of, &held, error));
+    *q->verdict = (gn_step_verdict){.holds = true};
+    /* They were raised to hold more than that, within what a block is left alone for. */
+    if (q->step * (1.0 + 1e-6) <= held) return GNEISS_OK;
     return ask(w, listed, &about, error);
 }
 

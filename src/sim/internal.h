@@ -234,9 +234,9 @@ gneiss_status gn_dem_masses(const gn_world *world, bool listed, double step, con
  * neighbours as far as their own blocks ask for more, at the velocities that they have (their
  * kinetic energy is booked as step_change). Nothing happens without time.mass_scaling and before
  * the first step.
- */
+ * `held`: s, the step at which their blocks hold then; 0: not known. */
 gneiss_status gn_dem_follow_masses(gn_world *world, bool listed, const uint8_t *changed,
-                                   gneiss_error *error);
+                                   double *held, gneiss_error *error);
 /* After masses have changed (lists.c); what they sum up to (mass_scaling.c). */
 void gn_dem_masses_changed(gn_world *world);
 void gn_dem_sum_masses(gn_world *world);

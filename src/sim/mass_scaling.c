@@ -115,10 +115,11 @@ static bool follow_once(gn_world *w, const double *factor) {
     return any;
 }
 
-gneiss_status gn_dem_follow_masses(gn_world *w, bool listed, const uint8_t *changed,
+gneiss_status gn_dem_follow_masses(gn_world *w, bool listed, const uint8_t *changed, double *held,
                                    gneiss_error *error) {
     enum { ROUNDS = 8 }; /* of dashpots */
     const gn_mass_scaling *s = &w->dem.scaling;
+    *held = 0.0;
     if (!(w->effects & GN_FX_MASS_SCALING && s->reached > 0.0 && w->step > 0)) return GNEISS_OK;
     double step = gn_limit_needed(w, s->reached / (listed ? listed_share : w->scene.safety));
     if (!isfinite(step)) return GNEISS_OK; /* others leave no room */
@@ -133,6 +134,8 @@ gneiss_status gn_dem_follow_masses(gn_world *w, bool listed, const uint8_t *chan
         if (w->dem.damping_fraction == 0.0) break;
     }
     gn_free(factor);
+    /* What dashpots ask for may not have settled. */
+    if (w->dem.damping_fraction == 0.0) *held = step;
     return status;
 }
 
