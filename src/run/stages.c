@@ -75,12 +75,18 @@ static bool servos_hold(const gn_run *run, size_t rows) {
     return true;
 }
 
+bool gn_run_loaded(const gn_run *run, double peak) {
+    bool confined = gn_test_in(run->world.scene.test.kind, GN_TESTS_CONFINED);
+    return !confined || peak > 0.1 * in_row(run, "membrane_pressure", run->history.row_count - 1);
+}
+
 static bool fell(const gn_run *run, size_t rows, double stress) {
     const gn_dem *d = &run->world.dem;
     bool counts = run->world.effects & GN_FX_BONDS ? d->broken_tension + d->broken_shear > 0
                                                    : rows > ROWS_BEFORE;
     double peak = state_of(run)->peak;
-    return counts && peak > 0.0 && stress < (1.0 - stage_of(run)->peak_drop) * peak;
+    return counts && peak > 0.0 && gn_run_loaded(run, peak) &&
+           stress < (1.0 - stage_of(run)->peak_drop) * peak;
 }
 
 static gn_stage_cause cause_in_row(gn_run *run) {
