@@ -281,23 +281,19 @@ def packed(seed, overlap):
     return folder / "packing.txt"
 
 
-def neighbours(path, reach=1.0):
-    """Radii of pairs up to a gap of `reach` times the sum of the radii, and that gap, m."""
+def neighbours(path, reach=2.5):
+    """Radii, the two of each pair up to a gap of `reach` times the sum of the radii, and that gap, m."""
     from scipy.spatial import cKDTree
 
     rows = np.loadtxt(path)
     x, r = rows[:, :3], rows[:, 3]
-    i, j = [], []
-    order = np.argsort(r)
-    for part in np.array_split(order, 12):  # of particles that are alike in size: each looks only as far as it has to
-        largest = r[part].max()
-        tree = cKDTree(x[part])
-        for k in range(len(r)):
-            for other in tree.query_ball_point(x[k], (1 + reach) * (r[k] + largest)):
-                if part[other] > k:
-                    i.append(k)
-                    j.append(part[other])
-    i, j = np.array(i), np.array(j)
+    first, second = [], []
+    for part in np.array_split(np.argsort(r), 12):  # of particles that are alike in size: each looks only as far as it has to
+        near = cKDTree(x[part]).query_ball_point(x, (1 + reach) * (r + r[part].max()))
+        first.append(np.repeat(np.arange(len(r)), [len(k) for k in near]))
+        second.append(part[np.concatenate(near).astype(int)])
+    i, j = np.concatenate(first), np.concatenate(second)
+    i, j = i[j > i], j[j > i]
     gap = np.linalg.norm(x[i] - x[j], axis=1) - r[i] - r[j]
     near = gap <= reach * (r[i] + r[j])
     return r, i[near], j[near], gap[near]
