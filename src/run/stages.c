@@ -96,8 +96,11 @@ static gn_stage_cause cause_in_row(gn_run *run) {
     size_t row = run->history.row_count - 1, rows = run->history.row_count - (size_t)s->row;
     if (w->scene.test.kind != GN_TEST_NONE) {
         double strain = in_row(run, "strain", row), stress = in_row(run, "stress", row);
-        if (rows == 1) s->strain = strain;
-        s->peak = fmax(s->peak, stress);
+        /* The first row is of the instant of the change, and has what stops ends that moved. */
+        if (rows == 1)
+            s->strain = strain;
+        else
+            s->peak = fmax(s->peak, stress);
         if (e->strain > 0.0 && strain - s->strain >= e->strain) return GN_STAGE_STRAIN;
         if (e->stress > 0.0 && stress >= e->stress) return GN_STAGE_STRESS;
         if (e->peak_drop > 0.0 && fell(run, rows, stress)) return GN_STAGE_PEAK_DROP;
