@@ -745,6 +745,26 @@ def the_scenes_of_the_other_tests_give_their_readings(folder):
 
 
 @fact
+def a_stage_takes_nothing_below_a_tenth_of_the_pressure_for_a_peak(folder):
+    """The ends go back once, at a fortieth of the pressure and with bonds already broken: by then no peak was passed."""
+    with open(os.path.join(ROOT, "scenes", "concrete.yaml")) as file:
+        text = file.read()
+    for sign, other in (("", "-"), ("-", "")):
+        there, back = f"{sign}0.1", f"{other}0.1"
+        text = text.replace(f"[0.2 ms, {there} m/s]", f"[0.2 ms, {there}], [0.6 ms, {there}], [0.61 ms, {back}], [0.9 ms, {back}], [0.91 ms, {there}]")
+    out = os.path.join(folder, "out")
+    expect(gneiss("run", write_scene(folder, text), "--out", out, "--quiet", "--set", "specimen.particles=300", "--set", "membrane.pressure=60 MPa",
+                  "--set", "stages.load.end.strain=0.002", "--set", "output.snapshots=0", "--set", "run.threads=1"), 0)
+    rows = history(out)
+    loads = rows["stage"] == 2
+    begun = loads & (rows["time"] < rows["time"][loads][0] + 0.95e-3)
+    turn = rows["stress"][begun].argmax()
+    assert 0 < rows["stress"][begun][turn] < 6e6 and rows["stress"][begun][turn:].min() < 0.4 * rows["stress"][begun][turn]
+    assert (rows["broken_tension"] + rows["broken_shear"])[begun][0] > 0
+    assert "strain grew" in summary(out)["stop_reason"], summary(out)["stop_reason"]
+
+
+@fact
 def every_kind_of_test_has_a_scene_that_is_named_after_it(folder):
     listed = gneiss("keys", "test.kind").stdout
     for kind in re.search(r"^ +(.*); required$", listed, re.M).group(1).split(", "):

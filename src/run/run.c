@@ -99,14 +99,6 @@ static void stop(gn_run *run, const char *format, double value) {
  * without bonds, after this many rows). */
 enum { ROWS_BEFORE_PEAK = 20 };
 
-/* While a cell's pressure comes, platens are touched now and then: that is no peak of a deviator.
- */
-static bool is_loaded(const gn_run *run) {
-    double pressure = last(run, "membrane_pressure");
-    bool confined = gn_test_in(run->world.scene.test.kind, GN_TESTS_CONFINED);
-    return !confined || run->peak > 0.1 * pressure;
-}
-
 /* What the model itself ends at. */
 static void check_halt(gn_run *run) {
     if (!run->world.halt[0] || run->finished) return;
@@ -126,7 +118,7 @@ static void check_stop_conditions(gn_run *run) {
                           ? run->world.dem.broken_tension + run->world.dem.broken_shear > 0
                           : run->history.row_count > ROWS_BEFORE_PEAK;
         run->peak = fmax(run->peak, stress);
-        if (counts && s->stop_peak_drop > 0.0 && run->peak > 0.0 && is_loaded(run) &&
+        if (counts && s->stop_peak_drop > 0.0 && run->peak > 0.0 && gn_run_loaded(run, run->peak) &&
             stress < (1.0 - s->stop_peak_drop) * run->peak)
             stop(run, "stress fell by %g of its peak", s->stop_peak_drop);
         if (s->stop_strain > 0.0 && strain >= s->stop_strain)

@@ -77,12 +77,18 @@ static bool servos_hold(const gn_run *run, size_t rows) {
     return true;
 }
 
+bool gn_run_loaded(const gn_run *run, double peak) {
+    bool confined = gn_test_in(run->world.scene.test.kind, GN_TESTS_CONFINED);
+    return !confined || peak > 0.1 * in_row(run, "membrane_pressure", run->history.row_count - 1);
+}
+
 static bool fell(const gn_run *run, size_t rows, double stress) {
     const gn_dem *d = &run->world.dem;
     bool counts = run->world.effects & GN_FX_BONDS ? d->broken_tension + d->broken_shear > 0
                                                    : rows > ROWS_BEFORE;
     double peak = state_of(run)->peak;
-    return counts && peak > 0.0 && stress < (1.0 - stage_of(run)->peak_drop) * peak;
+    return counts && peak > 0.0 && gn_run_loaded(run, peak) &&
+           stress < (1.0 - stage_of(run)->peak_drop) * peak;
 }
 
 static gn_stage_cause cause_in_row(gn_run *run) {
@@ -92,8 +98,11 @@ static gn_stage_cause cause_in_row(gn_run *run) {
     size_t row = run->history.row_count - 1, rows = run->history.row_count - (size_t)s->row;
     if (w->scene.test.kind != GN_TEST_NONE) {
         double strain = in_row(run, "strain", row), stress = in_row(run, "stress", row);
-        if (rows == 1) s->strain = strain;
-        s->peak = fmax(s->peak, stress);
+        /* The first row is of the instant of the change, and has what stops ends that moved. */
+        if (rows == 1)
+            s->strain = strain;
+        else
+            s->peak = fmax(s->peak, stress);
         if (e->strain > 0.0 && strain - s->strain >= e->strain) return GN_STAGE_STRAIN;
         if (e->stress > 0.0 && stress >= e->stress) return GN_STAGE_STRESS;
         if (e->peak_drop > 0.0 && fell(run, rows, stress)) return GN_STAGE_PEAK_DROP;

@@ -29,7 +29,8 @@ HEAD = """# What accuracy costs
 
 Written by `./do accuracy` (`validate/accuracy/`); do not edit. Every time is in **CPU seconds of one thread**, packing included where
 packings are varied, and the start of the program (0.02 s): the wall seconds of a machine that others use say nothing. Sections say when
-and with what they were measured.
+and with what they were measured. What speed, step and number of particles do to concrete whose bonds soften and yield is in
+[laboratory](evidence/laboratory.md#speed-and-step).
 
 """
 
