@@ -578,7 +578,7 @@ static void slips_are_refused_where_they_stand(void **state) {
             "s.yaml:11:7: sets: expected a specimen beside it, whose particles sets select, found");
     refuses("rate: 100", "rate: 1\n    material: x",
             "sources[0].material: expected the name of a material, found 'x'");
-    refuses("rate: 100", "rate: 1\n    sizes: sieve", "sources[0].sizes: sieve: expected sieve");
+    refuses("rate: 100", "rate: 1\n    sizes: sieve", "sources[0].sizes: sieve: expected a sieve");
     refuses("rate: 100",
             "rate: 1\n    sizes: sieve\n    sieve: [[0.5, 0], [1, 1]]\n    size_ratio: 2",
             "s.yaml:10:17: sources[0].size_ratio: expected sizes: uniform or normal beside it, "
