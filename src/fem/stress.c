@@ -21,7 +21,7 @@ double gn_fem_deformation(const gn_fem_solid *solid, size_t e, double f[3][3]) {
 }
 
 static inline void second_piola(const gn_elements *q, size_t e, bool pressure, double f[3][3],
-                         double s[3][3]) {
+                                double s[3][3]) {
     double trace = 0.0;
     for (int k = 0; k < 3; k++)
         for (int l = 0; l < 3; l++) {
