@@ -265,7 +265,8 @@ static void warn_of_servos(const gn_run *run, gn_warnings *list) {
         const int wall = k - 3, axis = k < 3 ? k : -1;
         bool active = axis >= 0 ? s->box[axis].stress.count > 0 : s->walls[wall].servo.active;
         gn_servo_row mean = active ? mean_of(run, wall, axis) : (gn_servo_row){0};
-        if (!(fabs(mean.found - mean.wanted) > servo_limit * fabs(mean.wanted))) continue;
+        bool off = fabs(mean.found - mean.wanted) > servo_limit * fabs(mean.wanted);
+        if (!off || mean.wanted == 0.0) continue; /* next to nothing is nothing, too */
         const char *name = axis >= 0 ? (const char *[]){"x", "y", "z"}[axis] : s->walls[wall].name;
         used += (size_t)snprintf(text + used, sizeof text - used, "%s%s '%s' %.4g of %.4g %s",
                                  used ? ", " : "", axis >= 0 ? "side" : "wall", name, mean.found,
