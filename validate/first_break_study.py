@@ -2,7 +2,9 @@
 and seconds. The scatter of a run by rounding is that of runs whose coordinates were changed by 1e-12 of themselves. Fills the
 tables of docs/evidence/first-break.md; some ten minutes of one core.
 
-    /usr/bin/python3 validate/first_break_study.py [--fresh] [CASE ...]
+    /usr/bin/python3 validate/first_break_study.py [--fresh] [--changes N] [CASE ...]
+
+The tables have the cases that are named, all without a name. --changes: at most so many runs with changed coordinates of either kind.
 """
 import json
 import os
@@ -158,15 +160,16 @@ def fractions():
 
 def main():
     os.makedirs(FOLDER, exist_ok=True)
-    wanted = [a for a in sys.argv[1:] if not a.startswith("-")]
+    most = int(sys.argv[sys.argv.index("--changes") + 1]) if "--changes" in sys.argv else 9
+    wanted = [a for a in sys.argv[1:] if not a.startswith("-") and not a.isdigit()]
     agree, breaks, cost, quiet = [], [], [], []
     if not wanted or "fractions" in wanted:
         fractions()
     for case in CASES:
         if wanted and case[0] not in wanted:
             continue
-        rest = [run(case, k, False) for k in range(case[5] + 1)]
-        first = [run(case, k, True) for k in range(case[5] + 1)]
+        rest = [run(case, k, False) for k in range(min(case[5], most) + 1)]
+        first = [run(case, k, True) for k in range(min(case[5], most) + 1)]
         rise = np.linspace(0.1, 0.9, 17) * min(d.peak_strain for d in rest + first)
         mean = np.mean([d.stress_at(rise) for d in rest], axis=0)
         apart = lambda runs: 100 * max(np.max(np.abs(d.stress_at(rise) - mean)) for d in runs) / max(mean)

@@ -116,9 +116,9 @@ static void judge(const gn_plan *plan, const gn_world *w, gn_proposal *p) {
 
 static const double safeties[] = {0.9, 0.7, 0.5, 0.3};
 static const double factors[GN_PLAN_FACTORS] = {1.0, 1.3, 1.5, 1.75, 2.0};
-/* Runs warn of more than particles' own mass. Debris take half as much again as there is at the
- * start, and other packings a little more than this one. */
-static const double added_most = 0.6;
+/* Runs warn of more than particles' own mass. Debris take another 0.3 to 0.4 of it, and other
+ * packings a little more than this one. */
+static const double added_most = 0.5;
 static const double numbers[] = {250, 500, 1000, 2000, 4000, 8000, 16000};
 static const int packings[] = {1, 2, 3, 4, 5, 6, 8, 10, 12, 16, 20, 25, 30, 40};
 #define COUNT(array) (sizeof(array) / sizeof *(array))
