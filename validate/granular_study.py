@@ -234,7 +234,7 @@ def drums():
     return study.table(("Froude number", "rad/s", "angle of the middle, degrees", "its distance over the radius", "in flight",
                         "higher than half the radius", "residual"), [drum(*f) for f in FROUDE]) + (
                             "\n\nThe angle rises from rolling to cascading. At 1.5, 0.3 to 0.6 s after the drum began to turn, grains are all around its wall and their middle has no place of "
-                            "its own; it is not on the axis yet, as the inner layers still slip.")
+                            "its own; it is not on the axis: a ring has not formed.")
 
 
 SECTIONS = {
