@@ -31,6 +31,7 @@ def drawn(number):
     speed, across = dice.uniform(0, 2), dice.uniform(5, 9) * d
     high = 3 * count * d**3 / across**2 + 6 * d
     fall = np.sqrt(speed**2 + 2 * 9.81 * (high + 4 * d))
+    top = high + 30 * d + 1.5 * fall**2 / (2 * 9.81)  # small grains that come fast bounce high
     grain = {"name": "m", "density": density, "friction": dice.choice([0, dice.uniform(0.05, 1)])}
     e = dice.choice([dice.uniform(0.2, 0.95), 0.5, 0.8])
     if dice.random() < 0.4:
@@ -54,7 +55,7 @@ def drawn(number):
                            "normal": [s * (a == "x"), s * (a == "y"), 0], **side} for a in "xy" for s in (1, -1)]
         region = {"box": {"size": [across - 1.5 * d, across - 1.5 * d, 3 * d]}, "origin": [-(across - 1.5 * d) / 2, -(across - 1.5 * d) / 2, high]}
     else:
-        cylinder = {"diameter": across, "height": high + 20 * d, "sides": 24, "open": True}
+        cylinder = {"diameter": across, "height": top, "sides": 24, "open": True}
         if vessel == "funnel":
             cylinder["upper_diameter"], cylinder["diameter"] = 1.6 * across, across
         scene["bodies"] = [{"name": "vessel", "cylinder": cylinder, **side}]
@@ -63,7 +64,7 @@ def drawn(number):
     scene["sources"] = [{"name": "feed", **region, "rate": count / dice.uniform(0.2, 1.0) / np.sqrt(high), "total": count, "mean_radius": d / 2,
                          "size_ratio": dice.choice([1, 1.2, 2]), "velocity": [0, 0, -speed]}]
     wide = 4 * across + high
-    scene["domain"] = {"min": [-wide, -wide, -wide], "max": [wide, wide, high + 30 * d], "lost": "remove"}
+    scene["domain"] = {"min": [-wide, -wide, -wide], "max": [wide, wide, top], "lost": "remove"}
     scene["time"] = {"end": 1.5 * np.sqrt(high) + np.sqrt(2 * high / 9.81)}
     scene["output"] = {"history_rows": 60, "snapshots": 0}
     return scene, e, count, fall
