@@ -3,7 +3,7 @@ Labra 2012, specimen 2 of Rojek et al. 2012. Fills the parts on them of docs/evi
 
     /usr/bin/python3 validate/laboratory_study.py [--fresh] [--quick] [disc] [labra] [published] [rojek]
 
-Eight minutes of one core; --quick: a tenth of the particles, one packing, and prints what it would have written. Runs stay in
+Ten minutes of one core; --quick: a tenth of the particles, one packing, and prints what it would have written. Runs stay in
 runs/studies/laboratory.
 """
 import json
@@ -186,13 +186,13 @@ def split(dimension, seed, speed, constants, many, overlap=None):
             "time": {"end": 0.02 * SIDE / speed, "stop": {"peak_drop": 0.5}}}
 
 
-def strain_start(run):
+def groups(run, disc=False):
     """n_c, porosity, and rt = 4 <r^3>/<l^2> (2D: 4 <r^2>/<l^2>, times 1 m), A = 2 <r^3>/<l> (2D: 2 <r^2>/<l>) of the groups."""
     dimension = run.summary["dimension"] if "dimension" in run.summary else (2 if np.ptp(run.results("particles/position")[:, 2]) == 0 else 3)
     x, d = run.results("particles/position"), run.results("particles/displacement")
     length = np.linalg.norm((x - d)[run.results("bonds/j")] - (x - d)[run.results("bonds/i")], axis=1)
     r = run.results("particles/radius")
-    body = SIDE**2 if dimension == 2 else np.pi / 4 * SIDE**3
+    body = (np.pi / 4 if disc or dimension == 3 else 1) * SIDE**dimension
     solid = np.pi * np.sum(r**2) if dimension == 2 else 4 / 3 * np.pi * np.sum(r**3)
     power = np.mean(r**dimension)
     return bonds_per_particle(run), 1 - solid / body, 4 * power / np.mean(length**2), 2 * power / np.mean(length), 1e3 * r.mean()
@@ -208,7 +208,7 @@ def plane(run):
 
 def uniform_strain(run, constants, dimension):
     """E GPa and nu of the material if every particle followed the mean strain of an isotropic packing with these bonds."""
-    n_c, porosity, size, *_ = strain_start(run)
+    n_c, porosity, size, *_ = groups(run)
     rho, normal = 1 / constants["kratio"], constants["normal_stiffness"]
     if dimension == 2:
         a = 2 * normal * n_c * (1 - porosity) / (np.pi * size)
@@ -224,18 +224,21 @@ def labra_part():
         crush = [made(f"labra-{dimension}-ucs-{s}", crushed(dimension, s, speeds[0], constants, {"particles": few(pressed)}, overlap),
                       **(RAISED if dimension == 3 else {})) for s in SEEDS[:4 - dimension]]
         across = [made(f"labra-{dimension}-brazilian-1", split(dimension, 1, speeds[1], constants, {"particles": few(split_count)}, overlap), **RAISED)]
-        n_c, porosity, _, area, radius = strain_start(crush[0])
+        n_c, porosity, _, _, radius = groups(crush[0])
         law = uniform_strain(crush[0], constants, dimension)
-        limit = constants["bond_tension_limit"]
-        ratio = np.mean([r.peak_stress for r in crush]) / np.mean([r.peak_stress for r in across])
+        measures = []  # strengths over what scales them, so that specimens of unlike numbers of particles can be compared
+        for runs, disc in ((crush, False), (across, True)):
+            of_bonds, voids, _, section, _ = groups(runs[0], disc)
+            measures.append(np.mean([r.peak_stress for r in runs]) * section / (constants["bond_tension_limit"] * of_bonds * (1 - voids)))
         rows.append([f"{dimension}D", few(pressed), f"{100 * porosity:.1f}", f"{n_c:.2f}", f"{radius:.3f}", spread([plane(r)[0] for r in crush]),
                      f"{law[0]:.3g}", spread([plane(r)[1] for r in crush]), f"{law[1]:.3f}", spread([r.peak_stress / 1e6 for r in crush]),
-                     f"{np.mean([r.peak_stress for r in crush]) * area / (limit * n_c * (1 - porosity)):.3f}",
-                     f"{100 * np.mean([r.broken[1] / sum(r.broken) for r in crush]):.0f}", few(split_count),
-                     spread([r.peak_stress / 1e6 for r in across]), f"{100 * np.mean([r.broken[1] / sum(r.broken) for r in across]):.0f}", f"{ratio:.2f}"])
+                     f"{measures[0]:.3f}", f"{100 * np.mean([r.broken[1] / sum(r.broken) for r in crush]):.0f}", few(split_count),
+                     spread([r.peak_stress / 1e6 for r in across]), f"{measures[1]:.3f}",
+                     f"{100 * np.mean([r.broken[1] / sum(r.broken) for r in across]):.0f}", f"{measures[0] / measures[1]:.2f}"])
         curves.append((dimension, crush[0], across[0]))
     put("table labra", ["", "particles", "e %", "n_c", "mean radius mm", "E GPa", "of uniform strain", "nu", "of uniform strain", "UCS MPa",
-                        "UCS A/(R_n n_c (1 - e))", "broken in shear %", "particles, Brazilian", "2 P/(pi D t) MPa", "broken in shear %", "UCS over that"], rows)
+                        "UCS A/(R_n n_c (1 - e))", "broken in shear %", "particles, Brazilian", "2 P/(pi D t) MPa", "the same times A/(R_n n_c (1 - e))", "broken in shear %",
+                        "ratio of these measures"], rows)
     figure, axes = plt.subplots(1, 2, figsize=(12, 5))
     for ax, (dimension, crush, across) in zip(axes, curves):
         for run, colour, label in ((crush, "#c8402f", "compression"), (across, "#2b6cb0", "Brazilian, 2 P/(pi D t)")):
@@ -251,7 +254,7 @@ def published_part():
     for dimension, many, speed, overlap in ((2, {"particles": few(30480)}, 0.1, None), (3, {"mean_radius": 0.8431e-3 * (2.15 if QUICK else 1)}, 0.1, 0.017)):
         constants = CHECK[dimension]
         runs = [made(f"check-{dimension}-{s}", crushed(dimension, s, speed, constants, many, overlap)) for s in SEEDS[:1]]
-        n_c, porosity, _, _, radius = strain_start(runs[0])
+        n_c, porosity, _, _, radius = groups(runs[0])
         law = uniform_strain(runs[0], constants, dimension)
         target = TARGETS[dimension]
         rows.append([f"{dimension}D", runs[0].summary["counts"]["particles"], f"{100 * porosity:.2f}", f"{n_c:.3f}", f"{radius:.4f}",
