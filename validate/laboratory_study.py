@@ -18,7 +18,8 @@ import numpy as np
 import study
 
 QUICK = "--quick" in sys.argv
-FOLDER = study.RUNS / "laboratory"
+NAME = "laboratory-quick" if QUICK else "laboratory"
+FOLDER = study.RUNS / NAME
 PICTURES = study.ROOT / "docs" / "evidence" / "pictures"
 PAGE = "laboratory.md"
 SEEDS = (1,) if QUICK else (1, 2)
@@ -50,7 +51,7 @@ def made(name, scene, **settings):
     FOLDER.mkdir(parents=True, exist_ok=True)
     path = FOLDER / f"{name}.yaml"
     path.write_text(json.dumps(scene, indent=1))
-    return study.run(f"laboratory/{name}", path, {"run.threads": 1, **settings})
+    return study.run(f"{NAME}/{name}", path, {"run.threads": 1, **settings})
 
 
 def pair(axis, low, high, speed, stiffness, dimension):
@@ -338,7 +339,7 @@ def rojek_part():
                     "time.mass_scaling.factor": 2}
         base = None
         for model, number in MODELS:
-            run = study.run(f"laboratory/rojek-{model}-{reach:g}", study.ROCK, {**settings, "law.stiffness": model})
+            run = study.run(f"{NAME}/rojek-{model}-{reach:g}", study.ROCK, {**settings, "law.stiffness": model})
             base = base or run
             rows.append([label, f"{model} ({number})", f"{bonds_per_particle(run):.2f}", f"{run.peak_stress / 1e6:.1f}", f"{run.young_modulus_average / 1e9:.2f}",
                          f"{run.poisson_ratio:.3f}", f"{run.peak_stress / base.peak_stress:.3f}",
