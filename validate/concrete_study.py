@@ -3,7 +3,7 @@ soften and yield, cylinders of 107 to 13 500 spheres. Fills the parts on concret
 
     /usr/bin/python3 validate/concrete_study.py [--fresh] [--quick] [curves] [particles] [choices] [speed] [step] [hydrostatic] [oedometer]
 
-Twenty minutes of one core; --quick: no more than 1 500 spheres, two minutes, and prints what it would have written. Runs stay in
+A quarter of an hour of one core; --quick: no more than 1 500 spheres, two minutes, and prints what it would have written. Runs stay in
 runs/studies/concrete.
 """
 import json
