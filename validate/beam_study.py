@@ -288,6 +288,9 @@ def main():
     others = [(f"r {1e3 * RADII[0]:g} mm, packing 1, half as fast", beam(RADII[0], 1, contact, bulk, 0.5 * SPEED)),
               ("the same with G_f/2.5, packing 1", beam(RADII[0], 1, (*contact[:3], float(f"{contact[3] / INITIAL:.4g}")), bulk, note="-first")),
               ("elements that become particles, packing 1", adaptive(RADII[0], 1, contact, bulk))]
+    fine = np.array([elastic(strip(RADII[1], seed, contact)) for seed in SEEDS[:COUNT[RADII[1]]]])
+    study.put("beams.md", "table smaller", study.table(["strips of r, mm", "modulus, GPa", "contraction", "strength, MPa"], [
+        [f"{1e3 * RADII[1]:g}", text(fine[:, 0] / 1e9), text(fine[:, 1]), text(fine[:, 2] / 1e6)]]))
     study.put("beams.md", "table hinge", hinge_table())
     study.put("beams.md", "table beam", beam_table([*found, *others]))
     draw([*found, *others[1:]])
