@@ -768,7 +768,7 @@ def a_stage_takes_nothing_below_a_tenth_of_the_pressure_for_a_peak(folder):
 def every_kind_of_test_has_a_scene_that_is_named_after_it(folder):
     listed = gneiss("keys", "test.kind").stdout
     for kind in re.search(r"^ +(.*); required$", listed, re.M).group(1).split(", "):
-        with open(os.path.join(ROOT, "scenes", f"{kind}.yaml")) as file:
+        with open(os.path.join(ROOT, "scenes", kind.replace("_", "-") + ".yaml")) as file:
             assert re.search(rf"\bkind: {kind}\b", file.read()), kind
 
 
