@@ -137,6 +137,11 @@ def conversion_that_would_leave_its_box_ends_the_run_with_its_results(folder):
         summary = json.load(file)
     assert "is not in couple.convert.box" in summary["stop_reason"], summary["stop_reason"]
     assert summary["time"] < 0.9e-4
+    again = gneiss("resume", out, "--quiet")
+    assert again.returncode == 0, again.stdout + again.stderr
+    with open(os.path.join(out, "summary.json"), encoding="utf-8") as file:
+        after = json.load(file)
+    assert [after[k] for k in ("steps", "state_hash", "stop_reason")] == [summary[k] for k in ("steps", "state_hash", "stop_reason")]
     with h5py.File(os.path.join(out, "results.h5")) as file:
         assert file["history/elements"][-1] == 15 * 4 * 2
         assert 1e5 < file["history/stress_xx"][-1] < 1e7  # of elements, in which all particles sleep

@@ -180,7 +180,15 @@ static void expect_kick(const herd *h, gn_effects fx, size_t p, int first, const
         double weight = fx & GN_FX_GRAVITY ? mass * h->args.gravity[k] : 0.0;
         total[k] = f[first + k] + (first ? 0.0 : weight + h->p.applied[4 * p + k]);
     }
-    double size = sqrt(dot3(total, total)), speed = sqrt(dot3(v, v));
+    /* against the velocity: of the components that are not driven */
+    int32_t slot = h->p.slot[p];
+    double part[2][3] = {{0}};
+    for (int k = 0; k < 3; k++) {
+        if (slot >= 0 && h->prescribed.mask[slot] >> (first + k) & 1) continue;
+        part[0][k] = total[k];
+        part[1][k] = v[k];
+    }
+    double size = sqrt(dot3(part[0], part[0])), speed = sqrt(dot3(part[1], part[1]));
     for (int k = 0; k < 3; k++) {
         if (fx & GN_FX_NONVISCOUS_VECTOR) d[k] = speed > 0.0 ? -a * size * v[k] / speed : 0.0;
         double sign = v[k] + h->args.damping_lead * span * inverse * total[k];
@@ -193,7 +201,6 @@ static void expect_kick(const herd *h, gn_effects fx, size_t p, int first, const
             d[k] = -a * mass * 0.5 * (v[k] + v_new[k]);
         }
     }
-    int32_t slot = h->p.slot[p];
     for (int k = 0; k < 3; k++)
         if (slot >= 0 && h->prescribed.mask[slot] >> (first + k) & 1) {
             d[k] = 0.0;

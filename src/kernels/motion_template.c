@@ -200,6 +200,24 @@ static void prescribe_lane(const gn_motion_args *a, int32_t slot, int first, dou
     }
 }
 
+/* Damping against the velocity sees what is free to move alone: the reaction of a component that is
+ * driven is no force out of balance. */
+static void damp_free(double damping, unsigned held, double rate, int lane, const double v[3][GN_W],
+                      double v_new[3][GN_W], const double f[3][GN_W], double d[3][GN_W]) {
+    double force2 = 0.0, speed2 = 0.0;
+    for (int k = 0; k < 3; k++) {
+        if (held >> k & 1) continue;
+        force2 += f[k][lane] * f[k][lane];
+        speed2 += v[k][lane] * v[k][lane];
+    }
+    const double factor = speed2 > 0.0 ? -damping * sqrt(force2) / sqrt(speed2) : 0.0;
+    for (int k = 0; k < 3; k++) {
+        if (held >> k & 1) continue;
+        d[k][lane] = factor * v[k][lane];
+        v_new[k][lane] = v[k][lane] + rate * (f[k][lane] + d[k][lane]);
+    }
+}
+
 static void unpack(gn_v3 a, double out[3][GN_W]) {
     gn_store(out[0], a.x);
     gn_store(out[1], a.y);
@@ -210,11 +228,11 @@ static gn_v3 pack(double in[3][GN_W]) {
     return (gn_v3){gn_load(in[0]), gn_load(in[1]), gn_load(in[2])};
 }
 
-/* Some of the lanes are prescribed. By value: a motion whose address is known has to live in
- * memory.
- */
+/* Some of the lanes are prescribed. `vector`: coefficient of damping against the velocity, 0: none.
+ * By value: a motion whose address is known has to live in memory. */
 static __attribute__((noinline)) motion prescribe(const gn_motion_args *a, size_t p, int first,
-                                                  double interval, motion m, gn_motion_sums *s) {
+                                                  double vector, double interval, motion m,
+                                                  gn_motion_sums *s) {
     motion *q = &m;
     double v[3][GN_W], v_new[3][GN_W], f[3][GN_W], d[3][GN_W], inverse[GN_W];
     unpack(q->v, v);
@@ -224,8 +242,11 @@ static __attribute__((noinline)) motion prescribe(const gn_motion_args *a, size_
     gn_store(inverse, q->inverse);
     for (int lane = 0; lane < GN_W && p + (size_t)lane < a->particles->soa.count; lane++) {
         int32_t slot = a->particles->slot[p + (size_t)lane];
-        if (slot >= 0)
-            prescribe_lane(a, slot, first, interval, lane, inverse[lane], v, v_new, f, d, s);
+        if (slot < 0) continue;
+        const unsigned held = (unsigned)a->prescribed->mask[slot] >> first & 7;
+        if (vector != 0.0 && held != 0 && held != 7)
+            damp_free(vector, held, interval * inverse[lane], lane, v, v_new, f, d);
+        prescribe_lane(a, slot, first, interval, lane, inverse[lane], v, v_new, f, d, s);
     }
     q->v_new = pack(v_new);
     q->d = pack(d);
@@ -295,7 +316,7 @@ GN_INLINE void translate(const gn_motion_args *a, size_t p, const double *sum, s
     }
     m.v_new = m.v;
     kick(a, a->damping, &m, interval, 1, w);
-    if (prescribed) m = prescribe(a, p, 0, interval, m, s);
+    if (prescribed) m = prescribe(a, p, 0, w.vector ? a->damping : 0.0, interval, m, s);
 
     if (w.energy) {
         book_loss(e->damping, a, &m);
@@ -336,7 +357,7 @@ GN_INLINE void rotate(const gn_motion_args *a, size_t p, const double *sum, size
     m.f = load_of(sum, k, 1, w);
     m.v_new = m.v;
     kick(a, a->damping_spin, &m, interval, 1, w);
-    if (prescribed) m = prescribe(a, p, 3, interval, m, s);
+    if (prescribed) m = prescribe(a, p, 3, w.vector ? a->damping_spin : 0.0, interval, m, s);
     if (w.energy) book_loss(e->damping, a, &m);
     if (a->measure) {
         e->rotational = e->rotational + kinetic(a, &m, 1);

@@ -142,6 +142,7 @@ static gneiss_status put_all(const gn_run *run, gn_h5 *file, gneiss_error *error
                                     {"seconds", .number = &progress.seconds},
                                     {"cpu_seconds", .number = &progress.cpu_seconds}};
     GN_TRY(gn_h5_attributes(file, "/", list, sizeof list / sizeof *list, error));
+    if (w->halt[0]) GN_TRY(gn_h5_attribute_text(file, "/", "halt", w->halt, error));
     GN_TRY(gn_scene_results(w, file, error));
     GN_TRY(put_stages(w, file, error));
     gn_strain_gauge gauge = w->gauge; /* list_gauge hands out places to fill */
@@ -272,6 +273,10 @@ static gneiss_status load(gn_run *run, const gn_h5 *file, const char *path,
     gneiss_error unsaid; /* checkpoints of earlier versions do not say it: counted from here on */
     if (gn_h5_get_attribute_f64(file, "/", "cpu_seconds", &run->cpu_before, 1, &unsaid))
         run->cpu_before = 0.0;
+    char *halt = NULL; /* only where the model itself ended the run */
+    if (gn_h5_get_attribute_text(file, "/", "halt", &halt, &unsaid) == GNEISS_OK)
+        snprintf(w->halt, sizeof w->halt, "%s", halt);
+    free(halt);
     GN_TRY(gn_h5_get_pieces(file, "run", pieces, PIECES, run, error));
     GN_TRY(check_numbers(run, path, error));
     GN_TRY(get_gauge(w, file, error));

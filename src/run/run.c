@@ -249,6 +249,7 @@ static gneiss_status apply_overrides(gn_run *run, const gn_override *overrides, 
 static void take_up(gn_run *run) {
     set_clock(run);
     if (last(run, "step") == (double)(run->world.step - 1)) check_stop_conditions(run);
+    check_halt(run);
     if (gn_run_staged(run)) gn_run_stage_time(run);
 }
 
