@@ -33,18 +33,11 @@ def few(count):
 
 
 def put(name, head, rows):
-    text = study.table(head, rows)
-    print(f"{name}\n{text}\n", flush=True)
-    if not QUICK:
-        study.put(PAGE, name, text)
+    study.put_table(PAGE, name, head, rows, QUICK)
 
 
 def save(figure, name):
-    figure.tight_layout()
-    folder = FOLDER if QUICK else PICTURES
-    folder.mkdir(parents=True, exist_ok=True)
-    figure.savefig(folder / f"{name}.png", dpi=100)
-    plt.close(figure)
+    study.save(figure, FOLDER if QUICK else PICTURES, name)
 
 
 def made(name, scene, **settings):

@@ -134,6 +134,24 @@ def put(document, name, text):
     path.write_text(pattern.sub(lambda m: m.group(1) + text.rstrip() + "\n" + m.group(2), whole))
 
 
+def put_table(document, name, head, rows, quick):
+    """Prints a table and, unless quick, puts it into the page."""
+    text = table(head, rows)
+    print(f"{name}\n{text}\n", flush=True)
+    if not quick:
+        put(document, name, text)
+
+
+def save(figure, folder, name):
+    """The figure as a PNG in the folder; closes it."""
+    import matplotlib.pyplot as plt
+
+    figure.tight_layout()
+    folder.mkdir(parents=True, exist_ok=True)
+    figure.savefig(folder / f"{name}.png", dpi=100)
+    plt.close(figure)
+
+
 def section(document, title, text):
     """Replaces what stands under `## title` in a page of docs/evidence, or puts it at its end."""
     path = ROOT / "docs" / "evidence" / document

@@ -7,7 +7,6 @@ import numpy as np
 
 import jobs
 import own
-import study
 
 PROPORTIONS = np.array([6.0, 1.0, 2.0])  # length x, thickness y, height z over the thickness: 240 x 40 x 80 mm
 SPAN = 5.0                               # over the thickness
@@ -26,20 +25,15 @@ def packing(options):
     length, width, height = PROPORTIONS * thickness
     text = (f"specimen:\n  box: {{size: [{length}, {width}, {height}]}}\n  origin: [{-length / 2}, 0, 0]\n"
             f"  mean_radius: {radius}\n  packing: {{size_ratio: 3, overlap: passive}}\nrun: {{seed: 1}}\n")
-    folder = jobs.RUNS / "specimens" / ("beam" + "".join(f"-{name}" for name in ("large", "small") if options.get(name)))
-    stamp, note = jobs.digest(text, Path(study.PROGRAM).read_bytes()), folder / "made-from"
-    if not (note.exists() and note.read_text() == stamp):
-        folder.mkdir(parents=True, exist_ok=True)
-        (folder / "pack.yaml").write_text(text)
-        done = study.call(["pack", str(folder / "pack.yaml"), "--out", str(folder)])
-        if done.returncode != 0:
-            raise RuntimeError(f"gneiss pack beam: {done.stderr}")
+
+    def notch(folder):
+        """A slot as wide as a mean particle and a quarter of the height deep, at mid-span."""
         rows = np.loadtxt(folder / "packing.txt")
-        # The notch: a slot as wide as a mean particle and a quarter of the height deep, at mid-span.
         inside = (np.abs(rows[:, 0]) < radius) & (rows[:, 2] < height / 4)
-        (folder / "notched.txt").write_text("".join(" ".join(repr(v) for v in row) + "\n" for row in rows[~inside].tolist()))
-        note.write_text(stamp)
-    return folder / "notched.txt"
+        jobs.write_rows(folder / "notched.txt", rows[~inside])
+
+    name = "beam" + "".join(f"-{size}" for size in ("large", "small") if options.get(size))
+    return jobs.packed(name, text, notch) / "notched.txt"
 
 
 def job_of(options, speed=SPEED, **more):

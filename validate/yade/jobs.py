@@ -57,6 +57,28 @@ def digest(*things):
     return h.hexdigest()[:16]
 
 
+def packed(name, text, cut=None):
+    """The folder under runs/validate/specimens with the packing.txt that `gneiss pack` makes of the text, made when text or program
+    are others than before; then cut(folder) is called, which may write more files."""
+    folder = RUNS / "specimens" / name
+    stamp, note = digest(text, Path(study.PROGRAM).read_bytes()), folder / "made-from"
+    if note.exists() and note.read_text() == stamp:
+        return folder
+    folder.mkdir(parents=True, exist_ok=True)
+    (folder / "pack.yaml").write_text(text)
+    done = study.call(["pack", str(folder / "pack.yaml"), "--out", str(folder)])
+    if done.returncode != 0:
+        raise RuntimeError(f"gneiss pack {name}: {done.stderr}")
+    if cut:
+        cut(folder)
+    note.write_text(stamp)
+    return folder
+
+
+def write_rows(path, rows):
+    path.write_text("".join(" ".join(repr(v) for v in row) + "\n" for row in rows.tolist()))
+
+
 def own_half(job):
     return {k: v for k, v in job.items() if k != "yade"}
 

@@ -1,15 +1,12 @@
 """Level 3: tests by name beside YADE on small specimens: triaxial under two confinements, Brazilian, and a notched beam. Ends are the same
 lists of particles, moved along one axis, in both codes; the confinement is the same forces on the same particles: gneiss finds the
 skin (own.skin), YADE gets its areas."""
-from pathlib import Path
-
 import numpy as np
 
 import beam
 import jobs
 import laboratory as lab
 import own
-import study
 
 ROCK = {**lab.ROCK, "yade": {"fresh": "aligned"}}
 SEEDS = (1, 2, 3, 4, 5)  # packings; the first is run in YADE as well
@@ -23,16 +20,7 @@ def packing(name, shape, count, seed):
     """File of a packing of so many particles, made by `gneiss pack`."""
     text = (f"specimen:\n  cylinder: {shape}\n  particles: {count}\n  packing: {{size_ratio: 3, overlap: passive}}\n"
             f"run: {{seed: {seed}}}\n")
-    folder = jobs.RUNS / "specimens" / f"{name}-{seed}"
-    stamp, note = jobs.digest(text, Path(study.PROGRAM).read_bytes()), folder / "made-from"
-    if not (note.exists() and note.read_text() == stamp):
-        folder.mkdir(parents=True, exist_ok=True)
-        (folder / "pack.yaml").write_text(text)
-        done = study.call(["pack", str(folder / "pack.yaml"), "--out", str(folder)])
-        if done.returncode != 0:
-            raise RuntimeError(f"gneiss pack {name}: {done.stderr}")
-        note.write_text(stamp)
-    return folder / "packing.txt"
+    return jobs.packed(f"{name}-{seed}", text) / "packing.txt"
 
 
 def with_steps(job, travel, speed, after):

@@ -92,17 +92,7 @@ def packing(name):
     """File of a packing; made by `gneiss pack` when it is not there. Made again when its scene or the program changes."""
     if name not in PACKED:
         return study.ROOT / "scenes" / "specimens" / f"{name}.txt"
-    folder = jobs.RUNS / "specimens" / name
-    text, note = PACK_SCENE.format(seed=PACKED[name]), folder / "made-from"
-    stamp = jobs.digest(text, Path(study.PROGRAM).read_bytes())
-    if not (note.exists() and note.read_text() == stamp):
-        folder.mkdir(parents=True, exist_ok=True)
-        (folder / "pack.yaml").write_text(text)
-        done = study.call(["pack", str(folder / "pack.yaml"), "--out", str(folder)])
-        if done.returncode != 0:
-            raise RuntimeError(f"gneiss pack {name}: {done.stderr}")
-        note.write_text(stamp)
-    return folder / "packing.txt"
+    return jobs.packed(name, PACK_SCENE.format(seed=PACKED[name])) / "packing.txt"
 
 
 def shifted(name, number):

@@ -1,13 +1,10 @@
 """The notched beam of scenes/bending-particles.yaml in both codes: a packing of its outline, as one layer of spheres that stay in their plane. Supports and load
 are the same lists of particles."""
-from pathlib import Path
-
 import numpy as np
 
 import beam
 import jobs
 import own
-import study
 
 LENGTH, HEIGHT, NOTCH, SLOT, SPAN = 0.44, 0.1, 0.03, 0.002, 0.4  # m
 RADIUS = 0.002  # m, twice that of the scene, so that YADE takes minutes
@@ -22,19 +19,12 @@ def packing():
     outline = [[0, 0], [left, 0], [left, NOTCH], [right, NOTCH], [right, 0], [LENGTH, 0], [LENGTH, HEIGHT], [0, HEIGHT]]
     text = (f"dimension: 2\nspecimen: {{polygon: {outline}, mean_radius: {RADIUS}, packing: {{overlap: passive, size_variation: 0.1}}}}\n"
             "run: {seed: 1}\n")
-    folder = jobs.RUNS / "specimens" / "plane-beam"
-    stamp, note = jobs.digest(text, Path(study.PROGRAM).read_bytes()), folder / "made-from"
-    if not (note.exists() and note.read_text() == stamp):
-        folder.mkdir(parents=True, exist_ok=True)
-        (folder / "pack.yaml").write_text(text)
-        done = study.call(["pack", str(folder / "pack.yaml"), "--out", str(folder)])
-        if done.returncode != 0:
-            raise RuntimeError(f"gneiss pack plane-beam: {done.stderr}")
+
+    def lay(folder):
         rows = np.loadtxt(folder / "packing.txt")
-        layer = np.c_[rows[:, 0], np.zeros(len(rows)), rows[:, 1], rows[:, -1]]
-        (folder / "layer.txt").write_text("".join(" ".join(repr(v) for v in row) + "\n" for row in layer.tolist()))
-        note.write_text(stamp)
-    return folder / "layer.txt"
+        jobs.write_rows(folder / "layer.txt", np.c_[rows[:, 0], np.zeros(len(rows)), rows[:, 1], rows[:, -1]])
+
+    return jobs.packed("plane-beam", text, lay) / "layer.txt"
 
 
 def job_of(**more):
