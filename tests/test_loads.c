@@ -35,7 +35,8 @@ static void next_step_follows(gn_world *w, double spring, double rounding) {
         for (size_t k = 0; k < (rotates ? 6U : 3U); k++) {
             const double *before = k < 3 ? v : spin,
                          *after = k < 3 ? w->dem.particles.vel : w->dem.particles.spin;
-            if (w->dem.particles.slot && w->dem.particles.slot[p] >= 0) continue;
+            const int32_t slot = w->dem.particles.slot ? w->dem.particles.slot[p] : -1;
+            if (slot >= 0 && w->dem.prescribed.mask[slot] >> k & 1) continue;
             double change =
                 (after[4 * p + k % 3] - before[4 * p + k % 3]) / interval / before[4 * p + 3];
             assert_near(l.total[p][k], change, k < 3 ? allowed : allowed * 1e-3);

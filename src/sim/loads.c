@@ -57,14 +57,22 @@ static void add_walls(const gn_world *w, double *load) {
 
 /* --- background damping --- */
 
-/* Force or moment f, velocity or spin v and 1/m in v[3]: see `kick` of motion_template.c. */
-static void damp(const gn_world *w, double coefficient, const double *f, const double *v,
-                 double *out) {
+/* The size of a vector over the components that are free. */
+static double free_size(const double *v, unsigned held) {
+    double square = 0.0;
+    for (int a = 0; a < 3; a++) square += held >> a & 1 ? 0.0 : v[a] * v[a];
+    return sqrt(square);
+}
+
+/* Force or moment f, velocity or spin v and 1/m in v[3]; `held`: components that are driven, which
+ * have none. See `kick` and `damp_free` of motion_template.c. */
+static void damp(const gn_world *w, double coefficient, unsigned held, const double *f,
+                 const double *v, double *out) {
     const double interval = 0.5 * (w->dt_past + w->dt), inverse = v[3];
     const double lead = w->scene.background_velocity == GN_VELOCITY_INSTANT ? 0.5 : 0.0;
-    const double speed = sqrt(v[0] * v[0] + v[1] * v[1] + v[2] * v[2]),
-                 size = sqrt(f[0] * f[0] + f[1] * f[1] + f[2] * f[2]);
+    const double speed = free_size(v, held), size = free_size(f, held);
     for (int a = 0; a < 3; a++) {
+        if (held >> a & 1) continue;
         if (w->effects & GN_FX_VISCOUS) {
             double half = 0.5 * coefficient * interval;
             double after = (v[a] * (1.0 - half) + interval * inverse * f[a]) / (1.0 + half);
@@ -78,12 +86,9 @@ static void damp(const gn_world *w, double coefficient, const double *f, const d
     }
 }
 
-/* Nothing that is driven has background damping. */
-static void leave_out_driven(const gn_world *w, size_t p, double *damping) {
-    const gn_particles *q = &w->dem.particles;
-    if (!w->dem.prescribed.count || q->slot[p] < 0) return;
-    for (int k = 0; k < 6; k++)
-        if (w->dem.prescribed.mask[q->slot[p]] >> k & 1) damping[k] = 0.0;
+static unsigned driven(const gn_world *w, size_t p) {
+    if (!w->dem.prescribed.count || w->dem.particles.slot[p] < 0) return 0;
+    return w->dem.prescribed.mask[w->dem.particles.slot[p]];
 }
 
 /* --- all of it --- */
@@ -100,10 +105,10 @@ static void complete(const gn_world *w, size_t p, double *total, double *damping
         total[a] += gn_own_share(q, p) / v[3] * w->scene.gravity[a];
         if (q->applied) total[a] += q->applied[4 * p + a];
     }
-    damp(w, w->scene.background_coefficient, total, v, damping);
+    const unsigned held = driven(w, p);
+    damp(w, w->scene.background_coefficient, held, total, v, damping);
     if (spin && spin[3] > 0.0)
-        damp(w, gn_scene_spin_damping(&w->scene), total + 3, spin, damping + 3);
-    leave_out_driven(w, p, damping);
+        damp(w, gn_scene_spin_damping(&w->scene), held >> 3, total + 3, spin, damping + 3);
     for (int k = 0; k < 6; k++) total[k] += damping[k];
 }
 
