@@ -697,6 +697,13 @@ def what_a_kind_has_no_use_for_is_refused(folder):
     refused(folder, disc(3, 100, test={"axis": "z"}), "test.axis: expected x or y: the disc of a brazilian test stands across z, found z")
 
 
+@fact
+def stops_that_no_row_would_show_are_refused(folder):
+    for stop in ("peak_drop", "strain", "unbalanced"):
+        given = disc(2, 100, time={"end": 1e-3, "stop": {stop: 0.1}}, output={"history_rows": 0})
+        refused(folder, given, f"time.stop.{stop}: expected output.history_rows above 0, as it is looked at in rows of the history, found 0")
+
+
 # --- the scenes of the folder ---------------------------------------------------------------------------
 
 def small(folder, name, *arguments):

@@ -84,6 +84,55 @@ static void the_total_is_the_root_of_the_sum_of_squares(void **state) {
     assert_near(gn_causes_total(&c), 0.05, 1e-16);
 }
 
+/* The closed form of three causes: 0.02 and 0.03 of one sense, 0.01 of the other, 0.04 of none. */
+static void biases_of_one_sense_add_up(void **state) {
+    (void)state;
+    gn_error_causes c = {0};
+    gn_causes_add(&c, "velocity", 0.02, false);
+    gn_causes_add(&c, "mass scaling", 0.03, false);
+    gn_causes_add(&c, "step", 0.01, false);
+    gn_causes_add(&c, "packing", 0.04, false);
+    c.cause[0].bias = 0.02;
+    c.cause[1].bias = 0.03;
+    c.cause[2].bias = -0.01;
+    assert_near(gn_causes_total(&c), hypot(0.05, 0.04), 1e-16);
+    assert_near(gn_causes_without_scatter(&c), 0.05, 1e-16);
+    /* Half of one is the doubt of its law. */
+    c.cause[1].bias = 0.015;
+    assert_near(gn_causes_without_scatter(&c), hypot(0.035, sqrt(0.03 * 0.03 - 0.015 * 0.015)),
+                1e-16);
+}
+
+static void a_bias_has_the_sense_of_its_law(void **state) {
+    (void)state;
+    gn_test_groups q = usual();
+    gn_error_causes c;
+    assert_true(gn_causes_predict(&q, "strength", &c));
+    const gn_error_cause *velocity = gn_causes_find(&c, "velocity"),
+                         *packing = gn_causes_find(&c, "packing");
+    assert_near(velocity->bias,
+                gn_slope_at(gn_slope_find("compression", "strength", "velocity", false), 0.01),
+                1e-16);
+    assert_true(velocity->bias > 0 && velocity->bias < velocity->error);
+    assert_true(packing->bias == 0);
+}
+
+/* What the study found of them stands in base.csv. */
+static void packings_scatter_as_their_bonds_do(void **state) {
+    (void)state;
+    gn_test_groups q = usual(), areas = usual(), unknown = usual();
+    double law = gn_slope_at(gn_slope_find("tension", "E", "packing", true), 2000);
+    q.study = q.floors = areas.study = areas.floors = unknown.study = unknown.floors = "tension";
+    areas.bonds = "dempack";
+    unknown.bonds = "of a law that nobody looked at";
+    assert_near(error_of(areas, "E", "packing"),
+                2 * law * fmax(1, gn_slope_base_of("tension", "scatter over its law: E, dempack")),
+                1e-12);
+    assert_near(error_of(unknown, "E", "packing"), error_of(q, "E", "packing"), 0.0);
+    assert_near(error_of(q, "E", "packing"),
+                2 * law * gn_slope_base_of("tension", "scatter over its law: E"), 1e-12);
+}
+
 static void four_packings_halve_the_scatter_and_leave_the_bias(void **state) {
     (void)state;
     gn_test_groups one = usual(), four = usual();
@@ -301,6 +350,9 @@ int main(void) {
         cmocka_unit_test(the_error_of_a_power_grows_away_from_its_reference),
         cmocka_unit_test(the_study_that_is_compiled_in_has_laws_of_compression_and_tension),
         cmocka_unit_test(the_total_is_the_root_of_the_sum_of_squares),
+        cmocka_unit_test(biases_of_one_sense_add_up),
+        cmocka_unit_test(a_bias_has_the_sense_of_its_law),
+        cmocka_unit_test(packings_scatter_as_their_bonds_do),
         cmocka_unit_test(four_packings_halve_the_scatter_and_leave_the_bias),
         cmocka_unit_test(slower_loading_and_more_particles_are_better),
         cmocka_unit_test(a_reading_that_does_not_converge_has_no_error_of_size_and_says_so),

@@ -241,12 +241,36 @@ def a_finished_run_has_an_error_budget_whose_causes_add_up(folder):
         causes = b[name]["causes"]
         assert {c["name"] for c in causes} >= {"velocity", "step", "packing", "round-off"}, causes
         assert all(c["is"] in ("estimated", "measured") for c in causes)
-        total = sum(c["error"] ** 2 for c in causes) ** 0.5
+        high, low = (sum(max(sense * c["bias"], 0) for c in causes) for sense in (1, -1))
+        total = (max(high, low) ** 2 + sum(c["error"] ** 2 - c["bias"] ** 2 for c in causes)) ** 0.5
         assert abs(b[name]["error"] - total) <= 1e-9 * total  # sums of doubles
     with results(out) as file:
         attributes = file["readings/peak_stress"].attrs
         assert attributes["error"] == b["peak_stress"]["error"]
         assert "packing" in text(attributes["error_causes"])
+
+
+@fact
+def a_peak_between_two_rows_has_an_error_of_that(folder):
+    """As much as the stress rose to the row of the largest from the one before."""
+    out, b = budget(folder, "--set", "output.history_rows=60")
+    with results(out) as file:
+        stress = file["history/stress"][()]
+    row = int(np.argmax(stress))
+    (rows,) = [c for c in b["peak_stress"]["causes"] if c["name"] == "rows"]
+    assert rows["is"] == "measured"
+    assert abs(rows["error"] - (stress[row] - stress[row - 1])) <= 1e-9 * stress[row]
+
+
+@fact
+def a_plan_has_rows_enough_for_its_peak(folder):
+    """Ten rows over all of the path, of which the peak takes a part."""
+    path = os.path.join(folder, "few.yaml")
+    expect(gneiss("plan", rock(folder), "--set", "output.history_rows=10", "--error", "10%", "--write", path), 0)
+    said = expect(gneiss("plan", path, "--error", "10%", "--log", "json"), 0)
+    rows = int(re.search(r"history_rows: (\d+)", open(path, encoding="utf-8").read()).group(1))
+    estimate = json.loads(said.stdout.splitlines()[-1])["estimate"]
+    assert rows * estimate["strain"] / estimate["path"] >= 99, (rows, estimate)
 
 
 @fact
@@ -288,7 +312,7 @@ def the_budget_is_the_same_for_any_number_of_threads(folder):
 def everything_else_beside_it_has_its_own_causes(folder):
     _, b = budget(folder, "--precision", "mixed", "--set", "time.mass_scaling.factor=1.3", "--set", "time.start=first_break")
     names = {cause["name"] for cause in b["peak_stress"]["causes"]}
-    assert names == {"velocity", "step", "packing", "round-off", "precision", "mass scaling", "start"}, names
+    assert names == {"velocity", "step", "packing", "round-off", "precision", "mass scaling", "start", "rows"}, names
 
 
 @fact

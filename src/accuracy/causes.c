@@ -6,7 +6,8 @@
 #include <string.h>
 
 void gn_causes_add(gn_error_causes *c, const char *name, double error, bool measured) {
-    if (c->count < GN_CAUSES_MAX) c->cause[c->count++] = (gn_error_cause){name, error, measured};
+    if (c->count < GN_CAUSES_MAX)
+        c->cause[c->count++] = (gn_error_cause){name, error, measured, 0.0};
 }
 
 void gn_causes_note(gn_error_causes *c, const char *format, ...) {
@@ -23,10 +24,28 @@ gn_error_cause *gn_causes_find(gn_error_causes *c, const char *name) {
     return NULL;
 }
 
+static bool of_packings(const gn_error_cause *cause) {
+    return strcmp(cause->name, "packing") == 0 || strcmp(cause->name, "round-off") == 0;
+}
+
+static double total(const gn_error_causes *c, bool scatter) {
+    double high = 0.0, low = 0.0, squares = 0.0;
+    for (size_t k = 0; k < c->count; k++) {
+        const gn_error_cause *cause = &c->cause[k];
+        if (!scatter && of_packings(cause)) continue;
+        high += fmax(cause->bias, 0.0);
+        low += fmax(-cause->bias, 0.0);
+        squares += cause->error * cause->error - cause->bias * cause->bias;
+    }
+    return hypot(fmax(high, low), sqrt(fmax(squares, 0.0)));
+}
+
 double gn_causes_total(const gn_error_causes *c) {
-    double squares = 0.0;
-    for (size_t k = 0; k < c->count; k++) squares += c->cause[k].error * c->cause[k].error;
-    return sqrt(squares);
+    return total(c, true);
+}
+
+double gn_causes_without_scatter(const gn_error_causes *c) {
+    return total(c, false);
 }
 
 /* --- laws --- */
@@ -42,6 +61,7 @@ static bool add_bias(gn_error_causes *c, const gn_test_groups *t, const char *re
     const gn_slope *law = gn_slope_find(t->study, reading, effect, false);
     if (!law || isnan(group)) return false;
     gn_causes_add(c, name, width(law, group), false);
+    gn_causes_find(c, name)->bias = gn_slope_at(law, group);
     if (group > 1.001 * law->high)
         gn_causes_note(c, "%s: %s of %.2g is beyond what the study measured (up to %.2g)", name,
                        law->group, group, law->high);
@@ -58,11 +78,17 @@ static void add_scatter(gn_error_causes *c, const gn_test_groups *t, const char 
     gn_causes_add(c, name, 2.0 * deviation / sqrt(fmax(1.0, t->packings)), false);
 }
 
-/* Many packings of one number, over what the law over five of each number says of it. */
+/* Many packings of one number over what the law over five of each number says of it, with these
+ * bonds if they were looked at. */
 static double of_many(const gn_test_groups *t, const char *reading) {
     char quantity[96];
+    double ratio = NAN;
+    if (t->bonds) {
+        snprintf(quantity, sizeof quantity, "scatter over its law: %s, %s", reading, t->bonds);
+        ratio = gn_slope_base_of(t->floors, quantity);
+    }
     snprintf(quantity, sizeof quantity, "scatter over its law: %s", reading);
-    double ratio = gn_slope_base_of(t->floors, quantity);
+    if (!isfinite(ratio)) ratio = gn_slope_base_of(t->floors, quantity);
     return isfinite(ratio) ? fmax(1.0, ratio) : 1.0;
 }
 

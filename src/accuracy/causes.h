@@ -4,12 +4,13 @@
 
 #include "accuracy/slopes.h"
 
-enum { GN_CAUSES_MAX = 8, GN_CAUSE_NOTES_MAX = 6, GN_CAUSE_NOTE_SIZE = 240 };
+enum { GN_CAUSES_MAX = 10, GN_CAUSE_NOTES_MAX = 6, GN_CAUSE_NOTE_SIZE = 240 };
 
 /* A test in the groups that the study's laws are over. */
 typedef struct gn_test_groups {
     const char *study;  /* the case whose laws hold: compression, tension, notched-elements, ... */
     const char *floors; /* the case whose scatter holds: in the plane another one */
+    const char *bonds;  /* the law of stiffness whose scatter holds; NULL: that of the study */
     double speed;       /* closing speed over wave speed and strain at the peak */
     double safety;      /* time.safety */
     bool mixed;
@@ -29,6 +30,7 @@ typedef struct gn_error_cause {
     const char *name;
     double error;
     bool measured; /* in this run; else estimated by the study's law */
+    double bias;   /* what of the error has a sense: positive, read too large; 0: none of it */
 } gn_error_cause;
 
 typedef struct gn_error_causes {
@@ -44,7 +46,10 @@ void gn_causes_add(gn_error_causes *causes, const char *name, double error, bool
 __attribute__((format(printf, 2, 3))) void gn_causes_note(gn_error_causes *causes,
                                                           const char *format, ...);
 gn_error_cause *gn_causes_find(gn_error_causes *causes, const char *name);
-/* Root of the sum of squares: causes have nothing to do with each other. */
+/* Biases of one sense add up, those of the other may be absent; what has no sense, which has
+ * nothing to do with each other, adds up as squares. */
 double gn_causes_total(const gn_error_causes *causes);
+/* Of all but packing and round-off: what the mean over several packings leaves. */
+double gn_causes_without_scatter(const gn_error_causes *causes);
 
 #endif

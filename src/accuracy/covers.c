@@ -87,6 +87,28 @@ static double damping_of(const gn_scene *s) {
     return -1.0;
 }
 
+/* What the study has packings of (validate/accuracy/scatter.py): means over the pairs are as
+ * uniform as that over the particles, and areas as areas. */
+static const char *bonds_of(const gn_scene *s) {
+    switch (s->stiffness) {
+    case GN_STIFFNESS_HARMONIC:
+        return "harmonic";
+    case GN_STIFFNESS_ARITHMETIC:
+        return "arithmetic";
+    case GN_STIFFNESS_UNIFORM:
+    case GN_STIFFNESS_MEAN_RADIUS:
+    case GN_STIFFNESS_MEAN_ARITHMETIC:
+    case GN_STIFFNESS_MEAN_HARMONIC:
+        return "mean_radius";
+    case GN_STIFFNESS_DEMPACK:
+    case GN_STIFFNESS_POLYHEDRON:
+        return "dempack";
+    case GN_STIFFNESS_HERTZ:
+        break;
+    }
+    return NULL;
+}
+
 static const char *cover_particles(const gn_world *w, gn_test_groups *g) {
     const gn_scene *s = &w->scene;
     bool plane = s->dimension == 2;
@@ -106,6 +128,7 @@ static const char *cover_particles(const gn_world *w, gn_test_groups *g) {
     /* Discs scatter more than spheres, above all where they are crushed. */
     bool crushed = s->test.kind == GN_TEST_COMPRESSION;
     g->floors = !plane ? g->study : crushed ? "compression-plane" : "brazilian";
+    g->bonds = bonds_of(s);
     g->particles = (double)w->dem.particles.soa.count;
     g->across = particles_across(w);
     g->masses = w->dem.scaling.step > 0.0 ? w->dem.scaling.step / w->dem.scaling.unscaled : 1.0;

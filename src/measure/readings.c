@@ -73,13 +73,19 @@ static gn_row_span loading_span(const double *stress, size_t largest) {
     return s;
 }
 
+/* Of the later half, which no start leaves out. */
+static double interval_of(const double *time, size_t rows) {
+    size_t half = rows / 2;
+    return time && rows > half + 1 ? (time[rows - 1] - time[half]) / (double)(rows - 1 - half) : 0;
+}
+
 /* --- what the scene lets be read --- */
 
 /* Slope of a mean stress of the specimen over that of the test. */
 static double follows(const gn_curves *c, int a, int b) {
     char name[16];
     snprintf(name, sizeof name, "stress_%c%c", "xyz"[a < b ? a : b], "xyz"[a < b ? b : a]);
-    return gn_line(c->stress, gn_history_column(c->history, name), c->loading).slope;
+    return gn_line(c, c->stress, gn_history_column(c->history, name), c->loading).slope;
 }
 
 /* A modulus is stress over strain along one axis, all other stresses staying what they are: none,
@@ -110,8 +116,8 @@ static void need_one_axis(const gn_curves *c, gn_reading which, double limit, gn
  * the ends themselves, the mean strains are not those of a specimen loaded along its axis. */
 static void need_ways(const gn_curves *c, gn_reading which, gn_readings *r) {
     double ways = c->tested->sign *
-                  gn_line(c->stress, c->average[c->tested->axis], c->loading).slope *
-                  gn_line(c->strain, c->stress, c->loading).slope;
+                  gn_line(c, c->stress, c->average[c->tested->axis], c->loading).slope *
+                  gn_line(c, c->strain, c->stress, c->loading).slope;
     if (ways < 0.5 || ways > 2)
         gn_reading_absent(
             r, which,
@@ -133,7 +139,7 @@ static void need_ways_or_stress(const gn_curves *c, gn_reading which, gn_reading
 
 static void read_modulus(const gn_curves *c, gn_readings *r) {
     const gn_reading which = GN_READING_young_modulus;
-    gn_line_fit f = gn_line(c->strain, c->stress, c->loading);
+    gn_line_fit f = gn_line(c, c->strain, c->stress, c->loading);
     r->young_modulus = f.slope;
     gn_need_rows(c, which, r);
     need_one_axis(c, which, beside_modulus, r);
@@ -143,7 +149,7 @@ static void read_modulus(const gn_curves *c, gn_readings *r) {
 
 static void read_average_modulus(const gn_curves *c, gn_readings *r) {
     const gn_reading which = GN_READING_young_modulus_average;
-    gn_line_fit f = gn_line(c->average[c->tested->axis], c->stress, c->loading);
+    gn_line_fit f = gn_line(c, c->average[c->tested->axis], c->stress, c->loading);
     f.slope *= c->tested->sign;
     r->young_modulus_average = f.slope;
     gn_need_rows(c, which, r);
@@ -174,11 +180,11 @@ static void read_poisson(const gn_curves *c, gn_readings *r) {
     double lateral = 0, variance = 0;
     for (int a = 0; a < dimension; a++) {
         if (a == axis) continue;
-        gn_line_fit f = gn_line(c->stress, c->average[a], c->loading);
+        gn_line_fit f = gn_line(c, c->stress, c->average[a], c->loading);
         lateral += f.slope / (dimension - 1);
         variance += f.error * f.error / ((dimension - 1) * (dimension - 1));
     }
-    gn_line_fit axial = gn_line(c->stress, c->average[axis], c->loading);
+    gn_line_fit axial = gn_line(c, c->stress, c->average[axis], c->loading);
     r->poisson_ratio = -lateral / axial.slope;
     double error = hypot(sqrt(variance), r->poisson_ratio * axial.error) / fabs(axial.slope);
     gn_need_rows(c, which, r);
@@ -247,6 +253,8 @@ void gn_readings_compute(const gn_history *history, const gn_tested *tested, gn_
     gn_curves c = {.tested = tested, .history = history};
     c.strain = gn_history_column(history, "strain");
     c.stress = gn_history_column(history, "stress");
+    c.time = gn_history_column(history, "time");
+    c.interval = interval_of(c.time, history->row_count);
     c.average[0] = gn_history_column(history, "strain_xx");
     c.average[1] = gn_history_column(history, "strain_yy");
     c.average[2] = gn_history_column(history, "strain_zz");

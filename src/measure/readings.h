@@ -21,6 +21,8 @@ typedef struct gn_curves {
     const double *average[3]; /* strain, by axis */
     size_t largest;           /* row of the largest stress */
     gn_row_span loading;      /* from 1 to 50 % of it */
+    const double *time;       /* s */
+    double interval;          /* s between rows of time steps; 0: not known */
 } gn_curves;
 
 /* Slopes are readings while their standard error is below this share of them. */
@@ -31,8 +33,10 @@ void gn_reading_absent(gn_readings *readings, gn_reading which, const char *form
     __attribute__((format(printf, 3, 4)));
 char *gn_reason_of(gn_readings *readings, gn_reading which);
 
-/* NaN for fewer than 3 points, or all at the same x. */
-gn_line_fit gn_line(const double *x, const double *y, gn_row_span span);
+/* NaN for fewer than 3 points, or all at the same x. A start at the first break has few rows where
+ * time steps would have had many: straight lines between them count as the rows that are missing.
+ */
+gn_line_fit gn_line(const gn_curves *curves, const double *x, const double *y, gn_row_span span);
 
 /* What a slope needs to be a reading. */
 void gn_need_rows(const gn_curves *curves, gn_reading which, gn_readings *readings);

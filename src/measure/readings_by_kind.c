@@ -22,7 +22,7 @@ static const double *tensor(const gn_curves *c, const char *name, int axis) {
 
 static void ratio_in_the_middle(const gn_curves *c, gn_reading which, const double *column,
                                 double sign, double *value, gn_readings *r) {
-    gn_line_fit f = gn_line(c->stress, column, c->loading);
+    gn_line_fit f = gn_line(c, c->stress, column, c->loading);
     *value = sign * f.slope;
     gn_need_rows(c, which, r);
     if (f.error > gn_scatter_allowed * fmax(1.0, fabs(f.slope)))
@@ -52,7 +52,7 @@ static void read_brazilian(const gn_curves *c, gn_readings *r) {
 
 static void read_bending(const gn_curves *c, gn_readings *r) {
     const gn_reading modulus = GN_READING_flexural_modulus, opening = GN_READING_opening_at_peak;
-    gn_line_fit f = gn_line(c->strain, c->stress, c->loading);
+    gn_line_fit f = gn_line(c, c->strain, c->stress, c->loading);
     const double *gauge = gn_history_column(c->history, "opening");
     const double *force = gn_history_column(c->history, "force"),
                  *way = gn_history_column(c->history, "deflection");
@@ -60,7 +60,7 @@ static void read_bending(const gn_curves *c, gn_readings *r) {
     at_peak(c, GN_READING_peak_force, force, 1.0, &r->peak_force, r);
     gn_need_rows(c, GN_READING_stiffness, r);
     if (force && way) {
-        gn_line_fit s = gn_line(way, force, c->loading);
+        gn_line_fit s = gn_line(c, way, force, c->loading);
         r->stiffness = s.slope;
         gn_need_modulus(s, GN_READING_stiffness, r);
     }
@@ -115,7 +115,7 @@ static void read_confined(const gn_curves *c, gn_readings *r) {
 }
 
 static void slope_of_loading(const gn_curves *c, gn_reading which, double *value, gn_readings *r) {
-    gn_line_fit f = gn_line(c->strain, c->stress, c->loading);
+    gn_line_fit f = gn_line(c, c->strain, c->stress, c->loading);
     *value = f.slope;
     gn_need_rows(c, which, r);
     gn_need_modulus(f, which, r);
@@ -129,9 +129,9 @@ static void read_oedometer(const gn_curves *c, gn_readings *r) {
     for (int a = 0; a < dimension; a++)
         if (a != axis)
             lateral +=
-                gn_line(c->stress, tensor(c, "stress", a), c->loading).slope / (dimension - 1);
+                gn_line(c, c->stress, tensor(c, "stress", a), c->loading).slope / (dimension - 1);
     r->lateral_stress_ratio =
-        lateral / gn_line(c->stress, tensor(c, "stress", axis), c->loading).slope;
+        lateral / gn_line(c, c->stress, tensor(c, "stress", axis), c->loading).slope;
     gn_need_rows(c, which, r);
 }
 
@@ -159,7 +159,7 @@ static gn_row_span between(const gn_curves *c, double low, double high) {
 static void slope_between(const gn_curves *c, gn_reading which, double low, double high,
                           double *value, gn_readings *r) {
     gn_row_span s = between(c, low, high);
-    gn_line_fit f = gn_line(c->strain, c->stress, s);
+    gn_line_fit f = gn_line(c, c->strain, c->stress, s);
     *value = f.slope;
     if (s.last - s.first < 3)
         gn_reading_absent(r, which,

@@ -41,18 +41,38 @@ void gn_need_modulus(gn_line_fit f, gn_reading which, gn_readings *r) {
 
 /* --- slopes and peaks --- */
 
-gn_line_fit gn_line(const double *x, const double *y, gn_row_span s) {
+/* How many parts of the way from the row before count each as a row: 1 where steps went on. */
+static size_t parts_of(const gn_curves *c, size_t row, gn_row_span s) {
+    const double wide = 1.5, most = 1e4;
+    if (row == s.first || !(c->interval > 0)) return 1;
+    double gap = (c->time[row] - c->time[row - 1]) / c->interval;
+    return gap > wide ? (size_t)round(fmin(gap, most)) : 1;
+}
+
+static double part_of(const double *column, size_t row, size_t part, size_t parts) {
+    if (part == parts) return column[row];
+    double share = (double)part / (double)parts;
+    return column[row - 1] + share * (column[row] - column[row - 1]);
+}
+
+gn_line_fit gn_line(const gn_curves *c, const double *x, const double *y, gn_row_span s) {
     if (!x || !y || s.last - s.first < 3) return (gn_line_fit){NAN, NAN};
-    double n = (double)(s.last - s.first), mean_x = 0, mean_y = 0, xx = 0, xy = 0, yy = 0;
-    for (size_t k = s.first; k < s.last; k++) mean_x += x[k] / n, mean_y += y[k] / n;
-    for (size_t k = s.first; k < s.last; k++) {
-        xx += (x[k] - mean_x) * (x[k] - mean_x);
-        xy += (x[k] - mean_x) * (y[k] - mean_y);
-        yy += (y[k] - mean_y) * (y[k] - mean_y);
-    }
+    double n = 0, rows = (double)(s.last - s.first), mean_x = 0, mean_y = 0, xx = 0, xy = 0, yy = 0;
+    for (size_t k = s.first; k < s.last; k++) n += (double)parts_of(c, k, s);
+    for (size_t k = s.first; k < s.last; k++)
+        for (size_t p = 1, parts = parts_of(c, k, s); p <= parts; p++)
+            mean_x += part_of(x, k, p, parts) / n, mean_y += part_of(y, k, p, parts) / n;
+    for (size_t k = s.first; k < s.last; k++)
+        for (size_t p = 1, parts = parts_of(c, k, s); p <= parts; p++) {
+            double dx = part_of(x, k, p, parts) - mean_x, dy = part_of(y, k, p, parts) - mean_y;
+            xx += dx * dx;
+            xy += dx * dy;
+            yy += dy * dy;
+        }
     if (!(xx > 0)) return (gn_line_fit){NAN, NAN};
-    double slope = xy / xx;
-    return (gn_line_fit){slope, sqrt(fmax(0, yy - slope * xy) / (n - 2) / xx)};
+    double slope = xy / xx,
+           rest = fmax(0, yy - slope * xy) * (rows / n); /* over the rows there are */
+    return (gn_line_fit){slope, sqrt(rest / (rows - 2) / xx)};
 }
 
 static double last_of(const gn_history *history, const char *name) {

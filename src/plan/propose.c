@@ -45,8 +45,8 @@ static double steps_of_start(const gn_world *w, const gn_plan *plan, const gn_pr
 }
 
 static double rows_of(const gn_world *w, const gn_plan *plan, const gn_proposal *p) {
-    double share = duration(w, plan, p->pace) / (w->scene.end / p->pace);
-    return fmin((double)w->scene.history_rows * share, p->steps);
+    double share = duration(w, plan, p->pace) / gn_plan_end(plan, &w->scene, p->pace);
+    return fmin(gn_plan_history_rows(plan, &w->scene, p->pace) * share, p->steps);
 }
 
 /* s of one particle in a step, its contacts included. */

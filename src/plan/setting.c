@@ -91,12 +91,20 @@ static gneiss_status put_motion(gn_settings *q, const char *list, size_t place,
     return GNEISS_OK;
 }
 
-/* s: as far as before, but not so far that the peak falls between the rows of the history. */
-static double end_of(const gn_plan *plan, const gn_scene *s, double pace) {
+double gn_plan_end(const gn_plan *plan, const gn_scene *s, double pace) {
     const gn_estimate *e = &plan->estimate;
     const double peaks = 4.0;
     double far = isfinite(e->strain) ? e->path / (peaks * e->strain) : 1.0;
     return s->end / pace / (pace < 1.0 ? fmax(1.0, far) : 1.0);
+}
+
+double gn_plan_history_rows(const gn_plan *plan, const gn_scene *s, double pace) {
+    const gn_estimate *e = &plan->estimate;
+    const double least = 100.0, most = 1e6;
+    double rows = (double)s->history_rows;
+    if (!isfinite(e->strain) || !(rows > 0.0)) return rows;
+    double path = e->path * gn_plan_end(plan, s, pace) * pace / s->end;
+    return fmin(fmax(rows, ceil(least * path / e->strain)), fmax(rows, most));
 }
 
 static gneiss_status put_pace(gn_settings *q, const gn_plan *plan, const gn_scene *s, double pace,
@@ -109,7 +117,7 @@ static gneiss_status put_pace(gn_settings *q, const gn_plan *plan, const gn_scen
         GN_TRY(put_motion(q, "bodies", k, &s->bodies[k].motion, pace, error));
     for (size_t k = 0; s->has_elements && k < s->elements.motion_count; k++)
         GN_TRY(put_motion(q, "elements.motions", k, &s->elements.motions[k].motion, pace, error));
-    return put(q, error, "time.end", "%.9g s", end_of(plan, s, pace));
+    return put(q, error, "time.end", "%.9g s", gn_plan_end(plan, s, pace));
 }
 
 static gneiss_status put_cells(gn_settings *q, const gn_scene *s, double cell,
@@ -140,6 +148,8 @@ gneiss_status gn_settings_make(const gn_world *w, const gn_plan *plan, const gn_
     const gn_scene *s = &w->given;
     const gn_test_groups *g = &plan->groups;
     if (p->pace != 1.0) GN_TRY(put_pace(q, plan, s, p->pace, error));
+    double rows = gn_plan_history_rows(plan, s, p->pace);
+    if (rows > (double)s->history_rows) GN_TRY(put(q, error, "output.history_rows", "%.0f", rows));
     if (p->particles != g->particles)
         GN_TRY(put(q, error, "specimen.particles", "%.0f", p->particles));
     if (p->cell != 1.0) GN_TRY(put_cells(q, s, p->cell, error));

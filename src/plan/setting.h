@@ -18,6 +18,12 @@ gneiss_status gn_settings_add(gn_settings *q, const char *key, const char *value
                               gneiss_error *error);
 void gn_settings_free(gn_settings *q);
 
+/* s: as far as the scene goes, but not so far that the peak falls between the rows of the history.
+ */
+double gn_plan_end(const gn_plan *plan, const gn_scene *scene, double pace);
+/* As many as the scene has, and enough up to the peak that it does not fall between two of them. */
+double gn_plan_history_rows(const gn_plan *plan, const gn_scene *scene, double pace);
+
 /* Why the speed of the loading is not to be changed: something in the scene has a course of its own
  * in time. NULL: it may be. */
 const char *gn_plan_no_pace(const gn_scene *scene);

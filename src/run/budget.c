@@ -84,7 +84,7 @@ static void raise(gn_error_causes *c, const char *name, double found) {
     if (!cause)
         gn_causes_add(c, name, found, true);
     else if (found > cause->error)
-        *cause = (gn_error_cause){name, found, true};
+        *cause = (gn_error_cause){name, found, true, 0.0};
 }
 
 /* The stress is the mean of both ends, which is off by half of their difference at most; energy
@@ -94,6 +94,17 @@ static void measure(const gn_world *w, const gn_budget *b, gn_error_causes *c) {
           fmax(isnan(b->imbalance) ? 0.0 : 0.5 * b->imbalance,
                isnan(b->kinetic) ? 0.0 : 0.5 * b->kinetic));
     if (w->effects & GN_FX_ENERGY) raise(c, "step", fabs(gn_energy_residual(&w->reading)));
+}
+
+/* What the largest stress may have been between its row and the next: as much more as it rose from
+ * the row before. */
+static void measure_rows(const gn_history *h, gn_reading which, gn_error_causes *c) {
+    const double *stress = gn_history_column(h, "stress"),
+                 *value = which == GN_READING_peak_stress   ? stress
+                          : which == GN_READING_peak_strain ? gn_history_column(h, "strain")
+                                                            : NULL;
+    size_t row = stress ? row_of_largest(h, stress) : 0;
+    if (value && row > 0) raise(c, "rows", (value[row] - value[row - 1]) / value[row]);
 }
 
 /* A peak lies between two rows: with as many up to it as this it is off by less than a percent. */
@@ -126,7 +137,9 @@ static gneiss_status make(const gn_world *w, const gn_history *h, const gn_readi
     for (int k = 0; k < GN_READING_COUNT; k++) {
         const char *name = name_of((gn_reading)k, &g);
         if (!name || isnan(value_of(r, (gn_reading)k))) continue;
-        if (gn_causes_predict(&g, name, &b->of[k])) measure(w, b, &b->of[k]);
+        if (!gn_causes_predict(&g, name, &b->of[k])) continue;
+        measure(w, b, &b->of[k]);
+        measure_rows(h, (gn_reading)k, &b->of[k]);
     }
     return GNEISS_OK;
 }
@@ -167,15 +180,6 @@ const char *gn_budget_text(const gn_error_causes *c, double value, char *text, s
     return text;
 }
 
-/* What the mean over several packings leaves: causes that all of them share. */
-static double besides_scatter(const gn_error_causes *c) {
-    double squares = 0.0;
-    for (size_t k = 0; k < c->count; k++)
-        if (strcmp(c->cause[k].name, "packing") != 0 && strcmp(c->cause[k].name, "round-off") != 0)
-            squares += c->cause[k].error * c->cause[k].error;
-    return sqrt(squares);
-}
-
 static const char *const names[] = {
 #define X(name, unit, text) #name,
     GN_READINGS(X)
@@ -190,6 +194,7 @@ static void summary_of(const gn_error_causes *c, const char *name, double value,
         gn_json_object(j, NULL);
         gn_json_text(j, "name", c->cause[k].name);
         gn_json_number(j, "error", fabs(value) * c->cause[k].error);
+        gn_json_number(j, "bias", fabs(value) * c->cause[k].bias);
         gn_json_text(j, "is", c->cause[k].measured ? "measured" : "estimated");
         gn_json_end(j);
     }
@@ -219,7 +224,7 @@ gneiss_status gn_budget_results(const gn_budget *b, const gn_readings *r, gn_h5 
     for (int k = 0; k < GN_READING_COUNT; k++) {
         const gn_error_causes *c = &b->of[k];
         double value = value_of(r, (gn_reading)k), of_all = fabs(value) * gn_causes_total(c),
-               besides = fabs(value) * besides_scatter(c);
+               besides = fabs(value) * gn_causes_without_scatter(c);
         if (!c->count) continue;
         snprintf(set, sizeof set, "readings/%s", names[k]);
         GN_TRY(gn_h5_attribute_f64(file, set, "error", &of_all, 1, error));

@@ -111,8 +111,22 @@ static bool servo(const gn_scene *s) {
     return false;
 }
 
+/* What is looked at in rows of the history alone. */
+static const char *end_by_rows(const gn_stage *e) {
+    return e->strain > 0       ? "end.strain"
+           : e->stress > 0     ? "end.stress"
+           : e->peak_drop > 0  ? "end.peak_drop"
+           : e->unbalanced > 0 ? "end.unbalanced"
+           : e->held > 0       ? "end.held"
+                               : NULL;
+}
+
 static gneiss_status check_can_end(const check *c, const gn_scene *s, size_t stage) {
     const gn_stage *e = &s->stages[stage];
+    if (s->history_rows == 0 && end_by_rows(e))
+        return gn_check_fail(c, end_by_rows(e),
+                             "expected output.history_rows above 0, as it is looked at in rows of "
+                             "the history, found 0: the stage would never end by it");
     if (e->held > 0 && !servo(s))
         return gn_check_fail(
             c, "end.held",

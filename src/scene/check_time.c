@@ -98,7 +98,20 @@ static gneiss_status check_start_of_steps(const check *c, const gn_scene *s) {
     return GNEISS_OK;
 }
 
+/* Stops are looked at in rows of the history. */
+static gneiss_status check_stops(const check *c, const gn_scene *s) {
+    const char *stop = s->stop_peak_drop > 0    ? "time.stop.peak_drop"
+                       : s->stop_strain > 0     ? "time.stop.strain"
+                       : s->stop_unbalanced > 0 ? "time.stop.unbalanced"
+                                                : NULL;
+    if (!stop || s->history_rows > 0) return GNEISS_OK;
+    return gn_check_fail(c, stop,
+                         "expected output.history_rows above 0, as it is looked at in rows of the "
+                         "history, found 0: it would never stop the run");
+}
+
 gneiss_status gn_check_time(const check *c, const gn_scene *s) {
+    GN_TRY(gn_check_keep(c, check_stops(c, s)));
     GN_TRY(gn_check_keep(c, check_start_of_steps(c, s)));
     GN_TRY(gn_check_keep(c, check_step(c, s)));
     return gn_check_keep(c, check_mass_scaling(c, s));

@@ -1,7 +1,8 @@
 """What the study's own tests found over what `gneiss plan --error` foretells from their specimens: validate/accuracy/base.csv, which the
 program brings the estimates of other scenes to what is found by.
 
-    /usr/bin/python3 validate/accuracy/base.py      measures and writes it: a minute of one core; ./do accuracy does so as well
+    /usr/bin/python3 validate/accuracy/base.py      measures and writes it: some minutes of one core; ./do accuracy does so as well
+    /usr/bin/python3 validate/accuracy/base.py --scatter      only how packings scatter by the law of the bonds (scatter.py)
 """
 import csv
 import io
@@ -17,6 +18,7 @@ sys.path[:0] = [str(HERE), str(HERE.parent)]
 import cylinder  # noqa: E402
 import fits  # noqa: E402
 import machinery  # noqa: E402
+import scatter  # noqa: E402
 import slopes  # noqa: E402
 import study as shared  # noqa: E402
 from machinery import Axis  # noqa: E402
@@ -164,9 +166,24 @@ def write(path, found):
 def measure(study, path):
     found = {kind: of_case(study, kind) for kind in ("compression", "tension")}
     found["packing"] = of_packing(study)
+    return with_scatter(study, path, found)
+
+
+def with_scatter(study, path, found):
+    for case in scatter.CASES:
+        found.setdefault(case, {}).update(scatter.of_case(study, case))
     write(path, found)
     return found
 
 
+def written(path):
+    """What the table says, as `write` takes it."""
+    found = {}
+    for row in slopes.read(path):
+        found.setdefault(row["case"], {})[row["quantity"]] = float(row["value"])
+    return found
+
+
 if __name__ == "__main__":
-    print(measure(machinery.Study(shared.ROOT / "runs" / "accuracy", "--quick" in sys.argv), HERE / "base.csv"))
+    table, of = HERE / "base.csv", machinery.Study(shared.ROOT / "runs" / "accuracy", "--quick" in sys.argv)
+    print(with_scatter(of, table, written(table)) if "--scatter" in sys.argv else measure(of, table))
