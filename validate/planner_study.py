@@ -1,9 +1,9 @@
 """Whether `gneiss plan --error` keeps what it promises: scenes that the study of accuracy did not use, the proposed settings beside a much
 finer run. Fills docs/evidence/planner.md; ten minutes of one core.
 
-    /usr/bin/python3 validate/planner_study.py [--fresh] [--only SCENE] [--seeds 12]
+    /usr/bin/python3 validate/planner_study.py [--fresh] [--again] [--only SCENE] [--seeds 12]
 
-Seconds are CPU seconds of one thread. The scenes were written before any of them was run, and are left as they were.
+--again plans anew and runs what is proposed anew, for seconds on a machine that nobody else uses; finer runs stay. Seconds are CPU seconds of one thread. The scenes were written before any of them was run, and are left as they were.
 """
 import json
 import os
@@ -194,6 +194,9 @@ def planned(name, wanted, reading, keys):
     folder = FOLDER / name.replace(" ", "-")
     if study.FRESH:
         shutil.rmtree(folder, ignore_errors=True)
+    if "--again" in sys.argv:
+        for old in [*folder.glob("run-*"), *folder.glob("plan.json")]:
+            shutil.rmtree(old) if old.is_dir() else old.unlink()
     folder.mkdir(parents=True, exist_ok=True)
     (folder / "scene.yaml").write_text(json.dumps({"title": name, **keys}, indent=1))
     kept = folder / "plan.json"
@@ -247,7 +250,7 @@ def measured(name, what, wanted, reading, keys):
     ours = [one(f"{place}/run-{seed}", folder / "planned.yaml", {"run.seed": seed}, reading) for seed in range(1, p["packings"] + 1)]
     settings = finer_settings(name, keys, plan)
     seeds = [FIRST] if elements else range(FIRST, FIRST + SEEDS)
-    fine = [one(f"{place}/fine-{seed}", folder / "scene.yaml", {**settings, "run.seed": seed}, reading) for seed in seeds]
+    fine = [one(f"{place}/fine-{p.get('cell', p['pace']):.4g}-{seed}", folder / "scene.yaml", {**settings, "run.seed": seed}, reading) for seed in seeds]
     value, truth = np.nanmean([row[0] for row in ours]), np.nanmean([row[0] for row in fine])
     doubt = np.nanstd([row[0] for row in fine], ddof=1) / np.sqrt(len(fine)) / truth if len(fine) > 1 else 0.0
     found, seconds = abs(value / truth - 1), sum(row[1] for row in ours)

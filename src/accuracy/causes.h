@@ -4,7 +4,7 @@
 
 #include "accuracy/slopes.h"
 
-enum { GN_CAUSES_MAX = 10, GN_CAUSE_NOTES_MAX = 6, GN_CAUSE_NOTE_SIZE = 240 };
+enum { GN_CAUSES_MAX = 10, GN_CAUSE_NOTES_MAX = 6, GN_CAUSE_NOTE_SIZE = 256 };
 
 /* A test in the groups that the study's laws are over. */
 typedef struct gn_test_groups {

@@ -1,7 +1,6 @@
-/* Packing figures, extent of a packing, damage of particles. */
+/* Packing figures, damage of particles. */
 #include "base/memory.h"
 #include "measure/assembly.h"
-#include "measure/delaunay.h"
 
 #include <string.h>
 
@@ -58,70 +57,6 @@ void gn_packing_measure(const gn_assembly *assembly, const int32_t *pairs, size_
     if (overlaps) g.overlap_mean /= (double)overlaps;
     if (g.particles) g.coordination = 2 * (double)g.contacts / (double)g.particles;
     *figures = g;
-}
-
-/* --- hull --- */
-
-enum { DIRECTIONS_2D = 32, DIRECTIONS_3D = 26 };
-
-/* 3D: to the faces, edges and corners of a cube; 2D: equal angles, the axes among them. */
-static size_t surface_directions(int dimension, double direction[DIRECTIONS_2D][3]) {
-    size_t count = 0;
-    if (dimension == 2) {
-        for (; count < DIRECTIONS_2D; count++) {
-            double angle = 2 * M_PI * (double)count / DIRECTIONS_2D;
-            direction[count][0] = cos(angle);
-            direction[count][1] = sin(angle);
-            direction[count][2] = 0;
-        }
-        return count;
-    }
-    for (int k = 0; k < 27; k++) {
-        const int digit[3] = {k % 3, k / 3 % 3, k / 9};
-        double x[3] = {digit[0] - 1.0, digit[1] - 1.0, digit[2] - 1.0};
-        double length = sqrt(x[0] * x[0] + x[1] * x[1] + x[2] * x[2]);
-        if (length == 0) continue;
-        for (int a = 0; a < 3; a++) direction[count][a] = x[a] / length;
-        count++;
-    }
-    return count;
-}
-
-static void packing_extent(const gn_particles *particles, double lower[3], double upper[3]) {
-    bool any = false;
-    for (int a = 0; a < 3; a++) lower[a] = upper[a] = NAN;
-    for (size_t p = 0; p < particles->soa.count; p++) {
-        if (gn_particle_removed(particles, p)) continue;
-        const double *x = particles->pos + 4 * p;
-        for (int a = 0; a < 3; a++) {
-            lower[a] = any ? fmin(lower[a], x[a] - x[3]) : x[a] - x[3];
-            upper[a] = any ? fmax(upper[a], x[a] + x[3]) : x[a] + x[3];
-        }
-        any = true;
-    }
-}
-
-gneiss_status gn_packing_hull(const gn_particles *particles, int dimension, double *volume,
-                              double lower[3], double upper[3], gneiss_error *error) {
-    double direction[DIRECTIONS_2D][3];
-    size_t directions = surface_directions(dimension, direction), count = 0;
-    packing_extent(particles, lower, upper);
-    double *points =
-        gn_alloc_array(particles->soa.count * directions * (size_t)dimension, sizeof *points);
-    if (!points)
-        return gn_fail(error, GNEISS_ERROR_MEMORY, "no memory for the hull of %zu particles",
-                       particles->soa.count);
-    for (size_t p = 0; p < particles->soa.count; p++) {
-        if (gn_particle_removed(particles, p)) continue;
-        const double *x = particles->pos + 4 * p;
-        for (size_t k = 0; k < directions; k++, count++)
-            for (int a = 0; a < dimension; a++)
-                points[count * dimension + a] = x[a] + x[3] * direction[k][a];
-    }
-    gneiss_status status = gn_hull_volume(points, count, dimension, volume, error);
-    gn_free(points);
-    if (status != GNEISS_OK) gn_fail_context(error, "hull of the packing: ");
-    return status;
 }
 
 /* --- damage --- */
