@@ -191,7 +191,7 @@ void gn_dem_free(gn_dem *d) {
     gn_hold_free(&d->hold);
     gn_events_free(&d->events);
     gn_flow_free(&d->flow);
-    void *blocks[] = {d->membrane,        d->index_of_id,     d->channel_set,
+    void *blocks[] = {d->membrane,        d->patches,         d->index_of_id,     d->channel_set,
                       d->set_reaction,    d->loose,           d->prescribed.set,
                       d->prescribed.mask, d->prescribed.load, d->prescribed.velocity,
                       d->bond_sums,       d->pair_sums,       d->motion_sums,
