@@ -150,12 +150,13 @@ static void forces_and_moments_are_in_balance(void **state) {
 static const double pitch = 2e-3, half = 0.5 * SIDE * 2e-3;
 
 static gn_world *block(void) {
-    return world_of("dimension: 3\nspecimen: {lattice: {kind: cubic, radius: 1 mm, cells: [%d, %d, %d]}}\n"
-                    "materials: [{name: m, density: 2650, contact_modulus: 1e9, kratio: 2, friction: "
-                    "0.5, tensile_strength: 3e6, shear_strength: 3e6}]\nlaw: {stiffness: harmonic}\n"
-                    "bonds: {interaction_range: 0.1}\nmembrane: {pressure: 7 MPa}\n"
-                    "time: {end: 1}\nrun: {threads: 1}\n",
-                    SIDE, SIDE, SIDE);
+    return world_of(
+        "dimension: 3\nspecimen: {lattice: {kind: cubic, radius: 1 mm, cells: [%d, %d, %d]}}\n"
+        "materials: [{name: m, density: 2650, contact_modulus: 1e9, kratio: 2, friction: "
+        "0.5, tensile_strength: 3e6, shear_strength: 3e6}]\nlaw: {stiffness: harmonic}\n"
+        "bonds: {interaction_range: 0.1}\nmembrane: {pressure: 7 MPa}\n"
+        "time: {end: 1}\nrun: {threads: 1}\n",
+        SIDE, SIDE, SIDE);
 }
 
 /* Wider by `most` in the middle than at the ends. */
@@ -296,7 +297,8 @@ static void what_lay_beneath_a_chip_is_pressed(void **state) {
         force_on(w, p, force);
         if (of_a_chip(q, p)) assert_true(force[0] == 0 && force[1] == 0 && force[2] == 0);
         if (x[2] > 0.5 * SIDE * pitch) upper += force[2];
-        if (x[0] < 3.5 * pitch && x[1] < 3.5 * pitch && x[2] > (SIDE - 3) * pitch) below += force[2];
+        if (x[0] < 3.5 * pitch && x[1] < 3.5 * pitch && x[2] > (SIDE - 3) * pitch)
+            below += force[2];
     }
     assert_near(upper, -7e6 * pow(SIDE * pitch, 2), 0.1 * fabs(upper));
     assert_near(below, -7e6 * pow(3 * pitch, 2), 0.1 * fabs(below) + 7e6 * pow(pitch, 2));

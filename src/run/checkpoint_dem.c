@@ -143,7 +143,8 @@ static gneiss_status check(const gn_world *w, const char *path, gneiss_error *er
         return gn_fail(error, GNEISS_ERROR_INPUT,
                        "%s: expected positive steps and intervals, found others", path);
     if (good_contacts(&d->bonds, n) && good_contacts(&d->pairs, n) &&
-        good_contacts(&d->prepared, n) && good_particles(w) && good_prescription(w) && good_patches(w))
+        good_contacts(&d->prepared, n) && good_particles(w) && good_prescription(w) &&
+        good_patches(w))
         return GNEISS_OK;
     return gn_fail(error, GNEISS_ERROR_INPUT,
                    "%s: expected particle numbers below %zu, found others", path, n);

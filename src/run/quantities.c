@@ -299,7 +299,7 @@ static const gn_quantity of_the_model[] = {
     SCALAR(pressed, GN_AFTER_STEP, "membrane_pressure", "Pa", read_membrane_pressure,
            "pressure of the membrane"),
     SCALAR(pressed, GN_AFTER_STEP, "membrane_area", "m2", read_membrane_area,
-           "what it covers of the surface: particles that broke off have lost theirs"),
+           "what it covers, at its last look"),
     SCALAR(sheared, GN_AFTER_STEP, "normal_stress", "Pa", read_normal_stress,
            "force across the sheared plane over the area, compression positive"),
     SCALAR(sheared, GN_BEFORE_STEP, "dilation", "m", read_dilation,

@@ -85,8 +85,7 @@ const int32_t *gn_world_bodies(const gn_world *w) {
     for (size_t k = 0; k < p->soa.count; k++)
         if (p->vel[4 * k + 3] > 0.0) q->members[root_of(q->parent, (int32_t)k)]++;
     for (size_t k = p->soa.count; k-- > 0;) /* the first of a body comes last */
-        q->members[k] =
-            p->vel[4 * k + 3] > 0.0 ? q->members[root_of(q->parent, (int32_t)k)] : 0;
+        q->members[k] = p->vel[4 * k + 3] > 0.0 ? q->members[root_of(q->parent, (int32_t)k)] : 0;
     return q->members;
 }
 

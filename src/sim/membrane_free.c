@@ -122,7 +122,8 @@ gneiss_status gn_membrane_free_skin(gn_world *w, double probe, double arms[9],
         close_surface(&w->dem.particles);
         gn_membrane_balance(w, w->dem.particles.start, none);
         scale(w, arms);
-        gn_membrane_balance(w, w->dem.particles.start, none); /* of what unlike factors of the axes bring back */
+        gn_membrane_balance(w, w->dem.particles.start,
+                            none); /* of what unlike factors of the axes bring back */
     }
     gn_free(v.hidden);
     return status;

@@ -45,8 +45,7 @@ gneiss_status gn_start_grid_make(const gn_world *w, double cell, gn_start_grid *
     }
     for (size_t k = 0; k < cells; k++) g->first[k + 2] += g->first[k + 1];
     for (size_t p = 0; p < q->soa.count; p++)
-        if (!gn_came_off(q, p))
-            g->item[g->first[cell_at(g, q->start + 4 * p) + 1]++] = (int32_t)p;
+        if (!gn_came_off(q, p)) g->item[g->first[cell_at(g, q->start + 4 * p) + 1]++] = (int32_t)p;
     return GNEISS_OK;
 }
 

@@ -1,5 +1,5 @@
-/* A look at the skin, every so many steps. The surface is kept as patches of the start, each borne by
- * what of the body lies beneath it, so that what they exert together stays that of the surface
+/* A look at the skin, every so many steps. The surface is kept as patches of the start, each borne
+ * by what of the body lies beneath it, so that what they exert together stays that of the surface
  * whatever came off. In a body that deforms every patch turns and stretches as the particles around
  * its bearer have moved. */
 #include "sim/membrane.h"
@@ -122,7 +122,8 @@ static void add_patches(gn_world *w, const gn_start_grid *grid, double reach, do
     gn_dem *d = &w->dem;
     double gradient[9];
     for (size_t p = 0; p < d->particles.soa.count; p++)
-        if (!gn_came_off(&d->particles, p)) memset(d->particles.skin + 4 * p, 0, 4 * sizeof(double));
+        if (!gn_came_off(&d->particles, p))
+            memset(d->particles.skin + 4 * p, 0, 4 * sizeof(double));
     for (size_t k = 0; k < d->patch_count; k++) {
         if (d->patches[k].owner < 0.0) continue;
         const size_t p = (size_t)d->index_of_id[(size_t)d->patches[k].owner];
@@ -144,7 +145,8 @@ static void surface_sums(const gn_world *w, size_t base, double area[3], double 
         const gn_patch *patch = &d->patches[k];
         if (patch->owner < 0.0) continue;
         for (int a = 0; a < 3; a++) sum[a] += patch->area[a];
-        for (int c = 0; c < 9; c++) all[c] += patch->area[c / 3] * (patch->point[c % 3] - start[c % 3]);
+        for (int c = 0; c < 9; c++)
+            all[c] += patch->area[c / 3] * (patch->point[c % 3] - start[c % 3]);
     }
     gn_cofactor3(m->gradient, turn);
     for (int a = 0; a < 3; a++) area[a] = gn_dot3(turn + 3 * a, sum);
@@ -163,8 +165,9 @@ static void bring_into_balance(gn_world *w, const double *place) {
     while (!gn_is_pressed(q, base)) base++;
     surface_sums(w, base, area, tensor);
     gn_cross3(place + 4 * base, area, moment);
-    for (int a = 0; a < 3; a++) moment[a] += tensor[3 * ((a + 2) % 3) + (a + 1) % 3] -
-                                             tensor[3 * ((a + 1) % 3) + (a + 2) % 3];
+    for (int a = 0; a < 3; a++)
+        moment[a] +=
+            tensor[3 * ((a + 2) % 3) + (a + 1) % 3] - tensor[3 * ((a + 1) % 3) + (a + 2) % 3];
     for (size_t p = 0; p < q->soa.count; p++)
         for (int a = 0; a < 3; a++)
             if (gn_is_pressed(q, p)) area[a] -= q->skin[4 * p + a];
@@ -174,7 +177,8 @@ static void bring_into_balance(gn_world *w, const double *place) {
     gn_membrane_balance(w, place, moment);
 }
 
-/* Areas and ways as they would be had the skin not moved as a whole: steps turn and stretch them. */
+/* Areas and ways as they would be had the skin not moved as a whole: steps turn and stretch them.
+ */
 static void turn_back(gn_world *w, double arms[9]) {
     gn_particles *q = &w->dem.particles;
     gn_membrane *m = w->dem.membrane;
@@ -190,7 +194,9 @@ static void turn_back(gn_world *w, double arms[9]) {
         if (!gn_is_pressed(q, p)) continue;
         const double now[3] = {s[0], s[1], s[2]};
         for (int a = 0; a < 3; a++)
-            s[a] = (m->gradient[a] * now[0] + m->gradient[3 + a] * now[1] + m->gradient[6 + a] * now[2]) / det;
+            s[a] = (m->gradient[a] * now[0] + m->gradient[3 + a] * now[1] +
+                    m->gradient[6 + a] * now[2]) /
+                   det;
     }
 }
 
