@@ -480,6 +480,33 @@ def the_pressure_in_the_middle_is_held_at_large_strain(folder):
 
 
 @fact
+def yield_under_pressure_takes_poissons_ratio_below_zero(folder):
+    """Of the law: normal springs alone yield. A hexagonal lattice has (1 - k)/(3 + k) with k = k_t/k_n, but for what its skin lacks; under
+    30 MPa and with a slope of a third k is three times as large, and nothing else is changed. The reading is absent then, with the reason."""
+    steel = {"name": "m", "density": 2500, "young": "27 GPa", "poisson": 0.2, "friction": 0.2, "bond_friction": 0.9, "tensile_strength": "1 GPa",
+             "shear_strength": "1 GPa", "fracture_ratio": 0.1}
+    radius, columns, rows_of = 1e-3, 16, 24
+    height, found = radius * np.sqrt(3) * (rows_of - 1) + 2 * radius, {}
+    for name, crush in (("whole", {}), ("yields", {"yield_stress_1": "1 MPa", "yield_ratio_1": 3})):
+        walls = [{"name": end, "point": [0, y], "normal": [0, sign], "stiffness": "20 GN/m", "passive": True,
+                  "motion": {"vy": [[6e-4, 0], [6.5e-4, 0.1 * sign]]}} for end, y, sign in (("bottom", 0, 1), ("top", height, -1))]
+        given = scene(2, specimen={"lattice": {"kind": "hexagonal", "radius": radius, "cells": [columns, rows_of, 1]}}, walls=walls,
+                      law={"stiffness": "dempack", "gamma": 0.8, "softening": "ratio"}, membrane={"pressure": [[0, 0], [5e-4, 3e7]]},
+                      test={"kind": "biaxial", "axis": "y", "lower": "bottom", "upper": "top", "length": height,
+                            "diameter": radius * (2 * columns + 1)}, time={"end": 1.5e-3})
+        out = run_scene(folder, {**given, "materials": [{**steel, **crush}]}, name=name)
+        rows = history(out)
+        used = (rows["time"] > 7e-4) & (rows["stress"] > 0.2 * rows["stress"].max()) & (rows["stress"] < 0.8 * rows["stress"].max())
+        found[name] = -np.polyfit(rows["strain_yy"][used], rows["strain_xx"][used], 1)[0]
+        if name == "whole":
+            assert abs(readings(out)["poisson_ratio"] - found[name]) < 0.01, (readings(out), absent(out))
+        else:
+            assert readings(out)["poisson_ratio"] is None and "bonds yield meanwhile" in absent(out)["poisson_ratio"], absent(out)
+    k = 1 / 2.4
+    assert abs(found["whole"] - (1 - k) / (3 + k)) < 0.01 and abs(found["yields"] - (1 - 3 * k) / (3 + 3 * k)) < 0.01, found
+
+
+@fact
 def results_have_the_skin_and_the_forces_on_it(folder):
     out = run_scene(folder, triaxial(1e6), "--set", "time.end=0.2 ms", "--set", "output.snapshots=1")
     rows = history(out)
