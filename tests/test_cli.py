@@ -773,6 +773,8 @@ def where_particles_come_from_is_told_with_its_place(folder):
     sweep, empty, other = (os.path.join(folder, name) for name in ("sweep", "empty", "other.h5"))
     for name in (sweep, empty):
         os.makedirs(name)
+    solid = os.path.join(folder, "solid")
+    run(os.path.join(SCENES, "elements.yaml"), solid, "--set", "time.end=1e-6", "--set", "output.snapshots=0")
     for path in (os.path.join(sweep, "sweep.h5"), other):
         with h5py.File(path, "w") as file:
             file["x"] = 1
@@ -781,6 +783,7 @@ def where_particles_come_from_is_told_with_its_place(folder):
     for target, more, pattern in ((sweep, "", r":4:9: specimen.from: cannot open .*it is the folder of a sweep, expected that of one of its runs"),
                                   (empty, "", r":4:9: specimen.from: cannot open .*it is a folder without results.h5"),
                                   (other, "", r":4:9: specimen.from: .*other.h5: expected an HDF5 file of gneiss"),
+                                  (solid, "", r":4:9: specimen.from: expected the results of a run with particles, found none of them"),
                                   (other, "  scale: 2\n", r":5:10: specimen.scale: expected file, surface or mesh beside it")):
         expect(gneiss("check", write_scene(folder, scene.format(target, more))), 2, "scene.yaml" + pattern)
     expect(gneiss("check", write_scene(folder, scene.format(empty, "")), "--set", f"specimen.from={other}"), 2,

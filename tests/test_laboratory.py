@@ -896,5 +896,16 @@ def a_stage_does_not_take_the_tangential_springs_away(folder):
     refused(folder, pair, r"stages\[1\].materials: expected a tangential spring of 'm' in this stage too")
 
 
+@fact
+def it_is_said_where_the_area_of_a_test_comes_from(folder):
+    """Of simple shear it is the section of the box, whatever the ends leave between them; of a disc and a beam what makes a stress of a force."""
+    for name, length, area, source in (("simple-shear", None, 0.06, "the section of the periodic box"), ("brazilian", None, None, "pi/2 times diameter and thickness"),
+                                       ("bending", None, None, "the force over it is the stress in the fibre"), ("shear", 0.03, 0.06, None)):
+        said = expect(gneiss("check", os.path.join(ROOT, "scenes", name + ".yaml"), "--set", "specimen.particles=600"), 0).stdout
+        found = re.search(r"test +length (\S+) m, area (\S+) m2(?: \(1 m thick\))?(?:, (.*))?\n", said)
+        assert found and (found[3] or "").startswith(source or "") and bool(found[3]) == bool(source), (name, found and found[0])
+        assert area is None or abs(float(found[2]) / area - 1) < 1e-5, (name, found[0])
+
+
 if __name__ == "__main__":
     sys.exit(main())
