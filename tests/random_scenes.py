@@ -145,6 +145,7 @@ class Maker:
             self.elements()
         self.walls()
         self.settings()
+        self.open_box(Draw(f"open along an axis {seed}"))
         if d.chance(0.15):
             self.far()
         self.by_area(Draw(f"gneiss by area {seed}"))
@@ -417,6 +418,20 @@ class Maker:
             sides += [(axis, -1), (axis, 1)]
         style = d.choice(("stand", "close", "close", "shear", "servo"))
         self.scene["walls"] = [self.wall(axis, side, style, law) for axis, side in sides]
+
+    def open_box(self, d):
+        """Two in five periodic boxes have no sides along one axis, most of them plates that stand there, close, shear or press."""
+        if self.kind != "periodic" or not d.chance(0.4):
+            return
+        axis = d.choice(range(self.dim))
+        self.scene["periodic"]["open"] = AXES[axis]
+        if self.lattice:  # it may have grown for the box
+            self.lower, self.upper = lattice_box(self.scene["specimen"]["lattice"])
+        if d.chance(0.7):
+            law = {"stiffness": self.stiff, "kratio": d.log(0.8, 10), "friction": d.uniform(0, 0.8)}
+            style, kept, self.d = d.choice(("stand", "close", "shear", "servo")), self.d, d
+            self.scene["walls"] = [self.wall(axis, side, style, law) for side in (-1, 1)]
+            self.d = kept
 
     def wall(self, axis, side, style, law):
         d = self.d

@@ -438,10 +438,72 @@ def confinement_makes_a_specimen_stronger(folder):
 
 
 @fact
-def what_breaks_off_loses_its_membrane(folder):
-    rows = history(run_scene(folder, triaxial(1e6), "--set", "time.stop.peak_drop=off", "--set", "time.end=1.5 ms"))
-    assert rows["membrane_area"][-1] < 0.999 * rows["membrane_area"][0], rows["membrane_area"][-1]
+def what_comes_off_loses_its_membrane_to_what_lay_beneath(folder):
+    """What is under a particle that came off bears its patch, so that the surface stays covered. The same bits on two threads, after a stop
+    between two looks and on the plain instruction set."""
+    given = triaxial(1e5, time={"end": 3e-3})
+    whole = run_scene(folder, given, name="whole")
+    rows = history(whole)
+    first = run_scene(folder, given, "--set", "time.end=1 us", name="first")
+    with results(first) as file:
+        before = file["particles/membrane_area"][:].ravel()
+    with results(whole) as file:
+        after, force = file["particles/membrane_area"][:].ravel(), file["particles/applied_force"][:]
+    off = (before > 0) & (after == 0)
+    assert off.any() and not force[off].any(), off.sum()
+    assert ((before == 0) & (after > 0)).any()
+    assert 0.95 < rows["membrane_area"][-1] / rows["membrane_area"][0] < 1.2, rows["membrane_area"]
     assert abs(rows["energy_residual"]).max() < 0.01
+    check_same(run_scene(folder, given, "--set", "run.threads=2", name="two"), whole)
+    assert state_hash(run_scene(folder, given, "--set", "run.isa=scalar", name="plain")) == state_hash(whole)
+    part = run_scene(folder, given, "--set", "time.end=2.5003 ms", name="part")
+    resume(part, "--set", "time.end=3 ms")
+    assert state_hash(part) == state_hash(whole)
+
+
+@fact
+def the_pressure_in_the_middle_is_held_at_large_strain(folder):
+    """Of what bulges, breaks and loses grains: a specimen that is shortened by a quarter. Mean stress across of the spheres in the middle, of
+    which there are some 60 whose pressures scatter by a quarter: three standard errors are 10 %."""
+    given = triaxial(2e7, time={"end": 8e-3})
+    given["specimen"] = {**given["specimen"], "particles": 1000}
+    for wall in given["walls"]:
+        wall["motion"] = {"vz": [[1e-4, 0], [2e-4, 0.5 * wall["normal"][2]]]}
+    out = run_scene(folder, given)
+    with results(out) as file:
+        x, r, s = (file["particles/" + name][:] for name in ("position", "radius", "stress"))
+    across = np.hypot(*(x[:, :2] - np.median(x[:, :2], axis=0)).T)
+    inside = (across < 0.006) & (np.abs(x[:, 2] - 0.015) < 0.005)
+    middle = np.average(0.5 * (s[inside, 0] + s[inside, 1]), weights=r.reshape(-1)[inside] ** 3)
+    assert history(out)["strain"][-1] > 0.25 and inside.sum() > 50, (history(out)["strain"][-1], inside.sum())
+    assert abs(middle / -2e7 - 1) < 0.1, (middle, inside.sum())
+
+
+@fact
+def yield_under_pressure_takes_poissons_ratio_below_zero(folder):
+    """Of the law: normal springs alone yield. A hexagonal lattice has (1 - k)/(3 + k) with k = k_t/k_n, but for what its skin lacks; under
+    30 MPa and with a slope of a third k is three times as large, and nothing else is changed. The reading is absent then, with the reason."""
+    steel = {"name": "m", "density": 2500, "young": "27 GPa", "poisson": 0.2, "friction": 0.2, "bond_friction": 0.9, "tensile_strength": "1 GPa",
+             "shear_strength": "1 GPa", "fracture_ratio": 0.1}
+    radius, columns, rows_of = 1e-3, 16, 24
+    height, found = radius * np.sqrt(3) * (rows_of - 1) + 2 * radius, {}
+    for name, crush in (("whole", {}), ("yields", {"yield_stress_1": "1 MPa", "yield_ratio_1": 3})):
+        walls = [{"name": end, "point": [0, y], "normal": [0, sign], "stiffness": "20 GN/m", "passive": True,
+                  "motion": {"vy": [[6e-4, 0], [6.5e-4, 0.1 * sign]]}} for end, y, sign in (("bottom", 0, 1), ("top", height, -1))]
+        given = scene(2, specimen={"lattice": {"kind": "hexagonal", "radius": radius, "cells": [columns, rows_of, 1]}}, walls=walls,
+                      law={"stiffness": "dempack", "gamma": 0.8, "softening": "ratio"}, membrane={"pressure": [[0, 0], [5e-4, 3e7]]},
+                      test={"kind": "biaxial", "axis": "y", "lower": "bottom", "upper": "top", "length": height,
+                            "diameter": radius * (2 * columns + 1)}, time={"end": 1.5e-3})
+        out = run_scene(folder, {**given, "materials": [{**steel, **crush}]}, name=name)
+        rows = history(out)
+        used = (rows["time"] > 7e-4) & (rows["stress"] > 0.2 * rows["stress"].max()) & (rows["stress"] < 0.8 * rows["stress"].max())
+        found[name] = -np.polyfit(rows["strain_yy"][used], rows["strain_xx"][used], 1)[0]
+        if name == "whole":
+            assert abs(readings(out)["poisson_ratio"] - found[name]) < 0.01, (readings(out), absent(out))
+        else:
+            assert readings(out)["poisson_ratio"] is None and "bonds yield meanwhile" in absent(out)["poisson_ratio"], absent(out)
+    k = 1 / 2.4
+    assert abs(found["whole"] - (1 - k) / (3 + k)) < 0.01 and abs(found["yields"] - (1 - 3 * k) / (3 + 3 * k)) < 0.01, found
 
 
 @fact
@@ -646,11 +708,21 @@ def a_plate_above_a_led_layer_holds_the_normal_stress_over_the_section_of_the_bo
     assert (rows["dilation"][last] < 0).all() and (rows["stress"][last] > 0).all()
 
 
+def presses_both_ends(out, pressure):
+    """What presses the upper end is given; the lower one feels it with the waves that a sudden load and breaking leave, within a tenth in the
+    median. The normal stress is the mean of both."""
+    rows = history(out)
+    lower, upper = rows["normal_stress_lower"], rows["normal_stress_upper"]
+    assert np.allclose(upper, pressure, rtol=1e-9) and np.allclose(rows["normal_stress"], (lower + upper) / 2, rtol=1e-12)
+    assert abs(np.median(lower) / pressure - 1) < 0.1 and np.ptp(lower) > 1e-3 * pressure, np.median(lower)
+    assert readings(out)["normal_stress_at_peak"] == rows["normal_stress"][rows["stress"].argmax()]
+
+
 @fact
 def the_scene_of_the_simple_shear_test_gives_a_modulus_a_strength_and_a_dilation(folder):
     out = small(folder, "simple-shear", "--set", "specimen.particles=300", "--set", "output.history_rows=500")
     read = readings(out)
-    assert abs(read["normal_stress_at_peak"] / 1e5 - 1) < 1e-9, (read, absent(out))
+    presses_both_ends(out, 1e5)
     assert read["shear_modulus"] > 0 and 0.2 < read["shear_strength"] / 1e5 < 1.5 and read["dilation_at_peak"] > 0, (read, absent(out))
     expect(gneiss("report", out), 0)
 
@@ -790,7 +862,8 @@ def the_scene_of_the_oedometer_gives_a_modulus_and_a_lateral_ratio(folder):
 def the_scene_of_the_shear_test_gives_a_strength_under_its_normal_stress(folder):
     out = small(folder, "shear", "--set", "specimen.particles=400", "--set", "output.history_rows=500")
     read = readings(out)
-    assert read["shear_strength"] > 0 and abs(read["normal_stress_at_peak"] / 2e6 - 1) < 1e-9, (read, absent(out))
+    assert read["shear_strength"] > 0, (read, absent(out))
+    presses_both_ends(out, 2e6)
 
 
 @fact
@@ -828,6 +901,17 @@ def a_stage_does_not_take_the_tangential_springs_away(folder):
             "stages": [{"name": "one", "end": {"steps": 10}},
                        {"name": "two", "materials": {"m": {"kratio": 0}}, "end": {"steps": 10}}]}
     refused(folder, pair, r"stages\[1\].materials: expected a tangential spring of 'm' in this stage too")
+
+
+@fact
+def it_is_said_where_the_area_of_a_test_comes_from(folder):
+    """Of simple shear it is the section of the box, whatever the ends leave between them; of a disc and a beam what makes a stress of a force."""
+    for name, length, area, source in (("simple-shear", None, 0.06, "the section of the periodic box"), ("brazilian", None, None, "pi/2 times diameter and thickness"),
+                                       ("bending", None, None, "the force over it is the stress in the fibre"), ("shear", 0.03, 0.06, None)):
+        said = expect(gneiss("check", os.path.join(ROOT, "scenes", name + ".yaml"), "--set", "specimen.particles=600"), 0).stdout
+        found = re.search(r"test +length (\S+) m, area (\S+) m2(?: \(1 m thick\))?(?:, (.*))?\n", said)
+        assert found and (found[3] or "").startswith(source or "") and bool(found[3]) == bool(source), (name, found and found[0])
+        assert area is None or abs(float(found[2]) / area - 1) < 1e-5, (name, found[0])
 
 
 if __name__ == "__main__":

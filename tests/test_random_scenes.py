@@ -7,7 +7,7 @@ import random_scenes
 
 PROGRAM = os.path.abspath(sys.argv[1])
 SCENES = 200
-# Crowds in exact touch, in single precision and a periodic box: contacts without a path in the first steps.
+# Crowds in exact touch, in single precision and a periodic box (with sides all round): contacts without a path in the first steps.
 MORE = (1003, 1395, 2067)
 # A specimen that has come apart long before its lists are made anew.
 MORE += (560,)

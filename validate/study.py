@@ -1,7 +1,8 @@
 """What the studies share: runs of the program, kept and reused, and tables between markers of a document.
 
 A run goes to runs/studies/<name>. It is done again when its settings changed, when it is not there, or with
---fresh. The program is build/gneiss, or what the environment variable GNEISS names.
+--fresh. The program is build/gneiss, or what the environment variable GNEISS names. With --kept nothing is run: tables have the rows
+whose runs are there, and name the others.
 """
 import json
 import os
@@ -19,6 +20,7 @@ PROGRAM = os.environ.get("GNEISS", str(ROOT / "build" / "gneiss"))
 LIBRARY = os.environ.get("GNEISS_LIBRARY", str(ROOT / "build" / "libgneiss.so"))
 THREADS = int(os.environ.get("GNEISS_THREADS", "2"))
 FRESH = "--fresh" in sys.argv
+KEPT = "--kept" in sys.argv
 ROCK = "scenes/ucs-rock.yaml"
 
 
@@ -33,6 +35,25 @@ def set_arguments(settings):
     for key, value in settings.items():
         arguments += ["--set", f"{key}={value}"]
     return arguments
+
+
+class Missing(Exception):
+    """With --kept: a run that is not there."""
+
+
+def if_there(make, *arguments, **named):
+    """What make(...) returns; None where a run that it needs is not there (with --kept)."""
+    try:
+        return make(*arguments, **named)
+    except Missing as gone:
+        print(f"not there: {gone}", file=sys.stderr)
+        return None
+
+
+def not_run(names):
+    """A line below a table on the rows that it lacks; nothing if it lacks none."""
+    names = list(names)
+    return f"\nNot run: {'; '.join(names)}." if names else ""
 
 
 class Run:
@@ -90,6 +111,8 @@ def run(name, scene, settings, must_finish=True):
         record = json.loads(note.read_text())
         if record["asked"] == asked and record["code"] in (0, 5):
             return Run(folder, record)
+    if KEPT:
+        raise Missing(name)
     shutil.rmtree(folder, ignore_errors=True)
     done = call(["run", str(scene), "--quiet", "--out", str(folder), *set_arguments(settings)])
     if must_finish and done.returncode != 0:
@@ -134,9 +157,9 @@ def put(document, name, text):
     path.write_text(pattern.sub(lambda m: m.group(1) + text.rstrip() + "\n" + m.group(2), whole))
 
 
-def put_table(document, name, head, rows, quick):
-    """Prints a table and, unless quick, puts it into the page."""
-    text = table(head, rows)
+def put_table(document, name, head, rows, quick, missing=()):
+    """Prints a table, with the names of rows that are missing, and, unless quick, puts it into the page."""
+    text = table(head, rows) + ("\n" + not_run(missing) if missing else "")
     print(f"{name}\n{text}\n", flush=True)
     if not quick:
         put(document, name, text)

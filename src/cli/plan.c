@@ -11,6 +11,7 @@
 #include "cli/plan_stages.h"
 #include "cli/progress.h"
 #include "sim/conversion.h"
+#include "sim/laboratory.h"
 #include "sim/membrane.h"
 #include "sim/overlap.h"
 
@@ -392,11 +393,9 @@ static void print_volume(const gn_world *w) {
     printf("  volume           %.6g m3%s, of %s; mass %.6g kg\n", w->volume,
            space ? "" : " (1 m thick)", gn_world_volume_source(w), gn_world_mass(w));
     if (w->scene.test.kind == GN_TEST_NONE) return;
-    printf("  test             length %.6g m, area %.6g %s%s\n", w->test_length, w->test_area,
-           space ? "m2" : "m2 (1 m thick)",
-           w->scene.test.area > 0.0 || w->scene.test.diameter > 0.0
-               ? ""
-               : ", that volume over the length");
+    const char *source = gn_test_area_source(w);
+    printf("  test             length %.6g m, area %.6g %s%s%s\n", w->test_length, w->test_area,
+           space ? "m2" : "m2 (1 m thick)", *source ? ", " : "", source);
 }
 
 static void print_membrane(const gn_world *w) {

@@ -11,6 +11,11 @@
  * as wide between glued ends, 0.075 in a cube (nu 0.2: 0.14 is read, and 1.03 E). */
 static const double beside_modulus = 0.1, beside_ratio = 0.05;
 
+/* Of the work while a ratio is read, what may go into yielding. A bond that yields gives way along
+ * its normal alone, so that its tangential spring counts for more: the ratio falls by 0.11 of that
+ * share with k_t/k_n 0.4, and below 0 from a half on. */
+static const double yielding = 0.1;
+
 /* --- absent --- */
 
 /* Reasons show 0 without a sign. */
@@ -171,6 +176,24 @@ static void need_possible_ratio(int dimension, gn_readings *r) {
             nu, most);
 }
 
+static double grown(const gn_curves *c, const char *column) {
+    const double *e = gn_history_column(c->history, column);
+    return e ? e[c->loading.last] - e[c->loading.first] : 0.0;
+}
+
+/* The ledger tells; without it nothing does. */
+static void need_bonds_that_do_not_yield(const gn_curves *c, gn_reading which, gn_readings *r) {
+    if (c->loading.last >= c->history->row_count) return;
+    double lost = grown(c, "energy_plasticity");
+    double share =
+        lost / (lost + grown(c, "energy_elastic_normal") + grown(c, "energy_elastic_shear"));
+    if (share > yielding)
+        gn_reading_absent(r, which,
+                          "bonds yield meanwhile (%.2g of the work): along their normals alone, "
+                          "so that what is read (%.2g) is of the law",
+                          share, r->poisson_ratio);
+}
+
 /* Both strains are fitted over the stress and the slopes divided. Fitting lateral over axial strain
  * instead would be biased towards zero by the vibrations in the axial average; over the stress such
  * scatter averages out of both slopes. */
@@ -193,6 +216,7 @@ static void read_poisson(const gn_curves *c, gn_readings *r) {
     if (error > gn_scatter_allowed)
         gn_reading_absent(r, which, "the rows scatter: standard error %.2g", error);
     need_ways_or_stress(c, which, r);
+    need_bonds_that_do_not_yield(c, which, r);
     need_possible_ratio(dimension, r);
 }
 

@@ -45,14 +45,17 @@ static const gn_piece pieces[] = {
     DOUBLES(scaling.step),
     DOUBLES(scaling.reached),
 };
-enum { PIECES = sizeof pieces / sizeof *pieces, MOST_ARRAYS = 7 };
+enum { PIECES = sizeof pieces / sizeof *pieces, MOST_ARRAYS = 8 };
 
 static size_t list_arrays(gn_world *w, gn_checkpoint_array out[MOST_ARRAYS]) {
     size_t n = 0;
     gn_prescription *f = &w->dem.prescribed;
-    if (w->effects & GN_FX_MEMBRANE)
+    if (w->effects & GN_FX_MEMBRANE) {
         out[n++] = (gn_checkpoint_array){"membrane", GN_F64, 1, sizeof(gn_membrane) / 8,
                                          (void **)&w->dem.membrane};
+        out[n++] = (gn_checkpoint_array){"patches", GN_F64, w->dem.patch_count,
+                                         sizeof(gn_patch) / 8, (void **)&w->dem.patches};
+    }
     if (!(w->effects & GN_FX_PRESCRIBED)) return n;
     out[n++] = (gn_checkpoint_array){"prescribed_set", GN_I32, f->count, 1, (void **)&f->set};
     out[n++] = (gn_checkpoint_array){"prescribed_mask", GN_U8, f->count, 1, (void **)&f->mask};
@@ -124,6 +127,15 @@ static bool good_prescription(const gn_world *w) {
     return good;
 }
 
+static bool good_patches(const gn_world *w) {
+    bool good = true;
+    for (size_t k = 0; k < w->dem.patch_count; k++) {
+        double owner = w->dem.patches[k].owner;
+        good = good && owner >= -1.0 && owner < (double)w->dem.ids;
+    }
+    return good;
+}
+
 static gneiss_status check(const gn_world *w, const char *path, gneiss_error *error) {
     const gn_dem *d = &w->dem;
     size_t n = d->particles.soa.count;
@@ -131,7 +143,8 @@ static gneiss_status check(const gn_world *w, const char *path, gneiss_error *er
         return gn_fail(error, GNEISS_ERROR_INPUT,
                        "%s: expected positive steps and intervals, found others", path);
     if (good_contacts(&d->bonds, n) && good_contacts(&d->pairs, n) &&
-        good_contacts(&d->prepared, n) && good_particles(w) && good_prescription(w))
+        good_contacts(&d->prepared, n) && good_particles(w) && good_prescription(w) &&
+        good_patches(w))
         return GNEISS_OK;
     return gn_fail(error, GNEISS_ERROR_INPUT,
                    "%s: expected particle numbers below %zu, found others", path, n);
@@ -167,6 +180,8 @@ gneiss_status gn_dem_load(gn_world *w, const gn_h5 *file, const char *path, gnei
     GN_TRY(gn_checkpoint_get_flow(w, file, error));
     if (w->effects & GN_FX_PRESCRIBED)
         GN_TRY(gn_h5_rows(file, "arrays/prescribed_set", &d->prescribed.count, error));
+    if (w->effects & GN_FX_MEMBRANE)
+        GN_TRY(gn_h5_rows(file, "arrays/patches", &d->patch_count, error));
     size_t count = list_arrays(w, arrays);
     GN_TRY(gn_checkpoint_get_arrays(file, arrays, count, error));
     GN_TRY(

@@ -108,7 +108,7 @@ static const gn_output_field of_particles[] = {
      "force of sets and of the membrane in the last step; with `sets.force` or `membrane`", BOTH,
      GN_F64, false, 3, read_applied, GN_FX_APPLIED},
     {"membrane_area", "m2",
-     "what the membrane covers of it; 0: it is not of the skin, or has broken off; with `membrane`",
+     "what the membrane covers of it; 0: it is not of the skin, or has come off; with `membrane`",
      BOTH, GN_F64, false, 1, read_membrane_area, GN_FX_MEMBRANE},
     {"orientation", "1",
      "unit quaternion w x y z of the turn from the start, w >= 0: the shorter way round; with "

@@ -189,7 +189,14 @@ READ(test_stress, w->scene.test.kind == GN_TEST_HYDROSTATIC
                       : 0.5 * (end_stress(w, false) + end_stress(w, true)))
 READ(membrane_pressure, gn_membrane_pressure(w))
 READ(membrane_area, gn_membrane_area(w))
-READ(normal_stress, gn_ends_normal(w) / w->test_area)
+static double normal_stress(const gn_world *w, double of_lower, double of_upper) {
+    double lower, upper;
+    gn_ends_normals(w, &lower, &upper);
+    return (of_lower * lower + of_upper * upper) / w->test_area;
+}
+READ(normal_stress, normal_stress(w, 0.5, 0.5))
+READ(normal_lower, normal_stress(w, 1.0, 0.0))
+READ(normal_upper, normal_stress(w, 0.0, 1.0))
 READ(dilation, gn_ends_dilation(w))
 static void read_test_force(const gn_world *w, size_t k, double *value) {
     double lower, upper;
@@ -299,9 +306,13 @@ static const gn_quantity of_the_model[] = {
     SCALAR(pressed, GN_AFTER_STEP, "membrane_pressure", "Pa", read_membrane_pressure,
            "pressure of the membrane"),
     SCALAR(pressed, GN_AFTER_STEP, "membrane_area", "m2", read_membrane_area,
-           "what it covers of the surface: particles that broke off have lost theirs"),
+           "what it covers, at its last look"),
     SCALAR(sheared, GN_AFTER_STEP, "normal_stress", "Pa", read_normal_stress,
-           "force across the sheared plane over the area, compression positive"),
+           "force across the sheared plane over the area, compression positive: mean of both ends"),
+    SCALAR(sheared, GN_AFTER_STEP, "normal_stress_lower", "Pa", read_normal_lower,
+           "the same of the lower end"),
+    SCALAR(sheared, GN_AFTER_STEP, "normal_stress_upper", "Pa", read_normal_upper,
+           "the same of the upper end; of a set that is pressed by a force that force"),
     SCALAR(sheared, GN_BEFORE_STEP, "dilation", "m", read_dilation,
            "how far the ends came apart across the sheared plane"),
     SCALAR(gauged, GN_BEFORE_STEP, "opening", "m", read_opening,

@@ -239,13 +239,10 @@ static void warn_of_sources(const gn_run *run, gn_warnings *list) {
     }
 }
 
-/* Mean over the last rows, of the stage that is on, of what a servo found and was to hold. */
-static gn_servo_row mean_of(const gn_run *run, int wall, int axis) {
-    const size_t rows = run->history.row_count,
-                 begun = gn_run_staged(run) ? (size_t)run->world.stages[run->world.stage].row : 0;
-    const size_t count = rows - begun < GN_ROWS_HELD ? rows - begun : GN_ROWS_HELD;
+/* Mean over `count` rows, the last of them `last`, of what a servo found and was to hold. */
+static gn_servo_row mean_of(const gn_run *run, int wall, int axis, size_t last, size_t count) {
     gn_servo_row mean = {0};
-    for (size_t r = rows - count; r < rows; r++) {
+    for (size_t r = last + 1 - count; r <= last; r++) {
         gn_servo_row row =
             wall >= 0 ? gn_run_wall_servo(run, (size_t)wall, r) : gn_run_side_servo(run, axis, r);
         mean.found += row.found / (double)count;
@@ -254,8 +251,33 @@ static gn_servo_row mean_of(const gn_run *run, int wall, int axis) {
     return mean;
 }
 
-/* What a servo is to hold and does not, at the end, may never have been there. */
-static const double servo_limit = 0.1;
+/* What a servo is to hold and does not: off by so much of it, in more than this share of the stage
+ * since it first held. */
+static const double servo_limit = 0.1, share_limit = 0.1;
+
+/* Next to nothing is nothing, too. */
+static bool is_off(gn_servo_row row) {
+    return row.wanted != 0.0 && fabs(row.found - row.wanted) > servo_limit * fabs(row.wanted);
+}
+
+/* Of the stage that is on: the mean of its last rows, which may never have been there, and the
+ * share of means of so many rows that are off since the first that is not (0: there is none). */
+static gn_servo_row look_at_servo(const gn_run *run, int wall, int axis, double *share) {
+    const size_t rows = run->history.row_count,
+                 begun = gn_run_staged(run) ? (size_t)run->world.stages[run->world.stage].row : 0;
+    const size_t count = rows - begun < GN_ROWS_HELD ? rows - begun : GN_ROWS_HELD;
+    size_t means = 0, off = 0;
+    gn_servo_row mean = {0};
+    *share = 0.0;
+    if (count == 0) return mean;
+    for (size_t last = begun + count - 1; last < rows; last++) {
+        mean = mean_of(run, wall, axis, last, count);
+        off += means > 0 && is_off(mean);
+        means += means > 0 || !is_off(mean);
+    }
+    if (means > 0) *share = (double)off / (double)means;
+    return mean;
+}
 
 static void warn_of_servos(const gn_run *run, gn_warnings *list) {
     const gn_scene *s = &run->world.scene;
@@ -264,13 +286,18 @@ static void warn_of_servos(const gn_run *run, gn_warnings *list) {
     for (int k = 0; run->finished && k < 3 + (int)s->wall_count && used < sizeof text; k++) {
         const int wall = k - 3, axis = k < 3 ? k : -1;
         bool active = axis >= 0 ? s->box[axis].stress.count > 0 : s->walls[wall].servo.active;
-        gn_servo_row mean = active ? mean_of(run, wall, axis) : (gn_servo_row){0};
-        bool off = fabs(mean.found - mean.wanted) > servo_limit * fabs(mean.wanted);
-        if (!off || mean.wanted == 0.0) continue; /* next to nothing is nothing, too */
+        double share = 0.0;
+        gn_servo_row mean = active ? look_at_servo(run, wall, axis, &share) : (gn_servo_row){0};
+        if (!is_off(mean) && share <= share_limit) continue;
         const char *name = axis >= 0 ? (const char *[]){"x", "y", "z"}[axis] : s->walls[wall].name;
         used += (size_t)snprintf(text + used, sizeof text - used, "%s%s '%s' %.4g of %.4g %s",
                                  used ? ", " : "", axis >= 0 ? "side" : "wall", name, mean.found,
                                  mean.wanted, axis >= 0 ? "Pa" : "N");
+        if (share > share_limit && used < sizeof text)
+            used += (size_t)snprintf(text + used, sizeof text - used,
+                                     " (off by more than a tenth in %.0f %% of the %s since it "
+                                     "first held)",
+                                     100.0 * share, gn_run_staged(run) ? "stage" : "run");
     }
     if (!used) return;
     gn_warning *to = &list->warning[list->count++];

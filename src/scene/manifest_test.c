@@ -118,8 +118,9 @@ static const gn_key membrane_keys[] = {
     KEY("axis", CHOICE, gn_scene, membrane.axis, .choices = axes_or_test, .fallback = "test",
         .text = "that sides face across; test: the one of the test"),
     KEY("follow", CHOICE, gn_scene, membrane.follow, .choices = booleans, .fallback = "true",
-        .text = "areas and normals turn and stretch with the mean deformation of the skin; false: "
-                "they stay as at the start, and a specimen that nothing holds turns over"),
+        .text = "areas and normals turn and stretch as the particles around them move, so that the "
+                "pressure is held; false: they stay as at the start, and a specimen that nothing "
+                "holds turns over"),
 };
 const gn_section gn_membrane_section = {membrane_keys, sizeof membrane_keys / sizeof(gn_key), 0,
                                         offsetof(gn_scene, membrane.where)};

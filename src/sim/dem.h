@@ -52,12 +52,22 @@ typedef struct gn_mass_scaling {
 /* A cause beside those of gn_cause (4 and 5 are bonds that hold, in files): by a stage. */
 enum { GN_BOND_DISSOLVED = 6 };
 
-/* A membrane, and the surface that it covers at the start (membrane.h). */
+/* A membrane (membrane.h), in doubles, as checkpoints have it. Areas act where they are; tensors
+ * are sums of areas times places or ways, m3. */
 typedef struct gn_membrane {
-    double pressure; /* Pa, in the last step */
-    double area;     /* m2 */
-    double arms[9];  /* m3, sum of areas times the ways to them from the centres that bear them */
+    double pressure;    /* Pa, in the last step */
+    double gradient[9]; /* of the skin in the last step: how it has moved as a whole */
+    double rest[9];     /* at the start, of the pieces of the surface less that of the patches */
+    double arms[9];     /* ways from the centres that bear the areas, turned back by the gradient */
 } gn_membrane;
+
+/* What of the surface one particle had at the start, in doubles, as checkpoints have it. */
+typedef struct gn_patch {
+    double point[3]; /* m, its middle */
+    double area[3];  /* m2, outward */
+    double size;     /* m2 */
+    double owner;    /* id of the particle that bears it; -1: none is left */
+} gn_patch;
 
 /* A particle of a body that converts (conversion.h), in doubles, as checkpoints have it. */
 typedef struct gn_sleeper {
@@ -86,6 +96,8 @@ typedef struct gn_dem {
     int32_t *channel_set;  /* [prescribed.count][6] set that drives a channel, -1: free */
     double *set_reaction;  /* [scene.set_count][6] N, N m: what the prescription supplied */
     gn_membrane *membrane; /* NULL: none */
+    gn_patch *patches;     /* [patch_count] with a membrane */
+    size_t patch_count;
     gn_verlet verlet;
     double radius_min; /* m */
     double mass;       /* kg, own, of those that were there when the lists were made */

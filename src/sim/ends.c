@@ -80,13 +80,19 @@ static bool acts_along(const gn_scene *s, const char *name, int axis) {
     return s->sets[set].motion.velocity[axis].count || s->sets[set].has_force;
 }
 
-double gn_ends_normal(const gn_world *w) {
+static bool end_acts_along(const gn_world *w, const gn_test_end *end, int axis) {
+    bool acts = false;
+    for (size_t k = 0; k < end->count; k++) acts |= acts_along(&w->scene, end->name[k], axis);
+    return acts;
+}
+
+void gn_ends_normals(const gn_world *w, double *lower, double *upper) {
     const gn_test *t = &w->scene.test;
     const int normal = (int)t->normal;
-    bool upper = false;
-    for (size_t k = 0; k < t->upper.count; k++)
-        upper |= acts_along(&w->scene, t->upper.name[k], normal);
-    return upper ? -end_force(w, &t->upper, normal) : end_force(w, &t->lower, normal);
+    *lower = end_force(w, &t->lower, normal);
+    *upper = -end_force(w, &t->upper, normal);
+    if (!end_acts_along(w, &t->lower, normal)) *lower = *upper;
+    if (!end_acts_along(w, &t->upper, normal)) *upper = *lower;
 }
 
 double gn_ends_dilation(const gn_world *w) {

@@ -8,9 +8,9 @@
 double gn_ends_deflection(const gn_world *world);
 /* Of the gauge of the test, m. */
 double gn_ends_opening(const gn_world *world);
-/* Of a shear test: force of the upper end across the plane, pressing positive, N, or of the lower
- * one where the upper one has none; how far the ends come apart, m. */
-double gn_ends_normal(const gn_world *world);
+/* Of a shear test: forces of the ends across the plane, pressing positive, N; an end that neither
+ * holds nor presses there has that of the other. How far the ends come apart, m. */
+void gn_ends_normals(const gn_world *world, double *lower, double *upper);
 double gn_ends_dilation(const gn_world *world);
 /* Between the innermost places of both ends along the normal of a shear test, at the start, m: of
  * sets centres, of walls their plane. Not positive: the ends overlap or are empty. */

@@ -3,6 +3,7 @@
 #include "base/ball.h"
 #include "base/memory.h"
 #include "sim/conversion.h"
+#include "sim/internal.h"
 
 #include <math.h>
 
@@ -15,11 +16,24 @@ static int32_t root_of(int32_t *parent, int32_t p) {
     return p;
 }
 
+static void unite(int32_t *parent, int32_t i, int32_t j) {
+    int32_t a = root_of(parent, i), b = root_of(parent, j);
+    if (a != b) parent[a > b ? a : b] = a < b ? a : b;
+}
+
 static void join(const gn_contacts *bonds, int32_t *parent) {
-    for (size_t c = 0; c < bonds->soa.count; c++) {
-        if (!gn_contact_bonded(bonds, c)) continue;
-        int32_t a = root_of(parent, bonds->i[c]), b = root_of(parent, bonds->j[c]);
-        if (a != b) parent[a > b ? a : b] = a < b ? a : b;
+    for (size_t c = 0; c < bonds->soa.count; c++)
+        if (gn_contact_bonded(bonds, c)) unite(parent, bonds->i[c], bonds->j[c]);
+}
+
+static void join_touching(const gn_world *w, const gn_contacts *list, int32_t *parent) {
+    const double *pos = w->dem.particles.pos;
+    double d[3];
+    for (size_t c = 0; c < list->soa.count; c++) {
+        const size_t i = (size_t)list->i[c], j = (size_t)list->j[c];
+        double free = list->length0 ? list->length0[c] : pos[4 * i + 3] + pos[4 * j + 3];
+        if (gn_contact_bonded(list, c) || gn_branch(w, pos + 4 * i, pos + 4 * j, d) < free * free)
+            unite(parent, (int32_t)i, (int32_t)j);
     }
 }
 
@@ -53,15 +67,33 @@ gneiss_status gn_pieces_create(gn_world *w, gneiss_error *error) {
     return gn_fail(error, GNEISS_ERROR_MEMORY, "no memory for the fragments of %zu particles", n);
 }
 
-gn_fragments gn_world_fragments(const gn_world *w) {
-    const size_t n = w->dem.particles.soa.count;
-    const gn_pieces *q = &w->dem.pieces;
-    if (!(w->effects & GN_FX_BONDS) || !n) return (gn_fragments){NAN, NAN};
+static void start(const gn_pieces *q, size_t n) {
     for (size_t p = 0; p < n; p++) {
         q->parent[p] = (int32_t)p;
         q->members[p] = 0;
         q->volume[p] = 0.0;
     }
+}
+
+const int32_t *gn_world_bodies(const gn_world *w) {
+    const gn_particles *p = &w->dem.particles;
+    const gn_pieces *q = &w->dem.pieces;
+    if (!(w->effects & GN_FX_BONDS)) return NULL;
+    start(q, p->soa.count);
+    join_touching(w, &w->dem.bonds, q->parent);
+    join_touching(w, &w->dem.pairs, q->parent);
+    for (size_t k = 0; k < p->soa.count; k++)
+        if (p->vel[4 * k + 3] > 0.0) q->members[root_of(q->parent, (int32_t)k)]++;
+    for (size_t k = p->soa.count; k-- > 0;) /* the first of a body comes last */
+        q->members[k] = p->vel[4 * k + 3] > 0.0 ? q->members[root_of(q->parent, (int32_t)k)] : 0;
+    return q->members;
+}
+
+gn_fragments gn_world_fragments(const gn_world *w) {
+    const size_t n = w->dem.particles.soa.count;
+    const gn_pieces *q = &w->dem.pieces;
+    if (!(w->effects & GN_FX_BONDS) || !n) return (gn_fragments){NAN, NAN};
+    start(q, n);
     join(&w->dem.bonds, q->parent);
     return measure(w, q->parent, q->volume, q->members);
 }

@@ -12,4 +12,9 @@ typedef struct gn_fragments {
 gneiss_status gn_pieces_create(gn_world *world, gneiss_error *error);
 gn_fragments gn_world_fragments(const gn_world *world);
 
+/* Bodies: what bonds that hold and contacts that touch keep together. members[p] is how many
+ * particles the body of p has, 0 of particles that have left; NULL without bonds. Until the next
+ * call of either. */
+const int32_t *gn_world_bodies(const gn_world *world);
+
 #endif

@@ -91,6 +91,9 @@ static gneiss_status read_all(const gn_scene *scene, source *s, gn_from_run *fro
         return gn_fail(error, GNEISS_ERROR_INPUT,
                        "expected a run that came to its end, found one that did not (gneiss resume "
                        "goes on with it)");
+    if (!gn_h5_has(s->file, "particles/position"))
+        return gn_fail(error, GNEISS_ERROR_INPUT,
+                       "expected the results of a run with particles, found none of them");
     if (dimension != scene->dimension)
         return gn_fail(error, GNEISS_ERROR_INPUT,
                        "expected a run of a %dD scene, found one of a %dD scene",

@@ -115,6 +115,31 @@ gn_tested_shape gn_test_shape(const gn_world *w) {
     return prism(w);
 }
 
+const char *gn_test_area_source(const gn_world *w) {
+    const gn_test *t = &w->scene.test;
+    switch (t->kind) {
+    case GN_TEST_BRAZILIAN:
+        return "pi/2 times diameter and thickness: the force over it is 2 P/(pi D t)";
+    case GN_TEST_BENDING:
+        return "the force over it is the stress in the fibre below mid-span";
+    case GN_TEST_SIMPLE_SHEAR:
+        return "the section of the periodic box";
+    case GN_TEST_HYDROSTATIC:
+    case GN_TEST_NONE:
+        return "";
+    case GN_TEST_SHEAR:
+    case GN_TEST_COMPRESSION:
+    case GN_TEST_TENSION:
+    case GN_TEST_TRIAXIAL:
+    case GN_TEST_BIAXIAL:
+    case GN_TEST_OEDOMETER:
+    case GN_TEST_KINDS:
+        break;
+    }
+    if (t->area > 0.0 || t->diameter > 0.0) return "";
+    return "that volume over the length";
+}
+
 /* --- the stress in the middle of a disc --- */
 
 /* The middle of the disc, its radius, and of what is in it. */

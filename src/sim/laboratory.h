@@ -19,6 +19,9 @@ typedef struct gn_tested_shape {
  * the world has. */
 gn_tested_shape gn_test_shape(const gn_world *world);
 
+/* Where its area comes from, in words; "": the scene gives it, or there is none. */
+const char *gn_test_area_source(const gn_world *world);
+
 /* Mean stress, Pa, of a disc's region about its centre (test.centre): sum over contacts of f_a l_b
  * over the volume of the region, l the part of the branch that lies in it. At the present places,
  * with the tangential forces of the last step. */

@@ -1,24 +1,32 @@
-/* Pressure on the surface of a packed specimen, as of a cell: dead loads on its skin particles that
- * may follow the deformation. */
+/* Pressure on the surface of a packed specimen, as of a cell: loads on its skin particles that may
+ * follow the deformation. */
 #ifndef GN_SIM_MEMBRANE_H
 #define GN_SIM_MEMBRANE_H
 
 #include "sim/world.h"
 
-/* Finds the skin and what of the surface each of its particles has (membrane_skin.c). Call with
+/* Cuts the surface into patches, one for each particle of the skin (membrane_skin.c). Call with
  * masses and sets applied. Does nothing without a membrane. */
 gneiss_status gn_membrane_create(gn_world *world, gneiss_error *error);
 
-/* The least change of the areas after which their moment about 0, with particles where they were at
- * the start, is `moment`, m3 (0: none). */
-void gn_membrane_balance(gn_world *world, const double moment[3]);
-
 /* The skin of particles without a shape, by what a ball of the radius `probe` touches from outside
- * (membrane_free.c). */
-gneiss_status gn_membrane_free_skin(gn_world *world, double probe, gneiss_error *error);
+ * (membrane_free.c). Areas go to q->skin; `arms` are their ways from the centres, m3. */
+gneiss_status gn_membrane_free_skin(gn_world *world, double probe, double arms[9],
+                                    gneiss_error *error);
+
+/* Patches of what came off go to what lay beneath (membrane_lay.c). */
+gneiss_status gn_membrane_drop(gn_world *world, gneiss_error *error);
+
+/* Areas of the skin from its patches, each as what is around it has moved, in balance as those of
+ * the surface are (membrane_lay.c). At the start and at every look. */
+gneiss_status gn_membrane_lay(gn_world *world, gneiss_error *error);
+
+/* The least change of the areas in q->skin after which their moment about 0, with particles at
+ * `place` (rows of 4), is `moment`, m3. */
+void gn_membrane_balance(gn_world *world, const double *place, const double moment[3]);
 
 /* Applied forces of the instant; before the forces of a step. */
-void gn_membrane_press(gn_world *world);
+gneiss_status gn_membrane_press(gn_world *world, gneiss_error *error);
 
 /* Pa: of the last step; what it adds to the mean stress of the specimen, between centres and
  * surface.
@@ -26,10 +34,32 @@ void gn_membrane_press(gn_world *world);
 double gn_membrane_pressure(const gn_world *world);
 void gn_membrane_stress(const gn_world *world, double stress[9]);
 
-/* m2: what it covers, at the start; of particles that have not broken off. */
+/* m2: what it covers, at the last look. */
 double gn_membrane_area(const gn_world *world);
+
+/* Whether it presses on a particle, and whether a particle came off the body. */
+static inline bool gn_is_pressed(const gn_particles *particles, size_t p) {
+    return particles->skin[4 * p + 3] > 0.0;
+}
+static inline bool gn_came_off(const gn_particles *particles, size_t p) {
+    return particles->skin[4 * p + 3] < 0.0;
+}
+
+/* x = F X by least squares of places that were at X and are at x, both from their means on. */
+typedef struct gn_gradient_fit {
+    int dimension;
+    double sum, from[3], to[3]; /* of weights; of places times them */
+    double moved[9], spread[9];
+} gn_gradient_fit;
+void gn_gradient_add(gn_gradient_fit *fit, double weight, const double from[3], const double to[3]);
+/* False, and the identity, where the places do not span space. */
+bool gn_gradient_of(const gn_gradient_fit *fit, double gradient[9]);
 
 /* c = adj(a)^T: what turns and stretches areas as a does lengths (Nanson: J F^-T dA). */
 void gn_cofactor3(const double a[9], double c[9]);
+/* r = a b, r = a b^T, r = a^T b. */
+void gn_product3(const double a[9], const double b[9], double r[9]);
+void gn_product3_bt(const double a[9], const double b[9], double r[9]);
+void gn_product3_at(const double a[9], const double b[9], double r[9]);
 
 #endif

@@ -67,7 +67,7 @@ static gneiss_status look(view *v, gneiss_error *error) {
 }
 
 /* Areas of the free directions, and arms that end on the particles. */
-static void collect(gn_world *w, const view *v) {
+static void collect(gn_world *w, const view *v, double arms[9]) {
     gn_particles *q = &w->dem.particles;
     const bool space = w->scene.dimension == 3;
     for (size_t p = 0; p < q->soa.count; p++) {
@@ -78,8 +78,7 @@ static void collect(gn_world *w, const view *v) {
             const double *d = v->direction[k];
             for (int a = 0; a < 3; a++) q->skin[4 * p + a] += each * d[a];
             q->skin[4 * p + 3] += each;
-            for (int a = 0; a < 9; a++)
-                w->dem.membrane->arms[a] += each * radius * d[a / 3] * d[a % 3];
+            for (int a = 0; a < 9; a++) arms[a] += each * radius * d[a / 3] * d[a % 3];
         }
     }
 }
@@ -96,35 +95,35 @@ static void close_surface(gn_particles *q) {
 }
 
 /* Such that sum a x = V along each axis, x where the areas act: the mean stress is the pressure. */
-static void scale(gn_world *w) {
+static void scale(gn_world *w, double arms[9]) {
     gn_particles *q = &w->dem.particles;
-    gn_membrane *m = w->dem.membrane;
     double factor[3] = {1, 1, 1};
     for (int a = 0; a < (int)w->scene.dimension; a++) {
-        double sum = m->arms[4 * a];
+        double sum = arms[4 * a];
         for (size_t p = 0; p < q->soa.count; p++) sum += q->skin[4 * p + a] * q->pos[4 * p + a];
         factor[a] = w->volume / sum;
     }
-    for (int a = 0; a < 9; a++) m->arms[a] *= factor[a / 3];
+    for (int a = 0; a < 9; a++) arms[a] *= factor[a / 3];
     for (size_t p = 0; p < q->soa.count; p++) {
         double *s = q->skin + 4 * p;
         for (int a = 0; a < 3; a++) s[a] *= factor[a];
         s[3] = s[3] > 0.0 ? sqrt(gn_dot3(s, s)) : 0.0;
-        m->area += s[3];
     }
 }
 
-gneiss_status gn_membrane_free_skin(gn_world *w, double probe, gneiss_error *error) {
+gneiss_status gn_membrane_free_skin(gn_world *w, double probe, double arms[9],
+                                    gneiss_error *error) {
     view v = {.w = w, .probe = probe};
     set_directions(&v);
     gneiss_status status = look(&v, error);
     if (status == GNEISS_OK) {
-        collect(w, &v);
+        collect(w, &v, arms);
         const double none[3] = {0};
         close_surface(&w->dem.particles);
-        gn_membrane_balance(w, none);
-        scale(w);
-        gn_membrane_balance(w, none); /* of what unlike factors of the axes bring back */
+        gn_membrane_balance(w, w->dem.particles.start, none);
+        scale(w, arms);
+        gn_membrane_balance(w, w->dem.particles.start,
+                            none); /* of what unlike factors of the axes bring back */
     }
     gn_free(v.hidden);
     return status;

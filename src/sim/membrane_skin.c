@@ -5,99 +5,13 @@
 #include "base/memory.h"
 #include "pack/boundary.h"
 #include "sim/internal.h"
+#include "sim/membrane_grid.h"
 
 #include <math.h>
 #include <string.h>
 
 /* Of a mean radius: shares are then of some fifty pieces. */
 static const double piece_size = 0.25;
-
-/* --- the nearest particle --- */
-
-/* Particles by cells of a grid: those of cell k are item[first[k] .. first[k + 1]). */
-typedef struct grid {
-    double lower[3], cell, radius_max;
-    int64_t n[3];
-    int32_t *first, *item;
-} grid;
-
-static int64_t cell_along(const grid *g, double x, int a) {
-    int64_t k = (int64_t)floor((x - g->lower[a]) / g->cell);
-    return k < 0 ? 0 : k >= g->n[a] ? g->n[a] - 1 : k;
-}
-
-static int64_t cell_at(const grid *g, const double *x) {
-    return (cell_along(g, x[2], 2) * g->n[1] + cell_along(g, x[1], 1)) * g->n[0] +
-           cell_along(g, x[0], 0);
-}
-
-static void free_grid(grid *g) {
-    gn_free(g->first);
-    gn_free(g->item);
-}
-
-static gneiss_status make_grid(const gn_world *w, double cell, grid *g, gneiss_error *error) {
-    const gn_particles *q = &w->dem.particles;
-    *g = (grid){.cell = cell};
-    size_t cells = 1;
-    for (int a = 0; a < 3; a++) {
-        g->lower[a] = w->lower[a];
-        g->n[a] = 1 + (int64_t)((w->upper[a] - w->lower[a]) / cell);
-        cells *= (size_t)g->n[a];
-    }
-    g->first = gn_alloc_array(cells + 2, sizeof *g->first);
-    g->item = gn_alloc_array(q->soa.count + 1, sizeof *g->item);
-    if (!g->first || !g->item) {
-        free_grid(g);
-        return gn_fail(error, GNEISS_ERROR_MEMORY, "no memory for the skin of the specimen");
-    }
-    for (size_t p = 0; p < q->soa.count; p++) {
-        g->first[cell_at(g, q->pos + 4 * p) + 2]++;
-        g->radius_max = fmax(g->radius_max, q->pos[4 * p + 3]);
-    }
-    for (size_t k = 0; k < cells; k++) g->first[k + 2] += g->first[k + 1];
-    for (size_t p = 0; p < q->soa.count; p++)
-        g->item[g->first[cell_at(g, q->pos + 4 * p) + 1]++] = (int32_t)p;
-    return GNEISS_OK;
-}
-
-/* The particle of a cell whose surface is nearest to x, if nearer than *least. */
-static void look_in(const gn_particles *q, const grid *g, int64_t cell, const double x[3],
-                    double *least, int32_t *found) {
-    for (int32_t k = g->first[cell]; k < g->first[cell + 1]; k++) {
-        const double *y = q->pos + 4 * (size_t)g->item[k];
-        double d[3] = {x[0] - y[0], x[1] - y[1], x[2] - y[2]};
-        double distance = sqrt(gn_dot3(d, d)) - y[3];
-        if (distance >= *least) continue;
-        *least = distance;
-        *found = g->item[k];
-    }
-}
-
-/* Shells of cells, until no particle further out can be nearer. */
-static int32_t nearest(const gn_particles *q, const grid *g, const double x[3]) {
-    int64_t at[3], far = 0;
-    double least = INFINITY;
-    int32_t found = 0;
-    for (int a = 0; a < 3; a++) {
-        at[a] = cell_along(g, x[a], a);
-        far = g->n[a] > far ? g->n[a] : far;
-    }
-    for (int64_t r = 0; r <= far; r++) {
-        if ((double)(r - 1) * g->cell - g->radius_max > least) break;
-        for (int64_t k = at[2] - r; k <= at[2] + r; k++)
-            for (int64_t j = at[1] - r; j <= at[1] + r; j++)
-                for (int64_t i = at[0] - r; i <= at[0] + r; i++) {
-                    bool shell = i == at[0] - r || i == at[0] + r || j == at[1] - r ||
-                                 j == at[1] + r || k == at[2] - r || k == at[2] + r;
-                    bool inside =
-                        i >= 0 && j >= 0 && k >= 0 && i < g->n[0] && j < g->n[1] && k < g->n[2];
-                    if (shell && inside)
-                        look_in(q, g, (k * g->n[1] + j) * g->n[0] + i, x, &least, &found);
-                }
-    }
-    return found;
-}
 
 /* --- shares --- */
 
@@ -109,24 +23,19 @@ static bool covered(const gn_world *w, const double area[3]) {
     return along * along < 0.5 * size;
 }
 
-/* What the pieces exert together: moment of areas about 0. */
-static void share_out(gn_world *w, const gn_boundary_pieces *pieces, const grid *g,
-                      double moment[3]) {
-    gn_particles *q = &w->dem.particles;
-    double *arms = w->dem.membrane->arms, turn[3];
+/* A piece of the surface goes to the patch of a particle; sums over the pieces of area times place
+ * go to `tensor`. */
+static void share_out(const gn_world *w, const gn_boundary_pieces *pieces, const gn_start_grid *g,
+                      gn_patch *patches, double tensor[9]) {
     for (size_t k = 0; k < pieces->count; k++) {
         const gn_piece_of_boundary *piece = &pieces->piece[k];
         if (!covered(w, piece->area)) continue;
-        size_t p = (size_t)nearest(q, g, piece->point);
-        for (int a = 0; a < 3; a++) q->skin[4 * p + a] += piece->area[a];
+        gn_patch *patch = &patches[gn_start_grid_nearest(g, piece->point, NULL)];
         double size = sqrt(gn_dot3(piece->area, piece->area));
-        q->skin[4 * p + 3] += size;
-        w->dem.membrane->area += size;
-        gn_cross3(piece->point, piece->area, turn);
-        for (int a = 0; a < 3; a++) moment[a] += turn[a];
-        for (int a = 0; a < 3; a++)
-            for (int b = 0; b < 3; b++)
-                arms[3 * a + b] += piece->area[a] * (piece->point[b] - q->pos[4 * p + b]);
+        patch->size += size;
+        for (int a = 0; a < 3; a++) patch->area[a] += piece->area[a];
+        for (int a = 0; a < 3; a++) patch->point[a] += size * piece->point[a];
+        for (int a = 0; a < 9; a++) tensor[a] += piece->area[a / 3] * piece->point[a % 3];
     }
 }
 
@@ -142,23 +51,22 @@ static void solve3(const double k[9], const double b[3], double x[3]) {
 }
 
 /* Areas act at centres, not where the pieces are: together they would turn the specimen. The least
- * change that restores the moment of the surface, A_i b x (x_i - mean), changes no force. Places
- * are those of the start, as the areas are; what has broken off has a negative share. */
-void gn_membrane_balance(gn_world *w, const double moment[3]) {
+ * change that restores the moment of the surface, A_i b x (x_i - mean), changes no force. */
+void gn_membrane_balance(gn_world *w, const double *place, const double moment[3]) {
     gn_particles *q = &w->dem.particles;
     double mean[3] = {0}, sum = 0.0, missing[3], k[9] = {0}, b[3], turn[3];
     memcpy(missing, moment, sizeof missing);
     for (size_t p = 0; p < q->soa.count; p++) {
-        if (!(q->skin[4 * p + 3] > 0.0)) continue;
+        if (!gn_is_pressed(q, p)) continue;
         sum += q->skin[4 * p + 3];
-        for (int a = 0; a < 3; a++) mean[a] += q->skin[4 * p + 3] * q->start[4 * p + a];
-        gn_cross3(q->start + 4 * p, q->skin + 4 * p, turn);
+        for (int a = 0; a < 3; a++) mean[a] += q->skin[4 * p + 3] * place[4 * p + a];
+        gn_cross3(place + 4 * p, q->skin + 4 * p, turn);
         for (int a = 0; a < 3; a++) missing[a] -= turn[a];
     }
     for (int a = 0; a < 3; a++) mean[a] /= sum;
     for (size_t p = 0; p < q->soa.count; p++) {
         double d[3] = {0}, weight = fmax(q->skin[4 * p + 3], 0.0);
-        for (int a = 0; a < 3; a++) d[a] = q->start[4 * p + a] - mean[a];
+        for (int a = 0; a < 3; a++) d[a] = place[4 * p + a] - mean[a];
         for (int a = 0; a < 9; a++)
             k[a] += weight * ((a % 4 == 0 ? gn_dot3(d, d) : 0.0) - d[a / 3] * d[a % 3]);
     }
@@ -166,8 +74,8 @@ void gn_membrane_balance(gn_world *w, const double moment[3]) {
     solve3(k, missing, b);
     for (size_t p = 0; p < q->soa.count; p++) {
         double d[3] = {0}, change[3];
-        if (!(q->skin[4 * p + 3] > 0.0)) continue;
-        for (int a = 0; a < 3; a++) d[a] = q->start[4 * p + a] - mean[a];
+        if (!gn_is_pressed(q, p)) continue;
+        for (int a = 0; a < 3; a++) d[a] = place[4 * p + a] - mean[a];
         gn_cross3(b, d, change);
         for (int a = 0; a < 3; a++) q->skin[4 * p + a] += q->skin[4 * p + 3] * change[a];
     }
@@ -179,19 +87,76 @@ static double mean_radius(const gn_particles *q) {
     return sum / (double)q->soa.count;
 }
 
+/* --- patches --- */
+
+/* One of each particle's room that has a size; `tensor` loses what they have, so that what is left
+ * is what a patch cannot tell of its pieces. */
+static gneiss_status keep_patches(gn_world *w, const gn_patch *all, double tensor[9],
+                                  gneiss_error *error) {
+    gn_dem *d = &w->dem;
+    for (size_t p = 0; p < d->particles.soa.count; p++) d->patch_count += all[p].size > 0.0;
+    d->patches = gn_alloc_array(d->patch_count + 1, sizeof *d->patches);
+    if (!d->patches) return gn_fail(error, GNEISS_ERROR_MEMORY, "no memory for a membrane");
+    size_t at = 0;
+    for (size_t p = 0; p < d->particles.soa.count; p++) {
+        if (!(all[p].size > 0.0)) continue;
+        gn_patch *patch = &d->patches[at++];
+        *patch = all[p];
+        patch->owner = d->particles.id[p];
+        for (int k = 0; k < 9; k++) tensor[k] -= patch->area[k / 3] * patch->point[k % 3];
+    }
+    memcpy(d->membrane->rest, tensor, sizeof d->membrane->rest);
+    return GNEISS_OK;
+}
+
 /* Shares of the surface of the shape. */
-static gneiss_status skin_of_shape(gn_world *w, double radius, gneiss_error *error) {
-    double moment[3] = {0};
+static gneiss_status skin_of_shape(gn_world *w, double radius, gn_patch *all, double tensor[9],
+                                   gneiss_error *error) {
     gn_boundary_pieces pieces;
-    grid g;
+    gn_start_grid g;
     GN_TRY(gn_boundary_pieces_make(&w->scene, piece_size * radius, &pieces, error));
-    gneiss_status status = make_grid(w, 3.0 * radius, &g, error);
+    gneiss_status status = gn_start_grid_make(w, 3.0 * radius, &g, error);
     if (status == GNEISS_OK) {
-        share_out(w, &pieces, &g, moment);
-        free_grid(&g);
+        share_out(w, &pieces, &g, all, tensor);
+        gn_start_grid_free(&g);
     }
     gn_boundary_pieces_free(&pieces);
-    if (status == GNEISS_OK && w->dem.membrane->area > 0.0) gn_membrane_balance(w, moment);
+    for (size_t p = 0; p < w->dem.particles.soa.count; p++)
+        for (int a = 0; a < 3 && all[p].size > 0.0; a++) all[p].point[a] /= all[p].size;
+    return status;
+}
+
+/* Without a shape: areas act on the surfaces of the particles, and as those of any closed surface
+ * they turn nothing, however it deforms. */
+static gneiss_status skin_of_particles(gn_world *w, double radius, gn_patch *all, double tensor[9],
+                                       gneiss_error *error) {
+    gn_particles *q = &w->dem.particles;
+    double arms[9] = {0};
+    GN_TRY(gn_membrane_free_skin(w, radius, arms, error));
+    for (int a = 0; a < 3; a++) tensor[4 * a] = arms[4 * a];
+    for (size_t p = 0; p < q->soa.count; p++) {
+        const double *area = q->skin + 4 * p;
+        all[p].size = area[3];
+        for (int a = 0; a < 3 && area[3] > 0.0; a++) {
+            all[p].area[a] = area[a];
+            all[p].point[a] = q->start[4 * p + a] + q->pos[4 * p + 3] * area[a] / area[3];
+        }
+        for (int a = 0; a < 3; a++) tensor[4 * a] += area[a] * q->start[4 * p + a];
+    }
+    return GNEISS_OK;
+}
+
+static gneiss_status make_patches(gn_world *w, gneiss_error *error) {
+    gn_particles *q = &w->dem.particles;
+    const double radius = mean_radius(q);
+    double tensor[9] = {0};
+    gn_patch *all = gn_alloc_array(q->soa.count + 1, sizeof *all);
+    if (!all) return gn_fail(error, GNEISS_ERROR_MEMORY, "no memory for a membrane");
+    gneiss_status status = w->scene.specimen.pack.shape != GN_SHAPE_NONE
+                               ? skin_of_shape(w, radius, all, tensor, error)
+                               : skin_of_particles(w, radius, all, tensor, error);
+    if (status == GNEISS_OK) status = keep_patches(w, all, tensor, error);
+    gn_free(all);
     return status;
 }
 
@@ -199,13 +164,14 @@ gneiss_status gn_membrane_create(gn_world *w, gneiss_error *error) {
     gn_particles *q = &w->dem.particles;
     const gn_scene *s = &w->scene;
     if (!(w->effects & GN_FX_MEMBRANE)) return GNEISS_OK;
-    const double radius = mean_radius(q);
     w->dem.membrane = gn_alloc_array(1, sizeof *w->dem.membrane);
     if (!w->dem.membrane) return gn_fail(error, GNEISS_ERROR_MEMORY, "no memory for a membrane");
+    for (int a = 0; a < 3; a++) w->dem.membrane->gradient[4 * a] = 1.0;
     memcpy(q->load, q->applied, 4 * q->soa.count * sizeof *q->load);
-    GN_TRY(s->specimen.pack.shape != GN_SHAPE_NONE ? skin_of_shape(w, radius, error)
-                                                   : gn_membrane_free_skin(w, radius, error));
-    if (w->dem.membrane->area > 0.0) return GNEISS_OK;
+    GN_TRY(make_patches(w, error));
+    for (size_t p = 0; p < q->soa.count; p++) w->dem.index_of_id[q->id[p]] = (int32_t)p;
+    GN_TRY(gn_membrane_lay(w, error));
+    if (gn_membrane_area(w) > 0.0) return GNEISS_OK;
     return gn_fail(
         error, GNEISS_ERROR_INPUT, "%s: expected a surface that faces across %c, found none",
         gn_scene_at(s, s->membrane.where, "membrane").text, "xyz"[gn_scene_membrane_axis(s)]);

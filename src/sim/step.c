@@ -96,7 +96,7 @@ gneiss_status gn_world_step(gn_world *w, bool measure, gneiss_error *error) {
 
     if (measure && w->scene.has_couple) gn_coupled_mean_stress(w, w->couple.stress);
     gn_control_look(w);
-    gn_membrane_press(w);
+    GN_TRY(gn_membrane_press(w, error));
     /* What does not wait for an exchange moves with its forces. A box asks for the stress in every
      * step. */
     gn_dem_forces(w, measure || gn_box_moves(w));

@@ -31,7 +31,7 @@
     X(load, double, GN_F64, 4, GN_ROWS, GN_SAVED, GN_FX_MEMBRANE, 0, "N",                          \
       "applied force besides that of the membrane")                                                \
     X(skin, double, GN_F64, 4, GN_ROWS, GN_SAVED, GN_FX_MEMBRANE, 0, "m2, m2",                     \
-      "area of the membrane on it at the start, outward x y z, its size; negative: broken off")    \
+      "area of the membrane on it, as if the skin had not moved; its size, negative: came off")    \
     X(start, double, GN_F64, 4, GN_ROWS, GN_SAVED, 0, 0, "m", "centre at the start")               \
     X(ref, double, GN_F64, 4, GN_ROWS, GN_SAVED, 0, 0, "m", "centre when the pair list was made")  \
     X(own_share, double, GN_F64, 1, GN_ROWS, GN_SAVED, GN_FX_MASS_SCALING, 0, "1",                 \

@@ -150,8 +150,8 @@ INTRO = """## Tests by name
 
 About 1000 spheres each, one packing (`gneiss pack`), the contact parameters of the cylinders above; the ends are the same lists of particles,
 moved along the axis. **Triaxial**: D 23 mm, L 46 mm, a membrane over the whole surface, whose areas gneiss finds and YADE is told, so that
-the same forces, of fixed directions, act on the same particles; they come in {ramp:g} ms, then the ends, which are held across, close at 0.4 m/s. Stiffness is that of the deviator. A particle whose last bond has
-broken loses its share in both, and leaves its force and moment to the others. **Brazilian**: a disc of 50 x 25 mm, pressed along y at 0.1 m/s, strength of bonds in tension 10 MPa; stress 2 P/(pi D t) over
+the same forces, of fixed directions, act on the same particles; they come in {ramp:g} ms, then the ends, which are held across, close at 0.4 m/s. Stiffness is that of the deviator. A particle keeps its
+share in YADE, and in gneiss as long as it touches the body. **Brazilian**: a disc of 50 x 25 mm, pressed along y at 0.1 m/s, strength of bonds in tension 10 MPa; stress 2 P/(pi D t) over
 closing/D, and beside it the strain across over that along the load in the middle of the disc. **Bending**: the notched beam of the next section
 with spheres of 2.4 mm; stiffness in N/m, the ratio is that of the mouth's opening to the deflection, strength the largest load in N.
 Slopes from 10 to 50 % of the peak. Scatter in per cent of the strength: of gneiss on {copies} copies with coordinates changed by a relative 1e-12, and over {seeds} packings.

@@ -301,43 +301,13 @@ def damp_past():
                                    for a, c in enumerate("XYZ"))))
 
 
-def hand_on(gone):
-    """What came off leaves its force and moment to the others, by the sizes of their areas (gneiss: by their shares of the surface, which
-    are larger at edges): first the force, then the least change that restores the moment."""
-    at = {k: np.array(spheres[k][:3]) for k in skin}
-    force, moment = sum(np.array(a) for a in skin.values()), sum(np.cross(at[k], np.array(a)) for k, a in skin.items())
-    for k in gone:
-        del skin[k]
-    if not skin:
-        return
-    keys = list(skin)
-    x, area = np.array([at[k] for k in keys]), np.array([skin[k] for k in keys], dtype=float)
-    size = np.linalg.norm(area, axis=1)
-    area += np.outer(size / size.sum(), force - area.sum(axis=0))
-    arm = x - np.average(x, axis=0, weights=size)
-    stiff = np.sum(size * np.sum(arm**2, axis=1)) * np.eye(3) - (size * arm.T) @ arm
-    turn = np.linalg.solve(stiff, moment - np.cross(x, area).sum(axis=0))
-    area += size[:, None] * np.cross(turn, arm)
-    skin.update({k: Vector3(*a) for k, a in zip(keys, area)})
-
-
 def press(n):
-    """The membrane: outward areas that keep their directions; a particle whose last bond broke has come off."""
+    """The membrane: outward areas that keep their directions and their particles. (gneiss takes them from what no longer touches the body.)"""
     if not skin:
         return
     share = min(n * dt / job["pressure"]["ramp"], 1.0)
-    if n % 100 == 0:
-        gone = [k for k in skin if holds[k] == 0 and bonds_of[k] > 0]
-        if gone:
-            hand_on(gone)
     for k, area in skin.items():
         O.forces.addF(k, -share * job["pressure"]["value"] * area)
-
-
-def count_broken(gone):
-    for i in gone:
-        holds[i.id1] -= 1
-        holds[i.id2] -= 1
 
 
 def tick():
@@ -349,8 +319,7 @@ def tick():
     complete_pairs()
     if choice["crossing"] == "part":
         complete_crossing(broken)
-    press(n)  # by the bonds that held before this step, as in gneiss
-    count_broken(broken)
+    press(n)
     follow_tables(n)
     if n == 0 and choice["start"] == "aligned":
         give_velocities()
@@ -386,8 +355,6 @@ detection.interactionDetectionFactor = 1
 bonded = {(i.id1, i.id2) for i in O.interactions if i.isReal and i.phys.isCohesive}
 known = O.interactions.countReal()
 intact = [(i, i.phys) for i in O.interactions if i.isReal and i.phys.isCohesive]
-bonds_of = np.bincount(np.array(sorted(bonded), dtype=int).ravel(), minlength=len(spheres))
-holds = bonds_of.copy()
 skin = {k: Vector3(*area) for k, area in enumerate(job["yade"].get("skin", [])) if any(area)} if "pressure" in job else {}
 if choice["start"] == "plain":
     give_velocities()

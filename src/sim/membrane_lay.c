@@ -1,0 +1,218 @@
+/* A look at the skin, every so many steps. The surface is kept as patches of the start, each borne
+ * by what of the body lies beneath it, so that what they exert together stays that of the surface
+ * whatever came off. In a body that deforms every patch turns and stretches as the particles around
+ * its bearer have moved. */
+#include "sim/membrane.h"
+
+#include "base/memory.h"
+#include "sim/fragments.h"
+#include "sim/internal.h"
+#include "sim/membrane_grid.h"
+
+#include <math.h>
+#include <string.h>
+
+/* In mean radii: what is around a particle; cells of the grid. */
+static const double around = 5.0, cell_size = 3.0;
+
+/* A body with fewer particles than this share of the largest one's has come off it. */
+enum { CHIP = 10 };
+
+static double mean_radius(const gn_particles *q) {
+    double sum = 0.0;
+    for (size_t p = 0; p < q->soa.count; p++) sum += q->pos[4 * p + 3];
+    return sum / (double)q->soa.count;
+}
+
+/* --- what came off --- */
+
+/* For good: what comes back is not pressed again. Whether there is any that was not known. */
+static bool mark_off(gn_world *w) {
+    gn_particles *q = &w->dem.particles;
+    const int32_t *members = gn_world_bodies(w);
+    int32_t largest = 0;
+    bool found = false;
+    for (size_t p = 0; members && p < q->soa.count; p++)
+        largest = members[p] > largest ? members[p] : largest;
+    for (size_t p = 0; p < q->soa.count; p++) {
+        bool off = q->vel[4 * p + 3] == 0.0 || (members && CHIP * members[p] < largest);
+        if (!off || gn_came_off(q, p)) continue;
+        memset(q->skin + 4 * p, 0, 3 * sizeof *q->skin);
+        q->skin[4 * p + 3] = -1.0;
+        memcpy(q->applied + 4 * p, q->load + 4 * p, 4 * sizeof *q->load);
+        found = true;
+    }
+    return found;
+}
+
+gneiss_status gn_membrane_drop(gn_world *w, gneiss_error *error) {
+    gn_dem *d = &w->dem;
+    gn_particles *q = &d->particles;
+    gn_start_grid grid;
+    if (!(d->broken_tension + d->broken_shear + d->lost > 0) || !mark_off(w)) return GNEISS_OK;
+    GN_TRY(gn_start_grid_make(w, cell_size * mean_radius(q), &grid, error));
+    for (size_t k = 0; k < d->patch_count; k++) {
+        gn_patch *patch = &d->patches[k];
+        int32_t p = patch->owner >= 0.0 ? d->index_of_id[(size_t)patch->owner] : -1;
+        if (p >= 0 && !gn_came_off(q, (size_t)p)) continue;
+        p = gn_start_grid_nearest(&grid, patch->point, patch->area);
+        patch->owner = p >= 0 ? q->id[p] : -1.0;
+        if (p >= 0 && !gn_is_pressed(q, (size_t)p)) q->skin[4 * p + 3] = patch->size;
+    }
+    gn_start_grid_free(&grid);
+    return GNEISS_OK;
+}
+
+/* --- how the surroundings have moved --- */
+
+typedef struct view {
+    const gn_particles *particles;
+    size_t middle;
+    double reach;
+    gn_gradient_fit fit;
+} view;
+
+static void see(void *context, int32_t particle) {
+    view *v = context;
+    const gn_particles *q = v->particles;
+    const size_t p = (size_t)particle;
+    double from[3], to[3];
+    for (int a = 0; a < 3; a++) {
+        from[a] = q->start[4 * p + a] - q->start[4 * v->middle + a];
+        to[a] = q->pos[4 * p + a] - q->pos[4 * v->middle + a];
+    }
+    double weight = 1.0 - gn_dot3(from, from) / (v->reach * v->reach);
+    if (weight > 0.0) gn_gradient_add(&v->fit, weight, from, to);
+}
+
+/* That of the skin as a whole where what is left around says nothing. */
+static void gradient_around(const gn_world *w, const gn_start_grid *grid, double reach, size_t p,
+                            double gradient[9]) {
+    const double *whole = w->dem.membrane->gradient;
+    view v = {&w->dem.particles, p, reach, {.dimension = (int)w->scene.dimension}};
+    double cofactor[9];
+    gn_start_grid_visit(grid, w->dem.particles.start + 4 * p, reach, see, &v);
+    bool spans = gn_gradient_of(&v.fit, gradient);
+    gn_cofactor3(gradient, cofactor);
+    if (!spans || !(gn_dot3(gradient, cofactor) > 0.0))
+        memcpy(gradient, whole, 9 * sizeof *gradient);
+}
+
+/* --- areas --- */
+
+/* Adds a patch to the area and the size of its bearer, and its way from there to `arms`. */
+static void add_patch(gn_world *w, const gn_patch *patch, size_t p, const double gradient[9],
+                      double arms[9]) {
+    gn_particles *q = &w->dem.particles;
+    double turn[9], area[3], start[3], way[3];
+    gn_cofactor3(gradient, turn);
+    for (int a = 0; a < 3; a++) {
+        area[a] = gn_dot3(turn + 3 * a, patch->area);
+        start[a] = patch->point[a] - q->start[4 * p + a];
+        q->skin[4 * p + a] += area[a];
+    }
+    for (int a = 0; a < 3; a++) way[a] = gn_dot3(gradient + 3 * a, start);
+    for (int k = 0; k < 9; k++) arms[k] += area[k / 3] * way[k % 3];
+    const double size = gn_dot3(patch->area, patch->area);
+    q->skin[4 * p + 3] += patch->size * (size > 0.0 ? sqrt(gn_dot3(area, area) / size) : 1.0);
+}
+
+/* All patches; with a grid as what is around them has moved, without as at the start. */
+static void add_patches(gn_world *w, const gn_start_grid *grid, double reach, double arms[9]) {
+    gn_dem *d = &w->dem;
+    double gradient[9];
+    for (size_t p = 0; p < d->particles.soa.count; p++)
+        if (!gn_came_off(&d->particles, p))
+            memset(d->particles.skin + 4 * p, 0, 4 * sizeof(double));
+    for (size_t k = 0; k < d->patch_count; k++) {
+        if (d->patches[k].owner < 0.0) continue;
+        const size_t p = (size_t)d->index_of_id[(size_t)d->patches[k].owner];
+        memcpy(gradient, d->membrane->gradient, sizeof gradient);
+        if (grid) gradient_around(w, grid, reach, p, gradient);
+        add_patch(w, &d->patches[k], p, gradient, arms);
+    }
+}
+
+/* Sums over the patches of the start as the skin has moved as a whole: area, and area times place,
+ * from a particle `base` on. Of a closed surface they are 0 and its volume. */
+static void surface_sums(const gn_world *w, size_t base, double area[3], double tensor[9]) {
+    const gn_dem *d = &w->dem;
+    const gn_membrane *m = d->membrane;
+    const double *start = d->particles.start + 4 * base;
+    double turn[9], half[9], sum[3] = {0}, all[9];
+    memcpy(all, m->rest, sizeof all);
+    for (size_t k = 0; k < d->patch_count; k++) {
+        const gn_patch *patch = &d->patches[k];
+        if (patch->owner < 0.0) continue;
+        for (int a = 0; a < 3; a++) sum[a] += patch->area[a];
+        for (int c = 0; c < 9; c++)
+            all[c] += patch->area[c / 3] * (patch->point[c % 3] - start[c % 3]);
+    }
+    gn_cofactor3(m->gradient, turn);
+    for (int a = 0; a < 3; a++) area[a] = gn_dot3(turn + 3 * a, sum);
+    gn_product3(turn, all, half);
+    gn_product3_bt(half, m->gradient, tensor);
+}
+
+/* What the areas miss of the force of the surface goes to all by their sizes; then the moment is
+ * restored. Of a closed surface both are nothing. */
+static void bring_into_balance(gn_world *w, const double *place) {
+    gn_particles *q = &w->dem.particles;
+    double area[3], tensor[9], moment[3];
+    const double sum = gn_membrane_area(w);
+    size_t base = 0;
+    if (!(sum > 0.0)) return;
+    while (!gn_is_pressed(q, base)) base++;
+    surface_sums(w, base, area, tensor);
+    gn_cross3(place + 4 * base, area, moment);
+    for (int a = 0; a < 3; a++)
+        moment[a] +=
+            tensor[3 * ((a + 2) % 3) + (a + 1) % 3] - tensor[3 * ((a + 1) % 3) + (a + 2) % 3];
+    for (size_t p = 0; p < q->soa.count; p++)
+        for (int a = 0; a < 3; a++)
+            if (gn_is_pressed(q, p)) area[a] -= q->skin[4 * p + a];
+    for (size_t p = 0; p < q->soa.count; p++)
+        for (int a = 0; a < 3; a++)
+            if (gn_is_pressed(q, p)) q->skin[4 * p + a] += q->skin[4 * p + 3] / sum * area[a];
+    gn_membrane_balance(w, place, moment);
+}
+
+/* Areas and ways as they would be had the skin not moved as a whole: steps turn and stretch them.
+ */
+static void turn_back(gn_world *w, double arms[9]) {
+    gn_particles *q = &w->dem.particles;
+    gn_membrane *m = w->dem.membrane;
+    double cofactor[9], inverse[9], half[9];
+    gn_cofactor3(m->gradient, cofactor);
+    const double det = gn_dot3(m->gradient, cofactor);
+    for (int k = 0; k < 9; k++) inverse[k] = cofactor[k % 3 * 3 + k / 3] / det;
+    gn_product3_at(m->gradient, arms, half);
+    for (int k = 0; k < 9; k++) half[k] /= det;
+    gn_product3_bt(half, inverse, m->arms);
+    for (size_t p = 0; p < q->soa.count; p++) {
+        double *s = q->skin + 4 * p;
+        if (!gn_is_pressed(q, p)) continue;
+        const double now[3] = {s[0], s[1], s[2]};
+        for (int a = 0; a < 3; a++)
+            s[a] = (m->gradient[a] * now[0] + m->gradient[3 + a] * now[1] +
+                    m->gradient[6 + a] * now[2]) /
+                   det;
+    }
+}
+
+gneiss_status gn_membrane_lay(gn_world *w, gneiss_error *error) {
+    const gn_membrane *m = w->dem.membrane;
+    const double radius = mean_radius(&w->dem.particles);
+    const bool follow = w->scene.membrane.follow && w->step > 0;
+    double arms[9], turn[9], half[9];
+    gn_start_grid grid;
+    gn_cofactor3(m->gradient, turn);
+    gn_product3(turn, m->rest, half);
+    gn_product3_bt(half, m->gradient, arms);
+    if (follow) GN_TRY(gn_start_grid_make(w, cell_size * radius, &grid, error));
+    add_patches(w, follow ? &grid : NULL, around * radius, arms);
+    if (follow) gn_start_grid_free(&grid);
+    bring_into_balance(w, w->scene.membrane.follow ? w->dem.particles.pos : w->dem.particles.start);
+    turn_back(w, arms);
+    return GNEISS_OK;
+}
