@@ -20,6 +20,7 @@ typedef struct gn_verlet {
     double skin_start; /* m, as it was at the start */
     double widened;    /* m, the widest that it had to be beyond the scene's; 0: never */
     double drift;      /* m, bound on any particle's path since `ref` was set */
+    double closed;     /* m, bound on how much closer two came since then that were not listed */
     int64_t rebuilds;
     int64_t last_step; /* step of the last rebuild */
 } gn_verlet;
@@ -157,7 +158,8 @@ gneiss_status gn_dem_arrange(gn_world *world, gneiss_error *error);
 gneiss_status gn_dem_refresh(gn_world *world, gneiss_error *error);
 /* All that follows from records and lists, which were read. */
 gneiss_status gn_dem_restore(gn_world *world, gneiss_error *error);
-/* m: looks how far the particles came since the lists were made, for verlet.drift. */
+/* Looks how far the particles came since the lists were made, for verlet.drift and verlet.closed
+ * (travel.c). */
 void gn_dem_look_at_travel(gn_world *world);
 
 /* Forces of the instant, and the motion of what does not wait for an exchange, in one sweep; */
