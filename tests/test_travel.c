@@ -76,6 +76,40 @@ static void streams_that_pass_each_other_have_their_lists_made(void **state) {
     world_end(w);
 }
 
+/* Two that are not listed meet head on, wherever the sides of the cells are and along any axis;
+ * each by itself has come no way past those around it. */
+static void two_that_come_from_afar_are_listed_before_they_meet(void **state) {
+    (void)state;
+    for (int k = 0; k < 36; k++) {
+        const int axis = k % 3;
+        const char *at[3] = {"[0, 0, 0, 1e-3], [3e-3, 0, 0, 1e-3]",
+                             "[0, 0, 0, 1e-3], [0, 3e-3, 0, 1e-3]",
+                             "[0, 0, 0, 1e-3], [0, 0, 3e-3, 1e-3]"};
+        const double low = -5e-3 - 3e-4 * (k / 3);
+        gn_world *w = world_of(
+            "dimension: 3\nspecimen: {particles: [%s, [%g, %g, %g, 1e-3], [20e-3, 20e-3, 20e-3, "
+            "1e-3]], group: 0}\nmaterials: [{name: m, density: 2500, normal_stiffness: 1e4, "
+            "kratio: "
+            "0}]\nlaw: {stiffness: uniform}\nneighbours: {skin: 4e-4}\ntime: {step: 4e-6, end: "
+            "1}\nrun: {threads: 1}\n",
+            at[axis], low, low, low);
+        w->scene.has_domain = false; /* whose sides would have lists made */
+        for (size_t p = 0; p < 4; p++) {
+            const double *x = w->dem.particles.pos + 4 * p;
+            const double speed = fabs(x[axis]) < 1e-4 ? 2.0 : 3e-3 - x[axis] < 1e-4 ? -2.0 : 0.0;
+            if (fabs(x[axis]) < 4e-3) w->dem.particles.vel[4 * p + axis] = speed;
+        }
+        assert_int_equal(w->dem.pairs.soa.count, 0);
+        size_t touching = 0;
+        for (int n = 0; n < 80; n++) {
+            run_steps(w, 1);
+            look_at_all_pairs(w, &touching);
+        }
+        assert_true(touching > 5);
+        world_end(w);
+    }
+}
+
 /* A domain is looked at, and walls are near, for every skin of one's own way. */
 static void walls_and_domains_are_looked_at_after_a_skin_of_way(void **state) {
     (void)state;
@@ -95,6 +129,7 @@ int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(what_streams_together_leaves_the_lists_alone),
         cmocka_unit_test(streams_that_pass_each_other_have_their_lists_made),
+        cmocka_unit_test(two_that_come_from_afar_are_listed_before_they_meet),
         cmocka_unit_test(walls_and_domains_are_looked_at_after_a_skin_of_way),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

@@ -13,6 +13,7 @@
 #include "sched/hold.h"
 #include "sim/events.h"
 #include "sim/flow.h"
+#include "sim/near.h"
 
 /* State of the Verlet lists. */
 typedef struct gn_verlet {
@@ -102,6 +103,7 @@ typedef struct gn_dem {
     gn_motion_kernel *motion_kernel;
     gn_deal deal;                           /* of steps among the threads */
     gn_hold hold;                           /* particles that wait for an exchange */
+    gn_near near;                           /* pairs that can act before long */
     gn_contact_sums *bond_sums, *pair_sums; /* per block of contacts */
     gn_motion_sums *motion_sums;
     size_t motion_blocks;

@@ -383,6 +383,7 @@ gneiss_status gn_dem_refresh(gn_world *w, gneiss_error *error) {
     memcpy(w->dem.particles.ref, w->dem.particles.pos,
            w->dem.particles.soa.count * 4 * sizeof(double));
     ready_kernels(w);
+    GN_TRY(gn_near_lists(w, error));
     w->dem.verlet.drift = w->dem.verlet.closed = 0.0;
     w->dem.verlet.rebuilds++;
     w->dem.verlet.last_step = w->step;
@@ -403,5 +404,6 @@ gneiss_status gn_dem_restore(gn_world *w, gneiss_error *error) {
     GN_TRY(gn_partials_build(&w->dem.bonds, n, w->threads, &w->dem.bond_partials, error));
     GN_TRY(gn_partials_build(&w->dem.pairs, n, w->threads, &w->dem.pair_partials, error));
     ready_kernels(w);
-    return ready_blocks(w, error);
+    GN_TRY(ready_blocks(w, error));
+    return gn_near_lists(w, error);
 }
