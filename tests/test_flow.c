@@ -148,6 +148,39 @@ static void a_run_tells_of_a_source_that_is_behind(void **state) {
     gn_run_free(&run);
 }
 
+/* Where nothing can come in neither a larger region nor a faster velocity makes room. */
+static void a_run_tells_of_a_source_behind_a_wall(void **state) {
+    (void)state;
+    static const char *const sources =
+        "sources: [{name: a, box: {size: [4 mm, 4 mm, 4 mm]}, rate: 1e3, total: 1, mean_radius: 1 "
+        "mm}, "
+        "{name: b, box: {size: [4 mm, 4 mm, 4 mm]}, origin: [0, 0, %s], rate: 1e6, "
+        "mean_radius: 1 mm}]\n";
+    static const char *const at[] = {"-10 mm", "10 mm"};
+    static const char *const says[] = {"; wall 'floor' has all of its region behind it",
+                                       "; walls, bodies or particles are all over its region"};
+    for (int k = 0; k < 2; k++) {
+        char scene_text[2048], tail[512];
+        gn_scene scene;
+        gn_run run;
+        gn_warnings list;
+        gneiss_error error = {0};
+        snprintf(tail, sizeof tail, sources, at[k]);
+        snprintf(scene_text, sizeof scene_text,
+                 LOOSE "walls: [{name: floor, point: [0, 0, -1 mm], normal: [0, 0, 1], material: "
+                       "m}]\nbodies: [{name: b, box: {size: [8 mm, 8 mm, 2 mm]}, origin: [-2 mm, "
+                       "-2 mm, 11 mm], material: m}]\n%s" ENDLESS,
+                 tail);
+        ok(gn_scene_parse(scene_text, "s.yaml", NULL, NULL, 0, &scene, &error), &error);
+        ok(gn_run_create(&scene, &run, &error), &error);
+        ok(gn_run_steps(&run, 2000, &error), &error);
+        assert_int_equal(gn_run_warnings(&run, &list, NULL), GNEISS_OK);
+        assert_true(list.count >= 1);
+        if (!strstr(list.warning[0].text, says[k])) fail_msg("%s", list.warning[0].text);
+        gn_run_free(&run);
+    }
+}
+
 /* Beyond the plane of a wall is no room, nor where a body's surface is. */
 static void nothing_comes_in_where_walls_and_bodies_are(void **state) {
     (void)state;
@@ -657,6 +690,7 @@ int main(void) {
         cmocka_unit_test(sizes_are_those_of_the_distribution),
         cmocka_unit_test(without_room_a_rate_falls_behind_and_says_so),
         cmocka_unit_test(a_run_tells_of_a_source_that_is_behind),
+        cmocka_unit_test(a_run_tells_of_a_source_behind_a_wall),
         cmocka_unit_test(nothing_comes_in_where_walls_and_bodies_are),
         cmocka_unit_test(nothing_overlaps_across_a_periodic_box),
         cmocka_unit_test(in_the_plane_discs_come_in),

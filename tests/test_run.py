@@ -433,6 +433,20 @@ def an_output_folder_that_is_too_long_leaves_no_folders_behind(folder):
 
 
 @fact
+def snapshots_keep_their_pace_when_the_step_changes(folder):
+    """A light grain flies up to two heavy ones that touch: from then on the step is a thirtieth of what it was."""
+    scene = f"{folder}.yaml"
+    with open(scene, "w", encoding="utf-8") as file:
+        file.write("dimension: 3\nspecimen: {particles: [[0, 0, 0, 1 mm], [1.999 mm, 0, 0, 1 mm], [25 mm, 0, 0, 0.1 mm]], group: 0}\n"
+                   "materials: [{name: m, density: 2500, normal_stiffness: 1e5, kratio: 1}]\nlaw: {stiffness: uniform}\n"
+                   "sets: [{name: light, select: {ids: [2]}, initial_velocity: [-10, 0, 0]}]\n"
+                   "time: {end: 8 ms}\noutput: {snapshots: 20, checkpoint: off}\n")
+    run(scene, folder)
+    times = np.array([time for _, time in series(folder)])
+    assert 20 <= len(times) <= 23 and np.diff(times).max() < 1.1 * 0.4e-3, times
+
+
+@fact
 def a_run_of_the_same_scene_replaces_the_earlier_one(folder):
     run(LATTICE, folder, "--set", "output.snapshots=9")
     relative = os.path.relpath(LATTICE)

@@ -353,6 +353,15 @@ static void a_refinement_says_where_once(void **state) {
     }
 }
 
+static void a_size_ratio_beside_a_sieve_is_refused(void **state) {
+    (void)state;
+    refused(2,
+            "  disc: {diameter: 1}\n  particles: 9\n"
+            "  packing: {sizes: sieve, sieve: [[0.5, 0], [1, 1]], size_ratio: 3}",
+            "s.yaml:5:66: specimen.packing.size_ratio: expected sizes: fitted, uniform or normal "
+            "beside it, found sieve, whose first row has the smallest size");
+}
+
 /* ---- the specimen only ---- */
 
 enum { MESSAGE_SIZE = sizeof((gneiss_error *)0)->message };
@@ -485,6 +494,7 @@ int main(void) {
         cmocka_unit_test(packing_has_defaults),
         cmocka_unit_test(packing_reads_as_written),
         cmocka_unit_test(a_refinement_is_a_box_or_the_boundary),
+        cmocka_unit_test(a_size_ratio_beside_a_sieve_is_refused),
         cmocka_unit_test(a_shape_of_the_other_dimension_is_refused),
         cmocka_unit_test(of_several_sources_each_is_named),
         cmocka_unit_test(a_number_of_particles_needs_a_shape),

@@ -21,7 +21,8 @@ GN_INSTRUCTION_SETS(X)
      gn_element_table_##set,                                                                       \
      gn_element_table_##set##_mixed,                                                               \
      gn_dilation_table_##set,                                                                      \
-     gn_pressure_table_##set},
+     gn_pressure_table_##set,                                                                      \
+     &gn_near_table_##set},
 static const gn_kernel_set sets[GN_KERNEL_SETS] = {GN_INSTRUCTION_SETS(X)};
 #undef X
 

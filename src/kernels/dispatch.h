@@ -6,6 +6,7 @@
 #include "kernels/contact.h"
 #include "kernels/element.h"
 #include "kernels/motion.h"
+#include "kernels/near.h"
 #include "kernels/pressure.h"
 
 /* Kernels of one instruction set. */
@@ -20,6 +21,7 @@ typedef struct gn_kernel_set {
     gn_element_kernel *const *single;    /* [2] triangles, tetrahedra, in mixed precision */
     gn_dilation_kernel *const *dilation; /* [2] triangles, tetrahedra */
     gn_pressure_kernel *const *pressure; /* [GN_PRESSURE_PASSES] */
+    const gn_near_kernels *near;
 } gn_kernel_set;
 
 #define X(set, lanes, has) +1

@@ -141,7 +141,7 @@ static gneiss_status build_items(const partial_items *items, size_t particle_cou
     q->blocks = blocks;
     numbering n = {gn_alloc_array(blocks + 1, members * length * sizeof *n.particle),
                    gn_alloc_array(blocks + 1, sizeof *n.count)};
-    q->place = gn_alloc_array(count + 1, members * sizeof *q->place);
+    q->place = gn_alloc_array(count + GN_LANES_MAX, members * sizeof *q->place);
     q->first = gn_alloc_array(blocks + 1, sizeof *q->first);
     bool held = n.particle && n.count && q->place && q->first &&
                 number_blocks(items, particle_count, threads, &n, q);

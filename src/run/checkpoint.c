@@ -47,6 +47,8 @@ static const gn_piece pieces[] = {
     DOUBLES(world.gauge.volume),
     INTEGER(history_interval),
     INTEGER(snapshot_interval),
+    INTEGER(snapshot_next),
+    DOUBLES(snapshot_span),
     DOUBLES(peak),
     INTEGER(bad_since),
     LIMIT(first_break.time),
@@ -227,7 +229,8 @@ static gneiss_status check_gauge(const gn_world *w, const char *path, gneiss_err
 
 static gneiss_status check_numbers(const gn_run *run, const char *path, gneiss_error *error) {
     const gn_world *w = &run->world;
-    bool good = run->history_interval > 0 && run->snapshot_interval >= 0 && w->step >= 0 &&
+    bool good = run->history_interval > 0 && run->snapshot_interval >= 0 &&
+                run->snapshot_next >= 0 && run->snapshot_span > 0.0 && w->step >= 0 &&
                 isfinite(w->time) && w->dt > 0.0 && isfinite(w->dt) && isfinite(w->dt_past);
     return good ? GNEISS_OK
                 : gn_fail(error, GNEISS_ERROR_INPUT,

@@ -36,6 +36,7 @@ static const gn_piece pieces[] = {
     DOUBLES(verlet.skin_start),
     DOUBLES(verlet.widened),
     DOUBLES(verlet.drift),
+    DOUBLES(verlet.closed),
     INTEGER(verlet.rebuilds),
     INTEGER(verlet.last_step),
     DOUBLES(derived),
@@ -139,7 +140,8 @@ static bool good_patches(const gn_world *w) {
 static gneiss_status check(const gn_world *w, const char *path, gneiss_error *error) {
     const gn_dem *d = &w->dem;
     size_t n = d->particles.soa.count;
-    if (!(d->verlet.skin > 0.0 && isfinite(d->verlet.skin) && isfinite(d->verlet.drift)))
+    if (!(d->verlet.skin > 0.0 && isfinite(d->verlet.skin) && isfinite(d->verlet.drift) &&
+          isfinite(d->verlet.closed)))
         return gn_fail(error, GNEISS_ERROR_INPUT,
                        "%s: expected positive steps and intervals, found others", path);
     if (good_contacts(&d->bonds, n) && good_contacts(&d->pairs, n) &&

@@ -20,20 +20,32 @@ enum { WATCH_INTERVAL = 2000, WATCH_ELEMENTS = 500, CLOCK_INTERVAL = 16 };
 
 /* --- setting up --- */
 
-/* Rows or snapshots wanted up to the end, or that of the stage -> steps from one to the next; the
- * first is always taken.
- */
-static int64_t interval(const gn_run *run, int64_t wanted) {
-    const gn_world *w = &run->world;
-    double duration = gn_run_staged(run) ? gn_run_stage_duration(run) : w->scene.end;
-    double steps = wanted > 0 ? duration / w->dt / (double)wanted : INFINITY;
+/* s: until the end, or that of the stage. */
+static double span_of(const gn_run *run) {
+    return gn_run_staged(run) ? gn_run_stage_duration(run) : run->world.scene.end;
+}
+
+/* Rows or snapshots wanted in `span` s -> steps from one to the next; the first is always taken. */
+static int64_t interval(const gn_run *run, double span, int64_t wanted) {
+    double steps = wanted > 0 ? span / run->world.dt / (double)wanted : INFINITY;
     return steps < 1.0 ? 1 : steps < 1e18 ? (int64_t)steps : INT64_MAX;
 }
 
 static void set_intervals(gn_run *run, bool history, bool snapshots) {
     const gn_scene *s = &run->world.scene;
-    if (history) run->history_interval = interval(run, s->history_rows);
-    if (snapshots) run->snapshot_interval = s->snapshots > 0 ? interval(run, s->snapshots) : 0;
+    if (history) run->history_interval = interval(run, span_of(run), s->history_rows);
+    if (!snapshots) return;
+    run->snapshot_span = span_of(run);
+    run->snapshot_interval = s->snapshots > 0 ? interval(run, run->snapshot_span, s->snapshots) : 0;
+    const int64_t every = run->snapshot_interval, step = run->world.step;
+    if (every) run->snapshot_next = step / every * every + (step % every ? every : 0);
+}
+
+/* After snapshots: by the step as it is now. */
+static void next_snapshot(gn_run *run) {
+    const gn_world *w = &run->world;
+    run->snapshot_interval = interval(run, run->snapshot_span, w->scene.snapshots);
+    run->snapshot_next = w->step + run->snapshot_interval;
 }
 
 static void set_clock(gn_run *run) {
@@ -353,9 +365,9 @@ static gneiss_status one_step(gn_run *run, gneiss_error *error) {
     const bool before = run->finished;
     if (gn_run_staged(run)) GN_TRY(go_to_stage(run, &first, error));
     if (run->finished && !before) return GNEISS_OK; /* the last stage has no steps */
-    if (run->directory[0] && run->snapshot_interval &&
-        (first || w->step % run->snapshot_interval == 0)) {
+    if (run->directory[0] && run->snapshot_interval && (first || w->step >= run->snapshot_next)) {
         double start = gn_now();
+        next_snapshot(run);
         gneiss_status status = write_snapshots(run, error);
         w->seconds[GN_PHASE_output] += gn_now() - start;
         GN_TRY(gn_run_rescue(run, true, status, error));

@@ -16,6 +16,8 @@ typedef struct gn_run {
     char directory[GN_PATH_SIZE];
     int64_t history_interval;  /* steps */
     int64_t snapshot_interval; /* steps, 0: none */
+    int64_t snapshot_next;     /* step of the next ones */
+    double snapshot_span;      /* s, in which as many are wanted as the scene says */
     double wall_before;        /* s of wall time in earlier sittings */
     double wall_start;         /* gn_now() at the start of this one */
     double cpu_before;         /* s of processors, all threads, in earlier sittings */

@@ -229,12 +229,17 @@ static void warn_of_sources(const gn_run *run, gn_warnings *list) {
         const gn_source_state *s = &w->dem.flow.sources[k];
         double behind = gn_flow_behind(w, k);
         if (!(s->full > 0.0 && behind > 0.01 * fmax(0.0, w->time - d->start))) continue;
+        const char *wall = gn_flow_wall_before(w, k);
         gn_warning *to = &list->warning[list->count++];
         to->name = "source_behind";
         snprintf(to->text, sizeof to->text,
                  "source '%s' found no room %.0f times and is %.4g s behind its rate: %.0f "
-                 "particles, %.4g kg came in; a larger region or a faster velocity makes room",
-                 d->name, s->full, behind, s->number, s->mass);
+                 "particles, %.4g kg came in; %s%s%s",
+                 d->name, s->full, behind, s->number, s->mass, wall ? "wall '" : "",
+                 wall ? wall : "",
+                 wall            ? "' has all of its region behind it"
+                 : s->number > 0 ? "a larger region or a faster velocity makes room"
+                                 : "walls, bodies or particles are all over its region");
         return;
     }
 }

@@ -423,6 +423,7 @@ static gneiss_status follow(void *context, gn_world *w, gneiss_error *error) {
     double speed = place_all(w, q), before = sqrt(d->done.motion.speed2);
     if (!(speed > before)) return GNEISS_OK;
     d->verlet.drift += w->dt * (speed - before);
+    d->verlet.closed += 2.0 * (w->dt * (speed - before));
     d->speed_most = speed * (1.0 + 1e-6);
     if (w->dt * speed <= 0.5 * d->radius_min) return GNEISS_OK;
     return gn_fail(

@@ -191,6 +191,7 @@ void gn_dem_free(gn_dem *d) {
     gn_hold_free(&d->hold);
     gn_events_free(&d->events);
     gn_flow_free(&d->flow);
+    gn_near_free(&d->near);
     void *blocks[] = {d->membrane,        d->patches,
                       d->index_of_id,     d->channel_set,
                       d->set_reaction,    d->loose,
@@ -224,6 +225,6 @@ size_t gn_dem_bytes(const gn_world *w) {
     const gn_dem *d = &w->dem;
     size_t each = gn_record_bytes(&gn_particle_record, w->effects) + 2 * sizeof(int32_t);
     return d->particles.soa.capacity * each + list_bytes(&d->bonds, &d->bond_partials) +
-           list_bytes(&d->pairs, &d->pair_partials) +
+           list_bytes(&d->pairs, &d->pair_partials) + gn_near_bytes(w) +
            d->prepared.soa.capacity * gn_record_bytes(&gn_contact_record, d->prepared.soa.effects);
 }

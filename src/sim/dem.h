@@ -13,6 +13,7 @@
 #include "sched/hold.h"
 #include "sim/events.h"
 #include "sim/flow.h"
+#include "sim/near.h"
 
 /* State of the Verlet lists. */
 typedef struct gn_verlet {
@@ -20,6 +21,7 @@ typedef struct gn_verlet {
     double skin_start; /* m, as it was at the start */
     double widened;    /* m, the widest that it had to be beyond the scene's; 0: never */
     double drift;      /* m, bound on any particle's path since `ref` was set */
+    double closed;     /* m, bound on how much closer two came since then that were not listed */
     int64_t rebuilds;
     int64_t last_step; /* step of the last rebuild */
 } gn_verlet;
@@ -113,6 +115,7 @@ typedef struct gn_dem {
     gn_motion_kernel *motion_kernel;
     gn_deal deal;                           /* of steps among the threads */
     gn_hold hold;                           /* particles that wait for an exchange */
+    gn_near near;                           /* pairs that can act before long */
     gn_contact_sums *bond_sums, *pair_sums; /* per block of contacts */
     gn_motion_sums *motion_sums;
     size_t motion_blocks;
@@ -169,7 +172,8 @@ gneiss_status gn_dem_arrange(gn_world *world, gneiss_error *error);
 gneiss_status gn_dem_refresh(gn_world *world, gneiss_error *error);
 /* All that follows from records and lists, which were read. */
 gneiss_status gn_dem_restore(gn_world *world, gneiss_error *error);
-/* m: looks how far the particles came since the lists were made, for verlet.drift. */
+/* Looks how far the particles came since the lists were made, for verlet.drift and verlet.closed
+ * (travel.c). */
 void gn_dem_look_at_travel(gn_world *world);
 
 /* Forces of the instant, and the motion of what does not wait for an exchange, in one sweep; */

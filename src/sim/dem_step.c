@@ -147,6 +147,7 @@ void gn_dem_move(gn_world *w, bool measure) {
     double speed = sqrt(d->done.motion.speed2);
     d->speed_most = speed * (1.0 + 1e-6);
     d->verlet.drift += w->dt * speed;
+    d->verlet.closed += 2.0 * (w->dt * speed);
     d->broken_tension += d->done.bonds.broken_tension;
     d->broken_shear += d->done.bonds.broken_shear;
     d->pressed = d->done.pairs.pressed + d->done.walls.pressed > 0;

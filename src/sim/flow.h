@@ -67,6 +67,8 @@ bool gn_flow_due(const gn_world *world);
 gneiss_status gn_flow_arrive(gn_world *world, bool first, gneiss_error *error);
 /* s by which what came in is behind what should have. */
 double gn_flow_behind(const gn_world *world, size_t k);
+/* The wall that has all of the region of source k behind it; NULL: none has. */
+const char *gn_flow_wall_before(const gn_world *world, size_t k);
 
 /* Whether a particle is where a sink has it. */
 bool gn_sink_has(const gn_world *world, size_t sink, const double x[4]);

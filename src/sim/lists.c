@@ -383,7 +383,8 @@ gneiss_status gn_dem_refresh(gn_world *w, gneiss_error *error) {
     memcpy(w->dem.particles.ref, w->dem.particles.pos,
            w->dem.particles.soa.count * 4 * sizeof(double));
     ready_kernels(w);
-    w->dem.verlet.drift = 0.0;
+    GN_TRY(gn_near_lists(w, error));
+    w->dem.verlet.drift = w->dem.verlet.closed = 0.0;
     w->dem.verlet.rebuilds++;
     w->dem.verlet.last_step = w->step;
     gn_box_listed(w);
@@ -403,19 +404,6 @@ gneiss_status gn_dem_restore(gn_world *w, gneiss_error *error) {
     GN_TRY(gn_partials_build(&w->dem.bonds, n, w->threads, &w->dem.bond_partials, error));
     GN_TRY(gn_partials_build(&w->dem.pairs, n, w->threads, &w->dem.pair_partials, error));
     ready_kernels(w);
-    return ready_blocks(w, error);
-}
-
-void gn_dem_look_at_travel(gn_world *w) {
-    const gn_particles *q = &w->dem.particles;
-    double most = 0.0;
-    for (size_t p = 0; p < q->soa.count; p++) {
-        double d2 = 0.0;
-        for (int a = 0; a < 3; a++) {
-            double d = q->pos[4 * p + a] - q->ref[4 * p + a];
-            d2 += d * d;
-        }
-        most = fmax(most, d2);
-    }
-    w->dem.verlet.drift = sqrt(most);
+    GN_TRY(ready_blocks(w, error));
+    return gn_near_lists(w, error);
 }

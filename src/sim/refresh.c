@@ -32,22 +32,31 @@ gneiss_status gn_world_renew_lists(gn_world *w, gneiss_error *error) {
     return gn_world_check_lists(w, error);
 }
 
+/* m: how far a particle may go before the lists are made anew, whatever is beside it. Sinks and the
+ * sides of a domain are looked at then as well. */
+static double farthest(const gn_world *w) {
+    const double skin = w->dem.verlet.skin;
+    return w->effects & GN_FX_WALLS || w->scene.has_domain || w->scene.sink_count ? skin
+                                                                                  : 8.0 * skin;
+}
+
 /* Two particles close in by at most twice the largest path, and with a box that shrinks; a particle
  * and a wall or a surface by the sum of theirs. The cheap bound on the path adds up the largest
- * speed; when it runs out, the true largest displacement takes its place. */
+ * speed; when it runs out, the true displacements take its place. */
 gneiss_status gn_world_refresh_lists(gn_world *w, gneiss_error *error) {
     const gn_verlet *v = &w->dem.verlet;
     double other = gn_boundary_travel(w, false);
     const double flow = w->box.path;
     w->dem.flow.forced = false;
     const bool due = gn_flow_due(w);
-    if (!due && 2.0 * v->drift + flow <= v->skin && v->drift + other <= v->skin) return GNEISS_OK;
+    const double most = farthest(w);
+    if (!due && v->closed + flow <= v->skin && v->drift + other <= most) return GNEISS_OK;
     double start = gn_now();
     gn_dem_look_at_travel(w);
     other = gn_boundary_travel(w, true);
     w->seconds[GN_PHASE_lists] += gn_now() - start;
     /* A tenth of the skin in hand, or the next step would run out again. */
-    if (2.2 * v->drift + 1.1 * flow <= v->skin && v->drift + other <= 0.9 * v->skin) {
+    if (1.1 * v->closed + 1.1 * flow <= v->skin && v->drift + other <= 0.9 * most) {
         if (!due) return GNEISS_OK;
         w->dem.flow.forced = true;
     }

@@ -176,15 +176,32 @@ static gneiss_status find_arrivals(gn_world *w, arrivals *list, gneiss_error *er
     return status;
 }
 
+const char *gn_flow_wall_before(const gn_world *w, size_t k) {
+    double bound[2][3];
+    gn_domain_bounds(w->dem.flow.region[k], bound[0], bound[1]);
+    for (size_t i = 0; i < w->scene.wall_count; i++) {
+        double farthest = -INFINITY;
+        for (int c = 0; c < 8; c++) {
+            const double x[3] = {bound[c & 1][0], bound[c >> 1 & 1][1], bound[c >> 2][2]};
+            farthest = fmax(farthest, gn_wall_distance(&w->boundary.walls[i], x));
+        }
+        if (farthest < gn_flow_least_radius(w)) return w->scene.walls[i].name;
+    }
+    return NULL;
+}
+
 static gneiss_status nothing_came(const gn_world *w, gneiss_error *error) {
     size_t k = 0;
     while (w->scene.sources[k].start > 0.0) k++;
     const gn_source_def *d = &w->scene.sources[k];
+    const char *wall = gn_flow_wall_before(w, k);
     return gn_fail(error, GNEISS_ERROR_INPUT,
-                   "%s: expected room for a first particle, radius %g m, in source "
-                   "'%s', found walls or bodies wherever it was tried",
+                   "%s: expected room for a first particle, radius %g m, in source '%s', found "
+                   "%s%s%s",
                    gn_scene_at(&w->scene, d->where, "sources").text, w->dem.flow.sources[k].radius,
-                   d->name);
+                   d->name, wall ? "all of it behind wall '" : "", wall ? wall : "",
+                   wall ? "', whose normal points to where particles may be"
+                        : "walls or bodies wherever it was tried");
 }
 
 gneiss_status gn_flow_arrive(gn_world *w, bool first, gneiss_error *error) {

@@ -30,6 +30,11 @@ static void contacts(void *context, int list, size_t block) {
     size_t length = args->partials->length, count = args->contacts->soa.count;
     size_t end = (block + 1) * length < count ? (block + 1) * length : count;
     sums[block] = (gn_contact_sums){0};
+    if (list && w->dem.near.on) {
+        gn_near_work(w, args, block, &sums[block]);
+        book(k, GN_PHASE_pairs);
+        return;
+    }
     kernel(args, block * length, end, &sums[block]);
     if (args->measure && w->effects & GN_FX_CONTACT_FORCES)
         gn_box_sum_stress(w, args->contacts, block * length, end, sums[block].stress);
@@ -65,6 +70,7 @@ void gn_sweep(gn_world *w, const gn_contact_args *bonds, const gn_contact_args *
     const double begin = gn_now();
     const bool booked = w->step % GN_BOOKED == 0;
     gn_deal_begin(&w->dem.deal);
+    gn_near_begin(w, pairs);
 #pragma omp parallel num_threads(w->dem.deal.team)
     {
         work k = {w, bonds, pairs, motion, .mark = gn_now()};

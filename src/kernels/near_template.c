@@ -1,0 +1,67 @@
+/* Which pairs touch, and their columns: compiled once per instruction set, in double. */
+#include "kernels/near.h"
+
+#include "kernels/block_rows.h"
+#include "kernels/simd_pack.h"
+
+_Static_assert(GN_NEAR_GROUP % GN_W == 0, "a group has whole vectors");
+
+/* Of pairs from c on, one vector. */
+GN_INLINE unsigned touching(const gn_near_args *a, size_t c, int periodic) {
+    gn_v p[4], q[4], d[3], d2 = gn_set(0.0);
+    gn_rows4(a->pos, a->i + c, p);
+    gn_rows4(a->pos, a->j + c, q);
+    for (int k = 0; k < 3; k++) {
+        d[k] = q[k] - p[k];
+        if (periodic)
+            d[k] =
+                gn_fnma(gn_set(a->period[k]), gn_round(d[k] * gn_set(a->inverse_period[k])), d[k]);
+        d2 = gn_fma(d[k], d[k], d2);
+    }
+    gn_v reach = gn_set(a->wider) * (p[3] + q[3]);
+    return gn_bits(gn_less(d2, reach * reach));
+}
+
+/* Rows are asked for ahead of the kernel, which goes through the block three times as fast. */
+GN_INLINE size_t find_core(const gn_near_args *a, uint8_t *touched, uint8_t *act, int periodic) {
+    size_t found = 0;
+    gn_block_particles ahead = {a->particle, a->particle + a->particles};
+    const int kinds = a->soon[1] ? 3 : a->soon[0] ? 2 : 1;
+    const double *const rows[3] = {a->pos, a->soon[0], a->soon[1]};
+    gn_fetch_ahead(&ahead, rows, kinds, 16);
+    for (size_t c = 0; c < a->count; c += GN_NEAR_GROUP) {
+        unsigned now = 0;
+        gn_fetch_ahead(&ahead, rows, kinds, 4);
+        for (size_t v = 0; v < GN_NEAR_GROUP; v += GN_W) now |= touching(a, c + v, periodic) << v;
+        if (c + GN_NEAR_GROUP > a->count) now &= (1u << (a->count - c)) - 1u;
+        uint8_t *past = touched + 2 * (c / GN_NEAR_GROUP);
+        const unsigned all = now | past[0] | past[1];
+        past[1] = past[0];
+        past[0] = (uint8_t)now;
+        act[c / GN_NEAR_GROUP] = (uint8_t)all;
+        found += (size_t)__builtin_popcount(all);
+    }
+    return found;
+}
+
+static size_t find(const gn_near_args *a, uint8_t *touched, uint8_t *act) {
+    return a->periodic ? find_core(a, touched, act, 1) : find_core(a, touched, act, 0);
+}
+
+static void pack(double *to, const double *from, const uint8_t *act, size_t groups) {
+    for (size_t g = 0; g < groups; to += __builtin_popcount(act[g++]))
+        gn_pack_f64(to, from + GN_NEAR_GROUP * g, act[g]);
+}
+
+static void pack32(void *to, const void *from, const uint8_t *act, size_t groups) {
+    int32_t *out = to;
+    for (size_t g = 0; g < groups; out += __builtin_popcount(act[g++]))
+        gn_pack_32(out, (const int32_t *)from + GN_NEAR_GROUP * g, act[g]);
+}
+
+static void unpack(double *to, const double *from, const uint8_t *act, size_t groups) {
+    for (size_t g = 0; g < groups; from += __builtin_popcount(act[g++]))
+        gn_unpack_f64(to + GN_NEAR_GROUP * g, from, act[g]);
+}
+
+const gn_near_kernels GN_TABLE(near) = {find, pack, pack32, unpack};

@@ -1,0 +1,44 @@
+/* Numbers of eight at a time that are kept, one behind the other, and back; `bits` says which. What
+ * is kept is written in whole vectors: eight numbers may be written behind the last. */
+#ifndef GN_KERNELS_SIMD_PACK_H
+#define GN_KERNELS_SIMD_PACK_H
+
+#include "kernels/simd.h"
+
+#ifdef __AVX512VL__
+
+GN_INLINE void gn_pack_f64(double *to, const double *from, unsigned bits) {
+    _mm512_storeu_pd(to, _mm512_maskz_compress_pd((__mmask8)bits, _mm512_loadu_pd(from)));
+}
+GN_INLINE void gn_pack_32(void *to, const void *from, unsigned bits) {
+    __m256i v = _mm256_loadu_si256((const __m256i *)from);
+    _mm256_storeu_si256((__m256i *)to, _mm256_maskz_compress_epi32((__mmask8)bits, v));
+}
+/* Sums with 0: zeros lose their sign. */
+GN_INLINE void gn_unpack_f64(double *to, const double *from, unsigned bits) {
+    __m512d v = _mm512_add_pd(_mm512_loadu_pd(from), _mm512_setzero_pd());
+    _mm512_storeu_pd(to, _mm512_mask_expand_pd(_mm512_loadu_pd(to), (__mmask8)bits, v));
+}
+
+#else
+
+GN_INLINE void gn_pack_f64(double *to, const double *from, unsigned bits) {
+    for (int k = 0; k < 8; k++) {
+        *to = from[k];
+        to += bits >> k & 1u;
+    }
+}
+GN_INLINE void gn_pack_32(void *to, const void *from, unsigned bits) {
+    int32_t *out = to;
+    const int32_t *in = from;
+    for (int k = 0; k < 8; k++) {
+        *out = in[k];
+        out += bits >> k & 1u;
+    }
+}
+GN_INLINE void gn_unpack_f64(double *to, const double *from, unsigned bits) {
+    for (; bits; bits &= bits - 1u) to[__builtin_ctz(bits)] = *from++ + 0.0;
+}
+
+#endif
+#endif

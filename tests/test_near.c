@@ -1,0 +1,153 @@
+/* Working on the pairs that act alone leaves every bit of a run as it is. */
+#include "world_helpers.h"
+
+typedef struct near_case {
+    const char *name, *scene;
+} near_case;
+
+#define FALL(dimension, specimen, gravity)                                                         \
+    "dimension: " dimension "\nspecimen: {lattice: {" specimen                                     \
+    ", spacing: 1.1, jitter: 0.05}, group: 0}\ngravity: " gravity "\n"                             \
+    "initial: {random_velocity: 0.5}\nneighbours: {skin: 3e-4}\n"
+#define SPHERES                                                                                    \
+    FALL("3", "kind: cubic, radius: 1e-3, cells: [8, 8, 8]", "[0.5, 0, -9.81]")                    \
+    "periodic: {min: [-1e-3, -1e-3, -5e-3], max: [16.7e-3, 16.7e-3, 40e-3]}\n"
+#define LINEAR   "materials: [{name: m, density: 2500, normal_stiffness: 1e5, kratio: 2"
+#define STIFF    "law: {stiffness: uniform}\n"
+#define BOUNCES  "damping: {contact: {restitution: 0.6}}\n"
+#define MATERIAL "materials: [{name: m, density: 2500, young: 1e7, poisson: 0.2, friction: 0.4"
+#define END      "time: {end: 1}\n"
+
+static const near_case cases[] = {
+    {"friction", SPHERES LINEAR ", friction: 0.4}]\n" STIFF BOUNCES END},
+    {"neither friction nor dashpot", SPHERES LINEAR "}]\n" STIFF END},
+    {"without a ledger",
+     SPHERES LINEAR ", friction: 0.4}]\n" STIFF BOUNCES "output: {energy: off}\n" END},
+    {"rolling", SPHERES LINEAR ", friction: 0.4, rolling_friction: 0.2}]\n" STIFF BOUNCES END},
+    {"Hertz", SPHERES MATERIAL ", restitution: 0.6}]\nlaw: {stiffness: hertz}\n" END},
+    {"Hertz, rolling, no pull",
+     SPHERES MATERIAL ", restitution: 0.6, rolling_friction: 0.2, twisting_friction: 0.1}]\n"
+                      "law: {stiffness: hertz, pull: false}\n" END},
+    {"by the radii",
+     SPHERES "materials: [{name: m, density: 2500, contact_modulus: 1e8, kratio: 2, "
+             "friction: 0.4}]\nlaw: {stiffness: harmonic}\n" BOUNCES END},
+    {"discs on a floor",
+     FALL("2", "kind: hexagonal, radius: 1e-3, cells: [20, 12]", "[0, -9.81]") LINEAR
+     ", friction: 0.4}]\n" STIFF BOUNCES
+     "walls: [{name: w, point: [0, -2e-3], normal: [0, 1], stiffness: 1e5}]\n" END}};
+
+static gn_world *made(const near_case *c, int threads) {
+    gn_world *w = world_of("%srun: {threads: %d}\n", c->scene, threads);
+    for (size_t p = 0; p < w->dem.particles.soa.count; p += 3) /* sizes differ */
+        w->dem.particles.pos[4 * p + 3] *= 0.97;
+    return w;
+}
+
+static void assert_same(const char *name, const char *what, const double *a, const double *b,
+                        size_t count) {
+    for (size_t k = 0; a && k < count; k++)
+        if (!(a[k] == b[k])) fail_msg("%s: %s %zu: %.17g and %.17g", name, what, k, a[k], b[k]);
+}
+
+static void assert_same_worlds(const char *name, const gn_world *a, const gn_world *b) {
+    const gn_dem *d = &a->dem, *e = &b->dem;
+    const size_t n = d->particles.soa.count, c = d->pairs.soa.count, room = d->pairs.soa.capacity;
+    assert_int_equal(c, e->pairs.soa.count);
+    assert_same(name, "place", d->particles.pos, e->particles.pos, 4 * n);
+    assert_same(name, "velocity", d->particles.vel, e->particles.vel, 4 * n);
+    assert_same(name, "spin", d->particles.spin, e->particles.spin, 4 * n);
+    for (size_t k = 0; k < 3 && d->pairs.shear; k++)
+        assert_same(name, "force across", d->pairs.shear + k * room, e->pairs.shear + k * room, c);
+    for (size_t k = 0; k < 3 && d->pairs.roll; k++)
+        assert_same(name, "moment", d->pairs.roll + k * room, e->pairs.roll + k * room, c);
+    assert_same(name, "dashpot", d->pairs.fd, e->pairs.fd, c);
+    assert_same(name, "closeness", d->pairs.closeness, e->pairs.closeness, c);
+}
+
+static void leaving_out_what_does_not_touch_changes_no_bit(void **state) {
+    (void)state;
+    for (size_t k = 0; k < sizeof cases / sizeof *cases; k++) {
+        gn_world *packed = made(&cases[k], 2), *whole = made(&cases[k], 1);
+        size_t on = 0;
+        whole->dem.near.barred = true;
+        whole->dem.near.on = false;
+        for (int n = 0; n < 40; n++) {
+            run_steps(packed, 25);
+            run_steps(whole, 25);
+            assert_false(whole->dem.near.on);
+            on += packed->dem.near.on;
+            assert_same_worlds(cases[k].name, packed, whole);
+        }
+        assert_true(on > 20 && packed->dem.verlet.rebuilds > 2);
+        world_end(packed);
+        world_end(whole);
+    }
+}
+
+/* Losses are summed over other lanes: the same but for the order of sums. */
+static void losses_are_the_same_to_rounding(void **state) {
+    (void)state;
+    gn_world *packed = made(&cases[3], 1), *whole = made(&cases[3], 1);
+    whole->dem.near.barred = true;
+    whole->dem.near.on = false;
+    run_steps(packed, 600);
+    run_steps(whole, 600);
+    assert_true(whole->energy.friction > 0.0 && whole->energy.contact_damping > 0.0);
+    assert_close(packed->energy.friction, whole->energy.friction, 1e-12);
+    assert_close(packed->energy.contact_damping, whole->energy.contact_damping, 1e-12);
+    assert_close(packed->energy.rolling, whole->energy.rolling, 1e-12);
+    world_end(packed);
+    world_end(whole);
+}
+
+/* Where every listed pair presses there is nothing to leave out. */
+static void a_lattice_that_touches_is_worked_on_whole(void **state) {
+    (void)state;
+    gn_world *w = world_of(
+        "dimension: 3\nspecimen: {lattice: {kind: fcc, radius: 1e-3, cells: [3, 3, 3], spacing: "
+        "0.999}, group: 0}\nmaterials: [{name: m, density: 2500, normal_stiffness: 1e5, kratio: "
+        "2}]\nlaw: {stiffness: uniform}\nneighbours: {skin: 1e-4}\ntime: {end: 1}\n");
+    assert_true(w->dem.pairs.soa.count > 100);
+    assert_false(w->dem.near.on);
+    world_end(w);
+}
+
+/* Every set, at every phase of the groups of eight and with all kinds of bits. */
+static void what_is_packed_comes_back(void **state) {
+    (void)state;
+    enum { GROUPS = 40, MOST = GN_NEAR_GROUP * (GROUPS + 1) };
+    for (int s = 0; s < GN_KERNEL_SETS; s++) {
+        const gn_kernel_set *set = gn_kernel_set_at(s);
+        if (!gn_kernel_set_supported(set)) continue;
+        double from[MOST], to[MOST], back[MOST];
+        int32_t name[MOST], kept[MOST];
+        uint8_t act[GROUPS];
+        size_t n = 0;
+        for (int k = 0; k < MOST; k++) {
+            from[k] = k % 5 ? 1.0 + k : -0.0;
+            back[k] = -1.0;
+            name[k] = k;
+        }
+        for (int g = 0; g < GROUPS; g++) act[g] = (uint8_t)(g < 2 ? 255 * g : g * 37);
+        set->near->pack(to, from, act, GROUPS);
+        set->near->pack32(kept, name, act, GROUPS);
+        set->near->unpack(back, to, act, GROUPS);
+        for (int k = 0; k < GN_NEAR_GROUP * GROUPS; k++) {
+            bool in = act[k / GN_NEAR_GROUP] >> k % GN_NEAR_GROUP & 1;
+            if (in) assert_true(to[n] == from[k] && kept[n] == k);
+            assert_true(back[k] == (in ? from[k] : -1.0) && !(in && signbit(back[k])));
+            n += in;
+        }
+        assert_true(n > 100);
+    }
+}
+
+int main(void) {
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(leaving_out_what_does_not_touch_changes_no_bit),
+        cmocka_unit_test(losses_are_the_same_to_rounding),
+        cmocka_unit_test(a_lattice_that_touches_is_worked_on_whole),
+        cmocka_unit_test(what_is_packed_comes_back),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
