@@ -43,7 +43,7 @@ def scene(radius):
     return {"dimension": 3,
             "specimen": {"group": 1, "surface": region(), "mean_radius": radius, "material": "concrete", "density_basis": "bulk",
                          "packing": {"overlap": "passive", "size_variation": 0.1}},
-            "materials": [{"name": "concrete", "density": 2400, "contact_modulus": 22.4e9, "kratio": 3, "friction": 0.5, "tensile_strength": 4e6,
+            "materials": [{"name": "concrete", "density": 2400, "contact_modulus": 19.1e9, "kratio": 3, "friction": 0.5, "tensile_strength": 4e6,
                            "shear_strength": 12e6}],
             "law": {"stiffness": "harmonic"}, "bonds": {"interaction_range": 0.1, "passive_gaps": True},
             "elements": {"beam": {"length": LENGTH, "height": HEIGHT, "thickness": BREADTH, "span": SPAN, "notch_depth": NOTCH, "notch_width": SLOT,
@@ -51,14 +51,14 @@ def scene(radius):
                          "materials": [{"young": 30e9, "poisson": 0.16, "density": 2400}],
                          "motions": [{"name": "left", "group": "support_left", "motion": {"vx": 0, "vy": 0, "vz": 0}},
                                      {"name": "right", "group": "support_right", "motion": {"vy": 0}},
-                                     {"name": "load", "group": "load", "motion": {"vy": [[0, 0], [1e-3, -6e-3]]}},
+                                     {"name": "load", "group": "load", "motion": {"vy": [[0, 0], [2e-3, -3e-3]]}},
                                      {"name": "mouth_left", "group": "mouth_left"}, {"name": "mouth_right", "group": "mouth_right"}]},
             "couple": {"convert": {"box": {"min": [mid - SIDE, LOW, -1e-3], "max": [mid + SIDE, TOP, BREADTH + 1e-3]}, "width": 0.012, "stress": 2e6,
-                                   "every": 100}},
-            "damping": {"background": {"model": "viscous", "coefficient": 300}},
+                                   "every": 50}},
+            "damping": {"background": {"model": "viscous", "coefficient": 400}},
             "test": {"kind": "bending", "axis": "y", "lower": ["left", "right"], "upper": "load", "span": SPAN, "height": HEIGHT, "notch": NOTCH,
                      "opening": {"axis": "x", "lower": "mouth_left", "upper": "mouth_right"}},
-            "time": {"end": 10e-3, "stop": {"peak_drop": 0.4}}, "run": {"seed": 1}}
+            "time": {"end": 20e-3, "stop": {"peak_drop": 0.4}}, "run": {"seed": 1}}
 
 
 def written(radius):
