@@ -37,6 +37,20 @@ def a_slip_in_an_option_is_told_apart_from_a_value_that_is_missing(folder):
 
 
 @fact
+def no_number_of_threads_is_all_cores(folder):
+    assert "default, and 0: all cores" in expect(gneiss("--help"), 0).stdout
+    for number in (0, "auto"):
+        out = os.path.join(folder, f"threads_{number}")
+        run(LATTICE, out, "--threads", number)
+        assert summary(out)["threads"] == cores(), summary(out)["threads"]
+    expect(gneiss("run", LATTICE, "--threads", -1), 2, r"--set run.threads: .*\[0, 1024\]")
+
+
+def cores():
+    return int(re.search(r"threads +(\d+)", expect(gneiss("info"), 0).stdout).group(1))
+
+
+@fact
 def version_says_version_and_build(folder):
     out = expect(gneiss("--version"), 0).stdout
     assert re.match(r"gneiss \d+\.\d+\.\d+ \(.+\)\n$", out), out
@@ -95,6 +109,19 @@ law: {stiffness: uniform}
 time: {step: STEP, end: 1e-4}
 run: {threads: 1}
 """
+
+
+@fact
+def an_end_before_the_first_step_is_warned_of(folder):
+    """An automatic step; a given one has to be below the end."""
+    scene = write_scene(folder, LOOSE.replace("STEP", "auto"))
+    for end, warns in (("1e-12", True), ("1e-4", False)):
+        out = os.path.join(folder, "end_" + end)
+        result = expect(gneiss("run", scene, "--out", out, "--quiet", "--set", f"time.end={end}"), 0)
+        assert ("no step was taken" in result.stderr) == warns, result.stderr
+        with open(os.path.join(out, "summary.json")) as file:
+            summary = json.load(file)
+        assert ("no_steps" in [warning["name"] for warning in summary["warnings"]]) == warns == (summary["steps"] == 0)
 
 
 @fact
@@ -766,6 +793,11 @@ def what_the_command_line_gave_is_blamed_for_what_comes_of_it(folder):
         expect(gneiss("run", LATTICE, "--out", os.path.join(folder, "out"), "--quiet", "--set", given), 2, pattern)
     expect(gneiss("run", LATTICE, "--out", os.path.join(folder, "out"), "--quiet", "--set", "sets.foot.select.end.by=centre", "--set", "sets.foot.select.end.depth=1e-9 m"), 2,
            r"lattice-small.yaml:\d+:\d+: sets: set 'foot': select: expected particles")
+    with open(LATTICE, encoding="utf-8") as file:
+        scene = write_scene(folder, file.read().replace("foot", "foot" * 12))
+    others = ("--set", f"sets.{'foot' * 12}.select.end.depth=1.5 mm") * 40 + ("--set", "time.end=0.4 ms") * 20  # 3 000 characters before the one to blame
+    expect(gneiss("run", scene, "--out", os.path.join(folder, "out"), "--quiet", *others, "--set", "time.step=1e-4"), 2,
+           "input error: --set time.step: expected at most .*stability limit")
 
 
 @fact

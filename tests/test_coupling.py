@@ -138,7 +138,10 @@ def conversion_that_would_leave_its_box_ends_the_run_with_its_results(folder):
     assert "is not in couple.convert.box" in summary["stop_reason"], summary["stop_reason"]
     assert summary["time"] < 0.9e-4
     again = gneiss("resume", out, "--quiet")
+    assert again.returncode == 0 and "which no setting" not in again.stderr, again.stdout + again.stderr
+    again = gneiss("resume", out, "--quiet", "--set", "time.end=1")
     assert again.returncode == 0, again.stdout + again.stderr
+    assert "no step was taken; the model itself ended it, which no setting changes" in again.stderr and "time.end" not in again.stderr, again.stderr
     with open(os.path.join(out, "summary.json"), encoding="utf-8") as file:
         after = json.load(file)
     assert [after[k] for k in ("steps", "state_hash", "stop_reason")] == [summary[k] for k in ("steps", "state_hash", "stop_reason")]

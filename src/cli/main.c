@@ -170,8 +170,9 @@ static gneiss_status command_resume(const gn_options *o, gneiss_error *error) {
         if (status == GNEISS_OK && run->world.step == before)
             fprintf(stderr, "gneiss: %s: finished before (%s): no step was taken%s\n", o->target,
                     run->stop_reason,
-                    o->override_count ? "; a later time.end or a stop condition lifted goes on"
-                                      : "");
+                    !o->override_count   ? ""
+                    : run->world.halt[0] ? "; the model itself ended it, which no setting changes"
+                                         : "; a later time.end or a stop condition lifted goes on");
         gn_run_free(run);
     }
     free(run);

@@ -44,7 +44,7 @@ void gn_print_usage(FILE *out) {
         "  --out DIR          output folder (default: runs/<scene name>)\n"
         "  --set KEY=VALUE    override a key of the scene: --set time.end=2ms, --set "
         "walls.top.friction=0.2\n"
-        "  --threads N        threads (default: all cores)\n"
+        "  --threads N        threads (default, and 0: all cores)\n"
         "  --seed N           of every random number\n"
         "  --precision P      double or mixed\n"
         "  --isa NAME         " SETS_LISTED " (default: GNEISS_ISA, else the widest)\n"

@@ -269,6 +269,9 @@ uint64_t gn_fem_hash(const gn_fem_solid *solid);
 /* Pa, Cauchy, tension positive, of the present positions: xx yy zz xy yz zx per element, by place.
  */
 void gn_fem_element_stress(const gn_fem_solid *solid, double (*stress)[6]);
+/* The same of those for which wanted[element] is `kind`; the others' are left alone. */
+void gn_fem_some_stress(const gn_fem_solid *solid, const uint8_t *wanted, uint8_t kind,
+                        double (*stress)[6]);
 /* Stress at nodes: mean over the elements at the node, weighted by their volumes. */
 gneiss_status gn_fem_nodal_stress(const gn_fem_solid *solid, const double (*element)[6],
                                   double (*nodal)[6], gneiss_error *error);

@@ -42,21 +42,31 @@ static double mean_pressure(const gn_fem_solid *solid, size_t e) {
     return sum / (solid->dimension + 1);
 }
 
-void gn_fem_element_stress(const gn_fem_solid *solid, double (*stress)[6]) {
+static void stress_of(const gn_fem_solid *solid, size_t e, double stress[6]) {
     static const int row[6] = {0, 1, 2, 0, 1, 2}, column[6] = {0, 1, 2, 1, 2, 0};
+    double f[3][3], s[3][3], det = gn_fem_deformation(solid, e, f);
+    second_piola(&solid->elements, e, solid->form == GN_FEM_PRESSURE, f, s);
+    const double pressure = mean_pressure(solid, e);
+    for (int c = 0; c < 6; c++) {
+        double sum = 0.0;
+        for (int k = 0; k < 3; k++)
+            for (int l = 0; l < 3; l++) sum += f[row[c]][k] * s[k][l] * f[column[c]][l];
+        stress[c] = sum / det + (c < 3 ? pressure : 0.0);
+    }
+}
+
+void gn_fem_element_stress(const gn_fem_solid *solid, double (*stress)[6]) {
     if (solid->form == GN_FEM_PRESSURE) gn_fem_find_pressures(solid);
 #pragma omp parallel for num_threads(solid->threads) schedule(static)
-    for (size_t e = 0; e < solid->elements.soa.count; e++) {
-        double f[3][3], s[3][3], det = gn_fem_deformation(solid, e, f);
-        second_piola(&solid->elements, e, solid->form == GN_FEM_PRESSURE, f, s);
-        const double pressure = mean_pressure(solid, e);
-        for (int c = 0; c < 6; c++) {
-            double sum = 0.0;
-            for (int k = 0; k < 3; k++)
-                for (int l = 0; l < 3; l++) sum += f[row[c]][k] * s[k][l] * f[column[c]][l];
-            stress[e][c] = sum / det + (c < 3 ? pressure : 0.0);
-        }
-    }
+    for (size_t e = 0; e < solid->elements.soa.count; e++) stress_of(solid, e, stress[e]);
+}
+
+void gn_fem_some_stress(const gn_fem_solid *solid, const uint8_t *wanted, uint8_t kind,
+                        double (*stress)[6]) {
+    if (solid->form == GN_FEM_PRESSURE) gn_fem_find_pressures(solid);
+#pragma omp parallel for num_threads(solid->threads) schedule(static)
+    for (size_t e = 0; e < solid->elements.soa.count; e++)
+        if (wanted[e] == kind) stress_of(solid, e, stress[e]);
 }
 
 gneiss_status gn_fem_nodal_stress(const gn_fem_solid *solid, const double (*element)[6],
@@ -108,20 +118,31 @@ static double element_energy(const gn_fem_solid *solid, size_t e, double f[3][3]
     return solid->elements.volume[e] * energy;
 }
 
-double gn_fem_stored(const gn_fem_solid *solid, double ahead) {
+/* With the displacements that velocities make in `ahead` s. */
+static double energy_ahead(const gn_fem_solid *solid, size_t e, double ahead) {
     const gn_elements *q = &solid->elements;
-    double sum = 0.0;
-    for (size_t e = 0; e < q->soa.count; e++) {
-        double f[3][3], g[4][3];
-        gn_fem_deformation(solid, e, f);
-        gn_fem_gradients(q, e, g);
-        for (int a = 0; a <= solid->dimension && ahead != 0.0; a++) {
-            const size_t n = (size_t)gn_elements_node(q, a)[e];
-            for (int i = 0; i < solid->dimension; i++)
-                for (int k = 0; k < solid->dimension; k++)
-                    f[i][k] += ahead * solid->nodes.vel[4 * n + (size_t)i] * g[a][k];
-        }
-        sum += element_energy(solid, e, f);
+    double f[3][3], g[4][3];
+    gn_fem_deformation(solid, e, f);
+    if (ahead == 0.0) return element_energy(solid, e, f);
+    gn_fem_gradients(q, e, g);
+    for (int a = 0; a <= solid->dimension; a++) {
+        const size_t n = (size_t)gn_elements_node(q, a)[e];
+        for (int i = 0; i < solid->dimension; i++)
+            for (int k = 0; k < solid->dimension; k++)
+                f[i][k] += ahead * solid->nodes.vel[4 * n + (size_t)i] * g[a][k];
+    }
+    return element_energy(solid, e, f);
+}
+
+/* Threads find what single elements hold; it is added up in their order. */
+double gn_fem_stored(const gn_fem_solid *solid, double ahead) {
+    enum { SOME = 4096 };
+    double sum = 0.0, held[SOME];
+    for (size_t from = 0; from < solid->elements.soa.count; from += SOME) {
+        const size_t left = solid->elements.soa.count - from, count = left < SOME ? left : SOME;
+#pragma omp parallel for num_threads(solid->threads) schedule(static)
+        for (size_t k = 0; k < count; k++) held[k] = energy_ahead(solid, from + k, ahead);
+        for (size_t k = 0; k < count; k++) sum += held[k];
     }
     return sum;
 }

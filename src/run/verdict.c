@@ -175,6 +175,18 @@ static void warn_of_mass_scaling(const gn_run *run, gn_warnings *list) {
              s->step, s->reached, s->unscaled);
 }
 
+/* An automatic step is known only once there is a specimen; a given one has to be below the end. */
+static void warn_of_no_steps(const gn_run *run, gn_warnings *list) {
+    const gn_world *w = &run->world;
+    if (!run->finished || w->step > 0 || w->halt[0]) return;
+    gn_warning *to = &list->warning[list->count++];
+    to->name = "no_steps";
+    snprintf(to->text, sizeof to->text,
+             "time.end (%g s) is less than half a step of %.4g s: no step was taken, and nothing "
+             "has happened",
+             w->scene.end, w->dt);
+}
+
 /* A condition that was not met in time. */
 static void warn_of_stages(const gn_run *run, gn_warnings *list) {
     const gn_world *w = &run->world;
@@ -351,6 +363,7 @@ gneiss_status gn_run_warnings(const gn_run *run, gn_warnings *list, gneiss_error
     warn_of_softening(run, list);
     warn_of_mass_scaling(run, list);
     warn_of_added_mass(run, list);
+    warn_of_no_steps(run, list);
     warn_of_stages(run, list);
     warn_of_servos(run, list);
     warn_of_control(run, list);

@@ -19,12 +19,19 @@ static const size_t size_limit = (size_t)64 << 20;
 
 /* ---- reading ---- */
 
-/* Those for which there is no room are only missing from messages. */
-static void note_override(gn_scene *s, const char *key) {
-    size_t used = strlen(s->overridden), length = strlen(key);
-    if (used + length + 2 > sizeof s->overridden) return;
-    memcpy(s->overridden + used, key, length);
-    memcpy(s->overridden + used + length, "\n", 2);
+static const char *key_of(const gn_override *override) {
+    return override->key ? override->key : "";
+}
+
+static gneiss_status note_overrides(gn_scene *s, const gn_override *overrides, size_t count,
+                                    gneiss_error *error) {
+    size_t size = 1, used = 0;
+    for (size_t k = 0; k < count; k++) size += strlen(key_of(&overrides[k])) + 1;
+    s->overridden = gn_alloc(size);
+    if (!s->overridden) return gn_fail(error, GNEISS_ERROR_MEMORY, "%s: out of memory", s->source);
+    for (size_t k = 0; k < count; k++)
+        used += (size_t)snprintf(s->overridden + used, size - used, "%s\n", key_of(&overrides[k]));
+    return GNEISS_OK;
 }
 
 /* Whether the path of one key is that of another or of what is below it. */
@@ -38,7 +45,7 @@ static bool within(const char *path, size_t length, const char *top, size_t top_
 static size_t overriding(const gn_scene *s, bool filed, const char *path, const char **key) {
     const size_t length = strlen(path);
     const bool below = !filed || strchr(path, '.');
-    for (const char *at = s->overridden; *at; at += strcspn(at, "\n") + 1) {
+    for (const char *at = s->overridden; at && *at; at += strcspn(at, "\n") + 1) {
         const size_t size = strcspn(at, "\n");
         *key = at;
         if (within(path, length, at, size) || (below && within(at, size, path, length)))
@@ -65,11 +72,10 @@ gn_place_text gn_scene_at(const gn_scene *s, gn_scene_place where, const char *p
 
 static gneiss_status parse_tree(gn_reader *reader, gn_tree *tree, const gn_override *overrides,
                                 size_t override_count) {
+    GN_TRY(note_overrides(reader->scene, overrides, override_count, reader->error));
     for (size_t k = 0; k < override_count; k++) {
-        const char *key = overrides[k].key ? overrides[k].key : "";
-        gn_problem_place(reader->problems, (gn_scene_place){INT_MAX, 0}, key);
+        gn_problem_place(reader->problems, (gn_scene_place){INT_MAX, 0}, key_of(&overrides[k]));
         GN_TRY(gn_read_keep(reader, gn_tree_override(tree, &overrides[k], reader->error)));
-        note_override(reader->scene, key);
     }
     const gn_node *root = gn_tree_root(tree);
     GN_TRY(gn_read_scene(reader, root));
@@ -274,6 +280,7 @@ void gn_scene_free(gn_scene *scene) {
     if (!scene) return;
     free_section(&gn_scene_section, (char *)scene);
     gn_free(scene->specimen.packed);
+    gn_free(scene->overridden);
     memset(scene, 0, sizeof *scene);
 }
 
@@ -316,7 +323,9 @@ gneiss_status gn_scene_copy(const gn_scene *from, gn_scene *to, gneiss_error *er
     *to = *from;
     to->specimen.packed = NULL;
     to->specimen.packed_count = 0;
-    if (own_section(&gn_scene_section, (char *)to)) return GNEISS_OK;
+    const size_t size = from->overridden ? strlen(from->overridden) + 1 : 0;
+    const bool held = own_array(&to->overridden, size, 1);
+    if (own_section(&gn_scene_section, (char *)to) && held) return GNEISS_OK;
     gn_scene_free(to);
     return gn_fail(error, GNEISS_ERROR_MEMORY, "%s: no memory for a copy of the scene",
                    from->source);

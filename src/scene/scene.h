@@ -381,7 +381,7 @@ typedef struct gn_element_def {
 
 typedef struct gn_scene {
     char source[GN_PATH_SIZE]; /* the scene file, for messages */
-    char overridden[2048];     /* keys that the command line gave, a line each, for messages */
+    char *overridden;          /* keys that the command line gave, a line each, for messages */
     char title[256];
     int64_t dimension; /* 2 or 3 */
     bool has_origin;

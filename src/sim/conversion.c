@@ -279,7 +279,7 @@ static gneiss_status make_lists(gn_world *w, gneiss_error *error) {
 static gneiss_status go(gn_conversion *c, gneiss_error *error) {
     gn_world *w = c->world;
     gn_fem_solid *b = gn_coupled_solid(w);
-    gn_tally before = gn_conversion_tally(w);
+    gn_tally before = gn_conversion_tally(w, true);
     bool stuck = false;
     GN_TRY(advance_front(c, &stuck, error));
     if (stuck) return GNEISS_OK;
@@ -291,7 +291,7 @@ static gneiss_status go(gn_conversion *c, gneiss_error *error) {
     GN_TRY(gn_coupled_again(w, error));
     GN_TRY(gn_conversion_keep(c, &before, error));
     GN_TRY(make_lists(w, error));
-    w->energy.conversion += before.energy - gn_conversion_tally(w).energy;
+    w->energy.conversion += before.energy - gn_conversion_tally(w, true).energy;
     return GNEISS_OK;
 }
 
@@ -309,24 +309,31 @@ gneiss_status gn_conversion_convert(gn_world *w, uint8_t *kind, gneiss_error *er
 
 /* --- what converts --- */
 
-/* [elements] how far each is beyond the limits; 0: not at all. */
-static gneiss_status find_excess(const gn_world *w, double *excess, gneiss_error *error) {
+/* [elements] how far those that may go are beyond the limits; 0: not at all, or they may not. */
+static gneiss_status find_excess(const gn_world *w, const uint8_t *kind, double *excess,
+                                 gneiss_error *error) {
     const gn_fem_solid *b = gn_coupled_solid(w);
     const gn_convert_def *def = &w->scene.couple.convert;
     const size_t elements = b->elements.soa.count, nodes = b->nodes.soa.count;
+    const bool by_nodes = def->by == GN_CONVERT_NODES;
     double(*stress)[6] = gn_alloc_array(elements + nodes + 1, sizeof *stress);
     if (!stress) return no_memory(error);
     double(*nodal)[6] = stress + elements;
-    gn_fem_element_stress(b, stress);
     gneiss_status status = GNEISS_OK;
-    if (def->by == GN_CONVERT_NODES)
+    if (by_nodes) {
+        gn_fem_element_stress(b, stress);
         status = gn_fem_nodal_stress(b, (const double(*)[6])stress, nodal, error);
+    } else {
+        gn_fem_some_stress(b, kind, GN_FRONT_READY, stress);
+    }
     for (size_t e = 0; status == GNEISS_OK && e < elements; e++) {
         double mean[6] = {0.0};
-        for (int a = 0; a <= b->dimension && def->by == GN_CONVERT_NODES; a++)
+        excess[e] = 0.0;
+        if (kind[e] != GN_FRONT_READY) continue;
+        for (int a = 0; a <= b->dimension && by_nodes; a++)
             for (int k = 0; k < 6; k++)
                 mean[k] += nodal[gn_elements_node(&b->elements, a)[e]][k] / (b->dimension + 1);
-        excess[e] = gn_front_excess(def, def->by == GN_CONVERT_NODES ? mean : stress[e]);
+        excess[e] = gn_front_excess(def, by_nodes ? mean : stress[e]);
     }
     gn_free(stress);
     return status;
@@ -378,7 +385,6 @@ static gneiss_status act(gn_world *w, const double *excess, uint8_t *kind, gneis
     const size_t elements = gn_conversion_elements(w);
     size_t count;
     bool any = false;
-    GN_TRY(gn_conversion_kinds(w, kind, error));
     int32_t *place = gn_fem_places(gn_coupled_solid(w), &count);
     if (!place) return no_memory(error);
     mark_stressed(&w->scene.couple.convert, elements, excess, kind);
@@ -392,7 +398,9 @@ static gneiss_status look(gn_world *w, gneiss_error *error) {
     const size_t elements = gn_conversion_elements(w);
     uint8_t *kind = gn_alloc(elements + 1);
     double *excess = gn_alloc_array(elements + 1, sizeof *excess);
-    gneiss_status status = kind && excess ? find_excess(w, excess, error) : no_memory(error);
+    gneiss_status status = kind && excess ? GNEISS_OK : no_memory(error);
+    if (status == GNEISS_OK) status = gn_conversion_kinds(w, kind, error);
+    if (status == GNEISS_OK) status = find_excess(w, kind, excess, error);
     if (status == GNEISS_OK && is_due(w, excess)) status = act(w, excess, kind, error);
     gn_free(kind);
     gn_free(excess);

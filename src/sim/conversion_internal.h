@@ -30,9 +30,9 @@ void gn_contact_rate(const gn_world *world, int32_t i, int32_t j, double length,
 /* Masses (conversion_masses.c). What the model has, nodes and free particles. */
 typedef struct gn_tally {
     double mass, moment[3], momentum[3]; /* kg, kg m, kg m/s */
-    double energy;                       /* J, kinetic and elastic */
+    double energy;                       /* J, kinetic and elastic, where it is asked for */
 } gn_tally;
-gn_tally gn_conversion_tally(const gn_world *world);
+gn_tally gn_conversion_tally(const gn_world *world, bool energy);
 /* Scales the masses of who has another weight than before, by a linear function of the place, so
  * that mass and centre of mass are those of `before`; then gives those that were freed a velocity
  * so that momentum is. */

@@ -72,19 +72,21 @@ static double elements_energy(const gn_world *w) {
     return gn_fem_stored(b, 0.0) + 0.5 * (gn_fem_stored(b, -half) - gn_fem_stored(b, half));
 }
 
-gn_tally gn_conversion_tally(const gn_world *w) {
+gn_tally gn_conversion_tally(const gn_world *w, bool energy) {
     const gn_particles *q = &w->dem.particles, *nodes = &gn_coupled_solid(w)->nodes;
     const gn_coupled *coupled = w->exchange[0].context;
     gn_tally t = {0};
-    t.energy =
-        elements_energy(w) + contacts_energy(w, &w->dem.bonds) + contacts_energy(w, &w->dem.pairs);
+    if (energy)
+        t.energy = elements_energy(w) + contacts_energy(w, &w->dem.bonds) +
+                   contacts_energy(w, &w->dem.pairs);
     for (size_t n = 0; n < nodes->soa.count; n++)
         if (nodes->vel[4 * n + 3] > 0.0)
             add(&t, 1.0 / nodes->vel[4 * n + 3], nodes->pos + 4 * n, nodes->vel + 4 * n);
     for (size_t p = 0; p < q->soa.count; p++) {
-        const bool there = q->vel[4 * p + 3] > 0.0, moves = is_free(w, p);
+        if (!(q->vel[4 * p + 3] > 0.0)) continue;
+        const bool moves = is_free(w, p);
         if (moves) add(&t, 1.0 / q->vel[4 * p + 3], q->pos + 4 * p, q->vel + 4 * p);
-        if (q->spin && there && (moves || !coupled->turn))
+        if (q->spin && (moves || !coupled->turn))
             t.energy += 0.5 * gn_dot3(q->spin + 4 * p, q->spin + 4 * p) / q->spin[4 * p + 3];
     }
     return t;
@@ -180,7 +182,7 @@ static void scale_masses(const gn_conversion *c, const gn_tally *missing) {
 
 static void keep_momentum(const gn_conversion *c, const gn_tally *before) {
     gn_particles *q = &c->world->dem.particles;
-    const gn_tally now = gn_conversion_tally(c->world);
+    const gn_tally now = gn_conversion_tally(c->world, false);
     double mass = 0.0;
     for (size_t p = 0; p < q->soa.count; p++)
         if (c->freed[p]) mass += 1.0 / q->vel[4 * p + 3];
@@ -191,7 +193,7 @@ static void keep_momentum(const gn_conversion *c, const gn_tally *before) {
 
 gneiss_status gn_conversion_keep(const gn_conversion *c, const gn_tally *before,
                                  gneiss_error *error) {
-    gn_tally missing = gn_conversion_tally(c->world);
+    gn_tally missing = gn_conversion_tally(c->world, false);
     missing.mass = before->mass - missing.mass;
     for (int a = 0; a < 3; a++) missing.moment[a] = before->moment[a] - missing.moment[a];
     scale_masses(c, &missing);
