@@ -542,6 +542,27 @@ def a_specimen_is_not_taken_from_a_run_that_did_not_end(folder):
 
 
 @fact
+def grains_that_begin_fast_take_steps_that_they_can_bear(folder):
+    """By Hertz's law nothing but their speed says what contacts will be like: two clumps that meet head-on, from 1 to 50 m/s."""
+    r = 1e-3
+    places = [[side + 2.05 * r * i, 2.05 * r * j, 2.05 * r * k, r] for side in (0, 0.03) for i in range(3) for j in range(3) for k in range(3)]
+    for speed in (1.0, 10.0, 50.0):
+        given = {"dimension": 3, "specimen": {"particles": places},
+                 "materials": [{"name": "m", "density": 2500, "young": "50 MPa", "poisson": 0.25, "friction": 0.3, "restitution": 0.8}],
+                 "law": {"stiffness": "hertz"}, "domain": {"min": [-1, -1, -1], "max": [1, 1, 1]},
+                 "sets": [{"name": name, "select": {"ids": list(range(first, first + 27))}, "initial_velocity": [sense * speed, 0, 0]}
+                          for name, first, sense in (("left", 0, 1), ("right", 27, -1))],
+                 "time": {"end": 0.03 / speed}, "output": {"snapshots": 0}}
+        out = os.path.join(folder, f"at-{speed}")
+        run(write_scene(folder, given), out)
+        assert abs(summary(out)["energy_residual"]) < 0.01, speed
+        # What flies on through where the others are has met none of them.
+        with results(out) as file:
+            left = file["particles/position"][:27, 0].mean()
+        assert left < 0.018, (speed, left)
+
+
+@fact
 def a_pulse_does_not_start_in_a_zone_and_a_zone_has_edges(folder):
     wave = os.path.join(SCENES, "..", "..", "scenes", "wave-zone.yaml")
     inside = ("--set", "initial.pulse.centre=[300 mm, 0 mm]", "--set", "initial.pulse.length=20 mm")

@@ -163,10 +163,20 @@ static gneiss_status look_at_turned(gn_world *w, gneiss_error *error) {
     return react(w, w->stable, error);
 }
 
+/* Before the first step, which finds it by itself. */
+static double fastest2(const gn_world *w) {
+    const gn_particles *q = &w->dem.particles;
+    double most = 0.0;
+    for (size_t p = 0; p < q->soa.count; p++)
+        most = fmax(most, gn_dot3(q->vel + 4 * p, q->vel + 4 * p));
+    return most;
+}
+
 /* By Hertz's law an automatic step says nothing before something touches, and speeds may have grown
  * since: a particle goes a tenth of the smallest radius in a step at most. */
 static void follow_flight(gn_world *w) {
-    const double most = 0.1 * w->dem.radius_min, speed = sqrt(w->dem.done.motion.speed2);
+    const double most = 0.1 * w->dem.radius_min,
+                 speed = sqrt(w->step > 0 ? w->dem.done.motion.speed2 : fastest2(w));
     if (w->effects & GN_FX_HERTZ && w->dt * speed > most) lower(w, 0.5 * most / speed);
 }
 
