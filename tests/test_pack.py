@@ -693,7 +693,7 @@ def a_sieve_curve_comes_out_by_mass(folder):
     """Half of the mass between 0.25 and 0.5 of the largest size, half above. The fit changes sizes by a tenth; of the fifth of the particles
     that has the upper half of the mass, 240, a share of it scatters by 3 %."""
     sieve = [[0.25, 0], [0.5, 0.5], [1, 1]]
-    radii, _ = sized(folder, {"sizes": "sieve", "sieve": sieve, "size_ratio": 4}, "sieve")
+    radii, _ = sized(folder, {"sizes": "sieve", "sieve": sieve}, "sieve")
     share = np.cumsum(radii**3) / np.sum(radii**3)
     passing = np.interp(0.5 * radii[-1], radii, share)
     assert abs(passing - 0.5) < 0.1, passing

@@ -230,7 +230,7 @@ static gneiss_status check_gauge(const gn_world *w, const char *path, gneiss_err
 static gneiss_status check_numbers(const gn_run *run, const char *path, gneiss_error *error) {
     const gn_world *w = &run->world;
     bool good = run->history_interval > 0 && run->snapshot_interval >= 0 &&
-                run->snapshot_next >= 0 && run->snapshot_span > 0.0 && w->step >= 0 &&
+                run->snapshot_next >= 0 && run->snapshot_span >= 0.0 && w->step >= 0 &&
                 isfinite(w->time) && w->dt > 0.0 && isfinite(w->dt) && isfinite(w->dt_past);
     return good ? GNEISS_OK
                 : gn_fail(error, GNEISS_ERROR_INPUT,

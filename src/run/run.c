@@ -367,10 +367,10 @@ static gneiss_status one_step(gn_run *run, gneiss_error *error) {
     if (run->finished && !before) return GNEISS_OK; /* the last stage has no steps */
     if (run->directory[0] && run->snapshot_interval && (first || w->step >= run->snapshot_next)) {
         double start = gn_now();
-        next_snapshot(run);
         gneiss_status status = write_snapshots(run, error);
         w->seconds[GN_PHASE_output] += gn_now() - start;
         GN_TRY(gn_run_rescue(run, true, status, error));
+        next_snapshot(run);
     }
     if (first || w->step % run->history_interval == 0) {
         GN_TRY(gn_history_step(w, &run->history, error));
