@@ -13,7 +13,7 @@
 #include <string.h>
 
 /* In mean radii: what is around a particle; cells of the grid. */
-static const double around = 5.0, cell_size = 3.0;
+static const double around = 5.0, cell_size = 2.5;
 
 /* A body with fewer particles than this share of the largest one's has come off it. */
 enum { CHIP = 10 };
@@ -82,12 +82,11 @@ static void see(void *context, int32_t particle) {
     const gn_particles *q = v->particles;
     const size_t p = (size_t)particle;
     double from[3], to[3];
-    for (int a = 0; a < 3; a++) {
-        from[a] = q->start[4 * p + a] - q->start[4 * v->middle + a];
-        to[a] = q->pos[4 * p + a] - q->pos[4 * v->middle + a];
-    }
-    double weight = 1.0 - gn_dot3(from, from) / (v->reach * v->reach);
-    if (weight > 0.0) gn_gradient_add(&v->fit, weight, from, to);
+    for (int a = 0; a < 3; a++) from[a] = q->start[4 * p + a] - q->start[4 * v->middle + a];
+    const double weight = 1.0 - gn_dot3(from, from) / (v->reach * v->reach);
+    if (!(weight > 0.0)) return;
+    for (int a = 0; a < 3; a++) to[a] = q->pos[4 * p + a] - q->pos[4 * v->middle + a];
+    gn_gradient_add(&v->fit, weight, from, to);
 }
 
 /* That of the skin as a whole where what is left around says nothing. */
