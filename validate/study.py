@@ -159,7 +159,7 @@ def put(document, name, text):
 
 def put_table(document, name, head, rows, quick, missing=()):
     """Prints a table, with the names of rows that are missing, and, unless quick, puts it into the page."""
-    text = table(head, rows) + ("\n" + not_run(missing) if missing else "")
+    text = "\n".join(([table(head, rows)] if rows else []) + ([not_run(missing)] if missing else [])).strip()
     print(f"{name}\n{text}\n", flush=True)
     if not quick:
         put(document, name, text)

@@ -13,7 +13,7 @@
 #include <string.h>
 
 /* In mean radii: what is around a particle; cells of the grid. */
-static const double around = 5.0, cell_size = 3.0;
+static const double around = 5.0, cell_size = 2.5;
 
 /* A body with fewer particles than this share of the largest one's has come off it. */
 enum { CHIP = 10 };
@@ -45,6 +45,11 @@ static bool mark_off(gn_world *w) {
     return found;
 }
 
+/* -1: none. */
+static int32_t bearer(const gn_dem *d, const gn_patch *patch) {
+    return patch->owner >= 0.0 ? d->index_of_id[(size_t)patch->owner] : -1;
+}
+
 gneiss_status gn_membrane_drop(gn_world *w, gneiss_error *error) {
     gn_dem *d = &w->dem;
     gn_particles *q = &d->particles;
@@ -53,7 +58,7 @@ gneiss_status gn_membrane_drop(gn_world *w, gneiss_error *error) {
     GN_TRY(gn_start_grid_make(w, cell_size * mean_radius(q), &grid, error));
     for (size_t k = 0; k < d->patch_count; k++) {
         gn_patch *patch = &d->patches[k];
-        int32_t p = patch->owner >= 0.0 ? d->index_of_id[(size_t)patch->owner] : -1;
+        int32_t p = bearer(d, patch);
         if (p >= 0 && !gn_came_off(q, (size_t)p)) continue;
         p = gn_start_grid_nearest(&grid, patch->point, patch->area);
         patch->owner = p >= 0 ? q->id[p] : -1.0;
@@ -77,12 +82,11 @@ static void see(void *context, int32_t particle) {
     const gn_particles *q = v->particles;
     const size_t p = (size_t)particle;
     double from[3], to[3];
-    for (int a = 0; a < 3; a++) {
-        from[a] = q->start[4 * p + a] - q->start[4 * v->middle + a];
-        to[a] = q->pos[4 * p + a] - q->pos[4 * v->middle + a];
-    }
-    double weight = 1.0 - gn_dot3(from, from) / (v->reach * v->reach);
-    if (weight > 0.0) gn_gradient_add(&v->fit, weight, from, to);
+    for (int a = 0; a < 3; a++) from[a] = q->start[4 * p + a] - q->start[4 * v->middle + a];
+    const double weight = 1.0 - gn_dot3(from, from) / (v->reach * v->reach);
+    if (!(weight > 0.0)) return;
+    for (int a = 0; a < 3; a++) to[a] = q->pos[4 * p + a] - q->pos[4 * v->middle + a];
+    gn_gradient_add(&v->fit, weight, from, to);
 }
 
 /* That of the skin as a whole where what is left around says nothing. */
@@ -125,8 +129,9 @@ static void add_patches(gn_world *w, const gn_start_grid *grid, double reach, do
         if (!gn_came_off(&d->particles, p))
             memset(d->particles.skin + 4 * p, 0, 4 * sizeof(double));
     for (size_t k = 0; k < d->patch_count; k++) {
-        if (d->patches[k].owner < 0.0) continue;
-        const size_t p = (size_t)d->index_of_id[(size_t)d->patches[k].owner];
+        const int32_t at = bearer(d, &d->patches[k]);
+        if (at < 0) continue;
+        const size_t p = (size_t)at;
         memcpy(gradient, d->membrane->gradient, sizeof gradient);
         if (grid) gradient_around(w, grid, reach, p, gradient);
         add_patch(w, &d->patches[k], p, gradient, arms);
