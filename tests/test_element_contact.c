@@ -180,6 +180,7 @@ static void threads_and_resume_give_the_same_bits(void **state) {
     gneiss_error error = {0};
     stopped.world = *two;
     stopped.history_interval = 1;
+    stopped.snapshot_span = 1.0;
     if (gn_history_begin(&stopped.world, &stopped.history, &error) != GNEISS_OK ||
         gn_checkpoint_write(&stopped, saved, &error) != GNEISS_OK ||
         gn_checkpoint_load(saved, NULL, 0, &resumed, &error) != GNEISS_OK)
