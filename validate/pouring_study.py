@@ -1,10 +1,11 @@
 """Many small pourings at default settings: does every one close its ledger, give back the restitution that was asked for, and lose
 nothing? A section of docs/evidence/granular.md; two to three seconds of one core each.
 
-    /usr/bin/python3 validate/pouring_study.py [--count 500] [--quick]
+    /usr/bin/python3 validate/pouring_study.py [--count 500] [--quick] [--finished]
 
 Scenes are drawn at random: material, sizes, container, rate, speed, rolling resistance, linear law or Hertz's, with and without
-pull; step, time of a contact, skin and everything else are left to gneiss. --quick does 20. The scene of a number is always the same.
+pull; step, time of a contact, skin and everything else are left to gneiss. --quick does 20, --finished runs nothing
+and writes the table of those that an unfinished study has left. The scene of a number is always the same.
 """
 import json
 import random
@@ -108,19 +109,22 @@ def kept_rows(count):
     path = study.RUNS / "pouring" / "rows.json"
     rows = {} if study.FRESH or not path.exists() else {r["number"]: r for r in json.loads(path.read_text())}
     for number in range(1, count + 1):
-        if number in rows:
+        if number in rows or "--finished" in sys.argv:
             continue
         rows[number] = pour(number)
         path.write_text(json.dumps(list(rows.values())))
         if number % 10 == 0:
             print(f"{number} of {count}", file=sys.stderr, flush=True)
-    return [rows[k] for k in range(1, count + 1)]
+    return [rows[k] for k in range(1, count + 1) if k in rows]
 
 
 def main():
     asked = [int(b) for a, b in zip(sys.argv, sys.argv[1:]) if a == "--count"]
     count = asked[0] if asked else 20 if "--quick" in sys.argv else 500
     rows = kept_rows(count)
+    count = len(rows)
+    if not rows:
+        sys.exit("none is finished")
     residual = np.array([r["residual"] for r in rows])
     # From 0.5 on by its part, below by as much as that would be of 1 (docs/physics.md).
     off = np.array([abs(r["found"] - r["e"]) / (r["e"] if r["e"] >= 0.5 else 1) for r in rows])
