@@ -232,6 +232,8 @@ gneiss_status gn_fem_limits(gn_fem_solid *solid, double tolerance, gn_fem_limit 
                             gneiss_error *error);
 /* Only the bound and the element that sets it. */
 gneiss_status gn_fem_bound(gn_fem_solid *solid, gn_fem_limit *limit, gneiss_error *error);
+/* The same of a body of which *limit has the bound of before, sooner if most of it is as it was. */
+gneiss_status gn_fem_bound_again(gn_fem_solid *solid, gn_fem_limit *limit, gneiss_error *error);
 
 /* By what strain and tension may have divided the limit since the start (measures.c): it is now at
  * least `bound`/factor, to first order in the strain. 1 without strain, whatever the rotation. */

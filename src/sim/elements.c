@@ -540,7 +540,7 @@ gneiss_status gn_elements_limit(gn_world *w, bool full, bool *due, gneiss_error 
 }
 
 gneiss_status gn_elements_converted(gn_element_model *q, gneiss_error *error) {
-    GN_TRY(gn_fem_bound(&q->solid, &q->limit, error));
+    GN_TRY(gn_fem_bound_again(&q->solid, &q->limit, error));
     q->limit.sharp = q->limit.sharp_low = q->limit.bound;
     q->limit.sharp_element = q->limit.bound_element;
     q->stiffening = 0.0; /* the next look says what is due */
