@@ -72,7 +72,7 @@ def written(radius):
 
 
 def beam(radius):
-    return study.run(f"large-beam/weak-{1e3 * radius:g}", written(radius), {"output.history_rows": 300, "output.snapshots": 2})
+    return study.run(f"large-beam/beam-{1e3 * radius:g}", written(radius), {"output.history_rows": 300, "output.snapshots": 2})
 
 
 # --- what particles alone would be --------------------------------------------------------------------------------
@@ -173,12 +173,12 @@ def draw_cut(axes, run, figure):
     moved = nx + np.array([MAGNIFIED, MAGNIFIED, 0.0]) * nd
     polygons, owners = cut(moved, tetrahedra, Z)
     along = 1e6 * nd[tetrahedra[owners]][:, :, 0].mean(axis=1)
-    span = np.percentile(np.abs(along), 99)
-    axes.add_collection(PolyCollection([1e3 * p for p in polygons], array=along, cmap="coolwarm", edgecolors="0.35", linewidths=0.3, clim=(-span, span)))
+    span = tuple(np.percentile(along, (1, 99)))
+    axes.add_collection(PolyCollection([1e3 * p for p in polygons], array=along, cmap="coolwarm", edgecolors="0.35", linewidths=0.3, clim=span))
     places = 1e3 * (x - d + MAGNIFIED * d)[shown, :2]
     size = 2e3 * radius[shown]
     balls = EllipseCollection(size, size, np.zeros(len(size)), units="xy", offsets=places, offset_transform=axes.transData, array=1e6 * d[shown, 0],
-                              cmap="coolwarm", edgecolors="k", linewidths=0.1, clim=(-span, span))
+                              cmap="coolwarm", edgecolors="k", linewidths=0.05, clim=span)
     axes.add_collection(balls)
     figure.colorbar(balls, ax=axes, label="displacement along the beam, um", shrink=0.7)
     axes.set(xlim=(1e3 * low[0], 1e3 * high[0]), ylim=(1e3 * low[1], 1e3 * high[1]), aspect="equal", xlabel="x, mm", ylabel="y, mm",
