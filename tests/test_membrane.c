@@ -357,6 +357,51 @@ static void dead_loads_are_handed_on(void **state) {
     }
 }
 
+/* Two blocks of 4 x 4 x 4 that touch nothing of one another; the one is stretched, the other bent
+ * and shifted. By themselves as together they are closed. */
+static void bodies_that_are_apart_do_not_push_or_turn_one_another(void **state) {
+    (void)state;
+    char blocks[8000];
+    size_t used = 0;
+    for (int p = 0; p < 128; p++)
+        used += (size_t)snprintf(blocks + used, sizeof blocks - used, "%s[%g, %g, %g, 1e-3]",
+                                 p ? ", " : "", 2e-3 * (p % 4) + 0.03 * (p / 64),
+                                 2e-3 * (p / 4 % 4), 2e-3 * (p / 16 % 4));
+    gn_world *w = world_of("dimension: 3\nspecimen: {particles: [%s]}\n"
+                           "materials: [{name: m, density: 2650, contact_modulus: 1e9, kratio: 2, "
+                           "friction: 0.5, tensile_strength: 3e9, shear_strength: 3e9}]\n"
+                           "law: {stiffness: harmonic}\nbonds: {interaction_range: 0.01}\n"
+                           "membrane: {pressure: 7 MPa}\ntime: {end: 1}\nrun: {threads: 1}\n",
+                           blocks);
+    gn_particles *q = &w->dem.particles;
+    for (size_t p = 0; p < q->soa.count; p++) {
+        double *x = q->pos + 4 * p;
+        const double *from = q->start + 4 * p;
+        if (q->id[p] < 64)
+            x[1] *= 1.2;
+        else
+            x[0] += 1e-3 + 60 * from[2] * from[2], x[1] += 40 * from[2] * from[1];
+    }
+    w->step = 100;
+    press(w);
+    for (int body = 0; body < 2; body++) {
+        double force[3] = {0}, moment[3] = {0}, size = 0;
+        for (size_t p = 0; p < q->soa.count; p++) {
+            double turn[3];
+            if ((q->id[p] >= 64) != body) continue;
+            gn_cross3(q->pos + 4 * p, q->applied + 4 * p, turn);
+            for (int a = 0; a < 3; a++) force[a] += q->applied[4 * p + a], moment[a] += turn[a];
+            size += sqrt(gn_dot3(q->applied + 4 * p, q->applied + 4 * p));
+        }
+        assert_true(size > 7e6 * 6 * 36e-6); /* on faces of 6 mm at least */
+        for (int a = 0; a < 3; a++) {
+            assert_near(force[a], 0, 1e-12 * size);
+            assert_near(moment[a], 0, 1e-12 * size * 0.04);
+        }
+    }
+    world_end(w);
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(areas_follow_an_affine_motion_as_nanson_says),
@@ -366,6 +411,7 @@ int main(void) {
         cmocka_unit_test(the_pressure_is_held_where_a_block_bulges),
         cmocka_unit_test(what_lay_beneath_a_chip_is_pressed),
         cmocka_unit_test(halves_keep_the_membrane),
+        cmocka_unit_test(bodies_that_are_apart_do_not_push_or_turn_one_another),
         cmocka_unit_test(dead_loads_are_handed_on),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

@@ -155,7 +155,7 @@ void gn_damage_particles(const gn_particles *particles, const gn_contacts *bonds
     Y(X, axial_strength, GN_TESTS_CONFINED, "Pa",                                                  \
       "largest axial stress: the deviator at the peak and the confinement")                        \
     Y(X, volumetric_strain_at_peak, GN_TESTS_CONFINED, "1",                                        \
-      "change of volume of the average strain at the peak, compression positive")                  \
+      "volumetric_strain at the peak: the trace of the average strain, compression positive")      \
     Y(X, lateral_strain_at_peak, GN_TESTS_CONFINED, "1",                                           \
       "average lateral strain at the peak, compression positive")                                  \
     Y(X, bulk_modulus, GN_TESTS(HYDROSTATIC), "Pa",                                                \

@@ -300,7 +300,8 @@ static const gn_quantity of_the_model[] = {
     SCALAR(ended, GN_BEFORE_STEP, "deflection", "m", read_deflection,
            "change of the distance of the ends, positive in the test's sense"),
     SCALAR(voluminous, GN_BEFORE_STEP, "volumetric_strain", "1", read_volumetric_strain,
-           "change of volume over volume, of the average strain, compression positive"),
+           "trace of the average strain, the change of volume over volume while strains are small, "
+           "compression positive"),
     SCALAR(confined, GN_BEFORE_STEP, "lateral_strain", "1", read_lateral_strain,
            "average strain across the axis, mean of the directions, compression positive"),
     SCALAR(pressed, GN_AFTER_STEP, "membrane_pressure", "Pa", read_membrane_pressure,

@@ -319,10 +319,12 @@ static void warn_of_servos(const gn_run *run, gn_warnings *list) {
     if (!used) return;
     gn_warning *to = &list->warning[list->count++];
     to->name = "servo_not_held";
-    snprintf(to->text, sizeof to->text,
-             "%.*s in the mean of the last rows: the run ended before it "
-             "held, or the servo is too slow for what gives way",
-             (int)sizeof to->text - 128, text);
+    snprintf(
+        to->text, sizeof to->text,
+        "%.*s in the mean of the last rows: the run ended before it "
+        "held, or the servo is too slow for what gives way (its relaxation, its max_velocity, a "
+        "wall much stiffer than what it presses on)",
+        (int)sizeof to->text - 200, text);
 }
 
 /* A factor that goes from one of its bounds to the other and back is no control; one that goes back

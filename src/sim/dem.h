@@ -61,6 +61,7 @@ typedef struct gn_membrane {
     double gradient[9]; /* of the skin in the last step: how it has moved as a whole */
     double rest[9];     /* at the start, of the pieces of the surface less that of the patches */
     double arms[9];     /* ways from the centres that bear the areas, turned back by the gradient */
+    double bodies;      /* that the skin is of, at the last look */
 } gn_membrane;
 
 /* What of the surface one particle had at the start, in doubles, as checkpoints have it. */

@@ -6,6 +6,7 @@
 #include "sim/internal.h"
 
 #include <math.h>
+#include <string.h>
 
 /* The first of its piece, with the path to it halved on the way. */
 static int32_t root_of(int32_t *parent, int32_t p) {
@@ -87,6 +88,23 @@ const int32_t *gn_world_bodies(const gn_world *w) {
     for (size_t k = p->soa.count; k-- > 0;) /* the first of a body comes last */
         q->members[k] = p->vel[4 * k + 3] > 0.0 ? q->members[root_of(q->parent, (int32_t)k)] : 0;
     return q->members;
+}
+
+size_t gn_world_body_groups(const gn_world *w, int32_t chip, int32_t *group) {
+    const size_t n = w->dem.particles.soa.count;
+    int32_t *parent = w->dem.pieces.parent, lead = 0;
+    size_t groups = 0;
+    memset(group, 0, n * sizeof *group);
+    if (!parent || !w->dem.bonds.soa.count) return 1;
+    const int32_t *members = gn_world_bodies(w);
+    for (size_t p = 0; p < n; p++)
+        if (members[p] > members[lead]) lead = (int32_t)p;
+    for (size_t p = 0; p < n; p++) {
+        bool large = (int64_t)chip * members[p] >= members[lead];
+        group[p] = root_of(parent, large ? (int32_t)p : lead);
+        groups += group[p] == (int32_t)p;
+    }
+    return groups;
 }
 
 gn_fragments gn_world_fragments(const gn_world *w) {

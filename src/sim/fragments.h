@@ -17,4 +17,9 @@ gn_fragments gn_world_fragments(const gn_world *world);
  * call of either. */
 const int32_t *gn_world_bodies(const gn_world *world);
 
+/* Bodies as the membrane sees them: group[p] is a particle that stands for the body of p, and for
+ * bodies of less than 1/chip of the largest one's particles that of the largest. Returns how many
+ * there are; 1 without bonds, and before there are any. `group` [particles]. */
+size_t gn_world_body_groups(const gn_world *world, int32_t chip, int32_t *group);
+
 #endif

@@ -123,7 +123,9 @@ gneiss_status gn_membrane_press(gn_world *w, gneiss_error *error) {
     w->dem.membrane->pressure = pressure;
     const bool look = w->step % LOOK_INTERVAL == 0;
     if (look) GN_TRY(gn_membrane_drop(w, error));
-    if (m->follow) fit_skin(w, w->dem.membrane->gradient);
+    /* Of several bodies no deformation is that of all: their areas stay from look to look. */
+    if (m->follow && (look || w->dem.membrane->bodies == 1.0))
+        fit_skin(w, w->dem.membrane->gradient);
     if (look) GN_TRY(gn_membrane_lay(w, error));
     gn_cofactor3(w->dem.membrane->gradient, turn);
     for (size_t p = 0; p < q->soa.count; p++) {

@@ -21,9 +21,16 @@ gneiss_status gn_membrane_drop(gn_world *world, gneiss_error *error);
  * the surface are (membrane_lay.c). At the start and at every look. */
 gneiss_status gn_membrane_lay(gn_world *world, gneiss_error *error);
 
-/* The least change of the areas in q->skin after which their moment about 0, with particles at
- * `place` (rows of 4), is `moment`, m3. */
-void gn_membrane_balance(gn_world *world, const double *place, const double moment[3]);
+/* A body of those that the skin is of. */
+typedef struct gn_skin_body {
+    const int32_t *group; /* of each particle; NULL: all are one */
+    int32_t is;
+} gn_skin_body;
+
+/* The least change of the areas in q->skin of a body after which their moment about 0, with
+ * particles at `place` (rows of 4), is `moment`, m3. */
+void gn_membrane_balance(gn_world *world, gn_skin_body body, const double *place,
+                         const double moment[3]);
 
 /* Applied forces of the instant; before the forces of a step. */
 gneiss_status gn_membrane_press(gn_world *world, gneiss_error *error);
@@ -43,6 +50,10 @@ static inline bool gn_is_pressed(const gn_particles *particles, size_t p) {
 }
 static inline bool gn_came_off(const gn_particles *particles, size_t p) {
     return particles->skin[4 * p + 3] < 0.0;
+}
+
+static inline bool gn_is_pressed_of(const gn_particles *particles, gn_skin_body body, size_t p) {
+    return gn_is_pressed(particles, p) && (!body.group || body.group[p] == body.is);
 }
 
 /* x = F X by least squares of places that were at X and are at x, both from their means on. */

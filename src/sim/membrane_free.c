@@ -120,9 +120,9 @@ gneiss_status gn_membrane_free_skin(gn_world *w, double probe, double arms[9],
         collect(w, &v, arms);
         const double none[3] = {0};
         close_surface(&w->dem.particles);
-        gn_membrane_balance(w, w->dem.particles.start, none);
+        gn_membrane_balance(w, (gn_skin_body){0}, w->dem.particles.start, none);
         scale(w, arms);
-        gn_membrane_balance(w, w->dem.particles.start,
+        gn_membrane_balance(w, (gn_skin_body){0}, w->dem.particles.start,
                             none); /* of what unlike factors of the axes bring back */
     }
     gn_free(v.hidden);

@@ -16,7 +16,7 @@
 static const double around = 5.0, cell_size = 2.5;
 
 /* A body with fewer particles than this share of the largest one's has come off it. */
-enum { CHIP = 10 };
+enum { CHIP = 10, OPEN = -1 };
 
 static double mean_radius(const gn_particles *q) {
     double sum = 0.0;
@@ -72,6 +72,7 @@ gneiss_status gn_membrane_drop(gn_world *w, gneiss_error *error) {
 
 typedef struct view {
     const gn_particles *particles;
+    const int32_t *group; /* bodies; NULL: all are one */
     size_t middle;
     double reach;
     gn_gradient_fit fit;
@@ -82,6 +83,7 @@ static void see(void *context, int32_t particle) {
     const gn_particles *q = v->particles;
     const size_t p = (size_t)particle;
     double from[3], to[3];
+    if (v->group && v->group[p] != v->group[v->middle]) return;
     for (int a = 0; a < 3; a++) from[a] = q->start[4 * p + a] - q->start[4 * v->middle + a];
     const double weight = 1.0 - gn_dot3(from, from) / (v->reach * v->reach);
     if (!(weight > 0.0)) return;
@@ -90,10 +92,10 @@ static void see(void *context, int32_t particle) {
 }
 
 /* That of the skin as a whole where what is left around says nothing. */
-static void gradient_around(const gn_world *w, const gn_start_grid *grid, double reach, size_t p,
-                            double gradient[9]) {
+static void gradient_around(const gn_world *w, const int32_t *group, const gn_start_grid *grid,
+                            double reach, size_t p, double gradient[9]) {
     const double *whole = w->dem.membrane->gradient;
-    view v = {&w->dem.particles, p, reach, {.dimension = (int)w->scene.dimension}};
+    view v = {&w->dem.particles, group, p, reach, {.dimension = (int)w->scene.dimension}};
     double cofactor[9];
     gn_start_grid_visit(grid, w->dem.particles.start + 4 * p, reach, see, &v);
     bool spans = gn_gradient_of(&v.fit, gradient);
@@ -122,7 +124,8 @@ static void add_patch(gn_world *w, const gn_patch *patch, size_t p, const double
 }
 
 /* All patches; with a grid as what is around them has moved, without as at the start. */
-static void add_patches(gn_world *w, const gn_start_grid *grid, double reach, double arms[9]) {
+static void add_patches(gn_world *w, const int32_t *group, const gn_start_grid *grid, double reach,
+                        double arms[9]) {
     gn_dem *d = &w->dem;
     double gradient[9];
     for (size_t p = 0; p < d->particles.soa.count; p++)
@@ -133,53 +136,109 @@ static void add_patches(gn_world *w, const gn_start_grid *grid, double reach, do
         if (at < 0) continue;
         const size_t p = (size_t)at;
         memcpy(gradient, d->membrane->gradient, sizeof gradient);
-        if (grid) gradient_around(w, grid, reach, p, gradient);
+        if (grid) gradient_around(w, group, grid, reach, p, gradient);
         add_patch(w, &d->patches[k], p, gradient, arms);
     }
 }
 
-/* Sums over the patches of the start as the skin has moved as a whole: area, and area times place,
- * from a particle `base` on. Of a closed surface they are 0 and its volume. */
-static void surface_sums(const gn_world *w, size_t base, double area[3], double tensor[9]) {
+/* Sums over the patches of a body at the start as the skin has moved as a whole: area, and area
+ * times place, from a particle `base` on. Of a closed surface they are 0 and its volume. Returns
+ * the sizes. */
+static void surface_sums(const gn_world *w, gn_skin_body body, size_t base, double area[3],
+                         double tensor[9]) {
     const gn_dem *d = &w->dem;
     const gn_membrane *m = d->membrane;
     const double *start = d->particles.start + 4 * base;
-    double turn[9], half[9], sum[3] = {0}, all[9];
-    memcpy(all, m->rest, sizeof all);
+    double turn[9], half[9], sum[3] = {0}, all[9] = {0}, size = 0.0, sizes = 0.0;
+    if (!body.group) memcpy(all, m->rest, sizeof all);
     for (size_t k = 0; k < d->patch_count; k++) {
         const gn_patch *patch = &d->patches[k];
-        if (patch->owner < 0.0) continue;
+        const int32_t at = bearer(d, patch);
+        if (at < 0) continue;
+        sizes += patch->size;
+        if (body.group && body.group[at] != body.is) continue;
+        size += patch->size;
         for (int a = 0; a < 3; a++) sum[a] += patch->area[a];
         for (int c = 0; c < 9; c++)
             all[c] += patch->area[c / 3] * (patch->point[c % 3] - start[c % 3]);
     }
+    for (int c = 0; body.group && c < 9; c++) all[c] += size / sizes * m->rest[c];
     gn_cofactor3(m->gradient, turn);
     for (int a = 0; a < 3; a++) area[a] = gn_dot3(turn + 3 * a, sum);
     gn_product3(turn, all, half);
     gn_product3_bt(half, m->gradient, tensor);
 }
 
-/* What the areas miss of the force of the surface goes to all by their sizes; then the moment is
- * restored. Of a closed surface both are nothing. */
-static void bring_into_balance(gn_world *w, const double *place) {
+static double area_of(const gn_world *w, gn_skin_body body) {
+    const gn_particles *q = &w->dem.particles;
+    double sum = 0.0;
+    for (size_t p = 0; p < q->soa.count; p++)
+        if (gn_is_pressed_of(q, body, p)) sum += q->skin[4 * p + 3];
+    return sum;
+}
+
+/* What the areas of a body miss of the force of its surface goes to all by their sizes; then the
+ * moment is restored. Of a closed surface both are nothing. */
+static void bring_into_balance(gn_world *w, gn_skin_body body, const double *place) {
     gn_particles *q = &w->dem.particles;
     double area[3], tensor[9], moment[3];
-    const double sum = gn_membrane_area(w);
+    const double sum = area_of(w, body);
     size_t base = 0;
     if (!(sum > 0.0)) return;
-    while (!gn_is_pressed(q, base)) base++;
-    surface_sums(w, base, area, tensor);
+    while (!gn_is_pressed_of(q, body, base)) base++;
+    surface_sums(w, body, base, area, tensor);
+    if (body.group && body.is != OPEN) {
+        memset(area, 0, sizeof area);
+        memset(tensor, 0, sizeof tensor);
+    }
     gn_cross3(place + 4 * base, area, moment);
     for (int a = 0; a < 3; a++)
         moment[a] +=
             tensor[3 * ((a + 2) % 3) + (a + 1) % 3] - tensor[3 * ((a + 1) % 3) + (a + 2) % 3];
     for (size_t p = 0; p < q->soa.count; p++)
         for (int a = 0; a < 3; a++)
-            if (gn_is_pressed(q, p)) area[a] -= q->skin[4 * p + a];
+            if (gn_is_pressed_of(q, body, p)) area[a] -= q->skin[4 * p + a];
     for (size_t p = 0; p < q->soa.count; p++)
         for (int a = 0; a < 3; a++)
-            if (gn_is_pressed(q, p)) q->skin[4 * p + a] += q->skin[4 * p + 3] / sum * area[a];
-    gn_membrane_balance(w, place, moment);
+            if (gn_is_pressed_of(q, body, p))
+                q->skin[4 * p + a] += q->skin[4 * p + 3] / sum * area[a];
+    gn_membrane_balance(w, body, place, moment);
+}
+
+/* Bodies whose surface is not closed get OPEN in the place of who stands for them. */
+static void find_open(const gn_world *w, int32_t *group, double (*sums)[4]) {
+    const gn_dem *d = &w->dem;
+    const double nearly = 0.03;
+    const size_t n = d->particles.soa.count;
+    for (size_t k = 0; k < d->patch_count; k++) {
+        const int32_t at = bearer(d, &d->patches[k]);
+        if (at < 0) continue;
+        for (int a = 0; a < 3; a++) sums[group[at]][a] += d->patches[k].area[a];
+        sums[group[at]][3] += d->patches[k].size;
+    }
+    for (size_t p = 0; p < n; p++) {
+        const double *s = sums[group[p]];
+        if (gn_dot3(s, s) >= nearly * nearly * s[3] * s[3]) group[p] = OPEN;
+    }
+}
+
+/* Bodies that are closed by themselves, as apart they would else push and turn one another; what a
+ * crack has opened together with what it was parted from. */
+static gneiss_status balance_bodies(gn_world *w, int32_t *group, const double *place,
+                                    gneiss_error *error) {
+    const size_t n = w->dem.particles.soa.count;
+    if (!group) {
+        bring_into_balance(w, (gn_skin_body){0}, place);
+        return GNEISS_OK;
+    }
+    double(*sums)[4] = gn_alloc_array(n + 1, sizeof *sums);
+    if (!sums) return gn_fail(error, GNEISS_ERROR_MEMORY, "no memory for the bodies of a skin");
+    find_open(w, group, sums);
+    gn_free(sums);
+    for (size_t p = 0; p < n; p++)
+        if (group[p] == (int32_t)p) bring_into_balance(w, (gn_skin_body){group, (int32_t)p}, place);
+    bring_into_balance(w, (gn_skin_body){group, OPEN}, place);
+    return GNEISS_OK;
 }
 
 /* Areas and ways as they would be had the skin not moved as a whole: steps turn and stretch them.
@@ -205,7 +264,7 @@ static void turn_back(gn_world *w, double arms[9]) {
     }
 }
 
-gneiss_status gn_membrane_lay(gn_world *w, gneiss_error *error) {
+static gneiss_status lay(gn_world *w, int32_t *group, gneiss_error *error) {
     const gn_membrane *m = w->dem.membrane;
     const double radius = mean_radius(&w->dem.particles);
     const bool follow = w->scene.membrane.follow && w->step > 0;
@@ -215,9 +274,20 @@ gneiss_status gn_membrane_lay(gn_world *w, gneiss_error *error) {
     gn_product3(turn, m->rest, half);
     gn_product3_bt(half, m->gradient, arms);
     if (follow) GN_TRY(gn_start_grid_make(w, cell_size * radius, &grid, error));
-    add_patches(w, follow ? &grid : NULL, around * radius, arms);
+    add_patches(w, group, follow ? &grid : NULL, around * radius, arms);
     if (follow) gn_start_grid_free(&grid);
-    bring_into_balance(w, w->scene.membrane.follow ? w->dem.particles.pos : w->dem.particles.start);
+    GN_TRY(balance_bodies(
+        w, group, w->scene.membrane.follow ? w->dem.particles.pos : w->dem.particles.start, error));
     turn_back(w, arms);
     return GNEISS_OK;
+}
+
+gneiss_status gn_membrane_lay(gn_world *w, gneiss_error *error) {
+    int32_t *group = gn_alloc_array(w->dem.particles.soa.count + 1, sizeof *group);
+    if (!group) return gn_fail(error, GNEISS_ERROR_MEMORY, "no memory for the bodies of a skin");
+    const size_t bodies = gn_world_body_groups(w, CHIP, group);
+    w->dem.membrane->bodies = (double)bodies;
+    gneiss_status status = lay(w, bodies > 1 ? group : NULL, error);
+    gn_free(group);
+    return status;
 }

@@ -52,12 +52,13 @@ static void solve3(const double k[9], const double b[3], double x[3]) {
 
 /* Areas act at centres, not where the pieces are: together they would turn the specimen. The least
  * change that restores the moment of the surface, A_i b x (x_i - mean), changes no force. */
-void gn_membrane_balance(gn_world *w, const double *place, const double moment[3]) {
+void gn_membrane_balance(gn_world *w, gn_skin_body body, const double *place,
+                         const double moment[3]) {
     gn_particles *q = &w->dem.particles;
     double mean[3] = {0}, sum = 0.0, missing[3], k[9] = {0}, b[3], turn[3];
     memcpy(missing, moment, sizeof missing);
     for (size_t p = 0; p < q->soa.count; p++) {
-        if (!gn_is_pressed(q, p)) continue;
+        if (!gn_is_pressed_of(q, body, p)) continue;
         sum += q->skin[4 * p + 3];
         for (int a = 0; a < 3; a++) mean[a] += q->skin[4 * p + 3] * place[4 * p + a];
         gn_cross3(place + 4 * p, q->skin + 4 * p, turn);
@@ -65,7 +66,8 @@ void gn_membrane_balance(gn_world *w, const double *place, const double moment[3
     }
     for (int a = 0; a < 3; a++) mean[a] /= sum;
     for (size_t p = 0; p < q->soa.count; p++) {
-        double d[3] = {0}, weight = fmax(q->skin[4 * p + 3], 0.0);
+        double d[3] = {0}, weight = q->skin[4 * p + 3];
+        if (!gn_is_pressed_of(q, body, p)) continue;
         for (int a = 0; a < 3; a++) d[a] = place[4 * p + a] - mean[a];
         for (int a = 0; a < 9; a++)
             k[a] += weight * ((a % 4 == 0 ? gn_dot3(d, d) : 0.0) - d[a / 3] * d[a % 3]);
@@ -74,7 +76,7 @@ void gn_membrane_balance(gn_world *w, const double *place, const double moment[3
     solve3(k, missing, b);
     for (size_t p = 0; p < q->soa.count; p++) {
         double d[3] = {0}, change[3];
-        if (!gn_is_pressed(q, p)) continue;
+        if (!gn_is_pressed_of(q, body, p)) continue;
         for (int a = 0; a < 3; a++) d[a] = place[4 * p + a] - mean[a];
         gn_cross3(b, d, change);
         for (int a = 0; a < 3; a++) q->skin[4 * p + a] += q->skin[4 * p + 3] * change[a];

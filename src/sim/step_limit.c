@@ -172,11 +172,28 @@ static double fastest2(const gn_world *w) {
     return most;
 }
 
+/* m/s, of the farthest vertices; of what is prescribed also before the first step. */
+static double fastest_body(const gn_world *w) {
+    double most = 0.0;
+    for (size_t k = 0; k < w->scene.body_count; k++) {
+        const gn_rigid *b = &w->boundary.bodies[k];
+        const gn_motion *m = &w->scene.bodies[k].motion;
+        double v[3], spin[3];
+        for (int a = 0; a < 3; a++) {
+            v[a] = m->velocity[a].count ? gn_table_at(&m->velocity[a], w->time) : b->velocity[a];
+            spin[a] = m->spin[a].count ? gn_table_at(&m->spin[a], w->time) : b->spin[a];
+        }
+        most = fmax(most, sqrt(gn_dot3(v, v)) + sqrt(gn_dot3(spin, spin)) * b->reach);
+    }
+    return most;
+}
+
 /* By Hertz's law an automatic step says nothing before something touches, and speeds may have grown
  * since: a particle goes a tenth of the smallest radius in a step at most. */
 static void follow_flight(gn_world *w) {
-    const double most = 0.1 * w->dem.radius_min,
-                 speed = sqrt(w->step > 0 ? w->dem.done.motion.speed2 : fastest2(w));
+    const double most = 0.1 * w->dem.radius_min;
+    double speed = sqrt(w->step > 0 ? w->dem.done.motion.speed2 : fastest2(w));
+    if (w->effects & GN_FX_HERTZ) speed = fmax(speed, fastest_body(w));
     if (w->effects & GN_FX_HERTZ && w->dt * speed > most) lower(w, 0.5 * most / speed);
 }
 

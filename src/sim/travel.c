@@ -84,7 +84,8 @@ static void fill(const gn_particles *q, grid *g) {
  */
 static void spread(grid *g, int axis) {
     const size_t step = axis == 0 ? 1 : axis == 1 ? g->count[0] : g->count[0] * g->count[1];
-    const size_t of = g->count[axis], all = g->count[0] * g->count[1] * g->count[2];
+    const size_t of = g->count[axis] ? g->count[axis] : 1;
+    const size_t all = g->count[0] * g->count[1] * g->count[2];
     for (size_t k = 0; k < all / of; k++) {
         ways *c = g->cell + k / step * step * of + k % step;
         const ways first = c[0];
