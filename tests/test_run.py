@@ -563,6 +563,23 @@ def grains_that_begin_fast_take_steps_that_they_can_bear(folder):
 
 
 @fact
+def a_body_that_comes_fast_takes_steps_that_grains_can_bear(folder):
+    """A plate at 30 m/s into grains at rest, whose speed says nothing yet."""
+    r = 1e-3
+    places = [[2.05 * r * i, 2.05 * r * j, 2.05 * r * k, r] for i in range(3) for j in range(3) for k in range(3)]
+    given = {"dimension": 3, "specimen": {"particles": places},
+             "materials": [{"name": "m", "density": 2500, "young": "50 MPa", "poisson": 0.25, "friction": 0.3, "restitution": 0.8}],
+             "law": {"stiffness": "hertz"}, "domain": {"min": [-1, -1, -1], "max": [1, 1, 1]},
+             "bodies": [{"name": "plate", "box": {"size": [2e-3, 0.02, 0.02]}, "origin": [-8e-3, -8e-3, -8e-3], "friction": 0.3, "motion": {"vx": 30}}],
+             "time": {"end": 1e-3}, "output": {"snapshots": 0}}
+    out = os.path.join(folder, "out")
+    run(write_scene(folder, given), out)
+    assert abs(summary(out)["energy_residual"]) < 0.01
+    with results(out) as file:  # the plate is at 24 mm: all of them are before it
+        assert (file["particles/position"][:, 0] > 0.024).all()
+
+
+@fact
 def a_pulse_does_not_start_in_a_zone_and_a_zone_has_edges(folder):
     wave = os.path.join(SCENES, "..", "..", "scenes", "wave-zone.yaml")
     inside = ("--set", "initial.pulse.centre=[300 mm, 0 mm]", "--set", "initial.pulse.length=20 mm")
