@@ -5,9 +5,12 @@
 #include <stdio.h>
 #include <string.h>
 
+static void add(gn_error_causes *c, gn_error_cause cause) {
+    if (c->count < GN_CAUSES_MAX) c->cause[c->count++] = cause;
+}
+
 void gn_causes_add(gn_error_causes *c, const char *name, double error, bool measured) {
-    if (c->count < GN_CAUSES_MAX)
-        c->cause[c->count++] = (gn_error_cause){name, error, measured, 0.0};
+    add(c, (gn_error_cause){name, error, measured, 0.0});
 }
 
 void gn_causes_note(gn_error_causes *c, const char *format, ...) {
@@ -60,8 +63,7 @@ static bool add_bias(gn_error_causes *c, const gn_test_groups *t, const char *re
                      const char *effect, const char *name, double group) {
     const gn_slope *law = gn_slope_find(t->study, reading, effect, false);
     if (!law || isnan(group)) return false;
-    gn_causes_add(c, name, width(law, group), false);
-    gn_causes_find(c, name)->bias = gn_slope_at(law, group);
+    add(c, (gn_error_cause){name, width(law, group), false, gn_slope_at(law, group)});
     if (group > 1.001 * law->high)
         gn_causes_note(c, "%s: %s of %.2g is beyond what the study measured (up to %.2g)", name,
                        law->group, group, law->high);

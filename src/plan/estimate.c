@@ -125,13 +125,6 @@ static double wall_compliance(const gn_world *w) {
     return sum;
 }
 
-static double mean_radius(const gn_world *w) {
-    const gn_particles *q = &w->dem.particles;
-    double sum = 0.0;
-    for (size_t p = 0; p < q->soa.count; p++) sum += q->pos[4 * p + 3];
-    return sum / (double)q->soa.count;
-}
-
 /* --- the test --- */
 
 /* Where the run ends: at its time, at the strain that it is to stop at, or behind the peak. */
@@ -182,7 +175,7 @@ gneiss_status gn_estimate_make(const gn_world *w, gn_estimate *e, gneiss_error *
         return GNEISS_OK;
     }
     e->across = groups.across;
-    e->radius = mean_radius(w);
+    e->radius = gn_world_mean_radius(w);
     e->bulk = gn_test_bulk(w);
     e->compliance = wall_compliance(w);
     if (e->compliance > 0.0)

@@ -82,6 +82,8 @@ gneiss_status gn_check_membrane(const check *c, const gn_scene *s);
 gneiss_status gn_check_output(const check *c, gn_scene *s);
 /* What `time` says of steps (check_time.c). */
 gneiss_status gn_check_time(const check *c, const gn_scene *s);
+/* The first key of time.stop that is given; NULL: none. */
+const char *gn_check_stop(const gn_scene *s);
 
 /* Makes a unit vector of it; false: it has no direction. */
 bool gn_check_direction(double v[3]);

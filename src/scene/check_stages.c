@@ -58,10 +58,7 @@ static gneiss_status check_base(const check *c, const gn_scene *s) {
         return gn_check_fail(c, "time.start",
                              "expected rest beside stages, found first_break: statics follow the "
                              "loads of one stage");
-    const char *stop = s->stop_peak_drop > 0    ? "time.stop.peak_drop"
-                       : s->stop_strain > 0     ? "time.stop.strain"
-                       : s->stop_unbalanced > 0 ? "time.stop.unbalanced"
-                                                : NULL;
+    const char *stop = gn_check_stop(s);
     if (!stop) return GNEISS_OK;
     return gn_check_fail(c, stop, "expected under end of a stage, found beside stages");
 }
@@ -133,9 +130,8 @@ static gneiss_status check_can_end(const check *c, const gn_scene *s, size_t sta
             "expected a wall or a periodic box with a servo in this stage, found none: the stage "
             "would never end");
     if (e->time >= 0 || e->steps >= 0 || e->unbalanced > 0 || e->held > 0) return GNEISS_OK;
-    const char *key = e->strain > 0 ? "end.strain" : e->stress > 0 ? "end.stress" : "end.peak_drop";
-    if (!gn_stage_has_end(e) || anything_acts(s)) return GNEISS_OK;
-    return gn_check_fail(c, key,
+    if (!end_by_rows(e) || anything_acts(s)) return GNEISS_OK;
+    return gn_check_fail(c, end_by_rows(e),
                          "expected something that moves or acts in this stage, found nothing: it "
                          "would never end");
 }

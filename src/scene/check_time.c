@@ -98,12 +98,16 @@ static gneiss_status check_start_of_steps(const check *c, const gn_scene *s) {
     return GNEISS_OK;
 }
 
+const char *gn_check_stop(const gn_scene *s) {
+    return s->stop_peak_drop > 0    ? "time.stop.peak_drop"
+           : s->stop_strain > 0     ? "time.stop.strain"
+           : s->stop_unbalanced > 0 ? "time.stop.unbalanced"
+                                    : NULL;
+}
+
 /* Stops are looked at in rows of the history. */
 static gneiss_status check_stops(const check *c, const gn_scene *s) {
-    const char *stop = s->stop_peak_drop > 0    ? "time.stop.peak_drop"
-                       : s->stop_strain > 0     ? "time.stop.strain"
-                       : s->stop_unbalanced > 0 ? "time.stop.unbalanced"
-                                                : NULL;
+    const char *stop = gn_check_stop(s);
     if (!stop || s->history_rows > 0) return GNEISS_OK;
     return gn_check_fail(c, stop,
                          "expected output.history_rows above 0, as it is looked at in rows of the "

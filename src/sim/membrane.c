@@ -14,12 +14,16 @@ double gn_membrane_pressure(const gn_world *w) {
     return w->dem.membrane ? w->dem.membrane->pressure : 0.0;
 }
 
-double gn_membrane_area(const gn_world *w) {
+double gn_membrane_area_of(const gn_world *w, gn_skin_body body) {
     const gn_particles *q = &w->dem.particles;
     double sum = 0.0;
     for (size_t p = 0; q->skin && p < q->soa.count; p++)
-        if (gn_is_pressed(q, p)) sum += q->skin[4 * p + 3];
+        if (gn_is_pressed_of(q, body, p)) sum += q->skin[4 * p + 3];
     return sum;
+}
+
+double gn_membrane_area(const gn_world *w) {
+    return gn_membrane_area_of(w, (gn_skin_body){0});
 }
 
 void gn_membrane_stress(const gn_world *w, double stress[9]) {

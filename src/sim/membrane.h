@@ -41,8 +41,9 @@ gneiss_status gn_membrane_press(gn_world *world, gneiss_error *error);
 double gn_membrane_pressure(const gn_world *world);
 void gn_membrane_stress(const gn_world *world, double stress[9]);
 
-/* m2: what it covers, at the last look. */
+/* m2: what it covers, at the last look; of one body. */
 double gn_membrane_area(const gn_world *world);
+double gn_membrane_area_of(const gn_world *world, gn_skin_body body);
 
 /* Whether it presses on a particle, and whether a particle came off the body. */
 static inline bool gn_is_pressed(const gn_particles *particles, size_t p) {

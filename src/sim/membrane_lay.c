@@ -18,12 +18,6 @@ static const double around = 5.0, cell_size = 2.5;
 /* A body with fewer particles than this share of the largest one's has come off it. */
 enum { CHIP = 10, OPEN = -1 };
 
-static double mean_radius(const gn_particles *q) {
-    double sum = 0.0;
-    for (size_t p = 0; p < q->soa.count; p++) sum += q->pos[4 * p + 3];
-    return sum / (double)q->soa.count;
-}
-
 /* --- what came off --- */
 
 /* For good: what comes back is not pressed again. Whether there is any that was not known. */
@@ -55,7 +49,7 @@ gneiss_status gn_membrane_drop(gn_world *w, gneiss_error *error) {
     gn_particles *q = &d->particles;
     gn_start_grid grid;
     if (!(d->broken_tension + d->broken_shear + d->lost > 0) || !mark_off(w)) return GNEISS_OK;
-    GN_TRY(gn_start_grid_make(w, cell_size * mean_radius(q), &grid, error));
+    GN_TRY(gn_start_grid_make(w, cell_size * gn_world_mean_radius(w), &grid, error));
     for (size_t k = 0; k < d->patch_count; k++) {
         gn_patch *patch = &d->patches[k];
         int32_t p = bearer(d, patch);
@@ -169,20 +163,12 @@ static void surface_sums(const gn_world *w, gn_skin_body body, size_t base, doub
     gn_product3_bt(half, m->gradient, tensor);
 }
 
-static double area_of(const gn_world *w, gn_skin_body body) {
-    const gn_particles *q = &w->dem.particles;
-    double sum = 0.0;
-    for (size_t p = 0; p < q->soa.count; p++)
-        if (gn_is_pressed_of(q, body, p)) sum += q->skin[4 * p + 3];
-    return sum;
-}
-
 /* What the areas of a body miss of the force of its surface goes to all by their sizes; then the
  * moment is restored. Of a closed surface both are nothing. */
 static void bring_into_balance(gn_world *w, gn_skin_body body, const double *place) {
     gn_particles *q = &w->dem.particles;
     double area[3], tensor[9], moment[3];
-    const double sum = area_of(w, body);
+    const double sum = gn_membrane_area_of(w, body);
     size_t base = 0;
     if (!(sum > 0.0)) return;
     while (!gn_is_pressed_of(q, body, base)) base++;
@@ -266,7 +252,7 @@ static void turn_back(gn_world *w, double arms[9]) {
 
 static gneiss_status lay(gn_world *w, int32_t *group, gneiss_error *error) {
     const gn_membrane *m = w->dem.membrane;
-    const double radius = mean_radius(&w->dem.particles);
+    const double radius = gn_world_mean_radius(w);
     const bool follow = w->scene.membrane.follow && w->step > 0;
     double arms[9], turn[9], half[9];
     gn_start_grid grid;

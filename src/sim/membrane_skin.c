@@ -83,12 +83,6 @@ void gn_membrane_balance(gn_world *w, gn_skin_body body, const double *place,
     }
 }
 
-static double mean_radius(const gn_particles *q) {
-    double sum = 0.0;
-    for (size_t p = 0; p < q->soa.count; p++) sum += q->pos[4 * p + 3];
-    return sum / (double)q->soa.count;
-}
-
 /* --- patches --- */
 
 /* One of each particle's room that has a size; `tensor` loses what they have, so that what is left
@@ -150,7 +144,7 @@ static gneiss_status skin_of_particles(gn_world *w, double radius, gn_patch *all
 
 static gneiss_status make_patches(gn_world *w, gneiss_error *error) {
     gn_particles *q = &w->dem.particles;
-    const double radius = mean_radius(q);
+    const double radius = gn_world_mean_radius(w);
     double tensor[9] = {0};
     gn_patch *all = gn_alloc_array(q->soa.count + 1, sizeof *all);
     if (!all) return gn_fail(error, GNEISS_ERROR_MEMORY, "no memory for a membrane");

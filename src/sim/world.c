@@ -141,6 +141,13 @@ double gn_world_porosity(const gn_world *w) {
     return 1.0 - solid / w->volume;
 }
 
+double gn_world_mean_radius(const gn_world *w) {
+    const gn_particles *q = &w->dem.particles;
+    double sum = 0.0;
+    for (size_t p = 0; p < q->soa.count; p++) sum += q->pos[4 * p + 3];
+    return sum / (double)q->soa.count;
+}
+
 double gn_world_mass(const gn_world *w) {
     return w->dem.mass + gn_elements_totals(w).mass;
 }

@@ -199,6 +199,8 @@ const char *gn_world_volume_source(const gn_world *world);
 
 /* Of particles and elements, kg, without what was added for a longer step. */
 double gn_world_mass(const gn_world *world);
+/* m; of all rows of particles. */
+double gn_world_mean_radius(const gn_world *world);
 
 /* 1 - volume of the particles (overlaps counted twice) over that of the specimen. */
 double gn_world_porosity(const gn_world *world);
