@@ -1,4 +1,5 @@
 /* The stable step: closed forms, Bloch waves on lattices, packings. */
+#include "limit/local.h"
 #include "timestep_specimen.h"
 
 #include <complex.h>
@@ -390,6 +391,53 @@ static void the_limits_have_the_same_bits_for_any_number_of_threads(void **state
     destroy(s);
 }
 
+/* The limit by those particles alone that could set it; false: these are too many. */
+static bool limit_by_few(specimen *s, double tolerance, gn_step_limit *limit) {
+    gn_springs springs;
+    size_t first = 0;
+    bool found;
+    while (s->p.id[first] != limit->bound_id) first++;
+    assert_int_equal(gn_springs_build(&s->spectrum, NULL, &springs, NULL), GNEISS_OK);
+    assert_int_equal(gn_springs_local_limit(&springs, first, tolerance, limit, &found, NULL),
+                     GNEISS_OK);
+    gn_springs_free(&springs);
+    return found;
+}
+
+/* The limit of all lies between the two numbers, which are as near as was asked for. */
+static void few_particles_have_the_limit_of_all(void **state) {
+    (void)state;
+    const double alphas[] = {0.0, 0.4}, kratios[] = {0.0, 3.7};
+    for (int k = 0; k < 4; k++) {
+        const double tolerance = k % 3 ? 1e-3 : 1e-6;
+        specimen *s = rock(1.0, k < 2 ? all_effects : all_effects & ~(gn_effects)GN_FX_ROTATION);
+        bond(s, 0.05, kratios[k % 2], alphas[k % 2]);
+        for (size_t i = 0; i < s->p.soa.count; i += 70) s->fixed[i] = (uint8_t)(i % 64);
+        gn_step_limit all = limits_of(s, 1e-8), few = all, again = all;
+        assert_true(limit_by_few(s, tolerance, &few));
+        assert_true(few.sharp_low <= all.sharp && all.sharp_low <= few.sharp * (1.0 + 1e-12));
+        assert_true(few.sharp <= few.sharp_low * (1.0 + 1.001 * tolerance));
+        assert_int_equal(few.sharp_id, all.sharp_id);
+        assert_close(few.frequency, all.frequency, tolerance);
+        s->spectrum.threads = 3;
+        assert_true(limit_by_few(s, tolerance, &again));
+        assert_memory_equal(&few.sharp, &again.sharp, sizeof few.sharp);
+        assert_memory_equal(&few.sharp_low, &again.sharp_low, sizeof few.sharp_low);
+        destroy(s);
+    }
+}
+
+/* In a lattice every particle could. */
+static void where_all_are_alike_few_say_nothing(void **state) {
+    (void)state;
+    specimen *s = lattice_specimen(&lattices[3], 1e-3);
+    bond(s, 0.0, 3.7, 0.0);
+    gn_step_limit all = limits_of(s, 1e-5), few = all;
+    assert_false(limit_by_few(s, 1e-3, &few));
+    assert_memory_equal(&few, &all, sizeof all);
+    destroy(s);
+}
+
 /* A packing in which part of the contacts are bonds, and unbonded ones with gaps count as near. */
 static specimen *rock_with_near_contacts(double alpha, gn_effects effects) {
     specimen *s = rock(0.012, effects);
@@ -526,6 +574,8 @@ int main(void) {
         cmocka_unit_test(the_bound_is_exact_for_a_cubic_lattice),
         cmocka_unit_test(the_bound_is_below_the_sharp_limit_in_packings),
         cmocka_unit_test(the_limits_have_the_same_bits_for_any_number_of_threads),
+        cmocka_unit_test(few_particles_have_the_limit_of_all),
+        cmocka_unit_test(where_all_are_alike_few_say_nothing),
         cmocka_unit_test(the_bound_is_that_of_the_worst_block),
         cmocka_unit_test(a_step_that_holds_is_below_the_limit_of_all_near_contacts),
         cmocka_unit_test(a_new_contact_is_found_where_it_is),

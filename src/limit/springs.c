@@ -149,7 +149,9 @@ static bool take_inside(const gn_springs *y, gn_spring *s) {
     if (i < 0 && j < 0) return false;
     bool leads_out = s->j >= 0 && (i < 0 || j < 0);
     double factor = 1.0;
-    if (leads_out) factor = gn_spectrum_can_move(y->spectrum, i < 0 ? s->i : s->j) ? 2.0 : 1.0;
+    int32_t in = i < 0 ? s->j : s->i, out = i < 0 ? s->i : s->j;
+    if (leads_out && gn_spectrum_can_move(y->spectrum, out))
+        factor = y->all_weights ? 1.0 + y->all_weights[out] / y->all_weights[in] : 2.0;
     if (i < 0) { /* seen from j */
         s->arm_i = s->arm_j;
         for (int k = 0; k < 3; k++) s->n[k] = -s->n[k];
@@ -299,8 +301,14 @@ static gneiss_status number_members(gn_springs *y, const uint8_t *inside, gneiss
 
 gneiss_status gn_springs_build(const gn_spectrum *spectrum, const uint8_t *inside, gn_springs *y,
                                gneiss_error *error) {
+    return gn_springs_build_weighed(spectrum, inside, NULL, y, error);
+}
+
+gneiss_status gn_springs_build_weighed(const gn_spectrum *spectrum, const uint8_t *inside,
+                                       const double *weights, gn_springs *y, gneiss_error *error) {
     const gn_assembly *a = spectrum->assembly;
     *y = (gn_springs){.spectrum = spectrum,
+                      .all_weights = weights,
                       .threads = spectrum->threads > 0 ? spectrum->threads : 1};
     y->space = a->dimension == 3;
     y->rotation = a->particles->spin != NULL;

@@ -22,8 +22,10 @@ typedef struct gn_springs {
     int threads, dofs;
     bool space, rotation, damped, bends;
     size_t particles, springs;
-    int32_t *member;   /* [particles] place in the specimen; NULL: all of it, in its order */
-    double *weight;    /* [particles] d > 0, see gn_block_of; NULL: all the same */
+    int32_t *member; /* [particles] place in the specimen; NULL: all of it, in its order */
+    double *weight;  /* [particles] d > 0, see gn_block_of; NULL: all the same */
+    const double *all_weights; /* the same of all particles of the specimen, for springs that lead
+                                * out of the system; NULL: all the same */
     int32_t *local;    /* [of the specimen] place among the members, -1: outside; NULL: all of it */
     gn_spring *spring; /* [springs] */
     size_t *first;     /* [particles + 1] into entry */
@@ -39,6 +41,10 @@ typedef struct gn_springs {
  * twice, the whole system is never above the larger of the two. */
 gneiss_status gn_springs_build(const gn_spectrum *spectrum, const uint8_t *inside, gn_springs *y,
                                gneiss_error *error);
+/* With d of all particles instead of "twice": |a - b|^2 <= (1 + d_b/d_a)|a|^2 + (1 + d_a/d_b)|b|^2.
+ */
+gneiss_status gn_springs_build_weighed(const gn_spectrum *spectrum, const uint8_t *inside,
+                                       const double *weights, gn_springs *y, gneiss_error *error);
 void gn_springs_free(gn_springs *y);
 
 /* Contact k of bonds, pairs, wall contacts and further springs counted through; false: not active.
@@ -81,6 +87,17 @@ double gn_block_at(const gn_block *m, double tau, double *out);
 /* |S^4|_F^(1/4) or the trace, whichever is smaller: not below the largest eigenvalue of S >= 0, and
  * cheap. */
 double gn_block_upper(int n, const double *s, double trace);
+/* Marks [particles of the specimen] the members whose own block is above the step 1/tau, unmarks
+ * the others; returns how many are marked. */
+size_t gn_springs_above(const gn_springs *y, double tau, uint8_t *marked);
+/* Looks for weights, y->weight, which the caller or gn_springs_free frees, with which every block
+ * of the system is below the step 1/tau. A particle whose block is above gets more weight, which
+ * leaves more of its springs to its neighbours. Only those with mark 1 [particles of the specimen]
+ * are above to start with; those with the highest have neighbours outside. Whether it found them;
+ * with `left` [particles, zero] it marks there for which ones it does not, and is false only
+ * without memory: all others are below, whatever weights the marked ones have up to theirs. */
+bool gn_springs_settle(gn_springs *y, double tau, const uint8_t *marked, uint8_t highest,
+                       uint8_t *left);
 /* Whether all eigenvalues of S are below `most`: most I - S has a Cholesky factor. */
 bool gn_block_below(int n, const double *s, double most);
 /* The largest eigenvalue of A + 2 tau B from above, round-off included, and its vector. */
@@ -107,8 +124,12 @@ void gn_spring_operator_free(gn_spring_operator *o);
 void gn_springs_apply(const gn_spring_operator *o, double stiffness, double viscosity,
                       const double *x, double *out);
 
-/* Bound and, with a tolerance, Lanczos. */
-gneiss_status gn_springs_limits(const gn_springs *y, double tolerance, gn_step_limit *limit,
+/* Sets what is sharp in `limit`, which has the bound, and the fastest mode x [particles][dofs], by
+ * Lanczos. */
+gneiss_status gn_springs_mode(const gn_springs *y, double tolerance, double *x,
+                              gn_step_limit *limit, gneiss_error *error);
+/* Bound and, with a tolerance, the sharp limit. */
+gneiss_status gn_springs_limits(gn_springs *y, double tolerance, gn_step_limit *limit,
                                 gneiss_error *error);
 
 /* splitmix64 (Steele, Lea & Flood 2014). */

@@ -62,9 +62,7 @@ static double block_over(const gn_springs *y, size_t p, double tau) {
     return fmax(gn_block_upper(m.n, s, trace) / most, 1.0 + 1e-9);
 }
 
-/* Of the marked ones, of which the system consists, leaves those whose own block is above the step.
- */
-static size_t leave_by_blocks(const gn_springs *y, double tau, uint8_t *marked) {
+size_t gn_springs_above(const gn_springs *y, double tau, uint8_t *marked) {
     size_t found = 0;
     for (size_t p = 0; p < y->particles; p++) {
         bool above = !(block_over(y, p, tau) <= 1.0);
@@ -96,24 +94,28 @@ static void look_again(const gn_springs *y, size_t p, uint8_t *next) {
     }
 }
 
-/* One look at all that are due; false: given up, since a block is too far above, or next to what is
- * not in the system. */
+/* One look at all that are due. For what is too far above, or has neighbours outside of the system,
+ * there are no weights: it is marked in `left`, and looked at no more; without that false is
+ * returned. */
 static bool settle_round(gn_springs *y, double tau, const uint8_t *marked, uint8_t highest,
-                         const uint8_t *due, uint8_t *next) {
+                         const uint8_t *due, uint8_t *next, uint8_t *left) {
     for (size_t p = 0; p < y->particles; p++) {
-        double over = due[p] ? block_over(y, p, tau) : 1.0;
+        if (!due[p] || (left && left[p])) continue;
+        double over = block_over(y, p, tau);
         if (over <= 1.0) continue;
-        if (!(over < 1.95) || marked[gn_springs_place(y, p)] == highest) return false;
+        if (!(over < 1.95) || marked[gn_springs_place(y, p)] == highest) {
+            if (!left) return false;
+            left[p] = 1;
+            continue;
+        }
         y->weight[p] *= 1.02 * over / (2.0 - over);
         look_again(y, p, next);
     }
     return true;
 }
 
-/* Whether weights can be found at which every block of the system is below the step. A particle
- * whose block is above gets more weight, which leaves more of its springs to its neighbours. Only
- * those with mark 1 are above to start with; those with the highest have neighbours outside. */
-static bool weights_settle(gn_springs *y, double tau, const uint8_t *marked, uint8_t highest) {
+bool gn_springs_settle(gn_springs *y, double tau, const uint8_t *marked, uint8_t highest,
+                       uint8_t *left) {
     enum { ROUNDS = 24 };
     size_t n = y->particles;
     uint8_t *due = gn_alloc(n + 1), *next = gn_alloc(n + 1);
@@ -124,13 +126,19 @@ static bool weights_settle(gn_springs *y, double tau, const uint8_t *marked, uin
         due[p] = marked[gn_springs_place(y, p)] == 1;
     }
     for (int round = 0; going && !settled && round < ROUNDS; round++) {
-        going = settle_round(y, tau, marked, highest, due, next);
+        going = settle_round(y, tau, marked, highest, due, next, left);
         settled = going && !memchr(next, 1, n);
         memcpy(due, next, n);
         memset(next, 0, n);
     }
+    for (size_t p = 0; going && !settled && left && p < n; p++) left[p] |= due[p];
     gn_free(due);
     gn_free(next);
+    return left ? going : settled;
+}
+
+static bool weights_settle(gn_springs *y, double tau, const uint8_t *marked, uint8_t highest) {
+    bool settled = gn_springs_settle(y, tau, marked, highest, NULL);
     gn_free(y->weight);
     y->weight = NULL;
     return settled;
@@ -140,7 +148,7 @@ static gneiss_status judge_by_blocks(const gn_spectrum *spectrum, double step, u
                                      gn_step_verdict *verdict, gneiss_error *error) {
     gn_springs y = {0};
     gneiss_status status = gn_springs_build(spectrum, marked, &y, error);
-    if (status == GNEISS_OK) verdict->holds = !leave_by_blocks(&y, 1.0 / step, marked);
+    if (status == GNEISS_OK) verdict->holds = !gn_springs_above(&y, 1.0 / step, marked);
     gn_springs_free(&y);
     return status;
 }

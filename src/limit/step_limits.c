@@ -15,13 +15,18 @@
 #include "base/eigen.h"
 #include "base/memory.h"
 #include "limit/damped.h"
+#include "limit/local.h"
 #include "limit/springs.h"
 
 #include <float.h>
 #include <math.h>
 #include <string.h>
 
-enum { DOFS_MAX = GN_DOFS_MAX, PARTICLE_BLOCK = 1024 };
+enum {
+    DOFS_MAX = GN_DOFS_MAX,
+    PARTICLE_BLOCK = 1024,
+    LOCAL_FROM = 32768, /* particles: fewer take less than a second by Lanczos */
+};
 
 /* --- the rigorous bound --- */
 
@@ -200,7 +205,9 @@ static bound_part bound_of_block(const gn_springs *y, size_t begin, size_t end) 
     return part;
 }
 
-static gneiss_status set_bound(const gn_springs *y, gn_step_limit *limit, gneiss_error *error) {
+/* `first`: the particle that sets it. */
+static gneiss_status set_bound(const gn_springs *y, gn_step_limit *limit, size_t *first,
+                               gneiss_error *error) {
     size_t blocks = (y->particles + PARTICLE_BLOCK - 1) / PARTICLE_BLOCK;
     bound_part *parts = gn_alloc_array(blocks, sizeof *parts), sum = {0.0, 0.0, SIZE_MAX};
     if (!parts)
@@ -213,6 +220,7 @@ static gneiss_status set_bound(const gn_springs *y, gn_step_limit *limit, gneiss
     for (size_t b = 0; b < blocks; b++)
         merge_part(&sum, parts[b].rate, parts[b].kn_over_m, parts[b].particle);
     gn_free(parts);
+    *first = sum.particle;
     *limit = (gn_step_limit){
         .bound = 1.0 / sum.rate, .bound_id = -1, .sharp_id = -1, .springs = y->springs};
     limit->sharp = limit->sharp_low = sum.rate == 0.0 ? INFINITY : NAN;
@@ -442,22 +450,37 @@ static gneiss_status set_sharp(const gn_spring_operator *o, double tolerance, do
     return GNEISS_OK;
 }
 
-/* --- public --- */
-
-gneiss_status gn_springs_limits(const gn_springs *y, double tolerance, gn_step_limit *limit,
-                                gneiss_error *error) {
-    GN_TRY(set_bound(y, limit, error));
-    if (limit->bound == INFINITY || tolerance == 0.0) return GNEISS_OK;
-    size_t n = y->particles * (size_t)y->dofs;
+gneiss_status gn_springs_mode(const gn_springs *y, double tolerance, double *x,
+                              gn_step_limit *limit, gneiss_error *error) {
     gn_spring_operator o;
     GN_TRY(gn_spring_operator_make(y, &o, error));
-    double *x = gn_alloc_array(n, sizeof *x);
-    gneiss_status status =
-        x ? set_sharp(&o, tolerance, x, limit, error)
-          : gn_fail(error, GNEISS_ERROR_MEMORY, "no memory for a mode of %zu components", n);
-    gn_free(x);
+    gneiss_status status = set_sharp(&o, tolerance, x, limit, error);
     gn_spring_operator_free(&o);
     return status;
+}
+
+static gneiss_status set_sharp_of_all(const gn_springs *y, double tolerance, gn_step_limit *limit,
+                                      gneiss_error *error) {
+    size_t n = y->particles * (size_t)y->dofs;
+    double *x = gn_alloc_array(n, sizeof *x);
+    gneiss_status status =
+        x ? gn_springs_mode(y, tolerance, x, limit, error)
+          : gn_fail(error, GNEISS_ERROR_MEMORY, "no memory for a mode of %zu components", n);
+    gn_free(x);
+    return status;
+}
+
+/* --- public --- */
+
+gneiss_status gn_springs_limits(gn_springs *y, double tolerance, gn_step_limit *limit,
+                                gneiss_error *error) {
+    size_t first = SIZE_MAX;
+    bool found = false;
+    GN_TRY(set_bound(y, limit, &first, error));
+    if (limit->bound == INFINITY || tolerance == 0.0) return GNEISS_OK;
+    if (y->particles >= LOCAL_FROM && !y->local)
+        GN_TRY(gn_springs_local_limit(y, first, tolerance, limit, &found, error));
+    return found ? GNEISS_OK : set_sharp_of_all(y, tolerance, limit, error);
 }
 
 gneiss_status gn_step_bound(const gn_spectrum *spectrum, gn_step_limit *limit,

@@ -185,9 +185,11 @@ static bool bound_suffices(const gn_world *w, double bound) {
 
 static gneiss_status find_limit(gn_world *w, gneiss_error *error) {
     gn_step_limit quick = {0};
+    const question sharp = {.tolerance = 1e-3, .limit = &w->dem.limit};
+    if (w->scene.estimate != GN_STEP_BOUND && !(w->scene.step > 0.0))
+        return ask(w, false, &sharp, error); /* no bound suffices: not twice the springs for it */
     GN_TRY(ask(w, false, &(question){.limit = &quick}, error));
-    if (!bound_suffices(w, quick.bound))
-        return ask(w, false, &(question){.tolerance = 1e-3, .limit = &w->dem.limit}, error);
+    if (!bound_suffices(w, quick.bound)) return ask(w, false, &sharp, error);
     w->dem.limit = quick;
     w->dem.limit.sharp = quick.bound;
     w->dem.limit.sharp_id = quick.bound_id;

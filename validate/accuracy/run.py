@@ -42,6 +42,7 @@ def cases():
     import cantilever
     import collision
     import cylinder
+    import hopper
     import notched
     import packing
     import wave
@@ -49,7 +50,7 @@ def cases():
     return {"compression": lambda s, p: cylinder.section(s, p, "compression"),
             "tension": lambda s, p: cylinder.section(s, p, "tension"), "compression-plane": block.section,
             "collision": collision.section, "wave": wave.section,
-            "cantilever": cantilever.section, "bed": bed.section, "notched": notched.section,
+            "cantilever": cantilever.section, "bed": bed.section, "hopper": hopper.section, "notched": notched.section,
             "notched-elements": notched.elements_section, "brazilian": brazilian.section, "packing": packing.section}
 
 

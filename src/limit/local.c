@@ -1,0 +1,136 @@
+/* The sharp limit of many particles by those few that can set it. In a packing of unequal spheres
+ * the fastest mode sits around a small particle in a tight place: nearly all others are slower by
+ * their own blocks, whatever the rest does. What is left, with some layers around it, is a system
+ * of its own. With the springs that lead out of it doubled it is never slower than the whole; its
+ * mode, at rest outside, has a quotient in the whole that is never faster. Where both agree that is
+ * the limit of the whole; where they do not, as in lattices, where all particles are alike, nothing
+ * is said. */
+#include "limit/local.h"
+
+#include "base/eigen.h"
+#include "base/memory.h"
+#include "limit/damped.h"
+
+#include <math.h>
+#include <string.h>
+
+enum { LAYERS = 3, LAYERS_MORE = 2, ROUNDS = 3, SHARE = 4 };
+
+typedef struct local_search {
+    gn_springs *whole;
+    gn_spring_operator of_whole;
+    double tolerance;
+    double *mode,
+        *image; /* [particles][dofs] of the whole, 0 outside; what the operator makes of it */
+    uint8_t *core, *inside;
+    double low, high; /* 1/s: the rate of the whole is between these */
+} local_search;
+
+static double quotient(local_search *s, double stiffness, double viscosity) {
+    const size_t count = s->whole->particles * (size_t)s->whole->dofs;
+    gn_springs_apply(&s->of_whole, stiffness, viscosity, s->mode, s->image);
+    return gn_eigen_dot(count, s->mode, s->image, s->whole->threads);
+}
+
+/* The mode of a system of members in the whole, of the same length. */
+static void spread_mode(local_search *s, const gn_springs *members, const double *x) {
+    const size_t dofs = (size_t)members->dofs;
+    memset(s->mode, 0, s->whole->particles * dofs * sizeof *s->mode);
+    for (size_t p = 0; p < members->particles; p++)
+        memcpy(s->mode + gn_springs_place(members, p) * dofs, x + p * dofs, dofs * sizeof *x);
+}
+
+static gneiss_status solve_members(local_search *s, const gn_springs *members, gn_step_limit *limit,
+                                   gneiss_error *error) {
+    double *x = gn_alloc_array(members->particles * (size_t)members->dofs + 1, sizeof *x);
+    if (!x)
+        return gn_fail(error, GNEISS_ERROR_MEMORY, "no memory for a mode of %zu particles",
+                       members->particles);
+    gneiss_status status = gn_springs_mode(members, s->tolerance, x, limit, error);
+    if (status == GNEISS_OK) {
+        spread_mode(s, members, x);
+        double a = quotient(s, 1.0, 0.0), b = members->damped ? quotient(s, 0.0, 1.0) : 0.0;
+        s->low = fmax(s->low, gn_damped_rate(a, b));
+    }
+    gn_free(x);
+    return status;
+}
+
+/* Of the core and so many layers around it. */
+static gneiss_status solve_around(local_search *s, int layers, gn_step_limit *limit,
+                                  gneiss_error *error) {
+    gn_springs members = {0};
+    memcpy(s->inside, s->core, s->whole->particles);
+    for (int layer = 1; layer <= layers; layer++)
+        gn_springs_mark_neighbours(s->whole->spectrum, (uint8_t)layer, s->inside);
+    gneiss_status status =
+        gn_springs_build_weighed(s->whole->spectrum, s->inside, s->whole->weight, &members, error);
+    if (status == GNEISS_OK) status = solve_members(s, &members, limit, error);
+    gn_springs_free(&members);
+    return status;
+}
+
+/* Leaves in the core those that no weights bring below `high`. */
+static gneiss_status leave_unsettled(local_search *s, size_t *count, gneiss_error *error) {
+    gn_springs *y = s->whole;
+    const size_t n = y->particles;
+    *count = gn_springs_above(y, s->high, s->core);
+    memset(s->inside, 0, n);
+    if (!gn_springs_settle(y, s->high, s->core, UINT8_MAX, s->inside))
+        return gn_fail(error, GNEISS_ERROR_MEMORY, "no memory for the weights of %zu particles", n);
+    *count = 0;
+    for (size_t p = 0; p < n; p++) {
+        s->core[p] = s->inside[p];
+        if (s->core[p]) y->weight[p] = 1.0;
+        *count += s->core[p];
+    }
+    return GNEISS_OK;
+}
+
+static gneiss_status search(local_search *s, size_t first, gn_step_limit *limit, bool *found,
+                            gneiss_error *error) {
+    size_t count;
+    memset(s->core, 0, s->whole->particles);
+    s->core[first] = 1;
+    GN_TRY(solve_around(s, LAYERS, limit, error)); /* near enough to leave out most others */
+    s->high = s->low * (1.0 + 0.5 * s->tolerance);
+    GN_TRY(leave_unsettled(s, &count, error));
+    const double others = s->high;
+    for (int round = 0; !*found && count <= s->whole->particles / SHARE && round < ROUNDS;
+         round++) {
+        gn_step_limit around = *limit;
+        GN_TRY(solve_around(s, LAYERS + round * LAYERS_MORE, &around, error));
+        s->high = fmax(others, 1.0 / around.sharp_low);
+        *found = s->high <= s->low * (1.0 + s->tolerance);
+        if (*found) *limit = around;
+    }
+    return GNEISS_OK;
+}
+
+gneiss_status gn_springs_local_limit(gn_springs *y, size_t first, double tolerance,
+                                     gn_step_limit *limit, bool *found, gneiss_error *error) {
+    local_search s = {.whole = y, .tolerance = tolerance};
+    const size_t count = y->particles * (size_t)y->dofs + 1;
+    gn_step_limit sharp = *limit;
+    *found = false;
+    GN_TRY(gn_spring_operator_make(y, &s.of_whole, error));
+    s.mode = gn_alloc_array(count, sizeof *s.mode);
+    s.image = gn_alloc_array(count, sizeof *s.image);
+    s.core = gn_alloc(y->particles + 1);
+    s.inside = gn_alloc(y->particles + 1);
+    gneiss_status status = s.mode && s.image && s.core && s.inside
+                               ? search(&s, first, &sharp, found, error)
+                               : gn_fail(error, GNEISS_ERROR_MEMORY,
+                                         "no memory for a mode of %zu particles", y->particles);
+    if (status == GNEISS_OK && *found) {
+        *limit = sharp;
+        limit->sharp = 1.0 / s.low;
+        limit->sharp_low = fmax(limit->bound, 1.0 / s.high);
+    }
+    gn_free(s.mode);
+    gn_free(s.image);
+    gn_free(s.core);
+    gn_free(s.inside);
+    gn_spring_operator_free(&s.of_whole);
+    return status;
+}
