@@ -15,6 +15,7 @@ sys.path[:0] = [str(HERE), str(HERE / "yade")]
 
 import jobs  # noqa: E402
 import page  # noqa: E402
+import study  # noqa: E402
 
 HEAD = """# gneiss beside YADE, closed forms and published tables
 
@@ -47,7 +48,11 @@ def write_page(names):
     page.page(HEAD).write(names)
 
 
+FLAGS = ("--quick", "--time", "--only", "--kept", "--fresh", "--large")
+
+
 def main(arguments):
+    study.told(arguments, __doc__, FLAGS)
     if not jobs.yade_program():
         sys.exit("validate: yade is not installed; `./do validate` installs it")
     options = {name: f"--{name}" in arguments for name in ("quick", "large", "time", "fresh")}

@@ -24,6 +24,16 @@ KEPT = "--kept" in sys.argv
 ROCK = "scenes/ucs-rock.yaml"
 
 
+def told(arguments, text, flags):
+    """Ends with the text when help is asked for, with a message when a flag is not among the known ones."""
+    if {"-h", "--help"} & set(arguments):
+        print(text.strip())
+        sys.exit(0)
+    unknown = [argument for argument in arguments if argument.startswith("-") and argument not in flags]
+    if unknown:
+        sys.exit(f"expected some of {', '.join(flags)}, found {' '.join(unknown)}; --help says what they do")
+
+
 def call(arguments):
     """Calls the program from the root of the project; the finished process, whatever its exit code."""
     environment = dict(os.environ, OMP_WAIT_POLICY=os.environ.get("OMP_WAIT_POLICY", "passive"))
