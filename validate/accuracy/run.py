@@ -41,6 +41,7 @@ def cases():
     import brazilian
     import cantilever
     import collision
+    import coupled
     import cylinder
     import hopper
     import notched
@@ -51,7 +52,7 @@ def cases():
             "tension": lambda s, p: cylinder.section(s, p, "tension"), "compression-plane": block.section,
             "collision": collision.section, "wave": wave.section,
             "cantilever": cantilever.section, "bed": bed.section, "hopper": hopper.section, "notched": notched.section,
-            "notched-elements": notched.elements_section, "brazilian": brazilian.section, "packing": packing.section}
+            "notched-elements": notched.elements_section, "coupled": coupled.section, "brazilian": brazilian.section, "packing": packing.section}
 
 
 def conditions(s, case):
