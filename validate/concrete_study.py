@@ -1,9 +1,10 @@
 """Concrete under compression with pressure around it (Santasusana 2013, ch. 5 and 7, after Sfer et al. 2002): bonds by area that
 soften and yield, cylinders of 107 to 13 500 spheres. Fills the parts on concrete of docs/evidence/laboratory.md and its pictures.
 
-    /usr/bin/python3 validate/concrete_study.py [--fresh] [--kept] [--quick] [curves] [large] [particles] [choices] [speed] [step] [hydrostatic] [oedometer]
+    /usr/bin/python3 validate/concrete_study.py [--fresh] [--kept] [--quick] [curves] [large] [particles] [most] [choices] [speed] [step] [hydrostatic] [oedometer]
 
-A quarter of an hour of one core, without `large` (two more packings of 13 500 spheres, and 60 MPa), which takes as much again and is made when it is named.
+A quarter of an hour of one core, without `large` (two more packings of 13 500 spheres, and 60 MPa), which takes twice as much, and `most` (71 852 spheres, as many as
+the source's largest specimen), which takes as much as all others; these are made when they are named.
 --kept: tables of the runs that are there; --quick: no more than 1 500 spheres, two minutes, and prints what it would have written. Runs stay in
 runs/studies/concrete.
 """
@@ -39,6 +40,8 @@ TESTS = {0: (0.006, 0.05), 1.5: (0.006, 0.1), 4.5: (0.009, 0.1), 9: (0.012, 0.2)
 MANY = {9: (0.006, 0.2), 30: (0.0105, 0.4), 60: (0.0105, 0.4)}  # the same of many spheres, for their cost
 LARGE = 1500 if QUICK else 13500
 LARGE_TESTS = (0, 1.5, 4.5, 9, 30)  # 60 MPa with fewer alone
+MOST = 71852
+LONG = ("large", "most")  # made when they are asked for by name
 MIDDLE = 500 if QUICK else 1500
 SEEDS = (1, 2, 3)
 RAISED, RAISED_FROM = 2.0, 4000  # factor of time.mass_scaling with so many spheres and more: half the steps
@@ -283,10 +286,10 @@ def put_starts(large, others):
 # --- the larger packings ------------------------------------------------------------------------------------------
 
 def large_part():
-    """Three packings of the larger number of spheres at low pressures, one at 60 MPa."""
+    """Three packings of the larger number of spheres at all pressures."""
     rows, missing = [], []
-    for p, seeds in ((0, SEEDS), (4.5, SEEDS), (9, SEEDS), (60, SEEDS[:1])):
-        found = {seed: study.if_there(tested, LARGE, seed, p) for seed in seeds}
+    for p in TESTS:
+        found = {seed: study.if_there(tested, LARGE, seed, p) for seed in SEEDS}
         missing += [f"{p:g} MPa, packing {seed}" for seed, curve in found.items() if curve is None]
         there = [curve for curve in found.values() if curve]
         if not there:
@@ -316,11 +319,23 @@ def choices_part():
                           "left 0.2 % after the peak, 0 MPa", "9 MPa"], rows)
 
 
+def most_part():
+    """As many spheres as the largest specimen of the source has, in the table of the others."""
+    for pressure in () if QUICK else (0, 9):
+        study.if_there(tested, MOST, 1, pressure)
+    particles_part()
+
+
+def kept_there(count, pressures):
+    """Whether the runs of one packing were made before."""
+    return all((FOLDER / f"{count}-1-{pressure:g}" / "study.json").exists() for pressure in pressures)
+
+
 def particles_part():
     rows = []
     pressures = (0, 9)
-    for count in (107, 500, 1500, 4000, 13500):
-        if count > LARGE:
+    for count in (107, 500, 1500, 4000, 13500, MOST):
+        if count > LARGE and not kept_there(count, pressures):
             continue
         seeds = SEEDS if count <= MIDDLE else SEEDS[:1]
         found = {p: [tested(count, seed, p) for seed in seeds] for p in pressures}
@@ -486,12 +501,12 @@ def oedometer_part(hydrostatic):
 
 
 def main():
-    known = ("curves", "large", "particles", "choices", "speed", "step", "hydrostatic", "oedometer")
+    known = ("curves", "large", "particles", "most", "choices", "speed", "step", "hydrostatic", "oedometer")
     asked = [a for a in sys.argv[1:] if not a.startswith("-")]
     if set(asked) - set(known):
         sys.exit(f"concrete_study: expected some of {', '.join(known)}, found {' '.join(asked)}")
-    simple = {"curves": curves_part, "large": large_part, "particles": particles_part, "choices": choices_part, "speed": speed_part, "step": step_part}
-    for name in asked or [name for name in known if name != "large"]:
+    simple = {"curves": curves_part, "large": large_part, "particles": particles_part, "most": most_part, "choices": choices_part, "speed": speed_part, "step": step_part}
+    for name in asked or [name for name in known if name not in LONG]:
         if name in simple:
             simple[name]()
     if not asked or {"hydrostatic", "oedometer"} & set(asked):
