@@ -59,16 +59,19 @@ enum { GN_BOND_DISSOLVED = 6 };
 typedef struct gn_membrane {
     double pressure;    /* Pa, in the last step */
     double gradient[9]; /* of the skin in the last step: how it has moved as a whole */
-    double rest[9];     /* at the start, of the pieces of the surface less that of the patches */
+    double missing[3];  /* m2, that the patches do not have of the area of the surface */
+    double rest[9];     /* what they do not have of its moment */
     double arms[9];     /* ways from the centres that bear the areas, turned back by the gradient */
     double bodies;      /* that the skin is of, at the last look */
 } gn_membrane;
 
-/* What of the surface one particle had at the start, in doubles, as checkpoints have it. */
+/* A part of the surface that one particle bears, where things were at the start, in doubles, as
+ * checkpoints have it: what it had of a side of the body, or a face of its cell that was bared. */
 typedef struct gn_patch {
     double point[3]; /* m, its middle */
     double area[3];  /* m2, outward */
-    double size;     /* m2 */
+    double rest[9];  /* m3, sum of areas times ways from the middle */
+    double size;     /* m2; 0: a face, whose size is that of its area */
     double owner;    /* id of the particle that bears it; -1: none is left */
 } gn_patch;
 

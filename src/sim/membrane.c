@@ -14,6 +14,10 @@ double gn_membrane_pressure(const gn_world *w) {
     return w->dem.membrane ? w->dem.membrane->pressure : 0.0;
 }
 
+int32_t gn_patch_bearer(const gn_dem *d, const gn_patch *patch) {
+    return patch->owner >= 0.0 ? d->index_of_id[(size_t)patch->owner] : -1;
+}
+
 double gn_membrane_area_of(const gn_world *w, gn_skin_body body) {
     const gn_particles *q = &w->dem.particles;
     double sum = 0.0;

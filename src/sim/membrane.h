@@ -10,12 +10,22 @@
 gneiss_status gn_membrane_create(gn_world *world, gneiss_error *error);
 
 /* The skin of particles without a shape, by what a ball of the radius `probe` touches from outside
- * (membrane_free.c). Areas go to q->skin; `arms` are their ways from the centres, m3. */
-gneiss_status gn_membrane_free_skin(gn_world *world, double probe, double arms[9],
+ * (membrane_free.c). Areas go to q->skin; `arms` [particles] are theirs times their ways from the
+ * centres, m3, and begin as 0. */
+gneiss_status gn_membrane_free_skin(gn_world *world, double probe, double (*arms)[9],
                                     gneiss_error *error);
 
-/* Patches of what came off go to what lay beneath (membrane_lay.c). */
+/* A body with fewer particles than this share of the largest one's has come off it. */
+enum { GN_CHIP = 10 };
+
+/* What came off gives its part of the surface to what it lay on (membrane_drop.c). */
 gneiss_status gn_membrane_drop(gn_world *world, gneiss_error *error);
+
+/* Whether what faces like `area` is covered. */
+bool gn_membrane_covers(const gn_world *world, const double area[3]);
+
+/* The particle that bears a patch; -1: none is left. */
+int32_t gn_patch_bearer(const gn_dem *dem, const gn_patch *patch);
 
 /* Areas of the skin from its patches, each as what is around it has moved, in balance as those of
  * the surface are (membrane_lay.c). At the start and at every look. */
