@@ -193,6 +193,7 @@ void gn_dem_free(gn_dem *d) {
     gn_flow_free(&d->flow);
     gn_near_free(&d->near);
     void *blocks[] = {d->membrane,        d->patches,
+                      d->skin_gradient,   d->skin_body,
                       d->index_of_id,     d->channel_set,
                       d->set_reaction,    d->loose,
                       d->prescribed.set,  d->prescribed.mask,

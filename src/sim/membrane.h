@@ -31,6 +31,11 @@ int32_t gn_patch_bearer(const gn_dem *dem, const gn_patch *patch);
  * the surface are (membrane_lay.c). At the start and at every look. */
 gneiss_status gn_membrane_lay(gn_world *world, gneiss_error *error);
 
+/* Finds how each of several bodies of the skin has moved as a whole; what that of a particle of the
+ * skin has. */
+gneiss_status gn_membrane_turn(gn_world *world, gneiss_error *error);
+const double *gn_membrane_gradient_at(const gn_world *world, size_t p);
+
 /* A body of those that the skin is of. */
 typedef struct gn_skin_body {
     const int32_t *group; /* of each particle; NULL: all are one */

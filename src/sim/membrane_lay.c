@@ -172,6 +172,23 @@ static void find_open(const gn_world *w, int32_t *group, double (*sums)[4]) {
     }
 }
 
+/* Numbers from 0 on for bodies that are closed, the last for all others. Returns how many. `number`
+ * [particles] is room. */
+static size_t number_bodies(gn_world *w, const int32_t *group, int32_t *number) {
+    gn_dem *d = &w->dem;
+    int32_t count = 0;
+    bool open = false;
+    for (size_t p = 0; p < d->particles.soa.count; p++)
+        if (group[p] == (int32_t)p) number[p] = count++;
+    for (size_t k = 0; k < d->patch_count; k++) {
+        const int32_t p = gn_patch_bearer(d, &d->patches[k]);
+        if (p < 0) continue;
+        open = open || group[p] == OPEN;
+        d->patches[k].body = group[p] == OPEN ? count : number[group[p]];
+    }
+    return (size_t)count + open;
+}
+
 /* Bodies that are closed by themselves, as apart they would else push and turn one another; what a
  * crack has opened together with what it was parted from. */
 static gneiss_status balance_bodies(gn_world *w, int32_t *group, const double *place,
@@ -179,39 +196,49 @@ static gneiss_status balance_bodies(gn_world *w, int32_t *group, const double *p
     const size_t n = w->dem.particles.soa.count;
     if (!group) {
         bring_into_balance(w, (gn_skin_body){0}, place);
+        w->dem.membrane->bodies = 1.0;
         return GNEISS_OK;
     }
     double(*sums)[4] = gn_alloc_array(n + 1, sizeof *sums);
     if (!sums) return gn_fail(error, GNEISS_ERROR_MEMORY, "no memory for the bodies of a skin");
     find_open(w, group, sums);
-    gn_free(sums);
     for (size_t p = 0; p < n; p++)
         if (group[p] == (int32_t)p) bring_into_balance(w, (gn_skin_body){group, (int32_t)p}, place);
     bring_into_balance(w, (gn_skin_body){group, OPEN}, place);
+    w->dem.membrane->bodies = (double)number_bodies(w, group, (int32_t *)sums);
+    gn_free(sums);
     return GNEISS_OK;
 }
 
-/* Areas and ways as they would be had the skin not moved as a whole: steps turn and stretch them.
- */
-static void turn_back(gn_world *w, double arms[9]) {
+/* J^-1 F^T: what turns areas back. */
+static void back_of(const double gradient[9], double back[9]) {
+    double cofactor[9];
+    gn_cofactor3(gradient, cofactor);
+    const double det = gn_dot3(gradient, cofactor);
+    for (int k = 0; k < 9; k++) back[k] = gradient[k % 3 * 3 + k / 3] / det;
+}
+
+/* Areas as they would be had their body not moved as a whole, and ways had the skin not: steps turn
+ * and stretch them. */
+static gneiss_status turn_back(gn_world *w, double arms[9], gneiss_error *error) {
     gn_particles *q = &w->dem.particles;
     gn_membrane *m = w->dem.membrane;
-    double cofactor[9], inverse[9], half[9];
+    double cofactor[9], inverse[9], back[9], half[9];
     gn_cofactor3(m->gradient, cofactor);
+    back_of(m->gradient, back);
     const double det = gn_dot3(m->gradient, cofactor);
     for (int k = 0; k < 9; k++) inverse[k] = cofactor[k % 3 * 3 + k / 3] / det;
-    gn_product3_at(m->gradient, arms, half);
-    for (int k = 0; k < 9; k++) half[k] /= det;
+    gn_product3(back, arms, half);
     gn_product3_bt(half, inverse, m->arms);
+    GN_TRY(gn_membrane_turn(w, error));
     for (size_t p = 0; p < q->soa.count; p++) {
         double *s = q->skin + 4 * p;
         if (!gn_is_pressed(q, p)) continue;
         const double now[3] = {s[0], s[1], s[2]};
-        for (int a = 0; a < 3; a++)
-            s[a] = (m->gradient[a] * now[0] + m->gradient[3 + a] * now[1] +
-                    m->gradient[6 + a] * now[2]) /
-                   det;
+        back_of(gn_membrane_gradient_at(w, p), back);
+        for (int a = 0; a < 3; a++) s[a] = gn_dot3(back + 3 * a, now);
     }
+    return GNEISS_OK;
 }
 
 static gneiss_status lay(gn_world *w, int32_t *group, gneiss_error *error) {
@@ -228,15 +255,13 @@ static gneiss_status lay(gn_world *w, int32_t *group, gneiss_error *error) {
     if (follow) gn_start_grid_free(&grid);
     GN_TRY(balance_bodies(
         w, group, w->scene.membrane.follow ? w->dem.particles.pos : w->dem.particles.start, error));
-    turn_back(w, arms);
-    return GNEISS_OK;
+    return turn_back(w, arms, error);
 }
 
 gneiss_status gn_membrane_lay(gn_world *w, gneiss_error *error) {
     int32_t *group = gn_alloc_array(w->dem.particles.soa.count + 1, sizeof *group);
     if (!group) return gn_fail(error, GNEISS_ERROR_MEMORY, "no memory for the bodies of a skin");
     const size_t bodies = gn_world_body_groups(w, GN_CHIP, group);
-    w->dem.membrane->bodies = (double)bodies;
     gneiss_status status = lay(w, bodies > 1 ? group : NULL, error);
     gn_free(group);
     return status;
