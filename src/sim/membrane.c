@@ -161,11 +161,12 @@ gneiss_status gn_membrane_press(gn_world *w, gneiss_error *error) {
     const double pressure = share * gn_table_at(&m->pressure, w->time);
     w->dem.membrane->pressure = pressure;
     const bool look = w->step % LOOK_INTERVAL == 0;
-    if (look) GN_TRY(gn_membrane_drop(w, error));
+    bool dropped = false;
+    if (look) GN_TRY(gn_membrane_drop(w, &dropped, error));
     /* Of several bodies no deformation is that of all. */
     if (m->follow && (look || w->dem.membrane->bodies == 1.0))
         fit_skin(w, ALL, w->dem.membrane->gradient);
-    if (look) GN_TRY(gn_membrane_lay(w, error));
+    if (look) GN_TRY(gn_membrane_lay(w, dropped, error));
     if (!look) GN_TRY(gn_membrane_turn(w, error));
     for (size_t p = 0; p < q->soa.count; p++) {
         if (!gn_is_pressed(q, p)) continue;

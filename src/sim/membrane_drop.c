@@ -218,10 +218,11 @@ static gneiss_status change_hands(hands *h, gneiss_error *error) {
     return GNEISS_OK;
 }
 
-gneiss_status gn_membrane_drop(gn_world *w, gneiss_error *error) {
+gneiss_status gn_membrane_drop(gn_world *w, bool *dropped, gneiss_error *error) {
     const gn_dem *d = &w->dem;
     hands h = {.w = w};
-    if (!(d->broken_tension + d->broken_shear + d->lost > 0) || !mark_off(w)) return GNEISS_OK;
+    *dropped = d->broken_tension + d->broken_shear + d->lost > 0 && mark_off(w);
+    if (!*dropped) return GNEISS_OK;
     gneiss_status status = take_up(w, &h, error);
     if (status == GNEISS_OK) status = change_hands(&h, error);
     if (status == GNEISS_OK) status = put_down(&h, error);

@@ -15,6 +15,10 @@
 /* In mean radii: what is around a particle; cells of the grid. */
 static const double around = 5.0, cell_size = 2.5;
 
+/* Of the way to the areas of now, at a look: those that followed waves of some hundred steps would
+ * come too late for them, and drive them. */
+static const double pace = 1.0 / 8.0;
+
 enum { OPEN = -1 };
 
 /* --- how the surroundings have moved --- */
@@ -241,28 +245,65 @@ static gneiss_status turn_back(gn_world *w, double arms[9], gneiss_error *error)
     return GNEISS_OK;
 }
 
-static gneiss_status lay(gn_world *w, int32_t *group, gneiss_error *error) {
+/* The areas and ways of the last look as bodies have moved as a whole since, [4 particles] and 9.
+ */
+static void carry_on(const gn_world *w, double *area, double arms[9]) {
+    const gn_particles *q = &w->dem.particles;
+    const gn_membrane *m = w->dem.membrane;
+    double turn[9], half[9];
+    gn_cofactor3(m->gradient, turn);
+    gn_product3(turn, m->arms, half);
+    gn_product3_bt(half, m->gradient, arms);
+    for (size_t p = 0; p < q->soa.count; p++) {
+        if (!gn_is_pressed(q, p)) continue;
+        gn_cofactor3(gn_membrane_gradient_at(w, p), turn);
+        for (int a = 0; a < 3; a++) area[4 * p + a] = gn_dot3(turn + 3 * a, q->skin + 4 * p);
+    }
+}
+
+/* A part of the way to the areas of now. */
+static void blend(gn_world *w, const double *was, const double had[9], double arms[9]) {
+    gn_particles *q = &w->dem.particles;
+    for (size_t p = 0; p < q->soa.count; p++)
+        for (int a = 0; a < 3 && gn_is_pressed(q, p); a++)
+            q->skin[4 * p + a] = was[4 * p + a] + pace * (q->skin[4 * p + a] - was[4 * p + a]);
+    for (int k = 0; k < 9; k++) arms[k] = had[k] + pace * (arms[k] - had[k]);
+}
+
+/* From what was, which is room for it, or all of the way. */
+static gneiss_status lay(gn_world *w, int32_t *group, double *was, gneiss_error *error) {
     const gn_membrane *m = w->dem.membrane;
     const double radius = gn_world_mean_radius(w);
     const bool follow = w->scene.membrane.follow && w->step > 0;
-    double arms[9], turn[9], half[9];
+    double arms[9], had[9], turn[9], half[9];
     gn_start_grid grid;
+    if (was) carry_on(w, was, had);
     gn_cofactor3(m->gradient, turn);
     gn_product3(turn, m->rest, half);
     gn_product3_bt(half, m->gradient, arms);
     if (follow) GN_TRY(gn_start_grid_make(w, cell_size * radius, false, &grid, error));
     add_patches(w, group, follow ? &grid : NULL, around * radius, arms);
     if (follow) gn_start_grid_free(&grid);
+    if (was) blend(w, was, had, arms);
     GN_TRY(balance_bodies(
         w, group, w->scene.membrane.follow ? w->dem.particles.pos : w->dem.particles.start, error));
     return turn_back(w, arms, error);
 }
 
-gneiss_status gn_membrane_lay(gn_world *w, gneiss_error *error) {
-    int32_t *group = gn_alloc_array(w->dem.particles.soa.count + 1, sizeof *group);
-    if (!group) return gn_fail(error, GNEISS_ERROR_MEMORY, "no memory for the bodies of a skin");
-    const size_t bodies = gn_world_body_groups(w, GN_CHIP, group);
-    gneiss_status status = lay(w, bodies > 1 ? group : NULL, error);
+gneiss_status gn_membrane_lay(gn_world *w, bool anew, gneiss_error *error) {
+    const size_t n = w->dem.particles.soa.count;
+    const bool carries = !anew && w->scene.membrane.follow && w->step > 0;
+    int32_t *group = gn_alloc_array(n + 1, sizeof *group);
+    double *was = carries ? gn_alloc_array(4 * n + 1, sizeof *was) : NULL;
+    gneiss_status status =
+        group && (was || !carries)
+            ? gn_membrane_turn(w, error)
+            : gn_fail(error, GNEISS_ERROR_MEMORY, "no memory for the bodies of a skin");
+    if (status == GNEISS_OK) {
+        const size_t bodies = gn_world_body_groups(w, GN_CHIP, group);
+        status = lay(w, bodies > 1 ? group : NULL, was, error);
+    }
     gn_free(group);
+    gn_free(was);
     return status;
 }

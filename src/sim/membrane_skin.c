@@ -203,7 +203,7 @@ gneiss_status gn_membrane_create(gn_world *w, gneiss_error *error) {
     memcpy(q->load, q->applied, 4 * q->soa.count * sizeof *q->load);
     GN_TRY(make_patches(w, error));
     for (size_t p = 0; p < q->soa.count; p++) w->dem.index_of_id[q->id[p]] = (int32_t)p;
-    GN_TRY(gn_membrane_lay(w, error));
+    GN_TRY(gn_membrane_lay(w, true, error));
     if (gn_membrane_area(w) > 0.0) return GNEISS_OK;
     return gn_fail(
         error, GNEISS_ERROR_INPUT, "%s: expected a surface that faces across %c, found none",
