@@ -616,6 +616,10 @@ static void slips_are_refused_where_they_stand(void **state) {
             "rate: 1\n    sizes: sieve\n    sieve: [[0.5, 0], [1, 1]]\n    size_ratio: 2",
             "s.yaml:10:17: sources[0].size_ratio: expected sizes: uniform or normal beside it, "
             "found sieve");
+    refuses("rate: 100", /* also where it is what it is by default */
+            "rate: 1\n    sizes: sieve\n    sieve: [[0.5, 0], [1, 1]]\n    size_ratio: 1",
+            "s.yaml:10:17: sources[0].size_ratio: expected sizes: uniform or normal beside it, "
+            "found sieve");
     refuses("rate: 100", "rate: 1\n    total: 1e9", NULL);
     refuses("rate: 100", "rate: 1\n    total: 2e9",
             "s.yaml:8:12: sources[0].total: expected a whole number in [1, 1e9] or 'none', found "

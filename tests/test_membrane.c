@@ -231,8 +231,10 @@ static void the_pressure_is_held_where_a_block_bulges(void **state) {
     for (int row = 0; row < SIDE / 2; row++)
         wide += width(0.45, ((double)row - 0.25 * SIDE + 0.5) * pitch) / (0.5 * SIDE);
     bulge(w, 0.67, 0.45, centre);
-    w->step = 100;
-    press(w);
+    for (int look = 1; look <= 40; look++) { /* each goes a part of the way */
+        w->step = 100 * look;
+        press(w);
+    }
     assert_near(force_across(w, centre) / before, 0.67 * wide, 0.03 * 0.67 * wide);
     expect_balance(w, 7e6);
     world_end(w);
@@ -303,7 +305,9 @@ static void what_lay_beneath_a_chip_is_pressed(void **state) {
     assert_near(upper, -7e6 * pow(SIDE * pitch, 2), 0.1 * fabs(upper));
     assert_near(below, -7e6 * pow(3 * pitch, 2), 0.1 * fabs(below) + 7e6 * pow(pitch, 2));
     mean_stress(w, stress);
-    for (int k = 0; k < 9; k++) assert_near(stress[k], k % 4 == 0 ? -7e6 : 0, 0.01 * 7e6);
+    /* over the volume at the start, of which 3 x 3 x 2 have gone */
+    const double left = 1 - 18 / pow(SIDE, 3);
+    for (int k = 0; k < 9; k++) assert_near(stress[k], k % 4 == 0 ? -7e6 * left : 0, 0.01 * 7e6);
     lift(w, 0);
     w->step = 300;
     press(w);
@@ -349,7 +353,7 @@ static void dead_loads_are_handed_on(void **state) {
         w->step = 100;
         press(w);
         assert_true(q->skin[4 * p + 3] < 0 && q->applied[4 * p + 1] == 0);
-        assert_close(gn_membrane_area(w), whole, 1e-12);
+        assert_close(gn_membrane_area(w), whole, 0.1); /* of what it left bare */
         /* as if all were where it was: there they are in balance */
         for (int a = 0; a < d; a++) q->pos[4 * p + a] = q->start[4 * p + a];
         expect_balance(w, 7e6);
@@ -357,49 +361,151 @@ static void dead_loads_are_handed_on(void **state) {
     }
 }
 
-/* Two blocks of 4 x 4 x 4 that touch nothing of one another; the one is stretched, the other bent
- * and shifted. By themselves as together they are closed. */
-static void bodies_that_are_apart_do_not_push_or_turn_one_another(void **state) {
-    (void)state;
-    char blocks[8000];
-    size_t used = 0;
-    for (int p = 0; p < 128; p++)
-        used += (size_t)snprintf(blocks + used, sizeof blocks - used, "%s[%g, %g, %g, 1e-3]",
-                                 p ? ", " : "", 2e-3 * (p % 4) + 0.03 * (p / 64),
-                                 2e-3 * (p / 4 % 4), 2e-3 * (p / 16 % 4));
-    gn_world *w = world_of("dimension: 3\nspecimen: {particles: [%s]}\n"
-                           "materials: [{name: m, density: 2650, contact_modulus: 1e9, kratio: 2, "
-                           "friction: 0.5, tensile_strength: 3e9, shear_strength: 3e9}]\n"
-                           "law: {stiffness: harmonic}\nbonds: {interaction_range: 0.01}\n"
-                           "membrane: {pressure: 7 MPa}\ntime: {end: 1}\nrun: {threads: 1}\n",
-                           blocks);
+/* --- layers --- */
+
+typedef bool (*layer)(const gn_particles *q, size_t p, const double centre[3]);
+
+/* All of a layer comes off: each of it by itself, far from all others. */
+static void take_off(gn_world *w, layer of, const double centre[3]) {
     gn_particles *q = &w->dem.particles;
-    for (size_t p = 0; p < q->soa.count; p++) {
-        double *x = q->pos + 4 * p;
-        const double *from = q->start + 4 * p;
-        if (q->id[p] < 64)
-            x[1] *= 1.2;
-        else
-            x[0] += 1e-3 + 60 * from[2] * from[2], x[1] += 40 * from[2] * from[1];
-    }
+    gn_contacts *bonds = &w->dem.bonds;
+    for (size_t c = 0; c < bonds->soa.count; c++)
+        if (of(q, (size_t)bonds->i[c], centre) || of(q, (size_t)bonds->j[c], centre))
+            bonds->cause[c] = GN_BROKEN_TENSION, w->dem.broken_tension++;
+    for (size_t p = 0; p < q->soa.count; p++)
+        for (int a = 0; a < 3; a++)
+            if (of(q, p, centre)) q->pos[4 * p + a] += 3.0 * (q->start[4 * p + a] - centre[a]);
+}
+
+static bool of_the_faces(const gn_particles *q, size_t p, const double centre[3]) {
+    double far = 0;
+    for (int a = 0; a < 3; a++) far = fmax(far, fabs(q->start[4 * p + a] - centre[a]));
+    return far > half - pitch;
+}
+
+static void middle_of(const gn_world *w, double centre[3]) {
+    const gn_particles *q = &w->dem.particles;
+    for (size_t p = 0; p < q->soa.count; p++)
+        for (int a = 0; a < 3; a++) centre[a] += q->start[4 * p + a] / (double)q->soa.count;
+}
+
+/* What the membrane does where all were at the start, over a volume, m3. */
+static void stress_at_start(gn_world *w, double volume, double stress[9]) {
+    gn_particles *q = &w->dem.particles;
+    for (size_t p = 0; p < q->soa.count; p++)
+        memcpy(q->pos + 4 * p, q->start + 4 * p, 3 * sizeof *q->pos);
+    mean_stress(w, stress);
+    for (int k = 0; k < 9; k++) stress[k] *= w->volume / volume;
+}
+
+/* Of a block without a shape, whose cells are cubes: the rest is one of ten a side, with twelve
+ * edges whose areas are those of two sides and eight corners with those of three. */
+static void a_block_that_lost_its_faces_has_the_pressure_on_the_smaller_one(void **state) {
+    (void)state;
+    gn_world *w = block();
+    const gn_particles *q = &w->dem.particles;
+    const double left = SIDE - 2, face = pitch * pitch;
+    double centre[3] = {0}, stress[9];
+    middle_of(w, centre);
+    take_off(w, of_the_faces, centre);
     w->step = 100;
     press(w);
-    for (int body = 0; body < 2; body++) {
-        double force[3] = {0}, moment[3] = {0}, size = 0;
-        for (size_t p = 0; p < q->soa.count; p++) {
-            double turn[3];
-            if ((q->id[p] >= 64) != body) continue;
-            gn_cross3(q->pos + 4 * p, q->applied + 4 * p, turn);
-            for (int a = 0; a < 3; a++) force[a] += q->applied[4 * p + a], moment[a] += turn[a];
-            size += sqrt(gn_dot3(q->applied + 4 * p, q->applied + 4 * p));
-        }
-        assert_true(size > 7e6 * 6 * 36e-6); /* on faces of 6 mm at least */
+    stress_at_start(w, pow(left * pitch, 3), stress);
+    for (int k = 0; k < 9; k++) assert_near(stress[k], k % 4 == 0 ? -7e6 : 0, 0.005 * 7e6);
+    for (size_t p = 0; p < q->soa.count; p++)
         for (int a = 0; a < 3; a++) {
-            assert_near(force[a], 0, 1e-12 * size);
-            assert_near(moment[a], 0, 1e-12 * size * 0.04);
+            const double at = (q->start[4 * p + a] - centre[a]) / pitch;
+            double want = fabs(at) > 0.5 * left - 1 ? copysign(face, at) : 0;
+            if (of_the_faces(q, p, centre)) want = 0;
+            assert_near(q->skin[4 * p + a], want, 0.005 * face);
         }
-    }
+    const double inside = 6 * pow(left - 2, 2), edges = 12 * (left - 2) * sqrt(2);
+    assert_close(gn_membrane_area(w), (inside + edges + 8 * sqrt(3)) * face, 0.005);
+    expect_balance(w, 7e6);
     world_end(w);
+}
+
+/* Bodies of size 1 mm about the origin of their axis, and how far in a place is. */
+typedef struct packed_body {
+    int dimension;
+    const char *shape;
+    double centre[3];
+    double (*depth)(const double x[3]);
+} packed_body;
+
+static double in_a_disc(const double x[3]) {
+    return 1e-2 - hypot(x[0], x[1]);
+}
+static double in_a_cylinder(const double x[3]) {
+    return fmin(1e-2 - hypot(x[0], x[1]), 1.2e-2 - fabs(x[2] - 1.2e-2));
+}
+static double in_a_box(const double x[3]) {
+    return fmin(fmin(x[0], 2e-2 - x[0]), fmin(fmin(x[1], 2e-2 - x[1]), fmin(x[2], 2e-2 - x[2])));
+}
+static const packed_body bodies[] = {
+    {2, "disc: {diameter: 0.02}", {0}, in_a_disc},
+    {3, "cylinder: {diameter: 0.02, height: 0.024}", {0, 0, 1.2e-2}, in_a_cylinder},
+    {3, "box: {size: [0.02, 0.02, 0.02]}", {1e-2, 1e-2, 1e-2}, in_a_box},
+};
+static double (*depth_now)(const double x[3]);
+
+static bool of_the_shell(const gn_particles *q, size_t p, const double centre[3]) {
+    (void)centre;
+    return depth_now(q->start + 4 * p) < 1e-2 / 8;
+}
+
+/* m3: of the places in a body that are nearest to the surface of one of what is left. */
+static double volume_left(const gn_world *w, const packed_body *b) {
+    const gn_particles *q = &w->dem.particles;
+    const int n = b->dimension == 3 ? 40 : 200, high = b->dimension == 3 ? n : 1;
+    const double width = 2.4e-2 / n;
+    size_t found = 0;
+    for (int v = 0; v < n * n * high; v++) {
+        const double x[3] = {b->centre[0] + (v % n + 0.5) * width - 1.2e-2,
+                             b->centre[1] + (v / n % n + 0.5) * width - 1.2e-2,
+                             high > 1 ? b->centre[2] + (v / n / n + 0.5) * width - 1.2e-2 : 0};
+        double least = INFINITY;
+        size_t nearest = 0;
+        for (size_t p = 0; p < q->soa.count && b->depth(x) > 0; p++) {
+            const double *y = q->start + 4 * p;
+            const double d[3] = {x[0] - y[0], x[1] - y[1], x[2] - y[2]};
+            if (length3(d) - q->pos[4 * p + 3] >= least) continue;
+            least = length3(d) - q->pos[4 * p + 3];
+            nearest = p;
+        }
+        found += least < INFINITY && !of_the_shell(q, nearest, b->centre);
+    }
+    return (double)found * pow(width, b->dimension);
+}
+
+/* The mean stress of what is left is the pressure, whatever the packing: its surface is closed, and
+ * area times place add up to the volume. */
+static void what_lost_a_shell_has_the_pressure(void **state) {
+    (void)state;
+    for (int follows = 0; follows < 2; follows++)
+        for (size_t k = 0; k < sizeof bodies / sizeof *bodies; k++) {
+            const packed_body *b = &bodies[k];
+            double stress[9];
+            gn_world *w = world_of(
+                "dimension: %d\nspecimen: {%s, particles: %d, packing: {size_ratio: 2}}\n"
+                "materials: [{name: m, density: 2650, contact_modulus: 1e9, kratio: 2, friction: "
+                "0.5, tensile_strength: 3e6, shear_strength: 3e6}]\nlaw: {stiffness: harmonic}\n"
+                "bonds: {}\nmembrane: {pressure: 7 MPa, follow: %s}\ntime: {end: 1}\n"
+                "run: {threads: 1}\n",
+                b->dimension, b->shape, b->dimension == 2 ? 400 : 1000, follows ? "true" : "false");
+            depth_now = b->depth;
+            const double volume = volume_left(w, b);
+            assert_true(volume < 0.9 * w->volume);
+            take_off(w, of_the_shell, b->centre);
+            w->step = 100;
+            press(w);
+            stress_at_start(w, volume, stress);
+            for (int c = 0; c < (b->dimension == 3 ? 9 : 5); c++)
+                if (b->dimension == 3 || c % 3 < 2)
+                    assert_near(stress[c], c % 4 == 0 ? -7e6 : 0, 0.02 * 7e6);
+            expect_balance(w, 7e6);
+            world_end(w);
+        }
 }
 
 int main(void) {
@@ -411,7 +517,8 @@ int main(void) {
         cmocka_unit_test(the_pressure_is_held_where_a_block_bulges),
         cmocka_unit_test(what_lay_beneath_a_chip_is_pressed),
         cmocka_unit_test(halves_keep_the_membrane),
-        cmocka_unit_test(bodies_that_are_apart_do_not_push_or_turn_one_another),
+        cmocka_unit_test(a_block_that_lost_its_faces_has_the_pressure_on_the_smaller_one),
+        cmocka_unit_test(what_lost_a_shell_has_the_pressure),
         cmocka_unit_test(dead_loads_are_handed_on),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

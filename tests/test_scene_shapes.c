@@ -355,11 +355,16 @@ static void a_refinement_says_where_once(void **state) {
 
 static void a_size_ratio_beside_a_sieve_is_refused(void **state) {
     (void)state;
-    refused(2,
-            "  disc: {diameter: 1}\n  particles: 9\n"
-            "  packing: {sizes: sieve, sieve: [[0.5, 0], [1, 1]], size_ratio: 3}",
-            "s.yaml:5:66: specimen.packing.size_ratio: expected sizes: fitted, uniform or normal "
-            "beside it, found sieve, whose first row has the smallest size");
+    for (int ratio = 3; ratio <= 6; ratio += 3) { /* also where it is what it is by default */
+        char specimen[128];
+        snprintf(specimen, sizeof specimen,
+                 "  disc: {diameter: 1}\n  particles: 9\n"
+                 "  packing: {sizes: sieve, sieve: [[0.5, 0], [1, 1]], size_ratio: %d}",
+                 ratio);
+        refused(2, specimen,
+                "s.yaml:5:66: specimen.packing.size_ratio: expected sizes: fitted, uniform or "
+                "normal beside it, found sieve, whose first row has the smallest size");
+    }
 }
 
 /* ---- the specimen only ---- */

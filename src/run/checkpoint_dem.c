@@ -132,7 +132,9 @@ static bool good_patches(const gn_world *w) {
     bool good = true;
     for (size_t k = 0; k < w->dem.patch_count; k++) {
         double owner = w->dem.patches[k].owner;
-        good = good && owner >= -1.0 && owner < (double)w->dem.ids;
+        double body = w->dem.patches[k].body;
+        good = good && owner >= -1.0 && owner < (double)w->dem.ids && body >= 0.0 &&
+               (body == 0.0 || body < w->dem.membrane->bodies);
     }
     return good;
 }

@@ -177,8 +177,7 @@ static gneiss_status check_pack(const check *c, const gn_pack_def *pack, const c
     GN_TRY(check_amount(c, pack, shape));
     GN_TRY(gn_check_sieve(c, "specimen.packing.", pack->sizes == GN_SIZES_SIEVE, pack->sieve,
                           pack->sieve_count));
-    /* Scenes that were written back have all keys: 6 is what it is when nothing is said. */
-    if (pack->sizes == GN_SIZES_SIEVE && pack->size_ratio != 6)
+    if (pack->sizes == GN_SIZES_SIEVE && gn_check_given(c, "specimen.packing.size_ratio"))
         return gn_check_fail(c, "specimen.packing.size_ratio",
                              "expected sizes: fitted, uniform or normal beside it, found sieve, "
                              "whose first row has the smallest size");

@@ -96,7 +96,7 @@ gneiss_status gn_check_sieve(const check *c, const char *section, bool wanted, c
 
 static gneiss_status check_sizes(const check *c, const gn_source_def *d) {
     GN_TRY(gn_check_sieve(c, "", d->sizes == GN_SIZES_SIEVE, d->sieve, d->sieve_count));
-    if (d->size_ratio != 1 && d->sizes == GN_SIZES_SIEVE)
+    if (d->sizes == GN_SIZES_SIEVE && gn_check_given(c, "size_ratio"))
         return gn_check_fail(c, "size_ratio",
                              "expected sizes: uniform or normal beside it, found sieve, whose "
                              "first row has the smallest size");

@@ -38,6 +38,7 @@ typedef enum gn_presence {
     GN_PRESENT_ENUM,  /* an enum that is not 0 */
     GN_PRESENT_AXIS,  /* int64_t, -1 when absent */
     GN_PRESENT_COUNT, /* size_t that is not 0 */
+    GN_PRESENT_NONE,  /* size_t that is 0: of what another list takes the place */
     GN_PRESENT_TEXT,  /* char[] that is not empty */
     GN_PRESENT_ROWS,  /* of GN_KEY_PARTICLES: rows or their wanted number */
     GN_PRESENT_SHAPE, /* gn_shape_kind that is the key's */

@@ -42,6 +42,8 @@ bool gn_key_present(const gn_key *key, const void *base) {
         return *(const int64_t *)at >= 0;
     case GN_PRESENT_COUNT:
         return *(const size_t *)at != 0;
+    case GN_PRESENT_NONE:
+        return *(const size_t *)at == 0;
     case GN_PRESENT_TEXT:
         return *at != '\0';
     }

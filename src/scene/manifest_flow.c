@@ -79,7 +79,7 @@ static const gn_key source_keys[] = {
         .text = "how radii are distributed between the smallest and the largest: by number, or "
                 "sieve: by the curve"),
     KEY("size_ratio", REAL, gn_source_def, size_ratio, .unit = "1", .range = "[1, 100]",
-        .fallback = "1",
+        .fallback = "1", PRESENT(NONE, gn_source_def, sieve_count),
         .text = "largest over smallest radius, of uniform and normal; a sieve has its own"),
     KEY("size_variation", REAL, gn_source_def, size_variation, .unit = "1", .range = "[0, 1]",
         .word = "auto", .word_value = -1, .fallback = "auto",

@@ -88,7 +88,8 @@ ELEMENTS_OF(refinement, gn_refinement);
 
 static const gn_key packing_keys[] = {
     KEY("size_ratio", REAL, gn_scene, specimen.pack.size_ratio, .unit = "1", .range = "[1.2, 100]",
-        .fallback = "6", .text = "largest over smallest radius asked for"),
+        .fallback = "6", PRESENT(NONE, gn_scene, specimen.pack.sieve_count),
+        .text = "largest over smallest radius asked for; a sieve has its own"),
     KEY("size_variation", REAL, gn_scene, specimen.pack.size_variation, .unit = "1",
         .range = "[0, 1]", .word = "auto", .word_value = -1, .fallback = "auto",
         .text = "standard deviation of the radii over their mean before the fit"),

@@ -58,18 +58,23 @@ enum { GN_BOND_DISSOLVED = 6 };
  * are sums of areas times places or ways, m3. */
 typedef struct gn_membrane {
     double pressure;    /* Pa, in the last step */
-    double gradient[9]; /* of the skin in the last step: how it has moved as a whole */
-    double rest[9];     /* at the start, of the pieces of the surface less that of the patches */
+    double gradient[9]; /* of the skin in the last step: how it has moved as a whole; of several
+                           bodies at the last look */
+    double missing[3];  /* m2, that the patches do not have of the area of the surface */
+    double rest[9];     /* what they do not have of its moment */
     double arms[9];     /* ways from the centres that bear the areas, turned back by the gradient */
-    double bodies;      /* that the skin is of, at the last look */
+    double bodies; /* that the skin is of, at the last look; those that are not closed as one */
 } gn_membrane;
 
-/* What of the surface one particle had at the start, in doubles, as checkpoints have it. */
+/* A part of the surface that one particle bears, where things were at the start, in doubles, as
+ * checkpoints have it: what it had of a side of the body, or a face of its cell that was bared. */
 typedef struct gn_patch {
     double point[3]; /* m, its middle */
     double area[3];  /* m2, outward */
-    double size;     /* m2 */
+    double rest[9];  /* m3, sum of areas times ways from the middle */
+    double size;     /* m2; 0: a face, whose size is that of its area */
     double owner;    /* id of the particle that bears it; -1: none is left */
+    double body;     /* of those of the skin the one that it was of at the last look */
 } gn_patch;
 
 /* A particle of a body that converts (conversion.h), in doubles, as checkpoints have it. */
@@ -96,10 +101,12 @@ typedef struct gn_dem {
     int64_t ids, made;    /* given so far; of them those of the specimen come first */
     gn_derived derived;
     gn_prescription prescribed;
-    int32_t *channel_set;  /* [prescribed.count][6] set that drives a channel, -1: free */
-    double *set_reaction;  /* [scene.set_count][6] N, N m: what the prescription supplied */
-    gn_membrane *membrane; /* NULL: none */
-    gn_patch *patches;     /* [patch_count] with a membrane */
+    int32_t *channel_set;       /* [prescribed.count][6] set that drives a channel, -1: free */
+    double *set_reaction;       /* [scene.set_count][6] N, N m: what the prescription supplied */
+    gn_membrane *membrane;      /* NULL: none */
+    double (*skin_gradient)[9]; /* [bodies] with a membrane, of each in the last step */
+    int32_t *skin_body;         /* [particles] of those of the skin, of several bodies */
+    gn_patch *patches;          /* [patch_count] with a membrane */
     size_t patch_count;
     gn_verlet verlet;
     double radius_min; /* m */

@@ -2,16 +2,21 @@
  * the state, so that a run that goes on has the same bits. */
 #include "sim/membrane.h"
 
+#include "base/memory.h"
 #include "sim/internal.h"
 
 #include <math.h>
 #include <string.h>
 
 /* Steps between looks for what came off, and for how the skin has moved from place to place. */
-enum { LOOK_INTERVAL = 100 };
+enum { LOOK_INTERVAL = 100, ALL = -1 };
 
 double gn_membrane_pressure(const gn_world *w) {
     return w->dem.membrane ? w->dem.membrane->pressure : 0.0;
+}
+
+int32_t gn_patch_bearer(const gn_dem *d, const gn_patch *patch) {
+    return patch->owner >= 0.0 ? d->index_of_id[(size_t)patch->owner] : -1;
 }
 
 double gn_membrane_area_of(const gn_world *w, gn_skin_body body) {
@@ -97,22 +102,52 @@ bool gn_gradient_of(const gn_gradient_fit *f, double gradient[9]) {
     return true;
 }
 
-/* From one of the skin on, so that nothing is lost to where the origin is. */
-static void fit_skin(const gn_world *w, double gradient[9]) {
+/* Of a body, or of all. From one of the skin on, so that nothing is lost to where the origin is. */
+static void fit_skin(const gn_world *w, int32_t body, double gradient[9]) {
     const gn_particles *q = &w->dem.particles;
     gn_gradient_fit fit = {.dimension = (int)w->scene.dimension};
-    size_t base = 0;
-    while (base < q->soa.count && !gn_is_pressed(q, base)) base++;
-    for (size_t p = base; p < q->soa.count; p++) {
+    const double *base = NULL, *start = NULL;
+    for (size_t p = 0; p < q->soa.count; p++) {
         double from[3], to[3];
-        if (!gn_is_pressed(q, p)) continue;
+        if (!gn_is_pressed(q, p) || (body != ALL && w->dem.skin_body[p] != body)) continue;
+        if (!base) base = q->pos + 4 * p, start = q->start + 4 * p;
         for (int a = 0; a < 3; a++) {
-            from[a] = q->start[4 * p + a] - q->start[4 * base + a];
-            to[a] = q->pos[4 * p + a] - q->pos[4 * base + a];
+            from[a] = q->start[4 * p + a] - start[a];
+            to[a] = q->pos[4 * p + a] - base[a];
         }
         gn_gradient_add(&fit, 1.0, from, to);
     }
     gn_gradient_of(&fit, gradient);
+}
+
+/* Whose body is what: bodies are kept with the patches, as those have no order to lose. */
+static gneiss_status tell_bodies(gn_world *w, size_t bodies, gneiss_error *error) {
+    gn_dem *d = &w->dem;
+    gn_free(d->skin_gradient);
+    gn_free(d->skin_body);
+    d->skin_gradient = gn_alloc_array(bodies, sizeof *d->skin_gradient);
+    d->skin_body = gn_alloc_array(d->particles.soa.count + 1, sizeof *d->skin_body);
+    if (!d->skin_gradient || !d->skin_body)
+        return gn_fail(error, GNEISS_ERROR_MEMORY, "no memory for the bodies of a skin");
+    for (size_t k = 0; k < d->patch_count; k++) {
+        const int32_t p = gn_patch_bearer(d, &d->patches[k]);
+        if (p >= 0) d->skin_body[p] = (int32_t)d->patches[k].body;
+    }
+    return GNEISS_OK;
+}
+
+gneiss_status gn_membrane_turn(gn_world *w, gneiss_error *error) {
+    const size_t bodies = (size_t)w->dem.membrane->bodies;
+    if (bodies < 2 || !w->scene.membrane.follow) return GNEISS_OK;
+    GN_TRY(tell_bodies(w, bodies, error));
+    for (size_t b = 0; b < bodies; b++) fit_skin(w, (int32_t)b, w->dem.skin_gradient[b]);
+    return GNEISS_OK;
+}
+
+const double *gn_membrane_gradient_at(const gn_world *w, size_t p) {
+    const gn_dem *d = &w->dem;
+    const bool several = d->membrane->bodies > 1.0 && w->scene.membrane.follow;
+    return several ? d->skin_gradient[d->skin_body[p]] : d->membrane->gradient;
 }
 
 /* --- forces --- */
@@ -126,14 +161,16 @@ gneiss_status gn_membrane_press(gn_world *w, gneiss_error *error) {
     const double pressure = share * gn_table_at(&m->pressure, w->time);
     w->dem.membrane->pressure = pressure;
     const bool look = w->step % LOOK_INTERVAL == 0;
-    if (look) GN_TRY(gn_membrane_drop(w, error));
-    /* Of several bodies no deformation is that of all: their areas stay from look to look. */
+    bool dropped = false;
+    if (look) GN_TRY(gn_membrane_drop(w, &dropped, error));
+    /* Of several bodies no deformation is that of all. */
     if (m->follow && (look || w->dem.membrane->bodies == 1.0))
-        fit_skin(w, w->dem.membrane->gradient);
-    if (look) GN_TRY(gn_membrane_lay(w, error));
-    gn_cofactor3(w->dem.membrane->gradient, turn);
+        fit_skin(w, ALL, w->dem.membrane->gradient);
+    if (look) GN_TRY(gn_membrane_lay(w, dropped, error));
+    if (!look) GN_TRY(gn_membrane_turn(w, error));
     for (size_t p = 0; p < q->soa.count; p++) {
         if (!gn_is_pressed(q, p)) continue;
+        gn_cofactor3(gn_membrane_gradient_at(w, p), turn);
         for (int a = 0; a < 3; a++)
             q->applied[4 * p + a] =
                 q->load[4 * p + a] - pressure * gn_dot3(turn + 3 * a, q->skin + 4 * p);

@@ -10,16 +10,33 @@
 gneiss_status gn_membrane_create(gn_world *world, gneiss_error *error);
 
 /* The skin of particles without a shape, by what a ball of the radius `probe` touches from outside
- * (membrane_free.c). Areas go to q->skin; `arms` are their ways from the centres, m3. */
-gneiss_status gn_membrane_free_skin(gn_world *world, double probe, double arms[9],
+ * (membrane_free.c). Areas go to q->skin; `arms` [particles] are theirs times their ways from the
+ * centres, m3, and begin as 0. */
+gneiss_status gn_membrane_free_skin(gn_world *world, double probe, double (*arms)[9],
                                     gneiss_error *error);
 
-/* Patches of what came off go to what lay beneath (membrane_lay.c). */
-gneiss_status gn_membrane_drop(gn_world *world, gneiss_error *error);
+/* A body with fewer particles than this share of the largest one's has come off it. */
+enum { GN_CHIP = 10 };
+
+/* What came off gives its part of the surface to what it lay on (membrane_drop.c); whether there is
+ * any. */
+gneiss_status gn_membrane_drop(gn_world *world, bool *dropped, gneiss_error *error);
+
+/* Whether what faces like `area` is covered. */
+bool gn_membrane_covers(const gn_world *world, const double area[3]);
+
+/* The particle that bears a patch; -1: none is left. */
+int32_t gn_patch_bearer(const gn_dem *dem, const gn_patch *patch);
 
 /* Areas of the skin from its patches, each as what is around it has moved, in balance as those of
- * the surface are (membrane_lay.c). At the start and at every look. */
-gneiss_status gn_membrane_lay(gn_world *world, gneiss_error *error);
+ * the surface are (membrane_lay.c). At the start and at every look: then a part of the way, but
+ * for those that are laid anew. */
+gneiss_status gn_membrane_lay(gn_world *world, bool anew, gneiss_error *error);
+
+/* Finds how each of several bodies of the skin has moved as a whole; what that of a particle of the
+ * skin has. */
+gneiss_status gn_membrane_turn(gn_world *world, gneiss_error *error);
+const double *gn_membrane_gradient_at(const gn_world *world, size_t p);
 
 /* A body of those that the skin is of. */
 typedef struct gn_skin_body {

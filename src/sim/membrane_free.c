@@ -67,7 +67,7 @@ static gneiss_status look(view *v, gneiss_error *error) {
 }
 
 /* Areas of the free directions, and arms that end on the particles. */
-static void collect(gn_world *w, const view *v, double arms[9]) {
+static void collect(gn_world *w, const view *v, double (*arms)[9]) {
     gn_particles *q = &w->dem.particles;
     const bool space = w->scene.dimension == 3;
     for (size_t p = 0; p < q->soa.count; p++) {
@@ -78,7 +78,7 @@ static void collect(gn_world *w, const view *v, double arms[9]) {
             const double *d = v->direction[k];
             for (int a = 0; a < 3; a++) q->skin[4 * p + a] += each * d[a];
             q->skin[4 * p + 3] += each;
-            for (int a = 0; a < 9; a++) arms[a] += each * radius * d[a / 3] * d[a % 3];
+            for (int a = 0; a < 9; a++) arms[p][a] += each * radius * d[a / 3] * d[a % 3];
         }
     }
 }
@@ -95,23 +95,24 @@ static void close_surface(gn_particles *q) {
 }
 
 /* Such that sum a x = V along each axis, x where the areas act: the mean stress is the pressure. */
-static void scale(gn_world *w, double arms[9]) {
+static void scale(gn_world *w, double (*arms)[9]) {
     gn_particles *q = &w->dem.particles;
     double factor[3] = {1, 1, 1};
     for (int a = 0; a < (int)w->scene.dimension; a++) {
-        double sum = arms[4 * a];
-        for (size_t p = 0; p < q->soa.count; p++) sum += q->skin[4 * p + a] * q->pos[4 * p + a];
+        double sum = 0.0;
+        for (size_t p = 0; p < q->soa.count; p++)
+            sum += arms[p][4 * a] + q->skin[4 * p + a] * q->pos[4 * p + a];
         factor[a] = w->volume / sum;
     }
-    for (int a = 0; a < 9; a++) arms[a] *= factor[a / 3];
     for (size_t p = 0; p < q->soa.count; p++) {
         double *s = q->skin + 4 * p;
+        for (int a = 0; a < 9; a++) arms[p][a] *= factor[a / 3];
         for (int a = 0; a < 3; a++) s[a] *= factor[a];
         s[3] = s[3] > 0.0 ? sqrt(gn_dot3(s, s)) : 0.0;
     }
 }
 
-gneiss_status gn_membrane_free_skin(gn_world *w, double probe, double arms[9],
+gneiss_status gn_membrane_free_skin(gn_world *w, double probe, double (*arms)[9],
                                     gneiss_error *error) {
     view v = {.w = w, .probe = probe};
     set_directions(&v);

@@ -12,8 +12,8 @@ typedef struct gn_start_grid {
     int32_t *first, *item;
 } gn_start_grid;
 
-/* With a skin, without those that came off. */
-gneiss_status gn_start_grid_make(const gn_world *world, double cell, gn_start_grid *grid,
+/* Without those that came off, or of all. */
+gneiss_status gn_start_grid_make(const gn_world *world, double cell, bool all, gn_start_grid *grid,
                                  gneiss_error *error);
 void gn_start_grid_free(gn_start_grid *grid);
 

@@ -1,7 +1,7 @@
 /* A look at the skin, every so many steps. The surface is kept as patches of the start, each borne
- * by what of the body lies beneath it, so that what they exert together stays that of the surface
- * whatever came off. In a body that deforms every patch turns and stretches as the particles around
- * its bearer have moved. */
+ * by what of the body lies beneath it, and as the faces that what came off left bare, so that
+ * together they are the surface of what is left. In a body that deforms every patch turns and
+ * stretches as the particles around its bearer have moved. */
 #include "sim/membrane.h"
 
 #include "base/memory.h"
@@ -15,52 +15,11 @@
 /* In mean radii: what is around a particle; cells of the grid. */
 static const double around = 5.0, cell_size = 2.5;
 
-/* A body with fewer particles than this share of the largest one's has come off it. */
-enum { CHIP = 10, OPEN = -1 };
+/* Of the way to the areas of now, at a look: those that followed waves of some hundred steps would
+ * come too late for them, and drive them. */
+static const double pace = 1.0 / 8.0;
 
-/* --- what came off --- */
-
-/* For good: what comes back is not pressed again. Whether there is any that was not known. */
-static bool mark_off(gn_world *w) {
-    gn_particles *q = &w->dem.particles;
-    const int32_t *members = gn_world_bodies(w);
-    int32_t largest = 0;
-    bool found = false;
-    for (size_t p = 0; members && p < q->soa.count; p++)
-        largest = members[p] > largest ? members[p] : largest;
-    for (size_t p = 0; p < q->soa.count; p++) {
-        bool off = q->vel[4 * p + 3] == 0.0 || (members && CHIP * members[p] < largest);
-        if (!off || gn_came_off(q, p)) continue;
-        memset(q->skin + 4 * p, 0, 3 * sizeof *q->skin);
-        q->skin[4 * p + 3] = -1.0;
-        memcpy(q->applied + 4 * p, q->load + 4 * p, 4 * sizeof *q->load);
-        found = true;
-    }
-    return found;
-}
-
-/* -1: none. */
-static int32_t bearer(const gn_dem *d, const gn_patch *patch) {
-    return patch->owner >= 0.0 ? d->index_of_id[(size_t)patch->owner] : -1;
-}
-
-gneiss_status gn_membrane_drop(gn_world *w, gneiss_error *error) {
-    gn_dem *d = &w->dem;
-    gn_particles *q = &d->particles;
-    gn_start_grid grid;
-    if (!(d->broken_tension + d->broken_shear + d->lost > 0) || !mark_off(w)) return GNEISS_OK;
-    GN_TRY(gn_start_grid_make(w, cell_size * gn_world_mean_radius(w), &grid, error));
-    for (size_t k = 0; k < d->patch_count; k++) {
-        gn_patch *patch = &d->patches[k];
-        int32_t p = bearer(d, patch);
-        if (p >= 0 && !gn_came_off(q, (size_t)p)) continue;
-        p = gn_start_grid_nearest(&grid, patch->point, patch->area);
-        patch->owner = p >= 0 ? q->id[p] : -1.0;
-        if (p >= 0 && !gn_is_pressed(q, (size_t)p)) q->skin[4 * p + 3] = patch->size;
-    }
-    gn_start_grid_free(&grid);
-    return GNEISS_OK;
-}
+enum { OPEN = -1 };
 
 /* --- how the surroundings have moved --- */
 
@@ -100,24 +59,33 @@ static void gradient_around(const gn_world *w, const int32_t *group, const gn_st
 
 /* --- areas --- */
 
-/* Adds a patch to the area and the size of its bearer, and its way from there to `arms`. */
+static double size_of(const gn_patch *patch) {
+    return patch->size > 0.0 ? patch->size : sqrt(gn_dot3(patch->area, patch->area));
+}
+
+/* Adds a patch to the area of its bearer, and its way from there to `arms`; what was bared to
+ * `bared`, as it counts by what it is together, and what was surface to the size. */
 static void add_patch(gn_world *w, const gn_patch *patch, size_t p, const double gradient[9],
-                      double arms[9]) {
+                      double bared[3], double arms[9]) {
     gn_particles *q = &w->dem.particles;
-    double turn[9], area[3], start[3], way[3];
+    double turn[9], area[3], start[3], way[3], half[9], rest[9];
     gn_cofactor3(gradient, turn);
+    gn_product3(turn, patch->rest, half);
+    gn_product3_bt(half, gradient, rest);
     for (int a = 0; a < 3; a++) {
         area[a] = gn_dot3(turn + 3 * a, patch->area);
         start[a] = patch->point[a] - q->start[4 * p + a];
         q->skin[4 * p + a] += area[a];
+        if (patch->size == 0.0) bared[a] += area[a];
     }
     for (int a = 0; a < 3; a++) way[a] = gn_dot3(gradient + 3 * a, start);
-    for (int k = 0; k < 9; k++) arms[k] += area[k / 3] * way[k % 3];
+    for (int k = 0; k < 9; k++) arms[k] += area[k / 3] * way[k % 3] + rest[k];
     const double size = gn_dot3(patch->area, patch->area);
     q->skin[4 * p + 3] += patch->size * (size > 0.0 ? sqrt(gn_dot3(area, area) / size) : 1.0);
 }
 
-/* All patches; with a grid as what is around them has moved, without as at the start. */
+/* All patches, of which those of one particle follow one another; with a grid as what is around
+ * them has moved, without as at the start. */
 static void add_patches(gn_world *w, const int32_t *group, const gn_start_grid *grid, double reach,
                         double arms[9]) {
     gn_dem *d = &w->dem;
@@ -125,38 +93,38 @@ static void add_patches(gn_world *w, const int32_t *group, const gn_start_grid *
     for (size_t p = 0; p < d->particles.soa.count; p++)
         if (!gn_came_off(&d->particles, p))
             memset(d->particles.skin + 4 * p, 0, 4 * sizeof(double));
-    for (size_t k = 0; k < d->patch_count; k++) {
-        const int32_t at = bearer(d, &d->patches[k]);
-        if (at < 0) continue;
-        const size_t p = (size_t)at;
+    for (size_t k = 0; k < d->patch_count;) {
+        const double owner = d->patches[k].owner;
+        const int32_t at = gn_patch_bearer(d, &d->patches[k]);
+        double bared[3] = {0};
         memcpy(gradient, d->membrane->gradient, sizeof gradient);
-        if (grid) gradient_around(w, group, grid, reach, p, gradient);
-        add_patch(w, &d->patches[k], p, gradient, arms);
+        if (grid && at >= 0) gradient_around(w, group, grid, reach, (size_t)at, gradient);
+        for (; k < d->patch_count && d->patches[k].owner == owner; k++)
+            if (at >= 0) add_patch(w, &d->patches[k], (size_t)at, gradient, bared, arms);
+        if (at >= 0) d->particles.skin[4 * at + 3] += sqrt(gn_dot3(bared, bared));
     }
 }
 
 /* Sums over the patches of a body at the start as the skin has moved as a whole: area, and area
- * times place, from a particle `base` on. Of a closed surface they are 0 and its volume. Returns
- * the sizes. */
+ * times place, from a particle `base` on. Of a closed surface they are 0 and its volume. */
 static void surface_sums(const gn_world *w, gn_skin_body body, size_t base, double area[3],
                          double tensor[9]) {
     const gn_dem *d = &w->dem;
     const gn_membrane *m = d->membrane;
     const double *start = d->particles.start + 4 * base;
-    double turn[9], half[9], sum[3] = {0}, all[9] = {0}, size = 0.0, sizes = 0.0;
-    if (!body.group) memcpy(all, m->rest, sizeof all);
+    double turn[9], half[9], sum[3] = {0}, all[9] = {0};
+    const bool closed = body.group && body.is != OPEN;
+    if (!closed) memcpy(sum, m->missing, sizeof sum);
+    for (int c = 0; !closed && c < 9; c++) all[c] = m->rest[c] - m->missing[c / 3] * start[c % 3];
     for (size_t k = 0; k < d->patch_count; k++) {
         const gn_patch *patch = &d->patches[k];
-        const int32_t at = bearer(d, patch);
+        const int32_t at = gn_patch_bearer(d, patch);
         if (at < 0) continue;
-        sizes += patch->size;
         if (body.group && body.group[at] != body.is) continue;
-        size += patch->size;
         for (int a = 0; a < 3; a++) sum[a] += patch->area[a];
         for (int c = 0; c < 9; c++)
-            all[c] += patch->area[c / 3] * (patch->point[c % 3] - start[c % 3]);
+            all[c] += patch->area[c / 3] * (patch->point[c % 3] - start[c % 3]) + patch->rest[c];
     }
-    for (int c = 0; body.group && c < 9; c++) all[c] += size / sizes * m->rest[c];
     gn_cofactor3(m->gradient, turn);
     for (int a = 0; a < 3; a++) area[a] = gn_dot3(turn + 3 * a, sum);
     gn_product3(turn, all, half);
@@ -197,15 +165,32 @@ static void find_open(const gn_world *w, int32_t *group, double (*sums)[4]) {
     const double nearly = 0.03;
     const size_t n = d->particles.soa.count;
     for (size_t k = 0; k < d->patch_count; k++) {
-        const int32_t at = bearer(d, &d->patches[k]);
+        const int32_t at = gn_patch_bearer(d, &d->patches[k]);
         if (at < 0) continue;
         for (int a = 0; a < 3; a++) sums[group[at]][a] += d->patches[k].area[a];
-        sums[group[at]][3] += d->patches[k].size;
+        sums[group[at]][3] += size_of(&d->patches[k]);
     }
     for (size_t p = 0; p < n; p++) {
         const double *s = sums[group[p]];
         if (gn_dot3(s, s) >= nearly * nearly * s[3] * s[3]) group[p] = OPEN;
     }
+}
+
+/* Numbers from 0 on for bodies that are closed, the last for all others. Returns how many. `number`
+ * [particles] is room. */
+static size_t number_bodies(gn_world *w, const int32_t *group, int32_t *number) {
+    gn_dem *d = &w->dem;
+    int32_t count = 0;
+    bool open = false;
+    for (size_t p = 0; p < d->particles.soa.count; p++)
+        if (group[p] == (int32_t)p) number[p] = count++;
+    for (size_t k = 0; k < d->patch_count; k++) {
+        const int32_t p = gn_patch_bearer(d, &d->patches[k]);
+        if (p < 0) continue;
+        open = open || group[p] == OPEN;
+        d->patches[k].body = group[p] == OPEN ? count : number[group[p]];
+    }
+    return (size_t)count + open;
 }
 
 /* Bodies that are closed by themselves, as apart they would else push and turn one another; what a
@@ -215,65 +200,110 @@ static gneiss_status balance_bodies(gn_world *w, int32_t *group, const double *p
     const size_t n = w->dem.particles.soa.count;
     if (!group) {
         bring_into_balance(w, (gn_skin_body){0}, place);
+        w->dem.membrane->bodies = 1.0;
         return GNEISS_OK;
     }
     double(*sums)[4] = gn_alloc_array(n + 1, sizeof *sums);
     if (!sums) return gn_fail(error, GNEISS_ERROR_MEMORY, "no memory for the bodies of a skin");
     find_open(w, group, sums);
-    gn_free(sums);
     for (size_t p = 0; p < n; p++)
         if (group[p] == (int32_t)p) bring_into_balance(w, (gn_skin_body){group, (int32_t)p}, place);
     bring_into_balance(w, (gn_skin_body){group, OPEN}, place);
+    w->dem.membrane->bodies = (double)number_bodies(w, group, (int32_t *)sums);
+    gn_free(sums);
     return GNEISS_OK;
 }
 
-/* Areas and ways as they would be had the skin not moved as a whole: steps turn and stretch them.
- */
-static void turn_back(gn_world *w, double arms[9]) {
+/* J^-1 F^T: what turns areas back. */
+static void back_of(const double gradient[9], double back[9]) {
+    double cofactor[9];
+    gn_cofactor3(gradient, cofactor);
+    const double det = gn_dot3(gradient, cofactor);
+    for (int k = 0; k < 9; k++) back[k] = gradient[k % 3 * 3 + k / 3] / det;
+}
+
+/* Areas as they would be had their body not moved as a whole, and ways had the skin not: steps turn
+ * and stretch them. */
+static gneiss_status turn_back(gn_world *w, double arms[9], gneiss_error *error) {
     gn_particles *q = &w->dem.particles;
     gn_membrane *m = w->dem.membrane;
-    double cofactor[9], inverse[9], half[9];
+    double cofactor[9], inverse[9], back[9], half[9];
     gn_cofactor3(m->gradient, cofactor);
+    back_of(m->gradient, back);
     const double det = gn_dot3(m->gradient, cofactor);
     for (int k = 0; k < 9; k++) inverse[k] = cofactor[k % 3 * 3 + k / 3] / det;
-    gn_product3_at(m->gradient, arms, half);
-    for (int k = 0; k < 9; k++) half[k] /= det;
+    gn_product3(back, arms, half);
     gn_product3_bt(half, inverse, m->arms);
+    GN_TRY(gn_membrane_turn(w, error));
     for (size_t p = 0; p < q->soa.count; p++) {
         double *s = q->skin + 4 * p;
         if (!gn_is_pressed(q, p)) continue;
         const double now[3] = {s[0], s[1], s[2]};
-        for (int a = 0; a < 3; a++)
-            s[a] = (m->gradient[a] * now[0] + m->gradient[3 + a] * now[1] +
-                    m->gradient[6 + a] * now[2]) /
-                   det;
+        back_of(gn_membrane_gradient_at(w, p), back);
+        for (int a = 0; a < 3; a++) s[a] = gn_dot3(back + 3 * a, now);
     }
-}
-
-static gneiss_status lay(gn_world *w, int32_t *group, gneiss_error *error) {
-    const gn_membrane *m = w->dem.membrane;
-    const double radius = gn_world_mean_radius(w);
-    const bool follow = w->scene.membrane.follow && w->step > 0;
-    double arms[9], turn[9], half[9];
-    gn_start_grid grid;
-    gn_cofactor3(m->gradient, turn);
-    gn_product3(turn, m->rest, half);
-    gn_product3_bt(half, m->gradient, arms);
-    if (follow) GN_TRY(gn_start_grid_make(w, cell_size * radius, &grid, error));
-    add_patches(w, group, follow ? &grid : NULL, around * radius, arms);
-    if (follow) gn_start_grid_free(&grid);
-    GN_TRY(balance_bodies(
-        w, group, w->scene.membrane.follow ? w->dem.particles.pos : w->dem.particles.start, error));
-    turn_back(w, arms);
     return GNEISS_OK;
 }
 
-gneiss_status gn_membrane_lay(gn_world *w, gneiss_error *error) {
-    int32_t *group = gn_alloc_array(w->dem.particles.soa.count + 1, sizeof *group);
-    if (!group) return gn_fail(error, GNEISS_ERROR_MEMORY, "no memory for the bodies of a skin");
-    const size_t bodies = gn_world_body_groups(w, CHIP, group);
-    w->dem.membrane->bodies = (double)bodies;
-    gneiss_status status = lay(w, bodies > 1 ? group : NULL, error);
+/* The areas and ways of the last look as bodies have moved as a whole since, [4 particles] and 9.
+ */
+static void carry_on(const gn_world *w, double *area, double arms[9]) {
+    const gn_particles *q = &w->dem.particles;
+    const gn_membrane *m = w->dem.membrane;
+    double turn[9], half[9];
+    gn_cofactor3(m->gradient, turn);
+    gn_product3(turn, m->arms, half);
+    gn_product3_bt(half, m->gradient, arms);
+    for (size_t p = 0; p < q->soa.count; p++) {
+        if (!gn_is_pressed(q, p)) continue;
+        gn_cofactor3(gn_membrane_gradient_at(w, p), turn);
+        for (int a = 0; a < 3; a++) area[4 * p + a] = gn_dot3(turn + 3 * a, q->skin + 4 * p);
+    }
+}
+
+/* A part of the way to the areas of now. */
+static void blend(gn_world *w, const double *was, const double had[9], double arms[9]) {
+    gn_particles *q = &w->dem.particles;
+    for (size_t p = 0; p < q->soa.count; p++)
+        for (int a = 0; a < 3 && gn_is_pressed(q, p); a++)
+            q->skin[4 * p + a] = was[4 * p + a] + pace * (q->skin[4 * p + a] - was[4 * p + a]);
+    for (int k = 0; k < 9; k++) arms[k] = had[k] + pace * (arms[k] - had[k]);
+}
+
+/* From what was, which is room for it, or all of the way. */
+static gneiss_status lay(gn_world *w, int32_t *group, double *was, gneiss_error *error) {
+    const gn_membrane *m = w->dem.membrane;
+    const double radius = gn_world_mean_radius(w);
+    const bool follow = w->scene.membrane.follow && w->step > 0;
+    double arms[9], had[9], turn[9], half[9];
+    gn_start_grid grid;
+    if (was) carry_on(w, was, had);
+    gn_cofactor3(m->gradient, turn);
+    gn_product3(turn, m->rest, half);
+    gn_product3_bt(half, m->gradient, arms);
+    if (follow) GN_TRY(gn_start_grid_make(w, cell_size * radius, false, &grid, error));
+    add_patches(w, group, follow ? &grid : NULL, around * radius, arms);
+    if (follow) gn_start_grid_free(&grid);
+    if (was) blend(w, was, had, arms);
+    GN_TRY(balance_bodies(
+        w, group, w->scene.membrane.follow ? w->dem.particles.pos : w->dem.particles.start, error));
+    return turn_back(w, arms, error);
+}
+
+gneiss_status gn_membrane_lay(gn_world *w, bool anew, gneiss_error *error) {
+    const size_t n = w->dem.particles.soa.count;
+    const bool carries = !anew && w->scene.membrane.follow && w->step > 0;
+    int32_t *group = gn_alloc_array(n + 1, sizeof *group);
+    double *was = carries ? gn_alloc_array(4 * n + 1, sizeof *was) : NULL;
+    gneiss_status status =
+        group && (was || !carries)
+            ? gn_membrane_turn(w, error)
+            : gn_fail(error, GNEISS_ERROR_MEMORY, "no memory for the bodies of a skin");
+    if (status == GNEISS_OK) {
+        const size_t bodies = gn_world_body_groups(w, GN_CHIP, group);
+        status = lay(w, bodies > 1 ? group : NULL, was, error);
+    }
     gn_free(group);
+    gn_free(was);
     return status;
 }

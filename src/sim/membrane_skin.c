@@ -13,29 +13,47 @@
 /* Of a mean radius: shares are then of some fifty pieces. */
 static const double piece_size = 0.25;
 
+/* Patches that a particle may have: three in the corner of a box. */
+enum { SIDES = 3 };
+
 /* --- shares --- */
 
 /* Sides face across the axis more than along it. */
-static bool covered(const gn_world *w, const double area[3]) {
+bool gn_membrane_covers(const gn_world *w, const double area[3]) {
     const gn_membrane_def *m = &w->scene.membrane;
     if (m->faces == GN_FACES_ALL) return true;
     double along = area[gn_scene_membrane_axis(&w->scene)], size = gn_dot3(area, area);
     return along * along < 0.5 * size;
 }
 
-/* A piece of the surface goes to the patch of a particle; sums over the pieces of area times place
- * go to `tensor`. */
+/* Of the patches of a particle the one that a piece joins: of the side of the body that it is of.
+ */
+static gn_patch *side_of(gn_patch *patches, const double area[3], double size) {
+    const double same = 0.7;
+    for (int k = 0; k < SIDES - 1; k++) {
+        const double *had = patches[k].area, length = sqrt(gn_dot3(had, had));
+        if (!(patches[k].size > 0.0) || gn_dot3(had, area) > same * length * size)
+            return &patches[k];
+    }
+    return &patches[SIDES - 1];
+}
+
+/* A piece of the surface goes to a patch of a particle. Ways are from its centre as yet. */
 static void share_out(const gn_world *w, const gn_boundary_pieces *pieces, const gn_start_grid *g,
-                      gn_patch *patches, double tensor[9]) {
+                      gn_patch *patches) {
     for (size_t k = 0; k < pieces->count; k++) {
         const gn_piece_of_boundary *piece = &pieces->piece[k];
-        if (!covered(w, piece->area)) continue;
-        gn_patch *patch = &patches[gn_start_grid_nearest(g, piece->point, NULL)];
-        double size = sqrt(gn_dot3(piece->area, piece->area));
+        if (!gn_membrane_covers(w, piece->area)) continue;
+        const size_t p = (size_t)gn_start_grid_nearest(g, piece->point, NULL);
+        double size = sqrt(gn_dot3(piece->area, piece->area)), way[3];
+        gn_patch *patch = side_of(patches + SIDES * p, piece->area, size);
         patch->size += size;
-        for (int a = 0; a < 3; a++) patch->area[a] += piece->area[a];
-        for (int a = 0; a < 3; a++) patch->point[a] += size * piece->point[a];
-        for (int a = 0; a < 9; a++) tensor[a] += piece->area[a / 3] * piece->point[a % 3];
+        for (int a = 0; a < 3; a++) {
+            way[a] = piece->point[a] - w->dem.particles.start[4 * p + a];
+            patch->area[a] += piece->area[a];
+            patch->point[a] += size * way[a];
+        }
+        for (int a = 0; a < 9; a++) patch->rest[a] += piece->area[a / 3] * way[a % 3];
     }
 }
 
@@ -85,73 +103,92 @@ void gn_membrane_balance(gn_world *w, gn_skin_body body, const double *place,
 
 /* --- patches --- */
 
-/* One of each particle's room that has a size; `tensor` loses what they have, so that what is left
- * is what a patch cannot tell of its pieces. */
-static gneiss_status keep_patches(gn_world *w, const gn_patch *all, double tensor[9],
-                                  gneiss_error *error) {
+/* Those of each particle's room that have a size. */
+static gneiss_status keep_patches(gn_world *w, const gn_patch *all, gneiss_error *error) {
     gn_dem *d = &w->dem;
-    for (size_t p = 0; p < d->particles.soa.count; p++) d->patch_count += all[p].size > 0.0;
+    const size_t most = SIDES * d->particles.soa.count;
+    for (size_t k = 0; k < most; k++) d->patch_count += all[k].size > 0.0;
     d->patches = gn_alloc_array(d->patch_count + 1, sizeof *d->patches);
     if (!d->patches) return gn_fail(error, GNEISS_ERROR_MEMORY, "no memory for a membrane");
     size_t at = 0;
-    for (size_t p = 0; p < d->particles.soa.count; p++) {
-        if (!(all[p].size > 0.0)) continue;
-        gn_patch *patch = &d->patches[at++];
-        *patch = all[p];
-        patch->owner = d->particles.id[p];
-        for (int k = 0; k < 9; k++) tensor[k] -= patch->area[k / 3] * patch->point[k % 3];
-    }
-    memcpy(d->membrane->rest, tensor, sizeof d->membrane->rest);
+    for (size_t k = 0; k < most; k++)
+        if (all[k].size > 0.0) {
+            d->patches[at] = all[k];
+            d->patches[at++].owner = d->particles.id[k / SIDES];
+        }
     return GNEISS_OK;
 }
 
+/* The middle of a patch at a way from the particle's centre, and what it cannot tell of `rest`, the
+ * sum of areas times ways from there. */
+static void set_middle(gn_patch *patch, const double centre[3], const double way[3]) {
+    for (int k = 0; k < 9; k++) patch->rest[k] -= patch->area[k / 3] * way[k % 3];
+    for (int a = 0; a < 3; a++) patch->point[a] = centre[a] + way[a];
+}
+
 /* Shares of the surface of the shape. */
-static gneiss_status skin_of_shape(gn_world *w, double radius, gn_patch *all, double tensor[9],
-                                   gneiss_error *error) {
+static gneiss_status skin_of_shape(gn_world *w, double radius, gn_patch *all, gneiss_error *error) {
     gn_boundary_pieces pieces;
     gn_start_grid g;
     GN_TRY(gn_boundary_pieces_make(&w->scene, piece_size * radius, &pieces, error));
-    gneiss_status status = gn_start_grid_make(w, 3.0 * radius, &g, error);
+    gneiss_status status = gn_start_grid_make(w, 3.0 * radius, false, &g, error);
     if (status == GNEISS_OK) {
-        share_out(w, &pieces, &g, all, tensor);
+        share_out(w, &pieces, &g, all);
         gn_start_grid_free(&g);
     }
     gn_boundary_pieces_free(&pieces);
-    for (size_t p = 0; p < w->dem.particles.soa.count; p++)
-        for (int a = 0; a < 3 && all[p].size > 0.0; a++) all[p].point[a] /= all[p].size;
+    for (size_t k = 0; k < SIDES * w->dem.particles.soa.count; k++) {
+        double way[3];
+        if (!(all[k].size > 0.0)) continue;
+        for (int a = 0; a < 3; a++) way[a] = all[k].point[a] / all[k].size;
+        set_middle(&all[k], w->dem.particles.start + 4 * (k / SIDES), way);
+    }
     return status;
 }
 
 /* Without a shape: areas act on the surfaces of the particles, and as those of any closed surface
  * they turn nothing, however it deforms. */
-static gneiss_status skin_of_particles(gn_world *w, double radius, gn_patch *all, double tensor[9],
-                                       gneiss_error *error) {
+static void skin_of_particles(gn_world *w, const double (*arms)[9], gn_patch *all) {
     gn_particles *q = &w->dem.particles;
-    double arms[9] = {0};
-    GN_TRY(gn_membrane_free_skin(w, radius, arms, error));
-    for (int a = 0; a < 3; a++) tensor[4 * a] = arms[4 * a];
-    for (size_t p = 0; p < q->soa.count; p++) {
+    const size_t n = q->soa.count;
+    double turning[9] = {0}, sizes = 0.0;
+    for (size_t p = 0; p < n; p++) {
         const double *area = q->skin + 4 * p;
-        all[p].size = area[3];
-        for (int a = 0; a < 3 && area[3] > 0.0; a++) {
-            all[p].area[a] = area[a];
-            all[p].point[a] = q->start[4 * p + a] + q->pos[4 * p + 3] * area[a] / area[3];
+        gn_patch *patch = &all[SIDES * p];
+        double way[3];
+        patch->size = area[3];
+        if (!(area[3] > 0.0)) continue;
+        for (int a = 0; a < 3; a++) {
+            patch->area[a] = area[a];
+            patch->rest[4 * a] = arms[p][4 * a];
+            way[a] = q->pos[4 * p + 3] * area[a] / area[3];
         }
-        for (int a = 0; a < 3; a++) tensor[4 * a] += area[a] * q->start[4 * p + a];
+        set_middle(patch, q->start + 4 * p, way);
+        sizes += patch->size;
+        for (int k = 0; k < 9; k++)
+            if (k % 4 != 0) turning[k] += area[k / 3] * q->start[4 * p + k % 3];
     }
-    return GNEISS_OK;
+    for (size_t p = 0; p < n; p++)
+        for (int k = 0; k < 9 && sizes > 0.0; k++)
+            all[SIDES * p].rest[k] -= all[SIDES * p].size / sizes * turning[k];
+}
+
+static gneiss_status find_patches(gn_world *w, gn_patch *all, gneiss_error *error) {
+    const double radius = gn_world_mean_radius(w);
+    if (w->scene.specimen.pack.shape != GN_SHAPE_NONE) return skin_of_shape(w, radius, all, error);
+    double(*arms)[9] = gn_alloc_array(w->dem.particles.soa.count + 1, sizeof *arms);
+    if (!arms) return gn_fail(error, GNEISS_ERROR_MEMORY, "no memory for a membrane");
+    gneiss_status status = gn_membrane_free_skin(w, radius, arms, error);
+    if (status == GNEISS_OK) skin_of_particles(w, (const double(*)[9])arms, all);
+    gn_free(arms);
+    return status;
 }
 
 static gneiss_status make_patches(gn_world *w, gneiss_error *error) {
-    gn_particles *q = &w->dem.particles;
-    const double radius = gn_world_mean_radius(w);
-    double tensor[9] = {0};
-    gn_patch *all = gn_alloc_array(q->soa.count + 1, sizeof *all);
+    gn_patch *all = gn_alloc_array(SIDES * w->dem.particles.soa.count + 1, sizeof *all);
     if (!all) return gn_fail(error, GNEISS_ERROR_MEMORY, "no memory for a membrane");
-    gneiss_status status = w->scene.specimen.pack.shape != GN_SHAPE_NONE
-                               ? skin_of_shape(w, radius, all, tensor, error)
-                               : skin_of_particles(w, radius, all, tensor, error);
-    if (status == GNEISS_OK) status = keep_patches(w, all, tensor, error);
+    gneiss_status status = find_patches(w, all, error);
+    if (status == GNEISS_OK) status = keep_patches(w, all, error);
     gn_free(all);
     return status;
 }
@@ -166,7 +203,7 @@ gneiss_status gn_membrane_create(gn_world *w, gneiss_error *error) {
     memcpy(q->load, q->applied, 4 * q->soa.count * sizeof *q->load);
     GN_TRY(make_patches(w, error));
     for (size_t p = 0; p < q->soa.count; p++) w->dem.index_of_id[q->id[p]] = (int32_t)p;
-    GN_TRY(gn_membrane_lay(w, error));
+    GN_TRY(gn_membrane_lay(w, true, error));
     if (gn_membrane_area(w) > 0.0) return GNEISS_OK;
     return gn_fail(
         error, GNEISS_ERROR_INPUT, "%s: expected a surface that faces across %c, found none",

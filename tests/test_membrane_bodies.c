@@ -1,0 +1,117 @@
+/* Several bodies under a membrane: each is in balance and followed by itself. */
+#include "world_helpers.h"
+
+#include "sim/membrane.h"
+
+static const double pitch = 2e-3;
+static const double rotation[9] = {0.6, 0, 0.8, 0.64, 0.6, -0.48, -0.48, 0.8, 0.36};
+
+static void press_at(gn_world *w, int64_t step) {
+    gneiss_error error = {0};
+    w->step = step;
+    if (gn_membrane_press(w, &error) != GNEISS_OK) fail_msg("%s", error.message);
+}
+
+/* Two blocks of 4 x 4 x 4 that touch nothing of one another; the one is stretched, the other bent
+ * and shifted. By themselves as together they are closed. */
+static gn_world *two_blocks(double pressure, double ramp) {
+    char blocks[8000];
+    size_t used = 0;
+    for (int p = 0; p < 128; p++)
+        used += (size_t)snprintf(blocks + used, sizeof blocks - used, "%s[%g, %g, %g, 1e-3]",
+                                 p ? ", " : "", 2e-3 * (p % 4) + 0.03 * (p / 64),
+                                 2e-3 * (p / 4 % 4), 2e-3 * (p / 16 % 4));
+    return world_of("dimension: 3\nspecimen: {particles: [%s]}\n"
+                    "materials: [{name: m, density: 2650, contact_modulus: 1e10, kratio: 2, "
+                    "friction: 0.5, tensile_strength: 3e11, shear_strength: 3e11}]\n"
+                    "law: {stiffness: harmonic}\nbonds: {interaction_range: 0.01}\n"
+                    "membrane: {pressure: %g, ramp: %g}\ntime: {end: 1}\nrun: {threads: 1}\n",
+                    blocks, pressure, ramp);
+}
+
+/* Between two looks as well. */
+static void areas_turn_with_the_body_that_they_are_of(void **state) {
+    (void)state;
+    gn_world *w = two_blocks(7e6, 0);
+    gn_particles *q = &w->dem.particles;
+    press_at(w, 100);
+    double *start = calloc(4 * q->soa.count, sizeof *start);
+    assert_non_null(start);
+    memcpy(start, q->skin, 4 * q->soa.count * sizeof *start);
+    assert_true(w->dem.membrane->bodies == 2);
+    for (size_t p = 0; p < q->soa.count; p++)
+        for (int a = 0; a < 3; a++)
+            if (q->id[p] < 64) q->pos[4 * p + a] = gn_dot3(rotation + 3 * a, q->start + 4 * p);
+    press_at(w, 150);
+    for (size_t p = 0; p < q->soa.count; p++)
+        for (int a = 0; a < 3; a++) {
+            double turned_area = gn_dot3(rotation + 3 * a, start + 4 * p);
+            double want = q->id[p] < 64 ? turned_area : start[4 * p + a];
+            assert_near(q->applied[4 * p + a], -7e6 * want, 1e-9 * 7e6 * pitch * pitch);
+        }
+    free(start);
+    world_end(w);
+}
+
+/* The pressure has the energy p V: what swings and turns under it, and nothing damps, has what it
+ * was given. (Areas that stayed as they were for 100 steps made a million times as much of it.) */
+static void two_bodies_that_swing_and_turn_gain_no_energy(void **state) {
+    (void)state;
+    gn_world *w = two_blocks(3e7, 1e-4);
+    gn_particles *q = &w->dem.particles;
+    for (size_t p = 0; p < q->soa.count; p++) {
+        if (q->id[p] >= 64 || q->start[4 * p + 2] > 3e-3) continue;
+        q->vel[4 * p] = 1.0;
+        q->vel[4 * p + 1] = 0.3;
+    }
+    run_steps(w, 1);
+    const double given = 0.5 * 32 * (1.0 + 0.09) * sphere_mass(2650, 1e-3);
+    double most = 0;
+    for (int k = 0; k < 40; k++) {
+        run_steps(w, 99);
+        const gn_energy e = measured_step(w);
+        most = fmax(most, e.kinetic + e.rotational);
+    }
+    assert_true(most > 0.2 * given && most < 10 * given);
+    world_end(w);
+}
+
+static void bodies_that_are_apart_do_not_push_or_turn_one_another(void **state) {
+    (void)state;
+    gn_world *w = two_blocks(7e6, 0);
+    gn_particles *q = &w->dem.particles;
+    for (size_t p = 0; p < q->soa.count; p++) {
+        double *x = q->pos + 4 * p;
+        const double *from = q->start + 4 * p;
+        if (q->id[p] < 64)
+            x[1] *= 1.2;
+        else
+            x[0] += 1e-3 + 60 * from[2] * from[2], x[1] += 40 * from[2] * from[1];
+    }
+    press_at(w, 100);
+    for (int body = 0; body < 2; body++) {
+        double force[3] = {0}, moment[3] = {0}, size = 0;
+        for (size_t p = 0; p < q->soa.count; p++) {
+            double turn[3];
+            if ((q->id[p] >= 64) != body) continue;
+            gn_cross3(q->pos + 4 * p, q->applied + 4 * p, turn);
+            for (int a = 0; a < 3; a++) force[a] += q->applied[4 * p + a], moment[a] += turn[a];
+            size += sqrt(gn_dot3(q->applied + 4 * p, q->applied + 4 * p));
+        }
+        assert_true(size > 7e6 * 6 * 36e-6); /* on faces of 6 mm at least */
+        for (int a = 0; a < 3; a++) {
+            assert_near(force[a], 0, 1e-12 * size);
+            assert_near(moment[a], 0, 1e-12 * size * 0.04);
+        }
+    }
+    world_end(w);
+}
+
+int main(void) {
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(areas_turn_with_the_body_that_they_are_of),
+        cmocka_unit_test(two_bodies_that_swing_and_turn_gain_no_energy),
+        cmocka_unit_test(bodies_that_are_apart_do_not_push_or_turn_one_another),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
