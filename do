@@ -108,6 +108,7 @@ thin_out() {
 # build FOLDER [targets]: says what it does when there is something to do. A terminal gets ninja's own line.
 build() {
     local folder=$root/$1 steps start=$SECONDS what=${*:2}
+    (($# <= 9)) || what="$(($# - 1)) targets"
     steps=$("$ninja" -C "$folder" -n "${@:2}" 2>/dev/null | grep -c '^\[') || true
     if ((${steps:-0} == 0)); then
         "$ninja" --quiet -C "$folder" "${@:2}" 2>&1 | thin_out
@@ -167,11 +168,11 @@ command_run() {
     return "$status"
 }
 
-# run_tests FOLDER [meson options]: the last line is `N passed, N failed, N skipped`.
+# run_tests FOLDER [meson options]: the last line is `N passed, N failed, N skipped`. Builds `targets`, everything without any.
 run_tests() {
     local folder=$root/$1
     rm -f "$folder/meson-logs/testlog.json"
-    if ! build "$1"; then
+    if ! build "$1" "${targets[@]}"; then
         say "./do: the build in $1 failed: no test ran"
         "$python" "$root/tools/count_tests.py" "$folder/meson-logs/testlog.json"
         return 1
@@ -181,6 +182,7 @@ run_tests() {
 }
 
 command_test() {
+    local targets=()
     if [[ ${1:-} == --checked ]]; then # what `check gcc` has built is not built a second time
         need "${packages_build[@]}"
         configure_gcc && run_tests build-check-gcc "${@:2}"
@@ -300,9 +302,14 @@ PYTHON
         (cd "$root" && xargs -r -n 2 -P "$(nproc)" clang-tidy --quiet -p "$commands" 2>/dev/null)
 }
 
+# Other programs are compiled without sanitizers and read by clang: what no test here runs is not built.
 sanitized_tests() {
+    local folder=build-check-sanitize left_out=(long plain) targets
+    "$ninja" --quiet -C "$root/$folder" build.ninja >&2 || return 1 # follows what meson.build says now
+    mapfile -t targets < <("$python" "$root/tools/tests_need.py" "$root/$folder" "${left_out[@]}")
+    ((${#targets[@]})) || { say "sanitizers: no test to build"; return 1; }
     ASAN_OPTIONS=detect_leaks=1 UBSAN_OPTIONS=halt_on_error=1:print_stacktrace=1 \
-        run_tests build-check-sanitize --no-suite long --no-suite plain --timeout-multiplier 5
+        run_tests "$folder" "${left_out[@]/#/--no-suite=}" --timeout-multiplier 5
 }
 
 check_sanitizers() {

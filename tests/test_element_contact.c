@@ -1,4 +1,5 @@
 /* Particles on the surface of finite elements. */
+#include "parts.h"
 #include "surface_helpers.h"
 
 #include "run/run.h"
@@ -266,14 +267,17 @@ static void what_is_found_out_later_is_placed_at_its_key(void **state) {
     }
 }
 
-int main(void) {
+int main(int argc, char **argv) {
+    (void)argv;
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(particles_and_nodes_keep_momentum),
-        cmocka_unit_test(the_ledger_of_particles_and_elements_closes),
-        cmocka_unit_test(the_limit_knows_of_contacts_with_nodes),
         cmocka_unit_test(threads_and_resume_give_the_same_bits),
         cmocka_unit_test(errors_say_where_and_what),
         cmocka_unit_test(what_is_found_out_later_is_placed_at_its_key),
     };
-    return cmocka_run_group_tests(tests, NULL, NULL);
+    const struct CMUnitTest long_tests[] = {
+        cmocka_unit_test(the_limit_knows_of_contacts_with_nodes),
+        cmocka_unit_test(the_ledger_of_particles_and_elements_closes),
+    };
+    return run_part(argc, tests, long_tests);
 }

@@ -1,37 +1,8 @@
-"""The same answer every time: threads, instruction sets, interruptions, kills. Speaks TAP."""
+"""What a run that is interrupted, killed, damaged or done again comes to. Speaks TAP. (More of the same bits: test_run_bits.py.)"""
 import random
 import signal
 
-from program import *  # noqa: F403
-
-REFERENCE = tempfile.mkdtemp(prefix="gneiss-reference-")
-
-
-def reference():
-    """An uninterrupted run of the small UCS with one thread, made once."""
-    if not os.path.exists(os.path.join(REFERENCE, "summary.json")):
-        run(UCS, REFERENCE, "--threads", 1)
-    return REFERENCE
-
-
-def start(folder, *arguments):
-    return subprocess.Popen(command("run", UCS, "--out", folder, "--quiet", *arguments), env=ENVIRONMENT,
-                            stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
-
-
-def snapshots(folder):
-    if not os.path.isdir(folder):
-        return 0
-    return sum(1 for name in os.listdir(folder) if re.fullmatch(r"bonds_\d+\.hdf", name))
-
-
-def stop_at_snapshot(folder, count, number, *arguments):
-    """Sends a signal when `count` snapshots are there; the finished process."""
-    process = start(folder, *arguments)
-    assert wait_until(process, lambda: snapshots(folder) >= count), process.stderr.read()
-    process.send_signal(number)
-    out, err = process.communicate(timeout=60)
-    return subprocess.CompletedProcess([], process.returncode, out, err)
+from run_reference import *  # noqa: F403
 
 
 @fact
@@ -41,89 +12,8 @@ def the_small_specimen_breaks_under_load(folder):
 
 
 @fact
-def a_rerun_gives_the_same_bits(folder):
-    run(UCS, folder, "--threads", 1)
-    check_same(folder, reference())
-
-
-def same_with_threads(folder, threads):
-    run(UCS, folder, "--threads", threads)
-    assert summary(folder)["threads"] == threads
-    check_same(folder, reference())
-
-
-@fact
-def two_threads_give_the_same_bits_as_one(folder):
-    same_with_threads(folder, 2)
-
-
-@fact
 def three_threads_give_the_same_bits_as_one(folder):
     same_with_threads(folder, 3)
-
-
-@fact
-def four_threads_give_the_same_bits_as_one(folder):
-    same_with_threads(folder, 4)
-
-
-def same_with_isa(folder, isa):
-    """Only energies are summed over lanes, in an order of each width's own; the state is the same for all."""
-    if not isas()[isa]:
-        raise Skip(f"no {isa} on this machine")
-    run(UCS, folder, "--threads", 2, environment={"GNEISS_ISA": isa})
-    assert summary(folder)["isa"] == isa
-    assert state_hash(folder) == state_hash(reference())
-
-
-def hash_fact(isa):
-    def check(folder):
-        same_with_isa(folder, isa)
-
-    check.__name__ = f"{isa}_kernels_give_the_same_hash"
-    return check
-
-
-for name in isas():
-    fact(hash_fact(name))
-
-
-@fact
-def how_often_is_written_does_not_change_the_state(folder):
-    run(UCS, folder, "--threads", 2, "--set", "output.snapshots=0", "--set", "output.history_rows=7",
-        "--set", "output.checkpoint=10 ms")
-    assert state_hash(folder) == state_hash(reference())
-
-
-def interrupted_and_resumed(folder, number, *arguments):
-    done = expect(stop_at_snapshot(folder, 3, number, "--threads", 1), 6, r"interrupted: at step \d+", "gneiss resume")
-    assert len(checkpoints(folder)) == 1, checkpoints(folder)
-    assert not os.path.exists(os.path.join(folder, "summary.json")), "a summary before the end"
-    with results(folder) as file:
-        assert file.attrs["finished"] == 0 and text(file.attrs["stop_reason"]) == "interrupted"
-        rows = file["history/step"].shape[0]
-    assert 0 < rows < len(history(reference())["step"]), done.stderr
-    resume(folder, *arguments)
-    check_same(folder, reference())
-    assert series(folder) == series(reference()), "the snapshots are not those of the uninterrupted run"
-    with results(folder) as file:
-        assert file.attrs["finished"] == 1 and "reached" in text(file.attrs["stop_reason"])
-
-
-@fact
-def mixed_precision_agrees_with_double_until_something_breaks(folder):
-    # Without background damping: its direction at rest is that of rounding, and so differs from the first step on.
-    undamped = ("--set", "damping.background.model=none", "--set", "damping.background.coefficient=0")
-    stress = {}
-    for precision in ("double", "mixed"):
-        out = os.path.join(folder, precision)
-        run(UCS, out, "--precision", precision, *undamped)
-        rows = history(out)
-        whole = next(k for k, n in enumerate(rows["broken_tension"] + rows["broken_shear"]) if n)
-        stress[precision] = rows["stress"][:whole]
-    assert len(stress["double"]) == len(stress["mixed"]) > 50
-    error = max(abs(stress["double"] - stress["mixed"])) / max(abs(stress["double"]))
-    assert 0 < error < 1e-6, error
 
 
 @fact
@@ -132,25 +22,6 @@ def a_run_in_mixed_precision_resumes_to_the_same_bits(folder):
     run(UCS, straight, "--precision", "mixed", "--threads", 2)
     assert summary(straight)["precision"] == "mixed" and abs(summary(straight)["energy_residual"]) < 1e-3
     expect(stop_at_snapshot(broken, 3, signal.SIGINT, "--precision", "mixed", "--threads", 1), 6)
-    resume(broken, "--threads", 2)
-    check_same(broken, straight)
-
-
-@fact
-def raised_masses_resume_to_the_same_bits_and_say_what_was_added(folder):
-    raised = ("--set", "time.mass_scaling.factor=1.5", "--precision", "mixed")
-    straight, broken = os.path.join(folder, "straight"), os.path.join(folder, "broken")
-    run(UCS, straight, "--threads", 2, *raised)
-    said, rows = summary(straight)["mass_scaling"], history(straight)
-    assert abs(said["dt_wanted"] / said["dt_without"] - 1.5) < 1e-9 and summary(straight)["dt"] <= said["dt_wanted"]
-    assert 0 < said["added_share"] < 0.2 and said["largest_factor"] > 1 and 0 < said["particles"] < 2000
-    # Each particle has the same share of its energy in added mass: the total is within their range.
-    assert max(rows["added_kinetic"]) < 1 - 1 / said["largest_factor"] and min(rows["added_kinetic"]) >= 0
-    assert abs(summary(straight)["energy_residual"]) < 1e-3
-    with results(straight) as file:
-        share = file.attrs["added_mass"][()] / file.attrs["own_mass"][()]
-        assert abs(share / said["added_share"] - 1) < 1e-12
-    expect(stop_at_snapshot(broken, 3, signal.SIGINT, "--threads", 1, *raised), 6)
     resume(broken, "--threads", 2)
     check_same(broken, straight)
 
@@ -181,16 +52,6 @@ def masses_are_in_the_results_and_what_they_did_not_reach_is_a_warning(folder):
 
 
 @fact
-def ctrl_c_writes_a_checkpoint_and_resume_gives_the_same_bits(folder):
-    interrupted_and_resumed(folder, signal.SIGINT)
-
-
-@fact
-def sigterm_writes_a_checkpoint_and_resume_gives_the_same_bits(folder):
-    interrupted_and_resumed(folder, signal.SIGTERM)
-
-
-@fact
 def a_lost_terminal_writes_a_checkpoint(folder):
     signal.signal(signal.SIGHUP, signal.SIG_DFL)  # under nohup it would be ignored, and stay so in the program
     expect(stop_at_snapshot(folder, 2, signal.SIGHUP), 6)
@@ -202,37 +63,9 @@ def resume_with_other_threads_gives_the_same_bits(folder):
     interrupted_and_resumed(folder, signal.SIGINT, "--threads", 3)
 
 
-def killed_and_resumed(folder, count):
-    process = start(folder, "--set", "output.checkpoint=20 ms", "--threads", "2")
-    ready = wait_until(process, lambda: snapshots(folder) >= count and checkpoints(folder))
-    process.kill()
-    process.communicate()
-    assert ready, "the run ended before it could be killed"
-    resume(folder, "--set", "output.checkpoint=off")
-    check_same(folder, reference())
-    for name in ("particles", "bonds"):
-        listed = series(folder, name)
-        times = [time for _, time in listed]
-        assert all(a < b for a, b in zip(times, times[1:])), f"times of {name} do not increase: {times}"
-        there = {file for file in os.listdir(folder) if re.fullmatch(name + r"_\d+\.hdf", file)}
-        assert {file for file, _ in listed} == there, "the series and the folder differ"
-    assert series(folder) == series(reference())
-    assert not [name for name in os.listdir(folder) if name.endswith(".tmp")], os.listdir(folder)
-
-
 @fact
 def killed_early_and_resumed_gives_the_same_bits(folder):
     killed_and_resumed(folder, 1)
-
-
-@fact
-def killed_half_way_and_resumed_gives_the_same_bits(folder):
-    killed_and_resumed(folder, 3)
-
-
-@fact
-def killed_late_and_resumed_gives_the_same_bits(folder):
-    killed_and_resumed(folder, 5)
 
 
 @fact
@@ -588,6 +421,4 @@ def a_pulse_does_not_start_in_a_zone_and_a_zone_has_edges(folder):
 
 
 if __name__ == "__main__":
-    code = main()
-    shutil.rmtree(REFERENCE, ignore_errors=True)
-    sys.exit(code)
+    sys.exit(main())

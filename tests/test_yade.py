@@ -17,6 +17,8 @@ import jobs  # noqa: E402
 import steps  # noqa: E402
 
 FIRST, TOGETHER, APART = 1e-9, 1e-4, 1e-3
+# Of 9 000: what is compared ends half way to the first break, which comes at step 2 420; many bonds have to break after it.
+ENOUGH = {"lattice": 4000, "lattice undamped": 4000}
 
 
 def skip_without_yade():
@@ -26,11 +28,12 @@ def skip_without_yade():
 
 def check_case(case):
     skip_without_yade()
-    found, own, peer, job = steps.measure(case)
+    found, own, peer, job = steps.measure(case, steps=ENOUGH.get(case))
     assert own["bonds"] == peer["bonds"], (own["bonds"], peer["bonds"])
     first = jobs.worst(found, 10)
     assert first <= FIRST, f"{case}: {first:.2e} in the first 10 steps"
     until = steps.calm(job, own, peer)
+    assert case not in ENOUGH or 1000 < until < job["steps"], until
     whole = jobs.worst(found, until)
     assert whole <= TOGETHER, f"{case}: {whole:.2e} within {until} steps"
     if until == job["steps"]:

@@ -143,15 +143,15 @@ def job_of(case, **more):
     return job
 
 
-def folder(case, change=None):
-    mark = "-".join(f"{v}" for half in (change or {}).values() for v in half.values())
+def folder(case, change=None, steps=None):
+    mark = "-".join([f"{v}" for half in (change or {}).values() for v in half.values()] + ([str(steps)] if steps else []))
     return f"steps/{case.replace(' ', '-')}{'-' + mark if mark else ''}"
 
 
-def measure(case, change=None):
-    """What jobs.apart says, the two runs and the job."""
-    job = job_of(case, **(change or {}))
-    own, peer = jobs.both(folder(case, change), job)
+def measure(case, change=None, steps=None):
+    """What jobs.apart says, the two runs and the job; `steps` in place of the job's own number."""
+    job = job_of(case, **(change or {}), **({"steps": steps} if steps else {}))
+    own, peer = jobs.both(folder(case, change, steps), job)
     return jobs.apart(job, own, peer), own, peer, job
 
 
