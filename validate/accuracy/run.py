@@ -1,7 +1,7 @@
 """What accuracy costs in time; writes docs/accuracy.md, its pictures, and validate/accuracy/slopes.csv and base.csv,
 which `gneiss plan --error` and the error budget of runs are compiled from.
 
-    ./do accuracy                everything; what is kept in runs/accuracy is not run again: about an hour of two cores
+    ./do accuracy                everything; what is kept in runs/accuracy is not run again: an hour of one core
     ./do accuracy --quick        the same on coarse models, into runs/accuracy-quick: a minute or two
     ./do accuracy --only CASE    some cases, then the page
   --out DIR  runs, page and slopes into this folder
