@@ -463,20 +463,23 @@ def what_comes_off_loses_its_membrane_to_what_lay_beneath(folder):
 
 @fact
 def the_pressure_in_the_middle_is_held_at_large_strain(folder):
-    """Of what bulges, breaks and loses grains: a specimen that is shortened by a quarter. Mean stress across of the spheres in the middle, of
-    which there are some 60 whose pressures scatter by a quarter: three standard errors are 10 %."""
-    given = triaxial(2e7, time={"end": 8e-3})
-    given["specimen"] = {**given["specimen"], "particles": 1000}
-    for wall in given["walls"]:
-        wall["motion"] = {"vz": [[1e-4, 0], [2e-4, 0.5 * wall["normal"][2]]]}
-    out = run_scene(folder, given)
-    with results(out) as file:
-        x, r, s = (file["particles/" + name][:] for name in ("position", "radius", "stress"))
-    across = np.hypot(*(x[:, :2] - np.median(x[:, :2], axis=0)).T)
-    inside = (across < 0.006) & (np.abs(x[:, 2] - 0.015) < 0.005)
-    middle = np.average(0.5 * (s[inside, 0] + s[inside, 1]), weights=r.reshape(-1)[inside] ** 3)
-    assert history(out)["strain"][-1] > 0.25 and inside.sum() > 50, (history(out)["strain"][-1], inside.sum())
-    assert abs(middle / -2e7 - 1) < 0.1, (middle, inside.sum())
+    """Of what bulges, breaks and loses grains: specimens that are shortened by a quarter. Mean stress across of the spheres in the middle, of which
+    there are some 60 whose pressures scatter by a quarter: three standard errors are 10 % of one specimen, of which three are not alike."""
+    found = []
+    for seed in (1, 7, 11):
+        given = triaxial(2e7, time={"end": 8e-3})
+        given["specimen"] = {**given["specimen"], "particles": 1000}
+        given["run"] = {**given.get("run", {}), "seed": seed}
+        for wall in given["walls"]:
+            wall["motion"] = {"vz": [[1e-4, 0], [2e-4, 0.5 * wall["normal"][2]]]}
+        out = run_scene(folder, given, name=f"seed-{seed}")
+        with results(out) as file:
+            x, r, s = (file["particles/" + name][:] for name in ("position", "radius", "stress"))
+        across = np.hypot(*(x[:, :2] - np.median(x[:, :2], axis=0)).T)
+        inside = (across < 0.006) & (np.abs(x[:, 2] - 0.015) < 0.005)
+        assert history(out)["strain"][-1] > 0.25 and inside.sum() > 50, (history(out)["strain"][-1], inside.sum())
+        found.append(np.average(0.5 * (s[inside, 0] + s[inside, 1]), weights=r.reshape(-1)[inside] ** 3) / -2e7)
+    assert abs(np.mean(found) - 1) < 0.1 and np.max(np.abs(np.array(found) - 1)) < 0.3, found
 
 
 @fact
