@@ -2,7 +2,6 @@
 import numpy as np
 
 import simple
-import words
 from machinery import Axis, key
 
 R, DENSITY, STIFFNESS, GRAVITY, END = 1e-3, 2500.0, 1e4, 9.81, 0.3
@@ -47,18 +46,6 @@ def dissipated(row):
     return (row["energy.friction"] + row["energy.contact_damping"]) / row["energy.work_gravity"]
 
 
-def more(m):
-    points = m.errors["steps per contact", "fall of the centre"]
-    coarse, fine = max(points, key=lambda p: 1 / p[0]), max(points, key=lambda p: p[0])
-    means = np.hypot(coarse[3] / np.sqrt(coarse[5]), fine[3] / np.sqrt(fine[5]))
-    if not np.isfinite(means):
-        return ""
-    clear = "is no more than" if abs(coarse[2]) <= 2 * means else "is more than"
-    return (f"Grains choose other places after every change, so single runs scatter: {words.percent(fine[3])} in the fall over {fine[5]} seeds. "
-            f"Between {coarse[0]:g} and {fine[0]:g} steps per contact the means differ by {words.percent(abs(coarse[2]))}, which {clear} their scatter allows "
-            f"({words.percent(2 * means)} at two standard errors).")
-
-
 def section(study, pictures):
     rows = {axis.name: study.axis("bed", scene(study.quick), axis, readings=TERMS) for axis in AXES}
     case = simple.Case(
@@ -69,5 +56,6 @@ def section(study, pictures):
         finest={"steps per contact": max(row.value for row in rows["steps per contact"]), "precision": "double", "round-off": 0.0},
         truth={"worst residual": lambda row: 0.0}, absolute=("worst residual",), models=("restitution",), units={"fall of the centre": (1, "radii")},
         groups={"steps per contact": ("1 / steps per contact", lambda row: 1 / row.value),
-                "stiffness": ("weight of a grain / (stiffness x radius)", lambda row: MASS * GRAVITY / (row.value * R))}, more=more)
+                "stiffness": ("weight of a grain / (stiffness x radius)", lambda row: MASS * GRAVITY / (row.value * R))},
+        more=lambda m: simple.chance_words(m, "steps per contact", "fall of the centre"))
     return simple.section(pictures, case)

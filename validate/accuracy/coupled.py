@@ -75,7 +75,8 @@ def saved(truth, rows):
             best = min(near, key=lambda row: row.seconds)
             text.append(f"within {words.percent(limit)} of its strength the cheapest takes {words.seconds(best.seconds)} s "
                         f"({best.axis} {words.plain(best.value)}), {best.seconds / whole:.2f} of it")
-    return f"The beam of particles alone takes {words.seconds(whole)} s. " + ("; ".join(text).capitalize() + "." if text else "")
+    return (f"The beam of particles alone takes {words.seconds(whole)} s. " + ("; ".join(text).capitalize() + ". " if text else "")
+            + "Runs without a strength ended where conversion would have left the packing.")
 
 
 def section(study, pictures):

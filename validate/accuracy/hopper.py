@@ -51,8 +51,8 @@ def out(row):
 
 
 def dissipated(row):
-    """Share of gravity's work that friction and dashpots took; the rest left with the grains."""
-    return (row["energy.friction"] + row["energy.contact_damping"]) / row["energy.work_gravity"]
+    """Share of what gravity did and the source brought that friction and dashpots took; the rest left with the grains."""
+    return (row["energy.friction"] + row["energy.contact_damping"]) / (row["energy.work_gravity"] + row.summary["sources"][0]["energy"])
 
 
 def section(study, pictures):
@@ -68,5 +68,6 @@ def section(study, pictures):
         truth={"worst residual": lambda row: 0.0}, absolute=("worst residual",), models=("restitution",), units={"rate": (1, "kg/s")},
         groups={"steps per contact": ("1 / steps per contact", lambda row: 1 / row.value),
                 "stiffness": ("density x g x width / Young's modulus", lambda row: PRESSURE / row.value),
-                "sides": ("1 / sides", lambda row: 1 / row.value)})
+                "sides": ("1 / sides", lambda row: 1 / row.value)},
+        more=lambda m: simple.chance_words(m, "steps per contact", "rate"))
     return simple.section(pictures, case)

@@ -76,6 +76,8 @@ class Measured:
         for (axis, reading), points in self.errors.items():
             if axis in self.case.models or axis not in self.case.groups:
                 if len(points) == 2 and axis == "precision":
+                    if np.isfinite(points[1][3]) and abs(points[1][2]) <= self.chance(axis, reading, points[1]):
+                        continue  # of means over seeds: chance explains it
                     self.slopes.constant(reading, axis, "bias", points[1][2] - points[0][2], 1)
                 elif points and points[0][5] > 2 and axis not in self.case.models:
                     self.slopes.constant(reading, axis, "scatter", points[0][3], points[0][5])
@@ -109,6 +111,20 @@ class Measured:
             text.append(f"{row['reading']}, {row['effect']}: {words.percent(abs(most[2]))} at {words.plain(most[0])} ({words.seconds(most[4])} s), "
                         f"{words.percent(abs(least[2]))} at {words.plain(least[0])} ({words.seconds(least[4])} s); as g^{float(row['exponent']):.2f}{error}")
         return text
+
+
+def chance_words(m, axis, reading):
+    """Of grains, which choose other places after every change: whether the ends of an axis differ by more than seeds do."""
+    points = m.errors[axis, reading]
+    least, most = min(points, key=lambda p: p[0]), max(points, key=lambda p: p[0])
+    means = np.hypot(least[3] / np.sqrt(least[5]), most[3] / np.sqrt(most[5]))
+    if not np.isfinite(means):
+        return ""
+    apart = abs(least[2] - most[2])
+    clear = "is no more than" if apart <= 2 * means else "is more than"
+    return (f"Grains choose other places after every change, so single runs scatter: {words.percent(most[3])} in the {reading} over {most[5]} seeds. "
+            f"Between {least[0]:g} and {most[0]:g} {axis} the means differ by {words.percent(apart)}, which {clear} their scatter allows "
+            f"({words.percent(2 * means)} at two standard errors).")
 
 
 def axis_table(m, axis):
