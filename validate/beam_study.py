@@ -5,6 +5,7 @@ the same packings that are pulled apart; nothing is fitted to the beam. Fills do
 """
 import numpy as np
 
+import meshes
 import study
 
 BAND = study.ROOT / "validate" / "references" / "beam-gregoire-2013.csv"
@@ -123,22 +124,13 @@ def mesh():
     """Two blocks of triangles at both sides of the middle; supports at their lower side."""
     path = FOLDER / "sides.msh"
     FOLDER.mkdir(parents=True, exist_ok=True)
-    nodes, cells, feet = [], [], []
-    for start, end in ((0.0, MIDDLE - FREE), (MIDDLE + FREE, LENGTH)):
+    nodes, cells, feet = [], [], {}
+    for side, start, end, at in (("left", 0.0, MIDDLE - FREE, 0.5 * (LENGTH - SPAN)), ("right", MIDDLE + FREE, LENGTH, 0.5 * (LENGTH + SPAN))):
         columns, rows, first = round((end - start) / SIDE), round(DEPTH / SIDE), len(nodes)
         nodes += [(start + SIDE * c, SIDE * r) for r in range(rows + 1) for c in range(columns + 1)]
-        for r in range(rows):
-            for c in range(columns):
-                a = first + 1 + r * (columns + 1) + c
-                b, d, e = a + 1, a + columns + 2, a + columns + 1
-                cells += [(a, b, d), (a, d, e)] if (r + c) % 2 else [(a, b, e), (b, d, e)]
-        at = 0.5 * (LENGTH - SPAN) if start == 0.0 else 0.5 * (LENGTH + SPAN)
-        feet.append(first + 1 + round((at - start) / SIDE))
-    lines = ["$MeshFormat", "2.2 0 8", "$EndMeshFormat", "$PhysicalNames", "3", '0 1 "support_left"', '0 2 "support_right"', '2 3 "body"',
-             "$EndPhysicalNames", "$Nodes", str(len(nodes)), *(f"{k + 1} {x:.10g} {y:.10g} 0" for k, (x, y) in enumerate(nodes)), "$EndNodes",
-             "$Elements", str(len(cells) + 2), *(f"{k + 1} 15 2 {k + 1} {k + 1} {feet[k]}" for k in range(2)),
-             *(f"{k + 3} 2 2 3 3 {a} {b} {d}" for k, (a, b, d) in enumerate(cells)), "$EndElements"]
-    path.write_text("\n".join(lines) + "\n")
+        cells += meshes.triangles(first + 1 + np.arange((rows + 1) * (columns + 1)).reshape(rows + 1, columns + 1))
+        feet[f"support_{side}"] = first + 1 + round((at - start) / SIDE)
+    meshes.write(path, nodes, cells, feet)
     return str(path)
 
 
