@@ -201,9 +201,9 @@ def beside(value, low, high):
 
 # --- a hinge, to hold the model against ---------------------------------------------------------------------------
 
-def linear(energy):
+def linear(energy, tensile=TENSILE):
     """Openings and stresses at the corners of a softening law."""
-    return [(0.0, TENSILE), (2 * energy / TENSILE, 0.0)]
+    return [(0.0, tensile), (2 * energy / tensile, 0.0)]
 
 
 def bilinear(energy):
@@ -211,23 +211,28 @@ def bilinear(energy):
     return [(0.0, TENSILE), (0.8 * energy / TENSILE, TENSILE / 3), (3.6 * energy / TENSILE, 0.0)]
 
 
-def hinge(corners):
-    """Largest load (N) of a ligament whose crack spreads its opening over a layer of half its height (Olesen 2001): strains are linear over the height,
-    what a fibre is longer by is stress over modulus times the layer and the opening that goes with that stress."""
-    height, count = DEPTH - NOTCH, 400
+def hinge_moment(corners, height, young):
+    """Largest moment (N m per m of breadth) of a section whose crack spreads its opening over a layer of half its height (Olesen 2001): strains are linear over
+    the height, what a fibre is longer by is stress over modulus times the layer and the opening that goes with that stress."""
+    count, tensile = 400, corners[0][1]
     layer, y = 0.5 * height, (np.arange(count) + 0.5) / count * height
     opened, stress = np.array(corners).T
-    longer = opened + layer * stress / MODULUS  # grows along the law, as the layer is stiff
+    longer = opened + layer * stress / young  # grows along the law, as the layer is stiff
     most = 0.0
     for curvature in np.geomspace(1e-3, 60, 300):
         low, high = 0.0, height
         for _ in range(60):
             centre = 0.5 * (low + high)
             strain = curvature * (y - centre)
-            carried = np.where(strain * MODULUS <= TENSILE, strain * MODULUS, np.interp(strain * layer, longer, stress, right=0.0))
+            carried = np.where(strain * young <= tensile, strain * young, np.interp(strain * layer, longer, stress, right=0.0))
             low, high = (centre, high) if carried.sum() > 0 else (low, centre)
-        most = max(most, BREADTH * np.sum(carried * (y - centre)) * height / count)
-    return 4 * most / SPAN
+        most = max(most, np.sum(carried * (y - centre)) * height / count)
+    return most
+
+
+def hinge(corners):
+    """Largest load of the beam, N."""
+    return 4 * BREADTH * hinge_moment(corners, DEPTH - NOTCH, MODULUS) / SPAN
 
 
 def hinge_table():
