@@ -4,6 +4,7 @@ taken, types 1 and 2 of Galvez et al. 1998. What is known of their concretes is 
     /usr/bin/python3 validate/mixed_study.py [--fresh] [--kept]
 """
 import dataclasses
+import json
 import re
 
 import numpy as np
@@ -59,9 +60,9 @@ class Beam:
 
 GETTU = Beam("gettu", Concrete(33.8e9, 3.5e6, 125.2), depth=0.08, ends=(-0.075, 0.175), notch=0.02, supports=(-0.05, 0.15), load=0.05,
              packed=(-0.075, 0.175), cell=0.004, width=0.0125)
-GALVEZ = Beam("galvez-1", Concrete(38e9, 3.0e6, 69.0), depth=0.15, ends=(-0.3375, 0.3375), notch=0.075, supports=(-0.075, 0.3), load=0.075,
-              packed=(-0.2, 0.3375), cell=0.005, width=0.025, drop=0.7)
-HELD = dataclasses.replace(GALVEZ, name="galvez-2", hold=-0.3)
+GALVEZ = Beam("galvez-1-near", Concrete(38e9, 3.0e6, 69.0), depth=0.15, ends=(-0.3375, 0.3375), notch=0.075, supports=(-0.075, 0.3), load=0.075,
+              packed=(-0.3375, 0.3375), cell=0.005, width=0.025, drop=0.7)
+HELD = dataclasses.replace(GALVEZ, name="galvez-2-near", hold=-0.3)
 LIMIT = 0.6  # of the strength: the stress where elements convert
 
 
@@ -80,7 +81,11 @@ def mesh(beam, path):
               **({"hold": (beam.hold, -1)} if beam.hold else {})}
     points = {name: number[row, int(np.argmin(np.abs(x - at)))] for name, (at, row) in places.items()}
     path.parent.mkdir(parents=True, exist_ok=True)
+    before = path.read_text() if path.exists() else ""
     meshes.write(path, [(round(at - beam.ends[0], 7), round(up, 7)) for up in y for at in x], cells, points)
+    if path.read_text() != before:  # a kept run knows its scene, not its mesh
+        for note in FOLDER.glob(f"mixed-{beam.name}-[0-9]*/study.json"):
+            note.unlink()
     return str(path)
 
 
@@ -238,6 +243,7 @@ OPENINGS = (0.005, 0.01, 0.015, 0.02, 0.03, 0.05, 0.075, 0.1)  # mm
 
 
 def measured_table(found):
+    """Loads at some openings, and by how much they miss the measured ones."""
     measured = np.loadtxt(BAND, delimiter=",", comments="#", skiprows=3)
     most = measured[:, 1].max(), measured[:, 2].max()
     low, high = (np.interp(OPENINGS, measured[:, 0], measured[:, k]) for k in (1, 2))
@@ -297,16 +303,16 @@ def estimate_table():
 
 
 def notch_moment(beam):
-    """Moment over the notch for a unit load, m, of elements alone; tension below is positive."""
-    found = never(beam, NEVER[beam.name])
-    at, load, share = curve(found)
-    part = load > 0.3 * load.max()
-    left = GALVEZ.breadth * np.abs(found.results("history/motion_left_reaction_y"))
-    arm = -left * beam.supports[0] + (share * load * beam.hold if beam.hold else 0.0)
-    return float(np.mean((arm / np.maximum(load, 1.0))[part]))
+    """Moment over the notch for a unit load, m; tension below is positive. With a hold-down by the shares of the load that elements alone bear at the end."""
+    left, right = beam.supports
+    if not beam.hold:
+        return -left * (right - beam.load) / (right - left)
+    share = curve(never(beam, NEVER[beam.name]))[2][-1]
+    support = (right - beam.load + share * (right - beam.hold)) / (right - left)
+    return -left * support + share * beam.hold
 
 
-NEVER = {"gettu": 1e-3, "galvez-1": 2e-3, "galvez-2": 2e-3}
+NEVER = {"gettu": 1e-3, "galvez-1-near": 2e-3, "galvez-2-near": 2e-3}
 
 
 def alone_seconds(beam, radius, upto):
@@ -318,13 +324,11 @@ def alone_seconds(beam, radius, upto):
     made["sets"] = []
     del made["time"]["stop"]
     path = FOLDER / f"mixed-{beam.name}-{1e3 * radius:g}-plan.yaml"
-    import json
-
     path.write_text(json.dumps(made, indent=1))
     done = study.call(["plan", str(path), "--threads", "1"])
     number = {name: float(re.search(pattern, done.stdout).group(1)) for name, pattern in (
         ("particles", r"\n  particles +(\d+) x"), ("dt", r"\n  dt +(\S+) s"), ("step", r"per step +(\S+) us"))}
-    return int(number["particles"]), 1e-6 * number["step"] * upto / number["dt"]
+    return int(number["particles"]), f"{1e-6 * number['step'] * upto / number['dt']:.0f}"
 
 
 # --- pictures -----------------------------------------------------------------------------------------------------
@@ -396,33 +400,43 @@ def draw_damage(axis, found, beam, figure):
     figure.colorbar(dots, ax=axis, label="damage of bonds", shrink=0.8)
 
 
-def main():
+def variants(coarse):
+    """Name, beam and run of what was looked at; a run that is not there (with --kept) is None."""
     first = dataclasses.replace(GETTU, name="gettu-first",
                                 concrete=dataclasses.replace(GETTU.concrete, fracture=GETTU.concrete.fracture / beam_study.INITIAL))
-    coarse, fine = 1e-3, 0.5e-3
-    measured = [("r 1 mm, packing 1", run(GETTU, coarse)), ("r 1 mm, packing 2", run(GETTU, coarse, 2)), ("r 0.5 mm, packing 1", run(GETTU, fine)),
-                ("r 1 mm, packing 1, G_f/2.5", run(first, coarse)), ("particles alone, r 1 mm, packing 1", whole(GETTU, coarse))]
-    types = {1: GALVEZ, 2: HELD}
-    cracked = [(f"type {number}, r {1e3 * radius:g} mm, packing {seed}", beam, run(beam, radius, seed))
-               for number, beam in types.items() for radius in (2e-3, 1e-3) for seed in SEEDS]
-    far = [(f"type {number}, left support 150 mm from the notch, r 2 mm", changed, run(changed, 2e-3)) for number, changed in
-           ((n, dataclasses.replace(b, name=f"{b.name}-far", supports=(-0.15, 0.3))) for n, b in types.items())]
-    near = [(f"type {number}, load 75 mm from the notch, r 2 mm", changed, run(changed, 2e-3)) for number, changed in
-            ((n, dataclasses.replace(b, name=f"{b.name}-near", load=0.075)) for n, b in types.items())]
-    gettu_paths = [(f"Garcia-Alvarez, {name}", GETTU if "2.5" not in name else first, found) for name, found in measured[:4]]
+    measured = [("r 1 mm, packing 1", GETTU, coarse, 1), ("r 1 mm, packing 2", GETTU, coarse, 2), ("r 0.5 mm, packing 1", GETTU, 0.5 * coarse, 1),
+                ("r 1 mm, packing 1, G_f/2.5", first, coarse, 1)]
+    types = [(f"type {number}, r {1e3 * radius:g} mm, packing {seed}", beam, radius, seed)
+             for number, beam in ((1, GALVEZ), (2, HELD)) for radius, seed in ((2e-3, 1), (2e-3, 2), (coarse, 1))]
+    others = [(f"type {number}, {said}, r 2 mm", dataclasses.replace(beam, name=f"galvez-{number}{note}", **change), 2e-3, 1)
+              for said, note, change in (("left support 150 mm from the notch", "-far", {"supports": (-0.15, 0.3)}),
+                                         ("load 150 mm from the notch", "", {"load": 0.15, "packed": (-0.2, 0.3375)}))
+              for number, beam in ((1, GALVEZ), (2, HELD))]
+    return [[(name, beam, study.if_there(run, beam, radius, seed)) for name, beam, radius, seed in group] for group in (measured, types, others)]
+
+
+def main():
+    coarse = 1e-3
+    measured, types, others = variants(coarse)
+    absent = [name for name, _, found in (*measured, *types, *others) if not found]
+    measured, types, others = ([row for row in group if row[2]] for group in (measured, types, others))
+    alone = study.if_there(whole, GETTU, coarse)
+    beside = [(name, found) for name, _, found in measured] + ([("particles alone, r 1 mm, packing 1", alone)] if alone else [])
     study.put("beams.md", "table mixed strips", strip_table())
-    study.put("beams.md", "table mixed measured", measured_table([*measured, ("elements alone", never(GETTU, coarse))]))
+    study.put("beams.md", "table mixed measured", measured_table([*beside, ("elements alone", never(GETTU, coarse))]))
     study.put("beams.md", "table mixed estimates", estimate_table())
-    study.put("beams.md", "table mixed cracks", crack_table([*gettu_paths, *cracked, *far, *near]))
-    named = [*((f"Garcia-Alvarez, {name}", found) for name, found in measured), *((name, found) for name, _, found in cracked)]
-    study.put("beams.md", "table mixed cost", cost_table(named))
-    study.put("beams.md", "table mixed plan", study.table(["beam", "r, mm", "particles of the whole beam", "s of one thread by the plan"], [
-        [name, f"{1e3 * radius:g}", *("{} {:.0f}".format(*alone_seconds(beam, radius, found.summary["time"])).split())] for name, beam, radius, found in (
-            ("Garcia-Alvarez", GETTU, coarse, measured[0][1]), ("Garcia-Alvarez", GETTU, fine, measured[2][1]), ("Galvez", GALVEZ, coarse, cracked[2][2]))]))
-    draw_curves(measured, [*cracked[1:4:1], *cracked[5:]])
-    lines = {number: [(name.split(", ", 1)[1], found) for name, beam, found in cracked if beam is types[number]] for number in types}
-    draw_paths([("Garcia-Alvarez et al. 2012, r 1 mm, packing 1", GETTU, measured[0][1], measured[:3]),
-                *((f"Galvez et al. 1998, type {number}, distances taken, r 1 mm, packing 1", types[number], lines[number][2][1], lines[number]) for number in types)])
+    named = [*((f"Garcia-Alvarez, {name}", beam, found) for name, beam, found in measured), *types, *others]
+    study.put("beams.md", "table mixed cracks", crack_table(named) + ("\n" + study.not_run(absent) if absent else ""))
+    study.put("beams.md", "table mixed cost", cost_table([(f"Garcia-Alvarez, {name}", found) for name, found in beside] + [(name, found) for name, _, found in types]))
+    planned = [("Garcia-Alvarez, r 1 mm", GETTU, coarse, measured[0][2])] + [(name, beam, coarse, found) for name, beam, found in types if "r 1 mm" in name]
+    study.put("beams.md", "table mixed plan", study.table(["beam", "particles of the whole beam", "s of one thread by the plan"], [
+        [name, *alone_seconds(beam, radius, found.summary["time"])] for name, beam, radius, found in planned]))
+    draw_curves(beside, [*types, *others[:2]])
+    panels = [("Garcia-Alvarez et al. 2012, r 1 mm, packing 1", GETTU, measured[0][2], beside[:3])]
+    for number, beam in ((1, GALVEZ), (2, HELD)):
+        own = [(name.split(", ", 1)[1], found) for name, its, found in types if its is beam]
+        panels.append((f"Galvez et al. 1998, type {number}, distances taken, {own[-1][0]}", beam, own[-1][1], own))
+    draw_paths(panels)
 
 
 if __name__ == "__main__":
