@@ -111,6 +111,25 @@ def particles_that_sleep_are_not_damaged(folder):
         assert np.max(particles["damage"][:]) == 0.0
 
 
+@fact
+def a_beam_in_mixed_mode_opens_as_it_was_measured(folder):
+    """Garcia-Alvarez et al. 2012 before the notch cracks: 2041 to 2258 N open its mouth by 5 um. What turns into particles by then is at the notch's tip and,
+    as the load is to its right, more on that side."""
+    out = os.path.join(folder, "out")
+    run(os.path.join(ROOT, "scenes", "bending-mixed.yaml"), out, "--set", "time.end=2.4 ms", "--set", "output.snapshots=0", "--set", "run.threads=1")
+    with h5py.File(os.path.join(out, "results.h5")) as file:
+        history, particles = file["history"], file["particles"]
+        near = np.abs(history["opening"][:] - 5e-6) < 0.2e-6
+        load = 0.05 * np.mean(history["force"][:][near])
+        start = particles["position"][:] - particles["displacement"][:]
+        awake = particles["asleep"][:] == 0
+        tip = np.linalg.norm(start[:, :2] - [0.075, 0.02], axis=1) < 5e-3
+        assert np.all(awake[tip]) and 100 < np.sum(awake) < 2500, np.sum(awake)
+        right = np.mean(start[awake & (start[:, 1] > 0.02), 0]) - 0.075
+    assert 2041 < load < 2258, load
+    assert right > 1e-3, right
+
+
 PULLED = """dimension: 2
 specimen: {group: 1, lattice: {kind: square, radius: 0.5 mm, cells: [30, 8]}}
 materials: [{name: m, density: 9931, normal_stiffness: 24e9, kratio: 1, friction: 0, bond_tension_limit: 1e12, bond_shear_limit: 1e12}]

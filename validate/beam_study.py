@@ -5,6 +5,7 @@ the same packings that are pulled apart; nothing is fitted to the beam. Fills do
 """
 import numpy as np
 
+import meshes
 import study
 
 BAND = study.ROOT / "validate" / "references" / "beam-gregoire-2013.csv"
@@ -123,22 +124,13 @@ def mesh():
     """Two blocks of triangles at both sides of the middle; supports at their lower side."""
     path = FOLDER / "sides.msh"
     FOLDER.mkdir(parents=True, exist_ok=True)
-    nodes, cells, feet = [], [], []
-    for start, end in ((0.0, MIDDLE - FREE), (MIDDLE + FREE, LENGTH)):
+    nodes, cells, feet = [], [], {}
+    for side, start, end, at in (("left", 0.0, MIDDLE - FREE, 0.5 * (LENGTH - SPAN)), ("right", MIDDLE + FREE, LENGTH, 0.5 * (LENGTH + SPAN))):
         columns, rows, first = round((end - start) / SIDE), round(DEPTH / SIDE), len(nodes)
         nodes += [(start + SIDE * c, SIDE * r) for r in range(rows + 1) for c in range(columns + 1)]
-        for r in range(rows):
-            for c in range(columns):
-                a = first + 1 + r * (columns + 1) + c
-                b, d, e = a + 1, a + columns + 2, a + columns + 1
-                cells += [(a, b, d), (a, d, e)] if (r + c) % 2 else [(a, b, e), (b, d, e)]
-        at = 0.5 * (LENGTH - SPAN) if start == 0.0 else 0.5 * (LENGTH + SPAN)
-        feet.append(first + 1 + round((at - start) / SIDE))
-    lines = ["$MeshFormat", "2.2 0 8", "$EndMeshFormat", "$PhysicalNames", "3", '0 1 "support_left"', '0 2 "support_right"', '2 3 "body"',
-             "$EndPhysicalNames", "$Nodes", str(len(nodes)), *(f"{k + 1} {x:.10g} {y:.10g} 0" for k, (x, y) in enumerate(nodes)), "$EndNodes",
-             "$Elements", str(len(cells) + 2), *(f"{k + 1} 15 2 {k + 1} {k + 1} {feet[k]}" for k in range(2)),
-             *(f"{k + 3} 2 2 3 3 {a} {b} {d}" for k, (a, b, d) in enumerate(cells)), "$EndElements"]
-    path.write_text("\n".join(lines) + "\n")
+        cells += meshes.triangles(first + 1 + np.arange((rows + 1) * (columns + 1)).reshape(rows + 1, columns + 1))
+        feet[f"support_{side}"] = first + 1 + round((at - start) / SIDE)
+    meshes.write(path, nodes, cells, feet)
     return str(path)
 
 
@@ -209,9 +201,9 @@ def beside(value, low, high):
 
 # --- a hinge, to hold the model against ---------------------------------------------------------------------------
 
-def linear(energy):
+def linear(energy, tensile=TENSILE):
     """Openings and stresses at the corners of a softening law."""
-    return [(0.0, TENSILE), (2 * energy / TENSILE, 0.0)]
+    return [(0.0, tensile), (2 * energy / tensile, 0.0)]
 
 
 def bilinear(energy):
@@ -219,23 +211,28 @@ def bilinear(energy):
     return [(0.0, TENSILE), (0.8 * energy / TENSILE, TENSILE / 3), (3.6 * energy / TENSILE, 0.0)]
 
 
-def hinge(corners):
-    """Largest load (N) of a ligament whose crack spreads its opening over a layer of half its height (Olesen 2001): strains are linear over the height,
-    what a fibre is longer by is stress over modulus times the layer and the opening that goes with that stress."""
-    height, count = DEPTH - NOTCH, 400
+def hinge_moment(corners, height, young):
+    """Largest moment (N m per m of breadth) of a section whose crack spreads its opening over a layer of half its height (Olesen 2001): strains are linear over
+    the height, what a fibre is longer by is stress over modulus times the layer and the opening that goes with that stress."""
+    count, tensile = 400, corners[0][1]
     layer, y = 0.5 * height, (np.arange(count) + 0.5) / count * height
     opened, stress = np.array(corners).T
-    longer = opened + layer * stress / MODULUS  # grows along the law, as the layer is stiff
+    longer = opened + layer * stress / young  # grows along the law, as the layer is stiff
     most = 0.0
     for curvature in np.geomspace(1e-3, 60, 300):
         low, high = 0.0, height
         for _ in range(60):
             centre = 0.5 * (low + high)
             strain = curvature * (y - centre)
-            carried = np.where(strain * MODULUS <= TENSILE, strain * MODULUS, np.interp(strain * layer, longer, stress, right=0.0))
+            carried = np.where(strain * young <= tensile, strain * young, np.interp(strain * layer, longer, stress, right=0.0))
             low, high = (centre, high) if carried.sum() > 0 else (low, centre)
-        most = max(most, BREADTH * np.sum(carried * (y - centre)) * height / count)
-    return 4 * most / SPAN
+        most = max(most, np.sum(carried * (y - centre)) * height / count)
+    return most
+
+
+def hinge(corners):
+    """Largest load of the beam, N."""
+    return 4 * BREADTH * hinge_moment(corners, DEPTH - NOTCH, MODULUS) / SPAN
 
 
 def hinge_table():

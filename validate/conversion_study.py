@@ -7,6 +7,7 @@ import sys
 import numpy as np
 
 import coupling_study
+import meshes
 import study
 
 ADAPTIVE = "scenes/bending-adaptive.yaml"
@@ -25,19 +26,9 @@ def mesh():
     x = places(0, [*half, 2, *half[::-1]])
     y = places(0, [7, 7, 6, 5, 3, 2, 2, 3, 5, 6, 7, 7, *[8] * 5])
     number = np.arange(1, len(x) * len(y) + 1).reshape(len(y), len(x))
-    cells = []
-    for r in range(len(y) - 1):
-        for c in range(len(x) - 1):
-            if x[c] > 218.5 and x[c + 1] < 221.5 and y[r + 1] < 30.5:
-                continue
-            a, b, d, e = number[r, c], number[r, c + 1], number[r + 1, c + 1], number[r + 1, c]
-            cells += [(a, b, d), (a, d, e)] if (r + c) % 2 else [(a, b, e), (b, d, e)]
-    feet = [number[0, int(np.argmin(abs(x - at)))] for at in (20, 420)]
-    lines = ["$MeshFormat", "2.2 0 8", "$EndMeshFormat", "$PhysicalNames", "3", '0 1 "support_left"', '0 2 "support_right"', '2 3 "body"', "$EndPhysicalNames",
-             "$Nodes", str(number.size), *(f"{number[r, c]} {x[c]:.10g} {y[r]:.10g} 0" for r in range(len(y)) for c in range(len(x))), "$EndNodes",
-             "$Elements", str(len(cells) + 2), *(f"{k + 1} 15 2 {k + 1} {k + 1} {feet[k]}" for k in range(2)),
-             *(f"{k + 3} 2 2 3 3 {a} {b} {d}" for k, (a, b, d) in enumerate(cells)), "$EndElements"]
-    MESH.write_text("\n".join(lines) + "\n")
+    cells = meshes.triangles(number, lambda r, c: not (x[c] > 218.5 and x[c + 1] < 221.5 and y[r + 1] < 30.5))
+    feet = {f"support_{side}": number[0, int(np.argmin(abs(x - at)))] for side, at in (("left", 20), ("right", 420))}
+    meshes.write(MESH, [(at, up) for up in y for at in x], cells, feet)
 
 
 def runs():
