@@ -3,8 +3,8 @@ soften and yield, cylinders of 107 to 13 500 spheres. Fills the parts on concret
 
     /usr/bin/python3 validate/concrete_study.py [--fresh] [--kept] [--quick] [curves] [large] [particles] [most] [choices] [speed] [step] [hydrostatic] [oedometer]
 
-A quarter of an hour of one core, without `large` (two more packings of 13 500 spheres, and 60 MPa), which takes twice as much, and `most` (71 852 spheres, as many as
-the source's largest specimen), which takes as much as all others; these are made when they are named.
+A quarter of an hour of one core, without `large` (two more packings of 13 500 spheres) and `most` (71 852 spheres, as many as the source's largest
+specimen), which take as much each and are made when they are named.
 --kept: tables of the runs that are there; --quick: no more than 1 500 spheres, two minutes, and prints what it would have written. Runs stay in
 runs/studies/concrete.
 """
@@ -39,7 +39,7 @@ RAMP = 1e-3  # s, in which the pressure comes: eleven crossings of the cylinder 
 TESTS = {0: (0.006, 0.05), 1.5: (0.006, 0.1), 4.5: (0.009, 0.1), 9: (0.012, 0.2), 30: (0.02, 0.2), 60: (0.025, 0.2)}
 MANY = {9: (0.006, 0.2), 30: (0.0105, 0.4), 60: (0.0105, 0.4)}  # the same of many spheres, for their cost
 LARGE = 1500 if QUICK else 13500
-LARGE_TESTS = (0, 1.5, 4.5, 9, 30)  # 60 MPa with fewer alone
+LARGE_TESTS = tuple(TESTS)
 MOST = 71852
 LONG = ("large", "most")  # made when they are asked for by name
 MIDDLE = 500 if QUICK else 1500
