@@ -464,15 +464,15 @@ def what_comes_off_loses_its_membrane_to_what_lay_beneath(folder):
 @fact
 def the_pressure_in_the_middle_is_held_at_large_strain(folder):
     """Of what bulges, breaks and loses grains: specimens that are shortened by a quarter. Mean stress across of the spheres in the middle, of which
-    there are some 60 whose pressures scatter by a quarter: three standard errors are 10 % of one specimen, of which three are not alike."""
+    there are some 60 whose pressures scatter by a quarter: three standard errors are 10 % of one specimen, and no two specimens are alike."""
     found = []
-    for seed in (1, 7, 11):
+    for seed in (1, 7):
         given = triaxial(2e7, time={"end": 8e-3})
         given["specimen"] = {**given["specimen"], "particles": 1000}
         given["run"] = {**given.get("run", {}), "seed": seed}
         for wall in given["walls"]:
             wall["motion"] = {"vz": [[1e-4, 0], [2e-4, 0.5 * wall["normal"][2]]]}
-        out = run_scene(folder, given, name=f"seed-{seed}")
+        out = run_scene(folder, given, "--threads", "1", name=f"seed-{seed}")
         with results(out) as file:
             x, r, s = (file["particles/" + name][:] for name in ("position", "radius", "stress"))
         across = np.hypot(*(x[:, :2] - np.median(x[:, :2], axis=0)).T)

@@ -113,8 +113,9 @@ static gneiss_status keep_patches(gn_world *w, const gn_patch *all, gneiss_error
     size_t at = 0;
     for (size_t k = 0; k < most; k++)
         if (all[k].size > 0.0) {
+            const size_t p = k / SIDES;
             d->patches[at] = all[k];
-            d->patches[at++].owner = d->particles.id[k / SIDES];
+            d->patches[at++].owner = d->particles.id[p];
         }
     return GNEISS_OK;
 }

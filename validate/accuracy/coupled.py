@@ -59,7 +59,7 @@ def axes(v):
             Axis("cell", [4e-3, 6e-3, 8e-3], key("elements.beam.cell")),
             Axis("velocity", [8 * v, 4 * v, 2 * v, v], speed),
             Axis("safety", [0.9, 0.5], key("time.safety")),
-            Axis("precision", ["double", "mixed"], key("run.precision"))]
+            Axis("precision", ["double", "mixed"], key("run.precision"), ["double", "mixed"])]
 
 
 def strength(row):
@@ -80,7 +80,7 @@ def saved(truth, rows):
 
 
 def section(study, pictures):
-    v, radius = (8e-3, 2e-3) if study.quick else (2e-3, 1e-3)
+    v, radius = (16e-3, 2e-3) if study.quick else (2e-3, 1e-3)
     packed = {"polygon": POLYGON, "mean_radius": radius, "density_basis": "bulk", "packing": {"overlap": "passive", "size_variation": 0.1}}
     name, request = f"coupled-{radius:g}", {"dimension": 2, "specimen": packed, "run": {"seed": 1}}
     shaken = list(range(2 if study.quick else 5))
