@@ -482,6 +482,47 @@ def the_pressure_in_the_middle_is_held_at_large_strain(folder):
     assert abs(np.mean(found) - 1) < 0.1 and np.max(np.abs(np.array(found) - 1)) < 0.3, found
 
 
+def pressed(**more):
+    """A lattice of discs under pressure; the lower three of its left side are a set."""
+    given = scene(2, specimen={"lattice": {"kind": "hexagonal", "radius": 1e-3, "cells": [6, 4, 1]}}, membrane={"pressure": 1e6},
+                  sets=[{"name": "some", "select": {"ids": [0, 1, 2]}, **more.pop("some", {})}], time={"end": 1}, **more)
+    return given
+
+
+@fact
+def a_force_of_a_stage_reaches_what_the_membrane_presses_as_well(folder):
+    out = run_scene(folder, pressed(some={"force": [0, 0]}, stages=[{"name": "a", "end": {"time": 5e-5}},
+                                                                    {"name": "b", "sets": {"some": {"force": [2000, 0]}}, "end": {"time": 1e-4}}]))
+    with results(out) as file:
+        total = file["particles/applied_force"][:].sum(axis=0)
+    assert abs(total[0] - 2000) < 1e-6 * 2000 and abs(total[1]) < 1e-3, total
+
+
+@fact
+def what_is_let_go_or_was_never_held_comes_off_as_what_breaks_does(folder):
+    """Pulled away by more than a radius: it is not pressed any more, and the pressure is on what remains."""
+    away = {"motion": {"vx": -20.0, "vy": 0.0}}
+    stages = [{"name": "a", "end": {"time": 5e-5}}, {"name": "b", "sets": {"some": away}, "end": {"time": 3e-4}}]
+    found = {}
+    for name, some, off in (("never", {"group": 0}, {}), ("dissolved", {}, {"bonds": {"enabled": "off"}})):
+        out = run_scene(folder, pressed(some=some, damping={"background": {"model": "viscous", "coefficient": 1000}},
+                                        stages=[stages[0], {**stages[1], **off}]), name=name)
+        with results(out) as file:
+            found[name] = np.linalg.norm(file["particles/applied_force"][:], axis=1)
+    for force in found.values():
+        assert not force[:3].any() and (force[3:] > 0).sum() > 10, force
+
+
+@fact
+def a_hull_far_from_the_surface_of_the_particles_is_warned_of(folder):
+    """Of two bodies: each is pressed by a share of the gap between them as well."""
+    rows = [[2e-3 * i, 2e-3 * j, 1e-3] for i in range(5) for j in range(5)]
+    for gap in (0, 0.05):
+        given = scene(2, specimen={"particles": rows + ([[x + gap, y, r] for x, y, r in rows] if gap else [])}, membrane={"pressure": 1e5}, time={"end": 1e-5})
+        names = [warning["name"] for warning in summary(run_scene(folder, given, name=f"gap-{gap:g}"))["warnings"]]
+        assert ("membrane_hull" in names) == bool(gap), (gap, names)
+
+
 @fact
 def yield_under_pressure_takes_poissons_ratio_below_zero(folder):
     """Of the law: normal springs alone yield. A hexagonal lattice has (1 - k)/(3 + k) with k = k_t/k_n, but for what its skin lacks; under

@@ -32,16 +32,49 @@ typedef struct hands {
     size_t count, capacity;
 } hands;
 
+/* Whether anything that was held has come loose. */
+static bool has_loosened(const gn_dem *d) {
+    if (d->broken_tension + d->broken_shear + d->lost > 0) return true;
+    for (size_t c = 0; c < d->bonds.soa.count; c++)
+        if (d->bonds.cause[c] == GN_BOND_DISSOLVED) return true;
+    return false;
+}
+
+/* Whether a particle is farther than its radius from where it lay on the skin as a whole: what was
+ * never held has come off then, and not where the packing left a gap. */
+static bool has_gone(const gn_world *w, const double mean[3], size_t p) {
+    const gn_particles *q = &w->dem.particles;
+    double way[3];
+    for (int a = 0; a < 3; a++) way[a] = q->pos[4 * p + a] - q->start[4 * p + a] - mean[a];
+    return gn_dot3(way, way) > q->pos[4 * p + 3] * q->pos[4 * p + 3];
+}
+
+/* How the skin has moved, by the mean of its particles. */
+static void mean_way(const gn_particles *q, double mean[3]) {
+    double count = 0.0;
+    for (int a = 0; a < 3; a++) mean[a] = 0.0;
+    for (size_t p = 0; p < q->soa.count; p++) {
+        if (!gn_is_pressed(q, p)) continue;
+        for (int a = 0; a < 3; a++) mean[a] += q->pos[4 * p + a] - q->start[4 * p + a];
+        count += 1.0;
+    }
+    for (int a = 0; a < 3 && count > 0.0; a++) mean[a] /= count;
+}
+
 /* For good: what comes back is not pressed again. Whether there is any that was not known. */
 static bool mark_off(gn_world *w) {
     gn_particles *q = &w->dem.particles;
     const int32_t *members = gn_world_bodies(w);
+    const bool loosened = has_loosened(&w->dem);
     int32_t largest = 0;
     bool found = false;
+    double mean[3];
+    mean_way(q, mean);
     for (size_t p = 0; members && p < q->soa.count; p++)
         largest = members[p] > largest ? members[p] : largest;
     for (size_t p = 0; p < q->soa.count; p++) {
-        bool off = q->vel[4 * p + 3] == 0.0 || (members && GN_CHIP * members[p] < largest);
+        bool off = q->vel[4 * p + 3] == 0.0 || (members && GN_CHIP * members[p] < largest &&
+                                                (loosened || has_gone(w, mean, p)));
         if (!off || gn_came_off(q, p)) continue;
         memset(q->skin + 4 * p, 0, 3 * sizeof *q->skin);
         q->skin[4 * p + 3] = going;
@@ -219,9 +252,8 @@ static gneiss_status change_hands(hands *h, gneiss_error *error) {
 }
 
 gneiss_status gn_membrane_drop(gn_world *w, bool *dropped, gneiss_error *error) {
-    const gn_dem *d = &w->dem;
     hands h = {.w = w};
-    *dropped = d->broken_tension + d->broken_shear + d->lost > 0 && mark_off(w);
+    *dropped = mark_off(w);
     if (!*dropped) return GNEISS_OK;
     gneiss_status status = take_up(w, &h, error);
     if (status == GNEISS_OK) status = change_hands(&h, error);

@@ -97,12 +97,13 @@ static void close_surface(gn_particles *q) {
 /* Such that sum a x = V along each axis, x where the areas act: the mean stress is the pressure. */
 static void scale(gn_world *w, double (*arms)[9]) {
     gn_particles *q = &w->dem.particles;
-    double factor[3] = {1, 1, 1};
+    double factor[3] = {1, 1, 1}, *most = &w->dem.membrane->hull;
     for (int a = 0; a < (int)w->scene.dimension; a++) {
         double sum = 0.0;
         for (size_t p = 0; p < q->soa.count; p++)
             sum += arms[p][4 * a] + q->skin[4 * p + a] * q->pos[4 * p + a];
         factor[a] = w->volume / sum;
+        *most = fmax(*most, factor[a]);
     }
     for (size_t p = 0; p < q->soa.count; p++) {
         double *s = q->skin + 4 * p;

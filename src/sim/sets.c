@@ -261,6 +261,8 @@ gneiss_status gn_sets_enter(gn_world *w, gneiss_error *error) {
     if (q->applied) memset(q->applied, 0, q->soa.count * 4 * sizeof *q->applied);
     for (size_t k = 0; q->applied && k < w->scene.set_count; k++)
         if (w->scene.sets[k].has_force) share_force(w, k);
+    if (q->load)
+        memcpy(q->load, q->applied, q->soa.count * 4 * sizeof *q->load); /* beside pressure */
     if (!(w->effects & GN_FX_PRESCRIBED)) return GNEISS_OK;
     free_slots(w);
     /* A velocity that jumps takes an impulse, which the kernel books as work. */
