@@ -1,7 +1,7 @@
 /* The sharp limit of many particles by those few that can set it. In a packing of unequal spheres
  * the fastest mode sits around a small particle in a tight place: nearly all others are slower by
  * their own blocks, whatever the rest does. What is left, with some layers around it, is a system
- * of its own. With the springs that lead out of it doubled it is never slower than the whole; its
+ * of its own. With the springs that lead out of it weighed it is never slower than the whole; its
  * mode, at rest outside, has a quotient in the whole that is never faster. Where both agree that is
  * the limit of the whole; where they do not, as in lattices, where all particles are alike, nothing
  * is said. */
@@ -74,11 +74,10 @@ static gneiss_status solve_around(local_search *s, int layers, gn_step_limit *li
 static gneiss_status leave_unsettled(local_search *s, size_t *count, gneiss_error *error) {
     gn_springs *y = s->whole;
     const size_t n = y->particles;
-    *count = gn_springs_above(y, s->high, s->core);
+    gn_springs_above(y, s->high, s->core);
     memset(s->inside, 0, n);
     if (!gn_springs_settle(y, s->high, s->core, UINT8_MAX, s->inside))
         return gn_fail(error, GNEISS_ERROR_MEMORY, "no memory for the weights of %zu particles", n);
-    *count = 0;
     for (size_t p = 0; p < n; p++) {
         s->core[p] = s->inside[p];
         if (s->core[p]) y->weight[p] = 1.0;
@@ -89,7 +88,7 @@ static gneiss_status leave_unsettled(local_search *s, size_t *count, gneiss_erro
 
 static gneiss_status search(local_search *s, size_t first, gn_step_limit *limit, bool *found,
                             gneiss_error *error) {
-    size_t count;
+    size_t count = 0;
     memset(s->core, 0, s->whole->particles);
     s->core[first] = 1;
     GN_TRY(solve_around(s, LAYERS, limit, error)); /* near enough to leave out most others */
