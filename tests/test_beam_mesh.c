@@ -234,15 +234,14 @@ static void deform(gn_fem_solid *body, double f[3][3]) {
 static void rotation_does_not_stiffen_and_stretch_does(void **state) {
     (void)state;
     gn_fem_solid *body = block();
-    gneiss_error error = {0};
     double f[3][3], factor;
     rotation((double[]){1.0, 2.0, 3.0}, 1.1, f);
     deform(body, f);
-    assert_int_equal(gn_fem_stiffening(body, &factor, &error), GNEISS_OK);
+    factor = gn_fem_stiffening(body);
     assert_true(factor >= 1.0 && factor < 1.0 + 1e-12);
     double stretch[3][3] = {{1.05, 0, 0}, {0, 1.0, 0}, {0, 0, 1.0}};
     deform(body, stretch);
-    assert_int_equal(gn_fem_stiffening(body, &factor, &error), GNEISS_OK);
+    factor = gn_fem_stiffening(body);
     assert_true(factor > 1.05 && factor < 1.12);
     body_end(body);
 }
@@ -273,7 +272,7 @@ static double growth_after(double share, double stretch) {
         for (int k = 0; k < 2; k++) /* far below the stretch */
             if (body->nodes.slot[n] < 0 || k == 1)
                 body->nodes.pos[4 * n + k] += 1e-9 * sin(1.0 + 12.9898 * (double)(2 * n + k));
-    assert_int_equal(gn_fem_stiffening(body, &factor, &error), GNEISS_OK);
+    factor = gn_fem_stiffening(body);
     double dt = share * (share < 1.0 ? limit.bound / factor : limit.sharp), speed = 0.0;
     gneiss_status status = GNEISS_OK;
     for (int k = 0; k < 4000 && status == GNEISS_OK; k++)

@@ -507,7 +507,7 @@ static void errors_say_where_and_what(void **state) {
     REFUSE("bodies: [{name: b, box: {size: [1, 1, 1]}, stiffness: 1, friction: 0.1}]", "kratio");
     REFUSE("bodies: [{name: b, box: {size: [1, 1, 1]}, stiffness: 1, free: true}]", "density");
     REFUSE("bodies: [{name: b, box: {size: [1, 1, 1]}, stiffness: 1, free: true, density: 3, "
-           "initial_spin: [0, 3, 0], motion: {wx: 1}}]",
+           "initial_spin: [0, 3, 0], motion: {wx: 1, wy: 0, wz: 0}}]",
            "initial_spin", "no prescribed spin");
     REFUSE("bodies: [{name: b, box: {size: [1, 1, 1]}, stiffness: 1, density: 3}]", "density",
            "free");

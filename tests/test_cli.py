@@ -788,7 +788,7 @@ def what_the_command_line_gave_is_blamed_for_what_comes_of_it(folder):
     for given, pattern in (("time.step=1", "input error: --set time.step: expected a step below the end"),
                            ("time.step=1e-4", "input error: --set time.step: expected at most .*stability limit"),
                            ("sets=[{name: foot, select: {ids: [999]}, motion: {vz: 0}}]", "input error: --set sets: set 'foot': select.ids: expected numbers from 0 to 149, found 999"),
-                           ("periodic={min: [0, 0, 0], max: [1 mm, 1, 1]}", "input error: --set periodic: expected a length of at least .* along x"),
+                           ("periodic={min: [0, 0, 0], max: [1 mm, 1, 1]}", "input error: --set periodic: expected a box longer along x than the centres of the specimen are apart"),
                            ("periodic={min: [0, 0, 0], max: [1, 1, 1], open: w}", "input error: --set periodic: periodic.open: expected one of none, x, y, z, found 'w'")):
         expect(gneiss("run", LATTICE, "--out", os.path.join(folder, "out"), "--quiet", "--set", given), 2, pattern)
     expect(gneiss("run", LATTICE, "--out", os.path.join(folder, "out"), "--quiet", "--set", "sets.foot.select.end.by=centre", "--set", "sets.foot.select.end.depth=1e-9 m"), 2,

@@ -18,6 +18,7 @@ typedef struct block {
     const char *convert; /* keys of it besides box and width */
     const char *box;     /* NULL: all */
     const char *elements, *rest;
+    double distortion; /* of the mesh */
 } block;
 
 static const double modulus = 24e9, density = 7800.0, spacing = 1e-3, width = 6e-3;
@@ -41,9 +42,10 @@ static text *text_of(const block *s) {
         "law: {stiffness: uniform}\nbonds: {interaction_range: 0.01}\n",
         density / solid, s->space ? modulus * spacing : modulus);
     add(t,
-        "elements: {%s: {size: [%s], cells: [%s]}, materials: [{young: %g, poisson: 0, density: "
-        "%g}]%s}\n",
-        s->space ? "box" : "rectangle", size, cells, modulus, density,
+        "elements: {%s: {size: [%s], cells: [%s], distortion: %g}, materials: [{young: %g, "
+        "poisson: "
+        "0, density: %g}]%s}\n",
+        s->space ? "box" : "rectangle", size, cells, s->distortion, modulus, density,
         s->elements ? s->elements : "");
     add(t, "couple: {convert: {box: %s, width: %g, %s}}\ntime: {end: 1}\n%s",
         s->box     ? s->box
@@ -402,6 +404,29 @@ static void two_places_that_meet_leave_nothing_between_them(void **state) {
     world_end(w);
 }
 
+/* What is kept of elements from one conversion to the next says what a look at all of them does. */
+static void the_bound_of_what_is_left_is_that_of_all_elements(void **state) {
+    (void)state;
+    for (int space = 0; space < 2; space++) {
+        block s = space ? cube : plate;
+        s.distortion = space ? 0.15 : 0.24;
+        gn_world *w = block_of(&s);
+        gn_element_model *q = w->elements[0];
+        const double start = q->limit.bound;
+        for (int k = 0; k < 6; k++) {
+            const double from = 2e-3 * k, low = space ? 0.0 : 2e-3 * (k % 3);
+            convert(w, from - 1e-3, from + 3e-3, low - 1e-3, low + 5e-3);
+            gn_fem_limit all = {0};
+            assert_int_equal(gn_fem_bound(&q->solid, &all, NULL), GNEISS_OK);
+            assert_int_equal(q->limit.bound_element, all.bound_element);
+            assert_true(q->limit.bound == all.bound);
+            run_steps(w, 3);
+        }
+        assert_true(q->limit.bound != start);
+        world_end(w);
+    }
+}
+
 /* At the end of the block what is thinner than a zone goes too. */
 static void a_remnant_thinner_than_a_zone_goes_too(void **state) {
     (void)state;
@@ -675,6 +700,60 @@ static void threads_and_resumption_amid_conversion_give_the_same_bits(void **sta
     unlink(path);
 }
 
+/* Largest and least time between two rows of the history; returns how many there are. */
+static size_t rows_of(const gn_run *run, double gap[2]) {
+    const double *t = gn_history_column(&run->history, "time");
+    const size_t rows = run->history.row_count;
+    gap[0] = INFINITY;
+    gap[1] = 0.0;
+    for (size_t k = 1; k < rows; k++) {
+        gap[0] = fmin(gap[0], t[k] - t[k - 1]);
+        gap[1] = fmax(gap[1], t[k] - t[k - 1]);
+    }
+    return rows;
+}
+
+static void finish(gn_run *run) {
+    gneiss_error error = {0};
+    for (int k = 0; k < 10000 && !run->finished; k++)
+        if (gn_run_steps(run, 1, &error) != GNEISS_OK) fail_msg("%s", error.message);
+    assert_true(run->finished);
+}
+
+/* Steps become shorter with the first particles: rows stay as many as are asked for, the same time
+ * apart, also where a run is taken up amid them. */
+static void rows_stay_evenly_apart_when_steps_become_shorter(void **state) {
+    (void)state;
+    enum { ROWS = 40 };
+    char path[] = "/tmp/gneiss-rows-XXXXXX";
+    gneiss_error error = {0};
+    double gap[2];
+    close(mkstemp(path));
+    gn_run *run = busy_run(false, 1, "double"), *again = calloc(1, sizeof *again);
+    const double step = run->world.dt, end = 1000.0 * step;
+    run->world.scene.end = end;
+    run->history_interval = 1000 / ROWS;
+    if (gn_run_steps(run, 500, &error) != GNEISS_OK) fail_msg("%s", error.message);
+    if (gn_checkpoint_write(run, path, &error) != GNEISS_OK ||
+        gn_checkpoint_load(path, NULL, 0, again, &error) != GNEISS_OK)
+        fail_msg("%s", error.message);
+    again->world.scene.end = end;
+    finish(run);
+    finish(again);
+    assert_true(run->world.dt < 0.9 * step);
+    const size_t rows = rows_of(run, gap);
+    assert_true(rows + 1 >= ROWS && rows <= ROWS + 1);
+    assert_close(gap[0], end / ROWS, 1.5 * run->world.dt * ROWS / end);
+    assert_close(gap[1], end / ROWS, 1.5 * run->world.dt * ROWS / end);
+    assert_int_equal(again->history.row_count, rows);
+    assert_true(gn_world_hash(&again->world) == gn_world_hash(&run->world));
+    gn_run_free(run);
+    gn_run_free(again);
+    free(run);
+    free(again);
+    unlink(path);
+}
+
 /* --- what is refused --- */
 
 static void assert_refused(const block *s, const char *from, const char *to, const char *words) {
@@ -720,6 +799,7 @@ int main(void) {
         cmocka_unit_test(a_zone_that_is_passed_carries_all_of_the_stress),
         cmocka_unit_test(converting_keeps_momentum_and_books_energy),
         cmocka_unit_test(two_places_that_meet_leave_nothing_between_them),
+        cmocka_unit_test(the_bound_of_what_is_left_is_that_of_all_elements),
         cmocka_unit_test(a_remnant_thinner_than_a_zone_goes_too),
         cmocka_unit_test(a_corner_and_an_edge_convert),
         cmocka_unit_test(all_of_a_body_can_convert),
@@ -731,6 +811,7 @@ int main(void) {
         cmocka_unit_test(what_reactions_jump_by_is_booked),
         cmocka_unit_test(means_are_those_of_elements_and_particles_together),
         cmocka_unit_test(threads_and_resumption_amid_conversion_give_the_same_bits),
+        cmocka_unit_test(rows_stay_evenly_apart_when_steps_become_shorter),
         cmocka_unit_test(what_cannot_convert_is_refused),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

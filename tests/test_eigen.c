@@ -87,6 +87,31 @@ static void lanczos_finds_the_same_in_a_metric(void **state) {
     free(weighed);
 }
 
+/* Pairs of a place in front and one at the end, of which one is stiffer than all others. */
+static void pairs_product(const void *context, const double *x, double *y) {
+    size_t n = *(const size_t *)context;
+    for (size_t k = 0; k < n; k++) {
+        size_t other = n - 1 - k;
+        int stiff = k == 3 || other == 3;
+        y[k] = stiff ? 10.0 * x[k] + 5.0 * x[other] : x[k] + 0.5 * x[other];
+    }
+}
+
+/* The start has something in front alone, products at the end as well: what is passed over because
+ * there is nothing in it must not be when there is. */
+static void lanczos_follows_where_products_lead(void **state) {
+    (void)state;
+    size_t n = 9000;
+    double *x = calloc(n, sizeof *x);
+    for (size_t k = 0; k < 100; k++) x[k] = 1.0 + 0.01 * (double)k;
+    gn_eigen_top top;
+    assert_int_equal(gn_eigen_largest(n, pairs_product, &n, 1e-9, 2, x, &top, NULL), GNEISS_OK);
+    assert_close(top.value, 15.0, 1e-9);
+    assert_close(fabs(x[3]), sqrt(0.5), 1e-6);
+    assert_close(fabs(x[n - 4]), sqrt(0.5), 1e-6);
+    free(x);
+}
+
 static void lanczos_refuses_a_zero_start(void **state) {
     (void)state;
     size_t n = 3;
@@ -101,6 +126,7 @@ int main(void) {
         cmocka_unit_test(jacobi_finds_the_spectrum_of_a_path),
         cmocka_unit_test(lanczos_converges_through_restarts),
         cmocka_unit_test(lanczos_finds_the_same_in_a_metric),
+        cmocka_unit_test(lanczos_follows_where_products_lead),
         cmocka_unit_test(lanczos_refuses_a_zero_start),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

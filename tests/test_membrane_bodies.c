@@ -107,11 +107,45 @@ static void bodies_that_are_apart_do_not_push_or_turn_one_another(void **state) 
     world_end(w);
 }
 
+/* Pairs, rows and layers have no shape that follows them: they are left alone, and refused where
+ * there is nothing else. */
+static void what_has_no_volume_is_not_pressed(void **state) {
+    (void)state;
+    static const char rest[] =
+        "\nmaterials: [{name: m, density: 2650, contact_modulus: 10 GPa, kratio: 3, friction: 0.5, "
+        "tensile_strength: 1e90, shear_strength: 1e90}]\nlaw: {stiffness: harmonic}\nbonds: "
+        "{interaction_range: 0.05}\nmembrane: {pressure: 10 MPa}\ntime: {end: 1 ms}\nrun: "
+        "{threads: 1}\n";
+    static const char *const alone[] = {
+        "[[0, 0, 0, 1e-3], [1.2e-3, 1.6e-3, 0, 1e-3]]",
+        "[[0, 0, 0, 1e-3], [2e-3, 0, 0, 1e-3], [4e-3, 0, 0, 1e-3]]",
+        "[[0, 0, 0, 1e-3], [2e-3, 0, 0, 1e-3], [0, 2e-3, 0, 1e-3], [2e-3, 2e-3, 0, 1e-3]]"};
+    for (int k = 0; k < 3; k++) {
+        char yaml[1024];
+        gn_world w;
+        gneiss_error error = {0};
+        snprintf(yaml, sizeof yaml, "dimension: 3\nspecimen: {particles: %s}%s", alone[k], rest);
+        assert_int_equal(world_try(&w, yaml, "/tmp", &error), GNEISS_ERROR_INPUT);
+        assert_non_null(
+            strstr(error.message, "membrane: expected particles that enclose a volume"));
+    }
+    gn_world *w = world_of(
+        "dimension: 3\nspecimen: {particles: [[0, 0, 0, 1e-3], [2e-3, 0, 0, 1e-3], [1e-3, 1.7e-3, "
+        "0, "
+        "1e-3], [1e-3, 0.6e-3, 1.6e-3, 1e-3], [20e-3, 0, 0, 1e-3], [21.2e-3, 1.6e-3, 0, 1e-3]]}%s",
+        rest);
+    const gn_particles *q = &w->dem.particles;
+    for (size_t p = 0; p < q->soa.count; p++)
+        assert_true(q->id[p] < 4 ? q->skin[4 * p + 3] > 0.0 : q->skin[4 * p + 3] == 0.0);
+    world_end(w);
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(areas_turn_with_the_body_that_they_are_of),
         cmocka_unit_test(two_bodies_that_swing_and_turn_gain_no_energy),
         cmocka_unit_test(bodies_that_are_apart_do_not_push_or_turn_one_another),
+        cmocka_unit_test(what_has_no_volume_is_not_pressed),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

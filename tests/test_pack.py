@@ -710,5 +710,35 @@ def sieve_curves_that_are_none_are_refused(folder):
         expect(gneiss("pack", write_scene(folder, scene), "--out", os.path.join(folder, "out")), 2, r"scene.yaml:\d+:\d+: " + pattern)
 
 
+@fact
+def a_variation_beside_sizes_that_have_their_own_is_refused(folder):
+    for packing in ({"sizes": "uniform"}, {"sizes": "sieve", "sieve": [[0.5, 0], [1, 1]]}):
+        scene = {"dimension": 2, "specimen": {"disc": {"diameter": 1}, "particles": 20, "packing": {**packing, "size_variation": 0.3}}}
+        expect(gneiss("pack", write_scene(folder, scene), "--out", os.path.join(folder, "out")), 2,
+               r"scene.yaml:\d+:\d+: specimen.packing.size_variation: expected sizes: fitted or normal beside it, found " + packing["sizes"])
+
+
+@fact
+def sizes_that_too_few_particles_cannot_have_are_told(folder):
+    """Of 40 discs one in 400 of which is above half the largest size. The run has no more than a step."""
+    def told(name, packing, particles):
+        specimen = {"disc": {"diameter": 1}, "particles": particles, "packing": packing}
+        scene = {"dimension": 2, "specimen": specimen, "materials": [{"name": "a", "density": 1, "young": 1, "poisson": 0.2}], "law": {"stiffness": "dempack"},
+                 "time": {"step": 1e-6, "end": 1e-6}, "run": {"threads": 1}}
+        path, pattern = write_scene(folder, scene), r"specimen.packing.(size_ratio|sieve) asks for radii of 1 to (\S+), and the \d+ particles have 1 to ([\d.]+)"
+        packed = gneiss("pack", path, "--out", os.path.join(folder, "pack" + name), "--quiet")
+        expect(packed, 0)
+        expect(checked := gneiss("check", path), 0)
+        expect(gneiss("run", path, "--out", os.path.join(folder, "run" + name), "--quiet"), 0)
+        warned = [w["text"] for w in summary(os.path.join(folder, "run" + name))["warnings"] if w["name"] == "packing_sizes"]
+        found = [re.findall(pattern, text) for text in (packed.stderr, checked.stdout, *warned)]
+        assert len(found) == 2 + len(warned) and len(set(map(str, found))) == 1, (found, packed.stderr)
+        return found[0]
+    [(key, asked, got)] = told("wide", {"sizes": "sieve", "sieve": [[0.02, 0], [1, 1]]}, 40)
+    assert key == "sieve" and float(asked) == 50 and float(got) < 50 * 0.9 / 1.1, (asked, got)
+    assert not told("even", {"sizes": "uniform", "size_ratio": 3}, 200)
+    assert not told("narrow", {"sizes": "sieve", "sieve": [[0.5, 0], [1, 1]]}, 200)
+
+
 if __name__ == "__main__":
     sys.exit(main())

@@ -95,6 +95,31 @@ static void a_node_may_move_half_a_radius_in_a_step(void **state) {
     stops(BLOCK("-501"), "elements: a node");
 }
 
+/* At the automatic step a grain by itself flies a part of its radius in a step, and touches for one
+ * or two of these: wherever it comes from, the step is that of the contact when it begins. */
+static void a_flight_ends_with_the_step_of_the_contact(void **state) {
+    (void)state;
+    for (int k = 0; k < 40; k++) {
+        gn_world *w = world_of(
+            "dimension: 3\nspecimen: {particles: [[0, 0, %.17g, 0.45e-3]], "
+            "group: 0}\nmaterials: [{name: m, density: 2200, young: 650 MPa, poisson: 0.37, "
+            "restitution: 0.5}]\nlaw: {stiffness: hertz}\n"
+            "walls: [{name: floor, point: [0, 0, 0], normal: [0, 0, 1]}]\n"
+            "sets: [{name: a, select: {ids: [0]}, initial_velocity: [0, 0, -2]}]\n"
+            "domain: {min: [-9, -9, -9], max: [9, 9, 9]}\nrun: {threads: 1}\ntime: {end: 1}\n",
+            0.45e-3 * (25.0 + 0.013 * k));
+        gneiss_error error = {0};
+        double worst = 0.0;
+        while (w->step < 5000 && (vel_of(w, 0)[2] < 0.0 || w->dem.particles.pos[2] < 0.46e-3)) {
+            if (gn_world_step(w, true, &error) != GNEISS_OK) fail_msg("%s", error.message);
+            worst = fmax(worst, fabs(gn_energy_residual(&w->reading)));
+        }
+        if (worst > 0.01) fail_msg("from %d: residual %g", k, worst);
+        assert_near(vel_of(w, 0)[2], 1.0, 0.01);
+        world_end(w);
+    }
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(a_body_may_move_half_a_radius_in_a_step),
@@ -104,6 +129,7 @@ int main(void) {
         cmocka_unit_test(a_wall_may_slide_along_itself),
         cmocka_unit_test(a_particle_may_turn_half_a_radian_in_a_step),
         cmocka_unit_test(a_node_may_move_half_a_radius_in_a_step),
+        cmocka_unit_test(a_flight_ends_with_the_step_of_the_contact),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

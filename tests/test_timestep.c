@@ -438,6 +438,21 @@ static void where_all_are_alike_few_say_nothing(void **state) {
     destroy(s);
 }
 
+/* As equal grains that have just begun to touch: blocks are exact, nobody is left to look at. */
+static void pairs_that_touch_have_a_limit_by_few(void **state) {
+    (void)state;
+    specimen *s = lattice_specimen(&lattices[2], 1e-3);
+    bond(s, 0.0, 0.0, 0.0);
+    for (size_t c = 1; c < s->bonds.soa.count; c++) {
+        s->bonds.cause[c] = GN_BROKEN_TENSION;
+        s->bonds.length0[c] *= 0.9;
+    }
+    gn_step_limit all = limits_of(s, 1e-8), few = all;
+    assert_true(limit_by_few(s, 1e-3, &few) && few.sharp_low > 0.999 * all.sharp);
+    assert_close(few.sharp, all.sharp, 1e-6);
+    destroy(s);
+}
+
 /* A packing in which part of the contacts are bonds, and unbonded ones with gaps count as near. */
 static specimen *rock_with_near_contacts(double alpha, gn_effects effects) {
     specimen *s = rock(0.012, effects);
@@ -468,7 +483,7 @@ static void a_step_that_holds_is_below_the_limit_of_all_near_contacts(void **sta
                 gn_step_verdict v;
                 double step = part * limit.sharp;
                 assert_int_equal(
-                    gn_step_holds(&s->spectrum, step, lanczos ? 1e-5 : 0.0, NULL, &v, NULL),
+                    gn_step_holds(&s->spectrum, step, lanczos ? 1e-5 : 0.0, true, NULL, &v, NULL),
                     GNEISS_OK);
                 if (v.holds) assert_true(step <= limit.sharp);
                 if (v.holds) continue;
@@ -498,7 +513,7 @@ static void a_new_contact_is_found_where_it_is(void **state) {
         gn_step_verdict v;
         changed[7] = changed[8] = 1;
         s->bonds.kn[near ? 7 : 15] *= 4.0; /* seen only where something has changed */
-        assert_int_equal(gn_step_holds(&s->spectrum, 0.98 * sharp, 0.0, changed, &v, NULL),
+        assert_int_equal(gn_step_holds(&s->spectrum, 0.98 * sharp, 0.0, true, changed, &v, NULL),
                          GNEISS_OK);
         assert_int_equal(v.holds, !near);
     }
@@ -576,6 +591,7 @@ int main(void) {
         cmocka_unit_test(the_limits_have_the_same_bits_for_any_number_of_threads),
         cmocka_unit_test(few_particles_have_the_limit_of_all),
         cmocka_unit_test(where_all_are_alike_few_say_nothing),
+        cmocka_unit_test(pairs_that_touch_have_a_limit_by_few),
         cmocka_unit_test(the_bound_is_that_of_the_worst_block),
         cmocka_unit_test(a_step_that_holds_is_below_the_limit_of_all_near_contacts),
         cmocka_unit_test(a_new_contact_is_found_where_it_is),

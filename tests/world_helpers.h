@@ -89,6 +89,7 @@ static inline void run_steps(gn_world *w, int64_t count) {
     gneiss_error error = {0};
     for (int64_t k = 0; k < count; k++)
         if (gn_world_step(w, w->step == 0, &error) != GNEISS_OK) fail_msg("%s", error.message);
+    gn_near_settle(w);
 }
 
 /* Whether this machine runs an instruction set; says so when not. */

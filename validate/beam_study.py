@@ -211,14 +211,14 @@ def bilinear(energy):
     return [(0.0, TENSILE), (0.8 * energy / TENSILE, TENSILE / 3), (3.6 * energy / TENSILE, 0.0)]
 
 
-def hinge_moment(corners, height, young):
-    """Largest moment (N m per m of breadth) of a section whose crack spreads its opening over a layer of half its height (Olesen 2001): strains are linear over
-    the height, what a fibre is longer by is stress over modulus times the layer and the opening that goes with that stress."""
+def turned(corners, height, young):
+    """Angles, heights of what is pressed (m) and moments (N m per m of breadth) of a section whose crack spreads its opening over a layer of half its height
+    (Olesen 2001): strains are linear over the height, what a fibre is longer by is stress over modulus times the layer and the opening that goes with that stress."""
     count, tensile = 400, corners[0][1]
     layer, y = 0.5 * height, (np.arange(count) + 0.5) / count * height
     opened, stress = np.array(corners).T
     longer = opened + layer * stress / young  # grows along the law, as the layer is stiff
-    most = 0.0
+    found = []
     for curvature in np.geomspace(1e-3, 60, 300):
         low, high = 0.0, height
         for _ in range(60):
@@ -226,23 +226,36 @@ def hinge_moment(corners, height, young):
             strain = curvature * (y - centre)
             carried = np.where(strain * young <= tensile, strain * young, np.interp(strain * layer, longer, stress, right=0.0))
             low, high = (centre, high) if carried.sum() > 0 else (low, centre)
-        most = max(most, np.sum(carried * (y - centre)) * height / count)
-    return most
+        found.append((curvature * layer, centre, np.sum(carried * (y - centre)) * height / count))
+    return np.array(found).T
+
+
+def hinge_moment(corners, height, young):
+    """Largest moment, N m per m of breadth."""
+    return turned(corners, height, young)[2].max()
 
 
 def hinge(corners):
-    """Largest load of the beam, N."""
-    return 4 * BREADTH * hinge_moment(corners, DEPTH - NOTCH, MODULUS) / SPAN
+    """Openings of the mouth (m), ascending, and loads of the beam (N). What bends beside the layer is left out."""
+    angle, pressed, moment = turned(corners, DEPTH - NOTCH, MODULUS)
+    return angle * (DEPTH - pressed), 4 * BREADTH * moment / SPAN
+
+
+OPENINGS = (0.005, 0.01, 0.03, 0.05, 0.075, 0.1, 0.15, 0.2)  # mm
+TAIL = OPENINGS[3:]
 
 
 def hinge_table():
     laws = (("linear, G_f", linear(FRACTURE)), ("linear, G_f/2.5", linear(FRACTURE / INITIAL)), ("bilinear, G_f", bilinear(FRACTURE)))
-    rows = [["without a crack, 2 f b h2/(3 S)", f"{2 * TENSILE * BREADTH * (DEPTH - NOTCH)**2 / (3 * SPAN):.0f}"]]
-    rows += [[name, f"{hinge(corners):.0f}"] for name, corners in laws]
-    return study.table(["softening", "peak, N"], [*rows, ["never, 2 f b h2/S", f"{2 * TENSILE * BREADTH * (DEPTH - NOTCH)**2 / SPAN:.0f}"]])
-
-
-OPENINGS = (0.005, 0.01, 0.03, 0.05, 0.075, 0.1, 0.15, 0.2)  # mm
+    measured, none = band(), ["" for _ in TAIL]
+    rows = [["without a crack, 2 f b h2/(3 S)", f"{2 * TENSILE * BREADTH * (DEPTH - NOTCH)**2 / (3 * SPAN):.0f}", *none]]
+    for name, corners in laws:
+        at, load = hinge(corners)
+        tail = [(np.interp(1e-3 * w, at, load), *(np.interp(w, measured[:, 0], measured[:, k]) for k in (1, 2))) for w in TAIL]
+        rows.append([name, f"{load.max():.0f}, {beside(load.max(), measured[:, 1].max(), measured[:, 2].max())}",
+                     *(f"{value:.0f}, {beside(value, low, high)}" for value, low, high in tail)])
+    rows.append(["never, 2 f b h2/S", f"{2 * TENSILE * BREADTH * (DEPTH - NOTCH)**2 / SPAN:.0f}", *none])
+    return study.table(["softening", "peak, N", *(f"load at {w:g} mm, N" for w in TAIL)], rows)
 
 
 def beam_table(found):

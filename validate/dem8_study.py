@@ -1,7 +1,7 @@
 """Grains beside seven codes: the three cases of Dosta et al. 2024 (Comput. Phys. Commun. 296, 109066) from the input files of that
 comparison, which the project does not have (they come with MercuryDPM's drivers): the folder that holds them is an argument.
 
-    /usr/bin/python3 validate/dem8_study.py FOLDER [penetration] [yade] [drum] [silo]
+    /usr/bin/python3 validate/dem8_study.py FOLDER [penetration] [inputs] [yade] [drum] [silo]
 
 Writes sections of docs/evidence/granular.md. A part of an hour of one core each; `yade` times YADE and gneiss in turns on the
 penetration, a few minutes.
@@ -190,6 +190,129 @@ def in_liggghts(folder, damped, until=0.0315, dt=1e-6):
     return np.array(found)
 
 
+VARIED = {"as above": {}, "friction among grains 0.5 (0.3)": {"m1": {"friction": 0.5}}, "friction with steel 0.4 (0.2)": {"pair": {"friction": 0.4}},
+          "rolling friction 0.05 (none)": {"m1": {"rolling_friction": 0.05}}, "restitution among grains 0.2 (0.5)": {"m1": {"restitution": 0.2}},
+          "E 10 GPa (1)": {"m1": {"young": 1e10}}, "grains of material 2": {"m1": {key: M2[key] for key in ("young", "density", "friction", "restitution")}},
+          "sphere at x 20, y 5 mm (on the axis)": {"at": (0.02, 0.005)}, "sphere at x -10, y -4 mm": {"at": (-0.01, -0.004)}}
+
+
+def inputs(folder):
+    """What one input changed does to the way of the sphere, from shortly before the touch to 30 ms: mm off the mean of the codes."""
+    curve = np.loadtxt(folder / "penetration_25k_curve.csv", delimiter=",", skiprows=2)
+    begin = -0.046
+    speed = np.sqrt(BALL["speed"]**2 + 2 * G * (BALL["at"][2] - begin))
+    fallen = (speed + BALL["speed"]) / G
+    moments, rows = (0.022, 0.023, 0.024, 0.026, 0.028, 0.030), []
+    for number, (title, changed) in enumerate(VARIED.items()):
+        scene = penetration_scene(folder)
+        grains = np.loadtxt(scene["specimen"]["file"])
+        grains[-1, :3] = [*changed.get("at", (0, 0)), begin]
+        scene["specimen"]["file"] = converted(f"inputs-{number}", grains)
+        scene["sets"][0]["initial_velocity"] = [0, 0, -speed]
+        scene["materials"] = [{**M1, **changed.get("m1", {})}, STEEL]
+        scene["contacts"] = [{**BETWEEN[1], **changed.get("pair", {})}]
+        done = run(f"inputs-{number}", {**scene, "time": {"end": 0.0301 - fallen}, "output": {"history_rows": 50}}, **{"output.snapshots": 40, "output.checkpoint": "off"})
+        way = heights(done, 25000)
+        rows.append([title, *(f"{1e3 * (np.interp(at, way[:, 0] + fallen, way[:, 1] - BALL['at'][2]) - np.interp(at, curve[:, 0], curve[:, 1])):+.2f}" for at in moments)])
+    spread = [f"{2e3 * np.interp(at, curve[:, 0], curve[:, 2]):.2f}" for at in moments], [f"{2e3 * np.interp(at, curve[:, 0], curve[:, 3]):.2f}" for at in moments]
+    return study.table(("input (as above in brackets)", *(f"{1e3 * at:.0f} ms" for at in moments)), [*rows, ["2 s.d. of codes", *spread[0]], ["2 s.d. of packings", *spread[1]]])
+
+
+# --- drum and silo -------------------------------------------------------------------------------------
+
+def softer(material, by):
+    return {**material, "young": material["young"] / by}
+
+
+def counted(done, of):
+    """(time, numbers) of each snapshot, kept beside the run, whose snapshots then go; `of` counts."""
+    kept = done.folder / "counted.json"
+    if not kept.exists():
+        kept.write_text(json.dumps([(t, of(x, r)) for t, x, r in snapshots(done, "radius")]))
+        for file in done.folder.glob("*_[0-9]*.hdf"):
+            file.unlink()
+    return json.loads(kept.read_text())
+
+
+def by_quadrants(x, r):
+    """Large and small grains with x, z both positive, both negative, and in the two other quadrants (x positive first)."""
+    right, upper = x[:, 0] > 0, x[:, 2] > 0
+    return [int(np.sum(size & a & b)) for size in (r > 1.5e-3, r < 1.5e-3)
+            for a, b in ((right, upper), (~right, ~upper), (right, ~upper), (~right, upper))]
+
+
+def turning(folder, by, end, rows):
+    """The drum of the comparison with moduli divided by `by`; (run, [(time, counts)])."""
+    grains = particles(folder / "Drum_PartCoordinates.txt")
+    walls, _ = surface("drum", folder / "Drum_walls.txt")
+    large = [int(k) for k in np.flatnonzero(grains[:, 3] > 1.5e-3)]
+    done = run(f"drum-{by}", {
+        "materials": [softer(M1, by), softer(M2, by), STEEL], "contacts": BETWEEN,
+        "specimen": {"file": converted("drum", grains), "material": "m1", "group": 0},
+        "sets": [{"name": "large", "select": {"ids": large}, "material": "m2"}],
+        # That the heap leans to where x and z are positive, as the quadrants that are counted suggest.
+        "bodies": [{"name": "drum", "surface": walls, "material": "steel", "motion": {"wy": -2.0}}],
+        "time": {"end": end}, "output": {"history_rows": 200}}, **{"output.snapshots": rows, "output.checkpoint": "off"})
+    return done, counted(done, by_quadrants)
+
+
+def drum(folder):
+    """Whole with soft grains, its beginning with stiffer ones."""
+    (soft, found), (hard, first) = (turning(folder, *of) for of in DRUMS)
+    at = [0, 0.25, 0.5, 0.75, 1, 1.25, 1.5, 1.75, 2]
+    rows = [[f"{found[k][0]:.2f}", *found[k][1]] for k in (int(np.argmin([abs(row[0] - t) for row in found])) for t in at)]
+    names = [f"{size}, {where}" for size in ("d 4", "d 2") for where in ("x, z > 0", "x, z < 0", "x > 0 > z", "x < 0 < z")]
+    times, counts = np.array([row[0] for row in found]), np.array([row[1] for row in found])
+    apart = max(np.max(abs(np.array(count) - [np.interp(t, times, one) for one in counts.T])) for t, count in first)
+    late = counts[times >= 1]
+    means = [f"{m:.0f} +- {s:.0f}" for m, s in zip(late.mean(0), late.std(0))]
+    return (study.table(("t, s", *names), [*rows, ["1 to 2", *means]])
+            + f"\n\nModuli a {DRUMS[0][0]}th of those of the comparison: {soft.summary['steps']} steps of {soft.summary['dt']:.3g} s, {soft.summary['seconds']['cpu']:.0f} s of one core; residual "
+              f"{soft.residual:.1e}. With a {DRUMS[1][0]}th of the moduli, {DRUMS[1][1]:g} s long ({hard.summary['seconds']['cpu']:.0f} s), no count of {len(first)} moments is "
+              f"farther apart than {apart:.0f} of {sum(found[0][1])}. With the whole moduli the case would be some {5 / soft.summary['dt'] * DRUMS[0][0]**0.5 * soft.summary['seconds']['cpu'] / soft.summary['steps'] / 3600:.0f} hours of one core.")
+
+
+def emptying(folder, name, material, by, end):
+    """One of the silos of the comparison, filled by a source, opened at OPENED s; (run, [(time, [spheres above the outlet])])."""
+    low = SILOS[name][1]
+    walls, _ = surface(f"silo-{name}", folder / f"Silo_walls_{name}_orifice.txt")
+    grain = softer(material, by)
+    done = run(f"silo-{name}-{grain['name']}-{by}", {
+        "materials": [grain, STEEL], "contacts": [c for c in BETWEEN if c["between"] == [grain["name"], "steel"]],
+        "sources": [{"name": "feed", "cylinder": {"diameter": 0.19, "height": 0.08}, "origin": [0, 0, 0.23], "rate": 4e5, "total": 100000,
+                     "mean_radius": 0.002, "size_ratio": 1, "material": grain["name"], "velocity": [0, 0, -2.0]}],
+        "sinks": [{"name": "out", "plane": {"point": [0, 0, low - 0.06], "normal": [0, 0, -1]}}],
+        "bodies": [{"name": "silo", "surface": walls, "material": "steel"},
+                   {"name": "slide", "box": {"size": [0.1, 0.1, 0.005]}, "origin": [-0.05, -0.05, low - 0.0051], "material": "steel",
+                    "motion": {"vx": [[0, 0], [OPENED, 0], [OPENED + 0.005, 4], [OPENED + 0.035, 4], [OPENED + 0.04, 0]]}}],
+        "domain": {"min": [-0.3, -0.3, low - 0.1], "max": [0.3, 0.3, 0.5], "lost": "remove"},
+        "time": {"end": end}, "output": {"history_rows": 200}}, **{"output.snapshots": 100, "output.checkpoint": "off"})
+    return done, counted(done, lambda x, r: [int(np.sum(x[:, 2] > low))])
+
+
+def silo(folder):
+    """What stands above the outlet over the time since it was opened, of the runs of SILO_RUNS."""
+    at = np.arange(0, SILO_RUNS[0][-1] - OPENED, 0.5)
+    rows = []
+    for name, material, by, end in SILO_RUNS:
+        done, counts = emptying(folder, name, material, by, end)
+        t, above = np.array([row[0] for row in counts]) - OPENED, np.array([row[1][0] for row in counts])
+        lying = above[np.searchsorted(t, 0)]
+        part = (above < 0.8 * lying) & (above > 0.4 * lying)
+        rate = -np.polyfit(t[part], above[part], 1)[0]
+        radius, mass = SILOS[name][0], material["density"] * np.pi / 6 * 0.004**3
+        law = 0.58 * 0.6 * material["density"] * np.sqrt(G) * (2 * radius - 1.4 * 0.004)**2.5 / mass
+        rows.append([f"{name}, {material['name']}", *(f"{np.interp(moment, t, above):.0f}" for moment in at), f"{rate:.0f}", f"{law:.0f}",
+                     f"{done.residual:.1e}", f"{done.summary['seconds']['cpu'] / 60:.0f}"])
+    return study.table(("orifice, grains", *(f"{moment:g} s" for moment in at), "left per s, from 80 to 40 %", "Beverloo, flat floor, C 0.58", "residual", "minutes of one core"), rows)
+
+
+DRUMS = ((100, 2.0, 80), (25, 0.2, 8))  # moduli divided by, s, snapshots
+SILOS = {"large": (0.03, -0.0554), "small": (0.02, -0.0593)}  # radius and height of the orifice, m
+OPENED = 0.5  # s
+SILO_RUNS = (("large", M1, 100, 5.0),)
+
+
 # --- beside YADE ---------------------------------------------------------------------------------------
 
 def yade_seconds(job, threads, steps, warm):
@@ -251,6 +374,14 @@ SECTIONS = {
 and walls are the files of the comparison, which came with MercuryDPM and are not part of the project; the materials are theirs (E 1 GPa, nu 0.2, friction 0.3, restitution 0.5
 among grains; steel 0.2 and 0.4). All settings are the defaults: step, restitution that may pull, no rolling friction. The files have
 no steel sphere: it starts on the axis at z = 60 mm, as the onset of the published curve asks for (first touch at -47.25 mm after 21.0 ms)."""),
+    "inputs": ("Penetration: what the inputs do", inputs, """Written by `validate/dem8_study.py`. The same case with one input changed at a time: way of the sphere less the mean of the codes, mm. Friction among grains, with steel
+and against rolling brake the sphere, stiffness and restitution hardly matter, and where it hits matters as much as packings scatter. No single input brings the curve between the codes'; one millisecond
+after the touch it is too high in all rows, which the place of the bed or of the sphere at the start would make up, not a coefficient."""),
+    "drum": ("Drum of two kinds of grains (Dosta et al. 2024)", drum, """Written by `validate/dem8_study.py`. 8 000 grains (d 4 mm, material 2) and 30 000 (d 2 mm, material 1) lie side by side in the halves of a drum (R 100, length 60 mm,
+end panes with it) that turns by 2 rad/s from rest; places, walls and coefficients are those of the comparison, the moduli softened. Turned so that the wall rises where x is positive.
+Grains by quadrants about the axis; the codes' own counts are not at hand."""),
+    "silo": ("Silo of 100 000 grains (Dosta et al. 2024)", silo, """Written by `validate/dem8_study.py`. Cylinder (R 100 mm) over a cone of 45 degrees, triangles of the comparison; grains of 4 mm from a source of our own rain into it; 0.5 s after the start a
+slide opens the orifice. Material and coefficients are those of the comparison, moduli a hundredth. Grains above the orifice over the time since then; the codes' own counts are not at hand."""),
     "yade": ("Penetration: time beside YADE", yade, """Written by `validate/dem8_study.py`. The same grains, walls, materials and step (0.5 us, that of the comparison) for both, the sphere just in touch
 with the bed; programs in turns, one thread each, processor time, which other work on the machine changes little. YADE: `Law2_ScGeom_MindlinPhys_Mindlin`, facets, Verlet distance a tenth of
 the radius as in its script of the comparison; 60 steps after 10. gneiss: 1260 steps less 60, with ledger, lists and looks at the step. Two threads each were not measured."""),

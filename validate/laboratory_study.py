@@ -243,25 +243,32 @@ def labra_part():
     save(figure, "laboratory-labra")
 
 
-def check_runs(dimension):
+BY_RADIUS = {"mean_radius": 0.8431e-3 * (2.15 if QUICK else 1)}  # published for 28 371 spheres
+CHECKS = (("3D, published mean radius", 3, "", BY_RADIUS, 0.1), ("the same, a fifth of the speed", 3, "-slow", BY_RADIUS, 0.02),
+          ("the same, damping 0.2", 3, "-damping", BY_RADIUS, 0.1), ("3D, published number", 3, "-number", {"particles": few(28371)}, 0.1),
+          ("2D", 2, "", {"particles": few(30480)}, 0.1))
+
+
+def check_runs(dimension, name, many, speed):
     """Both tests with the published result of the calibration; None where one is not there (--kept)."""
-    many, overlap = {2: ({"particles": few(30480)}, None), 3: ({"mean_radius": 0.8431e-3 * (2.15 if QUICK else 1)}, 0.017)}[dimension]
-    crush = study.if_there(made, f"check-{dimension}-1", crushed(dimension, 1, 0.1, CHECK[dimension], many, overlap), **RAISED)
-    across = study.if_there(made, f"check-{dimension}-brazilian-1", split(dimension, 1, 0.1, CHECK[dimension], many, overlap), **RAISED)
+    overlap = 0.017 if dimension == 3 else None
+    more = {**RAISED, **({"damping.background.coefficient": 0.2} if name == "-damping" else {})}
+    crush = study.if_there(made, f"check-{dimension}{name}-1", crushed(dimension, 1, speed, CHECK[dimension], many, overlap), **more)
+    across = study.if_there(made, f"check-{dimension}{name}-brazilian-1", split(dimension, 1, speed, CHECK[dimension], many, overlap), **more)
     return crush, across
 
 
 def published_part():
     """The check of the calibration: E, nu and strengths of the published result beside those of our packings with its parameters."""
     rows, missing = [], []
-    for dimension in (3, 2):
-        crush, across = check_runs(dimension)
-        missing += [f"{dimension}D {name}" for run, name in ((crush, "compression"), (across, "Brazilian")) if run is None]
+    for title, dimension, name, many, speed in CHECKS:
+        crush, across = check_runs(dimension, name, many, speed)
+        missing += [f"{title}: {kind}" for run, kind in ((crush, "compression"), (across, "Brazilian")) if run is None]
         if crush is None and across is None:
             continue
         one, wanted = crush or across, TARGETS[dimension]
         n_c, porosity, _, _, radius = groups(one, disc=crush is None)
-        row = [f"{dimension}D", one.summary["counts"]["particles"], f"{100 * porosity:.2f}", f"{n_c:.3f}", f"{radius:.4f}"]
+        row = [title, one.summary["counts"]["particles"], f"{100 * porosity:.2f}", f"{n_c:.3f}", f"{radius:.4f}"]
         if crush:
             law = uniform_strain(crush, CHECK[dimension], dimension)
             row += [f"{plane(crush)[0]:.2f}", f"{law[0]:.2f}", f"{wanted[0]}", f"{plane(crush)[1]:.4f}", f"{law[1]:.3f}", f"{wanted[1]}",

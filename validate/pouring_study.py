@@ -97,6 +97,9 @@ def pour(number):
     done = study.call(["run", str(path), "--quiet", "--out", str(folder), "--set", "output.checkpoint=off"])
     if done.returncode not in (0, 5):
         sys.exit(f"pouring {number}: {done.returncode}\n{done.stderr}")
+    if not (folder / "summary.json").exists():  # the run went bad
+        return {"number": number, "code": done.returncode, "residual": 1.0, "came": 0, "lost": 0, "late": 0, "e": e, "found": rebound(scene, fall),
+                "warnings": ["went bad"], "cpu": 0.0, "steps": 0}
     said = json.loads((folder / "summary.json").read_text())
     came, there = said["sources"][0]["number"], said["counts"]["particles"]
     return {"number": number, "code": done.returncode, "residual": abs(said["energy_residual"]), "came": came, "lost": came - there,

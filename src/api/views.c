@@ -42,6 +42,7 @@ static place find_record(const gneiss_world *world, gneiss_record record) {
     case GNEISS_BONDS:
         return (place){&gn_contact_record, &w->dem.bonds.soa};
     case GNEISS_PAIRS:
+        gn_near_settle(w);
         return (place){&gn_contact_record, &w->dem.pairs.soa};
     case GNEISS_WALL_CONTACTS:
         return (place){&gn_wall_contact_record, &w->boundary.contacts.soa};

@@ -5,6 +5,7 @@
 #include <float.h>
 #include <math.h>
 #include <stdbool.h>
+#include <stdint.h>
 #include <string.h>
 
 /* --- small and dense --- */
@@ -126,11 +127,22 @@ typedef struct lanczos {
     double *weighed;                       /* [n] B w, with a metric */
     double *basis;                         /* [size + 1][n] */
     double *partial;                       /* [blocks][size + 1] */
+    uint8_t *used;                         /* [blocks] some vector has something in it */
     double h[BASIS_MAX * BASIS_MAX];       /* the projection of S, [size][size] */
     double values[BASIS_MAX];              /* Ritz values */
     double vectors[BASIS_MAX * BASIS_MAX]; /* Ritz vectors in the basis, as rows */
     double work[BASIS_MAX * BASIS_MAX];
 } lanczos;
+
+/* Where nothing moves, as in most of a body that sleeps, vectors have nothing but zeros, which need
+ * neither be multiplied nor taken away. */
+static void note_used(const lanczos *l, const double *w) {
+#pragma omp parallel for num_threads(l->threads) schedule(static) if (block_count(l->n) > 4)
+    for (size_t b = 0; b < block_count(l->n); b++) {
+        const size_t end = b * BLOCK + block_size(l->n, b);
+        for (size_t i = b * BLOCK; !l->used[b] && i < end; i++) l->used[b] = !(w[i] == 0.0);
+    }
+}
 
 /* |w|; leaves B w in `weighed`. */
 static double length_of(const lanczos *l, const double *w) {
@@ -144,8 +156,10 @@ static void project(const lanczos *l, int from, int count, const double *w, doub
 #pragma omp parallel for num_threads(l->threads) schedule(static) if (blocks > 4)
     for (size_t b = 0; b < blocks; b++)
         for (int k = from; k < count; k++)
-            l->partial[b * width + (size_t)k] = dot_block(
-                block_size(l->n, b), l->basis + (size_t)k * l->n + b * BLOCK, w + b * BLOCK);
+            l->partial[b * width + (size_t)k] =
+                l->used[b] ? dot_block(block_size(l->n, b), l->basis + (size_t)k * l->n + b * BLOCK,
+                                       w + b * BLOCK)
+                           : 0.0;
     for (int k = from; k < count; k++) {
         c[k] = 0.0;
         for (size_t b = 0; b < blocks; b++) c[k] += l->partial[b * width + (size_t)k];
@@ -172,8 +186,9 @@ static void subtract(const lanczos *l, int from, int count, const double *c, dou
     size_t blocks = block_count(l->n);
 #pragma omp parallel for num_threads(l->threads) schedule(static) if (blocks > 4)
     for (size_t b = 0; b < blocks; b++)
-        subtract_block(block_size(l->n, b), count - from, c + from,
-                       l->basis + (size_t)from * l->n + b * BLOCK, l->n, w + b * BLOCK);
+        if (l->used[b])
+            subtract_block(block_size(l->n, b), count - from, c + from,
+                           l->basis + (size_t)from * l->n + b * BLOCK, l->n, w + b * BLOCK);
 }
 
 static void scale_vector(size_t n, double factor, double *w, int threads) {
@@ -245,6 +260,7 @@ static int iterate(lanczos *l, gn_operator *apply, const void *context, double t
     for (int count = 0;;) {
         double *next = l->basis + (size_t)(count + 1) * l->n;
         apply(context, next - l->n, next);
+        note_used(l, next);
         top->vectors++;
         double beta = orthogonalise(l, ++count, next);
         bool full = count == l->size;
@@ -265,8 +281,9 @@ static int iterate(lanczos *l, gn_operator *apply, const void *context, double t
 static gneiss_status allocate(lanczos *l, gneiss_error *error) {
     l->basis = gn_alloc_array_raw((size_t)l->size + 1, l->n * sizeof(double));
     l->partial = gn_alloc_array(block_count(l->n), ((size_t)l->size + 1) * sizeof(double));
+    l->used = gn_alloc(block_count(l->n));
     if (l->metric) l->weighed = gn_alloc_array(l->n, sizeof(double));
-    if (l->basis && l->partial && (l->weighed || !l->metric)) return GNEISS_OK;
+    if (l->basis && l->partial && l->used && (l->weighed || !l->metric)) return GNEISS_OK;
     return gn_fail(error, GNEISS_ERROR_MEMORY, "no memory for %d Lanczos vectors of length %zu",
                    l->size + 1, l->n);
 }
@@ -275,6 +292,7 @@ static gneiss_status search(lanczos *l, gn_operator *apply, double tolerance, do
                             gn_eigen_top *top, gneiss_error *error) {
     GN_TRY(allocate(l, error));
     memcpy(l->basis, vector, l->n * sizeof(double));
+    note_used(l, l->basis);
     double length = length_of(l, l->basis);
     if (!(length > 0.0 && length < INFINITY))
         return gn_fail(error, GNEISS_ERROR_INTERNAL,
@@ -303,6 +321,7 @@ gneiss_status gn_eigen_largest_in(size_t n, gn_operator *apply, gn_operator *met
     gneiss_status status = search(l, apply, tolerance, vector, top, error);
     gn_free(l->basis);
     gn_free(l->partial);
+    gn_free(l->used);
     gn_free(l->weighed);
     gn_free(l);
     return status;

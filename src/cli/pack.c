@@ -148,6 +148,13 @@ static void print_quality(const gn_scene *scene, const gn_pack_result *r,
            100.0 * q->wall_contacts, 100.0 * q->wall_gap_rms, 100.0 * q->wall_protrusion);
 }
 
+static void warn_of_sizes(const gn_scene *scene, const gn_pack_result *r,
+                          const gn_pack_quality *q) {
+    char text[GNEISS_MESSAGE_SIZE];
+    if (gn_pack_is_narrow(scene, q->radius_min, q->radius_max, r->packing.count, text, sizeof text))
+        fprintf(stderr, "gneiss: warning: %s\n", text);
+}
+
 static void print_quality_json(const gn_pack_result *r, const gn_pack_quality *q) {
     gn_json *j = gn_json_begin();
     gn_json_integer(j, "particles", (int64_t)r->packing.count);
@@ -221,6 +228,7 @@ static gneiss_status pack_into(const gn_options *o, gn_scene *scene, const char 
     if (status == GNEISS_OK) {
         (void)gn_signals_set_flag(); /* writing is short and is not left half done */
         status = gn_pack_write_folder(folder, scene, &result, &quality, error);
+        if (status == GNEISS_OK) warn_of_sizes(scene, &result, &quality);
         if (status == GNEISS_OK && o->json) print_quality_json(&result, &quality);
         if (status == GNEISS_OK && !o->json) print_quality(scene, &result, &quality);
         if (status == GNEISS_OK && !o->json && !o->quiet)

@@ -10,6 +10,8 @@
 #include "cli/plan_law.h"
 #include "cli/plan_stages.h"
 #include "cli/progress.h"
+#include "sim/bending.h"
+#include "sim/body_walls.h"
 #include "sim/conversion.h"
 #include "sim/laboratory.h"
 #include "sim/membrane.h"
@@ -356,6 +358,25 @@ static void print_overlap(const gn_world *w, const gn_overlap *overlap, const ch
     (*warnings)++;
 }
 
+/* One that is put down without an overlap presses with twice its weight at most. */
+static void print_on_walls(const gn_world *w, size_t body, int *warnings) {
+    const double *g = w->scene.gravity;
+    double most = 2.0 * w->boundary.bodies[body].mass * sqrt(gn_dot3(g, g));
+    if (w->scene.bodies[body].free && w->scene.wall_count && w->effects & GN_FX_HERTZ)
+        printf("  body %-12s passes through walls: by Hertz's law it has no stiffness\n",
+               w->scene.bodies[body].name);
+    for (size_t n = 0; n < w->scene.wall_count; n++) {
+        gn_body_overlap o = gn_body_walls_overlap(w, body, n);
+        if (!o.vertices) continue;
+        printf("  body %-12s %zu vertices behind wall '%s', deepest %.3g m\n",
+               w->scene.bodies[body].name, o.vertices, w->scene.walls[n].name, o.deepest);
+        if (!(o.force > most)) continue;
+        printf("  warning: wall '%s' pushes body '%s' out with %.3g N at the start\n",
+               w->scene.walls[n].name, w->scene.bodies[body].name, o.force);
+        (*warnings)++;
+    }
+}
+
 static void print_bodies(const gn_world *w, const gn_overlap *overlaps, int *warnings) {
     for (size_t k = 0; k < w->scene.body_count; k++) {
         const gn_rigid *b = &w->boundary.bodies[k];
@@ -369,6 +390,7 @@ static void print_bodies(const gn_world *w, const gn_overlap *overlaps, int *war
                    gn_point_text(w->scene.origin, b->position, at));
         snprintf(name, sizeof name, "body '%s'", w->scene.bodies[k].name);
         print_overlap(w, &overlaps[k], name, warnings);
+        print_on_walls(w, k, warnings);
     }
     /* The last surface, behind those of bodies, is that of elements. */
     if (w->boundary.surface_count == w->scene.body_count) return;
@@ -419,6 +441,7 @@ static gneiss_status check_particles(const gn_world *w, int *warnings, gneiss_er
     GN_TRY(gn_pairs_find(&query, &pairs, error));
     gn_assembly assembly = gn_world_assembly(w);
     gn_packing_figures at1, at5;
+    char narrow[GNEISS_MESSAGE_SIZE];
     gn_packing_measure(&assembly, (const int32_t *)pairs.pair, pairs.count, 0.01, w->volume, &at1);
     gn_packing_measure(&assembly, (const int32_t *)pairs.pair, pairs.count, 0.05, w->volume, &at5);
     gn_pair_list_free(&pairs);
@@ -428,6 +451,10 @@ static gneiss_status check_particles(const gn_world *w, int *warnings, gneiss_er
         gn_print_range(w, a, w->lower[a], w->upper[a], " (surfaces)");
     print_volume(w);
     print_membrane(w);
+    if (gn_specimen_is_narrow(w, narrow, sizeof narrow)) {
+        printf("  warning: %s\n", narrow);
+        (*warnings)++;
+    }
     printf("  porosity         %.2f %% (overlapping volume counted twice)\n", 100.0 * at5.porosity);
     printf("  coordination     %.2f at gaps up to 1 %%, %.2f up to 5 %% of r_i + r_j\n",
            at1.coordination, at5.coordination);
@@ -459,11 +486,16 @@ static void print_origin(const gn_world *w) {
 
 gneiss_status gn_print_check(gn_world *w, int *warnings, gneiss_error *error) {
     *warnings = 0;
+    char doubts[GNEISS_MESSAGE_SIZE];
     print_origin(w);
     gn_conversion_turn_over(w); /* particles that sleep are described as they will be */
     gneiss_status status = w->scene.has_specimen ? check_particles(w, warnings, error) : GNEISS_OK;
     gn_conversion_turn_over(w);
     GN_TRY(status);
+    if (gn_bending_doubts(w, doubts, sizeof doubts)) {
+        printf("  warning: %s\n", doubts);
+        (*warnings)++;
+    }
     GN_TRY(check_surfaces(w, warnings, error));
     gn_print_element_check(w, warnings);
     gn_print_zones(w, warnings);

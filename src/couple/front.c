@@ -13,7 +13,7 @@ void gn_front_kinds(const gn_fem_solid *solid, const gn_convert_def *def, const 
                     uint8_t *kind) {
     for (size_t e = 0; e < solid->elements.soa.count; e++) {
         bool inside = true, held = false;
-        for (int a = 0; a <= solid->dimension; a++) {
+        for (int a = 0; a <= solid->dimension && inside; a++) {
             const size_t n = (size_t)gn_elements_node(&solid->elements, a)[e];
             for (int k = 0; k < solid->dimension; k++)
                 inside = inside && gn_fem_between(solid, solid->nodes.start + 4 * n, k,

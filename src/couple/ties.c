@@ -217,17 +217,29 @@ gn_tie gn_tie_at(const gn_fem_solid *solid, int32_t element, const double *place
 
 gneiss_status gn_ties_take(const gn_fem_solid *solid, const gn_particles *q, const int32_t *element,
                            gn_ties *t, gneiss_error *error) {
+    const size_t count = q->soa.count;
+    size_t ids = 0, tied = 0;
     *t = (gn_ties){.corners = solid->dimension + 1};
-    t->tie = gn_alloc_array(q->soa.count + 1, sizeof *t->tie);
-    if (!t->tie) return no_memory(q->soa.count, error);
-    for (size_t p = 0; p < q->soa.count; p++) {
-        gn_tie *tie = &t->tie[t->count];
-        if (element[p] < 0) continue;
-        *tie = gn_tie_at(solid, element[p], q->start + 4 * p);
-        tie->id = q->id[p];
-        t->count++;
+    for (size_t p = 0; p < count; p++) {
+        tied += element[p] >= 0;
+        if (element[p] >= 0 && (size_t)q->id[p] >= ids) ids = (size_t)q->id[p] + 1;
     }
-    qsort(t->tie, t->count, sizeof *t->tie, by_id);
+    t->tie = gn_alloc_array(tied + 1, sizeof *t->tie);
+    int32_t *after = gn_alloc_array(ids + 1, sizeof *after); /* by id: 1 + the particle */
+    if (!t->tie || !after) {
+        gn_free(after);
+        gn_ties_free(t);
+        return no_memory(tied, error);
+    }
+    for (size_t p = 0; p < count; p++)
+        if (element[p] >= 0) after[q->id[p]] = (int32_t)p + 1;
+    for (size_t id = 0; id < ids; id++) {
+        const size_t p = (size_t)after[id] - 1;
+        if (!after[id]) continue;
+        t->tie[t->count] = gn_tie_at(solid, element[p], q->start + 4 * p);
+        t->tie[t->count++].id = (int32_t)id;
+    }
+    gn_free(after);
     gneiss_status status = list_nodes(solid, t, error);
     if (status != GNEISS_OK) gn_ties_free(t);
     return status;

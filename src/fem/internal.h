@@ -60,6 +60,13 @@ void gn_fem_find_pressures(const gn_fem_solid *solid);
 /* --- the solid linearised at its start (linear.h, limit.c) --- */
 
 void gn_fem_gradients(const gn_elements *q, size_t e, double gradient[4][3]);
+/* Fills y->stiffness (bound.c). */
+void gn_fem_sum_stiffness(gn_fem_linear *y);
+/* Sets the bound and its element. */
+gneiss_status gn_fem_find_bound(const gn_fem_linear *y, gn_fem_limit *limit, gneiss_error *error);
+/* Of which nothing is known yet (limit.c). */
+gn_fem_limit gn_fem_limit_none(void);
+void gn_fem_known_free(struct gn_fem_known *known);
 
 /* Of the pressure form (linear_pressure.c): operator and metric over M^1/2 u and q,
  * [nodes][dimension] and [nodes]. */

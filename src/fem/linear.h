@@ -19,6 +19,9 @@ typedef struct gn_fem_linear {
  * they carry included. */
 gneiss_status gn_fem_linear_make(gn_fem_solid *solid, bool whole, gn_fem_linear *y,
                                  gneiss_error *error);
+/* The same but for `stiffness`, which is zero as yet. */
+gneiss_status gn_fem_linear_begin(gn_fem_solid *solid, bool whole, gn_fem_linear *y,
+                                  gneiss_error *error);
 void gn_fem_linear_free(gn_fem_linear *y);
 /* out = scale K scale x, [nodes][dimension], of the displacement form, with a gn_fem_linear; the
  * partial sums of the step, which are made anew every time, hold the forces. */

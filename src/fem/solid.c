@@ -467,6 +467,7 @@ void gn_fem_solid_free(gn_fem_solid *solid) {
     gn_partials_free(&solid->partials);
     gn_deal_free(&solid->deal);
     gn_hold_free(&solid->hold);
+    gn_fem_known_free(solid->known);
     for (size_t k = 0; k < sizeof blocks / sizeof *blocks; k++) gn_free(blocks[k]);
     memset(solid, 0, sizeof *solid);
 }

@@ -98,9 +98,10 @@ typedef struct gn_fem_solid {
     gn_motion_sums *motion_sums;   /* per block of nodes */
     size_t motion_blocks;
 
-    gn_deal deal;  /* of steps among the threads */
-    gn_hold hold;  /* nodes that wait for an exchange */
-    bool measured; /* the step between gn_fem_forces and gn_fem_move */
+    gn_deal deal;               /* of steps among the threads */
+    gn_hold hold;               /* nodes that wait for an exchange */
+    struct gn_fem_known *known; /* from the last gn_fem_bound_again (bound.c); NULL: none yet */
+    bool measured;              /* the step between gn_fem_forces and gn_fem_move */
 
     int64_t step;
     double time, dt_past;
@@ -136,8 +137,9 @@ gneiss_status gn_fem_keep(gn_fem_solid *solid, const uint8_t *keep, gneiss_error
 void gn_fem_weigh(gn_fem_solid *solid);
 /* What a step keeps by blocks of elements, after their record was replaced. */
 gneiss_status gn_fem_elements_changed(gn_fem_solid *solid, gneiss_error *error);
-/* J, of all elements where nodes are after `ahead` s at their velocities; displacement form. */
-double gn_fem_stored(const gn_fem_solid *solid, double ahead);
+/* J, of some elements [count] where nodes are after `ahead` s at their velocities; displacement
+ * form. */
+double gn_fem_stored(const gn_fem_solid *solid, const int32_t *element, size_t count, double ahead);
 /* The turn of an element, R of F = R U, at the present positions; the number of the element by
  * place. */
 void gn_fem_turn(const gn_fem_solid *solid, size_t element, double turn[3][3]);
@@ -232,12 +234,13 @@ gneiss_status gn_fem_limits(gn_fem_solid *solid, double tolerance, gn_fem_limit 
                             gneiss_error *error);
 /* Only the bound and the element that sets it. */
 gneiss_status gn_fem_bound(gn_fem_solid *solid, gn_fem_limit *limit, gneiss_error *error);
-/* The same of a body of which *limit has the bound of before, sooner if most of it is as it was. */
+/* The same of a body of which *limit has the bound of before; from the second time on at little
+ * cost where most of it is as it was. */
 gneiss_status gn_fem_bound_again(gn_fem_solid *solid, gn_fem_limit *limit, gneiss_error *error);
 
 /* By what strain and tension may have divided the limit since the start (measures.c): it is now at
  * least `bound`/factor, to first order in the strain. 1 without strain, whatever the rotation. */
-gneiss_status gn_fem_stiffening(const gn_fem_solid *solid, double *factor, gneiss_error *error);
+double gn_fem_stiffening(const gn_fem_solid *solid);
 
 /* --- step (step.c) --- */
 
@@ -271,9 +274,8 @@ uint64_t gn_fem_hash(const gn_fem_solid *solid);
 /* Pa, Cauchy, tension positive, of the present positions: xx yy zz xy yz zx per element, by place.
  */
 void gn_fem_element_stress(const gn_fem_solid *solid, double (*stress)[6]);
-/* The same of those for which wanted[element] is `kind`; the others' are left alone. */
-void gn_fem_some_stress(const gn_fem_solid *solid, const uint8_t *wanted, uint8_t kind,
-                        double (*stress)[6]);
+/* The same of one element; of the pressure form with the pressures last found. */
+void gn_fem_stress_of(const gn_fem_solid *solid, size_t element, double stress[6]);
 /* Stress at nodes: mean over the elements at the node, weighted by their volumes. */
 gneiss_status gn_fem_nodal_stress(const gn_fem_solid *solid, const double (*element)[6],
                                   double (*nodal)[6], gneiss_error *error);

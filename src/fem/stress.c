@@ -42,7 +42,7 @@ static double mean_pressure(const gn_fem_solid *solid, size_t e) {
     return sum / (solid->dimension + 1);
 }
 
-static void stress_of(const gn_fem_solid *solid, size_t e, double stress[6]) {
+void gn_fem_stress_of(const gn_fem_solid *solid, size_t e, double stress[6]) {
     static const int row[6] = {0, 1, 2, 0, 1, 2}, column[6] = {0, 1, 2, 1, 2, 0};
     double f[3][3], s[3][3], det = gn_fem_deformation(solid, e, f);
     second_piola(&solid->elements, e, solid->form == GN_FEM_PRESSURE, f, s);
@@ -58,15 +58,7 @@ static void stress_of(const gn_fem_solid *solid, size_t e, double stress[6]) {
 void gn_fem_element_stress(const gn_fem_solid *solid, double (*stress)[6]) {
     if (solid->form == GN_FEM_PRESSURE) gn_fem_find_pressures(solid);
 #pragma omp parallel for num_threads(solid->threads) schedule(static)
-    for (size_t e = 0; e < solid->elements.soa.count; e++) stress_of(solid, e, stress[e]);
-}
-
-void gn_fem_some_stress(const gn_fem_solid *solid, const uint8_t *wanted, uint8_t kind,
-                        double (*stress)[6]) {
-    if (solid->form == GN_FEM_PRESSURE) gn_fem_find_pressures(solid);
-#pragma omp parallel for num_threads(solid->threads) schedule(static)
-    for (size_t e = 0; e < solid->elements.soa.count; e++)
-        if (wanted[e] == kind) stress_of(solid, e, stress[e]);
+    for (size_t e = 0; e < solid->elements.soa.count; e++) gn_fem_stress_of(solid, e, stress[e]);
 }
 
 gneiss_status gn_fem_nodal_stress(const gn_fem_solid *solid, const double (*element)[6],
@@ -135,14 +127,16 @@ static double energy_ahead(const gn_fem_solid *solid, size_t e, double ahead) {
 }
 
 /* Threads find what single elements hold; it is added up in their order. */
-double gn_fem_stored(const gn_fem_solid *solid, double ahead) {
+double gn_fem_stored(const gn_fem_solid *solid, const int32_t *element, size_t count,
+                     double ahead) {
     enum { SOME = 4096 };
     double sum = 0.0, held[SOME];
-    for (size_t from = 0; from < solid->elements.soa.count; from += SOME) {
-        const size_t left = solid->elements.soa.count - from, count = left < SOME ? left : SOME;
+    for (size_t from = 0; from < count; from += SOME) {
+        const size_t now = count - from < SOME ? count - from : SOME;
 #pragma omp parallel for num_threads(solid->threads) schedule(static)
-        for (size_t k = 0; k < count; k++) held[k] = energy_ahead(solid, from + k, ahead);
-        for (size_t k = 0; k < count; k++) sum += held[k];
+        for (size_t k = 0; k < now; k++)
+            held[k] = energy_ahead(solid, (size_t)element[from + k], ahead);
+        for (size_t k = 0; k < now; k++) sum += held[k];
     }
     return sum;
 }

@@ -5,6 +5,7 @@
 
 #include "kernels/partials.h"
 #include "kernels/simd.h"
+#include "soa/field.h"
 
 #include <string.h>
 
@@ -40,6 +41,13 @@ GN_INLINE void gn_fetch_ahead(gn_block_particles *ahead, const gn_real *const *r
     for (int k = 0; k < few; k++)
         for (int r = 0; r < kinds; r++) __builtin_prefetch(rows[r] + 4 * (int64_t)ahead->next[k]);
     ahead->next += few;
+}
+
+/* How many of them a vector has to fetch, so that all are there before the last of so many. */
+GN_INLINE int gn_fetch_rate(const gn_block_particles *ahead, size_t vectors) {
+    enum { LEAST = (GN_W + 1) / 2 };
+    const size_t rate = (size_t)(ahead->end - ahead->next) / (vectors + 1) + 1;
+    return rate < LEAST ? LEAST : rate > GN_LANES_MAX ? GN_LANES_MAX : (int)rate;
 }
 
 #endif

@@ -263,9 +263,11 @@ GN_INLINE void contact_core(const gn_contact_args *a, size_t begin, size_t end,
     brief motion[2], force[2];
     couple_rows couples[2];
     const size_t vectors = (end - begin + GN_W - 1) / GN_W;
+    const int kinds = 2 + (w.shear && w.rotation), few = gn_fetch_rate(&ahead, vectors);
+    for (int k = 0; k < 12; k++) gn_fetch_ahead(&ahead, read, kinds, few);
     for (size_t v = 0; v < vectors + STAGES - 1; v++) {
         const size_t c = begin + v * GN_W;
-        gn_fetch_ahead(&ahead, read, 2 + (w.shear && w.rotation), (GN_W + 1) / 2);
+        gn_fetch_ahead(&ahead, read, kinds, few);
         brief *even = &force[v % 2], *odd = &force[(v + 1) % 2];
         if (UNDER_WAY(5))
             add_rows(a, c - 5 * GN_W, end, AT(5), odd, &couples[(v + 1) % 2], partial, rows, w);

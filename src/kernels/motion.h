@@ -45,6 +45,7 @@ typedef struct gn_motion_args {
      * half step; 0.5: of the instant, if nothing were damped. */
     double damping_lead;
     bool measure;         /* also sum kinetic energies and resultants */
+    bool changes;         /* also find by how much velocities change at most */
     const gn_hold *hold;  /* NULL: all blocks move at once */
     gn_motion_pass pass;  /* of blocks that are held */
     const double *origin; /* rows [n][4] that travel_f is counted from; NULL: `ref` */
@@ -64,6 +65,7 @@ typedef struct gn_motion_args {
     X(HALVES, prescribed, "J", "work")                                                             \
     X(MOST, speed2, "m2/s2", "largest")                                                            \
     X(MOST, spin2, "1/s2", "largest, with `measure`")                                              \
+    X(MOST, change2, "m2/s2", "largest change of a velocity, with `changes`")                      \
     X(FIRST, bad, "1", "a particle whose velocity is not finite, or -1")
 
 typedef struct gn_motion_sums {

@@ -165,7 +165,7 @@ GN_INLINE gn_v kinetic(const gn_motion_args *a, const motion *q, int space) {
 
 /* Lane sums over a block. */
 typedef struct lane_sums {
-    gn_v kinetic, rotational, resultant, damping[2], gravity[2], applied[2], speed2, spin2;
+    gn_v kinetic, rotational, resultant, damping[2], gravity[2], applied[2], speed2, spin2, change2;
 } lane_sums;
 
 /* Work of a force, and what background damping takes, in the halves before and after the instant.
@@ -295,10 +295,7 @@ GN_INLINE void translate(const gn_motion_args *a, size_t p, const double *sum, s
     gn_v x[4], v[4];
     load_rows(q->pos, p, x);
     load_rows(q->vel, p, v);
-    motion m;
-    m.inverse = v[3];
-    m.v = (gn_v3){v[0], v[1], v[2]};
-    m.f = load_of(sum, k, 0, w);
+    motion m = {.inverse = v[3], .v = {v[0], v[1], v[2]}, .f = load_of(sum, k, 0, w)};
     gn_v3 weight = {gn_set(0.0), gn_set(0.0), gn_set(0.0)}, applied = weight;
     if (w.gravity) {
         gn_v3 g = {gn_set(a->gravity[0]), gn_set(a->gravity[1]), gn_set(a->gravity[2])};
@@ -329,6 +326,10 @@ GN_INLINE void translate(const gn_motion_args *a, size_t p, const double *sum, s
     }
     gn_v speed2 = gn_dot(m.v_new, m.v_new, 1);
     e->speed2 = gn_max(e->speed2, speed2);
+    if (a->changes) {
+        gn_v3 change = gn_sub(m.v_new, m.v, 1);
+        e->change2 = gn_max(e->change2, gn_dot(change, change, 1));
+    }
     unsigned bad = gn_bits(gn_not(gn_less(speed2, gn_set(1e300))));
     if (__builtin_expect(bad != 0, 0)) note_bad(a, p, bad, s);
     gn_v velocity[4] = {m.v_new.x, m.v_new.y, m.v_new.z, v[3]}, dt = gn_set(a->dt);
@@ -351,10 +352,7 @@ GN_INLINE void rotate(const gn_motion_args *a, size_t p, const double *sum, size
     double interval = 0.5 * (a->dt_past + a->dt);
     gn_v o[4];
     load_rows(q->spin, p, o);
-    motion m;
-    m.inverse = o[3];
-    m.v = (gn_v3){o[0], o[1], o[2]};
-    m.f = load_of(sum, k, 1, w);
+    motion m = {.inverse = o[3], .v = {o[0], o[1], o[2]}, .f = load_of(sum, k, 1, w)};
     m.v_new = m.v;
     kick(a, a->damping_spin, &m, interval, 1, w);
     if (prescribed) m = prescribe(a, p, 3, w.vector ? a->damping_spin : 0.0, interval, m, s);
@@ -389,7 +387,7 @@ GN_INLINE void motion_block(const gn_motion_args *a, size_t begin, size_t end, l
 GN_INLINE void motion_core(const gn_motion_args *a, size_t begin, size_t end, gn_motion_sums *s,
                            variant w) {
     gn_v zero = gn_set(0.0);
-    lane_sums e = {zero, zero, zero, {zero, zero}, {zero, zero}, {zero, zero}, zero, zero};
+    lane_sums e = {zero, zero, zero, {zero, zero}, {zero, zero}, {zero, zero}, zero, zero, zero};
     for (size_t b = begin; b < end; b += GN_PARTICLE_BLOCK)
         motion_block(a, b, b + GN_PARTICLE_BLOCK < end ? b + GN_PARTICLE_BLOCK : end, &e, s, w);
     s->kinetic += gn_fold(e.kinetic);
@@ -400,12 +398,14 @@ GN_INLINE void motion_core(const gn_motion_args *a, size_t begin, size_t end, gn
         s->gravity[h] += gn_fold(e.gravity[h]);
         s->applied[h] += gn_fold(e.applied[h]);
     }
-    double speed2[GN_W], spin2[GN_W];
+    double speed2[GN_W], spin2[GN_W], change2[GN_W];
     gn_store(speed2, e.speed2);
     gn_store(spin2, e.spin2);
+    gn_store(change2, e.change2);
     for (int k = 0; k < GN_W; k++) {
         s->speed2 = speed2[k] > s->speed2 ? speed2[k] : s->speed2;
         s->spin2 = spin2[k] > s->spin2 ? spin2[k] : s->spin2;
+        s->change2 = change2[k] > s->change2 ? change2[k] : s->change2;
     }
 }
 

@@ -95,6 +95,7 @@ static gneiss_status search(local_search *s, size_t first, gn_step_limit *limit,
     s->high = s->low * (1.0 + 0.5 * s->tolerance);
     GN_TRY(leave_unsettled(s, &count, error));
     const double others = s->high;
+    *found = count == 0; /* as where loose grains touch one other each: none may be faster */
     for (int round = 0; !*found && count <= s->whole->particles / SHARE && round < ROUNDS;
          round++) {
         gn_step_limit around = *limit;

@@ -153,51 +153,56 @@ static gneiss_status judge_by_blocks(const gn_spectrum *spectrum, double step, u
     return status;
 }
 
+/* What is asked of the step, see gn_step_holds. */
+typedef struct inquiry {
+    double step, tolerance;
+    bool limit;
+} inquiry;
+
 /* By weights or, with a tolerance, by Lanczos. Without, and if the step does not hold, the largest
  * smaller one in steps of 3 % that does by weights, if that is more than what blocks alone say. */
-static gneiss_status judge_system(gn_springs *y, double step, double tolerance,
-                                  const uint8_t *marked, uint8_t highest, gn_step_verdict *verdict,
-                                  gneiss_error *error) {
+static gneiss_status judge_system(gn_springs *y, const inquiry *q, const uint8_t *marked,
+                                  uint8_t highest, gn_step_verdict *verdict, gneiss_error *error) {
+    const double step = q->step, tolerance = q->tolerance;
     verdict->holds = weights_settle(y, 1.0 / step, marked, highest);
     if (verdict->holds) return GNEISS_OK;
     gn_step_limit limit;
     GN_TRY(gn_springs_limits(y, tolerance, &limit, error));
     verdict->limit = tolerance > 0.0 ? limit.sharp : limit.bound;
     verdict->holds = verdict->limit >= step;
-    if (tolerance > 0.0) return GNEISS_OK;
+    if (tolerance > 0.0 || !q->limit) return GNEISS_OK;
     for (double less = 0.97 * step; less > verdict->limit; less *= 0.97)
         if (weights_settle(y, 1.0 / less, marked, highest)) verdict->limit = less;
     return GNEISS_OK;
 }
 
-static gneiss_status step_holds(const gn_spectrum *spectrum, double step, double tolerance,
-                                double *sums, uint8_t *marked, gn_step_verdict *verdict,
-                                gneiss_error *error) {
+static gneiss_status step_holds(const gn_spectrum *spectrum, const inquiry *q, double *sums,
+                                uint8_t *marked, gn_step_verdict *verdict, gneiss_error *error) {
     enum { LAYERS = 3 };
     gn_springs y = {0};
-    if (!leave_by_sums(spectrum, 1.0 / step, sums, marked)) return GNEISS_OK;
-    GN_TRY(judge_by_blocks(spectrum, step, marked, verdict, error));
+    if (!leave_by_sums(spectrum, 1.0 / q->step, sums, marked)) return GNEISS_OK;
+    GN_TRY(judge_by_blocks(spectrum, q->step, marked, verdict, error));
     if (verdict->holds) return GNEISS_OK;
     for (int layer = 1; layer <= LAYERS; layer++)
         gn_springs_mark_neighbours(spectrum, (uint8_t)layer, marked);
     gneiss_status status = gn_springs_build(spectrum, marked, &y, error);
-    if (status == GNEISS_OK)
-        status = judge_system(&y, step, tolerance, marked, LAYERS + 1, verdict, error);
+    if (status == GNEISS_OK) status = judge_system(&y, q, marked, LAYERS + 1, verdict, error);
     gn_springs_free(&y);
     return status;
 }
 
-gneiss_status gn_step_holds(const gn_spectrum *spectrum, double step, double tolerance,
+gneiss_status gn_step_holds(const gn_spectrum *spectrum, double step, double tolerance, bool limit,
                             const uint8_t *changed, gn_step_verdict *verdict, gneiss_error *error) {
     size_t n = spectrum->assembly->particles->soa.count;
     double *sums = gn_alloc_array(n + 1, 2 * sizeof *sums);
     uint8_t *marked = gn_alloc(n + 1);
+    const inquiry q = {step, tolerance, limit};
     *verdict = (gn_step_verdict){.holds = true, .limit = INFINITY};
     gneiss_status status = GNEISS_OK;
     if (sums && marked) {
         for (size_t p = 0; p < n; p++) marked[p] = !changed || changed[p];
         if (changed) gn_springs_mark_neighbours(spectrum, 1, marked);
-        status = step_holds(spectrum, step, tolerance, sums, marked, verdict, error);
+        status = step_holds(spectrum, &q, sums, marked, verdict, error);
     } else {
         status = gn_fail(error, GNEISS_ERROR_MEMORY, "no memory for %zu particles", n);
     }

@@ -58,7 +58,7 @@ gneiss_status gn_step_bound(const gn_spectrum *spectrum, gn_step_limit *limit, g
 /* What gn_step_holds finds. */
 typedef struct gn_step_verdict {
     bool holds;   /* the scheme is stable at the step asked for */
-    double limit; /* s, if not: a step that is */
+    double limit; /* s, if not, and if it is asked for: a step that is */
 } gn_step_verdict;
 
 /* Whether `step` is stable, at a small part of the cost of gn_step_limits: sums of stiffness over
@@ -67,8 +67,9 @@ typedef struct gn_step_verdict {
  * every block is below. With a `tolerance` Lanczos has the last word, on these particles as a
  * system of its own in which springs that lead out of it count twice. `changed` [particles]: only
  * these and their neighbours are looked at, the rest has been found to hold before; NULL: all are.
- */
-gneiss_status gn_step_holds(const gn_spectrum *spectrum, double step, double tolerance,
+ * `limit`: whether verdict->limit is asked for, which without a tolerance costs much more than
+ * whether the step holds. */
+gneiss_status gn_step_holds(const gn_spectrum *spectrum, double step, double tolerance, bool limit,
                             const uint8_t *changed, gn_step_verdict *verdict, gneiss_error *error);
 
 /* By what factor, at least 1, each particle's own mass [particles] has to be multiplied for `step`

@@ -5,6 +5,7 @@
 #include "base/timer.h"
 #include "neigh/pairs.h"
 #include "pack/seeds.h"
+#include "pack/sizes.h"
 #include "pack/spheres.h"
 
 #include <math.h>
@@ -302,6 +303,29 @@ static gneiss_status name_specimen(const gn_scene *scene, gneiss_status status,
 gneiss_status gn_pack_make(const gn_scene *scene, gn_pack_watch *watch, void *context,
                            gn_pack_result *result, gneiss_error *error) {
     return name_specimen(scene, pack(scene, watch, context, result, error), error);
+}
+
+bool gn_pack_is_narrow(const gn_scene *scene, double least, double most, size_t particles,
+                       char *text, size_t size) {
+    const gn_pack_def *def = &scene->specimen.pack;
+    const gn_sizes sizes = {def->sizes,       def->size_ratio, def->size_variation,
+                            def->sieve_count, def->sieve,      (int)scene->dimension};
+    const bool uniform = def->sizes == GN_SIZES_UNIFORM, curve = def->sizes == GN_SIZES_SIEVE;
+    double smallest, largest;
+    char above[64] = "";
+    text[0] = '\0';
+    if (def->shape == GN_SHAPE_NONE || (!uniform && !curve)) return false;
+    gn_sizes_range(&sizes, &smallest, &largest);
+    const double asked = largest / smallest, found = most / least;
+    if (found >= asked * (1.0 - kept) / (1.0 + kept)) return false;
+    if (curve)
+        snprintf(above, sizeof above, ", and %.0f %% of the mass should be in larger ones",
+                 100.0 * (1.0 - gn_sizes_share(&sizes, found * smallest)));
+    snprintf(text, size,
+             "specimen.packing.%s asks for radii of 1 to %.4g, and the %zu particles have 1 to "
+             "%.4g%s: too few to have one of each size; more of them, or a narrower range",
+             uniform ? "size_ratio" : "sieve", asked, particles, found, above);
+    return true;
 }
 
 void gn_pack_result_free(gn_pack_result *result) {

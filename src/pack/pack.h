@@ -51,4 +51,10 @@ gneiss_status gn_pack_make(const gn_scene *scene, gn_pack_watch *watch, void *co
                            gn_pack_result *result, gneiss_error *error);
 void gn_pack_result_free(gn_pack_result *result);
 
+/* Whether radii [m] that were asked for as a distribution came out narrower than the tenth by which
+ * each may change explains: too few particles for one of each size. `text` then says what was asked
+ * for and what there is, else it is "". */
+bool gn_pack_is_narrow(const gn_scene *scene, double least, double most, size_t particles,
+                       char *text, size_t size);
+
 #endif

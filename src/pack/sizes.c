@@ -43,6 +43,14 @@ void gn_sizes_range(const gn_sizes *s, double *least, double *most) {
     *most = curve ? 1.0 : s->ratio;
 }
 
+double gn_sizes_share(const gn_sizes *s, double size) {
+    size_t k = 1;
+    while (k + 1 < s->sieve_count && s->sieve[2 * k] < size) k++;
+    const double *low = s->sieve + 2 * k - 2, *high = s->sieve + 2 * k;
+    double part = (size - low[0]) / (high[0] - low[0]);
+    return low[1] + (high[1] - low[1]) * fmin(1.0, fmax(0.0, part));
+}
+
 /* Normal and uniform ones lie evenly about the middle. */
 double gn_sizes_mean(const gn_sizes *s) {
     enum { DRAWN = 100000 };

@@ -28,5 +28,7 @@ double gn_sizes_draw(const gn_sizes *sizes, gn_drawn *drawn);
 /* In the same unit: the smallest and the largest that may come, and the mean by number. */
 void gn_sizes_range(const gn_sizes *sizes, double *least, double *most);
 double gn_sizes_mean(const gn_sizes *sizes);
+/* Of a sieve curve: the share of the mass that passes at a size over the largest. */
+double gn_sizes_share(const gn_sizes *sizes, double size);
 
 #endif

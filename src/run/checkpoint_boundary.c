@@ -2,6 +2,7 @@
 #include "base/memory.h"
 #include "run/checkpoint_internal.h"
 #include "run/parts.h"
+#include "sim/body_walls.h"
 #include "sim/internal.h"
 
 #include <stdint.h>
@@ -37,8 +38,11 @@ gneiss_status gn_boundary_save(const gn_world *world, gn_h5 *file, gneiss_error 
     GN_TRY(gn_h5_put_pieces(file, "run", pieces, PIECES, &w->boundary, error));
     GN_TRY(gn_checkpoint_put_arrays(file, arrays, count, error));
     if (!(w->effects & GN_FX_WALLS)) return GNEISS_OK;
-    return gn_h5_put_record(file, "wall_contacts", &gn_wall_contact_record, &w->boundary.contacts,
-                            error);
+    GN_TRY(gn_h5_put_record(file, "wall_contacts", &gn_wall_contact_record, &w->boundary.contacts,
+                            error));
+    if (!w->boundary.body_contacts.soa.count) return GNEISS_OK;
+    return gn_h5_put_record(file, "body_contacts", &gn_wall_contact_record,
+                            &w->boundary.body_contacts, error);
 }
 
 /* --- reading --- */
@@ -68,6 +72,10 @@ static bool good_contacts(const gn_world *w) {
     for (size_t c = 0; c < q->soa.count; c++)
         good = good && q->i[c] >= 0 && (size_t)q->i[c] < w->dem.particles.soa.count &&
                q->wall[c] >= 0; /* and below: check_facets */
+    q = &w->boundary.body_contacts;
+    for (size_t c = 0; c < q->soa.count; c++)
+        good = good && q->i[c] >= 0 && (size_t)q->i[c] < w->boundary.body_vertex_count &&
+               q->wall[c] >= 0 && (size_t)q->wall[c] < w->scene.wall_count;
     return good;
 }
 
@@ -89,6 +97,9 @@ gneiss_status gn_boundary_load(gn_world *w, const gn_h5 *file, const char *path,
     if (w->effects & GN_FX_WALLS)
         GN_TRY(gn_h5_get_record(file, "wall_contacts", &gn_wall_contact_record, &b->contacts,
                                 w->effects, error));
+    if (gn_h5_has(file, "body_contacts"))
+        GN_TRY(gn_h5_get_record(file, "body_contacts", &gn_wall_contact_record, &b->body_contacts,
+                                gn_body_wall_effects(w), error));
     if (good_bodies(w) && good_contacts(w)) return GNEISS_OK;
     return gn_fail(error, GNEISS_ERROR_INPUT,
                    "%s: expected particle numbers below %zu, found others", path,

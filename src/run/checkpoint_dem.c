@@ -82,9 +82,15 @@ gneiss_status gn_dem_save(const gn_world *world, gn_h5 *file, gneiss_error *erro
     gn_world *w = (gn_world *)(uintptr_t)world; /* list_arrays hands out places to fill */
     gn_checkpoint_array arrays[MOST_ARRAYS];
     size_t count = list_arrays(w, arrays);
+    size_t groups;
+    const gn_near_kept kept = gn_near_keep(w, &groups);
     GN_TRY(gn_h5_put_record(file, "particles", &gn_particle_record, &w->dem.particles, error));
     GN_TRY(gn_h5_put_record(file, "bonds", &gn_contact_record, &w->dem.bonds, error));
     GN_TRY(gn_h5_put_record(file, "pairs", &gn_contact_record, &w->dem.pairs, error));
+    GN_TRY(gn_h5_put(file, "near", GN_F64, 1, sizeof kept / 8, 0, &kept, NULL, NULL, error));
+    if (groups)
+        GN_TRY(
+            gn_h5_put(file, "near_act", GN_U8, groups, 1, 0, w->dem.near.act, NULL, NULL, error));
     if (gn_converts(w)) GN_TRY(put_sleepers(w, file, error));
     GN_TRY(gn_h5_put_pieces(file, "run", pieces, PIECES, &w->dem, error));
     GN_TRY(gn_checkpoint_put_events(w, file, error));
@@ -172,6 +178,25 @@ static gneiss_status get_sleepers(gn_world *w, const gn_h5 *file, const char *pa
     return GNEISS_OK;
 }
 
+/* Which pairs were packed; what they mean is seen once there are lists. */
+static gneiss_status get_near(gn_world *w, const gn_h5 *file, const char *path,
+                              gneiss_error *error) {
+    gn_near *n = &w->dem.near;
+    GN_TRY(gn_h5_get(file, "near", GN_F64, 1, sizeof n->kept / 8, 0, &n->kept, error));
+    const double whole[] = {n->kept.known, n->kept.worked, n->kept.steps};
+    for (int k = 0; k < 3; k++)
+        if (!(whole[k] >= 0.0 && whole[k] < INT32_MAX))
+            return gn_fail(error, GNEISS_ERROR_INPUT, "%s: expected numbers of steps, found %g",
+                           path, whole[k]);
+    n->kept_groups = 0;
+    if (n->kept.packed > 0.0) GN_TRY(gn_h5_rows(file, "near_act", &n->kept_groups, error));
+    n->kept_act = gn_alloc(n->kept_groups + 1);
+    if (!n->kept_act) return gn_fail(error, GNEISS_ERROR_MEMORY, "no memory for marks of pairs");
+    return n->kept_groups
+               ? gn_h5_get(file, "near_act", GN_U8, n->kept_groups, 1, 0, n->kept_act, error)
+               : GNEISS_OK;
+}
+
 gneiss_status gn_dem_load(gn_world *w, const gn_h5 *file, const char *path, gneiss_error *error) {
     gn_effects bonded = gn_contact_list_effects(w->effects, true);
     gn_effects unbonded = gn_contact_list_effects(w->effects, false);
@@ -192,6 +217,7 @@ gneiss_status gn_dem_load(gn_world *w, const gn_h5 *file, const char *path, gnei
         gn_h5_get_record(file, "particles", &gn_particle_record, &d->particles, w->effects, error));
     GN_TRY(gn_h5_get_record(file, "bonds", &gn_contact_record, &d->bonds, bonded, error));
     GN_TRY(gn_h5_get_record(file, "pairs", &gn_contact_record, &d->pairs, unbonded, error));
+    GN_TRY(get_near(w, file, path, error));
     if (gn_converts(w)) GN_TRY(get_sleepers(w, file, path, error));
     GN_TRY(gn_checkpoint_get_events(w, file, error));
     return check(w, path, error);

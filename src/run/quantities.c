@@ -368,7 +368,7 @@ static void read_wall_displacement(const gn_world *w, size_t k, double *value) {
     difference3(value, w->boundary.walls[k].point, w->boundary.walls[k].start);
 }
 
-static const gn_quantity of_walls[] = {{"force", "N", "force of the particles on the wall",
+static const gn_quantity of_walls[] = {{"force", "N", "force of particles and bodies on the wall",
                                         GN_VECTOR, GN_AFTER_STEP, &always, read_wall_force, NULL},
                                        {"displacement", "m", "path of the wall from its start",
                                         GN_VECTOR, GN_BEFORE_STEP, &always, read_wall_displacement,
@@ -394,7 +394,7 @@ static void read_body_velocity(const gn_world *w, size_t k, double *value) {
 }
 
 static const gn_quantity of_bodies[] = {
-    {"force", "N", "force of the particles on the body", GN_VECTOR, GN_AFTER_STEP, &always,
+    {"force", "N", "force of particles and walls on the body", GN_VECTOR, GN_AFTER_STEP, &always,
      read_body_force, NULL},
     {"moment", "N m", "their moment about the reference point of the body", GN_TURN, GN_AFTER_STEP,
      &always, read_body_moment, NULL},

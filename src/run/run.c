@@ -6,6 +6,7 @@
 #include "run/folder.h"
 #include "run/parts.h"
 #include "run/stages.h"
+#include "sim/conversion.h"
 #include "sim/internal.h"
 #include "sim/origin.h"
 
@@ -358,8 +359,25 @@ static gneiss_status go_to_stage(gn_run *run, bool *first, gneiss_error *error) 
     return GNEISS_OK;
 }
 
+/* Rows fall on multiples of the interval. Where elements turn into particles, with which steps
+ * become shorter, they are the interval apart in time instead, from the last one on. */
+static bool row_is_due(const gn_run *run) {
+    const gn_world *w = &run->world;
+    if (!gn_converts(w) || !run->history.row_count) return w->step % run->history_interval == 0;
+    return w->time - last(run, "time") > ((double)run->history_interval - 0.5) * w->dt;
+}
+
+/* As many steps from row to row as take the same time, now that they are others. */
+static void keep_row_spacing(gn_run *run, double step_before) {
+    const gn_world *w = &run->world;
+    if (!gn_converts(w) || w->dt == step_before || run->history_interval == INT64_MAX) return;
+    const double steps = round((double)run->history_interval * step_before / w->dt);
+    run->history_interval = steps < 1.0 ? 1 : steps < 1e18 ? (int64_t)steps : INT64_MAX;
+}
+
 static gneiss_status one_step(gn_run *run, gneiss_error *error) {
     gn_world *w = &run->world;
+    const double step_before = w->dt;
     GN_TRY(gn_run_begin(run, NULL, error));
     bool first = w->step == w->first_step;
     const bool before = run->finished;
@@ -372,7 +390,7 @@ static gneiss_status one_step(gn_run *run, gneiss_error *error) {
         GN_TRY(gn_run_rescue(run, true, status, error));
         next_snapshot(run);
     }
-    if (first || w->step % run->history_interval == 0) {
+    if (first || row_is_due(run)) {
         GN_TRY(gn_history_step(w, &run->history, error));
         GN_TRY(gn_run_check_ledger(run, error));
         check_stop_conditions(run);
@@ -383,6 +401,7 @@ static gneiss_status one_step(gn_run *run, gneiss_error *error) {
     }
     if (w->step % (w->element_count ? WATCH_ELEMENTS : WATCH_INTERVAL) == 0)
         GN_TRY(gn_world_check_step(w, false, error));
+    keep_row_spacing(run, step_before);
     check_halt(run);
     if (gn_run_staged(run)) gn_run_stage_time(run);
     if (!run->finished && w->time >= w->scene.end - 0.5 * w->dt) gn_run_out_of_time(run);

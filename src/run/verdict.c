@@ -1,6 +1,7 @@
 /* What a run has to say against its own results: warnings, and a ledger that does not close. */
 #include "run/run.h"
 #include "run/stages.h"
+#include "sim/bending.h"
 #include "sim/coupling.h"
 
 #include <math.h>
@@ -336,10 +337,25 @@ static void warn_of_hull(const gn_run *run, gn_warnings *list) {
     to->name = "membrane_hull";
     snprintf(
         to->text, sizeof to->text,
-        "the hull of the particles is %.2g times what their surface encloses (several bodies, "
-        "stray particles, or a hollow one), and the membrane's areas are those of the hull: the "
-        "pressure on the particles is too high by as much; give the specimen its shape",
+        "the hull of a body of particles is %.2g times what their surface encloses (it is concave "
+        "or hollow), and the membrane's areas are those of the hull: the pressure on the particles "
+        "is too high by as much; give the specimen its shape",
         m->hull);
+}
+
+static void warn_of_sizes(const gn_run *run, gn_warnings *list) {
+    char text[GNEISS_MESSAGE_SIZE];
+    if (!gn_specimen_is_narrow(&run->world, text, sizeof text)) return;
+    gn_warning *to = &list->warning[list->count++];
+    to->name = "packing_sizes";
+    snprintf(to->text, sizeof to->text, "%.*s", (int)sizeof to->text - 1, text);
+}
+
+static void warn_of_bending(const gn_run *run, gn_warnings *list) {
+    gn_warning *to = &list->warning[list->count];
+    if (!gn_bending_doubts(&run->world, to->text, sizeof to->text)) return;
+    to->name = "test_geometry";
+    list->count++;
 }
 
 /* A factor that goes from one of its bounds to the other and back is no control; one that goes back
@@ -385,6 +401,8 @@ gneiss_status gn_run_warnings(const gn_run *run, gn_warnings *list, gneiss_error
     warn_of_servos(run, list);
     warn_of_control(run, list);
     warn_of_hull(run, list);
+    warn_of_sizes(run, list);
+    warn_of_bending(run, list);
     warn_of_zones(run, list);
     warn_of_sources(run, list);
     warn_of_lost(run, list);

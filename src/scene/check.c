@@ -181,6 +181,12 @@ static gneiss_status check_pack(const check *c, const gn_pack_def *pack, const c
         return gn_check_fail(c, "specimen.packing.size_ratio",
                              "expected sizes: fitted, uniform or normal beside it, found sieve, "
                              "whose first row has the smallest size");
+    if (pack->size_variation >= 0 &&
+        (pack->sizes == GN_SIZES_UNIFORM || pack->sizes == GN_SIZES_SIEVE))
+        return gn_check_fail(c, "specimen.packing.size_variation",
+                             "expected sizes: fitted or normal beside it, found %s, which has its "
+                             "own",
+                             pack->sizes == GN_SIZES_UNIFORM ? "uniform" : "sieve");
     if (pack->overlap == GN_OVERLAP_NONE && pack->overlap_size >= 0)
         return gn_check_fail(c, "specimen.packing.overlap_size",
                              "expected overlap passive beside it, found none");

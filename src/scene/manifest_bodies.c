@@ -44,7 +44,8 @@ static const gn_key body_keys[] = {
         .text = "what the rest of the scene calls it"),
     KEY("surface", FILE, gn_body_def, surface, .second = offsetof(gn_body_def, surface_path),
         PRESENT(TEXT, gn_body_def, surface), .shape_dimension = 3,
-        .text = "3D shape: STL file; closed when the body is free"),
+        .text = "3D shape: STL file; closed when the body is free, unless mass, inertia and "
+                "reference are given"),
     SECTION("box", box_section, PRESENT(BOOL, gn_body_def, has_box), .shape_dimension = 3,
             .text = "3D shape; its lower corner is its origin"),
     SECTION("cylinder", cylinder_section, .offset = offsetof(gn_body_def, cylinder),
@@ -79,11 +80,19 @@ static const gn_key body_keys[] = {
     KEY("reference", VECTOR, gn_body_def, reference, .unit = "m", .range = GN_PLACES,
         PRESENT(BOOL, gn_body_def, has_reference),
         .text = "point about which spin turns the body and moments are taken; without it the "
-                "origin, of free bodies the centre of mass"),
+                "origin, of free bodies the centre of mass, which it moves with mass and inertia"),
     KEY("free", CHOICE, gn_body_def, free, .choices = booleans, .fallback = "false",
         .text = "channels that motion leaves free follow the forces of particles and gravity"),
     KEY("density", REAL, gn_body_def, density, .unit = "kg/m3", .range = GN_DENSITIES,
-        .word = "none", .fallback = "none", .text = "mass density; needed by a free body"),
+        .word = "none", .fallback = "none",
+        .text = "mass density; a free body needs it or its mass"),
+    KEY("mass", REAL, gn_body_def, mass, .unit = "kg", .range = GN_MASSES, .word = "none",
+        .fallback = "none", .text = "of a free body, in place of its density"),
+    KEY("inertia", SPIN, gn_body_def, inertia, .unit = "kg m2", .range = GN_INERTIAS,
+        PRESENT(BOOL, gn_body_def, has_inertia),
+        .text = "moments of inertia of a free body about its centre of mass along x, y, z, which "
+                "are its principal axes at the start; in 2D one number; without it those of the "
+                "shape, filled evenly"),
     KEY("initial_velocity", VECTOR, gn_body_def, initial_velocity, .unit = "m/s",
         .range = GN_SPEEDS, PRESENT(BOOL, gn_body_def, has_initial_velocity),
         .text = "velocity of a free body at the start"),
@@ -92,7 +101,7 @@ static const gn_key body_keys[] = {
         .text = "spin of a free body at the start; in 2D one number"),
     SECTION("motion", motion_section, .offset = offsetof(gn_body_def, motion),
             .text = "how the body moves; a channel that is left out stands still, or is free in a "
-                    "free body (spins all three or none)"),
+                    "free body"),
 };
 const gn_section gn_body_section = {body_keys, sizeof body_keys / sizeof(gn_key),
                                     sizeof(gn_body_def), offsetof(gn_body_def, where)};

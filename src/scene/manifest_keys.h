@@ -11,6 +11,8 @@
 #define GN_AREAS         "[1e-18, 1e18]"  /* m2 */
 #define GN_SCALES        "[1e-12, 1e12]"  /* 1 */
 #define GN_DENSITIES     "[1e-9, 1e15]"   /* kg/m3 */
+#define GN_MASSES        "[1e-21, 1e21]"  /* kg */
+#define GN_INERTIAS      "[1e-36, 1e36]"  /* kg m2 */
 #define GN_SPRINGS       "[1e-15, 1e21]"  /* N/m */
 #define GN_MODULI        "[1e-9, 1e18]"   /* Pa */
 #define GN_STRENGTHS     "[1e-12, 1e100]" /* Pa */

@@ -92,7 +92,9 @@ static const gn_key packing_keys[] = {
         .text = "largest over smallest radius asked for; a sieve has its own"),
     KEY("size_variation", REAL, gn_scene, specimen.pack.size_variation, .unit = "1",
         .range = "[0, 1]", .word = "auto", .word_value = -1, .fallback = "auto",
-        .text = "standard deviation of the radii over their mean before the fit"),
+        .text =
+            "standard deviation of the radii over their mean before the fit; with sizes fitted or "
+            "normal"),
     KEY("sizes", CHOICE, gn_scene, specimen.pack.sizes, .choices = pack_sizes, .fallback = "fitted",
         PRESENT(ENUM, gn_scene, specimen.pack.sizes),
         .text = "how radii are distributed; fitted: as it packs best. uniform and normal: by "

@@ -517,6 +517,17 @@ int gn_scene_find_wall(const gn_scene *scene, const char *name) {
     return -1;
 }
 
+gn_spins gn_body_spins(const gn_scene *s, const gn_body_def *b) {
+    int first = s->dimension == 3 ? 0 : 2, led = 0;
+    if (!b->free) return GN_SPINS_LED;
+    for (int a = first; a < 3; a++) led += b->motion.spin[a].count > 0;
+    return led == 0 ? GN_SPINS_FREE : led == 3 - first ? GN_SPINS_LED : GN_SPINS_SOME;
+}
+
+bool gn_body_is_weighed(const gn_body_def *b) {
+    return b->free && !(b->has_reference && b->mass > 0 && b->has_inertia);
+}
+
 int gn_scene_find_body(const gn_scene *scene, const char *name) {
     for (size_t k = 0; k < scene->body_count; k++)
         if (strcmp(scene->bodies[k].name, name) == 0) return (int)k;

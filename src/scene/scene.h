@@ -300,9 +300,11 @@ typedef struct gn_body_def {
     double kratio;      /* k_n/k_t; used when friction > 0 */
     double friction, rolling_friction, twisting_friction;
     bool has_reference;
-    double reference[3]; /* m: point about which a prescribed spin turns the body */
-    bool free;           /* channels without prescribed motion follow the forces */
-    double density;      /* kg/m3, of free bodies */
+    double reference[3];  /* m: point about which a prescribed spin turns the body */
+    bool free;            /* channels without prescribed motion follow the forces */
+    double density, mass; /* kg/m3, kg, of free bodies: one of the two, the other 0 */
+    bool has_inertia;
+    double inertia[3]; /* kg m2 about the centre of mass, along x y z at the start; 2D: the third */
     bool has_initial_velocity, has_initial_spin;
     double initial_velocity[3], initial_spin[3];
     gn_motion motion;
@@ -560,6 +562,12 @@ bool gn_scene_nearest_key(const char *sought, char *name, size_t size);
 /* By name; -1: none. */
 int gn_scene_find_wall(const gn_scene *scene, const char *name);
 int gn_scene_find_body(const gn_scene *scene, const char *name);
+/* Who turns a body: its motion alone; forces alone; forces about some axes of space, while the
+ * motion holds it about the others. */
+typedef enum gn_spins { GN_SPINS_LED, GN_SPINS_FREE, GN_SPINS_SOME } gn_spins;
+gn_spins gn_body_spins(const gn_scene *scene, const gn_body_def *body);
+/* Whether mass, centre and inertia of a body are those of its closed surface. */
+bool gn_body_is_weighed(const gn_body_def *body);
 int gn_scene_find_set(const gn_scene *scene, const char *name);
 int gn_scene_find_material(const gn_scene *scene, const char *name);
 /* What the scene says of contacts between two of its materials; NULL: nothing of its own. */

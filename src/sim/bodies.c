@@ -7,6 +7,7 @@
  * exactly and the energy without drift; it is symplectic, reversible and of second order. */
 #include "base/eigen.h"
 #include "base/memory.h"
+#include "sim/body_walls.h"
 #include "sim/internal.h"
 #include "sim/touch.h"
 #include "surfaces/body_shape.h"
@@ -94,17 +95,80 @@ static bool turns_freely(const gn_rigid *b) {
     return b->inverse_inertia[2] > 0.0;
 }
 
+static bool is_held(const gn_rigid *b) {
+    return b->held[0] + b->held[1] + b->held[2] > 0.0;
+}
+
+/* The spin that a moment about the free axes of space would give in a second, or an angular
+ * momentum has: I_FF w_F = L_F, where I_FF are the rows and columns of the inertia, as the body
+ * stands, of the one or two free axes. What bearings do about the others is no moment about these.
+ */
+static void turn_held(const gn_rigid *b, const double momentum[3], double spin[3]) {
+    double inertia[9];
+    int axis[3] = {0}, count = 0;
+    for (int p = 0; p < 9; p++) {
+        inertia[p] = 0.0;
+        for (int k = 0; k < 3; k++)
+            inertia[p] += b->axes[3 * (p / 3) + k] * b->inertia[k] * b->axes[3 * (p % 3) + k];
+    }
+    for (int a = 0; a < 3; a++) {
+        spin[a] = 0.0;
+        if (!(b->held[a] > 0.0)) axis[count++] = a;
+    }
+    int p = axis[0], q = axis[count - 1];
+    if (count == 1) {
+        spin[p] = momentum[p] / inertia[4 * p];
+        return;
+    }
+    double across = inertia[3 * p + q];
+    double determinant = inertia[4 * p] * inertia[4 * q] - across * across;
+    spin[p] = (inertia[4 * q] * momentum[p] - across * momentum[q]) / determinant;
+    spin[q] = (inertia[4 * p] * momentum[q] - across * momentum[p]) / determinant;
+}
+
+double gn_rigid_compliance(const gn_rigid *b, const double v[3]) {
+    double local[3], sum = 0.0;
+    if (is_held(b)) {
+        turn_held(b, v, local);
+        return gn_dot3(v, local);
+    }
+    gn_rigid_local(b, v, local);
+    for (int a = 0; a < 3; a++) sum += b->inverse_inertia[a] * local[a] * local[a];
+    return sum;
+}
+
 /* Spin from the angular momentum at the present orientation. */
 static void spin_from_momentum(gn_rigid *b) {
+    if (is_held(b)) {
+        turn_held(b, b->momentum, b->spin);
+        return;
+    }
     double local[3];
     gn_rigid_local(b, b->momentum, local);
     for (int a = 0; a < 3; a++) local[a] *= b->inverse_inertia[a];
     gn_rigid_direct(b, local, b->spin);
 }
 
+/* With the spin of the middle of the step: exact about one axis, of second order about two. */
+static void rotate_held(gn_rigid *b, double dt) {
+    gn_rigid middle = *b;
+    double part[3];
+    spin_from_momentum(&middle);
+    for (int a = 0; a < 3; a++) part[a] = 0.5 * dt * middle.spin[a];
+    turn_by(&middle, part);
+    spin_from_momentum(&middle);
+    for (int a = 0; a < 3; a++) part[a] = dt * middle.spin[a];
+    turn_by(b, part);
+    spin_from_momentum(b);
+}
+
 static void rotate_freely(gn_rigid *b, double dt, bool space) {
     static const int order[5] = {0, 1, 2, 1, 0};
     static const double part[5] = {0.5, 0.5, 1.0, 0.5, 0.5};
+    if (is_held(b)) {
+        rotate_held(b, dt);
+        return;
+    }
     if (space)
         for (int k = 0; k < 5; k++) turn_about_axis(b, order[k], part[k] * dt);
     else
@@ -114,12 +178,14 @@ static void rotate_freely(gn_rigid *b, double dt, bool space) {
 
 /* --- from the scene --- */
 
-static bool has_spin(const gn_motion *m) {
-    return m->spin[0].count || m->spin[1].count || m->spin[2].count;
-}
-
 /* Principal axes as a rotation, so that the frame is right-handed. */
-static void set_principal(const gn_body_shape *shape, double density, bool space, gn_rigid *b) {
+static void set_principal(const gn_body_def *def, const gn_body_shape *shape, bool space,
+                          gn_rigid *b) {
+    double density = def->mass > 0.0 ? def->mass / shape->volume : def->density;
+    if (def->has_inertia) {
+        memcpy(b->inertia, def->inertia, sizeof b->inertia);
+        return;
+    }
     double a[9], values[3], vectors[9], m[9];
     if (!space) {
         b->inertia[2] = density * shape->moment[8];
@@ -143,33 +209,39 @@ static void set_motion_at_start(const gn_body_def *def, gn_rigid *b) {
         b->velocity[a] = def->motion.velocity[a].count || !def->free
                              ? gn_table_at(&def->motion.velocity[a], 0.0)
                              : def->initial_velocity[a];
-        b->spin[a] = has_spin(&def->motion) || !def->free ? gn_table_at(&def->motion.spin[a], 0.0)
-                                                          : def->initial_spin[a];
+        b->spin[a] = !turns_freely(b)   ? gn_table_at(&def->motion.spin[a], 0.0)
+                     : b->held[a] > 0.0 ? 0.0
+                                        : def->initial_spin[a];
     }
     if (!turns_freely(b)) return;
     double local[3];
     gn_rigid_local(b, b->spin, local);
     for (int a = 0; a < 3; a++) local[a] *= b->inertia[a];
     gn_rigid_direct(b, local, b->momentum);
+    for (int a = 0; a < 3; a++)
+        if (b->held[a] > 0.0) b->momentum[a] = 0.0;
 }
 
 static void set_body(const gn_scene *s, size_t k, const gn_body_shape *shape, gn_rigid *b) {
     const gn_body_def *def = &s->bodies[k];
     bool space = s->dimension == 3;
+    gn_spins spins = gn_body_spins(s, def);
     b->turn[0] = 1.0;
     set_axes(b);
-    const double *at = def->free            ? shape->centre
-                       : def->has_reference ? def->reference
-                                            : def->origin;
+    const double *at = def->has_reference ? def->reference
+                       : def->free        ? shape->centre
+                                          : def->origin;
     memcpy(b->position, at, sizeof b->position);
     if (def->free) {
         b->volume = shape->volume;
-        b->mass = def->density * shape->volume;
-        set_principal(shape, def->density, space, b);
+        b->mass = def->mass > 0.0 ? def->mass : def->density * shape->volume;
+        set_principal(def, shape, space, b);
         for (int a = 0; a < (space ? 3 : 2); a++)
             if (!def->motion.velocity[a].count) b->inverse_mass[a] = 1.0 / b->mass;
         for (int a = space ? 0 : 2; a < 3; a++)
-            if (!has_spin(&def->motion)) b->inverse_inertia[a] = 1.0 / b->inertia[a];
+            if (spins != GN_SPINS_LED) b->inverse_inertia[a] = 1.0 / b->inertia[a];
+        for (int a = 0; spins == GN_SPINS_SOME && a < 3; a++)
+            b->held[a] = def->motion.spin[a].count ? 1.0 : 0.0;
     }
     memcpy(b->start, b->position, sizeof b->start);
     memcpy(b->turn_start, b->turn, sizeof b->turn);
@@ -255,7 +327,7 @@ gneiss_status gn_bodies_surfaces(gn_world *w, gneiss_error *error) {
         vertex += s.vertices;
         corner += corners * s.facets.count;
     }
-    return GNEISS_OK;
+    return gn_body_walls_prepare(w, error);
 }
 
 /* --- motion --- */
@@ -294,7 +366,7 @@ void gn_bodies_kick(gn_world *w) {
                 b->velocity[a] = gn_control_of(w, w->scene.bodies[k].name, a) *
                                  gn_table_at(&motion->velocity[a], middle);
             if (turns_freely(b))
-                b->momentum[a] += interval * b->moment[a];
+                b->momentum[a] += b->held[a] > 0.0 ? 0.0 : interval * b->moment[a];
             else
                 b->spin[a] = gn_table_at(&motion->spin[a], middle);
         }
@@ -315,6 +387,11 @@ void gn_bodies_kinetic(const gn_world *w, double *translation, double *rotation)
             double v = start ? 2.0 * b->velocity_past[a] - b->velocity[a] : b->velocity_past[a];
             if (b->inverse_mass[a] > 0.0) *translation += 0.5 * b->mass * v * b->velocity[a];
             before[a] = start ? 2.0 * b->momentum_past[a] - b->momentum[a] : b->momentum_past[a];
+        }
+        if (is_held(b)) {
+            turn_held(b, before, first);
+            *rotation += 0.5 * gn_dot3(first, b->momentum);
+            continue;
         }
         gn_rigid_local(b, before, first);
         gn_rigid_local(b, b->momentum, second);

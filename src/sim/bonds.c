@@ -231,6 +231,7 @@ static double stored_in(const gn_world *w, const gn_contacts *list) {
 }
 
 double gn_contacts_stored(const gn_world *w) {
+    gn_near_settle(w);
     return stored_in(w, &w->dem.bonds) + stored_in(w, &w->dem.pairs);
 }
 

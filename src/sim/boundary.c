@@ -2,6 +2,7 @@
 #include "sim/boundary.h"
 
 #include "base/memory.h"
+#include "sim/body_walls.h"
 #include "sim/internal.h"
 
 #include <math.h>
@@ -11,7 +12,8 @@
 
 gneiss_status gn_boundary_create(gn_world *w, gneiss_error *error) {
     GN_TRY(gn_walls_create(w, error));
-    return gn_bodies_create(w, error);
+    GN_TRY(gn_bodies_create(w, error));
+    return gn_body_walls_check(w, error);
 }
 
 void gn_boundary_enter(gn_world *w) {
@@ -38,12 +40,13 @@ gneiss_status gn_boundary_add_surface(gn_world *w, const gn_surface *surface, gn
 
 void gn_boundary_free(gn_boundary *b) {
     gn_soa_destroy(&gn_wall_contact_record, &b->contacts);
+    gn_soa_destroy(&gn_wall_contact_record, &b->body_contacts);
     for (size_t k = 0; k < b->surface_count; k++) {
         gn_facet_tree_free(&b->surfaces[k].tree);
         gn_free(b->surfaces[k].force);
     }
     void *blocks[] = {b->first,    b->sums,       b->walls,       b->wall_normals, b->bodies,
-                      b->surfaces, b->body_shape, b->body_vertex, b->body_corner};
+                      b->surfaces, b->body_shape, b->body_vertex, b->body_corner,  b->vertex_part};
     for (size_t k = 0; k < sizeof blocks / sizeof *blocks; k++) gn_free(blocks[k]);
     *b = (gn_boundary){0};
 }
@@ -66,7 +69,8 @@ static gneiss_status ready_sums(gn_world *w, gneiss_error *error) {
 
 gneiss_status gn_boundary_refresh(gn_world *w, bool first, gneiss_error *error) {
     GN_TRY(ready_sums(w, error));
-    return gn_wall_contacts_find(w, first, error);
+    GN_TRY(gn_wall_contacts_find(w, first, error));
+    return gn_body_walls_find(w, first, error);
 }
 
 gneiss_status gn_boundary_restore(gn_world *w, gneiss_error *error) {
@@ -113,6 +117,7 @@ bool gn_boundary_work(gn_world *w, size_t block, size_t first, size_t last) {
 void gn_boundary_forces(gn_world *w) {
     gn_walls_sum(w);
     gn_surfaces_sum(w);
+    gn_body_walls_work(w);
 }
 
 void gn_boundary_kick(gn_world *w) {
@@ -141,6 +146,8 @@ void gn_boundary_measure(const gn_world *w, gn_energy *ledger) {
 
 uint64_t gn_boundary_hash(const gn_world *w, uint64_t h) {
     h = gn_soa_hash(&gn_wall_contact_record, &w->boundary.contacts, h);
+    if (w->boundary.body_contacts.soa.count)
+        h = gn_soa_hash(&gn_wall_contact_record, &w->boundary.body_contacts, h);
     for (size_t k = 0; k < w->scene.wall_count; k++)
         h = gn_hash_bytes(w->boundary.walls[k].point, sizeof w->boundary.walls[k].point, h);
     for (size_t k = 0; k < w->scene.body_count; k++)
@@ -149,5 +156,8 @@ uint64_t gn_boundary_hash(const gn_world *w, uint64_t h) {
 }
 
 size_t gn_boundary_bytes(const gn_world *w) {
-    return w->boundary.contacts.soa.capacity * gn_record_bytes(&gn_wall_contact_record, w->effects);
+    return w->boundary.contacts.soa.capacity *
+               gn_record_bytes(&gn_wall_contact_record, w->effects) +
+           w->boundary.body_contacts.soa.capacity *
+               gn_record_bytes(&gn_wall_contact_record, gn_body_wall_effects(w));
 }

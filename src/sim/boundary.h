@@ -6,6 +6,7 @@
 #include "base/vec3.h"
 #include "kernels/contact.h"
 #include "measure/energy.h"
+#include "sim/servo.h"
 #include "sim/surface.h"
 #include "soa/records.h"
 
@@ -15,7 +16,9 @@ typedef struct gn_wall {
     double velocity[3];        /* m/s, over the interval that led here */
     double force[3];           /* N, of the particles on the wall at the last evaluation */
     double stiffness;          /* N/m, sum of the touching contacts; only with a servo */
-    double travel;             /* m, path since the lists were made */
+    double behind; /* N/m, of what it presses, in uniform strain; only with a servo; 0: none */
+    gn_servo_state servo;
+    double travel; /* m, path since the lists were made */
 } gn_wall;
 
 /* m, of a centre from the plane; negative: behind it. */
@@ -34,12 +37,15 @@ typedef struct gn_boundary {
     double *wall_normals; /* [walls][4], for measures */
     gn_rigid *bodies;     /* [scene.body_count] */
     size_t surface_count;
-    gn_surface *surfaces;     /* first those of bodies, in their order */
-    size_t body_vertex_count; /* of all bodies */
-    size_t body_corner_count; /* of facets of all bodies */
-    int64_t (*body_shape)[3]; /* [bodies]: vertices, facets, facets dropped */
-    double *body_vertex;      /* [body_vertex_count][4], m, in the frames */
-    int32_t *body_corner;     /* [body_corner_count], within a body */
+    gn_surface *surfaces;           /* first those of bodies, in their order */
+    size_t body_vertex_count;       /* of all bodies */
+    size_t body_corner_count;       /* of facets of all bodies */
+    int64_t (*body_shape)[3];       /* [bodies]: vertices, facets, facets dropped */
+    double *body_vertex;            /* [body_vertex_count][4], m, in the frames */
+    int32_t *body_corner;           /* [body_corner_count], within a body */
+    double *vertex_part;            /* [body_vertex_count], of the stiffness against walls */
+    gn_wall_contacts body_contacts; /* of vertices of free bodies (column i) with walls */
+    gn_contact_sums body_sums;      /* of these */
 
     double surface_rate; /* 1/s: 1/dt of free bodies, see gn_boundary_limit */
     double vertex_rate;  /* 1/s: the same of what contacts do to nodes of finite elements */

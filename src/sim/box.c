@@ -1,6 +1,7 @@
 #include "sim/box.h"
 
 #include "sim/internal.h"
+#include "sim/servo.h"
 
 #include <math.h>
 #include <string.h>
@@ -36,31 +37,15 @@ double gn_box_section(const gn_world *w) {
 
 /* --- how contacts answer --- */
 
-static void add_list(gn_world *w, const gn_contacts *list) {
-    const gn_particles *q = &w->dem.particles;
-    const gn_law *law = gn_law_of(list->soa.effects);
-    for (size_t c = 0; c < list->soa.count; c++) {
-        const double *x = q->pos + 4 * (size_t)list->i[c], *y = q->pos + 4 * (size_t)list->j[c];
-        double l[3], length = sqrt(gn_branch(w, x, y, l));
-        double rest = list->length0 ? list->length0[c] : x[3] + y[3];
-        gn_law_spring k = law->spring(list, c, fmax(rest - length, 0.0) + w->dem.verlet.skin);
-        for (int a = 0; a < (int)w->scene.dimension; a++) {
-            w->box.spring[a] += (k.kn + k.kt) * l[a] * l[a];
-            w->box.dashpot[a] += k.cn * l[a] * l[a];
-        }
-    }
-}
-
 void gn_box_listed(gn_world *w) {
+    const double axes[3][3] = {{1, 0, 0}, {0, 1, 0}, {0, 0, 1}};
     double radius = 0.0, range = w->effects & GN_FX_BONDS ? w->scene.interaction_range : 0.0;
     w->box.path = 0.0;
     if (!gn_box_moves(w)) return;
     for (size_t p = 0; p < w->dem.particles.soa.count; p++)
         radius = fmax(radius, w->dem.particles.pos[4 * p + 3]);
     w->box.reach = 2.0 * radius * (1.0 + range) + w->dem.verlet.skin;
-    for (int a = 0; a < 3; a++) w->box.spring[a] = w->box.dashpot[a] = 0.0;
-    add_list(w, &w->dem.bonds);
-    add_list(w, &w->dem.pairs);
+    gn_servo_answers(w, true, (size_t)w->scene.dimension, axes, w->box.spring, w->box.dashpot);
 }
 
 double gn_box_speed(const gn_world *w) {
@@ -103,21 +88,26 @@ static double strained_by(const gn_world *w, int a) {
  * B has the entries k l_a^2 n_a^2 and, beside them, k l^2 n_a^2 n_b^2 at most, so that rows sum up
  * to what `spring` has. So at z = -1, the only place where the unit circle is crossed, it is at
  * most K/(1 - rho/2), as for a wall (gn_world_servo_relaxation), and the same share is stable. */
-static double follow_stress(const gn_world *w, int a) {
+static double follow_stress(gn_world *w, int a) {
     const gn_box_side *side = &w->scene.box[a];
     const double answer = w->box.spring[a] + 2.0 * w->box.dashpot[a] / w->dt;
     const double most = fmin(side->max_rate * w->dt, most_strain);
-    double missing = -gn_table_at(&side->stress, w->time) * w->volume - strained_by(w, a);
     const double share = side->relaxation > 0.0 ? side->relaxation : 0.1;
-    double strain = fmin(share, gn_servo_share(w)) * missing;
-    if (answer > 0.0) strain /= answer;
-    if (!(answer > 0.0) && strain != 0.0) strain = copysign(INFINITY, strain);
-    return fmax(-most, fmin(most, strain));
+    const double taken = fmin(share, gn_servo_share(w));
+    gn_servo_look look = {.wanted = -gn_table_at(&side->stress, w->time) * w->volume,
+                          .found = strained_by(w, a),
+                          .pace = taken / (answer * w->dt),
+                          .answer = gn_servo_answer(taken, w->box.spring[a] / answer),
+                          .most = most / w->dt};
+    if (answer > 0.0) return w->dt * gn_servo_speed(&w->box.servo[a], &look);
+    w->box.servo[a] = (gn_servo_state){0};
+    return look.wanted != look.found ? copysign(most, look.wanted - look.found) : 0.0;
 }
 
-static double strain_of(const gn_world *w, int a) {
+static double strain_of(gn_world *w, int a) {
     const gn_box_side *side = &w->scene.box[a];
     if (side->stress.count) return follow_stress(w, a);
+    w->box.servo[a] = (gn_servo_state){0};
     return w->dt * gn_table_at(&side->rate, w->time + 0.5 * w->dt);
 }
 

@@ -11,6 +11,7 @@
 #define GN_SIM_BOX_H
 
 #include "base/error.h"
+#include "sim/servo.h"
 
 #include <stdbool.h>
 #include <stddef.h>
@@ -24,8 +25,9 @@ typedef struct gn_box {
     double spring[3];  /* J: most by which contacts that are listed answer a strain along an axis,
                           those across it held too: sum of (k_n + k_t) l^2 n_a^2 */
     double dashpot[3]; /* J s: the same of their dashpots */
-    double reach;      /* m: the longest branch that is listed */
-    double path;       /* m: by how much such a branch may have shrunk since */
+    gn_servo_state servo[3];
+    double reach; /* m: the longest branch that is listed */
+    double path;  /* m: by how much such a branch may have shrunk since */
 } gn_box;
 
 /* Of the scene as it stands: whether there is anything to do; 1 over what the lengths were. */

@@ -180,36 +180,56 @@ static double part_at(const gn_conversion *c, size_t p) {
     return part > 1.0 - GN_PART_ROUNDING ? 0.0 : fmin(fmax(1.0 - part, 0.0), 1.0);
 }
 
+/* What elements go, or have another part of the body than before. */
+static void find_touched(gn_conversion *c, const double *before) {
+    const gn_fem_solid *b = gn_coupled_solid(c->world);
+    for (size_t e = 0; e < b->elements.soa.count; e++) {
+        bool touched = c->kind[e] == GN_FRONT_LEAVING;
+        for (int a = 0; a <= b->dimension; a++) {
+            const size_t n = (size_t)gn_elements_node(&b->elements, a)[e];
+            touched = touched || before[2 * n] != b->nodes.blend[2 * n];
+        }
+        c->touched[e] = touched;
+    }
+}
+
+/* Bonds act with an end that has a part. */
+static void find_active(gn_conversion *c) {
+    const gn_contacts *all = &c->world->dem.prepared;
+    double *blend = c->world->dem.particles.blend;
+    for (size_t b = 0; b < all->soa.count; b++) {
+        const size_t i = (size_t)all->i[b], j = (size_t)all->j[b];
+        if (!(blend[2 * i] + blend[2 * j] > 0.0)) continue;
+        c->active[b] = 1;
+        c->acting++;
+        blend[2 * i + 1] = blend[2 * j + 1] = 1.0;
+    }
+}
+
 /* Awake is who has a part, and who is bonded to one that has: the ends of bonds have to be where
  * they are. Masses have a part at least, so that none vanishes (coupling.c). */
 static void find_parts(gn_conversion *c) {
     gn_world *w = c->world;
     gn_particles *q = &w->dem.particles;
-    const gn_contacts *all = &w->dem.prepared;
     memcpy(c->part, q->blend, 2 * q->soa.count * sizeof *c->part);
     for (size_t p = 0; p < q->soa.count; p++) {
-        if (gn_home_of(c, p) < 0) continue;
-        q->blend[2 * p] = part_at(c, p);
-        q->blend[2 * p + 1] = q->blend[2 * p] > 0.0 ? 1.0 : c->part[2 * p + 1];
+        const int32_t e = gn_home_of(c, p);
+        c->freed[p] = e >= 0 && c->kind[e] == GN_FRONT_LEAVING;
+        if (e >= 0 && c->touched[e]) q->blend[2 * p] = part_at(c, p);
     }
-    for (size_t b = 0; b < all->soa.count; b++) {
-        const size_t i = (size_t)all->i[b], j = (size_t)all->j[b];
-        if (!(q->blend[2 * i] + q->blend[2 * j] > 0.0)) continue;
-        q->blend[2 * i + 1] = q->blend[2 * j + 1] = 1.0;
-    }
+    find_active(c);
     for (size_t p = 0; p < q->soa.count; p++) {
-        if (gn_home_of(c, p) < 0 || !(q->blend[2 * p + 1] > 0.0)) continue;
+        double *part = q->blend + 2 * p;
+        if (!(part[0] > 0.0) && !(part[1] > 0.0)) continue;
         const double least = fmin(q->pos[4 * p + 3] / w->scene.couple.convert.width, 1.0);
-        q->blend[2 * p + 1] = fmax(q->blend[2 * p], least);
+        part[1] = gn_home_of(c, p) < 0 ? part[1] : fmax(part[0], least);
     }
 }
 
 static void wake_all(gn_conversion *c) {
     gn_particles *q = &c->world->dem.particles;
     for (size_t p = 0; p < q->soa.count; p++) {
-        const int32_t e = gn_home_of(c, p);
         const double part = q->blend[2 * p + 1], before = c->part[2 * p + 1];
-        c->freed[p] = e >= 0 && c->kind[e] == GN_FRONT_LEAVING;
         if (part == before) continue;
         /* Intact bonds leave 0: its springs are others than at the last look at the step. */
         q->marks[2 * p] = q->marks[2 * p + 1] = 1;
@@ -247,7 +267,7 @@ static void halt_at(const gn_conversion *c, int64_t e) {
 }
 
 /* *stuck: halted, nothing has changed. */
-static gneiss_status advance_front(const gn_conversion *c, bool *stuck, gneiss_error *error) {
+static gneiss_status advance_front(gn_conversion *c, bool *stuck, gneiss_error *error) {
     const gn_convert_def *def = &c->world->scene.couple.convert;
     gn_fem_solid *b = gn_coupled_solid(c->world);
     const size_t size = 2 * b->nodes.soa.count * sizeof *b->nodes.blend;
@@ -258,7 +278,10 @@ static gneiss_status advance_front(const gn_conversion *c, bool *stuck, gneiss_e
     gneiss_status status = gn_front_advance(b, def->width, c->kind, &element, error);
     *stuck = status == GNEISS_OK && element >= 0;
     if (*stuck) memcpy(b->nodes.blend, parts, size);
-    if (*stuck) halt_at(c, element);
+    if (*stuck)
+        halt_at(c, element);
+    else if (status == GNEISS_OK)
+        find_touched(c, parts);
     gn_free(parts);
     return status;
 }
@@ -279,11 +302,12 @@ static gneiss_status make_lists(gn_world *w, gneiss_error *error) {
 static gneiss_status go(gn_conversion *c, gneiss_error *error) {
     gn_world *w = c->world;
     gn_fem_solid *b = gn_coupled_solid(w);
-    gn_tally before = gn_conversion_tally(w, true);
     bool stuck = false;
     GN_TRY(advance_front(c, &stuck, error));
     if (stuck) return GNEISS_OK;
     find_parts(c);
+    const gn_tally before = gn_conversion_tally(c);
+    const double held = gn_conversion_held(c);
     wake_all(c);
     GN_TRY(gn_conversion_take_bonds(c, error));
     for (size_t e = 0; e < b->elements.soa.count; e++) c->kind[e] = c->kind[e] != GN_FRONT_LEAVING;
@@ -291,52 +315,69 @@ static gneiss_status go(gn_conversion *c, gneiss_error *error) {
     GN_TRY(gn_coupled_again(w, error));
     GN_TRY(gn_conversion_keep(c, &before, error));
     GN_TRY(make_lists(w, error));
-    w->energy.conversion += before.energy - gn_conversion_tally(w, true).energy;
+    w->energy.conversion +=
+        before.energy - gn_conversion_tally(c).energy + held - gn_conversion_held(c);
     return GNEISS_OK;
 }
 
 gneiss_status gn_conversion_convert(gn_world *w, uint8_t *kind, gneiss_error *error) {
-    const size_t n = w->dem.particles.soa.count + 1;
+    const size_t n = w->dem.particles.soa.count + 1, elements = gn_conversion_elements(w) + 1;
     size_t count;
-    gn_conversion c = {w, kind, gn_fem_places(gn_coupled_solid(w), &count),
-                       gn_alloc_array(n, 2 * sizeof *c.part), gn_alloc(n)};
-    gneiss_status status = c.place && c.part && c.freed ? go(&c, error) : no_memory(error);
-    gn_free(c.place);
-    gn_free(c.part);
-    gn_free(c.freed);
+    gn_conversion c = {.world = w,
+                       .kind = kind,
+                       .place = gn_fem_places(gn_coupled_solid(w), &count),
+                       .part = gn_alloc_array_raw(n, 2 * sizeof *c.part),
+                       .freed = gn_alloc_array_raw(n, 1),
+                       .touched = gn_alloc_array_raw(elements, 1),
+                       .some = gn_alloc_array_raw(elements, sizeof *c.some),
+                       .active = gn_alloc(w->dem.prepared.soa.count + 1),
+                       .tied = gn_alloc_array_raw(n, 1)};
+    void *blocks[] = {c.place, c.part, c.freed, c.touched, c.some, c.active, c.tied};
+    bool held = true;
+    for (size_t k = 0; k < sizeof blocks / sizeof *blocks; k++) held = held && blocks[k];
+    gneiss_status status = held ? go(&c, error) : no_memory(error);
+    for (size_t k = 0; k < sizeof blocks / sizeof *blocks; k++) gn_free(blocks[k]);
     return status;
 }
 
 /* --- what converts --- */
+
+/* By stresses that are means over the elements at the nodes, and over the nodes of an element. */
+static gneiss_status find_excess_by_nodes(const gn_world *w, const uint8_t *kind, double *excess,
+                                          gneiss_error *error) {
+    const gn_fem_solid *b = gn_coupled_solid(w);
+    const size_t elements = b->elements.soa.count, nodes = b->nodes.soa.count;
+    double(*stress)[6] = gn_alloc_array(elements + nodes + 1, sizeof *stress);
+    if (!stress) return no_memory(error);
+    double(*nodal)[6] = stress + elements;
+    gn_fem_element_stress(b, stress);
+    gneiss_status status = gn_fem_nodal_stress(b, (const double(*)[6])stress, nodal, error);
+    for (size_t e = 0; status == GNEISS_OK && e < elements; e++) {
+        double mean[6] = {0.0};
+        if (kind[e] != GN_FRONT_READY) continue;
+        for (int a = 0; a <= b->dimension; a++)
+            for (int k = 0; k < 6; k++)
+                mean[k] += nodal[gn_elements_node(&b->elements, a)[e]][k] / (b->dimension + 1);
+        excess[e] = gn_front_excess(&w->scene.couple.convert, mean);
+    }
+    gn_free(stress);
+    return status;
+}
 
 /* [elements] how far those that may go are beyond the limits; 0: not at all, or they may not. */
 static gneiss_status find_excess(const gn_world *w, const uint8_t *kind, double *excess,
                                  gneiss_error *error) {
     const gn_fem_solid *b = gn_coupled_solid(w);
     const gn_convert_def *def = &w->scene.couple.convert;
-    const size_t elements = b->elements.soa.count, nodes = b->nodes.soa.count;
-    const bool by_nodes = def->by == GN_CONVERT_NODES;
-    double(*stress)[6] = gn_alloc_array(elements + nodes + 1, sizeof *stress);
-    if (!stress) return no_memory(error);
-    double(*nodal)[6] = stress + elements;
-    gneiss_status status = GNEISS_OK;
-    if (by_nodes) {
-        gn_fem_element_stress(b, stress);
-        status = gn_fem_nodal_stress(b, (const double(*)[6])stress, nodal, error);
-    } else {
-        gn_fem_some_stress(b, kind, GN_FRONT_READY, stress);
-    }
-    for (size_t e = 0; status == GNEISS_OK && e < elements; e++) {
-        double mean[6] = {0.0};
-        excess[e] = 0.0;
+    if (def->by == GN_CONVERT_NODES) return find_excess_by_nodes(w, kind, excess, error);
+#pragma omp parallel for schedule(static) num_threads(w->threads)
+    for (size_t e = 0; e < b->elements.soa.count; e++) {
+        double stress[6];
         if (kind[e] != GN_FRONT_READY) continue;
-        for (int a = 0; a <= b->dimension && by_nodes; a++)
-            for (int k = 0; k < 6; k++)
-                mean[k] += nodal[gn_elements_node(&b->elements, a)[e]][k] / (b->dimension + 1);
-        excess[e] = gn_front_excess(def, by_nodes ? mean : stress[e]);
+        gn_fem_stress_of(b, e, stress);
+        excess[e] = gn_front_excess(def, stress);
     }
-    gn_free(stress);
-    return status;
+    return GNEISS_OK;
 }
 
 /* Bonds that break where elements hold on: these go. */

@@ -30,6 +30,7 @@ static void grow(const gn_conversion *c, gn_contacts *list) {
     const double *now = c->world->dem.particles.blend;
     for (size_t k = 0; k < list->soa.count; k++) {
         const int32_t i = list->i[k], j = list->j[k];
+        if (now[2 * i] == c->part[2 * i] && now[2 * j] == c->part[2 * j]) continue;
         const double factor = part_of(now, i, j) / part_of(c->part, i, j);
         if (factor == 1.0) continue;
         law->weigh(list, k, factor);
@@ -100,39 +101,56 @@ static void strain_bond(const gn_conversion *c, gn_contacts *list, size_t k) {
     }
 }
 
-static bool is_active(const gn_conversion *c, size_t k) {
-    const gn_contacts *all = &c->world->dem.prepared;
-    const double *part = c->world->dem.particles.blend;
-    return part[2 * (size_t)all->i[k]] + part[2 * (size_t)all->j[k]] > 0.0;
+enum { PART = 512 };
+
+/* Some of the prepared bonds, and where those that the list has already stand in it. */
+typedef struct part {
+    size_t begin, count;                /* places in the new list */
+    int32_t from[PART], prepared[PART]; /* in the last list, -1: it is new; -1: it is known */
+} part;
+
+/* Bonds of the last list go on, those that are new begin with what was prepared. */
+static void fill_part(const gn_conversion *c, gn_contacts *now, part *q) {
+    gn_dem *d = &c->world->dem;
+    gn_soa_keep(&gn_contact_record, now, q->begin, q->count, &d->bonds, q->from);
+    gn_soa_keep(&gn_contact_record, now, q->begin, q->count, &d->prepared, q->prepared);
+    for (size_t k = 0; k < q->count; k++) {
+        const size_t at = q->begin + k;
+        if (q->from[k] >= 0) continue;
+        const double share = part_of(d->particles.blend, now->i[at], now->j[at]);
+        if (share != 1.0) gn_law_of(now->soa.effects)->weigh(now, at, share);
+        strain_bond(c, now, at);
+    }
+    q->begin += q->count;
+    q->count = 0;
 }
 
-/* Bond k of all, into place `at` of the list; `old`: that of the last list, -1: it is new. */
-static void put(const gn_conversion *c, gn_contacts *now, size_t at, size_t k, int32_t old) {
-    gn_dem *d = &c->world->dem;
-    const int32_t from = old >= 0 ? old : (int32_t)k;
-    now->i[at] = d->prepared.i[k];
-    now->j[at] = d->prepared.j[k];
-    gn_soa_keep(&gn_contact_record, now, at, 1, old >= 0 ? &d->bonds : &d->prepared, &from);
-    if (old >= 0) return;
-    const double part = part_of(d->particles.blend, now->i[at], now->j[at]);
-    if (part != 1.0) gn_law_of(now->soa.effects)->weigh(now, at, part);
-    strain_bond(c, now, at);
+/* Both lists are sorted alike. */
+static void fill(const gn_conversion *c, gn_contacts *now) {
+    const gn_contacts *all = &c->world->dem.prepared, *last = &c->world->dem.bonds;
+    part q = {0};
+    size_t old = 0;
+    for (size_t k = 0; k < all->soa.count; k++) {
+        if (!c->active[k]) continue;
+        const bool known =
+            old < last->soa.count && last->i[old] == all->i[k] && last->j[old] == all->j[k];
+        now->i[q.begin + q.count] = all->i[k];
+        now->j[q.begin + q.count] = all->j[k];
+        q.from[q.count] = known ? (int32_t)old : -1;
+        q.prepared[q.count++] = known ? -1 : (int32_t)k;
+        old += known;
+        if (q.count == PART) fill_part(c, now, &q);
+    }
+    fill_part(c, now, &q);
 }
 
 gneiss_status gn_conversion_take_bonds(const gn_conversion *c, gneiss_error *error) {
     gn_dem *d = &c->world->dem;
     gn_contacts now = {0};
-    size_t count = 0, at = 0, old = 0;
     grow(c, &d->bonds);
     grow(c, &d->pairs);
-    for (size_t k = 0; k < d->prepared.soa.count; k++) count += is_active(c, k);
-    GN_TRY(gn_soa_create(&gn_contact_record, &now, count, d->prepared.soa.effects, error));
-    for (size_t k = 0; k < d->prepared.soa.count; k++) { /* both lists are sorted alike */
-        const bool known = old < d->bonds.soa.count && d->bonds.i[old] == d->prepared.i[k] &&
-                           d->bonds.j[old] == d->prepared.j[k];
-        if (is_active(c, k)) put(c, &now, at++, k, known ? (int32_t)old : -1);
-        old += known;
-    }
+    GN_TRY(gn_soa_create(&gn_contact_record, &now, c->acting, d->prepared.soa.effects, error));
+    fill(c, &now);
     gn_soa_destroy(&gn_contact_record, &d->bonds);
     d->bonds = now;
     gn_contacts_pad(&d->bonds, &d->particles);

@@ -8,10 +8,15 @@
 /* What is kept of the state while elements convert. */
 typedef struct gn_conversion {
     gn_world *world;
-    uint8_t *kind;  /* [elements before] gn_front_kind */
-    int32_t *place; /* [elements of the mesh] before; -1: gone already */
-    double *part;   /* [particles][2] weights before, 0 of who slept */
-    uint8_t *freed; /* [particles] moves by itself from now on */
+    uint8_t *kind;    /* [elements before] gn_front_kind */
+    int32_t *place;   /* [elements of the mesh] before; -1: gone already */
+    double *part;     /* [particles][2] weights before, 0 of who slept */
+    uint8_t *freed;   /* [particles] moves by itself from now on */
+    uint8_t *touched; /* [elements before] leaves, or has another part of the body */
+    int32_t *some;    /* [elements before] scratch */
+    uint8_t *active;  /* [prepared bonds] acts from now on */
+    size_t acting;    /* how many do */
+    uint8_t *tied;    /* [particles] scratch */
 } gn_conversion;
 
 /* The element, by place before, that a particle is in; -1: gone already. */
@@ -27,12 +32,16 @@ gneiss_status gn_conversion_take_bonds(const gn_conversion *c, gneiss_error *err
 void gn_contact_rate(const gn_world *world, int32_t i, int32_t j, double length, const double n[3],
                      double rate[3]);
 
+/* J (conversion_energy.c): what springs and elements hold of what is other after the conversion
+ * than before; of the instant, in the sense of leap-frog. With parts and `freed` found. */
+double gn_conversion_held(const gn_conversion *c);
+
 /* Masses (conversion_masses.c). What the model has, nodes and free particles. */
 typedef struct gn_tally {
     double mass, moment[3], momentum[3]; /* kg, kg m, kg m/s */
-    double energy;                       /* J, kinetic and elastic, where it is asked for */
+    double energy;                       /* J, kinetic */
 } gn_tally;
-gn_tally gn_conversion_tally(const gn_world *world, bool energy);
+gn_tally gn_conversion_tally(const gn_conversion *c);
 /* Scales the masses of who has another weight than before, by a linear function of the place, so
  * that mass and centre of mass are those of `before`; then gives those that were freed a velocity
  * so that momentum is. */

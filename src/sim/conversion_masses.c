@@ -2,16 +2,10 @@
  * they its centre of mass: masses of who has another weight than before are scaled by 1 + a + b.(x
  * - x0), so that both are kept; a rigid motion then keeps its momentum by itself. What is left of
  * any other is made up by a uniform velocity of who moves by itself from now on. */
-#include "kernels/law.h"
 #include "sim/conversion_internal.h"
 
 #include <math.h>
-
-/* Whether a particle moves by itself. */
-static bool is_free(const gn_world *w, size_t p) {
-    return w->dem.particles.vel[4 * p + 3] > 0.0 &&
-           !gn_coupled_has(w->exchange[0].context, w->dem.particles.id[p]);
-}
+#include <string.h>
 
 static void add(gn_tally *t, double mass, const double *x, const double *v) {
     t->mass += mass;
@@ -22,69 +16,27 @@ static void add(gn_tally *t, double mass, const double *x, const double *v) {
     t->energy += 0.5 * mass * gn_dot3(v, v);
 }
 
-/* --- energy ---
- * What leap-frog conserves is 1/2 v(-) M v(+) and what springs hold at the instant: 1/2 v(-) M v(-)
- * and half a step of the power of their forces at v(-). Tangential forces between two steps are
- * those of the instant before; the step to come adds what the last interval did. That power at
- * nodes that are driven is no part of what is conserved, but the work of their reactions, of which
- * the interval that led here has the mean of its two ends, takes the one after the conversion for
- * that end: what it misses is half a step of the power of what the reactions jump by. */
-
-/* N, of a contact across n, of the instant; the rate at which its ends part, m/s. */
-static void advance_shear(const gn_world *w, const gn_contacts *list, size_t c, double length,
-                          const double n[3], const double shear[3], double now[3], double rate[3]) {
-    gn_contact_rate(w, list->i[c], list->j[c], length, n, rate);
-    const double kt = list->kt ? list->kt[c] : 0.0, along = gn_dot3(rate, n);
-    for (int a = 0; a < 3; a++) now[a] = shear[a] + kt * w->dt_past * (rate[a] - along * n[a]);
+/* Who does not move by itself. */
+static void mark_tied(const gn_conversion *c) {
+    const gn_dem *d = &c->world->dem;
+    const gn_ties *ties = &((const gn_coupled *)c->world->exchange[0].context)->ties;
+    memset(c->tied, 0, d->particles.soa.count);
+    for (size_t k = 0; k < ties->count; k++)
+        if (d->index_of_id[ties->tie[k].id] >= 0) c->tied[d->index_of_id[ties->tie[k].id]] = 1;
 }
 
-static double contact_energy(const gn_world *w, const gn_contacts *list, size_t c) {
-    const double *a = w->dem.particles.pos + 4 * (size_t)list->i[c],
-                 *b = w->dem.particles.pos + 4 * (size_t)list->j[c];
-    double n[3], shear[3], rate[3], length = sqrt(gn_branch(w, a, b, n));
-    const double rest = list->length0 ? list->length0[c] : a[3] + b[3];
-    for (int k = 0; k < 3; k++) n[k] /= length;
-    const gn_law_held h = gn_law_of(list->soa.effects)->held(list, c, length, length - rest);
-    advance_shear(w, list, c, length, n, h.shear, shear, rate);
-    double stored = h.stored, power = h.normal * gn_dot3(rate, n) + gn_dot3(shear, rate);
-    if (list->kt && list->kt[c] > 0.0)
-        stored += (gn_dot3(shear, shear) - gn_dot3(h.shear, h.shear)) / (2.0 * list->kt[c]);
-    return stored - 0.5 * w->dt_past * power;
-}
-
-static double contacts_energy(const gn_world *w, const gn_contacts *list) {
-    double sum = 0.0;
-    for (size_t c = 0; c < list->soa.count; c++) {
-        const bool bond = list == &w->dem.bonds;
-        const size_t at = bond ? 0 : gn_contacts_from(&w->dem.bonds, list->i[c], list->j[c]);
-        const gn_contacts *bonds = &w->dem.bonds;
-        const bool known = !bond && at < bonds->soa.count && bonds->i[at] == list->i[c] &&
-                           bonds->j[at] == list->j[c];
-        if (!known) sum += contact_energy(w, list, c);
-    }
-    return sum;
-}
-
-/* As gn_fem_stored, and half a step of the power, which the difference of two energies gives. */
-static double elements_energy(const gn_world *w) {
-    const gn_fem_solid *b = gn_coupled_solid(w);
-    const double half = 0.5 * w->dt_past;
-    return gn_fem_stored(b, 0.0) + 0.5 * (gn_fem_stored(b, -half) - gn_fem_stored(b, half));
-}
-
-gn_tally gn_conversion_tally(const gn_world *w, bool energy) {
+gn_tally gn_conversion_tally(const gn_conversion *c) {
+    const gn_world *w = c->world;
     const gn_particles *q = &w->dem.particles, *nodes = &gn_coupled_solid(w)->nodes;
     const gn_coupled *coupled = w->exchange[0].context;
     gn_tally t = {0};
-    if (energy)
-        t.energy = elements_energy(w) + contacts_energy(w, &w->dem.bonds) +
-                   contacts_energy(w, &w->dem.pairs);
+    mark_tied(c);
     for (size_t n = 0; n < nodes->soa.count; n++)
         if (nodes->vel[4 * n + 3] > 0.0)
             add(&t, 1.0 / nodes->vel[4 * n + 3], nodes->pos + 4 * n, nodes->vel + 4 * n);
     for (size_t p = 0; p < q->soa.count; p++) {
         if (!(q->vel[4 * p + 3] > 0.0)) continue;
-        const bool moves = is_free(w, p);
+        const bool moves = !c->tied[p];
         if (moves) add(&t, 1.0 / q->vel[4 * p + 3], q->pos + 4 * p, q->vel + 4 * p);
         if (q->spin && (moves || !coupled->turn))
             t.energy += 0.5 * gn_dot3(q->spin + 4 * p, q->spin + 4 * p) / q->spin[4 * p + 3];
@@ -94,30 +46,37 @@ gn_tally gn_conversion_tally(const gn_world *w, bool energy) {
 
 /* --- masses --- */
 
-static bool has_changed(const gn_conversion *c, size_t p) {
+/* Whose masses may be scaled: who has another weight than before; who is in a zone where these are
+ * too few, as of an element at the edge that holds no particle. */
+typedef enum takers { GN_TAKERS_CHANGED, GN_TAKERS_TIED } takers;
+
+static bool takes(const gn_conversion *c, takers who, size_t p) {
     const gn_particles *q = &c->world->dem.particles;
-    return q->vel[4 * p + 3] > 0.0 && q->blend[2 * p + 1] != c->part[2 * p + 1];
+    if (!(q->vel[4 * p + 3] > 0.0)) return false;
+    return who == GN_TAKERS_TIED ? c->tied[p] : q->blend[2 * p + 1] != c->part[2 * p + 1];
 }
 
-/* Of those whose masses may be scaled. */
+/* Of those who take. */
 typedef struct spread {
     double mass, centre[3], second[3][3]; /* kg, m, kg m2 about the centre */
 } spread;
 
-static spread spread_of(const gn_conversion *c) {
+static spread spread_of(const gn_conversion *c, takers who) {
     const gn_particles *q = &c->world->dem.particles;
     spread s = {0};
     for (size_t p = 0; p < q->soa.count; p++) {
-        if (!has_changed(c, p)) continue;
+        if (!takes(c, who, p)) continue;
         s.mass += 1.0 / q->vel[4 * p + 3];
         for (size_t a = 0; a < 3; a++) s.centre[a] += q->pos[4 * p + a] / q->vel[4 * p + 3];
     }
     for (int a = 0; s.mass > 0.0 && a < 3; a++) s.centre[a] /= s.mass;
-    for (size_t p = 0; p < q->soa.count; p++)
-        for (size_t a = 0; a < 3 && has_changed(c, p); a++)
+    for (size_t p = 0; p < q->soa.count; p++) {
+        if (!takes(c, who, p)) continue;
+        for (size_t a = 0; a < 3; a++)
             for (size_t b = 0; b < 3; b++)
                 s.second[a][b] += (q->pos[4 * p + a] - s.centre[a]) *
                                   (q->pos[4 * p + b] - s.centre[b]) / q->vel[4 * p + 3];
+    }
     return s;
 }
 
@@ -150,8 +109,8 @@ static double factor_at(const spread *s, double a, const double b[3], const doub
 }
 
 /* 1 + a + b.(x - x0) that makes up for what is missing; without b where that says too much. */
-static double linear_scale(const gn_conversion *c, const spread *s, const gn_tally *missing,
-                           double b[3]) {
+static double linear_scale(const gn_conversion *c, takers who, const spread *s,
+                           const gn_tally *missing, double b[3]) {
     const gn_particles *q = &c->world->dem.particles;
     const int d = (int)c->world->scene.dimension;
     const double a = missing->mass / s->mass;
@@ -161,28 +120,30 @@ static double linear_scale(const gn_conversion *c, const spread *s, const gn_tal
         b[k] = k < d ? missing->moment[k] - missing->mass * s->centre[k] : 0.0;
     bool fine = solve(d, m, b);
     for (size_t p = 0; fine && p < q->soa.count; p++)
-        if (has_changed(c, p)) largest = fmax(largest, fabs(factor_at(s, a, b, q->pos + 4 * p)));
+        if (takes(c, who, p)) largest = fmax(largest, fabs(factor_at(s, a, b, q->pos + 4 * p)));
     if (!fine || largest > most_scaled) b[0] = b[1] = b[2] = 0.0;
-    return fabs(a) > most_scaled ? 0.0 : a;
+    return a;
 }
 
-static void scale_masses(const gn_conversion *c, const gn_tally *missing) {
+/* Whether those could take it. */
+static bool scale_masses(const gn_conversion *c, takers who, const gn_tally *missing) {
     gn_particles *q = &c->world->dem.particles;
-    const spread s = spread_of(c);
+    const spread s = spread_of(c, who);
     double b[3];
-    if (!(s.mass > 0.0)) return;
-    const double a = linear_scale(c, &s, missing, b);
+    if (!(fabs(missing->mass) <= most_scaled * s.mass) || !(s.mass > 0.0)) return false;
+    const double a = linear_scale(c, who, &s, missing, b);
     for (size_t p = 0; p < q->soa.count; p++) {
-        if (!has_changed(c, p)) continue;
+        if (!takes(c, who, p)) continue;
         const double factor = 1.0 + factor_at(&s, a, b, q->pos + 4 * p);
         q->vel[4 * p + 3] /= factor;
         if (q->spin) q->spin[4 * p + 3] /= factor;
     }
+    return true;
 }
 
 static void keep_momentum(const gn_conversion *c, const gn_tally *before) {
     gn_particles *q = &c->world->dem.particles;
-    const gn_tally now = gn_conversion_tally(c->world, false);
+    const gn_tally now = gn_conversion_tally(c);
     double mass = 0.0;
     for (size_t p = 0; p < q->soa.count; p++)
         if (c->freed[p]) mass += 1.0 / q->vel[4 * p + 3];
@@ -191,13 +152,30 @@ static void keep_momentum(const gn_conversion *c, const gn_tally *before) {
             q->vel[4 * p + a] += (before->momentum[a] - now.momentum[a]) / mass;
 }
 
+/* Where few have another weight they cannot make up for what elements weighed. */
+static gneiss_status check_mass(const gn_conversion *c, const gn_tally *before,
+                                gneiss_error *error) {
+    const double now = gn_conversion_tally(c).mass;
+    if (fabs(now - before->mass) <= 1e-9 * before->mass) return GNEISS_OK;
+    return gn_fail(
+        error, GNEISS_ERROR_UNSTABLE,
+        "%s: expected a zone that is wide enough for its mass to be kept (three elements "
+        "and six particles across), found one with which a conversion would change that "
+        "of %.6g kg by %.2g kg",
+        gn_scene_at(&c->world->scene, c->world->scene.couple.convert.where, "couple.convert.width")
+            .text,
+        before->mass, now - before->mass);
+}
+
 gneiss_status gn_conversion_keep(const gn_conversion *c, const gn_tally *before,
                                  gneiss_error *error) {
-    gn_tally missing = gn_conversion_tally(c->world, false);
+    gn_tally missing = gn_conversion_tally(c);
     missing.mass = before->mass - missing.mass;
     for (int a = 0; a < 3; a++) missing.moment[a] = before->moment[a] - missing.moment[a];
-    scale_masses(c, &missing);
+    if (!scale_masses(c, GN_TAKERS_CHANGED, &missing))
+        scale_masses(c, GN_TAKERS_TIED, &missing);
     GN_TRY(gn_coupled_weigh(c->world, error));
+    GN_TRY(check_mass(c, before, error));
     keep_momentum(c, before);
     return GNEISS_OK;
 }

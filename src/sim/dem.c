@@ -166,6 +166,7 @@ gneiss_status gn_dem_enter(gn_world *w, gneiss_error *error) {
     GN_TRY(enter_bonds(w, error));
     w->energy.stage_change += gn_contacts_stored(w) - stored;
     gn_dem_step_changed(w); /* dashpots */
+    gn_near_forget(w);      /* velocities and parameters may be others */
     return gn_sets_enter(w, error);
 }
 
@@ -206,6 +207,7 @@ void gn_dem_free(gn_dem *d) {
 /* --- all of it --- */
 
 uint64_t gn_dem_hash(const gn_world *w, uint64_t h) {
+    gn_near_settle(w);
     h = gn_soa_hash(&gn_particle_record, &w->dem.particles, h);
     h = gn_soa_hash(&gn_contact_record, &w->dem.bonds, h);
     h = gn_soa_hash(&gn_contact_record, &w->dem.pairs, h);

@@ -80,6 +80,7 @@ typedef struct question {
     double tolerance;     /* of Lanczos; 0: bounds alone */
     gn_step_limit *limit; /* answers */
     gn_step_verdict *verdict;
+    bool whether;          /* not what would hold if it does not */
     bool changed;          /* only what has others than at the last look needs to be looked at */
     const uint8_t *turned; /* [particles] only these and their neighbours; NULL: see `changed` */
     double *masses;        /* [particles] what would hold the step; NULL: not asked for */
@@ -120,8 +121,8 @@ static gneiss_status holds(const gn_spectrum *spectrum, const question *q, gneis
         return status;
     }
     if (status == GNEISS_OK && (!q->changed || count > 0))
-        status = gn_step_holds(spectrum, q->step, q->tolerance, q->changed ? changed : NULL,
-                               q->verdict, error);
+        status = gn_step_holds(spectrum, q->step, q->tolerance, !q->whether,
+                               q->changed ? changed : NULL, q->verdict, error);
     gn_free(changed);
     return status;
 }
@@ -130,7 +131,8 @@ static gneiss_status answer(const gn_spectrum *spectrum, void *context, gneiss_e
     const question *q = context;
     if (q->masses) return gn_step_masses(spectrum, q->step, q->turned, q->masses, error);
     if (q->turned)
-        return gn_step_holds(spectrum, q->step, q->tolerance, q->turned, q->verdict, error);
+        return gn_step_holds(spectrum, q->step, q->tolerance, !q->whether, q->turned, q->verdict,
+                             error);
     if (q->step > 0.0) return holds(spectrum, q, error);
     return gn_step_limits(spectrum, q->tolerance, q->limit, error);
 }
@@ -250,8 +252,10 @@ static gneiss_status limit_fell(gn_world *w, bool *fell, gneiss_error *error) {
     /* With elements they may hold more than by themselves. */
     double known = fmax(trusted(w, &w->dem.limit), w->couple.whole);
     gn_step_verdict verdict = {0};
-    question q = {
-        .step = known < INFINITY ? 0.95 * known : DBL_MAX, .verdict = &verdict, .changed = true};
+    question q = {.step = known < INFINITY ? 0.95 * known : DBL_MAX,
+                  .verdict = &verdict,
+                  .whether = true,
+                  .changed = true};
     GN_TRY(ask_of_others(w, false, &q, error));
     *fell = !verdict.holds;
     return GNEISS_OK;
@@ -344,6 +348,7 @@ static gneiss_status turned_hold(gn_world *w, const uint8_t *turned, bool *hold,
     question q = {.step = needed < INFINITY ? needed : DBL_MAX,
                   .tolerance = tolerance_of(w),
                   .verdict = &verdict,
+                  .whether = true,
                   .turned = turned};
     gneiss_status status = follow_and_ask(w, false, turned, &q, error);
     *hold = verdict.holds;

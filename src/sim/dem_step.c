@@ -51,6 +51,7 @@ gn_motion_args gn_dem_motion_args(gn_world *w, bool measure) {
     memcpy(a.gravity, w->scene.gravity, sizeof a.gravity);
     a.damping = w->scene.background_coefficient;
     a.damping_spin = gn_scene_spin_damping(&w->scene);
+    a.changes = w->dem.near.on;
     a.hold = w->dem.hold.count ? &w->dem.hold : NULL;
     a.damping_lead = w->scene.background_velocity == GN_VELOCITY_INSTANT ? 0.5 : 0.0;
     a.measure = measure;
@@ -101,6 +102,7 @@ static void add_up(const gn_world *w, gn_dem_sums *s) {
     s->bonds = add_contact_sums(d->bond_sums, d->bonds.soa.count ? d->bond_partials.blocks : 0);
     s->pairs = add_contact_sums(d->pair_sums, d->pairs.soa.count ? d->pair_partials.blocks : 0);
     s->walls = add_contact_sums(w->boundary.sums, w->effects & GN_FX_WALLS ? d->motion_blocks : 0);
+    if (w->boundary.body_contacts.soa.count) gn_contact_sums_add(&s->walls, &w->boundary.body_sums);
     s->motion = add_motion_sums(d->motion_sums, d->motion_blocks);
 }
 
@@ -146,6 +148,7 @@ void gn_dem_move(gn_world *w, bool measure) {
     if (w->effects & GN_FX_PRESCRIBED) gn_reactions_sum(w);
     double speed = sqrt(d->done.motion.speed2);
     d->speed_most = speed * (1.0 + 1e-6);
+    gn_near_moved(w);
     d->verlet.drift += w->dt * speed;
     d->verlet.closed += 2.0 * (w->dt * speed);
     d->broken_tension += d->done.bonds.broken_tension;
@@ -162,6 +165,7 @@ void gn_dem_evaluate(gn_world *w, double span, double kick, bool measure) {
     if (w->effects & GN_FX_PRESCRIBED) gn_prescription_update(w, w->time);
     w->dt_past = span;
     d->speed_most = 0.0;
+    gn_near_forget(w);
     gn_dem_confine(w, &w->dem.bonds);
     gn_contact_args bonds = gn_dem_contact_args(w, &d->bonds, measure);
     gn_contact_args pairs = gn_dem_contact_args(w, &d->pairs, measure);

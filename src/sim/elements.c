@@ -425,9 +425,10 @@ void gn_elements_book(const gn_world *w, gn_energy *ledger) {
 
 /* --- readings --- */
 
-/* Means over the solids, by volume. */
+/* Means over the solids, by volume; where all elements were converted nothing. */
 static double share_of(const gn_world *w, size_t k) {
-    return w->elements[k]->solid.volume / gn_elements_totals(w).volume;
+    const double all = gn_elements_totals(w).volume;
+    return all > 0.0 ? w->elements[k]->solid.volume / all : 0.0;
 }
 
 void gn_elements_stress(const gn_world *w, double stress[9]) {
@@ -489,6 +490,13 @@ bool gn_elements_motion_drives(const gn_world *w, size_t motion) {
     return q->motion[motion] >= 0;
 }
 
+const gn_fem_set *gn_elements_motion_set(const gn_world *w, size_t motion,
+                                         const gn_particles **nodes) {
+    const gn_element_model *owner = owner_of(w, &motion);
+    *nodes = &owner->solid.nodes;
+    return &owner->motion_set[motion];
+}
+
 void gn_elements_travel(const gn_world *w, size_t motion, double travel[3]) {
     const gn_element_model *owner = owner_of(w, &motion);
     const gn_fem_set *set = &owner->motion_set[motion];
@@ -521,8 +529,7 @@ static gneiss_status full_limit(const gn_world *w, gn_element_model *q, gneiss_e
 
 static gneiss_status body_limit(const gn_world *w, gn_element_model *q, bool full, bool *due,
                                 gneiss_error *error) {
-    double factor = 1.0;
-    if (w->step > 0) GN_TRY(gn_fem_stiffening(&q->solid, &factor, error));
+    const double factor = w->step > 0 ? gn_fem_stiffening(&q->solid) : 1.0;
     bool changed = full || factor > 1.02 * q->stiffening;
     if (full) GN_TRY(full_limit(w, q, error));
     if (!changed) return GNEISS_OK;

@@ -95,6 +95,9 @@ void gn_elements_extent(const gn_world *world, double lower[3], double upper[3])
 size_t gn_elements_motions(const gn_world *world);
 const char *gn_elements_motion_name(const gn_world *world, size_t motion);
 bool gn_elements_motion_drives(const gn_world *world, size_t motion);
+/* The nodes of a motion, and where they stand. */
+const gn_fem_set *gn_elements_motion_set(const gn_world *world, size_t motion,
+                                         const gn_particles **nodes);
 void gn_elements_travel(const gn_world *world, size_t motion, double travel[3]);
 void gn_elements_reaction(const gn_world *world, size_t motion, double force[3]);
 

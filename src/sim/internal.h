@@ -272,6 +272,8 @@ void gn_sweep(gn_world *world, const gn_contact_args *bonds, const gn_contact_ar
 void gn_sweep_held(gn_world *world, const gn_motion_args *motion);
 /* Sums the forces on the walls, moves them over the coming step; works as those of bodies. */
 void gn_walls_sum(gn_world *world);
+/* After lists have been made: what servos press. */
+void gn_walls_listed(gn_world *world);
 void gn_walls_move(gn_world *world);
 void gn_walls_book(const gn_world *world, double dt, gn_energy *ledger);
 

@@ -341,6 +341,7 @@ void gn_dem_step_changed(gn_world *w) {
     if (!(w->effects & GN_FX_CONTACT_DAMPING)) return;
     gn_contacts_set_dashpots(w, &w->dem.bonds);
     gn_contacts_set_dashpots(w, &w->dem.pairs);
+    gn_near_repack(w);
     w->dem.bond_uniform = find_uniform(&w->dem.bonds);
     w->dem.pair_uniform = find_uniform(&w->dem.pairs);
 }
@@ -371,6 +372,7 @@ gneiss_status gn_dem_arrange(gn_world *w, gneiss_error *error) {
 }
 
 gneiss_status gn_dem_refresh(gn_world *w, gneiss_error *error) {
+    gn_near_repack(w);
     tune_skin(w);
     widen_skin(w);
     GN_TRY(gn_dem_drop(w, error));
@@ -388,6 +390,7 @@ gneiss_status gn_dem_refresh(gn_world *w, gneiss_error *error) {
     w->dem.verlet.rebuilds++;
     w->dem.verlet.last_step = w->step;
     gn_box_listed(w);
+    gn_walls_listed(w);
     return GNEISS_OK;
 }
 
@@ -405,5 +408,6 @@ gneiss_status gn_dem_restore(gn_world *w, gneiss_error *error) {
     GN_TRY(gn_partials_build(&w->dem.pairs, n, w->threads, &w->dem.pair_partials, error));
     ready_kernels(w);
     GN_TRY(ready_blocks(w, error));
-    return gn_near_lists(w, error);
+    GN_TRY(gn_near_lists(w, error));
+    return gn_near_resume(w, error);
 }

@@ -70,8 +70,11 @@ static inline bool gn_came_off(const gn_particles *particles, size_t p) {
     return particles->skin[4 * p + 3] < 0.0;
 }
 
+static inline bool gn_is_of(gn_skin_body body, size_t p) {
+    return !body.group || body.group[p] == body.is;
+}
 static inline bool gn_is_pressed_of(const gn_particles *particles, gn_skin_body body, size_t p) {
-    return gn_is_pressed(particles, p) && (!body.group || body.group[p] == body.is);
+    return gn_is_pressed(particles, p) && gn_is_of(body, p);
 }
 
 /* x = F X by least squares of places that were at X and are at x, both from their means on. */

@@ -58,9 +58,11 @@ static void share_out(const gn_world *w, const gn_boundary_pieces *pieces, const
 }
 
 static void solve3(const double k[9], const double b[3], double x[3]) {
+    const double size = k[0] + k[4] + k[8];
     double c[9];
     gn_cofactor3(k, c);
     double det = gn_dot3(k, c);
+    if (!(det > 1e-12 * size * size * size)) det = 0.0; /* all in a line: no moment */
     for (int a = 0; a < 3; a++) {
         x[a] = 0.0;
         for (int d = 0; d < 3; d++) x[a] += c[3 * d + a] * b[d];

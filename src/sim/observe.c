@@ -5,6 +5,7 @@
 gneiss_status gn_contacts_evaluate(const gn_world *w, const gn_contacts *list,
                                    const gn_partials *partials, gn_contacts *copy,
                                    gneiss_error *error) {
+    gn_near_settle(w);
     gn_effects effects = (list->soa.effects & ~(gn_effects)GN_FX_MIXED) | GN_FX_CONTACT_FORCES;
     gn_contact_kernel *kernel;
     GN_TRY(gn_contact_kernel_choose(w->kernels, effects, &kernel, error));
@@ -31,6 +32,7 @@ gneiss_status gn_contacts_observe(const gn_world *w, const gn_contacts *list, co
                                   size_t count, gn_contacts *seen, gneiss_error *error) {
     gn_contacts part;
     *seen = (gn_contacts){0};
+    gn_near_settle(w);
     GN_TRY(gn_soa_create(&gn_contact_record, &part, count, list->soa.effects, error));
     gn_soa_permute(&gn_contact_record, &part, list, chosen);
     gneiss_status status = gn_contacts_evaluate(w, &part, NULL, seen, error);

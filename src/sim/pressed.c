@@ -147,6 +147,7 @@ void gn_pressed_look(gn_world *w) {
     look_at_pairs(w);
     look_at_walls(w);
     keep_pairs(w);
+    gn_near_repack(w);
 }
 
 gneiss_status gn_pressed_check(gn_world *w, gneiss_error *error) {

@@ -5,6 +5,7 @@
  * close undamped, all of them once it has come apart. */
 #include "base/memory.h"
 #include "kernels/dashpot.h"
+#include "sim/body_walls.h"
 #include "sim/internal.h"
 #include "sim/touch.h"
 
@@ -315,6 +316,19 @@ static void meet_walls(const gn_world *w, const ties *t, fastest *f) {
     }
 }
 
+/* Bodies on walls; their masses are not raised. */
+static void meet_bodies(const gn_world *w, fastest *f) {
+    for (size_t c = 0; !f->factor && c < w->boundary.body_contacts.soa.count;) {
+        gn_body_wall k = gn_body_wall_at(w, c);
+        double square = gn_body_walls_square(w, &c);
+        if (square <= f->square * f->share * f->share) continue;
+        f->square = square;
+        f->share = 1.0;
+        f->first = -1 - (int64_t)k.body;
+        f->second = -1 - (int64_t)k.wall;
+    }
+}
+
 static gneiss_status meet_listed(const gn_world *w, fastest *f, gneiss_error *error) {
     double *crowd = NULL;
     ties t;
@@ -324,6 +338,7 @@ static gneiss_status meet_listed(const gn_world *w, fastest *f, gneiss_error *er
         meet_pairs(w, &t, &w->dem.pairs, crowd, f);
         if (t.apart || t.share > 0.0) meet_pairs(w, &t, &w->dem.bonds, crowd, f);
         meet_walls(w, &t, f);
+        meet_bodies(w, f);
     }
     gn_free(crowd);
     gn_free(t.stiffest);
@@ -439,6 +454,7 @@ static gneiss_status fly(const gn_world *w, flight *f, gneiss_error *error) {
     /* All by itself: as if it met its like, so that there is a step. */
     for (size_t p = 0; f->normal == 0.0 && p < w->dem.particles.soa.count; p++)
         f->normal = 2.0 * gn_pair_spring(w, (int32_t)p, (int32_t)p).kn * inverse_mass(w, p);
+    if (f->normal == 0.0) f->normal = gn_body_walls_bound(w);
     gn_free(classes);
     return GNEISS_OK;
 }
@@ -458,7 +474,10 @@ gneiss_status gn_flight_limits(const gn_world *w, double *stable, gn_resolution 
 const char *gn_resolution_text(const gn_world *w, char *text, size_t size) {
     const gn_resolution *r = &w->dem.resolution;
     int64_t walls = (int64_t)w->scene.wall_count, k = -1 - r->second;
-    if (r->second >= 0)
+    if (r->first < 0)
+        snprintf(text, size, "body '%.60s' and wall '%.60s'", w->scene.bodies[-1 - r->first].name,
+                 w->scene.walls[k].name);
+    else if (r->second >= 0)
         snprintf(text, size, "particles %lld and %lld", (long long)r->first, (long long)r->second);
     else if (k < walls)
         snprintf(text, size, "particle %lld and wall '%.60s'", (long long)r->first,

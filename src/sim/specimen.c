@@ -173,12 +173,48 @@ void gn_specimen_extent(const gn_scene *scene, gn_extent *extent) {
     if (s->pack.shape != GN_SHAPE_NONE) add_shape(scene, extent);
 }
 
+/* What is made here goes into the box as it stands; rows may have been written with what had gone
+ * through its sides. */
+static gneiss_status check_box(const gn_scene *scene, const gn_packing *packing,
+                               gneiss_error *error) {
+    const gn_specimen *s = &scene->specimen;
+    const bool made = s->lattice.kind != GN_LATTICE_NONE || s->pack.shape != GN_SHAPE_NONE;
+    for (int a = 0; made && a < (int)scene->dimension; a++) {
+        const double length = scene->periodic_max[a] - scene->periodic_min[a];
+        double low = INFINITY, high = -INFINITY;
+        if (!scene->has_periodic || !gn_scene_periodic_along(scene, a)) continue;
+        for (size_t p = 0; p < packing->count; p++) {
+            low = fmin(low, packing->sphere[4 * p + a]);
+            high = fmax(high, packing->sphere[4 * p + a]);
+        }
+        if (high - low < length) continue;
+        return gn_fail(error, GNEISS_ERROR_INPUT,
+                       "%s: expected a box longer along %c than the centres of the specimen are "
+                       "apart, %g m, found %g m",
+                       gn_scene_at(scene, scene->periodic_where, "periodic").text, "xyz"[a],
+                       high - low, length);
+    }
+    return GNEISS_OK;
+}
+
 gneiss_status gn_specimen_make(const gn_scene *scene, gn_packing *packing, double *volume,
                                gneiss_error *error) {
     *packing = (gn_packing){0};
     *volume = 0.0;
     GN_TRY(make(scene, packing, volume, error));
     gneiss_status status = check_sizes(scene, packing, error);
+    if (status == GNEISS_OK) status = check_box(scene, packing, error);
     if (status != GNEISS_OK) gn_packing_free(packing);
     return status;
+}
+
+bool gn_specimen_is_narrow(const gn_world *w, char *text, size_t size) {
+    const gn_particles *q = &w->dem.particles;
+    double least = INFINITY, most = 0.0;
+    if (w->scene.source_count || w->scene.sink_count) return false;
+    for (size_t p = 0; p < q->soa.count; p++) {
+        least = fmin(least, q->pos[4 * p + 3]);
+        most = fmax(most, q->pos[4 * p + 3]);
+    }
+    return gn_pack_is_narrow(&w->scene, least, most, q->soa.count, text, size);
 }

@@ -1,5 +1,6 @@
 /* Choosing the step and watching it: what the parts allow, together. */
 #include "base/timer.h"
+#include "sim/body_walls.h"
 #include "sim/coupling.h"
 #include "sim/exchange.h"
 #include "sim/internal.h"
@@ -45,7 +46,7 @@ static double partner_limit(const gn_world *w) {
     return fmin(bodies, together(w, elements, limit_of(w->boundary.vertex_rate)));
 }
 
-/* Bodies and elements only meet particles. */
+/* Bodies and elements do not meet each other. */
 double gn_limit_of_all(const gn_world *w, double particles) {
     double share = gn_world_nonviscous_share(w);
     double elements = together(w, share * gn_elements_stable(w), limit_of(w->couple.rate[1]));
@@ -188,6 +189,15 @@ static double fastest_body(const gn_world *w) {
     return most;
 }
 
+/* Of a free body that falls on walls springs say nothing either, and it may be long before it has
+ * come to one: half of what it may go in a step. */
+static void follow_fall(gn_world *w) {
+    bool falls = false;
+    for (size_t k = 0; k < w->scene.body_count; k++) falls = falls || gn_body_meets_walls(w, k);
+    double speed = falls ? fastest_body(w) : 0.0, most = 0.25 * w->dem.radius_min;
+    if (w->dt * speed > most) lower(w, 0.5 * most / speed);
+}
+
 /* By Hertz's law an automatic step says nothing before something touches, and speeds may have grown
  * since: a particle goes a tenth of the smallest radius in a step at most. */
 static void follow_flight(gn_world *w) {
@@ -223,6 +233,7 @@ static gneiss_status check_lists(gn_world *w, bool full, bool *fine, gneiss_erro
     GN_TRY(look_at_lighter(w, error));
     gn_pressed_look(w);
     follow_flight(w);
+    follow_fall(w);
     GN_TRY(resolve_listed(w, error));
     GN_TRY(look_at_turned(w, error));
     GN_TRY(gn_dem_limit_listed(w, full, fine, error));

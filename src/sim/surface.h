@@ -18,13 +18,14 @@ typedef struct gn_rigid {
         velocity_past[3];         /* m/s, over the interval that led here; before the kick */
     double spin[3], spin_past[3]; /* rad/s */
     double momentum[3], momentum_past[3]; /* N m s about the centre of mass, when spin is free */
-    double force[3], moment[3];           /* N, N m about the reference point, of the particles */
+    double force[3], moment[3];           /* N, N m about the reference point, of what touches */
     double mass, inertia[3];              /* kg, kg m2 about the axes of the frame */
     double inverse_mass[3];               /* 1/kg along x y z; 0: prescribed */
     double inverse_inertia[3];            /* 1/(kg m2) about the axes of the frame; 0: prescribed */
-    double volume;                        /* m3, of a free body */
-    double reach;                         /* m, of the farthest vertex from the reference point */
-    double travel; /* m, bound on the path of any vertex since the lists were made */
+    double held[3]; /* 1: no spin about this axis of space, beside free ones; 0 */
+    double volume;  /* m3, of a free body */
+    double reach;   /* m, of the farthest vertex from the reference point */
+    double travel;  /* m, bound on the path of any vertex since the lists were made */
     double ref_position[3], ref_axes[9]; /* where it was then */
 } gn_rigid;
 

@@ -1,6 +1,7 @@
 /* What surfaces mean for the stability limit. */
 #include "base/eigen.h"
 #include "base/memory.h"
+#include "sim/body_walls.h"
 #include "sim/internal.h"
 #include "sim/touch.h"
 
@@ -147,6 +148,81 @@ static double largest(const double block[36]) {
     return values[0] + 1e-13 * trace;
 }
 
+/* --- bodies on walls --- */
+
+/* 1/kg, with which a contact with a wall gives way along the normal, and the body as a whole. */
+static double give_along(const gn_rigid *b, const gn_body_wall *c, const double n[3],
+                         double *whole) {
+    double turn[3];
+    *whole = 0.0;
+    for (int a = 0; a < 3; a++) *whole += n[a] * n[a] * b->inverse_mass[a];
+    gn_cross3(c->lever, n, turn);
+    return *whole + gn_rigid_compliance(b, turn);
+}
+
+/* Row c with its spring along the normal and, with `across`, friction in all directions. */
+static void add_wall_contact(const gn_world *w, const gn_body_wall *c, bool across,
+                             body_block *block) {
+    const gn_rigid *b = &w->boundary.bodies[c->body];
+    const double *n = w->boundary.walls[c->wall].normal, kn = c->side.stiffness;
+    double kt =
+        across && c->side.friction > 0.0 && c->side.kratio > 0.0 ? kn / c->side.kratio : 0.0;
+    double row[6], part[3];
+    for (int a = 0; kt > 0.0 && a < 3; a++) {
+        const double unit[3] = {a == 0, a == 1, a == 2};
+        scaled_row(b, c->lever, unit, row);
+        add_row(block->stiff, row, kt);
+    }
+    memcpy(part, n, sizeof part);
+    scaled_row(b, c->lever, part, row);
+    add_row(block->stiff, row, fmax(kn - kt, 0.0));
+}
+
+/* Dashpots of the contacts with one wall that press at an instant are 2 alpha sqrt(m/k) times their
+ * springs, with k of these alone and m of all of them together, of 1/m >= `whole`. Their eigenvalue
+ * is that much of the springs', which is k times the most by which one of them gives way. */
+typedef struct wall_damping {
+    double stiffness, most, whole;
+} wall_damping;
+
+static double damping_of(const gn_world *w, const wall_damping *d) {
+    double alpha = w->dem.damping_fraction / gn_world_nonviscous_share(w);
+    double least = d->whole > 0.0 ? d->whole : d->most;
+    return least > 0.0 ? 2.0 * alpha * sqrt(d->stiffness / least) * d->most : 0.0;
+}
+
+/* All vertices that are near count as pressed; 1/s, what their dashpots add. */
+static double add_walls(const gn_world *w, int32_t body, body_block *block) {
+    double damping = 0.0;
+    wall_damping d = {0};
+    size_t wall = 0;
+    for (size_t c = 0; c < w->boundary.body_contacts.soa.count; c++) {
+        gn_body_wall k = gn_body_wall_at(w, c);
+        if (k.body != (size_t)body) continue;
+        if (k.wall != wall) {
+            damping += damping_of(w, &d);
+            d = (wall_damping){0};
+            wall = k.wall;
+        }
+        const gn_rigid *b = &w->boundary.bodies[body];
+        d.most = fmax(d.most, give_along(b, &k, w->boundary.walls[wall].normal, &d.whole));
+        d.stiffness += k.side.stiffness;
+        add_wall_contact(w, &k, true, block);
+    }
+    return damping + damping_of(w, &d);
+}
+
+double gn_body_walls_square(const gn_world *w, size_t *row) {
+    body_block block = {0};
+    const gn_body_wall first = gn_body_wall_at(w, *row);
+    for (; *row < w->boundary.body_contacts.soa.count; (*row)++) {
+        gn_body_wall k = gn_body_wall_at(w, *row);
+        if (k.body != first.body || k.wall != first.wall) break;
+        add_wall_contact(w, &k, false, &block);
+    }
+    return largest(block.stiff);
+}
+
 /* --- one surface --- */
 
 /* The root of 4 tau^2 = a + 2 tau b. */
@@ -157,6 +233,7 @@ static double rate_of(double a, double b) {
 /* Of one surface, from the contacts of which each is handed over. */
 typedef struct rate_sums {
     body_block body;
+    double walls;         /* 1/s, dashpots at walls */
     double *stiff, *damp; /* [vertices]: sums of k weight and c weight; NULL: rigid */
 } rate_sums;
 
@@ -177,7 +254,8 @@ static void add(const gn_world *w, const gn_surface_contact *c, rate_sums *sums)
  * the weights of a contact add up to one. */
 static double rate_of_sums(const gn_surface *s, const rate_sums *sums) {
     double most = 0.0;
-    if (s->body >= 0) return rate_of(largest(sums->body.stiff), largest(sums->body.damp));
+    if (s->body >= 0)
+        return rate_of(largest(sums->body.stiff), largest(sums->body.damp) + sums->walls);
     for (size_t v = 0; v < s->vertices; v++) {
         double inverse = s->velocity[4 * v + 3];
         most = fmax(most, rate_of(sums->stiff[v] * inverse, sums->damp[v] * inverse));
@@ -205,6 +283,7 @@ static gneiss_status surface_rate(const gn_world *w, const gn_surface *s, double
         c = gn_surface_contacts_at(w, c, w->dem.verlet.skin, found, &many);
         for (size_t k = 0; k < many; k++) add(w, &found[k], &sums);
     }
+    if (s->body >= 0) sums.walls = add_walls(w, s->body, &sums.body);
     if (held) *rate = fmax(*rate, rate_of_sums(s, &sums));
     gn_free(sums.stiff);
     gn_free(sums.damp);

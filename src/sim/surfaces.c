@@ -24,13 +24,6 @@ void gn_rigid_local(const gn_rigid *b, const double direction[3], double local[3
                    b->axes[6 + a] * direction[2];
 }
 
-double gn_rigid_compliance(const gn_rigid *b, const double v[3]) {
-    double local[3], sum = 0.0;
-    gn_rigid_local(b, v, local);
-    for (int a = 0; a < 3; a++) sum += b->inverse_inertia[a] * local[a] * local[a];
-    return sum;
-}
-
 static const gn_rigid *body_of(const gn_world *w, const gn_surface *s) {
     return s->body >= 0 ? &w->boundary.bodies[s->body] : NULL;
 }

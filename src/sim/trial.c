@@ -45,6 +45,7 @@ void gn_trial_free(gn_trial *t) {
 
 static gneiss_status copy_lists(gn_trial *t, gneiss_error *error) {
     const gn_world *w = t->world;
+    gn_near_settle(w);
     free_lists(t);
     GN_TRY(
         gn_soa_copy(&gn_contact_record, &t->bonds, &w->dem.bonds, w->dem.bonds.soa.effects, error));
@@ -72,6 +73,7 @@ static gneiss_status go_out_from_here(gn_trial *t, gneiss_error *error) {
 
 static void restore_lists(gn_trial *t) {
     gn_world *w = t->world;
+    gn_near_repack(w);
     gn_soa_take(&gn_contact_record, &w->dem.bonds, &t->bonds);
     gn_soa_take(&gn_contact_record, &w->dem.pairs, &t->pairs);
     if (w->effects & GN_FX_WALLS)

@@ -2,8 +2,10 @@
 #include "base/memory.h"
 #include "kernels/dashpot.h"
 #include "scene/facing.h"
+#include "sim/body_walls.h"
 #include "sim/internal.h"
 #include "sim/origin.h"
+#include "sim/servo.h"
 #include "sim/touch.h"
 
 #include <math.h>
@@ -265,7 +267,7 @@ static double springs_of(const gn_world *w, size_t k) {
         if ((size_t)w->boundary.contacts.wall[c] == k && gn_dot3(row, row) > 0.0)
             sum += spring_stiffness(w, c);
     }
-    return sum;
+    return sum + gn_body_walls_pressing(w, k, false);
 }
 
 /* The largest relaxation that leaves the loop of wall and particles stable. The wall moves by
@@ -306,7 +308,7 @@ static double stiffness_within(const gn_world *w, size_t k, double path) {
         if (wall_gap(w, p, k) - q->gap0[c] + w->dt * fmin(0.0, along) < path)
             sum += step_stiffness(w, c);
     }
-    return sum;
+    return sum + gn_body_walls_within(w, k, path);
 }
 
 /* K by which the wall goes force/K in a step for `force` more, at most the path `most`: of what
@@ -358,11 +360,44 @@ static void servo_velocity(gn_world *w, size_t k) {
     const gn_servo *servo = &w->scene.walls[k].servo;
     gn_wall *wall = &w->boundary.walls[k];
     double relaxation = fmin(servo->relaxation, gn_world_servo_relaxation(w, k));
-    double missing = gn_wall_wanted(w, k, w->time) + gn_dot3(wall->force, wall->normal);
-    double stiffness = servo_stiffness(w, k, relaxation * missing, servo->max_velocity * w->dt);
-    double speed = relaxation * missing / (stiffness * w->dt);
-    speed = fmax(-servo->max_velocity, fmin(servo->max_velocity, speed));
+    gn_servo_look look = {.wanted = gn_wall_wanted(w, k, w->time),
+                          .found = -gn_dot3(wall->force, wall->normal),
+                          .most = servo->max_velocity};
+    double stiffness =
+        servo_stiffness(w, k, relaxation * (look.wanted - look.found), servo->max_velocity * w->dt);
+    /* Springs at the wall and behind them, one after the other. */
+    double uniform = wall->behind > 0.0 ? 1.0 / (1.0 + stiffness / wall->behind) : 1.0;
+    look.pace = relaxation / (stiffness * w->dt);
+    look.answer = gn_servo_answer(relaxation, uniform);
+    if (!(wall->stiffness > 0.0)) { /* it approaches, and follows nothing */
+        wall->servo = (gn_servo_state){0};
+        look.answer = 0.0;
+    }
+    double speed = gn_servo_speed(&wall->servo, &look);
     for (int a = 0; a < 3; a++) wall->velocity[a] = speed * wall->normal[a];
+}
+
+/* m: how far centres reach along a direction. */
+static double extent_along(const gn_world *w, const double n[3]) {
+    double low = INFINITY, high = -INFINITY;
+    for (size_t p = 0; p < w->dem.particles.soa.count; p++) {
+        double at = gn_dot3(w->dem.particles.pos + 4 * p, n);
+        low = fmin(low, at);
+        high = fmax(high, at);
+    }
+    return high - low;
+}
+
+void gn_walls_listed(gn_world *w) {
+    for (size_t k = 0; k < w->scene.wall_count; k++) {
+        gn_wall *wall = &w->boundary.walls[k];
+        const double n[1][3] = {{wall->normal[0], wall->normal[1], wall->normal[2]}};
+        double spring, dashpot, length;
+        if (!w->scene.walls[k].servo.active) continue;
+        gn_servo_answers(w, false, 1, n, &spring, &dashpot);
+        length = extent_along(w, n[0]);
+        wall->behind = length > 0.0 && spring > 0.0 ? spring / (length * length) : 0.0;
+    }
 }
 
 void gn_walls_move(gn_world *w) {
@@ -372,9 +407,10 @@ void gn_walls_move(gn_world *w) {
         if (w->scene.walls[k].servo.active)
             servo_velocity(w, k);
         else
-            for (int a = 0; a < 3; a++)
-                wall->velocity[a] = gn_control_of(w, w->scene.walls[k].name, a) *
-                                    gn_table_at(&motion->velocity[a], w->time + 0.5 * w->dt);
+            wall->servo = (gn_servo_state){0};
+        for (int a = 0; a < 3 && !w->scene.walls[k].servo.active; a++)
+            wall->velocity[a] = gn_control_of(w, w->scene.walls[k].name, a) *
+                                gn_table_at(&motion->velocity[a], w->time + 0.5 * w->dt);
         for (int a = 0; a < 3; a++) wall->point[a] += w->dt * wall->velocity[a];
         wall->travel += w->dt * fabs(gn_dot3(wall->velocity, wall->normal));
     }

@@ -66,6 +66,12 @@ static gneiss_status measure_test(gn_world *w, gneiss_error *error) {
     gn_tested_shape shape = gn_test_shape(w);
     w->test_length = shape.length;
     w->test_area = shape.area;
+    if (s->test.kind == GN_TEST_BENDING && s->test.notch >= shape.height)
+        return gn_fail(
+            error, GNEISS_ERROR_INPUT,
+            "%s: expected a notch that is less deep than the beam, which is %.6g m high, "
+            "found %.6g m",
+            gn_scene_at(s, s->test.where, "test.notch").text, shape.height, s->test.notch);
     bool sound = shape.length > 0.0 && isfinite(shape.length);
     if (s->test.kind != GN_TEST_SIMPLE_SHEAR || sound) return GNEISS_OK;
     return gn_fail(error, GNEISS_ERROR_INPUT,
@@ -381,6 +387,7 @@ void gn_world_point_out(const gn_world *w, const double point[3], double out[3])
 
 gn_assembly gn_world_assembly(const gn_world *w) {
     gn_assembly a = {0};
+    gn_near_settle(w);
     a.dimension = (int)w->scene.dimension;
     a.particles = &w->dem.particles;
     a.bonds = &w->dem.bonds;

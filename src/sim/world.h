@@ -211,4 +211,8 @@ uint64_t gn_world_hash(const gn_world *world);
 /* Bytes held by particles, contacts and lists. */
 size_t gn_world_bytes(const gn_world *world);
 
+/* specimen.c: whether the radii of a packing came out narrower than they were asked for; `text`
+ * then says so. Without sources and sinks, so that it is said of the specimen. */
+bool gn_specimen_is_narrow(const gn_world *world, char *text, size_t size);
+
 #endif

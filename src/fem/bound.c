@@ -1,0 +1,324 @@
+/* A bound of the largest stable step, 2/w_max, of the solid linearised at its start.
+ *
+ * Let the mass of every node be dealt out to its elements in any way, M = sum_e M_e. Then
+ * u.K u = sum_e u.K_e u <= max_e lambda_max(M_e^-1 K_e) sum_e u.M_e u, so that the largest element
+ * eigenvalue bounds w_max^2 (Irons & Treharne 1971; Hughes 1987, The Finite Element Method, sec.
+ * 9.1). It holds for every way of dealing; two are taken and the better result counts: each element
+ * has its own mass, or each node gives to its elements by their stiffness at it, which is what a
+ * small element among large ones needs. Prescribed components have infinite mass.
+ *
+ * With the strains' matrix B and the stiffness D of the material K_e = V B^T D B, and K_e has the
+ * eigenvalues of V D^1/2 B M_e^-1 B^T D^1/2: three in 2D, six in 3D. Strains are in Mandel's
+ * notation (shear times sqrt 2), in which D = 2 mu I + lambda m m^T with m = (1 1 1 0 0 0). */
+#include "base/eigen.h"
+#include "base/memory.h"
+#include "fem/internal.h"
+
+#include <math.h>
+#include <string.h>
+
+typedef gn_fem_linear linear_system;
+
+/* Trace of an element's stiffness at a node: V [(lambda + mu) G (x) G + mu |G|^2 I]. */
+static double node_stiffness(const gn_elements *q, size_t e, int d, const double gradient[3]) {
+    double size2 = 0.0;
+    for (int k = 0; k < d; k++) size2 += gradient[k] * gradient[k];
+    return q->volume[e] * size2 * (q->lambda[e] + (1 + d) * q->mu[e]);
+}
+
+void gn_fem_sum_stiffness(linear_system *y) {
+    const gn_elements *q = &y->solid->elements;
+    double gradient[4][3];
+    for (size_t e = 0; e < q->soa.count; e++) {
+        gn_fem_gradients(q, e, gradient);
+        for (int a = 0; a <= y->dimension; a++)
+            y->stiffness[gn_elements_node(q, a)[e]] +=
+                node_stiffness(q, e, y->dimension, gradient[a]);
+    }
+}
+
+/* The column of Mandel strains of component i of a node. */
+static void strain_column(int d, int i, const double gradient[3], double column[6]) {
+    static const int pair[6][2] = {{0, 0}, {1, 1}, {2, 2}, {0, 1}, {1, 2}, {2, 0}};
+    static const int plane[3] = {0, 1, 3};
+    for (int s = 0; s < (d == 3 ? 6 : 3); s++) {
+        const int *p = pair[d == 3 ? s : plane[s]];
+        double shear = p[0] == p[1] ? 1.0 : sqrt(0.5);
+        column[s] = p[0] == i ? shear * gradient[p[1]] : p[1] == i ? shear * gradient[p[0]] : 0.0;
+    }
+}
+
+/* a <- V D^1/2 a D^1/2: the root of D scales the mean of the normal strains and what differs from
+ * it by the roots of 2 mu + d lambda and 2 mu. */
+static void scale_by_material(const gn_elements *q, size_t e, int d, int n, double *a) {
+    double shear = sqrt(2.0 * q->mu[e] * q->volume[e]);
+    double bulk = sqrt((2.0 * q->mu[e] + d * q->lambda[e]) * q->volume[e]);
+    for (int side = 0; side < 2; side++) {
+        int along = side ? 1 : n, across = side ? n : 1; /* strides */
+        for (int r = 0; r < n; r++) {
+            double *v = a + r * across, mean = 0.0;
+            for (int k = 0; k < d; k++) mean += v[k * along] / d;
+            for (int k = 0; k < n; k++) v[k * along] *= shear;
+            for (int k = 0; k < d; k++) v[k * along] += (bulk - shear) * mean;
+        }
+    }
+}
+
+/* Whether the largest eigenvalue of a positive semi-definite matrix may exceed `known`: the sum of
+ * 8th powers of its eigenvalues, which is the square of Frobenius' norm of (a/known)^4, is then
+ * above one. Spares most elements of an irregular mesh the search for eigenvalues. */
+static bool may_exceed(int n, const double *a, double known) {
+    double power[3][36], norm2 = 0.0;
+    if (!(known > 0.0)) return true;
+    for (int k = 0; k < n * n; k++) power[0][k] = a[k] / known;
+    for (int k = 0; k < n * n; k++) norm2 += power[0][k] * power[0][k];
+    if (norm2 < 1.0 - 1e-12) return false; /* so is the norm of its 4th power */
+    norm2 = 0.0;
+    for (int p = 1; p < 3; p++)
+        for (int r = 0; r < n; r++)
+            for (int s = 0; s < n; s++) {
+                double sum = 0.0;
+                for (int k = 0; k < n; k++)
+                    sum += power[p - 1][n * r + k] * power[p - 1][n * k + s];
+                power[p][n * r + s] = sum;
+            }
+    for (int k = 0; k < n * n; k++) norm2 += power[2][k] * power[2][k];
+    return !(norm2 < 1.0 - 1e-12);
+}
+
+/* Largest eigenvalue of M_e^-1 K_e for one way of dealing out the masses; 0 if it is not above
+ * `known`. */
+static double element_eigenvalue(const linear_system *y, size_t e, bool by_stiffness,
+                                 double known) {
+    const gn_elements *q = &y->solid->elements;
+    const gn_fem_solid *solid = y->solid;
+    const int d = y->dimension, n = y->strains;
+    double gradient[4][3], a[36] = {0.0}, values[6], vectors[36];
+    gn_fem_gradients(q, e, gradient);
+    for (int c = 0; c <= d; c++) {
+        size_t node = (size_t)gn_elements_node(q, c)[e];
+        double inverse = (d + 1) / (solid->density[q->material[e]] * q->volume[e]);
+        if (by_stiffness)
+            inverse = gn_fem_own_inverse(solid, node) * y->stiffness[node] /
+                      node_stiffness(q, e, d, gradient[c]);
+        for (int i = 0; i < d; i++) {
+            if (y->scale[node * (size_t)d + (size_t)i] == 0.0) continue;
+            double column[6];
+            strain_column(d, i, gradient[c], column);
+            for (int r = 0; r < n; r++)
+                for (int s = 0; s < n; s++) a[n * r + s] += inverse * column[r] * column[s];
+        }
+    }
+    scale_by_material(q, e, d, n, a);
+    if (!may_exceed(n, a, known)) return 0.0;
+    gn_eigen_symmetric(n, a, values, vectors);
+    return values[0];
+}
+
+enum { ELEMENT_BLOCK = 1024 };
+
+typedef struct worst {
+    double value;
+    int64_t element;
+} worst;
+
+/* Pressure form: what the stabilising pressure alone would do, see linear_pressure.c. */
+static double stabiliser_eigenvalue(const linear_system *y, size_t e) {
+    if (y->solid->form != GN_FEM_PRESSURE) return 0.0;
+    return y->solid->rate2 * (1.0 + gn_fem_stabiliser_eigenvalue(&y->solid->elements, e));
+}
+
+static worst worst_of_block(const linear_system *y, size_t begin, size_t end, bool by_stiffness,
+                            double known) {
+    worst w = {known, -1};
+    for (size_t e = begin; e < end; e++) {
+        double value = element_eigenvalue(y, e, by_stiffness, w.value);
+        value = fmax(value, stabiliser_eigenvalue(y, e));
+        if (value > w.value) w = (worst){value, (int64_t)e};
+    }
+    return w;
+}
+
+static worst worst_of_all(const linear_system *y, bool by_stiffness, worst *all) {
+    const size_t count = y->solid->elements.soa.count;
+    const size_t blocks = (count + ELEMENT_BLOCK - 1) / ELEMENT_BLOCK;
+    worst w = {0.0, -1};
+#pragma omp parallel for num_threads(y->solid->threads) schedule(static)
+    for (size_t b = 0; b < blocks; b++) {
+        size_t end = (b + 1) * ELEMENT_BLOCK < count ? (b + 1) * ELEMENT_BLOCK : count;
+        all[b] = worst_of_block(y, b * ELEMENT_BLOCK, end, by_stiffness, 0.0);
+    }
+    for (size_t b = 0; b < blocks; b++)
+        if (all[b].value > w.value) w = all[b];
+    return w;
+}
+
+static void set_limit(const linear_system *y, worst best, gn_fem_limit *limit) {
+    limit->bound = best.value > 0.0 ? 2.0 / sqrt(best.value) : INFINITY;
+    limit->bound_element = best.element >= 0 ? y->solid->elements.id[best.element] : -1;
+}
+
+gneiss_status gn_fem_find_bound(const linear_system *y, gn_fem_limit *limit, gneiss_error *error) {
+    const size_t blocks = (y->solid->elements.soa.count + ELEMENT_BLOCK - 1) / ELEMENT_BLOCK;
+    worst *all = gn_alloc_array(blocks + 1, sizeof *all), best = {INFINITY, -1};
+    if (!all) return gn_fail(error, GNEISS_ERROR_MEMORY, "no memory for the time step's bound");
+    for (int way = 0; way < 2; way++) {
+        worst w = worst_of_all(y, way == 1, all);
+        if (w.value < best.value) best = w;
+    }
+    gn_free(all);
+    set_limit(y, best, limit);
+    return GNEISS_OK;
+}
+
+/* --- the same again ---
+ * Of a body of which elements are taken out now and then, a few at a time, eigenvalues are kept of
+ * the elements that are near the largest, and of all others that they are not. Found anew are those
+ * of elements with a node of which the masses or the stiffness have become others. What comes out
+ * is the same number as if all were looked at. */
+
+struct gn_fem_known {
+    double floor[2];    /* 1/s2, by way of dealing: those that are not kept are not above */
+    double (*value)[2]; /* [elements of the mesh] 0: not above */
+    double *volume;     /* [elements of the mesh] m3 at the last look; 0: it had gone */
+    double *inverse;    /* [nodes] 1/kg at the last look */
+    double *stiffness;  /* [nodes] as in gn_fem_linear */
+    uint8_t *seen;      /* [elements of the mesh] scratch */
+    uint8_t *marked;    /* [nodes] scratch: of what is found anew */
+};
+
+void gn_fem_known_free(struct gn_fem_known *k) {
+    if (!k) return;
+    void *blocks[] = {k->value, k->volume, k->inverse, k->stiffness, k->seen, k->marked, k};
+    for (size_t b = 0; b < sizeof blocks / sizeof *blocks; b++) gn_free(blocks[b]);
+}
+
+static struct gn_fem_known *known_create(gn_fem_solid *solid) {
+    const size_t nodes = solid->nodes.soa.count + 1;
+    const size_t elements = gn_fem_elements_of(&solid->mesh, solid->dimension)->count + 1;
+    struct gn_fem_known *k = gn_alloc_array(1, sizeof *k);
+    if (!k) return NULL;
+    k->value = gn_alloc_array(elements, sizeof *k->value);
+    k->volume = gn_alloc_array(elements, sizeof *k->volume);
+    k->inverse = gn_alloc_array(nodes, sizeof *k->inverse);
+    k->stiffness = gn_alloc_array(nodes, sizeof *k->stiffness);
+    k->seen = gn_alloc(elements);
+    k->marked = gn_alloc(nodes);
+    if (k->value && k->volume && k->inverse && k->stiffness && k->seen && k->marked) return k;
+    gn_fem_known_free(k);
+    return NULL;
+}
+
+static void mark_corners(gn_fem_solid *solid, size_t id, uint8_t *marked) {
+    const size_t corners = (size_t)solid->dimension + 1;
+    const int32_t *node = gn_fem_elements_of(&solid->mesh, solid->dimension)->node + corners * id;
+    for (size_t a = 0; a < corners; a++) marked[node[a]] = 1;
+}
+
+/* Nodes of elements that have gone or have another volume, and nodes of another mass. */
+static void mark_others(gn_fem_solid *solid, struct gn_fem_known *k) {
+    const gn_elements *q = &solid->elements;
+    const size_t nodes = solid->nodes.soa.count;
+    const size_t all = gn_fem_elements_of(&solid->mesh, solid->dimension)->count;
+    memset(k->marked, 0, nodes);
+    memset(k->seen, 0, all);
+    for (size_t e = 0; e < q->soa.count; e++) {
+        const size_t id = (size_t)q->id[e];
+        k->seen[id] = 1;
+        if (k->volume[id] == q->volume[e]) continue;
+        k->volume[id] = q->volume[e];
+        mark_corners(solid, id, k->marked);
+    }
+    for (size_t id = 0; id < all; id++) {
+        if (k->seen[id] || k->volume[id] == 0.0) continue;
+        k->volume[id] = 0.0;
+        mark_corners(solid, id, k->marked);
+    }
+    for (size_t n = 0; n < nodes; n++) {
+        const double inverse = gn_fem_own_inverse(solid, n);
+        if (k->inverse[n] != inverse) k->marked[n] = 1;
+        k->inverse[n] = inverse;
+    }
+}
+
+static bool is_marked(const gn_elements *q, size_t e, int d, const uint8_t *marked) {
+    bool any = false;
+    for (int a = 0; a <= d; a++) any = any || marked[gn_elements_node(q, a)[e]];
+    return any;
+}
+
+/* In the order in which gn_fem_sum_stiffness adds. */
+static void renew_stiffness(const gn_fem_solid *solid, struct gn_fem_known *k) {
+    const gn_elements *q = &solid->elements;
+    const int d = solid->dimension;
+    double gradient[4][3];
+    for (size_t n = 0; n < solid->nodes.soa.count; n++)
+        if (k->marked[n]) k->stiffness[n] = 0.0;
+    for (size_t e = 0; e < q->soa.count; e++) {
+        if (!is_marked(q, e, d, k->marked)) continue;
+        gn_fem_gradients(q, e, gradient);
+        for (int a = 0; a <= d; a++) {
+            const size_t n = (size_t)gn_elements_node(q, a)[e];
+            if (k->marked[n]) k->stiffness[n] += node_stiffness(q, e, d, gradient[a]);
+        }
+    }
+}
+
+/* Eigenvalues of all elements, or of those with a marked node. */
+static void renew_values(const linear_system *y, struct gn_fem_known *k, int way, bool all) {
+    const gn_elements *q = &y->solid->elements;
+#pragma omp parallel for num_threads(y->solid->threads) schedule(dynamic, ELEMENT_BLOCK)
+    for (size_t e = 0; e < q->soa.count; e++) {
+        if (!all && !is_marked(q, e, y->dimension, k->marked)) continue;
+        const double value = element_eigenvalue(y, e, way == 1, k->floor[way]);
+        k->value[q->id[e]][way] = value > k->floor[way] ? value : 0.0;
+    }
+}
+
+static worst worst_known(const gn_fem_solid *solid, const struct gn_fem_known *k, int way) {
+    worst w = {0.0, -1};
+    for (size_t e = 0; e < solid->elements.soa.count; e++) {
+        const double value = k->value[solid->elements.id[e]][way];
+        if (value > w.value) w = (worst){value, (int64_t)e};
+    }
+    return w;
+}
+
+/* Largest eigenvalue by one way of dealing; where all that were kept have gone the floor is too
+ * high, and all others are looked at. */
+static worst renew_worst(const linear_system *y, struct gn_fem_known *k, int way, bool all) {
+    const double lower = 0.9, least = 1e-3 * k->floor[way];
+    renew_values(y, k, way, all);
+    worst w = worst_known(y->solid, k, way);
+    while (w.element < 0 && k->floor[way] > 0.0 && y->solid->elements.soa.count) {
+        k->floor[way] = k->floor[way] > least ? lower * k->floor[way] : 0.0;
+        renew_values(y, k, way, true);
+        w = worst_known(y->solid, k, way);
+    }
+    return w;
+}
+
+gneiss_status gn_fem_bound_again(gn_fem_solid *solid, gn_fem_limit *limit, gneiss_error *error) {
+    if (solid->form == GN_FEM_PRESSURE || !(limit->bound < INFINITY))
+        return gn_fem_bound(solid, limit, error);
+    const bool first = !solid->known;
+    if (first) solid->known = known_create(solid);
+    linear_system y;
+    struct gn_fem_known *k = solid->known;
+    if (!k) return gn_fail(error, GNEISS_ERROR_MEMORY, "no memory for the time step's bound");
+    for (int way = 0; first && way < 2; way++)
+        k->floor[way] = 0.9 * 4.0 / (limit->bound * limit->bound);
+    GN_TRY(gn_fem_linear_begin(solid, false, &y, error));
+    mark_others(solid, k);
+    renew_stiffness(solid, k);
+    memcpy(y.stiffness, k->stiffness, solid->nodes.soa.count * sizeof *y.stiffness);
+    worst best = {INFINITY, -1};
+    for (int way = 0; way < 2; way++) {
+        const worst w = renew_worst(&y, k, way, first);
+        if (w.value < best.value) best = w;
+    }
+    *limit = gn_fem_limit_none();
+    set_limit(&y, best, limit);
+    gn_fem_linear_free(&y);
+    return GNEISS_OK;
+}

@@ -1,0 +1,12 @@
+/* What a bending test says of its beam, held against the beam. */
+#ifndef GN_SIM_BENDING_H
+#define GN_SIM_BENDING_H
+
+#include "sim/world.h"
+
+/* Whether span, load_span, height, notch or thickness of a bending test are off by more than a
+ * hundredth of what the scene shows: where supports and loads hold the specimen at the start, and
+ * its extent. `text` then has each with both numbers, else it is "". */
+bool gn_bending_doubts(const gn_world *world, char *text, size_t size);
+
+#endif

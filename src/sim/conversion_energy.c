@@ -1,0 +1,74 @@
+/* What springs and elements hold before and after a conversion, of those alone which it changes:
+ * the rest would only add the rounding of large sums.
+ *
+ * What leap-frog conserves is 1/2 v(-) M v(+) and what springs hold at the instant: 1/2 v(-) M v(-)
+ * and half a step of the power of their forces at v(-). Tangential forces between two steps are
+ * those of the instant before; the step to come adds what the last interval did. That power at
+ * nodes that are driven is no part of what is conserved, but the work of their reactions, of which
+ * the interval that led here has the mean of its two ends, takes the one after the conversion for
+ * that end: what it misses is half a step of the power of what the reactions jump by. */
+#include "kernels/law.h"
+#include "sim/conversion_internal.h"
+
+#include <math.h>
+
+/* N, of a contact across n, of the instant; the rate at which its ends part, m/s. */
+static void advance_shear(const gn_world *w, const gn_contacts *list, size_t c, double length,
+                          const double n[3], const double shear[3], double now[3], double rate[3]) {
+    gn_contact_rate(w, list->i[c], list->j[c], length, n, rate);
+    const double kt = list->kt ? list->kt[c] : 0.0, along = gn_dot3(rate, n);
+    for (int a = 0; a < 3; a++) now[a] = shear[a] + kt * w->dt_past * (rate[a] - along * n[a]);
+}
+
+static double contact_energy(const gn_world *w, const gn_contacts *list, size_t c) {
+    const double *a = w->dem.particles.pos + 4 * (size_t)list->i[c],
+                 *b = w->dem.particles.pos + 4 * (size_t)list->j[c];
+    double n[3], shear[3], rate[3], length = sqrt(gn_branch(w, a, b, n));
+    const double rest = list->length0 ? list->length0[c] : a[3] + b[3];
+    for (int k = 0; k < 3; k++) n[k] /= length;
+    const gn_law_held h = gn_law_of(list->soa.effects)->held(list, c, length, length - rest);
+    advance_shear(w, list, c, length, n, h.shear, shear, rate);
+    double stored = h.stored, power = h.normal * gn_dot3(rate, n) + gn_dot3(shear, rate);
+    if (list->kt && list->kt[c] > 0.0)
+        stored += (gn_dot3(shear, shear) - gn_dot3(h.shear, h.shear)) / (2.0 * list->kt[c]);
+    return stored - 0.5 * w->dt_past * power;
+}
+
+/* Whether it has, weighs or does something else than before. */
+static bool is_other(const gn_conversion *c, int32_t p) {
+    const size_t k = 2 * (size_t)p;
+    const double *part = c->world->dem.particles.blend;
+    return c->freed[p] || part[k] != c->part[k] || part[k + 1] != c->part[k + 1];
+}
+
+static double contacts_energy(const gn_conversion *c, const gn_contacts *list) {
+    const gn_world *w = c->world;
+    const gn_contacts *bonds = &w->dem.bonds;
+    double sum = 0.0;
+    for (size_t k = 0; k < list->soa.count; k++) {
+        const int32_t i = list->i[k], j = list->j[k];
+        if (!is_other(c, i) && !is_other(c, j)) continue;
+        const size_t at = list == bonds ? 0 : gn_contacts_from(bonds, i, j);
+        const bool known =
+            list != bonds && at < bonds->soa.count && bonds->i[at] == i && bonds->j[at] == j;
+        if (!known) sum += contact_energy(w, list, k);
+    }
+    return sum;
+}
+
+/* Those that the conversion touches, of the elements that there are; scratch: c->some. */
+static double elements_energy(const gn_conversion *c) {
+    const gn_fem_solid *b = gn_coupled_solid(c->world);
+    const double half = 0.5 * c->world->dt_past;
+    size_t count = 0;
+    for (size_t e = 0; e < b->elements.soa.count; e++)
+        if (c->touched[c->place[b->elements.id[e]]]) c->some[count++] = (int32_t)e;
+    /* Half a step of the power is what the difference of two energies gives. */
+    return gn_fem_stored(b, c->some, count, 0.0) +
+           0.5 * (gn_fem_stored(b, c->some, count, -half) - gn_fem_stored(b, c->some, count, half));
+}
+
+double gn_conversion_held(const gn_conversion *c) {
+    return elements_energy(c) + contacts_energy(c, &c->world->dem.bonds) +
+           contacts_energy(c, &c->world->dem.pairs);
+}
