@@ -211,6 +211,20 @@ gneiss_status gn_step_holds(const gn_spectrum *spectrum, double step, double tol
     return status;
 }
 
+gneiss_status gn_step_holds_by_sums(const gn_spectrum *spectrum, double step, bool *holds,
+                                    gneiss_error *error) {
+    size_t n = spectrum->assembly->particles->soa.count;
+    double *sums = gn_alloc_array(n + 1, 2 * sizeof *sums);
+    uint8_t *marked = gn_alloc_array_raw(n + 1, 1);
+    bool held = sums && marked;
+    if (held) memset(marked, 1, n);
+    *holds = held && leave_by_sums(spectrum, 1.0 / step, sums, marked) == 0;
+    gn_free(sums);
+    gn_free(marked);
+    return held ? GNEISS_OK
+                : gn_fail(error, GNEISS_ERROR_MEMORY, "no memory for %zu particles", n);
+}
+
 void gn_step_marks(const gn_spectrum *spectrum, int32_t *marks) {
     const gn_assembly *a = spectrum->assembly;
     size_t contacts = gn_spring_count(spectrum), bonds = a->bonds ? a->bonds->soa.count : 0;

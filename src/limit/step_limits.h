@@ -72,6 +72,11 @@ typedef struct gn_step_verdict {
 gneiss_status gn_step_holds(const gn_spectrum *spectrum, double step, double tolerance, bool limit,
                             const uint8_t *changed, gn_step_verdict *verdict, gneiss_error *error);
 
+/* Whether the sums of stiffness over mass by themselves settle it for all particles: one pass, and
+ * however the springs are directed. False says nothing. */
+gneiss_status gn_step_holds_by_sums(const gn_spectrum *spectrum, double step, bool *holds,
+                                    gneiss_error *error);
+
 /* By what factor, at least 1, each particle's own mass [particles] has to be multiplied for `step`
  * to hold, by blocks as in the rigorous bound: with such masses, and moments of inertia alike, the
  * bound is the step, but for dashpots that grow with the masses. `changed` [particles]: only of

@@ -216,6 +216,9 @@ gneiss_status gn_dem_limit_turned(gn_world *world, bool *due, gneiss_error *erro
 /* Whether the step of the world holds with all that is listed in touch; else dem.listed says what
  * would. `full`: looks at all of it. */
 gneiss_status gn_dem_limit_listed(gn_world *world, bool full, bool *fine, gneiss_error *error);
+/* Whether the step is so short that the sums of what is near settle it, without a look at
+ * what has changed. */
+gneiss_status gn_dem_limit_far(const gn_world *world, bool *far, gneiss_error *error);
 /* The shortest collision among what is listed; among all of the scene, when nothing is listed that
  * collides. *shorter: than known before. */
 gneiss_status gn_dem_resolve_listed(gn_world *world, bool *shorter, gneiss_error *error);

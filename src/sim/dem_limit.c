@@ -303,6 +303,22 @@ gneiss_status gn_dem_limit_listed(gn_world *w, bool full, bool *fine, gneiss_err
     return GNEISS_OK;
 }
 
+static gneiss_status by_sums(const gn_spectrum *spectrum, void *context, gneiss_error *error) {
+    const question *q = context;
+    return gn_step_holds_by_sums(spectrum, q->step, &q->verdict->holds, error);
+}
+
+/* Grains that resolve their collisions take steps far below the limit. */
+gneiss_status gn_dem_limit_far(const gn_world *w, bool *far, gneiss_error *error) {
+    gn_step_verdict verdict = {0};
+    question q = {.step = gn_limit_needed(w, w->dt / 0.99), .verdict = &verdict};
+    *far = false;
+    if (w->dt > 0.5 * w->dem.stable || !(q.step < INFINITY)) return GNEISS_OK;
+    GN_TRY(gn_dem_with_spectrum(w, true, by_sums, &q, error));
+    *far = verdict.holds;
+    return GNEISS_OK;
+}
+
 static bool resolve(gn_world *w, gn_resolution r) {
     bool shorter = r.step < w->dem.resolution.step;
     if (shorter) w->dem.resolution = r;
