@@ -159,8 +159,9 @@ def penetration(folder):
               f"{done.seconds:.0f} s on one thread of a machine that others used.\n\n"
               f"The published curve is missed: from 1 ms after the touch on the sphere is braked less than in the mean of the codes, and comes back faster. The cause is not in gneiss' law or "
               f"steps: LIGGGHTS (its Hertz law with its tangential dashpot, planes for the walls, step 1 us, from the touch on) takes the same path with the same inputs, "
-              f"{apart:.2f} mm apart at most until the sphere nears the floor. So what differs is an input: of those that the files do not hold the place of the sphere, and "
-              "the coefficients, which are those of the drivers of one of the codes. Which one was not found. After 30 ms the sphere presses grains against the floor, "
+              f"{apart:.2f} mm apart at most until the sphere nears the floor. So what differs is an input, and hardly a coefficient: "
+              "MercuryDPM's drivers and YADE's script of the comparison have the same ones (but for gravity, 9.81 in YADE's). Left are the packing, a file of one of the codes, and the place of the "
+              "sphere, the last row of a file that is not at hand. After 30 ms the sphere presses grains against the floor, "
               "where paths part.\n\n![Way of the sphere](pictures/dem8-penetration.png)")
 
 
@@ -310,7 +311,7 @@ def silo(folder):
 DRUMS = ((100, 2.0, 80), (25, 0.2, 8))  # moduli divided by, s, snapshots
 SILOS = {"large": (0.03, -0.0554), "small": (0.02, -0.0593)}  # radius and height of the orifice, m
 OPENED = 0.5  # s
-SILO_RUNS = (("large", M1, 100, 5.0),)
+SILO_RUNS = (("large", M1, 100, 3.3),)
 
 
 # --- beside YADE ---------------------------------------------------------------------------------------
@@ -377,9 +378,9 @@ no steel sphere: it starts on the axis at z = 60 mm, as the onset of the publish
     "inputs": ("Penetration: what the inputs do", inputs, """Written by `validate/dem8_study.py`. The same case with one input changed at a time: way of the sphere less the mean of the codes, mm. Friction among grains, with steel
 and against rolling brake the sphere, stiffness and restitution hardly matter, and where it hits matters as much as packings scatter. No single input brings the curve between the codes'; one millisecond
 after the touch it is too high in all rows, which the place of the bed or of the sphere at the start would make up, not a coefficient."""),
-    "drum": ("Drum of two kinds of grains (Dosta et al. 2024)", drum, """Written by `validate/dem8_study.py`. 8 000 grains (d 4 mm, material 2) and 30 000 (d 2 mm, material 1) lie side by side in the halves of a drum (R 100, length 60 mm,
-end panes with it) that turns by 2 rad/s from rest; places, walls and coefficients are those of the comparison, the moduli softened. Turned so that the wall rises where x is positive.
-Grains by quadrants about the axis; the codes' own counts are not at hand."""),
+    "drum": ("Drum of two kinds of grains (Dosta et al. 2024)", drum, """Written by `validate/dem8_study.py`. 8 000 grains (d 4 mm, material 2) and 30 000 (d 2 mm, material 1) lie in a drum (R 100, length 60 mm, end panes with it),
+the small ones above, that turns by 2 rad/s from the start; places, walls and coefficients are those of the comparison, the moduli softened. The wall rises where x is positive (YADE's
+script turns the other way and counts in the quadrants that mirror these). Grains by quadrants about the axis; the codes' own counts are not at hand."""),
     "silo": ("Silo of 100 000 grains (Dosta et al. 2024)", silo, """Written by `validate/dem8_study.py`. Cylinder (R 100 mm) over a cone of 45 degrees, triangles of the comparison; grains of 4 mm from a source of our own rain into it; 0.5 s after the start a
 slide opens the orifice. Material and coefficients are those of the comparison, moduli a hundredth. Grains above the orifice over the time since then; the codes' own counts are not at hand."""),
     "yade": ("Penetration: time beside YADE", yade, """Written by `validate/dem8_study.py`. The same grains, walls, materials and step (0.5 us, that of the comparison) for both, the sphere just in touch
