@@ -181,8 +181,9 @@ static double part_at(const gn_conversion *c, size_t p) {
 }
 
 /* What elements go, or have another part of the body than before. */
-static void find_touched(gn_conversion *c, const double *before) {
+static void find_touched(gn_conversion *c) {
     const gn_fem_solid *b = gn_coupled_solid(c->world);
+    const double *before = c->node_part;
     for (size_t e = 0; e < b->elements.soa.count; e++) {
         bool touched = c->kind[e] == GN_FRONT_LEAVING;
         for (int a = 0; a <= b->dimension; a++) {
@@ -271,19 +272,16 @@ static gneiss_status advance_front(gn_conversion *c, bool *stuck, gneiss_error *
     const gn_convert_def *def = &c->world->scene.couple.convert;
     gn_fem_solid *b = gn_coupled_solid(c->world);
     const size_t size = 2 * b->nodes.soa.count * sizeof *b->nodes.blend;
-    double *parts = gn_alloc(size + 1);
     int64_t element;
-    if (!parts) return no_memory(error);
-    memcpy(parts, b->nodes.blend, size);
-    gneiss_status status = gn_front_advance(b, def->width, c->kind, &element, error);
-    *stuck = status == GNEISS_OK && element >= 0;
-    if (*stuck) memcpy(b->nodes.blend, parts, size);
+    memcpy(c->node_part, b->nodes.blend, size);
+    GN_TRY(gn_front_advance(b, def->width, c->kind, &element, error));
+    *stuck = element >= 0;
+    if (*stuck) memcpy(b->nodes.blend, c->node_part, size);
     if (*stuck)
         halt_at(c, element);
-    else if (status == GNEISS_OK)
-        find_touched(c, parts);
-    gn_free(parts);
-    return status;
+    else
+        find_touched(c);
+    return GNEISS_OK;
 }
 
 /* Lists anew, which must not take the conversion for particles that move fast. */
@@ -322,17 +320,19 @@ static gneiss_status go(gn_conversion *c, gneiss_error *error) {
 
 gneiss_status gn_conversion_convert(gn_world *w, uint8_t *kind, gneiss_error *error) {
     const size_t n = w->dem.particles.soa.count + 1, elements = gn_conversion_elements(w) + 1;
+    const size_t nodes = gn_coupled_solid(w)->nodes.soa.count + 1;
     size_t count;
     gn_conversion c = {.world = w,
                        .kind = kind,
                        .place = gn_fem_places(gn_coupled_solid(w), &count),
                        .part = gn_alloc_array_raw(n, 2 * sizeof *c.part),
+                       .node_part = gn_alloc_array_raw(nodes, 2 * sizeof *c.node_part),
                        .freed = gn_alloc_array_raw(n, 1),
                        .touched = gn_alloc_array_raw(elements, 1),
                        .some = gn_alloc_array_raw(elements, sizeof *c.some),
                        .active = gn_alloc(w->dem.prepared.soa.count + 1),
                        .tied = gn_alloc_array_raw(n, 1)};
-    void *blocks[] = {c.place, c.part, c.freed, c.touched, c.some, c.active, c.tied};
+    void *blocks[] = {c.place, c.part, c.node_part, c.freed, c.touched, c.some, c.active, c.tied};
     bool held = true;
     for (size_t k = 0; k < sizeof blocks / sizeof *blocks; k++) held = held && blocks[k];
     gneiss_status status = held ? go(&c, error) : no_memory(error);
