@@ -635,6 +635,15 @@ static void limits_are_those_of_principal_stress_and_of_coulomb(void **state) {
     assert_near(gn_front_excess(&def, shear), 3.0 / 0.8, 1e-12);
 }
 
+static void friction_of_a_limit_may_be_an_angle(void **state) {
+    (void)state;
+    block s = plate;
+    s.convert = "mohr_coulomb: {cohesion: 1 MPa, friction: 30 deg}";
+    gn_world *w = block_of(&s);
+    assert_near(w->scene.couple.convert.friction, tan(pi / 6.0), 1e-15);
+    world_end(w);
+}
+
 static void a_bond_that_breaks_in_a_zone_converts_its_elements(void **state) {
     (void)state;
     block s = plate;
@@ -860,6 +869,25 @@ static void rows_stay_evenly_apart_when_steps_become_shorter(void **state) {
     unlink(path);
 }
 
+/* A row that falls on a conversion has what is left and who is awake after it. */
+static void a_row_at_a_conversion_counts_both_sides_after_it(void **state) {
+    (void)state;
+    gneiss_error error = {0};
+    gn_run *run = busy_run(false, 1, "double");
+    run->history_interval = 1;
+    if (gn_run_steps(run, 90, &error) != GNEISS_OK) fail_msg("%s", error.message);
+    const double *elements = gn_history_column(&run->history, "elements"),
+                 *particles = gn_history_column(&run->history, "particles");
+    size_t changed = 0;
+    for (size_t k = 1; k < run->history.row_count; k++) {
+        assert_int_equal(elements[k]<elements[k - 1], particles[k]> particles[k - 1]);
+        changed += elements[k] < elements[k - 1];
+    }
+    assert_true(changed > 0);
+    gn_run_free(run);
+    free(run);
+}
+
 /* --- what is refused --- */
 
 static void assert_refused(const block *s, const char *from, const char *to, const char *words) {
@@ -877,23 +905,45 @@ static void what_cannot_convert_is_refused(void **state) {
     assert_refused(&plate, "max: [1, 1]", "max: [-2, 1]", "box.max");
     assert_refused(&plate, "min: [-1, -1]", "min: [0.5, -1]",
                    "expected elements of which all nodes");
-    assert_refused(&plate, "couple: {", "initial: {random_velocity: 1}\ncouple: {",
-                   "expected no initial.random_velocity beside it");
+    assert_refused(
+        &plate, "couple: {", "initial: {random_velocity: 1}\ncouple: {",
+        "initial.random_velocity: expected no initial.random_velocity beside couple.convert");
     assert_refused(&plate, "couple: {", "couple: {constraint: penalty, ",
-                   "expected no couple.constraint but lumped");
+                   "couple.constraint: expected no couple.constraint but lumped");
     assert_refused(&plate, "couple: {", "couple: {penalty: 2, ",
                    "expected constraint: penalty beside it, found lumped");
     assert_refused(&plate, "couple: {",
                    "sets: [{name: a, select: {all: true}, motion: {vx: 0}}]\ncouple: {",
-                   "expected no sets that move or push");
+                   "sets[0].motion: expected no sets that move or push");
+    assert_refused(&plate, "couple: {",
+                   "sets: [{name: a, select: {all: true}, initial_velocity: [1, 0]}]\ncouple: {",
+                   "sets[0].initial_velocity: expected none beside couple.convert");
     assert_refused(&plate, "couple: {", "couple: {zones: [{edges: [{from: [0, 0], to: [1, 0]}]}], ",
                    "expected no couple.zones");
     assert_refused(&plate, "time: {",
                    "walls: [{name: a, point: [0, 0], normal: [1, 0], stiffness: 1}]\ntime: {",
-                   "expected no walls");
+                   "walls: expected no walls");
     assert_refused(&plate, "lattice: {", "lattice: {origin: [1 mm, 0], ",
                    "expected every particle in an element, found particle");
     assert_refused(&plate, "density: 9931", "density: 4931", "weigh what the elements");
+    assert_refused(&plate, "width: 0.006", "width: 0.03",
+                   "couple.convert.width: expected a zone that is narrower than the body of 0.03");
+}
+
+/* What would push particles apart as they wake, which no strain of the elements did. */
+static void what_is_not_free_of_stress_as_it_is_packed_is_refused(void **state) {
+    (void)state;
+    static const char range[] = "interaction_range: 0.01";
+    static const char *const changed[] = {"overlap_range: 0.005   ", "passive_gaps: false    "};
+    static const char *const words[] = {"expected a bond between all particles that overlap",
+                                        "expected bonds that are free of stress as they are"};
+    text *t = text_of(&plate);
+    char *bonds = strstr(t->s, range);
+    for (int k = 0; k < 2; k++) {
+        memcpy(bonds, changed[k], sizeof range - 1);
+        assert_change_refused(t->s, "kind: square,", "kind: square, spacing: 0.99,", words[k]);
+    }
+    free(t);
 }
 
 int main(void) {
@@ -912,6 +962,7 @@ int main(void) {
         cmocka_unit_test(all_of_a_body_can_convert),
         cmocka_unit_test(elements_convert_where_their_stress_is_beyond_the_limit),
         cmocka_unit_test(limits_are_those_of_principal_stress_and_of_coulomb),
+        cmocka_unit_test(friction_of_a_limit_may_be_an_angle),
         cmocka_unit_test(a_bond_that_breaks_in_a_zone_converts_its_elements),
         cmocka_unit_test(where_no_packing_is_ready_conversion_stops),
         cmocka_unit_test(what_is_driven_does_not_convert),
@@ -919,7 +970,9 @@ int main(void) {
         cmocka_unit_test(means_are_those_of_elements_and_particles_together),
         cmocka_unit_test(threads_and_resumption_amid_conversion_give_the_same_bits),
         cmocka_unit_test(rows_stay_evenly_apart_when_steps_become_shorter),
+        cmocka_unit_test(a_row_at_a_conversion_counts_both_sides_after_it),
         cmocka_unit_test(what_cannot_convert_is_refused),
+        cmocka_unit_test(what_is_not_free_of_stress_as_it_is_packed_is_refused),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -1,9 +1,12 @@
 /* What is ready to be converted, for who checks a scene. */
 #include "base/memory.h"
 #include "couple/front.h"
+#include "neigh/pairs.h"
 #include "sim/conversion_internal.h"
 
 #include <math.h>
+
+/* --- what is in the box --- */
 
 /* The mean side of the boxes about elements in the box of the scene; kg of these. */
 static double measure_elements(const gn_fem_solid *b, const uint8_t *kind,
@@ -44,6 +47,77 @@ static double measure_particles(const gn_world *w, const uint8_t *kind, const in
     f->diameter = f->particles ? sum / (double)f->particles : 0.0;
     return mass;
 }
+
+/* --- neighbours --- */
+
+/* Of r_i + r_j: what pushes less than some 1e-6 of the modulus is rounding of a packing. */
+static const double overlap_most = 1e-6;
+
+static bool is_bonded(const gn_contacts *bonds, int32_t i, int32_t j) {
+    const size_t at = gn_contacts_from(bonds, i, j);
+    return at < bonds->soa.count && bonds->i[at] == i && bonds->j[at] == j;
+}
+
+/* What of r_i + r_j two particles overlap by. */
+static double overlap_of(const gn_world *w, int32_t i, int32_t j) {
+    const double *a = w->dem.particles.pos + 4 * (size_t)i,
+                 *b = w->dem.particles.pos + 4 * (size_t)j;
+    double d[3];
+    return 1.0 - sqrt(gn_branch(w, a, b, d)) / (a[3] + b[3]);
+}
+
+static gneiss_status refuse_overlaps(const gn_world *w, const gn_pair_list *pairs,
+                                     gneiss_error *error) {
+    size_t count = 0, deepest = 0;
+    double most = overlap_most;
+    for (size_t c = 0; c < pairs->count; c++) {
+        const int32_t i = pairs->pair[c][0], j = pairs->pair[c][1];
+        const double overlap = overlap_of(w, i, j);
+        if (!(overlap > overlap_most) || is_bonded(&w->dem.bonds, i, j)) continue;
+        count++;
+        if (overlap > most) deepest = c;
+        most = fmax(most, overlap);
+    }
+    if (!count) return GNEISS_OK;
+    const int32_t a = w->dem.particles.id[pairs->pair[deepest][0]],
+                  b = w->dem.particles.id[pairs->pair[deepest][1]];
+    return gn_fail(error, GNEISS_ERROR_INPUT,
+                   "%s: expected a bond between all particles that overlap, found %zu pairs "
+                   "without one, particles %d and %d by %.3g %% of r_i + r_j: they would push each "
+                   "other apart as they wake (one cohesive group, bonds.overlap_range 1, or "
+                   "specimen.packing.overlap none)",
+                   gn_scene_at(&w->scene, w->scene.couple.convert.where, "couple.convert").text,
+                   count, a < b ? a : b, a < b ? b : a, 100.0 * most);
+}
+
+static gneiss_status check_free_of_stress(const gn_world *w, gneiss_error *error) {
+    const gn_contacts *bonds = &w->dem.bonds;
+    for (size_t c = 0; !w->scene.passive_gaps && c < bonds->soa.count; c++) {
+        const double overlap = overlap_of(w, bonds->i[c], bonds->j[c]);
+        const int32_t a = w->dem.particles.id[bonds->i[c]], b = w->dem.particles.id[bonds->j[c]];
+        if (fabs(overlap) <= overlap_most) continue;
+        return gn_fail(error, GNEISS_ERROR_INPUT,
+                       "%s: expected bonds that are free of stress as they are, found that of "
+                       "particles %d and %d with %s of %.3g %% of r_i + r_j (bonds.passive_gaps)",
+                       gn_scene_at(&w->scene, w->scene.couple.convert.where, "couple.convert").text,
+                       a < b ? a : b, a < b ? b : a, overlap > 0.0 ? "an overlap" : "a gap",
+                       100.0 * fabs(overlap));
+    }
+    return GNEISS_OK;
+}
+
+gneiss_status gn_conversion_check_neighbours(const gn_world *w, gneiss_error *error) {
+    const gn_pair_query query = {&w->dem.particles, (int)w->scene.dimension, 0.0, 0.0, false, {0.0},
+                                 w->threads};
+    gn_pair_list pairs = {0};
+    GN_TRY(check_free_of_stress(w, error));
+    gneiss_status status = gn_pairs_find(&query, &pairs, error);
+    if (status == GNEISS_OK) status = refuse_overlaps(w, &pairs, error);
+    gn_pair_list_free(&pairs);
+    return status;
+}
+
+/* --- all of them awake --- */
 
 static void swap(double *a, double *b) {
     const double before = *a;

@@ -25,6 +25,10 @@ static inline int32_t gn_home_of(const gn_conversion *c, size_t p) {
     return c->place[gn_home_id(c->world, p)];
 }
 
+/* That nothing would push who wakes apart but what the body's strain does (conversion_check.c), of
+ * the bonds that all have. */
+gneiss_status gn_conversion_check_neighbours(const gn_world *world, gneiss_error *error);
+
 /* Contacts (conversion_bonds.c): those that there are get their new part; bonds of who has woken
  * are added, with the forces that the strain of the elements makes. Before elements go. */
 gneiss_status gn_conversion_take_bonds(const gn_conversion *c, gneiss_error *error);
