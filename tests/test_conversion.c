@@ -19,6 +19,7 @@ typedef struct block {
     const char *box;     /* NULL: all */
     const char *elements, *rest;
     double distortion; /* of the mesh */
+    int finer;         /* so many elements for one of 2 mm along each axis; 0: one */
 } block;
 
 static const double modulus = 24e9, density = 7800.0, spacing = 1e-3, width = 6e-3;
@@ -27,8 +28,9 @@ static text *text_of(const block *s) {
     text *t = calloc(1, sizeof *t);
     const double solid = s->space ? pi / 6.0 : pi / 4.0;
     char cells[64], count[64], size[96];
-    snprintf(cells, sizeof cells, s->space ? "%d, %d, %d" : "%d, %d", s->cells[0], s->cells[1],
-             s->cells[2]);
+    const int finer = s->finer ? s->finer : 1;
+    snprintf(cells, sizeof cells, s->space ? "%d, %d, %d" : "%d, %d", finer * s->cells[0],
+             finer * s->cells[1], finer * s->cells[2]);
     snprintf(count, sizeof count, s->space ? "%d, %d, %d" : "%d, %d", 2 * s->cells[0],
              2 * s->cells[1], 2 * s->cells[2]);
     snprintf(size, sizeof size, s->space ? "%d mm, %d mm, %d mm" : "%d mm, %d mm", 2 * s->cells[0],
@@ -376,6 +378,110 @@ static void converting_keeps_momentum_and_books_energy(void **state) {
     }
 }
 
+static void bounds_of(const gn_fem_solid *b, size_t e, double low[3], double high[3]) {
+    for (int k = 0; k < b->dimension; k++) {
+        low[k] = INFINITY;
+        high[k] = -INFINITY;
+        for (int a = 0; a <= b->dimension; a++) {
+            const double x =
+                b->nodes.start[4 * (size_t)gn_elements_node(&b->elements, a)[e] + (size_t)k];
+            low[k] = fmin(low[k], x);
+            high[k] = fmax(high[k], x);
+        }
+    }
+}
+
+/* About the element nearest to a place of those in which no particle starts. */
+static void find_empty(const gn_world *w, const double near[3], double low[3], double high[3]) {
+    const gn_fem_solid *b = &w->elements[0]->solid;
+    double least = INFINITY;
+    uint8_t *holds = calloc(b->elements.soa.count, 1);
+    for (size_t p = 0; p < w->dem.particles.soa.count; p++) holds[gn_home_id(w, p)] = 1;
+    for (size_t e = 0; e < b->elements.soa.count; e++) {
+        double lower[3] = {0.0}, upper[3] = {0.0}, d2 = 0.0;
+        bounds_of(b, e, lower, upper);
+        for (int k = 0; k < b->dimension; k++)
+            d2 += pow(0.5 * (lower[k] + upper[k]) - near[k], 2.0);
+        if (holds[b->elements.id[e]] || d2 >= least) continue;
+        least = d2;
+        memcpy(low, lower, sizeof lower);
+        memcpy(high, upper, sizeof upper);
+    }
+    free(holds);
+    assert_true(least < INFINITY);
+}
+
+static void turn_alone(const double *x, const void *of, double u[3], double v[3]) {
+    (void)of;
+    move_rigidly(x, turned, u, v);
+}
+
+static void turn_and_stretch(const double *x, const void *of, double u[3], double v[3]) {
+    move_rigidly(x, turned, u, v);
+    stir(x, of, u, v);
+    for (int a = 0; a < 3; a++) u[a] += 1e-5 * x[a];
+    v[0] += 3.0;
+}
+
+static void assert_driven_go_on(const gn_world *w, double speed) {
+    const gn_fem_solid *b = &w->elements[0]->solid;
+    for (size_t n = 0; b->prescribed.count && n < b->nodes.soa.count; n++)
+        if (b->nodes.slot[n] >= 0) assert_true(b->nodes.vel[4 * n] == speed);
+}
+
+static void convert_small(const block *s, field *motion, const double near[3]) {
+    const double depth = s->space;
+    gn_world *w = block_of(s);
+    gneiss_error error = {0};
+    set_elements(w, motion, &depth);
+    measured_step(w);
+    const whole before = whole_of(w);
+    const double size = sqrt(2.0 * before.mass * before.energy);
+    const size_t elements = gn_conversion_elements(w);
+    double low[3] = {0.0}, high[3] = {0.0}, worst = 0.0;
+    find_empty(w, near, low, high);
+    if (convert_box(w, low, high, &error) != GNEISS_OK) fail_msg("%s", error.message);
+    const whole after = whole_of(w);
+    assert_int_equal(w->halt[0], 0);
+    assert_true(gn_conversion_elements(w) < elements);
+    assert_true(gn_world_present(w) > 0 && gn_world_present(w) < w->dem.particles.soa.count);
+    assert_near(after.mass, before.mass, 1e-12 * before.mass);
+    for (int a = 0; a < 3; a++) assert_near(after.momentum[a], before.momentum[a], 1e-12 * size);
+    assert_driven_go_on(w, 3.0);
+    for (int m = 0; m < 10; m++) {
+        gn_energy e = measured_step(w);
+        worst = fmax(worst, fabs(gn_energy_residual(&e)));
+    }
+    if (!(worst < 1e-7)) fail_msg("%g", worst);
+    world_end(w);
+}
+
+/* Elements smaller than a particle, with which nothing becomes free, in the middle, at an edge and
+ * at a corner; near nodes that are driven, which go on as they are. */
+static void small_elements_keep_mass_and_momentum(void **state) {
+    (void)state;
+    static const double places[3][3] = {{15e-3, 8e-3, 7e-3}, {15e-3, 0, 0}, {0, 0, 0}};
+    field *motions[] = {turn_alone, stir, turn_and_stretch};
+    const block small[] = {
+        {.cells = {15, 8, 0}, .finer = 3},
+        {.cells = {15, 8, 0}, .finer = 4, .distortion = 0.2},
+        {.cells = {15, 8, 0},
+         .finer = 3,
+         .elements = ", motions: [{name: top, box: {min: [13 mm, 15.9 mm], max: [17 mm, 17 mm]}, "
+                     "motion: {vx: 3}}]"},
+        {.cells = {15, 7, 7}, .finer = 2, .space = true}};
+    for (int k = 0; k < 4; k++)
+        for (int m = 0; m < 3; m++)
+            for (int p = 0; p < 3; p++) {
+                double near[3];
+                memcpy(near, places[p], sizeof near);
+                if (k == 2) near[1] = 11e-3;
+                if (k == 2 && (m < 2 || p == 1)) continue; /* moves as what is driven */
+                if (k == 3 && p < 2 && m != 1) continue;   /* large */
+                convert_small(&small[k], motions[m], near);
+            }
+}
+
 /* --- where --- */
 
 static bool any_element_between(const gn_world *w, double from, double to) {
@@ -527,6 +633,15 @@ static void limits_are_those_of_principal_stress_and_of_coulomb(void **state) {
     def = (gn_convert_def){.has_mohr = true, .cohesion = 1e6, .friction = 0.75};
     assert_near(gn_front_excess(&def, press), (4.0 - 5.0 * 0.6) / 0.8, 1e-12);
     assert_near(gn_front_excess(&def, shear), 3.0 / 0.8, 1e-12);
+}
+
+static void friction_of_a_limit_may_be_an_angle(void **state) {
+    (void)state;
+    block s = plate;
+    s.convert = "mohr_coulomb: {cohesion: 1 MPa, friction: 30 deg}";
+    gn_world *w = block_of(&s);
+    assert_near(w->scene.couple.convert.friction, tan(pi / 6.0), 1e-15);
+    world_end(w);
 }
 
 static void a_bond_that_breaks_in_a_zone_converts_its_elements(void **state) {
@@ -754,6 +869,25 @@ static void rows_stay_evenly_apart_when_steps_become_shorter(void **state) {
     unlink(path);
 }
 
+/* A row that falls on a conversion has what is left and who is awake after it. */
+static void a_row_at_a_conversion_counts_both_sides_after_it(void **state) {
+    (void)state;
+    gneiss_error error = {0};
+    gn_run *run = busy_run(false, 1, "double");
+    run->history_interval = 1;
+    if (gn_run_steps(run, 90, &error) != GNEISS_OK) fail_msg("%s", error.message);
+    const double *elements = gn_history_column(&run->history, "elements"),
+                 *particles = gn_history_column(&run->history, "particles");
+    size_t changed = 0;
+    for (size_t k = 1; k < run->history.row_count; k++) {
+        assert_int_equal(elements[k]<elements[k - 1], particles[k]> particles[k - 1]);
+        changed += elements[k] < elements[k - 1];
+    }
+    assert_true(changed > 0);
+    gn_run_free(run);
+    free(run);
+}
+
 /* --- what is refused --- */
 
 static void assert_refused(const block *s, const char *from, const char *to, const char *words) {
@@ -771,23 +905,45 @@ static void what_cannot_convert_is_refused(void **state) {
     assert_refused(&plate, "max: [1, 1]", "max: [-2, 1]", "box.max");
     assert_refused(&plate, "min: [-1, -1]", "min: [0.5, -1]",
                    "expected elements of which all nodes");
-    assert_refused(&plate, "couple: {", "initial: {random_velocity: 1}\ncouple: {",
-                   "expected no initial.random_velocity beside it");
+    assert_refused(
+        &plate, "couple: {", "initial: {random_velocity: 1}\ncouple: {",
+        "initial.random_velocity: expected no initial.random_velocity beside couple.convert");
     assert_refused(&plate, "couple: {", "couple: {constraint: penalty, ",
-                   "expected no couple.constraint but lumped");
+                   "couple.constraint: expected no couple.constraint but lumped");
     assert_refused(&plate, "couple: {", "couple: {penalty: 2, ",
                    "expected constraint: penalty beside it, found lumped");
     assert_refused(&plate, "couple: {",
                    "sets: [{name: a, select: {all: true}, motion: {vx: 0}}]\ncouple: {",
-                   "expected no sets that move or push");
+                   "sets[0].motion: expected no sets that move or push");
+    assert_refused(&plate, "couple: {",
+                   "sets: [{name: a, select: {all: true}, initial_velocity: [1, 0]}]\ncouple: {",
+                   "sets[0].initial_velocity: expected none beside couple.convert");
     assert_refused(&plate, "couple: {", "couple: {zones: [{edges: [{from: [0, 0], to: [1, 0]}]}], ",
                    "expected no couple.zones");
     assert_refused(&plate, "time: {",
                    "walls: [{name: a, point: [0, 0], normal: [1, 0], stiffness: 1}]\ntime: {",
-                   "expected no walls");
+                   "walls: expected no walls");
     assert_refused(&plate, "lattice: {", "lattice: {origin: [1 mm, 0], ",
                    "expected every particle in an element, found particle");
     assert_refused(&plate, "density: 9931", "density: 4931", "weigh what the elements");
+    assert_refused(&plate, "width: 0.006", "width: 0.03",
+                   "couple.convert.width: expected a zone that is narrower than the body of 0.03");
+}
+
+/* What would push particles apart as they wake, which no strain of the elements did. */
+static void what_is_not_free_of_stress_as_it_is_packed_is_refused(void **state) {
+    (void)state;
+    static const char range[] = "interaction_range: 0.01";
+    static const char *const changed[] = {"overlap_range: 0.005   ", "passive_gaps: false    "};
+    static const char *const words[] = {"expected a bond between all particles that overlap",
+                                        "expected bonds that are free of stress as they are"};
+    text *t = text_of(&plate);
+    char *bonds = strstr(t->s, range);
+    for (int k = 0; k < 2; k++) {
+        memcpy(bonds, changed[k], sizeof range - 1);
+        assert_change_refused(t->s, "kind: square,", "kind: square, spacing: 0.99,", words[k]);
+    }
+    free(t);
 }
 
 int main(void) {
@@ -798,6 +954,7 @@ int main(void) {
         cmocka_unit_test(a_strained_block_becomes_particles_under_its_stress),
         cmocka_unit_test(a_zone_that_is_passed_carries_all_of_the_stress),
         cmocka_unit_test(converting_keeps_momentum_and_books_energy),
+        cmocka_unit_test(small_elements_keep_mass_and_momentum),
         cmocka_unit_test(two_places_that_meet_leave_nothing_between_them),
         cmocka_unit_test(the_bound_of_what_is_left_is_that_of_all_elements),
         cmocka_unit_test(a_remnant_thinner_than_a_zone_goes_too),
@@ -805,6 +962,7 @@ int main(void) {
         cmocka_unit_test(all_of_a_body_can_convert),
         cmocka_unit_test(elements_convert_where_their_stress_is_beyond_the_limit),
         cmocka_unit_test(limits_are_those_of_principal_stress_and_of_coulomb),
+        cmocka_unit_test(friction_of_a_limit_may_be_an_angle),
         cmocka_unit_test(a_bond_that_breaks_in_a_zone_converts_its_elements),
         cmocka_unit_test(where_no_packing_is_ready_conversion_stops),
         cmocka_unit_test(what_is_driven_does_not_convert),
@@ -812,7 +970,9 @@ int main(void) {
         cmocka_unit_test(means_are_those_of_elements_and_particles_together),
         cmocka_unit_test(threads_and_resumption_amid_conversion_give_the_same_bits),
         cmocka_unit_test(rows_stay_evenly_apart_when_steps_become_shorter),
+        cmocka_unit_test(a_row_at_a_conversion_counts_both_sides_after_it),
         cmocka_unit_test(what_cannot_convert_is_refused),
+        cmocka_unit_test(what_is_not_free_of_stress_as_it_is_packed_is_refused),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

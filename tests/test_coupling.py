@@ -148,6 +148,59 @@ output: {history_rows: 20, snapshots: 0}
 
 
 @fact
+def check_says_what_the_packing_that_is_put_by_returns(folder):
+    done = gneiss("check", write_scene(folder, PULLED))
+    particles, elements = (float(v) for v in re.search(r"modulus +(\S+) Pa of particles that follow elements, (\S+) Pa of these", done.stdout).groups())
+    assert abs(particles / 24e9 - (29 / 30 + 7 / 8) / 2) < 0.025 and abs(elements / 24e9 - 1) < 1e-3, done.stdout  # bonds end at the sides; of the hull
+    assert "particles and elements differ" not in done.stdout
+    done = gneiss("check", write_scene(folder, PULLED), "--set", "elements.materials[0].young=12 GPa")
+    returned = float(re.search(r"returned +(\S+) %", done.stdout).group(1))
+    z = (particles / 12e9) ** 0.5
+    assert abs(returned - 100 * ((1 - z) / (1 + z)) ** 2) < 0.05, done.stdout
+    assert "particles and elements differ" in done.stdout
+
+
+@fact
+def who_sleeps_is_drawn_where_the_elements_are(folder):
+    sys.path.insert(0, os.path.join(ROOT, "tools"))
+    from report import bodies_text, count_rows
+    from report_coupling import Section, plot_together
+    from report_curves import plot_conversion
+    from report_elements import Mesh
+    from report_results import Results
+
+    out = os.path.join(folder, "out")
+    run(os.path.join(ROOT, "scenes", "bending-adaptive.yaml"), out, "--set", "time.end=2.6 ms", "--set", "output.snapshots=1", "--set", "run.threads=1")
+    read = Results(os.path.join(out, "results.h5"))
+    asleep, moved = read.asleep, np.asarray(read.particle("displacement"), float)
+    awake = int(np.sum(~asleep))
+    assert 100 < awake < 5000, awake
+    start = np.asarray(read.particle("position"), float) - moved
+    mesh = Mesh(read)
+    near = np.argmin(np.linalg.norm(start[asleep][:, None, :2] - mesh.start[None, :, :2], axis=2), axis=1)
+    off = np.linalg.norm(moved[asleep] - mesh.displacement[near], axis=1)
+    largest = np.linalg.norm(mesh.displacement, axis=1).max()
+    assert np.median(off) < 0.05 * largest and np.max(off) < 0.5 * largest, (np.median(off), np.max(off), largest)
+    assert np.median(np.linalg.norm(moved[asleep], axis=1)) > 0.05 * largest
+    stress = np.asarray(read.particle("stress"), float)[asleep][:, 0]
+    assert np.mean(np.abs(stress)) > 1e3
+    assert len(Section(read, mesh, 1.0).shown) == awake
+    assert "asleep are left out" in plot_together(read, os.path.join(folder, "together.svg"))
+    assert f"to {awake} particles" in plot_conversion(read, os.path.join(folder, "conversion.svg"))
+    rows = {label: value[0] for label, value in count_rows(read)}
+    assert rows["particles awake"] == f"{awake:,}".replace(",", " ") and "bonds of those awake" in rows, rows
+    assert f"({len(asleep) - awake} asleep)" in bodies_text(read)
+    with open(os.path.join(out, "summary.json"), encoding="utf-8") as file:
+        assert json.load(file)["counts"]["asleep"] == len(asleep) - awake
+
+
+@fact
+def a_zone_given_twice_is_refused(folder):
+    twice = BAR.replace("to: [8 mm, 0, 0]}]}]", "to: [8 mm, 0, 0]}]}, {edges: [{from: [12 mm, 0, 0], to: [8 mm, 0, 0]}]}]")
+    expect(gneiss("run", write_scene(folder, twice), "--out", os.path.join(folder, "out")), 2, r"couple.zones\[1\].edges: expected edges of no other zone, found those of couple.zones\[0\]")
+
+
+@fact
 def a_zone_too_thin_to_keep_the_mass_ends_the_run(folder):
     done = gneiss("run", os.path.join(ROOT, "scenes", "bending-adaptive.yaml"), "--out", os.path.join(folder, "out"), "--quiet",
                   "--set", "couple.convert.width=2 mm")

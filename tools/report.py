@@ -66,8 +66,11 @@ def count_rows(results):
         rows.append(("removed particles", int(np.count_nonzero(removed))))
     if len(state):
         broken, left = int(np.isin(state, (1, 2)).sum()), int((state == 3).sum())
-        rows += [("bonds at the start", len(state)),
-                 ("bonds per particle", f"{2 * len(state) / max(1, results.particle_count):.3g}"),
+        asleep = int(results.asleep.sum())
+        if asleep:
+            rows += [("particles asleep, in elements", asleep), ("particles awake", results.particle_count - asleep)]
+        rows += [("bonds of those awake" if asleep else "bonds at the start", len(state)),
+                 ("bonds per particle", f"{2 * len(state) / max(1, results.particle_count - asleep):.3g}"),
                  ("broken in tension", int((state == 1).sum())),
                  ("broken in shear", int((state == 2).sum())),
                  ("broken, of all", f"{100 * broken / len(state):.3g} %")]
@@ -177,7 +180,8 @@ def cards(results):
 
 
 def bodies_text(results):
-    parts = [f"{results.particle_count} particles"] if results.particle_count or not results.element_count else []
+    asleep = int(results.asleep.sum())
+    parts = [f"{results.particle_count} particles" + (f" ({asleep} asleep)" if asleep else "")] if results.particle_count or not results.element_count else []
     return ", ".join(parts + ([f"{results.element_count} elements"] if results.element_count else []))
 
 

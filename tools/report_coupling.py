@@ -49,6 +49,7 @@ class Section:
         start, radius = np.asarray(results.particle("position"), float) - moved, np.asarray(results.particle("radius"), float).reshape(-1)
         removed = results.particle("removed")
         there = np.isfinite(start).all(axis=1) if removed is None else np.asarray(removed).reshape(-1) == 0
+        there &= ~results.asleep  # the elements that they are in are drawn
         order, self.where = [0, 1, 2], ""
         if not mesh.flat:
             both = np.concatenate([mesh.start, start[there]])
@@ -114,7 +115,8 @@ def draw_panel(figure, axes, section, what):
 def plot_together(results, path):
     """None where particles and elements are not coupled."""
     position, displacement = results.particle("position"), results.particle("displacement")
-    if results.column("returned_energy") is None or position is None or displacement is None:
+    coupled = results.column("returned_energy") is not None or results.column("elements") is not None
+    if not coupled or position is None or displacement is None:
         return None
     mesh = Mesh(results)
     factor = mesh.scale()
@@ -127,4 +129,5 @@ def plot_together(results, path):
         draw_panel(figure, a, section, what)
     save(figure, path)
     times = f"displacements drawn {factor:g} times" if factor > 1 else "displacements as they are"
-    return f"Particles and elements at the end of the run, {times}.{section.where}"
+    sleepers = " Particles that are asleep are left out: the elements that they are in are there." if results.asleep.any() else ""
+    return f"Particles and elements at the end of the run, {times}.{section.where}{sleepers}"

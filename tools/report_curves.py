@@ -324,6 +324,23 @@ def plot_forces(results, path):
     return "The largest components; smaller than 1 % of the largest are left out."
 
 
+def plot_conversion(results, path):
+    """Elements that turn into particles, over time."""
+    time, elements, particles = (results.column(name) for name in ("time", "elements", "particles"))
+    if time is None or elements is None or particles is None:
+        return None
+    factor, unit = scale_of(time, "s")
+    figure, axes = new_axes("Particles and elements", f"time [{unit}]", "number")
+    axes.step(time / factor, particles, where="post", color=INK, label="particles that are awake", **style_for(particles))
+    axes.step(time / factor, elements, where="post", color=BLUE, dashes=(5, 2), label="elements that are left", **style_for(elements))
+    axes.set_ylim(bottom=0)
+    axes.margins(x=0.02)
+    axes.legend(loc="best")
+    mark_stages(results, axes, time / factor)
+    save(figure, path)
+    return f"Elements that turned into particles: {int(elements[0])} to {int(elements[-1])} elements, {int(particles[0])} to {int(particles[-1])} particles."
+
+
 def plot_profile(results, path):
     phases = sorted((float(np.asarray(c.value).reshape(-1)[0]), c.text or name.replace("_", " "))
                     for name, c in results.profile.items())
@@ -350,6 +367,7 @@ CURVES = {
     "force_deflection": plot_deflection,
     "forces": plot_forces,
     "flow": plot_flow,
+    "conversion": plot_conversion,
     "energy": plot_energy,
     "unbalanced": plot_unbalanced,
     "strains": plot_strains,

@@ -130,6 +130,12 @@ class Results:
         return 0 if radius is None else len(radius)
 
     @property
+    def asleep(self):
+        """Of the particles: prepared, in an element that is there; with those, not with their bonds."""
+        value = self.particle("asleep")
+        return np.zeros(self.particle_count, bool) if value is None else np.asarray(value).reshape(-1) != 0
+
+    @property
     def element_count(self):
         node = self.elements.get("node")
         return 0 if node is None else len(node.value)

@@ -1,5 +1,6 @@
 #include "cli/plan_convert.h"
 
+#include "cli/plan_couple.h"
 #include "sim/conversion.h"
 
 #include <math.h>
@@ -35,6 +36,8 @@ void gn_print_conversion(const gn_world *w, int *warnings) {
            gn_conversion_elements(w), f.particles, w->dem.particles.soa.count);
     printf("  held             %zu elements there, of motions and loads\n", f.held);
     printf("  masses           %.4g times those of the elements\n", f.mass);
+    for (size_t k = 0; k < f.materials; k++)
+        gn_print_zone_material(&f.material[k], f.materials > 1, warnings);
     if (width >= elements_least * f.element && width >= diameters_least * f.diameter) return;
     printf("  warning: the zone is thin: three elements and six particles across are advised\n");
     (*warnings)++;

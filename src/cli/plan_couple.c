@@ -14,9 +14,8 @@ static const double elements_least = 3.0, diameters_least = 6.0;
 /* A modulus 12 % off. */
 static const double returned_most = 1e-3;
 
-static void print_material(const gn_zone_figures *f, size_t k, int *warnings) {
-    const gn_zone_material *m = &f->material[k];
-    if (f->materials > 1)
+void gn_print_zone_material(const gn_zone_material *m, bool several, int *warnings) {
+    if (several)
         printf("  material         %d of the elements, with %zu particles\n", (int)m->material,
                m->particles);
     if (!(m->modulus[0] > 0.0)) return; /* no bonds: no modulus at the start */
@@ -67,7 +66,8 @@ static void print_zone(const gn_world *w, size_t k, int *warnings) {
             "  overlaps         zone %zu: %zu particles are in both, where the smaller weight of "
             "the elements holds\n",
             f.other, f.shared);
-    for (size_t m = 0; m < f.materials; m++) print_material(&f, m, warnings);
+    for (size_t m = 0; m < f.materials; m++)
+        gn_print_zone_material(&f.material[m], f.materials > 1, warnings);
     if (elements < elements_least || diameters < diameters_least)
         warn(warnings, "the zone is thin: three elements and six particles across are advised");
     warn_of_edges(&f, warnings);

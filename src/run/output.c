@@ -9,6 +9,7 @@
 #include "run/parts.h"
 #include "run/run.h"
 #include "run/stages.h"
+#include "sim/conversion.h"
 #include "sim/internal.h"
 
 #include <math.h>
@@ -51,8 +52,7 @@ static gneiss_status write_snapshot(const gn_run *run, const gn_output_view *v,
     gn_output_arrays points;
     double *place = calloc(count + 1, 3 * sizeof *place);
     if (!place) return gn_fail(error, GNEISS_ERROR_MEMORY, "no memory for the output of particles");
-    for (size_t p = 0; p < count; p++)
-        gn_world_point_out(w, w->dem.particles.pos + 4 * p, place + 3 * (size_t)v->row[p]);
+    for (size_t p = 0; p < count; p++) gn_output_place(v, p, place + 3 * (size_t)v->row[p]);
     gneiss_status status = gn_output_arrays_read(&particles, &points, error);
     if (status == GNEISS_OK) {
         gn_snapshot s = {
@@ -343,6 +343,7 @@ static void summary_counts(const gn_world *w, size_t contacts, gn_json *j) {
     bool flows = gn_scene_flows(&w->scene);
     gn_json_integer(j, "particles",
                     (int64_t)(flows ? gn_world_present(w) : w->dem.particles.soa.count));
+    if (gn_converts(w)) gn_json_integer(j, "asleep", (int64_t)gn_conversion_asleep(w));
     gn_json_integer(j, "contacts", (int64_t)contacts);
     gn_json_integer(j, "bonds", w->dem.bonds_at_start);
     gn_json_integer(j, "broken_tension", w->dem.broken_tension);

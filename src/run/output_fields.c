@@ -2,6 +2,7 @@
 #define GN_EVERY_EFFECT
 #include "run/output_fields.h"
 
+#include "base/memory.h"
 #include "sim/conversion.h"
 #include "sim/coupling.h"
 #include "sim/internal.h"
@@ -37,16 +38,27 @@ static const gn_world *world_of(const void *view) {
     return ((const gn_output_view *)view)->world;
 }
 
-static void read_position(const void *view, size_t k, double *value) {
-    const gn_world *w = world_of(view);
-    gn_world_point_out(w, w->dem.particles.pos + 4 * k, value);
-}
+/* Who sleeps is where the elements have the body. */
 static void read_displacement(const void *view, size_t k, double *value) {
-    const gn_particles *q = &world_of(view)->dem.particles;
-    for (size_t a = 0; a < 3; a++) value[a] = q->pos[4 * k + a] - q->start[4 * k + a];
+    const gn_output_view *v = view;
+    gn_conversion_travel(v->world, v->places, k, value);
+}
+void gn_output_place(const gn_output_view *v, size_t p, double place[3]) {
+    const gn_particles *q = &v->world->dem.particles;
+    double now[3], travel[3];
+    memcpy(now, q->pos + 4 * p, sizeof now);
+    if (gn_is_asleep(v->world, p)) {
+        gn_conversion_travel(v->world, v->places, p, travel);
+        for (size_t a = 0; a < 3; a++) now[a] = q->start[4 * p + a] + travel[a];
+    }
+    gn_world_point_out(v->world, now, place);
+}
+static void read_position(const void *view, size_t k, double *value) {
+    gn_output_place(view, k, value);
 }
 static void read_velocity(const void *view, size_t k, double *value) {
-    memcpy(value, world_of(view)->dem.particles.vel + 4 * k, 3 * sizeof *value);
+    const gn_output_view *v = view;
+    gn_conversion_velocity(v->world, v->places, k, value);
 }
 static void read_spin(const void *view, size_t k, double *value) {
     const double *spin = world_of(view)->dem.particles.spin;
@@ -102,8 +114,10 @@ static const gn_output_field of_particles[] = {
      read_bonds_at_start, 0},
     {"removed", "1", "1: left by the domain or a sink, and stays where it was then", BOTH, GN_U8,
      false, 1, read_removed, 0},
-    {"asleep", "1", "1: prepared, in an element that is there; of bodies that convert", BOTH, GN_U8,
-     false, 1, read_asleep, GN_FX_OVERLAP},
+    {"asleep", "1",
+     "1: prepared, in an element that is there, with which it goes; of bodies that "
+     "convert",
+     BOTH, GN_U8, false, 1, read_asleep, GN_FX_OVERLAP},
     {"applied_force", "N",
      "force of sets and of the membrane in the last step; with `sets.force` or `membrane`", BOTH,
      GN_F64, false, 3, read_applied, GN_FX_APPLIED},
@@ -345,8 +359,10 @@ gneiss_status gn_output_view_make(const gn_world *w, const gn_observed *seen, gn
                           .coordination = calloc(n + 1, sizeof(double)),
                           .normal = calloc(bonds + 1, sizeof(double)),
                           .shear = calloc(bonds + 1, sizeof(double)),
-                          .row = calloc(n + 1, sizeof(int32_t))};
-    if (!v->row || !v->damage || !v->stress || !v->coordination || !v->normal || !v->shear) {
+                          .row = calloc(n + 1, sizeof(int32_t)),
+                          .places = gn_conversion_places(w)};
+    if ((gn_converts(w) && !v->places) || !v->row || !v->damage || !v->stress || !v->coordination ||
+        !v->normal || !v->shear) {
         gn_output_view_free(v);
         return gn_fail(error, GNEISS_ERROR_MEMORY, "no memory for the output of %zu particles", n);
     }
@@ -380,5 +396,6 @@ void gn_output_view_free(gn_output_view *v) {
     free(v->total);
     free(v->damping);
     free(v->row);
+    gn_free(v->places);
     *v = (gn_output_view){0};
 }

@@ -12,6 +12,7 @@ typedef struct gn_output_view {
     double *normal, *shear;                 /* N, per bond, of what is seen */
     double *total, *damping; /* N and N m, [particles][6]; NULL unless they are asked for */
     int32_t *row;            /* [particles] in files, where they stand by id */
+    int32_t *places;         /* of elements, where particles sleep in them; NULL: none do */
 } gn_output_view;
 
 gneiss_status gn_output_view_make(const gn_world *world, const gn_observed *seen,
@@ -22,6 +23,8 @@ void gn_output_view_free(gn_output_view *view);
 gn_output_source gn_output_particles(const gn_output_view *view);
 gn_output_source gn_output_bonds(const gn_output_view *view);
 
+/* Where a particle is, as the user sees it, m. */
+void gn_output_place(const gn_output_view *view, size_t particle, double place[3]);
 /* The ends of a bond as rows of particles, the smaller one first. */
 void gn_output_bond_ends(const gn_output_view *view, size_t bond, int32_t ends[2]);
 

@@ -478,7 +478,7 @@ static const gn_quantity of_elements[] = {
      GN_BEFORE_STEP, &beside, read_elements_strain, NULL},
     {"elements_stress", "Pa", "average stress of the finite elements, tension positive", GN_TENSOR,
      GN_AFTER_STEP, &beside, read_elements_stress, NULL},
-    SCALAR(converted, GN_BEFORE_STEP, "elements", "1", read_elements,
+    SCALAR(converted, GN_AFTER_STEP, "elements", "1", read_elements,
            "finite elements that are left"),
     SCALAR(zoned, GN_AFTER_STEP, "returned_energy", "1", read_returned_energy,
            "energy of plane waves in elements outside of zones that run away from the particles of "

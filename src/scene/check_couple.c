@@ -21,6 +21,26 @@ static gneiss_status check_zone(const check *c, const gn_scene *s, size_t index)
     return GNEISS_OK;
 }
 
+static bool same_edges(const gn_scene *s, const gn_couple_zone *a, const gn_couple_zone *b) {
+    bool same = a->edge_count == b->edge_count;
+    for (size_t e = 0; same && e < a->edge_count; e++)
+        for (int k = 0; k < (int)s->dimension; k++)
+            same = same && a->edges[e].from[k] == b->edges[e].from[k] &&
+                   a->edges[e].to[k] == b->edges[e].to[k];
+    return same;
+}
+
+/* A zone that is there twice is one by mistake: the second changes nothing. */
+static gneiss_status check_other(const check *c, const gn_scene *s, size_t index) {
+    for (size_t k = 0; k < index; k++)
+        if (same_edges(s, &s->couple.zones[k], &s->couple.zones[index]))
+            return gn_check_fail(c, "edges",
+                                 "expected edges of no other zone, found those of "
+                                 "couple.zones[%zu]",
+                                 k);
+    return GNEISS_OK;
+}
+
 /* What a zone does not go with. */
 static gneiss_status check_beside(const check *c, const gn_scene *s) {
     if (!s->has_specimen || !s->has_elements)
@@ -73,44 +93,63 @@ static gneiss_status check_constraint(const check *c, const gn_scene *s) {
 /* ---- conversion ---- */
 
 /* Sets that are only watched, as the sides of a notch's mouth, do nothing to who sleeps. */
-static bool any_set_acts(const gn_scene *s) {
-    bool acts = false;
-    for (size_t k = 0; k < s->set_count; k++) {
-        const gn_set_def *set = &s->sets[k];
-        acts = acts || set->has_force || set->has_initial_velocity || set->has_initial_spin;
-        for (int a = 0; a < 3; a++)
-            acts = acts || set->motion.velocity[a].count || set->motion.spin[a].count;
-    }
-    return acts;
-}
-
-/* What it does not go with, by the key that is said. */
-static gneiss_status check_convert_beside(const check *c, const gn_scene *s) {
+static gneiss_status check_convert_set(const check *c, const gn_set_def *set) {
+    bool moves = false;
+    for (int a = 0; a < 3; a++)
+        moves = moves || set->motion.velocity[a].count || set->motion.spin[a].count;
     const struct {
         bool found;
-        const char *what;
-    } others[] = {
-        {s->couple.zone_count > 0, "couple.zones"},
-        {s->couple.constraint != GN_COUPLE_LUMPED, "couple.constraint but lumped"},
-        {any_set_acts(s), "sets that move or push (motions and loads of elements do not convert)"},
-        {s->wall_count > 0, "walls"},
-        {s->body_count > 0, "bodies"},
-        {s->has_membrane, "membrane"},
-        {s->has_pulse, "initial.pulse"},
-        {s->random_velocity > 0.0, "initial.random_velocity"},
-        {s->stage_count > 0, "stages"},
-        {s->elements.formulation == GN_FORMULATION_PRESSURE, "elements.formulation: mixed"},
-        {s->bonds == GN_SWITCH_OFF, "scene without bonds"}};
-    for (size_t k = 0; k < sizeof others / sizeof *others; k++)
-        if (others[k].found)
-            return gn_check_fail(c, "couple.convert", "expected no %s beside it, found one",
-                                 others[k].what);
+        const char *key, *instead;
+    } acts[] = {{moves, "motion", "elements.motions"},
+                {set->has_force, "force", "elements.loads"},
+                {set->has_initial_velocity, "initial_velocity", NULL},
+                {set->has_initial_spin, "initial_spin", NULL}};
+    for (size_t k = 0; k < sizeof acts / sizeof *acts; k++) {
+        if (!acts[k].found) continue;
+        return acts[k].instead
+                   ? gn_check_fail(c, acts[k].key,
+                                   "expected no sets that move or push beside couple.convert, as "
+                                   "particles sleep and follow elements (%s do it)",
+                                   acts[k].instead)
+                   : gn_check_fail(c, acts[k].key,
+                                   "expected none beside couple.convert, as particles sleep and "
+                                   "wake with the motion of their elements, which start at rest");
+    }
     return GNEISS_OK;
 }
 
-static gneiss_status check_convert(const check *c, const gn_scene *s) {
+/* What it does not go with, at the key that says so. */
+static gneiss_status check_convert_beside(const check *c, const gn_scene *s, const gn_node *root) {
+    const struct {
+        bool found;
+        const char *key, *expected;
+    } others[] = {
+        {s->couple.zone_count > 0, "couple.zones", "no couple.zones"},
+        {s->couple.constraint != GN_COUPLE_LUMPED, "couple.constraint",
+         "no couple.constraint but lumped"},
+        {s->wall_count > 0, "walls", "no walls"},
+        {s->body_count > 0, "bodies", "no bodies"},
+        {s->has_membrane, "membrane", "no membrane"},
+        {s->has_pulse, "initial.pulse", "no initial.pulse"},
+        {s->random_velocity > 0.0, "initial.random_velocity", "no initial.random_velocity"},
+        {s->stage_count > 0, "stages", "no stages"},
+        {s->elements.formulation == GN_FORMULATION_PRESSURE, "elements.formulation",
+         "no mixed form"},
+        {s->bonds == GN_SWITCH_OFF, "bonds", "bonds that are on"}};
+    for (size_t k = 0; k < sizeof others / sizeof *others; k++)
+        if (others[k].found)
+            return gn_check_fail(c, others[k].key, "expected %s beside couple.convert",
+                                 others[k].expected);
+    for (size_t k = 0; k < s->set_count; k++) {
+        const check element = gn_check_element(c->reader, root, "sets", k);
+        if (gn_check_element_sound(&element)) GN_TRY(check_convert_set(&element, &s->sets[k]));
+    }
+    return GNEISS_OK;
+}
+
+static gneiss_status check_convert(const check *c, const gn_scene *s, const gn_node *root) {
     const gn_convert_def *q = &s->couple.convert;
-    GN_TRY(check_convert_beside(c, s));
+    GN_TRY(check_convert_beside(c, s, root));
     if (!(q->stress > 0.0) && !q->has_mohr)
         return gn_check_fail(c, "couple.convert",
                              "expected a limit, stress or mohr_coulomb, found none");
@@ -126,12 +165,14 @@ gneiss_status gn_check_couple(const gn_reader *reader, const gn_node *root) {
     GN_TRY(gn_check_keep(&c, check_beside(&c, s)));
     if (gn_check_sound(&c, "couple")) GN_TRY(gn_check_keep(&c, check_constraint(&c, s)));
     if (s->couple.has_convert && gn_check_sound(&c, "couple"))
-        GN_TRY(gn_check_keep(&c, check_convert(&c, s)));
+        GN_TRY(gn_check_keep(&c, check_convert(&c, s, root)));
     if (!s->couple.zone_count && !s->couple.has_convert)
         return gn_check_fail(&c, "couple.zones", "expected one at least, found none");
     for (size_t k = 0; k < s->couple.zone_count; k++) {
         check element = gn_check_element(reader, root, "couple.zones", k);
-        if (gn_check_element_sound(&element)) GN_TRY(gn_check_keep(&c, check_zone(&element, s, k)));
+        if (!gn_check_element_sound(&element)) continue;
+        GN_TRY(gn_check_keep(&c, check_zone(&element, s, k)));
+        GN_TRY(gn_check_keep(&c, check_other(&element, s, k)));
     }
     return GNEISS_OK;
 }

@@ -39,8 +39,9 @@ TABLE_OF(convert_box);
 static const gn_key mohr_keys[] = {
     KEY("cohesion", REAL, gn_scene, couple.convert.cohesion, .unit = "Pa", .range = GN_STRENGTHS,
         .required = true, .text = "shear stress that a plane without pressure bears"),
-    KEY("friction", REAL, gn_scene, couple.convert.friction, .unit = "1", .range = "[0, 100]",
-        .fallback = "0", .text = "tan(phi): what pressure adds to it, over the pressure"),
+    KEY("friction", REAL, gn_scene, couple.convert.friction, .unit = GN_SLOPE, .range = "[0, 100]",
+        .fallback = "0",
+        .text = "tan(phi), or the angle phi: what pressure adds to it, over the pressure"),
 };
 TABLE_OF(mohr);
 

@@ -13,10 +13,10 @@ static gneiss_status no_memory(gneiss_error *error) {
     return gn_fail(error, GNEISS_ERROR_MEMORY, "no memory to convert elements");
 }
 
-static gneiss_status refuse(const gn_world *w, const char *message, gneiss_error *error) {
-    const gn_scene_place where = w->scene.couple.convert.where;
-    return gn_fail(error, GNEISS_ERROR_INPUT, "%.400s:%d:%d: couple.convert: %s", w->scene.source,
-                   where.line, where.column, message);
+static gneiss_status refuse(const gn_world *w, gn_scene_place where, const char *key,
+                            const char *message, gneiss_error *error) {
+    return gn_fail(error, GNEISS_ERROR_INPUT, "%s: %s", gn_scene_at(&w->scene, where, key).text,
+                   message);
 }
 
 /* --- at the start --- */
@@ -24,12 +24,32 @@ static gneiss_status refuse(const gn_world *w, const char *message, gneiss_error
 /* Springs between particles that a strain of the body does not determine. */
 static gneiss_status check_law(const gn_world *w, gneiss_error *error) {
     const gn_effects without = GN_FX_BOND_MOMENTS | GN_FX_ROLLING | GN_FX_HERTZ | GN_FX_CONFINED;
-    if (!(w->effects & GN_FX_BONDS)) return refuse(w, "expected bonds, found none", error);
+    if (!(w->effects & GN_FX_BONDS))
+        return refuse(w, w->scene.couple.convert.where, "bonds",
+                      "expected bonds beside couple.convert, found none", error);
     if (!(w->effects & without)) return GNEISS_OK;
-    return refuse(w,
-                  "expected linear contacts without moments and without confined friction, found "
-                  "others",
+    const bool moments = w->effects & GN_FX_BOND_MOMENTS, rolling = w->effects & GN_FX_ROLLING;
+    return refuse(w, moments ? w->scene.couple.convert.where : w->scene.law_where,
+                  moments   ? "bonds.radius_multiplier"
+                  : rolling ? "materials"
+                            : "law",
+                  "expected linear contacts without moments, resistance to rolling and confined "
+                  "friction beside couple.convert, found others",
                   error);
+}
+
+/* Where a zone is as wide as the body no element is left with the first conversion. */
+static gneiss_status check_width(const gn_world *w, gneiss_error *error) {
+    double lower[3] = {INFINITY, INFINITY, INFINITY}, upper[3] = {-INFINITY, -INFINITY, -INFINITY};
+    double side = 0.0;
+    char message[160];
+    gn_elements_extent(w, lower, upper);
+    for (int a = 0; a < (int)w->scene.dimension; a++) side = fmax(side, upper[a] - lower[a]);
+    if (w->scene.couple.convert.width < side) return GNEISS_OK;
+    snprintf(message, sizeof message,
+             "expected a zone that is narrower than the body of %g m, found %g m", side,
+             w->scene.couple.convert.width);
+    return refuse(w, w->scene.couple.convert.where, "couple.convert.width", message, error);
 }
 
 static gneiss_status find_homes(gn_world *w, const gn_ties *ties, gneiss_error *error) {
@@ -45,7 +65,7 @@ static gneiss_status find_homes(gn_world *w, const gn_ties *ties, gneiss_error *
         snprintf(message, sizeof message,
                  "expected every particle in an element, found particle %d at %s m in none",
                  q->id[p], gn_point_text(w->scene.origin, q->start + 4 * p, at));
-        return refuse(w, message, error);
+        return refuse(w, w->scene.specimen.where, "specimen", message, error);
     }
     return GNEISS_OK;
 }
@@ -56,19 +76,20 @@ static gneiss_status check_filled(gn_world *w, gneiss_error *error) {
     char message[200];
     GN_TRY(gn_conversion_measure(w, &f, error));
     if (!f.elements)
-        return refuse(w, "expected elements of which all nodes start in the box, found none",
-                      error);
+        return refuse(w, w->scene.couple.convert.where, "couple.convert.box",
+                      "expected elements of which all nodes start in the box, found none", error);
     if (fabs(f.mass - 1.0) <= 0.1) return GNEISS_OK;
     snprintf(message, sizeof message,
              "expected particles that weigh what the elements in the box do (to a tenth: a packing "
              "that fills it, density_basis bulk, one density), found %g times as much",
              f.mass);
-    return refuse(w, message, error);
+    return refuse(w, w->scene.specimen.where, "specimen", message, error);
 }
 
 gneiss_status gn_conversion_prepare(gn_world *w, gneiss_error *error) {
     gn_ties ties;
     GN_TRY(check_law(w, error));
+    GN_TRY(check_width(w, error));
     w->dem.sleeper = gn_alloc_array(w->dem.particles.soa.count + 1, sizeof *w->dem.sleeper);
     if (!w->dem.sleeper) return no_memory(error);
     GN_TRY(gn_ties_find(gn_coupled_solid(w), &w->dem.particles, &ties, error));
@@ -80,6 +101,7 @@ gneiss_status gn_conversion_prepare(gn_world *w, gneiss_error *error) {
 gneiss_status gn_conversion_lay_down(gn_world *w, gneiss_error *error) {
     gn_dem *d = &w->dem;
     gn_particles *q = &d->particles;
+    GN_TRY(gn_conversion_check_neighbours(w, error));
     d->prepared = d->bonds;
     d->bonds = (gn_contacts){0};
     GN_TRY(gn_soa_create(&gn_contact_record, &d->bonds, 0, d->prepared.soa.effects, error));
@@ -181,8 +203,9 @@ static double part_at(const gn_conversion *c, size_t p) {
 }
 
 /* What elements go, or have another part of the body than before. */
-static void find_touched(gn_conversion *c, const double *before) {
+static void find_touched(gn_conversion *c) {
     const gn_fem_solid *b = gn_coupled_solid(c->world);
+    const double *before = c->node_part;
     for (size_t e = 0; e < b->elements.soa.count; e++) {
         bool touched = c->kind[e] == GN_FRONT_LEAVING;
         for (int a = 0; a <= b->dimension; a++) {
@@ -271,19 +294,16 @@ static gneiss_status advance_front(gn_conversion *c, bool *stuck, gneiss_error *
     const gn_convert_def *def = &c->world->scene.couple.convert;
     gn_fem_solid *b = gn_coupled_solid(c->world);
     const size_t size = 2 * b->nodes.soa.count * sizeof *b->nodes.blend;
-    double *parts = gn_alloc(size + 1);
     int64_t element;
-    if (!parts) return no_memory(error);
-    memcpy(parts, b->nodes.blend, size);
-    gneiss_status status = gn_front_advance(b, def->width, c->kind, &element, error);
-    *stuck = status == GNEISS_OK && element >= 0;
-    if (*stuck) memcpy(b->nodes.blend, parts, size);
+    memcpy(c->node_part, b->nodes.blend, size);
+    GN_TRY(gn_front_advance(b, def->width, c->kind, &element, error));
+    *stuck = element >= 0;
+    if (*stuck) memcpy(b->nodes.blend, c->node_part, size);
     if (*stuck)
         halt_at(c, element);
-    else if (status == GNEISS_OK)
-        find_touched(c, parts);
-    gn_free(parts);
-    return status;
+    else
+        find_touched(c);
+    return GNEISS_OK;
 }
 
 /* Lists anew, which must not take the conversion for particles that move fast. */
@@ -322,17 +342,19 @@ static gneiss_status go(gn_conversion *c, gneiss_error *error) {
 
 gneiss_status gn_conversion_convert(gn_world *w, uint8_t *kind, gneiss_error *error) {
     const size_t n = w->dem.particles.soa.count + 1, elements = gn_conversion_elements(w) + 1;
+    const size_t nodes = gn_coupled_solid(w)->nodes.soa.count + 1;
     size_t count;
     gn_conversion c = {.world = w,
                        .kind = kind,
                        .place = gn_fem_places(gn_coupled_solid(w), &count),
                        .part = gn_alloc_array_raw(n, 2 * sizeof *c.part),
+                       .node_part = gn_alloc_array_raw(nodes, 2 * sizeof *c.node_part),
                        .freed = gn_alloc_array_raw(n, 1),
                        .touched = gn_alloc_array_raw(elements, 1),
                        .some = gn_alloc_array_raw(elements, sizeof *c.some),
                        .active = gn_alloc(w->dem.prepared.soa.count + 1),
                        .tied = gn_alloc_array_raw(n, 1)};
-    void *blocks[] = {c.place, c.part, c.freed, c.touched, c.some, c.active, c.tied};
+    void *blocks[] = {c.place, c.part, c.node_part, c.freed, c.touched, c.some, c.active, c.tied};
     bool held = true;
     for (size_t k = 0; k < sizeof blocks / sizeof *blocks; k++) held = held && blocks[k];
     gneiss_status status = held ? go(&c, error) : no_memory(error);

@@ -8,6 +8,7 @@
 #define GN_SIM_CONVERSION_H
 
 #include "couple/ties.h"
+#include "sim/coupling.h"
 #include "sim/world.h"
 
 static inline bool gn_converts(const gn_world *w) {
@@ -45,6 +46,8 @@ typedef struct gn_conversion_figures {
     size_t elements, held, particles; /* held: of motions and loads */
     double element, diameter;         /* m, means */
     double mass;                      /* of the particles over that of the elements */
+    size_t materials;                 /* of the elements, with the packing in each */
+    gn_zone_material material[GN_ZONE_MATERIALS];
 } gn_conversion_figures;
 gneiss_status gn_conversion_measure(const gn_world *world, gn_conversion_figures *figures,
                                     gneiss_error *error);
@@ -55,6 +58,8 @@ void gn_conversion_turn_over(gn_world *world);
 /* The limits that all of them would have by themselves. */
 gneiss_status gn_conversion_limit(gn_world *world, gn_step_limit *limit, gneiss_error *error);
 
+/* Particles that sleep (conversion_readings.c). */
+size_t gn_conversion_asleep(const gn_world *world);
 /* Elements that are there. */
 size_t gn_conversion_elements(const gn_world *world);
 
@@ -64,6 +69,8 @@ int32_t *gn_conversion_places(const gn_world *world);
 /* m: how far a particle has come; one that sleeps is where the elements have the body, not a number
  * without their places. In any world (conversion_readings.c). */
 void gn_conversion_travel(const gn_world *world, const int32_t *places, size_t p, double u[3]);
+/* m/s: the same of its velocity. */
+void gn_conversion_velocity(const gn_world *world, const int32_t *places, size_t p, double v[3]);
 /* The mean displacement gradient of the particles (gn_strain_gauge_read), those that sleep being
  * where the elements have them. In any world. */
 void gn_conversion_gradient(const gn_world *world, double gradient[9]);

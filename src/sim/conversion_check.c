@@ -1,9 +1,13 @@
 /* What is ready to be converted, for who checks a scene. */
+#include "base/ball.h"
 #include "base/memory.h"
 #include "couple/front.h"
+#include "neigh/pairs.h"
 #include "sim/conversion_internal.h"
 
 #include <math.h>
+
+/* --- what is in the box --- */
 
 /* The mean side of the boxes about elements in the box of the scene; kg of these. */
 static double measure_elements(const gn_fem_solid *b, const uint8_t *kind,
@@ -29,21 +33,157 @@ static double measure_elements(const gn_fem_solid *b, const uint8_t *kind,
     return mass;
 }
 
-/* kg of the particles in these, awake or not. */
-static double measure_particles(const gn_world *w, const uint8_t *kind, const int32_t *place,
-                                gn_conversion_figures *f) {
-    const gn_particles *q = &w->dem.particles;
-    double mass = 0.0, sum = 0.0;
-    for (size_t p = 0; p < q->soa.count; p++) {
-        const int32_t e = place[gn_home_id(w, p)];
-        if (e < 0 || kind[e] == GN_FRONT_FIXED) continue;
-        mass += 1.0 / (gn_is_asleep(w, p) ? gn_sleeper_of(w, p)->mass : q->vel[4 * p + 3]);
-        sum += 2.0 * q->pos[4 * p + 3];
-        f->particles++;
+/* Sums by material of the elements: stiffnesses, kg, m3 of spheres. */
+typedef struct boxed {
+    const gn_world *world;
+    const uint8_t *kind;
+    const int32_t *place;
+    gn_conversion_figures *figures;
+    double stiffness[GN_ZONE_MATERIALS], mass[GN_ZONE_MATERIALS], volume[GN_ZONE_MATERIALS];
+} boxed;
+
+static int32_t element_of(const boxed *q, int32_t p) {
+    const int32_t e = q->place[gn_home_id(q->world, (size_t)p)];
+    return e < 0 || q->kind[e] == GN_FRONT_FIXED ? -1 : e;
+}
+
+static size_t material_of(const boxed *q, int32_t e) {
+    gn_conversion_figures *f = q->figures;
+    const int32_t material = gn_coupled_solid(q->world)->elements.material[e];
+    size_t k = 0;
+    while (k < f->materials && f->material[k].material != material) k++;
+    if (k == f->materials && k < GN_ZONE_MATERIALS) f->material[f->materials++].material = material;
+    return k < GN_ZONE_MATERIALS ? k : k - 1;
+}
+
+/* Masses, volumes and the elements' moduli, of particles awake or not. */
+static void add_particles(boxed *q) {
+    const gn_world *w = q->world;
+    const gn_particles *a = &w->dem.particles;
+    const gn_fem_solid *b = gn_coupled_solid(w);
+    for (size_t p = 0; p < a->soa.count; p++) {
+        const int32_t e = element_of(q, (int32_t)p);
+        if (e < 0) continue;
+        const size_t k = material_of(q, e);
+        gn_zone_material *m = &q->figures->material[k];
+        q->mass[k] += 1.0 / (gn_is_asleep(w, p) ? gn_sleeper_of(w, p)->mass : a->vel[4 * p + 3]);
+        q->volume[k] += gn_ball_volume(b->dimension, a->pos[4 * p + 3]);
+        m->modulus[1] += b->elements.lambda[e] + 2.0 * b->elements.mu[e];
+        m->density[1] += b->density[b->elements.material[e]];
+        m->particles++;
+        q->figures->diameter += 2.0 * a->pos[4 * p + 3];
+        q->figures->particles++;
     }
-    f->diameter = f->particles ? sum / (double)f->particles : 0.0;
+}
+
+/* Of a strain along one axis, the mean over the axes; springs count half for each end. */
+static void add_bonds(boxed *q) {
+    const gn_world *w = q->world;
+    const gn_contacts *list = &w->dem.prepared;
+    const double *start = w->dem.particles.start;
+    const int d = (int)w->scene.dimension;
+    for (size_t c = 0; c < list->soa.count; c++) {
+        const int32_t end[2] = {list->i[c], list->j[c]};
+        const double kt = list->kt ? list->kt[c] : 0.0;
+        double l[3], sum = 0.0;
+        const double length2 =
+            gn_branch(w, start + 4 * (size_t)end[0], start + 4 * (size_t)end[1], l);
+        for (int a = 0; a < d; a++) {
+            const double along = l[a] * l[a] / length2;
+            sum += length2 * along * (list->kn[c] * along + kt * (1.0 - along)) / d;
+        }
+        for (int k = 0; k < 2; k++) {
+            const int32_t e = element_of(q, end[k]);
+            if (e >= 0) q->stiffness[material_of(q, e)] += 0.5 * sum;
+        }
+    }
+}
+
+/* kg of the particles in these elements. */
+static double measure_particles(boxed *q) {
+    const double solid = 1.0 - gn_world_porosity(q->world);
+    gn_conversion_figures *f = q->figures;
+    double mass = 0.0;
+    add_particles(q);
+    add_bonds(q);
+    f->diameter = f->particles ? f->diameter / (double)f->particles : 0.0;
+    for (size_t k = 0; k < f->materials; k++) {
+        mass += q->mass[k];
+        gn_zone_compare(&f->material[k], q->stiffness[k], q->mass[k], q->volume[k] / solid);
+    }
     return mass;
 }
+
+/* --- neighbours --- */
+
+/* Of r_i + r_j: what pushes less than some 1e-6 of the modulus is rounding of a packing. */
+static const double overlap_most = 1e-6;
+
+static bool is_bonded(const gn_contacts *bonds, int32_t i, int32_t j) {
+    const size_t at = gn_contacts_from(bonds, i, j);
+    return at < bonds->soa.count && bonds->i[at] == i && bonds->j[at] == j;
+}
+
+/* What of r_i + r_j two particles overlap by. */
+static double overlap_of(const gn_world *w, int32_t i, int32_t j) {
+    const double *a = w->dem.particles.pos + 4 * (size_t)i,
+                 *b = w->dem.particles.pos + 4 * (size_t)j;
+    double d[3];
+    return 1.0 - sqrt(gn_branch(w, a, b, d)) / (a[3] + b[3]);
+}
+
+static gneiss_status refuse_overlaps(const gn_world *w, const gn_pair_list *pairs,
+                                     gneiss_error *error) {
+    size_t count = 0, deepest = 0;
+    double most = overlap_most;
+    for (size_t c = 0; c < pairs->count; c++) {
+        const int32_t i = pairs->pair[c][0], j = pairs->pair[c][1];
+        const double overlap = overlap_of(w, i, j);
+        if (!(overlap > overlap_most) || is_bonded(&w->dem.bonds, i, j)) continue;
+        count++;
+        if (overlap > most) deepest = c;
+        most = fmax(most, overlap);
+    }
+    if (!count) return GNEISS_OK;
+    const int32_t a = w->dem.particles.id[pairs->pair[deepest][0]],
+                  b = w->dem.particles.id[pairs->pair[deepest][1]];
+    return gn_fail(error, GNEISS_ERROR_INPUT,
+                   "%s: expected a bond between all particles that overlap, found %zu pairs "
+                   "without one, particles %d and %d by %.3g %% of r_i + r_j: they would push each "
+                   "other apart as they wake (one cohesive group, bonds.overlap_range 1, or "
+                   "specimen.packing.overlap none)",
+                   gn_scene_at(&w->scene, w->scene.couple.convert.where, "couple.convert").text,
+                   count, a < b ? a : b, a < b ? b : a, 100.0 * most);
+}
+
+static gneiss_status check_free_of_stress(const gn_world *w, gneiss_error *error) {
+    const gn_contacts *bonds = &w->dem.bonds;
+    for (size_t c = 0; !w->scene.passive_gaps && c < bonds->soa.count; c++) {
+        const double overlap = overlap_of(w, bonds->i[c], bonds->j[c]);
+        const int32_t a = w->dem.particles.id[bonds->i[c]], b = w->dem.particles.id[bonds->j[c]];
+        if (fabs(overlap) <= overlap_most) continue;
+        return gn_fail(error, GNEISS_ERROR_INPUT,
+                       "%s: expected bonds that are free of stress as they are, found that of "
+                       "particles %d and %d with %s of %.3g %% of r_i + r_j (bonds.passive_gaps)",
+                       gn_scene_at(&w->scene, w->scene.couple.convert.where, "couple.convert").text,
+                       a < b ? a : b, a < b ? b : a, overlap > 0.0 ? "an overlap" : "a gap",
+                       100.0 * fabs(overlap));
+    }
+    return GNEISS_OK;
+}
+
+gneiss_status gn_conversion_check_neighbours(const gn_world *w, gneiss_error *error) {
+    const gn_pair_query query = {&w->dem.particles, (int)w->scene.dimension, 0.0, 0.0, false, {0.0},
+                                 w->threads};
+    gn_pair_list pairs = {0};
+    GN_TRY(check_free_of_stress(w, error));
+    gneiss_status status = gn_pairs_find(&query, &pairs, error);
+    if (status == GNEISS_OK) status = refuse_overlaps(w, &pairs, error);
+    gn_pair_list_free(&pairs);
+    return status;
+}
+
+/* --- all of them awake --- */
 
 static void swap(double *a, double *b) {
     const double before = *a;
@@ -88,7 +228,8 @@ gneiss_status gn_conversion_measure(const gn_world *w, gn_conversion_figures *f,
                       : gn_fail(error, GNEISS_ERROR_MEMORY, "no memory to look at elements");
     if (status == GNEISS_OK) {
         const double elements = measure_elements(b, kind, f);
-        f->mass = measure_particles(w, kind, place, f) / elements;
+        boxed q = {.world = w, .kind = kind, .place = place, .figures = f};
+        f->mass = measure_particles(&q) / elements;
     }
     gn_free(kind);
     gn_free(place);

@@ -8,21 +8,26 @@
 /* What is kept of the state while elements convert. */
 typedef struct gn_conversion {
     gn_world *world;
-    uint8_t *kind;    /* [elements before] gn_front_kind */
-    int32_t *place;   /* [elements of the mesh] before; -1: gone already */
-    double *part;     /* [particles][2] weights before, 0 of who slept */
-    uint8_t *freed;   /* [particles] moves by itself from now on */
-    uint8_t *touched; /* [elements before] leaves, or has another part of the body */
-    int32_t *some;    /* [elements before] scratch */
-    uint8_t *active;  /* [prepared bonds] acts from now on */
-    size_t acting;    /* how many do */
-    uint8_t *tied;    /* [particles] scratch */
+    uint8_t *kind;     /* [elements before] gn_front_kind */
+    int32_t *place;    /* [elements of the mesh] before; -1: gone already */
+    double *part;      /* [particles][2] weights before, 0 of who slept */
+    double *node_part; /* [nodes][2] parts and distances before (couple/front.h) */
+    uint8_t *freed;    /* [particles] moves by itself from now on */
+    uint8_t *touched;  /* [elements before] leaves, or has another part of the body */
+    int32_t *some;     /* [elements before] scratch */
+    uint8_t *active;   /* [prepared bonds] acts from now on */
+    size_t acting;     /* how many do */
+    uint8_t *tied;     /* [particles] scratch */
 } gn_conversion;
 
 /* The element, by place before, that a particle is in; -1: gone already. */
 static inline int32_t gn_home_of(const gn_conversion *c, size_t p) {
     return c->place[gn_home_id(c->world, p)];
 }
+
+/* That nothing would push who wakes apart but what the body's strain does (conversion_check.c), of
+ * the bonds that all have. */
+gneiss_status gn_conversion_check_neighbours(const gn_world *world, gneiss_error *error);
 
 /* Contacts (conversion_bonds.c): those that there are get their new part; bonds of who has woken
  * are added, with the forces that the strain of the elements makes. Before elements go. */
@@ -43,8 +48,8 @@ typedef struct gn_tally {
 } gn_tally;
 gn_tally gn_conversion_tally(const gn_conversion *c);
 /* Scales the masses of who has another weight than before, by a linear function of the place, so
- * that mass and centre of mass are those of `before`; then gives those that were freed a velocity
- * so that momentum is. */
+ * that mass and centre of mass are those of `before`; then gives those that were freed, and nodes
+ * with another part, a velocity so that momentum is. */
 gneiss_status gn_conversion_keep(const gn_conversion *c, const gn_tally *before,
                                  gneiss_error *error);
 

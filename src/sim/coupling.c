@@ -194,14 +194,19 @@ static void weigh_consistent(const gn_world *w, gn_coupled *q) {
     gn_consistent_weigh(&q->consistent, mass);
 }
 
-static gneiss_status mark(void *context, gn_world *w, gneiss_error *error) {
-    gn_coupled *q = context;
-    gn_fem_solid *b = gn_coupled_solid(w);
+static void find_places(const gn_world *w, gn_coupled *q) {
     for (size_t k = 0; k < q->ties.count; k++) {
         const int32_t p = w->dem.index_of_id[q->ties.tie[k].id];
         q->place[k] = p >= 0 && w->dem.particles.vel[4 * (size_t)p + 3] > 0.0 ? p : -1;
-        if (q->place[k] >= 0) GN_TRY(gn_hold_particle(&w->dem.hold, (size_t)q->place[k], error));
     }
+}
+
+static gneiss_status mark(void *context, gn_world *w, gneiss_error *error) {
+    gn_coupled *q = context;
+    gn_fem_solid *b = gn_coupled_solid(w);
+    find_places(w, q);
+    for (size_t k = 0; k < q->ties.count; k++)
+        if (q->place[k] >= 0) GN_TRY(gn_hold_particle(&w->dem.hold, (size_t)q->place[k], error));
     if (q->stiffness)
         gn_penalty_set(w, q); /* particles may have left */
     else if (!b->carried)
@@ -413,6 +418,12 @@ static double place_all(gn_world *w, const gn_coupled *q) {
         most = speed2 > most ? speed2 : most;
     }
     return sqrt(most);
+}
+
+void gn_coupled_follow(gn_world *w) {
+    gn_coupled *q = w->exchange[0].context;
+    find_places(w, q);
+    place_all(w, q);
 }
 
 /* What is kept of the particles' largest speed is that of all. */

@@ -44,6 +44,9 @@ gneiss_status gn_coupled_resume(gn_world *world, gneiss_error *error);
 gneiss_status gn_coupled_again(gn_world *world, gneiss_error *error);
 /* Their masses alone. */
 gneiss_status gn_coupled_weigh(gn_world *world, gneiss_error *error);
+/* The particles of zones are where nodes are now, with their velocities; constraint, not springs.
+ */
+void gn_coupled_follow(gn_world *world);
 
 /* At the start, once the particles' limit is known: stiffnesses of springs, and what they take of
  * the step (coupling_penalty.c). Without springs nothing is done. */
@@ -85,8 +88,9 @@ double gn_coupled_returned(const gn_world *world, size_t k);
 /* Bonds that broke in zones, where elements hold together what they held all the same. */
 size_t gn_coupled_broken(const gn_world *world);
 
-/* Of the particles in elements of one material, and of these elements, along the zone's n: Pa, of
- * an affine strain, kg/m3; what of the energy of a wave their difference returns. */
+/* Of the particles in elements of one material, and of these elements, along the zone's n (of what
+ * converts: along the axes, the mean of them): Pa, of an affine strain, kg/m3; what of the energy
+ * of a wave their difference returns. */
 typedef struct gn_zone_material {
     int32_t material; /* of the elements */
     size_t particles;

@@ -260,23 +260,24 @@ static void add_bonds(const gn_world *w, size_t zone, gn_zone_figures *f, zone_s
     }
 }
 
+void gn_zone_compare(gn_zone_material *m, double stiffness, double mass, double volume) {
+    m->modulus[0] = volume > 0.0 ? stiffness / volume : 0.0;
+    m->density[0] = volume > 0.0 ? mass / volume : 0.0;
+    if (!m->particles) return;
+    m->modulus[1] /= (double)m->particles;
+    m->density[1] /= (double)m->particles;
+    double z = sqrt(m->modulus[0] * m->density[0] / (m->modulus[1] * m->density[1]));
+    m->returned = (1.0 - z) * (1.0 - z) / ((1.0 + z) * (1.0 + z));
+}
+
 /* Weights of forces and masses cancel in these means. */
 static void measure_particles(const gn_world *w, size_t zone, gn_zone_figures *f) {
     zone_sums sums[GN_ZONE_MATERIALS] = {{0}};
     add_particles(w, zone, f, sums);
     add_bonds(w, zone, f, sums);
     const double solid = 1.0 - gn_world_porosity(w);
-    for (size_t k = 0; k < f->materials; k++) {
-        gn_zone_material *m = &f->material[k];
-        const double volume = sums[k].volume / solid;
-        m->modulus[0] = volume > 0.0 ? sums[k].stiffness / volume : 0.0;
-        m->density[0] = volume > 0.0 ? sums[k].mass / volume : 0.0;
-        if (!m->particles) continue;
-        m->modulus[1] /= (double)m->particles;
-        m->density[1] /= (double)m->particles;
-        double z = sqrt(m->modulus[0] * m->density[0] / (m->modulus[1] * m->density[1]));
-        m->returned = (1.0 - z) * (1.0 - z) / ((1.0 + z) * (1.0 + z));
-    }
+    for (size_t k = 0; k < f->materials; k++)
+        gn_zone_compare(&f->material[k], sums[k].stiffness, sums[k].mass, sums[k].volume / solid);
 }
 
 size_t gn_coupled_broken(const gn_world *w) {

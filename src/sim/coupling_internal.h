@@ -13,6 +13,10 @@ static inline gn_fem_solid *gn_coupled_solid(const gn_world *w) {
 /* That each zone has elements and particles, and these are in elements (coupling_check.c). */
 gneiss_status gn_zones_check(const gn_world *w, const gn_ties *ties, gneiss_error *error);
 
+/* Moduli and densities of particles with these sums, N m, kg and m3, beside the elements'; on entry
+ * those of the elements are sums over the particles (coupling_check.c). */
+void gn_zone_compare(gn_zone_material *material, double stiffness, double mass, double volume);
+
 /* Adds coupled->load to the nodes' loads, by the shape functions. */
 void gn_coupled_hand_to_nodes(gn_world *w, gn_coupled *q);
 

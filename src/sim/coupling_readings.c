@@ -7,6 +7,19 @@
 
 #include <math.h>
 
+/* Elements carry all of the stress of who sleeps in them. */
+static bool add_to_sleepers(const gn_world *w, const double (*stress)[6], double *sigma) {
+    const bool space = w->scene.dimension == 3;
+    int32_t *place = gn_conversion_places(w);
+    for (size_t p = 0; place && p < w->dem.particles.soa.count; p++)
+        for (int c = 0; c < 6 && gn_is_asleep(w, p); c++)
+            if (space || c < 2 || c == 3)
+                sigma[6 * p + (size_t)c] = stress[place[gn_home_id(w, p)]][c];
+    const bool held = place || !gn_converts(w);
+    gn_free(place);
+    return held;
+}
+
 /* Contacts of a particle of a zone carry its part of the body's stress, elements the other part. In
  * the plane elements have a stress across it, which contacts have not. */
 gneiss_status gn_coupled_add_stress(const gn_world *w, double *sigma, gneiss_error *error) {
@@ -27,8 +40,10 @@ gneiss_status gn_coupled_add_stress(const gn_world *w, double *sigma, gneiss_err
             if (space || c < 2 || c == 3)
                 sigma[6 * p + (size_t)c] += share * stress[q->ties.tie[k].element][c];
     }
+    const bool held = add_to_sleepers(w, (const double(*)[6])stress, sigma);
     gn_free(stress);
-    return GNEISS_OK;
+    return held ? GNEISS_OK
+                : gn_fail(error, GNEISS_ERROR_MEMORY, "no memory for the stress of particles");
 }
 
 /* The place of the element that a particle is in, of the elements that are there; -1: of none. */
