@@ -137,6 +137,22 @@ double gn_rigid_compliance(const gn_rigid *b, const double v[3]) {
     return sum;
 }
 
+double gn_rigid_accelerates(const gn_world *w, const gn_rigid *b, const double force[3],
+                            const double moment[3], const double lever[3], const double n[3]) {
+    double local[3], turn[3], push[3], round[3], centre[3], sum = 0.0;
+    gn_rigid_local(b, moment, local);
+    for (int a = 0; a < 3; a++) local[a] *= b->inverse_inertia[a];
+    gn_rigid_direct(b, local, turn);
+    gn_cross3(turn, lever, push);
+    gn_cross3(b->spin, lever, round);
+    gn_cross3(b->spin, round, centre);
+    for (int a = 0; a < 3; a++) {
+        double fall = b->inverse_mass[a] > 0.0 ? w->scene.gravity[a] : 0.0;
+        sum += (fall + force[a] * b->inverse_mass[a] + push[a] + centre[a]) * n[a];
+    }
+    return sum;
+}
+
 /* Spin from the angular momentum at the present orientation. */
 static void spin_from_momentum(gn_rigid *b) {
     if (is_held(b)) {
@@ -327,7 +343,8 @@ gneiss_status gn_bodies_surfaces(gn_world *w, gneiss_error *error) {
         vertex += s.vertices;
         corner += corners * s.facets.count;
     }
-    return gn_body_walls_prepare(w, error);
+    GN_TRY(gn_body_walls_prepare(w, error));
+    return gn_body_pairs_prepare(w, error);
 }
 
 /* --- motion --- */
