@@ -367,6 +367,21 @@ void gn_bodies_book(const gn_world *w, double dt, gn_energy *ledger) {
     for (size_t k = 0; k < w->scene.body_count; k++) book(w, &w->boundary.bodies[k], dt, ledger);
 }
 
+/* See gn_dem_add_change: of bodies, of which what is free turns besides. */
+static void follow_change(const gn_world *w, const gn_rigid *b, double halves[2]) {
+    const double factor = 0.5 * (w->dt_past - w->dt) / (w->dt_past + w->dt);
+    double gain[3];
+    for (int a = 0; a < 3; a++) {
+        gain[a] = turns_freely(b) ? b->momentum[a] - b->momentum_past[a] : 0.0;
+        halves[GN_HALF_BEFORE] -= factor * gain[a] * b->spin_past[a];
+        halves[GN_HALF_AFTER] += factor * gain[a] * b->spin[a];
+        if (!(b->inverse_mass[a] > 0.0)) continue;
+        double change = factor * b->mass * (b->velocity[a] - b->velocity_past[a]);
+        halves[GN_HALF_BEFORE] -= change * b->velocity_past[a];
+        halves[GN_HALF_AFTER] += change * b->velocity[a];
+    }
+}
+
 void gn_bodies_kick(gn_world *w) {
     double interval = 0.5 * (w->dt_past + w->dt), middle = w->time + 0.5 * w->dt;
     for (size_t k = 0; k < w->scene.body_count; k++) {
@@ -389,6 +404,8 @@ void gn_bodies_kick(gn_world *w) {
         }
         if (!(w->effects & GN_FX_SPACE)) b->momentum[0] = b->momentum[1] = 0.0;
         if (turns_freely(b)) spin_from_momentum(b);
+        if (w->dt_past > 0.0 && w->dt != w->dt_past && w->effects & GN_FX_ENERGY)
+            follow_change(w, b, w->dem.done.step_change);
     }
 }
 

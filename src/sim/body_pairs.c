@@ -345,27 +345,53 @@ static void rock(const gn_world *w, gn_body_pair *p, const step *s, const double
     }
 }
 
-/* Friction against turning about the normal: its spring is that of friction spread over the faces,
- * its limit that of faces which press alike (of discs 0.943 mu N times the radius of gyration). A
- * spring that changes with them keeps its moment or its angle, whichever holds less. */
-static void twist(const gn_world *w, gn_body_pair *p, const step *s, const double spread[9],
-                  double normal, double moment[3], gn_contact_sums *sums) {
-    const double *n = s->touch.n, old = p->twisting;
-    double square = spread[0] + spread[4] + spread[8], spring = 0.0;
+/* Friction against turning about the normal. */
+typedef struct twist {
+    double spring, radius; /* N m/rad; m: of a ring with as much friction */
+    double turn, trial;    /* rad, in this step; N m, if nothing slid */
+    double share;          /* of the limit, where both slide as one */
+} twist;
+
+/* Its spring is that of friction spread over the faces, and faces that press alike hold 0.943 mu N
+ * times the radius of gyration (discs; squares 0.937). A spring that changes with them keeps its
+ * moment or its angle, whichever holds less. Where they slide and turn at once, the limit is that
+ * of both as one vector, of force and moment over that radius. */
+static twist twist_of(const gn_world *w, const gn_body_pair *p, step *s, const double spread[9]) {
+    const double *n = s->touch.n;
+    double square = spread[0] + spread[4] + spread[8], kt = 0.0, slide2 = 0.0;
+    twist t = {.turn = w->dt_past * gn_dot3(s->turn, n), .trial = p->twisting, .share = 0.0};
     for (int k = 0; k < 3; k++) square -= n[k] * gn_dot3(spread + 3 * k, n);
-    if (s->pressed && s->side.kratio > 0.0 && w->effects & GN_FX_SPACE && square > 0.0)
-        spring = s->side.stiffness / s->side.kratio * square;
+    if (!s->pressed || !(s->side.kratio > 0.0) || !(w->effects & GN_FX_SPACE) || !(square > 0.0)) {
+        t.trial = 0.0;
+        return t;
+    }
+    kt = s->side.stiffness / s->side.kratio;
+    t.spring = kt * square;
+    t.radius = 0.943 * sqrt(square);
+    if (t.spring < p->twisting_spring) t.trial *= t.spring / p->twisting_spring;
+    t.trial += t.spring * t.turn;
+    for (int k = 0; k < 3; k++) {
+        double slide = p->shear[k] + kt * w->dt_past * s->touch.relative[k];
+        slide2 += slide * slide;
+    }
+    double whole = sqrt(slide2 + t.trial * t.trial / (t.radius * t.radius));
+    if (!(whole > 0.0)) return t;
+    t.share = fabs(t.trial) / t.radius / whole;
+    s->side.friction *= sqrt(slide2) / whole;
+    return t;
+}
+
+/* `most`, N: friction of all. */
+static void act_twist(gn_body_pair *p, const twist *t, const double n[3], double most,
+                      double moment[3], gn_contact_sums *sums) {
+    double old = p->twisting, limit = most * t->share * t->radius;
     double stored = p->twisting_spring > 0.0 ? 0.5 * old * old / p->twisting_spring : 0.0;
-    double turn = w->dt_past * gn_dot3(s->turn, n), limit = 0.0, now = old;
-    if (spring < p->twisting_spring) now *= spring / p->twisting_spring;
-    now += spring * turn;
-    if (spring > 0.0) limit = 0.943 * s->side.friction * normal * sqrt(square);
-    now = fmax(-limit, fmin(limit, now));
-    double left = spring > 0.0 ? 0.5 * now * now / spring : 0.0;
-    sums->friction += stored + 0.5 * (old + now) * turn - left;
+    double now = fmax(-limit, fmin(limit, t->trial));
+    double left = t->spring > 0.0 ? 0.5 * now * now / t->spring : 0.0;
+    sums->friction += stored + 0.5 * (old + now) * t->turn - left;
     sums->elastic_normal += left;
     p->twisting = now;
-    p->twisting_spring = spring;
+    p->twisting_spring = t->spring;
     for (int k = 0; k < 3; k++) moment[k] += now * n[k];
 }
 
@@ -386,14 +412,16 @@ static void act(gn_world *w, gn_body_pair *p, step *s, const double spread[9]) {
     s->touch.inverse_mass = inverse_mass_of(p, s);
     s->touch.other = other_acceleration(w, p, s);
     s->side.friction *= s->size; /* the force is that along h times the gradient */
+    double friction = s->side.friction;
     turn_shear(s->touch.n, p->shear);
+    twist turning = twist_of(w, p, s, spread);
     double total = gn_linear_touch(&of, &s->side, &s->touch, &p->viscous, p->shear, 1, t, sums);
     for (int k = 0; k < 3; k++) {
         force[k] = t[k] - total * p->along[k];
         moment[k] = -total * p->about[k];
     }
     rock(w, p, s, spread, moment, sums);
-    twist(w, p, s, spread, fmax(-total, 0.0), moment, sums);
+    act_twist(p, &turning, s->touch.n, friction * fmax(-total, 0.0), moment, sums);
     push(s->a, force, moment, s->lever[0], 1.0);
     push(s->b, force, moment, s->lever[1], -1.0);
 }
