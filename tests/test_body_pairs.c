@@ -174,8 +174,8 @@ static void momentum_and_energy_stay_in_random_collisions(void **state) {
         most.momentum = fmax(most.momentum, c.momentum);
         most.turn = fmax(most.turn, c.turn);
     }
-    print_message("# %d of 40 met: residual %.2g, energy %.2g, momentum %.2g, of turning %.2g\n", met,
-                  most.residual, most.change, most.momentum, most.turn);
+    print_message("# %d of 40 met: residual %.2g, energy %.2g, momentum %.2g, of turning %.2g\n",
+                  met, most.residual, most.change, most.momentum, most.turn);
     assert_true(met >= 30);
     assert_true(most.momentum < 1e-12 && most.turn < 1e-9);
     assert_true(most.residual < 1e-3 && most.change < 1e-3);
@@ -214,13 +214,15 @@ static void a_stack_of_cubes_stays(void **state) {
         for (int b = 0; b < 3; b++) memcpy(was[b], body(w, (size_t)b)->position, sizeof was[b]);
         worst = fmax(worst, run_to(w, 2.0));
         print_message("# stack: residual %.2g, speed %.2g, force %.9g of %.9g dt %g\n", worst,
-                      length3(body(w, 2)->velocity), w->boundary.walls[0].force[2], -3.0 * weight, w->dt);
+                      length3(body(w, 2)->velocity), w->boundary.walls[0].force[2], -3.0 * weight,
+                      w->dt);
         assert_close(-w->boundary.walls[0].force[2], 3.0 * weight, 1e-4);
         assert_int_equal(w->boundary.pairs.count, 2);
         for (size_t b = 0; b < 3; b++) {
             double moved[3];
             for (int a = 0; a < 3; a++) moved[a] = body(w, b)->position[a] - was[b][a];
-            print_message("# body %d moved %.2g spin %.2g axes %.3g\n", (int)b, length3(moved), length3(body(w, b)->spin), body(w,b)->axes[1]);
+            print_message("# body %d moved %.2g spin %.2g axes %.3g\n", (int)b, length3(moved),
+                          length3(body(w, b)->spin), body(w, b)->axes[1]);
             assert_near(length3(moved), 0.0, 1e-6);
             assert_near(length3(body(w, b)->spin), 0.0, 1e-2);
         }
@@ -259,8 +261,10 @@ static void a_sliding_cube_stops_by_friction(void **state) {
         double path = 1.0 / (2.0 * 0.3 * 9.81);
         const gn_rigid *b = body(w, 1);
         gn_rigid_orientation(b, q);
-        print_message("# slides %d: path %.6g of %.6g, v %.3g, turn %.4g residual %.2g friction %.4g\n", k,
-                      b->position[0], path, b->velocity[0], 2.0 * atan2(q[3], q[0]), worst, w->reading.friction);
+        print_message(
+            "# slides %d: path %.6g of %.6g, v %.3g, turn %.4g residual %.2g friction %.4g\n", k,
+            b->position[0], path, b->velocity[0], 2.0 * atan2(q[3], q[0]), worst,
+            w->reading.friction);
         if (k == 0) assert_close(b->position[0], path, 0.01);
         if (k == 0) assert_close(w->reading.friction, 0.5, 0.01);
         if (k == 1) assert_close(b->position[0] + 0.6, path, 0.01);
@@ -290,11 +294,13 @@ static void polygons_meet_in_the_plane(void **state) {
             "[-0.05, -0.0766], [0.05, -0.0766]], stiffness: 2e6, kratio: 2, friction: 0.1}\n"
             "  - {name: b, polygon: %s, rotation: 0.3, origin: [0.04, 0.12], stiffness: 2e6, "
             "kratio: 2, friction: 0.4, free: true, density: 200}\ntime: {end: 9}\n",
-            head2, sense ? "[[0, 0], [0, 0.1], [0.1, 0.1], [0.1, 0]]"
-                         : "[[0, 0], [0.1, 0], [0.1, 0.1], [0, 0.1]]");
+            head2,
+            sense ? "[[0, 0], [0, 0.1], [0.1, 0.1], [0.1, 0]]"
+                  : "[[0, 0], [0.1, 0], [0.1, 0.1], [0, 0.1]]");
         double worst = run_to(w, 3.0);
         const gn_rigid *b = body(w, 2);
-        print_message("# plane: residual %.2g at %.4g %.4g v %.2g\n", worst, b->position[0], b->position[1], length3(b->velocity));
+        print_message("# plane: residual %.2g at %.4g %.4g v %.2g\n", worst, b->position[0],
+                      b->position[1], length3(b->velocity));
         assert_true(worst < 1e-3);
         assert_near(length3(b->velocity), 0.0, 1e-3);
         const double *floor_at = body(w, 0)->position;
@@ -312,12 +318,12 @@ static void what_meets_no_bodies_is_known(void **state) {
     (void)state;
     const double size[3] = {0.1, 0.1, 0.1};
     const char *const more = "stiffness: 2e6, free: true, density: 2000";
-    gn_world *w = world_of(
-        "%sbodies:\n%s%s  - {name: tube, cylinder: {diameter: 1, height: 1, open: true}, stiffness: "
-        "2e6}\n%stime: {end: 9}\n",
-        head3, box("a", size, (const double[3]){0, 0, 0.05}, flat, more),
-        box("b", size, (const double[3]){0, 0, 0.149}, flat, more),
-        box("c", size, (const double[3]){3, 0, 0.15}, flat, "stiffness: 2e6"));
+    gn_world *w = world_of("%sbodies:\n%s%s  - {name: tube, cylinder: {diameter: 1, height: 1, "
+                           "open: true}, stiffness: "
+                           "2e6}\n%stime: {end: 9}\n",
+                           head3, box("a", size, (const double[3]){0, 0, 0.05}, flat, more),
+                           box("b", size, (const double[3]){0, 0, 0.149}, flat, more),
+                           box("c", size, (const double[3]){3, 0, 0.15}, flat, "stiffness: 2e6"));
     gn_bodies_overlap o;
     gneiss_error error = {0};
     assert_true(gn_bodies_meet(w, 0, 1) && gn_bodies_meet(w, 3, 1) && !gn_bodies_meet(w, 3, 3));
@@ -346,16 +352,17 @@ static void pile(text *lines, int threads) {
         "materials: [{name: m, density: 2500, normal_stiffness: 2e4, kratio: 2, friction: 0.3}]\n"
         "law: {stiffness: uniform}\ngravity: [0, 0, -10]\n"
         "damping: {contact: {restitution: 0.4}}\nwalls:\n");
-    static const char *const wall[] = {"0, 0, 0], normal: [0, 0, 1", "0, 0, 0], normal: [1, 0, 0",
-                                       "0, 0, 0], normal: [0, 1, 0", "0.07, 0, 0], normal: [-1, 0, 0",
-                                       "0, 0.07, 0], normal: [0, -1, 0"};
+    static const char *const wall[] = {
+        "0, 0, 0], normal: [0, 0, 1", "0, 0, 0], normal: [1, 0, 0", "0, 0, 0], normal: [0, 1, 0",
+        "0.07, 0, 0], normal: [-1, 0, 0", "0, 0.07, 0], normal: [0, -1, 0"};
     for (int k = 0; k < 5; k++)
-        add(lines,
-            "  - {name: w%d, point: [%s], stiffness: 2e4, kratio: 2, friction: 0.3}\n", k, wall[k]);
+        add(lines, "  - {name: w%d, point: [%s], stiffness: 2e4, kratio: 2, friction: 0.3}\n", k,
+            wall[k]);
     add(lines, "bodies:\n");
     for (int k = 0; k < 8; k++) {
-        double size[3], turn[3], centre[3] = {0.02 + 0.03 * (k & 1), 0.02 + 0.03 * (k >> 1 & 1),
-                                              0.035 + 0.035 * (k >> 2)};
+        double size[3], turn[3],
+            centre[3] = {0.02 + 0.03 * (k & 1), 0.02 + 0.03 * (k >> 1 & 1),
+                         0.035 + 0.035 * (k >> 2)};
         char name[8];
         for (int a = 0; a < 3; a++) {
             size[a] = uniform(&at, 0.012, 0.02);

@@ -309,8 +309,10 @@ static double random_fall(uint64_t seed) {
         turn[a] = uniform(&at, -2, 2);
         spin[a] = uniform(&at, -9, 9);
     }
-    double density = uniform(&at, 500, 5000), weight = density * size[0] * size[1] * size[2] * gravity;
-    double stiffness = 2.0 * pow(10.0, uniform(&at, 2.48, 4.48)) * weight / cbrt(size[0] * size[1] * size[2]);
+    double density = uniform(&at, 500, 5000),
+           weight = density * size[0] * size[1] * size[2] * gravity;
+    double stiffness =
+        2.0 * pow(10.0, uniform(&at, 2.48, 4.48)) * weight / cbrt(size[0] * size[1] * size[2]);
     char shape[128];
     snprintf(shape, sizeof shape,
              seed % 2 ? "box: {size: [%g, %g, %g]}"
@@ -321,7 +323,8 @@ static double random_fall(uint64_t seed) {
         "walls: [{name: f, point: [0, 0, 0], normal: [0, 0, 1], stiffness: %g, kratio: %g, "
         "friction: %g}, {name: l, point: [-0.1, 0, 0], normal: [1, 0, 0.3], stiffness: %g, kratio: "
         "2, friction: %g}]\n"
-        "bodies: [{name: b, %s, origin: [0, 0, 0.2], rotation: [%g, %g, %g], stiffness: %g, kratio: "
+        "bodies: [{name: b, %s, origin: [0, 0, 0.2], rotation: [%g, %g, %g], stiffness: %g, "
+        "kratio: "
         "2, friction: 5, free: true, density: %g, initial_velocity: [%g, 0, 0], initial_spin: [%g, "
         "%g, %g]}]\ntime: {end: 9}\n",
         head3, gravity, restitution, stiffness, uniform(&at, 1, 4), friction, stiffness, friction,

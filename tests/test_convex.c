@@ -102,8 +102,7 @@ static void planes_are_found_whatever_the_sense_of_facets(void **state) {
     for (int sense = -1; sense <= 1; sense += 2) {
         shape *d = disc(7, 1.0, sense);
         assert_int_equal(d->convex.planes, 7);
-        for (size_t k = 0; k < 7; k++)
-            assert_near(d->convex.plane[4 * k + 3], cos(pi / 7), 1e-12);
+        for (size_t k = 0; k < 7; k++) assert_near(d->convex.plane[4 * k + 3], cos(pi / 7), 1e-12);
         shape_end(d);
     }
 }
@@ -213,9 +212,9 @@ static void derivatives_are_those_of_the_depth(void **state) {
         for (int way = 0; way < 6; way++) {
             if (plane && (way == 2 || way == 3 || way == 4)) continue;
             double h = 1e-4 * sink, value = way < 3 ? o.along[way] : o.about[way - 3];
-            double slope = (depth_moved(a, &p, b, q, &o, way, h) -
-                            depth_moved(a, &p, b, q, &o, way, -h)) /
-                           (2.0 * h);
+            double slope =
+                (depth_moved(a, &p, b, q, &o, way, h) - depth_moved(a, &p, b, q, &o, way, -h)) /
+                (2.0 * h);
             worst = fmax(worst, fabs(slope - value));
             if (fabs(slope - value) > 1e-5)
                 fail_msg("pair %d way %d: %.9g, by differences %.9g", k, way, value, slope);

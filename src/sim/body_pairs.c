@@ -255,8 +255,7 @@ static void set_levers(const gn_world *w, const gn_body_pair *p, step *s) {
     for (int m = 0; m < 2; m++) {
         double turn[3];
         gn_cross3(body[m]->spin, s->lever[m], turn);
-        for (int k = 0; k < 3; k++)
-            s->middle[m][k] = s->lever[m][k] - 0.5 * w->dt_past * turn[k];
+        for (int k = 0; k < 3; k++) s->middle[m][k] = s->lever[m][k] - 0.5 * w->dt_past * turn[k];
     }
 }
 
@@ -314,8 +313,8 @@ static void turn_shear(const double n[3], double shear[3]) {
     for (int k = 0; k < 3; k++) shear[k] *= rest2 > 0.0 ? sqrt(size2 / rest2) : 0.0;
 }
 
-static void push(gn_rigid *b, const double force[3], const double moment[3],
-                 const double lever[3], double sign) {
+static void push(gn_rigid *b, const double force[3], const double moment[3], const double lever[3],
+                 double sign) {
     double turn[3];
     gn_cross3(lever, force, turn);
     for (int k = 0; k < 3; k++) {
@@ -331,8 +330,9 @@ static void rock(const gn_world *w, gn_body_pair *p, const step *s, const double
     const double *n = s->touch.n;
     double c = 0.0, across[3], spun[3], now[3] = {0, 0, 0};
     if (s->pressed && w->effects & GN_FX_CONTACT_DAMPING)
-        c = s->size * s->size * gn_dashpot(s->side.stiffness, s->touch.inverse_mass,
-                                           w->dem.damping_fraction, w->dt_past);
+        c = s->size * s->size *
+            gn_dashpot(s->side.stiffness, s->touch.inverse_mass, w->dem.damping_fraction,
+                       w->dt_past);
     if (c > 0.0) {
         gn_cross3(n, s->turn, across);
         for (int k = 0; k < 3; k++) spun[k] = c * gn_dot3(spread + 3 * k, across);

@@ -16,13 +16,13 @@ typedef struct gn_world gn_world;
 /* A pair that is near. Doubles only: checkpoints store it as it is. Forces and moments are those on
  * the first body; of the last step, as are all others. */
 typedef struct gn_body_pair {
-    double first, second;              /* bodies, the first with the smaller number */
-    double depth;                      /* m: h; 0: apart */
-    double along[3], about[3];         /* of h, see gn_convex_overlap */
-    double point[3];                   /* m, from the first body's reference point */
-    double viscous;                    /* N, of the dashpot, along h */
-    double shear[3];                   /* N */
-    double rocking[3];                 /* N m, of the dashpot against rocking */
+    double first, second;             /* bodies, the first with the smaller number */
+    double depth;                     /* m: h; 0: apart */
+    double along[3], about[3];        /* of h, see gn_convex_overlap */
+    double point[3];                  /* m, from the first body's reference point */
+    double viscous;                   /* N, of the dashpot, along h */
+    double shear[3];                  /* N */
+    double rocking[3];                /* N m, of the dashpot against rocking */
     double twisting, twisting_spring; /* N m about the normal, N m/rad */
 } gn_body_pair;
 

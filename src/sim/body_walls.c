@@ -335,8 +335,7 @@ static void contact(gn_world *w, const group *g, size_t c) {
                           .spins = true};
     if (pressed) {
         s.inverse_mass = g->inverse_mass * (g->part / part);
-        s.other =
-            gn_rigid_accelerates(w, g->body, g->force, g->turn, lever, g->wall->normal);
+        s.other = gn_rigid_accelerates(w, g->body, g->force, g->turn, lever, g->wall->normal);
     }
     double total =
         gn_linear_touch(&step, &side, &s, q->fd ? q->fd + c : NULL, q->shear ? q->shear + c : NULL,

@@ -189,8 +189,8 @@ static double fastest_body(const gn_world *w) {
     return most;
 }
 
-/* Of a free body that falls on walls or others springs say nothing either, and it may be long before it has
- * come to one: half of what it may go in a step. */
+/* Of a free body that falls on walls or others springs say nothing either, and it may be long
+ * before it has come to one: half of what it may go in a step. */
 static void follow_fall(gn_world *w) {
     bool falls = false;
     for (size_t k = 0; k < w->scene.body_count && !falls; k++)

@@ -132,8 +132,8 @@ static bool lies_on(const gn_facet_set *s, size_t facet, const double plane[4], 
 }
 
 /* The plane of a facet that is not slender, or of any that lies on one which is known. */
-static bool find_plane(const gn_facet_set *s, size_t vertices, size_t facet, double size,
-                       bool slim, gn_convex *c) {
+static bool find_plane(const gn_facet_set *s, size_t vertices, size_t facet, double size, bool slim,
+                       gn_convex *c) {
     double plane[4];
     for (size_t k = 0; k < c->planes; k++)
         if (lies_on(s, facet, c->plane + 4 * k, size)) {

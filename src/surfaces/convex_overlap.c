@@ -106,7 +106,8 @@ static size_t cut(const double *from, size_t count, const double n[3], double at
         double dx = gn_dot3(n, x) - at, dy = gn_dot3(n, y) - at;
         if (dx <= 0.0) memcpy(to + 3 * kept++, x, 3 * sizeof *to);
         if ((dx <= 0.0) == (dy <= 0.0)) continue;
-        for (int a = 0; a < 3; a++) to[3 * kept + (size_t)a] = x[a] + dx / (dx - dy) * (y[a] - x[a]);
+        for (int a = 0; a < 3; a++)
+            to[3 * kept + (size_t)a] = x[a] + dx / (dx - dy) * (y[a] - x[a]);
         kept++;
     }
     return kept > 2 ? kept : 0;
@@ -133,8 +134,7 @@ static void find_faces(work *w, int mine, double slack) {
         memcpy(w->buffer[0], s->corner + 3 * corners * f, 3 * corners * sizeof(double));
         for (size_t k = 0; k < planes && count; k++) {
             size_t p = (last + k) % planes; /* what cut off the last one first */
-            count = cut_there(w, &in, count, other->plane + 4 * p,
-                              other->plane[4 * p + 3] + slack);
+            count = cut_there(w, &in, count, other->plane + 4 * p, other->plane[4 * p + 3] + slack);
             if (!count) last = p;
         }
         if (!count || w->points + count > w->most) continue;
@@ -298,8 +298,8 @@ static void put_square(work *w, const double n[3], double at) {
     for (int c = 0; c < 4; c++)
         for (int a = 0; a < 3; a++) {
             double middle = w->dimension == 2 && a == 2 ? 0.0 : w->origin[a] + off * n[a];
-            w->buffer[0][3 * c + a] = middle + (c == 0 || c == 3 ? -1.0 : 1.0) * e[0][a] +
-                                      (c < 2 ? -1.0 : 1.0) * e[1][a];
+            w->buffer[0][3 * c + a] =
+                middle + (c == 0 || c == 3 ? -1.0 : 1.0) * e[0][a] + (c < 2 ? -1.0 : 1.0) * e[1][a];
         }
 }
 
@@ -372,8 +372,8 @@ static void put_point(const work *w, const sums *s, const double moment[3], gn_c
     }
     for (int a = 0; a < 9; a++) {
         int p = a / 3, q = a % 3;
-        o->spread[a] = (s->second[a] - s->first[p] * at[q] - at[p] * s->first[q]) / s->weight +
-                       at[p] * at[q];
+        o->spread[a] =
+            (s->second[a] - s->first[p] * at[q] - at[p] * s->first[q]) / s->weight + at[p] * at[q];
     }
 }
 
