@@ -213,16 +213,11 @@ static void a_stack_of_cubes_stays(void **state) {
         double worst = run_to(w, 1.0), weight = 2.0 * 9.81, was[3][3];
         for (int b = 0; b < 3; b++) memcpy(was[b], body(w, (size_t)b)->position, sizeof was[b]);
         worst = fmax(worst, run_to(w, 2.0));
-        print_message("# stack: residual %.2g, speed %.2g, force %.9g of %.9g dt %g\n", worst,
-                      length3(body(w, 2)->velocity), w->boundary.walls[0].force[2], -3.0 * weight,
-                      w->dt);
         assert_close(-w->boundary.walls[0].force[2], 3.0 * weight, 1e-4);
         assert_int_equal(w->boundary.pairs.count, 2);
         for (size_t b = 0; b < 3; b++) {
             double moved[3];
             for (int a = 0; a < 3; a++) moved[a] = body(w, b)->position[a] - was[b][a];
-            print_message("# body %d moved %.2g spin %.2g axes %.3g\n", (int)b, length3(moved),
-                          length3(body(w, b)->spin), body(w, b)->axes[1]);
             assert_near(length3(moved), 0.0, 1e-6);
             assert_near(length3(body(w, b)->spin), 0.0, 1e-2);
         }
@@ -261,13 +256,9 @@ static void a_sliding_cube_stops_by_friction(void **state) {
         double path = 1.0 / (2.0 * 0.3 * 9.81);
         const gn_rigid *b = body(w, 1);
         gn_rigid_orientation(b, q);
-        print_message(
-            "# slides %d: path %.6g of %.6g, v %.3g, turn %.4g residual %.2g friction %.4g\n", k,
-            b->position[0], path, b->velocity[0], 2.0 * atan2(q[3], q[0]), worst,
-            w->reading.friction);
-        if (k == 0) assert_close(b->position[0], path, 0.01);
+        if (k == 0) assert_close(b->position[0], path, 1e-3);
         if (k == 0) assert_close(w->reading.friction, 0.5, 0.01);
-        if (k == 1) assert_close(b->position[0] + 0.6, path, 0.01);
+        if (k == 1) assert_close(b->position[0] + 0.6, path, 2e-3);
         if (k < 2) assert_near(b->velocity[0], -k, 1e-6);
         /* I = m a^2/6, M = mu m g a 0.3826 for a square that presses alike everywhere. */
         double about = 0.5 * 100.0 * (0.01 / 6.0) / (0.3 * 9.81 * 0.1 * 0.3826);
@@ -299,8 +290,6 @@ static void polygons_meet_in_the_plane(void **state) {
                   : "[[0, 0], [0.1, 0], [0.1, 0.1], [0, 0.1]]");
         double worst = run_to(w, 3.0);
         const gn_rigid *b = body(w, 2);
-        print_message("# plane: residual %.2g at %.4g %.4g v %.2g\n", worst, b->position[0],
-                      b->position[1], length3(b->velocity));
         assert_true(worst < 1e-3);
         assert_near(length3(b->velocity), 0.0, 1e-3);
         const double *floor_at = body(w, 0)->position;
@@ -394,16 +383,19 @@ static void threads_and_a_resumed_run_give_the_same_bits(void **state) {
     gneiss_error error = {0};
     pile_run(&straight, 3);
     pile_run(&stopped, 1);
-    run_steps(&straight.world, 2500);
-    run_steps(&stopped.world, 1777);
-    const gn_body_pairs *q = &stopped.world.boundary.pairs;
-    double held = 0.0;
-    for (size_t c = 0; c < q->count; c++) held += length3(q->pair[c].shear);
-    assert_true(held > 0.0); /* there is something to carry over */
+    double held = 0.0; /* what there is to carry over */
+    while (held == 0.0 && stopped.world.step < 9000) {
+        run_steps(&stopped.world, 7);
+        const gn_body_pairs *q = &stopped.world.boundary.pairs;
+        for (size_t c = 0; c < q->count; c++)
+            held += length3(q->pair[c].shear) * fabs(q->pair[c].twisting);
+    }
+    assert_true(held > 0.0);
+    run_steps(&straight.world, stopped.world.step + 700);
     assert_ok(gn_checkpoint_write(&stopped, saved, &error), &error);
     assert_ok(gn_checkpoint_load(saved, NULL, 0, &resumed, &error), &error);
     assert_true(gn_world_hash(&stopped.world) == gn_world_hash(&resumed.world));
-    run_steps(&resumed.world, 2500 - 1777);
+    run_steps(&resumed.world, 700);
     assert_true(gn_world_hash(&straight.world) == gn_world_hash(&resumed.world));
     assert_true(memcmp(&straight.world.energy, &resumed.world.energy, sizeof(gn_energy)) == 0);
     gn_run_free(&straight);
@@ -424,8 +416,7 @@ static void blocks_come_to_rest_on_each_other(void **state) {
         lowest = fmin(lowest, body(w, k)->position[2]);
     }
     for (int p = 0; p < 36; p++) weight += 10.0 * mass_of(w, p);
-    print_message("# pile: residual %.2g speed %.2g, floor %.6g of %.6g, steps %d\n", worst, speed,
-                  -w->boundary.walls[0].force[2], weight, (int)w->step);
+    assert_near(-w->boundary.walls[0].force[2], weight, 0.1 * weight); /* sides hold some of it */
     assert_true(worst < 1e-3 && speed < 0.01 && lowest > 0.0);
     world_end(w);
     free(lines);

@@ -183,7 +183,7 @@ static double depth_moved(const shape *a, const gn_convex_pose *at_a, const shap
 static void derivatives_are_those_of_the_depth(void **state) {
     (void)state;
     uint64_t at = 1;
-    double worst = 0.0;
+    double worst = 0.0, bend = 0.0, turned = 0.0;
     int met = 0;
     for (int k = 0; k < 400; k++) {
         bool plane = k % 4 == 3;
@@ -219,10 +219,25 @@ static void derivatives_are_those_of_the_depth(void **state) {
             if (fabs(slope - value) > 1e-5)
                 fail_msg("pair %d way %d: %.9g, by differences %.9g", k, way, value, slope);
         }
+        for (int way = 0; way < 6; way++) { /* of h^2/2; by turns over the square of the reach */
+            if (plane && (way == 2 || way == 3 || way == 4)) continue;
+            double h = 1e-3 * sink, up = depth_moved(a, &p, b, q, &o, way, h),
+                   down = depth_moved(a, &p, b, q, &o, way, -h), reach2 = 0.0, arm2 = 0.0;
+            double value = (up * up + down * down - 2.0 * o.depth * o.depth) / (2.0 * h * h);
+            for (size_t c = 0; c < b->vertices; c++)
+                reach2 = fmax(reach2, dot3(b->pos[c], b->pos[c]));
+            for (int n = 0; n < 3; n++) arm2 += pow(q.place[n] - p.place[n] - o.point[n], 2.0);
+            if (way < 3)
+                bend = fmax(bend, fabs(value));
+            else
+                turned = fmax(turned, fabs(value) / fmax(reach2, arm2));
+        }
         shape_end(a);
         shape_end(b);
     }
-    print_message("# %d pairs: %.3g from differences\n", met, worst);
+    print_message("# %d pairs: %.3g from differences; second derivatives up to %.3g and %.3g\n",
+                  met, worst, bend, turned);
+    assert_true(bend < 2.0 && turned < 2.0); /* what src/sim/body_pairs.c takes */
 }
 
 int main(void) {

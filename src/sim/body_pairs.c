@@ -130,8 +130,8 @@ static gn_touch_side side_of(const gn_world *w, size_t a, size_t b) {
     return side;
 }
 
-/* The second derivatives of h^2/2 along a path are 1 between faces, and were up to 1.6 where edges
- * and corners begin to meet (tests/test_convex.c). */
+/* The second derivative of h^2/2 along a path is 1 between faces and 4/3 where one of them just
+ * begins to lift; edges and corners have less (tests/test_convex.c). */
 static const double stiffest = 2.0;
 
 double gn_body_pair_square(const gn_world *w, size_t a, size_t b) {
