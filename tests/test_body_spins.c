@@ -14,10 +14,11 @@ static const char head[] =
 
 static void a_weight_may_be_given(void **state) {
     (void)state;
-    gn_world *w = world_of("%sbodies: [{name: b, box: {size: [1, 2, 3]}, stiffness: 1, free: true, "
-                           "mass: 60}, {name: c, box: {size: [1, 2, 3]}, stiffness: 1, free: true, "
-                           "mass: 7, inertia: [5, 4, 3]}]\n" STEPS,
-                           head);
+    gn_world *w = world_of(
+        "%sbodies: [{name: b, box: {size: [1, 2, 3]}, stiffness: 1, free: true, "
+        "mass: 60}, {name: c, box: {size: [1, 2, 3]}, origin: [0, 0, 9], stiffness: 1, free: true, "
+        "mass: 7, inertia: [5, 4, 3]}]\n" STEPS,
+        head);
     const gn_rigid *b = w->boundary.bodies;
     double least = fmin(b->inertia[0], fmin(b->inertia[1], b->inertia[2]));
     assert_close(b->mass, 60.0, 1e-15);
@@ -25,7 +26,7 @@ static void a_weight_may_be_given(void **state) {
     assert_close(b[1].mass, 7.0, 1e-15);
     for (int a = 0; a < 3; a++) {
         assert_close(b[1].inertia[a], 5.0 - a, 1e-15);
-        assert_close(b[1].position[a], 0.5 * (a + 1), 1e-12);
+        assert_close(b[1].position[a], 0.5 * (a + 1) + (a == 2 ? 9 : 0), 1e-12);
     }
     world_end(w);
 }

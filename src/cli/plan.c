@@ -377,7 +377,31 @@ static void print_on_walls(const gn_world *w, size_t body, int *warnings) {
     }
 }
 
-static void print_bodies(const gn_world *w, const gn_overlap *overlaps, int *warnings) {
+/* The same of two bodies; each pair is said once. */
+static gneiss_status print_on_bodies(const gn_world *w, size_t body, int *warnings,
+                                     gneiss_error *error) {
+    const double *g = w->scene.gravity;
+    const gn_rigid *b = w->boundary.bodies;
+    if (gn_body_misses_bodies(w, body))
+        printf("  body %-12s passes through other bodies: it is not closed and convex\n",
+               w->scene.bodies[body].name);
+    for (size_t k = 0; k < body; k++) {
+        gn_bodies_overlap o;
+        GN_TRY(gn_bodies_overlap_of(w, k, body, &o, error));
+        if (!(o.depth > 0.0)) continue;
+        printf("  body %-12s overlaps body '%s', %.3g m in the mean\n", w->scene.bodies[body].name,
+               w->scene.bodies[k].name, o.depth);
+        double most = 2.0 * (b[body].mass + b[k].mass) * sqrt(gn_dot3(g, g));
+        if (!(o.force > most)) continue;
+        printf("  warning: bodies '%s' and '%s' push each other apart with %.3g N at the start\n",
+               w->scene.bodies[k].name, w->scene.bodies[body].name, o.force);
+        (*warnings)++;
+    }
+    return GNEISS_OK;
+}
+
+static gneiss_status print_bodies(const gn_world *w, const gn_overlap *overlaps, int *warnings,
+                                  gneiss_error *error) {
     for (size_t k = 0; k < w->scene.body_count; k++) {
         const gn_rigid *b = &w->boundary.bodies[k];
         const int64_t *shape = w->boundary.body_shape[k];
@@ -391,12 +415,14 @@ static void print_bodies(const gn_world *w, const gn_overlap *overlaps, int *war
         snprintf(name, sizeof name, "body '%s'", w->scene.bodies[k].name);
         print_overlap(w, &overlaps[k], name, warnings);
         print_on_walls(w, k, warnings);
+        GN_TRY(print_on_bodies(w, k, warnings, error));
     }
     /* The last surface, behind those of bodies, is that of elements. */
-    if (w->boundary.surface_count == w->scene.body_count) return;
+    if (w->boundary.surface_count == w->scene.body_count) return GNEISS_OK;
     const gn_surface *s = &w->boundary.surfaces[w->scene.body_count];
     printf("  elements         %zu facets that particles may touch", s->facets.count);
     print_overlap(w, &overlaps[w->scene.body_count], "the elements", warnings);
+    return GNEISS_OK;
 }
 
 static gneiss_status check_surfaces(const gn_world *w, int *warnings, gneiss_error *error) {
@@ -405,7 +431,7 @@ static gneiss_status check_surfaces(const gn_world *w, int *warnings, gneiss_err
         return gn_fail(error, GNEISS_ERROR_MEMORY, "no memory for %zu surfaces",
                        w->boundary.surface_count);
     gneiss_status status = gn_world_overlaps(w, overlaps, error);
-    if (status == GNEISS_OK) print_bodies(w, overlaps, warnings);
+    if (status == GNEISS_OK) status = print_bodies(w, overlaps, warnings, error);
     gn_free(overlaps);
     return status;
 }

@@ -18,7 +18,8 @@
     X(work_applied, INPUT, "work of applied forces")                                               \
     X(work_gravity, INPUT, "work of gravity")                                                      \
     X(inserted, INPUT, "brought in by particles of sources")                                       \
-    X(step_change, INPUT, "of particles, by changes of the step and masses raised for it")         \
+    X(step_change, INPUT,                                                                          \
+      "of particles and bodies, by changes of the step and masses raised for it")                  \
     X(stage_change, INPUT, "stored in contacts by going from one stage to the next")               \
     X(friction, LOST, "dissipated by sliding friction")                                            \
     X(contact_damping, LOST, "dissipated by contact damping")                                      \

@@ -11,9 +11,11 @@
 #define DOUBLES(member) GN_PIECE_DOUBLES("world.boundary.", gn_boundary, member)
 
 static const gn_piece pieces[] = {DOUBLES(surface_rate), DOUBLES(vertex_rate)};
-enum { PIECES = sizeof pieces / sizeof *pieces, MOST_ARRAYS = 5 };
+enum { PIECES = sizeof pieces / sizeof *pieces, MOST_ARRAYS = 6 };
 
-_Static_assert(sizeof(gn_wall) % 8 == 0 && sizeof(gn_rigid) % 8 == 0, "made of doubles only");
+_Static_assert(sizeof(gn_wall) % 8 == 0 && sizeof(gn_rigid) % 8 == 0 &&
+                   sizeof(gn_body_pair) % 8 == 0,
+               "made of doubles only");
 
 static size_t list_arrays(gn_world *w, gn_checkpoint_array out[MOST_ARRAYS]) {
     gn_boundary *b = &w->boundary;
@@ -28,6 +30,9 @@ static size_t list_arrays(gn_world *w, gn_checkpoint_array out[MOST_ARRAYS]) {
                                      (void **)&b->body_vertex};
     out[n++] = (gn_checkpoint_array){"body_corner", GN_I32, b->body_corner_count, 1,
                                      (void **)&b->body_corner};
+    if (b->pairs.count)
+        out[n++] = (gn_checkpoint_array){"body_pairs", GN_F64, b->pairs.count,
+                                         sizeof(gn_body_pair) / 8, (void **)&b->pairs.pair};
     return n;
 }
 
@@ -76,6 +81,10 @@ static bool good_contacts(const gn_world *w) {
     for (size_t c = 0; c < q->soa.count; c++)
         good = good && q->i[c] >= 0 && (size_t)q->i[c] < w->boundary.body_vertex_count &&
                q->wall[c] >= 0 && (size_t)q->wall[c] < w->scene.wall_count;
+    const gn_body_pairs *p = &w->boundary.pairs;
+    for (size_t k = 0; k < p->count; k++)
+        good = good && p->pair[k].first >= 0.0 && p->pair[k].first < p->pair[k].second &&
+               p->pair[k].second < (double)w->scene.body_count;
     return good;
 }
 
@@ -87,6 +96,9 @@ gneiss_status gn_boundary_load(gn_world *w, const gn_h5 *file, const char *path,
     if (w->scene.body_count) {
         GN_TRY(gn_h5_rows(file, "arrays/body_vertex", &b->body_vertex_count, error));
         GN_TRY(gn_h5_rows(file, "arrays/body_corner", &b->body_corner_count, error));
+        if (gn_h5_has(file, "arrays/body_pairs"))
+            GN_TRY(gn_h5_rows(file, "arrays/body_pairs", &b->pairs.count, error));
+        b->pairs.most = b->pairs.count;
     }
     size_t count = list_arrays(w, arrays);
     GN_TRY(gn_checkpoint_get_arrays(file, arrays, count, error));

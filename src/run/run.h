@@ -126,7 +126,7 @@ typedef struct gn_warning {
     const char *name;
     char text[320];
 } gn_warning;
-enum { GN_WARNINGS_MAX = 22 };
+enum { GN_WARNINGS_MAX = 23 };
 typedef struct gn_warnings {
     size_t count;
     gn_warning warning[GN_WARNINGS_MAX];

@@ -343,6 +343,24 @@ static void warn_of_hull(const gn_run *run, gn_warnings *list) {
         m->hull);
 }
 
+/* Bodies that others could meet, but for their shape. */
+static void warn_of_bodies(const gn_run *run, gn_warnings *list) {
+    const gn_world *w = &run->world;
+    size_t count = 0, first = 0;
+    for (size_t k = w->scene.body_count; k-- > 0;)
+        if (gn_body_misses_bodies(w, k)) {
+            count++;
+            first = k;
+        }
+    if (!count) return;
+    gn_warning *to = &list->warning[list->count++];
+    to->name = "bodies_pass";
+    snprintf(to->text, sizeof to->text,
+             "%zu bod%s, as '%.60s', pass%s through other bodies: a surface that is not closed and "
+             "convex meets particles and walls only",
+             count, count == 1 ? "y" : "ies", w->scene.bodies[first].name, count == 1 ? "es" : "");
+}
+
 static void warn_of_sizes(const gn_run *run, gn_warnings *list) {
     char text[GNEISS_MESSAGE_SIZE];
     if (!gn_specimen_is_narrow(&run->world, text, sizeof text)) return;
@@ -401,6 +419,7 @@ gneiss_status gn_run_warnings(const gn_run *run, gn_warnings *list, gneiss_error
     warn_of_servos(run, list);
     warn_of_control(run, list);
     warn_of_hull(run, list);
+    warn_of_bodies(run, list);
     warn_of_sizes(run, list);
     warn_of_bending(run, list);
     warn_of_zones(run, list);

@@ -137,6 +137,22 @@ double gn_rigid_compliance(const gn_rigid *b, const double v[3]) {
     return sum;
 }
 
+double gn_rigid_accelerates(const gn_world *w, const gn_rigid *b, const double force[3],
+                            const double moment[3], const double lever[3], const double n[3]) {
+    double local[3], turn[3], push[3], round[3], centre[3], sum = 0.0;
+    gn_rigid_local(b, moment, local);
+    for (int a = 0; a < 3; a++) local[a] *= b->inverse_inertia[a];
+    gn_rigid_direct(b, local, turn);
+    gn_cross3(turn, lever, push);
+    gn_cross3(b->spin, lever, round);
+    gn_cross3(b->spin, round, centre);
+    for (int a = 0; a < 3; a++) {
+        double fall = b->inverse_mass[a] > 0.0 ? w->scene.gravity[a] : 0.0;
+        sum += (fall + force[a] * b->inverse_mass[a] + push[a] + centre[a]) * n[a];
+    }
+    return sum;
+}
+
 /* Spin from the angular momentum at the present orientation. */
 static void spin_from_momentum(gn_rigid *b) {
     if (is_held(b)) {
@@ -327,7 +343,8 @@ gneiss_status gn_bodies_surfaces(gn_world *w, gneiss_error *error) {
         vertex += s.vertices;
         corner += corners * s.facets.count;
     }
-    return gn_body_walls_prepare(w, error);
+    GN_TRY(gn_body_walls_prepare(w, error));
+    return gn_body_pairs_prepare(w, error);
 }
 
 /* --- motion --- */
@@ -348,6 +365,21 @@ static void book(const gn_world *w, const gn_rigid *b, double dt, gn_energy *led
 
 void gn_bodies_book(const gn_world *w, double dt, gn_energy *ledger) {
     for (size_t k = 0; k < w->scene.body_count; k++) book(w, &w->boundary.bodies[k], dt, ledger);
+}
+
+/* See gn_dem_add_change: of bodies, of which what is free turns besides. */
+static void follow_change(const gn_world *w, const gn_rigid *b, double halves[2]) {
+    const double factor = 0.5 * (w->dt_past - w->dt) / (w->dt_past + w->dt);
+    double gain[3];
+    for (int a = 0; a < 3; a++) {
+        gain[a] = turns_freely(b) ? b->momentum[a] - b->momentum_past[a] : 0.0;
+        halves[GN_HALF_BEFORE] -= factor * gain[a] * b->spin_past[a];
+        halves[GN_HALF_AFTER] += factor * gain[a] * b->spin[a];
+        if (!(b->inverse_mass[a] > 0.0)) continue;
+        double change = factor * b->mass * (b->velocity[a] - b->velocity_past[a]);
+        halves[GN_HALF_BEFORE] -= change * b->velocity_past[a];
+        halves[GN_HALF_AFTER] += change * b->velocity[a];
+    }
 }
 
 void gn_bodies_kick(gn_world *w) {
@@ -372,6 +404,8 @@ void gn_bodies_kick(gn_world *w) {
         }
         if (!(w->effects & GN_FX_SPACE)) b->momentum[0] = b->momentum[1] = 0.0;
         if (turns_freely(b)) spin_from_momentum(b);
+        if (w->dt_past > 0.0 && w->dt != w->dt_past && w->effects & GN_FX_ENERGY)
+            follow_change(w, b, w->dem.done.step_change);
     }
 }
 

@@ -299,23 +299,6 @@ static void join(const gn_world *w, group *g) {
     g->inverse_mass = along > 0.0 ? along + compliance_at(g->body, middle, n) : turning / g->part;
 }
 
-/* m/s2, with which a vertex goes along the normal of the wall by all but the group. */
-static double other_acceleration(const gn_world *w, const group *g, const double lever[3]) {
-    const gn_rigid *b = g->body;
-    double local[3], turn[3], push[3], round[3], centre[3], sum = 0.0;
-    gn_rigid_local(b, g->turn, local);
-    for (int a = 0; a < 3; a++) local[a] *= b->inverse_inertia[a];
-    gn_rigid_direct(b, local, turn);
-    gn_cross3(turn, lever, push);
-    gn_cross3(b->spin, lever, round);
-    gn_cross3(b->spin, round, centre);
-    for (int a = 0; a < 3; a++) {
-        double fall = b->inverse_mass[a] > 0.0 ? w->scene.gravity[a] : 0.0;
-        sum += (fall + g->force[a] * b->inverse_mass[a] + push[a] + centre[a]) * g->wall->normal[a];
-    }
-    return sum;
-}
-
 static void load(gn_world *w, const group *g, size_t c, const double force[3],
                  const double lever[3]) {
     double moment[3], *row = w->boundary.body_contacts.row + 8 * c;
@@ -352,7 +335,7 @@ static void contact(gn_world *w, const group *g, size_t c) {
                           .spins = true};
     if (pressed) {
         s.inverse_mass = g->inverse_mass * (g->part / part);
-        s.other = other_acceleration(w, g, lever);
+        s.other = gn_rigid_accelerates(w, g->body, g->force, g->turn, lever, g->wall->normal);
     }
     double total =
         gn_linear_touch(&step, &side, &s, q->fd ? q->fd + c : NULL, q->shear ? q->shear + c : NULL,

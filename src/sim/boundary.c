@@ -13,7 +13,8 @@
 gneiss_status gn_boundary_create(gn_world *w, gneiss_error *error) {
     GN_TRY(gn_walls_create(w, error));
     GN_TRY(gn_bodies_create(w, error));
-    return gn_body_walls_check(w, error);
+    GN_TRY(gn_body_walls_check(w, error));
+    return gn_body_pairs_check(w, error);
 }
 
 void gn_boundary_enter(gn_world *w) {
@@ -41,6 +42,7 @@ gneiss_status gn_boundary_add_surface(gn_world *w, const gn_surface *surface, gn
 void gn_boundary_free(gn_boundary *b) {
     gn_soa_destroy(&gn_wall_contact_record, &b->contacts);
     gn_soa_destroy(&gn_wall_contact_record, &b->body_contacts);
+    gn_body_pairs_free(&b->pairs);
     for (size_t k = 0; k < b->surface_count; k++) {
         gn_facet_tree_free(&b->surfaces[k].tree);
         gn_free(b->surfaces[k].force);
@@ -70,7 +72,8 @@ static gneiss_status ready_sums(gn_world *w, gneiss_error *error) {
 gneiss_status gn_boundary_refresh(gn_world *w, bool first, gneiss_error *error) {
     GN_TRY(ready_sums(w, error));
     GN_TRY(gn_wall_contacts_find(w, first, error));
-    return gn_body_walls_find(w, first, error);
+    GN_TRY(gn_body_walls_find(w, first, error));
+    return gn_body_pairs_find(w, first, error);
 }
 
 gneiss_status gn_boundary_restore(gn_world *w, gneiss_error *error) {
@@ -118,6 +121,7 @@ void gn_boundary_forces(gn_world *w) {
     gn_walls_sum(w);
     gn_surfaces_sum(w);
     gn_body_walls_work(w);
+    gn_body_pairs_work(w);
 }
 
 void gn_boundary_kick(gn_world *w) {
@@ -148,6 +152,7 @@ uint64_t gn_boundary_hash(const gn_world *w, uint64_t h) {
     h = gn_soa_hash(&gn_wall_contact_record, &w->boundary.contacts, h);
     if (w->boundary.body_contacts.soa.count)
         h = gn_soa_hash(&gn_wall_contact_record, &w->boundary.body_contacts, h);
+    h = gn_body_pairs_hash(&w->boundary.pairs, h);
     for (size_t k = 0; k < w->scene.wall_count; k++)
         h = gn_hash_bytes(w->boundary.walls[k].point, sizeof w->boundary.walls[k].point, h);
     for (size_t k = 0; k < w->scene.body_count; k++)

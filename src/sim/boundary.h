@@ -6,6 +6,7 @@
 #include "base/vec3.h"
 #include "kernels/contact.h"
 #include "measure/energy.h"
+#include "sim/body_pairs.h"
 #include "sim/servo.h"
 #include "sim/surface.h"
 #include "soa/records.h"
@@ -46,12 +47,11 @@ typedef struct gn_boundary {
     double *vertex_part;            /* [body_vertex_count], of the stiffness against walls */
     gn_wall_contacts body_contacts; /* of vertices of free bodies (column i) with walls */
     gn_contact_sums body_sums;      /* of these */
+    gn_body_pairs pairs;            /* of bodies with each other */
 
     double surface_rate; /* 1/s: 1/dt of free bodies, see gn_boundary_limit */
     double vertex_rate;  /* 1/s: the same of what contacts do to nodes of finite elements */
 } gn_boundary;
-
-typedef struct gn_world gn_world;
 
 /* Walls, bodies and their surfaces; those of finite elements join them (element_contact.c). */
 gneiss_status gn_boundary_create(gn_world *world, gneiss_error *error);

@@ -103,6 +103,7 @@ static void add_up(const gn_world *w, gn_dem_sums *s) {
     s->pairs = add_contact_sums(d->pair_sums, d->pairs.soa.count ? d->pair_partials.blocks : 0);
     s->walls = add_contact_sums(w->boundary.sums, w->effects & GN_FX_WALLS ? d->motion_blocks : 0);
     if (w->boundary.body_contacts.soa.count) gn_contact_sums_add(&s->walls, &w->boundary.body_sums);
+    if (w->boundary.pairs.count) gn_contact_sums_add(&s->walls, &w->boundary.pairs.sums);
     s->motion = add_motion_sums(d->motion_sums, d->motion_blocks);
 }
 

@@ -197,6 +197,9 @@ void gn_rigid_direct(const gn_rigid *body, const double local[3], double directi
 void gn_rigid_local(const gn_rigid *body, const double direction[3], double local[3]);
 /* v . I^-1 v about the centre. */
 double gn_rigid_compliance(const gn_rigid *body, const double v[3]);
+/* m/s2 along n, with which a point of a body goes under gravity, a force and a moment. */
+double gn_rigid_accelerates(const gn_world *world, const gn_rigid *body, const double force[3],
+                            const double moment[3], const double lever[3], const double n[3]);
 
 /* How far contacts of Hertz's law are expected to be pressed (pressed.c), m: of two particles whose
  * stiffness is kn sqrt(overlap), and of one with walls and surfaces. */

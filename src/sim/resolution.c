@@ -316,16 +316,37 @@ static void meet_walls(const gn_world *w, const ties *t, fastest *f) {
     }
 }
 
-/* Bodies on walls; their masses are not raised. */
+/* The levers of a body that turns change while it is pressed, and the works of a step miss what the
+ * springs hold by force times path times a quarter of the turn in it. What is pressed on its way
+ * out at another spin than on its way in keeps some of that: with ten steps per contact the energy
+ * of 18 in 140 random bodies on walls was off by 0.1 to 0.8 %, with forty of none. Two bodies have
+ * a bound that is twice to four times as high as what they show: 1.5 times the steps are enough. */
+static double share_of_turning(const gn_world *w, size_t body) {
+    const gn_rigid *b = &w->boundary.bodies[body];
+    double give = b->inverse_inertia[0] + b->inverse_inertia[1] + b->inverse_inertia[2];
+    return give > 0.0 ? 4.0 : 1.0;
+}
+
+/* Bodies on walls and on each other; their masses are not raised. */
 static void meet_bodies(const gn_world *w, fastest *f) {
     for (size_t c = 0; !f->factor && c < w->boundary.body_contacts.soa.count;) {
         gn_body_wall k = gn_body_wall_at(w, c);
-        double square = gn_body_walls_square(w, &c);
-        if (square <= f->square * f->share * f->share) continue;
+        double square = gn_body_walls_square(w, &c), share = share_of_turning(w, k.body);
+        if (square * share * share <= f->square * f->share * f->share) continue;
         f->square = square;
-        f->share = 1.0;
+        f->share = share;
         f->first = -1 - (int64_t)k.body;
         f->second = -1 - (int64_t)k.wall;
+    }
+    const gn_body_pairs *p = &w->boundary.pairs;
+    for (size_t c = 0; !f->factor && c < p->count; c++) {
+        size_t a = (size_t)p->pair[c].first, b = (size_t)p->pair[c].second;
+        double square = gn_body_pair_square(w, a, b), share = 1.5;
+        if (square * share * share <= f->square * f->share * f->share) continue;
+        f->square = square;
+        f->share = share;
+        f->first = -1 - (int64_t)a;
+        f->second = -1 - (int64_t)(w->scene.wall_count + b);
     }
 }
 
@@ -454,7 +475,7 @@ static gneiss_status fly(const gn_world *w, flight *f, gneiss_error *error) {
     /* All by itself: as if it met its like, so that there is a step. */
     for (size_t p = 0; f->normal == 0.0 && p < w->dem.particles.soa.count; p++)
         f->normal = 2.0 * gn_pair_spring(w, (int32_t)p, (int32_t)p).kn * inverse_mass(w, p);
-    if (f->normal == 0.0) f->normal = gn_body_walls_bound(w);
+    if (f->normal == 0.0) f->normal = fmax(gn_body_walls_bound(w), gn_body_pairs_bound(w));
     gn_free(classes);
     return GNEISS_OK;
 }
@@ -474,7 +495,10 @@ gneiss_status gn_flight_limits(const gn_world *w, double *stable, gn_resolution 
 const char *gn_resolution_text(const gn_world *w, char *text, size_t size) {
     const gn_resolution *r = &w->dem.resolution;
     int64_t walls = (int64_t)w->scene.wall_count, k = -1 - r->second;
-    if (r->first < 0)
+    if (r->first < 0 && k >= walls)
+        snprintf(text, size, "bodies '%.60s' and '%.60s'", w->scene.bodies[-1 - r->first].name,
+                 w->scene.bodies[k - walls].name);
+    else if (r->first < 0)
         snprintf(text, size, "body '%.60s' and wall '%.60s'", w->scene.bodies[-1 - r->first].name,
                  w->scene.walls[k].name);
     else if (r->second >= 0)

@@ -189,11 +189,12 @@ static double fastest_body(const gn_world *w) {
     return most;
 }
 
-/* Of a free body that falls on walls springs say nothing either, and it may be long before it has
- * come to one: half of what it may go in a step. */
+/* Of a free body that falls on walls or others springs say nothing either, and it may be long
+ * before it has come to one: half of what it may go in a step. */
 static void follow_fall(gn_world *w) {
     bool falls = false;
-    for (size_t k = 0; k < w->scene.body_count; k++) falls = falls || gn_body_meets_walls(w, k);
+    for (size_t k = 0; k < w->scene.body_count && !falls; k++)
+        falls = gn_body_meets_walls(w, k) || gn_body_meets_bodies(w, k);
     double speed = falls ? fastest_body(w) : 0.0, most = 0.25 * w->dem.radius_min;
     if (w->dt * speed > most) lower(w, 0.5 * most / speed);
 }

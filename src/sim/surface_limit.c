@@ -233,7 +233,8 @@ static double rate_of(double a, double b) {
 /* Of one surface, from the contacts of which each is handed over. */
 typedef struct rate_sums {
     body_block body;
-    double walls;         /* 1/s, dashpots at walls */
+    double walls;         /* 1/s, dashpots at walls and other bodies */
+    double pairs;         /* 1/s2, springs of other bodies */
     double *stiff, *damp; /* [vertices]: sums of k weight and c weight; NULL: rigid */
 } rate_sums;
 
@@ -255,7 +256,8 @@ static void add(const gn_world *w, const gn_surface_contact *c, rate_sums *sums)
 static double rate_of_sums(const gn_surface *s, const rate_sums *sums) {
     double most = 0.0;
     if (s->body >= 0)
-        return rate_of(largest(sums->body.stiff), largest(sums->body.damp) + sums->walls);
+        return rate_of(largest(sums->body.stiff) + sums->pairs,
+                       largest(sums->body.damp) + sums->walls);
     for (size_t v = 0; v < s->vertices; v++) {
         double inverse = s->velocity[4 * v + 3];
         most = fmax(most, rate_of(sums->stiff[v] * inverse, sums->damp[v] * inverse));
@@ -283,7 +285,10 @@ static gneiss_status surface_rate(const gn_world *w, const gn_surface *s, double
         c = gn_surface_contacts_at(w, c, w->dem.verlet.skin, found, &many);
         for (size_t k = 0; k < many; k++) add(w, &found[k], &sums);
     }
-    if (s->body >= 0) sums.walls = add_walls(w, s->body, &sums.body);
+    if (s->body >= 0) {
+        sums.walls = add_walls(w, s->body, &sums.body);
+        gn_body_pairs_rates(w, (size_t)s->body, &sums.pairs, &sums.walls);
+    }
     if (held) *rate = fmax(*rate, rate_of_sums(s, &sums));
     gn_free(sums.stiff);
     gn_free(sums.damp);

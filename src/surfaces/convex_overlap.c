@@ -1,0 +1,452 @@
+#include "base/memory.h"
+#include "base/vec3.h"
+#include "surfaces/convex.h"
+
+#include <math.h>
+#include <stdint.h>
+#include <string.h>
+
+/* --- room --- */
+
+/* A face of the overlap: points among all of them, and the plane of its body that it lies on. */
+typedef struct face {
+    size_t begin, count;
+    int32_t plane;
+} face;
+
+/* One of both, in place: what of its surface lies in the other. */
+typedef struct side {
+    const gn_convex *shape;
+    double *plane, *corner; /* as in the shape */
+    face *faces;
+    size_t count;
+    int32_t *near; /* planes that are somewhere in the overlap the nearest to a point */
+    size_t near_count;
+} side;
+
+typedef struct work {
+    side of[2];
+    double *point;
+    size_t points, most;
+    double *buffer[2];
+    double origin[3]; /* a point of the overlap; integrals are about it */
+    double reach;     /* m, of the overlap from there */
+    int dimension;
+} work;
+
+/* Points of all faces: twelve of a facet, where those of triangles in space are six in the mean. */
+enum { MOST_POINTS = 12, MORE_POINTS = 64 };
+
+static size_t buffer_points(const gn_convex_room *r) {
+    return 2 * r->planes + 16;
+}
+static size_t room_doubles(const gn_convex_room *r) {
+    size_t own = 4 * r->planes + 12 * r->polygons;
+    return 2 * own + 6 * buffer_points(r) + 3 * (2 * MOST_POINTS * r->polygons + MORE_POINTS);
+}
+
+gneiss_status gn_convex_room_make(size_t planes, size_t polygons, gn_convex_room *r,
+                                  gneiss_error *error) {
+    *r = (gn_convex_room){.planes = planes, .polygons = polygons};
+    r->memory = gn_alloc(room_doubles(r) * sizeof(double) + 2 * polygons * sizeof(face) +
+                         2 * planes * sizeof(int32_t));
+    return r->memory ? GNEISS_OK
+                     : gn_fail(error, GNEISS_ERROR_MEMORY, "no memory for overlaps of bodies");
+}
+
+void gn_convex_room_free(gn_convex_room *r) {
+    gn_free(r->memory);
+    *r = (gn_convex_room){0};
+}
+
+static void share_out(gn_convex_room *r, work *w) {
+    double *at = r->memory;
+    face *faces = (face *)(void *)(r->memory + room_doubles(r));
+    int32_t *near = (int32_t *)(void *)(faces + 2 * r->polygons);
+    for (size_t k = 0; k < 2; k++) {
+        w->of[k].plane = at;
+        w->of[k].corner = at + 4 * r->planes;
+        at += 4 * r->planes + 12 * r->polygons;
+        w->buffer[k] = at;
+        at += 3 * buffer_points(r);
+        w->of[k].faces = faces + k * r->polygons;
+        w->of[k].near = near + k * r->planes;
+    }
+    w->point = at;
+    w->most = 2 * MOST_POINTS * r->polygons + MORE_POINTS;
+}
+
+/* --- in place --- */
+
+static void turn(const double axes[9], const double x[3], double y[3]) {
+    for (int a = 0; a < 3; a++) y[a] = gn_dot3(axes + 3 * a, x);
+}
+
+static void put(const gn_convex *shape, const gn_convex_pose *at, const double from[3], side *s) {
+    double d[3];
+    *s = (side){shape, s->plane, s->corner, s->faces, 0, s->near, 0};
+    for (int a = 0; a < 3; a++) d[a] = at->place[a] - from[a];
+    for (size_t k = 0; k < shape->planes; k++) {
+        turn(at->axes, shape->plane + 4 * k, s->plane + 4 * k);
+        s->plane[4 * k + 3] = shape->plane[4 * k + 3] + gn_dot3(s->plane + 4 * k, d);
+    }
+    for (size_t k = 0; k < shape->polygons * (size_t)shape->corners; k++) {
+        turn(at->axes, shape->corner + 3 * k, s->corner + 3 * k);
+        for (size_t a = 0; a < 3; a++) s->corner[3 * k + a] += d[a];
+    }
+}
+
+/* --- cutting --- */
+
+/* What of a polygon has n.x <= at; returns its corners. */
+static size_t cut(const double *from, size_t count, const double n[3], double at, double *to) {
+    size_t kept = 0;
+    for (size_t k = 0; k < count; k++) {
+        const double *x = from + 3 * k, *y = from + 3 * ((k + 1) % count);
+        double dx = gn_dot3(n, x) - at, dy = gn_dot3(n, y) - at;
+        if (dx <= 0.0) memcpy(to + 3 * kept++, x, 3 * sizeof *to);
+        if ((dx <= 0.0) == (dy <= 0.0)) continue;
+        for (int a = 0; a < 3; a++)
+            to[3 * kept + (size_t)a] = x[a] + dx / (dx - dy) * (y[a] - x[a]);
+        kept++;
+    }
+    return kept > 2 ? kept : 0;
+}
+
+/* The polygon in buffer[*in]; *in changes if anything was cut off. */
+static size_t cut_there(work *w, int *in, size_t count, const double n[3], double at) {
+    bool cuts = false;
+    for (size_t k = 0; k < count && !cuts; k++) cuts = gn_dot3(n, w->buffer[*in] + 3 * k) > at;
+    if (!cuts) return count;
+    count = cut(w->buffer[*in], count, n, at, w->buffer[1 - *in]);
+    *in = 1 - *in;
+    return count;
+}
+
+/* Faces of one body in the other. Where two faces lie in one plane, one counts: `slack`, m, is
+ * above 0 for the first and below for the second. */
+static void find_faces(work *w, int mine, double slack) {
+    side *s = &w->of[mine], *other = &w->of[1 - mine];
+    size_t corners = (size_t)s->shape->corners, planes = other->shape->planes, last = 0;
+    for (size_t f = 0; f < s->shape->polygons; f++) {
+        int in = 0;
+        size_t count = corners;
+        memcpy(w->buffer[0], s->corner + 3 * corners * f, 3 * corners * sizeof(double));
+        for (size_t k = 0; k < planes && count; k++) {
+            size_t p = (last + k) % planes; /* what cut off the last one first */
+            count = cut_there(w, &in, count, other->plane + 4 * p, other->plane[4 * p + 3] + slack);
+            if (!count) last = p;
+        }
+        if (!count || w->points + count > w->most) continue;
+        s->faces[s->count++] = (face){w->points, count, s->shape->on[f]};
+        memcpy(w->point + 3 * w->points, w->buffer[in], 3 * count * sizeof(double));
+        w->points += count;
+    }
+}
+
+/* --- which faces are near --- */
+
+static double depth_at(const side *s, size_t plane, const double x[3]) {
+    return s->plane[4 * plane + 3] - gn_dot3(s->plane + 4 * plane, x);
+}
+
+/* A plane that is at every corner of the overlap farther than another one is, is so everywhere. */
+static bool is_behind(const work *w, const side *s, size_t a, size_t b) {
+    for (size_t v = 0; v < w->points; v++)
+        if (depth_at(s, a, w->point + 3 * v) < depth_at(s, b, w->point + 3 * v)) return false;
+    return true;
+}
+
+static void find_near(const work *w, side *s) {
+    double least = (double)INFINITY;
+    for (int pass = 0; pass < 2; pass++)
+        for (size_t p = 0; p < s->shape->planes; p++) {
+            double low = (double)INFINITY, high = -(double)INFINITY;
+            for (size_t v = 0; v < w->points; v++) {
+                double d = depth_at(s, p, w->point + 3 * v);
+                low = fmin(low, d);
+                high = fmax(high, d);
+            }
+            if (pass == 0) least = fmin(least, high);
+            if (pass == 1 && low <= least) s->near[s->near_count++] = (int32_t)p;
+        }
+    size_t kept = 0;
+    for (size_t a = 0; a < s->near_count; a++) {
+        bool behind = false;
+        for (size_t b = 0; b < s->near_count && !behind; b++)
+            behind = b != a && is_behind(w, s, (size_t)s->near[a], (size_t)s->near[b]) &&
+                     (b < a || !is_behind(w, s, (size_t)s->near[b], (size_t)s->near[a]));
+        if (!behind) s->near[kept++] = s->near[a];
+    }
+    s->near_count = kept;
+}
+
+/* --- integrals --- */
+
+/* By path of the second body and by turn about the origin. */
+typedef struct sums {
+    double volume, whole; /* V, W */
+    double by_volume[6], by_whole[6];
+    double weight, first[3], second[9]; /* of faces, weighed by depth */
+} sums;
+
+/* The middles of the sides of a triangle: exact for what is quadratic. */
+typedef struct spot {
+    double x[3], area; /* from the origin; m2 */
+} spot;
+
+static void spots_of(const work *w, const double *point, size_t k, spot spots[3]) {
+    const double *c[3] = {point, point + 3 * k, point + 3 * (k + 1)};
+    double u[3], v[3], n[3];
+    for (int a = 0; a < 3; a++) {
+        u[a] = c[1][a] - c[0][a];
+        v[a] = c[2][a] - c[0][a];
+    }
+    gn_cross3(u, v, n);
+    for (int m = 0; m < 3; m++) {
+        spots[m].area = sqrt(gn_dot3(n, n)) / 6.0;
+        for (int a = 0; a < 3; a++)
+            spots[m].x[a] = 0.5 * (c[m][a] + c[(m + 1) % 3][a]) - w->origin[a];
+    }
+}
+
+static void add_swept(double sum[6], const double n[3], const double x[3], double value) {
+    double about[3];
+    gn_cross3(x, n, about);
+    for (int a = 0; a < 3; a++) {
+        sum[a] += value * n[a];
+        sum[3 + a] += value * about[a];
+    }
+}
+
+/* A face of the overlap. */
+static void add_face(const work *w, int mine, const face *f, sums *s) {
+    const double *n = w->of[mine].plane + 4 * f->plane;
+    spot spots[3];
+    for (size_t k = 1; k + 1 < f->count; k++) {
+        spots_of(w, w->point + 3 * f->begin, k, spots);
+        for (int m = 0; m < 3; m++) {
+            s->volume += gn_dot3(n, spots[m].x) * spots[m].area / w->dimension;
+            if (mine == 1) add_swept(s->by_volume, n, spots[m].x, spots[m].area);
+        }
+    }
+}
+
+/* m, the depth below a plane of a point from the origin. */
+static double depth_of(const work *w, const double plane[4], const double x[3]) {
+    return plane[3] - gn_dot3(plane, w->origin) - gn_dot3(plane, x);
+}
+
+/* A part of such a face, of which plane `p` of the other body is the nearest. */
+static void add_part(const work *w, int mine, const face *f, const double *point, size_t count,
+                     size_t p, sums *s) {
+    const double *n = w->of[mine].plane + 4 * f->plane, *q = w->of[1 - mine].plane + 4 * p;
+    double out = -gn_dot3(q, n), sign = mine == 1 ? 1.0 : -1.0;
+    spot spots[3];
+    for (size_t k = 1; k + 1 < count; k++) {
+        spots_of(w, point, k, spots);
+        for (int m = 0; m < 3; m++) {
+            const double *x = spots[m].x;
+            double depth = depth_of(w, q, x), part = depth * spots[m].area;
+            s->whole += 0.5 * out * depth * part;
+            add_swept(s->by_whole, n, x, sign * part);
+            s->weight += part;
+            for (int a = 0; a < 3; a++) s->first[a] += part * x[a];
+            for (int a = 0; a < 9; a++) s->second[a] += part * x[a / 3] * x[a % 3];
+        }
+    }
+}
+
+/* Cuts what is in buffer[*in] to where plane `p` of a body is the nearest. */
+static size_t cut_to_nearest(work *w, const side *s, size_t p, size_t but, int *in, size_t count) {
+    const double *mine = s->plane + 4 * p;
+    for (size_t k = 0; k < s->near_count && count; k++) {
+        const double *q = s->plane + 4 * s->near[k];
+        double n[3];
+        if ((size_t)s->near[k] == p || (size_t)s->near[k] == but) continue;
+        for (int a = 0; a < 3; a++) n[a] = q[a] - mine[a];
+        count = cut_there(w, in, count, n, q[3] - mine[3]);
+    }
+    return count;
+}
+
+static void add_parts(work *w, int mine, const face *f, sums *s) {
+    const side *other = &w->of[1 - mine];
+    for (size_t k = 0; k < other->near_count; k++) {
+        size_t p = (size_t)other->near[k];
+        int in = 0;
+        memcpy(w->buffer[0], w->point + 3 * f->begin, 3 * f->count * sizeof(double));
+        size_t count = cut_to_nearest(w, other, p, p, &in, f->count);
+        if (count) add_part(w, mine, f, w->buffer[in], count, p, s);
+    }
+}
+
+/* A square on the plane n.x = at that covers the overlap, n not a unit vector. */
+static void put_square(work *w, const double n[3], double at) {
+    double size2 = gn_dot3(n, n), off = (at - gn_dot3(n, w->origin)) / size2, e[2][3] = {{0}};
+    int least = 0;
+    for (int a = 1; a < 3; a++)
+        if (fabs(n[a]) < fabs(n[least])) least = a;
+    e[0][w->dimension == 2 ? 2 : least] = 1.0;
+    gn_cross3(n, e[0], e[1]);
+    gn_cross3(e[1], n, e[0]);
+    for (int k = 0; k < 2; k++) {
+        double size = sqrt(gn_dot3(e[k], e[k]));
+        double half = k == 0 && w->dimension == 2 ? 0.5 : 2.0 * w->reach;
+        for (int a = 0; a < 3; a++) e[k][a] *= half / size;
+    }
+    for (int c = 0; c < 4; c++)
+        for (int a = 0; a < 3; a++) {
+            double middle = w->dimension == 2 && a == 2 ? 0.0 : w->origin[a] + off * n[a];
+            w->buffer[0][3 * c + a] =
+                middle + (c == 0 || c == 3 ? -1.0 : 1.0) * e[0][a] + (c < 2 ? -1.0 : 1.0) * e[1][a];
+        }
+}
+
+/* Whether points of the overlap lie on both sides of where two planes are as near. */
+static bool parts_overlap(const work *w, const double n[3], double at) {
+    bool below = false, above = false;
+    for (size_t v = 0; v < w->points; v++) {
+        double d = gn_dot3(n, w->point + 3 * v) - at;
+        below = below || d < 0.0;
+        above = above || d > 0.0;
+    }
+    return below && above;
+}
+
+/* Where two planes of a body are as near, the depth has a fold: of the integral over the volume,
+ * that of the divergence of half its square along its gradient, something is there too. */
+static void add_fold(work *w, int mine, size_t p, size_t q, sums *s) {
+    const side *me = &w->of[mine], *other = &w->of[1 - mine];
+    const double *a = me->plane + 4 * p, *b = me->plane + 4 * q;
+    double n[3], at = b[3] - a[3];
+    int in = 0;
+    size_t count = 4;
+    for (int k = 0; k < 3; k++) n[k] = b[k] - a[k];
+    if (!(gn_dot3(n, n) > 1e-18) || !parts_overlap(w, n, at)) return;
+    put_square(w, n, at);
+    count = cut_there(w, &in, count, a, a[3]);
+    count = cut_to_nearest(w, me, p, q, &in, count);
+    for (size_t k = 0; k < other->near_count && count; k++) {
+        const double *c = other->plane + 4 * other->near[k];
+        count = cut_there(w, &in, count, c, c[3]);
+    }
+    spot spots[3];
+    for (size_t k = 1; k + 1 < count; k++) {
+        spots_of(w, w->buffer[in], k, spots);
+        for (int m = 0; m < 3; m++) {
+            double depth = depth_of(w, a, spots[m].x);
+            s->whole += 0.5 * depth * depth * sqrt(gn_dot3(n, n)) * spots[m].area;
+        }
+    }
+}
+
+static void add_all(work *w, sums *s) {
+    for (int mine = 0; mine < 2; mine++) {
+        const side *me = &w->of[mine];
+        for (size_t k = 0; k < me->count; k++) {
+            add_face(w, mine, &me->faces[k], s);
+            add_parts(w, mine, &me->faces[k], s);
+        }
+        for (size_t p = 0; p < me->near_count; p++)
+            for (size_t q = p + 1; q < me->near_count; q++)
+                add_fold(w, mine, (size_t)me->near[p], (size_t)me->near[q], s);
+    }
+}
+
+/* --- together --- */
+
+/* The push goes along a line, but for what little it turns about that. */
+static void put_point(const work *w, const sums *s, const double moment[3], gn_convex_overlap *o) {
+    double across[3], at[3], size2 = gn_dot3(o->along, o->along);
+    gn_cross3(o->along, moment, across);
+    for (int a = 0; a < 3; a++) at[a] = s->first[a] / s->weight;
+    if (size2 > 1e-12) {
+        double off = gn_dot3(o->along, at) / size2;
+        for (int a = 0; a < 3; a++) at[a] = across[a] / size2 + off * o->along[a];
+    }
+    gn_cross3(at, o->along, across);
+    for (int a = 0; a < 3; a++) {
+        o->about[a] = moment[a] - across[a];
+        o->point[a] = w->origin[a] + at[a];
+    }
+    for (int a = 0; a < 9; a++) {
+        int p = a / 3, q = a % 3;
+        o->spread[a] =
+            (s->second[a] - s->first[p] * at[q] - at[p] * s->first[q]) / s->weight + at[p] * at[q];
+    }
+}
+
+static void in_plane(sums *s) {
+    double *rows[] = {s->by_volume, s->by_whole};
+    for (int k = 0; k < 2; k++) rows[k][2] = rows[k][3] = rows[k][4] = 0.0;
+    s->first[2] = 0.0;
+    for (int a = 0; a < 9; a++)
+        if (a / 3 == 2 || a % 3 == 2) s->second[a] = 0.0;
+}
+
+static bool read_sums(const work *w, sums *s, double least, gn_convex_overlap *o) {
+    double moment[3];
+    /* Of one body all faces and of the other none are there only where one holds the other; a face
+     * on a face is not. */
+    bool all = w->of[0].count && w->of[1].count;
+    if (!all && !(s->volume > 1e-6 * pow(w->reach, w->dimension))) return false;
+    if (!(s->volume > 0.0) || !(s->whole > least * s->volume) || !(s->weight > 0.0)) return false;
+    if (w->dimension == 2) in_plane(s);
+    o->volume = s->volume;
+    o->depth = s->whole / s->volume;
+    for (int a = 0; a < 3; a++) {
+        o->along[a] = (s->by_whole[a] - o->depth * s->by_volume[a]) / s->volume;
+        moment[a] = (s->by_whole[3 + a] - o->depth * s->by_volume[3 + a]) / s->volume;
+    }
+    put_point(w, s, moment, o);
+    if (w->dimension == 2) o->point[2] = 0.0;
+    return true;
+}
+
+bool gn_convex_meet(const gn_convex *a, const gn_convex_pose *at_a, const gn_convex *b,
+                    const gn_convex_pose *at_b, double least, gn_convex_room *room,
+                    gn_convex_overlap *o) {
+    work w = {.dimension = a->corners == 3 ? 3 : 2};
+    sums s = {0};
+    share_out(room, &w);
+    put(a, at_a, at_a->place, &w.of[0]);
+    put(b, at_b, at_a->place, &w.of[1]);
+    find_faces(&w, 1, 0.1 * least);
+    find_faces(&w, 0, -0.1 * least);
+    if (!w.points) return false;
+    memcpy(w.origin, w.point, sizeof w.origin);
+    for (size_t v = 0; v < w.points; v++)
+        for (size_t k = 0; k < 3; k++)
+            w.reach = fmax(w.reach, 2.0 * fabs(w.point[3 * v + k] - w.origin[k]));
+    find_near(&w, &w.of[0]);
+    find_near(&w, &w.of[1]);
+    add_all(&w, &s);
+    return read_sums(&w, &s, least, o);
+}
+
+/* --- apart --- */
+
+/* m, the least distance of corners of b from a plane of a; the largest of all planes. */
+static double apart_by(const gn_convex *a, const gn_convex_pose *at_a, const gn_convex *b,
+                       const gn_convex_pose *at_b) {
+    double most = -(double)INFINITY;
+    for (size_t p = 0; p < a->planes; p++) {
+        double n[3], local[3], off = 0.0, least = (double)INFINITY;
+        turn(at_a->axes, a->plane + 4 * p, n);
+        for (int k = 0; k < 3; k++) {
+            local[k] = 0.0;
+            off += n[k] * (at_b->place[k] - at_a->place[k]);
+            for (int m = 0; m < 3; m++) local[k] += at_b->axes[3 * m + k] * n[m];
+        }
+        for (size_t c = 0; c < b->polygons * (size_t)b->corners; c++)
+            least = fmin(least, gn_dot3(local, b->corner + 3 * c));
+        most = fmax(most, least + off - a->plane[4 * p + 3]);
+    }
+    return most;
+}
+
+double gn_convex_apart(const gn_convex *a, const gn_convex_pose *at_a, const gn_convex *b,
+                       const gn_convex_pose *at_b) {
+    return fmax(apart_by(a, at_a, b, at_b), apart_by(b, at_b, a, at_a));
+}

@@ -1,0 +1,251 @@
+/* Convex bodies that lie in each other: the depth of the overlap and its derivatives. */
+#include "world_helpers.h"
+
+#include "base/memory.h"
+#include "surfaces/body_shape.h"
+#include "surfaces/convex.h"
+
+/* A box of half sizes, or in the plane a rectangle, about the origin. */
+typedef struct shape {
+    double pos[16][4];
+    int32_t corner[64];
+    gn_facet_set set;
+    size_t vertices;
+    gn_convex convex;
+} shape;
+
+static void finish(shape *s) {
+    gneiss_error error = {0};
+    s->set.corner = s->corner;
+    s->set.pos = s->pos[0];
+    assert_int_equal(gn_convex_make(&s->set, s->vertices, &s->convex, &error), GNEISS_OK);
+}
+
+static shape *box(double x, double y, double z) {
+    static const int32_t side[6][4] = {{0, 2, 3, 1}, {4, 5, 7, 6}, {0, 1, 5, 4},
+                                       {2, 6, 7, 3}, {0, 4, 6, 2}, {1, 3, 7, 5}};
+    shape *s = calloc(1, sizeof *s);
+    for (int k = 0; k < 8; k++) {
+        s->pos[k][0] = (k & 1 ? x : -x);
+        s->pos[k][1] = (k & 2 ? y : -y);
+        s->pos[k][2] = (k & 4 ? z : -z);
+    }
+    for (int k = 0; k < 6; k++) {
+        const int32_t f[6] = {side[k][0], side[k][1], side[k][2],
+                              side[k][0], side[k][2], side[k][3]};
+        memcpy(s->corner + 6 * k, f, sizeof f);
+    }
+    s->vertices = 8;
+    s->set = (gn_facet_set){.corners = 3, .count = 12};
+    finish(s);
+    return s;
+}
+
+/* A polygon of so many corners on a circle, in turn `sense` +-1. */
+static shape *disc(int corners, double radius, int sense) {
+    shape *s = calloc(1, sizeof *s);
+    for (int k = 0; k < corners; k++) {
+        s->pos[k][0] = radius * cos(2.0 * pi * k * sense / corners);
+        s->pos[k][1] = radius * sin(2.0 * pi * k * sense / corners);
+        s->corner[2 * k] = k;
+        s->corner[2 * k + 1] = (k + 1) % corners;
+    }
+    s->vertices = (size_t)corners;
+    s->set = (gn_facet_set){.corners = 2, .count = (size_t)corners};
+    finish(s);
+    return s;
+}
+
+static void shape_end(shape *s) {
+    gn_convex_free(&s->convex);
+    free(s);
+}
+
+static gn_convex_pose pose(double x, double y, double z, double u, double v, double w) {
+    gn_convex_pose p = {.place = {x, y, z}};
+    gn_rotation_matrix((const double[3]){u, v, w}, p.axes);
+    return p;
+}
+
+static bool meet(const shape *a, const gn_convex_pose *at_a, const shape *b,
+                 const gn_convex_pose *at_b, gn_convex_overlap *o) {
+    gn_convex_room room;
+    gneiss_error error = {0};
+    assert_int_equal(gn_convex_room_make(16, 16, &room, &error), GNEISS_OK);
+    bool met = gn_convex_meet(&a->convex, at_a, &b->convex, at_b, 1e-12, &room, o);
+    gn_convex_room_free(&room);
+    return met;
+}
+
+/* --- shapes --- */
+
+static void planes_are_found_whatever_the_sense_of_facets(void **state) {
+    (void)state;
+    shape *b = box(1, 2, 3);
+    assert_int_equal(b->convex.planes, 6);
+    for (size_t k = 0; k < 6; k++) assert_true(b->convex.plane[4 * k + 3] > 0.9);
+    gn_convex_free(&b->convex);
+    int32_t other = b->corner[0];
+    b->corner[0] = b->corner[1];
+    b->corner[1] = other;
+    finish(b);
+    assert_int_equal(b->convex.planes, 6);
+    gn_convex_free(&b->convex);
+    b->set.count = 11; /* a hole */
+    finish(b);
+    assert_int_equal(b->convex.planes, 0);
+    b->set.count = 12; /* a dent */
+    for (int k = 0; k < 3; k++) b->pos[7][k] *= 0.3;
+    finish(b);
+    assert_int_equal(b->convex.planes, 0);
+    shape_end(b);
+    for (int sense = -1; sense <= 1; sense += 2) {
+        shape *d = disc(7, 1.0, sense);
+        assert_int_equal(d->convex.planes, 7);
+        for (size_t k = 0; k < 7; k++) assert_near(d->convex.plane[4 * k + 3], cos(pi / 7), 1e-12);
+        shape_end(d);
+    }
+}
+
+/* --- closed forms --- */
+
+static void two_faces_have_their_distance(void **state) {
+    (void)state;
+    shape *a = box(1, 2, 3), *b = box(1, 2, 3), *slab = box(9, 9, 1);
+    gn_convex_overlap o;
+    for (int power = 2; power < 9; power++) {
+        double d = pow(10.0, -power);
+        gn_convex_pose down = pose(0.3, 0.2, 0, 0, 0, 0), up = pose(0, 0, 4 - d, 0, 0, 0);
+        assert_true(meet(slab, &down, a, &up, &o));
+        assert_close(o.volume, 8 * d, 1e-6 + 2e-13 / d);
+        assert_near(o.depth, d, 2 * d * d + 2e-13); /* near the sides those are nearer */
+        assert_near(o.along[2], -1.0, 2 * d);
+        assert_near(hypot(o.along[0], o.along[1]), 0.0, 1e-6);
+        assert_near(hypot(o.point[0] + 0.3, o.point[1] + 0.2), 0.0, 1e-5);
+        assert_near(o.spread[0], 1.0 / 3.0, 4 * d + 1e-6);
+        assert_near(o.spread[4], 4.0 / 3.0, 4 * d + 1e-6);
+        /* Equal ones, sides in line. */
+        down = pose(0, 0, 0, 0, 0, 0);
+        up = pose(0, 0, 6 - d, 0, 0, 0);
+        assert_true(meet(a, &down, b, &up, &o));
+        assert_close(o.volume, 8 * d, 1e-6 + 2e-13 / d);
+        assert_near(o.depth, d, 2 * d * d + 2e-13);
+        assert_near(o.along[2], -1.0, 3 * d);
+    }
+    gn_convex_pose down = pose(0, 0, 0, 0, 0, 0), up = pose(0, 0, 6 + 1e-9, 0, 0, 0);
+    assert_true(!meet(a, &down, b, &up, &o));
+    shape_end(a);
+    shape_end(b);
+    shape_end(slab);
+}
+
+/* A small box within a large one: all depths are those of its own faces and of the nearest plane;
+ * a cube of half size s has a mean depth of s/4. */
+static void a_box_within_another_one(void **state) {
+    (void)state;
+    shape *a = box(9, 9, 9), *b = box(0.5, 0.5, 0.5);
+    gn_convex_pose p = pose(0, 0, 0, 0, 0, 0), q = pose(7, 0, 0, 0, 0, 0);
+    gn_convex_overlap o;
+    for (int turn = 0; turn < 2; turn++) {
+        assert_true(turn ? meet(b, &q, a, &p, &o) : meet(a, &p, b, &q, &o));
+        assert_close(o.volume, 1.0, 1e-12);
+        assert_close(o.depth, 2.0 + 0.125, 1e-12);
+        assert_near(o.along[0], turn ? 1.0 : -1.0, 1e-12);
+    }
+    shape_end(a);
+    shape_end(b);
+}
+
+/* --- derivatives --- */
+
+static double depth_moved(const shape *a, const gn_convex_pose *at_a, const shape *b,
+                          gn_convex_pose at_b, const gn_convex_overlap *o, int way, double step) {
+    gn_convex_overlap now = {0};
+    double turn[3] = {0}, m[9], old[9], arm[3];
+    if (way < 3) {
+        at_b.place[way] += step;
+    } else {
+        turn[way - 3] = step;
+        gn_rotation_matrix(turn, m);
+        memcpy(old, at_b.axes, sizeof old);
+        for (int p = 0; p < 9; p++) {
+            at_b.axes[p] = 0.0;
+            for (int k = 0; k < 3; k++) at_b.axes[p] += m[3 * (p / 3) + k] * old[3 * k + p % 3];
+        }
+        for (int k = 0; k < 3; k++) arm[k] = at_b.place[k] - at_a->place[k] - o->point[k];
+        for (int k = 0; k < 3; k++)
+            at_b.place[k] = at_a->place[k] + o->point[k] + dot3(m + 3 * k, arm);
+    }
+    return meet(a, at_a, b, &at_b, &now) ? now.depth : 0.0;
+}
+
+/* Two bodies put together at random, from a tenth of their size to a thousandth deep. */
+static void derivatives_are_those_of_the_depth(void **state) {
+    (void)state;
+    uint64_t at = 1;
+    double worst = 0.0, bend = 0.0, turned = 0.0;
+    int met = 0;
+    for (int k = 0; k < 400; k++) {
+        bool plane = k % 4 == 3;
+        shape *a = plane ? disc(3 + k % 5, 1.0, 1) : box(1, uniform(&at, 0.3, 2), 1.5);
+        shape *b = plane ? disc(4 + k % 3, 0.7, -1) : box(0.5, 0.8, uniform(&at, 0.1, 2));
+        double r[9], size = plane ? 0.0 : 1.0;
+        for (int n = 0; n < 9; n++) r[n] = uniform(&at, -1, 1);
+        gn_convex_pose p = pose(3, 4, 5 * size, size * r[0], size * r[1], r[2]);
+        double far = length3(r + 3), low = 0.0, high = 6.0, sink = pow(10.0, -1.0 - k % 3);
+        if (plane) far = hypot(r[3], r[4]);
+        gn_convex_pose q;
+        for (int n = 0; n < 50; n++) {
+            double mid = 0.5 * (low + high) / far;
+            q = pose(3 + mid * r[3], 4 + mid * r[4], size * (5 + mid * r[5]), size * r[6],
+                     size * r[7], r[8]);
+            gn_convex_overlap o;
+            *(meet(a, &p, b, &q, &o) ? &low : &high) = mid * far;
+        }
+        double mid = (low - sink) / far;
+        q = pose(3 + mid * r[3], 4 + mid * r[4], size * (5 + mid * r[5]), size * r[6], size * r[7],
+                 r[8]);
+        gn_convex_overlap o;
+        if (!meet(a, &p, b, &q, &o)) fail_msg("pair %d does not meet", k);
+        met++;
+        assert_true(gn_convex_apart(&a->convex, &p, &b->convex, &q) < 0.0);
+        for (int way = 0; way < 6; way++) {
+            if (plane && (way == 2 || way == 3 || way == 4)) continue;
+            double h = 1e-4 * sink, value = way < 3 ? o.along[way] : o.about[way - 3];
+            double slope =
+                (depth_moved(a, &p, b, q, &o, way, h) - depth_moved(a, &p, b, q, &o, way, -h)) /
+                (2.0 * h);
+            worst = fmax(worst, fabs(slope - value));
+            if (fabs(slope - value) > 1e-5)
+                fail_msg("pair %d way %d: %.9g, by differences %.9g", k, way, value, slope);
+        }
+        for (int way = 0; way < 6; way++) { /* of h^2/2; by turns over the square of the reach */
+            if (plane && (way == 2 || way == 3 || way == 4)) continue;
+            double h = 1e-3 * sink, up = depth_moved(a, &p, b, q, &o, way, h),
+                   down = depth_moved(a, &p, b, q, &o, way, -h), reach2 = 0.0, arm2 = 0.0;
+            double value = (up * up + down * down - 2.0 * o.depth * o.depth) / (2.0 * h * h);
+            for (size_t c = 0; c < b->vertices; c++)
+                reach2 = fmax(reach2, dot3(b->pos[c], b->pos[c]));
+            for (int n = 0; n < 3; n++) arm2 += pow(q.place[n] - p.place[n] - o.point[n], 2.0);
+            if (way < 3)
+                bend = fmax(bend, fabs(value));
+            else
+                turned = fmax(turned, fabs(value) / fmax(reach2, arm2));
+        }
+        shape_end(a);
+        shape_end(b);
+    }
+    print_message("# %d pairs: %.3g from differences; second derivatives up to %.3g and %.3g\n",
+                  met, worst, bend, turned);
+    assert_true(bend < 2.0 && turned < 2.0); /* what src/sim/body_pairs.c takes */
+}
+
+int main(void) {
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(planes_are_found_whatever_the_sense_of_facets),
+        cmocka_unit_test(two_faces_have_their_distance),
+        cmocka_unit_test(a_box_within_another_one),
+        cmocka_unit_test(derivatives_are_those_of_the_depth),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
