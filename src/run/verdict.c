@@ -328,21 +328,6 @@ static void warn_of_servos(const gn_run *run, gn_warnings *list) {
         (int)sizeof to->text - 200, text);
 }
 
-/* The areas of particles without a shape add up to their hull. */
-static void warn_of_hull(const gn_run *run, gn_warnings *list) {
-    const gn_membrane *m = run->world.dem.membrane;
-    const double most = 1.4; /* of one body that is not hollow some 0.7 to 1.1 */
-    if (!m || !(m->hull > most)) return;
-    gn_warning *to = &list->warning[list->count++];
-    to->name = "membrane_hull";
-    snprintf(
-        to->text, sizeof to->text,
-        "the hull of a body of particles is %.2g times what their surface encloses (it is concave "
-        "or hollow), and the membrane's areas are those of the hull: the pressure on the particles "
-        "is too high by as much; give the specimen its shape",
-        m->hull);
-}
-
 static void warn_of_sizes(const gn_run *run, gn_warnings *list) {
     char text[GNEISS_MESSAGE_SIZE];
     if (!gn_specimen_is_narrow(&run->world, text, sizeof text)) return;
@@ -400,7 +385,6 @@ gneiss_status gn_run_warnings(const gn_run *run, gn_warnings *list, gneiss_error
     warn_of_stages(run, list);
     warn_of_servos(run, list);
     warn_of_control(run, list);
-    warn_of_hull(run, list);
     warn_of_sizes(run, list);
     warn_of_bending(run, list);
     warn_of_zones(run, list);
