@@ -1,10 +1,12 @@
 /* The skin of particles that came without a shape: the surface over which a ball of the mean radius
  * rolls (membrane_rolled.h), and of those parallel to it the one of a body all of which bears the
- * pressure. What it encloses is the volume to which the mean stress of the specimen refers then. Bodies between which the ball passes have surfaces of their own; a
- * particle by itself is pressed from all sides alike, which is not at all, and so are particles in
- * a row or (in space) in one layer, whose shape tells nothing of how it turns and stretches. */
+ * pressure. What it encloses is the volume to which the mean stress of the specimen refers then.
+ * Bodies between which the ball passes have surfaces of their own; a particle by itself is pressed
+ * from all sides alike, which is not at all, and so are particles in a row or (in space) in one
+ * layer, whose shape tells nothing of how it turns and stretches. */
 #include "sim/membrane.h"
 
+#include "base/ball.h"
 #include "base/eigen.h"
 #include "base/memory.h"
 #include "sim/internal.h"
@@ -42,7 +44,8 @@ static void add_borne(const gn_world *w, view *v, size_t i, size_t j) {
     const double *x = w->dem.particles.pos + 4 * i, *y = w->dem.particles.pos + 4 * j;
     const double way[3] = {y[0] - x[0], y[1] - x[1], y[2] - x[2]};
     const double length = sqrt(gn_dot3(way, way)), radius = fmin(x[3], y[3]);
-    const double range = fmax(w->scene.bonds == GN_SWITCH_ON ? w->scene.interaction_range : 0.0, 0.01);
+    const double range =
+        fmax(w->scene.bonds == GN_SWITCH_ON ? w->scene.interaction_range : 0.0, 0.01);
     if (length > (1.0 + range) * (x[3] + y[3])) return;
     const double half = 0.5 * length * (w->scene.dimension == 3 ? radius * radius : radius);
     v->borne[i] += half;
@@ -162,32 +165,37 @@ static double layer_at(const double sums[GN_ROLLED_LAYERS], double wanted) {
     return 0.5 * (low + high);
 }
 
-/* m3 through which the contacts of a body bear a pressure that is everywhere the same: contacts of
- * all over those in the space of the particles that the ball does not touch. 0: too few of these.
- */
-static double bearing_volume(const gn_world *w, const view *v, gn_skin_body body) {
+/* m3, of a body by what its particles inside have around them; 0: there are too few inside. */
+typedef struct body_space {
+    double bearing; /* through which its contacts bear a pressure that is everywhere the same */
+    double filled;  /* that its particles fill */
+} body_space;
+
+static body_space space_of(const gn_world *w, const view *v, gn_skin_body body) {
+    const gn_particles *q = &w->dem.particles;
     const int few = 8;
-    double all = 0.0, inside = 0.0, space = 0.0;
+    double borne[2] = {0}, solid[2] = {0}, space = 0.0;
     int count = 0;
-    for (size_t p = 0; p < w->dem.particles.soa.count; p++) {
+    for (size_t p = 0; p < q->soa.count; p++) {
         if (!gn_is_of(body, p)) continue;
-        all += v->borne[p];
-        if (!(v->rolled.cell[p] > 0.0)) continue;
-        inside += v->borne[p];
+        const double ball = gn_ball_volume((int)w->scene.dimension, q->pos[4 * p + 3]);
+        const bool inside = v->rolled.cell[p] > 0.0;
+        for (int k = 0; k <= (int)inside; k++) borne[k] += v->borne[p], solid[k] += ball;
         space += v->rolled.cell[p];
-        count++;
+        count += inside;
     }
-    return count >= few && inside > 0.0 ? all / inside * space : 0.0;
+    if (count < few || !(borne[1] > 0.0)) return (body_space){0};
+    return (body_space){borne[0] / borne[1] * space, solid[0] / solid[1] * space};
 }
 
 /* Where the surface of a body lies, in radii of the ball from its centre. A ball sinks in between
  * the particles of a lattice, and rides on those that stand out of what a cut has left, to which
  * fewer contacts lead: what it touches is not where the body ends that bears. An area that is given
  * says itself where that is. */
-static double surface_at(const gn_world *w, const view *v, gn_skin_body body) {
+static double surface_at(const gn_world *w, const view *v, gn_skin_body body, double given,
+                         double bearing) {
     const volumes sums = volumes_of(w, v, body);
-    const double bearing = bearing_volume(w, v, body);
-    if (!body.group && w->scene.test.kind != GN_TEST_NONE && gn_test_shape(w).volume > 0.0) return layer_at(sums.enclosed, w->volume);
+    if (given > 0.0) return layer_at(sums.enclosed, given);
     return bearing > 0.0 ? layer_at(sums.at_centres, bearing) : 1.0;
 }
 
@@ -206,17 +214,28 @@ static void set_surface(gn_world *w, const view *v, gn_skin_body body, double at
     }
 }
 
-/* The surface of a body, in balance with its particles at their centres. */
+/* The surface of a body, in balance with its particles at their centres. Ways end where it encloses
+ * what the body fills. */
 static void finish(gn_world *w, const view *v, gn_skin_body body, double *arms) {
     gn_particles *q = &w->dem.particles;
-    const double none[3] = {0};
-    double sum = 0.0;
-    set_surface(w, v, body, surface_at(w, v, body), arms);
+    const double none[3] = {0}, d = (double)w->scene.dimension;
+    const bool tested = !body.group && w->scene.test.kind != GN_TEST_NONE;
+    const double given = tested ? gn_test_shape(w).volume : 0.0;
+    const body_space space = space_of(w, v, body);
+    double at_centres = 0.0, ways = 0.0;
+    set_surface(w, v, body, surface_at(w, v, body, given, space.bearing), arms);
     close_surface(q, body);
     gn_membrane_balance(w, body, q->start, none);
+    for (size_t p = 0; p < q->soa.count; p++) {
+        if (!gn_is_of(body, p)) continue;
+        at_centres += gn_dot3(q->skin + 4 * p, q->start + 4 * p) / d;
+        ways += arms[p] / d;
+    }
+    const double volume =
+        given > 0.0 || !(space.filled > at_centres) ? at_centres + ways : space.filled;
     for (size_t p = 0; p < q->soa.count; p++)
-        if (gn_is_of(body, p)) sum += gn_dot3(q->skin + 4 * p, q->start + 4 * p) + arms[p];
-    w->dem.membrane->enclosed += sum / (double)w->scene.dimension;
+        if (gn_is_of(body, p)) arms[p] *= (volume - at_centres) / ways;
+    w->dem.membrane->enclosed += volume;
 }
 
 /* Whether the places of a body lie in more than a row (2D) or a layer (3D). */

@@ -189,8 +189,7 @@ static void to_ball(const circle *c, int side, double angle, double n[3]) {
 static double triangle(const double a[3], const double b[3], const double c[3]) {
     double across[3];
     gn_cross3(b, c, across);
-    return 2.0 *
-           atan2(gn_dot3(a, across), 1.0 + gn_dot3(a, b) + gn_dot3(b, c) + gn_dot3(c, a));
+    return 2.0 * atan2(gn_dot3(a, across), 1.0 + gn_dot3(a, b) + gn_dot3(b, c) + gn_dot3(c, a));
 }
 
 /* Solid angle between a pole and an arc that is the edge of what is free of one side's sphere. */
@@ -262,8 +261,7 @@ static void add_cap(roll *v, const circle *c, double angle, bool begins) {
         for (int k = 0; k < GN_ROLLED_LAYERS; k++) {
             const double t = layer_of(v, k), scale = sign * t * t;
             for (int a = 0; a < 3; a++) v->rolled->area[k][p][a] += scale * area[a];
-            v->rolled->arms[k][p] +=
-                scale * (reach_of(v, p) * gn_dot3(n[side], area) - t * solid);
+            v->rolled->arms[k][p] += scale * (reach_of(v, p) * gn_dot3(n[side], area) - t * solid);
         }
     }
 }
@@ -276,9 +274,9 @@ static void meridian(const circle *c, int side, double t, double angle, double s
     const double square = 0.5 * (angle + x * y);
     sum[0] += sign * t * (r * y - t * square);
     sum[1] += sign * t * (0.5 * t * x * x - r * x);
-    sum[2] += sign * t *
-              (r * r * y - r * h * x - r * t * angle + 0.5 * t * h * x * x - r * t * square +
-               t * t * y);
+    sum[2] +=
+        sign * t *
+        (r * r * y - r * h * x - r * t * angle + 0.5 * t * h * x * x - r * t * square + t * t * y);
 }
 
 /* What an arc adds to one of its two, of what the ball touches and of the ring. */
@@ -406,8 +404,8 @@ static void roll_in_plane(roll *v, size_t i) {
 
 /* --- cells --- */
 
-/* Directions in which a cell is measured, and cells at most. */
-enum { DIRECTIONS = 256, CELLS = 20000 };
+/* Directions in which a cell is measured; cells at most; how many of the deep ones would do. */
+enum { DIRECTIONS = 256, CELLS = 20000, FEW = 8 };
 
 /* Evenly over the sphere (Fibonacci's spiral) or the circle. */
 static void direction_of(int k, int dimension, double u[3]) {
@@ -435,14 +433,31 @@ static double extent(const roll *v, size_t i, const double u[3]) {
     return fmax(least, 0.0);
 }
 
+/* Whether none that is next to it is touched either: the cells of those beneath the skin reach up
+ * to where the ball sinks in. */
+static bool is_deep(const roll *v, size_t p) {
+    const double next = 1.05;
+    bool deep = !v->touched[p];
+    for (size_t n = v->start[p]; deep && n < v->start[p + 1]; n++) {
+        const size_t k = (size_t)v->neighbour[n];
+        double way[3];
+        way_between(v, p, k, way);
+        deep = !v->touched[k] ||
+               sqrt(gn_dot3(way, way)) > next * (place_of(v, p)[3] + place_of(v, k)[3]);
+    }
+    return deep;
+}
+
 static void measure_cells(const roll *v) {
     const gn_rolled *r = v->rolled;
     const size_t n = r->particles->soa.count;
-    size_t inside = 0, at = 0;
-    for (size_t p = 0; p < n; p++) inside += !v->touched[p];
+    size_t inside = 0, deep = 0, at = 0;
+    for (size_t p = 0; p < n; p++) inside += !v->touched[p], deep += is_deep(v, p);
+    const size_t every = 1 + (deep < FEW ? inside : deep) / CELLS;
     for (size_t p = 0; p < n; p++) {
         double sum = 0.0, u[3];
-        if (v->touched[p] || at++ % (1 + inside / CELLS) != 0) continue;
+        if (deep < FEW ? v->touched[p] : !is_deep(v, p)) continue;
+        if (at++ % every != 0) continue;
         for (int k = 0; k < DIRECTIONS; k++) {
             direction_of(k, r->dimension, u);
             const double far = extent(v, p, u);

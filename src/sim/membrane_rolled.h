@@ -4,7 +4,8 @@
 
 #include "neigh/pairs.h"
 
-/* Distances from the ball's centre, over its radius, at which surfaces are found: at 1 it touches. */
+/* Distances from the ball's centre, over its radius, at which surfaces are found: at 1 it touches.
+ */
 enum { GN_ROLLED_LAYERS = 4 };
 static const double gn_rolled_layer[GN_ROLLED_LAYERS] = {0.25, 0.75, 1.25, 1.75};
 
@@ -23,8 +24,9 @@ typedef struct gn_rolled {
     /* [particles] m3, of areas times ways from the centre the trace; the volume within is
      * (sum of area x + arms) / dimension */
     double *arms[GN_ROLLED_LAYERS];
-    double *cell; /* [particles] m3 of space that is nearest to one that the ball does not touch; of
-                   * others 0, and of some of very many */
+    double *cell; /* [particles] m3 of space that is nearest to one of those deep inside, or where
+                   * these are too few that the ball does not touch; of others 0, and of some of
+                   * very many */
 } gn_rolled;
 
 /* Sets `area`, `arms` and `cell`, which are 0. */
