@@ -17,7 +17,6 @@ static const double contact = 1e-9, gap = 1e-9;
 /* Hidden angles of a circle, from `begin` in [0, 2 pi) on. */
 typedef struct hidden {
     double begin, width;
-    int32_t by;
 } hidden;
 
 typedef struct roll {
@@ -51,36 +50,34 @@ static void way_between(const roll *v, size_t from, size_t to, double way[3]) {
 /* --- hidden angles --- */
 
 /* Where cos(angle - at) > limit. */
-static void hide(roll *v, double at, double limit, int32_t by) {
+static void hide(roll *v, double at, double limit) {
     if (limit >= 1.0) return;
     const double half = limit <= -1.0 ? M_PI : acos(limit);
     double begin = fmod(at - half, turn);
     if (begin < 0.0) begin += turn;
-    v->hidden[v->hidden_count++] = (hidden){begin, limit <= -1.0 ? turn : 2.0 * half, by};
+    v->hidden[v->hidden_count++] = (hidden){begin, limit <= -1.0 ? turn : 2.0 * half};
 }
 
 static int by_begin(const void *a, const void *b) {
     const hidden *one = a, *two = b;
-    if (one->begin != two->begin) return one->begin < two->begin ? -1 : 1;
-    return (one->by > two->by) - (one->by < two->by);
+    return (one->begin > two->begin) - (one->begin < two->begin);
 }
 
-/* A free arc from `from` to `to` > from, between what neighbours hide; -1: all of the circle. */
+/* A free arc from `from` to `to` > from. */
 typedef struct arc {
     double from, to;
-    int32_t before, after;
+    bool whole; /* without ends */
 } arc;
 
-/* The next free arc at or after the k-th hidden part; those up to there end at *end. */
-static bool next_arc(const roll *v, size_t *k, double *end, int32_t *by, arc *free) {
+/* The next free arc behind the k-th hidden part; those up to there end at *end. */
+static bool next_arc(const roll *v, size_t *k, double *end, arc *free) {
     while (*k < v->hidden_count) {
         const hidden *h = &v->hidden[(*k + 1) % v->hidden_count];
         const double begin = h->begin + (*k + 1 == v->hidden_count ? turn : 0.0);
-        const bool found = begin - *end > gap;
-        *free = (arc){*end, begin, *by, h->by};
-        if (begin + h->width > *end) *end = begin + h->width, *by = h->by;
+        *free = (arc){*end, begin, false};
+        *end = fmax(*end, begin + h->width);
         (*k)++;
-        if (found) return true;
+        if (free->to - free->from > gap) return true;
     }
     return false;
 }
@@ -89,7 +86,7 @@ static bool next_arc(const roll *v, size_t *k, double *end, int32_t *by, arc *fr
 static void each_arc(roll *v, void (*see)(roll *v, const void *circle, const arc *free),
                      const void *circle) {
     const size_t n = v->hidden_count;
-    arc free = {0.0, turn, -1, -1};
+    arc free = {0.0, turn, true};
     if (!n) {
         see(v, circle, &free);
         return;
@@ -97,11 +94,9 @@ static void each_arc(roll *v, void (*see)(roll *v, const void *circle, const arc
     qsort(v->hidden, n, sizeof *v->hidden, by_begin);
     size_t k = 0;
     double end = v->hidden[0].begin + v->hidden[0].width;
-    int32_t by = v->hidden[0].by;
     for (size_t i = 0; i < n; i++) /* that reach over 2 pi */
-        if (v->hidden[i].begin + v->hidden[i].width - turn > end)
-            end = v->hidden[i].begin + v->hidden[i].width - turn, by = v->hidden[i].by;
-    while (next_arc(v, &k, &end, &by, &free)) see(v, circle, &free);
+        end = fmax(end, v->hidden[i].begin + v->hidden[i].width - turn);
+    while (next_arc(v, &k, &end, &free)) see(v, circle, &free);
 }
 
 /* --- in space --- */
@@ -164,11 +159,11 @@ static void hide_circle(roll *v, const circle *c) {
             gn_dot3(way, way) + c->radius * c->radius - reach_of(v, k) * reach_of(v, k);
         const double most = 2.0 * c->radius * far;
         if (left <= -most && left < 0.0) {
-            v->hidden[0] = (hidden){0.0, turn, (int32_t)k};
+            v->hidden[0] = (hidden){0.0, turn};
             v->hidden_count = 1;
             return;
         }
-        if (most > 0.0) hide(v, atan2(y, x), left / most, (int32_t)k);
+        if (most > 0.0) hide(v, atan2(y, x), left / most);
     }
 }
 
@@ -208,18 +203,14 @@ static double edge_direction(const circle *c, int side, const arc *free) {
     return sum;
 }
 
-/* Mean direction in which what holds the ball at an end of an arc lies. */
-static void middle_of_cap(const roll *v, const circle *c, double angle, double middle[3]) {
-    const size_t i = c->member[0], j = c->member[1];
+/* Mean of the unit vectors to a ball from what it touches, i among them, from which it is `first`.
+ */
+static void middle_of_cap(const roll *v, size_t i, const double first[3], double middle[3]) {
     const double near = 1e-6;
-    double first[3], second[3];
-    to_ball(c, 0, angle, first);
-    to_ball(c, 1, angle, second);
-    for (int a = 0; a < 3; a++) middle[a] = first[a] + second[a];
+    memcpy(middle, first, 3 * sizeof *middle);
     for (size_t n = v->start[i]; n < v->start[i + 1]; n++) {
         const size_t k = (size_t)v->neighbour[n];
         double way[3];
-        if (k == j) continue;
         way_between(v, k, i, way);
         for (int a = 0; a < 3; a++) way[a] += reach_of(v, i) * first[a];
         const double far = sqrt(gn_dot3(way, way));
@@ -244,7 +235,7 @@ static void add_sector(const double a[3], const double b[3], double area[3]) {
 static void add_cap(roll *v, const circle *c, double angle, bool begins) {
     double n[2][3], middle[3], between[3], size = 0.0;
     for (int side = 0; side < 2; side++) to_ball(c, side, angle, n[side]);
-    middle_of_cap(v, c, angle, middle);
+    middle_of_cap(v, c->member[0], n[0], middle);
     for (int a = 0; a < 3; a++) {
         between[a] = n[0][a] + n[1][a];
         size += between[a] * between[a];
@@ -309,7 +300,7 @@ static void add_side(roll *v, const circle *c, const arc *free, int side) {
 static void add_arc(roll *v, const void *of, const arc *free) {
     const circle *c = of;
     for (int side = 0; side < 2; side++) add_side(v, c, free, side);
-    if (free->before < 0) return;
+    if (free->whole) return;
     add_cap(v, c, free->from, true);
     add_cap(v, c, free->to, false);
 }
@@ -349,21 +340,12 @@ static void add_touched(roll *v, size_t p) {
 
 /* --- in the plane --- */
 
-/* Where the ball is held by i and j at an end of what it touches of i: unit vector to it from the
- * middle of its arc between them. Adds what i gets of that to its arms. */
-static void middle_of_arc(roll *v, size_t i, size_t j, double angle, double middle[2]) {
-    const double *x = place_of(v, i), *z = place_of(v, j), n[2] = {cos(angle), sin(angle)};
-    double other[2], far = 0.0, size = 0.0;
-    for (int a = 0; a < 2; a++) {
-        other[a] = x[a] + reach_of(v, i) * n[a] - z[a];
-        far += other[a] * other[a];
-    }
-    for (int a = 0; a < 2; a++) {
-        middle[a] = n[a] + other[a] / sqrt(far);
-        size += middle[a] * middle[a];
-    }
-    const double half = acos(fmin(0.5 * sqrt(size), 1.0));
-    for (int a = 0; a < 2; a++) middle[a] = size > 0.0 ? middle[a] / sqrt(size) : n[a];
+/* Unit vector to the ball, where it is held at an end of what it touches of i, from the middle of
+ * its arc between what it touches. Adds what i gets of that to its arms. */
+static void middle_of_arc(roll *v, size_t i, double angle, double middle[3]) {
+    const double n[3] = {cos(angle), sin(angle), 0.0};
+    middle_of_cap(v, i, n, middle);
+    const double half = acos(fmin(gn_dot3(n, middle), 1.0));
     for (int k = 0; k < GN_ROLLED_LAYERS; k++) {
         const double t = layer_of(v, k);
         v->rolled->arms[k][i] += t * (reach_of(v, i) * sin(half) - t * half);
@@ -373,13 +355,13 @@ static void middle_of_arc(roll *v, size_t i, size_t j, double angle, double midd
 static void add_plane_arc(roll *v, const void *of, const arc *free) {
     const size_t i = *(const size_t *)of;
     const double reach = reach_of(v, i), width = free->to - free->from;
-    double from[2], to[2];
+    double from[3], to[3];
     v->touched[i] = true;
     for (int k = 0; k < GN_ROLLED_LAYERS; k++)
         v->rolled->arms[k][i] += pow(reach - layer_of(v, k), 2.0) * width;
-    if (free->before < 0) return;
-    middle_of_arc(v, i, (size_t)free->before, free->from, from);
-    middle_of_arc(v, i, (size_t)free->after, free->to, to);
+    if (free->whole) return;
+    middle_of_arc(v, i, free->from, from);
+    middle_of_arc(v, i, free->to, to);
     for (int k = 0; k < GN_ROLLED_LAYERS; k++) {
         const double t = layer_of(v, k);
         const double x = reach * (cos(free->to) - cos(free->from)) - t * (to[0] - from[0]);
@@ -397,7 +379,7 @@ static void roll_in_plane(roll *v, size_t i) {
         double length, height, way[3];
         if (!cuts(v, i, j, &length, &height)) continue;
         way_between(v, i, j, way);
-        hide(v, atan2(way[1], way[0]), height / reach_of(v, i), (int32_t)j);
+        hide(v, atan2(way[1], way[0]), height / reach_of(v, i));
     }
     each_arc(v, add_plane_arc, &i);
 }
