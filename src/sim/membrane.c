@@ -176,9 +176,12 @@ gneiss_status gn_membrane_press(gn_world *w, gneiss_error *error) {
     for (size_t p = 0; p < q->soa.count; p++) {
         if (!gn_is_pressed(q, p)) continue;
         gn_cofactor3(gn_membrane_gradient_at(w, p), turn);
-        for (int a = 0; a < 3; a++)
-            q->applied[4 * p + a] =
-                q->load[4 * p + a] - pressure * gn_dot3(turn + 3 * a, q->skin + 4 * p);
+        for (int a = 0; a < 3; a++) q->applied[4 * p + a] = gn_dot3(turn + 3 * a, q->skin + 4 * p);
     }
+    /* Between looks as well, lest what moves otherwise than the skin as a whole turns it. */
+    if (m->follow && w->dem.membrane->bodies == 1.0) gn_membrane_rebalance(w, q->applied);
+    for (size_t p = 0; p < q->soa.count; p++)
+        for (int a = 0; a < 3 && gn_is_pressed(q, p); a++)
+            q->applied[4 * p + a] = q->load[4 * p + a] - pressure * q->applied[4 * p + a];
     return GNEISS_OK;
 }

@@ -44,10 +44,13 @@ typedef struct gn_skin_body {
     int32_t is;
 } gn_skin_body;
 
-/* The least change of the areas in q->skin of a body after which their moment about 0, with
- * particles at `place` (rows of 4), is `moment`, m3. */
-void gn_membrane_balance(gn_world *world, gn_skin_body body, const double *place,
-                         const double moment[3]);
+/* The least change of the areas (rows of 4, as q->skin) of a body after which their moment about 0,
+ * with particles at `place` (rows of 4), is `moment`, m3. */
+void gn_membrane_balance(const gn_world *world, gn_skin_body body, const double *place,
+                         const double moment[3], double *area);
+/* Of the areas of all, as the skin has moved as a whole and particles are now, to the moment that
+ * the surface has. */
+void gn_membrane_rebalance(const gn_world *world, double *area);
 
 /* Applied forces of the instant; before the forces of a step. */
 gneiss_status gn_membrane_press(gn_world *world, gneiss_error *error);

@@ -225,7 +225,7 @@ static void finish(gn_world *w, const view *v, gn_skin_body body, double *arms) 
     double at_centres = 0.0, ways = 0.0;
     set_surface(w, v, body, surface_at(w, v, body, given, space.bearing), arms);
     close_surface(q, body);
-    gn_membrane_balance(w, body, q->start, none);
+    gn_membrane_balance(w, body, q->start, none, q->skin);
     for (size_t p = 0; p < q->soa.count; p++) {
         if (!gn_is_of(body, p)) continue;
         at_centres += gn_dot3(q->skin + 4 * p, q->start + 4 * p) / d;

@@ -72,16 +72,16 @@ static void solve3(const double k[9], const double b[3], double x[3]) {
 
 /* Areas act at centres, not where the pieces are: together they would turn the specimen. The least
  * change that restores the moment of the surface, A_i b x (x_i - mean), changes no force. */
-void gn_membrane_balance(gn_world *w, gn_skin_body body, const double *place,
-                         const double moment[3]) {
-    gn_particles *q = &w->dem.particles;
+void gn_membrane_balance(const gn_world *w, gn_skin_body body, const double *place,
+                         const double moment[3], double *area) {
+    const gn_particles *q = &w->dem.particles;
     double mean[3] = {0}, sum = 0.0, missing[3], k[9] = {0}, b[3], turn[3];
     memcpy(missing, moment, sizeof missing);
     for (size_t p = 0; p < q->soa.count; p++) {
         if (!gn_is_pressed_of(q, body, p)) continue;
         sum += q->skin[4 * p + 3];
         for (int a = 0; a < 3; a++) mean[a] += q->skin[4 * p + 3] * place[4 * p + a];
-        gn_cross3(place + 4 * p, q->skin + 4 * p, turn);
+        gn_cross3(place + 4 * p, area + 4 * p, turn);
         for (int a = 0; a < 3; a++) missing[a] -= turn[a];
     }
     for (int a = 0; a < 3; a++) mean[a] /= sum;
@@ -99,7 +99,7 @@ void gn_membrane_balance(gn_world *w, gn_skin_body body, const double *place,
         if (!gn_is_pressed_of(q, body, p)) continue;
         for (int a = 0; a < 3; a++) d[a] = place[4 * p + a] - mean[a];
         gn_cross3(b, d, change);
-        for (int a = 0; a < 3; a++) q->skin[4 * p + a] += q->skin[4 * p + 3] * change[a];
+        for (int a = 0; a < 3; a++) area[4 * p + a] += q->skin[4 * p + 3] * change[a];
     }
 }
 
