@@ -325,8 +325,8 @@ static const gn_quantity of_the_model[] = {
     {"strain", "1", "average strain of the specimen, tension positive", GN_TENSOR, GN_BEFORE_STEP,
      &always, read_strain, no_strain},
     {"stress", "Pa",
-     "average stress of the specimen, tension positive, over its volume at the start: of several "
-     "bodies without a shape that of the hull about all, with a membrane what it encloses of all",
+     "average stress of the specimen, tension positive; of bodies without a shape over the hull "
+     "about all, with a membrane over what it encloses",
      GN_TENSOR, GN_AFTER_STEP, &always, read_stress, NULL},
     {"box", "m", "lengths of the periodic box; 0 along an axis without sides", GN_VECTOR,
      GN_BEFORE_STEP, &boxed, read_box, NULL},

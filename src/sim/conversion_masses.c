@@ -172,8 +172,7 @@ gneiss_status gn_conversion_keep(const gn_conversion *c, const gn_tally *before,
     gn_tally missing = gn_conversion_tally(c);
     missing.mass = before->mass - missing.mass;
     for (int a = 0; a < 3; a++) missing.moment[a] = before->moment[a] - missing.moment[a];
-    if (!scale_masses(c, GN_TAKERS_CHANGED, &missing))
-        scale_masses(c, GN_TAKERS_TIED, &missing);
+    if (!scale_masses(c, GN_TAKERS_CHANGED, &missing)) scale_masses(c, GN_TAKERS_TIED, &missing);
     GN_TRY(gn_coupled_weigh(c->world, error));
     GN_TRY(check_mass(c, before, error));
     keep_momentum(c, before);

@@ -65,7 +65,7 @@ typedef struct gn_membrane {
     double arms[9];     /* ways from the centres that bear the areas, turned back by the gradient */
     double enclosed; /* m3, by the surface of particles without a shape, at the start; 0: there is a
                         shape */
-    double bodies; /* that the skin is of, at the last look; those that are not closed as one */
+    double bodies;   /* that the skin is of, at the last look; those that are not closed as one */
 } gn_membrane;
 
 /* A part of the surface that one particle bears, where things were at the start, in doubles, as
