@@ -232,11 +232,11 @@ def bending_of_elements_gives_their_modulus(folder):
 def a_bending_test_is_held_against_its_beam(folder):
     """Each number by itself; what is right is not warned of, here, with four points, nor in the scenes."""
     def told(given):
-        return re.findall(r"warning: (.*(?:test\.|mid-span).*)", gneiss("check", write_scene(folder, given)).stdout)
+        return re.findall(r"warning: \S*scene.yaml:\d+:\d+: test: (.*)", gneiss("check", write_scene(folder, given)).stdout)
     four = {"load_span": 0.04, "upper": ["load", "other"]}
-    for test, doubt in (({}, None), (four, None), ({"span": 0.1 * SPAN}, "test.span is"), ({"height": 1.2 * HEIGHT}, "test.height is"),
-                        ({"notch": 0.5 * NOTCH}, "test.notch is"), ({"notch": None}, "test.notch is"), ({**four, "load_span": 0.08}, "test.load_span is"),
-                        ({**four, "load_span": None}, "test.load_span is")):
+    for test, doubt in (({}, None), (four, None), ({"span": 0.1 * SPAN}, "span is"), ({"height": 1.2 * HEIGHT}, "height is"),
+                        ({"notch": 0.5 * NOTCH}, "notch is"), ({"notch": None}, "notch is"), ({**four, "load_span": 0.08}, "load_span is"),
+                        ({**four, "load_span": None}, "load_span is")):
         given = beam(test=test)
         given["test"] = {key: value for key, value in given["test"].items() if value is not None}
         if "upper" in test:
@@ -252,7 +252,7 @@ def a_bending_test_is_held_against_its_beam(folder):
     beside["sets"][2]["select"]["box"] = {"min": [0.066, 0.036], "max": [0.074, 0.044]}
     assert "the load is at" in told(beside)[0]
     out = run_scene(folder, beam(time={"end": 1e-5}, test={"span": 0.1 * SPAN}))
-    assert [w["text"] for w in summary(out)["warnings"] if w["name"] == "test_geometry"][0].startswith("test.span is 0.016 m"), summary(out)
+    assert [w["text"] for w in summary(out)["warnings"] if w["name"] == "test_geometry"][0].split(": test: ")[1].startswith("span is 0.016 m"), summary(out)
     elements = {"dimension": 3, "elements": {"beam": {"length": 0.36, "height": 0.04, "thickness": 0.03, "span": 0.32, "notch_depth": 0.01, "notch_width": 0.002, "cell": 0.02},
                 "materials": [{"young": 30e9, "poisson": 0.2, "density": 2400}],
                 "motions": [{"name": "supports", "group": "supports", "motion": {"vy": 0}}, {"name": "load", "group": "load", "motion": {"vy": -0.02}}]},
@@ -260,7 +260,10 @@ def a_bending_test_is_held_against_its_beam(folder):
     right = {"kind": "bending", "axis": "y", "lower": "supports", "upper": "load", "span": 0.32, "notch": 0.01, "height": 0.04, "thickness": 0.03}
     for key in (None, "span", "height", "notch", "thickness"):
         found = told({**elements, "test": {**right, **({key: 0.9 * right[key]} if key else {})}})
-        assert len(found) == bool(key) and all(text.startswith(f"test.{key} is") for text in found), (key, found)
+        assert len(found) == bool(key) and all(text.startswith(f"{key} is") for text in found), (key, found)
+    del elements["elements"]["beam"]["notch_depth"], elements["elements"]["beam"]["notch_width"]
+    assert told({**elements, "test": right}) == ["notch is 0.01 m, the specimen has one of 0 m"], told({**elements, "test": right})
+    assert not told({**elements, "test": {**right, "notch": 0}})
 
 
 # --- membrane -------------------------------------------------------------------------------------------
@@ -548,15 +551,66 @@ def what_is_let_go_or_was_never_held_comes_off_as_what_breaks_does(folder):
         assert not force[:3].any() and (force[3:] > 0).sum() > 10, force
 
 
+def middle_stress(out, regions, dimension=3):
+    """Mean stress over boxes or balls (half width or radius, m) about the middle: of every contact its force times what of the way between
+    the centres lies within."""
+    with results(out) as file:
+        x = file["particles/position"][:][:, :dimension]
+        i, j, force = (np.concatenate([file[f"{kind}/{name}"][:] for kind in ("bonds", "contacts") if kind in file]) for name in ("i", "j", "force"))
+    i, j = i.reshape(-1), j.reshape(-1)
+    middle, found = (x.min(axis=0) + x.max(axis=0)) / 2, []
+    start, way = x[i] - middle, x[j] - x[i]
+    for kind, size in regions:
+        at = (np.arange(400) + 0.5) / 400
+        points = start[:, None, :] + at[None, :, None] * way[:, None, :]
+        inside = (np.abs(points).max(axis=2) if kind == "box" else np.linalg.norm(points, axis=2)) < size
+        volume = (2 * size) ** dimension if kind == "box" else 4 / 3 * np.pi * size ** 3 if dimension == 3 else np.pi * size ** 2
+        found.append((inside.mean(axis=1) * (force[:, :dimension] * way).sum(axis=1)).sum() / dimension / volume)
+    return np.mean(found)
+
+
+def resting(particles, dimension=3):
+    return scene(dimension, specimen={"particles": particles}, bonds={"interaction_range": 0.05}, membrane={"pressure": 1e6, "ramp": 2e-4},
+                 damping={"background": {"model": "nonviscous_vector", "coefficient": 0.7}}, time={"end": 6e-4})
+
+
 @fact
-def a_hull_far_from_the_surface_of_the_particles_is_warned_of(folder):
-    """Of a hollow body; two bodies have each their own."""
+def the_middle_of_a_lattice_has_the_pressure(folder):
+    """Of n^3 spheres from a list, over the cells in the middle. (Was 0.88, 0.91 of it for 5 and 9.)"""
+    for n in (5, 9):
+        particles = [[2e-3 * i, 2e-3 * j, 2e-3 * k, 1e-3] for i in range(n) for j in range(n) for k in range(n)]
+        found = middle_stress(run_scene(folder, resting(particles), name=f"n{n}"), [("box", 1e-3 * (n - 2))])
+        assert abs(found / -1e6 - 1) < 0.005, (n, found)
+
+
+@fact
+def the_middle_of_what_is_cut_from_a_packing_has_the_pressure(folder):
+    """Balls of some 260 spheres: of each the middle scatters by 2 %, and in the mean of eight it is 1.6 % above the pressure, as where bonds
+    were cut what is left gives way more than their number says. (Scaled to the hull it was 11 to 40 % above.)"""
+    box = {"dimension": 3, "specimen": {"box": {"size": ["20 mm"] * 3}, "particles": 4000, "packing": {"size_ratio": 2}}, "run": {"threads": 1}}
+    expect(gneiss("pack", write_scene(folder, box, "box.yaml"), "--out", os.path.join(folder, "packed"), "--quiet"), 0)
+    rows, found = np.loadtxt(os.path.join(folder, "packed", "packing.txt")), []
+    for k in range(4):
+        centre = rows[:, :3].mean(axis=0) + 4.3e-3 * np.array([1 - 2 * (k % 2), 1 - 2 * (k // 2), 1 - 2 * ((k + 1) % 2)])
+        ball = rows[np.linalg.norm(rows[:, :3] - centre, axis=1) < 5e-3]
+        out = run_scene(folder, resting(ball[:, :4].tolist()), name=f"b{k}")
+        found.append(middle_stress(out, [("ball", size) for size in np.linspace(1.8e-3, 3.2e-3, 8)]))
+    assert abs(np.mean(found) / -1e6 - 1) < 0.04, found
+
+
+@fact
+def a_hollow_body_is_pressed_on_its_own_surface(folder):
+    """A square ring of discs that is open on one side, not on its hull: each face of a cell that is free bears the pressure, inside as
+    outside. Two bodies have each their own."""
     rows = [[2e-3 * i, 2e-3 * j, 1e-3] for i in range(9) for j in range(9)]
-    ring = [row for row in rows if max(abs(row[0] - 8e-3), abs(row[1] - 8e-3)) > 5e-3 and not (row[0] > 9e-3 and abs(row[1] - 8e-3) < 5e-3)]
+    ring = [row for row in rows if max(abs(row[0] - 8e-3), abs(row[1] - 8e-3)) > 3e-3 and not (row[0] > 9e-3 and abs(row[1] - 8e-3) < 3e-3)]
     for name, particles in (("block", rows), ("bodies", rows + [[x + 0.05, y, r] for x, y, r in rows]), ("ring", ring)):
-        given = scene(2, specimen={"particles": particles}, membrane={"pressure": 1e5}, time={"end": 1e-5})
-        names = [warning["name"] for warning in summary(run_scene(folder, given, name=name))["warnings"]]
-        assert ("membrane_hull" in names) == (name == "ring"), (name, names)
+        given = scene(2, specimen={"particles": particles}, membrane={"pressure": 1e5}, time={"end": 2e-9, "step": 1e-9})
+        with results(run_scene(folder, given, name=name)) as file:
+            x, force = file["particles/position"][:][:, :2], file["particles/applied_force"][:][:, :2]
+        enclosed = -(x * force).sum() / 2 / 1e5
+        columns = sum((np.abs(x[:, a] - y[a] - 2e-3) < 1e-6) @ (np.abs(x[:, 1 - a] - y[1 - a]) < 1e-6) for a in range(2) for y in x)
+        assert abs(enclosed / (columns * 4e-6 / 2) - 1) < 0.05, (name, enclosed, columns * 2e-6)
 
 
 @fact
@@ -595,7 +649,7 @@ def yield_under_pressure_takes_poissons_ratio_below_zero(folder):
     for name, crush in (("whole", {}), ("yields", {"yield_stress_1": "1 MPa", "yield_ratio_1": 3})):
         walls = [{"name": end, "point": [0, y], "normal": [0, sign], "stiffness": "20 GN/m", "passive": True,
                   "motion": {"vy": [[6e-4, 0], [6.5e-4, 0.1 * sign]]}} for end, y, sign in (("bottom", 0, 1), ("top", height, -1))]
-        given = scene(2, specimen={"lattice": {"kind": "hexagonal", "radius": radius, "cells": [columns, rows_of, 1]}}, walls=walls,
+        given = scene(2, specimen={"lattice": {"kind": "hexagonal", "radius": radius, "cells": [columns, rows_of // 2, 1]}}, walls=walls,
                       law={"stiffness": "dempack", "gamma": 0.8, "softening": "ratio"}, membrane={"pressure": [[0, 0], [5e-4, 3e7]]},
                       test={"kind": "biaxial", "axis": "y", "lower": "bottom", "upper": "top", "length": height,
                             "diameter": radius * (2 * columns + 1)}, time={"end": 1.5e-3})
@@ -974,8 +1028,7 @@ def the_scene_of_the_shear_test_gives_a_strength_under_its_normal_stress(folder)
 
 @fact
 def a_membrane_on_particles_without_a_shape_does_not_turn_them(folder):
-    """Springs k along the axes, 2 r apart, give a cubic lattice K = k/(6 r). A ball does not give edges the share of the surface that
-    their layers of springs have; edges are 12 n of 6 n^2 particles, and by half of their share K may be off: 12 % with 8 a side."""
+    """Springs k along the axes, 2 r apart, give a cubic lattice K = k/(6 r), of 8 spheres a side as of many."""
     lattice = {"specimen": {"lattice": {"kind": "cubic", "radius": "1 mm", "cells": [8, 8, 8]}}, "law": {"stiffness": "uniform"},
                "materials": [{"name": "m", "density": 2000, "normal_stiffness": 1e6, "kratio": 2, "friction": 0.3,
                               "bond_tension_limit": 1e9, "bond_shear_limit": 1e9}], "bonds": {"interaction_range": 0.05},
@@ -983,7 +1036,7 @@ def a_membrane_on_particles_without_a_shape_does_not_turn_them(folder):
                "membrane": {"pressure": "0.1 MPa", "ramp": "10 ms"}, "test": {"kind": "hydrostatic"}, "time": {"end": "10 ms"},
                "output": {"history_rows": 200, "snapshots": 0}}
     out = run_scene(folder, lattice)
-    assert abs(readings(out)["bulk_modulus"] / (1e6 / 6e-3) - 1) < 0.12, readings(out)["bulk_modulus"]
+    assert abs(readings(out)["bulk_modulus"] / (1e6 / 6e-3) - 1) < 0.01, readings(out)["bulk_modulus"]
     with results(out) as file:
         x, u = file["particles/position"][:], file["particles/displacement"][:]
         start = x - u

@@ -149,14 +149,18 @@ static void forces_and_moments_are_in_balance(void **state) {
 #define SIDE 12
 static const double pitch = 2e-3, half = 0.5 * SIDE * 2e-3;
 
-static gn_world *block(void) {
+static gn_world *lattice_of(int dimension, int side) {
     return world_of(
-        "dimension: 3\nspecimen: {lattice: {kind: cubic, radius: 1 mm, cells: [%d, %d, %d]}}\n"
+        "dimension: %d\nspecimen: {lattice: {kind: %s, radius: 1 mm, cells: [%d, %d, %d]}}\n"
         "materials: [{name: m, density: 2650, contact_modulus: 1e9, kratio: 2, friction: "
         "0.5, tensile_strength: 3e6, shear_strength: 3e6}]\nlaw: {stiffness: harmonic}\n"
         "bonds: {interaction_range: 0.1}\nmembrane: {pressure: 7 MPa}\n"
         "time: {end: 1}\nrun: {threads: 1}\n",
-        SIDE, SIDE, SIDE);
+        dimension, dimension == 3 ? "cubic" : "square", side, side, dimension == 3 ? side : 1);
+}
+
+static gn_world *block(void) {
+    return lattice_of(3, SIDE);
 }
 
 /* Wider by `most` in the middle than at the ends. */
@@ -191,13 +195,39 @@ static double force_across(const gn_world *w, const double centre[3]) {
 /* Pa: of forces at centres and ways to the surface, over the volume at the start. */
 static void mean_stress(const gn_world *w, double stress[9]) {
     const gn_particles *q = &w->dem.particles;
+    const double volume = gn_membrane_volume(w);
     double force[3];
     for (int k = 0; k < 9; k++) stress[k] = 0;
     for (size_t p = 0; p < q->soa.count; p++) {
         force_on(w, p, force);
-        for (int k = 0; k < 9; k++) stress[k] += force[k / 3] * q->pos[4 * p + k % 3] / w->volume;
+        for (int k = 0; k < 9; k++) stress[k] += force[k / 3] * q->pos[4 * p + k % 3] / volume;
     }
     gn_membrane_stress(w, stress);
+}
+
+/* Of n^3 spheres each chain along an axis bears the pressure on a face of a cell, so that the
+ * stress is the pressure in every cell: the surface is that of n^3 cells. (Areas by the directions
+ * in which a ball touches a particle, scaled to the hull, were 0.87 of a face for 12^3 and 0.76 for
+ * 5^3, and what edges had too much of came to the middle in part only.) */
+static void a_lattice_is_pressed_on_the_faces_of_its_cells(void **state) {
+    (void)state;
+    for (int side = 5; side <= 9; side += 4)
+        for (int dimension = 2; dimension <= 3; dimension++) {
+            gn_world *w = lattice_of(dimension, side);
+            const gn_particles *q = &w->dem.particles;
+            const double face = pow(pitch, dimension - 1), last = 0.5 * (side - 1) * pitch;
+            double centre[3] = {0};
+            for (size_t p = 0; p < q->soa.count; p++)
+                for (int a = 0; a < 3; a++) centre[a] += q->start[4 * p + a] / (double)q->soa.count;
+            for (size_t p = 0; p < q->soa.count; p++)
+                for (int a = 0; a < dimension; a++) {
+                    const double at = q->start[4 * p + a] - centre[a];
+                    const double want = fabs(at) > 0.9 * last ? copysign(face, at) : 0;
+                    assert_near(q->skin[4 * p + a], want, 0.005 * face);
+                }
+            assert_close(w->dem.membrane->enclosed, pow(side * pitch, dimension), 0.005);
+            world_end(w);
+        }
 }
 
 /* Of any stretch the mean stress is the pressure times the volume over that at the start. */
@@ -395,7 +425,7 @@ static void stress_at_start(gn_world *w, double volume, double stress[9]) {
     for (size_t p = 0; p < q->soa.count; p++)
         memcpy(q->pos + 4 * p, q->start + 4 * p, 3 * sizeof *q->pos);
     mean_stress(w, stress);
-    for (int k = 0; k < 9; k++) stress[k] *= w->volume / volume;
+    for (int k = 0; k < 9; k++) stress[k] *= gn_membrane_volume(w) / volume;
 }
 
 /* Of a block without a shape, whose cells are cubes: the rest is one of ten a side, with twelve
@@ -513,6 +543,7 @@ int main(void) {
         cmocka_unit_test(areas_follow_an_affine_motion_as_nanson_says),
         cmocka_unit_test(dead_loads_stay_what_they_are),
         cmocka_unit_test(forces_and_moments_are_in_balance),
+        cmocka_unit_test(a_lattice_is_pressed_on_the_faces_of_its_cells),
         cmocka_unit_test(a_stretched_block_has_the_pressure),
         cmocka_unit_test(the_pressure_is_held_where_a_block_bulges),
         cmocka_unit_test(what_lay_beneath_a_chip_is_pressed),

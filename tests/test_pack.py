@@ -725,7 +725,7 @@ def sizes_that_too_few_particles_cannot_have_are_told(folder):
         specimen = {"disc": {"diameter": 1}, "particles": particles, "packing": packing}
         scene = {"dimension": 2, "specimen": specimen, "materials": [{"name": "a", "density": 1, "young": 1, "poisson": 0.2}], "law": {"stiffness": "dempack"},
                  "time": {"step": 1e-6, "end": 1e-6}, "run": {"threads": 1}}
-        path, pattern = write_scene(folder, scene), r"specimen.packing.(size_ratio|sieve) asks for radii of 1 to (\S+), and the \d+ particles have 1 to ([\d.]+)"
+        path, pattern = write_scene(folder, scene), r"scene.yaml:\d+:\d+: specimen.packing.(size_ratio|sieve) asks for radii of 1 to (\S+), and the \d+ particles have 1 to ([\d.]+)"
         packed = gneiss("pack", path, "--out", os.path.join(folder, "pack" + name), "--quiet")
         expect(packed, 0)
         expect(checked := gneiss("check", path), 0)

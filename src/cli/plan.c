@@ -453,6 +453,9 @@ static void print_membrane(const gn_world *w) {
         skin += w->dem.particles.skin[4 * p + 3] > 0.0;
     printf("  membrane         %.6g m2 of the surface on %zu particles\n", gn_membrane_area(w),
            skin);
+    if (w->dem.membrane->enclosed > 0.0)
+        printf("  within it        %.6g m3%s, to which the mean stress refers\n",
+               w->dem.membrane->enclosed, w->scene.dimension == 3 ? "" : " (1 m thick)");
 }
 
 static gneiss_status check_particles(const gn_world *w, int *warnings, gneiss_error *error) {

@@ -321,10 +321,11 @@ bool gn_pack_is_narrow(const gn_scene *scene, double least, double most, size_t 
     if (curve)
         snprintf(above, sizeof above, ", and %.0f %% of the mass should be in larger ones",
                  100.0 * (1.0 - gn_sizes_share(&sizes, found * smallest)));
+    const char *key = uniform ? "specimen.packing.size_ratio" : "specimen.packing.sieve";
     snprintf(text, size,
-             "specimen.packing.%s asks for radii of 1 to %.4g, and the %zu particles have 1 to "
-             "%.4g%s: too few to have one of each size; more of them, or a narrower range",
-             uniform ? "size_ratio" : "sieve", asked, particles, found, above);
+             "%s asks for radii of 1 to %.4g, and the %zu particles have 1 to %.4g%s: too few to "
+             "have one of each size; more of them, or a narrower range",
+             gn_scene_at(scene, scene->specimen.where, key).text, asked, particles, found, above);
     return true;
 }
 

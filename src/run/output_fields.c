@@ -6,6 +6,7 @@
 #include "sim/conversion.h"
 #include "sim/coupling.h"
 #include "sim/internal.h"
+#include "sim/membrane.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -372,7 +373,8 @@ gneiss_status gn_output_view_make(const gn_world *w, const gn_observed *seen, gn
     gn_assembly assembly = gn_world_assembly(w);
     assembly.bonds = &seen->bonds;
     assembly.pairs = &seen->pairs;
-    gn_stress_particles(&assembly, gn_world_porosity(w), v->stress);
+    const double solid = (1.0 - gn_world_porosity(w)) * w->volume / gn_membrane_volume(w);
+    gn_stress_particles(&assembly, 1.0 - solid, v->stress);
     gneiss_status status = gn_coupled_add_stress(w, v->stress, error);
     if (status == GNEISS_OK) status = read_loads(v, error);
     if (status != GNEISS_OK) {

@@ -324,8 +324,10 @@ static const gn_quantity of_the_model[] = {
      GN_AFTER_STEP, &central, read_centre_stress, NULL},
     {"strain", "1", "average strain of the specimen, tension positive", GN_TENSOR, GN_BEFORE_STEP,
      &always, read_strain, no_strain},
-    {"stress", "Pa", "average stress of the specimen, tension positive", GN_TENSOR, GN_AFTER_STEP,
-     &always, read_stress, NULL},
+    {"stress", "Pa",
+     "average stress of the specimen, tension positive; of bodies without a shape over the hull "
+     "about all, with a membrane over what it encloses",
+     GN_TENSOR, GN_AFTER_STEP, &always, read_stress, NULL},
     {"box", "m", "lengths of the periodic box; 0 along an axis without sides", GN_VECTOR,
      GN_BEFORE_STEP, &boxed, read_box, NULL},
     SCALAR(always, GN_AFTER_STEP, "unbalanced", "1", read_unbalanced,

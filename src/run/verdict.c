@@ -49,11 +49,16 @@ gneiss_status gn_run_verdict(const gn_run *run, gneiss_error *error) {
     return fail(run, " at the end", error);
 }
 
+static gn_warning *add(gn_warnings *list, const char *name) {
+    gn_warning *to = &list->warning[list->count++];
+    to->name = name;
+    return to;
+}
+
 static void warn_of_residual(const gn_run *run, gn_warnings *list) {
     const gn_world *w = &run->world;
     if (!beyond(run, w->scene.residual_warning)) return;
-    gn_warning *to = &list->warning[list->count++];
-    to->name = "energy_residual";
+    gn_warning *to = add(list, "energy_residual");
     snprintf(
         to->text, sizeof to->text,
         "%.3g of the %.4g J that have gone through are unexplained (run.residual_warning: %g); "
@@ -68,8 +73,7 @@ static void warn_of_change(const gn_run *run, gn_warnings *list) {
     double limit = w->scene.residual_warning;
     if (!(w->effects & GN_FX_ENERGY && limit > 0.0)) return;
     if (!(fabs(e->step_change) > limit * gn_energy_scale(e))) return;
-    gn_warning *to = &list->warning[list->count++];
-    to->name = "energy_step_change";
+    gn_warning *to = add(list, "energy_step_change");
     snprintf(to->text, sizeof to->text,
              "%.3g of the %.4g J that have gone through came from lowering the step while the "
              "model vibrated, or from masses raised later on (run.residual_warning: %g); a smaller "
@@ -102,8 +106,7 @@ static void warn_of_gain(const gn_run *run, gn_warnings *list) {
         name = losses[k].name;
     }
     if (!(-least > limit * gn_energy_scale(&w->reading))) return;
-    gn_warning *to = &list->warning[list->count++];
-    to->name = "energy_gain";
+    gn_warning *to = add(list, "energy_gain");
     snprintf(to->text, sizeof to->text,
              "%s was at %.3g of the %.4g J that have gone through, less than nothing: the step is "
              "too long for what vibrated when it happened, and made energy (run.residual_warning: "
@@ -119,8 +122,7 @@ static gneiss_status warn_of_balance(const gn_run *run, gn_warnings *list, gneis
     const gn_readings *r;
     GN_TRY(gn_run_readings(run, &r, error));
     if (!(r->end_imbalance > imbalance_limit)) return GNEISS_OK;
-    gn_warning *to = &list->warning[list->count++];
-    to->name = "end_imbalance";
+    gn_warning *to = add(list, "end_imbalance");
     snprintf(to->text, sizeof to->text,
              "the forces of the two ends of the test differ by %.0f %% of their mean: inertia (the "
              "load is fast), or something else loads or holds the specimen, or an end leaves out a "
@@ -132,16 +134,14 @@ static gneiss_status warn_of_balance(const gn_run *run, gn_warnings *list, gneis
 static void warn_of_step(const gn_run *run, gn_warnings *list) {
     char text[GNEISS_MESSAGE_SIZE];
     if (!*gn_world_step_warning(&run->world, text, sizeof text)) return;
-    gn_warning *to = &list->warning[list->count++];
-    to->name = "time_step";
+    gn_warning *to = add(list, "time_step");
     snprintf(to->text, sizeof to->text, "%.*s", (int)sizeof to->text - 1, text);
 }
 
 static void warn_of_skin(const gn_run *run, gn_warnings *list) {
     double widened = run->world.dem.verlet.widened;
     if (!(widened > 0.0)) return;
-    gn_warning *to = &list->warning[list->count++];
-    to->name = "neighbours_skin";
+    gn_warning *to = add(list, "neighbours_skin");
     snprintf(to->text, sizeof to->text,
              "neighbours.skin of %g m is less than what touches may come apart by in one step: "
              "lists were made with up to %.3g m",
@@ -154,8 +154,7 @@ static void warn_of_softening(const gn_run *run, gn_warnings *list) {
     if (run->world.scene.softening == GN_SOFTENING_NONE) return;
     size_t count = gn_softening_too_long(b);
     if (!count) return;
-    gn_warning *to = &list->warning[list->count++];
-    to->name = "bonds_too_long";
+    gn_warning *to = add(list, "bonds_too_long");
     snprintf(to->text, sizeof to->text,
              "%zu of %zu bonds hold more elastic energy at their tensile strength than they may "
              "dissipate (snap-back), and break at once: smaller particles, more fracture energy or "
@@ -168,8 +167,7 @@ static void warn_of_mass_scaling(const gn_run *run, gn_warnings *list) {
     const gn_mass_scaling *s = &w->dem.scaling;
     if (!(w->effects & GN_FX_MASS_SCALING && s->step > 0.0 && s->reached < (1.0 - 1e-9) * s->step))
         return;
-    gn_warning *to = &list->warning[list->count++];
-    to->name = "mass_scaling";
+    gn_warning *to = add(list, "mass_scaling");
     snprintf(to->text, sizeof to->text,
              "time.mass_scaling asks for a step of %.6g s; with more mass the step was %.6g s at "
              "the start, %.6g s without: what limits it does not grow with the masses",
@@ -180,8 +178,7 @@ static void warn_of_mass_scaling(const gn_run *run, gn_warnings *list) {
 static void warn_of_no_steps(const gn_run *run, gn_warnings *list) {
     const gn_world *w = &run->world;
     if (!run->finished || w->step > 0 || w->halt[0]) return;
-    gn_warning *to = &list->warning[list->count++];
-    to->name = "no_steps";
+    gn_warning *to = add(list, "no_steps");
     snprintf(to->text, sizeof to->text,
              "time.end (%g s) is less than half a step of %.4g s: no step was taken, and nothing "
              "has happened",
@@ -192,8 +189,7 @@ static void warn_of_no_steps(const gn_run *run, gn_warnings *list) {
 static void warn_of_stages(const gn_run *run, gn_warnings *list) {
     const gn_world *w = &run->world;
     if (!run->finished || !gn_run_stages_left(run)) return;
-    gn_warning *to = &list->warning[list->count++];
-    to->name = "stages_left";
+    gn_warning *to = add(list, "stages_left");
     snprintf(to->text, sizeof to->text,
              "time.end (%g s) came while the run was in stage '%s' (%zu of %zu), whose end had not "
              "come: a later time.end, or another condition under its end",
@@ -203,8 +199,7 @@ static void warn_of_stages(const gn_run *run, gn_warnings *list) {
 static void warn_of_lost(const gn_run *run, gn_warnings *list) {
     size_t count = gn_coupled_lost(&run->world);
     if (!count) return;
-    gn_warning *to = &list->warning[list->count++];
-    to->name = "zones_lost";
+    gn_warning *to = add(list, "zones_lost");
     snprintf(to->text, sizeof to->text,
              "%zu particles left zones that they share with elements, which are no more than their "
              "part of the body there",
@@ -214,8 +209,7 @@ static void warn_of_lost(const gn_run *run, gn_warnings *list) {
 static void warn_of_zones(const gn_run *run, gn_warnings *list) {
     size_t count = gn_coupled_broken(&run->world);
     if (!count) return;
-    gn_warning *to = &list->warning[list->count++];
-    to->name = "zones_broken";
+    gn_warning *to = add(list, "zones_broken");
     snprintf(to->text, sizeof to->text,
              "%zu bonds broke in zones that particles and elements share, where elements hold on: "
              "the zone has to be farther away from where it cracks",
@@ -226,8 +220,7 @@ static void warn_of_zones(const gn_run *run, gn_warnings *list) {
 static void warn_of_added_mass(const gn_run *run, gn_warnings *list) {
     const gn_dem *d = &run->world.dem;
     if (!(run->world.effects & GN_FX_MASS_SCALING && d->scaling.added > d->mass)) return;
-    gn_warning *to = &list->warning[list->count++];
-    to->name = "added_mass";
+    gn_warning *to = add(list, "added_mass");
     snprintf(to->text, sizeof to->text,
              "time.mass_scaling added %.3g times the particles' own mass: nothing like it was "
              "measured, and readings may be those of waves",
@@ -243,8 +236,7 @@ static void warn_of_sources(const gn_run *run, gn_warnings *list) {
         double behind = gn_flow_behind(w, k);
         if (!(s->full > 0.0 && behind > 0.01 * fmax(0.0, w->time - d->start))) continue;
         const char *wall = gn_flow_wall_before(w, k);
-        gn_warning *to = &list->warning[list->count++];
-        to->name = "source_behind";
+        gn_warning *to = add(list, "source_behind");
         snprintf(to->text, sizeof to->text,
                  "source '%s' found no room %.0f times and is %.4g s behind its rate: %.0f "
                  "particles, %.4g kg came in; %s%s%s",
@@ -308,39 +300,25 @@ static void warn_of_servos(const gn_run *run, gn_warnings *list) {
         gn_servo_row mean = active ? look_at_servo(run, wall, axis, &share) : (gn_servo_row){0};
         if (!is_off(mean) && share <= share_limit) continue;
         const char *name = axis >= 0 ? (const char *[]){"x", "y", "z"}[axis] : s->walls[wall].name;
-        used += (size_t)snprintf(text + used, sizeof text - used, "%s%s '%s' %.4g of %.4g %s",
-                                 used ? ", " : "", axis >= 0 ? "side" : "wall", name, mean.found,
-                                 mean.wanted, axis >= 0 ? "Pa" : "N");
+        const char *unit = axis >= 0 ? "Pa" : "N";
+        used += (size_t)snprintf(text + used, sizeof text - used,
+                                 "%s%s '%s' has %.4g %s in the mean of the last rows and is to "
+                                 "hold %.4g %s",
+                                 used ? "; " : "", axis >= 0 ? "side" : "wall", name, mean.found,
+                                 unit, mean.wanted, unit);
         if (share > share_limit && used < sizeof text)
             used += (size_t)snprintf(text + used, sizeof text - used,
-                                     " (off by more than a tenth in %.0f %% of the %s since it "
-                                     "first held)",
+                                     " (and was off by more than a tenth in %.0f %% of the %s "
+                                     "since it first held)",
                                      100.0 * share, gn_run_staged(run) ? "stage" : "run");
     }
     if (!used) return;
-    gn_warning *to = &list->warning[list->count++];
-    to->name = "servo_not_held";
-    snprintf(
-        to->text, sizeof to->text,
-        "%.*s in the mean of the last rows: the run ended before it "
-        "held, or the servo is too slow for what gives way (its relaxation, its max_velocity, a "
-        "wall much stiffer than what it presses on)",
-        (int)sizeof to->text - 200, text);
-}
-
-/* The areas of particles without a shape add up to their hull. */
-static void warn_of_hull(const gn_run *run, gn_warnings *list) {
-    const gn_membrane *m = run->world.dem.membrane;
-    const double most = 1.4; /* of one body that is not hollow some 0.7 to 1.1 */
-    if (!m || !(m->hull > most)) return;
-    gn_warning *to = &list->warning[list->count++];
-    to->name = "membrane_hull";
-    snprintf(
-        to->text, sizeof to->text,
-        "the hull of a body of particles is %.2g times what their surface encloses (it is concave "
-        "or hollow), and the membrane's areas are those of the hull: the pressure on the particles "
-        "is too high by as much; give the specimen its shape",
-        m->hull);
+    gn_warning *to = add(list, "servo_not_held");
+    snprintf(to->text, sizeof to->text,
+             "%.*s: there was too little time, or what it presses on gives way faster than the "
+             "servo follows; a later end, a larger max_velocity, max_rate or relaxation, or a wall "
+             "that is less stiff, lets it hold",
+             (int)sizeof to->text - 230, text);
 }
 
 /* Bodies that others could meet, but for their shape. */
@@ -353,8 +331,7 @@ static void warn_of_bodies(const gn_run *run, gn_warnings *list) {
             first = k;
         }
     if (!count) return;
-    gn_warning *to = &list->warning[list->count++];
-    to->name = "bodies_pass";
+    gn_warning *to = add(list, "bodies_pass");
     snprintf(to->text, sizeof to->text,
              "%zu bod%s, as '%.60s', pass%s through other bodies: a surface that is not closed and "
              "convex meets particles and walls only",
@@ -364,16 +341,15 @@ static void warn_of_bodies(const gn_run *run, gn_warnings *list) {
 static void warn_of_sizes(const gn_run *run, gn_warnings *list) {
     char text[GNEISS_MESSAGE_SIZE];
     if (!gn_specimen_is_narrow(&run->world, text, sizeof text)) return;
-    gn_warning *to = &list->warning[list->count++];
-    to->name = "packing_sizes";
+    gn_warning *to = add(list, "packing_sizes");
     snprintf(to->text, sizeof to->text, "%.*s", (int)sizeof to->text - 1, text);
 }
 
 static void warn_of_bending(const gn_run *run, gn_warnings *list) {
-    gn_warning *to = &list->warning[list->count];
-    if (!gn_bending_doubts(&run->world, to->text, sizeof to->text)) return;
-    to->name = "test_geometry";
-    list->count++;
+    char text[GNEISS_MESSAGE_SIZE];
+    if (!gn_bending_doubts(&run->world, text, sizeof text)) return;
+    gn_warning *to = add(list, "test_geometry");
+    snprintf(to->text, sizeof to->text, "%.*s", (int)sizeof to->text - 1, text);
 }
 
 /* A factor that goes from one of its bounds to the other and back is no control; one that goes back
@@ -392,8 +368,7 @@ static void warn_of_control(const gn_run *run, gn_warnings *list) {
         beyond_start += back && way[r] < 0.0;
     }
     if (swings < SWINGS && !beyond_start) return;
-    gn_warning *to = &list->warning[list->count++];
-    to->name = "control";
+    gn_warning *to = add(list, "control");
     snprintf(
         to->text, sizeof to->text,
         "%s: test.control.response of %g s is too short for the specimen (several crossings by "
@@ -418,7 +393,6 @@ gneiss_status gn_run_warnings(const gn_run *run, gn_warnings *list, gneiss_error
     warn_of_stages(run, list);
     warn_of_servos(run, list);
     warn_of_control(run, list);
-    warn_of_hull(run, list);
     warn_of_bodies(run, list);
     warn_of_sizes(run, list);
     warn_of_bending(run, list);

@@ -62,8 +62,9 @@ typedef struct gn_membrane_def {
 
 /* How a pair of sides of a periodic box moves; neither table: it stands still. */
 typedef struct gn_box_side {
-    gn_table stress;   /* wanted, compression positive, Pa; or */
-    gn_table rate;     /* 1/s, of its length over its length */
+    gn_table stress; /* wanted, compression positive, Pa; or */
+    gn_table rate;   /* 1/s, of its length over its length */
+    gn_scene_place rate_where;
     double max_rate;   /* 1/s, with stress */
     double relaxation; /* share of the missing stress that is made up per step, (0, 1]; 0: 0.1 */
 } gn_box_side;

@@ -292,7 +292,8 @@ TABLE_OF(initial);
                     "positive; constant or a table; stress or rate"),                              \
         KEY("rate", TABLE, gn_scene, box[K].rate, .unit = "1/s", .range = "[-1e6, 1e6]",           \
             .word = "none", .fallback = "none",                                                    \
-            .text = "prescribed growth of the length of the box over its length"),                 \
+            .text = "prescribed growth of the length of the box over its length",                  \
+            PLACED(gn_scene, box[K].rate_where)),                                                  \
         KEY("max_rate", REAL, gn_scene, box[K].max_rate, .unit = "1/s", .range = "(0, 1e6]",       \
             .word = "none", .fallback = "none",                                                    \
             .text = "needed with stress: most by which the box may shorten or grow"),              \

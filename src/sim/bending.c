@@ -91,7 +91,7 @@ static places places_of(const gn_world *w, const gn_test_end *end, size_t axis) 
 
 typedef struct report {
     char *text;
-    size_t size, used;
+    size_t size, used, before; /* the place comes before what there is to say */
 } report;
 
 /* A number of the test and the range in which the scene has it. */
@@ -99,13 +99,13 @@ static void hold(report *r, const char *key, double given, double low, double hi
                  const char *what) {
     const double slack = tolerance * fmax(fabs(given), fabs(high));
     if ((given >= low - slack && given <= high + slack) || r->used >= r->size) return;
-    const char *between = r->used ? "; " : "";
-    int more = high - low > slack
-                   ? snprintf(r->text + r->used, r->size - r->used,
-                              "%stest.%s is %.4g m, %s %.4g to %.4g m", between, key, given, what,
-                              low, high)
-                   : snprintf(r->text + r->used, r->size - r->used,
-                              "%stest.%s is %.4g m, %s %.4g m", between, key, given, what, high);
+    const char *between = r->used > r->before ? "; " : "";
+    int more =
+        high - low > slack
+            ? snprintf(r->text + r->used, r->size - r->used, "%s%s is %.4g m, %s %.4g to %.4g m",
+                       between, key, given, what, low, high)
+            : snprintf(r->text + r->used, r->size - r->used, "%s%s is %.4g m, %s %.4g m", between,
+                       key, given, what, high);
     r->used += more > 0 ? (size_t)more : 0;
 }
 
@@ -131,11 +131,12 @@ static void hold_spans(const gn_world *w, size_t along, const places *supports, 
     const double slack = tolerance * t->span, low = 0.5 * (supports->low + supports->right_low),
                  high = 0.5 * (supports->left_high + supports->high);
     if (loads.low <= high + slack && loads.high >= low - slack) return;
-    int more = snprintf(r->text + r->used, r->size - r->used,
-                        "%sthe load is at %.4g to %.4g m along %c, mid-span at %.4g m",
-                        r->used ? "; " : "", gn_point_out(w->scene.origin[along], loads.low),
-                        gn_point_out(w->scene.origin[along], loads.high), "xyz"[along],
-                        gn_point_out(w->scene.origin[along], 0.5 * (low + high)));
+    int more =
+        snprintf(r->text + r->used, r->size - r->used,
+                 "%sthe load is at %.4g to %.4g m along %c, mid-span at %.4g m",
+                 r->used > r->before ? "; " : "", gn_point_out(w->scene.origin[along], loads.low),
+                 gn_point_out(w->scene.origin[along], loads.high), "xyz"[along],
+                 gn_point_out(w->scene.origin[along], 0.5 * (low + high)));
     r->used += more > 0 ? (size_t)more : 0;
 }
 
@@ -182,9 +183,10 @@ static double notch_of(const gn_world *w, size_t along, const places *supports) 
 
 bool gn_bending_doubts(const gn_world *w, char *text, size_t size) {
     const gn_test *t = &w->scene.test;
-    report r = {text, size, 0};
-    text[0] = '\0';
     if (t->kind != GN_TEST_BENDING) return false;
+    const int place = snprintf(text, size, "%s: ", gn_scene_at(&w->scene, t->where, "test").text);
+    const size_t before = place > 0 ? (size_t)place : 0;
+    report r = {text, size, before, before};
     const size_t along = along_beam(w), axis = (size_t)t->axis;
     const places supports = places_of(w, &t->lower, along);
     hold_spans(w, along, &supports, &r);
@@ -192,6 +194,8 @@ bool gn_bending_doubts(const gn_world *w, char *text, size_t size) {
     if (w->scene.dimension == 3) hold_extent(w, "thickness", t->thickness, 3 - axis - along, &r);
     const double notch = notch_of(w, along, &supports);
     /* A shape without one may have it cut otherwise, as by groups that do not bond. */
-    if (notch > 0.0) hold(&r, "notch", t->notch, notch, notch, "the specimen has one of");
-    return r.used > 0;
+    const bool whole = notch == 0.0 && w->scene.has_elements && w->scene.elements.has_beam &&
+                       !w->scene.has_specimen;
+    if (notch > 0.0 || whole) hold(&r, "notch", t->notch, notch, notch, "the specimen has one of");
+    return r.used > before;
 }

@@ -143,8 +143,25 @@ static gneiss_status too_fast(const gn_world *w, int a, double strain, gneiss_er
     return gn_fail(error, GNEISS_ERROR_INPUT,
                    "%s: expected a strain of at most %g in a step of %g s, "
                    "found %g",
-                   gn_scene_at(&w->scene, w->scene.periodic_where, key).text, most_strain, w->dt,
+                   gn_scene_at(&w->scene, w->scene.box[a].rate_where, key).text, most_strain, w->dt,
                    strain);
+}
+
+gneiss_status gn_box_narrowed(const gn_world *w, gneiss_status found, gneiss_error *error) {
+    char was[GNEISS_MESSAGE_SIZE];
+    int least = -1;
+    if (found != GNEISS_ERROR_INPUT || w->step == 0 || !gn_box_moved(w)) return found;
+    for (int a = 0; a < (int)w->scene.dimension; a++)
+        if (w->period[a] > 0.0 && (least < 0 || w->period[a] < w->period[least])) least = a;
+    if (least < 0) return found;
+    const bool servo = w->scene.box[least].stress.count > 0;
+    snprintf(was, sizeof was, "%s", error->message);
+    return gn_fail(error, GNEISS_ERROR_UNSTABLE,
+                   "step %lld, t = %g s: %s of side '%c' has shrunk the box to %.3g of its length "
+                   "(%s)%s",
+                   (long long)w->step, w->time, servo ? "the servo" : "the rate", "xyz"[least],
+                   1.0 + gn_box_strain(w, least), was,
+                   servo ? ": what it presses on does not bear the stress" : "");
 }
 
 gneiss_status gn_box_move(gn_world *w, gneiss_error *error) {

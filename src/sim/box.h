@@ -48,6 +48,10 @@ void gn_box_sum_stress(const struct gn_world *world, const struct gn_contacts *l
  * interval that led here, at the forces there are, and the half of the coming one. */
 void gn_box_book(struct gn_world *world);
 gneiss_status gn_box_move(struct gn_world *world, gneiss_error *error);
+/* What a search for neighbours came to: that the box is too narrow for one is the fault of the
+ * scene at the start, later of what moves its sides. */
+gneiss_status gn_box_narrowed(const struct gn_world *world, gneiss_status found,
+                              gneiss_error *error);
 /* m2 (2D: m x 1 m): across the axis along which the box has no sides. */
 double gn_box_section(const struct gn_world *world);
 /* Strain along an axis since the start, over the length there. */

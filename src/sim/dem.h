@@ -63,9 +63,9 @@ typedef struct gn_membrane {
     double missing[3];  /* m2, that the patches do not have of the area of the surface */
     double rest[9];     /* what they do not have of its moment */
     double arms[9];     /* ways from the centres that bear the areas, turned back by the gradient */
-    double hull;        /* what it has over what the surface of particles without a shape encloses a
-                           radius too far out; 0: there is a shape */
-    double bodies; /* that the skin is of, at the last look; those that are not closed as one */
+    double enclosed; /* m3, by the surface of particles without a shape, at the start; 0: there is a
+                        shape */
+    double bodies;   /* that the skin is of, at the last look; those that are not closed as one */
 } gn_membrane;
 
 /* A part of the surface that one particle bears, where things were at the start, in doubles, as

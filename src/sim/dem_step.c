@@ -200,6 +200,7 @@ void gn_dem_book(const gn_world *w, gn_half half, gn_energy *ledger) {
 
 void gn_dem_measure(const gn_world *w, gn_energy *ledger, double stress[9]) {
     const gn_dem_sums *s = &w->dem.done;
+    const double volume = gn_membrane_volume(w);
     ledger->kinetic = s->motion.kinetic;
     ledger->rotational = s->motion.rotational;
     ledger->elastic_normal = s->bonds.elastic_normal + s->pairs.elastic_normal;
@@ -207,7 +208,7 @@ void gn_dem_measure(const gn_world *w, gn_energy *ledger, double stress[9]) {
     ledger->elastic_bending = s->bonds.elastic_bending + s->pairs.elastic_bending;
     ledger->elastic_wall = s->walls.elastic_normal;
     for (int k = 0; k < 9; k++)
-        stress[k] = (s->bonds.stress[k] + s->pairs.stress[k] + s->walls.stress[k]) / w->volume;
+        stress[k] = (s->bonds.stress[k] + s->pairs.stress[k] + s->walls.stress[k]) / volume;
     gn_membrane_stress(w, stress);
 }
 

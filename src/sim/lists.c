@@ -91,7 +91,7 @@ static gneiss_status make_pairs(gn_world *w, gneiss_error *error) {
                            {w->period[0], w->period[1], w->period[2]},
                            w->threads};
     gn_pair_list found = {0};
-    GN_TRY(gn_pairs_find(&query, &found, error));
+    GN_TRY(gn_box_narrowed(w, gn_pairs_find(&query, &found, error), error));
     drop_bonded(w, &found);
     gn_contacts now = {0};
     gneiss_status status = gn_soa_create(&gn_contact_record, &now, found.count,

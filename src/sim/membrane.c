@@ -31,6 +31,11 @@ double gn_membrane_area(const gn_world *w) {
     return gn_membrane_area_of(w, (gn_skin_body){0});
 }
 
+double gn_membrane_volume(const gn_world *w) {
+    const double enclosed = w->dem.membrane ? w->dem.membrane->enclosed : 0.0;
+    return enclosed > 0.0 ? enclosed : w->volume;
+}
+
 void gn_membrane_stress(const gn_world *w, double stress[9]) {
     double turn[9], half[9], arms[9];
     if (!(w->effects & GN_FX_MEMBRANE)) return;
@@ -38,7 +43,7 @@ void gn_membrane_stress(const gn_world *w, double stress[9]) {
     gn_cofactor3(m->gradient, turn);
     gn_product3(turn, m->arms, half);
     gn_product3_bt(half, m->gradient, arms);
-    for (int k = 0; k < 9; k++) stress[k] -= m->pressure * arms[k] / w->volume;
+    for (int k = 0; k < 9; k++) stress[k] -= m->pressure * arms[k] / gn_membrane_volume(w);
 }
 
 /* --- matrices --- */
@@ -171,9 +176,12 @@ gneiss_status gn_membrane_press(gn_world *w, gneiss_error *error) {
     for (size_t p = 0; p < q->soa.count; p++) {
         if (!gn_is_pressed(q, p)) continue;
         gn_cofactor3(gn_membrane_gradient_at(w, p), turn);
-        for (int a = 0; a < 3; a++)
-            q->applied[4 * p + a] =
-                q->load[4 * p + a] - pressure * gn_dot3(turn + 3 * a, q->skin + 4 * p);
+        for (int a = 0; a < 3; a++) q->applied[4 * p + a] = gn_dot3(turn + 3 * a, q->skin + 4 * p);
     }
+    /* Between looks as well, lest what moves otherwise than the skin as a whole turns it. */
+    if (m->follow && w->dem.membrane->bodies == 1.0) gn_membrane_rebalance(w, q->applied);
+    for (size_t p = 0; p < q->soa.count; p++)
+        for (int a = 0; a < 3 && gn_is_pressed(q, p); a++)
+            q->applied[4 * p + a] = q->load[4 * p + a] - pressure * q->applied[4 * p + a];
     return GNEISS_OK;
 }

@@ -9,10 +9,10 @@
  * masses and sets applied. Does nothing without a membrane. */
 gneiss_status gn_membrane_create(gn_world *world, gneiss_error *error);
 
-/* The skin of particles without a shape, by what a ball of the radius `probe` touches from outside
- * (membrane_free.c). Areas go to q->skin; `arms` [particles] are theirs times their ways from the
- * centres, m3, and begin as 0. */
-gneiss_status gn_membrane_free_skin(gn_world *world, double probe, double (*arms)[9],
+/* The skin of particles without a shape, over which a ball of the radius `ball` rolls
+ * (membrane_free.c). Areas go to q->skin; `arms` [particles] are the trace of areas times ways from
+ * the centres, m3, and begin as 0. */
+gneiss_status gn_membrane_free_skin(gn_world *world, double ball, double *arms,
                                     gneiss_error *error);
 
 /* A body with fewer particles than this share of the largest one's has come off it. */
@@ -44,13 +44,20 @@ typedef struct gn_skin_body {
     int32_t is;
 } gn_skin_body;
 
-/* The least change of the areas in q->skin of a body after which their moment about 0, with
- * particles at `place` (rows of 4), is `moment`, m3. */
-void gn_membrane_balance(gn_world *world, gn_skin_body body, const double *place,
-                         const double moment[3]);
+/* The least change of the areas (rows of 4, as q->skin) of a body after which their moment about 0,
+ * with particles at `place` (rows of 4), is `moment`, m3. */
+void gn_membrane_balance(const gn_world *world, gn_skin_body body, const double *place,
+                         const double moment[3], double *area);
+/* Of the areas of all, as the skin has moved as a whole and particles are now, to the moment that
+ * the surface has. */
+void gn_membrane_rebalance(const gn_world *world, double *area);
 
 /* Applied forces of the instant; before the forces of a step. */
 gneiss_status gn_membrane_press(gn_world *world, gneiss_error *error);
+
+/* m3: that the mean stress of the specimen refers to; of particles without a shape what the
+ * membrane encloses at the start. */
+double gn_membrane_volume(const gn_world *world);
 
 /* Pa: of the last step; what it adds to the mean stress of the specimen, between centres and
  * surface.

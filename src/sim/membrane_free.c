@@ -1,62 +1,28 @@
-/* The skin of particles that came without a shape: those that a ball of the mean radius can touch
- * from outside. Where its centre can be is a closed surface of pieces of spheres (Lee & Richards
- * 1971, J. Mol. Biol. 55, 379-400), whose normals go through the particles: its areas hold each
- * other in balance as they are. It lies a radius of the ball too far out; each component is scaled
- * such that the mean stress of the specimen's volume is the pressure. Bodies between which the ball
- * passes have surfaces, and volumes, of their own; a particle by itself is pressed from all sides
- * alike, which is not at all, and so are particles in a row or (in space) in one layer, whose shape
- * tells nothing of how it turns and stretches. */
+/* The skin of particles that came without a shape: the surface over which a ball of the mean radius
+ * rolls (membrane_rolled.h), and of those parallel to it the one of a body all of which bears the
+ * pressure. What it encloses is the volume to which the mean stress of the specimen refers then.
+ * Bodies between which the ball passes have surfaces of their own; a particle by itself is pressed
+ * from all sides alike, which is not at all, and so are particles in a row or (in space) in one
+ * layer, whose shape tells nothing of how it turns and stretches. */
 #include "sim/membrane.h"
 
+#include "base/ball.h"
 #include "base/eigen.h"
 #include "base/memory.h"
-#include "measure/measure.h"
-#include "neigh/pairs.h"
-#include "pack/spheres.h"
 #include "sim/internal.h"
+#include "sim/laboratory.h"
+#include "sim/membrane_rolled.h"
 
 #include <math.h>
 #include <string.h>
 
-/* Directions that are looked at from each particle, by bits. */
-enum { WORDS = 8, DIRECTIONS = 64 * WORDS };
-
 typedef struct view {
-    const gn_world *w;
-    double probe; /* m: radius of the ball */
-    double direction[DIRECTIONS][3];
-    uint64_t *hidden; /* [particles][WORDS] */
     int32_t *body;    /* [particles] one that stands for what the ball does not pass between */
     int32_t *members; /* [particles] of the body that one stands for */
     size_t bodies;
+    gn_rolled rolled;
+    double *borne; /* [particles] m3: sections of contacts that bear times their half lengths */
 } view;
-
-/* Evenly over the sphere (Fibonacci's spiral) or the circle. */
-static void set_directions(view *v) {
-    const double golden = M_PI * (3.0 - sqrt(5.0));
-    for (int k = 0; k < DIRECTIONS; k++) {
-        double z = 1.0 - (2.0 * k + 1.0) / DIRECTIONS, angle = golden * k, rho = sqrt(1.0 - z * z);
-        if (v->w->scene.dimension == 2) {
-            z = 0.0;
-            rho = 1.0;
-            angle = 2.0 * M_PI * (k + 0.5) / DIRECTIONS;
-        }
-        v->direction[k][0] = rho * cos(angle);
-        v->direction[k][1] = rho * sin(angle);
-        v->direction[k][2] = z;
-    }
-}
-
-/* The ball that touches i in a direction d would be in j: |s d - l| < t, s and t the distances at
- * which it touches them, l the way from i to j. */
-static void hide(view *v, size_t i, size_t j) {
-    const double *x = v->w->dem.particles.pos + 4 * i, *y = v->w->dem.particles.pos + 4 * j;
-    double l[3] = {y[0] - x[0], y[1] - x[1], y[2] - x[2]}, s = x[3] + v->probe, t = y[3] + v->probe;
-    double limit = (s * s + gn_dot3(l, l) - t * t) / (2.0 * s);
-    for (int k = 0; k < DIRECTIONS; k++)
-        if (gn_dot3(v->direction[k], l) > limit)
-            v->hidden[WORDS * i + (size_t)k / 64] |= UINT64_C(1) << (k % 64);
-}
 
 static int32_t standing_for(int32_t *body, int32_t p) {
     while (body[p] != p) p = body[p] = body[body[p]];
@@ -68,54 +34,74 @@ static void join(view *v, int32_t i, int32_t j) {
     v->body[a > b ? a : b] = a > b ? b : a;
 }
 
-static void count_bodies(view *v) {
-    const size_t n = v->w->dem.particles.soa.count;
+static void count_bodies(view *v, size_t n) {
     for (size_t p = 0; p < n; p++) v->members[v->body[p] = standing_for(v->body, (int32_t)p)]++;
     for (size_t p = 0; p < n; p++) v->bodies += v->members[p] > 0;
 }
 
-static gneiss_status look(view *v, gneiss_error *error) {
-    const gn_particles *q = &v->w->dem.particles;
-    gn_pair_query query = {.particles = q,
-                           .dimension = (int)v->w->scene.dimension,
-                           .margin = 2.0 * v->probe,
-                           .threads = v->w->threads};
+/* Contacts that are or may be bonded, or touch. */
+static void add_borne(const gn_world *w, view *v, size_t i, size_t j) {
+    const double *x = w->dem.particles.pos + 4 * i, *y = w->dem.particles.pos + 4 * j;
+    const double way[3] = {y[0] - x[0], y[1] - x[1], y[2] - x[2]};
+    const double length = sqrt(gn_dot3(way, way)), radius = fmin(x[3], y[3]);
+    const double range =
+        fmax(w->scene.bonds == GN_SWITCH_ON ? w->scene.interaction_range : 0.0, 0.01);
+    if (length > (1.0 + range) * (x[3] + y[3])) return;
+    const double half = 0.5 * length * (w->scene.dimension == 3 ? radius * radius : radius);
+    v->borne[i] += half;
+    v->borne[j] += half;
+}
+
+static gneiss_status make_view(view *v, size_t n, gneiss_error *error) {
+    bool all = true;
+    for (int k = 0; k < GN_ROLLED_LAYERS; k++) {
+        v->rolled.area[k] = gn_alloc_array(n + 1, sizeof *v->rolled.area[k]);
+        v->rolled.arms[k] = gn_alloc_array(n + 1, sizeof *v->rolled.arms[k]);
+        all = all && v->rolled.area[k] && v->rolled.arms[k];
+    }
+    v->rolled.cell = gn_alloc_array(n + 1, sizeof *v->rolled.cell);
+    v->borne = gn_alloc_array(n + 1, sizeof *v->borne);
+    v->body = gn_alloc_array(n + 1, sizeof *v->body);
+    v->members = gn_alloc_array(n + 1, sizeof *v->members);
+    if (all && v->rolled.cell && v->borne && v->body && v->members) return GNEISS_OK;
+    return gn_fail(error, GNEISS_ERROR_MEMORY, "no memory for a skin");
+}
+
+static void free_view(view *v) {
+    for (int k = 0; k < GN_ROLLED_LAYERS; k++) {
+        gn_free(v->rolled.area[k]);
+        gn_free(v->rolled.arms[k]);
+    }
+    gn_free(v->rolled.cell);
+    gn_free(v->borne);
+    gn_free(v->body);
+    gn_free(v->members);
+}
+
+static gneiss_status look(const gn_world *w, view *v, double ball, gneiss_error *error) {
+    const gn_particles *q = &w->dem.particles;
+    const int dimension = (int)w->scene.dimension;
+    gn_pair_query query = {
+        .particles = q, .dimension = dimension, .margin = 2.0 * ball, .threads = w->threads};
     gn_pair_list pairs = {0};
-    v->hidden = gn_alloc_array(q->soa.count + 1, WORDS * sizeof *v->hidden);
-    v->body = gn_alloc_array(q->soa.count + 1, sizeof *v->body);
-    v->members = gn_alloc_array(q->soa.count + 1, sizeof *v->members);
-    if (!v->hidden || !v->body || !v->members)
-        return gn_fail(error, GNEISS_ERROR_MEMORY, "no memory for a skin");
+    GN_TRY(make_view(v, q->soa.count, error));
     GN_TRY(gn_pairs_find(&query, &pairs, error));
     for (size_t p = 0; p < q->soa.count; p++) v->body[p] = (int32_t)p;
     for (size_t c = 0; c < pairs.count; c++) {
-        hide(v, (size_t)pairs.pair[c][0], (size_t)pairs.pair[c][1]);
-        hide(v, (size_t)pairs.pair[c][1], (size_t)pairs.pair[c][0]);
         join(v, pairs.pair[c][0], pairs.pair[c][1]);
+        add_borne(w, v, (size_t)pairs.pair[c][0], (size_t)pairs.pair[c][1]);
     }
+    count_bodies(v, q->soa.count);
+    v->rolled.particles = q;
+    v->rolled.dimension = dimension;
+    v->rolled.ball = ball;
+    v->rolled.pairs = &pairs;
+    gneiss_status status = gn_rolled_find(&v->rolled, error);
     gn_pair_list_free(&pairs);
-    count_bodies(v);
-    return GNEISS_OK;
+    return status;
 }
 
-/* Areas of the free directions, and arms that end on the particles. */
-static void collect(gn_world *w, const view *v, double (*arms)[9]) {
-    gn_particles *q = &w->dem.particles;
-    const bool space = w->scene.dimension == 3;
-    for (size_t p = 0; p < q->soa.count; p++) {
-        const double radius = q->pos[4 * p + 3], reach = radius + v->probe;
-        const double each = (space ? 4.0 * M_PI * reach * reach : 2.0 * M_PI * reach) / DIRECTIONS;
-        for (int k = 0; k < DIRECTIONS; k++) {
-            if (v->hidden[WORDS * p + (size_t)k / 64] >> (k % 64) & 1) continue;
-            const double *d = v->direction[k];
-            for (int a = 0; a < 3; a++) q->skin[4 * p + a] += each * d[a];
-            q->skin[4 * p + 3] += each;
-            for (int a = 0; a < 9; a++) arms[p][a] += each * radius * d[a / 3] * d[a % 3];
-        }
-    }
-}
-
-/* What a sum over directions leaves of the sum over the closed surface. */
+/* What rounding leaves where the ball is held by more than three. */
 static void close_surface(gn_particles *q, gn_skin_body body) {
     double left[3] = {0}, size = 0.0;
     for (size_t p = 0; p < q->soa.count; p++) {
@@ -128,55 +114,128 @@ static void close_surface(gn_particles *q, gn_skin_body body) {
             q->skin[4 * p + a] -= q->skin[4 * p + 3] / size * left[a];
 }
 
-/* Such that sum a x = V along each axis, x where the areas act: the mean stress is the pressure. */
-static void scale(gn_world *w, gn_skin_body body, double volume, double (*arms)[9]) {
-    gn_particles *q = &w->dem.particles;
-    double factor[3] = {1, 1, 1}, *most = &w->dem.membrane->hull;
-    for (int a = 0; a < (int)w->scene.dimension; a++) {
-        double sum = 0.0;
-        for (size_t p = 0; p < q->soa.count; p++)
-            if (gn_is_of(body, p)) sum += arms[p][4 * a] + q->skin[4 * p + a] * q->pos[4 * p + a];
-        factor[a] = volume / sum;
-        *most = fmax(*most, factor[a]);
-    }
-    for (size_t p = 0; p < q->soa.count; p++) {
-        double *s = q->skin + 4 * p;
-        if (!gn_is_of(body, p)) continue;
-        for (int a = 0; a < 9; a++) arms[p][a] *= factor[a / 3];
-        for (int a = 0; a < 3; a++) s[a] *= factor[a];
-        s[3] = s[3] > 0.0 ? sqrt(gn_dot3(s, s)) : 0.0;
+/* What layers weigh in the surface at a distance of so many of the ball's radii from its centre. */
+static void weigh_layers(double at, double weight[GN_ROLLED_LAYERS]) {
+    for (int k = 0; k < GN_ROLLED_LAYERS; k++) {
+        weight[k] = 1.0;
+        for (int l = 0; l < GN_ROLLED_LAYERS; l++)
+            if (l != k)
+                weight[k] *= (at - gn_rolled_layer[l]) / (gn_rolled_layer[k] - gn_rolled_layer[l]);
     }
 }
 
-/* Of one of several bodies: that of its own hull. */
-static gneiss_status volume_of(const gn_world *w, gn_skin_body body, size_t members, double *volume,
-                               gneiss_error *error) {
+/* m3, of each layer of a body: areas times places of their particles, and what it encloses. */
+typedef struct volumes {
+    double at_centres[GN_ROLLED_LAYERS], enclosed[GN_ROLLED_LAYERS];
+} volumes;
+
+static volumes volumes_of(const gn_world *w, const view *v, gn_skin_body body) {
     const gn_particles *q = &w->dem.particles;
-    gn_particles own;
-    double lower[3], upper[3], *row = gn_alloc_array(members + 1, 4 * sizeof *row);
-    size_t count = 0;
-    if (!row) return gn_fail(error, GNEISS_ERROR_MEMORY, "no memory for a body of a skin");
-    for (size_t p = 0; p < q->soa.count; p++)
-        if (gn_is_of(body, p)) memcpy(row + 4 * count++, q->pos + 4 * p, 4 * sizeof *row);
-    gneiss_status status = gn_particles_of_spheres(row, members, &own, error);
-    gn_free(row);
-    GN_TRY(status);
-    status = gn_packing_hull(&own, (int)w->scene.dimension, volume, lower, upper, error);
-    gn_soa_destroy(&gn_particle_record, &own);
-    return status;
+    const double d = (double)w->scene.dimension, *base = NULL;
+    volumes sums = {0};
+    for (size_t p = 0; p < q->soa.count; p++) {
+        double way[3];
+        if (!gn_is_of(body, p)) continue;
+        if (!base) base = q->start + 4 * p;
+        for (int a = 0; a < 3; a++) way[a] = q->start[4 * p + a] - base[a];
+        for (int k = 0; k < GN_ROLLED_LAYERS; k++) {
+            const double work = gn_dot3(v->rolled.area[k][p], way) / d;
+            sums.at_centres[k] += work;
+            sums.enclosed[k] += work + v->rolled.arms[k][p] / d;
+        }
+    }
+    return sums;
 }
 
-static gneiss_status finish(gn_world *w, gn_skin_body body, size_t members, double (*arms)[9],
-                            gneiss_error *error) {
-    const double none[3] = {0};
-    const double *place = w->dem.particles.start;
-    double volume = w->volume;
-    if (body.group) GN_TRY(volume_of(w, body, members, &volume, error));
-    close_surface(&w->dem.particles, body);
-    gn_membrane_balance(w, body, place, none);
-    scale(w, body, volume, arms);
-    gn_membrane_balance(w, body, place, none); /* of what unlike factors bring back */
-    return GNEISS_OK;
+static double sum_at(const double sums[GN_ROLLED_LAYERS], double at) {
+    double weight[GN_ROLLED_LAYERS], sum = 0.0;
+    weigh_layers(at, weight);
+    for (int k = 0; k < GN_ROLLED_LAYERS; k++) sum += weight[k] * sums[k];
+    return sum;
+}
+
+/* Where a sum, which falls towards larger distances, is `wanted`; at most half a radius of the ball
+ * from what it touches. */
+static double layer_at(const double sums[GN_ROLLED_LAYERS], double wanted) {
+    double low = 0.5, high = 1.5;
+    for (int k = 0; k < 50; k++) {
+        const double middle = 0.5 * (low + high);
+        *(sum_at(sums, middle) > wanted ? &low : &high) = middle;
+    }
+    return 0.5 * (low + high);
+}
+
+/* m3, of a body by what its particles inside have around them; 0: there are too few inside. */
+typedef struct body_space {
+    double bearing; /* through which its contacts bear a pressure that is everywhere the same */
+    double filled;  /* that its particles fill */
+} body_space;
+
+static body_space space_of(const gn_world *w, const view *v, gn_skin_body body) {
+    const gn_particles *q = &w->dem.particles;
+    const int few = 8;
+    double borne[2] = {0}, solid[2] = {0}, space = 0.0;
+    int count = 0;
+    for (size_t p = 0; p < q->soa.count; p++) {
+        if (!gn_is_of(body, p)) continue;
+        const double ball = gn_ball_volume((int)w->scene.dimension, q->pos[4 * p + 3]);
+        const bool inside = v->rolled.cell[p] > 0.0;
+        for (int k = 0; k <= (int)inside; k++) borne[k] += v->borne[p], solid[k] += ball;
+        space += v->rolled.cell[p];
+        count += inside;
+    }
+    if (count < few || !(borne[1] > 0.0)) return (body_space){0};
+    return (body_space){borne[0] / borne[1] * space, solid[0] / solid[1] * space};
+}
+
+/* Where the surface of a body lies, in radii of the ball from its centre. A ball sinks in between
+ * the particles of a lattice, and rides on those that stand out of what a cut has left, to which
+ * fewer contacts lead: what it touches is not where the body ends that bears. An area that is given
+ * says itself where that is. */
+static double surface_at(const gn_world *w, const view *v, gn_skin_body body, double given,
+                         double bearing) {
+    const volumes sums = volumes_of(w, v, body);
+    if (given > 0.0) return layer_at(sums.enclosed, given);
+    return bearing > 0.0 ? layer_at(sums.at_centres, bearing) : 1.0;
+}
+
+static void set_surface(gn_world *w, const view *v, gn_skin_body body, double at, double *arms) {
+    gn_particles *q = &w->dem.particles;
+    double weight[GN_ROLLED_LAYERS];
+    weigh_layers(at, weight);
+    for (size_t p = 0; p < q->soa.count; p++) {
+        double *skin = q->skin + 4 * p;
+        if (!gn_is_of(body, p)) continue;
+        for (int k = 0; k < GN_ROLLED_LAYERS; k++) {
+            for (int a = 0; a < 3; a++) skin[a] += weight[k] * v->rolled.area[k][p][a];
+            arms[p] += weight[k] * v->rolled.arms[k][p];
+        }
+        skin[3] = sqrt(gn_dot3(skin, skin));
+    }
+}
+
+/* The surface of a body, in balance with its particles at their centres. Ways end where it encloses
+ * what the body fills. */
+static void finish(gn_world *w, const view *v, gn_skin_body body, double *arms) {
+    gn_particles *q = &w->dem.particles;
+    const double none[3] = {0}, d = (double)w->scene.dimension;
+    const bool tested = !body.group && w->scene.test.kind != GN_TEST_NONE;
+    const double given = tested ? gn_test_shape(w).volume : 0.0;
+    const body_space space = space_of(w, v, body);
+    double at_centres = 0.0, ways = 0.0;
+    set_surface(w, v, body, surface_at(w, v, body, given, space.bearing), arms);
+    close_surface(q, body);
+    gn_membrane_balance(w, body, q->start, none, q->skin);
+    for (size_t p = 0; p < q->soa.count; p++) {
+        if (!gn_is_of(body, p)) continue;
+        at_centres += gn_dot3(q->skin + 4 * p, q->start + 4 * p) / d;
+        ways += arms[p] / d;
+    }
+    const double volume =
+        given > 0.0 || !(space.filled > at_centres) ? at_centres + ways : space.filled;
+    for (size_t p = 0; p < q->soa.count; p++)
+        if (gn_is_of(body, p)) arms[p] *= (volume - at_centres) / ways;
+    w->dem.membrane->enclosed += volume;
 }
 
 /* Whether the places of a body lie in more than a row (2D) or a layer (3D). */
@@ -197,28 +256,15 @@ static bool spans(const gn_world *w, gn_skin_body body) {
     return values[d - 1] > 1e-6 * values[0];
 }
 
-static void leave_unpressed(gn_world *w, gn_skin_body body, double (*arms)[9]) {
-    gn_particles *q = &w->dem.particles;
-    for (size_t p = 0; p < q->soa.count; p++) {
-        if (!gn_is_of(body, p)) continue;
-        memset(q->skin + 4 * p, 0, 4 * sizeof *q->skin);
-        memset(arms[p], 0, sizeof arms[p]);
-    }
-}
-
-static gneiss_status finish_all(gn_world *w, const view *v, double (*arms)[9],
-                                gneiss_error *error) {
+static gneiss_status finish_all(gn_world *w, const view *v, double *arms, gneiss_error *error) {
     const size_t n = w->dem.particles.soa.count;
     bool pressed = false;
     for (size_t p = 0; p < n; p++) {
         const gn_skin_body body = {v->bodies == 1 ? NULL : v->body, (int32_t)p};
         if (!v->members[p]) continue;
-        if (spans(w, body)) {
-            GN_TRY(finish(w, body, (size_t)v->members[p], arms, error));
-            pressed = true;
-        } else {
-            leave_unpressed(w, body, arms);
-        }
+        if (!spans(w, body)) continue;
+        finish(w, v, body, arms);
+        pressed = true;
     }
     if (pressed || !n) return GNEISS_OK;
     return gn_fail(error, GNEISS_ERROR_INPUT,
@@ -228,17 +274,10 @@ static gneiss_status finish_all(gn_world *w, const view *v, double (*arms)[9],
                                            : "none but such by themselves or in rows");
 }
 
-gneiss_status gn_membrane_free_skin(gn_world *w, double probe, double (*arms)[9],
-                                    gneiss_error *error) {
-    view v = {.w = w, .probe = probe};
-    set_directions(&v);
-    gneiss_status status = look(&v, error);
-    if (status == GNEISS_OK) {
-        collect(w, &v, arms);
-        status = finish_all(w, &v, arms, error);
-    }
-    gn_free(v.hidden);
-    gn_free(v.body);
-    gn_free(v.members);
+gneiss_status gn_membrane_free_skin(gn_world *w, double ball, double *arms, gneiss_error *error) {
+    view v = {0};
+    gneiss_status status = look(w, &v, ball, error);
+    if (status == GNEISS_OK) status = finish_all(w, &v, arms, error);
+    free_view(&v);
     return status;
 }

@@ -131,6 +131,27 @@ static void surface_sums(const gn_world *w, gn_skin_body body, size_t base, doub
     gn_product3_bt(half, m->gradient, tensor);
 }
 
+/* About 0, of sums from a place `base` on. */
+static void moment_of(const double base[3], const double area[3], const double tensor[9],
+                      double moment[3]) {
+    gn_cross3(base, area, moment);
+    for (int a = 0; a < 3; a++)
+        moment[a] +=
+            tensor[3 * ((a + 2) % 3) + (a + 1) % 3] - tensor[3 * ((a + 1) % 3) + (a + 2) % 3];
+}
+
+void gn_membrane_rebalance(const gn_world *w, double *area) {
+    const gn_particles *q = &w->dem.particles;
+    const gn_skin_body all = {0};
+    double sum[3], tensor[9], moment[3];
+    size_t base = 0;
+    while (base < q->soa.count && !gn_is_pressed(q, base)) base++;
+    if (base == q->soa.count) return;
+    surface_sums(w, all, base, sum, tensor);
+    moment_of(q->pos + 4 * base, sum, tensor, moment);
+    gn_membrane_balance(w, all, q->pos, moment, area);
+}
+
 /* What the areas of a body miss of the force of its surface goes to all by their sizes; then the
  * moment is restored. Of a closed surface both are nothing. */
 static void bring_into_balance(gn_world *w, gn_skin_body body, const double *place) {
@@ -145,10 +166,7 @@ static void bring_into_balance(gn_world *w, gn_skin_body body, const double *pla
         memset(area, 0, sizeof area);
         memset(tensor, 0, sizeof tensor);
     }
-    gn_cross3(place + 4 * base, area, moment);
-    for (int a = 0; a < 3; a++)
-        moment[a] +=
-            tensor[3 * ((a + 2) % 3) + (a + 1) % 3] - tensor[3 * ((a + 1) % 3) + (a + 2) % 3];
+    moment_of(place + 4 * base, area, tensor, moment);
     for (size_t p = 0; p < q->soa.count; p++)
         for (int a = 0; a < 3; a++)
             if (gn_is_pressed_of(q, body, p)) area[a] -= q->skin[4 * p + a];
@@ -156,7 +174,7 @@ static void bring_into_balance(gn_world *w, gn_skin_body body, const double *pla
         for (int a = 0; a < 3; a++)
             if (gn_is_pressed_of(q, body, p))
                 q->skin[4 * p + a] += q->skin[4 * p + 3] / sum * area[a];
-    gn_membrane_balance(w, body, place, moment);
+    gn_membrane_balance(w, body, place, moment, q->skin);
 }
 
 /* Bodies whose surface is not closed get OPEN in the place of who stands for them. */

@@ -72,16 +72,16 @@ static void solve3(const double k[9], const double b[3], double x[3]) {
 
 /* Areas act at centres, not where the pieces are: together they would turn the specimen. The least
  * change that restores the moment of the surface, A_i b x (x_i - mean), changes no force. */
-void gn_membrane_balance(gn_world *w, gn_skin_body body, const double *place,
-                         const double moment[3]) {
-    gn_particles *q = &w->dem.particles;
+void gn_membrane_balance(const gn_world *w, gn_skin_body body, const double *place,
+                         const double moment[3], double *area) {
+    const gn_particles *q = &w->dem.particles;
     double mean[3] = {0}, sum = 0.0, missing[3], k[9] = {0}, b[3], turn[3];
     memcpy(missing, moment, sizeof missing);
     for (size_t p = 0; p < q->soa.count; p++) {
         if (!gn_is_pressed_of(q, body, p)) continue;
         sum += q->skin[4 * p + 3];
         for (int a = 0; a < 3; a++) mean[a] += q->skin[4 * p + 3] * place[4 * p + a];
-        gn_cross3(place + 4 * p, q->skin + 4 * p, turn);
+        gn_cross3(place + 4 * p, area + 4 * p, turn);
         for (int a = 0; a < 3; a++) missing[a] -= turn[a];
     }
     for (int a = 0; a < 3; a++) mean[a] /= sum;
@@ -99,7 +99,7 @@ void gn_membrane_balance(gn_world *w, gn_skin_body body, const double *place,
         if (!gn_is_pressed_of(q, body, p)) continue;
         for (int a = 0; a < 3; a++) d[a] = place[4 * p + a] - mean[a];
         gn_cross3(b, d, change);
-        for (int a = 0; a < 3; a++) q->skin[4 * p + a] += q->skin[4 * p + 3] * change[a];
+        for (int a = 0; a < 3; a++) area[4 * p + a] += q->skin[4 * p + 3] * change[a];
     }
 }
 
@@ -149,40 +149,51 @@ static gneiss_status skin_of_shape(gn_world *w, double radius, gn_patch *all, gn
     return status;
 }
 
-/* Without a shape: areas act on the surfaces of the particles, and as those of any closed surface
- * they turn nothing, however it deforms. */
-static void skin_of_particles(gn_world *w, const double (*arms)[9], gn_patch *all) {
-    gn_particles *q = &w->dem.particles;
+/* Of a patch the middle is along its area, on the particle at most; what areas times ways are
+ * beside that are the same along all axes. */
+static void set_patch(gn_patch *patch, const double area[3], double size, const double *at,
+                      double radius, int dimension, double arms) {
+    const double along = size > 0.0 ? fmin(fmax(arms / size, 0.0), radius) : 0.0;
+    double way[3] = {0};
+    patch->size = size;
+    for (int a = 0; a < dimension; a++) {
+        patch->area[a] = area[a];
+        way[a] = size > 0.0 ? along * area[a] / size : 0.0;
+        patch->rest[4 * a] = (arms - along * size) / dimension;
+        for (int b = 0; b < dimension; b++) patch->rest[3 * a + b] += area[a] * way[b];
+    }
+    set_middle(patch, at, way);
+}
+
+/* Without a shape. As of any closed surface the areas times places add up to what they enclose,
+ * alike along all axes, and turn nothing, however it deforms. */
+static void skin_of_particles(gn_world *w, const double *arms, gn_patch *all) {
+    const gn_particles *q = &w->dem.particles;
     const size_t n = q->soa.count;
-    double turning[9] = {0}, sizes = 0.0;
+    const int d = (int)w->scene.dimension;
+    double sum[9] = {0}, sizes = 0.0;
     for (size_t p = 0; p < n; p++) {
-        const double *area = q->skin + 4 * p;
         gn_patch *patch = &all[SIDES * p];
-        double way[3];
-        patch->size = area[3];
-        if (!(area[3] > 0.0)) continue;
-        for (int a = 0; a < 3; a++) {
-            patch->area[a] = area[a];
-            patch->rest[4 * a] = arms[p][4 * a];
-            way[a] = q->pos[4 * p + 3] * area[a] / area[3];
-        }
-        set_middle(patch, q->start + 4 * p, way);
+        if (!(q->skin[4 * p + 3] > 0.0)) continue;
+        set_patch(patch, q->skin + 4 * p, q->skin[4 * p + 3], q->start + 4 * p, q->pos[4 * p + 3],
+                  d, arms[p]);
         sizes += patch->size;
         for (int k = 0; k < 9; k++)
-            if (k % 4 != 0) turning[k] += area[k / 3] * q->start[4 * p + k % 3];
+            sum[k] += patch->area[k / 3] * patch->point[k % 3] + patch->rest[k];
     }
+    for (int a = 0; a < d; a++) sum[4 * a] -= w->dem.membrane->enclosed;
     for (size_t p = 0; p < n; p++)
         for (int k = 0; k < 9 && sizes > 0.0; k++)
-            all[SIDES * p].rest[k] -= all[SIDES * p].size / sizes * turning[k];
+            all[SIDES * p].rest[k] -= all[SIDES * p].size / sizes * sum[k];
 }
 
 static gneiss_status find_patches(gn_world *w, gn_patch *all, gneiss_error *error) {
     const double radius = gn_world_mean_radius(w);
     if (w->scene.specimen.pack.shape != GN_SHAPE_NONE) return skin_of_shape(w, radius, all, error);
-    double(*arms)[9] = gn_alloc_array(w->dem.particles.soa.count + 1, sizeof *arms);
+    double *arms = gn_alloc_array(w->dem.particles.soa.count + 1, sizeof *arms);
     if (!arms) return gn_fail(error, GNEISS_ERROR_MEMORY, "no memory for a membrane");
     gneiss_status status = gn_membrane_free_skin(w, radius, arms, error);
-    if (status == GNEISS_OK) skin_of_particles(w, (const double(*)[9])arms, all);
+    if (status == GNEISS_OK) skin_of_particles(w, arms, all);
     gn_free(arms);
     return status;
 }
