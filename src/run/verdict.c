@@ -321,12 +321,12 @@ static void warn_of_servos(const gn_run *run, gn_warnings *list) {
              (int)sizeof to->text - 230, text);
 }
 
-/* Bodies that others could meet, but for their shape. */
+/* Bodies that others are near to, and could meet but for their shape. */
 static void warn_of_bodies(const gn_run *run, gn_warnings *list) {
     const gn_world *w = &run->world;
     size_t count = 0, first = 0;
     for (size_t k = w->scene.body_count; k-- > 0;)
-        if (gn_body_misses_bodies(w, k)) {
+        if (gn_body_passes_bodies(w, k)) {
             count++;
             first = k;
         }

@@ -35,6 +35,23 @@ bool gn_body_misses_bodies(const gn_world *w, size_t k) {
     return false;
 }
 
+/* Whether two places are as near as the farthest vertices of both reach. */
+static bool reach_each_other(const gn_rigid *a, const gn_rigid *b, const double x[3],
+                             const double y[3]) {
+    const double d[3] = {y[0] - x[0], y[1] - x[1], y[2] - x[2]};
+    return sqrt(gn_dot3(d, d)) <= a->reach + b->reach;
+}
+
+bool gn_body_passes_bodies(const gn_world *w, size_t k) {
+    const gn_convex *c = w->boundary.pairs.convex;
+    const gn_rigid *b = w->boundary.bodies;
+    for (size_t m = 0; c && !c[k].planes && m < w->scene.body_count; m++)
+        if (may_meet(w, k, m) && (reach_each_other(&b[k], &b[m], b[k].start, b[m].start) ||
+                                  reach_each_other(&b[k], &b[m], b[k].position, b[m].position)))
+            return true;
+    return false;
+}
+
 gneiss_status gn_body_pairs_prepare(gn_world *w, gneiss_error *error) {
     gn_body_pairs *p = &w->boundary.pairs;
     size_t bodies = w->scene.body_count, planes = 0, polygons = 0;
@@ -78,12 +95,7 @@ static bool meet(const gn_world *w, size_t a, size_t b, gn_convex_room *room,
                  gn_convex_overlap *o) {
     const gn_rigid *p = &w->boundary.bodies[a], *q = &w->boundary.bodies[b];
     const gn_convex *c = w->boundary.pairs.convex;
-    double reach = p->reach + q->reach, far2 = 0.0;
-    for (int k = 0; k < 3; k++) {
-        double d = q->position[k] - p->position[k];
-        far2 += d * d;
-    }
-    if (far2 > reach * reach) return false;
+    if (!reach_each_other(p, q, p->position, q->position)) return false;
     gn_convex_pose at_a = pose_of(p), at_b = pose_of(q);
     return gn_convex_meet(&c[a], &at_a, &c[b], &at_b, rounding_of(p, q), room, o);
 }

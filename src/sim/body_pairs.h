@@ -44,6 +44,8 @@ gneiss_status gn_body_pairs_check(const gn_world *world, gneiss_error *error);
 bool gn_bodies_meet(const gn_world *world, size_t a, size_t b);
 bool gn_body_meets_bodies(const gn_world *world, size_t body);
 bool gn_body_misses_bodies(const gn_world *world, size_t body);
+/* The same, where one that it misses is, or was at the start, as near as both reach. */
+bool gn_body_passes_bodies(const gn_world *world, size_t body);
 
 /* Lists what is near. `first`: at the start, where what overlaps is not taken for what just met. */
 gneiss_status gn_body_pairs_find(gn_world *world, bool first, gneiss_error *error);
