@@ -322,18 +322,9 @@ def a_run_that_ends_beyond_the_limit_is_written_and_fails(folder):
 @fact
 def a_run_that_would_never_end_is_refused_at_its_place(folder):
     text = json.dumps(spheres(THREE, time=None)).replace('"time": null', '\n"time": {"end": END, "step": STEP}')
-    for end, step in (("1e308", "1e-6"), ("2e-5", "5e-24"), ("1e15", "1e-6"), ("1e7", "1e-6")):
+    for end, step in (("1e308", "1e-6"), ("2e-5", "5e-24"), ("1e15", "1e-6")):
         refused(folder, text.replace("END", end).replace("STEP", step), 2,
-                r"scene\.yaml:2:\d+: time: expected an end within 1e\+12 steps, found \S+ steps of " + f"{float(step):.4g} s")
-
-
-@fact
-def a_body_that_is_far_too_light_is_refused_with_the_steps_that_it_would_take(folder):
-    """Its contacts oscillate within 1e-13 s. (A run went on for ever.)"""
-    light = {"dimension": 3, "specimen": {"particles": [[0.003, 0.005, 0.001, 0.001], [0.006, 0.005, 0.001, 0.001]]}, "law": {"stiffness": "harmonic"},
-             "materials": [{"name": "m", "density": 2650, "contact_modulus": 1e9, "kratio": 2, "friction": 0.5}], "time": {"end": 1},
-             "bodies": [{"name": "b", "box": {"size": [0.01, 0.01, 0.002]}, "origin": [0, 0, -0.00201], "free": True, "mass": 1e-21, "stiffness": 1e6}]}
-    refused(folder, json.dumps(light), 2, r"time: expected an end within 1e\+12 steps, found \S+e\+13 steps of \S+e-1\d s")
+                r"scene\.yaml:2:\d+: time: expected an end within 1e\+15 steps, found \S+ steps of " + f"{float(step):.4g} s")
 
 
 @fact

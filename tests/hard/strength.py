@@ -145,7 +145,7 @@ def fast_spin(folder):
 
 
 RANGE = "every key has a range"
-DURATION = "a run of more than 1e12 steps is refused"
+DURATION = "a run of more than 1e15 steps is refused"
 CASES = [
     Case("no strength", "the least that a bond may have: 1e-30 N", "all bonds break at once, the ledger closes",
          pulled(1e-30, 1e-30, initial={"random_velocity": 0.1}), falls_apart,
