@@ -124,7 +124,7 @@ double gn_sink_steady_rate(const gn_history *history, const char *sink);
 /* What is to be said beside the results, each by a name that scripts can look for. */
 typedef struct gn_warning {
     const char *name;
-    char text[GNEISS_MESSAGE_SIZE];
+    char text[640]; /* lists are on the stack */
 } gn_warning;
 enum { GN_WARNINGS_MAX = 23 };
 typedef struct gn_warnings {
