@@ -481,8 +481,8 @@ static void a_step_that_holds_is_below_the_limit_of_all_near_contacts(void **sta
         bool held = true;
         for (double part = 0.1; part < 1.2; part += 0.02) {
             bool holds;
-            assert_int_equal(
-                gn_step_holds_by_sums(&s->spectrum, part * limit.sharp, &holds, NULL), GNEISS_OK);
+            assert_int_equal(gn_step_holds_by_sums(&s->spectrum, part * limit.sharp, &holds, NULL),
+                             GNEISS_OK);
             assert_true(holds ? held && part <= 1.0 : part > 0.3); /* neither always nor never */
             held = holds;
         }

@@ -221,8 +221,7 @@ gneiss_status gn_step_holds_by_sums(const gn_spectrum *spectrum, double step, bo
     *holds = held && leave_by_sums(spectrum, 1.0 / step, sums, marked) == 0;
     gn_free(sums);
     gn_free(marked);
-    return held ? GNEISS_OK
-                : gn_fail(error, GNEISS_ERROR_MEMORY, "no memory for %zu particles", n);
+    return held ? GNEISS_OK : gn_fail(error, GNEISS_ERROR_MEMORY, "no memory for %zu particles", n);
 }
 
 void gn_step_marks(const gn_spectrum *spectrum, int32_t *marks) {

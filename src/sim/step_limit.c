@@ -237,7 +237,8 @@ static gneiss_status check_lists(gn_world *w, bool full, bool *fine, gneiss_erro
     follow_fall(w);
     GN_TRY(resolve_listed(w, error));
     if (!full) GN_TRY(gn_dem_limit_far(w, fine, error));
-    if (!full && *fine) return GNEISS_OK; /* the springs at the last look stay those to compare with */
+    if (!full && *fine)
+        return GNEISS_OK; /* the springs at the last look stay those to compare with */
     GN_TRY(look_at_turned(w, error));
     GN_TRY(gn_dem_limit_listed(w, full, fine, error));
     if (!*fine) GN_TRY(look_at_whole(w, fine, error));
