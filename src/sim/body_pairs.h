@@ -63,8 +63,8 @@ double gn_body_pairs_bound(const gn_world *world);
 typedef struct gn_bodies_overlap {
     double depth, force; /* m, N */
 } gn_bodies_overlap;
-gneiss_status gn_bodies_overlap_of(const gn_world *world, size_t a, size_t b,
-                                   gn_bodies_overlap *overlap, gneiss_error *error);
+gneiss_status gn_bodies_overlap_of(const gn_world *world, size_t a, size_t b, gn_bodies_overlap *to,
+                                   gneiss_error *error);
 
 uint64_t gn_body_pairs_hash(const gn_body_pairs *pairs, uint64_t h);
 

@@ -97,6 +97,7 @@ static gneiss_status look(const gn_world *w, view *v, double ball, gneiss_error 
     v->rolled.ball = ball;
     v->rolled.pairs = &pairs;
     gneiss_status status = gn_rolled_find(&v->rolled, error);
+    v->rolled.pairs = NULL;
     gn_pair_list_free(&pairs);
     return status;
 }

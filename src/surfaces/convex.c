@@ -39,7 +39,8 @@ static void weld(const gn_facet_set *s, size_t vertices, welded *w, int32_t *num
     }
     qsort(w, vertices, sizeof *w, by_place);
     for (size_t v = 0; v < vertices; v++) {
-        bool same = v > 0 && memcmp(w[v].x, w[v - 1].x, sizeof w[v].x) == 0;
+        bool same = v > 0;
+        for (int k = 0; same && k < 3; k++) same = w[v].x[k] == w[v - 1].x[k];
         number[w[v].vertex] = same ? number[w[v - 1].vertex] : w[v].vertex;
     }
 }
