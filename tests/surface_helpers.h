@@ -6,6 +6,11 @@
 
 #include <unistd.h>
 
+#define assert_ok(call, error)                                                                     \
+    do {                                                                                           \
+        if ((call) != GNEISS_OK) fail_msg("%s", (error)->message);                                 \
+    } while (0)
+
 /* Triangles as corners. */
 typedef struct soup {
     size_t count;

@@ -15,11 +15,6 @@ static const char head2[] =
     "materials: [{name: m, density: 2500, normal_stiffness: 1, kratio: 2}]\n"
     "law: {stiffness: uniform}\ndomain: {min: [-99, -99], max: [99, 99]}\nrun: {threads: 1}\n";
 
-#define assert_ok(call, error)                                                                     \
-    do {                                                                                           \
-        if ((call) != GNEISS_OK) fail_msg("%s", (error)->message);                                 \
-    } while (0)
-
 static void step(gn_world *w) {
     measured_step(w);
 }
