@@ -64,6 +64,31 @@ def resume_with_other_threads_gives_the_same_bits(folder):
 
 
 @fact
+def bound_threads_have_a_core_each(folder):
+    if len(os.sched_getaffinity(0)) < 2:
+        raise Skip("one core")
+    environment = {**ENVIRONMENT, "OMP_PROC_BIND": "true"}
+    for name in ("OMP_WAIT_POLICY", "GOMP_SPINCOUNT"):
+        environment.pop(name, None)
+    process = subprocess.Popen(command("run", UCS, "--threads", 2, "--quiet", "--out", os.path.join(folder, "run")), env=environment,
+                               stdout=subprocess.DEVNULL)
+    places = set()
+
+    def bound():
+        try:
+            threads = [open(f"/proc/{process.pid}/task/{task}/status").read() for task in os.listdir(f"/proc/{process.pid}/task")]
+        except OSError:
+            return False
+        places.update(re.search(r"Cpus_allowed_list:\s*(\S+)", text).group(1) for text in threads)
+        return len(threads) > 1 and all("," not in place and "-" not in place for place in places) and len(places) > 1
+
+    wait_until(process, bound)
+    process.kill()
+    process.wait()
+    assert len({place for place in places if place.isdigit()}) > 1, f"threads on cores {places}"
+
+
+@fact
 def killed_early_and_resumed_gives_the_same_bits(folder):
     killed_and_resumed(folder, 1)
 

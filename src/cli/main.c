@@ -294,10 +294,14 @@ static gneiss_status dispatch(const gn_options *o, gneiss_error *error) {
 
 /* Threads meet twice a step. By default the OpenMP library spins for long at such a meeting, and on
  * a machine that others use as well the one that spins keeps the one it waits for from running. A
- * short spin, then sleep, costs nothing on an idle machine. The library reads this before main,
- * hence the second start. */
+ * short spin, then sleep, costs little on an idle machine. The library reads this before main,
+ * hence the second start. Where threads are bound it has put this one on a core of its own by now,
+ * and a second start would be left with that core alone. */
 static void spin_briefly(char **argv) {
-    if (getenv("OMP_WAIT_POLICY") || getenv("GOMP_SPINCOUNT")) return;
+    static const char *const given[] = {"OMP_WAIT_POLICY", "GOMP_SPINCOUNT", "OMP_PROC_BIND",
+                                        "OMP_PLACES", "GOMP_CPU_AFFINITY"};
+    for (size_t k = 0; k < sizeof given / sizeof *given; k++)
+        if (getenv(given[k])) return;
     setenv("GOMP_SPINCOUNT", "20000", 1);
     execv("/proc/self/exe", argv); /* on failure the default has to do */
 }
