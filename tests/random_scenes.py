@@ -270,6 +270,10 @@ class Maker:
             self.softening_of(m, law["softening"], d)
         if d.chance(0.4):
             self.yield_of(d.choice(materials), d)
+        if law["softening"] == "energy" and d.chance(0.5):
+            law["softening_curve"] = "bilinear"
+            if d.chance(0.5):
+                law.update(kink_stress=d.uniform(0.05, 0.9), initial_energy=d.uniform(0.05, 0.95))
 
     def softening_of(self, m, softening, d):
         """Over 0.01 to 50 times the elastic stretch, of a bond of the largest particles; some too short to soften at all."""

@@ -1,102 +1,9 @@
 /* Bonds that soften and yield (src/kernels/law_softening.h): one bond on given paths against
  * formulas and an integrator written down anew, and scenes. */
-#include "kernels/law.h"
-#include "kernels/softening.h"
-#include "run_helpers.h"
 #include "sim/areas.h"
-
-/* Two spheres of 1 mm along x. A step moves them along x or across, so that what is done is exact
- * but for rounding. k_n = 1e7 N/m, k_t = 4e6 N/m, R_n = 20 N, C = 12 N, area (2 mm)^2. */
-typedef struct bond {
-    gn_scene scene;
-    gn_material material;
-    gn_particles p;
-    gn_contacts k;
-    gn_contact_args args;
-    gn_contact_kernel *kernel;
-    gn_contact_sums sums;                      /* of the last step */
-    double lost, damage, breaking, plasticity; /* J, of all */
-    double work;                               /* J, trapezoidal */
-    double force[3], u;
-    bool started;
-} bond;
-
-static const double kn = 1e7, kt = 4e6, rn = 20.0, cohesion = 12.0, area = 4e-6, dt = 1e-6;
-static const double radius = 1e-3;
-
-static const gn_material concrete = {.normal_stiffness = 1e7,
-                                     .kratio = 2.5,
-                                     .friction = 0.3,
-                                     .bond_tension_limit = 20.0,
-                                     .bond_shear_limit = 12.0,
-                                     .bond_friction = 0.8,
-                                     .fracture_energy = 15.0,        /* u_f = 6 um, u_l = 2 um */
-                                     .shear_fracture_energy = 13.5}; /* u_s = 9 um, of 3 um */
+#include "softening_bond.h"
 
 static const double uf = 6e-6, us = 9e-6, mu1 = 0.8, mu2 = 0.3;
-
-static bond *make_of(const gn_material *material, gn_effects law) {
-    bond *t = calloc(1, sizeof *t);
-    gn_effects fx = GN_FX_SPACE | GN_FX_SHEAR | GN_FX_FRICTION | GN_FX_ENERGY | GN_FX_BONDS |
-                    GN_FX_CONTACT_FORCES | GN_FX_MOHR | law;
-    t->scene = (gn_scene){
-        .stiffness = GN_STIFFNESS_UNIFORM, .softening = GN_SOFTENING_ENERGY, .dimension = 3};
-    t->material = *material;
-    assert_int_equal(gn_soa_create(&gn_particle_record, &t->p, 2, fx, NULL), GNEISS_OK);
-    assert_int_equal(gn_soa_create(&gn_contact_record, &t->k, 1, fx, NULL), GNEISS_OK);
-    gn_particles_set_null(&t->p, 1.0);
-    gn_contacts_pad(&t->k, &t->p);
-    t->k.j[0] = 1;
-    t->p.pos[3] = t->p.pos[7] = radius;
-    t->p.pos[4] = 2.0 * radius;
-    t->p.vel[3] = t->p.vel[7] = 1.0;
-    t->k.length0[0] = 2.0 * radius;
-    gn_law_model model = {.scene = &t->scene};
-    gn_law_pair pair = {.a = &t->material, .b = &t->material, .ri = radius, .rj = radius};
-    gn_law_of(fx)->set(&model, &pair, &t->k, 0);
-    t->args = (gn_contact_args){.pos = t->p.pos,
-                                .vel = t->p.vel,
-                                .contacts = &t->k,
-                                .dt = dt,
-                                .arm_factor = 0.5,
-                                .measure = true};
-    t->kernel = gn_kernel_set_at(0)->contact[gn_contact_variant(fx)];
-    assert_non_null(t->kernel);
-    return t;
-}
-
-static bond *make(const gn_material *material, gn_effects more) {
-    return make_of(material, GN_FX_SOFTENING | more);
-}
-
-static void end(bond *t) {
-    gn_soa_destroy(&gn_particle_record, &t->p);
-    gn_soa_destroy(&gn_contact_record, &t->k);
-    free(t);
-}
-
-/* To the stretch `u`, or across by y and z. */
-static void move(bond *t, double u, double y, double z) {
-    double to = 2.0 * radius + u, before[3];
-    double path[3] = {to - t->p.pos[4], y, z};
-    memcpy(before, t->force, sizeof before);
-    for (int a = 0; a < 3; a++) t->p.vel[4 + a] = path[a] / dt;
-    t->p.pos[4] = to;
-    t->sums = (gn_contact_sums){0};
-    t->kernel(&t->args, 0, 1, &t->sums);
-    memcpy(t->force, gn_contacts_row(&t->k), sizeof before);
-    t->u = t->p.pos[4] - 2.0 * radius;
-    for (int a = 0; a < 3; a++) t->work += 0.5 * (before[a] + t->force[a]) * path[a];
-    t->damage += t->sums.damage;
-    t->breaking += t->sums.bond_breaking;
-    t->plasticity += t->sums.plasticity;
-    t->lost += t->sums.damage + t->sums.bond_breaking + t->sums.plasticity + t->sums.friction;
-}
-
-/* Rounding of positions (2 mm: 4e-19 m) over all that is done with the stretch. */
-static const double force_rounding = 2e-11; /* N */
-/* Of sums of some 1e-5 J (pressed: 1e-3 J). */
-static const double energy_rounding = 1e-18;
 
 /* --- tension --- */
 
@@ -395,13 +302,6 @@ static void work_is_stored_or_lost(void **state) {
 
 /* --- parameters and what is told --- */
 
-static void set_again(bond *t, gn_softening softening) {
-    t->scene.softening = softening;
-    gn_law_model model = {.scene = &t->scene};
-    gn_law_pair pair = {.a = &t->material, .b = &t->material, .ri = radius, .rj = radius};
-    gn_law_of(t->k.soa.effects)->set(&model, &pair, &t->k, 0);
-}
-
 /* Pulled (sheared) to just below the end and just beyond it. */
 static void check_end(const gn_material *m, gn_softening softening, bool sheared, double at_end) {
     bond *t = make(m, 0);
@@ -483,20 +383,22 @@ static void what_a_bond_has_gone_through_is_told(void **state) {
 
 /* A bar of a cubic lattice, one end held, the other pulled: all bonds along it are cut at a right
  * angle, and their areas (2 r)^2 add up to the section. */
-static double dissipated_by_bar(int across_bar, double r, const char *precision) {
+static double dissipated_by_bar(int across_bar, double r, const char *precision,
+                                const char *curve) {
     int layers = 6;
     gn_world *w = world_of(
         "dimension: 3\n"
         "specimen: {lattice: {kind: cubic, radius: %g, cells: [%d, %d, %d]}}\n"
         "materials: [{name: m, density: 2650, contact_modulus: 1e9, kratio: 2, tensile_strength: "
         "1e6, shear_strength: 1e6, fracture_energy: 20}]\n"
-        "law: {stiffness: arithmetic, softening: energy}\nbonds: {interaction_range: 0.05}\n"
+        "law: {stiffness: arithmetic, softening: energy, softening_curve: %s}\n"
+        "bonds: {interaction_range: 0.05}\n"
         "damping: {background: {model: viscous, coefficient: 3e4}}\n"
         "sets:\n"
         "  - {name: low, select: {end: {axis: x, side: lower, depth: %g}}, motion: {vx: 0}}\n"
         "  - {name: high, select: {end: {axis: x, side: upper, depth: %g}}, motion: {vx: 0.02}}\n"
         "time: {end: 1}\nrun: {threads: 1, precision: %s}\n",
-        r, layers, across_bar, across_bar, 1.1 * r, 1.1 * r, precision);
+        r, layers, across_bar, across_bar, curve, 1.1 * r, 1.1 * r, precision);
     int64_t bonds = (int64_t)across_bar * across_bar;
     for (int k = 0; k < 40 && w->dem.broken_tension < bonds; k++) run_steps(w, 400);
     assert_int_equal(w->dem.broken_tension, bonds);
@@ -511,12 +413,14 @@ static double dissipated_by_bar(int across_bar, double r, const char *precision)
 static void a_bar_dissipates_its_fracture_energy_whatever_the_size_of_its_particles(void **state) {
     (void)state;
     for (int half = 0; half < 3; half++) {
-        double share = dissipated_by_bar(2 << half, 1e-3 / (1 << half), "double");
+        double share = dissipated_by_bar(2 << half, 1e-3 / (1 << half), "double", "linear");
         print_message("# radius 1 mm/%d: %.4f of the fracture energy of the section\n", 1 << half,
                       share);
         assert_near(share, 1.0, 0.03);
     }
-    assert_near(dissipated_by_bar(2, 1e-3, "mixed"), dissipated_by_bar(2, 1e-3, "double"), 1e-3);
+    double whole = dissipated_by_bar(2, 1e-3, "double", "linear");
+    assert_near(dissipated_by_bar(2, 1e-3, "mixed", "linear"), whole, 1e-3);
+    assert_near(dissipated_by_bar(2, 1e-3, "double", "bilinear"), 1.0, 0.03);
 }
 
 /* Damaged, it swings on through 0 undamped, harder where it pushes: 700 times, 30 steps each. The
@@ -619,7 +523,8 @@ static const char *const busy =
     "yield_ratio_2: 7}\n"
     "  - {name: b, density: 2650, contact_modulus: 2e9, kratio: 3, friction: 0.3, "
     "tensile_strength: 2e6, shear_strength: 1e6, bond_friction: 0.2, fracture_energy: 10}\n"
-    "law: {stiffness: harmonic, coupling: %s, confinement: %s, softening: energy}\n"
+    "law: {stiffness: harmonic, coupling: %s, confinement: %s, softening: energy, softening_curve: "
+    "%s}\n"
     "bonds: {interaction_range: 0.05}\n"
     "damping: {contact: {restitution: 0.8}, background: {model: viscous, coefficient: 100}}\n"
     "gravity: [0, -9.81, 0]\n"
@@ -635,7 +540,8 @@ static const char *const busy =
 static gn_run *busy_run(int dimension, int threads, const char *precision, bool together) {
     return run_of(busy, dimension, dimension == 3 ? "fcc" : "hexagonal",
                   together ? "quadratic" : "linear", together && dimension == 3 ? "mean" : "own",
-                  dimension == 3 ? ", -1" : "", dimension == 3 ? ", 1" : "", threads, precision);
+                  dimension == 3 ? "bilinear" : "linear", dimension == 3 ? ", -1" : "",
+                  dimension == 3 ? ", 1" : "", threads, precision);
 }
 
 static void beside_all_else_threads_and_resumption_give_the_same_bits(void **state) {
@@ -750,29 +656,11 @@ static void coupled_by_squares_either_alone_softens_as_uncoupled(void **state) {
     }
 }
 
-/* One bond by the function alone: a kernel turns the normal with what moves across. */
-typedef struct pure {
-    gn_softening_bond b;
-    gn_cause cause;
-    double u, f, t, work; /* normal and tangential force, trapezoidal work */
-} pure;
-
 static pure begin_pure(void) {
     bond *t = make(&concrete, GN_FX_COUPLED_QUADRATIC);
     pure p = {.b = gn_softening_bond_of(&t->k, 0)};
     end(t);
     return p;
-}
-
-static void go(pure *p, double u, double slip) {
-    gn_softening_way way = {{p->u, u}, {{p->t, 0.0, 0.0}, {p->t + kt * slip, 0.0, 0.0}}};
-    double t[3], f = kn * u, was = p->f, before = p->t;
-    if (u > 0.0) f *= p->b.soft;
-    p->cause = gn_soften(&p->b, &way, &f, t);
-    p->f = p->cause ? 0.0 : f;
-    p->t = p->cause ? 0.0 : t[0];
-    p->work += 0.5 * (was + p->f) * (u - p->u) + 0.5 * (before + p->t) * slip;
-    p->u = u;
 }
 
 /* Opened and slipped along a straight line from the ellipse to (a u_f, b u_s): the forces keep
@@ -991,6 +879,14 @@ static void bad_values_are_refused_where_they_stand(void **state) {
          "fracture_ratio: required by softening ratio, but not given"},
         {"fracture_ratio: 5", ", softening: ratio, fracture_energy_of: body",
          "law.fracture_energy_of: expected softening energy beside body"},
+        {"fracture_ratio: 5", ", softening: ratio, softening_curve: bilinear",
+         "law.softening_curve: expected softening energy beside bilinear"},
+        {"fracture_energy: 5", ", softening: energy, kink_stress: 0.2",
+         "law.kink_stress: expected softening_curve bilinear beside it"},
+        {"fracture_energy: 5", ", softening: energy, initial_energy: 0.5",
+         "law.initial_energy: expected softening_curve bilinear beside it"},
+        {"fracture_energy: 5", ", softening: energy, softening_curve: bilinear, initial_energy: 1",
+         "law.initial_energy: expected a value in [0.01, 0.99]"},
         {"friction: 1", ", softening: soft", "law.softening: expected one of none, energy"},
         {"yield_stress_1: 5e6", "", "yield_ratio_1: required beside its yield_stress"},
         {"yield_ratio_1: 5", "", "yield_stress_1: required beside its yield_ratio"},

@@ -1,8 +1,12 @@
 """A measured beam: Gregoire et al. 2013, depth 50 mm, notched to half of it. What is known of its concrete is put in before a beam is computed, from strips of
-the same packings that are pulled apart; nothing is fitted to the beam. Fills docs/evidence/beams.md; some ten minutes of one core.
+the same packings that are pulled apart; nothing is fitted to the beam. Fills docs/evidence/beams.md; some fifteen minutes of one core.
 
-    /usr/bin/python3 validate/beam_study.py [--fresh]
+    /usr/bin/python3 validate/beam_study.py [--fresh] [linear] [bilinear]
+
+Without a word: both; bilinear: the tables of bonds that soften along two lines alone.
 """
+import sys
+
 import numpy as np
 
 import meshes
@@ -28,7 +32,7 @@ SPEED = 0.01                                       # m/s of the load
 
 def material(contact):
     """`contact`: young, Pa, poisson, tensile strength, Pa, fracture energy, J/m2, of contacts."""
-    young, poisson, tensile, energy = contact
+    young, poisson, tensile, energy = contact[:4]
     return {"name": "concrete", "density": DENSITY, "young": young, "poisson": poisson, "friction": 0.5, "tensile_strength": tensile,
             "shear_strength": SHEAR * tensile, "fracture_energy": energy, "shear_fracture_energy": SHEAR_ENERGY * energy,
             "bond_friction": FRICTION}
@@ -45,10 +49,12 @@ def made(name, scene, settings=None):
 
 
 def body(shape, radius, seed, contact):
+    """`contact`: see material(); a fifth value names the curve along which bonds soften."""
+    curve = {"softening_curve": contact[4]} if len(contact) > 4 else {}
     return {"dimension": 2,
             "specimen": {**shape, "mean_radius": radius, "density_basis": "bulk", "material": "concrete", "group": 1,
                          "packing": {"overlap": "passive", "size_variation": 0.1}},
-            "materials": [material(contact)], "law": {"stiffness": "dempack", "softening": "energy", "coupling": "quadratic"},
+            "materials": [material(contact)], "law": {"stiffness": "dempack", "softening": "energy", "coupling": "quadratic", **curve},
             "bonds": {"interaction_range": 0.1, "passive_gaps": True}, "run": {"seed": seed, "threads": 1}}
 
 
@@ -66,7 +72,7 @@ def strip(radius, seed, contact, opened=None):
              "sets": [{"name": side, "select": {"end": {"axis": "y", "side": side, "depth": 4 * radius}}, "motion": motion[side]} for side in motion],
              "test": {"kind": "tension", "axis": "y", "lower": "lower", "upper": "upper", "length": length, "area": width},
              "time": {"end": opened / 0.04 if opened else 3e-3, **({} if opened else {"stop": {"peak_drop": 0.3}})}}
-    name = f"strip-{1e3 * radius:g}-{seed}-" + "-".join(f"{v:.4g}" for v in contact) + ("-apart" if opened else "")
+    name = f"strip-{1e3 * radius:g}-{seed}-" + "-".join(v if isinstance(v, str) else f"{v:.4g}" for v in contact) + ("-apart" if opened else "")
     return made(name, scene, {"output.history_rows": 600, "run.residual_limit": "off"})
 
 
@@ -88,13 +94,13 @@ def crack_energy(run, contact):
     return lost / (contact[3] * STRIP[0]), np.sum((area * damage)[apart]) / STRIP[0]
 
 
-def calibrate():
+def calibrate(*curve):
     """Contacts with which strips have the measured modulus, strength and, across their cracks, fracture energy; elements that have the strips' modulus
     and contraction. Strips of the larger particles alone. Found in two rounds, the second of which says how far they are met."""
-    contact, rows = (MODULUS / 0.75, 0.2, TENSILE, FRACTURE / 1.38), []
+    contact, rows = (MODULUS / 0.75, 0.2, TENSILE, FRACTURE / 1.38, *curve), []
     for number in range(3):
         found = np.array([elastic(strip(RADII[0], seed, contact)) for seed in SEEDS])
-        opened = 4 * 2 * contact[3] / contact[2]
+        opened = (7.2 if curve else 4) * 2 * contact[3] / contact[2]  # twice where nothing is left
         lost = np.array([crack_energy(strip(RADII[0], seed, contact, opened), contact) for seed in SEEDS])
         modulus, contraction, strength = found.mean(axis=0)
         factor = lost[:, 1].mean()
@@ -102,7 +108,7 @@ def calibrate():
                      text(found[:, 2] / 1e6), text(lost[:, 1]), text(lost[:, 0]), f"{factor * contact[3]:.1f}"])
         print(rows[-1], flush=True)
         if number < 2:
-            contact = tuple(float(f"{v:.4g}") for v in (contact[0] * MODULUS / modulus, contact[1], contact[2] * TENSILE / strength, FRACTURE / factor))
+            contact = tuple(float(f"{v:.4g}") for v in (contact[0] * MODULUS / modulus, contact[1], contact[2] * TENSILE / strength, FRACTURE / factor)) + curve
     return contact, (modulus, contraction), study.table(
         ["round", "E of contacts, GPa", "their strength, MPa", "their G_f, N/m", "modulus of strips, GPa", "contraction", "strength, MPa",
          "lost across the crack, over G_f of contacts", "lost in all, over the same", "across the crack, N/m"], rows)
@@ -274,7 +280,7 @@ def beam_table(found):
     return study.table(["", "particles", "peak, N", "opening there, um", *(f"load at {w:g} mm, N" for w in OPENINGS)], rows)
 
 
-def draw(found):
+def draw(found, picture):
     import matplotlib
 
     matplotlib.use("Agg")
@@ -288,10 +294,10 @@ def draw(found):
         axes.plot(at, load, linewidth=0.9, label=name)
     axes.set(xlabel="opening of the notch's mouth over 20 mm, mm", ylabel="load, N", xlim=(0, 0.2), ylim=(0, 2000))
     axes.legend(loc="upper right", fontsize=8)
-    figure.savefig(PICTURE, dpi=110, metadata={"Software": None})
+    figure.savefig(picture, dpi=110, metadata={"Software": None})
 
 
-def main():
+def of_one_line():
     contact, bulk, calibration = calibrate()
     study.put("beams.md", "table contacts", calibration)
     found = [(f"r {1e3 * radius:g} mm, packing {seed}", beam(radius, seed, contact, bulk)) for radius in RADII for seed in SEEDS[:COUNT[radius]]]
@@ -303,7 +309,23 @@ def main():
         [f"{1e3 * RADII[1]:g}", text(fine[:, 0] / 1e9), text(fine[:, 1]), text(fine[:, 2] / 1e6)]]))
     study.put("beams.md", "table hinge", hinge_table())
     study.put("beams.md", "table beam", beam_table([*found, *others]))
-    draw([*found, *others[1:]])
+    draw([*found, *others[1:]], PICTURE)
+
+
+def of_two_lines():
+    """The same, with bonds that soften as Petersson has it."""
+    contact, bulk, calibration = calibrate("bilinear")
+    study.put("beams.md", "table bilinear contacts", calibration)
+    found = [(f"r {1e3 * RADII[0]:g} mm, packing {seed}", beam(RADII[0], seed, contact, bulk, note="-bilinear")) for seed in SEEDS]
+    found.append((f"r {1e3 * RADII[1]:g} mm, packing 1", beam(RADII[1], 1, contact, bulk, note="-bilinear")))
+    study.put("beams.md", "table bilinear beam", beam_table(found))
+    draw(found, PICTURE.with_name("beams-bilinear.png"))
+
+
+def main():
+    parts = {"linear": of_one_line, "bilinear": of_two_lines}
+    for name in [word for word in sys.argv[1:] if word in parts] or parts:
+        parts[name]()
 
 
 if __name__ == "__main__":

@@ -22,6 +22,26 @@ static double end_of(const gn_law_model *m, double area, double strength, double
     return 0.0;
 }
 
+/* The second line, from the share `kink` of the strengths. The first one, down to an opening that
+ * holds a part of the fracture energy, is there already; `all` and `all_slip`, m, are where a
+ * single line would end that holds all of it. From the kink at the opening w_k (of which the
+ * stretch is more by what is elastic) the second one goes to w_c = (all - w_k)/kink, which makes
+ * the area under both that under the single one. */
+static void bend(double kink, double all, double all_slip, gn_contacts *list, size_t c) {
+    const size_t stride = list->soa.capacity;
+    double *fade = list->fade + c;
+    const double rest = kink * list->rn[c];
+    const double opening = (1.0 - kink) * fade[GN_FADE_END * stride];
+    const double slip = (1.0 - kink) * fade[GN_FADE_SLIP * stride];
+    const double end = (all - opening) / kink;
+    fade[GN_FADE_KINK * stride] = 1.0 - kink;
+    if (opening > 0.0) {
+        fade[GN_FADE_SLOPE_SECOND * stride] = rest / (end - opening - rest / list->kn[c]);
+        fade[GN_FADE_END_SECOND * stride] = end;
+    }
+    if (slip > 0.0) fade[GN_FADE_SLIP_SECOND * stride] = ((all_slip - slip) / kink - slip) / kink;
+}
+
 static void set_fade(const gn_law_model *m, const gn_law_pair *q, double area, gn_contacts *list,
                      size_t c) {
     const gn_material *a = q->a, *b = q->b;
@@ -36,12 +56,17 @@ static void set_fade(const gn_law_model *m, const gn_law_pair *q, double area, g
         m, area, rt, sheared,
         GN_OWN(q, shear_fracture_energy, fmin(a->shear_fracture_energy, b->shear_fracture_energy)),
         fmin(a->shear_fracture_strain, b->shear_fracture_strain) * sqrt(area), ratio);
+    const double all = end, all_slip = slip;
+    const bool bilinear = m->scene->softening_curve == GN_SOFTENING_BILINEAR;
+    if (bilinear) end *= m->scene->initial_energy, slip *= m->scene->initial_energy;
     bool softens = end > pulled;
     list->fade[c + GN_FADE_SLOPE * stride] = softens ? rn / (end - pulled) : 0.0;
     list->fade[c + GN_FADE_END * stride] = softens ? end : 0.0;
     list->fade[c + GN_FADE_COHESION * stride] = rt;
     list->fade[c + GN_FADE_SLIP * stride] = slip > sheared ? slip : 0.0;
     list->fade[c + GN_FADE_FRICTION * stride] = list->mu1[c];
+    for (size_t k = GN_FADE_KINK; k < GN_FADES; k++) list->fade[c + k * stride] = 0.0;
+    if (bilinear) bend(m->scene->kink_stress, all, all_slip, list, c);
 }
 
 static const double never = 1e30; /* N, also in single precision */
@@ -87,6 +112,7 @@ static void weigh(gn_contacts *list, size_t c, double part) {
     const size_t stride = list->soa.capacity;
     gn_linear_weigh(list, c, part);
     list->fade[c + GN_FADE_SLOPE * stride] *= part;
+    list->fade[c + GN_FADE_SLOPE_SECOND * stride] *= part;
     list->fade[c + GN_FADE_COHESION * stride] *= part;
     for (size_t n = 0; list->crush && n < GN_KINKS; n++) list->crush[c + n * stride] *= part;
     if (list->yields) list->yields[c] *= part;
@@ -112,7 +138,7 @@ static double criterion(const gn_contacts *list, size_t c, double normal, double
                         double shear) {
     (void)bent; /* these bonds have no moments */
     double strength = gn_mohr_strength(list, c, normal);
-    double end = list->fade[c + GN_FADE_END * list->soa.capacity];
+    double end = gn_softening_end(list->fade + c, list->soa.capacity);
     double tension =
         end > 0.0 ? normal / (list->soft[c] * list->kn[c] * end) : normal / list->rn[c];
     double sheared = shear > 0.0 ? shear / strength : 0.0;

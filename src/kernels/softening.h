@@ -9,11 +9,15 @@
 
 /* Parameters that only bonds at their strength read (column fade). */
 enum {
-    GN_FADE_SLOPE,    /* N/m, R_n/(u_f - u_l); 0: brittle in tension */
-    GN_FADE_END,      /* m, u_f; 0: brittle */
+    GN_FADE_SLOPE,    /* N/m, R_n/(u_f - u_l) of the first line; 0: brittle in tension */
+    GN_FADE_END,      /* m, u_f, where that line is at nothing; 0: brittle */
     GN_FADE_COHESION, /* N, C of the whole bond */
-    GN_FADE_SLIP,     /* m, u_s; 0: brittle in shear */
+    GN_FADE_SLIP,     /* m, u_s, where its line is at nothing; 0: brittle in shear */
     GN_FADE_FRICTION, /* mu_1 of the whole bond */
+    GN_FADE_KINK,     /* share of the strength that is lost where a second line begins; 0: none */
+    GN_FADE_SLOPE_SECOND, /* N/m */
+    GN_FADE_END_SECOND,   /* m, where nothing is left of the second line */
+    GN_FADE_SLIP_SECOND,  /* m, slip by the second line for a loss of all of the strength */
     GN_FADES
 };
 /* Forces F_i at which the line of pressure bends, in N, as if the bond were elastic; then by how
@@ -47,12 +51,25 @@ static inline bool gn_softening_whole(const gn_softening_bond *b) {
     return b->soft == 1.0 && b->kappa == 0.0;
 }
 
-/* Pulled to the stretch u: down the line of softening; false: broken. */
+/* Of the parameters of a bond, every `stride`-th: the stretch at which it is broken, m; 0: brittle.
+ */
+static inline double gn_softening_end(const double *fade, size_t stride) {
+    double second = fade[GN_FADE_END_SECOND * stride];
+    return second > 0.0 ? second : fade[GN_FADE_END * stride];
+}
+
+/* Has as much of the strength gone (kappa) that the second line goes on? */
+static inline bool gn_softening_second(const gn_softening_bond *b) {
+    return b->fade[GN_FADE_KINK] > 0.0 && b->kappa >= b->fade[GN_FADE_KINK];
+}
+
+/* Pulled to the stretch u: down the lines of softening; false: broken. */
 static inline bool gn_soften_pulled(gn_softening_bond *b, double u, double *normal) {
     if (!(u > 0.0) || b->soft * b->kn * u < b->rn) return true;
-    double left = b->fade[GN_FADE_END] - u;
+    double left = gn_softening_end(b->fade, 1) - u;
     if (!(left > 0.0)) return false;
-    double force = fmin(b->fade[GN_FADE_SLOPE] * left, b->rn);
+    double line = b->fade[GN_FADE_SLOPE] * (b->fade[GN_FADE_END] - u);
+    double force = fmin(fmax(line, b->fade[GN_FADE_SLOPE_SECOND] * left), b->rn);
     if (!(force > 0.0)) return false;
     b->soft = fmin(b->soft, force / (b->kn * u));
     b->rn = force;
@@ -64,8 +81,10 @@ static inline bool gn_soften_pulled(gn_softening_bond *b, double u, double *norm
  * broken. Until kappa has overtaken d the cohesion is that of d. */
 static inline double gn_soften_sheared(gn_softening_bond *b, double n, double size) {
     const double cohesion = b->fade[GN_FADE_COHESION], mu1 = b->fade[GN_FADE_FRICTION];
-    const double end = b->fade[GN_FADE_SLIP], d = b->together ? 0.0 : 1.0 - b->soft;
-    for (int piece = 0; piece < 2; piece++) {
+    const double kink = b->fade[GN_FADE_KINK], d = b->together ? 0.0 : 1.0 - b->soft;
+    for (int piece = 0; piece < 3; piece++) {
+        const bool second = gn_softening_second(b);
+        const double end = b->fade[second ? GN_FADE_SLIP_SECOND : GN_FADE_SLIP];
         double whole = 1.0 - fmax(d, b->kappa);
         double surface = whole * cohesion + ((1.0 - b->kappa) * mu1 + b->kappa * b->mu2) * n;
         double excess = size - fmax(surface, 0.0);
@@ -75,25 +94,41 @@ static inline double gn_soften_sheared(gn_softening_bond *b, double n, double si
         if (surface <= 0.0) slope = 0.0;
         if (!(slope < b->kt)) return -1.0;
         double slip = excess / (b->kt - slope);
-        double room = ((b->kappa < d ? d : 1.0) - b->kappa) * end;
+        double next = b->kappa < d ? d : 1.0;
+        if (kink > b->kappa) next = fmin(next, kink);
+        double room = (next - b->kappa) * end;
         if (slip < room) {
             b->kappa += slip / end;
             return fmax(size - b->kt * slip, 0.0);
         }
         size = fmax(size - b->kt * room, 0.0);
-        if (b->kappa >= d) return -1.0;
-        b->kappa = d;
+        if (!(next < 1.0)) return -1.0;
+        b->kappa = next;
     }
     return size;
 }
 
+/* Coupled by squares the pulled stiffness is (1 - kappa)/(base + more kappa) of itself: base = 1
+ * and more = n - 1 by the first line, by the second one what goes on from there. */
+typedef struct gn_softening_secant {
+    double base, more;
+} gn_softening_secant;
+
+static inline gn_softening_secant gn_softening_secant_of(const gn_softening_bond *b) {
+    const double slope = b->fade[GN_FADE_SLOPE], more = slope > 0.0 ? b->kn / slope : 0.0;
+    if (!gn_softening_second(b)) return (gn_softening_secant){1.0, more};
+    const double slope_second = b->fade[GN_FADE_SLOPE_SECOND];
+    const double second = slope_second > 0.0 ? b->kn / slope_second : 0.0;
+    return (gn_softening_secant){1.0 + (more - second) * b->fade[GN_FADE_KINK], second};
+}
+
 /* Of both strengths, kappa has become `kappa`; b->rn and b->soft follow it. */
 static inline void gn_soften_both(gn_softening_bond *b, double kappa) {
-    const double slope = b->fade[GN_FADE_SLOPE], more = slope > 0.0 ? b->kn / slope : 0.0;
     if (!(kappa > b->kappa)) return;
     b->rn *= (1.0 - kappa) / (1.0 - b->kappa);
     b->kappa = kappa;
-    b->soft = (1.0 - kappa) / (1.0 + more * kappa);
+    const gn_softening_secant s = gn_softening_secant_of(b);
+    b->soft = (1.0 - kappa) / (s.base + s.more * kappa);
 }
 
 /* The g >= 0 at which (A/(1 + P g))^2 + (B/(1 + Q g))^2 = 1, of a sum that is 1 at least at g = 0;
@@ -121,12 +156,13 @@ typedef struct gn_softening_shares {
 
 static inline gn_softening_shares gn_softening_shares_at(const gn_softening_bond *b, double u,
                                                          double size) {
-    const double slope = b->fade[GN_FADE_SLOPE], more = slope > 0.0 ? b->kn / slope : 0.0;
+    const gn_softening_secant secant = gn_softening_secant_of(b);
     const double left = 1.0 - b->kappa, cohesion = b->fade[GN_FADE_COHESION];
+    const double slip = b->fade[gn_softening_second(b) ? GN_FADE_SLIP_SECOND : GN_FADE_SLIP];
     gn_softening_shares s = {.A = b->soft * b->kn * u / b->rn,
                              .B = size > 0.0 ? size / b->rt : 0.0};
-    s.P = more * left / (1.0 + more * b->kappa);
-    s.Q = cohesion > 0.0 ? fmax(b->kt * b->fade[GN_FADE_SLIP] / cohesion - 1.0, 0.0) : 0.0;
+    s.P = secant.more * left / (secant.base + secant.more * b->kappa);
+    s.Q = cohesion > 0.0 ? fmax(b->kt * slip / cohesion - 1.0, 0.0) : 0.0;
     return s;
 }
 
@@ -164,18 +200,27 @@ static inline gn_cause gn_softening_cause(const gn_softening_bond *b, const gn_s
 
 /* Pulled and sheared, coupled by squares. A share (1 - g) of the strength is left after growth by
  * g: the trial force along the secant becomes (1 - g)/(1 + P g) of itself, the tangential one (1 -
- * g)/(1 + Q g). False: nothing is left. */
+ * g)/(1 + Q g). Growth beyond a kink goes up to it and on from there. False: nothing is left. */
 static inline bool gn_soften_together(gn_softening_bond *b, double u, double *normal, double t[3]) {
-    const gn_softening_shares s = gn_softening_shares_at(b, u, gn_softening_size(t));
-    *normal = b->soft * b->kn * u;
-    if (s.A * s.A + s.B * s.B < 1.0) return true;
-    double g = gn_soften_growth(s.A, s.B, s.P, s.Q);
-    double kappa = b->kappa + g * (1.0 - b->kappa);
-    if (!(kappa < 1.0)) return false;
-    gn_soften_both(b, kappa);
-    *normal = b->soft * b->kn * u;
-    for (int x = 0; x < 3; x++) t[x] *= (1.0 - g) / (1.0 + s.Q * g);
-    return true;
+    const double kink = b->fade[GN_FADE_KINK];
+    for (;;) {
+        const gn_softening_shares s = gn_softening_shares_at(b, u, gn_softening_size(t));
+        *normal = b->soft * b->kn * u;
+        if (s.A * s.A + s.B * s.B < 1.0) return true;
+        double g = gn_soften_growth(s.A, s.B, s.P, s.Q);
+        double kappa = b->kappa + g * (1.0 - b->kappa);
+        const bool bends = kink > b->kappa && kappa >= kink;
+        if (bends) {
+            g = (kink - b->kappa) / (1.0 - b->kappa);
+            kappa = kink;
+            b->rt *= 1.0 - g; /* of which the next share is */
+        }
+        if (!(kappa < 1.0)) return false;
+        gn_soften_both(b, kappa);
+        *normal = b->soft * b->kn * u;
+        for (int x = 0; x < 3; x++) t[x] *= (1.0 - g) / (1.0 + s.Q * g);
+        if (!bends) return true;
+    }
 }
 
 /* Along the normal first, then across it. */

@@ -1,6 +1,7 @@
 /* What materials have to say of bonds that soften or yield, and what does not go together. */
 #include "scene/check.h"
 
+#include <math.h>
 #include <stdio.h>
 
 /* What the material needs to soften. */
@@ -83,11 +84,28 @@ static bool frictional(const gn_scene *s) {
     return found;
 }
 
+/* Two lines share out an energy, and what they are drawn by is read by no other curve. */
+static gneiss_status check_curve(const check *c, const gn_scene *s) {
+    if (s->softening_curve == GN_SOFTENING_BILINEAR) {
+        if (s->softening == GN_SOFTENING_ENERGY) return GNEISS_OK;
+        return gn_check_fail(c, "law.softening_curve",
+                             "expected softening energy beside bilinear, found another");
+    }
+    if (fabs(s->kink_stress - 1.0 / 3.0) > 1e-12)
+        return gn_check_fail(c, "law.kink_stress",
+                             "expected softening_curve bilinear beside it, found linear");
+    if (s->initial_energy != 0.6)
+        return gn_check_fail(c, "law.initial_energy",
+                             "expected softening_curve bilinear beside it, found linear");
+    return GNEISS_OK;
+}
+
 /* What acts on mu_1 needs one. */
 gneiss_status gn_check_coupling(const check *c, const gn_scene *s) {
     if (s->fracture_energy_of == GN_FRACTURE_BODY && s->softening != GN_SOFTENING_ENERGY)
         return gn_check_fail(c, "law.fracture_energy_of",
                              "expected softening energy beside body, found another");
+    GN_TRY(check_curve(c, s));
     if (s->bonds != GN_SWITCH_ON || frictional(s)) return GNEISS_OK;
     if (s->coupling == GN_COUPLING_LINEAR)
         return gn_check_fail(c, "law.coupling",

@@ -32,6 +32,8 @@ static const gn_choice softenings[] = {{"none", GN_SOFTENING_NONE},
                                        {"strain", GN_SOFTENING_STRAIN},
                                        {"ratio", GN_SOFTENING_RATIO},
                                        {NULL, 0}};
+static const gn_choice curves[] = {
+    {"linear", GN_SOFTENING_LINEAR}, {"bilinear", GN_SOFTENING_BILINEAR}, {NULL, 0}};
 static const gn_choice fractures[] = {
     {"contact", GN_FRACTURE_CONTACT}, {"body", GN_FRACTURE_BODY}, {NULL, 0}};
 static const gn_choice backgrounds[] = {
@@ -192,6 +194,17 @@ static const gn_key law_keys[] = {
     KEY("softening", CHOICE, gn_scene, softening, .choices = softenings, .fallback = "none",
         .text = "bonds beyond their strength: none: they break at once; else they soften linearly, "
                 "down to the fracture energy, strain or ratio of the material"),
+    KEY("softening_curve", CHOICE, gn_scene, softening_curve, .choices = curves,
+        .fallback = "linear",
+        .text = "how bonds soften by energy: linear, or bilinear: steep first, then flat, as "
+                "concrete does"),
+    KEY("kink_stress", REAL, gn_scene, kink_stress, .unit = "1", .range = "[0.01, 0.99]",
+        .fallback = "0.3333333333333333",
+        .text = "bilinear: share of the strength where the two lines meet; Petersson: a third"),
+    KEY("initial_energy", REAL, gn_scene, initial_energy, .unit = "1", .range = "[0.01, 0.99]",
+        .fallback = "0.6",
+        .text = "bilinear: share of the fracture energy under the first line drawn to its end; "
+                "Petersson: 0.6"),
     KEY("fracture_energy_of", CHOICE, gn_scene, fracture_energy_of, .choices = fractures,
         .fallback = "contact",
         .text = "what the fracture energies of materials are per area of: contact: of a bond; "

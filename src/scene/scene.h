@@ -111,6 +111,11 @@ typedef enum gn_softening {
     GN_SOFTENING_STRAIN, /* at a given strain of its length (shear: root of its area) */
     GN_SOFTENING_RATIO   /* at a given multiple of the elastic limit */
 } gn_softening;
+/* The line from the strength of a bond down to nothing. */
+typedef enum gn_softening_curve {
+    GN_SOFTENING_LINEAR,
+    GN_SOFTENING_BILINEAR /* steep first, then flat (Petersson 1981) */
+} gn_softening_curve;
 typedef enum gn_fracture { GN_FRACTURE_CONTACT, GN_FRACTURE_BODY } gn_fracture;
 typedef enum gn_precision { GN_PRECISION_DOUBLE, GN_PRECISION_MIXED } gn_precision;
 /* Where explicit steps begin. */
@@ -410,6 +415,9 @@ typedef struct gn_scene {
     gn_coupling coupling;
     gn_confinement confinement; /* what mu_1 of a bond acts on */
     gn_softening softening;
+    gn_softening_curve softening_curve;
+    double kink_stress;             /* bilinear: share of the strength where the lines meet */
+    double initial_energy;          /* bilinear: share of the energy under the first line */
     gn_fracture fracture_energy_of; /* what fracture energies are per area of */
     bool pull;                      /* Hertz: the dashpot may pull */
     gn_switch rotation;             /* auto: on */

@@ -116,7 +116,7 @@
       "what damage has left of the bond's stiffness in tension")                                   \
     Y(X, kappa, double, GN_F64, 1, GN_COLUMNS, GN_STATE, GN_KEPT, NONE, GN_FX_SOFTENING, 0, "1",   \
       "damage of the bond in shear")                                                               \
-    Y(X, fade, double, GN_F64, 5, GN_COLUMNS, GN_SAVED, GN_KEPT, NONE, GN_FX_SOFTENING, 0,         \
+    Y(X, fade, double, GN_F64, 9, GN_COLUMNS, GN_SAVED, GN_KEPT, NONE, GN_FX_SOFTENING, 0,         \
       "N/m, m, N, m, 1", "how it softens, see law_softening.h")                                    \
     Y(X, plastic, double, GN_F64, 1, GN_COLUMNS, GN_STATE, GN_KEPT, INSTEAD, GN_FX_YIELD, 0, "m",  \
       "permanent stretch, at which the normal force is zero")                                      \
