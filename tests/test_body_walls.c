@@ -174,12 +174,6 @@ static gn_world *on_slope(int dimension, double slope, double friction, double h
                     head3, damping, gx, gz, friction, height);
 }
 
-static void run_until(gn_world *w, double time) {
-    gneiss_error error = {0};
-    while (w->time < time)
-        if (gn_world_step(w, w->step % 16 == 0, &error) != GNEISS_OK) fail_msg("%s", error.message);
-}
-
 /* Slopes of 0.48 and 0.52 at a friction of 0.5. */
 static void a_box_slides_when_the_slope_is_beyond_friction(void **state) {
     (void)state;

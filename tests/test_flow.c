@@ -9,10 +9,6 @@ static void ok(gneiss_status status, const gneiss_error *error) {
     if (status != GNEISS_OK) fail_msg("%s", error->message);
 }
 
-static void run_until(gn_world *w, double time) {
-    while (w->time < time) run_steps(w, 1);
-}
-
 /* Grains of glass-like stiffness made soft; a floor far away. */
 #define GRAINS                                                                                     \
     "materials: [{name: m, density: 2500, young: 10 MPa, poisson: 0.25, friction: 0.5, "           \

@@ -329,10 +329,6 @@ static gn_world *roller(bool hertz, double v0, double rolling, double twisting, 
     return world_of("%s", t.s);
 }
 
-static void run_until(gn_world *w, double time) {
-    while (w->time < time) run_steps(w, 1);
-}
-
 static const double down[3] = {0, 0, -9.81};
 
 /* dv/dt = -(5/7) mu_r g: it stops after 7 v0^2/(10 mu_r g). The sphere settles into the plane

@@ -368,5 +368,20 @@ def check_shows_the_origin_and_the_coordinates_of_the_scene(folder):
     assert re.search(r"x +4999999\.99\d+ to 5000000\.0\d+ m \(surfaces\)", shown), shown
 
 
+@fact
+def what_has_come_to_rest_enters_the_next_stage(folder):
+    """However slow it has become: of that only what is set at the start has to be more than rounding."""
+    block = {"name": "block", "origin": [-0.01, -0.01, 0.001], "stiffness": 1e6, "friction": 0.5, "kratio": 2, "free": True, "density": 2500,
+             "box": {"size": [0.02, 0.02, 0.02]}}
+    scene = {"dimension": 3, "materials": [{"name": "m", "density": 2500, "normal_stiffness": 1e5, "kratio": 2, "friction": 0.3}],
+             "specimen": {"particles": [[1, 1, 1, 0.001]]}, "gravity": [0, 0, -9.81], "damping": {"contact": {"restitution": 0.3}},
+             "sets": [{"name": "still", "select": {"all": True}, "motion": {"vx": 0, "vy": 0, "vz": 0}}],
+             "domain": {"min": [-50] * 3, "max": [50] * 3}, "bodies": [block],
+             "walls": [{"name": "floor", "point": [0, 0, 0], "normal": [0, 0, 1], "stiffness": 1e6, "friction": 0.5, "kratio": 2}],
+             "stages": [{"name": "settle", "end": {"time": 0.2}}, {"name": "tilt", "gravity": [1, 0, -9.81], "end": {"time": 0.002}}], "time": {"end": 1}}
+    out = run(write_scene(folder, scene), os.path.join(folder, "out"))
+    assert abs(summary(os.path.join(folder, "out"))["energy_residual"]) < 1e-3, out
+
+
 if __name__ == "__main__":
     sys.exit(main())

@@ -92,6 +92,10 @@ static inline void run_steps(gn_world *w, int64_t count) {
     gn_near_settle(w);
 }
 
+static inline void run_until(gn_world *w, double time) {
+    while (w->time < time) run_steps(w, 1);
+}
+
 /* Whether this machine runs an instruction set; says so when not. */
 static inline bool runs_here(const gn_kernel_set *set) {
     bool runs = gn_kernel_set_supported(set);

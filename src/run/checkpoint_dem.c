@@ -42,11 +42,12 @@ static const gn_piece pieces[] = {
     DOUBLES(derived),
     LIMIT(radius_min),
     LIMIT(done.motion.speed2),
+    DOUBLES(push),
     DOUBLES(scaling.unscaled),
     DOUBLES(scaling.step),
     DOUBLES(scaling.reached),
 };
-enum { PIECES = sizeof pieces / sizeof *pieces, MOST_ARRAYS = 8 };
+enum { PIECES = sizeof pieces / sizeof *pieces, MOST_ARRAYS = 9 };
 
 static size_t list_arrays(gn_world *w, gn_checkpoint_array out[MOST_ARRAYS]) {
     size_t n = 0;
@@ -57,6 +58,10 @@ static size_t list_arrays(gn_world *w, gn_checkpoint_array out[MOST_ARRAYS]) {
         out[n++] = (gn_checkpoint_array){"patches", GN_F64, w->dem.patch_count,
                                          sizeof(gn_patch) / 8, (void **)&w->dem.patches};
     }
+    if (w->effects & GN_FX_HERTZ && w->scene.has_specimen)
+        out[n++] = (gn_checkpoint_array){
+            "driven", GN_F64, w->scene.wall_count + w->scene.body_count + w->scene.set_count, 1,
+            (void **)&w->dem.driven};
     if (!(w->effects & GN_FX_PRESCRIBED)) return n;
     out[n++] = (gn_checkpoint_array){"prescribed_set", GN_I32, f->count, 1, (void **)&f->set};
     out[n++] = (gn_checkpoint_array){"prescribed_mask", GN_U8, f->count, 1, (void **)&f->mask};

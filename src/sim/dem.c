@@ -36,6 +36,10 @@ gneiss_status gn_dem_create(gn_world *w, const gn_packing *packing, gneiss_error
         return gn_fail(error, GNEISS_ERROR_INPUT,
                        "%zu particles are more than the engine can number", packing->count);
     GN_TRY(gn_soa_create(&gn_particle_record, q, packing->count, w->effects, error));
+    const size_t drives = w->scene.wall_count + w->scene.body_count + w->scene.set_count;
+    if (w->effects & GN_FX_HERTZ) w->dem.driven = gn_alloc_array(drives + 1, sizeof(double));
+    if (w->effects & GN_FX_HERTZ && !w->dem.driven)
+        return gn_fail(error, GNEISS_ERROR_MEMORY, "no memory for %zu motions", drives);
     if (packing->count) { /* sources may be all that there is */
         memcpy(q->pos, packing->sphere, packing->count * 4 * sizeof(double));
         memcpy(q->start, packing->sphere, packing->count * 4 * sizeof(double));
@@ -199,7 +203,8 @@ void gn_dem_free(gn_dem *d) {
         d->prescribed.set, d->prescribed.mask, d->prescribed.load, d->prescribed.velocity,
         d->bond_sums,      d->pair_sums,       d->motion_sums,     d->vel_past,
         d->spin_past,      d->around,          d->pieces.parent,   d->pieces.members,
-        d->pieces.volume,  d->still,           d->sleeper,         d->hertz};
+        d->pieces.volume,  d->still,           d->sleeper,         d->hertz,
+        d->driven};
     for (size_t k = 0; k < sizeof blocks / sizeof *blocks; k++) gn_free(blocks[k]);
     *d = (gn_dem){0};
 }

@@ -120,6 +120,11 @@ typedef struct gn_dem {
     /* [materials][gn_scene_sides] with what particles touch; NULL without GN_FX_HERTZ */
     gn_hertz_pair *hertz;
     bool pressed; /* a contact was pressed further in the last step than expected (pressed.c) */
+    /* [walls, bodies, sets] m/s, the largest speed of each that contacts were looked at with; NULL
+     * without GN_FX_HERTZ */
+    double *driven;
+    double gain; /* m/s, by how much what is driven changes in the coming step; else 0 */
+    double push; /* m/s2, of applied forces at the last look, at most */
 
     gn_contact_kernel *bond_kernel, *pair_kernel;
     gn_motion_kernel *motion_kernel;

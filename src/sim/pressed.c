@@ -3,6 +3,7 @@
  * speeds, of the contact itself and of those beside it, whichever is most. Kernels count contacts
  * that are pressed further; then all are looked at again before the next step. What is expected of
  * a contact never falls: nor does an automatic step ever rise. */
+#include "sim/control.h"
 #include "sim/internal.h"
 #include "sim/touch.h"
 
@@ -13,10 +14,22 @@ static const double least = 1e-6;
 /* What is expected at least of an overlap that there is, and what is taken in hand besides. */
 static const double growth = 1.2, reserve = 1.25;
 
-/* J/kg that gravity adds while the lists last. */
+/* m/s2, of the applied forces. */
+static double applied(const gn_world *w) {
+    const gn_particles *q = &w->dem.particles;
+    double most2 = 0.0;
+    for (size_t p = 0; w->effects & GN_FX_APPLIED && p < q->soa.count; p++) {
+        const double *f = q->applied + 4 * p, inverse = q->vel[4 * p + 3];
+        most2 = fmax(most2, gn_dot3(f, f) * inverse * inverse);
+    }
+    return sqrt(most2);
+}
+
+/* J/kg that gravity and applied forces add while the lists last. */
 static double fall(const gn_world *w) {
     const double *g = w->scene.gravity;
-    return w->effects & GN_FX_GRAVITY ? sqrt(gn_dot3(g, g)) * w->dem.verlet.skin : 0.0;
+    double pull = w->effects & GN_FX_GRAVITY ? sqrt(gn_dot3(g, g)) : 0.0;
+    return (pull + w->dem.push) * w->dem.verlet.skin;
 }
 
 /* Over `radius`: where a contact of stiffness kn sqrt(overlap) holds the energy with which two
@@ -24,6 +37,7 @@ static double fall(const gn_world *w) {
 static double collision(const gn_world *w, double kn, double inverse_mass, double speed2,
                         double radius, double known) {
     if (!(inverse_mass > 0.0)) return known;
+    if (w->dem.gain > 0.0) speed2 = (sqrt(speed2) + w->dem.gain) * (sqrt(speed2) + w->dem.gain);
     double energy = (0.5 * speed2 + fall(w)) / inverse_mass, u = known * radius;
     if (energy <= 4.0 / 15.0 * kn * u * u * sqrt(u)) return known;
     return pow(3.75 * energy / kn, 0.4) / radius;
@@ -143,6 +157,7 @@ static void look_at_walls(gn_world *w) {
 
 void gn_pressed_look(gn_world *w) {
     if (!(w->effects & GN_FX_HERTZ)) return;
+    w->dem.push = applied(w);
     for (size_t p = 0; p < w->dem.particles.soa.count; p++) raise(w, p, least);
     look_at_pairs(w);
     look_at_walls(w);
@@ -150,7 +165,79 @@ void gn_pressed_look(gn_world *w) {
     gn_near_repack(w);
 }
 
+/* --- what is driven --- */
+
+/* Of a wall, a body or a set: where its velocity is prescribed, as it will be in the coming step
+ * (at the middle of which tables are read); by how much that changes, and how fast it is then. */
+typedef struct drive {
+    const gn_motion *motion;
+    const char *name;
+    const double *now; /* velocity in the last step; NULL: of the table then */
+    double reach;      /* m, that a spin moves */
+} drive;
+
+static double speed_of(const gn_world *w, const drive *d, double *change) {
+    const double next = w->time + 0.5 * w->dt, last = w->time - 0.5 * w->dt_past;
+    double v[3], turn[3], by[3];
+    for (int a = 0; a < 3; a++) {
+        const gn_table *t = &d->motion->velocity[a], *s = &d->motion->spin[a];
+        const double factor = gn_control_of(w, d->name, a);
+        v[a] = t->count ? factor * gn_table_at(t, next) : d->now ? d->now[a] : 0.0;
+        by[a] = t->count ? v[a] - (d->now ? d->now[a] : factor * gn_table_at(t, last)) : 0.0;
+        turn[a] = s->count ? gn_table_at(s, next) : 0.0;
+    }
+    const double spin = sqrt(gn_dot3(turn, turn)) * d->reach;
+    *change = sqrt(gn_dot3(by, by)) + spin;
+    return sqrt(gn_dot3(v, v)) + spin;
+}
+
+/* A servo may be as fast as it may be at once. */
+static double speed_of_wall(const gn_world *w, size_t k, double *change) {
+    const gn_wall_def *def = &w->scene.walls[k];
+    const drive d = {&def->motion, def->name, w->boundary.walls[k].velocity, 0.0};
+    if (!def->servo.active) return speed_of(w, &d, change);
+    return *change = def->servo.max_velocity;
+}
+
+static double speed_of_body(const gn_world *w, size_t k, double *change) {
+    const gn_rigid *b = &w->boundary.bodies[k];
+    const drive d = {&w->scene.bodies[k].motion, w->scene.bodies[k].name, b->velocity, b->reach};
+    return speed_of(w, &d, change);
+}
+
+static double speed_of_set(const gn_world *w, size_t k, double *change) {
+    const drive d = {&w->scene.sets[k].motion, w->scene.sets[k].name, NULL, 0.0};
+    return speed_of(w, &d, change);
+}
+
+/* By how much what becomes faster than it was looked at changes in the coming step, at most. What
+ * slows down and comes back meets nothing at more than it was looked at. */
+static double driven_gain(gn_world *w) {
+    static double (*const speed[])(const gn_world *, size_t,
+                                   double *) = {speed_of_wall, speed_of_body, speed_of_set};
+    const size_t count[] = {w->scene.wall_count, w->scene.body_count, w->scene.set_count};
+    double gain = 0.0, *known = w->dem.driven;
+    for (int kind = 0; kind < 3; kind++)
+        for (size_t k = 0; k < count[kind]; k++, known++) {
+            double change, now = speed[kind](w, k, &change);
+            if (!(now > 1.1 * *known)) continue;
+            *known = now;
+            gain = fmax(gain, change);
+        }
+    return gain;
+}
+
+/* A step that is long because nothing moves must not be the one in which something begins to. */
+static gneiss_status check_driven(gn_world *w, gneiss_error *error) {
+    if (!w->dem.driven) return GNEISS_OK;
+    w->dem.gain = driven_gain(w);
+    gneiss_status status = w->dem.gain > 0.0 ? gn_world_check_lists(w, error) : GNEISS_OK;
+    w->dem.gain = 0.0;
+    return status;
+}
+
 gneiss_status gn_pressed_check(gn_world *w, gneiss_error *error) {
+    GN_TRY(check_driven(w, error));
     if (!w->dem.pressed) return GNEISS_OK;
     w->dem.pressed = false;
     return gn_world_check_lists(w, error);

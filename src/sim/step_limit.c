@@ -204,7 +204,7 @@ static void follow_fall(gn_world *w) {
 static void follow_flight(gn_world *w) {
     const double most = 0.1 * w->dem.radius_min;
     double speed = sqrt(w->step > 0 ? w->dem.done.motion.speed2 : fastest2(w));
-    if (w->effects & GN_FX_HERTZ) speed = fmax(speed, fastest_body(w));
+    if (w->effects & GN_FX_HERTZ) speed = fmax(speed, fastest_body(w)) + w->dem.gain;
     if (w->effects & GN_FX_HERTZ && w->dt * speed > most) lower(w, 0.5 * most / speed);
 }
 
