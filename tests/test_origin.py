@@ -373,7 +373,7 @@ def what_has_come_to_rest_enters_the_next_stage(folder):
     """However slow it has become: of that only what is set at the start has to be more than rounding."""
     block = {"name": "block", "origin": [-0.01, -0.01, 0.001], "stiffness": 1e6, "friction": 0.5, "kratio": 2, "free": True, "density": 2500,
              "box": {"size": [0.02, 0.02, 0.02]}}
-    scene = {"dimension": 3, "materials": [{"name": "m", "density": 2500, "normal_stiffness": 1e5, "kratio": 2, "friction": 0.3}],
+    scene = {"dimension": 3, "law": {"stiffness": "uniform"}, "materials": [{"name": "m", "density": 2500, "normal_stiffness": 1e5, "kratio": 2, "friction": 0.3}],
              "specimen": {"particles": [[1, 1, 1, 0.001]]}, "gravity": [0, 0, -9.81], "damping": {"contact": {"restitution": 0.3}},
              "sets": [{"name": "still", "select": {"all": True}, "motion": {"vx": 0, "vy": 0, "vz": 0}}],
              "domain": {"min": [-50] * 3, "max": [50] * 3}, "bodies": [block],
