@@ -388,12 +388,12 @@ static gneiss_status move_body(gn_element_model *q, double dt, bool measure, gne
     return measure_forces(q, error);
 }
 
-/* As of particles (dem_step.c); the reading of these has been taken. */
-static void book_change(gn_world *w, gn_element_model *q) {
+/* As of particles (dem_step.c); the reading of these has been taken, in a step that is measured. */
+static void book_change(gn_world *w, gn_element_model *q, bool measure) {
     double halves[2] = {0.0, 0.0};
     if (!q->vel_past) return;
     gn_dem_add_change(w, q->vel_past, q->solid.nodes.vel, q->solid.nodes.soa.count, halves);
-    w->reading.step_change += halves[GN_HALF_BEFORE];
+    if (measure) w->reading.step_change += halves[GN_HALF_BEFORE];
     w->energy.step_change += halves[GN_HALF_BEFORE] + halves[GN_HALF_AFTER];
     gn_free(q->vel_past);
     q->vel_past = NULL;
@@ -404,7 +404,7 @@ gneiss_status gn_elements_move(gn_world *w, bool measure, gneiss_error *error) {
     for (size_t k = 0; status == GNEISS_OK && k < w->element_count; k++) {
         double start = gn_now();
         status = move_body(w->elements[k], w->dt, measure, error);
-        book_change(w, w->elements[k]);
+        book_change(w, w->elements[k], measure);
         w->seconds[GN_PHASE_elements] += gn_now() - start;
     }
     return status;
