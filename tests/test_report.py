@@ -19,6 +19,7 @@ from make_results import KINDS, PACKINGS, WITH_EVENTS, figures_of_quality, make,
 TOOLS = os.path.join(os.path.dirname(os.path.abspath(__file__)), "..", "tools")
 sys.path.insert(0, TOOLS)
 import report  # noqa: E402  (it stands in another folder)
+import report_beside  # noqa: E402
 import report_curves  # noqa: E402
 import report_envelope  # noqa: E402
 import report_packing  # noqa: E402
@@ -336,6 +337,44 @@ def a_pair_of_particles_that_are_not_there_is_refused(folder):
     refused(folder, "/contacts/pair names particles")
 
 
+CUBE = np.array([[x, y, z] for x in (0, 2) for y in (0, 4) for z in (0, 6)], float)
+CUBE_FACETS = np.array([[0, 1, 3], [0, 3, 2], [4, 6, 7], [4, 7, 5], [0, 4, 5], [0, 5, 1], [2, 3, 7], [2, 7, 6], [0, 2, 6], [0, 6, 4], [1, 5, 7], [1, 7, 3]])
+WALLS = 'walls:\n  - name: "low"\n    point: [0, 0, -1]\n    normal: [0, 0, 1]\n    motion:\n      vz: 1\n  - name: "side"\n    point: [9, 0, 0]\n    normal: [0, 1, 0]\n'
+
+
+def beside(facet=CUBE_FACETS, scene=WALLS):
+    """Seen along y: x to the right, z upward."""
+    moved = {"time": np.array([0.0, 2.0]), "wall_low_displacement_z": np.array([0.0, 0.5])}
+    bodies = {"vertex": SimpleNamespace(value=CUBE), "facet": SimpleNamespace(value=facet)}
+    return report_beside.Beside(SimpleNamespace(bodies=bodies, scene=scene, column=moved.get), [0, 2, 1], 1.0)
+
+
+def bodies_are_cut_where_the_slice_is(folder):
+    segments = np.array(beside()._cut(1.0, False))
+    length = np.linalg.norm(segments[:, 0] - segments[:, 1], axis=1)
+    assert abs(length.sum() - 16) < 1e-12 and len(beside()._cut(5.0, False)) == 0, segments  # round 2 x 6 m
+    low, high = beside().bounds(np.zeros(3), np.ones(3))
+    assert (low == 0).all() and (high == [2, 6, 4]).all(), (low, high)
+
+
+def of_bodies_the_folds_are_drawn(folder):
+    edges = report_beside._edges(CUBE_FACETS, CUBE[CUBE_FACETS])
+    assert len(edges) == 12 and (np.count_nonzero(CUBE[edges[:, 0]] != CUBE[edges[:, 1]], axis=1) == 1).all(), edges
+    assert len(report_beside._edges(CUBE_FACETS[1:], CUBE[CUBE_FACETS[1:]])) == 13  # a hole has sides
+
+
+def walls_are_where_they_have_come_to(folder):
+    import matplotlib.pyplot as plt
+
+    axes = plt.figure().add_subplot()
+    seen = beside()
+    seen.draw_cut(axes, 1.0, (0, 2, -2, 6), False)
+    lines = axes.collections[1].get_segments()  # behind the body; the wall whose plane is that of the picture has none
+    assert len(axes.collections) == 3 and np.allclose(np.array(lines)[0][:, 1], -0.5), lines
+    assert "rigid bodies" in seen.text() and "walls" in seen.text()
+    assert beside(np.zeros((0, 3), int), "").text() == ""
+
+
 def main():
     tests = [(f"report of {kind}", lambda folder, kind=kind: every_kind(kind, folder)) for kind in KINDS]
     tests += [(f.__name__, f) for f in (
@@ -343,6 +382,7 @@ def main():
         a_damaged_chunk_is_refused, stages_are_those_of_the_history,
         curves_of_an_envelope_are_those_of_its_readings, old_pictures_are_removed,
         a_term_of_the_ledger_is_drawn_by_its_kind_whatever_its_name,
+        bodies_are_cut_where_the_slice_is, of_bodies_the_folds_are_drawn, walls_are_where_they_have_come_to,
         the_command_tells_by_its_exit_code)]
     tests += [(f"report of {kind}", lambda folder, kind=kind: every_packing(kind, folder)) for kind in PACKINGS]
     tests += [(f.__name__, f) for f in (

@@ -7,6 +7,7 @@ import numpy as np
 from matplotlib.collections import EllipseCollection, LineCollection
 from matplotlib.colors import LinearSegmentedColormap, Normalize
 
+from report_beside import Beside
 from report_curves import BLUE, INK, RED, save
 from report_results import scale_of
 
@@ -19,7 +20,7 @@ MARGIN = 0.05         # of the specimen's size, shown around it; fragments furth
 class Specimen:
     """Final state without removed particles, with the axis of the test upward: right, up, toward the viewer."""
 
-    def __init__(self, results):
+    def __init__(self, results, snapshot=None, time=None):
         position = np.asarray(results.particle("position"), float)
         radius = np.asarray(results.particle("radius"), float).reshape(-1)
         position = np.pad(position.reshape(len(radius), -1), ((0, 0), (0, 2)))[:, :3]
@@ -53,9 +54,11 @@ class Specimen:
         self.count = len(self.radius)
         # A specimen that broke is seen where it stood, without what flew off; loose particles where they went.
         self.framed = self.start if self.has_bonds else self.position
+        self.beside = Beside(results, order, self.sign, snapshot, time)
         if self.count:
             self.lower = (self.framed - self.radius[:, None]).min(axis=0)
             self.upper = (self.framed + self.radius[:, None]).max(axis=0)
+            self.middle = 0.5 * (self.lower + self.upper) if self.has_bonds else 0.5 * sum(self.beside.bounds(self.lower, self.upper))
 
     def displacement_scale(self):
         """(factor, unit, top): the top is the 98th percentile, so that a few fragments do not hide the rest."""
@@ -73,8 +76,9 @@ class Specimen:
 
     def window(self):
         """left, right, bottom, top of the slice and of 2D pictures, m."""
-        margin = MARGIN * (self.upper - self.lower)[:2].max()
-        low, high = self.lower[:2] - margin, self.upper[:2] + margin
+        lower, upper = self.beside.bounds(self.lower, self.upper)
+        margin = MARGIN * (upper - lower)[:2].max()
+        low, high = lower[:2] - margin, upper[:2] + margin
         return low[0], high[0], low[1], high[1]
 
 
@@ -141,11 +145,13 @@ class Surface:
     """The specimen cast once; coloured several times."""
 
     def __init__(self, specimen):
-        turn = oblique(specimen)
-        middle = 0.5 * (specimen.lower + specimen.upper)
+        self.turn = turn = oblique(specimen)
+        self.middle = middle = specimen.middle
+        self.beside = specimen.beside
         framed = ((specimen.framed - middle) @ turn.T)[:, :2]
-        self.low = (framed - specimen.radius[:, None]).min(axis=0)
-        self.high = (framed + specimen.radius[:, None]).max(axis=0)
+        bodies = ((self.beside.vertex[np.unique(self.beside.facet)] - middle) @ turn.T)[:, :2]
+        self.low = np.vstack([framed - specimen.radius[:, None], bodies]).min(axis=0)
+        self.high = np.vstack([framed + specimen.radius[:, None], bodies]).max(axis=0)
         margin = 0.04 * (self.high - self.low).max()
         self.low, self.high = self.low - margin, self.high + margin
         size = self.high - self.low
@@ -171,6 +177,13 @@ class Surface:
         picture[hit] = colors[self.nearest[hit]]
         picture[..., :3] = np.clip(picture[..., :3] * self.shade[..., None], 0, 1)
         return picture
+
+
+    def draw(self, axes, colors):
+        axes.imshow(self.colored(colors), origin="lower", interpolation="antialiased", extent=(self.low[0], self.high[0], self.low[1], self.high[1]))
+        self.beside.draw_seen(axes, self.turn, self.middle)
+        axes.axis("off")
+        scale_bar(axes, self.low, self.high)
 
 
 def scale_bar(axes, low, high):
@@ -213,14 +226,12 @@ def plot_surface(specimen, path):
     colorings = specimen.colorings()
     figure, axes = panels(len(colorings), size[0] / size[1])
     for a, (title, values, colors, norm, label) in zip(axes, colorings):
-        a.imshow(surface.colored(colors(norm(values))), origin="lower", interpolation="antialiased",
-                 extent=(surface.low[0], surface.high[0], surface.low[1], surface.high[1]))
+        surface.draw(a, colors(norm(values)))
         a.set_title(title)
-        a.axis("off")
-        scale_bar(a, surface.low, surface.high)
         color_bar(figure, a, norm, colors, label, "max" if values.max() > norm.vmax * (1 + 1e-9) else "neither")
     save(figure, path)
-    return f"The surface at the end of the run, {specimen.names[1]} upward."
+    bodies = " Lines: rigid bodies." if len(specimen.beside.facet) else ""
+    return f"The surface at the end of the run, {specimen.names[1]} upward.{bodies}"
 
 
 # --- the slice -----------------------------------------------------------------------------------------
@@ -229,8 +240,7 @@ def cut(specimen):
     """(indices, centres, radii) of the circles in the slice through the middle; all discs in 2D."""
     if specimen.flat:
         return np.arange(specimen.count), specimen.position[:, :2], specimen.radius
-    middle = 0.5 * (specimen.lower[2] + specimen.upper[2])
-    height = specimen.radius ** 2 - (specimen.position[:, 2] - middle) ** 2
+    height = specimen.radius ** 2 - (specimen.position[:, 2] - specimen.middle[2]) ** 2
     index = np.flatnonzero(height > 0)
     return index, specimen.position[index, :2], np.sqrt(height[index])
 
@@ -254,7 +264,7 @@ def cracks(specimen, results, state):
     half = np.minimum(ri, rj)
     in_plane = np.hypot(normal[:, 0], normal[:, 1])
     if not specimen.flat:
-        offset = centre[:, 2] - 0.5 * (specimen.lower[2] + specimen.upper[2])
+        offset = centre[:, 2] - specimen.middle[2]
         crossing = (in_plane > 1e-6) & (np.abs(offset) < half * in_plane)
         centre, normal, half, in_plane, offset = (v[crossing] for v in (centre, normal, half, in_plane, offset))
         half = np.sqrt(half ** 2 - (offset / in_plane) ** 2)
@@ -264,6 +274,8 @@ def cracks(specimen, results, state):
 
 
 def draw_circles(axes, centres, radii, faces, edge):
+    if not len(radii):
+        return
     axes.add_collection(EllipseCollection(2 * radii, 2 * radii, np.zeros(len(radii)), units="xy", offsets=centres,
                                           transOffset=axes.transData, facecolors=faces, edgecolors=edge,
                                           linewidths=0.25))
@@ -302,11 +314,13 @@ def plot_slice(specimen, results, path):
         draw_cracks(axes[-1], specimen, results)
         axes[-1].set_title("Cracks")
     for a in axes:
+        specimen.beside.draw_cut(a, specimen.middle[2], (left, right, bottom, top), specimen.flat)
         a.set_xlim(left, right)
         a.set_ylim(bottom, top)
         scale_bar(a, np.array([left, bottom]), np.array([right, top]))
     save(figure, path)
     if specimen.flat:
-        return "The specimen at the end of the run." + (" Cracks: bonds that broke, soften or yielded, drawn across the bond." if with_cracks else "")
-    text = f"Slice through the middle, plane {specimen.names[0]}–{specimen.names[1]}: the circles are the cut spheres."
+        drawn = " Cracks: bonds that broke, soften or yielded, drawn across the bond." if with_cracks else ""
+        return "The specimen at the end of the run." + specimen.beside.text() + drawn
+    text = f"Slice through the middle, plane {specimen.names[0]}–{specimen.names[1]}: the circles are the cut spheres.{specimen.beside.text()}"
     return text + (" Cracks: where the discs of bonds that broke, soften or yielded cross the slice." if with_cracks else "")

@@ -73,6 +73,7 @@ class Results:
         self.events = _group(file, "events")
         self.nodes = _group(file, "nodes")
         self.elements = _group(file, "elements")
+        self.bodies = _group(file, "bodies")
         self.profile = _group(file, "profile")
         lengths = [np.size(c.value) for c in self.history.values()]
         self.rows = min(lengths, default=0)

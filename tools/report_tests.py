@@ -247,7 +247,7 @@ class At:
 
 
 def moments(results, folder):
-    """[(title, results)]: the first snapshot, the nearest to the peak, the last."""
+    """[(title, results, file, time)]: the first snapshot, the nearest to the peak, the last."""
     time, stress = results.column("time"), results.column("stress")
     taken = snapshots(folder)
     if time is None or stress is None or len(taken) < 3 or not results.particle_count:
@@ -258,14 +258,14 @@ def moments(results, folder):
     for title, (at, path) in (("before", taken[0]), ("near the peak", nearest), ("at the end", taken[-1])):
         factor, unit = scale_of([max(taken[-1][0], 1e-30)], "s")
         try:
-            chosen.append((f"{title}, {at / factor:.3g} {unit}", At(results, path)))
+            chosen.append((f"{title}, {at / factor:.3g} {unit}", At(results, path), path, at))
         except (OSError, KeyError):
             return []
     return chosen
 
 
 def plot_moments(results, folder, path):
-    chosen = [(title, Specimen(at)) for title, at in moments(results, folder)]
+    chosen = [(title, Specimen(at, file, time)) for title, at, file, time in moments(results, folder)]
     if not chosen or any(s.count == 0 for _, s in chosen):
         return None
     last = chosen[-1][1]
@@ -281,15 +281,12 @@ def plot_moments(results, folder, path):
         if specimen.flat:
             index, centres, radii = cut(specimen)
             draw_circles(a, centres, radii, colors(norm(values[index])), "#00000055")
+            specimen.beside.draw_cut(a, specimen.middle[2], (left, right, bottom, top), True)
             a.set_xlim(left, right)
             a.set_ylim(bottom, top)
             scale_bar(a, np.array([left, bottom]), np.array([right, top]))
         else:
-            surface = Surface(specimen)
-            a.imshow(surface.colored(colors(norm(values))), origin="lower", interpolation="antialiased",
-                     extent=(surface.low[0], surface.high[0], surface.low[1], surface.high[1]))
-            a.axis("off")
-            scale_bar(a, surface.low, surface.high)
+            Surface(specimen).draw(a, colors(norm(values)))
         a.set_title(title)
     color_bar(figure, axes[-1], norm, colors, label, "neither")
     save(figure, path)

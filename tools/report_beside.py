@@ -1,0 +1,131 @@
+"""What a specimen stands on and is hit by, in its pictures: rigid bodies and walls, as the viewer of report_pictures.py sees them."""
+import os
+import re
+
+import h5py
+import numpy as np
+from matplotlib.collections import LineCollection, PolyCollection
+
+BODY, WALL = "#3f5f77", "#5d5b55"
+FOLD = np.cos(np.radians(20))  # edges between facets that are turned by less are not drawn
+
+
+def _numbers(text):
+    return [float(v) for v in text.split(",")]
+
+
+def _walls(results, time):
+    """[(point, normal)] of the walls of the scene, where they are at `time` (None: at the end)."""
+    block = re.search(r"^walls:\n(.*?)(?=^\S|\Z)", results.scene, re.MULTILINE | re.DOTALL)
+    found = []
+    for item in re.split(r"^  - ", block[1], flags=re.MULTILINE)[1:] if block else []:
+        name = re.search(r'name: "(.*)"', item)
+        point, normal = (re.search(rf"^    {key}: \[(.*)\]", item, re.MULTILINE) for key in ("point", "normal"))
+        if not (name and point and normal):
+            continue
+        point, normal = (np.pad(_numbers(v[1]), (0, 3))[:3] for v in (point, normal))
+        at, moved = results.column("time"), [results.column(f"wall_{name[1]}_displacement_{axis}") for axis in "xyz"]
+        if at is not None:
+            point = point + [0.0 if m is None else m[-1] if time is None else np.interp(time, at, m) for m in moved]
+        found.append((point, normal))
+    return found
+
+
+def _edges(facet, corner):
+    """Rows of two vertices: sides of facets that are folded or have no neighbour."""
+    if facet.shape[1] == 2:
+        return facet
+    a, b, c = (corner[:, k] for k in range(3))
+    normal = np.cross(b - a, c - a)
+    normal /= np.maximum(np.linalg.norm(normal, axis=1), 1e-300)[:, None]
+    places, of = {}, []
+    sides = np.sort(facet[:, [[0, 1], [1, 2], [2, 0]]].reshape(-1, 2), axis=1)
+    for row, side in enumerate(map(tuple, sides)):
+        if side in places:
+            of[places[side]].append(row // 3)
+        else:
+            places[side] = len(of)
+            of.append([row // 3])
+    shown = [side for side, k in places.items() if len(of[k]) != 2 or abs(normal[of[k][0]] @ normal[of[k][1]]) < FOLD]
+    return np.array(shown, int).reshape(-1, 2)
+
+
+class Beside:
+    """`order`, `sign`: see Specimen. `snapshot`: the file of the particles that are drawn; None: those of the end."""
+
+    def __init__(self, results, order, sign, snapshot=None, time=None):
+        self.turn = lambda x: np.asarray(x, float).reshape(-1, 3)[:, order] * [1, 1, sign]
+        self.facet = np.zeros((0, 3), int)
+        self.vertex = np.zeros((0, 3))
+        if "facet" in results.bodies and "vertex" in results.bodies:
+            self.facet = np.asarray(results.bodies["facet"].value, int)
+            self.vertex = self.turn(np.pad(results.bodies["vertex"].value, ((0, 0), (0, 2)))[:, :3])
+        if snapshot and len(self.facet):
+            self._move(snapshot)
+        self.walls = [(self.turn(p)[0], self.turn(n)[0]) for p, n in _walls(results, time)]
+        self.there = bool(len(self.facet) or self.walls)
+
+    def _move(self, snapshot):
+        folder, name = os.path.split(snapshot)
+        try:
+            with h5py.File(os.path.join(folder, name.replace("particles_", "bodies_")), "r") as file:
+                vertex = file["VTKHDF/Points"][()]
+        except (OSError, KeyError):
+            return
+        if len(vertex) == len(self.vertex):
+            self.vertex = self.turn(vertex)
+
+    def bounds(self, lower, upper):
+        """With the bodies in them."""
+        if not len(self.facet):
+            return lower, upper
+        used = self.vertex[np.unique(self.facet)]
+        return np.minimum(lower, used.min(axis=0)), np.maximum(upper, used.max(axis=0))
+
+    def draw_cut(self, axes, depth, window, flat):
+        """Where the plane z = depth cuts bodies and walls; in 2D all of them."""
+        if len(self.facet):
+            axes.add_collection(LineCollection(self._cut(depth, flat), colors=BODY, linewidths=1.4, capstyle="round", zorder=3))
+        left, right, bottom, top = window
+        middle, reach = np.array([left + right, bottom + top]) / 2, np.hypot(right - left, top - bottom)
+        for point, normal in self.walls:
+            across = np.hypot(*normal[:2])
+            if across < 1e-6 * np.linalg.norm(normal):
+                continue  # it is the plane of the picture
+            n = normal[:2] / across
+            offset = (normal @ (point - [*middle, 0.0 if flat else depth])) / across
+            foot, along = middle + offset * n, np.array([-n[1], n[0]])
+            ends = np.array([foot - reach * along, foot + reach * along])
+            axes.add_collection(LineCollection([ends], colors=WALL, linewidths=1.6, zorder=2))
+            behind = np.array([*ends, *(ends[::-1] - 0.02 * reach * n)])
+            axes.add_collection(PolyCollection([behind], facecolors="none", edgecolors=WALL, hatch="////", linewidths=0.0, alpha=0.6, zorder=1))
+
+    def _cut(self, depth, flat):
+        corner = self.vertex[self.facet]
+        if flat or self.facet.shape[1] == 2:
+            return corner[:, :2, :2]
+        segments = []
+        for triangle in corner[(corner[:, :, 2].min(axis=1) <= depth) & (corner[:, :, 2].max(axis=1) >= depth)]:
+            points = []
+            for p, q in zip(triangle, np.roll(triangle, -1, axis=0)):
+                if (p[2] - depth) * (q[2] - depth) < 0:
+                    points.append(p[:2] + (depth - p[2]) / (q[2] - p[2]) * (q[:2] - p[:2]))
+                elif p[2] == depth:
+                    points.append(p[:2])
+            if len(points) >= 2:
+                segments.append([points[0], points[-1]])
+        return segments
+
+    def draw_seen(self, axes, turn, middle):
+        """Bodies before what is there already: folds and a breath of their facets, so that grains inside are seen."""
+        if not len(self.facet) or self.facet.shape[1] == 2:
+            return
+        seen = (self.vertex - middle) @ turn.T
+        axes.add_collection(PolyCollection(seen[self.facet][:, :, :2], facecolors=BODY, edgecolors="none", alpha=0.07, zorder=2))
+        edges = _edges(self.facet, self.vertex[self.facet])
+        axes.add_collection(LineCollection(seen[edges][:, :, :2], colors=BODY, linewidths=1.0, capstyle="round", zorder=3))
+
+    def text(self):
+        """What the caption says of them."""
+        parts = [["rigid bodies (blue)"], []][not len(self.facet)] + [["walls (hatched behind)"], []][not self.walls]
+        return f" Lines: {' and '.join(parts)}." if parts else ""
