@@ -141,7 +141,7 @@ elements:
   motions:
     - {name: left, group: x_lower, motion: {vx: 0}}
     - {name: right, group: x_upper, motion: {vx: 0.1}}
-couple: {convert: {box: {min: [11 mm, -1], max: [19 mm, 1]}, width: 6 mm, stress: 1 MPa, every: 5}}
+couple: {convert: {box: {min: [7 mm, -1], max: [23 mm, 1]}, width: 6 mm, stress: 1 MPa, every: 5}}
 time: {end: 0.1 ms}
 output: {history_rows: 20, snapshots: 0}
 """
@@ -205,6 +205,28 @@ def a_zone_too_thin_to_keep_the_mass_ends_the_run(folder):
     done = gneiss("run", os.path.join(ROOT, "scenes", "bending-adaptive.yaml"), "--out", os.path.join(folder, "out"), "--quiet",
                   "--set", "couple.convert.width=2 mm")
     expect(done, 5, r"couple\.convert\.width: expected a zone that is wide enough for its mass to be kept .* of [\d.]+ kg by -?[\d.e-]+ kg")
+
+
+@fact
+def a_zone_of_converting_elements_has_to_fit_into_the_box(folder):
+    scene = write_scene(folder, PULLED)
+    for box in ("[9 mm, -1]", "[8.1 mm, -1]"):  # two elements fewer: 4 mm on one side of those in the middle
+        for command in (["check", scene], ["run", scene, "--out", os.path.join(folder, "narrow")]):
+            expect(gneiss(*command, "--set", f"couple.convert.box.min={box}"), 2,
+                   r"scene\.yaml:\d+:\d+: couple\.convert\.width: expected a zone that is no wider than the 0\.004 m that are left between some element and what is outside of "
+                   r"couple\.convert\.box \(or a larger box, with a packing that fills it\), found 0\.006 m")
+    expect(gneiss("check", scene, "--set", "couple.convert.box.min=[9 mm, -1]", "--set", "couple.convert.width=4 mm"), 0, "")
+    expect(gneiss("check", scene, "--set", "couple.convert.box={min: [-1, -1], max: [1, 1]}", "--set", "couple.convert.width=20 mm"), 0, "")  # all may convert
+
+
+@fact
+def check_warns_of_a_zone_wider_than_the_body(folder):
+    scene = write_scene(folder, PULLED)
+    everywhere = ("--set", "couple.convert.box={min: [-1, -1], max: [1, 1]}")
+    wide = gneiss("check", scene, *everywhere, "--set", "couple.convert.width=8.5 mm")
+    assert "warning: the zone is wider than the shortest side of the body, 0.008 m" in wide.stdout and "6 particles" not in wide.stdout, wide.stdout + wide.stderr
+    assert "0.006 m are advised" in wide.stdout, wide.stdout
+    assert "wider than the shortest side" not in gneiss("check", scene, *everywhere, "--set", "couple.convert.width=7.5 mm").stdout
 
 
 @fact

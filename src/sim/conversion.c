@@ -86,6 +86,30 @@ static gneiss_status check_filled(gn_world *w, gneiss_error *error) {
     return refuse(w, w->scene.specimen.where, "specimen", message, error);
 }
 
+/* Where a zone comes to what is outside of the box whatever converts, the first conversion would
+ * end the run. What only motions and loads keep from converting is another matter. */
+static gneiss_status check_room(const gn_world *w, gneiss_error *error) {
+    const double width = w->scene.couple.convert.width, enough = (1.0 - 1e-9) * width;
+    char message[256];
+    double room = 0.0;
+    size_t ready = 0;
+    uint8_t *kind = gn_alloc(gn_conversion_elements(w) + 1);
+    gneiss_status status = kind ? gn_conversion_kinds(w, kind, error) : no_memory(error);
+    if (status == GNEISS_OK)
+        status = gn_front_room(gn_coupled_solid(w), kind, enough, &room, error);
+    for (size_t e = 0; status == GNEISS_OK && e < gn_conversion_elements(w); e++)
+        ready += kind[e] == GN_FRONT_READY;
+    gn_free(kind);
+    if (status != GNEISS_OK || !ready || room >= enough) return status;
+    snprintf(
+        message, sizeof message,
+        "expected a zone that is no wider than the %.4g m that are left between some element "
+        "and what is outside of couple.convert.box (or a larger box, with a packing that fills "
+        "it), found %g m",
+        room, width);
+    return refuse(w, w->scene.couple.convert.where, "couple.convert.width", message, error);
+}
+
 gneiss_status gn_conversion_prepare(gn_world *w, gneiss_error *error) {
     gn_ties ties;
     GN_TRY(check_law(w, error));
@@ -95,7 +119,8 @@ gneiss_status gn_conversion_prepare(gn_world *w, gneiss_error *error) {
     GN_TRY(gn_ties_find(gn_coupled_solid(w), &w->dem.particles, &ties, error));
     gneiss_status status = find_homes(w, &ties, error);
     gn_ties_free(&ties);
-    return status == GNEISS_OK ? check_filled(w, error) : status;
+    if (status == GNEISS_OK) status = check_filled(w, error);
+    return status == GNEISS_OK ? check_room(w, error) : status;
 }
 
 gneiss_status gn_conversion_lay_down(gn_world *w, gneiss_error *error) {

@@ -45,6 +45,7 @@ gneiss_status gn_conversion_convert(gn_world *world, uint8_t *kind, gneiss_error
 typedef struct gn_conversion_figures {
     size_t elements, held, particles; /* held: of motions and loads */
     double element, diameter;         /* m, means */
+    double side;                      /* m, the shortest of the body of elements */
     double mass;                      /* of the particles over that of the elements */
     size_t materials;                 /* of the elements, with the packing in each */
     gn_zone_material material[GN_ZONE_MATERIALS];
