@@ -208,6 +208,17 @@ def a_zone_too_thin_to_keep_the_mass_ends_the_run(folder):
 
 
 @fact
+def conversion_that_comes_to_what_is_driven_says_so(folder):
+    out = os.path.join(folder, "out")
+    done = run(write_scene(folder, PULLED), out, "--set", "couple.convert.box={min: [-1, -1], max: [1, 1]}")
+    assert done.returncode == 0, done.stdout + done.stderr
+    with open(os.path.join(out, "summary.json"), encoding="utf-8") as file:
+        summary = json.load(file)
+    said = {warning["name"]: warning["text"] for warning in summary["warnings"]}["conversion_halted"]
+    assert "has nodes of a motion or a load; what is driven or loaded has to be farther" in said and "couple.convert.box" not in said, said
+
+
+@fact
 def a_zone_of_converting_elements_has_to_fit_into_the_box(folder):
     scene = write_scene(folder, PULLED)
     for box in ("[9 mm, -1]", "[8.1 mm, -1]"):  # two elements fewer: 4 mm on one side of those in the middle
@@ -238,10 +249,18 @@ def conversion_that_would_leave_its_box_ends_the_run_with_its_results(folder):
         summary = json.load(file)
     assert "is not in couple.convert.box" in summary["stop_reason"], summary["stop_reason"]
     assert summary["time"] < 0.9e-4
+    said = {warning["name"]: warning["text"] for warning in summary["warnings"]}["conversion_halted"]
+    assert re.search(r"the run ended at \S+ s of 0\.0001 s, and what comes after is not known: conversion would have to go on to element \d+ at \(0\.02\d+, .* beyond its upper x side .*; "
+                     r"couple\.convert\.box and the packing in it have to reach farther on that side .* by the width of the zone, 0\.006 m", said), said
+    page = gneiss("report", out)
+    assert page.returncode == 0, page.stdout + page.stderr
+    with open(os.path.join(out, "report.html"), encoding="utf-8") as file:
+        assert '<b>Conversion halted.</b> the run ended at' in file.read()
     again = gneiss("resume", out, "--quiet")
     assert again.returncode == 0 and "which no setting" not in again.stderr, again.stdout + again.stderr
     again = gneiss("resume", out, "--quiet", "--set", "time.end=1")
     assert again.returncode == 0, again.stdout + again.stderr
+    assert "beyond its upper x side" in again.stderr, again.stderr  # the warning stays
     assert "no step was taken; the model itself ended it, which no setting changes" in again.stderr and "time.end" not in again.stderr, again.stderr
     with open(os.path.join(out, "summary.json"), encoding="utf-8") as file:
         after = json.load(file)

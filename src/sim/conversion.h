@@ -41,6 +41,9 @@ gneiss_status gn_conversion_look(gn_world *world, gneiss_error *error);
 gneiss_status gn_conversion_kinds(const gn_world *world, uint8_t *kind, gneiss_error *error);
 gneiss_status gn_conversion_convert(gn_world *world, uint8_t *kind, gneiss_error *error);
 
+/* Whether world->halt says that conversion came to the end of couple.convert.box. */
+bool gn_conversion_left_box(const gn_world *world);
+
 /* What is in the box, at the start (conversion_check.c). */
 typedef struct gn_conversion_figures {
     size_t elements, held, particles; /* held: of motions and loads */
