@@ -1,5 +1,6 @@
 /* Finite elements that turn into particles while the run goes on. */
 #include "couple/front.h"
+#include "limit/springs.h"
 #include "run/run.h"
 #include "sim/conversion.h"
 #include "sim/coupling.h"
@@ -533,6 +534,35 @@ static void the_bound_of_what_is_left_is_that_of_all_elements(void **state) {
     }
 }
 
+static gneiss_status find_with_all(const gn_spectrum *spectrum, void *context,
+                                   gneiss_error *error) {
+    gn_springs all;
+    gneiss_status status = gn_springs_build(spectrum, NULL, &all, error);
+    double *mode = calloc(all.particles * (size_t)all.dofs, sizeof *mode);
+    if (status == GNEISS_OK) status = gn_springs_mode(&all, 1e-3, mode, context, error);
+    gn_springs_free(&all);
+    free(mode);
+    return status;
+}
+
+/* The particles' limit is found among those who are awake: that of the full operator. */
+static void the_limit_of_who_is_awake_is_that_of_all(void **state) {
+    (void)state;
+    for (int space = 0; space < 2; space++) {
+        const block s = {.cells = {space ? 20 : 40, space ? 4 : 8, 4}, .space = space};
+        gn_world *w = block_of(&s);
+        convert(w, -1e-3, space ? 3e-3 : 9e-3, -1e-3, space ? 3e-3 : 9e-3);
+        assert_true(gn_world_present(w) >= 64 &&
+                    3 * gn_world_present(w) <= w->dem.particles.soa.count);
+        gn_step_limit all = {.bound = w->dem.limit.bound};
+        assert_int_equal(gn_dem_with_spectrum(w, false, find_with_all, &all, NULL), GNEISS_OK);
+        assert_true(w->dem.limit.iterations > 0 && w->dem.limit.iterations == all.iterations);
+        assert_true(w->dem.limit.sharp == all.sharp && w->dem.limit.sharp_low == all.sharp_low);
+        assert_true(w->dt <= w->scene.safety * all.sharp);
+        world_end(w);
+    }
+}
+
 /* At the end of the block what is thinner than a zone goes too. */
 static void a_remnant_thinner_than_a_zone_goes_too(void **state) {
     (void)state;
@@ -957,6 +987,7 @@ int main(void) {
         cmocka_unit_test(small_elements_keep_mass_and_momentum),
         cmocka_unit_test(two_places_that_meet_leave_nothing_between_them),
         cmocka_unit_test(the_bound_of_what_is_left_is_that_of_all_elements),
+        cmocka_unit_test(the_limit_of_who_is_awake_is_that_of_all),
         cmocka_unit_test(a_remnant_thinner_than_a_zone_goes_too),
         cmocka_unit_test(a_corner_and_an_edge_convert),
         cmocka_unit_test(all_of_a_body_can_convert),

@@ -141,7 +141,7 @@ elements:
   motions:
     - {name: left, group: x_lower, motion: {vx: 0}}
     - {name: right, group: x_upper, motion: {vx: 0.1}}
-couple: {convert: {box: {min: [11 mm, -1], max: [19 mm, 1]}, width: 6 mm, stress: 1 MPa, every: 5}}
+couple: {convert: {box: {min: [7 mm, -1], max: [23 mm, 1]}, width: 6 mm, stress: 1 MPa, every: 5}}
 time: {end: 0.1 ms}
 output: {history_rows: 20, snapshots: 0}
 """
@@ -208,6 +208,39 @@ def a_zone_too_thin_to_keep_the_mass_ends_the_run(folder):
 
 
 @fact
+def conversion_that_comes_to_what_is_driven_says_so(folder):
+    out = os.path.join(folder, "out")
+    done = run(write_scene(folder, PULLED), out, "--set", "couple.convert.box={min: [-1, -1], max: [1, 1]}")
+    assert done.returncode == 0, done.stdout + done.stderr
+    with open(os.path.join(out, "summary.json"), encoding="utf-8") as file:
+        summary = json.load(file)
+    said = {warning["name"]: warning["text"] for warning in summary["warnings"]}["conversion_halted"]
+    assert "has nodes of a motion or a load; what is driven or loaded has to be farther" in said and "couple.convert.box" not in said, said
+
+
+@fact
+def a_zone_of_converting_elements_has_to_fit_into_the_box(folder):
+    scene = write_scene(folder, PULLED)
+    for box in ("[9 mm, -1]", "[8.1 mm, -1]"):  # two elements fewer: 4 mm on one side of those in the middle
+        for command in (["check", scene], ["run", scene, "--out", os.path.join(folder, "narrow")]):
+            expect(gneiss(*command, "--set", f"couple.convert.box.min={box}"), 2,
+                   r"scene\.yaml:\d+:\d+: couple\.convert\.width: expected a zone that is no wider than the 0\.004 m that are left between some element and what is outside of "
+                   r"couple\.convert\.box \(or a larger box, with a packing that fills it\), found 0\.006 m")
+    expect(gneiss("check", scene, "--set", "couple.convert.box.min=[9 mm, -1]", "--set", "couple.convert.width=4 mm"), 0, "")
+    expect(gneiss("check", scene, "--set", "couple.convert.box={min: [-1, -1], max: [1, 1]}", "--set", "couple.convert.width=20 mm"), 0, "")  # all may convert
+
+
+@fact
+def check_warns_of_a_zone_wider_than_the_body(folder):
+    scene = write_scene(folder, PULLED)
+    everywhere = ("--set", "couple.convert.box={min: [-1, -1], max: [1, 1]}")
+    wide = gneiss("check", scene, *everywhere, "--set", "couple.convert.width=8.5 mm")
+    assert "warning: the zone is wider than the shortest side of the body, 0.008 m" in wide.stdout and "6 particles" not in wide.stdout, wide.stdout + wide.stderr
+    assert "0.006 m are advised" in wide.stdout, wide.stdout
+    assert "wider than the shortest side" not in gneiss("check", scene, *everywhere, "--set", "couple.convert.width=7.5 mm").stdout
+
+
+@fact
 def conversion_that_would_leave_its_box_ends_the_run_with_its_results(folder):
     out = os.path.join(folder, "out")
     done = run(write_scene(folder, PULLED), out)
@@ -216,10 +249,18 @@ def conversion_that_would_leave_its_box_ends_the_run_with_its_results(folder):
         summary = json.load(file)
     assert "is not in couple.convert.box" in summary["stop_reason"], summary["stop_reason"]
     assert summary["time"] < 0.9e-4
+    said = {warning["name"]: warning["text"] for warning in summary["warnings"]}["conversion_halted"]
+    assert re.search(r"the run ended at \S+ s of 0\.0001 s, and what comes after is not known: conversion would have to go on to element \d+ at \(0\.02\d+, .* beyond its upper x side .*; "
+                     r"couple\.convert\.box and the packing in it have to reach farther on that side .* by the width of the zone, 0\.006 m", said), said
+    page = gneiss("report", out)
+    assert page.returncode == 0, page.stdout + page.stderr
+    with open(os.path.join(out, "report.html"), encoding="utf-8") as file:
+        assert '<b>Conversion halted.</b> the run ended at' in file.read()
     again = gneiss("resume", out, "--quiet")
     assert again.returncode == 0 and "which no setting" not in again.stderr, again.stdout + again.stderr
     again = gneiss("resume", out, "--quiet", "--set", "time.end=1")
     assert again.returncode == 0, again.stdout + again.stderr
+    assert "beyond its upper x side" in again.stderr, again.stderr  # the warning stays
     assert "no step was taken; the model itself ended it, which no setting changes" in again.stderr and "time.end" not in again.stderr, again.stderr
     with open(os.path.join(out, "summary.json"), encoding="utf-8") as file:
         after = json.load(file)

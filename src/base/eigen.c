@@ -86,11 +86,30 @@ enum {
 };
 static const size_t basis_bytes = (size_t)512 << 20; /* aim for the basis of a large problem */
 
-static size_t block_count(size_t n) {
-    return (n + BLOCK - 1) / BLOCK;
+/* What is added up by itself of a vector of n entries. */
+typedef struct vector_blocks {
+    size_t n, count;
+    size_t *start; /* [count + 1]; NULL: of BLOCK entries each */
+} vector_blocks;
+
+static size_t start_of(const vector_blocks *q, size_t b) {
+    if (q->start) return q->start[b];
+    return b * BLOCK < q->n ? b * BLOCK : q->n;
 }
-static size_t block_size(size_t n, size_t b) {
-    return n - b * BLOCK < BLOCK ? n - b * BLOCK : BLOCK;
+static size_t size_of(const vector_blocks *q, size_t b) {
+    return start_of(q, b + 1) - start_of(q, b);
+}
+
+/* Those of the longer vector, as far as something of them is there. */
+static bool find_blocks(const gn_eigen_system *y, vector_blocks *q) {
+    *q = (vector_blocks){.n = y->n, .count = (y->n + BLOCK - 1) / BLOCK};
+    if (!y->place) return true;
+    q->count = 0;
+    q->start = gn_alloc_array(y->n / GN_EIGEN_GROUP + 2, sizeof *q->start);
+    for (size_t k = 0; q->start && k < y->n; k += GN_EIGEN_GROUP)
+        if (k == 0 || y->place[k] / BLOCK != y->place[k - 1] / BLOCK) q->start[q->count++] = k;
+    if (q->start) q->start[q->count] = y->n;
+    return q->start;
 }
 
 static double dot_block(size_t n, const double *x, const double *y) {
@@ -103,27 +122,32 @@ static double dot_block(size_t n, const double *x, const double *y) {
            ((lane[2] + lane[6]) + (lane[3] + lane[7])) + rest;
 }
 
-double gn_eigen_dot(size_t n, const double *x, const double *y, int threads) {
+static double dot_of_blocks(const vector_blocks *q, const double *x, const double *y, int threads) {
     enum { GROUP = 64 }; /* partial sums held at a time */
     double sum = 0.0, partial[GROUP];
-    for (size_t start = 0; start < block_count(n); start += GROUP) {
-        size_t blocks = block_count(n) - start < GROUP ? block_count(n) - start : GROUP;
-#pragma omp parallel for num_threads(threads) schedule(static) if (blocks > 4)
-        for (size_t b = 0; b < blocks; b++) {
-            size_t at = (start + b) * BLOCK;
-            partial[b] = dot_block(block_size(n, start + b), x + at, y + at);
+    for (size_t first = 0; first < q->count; first += GROUP) {
+        size_t count = q->count - first < GROUP ? q->count - first : GROUP;
+#pragma omp parallel for num_threads(threads) schedule(static) if (count > 4)
+        for (size_t b = 0; b < count; b++) {
+            size_t at = start_of(q, first + b);
+            partial[b] = dot_block(size_of(q, first + b), x + at, y + at);
         }
-        for (size_t b = 0; b < blocks; b++) sum += partial[b];
+        for (size_t b = 0; b < count; b++) sum += partial[b];
     }
     return sum;
 }
 
+double gn_eigen_dot(size_t n, const double *x, const double *y, int threads) {
+    const vector_blocks all = {.n = n, .count = (n + BLOCK - 1) / BLOCK};
+    return dot_of_blocks(&all, x, y, threads);
+}
+
 typedef struct lanczos {
+    const gn_eigen_system *system;
     size_t n;
+    vector_blocks blocks;
     int size; /* vectors the basis can hold besides the next one */
     int threads;
-    gn_operator *metric; /* NULL: none */
-    const void *context;
     double *weighed;                       /* [n] B w, with a metric */
     double *basis;                         /* [size + 1][n] */
     double *partial;                       /* [blocks][size + 1] */
@@ -137,28 +161,34 @@ typedef struct lanczos {
 /* Where nothing moves, as in most of a body that sleeps, vectors have nothing but zeros, which need
  * neither be multiplied nor taken away. */
 static void note_used(const lanczos *l, const double *w) {
-#pragma omp parallel for num_threads(l->threads) schedule(static) if (block_count(l->n) > 4)
-    for (size_t b = 0; b < block_count(l->n); b++) {
-        const size_t end = b * BLOCK + block_size(l->n, b);
-        for (size_t i = b * BLOCK; !l->used[b] && i < end; i++) l->used[b] = !(w[i] == 0.0);
+#pragma omp parallel for num_threads(l->threads) schedule(static) if (l->blocks.count > 4)
+    for (size_t b = 0; b < l->blocks.count; b++) {
+        const size_t end = start_of(&l->blocks, b + 1);
+        for (size_t i = start_of(&l->blocks, b); !l->used[b] && i < end; i++)
+            l->used[b] = !(w[i] == 0.0);
     }
+}
+
+static void weigh(const lanczos *l, const double *w) {
+    if (l->weighed) l->system->metric(l->system->context, w, l->weighed);
 }
 
 /* |w|; leaves B w in `weighed`. */
 static double length_of(const lanczos *l, const double *w) {
-    if (l->metric) l->metric(l->context, w, l->weighed);
-    return sqrt(gn_eigen_dot(l->n, w, l->metric ? l->weighed : w, l->threads));
+    weigh(l, w);
+    return sqrt(dot_of_blocks(&l->blocks, w, l->weighed ? l->weighed : w, l->threads));
 }
 
 /* c[k] = basis[k] . w for from <= k < count. */
 static void project(const lanczos *l, int from, int count, const double *w, double *c) {
-    size_t blocks = block_count(l->n), width = (size_t)l->size + 1;
+    const size_t blocks = l->blocks.count, width = (size_t)l->size + 1;
 #pragma omp parallel for num_threads(l->threads) schedule(static) if (blocks > 4)
     for (size_t b = 0; b < blocks; b++)
         for (int k = from; k < count; k++)
             l->partial[b * width + (size_t)k] =
-                l->used[b] ? dot_block(block_size(l->n, b), l->basis + (size_t)k * l->n + b * BLOCK,
-                                       w + b * BLOCK)
+                l->used[b] ? dot_block(size_of(&l->blocks, b),
+                                       l->basis + (size_t)k * l->n + start_of(&l->blocks, b),
+                                       w + start_of(&l->blocks, b))
                            : 0.0;
     for (int k = from; k < count; k++) {
         c[k] = 0.0;
@@ -183,12 +213,13 @@ static void subtract_block(size_t size, int count, const double *c, const double
 
 /* w -= sum_k c[k] basis[k] over from <= k < count. */
 static void subtract(const lanczos *l, int from, int count, const double *c, double *w) {
-    size_t blocks = block_count(l->n);
+    const size_t blocks = l->blocks.count;
 #pragma omp parallel for num_threads(l->threads) schedule(static) if (blocks > 4)
     for (size_t b = 0; b < blocks; b++)
         if (l->used[b])
-            subtract_block(block_size(l->n, b), count - from, c + from,
-                           l->basis + (size_t)from * l->n + b * BLOCK, l->n, w + b * BLOCK);
+            subtract_block(size_of(&l->blocks, b), count - from, c + from,
+                           l->basis + (size_t)from * l->n + start_of(&l->blocks, b), l->n,
+                           w + start_of(&l->blocks, b));
 }
 
 static void scale_vector(size_t n, double factor, double *w, int threads) {
@@ -201,8 +232,8 @@ static void scale_vector(size_t n, double factor, double *w, int threads) {
  * so that the loss of orthogonality does not build up (Daniel, Gragg, Kaufman & Stewart 1976). */
 static double orthogonalise(lanczos *l, int count, double *w) {
     double c[BASIS_MAX], sum[BASIS_MAX] = {0.0}, before, after = 0.0;
-    const double *weighed = l->metric ? l->weighed : w;
-    if (l->metric) l->metric(l->context, w, l->weighed);
+    const double *weighed = l->weighed ? l->weighed : w;
+    weigh(l, w);
     for (int round = 0; round < 5; round++) {
         int from = round == 0 && count > 2 ? count - 2 : 0;
         before = after;
@@ -255,11 +286,10 @@ static int restart(lanczos *l, int count) {
 }
 
 /* Returns the number of basis vectors that the last Ritz pairs are made of. */
-static int iterate(lanczos *l, gn_operator *apply, const void *context, double tolerance,
-                   gn_eigen_top *top) {
+static int iterate(lanczos *l, double tolerance, gn_eigen_top *top) {
     for (int count = 0;;) {
         double *next = l->basis + (size_t)(count + 1) * l->n;
-        apply(context, next - l->n, next);
+        l->system->apply(l->system->context, next - l->n, next);
         note_used(l, next);
         top->vectors++;
         double beta = orthogonalise(l, ++count, next);
@@ -279,17 +309,18 @@ static int iterate(lanczos *l, gn_operator *apply, const void *context, double t
 }
 
 static gneiss_status allocate(lanczos *l, gneiss_error *error) {
+    const bool weighs = l->system->metric, placed = find_blocks(l->system, &l->blocks);
     l->basis = gn_alloc_array_raw((size_t)l->size + 1, l->n * sizeof(double));
-    l->partial = gn_alloc_array(block_count(l->n), ((size_t)l->size + 1) * sizeof(double));
-    l->used = gn_alloc(block_count(l->n));
-    if (l->metric) l->weighed = gn_alloc_array(l->n, sizeof(double));
-    if (l->basis && l->partial && l->used && (l->weighed || !l->metric)) return GNEISS_OK;
+    l->partial = gn_alloc_array(l->blocks.count, ((size_t)l->size + 1) * sizeof(double));
+    l->used = gn_alloc(l->blocks.count);
+    if (weighs) l->weighed = gn_alloc_array(l->n, sizeof(double));
+    if (placed && l->basis && l->partial && l->used && (l->weighed || !weighs)) return GNEISS_OK;
     return gn_fail(error, GNEISS_ERROR_MEMORY, "no memory for %d Lanczos vectors of length %zu",
                    l->size + 1, l->n);
 }
 
-static gneiss_status search(lanczos *l, gn_operator *apply, double tolerance, double *vector,
-                            gn_eigen_top *top, gneiss_error *error) {
+static gneiss_status search(lanczos *l, double tolerance, double *vector, gn_eigen_top *top,
+                            gneiss_error *error) {
     GN_TRY(allocate(l, error));
     memcpy(l->basis, vector, l->n * sizeof(double));
     note_used(l, l->basis);
@@ -299,26 +330,26 @@ static gneiss_status search(lanczos *l, gn_operator *apply, double tolerance, do
                        "Lanczos needs a start vector of positive length, found %g", length);
     scale_vector(l->n, 1.0 / length, l->basis, l->threads);
     /* Below this the residual is round-off. */
-    int count = iterate(l, apply, l->context, fmax(tolerance, 1e-13), top);
+    int count = iterate(l, fmax(tolerance, 1e-13), top);
     combine(l, 1, count);
     memcpy(vector, l->basis, l->n * sizeof(double));
     return GNEISS_OK;
 }
 
-gneiss_status gn_eigen_largest_in(size_t n, gn_operator *apply, gn_operator *metric,
-                                  const void *context, double tolerance, int threads,
-                                  double *vector, gn_eigen_top *top, gneiss_error *error) {
+gneiss_status gn_eigen_largest_of(const gn_eigen_system *system, double tolerance, double *vector,
+                                  gn_eigen_top *top, gneiss_error *error) {
+    const size_t n = system->n;
     *top = (gn_eigen_top){0};
     size_t size = basis_bytes / (n * sizeof(double));
     size = size < BASIS_MIN ? BASIS_MIN : size > BASIS_MAX ? BASIS_MAX : size;
     lanczos *l = gn_alloc(sizeof *l); /* too large for a small stack */
     if (!l) return gn_fail(error, GNEISS_ERROR_MEMORY, "no memory for Lanczos vectors");
+    l->system = system;
     l->n = n;
     l->size = (int)(size < n ? size : n);
-    l->threads = threads;
-    l->metric = metric;
-    l->context = context;
-    gneiss_status status = search(l, apply, tolerance, vector, top, error);
+    l->threads = system->threads;
+    gneiss_status status = search(l, tolerance, vector, top, error);
+    gn_free(l->blocks.start);
     gn_free(l->basis);
     gn_free(l->partial);
     gn_free(l->used);
@@ -330,5 +361,17 @@ gneiss_status gn_eigen_largest_in(size_t n, gn_operator *apply, gn_operator *met
 gneiss_status gn_eigen_largest(size_t n, gn_operator *apply, const void *context, double tolerance,
                                int threads, double *vector, gn_eigen_top *top,
                                gneiss_error *error) {
-    return gn_eigen_largest_in(n, apply, NULL, context, tolerance, threads, vector, top, error);
+    const gn_eigen_system system = {.n = n, .apply = apply, .context = context, .threads = threads};
+    return gn_eigen_largest_of(&system, tolerance, vector, top, error);
+}
+
+double gn_eigen_dot_of(const gn_eigen_system *system, const double *x, const double *y) {
+    const size_t n = system->n, *place = system->place;
+    double sum = 0.0;
+    if (!place) return gn_eigen_dot(n, x, y, system->threads);
+    for (size_t from = 0, to = 0; from < n; from = to) {
+        while (to < n && place[to] / BLOCK == place[from] / BLOCK) to++;
+        sum += dot_block(to - from, x + from, y + from);
+    }
+    return sum;
 }

@@ -28,14 +28,27 @@ typedef struct gn_eigen_top {
 gneiss_status gn_eigen_largest(size_t n, gn_operator *apply, const void *context, double tolerance,
                                int threads, double *vector, gn_eigen_top *top, gneiss_error *error);
 
-/* The same for an operator S that is symmetric and positive semi-definite in the metric of B, x . B
- * S y = S x . B y; `metric` gives B x, with B symmetric and positive semi-definite. Lengths are
- * sqrt(x . B x). NULL: B = 1. */
-gneiss_status gn_eigen_largest_in(size_t n, gn_operator *apply, gn_operator *metric,
-                                  const void *context, double tolerance, int threads,
-                                  double *vector, gn_eigen_top *top, gneiss_error *error);
+/* Where entries of a vector are those of a longer one that are not zero by themselves, `place` has
+ * where they stand in it, ascending; all that sums are made of come out as of the longer one, to
+ * the bit, if they are whole groups of so many of it, each from a multiple of that on. */
+enum { GN_EIGEN_GROUP = 8 };
+
+/* S that is symmetric and positive semi-definite in the metric of B, x . B S y = S x . B y, with B
+ * symmetric and positive semi-definite. Lengths are sqrt(x . B x). */
+typedef struct gn_eigen_system {
+    size_t n;
+    gn_operator *apply, *metric; /* S x; B x, NULL: B = 1 */
+    const void *context;
+    const size_t *place; /* [n] see above; NULL: there is no longer one */
+    int threads;
+} gn_eigen_system;
+
+gneiss_status gn_eigen_largest_of(const gn_eigen_system *system, double tolerance, double *vector,
+                                  gn_eigen_top *top, gneiss_error *error);
 
 /* x . y, the same bits for any number of threads. */
 double gn_eigen_dot(size_t n, const double *x, const double *y, int threads);
+/* The same of entries with places. */
+double gn_eigen_dot_of(const gn_eigen_system *system, const double *x, const double *y);
 
 #endif

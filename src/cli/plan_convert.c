@@ -38,7 +38,14 @@ void gn_print_conversion(const gn_world *w, int *warnings) {
     printf("  masses           %.4g times those of the elements\n", f.mass);
     for (size_t k = 0; k < f.materials; k++)
         gn_print_zone_material(&f.material[k], f.materials > 1, warnings);
-    if (width >= elements_least * f.element && width >= diameters_least * f.diameter) return;
-    printf("  warning: the zone is thin: three elements and six particles across are advised\n");
-    (*warnings)++;
+    const double advised = fmax(elements_least * f.element, diameters_least * f.diameter);
+    if (width < advised)
+        printf(
+            "  warning: the zone is thin: three elements and six particles across are advised\n");
+    if (width > f.side)
+        printf(
+            "  warning: the zone is wider than the shortest side of the body, %.4g m: it spans all "
+            "of the section, where no element is left by itself; %.2g m are advised\n",
+            f.side, advised);
+    *warnings += (width < advised) + (width > f.side);
 }

@@ -153,6 +153,56 @@ gneiss_status gn_front_advance(gn_fem_solid *solid, double width, uint8_t *kind,
                    solid->elements.soa.count);
 }
 
+/* --- room for a zone --- */
+
+/* m: from a node to the nearest of elements that may not be of a zone. */
+static double free_way(const gn_particles *nodes, size_t n, const uint8_t *closed) {
+    double least = INFINITY;
+    for (size_t m = 0; m < nodes->soa.count; m++) {
+        const double *x = nodes->start + 4 * n, *y = nodes->start + 4 * m;
+        double d2 = 0.0;
+        for (int a = 0; a < 3 && closed[m]; a++) d2 += (x[a] - y[a]) * (x[a] - y[a]);
+        if (closed[m]) least = fmin(least, d2);
+    }
+    return sqrt(least);
+}
+
+/* From the elements in the middle of the list on, which is as good a guess as any. */
+static double most_room(const gn_fem_solid *solid, const uint8_t *kind, double enough,
+                        const uint8_t *closed, double *way) {
+    const size_t count = solid->elements.soa.count;
+    double most = 0.0;
+    for (size_t k = 0; k < count && most < enough; k++) {
+        const size_t e = (k + count / 2) % count;
+        double room = INFINITY;
+        for (int a = 0; a <= solid->dimension && kind[e] == GN_FRONT_READY && room > most; a++) {
+            const size_t n = (size_t)gn_elements_node(&solid->elements, a)[e];
+            if (way[n] < 0.0) way[n] = free_way(&solid->nodes, n, closed);
+            room = fmin(room, way[n]);
+        }
+        if (kind[e] == GN_FRONT_READY) most = fmax(most, room);
+    }
+    return most;
+}
+
+gneiss_status gn_front_room(const gn_fem_solid *solid, const uint8_t *kind, double enough,
+                            double *room, gneiss_error *error) {
+    const size_t nodes = solid->nodes.soa.count;
+    uint8_t *closed = gn_alloc(nodes + 1);
+    double *way = gn_alloc_array(nodes + 1, sizeof *way);
+    const bool held = closed && way;
+    for (size_t n = 0; held && n < nodes; n++) way[n] = -1.0;
+    for (size_t e = 0; held && e < solid->elements.soa.count; e++)
+        for (int a = 0; a <= solid->dimension && kind[e] == GN_FRONT_FIXED; a++)
+            closed[gn_elements_node(&solid->elements, a)[e]] = 1;
+    if (held) *room = most_room(solid, kind, enough, closed, way);
+    gn_free(closed);
+    gn_free(way);
+    return held
+               ? GNEISS_OK
+               : gn_fail(error, GNEISS_ERROR_MEMORY, "no memory for distances of %zu nodes", nodes);
+}
+
 /* --- limits --- */
 
 /* Coulomb's limit in principal stresses s1 >= s3: (s1 - s3)/2 + (s1 + s3)/2 sin(phi) over c

@@ -27,6 +27,12 @@ void gn_front_kinds(const gn_fem_solid *solid, const gn_convert_def *def, const 
 gneiss_status gn_front_advance(gn_fem_solid *solid, double width, uint8_t *kind, int64_t *stuck,
                                gneiss_error *error);
 
+/* *room, m: how wide a zone may be at most so that one element can go without a part of the zone at
+ * those that no packing is ready for; of the element with the most, or of one with `enough`.
+ * INFINITY: packings are ready for all. */
+gneiss_status gn_front_room(const gn_fem_solid *solid, const uint8_t *kind, double enough,
+                            double *room, gneiss_error *error);
+
 /* What part of the nearest limit a stress is, Pa, xx yy zz xy yz zx; 0 where its size alone says
  * that it is below all of them. */
 double gn_front_excess(const gn_convert_def *def, const double s[6]);

@@ -121,9 +121,13 @@ static gneiss_status find_sharp(const linear_system *y, double tolerance, gn_fem
     for (size_t k = 0; k < y->solid->nodes.soa.count * (size_t)y->dimension; k++)
         if (!(y->scale[k] > 0.0)) mode[k] = 0.0;
     gn_eigen_top top;
-    gneiss_status status = gn_eigen_largest_in(
-        n, pressure ? gn_fem_linear_pressure : gn_fem_linear_apply,
-        pressure ? gn_fem_linear_metric : NULL, y, tolerance, y->solid->threads, mode, &top, error);
+    const gn_eigen_system system = {.n = n,
+                                    .apply =
+                                        pressure ? gn_fem_linear_pressure : gn_fem_linear_apply,
+                                    .metric = pressure ? gn_fem_linear_metric : NULL,
+                                    .context = y,
+                                    .threads = y->solid->threads};
+    gneiss_status status = gn_eigen_largest_of(&system, tolerance, mode, &top, error);
     if (status == GNEISS_OK) {
         limit->iterations = top.vectors;
         limit->frequency = sqrt(top.value);

@@ -24,13 +24,23 @@ static void metric_at(const void *context, const double *x, double *out) {
     at->system->metric(at->system->context, x, out);
 }
 
+static gn_eigen_system eigen_system(const gn_damped *y, const instant *at) {
+    return (gn_eigen_system){.n = y->count,
+                             .apply = apply_at,
+                             .metric = y->metric ? metric_at : NULL,
+                             .context = at,
+                             .place = y->place,
+                             .threads = y->threads};
+}
+
 /* x . S x for S = stiffness A + viscosity B and unit x. */
 static double quotient(const gn_damped *y, double stiffness, double viscosity, const double *x,
                        double *scratch) {
     double *weighed = scratch + y->count;
     y->apply(y->context, stiffness, viscosity, x, scratch);
     if (y->metric) y->metric(y->context, x, weighed);
-    return gn_eigen_dot(y->count, y->metric ? weighed : x, scratch, y->threads);
+    const gn_eigen_system sums = eigen_system(y, NULL);
+    return gn_eigen_dot_of(&sums, y->metric ? weighed : x, scratch);
 }
 
 /* One search at tau from the start in x; top->rate becomes the new one. */
@@ -38,8 +48,8 @@ static gneiss_status search(const gn_damped *y, double tau, double tolerance, do
                             double *scratch, gn_damped_top *top, gneiss_error *error) {
     const instant at = {y, 2.0 * tau};
     gn_eigen_top found;
-    GN_TRY(gn_eigen_largest_in(y->count, apply_at, y->metric ? metric_at : NULL, &at, tolerance,
-                               y->threads, x, &found, error));
+    const gn_eigen_system system = eigen_system(y, &at);
+    GN_TRY(gn_eigen_largest_of(&system, tolerance, x, &found, error));
     double a = found.value, b = 0.0;
     if (y->damped) {
         a = tau == 0.0 ? found.value : quotient(y, 1.0, 0.0, x, scratch);
@@ -52,11 +62,17 @@ static gneiss_status search(const gn_damped *y, double tau, double tolerance, do
     return GNEISS_OK;
 }
 
+/* Places in the longer vector of which these entries may be: what is found does not depend on it.
+ */
+static size_t place_of(const gn_damped *y, size_t k) {
+    return y->place ? y->place[k] : k;
+}
+
 static gneiss_status climb(const gn_damped *y, double tolerance, double *x, double *scratch,
                            gn_damped_top *top, gneiss_error *error) {
-    const size_t n = y->count;
+    const size_t n = y->count, whole = y->place ? y->whole : n;
     double tau = 0.0;
-    for (size_t k = 0; k < n; k++) x[k] = y->moves[k] > 0.0 ? noise(k) : 0.0;
+    for (size_t k = 0; k < n; k++) x[k] = y->moves[k] > 0.0 ? noise(place_of(y, k)) : 0.0;
     GN_TRY(search(y, 0.0, tolerance, x, scratch, top, error));
     /* The rate climbs and its error is squared each time; a dozen rounds are never needed. */
     for (int round = 0;
@@ -64,7 +80,8 @@ static gneiss_status climb(const gn_damped *y, double tolerance, double *x, doub
         tau = top->rate;
         /* A little of everything: another mode may overtake the one found so far. */
         for (size_t k = 0; k < n; k++)
-            x[k] += y->moves[k] > 0.0 ? 1e-2 / sqrt((double)n) * noise(k + n * (size_t)(round + 1))
+            x[k] += y->moves[k] > 0.0 ? 1e-2 / sqrt((double)whole) *
+                                            noise(place_of(y, k) + whole * (size_t)(round + 1))
                                       : 0.0;
         GN_TRY(search(y, tau, tolerance, x, scratch, top, error));
     }

@@ -13,10 +13,12 @@ typedef struct gn_damped {
     /* out = (stiffness A + viscosity B) x. */
     void (*apply)(const void *context, double stiffness, double viscosity, const double *x,
                   double *out);
-    gn_operator *metric; /* as gn_eigen_largest_in */
+    gn_operator *metric; /* as gn_eigen_largest_of */
     const void *context;
     const double *moves; /* [count] above 0 for what can move: the rest stays out of the mode */
     bool damped;         /* B is not 0 */
+    const size_t *place; /* as gn_eigen_largest_of; NULL: none */
+    size_t whole;        /* with places: entries of the longer one */
     int threads;
 } gn_damped;
 

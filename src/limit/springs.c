@@ -323,3 +323,28 @@ gneiss_status gn_springs_build_weighed(const gn_spectrum *spectrum, const uint8_
         y->bends = y->spring[s].bend != 0.0 || y->spring[s].twist != 0.0;
     return GNEISS_OK;
 }
+
+gneiss_status gn_springs_pick(const gn_springs *all, const uint8_t *inside, gn_springs *y,
+                              gneiss_error *error) {
+    *y = (gn_springs){.spectrum = all->spectrum,
+                      .threads = all->threads,
+                      .dofs = all->dofs,
+                      .space = all->space,
+                      .rotation = all->rotation,
+                      .damped = all->damped,
+                      .bends = all->bends,
+                      .particles = all->particles,
+                      .springs = all->springs};
+    GN_TRY(number_members(y, inside, error));
+    y->spring = gn_alloc_array_raw(all->springs + 1, sizeof *y->spring);
+    if (!y->spring)
+        return gn_fail(error, GNEISS_ERROR_MEMORY, "no memory for %zu active contacts",
+                       all->springs);
+    for (size_t s = 0; s < all->springs; s++) {
+        y->spring[s] = all->spring[s];
+        y->spring[s].i = y->local[all->spring[s].i];
+        if (all->spring[s].j >= 0) y->spring[s].j = y->local[all->spring[s].j];
+    }
+    GN_TRY(list_incidence(y, error));
+    return scale_dofs(y, error);
+}

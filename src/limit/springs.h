@@ -45,6 +45,10 @@ gneiss_status gn_springs_build(const gn_spectrum *spectrum, const uint8_t *insid
  */
 gneiss_status gn_springs_build_weighed(const gn_spectrum *spectrum, const uint8_t *inside,
                                        const double *weights, gn_springs *y, gneiss_error *error);
+/* Some of the particles of the system of all of them, with all their springs, whose ends are both
+ * among them. */
+gneiss_status gn_springs_pick(const gn_springs *all, const uint8_t *inside, gn_springs *y,
+                              gneiss_error *error);
 void gn_springs_free(gn_springs *y);
 
 /* Contact k of bonds, pairs, wall contacts and further springs counted through; false: not active.

@@ -310,7 +310,8 @@ typedef struct scaled_operator {
 static inline __attribute__((always_inline)) void pull(const gn_spring *s, const scaled_operator *o,
                                                        const gn_spring_part *part, double *sums,
                                                        bool space, bool rotation) {
-    const double *moved = o->system->moved, *n = s->n;
+    const double *moved = o->system->moved;
+    const double n[3] = {s->n[0], s->n[1], space ? s->n[2] : 0.0};
     const int dofs = space ? (rotation ? 6 : 3) : (rotation ? 3 : 2), dim = space ? 3 : 2;
     const double *ui = moved + (size_t)s->i * (size_t)dofs;
     double kn = o->stiffness * s->kn + o->viscosity * s->cn, kt = o->stiffness * s->kt;
@@ -363,42 +364,48 @@ static inline __attribute__((always_inline)) void bend(const gn_spring *s, const
 }
 
 /* A particle's springs are added in their order, whatever the parts are. */
-static inline __attribute__((always_inline)) void apply_core(const scaled_operator *o,
-                                                             const double *x, double *out,
-                                                             bool space, bool rotation,
-                                                             bool bends) {
-    const gn_springs *y = o->system;
-    const size_t dofs = (size_t)(space ? (rotation ? 6 : 3) : (rotation ? 3 : 2));
-#pragma omp parallel num_threads(y->threads) if (o->parts > 1)
-    {
-#pragma omp for schedule(static)
-        for (size_t k = 0; k < y->particles * dofs; k++) y->moved[k] = y->scale[k] * x[k];
-#pragma omp for schedule(dynamic)
-        for (int b = 0; b < o->parts; b++) {
-            const gn_spring_part *part = &o->part[b];
-            const size_t begin = part->begin * dofs, end = part->end * dofs;
-            memset(out + begin, 0, (end - begin) * sizeof *out);
-            for (size_t k = 0; k < part->springs; k++) {
-                const gn_spring *s = &y->spring[part->spring ? part->spring[k] : k];
-                pull(s, o, part, out, space, rotation);
-                if (bends) bend(s, o, part, out, space);
-            }
-            for (size_t k = begin; k < end; k++) out[k] *= y->scale[k];
-        }
+static inline __attribute__((always_inline)) void apply_in(const scaled_operator *o,
+                                                           const gn_spring_part *part, double *out,
+                                                           bool space, bool rotation, bool bends) {
+    for (size_t k = 0; k < part->springs; k++) {
+        const gn_spring *s = &o->system->spring[part->spring ? part->spring[k] : k];
+        pull(s, o, part, out, space, rotation);
+        if (bends) bend(s, o, part, out, space);
     }
+}
+
+/* Chosen within the threads' part: what is outside of it is no constant there. */
+static void apply_to_part(const scaled_operator *o, const gn_spring_part *part, double *out) {
+    const gn_springs *y = o->system;
+    const size_t begin = part->begin * (size_t)y->dofs, end = part->end * (size_t)y->dofs;
+    memset(out + begin, 0, (end - begin) * sizeof *out);
+    if (y->space && y->bends)
+        apply_in(o, part, out, true, true, true);
+    else if (y->bends)
+        apply_in(o, part, out, false, true, true);
+    else if (y->space && y->rotation)
+        apply_in(o, part, out, true, true, false);
+    else if (y->space)
+        apply_in(o, part, out, true, false, false);
+    else if (y->rotation)
+        apply_in(o, part, out, false, true, false);
+    else
+        apply_in(o, part, out, false, false, false);
+    for (size_t k = begin; k < end; k++) out[k] *= y->scale[k];
 }
 
 void gn_springs_apply(const gn_spring_operator *of, double stiffness, double viscosity,
                       const double *x, double *out) {
     const gn_springs *y = of->system;
-    const scaled_operator scaled = {y, of->part, of->parts, stiffness, viscosity}, *o = &scaled;
-    if (y->space && y->bends) apply_core(o, x, out, true, true, true);
-    if (!y->space && y->bends) apply_core(o, x, out, false, true, true);
-    if (y->bends) return;
-    if (y->space && y->rotation) apply_core(o, x, out, true, true, false);
-    if (y->space && !y->rotation) apply_core(o, x, out, true, false, false);
-    if (!y->space && y->rotation) apply_core(o, x, out, false, true, false);
-    if (!y->space && !y->rotation) apply_core(o, x, out, false, false, false);
+    const scaled_operator o = {y, of->part, of->parts, stiffness, viscosity};
+#pragma omp parallel num_threads(y->threads) if (o.parts > 1)
+    {
+#pragma omp for schedule(static)
+        for (size_t k = 0; k < y->particles * (size_t)y->dofs; k++)
+            y->moved[k] = y->scale[k] * x[k];
+#pragma omp for schedule(dynamic)
+        for (int b = 0; b < o.parts; b++) apply_to_part(&o, &o.part[b], out);
+    }
 }
 
 gneiss_status gn_spring_operator_make(const gn_springs *y, gn_spring_operator *o,
@@ -431,14 +438,19 @@ static int32_t fastest_particle(const gn_springs *y, const double *x) {
     return y->spectrum->assembly->particles->id[gn_springs_place(y, best)];
 }
 
-static gneiss_status set_sharp(const gn_spring_operator *o, double tolerance, double *x,
-                               gn_step_limit *limit, gneiss_error *error) {
+/* `place`: of the entries among those of all particles (base/eigen.h); NULL: there are no others.
+ */
+static gneiss_status set_sharp(const gn_spring_operator *o, const size_t *place, double tolerance,
+                               double *x, gn_step_limit *limit, gneiss_error *error) {
     const gn_springs *y = o->system;
     const gn_damped system = {.count = y->particles * (size_t)y->dofs,
                               .apply = apply_all,
                               .context = o,
                               .moves = y->scale,
                               .damped = y->damped,
+                              .place = place,
+                              .whole =
+                                  y->spectrum->assembly->particles->soa.count * (size_t)y->dofs,
                               .threads = y->threads};
     gn_damped_top top;
     GN_TRY(gn_damped_largest(&system, tolerance, x, &top, error));
@@ -450,23 +462,79 @@ static gneiss_status set_sharp(const gn_spring_operator *o, double tolerance, do
     return GNEISS_OK;
 }
 
-gneiss_status gn_springs_mode(const gn_springs *y, double tolerance, double *x,
-                              gn_step_limit *limit, gneiss_error *error) {
+static gneiss_status find_mode(const gn_springs *y, const size_t *place, double tolerance,
+                               double *x, gn_step_limit *limit, gneiss_error *error) {
     gn_spring_operator o;
     GN_TRY(gn_spring_operator_make(y, &o, error));
-    gneiss_status status = set_sharp(&o, tolerance, x, limit, error);
+    gneiss_status status = set_sharp(&o, place, tolerance, x, limit, error);
     gn_spring_operator_free(&o);
     return status;
 }
 
+gneiss_status gn_springs_mode(const gn_springs *y, double tolerance, double *x,
+                              gn_step_limit *limit, gneiss_error *error) {
+    return find_mode(y, NULL, tolerance, x, limit, error);
+}
+
+static gneiss_status no_mode(const gn_springs *y, gneiss_error *error) {
+    return gn_fail(error, GNEISS_ERROR_MEMORY, "no memory for a mode of %zu particles",
+                   y->particles);
+}
+
+static gneiss_status set_sharp_among(const gn_springs *y, const size_t *place, double tolerance,
+                                     gn_step_limit *limit, gneiss_error *error) {
+    double *x = gn_alloc_array(y->particles * (size_t)y->dofs, sizeof *x);
+    gneiss_status status = x ? find_mode(y, place, tolerance, x, limit, error) : no_mode(y, error);
+    gn_free(x);
+    return status;
+}
+
+/* Marks, in groups that keep sums as they are (base/eigen.h), who moves or has springs. */
+static size_t mark_awake(const gn_springs *y, uint8_t *awake) {
+    size_t count = 0;
+    for (size_t begin = 0; begin < y->particles; begin += GN_EIGEN_GROUP) {
+        const size_t left = y->particles - begin;
+        const size_t size = left < GN_EIGEN_GROUP ? left : GN_EIGEN_GROUP;
+        bool any = false;
+        for (size_t p = begin; p < begin + size && !any; p++)
+            any = y->first[p] < y->first[p + 1] || gn_springs_can_move(y, (int32_t)p);
+        if (any) memset(awake + begin, 1, size);
+        if (any) count += size;
+    }
+    return count;
+}
+
+static gneiss_status set_sharp_of_awake(const gn_springs *y, const uint8_t *awake, double tolerance,
+                                        gn_step_limit *limit, gneiss_error *error) {
+    gn_springs members = {0};
+    size_t *place = NULL;
+    gneiss_status status = gn_springs_pick(y, awake, &members, error);
+    const size_t dofs = (size_t)y->dofs;
+    if (status == GNEISS_OK) {
+        place = gn_alloc_array(members.particles * dofs, sizeof *place);
+        for (size_t k = 0; place && k < members.particles * dofs; k++)
+            place[k] = gn_springs_place(&members, k / dofs) * dofs + k % dofs;
+        status = place ? set_sharp_among(&members, place, tolerance, limit, error)
+                       : no_mode(&members, error);
+    }
+    gn_free(place);
+    gn_springs_free(&members);
+    return status;
+}
+
+/* Where most sleep (src/sim/conversion.c), vectors are only as long as those who do not: the same
+ * limit to the bit. */
 static gneiss_status set_sharp_of_all(const gn_springs *y, double tolerance, gn_step_limit *limit,
                                       gneiss_error *error) {
-    size_t n = y->particles * (size_t)y->dofs;
-    double *x = gn_alloc_array(n, sizeof *x);
-    gneiss_status status =
-        x ? gn_springs_mode(y, tolerance, x, limit, error)
-          : gn_fail(error, GNEISS_ERROR_MEMORY, "no memory for a mode of %zu components", n);
-    gn_free(x);
+    enum { FEW = 64 };
+    if (y->local || y->particles < FEW) return set_sharp_among(y, NULL, tolerance, limit, error);
+    uint8_t *awake = gn_alloc(y->particles);
+    if (!awake) return no_mode(y, error);
+    const size_t count = mark_awake(y, awake);
+    gneiss_status status = count >= FEW && 2 * count <= y->particles
+                               ? set_sharp_of_awake(y, awake, tolerance, limit, error)
+                               : set_sharp_among(y, NULL, tolerance, limit, error);
+    gn_free(awake);
     return status;
 }
 

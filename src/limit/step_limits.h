@@ -68,7 +68,8 @@ typedef struct gn_step_verdict {
  * system of its own in which springs that lead out of it count twice. `changed` [particles]: only
  * these and their neighbours are looked at, the rest has been found to hold before; NULL: all are.
  * `limit`: whether verdict->limit is asked for, which without a tolerance costs much more than
- * whether the step holds. */
+ * whether the step holds. A step of INFINITY asks whether nothing resists any motion, and no limit
+ * comes of it. */
 gneiss_status gn_step_holds(const gn_spectrum *spectrum, double step, double tolerance, bool limit,
                             const uint8_t *changed, gn_step_verdict *verdict, gneiss_error *error);
 

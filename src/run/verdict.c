@@ -2,6 +2,7 @@
 #include "run/run.h"
 #include "run/stages.h"
 #include "sim/bending.h"
+#include "sim/conversion.h"
 #include "sim/coupling.h"
 
 #include <math.h>
@@ -183,6 +184,27 @@ static void warn_of_no_steps(const gn_run *run, gn_warnings *list) {
              "time.end (%g s) is less than half a step of %.4g s: no step was taken, and nothing "
              "has happened",
              w->scene.end, w->dt);
+}
+
+/* The model itself ended the run (sim/conversion.c). */
+static void warn_of_halt(const gn_run *run, gn_warnings *list) {
+    const gn_world *w = &run->world;
+    if (!run->finished || !w->halt[0]) return;
+    const bool box = gn_conversion_left_box(w);
+    gn_warning *to = add(list, "conversion_halted");
+    int told =
+        snprintf(to->text, sizeof to->text,
+                 "the run ended at %.4g s of %.4g s, and what comes after is not known: %s; ",
+                 w->time, w->scene.end, w->halt);
+    if (box)
+        snprintf(to->text + told, sizeof to->text - (size_t)told,
+                 "couple.convert.box and the packing in it have to reach farther on that side than "
+                 "what converts by the width of the zone, %g m (couple.convert.width), or more",
+                 w->scene.couple.convert.width);
+    else
+        snprintf(to->text + told, sizeof to->text - (size_t)told,
+                 "what is driven or loaded has to be farther from what converts, or "
+                 "couple.convert.stress or .mohr_coulomb higher there");
 }
 
 /* A condition that was not met in time. */
@@ -390,6 +412,7 @@ gneiss_status gn_run_warnings(const gn_run *run, gn_warnings *list, gneiss_error
     warn_of_mass_scaling(run, list);
     warn_of_added_mass(run, list);
     warn_of_no_steps(run, list);
+    warn_of_halt(run, list);
     warn_of_stages(run, list);
     warn_of_servos(run, list);
     warn_of_control(run, list);

@@ -86,6 +86,30 @@ static gneiss_status check_filled(gn_world *w, gneiss_error *error) {
     return refuse(w, w->scene.specimen.where, "specimen", message, error);
 }
 
+/* Where a zone comes to what is outside of the box whatever converts, the first conversion would
+ * end the run. What only motions and loads keep from converting is another matter. */
+static gneiss_status check_room(const gn_world *w, gneiss_error *error) {
+    const double width = w->scene.couple.convert.width, enough = (1.0 - 1e-9) * width;
+    char message[256];
+    double room = 0.0;
+    size_t ready = 0;
+    uint8_t *kind = gn_alloc(gn_conversion_elements(w) + 1);
+    gneiss_status status = kind ? gn_conversion_kinds(w, kind, error) : no_memory(error);
+    if (status == GNEISS_OK)
+        status = gn_front_room(gn_coupled_solid(w), kind, enough, &room, error);
+    for (size_t e = 0; status == GNEISS_OK && e < gn_conversion_elements(w); e++)
+        ready += kind[e] == GN_FRONT_READY;
+    gn_free(kind);
+    if (status != GNEISS_OK || !ready || room >= enough) return status;
+    snprintf(
+        message, sizeof message,
+        "expected a zone that is no wider than the %.4g m that are left between some element "
+        "and what is outside of couple.convert.box (or a larger box, with a packing that fills "
+        "it), found %g m",
+        room, width);
+    return refuse(w, w->scene.couple.convert.where, "couple.convert.width", message, error);
+}
+
 gneiss_status gn_conversion_prepare(gn_world *w, gneiss_error *error) {
     gn_ties ties;
     GN_TRY(check_law(w, error));
@@ -95,7 +119,8 @@ gneiss_status gn_conversion_prepare(gn_world *w, gneiss_error *error) {
     GN_TRY(gn_ties_find(gn_coupled_solid(w), &w->dem.particles, &ties, error));
     gneiss_status status = find_homes(w, &ties, error);
     gn_ties_free(&ties);
-    return status == GNEISS_OK ? check_filled(w, error) : status;
+    if (status == GNEISS_OK) status = check_filled(w, error);
+    return status == GNEISS_OK ? check_room(w, error) : status;
 }
 
 gneiss_status gn_conversion_lay_down(gn_world *w, gneiss_error *error) {
@@ -271,22 +296,47 @@ static void wake_all(gn_conversion *c) {
 
 /* --- converting --- */
 
+static const char outside[] = "is not in couple.convert.box";
+
+bool gn_conversion_left_box(const gn_world *w) {
+    return strstr(w->halt, outside);
+}
+
+/* Which side of the box an element is beyond, the first of them. */
+static const char *side_beyond(const gn_conversion *c, int64_t e, char *text, size_t size) {
+    const gn_fem_solid *b = gn_coupled_solid(c->world);
+    const gn_convert_def *def = &c->world->scene.couple.convert;
+    for (int k = 0; k < b->dimension; k++)
+        for (int a = 0; a <= b->dimension; a++) {
+            const size_t n = (size_t)gn_elements_node(&b->elements, a)[e];
+            const double seen = gn_point_out(b->origin[k], b->nodes.start[4 * n + (size_t)k]);
+            if (seen >= def->box_min[k] && seen <= def->box_max[k]) continue;
+            snprintf(text, size, "%s %c", seen < def->box_min[k] ? "lower" : "upper", "xyz"[k]);
+            return text;
+        }
+    return "";
+}
+
 /* The model stays as it was: it has all of its elements, and the run ends. */
 static void halt_at(const gn_conversion *c, int64_t e) {
     gn_world *w = c->world;
     const gn_fem_solid *b = gn_coupled_solid(w);
     double centre[3] = {0.0};
-    char at[GN_POINT_SIZE];
+    char at[GN_POINT_SIZE], side[16];
     for (int a = 0; a <= b->dimension; a++)
         for (size_t k = 0; k < 3; k++)
             centre[k] += b->nodes.start[4 * (size_t)gn_elements_node(&b->elements, a)[e] + k] /
                          (b->dimension + 1);
-    snprintf(w->halt, sizeof w->halt,
-             "conversion would have to go on to element %d at %.90s m, which %s", b->elements.id[e],
-             gn_point_text(b->origin, centre, at),
-             c->kind[e] == GN_FRONT_FIXED
-                 ? "is not in couple.convert.box (a larger box, with a packing that fills it)"
-                 : "has nodes of a motion or a load");
+    const int told = snprintf(w->halt, sizeof w->halt,
+                              "conversion would have to go on to element %d at %.80s m, which ",
+                              b->elements.id[e], gn_point_text(b->origin, centre, at));
+    const size_t left = sizeof w->halt - (size_t)told;
+    if (c->kind[e] != GN_FRONT_FIXED)
+        snprintf(w->halt + told, left, "has nodes of a motion or a load");
+    else
+        snprintf(w->halt + told, left,
+                 "%s but beyond its %s side (a larger box, with a packing that fills it)", outside,
+                 side_beyond(c, e, side, sizeof side));
 }
 
 /* *stuck: halted, nothing has changed. */

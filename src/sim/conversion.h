@@ -41,10 +41,14 @@ gneiss_status gn_conversion_look(gn_world *world, gneiss_error *error);
 gneiss_status gn_conversion_kinds(const gn_world *world, uint8_t *kind, gneiss_error *error);
 gneiss_status gn_conversion_convert(gn_world *world, uint8_t *kind, gneiss_error *error);
 
+/* Whether world->halt says that conversion came to the end of couple.convert.box. */
+bool gn_conversion_left_box(const gn_world *world);
+
 /* What is in the box, at the start (conversion_check.c). */
 typedef struct gn_conversion_figures {
     size_t elements, held, particles; /* held: of motions and loads */
     double element, diameter;         /* m, means */
+    double side;                      /* m, the shortest of the body of elements */
     double mass;                      /* of the particles over that of the elements */
     size_t materials;                 /* of the elements, with the packing in each */
     gn_zone_material material[GN_ZONE_MATERIALS];

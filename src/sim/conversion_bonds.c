@@ -38,16 +38,28 @@ static void grow(const gn_conversion *c, gn_contacts *list) {
     }
 }
 
+/* Turns of the elements that were asked for last: a few elements have many bonds. */
+enum { TURNS = 256 };
+typedef struct turns {
+    int32_t element[TURNS]; /* by its place modulo their number; -1: none */
+    double turn[TURNS][3][3];
+} turns;
+
 /* Of the element that a particle is in, or was the last; what moves by itself has none that is
  * known. */
-static bool turn_of(const gn_conversion *c, int32_t p, double turn[3][3]) {
-    const int32_t e = gn_home_of(c, (size_t)p);
-    if (e >= 0) gn_fem_turn(gn_coupled_solid(c->world), (size_t)e, turn);
-    return e >= 0;
+static bool turn_of(const gn_conversion *c, turns *known, int32_t p, double turn[3][3]) {
+    const int32_t e = gn_home_of(c, (size_t)p), at = e % TURNS;
+    if (e < 0) return false;
+    if (known->element[at] != e)
+        gn_fem_turn(gn_coupled_solid(c->world), (size_t)e, known->turn[at]);
+    known->element[at] = e;
+    memcpy(turn, known->turn[at], sizeof known->turn[at]);
+    return true;
 }
 
 /* Where the turns of both ends take the branch; false: neither is known. */
-static bool turned_branch(const gn_conversion *c, int32_t i, int32_t j, double branch[3]) {
+static bool turned_branch(const gn_conversion *c, turns *known, int32_t i, int32_t j,
+                          double branch[3]) {
     const gn_world *w = c->world;
     const gn_particles *q = &w->dem.particles;
     const double *a = q->start + 4 * (size_t)i, *b = q->start + 4 * (size_t)j;
@@ -55,7 +67,7 @@ static bool turned_branch(const gn_conversion *c, int32_t i, int32_t j, double b
     const double length = sqrt(gn_branch(w, a, b, l));
     const double half = w->scene.contact_arm == GN_ARM_MIDPOINT ? 0.5 : 0.0;
     const double arm = (a[3] + half * (length - a[3] - b[3])) / length;
-    bool first = turn_of(c, i, turn[0]), second = turn_of(c, j, turn[1]);
+    bool first = turn_of(c, known, i, turn[0]), second = turn_of(c, known, j, turn[1]);
     if (!first && !second) return false;
     if (!first) memcpy(turn[0], turn[1], sizeof turn[0]);
     if (!second) memcpy(turn[1], turn[0], sizeof turn[1]);
@@ -81,11 +93,11 @@ void gn_contact_rate(const gn_world *w, int32_t i, int32_t j, double length, con
 }
 
 /* The step to come adds what the last interval has done. */
-static void strain_bond(const gn_conversion *c, gn_contacts *list, size_t k) {
+static void strain_bond(const gn_conversion *c, turns *known, gn_contacts *list, size_t k) {
     const gn_particles *q = &c->world->dem.particles;
     double d[3], slip[3], rate[3], along = 0.0;
     const size_t i = 4 * (size_t)list->i[k], j = 4 * (size_t)list->j[k];
-    if (!list->kt || !turned_branch(c, list->i[k], list->j[k], slip)) return;
+    if (!list->kt || !turned_branch(c, known, list->i[k], list->j[k], slip)) return;
     const double length = sqrt(gn_branch(c->world, q->pos + i, q->pos + j, d));
     for (int a = 0; a < 3; a++) d[a] /= length;
     gn_contact_rate(c->world, list->i[k], list->j[k], length, d, rate);
@@ -110,7 +122,7 @@ typedef struct part {
 } part;
 
 /* Bonds of the last list go on, those that are new begin with what was prepared. */
-static void fill_part(const gn_conversion *c, gn_contacts *now, part *q) {
+static void fill_part(const gn_conversion *c, turns *known, gn_contacts *now, part *q) {
     gn_dem *d = &c->world->dem;
     gn_soa_keep(&gn_contact_record, now, q->begin, q->count, &d->bonds, q->from);
     gn_soa_keep(&gn_contact_record, now, q->begin, q->count, &d->prepared, q->prepared);
@@ -119,7 +131,7 @@ static void fill_part(const gn_conversion *c, gn_contacts *now, part *q) {
         if (q->from[k] >= 0) continue;
         const double share = part_of(d->particles.blend, now->i[at], now->j[at]);
         if (share != 1.0) gn_law_of(now->soa.effects)->weigh(now, at, share);
-        strain_bond(c, now, at);
+        strain_bond(c, known, now, at);
     }
     q->begin += q->count;
     q->count = 0;
@@ -128,8 +140,10 @@ static void fill_part(const gn_conversion *c, gn_contacts *now, part *q) {
 /* Both lists are sorted alike. */
 static void fill(const gn_conversion *c, gn_contacts *now) {
     const gn_contacts *all = &c->world->dem.prepared, *last = &c->world->dem.bonds;
+    turns turned;
     part q = {0};
     size_t old = 0;
+    for (size_t k = 0; k < TURNS; k++) turned.element[k] = -1;
     for (size_t k = 0; k < all->soa.count; k++) {
         if (!c->active[k]) continue;
         const bool known =
@@ -139,9 +153,9 @@ static void fill(const gn_conversion *c, gn_contacts *now) {
         q.from[q.count] = known ? (int32_t)old : -1;
         q.prepared[q.count++] = known ? -1 : (int32_t)k;
         old += known;
-        if (q.count == PART) fill_part(c, now, &q);
+        if (q.count == PART) fill_part(c, &turned, now, &q);
     }
-    fill_part(c, now, &q);
+    fill_part(c, &turned, now, &q);
 }
 
 gneiss_status gn_conversion_take_bonds(const gn_conversion *c, gneiss_error *error) {

@@ -216,13 +216,21 @@ gneiss_status gn_conversion_limit(gn_world *w, gn_step_limit *limit, gneiss_erro
     return status;
 }
 
+static double shortest_side(const gn_world *w) {
+    double lower[3] = {INFINITY, INFINITY, INFINITY}, upper[3] = {-INFINITY, -INFINITY, -INFINITY};
+    double side = INFINITY;
+    gn_elements_extent(w, lower, upper);
+    for (int a = 0; a < (int)w->scene.dimension; a++) side = fmin(side, upper[a] - lower[a]);
+    return side;
+}
+
 gneiss_status gn_conversion_measure(const gn_world *w, gn_conversion_figures *f,
                                     gneiss_error *error) {
     const gn_fem_solid *b = gn_coupled_solid(w);
     size_t count;
     uint8_t *kind = gn_alloc(b->elements.soa.count + 1);
     int32_t *place = gn_fem_places(b, &count);
-    *f = (gn_conversion_figures){0};
+    *f = (gn_conversion_figures){.side = shortest_side(w)};
     gneiss_status status =
         kind && place ? gn_conversion_kinds(w, kind, error)
                       : gn_fail(error, GNEISS_ERROR_MEMORY, "no memory to look at elements");

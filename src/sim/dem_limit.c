@@ -4,7 +4,6 @@
 #include "sim/internal.h"
 #include "sim/touch.h"
 
-#include <float.h>
 #include <math.h>
 #include <string.h>
 
@@ -252,10 +251,7 @@ static gneiss_status limit_fell(gn_world *w, bool *fell, gneiss_error *error) {
     /* With elements they may hold more than by themselves. */
     double known = fmax(trusted(w, &w->dem.limit), w->couple.whole);
     gn_step_verdict verdict = {0};
-    question q = {.step = known < INFINITY ? 0.95 * known : DBL_MAX,
-                  .verdict = &verdict,
-                  .whether = true,
-                  .changed = true};
+    question q = {.step = 0.95 * known, .verdict = &verdict, .whether = true, .changed = true};
     GN_TRY(ask_of_others(w, false, &q, error));
     *fell = !verdict.holds;
     return GNEISS_OK;
@@ -360,8 +356,7 @@ static size_t find_turned(const gn_world *w, uint8_t *turned) {
 static gneiss_status turned_hold(gn_world *w, const uint8_t *turned, bool *hold,
                                  gneiss_error *error) {
     gn_step_verdict verdict = {0};
-    double needed = gn_limit_needed(w, w->dt / GN_TURNED_SHARE);
-    question q = {.step = needed < INFINITY ? needed : DBL_MAX,
+    question q = {.step = gn_limit_needed(w, w->dt / GN_TURNED_SHARE),
                   .tolerance = tolerance_of(w),
                   .verdict = &verdict,
                   .whether = true,

@@ -6,6 +6,7 @@
 #include "base/timer.h"
 #include "couple/zone.h"
 #include "fem/structured.h"
+#include "sim/conversion.h"
 #include "sim/coupling.h"
 #include "sim/internal.h"
 
@@ -527,11 +528,18 @@ static gneiss_status full_limit(const gn_world *w, gn_element_model *q, gneiss_e
     return GNEISS_OK;
 }
 
+/* What the bound is made of, so that the first conversion need not look at all elements. */
+static gneiss_status know_bound(gn_element_model *q, gneiss_error *error) {
+    gn_fem_limit same = q->limit;
+    return gn_fem_bound_again(&q->solid, &same, error);
+}
+
 static gneiss_status body_limit(const gn_world *w, gn_element_model *q, bool full, bool *due,
                                 gneiss_error *error) {
     const double factor = w->step > 0 ? gn_fem_stiffening(&q->solid) : 1.0;
     bool changed = full || factor > 1.02 * q->stiffening;
     if (full) GN_TRY(full_limit(w, q, error));
+    if (full && gn_converts(w)) GN_TRY(know_bound(q, error));
     if (!changed) return GNEISS_OK;
     *due = true;
     q->stiffening = factor;
