@@ -768,6 +768,32 @@ def a_servo_that_never_holds_is_told(folder):
 
 
 @fact
+def of_many_servos_two_are_named_and_of_one_that_is_to_pull_that_it_cannot(folder):
+    lids = [{"name": f"lid_with_a_long_name_{k}", "point": [0, 0, "2.5 mm"], "normal": [0, 0, -1], "stiffness": 1e6,
+             "servo": {"force": 1, "max_velocity": 0.01}} for k in range(3)]
+    scene = {"specimen": {"particles": [[0, 0, "1 mm", "1 mm"]]}, "law": {"stiffness": "uniform"}, "time": {"end": "20 ms"},
+             "materials": [{"name": "m", "density": 2000, "normal_stiffness": 1e5, "kratio": 0}],
+             "sets": [{"name": "held", "select": {"all": True}, "motion": {"vz": 0}}], "output": {"history_rows": 50}, "walls": lids}
+    done = expect(gneiss("run", write_scene(folder, scene), "--out", os.path.join(folder, "three"), "--quiet"), 0)
+    assert re.search(r"servo_not_held: wall 'lid_with_a_long_name_0' .*; wall 'lid_with_a_long_name_1' .*; and 1 more: there was too little time.* lets it hold\n",
+                     done.stderr), done.stderr
+    scene["walls"] = [{**lids[0], "servo": {"force": -1, "max_velocity": 0.01}}]
+    done = expect(gneiss("run", write_scene(folder, scene), "--out", os.path.join(folder, "pull"), "--quiet"), 0)
+    assert "and is to hold -1 N: a wall presses only, and what it is to hold is a pull" in done.stderr, done.stderr
+
+
+@fact
+def a_membrane_that_never_comes_to_its_pressure_is_told(folder):
+    scene = {"dimension": 2, "specimen": {"lattice": {"kind": "hexagonal", "radius": "1 mm", "cells": [6, 6]}}, "law": {"stiffness": "uniform"},
+             "materials": [{"name": "m", "density": 2000, "normal_stiffness": 1e8, "kratio": 2, "bond_tension_limit": 1e12, "bond_shear_limit": 1e12}],
+             "bonds": {}, "membrane": {"pressure": "1 MPa", "ramp": "1 s"}, "time": {"end": "1 ms"}}
+    for ramp, told in (("1 s", True), ("0.5 ms", False)):
+        scene["membrane"]["ramp"] = ramp
+        done = expect(gneiss("run", write_scene(folder, scene), "--out", os.path.join(folder, str(told)), "--quiet"), 0)
+        assert bool(re.search(r"membrane_ramp: the pressure had come to \d+(\.\d+)? Pa, 0\.001 of what it is to be", done.stderr)) == told, done.stderr
+
+
+@fact
 def a_box_that_a_servo_shrinks_to_nothing_is_a_run_that_went_bad(folder):
     """Soft grains do not bear the stress; a box that is too narrow from the start is an error of the scene, and a rate has its own place."""
     grains = [[2.2e-3 * i + 1e-3, 2.2e-3 * j + 1e-3, 2.2e-3 * k + 1e-3, 1e-3] for i in range(6) for j in range(6) for k in range(6)]

@@ -311,36 +311,66 @@ static gn_servo_row look_at_servo(const gn_run *run, int wall, int axis, double 
     return mean;
 }
 
+/* What one servo misses; at most so many are named. */
+enum { SERVOS_NAMED = 2 };
+
+static size_t tell_of_servo(const gn_run *run, int wall, int axis, gn_servo_row mean, double share,
+                            char *text, size_t size) {
+    const char *name =
+        axis >= 0 ? (const char *[]){"x", "y", "z"}[axis] : run->world.scene.walls[wall].name;
+    const char *unit = axis >= 0 ? "Pa" : "N";
+    size_t used =
+        (size_t)snprintf(text, size,
+                         "%s '%.40s' has %.4g %s in the mean of the last rows and is to "
+                         "hold %.4g %s",
+                         axis >= 0 ? "side" : "wall", name, mean.found, unit, mean.wanted, unit);
+    if (share > share_limit && used < size)
+        used += (size_t)snprintf(text + used, size - used,
+                                 " (and was off by more than a tenth in %.0f %% of the %s since it "
+                                 "first held)",
+                                 100.0 * share, gn_run_staged(run) ? "stage" : "run");
+    return used < size ? used : size - 1;
+}
+
 static void warn_of_servos(const gn_run *run, gn_warnings *list) {
     const gn_scene *s = &run->world.scene;
-    char text[sizeof list->warning->text] = "";
-    size_t used = 0;
-    for (int k = 0; run->finished && k < 3 + (int)s->wall_count && used < sizeof text; k++) {
+    char text[400] = "";
+    size_t used = 0, count = 0;
+    bool pulls = false;
+    for (int k = 0; run->finished && k < 3 + (int)s->wall_count; k++) {
         const int wall = k - 3, axis = k < 3 ? k : -1;
         bool active = axis >= 0 ? s->box[axis].stress.count > 0 : s->walls[wall].servo.active;
         double share = 0.0;
         gn_servo_row mean = active ? look_at_servo(run, wall, axis, &share) : (gn_servo_row){0};
         if (!is_off(mean) && share <= share_limit) continue;
-        const char *name = axis >= 0 ? (const char *[]){"x", "y", "z"}[axis] : s->walls[wall].name;
-        const char *unit = axis >= 0 ? "Pa" : "N";
-        used += (size_t)snprintf(text + used, sizeof text - used,
-                                 "%s%s '%s' has %.4g %s in the mean of the last rows and is to "
-                                 "hold %.4g %s",
-                                 used ? "; " : "", axis >= 0 ? "side" : "wall", name, mean.found,
-                                 unit, mean.wanted, unit);
-        if (share > share_limit && used < sizeof text)
-            used += (size_t)snprintf(text + used, sizeof text - used,
-                                     " (and was off by more than a tenth in %.0f %% of the %s "
-                                     "since it first held)",
-                                     100.0 * share, gn_run_staged(run) ? "stage" : "run");
+        pulls = pulls || (wall >= 0 && mean.wanted < 0.0);
+        if (count++ >= SERVOS_NAMED) continue;
+        if (used) used += (size_t)snprintf(text + used, sizeof text - used, "; ");
+        used += tell_of_servo(run, wall, axis, mean, share, text + used, sizeof text - used);
     }
-    if (!used) return;
+    if (!count) return;
     gn_warning *to = add(list, "servo_not_held");
+    size_t at = (size_t)snprintf(to->text, sizeof to->text, "%s", text);
+    if (count > SERVOS_NAMED)
+        at += (size_t)snprintf(to->text + at, sizeof to->text - at, "; and %zu more",
+                               count - SERVOS_NAMED);
+    snprintf(to->text + at, sizeof to->text - at, ": %s",
+             pulls ? "a wall presses only, and what it is to hold is a pull"
+                   : "there was too little time, or what it presses on gives way faster than the "
+                     "servo follows; a later end, a larger max_velocity, max_rate or relaxation, "
+                     "or a wall that is less stiff, lets it hold");
+}
+
+static void warn_of_ramp(const gn_run *run, gn_warnings *list) {
+    const gn_world *w = &run->world;
+    if (!run->finished || !(w->effects & GN_FX_MEMBRANE)) return;
+    if (w->scene.membrane.ramp - w->time <= w->dt) return;
+    gn_warning *to = add(list, "membrane_ramp");
     snprintf(to->text, sizeof to->text,
-             "%.*s: there was too little time, or what it presses on gives way faster than the "
-             "servo follows; a later end, a larger max_velocity, max_rate or relaxation, or a wall "
-             "that is less stiff, lets it hold",
-             (int)sizeof to->text - 230, text);
+             "the pressure had come to %.4g Pa, %.3g of what it is to be, when the run ended after "
+             "%.4g s: membrane.ramp is %.4g s",
+             w->dem.membrane->pressure, w->time / w->scene.membrane.ramp, w->time,
+             w->scene.membrane.ramp);
 }
 
 /* Bodies that others are near to, and could meet but for their shape. */
@@ -415,6 +445,7 @@ gneiss_status gn_run_warnings(const gn_run *run, gn_warnings *list, gneiss_error
     warn_of_halt(run, list);
     warn_of_stages(run, list);
     warn_of_servos(run, list);
+    warn_of_ramp(run, list);
     warn_of_control(run, list);
     warn_of_bodies(run, list);
     warn_of_sizes(run, list);
