@@ -91,10 +91,10 @@ static gneiss_status check_curve(const check *c, const gn_scene *s) {
         return gn_check_fail(c, "law.softening_curve",
                              "expected softening energy beside bilinear, found another");
     }
-    if (fabs(s->kink_stress - 1.0 / 3.0) > 1e-12)
+    if (s->kink_stress > 0.0 && fabs(s->kink_stress - 1.0 / 3.0) > 1e-12) /* 0: no law section */
         return gn_check_fail(c, "law.kink_stress",
                              "expected softening_curve bilinear beside it, found linear");
-    if (s->initial_energy != 0.6)
+    if (s->initial_energy > 0.0 && s->initial_energy != 0.6)
         return gn_check_fail(c, "law.initial_energy",
                              "expected softening_curve bilinear beside it, found linear");
     return GNEISS_OK;
