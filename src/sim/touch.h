@@ -98,4 +98,14 @@ static inline gn_law_spring gn_touch_spring(const gn_world *w, const gn_touch_si
     return s;
 }
 
+/* What a row needs to know of the wall or surface that it is a contact with (touch.c). */
+typedef struct gn_row_side {
+    double n[3], v[3]; /* from the particle into it, 0: did not touch; its velocity, m/s */
+    gn_touch_side law;
+} gn_row_side;
+gn_row_side gn_row_side_of(const gn_world *world, size_t row);
+/* J by which contacts with walls and surfaces hold more by Hertz's law as it is now than by what
+ * particles and sides were to each other before, as gn_touch_hertz counts them. */
+double gn_touches_gain(const gn_world *world, const gn_hertz_pair *before);
+
 #endif
