@@ -959,6 +959,25 @@ def the_limit_that_is_written_is_that_of_the_grains_as_they_lie(folder):
     for key in ("dt_limit", "dt_limit_sharp"):
         assert abs(found[key] / (2 / math.sqrt(3 * k / m)) - 1) < 2e-3, (key, found[key], 2 / math.sqrt(3 * k / m))
 
+
+@fact
+def a_body_that_is_absurdly_light_is_warned_of_before_the_run(folder):
+    """1e-21 kg over grains of 1e-5 kg: steps fall to 1e-14 s when it comes to them, which no plan can know."""
+    scene = write_scene(folder, {
+        "dimension": 3, "specimen": {"lattice": {"kind": "cubic", "radius": 1e-3, "cells": [3, 3, 1]}},
+        "law": {"stiffness": "uniform"},
+        "materials": [{"name": "m", "density": 2500, "normal_stiffness": 1e5, "kratio": 0}],
+        "bodies": [{"name": "feather", "free": True, "mass": 1e-21, "stiffness": 1e5, "box": {"size": [4e-3, 4e-3, 2e-3]},
+                    "origin": [0, 0, 2.5e-3]}],
+        "time": {"end": 1e-5}, "run": {"threads": 1}})
+    out = os.path.join(folder, "feather")
+    for mass, warns in (("1e-21", True), ("1e-7", False)):
+        light = ("--set", f"bodies.feather.mass={mass}")
+        told = [expect(gneiss("check", scene, *light), 0).stdout,
+                expect(gneiss("run", scene, "--out", out, "--quiet", "--force", *light), 0).stderr]
+        for text in told:
+            assert text.count("body 'feather' of 1e-21 kg on 1e+05 N/m asks") == warns, text
+
 # --- damage -----------------------------------------------------------------------------------------------
 
 def mutated(source, pick):

@@ -170,6 +170,10 @@ gneiss_status gn_world_check_lists(gn_world *world, gneiss_error *error);
  * may form need a smaller one. "" : nothing. */
 const char *gn_world_step_warning(const gn_world *world, char *text, size_t size);
 
+/* Which free body is so light, or stiff, that its contacts ask for steps a thousand times shorter
+ * than those of all else. "": none. */
+const char *gn_world_light_body(const gn_world *world, char *text, size_t size);
+
 /* Steps that a collision must last. */
 double gn_world_contact_steps(const gn_world *world);
 
