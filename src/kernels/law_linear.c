@@ -306,7 +306,8 @@ static double opening_force(double kn, const gn_touch *t, double p, double dt) {
 static const double crossing_resolved = 1.0;
 
 /* What acts along the normal but for the dashpot, whose share of the step is given back too. A
- * plane's or facet's normal does not turn within a step: the path is all along it. */
+ * plane's or facet's normal does not turn within a step: the path is all along it. To the next one
+ * the dashpot is as good as anything else that acts. */
 static gn_linear_crossing touch_normal(double kn, double cn, const gn_touch *t, double path,
                                        double dt) {
     bool touching = t->gap < -t->rounding;

@@ -4,20 +4,20 @@
 #include <math.h>
 #include <string.h>
 
-gn_row_side gn_row_side_of(const gn_world *w, size_t c) {
+gn_row_side gn_row_side_of(const gn_world *w, size_t row) {
     const gn_wall_contacts *k = &w->boundary.contacts;
-    size_t wall = (size_t)k->wall[c];
+    size_t wall = (size_t)k->wall[row];
     gn_row_side s;
     if (wall < w->scene.wall_count) {
         for (int a = 0; a < 3; a++) s.n[a] = -w->boundary.walls[wall].normal[a];
         memcpy(s.v, w->boundary.walls[wall].velocity, sizeof s.v);
-        s.law = gn_wall_side(w, wall, (size_t)k->i[c]);
+        s.law = gn_wall_side(w, wall, (size_t)k->i[row]);
     } else {
-        for (size_t a = 0; a < 3; a++) s.n[a] = k->normal[c + a * k->soa.capacity];
+        for (size_t a = 0; a < 3; a++) s.n[a] = k->normal[row + a * k->soa.capacity];
         double part = sqrt(gn_dot3(s.n, s.n));
         for (int a = 0; part > 0.0 && a < 3; a++) s.n[a] /= part;
-        gn_surface_velocity(w, c, s.v);
-        s.law = gn_surface_side(w, gn_surface_of_row(w, c), (size_t)k->i[c], part);
+        gn_surface_velocity(w, row, s.v);
+        s.law = gn_surface_side(w, gn_surface_of_row(w, row), (size_t)k->i[row], part);
     }
     return s;
 }
