@@ -225,10 +225,81 @@ static void a_stiff_platen_that_touches_late_presses_gently(void **state) {
         }
 }
 
+/* The largest residual of the ledger of a damped ball that comes to a target at several places in a
+ * step, at the default step, once it has come off. `others`: particles and sets beside it. */
+static double damped_residual(const char *target, const char *others, const char *sets,
+                              double restitution) {
+    enum { PHASES = 8 };
+    double most = 0.0;
+    for (int k = 0; k < PHASES; k++) {
+        double gap = 1e-3 * radius * (1.0 + (double)k / PHASES);
+        gn_world *w = world_of(
+            "%s%s\nspecimen: {particles: [[0, 0, %.17g, 1e-3]%s]}\nsets: [{name: a, select: {ids: "
+            "[0]}, initial_velocity: [0, 0, -%.17g]}%s]\ndamping: {contact: {restitution: %g}}\n"
+            "time: {end: 1}\ndomain: {min: [-1, -1, -1], max: [1, 1, 1]}\n",
+            head, target, radius + gap, others, speed(), sets, restitution);
+        double end = 12.0 / frequency() + gap / speed();
+        gn_energy e = {0};
+        while (w->time < end) e = measured_step(w);
+        most = fmax(most, fabs(gn_energy_residual(&e)));
+        world_end(w);
+    }
+    return most;
+}
+
+/* The dashpot's own part of the next step's path is known as well: with a wall the works close
+ * exactly, of pairs to the order of the series. Without it 0.6 % was missing at a restitution of
+ * 0.02. */
+static void what_a_damped_crossing_takes_is_in_the_ledger(void **state) {
+    (void)state;
+    static const double restitutions[] = {0.02, 0.2, 0.5, 0.9};
+    const char *ball = ", [0, 0, -1e-3, 1e-3]",
+               *held = ", {name: h, select: {ids: [1]}, motion: {vx: 0, vy: 0, vz: 0}}";
+    const char *wall = "walls: [{name: w, point: [0, 0, 0], normal: [0, 0, 1], stiffness: 1e5}]";
+    for (int k = 0; k < 4; k++) {
+        double c = restitutions[k];
+        assert_near(damped_residual(wall, "", "", c), 0.0, 1e-11);
+        assert_near(damped_residual("", ball, "", c), 0.0, 5e-5);
+        assert_near(damped_residual("", ball, held, c), 0.0, 5e-5);
+    }
+}
+
+/* Relative change of the energy of a ball that rattles under a lid, in a wedge of two walls that
+ * are inclined by an angle each. */
+static double wedge_gain(double angle) {
+    const double s = sin(angle), c = cos(angle), low = -1.01 * radius / c;
+    gn_world *w = world_of("%sspecimen: {particles: [[0, 0, 0, 1e-3]]}\n"
+                           "sets: [{name: ball, select: {ids: [0]}, initial_velocity: [%.17g, 0, "
+                           "-%.17g]}]\ntime: {end: 1}\n"
+                           "walls: [{name: l, point: [0, 0, %.17g], normal: [%.17g, 0, %.17g], "
+                           "stiffness: 1e5}, {name: r, point: [0, 0, %.17g], normal: [-%.17g, 0, "
+                           "%.17g], stiffness: 1e5}, {name: u, point: [0, 0, 1.01e-3], normal: "
+                           "[0, 0, -1], stiffness: 1e5}]\n",
+                           head, 0.1 * speed(), speed(), low, s, c, 1.001 * low, s, c);
+    double start = energy_in_flight(w);
+    while (w->time < 1000.0 / frequency()) run_steps(w, 1);
+    double end = energy_in_flight(w);
+    world_end(w);
+    return end / start - 1.0;
+}
+
+/* Each wall takes part in what crosses the other, as it stands at the end of the step. Without that
+ * the changes were up to ten percent and more, of either sign. */
+static void a_ball_in_a_wedge_keeps_its_energy(void **state) {
+    (void)state;
+    for (int k = 1; k < 8; k++) {
+        double change = wedge_gain(0.17 * k);
+        print_message("# inclined by %g: %.2g\n", 0.17 * k, change);
+        assert_near(change, 0.0, 1e-3);
+    }
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(a_ball_that_bounces_on_a_floor_keeps_its_energy),
         cmocka_unit_test(a_ball_that_bounces_on_a_held_one_keeps_its_energy_nearly),
+        cmocka_unit_test(what_a_damped_crossing_takes_is_in_the_ledger),
+        cmocka_unit_test(a_ball_in_a_wedge_keeps_its_energy),
         cmocka_unit_test(what_a_held_particle_weighs_does_not_matter),
         cmocka_unit_test(a_stiff_platen_that_touches_late_presses_gently),
         cmocka_unit_test(a_change_of_the_step_is_in_the_ledger),

@@ -1,4 +1,5 @@
 """Commands, options, messages and what is written. Speaks TAP."""
+import math
 import random
 from concurrent.futures import ThreadPoolExecutor
 
@@ -961,6 +962,47 @@ def orientations_are_written_where_they_are_asked_for(folder):
     expected = -np.array([np.cos(half), *(np.sin(half) * spin / np.linalg.norm(spin))])
     assert np.array_equal(turn[0], [1, 0, 0, 0]) and expected[0] > 0 and np.abs(turn[1] - expected).max() < 1e-7, turn
 
+
+
+@fact
+def the_limit_that_is_written_is_that_of_the_grains_as_they_lie(folder):
+    """Three balls in a row that come together: nothing touched at the start, and it is over before the step is looked at again. A pair
+    has w^2 = 2 k/m, the row 3 k/m; dashpots are none. Half a contact later it is pressed most."""
+    k, r, rho, v = 1e5, 1e-3, 2500.0, 0.01
+    m = rho * 4 / 3 * math.pi * r**3
+    w = math.sqrt(k / m)  # the middle one stays
+    scene = write_scene(folder, {
+        "dimension": 3, "specimen": {"particles": [[-2.001e-3, 0, 0, r], [0, 0, 0, r], [2.001e-3, 0, 0, r]]},
+        "law": {"stiffness": "uniform"},
+        "materials": [{"name": "a", "density": rho, "normal_stiffness": k, "kratio": 0}],
+        "sets": [{"name": n, "select": {"ids": [i]}, "initial_velocity": [s * v, 0, 0]} for n, i, s in (("l", 0, 1), ("r", 2, -1))],
+        "time": {"end": 1e-6 / v + 0.5 * math.pi / w}, "run": {"threads": 1}})
+    out = os.path.join(folder, "row")
+    expect(gneiss("run", scene, "--out", out, "--quiet"), 0)
+    with open(os.path.join(out, "summary.json")) as file:
+        found = json.load(file)
+    assert 50 < found["steps"] < 1000, found["steps"]
+    for key in ("dt_limit", "dt_limit_sharp"):
+        assert abs(found[key] / (2 / math.sqrt(3 * k / m)) - 1) < 2e-3, (key, found[key], 2 / math.sqrt(3 * k / m))
+
+
+@fact
+def a_body_that_is_absurdly_light_is_warned_of_before_the_run(folder):
+    """1e-21 kg over grains of 1e-5 kg: steps fall to 1e-14 s when it comes to them, which no plan can know."""
+    scene = write_scene(folder, {
+        "dimension": 3, "specimen": {"lattice": {"kind": "cubic", "radius": 1e-3, "cells": [3, 3, 1]}},
+        "law": {"stiffness": "uniform"},
+        "materials": [{"name": "m", "density": 2500, "normal_stiffness": 1e5, "kratio": 0}],
+        "bodies": [{"name": "feather", "free": True, "mass": 1e-21, "stiffness": 1e5, "box": {"size": [4e-3, 4e-3, 2e-3]},
+                    "origin": [0, 0, 2.5e-3]}],
+        "time": {"end": 1e-5}, "run": {"threads": 1}})
+    out = os.path.join(folder, "feather")
+    for mass, warns in (("1e-21", True), ("1e-7", False)):
+        light = ("--set", f"bodies.feather.mass={mass}")
+        told = [expect(gneiss("check", scene, *light), 0).stdout,
+                expect(gneiss("run", scene, "--out", out, "--quiet", "--force", *light), 0).stderr]
+        for text in told:
+            assert text.count("body 'feather' of 1e-21 kg on 1e+05 N/m asks") == warns, text
 
 # --- damage -----------------------------------------------------------------------------------------------
 

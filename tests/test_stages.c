@@ -296,6 +296,55 @@ static void a_change_of_stiffness_books_all_that_appears(void **state) {
     run_end(run);
 }
 
+/* A sphere that is pressed into what it slides on, by Hertz's law; %s: a wall or a body of its
+ * material. */
+static char *pressed_on(const char *what, const char *run) {
+    static char s[4096];
+    snprintf(s, sizeof s,
+             "specimen: {particles: [[0, 0, 0.99 mm, 1 mm]]}\n"
+             "materials: [{name: m, density: 2000, young: 1e7, poisson: 0.3, friction: 0.9, "
+             "rolling_friction: 0.5, restitution: 0.8}]\n"
+             "law: {stiffness: hertz}\n%s\ndomain: {min: [-9, -9, -9], max: [9, 9, 9]}\n"
+             "sets: [{name: a, select: {all: true}, motion: {vx: 20 mm/s, vy: 0, vz: -10 mm/s, "
+             "wx: 0, wy: 2, wz: 0}}]\n"
+             "time: {step: 1 us, end: 1}\nrun: {%s}\noutput: {history_rows: 10000000}\n"
+             "stages:\n- {name: press, end: {steps: 100}}\n"
+             "- {name: stiff, materials: {m: {young: 3e7}}, end: {steps: 100}}\n"
+             "- {name: soft, materials: {m: {young: 2e7, poisson: 0.1}}, end: {steps: 100}}\n"
+             "- {name: smooth, materials: {m: {friction: 0.01}}, end: {steps: 100}}\n",
+             what, run);
+    return s;
+}
+static const char *const under[] = {
+    "walls: [{name: b, point: [0, 0, 0], normal: [0, 0, 1], material: m}]",
+    "bodies: [{name: b, material: m, box: {size: [0.1, 0.1, 0.01]}, origin: [-0.04, -0.05, "
+    "-0.01]}]"};
+
+/* The force is that of the materials of the stage, of half of E/(1 - nu^2), and what the contact,
+ * pressed, sheared and rolled, holds more by it is in the ledger. It was that of the first stage.
+ */
+static void walls_and_bodies_follow_materials_that_change(void **state) {
+    (void)state;
+    static const double young[] = {1e7, 3e7, 2e7, 2e7}, poisson[] = {0.3, 0.3, 0.1, 0.1};
+    for (size_t k = 0; k < 2; k++) {
+        gn_run *run = run_of(pressed_on(under[k], "threads: 1"));
+        for (size_t stage = 0; stage < 4; stage++) {
+            while (run->world.stage < stage) steps(run, 1);
+            steps(run, 40);
+            const gn_energy *e = &run->world.reading;
+            double u = 1e-5 + 0.01 * 1e-6 * (double)(run->world.step - 1);
+            double modulus = 0.5 * young[stage] / (1.0 - poisson[stage] * poisson[stage]);
+            double force = -4.0 / 3.0 * modulus * sqrt(1e-3 * u) * u, damped = 0.0;
+            const gn_wall_contacts *q = &run->world.boundary.contacts;
+            if (q->fd) damped = q->fd[0];
+            assert_near(q->row[2] - damped, -force, 1e-9 * -force);
+            assert_near(gn_energy_residual(e), 0.0, 1e-6);   /* of 100 steps of u^1.5 */
+            if (stage == 3) assert_true(e->friction > 1e-8); /* J; before it next to none */
+        }
+        run_end(run);
+    }
+}
+
 /* A bond that is stretched and sheared bears nothing once it is dissolved: that is no sliding. The
  * normal turns by 0.05 mrad a step, which is first order in what is left of the last one. */
 static void dissolving_a_bond_is_no_friction(void **state) {
@@ -466,6 +515,12 @@ static char *worn(const char *coupling, const char *run) {
         "- {name: free, bonds: {enabled: off}, gravity: [1, 0, -9.81], end: {time: 0.3 ms}}\n",
         coupling, run);
     return s;
+}
+
+static void materials_of_walls_and_bodies_have_the_same_bits(void **state) {
+    (void)state;
+    for (size_t k = 0; k < 2; k++)
+        resumes_with_the_same_bits(pressed_on(under[k], "threads: 1"), 33, 0xf);
 }
 
 static void worn_bonds_of_several_stages_have_the_same_bits(void **state) {
@@ -949,11 +1004,13 @@ int main(void) {
         cmocka_unit_test(threads_do_not_matter),
         cmocka_unit_test(bonds_begin_without_force_where_they_form),
         cmocka_unit_test(a_change_of_stiffness_books_all_that_appears),
+        cmocka_unit_test(walls_and_bodies_follow_materials_that_change),
         cmocka_unit_test(dissolving_a_bond_is_no_friction),
         cmocka_unit_test(bonds_may_form_under_their_force),
         cmocka_unit_test(bonds_form_beside_bonds),
         cmocka_unit_test(a_specimen_is_settled_bonded_confined_and_loaded),
         cmocka_unit_test(a_resumed_run_has_the_same_bits),
+        cmocka_unit_test(materials_of_walls_and_bodies_have_the_same_bits),
         cmocka_unit_test(worn_bonds_of_several_stages_have_the_same_bits),
         cmocka_unit_test(bonds_that_form_beside_worn_ones_leave_them_as_they_are),
         cmocka_unit_test(a_fracture_energy_of_the_body_holds_for_bonds_of_a_later_stage),

@@ -63,7 +63,10 @@ static gneiss_status fail(gn_run *run, gneiss_error *error) {
 
 /* *shown: a progress line stands on the terminal, and the cursor behind it. */
 static gneiss_status advance(const gn_options *o, gn_run *run, bool *shown, gneiss_error *error) {
+    char light[GNEISS_MESSAGE_SIZE];
     if (run->note[0]) fprintf(stderr, "gneiss: warning: %s\n", run->note);
+    if (*gn_world_light_body(&run->world, light, sizeof light))
+        fprintf(stderr, "gneiss: warning: %s\n", light);
     GN_TRY(gn_print_start(o, run, error));
     GN_TRY(gn_print_beginning(o, run, error));
     const volatile sig_atomic_t *interrupted = gn_signals_set_flag();

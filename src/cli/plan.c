@@ -417,6 +417,11 @@ static gneiss_status print_bodies(const gn_world *w, const gn_overlap *overlaps,
         print_on_walls(w, k, warnings);
         GN_TRY(print_on_bodies(w, k, warnings, error));
     }
+    char light[GNEISS_MESSAGE_SIZE];
+    if (*gn_world_light_body(w, light, sizeof light)) {
+        printf("  warning: %s\n", light);
+        (*warnings)++;
+    }
     /* The last surface, behind those of bodies, is that of elements. */
     if (w->boundary.surface_count == w->scene.body_count) return GNEISS_OK;
     const gn_surface *s = &w->boundary.surfaces[w->scene.body_count];

@@ -75,26 +75,32 @@ typedef struct gn_linear_crossing {
  * k (1 - s) p s/2 of the spring, and of the dashpot's step 1/2 - s. So the energy of a rebound is
  * off by some y^4/40 instead of y^2/4, y = w dt, w^2 = k (1/m_i + 1/m_j); with the factors 1 -+ y^2
  * s (1 - s)/4, from the trapezoidal sums of this and the next step of a pair that meets alone, by
- * y^8. (y^2 is taken as 1/2 at most: steps are to resolve a contact.) What else opens the gap, by
- * the share `bias` of the path, comes in to first order. The energy that is booked with the instant
- * is what closes those sums: half the force times the path. `stretch`: negative while it presses;
- * `path`: by how much it grew in the step; `quarter_y2`: y^2/4; `bias`: path of the other
- * accelerations in a step over `path`; `acting`: touches at the end of the step. */
+ * y^8. (y^2 is taken as 1/2 at most: steps are to resolve a contact.) Where something else makes
+ * the path of the next step longer or shorter, by the share b of this one, the factors are (1 +
+ * b/(1 + s))/(1 + b/2) where it closed, 1/(1 + b/2) where it opened, and y^2 is over (1 + b/2)^2;
+ * the dashpot is a part of that, by c dt/m times its share. The energy that is booked with the
+ * instant is what closes those sums: half the force times the path. `stretch`: negative while it
+ * presses; `path`: by how much it grew in the step; `quarter_y2`: y^2/4; `bias`: path of the other
+ * accelerations in a step over `path`; `drag`: c dt (1/m_i + 1/m_j); `acting`: touches at the end
+ * of the step. */
 GN_INLINE gn_linear_crossing gn_linear_cross(gn_v kn, gn_v stretch, gn_v path, gn_v quarter_y2,
-                                             gn_v bias, gn_m closing, gn_m opening, gn_m acting) {
+                                             gn_v bias, gn_v drag, gn_m closing, gn_m opening,
+                                             gn_m acting) {
     gn_v half = gn_set(0.5), one = gn_set(1.0), zero = gn_set(0.0);
     gn_v most = zero - gn_max(zero - quarter_y2, gn_set(-0.125));
     gn_v s = gn_where(gn_or(closing, opening), stretch / path, zero);
     /* In single precision what has closed within the rounding of its path has just begun. */
     gn_m within = gn_and(gn_at_least(s, zero), gn_at_least(one, s));
     s = gn_pick(GN_MIXED, gn_where(within, s, one), s);
-    gn_v bend = most * s * (one - s), full = kn * stretch;
-    gn_v first = gn_max(gn_set(-0.5), zero - gn_max(gn_set(-0.5), zero - bias)) * half;
-    gn_v in = half * full * (one + s) * (one - bend + first * (one - s) / (one + s));
-    gn_v out = gn_set(-0.5) * kn * (stretch - path) * s * (one + bend - first);
+    gn_v share = gn_where(closing, half + s, half - s), full = kn * stretch;
+    gn_v longer = gn_max(gn_set(-0.5), zero - gn_max(gn_set(-0.5), zero - bias)) - share * drag;
+    longer = gn_max(gn_set(-1.0), longer);
+    gn_v mean = one + half * longer, bend = most * s * (one - s) / (mean * mean);
+    gn_v in = half * full * (one + s + longer) / mean * (one - bend);
+    gn_v out = gn_set(-0.5) * kn * (stretch - path) * s / mean * (one + bend);
     gn_linear_crossing r = {gn_keep(acting, full), gn_keep(acting, one), stretch};
     r.normal = gn_where(closing, in, gn_where(opening, out, r.normal));
-    r.share = gn_where(closing, half + s, gn_where(opening, half - s, r.share));
+    r.share = gn_where(gn_or(closing, opening), share, r.share);
     r.way = gn_where(closing, path, gn_where(opening, zero - path, r.way));
     return r;
 }

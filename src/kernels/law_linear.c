@@ -306,16 +306,28 @@ static double opening_force(double kn, const gn_touch *t, double p, double dt) {
 static const double crossing_resolved = 1.0;
 
 /* What acts along the normal but for the dashpot, whose share of the step is given back too. A
- * plane's or facet's normal does not turn within a step: the path is all along it. */
-static gn_linear_crossing touch_normal(double kn, const gn_touch *t, double path, double dt) {
+ * plane's or facet's normal does not turn within a step: the path is all along it. To the next one
+ * the dashpot is as good as anything else that acts. */
+static gn_linear_crossing touch_normal(double kn, double cn, const gn_touch *t, double path,
+                                       double dt) {
     bool touching = t->gap < -t->rounding;
     bool resolved = dt * dt * kn * t->inverse_mass <= crossing_resolved;
     if (!resolved || !gn_touch_crosses(t, path))
         return touching ? (gn_linear_crossing){kn * t->gap, 1.0, t->gap}
                         : (gn_linear_crossing){0.0, 0.0, 0.0};
-    double s = t->gap / path;
-    if (touching) return (gn_linear_crossing){-closing_force(kn, t, -path, dt), 0.5 + s, path};
-    return (gn_linear_crossing){opening_force(kn, t, path, dt), 0.5 - s, -path};
+    double s = t->gap / path, share = touching ? 0.5 + s : 0.5 - s;
+    gn_touch now = *t;
+    now.other -= share * cn * t->speed * t->inverse_mass;
+    if (touching) return (gn_linear_crossing){-closing_force(kn, &now, -path, dt), share, path};
+    return (gn_linear_crossing){opening_force(kn, &now, path, dt), share, -path};
+}
+
+double gn_linear_press(const gn_touch_step *step, const gn_touch_side *side,
+                       const gn_touch *touch) {
+    double path = touch->speed * step->dt, kn = side->part * side->stiffness, cn = 0.0;
+    if (step->damping) cn = gn_dashpot(kn, touch->inverse_mass, step->damping_fraction, step->dt);
+    gn_linear_crossing normal = touch_normal(kn, cn, touch, path, step->dt);
+    return normal.normal + normal.share * cn * touch->speed;
 }
 
 double gn_linear_touch(const gn_touch_step *step, const gn_touch_side *side, const gn_touch *touch,
@@ -323,13 +335,13 @@ double gn_linear_touch(const gn_touch_step *step, const gn_touch_side *side, con
                        gn_contact_sums *sums) {
     bool touching = touch->gap < -touch->rounding;
     double path = touch->speed * step->dt, elastic = 0.0, kn = side->part * side->stiffness;
-    gn_linear_crossing normal = touch_normal(kn, touch, path, step->dt);
+    double cn =
+        step->damping ? gn_dashpot(kn, touch->inverse_mass, step->damping_fraction, step->dt) : 0.0;
+    gn_linear_crossing normal = touch_normal(kn, cn, touch, path, step->dt);
     double total = normal.normal;
     if (step->damping) {
         double viscous = 0.0;
-        if (normal.share != 0.0)
-            viscous = normal.share * touch->speed *
-                      gn_dashpot(kn, touch->inverse_mass, step->damping_fraction, step->dt);
+        if (normal.share != 0.0) viscous = normal.share * touch->speed * cn;
         if (fd) {
             sums->contact_damping += 0.5 * (*fd + viscous) * path;
             *fd = viscous;

@@ -147,7 +147,7 @@ GN_INLINE void book_elastic(const contact_state *q, lane_sums *e, variant w) {
 /* What the rare branch reads and gives, apart from the state of the vector: an address of that
  * would keep all of it out of registers. */
 typedef struct crossing_state {
-    gn_v kn, stretch, beyond, elastic;
+    gn_v kn, cn, stretch, beyond, elastic;
     gn_m touching, loose, breaking;
 } crossing_state;
 typedef struct crossing {
@@ -231,7 +231,9 @@ static __attribute__((noinline)) crossing cross(const gn_contact_args *a, size_t
     crossing r;
     gn_m moves = gn_not(gn_and(gn_at_least(path, gn_set(0.0)), gn_at_least(gn_set(0.0), path)));
     gn_v bias = gn_keep(moves, gn_set(a->dt * a->dt) * ends.acceleration / path);
-    r.of = gn_linear_cross(q->kn, q->stretch, path, quarter_y2, bias, closing, opening, acting);
+    gn_v drag = gn_set(a->dt) * q->cn * ends.inverse_mass;
+    r.of =
+        gn_linear_cross(q->kn, q->stretch, path, quarter_y2, bias, drag, closing, opening, acting);
     /* Nothing is left to release. */
     r.elastic = gn_where(opening, r.of.normal, q->elastic);
     return r;
@@ -263,15 +265,23 @@ GN_INLINE gn_m may_cross(const gn_contact_args *a, const stage *g, const contact
  * than the way across the normal takes from it, `slack`: what is nearer to a change is looked at.
  * Every lane by itself: what shares a vector with it must not count. */
 GN_INLINE void cross_if_near(const gn_contact_args *a, size_t c, const stage *g, gn_v path,
-                             gn_m loose, contact_state *q) {
+                             gn_m loose, contact_state *q, variant w) {
     gn_v before = q->beyond - path;
     gn_v slack = with_most_path_rounding(a, gn_set(a->dt) * g->speed - path);
     gn_m surely = gn_less(before, gn_set(0.0) - slack), perhaps = gn_less(before, slack);
     gn_m crosses = gn_or(gn_and(q->touching, gn_not(surely)), gn_and(perhaps, gn_not(q->touching)));
     crosses = gn_and(loose, crosses);
     if (__builtin_expect(gn_bits(crosses) == 0, 1)) return;
-    crossing_state state = {q->kn,       q->stretch, q->beyond,  q->elastic,
-                            q->touching, loose,      q->breaking};
+    gn_v cn = gn_set(0.0);
+    if (w.damping) cn = gn_load(COLUMN(a->contacts, cn) + gn_column_at(c, a->uniform.cn));
+    crossing_state state = {.kn = q->kn,
+                            .cn = cn,
+                            .stretch = q->stretch,
+                            .beyond = q->beyond,
+                            .elastic = q->elastic,
+                            .touching = q->touching,
+                            .loose = loose,
+                            .breaking = q->breaking};
     crossing r = cross(a, c, g, &state);
     q->normal = gn_where(crosses, r.of.normal, q->normal);
     q->share = gn_where(crosses, r.of.share, q->share);
@@ -292,7 +302,7 @@ GN_INLINE gn_v find_normal_force(const gn_contact_args *a, size_t c, const stage
         if (__builtin_expect(gn_bits(asked) == 0, 1)) return path;
         path = gn_where(asked, loose_path(a, c, g, q->intact), path);
     }
-    cross_if_near(a, c, g, path, asked, q);
+    cross_if_near(a, c, g, path, asked, q, w);
     return path;
 }
 

@@ -231,8 +231,15 @@ GN_INLINE void cross_softened(const gn_contact_args *a, size_t c, const stage *g
     s->crossing = gn_and(weak, may_cross(a, &seen, q));
     if (__builtin_expect(gn_bits(s->crossing) == 0, 1)) return;
     gn_v gone = (gn_set(1.0) - s->soft) * q->kn;
-    crossing_state state = {gone,        q->stretch,  q->beyond,  gone * q->stretch,
-                            q->touching, s->crossing, gn_m_none()};
+    /* The dashpot is the bond's, on both sides. */
+    crossing_state state = {.kn = gone,
+                            .cn = gn_set(0.0),
+                            .stretch = q->stretch,
+                            .beyond = q->beyond,
+                            .elastic = gone * q->stretch,
+                            .touching = q->touching,
+                            .loose = s->crossing,
+                            .breaking = gn_m_none()};
     crossing r = cross(a, c, &seen, &state);
     /* Those that were only near it act as any other, whoever asked. */
     gn_m as_ever = gn_and(gn_at_least(r.of.way, q->stretch), gn_at_least(q->stretch, r.of.way));

@@ -5,6 +5,7 @@
 #include "sim/fragments.h"
 #include "sim/from_run.h"
 #include "sim/internal.h"
+#include "sim/touch.h"
 
 #include <math.h>
 #include <string.h>
@@ -156,10 +157,21 @@ static gneiss_status enter_bonds(gn_world *w, gneiss_error *error) {
     return GNEISS_OK;
 }
 
+/* What particles are to walls and surfaces by Hertz's law, with what that changes of the energy. */
+static gneiss_status enter_hertz(gn_world *w, gneiss_error *error) {
+    gn_hertz_pair *before = w->dem.hertz;
+    w->dem.hertz = NULL;
+    gneiss_status status = gn_hertz_prepare(w, error);
+    if (status == GNEISS_OK && before) w->energy.stage_change += gn_touches_gain(w, before);
+    gn_free(before);
+    return status;
+}
+
 gneiss_status gn_dem_enter(gn_world *w, gneiss_error *error) {
     if (!w->scene.has_specimen) return GNEISS_OK;
     double stored = gn_contacts_stored(w);
     w->dem.damping_fraction = gn_contact_damping_fraction(&w->scene);
+    GN_TRY(enter_hertz(w, error));
     GN_TRY(gn_motion_kernel_choose(w->kernels, w->effects, &w->dem.motion_kernel, error));
     /* What differs between stages has no storage; files say what there is. */
     w->dem.particles.soa.effects = w->effects;

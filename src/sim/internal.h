@@ -67,11 +67,10 @@ static inline double gn_free_share(uint8_t mask, const double n[3]) {
 /* 1/kg with which a particle gives way along a unit vector: prescribed components do not. */
 double gn_inverse_mass_along(const gn_world *world, size_t particle, const double n[3]);
 
-/* m/s2 by which what acts on a particle besides walls and surfaces opens a gap along n, a unit
- * vector from it into a wall or the surface of `body` (NULL: none). Of the forces of the instant,
- * so when those of all its contacts are found. Background damping is left out. */
-double gn_other_acceleration(const gn_world *world, size_t particle, const gn_rigid *body,
-                             const double n[3]);
+/* m/s2 by which what acts on a particle besides the contact of a row opens its gap along n, the
+ * unit vector into the wall or surface (crossing.c). Of the forces of the instant, so when those of
+ * all pairs are found. Of a body only its weight, and background damping is left out. */
+double gn_other_acceleration(const gn_world *world, size_t row, const double n[3]);
 
 /* What parameters need of the packing as a whole; `pairs` are the contacts to average over. */
 gneiss_status gn_law_derive(gn_world *world, const gn_pair_list *pairs, gneiss_error *error);
@@ -143,16 +142,25 @@ gneiss_status gn_wall_contacts_find(gn_world *world, bool first, gneiss_error *e
  * those that touch. */
 void gn_wall_contacts_work(gn_world *world, size_t begin, size_t end, gn_contact_sums *sums);
 
+/* Adds what presses along the normal of a wall contact by the linear law, as far as it follows from
+ * places and velocities alone. */
+void gn_wall_presses(const gn_world *world, size_t row, double force[3]);
+
 /* m2 (2D: m x 1 m) that the stress of a servo wall acts on. */
 double gn_wall_area(const gn_world *world, size_t wall);
 /* N, with which a servo wall shall be pressed. */
 double gn_wall_wanted(const gn_world *world, size_t wall, double time);
 
-/* Surfaces (surfaces.c): facets within reach of a particle, as gn_wall_contacts.wall counts them,
- * ascending into `found` (NULL: only counted). */
+/* Surfaces (surface_lists.c): facets within reach of a particle, as gn_wall_contacts.wall counts
+ * them, ascending into `found` (NULL: only counted). */
 size_t gn_surfaces_near(const gn_world *world, size_t particle, int32_t *found);
-/* A particle whose centre is on a surface cannot be pushed off it: refused at the start, later the
- * run has gone bad. */
+/* The centre of a particle as the surface's vertices see it. */
+void gn_surface_centre(const gn_world *world, const gn_surface *surface, size_t particle,
+                       double centre[3]);
+/* Place of the surface that a facet belongs to. */
+size_t gn_surface_of_facet(const gn_world *world, int32_t facet);
+/* Contacts with them (surfaces.c). A particle whose centre is on a surface cannot be pushed off it:
+ * refused at the start, later the run has gone bad. */
 gneiss_status gn_surfaces_check_centres(const gn_world *world, gneiss_error *error);
 /* Notes where surfaces are when the lists are made. */
 void gn_surfaces_refer(gn_world *world);
@@ -161,6 +169,10 @@ double gn_surfaces_travel(gn_world *world, bool exact);
 /* As gn_wall_contacts_work, of the facets of one surface that the particle of row `begin` has;
  * returns the first row behind them. */
 size_t gn_surface_contacts_work(gn_world *world, size_t begin, size_t end, gn_contact_sums *sums);
+/* The same as gn_wall_presses, of what gn_surface_contacts_work does; without contacts that share
+ * with one of the normal `but` (NULL: all). */
+size_t gn_surface_presses(const gn_world *world, size_t begin, size_t end, const double *but,
+                          double force[3]);
 /* Sums the forces on bodies and vertices. */
 void gn_surfaces_sum(gn_world *world);
 /* Contacts of the facets of one surface that the particle of row `begin` has, at the present

@@ -64,36 +64,6 @@ static double pair_inverse_mass(const gn_world *w, int32_t i, int32_t j) {
     return own_inverse_along(w, (size_t)i, n) + own_inverse_along(w, (size_t)j, n);
 }
 
-/* Adds what the blocks of a list exert on a particle. */
-static void add_rows(const gn_partials *list, size_t particle, int axes, double force[3]) {
-    const size_t block = particle / GN_PARTICLE_BLOCK;
-    if (!list->blocks) return;
-    for (int32_t k = list->start[block]; k < list->start[block + 1]; k++) {
-        if ((size_t)list->share[k].particle != particle) continue;
-        const size_t at = (size_t)list->share[k].row * (size_t)list->width;
-        for (int a = 0; a < axes; a++)
-            force[a] +=
-                list->row_f ? (double)list->row_f[at + (size_t)a] : list->row[at + (size_t)a];
-    }
-}
-
-double gn_other_acceleration(const gn_world *w, size_t p, const gn_rigid *body, const double n[3]) {
-    const gn_particles *q = &w->dem.particles;
-    const int32_t slot = w->dem.prescribed.count ? q->slot[p] : -1;
-    const double inverse = q->vel[4 * p + 3], *gravity = w->scene.gravity;
-    const double own = gn_own_share(q, (size_t)p);
-    double force[3] = {0, 0, 0}, sum = 0.0;
-    add_rows(&w->dem.bond_partials, p, (int)w->scene.dimension, force);
-    add_rows(&w->dem.pair_partials, p, (int)w->scene.dimension, force);
-    for (int a = 0; a < 3; a++) {
-        bool held = slot >= 0 && w->dem.prescribed.mask[slot] >> a & 1;
-        if (q->applied) force[a] += q->applied[4 * p + (size_t)a];
-        if (!held && inverse > 0.0) sum -= (inverse * force[a] + own * gravity[a]) * n[a];
-        if (body && body->inverse_mass[a] > 0.0) sum += gravity[a] * n[a];
-    }
-    return sum;
-}
-
 static gn_law_model model_of(const gn_world *w) {
     return (gn_law_model){&w->scene, w->dem.derived, w->dem.damping_fraction, w->dt};
 }

@@ -112,37 +112,13 @@ static void book_pair(gn_world *w, const gn_contacts *k, size_t c) {
     book_contact(w, h.stored + m.stored, power, h.viscous * gn_dot3(n, v));
 }
 
-/* What a row needs to know of the wall or surface that it is a contact with. */
-typedef struct wall_side {
-    double n[3], v[3]; /* from the particle into it, 0: did not touch; its velocity, m/s */
-    gn_touch_side law;
-} wall_side;
-
-static wall_side side_of(const gn_world *w, size_t c) {
-    const gn_wall_contacts *k = &w->boundary.contacts;
-    size_t wall = (size_t)k->wall[c];
-    wall_side s;
-    if (wall < w->scene.wall_count) {
-        for (int a = 0; a < 3; a++) s.n[a] = -w->boundary.walls[wall].normal[a];
-        memcpy(s.v, w->boundary.walls[wall].velocity, sizeof s.v);
-        s.law = gn_wall_side(w, wall, (size_t)k->i[c]);
-    } else {
-        for (size_t a = 0; a < 3; a++) s.n[a] = k->normal[c + a * k->soa.capacity];
-        double part = sqrt(gn_dot3(s.n, s.n));
-        for (int a = 0; part > 0.0 && a < 3; a++) s.n[a] /= part;
-        gn_surface_velocity(w, c, s.v);
-        s.law = gn_surface_side(w, gn_surface_of_row(w, c), (size_t)k->i[c], part);
-    }
-    return s;
-}
-
 /* A contact with a wall or a facet: its row holds the force of the last instant. */
 static void book_wall_contact(gn_world *w, size_t c) {
     const gn_wall_contacts *k = &w->boundary.contacts;
     const gn_particles *q = &w->dem.particles;
     size_t p = (size_t)k->i[c];
     const double *force = k->row + 8 * c, *moment = force + 4;
-    wall_side s = side_of(w, c);
+    gn_row_side s = gn_row_side_of(w, c);
     if (gn_dot3(s.n, s.n) == 0.0) return;
     double v[3], t2 = 0.0, viscous = k->fd ? k->fd[c] : 0.0;
     for (size_t a = 0; a < 3; a++) {

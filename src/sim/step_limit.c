@@ -302,6 +302,13 @@ gneiss_status gn_world_check_apart(gn_world *w, int64_t broken_before, gneiss_er
     return status;
 }
 
+gneiss_status gn_world_last_look(gn_world *w, gneiss_error *error) {
+    bool due;
+    if (!w->scene.has_specimen || w->element_count || w->effects & GN_FX_BONDS) return GNEISS_OK;
+    GN_TRY(gn_dem_limit(w, true, &due, error));
+    return limit_now(w, &w->stable, error);
+}
+
 double gn_world_sharp_limit(const gn_world *w) {
     if (w->couple.whole > 0.0) return w->couple.whole;
     double limit = w->scene.has_specimen ? w->dem.limit.sharp : INFINITY;

@@ -82,6 +82,50 @@ double gn_surface_give(const gn_world *w, const gn_surface *s) {
     return most + b->reach * b->reach * turn;
 }
 
+/* --- bodies that are light --- */
+
+/* 1/s2, of a body where it touches; by Hertz's law, where stiffnesses are not its own, over N/m. */
+static double square_of(const gn_world *w, size_t body) {
+    double stiffness = w->effects & GN_FX_HERTZ ? 1.0 : w->scene.bodies[body].stiffness;
+    const gn_surface *s = &w->boundary.surfaces[body];
+    return gn_surface_yields(w, s) ? stiffness * gn_surface_give(w, s) : 0.0;
+}
+
+/* The same of particles, on the stiffest of what they touch and among each other. */
+static double particle_square(const gn_world *w) {
+    const gn_particles *q = &w->dem.particles;
+    bool hertz = w->effects & GN_FX_HERTZ;
+    double stiffness = hertz ? 1.0 : 0.0, give = 0.0, bound = w->dem.limit.bound;
+    for (size_t k = 0; k < w->scene.body_count && !hertz; k++)
+        stiffness = fmax(stiffness, w->scene.bodies[k].stiffness);
+    for (size_t k = 0; k < w->scene.wall_count && !hertz; k++)
+        stiffness = fmax(stiffness, w->scene.walls[k].stiffness);
+    for (size_t p = 0; p < q->soa.count; p++) give = fmax(give, q->vel[4 * p + 3]);
+    return fmax(stiffness * give, !hertz && bound > 0.0 ? 4.0 / (bound * bound) : 0.0);
+}
+
+const char *gn_world_light_body(const gn_world *w, char *text, size_t size) {
+    const double far = 1e3;
+    double particles = particle_square(w);
+    *text = '\0';
+    for (size_t k = 0; k < w->scene.body_count; k++) {
+        double square = square_of(w, k), others = particles;
+        for (size_t m = 0; m < w->scene.body_count; m++)
+            if (m != k) others = fmax(others, square_of(w, m));
+        if (!(others > 0.0) || !(square > far * far * others)) continue;
+        const gn_body_def *def = &w->scene.bodies[k];
+        char stiff[48] = "";
+        if (!(w->effects & GN_FX_HERTZ))
+            snprintf(stiff, sizeof stiff, " on %.4g N/m", def->stiffness);
+        snprintf(text, size,
+                 "body '%.60s' of %.4g kg%s asks, where it touches, for steps %.1g times shorter "
+                 "than all else: more mass, or less stiffness, makes the run shorter",
+                 def->name, w->boundary.bodies[k].mass, stiff, sqrt(square / others));
+        break;
+    }
+    return text;
+}
+
 /* --- rigid bodies --- */
 
 /* Sums over contacts of B^T B and of what dashpots do, scaled by the masses: 6 x 6. */

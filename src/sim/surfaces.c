@@ -1,4 +1,4 @@
-/* Contacts of particles with surfaces: found facet by facet, worked on particle by particle. */
+/* Contacts of particles with surfaces, worked on particle by particle. */
 #include "base/memory.h"
 #include "sim/internal.h"
 #include "sim/touch.h"
@@ -7,102 +7,8 @@
 #include <math.h>
 #include <string.h>
 
-/* --- frames --- */
-
-void gn_rigid_direct(const gn_rigid *b, const double local[3], double direction[3]) {
-    for (int a = 0; a < 3; a++) direction[a] = gn_dot3(b->axes + 3 * a, local);
-}
-
-void gn_rigid_place(const gn_rigid *b, const double local[3], double point[3]) {
-    gn_rigid_direct(b, local, point);
-    for (int a = 0; a < 3; a++) point[a] += b->position[a];
-}
-
-void gn_rigid_local(const gn_rigid *b, const double direction[3], double local[3]) {
-    for (int a = 0; a < 3; a++)
-        local[a] = b->axes[a] * direction[0] + b->axes[3 + a] * direction[1] +
-                   b->axes[6 + a] * direction[2];
-}
-
 static const gn_rigid *body_of(const gn_world *w, const gn_surface *s) {
     return s->body >= 0 ? &w->boundary.bodies[s->body] : NULL;
-}
-
-/* The centre of a particle as the surface's vertices see it. */
-static void centre_in(const gn_world *w, const gn_surface *s, size_t p, double centre[3]) {
-    const double *x = w->dem.particles.pos + 4 * p;
-    const gn_rigid *b = body_of(w, s);
-    double d[3];
-    for (int a = 0; a < 3; a++) d[a] = b ? x[a] - b->position[a] : x[a];
-    if (b)
-        gn_rigid_local(b, d, centre);
-    else
-        memcpy(centre, d, sizeof d);
-}
-
-/* --- lists --- */
-
-size_t gn_surfaces_near(const gn_world *w, size_t p, int32_t *found) {
-    size_t count = 0;
-    if (!(w->dem.particles.vel[4 * p + 3] > 0.0)) return 0;
-    for (size_t k = 0; k < w->boundary.surface_count; k++) {
-        const gn_surface *s = &w->boundary.surfaces[k];
-        double centre[3], reach = w->dem.particles.pos[4 * p + 3] + w->dem.verlet.skin;
-        centre_in(w, s, p, centre);
-        int32_t *mine = found ? found + count : NULL;
-        size_t more = gn_facet_tree_near(&s->tree, &s->facets, centre, reach, mine);
-        for (size_t c = 0; mine && c < more; c++)
-            mine[c] += (int32_t)w->scene.wall_count + s->first;
-        count += more;
-    }
-    return count;
-}
-
-void gn_surfaces_refer(gn_world *w) {
-    for (size_t k = 0; k < w->boundary.surface_count; k++) {
-        gn_surface *s = &w->boundary.surfaces[k];
-        if (s->body >= 0) {
-            gn_rigid *b = &w->boundary.bodies[s->body];
-            b->travel = 0.0;
-            memcpy(b->ref_position, b->position, sizeof b->position);
-            memcpy(b->ref_axes, b->axes, sizeof b->axes);
-        } else {
-            gn_facet_tree_refit(&s->facets, &s->tree);
-            gn_element_contact_refer(s->elements);
-        }
-    }
-}
-
-/* |R X - R' X| <= 2 sin(angle/2) |X|, and the Frobenius norm of R - R' is 2 sqrt(2) sin(angle/2).
- */
-static double body_travel(const gn_rigid *b) {
-    double d2 = 0.0, f2 = 0.0;
-    for (int a = 0; a < 3; a++)
-        d2 += (b->position[a] - b->ref_position[a]) * (b->position[a] - b->ref_position[a]);
-    for (int a = 0; a < 9; a++) f2 += (b->axes[a] - b->ref_axes[a]) * (b->axes[a] - b->ref_axes[a]);
-    return sqrt(d2) + sqrt(0.5 * f2) * b->reach;
-}
-
-double gn_surfaces_travel(gn_world *w, bool exact) {
-    double most = 0.0;
-    for (size_t k = 0; k < w->boundary.surface_count; k++) {
-        gn_surface *s = &w->boundary.surfaces[k];
-        gn_rigid *b = s->body >= 0 ? &w->boundary.bodies[s->body] : NULL;
-        if (b && exact) b->travel = body_travel(b);
-        most = fmax(most, b ? b->travel : gn_element_contact_travel(s->elements, exact));
-    }
-    return most;
-}
-
-static size_t surface_of_facet(const gn_world *w, int32_t facet) {
-    size_t k = 0;
-    while (k + 1 < w->boundary.surface_count && facet >= w->boundary.surfaces[k + 1].first) k++;
-    return k;
-}
-
-const gn_surface *gn_surface_of_row(const gn_world *w, size_t row) {
-    int32_t facet = w->boundary.contacts.wall[row] - (int32_t)w->scene.wall_count;
-    return &w->boundary.surfaces[surface_of_facet(w, facet)];
 }
 
 /* --- history --- */
@@ -224,7 +130,7 @@ static size_t row_on_facet(const gn_world *w) {
         group g = {w, s, body_of(w, s), (size_t)q->i[c], c, c + 1};
         gn_facet_near near;
         double centre[3];
-        centre_in(w, s, g.particle, centre);
+        gn_surface_centre(w, s, g.particle, centre);
         near_of_row(&g, centre, c, &near);
         bool on = near.distance <= 0x1p-40 * w->dem.particles.pos[4 * g.particle + 3];
         if (on && c < found) found = c;
@@ -260,7 +166,7 @@ static void away_in_space(const group *g, gn_facet_near *near) {
 static size_t minima_within(const group *g, double reach, gn_facet_near *minima) {
     double centre[3];
     size_t count = 0;
-    centre_in(g->w, g->s, g->particle, centre);
+    gn_surface_centre(g->w, g->s, g->particle, centre);
     for (size_t c = g->begin; c < g->end; c++) {
         gn_facet_near near;
         near_of_row(g, centre, c, &near);
@@ -384,8 +290,8 @@ static void contact(const group *g, gn_wall_contacts *q, const gn_facet_near *mi
     }
     s.inverse_mass /= k->part;
     if (q->roll) take_roll(g, roll, couple, &s);
-    double total = gn_touch_force(g->w, &law, g->particle, g->body, &s, q->fd ? &fd : NULL,
-                                  q->shear ? old : NULL, 1, t, sums);
+    double total =
+        gn_touch_force(g->w, &law, own, &s, q->fd ? &fd : NULL, q->shear ? old : NULL, 1, t, sums);
     for (size_t a = 0; a < 3; a++) {
         force[a] = total * s.n[a] + t[a];
         q->row[8 * own + a] = force[a];
@@ -430,7 +336,7 @@ static void open_contact(const group *g, gn_wall_contacts *q, memory *m, gn_cont
     bool behind = left_behind(g, m, &near);
     if (!behind) {
         double centre[3];
-        centre_in(g->w, g->s, g->particle, centre);
+        gn_surface_centre(g->w, g->s, g->particle, centre);
         near_of_row(g, centre, m->row, &near);
         away_in_space(g, &near);
     }
@@ -443,7 +349,7 @@ static void open_contact(const group *g, gn_wall_contacts *q, memory *m, gn_cont
     double couple[3];
     if (q->roll) take_roll(g, m->roll, couple, &s); /* lets go */
     s.inverse_mass /= m->part;
-    double total = gn_touch_force(g->w, &law, g->particle, g->body, &s, q->fd ? &m->fd : NULL,
+    double total = gn_touch_force(g->w, &law, m->row, &s, q->fd ? &m->fd : NULL,
                                   q->shear ? m->shear : NULL, 1, t, sums);
     if (total == 0.0) return;
     double *row = q->row + 8 * near.row;
@@ -514,6 +420,26 @@ size_t gn_surface_contacts_work(gn_world *w, size_t begin, size_t end, gn_contac
     return g.end;
 }
 
+size_t gn_surface_presses(const gn_world *w, size_t begin, size_t end, const double *but,
+                          double force[3]) {
+    group g = group_at(w, begin, end);
+    gn_facet_near minima[GN_FACET_TOUCHES];
+    gn_facet_contact now[GN_FACET_TOUCHES];
+    const gn_touch_step step = gn_touch_step_of(w);
+    double r = w->dem.particles.pos[4 * g.particle + 3];
+    size_t count = minima_within(&g, r, minima);
+    count = gn_facet_contacts(minima, count, r, now);
+    for (size_t k = 0; k < count; k++) {
+        if (but && gn_dot3(but, now[k].n) > cos(GN_FACET_SHARE)) continue;
+        gn_touch s = touch_of(&g, minima, &now[k], now[k].arm);
+        const gn_touch_side law = gn_surface_side(w, g.s, g.particle, now[k].part);
+        s.inverse_mass /= now[k].part;
+        double total = gn_linear_press(&step, &law, &s);
+        for (int a = 0; a < 3; a++) force[a] += total * s.n[a];
+    }
+    return g.end;
+}
+
 /* --- forces on surfaces --- */
 
 static void load_body(gn_rigid *b, const double touch[3], const double force[3]) {
@@ -578,7 +504,7 @@ void gn_surfaces_sum(gn_world *w) {
         const double *force = q->row + 8 * c;
         int32_t facet = q->wall[c] - (int32_t)w->scene.wall_count;
         if (facet < 0 || !(force[0] != 0.0 || force[1] != 0.0 || force[2] != 0.0)) continue;
-        gn_surface *s = &w->boundary.surfaces[surface_of_facet(w, facet)];
+        gn_surface *s = &w->boundary.surfaces[gn_surface_of_facet(w, facet)];
         double touch[3];
         for (size_t a = 0; a < 3; a++) touch[a] = q->touch[c + a * q->soa.capacity];
         if (s->body < 0) {

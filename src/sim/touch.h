@@ -67,19 +67,24 @@ static inline double gn_touch_reach(const gn_world *w, size_t particle, double o
     return overlap + w->dem.verlet.skin;
 }
 
-/* See gn_law.touch. `body`: that the surface belongs to, NULL: none. */
-static inline double gn_touch_force(const gn_world *w, const gn_touch_side *side, size_t particle,
-                                    const gn_rigid *body, gn_touch *touch, double *fd,
-                                    double *shear, size_t stride, double t[3],
-                                    gn_contact_sums *sums) {
-    if (gn_touch_crosses(touch, touch->speed * w->dt_past))
-        touch->other = gn_other_acceleration(w, particle, body, touch->n);
-    gn_touch_step step = {.dt = w->dt_past,
-                          .damping_fraction = w->dem.damping_fraction,
-                          .damping = w->effects & GN_FX_CONTACT_DAMPING,
-                          .space = w->effects & GN_FX_SPACE,
-                          .spins = w->dem.particles.spin != NULL,
-                          .pulls = !(w->effects & GN_FX_NO_PULL)};
+/* Of the step that led here, of a particle. */
+static inline gn_touch_step gn_touch_step_of(const gn_world *w) {
+    return (gn_touch_step){.dt = w->dt_past,
+                           .damping_fraction = w->dem.damping_fraction,
+                           .damping = w->effects & GN_FX_CONTACT_DAMPING,
+                           .space = w->effects & GN_FX_SPACE,
+                           .spins = w->dem.particles.spin != NULL,
+                           .pulls = !(w->effects & GN_FX_NO_PULL)};
+}
+
+/* See gn_law.touch. `row`: of the contact. */
+static inline double gn_touch_force(const gn_world *w, const gn_touch_side *side, size_t row,
+                                    gn_touch *touch, double *fd, double *shear, size_t stride,
+                                    double t[3], gn_contact_sums *sums) {
+    size_t particle = (size_t)w->boundary.contacts.i[row];
+    const gn_touch_step step = gn_touch_step_of(w);
+    if (gn_touch_crosses(touch, touch->speed * w->dt_past) && !(w->effects & GN_FX_HERTZ))
+        touch->other = gn_other_acceleration(w, row, touch->n);
     if (w->effects & GN_FX_HERTZ) touch->most = gn_pressed_touch(w, particle);
     return gn_law_of(w->effects)->touch(&step, side, touch, fd, shear, stride, t, sums);
 }
@@ -92,5 +97,15 @@ static inline gn_law_spring gn_touch_spring(const gn_world *w, const gn_touch_si
     if (!(w->effects & GN_FX_WALL_SHEAR)) s.kt = 0.0;
     return s;
 }
+
+/* What a row needs to know of the wall or surface that it is a contact with (touch.c). */
+typedef struct gn_row_side {
+    double n[3], v[3]; /* from the particle into it, 0: did not touch; its velocity, m/s */
+    gn_touch_side law;
+} gn_row_side;
+gn_row_side gn_row_side_of(const gn_world *world, size_t row);
+/* J by which contacts with walls and surfaces hold more by Hertz's law as it is now than by what
+ * particles and sides were to each other before, as gn_touch_hertz counts them. */
+double gn_touches_gain(const gn_world *world, const gn_hertz_pair *before);
 
 #endif

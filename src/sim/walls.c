@@ -188,7 +188,7 @@ static void wall_contact(gn_world *w, size_t c, gn_contact_sums *sums) {
         const double *spin = w->dem.particles.spin + 4 * (int64_t)q->i[c];
         for (int a = 0; a < 3; a++) s.spin[a] = -spin[a];
     }
-    double total = gn_touch_force(w, &law, (size_t)q->i[c], NULL, &s, q->fd ? q->fd + c : NULL,
+    double total = gn_touch_force(w, &law, c, &s, q->fd ? q->fd + c : NULL,
                                   q->shear ? q->shear + c : NULL, q->soa.capacity, t, sums);
     gn_cross3(s.n, t, moment);
     for (int a = 0; a < 3; a++) {
@@ -197,6 +197,16 @@ static void wall_contact(gn_world *w, size_t c, gn_contact_sums *sums) {
     }
     for (int a = 0; a < 3; a++)
         for (int b = 0; b < 3; b++) sums->stress[3 * a + b] += row[a] * arm * s.n[b];
+}
+
+void gn_wall_presses(const gn_world *w, size_t row, double force[3]) {
+    double arm, v[3];
+    gn_touch s = touch_of(w, row, v, &arm);
+    const gn_touch_step step = gn_touch_step_of(w);
+    const gn_touch_side law = gn_wall_side(w, (size_t)w->boundary.contacts.wall[row],
+                                           (size_t)w->boundary.contacts.i[row]);
+    double total = gn_linear_press(&step, &law, &s);
+    for (int a = 0; a < 3; a++) force[a] += total * s.n[a];
 }
 
 void gn_wall_contacts_work(gn_world *w, size_t begin, size_t end, gn_contact_sums *sums) {

@@ -155,7 +155,12 @@ double gn_world_bound(const gn_world *world);
  * the rigorous bound is above the step. */
 gneiss_status gn_world_check_step(gn_world *world, bool full, gneiss_error *error);
 
-/* The same after a step in which bonds broke, for a specimen that may have come apart by it. */
+/* Finds the limit of loose grains as they lie at the end of a run, long after the last look maybe:
+ * for what is written, when the state has been saved. The step stays. */
+gneiss_status gn_world_last_look(gn_world *world, gneiss_error *error);
+
+/* What gn_world_check_step does after a step in which bonds broke, for a specimen that may have
+ * come apart by it. */
 gneiss_status gn_world_check_apart(gn_world *world, int64_t broken_before, gneiss_error *error);
 
 /* The same for what the lists, just made, let happen before they are made again. */
@@ -164,6 +169,10 @@ gneiss_status gn_world_check_lists(gn_world *world, gneiss_error *error);
 /* What is to be said of a given step: that it does not resolve collisions, or that contacts which
  * may form need a smaller one. "" : nothing. */
 const char *gn_world_step_warning(const gn_world *world, char *text, size_t size);
+
+/* Which free body is so light, or stiff, that its contacts ask for steps a thousand times shorter
+ * than those of all else. "": none. */
+const char *gn_world_light_body(const gn_world *world, char *text, size_t size);
 
 /* Steps that a collision must last. */
 double gn_world_contact_steps(const gn_world *world);
