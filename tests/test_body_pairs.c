@@ -212,6 +212,39 @@ static void a_stack_of_cubes_stays(void **state) {
     }
 }
 
+/* Two blocks of 2 cm with sides in line but for rounding: cubes, of one and of a hundred densities,
+ * a quarter of a brick aside, and on a longer one. They come to rest where they are. */
+static void blocks_with_sides_in_line_stay(void **state) {
+    (void)state;
+    static const double lower[4] = {0.02, 0.02, 0.04, 0.03}, upper[4] = {0.02, 0.02, 0.04, 0.02},
+                        aside_by[4] = {0, 0, 0.01, 0}, density[4] = {2500, 250000, 2500, 2500};
+    for (int k = 0; k < 4; k++) {
+        char more[2][128];
+        for (int b = 0; b < 2; b++)
+            snprintf(more[b], sizeof more[b],
+                     "stiffness: 1e7, kratio: 2, friction: 0.5, free: true, density: %g",
+                     b ? density[k] : 2500.0);
+        const double sizes[2][3] = {{lower[k], 0.02, 0.02}, {upper[k], 0.02, 0.02}};
+        const double off[2] = {aside_by[k] * cos(aside[2]), aside_by[k] * sin(aside[2])};
+        gn_world *w = world_of(
+            "%sgravity: [0, 0, -9.81]\ndamping: {contact: {restitution: 0.3}}\n"
+            "walls: [{name: f, point: [0, 0, 0], normal: [0, 0, 1], stiffness: 1e7, kratio: 2, "
+            "friction: 0.5}]\nbodies:\n%s%stime: {end: 9}\n",
+            head3, box("a", sizes[0], (const double[3]){0, 0, 0.01}, aside, more[0]),
+            box("b", sizes[1], (const double[3]){off[0], off[1], 0.03}, aside, more[1]));
+        double worst = run_to(w, 0.3), weight[2], moved = 0.0;
+        const gn_body_pair *q = &w->boundary.pairs.pair[0];
+        for (size_t b = 0; b < 2; b++) weight[b] = 9.81 * body(w, b)->mass;
+        for (int a = 0; a < 2; a++)
+            moved = fmax(moved, fabs(body(w, 1)->position[a] - body(w, 0)->position[a] - off[a]));
+        print_message("# residual %.2g, moved %.2g m, %.6g of %.6g N\n", worst, moved, 5e6 * q->depth, weight[1]);
+        assert_close(5e6 * q->depth * length3(q->along), weight[1], 1e-3);
+        assert_close(-w->boundary.walls[0].force[2], weight[0] + weight[1], 1e-3);
+        assert_true(worst < 1e-5 && moved < 1e-8);
+        world_end(w);
+    }
+}
+
 /* --- friction --- */
 
 /* A cube slides on a fixed slab, and on one that is driven at 1 m/s to where it goes with it; or
@@ -410,6 +443,7 @@ int main(void) {
         cmocka_unit_test(momentum_and_energy_stay_in_random_collisions),
         cmocka_unit_test(the_ledger_closes_with_friction_and_dashpots),
         cmocka_unit_test(a_stack_of_cubes_stays),
+        cmocka_unit_test(blocks_with_sides_in_line_stay),
         cmocka_unit_test(a_sliding_cube_stops_by_friction),
         cmocka_unit_test(polygons_meet_in_the_plane),
         cmocka_unit_test(what_meets_no_bodies_is_known),

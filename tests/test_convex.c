@@ -139,6 +139,40 @@ static void two_faces_have_their_distance(void **state) {
     shape_end(slab);
 }
 
+/* Equal cubes of half size 1 on each other, sides in line but for so little that rounding decides
+ * whose are farther in. V is 4 d, and W is 4 d^2 less what is nearer to sides, for each body d^3/6
+ * along each of them: whichever faces of both count, they close. */
+static void sides_in_line_leave_no_gaps(void **state) {
+    (void)state;
+    shape *a = box(1, 1, 1), *b = box(1, 1, 1);
+    const double d = 1e-5, depth = d - 2.0 * d * d / 3.0;
+    uint64_t at = 1;
+    double worst[2] = {0, 0};
+    for (int k = 0; k < 4000; k++) {
+        double size = pow(10.0, uniform(&at, -17, -11)), off[3] = {0, 0, 2.0 - d}, small[3], r[3];
+        for (int n = 0; n < 3; n++) {
+            off[n] += n < 2 ? size * uniform(&at, -1, 1) : 0.0;
+            small[n] = size * uniform(&at, -1, 1);
+            r[n] = k % 2 ? uniform(&at, -2, 2) : 0.0;
+        }
+        gn_convex_pose p = pose(0, 0, 0, r[0], r[1], r[2]), q = p,
+                       s = pose(0, 0, 0, small[0], small[1], small[2]);
+        for (int n = 0; n < 9; n++) {
+            q.axes[n] = 0.0;
+            for (int m = 0; m < 3; m++) q.axes[n] += p.axes[3 * (n / 3) + m] * s.axes[3 * m + n % 3];
+        }
+        for (int n = 0; n < 3; n++) q.place[n] = dot3(p.axes + 3 * n, off);
+        gn_convex_overlap o;
+        assert_true(meet(a, &p, b, &q, &o));
+        worst[0] = fmax(worst[0], fabs(o.volume / (4.0 * d) - 1.0));
+        worst[1] = fmax(worst[1], fabs(o.depth / depth - 1.0));
+    }
+    print_message("# off by %.2g of the volume, %.2g of the depth\n", worst[0], worst[1]);
+    assert_true(worst[0] < 1e-6 && worst[1] < 1e-6);
+    shape_end(a);
+    shape_end(b);
+}
+
 /* A small box within a large one: all depths are those of its own faces and of the nearest plane;
  * a cube of half size s has a mean depth of s/4. */
 static void a_box_within_another_one(void **state) {
@@ -244,6 +278,7 @@ int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(planes_are_found_whatever_the_sense_of_facets),
         cmocka_unit_test(two_faces_have_their_distance),
+        cmocka_unit_test(sides_in_line_leave_no_gaps),
         cmocka_unit_test(a_box_within_another_one),
         cmocka_unit_test(derivatives_are_those_of_the_depth),
     };
