@@ -237,10 +237,10 @@ static void blocks_with_sides_in_line_stay(void **state) {
         for (size_t b = 0; b < 2; b++) weight[b] = 9.81 * body(w, b)->mass;
         for (int a = 0; a < 2; a++)
             moved = fmax(moved, fabs(body(w, 1)->position[a] - body(w, 0)->position[a] - off[a]));
-        print_message("# residual %.2g, moved %.2g m, %.6g of %.6g N\n", worst, moved, 5e6 * q->depth, weight[1]);
+        print_message("# residual %.2g, moved %.2g m\n", worst, moved);
         assert_close(5e6 * q->depth * length3(q->along), weight[1], 1e-3);
         assert_close(-w->boundary.walls[0].force[2], weight[0] + weight[1], 1e-3);
-        assert_true(worst < 1e-5 && moved < 1e-8);
+        assert_true(worst < 1e-5 && moved < 1e-6);
         world_end(w);
     }
 }
