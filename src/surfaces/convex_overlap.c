@@ -98,8 +98,7 @@ static void put(const gn_convex *shape, const gn_convex_pose *at, const double f
 
 /* --- cutting --- */
 
-/* What of a polygon has n.x <= at; returns its corners. */
-static size_t cut(const double *from, size_t count, const double n[3], double at, double *to) {
+size_t gn_polygon_cut(const double *from, size_t count, const double n[3], double at, double *to) {
     size_t kept = 0;
     for (size_t k = 0; k < count; k++) {
         const double *x = from + 3 * k, *y = from + 3 * ((k + 1) % count);
@@ -118,7 +117,7 @@ static size_t cut_there(work *w, int *in, size_t count, const double n[3], doubl
     bool cuts = false;
     for (size_t k = 0; k < count && !cuts; k++) cuts = gn_dot3(n, w->buffer[*in] + 3 * k) > at;
     if (!cuts) return count;
-    count = cut(w->buffer[*in], count, n, at, w->buffer[1 - *in]);
+    count = gn_polygon_cut(w->buffer[*in], count, n, at, w->buffer[1 - *in]);
     *in = 1 - *in;
     return count;
 }
