@@ -7,8 +7,8 @@
 
 /* A box of half sizes, or in the plane a rectangle, about the origin. */
 typedef struct shape {
-    double pos[16][4];
-    int32_t corner[64];
+    double pos[600][4];
+    int32_t corner[600];
     gn_facet_set set;
     size_t vertices;
     gn_convex convex;
@@ -104,6 +104,71 @@ static void planes_are_found_whatever_the_sense_of_facets(void **state) {
         assert_int_equal(d->convex.planes, 7);
         for (size_t k = 0; k < 7; k++) assert_near(d->convex.plane[4 * k + 3], cos(pi / 7), 1e-12);
         shape_end(d);
+    }
+}
+
+/* A cube of half size 0.01 whose sides have so many facets each way, turned, as a file of six digits
+ * (0) or in single precision says it, there `off` from its origin. */
+static shape *from_file(int parts, double off) {
+    static const double r[3] = {0.3, -0.7, 0.5};
+    shape *s = calloc(1, sizeof *s);
+    double m[9];
+    gn_rotation_matrix(r, m);
+    for (int side = 0; side < 6; side++)
+        for (int q = 0; q < 6 * parts * parts; q++) {
+            static const int to[6][2] = {{0, 0}, {1, 0}, {1, 1}, {0, 0}, {1, 1}, {0, 1}};
+            int cell = q / 6, axis = side / 2;
+            double x[3], *at = s->pos[s->vertices];
+            x[axis] = side % 2 ? 0.01 : -0.01;
+            x[(axis + 1) % 3] = 0.02 * (cell % parts + to[q % 6][0]) / parts - 0.01;
+            x[(axis + 2) % 3] = 0.02 * (cell / parts + to[q % 6][1]) / parts - 0.01;
+            for (int k = 0; k < 3; k++) {
+                char digits[32];
+                snprintf(digits, sizeof digits, "%.5e", dot3(m + 3 * k, x));
+                at[k] = off > 0.0 ? (double)(float)(dot3(m + 3 * k, x) + off) - off
+                                  : strtod(digits, NULL);
+            }
+            s->corner[s->vertices] = (int32_t)s->vertices;
+            s->vertices++;
+        }
+    s->set = (gn_facet_set){.corners = 3, .count = s->vertices / 3};
+    finish(s);
+    return s;
+}
+
+/* They have six planes and bound what a cube does; on a slab, which turns with them, their overlap
+ * is A d, and a dent that is more than rounding is one. */
+static void rounded_vertices_are_convex(void **state) {
+    (void)state;
+    const double offs[] = {0.0, 0.1, 1.0}, d = 1e-4;
+    shape *slab = box(1, 1, 1);
+    for (int k = 0; k < 9; k++) {
+        shape *s = from_file(1 + k % 3 + (k % 3 == 2), offs[k / 3]);
+        gn_convex_overlap o;
+        gn_convex_pose p = pose(0, 0, 0, 0.3, -0.7, 0.5), q = pose(0, 0, 0, 0, 0, 0);
+        assert_int_equal(s->convex.planes, 6);
+        assert_int_equal(s->convex.polygons, 12);
+        for (int n = 0; n < 3; n++) q.place[n] = (1.01 - d) * p.axes[3 * n + 2];
+        assert_true(meet(slab, &p, s, &q, &o));
+        assert_close(o.volume, 4e-4 * d, 0.02);
+        assert_close(length3(o.along), 1.0, 0.03);
+        gn_convex_free(&s->convex);
+        for (size_t v = s->vertices; v-- > 0 && k % 3;) /* amid a side */
+            if (memcmp(s->pos[v], s->pos[2], 3 * sizeof(double)) == 0)
+                for (int n = 0; n < 3; n++) s->pos[v][n] *= 0.999;
+        finish(s);
+        assert_int_equal(s->convex.planes == 0, k % 3 > 0);
+        shape_end(s);
+    }
+    shape_end(slab);
+}
+
+static void thin_boxes_are_convex(void **state) {
+    (void)state;
+    for (int power = 2; power <= 7; power++) {
+        shape *s = box(1, 1, pow(10.0, -power));
+        assert_int_equal(s->convex.planes, 6);
+        shape_end(s);
     }
 }
 
@@ -277,6 +342,8 @@ static void derivatives_are_those_of_the_depth(void **state) {
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(planes_are_found_whatever_the_sense_of_facets),
+        cmocka_unit_test(rounded_vertices_are_convex),
+        cmocka_unit_test(thin_boxes_are_convex),
         cmocka_unit_test(two_faces_have_their_distance),
         cmocka_unit_test(sides_in_line_leave_no_gaps),
         cmocka_unit_test(a_box_within_another_one),
