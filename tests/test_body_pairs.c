@@ -345,6 +345,56 @@ static void what_meets_no_bodies_is_known(void **state) {
     assert_non_null(strstr(error.message, "free body 'b' outside body 'a'"));
 }
 
+static bool warns(const gn_run *run, const char *name) {
+    gn_warnings list;
+    gneiss_error error = {0};
+    assert_ok(gn_run_warnings(run, &list, &error), &error);
+    for (size_t k = 0; k < list.count; k++)
+        if (strcmp(list.warning[k].name, name) == 0) return true;
+    return false;
+}
+
+/* A cube of 0.02 kg flies at 1 m/s or 30 m/s against a held plate of 1 mm, on half of 1e6 N/m: as
+ * deep as v sqrt(m/k), 0.2 mm, or through it. One that begins in it is pushed with k h. What was
+ * found is kept over a checkpoint. */
+static void bodies_too_deep_in_each_other_are_warned_of(void **state) {
+    (void)state;
+    const char *const saved = "/tmp/gneiss-body-depth.h5";
+    const double cube[3] = {0.02, 0.02, 0.02}, plate[3] = {0.1, 0.1, 1e-3}, speed[3] = {1, 30, 0},
+                 gap[3] = {1e-4, 1e-4, -1e-4};
+    for (int k = 0; k < 3; k++) {
+        gn_scene scene;
+        gn_run run, resumed;
+        gneiss_error error = {0};
+        text *lines = calloc(1, sizeof *lines);
+        char more[128];
+        snprintf(more, sizeof more,
+                 "stiffness: 1e6, free: true, density: 2500, initial_velocity: [0, 0, %g]",
+                 -speed[k]);
+        add(lines, "%sgravity: [0, 0, -10]\nbodies:\n%s%stime: {end: 1}\n", head3,
+            box("a", plate, (const double[3]){0, 0, 0}, flat, "stiffness: 1e6"),
+            box("b", cube, (const double[3]){0, 0, 0.0105 + gap[k]}, flat, more));
+        assert_ok(gn_scene_parse(lines->s, "s.yaml", NULL, NULL, 0, &scene, &error), &error);
+        assert_ok(gn_run_create(&scene, &run, &error), &error);
+        run_to(&run.world, 1e-3);
+        const gn_body_pairs *p = &run.world.boundary.pairs;
+        print_message("# %.3g of the thickness, %.3g N\n", p->deepest.value, p->pushed.value);
+        if (k == 0) assert_close(p->deepest.value, 0.2, 0.03);
+        if (k == 2) assert_close(p->deepest.value, 0.1, 0.03);
+        if (k == 2) assert_close(p->pushed.value, 50.0, 0.03);
+        assert_int_equal(warns(&run, "bodies_too_deep"), k == 1);
+        assert_int_equal(warns(&run, "bodies_pushed"), k == 2);
+        assert_ok(gn_checkpoint_write(&run, saved, &error), &error);
+        assert_ok(gn_checkpoint_load(saved, NULL, 0, &resumed, &error), &error);
+        assert_int_equal(warns(&resumed, "bodies_too_deep"), k == 1);
+        assert_int_equal(warns(&resumed, "bodies_pushed"), k == 2);
+        gn_run_free(&run);
+        gn_run_free(&resumed);
+        free(lines);
+        unlink(saved);
+    }
+}
+
 /* --- threads, resume --- */
 
 /* Blocks fall on each other and on spheres between walls. */
@@ -447,6 +497,7 @@ int main(void) {
         cmocka_unit_test(a_sliding_cube_stops_by_friction),
         cmocka_unit_test(polygons_meet_in_the_plane),
         cmocka_unit_test(what_meets_no_bodies_is_known),
+        cmocka_unit_test(bodies_too_deep_in_each_other_are_warned_of),
         cmocka_unit_test(threads_and_a_resumed_run_give_the_same_bits),
         cmocka_unit_test(blocks_come_to_rest_on_each_other),
     };

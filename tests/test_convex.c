@@ -107,8 +107,8 @@ static void planes_are_found_whatever_the_sense_of_facets(void **state) {
     }
 }
 
-/* A cube of half size 0.01 whose sides have so many facets each way, turned, as a file of six digits
- * (0) or in single precision says it, there `off` from its origin. */
+/* A cube of half size 0.01 whose sides have so many facets each way, turned, as a file of six
+ * digits (0) or in single precision says it, there `off` from its origin. */
 static shape *from_file(int parts, double off) {
     static const double r[3] = {0.3, -0.7, 0.5};
     shape *s = calloc(1, sizeof *s);
@@ -224,7 +224,8 @@ static void sides_in_line_leave_no_gaps(void **state) {
                        s = pose(0, 0, 0, small[0], small[1], small[2]);
         for (int n = 0; n < 9; n++) {
             q.axes[n] = 0.0;
-            for (int m = 0; m < 3; m++) q.axes[n] += p.axes[3 * (n / 3) + m] * s.axes[3 * m + n % 3];
+            for (int m = 0; m < 3; m++)
+                q.axes[n] += p.axes[3 * (n / 3) + m] * s.axes[3 * m + n % 3];
         }
         for (int n = 0; n < 3; n++) q.place[n] = dot3(p.axes + 3 * n, off);
         gn_convex_overlap o;

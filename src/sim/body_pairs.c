@@ -217,10 +217,30 @@ static gn_bodies_overlap pressed_by(const gn_world *w, size_t a, size_t b,
                                     const gn_convex_overlap *o) {
     const double *g = w->scene.gravity;
     double mass = w->boundary.bodies[a].mass + w->boundary.bodies[b].mass;
-    return (gn_bodies_overlap){
-        .depth = o->depth,
-        .force = side_of(w, a, b).stiffness * o->depth * sqrt(gn_dot3(o->along, o->along)),
-        .rest = 2.0 * mass * sqrt(gn_dot3(g, g))};
+    return (gn_bodies_overlap){.depth = o->depth,
+                               .force = side_of(w, a, b).stiffness * o->depth *
+                                        sqrt(gn_dot3(o->along, o->along)),
+                               .rest = 2.0 * mass * sqrt(gn_dot3(g, g))};
+}
+
+/* Beyond half of a thickness the nearest way out is the other side. */
+static void look_how_deep(gn_world *w, const gn_body_pair *p, const double along[3]) {
+    gn_body_pairs *all = &w->boundary.pairs;
+    double size = sqrt(gn_dot3(along, along)), thin = (double)INFINITY;
+    const double body[2] = {p->first, p->second};
+    if (!(size > 0.0)) return;
+    for (int k = 0; k < 2; k++) {
+        const gn_convex *c = &all->convex[(size_t)body[k]];
+        double n[3], low = (double)INFINITY, high = -(double)INFINITY;
+        gn_rigid_local(&w->boundary.bodies[(size_t)body[k]], along, n);
+        for (size_t m = 0; m < c->polygons * (size_t)c->corners; m++) {
+            double x = gn_dot3(n, c->corner + 3 * m) / size;
+            low = fmin(low, x);
+            high = fmax(high, x);
+        }
+        thin = fmin(thin, high - low);
+    }
+    keep_worst(&all->deepest, p->depth / thin, p);
 }
 
 static gn_body_pair new_pair(gn_world *w, bool first, size_t a, size_t b) {
@@ -230,6 +250,7 @@ static gn_body_pair new_pair(gn_world *w, bool first, size_t a, size_t b) {
     gn_bodies_overlap push = pressed_by(w, a, b, &o);
     if (push.force > push.rest) keep_worst(&w->boundary.pairs.pushed, push.force, &now);
     now.depth = o.depth;
+    look_how_deep(w, &now, o.along);
     return now;
 }
 
@@ -455,26 +476,6 @@ static void act(gn_world *w, gn_body_pair *p, step *s, const double spread[9]) {
     push(s->b, force, moment, s->lever[1], -1.0);
 }
 
-/* Beyond half of a thickness the nearest way out is the other side. */
-static void look_how_deep(gn_world *w, const gn_body_pair *p) {
-    gn_body_pairs *all = &w->boundary.pairs;
-    double size = sqrt(gn_dot3(p->along, p->along)), thin = (double)INFINITY;
-    const double body[2] = {p->first, p->second};
-    if (!(size > 0.0)) return;
-    for (int k = 0; k < 2; k++) {
-        const gn_convex *c = &all->convex[(size_t)body[k]];
-        double n[3], low = (double)INFINITY, high = -(double)INFINITY;
-        gn_rigid_local(&w->boundary.bodies[(size_t)body[k]], p->along, n);
-        for (size_t m = 0; m < c->polygons * (size_t)c->corners; m++) {
-            double x = gn_dot3(n, c->corner + 3 * m) / size;
-            low = fmin(low, x);
-            high = fmax(high, x);
-        }
-        thin = fmin(thin, high - low);
-    }
-    keep_worst(&all->deepest, p->depth / thin, p);
-}
-
 static bool holds_nothing(const gn_body_pair *p) {
     return p->depth == 0.0 && p->viscous == 0.0 && p->twisting == 0.0 &&
            gn_dot3(p->shear, p->shear) == 0.0 && gn_dot3(p->rocking, p->rocking) == 0.0;
@@ -497,7 +498,7 @@ static void contact(gn_world *w, gn_body_pair *p) {
     act(w, p, &s, o.spread);
     bool deeper = o.depth > p->depth;
     p->depth = o.depth;
-    if (deeper) look_how_deep(w, p);
+    if (deeper) look_how_deep(w, p, p->along);
 }
 
 void gn_body_pairs_work(gn_world *w) {

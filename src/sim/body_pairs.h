@@ -39,7 +39,7 @@ typedef struct gn_body_pairs {
     gn_body_pair *pair; /* that are near, sorted by (first, second) */
     gn_contact_sums sums;
     gn_bodies_worst deepest; /* h over the smaller of both thicknesses along the push, so far */
-    gn_bodies_worst pushed;  /* N, at the start, where that is more than bodies at rest press with */
+    gn_bodies_worst pushed; /* N, at the start, where that is more than bodies at rest press with */
 } gn_body_pairs;
 
 /* What there is to know of the shapes, once. */

@@ -7,8 +7,8 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* How far vertices are off the plane of their face, over the size of the body: as computed, and what
- * files of six digits or in single precision, also somewhat off their origin, make of it. */
+/* How far vertices are off the plane of their face, over the size of the body: as computed, and
+ * what files of six digits or in single precision, also somewhat off their origin, make of it. */
 static const double exact = 1e-12, rounded = 3e-5;
 /* Height over the longest side from which on a triangle says where its plane is by itself. */
 static const double slender = 1e-3;

@@ -122,11 +122,11 @@ static size_t cut_there(work *w, int *in, size_t count, const double n[3], doubl
     return count;
 }
 
-/* What of a face of one body is behind a plane of the other, n.x <= at. Two faces that look the same
- * way part where their planes are as far out, of which the second counts farther in by `slack`, m,
- * so that one of both counts where they lie in each other. For both that is one plane, to the bit:
- * each cut at the plane of the other, two that are turned by rounding alone part anywhere, and the
- * surface of the overlap has gaps or counts twice. */
+/* What of a face of one body is behind a plane of the other, n.x <= at. Two faces that look the
+ * same way part where their planes are as far out, of which the second counts farther in by
+ * `slack`, m, so that one of both counts where they lie in each other. For both that is one plane,
+ * to the bit: each cut at the plane of the other, two that are turned by rounding alone part
+ * anywhere, and the surface of the overlap has gaps or counts twice. */
 static void part_at(const double mine[4], const double other[4], double slack, double n[3],
                     double *at) {
     bool same_way = gn_dot3(mine, other) > 0.9;
