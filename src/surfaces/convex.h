@@ -31,10 +31,9 @@ gneiss_status gn_convex_make(const gn_facet_set *set, size_t vertices, gn_convex
                              gneiss_error *error);
 void gn_convex_free(gn_convex *convex);
 
-/* What of a polygon, places one behind the other, has n.x <= at: into `to`, with room for one
- * corner more; returns how many there are. */
-size_t gn_polygon_cut(const double *polygon, size_t count, const double n[3], double at,
-                      double *to);
+/* What of a polygon, `count` places one behind the other, has n.x <= at: into `to`, with room for
+ * one corner more; returns how many there are. */
+size_t gn_polygon_cut(const double *from, size_t count, const double n[3], double at, double *to);
 
 /* Where a body is: x = place + axes X, rows of the matrix. */
 typedef struct gn_convex_pose {
