@@ -212,6 +212,39 @@ static void a_stack_of_cubes_stays(void **state) {
     }
 }
 
+/* Two blocks of 2 cm with sides in line but for rounding: cubes, of one and of a hundred densities,
+ * a quarter of a brick aside, and on a longer one. They come to rest where they are. */
+static void blocks_with_sides_in_line_stay(void **state) {
+    (void)state;
+    static const double lower[4] = {0.02, 0.02, 0.04, 0.03}, upper[4] = {0.02, 0.02, 0.04, 0.02},
+                        aside_by[4] = {0, 0, 0.01, 0}, density[4] = {2500, 250000, 2500, 2500};
+    for (int k = 0; k < 4; k++) {
+        char more[2][128];
+        for (int b = 0; b < 2; b++)
+            snprintf(more[b], sizeof more[b],
+                     "stiffness: 1e7, kratio: 2, friction: 0.5, free: true, density: %g",
+                     b ? density[k] : 2500.0);
+        const double sizes[2][3] = {{lower[k], 0.02, 0.02}, {upper[k], 0.02, 0.02}};
+        const double off[2] = {aside_by[k] * cos(aside[2]), aside_by[k] * sin(aside[2])};
+        gn_world *w = world_of(
+            "%sgravity: [0, 0, -9.81]\ndamping: {contact: {restitution: 0.3}}\n"
+            "walls: [{name: f, point: [0, 0, 0], normal: [0, 0, 1], stiffness: 1e7, kratio: 2, "
+            "friction: 0.5}]\nbodies:\n%s%stime: {end: 9}\n",
+            head3, box("a", sizes[0], (const double[3]){0, 0, 0.01}, aside, more[0]),
+            box("b", sizes[1], (const double[3]){off[0], off[1], 0.03}, aside, more[1]));
+        double worst = run_to(w, 0.3), weight[2], moved = 0.0;
+        const gn_body_pair *q = &w->boundary.pairs.pair[0];
+        for (size_t b = 0; b < 2; b++) weight[b] = 9.81 * body(w, b)->mass;
+        for (int a = 0; a < 2; a++)
+            moved = fmax(moved, fabs(body(w, 1)->position[a] - body(w, 0)->position[a] - off[a]));
+        print_message("# residual %.2g, moved %.2g m\n", worst, moved);
+        assert_close(5e6 * q->depth * length3(q->along), weight[1], 1e-3);
+        assert_close(-w->boundary.walls[0].force[2], weight[0] + weight[1], 1e-3);
+        assert_true(worst < 1e-5 && moved < 1e-6);
+        world_end(w);
+    }
+}
+
 /* --- friction --- */
 
 /* A cube slides on a fixed slab, and on one that is driven at 1 m/s to where it goes with it; or
@@ -312,6 +345,56 @@ static void what_meets_no_bodies_is_known(void **state) {
     assert_non_null(strstr(error.message, "free body 'b' outside body 'a'"));
 }
 
+static bool warns(const gn_run *run, const char *name) {
+    gn_warnings list;
+    gneiss_error error = {0};
+    assert_ok(gn_run_warnings(run, &list, &error), &error);
+    for (size_t k = 0; k < list.count; k++)
+        if (strcmp(list.warning[k].name, name) == 0) return true;
+    return false;
+}
+
+/* A cube of 0.02 kg flies at 1 m/s or 30 m/s against a held plate of 1 mm, on half of 1e6 N/m: as
+ * deep as v sqrt(m/k), 0.2 mm, or through it. One that begins in it is pushed with k h. What was
+ * found is kept over a checkpoint. */
+static void bodies_too_deep_in_each_other_are_warned_of(void **state) {
+    (void)state;
+    const char *const saved = "/tmp/gneiss-body-depth.h5";
+    const double cube[3] = {0.02, 0.02, 0.02}, plate[3] = {0.1, 0.1, 1e-3}, speed[3] = {1, 30, 0},
+                 gap[3] = {1e-4, 1e-4, -1e-4};
+    for (int k = 0; k < 3; k++) {
+        gn_scene scene;
+        gn_run run, resumed;
+        gneiss_error error = {0};
+        text *lines = calloc(1, sizeof *lines);
+        char more[128];
+        snprintf(more, sizeof more,
+                 "stiffness: 1e6, free: true, density: 2500, initial_velocity: [0, 0, %g]",
+                 -speed[k]);
+        add(lines, "%sgravity: [0, 0, -10]\nbodies:\n%s%stime: {end: 1}\n", head3,
+            box("a", plate, (const double[3]){0, 0, 0}, flat, "stiffness: 1e6"),
+            box("b", cube, (const double[3]){0, 0, 0.0105 + gap[k]}, flat, more));
+        assert_ok(gn_scene_parse(lines->s, "s.yaml", NULL, NULL, 0, &scene, &error), &error);
+        assert_ok(gn_run_create(&scene, &run, &error), &error);
+        run_to(&run.world, 1e-3);
+        const gn_body_pairs *p = &run.world.boundary.pairs;
+        print_message("# %.3g of the thickness, %.3g N\n", p->deepest.value, p->pushed.value);
+        if (k == 0) assert_close(p->deepest.value, 0.2, 0.03);
+        if (k == 2) assert_close(p->deepest.value, 0.1, 0.03);
+        if (k == 2) assert_close(p->pushed.value, 50.0, 0.03);
+        assert_int_equal(warns(&run, "bodies_too_deep"), k == 1);
+        assert_int_equal(warns(&run, "bodies_pushed"), k == 2);
+        assert_ok(gn_checkpoint_write(&run, saved, &error), &error);
+        assert_ok(gn_checkpoint_load(saved, NULL, 0, &resumed, &error), &error);
+        assert_int_equal(warns(&resumed, "bodies_too_deep"), k == 1);
+        assert_int_equal(warns(&resumed, "bodies_pushed"), k == 2);
+        gn_run_free(&run);
+        gn_run_free(&resumed);
+        free(lines);
+        unlink(saved);
+    }
+}
+
 /* --- threads, resume --- */
 
 /* Blocks fall on each other and on spheres between walls. */
@@ -410,9 +493,11 @@ int main(void) {
         cmocka_unit_test(momentum_and_energy_stay_in_random_collisions),
         cmocka_unit_test(the_ledger_closes_with_friction_and_dashpots),
         cmocka_unit_test(a_stack_of_cubes_stays),
+        cmocka_unit_test(blocks_with_sides_in_line_stay),
         cmocka_unit_test(a_sliding_cube_stops_by_friction),
         cmocka_unit_test(polygons_meet_in_the_plane),
         cmocka_unit_test(what_meets_no_bodies_is_known),
+        cmocka_unit_test(bodies_too_deep_in_each_other_are_warned_of),
         cmocka_unit_test(threads_and_a_resumed_run_give_the_same_bits),
         cmocka_unit_test(blocks_come_to_rest_on_each_other),
     };

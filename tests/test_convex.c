@@ -7,8 +7,8 @@
 
 /* A box of half sizes, or in the plane a rectangle, about the origin. */
 typedef struct shape {
-    double pos[16][4];
-    int32_t corner[64];
+    double pos[600][4];
+    int32_t corner[600];
     gn_facet_set set;
     size_t vertices;
     gn_convex convex;
@@ -107,6 +107,72 @@ static void planes_are_found_whatever_the_sense_of_facets(void **state) {
     }
 }
 
+/* A cube of half size 0.01 whose sides have so many facets each way, turned, as a file of six
+ * digits (0) or in single precision says it, there `off` from its origin. */
+static shape *from_file(int parts, double off) {
+    static const double r[3] = {0.3, -0.7, 0.5};
+    shape *s = calloc(1, sizeof *s);
+    double m[9];
+    gn_rotation_matrix(r, m);
+    for (int side = 0; side < 6; side++)
+        for (int q = 0; q < 6 * parts * parts; q++) {
+            static const int to[6][2] = {{0, 0}, {1, 0}, {1, 1}, {0, 0}, {1, 1}, {0, 1}};
+            int cell = q / 6, axis = side / 2, row = cell / parts;
+            double x[3], *at = s->pos[s->vertices];
+            x[axis] = side % 2 ? 0.01 : -0.01;
+            x[(axis + 1) % 3] = 0.02 * (cell % parts + to[q % 6][0]) / parts - 0.01;
+            x[(axis + 2) % 3] = 0.02 * (row + to[q % 6][1]) / parts - 0.01;
+            for (int k = 0; k < 3; k++) {
+                char digits[32];
+                snprintf(digits, sizeof digits, "%.5e", dot3(m + 3 * k, x));
+                at[k] = off > 0.0 ? (double)(float)(dot3(m + 3 * k, x) + off) - off
+                                  : strtod(digits, NULL);
+            }
+            s->corner[s->vertices] = (int32_t)s->vertices;
+            s->vertices++;
+        }
+    s->set = (gn_facet_set){.corners = 3, .count = s->vertices / 3};
+    finish(s);
+    return s;
+}
+
+/* They have six planes and bound what a cube does; on a slab, which turns with them, their overlap
+ * is A d, and a dent that is more than rounding is one. */
+static void rounded_vertices_are_convex(void **state) {
+    (void)state;
+    const double offs[] = {0.0, 0.1, 1.0}, d = 1e-4;
+    shape *slab = box(1, 1, 1);
+    for (int k = 0; k < 9; k++) {
+        shape *s = from_file(1 + k % 3 + (k % 3 == 2), offs[k / 3]);
+        gn_convex_overlap o;
+        gn_convex_pose p = pose(0, 0, 0, 0.3, -0.7, 0.5), q = pose(0, 0, 0, 0, 0, 0);
+        assert_int_equal(s->convex.planes, 6);
+        assert_int_equal(s->convex.polygons, 12);
+        for (int n = 0; n < 3; n++) q.place[n] = (1.01 - d) * p.axes[3 * n + 2];
+        assert_true(meet(slab, &p, s, &q, &o));
+        assert_close(o.volume, 4e-4 * d, 0.02);
+        assert_close(length3(o.along), 1.0, 0.03);
+        gn_convex_free(&s->convex);
+        for (size_t v = s->vertices; v-- > 0 && k % 3;) /* amid a side */
+            if (hypot(hypot(s->pos[v][0] - s->pos[2][0], s->pos[v][1] - s->pos[2][1]),
+                      s->pos[v][2] - s->pos[2][2]) == 0.0)
+                for (int n = 0; n < 3; n++) s->pos[v][n] *= 0.999;
+        finish(s);
+        assert_int_equal(s->convex.planes == 0, k % 3 > 0);
+        shape_end(s);
+    }
+    shape_end(slab);
+}
+
+static void thin_boxes_are_convex(void **state) {
+    (void)state;
+    for (int power = 2; power <= 7; power++) {
+        shape *s = box(1, 1, pow(10.0, -power));
+        assert_int_equal(s->convex.planes, 6);
+        shape_end(s);
+    }
+}
+
 /* --- closed forms --- */
 
 static void two_faces_have_their_distance(void **state) {
@@ -137,6 +203,41 @@ static void two_faces_have_their_distance(void **state) {
     shape_end(a);
     shape_end(b);
     shape_end(slab);
+}
+
+/* Equal cubes of half size 1 on each other, sides in line but for so little that rounding decides
+ * whose are farther in. V is 4 d, and W is 4 d^2 less what is nearer to sides, for each body d^3/6
+ * along each of them: whichever faces of both count, they close. */
+static void sides_in_line_leave_no_gaps(void **state) {
+    (void)state;
+    shape *a = box(1, 1, 1), *b = box(1, 1, 1);
+    const double d = 1e-5, depth = d - 2.0 * d * d / 3.0;
+    uint64_t at = 1;
+    double worst[2] = {0, 0};
+    for (int k = 0; k < 4000; k++) {
+        double size = pow(10.0, uniform(&at, -17, -11)), off[3] = {0, 0, 2.0 - d}, small[3], r[3];
+        for (int n = 0; n < 3; n++) {
+            off[n] += n < 2 ? size * uniform(&at, -1, 1) : 0.0;
+            small[n] = size * uniform(&at, -1, 1);
+            r[n] = k % 2 ? uniform(&at, -2, 2) : 0.0;
+        }
+        gn_convex_pose p = pose(0, 0, 0, r[0], r[1], r[2]), q = p,
+                       s = pose(0, 0, 0, small[0], small[1], small[2]);
+        for (int n = 0; n < 9; n++) {
+            q.axes[n] = 0.0;
+            for (int m = 0; m < 3; m++)
+                q.axes[n] += p.axes[3 * (n / 3) + m] * s.axes[3 * m + n % 3];
+        }
+        for (int n = 0; n < 3; n++) q.place[n] = dot3(p.axes + 3 * n, off);
+        gn_convex_overlap o;
+        assert_true(meet(a, &p, b, &q, &o));
+        worst[0] = fmax(worst[0], fabs(o.volume / (4.0 * d) - 1.0));
+        worst[1] = fmax(worst[1], fabs(o.depth / depth - 1.0));
+    }
+    print_message("# off by %.2g of the volume, %.2g of the depth\n", worst[0], worst[1]);
+    assert_true(worst[0] < 1e-6 && worst[1] < 1e-6);
+    shape_end(a);
+    shape_end(b);
 }
 
 /* A small box within a large one: all depths are those of its own faces and of the nearest plane;
@@ -243,7 +344,10 @@ static void derivatives_are_those_of_the_depth(void **state) {
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(planes_are_found_whatever_the_sense_of_facets),
+        cmocka_unit_test(rounded_vertices_are_convex),
+        cmocka_unit_test(thin_boxes_are_convex),
         cmocka_unit_test(two_faces_have_their_distance),
+        cmocka_unit_test(sides_in_line_leave_no_gaps),
         cmocka_unit_test(a_box_within_another_one),
         cmocka_unit_test(derivatives_are_those_of_the_depth),
     };

@@ -380,8 +380,6 @@ static void print_on_walls(const gn_world *w, size_t body, int *warnings) {
 /* The same of two bodies; each pair is said once. */
 static gneiss_status print_on_bodies(const gn_world *w, size_t body, int *warnings,
                                      gneiss_error *error) {
-    const double *g = w->scene.gravity;
-    const gn_rigid *b = w->boundary.bodies;
     if (gn_body_misses_bodies(w, body))
         printf("  body %-12s passes through other bodies: it is not closed and convex\n",
                w->scene.bodies[body].name);
@@ -391,8 +389,7 @@ static gneiss_status print_on_bodies(const gn_world *w, size_t body, int *warnin
         if (!(o.depth > 0.0)) continue;
         printf("  body %-12s overlaps body '%s', %.3g m in the mean\n", w->scene.bodies[body].name,
                w->scene.bodies[k].name, o.depth);
-        double most = 2.0 * (b[body].mass + b[k].mass) * sqrt(gn_dot3(g, g));
-        if (!(o.force > most)) continue;
+        if (!(o.force > o.rest)) continue;
         printf("  warning: bodies '%s' and '%s' push each other apart with %.3g N at the start\n",
                w->scene.bodies[k].name, w->scene.bodies[body].name, o.force);
         (*warnings)++;

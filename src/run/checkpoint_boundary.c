@@ -10,7 +10,8 @@
 
 #define DOUBLES(member) GN_PIECE_DOUBLES("world.boundary.", gn_boundary, member)
 
-static const gn_piece pieces[] = {DOUBLES(surface_rate), DOUBLES(vertex_rate)};
+static const gn_piece pieces[] = {DOUBLES(surface_rate), DOUBLES(vertex_rate),
+                                  DOUBLES(pairs.deepest), DOUBLES(pairs.pushed)};
 enum { PIECES = sizeof pieces / sizeof *pieces, MOST_ARRAYS = 6 };
 
 _Static_assert(sizeof(gn_wall) % 8 == 0 && sizeof(gn_rigid) % 8 == 0 &&

@@ -390,6 +390,27 @@ static void warn_of_bodies(const gn_run *run, gn_warnings *list) {
              count, count == 1 ? "y" : "ies", w->scene.bodies[first].name, count == 1 ? "es" : "");
 }
 
+/* What the springs of bodies cannot hold. */
+static void warn_of_depth(const gn_run *run, gn_warnings *list) {
+    const gn_body_pairs *p = &run->world.boundary.pairs;
+    const gn_body_def *body = run->world.scene.bodies;
+    if (p->pushed.value > 0.0) {
+        gn_warning *to = add(list, "bodies_pushed");
+        snprintf(to->text, sizeof to->text,
+                 "bodies '%.60s' and '%.60s' overlapped at the start and were pushed apart with "
+                 "%.3g N, more than twice their weight",
+                 body[(size_t)p->pushed.first].name, body[(size_t)p->pushed.second].name,
+                 p->pushed.value);
+    }
+    if (!(p->deepest.value > 0.5)) return;
+    gn_warning *to = add(list, "bodies_too_deep");
+    snprintf(to->text, sizeof to->text,
+             "bodies '%.60s' and '%.60s' overlapped by %.3g of the thickness of the thinner one: "
+             "from half of it on they may come out at the other side; more stiffness holds them",
+             body[(size_t)p->deepest.first].name, body[(size_t)p->deepest.second].name,
+             p->deepest.value);
+}
+
 static void warn_of_sizes(const gn_run *run, gn_warnings *list) {
     char text[GNEISS_MESSAGE_SIZE];
     if (!gn_specimen_is_narrow(&run->world, text, sizeof text)) return;
@@ -448,6 +469,7 @@ gneiss_status gn_run_warnings(const gn_run *run, gn_warnings *list, gneiss_error
     warn_of_ramp(run, list);
     warn_of_control(run, list);
     warn_of_bodies(run, list);
+    warn_of_depth(run, list);
     warn_of_sizes(run, list);
     warn_of_bending(run, list);
     warn_of_zones(run, list);

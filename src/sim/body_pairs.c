@@ -209,10 +209,48 @@ static gneiss_status make_room(gn_body_pairs *p, gneiss_error *error) {
     return GNEISS_OK;
 }
 
+static void keep_worst(gn_bodies_worst *worst, double value, const gn_body_pair *p) {
+    if (value > worst->value) *worst = (gn_bodies_worst){value, p->first, p->second};
+}
+
+static gn_bodies_overlap pressed_by(const gn_world *w, size_t a, size_t b,
+                                    const gn_convex_overlap *o) {
+    const double *g = w->scene.gravity;
+    double mass = w->boundary.bodies[a].mass + w->boundary.bodies[b].mass;
+    return (gn_bodies_overlap){.depth = o->depth,
+                               .force = side_of(w, a, b).stiffness * o->depth *
+                                        sqrt(gn_dot3(o->along, o->along)),
+                               .rest = 2.0 * mass * sqrt(gn_dot3(g, g))};
+}
+
+/* Beyond half of a thickness the nearest way out is the other side. */
+static void look_how_deep(gn_world *w, const gn_body_pair *p, const double along[3]) {
+    gn_body_pairs *all = &w->boundary.pairs;
+    double size = sqrt(gn_dot3(along, along)), thin = (double)INFINITY;
+    const double body[2] = {p->first, p->second};
+    if (!(size > 0.0)) return;
+    for (int k = 0; k < 2; k++) {
+        const gn_convex *c = &all->convex[(size_t)body[k]];
+        double n[3], low = (double)INFINITY, high = -(double)INFINITY;
+        gn_rigid_local(&w->boundary.bodies[(size_t)body[k]], along, n);
+        for (size_t m = 0; m < c->polygons * (size_t)c->corners; m++) {
+            double x = gn_dot3(n, c->corner + 3 * m) / size;
+            low = fmin(low, x);
+            high = fmax(high, x);
+        }
+        thin = fmin(thin, high - low);
+    }
+    keep_worst(&all->deepest, p->depth / thin, p);
+}
+
 static gn_body_pair new_pair(gn_world *w, bool first, size_t a, size_t b) {
     gn_body_pair now = {.first = (double)a, .second = (double)b};
     gn_convex_overlap o;
-    if (first && meet(w, a, b, &w->boundary.pairs.room, &o)) now.depth = o.depth;
+    if (!first || !meet(w, a, b, &w->boundary.pairs.room, &o)) return now;
+    gn_bodies_overlap push = pressed_by(w, a, b, &o);
+    if (push.force > push.rest) keep_worst(&w->boundary.pairs.pushed, push.force, &now);
+    now.depth = o.depth;
+    look_how_deep(w, &now, o.along);
     return now;
 }
 
@@ -458,7 +496,9 @@ static void contact(gn_world *w, gn_body_pair *p) {
     set_levers(w, p, &s);
     set_path(w, p, o.depth, &s);
     act(w, p, &s, o.spread);
+    bool deeper = o.depth > p->depth;
     p->depth = o.depth;
+    if (deeper) look_how_deep(w, p, p->along);
 }
 
 void gn_body_pairs_work(gn_world *w) {
@@ -477,10 +517,7 @@ gneiss_status gn_bodies_overlap_of(const gn_world *w, size_t a, size_t b, gn_bod
     *to = (gn_bodies_overlap){0};
     if (!gn_bodies_meet(w, a, b)) return GNEISS_OK;
     GN_TRY(gn_convex_room_make(have->planes, have->polygons, &room, error));
-    if (meet(w, a, b, &room, &o)) {
-        to->depth = o.depth;
-        to->force = side_of(w, a, b).stiffness * o.depth * sqrt(gn_dot3(o.along, o.along));
-    }
+    if (meet(w, a, b, &room, &o)) *to = pressed_by(w, a, b, &o);
     gn_convex_room_free(&room);
     return GNEISS_OK;
 }

@@ -26,6 +26,11 @@ typedef struct gn_body_pair {
     double twisting, twisting_spring; /* N m about the normal, N m/rad */
 } gn_body_pair;
 
+/* The largest of any two bodies, and which; 0: none. Doubles only, as well. */
+typedef struct gn_bodies_worst {
+    double value, first, second;
+} gn_bodies_worst;
+
 typedef struct gn_body_pairs {
     size_t bodies;
     gn_convex *convex; /* [bodies]; NULL: no two bodies meet */
@@ -33,6 +38,8 @@ typedef struct gn_body_pairs {
     size_t count, most;
     gn_body_pair *pair; /* that are near, sorted by (first, second) */
     gn_contact_sums sums;
+    gn_bodies_worst deepest; /* h over the smaller of both thicknesses along the push, so far */
+    gn_bodies_worst pushed; /* N, at the start, where that is more than bodies at rest press with */
 } gn_body_pairs;
 
 /* What there is to know of the shapes, once. */
@@ -59,9 +66,10 @@ double gn_body_pair_square(const gn_world *world, size_t a, size_t b);
 /* The largest of any two bodies that can meet. */
 double gn_body_pairs_bound(const gn_world *world);
 
-/* How two bodies overlap: depth 0, not at all. */
+/* How two bodies overlap: depth 0, not at all. Put down without an overlap they press with `rest`,
+ * twice their weight, at most. */
 typedef struct gn_bodies_overlap {
-    double depth, force; /* m, N */
+    double depth, force, rest; /* m, N, N */
 } gn_bodies_overlap;
 gneiss_status gn_bodies_overlap_of(const gn_world *world, size_t a, size_t b, gn_bodies_overlap *to,
                                    gneiss_error *error);

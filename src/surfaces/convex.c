@@ -7,9 +7,10 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* What files in single precision make of a plane, over the size of the body. */
-static const double flat = 1e-6;
-/* Height over the longest side from which on a triangle says where its plane is. */
+/* How far vertices are off the plane of their face, over the size of the body: as computed, and
+ * what files of six digits or in single precision, also somewhat off their origin, make of it. */
+static const double exact = 1e-12, rounded = 3e-5;
+/* Height over the longest side from which on a triangle says where its plane is by itself. */
 static const double slender = 1e-3;
 
 /* --- closed --- */
@@ -110,15 +111,21 @@ static bool normal_of(const gn_facet_set *s, size_t facet, double n[3]) {
     return s->corners == 2 || size > slender * longest;
 }
 
-/* A plane through a facet that has all vertices on one side. */
-static bool supports(const gn_facet_set *s, size_t vertices, size_t facet, double size,
-                     double plane[4]) {
-    double at = gn_dot3(plane, corner_of(s, facet, 0)), low = 0.0, high = 0.0;
-    for (size_t v = 0; v < vertices; v++) {
-        double d = gn_dot3(plane, s->pos + 4 * v) - at;
+/* What planes are looked for with: `off`, m, is how far from its plane a vertex may be. */
+typedef struct search {
+    const gn_facet_set *set;
+    size_t vertices;
+    double off;
+} search;
+
+/* A plane across a normal that has all vertices on one side; the facet is on it. */
+static bool supports(const search *s, size_t facet, double plane[4]) {
+    double at = gn_dot3(plane, corner_of(s->set, facet, 0)), low = 0.0, high = 0.0;
+    for (size_t v = 0; v < s->vertices; v++) {
+        double d = gn_dot3(plane, s->set->pos + 4 * v) - at;
         low = fmin(low, d);
         high = fmax(high, d);
-        if (low < -flat * size && high > flat * size) return false;
+        if (low < -s->off && high > s->off) return false;
     }
     if (high > -low)
         for (int k = 0; k < 3; k++) plane[k] = -plane[k];
@@ -126,37 +133,68 @@ static bool supports(const gn_facet_set *s, size_t vertices, size_t facet, doubl
     return true;
 }
 
-static bool lies_on(const gn_facet_set *s, size_t facet, const double plane[4], double size) {
+static bool lies_on(const gn_facet_set *s, size_t facet, const double plane[4], double off) {
     for (int c = 0; c < s->corners; c++)
-        if (!(fabs(gn_dot3(plane, corner_of(s, facet, c)) - plane[3]) <= flat * size)) return false;
+        if (!(fabs(gn_dot3(plane, corner_of(s, facet, c)) - plane[3]) <= off)) return false;
     return true;
 }
 
-/* The plane of a facet that is not slender, or of any that lies on one which is known. */
-static bool find_plane(const gn_facet_set *s, size_t vertices, size_t facet, double size, bool slim,
-                       gn_convex *c) {
+/* The normal of a small facet is as uncertain as its corners over its height, that of all which lie
+ * about in the same plane as these over the size of all. */
+static void mean_normal(const search *s, size_t facet, double n[3]) {
+    double near[4], sum[3] = {0, 0, 0}, size;
+    normal_of(s->set, facet, near);
+    near[3] = gn_dot3(near, corner_of(s->set, facet, 0));
+    for (size_t f = 0; f < s->set->count; f++) {
+        double u[3], v[3] = {0, 0, 1}, area[3], one[3];
+        const double *x = corner_of(s->set, f, 0), *y = corner_of(s->set, f, 1);
+        if (!normal_of(s->set, f, one) || !(fabs(gn_dot3(one, near)) > 0.99)) continue;
+        if (!lies_on(s->set, f, near, 30.0 * s->off)) continue;
+        for (int k = 0; k < 3; k++) {
+            u[k] = y[k] - x[k];
+            if (s->set->corners == 3) v[k] = corner_of(s->set, f, 2)[k] - x[k];
+        }
+        gn_cross3(u, v, area);
+        double sign = gn_dot3(area, near) < 0.0 ? -1.0 : 1.0;
+        for (int k = 0; k < 3; k++) sum[k] += sign * area[k];
+    }
+    size = sqrt(gn_dot3(sum, sum));
+    for (int k = 0; k < 3; k++) n[k] = size > 0.0 ? sum[k] / size : near[k];
+}
+
+/* The plane of a facet, or one that is known on which it lies. */
+static bool find_plane(const search *s, size_t facet, gn_convex *c) {
     double plane[4];
     for (size_t k = 0; k < c->planes; k++)
-        if (lies_on(s, facet, c->plane + 4 * k, size)) {
+        if (lies_on(s->set, facet, c->plane + 4 * k, s->off)) {
             c->on[facet] = (int32_t)k;
             return true;
         }
-    normal_of(s, facet, plane);
-    if (slim || !supports(s, vertices, facet, size, plane)) return false;
+    normal_of(s->set, facet, plane);
+    if (!supports(s, facet, plane)) {
+        mean_normal(s, facet, plane);
+        if (!supports(s, facet, plane)) return false;
+    }
     memcpy(c->plane + 4 * c->planes, plane, sizeof plane);
     c->on[facet] = (int32_t)c->planes++;
     return true;
 }
 
-static bool find_planes(const gn_facet_set *s, size_t vertices, gn_convex *c) {
-    double size = 0.0, n[3];
+static double size_of(const gn_facet_set *s, size_t vertices) {
+    double size = 0.0;
     for (size_t v = 0; v < vertices; v++)
         for (size_t k = 0; k < 3; k++) size = fmax(size, fabs(s->pos[4 * v + k] - s->pos[k]));
+    return size;
+}
+
+/* Slender facets come last, when those that say where their plane is have been looked at. */
+static bool find_planes(const search *s, gn_convex *c) {
+    double n[3];
+    c->planes = 0;
     for (int slim = 0; slim < 2; slim++)
-        for (size_t f = 0; f < s->count; f++)
-            if (normal_of(s, f, n) != slim && !find_plane(s, vertices, f, size, slim, c))
-                return false;
-    return c->planes > (size_t)s->corners;
+        for (size_t f = 0; f < s->set->count; f++)
+            if (normal_of(s->set, f, n) != slim && !find_plane(s, f, c)) return false;
+    return c->planes > (size_t)s->set->corners;
 }
 
 static void put_corners(const gn_facet_set *s, gn_convex *c) {
@@ -168,6 +206,89 @@ static void put_corners(const gn_facet_set *s, gn_convex *c) {
             if (s->corners == 2) to[3 * k + 2] = k < 2 ? -0.5 : 0.5;
         }
     }
+}
+
+/* --- faces of planes --- */
+
+/* A square on a plane about the first vertex; in the plane a strip between both ends. */
+static void put_square(const gn_facet_set *s, const double plane[4], double half, double *to) {
+    double e[2][3] = {{0}}, off = plane[3] - gn_dot3(plane, s->pos);
+    int least = 0;
+    for (int a = 1; a < 3; a++)
+        if (fabs(plane[a]) < fabs(plane[least])) least = a;
+    e[0][s->corners == 2 ? 2 : least] = 1.0;
+    gn_cross3(plane, e[0], e[1]);
+    gn_cross3(e[1], plane, e[0]);
+    for (int k = 0; k < 2; k++) {
+        double size = sqrt(gn_dot3(e[k], e[k]));
+        for (int a = 0; a < 3; a++) e[k][a] *= (k == 0 && s->corners == 2 ? 0.5 : half) / size;
+    }
+    for (int c = 0; c < 4; c++)
+        for (int a = 0; a < 3; a++)
+            to[3 * c + a] = s->pos[a] + off * plane[a] + (c == 0 || c == 3 ? -1.0 : 1.0) * e[0][a] +
+                            (c < 2 ? -1.0 : 1.0) * e[1][a];
+}
+
+/* The face on a plane, cut by all others, in one of two buffers; its corners. */
+static size_t face_of(const gn_facet_set *s, const gn_convex *c, size_t plane, double half,
+                      double *buffer[2], int *in) {
+    size_t count = 4;
+    *in = 0;
+    put_square(s, c->plane + 4 * plane, half, buffer[0]);
+    for (size_t k = 0; k < c->planes && count; k++) {
+        if (k == plane) continue;
+        const double *q = c->plane + 4 * k;
+        count = gn_polygon_cut(buffer[*in], count, q, q[3], buffer[1 - *in]);
+        *in = 1 - *in;
+    }
+    return count;
+}
+
+/* Facets become those of the body that its planes bound, so that they lie on these to the bit:
+ * called without `c->corner` it only counts them. False: they bound none. */
+static bool cut_faces(const gn_facet_set *s, double size, double *memory, gn_convex *c) {
+    double *buffer[2] = {memory, memory + 3 * (c->planes + 8)};
+    c->polygons = 0;
+    for (size_t p = 0; p < c->planes; p++) {
+        int in;
+        size_t count = face_of(s, c, p, 8.0 * size, buffer, &in);
+        const double *x = buffer[in];
+        for (size_t k = 0; k < 3 * count; k++)
+            if (!(k % 3 == 2 && s->corners == 2) && !(fabs(x[k] - s->pos[k % 3]) < 4.0 * size))
+                return false;
+        for (size_t k = s->corners == 2 ? 3 : 2; k < count; k++, c->polygons++) {
+            if (!c->corner) continue;
+            double *to = c->corner + 3 * (size_t)c->corners * c->polygons;
+            memcpy(to, x, 3 * sizeof *to);
+            if (s->corners == 2)
+                memcpy(to + 3, x + 3, 9 * sizeof *to);
+            else
+                memcpy(to + 3, x + 3 * (k - 1), 6 * sizeof *to);
+            c->on[c->polygons] = (int32_t)p;
+        }
+    }
+    return c->polygons > 0;
+}
+
+static gneiss_status make_faces(const gn_facet_set *s, double size, gn_convex *c,
+                                gneiss_error *error) {
+    double *memory = gn_alloc_array(2 * (c->planes + 8), 3 * sizeof *memory);
+    bool held = memory, bound = false;
+    gn_free(c->corner);
+    gn_free(c->on);
+    c->corner = NULL;
+    c->on = NULL;
+    if (memory && cut_faces(s, size, memory, c)) {
+        c->corner = gn_alloc_array(c->polygons, 3 * (size_t)c->corners * sizeof *c->corner);
+        c->on = gn_alloc_array(c->polygons, sizeof *c->on);
+        held = c->corner && c->on;
+        bound = held && cut_faces(s, size, memory, c);
+    }
+    gn_free(memory);
+    if (!bound) gn_convex_free(c);
+    return held ? GNEISS_OK
+                : gn_fail(error, GNEISS_ERROR_MEMORY, "no memory for a body of %zu facets",
+                          s->count);
 }
 
 gneiss_status gn_convex_make(const gn_facet_set *s, size_t vertices, gn_convex *c,
@@ -183,12 +304,15 @@ gneiss_status gn_convex_make(const gn_facet_set *s, size_t vertices, gn_convex *
         gn_convex_free(c);
         return gn_fail(error, GNEISS_ERROR_MEMORY, "no memory for a body of %zu facets", s->count);
     }
-    if (!find_planes(s, vertices, c)) {
+    double size = size_of(s, vertices);
+    if (find_planes(&(search){s, vertices, exact * size}, c)) {
+        c->polygons = s->count;
+        put_corners(s, c);
+    } else if (find_planes(&(search){s, vertices, rounded * size}, c)) {
+        GN_TRY(make_faces(s, size, c, error));
+    } else {
         gn_convex_free(c);
-        return GNEISS_OK;
     }
-    c->polygons = s->count;
-    put_corners(s, c);
     return GNEISS_OK;
 }
 

@@ -20,7 +20,7 @@
 typedef struct gn_convex {
     size_t planes;   /* 0: not convex, or not closed */
     double *plane;   /* [planes][4]: unit normal outward, m: n.x on it */
-    size_t polygons; /* the facets */
+    size_t polygons; /* the facets; of rounded vertices those of the planes' own body */
     int corners;     /* of each: 3, in the plane 4 */
     double *corner;  /* [polygons][corners][3], m */
     int32_t *on;     /* [polygons] its plane */
@@ -30,6 +30,10 @@ typedef struct gn_convex {
 gneiss_status gn_convex_make(const gn_facet_set *set, size_t vertices, gn_convex *convex,
                              gneiss_error *error);
 void gn_convex_free(gn_convex *convex);
+
+/* What of a polygon, `count` places one behind the other, has n.x <= at: into `to`, with room for
+ * one corner more; returns how many there are. */
+size_t gn_polygon_cut(const double *from, size_t count, const double n[3], double at, double *to);
 
 /* Where a body is: x = place + axes X, rows of the matrix. */
 typedef struct gn_convex_pose {

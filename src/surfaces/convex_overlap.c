@@ -98,8 +98,7 @@ static void put(const gn_convex *shape, const gn_convex_pose *at, const double f
 
 /* --- cutting --- */
 
-/* What of a polygon has n.x <= at; returns its corners. */
-static size_t cut(const double *from, size_t count, const double n[3], double at, double *to) {
+size_t gn_polygon_cut(const double *from, size_t count, const double n[3], double at, double *to) {
     size_t kept = 0;
     for (size_t k = 0; k < count; k++) {
         const double *x = from + 3 * k, *y = from + 3 * ((k + 1) % count);
@@ -118,13 +117,24 @@ static size_t cut_there(work *w, int *in, size_t count, const double n[3], doubl
     bool cuts = false;
     for (size_t k = 0; k < count && !cuts; k++) cuts = gn_dot3(n, w->buffer[*in] + 3 * k) > at;
     if (!cuts) return count;
-    count = cut(w->buffer[*in], count, n, at, w->buffer[1 - *in]);
+    count = gn_polygon_cut(w->buffer[*in], count, n, at, w->buffer[1 - *in]);
     *in = 1 - *in;
     return count;
 }
 
-/* Faces of one body in the other. Where two faces lie in one plane, one counts: `slack`, m, is
- * above 0 for the first and below for the second. */
+/* What of a face of one body is behind a plane of the other, n.x <= at. Two faces that look the
+ * same way part where their planes are as far out, of which the second counts farther in by
+ * `slack`, m, so that one of both counts where they lie in each other. For both that is one plane,
+ * to the bit: each cut at the plane of the other, two that are turned by rounding alone part
+ * anywhere, and the surface of the overlap has gaps or counts twice. */
+static void part_at(const double mine[4], const double other[4], double slack, double n[3],
+                    double *at) {
+    bool same_way = gn_dot3(mine, other) > 0.9;
+    for (int a = 0; a < 3; a++) n[a] = same_way ? other[a] - mine[a] : other[a];
+    *at = same_way ? other[3] - mine[3] + slack : other[3];
+}
+
+/* Faces of one body in the other; `slack` is above 0 for the first and below for the second. */
 static void find_faces(work *w, int mine, double slack) {
     side *s = &w->of[mine], *other = &w->of[1 - mine];
     size_t corners = (size_t)s->shape->corners, planes = other->shape->planes, last = 0;
@@ -134,7 +144,9 @@ static void find_faces(work *w, int mine, double slack) {
         memcpy(w->buffer[0], s->corner + 3 * corners * f, 3 * corners * sizeof(double));
         for (size_t k = 0; k < planes && count; k++) {
             size_t p = (last + k) % planes; /* what cut off the last one first */
-            count = cut_there(w, &in, count, other->plane + 4 * p, other->plane[4 * p + 3] + slack);
+            double n[3], at;
+            part_at(s->plane + 4 * s->shape->on[f], other->plane + 4 * p, slack, n, &at);
+            count = cut_there(w, &in, count, n, at);
             if (!count) last = p;
         }
         if (!count || w->points + count > w->most) continue;
