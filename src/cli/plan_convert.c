@@ -30,9 +30,10 @@ gneiss_status gn_print_sleepers(gn_world *w, gneiss_error *error) {
 static void warn_of_looks(const gn_world *w, int *warnings) {
     const double steps = w->scene.end / w->dt, every = (double)w->scene.couple.convert.every;
     if (every < steps) return;
-    printf("  warning: couple.convert.every (%.0f steps) is no less than the %.0f steps of the run: "
-           "nothing will be converted\n",
-           every, steps);
+    printf(
+        "  warning: couple.convert.every (%.0f steps) is no less than the %.0f steps of the run: "
+        "nothing will be converted\n",
+        every, steps);
     (*warnings)++;
 }
 

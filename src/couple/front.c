@@ -217,9 +217,8 @@ double gn_front_excess_above(const gn_convert_def *def, const double s[6], doubl
     double excess = 0.0, t = def->friction, root = sqrt(1.0 + t * t), size2 = 0.0;
     for (int k = 0; k < 6; k++) size2 += (k < 3 ? 1.0 : 2.0) * s[k] * s[k];
     /* No principal stress is larger than the root of the sum of squares. */
-    const bool below =
-        !(def->stress > 0.0 && size2 >= pull * pull) &&
-        !(def->has_mohr && size2 * (root + t) * (root + t) >= shear * shear);
+    const bool below = !(def->stress > 0.0 && size2 >= pull * pull) &&
+                       !(def->has_mohr && size2 * (root + t) * (root + t) >= shear * shear);
     if (below) return 0.0;
     gn_eigen_symmetric(3, a, principal, vectors);
     if (def->stress > 0.0) excess = principal[0] / def->stress;

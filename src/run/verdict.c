@@ -246,10 +246,12 @@ static void warn_of_zone_masses(const gn_run *run, gn_warnings *list) {
         gn_zone_measure(w, k, &f);
         if (!gn_zone_is_off(&f)) continue;
         gn_warning *to = add(list, "zones_masses");
-        snprintf(to->text, sizeof to->text,
-                 "the particles of couple.zones[%zu] weigh %.2f times what the elements leave them: "
-                 "they have to fill the zone from side to side, with the elements' density (density_basis bulk)",
-                 k, f.mass);
+        snprintf(
+            to->text, sizeof to->text,
+            "the particles of couple.zones[%zu] weigh %.2f times what the elements leave them: "
+            "they have to fill the zone from side to side, with the elements' density "
+            "(density_basis bulk)",
+            k, f.mass);
         return;
     }
 }
@@ -262,11 +264,12 @@ static gneiss_status warn_of_packing(const gn_run *run, gn_warnings *list, gneis
         const gn_zone_material *m = &f.material[k];
         if (!gn_zone_differs(m)) continue;
         gn_warning *to = add(list, "packing_differs");
-        snprintf(to->text, sizeof to->text,
-                 "the packing has a modulus of %.4g Pa and a density of %.4g kg/m3 (confined, of an "
-                 "affine strain), elements that convert to it have %.4g Pa and %.4g kg/m3: what "
-                 "converts is not the body that it was; calibrate the particles to the elements",
-                 m->modulus[0], m->density[0], m->modulus[1], m->density[1]);
+        snprintf(
+            to->text, sizeof to->text,
+            "the packing has a modulus of %.4g Pa and a density of %.4g kg/m3 (confined, of an "
+            "affine strain), elements that convert to it have %.4g Pa and %.4g kg/m3: what "
+            "converts is not the body that it was; calibrate the particles to the elements",
+            m->modulus[0], m->density[0], m->modulus[1], m->density[1]);
         return GNEISS_OK;
     }
     return GNEISS_OK;
@@ -281,11 +284,12 @@ static void warn_of_conversion(const gn_run *run, gn_warnings *list) {
     const double made = -e->conversion;
     if (!(run->world.effects & GN_FX_ENERGY && made > made_most * gn_energy_scale(e))) return;
     gn_warning *to = add(list, "energy_conversion");
-    snprintf(to->text, sizeof to->text,
-             "elements that turned into particles made %.3g of the %.4g J that have gone through: "
-             "the particles held more energy in the same strain (calibrate their modulus to that of "
-             "the elements), or the zone is thin",
-             made / gn_energy_scale(e), gn_energy_scale(e));
+    snprintf(
+        to->text, sizeof to->text,
+        "elements that turned into particles made %.3g of the %.4g J that have gone through: "
+        "the particles held more energy in the same strain (calibrate their modulus to that of "
+        "the elements), or the zone is thin",
+        made / gn_energy_scale(e), gn_energy_scale(e));
 }
 
 /* Where the model ended the run it has said why. */

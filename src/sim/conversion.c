@@ -420,7 +420,8 @@ gneiss_status gn_conversion_convert(gn_world *w, uint8_t *kind, gneiss_error *er
 
 /* --- what converts --- */
 
-/* Below this part of the limits nothing has to be known: what was loaded as much already is not the most. */
+/* Below this part of the limits nothing has to be known: what was loaded as much already is not the
+ * most. */
 static double least_share(const gn_world *w) {
     return fmin(1.0, w->most_loaded.share);
 }

@@ -37,7 +37,7 @@ gneiss_status gn_conversion_ties(const gn_world *world, gn_ties *ties, gneiss_er
 gneiss_status gn_conversion_look(gn_world *world, gneiss_error *error);
 /* What came nearest to a limit so far, the present state included. */
 gneiss_status gn_conversion_most_loaded(const gn_world *world, gn_most_loaded *most,
-                                    gneiss_error *error);
+                                        gneiss_error *error);
 /* Whether any element has been converted. */
 bool gn_conversion_begun(const gn_world *world);
 /* Converts what is marked as GN_FRONT_LEAVING, and what goes with it. `kind` [elements]: as

@@ -79,27 +79,6 @@ static gneiss_status check_free(const gn_world *w, const gn_tie *tie, gneiss_err
     return refuse(w, w->scene.couple.where, "", message, error);
 }
 
-/* Nodes start at rest; particles on springs have a velocity of their own, free spins as well. */
-static gneiss_status check_at_rest(const gn_world *w, const gn_tie *tie, gneiss_error *error) {
-    const size_t p = (size_t)tie->id;
-    const gn_particles *q = &w->dem.particles;
-    const bool springs = w->scene.couple.constraint == GN_COUPLE_PENALTY;
-    bool moves = false;
-    char message[256];
-    for (size_t a = 0; a < 3; a++) {
-        moves = moves || (!springs && q->vel[4 * p + a] != 0.0);
-        moves = moves || (w->scene.couple.spins == GN_COUPLE_SLAVED && q->spin &&
-                          q->spin[4 * p + a] != 0.0);
-    }
-    if (!moves) return GNEISS_OK;
-    snprintf(message, sizeof message,
-             "expected particles of zones that start at rest, as the nodes do which lead there, "
-             "found particle %d with a velocity or spin (initial_velocity, initial_spin, "
-             "initial.random_velocity)",
-             tie->id);
-    return refuse(w, w->scene.couple.where, "", message, error);
-}
-
 static gneiss_status check_law(const gn_world *w, gneiss_error *error) {
     for (int bonds = 0; bonds < 2; bonds++)
         if (!gn_law_of(gn_contact_list_effects(w->effects, bonds))->weigh)
@@ -489,10 +468,7 @@ static gneiss_status prepare(gn_world *w, gn_coupled **q, gneiss_error *error) {
     for (size_t k = 0; k < w->scene.couple.zone_count; k++) GN_TRY(check_end(w, k, error));
     GN_TRY(find(w, q, error));
     GN_TRY(gn_zones_check(w, &(*q)->ties, error));
-    for (size_t k = 0; k < (*q)->ties.count; k++) {
-        GN_TRY(check_free(w, &(*q)->ties.tie[k], error));
-        GN_TRY(check_at_rest(w, &(*q)->ties.tie[k], error));
-    }
+    for (size_t k = 0; k < (*q)->ties.count; k++) GN_TRY(check_free(w, &(*q)->ties.tie[k], error));
     weigh(w, &(*q)->ties);
     /* Particles are numbered when they are sorted for the first time. */
     for (size_t p = 0; p < w->dem.particles.soa.count; p++) w->dem.index_of_id[p] = (int32_t)p;

@@ -146,6 +146,28 @@ static gneiss_status check_occupied(const gn_world *w, const gn_ties *ties, size
                    elements ? "particle" : "element");
 }
 
+/* Nodes do; particles on springs have a velocity of their own, and spins that are free. */
+static gneiss_status check_at_rest(const gn_world *w, const gn_ties *ties, gneiss_error *error) {
+    const gn_particles *q = &w->dem.particles;
+    const bool springs = w->scene.couple.constraint == GN_COUPLE_PENALTY,
+               slaved = w->scene.couple.spins == GN_COUPLE_SLAVED && q->spin;
+    for (size_t k = 0; k < ties->count; k++) {
+        const int32_t id = ties->tie[k].id;
+        const size_t p = 4 * (size_t)id;
+        const double *v = q->vel + p, *o = slaved ? q->spin + p : NULL;
+        const bool moves = !springs && (v[0] != 0.0 || v[1] != 0.0 || v[2] != 0.0);
+        const bool turns = slaved && (o[0] != 0.0 || o[1] != 0.0 || o[2] != 0.0);
+        if (!moves && !turns) continue;
+        return gn_fail(error, GNEISS_ERROR_INPUT,
+                       "%.400s:%d:%d: couple: expected particles of zones that start at rest, as "
+                       "the nodes do which lead there, found particle %d with a %s (%s)",
+                       w->scene.source, w->scene.couple.where.line, w->scene.couple.where.column,
+                       id, moves ? "velocity" : "spin",
+                       moves ? "initial_velocity, initial.random_velocity" : "initial_spin");
+    }
+    return GNEISS_OK;
+}
+
 gneiss_status gn_zones_check(const gn_world *w, const gn_ties *ties, gneiss_error *error) {
     const size_t count = w->scene.couple.zone_count;
     zone_sides *sides = gn_alloc_array(count + 1, sizeof *sides);
@@ -156,6 +178,7 @@ gneiss_status gn_zones_check(const gn_world *w, const gn_ties *ties, gneiss_erro
         status = check_occupied(w, ties, k, sides[k].elements, error);
     }
     if (status == GNEISS_OK) status = check_inside(w, ties, sides, error);
+    if (status == GNEISS_OK) status = check_at_rest(w, ties, error);
     gn_free(sides);
     return status;
 }
