@@ -354,6 +354,20 @@ static void a_zone_is_measured(void **state) {
     world_end(w);
 }
 
+/* Columns from edge to edge have 0, 1/6 .. 1 of their mass, elements leave the half of theirs. */
+static void a_zone_is_weighed(void **state) {
+    (void)state;
+    strip s = small_strip(false);
+    s.length = 18e-3;
+    s.side = 2e-3;
+    gn_world *w = strip_of(&s);
+    gn_zone_figures f;
+    gn_zone_measure(w, 0, &f);
+    assert_near(f.mass, 3.5 / 3.0, 1e-12);
+    assert_false(gn_zone_is_off(&f));
+    world_end(w);
+}
+
 /* --- what is refused --- */
 
 static void what_is_no_zone_is_refused(void **state) {
@@ -371,6 +385,13 @@ static void what_is_no_zone_is_refused(void **state) {
                    "expected lumped or penalty beside background damping");
     s.rest = "sets: [{name: a, select: {all: true}, force: [1, 0]}]\n";
     assert_refused(&s, "time:", "time:", "that no set pushes or moves");
+    s.rest = "sets: [{name: a, select: {all: true}, initial_velocity: [1, 0]}]\n";
+    assert_refused(&s, "time:", "time:", "couple: expected particles of zones that start at rest");
+    s.rest = "initial: {random_velocity: 1}\n";
+    assert_refused(&s, "time:", "time:", "couple: expected particles of zones that start at rest");
+    s.rest = "sets: [{name: a, select: {all: true}, initial_spin: [0, 0, 1]}]\n";
+    s.more = "spins: slaved";
+    assert_refused(&s, "time:", "time:", "couple: expected particles of zones that start at rest");
 }
 
 int main(void) {
@@ -386,6 +407,7 @@ int main(void) {
         cmocka_unit_test(a_pulse_is_under_way_at_the_start),
         cmocka_unit_test(parallel_diagonals_give_inner_nodes_one_mass),
         cmocka_unit_test(a_zone_is_measured),
+        cmocka_unit_test(a_zone_is_weighed),
         cmocka_unit_test(what_is_no_zone_is_refused),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

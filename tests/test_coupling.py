@@ -294,5 +294,105 @@ def what_ends_before_its_second_row_leaves_a_ledger_that_closes(folder):
     assert abs(summary(out)["energy_residual"]) < 1e-6, summary(out)["energy_residual"]
 
 
+# A strip of elements up to 20 mm, particles from 12 mm on, of as much mass for their place as elements.
+ZONE = """dimension: 2
+specimen: {group: 1, lattice: {kind: square, radius: 0.5 mm, cells: [20, 8], origin: [11.5 mm, 0]}}
+materials: [{name: m, density: 9931, normal_stiffness: 24e9, kratio: 4, friction: 0, bond_tension_limit: 1e12, bond_shear_limit: 1e12}]
+law: {stiffness: uniform}
+bonds: {interaction_range: 0.01}
+elements: {rectangle: {size: [20 mm, 8 mm], cells: [10, 4], diagonals: parallel}, materials: [{young: 24e9, poisson: 0, density: 7800}]}
+couple: {zones: [{edges: [{from: [20 mm, 0], to: [12 mm, 0]}]}]}
+time: {end: 2 us}
+output: {history_rows: 5, snapshots: 0}
+run: {threads: 1}
+"""
+
+
+def warnings_of(out):
+    with open(os.path.join(out, "summary.json"), encoding="utf-8") as file:
+        return {w["name"]: w["text"] for w in json.load(file)["warnings"]}
+
+
+@fact
+def particles_that_do_not_weigh_what_elements_leave_them_are_warned_of(folder):
+    """Of nine columns the zone has 0, 1/8 .. 1: 4.5 of them, where elements leave 4."""
+    scene = write_scene(folder, ZONE)
+    for settings, mass, warned in (((), 4.5 / 4, False), (("specimen.lattice.cells=[20, 4]",), 4.5 / 8, True), (("materials[0].density=7800",), 4.5 / 4 * np.pi / 4, True),
+                                   (("materials[0].density=12000",), 4.5 / 4 * 12000 / 9931, True)):
+        words = [word for setting in settings for word in ("--set", setting)]
+        done = gneiss("check", scene, *words)
+        assert abs(float(re.search(r"masses +(\S+) times what the elements leave", done.stdout).group(1)) / mass - 1) < 1e-3, done.stdout
+        assert ("particles do not weigh what the elements leave them" in done.stdout) == warned, done.stdout
+        out = os.path.join(folder, f"out{mass:.3f}")
+        run(scene, out, *words)
+        assert ("zones_masses" in warnings_of(out)) == warned, warnings_of(out)
+        assert not warned or f"couple.zones[0] weigh {mass:.2f} times" in warnings_of(out)["zones_masses"]
+
+
+@fact
+def velocities_that_nodes_do_not_take_are_refused(folder):
+    moving = ZONE + "sets: [{name: a, select: {box: {min: [%s mm, -1], max: [1, 1]}}, initial_velocity: [1, 0]}]\n"
+    expect(gneiss("check", write_scene(folder, moving % 15)), 2, r"\d+:\d+: couple: expected particles of zones that start at rest, .*found particle \d+ with a velocity")
+    scene = write_scene(folder, moving % 20.5)
+    expect(gneiss("check", scene), 0, "")
+    out = os.path.join(folder, "out")
+    run(scene, out)
+    with h5py.File(os.path.join(out, "results.h5")) as file:  # 11 columns of free particles
+        kinetic = file["history/energy_kinetic"][0]
+    assert abs(kinetic / (0.5 * 11 * 8 * 9931 * np.pi / 4 * 1e-6) - 1) < 1e-3, kinetic
+    expect(gneiss("check", write_scene(folder, (moving % 15).replace("couple: {", "couple: {constraint: penalty, "))), 0, "")
+
+
+# Pulses of 3 and 2 MPa run towards each other and meet at 60 mm, with 5 MPa.
+MEETING = """dimension: 2
+specimen: {group: 1, lattice: {kind: square, radius: 0.5 mm, cells: [120, 8]}}
+materials: [{name: m, density: 9931, normal_stiffness: 24e9, kratio: 1, friction: 0, bond_tension_limit: 1e12, bond_shear_limit: 1e12}]
+law: {stiffness: uniform}
+bonds: {interaction_range: 0.01}
+elements:
+  rectangle: {size: [120 mm, 8 mm], cells: [60, 4]}
+  materials: [{young: 24e9, poisson: 0, density: 7800}]
+  loads:
+    - {name: r, group: x_upper, traction: {tx: [[0, 0], [1e-5, 3e6], [2e-5, 3e6], [3e-5, 0]]}}
+    - {name: l, group: x_lower, traction: {tx: [[0, 0], [1e-5, -2e6], [2e-5, -2e6], [3e-5, 0]]}}
+couple: {convert: {box: {min: [20 mm, -1], max: [100 mm, 1]}, width: 6 mm, stress: 4 MPa, every: 5}}
+time: {end: 50 us}
+output: {history_rows: 50, snapshots: 0}
+run: {threads: 1}
+"""
+
+
+@fact
+def a_run_that_converts_nothing_says_how_near_it_came(folder):
+    scene = write_scene(folder, MEETING)
+    run(scene, os.path.join(folder, "few"), "--set", "couple.convert.stress=50 MPa")
+    share, x, t = (float(v) for v in re.search(r"was (\S+) % of a limit in element \d+ at \((\S+), .* t = (\S+) s; lower limits", warnings_of(os.path.join(folder, "few"))["nothing_converted"]).groups())
+    assert 9.5 < share < 11 and abs(x - 0.06) < 0.01 and 40e-6 < t < 50e-6, (share, x, t)  # 5 MPa and what waves overshoot by
+    done = gneiss("check", scene, "--set", "couple.convert.every=100000")
+    assert re.search(r"every \(100000 steps\) is no less than the \d+ steps of the run: nothing will be converted", done.stdout), done.stdout
+    assert "is no less than" not in gneiss("check", scene).stdout
+    run(scene, os.path.join(folder, "never"), "--set", "couple.convert.every=100000", "--set", "time.end=44 us")
+    text = warnings_of(os.path.join(folder, "never"))["nothing_converted"]
+    assert float(re.search(r"was (\S+) % of a limit", text).group(1)) > 110 and "no look came after that (couple.convert.every)" in text, text
+
+
+@fact
+def a_packing_of_another_modulus_is_told_at_the_end_and_what_it_makes(folder):
+    scene = write_scene(folder, MEETING)
+    run(scene, os.path.join(folder, "same"))
+    same = warnings_of(os.path.join(folder, "same"))
+    assert not {"packing_differs", "energy_conversion", "nothing_converted"} & set(same), same
+    run(scene, os.path.join(folder, "stiff"), "--set", "materials[0].normal_stiffness=240e9")
+    stiff = warnings_of(os.path.join(folder, "stiff"))
+    with h5py.File(os.path.join(folder, "stiff", "results.h5")) as file:
+        made = -file["history/energy_conversion"][-1]
+    part, scale = (float(v) for v in re.search(r"made (\S+) of the (\S+) J", stiff["energy_conversion"]).groups())
+    assert abs(part * scale / made - 1) < 0.01 and part > 0.03, (part, scale, made)
+    assert "has a modulus of 2." in stiff["packing_differs"] and "e+11 Pa" in stiff["packing_differs"], stiff
+    run(scene, os.path.join(folder, "soft"), "--set", "materials[0].normal_stiffness=2.4e9")
+    soft = warnings_of(os.path.join(folder, "soft"))
+    assert "packing_differs" in soft and "energy_conversion" not in soft, soft
+
+
 if __name__ == "__main__":
     sys.exit(main())

@@ -107,6 +107,15 @@ def the_report_draws_what_flows(folder):
     assert os.path.getsize(os.path.join(reference(), "report", "flow.png")) > 10000
 
 
+@fact
+def a_source_in_a_sink_is_told_by_name(folder):
+    scene = {k: v for k, v in SCENE.items() if k not in ("specimen", "sets", "bonds", "output", "domain")}
+    scene["sinks"] = [{"name": "all", "plane": {"point": [0, 0, -0.01], "normal": [0, 0, 1]}}]
+    expect(gneiss("check", write_scene(folder, scene)), 2, r": sources\[0\]: expected particles that no sink takes as they come, found that sink 'all' takes those of source 'rain'")
+    scene["sinks"] = SCENE["sinks"]
+    expect(gneiss("check", write_scene(folder, scene)), 0, "")
+
+
 if __name__ == "__main__":
     code = main()
     shutil.rmtree(REFERENCE, ignore_errors=True)

@@ -27,6 +27,15 @@ static void stops(const char *scene, const char *who) {
     assert_int_equal(first_step(scene, &error), GNEISS_ERROR_UNSTABLE);
     if (!strstr(error.message, who)) fail_msg("expected %s in: %s", who, error.message);
     if (!strstr(error.message, "half the smallest radius")) fail_msg("%s", error.message);
+    if (!strstr(error.message, "; a smaller time.step or a slower motion") &&
+        !strstr(error.message, "; servo.max_velocity bounds it"))
+        fail_msg("no remedy in: %s", error.message);
+}
+
+static void a_particle_may_move_half_a_radius_in_a_step(void **state) {
+    (void)state;
+    passes("sets: [{name: a, select: {all: true}, initial_velocity: [499, 0, 0]}]\n");
+    stops("sets: [{name: a, select: {all: true}, initial_velocity: [501, 0, 0]}]\n", "particle 0");
 }
 
 #define PLATE(MORE)                                                                                \
@@ -122,6 +131,7 @@ static void a_flight_ends_with_the_step_of_the_contact(void **state) {
 
 int main(void) {
     const struct CMUnitTest tests[] = {
+        cmocka_unit_test(a_particle_may_move_half_a_radius_in_a_step),
         cmocka_unit_test(a_body_may_move_half_a_radius_in_a_step),
         cmocka_unit_test(spin_counts_with_the_farthest_vertex),
         cmocka_unit_test(a_spin_that_has_no_number_is_told),

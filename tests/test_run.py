@@ -445,5 +445,13 @@ def a_pulse_does_not_start_in_a_zone_and_a_zone_has_edges(folder):
     expect(gneiss("check", wave, "--set", "couple.zones=[{edges: }]"), 2, r"expected one at least, found none")
 
 
+@fact
+def a_step_too_long_for_what_touches_nothing_yet_is_told_without_a_bound(folder):
+    scene = {"dimension": 3, "specimen": {"particles": [[0, 0, 0, 1e-3]], "group": 0}, "law": {"stiffness": "uniform"},
+             "materials": [{"name": "m", "density": 2500, "normal_stiffness": 1e4, "kratio": 2}], "time": {"step": 0.1, "end": 1}}
+    done = gneiss("check", write_scene(folder, scene))
+    expect(done, 2, r"time.step: expected at most \S+ s \(stability limit at step 0, set by a contact that may form\), found 0.1 s")
+
+
 if __name__ == "__main__":
     sys.exit(main())

@@ -26,6 +26,17 @@ gneiss_status gn_print_sleepers(gn_world *w, gneiss_error *error) {
     return GNEISS_OK;
 }
 
+/* Steps become shorter with the first conversion, not before. */
+static void warn_of_looks(const gn_world *w, int *warnings) {
+    const double steps = w->scene.end / w->dt, every = (double)w->scene.couple.convert.every;
+    if (every < steps) return;
+    printf(
+        "  warning: couple.convert.every (%.0f steps) is no less than the %.0f steps of the run: "
+        "nothing will be converted\n",
+        every, steps);
+    (*warnings)++;
+}
+
 void gn_print_conversion(const gn_world *w, int *warnings) {
     gn_conversion_figures f;
     if (!gn_converts(w) || gn_conversion_measure(w, &f, NULL) != GNEISS_OK) return;
@@ -38,6 +49,7 @@ void gn_print_conversion(const gn_world *w, int *warnings) {
     printf("  masses           %.4g times those of the elements\n", f.mass);
     for (size_t k = 0; k < f.materials; k++)
         gn_print_zone_material(&f.material[k], f.materials > 1, warnings);
+    warn_of_looks(w, warnings);
     const double advised = fmax(elements_least * f.element, diameters_least * f.diameter);
     if (width < advised)
         printf(

@@ -11,8 +11,6 @@ static void warn(int *warnings, const char *text) {
 
 /* Zones this wide return what docs/coupling.md says. */
 static const double elements_least = 3.0, diameters_least = 6.0;
-/* A modulus 12 % off. */
-static const double returned_most = 1e-3;
 
 void gn_print_zone_material(const gn_zone_material *m, bool several, int *warnings) {
     if (several)
@@ -26,7 +24,7 @@ void gn_print_zone_material(const gn_zone_material *m, bool several, int *warnin
            m->density[1]);
     printf("  returned         %.2g %% of the energy of a wave, by that difference alone\n",
            100.0 * m->returned);
-    if (m->returned > returned_most)
+    if (gn_zone_differs(m))
         warn(warnings, "particles and elements differ: calibrate the particles to the elements' E "
                        "and nu, and their density");
 }
@@ -66,6 +64,10 @@ static void print_zone(const gn_world *w, size_t k, int *warnings) {
             "  overlaps         zone %zu: %zu particles are in both, where the smaller weight of "
             "the elements holds\n",
             f.other, f.shared);
+    printf("  masses           %.4g times what the elements leave of theirs\n", f.mass);
+    if (gn_zone_is_off(&f))
+        warn(warnings, "particles do not weigh what the elements leave them: they have to fill the "
+                       "zone from side to side, with the elements' density (density_basis bulk)");
     for (size_t m = 0; m < f.materials; m++)
         gn_print_zone_material(&f.material[m], f.materials > 1, warnings);
     if (elements < elements_least || diameters < diameters_least)

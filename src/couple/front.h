@@ -34,7 +34,8 @@ gneiss_status gn_front_room(const gn_fem_solid *solid, const uint8_t *kind, doub
                             double *room, gneiss_error *error);
 
 /* What part of the nearest limit a stress is, Pa, xx yy zz xy yz zx; 0 where its size alone says
- * that it is below all of them. */
+ * that it is below all of them, or below `least` of them. */
 double gn_front_excess(const gn_convert_def *def, const double s[6]);
+double gn_front_excess_above(const gn_convert_def *def, const double s[6], double least);
 
 #endif

@@ -1,4 +1,5 @@
 /* What a run has to say against its own results: warnings, and a ledger that does not close. */
+#include "base/point.h"
 #include "run/run.h"
 #include "run/stages.h"
 #include "sim/bending.h"
@@ -238,6 +239,79 @@ static void warn_of_zones(const gn_run *run, gn_warnings *list) {
              count);
 }
 
+static void warn_of_zone_masses(const gn_run *run, gn_warnings *list) {
+    const gn_world *w = &run->world;
+    for (size_t k = 0; w->scene.has_couple && k < w->scene.couple.zone_count; k++) {
+        gn_zone_figures f;
+        gn_zone_measure(w, k, &f);
+        if (!gn_zone_is_off(&f)) continue;
+        gn_warning *to = add(list, "zones_masses");
+        snprintf(
+            to->text, sizeof to->text,
+            "the particles of couple.zones[%zu] weigh %.2f times what the elements leave them: "
+            "they have to fill the zone from side to side, with the elements' density "
+            "(density_basis bulk)",
+            k, f.mass);
+        return;
+    }
+}
+
+static gneiss_status warn_of_packing(const gn_run *run, gn_warnings *list, gneiss_error *error) {
+    gn_conversion_figures f;
+    if (!gn_converts(&run->world)) return GNEISS_OK;
+    GN_TRY(gn_conversion_measure(&run->world, &f, error));
+    for (size_t k = 0; k < f.materials; k++) {
+        const gn_zone_material *m = &f.material[k];
+        if (!gn_zone_differs(m)) continue;
+        gn_warning *to = add(list, "packing_differs");
+        snprintf(
+            to->text, sizeof to->text,
+            "the packing has a modulus of %.4g Pa and a density of %.4g kg/m3 (confined, of an "
+            "affine strain), elements that convert to it have %.4g Pa and %.4g kg/m3: what "
+            "converts is not the body that it was; calibrate the particles to the elements",
+            m->modulus[0], m->density[0], m->modulus[1], m->density[1]);
+        return GNEISS_OK;
+    }
+    return GNEISS_OK;
+}
+
+/* What the strain of elements holds and the springs of the particles do not is a loss or a gain:
+ * the ledger has it, and closes. */
+static const double made_most = 0.03;
+
+static void warn_of_conversion(const gn_run *run, gn_warnings *list) {
+    const gn_energy *e = &run->world.reading;
+    const double made = -e->conversion;
+    if (!(run->world.effects & GN_FX_ENERGY && made > made_most * gn_energy_scale(e))) return;
+    gn_warning *to = add(list, "energy_conversion");
+    snprintf(
+        to->text, sizeof to->text,
+        "elements that turned into particles made %.3g of the %.4g J that have gone through: "
+        "the particles held more energy in the same strain (calibrate their modulus to that of "
+        "the elements), or the zone is thin",
+        made / gn_energy_scale(e), gn_energy_scale(e));
+}
+
+/* Where the model ended the run it has said why. */
+static gneiss_status warn_of_rest(const gn_run *run, gn_warnings *list, gneiss_error *error) {
+    const gn_world *w = &run->world;
+    char at[GN_POINT_SIZE];
+    gn_most_loaded n;
+    if (!gn_converts(w) || !run->finished || w->halt[0] || gn_conversion_begun(w)) return GNEISS_OK;
+    GN_TRY(gn_conversion_most_loaded(w, &n, error));
+    gn_warning *to = add(list, "nothing_converted");
+    char where[GN_POINT_SIZE + 96] = "";
+    if (n.share > 0.0)
+        snprintf(where, sizeof where, " in element %d at %.90s m at t = %.4g s", n.element,
+                 gn_point_text(w->scene.origin, n.place, at), n.time);
+    snprintf(to->text, sizeof to->text,
+             "no element was converted: the highest stress was %.3g %% of a limit%s; %s",
+             100.0 * n.share, where,
+             n.share < 1.0 ? "lower limits (couple.convert) or more load would convert some"
+                           : "no look came after that (couple.convert.every)");
+    return GNEISS_OK;
+}
+
 /* Inertia of added mass is small where little is added, whatever the reading. */
 static void warn_of_added_mass(const gn_run *run, gn_warnings *list) {
     const gn_dem *d = &run->world.dem;
@@ -475,5 +549,9 @@ gneiss_status gn_run_warnings(const gn_run *run, gn_warnings *list, gneiss_error
     warn_of_zones(run, list);
     warn_of_sources(run, list);
     warn_of_lost(run, list);
+    warn_of_zone_masses(run, list);
+    GN_TRY(warn_of_packing(run, list, error));
+    warn_of_conversion(run, list);
+    GN_TRY(warn_of_rest(run, list, error));
     return GNEISS_OK;
 }

@@ -105,7 +105,7 @@ gneiss_status gn_check_coupling(const check *c, const gn_scene *s) {
     if (s->fracture_energy_of == GN_FRACTURE_BODY && s->softening != GN_SOFTENING_ENERGY)
         return gn_check_fail(c, "law.fracture_energy_of",
                              "expected softening energy beside body, found another");
-    GN_TRY(check_curve(c, s));
+    if (s->has_law) GN_TRY(check_curve(c, s));
     if (s->bonds != GN_SWITCH_ON || frictional(s)) return GNEISS_OK;
     if (s->coupling == GN_COUPLING_LINEAR)
         return gn_check_fail(c, "law.coupling",

@@ -317,16 +317,22 @@ static const char *side_beyond(const gn_conversion *c, int64_t e, char *text, si
     return "";
 }
 
-/* The model stays as it was: it has all of its elements, and the run ends. */
-static void halt_at(const gn_conversion *c, int64_t e) {
-    gn_world *w = c->world;
-    const gn_fem_solid *b = gn_coupled_solid(w);
-    double centre[3] = {0.0};
-    char at[GN_POINT_SIZE], side[16];
+/* At the start. */
+static void find_centre(const gn_fem_solid *b, size_t e, double centre[3]) {
+    memset(centre, 0, 3 * sizeof *centre);
     for (int a = 0; a <= b->dimension; a++)
         for (size_t k = 0; k < 3; k++)
             centre[k] += b->nodes.start[4 * (size_t)gn_elements_node(&b->elements, a)[e] + k] /
                          (b->dimension + 1);
+}
+
+/* The model stays as it was: it has all of its elements, and the run ends. */
+static void halt_at(const gn_conversion *c, int64_t e) {
+    gn_world *w = c->world;
+    const gn_fem_solid *b = gn_coupled_solid(w);
+    double centre[3];
+    char at[GN_POINT_SIZE], side[16];
+    find_centre(b, (size_t)e, centre);
     const int told = snprintf(w->halt, sizeof w->halt,
                               "conversion would have to go on to element %d at %.80s m, which ",
                               b->elements.id[e], gn_point_text(b->origin, centre, at));
@@ -414,10 +420,17 @@ gneiss_status gn_conversion_convert(gn_world *w, uint8_t *kind, gneiss_error *er
 
 /* --- what converts --- */
 
+/* Below this part of the limits nothing has to be known: what was loaded as much already is not the
+ * most. */
+static double least_share(const gn_world *w) {
+    return fmin(1.0, w->most_loaded.share);
+}
+
 /* By stresses that are means over the elements at the nodes, and over the nodes of an element. */
 static gneiss_status find_excess_by_nodes(const gn_world *w, const uint8_t *kind, double *excess,
                                           gneiss_error *error) {
     const gn_fem_solid *b = gn_coupled_solid(w);
+    const double least = least_share(w);
     const size_t elements = b->elements.soa.count, nodes = b->nodes.soa.count;
     double(*stress)[6] = gn_alloc_array(elements + nodes + 1, sizeof *stress);
     if (!stress) return no_memory(error);
@@ -430,24 +443,26 @@ static gneiss_status find_excess_by_nodes(const gn_world *w, const uint8_t *kind
         for (int a = 0; a <= b->dimension; a++)
             for (int k = 0; k < 6; k++)
                 mean[k] += nodal[gn_elements_node(&b->elements, a)[e]][k] / (b->dimension + 1);
-        excess[e] = gn_front_excess(&w->scene.couple.convert, mean);
+        excess[e] = gn_front_excess_above(&w->scene.couple.convert, mean, least);
     }
     gn_free(stress);
     return status;
 }
 
-/* [elements] how far those that may go are beyond the limits; 0: not at all, or they may not. */
+/* [elements] how far those that may go are beyond the limits; below 1: not at all, 0 as well where
+ * they may not. */
 static gneiss_status find_excess(const gn_world *w, const uint8_t *kind, double *excess,
                                  gneiss_error *error) {
     const gn_fem_solid *b = gn_coupled_solid(w);
     const gn_convert_def *def = &w->scene.couple.convert;
+    const double least = least_share(w);
     if (def->by == GN_CONVERT_NODES) return find_excess_by_nodes(w, kind, excess, error);
 #pragma omp parallel for schedule(static) num_threads(w->threads)
     for (size_t e = 0; e < b->elements.soa.count; e++) {
         double stress[6];
         if (kind[e] != GN_FRONT_READY) continue;
         gn_fem_stress_of(b, e, stress);
-        excess[e] = gn_front_excess(def, stress);
+        excess[e] = gn_front_excess_above(def, stress, least);
     }
     return GNEISS_OK;
 }
@@ -507,14 +522,45 @@ static gneiss_status act(gn_world *w, const double *excess, uint8_t *kind, gneis
     return any ? gn_conversion_convert(w, kind, error) : GNEISS_OK;
 }
 
-static gneiss_status look(gn_world *w, gneiss_error *error) {
+static void note_most_loaded(const gn_world *w, const double *excess, gn_most_loaded *most) {
+    const gn_fem_solid *b = gn_coupled_solid(w);
+    size_t at = 0;
+    for (size_t e = 1; e < b->elements.soa.count; e++)
+        if (excess[e] > excess[at]) at = e;
+    if (!b->elements.soa.count || !(excess[at] > most->share)) return;
+    *most = (gn_most_loaded){.share = excess[at], .time = w->time, .element = b->elements.id[at]};
+    find_centre(b, at, most->place);
+}
+
+/* [elements] of both, which are the caller's whatever happens. */
+static gneiss_status look_around(const gn_world *w, uint8_t **kind, double **excess,
+                                 gneiss_error *error) {
     const size_t elements = gn_conversion_elements(w);
-    uint8_t *kind = gn_alloc(elements + 1);
-    double *excess = gn_alloc_array(elements + 1, sizeof *excess);
-    gneiss_status status = kind && excess ? GNEISS_OK : no_memory(error);
-    if (status == GNEISS_OK) status = gn_conversion_kinds(w, kind, error);
-    if (status == GNEISS_OK) status = find_excess(w, kind, excess, error);
+    *kind = gn_alloc(elements + 1);
+    *excess = gn_alloc_array(elements + 1, sizeof **excess);
+    if (!*kind || !*excess) return no_memory(error);
+    GN_TRY(gn_conversion_kinds(w, *kind, error));
+    return find_excess(w, *kind, *excess, error);
+}
+
+static gneiss_status look(gn_world *w, gneiss_error *error) {
+    uint8_t *kind;
+    double *excess;
+    gneiss_status status = look_around(w, &kind, &excess, error);
+    if (status == GNEISS_OK) note_most_loaded(w, excess, &w->most_loaded);
     if (status == GNEISS_OK && is_due(w, excess)) status = act(w, excess, kind, error);
+    gn_free(kind);
+    gn_free(excess);
+    return status;
+}
+
+gneiss_status gn_conversion_most_loaded(const gn_world *w, gn_most_loaded *most,
+                                        gneiss_error *error) {
+    uint8_t *kind;
+    double *excess;
+    gneiss_status status = look_around(w, &kind, &excess, error);
+    *most = w->most_loaded;
+    if (status == GNEISS_OK) note_most_loaded(w, excess, most);
     gn_free(kind);
     gn_free(excess);
     return status;

@@ -35,6 +35,11 @@ gneiss_status gn_conversion_ties(const gn_world *world, gn_ties *ties, gneiss_er
 
 /* Between two steps: every so many of them looks at the stresses, and converts. */
 gneiss_status gn_conversion_look(gn_world *world, gneiss_error *error);
+/* What came nearest to a limit so far, the present state included. */
+gneiss_status gn_conversion_most_loaded(const gn_world *world, gn_most_loaded *most,
+                                        gneiss_error *error);
+/* Whether any element has been converted. */
+bool gn_conversion_begun(const gn_world *world);
 /* Converts what is marked as GN_FRONT_LEAVING, and what goes with it. `kind` [elements]: as
  * gn_conversion_kinds has it, and changed. Where more would have to go than may, nothing goes, and
  * world->halt says what. */
@@ -44,7 +49,8 @@ gneiss_status gn_conversion_convert(gn_world *world, uint8_t *kind, gneiss_error
 /* Whether world->halt says that conversion came to the end of couple.convert.box. */
 bool gn_conversion_left_box(const gn_world *world);
 
-/* What is in the box, at the start (conversion_check.c). */
+/* What is in the box (conversion_check.c): elements, and the particles that sleep in them, at the
+ * start all. */
 typedef struct gn_conversion_figures {
     size_t elements, held, particles; /* held: of motions and loads */
     double element, diameter;         /* m, means */

@@ -42,7 +42,9 @@ typedef struct boxed {
     double stiffness[GN_ZONE_MATERIALS], mass[GN_ZONE_MATERIALS], volume[GN_ZONE_MATERIALS];
 } boxed;
 
+/* Who has woken has bonds that are no longer put by. At the start, before any sleeps, all count. */
 static int32_t element_of(const boxed *q, int32_t p) {
+    if (q->world->dem.prepared.soa.capacity && !gn_is_asleep(q->world, (size_t)p)) return -1;
     const int32_t e = q->place[gn_home_id(q->world, (size_t)p)];
     return e < 0 || q->kind[e] == GN_FRONT_FIXED ? -1 : e;
 }

@@ -17,6 +17,12 @@ size_t gn_conversion_asleep(const gn_world *w) {
     return count;
 }
 
+bool gn_conversion_begun(const gn_world *w) {
+    size_t count = 0;
+    gn_free(gn_fem_places(gn_coupled_solid(w), &count));
+    return gn_conversion_elements(w) < count;
+}
+
 /* Where one that sleeps is in the elements; false: not without their places. */
 static bool find_sleeper(const gn_world *w, const int32_t *places, size_t p, gn_tie *tie,
                          gn_ties *one) {

@@ -96,6 +96,10 @@ typedef struct gn_zone_material {
     size_t particles;
     double modulus[2], density[2], returned;
 } gn_zone_material;
+/* Whether they differ: by 12 % of the modulus or more. */
+static inline bool gn_zone_differs(const gn_zone_material *m) {
+    return m->modulus[0] > 0.0 && m->returned > 1e-3;
+}
 enum { GN_ZONE_MATERIALS = 8 }; /* that are told apart; the last one stands for all further ones */
 
 /* What a zone is, as it was at the start (coupling_check.c). */
@@ -106,9 +110,12 @@ typedef struct gn_zone_figures {
     size_t particles;                /* in elements */
     size_t beyond;                   /* of them where they have no weight, beyond its edge */
     size_t shared, other;            /* that are in another zone as well, and which: the first */
+    double mass;                     /* of their part of the body over what elements leave of it */
     size_t materials;
     gn_zone_material material[GN_ZONE_MATERIALS];
 } gn_zone_figures;
 void gn_zone_measure(const gn_world *world, size_t k, gn_zone_figures *figures);
+/* Whether the particles of a zone weigh something else than what the elements leave them. */
+bool gn_zone_is_off(const gn_zone_figures *figures);
 
 #endif

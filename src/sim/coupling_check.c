@@ -146,6 +146,28 @@ static gneiss_status check_occupied(const gn_world *w, const gn_ties *ties, size
                    elements ? "particle" : "element");
 }
 
+/* Nodes do; particles on springs have a velocity of their own, and spins that are free. */
+static gneiss_status check_at_rest(const gn_world *w, const gn_ties *ties, gneiss_error *error) {
+    const gn_particles *q = &w->dem.particles;
+    const bool springs = w->scene.couple.constraint == GN_COUPLE_PENALTY,
+               slaved = w->scene.couple.spins == GN_COUPLE_SLAVED && q->spin;
+    for (size_t k = 0; k < ties->count; k++) {
+        const int32_t id = ties->tie[k].id;
+        const size_t p = 4 * (size_t)id;
+        const double *v = q->vel + p, *o = slaved ? q->spin + p : NULL;
+        const bool moves = !springs && (v[0] != 0.0 || v[1] != 0.0 || v[2] != 0.0);
+        const bool turns = slaved && (o[0] != 0.0 || o[1] != 0.0 || o[2] != 0.0);
+        if (!moves && !turns) continue;
+        return gn_fail(error, GNEISS_ERROR_INPUT,
+                       "%.400s:%d:%d: couple: expected particles of zones that start at rest, as "
+                       "the nodes do which lead there, found particle %d with a %s (%s)",
+                       w->scene.source, w->scene.couple.where.line, w->scene.couple.where.column,
+                       id, moves ? "velocity" : "spin",
+                       moves ? "initial_velocity, initial.random_velocity" : "initial_spin");
+    }
+    return GNEISS_OK;
+}
+
 gneiss_status gn_zones_check(const gn_world *w, const gn_ties *ties, gneiss_error *error) {
     const size_t count = w->scene.couple.zone_count;
     zone_sides *sides = gn_alloc_array(count + 1, sizeof *sides);
@@ -156,6 +178,7 @@ gneiss_status gn_zones_check(const gn_world *w, const gn_ties *ties, gneiss_erro
         status = check_occupied(w, ties, k, sides[k].elements, error);
     }
     if (status == GNEISS_OK) status = check_inside(w, ties, sides, error);
+    if (status == GNEISS_OK) status = check_at_rest(w, ties, error);
     gn_free(sides);
     return status;
 }
@@ -280,6 +303,43 @@ static void measure_particles(const gn_world *w, size_t zone, gn_zone_figures *f
         gn_zone_compare(&f->material[k], sums[k].stiffness, sums[k].mass, sums[k].volume / solid);
 }
 
+/* What of the body elements leave in one of the zone; 0: it is none, or leaves all of it, which its
+ * volume does not say. */
+static double left_by(const gn_world *w, size_t zone, size_t e) {
+    const gn_fem_solid *b = gn_coupled_solid(w);
+    double centre[3] = {0.0}, share = 0.0;
+    for (int a = 0; a <= b->dimension; a++) {
+        const double *x = b->nodes.start + 4 * (size_t)gn_elements_node(&b->elements, a)[e];
+        for (int k = 0; k < b->dimension; k++) centre[k] += x[k] / (b->dimension + 1);
+        share += gn_zones_share(&w->scene, x) / (b->dimension + 1);
+    }
+    return inside(gn_zone_place(&w->scene.couple.zones[zone], b->dimension, centre)) && share > 0.0
+               ? 1.0 - share
+               : 0.0;
+}
+
+/* A lattice that begins on the plane through `from` has half a row too many there. */
+static void measure_mass(const gn_world *w, size_t zone, gn_zone_figures *f) {
+    const gn_coupled *c = w->exchange[0].context;
+    const gn_fem_solid *b = gn_coupled_solid(w);
+    const gn_particles *q = &w->dem.particles;
+    double left = 0.0, mass = 0.0;
+    for (size_t e = 0; e < b->elements.soa.count; e++) {
+        const double part = left_by(w, zone, e); /* the volume is that of the elements' own part */
+        left += part / (1.0 - part) * b->density[b->elements.material[e]] * b->elements.volume[e];
+    }
+    for (size_t k = 0; k < c->ties.count; k++) {
+        const size_t p = (size_t)c->place[k];
+        if (c->place[k] < 0 || !(left_by(w, zone, (size_t)c->ties.tie[k].element) > 0.0)) continue;
+        mass += q->blend[2 * p] / (q->vel[4 * p + 3] * q->blend[2 * p + 1]);
+    }
+    f->mass = left > 0.0 ? mass / left : 1.0;
+}
+
+bool gn_zone_is_off(const gn_zone_figures *f) {
+    return f->mass < 0.9 || f->mass > 1.1 + f->diameter / f->width;
+}
+
 size_t gn_coupled_broken(const gn_world *w) {
     const gn_contacts *bonds = &w->dem.bonds;
     const double *blend = w->dem.particles.blend;
@@ -295,4 +355,5 @@ void gn_zone_measure(const gn_world *w, size_t k, gn_zone_figures *f) {
                                gn_zone_width(&w->scene.couple.zones[k], (int)w->scene.dimension)};
     measure_elements(w, k, f);
     measure_particles(w, k, f);
+    measure_mass(w, k, f);
 }

@@ -10,7 +10,8 @@ static inline gn_fem_solid *gn_coupled_solid(const gn_world *w) {
     return &w->elements[0]->solid;
 }
 
-/* That each zone has elements and particles, and these are in elements (coupling_check.c). */
+/* That each zone has elements and particles, and these are in elements and start at rest
+ * (coupling_check.c). */
 gneiss_status gn_zones_check(const gn_world *w, const gn_ties *ties, gneiss_error *error);
 
 /* Moduli and densities of particles with these sums, N m, kg and m3, beside the elements'; on entry

@@ -16,7 +16,7 @@ static double speed(const double v[3]) {
 /* --- particles --- */
 
 static gneiss_status fail_particle(const gn_world *w, size_t p, const char *what,
-                                   gneiss_error *error) {
+                                   const char *remedy, gneiss_error *error) {
     const gn_particles *q = &w->dem.particles;
     const double *x = q->pos + 4 * p, *v = q->vel + 4 * p;
     char at[GN_POINT_SIZE], behind[GN_NAME_SIZE + 128] = "";
@@ -29,9 +29,9 @@ static gneiss_status fail_particle(const gn_world *w, size_t p, const char *what
     return gn_fail(
         error, GNEISS_ERROR_UNSTABLE,
         "step %lld, t = %g s: particle %d %s: position %s m, velocity (%g, %g, %g) m/s, radius %g "
-        "m; the step is %.3g s, its stability limit was estimated as %.3g s%s",
+        "m; the step is %.3g s, its stability limit was estimated as %.3g s%s%s",
         (long long)w->step, w->time, q->id[p], what, gn_point_text(w->scene.origin, x, at), v[0],
-        v[1], v[2], x[3], w->dt, w->stable, behind);
+        v[1], v[2], x[3], w->dt, w->stable, behind, remedy);
 }
 
 /* The particle with the largest of vectors in rows of four. */
@@ -51,12 +51,14 @@ static size_t largest(const double *rows, size_t count) {
 static gneiss_status check_motion(const gn_world *w, gneiss_error *error) {
     const gn_motion_sums *m = &w->dem.done.motion;
     if (m->bad >= 0)
-        return fail_particle(w, (size_t)m->bad, "has a velocity that is not finite", error);
+        return fail_particle(w, (size_t)m->bad, "has a velocity that is not finite", "", error);
     double path = w->dt * sqrt(m->speed2);
     if (path <= 0.5 * w->dem.radius_min) return GNEISS_OK;
     size_t worst = largest(w->dem.particles.vel, w->dem.particles.soa.count);
+    char remedy[sizeof advice + 2];
+    snprintf(remedy, sizeof remedy, "; %s", advice);
     return fail_particle(w, worst, "moved farther in one step than half the smallest radius",
-                         error);
+                         remedy, error);
 }
 
 /* That the surface of no particle turned farther than half its radius, in measured steps. */

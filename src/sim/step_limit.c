@@ -113,13 +113,30 @@ static void set_step(gn_world *w, double dt) {
     gn_dem_step_changed(w);
 }
 
+/* There is no automatic step. */
+static gneiss_status refuse_endless(const gn_world *w, gneiss_error *error) {
+    const gn_scene *s = &w->scene;
+    const gn_flow *f = &w->dem.flow;
+    size_t source = 0, sink = 0;
+    char key[48];
+    while (source < s->source_count && !(f->sources[source].number > 0.0)) source++;
+    while (sink < s->sink_count && !(f->sinks[sink].number > 0.0)) sink++;
+    if (source == s->source_count || sink == s->sink_count || gn_world_present(w) > 0)
+        return gn_fail(error, GNEISS_ERROR_INPUT,
+                       "%s: required, because nothing can move that would limit it",
+                       gn_scene_at(s, s->time_where, "time.step").text);
+    snprintf(key, sizeof key, "sources[%zu]", source);
+    return gn_fail(error, GNEISS_ERROR_INPUT,
+                   "%s: expected particles that no sink takes as they come, found that sink '%s' "
+                   "takes those of source '%s', so that nothing is left that would limit time.step",
+                   gn_scene_at(s, s->sources[source].where, key).text, s->sinks[sink].name,
+                   s->sources[source].name);
+}
+
 static gneiss_status react(gn_world *w, double limit, gneiss_error *error) {
-    char text[160];
+    char text[160], bound[96] = "";
     if (w->scene.step == 0.0) {
-        if (!isfinite(limit))
-            return gn_fail(error, GNEISS_ERROR_INPUT,
-                           "%s: required, because nothing can move that would limit it",
-                           gn_scene_at(&w->scene, w->scene.time_where, "time.step").text);
+        if (!isfinite(limit)) return refuse_endless(w, error);
         double wanted = w->scene.safety * limit, raised_for = w->dem.scaling.step;
         if (raised_for > 0.0) wanted = fmin(wanted, raised_for);
         /* Small changes of the stiffest mode are what the safety factor is for. */
@@ -130,14 +147,15 @@ static gneiss_status react(gn_world *w, double limit, gneiss_error *error) {
     }
     set_step(w, w->scene.step);
     if (w->dt <= limit || w->scene.on_unstable == GN_POLICY_WARN) return GNEISS_OK;
+    if (isfinite(gn_world_bound(w)))
+        snprintf(bound, sizeof bound, "; the rigorous bound without damping is %.6g s",
+                 gn_world_bound(w));
     return gn_fail(error, w->step > 0 ? GNEISS_ERROR_UNSTABLE : GNEISS_ERROR_INPUT,
                    "%s: expected at most %.6g s (stability limit at step %lld, "
-                   "set by %s; the "
-                   "rigorous bound without damping is %.6g s), found %.6g s = %.3f of the limit "
+                   "set by %s%s), found %.6g s = %.3f of the limit "
                    "(time.on_unstable: warn runs it all the same)",
                    gn_scene_at(&w->scene, w->scene.time_where, "time.step").text, limit,
-                   (long long)w->step, culprit(w, text, sizeof text), gn_world_bound(w), w->dt,
-                   w->dt / limit);
+                   (long long)w->step, culprit(w, text, sizeof text), bound, w->dt, w->dt / limit);
 }
 
 /* --- what may happen before the lists are made again --- */

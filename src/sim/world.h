@@ -52,6 +52,13 @@ typedef struct gn_stage_state {
 /* The scene, the clock and the ledger, and the parts, which own their state and show the same face:
  * create, refresh, forces, move, book, measure, limit, check, hash, bytes, save, load, free, as far
  * as they apply (docs/design.md). The world calls them in turn. */
+/* The element that came nearest to a limit of couple.convert: its part of it, when and where at the
+ * start, relative to the origin. Nothing moves by it. */
+typedef struct gn_most_loaded {
+    double share, time, place[3];
+    int32_t element;
+} gn_most_loaded;
+
 struct gn_world {
     gn_scene scene; /* that of the stage; its points relative to scene.origin, as all points of the
                        world */
@@ -74,6 +81,8 @@ struct gn_world {
         double stress[9]; /* Pa: what elements have of the mean stress of the particles' volume, at
                            * the last measured instant */
     } couple;
+
+    gn_most_loaded most_loaded; /* of what looks found since the run began or was resumed */
 
     gn_strain_gauge gauge;
     double period[3];          /* m: of a periodic box, as it is now */
