@@ -47,6 +47,10 @@ void gn_print_conversion(const gn_world *w, int *warnings) {
            gn_conversion_elements(w), f.particles, w->dem.particles.soa.count);
     printf("  held             %zu elements there, of motions and loads\n", f.held);
     printf("  masses           %.4g times those of the elements\n", f.mass);
+    const gn_convert_def *def = &w->scene.couple.convert;
+    if (def->relax > 0.0)
+        printf("  relaxation       to %g of the mean contact force, %lld iterations at most\n",
+               def->relax, (long long)def->relax_iterations);
     for (size_t k = 0; k < f.materials; k++)
         gn_print_zone_material(&f.material[k], f.materials > 1, warnings);
     warn_of_looks(w, warnings);

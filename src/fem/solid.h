@@ -140,6 +140,9 @@ gneiss_status gn_fem_elements_changed(gn_fem_solid *solid, gneiss_error *error);
 /* J, of some elements [count] where nodes are after `ahead` s at their velocities; displacement
  * form. */
 double gn_fem_stored(const gn_fem_solid *solid, const int32_t *element, size_t count, double ahead);
+/* N, [corners]: what an element does to its nodes at the present positions, of the part of the body
+ * that it has; displacement form. */
+void gn_fem_force_of(const gn_fem_solid *solid, size_t element, double force[4][3]);
 /* The turn of an element, R of F = R U, at the present positions; the number of the element by
  * place. */
 void gn_fem_turn(const gn_fem_solid *solid, size_t element, double turn[3][3]);

@@ -99,6 +99,21 @@ gneiss_status gn_fem_nodal_pressure(const gn_fem_solid *solid, double *pressure,
     return status;
 }
 
+/* f_a = -V F S grad N_a. */
+void gn_fem_force_of(const gn_fem_solid *solid, size_t e, double force[4][3]) {
+    double f[3][3], s[3][3], g[4][3];
+    gn_fem_deformation(solid, e, f);
+    second_piola(&solid->elements, e, false, f, s);
+    gn_fem_gradients(&solid->elements, e, g);
+    for (int a = 0; a <= solid->dimension; a++)
+        for (int i = 0; i < 3; i++) {
+            force[a][i] = 0.0;
+            for (int k = 0; i < solid->dimension && k < solid->dimension; k++)
+                for (int l = 0; l < solid->dimension; l++)
+                    force[a][i] -= solid->elements.volume[e] * f[i][k] * s[k][l] * g[a][l];
+        }
+}
+
 /* St Venant-Kirchhoff: half of S : E. */
 static double element_energy(const gn_fem_solid *solid, size_t e, double f[3][3]) {
     double s[3][3], energy = 0.0;

@@ -142,6 +142,19 @@ static gneiss_status put_stages(const gn_run *run, gn_h5 *file, gneiss_error *er
     return status;
 }
 
+/* What brought converted particles into balance. */
+static void summary_relaxation(const gn_world *w, gn_json *j) {
+    const gn_relaxations *r = &w->couple.relaxed;
+    if (!gn_converts(w) || !(w->scene.couple.convert.relax > 0.0)) return;
+    gn_json_object(j, "relaxation");
+    gn_json_integer(j, "count", (int64_t)r->count);
+    gn_json_integer(j, "iterations", (int64_t)r->iterations);
+    gn_json_integer(j, "missed", (int64_t)r->missed);
+    gn_json_integer(j, "kept", (int64_t)r->kept);
+    gn_json_number(j, "worst", r->worst);
+    gn_json_end(j);
+}
+
 /* What was added for a longer step. */
 static gneiss_status put_mass_scaling(const gn_world *w, gn_h5 *file, gneiss_error *error) {
     const gn_mass_scaling *s = &w->dem.scaling;
@@ -474,6 +487,7 @@ gneiss_status gn_output_summary(const gn_run *run, gneiss_error *error) {
     gneiss_status status = summary_readings(run, j, error);
     if (status == GNEISS_OK) status = summary_stages(run, j, error);
     summary_counts(w, contacts, j);
+    summary_relaxation(w, j);
     gn_output_flow(run, j);
     gn_json_number(j, "volume", w->volume);
     gn_json_text(j, "volume_of", gn_world_volume_source(w));

@@ -292,6 +292,22 @@ static void warn_of_conversion(const gn_run *run, gn_warnings *list) {
         made / gn_energy_scale(e), gn_energy_scale(e));
 }
 
+static void warn_of_relaxation(const gn_run *run, gn_warnings *list) {
+    const gn_world *w = &run->world;
+    const gn_relaxations *r = &w->couple.relaxed;
+    if (!(r->missed > 0.0)) return;
+    gn_warning *to = add(list, "relaxation");
+    snprintf(to->text, sizeof to->text,
+             "%.0f of %.0f relaxations of converted particles left more than %g of the mean "
+             "contact force out of balance, at most %.2g (t = %.4g s): %s",
+             r->missed, r->count, w->scene.couple.convert.relax, r->worst, r->time,
+             r->kept > 0.0
+                 ? "bonds would have broken, whose ends stay where they are; lower limits "
+                   "(couple.convert) convert sooner"
+                 : "more iterations (couple.convert.relax_iterations), or particles that nothing "
+                   "holds");
+}
+
 /* Where the model ended the run it has said why. */
 static gneiss_status warn_of_rest(const gn_run *run, gn_warnings *list, gneiss_error *error) {
     const gn_world *w = &run->world;
@@ -552,6 +568,7 @@ gneiss_status gn_run_warnings(const gn_run *run, gn_warnings *list, gneiss_error
     warn_of_zone_masses(run, list);
     GN_TRY(warn_of_packing(run, list, error));
     warn_of_conversion(run, list);
+    warn_of_relaxation(run, list);
     GN_TRY(warn_of_rest(run, list, error));
     return GNEISS_OK;
 }

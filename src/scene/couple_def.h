@@ -51,6 +51,8 @@ typedef struct gn_convert_def {
     gn_convert_by by;
     int64_t every; /* steps between looks */
     double most;   /* share of the prepared elements that convert by a limit at one look */
+    double relax;  /* mean load over mean contact force; 0: not at all */
+    int64_t relax_iterations; /* at most */
     gn_scene_place where;
 } gn_convert_def;
 

@@ -68,6 +68,12 @@ static const gn_key convert_keys[] = {
         .fallback = "10 %",
         .text = "share of the prepared elements that a look converts, those with the highest "
                 "stresses first; thin remnants come on top"),
+    KEY("relax", REAL, gn_scene, couple.convert.relax, .unit = "1", .range = "[1e-8, 1]",
+        .word = "none", .fallback = "none",
+        .text = "who becomes free is brought into balance first, all else held, to this part of "
+                "the mean contact force"),
+    KEY("relax_iterations", INTEGER, gn_scene, couple.convert.relax_iterations,
+        .range = "[1, 1000000]", .fallback = "1000", .text = "of that, at most"),
 };
 static const gn_section convert_section = {convert_keys, sizeof convert_keys / sizeof(gn_key), 0,
                                            offsetof(gn_scene, couple.convert.where)};

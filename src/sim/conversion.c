@@ -363,12 +363,14 @@ static gneiss_status advance_front(gn_conversion *c, bool *stuck, gneiss_error *
 }
 
 /* Lists anew, which must not take the conversion for particles that move fast. */
-static gneiss_status make_lists(gn_world *w, gneiss_error *error) {
+static gneiss_status make_lists(const gn_conversion *c, gneiss_error *error) {
     enum { NEITHER_SHORT_NOR_LONG = 1000 };
+    gn_world *w = c->world;
     gn_free(w->dem.bond_sums);
     w->dem.bond_sums = NULL;
     w->dem.verlet.last_step = w->step - NEITHER_SHORT_NOR_LONG;
     GN_TRY(gn_world_rebuild(w, error));
+    GN_TRY(gn_conversion_relax(c, error));
     gn_dem_step_changed(w); /* dashpots */
     GN_TRY(gn_elements_converted(w->elements[0], error));
     GN_TRY(gn_world_check_step(w, false, error));
@@ -384,13 +386,14 @@ static gneiss_status go(gn_conversion *c, gneiss_error *error) {
     find_parts(c);
     const gn_tally before = gn_conversion_tally(c);
     const double held = gn_conversion_held(c);
+    GN_TRY(gn_conversion_find_rates(c, error));
     wake_all(c);
     GN_TRY(gn_conversion_take_bonds(c, error));
     for (size_t e = 0; e < b->elements.soa.count; e++) c->kind[e] = c->kind[e] != GN_FRONT_LEAVING;
     GN_TRY(gn_fem_keep(b, c->kind, error));
     GN_TRY(gn_coupled_again(w, error));
     GN_TRY(gn_conversion_keep(c, &before, error));
-    GN_TRY(make_lists(w, error));
+    GN_TRY(make_lists(c, error));
     w->energy.conversion +=
         before.energy - gn_conversion_tally(c).energy + held - gn_conversion_held(c);
     return GNEISS_OK;
@@ -409,8 +412,10 @@ gneiss_status gn_conversion_convert(gn_world *w, uint8_t *kind, gneiss_error *er
                        .touched = gn_alloc_array_raw(elements, 1),
                        .some = gn_alloc_array_raw(elements, sizeof *c.some),
                        .active = gn_alloc(w->dem.prepared.soa.count + 1),
-                       .tied = gn_alloc_array_raw(n, 1)};
-    void *blocks[] = {c.place, c.part, c.node_part, c.freed, c.touched, c.some, c.active, c.tied};
+                       .tied = gn_alloc_array_raw(n, 1),
+                       .rate = gn_alloc_array_raw(n, 3 * sizeof *c.rate)};
+    void *blocks[] = {c.place, c.part,   c.node_part, c.freed, c.touched,
+                      c.some,  c.active, c.tied,      c.rate};
     bool held = true;
     for (size_t k = 0; k < sizeof blocks / sizeof *blocks; k++) held = held && blocks[k];
     gneiss_status status = held ? go(&c, error) : no_memory(error);

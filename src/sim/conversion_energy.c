@@ -20,6 +20,20 @@ static void advance_shear(const gn_world *w, const gn_contacts *list, size_t c, 
     for (int a = 0; a < 3; a++) now[a] = shear[a] + kt * w->dt_past * (rate[a] - along * n[a]);
 }
 
+double gn_contact_held(const gn_world *w, const gn_contacts *list, size_t c, double n[3],
+                       double *length, double force[3]) {
+    const double *a = w->dem.particles.pos + 4 * (size_t)list->i[c],
+                 *b = w->dem.particles.pos + 4 * (size_t)list->j[c];
+    double shear[3], rate[3];
+    *length = sqrt(gn_branch(w, a, b, n));
+    const double rest = list->length0 ? list->length0[c] : a[3] + b[3];
+    for (int k = 0; k < 3; k++) n[k] /= *length;
+    const gn_law_held h = gn_law_of(list->soa.effects)->held(list, c, *length, *length - rest);
+    advance_shear(w, list, c, *length, n, h.shear, shear, rate);
+    for (int k = 0; k < 3; k++) force[k] = h.normal * n[k] + shear[k];
+    return h.normal;
+}
+
 static double contact_energy(const gn_world *w, const gn_contacts *list, size_t c) {
     const double *a = w->dem.particles.pos + 4 * (size_t)list->i[c],
                  *b = w->dem.particles.pos + 4 * (size_t)list->j[c];

@@ -17,7 +17,8 @@ typedef struct gn_conversion {
     int32_t *some;     /* [elements before] scratch */
     uint8_t *active;   /* [prepared bonds] acts from now on */
     size_t acting;     /* how many do */
-    uint8_t *tied;     /* [particles] scratch */
+    uint8_t *tied;     /* [particles] who followed nodes at the last tally */
+    double *rate;      /* [particles][3] m/s2, of `freed`: with which their elements took them */
 } gn_conversion;
 
 /* The element, by place before, that a particle is in; -1: gone already. */
@@ -36,6 +37,16 @@ gneiss_status gn_conversion_take_bonds(const gn_conversion *c, gneiss_error *err
 /* m/s: at which the ends of a contact part where they meet, along and across n. */
 void gn_contact_rate(const gn_world *world, int32_t i, int32_t j, double length, const double n[3],
                      double rate[3]);
+
+/* N, of the springs of a contact on its first particle at the instant, in the sense of leap-frog;
+ * what of it is along n, from the first to the second; m, between both (conversion_energy.c). */
+double gn_contact_held(const gn_world *world, const gn_contacts *list, size_t c, double n[3],
+                       double *length, double force[3]);
+
+/* The accelerations of those that will be freed, before anything changes (conversion_rates.c). */
+gneiss_status gn_conversion_find_rates(const gn_conversion *c, gneiss_error *error);
+/* Brings them into balance, with lists made anew (conversion_relax.c). */
+gneiss_status gn_conversion_relax(const gn_conversion *c, gneiss_error *error);
 
 /* J (conversion_energy.c): what springs and elements hold of what is other after the conversion
  * than before; of the instant, in the sense of leap-frog. With parts and `freed` found. */

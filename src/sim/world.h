@@ -59,6 +59,15 @@ typedef struct gn_most_loaded {
     int32_t element;
 } gn_most_loaded;
 
+/* What relaxations of converted particles came to (conversion_relax.c), since the start; doubles,
+ * as checkpoints have it. */
+typedef struct gn_relaxations {
+    double count, iterations; /* that had something to do; of all of them */
+    double missed;            /* did not come to the ratio wanted, */
+    double kept;              /* of particles that did not go on, as bonds would have broken */
+    double worst, time;       /* the largest ratio that was left, and s, when */
+} gn_relaxations;
+
 struct gn_world {
     gn_scene scene; /* that of the stage; its points relative to scene.origin, as all points of the
                        world */
@@ -80,6 +89,7 @@ struct gn_world {
         double whole;     /* s: sharp limit of particles and elements as one; 0: not looked for */
         double stress[9]; /* Pa: what elements have of the mean stress of the particles' volume, at
                            * the last measured instant */
+        gn_relaxations relaxed;
     } couple;
 
     gn_most_loaded most_loaded; /* of what looks found since the run began or was resumed */
