@@ -69,7 +69,7 @@ static const gn_key convert_keys[] = {
         .text = "share of the prepared elements that a look converts, those with the highest "
                 "stresses first; thin remnants come on top"),
     KEY("relax", REAL, gn_scene, couple.convert.relax, .unit = "1", .range = "[1e-8, 1]",
-        .word = "none", .fallback = "none",
+        .word = "none", .fallback = "1e-3",
         .text = "who becomes free is brought into balance first, all else held, to this part of "
                 "the mean contact force"),
     KEY("relax_iterations", INTEGER, gn_scene, couple.convert.relax_iterations,
