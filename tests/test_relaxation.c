@@ -400,6 +400,27 @@ static gn_run *busy_run(bool space, int threads, const char *precision) {
     return run;
 }
 
+/* Neighbours that do not touch have stiffnesses and move past each other, but no force. */
+static void neighbours_that_do_not_touch_count_for_nothing(void **state) {
+    (void)state;
+    gn_run *run = busy_run(false, 1, "double");
+    const gn_world *w = &run->world;
+    const gn_contacts *k = &w->dem.pairs;
+    size_t apart = 0;
+    for (size_t c = 0; c < k->soa.count; c++) {
+        const double radii = w->dem.particles.pos[4 * (size_t)k->i[c] + 3] +
+                             w->dem.particles.pos[4 * (size_t)k->j[c] + 3];
+        double n[3], f[3], length;
+        gn_contact_held(w, k, c, n, &length, f);
+        if (length < radii) continue;
+        assert_true(k->kt[c] > 0.0 && length3(f) == 0.0);
+        apart++;
+    }
+    assert_true(apart > 0);
+    gn_run_free(run);
+    free(run);
+}
+
 static void threads_precision_and_resumption_give_the_same_bits(void **state) {
     (void)state;
     char path[] = "/tmp/gneiss-relaxation-XXXXXX";
@@ -458,6 +479,7 @@ int main(void) {
         cmocka_unit_test(a_wave_stays_a_wave),
         cmocka_unit_test(no_bond_breaks_by_it),
         cmocka_unit_test(iterations_end_where_they_are_to),
+        cmocka_unit_test(neighbours_that_do_not_touch_count_for_nothing),
         cmocka_unit_test(threads_precision_and_resumption_give_the_same_bits),
         cmocka_unit_test(instruction_sets_give_the_same_bits),
     };

@@ -11,6 +11,7 @@
 #include "sim/conversion_internal.h"
 
 #include <math.h>
+#include <string.h>
 
 /* N, of a contact across n, of the instant; the rate at which its ends part, m/s. */
 static void advance_shear(const gn_world *w, const gn_contacts *list, size_t c, double length,
@@ -20,17 +21,22 @@ static void advance_shear(const gn_world *w, const gn_contacts *list, size_t c, 
     for (int a = 0; a < 3; a++) now[a] = shear[a] + kt * w->dt_past * (rate[a] - along * n[a]);
 }
 
+/* What does not act has no force of its springs, and what slides none beyond its limit. */
 double gn_contact_held(const gn_world *w, const gn_contacts *list, size_t c, double n[3],
                        double *length, double force[3]) {
+    const gn_law *law = gn_law_of(list->soa.effects);
     const double *a = w->dem.particles.pos + 4 * (size_t)list->i[c],
                  *b = w->dem.particles.pos + 4 * (size_t)list->j[c];
     double shear[3], rate[3];
     *length = sqrt(gn_branch(w, a, b, n));
     const double rest = list->length0 ? list->length0[c] : a[3] + b[3];
     for (int k = 0; k < 3; k++) n[k] /= *length;
-    const gn_law_held h = gn_law_of(list->soa.effects)->held(list, c, *length, *length - rest);
+    gn_law_held h = law->held(list, c, *length, *length - rest);
     advance_shear(w, list, c, *length, n, h.shear, shear, rate);
-    for (int k = 0; k < 3; k++) force[k] = h.normal * n[k] + shear[k];
+    const bool bonded = gn_contact_bonded(list, c), acts = bonded || h.normal != 0.0;
+    if (!bonded && law->slips(list, c, h.normal, sqrt(gn_dot3(shear, shear))))
+        memcpy(shear, h.shear, sizeof shear);
+    for (int k = 0; k < 3; k++) force[k] = acts ? h.normal * n[k] + shear[k] : 0.0;
     return h.normal;
 }
 
