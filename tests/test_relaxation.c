@@ -69,7 +69,7 @@ static gn_world *block_of(const block *s) {
 }
 
 static const block plate = {.cells = {20, 20, 0}, .jitter = 0.25};
-static const block cube = {.cells = {12, 12, 12}, .space = true, .jitter = 0.25};
+static const block cube = {.cells = {10, 10, 10}, .space = true, .jitter = 0.25};
 
 static void strain(const double *x, const void *of, double u[3], double v[3]) {
     const double *gradient = of;
@@ -393,7 +393,7 @@ static gn_run *busy_run(bool space, int threads, const char *precision) {
         gn_run_create(&scene, run, &error) != GNEISS_OK)
         fail_msg("%s", error.message);
     free(t);
-    const double depth = space, low[3] = {10e-3, 10e-3, 10e-3}, high[3] = {14e-3, 14e-3, 14e-3};
+    const double depth = space, low[3] = {8e-3, 8e-3, 8e-3}, high[3] = {12e-3, 12e-3, 12e-3};
     set_elements(&run->world, stir, &depth);
     run_steps(&run->world, 20);
     if (convert_box(&run->world, low, high, &error) != GNEISS_OK) fail_msg("%s", error.message);
