@@ -515,7 +515,11 @@ def the_pressure_in_the_middle_is_held_at_large_strain(folder):
             x, r, s = (file["particles/" + name][:] for name in ("position", "radius", "stress"))
         across = np.hypot(*(x[:, :2] - np.median(x[:, :2], axis=0)).T)
         inside = (across < 0.006) & (np.abs(x[:, 2] - 0.015) < 0.005)
-        assert history(out)["strain"][-1] > 0.25 and inside.sum() > 50, (history(out)["strain"][-1], inside.sum())
+        rows = history(out)
+        assert rows["strain"][-1] > 0.25 and inside.sum() > 50, (rows["strain"][-1], inside.sum())
+        # The average strain is that of what is left, along the axis that of the ends within what crushed ends and bulges do to its hull: 1.13
+        # and 1.21 of it. (Of all, grains that flew off with it, it was 1.34 and 2.14, and the volume had grown by a half.)
+        assert abs(-rows["strain_zz"][-1] / rows["strain"][-1] - 1) < 0.3 and abs(rows["volumetric_strain"][-1]) < 0.2, (rows["strain_zz"][-1], rows["volumetric_strain"][-1])
         found.append(np.average(0.5 * (s[inside, 0] + s[inside, 1]), weights=r.reshape(-1)[inside] ** 3) / -2e7)
     assert abs(np.mean(found) - 1) < 0.1 and np.max(np.abs(np.array(found) - 1)) < 0.3, found
 

@@ -51,10 +51,21 @@ static bool is_held(const gn_particles *particles, size_t p, int dimension) {
     return !particles->bonds0 || particles->bonds0[p] > dimension;
 }
 
+void gn_strain_gauge_select(const gn_particles *particles, int dimension, uint8_t *counts) {
+    const size_t count = particles->soa.count;
+    size_t held = 0;
+    for (size_t p = 0; p < count; p++) {
+        counts[p] = is_held(particles, p, dimension);
+        held += counts[p];
+    }
+    if (2 * held < count) memset(counts, 1, count); /* hardly a bonded body */
+}
+
 /* Centres at the start in the order of the ids, about the first one: the triangulation of a lattice
  * depends on the order of its points, and the order of the particles on the run so far. */
-static gneiss_status reference_points(const gn_particles *particles, int dimension, double **points,
-                                      numbered **order, size_t *used, gneiss_error *error) {
+static gneiss_status reference_points(const gn_particles *particles, const uint8_t *counts,
+                                      int dimension, double **points, numbered **order,
+                                      size_t *used, gneiss_error *error) {
     size_t count = particles->soa.count;
     *used = 0;
     *order = gn_alloc_array(count, sizeof **order);
@@ -63,11 +74,7 @@ static gneiss_status reference_points(const gn_particles *particles, int dimensi
         return gn_fail(error, GNEISS_ERROR_MEMORY, "no memory for a strain gauge of %zu particles",
                        count);
     for (size_t p = 0; p < count; p++)
-        if (is_held(particles, p, dimension))
-            (*order)[(*used)++] = (numbered){particles->id[p], (int32_t)p};
-    if (2 * *used < count) /* hardly a bonded body */
-        for (*used = 0; *used < count; ++*used)
-            (*order)[*used] = (numbered){particles->id[*used], (int32_t)*used};
+        if (counts[p]) (*order)[(*used)++] = (numbered){particles->id[p], (int32_t)p};
     qsort(*order, *used, sizeof **order, compare_ids);
     for (size_t k = 0; k < *used; k++)
         for (int a = 0; a < dimension; a++)
@@ -326,15 +333,16 @@ static gneiss_status gauge_by_hull(const double *points, size_t count, int dimen
     return status;
 }
 
-gneiss_status gn_strain_gauge_create(const gn_particles *particles, int dimension,
-                                     gn_strain_gauge *gauge, gneiss_error *error) {
+gneiss_status gn_strain_gauge_of(const gn_particles *particles, const uint8_t *counts,
+                                 int dimension, gn_strain_gauge *gauge, gneiss_error *error) {
     *gauge = (gn_strain_gauge){0};
     if (particles->soa.count < (size_t)dimension + 1) return GNEISS_OK;
     gn_triangulation triangulation = {0};
     double *points = NULL;
     numbered *order = NULL;
     size_t count;
-    gneiss_status status = reference_points(particles, dimension, &points, &order, &count, error);
+    gneiss_status status =
+        reference_points(particles, counts, dimension, &points, &order, &count, error);
     bool found = false;
     if (status == GNEISS_OK)
         status = gauge_by_hull(points, count, dimension, order, gauge, &found, error);
@@ -349,6 +357,18 @@ gneiss_status gn_strain_gauge_create(const gn_particles *particles, int dimensio
         gn_strain_gauge_free(gauge);
         gn_fail_context(error, "strain gauge: ");
     }
+    return status;
+}
+
+gneiss_status gn_strain_gauge_create(const gn_particles *particles, int dimension,
+                                     gn_strain_gauge *gauge, gneiss_error *error) {
+    uint8_t *counts = gn_alloc_array(particles->soa.count + 1, sizeof *counts);
+    if (!counts)
+        return gn_fail(error, GNEISS_ERROR_MEMORY, "no memory for a strain gauge of %zu particles",
+                       particles->soa.count);
+    gn_strain_gauge_select(particles, dimension, counts);
+    gneiss_status status = gn_strain_gauge_of(particles, counts, dimension, gauge, error);
+    gn_free(counts);
     return status;
 }
 
