@@ -44,6 +44,10 @@ void gn_strain_gauge_select(const gn_particles *particles, int dimension, uint8_
  * a plane (line): count 0 and GNEISS_OK, readings are then NaN. */
 gneiss_status gn_strain_gauge_of(const gn_particles *particles, const uint8_t *counts,
                                  int dimension, gn_strain_gauge *gauge, gneiss_error *error);
+/* The same in a tenth of the time where a triangulation would be needed, as for lattices: by
+ * another surface through the outer particles, which reads a uniform gradient as exactly. */
+gneiss_status gn_strain_gauge_soon(const gn_particles *particles, const uint8_t *counts,
+                                   int dimension, gn_strain_gauge *gauge, gneiss_error *error);
 /* Of those that count at the start. */
 gneiss_status gn_strain_gauge_create(const gn_particles *particles, int dimension,
                                      gn_strain_gauge *gauge, gneiss_error *error);

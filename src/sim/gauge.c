@@ -120,7 +120,7 @@ static gneiss_status renew(gn_world *w, gneiss_error *error) {
     if (!counts) return no_room(q->soa.count, error);
     gn_strain_gauge_free(&w->gauge);
     if (find_rest(w, counts))
-        status = gn_strain_gauge_of(q, counts, (int)w->scene.dimension, &w->gauge, error);
+        status = gn_strain_gauge_soon(q, counts, (int)w->scene.dimension, &w->gauge, error);
     gn_free(counts);
     return status;
 }
