@@ -4,8 +4,8 @@
 #include "sim/conversion.h"
 #include "sim/coupling.h"
 #include "sim/exchange.h"
-#include "sim/internal.h"
 #include "sim/gauge.h"
+#include "sim/internal.h"
 #include "sim/membrane.h"
 
 #include <math.h>
