@@ -384,7 +384,7 @@ def a_pressure_comes_in_its_ramp(folder):
 def a_pressure_is_no_force_that_could_be_switched_off(folder):
     done = expect(gneiss("plan", write_scene(folder, cell(CELL, 60))), 0)
     assert "applied   " not in done.stdout.partition("could be switched off")[2], done.stdout
-    assert re.search(r"membrane +0.002513\d+ m2 of the surface on \d+ particles", expect(gneiss("check", write_scene(folder, cell(CELL, 60))), 0).stdout)
+    assert re.search(r"membrane +0.002513\d+ m2 of the surface of the shape on \d+ particles", expect(gneiss("check", write_scene(folder, cell(CELL, 60))), 0).stdout)
 
 
 @fact
@@ -515,7 +515,11 @@ def the_pressure_in_the_middle_is_held_at_large_strain(folder):
             x, r, s = (file["particles/" + name][:] for name in ("position", "radius", "stress"))
         across = np.hypot(*(x[:, :2] - np.median(x[:, :2], axis=0)).T)
         inside = (across < 0.006) & (np.abs(x[:, 2] - 0.015) < 0.005)
-        assert history(out)["strain"][-1] > 0.25 and inside.sum() > 50, (history(out)["strain"][-1], inside.sum())
+        rows = history(out)
+        assert rows["strain"][-1] > 0.25 and inside.sum() > 50, (rows["strain"][-1], inside.sum())
+        # The average strain is that of what is left, along the axis that of the ends within what crushed ends and bulges do to its hull: 1.13
+        # and 1.21 of it. (Of all, grains that flew off with it, it was 1.34 and 2.14, and the volume had grown by a half.)
+        assert abs(-rows["strain_zz"][-1] / rows["strain"][-1] - 1) < 0.3 and abs(rows["volumetric_strain"][-1]) < 0.2, (rows["strain_zz"][-1], rows["volumetric_strain"][-1])
         found.append(np.average(0.5 * (s[inside, 0] + s[inside, 1]), weights=r.reshape(-1)[inside] ** 3) / -2e7)
     assert abs(np.mean(found) - 1) < 0.1 and np.max(np.abs(np.array(found) - 1)) < 0.3, found
 
@@ -596,6 +600,66 @@ def the_middle_of_what_is_cut_from_a_packing_has_the_pressure(folder):
         out = run_scene(folder, resting(ball[:, :4].tolist()), name=f"b{k}")
         found.append(middle_stress(out, [("ball", size) for size in np.linspace(1.8e-3, 3.2e-3, 8)]))
     assert abs(np.mean(found) / -1e6 - 1) < 0.04, found
+
+
+@fact
+def a_shape_may_be_pressed_where_its_particles_bear(folder):
+    """The middle of discs of 300 is 0.2 % above the pressure, where it is 3 % above it under the whole surface. Of boxes of 300 spheres a middle
+    scatters by 2 %, and in the mean of three it is 2 % below the pressure, as the outermost layer gives way more across the surface than inside
+    and is shortened more along it for that: 9 % above it under the whole surface. (One of them has a sphere on two bonds that swings on.)"""
+    disc, box = {"disc": {"diameter": 0.02}}, {"box": {"size": [0.02] * 3}}
+    for dimension, shape, most, usual in ((2, disc, 0.005, 1.03), (3, box, 0.05, 1.09)):
+        found = {}
+        for surface in ("particles", "shape"):
+            given = resting([], dimension)
+            given["membrane"]["surface"] = surface
+            given["specimen"] = {**shape, "particles": 300, "packing": {"size_ratio": 2}}
+            given["materials"], given["time"] = [STRONG], {"end": 4e-4}
+            outs = [run_scene(folder, given, "--set", f"run.seed={seed}", name=f"{dimension}-{surface}-{seed}") for seed in (1, 2, 3)]
+            found[surface] = np.array([middle_stress(out, [("ball", size) for size in np.linspace(3.5e-3, 6.5e-3, 8)], dimension) / -1e6 for out in outs])
+            for out in outs:
+                rows = history(out)
+                mean = np.mean([rows["stress_" + part][-1] for part in ("xx", "yy", "zz")[:dimension]])
+                assert abs(mean / -1e6 - 1) < 0.005, (dimension, surface, mean)
+        assert np.abs(found["particles"] - 1).max() < most and abs(found["particles"].mean() - 1) < 0.6 * most, (dimension, found)
+        assert abs(found["shape"].mean() - usual) < 0.6 * most, (dimension, found)
+
+
+@fact
+def the_surface_of_particles_is_that_of_the_same_particles_without_their_shape(folder):
+    """And the surface of the shape is what is pressed where nothing is said. What the mean stress refers to is told."""
+    listed_scene = listed(folder, CELL, 300)
+    given = {**listed_scene, "specimen": {**CELL, "particles": 300, "packing": {"size_ratio": 2}}, "time": {"end": 1e-5}}
+    outs = {"file": run_scene(folder, {**listed_scene, "time": {"end": 1e-5}}, name="file"), "default": run_scene(folder, given, name="default")}
+    for surface in ("particles", "shape"):
+        outs[surface] = run_scene(folder, given, "--set", f"membrane.surface={surface}", name=surface)
+    area = {name: history(out)["membrane_area"][0] for name, out in outs.items()}
+    assert abs(area["particles"] / area["file"] - 1) < 1e-9 and area["particles"] < 0.95 * area["shape"], area
+    check_same(outs["shape"], outs["default"])
+    said = {name: expect(gneiss("check", write_scene(folder, given), "--set", f"membrane.surface={name}"), 0).stdout for name in ("particles", "shape")}
+    whole = np.pi * 0.01**2 * 0.03
+    for name, low, high, more in (("particles", 0.7, 0.97, ""), ("shape", 1 - 1e-5, 1 + 1e-5, ": all of the shape")):
+        assert re.search(rf"membrane +\S+ m2 of the surface of the {name} on \d+ particles", said[name]), said[name]
+        volume = float(re.search(rf"within it +(\S+) m3, to which the mean stress refers{more}\n", said[name])[1])
+        assert low < volume / whole < high, (name, volume / whole)
+
+
+@fact
+def a_surface_of_particles_follows_what_breaks(folder):
+    """Bonds that break under platens: the same bits on two threads and after a stop between two looks, a ledger that closes, and no sides."""
+    given = triaxial(1e5, time={"end": 1.5e-3})
+    given["membrane"]["surface"] = "particles"
+    whole = run_scene(folder, given, name="whole")
+    rows = history(whole)
+    assert rows["broken_tension"][-1] + rows["broken_shear"][-1] > 100 and abs(rows["energy_residual"]).max() < 0.01
+    check_same(run_scene(folder, given, "--set", "run.threads=2", name="two"), whole)
+    part = run_scene(folder, given, "--set", "time.end=1.0003 ms", name="part")
+    resume(part, "--set", "time.end=1.5 ms")
+    assert state_hash(part) == state_hash(whole)
+    given["membrane"]["faces"] = "sides"
+    refused(folder, given, "membrane.faces: expected all of the surface, or membrane.surface: shape")
+    given["membrane"]["surface"] = "hull"
+    refused(folder, given, "membrane.surface: expected")
 
 
 @fact

@@ -36,6 +36,36 @@ static void a_uniform_gradient_on_a_lattice_is_read_back(void **state) {
     }
 }
 
+/* Of what is left of a lattice that lost a corner, an edge and one of a face: as a triangulation of
+ * it does, by other triangles of the same faces. */
+static void a_gauge_that_is_made_soon_reads_what_a_triangulation_does(void **state) {
+    (void)state;
+    for (int k = 0; k < LATTICES; k++) {
+        const int dimension = lattices[k].dimension;
+        const double *g = dimension == 3 ? gradient3 : gradient2;
+        uint8_t counts[POINTS_MAX];
+        double read[9];
+        gn_strain_gauge soon, whole;
+        cloud_lattice(&lattices[k], 0.1, true);
+        gn_particles p = particles_of_cloud(all_effects, true);
+        for (size_t i = 0; i < points.count; i++) {
+            const double *x = p.start + 4 * i;
+            counts[i] = x[0] + x[1] > 0.15 && p.id[i] != 17;
+        }
+        assert_int_equal(gn_strain_gauge_of(&p, counts, dimension, &whole, NULL), GNEISS_OK);
+        assert_int_equal(gn_strain_gauge_soon(&p, counts, dimension, &soon, NULL), GNEISS_OK);
+        displace(&p, g);
+        find_indices(&p);
+        gn_strain_gauge_read(&soon, &p, index_of_id, read);
+        for (int c = 0; c < 9; c++) assert_near(read[c], g[c], 1e-12, lattices[k].name, c);
+        assert_close(soon.volume, whole.volume, 1e-12);
+        assert_int_equal(soon.count, whole.count);
+        gn_strain_gauge_free(&soon);
+        gn_strain_gauge_free(&whole);
+        particles_free(&p);
+    }
+}
+
 static void simplices_of_a_closed_lattice_fill_its_box(void **state) {
     (void)state;
     for (int k = 0; k < LATTICES; k++) {
@@ -761,6 +791,7 @@ int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(a_uniform_gradient_on_random_points_is_read_back),
         cmocka_unit_test(a_uniform_gradient_on_a_lattice_is_read_back),
+        cmocka_unit_test(a_gauge_that_is_made_soon_reads_what_a_triangulation_does),
         cmocka_unit_test(simplices_of_a_closed_lattice_fill_its_box),
         cmocka_unit_test(points_all_on_one_sphere_are_triangulated),
         cmocka_unit_test(only_outer_particles_have_a_weight),

@@ -48,6 +48,26 @@ static gn_readings read_history(const gn_history *h, int dimension, int axis, in
     return r;
 }
 
+/* Before half of the largest stress, which the platen strain does not know; after it. */
+static void a_specimen_of_which_too_little_is_left_has_no_average_strain(void **state) {
+    (void)state;
+    for (int late = 0; late < 2; late++) {
+        gn_history h;
+        history_of_test(&h, 2, -1, 100);
+        for (size_t k = late ? 60 : 30; k < h.row_count; k++)
+            for (int c = 2; c < COLUMNS; c++) h.columns[c].value[k] = NAN;
+        const gn_readings r = read_history(&h, 3, 2, -1);
+        assert_false(isnan(r.young_modulus));
+        assert_int_equal(isnan(r.young_modulus_average), !late);
+        assert_int_equal(isnan(r.poisson_ratio), !late);
+        for (int k = 0; !late && k < 2; k++)
+            assert_string_equal(
+                r.reason[k ? GN_READING_poisson_ratio : GN_READING_young_modulus_average],
+                "less than half of the specimen was left by then: no average strain");
+        gn_history_free(&h);
+    }
+}
+
 /* Stress e + 0.5 e^2 over rows in time steps, and the same with the rows of a start at the first
  * break: few up to a third of it, straight lines between them. */
 static void rows_that_a_start_left_out_count(void **state) {
@@ -522,6 +542,7 @@ static void energy_from_nowhere_cannot_hide_behind_itself(void **state) {
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(a_synthetic_curve_is_read_exactly),
+        cmocka_unit_test(a_specimen_of_which_too_little_is_left_has_no_average_strain),
         cmocka_unit_test(rows_that_a_start_left_out_count),
         cmocka_unit_test(scatter_of_the_axial_strain_does_not_bias_poissons_ratio),
         cmocka_unit_test(fewer_than_three_points_give_no_slope),

@@ -453,11 +453,12 @@ static void print_membrane(const gn_world *w) {
     if (!(w->effects & GN_FX_MEMBRANE)) return;
     for (size_t p = 0; p < w->dem.particles.soa.count; p++)
         skin += w->dem.particles.skin[4 * p + 3] > 0.0;
-    printf("  membrane         %.6g m2 of the surface on %zu particles\n", gn_membrane_area(w),
-           skin);
-    if (w->dem.membrane->enclosed > 0.0)
-        printf("  within it        %.6g m3%s, to which the mean stress refers\n",
-               w->dem.membrane->enclosed, w->scene.dimension == 3 ? "" : " (1 m thick)");
+    const bool on_shape = gn_scene_membrane_on_shape(&w->scene);
+    printf("  membrane         %.6g m2 of the surface of the %s on %zu particles\n",
+           gn_membrane_area(w), on_shape ? "shape" : "particles", skin);
+    printf("  within it        %.6g m3%s, to which the mean stress refers%s\n",
+           gn_membrane_volume(w), w->scene.dimension == 3 ? "" : " (1 m thick)",
+           on_shape ? ": all of the shape" : "");
 }
 
 static gneiss_status check_particles(const gn_world *w, int *warnings, gneiss_error *error) {

@@ -19,6 +19,8 @@ static char delaunay_command[] = "qhull d Qt Qbb Qc Qz Q12";
 static char hull_command[] = "qhull FA";
 /* Qc keeps the points that fall on a facet, where U says how near that is. */
 static char faces_command[] = "qhull FA Qc U1e-9";
+/* The same where any triangles will do. */
+static char triangles_command[] = "qhull FA Qt";
 static const double clear_of_faces = 1e-9;
 
 /* Below this height over extent the points count as lying on a plane: Qhull's own limit is
@@ -200,13 +202,15 @@ static bool is_clear(qhT *qh, facetT *facet, int dimension) {
     return clear;
 }
 
-static gneiss_status take_faces(qhT *qh, int dimension, gn_triangulation *t, gneiss_error *error) {
+static gneiss_status take_faces(qhT *qh, int dimension, bool any, gn_triangulation *t,
+                                gneiss_error *error) {
     facetT *facet;
     vertexT *vertex, **vertexp;
     size_t count = 0, clear = 0;
     FORALLfacets {
         count++;
-        clear += is_clear(qh, facet, dimension);
+        clear +=
+            any ? qh_setsize(qh, facet->vertices) == dimension : is_clear(qh, facet, dimension);
     }
     if (clear < count) return GNEISS_OK;
     t->vertex = gn_alloc_array(count * (size_t)dimension, sizeof *t->vertex);
@@ -232,7 +236,8 @@ static gneiss_status hull_of(const double *points, size_t count, int dimension, 
             status = qhull_run_command(&s, command, copy, count, dimension, error);
             if (status == GNEISS_OK)
                 *volume = s.qh->totvol * (dimension == 3 ? unit * unit * unit : unit * unit);
-            if (status == GNEISS_OK && faces) status = take_faces(s.qh, dimension, faces, error);
+            if (status == GNEISS_OK && faces)
+                status = take_faces(s.qh, dimension, command == triangles_command, faces, error);
             qhull_close(&s);
         }
     }
@@ -244,6 +249,16 @@ gneiss_status gn_hull_faces(const double *points, size_t count, int dimension,
                             gn_triangulation *faces, double *volume, gneiss_error *error) {
     *faces = (gn_triangulation){.dimension = dimension};
     gneiss_status status = hull_of(points, count, dimension, faces_command, faces, volume, error);
+    if (status != GNEISS_OK) gn_triangulation_free(faces);
+    return status;
+}
+
+gneiss_status gn_hull_triangles(const double *points, size_t count, int dimension,
+                                gn_triangulation *faces, gneiss_error *error) {
+    double volume;
+    *faces = (gn_triangulation){.dimension = dimension};
+    gneiss_status status =
+        hull_of(points, count, dimension, triangles_command, faces, &volume, error);
     if (status != GNEISS_OK) gn_triangulation_free(faces);
     return status;
 }

@@ -30,6 +30,10 @@ void gn_triangulation_free(gn_triangulation *triangulation);
 gneiss_status gn_hull_faces(const double *points, size_t count, int dimension,
                             gn_triangulation *faces, double *volume, gneiss_error *error);
 
+/* Any triangles (2D: edges) that cover the hull; as above. */
+gneiss_status gn_hull_triangles(const double *points, size_t count, int dimension,
+                                gn_triangulation *faces, gneiss_error *error);
+
 /* Volume (area) of the convex hull; 0 where gn_delaunay gives no simplices. */
 gneiss_status gn_hull_volume(const double *points, size_t count, int dimension, double *volume,
                              gneiss_error *error);

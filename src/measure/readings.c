@@ -152,13 +152,21 @@ static void read_modulus(const gn_curves *c, gn_readings *r) {
     need_ways(c, which, r);
 }
 
+/* In the rows that are fitted. */
+static void need_average_strain(const gn_curves *c, gn_reading which, gn_readings *r) {
+    const size_t last = c->loading.last;
+    const char *reason =
+        gn_no_average_strain(c->average[0], last > c->loading.first ? last - 1 : 0);
+    if (reason) gn_reading_absent(r, which, "%s", reason);
+}
+
 static void read_average_modulus(const gn_curves *c, gn_readings *r) {
     const gn_reading which = GN_READING_young_modulus_average;
     gn_line_fit f = gn_line(c, c->average[c->tested->axis], c->stress, c->loading);
     f.slope *= c->tested->sign;
     r->young_modulus_average = f.slope;
     gn_need_rows(c, which, r);
-    if (isnan(f.slope)) gn_reading_absent(r, which, "the scene has no average strain");
+    need_average_strain(c, which, r);
     need_one_axis(c, which, beside_modulus, r);
     gn_need_modulus(f, which, r);
     need_ways_or_stress(c, which, r);
@@ -211,7 +219,7 @@ static void read_poisson(const gn_curves *c, gn_readings *r) {
     r->poisson_ratio = -lateral / axial.slope;
     double error = hypot(sqrt(variance), r->poisson_ratio * axial.error) / fabs(axial.slope);
     gn_need_rows(c, which, r);
-    if (isnan(r->poisson_ratio)) gn_reading_absent(r, which, "the scene has no average strain");
+    need_average_strain(c, which, r);
     need_one_axis(c, which, beside_ratio, r);
     if (error > gn_scatter_allowed)
         gn_reading_absent(r, which, "the rows scatter: standard error %.2g", error);

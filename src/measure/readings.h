@@ -45,6 +45,9 @@ void gn_need_modulus(gn_line_fit fit, gn_reading which, gn_readings *readings);
 /* Why the largest stress is no strength; NULL: it is one. */
 const char *gn_no_peak(const gn_curves *curves);
 
+/* Why a column of average strain has no number in a row; NULL: it has one. */
+const char *gn_no_average_strain(const double *strain, size_t row);
+
 /* What one kind of test has besides (readings_by_kind.c). */
 void gn_readings_by_kind(const gn_curves *curves, gn_readings *readings);
 

@@ -12,6 +12,15 @@ static void at_peak(const gn_curves *c, gn_reading which, const double *column, 
     if (column) *value = factor * column[c->largest];
 }
 
+/* One of the average strain. */
+static void strain_at_peak(const gn_curves *c, gn_reading which, const char *name, double *value,
+                           gn_readings *r) {
+    const double *column = gn_history_column(c->history, name);
+    const char *reason = column ? gn_no_average_strain(column, c->largest) : NULL;
+    at_peak(c, which, column, 1.0, value, r);
+    if (reason) gn_reading_absent(r, which, "%s", reason);
+}
+
 static const double *tensor(const gn_curves *c, const char *name, int axis) {
     char full[32];
     snprintf(full, sizeof full, "%s_%c%c", name, "xyz"[axis], "xyz"[axis]);
@@ -107,17 +116,19 @@ static void read_confined(const gn_curves *c, gn_readings *r) {
     at_peak(c, GN_READING_confinement, pressure, 1.0, &r->confinement, r);
     at_peak(c, GN_READING_axial_strength, c->stress, 1.0, &r->axial_strength, r);
     if (pressure) r->axial_strength += pressure[c->largest];
-    at_peak(c, GN_READING_volumetric_strain_at_peak,
-            gn_history_column(c->history, "volumetric_strain"), 1.0, &r->volumetric_strain_at_peak,
-            r);
-    at_peak(c, GN_READING_lateral_strain_at_peak, gn_history_column(c->history, "lateral_strain"),
-            1.0, &r->lateral_strain_at_peak, r);
+    strain_at_peak(c, GN_READING_volumetric_strain_at_peak, "volumetric_strain",
+                   &r->volumetric_strain_at_peak, r);
+    strain_at_peak(c, GN_READING_lateral_strain_at_peak, "lateral_strain",
+                   &r->lateral_strain_at_peak, r);
 }
 
 static void slope_of_loading(const gn_curves *c, gn_reading which, double *value, gn_readings *r) {
     gn_line_fit f = gn_line(c, c->strain, c->stress, c->loading);
+    const char *none = gn_no_average_strain(c->strain, c->history->row_count - 1);
     *value = f.slope;
     gn_need_rows(c, which, r);
+    if (c->tested->kind == GN_TEST_HYDROSTATIC && isnan(f.slope) && none)
+        gn_reading_absent(r, which, "%s", none);
     gn_need_modulus(f, which, r);
 }
 

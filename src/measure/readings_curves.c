@@ -90,3 +90,9 @@ const char *gn_no_peak(const gn_curves *c) {
         return "the run ended before the peak: the stress has not fallen by 5 % from its largest";
     return NULL;
 }
+
+const char *gn_no_average_strain(const double *strain, size_t row) {
+    if (!strain || isnan(strain[0])) return "the scene has no average strain";
+    return isnan(strain[row]) ? "less than half of the specimen was left by then: no average strain"
+                              : NULL;
+}

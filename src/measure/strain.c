@@ -12,6 +12,7 @@
 
 #include "base/eigen.h"
 #include "base/memory.h"
+#include "base/random.h"
 #include "measure/delaunay.h"
 
 #include <math.h>
@@ -51,10 +52,21 @@ static bool is_held(const gn_particles *particles, size_t p, int dimension) {
     return !particles->bonds0 || particles->bonds0[p] > dimension;
 }
 
+void gn_strain_gauge_select(const gn_particles *particles, int dimension, uint8_t *counts) {
+    const size_t count = particles->soa.count;
+    size_t held = 0;
+    for (size_t p = 0; p < count; p++) {
+        counts[p] = is_held(particles, p, dimension);
+        held += counts[p];
+    }
+    if (2 * held < count) memset(counts, 1, count); /* hardly a bonded body */
+}
+
 /* Centres at the start in the order of the ids, about the first one: the triangulation of a lattice
  * depends on the order of its points, and the order of the particles on the run so far. */
-static gneiss_status reference_points(const gn_particles *particles, int dimension, double **points,
-                                      numbered **order, size_t *used, gneiss_error *error) {
+static gneiss_status reference_points(const gn_particles *particles, const uint8_t *counts,
+                                      int dimension, double **points, numbered **order,
+                                      size_t *used, gneiss_error *error) {
     size_t count = particles->soa.count;
     *used = 0;
     *order = gn_alloc_array(count, sizeof **order);
@@ -63,11 +75,7 @@ static gneiss_status reference_points(const gn_particles *particles, int dimensi
         return gn_fail(error, GNEISS_ERROR_MEMORY, "no memory for a strain gauge of %zu particles",
                        count);
     for (size_t p = 0; p < count; p++)
-        if (is_held(particles, p, dimension))
-            (*order)[(*used)++] = (numbered){particles->id[p], (int32_t)p};
-    if (2 * *used < count) /* hardly a bonded body */
-        for (*used = 0; *used < count; ++*used)
-            (*order)[*used] = (numbered){particles->id[*used], (int32_t)*used};
+        if (counts[p]) (*order)[(*used)++] = (numbered){particles->id[p], (int32_t)p};
     qsort(*order, *used, sizeof **order, compare_ids);
     for (size_t k = 0; k < *used; k++)
         for (int a = 0; a < dimension; a++)
@@ -285,18 +293,20 @@ static int32_t outward(const double *points, const int32_t *corner, int dimensio
     return along < 0.0 ? -1 : 1;
 }
 
-/* Weights of the faces of the hull, in the order in which those of a triangulation come. */
-static gneiss_status weigh_hull(const gn_triangulation *hull, const double *points, size_t count,
-                                double *weight, double *volume, gneiss_error *error) {
+/* Weights of the faces of the hull of `shown`, with the points at their own places, in the order in
+ * which those of a triangulation come. */
+static gneiss_status weigh_hull(const gn_triangulation *hull, const double *shown,
+                                const double *points, size_t count, double *weight, double *volume,
+                                gneiss_error *error) {
     const int dimension = hull->dimension;
     double inside[3] = {0};
     face *faces = gn_alloc_array(hull->count, sizeof *faces);
     if (!faces) return gn_fail(error, GNEISS_ERROR_MEMORY, "no memory for %zu faces", hull->count);
     for (size_t k = 0; k < count * (size_t)dimension; k++)
-        inside[k % (size_t)dimension] += points[k] / (double)count;
+        inside[k % (size_t)dimension] += shown[k] / (double)count;
     for (size_t f = 0; f < hull->count; f++) {
         const int32_t *corner = hull->vertex + f * (size_t)dimension;
-        faces[f] = sorted_face(corner, dimension, outward(points, corner, dimension, inside));
+        faces[f] = sorted_face(corner, dimension, outward(shown, corner, dimension, inside));
     }
     qsort(faces, hull->count, sizeof *faces, compare_faces);
     *volume = add_faces(faces, hull->count, points, dimension, weight);
@@ -317,7 +327,7 @@ static gneiss_status gauge_by_hull(const double *points, size_t count, int dimen
     if (status == GNEISS_ERROR_MEMORY) return gn_fail(error, status, "%s", why.message);
     if (status != GNEISS_OK || !hull.count) return GNEISS_OK;
     double *weight = gn_alloc_array(3 * count, sizeof *weight);
-    status = weight ? weigh_hull(&hull, points, count, weight, &gauge->volume, error)
+    status = weight ? weigh_hull(&hull, points, points, count, weight, &gauge->volume, error)
                     : gn_fail(error, GNEISS_ERROR_MEMORY, "no memory for %zu weights", 3 * count);
     *found = fabs(gauge->volume - volume) <= tiling_tolerance * volume;
     if (status == GNEISS_OK && *found) status = take_weights(weight, count, order, gauge, error);
@@ -326,18 +336,82 @@ static gneiss_status gauge_by_hull(const double *points, size_t count, int dimen
     return status;
 }
 
-gneiss_status gn_strain_gauge_create(const gn_particles *particles, int dimension,
-                                     gn_strain_gauge *gauge, gneiss_error *error) {
+/* Points of flat faces moved inwards by this share of what they are from the middle, over the
+ * extent, squared: faces are then vaulted, as by a paraboloid, whose hull has all points of a face
+ * for corners, in the triangles that a Delaunay triangulation of the face has. And by this share at
+ * random, where a lattice leaves the choice. */
+static const double vault = 0.01, vault_random = 1e-6;
+
+static double *vaulted(const double *points, size_t count, int dimension, const numbered *order) {
+    const size_t d = (size_t)dimension;
+    double middle[3] = {0}, extent2 = 0.0, *shown = gn_alloc_array(count * d, sizeof *shown);
+    for (size_t k = 0; k < count * d; k++) middle[k % d] += points[k] / (double)count;
+    for (size_t pass = 0; shown && pass < 2; pass++)
+        for (size_t k = 0; k < count; k++) {
+            double way2 = 0.0;
+            for (size_t a = 0; a < d; a++) {
+                const double way = points[k * d + a] - middle[a];
+                way2 += way * way;
+            }
+            extent2 = fmax(extent2, way2);
+            const double random = gn_random_symmetric(1, (uint64_t)order[k].id);
+            const double left = 1.0 - vault * way2 / extent2 - vault_random * random;
+            for (size_t a = 0; pass == 1 && a < d; a++)
+                shown[k * d + a] = left * (points[k * d + a] - middle[a]);
+        }
+    return shown;
+}
+
+/* What encloses all: areas of faces that cover a closed surface add up to nothing. */
+static bool is_closed(const double *weight, size_t count) {
+    double sum[3] = {0}, size = 0.0;
+    for (size_t k = 0; k < 3 * count; k++) {
+        sum[k % 3] += weight[k];
+        size += fabs(weight[k]);
+    }
+    return fabs(sum[0]) + fabs(sum[1]) + fabs(sum[2]) <= tiling_tolerance * size;
+}
+
+/* Of lattices as well, in a tenth of the time of their triangulation: by the hull of the points
+ * with flat faces vaulted, as any closed surface with particles for corners will do. *found:
+ * whether there is one. */
+static gneiss_status gauge_by_vault(const double *points, size_t count, int dimension,
+                                    const numbered *order, gn_strain_gauge *gauge, bool *found,
+                                    gneiss_error *error) {
+    gn_triangulation hull = {0};
+    gneiss_error why;
+    double *shown = vaulted(points, count, dimension, order);
+    double *weight = gn_alloc_array(3 * count, sizeof *weight);
+    gneiss_status status = shown && weight ? GNEISS_OK
+                                           : gn_fail(error, GNEISS_ERROR_MEMORY,
+                                                     "no memory for %zu weights", 3 * count);
+    *found = false;
+    if (status == GNEISS_OK)
+        *found = gn_hull_triangles(shown, count, dimension, &hull, &why) == GNEISS_OK && hull.count;
+    if (*found) status = weigh_hull(&hull, shown, points, count, weight, &gauge->volume, error);
+    *found = *found && status == GNEISS_OK && gauge->volume > 0.0 && is_closed(weight, count);
+    if (*found) status = take_weights(weight, count, order, gauge, error);
+    gn_free(weight);
+    gn_free(shown);
+    gn_triangulation_free(&hull);
+    return status;
+}
+
+static gneiss_status gauge_of(const gn_particles *particles, const uint8_t *counts, int dimension,
+                              bool soon, gn_strain_gauge *gauge, gneiss_error *error) {
     *gauge = (gn_strain_gauge){0};
     if (particles->soa.count < (size_t)dimension + 1) return GNEISS_OK;
     gn_triangulation triangulation = {0};
     double *points = NULL;
     numbered *order = NULL;
     size_t count;
-    gneiss_status status = reference_points(particles, dimension, &points, &order, &count, error);
+    gneiss_status status =
+        reference_points(particles, counts, dimension, &points, &order, &count, error);
     bool found = false;
     if (status == GNEISS_OK)
         status = gauge_by_hull(points, count, dimension, order, gauge, &found, error);
+    if (status == GNEISS_OK && !found && soon)
+        status = gauge_by_vault(points, count, dimension, order, gauge, &found, error);
     if (status == GNEISS_OK && !found)
         status = gn_delaunay(points, count, dimension, &triangulation, error);
     if (status == GNEISS_OK && triangulation.count > 0)
@@ -349,6 +423,28 @@ gneiss_status gn_strain_gauge_create(const gn_particles *particles, int dimensio
         gn_strain_gauge_free(gauge);
         gn_fail_context(error, "strain gauge: ");
     }
+    return status;
+}
+
+gneiss_status gn_strain_gauge_of(const gn_particles *particles, const uint8_t *counts,
+                                 int dimension, gn_strain_gauge *gauge, gneiss_error *error) {
+    return gauge_of(particles, counts, dimension, false, gauge, error);
+}
+
+gneiss_status gn_strain_gauge_soon(const gn_particles *particles, const uint8_t *counts,
+                                   int dimension, gn_strain_gauge *gauge, gneiss_error *error) {
+    return gauge_of(particles, counts, dimension, true, gauge, error);
+}
+
+gneiss_status gn_strain_gauge_create(const gn_particles *particles, int dimension,
+                                     gn_strain_gauge *gauge, gneiss_error *error) {
+    uint8_t *counts = gn_alloc_array(particles->soa.count + 1, sizeof *counts);
+    if (!counts)
+        return gn_fail(error, GNEISS_ERROR_MEMORY, "no memory for a strain gauge of %zu particles",
+                       particles->soa.count);
+    gn_strain_gauge_select(particles, dimension, counts);
+    gneiss_status status = gn_strain_gauge_of(particles, counts, dimension, gauge, error);
+    gn_free(counts);
     return status;
 }
 

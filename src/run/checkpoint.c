@@ -96,11 +96,13 @@ gneiss_status gn_checkpoint_get_arrays(const gn_h5 *file, const gn_checkpoint_ar
     return GNEISS_OK;
 }
 
-enum { GAUGE_ARRAYS = 2 };
+enum { GAUGE_ARRAYS = 3 };
 
-static void list_gauge(gn_strain_gauge *g, gn_checkpoint_array out[GAUGE_ARRAYS]) {
+static void list_gauge(gn_strain_gauge *g, int32_t **belongs, size_t gauged,
+                       gn_checkpoint_array out[GAUGE_ARRAYS]) {
     out[0] = (gn_checkpoint_array){"gauge_id", GN_I32, g->count, 1, (void **)&g->id};
     out[1] = (gn_checkpoint_array){"gauge_weight", GN_F64, g->count, 3, (void **)&g->weight};
+    out[2] = (gn_checkpoint_array){"gauge_belongs", GN_I32, gauged, 1, (void **)belongs};
 }
 
 /* --- writing --- */
@@ -148,8 +150,9 @@ static gneiss_status put_all(const gn_run *run, gn_h5 *file, gneiss_error *error
     GN_TRY(gn_scene_results(w, file, error));
     GN_TRY(put_stages(w, file, error));
     gn_strain_gauge gauge = w->gauge; /* list_gauge hands out places to fill */
+    int32_t *belongs = w->belongs;
     gn_checkpoint_array arrays[GAUGE_ARRAYS];
-    list_gauge(&gauge, arrays);
+    list_gauge(&gauge, &belongs, w->gauged, arrays);
     GN_TRY(gn_h5_put_pieces(file, "run", pieces, PIECES, run, error));
     GN_TRY(gn_checkpoint_put_arrays(file, arrays, GAUGE_ARRAYS, error));
     GN_TRY(gn_dem_save(w, file, error));
@@ -184,7 +187,8 @@ gneiss_status gn_checkpoint_save(const gn_run *run, gneiss_error *error) {
 static gneiss_status get_gauge(gn_world *w, const gn_h5 *file, gneiss_error *error) {
     gn_checkpoint_array arrays[GAUGE_ARRAYS];
     GN_TRY(gn_h5_rows(file, "arrays/gauge_id", &w->gauge.count, error));
-    list_gauge(&w->gauge, arrays);
+    GN_TRY(gn_h5_rows(file, "arrays/gauge_belongs", &w->gauged, error));
+    list_gauge(&w->gauge, &w->belongs, w->gauged, arrays);
     return gn_checkpoint_get_arrays(file, arrays, GAUGE_ARRAYS, error);
 }
 
@@ -219,7 +223,7 @@ static gneiss_status check_format(const gn_h5 *file, const char *path, gneiss_er
 
 static gneiss_status check_gauge(const gn_world *w, const char *path, gneiss_error *error) {
     size_t n = w->dem.particles.soa.count;
-    bool good = true;
+    bool good = !w->gauged || w->gauged == (size_t)w->dem.ids;
     for (size_t k = 0; k < w->gauge.count; k++)
         good = good && w->gauge.id[k] >= 0 && (size_t)w->gauge.id[k] < n;
     return good ? GNEISS_OK

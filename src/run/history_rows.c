@@ -94,8 +94,22 @@ static void note_passed(gn_world *w) {
     w->energy.passed = w->reading.passed;
 }
 
+/* Columns that have no number in this row. */
+static void note_absent(const gn_world *w, gn_history *h) {
+    gn_quantity_place at = {0};
+    gn_column *column = h->columns;
+    while (gn_quantity_next(w, &at)) {
+        gn_shape_component part[GN_SHAPE_MOST];
+        const size_t parts = gn_shape_components(at.quantity->shape, (int)w->scene.dimension, part);
+        const bool absent = at.quantity->absent && at.quantity->absent(w);
+        for (size_t c = 0; c < parts; c++, column++) column->absent = column->absent || absent;
+    }
+}
+
 /* What a row must not hold is found in the row in which it first stands. */
-static gneiss_status check_row(const gn_history *h, const double *row, gneiss_error *error) {
+static gneiss_status check_row(const gn_world *w, gn_history *h, const double *row,
+                               gneiss_error *error) {
+    note_absent(w, h);
     for (size_t c = 0; c < h->column_count; c++)
         if (!h->columns[c].absent && !isfinite(row[c]))
             return gn_fail(error, GNEISS_ERROR_UNSTABLE,
@@ -116,7 +130,7 @@ gneiss_status gn_history_step(gn_world *w, gn_history *h, gneiss_error *error) {
     if (status == GNEISS_OK) {
         note_passed(w);
         put_row(w, GN_AFTER_STEP, row);
-        status = check_row(h, row, error);
+        status = check_row(w, h, row, error);
         if (status == GNEISS_OK) status = gn_history_append(h, row, error);
         gn_flow_row(w);
     }
@@ -137,7 +151,7 @@ gneiss_status gn_history_still(gn_world *w, gn_history *h, gneiss_error *error) 
     note_passed(w);
     put_row(w, GN_BEFORE_STEP, row);
     put_row(w, GN_AFTER_STEP, row);
-    gneiss_status status = check_row(h, row, error);
+    gneiss_status status = check_row(w, h, row, error);
     if (status == GNEISS_OK) status = gn_history_append(h, row, error);
     free(row);
     return status;

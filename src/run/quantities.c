@@ -229,10 +229,14 @@ static void read_strain(const gn_world *w, size_t k, double *value) {
     else
         mean_strain(w, value);
 }
-/* Too few particles, or all on a plane, have no average strain. */
+/* Too few particles, or all on a plane, have no average strain; nor has a specimen of which too
+ * little is left. */
 static bool no_strain(const gn_world *w) {
     bool box = is_periodic(w, 0) && !gn_scene_half_periodic(&w->scene);
     return w->scene.has_specimen && !w->gauge.count && !box;
+}
+static bool no_test_strain(const gn_world *w) {
+    return w->scene.test.kind == GN_TEST_HYDROSTATIC && no_strain(w);
 }
 static void read_stress(const gn_world *w, size_t k, double *value) {
     (void)k;
@@ -278,16 +282,19 @@ static void read_returned_energy(const gn_world *w, size_t k, double *value) {
 
 READ(elements, (double)gn_conversion_elements(w))
 
+#define SCALAR_UNLESS(absent, when, instant, name, unit, read, text)                               \
+    { name, unit, text, GN_SCALAR, instant, &when, read, absent }
 #define SCALAR(when, instant, name, unit, read, text)                                              \
-    { name, unit, text, GN_SCALAR, instant, &when, read, NULL }
+    SCALAR_UNLESS(NULL, when, instant, name, unit, read, text)
 
 static const gn_quantity of_the_model[] = {
     SCALAR(always, GN_BEFORE_STEP, "step", "1", read_step, "steps done"),
     SCALAR(always, GN_BEFORE_STEP, "time", "s", read_time, "time"),
     SCALAR(staged, GN_BEFORE_STEP, "stage", "1", read_stage, "stage of the scene, base 0"),
-    SCALAR(tests, GN_BEFORE_STEP, "strain", "1", read_test_strain,
-           "change of the distance of the ends over the length, positive in the test's sense; "
-           "hydrostatic: loss of volume over volume"),
+    SCALAR_UNLESS(
+        no_test_strain, tests, GN_BEFORE_STEP, "strain", "1", read_test_strain,
+        "change of the distance of the ends over the length, positive in the test's sense; "
+        "hydrostatic: loss of volume over volume"),
     SCALAR(tests, GN_AFTER_STEP, "stress", "Pa", read_test_stress,
            "mean of both ends' force over the area, positive in the test's sense; triaxial and "
            "biaxial: the deviator; hydrostatic: mean pressure in the specimen"),
@@ -299,11 +306,12 @@ static const gn_quantity of_the_model[] = {
            "mean of both ends' force, positive in the test's sense"),
     SCALAR(ended, GN_BEFORE_STEP, "deflection", "m", read_deflection,
            "change of the distance of the ends, positive in the test's sense"),
-    SCALAR(voluminous, GN_BEFORE_STEP, "volumetric_strain", "1", read_volumetric_strain,
-           "trace of the average strain, the change of volume over volume while strains are small, "
-           "compression positive"),
-    SCALAR(confined, GN_BEFORE_STEP, "lateral_strain", "1", read_lateral_strain,
-           "average strain across the axis, mean of the directions, compression positive"),
+    SCALAR_UNLESS(
+        no_strain, voluminous, GN_BEFORE_STEP, "volumetric_strain", "1", read_volumetric_strain,
+        "trace of the average strain, the change of volume over volume while strains are small, "
+        "compression positive"),
+    SCALAR_UNLESS(no_strain, confined, GN_BEFORE_STEP, "lateral_strain", "1", read_lateral_strain,
+                  "average strain across the axis, mean of the directions, compression positive"),
     SCALAR(pressed, GN_AFTER_STEP, "membrane_pressure", "Pa", read_membrane_pressure,
            "pressure of the membrane"),
     SCALAR(pressed, GN_AFTER_STEP, "membrane_area", "m2", read_membrane_area,
@@ -322,8 +330,8 @@ static const gn_quantity of_the_model[] = {
            "by what the prescribed motion of the ends is multiplied"),
     {"centre_stress", "Pa", "mean stress about the middle of the disc, tension positive", GN_TENSOR,
      GN_AFTER_STEP, &central, read_centre_stress, NULL},
-    {"strain", "1", "average strain of the specimen, tension positive", GN_TENSOR, GN_BEFORE_STEP,
-     &always, read_strain, no_strain},
+    {"strain", "1", "average strain of the specimen, of what is left of it; tension positive",
+     GN_TENSOR, GN_BEFORE_STEP, &always, read_strain, no_strain},
     {"stress", "Pa",
      "average stress of the specimen, tension positive; of bodies without a shape over the hull "
      "about all, with a membrane over what it encloses",

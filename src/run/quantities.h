@@ -26,7 +26,7 @@ typedef struct gn_quantity {
     const gn_condition *when;
     /* One number, three, or nine (row by row; what is recorded is symmetric). */
     void (*read)(const gn_world *world, size_t owner, double *value);
-    bool (*absent)(const gn_world *world); /* the column is there without numbers; NULL: never */
+    bool (*absent)(const gn_world *world); /* there is no number now; NULL: never */
 } gn_quantity;
 
 /* Quantities of the whole model (kind NULL: columns <name>_xx), or of each of its walls and so on

@@ -267,6 +267,10 @@ gneiss_status gn_check_membrane(const check *c, const gn_scene *s) {
         return gn_check_fail(c, "membrane.faces",
                              "expected all of the surface, or a specimen that is packed into a "
                              "shape, which has sides, found sides of another one");
+    if (m->faces == GN_FACES_SIDES && m->surface == GN_SURFACE_PARTICLES)
+        return gn_check_fail(c, "membrane.faces",
+                             "expected all of the surface, or membrane.surface: shape, which has "
+                             "sides, found sides of a surface of particles");
     if (s->has_periodic)
         return gn_check_fail(c, "membrane", "expected a specimen with a surface, found periodic");
     if (m->faces == GN_FACES_SIDES && m->axis < 0 &&

@@ -49,11 +49,13 @@ typedef struct gn_test {
 } gn_test;
 
 typedef enum gn_membrane_faces { GN_FACES_ALL, GN_FACES_SIDES } gn_membrane_faces;
+typedef enum gn_membrane_surface { GN_SURFACE_SHAPE, GN_SURFACE_PARTICLES } gn_membrane_surface;
 
 /* Pressure on the surface of the specimen. */
 typedef struct gn_membrane_def {
-    gn_table pressure; /* Pa */
-    double ramp;       /* s in which it comes, from 0; 0: at once */
+    gn_table pressure;           /* Pa */
+    double ramp;                 /* s in which it comes, from 0; 0: at once */
+    gn_membrane_surface surface; /* of specimens with a shape; others have that of particles */
     gn_membrane_faces faces;
     int64_t axis; /* that sides face across: 0 1 2; -1: that of the test */
     bool follow;  /* the deformation */

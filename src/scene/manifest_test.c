@@ -105,6 +105,8 @@ const gn_section gn_test_section = {test_keys, sizeof test_keys / sizeof(gn_key)
 static const gn_choice booleans[] = {{"true", 1}, {"false", 0}, {"on", 1}, {"off", 0},
                                      {"yes", 1},  {"no", 0},    {NULL, 0}};
 static const gn_choice faces[] = {{"all", GN_FACES_ALL}, {"sides", GN_FACES_SIDES}, {NULL, 0}};
+static const gn_choice surfaces[] = {
+    {"shape", GN_SURFACE_SHAPE}, {"particles", GN_SURFACE_PARTICLES}, {NULL, 0}};
 static const gn_choice axes_or_test[] = {{"test", -1}, {"x", 0}, {"y", 1}, {"z", 2}, {NULL, 0}};
 
 static const gn_key membrane_keys[] = {
@@ -113,6 +115,9 @@ static const gn_key membrane_keys[] = {
     KEY("ramp", REAL, gn_scene, membrane.ramp, .unit = "s", .range = "[0, inf)", .fallback = "0",
         .text =
             "time in which the pressure comes, from 0 to what it says: t/ramp of it until then"),
+    KEY("surface", CHOICE, gn_scene, membrane.surface, .choices = surfaces, .fallback = "shape",
+        .text = "of a specimen with a shape: the whole surface of it; or where its particles bear "
+                "the pressure, within that, as of specimens without a shape"),
     KEY("faces", CHOICE, gn_scene, membrane.faces, .choices = faces, .fallback = "all",
         .text = "all of the surface, as in a cell; or the sides: what faces across the axis"),
     KEY("axis", CHOICE, gn_scene, membrane.axis, .choices = axes_or_test, .fallback = "test",

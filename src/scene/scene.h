@@ -581,6 +581,11 @@ int gn_scene_find_material(const gn_scene *scene, const char *name);
 /* What the scene says of contacts between two of its materials; NULL: nothing of its own. */
 const gn_contact_def *gn_scene_find_contact(const gn_scene *scene, const gn_material *a,
                                             const gn_material *b);
+/* Whether the membrane lies on the surface of a shape, and not where particles bear. */
+static inline bool gn_scene_membrane_on_shape(const gn_scene *scene) {
+    return scene->specimen.pack.shape != GN_SHAPE_NONE &&
+           scene->membrane.surface == GN_SURFACE_SHAPE;
+}
 static inline int gn_scene_membrane_axis(const gn_scene *scene) {
     return (int)(scene->membrane.axis >= 0 ? scene->membrane.axis : scene->test.axis);
 }

@@ -43,6 +43,7 @@ void gn_control_look(gn_world *w) {
     gn_machine *m = &w->machine;
     if (!w->scene.test.has_control || w->step % LOOK_INTERVAL != 0) return;
     const double now = reading(w), most = rate(c) * c->response;
+    if (isnan(now)) return; /* too little is left of the specimen to be read */
     m->wanted = fmin(m->wanted + rate(c) * (w->time - m->looked), now + most);
     m->looked = w->time;
     m->factor = fmax(-c->reverse, fmin(1.0, (m->wanted - now) / most));

@@ -90,6 +90,14 @@ const int32_t *gn_world_bodies(const gn_world *w) {
     return q->members;
 }
 
+bool gn_world_has_loosened(const gn_world *w) {
+    const gn_dem *d = &w->dem;
+    if (d->broken_tension + d->broken_shear + d->lost > 0) return true;
+    for (size_t c = 0; c < d->bonds.soa.count; c++)
+        if (d->bonds.cause[c] == GN_BOND_DISSOLVED) return true;
+    return false;
+}
+
 size_t gn_world_body_groups(const gn_world *w, int32_t chip, int32_t *group) {
     const size_t n = w->dem.particles.soa.count;
     int32_t *parent = w->dem.pieces.parent, lead = 0;

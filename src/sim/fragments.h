@@ -17,6 +17,13 @@ gn_fragments gn_world_fragments(const gn_world *world);
  * call of either. */
 const int32_t *gn_world_bodies(const gn_world *world);
 
+/* Whether anything that was held has come loose: a bond has broken or was dissolved, or a particle
+ * has left the domain. */
+bool gn_world_has_loosened(const gn_world *world);
+
+/* A body with fewer particles than this share of the largest one's has come off it. */
+enum { GN_CHIP = 10 };
+
 /* Bodies as the membrane sees them: group[p] is a particle that stands for the body of p, and for
  * bodies of less than 1/chip of the largest one's particles that of the largest. Returns how many
  * there are; 1 without bonds, and before there are any. `group` [particles]. */

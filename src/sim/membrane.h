@@ -15,9 +15,6 @@ gneiss_status gn_membrane_create(gn_world *world, gneiss_error *error);
 gneiss_status gn_membrane_free_skin(gn_world *world, double ball, double *arms,
                                     gneiss_error *error);
 
-/* A body with fewer particles than this share of the largest one's has come off it. */
-enum { GN_CHIP = 10 };
-
 /* What came off gives its part of the surface to what it lay on (membrane_drop.c); whether there is
  * any. */
 gneiss_status gn_membrane_drop(gn_world *world, bool *dropped, gneiss_error *error);

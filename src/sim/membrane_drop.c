@@ -32,14 +32,6 @@ typedef struct hands {
     size_t count, capacity;
 } hands;
 
-/* Whether anything that was held has come loose. */
-static bool has_loosened(const gn_dem *d) {
-    if (d->broken_tension + d->broken_shear + d->lost > 0) return true;
-    for (size_t c = 0; c < d->bonds.soa.count; c++)
-        if (d->bonds.cause[c] == GN_BOND_DISSOLVED) return true;
-    return false;
-}
-
 /* Whether a particle is farther than its radius from where it lay on the skin as a whole: what was
  * never held has come off then, and not where the packing left a gap. */
 static bool has_gone(const gn_world *w, const double mean[3], size_t p) {
@@ -65,7 +57,7 @@ static void mean_way(const gn_particles *q, double mean[3]) {
 static bool mark_off(gn_world *w) {
     gn_particles *q = &w->dem.particles;
     const int32_t *members = gn_world_bodies(w);
-    const bool loosened = has_loosened(&w->dem);
+    const bool loosened = gn_world_has_loosened(w);
     int32_t largest = 0;
     bool found = false;
     double mean[3];

@@ -189,7 +189,7 @@ static void skin_of_particles(gn_world *w, const double *arms, gn_patch *all) {
 
 static gneiss_status find_patches(gn_world *w, gn_patch *all, gneiss_error *error) {
     const double radius = gn_world_mean_radius(w);
-    if (w->scene.specimen.pack.shape != GN_SHAPE_NONE) return skin_of_shape(w, radius, all, error);
+    if (gn_scene_membrane_on_shape(&w->scene)) return skin_of_shape(w, radius, all, error);
     double *arms = gn_alloc_array(w->dem.particles.soa.count + 1, sizeof *arms);
     if (!arms) return gn_fail(error, GNEISS_ERROR_MEMORY, "no memory for a membrane");
     gneiss_status status = gn_membrane_free_skin(w, radius, arms, error);

@@ -3,6 +3,7 @@
 #include "base/memory.h"
 #include "base/point.h"
 #include "sim/coupling.h"
+#include "sim/gauge.h"
 #include "sim/internal.h"
 #include "sim/origin.h"
 #include "sim/touch.h"
@@ -192,7 +193,7 @@ static gneiss_status remove_gone(gn_world *w, const int32_t *gone, gneiss_error 
     for (size_t p = 0; p < w->dem.particles.soa.count; p++)
         if (gone[p]) GN_TRY(take_out(w, p, gone[p], error));
     release_bonds(w, gone);
-    return GNEISS_OK;
+    return gn_gauge_leave(w, error);
 }
 
 gneiss_status gn_dem_check_domain(gn_world *w, gneiss_error *error) {

@@ -4,6 +4,7 @@
 #include "sim/conversion.h"
 #include "sim/coupling.h"
 #include "sim/exchange.h"
+#include "sim/gauge.h"
 #include "sim/internal.h"
 #include "sim/membrane.h"
 
@@ -95,6 +96,7 @@ gneiss_status gn_world_step(gn_world *w, bool measure, gneiss_error *error) {
     GN_TRY(gn_pressed_check(w, error));
 
     if (measure && w->scene.has_couple) gn_coupled_mean_stress(w, w->couple.stress);
+    GN_TRY(gn_gauge_look(w, error));
     gn_control_look(w);
     GN_TRY(gn_membrane_press(w, error));
     /* What does not wait for an exchange moves with its forces. A box asks for the stress in every

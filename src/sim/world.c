@@ -8,6 +8,7 @@
 #include "sim/exchange.h"
 #include "sim/internal.h"
 #include "sim/laboratory.h"
+#include "sim/gauge.h"
 #include "sim/membrane.h"
 #include "sim/origin.h"
 
@@ -311,8 +312,7 @@ typedef struct gauge_work {
 static void *make_gauge(void *context) {
     gauge_work *k = context;
     gn_world *w = k->w;
-    k->status =
-        gn_strain_gauge_create(&w->dem.particles, (int)w->scene.dimension, &w->gauge, &k->error);
+    k->status = gn_gauge_create(w, &k->error);
     return NULL;
 }
 
@@ -333,6 +333,7 @@ static gneiss_status make_gauge_and_step(gn_world *w, bool particles, gneiss_err
     if (beside || gauge.status == GNEISS_OK) status = gn_world_check_step(w, true, error);
     if (beside) (void)pthread_join(thread, NULL);
     w->threads = threads;
+    if (gauge.status == GNEISS_OK) gn_gauge_note_apart(w);
     if (gauge.status == GNEISS_OK) return status;
     return gn_fail(error, gauge.status, "%s", gauge.error.message);
 }
@@ -374,6 +375,7 @@ void gn_world_free(gn_world *w) {
     gn_elements_free(w);
     gn_dem_free(&w->dem);
     gn_strain_gauge_free(&w->gauge);
+    gn_free(w->belongs);
     gn_exchanges_free(w);
     gn_free(w->stages);
     gn_scene_free(&w->scene);

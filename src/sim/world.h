@@ -95,6 +95,8 @@ struct gn_world {
     gn_most_loaded most_loaded; /* of what looks found since the run began or was resumed */
 
     gn_strain_gauge gauge;
+    int32_t *belongs;          /* [gauged] by id: whether a particle counts in it, see gauge.c */
+    size_t gauged;             /* 0: without bonds */
     double period[3];          /* m: of a periodic box, as it is now */
     gn_box box;                /* how its sides moved (box.h) */
     gn_machine machine;        /* what controls the ends of the test (control.h) */
