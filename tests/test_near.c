@@ -197,9 +197,9 @@ static void what_is_packed_comes_back(void **state) {
     for (int s = 0; s < GN_KERNEL_SETS; s++) {
         const gn_kernel_set *set = gn_kernel_set_at(s);
         if (!gn_kernel_set_supported(set)) continue;
-        double from[MOST], to[MOST], back[MOST];
+        double from[MOST], to[MOST], back[MOST], others[MOST];
         int32_t name[MOST], kept[MOST];
-        uint8_t act[GROUPS];
+        uint8_t act[GROUPS], then[GROUPS];
         size_t n = 0;
         for (int k = 0; k < MOST; k++) {
             from[k] = k % 5 ? 1.0 + k : -0.0;
@@ -207,15 +207,24 @@ static void what_is_packed_comes_back(void **state) {
             name[k] = k;
         }
         for (int g = 0; g < GROUPS; g++) act[g] = (uint8_t)(g < 2 ? 255 * g : g * 37);
+        for (int g = 0; g < GROUPS; g++) then[g] = (uint8_t)(g % 5 ? g * 91 : 255 * (g % 2));
         set->near->pack(to, from, act, GROUPS);
         set->near->pack32(kept, name, act, GROUPS);
         set->near->unpack(back, to, act, GROUPS);
         for (int k = 0; k < GN_NEAR_GROUP * GROUPS; k++) {
             bool in = act[k / GN_NEAR_GROUP] >> k % GN_NEAR_GROUP & 1;
             if (in) assert_true(to[n] == from[k] && kept[n] == k);
-            assert_true(back[k] == (in ? from[k] : -1.0) && !(in && signbit(back[k])));
+            assert_true(back[k] == (in ? from[k] : 0.0) && !signbit(back[k]));
             n += in;
         }
+        assert_true(n > 100);
+        n = 0;
+        set->near->repack(others, to, act, then, GROUPS);
+        for (int k = 0; k < GN_NEAR_GROUP * GROUPS; k++)
+            if (then[k / GN_NEAR_GROUP] >> k % GN_NEAR_GROUP & 1) {
+                assert_true(others[n] == back[k] && !signbit(others[n]));
+                n++;
+            }
         assert_true(n > 100);
     }
 }

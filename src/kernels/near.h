@@ -29,10 +29,14 @@ typedef struct gn_near_kernels {
      * into `act`; how many. */
     size_t (*find)(const gn_near_args *args, uint8_t *act);
     /* Doubles, or numbers of 32 bits, of those in `act` from so many groups, one behind the other;
-     * doubles back to where they were. Behind both ends is room for a group more. */
+     * doubles back to where they were, with zeros between them; doubles of those in `was`, packed
+     * elsewhere, as those in `act`, with zeros for who was not there. Behind both ends is room for
+     * a group more. */
     void (*pack)(double *to, const double *from, const uint8_t *act, size_t groups);
     void (*pack32)(void *to, const void *from, const uint8_t *act, size_t groups);
     void (*unpack)(double *to, const double *from, const uint8_t *act, size_t groups);
+    void (*repack)(double *to, const double *from, const uint8_t *was, const uint8_t *act,
+                   size_t groups);
 } gn_near_kernels;
 
 #define X(set, lanes, has) extern const gn_near_kernels gn_near_table_##set;

@@ -65,4 +65,13 @@ static void unpack(double *to, const double *from, const uint8_t *act, size_t gr
         gn_unpack_f64(to + GN_NEAR_GROUP * g, from, act[g]);
 }
 
-const gn_near_kernels GN_TABLE(near) = {find, pack, pack32, unpack};
+static void repack(double *to, const double *from, const uint8_t *was, const uint8_t *act,
+                   size_t groups) {
+    for (size_t g = 0; g < groups; g++) {
+        gn_repack_f64(to, from, was[g], act[g]);
+        from += __builtin_popcount(was[g]);
+        to += __builtin_popcount(act[g]);
+    }
+}
+
+const gn_near_kernels GN_TABLE(near) = {find, pack, pack32, unpack, repack};

@@ -204,7 +204,7 @@ void gn_near_begin(gn_world *w, const gn_contact_args *pairs) {
     n->whole = n->fresh || n->past.known < 2;
     n->fresh = false;
     n->look = n->whole || !n->packed || over;
-    n->put = n->unsettled && n->look;
+    n->move = n->unsettled && n->look;
     if (n->packed && over) tune_steps(n);
     if (n->look) n->span = span_of(&n->past, n->steps);
     n->take = n->again && !n->look;
@@ -294,20 +294,39 @@ static void pack_ends(const gn_world *w, const gn_contact_args *pairs, const blo
     }
 }
 
-/* Columns of the block, with zeros behind them. */
-static void fetch(const gn_world *w, const gn_contacts *list, const block_of_pairs *b) {
+/* Who was packed before who acts was found anew. */
+typedef struct packed_before {
+    size_t count;
+    uint8_t act[GN_CONTACT_BLOCK / GN_NEAR_GROUP];
+} packed_before;
+
+/* Of pairs that were not packed it is zero; see put. */
+static void move_packed(const gn_world *w, double *data, const packed_before *was,
+                        const block_of_pairs *b) {
+    double old[GN_CONTACT_BLOCK + GN_LANES_MAX];
+    memcpy(old, data, (was->count + GN_NEAR_GROUP) * sizeof *old);
+    w->kernels->near->repack(data, old, was->act, b->act, b->groups);
+}
+
+/* Columns of the block, with zeros behind them. Those that the kernel writes are where `was` are
+ * packed, if that is given, else in the list. */
+static void fetch(const gn_world *w, const gn_contacts *list, const packed_before *was,
+                  const block_of_pairs *b) {
     const gn_near *n = &w->dem.near;
     for (int k = 0; k < n->columns; k++)
         for (size_t a = 0; a < (size_t)n->column[k].components; a++) {
             double *to = n->data + (n->column[k].stream + a) * n->room + b->at;
             const double *from = column_of(list, &n->column[k]) + a * list->soa.capacity + b->begin;
-            w->kernels->near->pack(to, from, b->act, b->groups);
+            if (was && n->column[k].written)
+                move_packed(w, to, was, b);
+            else
+                w->kernels->near->pack(to, from, b->act, b->groups);
             memset(to + n->count[b->number], 0, GN_LANES_MAX * sizeof *to);
         }
 }
 
-/* And back. Zeros lose their sign: whether a pair that does not touch was worked on must not show.
- */
+/* And back. Of pairs that are not packed it is zero, as they did not touch when they last were.
+ * Zeros lose their sign: whether a pair that does not touch was worked on must not show. */
 static void put(const gn_world *w, const gn_contacts *list, const block_of_pairs *b) {
     const gn_near *n = &w->dem.near;
     for (int k = 0; k < n->columns; k++)
@@ -336,13 +355,15 @@ void gn_near_work(gn_world *w, const gn_contact_args *pairs, size_t block, gn_co
     const gn_near *n = &w->dem.near;
     const gn_contacts *list = pairs->contacts;
     const block_of_pairs b = block_at(n, list, pairs->partials->length, block);
-    if (n->look) {
-        if (n->put) put(w, list, &b);
-        find(w, pairs, &b);
+    packed_before was;
+    if (n->move) {
+        was.count = (size_t)n->count[block];
+        memcpy(was.act, b.act, b.groups);
     }
+    if (n->look) find(w, pairs, &b);
     if (n->look || n->take) {
         pack_ends(w, pairs, &b);
-        fetch(w, list, &b);
+        fetch(w, list, n->move ? &was : NULL, &b);
     }
     const gn_contacts part = packed(n, list, &b);
     gn_partials partials = *pairs->partials;

@@ -54,7 +54,7 @@ typedef struct gn_near {
     bool unsettled; /* columns of the list that the kernel writes are not up to date */
     bool whole;     /* in this sweep: all pairs are worked on */
     bool look;      /* in this sweep: who acts is found anew, */
-    bool put;       /* and what was packed goes back before */
+    bool move;      /* and what was packed stays so, in other places */
     bool again;     /* in the next sweep: those of `act` are packed from the list, */
     bool take;      /* in this one */
     gn_near_past past;
