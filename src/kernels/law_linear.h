@@ -161,9 +161,18 @@ typedef struct end_sums {
     gn_v inverse_mass, acceleration;
 } end_sums;
 
+/* Whether any end of a vector is; only if all slots are negative so are all their common bits. */
+GN_INLINE bool any_held(const gn_contact_args *a, size_t c) {
+    const int32_t *i = a->contacts->i + c, *j = a->contacts->j + c;
+    int32_t common = -1;
+    for (int lane = 0; a->slot && lane < GN_W; lane++)
+        common &= a->slot[i[lane]] & a->slot[j[lane]];
+    return common >= 0;
+}
+
 static end_sums ends_of(const gn_contact_args *a, size_t c, gn_v3 normal, gn_v mi, gn_v mj) {
     gn_real n[3][GN_W], mass[2][GN_W], inverse[GN_W], acceleration[GN_W];
-    if (!a->slot && !a->own) return (end_sums){mi + mj, gn_set(0.0)};
+    if (!a->own && !any_held(a, c)) return (end_sums){mi + mj, gn_set(0.0)};
     gn_store(n[0], normal.x);
     gn_store(n[1], normal.y);
     gn_store(n[2], normal.z);

@@ -183,20 +183,23 @@ GN_INLINE void book_loss(gn_v halves[2], const gn_motion_args *a, const motion *
 
 /* Overrides prescribed components (first: 0 for velocity, 3 for spin) of one particle and notes the
  * load it took. Nothing that is driven has background damping. */
-static void prescribe_lane(const gn_motion_args *a, int32_t slot, int first, double interval,
-                           int lane, double inverse, double v[3][GN_W], double v_new[3][GN_W],
-                           double f[3][GN_W], double d[3][GN_W], gn_motion_sums *s) {
+GN_INLINE void prescribe_lane(const gn_motion_args *a, int32_t slot, int first, double interval,
+                              int lane, double inverse, double v[3][GN_W], double v_new[3][GN_W],
+                              double f[3][GN_W], double d[3][GN_W], double work[2]) {
     gn_prescription *q = a->prescribed;
+    const bool accelerates = inverse > 0.0 && a->dt_past > 0.0;
     for (int k = 0; k < 3; k++) {
         if (!(q->mask[slot] >> (first + k) & 1)) continue;
+        const double before = v[k][lane], now = q->velocity[6 * slot + first + k];
+        double inertia = 0.0;
+        /* Most keep their velocity. */
+        if (accelerates && now != before) inertia = (now - before) / (interval * inverse);
+        const double supplied = inertia - f[k][lane];
         d[k][lane] = 0.0;
-        v_new[k][lane] = q->velocity[6 * slot + first + k];
-        bool accelerates = inverse > 0.0 && a->dt_past > 0.0;
-        double inertia = accelerates ? (v_new[k][lane] - v[k][lane]) / (interval * inverse) : 0.0;
-        double supplied = inertia - f[k][lane];
+        v_new[k][lane] = now;
         q->load[6 * slot + first + k] = supplied;
-        s->prescribed[0] += 0.5 * a->dt_past * supplied * v[k][lane];
-        s->prescribed[1] += 0.5 * a->dt * supplied * v_new[k][lane];
+        work[0] += 0.5 * a->dt_past * supplied * before;
+        work[1] += 0.5 * a->dt * supplied * now;
     }
 }
 
@@ -240,24 +243,32 @@ static __attribute__((noinline)) motion prescribe(const gn_motion_args *a, size_
     unpack(q->f, f);
     unpack(q->d, d);
     gn_store(inverse, q->inverse);
+    double work[2] = {s->prescribed[0], s->prescribed[1]};
     for (int lane = 0; lane < GN_W && p + (size_t)lane < a->particles->soa.count; lane++) {
         int32_t slot = a->particles->slot[p + (size_t)lane];
         if (slot < 0) continue;
         const unsigned held = (unsigned)a->prescribed->mask[slot] >> first & 7;
         if (vector != 0.0 && held != 0 && held != 7)
             damp_free(vector, held, interval * inverse[lane], lane, v, v_new, f, d);
-        prescribe_lane(a, slot, first, interval, lane, inverse[lane], v, v_new, f, d, s);
+        prescribe_lane(a, slot, first, interval, lane, inverse[lane], v, v_new, f, d, work);
     }
+    s->prescribed[0] = work[0];
+    s->prescribed[1] = work[1];
     q->v_new = pack(v_new);
     q->d = pack(d);
     return m;
 }
 
-static bool any_prescribed(const gn_motion_args *a, size_t p) {
-    bool any = false;
-    for (int lane = 0; lane < GN_W && p + (size_t)lane < a->particles->soa.count; lane++)
-        any = any || a->particles->slot[p + (size_t)lane] >= 0;
-    return any;
+/* Only if all are negative so are all their common bits. */
+GN_INLINE bool any_prescribed(const gn_motion_args *a, size_t p) {
+    const int32_t *slot = a->particles->slot + p;
+    const size_t left = a->particles->soa.count - p;
+    int32_t common = -1;
+    if (__builtin_expect(left >= GN_W, 1))
+        for (int lane = 0; lane < GN_W; lane++) common &= slot[lane];
+    else
+        for (size_t lane = 0; lane < left; lane++) common &= slot[lane];
+    return common >= 0;
 }
 
 /* 1 for lanes whose resultant counts (free particles), else 0. */

@@ -6,6 +6,15 @@
 
 _Static_assert(GN_NEAR_GROUP % GN_W == 0, "a group has whole vectors");
 
+/* Of both ends of pairs from c on, one vector. */
+GN_INLINE gn_v margins(const gn_near_args *a, size_t c) {
+    double both[GN_W];
+    for (size_t k = 0; k < GN_W; k++)
+        both[k] = a->paths[(size_t)a->i[c + k] / GN_PARTICLE_BLOCK].margin +
+                  a->paths[(size_t)a->j[c + k] / GN_PARTICLE_BLOCK].margin;
+    return gn_load(both);
+}
+
 /* Of pairs from c on, one vector. Centres at d that move at v against each other are never nearer
  * than d.(d + v t)/|d|, whatever t. */
 GN_INLINE unsigned acting(const gn_near_args *a, size_t c, int periodic) {
@@ -21,7 +30,7 @@ GN_INLINE unsigned acting(const gn_near_args *a, size_t c, int periodic) {
         d2 = gn_fma(d[k], d[k], d2);
         along = gn_fma(d[k], v[k], along);
     }
-    gn_v distance = gn_sqrt(d2), reach = gn_fma(gn_set(a->wider), p[3] + q[3], gn_set(a->margin));
+    gn_v distance = gn_sqrt(d2), reach = gn_fma(gn_set(a->wider), p[3] + q[3], margins(a, c));
     gn_v way = gn_max(gn_set(-a->ahead) * along, gn_set(a->behind) * along);
     gn_m near = gn_less(distance, reach);
     return gn_bits(gn_or(near, gn_less(distance * (distance - reach), way)));
@@ -65,4 +74,13 @@ static void unpack(double *to, const double *from, const uint8_t *act, size_t gr
         gn_unpack_f64(to + GN_NEAR_GROUP * g, from, act[g]);
 }
 
-const gn_near_kernels GN_TABLE(near) = {find, pack, pack32, unpack};
+static void repack(double *to, const double *from, const uint8_t *was, const uint8_t *act,
+                   size_t groups) {
+    for (size_t g = 0; g < groups; g++) {
+        gn_repack_f64(to, from, was[g], act[g]);
+        from += __builtin_popcount(was[g]);
+        to += __builtin_popcount(act[g]);
+    }
+}
+
+const gn_near_kernels GN_TABLE(near) = {find, pack, pack32, unpack, repack};

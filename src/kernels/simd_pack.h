@@ -14,10 +14,17 @@ GN_INLINE void gn_pack_32(void *to, const void *from, unsigned bits) {
     __m256i v = _mm256_loadu_si256((const __m256i *)from);
     _mm256_storeu_si256((__m256i *)to, _mm256_maskz_compress_epi32((__mmask8)bits, v));
 }
-/* Sums with 0: zeros lose their sign. */
-GN_INLINE void gn_unpack_f64(double *to, const double *from, unsigned bits) {
+/* Zeros where there is none. Sums with 0: zeros lose their sign. */
+GN_INLINE __m512d gn_unpacked_f64(const double *from, unsigned bits) {
     __m512d v = _mm512_add_pd(_mm512_loadu_pd(from), _mm512_setzero_pd());
-    _mm512_storeu_pd(to, _mm512_mask_expand_pd(_mm512_loadu_pd(to), (__mmask8)bits, v));
+    return _mm512_maskz_expand_pd((__mmask8)bits, v);
+}
+GN_INLINE void gn_unpack_f64(double *to, const double *from, unsigned bits) {
+    _mm512_storeu_pd(to, gn_unpacked_f64(from, bits));
+}
+/* From those of `was` to those of `bits`. */
+GN_INLINE void gn_repack_f64(double *to, const double *from, unsigned was, unsigned bits) {
+    _mm512_storeu_pd(to, _mm512_maskz_compress_pd((__mmask8)bits, gn_unpacked_f64(from, was)));
 }
 
 #else
@@ -37,7 +44,16 @@ GN_INLINE void gn_pack_32(void *to, const void *from, unsigned bits) {
     }
 }
 GN_INLINE void gn_unpack_f64(double *to, const double *from, unsigned bits) {
+    for (int k = 0; k < 8; k++) to[k] = 0.0;
     for (; bits; bits &= bits - 1u) to[__builtin_ctz(bits)] = *from++ + 0.0;
+}
+GN_INLINE void gn_repack_f64(double *to, const double *from, unsigned was, unsigned bits) {
+    for (unsigned left = was | bits; left; left &= left - 1u) {
+        const unsigned k = (unsigned)__builtin_ctz(left), old = was >> k & 1u;
+        *to = old ? *from + 0.0 : 0.0;
+        from += old;
+        to += bits >> k & 1u;
+    }
 }
 
 #endif

@@ -75,7 +75,7 @@ static size_t list_arrays(gn_world *w, gn_checkpoint_array out[MOST_ARRAYS]) {
     return n;
 }
 
-enum { SLEEPER = sizeof(gn_sleeper) / 8 };
+enum { SLEEPER = sizeof(gn_sleeper) / 8, PATH = sizeof(gn_near_path) / 8 };
 
 static gneiss_status put_sleepers(const gn_world *w, gn_h5 *file, gneiss_error *error) {
     GN_TRY(gn_h5_put_record(file, "prepared", &gn_contact_record, &w->dem.prepared, error));
@@ -93,6 +93,8 @@ gneiss_status gn_dem_save(const gn_world *world, gn_h5 *file, gneiss_error *erro
     GN_TRY(gn_h5_put_record(file, "bonds", &gn_contact_record, &w->dem.bonds, error));
     GN_TRY(gn_h5_put_record(file, "pairs", &gn_contact_record, &w->dem.pairs, error));
     GN_TRY(gn_h5_put(file, "near", GN_F64, 1, sizeof kept / 8, 0, &kept, NULL, NULL, error));
+    GN_TRY(gn_h5_put(file, "near_paths", GN_F64, w->dem.near.path_count, PATH, 0, w->dem.near.paths,
+                     NULL, NULL, error));
     if (groups)
         GN_TRY(
             gn_h5_put(file, "near_act", GN_U8, groups, 1, 0, w->dem.near.act, NULL, NULL, error));
@@ -193,6 +195,11 @@ static gneiss_status get_near(gn_world *w, const gn_h5 *file, const char *path,
         if (!(whole[k] >= 0.0 && whole[k] < INT32_MAX))
             return gn_fail(error, GNEISS_ERROR_INPUT, "%s: expected numbers of steps, found %g",
                            path, whole[k]);
+    GN_TRY(gn_h5_rows(file, "near_paths", &n->kept_path_count, error));
+    n->kept_paths = gn_alloc_array(n->kept_path_count + 1, sizeof *n->kept_paths);
+    if (!n->kept_paths) return gn_fail(error, GNEISS_ERROR_MEMORY, "no memory for paths");
+    GN_TRY(
+        gn_h5_get(file, "near_paths", GN_F64, n->kept_path_count, PATH, 0, n->kept_paths, error));
     n->kept_groups = 0;
     if (n->kept.packed > 0.0) GN_TRY(gn_h5_rows(file, "near_act", &n->kept_groups, error));
     n->kept_act = gn_alloc(n->kept_groups + 1);

@@ -209,14 +209,19 @@ void gn_dem_free(gn_dem *d) {
     gn_events_free(&d->events);
     gn_flow_free(&d->flow);
     gn_near_free(&d->near);
-    void *blocks[] = {
-        d->membrane,       d->patches,         d->skin_gradient,   d->skin_body,
-        d->index_of_id,    d->channel_set,     d->set_reaction,    d->loose,
-        d->prescribed.set, d->prescribed.mask, d->prescribed.load, d->prescribed.velocity,
-        d->bond_sums,      d->pair_sums,       d->motion_sums,     d->vel_past,
-        d->spin_past,      d->around,          d->pieces.parent,   d->pieces.members,
-        d->pieces.volume,  d->still,           d->sleeper,         d->hertz,
-        d->driven};
+    void *blocks[] = {d->membrane,        d->patches,
+                      d->skin_gradient,   d->skin_body,
+                      d->index_of_id,     d->channel_set,
+                      d->set_reaction,    d->loose,
+                      d->prescribed.set,  d->prescribed.mask,
+                      d->prescribed.load, d->prescribed.velocity,
+                      d->bond_sums,       d->pair_sums,
+                      d->motion_sums,     d->vel_past,
+                      d->spin_past,       d->around,
+                      d->pieces.parent,   d->pieces.members,
+                      d->pieces.volume,   d->still,
+                      d->sleeper,         d->hertz,
+                      d->driven,          d->ways};
     for (size_t k = 0; k < sizeof blocks / sizeof *blocks; k++) gn_free(blocks[k]);
     *d = (gn_dem){0};
 }

@@ -111,6 +111,8 @@ typedef struct gn_dem {
     gn_patch *patches;          /* [patch_count] with a membrane */
     size_t patch_count;
     gn_verlet verlet;
+    void *ways; /* of src/sim/travel.c, kept from look to look */
+    size_t ways_room;
     double radius_min; /* m */
     double mass;       /* kg, own, of those that were there when the lists were made */
     gn_mass_scaling scaling;

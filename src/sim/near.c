@@ -107,6 +107,8 @@ static void free_room(gn_near *n) {
 void gn_near_free(gn_near *n) {
     free_room(n);
     gn_free(n->kept_act);
+    gn_free(n->kept_paths);
+    gn_free(n->paths);
     *n = (gn_near){0};
 }
 
@@ -132,10 +134,22 @@ static gneiss_status make_room(gn_world *w, gneiss_error *error) {
     return gn_fail(error, GNEISS_ERROR_MEMORY, "no memory for pairs that touch");
 }
 
+static gneiss_status make_paths(gn_world *w, gneiss_error *error) {
+    gn_near *n = &w->dem.near;
+    if (n->paths && n->path_count == w->dem.motion_blocks) return GNEISS_OK;
+    gn_free(n->paths);
+    n->path_count = w->dem.motion_blocks;
+    n->paths = gn_alloc_array(n->path_count + 1, sizeof *n->paths);
+    if (n->paths) return GNEISS_OK;
+    n->path_count = 0;
+    return gn_fail(error, GNEISS_ERROR_MEMORY, "no memory for pairs that touch");
+}
+
 gneiss_status gn_near_lists(gn_world *w, gneiss_error *error) {
     gn_near *n = &w->dem.near;
     n->on = n->packed = false;
     if (!worth_while(w)) return GNEISS_OK;
+    GN_TRY(make_paths(w, error));
     find_columns(n, &w->dem.pairs, &(gn_uniform){0}); /* more are never asked for */
     GN_TRY(make_room(w, error));
     find_columns(n, &w->dem.pairs, &w->dem.pair_uniform);
@@ -158,18 +172,29 @@ size_t gn_near_bytes(const gn_world *w) {
 /* Room for rounding. */
 static const double more = 1.0 + 1e-6;
 
-/* What a span of so many steps takes up, if velocities go on to change as in the last step. */
-static double drift(const gn_near_past *past, int steps) {
-    return past->dt[0] * past->change * (1.0 + 0.5 * steps * (steps + 1.0));
+/* What a span of so many steps takes up, if velocities go on to change by as much in a step. */
+static double drift(const gn_near_past *past, double change, int steps) {
+    return past->dt[0] * change * (1.0 + 0.5 * steps * (steps + 1.0));
 }
 
-/* What was found holds for so many steps, if velocities go on to change as in the last step, and a
- * half again. */
-static gn_near_span span_of(const gn_near_past *past, int steps) {
-    const double before = 2.0 * past->dt[1] * past->change;
-    gn_near_span s = {.margin = more * fmax(3.0 * drift(past, steps), before),
-                      .ahead = more * steps * past->dt[0]};
-    return s;
+static double largest_change(const gn_near *n) {
+    double most = 0.0;
+    for (size_t b = 0; b < n->path_count; b++) most = fmax(most, n->paths[b].last);
+    return most;
+}
+
+/* What is found now is to hold for so many steps, if velocities go on to change as in the last
+ * step, and a half again. Where little happens a collision may begin, but seldom the fiercest. */
+static void begin_span(gn_near *n, int steps) {
+    static const double reserve = 1.5, of_largest = 0.2;
+    const double least = of_largest * largest_change(n);
+    const gn_near_past *past = &n->past;
+    for (size_t b = 0; b < n->path_count; b++) {
+        const double last = n->paths[b].last, before = past->dt[1] * last;
+        const double soon = reserve * drift(past, fmax(last, least), steps);
+        n->paths[b] = (gn_near_path){.margin = more * fmax(soon, before), .last = last};
+    }
+    n->span = (gn_near_span){.ahead = more * steps * past->dt[0]};
 }
 
 /* Looking costs about half of what the kernel does with as many pairs; the longer it is to hold,
@@ -200,13 +225,13 @@ void gn_near_begin(gn_world *w, const gn_contact_args *pairs) {
         find_columns(n, pairs->contacts, &pairs->uniform);
     }
     const gn_near_span *s = &n->span;
-    const bool over = s->elapsed > s->ahead || 2.0 * s->way > s->margin;
+    const bool over = s->elapsed > s->ahead || s->over;
     n->whole = n->fresh || n->past.known < 2;
     n->fresh = false;
     n->look = n->whole || !n->packed || over;
-    n->put = n->unsettled && n->look;
+    n->move = n->unsettled && n->look;
     if (n->packed && over) tune_steps(n);
-    if (n->look) n->span = span_of(&n->past, n->steps);
+    if (n->look) begin_span(n, n->steps);
     n->take = n->again && !n->look;
     n->again = false;
     n->packed = !n->whole;
@@ -221,11 +246,14 @@ void gn_near_moved(gn_world *w) {
         n->past.known = 0;
         return;
     }
-    const double change = sqrt(w->dem.done.motion.change2) * more;
     s->elapsed += w->dt;
-    s->change += change;
-    s->way += w->dt * s->change * more;
-    n->past.change = change;
+    for (size_t b = 0; b < n->path_count; b++) {
+        gn_near_path *p = &n->paths[b];
+        p->last = sqrt(w->dem.motion_sums[b].change2) * more;
+        p->change += p->last;
+        p->way += w->dt * p->change * more;
+        s->over = s->over || p->way > p->margin;
+    }
     n->past.dt[1] = n->past.dt[0];
     n->past.dt[0] = w->dt;
     if (n->past.known < 2) n->past.known++;
@@ -271,7 +299,7 @@ static void find(gn_world *w, const gn_contact_args *pairs, const block_of_pairs
                          .count = b->end - b->begin,
                          .particles = (size_t)(q->first[b->number + 1] - q->first[b->number]),
                          .wider = 1.0 + 1e-9,
-                         .margin = n->span.margin,
+                         .paths = n->paths,
                          .ahead = n->span.ahead,
                          .behind = more * (n->past.dt[0] + n->past.dt[1]),
                          .periodic = w->effects & GN_FX_PERIODIC};
@@ -294,20 +322,39 @@ static void pack_ends(const gn_world *w, const gn_contact_args *pairs, const blo
     }
 }
 
-/* Columns of the block, with zeros behind them. */
-static void fetch(const gn_world *w, const gn_contacts *list, const block_of_pairs *b) {
+/* Who was packed before who acts was found anew. */
+typedef struct packed_before {
+    size_t count;
+    uint8_t act[GN_CONTACT_BLOCK / GN_NEAR_GROUP];
+} packed_before;
+
+/* Of pairs that were not packed it is zero; see put. */
+static void move_packed(const gn_world *w, double *data, const packed_before *was,
+                        const block_of_pairs *b) {
+    double old[GN_CONTACT_BLOCK + GN_LANES_MAX];
+    memcpy(old, data, (was->count + GN_NEAR_GROUP) * sizeof *old);
+    w->kernels->near->repack(data, old, was->act, b->act, b->groups);
+}
+
+/* Columns of the block, with zeros behind them. Those that the kernel writes are where `was` are
+ * packed, if that is given, else in the list. */
+static void fetch(const gn_world *w, const gn_contacts *list, const packed_before *was,
+                  const block_of_pairs *b) {
     const gn_near *n = &w->dem.near;
     for (int k = 0; k < n->columns; k++)
         for (size_t a = 0; a < (size_t)n->column[k].components; a++) {
             double *to = n->data + (n->column[k].stream + a) * n->room + b->at;
             const double *from = column_of(list, &n->column[k]) + a * list->soa.capacity + b->begin;
-            w->kernels->near->pack(to, from, b->act, b->groups);
+            if (was && n->column[k].written)
+                move_packed(w, to, was, b);
+            else
+                w->kernels->near->pack(to, from, b->act, b->groups);
             memset(to + n->count[b->number], 0, GN_LANES_MAX * sizeof *to);
         }
 }
 
-/* And back. Zeros lose their sign: whether a pair that does not touch was worked on must not show.
- */
+/* And back. Of pairs that are not packed it is zero, as they did not touch when they last were.
+ * Zeros lose their sign: whether a pair that does not touch was worked on must not show. */
 static void put(const gn_world *w, const gn_contacts *list, const block_of_pairs *b) {
     const gn_near *n = &w->dem.near;
     for (int k = 0; k < n->columns; k++)
@@ -336,13 +383,15 @@ void gn_near_work(gn_world *w, const gn_contact_args *pairs, size_t block, gn_co
     const gn_near *n = &w->dem.near;
     const gn_contacts *list = pairs->contacts;
     const block_of_pairs b = block_at(n, list, pairs->partials->length, block);
-    if (n->look) {
-        if (n->put) put(w, list, &b);
-        find(w, pairs, &b);
+    packed_before was;
+    if (n->move) {
+        was.count = (size_t)n->count[block];
+        memcpy(was.act, b.act, b.groups);
     }
+    if (n->look) find(w, pairs, &b);
     if (n->look || n->take) {
         pack_ends(w, pairs, &b);
-        fetch(w, list, &b);
+        fetch(w, list, n->move ? &was : NULL, &b);
     }
     const gn_contacts part = packed(n, list, &b);
     gn_partials partials = *pairs->partials;
@@ -394,12 +443,9 @@ gn_near_kept gn_near_keep(gn_world *w, size_t *groups) {
     *groups = n->packed ? n->blocks * n->stride / GN_NEAR_GROUP : 0;
     return (gn_near_kept){.known = n->past.known,
                           .dt = {n->past.dt[0], n->past.dt[1]},
-                          .change = n->past.change,
-                          .margin = n->span.margin,
                           .ahead = n->span.ahead,
                           .elapsed = n->span.elapsed,
-                          .turned = n->span.change,
-                          .way = n->span.way,
+                          .over = n->span.over,
                           .worked = n->span.steps,
                           .steps = n->steps,
                           .towards = n->towards,
@@ -433,12 +479,23 @@ static bool take_marks(gn_world *w) {
     return good;
 }
 
+static bool take_paths(gn_near *n) {
+    bool good = n->kept_path_count == n->path_count;
+    if (!good) return false;
+    memcpy(n->paths, n->kept_paths, n->path_count * sizeof *n->paths);
+    for (size_t b = 0; b < n->path_count; b++) {
+        const gn_near_path *p = &n->paths[b];
+        good = good && p->margin >= 0.0 && p->last >= 0.0 && p->change >= 0.0 && p->way >= 0.0;
+    }
+    return good;
+}
+
 gneiss_status gn_near_resume(gn_world *w, gneiss_error *error) {
     gn_near *n = &w->dem.near;
     const gn_near_kept *k = &n->kept;
     if (!n->kept_act) return GNEISS_OK;
-    n->past = (gn_near_past){(int)k->known, {k->dt[0], k->dt[1]}, k->change};
-    n->span = (gn_near_span){k->margin, k->ahead, k->elapsed, k->turned, k->way, (int)k->worked};
+    n->past = (gn_near_past){(int)k->known, {k->dt[0], k->dt[1]}};
+    n->span = (gn_near_span){k->ahead, k->elapsed, k->over > 0.0, (int)k->worked};
     n->steps = (int)k->steps;
     n->towards = (int)k->towards;
     n->cost = k->cost < 0.0 ? INFINITY : k->cost;
@@ -446,11 +503,15 @@ gneiss_status gn_near_resume(gn_world *w, gneiss_error *error) {
     if (n->on) {
         n->fresh = k->fresh > 0.0;
         n->packed = n->again = k->packed > 0.0;
-        good = !n->packed || take_marks(w);
+        good = take_paths(n) && (!n->packed || take_marks(w));
     }
     gn_free(n->kept_act);
+    gn_free(n->kept_paths);
     n->kept_act = NULL;
+    n->kept_paths = NULL;
     return good ? GNEISS_OK
-                : gn_fail(error, GNEISS_ERROR_INPUT,
-                          "expected marks of the pairs that the checkpoint lists, found others");
+                : gn_fail(
+                      error, GNEISS_ERROR_INPUT,
+                      "expected marks of the pairs and paths of the particles that the checkpoint "
+                      "has, found others");
 }

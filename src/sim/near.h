@@ -23,27 +23,24 @@ enum { GN_NEAR_COLUMNS = 48 };
 
 /* What the last steps did. */
 typedef struct gn_near_past {
-    int known;     /* how many of the last steps, at most two, were steps from the one before */
-    double dt[2];  /* s, of the last one and the one before that */
-    double change; /* m/s, at most, of any velocity in the last one */
+    int known;    /* how many of the last steps, at most two, were steps from the one before */
+    double dt[2]; /* s, of the last one and the one before that */
 } gn_near_past;
 
 /* For how long what was found holds. */
 typedef struct gn_near_span {
-    double margin;  /* m, see gn_near_args */
-    double ahead;   /* s */
+    double ahead;   /* s, see gn_near_args */
     double elapsed; /* s since */
-    double change;  /* m/s, by which a velocity is another since, at most */
-    double way;     /* m, that a particle went besides for that, at most */
+    bool over;      /* some particle may have gone further besides than its margin */
     int steps;      /* sweeps that worked on it */
 } gn_near_span;
 
 /* What a checkpoint has of it besides `act`: numbers only. Which pairs are packed beside each other
  * decides in which order losses are summed, so a run that goes on packs those that it had. */
 typedef struct gn_near_kept {
-    double known, dt[2], change;                        /* gn_near_past */
-    double margin, ahead, elapsed, turned, way, worked; /* gn_near_span */
-    double steps, towards, cost, fresh, packed;         /* gn_near; cost -1: none as yet */
+    double known, dt[2];                        /* gn_near_past */
+    double ahead, elapsed, over, worked;        /* gn_near_span */
+    double steps, towards, cost, fresh, packed; /* gn_near; cost -1: none as yet */
 } gn_near_kept;
 
 typedef struct gn_near {
@@ -54,7 +51,7 @@ typedef struct gn_near {
     bool unsettled; /* columns of the list that the kernel writes are not up to date */
     bool whole;     /* in this sweep: all pairs are worked on */
     bool look;      /* in this sweep: who acts is found anew, */
-    bool put;       /* and what was packed goes back before */
+    bool move;      /* and what was packed stays so, in other places */
     bool again;     /* in the next sweep: those of `act` are packed from the list, */
     bool take;      /* in this one */
     gn_near_past past;
@@ -64,6 +61,11 @@ typedef struct gn_near {
     gn_near_kept kept;   /* of a checkpoint that was read, until lists are there; */
     uint8_t *kept_act;   /* [kept_groups], NULL: of none */
     size_t kept_groups;
+    gn_near_path *kept_paths; /* [kept_path_count] */
+    size_t kept_path_count;
+
+    gn_near_path *paths; /* [path_count + 1] of blocks of particles; null particles have zeros */
+    size_t path_count;
 
     size_t blocks, stride; /* of blocks in what follows, in pairs */
     size_t room;           /* pairs, with padding */
@@ -95,8 +97,8 @@ void gn_near_settle(const gn_world *world);
  * others than a step. */
 void gn_near_repack(gn_world *world);
 void gn_near_forget(gn_world *world);
-/* For a checkpoint: settles, says what there is, and goes on as a run does that reads it. `groups`:
- * of `act`, 0 when nothing is packed. */
+/* For a checkpoint, besides `paths`: settles, says what there is, and goes on as a run does that
+ * reads it. `groups`: of `act`, 0 when nothing is packed. */
 gn_near_kept gn_near_keep(gn_world *world, size_t *groups);
 /* After lists were read: as it was when `kept` was. Marks of other pairs than there are are an
  * error (GNEISS_ERROR_INPUT). */

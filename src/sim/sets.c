@@ -184,16 +184,26 @@ static gneiss_status make_slots(gn_world *w, gneiss_error *error) {
     return GNEISS_OK;
 }
 
+static double prescribed_velocity(const gn_world *w, int32_t set, int k, double time) {
+    const gn_set_def *s = &w->scene.sets[set];
+    const double factor = k < 3 ? gn_control_of(w, s->name, k) : 1.0;
+    return factor * gn_table_at(channel(&s->motion, k), time);
+}
+
+/* Particles of one set come one after the other. */
 void gn_prescription_update(gn_world *w, double time) {
     gn_prescription *f = &w->dem.prescribed;
-    for (size_t slot = 0; slot < f->count; slot++)
-        for (int k = 0; k < 6; k++) {
-            int32_t s = w->dem.channel_set[6 * slot + k];
+    for (int k = 0; k < 6; k++) {
+        int32_t last = -1;
+        double velocity = 0.0;
+        for (size_t slot = 0; slot < f->count; slot++) {
+            const int32_t s = w->dem.channel_set[6 * slot + (size_t)k];
             if (s < 0) continue;
-            double factor = k < 3 ? gn_control_of(w, w->scene.sets[s].name, k) : 1.0;
-            f->velocity[6 * slot + k] =
-                factor * gn_table_at(channel(&w->scene.sets[s].motion, k), time);
+            if (s != last) velocity = prescribed_velocity(w, s, k, time);
+            last = s;
+            f->velocity[6 * slot + (size_t)k] = velocity;
         }
+    }
 }
 
 void gn_reactions_sum(gn_world *w) {

@@ -18,9 +18,15 @@ typedef struct ways {
 typedef struct grid {
     double low[3], scale[3]; /* scale: cells per m */
     size_t count[3];
-    bool closed[3]; /* the last cell is beside the first */
+    bool closed[3];    /* the last cell is beside the first */
+    size_t begin, end; /* layers, those of one place along the last axis, with somebody in them or
+                          in the next one; in all others cells are of no use */
     ways *cell;
 } grid;
+
+static size_t cells_of_layer(const grid *g) {
+    return g->count[0] * g->count[1];
+}
 
 static const ways none = {{INFINITY, INFINITY, INFINITY}, {-INFINITY, -INFINITY, -INFINITY}};
 
@@ -58,19 +64,28 @@ static void lay(const gn_world *w, double width, const ways *room, grid *g) {
     }
 }
 
+static size_t place_of(const grid *g, double x, int axis) {
+    const double k = (x - g->low[axis]) * g->scale[axis];
+    const size_t at = k > 0.0 ? (size_t)k : 0;
+    return at < g->count[axis] ? at : g->count[axis] - 1;
+}
+
 static ways *cell_of(const grid *g, const double x[3]) {
-    size_t at[3];
-    for (int a = 0; a < 3; a++) {
-        const double k = (x[a] - g->low[a]) * g->scale[a];
-        at[a] = k > 0.0 ? (size_t)k : 0;
-        if (at[a] >= g->count[a]) at[a] = g->count[a] - 1;
-    }
-    return &g->cell[(at[2] * g->count[1] + at[1]) * g->count[0] + at[0]];
+    const size_t row = place_of(g, x[2], 2) * g->count[1] + place_of(g, x[1], 1);
+    return &g->cell[row * g->count[0] + place_of(g, x[0], 0)];
+}
+
+/* A box that is high for what is in it has mostly layers without anybody. Where the lowest one has
+ * somebody all count: the highest may be next to it. */
+static void find_layers(const ways *room, grid *g) {
+    const size_t low = place_of(g, room->low[2], 2);
+    g->begin = low > 0 ? low - 1 : 0;
+    g->end = low > 0 ? place_of(g, room->high[2], 2) + 1 : g->count[2];
 }
 
 static void fill(const gn_particles *q, grid *g) {
-    const size_t cells = g->count[0] * g->count[1] * g->count[2];
-    for (size_t k = 0; k < cells; k++) g->cell[k] = none;
+    const size_t layer = cells_of_layer(g);
+    for (size_t k = layer * g->begin; k < layer * g->end; k++) g->cell[k] = none;
     for (size_t p = 0; p < q->soa.count; p++) {
         if (!(q->vel[4 * p + 3] > 0.0)) continue;
         const double *x = q->pos + 4 * p, *from = q->ref + 4 * p;
@@ -79,26 +94,34 @@ static void fill(const gn_particles *q, grid *g) {
     }
 }
 
-/* Every cell gets the ways of the next one along an axis; behind the last one is the first, or
- * none.
- */
-static void spread(grid *g, int axis) {
-    const size_t step = axis == 0 ? 1 : axis == 1 ? g->count[0] : g->count[0] * g->count[1];
-    const size_t of = g->count[axis] ? g->count[axis] : 1;
-    const size_t all = g->count[0] * g->count[1] * g->count[2];
-    for (size_t k = 0; k < all / of; k++) {
-        ways *c = g->cell + k / step * step * of + k % step;
-        const ways first = c[0];
-        for (size_t n = 0; n + 1 < of; n++)
-            merge(&c[n * step], c[(n + 1) * step].low, c[(n + 1) * step].high);
-        if (g->closed[axis]) merge(&c[(of - 1) * step], first.low, first.high);
+/* The cells from `c` on, `step` apart, `count` of them, get the ways of the next one; behind the
+ * last one is the first, or none. */
+static void spread_line(ways *c, size_t step, size_t count, bool closed) {
+    const ways first = c[0];
+    for (size_t n = 0; n + 1 < count; n++)
+        merge(&c[n * step], c[(n + 1) * step].low, c[(n + 1) * step].high);
+    if (closed) merge(&c[(count - 1) * step], first.low, first.high);
+}
+
+/* Along all axes. */
+static void spread(grid *g) {
+    const size_t layer = cells_of_layer(g), row = g->count[0];
+    for (size_t z = g->begin; z < g->end; z++) {
+        ways *c = g->cell + layer * z;
+        for (size_t y = 0; y < g->count[1]; y++) spread_line(c + row * y, 1, row, g->closed[0]);
+        for (size_t x = 0; x < row; x++) spread_line(c + x, row, g->count[1], g->closed[1]);
     }
+    const size_t layers = g->end - g->begin;
+    for (size_t k = 0; k < layer; k++)
+        spread_line(g->cell + layer * g->begin + k, layer, layers,
+                    g->closed[2] && layers == g->count[2]);
 }
 
 /* The square of the longest diagonal. */
 static double longest2(const grid *g) {
+    const size_t layer = cells_of_layer(g);
     double most = 0.0;
-    for (size_t k = 0; k < g->count[0] * g->count[1] * g->count[2]; k++) {
+    for (size_t k = layer * g->begin; k < layer * g->end; k++) {
         const ways *c = &g->cell[k];
         double sum = 0.0;
         for (int a = 0; a < 3; a++) sum += (c->high[a] - c->low[a]) * (c->high[a] - c->low[a]);
@@ -107,18 +130,27 @@ static double longest2(const grid *g) {
     return most;
 }
 
+/* Room for so many that is kept from look to look: fresh memory costs more than a look. */
+static ways *room_for(gn_dem *d, size_t cells) {
+    if (cells <= d->ways_room) return d->ways;
+    gn_free(d->ways);
+    d->ways = gn_alloc_array_raw(cells, sizeof(ways));
+    d->ways_room = d->ways ? cells : 0;
+    return d->ways;
+}
+
 /* m, by which any two closed in that were not near; at most twice the way of one. */
-static double closed_in(const gn_world *w, double most) {
+static double closed_in(gn_world *w, double most) {
     grid g;
     double radius;
     const ways room = extent(&w->dem.particles, &radius);
     lay(w, 1.001 * (2.0 * radius + w->dem.verlet.skin + 2.0 * most), &room, &g);
-    g.cell = gn_alloc_array_raw(g.count[0] * g.count[1] * g.count[2], sizeof *g.cell);
+    g.cell = room_for(&w->dem, g.count[0] * g.count[1] * g.count[2]);
     if (!g.cell) return 2.0 * most; /* which is as true */
+    find_layers(&room, &g);
     fill(&w->dem.particles, &g);
-    for (int a = 0; a < 3; a++) spread(&g, a);
+    spread(&g);
     const double most2 = longest2(&g);
-    gn_free(g.cell);
     return fmin(2.0 * most, sqrt(most2) * (1.0 + 1e-12));
 }
 
