@@ -362,8 +362,10 @@ static void print_overlap(const gn_world *w, const gn_overlap *overlap, const ch
 static void print_on_walls(const gn_world *w, size_t body, int *warnings) {
     const double *g = w->scene.gravity;
     double most = 2.0 * w->boundary.bodies[body].mass * sqrt(gn_dot3(g, g));
-    if (w->scene.bodies[body].free && w->scene.wall_count && w->effects & GN_FX_HERTZ)
-        printf("  body %-12s passes through walls: by Hertz's law it has no stiffness\n",
+    if (w->scene.bodies[body].free && w->effects & GN_FX_HERTZ &&
+        !(w->scene.bodies[body].stiffness > 0.0) &&
+        (w->scene.wall_count || w->scene.body_count > 1))
+        printf("  body %-12s passes through walls and bodies without a stiffness, as it has none\n",
                w->scene.bodies[body].name);
     for (size_t n = 0; n < w->scene.wall_count; n++) {
         gn_body_overlap o = gn_body_walls_overlap(w, body, n);

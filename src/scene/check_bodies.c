@@ -107,7 +107,7 @@ static gneiss_status check_body(const check *c, const gn_scene *s, size_t index)
     GN_TRY(check_body_shape(c, s, b));
     GN_TRY(gn_check_side(c, s, "",
                          (gn_side_keys){b->stiffness, b->kratio, b->friction, b->rolling_friction,
-                                        b->twisting_friction, b->material}));
+                                        b->twisting_friction, b->material, true}));
     GN_TRY(check_free(c, s, b));
     return gn_check_plane_motion(c, s, &b->motion);
 }
