@@ -226,7 +226,7 @@ static void rotate_held(gn_rigid *b, double dt) {
     for (int k = 0; k < MOST && is_led(b, spin); k++) {
         memcpy(before, spin, sizeof before);
         half_way(b, dt, spin);
-        if (memcmp(before, spin, sizeof before) == 0) break;
+        if (spin[0] == before[0] && spin[1] == before[1] && spin[2] == before[2]) break;
     }
     for (int a = 0; a < 3; a++) part[a] = dt * spin[a];
     turn_by(b, part);

@@ -48,11 +48,12 @@ static gn_touch_side springs_of(const gn_scene *s, size_t a, size_t b) {
     return side;
 }
 
-gn_body_spring gn_body_spring_of(const gn_scene *s, size_t a, size_t b) {
-    const gn_material *p = material_of(s, a), *q = material_of(s, b);
+gn_body_spring gn_body_spring_of(const gn_scene *s, size_t place, size_t other) {
+    const gn_material *p = material_of(s, place), *q = material_of(s, other);
     const gn_contact_def *own = p && q ? gn_scene_find_contact(s, p, q) : NULL;
-    gn_body_spring spring = {springs_of(s, a, b), fmax(damping_of(s, a), damping_of(s, b))};
-    spring.side.friction = fmin(friction_of(s, a), friction_of(s, b));
+    gn_body_spring spring = {springs_of(s, place, other),
+                             fmax(damping_of(s, place), damping_of(s, other))};
+    spring.side.friction = fmin(friction_of(s, place), friction_of(s, other));
     if (own && own->friction != GN_COMBINED) spring.side.friction = own->friction;
     if (own && own->restitution != GN_COMBINED)
         spring.damping = gn_restitution_fraction(own->restitution);
